@@ -1,0 +1,30 @@
+/*
+ * Output files that appear whole or not at all: written under a temporary name in the same directory, flushed,
+ * and renamed over the old file only when everything was written. What the user had stays until then.
+ */
+#ifndef SIM_HOST_BASE_OUT_FILE_H
+#define SIM_HOST_BASE_OUT_FILE_H
+
+#include "error.h"
+
+#include <stdio.h>
+
+typedef struct out_file {
+    FILE *stream;    /* NULL when nothing is open */
+    char *path;      /* the final name */
+    char *temp_path; /* the name while it is written */
+} out_file;
+
+/* Opens for writing. "-" is stdout. False with *e set when the directory is missing or not writable. */
+bool out_file_open(out_file *f, const char *path, error *e);
+
+/* Flushes, checks every write, renames. On failure removes the temporary file and sets *e. */
+bool out_file_commit(out_file *f, error *e);
+
+/* Forgets it: removes the temporary file. Safe after commit and on a zeroed struct. */
+void out_file_abandon(out_file *f);
+
+/* Makes a directory and its parents, as mkdir -p. */
+bool out_dir_make(const char *path, error *e);
+
+#endif

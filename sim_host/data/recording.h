@@ -1,0 +1,57 @@
+/*
+ * The recording (interfaces.md, "The recording: CSV") as columns of doubles.
+ *
+ * Columns are in the file's units. A column that the file lacks is NULL; the reader fills i_c from -a-b,
+ * and nothing else. Stretches (a gap of more than 1.5 T in t_s, or a change of `run`, ends one) are found once.
+ */
+#ifndef SIM_HOST_DATA_RECORDING_H
+#define SIM_HOST_DATA_RECORDING_H
+
+#include "../base/error.h"
+
+#include <stddef.h>
+
+typedef struct stretch {
+    size_t first; /* row */
+    size_t count; /* rows, >= 1 */
+    long run;     /* the `run` column's value, 0 if it is absent */
+} stretch;
+
+typedef struct recording {
+    size_t rows;
+    double *t_s;           /* required */
+    double *i_A[3];        /* required; i_A[2] is filled in when absent */
+    double *theta_e_rad;   /* required, as recorded (wrapped or not) */
+    double *omega_e_rad_s; /* required */
+    double *u_V[3];        /* commanded mean phase-to-star-point voltages, or NULL */
+    double *duty[3];       /* high-side duty cycles, or NULL; u_V or duty is there */
+    double *u_dc_V;        /* there if duty is */
+    double *i_mid_A[3];    /* all three or none; [2] is filled in when absent */
+    long *run;             /* or NULL */
+    double *theta_mech_rad;
+    double *temp_C;
+    long *line;            /* the line in the file of each row, for messages */
+    bool i_c_measured;     /* false: i_A[2] was filled in */
+    size_t stretches;
+    stretch *stretch;
+    double T_s;            /* control cycle: median step of t_s within stretches */
+} recording;
+
+/*
+ * Reads a plain CSV file (or gzip, recognised by its first bytes); "-" is stdin. Refuses with file, line and column:
+ * a missing required column, a field that is no finite number, a row of another length, no rows, time that
+ * does not rise within a run.
+ */
+bool recording_read(const char *path, recording *r, error *e);
+
+/* Writes the columns that are there, with enough digits that reading gives the same doubles. */
+bool recording_write(const char *path, const recording *r, const char *comment, error *e);
+
+void recording_free(recording *r);
+
+/*
+ * Mean phase-to-star-point voltages of row k: u_V if recorded, else (d_x - mean d) * u_dc.
+ */
+void recording_voltage(const recording *r, size_t k, double u_V[3]);
+
+#endif
