@@ -1,0 +1,74 @@
+"""One-cycle prediction with the cycle's mean voltage and the true parameters: what an oracle would reach.
+
+Used to size the hidden effects and to judge a diagnosis's gain; the diagnosis itself has its own model, in C.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from second_plant import Machine, phases_from_vector, vector_from_phases
+
+SUBSTEPS = 4  # RK4 over T/4: below 1e-6 of the current even at eight cycles per turn
+
+
+def no_effect():
+    """Every effect absent, in the terms of the recording's documentation, plus what the diagnosis does not know."""
+    return SimpleNamespace(
+        I_sat_A=np.inf, t_dead_s=0.0, V_switch_V=0.0, V_diode_V=0.0, v_dead_V=0.0, i_knee_A=1.0, k_u=1.0,
+        o_A=np.zeros(3), g=np.ones(3), theta_0_rad=0.0, order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
+        delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, dR_ohm=np.zeros(3), R_iron_ohm=np.inf, tau_iron_s=1e-4,
+        u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
+
+
+def predict(columns, model, pole_pairs, T_s):
+    """Errors of the one-cycle prediction as vectors, shape (cycles - 2, lanes), and the measured current.
+
+    columns: what second_drive.record returned. model: R_ohm, L_d_H, L_q_H, psi_f_Wb and the fields of no_effect().
+    """
+    measured = vector_from_phases(columns["i_A"].transpose(1, 0, 2).reshape(3, -1)).reshape(columns["theta_e_rad"].shape)
+    o = complex(vector_from_phases(model.o_A.reshape(3, 1))[0])
+    # measured = p i + q conj(i) + o for gains g_x on the phases of a current without common part.
+    axis = np.exp(2j * np.pi / 3.0 * np.arange(3))
+    p, q = model.g.mean(), (model.g * axis ** 2).sum() / 3.0
+    x = measured - o
+    i = (p * x - q * x.conj()) / (p * p - abs(q) ** 2)
+
+    theta = columns["theta_e_rad"] - model.theta_0_rad
+    if model.amplitude_rad:
+        theta = theta - model.amplitude_rad * np.cos(model.order * theta / pole_pairs + model.phase_rad)
+    omega = columns["omega_e_rad_s"]
+    theta = theta - omega * model.t_delay_s
+
+    u = model.k_u * vector_from_phases(columns["u_V"].transpose(1, 0, 2).reshape(3, -1)).reshape(theta.shape)
+    first = 1
+    now, then = slice(first, -1), slice(first + 1, None)
+    u = u[first - model.delay_cycles:len(u) - 1 - model.delay_cycles]
+    theta, omega, i_now = theta[now].ravel(), omega[now].ravel(), i[now].ravel()
+    shape, u = u.shape, u.ravel()
+    machine = Machine(u.size, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
+                      model.I_sat_A, model.dR_ohm)
+
+    def slope(psi, angle):
+        current = machine.current(psi, angle)
+        v = u - machine.resistive_drop(current)
+        if model.v_dead_V:
+            lost = model.v_dead_V * np.clip(phases_from_vector(current) / model.i_knee_A, -1.0, 1.0)
+            v = v - vector_from_phases(lost)
+        return v
+
+    h, psi = T_s / SUBSTEPS, machine.flux(i_now, theta)
+    for step in range(SUBSTEPS):
+        a, b, c = (theta + omega * h * (step + x) for x in (0.0, 0.5, 1.0))
+        k1 = slope(psi, a)
+        k2 = slope(psi + 0.5 * h * k1, b)
+        k3 = slope(psi + 0.5 * h * k2, b)
+        k4 = slope(psi + h * k3, c)
+        psi = psi + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
+    i_next = machine.current(psi, theta + omega * T_s).reshape(shape)
+    predicted = p * i_next + q * i_next.conj() + o
+    return predicted - measured[then], measured[then], predicted
+
+
+def rms(x):
+    return float(np.sqrt(np.mean(np.abs(x) ** 2)))

@@ -1,0 +1,152 @@
+"""From a seed to a recording: draws motor, bench and hidden effects, runs the second plant, sizes the effects."""
+
+import copy
+from types import SimpleNamespace
+
+import numpy as np
+
+import averaged
+import effects
+import motors
+import second_drive
+from second_plant import TURN, Inverter, Machine, Shaft
+
+
+def draw_effects(rng, kind):
+    """The ids to hide. kind: clean, single, pair, unknown, or ids joined by +."""
+    if kind == "clean":
+        return []
+    if kind == "single":
+        return [str(rng.choice(effects.CAUSES))]
+    if kind == "unknown":
+        return [str(rng.choice(effects.UNKNOWN))]
+    if kind == "pair":
+        while True:
+            a, b = (str(x) for x in rng.choice(effects.CAUSES, 2, replace=False))
+            if effects.compatible(a, b):
+                return [a, b]
+    ids = kind.split("+")
+    for name in ids:
+        if name not in effects.CAUSES + effects.UNKNOWN:
+            raise ValueError(f"kind: clean, single, pair, unknown or ids joined by +, not '{name}'")
+    return ids
+
+
+def true_model(motor, ids, sizes, directions, has_i_c):
+    model = effects.nominal_model(motor, averaged.no_effect())
+    parameters = [effects.apply(model, motor, name, size, d, has_i_c)
+                  for name, size, d in zip(ids, sizes, directions)]
+    return model, parameters
+
+
+def simulate(motor, bench, model, rows, rng_seed):
+    """Runs the second plant over all runs of the bench; rows: how many cycles to keep."""
+    rng = np.random.default_rng(rng_seed)
+    lanes, T_s, I_pk = bench.runs, 1.0 / motor.f_pwm_Hz, motor.I_rated_A_rms * np.sqrt(2.0)
+    omega = np.array([w for w, _ in bench.points])
+    machine = Machine(lanes, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
+                      model.I_sat_A, model.dR_ohm, model.R_iron_ohm, model.tau_iron_s)
+    inverter = Inverter(lanes, T_s, model.t_dead_s, model.V_switch_V, model.V_diode_V)
+    # At standstill the rotor is locked: the swing is a share of the speed.
+    shaft = Shaft(rng.uniform(0.0, TURN * motor.pole_pairs, lanes), omega, omega * np.array(bench.swing),
+                  np.array(bench.swing_Hz), rng.uniform(0.0, TURN, lanes))
+    steps = np.array([motors.excitation(rng, bench.warm_up + max(bench.rows), bench.excitation * I_pk)
+                      for _ in range(lanes)]).T
+    ones, three = np.ones(lanes), np.ones((3, lanes))
+    u_file = motor.u_dc_V
+    p = SimpleNamespace(
+        i_ref_dq=np.array([i for _, i in bench.points]) + steps,
+        gain=model.g.reshape(3, 1) * three, offset_A=model.o_A.reshape(3, 1) * three, noise_A=bench.noise_A,
+        lsb_A=ones * 2.0 * bench.full_scale_A / 2 ** bench.bits, full_scale_A=bench.full_scale_A,
+        loose_phase=model.loose_phase, loose_rate=model.loose_rate, loose_factor=model.loose_factor,
+        two_sensors=not bench.has_i_c,
+        pole_pairs=motor.pole_pairs, encoder_counts=bench.encoder_counts, theta_0_rad=model.theta_0_rad,
+        t_delay_s=model.t_delay_s, order=model.order, amplitude_rad=model.amplitude_rad, phase_rad=model.phase_rad,
+        L_d_file_H=motor.L_d_H * ones, L_q_file_H=motor.L_q_H * ones, R_file_ohm=motor.R_ohm * ones,
+        psi_f_file_Wb=motor.psi_f_Wb, bandwidth_T=bench.bandwidth_T * (0.6 if model.delay_cycles else 1.0),
+        u_max_ratio=0.97, u_dc_V=u_file, k_u=model.k_u, u_drift=bench.u_drift, u_drift_Hz=bench.u_drift_Hz,
+        u_ripple=model.u_ripple, u_ripple_Hz=model.u_ripple_Hz, u_dc_noise_V=bench.u_dc_noise * u_file,
+        u_dc_lsb_V=1.4 * u_file / 2 ** bench.bits, timer_counts=bench.timer_counts, min_max=bench.min_max,
+        omega_noise_rad_s=bench.omega_noise * motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs,
+        glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles)
+    columns = second_drive.record(p, machine, inverter, shaft, rows, bench.warm_up, rng)
+    return columns
+
+
+def oracle(columns, model, motor):
+    """The one-cycle error of the true model: rms, and the predictions. The dead time's knee is the one unknown."""
+    T_s, I_pk = 1.0 / motor.f_pwm_Hz, motor.I_rated_A_rms * np.sqrt(2.0)
+    best = None
+    for knee in np.geomspace(1e-3, 0.3, 7) * I_pk if model.v_dead_V else [1.0]:
+        tried = copy.copy(model)
+        tried.i_knee_A = knee
+        error, measured, predicted = averaged.predict(columns, tried, motor.pole_pairs, T_s)
+        if best is None or averaged.rms(error) < best[0]:
+            best = (averaged.rms(error), averaged.rms(measured), predicted, knee)
+    return best
+
+
+def noise_floor_A(bench):
+    """The one-cycle error that sensor noise and quantisation alone leave: two samples, both axes."""
+    phase = bench.noise_A ** 2 + (2.0 * bench.full_scale_A / 2 ** bench.bits) ** 2 / 12.0
+    return np.sqrt(2.0 * phase * (4.0 / 3.0 if bench.has_i_c else 8.0 / 3.0))
+
+
+def shares(columns, motor, bench, model, ids, sizes, directions):
+    """Each effect's share of the one-cycle error over the noise floor: the truth without it against the truth."""
+    floor, T_s = noise_floor_A(bench), 1.0 / motor.f_pwm_Hz
+    error, _, predicted, knee = oracle(columns, model, motor)
+    out = []
+    for n, name in enumerate(ids):
+        if name in effects.UNKNOWN:
+            # The averaged model does not know it: what it leaves beyond the floor is its share.
+            out.append(float(np.sqrt(max(error ** 2 / floor ** 2 - 1.0, 0.0))))
+            continue
+        rest = [m for m in range(len(ids)) if m != n]
+        without, _ = true_model(motor, [ids[m] for m in rest], [sizes[m] for m in rest],
+                                [directions[m] for m in rest], bench.has_i_c)
+        without.i_knee_A = knee
+        _, _, other = averaged.predict(columns, without, motor.pole_pairs, T_s)
+        out.append(averaged.rms(other - predicted) / floor)
+    return out
+
+
+def draw(seed, kind, size_factor=None):
+    """Everything about one blind recording. size_factor: share of the floor to aim at, instead of a random one."""
+    rng = np.random.default_rng([seed, 20190])
+    ids = draw_effects(rng, kind)
+    salient = bool(rng.random() < 0.5) and "saturation" not in ids
+    motor = motors.draw_motor(rng, salient)
+    bench = motors.draw_bench(rng, motor)
+    directions = [effects.draw_direction(rng, name, bench.has_i_c) for name in ids]
+    targets = [motors.log_uniform(rng, 2.0, 12.0) if size_factor is None else size_factor for _ in ids]
+    sizes = [float(np.sqrt(np.prod(effects.RANGE[name]))) for name in ids]
+
+    # A short pilot tells how large each effect shows at its middle size; then it is scaled to its target share.
+    if any(name != "voltage_delay" for name in ids):
+        model, _ = true_model(motor, ids, sizes, directions, bench.has_i_c)
+        pilot = simulate(motor, bench, model, 120, [seed, 1])
+        found = shares(pilot, motor, bench, model, ids, sizes, directions)
+        for n, name in enumerate(ids):
+            low, high = effects.RANGE[name]
+            sizes[n] = float(np.clip(sizes[n] * targets[n] / max(found[n], 1e-3), low, high))
+
+    model, parameters = true_model(motor, ids, sizes, directions, bench.has_i_c)
+    columns = simulate(motor, bench, model, max(bench.rows), [seed, 2])
+    error, size, _, _ = oracle(columns, model, motor)
+    nominal = effects.nominal_model(motor, averaged.no_effect())
+    nominal_error, _, _ = averaged.predict(columns, nominal, motor.pole_pairs, 1.0 / motor.f_pwm_Hz)
+    share = shares(columns, motor, bench, model, ids, sizes, directions)
+    n = sum(bench.rows)
+    truth = {
+        "schema": 1, "seed": seed, "kind": kind, "plant": "second",
+        "effects": [{"id": name, "known": name in effects.CAUSES, "size": s, "share_of_floor": round(q, 3),
+                     "evidence": round(q * np.sqrt(n), 1), "parameters": par}
+                    for name, s, q, par in zip(ids, sizes, share, parameters)],
+        "motor_file_should_say": {"R_ohm": model.R_ohm, "L_d_H": model.L_d_H, "L_q_H": model.L_q_H,
+                                  "psi_f_Wb": model.psi_f_Wb},
+        "oracle": {"nominal_percent": 100.0 * averaged.rms(nominal_error) / size, "true_percent": 100.0 * error / size,
+                   "floor_percent": 100.0 * float(noise_floor_A(bench)) / size,
+                   "gain": averaged.rms(nominal_error) / error},
+        "sffr_min": motor.f_pwm_Hz / (motor.n_max_rpm / 60.0 * motor.pole_pairs)}
+    return SimpleNamespace(motor=motor, bench=bench, columns=columns, truth=truth)

@@ -1,0 +1,152 @@
+"""The hidden effects: what each does to the true drive, how large it may be, and what the truth file says of it.
+
+An effect is a direction drawn once (signs, which phase, shape) and a size; its share of the one-cycle error is about
+proportional to the size, so that generate.py can scale it to a chosen multiple of the noise floor.
+"""
+
+import copy
+
+import numpy as np
+
+CAUSES = ["resistance", "inductance", "flux_linkage", "saliency", "saturation", "dead_time", "voltage_gain",
+          "current_offset", "current_gain", "angle_offset", "angle_harmonic", "angle_delay", "voltage_delay",
+          "emf_harmonics", "phase_asymmetry"]
+UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
+
+# Least and largest size: what a bench plausibly shows. Relative to the file's value, the rated peak current, a cycle
+# (dead time, delay) or radians.
+RANGE = {
+    "resistance": (0.08, 0.8), "inductance": (0.02, 0.35), "flux_linkage": (0.01, 0.2), "saliency": (0.03, 0.3),
+    "saturation": (0.03, 0.3), "dead_time": (0.002, 0.03), "voltage_gain": (0.01, 0.15),
+    "current_offset": (0.005, 0.08), "current_gain": (0.01, 0.1), "angle_offset": (0.01, 0.2),
+    "angle_harmonic": (0.008, 0.1), "angle_delay": (0.04, 0.8), "voltage_delay": (1.0, 1.0),
+    "emf_harmonics": (0.005, 0.08), "phase_asymmetry": (0.1, 1.2),
+    "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004)}
+
+# Two of one group are one cause by the documentation's own rule (hypotheses are nested), so no pair takes both.
+GROUPS = [{"inductance", "saliency", "saturation"}, {"resistance", "phase_asymmetry"}, {"current_gain", "inductance"}]
+
+
+def compatible(a, b):
+    return a != b and not any(a in group and b in group for group in GROUPS)
+
+
+def draw_direction(rng, effect, has_i_c):
+    """Everything about an effect but its size."""
+    d = {"sign": float(rng.choice([-1.0, 1.0])), "phase": int(rng.integers(3)), "angle": rng.uniform(0.0, 2.0 * np.pi)}
+    if effect == "saliency":
+        while True:
+            d["d"], d["q"] = rng.uniform(-1.0, 1.0, 2)
+            if max(abs(d["d"]), abs(d["q"])) > 0.6 and abs(d["d"] - d["q"]) > 0.6:
+                break
+    if effect in ("current_offset", "current_gain"):
+        # Offsets without a common part, which a floating star would not show; gains differ, with a small common part.
+        x = rng.standard_normal(3)
+        x -= x.mean()
+        if not has_i_c:
+            x = np.array([x[0], x[1], 0.0]) if effect == "current_gain" else x
+        d["x"] = x / np.abs(x).max() + (0.1 * rng.uniform(-1.0, 1.0) if effect == "current_gain" and has_i_c else 0.0)
+    if effect == "angle_harmonic":
+        d["order"] = int(rng.integers(1, 3))
+    if effect == "emf_harmonics":
+        d["c5"], d["c7"] = rng.choice([-1.0, 1.0], 2) * rng.uniform(0.4, 1.0, 2)
+    if effect == "dead_time":
+        d["drop"] = float(rng.choice([0.0, 0.0, 0.4]))
+    if effect == "saturation":
+        d["file_is_unsaturated"] = bool(rng.random() < 0.6)
+    if effect == "dc_link_ripple":
+        d["Hz"] = float(rng.choice([100.0, 300.0, 360.0]))
+    if effect == "loose_sensor":
+        d["factor"] = float(rng.choice([0.0, 0.0, 0.5]))
+    return d
+
+
+def factor(size, sign):
+    """1 + size up, its reciprocal down: both are the same step on a ratio."""
+    return (1.0 + size) ** sign
+
+
+def apply(model, motor, effect, size, d, has_i_c):
+    """Changes the true model in place; returns the parameters as the truth file states them.
+
+    Each parameter: name, unit, value, and compare (false where this recording cannot show the value).
+    """
+    I_pk, T_s = motor.I_rated_A_rms * np.sqrt(2.0), 1.0 / motor.f_pwm_Hz
+
+    def truth(name, unit, value, compare=True):
+        return {"name": name, "unit": unit, "value": float(value), "compare": compare}
+
+    if effect == "resistance":
+        model.R_ohm = motor.R_ohm * factor(size, d["sign"])
+        return [truth("R", "ohm", model.R_ohm)]
+    if effect == "inductance":
+        model.L_d_H, model.L_q_H = motor.L_d_H * factor(size, d["sign"]), motor.L_q_H * factor(size, d["sign"])
+        return [truth("L", "H", 0.5 * (model.L_d_H + model.L_q_H), motor.L_d_H == motor.L_q_H)]
+    if effect == "flux_linkage":
+        model.psi_f_Wb = motor.psi_f_Wb * factor(size, d["sign"])
+        return [truth("psi_f", "Wb", model.psi_f_Wb)]
+    if effect == "saliency":
+        model.L_d_H, model.L_q_H = motor.L_d_H * (1.0 + size * d["d"]), motor.L_q_H * (1.0 + size * d["q"])
+        return [truth("L_d", "H", model.L_d_H), truth("L_q", "H", model.L_q_H)]
+    if effect == "saturation":
+        model.I_sat_A = I_pk / np.sqrt(size)
+        if not d["file_is_unsaturated"]:
+            # The file's inductance is right at about half the rated current instead of at zero.
+            model.L_d_H = model.L_q_H = motor.L_q_H * (1.0 + 0.25 * size)
+        return [truth("L_0", "H", model.L_q_H), truth("I_sat", "A", model.I_sat_A)]
+    if effect == "dead_time":
+        model.t_dead_s = size * T_s
+        total = size * motor.u_dc_V * (1.0 + d["drop"])
+        model.V_switch_V, model.V_diode_V = 1.2 * d["drop"] * size * motor.u_dc_V, 0.8 * d["drop"] * size * motor.u_dc_V
+        model.v_dead_V = total
+        return [truth("v_dead", "V", total), truth("i_knee", "A", 0.0, False)]
+    if effect == "voltage_gain":
+        model.k_u = factor(size, d["sign"])
+        return [truth("k_u", "1", model.k_u)]
+    if effect == "current_offset":
+        model.o_A = size * I_pk * d["x"]
+        return [truth(f"o_{p}", "A", model.o_A[n]) for n, p in enumerate("abc")]
+    if effect == "current_gain":
+        model.g = 1.0 + size * d["x"]
+        return [truth(f"g_{p}", "1", model.g[n], has_i_c or p != "c") for n, p in enumerate("abc")]
+    if effect == "angle_offset":
+        model.theta_0_rad = size * d["sign"]
+        return [truth("theta_0", "rad", model.theta_0_rad)]
+    if effect == "angle_harmonic":
+        model.order, model.amplitude_rad, model.phase_rad = d["order"], size, d["angle"]
+        # Without a mechanical angle the revolution's start is open, and so is the phase.
+        return [truth("order", "1", d["order"]), truth("amplitude", "rad", size), truth("phase", "rad", d["angle"], False)]
+    if effect == "angle_delay":
+        model.t_delay_s = size * T_s * d["sign"]
+        return [truth("t_delay", "s", model.t_delay_s)]
+    if effect == "voltage_delay":
+        model.delay_cycles = 1
+        return [truth("cycles", "1", 1.0)]
+    if effect == "emf_harmonics":
+        model.psi_5_Wb, model.psi_7_Wb = size * motor.psi_f_Wb * d["c5"], size * motor.psi_f_Wb * d["c7"]
+        return [truth("psi_5", "Wb", model.psi_5_Wb), truth("psi_7", "Wb", model.psi_7_Wb)]
+    if effect == "phase_asymmetry":
+        model.dR_ohm = np.zeros(3)
+        model.dR_ohm[d["phase"]] = size * motor.R_ohm
+        return [truth(f"dR_{p}", "ohm", model.dR_ohm[n]) for n, p in enumerate("abc")]
+    if effect == "dc_link_ripple":
+        model.u_ripple, model.u_ripple_Hz = size, d["Hz"]
+        return [truth("share", "1", size, False), truth("frequency", "Hz", d["Hz"], False)]
+    if effect == "iron_loss":
+        omega_max = motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs
+        model.R_iron_ohm, model.tau_iron_s = omega_max * motor.psi_f_Wb / (size * I_pk), 0.5 * T_s
+        return [truth("R_iron", "ohm", model.R_iron_ohm, False)]
+    if effect == "glitch":
+        model.glitch_rate = size
+        return [truth("rate", "1", size, False)]
+    if effect == "loose_sensor":
+        model.loose_rate, model.loose_phase, model.loose_factor = size, d["phase"] if has_i_c else d["phase"] % 2, d["factor"]
+        return [truth("rate", "1", size, False)]
+    raise ValueError(f"no such effect: {effect}")
+
+
+def nominal_model(motor, blank):
+    """The motor file as a true model: nothing hidden."""
+    model = copy.deepcopy(blank)
+    model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb = motor.R_ohm, motor.L_d_H, motor.L_q_H, motor.psi_f_Wb
+    return model

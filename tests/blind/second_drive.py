@@ -1,0 +1,136 @@
+"""The second drive's electronics: sensors, angle sensor, DC link, current controller, and the loop that records.
+
+All values are arrays over lanes (see second_plant.py). The controller is deliberately plain: it stands for whatever
+firmware the user's bench runs, and knows only what it measures.
+"""
+
+import numpy as np
+
+from second_plant import TURN, Drive, phases_from_vector, vector_from_phases
+
+
+def quantise(x, step):
+    return np.round(x / step) * step
+
+
+class CurrentSensors:
+    """measured = gain * true + offset + noise, quantised; one phase may be loose (reads a part of the truth)."""
+
+    def __init__(self, gain, offset_A, noise_A, lsb_A, full_scale_A, loose_phase, loose_rate, loose_factor,
+                 two_sensors, rng):
+        self.two_sensors = two_sensors
+        self.gain, self.offset_A, self.noise_A = gain, offset_A, noise_A
+        self.lsb_A, self.full_scale_A, self.rng = lsb_A, full_scale_A, rng
+        self.loose_phase, self.loose_rate, self.loose_factor = loose_phase, loose_rate, loose_factor
+        self.loose_left = np.zeros(lsb_A.shape, int)
+
+    def contact(self):
+        """Decides, once per cycle, which lanes' loose contact is open; it stays so for 1 to 12 cycles."""
+        if not np.any(self.loose_rate):
+            return
+        opens = (self.rng.random(self.loose_left.shape) < self.loose_rate) & (self.loose_left == 0)
+        length = self.rng.integers(1, 13, self.loose_left.shape)
+        self.loose_left = np.where(opens, length, np.maximum(self.loose_left - 1, 0))
+
+    def read(self, i_abc):
+        x = self.gain * i_abc + self.offset_A
+        if np.any(self.loose_rate):
+            open_now = (self.loose_left > 0) & (np.arange(3).reshape(3, 1) == self.loose_phase)
+            x = np.where(open_now, self.loose_factor * x, x)
+        x = x + self.noise_A * self.rng.standard_normal(x.shape)
+        x = np.clip(quantise(x, self.lsb_A), -self.full_scale_A, self.full_scale_A)
+        if self.two_sensors:
+            x[2] = -x[0] - x[1]
+        return x
+
+
+class AngleSensor:
+    """recorded theta_e(t) = true theta_e(t + delay) + offset + amplitude cos(order theta_mech + phase), in counts."""
+
+    def __init__(self, shaft, pole_pairs, counts, offset_rad, delay_s, order, amplitude_rad, phase_rad):
+        self.shaft, self.pole_pairs, self.counts = shaft, pole_pairs, counts
+        self.offset_rad, self.delay_s = offset_rad, delay_s
+        self.order, self.amplitude_rad, self.phase_rad = order, amplitude_rad, phase_rad
+
+    def read(self, t_s):
+        true = self.shaft.theta(t_s + self.delay_s)
+        mech = true / self.pole_pairs
+        seen = true + self.offset_rad + self.amplitude_rad * np.cos(self.order * mech + self.phase_rad)
+        return quantise(seen, TURN * self.pole_pairs / self.counts)
+
+
+class CurrentController:
+    """PI in the rotor frame with decoupling from the nominal motor; acts one cycle after its sample."""
+
+    def __init__(self, T_s, L_d_H, L_q_H, R_ohm, psi_f_Wb, bandwidth_T, u_max_ratio):
+        self.T_s, self.L_d_H, self.L_q_H, self.R_ohm, self.psi_f_Wb = T_s, L_d_H, L_q_H, R_ohm, psi_f_Wb
+        alpha = bandwidth_T / T_s
+        self.alpha, self.k_i = alpha, alpha * (R_ohm + 0.12 * alpha * np.minimum(L_d_H, L_q_H))
+        self.u_max_ratio = u_max_ratio
+        self.integral = np.zeros(T_s.shape, complex)
+
+    def voltage(self, i, theta_rad, omega_rad_s, i_ref_dq, u_dc_V):
+        """Stationary-frame voltage for the next cycle from the sample at this one's peak (theta there)."""
+        i_dq = i * np.exp(-1j * theta_rad)
+        e = i_ref_dq - i_dq
+        forward = 1j * omega_rad_s * (self.psi_f_Wb + self.L_d_H * i_dq.real + 1j * self.L_q_H * i_dq.imag)
+        u_p = self.alpha * (self.L_d_H * e.real + 1j * self.L_q_H * e.imag) + forward
+        u = u_p + self.integral
+        limit = self.u_max_ratio * u_dc_V / np.sqrt(3.0)
+        u_limited = u * np.minimum(1.0, limit / np.maximum(np.abs(u), 1e-9))
+        self.integral = self.integral + self.T_s * self.k_i * (e + (u_limited - u) / (self.alpha * self.L_d_H))
+        # From this peak to the middle of the next cycle, where its voltage acts, the rotor moves by omega T.
+        return u_limited * np.exp(1j * (theta_rad + omega_rad_s * self.T_s))
+
+
+def duties(u, u_dc_V, timer_counts, min_max):
+    """Duty cycles of a voltage vector: with min/max common part or plain sine, in timer counts."""
+    ratio = phases_from_vector(u) / u_dc_V
+    common = np.where(min_max, -0.5 * (ratio.max(axis=0) + ratio.min(axis=0)), 0.0)
+    return quantise(np.clip(0.5 + ratio + common, 0.0, 1.0), 1.0 / timer_counts)
+
+
+def record(p, machine, inverter, shaft, cycles, warm_up, rng):
+    """Runs all lanes for warm_up + cycles and returns the columns as arrays (cycles, lanes) or (cycles, 3, lanes).
+
+    p: a namespace with what the sensors, the controller and the operating points need (draw.py makes it).
+    """
+    lanes = inverter.T_s.shape[0]
+    drive = Drive(machine, inverter, shaft, p.i_ref_dq[0] * np.exp(1j * shaft.theta(np.zeros(lanes))))
+    sensors = CurrentSensors(p.gain, p.offset_A, p.noise_A, p.lsb_A, p.full_scale_A, p.loose_phase, p.loose_rate,
+                             p.loose_factor, p.two_sensors, rng)
+    angle = AngleSensor(shaft, p.pole_pairs, p.encoder_counts, p.theta_0_rad, p.t_delay_s, p.order, p.amplitude_rad,
+                        p.phase_rad)
+    control = CurrentController(inverter.T_s, p.L_d_file_H, p.L_q_file_H, p.R_file_ohm, p.psi_f_file_Wb,
+                                p.bandwidth_T, p.u_max_ratio)
+    T = inverter.T_s
+    keep = {name: [] for name in ("i_A", "i_mid_A", "theta_e_rad", "omega_e_rad_s", "duty", "u_dc_V", "u_V")}
+    u_dc_meas = p.u_dc_V / p.k_u
+    i0 = p.i_ref_dq[0]
+    first = machine.resistive_drop(i0) + 1j * shaft.omega(0.0 * T) * (
+        machine.psi_f_Wb + machine.L_d_H * i0.real + 1j * machine.L_q_H * i0.imag)
+    command = duties(first * np.exp(1j * (shaft.theta(0.5 * T))), u_dc_meas, p.timer_counts, p.min_max)
+    applied_before, applied = command, command
+    control.integral = first - 1j * shaft.omega(0.0 * T) * (p.psi_f_file_Wb + p.L_d_file_H * i0.real
+                                                             + 1j * p.L_q_file_H * i0.imag)
+    for k in range(warm_up + cycles):
+        t = k * T
+        slow = 1.0 + p.u_drift * np.sin(TURN * p.u_drift_Hz * t + 1.0)
+        ripple = p.u_ripple * np.sin(TURN * p.u_ripple_Hz * (t + 0.5 * T))
+        u_dc_true = p.u_dc_V * (slow + ripple)
+        u_dc_meas = quantise(p.u_dc_V * slow / p.k_u + p.u_dc_noise_V * rng.standard_normal(lanes), p.u_dc_lsb_V)
+        sensors.contact()
+        i_valley = sensors.read(phases_from_vector(drive.current()))
+        theta = angle.read(t)
+        omega = shaft.omega(t) + p.omega_noise_rad_s * rng.standard_normal(lanes)
+        missed = rng.random(lanes) < p.glitch_rate if np.any(p.glitch_rate) else np.zeros(lanes, bool)
+        due = np.where(p.delay_cycles == 1, applied_before, command)
+        applied_before, applied = command, np.where(missed, applied, due)
+        i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied, u_dc_true)))
+        if k >= warm_up:
+            values = (i_valley, i_mid, theta, omega, command, u_dc_meas, (command - command.mean(axis=0)) * u_dc_meas)
+            for column, value in zip(keep.values(), values):
+                column.append(value)
+        u = control.voltage(vector_from_phases(i_mid), theta + 0.5 * omega * T, omega, p.i_ref_dq[k], u_dc_meas)
+        command = duties(u, u_dc_meas, p.timer_counts, p.min_max)
+    return {name: np.array(column) for name, column in keep.items()}

@@ -1,0 +1,220 @@
+"""A second switching-level drive, written apart from sim_host/plant: the machine and the inverter.
+
+It exists so that the diagnosis is not judged only on recordings made by this project's own physics. Everything differs
+on purpose: the state is the stator flux linkage in the stationary frame,
+
+    d psi/dt = u(t) - R i(psi, theta),
+
+the inverter's volt-seconds enter it exactly between switching edges, and the resistive term is integrated by the
+classical Runge-Kutta rule on each interval between two edges. Every quantity is an array over "lanes": the runs of one
+or of several recordings advance side by side, because numpy is only fast that way.
+
+Conventions are those of docs (consumer sign, amplitude-invariant Clarke, theta = 0 with the magnet on phase A).
+Complex numbers are vectors alpha + j beta.
+"""
+
+import numpy as np
+
+TURN = 2.0 * np.pi
+# The axis of each phase in the stationary frame.
+AXIS = np.exp(1j * TURN / 3.0 * np.arange(3)).reshape(3, 1)
+
+
+def phases_from_vector(x):
+    """Three phase values, shape (3, lanes), of a vector without common part."""
+    return (x * AXIS.conj()).real
+
+
+def vector_from_phases(x_abc):
+    """Amplitude-invariant Clarke transform; a common part of the three phases drops out."""
+    return (2.0 / 3.0) * (x_abc * AXIS).sum(axis=0)
+
+
+class Machine:
+    """A PMSM from flux linkages: saliency, saturation, flux harmonics, unequal resistances, eddy currents.
+
+    The arguments are scalars or arrays over lanes. I_sat_A = inf is no saturation, R_iron_ohm = inf no iron loss.
+    """
+
+    def __init__(self, lanes, R_ohm, L_d_H, L_q_H, psi_f_Wb, psi_5_Wb=0.0, psi_7_Wb=0.0, I_sat_A=np.inf,
+                 dR_ohm=(0.0, 0.0, 0.0), R_iron_ohm=np.inf, tau_iron_s=1e-4):
+        def spread(x):
+            return np.broadcast_to(np.asarray(x, float), (lanes,)).copy()
+
+        self.R_ohm, self.L_d_H, self.L_q_H = spread(R_ohm), spread(L_d_H), spread(L_q_H)
+        self.psi_f_Wb, self.psi_5_Wb, self.psi_7_Wb = spread(psi_f_Wb), spread(psi_5_Wb), spread(psi_7_Wb)
+        self.I_sat_A, self.R_iron_ohm, self.tau_iron_s = spread(I_sat_A), spread(R_iron_ohm), spread(tau_iron_s)
+        dR = np.array([spread(x) for x in dR_ohm])
+        # 2/3 sum dR_x i_x a_x of a current without common part is this pair of factors on i and on its conjugate.
+        self.R_mean_ohm = self.R_ohm + dR.mean(axis=0)
+        self.R_conj_ohm = (dR * AXIS ** 2).sum(axis=0) / 3.0
+        self.saturates = bool(np.isfinite(self.I_sat_A).any())
+        self.has_harmonics = bool(np.any(self.psi_5_Wb) or np.any(self.psi_7_Wb))
+        self.is_unequal = bool(np.any(dR))
+        self.has_iron = bool(np.isfinite(self.R_iron_ohm).any())
+
+    def magnet_flux_dq(self, theta_rad):
+        """Flux of the magnet in the rotor frame; the 5th turns backwards at 5, the 7th forwards at 7 times theta."""
+        if not self.has_harmonics:
+            return self.psi_f_Wb
+        sixth = np.exp(6j * theta_rad)
+        return self.psi_f_Wb + self.psi_5_Wb * sixth.conj() + self.psi_7_Wb * sixth
+
+    def current(self, psi, theta_rad):
+        """Magnetising current of a flux linkage."""
+        rotor = np.exp(1j * theta_rad)
+        x = psi * rotor.conj() - self.magnet_flux_dq(theta_rad)
+        y = x.real / self.L_d_H + 1j * (x.imag / self.L_q_H)
+        if self.saturates:
+            # psi/L_0 = y = i/(1 + (|i|/I_sat)^2), solved for i. The flux has its maximum at |i| = I_sat: the clip
+            # keeps an overload on this side of it.
+            m = np.minimum(np.abs(y) / self.I_sat_A, 0.499)
+            s = 2.0 * m / (1.0 + np.sqrt(1.0 - 4.0 * m * m))
+            y = y * (1.0 + s * s)
+        return y * rotor
+
+    def flux(self, i, theta_rad):
+        """Flux linkage of a magnetising current: the inverse of current()."""
+        rotor = np.exp(1j * theta_rad)
+        y = i * rotor.conj()
+        y = y / (1.0 + (np.abs(y) / self.I_sat_A) ** 2)
+        return (self.L_d_H * y.real + 1j * self.L_q_H * y.imag + self.magnet_flux_dq(theta_rad)) * rotor
+
+    def resistive_drop(self, i):
+        drop = self.R_mean_ohm * i
+        if self.is_unequal:
+            drop = drop + self.R_conj_ohm * i.conj()
+        return drop
+
+    def derivative(self, psi, i_iron, theta_rad, u):
+        """d psi/dt and d i_iron/dt. Eddy currents are a short-circuited path: they follow d psi/dt / R_iron late."""
+        i = self.current(psi, theta_rad)
+        if not self.has_iron:
+            return u - self.resistive_drop(i), 0.0
+        d_psi = u - self.resistive_drop(i + i_iron)
+        return d_psi, (d_psi / self.R_iron_ohm - i_iron) / self.tau_iron_s
+
+    def inverse_inductance(self, theta_rad):
+        """1/L along each phase's axis, shape (3, lanes): how fast a leg's voltage moves its own current."""
+        angle = theta_rad - np.angle(AXIS)
+        return np.cos(angle) ** 2 / self.L_d_H + np.sin(angle) ** 2 / self.L_q_H
+
+
+class Shaft:
+    """A speed forced from outside: constant plus a slow swing, so that the angle is known in closed form."""
+
+    def __init__(self, theta_start_rad, omega_rad_s, swing_rad_s, swing_Hz, swing_phase_rad):
+        self.theta_start_rad, self.omega_mean_rad_s = theta_start_rad, omega_rad_s
+        self.swing_rad_s, self.rate_rad_s, self.phase_rad = swing_rad_s, TURN * swing_Hz, swing_phase_rad
+
+    def theta(self, t_s):
+        swung = np.cos(self.phase_rad) - np.cos(self.rate_rad_s * t_s + self.phase_rad)
+        return self.theta_start_rad + self.omega_mean_rad_s * t_s + self.swing_rad_s / self.rate_rad_s * swung
+
+    def omega(self, t_s):
+        return self.omega_mean_rad_s + self.swing_rad_s * np.sin(self.rate_rad_s * t_s + self.phase_rad)
+
+
+class Inverter:
+    """Two-level legs, centre-aligned (high around T/2), with dead time and constant device drops."""
+
+    def __init__(self, lanes, T_s, t_dead_s=0.0, V_switch_V=0.0, V_diode_V=0.0):
+        self.T_s = np.broadcast_to(np.asarray(T_s, float), (lanes,)).copy()
+        self.t_dead_s = np.broadcast_to(np.asarray(t_dead_s, float), (lanes,)).copy()
+        self.V_switch_V = np.broadcast_to(np.asarray(V_switch_V, float), (lanes,)).copy()
+        self.V_diode_V = np.broadcast_to(np.asarray(V_diode_V, float), (lanes,)).copy()
+        self.has_dead_time = bool(np.any(self.t_dead_s))
+        self.has_drops = bool(np.any(self.V_switch_V) or np.any(self.V_diode_V))
+
+    def instants(self, duty):
+        """Sorted instants within the cycle at which anything may change, from 0 to T, shape (n, lanes)."""
+        rise, fall = self.edges(duty)
+        zero = np.zeros((1,) + self.T_s.shape)
+        rows = [zero, rise, fall, zero + 0.5 * self.T_s, zero + self.T_s]
+        if self.has_dead_time:
+            rows += [rise + self.t_dead_s, fall + self.t_dead_s]
+        return np.sort(np.minimum(np.concatenate(rows), self.T_s), axis=0)
+
+    def edges(self, duty):
+        """Commanded instants: rise of each leg, fall of each leg."""
+        return 0.5 * self.T_s * (1.0 - duty), 0.5 * self.T_s * (1.0 + duty)
+
+    def leg_voltages(self, at_s, duty, i_abc, u_dc_V):
+        """Voltages of the legs against the negative rail at an instant between edges, and which legs have both off.
+
+        After a switch turns off, the other waits for t_dead: meanwhile a positive current flows through the lower
+        diode, a negative one through the upper.
+        """
+        rise, fall = self.edges(duty)
+        out_of_motor = i_abc < 0.0
+        high = (at_s > rise + self.t_dead_s) & (at_s < fall)
+        off = np.zeros_like(high)
+        if self.has_dead_time:
+            off = ((at_s > rise) & (at_s < rise + self.t_dead_s)) | ((at_s > fall) & (at_s < fall + self.t_dead_s))
+        v = np.where(high | (off & out_of_motor), u_dc_V, 0.0)
+        if self.has_drops:
+            # Into the motor: upper switch or lower diode. Out of it: upper diode or lower switch.
+            through_switch = (high & ~out_of_motor) | (~high & ~off & out_of_motor)
+            v = v - np.where(out_of_motor, -1.0, 1.0) * np.where(through_switch, self.V_switch_V, self.V_diode_V)
+        return v, off
+
+
+class Drive:
+    """Machine and inverter, advanced by whole PWM cycles."""
+
+    def __init__(self, machine, inverter, shaft, i_start=0.0):
+        self.machine, self.inverter, self.shaft = machine, inverter, shaft
+        self.t_s = np.zeros_like(inverter.T_s)
+        self.psi = machine.flux(np.zeros_like(self.t_s) + i_start, shaft.theta(self.t_s))
+        self.i_iron = np.zeros_like(self.psi)
+
+    def current(self):
+        """The current that the terminals see, as a vector."""
+        i = self.machine.current(self.psi, self.shaft.theta(self.t_s))
+        return i + self.i_iron if self.machine.has_iron else i
+
+    def _step(self, h_s, u, theta0, theta1, theta2):
+        """Classical Runge-Kutta over h_s with constant u; thetas at its start, middle and end."""
+        f, p, e = self.machine.derivative, self.psi, self.i_iron
+        k1, m1 = f(p, e, theta0, u)
+        k2, m2 = f(p + 0.5 * h_s * k1, e + 0.5 * h_s * m1, theta1, u)
+        k3, m3 = f(p + 0.5 * h_s * k2, e + 0.5 * h_s * m2, theta1, u)
+        k4, m4 = f(p + h_s * k3, e + h_s * m3, theta2, u)
+        return p + h_s / 6.0 * (k1 + 2.0 * (k2 + k3) + k4), e + h_s / 6.0 * (m1 + 2.0 * (m2 + m3) + m4)
+
+    def advance_cycle(self, duty, u_dc_V):
+        """One PWM cycle with the duties (3, lanes); returns the current at the carrier peak, as a vector."""
+        inv, at = self.inverter, self.inverter.instants(duty)
+        t0_s, i_mid = self.t_s, None
+        theta_start = self.shaft.theta(t0_s)
+        for a, b in zip(at[:-1], at[1:]):
+            h = b - a
+            theta_mid, theta_end = self.shaft.theta(t0_s + 0.5 * (a + b)), self.shaft.theta(t0_s + b)
+            i_abc = phases_from_vector(self.current()) if inv.has_dead_time or inv.has_drops else at[:3]
+            v, off = inv.leg_voltages(0.5 * (a + b), duty, i_abc, u_dc_V)
+            psi, i_iron = self._step(h, vector_from_phases(v), theta_start, theta_mid, theta_end)
+            if inv.has_dead_time and off.any():
+                v = self._clamp(v, off & (h > 0.0), i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V)
+                if v is not None:
+                    psi, i_iron = self._step(h, vector_from_phases(v), theta_start, theta_mid, theta_end)
+            self.psi, self.i_iron, self.t_s, theta_start = psi, i_iron, t0_s + b, theta_end
+            peak = b == 0.5 * inv.T_s
+            if peak.any():
+                i = self.current()
+                i_mid = i if i_mid is None else np.where(peak, i, i_mid)
+        return i_mid
+
+    def _clamp(self, v, off, i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V):
+        """A diode does not carry its current through zero: the leg floats at the voltage that leaves it there.
+
+        Over so short an interval as the dead time, the mean voltage that brings the current to zero at the end of
+        the interval stands for "diode until zero, then floating". None: no leg needs it.
+        """
+        i_end = self.machine.current(psi, theta_end) + (i_iron if self.machine.has_iron else 0.0)
+        i_end = phases_from_vector(i_end)
+        crossed = off & (i_end * np.where(i_abc < 0.0, -1.0, 1.0) < 0.0)
+        if not crossed.any():
+            return None
+        per_volt = (2.0 / 3.0) * np.where(h > 0.0, h, 1.0) * self.machine.inverse_inductance(theta_mid)
+        drop = self.inverter.V_diode_V
+        return np.where(crossed, np.clip(v - i_end / per_volt, -drop, u_dc_V + drop), v)
