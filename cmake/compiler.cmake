@@ -1,0 +1,48 @@
+# Compiler settings that hold for every target: language levels, warnings as errors, sanitizers, coverage, ccache.
+
+set(CMAKE_C_STANDARD 11)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_C_EXTENSIONS OFF)
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+option(IQFOC_SANITIZE "Address and undefined-behaviour sanitizers, for the library also the integer one (clang)" OFF)
+option(IQFOC_COVERAGE "Count executed lines and branches (gcc)" OFF)
+
+add_compile_options(-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror
+                    $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
+
+# A product whose sum is fused on one machine and not on the other differs in the last bit; results are
+# compared across compilers, so that no compiler may fuse.
+add_compile_options(-ffp-contract=off)
+
+if(IQFOC_SANITIZE)
+    if(NOT CMAKE_C_COMPILER_ID STREQUAL "Clang")
+        message(FATAL_ERROR "IQFOC_SANITIZE needs clang (preset asan), the compiler is ${CMAKE_C_COMPILER_ID}")
+    endif()
+    add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    add_link_options(-fsanitize=address,undefined)
+endif()
+
+if(IQFOC_COVERAGE)
+    if(NOT CMAKE_C_COMPILER_ID STREQUAL "GNU")
+        message(FATAL_ERROR "IQFOC_COVERAGE needs gcc (preset coverage), the compiler is ${CMAKE_C_COMPILER_ID}")
+    endif()
+    add_compile_options(--coverage)
+    add_link_options(--coverage)
+endif()
+
+find_program(IQFOC_CCACHE ccache)
+if(IQFOC_CCACHE AND NOT DEFINED CMAKE_C_COMPILER_LAUNCHER)
+    set(CMAKE_C_COMPILER_LAUNCHER ${IQFOC_CCACHE})
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${IQFOC_CCACHE})
+endif()
+
+# Adds a folder of the tree that brings a CMakeLists.txt.
+function(iqfoc_add_folder folder)
+    if(EXISTS ${PROJECT_SOURCE_DIR}/${folder}/CMakeLists.txt)
+        add_subdirectory(${PROJECT_SOURCE_DIR}/${folder})
+    endif()
+endfunction()
