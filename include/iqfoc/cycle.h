@@ -1,0 +1,167 @@
+/*
+ * The control cycle: what an interrupt calls at the carrier valley and at its peak.
+ *
+ *     valley t_k          peak t_k + T/2                    valley t_k + T
+ *        |  sample i, theta    |  sample i, theta                  |
+ *        |  mean, prediction   |  control, modulation -> duties    |  the duties act from here to the next
+ * valley
+ *
+ * Pure: a function of (state, sample) to (state, command); only a port touches registers. Time is an
+ * argument: each sample says when it was taken, and the peak is told the middle of the span in which its
+ * voltage will act.
+ *
+ * Timing and data that are not what they should be set sticky status bits. Those in `trips` stop the drive:
+ * the command becomes the safe one, the integrators are reset, and it stays so until iqfoc_cycle_clear.
+ */
+#ifndef IQFOC_CYCLE_H
+#define IQFOC_CYCLE_H
+
+#include "current_control.h"
+#include "modulation.h"
+#include "predictor.h"
+#include "rotor.h"
+#include "vector.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Sticky status bits. */
+#define IQFOC_STATUS_MISSED                                                                                  \
+    UINT32_C(0x0001) /* two valleys or two peaks in a row, or a cycle that took too long */
+#define IQFOC_STATUS_LATE                                                                                    \
+    UINT32_C(0x0002) /* the command was ready later than `deadline_ticks` after its sample */
+#define IQFOC_STATUS_STALE UINT32_C(0x0004) /* a sample older than `stale_ticks` when the call began */
+#define IQFOC_STATUS_SAMPLE_CLIPPED                                                                          \
+    UINT32_C(0x0008) /* the port said that a converter was at the end of its range */
+#define IQFOC_STATUS_OVERCURRENT   UINT32_C(0x0010) /* a current component beyond `current_limit` */
+#define IQFOC_STATUS_OVERSPEED     UINT32_C(0x0020) /* |speed| above 1/3 turn per cycle: held to it */
+#define IQFOC_STATUS_VOLTAGE_LIMIT UINT32_C(0x0040) /* the modulator shortened the voltage */
+#define IQFOC_STATUS_DC_LINK       UINT32_C(0x0080) /* u_dc outside 0.5 ... 1.5 of nominal: held to it */
+#define IQFOC_STATUS_NO_INTERVAL                                                                             \
+    UINT32_C(0x0100) /* corrected mean asked for before a whole interval was seen */
+
+/* Which current the controller is fed with. */
+typedef enum iqfoc_feedback {
+    IQFOC_FEEDBACK_MIDPOINT,           /* the sample at the carrier peak, its own angle: usual practice */
+    IQFOC_FEEDBACK_CORRECTED_MEAN,     /* 2016 (10) over the cycle that ends at this peak */
+    IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN /* 2019 (10), corrected by 2016 (10), over the cycle from the last
+                                          valley */
+} iqfoc_feedback_t;
+
+/* How the voltage is made. */
+typedef enum iqfoc_modulation {
+    IQFOC_MODULATION_PWM,     /* centre-aligned, min/max zero sequence */
+    IQFOC_MODULATION_SIX_STEP /* the active inverter state nearest to the voltage, for the whole control
+                                 interval */
+} iqfoc_modulation_t;
+
+/* What stands at the inverter when the drive is tripped or not enabled. */
+typedef enum iqfoc_safe_state {
+    IQFOC_SAFE_GATES_OFF,    /* all six switches off */
+    IQFOC_SAFE_SHORT_CIRCUIT /* all low-side switches on: for machines whose EMF exceeds the DC link */
+} iqfoc_safe_state_t;
+
+/* One set of measurements. Per unit and turns are IQ24. */
+typedef struct iqfoc_sample {
+    iqfoc_abc_t i; /* phase currents, per unit, into the motor; the port's scaling keeps each within +-31.9 */
+    iqfoc_abc_t i_mean; /* their means over the cycle that ends at this sample; read only if has_mean */
+    iq24_t theta;       /* electrical angle at the sampling instant, turns */
+    iq24_t turns;       /* electrical speed, turns per control cycle */
+    iq24_t u_dc;        /* DC-link voltage, per unit of nominal */
+    iq24_t at;     /* the sampling instant, cycles after the valley: 0 there, 0.5 at the peak; -0.25 ... 1 */
+    uint32_t time; /* the port's free-running timer at the sampling instant, ticks; wraps */
+    bool has_mean; /* the port averages (oversampling, sigma-delta); without it the valley's sample stands for
+                      the mean */
+    bool clipped;  /* a converter was at the end of its range */
+} iqfoc_sample_t;
+
+/* What the inverter is to do from the next valley on. */
+typedef struct iqfoc_command {
+    iqfoc_duties_t duties; /* IQ24, 0 ... 1 */
+    bool gates;            /* false: all switches off, whatever the duties say */
+} iqfoc_command_t;
+
+/* Fixed while the drive runs; the caller owns it. */
+typedef struct iqfoc_cycle_config {
+    iqfoc_predictor_t predictor;
+    iqfoc_current_control_gains_t gains;
+    iqfoc_feedback_t feedback;
+    iqfoc_modulation_t modulation;
+    iqfoc_safe_state_t safe_state;
+    iq24_t span_max;          /* for iqfoc_modulate: 0 < span_max <= 1 */
+    iq24_t current_limit;     /* per unit: 0 < current_limit <= 32, of alpha and of beta */
+    uint32_t period_ticks;    /* control cycle T in the port's ticks; 0 switches the checks of time off */
+    uint32_t tolerance_ticks; /* a cycle longer than period + tolerance was missed */
+    uint32_t stale_ticks;     /* a sample older than this when a call begins is stale */
+    uint32_t deadline_ticks;  /* from the peak's sample to its finished command: later is late */
+    uint32_t trips;           /* status bits that stop the drive */
+} iqfoc_cycle_config_t;
+
+/* The state. Read what you like; write only i_ref and enabled, between calls. */
+typedef struct iqfoc_cycle {
+    const iqfoc_cycle_config_t *config;
+    iqfoc_dq_t i_ref;     /* reference of the current, per unit: |component| <= 32 */
+    bool enabled;         /* false: the safe output, integrators held at zero */
+    bool tripped;         /* a bit of config->trips was set; iqfoc_cycle_clear ends it */
+    uint32_t status;      /* sticky bits */
+    iqfoc_dq_t i_dq;      /* the feedback of the last peak */
+    iqfoc_dq_t u_dq;      /* what the controller asked for at the last peak */
+    iqfoc_ab_t u_ab;      /* what the modulator could make of it: acts from the next valley */
+    iqfoc_ab_t u_now;     /* the voltage of the cycle that runs */
+    iqfoc_ab_t i_valley;  /* sample of the last valley */
+    iqfoc_ab_t i_next;    /* quasi-discrete prediction for the next valley */
+    iqfoc_ab_t error;     /* last valley's sample less its prediction */
+    iqfoc_ab_t i_mean;    /* quasi-discrete mean of the cycle that runs */
+    iqfoc_dq_t i_mean_dq; /* the same as seen from the rotor */
+    iqfoc_ab_t i_peak;    /* sample of the last peak */
+    iqfoc_rotor_t rotor;  /* of the last valley's speed */
+    iq24_t theta_valley;  /* angle of the last valley */
+    iq24_t u_dc_inverse;  /* 1/u_dc, followed by a Newton step a cycle */
+    iqfoc_current_control_t control;
+    uint32_t valley_time; /* ticks of the last valley's sample */
+    uint32_t phases_seen; /* how many peaks since a start or a gap, up to 2 */
+    bool at_valley;       /* the last call was a valley's */
+    bool started;         /* a valley was seen */
+} iqfoc_cycle_t;
+
+/* Negative: refused, the object untouched. */
+typedef enum iqfoc_error {
+    IQFOC_OK = 0,
+    IQFOC_ERROR_NULL = -1,
+    IQFOC_ERROR_PREDICTOR = -2,     /* a coefficient outside the range stated in predictor.h */
+    IQFOC_ERROR_GAINS = -3,         /* a gain outside the range stated in current_control.h */
+    IQFOC_ERROR_SPAN = -4,          /* span_max not in (0, 1] */
+    IQFOC_ERROR_CURRENT_LIMIT = -5, /* not in (0, 32] */
+    IQFOC_ERROR_CHOICE = -6         /* feedback, modulation or safe_state is none of its enumeration */
+} iqfoc_error_t;
+
+/* Starts disabled, with cleared status. config must outlive the cycle. */
+iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config);
+
+/* Ends a trip: clears the status bits, the integrators and the memory of earlier samples. */
+void iqfoc_cycle_clear(iqfoc_cycle_t *cycle);
+
+/*
+ * At the carrier valley: prediction error of the cycle that ended, then prediction and mean of the one that
+ * begins. now: the port's timer when the call began. Never fails; what is wrong shows in the status.
+ */
+void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
+
+/*
+ * At the carrier peak: control and modulation. Returns the command for the span whose middle is output_mid,
+ * in cycles after the last valley: 1.5 where duties act from the next valley for one cycle. 0 <= output_mid
+ * <= 8.
+ */
+iqfoc_command_t iqfoc_cycle_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iq24_t output_mid,
+                                 uint32_t now);
+
+/*
+ * After the peak's command was computed, before it is handed to the inverter: true if it came in time. If
+ * not, the LATE bit is set; where that trips, the port must take the command that iqfoc_cycle_safe gives.
+ */
+bool iqfoc_cycle_in_time(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
+
+/* The safe command of a configuration. */
+iqfoc_command_t iqfoc_cycle_safe(const iqfoc_cycle_config_t *config);
+
+#endif

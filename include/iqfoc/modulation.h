@@ -1,0 +1,51 @@
+/*
+ * From a voltage vector to the three half-bridges: PWM with min/max zero sequence, and six-step.
+ */
+#ifndef IQFOC_MODULATION_H
+#define IQFOC_MODULATION_H
+
+#include "iq24_math.h"
+#include "vector.h"
+
+/* What a modulator asks of the inverter. */
+typedef struct iqfoc_duties {
+    iqfoc_abc_t high; /* high-side duty cycle of each leg: IQ24, 0 ... 1 */
+    iq24_t scale;     /* 1, or < 1: the factor by which the voltage had to be shortened */
+} iqfoc_duties_t;
+
+/*
+ * Centre-aligned PWM with the zero sequence -(max + min)/2 of the three phase voltages, which uses the DC
+ * link as fully as space-vector modulation and gives the same switching instants.
+ *
+ * u: stationary voltage, per unit, |component| <= 32. u_dc_inverse: 1/u_dc in per unit, 0 < u_dc_inverse
+ * <= 2. span_max: largest difference of two duties, 0 < span_max <= 1: below 1 it leaves room for sampling
+ * and dead time. A voltage beyond the hexagon is shortened so that its angle stays, and scale says by how
+ * much: 1 means that nothing was taken. Duties lie in [0, 1] for every input. Largest error against
+ * double: 2.2 LSB of each duty within the hexagon (3 LSB when shortened), scale 1 LSB.
+ */
+iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max);
+
+/*
+ * Six-step: the active inverter state nearest to a voltage angle. State k, 0 ... 5, has its vector at k
+ * turns/6: (2/3) u_dc e^(j k pi/3) (2016 Section 5.1 prints pi/6; there are six of them in a turn). High-side
+ * states in phase order: 100 110 010 011 001 101.
+ *
+ * angle: IQ24 turns, any (the low 24 bits count). A tie goes to the higher k. Exact.
+ */
+int32_t iqfoc_six_step_state(iq24_t angle);
+
+/* The duties (0 or 1) of a state 0 ... 5; any other gives all low. scale is 1. */
+iqfoc_duties_t iqfoc_six_step_duties(int32_t state);
+
+/* The voltage vector of a state 0 ... 5 for a DC link in per unit, |u_dc| <= 64: 0 for another state. Error
+ * 0.7 LSB. */
+iqfoc_ab_t iqfoc_six_step_voltage(int32_t state, iq24_t u_dc);
+
+/*
+ * Angle that a turning reference has still to cover before the next state is nearest: IQ24 turns, 0 < result
+ * <= 1/6 forward, and the same backward for turns_per_cycle < 0. A port divides it by the speed to set its
+ * timer. 1/6 turn is no whole number of LSB: exact to 1 LSB.
+ */
+iq24_t iqfoc_six_step_remaining(iq24_t angle, iq24_t turns_per_cycle);
+
+#endif

@@ -1,0 +1,87 @@
+/*
+ * Physical values to per unit, in one place: macros of floating constants that fold at compile time, so that
+ * no floating instruction reaches the target, and that the host evaluates with its motor file's values.
+ *
+ * Bases (docs/units.md): current I_b = sqrt(2) I_rated_rms, voltage U_b = nominal DC link, angle one turn,
+ * time one control cycle T. In a firmware:
+ *
+ *     static const iqfoc_cycle_config_t config = {
+ *         .predictor = IQFOC_PREDICTOR(R_OHM, L_H, PSI_WB, T_S, IQFOC_I_BASE(I_RATED_A), U_DC_V), ...
+ *
+ * A value out of its range does not compile: the error is a division by zero inside the macro that bears the
+ * coefficient's name. The host refuses the same values by the same names.
+ */
+#ifndef IQFOC_PARAMS_H
+#define IQFOC_PARAMS_H
+
+#include "iq24.h"
+
+/* The IQ24 constant of x, or no constant at all if x is outside low ... high. */
+#define IQFOC_CHECKED(x, low, high) (IQ24(x) / (((x) >= (low) && (x) <= (high)) ? 1 : 0))
+
+/* Current base in A from the rated phase current in A rms. */
+#define IQFOC_I_BASE(I_rated_A_rms) (1.4142135623730951 * (I_rated_A_rms))
+
+#define IQFOC_TWO_PI_ 6.283185307179586
+
+/* ---- The formulas, in double: one per coefficient of predictor.h and current_control.h. Limits beside them.
+ * ---- */
+#define IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V) ((T_s) * (U_b_V) / ((L_H) * (I_b_A)))
+#define IQFOC_MAX_K_U                         32.0
+#define IQFOC_RAW_K_R(R_ohm, L_H, T_s)        ((R_ohm) * (T_s) / (L_H))
+#define IQFOC_MAX_K_R                         1.0
+#define IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A)   (IQFOC_TWO_PI_ * (psi_Wb) / ((L_H) * (I_b_A)))
+#define IQFOC_MAX_K_PSI                       32.0
+/* Reactance and EMF at one turn per cycle. */
+#define IQFOC_RAW_X(L_H, T_s, I_b_A, U_b_V) (IQFOC_TWO_PI_ * (L_H) * (I_b_A) / ((T_s) * (U_b_V)))
+#define IQFOC_RAW_EMF(psi_Wb, T_s, U_b_V)   (IQFOC_TWO_PI_ * (psi_Wb) / ((T_s) * (U_b_V)))
+#define IQFOC_MAX_X                         96.0
+/* PI gains for a closed loop of the given bandwidth: the zero on the winding's pole, kp = w L, ki = w R T. */
+#define IQFOC_RAW_KP(w_rad_s, L_H, I_b_A, U_b_V)        ((w_rad_s) * (L_H) * (I_b_A) / (U_b_V))
+#define IQFOC_RAW_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V) ((w_rad_s) * (R_ohm) * (T_s) * (I_b_A) / (U_b_V))
+#define IQFOC_MAX_GAIN                                  32.0
+/* Back-calculation as fast as the loop itself. */
+#define IQFOC_RAW_ANTI_WINDUP(w_rad_s, T_s) ((w_rad_s) * (T_s))
+#define IQFOC_MAX_ANTI_WINDUP               1.0
+/* Electrical speed in turns per control cycle. */
+#define IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s) ((n_rpm) / 60.0 * (pole_pairs) * (T_s))
+#define IQFOC_MAX_TURNS                         (1.0 / 3.0)
+
+/* ---- The same as checked IQ24 constants. ---- */
+#define IQFOC_K_U(L_H, T_s, I_b_A, U_b_V)                                                                    \
+    IQFOC_CHECKED(IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V), 6e-8, IQFOC_MAX_K_U)
+#define IQFOC_K_R(R_ohm, L_H, T_s) IQFOC_CHECKED(IQFOC_RAW_K_R(R_ohm, L_H, T_s), 0.0, IQFOC_MAX_K_R)
+#define IQFOC_K_PSI(psi_Wb, L_H, I_b_A)                                                                      \
+    IQFOC_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A), 0.0, IQFOC_MAX_K_PSI)
+#define IQFOC_X(L_H, T_s, I_b_A, U_b_V) IQFOC_CHECKED(IQFOC_RAW_X(L_H, T_s, I_b_A, U_b_V), 0.0, IQFOC_MAX_X)
+#define IQFOC_EMF(psi_Wb, T_s, U_b_V)   IQFOC_CHECKED(IQFOC_RAW_EMF(psi_Wb, T_s, U_b_V), 0.0, IQFOC_MAX_X)
+#define IQFOC_KP(w_rad_s, L_H, I_b_A, U_b_V)                                                                 \
+    IQFOC_CHECKED(IQFOC_RAW_KP(w_rad_s, L_H, I_b_A, U_b_V), 0.0, IQFOC_MAX_GAIN)
+#define IQFOC_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V)                                                          \
+    IQFOC_CHECKED(IQFOC_RAW_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V), 0.0, IQFOC_MAX_GAIN)
+#define IQFOC_ANTI_WINDUP(w_rad_s, T_s)                                                                      \
+    IQFOC_CHECKED(IQFOC_RAW_ANTI_WINDUP(w_rad_s, T_s), 0.0, IQFOC_MAX_ANTI_WINDUP)
+#define IQFOC_TURNS(n_rpm, pole_pairs, T_s)                                                                  \
+    IQFOC_CHECKED(IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s), -IQFOC_MAX_TURNS, IQFOC_MAX_TURNS)
+
+/* ---- Initialisers of whole structs. ---- */
+
+/* iqfoc_predictor_t. */
+#define IQFOC_PREDICTOR(R_ohm, L_H, psi_Wb, T_s, I_b_A, U_b_V)                                               \
+    {                                                                                                        \
+        .k_u = IQFOC_K_U(L_H, T_s, I_b_A, U_b_V), .k_r = IQFOC_K_R(R_ohm, L_H, T_s),                         \
+        .k_psi = IQFOC_K_PSI(psi_Wb, L_H, I_b_A)                                                             \
+    }
+
+/* iqfoc_current_control_gains_t for a closed-loop bandwidth in rad/s, well below 1/T (a twentieth of 2 pi/T
+ * is usual). */
+#define IQFOC_GAINS(w_rad_s, R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V)                                 \
+    {                                                                                                        \
+        .kp_d = IQFOC_KP(w_rad_s, L_d_H, I_b_A, U_b_V), .kp_q = IQFOC_KP(w_rad_s, L_q_H, I_b_A, U_b_V),      \
+        .ki_d = IQFOC_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V),                                                 \
+        .ki_q = IQFOC_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V), .anti_windup = IQFOC_ANTI_WINDUP(w_rad_s, T_s), \
+        .x_d = IQFOC_X(L_d_H, T_s, I_b_A, U_b_V), .x_q = IQFOC_X(L_q_H, T_s, I_b_A, U_b_V),                  \
+        .emf = IQFOC_EMF(psi_Wb, T_s, U_b_V)                                                                 \
+    }
+
+#endif

@@ -1,0 +1,114 @@
+/*
+ * Clarke and Park transforms and their inverses: 2016 (2) and (3), amplitude invariant.
+ *
+ * All are inline: a transform is shorter than its call. Phase and vector components are IQ24 in per unit,
+ * within
+ * +-32 unless a function says otherwise: thirty times the rated current is beyond any sensor. Outside that
+ * range the result wraps; it is never undefined. Errors are those of the function alone, its inputs taken as
+ * exact.
+ */
+#ifndef IQFOC_TRANSFORM_H
+#define IQFOC_TRANSFORM_H
+
+#include "iq24_math.h"
+#include "vector.h"
+
+/* Constants in Q31: with a 31-bit fraction their rounding costs at most |x| 2^-8 LSB, x in per unit. */
+#define IQFOC_Q31_1_SQRT3 INT32_C(1239850263) /* 1/sqrt(3) */
+#define IQFOC_Q31_1_3     INT32_C(715827883)  /* 1/3 */
+#define IQFOC_Q31_SQRT3_2 INT32_C(1859775393) /* sqrt(3)/2 */
+
+/*
+ * Q24 times a Q31 constant, rounded to nearest.
+ *
+ * Range: |x| <= 2^31, |k| < 2^31, so |x k| + 2^30 < 2^62 + 2^30 fits int64, and the quotient by 2^31 fits
+ * int32: |x k| / 2^31 < |x|.
+ */
+static inline iq24_t iqfoc_mul_q31(iq24_t x, int32_t k)
+{
+    return (iq24_t)iq24_asr64((int64_t)x * k + INT64_C(0x40000000), 31);
+}
+
+/*
+ * Clarke transform from two phase currents of a floating star point (c = -a - b).
+ *
+ *     alpha = a,   beta = (a + 2 b)/sqrt(3)
+ *
+ * In: per unit, |a|, |b| <= 32. Out: |beta| <= 55.5. Largest error: alpha exact, beta 0.7 LSB.
+ *
+ * Range: |a + 2 b| <= 96 < 128, so the sums do not wrap.
+ */
+static inline iqfoc_ab_t iqfoc_clarke2(iq24_t a, iq24_t b)
+{
+    const iqfoc_ab_t ab = {a, iqfoc_mul_q31(iq24_add_wrap(a, iq24_add_wrap(b, b)), IQFOC_Q31_1_SQRT3)};
+    return ab;
+}
+
+/*
+ * Clarke transform from three phase currents; what the three have in common (zero sequence) is dropped.
+ *
+ *     alpha = (2 a - b - c)/3,   beta = (b - c)/sqrt(3)
+ *
+ * In: per unit, |a|, |b|, |c| <= 31.9. Out: |alpha| <= 42.6, |beta| <= 36.9. Largest error: 0.7 LSB each.
+ *
+ * Range: |2 a - b - c| <= 127.6 < 128.
+ */
+static inline iqfoc_ab_t iqfoc_clarke3(iqfoc_abc_t abc)
+{
+    const iq24_t two_a = iq24_add_wrap(abc.a, abc.a);
+    const iq24_t b_and_c = iq24_add_wrap(abc.b, abc.c);
+    const iqfoc_ab_t ab = {iqfoc_mul_q31(iq24_sub_wrap(two_a, b_and_c), IQFOC_Q31_1_3),
+                           iqfoc_mul_q31(iq24_sub_wrap(abc.b, abc.c), IQFOC_Q31_1_SQRT3)};
+    return ab;
+}
+
+/*
+ * Inverse Clarke transform: the phase values of a vector, without zero sequence.
+ *
+ *     a = alpha,   b = -alpha/2 + sqrt(3)/2 beta,   c = -alpha/2 - sqrt(3)/2 beta
+ *
+ * In: per unit, |alpha|, |beta| <= 64. Out: |b|, |c| <= 87.5. a + b + c = 0 exactly. Largest error: a exact,
+ * b and c 1.2 LSB.
+ *
+ * Range: alpha/2 is floored (0.5 LSB); |alpha/2| + 0.867 |beta| <= 32 + 55.5 < 128. c = -(a + b) is formed
+ * from the rounded b, so that the sum vanishes; |a + b| <= 87.5 < 128.
+ */
+static inline iqfoc_abc_t iqfoc_clarke_inverse(iqfoc_ab_t ab)
+{
+    const iq24_t b = iq24_sub_wrap(iqfoc_mul_q31(ab.beta, IQFOC_Q31_SQRT3_2), iq24_asr32(ab.alpha, 1));
+    const iqfoc_abc_t abc = {ab.alpha, b, iq24_sub_wrap(0, iq24_add_wrap(ab.alpha, b))};
+    return abc;
+}
+
+/*
+ * Park transform: 2016 (3). x_dq = x_ab e^(-j theta), with sin and cos of theta given.
+ *
+ *     d = cos alpha + sin beta,   q = cos beta - sin alpha
+ *
+ * In: per unit, |alpha|, |beta| <= 64; |sin|, |cos| <= 1. Out: |d|, |q| <= 90.6. Largest error: 0.5 LSB.
+ *
+ * Range: each product is at most 2^30 2^24 = 2^54 and their sum 2^55, within int64; the sum / 2^24 is at most
+ * 64 sqrt(2) = 90.6 in per unit for a true sine and cosine (sin^2 + cos^2 <= 1 + 2^-23), within iq24_t.
+ */
+static inline iqfoc_dq_t iqfoc_park(iqfoc_ab_t ab, iq24_sincos_t sc)
+{
+    const iqfoc_dq_t dq = {iq24_acc_round(iq24_acc_mac(iq24_acc_mul(ab.alpha, sc.cos), ab.beta, sc.sin)),
+                           iq24_acc_round(iq24_acc_msu(iq24_acc_mul(ab.beta, sc.cos), ab.alpha, sc.sin))};
+    return dq;
+}
+
+/*
+ * Inverse Park transform: x_ab = x_dq e^(j theta).
+ *
+ *     alpha = cos d - sin q,   beta = cos q + sin d
+ *
+ * Ranges and error as iqfoc_park.
+ */
+static inline iqfoc_ab_t iqfoc_park_inverse(iqfoc_dq_t dq, iq24_sincos_t sc)
+{
+    const iqfoc_ab_t ab = {iq24_acc_round(iq24_acc_msu(iq24_acc_mul(dq.d, sc.cos), dq.q, sc.sin)),
+                           iq24_acc_round(iq24_acc_mac(iq24_acc_mul(dq.q, sc.cos), dq.d, sc.sin))};
+    return ab;
+}
+
+#endif

@@ -1,0 +1,78 @@
+/*
+ * Rotor movement: polynomials for s1, s2 and the steady gain (include/iqfoc/rotor.h, docs/equations.md).
+ */
+#include "iqfoc/rotor.h"
+
+/* Q30 in v = x^2; Chebyshev interpolation on v in [0, 1/9]: tools/derive_rotor.py, which CI compares with
+ * these. */
+static const int32_t s1_poly[5] = {1073741824, -1766234468, 871599137, -204751197, 27384229};
+static const int32_t s2_poly[5] = {562209904, -554878930, 195586663, -35739408, 3925530};
+/* Q27 in 4 v, same script. Its pole at v = 1/4 makes it longer. */
+static const int32_t steady_gain_poly[10] = {134217727, 55195100,   70343732,  69768713,    61303921,
+                                             132864674, -233076297, 925066755, -1289881809, 1055357834};
+
+/*
+ * x^2 in Q32.
+ *
+ * Range: |x| <= 2^24/3 after the limit, so |256 x| <= 1431655680 < 2^31 and (256 x)^2 2^-32 <= 2^32/9 < 2^29.
+ * Error: floor, 2^-32.
+ */
+static int32_t turns_squared_q32(iq24_t turns)
+{
+    const int32_t x_q32 = turns * 256;
+    return (int32_t)iq24_asr64((int64_t)x_q32 * x_q32, 32);
+}
+
+/*
+ * One Horner step: c + p v, the format of p and c kept; v in Q32.
+ *
+ * Range: |p| < 2^31 and 0 <= v < 2^31 give |p v| < 2^62; the high word is below 2^30, and the callers' sums
+ * stay within their format (checked for every argument by the tests through the results' errors). Error:
+ * floor, one unit of the format.
+ */
+static int32_t horner(int32_t p, int32_t v_q32, int32_t c)
+{
+    return iq24_add_wrap(c, (int32_t)iq24_asr64((int64_t)p * v_q32, 32));
+}
+
+static iq24_t limited(iq24_t turns)
+{
+    return iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+}
+
+/*
+ * s1: P1 in Q30 lies in [0.826, 1], so (P1 + 32) < 2^31, and its floor division by 64 is Q24.
+ * s2: P2 in Q30 lies in [0.469, 0.524]; |x P2| <= 2^22.5 2^29.1 fits int64; the result is below 2^22.
+ */
+iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns)
+{
+    const iq24_t x = limited(turns);
+    const int32_t v = turns_squared_q32(x);
+    int32_t p1 = s1_poly[4];
+    int32_t p2 = s2_poly[4];
+    p1 = horner(p1, v, s1_poly[3]);
+    p2 = horner(p2, v, s2_poly[3]);
+    p1 = horner(p1, v, s1_poly[2]);
+    p2 = horner(p2, v, s2_poly[2]);
+    p1 = horner(p1, v, s1_poly[1]);
+    p2 = horner(p2, v, s2_poly[1]);
+    p1 = horner(p1, v, s1_poly[0]);
+    p2 = horner(p2, v, s2_poly[0]);
+    const iqfoc_rotor_t rotor = {x, iq24_asr32(p1 + 32, 6),
+                                 (iq24_t)iq24_asr64((int64_t)x * p2 + INT64_C(0x20000000), 30)};
+    return rotor;
+}
+
+/*
+ * P3 in Q27 lies in [1, 1.368] at its end; the partial sums stay below 16 in size. 4 v <= 4/9 in Q32 is
+ * 1908874352 < 2^31.
+ */
+iq24_t iqfoc_rotor_steady_gain(iq24_t turns)
+{
+    const int32_t v4 = turns_squared_q32(limited(turns)) * 4;
+    int32_t p = steady_gain_poly[9];
+    for (int32_t k = 8; k >= 0; k--) {
+        p = horner(p, v4, steady_gain_poly[k]);
+    }
+    return iq24_asr32(p + 4, 3);
+}
