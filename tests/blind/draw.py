@@ -111,42 +111,63 @@ def shares(columns, motor, bench, model, ids, sizes, directions):
     return out
 
 
-def draw(seed, kind, size_factor=None):
-    """Everything about one blind recording. size_factor: share of the floor to aim at, instead of a random one."""
+def draw_case(seed, kind):
+    """What is drawn before anything runs: motor, bench, and the effects' ids, directions and target shares."""
     rng = np.random.default_rng([seed, 20190])
     ids = draw_effects(rng, kind)
     salient = bool(rng.random() < 0.5) and "saturation" not in ids
     motor = motors.draw_motor(rng, salient)
     bench = motors.draw_bench(rng, motor)
     directions = [effects.draw_direction(rng, name, bench.has_i_c) for name in ids]
-    targets = [motors.log_uniform(rng, 2.0, 12.0) if size_factor is None else size_factor for _ in ids]
-    sizes = [float(np.sqrt(np.prod(effects.RANGE[name]))) for name in ids]
+    targets = [motors.log_uniform(rng, 2.0, 12.0) for _ in ids]
+    return SimpleNamespace(seed=seed, kind=kind, ids=ids, motor=motor, bench=bench, directions=directions,
+                           targets=targets)
 
-    # A short pilot tells how large each effect shows at its middle size; then it is scaled to its target share.
-    if any(name != "voltage_delay" for name in ids):
-        model, _ = true_model(motor, ids, sizes, directions, bench.has_i_c)
-        pilot = simulate(motor, bench, model, 120, [seed, 1])
-        found = shares(pilot, motor, bench, model, ids, sizes, directions)
-        for n, name in enumerate(ids):
+
+def draw_sizes(case):
+    """The effects' sizes: a short pilot tells how large each shows at its middle size, then it is scaled to its target.
+
+    Where the one-cycle error is nearly blind to an effect, the size ends at what a bench plausibly shows
+    (effects.RANGE), and the truth file's evidence (share times the root of the rows) says what the recording holds.
+    """
+    sizes = [float(np.sqrt(np.prod(effects.RANGE[name]))) for name in case.ids]
+    if any(name != "voltage_delay" for name in case.ids):
+        model, _ = true_model(case.motor, case.ids, sizes, case.directions, case.bench.has_i_c)
+        pilot = simulate(case.motor, case.bench, model, 120, [case.seed, 1])
+        found = shares(pilot, case.motor, case.bench, model, case.ids, sizes, case.directions)
+        for n, name in enumerate(case.ids):
             low, high = effects.RANGE[name]
-            sizes[n] = float(np.clip(sizes[n] * targets[n] / max(found[n], 1e-3), low, high))
+            sizes[n] = float(np.clip(sizes[n] * case.targets[n] / max(found[n], 1e-3), low, high))
+    return sizes
 
-    model, parameters = true_model(motor, ids, sizes, directions, bench.has_i_c)
+
+def draw(seed, kind, sizes=None):
+    """Everything about one blind recording by the second plant; sizes: the effects' sizes, instead of drawn ones."""
+    case = draw_case(seed, kind)
+    motor, bench, ids = case.motor, case.bench, case.ids
+    sizes = draw_sizes(case) if sizes is None else sizes
+    model, parameters = true_model(motor, ids, sizes, case.directions, bench.has_i_c)
     columns = simulate(motor, bench, model, max(bench.rows), [seed, 2])
+    truth = truth_of(case, sizes, model, parameters, columns)
+    return SimpleNamespace(motor=motor, bench=bench, columns=columns, truth=truth)
+
+
+def truth_of(case, sizes, model, parameters, columns, plant="second"):
+    """The truth file of a recording, with what an oracle reaches on it."""
+    motor, bench = case.motor, case.bench
     error, size, _, _ = oracle(columns, model, motor)
     nominal = effects.nominal_model(motor, averaged.no_effect())
     nominal_error, _, _ = averaged.predict(columns, nominal, motor.pole_pairs, 1.0 / motor.f_pwm_Hz)
-    share = shares(columns, motor, bench, model, ids, sizes, directions)
+    share = shares(columns, motor, bench, model, case.ids, sizes, case.directions)
     n = sum(bench.rows)
-    truth = {
-        "schema": 1, "seed": seed, "kind": kind, "plant": "second",
+    return {
+        "schema": 1, "seed": case.seed, "kind": case.kind, "plant": plant,
         "effects": [{"id": name, "known": name in effects.CAUSES, "size": s, "share_of_floor": round(q, 3),
                      "evidence": round(q * np.sqrt(n), 1), "parameters": par}
-                    for name, s, q, par in zip(ids, sizes, share, parameters)],
+                    for name, s, q, par in zip(case.ids, sizes, share, parameters)],
         "motor_file_should_say": {"R_ohm": model.R_ohm, "L_d_H": model.L_d_H, "L_q_H": model.L_q_H,
                                   "psi_f_Wb": model.psi_f_Wb},
         "oracle": {"nominal_percent": 100.0 * averaged.rms(nominal_error) / size, "true_percent": 100.0 * error / size,
                    "floor_percent": 100.0 * float(noise_floor_A(bench)) / size,
                    "gain": averaged.rms(nominal_error) / error},
         "sffr_min": motor.f_pwm_Hz / (motor.n_max_rpm / 60.0 * motor.pole_pairs)}
-    return SimpleNamespace(motor=motor, bench=bench, columns=columns, truth=truth)

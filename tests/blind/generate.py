@@ -12,10 +12,15 @@ import json
 import os
 import sys
 
-import numpy as np
+try:
+    import numpy as np
+except ImportError:
+    sys.exit("tests/blind: this python3 has no numpy; use Debian's /usr/bin/python3 with python3-numpy")
 
 import draw
 from second_plant import TURN
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
 
 def decimals(step):
@@ -88,20 +93,25 @@ def write(drawn, folder):
             file.write(text)
 
 
+def make(seed, kind, plant, folder, iqfoc):
+    """Draws and writes one recording by either plant; iqfoc is the program that holds the main one."""
+    if plant == "main":
+        raise NotImplementedError("the main plant")
+    write(draw.draw(seed, kind), folder)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--kind", required=True)
     parser.add_argument("-o", "--output", required=True, metavar="DIR")
     parser.add_argument("--plant", choices=["second", "main"], default="second")
+    parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"), help="for --plant main")
     args = parser.parse_args()
-    if args.plant == "main":
-        parser.error("--plant main: not yet")
     try:
-        drawn = draw.draw(args.seed, args.kind)
+        make(args.seed, args.kind, args.plant, args.output, args.iqfoc)
     except ValueError as problem:
         parser.error(str(problem))
-    write(drawn, args.output)
 
 
 if __name__ == "__main__":

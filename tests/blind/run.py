@@ -1,0 +1,178 @@
+#!/usr/bin/python3
+"""The blind tests: draws recordings, has `iqfoc diagnose` look at them, and compares with what was hidden.
+
+    tests/blind/run.py              300 recordings; fails below the thresholds of score.py
+    tests/blind/run.py --ci         a fixed set of 48, half of them by the second plant
+    tests/blind/run.py --skip-check for each cause: told to skip its hypothesis, the diagnosis must fail this test
+    tests/blind/run.py --limits     the size of each effect that is found in 95 % of cases (limits.py)
+
+Recordings are the same on every machine: a seed is all there is. --keep DIR leaves them (and reuses those there).
+Needs Debian's python3-numpy, and gnuplot for --figure.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ProcessPoolExecutor, as_completed
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+# One thread per process: numpy's pools would only fight over the two processes' cores.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.insert(0, HERE)
+
+try:
+    import effects
+    import figure
+    import generate
+    import score
+except ImportError as missing:
+    sys.exit(f"tests/blind/run.py: {missing}; needs Debian's python3-numpy and its /usr/bin/python3")
+
+
+def fixed_set(full):
+    """(seed, kind, plant) of every recording: each cause alone, pairs, clean, unknown; the plants take turns."""
+    repeats, pairs, clean, unknown = (8, 90, 50, 40) if full else (1, 14, 10, 9)
+    kinds = effects.CAUSES * repeats + ["pair"] * pairs + ["clean"] * clean
+    kinds += [effects.UNKNOWN[n % len(effects.UNKNOWN)] for n in range(unknown)]
+    first = 1000 if full else 9000
+    # Over an odd number of causes, taking turns gives each cause to both plants.
+    return [(first + n, kind, ("second", "main")[n % 2]) for n, kind in enumerate(kinds)]
+
+
+def prepare(folder, seed, kind, plant, iqfoc):
+    """Makes the recording unless the folder holds it already."""
+    if not os.path.exists(os.path.join(folder, "truth.json")):
+        generate.make(seed, kind, plant, folder, iqfoc)
+    with open(os.path.join(folder, "truth.json"), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def diagnose(folder, iqfoc, skip=None):
+    """Runs the diagnosis on a folder's recording; raises with its words when it refuses."""
+    command = [iqfoc, "diagnose", "rec.csv", "--motor", "motor.toml", "--json", "-"]
+    if skip:
+        command += ["--skip", skip]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120)
+    if done.returncode != 0:
+        raise RuntimeError(f"exit {done.returncode}: {done.stderr.strip()}")
+    return json.loads(done.stdout)
+
+
+def one_case(case):
+    seed, kind, plant, keep, iqfoc, skip = case
+    with tempfile.TemporaryDirectory(prefix="blind-") as scratch:
+        folder = os.path.join(keep, f"{plant}-{kind}-{seed}") if keep else scratch
+        truth = prepare(folder, seed, kind, plant, iqfoc)
+        return score.judge(truth, diagnose(folder, iqfoc, skip))
+
+
+def run_cases(cases, jobs):
+    """Judged recordings in the cases' order, and (case, words) of those that failed to run."""
+    results, failures = {}, []
+    with ProcessPoolExecutor(jobs) as pool:
+        waiting = {pool.submit(one_case, case): case for case in cases}
+        for done, future in enumerate(as_completed(waiting), 1):
+            case = waiting[future]
+            try:
+                results[case] = future.result()
+            except Exception as problem:  # a refusal, a crash or a hang: reported with its case, never passed over
+                failures.append((case, f"{type(problem).__name__}: {problem}"))
+            if sys.stderr.isatty():
+                print(f"\r{done}/{len(cases)} recordings", end="", file=sys.stderr)
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
+    return [results[c] for c in cases if c in results], failures
+
+
+def print_report(results, failures, s):
+    for r in results:
+        wrong = r["named"] if r["unknown"] else not r["exact"]
+        if wrong:
+            hidden = "+".join(r["hidden"] + r["unknown"]) or "nothing"
+            share = ", ".join(f"{name} {q:.2g}" for name, q in r["share"].items())
+            print(f"miss: seed {r['seed']} kind {r['kind']} plant {r['plant']}: hidden {hidden}, "
+                  f"named {'+'.join(r['named']) or 'nothing'} ({r['verdict']}); share of floor: {share or '-'}")
+        for p in r["parameters"]:
+            if not p["inside"]:
+                print(f"outside: seed {r['seed']} {r['kind']} {r['plant']}: {p['id']}.{p['name']} true {p['true']:.6g}, "
+                      f"fit {p['fit']}, interval {p['ci95']}")
+    for case, words in failures:
+        print(f"failed: seed {case[0]} kind {case[1]} plant {case[2]}: {words}")
+    for name, value in s.items():
+        print(f"{name}: {value if not isinstance(value, float) else round(value, 4)}")
+
+
+def skip_check(args):
+    """A test that hides an effect must fail when the hypothesis is left out: else it tests nothing."""
+    cases = [(7000 + n, c, "second", args.keep, args.iqfoc, None) for n, c in enumerate(effects.CAUSES)]
+    found, failures = run_cases(cases, args.jobs)
+    skipped, more = run_cases([case[:5] + (case[1],) for case in cases], args.jobs)
+    for case, words in failures + more:
+        print(f"failed: {case[1]}: {words}")
+    passed_anyway = [r["kind"] for r in skipped if r["exact"]]
+    for r, without in zip(found, skipped):
+        print(f"{r['kind']}: named {'+'.join(r['named']) or 'nothing'}; "
+              f"told to skip it: {'+'.join(without['named']) or 'nothing'} ({without['verdict']})")
+    missed = [r["kind"] for r in found if not r["exact"]]
+    if missed:
+        print(f"not found even when allowed: {', '.join(missed)}")
+    if passed_anyway:
+        print(f"named although skipped: {', '.join(passed_anyway)}")
+    return 1 if passed_anyway or missed or failures or more else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--ci", action="store_true", help="the fixed small set")
+    parser.add_argument("--skip-check", action="store_true", help="check that skipping a hypothesis fails the test")
+    parser.add_argument("--limits", action="store_true", help="detection limits instead of rates")
+    parser.add_argument("--seeds", type=int, default=20, help="seeds per cause for --limits")
+    parser.add_argument("--causes", default=",".join(effects.CAUSES), help="causes for --limits, by commas")
+    parser.add_argument("--plant", choices=["both", "second", "main"], default="both", help="recordings of one plant only")
+    parser.add_argument("--skip", help="pass on to the diagnosis: hypotheses to leave out")
+    parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"))
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--keep", metavar="DIR", help="leave the recordings here, and reuse those that are")
+    parser.add_argument("--json", metavar="F", help="all results as JSON")
+    parser.add_argument("--figure", metavar="F.svg", help="the confusion matrix as a figure")
+    parser.add_argument("--table", metavar="F.md", help="the confusion matrix as a table")
+    args = parser.parse_args()
+    args.iqfoc = os.path.abspath(args.iqfoc)
+    if not os.access(args.iqfoc, os.X_OK):
+        parser.error(f"no program at {args.iqfoc}: build it first (./dev build) or name it by --iqfoc")
+    args.keep = os.path.abspath(args.keep) if args.keep else None
+    if args.skip_check:
+        return skip_check(args)
+    if args.limits:
+        import limits
+        return limits.run(args)
+
+    wanted = [c for c in fixed_set(not args.ci)]
+    if args.plant != "both":
+        wanted = [(seed, kind, args.plant) for seed, kind, _ in wanted]
+    cases = [(seed, kind, plant, args.keep, args.iqfoc, args.skip) for seed, kind, plant in wanted]
+    print(f"{len(cases)} recordings, seeds {cases[0][0]} to {cases[-1][0]}")
+    results, failures = run_cases(cases, args.jobs)
+    s = score.summary(results)
+    print_report(results, failures, s)
+    if args.json:
+        with open(args.json, "w", encoding="utf-8") as file:
+            json.dump({"summary": s, "failures": [[list(c[:3]), w] for c, w in failures], "recordings": results}, file, indent=1)
+    if args.figure:
+        figure.write_svg(results, args.figure)
+    if args.table:
+        with open(args.table, "w", encoding="utf-8") as file:
+            file.write(figure.markdown(results))
+    problems = score.below_threshold(s, not args.ci) + [f"{len(failures)} recordings failed to run"] * bool(failures)
+    for problem in problems:
+        print(f"below threshold: {problem}")
+    print("blind tests: " + ("thresholds missed" if problems else f"passed on {len(results)} recordings"))
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,129 @@
+"""Compares diagnoses with the truth: rates, interval coverage, gain against the oracle, and the thresholds."""
+
+import numpy as np
+
+import effects
+
+# What the blind tests must reach; rates over recordings, gain as a share of the oracle's.
+THRESHOLDS = {"single_exact": 0.95, "pair_exact": 0.85, "clean_without_cause": 0.99, "unknown_without_cause": 0.98,
+              "coverage_low": 0.90, "coverage_high": 0.99, "gain_share": 0.80}
+
+
+def judge(truth, diagnosis):
+    """One recording: what was hidden, what was named, which parameters lie in their intervals."""
+    hidden = [e["id"] for e in truth["effects"] if e["known"]]
+    unknown = [e["id"] for e in truth["effects"] if not e["known"]]
+    named = [c["id"] for c in diagnosis["causes"]]
+    result = {"seed": truth["seed"], "kind": truth["kind"], "plant": truth["plant"], "hidden": hidden, "unknown": unknown,
+              "named": named, "verdict": diagnosis["verdict"], "exact": sorted(hidden) == sorted(named),
+              "share": {e["id"]: e["share_of_floor"] for e in truth["effects"]}, "parameters": [],
+              "confused_with": {c["id"]: c.get("confused_with", []) for c in diagnosis["causes"]}}
+    found = {c["id"]: {p["name"]: p for p in c["parameters"]} for c in diagnosis["causes"]}
+    for effect in truth["effects"]:
+        for parameter in effect["parameters"]:
+            if not parameter["compare"] or effect["id"] not in found or not result["exact"]:
+                continue
+            fit = found[effect["id"]].get(parameter["name"])
+            inside = fit is not None and fit["ci95"][0] <= parameter["value"] <= fit["ci95"][1]
+            # Order and cycles are whole numbers: found or not, without an interval to cover.
+            counted = parameter["name"] not in ("order", "cycles")
+            result["parameters"].append({
+                "id": effect["id"], "name": parameter["name"], "true": parameter["value"], "inside": inside,
+                "counted": counted, "fit": None if fit is None else fit["value"],
+                "ci95": None if fit is None else fit["ci95"]})
+    if hidden and not unknown:
+        result["gain"] = diagnosis["error"]["gain"]
+        result["oracle_gain"] = truth["oracle"]["gain"]
+    result["floor_ratio"] = diagnosis["error"]["noise_floor"] / truth["oracle"]["floor_percent"]
+    return result
+
+
+def group_of(result):
+    if result["unknown"]:
+        return "unknown"
+    return ("clean", "single", "pair")[min(len(result["hidden"]), 2)]
+
+
+def rate(hits):
+    return float(np.mean(hits)) if len(hits) else None
+
+
+def summary(results):
+    """All rates over a list of judged recordings; None where there is nothing to count."""
+    groups = {g: [r for r in results if group_of(r) == g] for g in ("clean", "single", "pair", "unknown")}
+    parameters = [p for r in results for p in r["parameters"] if p["counted"]]
+    shares = [min(1.0, r["gain"] / r["oracle_gain"]) for r in results if "gain" in r]
+    per_parameter = {}
+    for p in parameters:
+        per_parameter.setdefault(f"{p['id']}.{p['name']}", []).append(p["inside"])
+    return {
+        "recordings": {g: len(rows) for g, rows in groups.items()},
+        "by_plant": {p: sum(r["plant"] == p for r in results) for p in ("main", "second")},
+        "single_exact": rate([r["exact"] for r in groups["single"]]),
+        "pair_exact": rate([r["exact"] for r in groups["pair"]]),
+        "clean_without_cause": rate([not r["named"] for r in groups["clean"]]),
+        "clean_verdict_clean": rate([r["verdict"] == "clean" for r in groups["clean"]]),
+        "unknown_without_cause": rate([not r["named"] for r in groups["unknown"]]),
+        "coverage": rate([p["inside"] for p in parameters]), "parameters_counted": len(parameters),
+        "coverage_of": {name: [int(sum(x)), len(x)] for name, x in sorted(per_parameter.items())},
+        "gain_share": rate(shares),
+        "gain_share_lowest_tenth": float(np.quantile(shares, 0.1)) if shares else None,
+        "floor_ratio_median": float(np.median([r["floor_ratio"] for r in results])) if results else None}
+
+
+def misses_allowed(count, threshold):
+    """A threshold in whole recordings, so that a small set is not failed by a rate it cannot express."""
+    return int(np.floor((1.0 - threshold) * count + 0.5))
+
+
+def below_threshold(s, full):
+    """Sentences about what is missed; empty when all is reached. Coverage's upper bound counts in the full set only."""
+    problems = []
+    for name, group in (("single_exact", "single"), ("pair_exact", "pair"), ("clean_without_cause", "clean"),
+                        ("unknown_without_cause", "unknown")):
+        count = s["recordings"][group]
+        if not count:
+            continue
+        missed = round((1.0 - s[name]) * count)
+        if missed > misses_allowed(count, THRESHOLDS[name]):
+            problems.append(f"{name}: {missed} of {count} missed, {misses_allowed(count, THRESHOLDS[name])} allowed")
+    if s["coverage"] is not None:
+        n = s["parameters_counted"]
+        # The bounds are for the long run: a finite count scatters about its rate by two standard deviations.
+        slack = 2.0 * np.sqrt(0.9 * 0.1 / n)
+        if s["coverage"] < THRESHOLDS["coverage_low"] - (0.0 if full else slack):
+            problems.append(f"coverage: {s['coverage']:.3f} of {n} intervals hold the truth, below 0.90")
+        if full and s["coverage"] > THRESHOLDS["coverage_high"]:
+            problems.append(f"coverage: {s['coverage']:.3f} of {n} intervals hold the truth, above 0.99: too wide")
+    if s["gain_share"] is not None and s["gain_share"] < THRESHOLDS["gain_share"]:
+        problems.append(f"gain: {s['gain_share']:.2f} of the oracle's, below 0.80")
+    return problems
+
+
+def confusion(results):
+    """rows: what was hidden (one effect, nothing, or an unknown one); per row the share naming each cause, or none."""
+    rows = {}
+    for r in results:
+        if group_of(r) == "pair":
+            continue
+        label = r["hidden"][0] if r["hidden"] else (r["unknown"][0] if r["unknown"] else "clean")
+        rows.setdefault(label, []).append(r["named"])
+    names = effects.CAUSES + ["none"]
+    order = [x for x in effects.CAUSES + ["clean"] + effects.UNKNOWN if x in rows]
+    matrix = [[float(np.mean([(c in named) if c != "none" else not named for named in rows[row]])) for c in names]
+              for row in order]
+    return order, names, matrix, [len(rows[row]) for row in order]
+
+
+def pair_table(results):
+    """Per cause over the pairs: how often it was hidden, found, and named though not hidden."""
+    table = {c: [0, 0, 0] for c in effects.CAUSES}
+    for r in results:
+        if group_of(r) != "pair":
+            continue
+        for c in r["hidden"]:
+            table[c][0] += 1
+            table[c][1] += c in r["named"]
+        for c in r["named"]:
+            table[c][2] += c not in r["hidden"]
+    return table
