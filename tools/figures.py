@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""Keeps the figures in README.md and docs/ equal to what the program computes.
+
+    figures.py check        say which blocks differ from the program's output; exit status 1 if any does
+    figures.py write        rewrite them
+
+A block of a Markdown file that stands between
+
+    <!-- figures: NAME ARGUMENTS... -->
+    <!-- end -->
+
+holds what the generator of that name makes of those arguments, and nothing else. Generators are in tools/generators/.
+A block inside a code fence is an example and is left alone.
+"""
+
+import argparse
+import difflib
+import json
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+
+from generators import GENERATORS
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BEGIN = re.compile(r"<!-- figures: (.+) -->")
+END = "<!-- end -->"
+
+
+class FigureError(Exception):
+    """A block that cannot be filled; its text says where and why."""
+
+
+class Program:
+    """The built iqfoc, run once for each distinct command line."""
+
+    def __init__(self, path):
+        self.path = path
+        self.results = {}
+
+    def json(self, *arguments):
+        """What `iqfoc ARGUMENTS --json F` writes into F."""
+        if arguments not in self.results:
+            with tempfile.TemporaryDirectory() as folder:
+                output = pathlib.Path(folder) / "output.json"
+                command = [str(self.path), *arguments, "--json", str(output)]
+                try:
+                    done = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
+                except OSError as error:
+                    raise FigureError(f"{self.path}: {error.strerror}; `./dev build` builds it") from error
+                if done.returncode != 0:
+                    raise FigureError(f"{' '.join(command)}: exit status {done.returncode}: {done.stderr.strip()}")
+                self.results[arguments] = json.loads(output.read_text(encoding="utf-8"))
+        return self.results[arguments]
+
+
+def generate(words, program):
+    """The lines of the block that is headed by these words."""
+    name, *arguments = shlex.split(words)
+    if name not in GENERATORS:
+        raise FigureError(f"no generator is named '{name}'; there are: {', '.join(sorted(GENERATORS))}")
+    try:
+        return GENERATORS[name](program, arguments).strip("\n").split("\n")
+    except (KeyError, ValueError) as error:
+        raise FigureError(f"generator {name}: {error}") from error
+
+
+def fill(text, program):
+    """The text with each block filled, and the number of blocks."""
+    lines, filled, blocks = text.split("\n"), [], 0
+    in_fence, number = False, 0
+    while number < len(lines):
+        line = lines[number]
+        filled.append(line)
+        number += 1
+        if line.startswith("```"):
+            in_fence = not in_fence
+        match = BEGIN.fullmatch(line)
+        if in_fence or not match:
+            continue
+        try:
+            end = lines.index(END, number)
+        except ValueError:
+            raise FigureError(f"line {number}: no '{END}' after '{line}'") from None
+        if any(BEGIN.fullmatch(inner) for inner in lines[number:end]):
+            raise FigureError(f"line {number}: another block begins before the '{END}' of '{line}'")
+        try:
+            filled += ["", *generate(match.group(1), program), "", END]
+        except FigureError as error:
+            raise FigureError(f"line {number}: {error}") from error
+        blocks += 1
+        number = end + 1
+    return "\n".join(filled), blocks
+
+
+def documents(root):
+    """The Markdown files that may hold blocks."""
+    return [file for file in [root / "README.md", *sorted((root / "docs").glob("**/*.md"))] if file.exists()]
+
+
+def run(mode, root, program, out=sys.stdout):
+    """Checks or writes all documents; the exit status."""
+    status = blocks = 0
+    for file in documents(root):
+        name = file.relative_to(root)
+        text = file.read_text(encoding="utf-8")
+        try:
+            filled, count = fill(text, program)
+        except FigureError as error:
+            print(f"{name}: {error}", file=out)
+            status = 1
+            continue
+        blocks += count
+        if filled == text:
+            continue
+        if mode == "write":
+            file.write_text(filled, encoding="utf-8")
+            print(f"{name}: rewritten", file=out)
+        else:
+            out.writelines(difflib.unified_diff(text.splitlines(True), filled.splitlines(True), f"{name} as it stands",
+                                                f"{name} by the program", n=1))
+            status = 1
+    if status and mode == "check":
+        print("Figures in the documents are not the program's; `./dev figures` rewrites them.", file=out)
+    if not blocks and not status:
+        print("No document holds a block of figures.", file=out)
+        status = 1
+    return status
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("mode", choices=["check", "write"])
+    parser.add_argument("--iqfoc", type=pathlib.Path, default=ROOT / "build" / "host" / "iqfoc")
+    options = parser.parse_args()
+    return run(options.mode, ROOT, Program(options.iqfoc.resolve()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,26 @@
+"""papers YEAR [ITEM]: the rows of `iqfoc reproduce` for one paper, or for one of its tables or figures.
+
+    <!-- figures: papers 2019 "Table 1" -->
+"""
+
+from .markdown import number, table
+
+
+def generate(program, arguments):
+    if len(arguments) not in (1, 2) or arguments[0] not in ("2016", "2019"):
+        raise ValueError(f"expected a paper's year (2016 or 2019) and perhaps an item of it, got {arguments}")
+    rows = [row for row in program.json("reproduce")["rows"]
+            if row["paper"] == arguments[0] and row["item"] in (arguments[1:] or [row["item"]])]
+    if not rows:
+        raise ValueError(f"`iqfoc reproduce` has no row for {' '.join(arguments)}")
+    items = {row["item"] for row in rows}
+    heads = ["quantity", "method", "condition", "unit", "paper", "this project", "firmware (IQ24)", "ratio to the paper", "note"]
+    if len(items) > 1:
+        heads.insert(0, "item")
+    cells = []
+    for row in rows:
+        ratio = row["value"] / row["paper_value"] if row["paper_value"] and row["value"] is not None else None
+        line = [row["quantity"], row["method"], row["condition"], row["unit"], number(row["paper_value"]), number(row["value"]),
+                number(row["value_iq24"]), number(ratio), row["note"]]
+        cells.append([row["item"], *line] if len(items) > 1 else line)
+    return table(heads, cells, right=("paper", "this project", "firmware (IQ24)", "ratio to the paper"))

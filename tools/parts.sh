@@ -1,0 +1,143 @@
+# Sourced by ./dev: the parts of `./dev test` and `./dev check`, how each is run, and the one line that counts them all.
+# A part is a function; its output goes to build/logs/, and is shown where it fails.
+# shellcheck shell=bash
+
+PART_PASSED=0
+PART_FAILED=0
+FAILED_PARTS=()
+
+# Shows, on a terminal, what the part in process $1 with log $2 and name $3 does, until it ends.
+show_progress() {
+    local columns line start=$SECONDS
+    columns=$(tput cols 2>/dev/null || printf 80)
+    while kill -0 "$1" 2>/dev/null; do
+        line=$(tail -c 400 "$2" | tr -d '\000-\010\013-\037' | tail -n 1)
+        line=$(printf '  ...  %-14s %4d s  %s' "$3" $((SECONDS - start)) "$line")
+        printf '\r\033[K%s' "${line:0:columns-1}"
+        sleep 0.5
+    done
+    printf '\r\033[K'
+}
+
+# Runs the function $2... as the part named $1. A part that runs ctest counts that many tests, any other counts as one.
+run_part() {
+    local name=$1 log=build/logs/$1.log start=$SECONDS status=0 total=1 failed=0 count
+    shift
+    mkdir -p build/logs
+    # A process group of its own, so that an interrupt ends the part's children too.
+    set -m
+    (
+        set -euo pipefail
+        "$@"
+    ) >"$log" 2>&1 </dev/null &
+    local pid=$!
+    set +m
+    trap 'kill -TERM -- -'"$pid"' 2>/dev/null; die "interrupted in: '"$name"'"' INT TERM
+    [[ -t 1 ]] && show_progress "$pid" "$log" "$name"
+    wait "$pid" || status=$?
+    trap - INT TERM
+
+    count=$(sed -nE 's/^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)$/\1 \2/p' "$log" | tail -n 1)
+    if [[ -n $count ]]; then
+        read -r failed total <<<"$count"
+    fi
+    if ((status != 0 && failed == 0)); then
+        failed=1
+        [[ -n $count ]] && total=$((total + 1))
+    fi
+    PART_PASSED=$((PART_PASSED + total - failed))
+    PART_FAILED=$((PART_FAILED + failed))
+    if ((status == 0)); then
+        printf '  ok    %-14s %5d test%s %4d s\n' "$name" "$total" "$( ((total == 1)) && printf ' ' || printf s)" $((SECONDS - start))
+    else
+        FAILED_PARTS+=("$name")
+        printf '  FAIL  %-14s %5d of %d  %4d s\n' "$name" "$failed" "$total" $((SECONDS - start))
+        tail -n 60 "$log" | sed 's/^/        /'
+        printf '        (all of it: %s)\n' "$log"
+    fi
+}
+
+# The closing words: what failed, then one line in ctest's form.
+close_parts() {
+    local total=$((PART_PASSED + PART_FAILED)) percent
+    percent=$((100 * PART_PASSED / total))
+    if ((PART_FAILED)); then
+        printf '\nFailed: %s\n' "${FAILED_PARTS[*]}"
+    fi
+    printf '%d%% tests passed, %d tests failed out of %d\n' "$percent" "$PART_FAILED" "$total"
+    ((PART_FAILED == 0))
+}
+
+# Builds all of a preset and runs its tests but for those with a label that matches $2.
+test_preset() {
+    build_preset "$1" all -DBUILD_TESTING=ON
+    UBSAN_OPTIONS=print_stacktrace=1 ctest --test-dir "build/$1" -j "$JOBS" --no-tests=error --output-on-failure \
+        ${2:+--label-exclude "$2"}
+}
+
+# The library for a target without an operating system needs nothing of a C library.
+test_freestanding() {
+    build_preset "$1" all
+    python3 tools/check_freestanding.py "$2" "build/$1/src/libiqfoc.a"
+}
+
+# All C and C++ files of the tree, tracked or about to be.
+source_files() {
+    git ls-files -co --exclude-standard -- '*.c' '*.h' '*.cpp' '*.hpp' | sort -u
+}
+
+check_format() {
+    source_files | xargs clang-format --dry-run -Werror
+}
+
+# clang-tidy looks at what the clang preset compiles.
+check_tidy() {
+    mkdir -p build/logs
+    configure_preset clang -DBUILD_TESTING=ON
+    python3 - <<'END' | xargs -P "$JOBS" -n 4 clang-tidy --quiet -p build/clang
+import json, os
+root = os.getcwd() + "/"
+files = {entry["file"] for entry in json.load(open("build/clang/compile_commands.json"))}
+print("\n".join(sorted(f for f in files if f.startswith(root) and not f.startswith(root + ".cache/"))))
+END
+}
+
+check_cppcheck() {
+    mkdir -p build/cppcheck
+    cppcheck --quiet -j "$JOBS" --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
+        --suppress=missingIncludeSystem --cppcheck-build-dir=build/cppcheck -I include -I sim_host src sim_host port
+}
+
+# The library's lines and branches that the unit tests reach, headers with inline functions included.
+check_coverage() {
+    find build/coverage -name '*.gcda' -delete 2>/dev/null || true
+    test_preset coverage sweep
+    gcovr --root . --object-directory build/coverage --filter src/ --filter include/ --exclude-throw-branches \
+        --json-summary build/coverage/summary.json --txt --fail-under-line 98 --fail-under-branch 90
+    gcovr --root . --object-directory build/coverage --filter src/ --filter include/ --exclude-throw-branches \
+        --txt --branches
+}
+
+run_static_checks() {
+    run_part format check_format
+    run_part clang-tidy check_tidy
+    run_part cppcheck check_cppcheck
+}
+
+check_everything() {
+    run_static_checks
+    close_parts
+}
+
+test_everything() {
+    run_part host test_preset host
+    run_part clang test_preset clang sweep
+    run_part asan test_preset asan sweep
+    run_part cortex-m4 test_freestanding cortex-m4 arm-none-eabi-nm
+    run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
+    run_part examples python3 tools/check_examples.py
+    run_part figures python3 tools/figures.py check
+    run_static_checks
+    run_part coverage check_coverage
+    close_parts
+}

@@ -1,0 +1,140 @@
+# Sourced by ./dev: makes a fresh Debian machine ready. Installs only what is missing, asks nothing.
+# shellcheck shell=bash
+
+# What `build` and `demo` need.
+BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-dev liblapacke-dev libcminpack-dev
+    libfftw3-dev libjansson-dev libcsv-dev zlib1g-dev gnuplot-nox)
+# What `test`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the targets' compilers and
+# emulators, the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
+TEST_PACKAGES=(git python3 python3-numpy python3-scipy xz-utils libsundials-dev gcovr clang clang-tidy clang-format
+    cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
+    picolibc-riscv64-unknown-elf qemu-system-misc)
+
+# The packages among the arguments that are not installed, one a line.
+missing_packages() {
+    local package
+    for package in "$@"; do
+        if [[ $(dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null | head -n 1) != installed ]]; then
+            printf '%s\n' "$package"
+        fi
+    done
+}
+
+# Runs its arguments as root, or fails without a question.
+as_root() {
+    if [[ $EUID -eq 0 ]]; then
+        "$@"
+    else
+        sudo -n "$@"
+    fi
+}
+
+may_become_root() {
+    [[ $EUID -eq 0 ]] || { command -v sudo >/dev/null && sudo -n true 2>/dev/null; }
+}
+
+# Installs those of the packages that are missing; fails with the list where it cannot.
+install_packages() {
+    [[ -n ${IQFOC_NO_INSTALL:-} ]] && return 0
+    local missing log=$ROOT/.cache/apt.log
+    if ! command -v dpkg-query >/dev/null; then
+        die "this is not a Debian machine. Install what these packages hold, then set IQFOC_NO_INSTALL=1: $*"
+    fi
+    mapfile -t missing < <(missing_packages "$@")
+    ((${#missing[@]})) || return 0
+    command -v apt-get >/dev/null || die "apt-get is missing. Install these packages: ${missing[*]}"
+    may_become_root || die "no root and no sudo without a password. Run: apt-get install ${missing[*]}"
+
+    say "installing ${#missing[@]} Debian packages: ${missing[*]}"
+    mkdir -p "$ROOT/.cache"
+    if ! as_root apt-get update -q -o Acquire::Retries=3 >"$log" 2>&1 </dev/null ||
+        ! as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends \
+            -o Acquire::Retries=3 -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 "${missing[@]}" >>"$log" 2>&1 </dev/null; then
+        tail -n 20 "$log" >&2
+        die "apt-get failed (above; all of it in $log). Needed: ${missing[*]}"
+    fi
+}
+
+# The machine's own Debian sources as deb-src entries of the release's main part, in the deb822 form where the machine has it.
+# Mirror and keyring stay the machine's; options that narrow the architecture do not fit sources and go.
+write_source_entries() {
+    local codename=$1 folder=$2 apt=${APT_SOURCES:-/etc/apt} file
+    : >"$folder/src.sources"
+    : >"$folder/src.list"
+    for file in "$apt"/sources.list.d/*.sources; do
+        [[ -r $file ]] || continue
+        grep -v '^#' "$file" | awk -v RS= -v codename="$codename" '
+            /(^|\n)[Ee]nabled:[ \t]*no/ { next }
+            $0 !~ "(^|\n)Suites:[^\n]*[ \t]" codename "([ \t\n]|$)" { next }
+            !/(^|\n)Components:[^\n]*[ \t]main([ \t\n]|$)/ { next }
+            {
+                count = split($0, line, "\n")
+                for (i = 1; i <= count; i++) {
+                    if (line[i] ~ /^Types:/) line[i] = "Types: deb-src"
+                    if (line[i] ~ /^Suites:/) line[i] = "Suites: " codename
+                    if (line[i] ~ /^Components:/) line[i] = "Components: main"
+                    if (line[i] !~ /^Architectures:/) print line[i]
+                }
+                print ""
+            }' >>"$folder/src.sources"
+    done
+    for file in "$apt"/sources.list "$apt"/sources.list.d/*.list; do
+        [[ -r $file ]] || continue
+        sed -nE "s/^deb[ \t]+(\[[^]]*\][ \t]+)?([^ \t]+)[ \t]+$codename[ \t]+(.*[ \t])?main([ \t].*)?$/deb-src \1\2 $codename main/p" "$file" |
+            sed -E 's/arch=[^] ]*//' >>"$folder/src.list"
+    done
+}
+
+# Takes Unity out of the source package of ntpsec, which Debian 12 has it in. Needs no root: apt works on folders of this tree, and
+# the machine's own lists and sources stay as they are.
+fetch_unity() {
+    local target=$1 work=$ROOT/.cache/unity-fetch codename entries tarball
+    codename=$(. /etc/os-release && printf '%s' "${VERSION_CODENAME:-}")
+    say "fetching the test framework Unity from Debian's source package ntpsec"
+    rm -rf "$work"
+    mkdir -p "$work"/{parts,state/lists/partial,cache/archives/partial,unity}
+    write_source_entries "$codename" "$work/parts"
+    local apt_options=(-q -o "Dir::Etc::sourcelist=/dev/null" -o "Dir::Etc::sourceparts=$work/parts"
+        -o "Dir::State::lists=$work/state/lists" -o "Dir::Cache=$work/cache" -o "APT::Get::List-Cleanup=0"
+        -o "APT::Sandbox::User=$(id -un)" -o Acquire::Retries=3 -o Acquire::Languages=none)
+    if ! (cd "$work" && apt-get update "${apt_options[@]}" && apt-get source "${apt_options[@]}" --download-only --tar-only ntpsec) \
+        >"$work/log" 2>&1 </dev/null; then
+        tail -n 10 "$work/log" >&2
+        die "Unity could not be fetched (above). Set UNITY_DIR to a folder with unity.c, unity.h and unity_internals.h"
+    fi
+    tarball=$(echo "$work"/ntpsec_*.orig.tar.*)
+    tar -C "$work/unity" --strip-components=3 --wildcards -xf "$tarball" \
+        '*/tests/unity/unity.c' '*/tests/unity/unity.h' '*/tests/unity/unity_internals.h' ||
+        die "no Unity inside $tarball. Set UNITY_DIR to a folder with unity.c, unity.h and unity_internals.h"
+    unity_is_pinned "$work/unity" || die "Unity in $tarball is not the pinned one (tools/unity.sha256)"
+    rm -rf "$target"
+    mv "$work/unity" "$target"
+    rm -rf "$work"
+}
+
+unity_is_pinned() {
+    [[ -d $1 ]] && (cd "$1" && sha256sum --status --strict -c "$ROOT/tools/unity.sha256" 2>/dev/null)
+}
+
+# Sets and exports UNITY_DIR: the caller's, the one fetched before, an installed one, Debian 13's package, Debian 12's sources.
+set_up_unity() {
+    local fetched=$ROOT/.cache/unity installed=/usr/share/cmock/vendor/unity/src
+    if [[ -n ${UNITY_DIR:-} ]]; then
+        [[ -r $UNITY_DIR/unity.c ]] || die "UNITY_DIR is '$UNITY_DIR', and there is no unity.c in it"
+    elif unity_is_pinned "$fetched"; then
+        UNITY_DIR=$fetched
+    else
+        command -v apt-get >/dev/null ||
+            die "the test framework Unity is missing, and there is no apt-get to fetch it. Set UNITY_DIR to the folder of unity.c"
+        if [[ ! -r $installed/unity.c && -n $(apt-cache search --names-only '^cmock$' 2>/dev/null) ]]; then
+            install_packages cmock
+        fi
+        if [[ -r $installed/unity.c ]]; then
+            UNITY_DIR=$installed
+        else
+            fetch_unity "$fetched"
+            UNITY_DIR=$fetched
+        fi
+    fi
+    export UNITY_DIR
+}

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# Tests of ./dev's set-up on machines that it cannot set up: one line says what to install, and nothing hangs or is installed.
+# The machine is played by a folder of stand-ins as the only PATH.
+set -uo pipefail
+
+ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+WORK=$(mktemp -d)
+trap 'rm -rf "$WORK"' EXIT
+failures=0
+
+# A machine: a PATH with the plain tools, plus the stand-ins that are given as name=script.
+machine() {
+    rm -rf "$WORK/bin"
+    mkdir "$WORK/bin"
+    local tool stand_in
+    for tool in bash env dirname nproc head mkdir grep tail id cat; do
+        ln -s "$(command -v "$tool")" "$WORK/bin/$tool"
+    done
+    for stand_in in "$@"; do
+        printf '#!/bin/sh\n%s\n' "${stand_in#*=}" >"$WORK/bin/${stand_in%%=*}"
+        chmod +x "$WORK/bin/${stand_in%%=*}"
+    done
+}
+
+# Runs set-up code as an ordinary user would (EUID is read-only, so that the two questions about root are answered here).
+try() {
+    "$(command -v env)" -i PATH="$WORK/bin" HOME="$WORK" ROOT="$WORK" "${@:2}" "$(command -v timeout)" 20 bash -c '
+        say() { printf "dev: %s\n" "$*" >&2; }
+        die() { say "$*"; exit 1; }
+        . "'"$ROOT"'/tools/setup.sh"
+        [ -n "${PLAIN_USER:-}" ] && may_become_root() { sudo -n true 2>/dev/null; }
+        '"$1" 2>&1 </dev/null
+}
+
+expect() {
+    local name=$1 status=$2 words=$3 said
+    shift 3
+    said=$(try "$@")
+    local got=$?
+    if [[ $got -ne $status || $said != *"$words"* ]]; then
+        printf 'FAIL %s: status %d (expected %d), said: %s\n' "$name" "$got" "$status" "$said"
+        failures=$((failures + 1))
+    fi
+}
+
+INSTALLED='dpkg-query=echo installed'
+ABSENT='dpkg-query=case "$*" in *gnuplot*) exit 1;; *) echo installed;; esac'
+
+machine "$INSTALLED"
+expect "all installed needs neither apt nor root" 0 "" 'install_packages gcc gnuplot-nox'
+machine "$ABSENT"
+expect "no apt-get" 1 "Install these packages: gnuplot-nox" 'install_packages gcc gnuplot-nox'
+machine
+expect "no Debian" 1 "not a Debian machine" 'install_packages gcc gnuplot-nox'
+expect "no Debian, told so" 0 "" 'install_packages gcc gnuplot-nox' IQFOC_NO_INSTALL=1
+machine "$ABSENT" 'apt-get=exit 99'
+expect "no root, no sudo" 1 "Run: apt-get install gnuplot-nox" 'install_packages gcc gnuplot-nox' PLAIN_USER=1
+machine "$ABSENT" 'apt-get=exit 99' 'sudo=exit 1'
+expect "sudo wants a password" 1 "Run: apt-get install gnuplot-nox" 'install_packages gcc gnuplot-nox' PLAIN_USER=1
+machine "$ABSENT" 'apt-get=echo "E: no such package"; exit 100' 'sudo=shift; exec "$@"'
+expect "apt-get fails" 1 "E: no such package" 'install_packages gcc gnuplot-nox' PLAIN_USER=1
+machine
+expect "UNITY_DIR is wrong" 1 "there is no unity.c in it" 'set_up_unity' UNITY_DIR=/nowhere
+expect "no Unity, no apt-get" 1 "Set UNITY_DIR" 'set_up_unity'
+
+# Where Unity's source package comes from: the machine's own mirror and keyring, in either form of apt's entries.
+machine
+for tool in awk sed; do ln -s "$(command -v "$tool")" "$WORK/bin/$tool"; done
+mkdir -p "$WORK/apt/sources.list.d" "$WORK/out"
+cat >"$WORK/apt/sources.list.d/debian.sources" <<'END'
+# the machine's
+Types: deb
+URIs: http://mirror.example/debian
+Suites: bookworm bookworm-updates
+Components: main contrib
+Architectures: amd64
+Signed-By: /keys/debian.gpg
+
+Types: deb
+URIs: http://mirror.example/debian-security
+Suites: bookworm-security
+Components: main
+
+Enabled: no
+Types: deb
+URIs: http://off.example/debian
+Suites: bookworm
+Components: main
+END
+echo 'deb [arch=amd64 signed-by=/keys/old.gpg] http://old.example/debian bookworm contrib main' >"$WORK/apt/sources.list"
+try "APT_SOURCES=$WORK/apt write_source_entries bookworm $WORK/out" >/dev/null
+wanted='Types: deb-src
+URIs: http://mirror.example/debian
+Suites: bookworm
+Components: main
+Signed-By: /keys/debian.gpg'
+[[ $(cat "$WORK/out/src.sources") == "$wanted" ]] || { printf 'FAIL deb822 entry:\n%s\n' "$(cat "$WORK/out/src.sources")"; failures=$((failures + 1)); }
+wanted='deb-src [signed-by=/keys/old.gpg] http://old.example/debian bookworm main'
+[[ $(tr -s ' ' <"$WORK/out/src.list" | sed 's/\[ /[/') == "$wanted" ]] || { printf 'FAIL one-line entry: %s\n' "$(cat "$WORK/out/src.list")"; failures=$((failures + 1)); }
+
+((failures == 0)) && printf 'set-up: all as expected\n'
+exit $((failures != 0))
