@@ -103,7 +103,7 @@ fetch_unity() {
         die "Unity could not be fetched (above). Set UNITY_DIR to a folder with unity.c, unity.h and unity_internals.h"
     fi
     tarball=$(echo "$work"/ntpsec_*.orig.tar.*)
-    tar -C "$work/unity" --strip-components=3 --wildcards -xf "$tarball" \
+    tar -C "$work/unity" --no-same-owner --strip-components=3 --wildcards -xf "$tarball" \
         '*/tests/unity/unity.c' '*/tests/unity/unity.h' '*/tests/unity/unity_internals.h' ||
         die "no Unity inside $tarball. Set UNITY_DIR to a folder with unity.c, unity.h and unity_internals.h"
     unity_is_pinned "$work/unity" || die "Unity in $tarball is not the pinned one (tools/unity.sha256)"

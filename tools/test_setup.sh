@@ -13,7 +13,7 @@ machine() {
     rm -rf "$WORK/bin"
     mkdir "$WORK/bin"
     local tool stand_in
-    for tool in bash env dirname nproc head mkdir grep tail id cat; do
+    for tool in bash env dirname nproc head mkdir grep tail id cat true; do
         ln -s "$(command -v "$tool")" "$WORK/bin/$tool"
     done
     for stand_in in "$@"; do
