@@ -9,6 +9,10 @@
 
 #include <stdbool.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* What the process exits with: interfaces.md, "The command line". */
 enum {
     STATUS_DONE = 0,    /* whatever the verdict */
@@ -31,12 +35,17 @@ typedef struct error {
  * Sets "FILE:LINE:COLUMN: text" with status 2; a line or column of 0 is left out, a NULL file too.
  * The first error set stays. Returns false, so that a caller can `return error_input(...)`.
  */
-bool error_input(error *e, const char *file, long line, long column, const char *format, ...) ERROR_PRINTF(5, 6);
+bool error_input(error *e, const char *file, long line, long column, const char *format, ...)
+    ERROR_PRINTF(5, 6);
 
 /* The same for a failure of the program itself: status 1. Appends strerror(errno_value) if it is not 0. */
 bool error_failure(error *e, int errno_value, const char *format, ...) ERROR_PRINTF(3, 4);
 
 /* Prints "iqfoc: <text>" and a newline on stderr; returns e->status for exit(). */
 int error_print(const error *e);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

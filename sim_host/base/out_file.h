@@ -1,6 +1,7 @@
 /*
- * Output files that appear whole or not at all: written under a temporary name in the same directory, flushed,
- * and renamed over the old file only when everything was written. What the user had stays until then.
+ * Output files that appear whole or not at all: written under a temporary name in the same directory,
+ * flushed, and renamed over the old file only when everything was written. What the user had stays until
+ * then.
  */
 #ifndef SIM_HOST_BASE_OUT_FILE_H
 #define SIM_HOST_BASE_OUT_FILE_H

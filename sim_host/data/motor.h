@@ -29,30 +29,30 @@ typedef enum extension_id {
 
 typedef struct motor_extension {
     bool has[EXT_COUNT];
-    double L_0_H, I_sat_A;             /* saturation: flux/current = L_0 / (1 + (|i|/I_sat)^2), both axes in ratio */
-    double v_dead_V, i_knee_A;         /* dead_time */
-    double k_u;                        /* voltage_gain: applied = k_u * recorded; 1 when absent */
-    double o_A[3];                     /* current_offset: measured = g * true + o */
-    double g[3];                       /* current_gain; 1 when absent */
-    double theta_0_rad;                /* angle_offset: recorded = true + theta_0 */
-    double harmonic_order;             /* angle_harmonic: 1 or 2 per mechanical revolution */
+    double L_0_H, I_sat_A;     /* saturation: flux/current = L_0 / (1 + (|i|/I_sat)^2), both axes in ratio */
+    double v_dead_V, i_knee_A; /* dead_time */
+    double k_u;                /* voltage_gain: applied = k_u * recorded; 1 when absent */
+    double o_A[3];             /* current_offset: measured = g * true + o */
+    double g[3];               /* current_gain; 1 when absent */
+    double theta_0_rad;        /* angle_offset: recorded = true + theta_0 */
+    double harmonic_order;     /* angle_harmonic: 1 or 2 per mechanical revolution */
     double harmonic_amplitude_rad, harmonic_phase_rad;
-    double t_delay_s;                  /* angle_delay: recorded(t_k) = true(t_k + t_delay) */
-    int voltage_delay_cycles;          /* voltage_delay: applied in k = recorded in k - cycles */
-    double psi_5_Wb, psi_7_Wb;         /* emf_harmonics, signed flux */
-    double dR_ohm[3];                  /* phase_asymmetry */
+    double t_delay_s;          /* angle_delay: recorded(t_k) = true(t_k + t_delay) */
+    int voltage_delay_cycles;  /* voltage_delay: applied in k = recorded in k - cycles */
+    double psi_5_Wb, psi_7_Wb; /* emf_harmonics, signed flux */
+    double dR_ohm[3];          /* phase_asymmetry */
 } motor_extension;
 
 typedef struct motor {
     char name[128];
-    int pole_pairs;        /* >= 1 */
-    double R_ohm;          /* >= 0 */
-    double L_d_H, L_q_H;   /* > 0 */
-    double psi_f_Wb;       /* >= 0; 0 is a plain RL load */
-    double I_rated_A_rms;  /* > 0 */
-    double n_max_rpm;      /* > 0, mechanical */
-    double f_pwm_Hz;       /* > 0 */
-    double u_dc_V;         /* > 0, nominal */
+    int pole_pairs;       /* >= 1 */
+    double R_ohm;         /* >= 0 */
+    double L_d_H, L_q_H;  /* > 0 */
+    double psi_f_Wb;      /* >= 0; 0 is a plain RL load */
+    double I_rated_A_rms; /* > 0 */
+    double n_max_rpm;     /* > 0, mechanical */
+    double f_pwm_Hz;      /* > 0 */
+    double u_dc_V;        /* > 0, nominal */
     motor_extension ext;
 } motor;
 

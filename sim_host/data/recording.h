@@ -2,13 +2,15 @@
  * The recording (interfaces.md, "The recording: CSV") as columns of doubles.
  *
  * Columns are in the file's units. A column that the file lacks is NULL; the reader fills i_c from -a-b,
- * and nothing else. Stretches (a gap of more than 1.5 T in t_s, or a change of `run`, ends one) are found once.
+ * and nothing else. Stretches (a gap of more than 1.5 T in t_s, or a change of `run`, ends one) are found
+ * once.
  */
 #ifndef SIM_HOST_DATA_RECORDING_H
 #define SIM_HOST_DATA_RECORDING_H
 
 #include "../base/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct stretch {
@@ -30,21 +32,35 @@ typedef struct recording {
     long *run;             /* or NULL */
     double *theta_mech_rad;
     double *temp_C;
-    long *line;            /* the line in the file of each row, for messages */
-    bool i_c_measured;     /* false: i_A[2] was filled in */
+    long *line;        /* the line in the file of each row, for messages */
+    bool i_c_measured; /* false: i_A[2] was filled in */
     size_t stretches;
     stretch *stretch;
-    double T_s;            /* control cycle: median step of t_s within stretches */
+    double T_s; /* control cycle: median step of t_s within stretches */
 } recording;
 
 /*
- * Reads a plain CSV file (or gzip, recognised by its first bytes); "-" is stdin. Refuses with file, line and column:
- * a missing required column, a field that is no finite number, a row of another length, no rows, time that
- * does not rise within a run.
+ * Reads a plain CSV file (or gzip, recognised by its first bytes); "-" is stdin. Refuses with file, line and
+ * column: a missing required column, a field that is no finite number, a row of another length, no rows, time
+ * that does not rise within a run. The column named is the character (from 1) at which the field starts in
+ * its line.
+ *
+ * Unknown columns are ignored, and so is an optional group that is not whole: mid-point currents of one
+ * phase, two duties beside three voltages, duties without u_dc_V beside voltages. On failure *r is empty.
  */
 bool recording_read(const char *path, recording *r, error *e);
 
-/* Writes the columns that are there, with enough digits that reading gives the same doubles. */
+/*
+ * Fills stretch, stretches and T_s (0 if no two rows are consecutive) from t_s and run; the reader has done
+ * so. False: out of memory.
+ */
+bool recording_find_stretches(recording *r);
+
+/*
+ * Writes the columns that are there, with enough digits that reading gives the same doubles; each line of the
+ * comment (may be NULL) behind "# ". i_c is left out unless i_c_measured, so that the file does not claim a
+ * third sensor.
+ */
 bool recording_write(const char *path, const recording *r, const char *comment, error *e);
 
 void recording_free(recording *r);

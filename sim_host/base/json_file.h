@@ -1,0 +1,19 @@
+/*
+ * A jansson value as a file that appears whole or not at all (out_file.h).
+ *
+ * jansson itself prints 0.1 as 0.10000000000000001; here every real gets the shortest text that reads back to
+ * the same double. Objects keep the order in which their keys were set; an array of plain values stays on one
+ * line.
+ */
+#ifndef SIM_HOST_BASE_JSON_FILE_H
+#define SIM_HOST_BASE_JSON_FILE_H
+
+#include "error.h"
+
+#include <jansson.h>
+
+/* Writes with a newline at the end; "-" is stdout. Does not take the reference. NULL: out of memory while
+ * building. */
+bool json_file_write(const char *path, const json_t *value, error *e);
+
+#endif

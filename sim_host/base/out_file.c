@@ -1,0 +1,177 @@
+/* POSIX: mkstemp, fsync, fchmod, realpath. */
+#define _XOPEN_SOURCE 700
+
+#include "out_file.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* The mode of a file that did not exist before: what fopen would have given it; mkstemp gives 0600. */
+static mode_t new_file_mode(void)
+{
+    const mode_t mask = umask(0);
+    umask(mask);
+    return (mode_t)(0666 & ~mask);
+}
+
+static void out_file_release(out_file *f)
+{
+    free(f->path);
+    free(f->temp_path);
+    *f = (out_file){0};
+}
+
+/* "dir/name" -> "dir/.name.XXXXXX": the same directory, so that rename stays within one file system. */
+static char *temp_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const size_t directory_length = slash ? (size_t)(slash - path) + 1 : 0;
+    const size_t size = strlen(path) + sizeof "..XXXXXX";
+    char *name = malloc(size);
+    if (name != NULL) {
+        snprintf(name, size, "%.*s.%s.XXXXXX", (int)directory_length, path, path + directory_length);
+    }
+    return name;
+}
+
+/* A pipe, a terminal or /dev/null cannot be replaced by a rename and is written as it comes. */
+static bool open_in_place(out_file *f, const char *path, error *e)
+{
+    f->stream = strcmp(path, "-") == 0 ? stdout : fopen(path, "w");
+    if (f->stream == NULL) {
+        return error_input(e, path, 0, 0, "cannot be written: %s", strerror(errno));
+    }
+    return true;
+}
+
+static bool open_temporary(out_file *f, mode_t mode, error *e)
+{
+    f->temp_path = temp_name(f->path);
+    if (f->temp_path == NULL) {
+        return error_failure(e, 0, "out of memory");
+    }
+    const int descriptor = mkstemp(f->temp_path);
+    if (descriptor < 0) {
+        const int why = errno;
+        free(f->temp_path);
+        f->temp_path = NULL;
+        return error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(why));
+    }
+    if (fchmod(descriptor, mode) != 0 || (f->stream = fdopen(descriptor, "w")) == NULL) {
+        error_failure(e, errno, "%s", f->temp_path);
+        close(descriptor);
+        unlink(f->temp_path);
+        return false;
+    }
+    return true;
+}
+
+bool out_file_open(out_file *f, const char *path, error *e)
+{
+    *f = (out_file){0};
+    if (path[0] == '\0') {
+        return error_input(e, NULL, 0, 0, "an output file needs a name, not an empty text");
+    }
+
+    struct stat status;
+    const bool exists = strcmp(path, "-") != 0 && stat(path, &status) == 0;
+    if (exists && S_ISDIR(status.st_mode)) {
+        return error_input(e, path, 0, 0, "is a directory; expected the name of a file to write");
+    }
+    /* Replacing needs only a writable directory; a file that its owner has locked is still not ours to
+     * replace. */
+    if (exists && access(path, W_OK) != 0) {
+        return error_input(e, path, 0, 0, "cannot be written: %s", strerror(errno));
+    }
+    const bool in_place = strcmp(path, "-") == 0 || (exists && !S_ISREG(status.st_mode));
+
+    /* Through a symbolic link the file it names is replaced, not the link. */
+    f->path = exists && !in_place ? realpath(path, NULL) : strdup(path);
+    bool ok;
+    if (f->path == NULL) {
+        ok = error_failure(e, errno, "%s", path);
+    } else if (in_place) {
+        ok = open_in_place(f, path, e);
+    } else {
+        ok = open_temporary(f, exists ? status.st_mode & 07777 : new_file_mode(), e);
+    }
+    if (!ok) {
+        out_file_release(f);
+    }
+    return ok;
+}
+
+bool out_file_commit(out_file *f, error *e)
+{
+    if (f->stream == NULL) {
+        return error_failure(e, 0, "nothing is open for writing");
+    }
+    int why = 0;
+    if (fflush(f->stream) != 0) {
+        why = errno;
+    } else if (ferror(f->stream)) {
+        why = EIO; /* an earlier write failed and its errno is gone */
+    }
+    if (why == 0 && f->temp_path != NULL && fsync(fileno(f->stream)) != 0) {
+        why = errno;
+    }
+    if (f->stream != stdout && fclose(f->stream) != 0 && why == 0) {
+        why = errno;
+    }
+    f->stream = NULL;
+    if (why == 0 && f->temp_path != NULL && rename(f->temp_path, f->path) != 0) {
+        why = errno;
+    }
+    if (why != 0) {
+        error_failure(e, why, "%s: cannot be written", f->path);
+        out_file_abandon(f);
+        return false;
+    }
+    out_file_release(f);
+    return true;
+}
+
+void out_file_abandon(out_file *f)
+{
+    if (f->stream != NULL && f->stream != stdout) {
+        fclose(f->stream);
+    }
+    if (f->temp_path != NULL) {
+        unlink(f->temp_path);
+    }
+    out_file_release(f);
+}
+
+bool out_dir_make(const char *path, error *e)
+{
+    if (path[0] == '\0') {
+        return error_input(e, NULL, 0, 0, "an output directory needs a name, not an empty text");
+    }
+    char *partial = strdup(path);
+    if (partial == NULL) {
+        return error_failure(e, 0, "out of memory");
+    }
+    bool ok = true;
+    const size_t length = strlen(partial);
+    for (size_t i = 1; ok && i <= length; i++) {
+        if (partial[i] != '/' && partial[i] != '\0') {
+            continue;
+        }
+        partial[i] = '\0';
+        struct stat status;
+        if (mkdir(partial, 0777) != 0 && errno != EEXIST) {
+            ok = error_input(e, partial, 0, 0, "the directory cannot be made: %s", strerror(errno));
+        } else if (stat(partial, &status) != 0 || !S_ISDIR(status.st_mode)) {
+            ok = error_input(e, partial, 0, 0, "is not a directory");
+        }
+        if (i < length) {
+            partial[i] = '/';
+        }
+    }
+    free(partial);
+    return ok;
+}

@@ -1,0 +1,32 @@
+/*
+ * Lines of a text file, plain or gzip (recognised by its first bytes), or of stdin ("-"). Numbered from 1.
+ */
+#ifndef SIM_HOST_DATA_LINE_SOURCE_H
+#define SIM_HOST_DATA_LINE_SOURCE_H
+
+#include "../base/error.h"
+
+#include <stddef.h>
+
+typedef struct line_source {
+    const char *path;
+    void *stream; /* zlib's gzFile */
+    char *block;  /* bytes read but not yet handed out: [at, end) */
+    size_t at, end;
+    char *joined; /* a line that lay across two blocks */
+    size_t joined_size;
+    const char *line; /* the current line with its newline, if it has one; not 0-terminated */
+    size_t length;
+    long number; /* of the current line */
+} line_source;
+
+/* `path` must outlive the struct. */
+bool line_source_open(line_source *s, const char *path, error *e);
+
+/* The next line into ->line, ->length, ->number. False at the end, or with *e set on damage. */
+bool line_source_next(line_source *s, error *e);
+
+/* Safe on a zeroed struct. */
+void line_source_close(line_source *s);
+
+#endif

@@ -1,0 +1,107 @@
+#include "recording.h"
+
+#include "recording_columns.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A step longer than this many control cycles is a gap: interfaces.md, "The recording". */
+static const double gap_in_cycles = 1.5;
+
+void recording_free(recording *r)
+{
+    for (int id = 0; id < COL_COUNT; id++) {
+        double **column = recording_column(r, (column_id)id);
+        if (column != NULL) {
+            free(*column);
+        }
+    }
+    free(r->run);
+    free(r->line);
+    free(r->stretch);
+    *r = (recording){0};
+}
+
+void recording_voltage(const recording *r, size_t k, double u_V[3])
+{
+    if (r->u_V[0] != NULL) {
+        for (int phase = 0; phase < 3; phase++) {
+            u_V[phase] = r->u_V[phase][k];
+        }
+        return;
+    }
+    const double mean = (r->duty[0][k] + r->duty[1][k] + r->duty[2][k]) / 3.0;
+    for (int phase = 0; phase < 3; phase++) {
+        u_V[phase] = (r->duty[phase][k] - mean) * r->u_dc_V[k];
+    }
+}
+
+static bool is_same_run(const recording *r, size_t k)
+{
+    return r->run == NULL || r->run[k] == r->run[k - 1];
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Median step of t_s within runs, of the steps not longer than `longest`; 0 if there is none. */
+static double median_step(const recording *r, double longest, double *steps)
+{
+    size_t count = 0;
+    for (size_t k = 1; k < r->rows; k++) {
+        const double step = r->t_s[k] - r->t_s[k - 1];
+        if (is_same_run(r, k) && step <= longest) {
+            steps[count++] = step;
+        }
+    }
+    if (count == 0) {
+        return 0.0;
+    }
+    qsort(steps, count, sizeof *steps, compare_doubles);
+    return count % 2 == 1 ? steps[count / 2] : 0.5 * (steps[count / 2 - 1] + steps[count / 2]);
+}
+
+static bool starts_stretch(const recording *r, size_t k)
+{
+    return k == 0 || !is_same_run(r, k) || r->t_s[k] - r->t_s[k - 1] > gap_in_cycles * r->T_s;
+}
+
+bool recording_find_stretches(recording *r)
+{
+    free(r->stretch);
+    r->stretch = NULL;
+    r->stretches = 0;
+    if (r->rows == 0) {
+        return true;
+    }
+    double *steps = malloc(r->rows * sizeof *steps);
+    if (steps == NULL) {
+        return false;
+    }
+    /* The first median may hold gaps; they are the few long ones, so it is good enough to tell them. */
+    const double first = median_step(r, INFINITY, steps);
+    r->T_s = median_step(r, gap_in_cycles * first, steps);
+    free(steps);
+
+    for (size_t k = 0; k < r->rows; k++) {
+        r->stretches += starts_stretch(r, k) ? 1 : 0;
+    }
+    r->stretch = malloc(r->stretches * sizeof *r->stretch);
+    if (r->stretch == NULL) {
+        r->stretches = 0;
+        return false;
+    }
+    size_t s = 0;
+    for (size_t k = 0; k < r->rows; k++) {
+        if (starts_stretch(r, k)) {
+            r->stretch[s++] = (stretch){.first = k, .run = r->run != NULL ? r->run[k] : 0};
+        }
+        r->stretch[s - 1].count++;
+    }
+    return true;
+}

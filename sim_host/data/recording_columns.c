@@ -1,0 +1,52 @@
+#include "recording_columns.h"
+
+#include <string.h>
+
+typedef struct column {
+    const char *name;
+    size_t offset; /* of the double * within recording */
+} column;
+
+#define AT(member) offsetof(recording, member)
+
+static const column columns[COL_COUNT] = {
+    [COL_RUN] = {"run", AT(run)},
+    [COL_T] = {"t_s", AT(t_s)},
+    [COL_I_A] = {"i_a_A", AT(i_A[0])},
+    [COL_I_B] = {"i_b_A", AT(i_A[1])},
+    [COL_I_C] = {"i_c_A", AT(i_A[2])},
+    [COL_THETA] = {"theta_e_rad", AT(theta_e_rad)},
+    [COL_OMEGA] = {"omega_e_rad_s", AT(omega_e_rad_s)},
+    [COL_U_A] = {"u_a_V", AT(u_V[0])},
+    [COL_U_B] = {"u_b_V", AT(u_V[1])},
+    [COL_U_C] = {"u_c_V", AT(u_V[2])},
+    [COL_D_A] = {"d_a", AT(duty[0])},
+    [COL_D_B] = {"d_b", AT(duty[1])},
+    [COL_D_C] = {"d_c", AT(duty[2])},
+    [COL_U_DC] = {"u_dc_V", AT(u_dc_V)},
+    [COL_MID_A] = {"i_a_mid_A", AT(i_mid_A[0])},
+    [COL_MID_B] = {"i_b_mid_A", AT(i_mid_A[1])},
+    [COL_MID_C] = {"i_c_mid_A", AT(i_mid_A[2])},
+    [COL_THETA_MECH] = {"theta_mech_rad", AT(theta_mech_rad)},
+    [COL_TEMP] = {"temp_C", AT(temp_C)},
+};
+
+const char *recording_column_name(column_id id)
+{
+    return columns[id].name;
+}
+
+column_id recording_column_find(const char *name, size_t length)
+{
+    for (int id = 0; id < COL_COUNT; id++) {
+        if (strlen(columns[id].name) == length && memcmp(columns[id].name, name, length) == 0) {
+            return (column_id)id;
+        }
+    }
+    return COL_COUNT;
+}
+
+double **recording_column(recording *r, column_id id)
+{
+    return id == COL_RUN ? NULL : (double **)(void *)((char *)r + columns[id].offset);
+}

@@ -1,0 +1,42 @@
+/*
+ * The columns of a recording by name: one table for the reader and the writer.
+ */
+#ifndef SIM_HOST_DATA_RECORDING_COLUMNS_H
+#define SIM_HOST_DATA_RECORDING_COLUMNS_H
+
+#include "recording.h"
+
+/* In the order in which they are written. `run` is apart: it holds integers. */
+typedef enum column_id {
+    COL_RUN,
+    COL_T,
+    COL_I_A,
+    COL_I_B,
+    COL_I_C,
+    COL_THETA,
+    COL_OMEGA,
+    COL_U_A,
+    COL_U_B,
+    COL_U_C,
+    COL_D_A,
+    COL_D_B,
+    COL_D_C,
+    COL_U_DC,
+    COL_MID_A,
+    COL_MID_B,
+    COL_MID_C,
+    COL_THETA_MECH,
+    COL_TEMP,
+    COL_COUNT
+} column_id;
+
+/* "t_s", "i_a_A" ... */
+const char *recording_column_name(column_id id);
+
+/* The id of a name of this length, or COL_COUNT. */
+column_id recording_column_find(const char *name, size_t length);
+
+/* Where the recording keeps the column; NULL for COL_RUN. */
+double **recording_column(recording *r, column_id id);
+
+#endif

@@ -1,0 +1,222 @@
+/* Motor files: what is read, what is refused and where, and that writing loses nothing. */
+#include "data/motor.h"
+#include "host_files.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unity.h>
+
+/* interfaces.md's example; tests below change one line of it. */
+static const char *const example[] = {
+    "name = \"Jarzebowicz 2019 laboratory drive\"",
+    "[motor]",
+    "pole_pairs = 3",
+    "R_ohm = 0.75",
+    "L_d_H = 5.2e-3",
+    "L_q_H = 5.2e-3",
+    "psi_f_Wb = 0.134",
+    "I_rated_A_rms = 10.5",
+    "n_max_rpm = 8000",
+    "[inverter]",
+    "f_pwm_Hz = 5000",
+    "u_dc_V = 750",
+    "[extension.dead_time]",
+    "v_dead_V = 4.2",
+    "i_knee_A = 0.15",
+};
+
+enum { LINES = sizeof example / sizeof example[0] };
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* The example with line `changed` (from 1; 0: none) replaced by `text`, and `more` at its end. */
+static const char *example_file(int changed, const char *text, const char *more)
+{
+    char all[4000] = "";
+    for (int i = 0; i < LINES; i++) {
+        strcat(all, i + 1 == changed ? text : example[i]);
+        strcat(all, "\n");
+    }
+    strcat(all, more);
+    return scratch_text("m.toml", all);
+}
+
+static void expect_refused(int changed, const char *text, const char *more, const char *where,
+                           const char *what)
+{
+    error e = {0};
+    motor m = motor_blank();
+    m.R_ohm = 42.0;
+    const char *path = example_file(changed, text, more);
+    TEST_ASSERT_FALSE_MESSAGE(motor_read(path, &m, &e), text);
+    TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
+    char start[500];
+    snprintf(start, sizeof start, "%s:%s: ", path, where);
+    TEST_ASSERT_EQUAL_STRING_LEN_MESSAGE(start, e.text, strlen(start), e.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, what), e.text);
+    TEST_ASSERT_TRUE_MESSAGE(m.R_ohm == 42.0, "the motor was touched");
+}
+
+static void test_the_example_is_read(void)
+{
+    error e = {0};
+    motor m;
+    TEST_ASSERT_TRUE_MESSAGE(motor_read(example_file(0, "", ""), &m, &e), e.text);
+    TEST_ASSERT_EQUAL_STRING("Jarzebowicz 2019 laboratory drive", m.name);
+    TEST_ASSERT_EQUAL(3, m.pole_pairs);
+    TEST_ASSERT_TRUE(m.R_ohm == 0.75);
+    TEST_ASSERT_TRUE(m.L_d_H == 5.2e-3 && m.L_q_H == 5.2e-3);
+    TEST_ASSERT_TRUE(m.psi_f_Wb == 0.134);
+    TEST_ASSERT_TRUE(m.I_rated_A_rms == 10.5 && m.n_max_rpm == 8000.0);
+    TEST_ASSERT_TRUE(m.f_pwm_Hz == 5000.0 && m.u_dc_V == 750.0);
+    for (int id = 0; id < EXT_COUNT; id++) {
+        TEST_ASSERT_EQUAL(id == EXT_DEAD_TIME, m.ext.has[id]);
+    }
+    TEST_ASSERT_TRUE(m.ext.v_dead_V == 4.2 && m.ext.i_knee_A == 0.15);
+    TEST_ASSERT_TRUE(m.ext.k_u == 1.0 && m.ext.g[0] == 1.0 && m.ext.g[2] == 1.0);
+}
+
+static void test_a_motor_without_a_name_is_called_by_its_file(void)
+{
+    error e = {0};
+    motor m;
+    TEST_ASSERT_TRUE_MESSAGE(motor_read(example_file(1, "", ""), &m, &e), e.text);
+    TEST_ASSERT_EQUAL_STRING("m.toml", m.name);
+}
+
+static void test_values_out_of_range_are_named(void)
+{
+    expect_refused(3, "pole_pairs = 2.5", "", "3:14", "pole_pairs must be a whole number");
+    expect_refused(3, "pole_pairs = 0", "", "3:14", "not 0");
+    expect_refused(4, "R_ohm = -0.1", "", "4:9", "R_ohm must be a number >= 0, not -0.1");
+    expect_refused(5, "L_d_H = -5.2e-3", "", "5:9", "L_d_H must be a number > 0, not -0.0052");
+    expect_refused(5, "L_d_H = 0", "", "5:9", "L_d_H must be a number > 0, not 0");
+    expect_refused(6, "L_q_H = nan", "", "6:9", "L_q_H must be a number > 0, not nan");
+    expect_refused(6, "L_q_H = +inf", "", "6:9", "not inf");
+    expect_refused(7, "psi_f_Wb = \"0.134\"", "", "7:12",
+                   "psi_f_Wb must be a number >= 0, not text \"0.134\"");
+    expect_refused(7, "psi_f_Wb = [0.134]", "", "7:12", "not an array");
+    expect_refused(12, "u_dc_V = true", "", "12:10", "not true");
+    expect_refused(1, "name = 5", "", "1:8", "name must be text");
+    expect_refused(14, "v_dead_V = inf", "", "14:12", "v_dead_V must be a finite number");
+}
+
+static void test_missing_and_unknown_keys_are_named(void)
+{
+    expect_refused(5, "", "", "2:1", "L_d_H is missing in [motor]");
+    expect_refused(10, "", "", "1:1", "inverter is missing; expected a table [inverter]");
+    expect_refused(15, "", "", "13:1", "i_knee_A is missing in [extension.dead_time]");
+    expect_refused(9, "n_max_rpm = 8000\npsi_f_wb = 1", "", "10:1",
+                   "unknown key psi_f_wb in [motor]; did you mean psi_f_Wb?");
+    expect_refused(0, "", "[extension.deadtime]\n", "16:12",
+                   "unknown key deadtime in [extension]; did you mean dead_time?");
+    expect_refused(0, "", "[extras]\n", "16:2", "unknown key extras");
+    expect_refused(0, "", "g_a = 1.0\n", "16:1", "expected one of i_knee_A, v_dead_V");
+}
+
+static void test_what_is_no_toml_is_refused(void)
+{
+    expect_refused(4, "R_ohm = ", "", "4:9", "not TOML");
+    expect_refused(4, "R_ohm 0.75", "", "4:7", "not TOML");
+    expect_refused(4, "pole_pairs = 3", "", "4:14", "not TOML");
+    expect_refused(2, "[motor", "", "2:7", "not TOML");
+
+    error e = {0};
+    motor m;
+    TEST_ASSERT_FALSE(motor_read(scratch_path("absent.toml"), &m, &e));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "absent.toml: cannot be read: No such file"), e.text);
+    TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
+
+    error directory = {0};
+    TEST_ASSERT_FALSE(motor_read(scratch_path(""), &m, &directory));
+    TEST_ASSERT_EQUAL(STATUS_UNUSABLE, directory.status);
+}
+
+static void test_extension_rules(void)
+{
+    expect_refused(0, "", "[extension.phase_asymmetry]\ndR_b_ohm = -0.8\n", "17:12", "dR_b_ohm must leave");
+    expect_refused(0, "", "[extension.angle_harmonic]\norder = 3\namplitude_rad = 0.1\nphase_rad = 0\n",
+                   "17:9", "order must be a whole number from 1 to 2, not 3");
+    expect_refused(0, "", "[extension.voltage_delay]\ncycles = -1\n", "17:10", "cycles must be");
+    expect_refused(0, "", "[extension.current_gain]\ng_a = 0\n", "17:7", "g_a must be a number > 0");
+}
+
+/* Every extension at once, every value with all of a double's digits. */
+static void test_written_is_read_back_to_the_same_bits(void)
+{
+    motor m = motor_blank();
+    strcpy(m.name, "a \"name\" with \\ and \t and \xC3\xA9");
+    m.pole_pairs = 7;
+    double *const values[] = {
+        &m.R_ohm,         &m.L_d_H,         &m.L_q_H,         &m.psi_f_Wb,
+        &m.I_rated_A_rms, &m.n_max_rpm,     &m.f_pwm_Hz,      &m.u_dc_V,
+        &m.ext.L_0_H,     &m.ext.I_sat_A,   &m.ext.v_dead_V,  &m.ext.i_knee_A,
+        &m.ext.k_u,       &m.ext.o_A[0],    &m.ext.o_A[1],    &m.ext.o_A[2],
+        &m.ext.g[0],      &m.ext.g[1],      &m.ext.g[2],      &m.ext.theta_0_rad,
+        &m.ext.psi_5_Wb,  &m.ext.psi_7_Wb,  &m.ext.t_delay_s, &m.ext.harmonic_amplitude_rad,
+        &m.ext.dR_ohm[0], &m.ext.dR_ohm[1], &m.ext.dR_ohm[2], &m.ext.harmonic_phase_rad};
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+        *values[i] = sqrt((double)i + 2.0) * pow(10.0, (double)(i % 7) - 5.0);
+    }
+    m.ext.harmonic_order = 2.0;
+    m.ext.voltage_delay_cycles = 1;
+    for (int id = 0; id < EXT_COUNT; id++) {
+        m.ext.has[id] = true;
+    }
+
+    error e = {0};
+    TEST_ASSERT_TRUE_MESSAGE(motor_write(scratch_path("w.toml"), &m, "first line\nsecond line", &e), e.text);
+    char *text = scratch_read("w.toml");
+    TEST_ASSERT_EQUAL_STRING_LEN("# first line\n# second line\nname = ", text, 34);
+    free(text);
+
+    motor back;
+    memset(&back, 0xAA, sizeof back);
+    TEST_ASSERT_TRUE_MESSAGE(motor_read(scratch_path("w.toml"), &back, &e), e.text);
+    TEST_ASSERT_EQUAL_STRING(m.name, back.name);
+    TEST_ASSERT_EQUAL(m.pole_pairs, back.pole_pairs);
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+        const size_t offset = (size_t)((const char *)values[i] - (const char *)&m);
+        TEST_ASSERT_EQUAL_MEMORY(values[i], (const char *)&back + offset, sizeof(double));
+    }
+    TEST_ASSERT_TRUE(back.ext.harmonic_order == 2.0);
+    TEST_ASSERT_EQUAL(1, back.ext.voltage_delay_cycles);
+    for (int id = 0; id < EXT_COUNT; id++) {
+        TEST_ASSERT_TRUE_MESSAGE(back.ext.has[id], motor_extension_id((extension_id)id));
+    }
+}
+
+static void test_a_value_that_is_not_finite_is_not_written(void)
+{
+    error e = {0};
+    motor m;
+    TEST_ASSERT_TRUE(motor_read(example_file(0, "", ""), &m, &e));
+    m.ext.v_dead_V = NAN;
+    TEST_ASSERT_FALSE(motor_write(scratch_path("nan.toml"), &m, NULL, &e));
+    TEST_ASSERT_EQUAL(STATUS_FAILED, e.status);
+    TEST_ASSERT_NULL(scratch_read("nan.toml"));
+}
+
+int main(void)
+{
+    scratch_begin();
+    UNITY_BEGIN();
+    RUN_TEST(test_the_example_is_read);
+    RUN_TEST(test_a_motor_without_a_name_is_called_by_its_file);
+    RUN_TEST(test_values_out_of_range_are_named);
+    RUN_TEST(test_missing_and_unknown_keys_are_named);
+    RUN_TEST(test_what_is_no_toml_is_refused);
+    RUN_TEST(test_extension_rules);
+    RUN_TEST(test_written_is_read_back_to_the_same_bits);
+    RUN_TEST(test_a_value_that_is_not_finite_is_not_written);
+    const int failed = UNITY_END();
+    scratch_end();
+    return failed;
+}
