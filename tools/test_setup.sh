@@ -14,7 +14,7 @@ machine() {
     mkdir "$WORK/bin"
     local tool stand_in
     for tool in bash env dirname nproc head mkdir grep tail id cat true; do
-        ln -s "$(command -v "$tool")" "$WORK/bin/$tool"
+        ln -s "$(type -P "$tool")" "$WORK/bin/$tool"
     done
     for stand_in in "$@"; do
         printf '#!/bin/sh\n%s\n' "${stand_in#*=}" >"$WORK/bin/${stand_in%%=*}"
@@ -65,7 +65,7 @@ expect "no Unity, no apt-get" 1 "Set UNITY_DIR" 'set_up_unity'
 
 # Where Unity's source package comes from: the machine's own mirror and keyring, in either form of apt's entries.
 machine
-for tool in awk sed; do ln -s "$(command -v "$tool")" "$WORK/bin/$tool"; done
+for tool in awk sed; do ln -s "$(type -P "$tool")" "$WORK/bin/$tool"; done
 mkdir -p "$WORK/apt/sources.list.d" "$WORK/out"
 cat >"$WORK/apt/sources.list.d/debian.sources" <<'END'
 # the machine's
