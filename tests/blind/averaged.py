@@ -16,9 +16,23 @@ def no_effect():
     """Every effect absent, in the terms of the recording's documentation, plus what the diagnosis does not know."""
     return SimpleNamespace(
         I_sat_A=np.inf, t_dead_s=0.0, V_switch_V=0.0, V_diode_V=0.0, v_dead_V=0.0, i_knee_A=1.0, k_u=1.0,
-        o_A=np.zeros(3), g=np.ones(3), theta_0_rad=0.0, order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
+        o_A=np.zeros(3), g=np.ones(3), two_sensors=False, theta_0_rad=0.0, order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
         delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, dR_ohm=np.zeros(3), R_iron_ohm=np.inf, tau_iron_s=1e-4,
         u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
+
+
+def gains_on_vector(model):
+    """p, q of measured = p i + q conj(i), for gains g_x on the phases of a current without common part.
+
+    With two sensors the third value is -a - b of the two measured ones: their gains act on it too.
+    """
+    def measured(i):
+        phases = model.g.reshape(3, 1) * phases_from_vector(np.array([i]))
+        if model.two_sensors:
+            phases[2] = -phases[0] - phases[1]
+        return complex(vector_from_phases(phases)[0])
+    of_one, of_j = measured(1.0 + 0.0j), measured(1.0j)
+    return 0.5 * (of_one - 1j * of_j), 0.5 * (of_one + 1j * of_j)
 
 
 def predict(columns, model, pole_pairs, T_s):
@@ -28,11 +42,9 @@ def predict(columns, model, pole_pairs, T_s):
     """
     measured = vector_from_phases(columns["i_A"].transpose(1, 0, 2).reshape(3, -1)).reshape(columns["theta_e_rad"].shape)
     o = complex(vector_from_phases(model.o_A.reshape(3, 1))[0])
-    # measured = p i + q conj(i) + o for gains g_x on the phases of a current without common part.
-    axis = np.exp(2j * np.pi / 3.0 * np.arange(3))
-    p, q = model.g.mean(), (model.g * axis ** 2).sum() / 3.0
+    p, q = gains_on_vector(model)
     x = measured - o
-    i = (p * x - q * x.conj()) / (p * p - abs(q) ** 2)
+    i = (np.conj(p) * x - q * x.conj()) / (abs(p) ** 2 - abs(q) ** 2)
 
     theta = columns["theta_e_rad"] - model.theta_0_rad
     if model.amplitude_rad:

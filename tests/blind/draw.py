@@ -34,6 +34,7 @@ def draw_effects(rng, kind):
 
 def true_model(motor, ids, sizes, directions, has_i_c):
     model = effects.nominal_model(motor, averaged.no_effect())
+    model.two_sensors = not has_i_c
     parameters = [effects.apply(model, motor, name, size, d, has_i_c)
                   for name, size, d in zip(ids, sizes, directions)]
     return model, parameters

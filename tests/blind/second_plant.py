@@ -190,13 +190,15 @@ class Drive:
         for a, b in zip(at[:-1], at[1:]):
             h = b - a
             theta_mid, theta_end = self.shaft.theta(t0_s + 0.5 * (a + b)), self.shaft.theta(t0_s + b)
-            i_abc = phases_from_vector(self.current()) if inv.has_dead_time or inv.has_drops else at[:3]
+            # Only dead time and device drops ask for the currents' signs.
+            i_abc = phases_from_vector(self.current()) if inv.has_dead_time or inv.has_drops else np.zeros_like(at[:3])
             v, off = inv.leg_voltages(0.5 * (a + b), duty, i_abc, u_dc_V)
-            psi, i_iron = self._step(h, vector_from_phases(v), theta_start, theta_mid, theta_end)
+            u = vector_from_phases(v)
+            psi, i_iron = self._step(h, u, theta_start, theta_mid, theta_end)
             if inv.has_dead_time and off.any():
-                v = self._clamp(v, off & (h > 0.0), i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V)
-                if v is not None:
-                    psi, i_iron = self._step(h, vector_from_phases(v), theta_start, theta_mid, theta_end)
+                u = self._clamp(u, v, off & (h > 0.0), i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V)
+                if u is not None:
+                    psi, i_iron = self._step(h, u, theta_start, theta_mid, theta_end)
             self.psi, self.i_iron, self.t_s, theta_start = psi, i_iron, t0_s + b, theta_end
             peak = b == 0.5 * inv.T_s
             if peak.any():
@@ -204,17 +206,23 @@ class Drive:
                 i_mid = i if i_mid is None else np.where(peak, i, i_mid)
         return i_mid
 
-    def _clamp(self, v, off, i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V):
+    def _clamp(self, u, v, off, i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V):
         """A diode does not carry its current through zero: the leg floats at the voltage that leaves it there.
 
         Over so short an interval as the dead time, the mean voltage that brings the current to zero at the end of
-        the interval stands for "diode until zero, then floating". None: no leg needs it.
+        the interval stands for "diode until zero, then floating". Where two legs would cross, the third has no way
+        back either, and the whole vector goes to zero. None: no leg needs it.
         """
         i_end = self.machine.current(psi, theta_end) + (i_iron if self.machine.has_iron else 0.0)
         i_end = phases_from_vector(i_end)
         crossed = off & (i_end * np.where(i_abc < 0.0, -1.0, 1.0) < 0.0)
         if not crossed.any():
             return None
-        per_volt = (2.0 / 3.0) * np.where(h > 0.0, h, 1.0) * self.machine.inverse_inductance(theta_mid)
+        span = np.where(h > 0.0, h, 1.0)
+        per_volt = (2.0 / 3.0) * span * self.machine.inverse_inductance(theta_mid)
         drop = self.inverter.V_diode_V
-        return np.where(crossed, np.clip(v - i_end / per_volt, -drop, u_dc_V + drop), v)
+        floating = np.where(crossed, np.clip(v - i_end / per_volt, -drop, u_dc_V + drop), v)
+        to_zero = u + (self.machine.flux(0.0, theta_end) - psi) / span
+        # No more than the rails can give.
+        to_zero = to_zero * np.minimum(1.0, (2.0 / 3.0) * u_dc_V / np.maximum(np.abs(to_zero), 1e-9))
+        return np.where(crossed.sum(axis=0) > 1, to_zero, vector_from_phases(floating))
