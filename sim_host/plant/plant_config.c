@@ -1,0 +1,107 @@
+#include "plant_config.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+plant_config plant_config_from_motor(const motor *m)
+{
+    plant_config c;
+    memset(&c, 0, sizeof c);
+    c.machine.pole_pairs = m->pole_pairs;
+    c.machine.R_ohm = m->R_ohm;
+    c.machine.L_d_H = m->L_d_H;
+    c.machine.L_q_H = m->L_q_H;
+    c.machine.psi_f_Wb = m->psi_f_Wb;
+    c.inverter.u_dc_V = m->u_dc_V;
+    c.inverter.k_u = 1.0;
+    for (int x = 0; x < 3; x++) {
+        c.sensors.current_gain[x] = 1.0;
+    }
+    c.sensors.loose_samples = 1.0;
+    c.sensors.harmonic_order = 1.0;
+    c.shaft.mode = PLANT_SHAFT_GIVEN;
+    c.T_s = 1.0 / m->f_pwm_Hz;
+    c.I_scale_A = sqrt(2.0) * m->I_rated_A_rms;
+    c.seed = 1;
+    return c;
+}
+
+typedef struct range {
+    const char *name;
+    double value;
+    double least; /* allowed */
+    double above; /* value must be greater than this too */
+    double most;
+} range;
+
+bool plant_config_check(const plant_config *c, error *e)
+{
+    const plant_machine *m = &c->machine;
+    const plant_inverter *v = &c->inverter;
+    const plant_sensors *s = &c->sensors;
+    const plant_shaft *h = &c->shaft;
+    const double big = INFINITY;
+    const double none = -INFINITY;
+    const bool inertia = h->mode == PLANT_SHAFT_INERTIA;
+    const range ranges[] = {
+        {"pole_pairs", m->pole_pairs, 1.0, 0.0, 1000.0},
+        {"R", m->R_ohm, 0.0, none, big},
+        {"R + dR_a", m->R_ohm + m->dR_ohm[0], 0.0, none, big},
+        {"R + dR_b", m->R_ohm + m->dR_ohm[1], 0.0, none, big},
+        {"R + dR_c", m->R_ohm + m->dR_ohm[2], 0.0, none, big},
+        {"L_d", m->L_d_H, 0.0, 0.0, big},
+        {"L_q", m->L_q_H, 0.0, 0.0, big},
+        {"psi_f", m->psi_f_Wb, 0.0, none, big},
+        {"psi_5", m->psi_5_Wb, none, none, big},
+        {"psi_7", m->psi_7_Wb, none, none, big},
+        {"I_sat", m->I_sat_A, 0.0, none, big},
+        {"R_fe", m->R_fe_ohm, 0.0, none, big},
+        {"tau_fe", m->tau_fe_s, 0.0, m->R_fe_ohm > 0.0 ? 0.0 : none, big},
+        {"u_dc", v->u_dc_V, 0.0, 0.0, big},
+        {"k_u", v->k_u, 0.0, 0.0, big},
+        {"ripple", fabs(v->ripple_V), 0.0, none, v->k_u * v->u_dc_V},
+        {"ripple frequency", v->ripple_Hz, 0.0, none, big},
+        {"t_dead", v->t_dead_s, 0.0, none, 0.5 * c->T_s},
+        {"v_switch", v->v_switch_V, 0.0, none, v->u_dc_V},
+        {"v_diode", v->v_diode_V, 0.0, none, v->u_dc_V},
+        {"r_on", v->r_on_ohm, 0.0, none, big},
+        {"delay cycles", v->delay_cycles, 0.0, none, PLANT_VOLTAGE_DELAY_MAX},
+        {"glitch probability", v->glitch_probability, 0.0, none, 1.0},
+        {"J", h->J_kgm2, 0.0, inertia ? 0.0 : none, big},
+        {"friction", h->friction_Nms, 0.0, none, big},
+        {"load torque", h->T_load_Nm, none, none, big},
+        {"speed", h->omega_e_start_rad_s, none, none, big},
+        {"acceleration", h->accel_e_rad_s2, none, none, big},
+        {"initial angle", h->theta_mech_start_rad, none, none, big},
+        {"ADC bits", s->current_bits, 0.0, none, 32.0},
+        {"ADC full scale", s->current_full_scale_A, 0.0, s->current_bits > 0 ? 0.0 : none, big},
+        {"current noise", s->current_noise_A, 0.0, none, big},
+        {"current bandwidth", s->current_bandwidth_Hz, 0.0, none, big},
+        {"angle noise", s->angle_noise_rad, 0.0, none, big},
+        {"speed noise", s->omega_noise_rad_s, 0.0, none, big},
+        {"u_dc noise", s->u_dc_noise_V, 0.0, none, big},
+        {"loose channel", s->loose_channel, 0.0, none, 2.0},
+        {"loose probability", s->loose_probability, 0.0, none, 1.0},
+        {"loose samples", s->loose_samples, 1.0, none, 1e9},
+        {"control cycle", c->T_s, 0.0, 0.0, big},
+        {"rated current", c->I_scale_A, 0.0, 0.0, big},
+    };
+    for (size_t k = 0; k < sizeof ranges / sizeof ranges[0]; k++) {
+        const range *r = &ranges[k];
+        if (!isfinite(r->value) || r->value < r->least || r->value <= r->above || r->value > r->most) {
+            const char *bound = r->above >= r->least ? "greater than 0" : "0 or more";
+            if (isfinite(r->value) && r->value > r->most) {
+                return error_input(e, NULL, 0, 0, "drive: %s is %g, expected at most %g", r->name, r->value,
+                                   r->most);
+            }
+            if (r->least == 1.0) {
+                bound = "1 or more";
+            } else if (r->least < 0.0 || !isfinite(r->value)) {
+                bound = "a finite number";
+            }
+            return error_input(e, NULL, 0, 0, "drive: %s is %g, expected %s", r->name, r->value, bound);
+        }
+    }
+    return true;
+}

@@ -1,0 +1,98 @@
+/*
+ * What the drive truly is: the values that the firmware and the diagnosis do not see. Physical units.
+ *
+ * plant_config_from_motor gives the ideal drive of a motor file; the scenario sets sensors and shaft,
+ * plant_effect_apply (plant_effect.h) makes it differ from the file.
+ */
+#ifndef SIM_HOST_PLANT_PLANT_CONFIG_H
+#define SIM_HOST_PLANT_PLANT_CONFIG_H
+
+#include "../base/error.h"
+#include "../data/motor.h"
+
+#include <stdint.h>
+
+/* The most cycles by which a voltage can be late. */
+#define PLANT_VOLTAGE_DELAY_MAX 8
+
+typedef struct plant_machine {
+    int pole_pairs;
+    double R_ohm;
+    double dR_ohm[3];    /* phase x has R + dR[x] */
+    double L_d_H, L_q_H; /* at zero current, if it saturates */
+    double psi_f_Wb;
+    double psi_5_Wb, psi_7_Wb; /* psi_A = psi_f cos(theta) + psi_5 cos(5 theta) + psi_7 cos(7 theta) */
+    double I_sat_A;  /* flux / current = L / (1 + (|i|/I_sat)^2) in both axes; 0: does not saturate */
+    double R_fe_ohm; /* iron loss: branch beside the flux, R_fe with tau_fe * R_fe in series; 0: none */
+    double tau_fe_s;
+} plant_machine;
+
+typedef struct plant_inverter {
+    double u_dc_V;   /* true mean of the DC link */
+    double k_u;      /* the true link is k_u times what is measured; 1: measured right */
+    double ripple_V; /* amplitude of a sine on the DC link */
+    double ripple_Hz;
+    bool ripple_logged;        /* the measured link shows the ripple (at the valley); else only its mean */
+    double t_dead_s;           /* each switch turns on this much after it was commanded to */
+    double v_switch_V;         /* constant drop of a conducting transistor */
+    double v_diode_V;          /* and of a diode */
+    double r_on_ohm;           /* of either */
+    int delay_cycles;          /* duties act this many cycles later than commanded */
+    double glitch_probability; /* of a cycle that keeps the last cycle's duties: a PWM update missed */
+} plant_inverter;
+
+typedef enum plant_shaft_mode {
+    PLANT_SHAFT_GIVEN,  /* speed is given: omega_start and a constant acceleration */
+    PLANT_SHAFT_INERTIA /* J domega_mech/dt = torque - load - friction * omega_mech */
+} plant_shaft_mode;
+
+typedef struct plant_shaft {
+    plant_shaft_mode mode;
+    double theta_mech_start_rad;
+    double omega_e_start_rad_s;
+    double accel_e_rad_s2; /* PLANT_SHAFT_GIVEN */
+    double J_kgm2;         /* PLANT_SHAFT_INERTIA, > 0 */
+    double friction_Nms;
+    double T_load_Nm; /* against positive rotation; may be changed between cycles */
+} plant_shaft;
+
+typedef struct plant_sensors {
+    int current_bits; /* of the ADC over -full_scale .. +full_scale; 0: not quantised */
+    double current_full_scale_A;
+    double current_noise_A; /* standard deviation, each channel and sample on its own */
+    double current_gain[3]; /* measured = gain * true + offset */
+    double current_offset_A[3];
+    double current_bandwidth_Hz; /* first-order low-pass of all channels; 0: none */
+    double theta_0_rad; /* reading = true(t + t_delay) + theta_0 + amplitude cos(order theta_mech + phase) */
+    double harmonic_order, harmonic_amplitude_rad, harmonic_phase_rad;
+    double t_delay_s;
+    double angle_noise_rad; /* standard deviation, electrical */
+    double omega_noise_rad_s;
+    double u_dc_noise_V;
+    int loose_channel;        /* 0, 1, 2: phase whose contact is loose */
+    double loose_probability; /* of a new dropout at each sample; 0: none */
+    double loose_samples;     /* mean length of a dropout, samples, >= 1 */
+    double loose_gain;        /* during a dropout the channel reads gain * value + step */
+    double loose_step_A;
+} plant_sensors;
+
+typedef struct plant_config {
+    plant_machine machine;
+    plant_inverter inverter;
+    plant_shaft shaft;
+    plant_sensors sensors;
+    double T_s;       /* control cycle = PWM period */
+    double I_scale_A; /* size of the currents, for the tolerance of the numerical path: rated peak */
+    uint64_t seed;
+} plant_config;
+
+/*
+ * The ideal drive of a motor file: its [motor] and [inverter] values, perfect sensors, standing shaft.
+ * The file's extensions are fitted laws of the averaged model, not physics, and are not taken over.
+ */
+plant_config plant_config_from_motor(const motor *m);
+
+/* Refuses, by the field's name, what no machine can have. */
+bool plant_config_check(const plant_config *c, error *e);
+
+#endif

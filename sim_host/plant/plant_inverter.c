@@ -1,0 +1,70 @@
+#include "plant_inverter.h"
+#include "plant_vector.h"
+
+#include <math.h>
+
+void leg_command(inverter_leg *leg, bool high, double t_s, double t_dead_s)
+{
+    if (high != leg->high) {
+        leg->high = high;
+        leg->on_at_s = t_s + t_dead_s;
+    }
+}
+
+void leg_begin_cycle(inverter_leg *leg, double duty, double T_s, double t_dead_s)
+{
+    leg->rise_s = INFINITY;
+    leg->fall_s = INFINITY;
+    leg_command(leg, duty >= 1.0, 0.0, t_dead_s);
+    if (duty > 0.0 && duty < 1.0) {
+        leg->rise_s = 0.5 * T_s * (1.0 - duty);
+        leg->fall_s = 0.5 * T_s * (1.0 + duty);
+    }
+}
+
+double leg_next_change(const inverter_leg *leg, double t_s)
+{
+    double next = fmin(leg->rise_s, leg->fall_s);
+    return leg->on_at_s > t_s ? fmin(next, leg->on_at_s) : next;
+}
+
+void leg_pass(inverter_leg *leg, double t_s, double t_dead_s)
+{
+    if (leg->rise_s <= t_s) {
+        leg_command(leg, true, leg->rise_s, t_dead_s);
+        leg->rise_s = INFINITY;
+    }
+    if (leg->fall_s <= t_s) {
+        leg_command(leg, false, leg->fall_s, t_dead_s);
+        leg->fall_s = INFINITY;
+    }
+}
+
+void leg_rebase(inverter_leg *leg, double duration_s)
+{
+    leg->on_at_s -= duration_s;
+}
+
+void leg_voltages(const inverter_leg *leg, const plant_inverter *inverter, bool off, double u_dc_V,
+                  double *least_V, double *most_V)
+{
+    if (off) {
+        *least_V = -inverter->v_diode_V;
+        *most_V = u_dc_V + inverter->v_diode_V;
+    } else if (leg->high) {
+        *least_V = u_dc_V - inverter->v_switch_V;
+        *most_V = u_dc_V + inverter->v_diode_V;
+    } else {
+        *least_V = -inverter->v_diode_V;
+        *most_V = inverter->v_switch_V;
+    }
+}
+
+double inverter_link(const plant_inverter *inverter, double t_s)
+{
+    double u_dc_V = inverter->k_u * inverter->u_dc_V;
+    if (inverter->ripple_V != 0.0) {
+        u_dc_V += inverter->ripple_V * sin(2.0 * VEC_PI * inverter->ripple_Hz * t_s);
+    }
+    return u_dc_V;
+}

@@ -1,0 +1,137 @@
+#include "plant_machine.h"
+
+#define SATURATION_LAW_ENDS 0.8 /* of I_sat */
+
+void machine_saturation(const plant_machine *m, double i_A, double *factor, double *slope_over_i)
+{
+    *factor = 1.0;
+    *slope_over_i = 0.0;
+    if (m->I_sat_A <= 0.0) {
+        return;
+    }
+    const double x = i_A / m->I_sat_A;
+    if (x <= SATURATION_LAW_ENDS) {
+        *factor = 1.0 / (1.0 + x * x);
+        *slope_over_i = -2.0 * *factor * *factor / (m->I_sat_A * m->I_sat_A);
+        return;
+    }
+    const double x_end = SATURATION_LAW_ENDS;
+    const double factor_end = 1.0 / (1.0 + x_end * x_end);
+    const double slope_flux = (1.0 - x_end * x_end) * factor_end * factor_end; /* of x * factor */
+    const double flux = x_end * factor_end + slope_flux * (x - x_end);
+    *factor = flux / x;
+    *slope_over_i = (slope_flux - *factor) / (i_A * i_A);
+}
+
+/* dpsi/dtheta, at constant phase current, of the 5th harmonic (negative sequence) and the 7th (positive). */
+static vec_ab harmonic_emf_per_speed(const plant_machine *m, double theta_e_rad)
+{
+    vec_ab v = {0.0, 0.0};
+    if (m->psi_5_Wb != 0.0 || m->psi_7_Wb != 0.0) {
+        const rotor five = rotor_at(5.0 * theta_e_rad);
+        const rotor seven = rotor_at(7.0 * theta_e_rad);
+        v.alpha = -5.0 * m->psi_5_Wb * five.sin - 7.0 * m->psi_7_Wb * seven.sin;
+        v.beta = -5.0 * m->psi_5_Wb * five.cos + 7.0 * m->psi_7_Wb * seven.cos;
+    }
+    return v;
+}
+
+void machine_linearise(const plant_config *c, const plant_state *s, machine_terms *t)
+{
+    const plant_machine *m = &c->machine;
+    const double omega = s->y[STATE_OMEGA_E];
+    const double theta = s->y[STATE_THETA_E];
+    t->r = rotor_at(theta);
+    t->i_A = (vec_ab){s->y[STATE_I_ALPHA], s->y[STATE_I_BETA]};
+    t->i_fe_A = (vec_ab){s->y[STATE_FE_ALPHA], s->y[STATE_FE_BETA]};
+    t->i_dq_A = vec_to_dq(t->i_A, t->r);
+    const vec_ab i_m_ab = {t->i_A.alpha - t->i_fe_A.alpha, t->i_A.beta - t->i_fe_A.beta};
+    const vec_dq i_m = vec_to_dq(i_m_ab, t->r);
+
+    double factor, slope;
+    machine_saturation(m, hypot(i_m.d, i_m.q), &factor, &slope);
+    const vec_dq psi_i = {m->L_d_H * factor * i_m.d,
+                          m->L_q_H * factor * i_m.q}; /* the current's share of the flux */
+    const double L_dd = m->L_d_H * (factor + slope * i_m.d * i_m.d);
+    const double L_dq = m->L_d_H * slope * i_m.d * i_m.q;
+    const double L_qd = m->L_q_H * slope * i_m.d * i_m.q;
+    const double L_qq = m->L_q_H * (factor + slope * i_m.q * i_m.q);
+    const double determinant = L_dd * L_qq - L_dq * L_qd;
+
+    /* dpsi/dtheta at constant phase current: the flux turns with the rotor, the current in its frame turns
+     * back. */
+    const vec_dq turn = {-psi_i.q + L_dd * i_m.q - L_dq * i_m.d,
+                         psi_i.d + m->psi_f_Wb + L_qd * i_m.q - L_qq * i_m.d};
+    const vec_ab harmonic = harmonic_emf_per_speed(m, theta);
+    vec_ab emf = vec_to_ab(turn, t->r);
+    emf.alpha = omega * (emf.alpha + harmonic.alpha);
+    emf.beta = omega * (emf.beta + harmonic.beta);
+
+    /* The inverse of the differential inductance, turned into the stationary frame column by column. */
+    for (int k = 0; k < 2; k++) {
+        const vec_ab unit = {k == 0 ? 1.0 : 0.0, k == 0 ? 0.0 : 1.0};
+        const vec_dq u = vec_to_dq(unit, t->r);
+        const vec_dq inverse = {(L_qq * u.d - L_dq * u.q) / determinant,
+                                (L_dd * u.q - L_qd * u.d) / determinant};
+        const vec_ab column = vec_to_ab(inverse, t->r);
+        t->rate[0][k] = column.alpha;
+        t->rate[1][k] = column.beta;
+    }
+
+    const double R = m->R_ohm + c->inverter.r_on_ohm;
+    double drop[3];
+    for (int x = 0; x < 3; x++) {
+        drop[x] = (R + m->dR_ohm[x]) * vec_phase(t->i_A, x);
+    }
+    t->drop_V = vec_from_phases(drop);
+    const double against_alpha = t->drop_V.alpha + emf.alpha;
+    const double against_beta = t->drop_V.beta + emf.beta;
+    t->drift_A_s.alpha = -(t->rate[0][0] * against_alpha + t->rate[0][1] * against_beta);
+    t->drift_A_s.beta = -(t->rate[1][0] * against_alpha + t->rate[1][1] * against_beta);
+
+    t->to_iron[0] = 0.0;
+    t->to_iron[1] = 0.0;
+    if (m->R_fe_ohm > 0.0) {
+        t->to_iron[0] = 1.0 / (m->tau_fe_s * m->R_fe_ohm);
+        t->to_iron[1] = 1.0 / m->tau_fe_s;
+        t->rate[0][0] += t->to_iron[0];
+        t->rate[1][1] += t->to_iron[0];
+        t->drift_A_s.alpha -= t->to_iron[0] * t->drop_V.alpha + t->to_iron[1] * t->i_fe_A.alpha;
+        t->drift_A_s.beta -= t->to_iron[0] * t->drop_V.beta + t->to_iron[1] * t->i_fe_A.beta;
+    }
+
+    const double reluctance_and_magnet = (psi_i.d + m->psi_f_Wb) * i_m.q - psi_i.q * i_m.d;
+    const double harmonics = harmonic.alpha * i_m_ab.alpha + harmonic.beta * i_m_ab.beta;
+    t->torque_Nm = 1.5 * m->pole_pairs * (reluctance_and_magnet + harmonics);
+}
+
+static double acceleration(const plant_config *c, double omega_e_rad_s, double torque_Nm)
+{
+    const plant_shaft *shaft = &c->shaft;
+    if (shaft->mode == PLANT_SHAFT_GIVEN) {
+        return shaft->accel_e_rad_s2;
+    }
+    const double pole_pairs = c->machine.pole_pairs;
+    const double friction_Nm = shaft->friction_Nms * omega_e_rad_s / pole_pairs;
+    return pole_pairs * (torque_Nm - shaft->T_load_Nm - friction_Nm) / shaft->J_kgm2;
+}
+
+void machine_rates(const plant_config *c, const plant_state *s, const machine_terms *t, vec_ab u_V,
+                   double rate[STATE_COUNT])
+{
+    rate[STATE_I_ALPHA] = t->rate[0][0] * u_V.alpha + t->rate[0][1] * u_V.beta + t->drift_A_s.alpha;
+    rate[STATE_I_BETA] = t->rate[1][0] * u_V.alpha + t->rate[1][1] * u_V.beta + t->drift_A_s.beta;
+    rate[STATE_FE_ALPHA] = t->to_iron[0] * (u_V.alpha - t->drop_V.alpha) - t->to_iron[1] * t->i_fe_A.alpha;
+    rate[STATE_FE_BETA] = t->to_iron[0] * (u_V.beta - t->drop_V.beta) - t->to_iron[1] * t->i_fe_A.beta;
+    const double bandwidth_rad_s = 2.0 * VEC_PI * c->sensors.current_bandwidth_Hz;
+    rate[STATE_SEEN_ALPHA] = bandwidth_rad_s * (t->i_A.alpha - s->y[STATE_SEEN_ALPHA]);
+    rate[STATE_SEEN_BETA] = bandwidth_rad_s * (t->i_A.beta - s->y[STATE_SEEN_BETA]);
+    rate[STATE_THETA_E] = s->y[STATE_OMEGA_E];
+    rate[STATE_OMEGA_E] = acceleration(c, s->y[STATE_OMEGA_E], t->torque_Nm);
+    rate[STATE_INT_I_ALPHA] = t->i_A.alpha;
+    rate[STATE_INT_I_BETA] = t->i_A.beta;
+    rate[STATE_INT_I_D] = t->i_dq_A.d;
+    rate[STATE_INT_I_Q] = t->i_dq_A.q;
+    rate[STATE_INT_U_ALPHA] = u_V.alpha;
+    rate[STATE_INT_U_BETA] = u_V.beta;
+}

@@ -1,0 +1,69 @@
+/*
+ * The machine and its shaft as differential equations, with everything the linear path leaves out:
+ * saturation, harmonics of the magnet's flux, unequal phases, iron loss, a speed that changes.
+ *
+ * With i_m = i - i_fe the part of the phase current that magnetises, psi(i_m, theta) the flux linkages in the
+ * stationary frame and e = u - R i the voltage left to change them:
+ *
+ *     e = dpsi/dt = (dpsi/di_m) di_m/dt + omega dpsi/dtheta
+ *     e = R_fe i_fe + tau_fe R_fe di_fe/dt
+ *
+ * so that di/dt is affine in u: machine_terms holds the matrix and the rest, for the inverter's zero-current
+ * clamp needs to solve it for a leg's voltage.
+ */
+#ifndef SIM_HOST_PLANT_PLANT_MACHINE_H
+#define SIM_HOST_PLANT_PLANT_MACHINE_H
+
+#include "plant_config.h"
+#include "plant_vector.h"
+
+/* Indices of the state vector. Angles run on within a cycle and are wrapped between cycles. */
+enum {
+    STATE_I_ALPHA, /* phase current, A */
+    STATE_I_BETA,
+    STATE_FE_ALPHA, /* iron-loss current, A */
+    STATE_FE_BETA,
+    STATE_SEEN_ALPHA, /* current behind the sensors' low-pass, A */
+    STATE_SEEN_BETA,
+    STATE_THETA_E,    /* rad */
+    STATE_OMEGA_E,    /* rad/s */
+    STATE_CONTROLLED, /* the states above steer the step size; the integrals below follow */
+    STATE_INT_I_ALPHA = STATE_CONTROLLED, /* since the cycle began, As */
+    STATE_INT_I_BETA,
+    STATE_INT_I_D,
+    STATE_INT_I_Q,
+    STATE_INT_U_ALPHA, /* Vs */
+    STATE_INT_U_BETA,
+    STATE_COUNT
+};
+
+typedef struct plant_state {
+    double y[STATE_COUNT];
+} plant_state;
+
+typedef struct machine_terms {
+    rotor r;
+    vec_ab i_A; /* phase current */
+    vec_dq i_dq_A;
+    double rate[2][2]; /* di/dt = rate * u + drift, stationary frame */
+    vec_ab drift_A_s;
+    double to_iron[2]; /* di_fe/dt = to_iron[0] * (u - drop) - to_iron[1] * i_fe */
+    vec_ab drop_V;     /* R i */
+    vec_ab i_fe_A;
+    double torque_Nm;
+} machine_terms;
+
+/*
+ * Flux linkage over current, relative to its value at zero current, at |i| = i_A; and (its slope)/|i|.
+ * The law 1/(1 + (|i|/I_sat)^2) has a flux that turns back at I_sat, which no iron does: from 0.8 I_sat on,
+ * where the differential inductance has fallen to 13 % of L_0, the flux goes on in a straight line.
+ */
+void machine_saturation(const plant_machine *m, double i_A, double *factor, double *slope_over_i);
+
+void machine_linearise(const plant_config *c, const plant_state *s, machine_terms *t);
+
+/* The rate of every state, with u the voltage of the legs (before their on-resistance). */
+void machine_rates(const plant_config *c, const plant_state *s, const machine_terms *t, vec_ab u_V,
+                   double rate[STATE_COUNT]);
+
+#endif

@@ -1,0 +1,84 @@
+#include "plant_sensor.h"
+#include "plant_vector.h"
+
+#include <math.h>
+
+enum { STREAM_CURRENT = 1, STREAM_ANGLE, STREAM_LOOSE };
+
+void sensor_init(sensor_memory *m, uint64_t seed)
+{
+    plant_random_seed(&m->current, seed, STREAM_CURRENT);
+    plant_random_seed(&m->angle, seed, STREAM_ANGLE);
+    plant_random_seed(&m->loose, seed, STREAM_LOOSE);
+    m->loose_left = 0;
+    m->dropouts = 0;
+}
+
+/* Round to nearest code of a two's complement converter, which has one code fewer above zero than below. */
+static double adc(double value, int bits, double full_scale)
+{
+    if (bits == 0) {
+        return value;
+    }
+    const double codes = ldexp(1.0, bits - 1); /* of one sign */
+    const double lsb = full_scale / codes;
+    return fmin(fmax(nearbyint(value / lsb), -codes), codes - 1.0) * lsb;
+}
+
+static double noise(plant_random *r, double sigma)
+{
+    return sigma > 0.0 ? sigma * plant_random_normal(r) : 0.0;
+}
+
+static double wrap(double angle_rad)
+{
+    double turns = angle_rad / (2.0 * VEC_PI);
+    double wrapped = (turns - floor(turns)) * (2.0 * VEC_PI);
+    return wrapped < 2.0 * VEC_PI ? wrapped : 0.0;
+}
+
+/* Is the loose channel open at this sample? Lengths are geometric with mean loose_samples. */
+static bool loose_now(const plant_sensors *s, sensor_memory *m)
+{
+    if (s->loose_probability <= 0.0) {
+        return false;
+    }
+    if (m->loose_left == 0 && plant_random_uniform(&m->loose) < s->loose_probability) {
+        m->dropouts++;
+        m->loose_left = 1;
+        while (plant_random_uniform(&m->loose) >= 1.0 / s->loose_samples) {
+            m->loose_left++;
+        }
+    }
+    if (m->loose_left == 0) {
+        return false;
+    }
+    m->loose_left--;
+    return true;
+}
+
+void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *truth, plant_samples *out)
+{
+    const plant_sensors *s = &c->sensors;
+    const bool loose = loose_now(s, m);
+    out->t_s = truth->t_s;
+    for (int x = 0; x < 3; x++) {
+        double i = s->current_gain[x] * truth->i_A[x] + s->current_offset_A[x];
+        if (loose && x == s->loose_channel) {
+            i = s->loose_gain * i + s->loose_step_A;
+        }
+        i += noise(&m->current, s->current_noise_A);
+        out->i_A[x] = adc(i, s->current_bits, s->current_full_scale_A);
+    }
+    const double pole_pairs = (double)c->machine.pole_pairs;
+    const double late_s = s->t_delay_s;
+    double wrong_rad = truth->omega_e_rad_s * late_s + 0.5 * truth->accel_e_rad_s2 * late_s * late_s;
+    wrong_rad += s->theta_0_rad + noise(&m->angle, s->angle_noise_rad);
+    wrong_rad +=
+        s->harmonic_amplitude_rad * cos(s->harmonic_order * truth->theta_mech_rad + s->harmonic_phase_rad);
+    out->theta_e_rad = wrap(pole_pairs * truth->theta_mech_rad + wrong_rad);
+    out->theta_mech_rad = wrap(truth->theta_mech_rad + wrong_rad / pole_pairs);
+    out->omega_e_rad_s = truth->omega_e_rad_s + noise(&m->angle, s->omega_noise_rad_s);
+    /* A link measured wrong reads 1/k_u of what is there. */
+    out->u_dc_V = truth->u_dc_V / c->inverter.k_u + noise(&m->angle, s->u_dc_noise_V);
+}

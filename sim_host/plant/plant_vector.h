@@ -1,0 +1,60 @@
+/*
+ * Two-component vectors with their frame in the type, so that a rotor-frame vector cannot be added to a
+ * stationary one by mistake. Amplitude-invariant Clarke; theta_e is the angle of the d axis from phase A.
+ */
+#ifndef SIM_HOST_PLANT_PLANT_VECTOR_H
+#define SIM_HOST_PLANT_PLANT_VECTOR_H
+
+#include <math.h>
+
+typedef struct vec_ab {
+    double alpha, beta;
+} vec_ab;
+
+typedef struct vec_dq {
+    double d, q;
+} vec_dq;
+
+/* e^{j theta} as a pair, computed once and used for every rotation by that angle. */
+typedef struct rotor {
+    double cos, sin;
+} rotor;
+
+#define VEC_HALF_SQRT3 0.86602540378443864676
+#define VEC_1_SQRT3    0.57735026918962576451
+#define VEC_PI         3.14159265358979323846
+
+/* The phases' axes in the stationary frame: phase x of a vector v is axis[x] . v. */
+static const vec_ab vec_phase_axis[3] = {{1.0, 0.0}, {-0.5, VEC_HALF_SQRT3}, {-0.5, -VEC_HALF_SQRT3}};
+
+static inline rotor rotor_at(double theta_e_rad)
+{
+    rotor r = {cos(theta_e_rad), sin(theta_e_rad)};
+    return r;
+}
+
+static inline vec_dq vec_to_dq(vec_ab v, rotor r)
+{
+    vec_dq w = {r.cos * v.alpha + r.sin * v.beta, r.cos * v.beta - r.sin * v.alpha};
+    return w;
+}
+
+static inline vec_ab vec_to_ab(vec_dq v, rotor r)
+{
+    vec_ab w = {r.cos * v.d - r.sin * v.q, r.cos * v.q + r.sin * v.d};
+    return w;
+}
+
+static inline double vec_phase(vec_ab v, int x)
+{
+    return vec_phase_axis[x].alpha * v.alpha + vec_phase_axis[x].beta * v.beta;
+}
+
+/* Clarke, amplitude invariant; what the three have in common drops out. */
+static inline vec_ab vec_from_phases(const double abc[3])
+{
+    vec_ab v = {(2.0 * abc[0] - abc[1] - abc[2]) / 3.0, (abc[1] - abc[2]) * VEC_1_SQRT3};
+    return v;
+}
+
+#endif

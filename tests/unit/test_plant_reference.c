@@ -1,0 +1,192 @@
+#include "test_plant_reference.h"
+
+#include <cvode/cvode.h>
+#include <math.h>
+#include <nvector/nvector_serial.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#define TOLERANCE 1e-12
+
+static const double axis[3] = {0.0, 2.0943951023931954923, 4.1887902047863909846};
+
+typedef struct opened {
+    SUNContext context;
+    N_Vector y, absolute;
+    void *cvode;
+    SUNNonlinearSolver fixed_point;
+} opened;
+
+static void must(bool good, const char *what)
+{
+    if (!good) {
+        fprintf(stderr, "reference: %s failed\n", what);
+        abort();
+    }
+}
+
+/* Torque is the rate of co-energy with the mechanical angle at fixed currents. */
+static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
+{
+    (void)t;
+    const reference *r = user;
+    const double *y = N_VGetArrayPointer(vy);
+    double *dy = N_VGetArrayPointer(vdy);
+    const double i[3] = {y[0], y[1], -y[0] - y[1]};
+    const double theta = y[2], omega = y[3];
+    const double mean = 0.5 * (r->L_d + r->L_q), half = 0.5 * (r->L_d - r->L_q);
+
+    const double square = 2.0 / 3.0 * (i[0] * i[0] + i[1] * i[1] + i[2] * i[2]);
+    double f = 1.0, df_dsquare = 0.0;
+    if (r->I_sat > 0.0) {
+        f = 1.0 / (1.0 + square / (r->I_sat * r->I_sat));
+        df_dsquare = -f * f / (r->I_sat * r->I_sat);
+    }
+    double L_i[3] = {0}, turned[3], L[3][3], torque_per_pole_pair = 0.0, flux_rate[3];
+    for (int x = 0; x < 3; x++) {
+        double dL_i = 0.0;
+        for (int k = 0; k < 3; k++) {
+            const double of_both = 2.0 * theta - axis[x] - axis[k];
+            L[x][k] = 2.0 / 3.0 * (mean * cos(axis[x] - axis[k]) + half * cos(of_both));
+            L_i[x] += L[x][k] * i[k];
+            dL_i += 2.0 / 3.0 * half * -2.0 * sin(of_both) * i[k];
+        }
+        const double from = theta - axis[x];
+        const double dmagnet =
+            -r->psi * sin(from) - 5.0 * r->psi_5 * sin(5.0 * from) - 7.0 * r->psi_7 * sin(7.0 * from);
+        turned[x] = f * dL_i + dmagnet;
+        torque_per_pole_pair += i[x] * (0.5 * f * dL_i + dmagnet);
+    }
+    /* d(flux_x)/dt = sum_k D[x][k] di_k/dt + turned_x omega; with di_c = -di_a - di_b, two line-to-line
+     * equations. */
+    double D[3][3];
+    for (int x = 0; x < 3; x++) {
+        for (int k = 0; k < 3; k++) {
+            D[x][k] = f * L[x][k] + L_i[x] * df_dsquare * 4.0 / 3.0 * i[k];
+        }
+        flux_rate[x] = r->u_leg[x] - r->R[x] * i[x] - turned[x] * omega;
+    }
+    double m[2][2], rhs[2];
+    for (int k = 0; k < 2; k++) {
+        for (int column = 0; column < 2; column++) {
+            m[k][column] = D[k][column] - D[k][2] - D[k + 1][column] + D[k + 1][2];
+        }
+        rhs[k] = flux_rate[k] - flux_rate[k + 1];
+    }
+    const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    dy[0] = (m[1][1] * rhs[0] - m[0][1] * rhs[1]) / det;
+    dy[1] = (m[0][0] * rhs[1] - m[1][0] * rhs[0]) / det;
+    dy[2] = omega;
+    dy[3] = r->accel;
+    if (r->J > 0.0) {
+        const double torque = r->pole_pairs * torque_per_pole_pair;
+        dy[3] = r->pole_pairs / r->J * (torque - r->T_load - r->friction * omega / r->pole_pairs);
+    }
+    dy[4] = i[0];
+    dy[5] = i[1];
+    dy[6] = 0.0;
+    dy[7] = 0.0;
+    for (int x = 0; x < 3; x++) {
+        dy[6] += 2.0 / 3.0 * i[x] * cos(theta - axis[x]);
+        dy[7] -= 2.0 / 3.0 * i[x] * sin(theta - axis[x]);
+    }
+    return 0;
+}
+
+static opened *open_solver(reference *r)
+{
+    opened *o = calloc(1, sizeof *o);
+    must(o != NULL, "memory");
+    must(SUNContext_Create(0, &o->context) == 0, "SUNContext_Create");
+    o->y = N_VNew_Serial(8, o->context);
+    o->absolute = N_VNew_Serial(8, o->context);
+    o->cvode = CVodeCreate(CV_ADAMS, o->context);
+    must(o->y != NULL && o->absolute != NULL && o->cvode != NULL, "CVodeCreate");
+    must(CVodeInit(o->cvode, rates, r->t, o->y) == CV_SUCCESS, "CVodeInit");
+    /* The integrals are a cycle (1e-4 s) times the current, so their tolerance is that much smaller. */
+    const double absolute[8] = {1e-12, 1e-12, 1e-13, 1e-10, 1e-17, 1e-17, 1e-17, 1e-17};
+    for (int n = 0; n < 8; n++) {
+        N_VGetArrayPointer(o->absolute)[n] = absolute[n];
+    }
+    must(CVodeSVtolerances(o->cvode, TOLERANCE, o->absolute) == CV_SUCCESS, "CVodeSVtolerances");
+    o->fixed_point = SUNNonlinSol_FixedPoint(o->y, 0, o->context);
+    must(CVodeSetNonlinearSolver(o->cvode, o->fixed_point) == CV_SUCCESS, "CVodeSetNonlinearSolver");
+    must(CVodeSetUserData(o->cvode, r) == CV_SUCCESS, "CVodeSetUserData");
+    must(CVodeSetMaxNumSteps(o->cvode, 100000) == CV_SUCCESS, "CVodeSetMaxNumSteps");
+    return o;
+}
+
+void reference_advance(reference *r, double dt)
+{
+    if (dt <= 0.0) {
+        return;
+    }
+    if (r->solver == NULL) {
+        r->solver = open_solver(r);
+    }
+    opened *o = r->solver;
+    double *y = N_VGetArrayPointer(o->y);
+    for (int n = 0; n < 8; n++) {
+        y[n] = r->y[n];
+    }
+    /* Time starts at zero in each span: a span of nanoseconds late in a run would be lost in its rounding. */
+    double reached = 0.0;
+    must(CVodeReInit(o->cvode, 0.0, o->y) == CV_SUCCESS, "CVodeReInit");
+    must(CVodeSetStopTime(o->cvode, dt) == CV_SUCCESS, "CVodeSetStopTime");
+    must(CVode(o->cvode, dt, o->y, &reached, CV_NORMAL) >= 0, "CVode");
+    for (int n = 0; n < 8; n++) {
+        r->y[n] = y[n];
+    }
+    r->t += dt;
+}
+
+void reference_clear(reference *r)
+{
+    for (int n = 4; n < 8; n++) {
+        r->y[n] = 0.0;
+    }
+}
+
+void reference_close(reference *r)
+{
+    opened *o = r->solver;
+    if (o != NULL) {
+        CVodeFree(&o->cvode);
+        SUNNonlinSolFree(o->fixed_point);
+        N_VDestroy(o->y);
+        N_VDestroy(o->absolute);
+        SUNContext_Free(&o->context);
+        free(o);
+    }
+    r->solver = NULL;
+}
+
+void reference_cycle(reference *r, const double duty[3], double T, double u_dc)
+{
+    double edge[8] = {0.0};
+    int edges = 1;
+    for (int x = 0; x < 3; x++) {
+        if (duty[x] > 0.0 && duty[x] < 1.0) {
+            edge[edges++] = 0.5 * T - 0.5 * T * duty[x];
+            edge[edges++] = 0.5 * T + 0.5 * T * duty[x];
+        }
+    }
+    edge[edges++] = T;
+    for (int a = 1; a < edges; a++) { /* insertion sort */
+        for (int b = a; b > 0 && edge[b] < edge[b - 1]; b--) {
+            const double swap = edge[b];
+            edge[b] = edge[b - 1];
+            edge[b - 1] = swap;
+        }
+    }
+    reference_clear(r);
+    for (int n = 0; n + 1 < edges; n++) {
+        const double middle = 0.5 * (edge[n] + edge[n + 1]);
+        for (int x = 0; x < 3; x++) {
+            const bool high = fabs(middle - 0.5 * T) < 0.5 * T * duty[x];
+            r->u_leg[x] = high ? u_dc : 0.0;
+        }
+        reference_advance(r, edge[n + 1] - edge[n]);
+    }
+}

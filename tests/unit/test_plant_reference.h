@@ -1,0 +1,36 @@
+/*
+ * The drive once more, for the plant's tests: in phase variables, integrated by SUNDIALS CVODE at a tolerance
+ * of 1e-12.
+ *
+ * Nothing is shared with the plant. The machine is written as three coupled coils with the inductances
+ *     L_xy(theta) = 2/3 [ (L_d + L_q)/2 cos(a_x - a_y) + (L_d - L_q)/2 cos(2 theta - a_x - a_y) ],  a = 0,
+ * 2pi/3, 4pi/3 (L_d, L_q constant, or both falling as 1/(1 + (|i|/I_sat)^2)) and magnets psi cos(theta - a_x)
+ * + psi_5 cos 5(theta - a_x)
+ * + psi_7 cos 7(theta - a_x); the two line-to-line equations and i_a + i_b + i_c = 0 are solved for the
+ * currents.
+ */
+#ifndef TESTS_UNIT_TEST_PLANT_REFERENCE_H
+#define TESTS_UNIT_TEST_PLANT_REFERENCE_H
+
+#include <stdbool.h>
+
+typedef struct reference {
+    double pole_pairs, R[3], L_d, L_q, psi, psi_5, psi_7, I_sat; /* I_sat 0: none */
+    double accel;                                                /* of a given speed */
+    double J, friction, T_load;                                  /* J > 0: the shaft is free */
+    double u_leg[3]; /* the legs' voltages, constant over a call of reference_advance */
+    double t;
+    /* i_a, i_b, theta_e, omega_e, integrals of i_a, i_b, i_d, i_q: cleared by reference_clear */
+    double y[8];
+    void *solver; /* opened at the first advance */
+    void *context;
+} reference;
+
+void reference_advance(reference *r, double dt);
+void reference_clear(reference *r);
+void reference_close(reference *r);
+
+/* From one valley to the next with ideal legs, edges worked out here. */
+void reference_cycle(reference *r, const double duty[3], double T, double u_dc);
+
+#endif
