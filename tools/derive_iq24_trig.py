@@ -94,6 +94,8 @@ def render():
 
 #include <stdint.h>
 
+/* clang-format off */
+
 /* sin(2 pi i / {SINE_CELLS}) in Q30, and a quarter turn more, so that the cosine is {SINE_CELLS // 4} entries on. */
 #define SINE_CELLS {SINE_CELLS}
 static const int32_t sine_q30[SINE_CELLS + SINE_CELLS / 4] = {{
@@ -108,6 +110,8 @@ static const int32_t sine_q30[SINE_CELLS + SINE_CELLS / 4] = {{
 static const int32_t arctan_q32[ARCTAN_CELLS + 1][4] = {{
 {arctan},
 }};
+
+/* clang-format on */
 
 #endif
 """

@@ -1,0 +1,201 @@
+/*
+ * IQ24: the library's number, and its elementary arithmetic.
+ *
+ * An iq24_t is a signed 32-bit integer that stands for integer / 2^24 (Q7.24): -128 ... +127.99999994 in
+ * steps of 2^-24 = 5.96e-8, called one LSB here and in every error bound of the library. Angles are in turns,
+ * so that one turn is 2^24 and a wrap is a mask.
+ *
+ * Names tell what happens out of range: _wrap keeps the low 32 bits (two's complement), _sat stops at
+ * IQ24_MAX or IQ24_MIN. No function here has undefined behaviour for any argument within its stated
+ * precondition; without a stated precondition, for any argument at all.
+ *
+ * Wrapping is done by computing the exact value in 64 bits and cutting it in iq24_wrap(), never by letting a
+ * 32-bit operation overflow. Compilers for 32-bit cores reduce that to the one 32-bit instruction, and
+ * clang -fsanitize=undefined,integer has nothing to report.
+ *
+ * Two things are left to the compiler by C99, and each stands in this file only:
+ *   1. the right shift of a negative number (iq24_asr32, iq24_asr64),
+ *   2. the conversion of a value that does not fit to a signed type (iq24_wrap).
+ * Every compiler known to the authors shifts in copies of the sign and keeps the low bits; the declarations
+ * named iq24_assume_* refuse to compile elsewhere. Avoiding (1) by ~(~x >> n) under a sign test costs three
+ * instructions more per shift on a Cortex-M4, and avoiding (2) by arithmetic on the sign bit three per wrap,
+ * unless the compiler sees through them: too much for what is in every product.
+ */
+#ifndef IQFOC_IQ24_H
+#define IQFOC_IQ24_H
+
+#include <stdint.h>
+
+/* A target may name a header of its own that defines any of the IQ24_... hooks below (quotes included):
+ * -DIQFOC_TARGET_HEADER='"my_dsp.h"'. */
+#ifdef IQFOC_TARGET_HEADER
+#include IQFOC_TARGET_HEADER
+#endif
+
+/* Hook: the exact 64-bit product of two int32_t. Every product of the library goes through it. */
+#ifndef IQ24_MUL64
+#define IQ24_MUL64(a, b) ((int64_t)(a) * (int64_t)(b))
+#endif
+
+typedef int32_t iq24_t;     /* Q7.24 */
+typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before rounding */
+
+#define IQ24_FRACTION_BITS 24
+#define IQ24_ONE           ((iq24_t)16777216)
+#define IQ24_MAX           INT32_MAX /* 128 - 2^-24 */
+#define IQ24_MIN           INT32_MIN /* -128 */
+
+/*
+ * IQ24(x): the iq24_t nearest to the constant x, ties away from zero. x is a constant floating expression
+ * with -128 - 2^-25 < x < 128 - 2^-25; it is evaluated more than once, and folds at compile time. Compilers
+ * warn of a constant out of range (gcc and clang by default), so that -Werror refuses it. The fraction that
+ * truncation leaves is exact, unlike (x * 2^24 + 0.5), which rounds before it truncates.
+ */
+#define IQ24(x)                                                                                              \
+    ((iq24_t)((iq24_t)IQ24_SCALED_(x) + (IQ24_SCALED_(x) - (iq24_t)IQ24_SCALED_(x) >= 0.5) -                 \
+              (IQ24_SCALED_(x) - (iq24_t)IQ24_SCALED_(x) <= -0.5)))
+#define IQ24_SCALED_(x) ((x)*16777216.0)
+
+/* An array of -1 elements does not compile: these are the checks of the two assumptions above. */
+typedef char iq24_assume_right_shift_keeps_sign[(-5 >> 1) == -3 && (INT64_MIN >> 62) == -2 ? 1 : -1];
+typedef char iq24_assume_narrowing_keeps_low_bits[(int32_t)INT64_C(0x180000001) == INT32_MIN + 1 ? 1 : -1];
+
+/* floor(x / 2^bits), 0 <= bits <= 31. */
+static inline int32_t iq24_asr32(int32_t x, uint32_t bits)
+{
+    return x >> bits;
+}
+
+/* floor(x / 2^bits), 0 <= bits <= 63. */
+static inline int64_t iq24_asr64(int64_t x, uint32_t bits)
+{
+    return x >> bits;
+}
+
+/* The low 32 bits of x as a two's complement number: x itself where it fits, else x modulo 2^32. */
+static inline iq24_t iq24_wrap(int64_t x)
+{
+    return (iq24_t)x;
+}
+
+/* x where it fits, else the nearer of IQ24_MIN and IQ24_MAX. */
+static inline iq24_t iq24_sat(int64_t x)
+{
+    /* x fits exactly if cutting it changes nothing. Else its sign alone decides: MAX ^ -1 = MIN. */
+    iq24_t low = iq24_wrap(x);
+    return low == x ? low : (IQ24_MAX ^ iq24_wrap(iq24_asr64(x, 63)));
+}
+
+/* ---- Sums: exact, then wrapped or saturated. Scale: any, the same for all. ---- */
+/* Range: |a| and |b| <= 2^31, so a sum or difference is within 2^32 and exact in 64 bits. */
+
+static inline iq24_t iq24_add_wrap(iq24_t a, iq24_t b)
+{
+    return iq24_wrap((int64_t)a + b);
+}
+
+static inline iq24_t iq24_sub_wrap(iq24_t a, iq24_t b)
+{
+    return iq24_wrap((int64_t)a - b);
+}
+
+static inline iq24_t iq24_add_sat(iq24_t a, iq24_t b)
+{
+    return iq24_sat((int64_t)a + b);
+}
+
+static inline iq24_t iq24_sub_sat(iq24_t a, iq24_t b)
+{
+    return iq24_sat((int64_t)a - b);
+}
+
+/* -a; -IQ24_MIN saturates to IQ24_MAX. */
+static inline iq24_t iq24_neg_sat(iq24_t a)
+{
+    return -(a + (a == IQ24_MIN)); /* -(MIN + 1) = MAX; no branch on the targets */
+}
+
+/* |a|; |IQ24_MIN| saturates to IQ24_MAX. */
+static inline iq24_t iq24_abs_sat(iq24_t a)
+{
+    return a < 0 ? iq24_neg_sat(a) : a;
+}
+
+/* x limited to lo ... hi. Precondition: lo <= hi. */
+static inline iq24_t iq24_clamp(iq24_t x, iq24_t lo, iq24_t hi)
+{
+    iq24_t floored = x < lo ? lo : x;
+    return floored > hi ? hi : floored;
+}
+
+/*
+ * ---- Sums of products ----
+ * Scaling: Q7.24 * Q7.24 = Q15.48, exact; only iq24_acc_round and iq24_acc_sat round, once for the whole sum.
+ * Precondition of mac and msu: the true sum lies in -32768 <= sum < 32768 (|acc| <= 2^63); of round and sat,
+ * 2^-25 below that. One product is at most 2^62 (16384.0), so any two products meet it, unless both are
+ * IQ24_MIN * IQ24_MIN and are added; n products meet it if their factors are below sqrt(32768 / n) in
+ * magnitude, as per-unit values (below 8) are for n <= 512.
+ */
+static inline iq24_acc_t iq24_acc_mul(iq24_t a, iq24_t b)
+{
+    return IQ24_MUL64(a, b); /* |product| <= 2^31 * 2^31 = 2^62 */
+}
+
+static inline iq24_acc_t iq24_acc_mac(iq24_acc_t acc, iq24_t a, iq24_t b)
+{
+    return acc + IQ24_MUL64(a, b);
+}
+
+static inline iq24_acc_t iq24_acc_msu(iq24_acc_t acc, iq24_t a, iq24_t b)
+{
+    return acc - IQ24_MUL64(a, b);
+}
+
+/* Half an LSB. A sum that starts from it is rounded by iq24_acc_trunc, two instructions cheaper than
+ * iq24_acc_round. */
+#define IQ24_ACC_HALF (INT64_C(1) << (IQ24_FRACTION_BITS - 1))
+
+/* floor(sum), wrapping. Error below 1 LSB where it fits; <= 0.5 LSB if the sum started from IQ24_ACC_HALF. */
+static inline iq24_t iq24_acc_trunc(iq24_acc_t acc)
+{
+    return iq24_wrap(iq24_asr64(acc, IQ24_FRACTION_BITS));
+}
+
+/* The sum to the nearest iq24_t, ties up, wrapping. Error <= 0.5 LSB where it fits. */
+static inline iq24_t iq24_acc_round(iq24_acc_t acc)
+{
+    return iq24_acc_trunc(acc + IQ24_ACC_HALF);
+}
+
+/* The sum to the nearest iq24_t, ties up, saturating. Error <= 0.5 LSB where it fits. */
+static inline iq24_t iq24_acc_sat(iq24_acc_t acc)
+{
+    return iq24_sat(iq24_asr64(acc + IQ24_ACC_HALF, IQ24_FRACTION_BITS));
+}
+
+/*
+ * ---- Products ----
+ * Range: |a b| <= 2^62; with the half LSB of rounding (2^23) still below 2^63, so every step before the wrap
+ * or the saturation is exact. The full 64-bit product is rounded once: error below 1 LSB (trunc) or <= 0.5
+ * LSB (round, sat).
+ */
+
+/* floor(a b), wrapping. */
+static inline iq24_t iq24_mul_trunc(iq24_t a, iq24_t b)
+{
+    return iq24_acc_trunc(IQ24_MUL64(a, b));
+}
+
+/* a b to nearest, ties up, wrapping. */
+static inline iq24_t iq24_mul_round(iq24_t a, iq24_t b)
+{
+    return iq24_acc_round(IQ24_MUL64(a, b));
+}
+
+/* a b to nearest, ties up, saturating. */
+static inline iq24_t iq24_mul_sat(iq24_t a, iq24_t b)
+{
+    return iq24_acc_sat(IQ24_MUL64(a, b));
+}
+
+#endif

@@ -1,0 +1,58 @@
+/*
+ * Divide, square root, sine with cosine, and atan2 on IQ24 (numbers: iq24.h). All are pure functions.
+ *
+ * 1 LSB = 2^-24. Errors are against the exact function of the integer arguments; how each was found stands
+ * with it, and tests/unit/test_iq24_math.c enforces every sentence below.
+ *
+ * All but the sine rest on the core's unsigned 32-bit divide, which takes 2 to 12 cycles on a Cortex-M4, by
+ * its operands. Where a core has no divide instruction, each of those is a library call.
+ */
+#ifndef IQFOC_IQ24_MATH_H
+#define IQFOC_IQ24_MATH_H
+
+#include "iqfoc/iq24.h"
+
+/* Q7.24 each, within -IQ24_ONE ... IQ24_ONE. */
+typedef struct {
+    iq24_t sin;
+    iq24_t cos;
+} iq24_sincos_t;
+
+/*
+ * sin(2 pi turns) and cos(2 pi turns), by rotating a tabulated angle (64 to the turn) through what remains.
+ *
+ * Scaling and overflow: any argument is an angle; whole turns (all but the low 24 bits) drop out. No output
+ * can overflow.
+ * Error: 0.51 LSB at most, over all 2^24 angles (0.50986 found, at 10091565). Exact at quarter turns.
+ */
+iq24_sincos_t iq24_sincos(iq24_t turns);
+
+/*
+ * The angle of the vector (x, y) in turns, -0.5 <= angle < 0.5: the negative x axis gives -0.5.
+ *
+ * Scaling and overflow: x and y in any scale, the same for both; every pair is valid, IQ24_MIN included.
+ * iq24_atan2(0, 0) = 0.
+ * Error: 0.64 LSB at most, by analysis 0.5 (rounding) + 0.08 (ratio) + 0.06 (cubic and truncations); 0.6342
+ * found over 16 million vectors, on circles of all radii and at random. Exact on the axes and diagonals,
+ * exactly odd in y (but for the half turn) and mirrored in x.
+ */
+iq24_t iq24_atan2(iq24_t y, iq24_t x);
+
+/*
+ * sqrt(x), by two of Heron's steps on the 32 leading bits and one first-order correction; 0 for x <= 0.
+ *
+ * Scaling and overflow: the result is at most sqrt(128) = 11.3 and cannot overflow.
+ * Error: 0.63 LSB at most (0.6250 found over 22 million arguments). Exact where the root is an iq24_t.
+ */
+iq24_t iq24_sqrt(iq24_t x);
+
+/*
+ * a / b to nearest, ties away from zero, by long division with 32-bit remainders.
+ *
+ * Scaling: a and b in any scale, the same for both. Overflow: saturates; a / 0 saturates by the sign of a, and
+ * 0 / 0 = 0.
+ * Error: 0.5 LSB at most; it is the exact quotient, rounded once.
+ */
+iq24_t iq24_div(iq24_t a, iq24_t b);
+
+#endif
