@@ -2,10 +2,10 @@
 // that can leave this file is memory running out on a page of text, and that may end the program.
 #include "toml_table.h"
 
+#include "../base/suggest.h"
+
 #include <toml++/toml.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdarg>
@@ -153,46 +153,17 @@ std::string inner_name(const toml_table &table, const char *key)
     return table.name.empty() ? key : table.name + "." + key;
 }
 
-// Levenshtein distance, case ignored: psi_f_wb is psi_f_Wb mistyped.
-size_t edit_distance(const std::string &a, const std::string &b)
-{
-    std::vector<size_t> row(b.size() + 1);
-    for (size_t j = 0; j <= b.size(); j++) {
-        row[j] = j;
-    }
-    for (size_t i = 1; i <= a.size(); i++) {
-        size_t diagonal = row[0];
-        row[0] = i;
-        for (size_t j = 1; j <= b.size(); j++) {
-            const bool same = std::tolower(static_cast<unsigned char>(a[i - 1])) ==
-                              std::tolower(static_cast<unsigned char>(b[j - 1]));
-            const size_t replaced = diagonal + (same ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-        }
-    }
-    return row[b.size()];
-}
-
+// "; did you mean psi_f_Wb?", or the list of what may stand there.
 std::string suggestion(const toml_table &table, const std::string &key)
 {
-    const std::string *best = nullptr;
-    size_t best_distance = 1 + key.size() / 3; // more than a third of the letters wrong is another word
-    for (const std::string &known : table.known) {
-        const size_t distance = edit_distance(key, known);
-        if (distance <= best_distance && (best == nullptr || distance < best_distance)) {
-            best = &known;
-            best_distance = distance;
-        }
-    }
-    if (best != nullptr) {
-        return "; did you mean " + *best + "?";
-    }
+    std::vector<const char *> known;
     std::string all;
-    for (const std::string &known : table.known) {
-        all += (all.empty() ? "" : ", ") + known;
+    for (const std::string &word : table.known) {
+        known.push_back(word.c_str());
+        all += (all.empty() ? "" : ", ") + word;
     }
-    return "; expected one of " + all;
+    const char *best = suggest(key.c_str(), known.data(), known.size());
+    return best != nullptr ? std::string("; did you mean ") + best + "?" : "; expected one of " + all;
 }
 
 // The unknown key that comes first in the file, whatever order the tables were read in.

@@ -1,0 +1,13 @@
+/*
+ * The commands of `iqfoc`, one cmd_<name>.c each. A command parses its own options (options.h), does its
+ * work, prints what went wrong (error_print) and returns the exit status. argv[0] is the command's name.
+ */
+#ifndef SIM_HOST_COMMANDS_COMMAND_H
+#define SIM_HOST_COMMANDS_COMMAND_H
+
+int cmd_reproduce(int argc, char **argv);
+int cmd_simulate(int argc, char **argv);
+int cmd_sweep(int argc, char **argv);
+int cmd_diagnose(int argc, char **argv);
+
+#endif

@@ -1,0 +1,101 @@
+/*
+ * iqfoc: finds the command and hands over. The command line is described in interfaces.md; each command
+ * documents its own options under --help.
+ *
+ * The process never calls setlocale: it runs in the "C" locale, so that no number ever has a decimal comma.
+ */
+#include "base/error.h"
+#include "base/suggest.h"
+#include "command.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct command {
+    const char *name;
+    const char *summary;
+    int (*run)(int argc, char **argv);
+} command;
+
+static const command commands[] = {
+#ifdef IQFOC_HAS_REPRODUCE
+    {"reproduce", "the papers' tables beside this project's values, with the figures as plots",
+     cmd_reproduce},
+#endif
+#ifdef IQFOC_HAS_SIMULATE
+    {"simulate", "run the firmware code against the switching-level drive, write a recording", cmd_simulate},
+#endif
+#ifdef IQFOC_HAS_SWEEP
+    {"sweep", "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
+#endif
+#ifdef IQFOC_HAS_DIAGNOSE
+    {"diagnose", "what the model gets wrong about a recording, why, and what mending it gains", cmd_diagnose},
+#endif
+    {NULL, NULL, NULL},
+};
+
+enum { COMMANDS = sizeof commands / sizeof commands[0] - 1 };
+
+static int print_overview(void)
+{
+    printf("usage: iqfoc <command> [options]\n\n");
+    for (const command *c = commands; c->name != NULL; c++) {
+        printf("  %-12s%s\n", c->name, c->summary);
+    }
+    printf("\n`iqfoc <command> --help` documents each. `iqfoc --version` prints the version.\n"
+           "Exit status: 0 done, 2 for input or usage that cannot be used, 1 for a failure of the program "
+           "itself.\n");
+    return STATUS_DONE;
+}
+
+static int refuse(const char *given)
+{
+    const char *names[COMMANDS + 1];
+    for (int i = 0; i < COMMANDS; i++) {
+        names[i] = commands[i].name;
+    }
+    error e = {0};
+    const char *meant = given != NULL ? suggest(given, names, COMMANDS) : NULL;
+    if (given == NULL) {
+        error_input(&e, NULL, 0, 0, "expected a command; `iqfoc --help` lists them");
+    } else if (meant != NULL) {
+        error_input(&e, NULL, 0, 0, "unknown command \"%s\"; did you mean %s?", given, meant);
+    } else {
+        error_input(&e, NULL, 0, 0, "unknown command \"%s\"; `iqfoc --help` lists them", given);
+    }
+    return error_print(&e);
+}
+
+static int run(int argc, char **argv)
+{
+    if (argc < 2) {
+        return refuse(NULL);
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+        return print_overview();
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        puts("iqfoc " IQFOC_VERSION);
+        return STATUS_DONE;
+    }
+    for (const command *c = commands; c->name != NULL; c++) {
+        if (strcmp(argv[1], c->name) == 0) {
+            return c->run(argc - 1, argv + 1);
+        }
+    }
+    return refuse(argv[1]);
+}
+
+int main(int argc, char **argv)
+{
+    const int status = run(argc, argv);
+    /* A full disk behind `iqfoc ... > file` shows only here. */
+    if (status == STATUS_DONE && (fflush(stdout) != 0 || ferror(stdout))) {
+        error e = {0};
+        error_failure(&e, errno, "stdout: cannot be written");
+        return error_print(&e);
+    }
+    return status;
+}

@@ -1,0 +1,231 @@
+/* GNU: getopt_long. */
+#define _GNU_SOURCE
+
+#include "options.h"
+
+#include "base/number.h"
+#include "base/suggest.h"
+
+#include <getopt.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    OPTIONS_MAX = 32,
+    HELP_COLUMN = 28,           /* where the explanations start */
+    OPTION_BASE = UCHAR_MAX + 1 /* getopt_long's values for specs[i]: beyond all letters */
+};
+
+static int spec_count(const command_about *about)
+{
+    int count = 0;
+    while (about->specs[count].name != NULL) {
+        count++;
+    }
+    return count;
+}
+
+/* ---- help ---- */
+
+static void print_option(const option_spec *spec)
+{
+    char left[80];
+    char letter[8] = "    ";
+    if (spec->letter != 0) {
+        snprintf(letter, sizeof letter, "-%c, ", spec->letter);
+    }
+    const int width =
+        snprintf(left, sizeof left, "  %s--%s%s%s", letter, spec->name, spec->argument != NULL ? " " : "",
+                 spec->argument != NULL ? spec->argument : "");
+    printf("%-*s", HELP_COLUMN, left);
+    if (width >= HELP_COLUMN) {
+        printf("\n%*s", HELP_COLUMN, "");
+    }
+    for (const char *line = spec->help; line != NULL;) {
+        const size_t length = strcspn(line, "\n");
+        printf("%.*s\n", (int)length, line);
+        line = line[length] == '\n' ? line + length + 1 : NULL;
+        if (line != NULL) {
+            printf("%*s", HELP_COLUMN, "");
+        }
+    }
+}
+
+static void print_help(const command_about *about)
+{
+    static const option_spec help = {"help", 'h', NULL, "this text"};
+    printf("usage: iqfoc %s %s\n\n%s\n\n", about->name, about->usage, about->description);
+    for (const option_spec *spec = about->specs; spec->name != NULL; spec++) {
+        print_option(spec);
+    }
+    print_option(&help);
+}
+
+/* ---- parsing ---- */
+
+options options_begin(const command_about *about, int argc, char **argv)
+{
+    optind = 0; /* glibc: start anew, and forget what was parsed before */
+    opterr = 0; /* the error lines are ours */
+    return (options){.about = about, .argc = argc, .argv = argv, .current = -1};
+}
+
+static int refuse_unknown(const options *o, error *e)
+{
+    const char *given = o->argv[optind - 1];
+    if (optopt > 0 && optopt <= UCHAR_MAX && strncmp(given, "--", 2) != 0) {
+        error_input(e, NULL, 0, 0, "%s: unknown option -%c; `iqfoc %s --help` lists them", o->about->name,
+                    optopt, o->about->name);
+        return OPTIONS_ERROR;
+    }
+    if (optopt >= OPTION_BASE) {
+        error_input(e, NULL, 0, 0, "%s: --%s takes no value", o->about->name,
+                    o->about->specs[optopt - OPTION_BASE].name);
+        return OPTIONS_ERROR;
+    }
+    char word[80];
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(given + 2, "="), given + 2);
+    const char *names[OPTIONS_MAX];
+    const int count = spec_count(o->about);
+    for (int i = 0; i < count; i++) {
+        names[i] = o->about->specs[i].name;
+    }
+    const char *meant = suggest(word, names, (size_t)count);
+    if (meant != NULL) {
+        error_input(e, NULL, 0, 0, "%s: unknown option --%s; did you mean --%s?", o->about->name, word,
+                    meant);
+    } else {
+        error_input(e, NULL, 0, 0, "%s: unknown option --%s; `iqfoc %s --help` lists them", o->about->name,
+                    word, o->about->name);
+    }
+    return OPTIONS_ERROR;
+}
+
+static int refuse_without_value(const options *o, error *e)
+{
+    const option_spec *spec = NULL;
+    for (const option_spec *s = o->about->specs; s->name != NULL; s++) {
+        if (optopt == OPTION_BASE + (int)(s - o->about->specs) || (s->letter != 0 && optopt == s->letter)) {
+            spec = s;
+        }
+    }
+    error_input(e, NULL, 0, 0, "%s: --%s needs a value: %s", o->about->name, spec != NULL ? spec->name : "?",
+                spec != NULL ? spec->argument : "?");
+    return OPTIONS_ERROR;
+}
+
+int options_next(options *o, error *e)
+{
+    struct option longs[OPTIONS_MAX + 2] = {0};
+    char letters[2 * OPTIONS_MAX + 4] = ":h"; /* the colon: tell a missing value from an unknown option */
+    size_t at = strlen(letters);
+    const int count = spec_count(o->about);
+    for (int i = 0; i < count && i < OPTIONS_MAX; i++) {
+        const option_spec *spec = &o->about->specs[i];
+        longs[i] = (struct option){spec->name, spec->argument != NULL ? required_argument : no_argument, NULL,
+                                   OPTION_BASE + i};
+        if (spec->letter != 0) {
+            letters[at++] = spec->letter;
+            if (spec->argument != NULL) {
+                letters[at++] = ':';
+            }
+        }
+    }
+    letters[at] = '\0';
+    longs[count] = (struct option){"help", no_argument, NULL, 'h'};
+
+    const int got = getopt_long(o->argc, o->argv, letters, longs, NULL);
+    o->argument = optarg;
+    o->first = optind;
+    if (got == -1) {
+        return OPTIONS_END;
+    }
+    if (got == 'h') {
+        print_help(o->about);
+        o->helped = true;
+        return OPTIONS_END;
+    }
+    if (got == '?') {
+        return refuse_unknown(o, e);
+    }
+    if (got == ':') {
+        return refuse_without_value(o, e);
+    }
+    o->current = got - OPTION_BASE;
+    for (int i = 0; got < OPTION_BASE && i < count; i++) {
+        if (o->about->specs[i].letter == got) {
+            o->current = i;
+        }
+    }
+    return o->current;
+}
+
+/* ---- values ---- */
+
+static bool refuse_value(const options *o, const char *expected, error *e)
+{
+    return error_input(e, NULL, 0, 0, "%s: --%s must be %s, not \"%s\"", o->about->name,
+                       o->about->specs[o->current].name, expected, o->argument);
+}
+
+bool options_numbers(const options *o, double low, double high, double *values, size_t max, size_t *count,
+                     error *e)
+{
+    *count = 0;
+    for (const char *text = o->argument; text != NULL;) {
+        const size_t length = strcspn(text, ",");
+        double value = 0.0;
+        const bool ok = number_parse(text, length, &value) == NUMBER_OK && value >= low && value <= high;
+        if (!ok || *count == max) {
+            char expected[120];
+            if (max == 1) {
+                snprintf(expected, sizeof expected, "a number from %g to %g", low, high);
+            } else {
+                snprintf(expected, sizeof expected, "1 to %zu numbers from %g to %g, split by commas", max,
+                         low, high);
+            }
+            return refuse_value(o, expected, e);
+        }
+        values[(*count)++] = value;
+        text = text[length] == ',' ? text + length + 1 : NULL;
+    }
+    return true;
+}
+
+bool options_number(const options *o, double min, double max, double *value, error *e)
+{
+    size_t count;
+    return options_numbers(o, min, max, value, 1, &count, e);
+}
+
+bool options_integer(const options *o, long min, long max, long *value, error *e)
+{
+    double read = 0.0;
+    const bool ok = number_parse(o->argument, strlen(o->argument), &read) == NUMBER_OK &&
+                    read == floor(read) && read >= (double)min && read <= (double)max;
+    if (!ok) {
+        char expected[80];
+        snprintf(expected, sizeof expected, "a whole number from %ld to %ld", min, max);
+        return refuse_value(o, expected, e);
+    }
+    *value = (long)read;
+    return true;
+}
+
+bool options_missing(const options *o, int which, error *e)
+{
+    const option_spec *spec = &o->about->specs[which];
+    return error_input(e, NULL, 0, 0, "%s: --%s %s is missing; `iqfoc %s --help` explains", o->about->name,
+                       spec->name, spec->argument != NULL ? spec->argument : "", o->about->name);
+}
+
+bool options_at_most(const options *o, int most, error *e)
+{
+    if (o->argc - o->first > most) {
+        return error_input(e, NULL, 0, 0, "%s: unexpected argument \"%s\"", o->about->name,
+                           o->argv[o->first + most]);
+    }
+    return true;
+}
