@@ -90,11 +90,11 @@ check_format() {
     source_files | xargs clang-format --dry-run -Werror
 }
 
-# clang-tidy looks at what the clang preset compiles.
+# clang-tidy looks at what the clang preset compiles, a file at a time: over several, its va_list checker of Debian 12 carries one
+# file's state into the next. Its count of warnings in system headers is left out.
 check_tidy() {
-    mkdir -p build/logs
     configure_preset clang -DBUILD_TESTING=ON
-    python3 - <<'END' | xargs -P "$JOBS" -n 4 clang-tidy --quiet -p build/clang
+    python3 - <<'END' | xargs -P "$JOBS" -n 1 clang-tidy --quiet -p build/clang 2>&1 | { grep -v '^[0-9]* warnings\? generated' || true; }
 import json, os
 root = os.getcwd() + "/"
 files = {entry["file"] for entry in json.load(open("build/clang/compile_commands.json"))}
@@ -105,7 +105,8 @@ END
 check_cppcheck() {
     mkdir -p build/cppcheck
     cppcheck --quiet -j "$JOBS" --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
-        --suppress=missingIncludeSystem --cppcheck-build-dir=build/cppcheck -I include -I sim_host src sim_host port
+        --suppressions-list=tools/cppcheck.suppress --cppcheck-build-dir=build/cppcheck -I include -I sim_host \
+        -UIQFOC_TARGET_HEADER src sim_host port
 }
 
 # The library's lines and branches that the unit tests reach, headers with inline functions included.
@@ -129,6 +130,13 @@ check_everything() {
     close_parts
 }
 
+# The parts that other folders bring.
+run_if_there() {
+    if [[ -e $2 ]]; then
+        run_part "$@"
+    fi
+}
+
 test_everything() {
     run_part host test_preset host
     run_part clang test_preset clang sweep
@@ -137,6 +145,9 @@ test_everything() {
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
     run_part examples python3 tools/check_examples.py
     run_part figures python3 tools/figures.py check
+    run_if_there target tests/target/run.sh
+    run_if_there bench bench/run.sh --check
+    run_if_there blind tests/blind/run.py --ci --jobs "$JOBS"
     run_static_checks
     run_part coverage check_coverage
     close_parts
