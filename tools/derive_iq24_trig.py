@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Derive the tables and coefficients of src/iq24_trig.c, and print src/iq24_trig_tables.h.
+"""Derive the tables of src/iq24_trig_tables.h and the coefficients in include/iqfoc/iq24_sincos.h.
 
-    python3 tools/derive_iq24_trig.py > src/iq24_trig_tables.h      write
-    python3 tools/derive_iq24_trig.py --check                       exit 1 if the file differs
+    python3 tools/derive_iq24_trig.py > src/iq24_trig_tables.h      write the tables
+    python3 tools/derive_iq24_trig.py --coefficients                print the coefficients
+    python3 tools/derive_iq24_trig.py --check                       exit 1 if either file differs
 
 Standard library only and no fitting by iteration, so that the output is the same on every machine: polynomials are
 interpolated at Chebyshev nodes, which is within a few per cent of the best possible error at these degrees.
@@ -11,7 +12,9 @@ import math
 import pathlib
 import sys
 
-TABLE = pathlib.Path(__file__).resolve().parent.parent / "src" / "iq24_trig_tables.h"
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+TABLES = ROOT / "src" / "iq24_trig_tables.h"
+SINCOS = ROOT / "include" / "iqfoc" / "iq24_sincos.h"
 TAU = 2 * math.pi
 
 
@@ -56,10 +59,10 @@ def rotation_coefficients():
     c2, c4 = interpolate(lambda v: (1 - math.cos(half_cell * math.sqrt(v))) / v, squares)
     # e = u 2^31 and z = v 2^30: undo those scales, and the 2^32 of each high word.
     return [
-        ("ROTATE_S1", s1 * 2.0**(34 + 32 - 31)),
-        ("ROTATE_S3", -s3 * 2.0**(34 + 32 - 31 + 32 - 30)),
-        ("ROTATE_C2", c2 * 2.0**(34 + 32 - 30)),
-        ("ROTATE_C4", -c4 * 2.0**(34 + 32 - 30 + 32 - 30)),
+        ("IQ24_ROTATE_S1", s1 * 2.0**(34 + 32 - 31)),
+        ("IQ24_ROTATE_S3", -s3 * 2.0**(34 + 32 - 31 + 32 - 30)),
+        ("IQ24_ROTATE_C2", c2 * 2.0**(34 + 32 - 30)),
+        ("IQ24_ROTATE_C4", -c4 * 2.0**(34 + 32 - 30 + 32 - 30)),
     ]
 
 
@@ -81,9 +84,12 @@ def arctan_table():
     return rows
 
 
-def render():
-    sine = ["%d" % value for value in sine_table()]
-    constants = "\n".join("#define %s %d" % (name, round(value)) for name, value in rotation_coefficients())
+def coefficient_lines():
+    return [f"#define {name} INT32_C({round(value)})" for name, value in rotation_coefficients()]
+
+
+def render_tables():
+    sine = [str(value) for value in sine_table()]
     arctan = ",\n".join("    {%d, %d, %d, %d}" % tuple(row) for row in arctan_table())
     return f"""/*
  * Written by tools/derive_iq24_trig.py, which says how; do not edit. Private to src/iq24_trig.c.
@@ -92,22 +98,17 @@ def render():
 #ifndef IQ24_TRIG_TABLES_H
 #define IQ24_TRIG_TABLES_H
 
-#include <stdint.h>
+#include "iqfoc/iq24_sincos.h"
 
 /* clang-format off */
 
-/* sin(2 pi i / {SINE_CELLS}) in Q30, and a quarter turn more, so that the cosine is {SINE_CELLS // 4} entries on. */
-#define SINE_CELLS {SINE_CELLS}
-static const int32_t sine_q30[SINE_CELLS + SINE_CELLS / 4] = {{
+/* sin(2 pi i / {SINE_CELLS}) in Q30. */
+const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4] = {{
 {wrap(sine, 8)},
 }};
 
-/* Sine and 1 - cosine of up to half a cell, in Q34. */
-{constants}
-
-/* atan in Q32 turns around the ratios i / {ARCTAN_CELLS}: coefficients of a cubic, constant first. */
-#define ARCTAN_CELLS {ARCTAN_CELLS}
-static const int32_t arctan_q32[ARCTAN_CELLS + 1][4] = {{
+/* atan in Q32 turns around the ratios i / {ARCTAN_CELLS}: coefficients of a cubic, constant first; the k-th times 2^k. */
+static const int32_t arctan_q32[{ARCTAN_CELLS + 1}][4] = {{
 {arctan},
 }};
 
@@ -118,14 +119,19 @@ static const int32_t arctan_q32[ARCTAN_CELLS + 1][4] = {{
 
 
 def main():
-    text = render()
     if sys.argv[1:] == ["--check"]:
-        if TABLE.read_text() != text:
-            sys.exit(f"{TABLE}: differs from what {pathlib.Path(__file__).name} derives")
+        if TABLES.read_text() != render_tables():
+            sys.exit(f"{TABLES}: differs from what {pathlib.Path(__file__).name} derives")
+        header = SINCOS.read_text().splitlines()
+        for line in [f"#define IQ24_SINE_CELLS {SINE_CELLS}"] + coefficient_lines():
+            if line not in header:
+                sys.exit(f"{SINCOS}: lacks '{line}', which {pathlib.Path(__file__).name} derives")
+    elif sys.argv[1:] == ["--coefficients"]:
+        print("\n".join(coefficient_lines()))
     elif sys.argv[1:]:
         sys.exit(__doc__)
     else:
-        sys.stdout.write(text)
+        sys.stdout.write(render_tables())
 
 
 main()

@@ -119,10 +119,15 @@ check_coverage() {
         --txt --branches
 }
 
+check_scripts() {
+    shellcheck -x dev .ci/run tools/*.sh
+}
+
 run_static_checks() {
     run_part format check_format
     run_part clang-tidy check_tidy
     run_part cppcheck check_cppcheck
+    run_part shellcheck check_scripts
 }
 
 check_everything() {

@@ -1,5 +1,5 @@
 # Sourced by ./dev: makes a fresh Debian machine ready. Installs only what is missing, asks nothing.
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2034 # its lists are used by ./dev
 
 # What `build` and `demo` need.
 BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-dev liblapacke-dev libcminpack-dev
@@ -7,7 +7,7 @@ BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-d
 # What `test`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the targets' compilers and
 # emulators, the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
 TEST_PACKAGES=(git python3 python3-numpy python3-scipy xz-utils libsundials-dev gcovr clang clang-tidy clang-format
-    cppcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
+    cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
     picolibc-riscv64-unknown-elf qemu-system-misc)
 
 # The packages among the arguments that are not installed, one a line.
@@ -80,15 +80,16 @@ write_source_entries() {
     done
     for file in "$apt"/sources.list "$apt"/sources.list.d/*.list; do
         [[ -r $file ]] || continue
-        sed -nE "s/^deb[ \t]+(\[[^]]*\][ \t]+)?([^ \t]+)[ \t]+$codename[ \t]+(.*[ \t])?main([ \t].*)?$/deb-src \1\2 $codename main/p" "$file" |
-            sed -E 's/arch=[^] ]*//' >>"$folder/src.list"
+        # deb [options] URI release ... main ...
+        sed -nE "s/^deb[ \t]+(\[.*\][ \t]+)?([^ \t]+)[ \t]+${codename}[ \t]+(.*[ \t])?main([ \t].*)?$/deb-src \1\2 ${codename} main/p" \
+            "$file" | sed -E 's/arch=[^] ]*//' >>"$folder/src.list"
     done
 }
 
 # Takes Unity out of the source package of ntpsec, which Debian 12 has it in. Needs no root: apt works on folders of this tree, and
 # the machine's own lists and sources stay as they are.
 fetch_unity() {
-    local target=$1 work=$ROOT/.cache/unity-fetch codename entries tarball
+    local target=$1 work=$ROOT/.cache/unity-fetch codename tarball
     codename=$(. /etc/os-release && printf '%s' "${VERSION_CODENAME:-}")
     say "fetching the test framework Unity from Debian's source package ntpsec"
     rm -rf "$work"

@@ -10,7 +10,7 @@ failures=0
 
 # A machine: a PATH with the plain tools, plus the stand-ins that are given as name=script.
 machine() {
-    rm -rf "$WORK/bin"
+    rm -rf "${WORK:?}/bin"
     mkdir "$WORK/bin"
     local tool stand_in
     for tool in bash env dirname nproc head mkdir grep tail id cat true; do
@@ -22,6 +22,7 @@ machine() {
     done
 }
 
+# shellcheck disable=SC2016 # the code is for the inner shell
 # Runs set-up code as an ordinary user would (EUID is read-only, so that the two questions about root are answered here).
 try() {
     "$(command -v env)" -i PATH="$WORK/bin" HOME="$WORK" ROOT="$WORK" "${@:2}" "$(command -v timeout)" 20 bash -c '
@@ -89,14 +90,19 @@ Components: main
 END
 echo 'deb [arch=amd64 signed-by=/keys/old.gpg] http://old.example/debian bookworm contrib main' >"$WORK/apt/sources.list"
 try "APT_SOURCES=$WORK/apt write_source_entries bookworm $WORK/out" >/dev/null
-wanted='Types: deb-src
+same() {
+    if [[ $2 != "$3" ]]; then
+        printf 'FAIL %s: wanted\n%s\nand got\n%s\n' "$1" "$3" "$2"
+        failures=$((failures + 1))
+    fi
+}
+same "deb822 entries" "$(cat "$WORK/out/src.sources")" 'Types: deb-src
 URIs: http://mirror.example/debian
 Suites: bookworm
 Components: main
 Signed-By: /keys/debian.gpg'
-[[ $(cat "$WORK/out/src.sources") == "$wanted" ]] || { printf 'FAIL deb822 entry:\n%s\n' "$(cat "$WORK/out/src.sources")"; failures=$((failures + 1)); }
-wanted='deb-src [signed-by=/keys/old.gpg] http://old.example/debian bookworm main'
-[[ $(tr -s ' ' <"$WORK/out/src.list" | sed 's/\[ /[/') == "$wanted" ]] || { printf 'FAIL one-line entry: %s\n' "$(cat "$WORK/out/src.list")"; failures=$((failures + 1)); }
+same "one-line entries" "$(tr -s ' ' <"$WORK/out/src.list" | sed 's/\[ /[/')" \
+    'deb-src [signed-by=/keys/old.gpg] http://old.example/debian bookworm main'
 
 ((failures == 0)) && printf 'set-up: all as expected\n'
 exit $((failures != 0))
