@@ -74,7 +74,7 @@ void iqfoc_cycle_clear(iqfoc_cycle_t *cycle)
     cycle->status = 0;
     cycle->tripped = false;
     cycle->started = false;
-    cycle->phases_seen = 0;
+    cycle->corrected = false;
     cycle->control = no_control;
 }
 
@@ -88,15 +88,6 @@ static void set_status(iqfoc_cycle_t *cycle, uint32_t bits)
 {
     cycle->status |= bits;
     cycle->tripped = cycle->tripped || (bits & cycle->config->trips) != 0;
-}
-
-/*
- * A gap in the sequence of calls: nothing computed from earlier samples holds any more.
- */
-static void interrupted(iqfoc_cycle_t *cycle)
-{
-    set_status(cycle, IQFOC_STATUS_MISSED);
-    cycle->phases_seen = 0;
 }
 
 /* Ticks wrap: the difference of two unsigned times is right across the wrap. */
@@ -132,9 +123,17 @@ static iq24_t theta_after(iq24_t theta, iq24_t turns, iq24_t cycles)
     return iq24_add_wrap(theta, iq24_mul_round(turns, cycles));
 }
 
-static iq24_t speed_of(const iqfoc_sample_t *sample)
+/*
+ * Mean over the cycle that ends at this valley: its ends are the two valleys' samples, and the sample at its
+ * middle is the mean of a current that changes linearly; a port that averages gives a better one.
+ */
+static iqfoc_dq_t corrected_mean(const iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i)
 {
-    return iq24_clamp(sample->turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iqfoc_ab_t i_mean = sample->has_mean ? iqfoc_clarke3(sample->i_mean) : cycle->i_peak;
+    const iqfoc_ab_t delta = {iq24_sub_wrap(i.alpha, cycle->i_valley.alpha),
+                              iq24_sub_wrap(i.beta, cycle->i_valley.beta)};
+    const iq24_t theta_mid = theta_after(cycle->theta_valley, cycle->rotor.turns, IQ24_ONE / 2);
+    return iqfoc_mean_current_correct(i_mean, delta, &cycle->rotor, iq24_sincos(theta_mid));
 }
 
 void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
@@ -142,17 +141,21 @@ void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint
     const iqfoc_cycle_config_t *config = cycle->config;
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     const iqfoc_ab_t none = {0, 0};
-    bool predicted = cycle->started;
+    bool whole = cycle->started; /* the cycle that ends here was seen from its valley on */
     check_sample(cycle, sample, i, now);
     if (cycle->started && (cycle->at_valley || (config->period_ticks != 0 &&
                                                 sample->time - cycle->valley_time >
                                                     config->period_ticks + config->tolerance_ticks))) {
-        interrupted(cycle);
-        predicted = false;
+        set_status(cycle, IQFOC_STATUS_MISSED);
+        whole = false;
     }
     const iqfoc_ab_t error = {iq24_sub_wrap(i.alpha, cycle->i_next.alpha),
                               iq24_sub_wrap(i.beta, cycle->i_next.beta)};
-    cycle->error = predicted ? error : none;
+    cycle->error = whole ? error : none;
+    cycle->corrected = whole && config->feedback == IQFOC_FEEDBACK_CORRECTED_MEAN;
+    if (cycle->corrected) {
+        cycle->i_corrected_dq = corrected_mean(cycle, sample, i);
+    }
     cycle->u_now = cycle->u_ab;
     cycle->i_valley = i;
     cycle->valley_time = sample->time;
@@ -172,29 +175,14 @@ void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint
     cycle->i_mean_dq = iqfoc_mean_current_correct(cycle->i_mean, delta, &cycle->rotor, sc_mid);
 }
 
-/*
- * Mean over the cycle from the last peak to this one: its middle is the valley, whose sample is the mean of a
- * current that changes linearly; a port that averages gives a better one.
- */
-static iqfoc_dq_t corrected_mean(const iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i,
-                                 iq24_t turns)
-{
-    const iqfoc_ab_t i_mean = sample->has_mean ? iqfoc_clarke3(sample->i_mean) : cycle->i_valley;
-    const iqfoc_ab_t delta = {iq24_sub_wrap(i.alpha, cycle->i_peak.alpha),
-                              iq24_sub_wrap(i.beta, cycle->i_peak.beta)};
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
-    return iqfoc_mean_current_correct(i_mean, delta, &rotor,
-                                      iq24_sincos(theta_after(sample->theta, turns, -IQ24_ONE / 2)));
-}
-
-static iqfoc_dq_t feedback(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i, iq24_t turns)
+static iqfoc_dq_t feedback(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i)
 {
     switch (cycle->config->feedback) {
     case IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN:
         return cycle->i_mean_dq;
     case IQFOC_FEEDBACK_CORRECTED_MEAN:
-        if (cycle->phases_seen >= 2) {
-            return corrected_mean(cycle, sample, i, turns);
+        if (cycle->corrected) {
+            return cycle->i_corrected_dq;
         }
         set_status(cycle, IQFOC_STATUS_NO_INTERVAL);
         break;
@@ -250,14 +238,14 @@ iqfoc_command_t iqfoc_cycle_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sam
 {
     const iqfoc_cycle_config_t *config = cycle->config;
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
-    const iq24_t turns = speed_of(sample);
+    const iq24_t turns = iq24_clamp(sample->turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     check_sample(cycle, sample, i, now);
     if (!cycle->at_valley) {
-        interrupted(cycle);
+        set_status(cycle, IQFOC_STATUS_MISSED);
+        cycle->corrected = false;
     }
     cycle->at_valley = false;
-    cycle->phases_seen += cycle->phases_seen < 2 ? 1 : 0;
-    cycle->i_dq = feedback(cycle, sample, i, turns);
+    cycle->i_dq = feedback(cycle, sample, i);
     cycle->i_peak = i;
     cycle->u_dc_inverse = inverse_followed(cycle->u_dc_inverse, sample->u_dc);
     if (!cycle->enabled || cycle->tripped) {

@@ -22,11 +22,10 @@ static iq24_t duty(iq24_t x)
 }
 
 /*
- * Range: |u u_dc_inverse| <= 64 per component, the inverse Clarke transform's precondition; |phase| <= 87.5
- * and their span max - min <= sqrt(3) 64 sqrt(2) = 157 may leave IQ24. It is therefore halved first:
- * half-values |x| <= 43.8, half the span <= 78.4 < 128. A shortened vector is scaled by span_max/span <= 1
- * before it is added to anything. (max + min)/2 of values that sum to zero is at most a quarter of the span:
- * no overflow. Error within the hexagon: voltage over u_dc 0.5 LSB, inverse Clarke 1.2, zero sequence 0.5.
+ * Range: |u u_dc_inverse| <= 32 a component, so |phase| <= 43.8 and span = max - min <= sqrt(3) 32 sqrt(2)
+ * = 78.4: no sum wraps. 0 < scale < 1 where span > span_max, so what is shortened only gets smaller. Error
+ * within the hexagon: voltage over u_dc 0.5 LSB, inverse Clarke 1.2, zero sequence 1.2: together below 3.
+ * Shortened: the rounded scale costs 0.5 LSB times the phase's size besides, and the span's own error.
  */
 iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max)
 {
@@ -35,9 +34,9 @@ iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max
     iq24_t high = larger(larger(x.a, x.b), x.c);
     iq24_t low = smaller(smaller(x.a, x.b), x.c);
     iqfoc_duties_t duties = {{0, 0, 0}, IQ24_ONE};
-    const iq24_t half_span = iq24_sub_wrap(iq24_asr32(high, 1), iq24_asr32(low, 1));
-    if (half_span > iq24_asr32(span_max, 1)) {
-        duties.scale = smaller(iq24_div(iq24_asr32(span_max, 1), half_span), IQ24_ONE);
+    const iq24_t span = iq24_sub_wrap(high, low);
+    if (span > span_max) {
+        duties.scale = iq24_div(span_max, span);
         x.a = iq24_mul_round(x.a, duties.scale);
         x.b = iq24_mul_round(x.b, duties.scale);
         x.c = iq24_mul_round(x.c, duties.scale);

@@ -42,8 +42,8 @@
 
 /* Which current the controller is fed with. */
 typedef enum iqfoc_feedback {
-    IQFOC_FEEDBACK_MIDPOINT,           /* the sample at the carrier peak, its own angle: usual practice */
-    IQFOC_FEEDBACK_CORRECTED_MEAN,     /* 2016 (10) over the cycle that ends at this peak */
+    IQFOC_FEEDBACK_MIDPOINT,       /* the sample at the carrier peak, its own angle: usual practice */
+    IQFOC_FEEDBACK_CORRECTED_MEAN, /* 2016 (10) over the cycle that ended at the last valley: one cycle old */
     IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN /* 2019 (10), corrected by 2016 (10), over the cycle from the last
                                           valley */
 } iqfoc_feedback_t;
@@ -64,14 +64,14 @@ typedef enum iqfoc_safe_state {
 /* One set of measurements. Per unit and turns are IQ24. */
 typedef struct iqfoc_sample {
     iqfoc_abc_t i; /* phase currents, per unit, into the motor; the port's scaling keeps each within +-31.9 */
-    iqfoc_abc_t i_mean; /* their means over the cycle that ends at this sample; read only if has_mean */
+    iqfoc_abc_t i_mean; /* valley only: their means over the cycle that ends; read if has_mean */
     iq24_t theta;       /* electrical angle at the sampling instant, turns */
     iq24_t turns;       /* electrical speed, turns per control cycle */
     iq24_t u_dc;        /* DC-link voltage, per unit of nominal */
     iq24_t at;     /* the sampling instant, cycles after the valley: 0 there, 0.5 at the peak; -0.25 ... 1 */
     uint32_t time; /* the port's free-running timer at the sampling instant, ticks; wraps */
-    bool has_mean; /* the port averages (oversampling, sigma-delta); without it the valley's sample stands for
-                      the mean */
+    bool has_mean; /* valley only: the port averages (oversampling, sigma-delta); without it the peak's sample
+                           stands for the mean */
     bool clipped;  /* a converter was at the end of its range */
 } iqfoc_sample_t;
 
@@ -100,28 +100,29 @@ typedef struct iqfoc_cycle_config {
 /* The state. Read what you like; write only i_ref and enabled, between calls. */
 typedef struct iqfoc_cycle {
     const iqfoc_cycle_config_t *config;
-    iqfoc_dq_t i_ref;     /* reference of the current, per unit: |component| <= 32 */
-    bool enabled;         /* false: the safe output, integrators held at zero */
-    bool tripped;         /* a bit of config->trips was set; iqfoc_cycle_clear ends it */
-    uint32_t status;      /* sticky bits */
-    iqfoc_dq_t i_dq;      /* the feedback of the last peak */
-    iqfoc_dq_t u_dq;      /* what the controller asked for at the last peak */
-    iqfoc_ab_t u_ab;      /* what the modulator could make of it: acts from the next valley */
-    iqfoc_ab_t u_now;     /* the voltage of the cycle that runs */
-    iqfoc_ab_t i_valley;  /* sample of the last valley */
-    iqfoc_ab_t i_next;    /* quasi-discrete prediction for the next valley */
-    iqfoc_ab_t error;     /* last valley's sample less its prediction */
-    iqfoc_ab_t i_mean;    /* quasi-discrete mean of the cycle that runs */
-    iqfoc_dq_t i_mean_dq; /* the same as seen from the rotor */
-    iqfoc_ab_t i_peak;    /* sample of the last peak */
-    iqfoc_rotor_t rotor;  /* of the last valley's speed */
-    iq24_t theta_valley;  /* angle of the last valley */
-    iq24_t u_dc_inverse;  /* 1/u_dc, followed by a Newton step a cycle */
+    iqfoc_dq_t i_ref;          /* reference of the current, per unit: |component| <= 32 */
+    bool enabled;              /* false: the safe output, integrators held at zero */
+    bool tripped;              /* a bit of config->trips was set; iqfoc_cycle_clear ends it */
+    uint32_t status;           /* sticky bits */
+    iqfoc_dq_t i_dq;           /* the feedback of the last peak */
+    iqfoc_dq_t u_dq;           /* what the controller asked for at the last peak */
+    iqfoc_ab_t u_ab;           /* what the modulator could make of it: acts from the next valley */
+    iqfoc_ab_t u_now;          /* the voltage of the cycle that runs */
+    iqfoc_ab_t i_valley;       /* sample of the last valley */
+    iqfoc_ab_t i_next;         /* quasi-discrete prediction for the next valley */
+    iqfoc_ab_t error;          /* last valley's sample less its prediction */
+    iqfoc_ab_t i_mean;         /* quasi-discrete mean of the cycle that runs */
+    iqfoc_dq_t i_mean_dq;      /* the same as seen from the rotor */
+    iqfoc_dq_t i_corrected_dq; /* mean of the cycle that ended at the last valley, if `corrected` */
+    iqfoc_ab_t i_peak;         /* sample of the last peak */
+    iqfoc_rotor_t rotor;       /* of the last valley's speed */
+    iq24_t theta_valley;       /* angle of the last valley */
+    iq24_t u_dc_inverse;       /* 1/u_dc, followed by a Newton step a cycle */
     iqfoc_current_control_t control;
     uint32_t valley_time; /* ticks of the last valley's sample */
-    uint32_t phases_seen; /* how many peaks since a start or a gap, up to 2 */
     bool at_valley;       /* the last call was a valley's */
     bool started;         /* a valley was seen */
+    bool corrected;       /* i_corrected_dq is of the cycle that ended at the last valley */
 } iqfoc_cycle_t;
 
 /* Negative: refused, the object untouched. */

@@ -47,9 +47,9 @@ typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before roundi
 
 /*
  * IQ24(x): the iq24_t nearest to the constant x, ties away from zero. x is a constant floating expression
- * with -128 - 2^-25 < x < 128 - 2^-25; it is evaluated more than once, and folds at compile time. Compilers
- * warn of a constant out of range (gcc and clang by default), so that -Werror refuses it. The fraction that
- * truncation leaves is exact, unlike (x * 2^24 + 0.5), which rounds before it truncates.
+ * with -128 - 2^-25 < x < 128 - 2^-25; it is evaluated more than once, and folds at compile time. gcc and
+ * clang warn of a constant out of range, so that -Werror refuses it. What truncation leaves is exact, unlike
+ * x * 2^24 + 0.5, which is itself rounded before it is truncated.
  */
 #define IQ24(x)                                                                                              \
     ((iq24_t)((iq24_t)IQ24_SCALED_(x) + (IQ24_SCALED_(x) - (iq24_t)IQ24_SCALED_(x) >= 0.5) -                 \
@@ -57,7 +57,7 @@ typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before roundi
 #define IQ24_SCALED_(x) ((x)*16777216.0)
 
 /* An array of -1 elements does not compile: these are the checks of the two assumptions above. */
-typedef char iq24_assume_right_shift_keeps_sign[(-5 >> 1) == -3 && (INT64_MIN >> 62) == -2 ? 1 : -1];
+typedef char iq24_assume_right_shift_keeps_sign[(INT32_C(-5) >> 1) == -3 && (INT64_MIN >> 62) == -2 ? 1 : -1];
 typedef char iq24_assume_narrowing_keeps_low_bits[(int32_t)INT64_C(0x180000001) == INT32_MIN + 1 ? 1 : -1];
 
 /* floor(x / 2^bits), 0 <= bits <= 31. */
@@ -171,6 +171,12 @@ static inline iq24_t iq24_acc_round(iq24_acc_t acc)
 static inline iq24_t iq24_acc_sat(iq24_acc_t acc)
 {
     return iq24_sat(iq24_asr64(acc + IQ24_ACC_HALF, IQ24_FRACTION_BITS));
+}
+
+/* floor(a b / 2^32), the high word of the product: |a b| <= 2^62, so it is within 2^30. Never overflows. */
+static inline int32_t iq24_mul_high(int32_t a, int32_t b)
+{
+    return iq24_wrap(iq24_asr64(IQ24_MUL64(a, b), 32));
 }
 
 /*

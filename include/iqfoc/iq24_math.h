@@ -11,12 +11,7 @@
 #define IQFOC_IQ24_MATH_H
 
 #include "iqfoc/iq24.h"
-
-/* Q7.24 each, within -IQ24_ONE ... IQ24_ONE. */
-typedef struct {
-    iq24_t sin;
-    iq24_t cos;
-} iq24_sincos_t;
+#include "iqfoc/iq24_sincos.h"
 
 /*
  * sin(2 pi turns) and cos(2 pi turns), by rotating a tabulated angle (64 to the turn) through what remains.
@@ -24,6 +19,7 @@ typedef struct {
  * Scaling and overflow: any argument is an angle; whole turns (all but the low 24 bits) drop out. No output
  * can overflow.
  * Error: 0.51 LSB at most, over all 2^24 angles (0.50986 found, at 10091565). Exact at quarter turns.
+ * iq24_sincos.h has the same function inline.
  */
 iq24_sincos_t iq24_sincos(iq24_t turns);
 
@@ -49,9 +45,8 @@ iq24_t iq24_sqrt(iq24_t x);
 /*
  * a / b to nearest, ties away from zero, by long division with 32-bit remainders.
  *
- * Scaling: a and b in any scale, the same for both. Overflow: saturates; a / 0 saturates by the sign of a, and
- * 0 / 0 = 0.
- * Error: 0.5 LSB at most; it is the exact quotient, rounded once.
+ * Scaling: a and b in any scale, the same for both. Overflow: saturates; a / 0 saturates by the sign of a,
+ * and 0 / 0 = 0. Error: 0.5 LSB at most; it is the exact quotient, rounded once.
  */
 iq24_t iq24_div(iq24_t a, iq24_t b);
 

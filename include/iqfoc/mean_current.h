@@ -38,7 +38,7 @@ iqfoc_dq_t iqfoc_mean_current_correct(iqfoc_ab_t i_mean, iqfoc_ab_t delta, const
  *     i_dq = e^(-j theta_m) i_mean [ s1 + 2 tan(phi/2) s2 ]
  *
  * i_mean: per unit, |component| <= 32. gain: iqfoc_rotor_steady_gain of the speed, <= 1.37. Out: dq, |dq|
- * <= 62. Largest error with gain and sine as given: 1.5 LSB.
+ * <= 62. Largest error with gain and sine as given: 1.3 LSB.
  */
 iqfoc_dq_t iqfoc_mean_current_correct_steady(iqfoc_ab_t i_mean, iq24_t gain, iq24_sincos_t sc_mid);
 
@@ -48,7 +48,7 @@ iqfoc_dq_t iqfoc_mean_current_correct_steady(iqfoc_ab_t i_mean, iq24_t gain, iq2
  *
  * i: current at the start of the cycle, |component| <= 32; u: the voltage that acts during it, |component| <=
  * 2; sc_mid: of the angle at mid-cycle. Out: stationary frame, saturates at the ends of IQ24. Largest error
- * against the formula in double with the same coefficients, s1, s2 and sine: 2.1 LSB.
+ * against the formula in double with the same coefficients, s1, s2 and sine: 1.1 LSB.
  */
 iqfoc_ab_t iqfoc_mean_current_quasi_discrete(const iqfoc_predictor_t *predictor, iqfoc_ab_t i, iqfoc_ab_t u,
                                              const iqfoc_rotor_t *rotor, iq24_sincos_t sc_mid);

@@ -17,11 +17,12 @@ typedef struct iqfoc_duties {
  * Centre-aligned PWM with the zero sequence -(max + min)/2 of the three phase voltages, which uses the DC
  * link as fully as space-vector modulation and gives the same switching instants.
  *
- * u: stationary voltage, per unit, |component| <= 32. u_dc_inverse: 1/u_dc in per unit, 0 < u_dc_inverse
+ * u: stationary voltage, per unit, |component| <= 16. u_dc_inverse: 1/u_dc in per unit, 0 < u_dc_inverse
  * <= 2. span_max: largest difference of two duties, 0 < span_max <= 1: below 1 it leaves room for sampling
  * and dead time. A voltage beyond the hexagon is shortened so that its angle stays, and scale says by how
- * much: 1 means that nothing was taken. Duties lie in [0, 1] for every input. Largest error against
- * double: 2.2 LSB of each duty within the hexagon (3 LSB when shortened), scale 1 LSB.
+ * much: 1 means that nothing was taken. Duties lie in [0, 1] for every input, also outside these ranges.
+ * Largest error against double: a duty within the hexagon 3 LSB; shortened, 4 LSB + 1.5 LSB per unit of
+ * |u| u_dc_inverse; scale 5 LSB.
  */
 iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max);
 

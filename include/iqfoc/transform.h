@@ -14,7 +14,7 @@
 #include "vector.h"
 
 /* Constants in Q31: with a 31-bit fraction their rounding costs at most |x| 2^-8 LSB, x in per unit. */
-#define IQFOC_Q31_1_SQRT3 INT32_C(1239850263) /* 1/sqrt(3) */
+#define IQFOC_Q31_1_SQRT3 INT32_C(1239850262) /* 1/sqrt(3) */
 #define IQFOC_Q31_1_3     INT32_C(715827883)  /* 1/3 */
 #define IQFOC_Q31_SQRT3_2 INT32_C(1859775393) /* sqrt(3)/2 */
 

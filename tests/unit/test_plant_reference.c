@@ -5,9 +5,13 @@
 #include <nvector/nvector_serial.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#define TOLERANCE 1e-12
+#define TOLERANCE       1e-12
+#define TOLERANCE_STIFF 1e-9 /* the knee is an approximation anyway */
+#define STATES          12
 
 static const double axis[3] = {0.0, 2.0943951023931954923, 4.1887902047863909846};
 
@@ -15,7 +19,9 @@ typedef struct opened {
     SUNContext context;
     N_Vector y, absolute;
     void *cvode;
-    SUNNonlinearSolver fixed_point;
+    SUNNonlinearSolver fixed_point; /* Adams */
+    SUNMatrix matrix;               /* BDF */
+    SUNLinearSolver linear;
 } opened;
 
 static void must(bool good, const char *what)
@@ -33,7 +39,9 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
     const reference *r = user;
     const double *y = N_VGetArrayPointer(vy);
     double *dy = N_VGetArrayPointer(vdy);
-    const double i[3] = {y[0], y[1], -y[0] - y[1]};
+    const double i_phase[3] = {y[0], y[1], -y[0] - y[1]};
+    const double i_fe[3] = {y[8], y[9], -y[8] - y[9]};
+    const double i[3] = {y[0] - y[8], y[1] - y[9], -y[0] - y[1] + y[8] + y[9]}; /* what magnetises */
     const double theta = y[2], omega = y[3];
     const double mean = 0.5 * (r->L_d + r->L_q), half = 0.5 * (r->L_d - r->L_q);
 
@@ -43,7 +51,7 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
         f = 1.0 / (1.0 + square / (r->I_sat * r->I_sat));
         df_dsquare = -f * f / (r->I_sat * r->I_sat);
     }
-    double L_i[3] = {0}, turned[3], L[3][3], torque_per_pole_pair = 0.0, flux_rate[3];
+    double L_i[3] = {0}, turned[3], L[3][3], torque_per_pole_pair = 0.0, flux_rate[3], against[3];
     for (int x = 0; x < 3; x++) {
         double dL_i = 0.0;
         for (int k = 0; k < 3; k++) {
@@ -65,14 +73,19 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
         for (int k = 0; k < 3; k++) {
             D[x][k] = f * L[x][k] + L_i[x] * df_dsquare * 4.0 / 3.0 * i[k];
         }
-        flux_rate[x] = r->u_leg[x] - r->R[x] * i[x] - turned[x] * omega;
+        double u = r->u_leg[x];
+        if (r->knee > 0.0) {
+            u = 0.5 * (r->least[x] + r->most[x]) - 0.5 * (r->most[x] - r->least[x]) * tanh(i_phase[x] / r->knee);
+        }
+        flux_rate[x] = u - r->R[x] * i_phase[x];
+        against[x] = flux_rate[x] - turned[x] * omega;
     }
     double m[2][2], rhs[2];
     for (int k = 0; k < 2; k++) {
         for (int column = 0; column < 2; column++) {
             m[k][column] = D[k][column] - D[k][2] - D[k + 1][column] + D[k + 1][2];
         }
-        rhs[k] = flux_rate[k] - flux_rate[k + 1];
+        rhs[k] = against[k] - against[k + 1];
     }
     const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
     dy[0] = (m[1][1] * rhs[0] - m[0][1] * rhs[1]) / det;
@@ -83,13 +96,20 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
         const double torque = r->pole_pairs * torque_per_pole_pair;
         dy[3] = r->pole_pairs / r->J * (torque - r->T_load - r->friction * omega / r->pole_pairs);
     }
-    dy[4] = i[0];
-    dy[5] = i[1];
+    /* The star point floats: of the phase voltages only what differs counts. */
+    const double common = (flux_rate[0] + flux_rate[1] + flux_rate[2]) / 3.0;
+    for (int x = 0; x < 2; x++) {
+        dy[8 + x] = r->R_fe > 0.0 ? (flux_rate[x] - common - r->R_fe * i_fe[x]) / (r->tau_fe * r->R_fe) : 0.0;
+        dy[x] += dy[8 + x];
+        dy[10 + x] = 6.28318530717958647693 * r->bandwidth * (i_phase[x] - y[10 + x]);
+    }
+    dy[4] = i_phase[0];
+    dy[5] = i_phase[1];
     dy[6] = 0.0;
     dy[7] = 0.0;
     for (int x = 0; x < 3; x++) {
-        dy[6] += 2.0 / 3.0 * i[x] * cos(theta - axis[x]);
-        dy[7] -= 2.0 / 3.0 * i[x] * sin(theta - axis[x]);
+        dy[6] += 2.0 / 3.0 * i_phase[x] * cos(theta - axis[x]);
+        dy[7] -= 2.0 / 3.0 * i_phase[x] * sin(theta - axis[x]);
     }
     return 0;
 }
@@ -99,19 +119,26 @@ static opened *open_solver(reference *r)
     opened *o = calloc(1, sizeof *o);
     must(o != NULL, "memory");
     must(SUNContext_Create(0, &o->context) == 0, "SUNContext_Create");
-    o->y = N_VNew_Serial(8, o->context);
-    o->absolute = N_VNew_Serial(8, o->context);
-    o->cvode = CVodeCreate(CV_ADAMS, o->context);
+    o->y = N_VNew_Serial(STATES, o->context);
+    o->absolute = N_VNew_Serial(STATES, o->context);
+    o->cvode = CVodeCreate(r->knee > 0.0 ? CV_BDF : CV_ADAMS, o->context);
     must(o->y != NULL && o->absolute != NULL && o->cvode != NULL, "CVodeCreate");
     must(CVodeInit(o->cvode, rates, r->t, o->y) == CV_SUCCESS, "CVodeInit");
     /* The integrals are a cycle (1e-4 s) times the current, so their tolerance is that much smaller. */
-    const double absolute[8] = {1e-12, 1e-12, 1e-13, 1e-10, 1e-17, 1e-17, 1e-17, 1e-17};
-    for (int n = 0; n < 8; n++) {
-        N_VGetArrayPointer(o->absolute)[n] = absolute[n];
+    const double absolute[STATES] = {1e-12, 1e-12, 1e-13, 1e-10, 1e-17, 1e-17, 1e-17, 1e-17, 1e-12, 1e-12, 1e-12, 1e-12};
+    for (int n = 0; n < STATES; n++) {
+        N_VGetArrayPointer(o->absolute)[n] = absolute[n] * (r->knee > 0.0 ? TOLERANCE_STIFF / TOLERANCE : 1.0);
     }
-    must(CVodeSVtolerances(o->cvode, TOLERANCE, o->absolute) == CV_SUCCESS, "CVodeSVtolerances");
-    o->fixed_point = SUNNonlinSol_FixedPoint(o->y, 0, o->context);
-    must(CVodeSetNonlinearSolver(o->cvode, o->fixed_point) == CV_SUCCESS, "CVodeSetNonlinearSolver");
+    const double relative = r->knee > 0.0 ? TOLERANCE_STIFF : TOLERANCE;
+    must(CVodeSVtolerances(o->cvode, relative, o->absolute) == CV_SUCCESS, "CVodeSVtolerances");
+    if (r->knee > 0.0) {
+        o->matrix = SUNDenseMatrix(STATES, STATES, o->context);
+        o->linear = SUNLinSol_Dense(o->y, o->matrix, o->context);
+        must(CVodeSetLinearSolver(o->cvode, o->linear, o->matrix) == CV_SUCCESS, "CVodeSetLinearSolver");
+    } else {
+        o->fixed_point = SUNNonlinSol_FixedPoint(o->y, 0, o->context);
+        must(CVodeSetNonlinearSolver(o->cvode, o->fixed_point) == CV_SUCCESS, "CVodeSetNonlinearSolver");
+    }
     must(CVodeSetUserData(o->cvode, r) == CV_SUCCESS, "CVodeSetUserData");
     must(CVodeSetMaxNumSteps(o->cvode, 100000) == CV_SUCCESS, "CVodeSetMaxNumSteps");
     return o;
@@ -127,7 +154,7 @@ void reference_advance(reference *r, double dt)
     }
     opened *o = r->solver;
     double *y = N_VGetArrayPointer(o->y);
-    for (int n = 0; n < 8; n++) {
+    for (int n = 0; n < STATES; n++) {
         y[n] = r->y[n];
     }
     /* Time starts at zero in each span: a span of nanoseconds late in a run would be lost in its rounding. */
@@ -135,7 +162,7 @@ void reference_advance(reference *r, double dt)
     must(CVodeReInit(o->cvode, 0.0, o->y) == CV_SUCCESS, "CVodeReInit");
     must(CVodeSetStopTime(o->cvode, dt) == CV_SUCCESS, "CVodeSetStopTime");
     must(CVode(o->cvode, dt, o->y, &reached, CV_NORMAL) >= 0, "CVode");
-    for (int n = 0; n < 8; n++) {
+    for (int n = 0; n < STATES; n++) {
         r->y[n] = y[n];
     }
     r->t += dt;
@@ -153,7 +180,12 @@ void reference_close(reference *r)
     opened *o = r->solver;
     if (o != NULL) {
         CVodeFree(&o->cvode);
-        SUNNonlinSolFree(o->fixed_point);
+        if (o->fixed_point != NULL) {
+            SUNNonlinSolFree(o->fixed_point);
+        } else {
+            SUNLinSolFree(o->linear);
+            SUNMatDestroy(o->matrix);
+        }
         N_VDestroy(o->y);
         N_VDestroy(o->absolute);
         SUNContext_Free(&o->context);

@@ -20,8 +20,8 @@ typedef struct reference {
     double J, friction, T_load;                                  /* J > 0: the shaft is free */
     double u_leg[3]; /* the legs' voltages, constant over a call of reference_advance */
     double t;
-    /* i_a, i_b, theta_e, omega_e, integrals of i_a, i_b, i_d, i_q: cleared by reference_clear */
-    double y[8];
+    /* i_a, i_b, theta_e, omega_e; integrals of i_a, i_b, i_d, i_q, cleared by reference_clear; i_fe of a, b; seen by sensors a, b */
+    double y[12];
     void *solver; /* opened at the first advance */
     void *context;
 } reference;
