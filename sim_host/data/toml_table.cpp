@@ -3,18 +3,21 @@
 #include "toml_table.h"
 
 #include "../base/suggest.h"
+#include "../base/text_file.h"
 
 #include <toml++/toml.h>
 
-#include <cerrno>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <limits>
+#include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 const toml_range TOML_ANY = {-std::numeric_limits<double>::infinity(),
@@ -188,39 +191,18 @@ void refuse_unknown_keys(const toml_file &file)
     }
 }
 
-bool read_whole_file(const char *path, std::string &text, error *e)
-{
-    std::FILE *stream = std::fopen(path, "rb");
-    if (stream == nullptr) {
-        return error_input(e, path, 0, 0, "cannot be read: %s", std::strerror(errno));
-    }
-    char block[4096];
-    size_t got;
-    errno = 0;
-    while ((got = std::fread(block, 1, sizeof block, stream)) > 0 && text.size() <= largest_file) {
-        text.append(block, got);
-    }
-    const int why = std::ferror(stream) ? errno : 0;
-    std::fclose(stream);
-    if (why != 0) {
-        return error_input(e, path, 0, 0, "cannot be read: %s", std::strerror(why));
-    }
-    if (text.size() > largest_file) {
-        return error_input(e, path, 0, 0, "is larger than 4 MiB; expected a TOML file");
-    }
-    return true;
-}
-
 } // namespace
 
 extern "C" toml_file *toml_file_open(const char *path, error *e)
 {
     try {
-        std::string text;
-        if (!read_whole_file(path, text, e)) {
+        size_t length = 0;
+        const std::unique_ptr<char, decltype(&std::free)> text(
+            text_file_read(path, largest_file, "a TOML file", &length, e), &std::free);
+        if (text == nullptr) {
             return nullptr;
         }
-        toml::table root = toml::parse(text, std::string(path));
+        toml::table root = toml::parse(std::string_view(text.get(), length), std::string(path));
         auto *file = new toml_file{path, e, std::move(root), {}};
         add_table(file, &file->root, "");
         return file;
@@ -298,6 +280,12 @@ extern "C" toml_table *toml_table_at(toml_table *table, const char *key, size_t 
 extern "C" bool toml_has(toml_table *table, const char *key)
 {
     return find(table, key) != nullptr;
+}
+
+extern "C" bool toml_is_table(toml_table *table, const char *key)
+{
+    const toml::node *node = find(table, key);
+    return node != nullptr && node->is_table();
 }
 
 extern "C" double toml_number_or(toml_table *table, const char *key, toml_range range, double absent)

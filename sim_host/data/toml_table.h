@@ -52,6 +52,7 @@ toml_table *toml_table_at(toml_table *table, const char *key, size_t index);
 
 /* Is the key there? Asking makes it a known key. */
 bool toml_has(toml_table *table, const char *key);
+bool toml_is_table(toml_table *table, const char *key);
 
 /* Numbers; an integer may stand where a real is meant. The _or forms return `absent` when the key is. */
 double toml_number(toml_table *table, const char *key, toml_range range);

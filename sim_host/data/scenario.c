@@ -1,0 +1,151 @@
+#include "scenario.h"
+
+#include "toml_table.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    ADC_BITS_MAX = 24,
+    SETTLE_CYCLES = 200, /* at the default bandwidth the current settles within 20 cycles */
+    CYCLES_MAX = 100000000,
+};
+
+static const toml_range duration_range = {.min = 0.0, .max = 36000.0, .min_open = true};
+
+static void read_control(toml_table *t, scenario_control *control)
+{
+    static const char *const feedbacks[] = {"midpoint", "corrected_mean", "quasi_discrete_mean"};
+    static const char *const modulations[] = {"pwm", "six_step"};
+
+    control->feedback = (scenario_feedback)toml_choice_or(t, "feedback", feedbacks, 3, FEEDBACK_MIDPOINT);
+    control->modulation =
+        (scenario_modulation)toml_choice_or(t, "modulation", modulations, 2, MODULATION_PWM);
+    control->bandwidth_Hz = toml_number_or(t, "bandwidth_Hz", TOML_POSITIVE, 0.0);
+}
+
+static void read_sensors(toml_table *t, scenario_sensors *sensors)
+{
+    sensors->current_bits = (int)toml_integer_or(t, "current_bits", 0, ADC_BITS_MAX, 0);
+    sensors->current_full_scale_A = toml_number_or(t, "current_full_scale_A", TOML_POSITIVE, 0.0);
+    sensors->current_noise_A = toml_number_or(t, "current_noise_A", TOML_NOT_NEGATIVE, 0.0);
+    const size_t offsets = toml_numbers(t, "current_offset_A", TOML_ANY, sensors->current_offset_A, 3);
+    sensors->current_bandwidth_Hz = toml_number_or(t, "current_bandwidth_Hz", TOML_POSITIVE, 0.0);
+    sensors->angle_noise_rad = toml_number_or(t, "angle_noise_rad", TOML_NOT_NEGATIVE, 0.0);
+    sensors->speed_noise_rad_s = toml_number_or(t, "speed_noise_rad_s", TOML_NOT_NEGATIVE, 0.0);
+    sensors->u_dc_noise_V = toml_number_or(t, "u_dc_noise_V", TOML_NOT_NEGATIVE, 0.0);
+
+    if (offsets != 0 && offsets != 3) {
+        toml_refuse(t, "current_offset_A",
+                    "current_offset_A must hold one number for each of the three phases");
+    }
+    if (sensors->current_bits > 0 && sensors->current_full_scale_A == 0.0) {
+        toml_refuse(t, "current_bits",
+                    "current_bits needs current_full_scale_A, the current at the end of the ADC's range");
+    }
+}
+
+static void read_log(toml_table *t, scenario_log *log)
+{
+    log->voltages = toml_flag_or(t, "voltages", true);
+    log->duties = toml_flag_or(t, "duties", false);
+    log->u_dc = toml_flag_or(t, "u_dc", log->duties);
+    log->third_current = toml_flag_or(t, "third_current", true);
+    log->mid_currents = toml_flag_or(t, "mid_currents", true);
+    log->mechanical_angle = toml_flag_or(t, "mechanical_angle", false);
+
+    if (!log->voltages && !log->duties) {
+        toml_refuse(t, "voltages", "a recording needs voltages or duties");
+    }
+    if (log->duties && !log->u_dc) {
+        toml_refuse(t, "u_dc", "duties need u_dc");
+    }
+}
+
+static void read_duration(toml_table *t, scenario_run *run)
+{
+    run->cycles = toml_integer_or(t, "cycles", 1, CYCLES_MAX, 0);
+    run->duration_s = toml_number_or(t, "duration_s", duration_range, 0.0);
+    if (toml_has(t, "cycles") && toml_has(t, "duration_s")) {
+        toml_refuse(t, "duration_s", "a run has cycles or duration_s, not both");
+    } else if (!toml_has(t, "cycles") && !toml_has(t, "duration_s")) {
+        toml_refuse(t, "duration_s", "cycles or duration_s is missing in this [[run]]");
+    }
+}
+
+static void read_shaft(toml_table *run_table, scenario_run *run)
+{
+    if (toml_has(run_table, "shaft") && toml_has(run_table, "speed_rpm")) {
+        toml_refuse(run_table, "speed_rpm",
+                    "a run has speed_rpm (a given speed) or a shaft (inertia and load), not both");
+    }
+    run->speed_rpm = profile_read(run_table, "speed_rpm", TOML_ANY, 0.0);
+    run->load_Nm = profile_constant(0.0);
+    toml_table *t = toml_table_inner_or_null(run_table, "shaft");
+    if (t == NULL) {
+        return;
+    }
+    run->shaft = SHAFT_INERTIA;
+    run->speed_rpm = profile_constant(toml_number_or(t, "start_rpm", TOML_ANY, 0.0));
+    run->J_kgm2 = toml_number(t, "J_kgm2", TOML_POSITIVE);
+    run->friction_Nms = toml_number_or(t, "friction_Nms", TOML_NOT_NEGATIVE, 0.0);
+    run->load_Nm = profile_read(t, "load_Nm", TOML_ANY, 0.0);
+}
+
+static scenario_run read_run(toml_table *t)
+{
+    scenario_run run = {0};
+    read_duration(t, &run);
+    run.settle_cycles = toml_integer_or(t, "settle_cycles", 0, CYCLES_MAX, SETTLE_CYCLES);
+    read_shaft(t, &run);
+    run.i_d_A = profile_read(t, "i_d_A", TOML_ANY, 0.0);
+    run.i_q_A = profile_read(t, "i_q_A", TOML_ANY, 0.0);
+    run.u_dc_V = toml_number_or(t, "u_dc_V", TOML_POSITIVE, 0.0);
+    run.theta_mech_start_rad = toml_number_or(t, "theta_mech_start_rad", TOML_ANY, 0.0);
+    return run;
+}
+
+bool scenario_read(const char *path, scenario *s, error *e)
+{
+    *s = (scenario){0};
+    toml_file *file = toml_file_open(path, e);
+    if (file == NULL) {
+        return false;
+    }
+    toml_table *root = toml_file_root(file);
+    toml_text_or_keep(root, "name", s->name, sizeof s->name);
+    read_control(toml_table_inner_or_null(root, "control"), &s->control);
+    read_sensors(toml_table_inner_or_null(root, "sensors"), &s->sensors);
+    read_log(toml_table_inner_or_null(root, "log"), &s->log);
+
+    const size_t runs = toml_table_count(root, "run");
+    if (runs == 0) {
+        toml_refuse(root, "run", "no [[run]]; expected at least one");
+    } else if ((s->run = calloc(runs, sizeof *s->run)) == NULL) {
+        error_failure(e, 0, "%s: out of memory", path);
+    }
+    for (size_t i = 0; s->run != NULL && i < runs; i++) {
+        s->run[i] = read_run(toml_table_at(root, "run", i));
+        s->runs = i + 1;
+    }
+    if (!toml_file_close(file)) {
+        scenario_free(s);
+        return false;
+    }
+    return true;
+}
+
+void scenario_free(scenario *s)
+{
+    free(s->run);
+    *s = (scenario){0};
+}
+
+long scenario_run_cycles(const scenario_run *run, double T_s)
+{
+    if (run->cycles > 0) {
+        return run->cycles;
+    }
+    const double cycles = round(run->duration_s / T_s);
+    return cycles < 1.0 ? 1 : cycles > CYCLES_MAX ? CYCLES_MAX : (long)cycles;
+}

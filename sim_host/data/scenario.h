@@ -1,0 +1,92 @@
+/*
+ * The scenario file (docs/scenario.md) as a struct: what `iqfoc simulate` lets the drive do. Physical units.
+ *
+ * What the drive is stands in the motor file; what it does, how it is controlled, and with which sensors it
+ * is looked at stands here.
+ */
+#ifndef SIM_HOST_DATA_SCENARIO_H
+#define SIM_HOST_DATA_SCENARIO_H
+
+#include "../base/error.h"
+#include "profile.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef enum scenario_feedback {
+    FEEDBACK_MIDPOINT,           /* sample at the carrier peak */
+    FEEDBACK_CORRECTED_MEAN,     /* 2016 (10) */
+    FEEDBACK_QUASI_DISCRETE_MEAN /* 2019 (10) */
+} scenario_feedback;
+
+typedef enum scenario_modulation {
+    MODULATION_PWM,
+    MODULATION_SIX_STEP /* one inverter state per control cycle: the nearest active vector */
+} scenario_modulation;
+
+typedef struct scenario_control {
+    scenario_feedback feedback;
+    scenario_modulation modulation;
+    double bandwidth_Hz; /* of the current control; 0: f_pwm / 20 */
+} scenario_control;
+
+/* Of the measurement that the firmware and the recording see. All 0 is perfect. */
+typedef struct scenario_sensors {
+    int current_bits;            /* of the ADC over -full_scale ... +full_scale; 0: not quantised */
+    double current_full_scale_A; /* > 0 if current_bits > 0 */
+    double current_noise_A;      /* standard deviation, each channel and sample on its own */
+    double current_offset_A[3];
+    double current_bandwidth_Hz; /* first-order low-pass; 0: none */
+    double angle_noise_rad;      /* standard deviation, electrical */
+    double speed_noise_rad_s;    /* standard deviation, electrical */
+    double u_dc_noise_V;         /* standard deviation */
+} scenario_sensors;
+
+/* Which of the optional columns the recording gets. */
+typedef struct scenario_log {
+    bool voltages;         /* u_a_V ... ; voltages or duties */
+    bool duties;           /* d_a ... and u_dc_V */
+    bool u_dc;             /* u_dc_V without the duties */
+    bool third_current;    /* i_c_A */
+    bool mid_currents;     /* i_a_mid_A ... */
+    bool mechanical_angle; /* theta_mech_rad */
+} scenario_log;
+
+typedef enum scenario_shaft {
+    SHAFT_GIVEN,  /* speed_rpm is what the shaft does */
+    SHAFT_INERTIA /* J domega_mech/dt = torque - load - friction * omega_mech, from speed_rpm at t = 0 */
+} scenario_shaft;
+
+typedef struct scenario_run {
+    long cycles; /* control cycles; 0: duration_s holds instead */
+    double duration_s;
+    long settle_cycles; /* ahead of t = 0, not logged: references at their first values, no excitation, shaft
+                           held */
+    profile speed_rpm;  /* mechanical, signed */
+    profile i_d_A, i_q_A; /* references, peak */
+    double u_dc_V;        /* true DC link; 0: the motor file's */
+    double theta_mech_start_rad;
+    scenario_shaft shaft;
+    double J_kgm2;       /* > 0 with SHAFT_INERTIA */
+    double friction_Nms; /* >= 0 */
+    profile load_Nm;     /* against positive rotation */
+} scenario_run;
+
+typedef struct scenario {
+    char name[128];
+    scenario_control control;
+    scenario_sensors sensors;
+    scenario_log log;
+    size_t runs;       /* >= 1 */
+    scenario_run *run; /* run[i] gets the recording's run number i + 1 */
+} scenario;
+
+/* Reads and checks; on failure *e holds file, line, column and what was expected, and *s is empty. */
+bool scenario_read(const char *path, scenario *s, error *e);
+
+void scenario_free(scenario *s);
+
+/* Logged cycles of a run: at least one, of T_s each. */
+long scenario_run_cycles(const scenario_run *run, double T_s);
+
+#endif
