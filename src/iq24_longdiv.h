@@ -7,12 +7,13 @@
  * next one takes up what is left.
  *
  * Range proof, d >= 2^24. trial = floor(d / 256) + 1, so d / 256 < trial <= d / 256 + 1. With 0 <= r < 1.004
- * d: digit = floor(r / trial) <= 256 r / d: the new rest 256 r - digit d is not negative. digit > r / trial -
- * 1, so the new rest is below 256 r - d r / trial + d = d + (r / trial) (256 trial - d)
- *     <= d + (256 r / d) 256 < d + 1.004 * 65536 <= d (1 + 1.004 * 2^-8) < 1.004 d.
- * So the rest stays below 1.004 d <= 1.004 * 2^31 < 2^32, and a digit is at most 257.
- * d < 2^24, both scaled: r <= d < 2^32 and trial = d / 256 exactly, so the new rest is below d, and a digit
- * at most 256.
+ * d, digit = floor(r / trial) <= 256 r / d,  so that the new rest 256 r - digit d is not negative; digit > r
+ * / trial - 1,  so that it is below d + (r / trial) (256 trial - d) <= d + (256 r / d) 256 < d + 1.004 *
+ * 65536 <= d (1 + 1.004 * 2^-8) < 1.004 d again. The rest stays below 1.004 * 2^31 < 2^32, and a digit is at
+ * most 1.004 * 256 < 258.
+ *
+ * d < 2^24, both scaled: r <= d < 2^32 and trial = d / 256, so that the new rest is below d and a digit at
+ * most 256.
  */
 #ifndef IQFOC_IQ24_LONGDIV_H
 #define IQFOC_IQ24_LONGDIV_H
@@ -33,8 +34,10 @@ static inline uint32_t iq24_magnitude(int32_t x)
     return (uint32_t)((int64_t)(x ^ sign) - sign);
 }
 
-/* Preconditions: 1 <= divisor <= 2^31, rest <= divisor, quotient < 2^7, so that three digits more leave it
- * below 2^32. */
+/*
+ * Preconditions: 1 <= divisor <= 2^31, rest <= divisor, quotient < 2^7. Three digits more leave the quotient
+ * below 2^31 + 2^17.
+ */
 static inline iq24_longdiv_t iq24_longdiv_begin(uint32_t quotient, uint32_t rest, uint32_t divisor)
 {
     uint32_t round_up = 1;
@@ -50,7 +53,7 @@ static inline iq24_longdiv_t iq24_longdiv_begin(uint32_t quotient, uint32_t rest
 static inline void iq24_longdiv_step(iq24_longdiv_t *division)
 {
     uint32_t digit = division->rest / division->trial;
-    /* In 64 bits to say that nothing wraps; the difference fits 32 bits, and compilers compute it in 32. */
+    /* Written in 64 bits because 256 rest needs them; the difference does not, and is computed in 32. */
     division->rest = (uint32_t)(((uint64_t)division->rest << 8) - (uint64_t)digit * division->divisor);
     division->quotient = (division->quotient << 8) + digit;
 }

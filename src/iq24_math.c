@@ -6,37 +6,53 @@
 
 #include "iq24_longdiv.h"
 
+/*
+ * n / d = |a / b| to nearest, and the sign.
+ *
+ * Range: 0 <= n, d <= 2^31. Saturation is one comparison: |a / b| >= 128 or b = 0 is n / 128 >= d, as
+ * n / 128 >= 0 always holds. Past it d >= 1 and n < 128 d, so the integer part n / d is at most 127, as the
+ * long division requires; three digits later n 2^24 / d = quotient + rest / divisor with rest < 1.004
+ * divisor. Rounding up where rest >= divisor / 2 leaves at most half the divisor: one step is always enough.
+ * quotient <= 2^31 - 1: to round to 2^31 would take n / d >= 128 - 2^-25 with n <= 128 d - 1, hence d >= 2^25
+ * and n >= 128 d - 128 2^-32 d > 2^31.
+ */
 iq24_t iq24_div(iq24_t a, iq24_t b)
 {
-    uint32_t n = iq24_magnitude(a); /* 0 <= n, d <= 2^31 */
+    uint32_t n = iq24_magnitude(a);
     uint32_t d = iq24_magnitude(b);
     int32_t sign = iq24_asr32(a ^ b, 31); /* 0 or -1 */
-
-    /* |a / b| >= 128, or b = 0: the two are one condition, as n / 128 >= 0 always holds. */
     if ((n >> 7) >= d) {
-        return n == 0 ? 0 : (IQ24_MAX ^ sign);
+        return n == 0 ? 0 : (IQ24_MAX ^ sign); /* MAX ^ -1 = MIN */
     }
-    /* Now d >= 1 and n < 128 d. */
-    iq24_longdiv_t division = iq24_longdiv_begin(n / d, n % d, d); /* quotient <= 127, rest < d */
+    iq24_longdiv_t division = iq24_longdiv_begin(n / d, n % d, d);
     iq24_longdiv_step(&division);
     iq24_longdiv_step(&division);
-    iq24_longdiv_step(&division); /* n 2^24 / d = quotient + rest / divisor, rest < 1.004 divisor */
-
-    /* To nearest: up if rest >= divisor / 2, and one step up is always enough as rest < 1.5 divisor.
-     * quotient <= 2^31 - 1: to round to 2^31 takes n / d >= 128 - 2^-25, hence d >= 2^25 with n >= 128 d - 1
-     * > 2^31. */
+    iq24_longdiv_step(&division);
     uint32_t half = division.divisor - (division.divisor >> 1); /* rounded up */
     uint32_t quotient = division.quotient + (division.rest >= half);
     return iq24_wrap(((int64_t)quotient ^ sign) - sign); /* -q = ~q + 1 */
 }
 
+/*
+ * With m = x 4^k, 2^30 <= m < 2^32, the root of x / 2^24 in units of 2^-24 is sqrt(x 2^24) = 2^12 sqrt(m) /
+ * 2^k.
+ *
+ * Range: k = 0 ... 15 is found by halving; m >= 2^16, 2^24, 2^28 and 2^30 after each test.
+ * The straight line is (0.6875 + 0.34375 m / 2^30) 2^15, within 3.2 % of sqrt(m); (m >> 15) 11 < 2^21.
+ * A step of Heron's squares the relative error and halves it, always upwards: 5e-4, then 1.3e-7, 0.01 of a
+ * unit of s. Its two floors take less than one unit away and never lead below floor(sqrt(m)):
+ *     floor(sqrt(m)) <= s < sqrt(m) + 0.01, 2^15 <= s <= 2^16.
+ * rest = m - s^2: from -1400 to 2 s, and s = 2^16 leaves rest < 0; so |rest| < 2^17, rest 2^14 < 2^31.
+ * sqrt(m) = s + rest / 2s - rest^2 / 8s^3 + ...: the third term is below 1 / 2s <= 2^-16 (where rest > 0). In
+ * units of 2^-15, leaving it out makes root at most 0.5 too large; the division, 1 too small or, where
+ * rest < 0, 1 too large. An LSB is 8 2^k such units: 0.5 + 1/8 LSB in all. root < 2^31 + 2, the sum below
+ * 2^32.
+ */
 iq24_t iq24_sqrt(iq24_t x)
 {
     if (x <= 0) {
         return 0;
     }
-    /* m = x 4^k with 2^30 <= m < 2^32. k = 0 ... 15, found by halving: after the first line m >= 2^16, then
-     * 2^24, 2^28, 2^30. sqrt(x / 2^24) in units of 2^-24 is sqrt(x 2^24) = 2^12 sqrt(m) / 2^k. */
     uint32_t m = (uint32_t)x;
     uint32_t k = 0;
     if (m < (UINT32_C(1) << 16)) {
@@ -56,20 +72,11 @@ iq24_t iq24_sqrt(iq24_t x)
         k += 1;
     }
 
-    /* A straight line (0.6875 + 0.34375 m / 2^30) 2^15 is within 3.2 % of sqrt(m): 2^15 < s < 1.04 * 2^16.
-     * (m >> 15) < 2^17, times 11 < 2^21. */
     uint32_t s = 22528 + (((m >> 15) * 11) >> 5);
-    /* Heron squares the relative error and halves it: 5.0e-4, then 1.3e-7 (0.01 of a unit of s, always
-     * upwards); flooring twice takes less than one unit away, and never leads below floor(sqrt(m)). */
     s = (s + m / s) >> 1;
-    s = (s + m / s) >> 1; /* floor(sqrt(m)) <= s < sqrt(m) + 0.01, 2^15 <= s <= 2^16 */
+    s = (s + m / s) >> 1;
 
-    /* sqrt(m) = s + r / 2s - r^2 / 8s^3 ..., r = m - s^2, -1400 < r <= 2s < 2^17. The quadratic term is below
-     * 1 / 2s <= 2^-16. In units of 2^-15: root < 2^31 + 2^12, its error below 0.5 (that term) + 1 (the
-     * division). */
-    int32_t r = (int32_t)((int64_t)m - (int64_t)s * s);
-    uint32_t root = (uint32_t)(((int64_t)s << 15) + r * 16384 / (int32_t)s);
-
-    /* The result is root / 2^(3 + k), to nearest: below 2^28. */
+    int32_t rest = (int32_t)((int64_t)m - (int64_t)s * s); /* fits */
+    uint32_t root = (uint32_t)(((int64_t)s << 15) + rest * 16384 / (int32_t)s);
     return iq24_wrap((int64_t)((root + (UINT32_C(4) << k)) >> (k + 3)));
 }

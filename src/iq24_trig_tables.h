@@ -5,13 +5,12 @@
 #ifndef IQ24_TRIG_TABLES_H
 #define IQ24_TRIG_TABLES_H
 
-#include <stdint.h>
+#include "iqfoc/iq24_sincos.h"
 
 /* clang-format off */
 
-/* sin(2 pi i / 64) in Q30, and a quarter turn more, so that the cosine is 16 entries on. */
-#define SINE_CELLS 64
-static const int32_t sine_q30[SINE_CELLS + SINE_CELLS / 4] = {
+/* sin(2 pi i / 64) in Q30. */
+const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4] = {
     0, 105245103, 209476638, 311690799, 410903207, 506158392, 596538995, 681174602,
     759250125, 830013654, 892783698, 946955747, 992008094, 1027506862, 1053110176, 1068571464,
     1073741824, 1068571464, 1053110176, 1027506862, 992008094, 946955747, 892783698, 830013654,
@@ -24,15 +23,8 @@ static const int32_t sine_q30[SINE_CELLS + SINE_CELLS / 4] = {
     759250125, 830013654, 892783698, 946955747, 992008094, 1027506862, 1053110176, 1068571464,
 };
 
-/* Sine and 1 - cosine of up to half a cell, in Q34. */
-#define ROTATE_S1 1686629703
-#define ROTATE_S3 2709043
-#define ROTATE_C2 82792242
-#define ROTATE_C4 66493
-
-/* atan in Q32 turns around the ratios i / 16: coefficients of a cubic, constant first. */
-#define ARCTAN_CELLS 16
-static const int32_t arctan_q32[ARCTAN_CELLS + 1][4] = {
+/* atan in Q32 turns around the ratios i / 16: coefficients of a cubic, constant first; the k-th times 2^k. */
+static const int32_t arctan_q32[17][4] = {
     {20, 42722829, 0, -55596},
     {42667346, 42556592, -165430, -54307},
     {85004767, 42065554, -323280, -50586},

@@ -26,8 +26,7 @@
 
 #include <stdint.h>
 
-/* A target may name a header of its own that defines any of the IQ24_... hooks below (quotes included):
- * -DIQFOC_TARGET_HEADER='"my_dsp.h"'. */
+/* A target may name a header that defines the hook below its own way: -DIQFOC_TARGET_HEADER='"my_dsp.h"' */
 #ifdef IQFOC_TARGET_HEADER
 #include IQFOC_TARGET_HEADER
 #endif
@@ -151,8 +150,7 @@ static inline iq24_acc_t iq24_acc_msu(iq24_acc_t acc, iq24_t a, iq24_t b)
     return acc - IQ24_MUL64(a, b);
 }
 
-/* Half an LSB. A sum that starts from it is rounded by iq24_acc_trunc, two instructions cheaper than
- * iq24_acc_round. */
+/* Half an LSB. A sum that starts from it is rounded by iq24_acc_trunc: one instruction less than by round. */
 #define IQ24_ACC_HALF (INT64_C(1) << (IQ24_FRACTION_BITS - 1))
 
 /* floor(sum), wrapping. Error below 1 LSB where it fits; <= 0.5 LSB if the sum started from IQ24_ACC_HALF. */

@@ -10,8 +10,8 @@
 #ifndef IQFOC_IQ24_MATH_H
 #define IQFOC_IQ24_MATH_H
 
-#include "iqfoc/iq24.h"
-#include "iqfoc/iq24_sincos.h"
+#include "iq24.h"
+#include "iq24_sincos.h"
 
 /*
  * sin(2 pi turns) and cos(2 pi turns), by rotating a tabulated angle (64 to the turn) through what remains.

@@ -79,6 +79,11 @@ static int64_t rounded(int64_t product)
     return floor_divide(product + IQ24_ONE / 2, IQ24_ONE);
 }
 
+static int32_t reference_mul_high(int32_t a, int32_t b)
+{
+    return (int32_t)floor_divide(exact_product(a, b), INT64_C(4294967296));
+}
+
 static iq24_t reference_mul_trunc(iq24_t a, iq24_t b)
 {
     return modulo_2_32(floored(exact_product(a, b)));
@@ -165,6 +170,7 @@ static void products_are_exact_before_their_one_rounding(void)
 {
     expect_exact("iq24_mul_trunc", iq24_mul_trunc, reference_mul_trunc);
     expect_exact("iq24_mul_round", iq24_mul_round, reference_mul_round);
+    expect_exact("iq24_mul_high", iq24_mul_high, reference_mul_high);
     expect_exact("iq24_mul_sat", iq24_mul_sat, reference_mul_sat);
 }
 
