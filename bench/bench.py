@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+"""
+Runs the benchmark images in QEMU and evaluates them: instructions, bytes, stack; table, JSON and the 2 % gate.
+
+Called by bench/run.sh, which builds the images first.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+
+import estimate
+import table
+from footprint import Footprint
+
+HERE = pathlib.Path(__file__).resolve().parent
+BASELINE = HERE / "baseline.json"
+INPUTS = 4096
+
+# How a count is exact: port/*/counter_qemu.h.
+EMULATORS = {
+    "cortex-m4": ["qemu-system-arm", "-M", "mps2-an386", "-semihosting-config", "enable=on,target=native",
+                  "-icount", "shift=10"],
+    "rv32": ["qemu-system-riscv32", "-M", "virt", "-bios", "none", "-icount", "shift=0"],
+}
+SERIAL = ["-display", "none", "-monitor", "none", "-serial", "stdio"]
+TIME_LIMIT_S = 120
+
+# Where each row's code begins. A row of inlined code is a pair: a straight line of eight, and the same without.
+ROOTS = {
+    "sincos": ["iq24_sincos"],
+    "park": ("bench_park_line", "bench_four_to_two_line"),
+    "park_inverse": ("bench_park_inverse_line", "bench_four_to_two_line"),
+    "clarke": ("bench_clarke_line", "bench_two_to_two_line"),
+    "sqrt": ["iq24_sqrt"],
+    "atan2": ["iq24_atan2"],
+    "div": ["iq24_div"],
+    "rotor": ["iqfoc_rotor_from_turns"],
+    "mean_correction": ["iqfoc_mean_current_correct"],
+    "mean_quasi_discrete": ["iqfoc_mean_current_quasi_discrete"],
+    "prediction_euler": ["iqfoc_predictor_euler"],
+    "prediction_quasi_discrete": ["iqfoc_predictor_quasi_discrete"],
+    "control_step": ["iqfoc_current_control_step"],
+    "modulation": ["iqfoc_modulate"],
+    "current_control": ["bench_current_control"],
+    "cycle": ["bench_cycle"],
+    "isr_cycle": ["iqfoc_cycle_valley", "iqfoc_cycle_peak"],
+}
+LINE = 8
+
+
+def run(target, image):
+    """The image's counts: {function: (min, mean, max)}."""
+    command = EMULATORS[target] + SERIAL + ["-kernel", str(image)]
+    try:
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=TIME_LIMIT_S, check=False)
+    except subprocess.TimeoutExpired:
+        raise SystemExit(f"{target}: no end after {TIME_LIMIT_S} s")
+    lines = done.stdout.decode(errors="replace").split("\n")
+    if done.returncode != 0 or "end" not in lines:
+        raise SystemExit(f"{target}: exit status {done.returncode}\n" + "\n".join(lines) + done.stderr.decode())
+    counts = {}
+    for line in lines:
+        words = line.split()
+        if len(words) == 4:
+            counts[words[0]] = (int(words[1]), int(words[2]) / INPUTS, int(words[3]))
+    if set(counts) != set(ROOTS):
+        raise SystemExit(f"{target}: counted {sorted(counts)}, expected {sorted(ROOTS)}")
+    return counts
+
+
+def evaluate(target, build):
+    """The rows of a target, in the order of ROOTS."""
+    image = build / "bench" / "bench.elf"
+    objects = sorted(build.glob("src/CMakeFiles/iqfoc.dir/*.obj")) + sorted(build.glob("bench/CMakeFiles/bench.dir/*.obj"))
+    footprint = Footprint(image, objects)
+    counts = run(target, image)
+    rows = []
+    for name, roots in ROOTS.items():
+        least, mean, greatest = counts[name]
+        row = {"function": name, "min": least, "mean": round(mean, 2), "max": greatest}
+        if isinstance(roots, tuple):
+            row["code"] = round((footprint.size_of(roots[0]) - footprint.size_of(roots[1])) / LINE)
+            row["rodata"] = row["stack"] = 0
+        else:
+            row["code"], row["rodata"] = footprint.bytes_of(roots)
+            row["stack"] = max(footprint.stack_of(root) for root in roots)
+        rows.append(row)
+    return rows
+
+
+def whole_library(build):
+    """Code and constants of the library with nothing left out, in bytes."""
+    sizes = {"code": 0, "rodata": 0}
+    import elf32
+    for path in build.glob("src/CMakeFiles/iqfoc.dir/*.obj"):
+        for section in elf32.read(path).sections:
+            if section.flags & elf32.SHF_ALLOC and section.kind == 1:
+                sizes["code" if section.flags & elf32.SHF_EXECINSTR else "rodata"] += section.size
+    return sizes
+
+
+def check(result):
+    """The gate: no count more than 2 % above the baseline's. Returns the lines to print; empty is passed."""
+    if not BASELINE.exists():
+        return [f"{BASELINE} is missing: bench/run.sh --update writes it"]
+    baseline = json.loads(BASELINE.read_text())
+    complaints = []
+    for target in EMULATORS:
+        known = {row["function"]: row for row in baseline[target]}
+        for row in result[target]:
+            old = known.get(row["function"])
+            if old is None:
+                complaints.append(f"{target} {row['function']}: not in {BASELINE.name}")
+                continue
+            for key in ("mean", "max", "code", "stack"):
+                if row[key] > old[key] * 1.02:
+                    complaints.append(f"{target} {row['function']}: {key} rose from {old[key]} to {row[key]}")
+    return complaints
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__.strip().split("\n")[0])
+    parser.add_argument("--build", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--json", type=pathlib.Path, metavar="F", help="write the counts to F")
+    parser.add_argument("--check", action="store_true", help="fail if a count is more than 2 %% above bench/baseline.json")
+    parser.add_argument("--update", action="store_true", help="write bench/baseline.json and the table of docs/bench.md")
+    parser.add_argument("--markdown", action="store_true", help="print the table of docs/bench.md")
+    options = parser.parse_args()
+
+    result = {target: evaluate(target, options.build / target) for target in EMULATORS}
+    estimate.add(result["cortex-m4"], options.build / "cortex-m4", EMULATORS["cortex-m4"] + SERIAL)
+    result["library"] = {target: whole_library(options.build / target) for target in EMULATORS}
+    text = json.dumps(result, indent=1) + "\n"
+    if options.json:
+        options.json.write_text(text)
+    if options.update:
+        BASELINE.write_text(text)
+        table.rewrite(HERE.parent / "docs" / "bench.md", result)
+    if options.markdown:
+        print(table.markdown(result), end="")
+    else:
+        print(table.plain(result), end="")
+    if options.check:
+        complaints = check(result)
+        print("\n".join(complaints), file=sys.stderr) if complaints else print("within 2 % of bench/baseline.json")
+        return 1 if complaints else 0
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

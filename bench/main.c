@@ -1,0 +1,185 @@
+/*
+ * Counts what each function executes, entry through return, over the inputs of bench/inputs.h.
+ *
+ * Every function is called from one place through a pointer, once as it is and once as a bare return; the
+ * difference, plus the one instruction of that return, is the function's own count. One line per function
+ * goes out: its name, then least, mean times 4096, and greatest count.
+ */
+#include "iqfoc/iq24_math.h"
+#include "iqfoc/mean_current.h"
+
+#include "console.h"
+#include "inputs.h"
+#include "kernels.h"
+
+#ifdef IQFOC_BENCH_DWT
+#include "counter_dwt.h"
+#else
+#include "counter_qemu.h"
+#endif
+
+/* The state that the functions with memory work on; twice, as the bare call must not disturb it. */
+static bench_drive_t drive;
+static iqfoc_cycle_t cycle;
+static iqfoc_duties_t duties;
+
+/*
+ * count_<name>: the units that one call of `function` takes. The call through a pointer whose value the
+ * compiler cannot know is the same code for the function and for the bare return, whose type differs from it:
+ * that is sound as bench_nothing is written in assembler and touches neither arguments nor result.
+ */
+#define COUNT(name, result, function, parameters, arguments)                                                 \
+    typedef result(*name##_function) parameters;                                                             \
+    static BENCH_APART uint32_t ticks_##name(name##_function called, const bench_input_t *in)                \
+    {                                                                                                        \
+        (void)in;                                                                                            \
+        const uint32_t before = counter_read();                                                              \
+        called arguments;                                                                                    \
+        return counter_read() - before;                                                                      \
+    }                                                                                                        \
+    static uint32_t count_##name(const bench_input_t *in)                                                    \
+    {                                                                                                        \
+        const uint32_t bare = counter_units(ticks_##name((name##_function)bench_nothing, in));               \
+        return counter_units(ticks_##name(function, in)) - bare + 1;                                         \
+    }
+
+/* An inlined function: what one more of it adds to a straight line of code. */
+#define COUNT_INLINED(name, line, empty)                                                                     \
+    static uint32_t count_##name(const bench_input_t *in)                                                    \
+    {                                                                                                        \
+        const volatile iq24_t from[4] = {in->i.alpha, in->i.beta, in->sc.sin, in->sc.cos};                   \
+        volatile iq24_t to[2];                                                                               \
+        const uint32_t start = counter_read();                                                               \
+        line(from, to);                                                                                      \
+        const uint32_t middle = counter_read();                                                              \
+        empty(from, to);                                                                                     \
+        const uint32_t end = counter_read();                                                                 \
+        return (counter_units(middle - start) - counter_units(end - middle) + BENCH_LINE / 2) / BENCH_LINE;  \
+    }
+
+COUNT(sincos, iq24_sincos_t, iq24_sincos, (iq24_t), (in->sample.theta))
+COUNT(sqrt, iq24_t, iq24_sqrt, (iq24_t), (in->positive))
+COUNT(atan2, iq24_t, iq24_atan2, (iq24_t, iq24_t), (in->any_a, in->any_b))
+COUNT(div, iq24_t, iq24_div, (iq24_t, iq24_t), (in->any_a, in->divisor))
+COUNT_INLINED(park, bench_park_line, bench_four_to_two_line)
+COUNT_INLINED(park_inverse, bench_park_inverse_line, bench_four_to_two_line)
+COUNT_INLINED(clarke, bench_clarke_line, bench_two_to_two_line)
+COUNT(rotor, iqfoc_rotor_t, iqfoc_rotor_from_turns, (iq24_t), (in->sample.turns))
+COUNT(mean_correction, iqfoc_dq_t, iqfoc_mean_current_correct,
+      (iqfoc_ab_t, iqfoc_ab_t, const iqfoc_rotor_t *, iq24_sincos_t), (in->i, in->delta, &in->rotor, in->sc))
+COUNT(mean_quasi_discrete, iqfoc_ab_t, iqfoc_mean_current_quasi_discrete,
+      (const iqfoc_predictor_t *, iqfoc_ab_t, iqfoc_ab_t, const iqfoc_rotor_t *, iq24_sincos_t),
+      (&bench_config.predictor, in->i, in->u, &in->rotor, in->sc))
+COUNT(prediction_euler, iqfoc_ab_t, iqfoc_predictor_euler,
+      (const iqfoc_predictor_t *, iqfoc_ab_t, iqfoc_ab_t, const iqfoc_rotor_t *, iq24_sincos_t),
+      (&bench_config.predictor, in->i, in->u, &in->rotor, in->sc))
+COUNT(prediction_quasi_discrete, iqfoc_ab_t, iqfoc_predictor_quasi_discrete,
+      (const iqfoc_predictor_t *, iqfoc_ab_t, iqfoc_ab_t, const iqfoc_rotor_t *, iq24_sincos_t),
+      (&bench_config.predictor, in->i, in->u, &in->rotor, in->sc))
+COUNT(control_step, iqfoc_dq_t, iqfoc_current_control_step,
+      (iqfoc_current_control_t *, const iqfoc_current_control_gains_t *, iqfoc_dq_t, iqfoc_dq_t, iq24_t),
+      (&drive.control, &bench_config.gains, in->i_ref, (iqfoc_dq_t){in->i.alpha, in->i.beta},
+       in->sample.turns))
+COUNT(modulation, iqfoc_duties_t, iqfoc_modulate, (iqfoc_ab_t, iq24_t, iq24_t),
+      (in->u, IQ24(1.0), bench_config.span_max))
+COUNT(current_control, void, bench_current_control, (bench_drive_t *, iq24_t, iq24_t, iq24_t, iq24_t),
+      (&drive, in->sample.i.a, in->sample.i.b, in->sample.theta, duties.scale))
+COUNT(cycle, void, bench_cycle, (bench_drive_t *, iq24_t, iq24_t, iq24_t, iqfoc_duties_t *),
+      (&drive, in->sample.i.a, in->sample.i.b, in->sample.theta, &duties))
+COUNT(valley, void, iqfoc_cycle_valley, (iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t),
+      (&cycle, &in->sample, in->sample.time))
+COUNT(peak, iqfoc_command_t, iqfoc_cycle_peak, (iqfoc_cycle_t *, const iqfoc_sample_t *, iq24_t, uint32_t),
+      (&cycle, &in->sample, IQ24(1.5), in->sample.time))
+
+/* One carrier period as the interrupts run it: valley and peak. */
+static uint32_t count_isr_cycle(const bench_input_t *in)
+{
+    static uint32_t period;
+    bench_input_t at_peak = *in;
+    bench_input_t at_valley = *in;
+    at_valley.sample.time = period;
+    at_peak.sample.time = period + bench_config.period_ticks / 2;
+    at_peak.sample.at = IQ24(0.5);
+    period += bench_config.period_ticks;
+    cycle.i_ref = in->i_ref;
+    return count_valley(&at_valley) + count_peak(&at_peak);
+}
+
+/* The compositions' slow quantities, as the speed loop would set them. */
+static uint32_t count_current_control_of_drive(const bench_input_t *in)
+{
+    drive.i_ref = in->i_ref;
+    drive.rotor = in->rotor;
+    duties.scale = in->any_a < 0 ? IQ24(0.9) : IQ24_ONE;
+    return count_current_control(in);
+}
+
+static uint32_t count_cycle_of_drive(const bench_input_t *in)
+{
+    drive.i_ref = in->i_ref;
+    drive.rotor = in->rotor;
+    drive.u_dc_inverse = in->sample.u_dc;
+    return count_cycle(in);
+}
+
+static void report(const char *name, uint32_t (*count)(const bench_input_t *))
+{
+    static bench_input_t input;
+    uint32_t least = UINT32_MAX;
+    uint32_t greatest = 0;
+    uint32_t sum = 0;
+    bench_input_restart();
+    for (uint32_t k = 0; k < BENCH_INPUT_COUNT; k++) {
+        bench_input_draw(&input);
+        const uint32_t units = count(&input);
+        least = units < least ? units : least;
+        greatest = units > greatest ? units : greatest;
+        sum += units;
+    }
+    console_text(name);
+    console_text(" ");
+    console_unsigned(least);
+    console_text(" ");
+    console_unsigned(sum);
+    console_text(" ");
+    console_unsigned(greatest);
+    console_text("\n");
+}
+
+int main(void)
+{
+    counter_start();
+    drive.u_dc_inverse = IQ24_ONE;
+    if (iqfoc_cycle_init(&cycle, &bench_config) != IQFOC_OK) {
+        console_text("the benchmark's configuration was refused\n");
+        return 1;
+    }
+    cycle.enabled = true;
+
+    console_text("unit " COUNTER_UNIT "\n");
+    report("sincos", count_sincos);
+    report("park", count_park);
+    report("park_inverse", count_park_inverse);
+    report("clarke", count_clarke);
+    report("sqrt", count_sqrt);
+    report("atan2", count_atan2);
+    report("div", count_div);
+    report("rotor", count_rotor);
+    report("mean_correction", count_mean_correction);
+    report("mean_quasi_discrete", count_mean_quasi_discrete);
+    report("prediction_euler", count_prediction_euler);
+    report("prediction_quasi_discrete", count_prediction_quasi_discrete);
+    report("control_step", count_control_step);
+    report("modulation", count_modulation);
+    report("current_control", count_current_control_of_drive);
+    report("cycle", count_cycle_of_drive);
+    report("isr_cycle", count_isr_cycle);
+    if (cycle.status != 0 && cycle.status != IQFOC_STATUS_VOLTAGE_LIMIT) {
+        console_text("status ");
+        console_unsigned(cycle.status);
+        console_text("\n");
+        return 1;
+    }
+    console_text("end\n");
+    return 0;
+}

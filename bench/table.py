@@ -1,0 +1,72 @@
+"""The benchmark's table: for the terminal, and for docs/bench.md beside what peers need."""
+
+# What the row is, the peers' instructions on the same core and by the same method, and this project's bound.
+ROWS = {
+    "sincos": ("sine and cosine", "TI 115, CMSIS q31 124, CMSIS f32 (FPU) 63", 45),
+    "park": ("Park, inlined", "CMSIS q31 19", 14),
+    "park_inverse": ("inverse Park, inlined", "CMSIS q31 19", 14),
+    "clarke": ("Clarke of two currents, inlined", "CMSIS q31 14", None),
+    "sqrt": ("square root", "TI 106, CMSIS q31 53", 53),
+    "atan2": ("arc tangent of a vector", "TI 130, CMSIS q31 311", 75),
+    "div": ("division", "TI 80", 60),
+    "rotor": ("s1 and s2 of the speed", "-", None),
+    "mean_correction": ("mean-current correction, 2016 (10)", "-", 60),
+    "mean_quasi_discrete": ("quasi-discrete mean, 2019 (10)", "-", None),
+    "prediction_euler": ("standard prediction, 2019 (3)", "-", None),
+    "prediction_quasi_discrete": ("quasi-discrete prediction, 2019 (12)", "-", 45),
+    "control_step": ("two PI with decoupling", "CMSIS q31 2 x 20 (no clamp, no decoupling)", None),
+    "modulation": ("modulation with limiting", "-", None),
+    "current_control": ("current control", "CMSIS f32 (FPU) 123, CMSIS q31 208, TI 226", 123),
+    "cycle": ("the whole cycle, straight calls", "CMSIS q31 242 without correction and prediction", 242),
+    "isr_cycle": ("valley and peak, all checks", "-", None),
+}
+START = "<!-- bench: begin -->"
+END = "<!-- bench: end -->"
+
+
+def plain(result):
+    lines = []
+    for target in ("cortex-m4", "rv32"):
+        lines.append(f"{target:28} {'min':>6} {'mean':>8} {'max':>6} {'code':>6} {'rodata':>6} {'stack':>6}"
+                     + ("  cycles, estimated" if target == "cortex-m4" else ""))
+        for row in result[target]:
+            line = "  {function:26} {min:6} {mean:8.1f} {max:6} {code:6} {rodata:6} {stack:6}".format(**row)
+            if "cycles_estimate" in row:
+                line += f" {row['cycles_estimate']:8.0f}"
+            lines.append(line)
+        size = result["library"][target]
+        lines.append(f"  the whole library: {size['code']} bytes of code, {size['rodata']} of constants")
+    return "\n".join(lines) + "\n"
+
+
+def _count(row):
+    """The mean, and the ends of the spread where there is one."""
+    if row["min"] == row["max"]:
+        return f"{row['max']}"
+    return f"{row['mean']:.0f} ({row['min']} ... {row['max']})"
+
+
+def markdown(result):
+    lines = [
+        "| function | Cortex-M4 | bound | peers, Cortex-M4 | cycles (estimate) | bytes code + const | stack | RV32IM | bytes | stack |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for arm, riscv in zip(result["cortex-m4"], result["rv32"]):
+        what, peers, bound = ROWS[arm["function"]]
+        lines.append(
+            f"| {what} (`{arm['function']}`) | {_count(arm)} | {bound or '-'} | {peers} | {arm['cycles_estimate']:.0f} | "
+            f"{arm['code']} + {arm['rodata']} | {arm['stack']} | {_count(riscv)} | {riscv['code']} + {riscv['rodata']} | "
+            f"{riscv['stack']} |")
+    arm, riscv = result["library"]["cortex-m4"], result["library"]["rv32"]
+    lines.append(f"| the whole library linked | | 8192 bytes | | | {arm['code']} + {arm['rodata']} | | | "
+                 f"{riscv['code']} + {riscv['rodata']} | |")
+    return "\n".join(lines) + "\n"
+
+
+def rewrite(path, result):
+    """Puts the table between its marks in a document."""
+    text = path.read_text()
+    if text.count(START) != 1 or text.count(END) != 1:
+        raise SystemExit(f"{path}: the marks {START} and {END} must each stand in it once")
+    head, rest = text.split(START)
+    path.write_text(head + START + "\n" + markdown(result) + END + rest.split(END)[1])
