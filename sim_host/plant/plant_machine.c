@@ -49,7 +49,7 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
     const vec_dq i_m = vec_to_dq(i_m_ab, t->r);
 
     double factor, slope;
-    machine_saturation(m, hypot(i_m.d, i_m.q), &factor, &slope);
+    machine_saturation(m, sqrt(i_m.d * i_m.d + i_m.q * i_m.q), &factor, &slope);
     const vec_dq psi_i = {m->L_d_H * factor * i_m.d,
                           m->L_q_H * factor * i_m.q}; /* the current's share of the flux */
     const double L_dd = m->L_d_H * (factor + slope * i_m.d * i_m.d);

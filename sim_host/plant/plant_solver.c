@@ -5,8 +5,9 @@
 
 #define STAGES 7
 
-/* The step that may not be grown over, in control cycles: events that come in pairs are not stepped over. */
-#define STEP_MOST_CYCLES (1.0 / 16.0)
+/* While a flow can change, no step is longer than this many control cycles: a current that touches zero and
+ * turns back within a step would be missed. */
+#define STEP_MOST_CYCLES (1.0 / 8.0)
 #define EVENTS_AT_ONCE   20
 
 typedef struct solver {
@@ -45,12 +46,14 @@ static double step(solver *v, double t_s, double h, const plant_state *s, const 
     double k[STAGES][STATE_COUNT];
     memcpy(k[0], k0, sizeof k[0]);
     for (int i = 1; i < STAGES; i++) {
-        for (int n = 0; n < STATE_COUNT; n++) {
-            double sum = 0.0;
-            for (int j = 0; j < i; j++) {
-                sum += a[i][j] * k[j][n];
+        /* Nothing depends on the integrals: only the step's end needs them. */
+        const int states = i == STAGES - 1 ? STATE_COUNT : STATE_CONTROLLED;
+        memcpy(end, s, sizeof *end);
+        for (int j = 0; j < i; j++) {
+            const double weight = h * a[i][j];
+            for (int n = 0; n < states; n++) {
+                end->y[n] += weight * k[j][n];
             }
-            end->y[n] = s->y[n] + h * sum;
         }
         evaluate(v, t_s + node[i] * h, end, k[i], terms); /* the last stage's point is the step's end */
     }
@@ -154,7 +157,8 @@ void solver_advance(const plant_config *c, inverter_leg leg[3], double t_begin_s
     double k0[STATE_COUNT];
     evaluate(&v, from_s, s, k0, &start);
     double t = from_s;
-    double h_next = fmin(to_s - from_s, STEP_MOST_CYCLES * c->T_s);
+    const double h_most = v.k.ideal ? INFINITY : STEP_MOST_CYCLES * c->T_s;
+    double h_next = fmin(to_s - from_s, h_most);
     int at_once = 0;
     while (t < to_s) {
         const bool last = h_next >= to_s - t;
@@ -164,7 +168,7 @@ void solver_advance(const plant_config *c, inverter_leg leg[3], double t_begin_s
         double k_end[STATE_COUNT];
         const double miss = step(&v, t, h, s, k0, &end, k_end, &terms) / SOLVER_TOLERANCE;
         const double grow = miss > 0.0 ? 0.9 * pow(miss, -0.2) : 5.0;
-        h_next = fmin(h * fmin(fmax(grow, 0.2), 5.0), STEP_MOST_CYCLES * c->T_s);
+        h_next = fmin(h * fmin(fmax(grow, 0.2), 5.0), h_most);
         if (miss > 1.0) {
             continue;
         }
@@ -191,6 +195,6 @@ void solver_advance(const plant_config *c, inverter_leg leg[3], double t_begin_s
         at_once = h_event > 0.0 ? 0 : at_once + 1;
         settle(&v, t, s, 10.0 * zero_A);
         evaluate(&v, t, s, k0, &start);
-        h_next = fmin(fmax(to_s - t, 0.0), STEP_MOST_CYCLES * c->T_s);
+        h_next = fmin(fmax(to_s - t, 0.0), h_most);
     }
 }

@@ -75,7 +75,8 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
         }
         double u = r->u_leg[x];
         if (r->knee > 0.0) {
-            u = 0.5 * (r->least[x] + r->most[x]) - 0.5 * (r->most[x] - r->least[x]) * tanh(i_phase[x] / r->knee);
+            u = 0.5 * (r->least[x] + r->most[x]) -
+                0.5 * (r->most[x] - r->least[x]) * tanh(i_phase[x] / r->knee);
         }
         flux_rate[x] = u - r->R[x] * i_phase[x];
         against[x] = flux_rate[x] - turned[x] * omega;
@@ -125,9 +126,11 @@ static opened *open_solver(reference *r)
     must(o->y != NULL && o->absolute != NULL && o->cvode != NULL, "CVodeCreate");
     must(CVodeInit(o->cvode, rates, r->t, o->y) == CV_SUCCESS, "CVodeInit");
     /* The integrals are a cycle (1e-4 s) times the current, so their tolerance is that much smaller. */
-    const double absolute[STATES] = {1e-12, 1e-12, 1e-13, 1e-10, 1e-17, 1e-17, 1e-17, 1e-17, 1e-12, 1e-12, 1e-12, 1e-12};
+    const double absolute[STATES] = {1e-12, 1e-12, 1e-13, 1e-10, 1e-17, 1e-17,
+                                     1e-17, 1e-17, 1e-12, 1e-12, 1e-12, 1e-12};
     for (int n = 0; n < STATES; n++) {
-        N_VGetArrayPointer(o->absolute)[n] = absolute[n] * (r->knee > 0.0 ? TOLERANCE_STIFF / TOLERANCE : 1.0);
+        N_VGetArrayPointer(o->absolute)[n] =
+            absolute[n] * (r->knee > 0.0 ? TOLERANCE_STIFF / TOLERANCE : 1.0);
     }
     const double relative = r->knee > 0.0 ? TOLERANCE_STIFF : TOLERANCE;
     must(CVodeSVtolerances(o->cvode, relative, o->absolute) == CV_SUCCESS, "CVodeSVtolerances");

@@ -3,11 +3,11 @@
  * of 1e-12.
  *
  * Nothing is shared with the plant. The machine is written as three coupled coils with the inductances
- *     L_xy(theta) = 2/3 [ (L_d + L_q)/2 cos(a_x - a_y) + (L_d - L_q)/2 cos(2 theta - a_x - a_y) ],  a = 0,
- * 2pi/3, 4pi/3 (L_d, L_q constant, or both falling as 1/(1 + (|i|/I_sat)^2)) and magnets psi cos(theta - a_x)
- * + psi_5 cos 5(theta - a_x)
- * + psi_7 cos 7(theta - a_x); the two line-to-line equations and i_a + i_b + i_c = 0 are solved for the
- * currents.
+ *     L_xy(theta) = 2/3 [ (L_d + L_q)/2 cos(a_x - a_y) + (L_d - L_q)/2 cos(2 theta - a_x - a_y) ],
+ *     a = 0, 2pi/3, 4pi/3
+ * (L_d, L_q constant, or both falling as 1/(1 + (|i|/I_sat)^2)) and magnets psi cos(theta - a_x)
+ * + psi_5 cos 5(theta - a_x) + psi_7 cos 7(theta - a_x); the two line-to-line equations and i_a + i_b + i_c =
+ * 0 are solved for the currents.
  */
 #ifndef TESTS_UNIT_TEST_PLANT_REFERENCE_H
 #define TESTS_UNIT_TEST_PLANT_REFERENCE_H
@@ -16,14 +16,25 @@
 
 typedef struct reference {
     double pole_pairs, R[3], L_d, L_q, psi, psi_5, psi_7, I_sat; /* I_sat 0: none */
-    double accel;                                                /* of a given speed */
-    double J, friction, T_load;                                  /* J > 0: the shaft is free */
-    double u_leg[3]; /* the legs' voltages, constant over a call of reference_advance */
+    double R_fe,
+        tau_fe; /* iron loss, R_fe 0: none; R_fe i_fe + tau_fe R_fe di_fe/dt = dflux_x/dt in each phase */
+    double bandwidth;           /* of the current sensors, Hz; 0: none */
+    double accel;               /* of a given speed */
+    double J, friction, T_load; /* J > 0: the shaft is free */
+    double u_leg[3];            /* the legs' voltages, constant over a call of reference_advance */
+    /*
+     * With knee > 0 a leg stands at least[x] while its current flows out, at most[x] while it flows in, and
+     * goes from one to the other by tanh(i/knee): diodes that are not ideal, integrated by the stiff method.
+     * u_leg is not used then.
+     */
+    double least[3], most[3], knee;
     double t;
-    /* i_a, i_b, theta_e, omega_e; integrals of i_a, i_b, i_d, i_q, cleared by reference_clear; i_fe of a, b; seen by sensors a, b */
+    /*
+     * i_a, i_b, theta_e, omega_e; integrals of i_a, i_b, i_d, i_q, cleared by reference_clear; i_fe of a, b;
+     * what the sensors of a, b see.
+     */
     double y[12];
     void *solver; /* opened at the first advance */
-    void *context;
 } reference;
 
 void reference_advance(reference *r, double dt);

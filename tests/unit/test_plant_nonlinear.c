@@ -1,0 +1,124 @@
+/*
+ * The plant's integrator against CVODE for each effect that leaves the linear path: saturation, harmonics of
+ * the magnet's flux, unequal phases, iron loss, the sensors' low-pass, and all of them with a free shaft.
+ * Bound 1e-9 of the rated current.
+ */
+#include "test_plant_compare.h"
+#include "unity.h"
+
+#include <math.h>
+
+static void follow(const char *name, plant_config c, double i_q)
+{
+    plant p;
+    plant_init(&p, &c);
+    TEST_ASSERT_FALSE(p.linear);
+    const comparison w = compare_run(name, &c, i_q, 200);
+    compare_check(&w, 1e-9);
+}
+
+static void test_saturation(void)
+{
+    plant_config c = compare_drive(1.0, 800.0);
+    c.machine.I_sat_A = 45.0;
+    follow("saturation, round", c, 12.0);
+    c = compare_drive(2.0, -800.0);
+    c.machine.I_sat_A = 45.0;
+    follow("saturation, salient", c, 10.0);
+}
+
+static void test_flux_harmonics(void)
+{
+    plant_config c = compare_drive(1.4, 900.0);
+    c.machine.psi_5_Wb = -0.004;
+    c.machine.psi_7_Wb = 0.003;
+    follow("flux harmonics", c, 9.0);
+}
+
+static void test_unequal_phases(void)
+{
+    plant_config c = compare_drive(1.0, 600.0);
+    c.machine.dR_ohm[0] = 0.4;
+    c.machine.dR_ohm[1] = -0.1;
+    follow("unequal phases", c, 9.0);
+}
+
+static void test_iron_loss(void)
+{
+    plant_config c = compare_drive(1.6, 1500.0);
+    c.machine.R_fe_ohm = 150.0;
+    c.machine.tau_fe_s = 40e-6;
+    follow("iron loss", c, 9.0);
+}
+
+static void test_sensor_bandwidth(void)
+{
+    plant_config c = compare_drive(1.0, 900.0);
+    c.sensors.current_bandwidth_Hz = 20e3;
+    follow("sensor bandwidth", c, 9.0);
+}
+
+/* The torque of the reference comes from co-energy; equal inductances, for the saturation law of two axes has
+ * none. */
+static void test_all_with_free_shaft(void)
+{
+    plant_config c = compare_drive(1.0, 700.0);
+    c.machine.psi_5_Wb = 0.003;
+    c.machine.psi_7_Wb = -0.002;
+    c.machine.dR_ohm[2] = 0.2;
+    c.machine.R_fe_ohm = 200.0;
+    c.machine.tau_fe_s = 50e-6;
+    c.sensors.current_bandwidth_Hz = 30e3;
+    c.inverter.r_on_ohm = 0.05;
+    c.shaft.mode = PLANT_SHAFT_INERTIA;
+    c.shaft.J_kgm2 = 5e-4;
+    c.shaft.friction_Nms = 1e-3;
+    c.shaft.T_load_Nm = 2.0;
+    follow("all, free shaft", c, 9.0);
+    c.machine.I_sat_A = 45.0;
+    follow("and saturation", c, 9.0);
+}
+
+/* Flux must rise with current for ever, or the machine has no current for a given flux. */
+static void test_saturation_goes_on(void)
+{
+    plant_machine m = {.I_sat_A = 10.0};
+    double before = 0.0;
+    for (double i = 0.05; i < 100.0; i += 0.05) {
+        double factor, slope;
+        machine_saturation(&m, i, &factor, &slope);
+        const double flux = factor * i;
+        const double differential = factor + slope * i * i;
+        TEST_ASSERT_TRUE(flux > before);
+        TEST_ASSERT_TRUE(differential > 0.13);
+        /* The slope that the integrator uses is the slope of this flux. */
+        double ahead, unused;
+        machine_saturation(&m, i + 1e-6, &ahead, &unused);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, differential, (ahead * (i + 1e-6) - flux) / 1e-6);
+        if (i <= 8.0) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-15, 1.0 / (1.0 + i * i / 100.0), factor);
+        }
+        before = flux;
+    }
+}
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_saturation);
+    RUN_TEST(test_flux_harmonics);
+    RUN_TEST(test_unequal_phases);
+    RUN_TEST(test_iron_loss);
+    RUN_TEST(test_sensor_bandwidth);
+    RUN_TEST(test_all_with_free_shaft);
+    RUN_TEST(test_saturation_goes_on);
+    return UNITY_END();
+}
