@@ -1,6 +1,7 @@
 """From a seed to a recording: draws motor, bench and hidden effects, runs the second plant, sizes the effects."""
 
 import copy
+import itertools
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,22 +14,22 @@ from second_plant import TURN, Inverter, Machine, Shaft
 
 
 def draw_effects(rng, kind):
-    """The ids to hide. kind: clean, single, pair, unknown, or ids joined by +."""
+    """The ids to hide. kind: clean, single, pair, triple, unknown, or ids joined by +."""
     if kind == "clean":
         return []
     if kind == "single":
         return [str(rng.choice(effects.CAUSES))]
     if kind == "unknown":
         return [str(rng.choice(effects.UNKNOWN))]
-    if kind == "pair":
+    if kind in ("pair", "triple"):
         while True:
-            a, b = (str(x) for x in rng.choice(effects.CAUSES, 2, replace=False))
-            if effects.compatible(a, b):
-                return [a, b]
+            ids = [str(x) for x in rng.choice(effects.CAUSES, 2 if kind == "pair" else 3, replace=False)]
+            if all(effects.compatible(a, b) for a, b in itertools.combinations(ids, 2)):
+                return ids
     ids = kind.split("+")
     for name in ids:
         if name not in effects.CAUSES + effects.UNKNOWN:
-            raise ValueError(f"kind: clean, single, pair, unknown or ids joined by +, not '{name}'")
+            raise ValueError(f"kind: clean, single, pair, triple, unknown or ids joined by +, not '{name}'")
     return ids
 
 
@@ -64,7 +65,7 @@ def simulate(motor, bench, model, rows, rng_seed):
         pole_pairs=motor.pole_pairs, encoder_counts=bench.encoder_counts, theta_0_rad=model.theta_0_rad,
         t_delay_s=model.t_delay_s, order=model.order, amplitude_rad=model.amplitude_rad, phase_rad=model.phase_rad,
         L_d_file_H=motor.L_d_H * ones, L_q_file_H=motor.L_q_H * ones, R_file_ohm=motor.R_ohm * ones,
-        psi_f_file_Wb=motor.psi_f_Wb, bandwidth_T=bench.bandwidth_T * (0.6 if model.delay_cycles else 1.0),
+        psi_f_file_Wb=motor.psi_f_Wb, bandwidth_T=bench.bandwidth_T * (0.5 if model.delay_cycles else 1.0),
         u_max_ratio=0.97, u_dc_V=u_file, k_u=model.k_u, u_drift=bench.u_drift, u_drift_Hz=bench.u_drift_Hz,
         u_ripple=model.u_ripple, u_ripple_Hz=model.u_ripple_Hz, u_dc_noise_V=bench.u_dc_noise * u_file,
         u_dc_lsb_V=1.4 * u_file / 2 ** bench.bits, timer_counts=bench.timer_counts, min_max=bench.min_max,
@@ -112,24 +113,25 @@ def shares(columns, motor, bench, model, ids, sizes, directions):
     return out
 
 
-def draw_case(seed, kind):
+def draw_case(seed, kind, bench_kind="usual"):
     """What is drawn before anything runs: motor, bench, and the effects' ids, directions and target shares."""
     rng = np.random.default_rng([seed, 20190])
     ids = draw_effects(rng, kind)
     salient = bool(rng.random() < 0.5) and "saturation" not in ids
     motor = motors.draw_motor(rng, salient)
-    bench = motors.draw_bench(rng, motor)
+    bench = motors.draw_bench(rng, motor, bench_kind)
     directions = [effects.draw_direction(rng, name, bench.has_i_c) for name in ids]
     targets = [motors.log_uniform(rng, 2.0, 12.0) for _ in ids]
+    ceilings = [rng.uniform(0.5, 1.0) for _ in ids]
     return SimpleNamespace(seed=seed, kind=kind, ids=ids, motor=motor, bench=bench, directions=directions,
-                           targets=targets)
+                           targets=targets, ceilings=ceilings)
 
 
 def draw_sizes(case):
     """The effects' sizes: a short pilot tells how large each shows at its middle size, then it is scaled to its target.
 
-    Where the one-cycle error is nearly blind to an effect, the size ends at what a bench plausibly shows
-    (effects.RANGE), and the truth file's evidence (share times the root of the rows) says what the recording holds.
+    Where the one-cycle error is nearly blind to an effect, the size ends at half to all of what a bench plausibly
+    shows (effects.RANGE), and the truth file's evidence (share times the root of the rows) says what the recording holds.
     """
     sizes = [float(np.sqrt(np.prod(effects.RANGE[name]))) for name in case.ids]
     if any(name != "voltage_delay" for name in case.ids):
@@ -138,13 +140,15 @@ def draw_sizes(case):
         found = shares(pilot, case.motor, case.bench, model, case.ids, sizes, case.directions)
         for n, name in enumerate(case.ids):
             low, high = effects.RANGE[name]
-            sizes[n] = float(np.clip(sizes[n] * case.targets[n] / max(found[n], 1e-3), low, high))
+            if name != "voltage_delay":
+                wanted = sizes[n] * case.targets[n] / max(found[n], 1e-3)
+                sizes[n] = float(np.clip(wanted, low, max(low, case.ceilings[n] * high)))
     return sizes
 
 
-def draw(seed, kind, sizes=None):
+def draw(seed, kind, sizes=None, bench_kind="usual"):
     """Everything about one blind recording by the second plant; sizes: the effects' sizes, instead of drawn ones."""
-    case = draw_case(seed, kind)
+    case = draw_case(seed, kind, bench_kind)
     motor, bench, ids = case.motor, case.bench, case.ids
     sizes = draw_sizes(case) if sizes is None else sizes
     model, parameters = true_model(motor, ids, sizes, case.directions, bench.has_i_c)

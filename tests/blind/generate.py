@@ -2,7 +2,7 @@
 """Writes one blind recording: DIR/rec.csv and DIR/motor.toml (what the user has) and DIR/truth.json (what is hidden).
 
     /usr/bin/python3 tests/blind/generate.py --seed 7 --kind single -o DIR
-    kinds: clean, single, pair, unknown, or cause ids joined by + (dead_time, resistance+angle_offset)
+    kinds: clean, single, pair, triple, unknown, or cause ids joined by + (dead_time, resistance+angle_offset)
 
 Needs Debian's python3-numpy.
 """
@@ -18,6 +18,7 @@ except ImportError:
     sys.exit("tests/blind: this python3 has no numpy; use Debian's /usr/bin/python3 with python3-numpy")
 
 import draw
+import motors
 from second_plant import TURN
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -93,11 +94,11 @@ def write(drawn, folder):
             file.write(text)
 
 
-def make(seed, kind, plant, folder, iqfoc):
+def make(seed, kind, plant, folder, iqfoc, bench_kind="usual"):
     """Draws and writes one recording by either plant; iqfoc is the program that holds the main one."""
     if plant == "main":
         raise NotImplementedError("the main plant")
-    write(draw.draw(seed, kind), folder)
+    write(draw.draw(seed, kind, None, bench_kind), folder)
 
 
 def main():
@@ -106,10 +107,11 @@ def main():
     parser.add_argument("--kind", required=True)
     parser.add_argument("-o", "--output", required=True, metavar="DIR")
     parser.add_argument("--plant", choices=["second", "main"], default="second")
+    parser.add_argument("--bench", choices=motors.BENCHES, default="usual")
     parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"), help="for --plant main")
     args = parser.parse_args()
     try:
-        make(args.seed, args.kind, args.plant, args.output, args.iqfoc)
+        make(args.seed, args.kind, args.plant, args.output, args.iqfoc, args.bench)
     except ValueError as problem:
         parser.error(str(problem))
 

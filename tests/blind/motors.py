@@ -44,12 +44,13 @@ def draw_motor(rng, salient):
     return motor
 
 
-def draw_operating_points(rng, motor, runs):
+def draw_operating_points(rng, motor, runs, kind):
     """Speed and dq current of each run, within the voltage the inverter has; some reverse, some at standstill."""
     omega_max = motor.n_max_rpm * 2.0 * np.pi / 60.0 * motor.pole_pairs
     v_max = 0.84 * motor.u_dc_V / np.sqrt(3.0)
     I_pk = motor.I_rated_A_rms * np.sqrt(2.0)
     standstill = int(rng.integers(0, 3)) if runs >= 8 else int(rng.integers(0, 2))
+    standstill = runs if kind == "standstill" else standstill
     speeds = np.concatenate([np.zeros(standstill), np.geomspace(0.05, 1.0, runs - standstill)])
     points = []
     for n, fraction in enumerate(speeds):
@@ -79,13 +80,20 @@ def excitation(rng, cycles, amplitude_A):
     return x + 0.3 * amplitude_A * (np.sin(turn) + 1j * np.cos(0.7 * turn))
 
 
-def draw_bench(rng, motor):
-    """How the recording is taken: runs, excitation, sensors, DC link, and which columns the file has."""
+BENCHES = ["usual", "standstill", "one_point"]
+
+
+def draw_bench(rng, motor, kind="usual"):
+    """How the recording is taken: runs, excitation, sensors, DC link, and which columns the file has.
+
+    kind: "usual" spreads 6 to 12 runs over speed and current; "standstill" and "one_point" show less, and a
+    diagnosis has to say what they cannot tell apart.
+    """
     I_pk = motor.I_rated_A_rms * np.sqrt(2.0)
-    runs = int(rng.integers(6, 13))
+    runs = 1 if kind == "one_point" else int(rng.integers(6, 13))
     bench = SimpleNamespace(
-        runs=runs, rows=[int(rng.integers(1100, 1500)) * 10 // runs for _ in range(runs)], warm_up=150,
-        points=draw_operating_points(rng, motor, runs), excitation=rng.uniform(0.04, 0.12),
+        runs=runs, rows=[int(rng.integers(1100, 1500)) * 10 // max(runs, 4) for _ in range(runs)], warm_up=150,
+        points=draw_operating_points(rng, motor, runs, kind), excitation=rng.uniform(0.04, 0.12),
         noise_A=log_uniform(rng, 0.0006, 0.003) * I_pk, bits=int(rng.choice([12, 12, 14])),
         full_scale_A=rng.uniform(1.6, 2.6) * I_pk, encoder_counts=2 ** int(rng.choice([15, 16, 17])),
         omega_noise=log_uniform(rng, 1e-6, 1e-4), timer_counts=int(rng.choice([2500, 5000, 8500, 10000])),

@@ -60,9 +60,14 @@ class AngleSensor:
 
 
 class CurrentController:
-    """PI in the rotor frame with decoupling from the nominal motor; acts one cycle after its sample."""
+    """PI in the rotor frame with decoupling from the nominal motor; acts one cycle after its sample.
 
-    def __init__(self, T_s, L_d_H, L_q_H, R_ohm, psi_f_Wb, bandwidth_T, u_max_ratio):
+    late_cycles: by how much more its voltages are late. A bench that runs has been tuned to that, by slower gains and
+    a further advanced angle, whatever its recording says about the timing.
+    """
+
+    def __init__(self, T_s, L_d_H, L_q_H, R_ohm, psi_f_Wb, bandwidth_T, u_max_ratio, late_cycles):
+        self.late_cycles = late_cycles
         self.T_s, self.L_d_H, self.L_q_H, self.R_ohm, self.psi_f_Wb = T_s, L_d_H, L_q_H, R_ohm, psi_f_Wb
         alpha = bandwidth_T / T_s
         self.alpha, self.k_i = alpha, alpha * (R_ohm + 0.12 * alpha * np.minimum(L_d_H, L_q_H))
@@ -80,7 +85,7 @@ class CurrentController:
         u_limited = u * np.minimum(1.0, limit / np.maximum(np.abs(u), 1e-9))
         self.integral = self.integral + self.T_s * self.k_i * (e + (u_limited - u) / (self.alpha * self.L_d_H))
         # From this peak to the middle of the next cycle, where its voltage acts, the rotor moves by omega T.
-        return u_limited * np.exp(1j * (theta_rad + omega_rad_s * self.T_s))
+        return u_limited * np.exp(1j * (theta_rad + omega_rad_s * self.T_s * (1 + self.late_cycles)))
 
 
 def duties(u, u_dc_V, timer_counts, min_max):
@@ -102,7 +107,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
     angle = AngleSensor(shaft, p.pole_pairs, p.encoder_counts, p.theta_0_rad, p.t_delay_s, p.order, p.amplitude_rad,
                         p.phase_rad)
     control = CurrentController(inverter.T_s, p.L_d_file_H, p.L_q_file_H, p.R_file_ohm, p.psi_f_file_Wb,
-                                p.bandwidth_T, p.u_max_ratio)
+                                p.bandwidth_T, p.u_max_ratio, p.delay_cycles)
     T = inverter.T_s
     keep = {name: [] for name in ("i_A", "i_mid_A", "theta_e_rad", "omega_e_rad_s", "duty", "u_dc_V", "u_V")}
     u_dc_meas = p.u_dc_V / p.k_u
