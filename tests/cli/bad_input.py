@@ -1,0 +1,181 @@
+"""Bad input gives one clear line, exit status 2, and leaves no file behind: interfaces.md, "The command line".
+
+A row of MOTOR_ROWS, SCENARIO_ROWS or RECORDING_ROWS spoils one good file and is tried with every command that reads it; a row of
+USAGE_ROWS is a call as it stands. Add rows here when a command learns to refuse something else.
+"""
+
+import gzip
+import pathlib
+import tempfile
+import unittest
+
+import program
+
+
+def replaced(text, old, new):
+    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times"
+    return text.replace(old, new)
+
+
+def position(text, fragment):
+    """line:column of a fragment that stands once in a text."""
+    assert text.count(fragment) == 1, f"{fragment!r} stands {text.count(fragment)} times"
+    at = text.index(fragment)
+    return f"{text.count(chr(10), 0, at) + 1}:{at - (text.rfind(chr(10), 0, at) + 1) + 1}"
+
+
+# (old text, new text, where the complaint points within the new file, words of the complaint). `where` is a fragment of
+# the new file, or (line, column).
+MOTOR_ROWS = [
+    ("L_d_H = 0.008", "L_d_H = -0.008", "-0.008", "L_d_H must be a number > 0, not -0.008"),
+    ("L_q_H = 0.011", "L_q_H = 0", "0\npsi", "L_q_H must be a number > 0"),
+    ("R_ohm = 0.9", "R_ohm = -1", "-1", "R_ohm must be a number >= 0"),
+    ("psi_f_Wb = 0.2", "psi_f_Wb = \"0.2 Wb\"", "\"0.2 Wb\"", "psi_f_Wb must be a number"),
+    ("R_ohm = 0.9", "R_ohm = nan", "nan", "R_ohm must be a number"),
+    ("u_dc_V = 565", "u_dc_V = inf", "inf", "u_dc_V must be a number"),
+    ("pole_pairs = 3", "pole_pairs = 2.5", "2.5", "pole_pairs must be a whole number"),
+    ("I_rated_A_rms = 6\n", "", "[motor]", "I_rated_A_rms is missing in [motor]"),
+    ("psi_f_Wb = 0.2", "psi_f_wb = 0.2", "[motor]", "psi_f_Wb is missing"),
+    ("R_ohm = 0.9", "R_ohm = 0.9\nR_omh = 0.9", "R_omh", "did you mean R_ohm?"),
+    ("R_ohm = 0.9", "R_ohm = 0,9", ",9", "not TOML"),
+    ("R_ohm = 0.9", "R_ohm = 0.9\nR_ohm = 0.9", (12, None), "not TOML"),
+    ("[inverter]", "[inverter", (17, None), "not TOML"),
+]
+
+SCENARIO_ROWS = [
+    ("cycles = 400", "cycles = -1", "-1", "cycles must be a whole number"),
+    ("cycles = 400\n", "", "[[run]]", "cycles or duration_s is missing"),
+    ("feedback = \"midpoint\"", "feedback = \"mean\"", "\"mean\"", "feedback must be \"midpoint\""),
+    ("speed_rpm = 1000", "speed_rpm = \"fast\"", "\"fast\"", "speed_rpm must be"),
+    ("period_s = 0.02", "period_s = 0", "0 } }", "period_s must be a number > 0"),
+    ("speed_rpm", "sped_rpm", "sped_rpm", "did you mean speed_rpm?"),
+    ("current_noise_A = 0.01", "current_noise_A = nan", "nan", "current_noise_A must be"),
+]
+
+RECORDING_ROWS = [
+    ("omega_e_rad_s,", "", (2, 1), "column omega_e_rad_s is missing; found t_s,i_a_A"),
+    ("u_b_V", "u_x_V", (2, 1), "the voltage: columns u_a_V"),
+    ("i_b_A", "i_a_A", (2, 11), "column i_a_A stands twice"),
+    ("1.1,", "1.1A,", "1.1A", "i_a_A \"1.1A\" is not a number"),
+    ("1.1,", "nan,", "nan", "i_a_A \"nan\" is not finite"),
+    ("1.1,", "inf,", "inf", "i_a_A \"inf\" is not finite"),
+    ("0.125,", ",", (4, 23), "theta_e_rad is empty"),
+    ("10.5,-5.0,-5.5\n", "10.", (4, 1), "the row has 7 fields, the header has 9; is the file cut off?"),
+    ("-5.5\n", "-5.5,0\n", (4, 47), "the row has 10 fields, the header has 9"),
+    ("0.00025", "0.00000", (4, 1), "t_s = 0 does not rise"),
+    (program.RECORDING, "", (1, 1), "the file is empty"),
+    ("0.00000,1.0,-0.5,-0.5,0.10,100,10.0,-5.0,-5.0\n0.00025,1.1,-0.5,-0.6,0.125,100,10.5,-5.0,-5.5\n", "", (3, 1),
+     "expected rows"),
+]
+
+# A file that is not there, a folder, bytes that are no text; tried in each reader's place.
+def file_rows():
+    packed = gzip.compress(program.RECORDING.encode() * 2000, mtime=0)
+    return [
+        ("motor.toml", None, "motor.toml: cannot be read: No such file or directory"),
+        ("scenario.toml", None, "scenario.toml: cannot be read: No such file or directory"),
+        ("recording.csv", None, "recording.csv: cannot be read: No such file or directory"),
+        ("motor.toml", bytes(range(256)) * 16, "motor.toml:1:1: not TOML"),
+        ("motor.toml", b"", "motor.toml:1:1: motor is missing"),
+        ("motor.toml", program.RECORDING, "motor.toml:2:4: not TOML"),
+        ("recording.csv", bytes(range(255, -1, -1)) * 16, "recording.csv:"),
+        ("recording.csv", program.MOTOR, "recording.csv:"),
+        ("recording.csv", packed[:len(packed) // 2], "the gzip data is cut or damaged"),
+    ]
+
+
+KNOWN = ("reproduce", "simulate", "sweep", "diagnose")
+
+# Calls that cannot be understood.
+USAGE_ROWS = [
+    ([], "expected a command"),
+    (["simulat"], "unknown command \"simulat\""),
+    (["--motor"], "unknown command \"--motor\""),
+    (["simulate", "--motr", "motor.toml"], "did you mean --motor?"),
+    (["simulate", "--scenario", "scenario.toml", "-o", "out.csv"], "--motor M.toml is missing"),
+    (["simulate", "--motor", "motor.toml", "-o", "out.csv"], "--scenario S.toml is missing"),
+    (["simulate", "--motor"], "--motor needs a value"),
+    (["simulate", "--motor", "motor.toml", "--scenario", "scenario.toml", "-o", "out.csv", "more"], "\"more\""),
+    (["simulate", "--motor", "motor.toml", "--scenario", "scenario.toml", "-o", "none/out.csv"], "none/out.csv"),
+    (["simulate", "--motor", "motor.toml", "--scenario", "scenario.toml", "-o", "out.csv", "--seed", "x"], "--seed"),
+    (["simulate", "--motor", "motor.toml", "--scenario", "scenario.toml", "-o", "out.csv", "--effect", "nonsense"],
+     "nonsense"),
+    (["sweep", "--motor", "motor.toml", "--rpm", "fast", "--json", "out.json"], "--rpm"),
+    (["sweep", "--rpm", "1000", "--json", "out.json"], "--motor"),
+    (["reproduce", "--paper", "2017"], "--paper"),
+    (["diagnose", "recording.csv"], "--motor"),
+    (["diagnose", "--motor", "motor.toml"], "iqfoc: diagnose: "),
+]
+
+
+class BadInput(unittest.TestCase):
+    commands = program.commands_there()
+
+    def refused(self, arguments, changed, start, words):
+        """Runs once into an empty place and once over files that stand there already."""
+        for precious in (False, True):
+            with tempfile.TemporaryDirectory() as name:
+                folder = pathlib.Path(name)
+                program.write_files(folder, changed)
+                if precious:
+                    for file in ("out.csv", "out.json"):
+                        (folder / file).write_text("precious")
+                before = {path.name: path.read_bytes() for path in folder.iterdir()}
+                result = program.run(arguments, folder)
+                error = result.stderr.decode(errors="replace")
+                self.assertEqual(2, result.returncode, error)
+                self.assertEqual(1, error.count("\n"), error)
+                self.assertTrue(error.endswith("\n"), error)
+                self.assertTrue(error.startswith("iqfoc: " + start), f"expected 'iqfoc: {start}', got: {error}")
+                self.assertIn(words, error)
+                self.assertTrue(all(c.isprintable() for c in error[:-1]), repr(error))
+                self.assertEqual(before, {path.name: path.read_bytes() for path in folder.iterdir()})
+
+    def try_spoiled(self, file, rows):
+        for command, call in program.CALLS.items():
+            if command not in self.commands or file not in call["reads"]:
+                continue
+            for old, new, where, words in rows:
+                with self.subTest(command=command, new=new, words=words):
+                    text = replaced(program.FILES[file], old, new)
+                    if isinstance(where, str):
+                        where = position(text, where)
+                    else:
+                        where = ":".join(str(part) for part in where if part is not None)
+                    self.refused([command, *call["arguments"]], {file: text}, f"{file}:{where}:", words)
+
+    def test_motor(self):
+        self.try_spoiled("motor.toml", MOTOR_ROWS)
+
+    def test_scenario(self):
+        self.try_spoiled("scenario.toml", SCENARIO_ROWS)
+
+    def test_recording(self):
+        self.try_spoiled("recording.csv", RECORDING_ROWS)
+
+    def test_files(self):
+        for file, content, words in file_rows():
+            for command, call in program.CALLS.items():
+                if command in self.commands and file in call["reads"]:
+                    with self.subTest(command=command, words=words):
+                        self.refused([command, *call["arguments"]], {file: content}, file, words)
+
+    def test_usage(self):
+        for arguments, words in USAGE_ROWS:
+            if arguments and arguments[0] in KNOWN and arguments[0] not in self.commands:
+                continue
+            with self.subTest(arguments=arguments):
+                self.refused(arguments, {}, "", words)
+
+    def test_a_motor_that_does_not_fit_the_number_format(self):
+        """R of 1 Gohm at 10 A and 565 V is far beyond what IQ24 holds per unit: refused by name, not clipped."""
+        text = replaced(program.MOTOR, "R_ohm = 0.9", "R_ohm = 1e9")
+        for command in ("simulate", "sweep"):
+            if command in self.commands:
+                with self.subTest(command=command):
+                    self.refused([command, *program.CALLS[command]["arguments"]], {"motor.toml": text}, "motor.toml",
+                                 "R_ohm")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[__file__, "-v"])
