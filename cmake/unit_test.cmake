@@ -1,7 +1,7 @@
 # Unity, and the one way to add a test:
 #   iqfoc_add_test(NAME name SOURCES a.c [b.c...] [LIBS x y...] [TIMEOUT seconds] [LABELS l...])
 # builds the sources with Unity and registers the program with ctest. A test labelled `sweep` is exhaustive and slow: it runs
-# in the optimised build only, not under sanitizers or coverage.
+# in one optimised build only, not under sanitizers or coverage, where the others get five times the time.
 if(NOT BUILD_TESTING)
     return()
 endif()
@@ -28,6 +28,9 @@ function(iqfoc_add_test)
     endif()
     if(NOT test_TIMEOUT)
         set(test_TIMEOUT 60)
+    endif()
+    if(IQFOC_SANITIZE OR IQFOC_COVERAGE)
+        math(EXPR test_TIMEOUT "${test_TIMEOUT} * 5")
     endif()
     add_executable(test_${test_NAME} ${test_SOURCES})
     set_target_properties(test_${test_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)

@@ -68,6 +68,10 @@ close_parts() {
     ((PART_FAILED == 0))
 }
 
+# Labels of tests that one build is enough for: exhaustive ones, and those that run none of the C code, or run it by the program that
+# the host preset built.
+ONCE='^(sweep|blind|tool|cli)$'
+
 # Builds all of a preset and runs its tests but for those with a label that matches $2.
 test_preset() {
     build_preset "$1" all -DBUILD_TESTING=ON
@@ -112,7 +116,7 @@ check_cppcheck() {
 # The library's lines and branches that the unit tests reach, headers with inline functions included.
 check_coverage() {
     find build/coverage -name '*.gcda' -delete 2>/dev/null || true
-    test_preset coverage sweep
+    test_preset coverage "$ONCE"
     gcovr --root . --object-directory build/coverage --filter src/ --filter include/ --exclude-throw-branches \
         --json-summary build/coverage/summary.json --txt --fail-under-line 98 --fail-under-branch 90
     gcovr --root . --object-directory build/coverage --filter src/ --filter include/ --exclude-throw-branches \
@@ -144,8 +148,8 @@ run_if_there() {
 
 test_everything() {
     run_part host test_preset host
-    run_part clang test_preset clang sweep
-    run_part asan test_preset asan sweep
+    run_part clang test_preset clang "$ONCE"
+    run_part asan test_preset asan "$ONCE"
     run_part cortex-m4 test_freestanding cortex-m4 arm-none-eabi-nm
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
     run_part examples python3 tools/check_examples.py

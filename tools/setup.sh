@@ -6,7 +6,7 @@ BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-d
     libfftw3-dev libjansson-dev libcsv-dev zlib1g-dev gnuplot-nox)
 # What `test`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the targets' compilers and
 # emulators, the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
-TEST_PACKAGES=(git python3 python3-numpy python3-scipy xz-utils libsundials-dev gcovr clang clang-tidy clang-format
+TEST_PACKAGES=(git python3 python3-numpy python3-scipy xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
     picolibc-riscv64-unknown-elf qemu-system-misc)
 
