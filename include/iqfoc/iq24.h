@@ -31,7 +31,7 @@
 #include IQFOC_TARGET_HEADER
 #endif
 
-/* Hook: the exact 64-bit product of two int32_t. Every product of the library goes through it. */
+/* Hook: the exact 64-bit product of two int32_t. Every product of IQ24 goes through it. */
 #ifndef IQ24_MUL64
 #define IQ24_MUL64(a, b) ((int64_t)(a) * (int64_t)(b))
 #endif
