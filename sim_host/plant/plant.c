@@ -129,8 +129,8 @@ static vec_ab ideal_voltage(const plant *p)
     return vec_from_phases(u_leg);
 }
 
-/* The exact path: one span between edges. */
-static void advance_linear(plant *p, double dt_s)
+/* The exact path: one span between edges. *r is the rotor's angle before and after. */
+static void advance_linear(plant *p, double dt_s, rotor *r)
 {
     const plant_machine *m = &p->config.machine;
     double *y = p->state.y;
@@ -141,11 +141,12 @@ static void advance_linear(plant *p, double dt_s)
                                        .omega_e_rad_s = y[STATE_OMEGA_E]};
     const vec_ab u = ideal_voltage(p);
     const vec_ab i = {y[STATE_I_ALPHA], y[STATE_I_BETA]};
-    const rotor start = rotor_at(y[STATE_THETA_E]);
+    const rotor start = *r;
     electrical_state x = {vec_to_dq(i, start), {y[STATE_INT_I_D], y[STATE_INT_I_Q]}, {0.0, 0.0}};
     electrical_advance(&machine, dt_s, vec_to_dq(u, start), &x);
     y[STATE_THETA_E] += y[STATE_OMEGA_E] * dt_s;
-    const vec_ab i_end = vec_to_ab(x.i_dq_A, rotor_at(y[STATE_THETA_E]));
+    *r = rotor_at(y[STATE_THETA_E]);
+    const vec_ab i_end = vec_to_ab(x.i_dq_A, *r);
     const vec_dq integral_start = {x.integral_start_As.alpha, x.integral_start_As.beta};
     const vec_ab integral = vec_to_ab(integral_start, start);
     y[STATE_I_ALPHA] = i_end.alpha;
@@ -162,6 +163,7 @@ void plant_advance_to(plant *p, double t_s)
 {
     const double target = fmin(t_s, p->duration_s);
     const double t_dead_s = p->config.inverter.t_dead_s;
+    rotor r = rotor_at(p->state.y[STATE_THETA_E]);
     while (p->t_cycle_s < target) {
         double next = target;
         for (int x = 0; x < 3; x++) {
@@ -174,7 +176,7 @@ void plant_advance_to(plant *p, double t_s)
         p->t_span_s = p->t_cycle_s;
         trace_point(p);
         if (p->linear) {
-            advance_linear(p, next - p->t_cycle_s);
+            advance_linear(p, next - p->t_cycle_s, &r);
         } else {
             solver_advance(&p->config, p->leg, p->t_begin_s, p->t_cycle_s, next, &p->state);
         }

@@ -1,0 +1,328 @@
+/*
+ * What the sensors make of the truth, each law of interfaces.md by itself, and the random numbers behind
+ * them.
+ */
+#include "plant/plant.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define SEED 20190612u
+
+static plant_config drive(void)
+{
+    motor m;
+    memset(&m, 0, sizeof m);
+    m.pole_pairs = 3;
+    m.R_ohm = 0.75;
+    m.L_d_H = 5.2e-3;
+    m.L_q_H = 5.2e-3;
+    m.psi_f_Wb = 0.134;
+    m.I_rated_A_rms = 10.5;
+    m.f_pwm_Hz = 5000.0;
+    m.u_dc_V = 750.0;
+    plant_config c = plant_config_from_motor(&m);
+    c.seed = SEED;
+    c.shaft.omega_e_start_rad_s = 700.0;
+    c.shaft.theta_mech_start_rad = 0.4;
+    return c;
+}
+
+static plant_samples first_sample(const plant_config *c)
+{
+    plant p;
+    plant_samples s;
+    plant_init(&p, c);
+    plant_set_current(&p, (vec_dq){2.0, 7.0});
+    plant_sample(&p, &s);
+    return s;
+}
+
+static void test_perfect_sensors(void)
+{
+    const plant_config c = drive();
+    const plant_samples s = first_sample(&c);
+    const double theta = 1.2;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0 * cos(theta) - 7.0 * sin(theta), s.i_A[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(
+        1e-12, 2.0 * cos(theta - 2.0 * VEC_PI / 3.0) - 7.0 * sin(theta - 2.0 * VEC_PI / 3.0), s.i_A[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, s.i_A[0] + s.i_A[1] + s.i_A[2]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, theta, s.theta_e_rad);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.4, s.theta_mech_rad);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 700.0, s.omega_e_rad_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 750.0, s.u_dc_V);
+}
+
+static void test_current_gain_and_offset(void)
+{
+    plant_config c = drive();
+    const plant_samples truth = first_sample(&c);
+    const double gain[3] = {1.02, 0.97, 1.01}, offset[3] = {0.1, -0.2, 0.3};
+    for (int x = 0; x < 3; x++) {
+        c.sensors.current_gain[x] = gain[x];
+        c.sensors.current_offset_A[x] = offset[x];
+    }
+    const plant_samples s = first_sample(&c);
+    for (int x = 0; x < 3; x++) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, gain[x] * truth.i_A[x] + offset[x], s.i_A[x]);
+    }
+}
+
+static void test_quantisation(void)
+{
+    plant_config c = drive();
+    const plant_samples truth = first_sample(&c);
+    c.sensors.current_bits = 8;
+    c.sensors.current_full_scale_A = 16.0;
+    const plant_samples s = first_sample(&c);
+    for (int x = 0; x < 3; x++) {
+        TEST_ASSERT_DOUBLE_WITHIN(0.0625 + 1e-12, truth.i_A[x], s.i_A[x]);
+        TEST_ASSERT_TRUE(remainder(s.i_A[x], 0.125) == 0.0);
+    }
+    /* 2's complement: one code fewer above zero. */
+    c.sensors.current_full_scale_A = 2.0;
+    const plant_samples clipped = first_sample(&c);
+    for (int x = 0; x < 3; x++) {
+        if (truth.i_A[x] > 2.0) {
+            TEST_ASSERT_TRUE(clipped.i_A[x] == 2.0 - 2.0 / 128.0);
+        } else if (truth.i_A[x] < -2.0) {
+            TEST_ASSERT_TRUE(clipped.i_A[x] == -2.0);
+        }
+    }
+}
+
+/* 1e5 samples: mean within 4 standard errors, deviation within 1 % (4 sigma would be 0.9 %). */
+static void test_noise(void)
+{
+    plant_config c = drive();
+    c.sensors.current_noise_A = 0.05;
+    c.machine.psi_f_Wb = 0.0;
+    plant p;
+    plant_init(&p, &c);
+    const int n = 100000;
+    double sum = 0.0, square = 0.0, product = 0.0;
+    for (int k = 0; k < n; k++) {
+        plant_samples s;
+        plant_sample(&p, &s);
+        sum += s.i_A[0];
+        square += s.i_A[0] * s.i_A[0];
+        product += s.i_A[0] * s.i_A[1];
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 0.05 / sqrt(n), 0.0, sum / n);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 0.05, 0.05, sqrt(square / n));
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 0.0025 / sqrt(n), 0.0, product / n); /* channels are independent */
+}
+
+static void test_angle_laws(void)
+{
+    plant_config c = drive();
+    c.sensors.theta_0_rad = 0.05;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.25, first_sample(&c).theta_e_rad);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.25 / 3.0, first_sample(&c).theta_mech_rad);
+    c.sensors.theta_0_rad = 0.0;
+    c.sensors.harmonic_order = 2.0;
+    c.sensors.harmonic_amplitude_rad = 0.03;
+    c.sensors.harmonic_phase_rad = 0.7;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.2 + 0.03 * cos(2.0 * 0.4 + 0.7), first_sample(&c).theta_e_rad);
+    c.sensors.harmonic_amplitude_rad = 0.0;
+    c.sensors.t_delay_s = 20e-6;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.2 + 700.0 * 20e-6, first_sample(&c).theta_e_rad);
+    c.sensors.t_delay_s = 0.0;
+    c.sensors.theta_0_rad = -1.3; /* wraps */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0 * VEC_PI - 0.1, first_sample(&c).theta_e_rad);
+}
+
+/* Applied = k_u * recorded: the same duties and a measured link that stays as it was. */
+static void test_voltage_gain(void)
+{
+    const double duty[3] = {0.6, 0.5, 0.45};
+    plant_config c = drive();
+    plant_means nominal, m;
+    plant_samples s;
+    plant p;
+    plant_init(&p, &c);
+    plant_cycle(&p, duty, NULL, NULL, &nominal);
+    c.inverter.k_u = 0.96;
+    plant_init(&p, &c);
+    plant_cycle(&p, duty, &s, NULL, &m);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 750.0, s.u_dc_V);
+    for (int x = 0; x < 3; x++) {
+        const double commanded = (duty[x] - (duty[0] + duty[1] + duty[2]) / 3.0) * 750.0;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, commanded, nominal.u_V[x]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.96 * commanded, m.u_V[x]);
+    }
+}
+
+static void test_voltage_delay(void)
+{
+    plant_config c = drive();
+    c.inverter.delay_cycles = 2;
+    plant p;
+    plant_init(&p, &c);
+    double commanded_a[20];
+    for (int k = 0; k < 20; k++) {
+        const double duty[3] = {0.5 + 0.01 * k, 0.5, 0.5};
+        plant_means m;
+        commanded_a[k] = 0.01 * k * 750.0 * 2.0 / 3.0;
+        plant_cycle(&p, duty, NULL, NULL, &m);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, commanded_a[k >= 2 ? k - 2 : 0], m.u_V[0]);
+    }
+}
+
+/* A missed update keeps the last duties; the share of cycles is the probability (4 sigma of 20000 draws). */
+static void test_glitch(void)
+{
+    plant_config c = drive();
+    c.inverter.glitch_probability = 0.02;
+    plant p;
+    plant_init(&p, &c);
+    const int n = 20000;
+    double in_force = 0.0;
+    for (int k = 0; k < n; k++) {
+        const double duty[3] = {0.5 + 0.1 * ((k * 7) % 11) / 11.0, 0.5, 0.5};
+        plant_means m;
+        plant_cycle(&p, duty, NULL, NULL, &m);
+        if (!(p.glitched && k > 0)) {
+            in_force = (duty[0] - 0.5) * 500.0;
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, in_force, m.u_V[0]);
+    }
+    printf("%ld glitches in %d cycles\n", p.glitches, n);
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(n * 0.02 * 0.98), n * 0.02, (double)p.glitches);
+}
+
+static void test_loose_sensor(void)
+{
+    plant_config c = drive();
+    c.sensors.loose_probability = 0.01;
+    c.sensors.loose_channel = 1;
+    c.sensors.loose_samples = 4.0;
+    c.sensors.loose_gain = 0.25;
+    c.sensors.loose_step_A = 0.5;
+    plant p;
+    plant_init(&p, &c);
+    plant_set_current(&p, (vec_dq){2.0, 7.0});
+    const plant_samples truth = first_sample(&(plant_config){.machine = c.machine,
+                                                             .inverter = c.inverter,
+                                                             .shaft = c.shaft,
+                                                             .sensors = drive().sensors,
+                                                             .T_s = c.T_s,
+                                                             .I_scale_A = c.I_scale_A});
+    long out = 0;
+    const long n = 100000;
+    for (long k = 0; k < n; k++) {
+        plant_samples s;
+        plant_sample(&p, &s);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, truth.i_A[0], s.i_A[0]);
+        const bool wrong = fabs(s.i_A[1] - truth.i_A[1]) > 1e-9;
+        if (wrong) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.25 * truth.i_A[1] + 0.5, s.i_A[1]);
+        }
+        out += wrong;
+    }
+    /* The mean dropout lasts 4 samples, the mean gap 100. */
+    printf("%ld dropouts, %.2f samples each\n", p.sensors.dropouts, (double)out / (double)p.sensors.dropouts);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 4.0, (double)out / (double)p.sensors.dropouts);
+    TEST_ASSERT_DOUBLE_WITHIN(150.0, (double)n / 103.0, (double)p.sensors.dropouts);
+}
+
+/* The mean voltage of a cycle under a ripple far slower than the cycle is that of the link in its middle. */
+static void test_ripple(void)
+{
+    plant_config c = drive();
+    c.inverter.ripple_V = 20.0;
+    c.inverter.ripple_Hz = 50.0;
+    for (int logged = 0; logged < 2; logged++) {
+        c.inverter.ripple_logged = logged == 1;
+        plant p;
+        plant_init(&p, &c);
+        for (int k = 0; k < 100; k++) {
+            const double duty[3] = {0.6, 0.5, 0.4};
+            plant_samples s;
+            plant_means m;
+            plant_cycle(&p, duty, &s, NULL, &m);
+            const double w = 2.0 * VEC_PI * 50.0;
+            const double middle_V = 750.0 + 20.0 * sin(w * (k + 0.5) * 200e-6);
+            TEST_ASSERT_DOUBLE_WITHIN(0.1 * 20.0 * 1e-3, 0.1 * middle_V,
+                                      m.u_V[0]); /* (w T)^2 / 24 = 1.6e-4 */
+            const double seen_V = logged == 1 ? 750.0 + 20.0 * sin(w * k * 200e-6) : 750.0;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, seen_V, s.u_dc_V);
+        }
+    }
+}
+
+/* The same seed gives the same bits, another seed others, and one sensor's noise does not move another's. */
+static void test_seed(void)
+{
+    plant_config c = drive();
+    c.sensors.current_noise_A = 0.1;
+    c.sensors.angle_noise_rad = 0.01;
+    const plant_samples a = first_sample(&c), b = first_sample(&c);
+    TEST_ASSERT_TRUE(a.i_A[0] == b.i_A[0] && a.theta_e_rad == b.theta_e_rad);
+    c.sensors.angle_noise_rad = 0.0;
+    TEST_ASSERT_TRUE(first_sample(&c).i_A[0] == a.i_A[0]);
+    c.seed = SEED + 1;
+    TEST_ASSERT_TRUE(first_sample(&c).i_A[0] != a.i_A[0]);
+}
+
+/*
+ * xoshiro256++ from the state {1, 2, 3, 4}: the first outputs of its authors' reference code. 10^6 normals:
+ * moments within 4 sigma of theirs.
+ */
+static void test_random(void)
+{
+    plant_random r = {.s = {1, 2, 3, 4}};
+    const uint64_t expected[4] = {41943041u, 58720359u, 3588806011781223u, 3591011842654386u};
+    for (int k = 0; k < 4; k++) {
+        TEST_ASSERT_TRUE(plant_random_bits(&r) == expected[k]);
+    }
+    plant_random_seed(&r, SEED, 3);
+    const double n = 1e6;
+    double moment[5] = {0.0};
+    for (int k = 0; k < (int)n; k++) {
+        const double x = plant_random_normal(&r);
+        for (int m = 1; m <= 4; m++) {
+            moment[m] += pow(x, m) / n;
+        }
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(1.0 / n), 0.0, moment[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(2.0 / n), 1.0, moment[2]);
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(15.0 / n), 0.0, moment[3]);
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(96.0 / n), 3.0, moment[4]);
+    double least = 1.0, most = 0.0;
+    for (int k = 0; k < 100000; k++) {
+        const double u = plant_random_uniform(&r);
+        least = fmin(least, u);
+        most = fmax(most, u);
+    }
+    TEST_ASSERT_TRUE(least >= 0.0 && least < 1e-3 && most < 1.0 && most > 0.999);
+}
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+int main(void)
+{
+    printf("seed %u\n", SEED);
+    UNITY_BEGIN();
+    RUN_TEST(test_perfect_sensors);
+    RUN_TEST(test_current_gain_and_offset);
+    RUN_TEST(test_quantisation);
+    RUN_TEST(test_noise);
+    RUN_TEST(test_angle_laws);
+    RUN_TEST(test_voltage_gain);
+    RUN_TEST(test_voltage_delay);
+    RUN_TEST(test_glitch);
+    RUN_TEST(test_loose_sensor);
+    RUN_TEST(test_ripple);
+    RUN_TEST(test_seed);
+    RUN_TEST(test_random);
+    return UNITY_END();
+}
