@@ -4,7 +4,7 @@
 #include "out_file.h"
 
 #include <errno.h>
-#include <limits.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -18,8 +18,68 @@ static mode_t new_file_mode(void)
     return (mode_t)(0666 & ~mask);
 }
 
+/*
+ * The temporary files that are open, for the signal handler: a user who stops a long simulation by Ctrl-C
+ * must not find its remains. A name is taken out before it is freed, so that the handler never sees a
+ * dangling one.
+ */
+enum {
+    OPEN_MAX_KNOWN =
+        16 /* further ones are merely not removed on a signal; no command opens nearly as many at once */
+};
+
+static char *volatile open_names[OPEN_MAX_KNOWN];
+
+static void remove_and_die(int signal_number)
+{
+    for (int i = 0; i < OPEN_MAX_KNOWN; i++) {
+        if (open_names[i] != NULL) {
+            unlink(open_names[i]);
+        }
+    }
+    /* Delivered when this handler returns: the caller sees that a signal ended the process. */
+    signal(signal_number, SIG_DFL);
+    raise(signal_number);
+}
+
+static void watch_signals(void)
+{
+    static const int watched[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+    for (size_t i = 0; i < sizeof watched / sizeof watched[0]; i++) {
+        struct sigaction action;
+        /* What somebody else ignores or handles stays theirs. */
+        if (sigaction(watched[i], NULL, &action) == 0 && action.sa_handler == SIG_DFL) {
+            action = (struct sigaction){.sa_handler = remove_and_die};
+            sigemptyset(&action.sa_mask);
+            sigaction(watched[i], &action, NULL);
+        }
+    }
+}
+
+static void name_remember(char *name)
+{
+    for (int i = 0; i < OPEN_MAX_KNOWN; i++) {
+        if (open_names[i] == NULL) {
+            open_names[i] = name;
+            return;
+        }
+    }
+}
+
+static void name_forget(const char *name)
+{
+    for (int i = 0; i < OPEN_MAX_KNOWN; i++) {
+        if (open_names[i] == name) {
+            open_names[i] = NULL;
+        }
+    }
+}
+
 static void out_file_release(out_file *f)
 {
+    if (f->temp_path != NULL) {
+        name_forget(f->temp_path);
+    }
     free(f->path);
     free(f->temp_path);
     *f = (out_file){0};
@@ -54,6 +114,7 @@ static bool open_temporary(out_file *f, mode_t mode, error *e)
     if (f->temp_path == NULL) {
         return error_failure(e, 0, "out of memory");
     }
+    watch_signals();
     const int descriptor = mkstemp(f->temp_path);
     if (descriptor < 0) {
         const int why = errno;
@@ -61,6 +122,7 @@ static bool open_temporary(out_file *f, mode_t mode, error *e)
         f->temp_path = NULL;
         return error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(why));
     }
+    name_remember(f->temp_path);
     if (fchmod(descriptor, mode) != 0 || (f->stream = fdopen(descriptor, "w")) == NULL) {
         error_failure(e, errno, "%s", f->temp_path);
         close(descriptor);

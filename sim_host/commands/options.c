@@ -170,6 +170,19 @@ static bool refuse_value(const options *o, const char *expected, error *e)
                        o->about->specs[o->current].name, expected, o->argument);
 }
 
+bool options_number(const options *o, double min, double max, double *value, error *e)
+{
+    double read = 0.0;
+    const number_result result = number_parse(o->argument, strlen(o->argument), &read);
+    if (result != NUMBER_OK || read < min || read > max) {
+        char expected[80];
+        snprintf(expected, sizeof expected, "a number from %g to %g", min, max);
+        return refuse_value(o, expected, e);
+    }
+    *value = read;
+    return true;
+}
+
 bool options_numbers(const options *o, double low, double high, double *values, size_t max, size_t *count,
                      error *e)
 {
@@ -180,24 +193,14 @@ bool options_numbers(const options *o, double low, double high, double *values, 
         const bool ok = number_parse(text, length, &value) == NUMBER_OK && value >= low && value <= high;
         if (!ok || *count == max) {
             char expected[120];
-            if (max == 1) {
-                snprintf(expected, sizeof expected, "a number from %g to %g", low, high);
-            } else {
-                snprintf(expected, sizeof expected, "1 to %zu numbers from %g to %g, split by commas", max,
-                         low, high);
-            }
+            snprintf(expected, sizeof expected, "1 to %zu numbers from %g to %g, split by commas", max, low,
+                     high);
             return refuse_value(o, expected, e);
         }
         values[(*count)++] = value;
         text = text[length] == ',' ? text + length + 1 : NULL;
     }
     return true;
-}
-
-bool options_number(const options *o, double min, double max, double *value, error *e)
-{
-    size_t count;
-    return options_numbers(o, min, max, value, 1, &count, e);
 }
 
 bool options_integer(const options *o, long min, long max, long *value, error *e)

@@ -4,9 +4,11 @@
 #include "base/out_file.h"
 #include "host_files.h"
 
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <unity.h>
 
@@ -100,6 +102,29 @@ static void test_a_link_stays_and_its_file_is_replaced(void)
     remove(scratch_path("target"));
 }
 
+/* Ctrl-C in the middle of a long simulation. */
+static void test_a_signal_leaves_nothing_behind(void)
+{
+    scratch_text("kept", "precious");
+    const size_t before = scratch_count();
+    const pid_t child = fork();
+    if (child == 0) {
+        error e = {0};
+        out_file f;
+        if (out_file_open(&f, scratch_path("kept"), &e) && scratch_count() == before + 1) {
+            raise(SIGTERM);
+        }
+        _exit(99);
+    }
+    int status = 0;
+    TEST_ASSERT_EQUAL(child, waitpid(child, &status, 0));
+    TEST_ASSERT_TRUE_MESSAGE(WIFSIGNALED(status), "the child must die of the signal");
+    TEST_ASSERT_EQUAL(SIGTERM, WTERMSIG(status));
+    TEST_ASSERT_EQUAL(before, scratch_count());
+    expect_content("kept", "precious");
+    remove(scratch_path("kept"));
+}
+
 static void expect_refused(const char *path, const char *part_of_text)
 {
     error e = {0};
@@ -178,6 +203,7 @@ int main(void)
     RUN_TEST(test_replacing_keeps_the_mode);
     RUN_TEST(test_a_new_file_has_the_mode_the_umask_gives);
     RUN_TEST(test_a_link_stays_and_its_file_is_replaced);
+    RUN_TEST(test_a_signal_leaves_nothing_behind);
     RUN_TEST(test_what_cannot_be_opened_is_named);
     RUN_TEST(test_a_device_is_written_in_place);
     RUN_TEST(test_a_full_disk_is_a_failure);
