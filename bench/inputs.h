@@ -16,7 +16,7 @@ typedef struct bench_input {
     iq24_t any_b;    /* the same */
     iq24_t positive; /* the same, above 0: a root's argument */
     iq24_t divisor;  /* the same, but large enough for |any_a / divisor| to fit IQ24 */
-    iqfoc_ab_t i; /* within +-2: twice the rated current */
+    iqfoc_ab_t i;    /* within +-2: twice the rated current */
     iqfoc_ab_t delta;
     iqfoc_ab_t u; /* within +-1: every fourth lies beyond the hexagon */
     iqfoc_dq_t i_ref;

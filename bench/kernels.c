@@ -13,8 +13,8 @@ BENCH_APART void bench_current_control(bench_drive_t *drive, iq24_t i_a, iq24_t 
 {
     const iq24_sincos_t sc = iq24_sincos(theta);
     const iqfoc_dq_t i = iqfoc_park(iqfoc_clarke2(i_a, i_b), sc);
-    const iqfoc_dq_t u = iqfoc_current_control_step(&drive->control, &bench_config.gains, drive->i_ref, i,
-                                                    drive->rotor.turns);
+    const iqfoc_dq_t u =
+        iqfoc_current_control_step(&drive->control, &bench_config.gains, drive->i_ref, i, drive->rotor.turns);
     iqfoc_current_control_limited(&drive->control, &bench_config.gains, u, scale);
     drive->u_next = iqfoc_park_inverse(u, sc);
 }
@@ -24,7 +24,8 @@ BENCH_APART void bench_cycle(bench_drive_t *drive, iq24_t i_a, iq24_t i_b, iq24_
 {
     const iqfoc_ab_t i = iqfoc_clarke2(i_a, i_b);
     const iq24_sincos_t sc = iq24_sincos(theta_mid);
-    drive->i_next = iqfoc_predictor_quasi_discrete(&bench_config.predictor, i, drive->u_now, &drive->rotor, sc);
+    drive->i_next =
+        iqfoc_predictor_quasi_discrete(&bench_config.predictor, i, drive->u_now, &drive->rotor, sc);
     const iqfoc_ab_t mean =
         iqfoc_mean_current_quasi_discrete(&bench_config.predictor, i, drive->u_now, &drive->rotor, sc);
     const iqfoc_ab_t delta = {iq24_sub_wrap(drive->i_next.alpha, i.alpha),

@@ -38,13 +38,24 @@ typedef struct mps2_timer {
 #define MPS2_TIMER1               ((mps2_timer_t *)0x40001000)
 #define MPS2_TIMER0_IRQ           8
 #define MPS2_TIMER1_IRQ           9
-#define MPS2_CLOCK_HZ             25000000
+
+/* CMSDK dual timer, its first half: a 32-bit down-counter that runs freely. */
+typedef struct mps2_dual_timer {
+    volatile uint32_t load;
+    volatile uint32_t value;
+    volatile uint32_t ctrl; /* bit 7: on, bit 1: 32 bits */
+} mps2_dual_timer_t;
+
+#define MPS2_DUAL_TIMER_CTRL_ENABLE UINT32_C(0x80)
+#define MPS2_DUAL_TIMER_CTRL_32_BIT UINT32_C(0x02)
+#define MPS2_DUAL_TIMER             ((mps2_dual_timer_t *)0x40002000)
 
 /* The core's interrupt controller (Armv7-M ARM, B3.4). */
 #define ARM_NVIC_ISER0 (*(volatile uint32_t *)0xE000E100)
 #define ARM_NVIC_ICER0 (*(volatile uint32_t *)0xE000E180)
 #define ARM_NVIC_ICPR0 (*(volatile uint32_t *)0xE000E280)
-/* Eight bits each, four to a word: the word that holds the priorities of interrupts 8 to 11. */
+/* Eight bits each, four to a word: the word that holds the priorities of interrupts 8 to 11. Less is sooner.
+ */
 #define ARM_NVIC_IPR2 (*(volatile uint32_t *)0xE000E408)
 
 #endif

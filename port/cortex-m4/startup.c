@@ -33,8 +33,8 @@ static const vector_table_t vectors __attribute__((section(".vectors"), used)) =
                   unexpected_handler, unexpected_handler, unexpected_handler, unexpected_handler,
                   unexpected_handler, unexpected_handler, unexpected_handler, unexpected_handler,
                   unexpected_handler, unexpected_handler, unexpected_handler},
-    .interrupt = {[0] = unexpected_handler, [1] = unexpected_handler, [8] = timer0_handler,
-                  [9] = timer1_handler},
+    .interrupt =
+        {[0] = unexpected_handler, [1] = unexpected_handler, [8] = timer0_handler, [9] = timer1_handler},
 };
 
 /* Exit status of a fault: told apart from a test's own failures. */

@@ -8,3 +8,6 @@ function(iqfoc_add_image name)
 endfunction()
 
 add_subdirectory(${PROJECT_SOURCE_DIR}/bench ${PROJECT_BINARY_DIR}/bench)
+if(UNITY_DIR)
+    add_subdirectory(${PROJECT_SOURCE_DIR}/tests/target ${PROJECT_BINARY_DIR}/tests/target)
+endif()

@@ -1,0 +1,16 @@
+# Test images for an emulated board; tests/target/run.sh builds and runs them. They want Unity's sources in UNITY_DIR.
+set(EMULATED ${PROJECT_SOURCE_DIR}/port/emulated)
+
+add_library(unity STATIC ${UNITY_DIR}/unity.c)
+target_include_directories(unity SYSTEM PUBLIC ${UNITY_DIR})
+target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64 UNITY_INCLUDE_CONFIG_H)
+target_include_directories(unity PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/unity)
+target_compile_options(unity PRIVATE -w)
+target_link_libraries(unity PUBLIC port)
+
+# The library's own port on the emulated board: HAL and the stand-in drive behind it.
+add_library(emulated_drive STATIC ${EMULATED}/hal_emulated.c ${EMULATED}/small_drive.c)
+target_link_libraries(emulated_drive PUBLIC iqfoc port)
+
+iqfoc_add_image(test_interrupts test_interrupts.c)
+target_link_libraries(test_interrupts PRIVATE emulated_drive unity)
