@@ -1,0 +1,105 @@
+#include "drive_recording.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Time between the last cycle of a run and the first of the next, in cycles: more than 1.5, so that a stretch
+ * ends. */
+#define PAUSE_CYCLES 10.0
+
+static bool column(double **out, size_t rows)
+{
+    *out = calloc(rows, sizeof **out);
+    return *out != NULL;
+}
+
+static bool columns(double *out[3], int count, size_t rows)
+{
+    for (int x = 0; x < count; x++) {
+        if (!column(&out[x], rows)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool allocate(recording *r, const scenario_log *log, size_t rows)
+{
+    r->run = calloc(rows, sizeof *r->run);
+    const int channels = log->third_current ? 3 : 2;
+    r->i_c_measured = log->third_current;
+    return r->run != NULL && column(&r->t_s, rows) && column(&r->theta_e_rad, rows) &&
+           column(&r->omega_e_rad_s, rows) && columns(r->i_A, channels, rows) &&
+           (!log->voltages || columns(r->u_V, 3, rows)) && (!log->duties || columns(r->duty, 3, rows)) &&
+           (!log->u_dc || column(&r->u_dc_V, rows)) &&
+           (!log->mid_currents || columns(r->i_mid_A, channels, rows)) &&
+           (!log->mechanical_angle || column(&r->theta_mech_rad, rows));
+}
+
+bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, error *e)
+{
+    size_t rows = 0;
+    for (size_t k = 0; k < s->runs; k++) {
+        rows += (size_t)scenario_run_cycles(&s->run[k], T_s);
+    }
+    r->capacity = rows;
+    r->T_s = T_s;
+    if (!allocate(&r->recording, &s->log, rows)) {
+        recording_free(&r->recording);
+        return error_failure(e, 0, "no memory for a recording of %zu rows", rows);
+    }
+    return true;
+}
+
+/* Commanded mean phase-to-star-point voltages: the duties' on the measured DC link. */
+static void commanded(const drive_row *row, double u_V[3])
+{
+    const double common = (row->duty[0] + row->duty[1] + row->duty[2]) / 3.0;
+    for (int x = 0; x < 3; x++) {
+        u_V[x] = (row->duty[x] - common) * row->valley.u_dc_V;
+    }
+}
+
+static void set(double *values, size_t k, double value)
+{
+    if (values != NULL) {
+        values[k] = value;
+    }
+}
+
+static bool add_row(void *context, const drive_row *row, error *e)
+{
+    drive_recording *r = context;
+    recording *rec = &r->recording;
+    const size_t k = rec->rows;
+    if (k >= r->capacity) {
+        return error_failure(e, 0, "more cycles than the scenario has");
+    }
+    if (row->run != r->run) {
+        const double begin_s = k == 0 ? 0.0 : rec->t_s[k - 1] + PAUSE_CYCLES * r->T_s;
+        r->offset_s = begin_s - row->valley.t_s;
+        r->run = row->run;
+    }
+    double u_V[3];
+    commanded(row, u_V);
+    rec->run[k] = row->run;
+    rec->t_s[k] = r->offset_s + row->valley.t_s;
+    rec->theta_e_rad[k] = row->valley.theta_e_rad;
+    rec->omega_e_rad_s[k] = row->valley.omega_e_rad_s;
+    set(rec->u_dc_V, k, row->valley.u_dc_V);
+    set(rec->theta_mech_rad, k, row->valley.theta_mech_rad);
+    for (int x = 0; x < 3; x++) {
+        set(rec->i_A[x], k, row->valley.i_A[x]);
+        set(rec->i_mid_A[x], k, row->peak.i_A[x]);
+        set(rec->u_V[x], k, u_V[x]);
+        set(rec->duty[x], k, row->duty[x]);
+    }
+    rec->rows++;
+    return true;
+}
+
+drive_log drive_recording_log(drive_recording *r)
+{
+    const drive_log log = {r, add_row};
+    return log;
+}

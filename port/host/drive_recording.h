@@ -1,0 +1,26 @@
+/*
+ * The rows of a simulated drive as a recording (interfaces.md): what its sensors delivered and its firmware
+ * commanded, with the columns that the scenario asks for. The truth stays behind.
+ */
+#ifndef PORT_HOST_DRIVE_RECORDING_H
+#define PORT_HOST_DRIVE_RECORDING_H
+
+#include "data/recording.h"
+#include "drive.h"
+
+/* Collects rows. Zero-initialised, then begun; recording is freed with recording_free. */
+typedef struct drive_recording {
+    recording recording;
+    size_t capacity; /* rows */
+    double T_s;
+    double offset_s; /* added to the plant's time of the present run, so that runs follow each other */
+    long run;        /* the last row's */
+} drive_recording;
+
+/* Room for all logged cycles of a scenario. False with *e set if there is no memory. */
+bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, error *e);
+
+/* A log for drive_run. */
+drive_log drive_recording_log(drive_recording *r);
+
+#endif

@@ -1,0 +1,150 @@
+#include "params_host.h"
+
+#include "hal_host.h"
+
+#include "iqfoc/params.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Four times the rated current: above what any scenario asks for, below what the converter's scaling holds.
+ */
+#define CURRENT_LIMIT_PU 4.0
+
+per_unit per_unit_of(const motor *m)
+{
+    const per_unit base = {IQFOC_I_BASE(m->I_rated_A_rms), m->u_dc_V, 1.0 / m->f_pwm_Hz};
+    return base;
+}
+
+iq24_t iq24_from_double(double x)
+{
+    const double scaled = nearbyint(x * (double)IQ24_ONE);
+    if (scaled >= (double)IQ24_MAX) {
+        return IQ24_MAX;
+    }
+    return scaled <= (double)IQ24_MIN ? IQ24_MIN : (iq24_t)scaled;
+}
+
+double iq24_to_double(iq24_t x)
+{
+    return (double)x / (double)IQ24_ONE;
+}
+
+iq24_t turns_from_rad(double theta_rad)
+{
+    return iq24_from_double(remainder(theta_rad / IQFOC_TWO_PI_, 1.0));
+}
+
+iq24_t turns_from_speed(double omega_e_rad_s, double T_s)
+{
+    return iq24_from_double(omega_e_rad_s * T_s / IQFOC_TWO_PI_);
+}
+
+/* One coefficient: converted if it lies in low ... high, else refused by its name and what made it. */
+static bool coefficient(const char *path, const char *name, const char *made_of, double value, double low,
+                        double high, iq24_t *out, error *e)
+{
+    if (!(value >= low && value <= high)) {
+        return error_input(
+            e, path, 0, 0,
+            "%s gives the per-unit constant %s = %.6g; the fixed-point library holds %.3g to %.3g", made_of,
+            name, value, low, high);
+    }
+    *out = iq24_from_double(value);
+    return true;
+}
+
+/* Below half an LSB a coefficient that must not vanish would. */
+#define LEAST_K_U 6e-8
+
+bool predictor_from_motor(const motor *m, const char *path, iqfoc_predictor_t *predictor, error *e)
+{
+    const per_unit base = per_unit_of(m);
+    const double L_H = 0.5 * (m->L_d_H + m->L_q_H);
+    return coefficient(path, "k_u = T U_b/(L I_b)", "L_d_H, L_q_H with f_pwm_Hz, u_dc_V and I_rated_A_rms",
+                       IQFOC_RAW_K_U(L_H, base.T_s, base.I_A, base.U_V), LEAST_K_U, IQFOC_MAX_K_U,
+                       &predictor->k_u, e) &&
+           coefficient(path, "k_r = R T/L", "R_ohm with L_d_H, L_q_H and f_pwm_Hz",
+                       IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0, IQFOC_MAX_K_R, &predictor->k_r, e) &&
+           coefficient(path, "k_psi = 2 pi psi/(L I_b)", "psi_f_Wb with L_d_H, L_q_H and I_rated_A_rms",
+                       IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A), 0.0, IQFOC_MAX_K_PSI, &predictor->k_psi,
+                       e);
+}
+
+bool gains_from_motor(const motor *m, const char *path, double bandwidth_Hz,
+                      iqfoc_current_control_gains_t *gains, error *e)
+{
+    const per_unit base = per_unit_of(m);
+    const double w_rad_s = IQFOC_TWO_PI_ * bandwidth_Hz;
+    const char *winding = "L_d_H, L_q_H with I_rated_A_rms, u_dc_V and the bandwidth";
+    const char *resistance = "R_ohm with I_rated_A_rms, u_dc_V, f_pwm_Hz and the bandwidth";
+    const char *reactance = "L_d_H, L_q_H with I_rated_A_rms, u_dc_V and f_pwm_Hz";
+    const double ki = IQFOC_RAW_KI(w_rad_s, m->R_ohm, base.T_s, base.I_A, base.U_V);
+    return coefficient(path, "kp_d", winding, IQFOC_RAW_KP(w_rad_s, m->L_d_H, base.I_A, base.U_V), 0.0,
+                       IQFOC_MAX_GAIN, &gains->kp_d, e) &&
+           coefficient(path, "kp_q", winding, IQFOC_RAW_KP(w_rad_s, m->L_q_H, base.I_A, base.U_V), 0.0,
+                       IQFOC_MAX_GAIN, &gains->kp_q, e) &&
+           coefficient(path, "ki_d", resistance, ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_d, e) &&
+           coefficient(path, "ki_q", resistance, ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_q, e) &&
+           coefficient(path, "anti_windup = w T", "the bandwidth with f_pwm_Hz",
+                       IQFOC_RAW_ANTI_WINDUP(w_rad_s, base.T_s), 0.0, IQFOC_MAX_ANTI_WINDUP,
+                       &gains->anti_windup, e) &&
+           coefficient(path, "x_d = 2 pi L_d I_b/(T U_b)", reactance,
+                       IQFOC_RAW_X(m->L_d_H, base.T_s, base.I_A, base.U_V), 0.0, IQFOC_MAX_X, &gains->x_d,
+                       e) &&
+           coefficient(path, "x_q = 2 pi L_q I_b/(T U_b)", reactance,
+                       IQFOC_RAW_X(m->L_q_H, base.T_s, base.I_A, base.U_V), 0.0, IQFOC_MAX_X, &gains->x_q,
+                       e) &&
+           coefficient(path, "emf = 2 pi psi/(T U_b)", "psi_f_Wb with u_dc_V and f_pwm_Hz",
+                       IQFOC_RAW_EMF(m->psi_f_Wb, base.T_s, base.U_V), 0.0, IQFOC_MAX_X, &gains->emf, e);
+}
+
+static bool speed_fits(const motor *m, const char *path, error *e)
+{
+    const double turns = IQFOC_RAW_TURNS(m->n_max_rpm, m->pole_pairs, 1.0 / m->f_pwm_Hz);
+    return turns <= IQFOC_MAX_TURNS ||
+           error_input(
+               e, path, 0, 0,
+               "n_max_rpm with pole_pairs and f_pwm_Hz gives %.3g turns per control cycle; the library holds "
+               "1/3 (a switching-to-fundamental ratio of 3)",
+               turns);
+}
+
+bool config_from_motor(const motor *m, const char *path, const scenario_control *control,
+                       iqfoc_cycle_config_t *config, error *e)
+{
+    static const iqfoc_feedback_t feedback[] = {
+        [FEEDBACK_MIDPOINT] = IQFOC_FEEDBACK_MIDPOINT,
+        [FEEDBACK_CORRECTED_MEAN] = IQFOC_FEEDBACK_CORRECTED_MEAN,
+        [FEEDBACK_QUASI_DISCRETE_MEAN] = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
+    };
+    /* A corrected mean is a cycle old when it is used: a third of the bandwidth keeps the loop's phase
+     * margin. */
+    const double usual_Hz = m->f_pwm_Hz / (control->feedback == FEEDBACK_CORRECTED_MEAN ? 60.0 : 20.0);
+    const double bandwidth_Hz = control->bandwidth_Hz > 0.0 ? control->bandwidth_Hz : usual_Hz;
+    iqfoc_cycle_config_t made;
+    memset(&made, 0, sizeof made);
+    if (!speed_fits(m, path, e) || !predictor_from_motor(m, path, &made.predictor, e) ||
+        !gains_from_motor(m, path, bandwidth_Hz, &made.gains, e)) {
+        return false;
+    }
+    made.feedback = feedback[control->feedback];
+    made.modulation =
+        control->modulation == MODULATION_SIX_STEP ? IQFOC_MODULATION_SIX_STEP : IQFOC_MODULATION_PWM;
+    made.safe_state = IQFOC_SAFE_GATES_OFF;
+    made.span_max = IQ24_ONE;
+    made.current_limit = iq24_from_double(CURRENT_LIMIT_PU);
+    const double period = HAL_HOST_TICKS_PER_S / m->f_pwm_Hz;
+    if (!(period < 4294967295.0)) {
+        return error_input(e, path, 0, 0, "f_pwm_Hz = %g is too low: a control cycle must fit a 32-bit timer",
+                           m->f_pwm_Hz);
+    }
+    made.period_ticks = (uint32_t)period;
+    made.tolerance_ticks = made.period_ticks / 50;
+    made.stale_ticks = made.period_ticks / 4;
+    made.deadline_ticks = made.period_ticks / 2;
+    made.trips = IQFOC_STATUS_MISSED | IQFOC_STATUS_LATE | IQFOC_STATUS_STALE | IQFOC_STATUS_OVERCURRENT;
+    *config = made;
+    return true;
+}

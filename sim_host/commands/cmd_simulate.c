@@ -1,0 +1,179 @@
+/*
+ * iqfoc simulate: the firmware code against the switching-level drive, closed loop, to a recording.
+ */
+#include "command.h"
+#include "options.h"
+
+#include "base/progress.h"
+#include "drive_recording.h"
+#include "plant/plant_effect.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { EFFECTS_MAX = 32 };
+
+enum { OPT_MOTOR, OPT_SCENARIO, OPT_OUT, OPT_EFFECT, OPT_SEED, OPT_LIST };
+
+static const option_spec specs[] = {
+    [OPT_MOTOR] = {"motor", 0, "M.toml",
+                   "the motor file: machine and inverter, and what the firmware is told"},
+    [OPT_SCENARIO] = {"scenario", 0, "S.toml", "what the drive does (docs/scenario.md)"},
+    [OPT_OUT] = {"output", 'o', "REC.csv", "the recording; - is standard output"},
+    [OPT_EFFECT] = {"effect", 0, "id[:key=value,...]",
+                    "makes the true drive differ from its file; may be given more than once"},
+    [OPT_SEED] = {"seed", 0, "N", "of the sensors' noise and of random effects (default 1)"},
+    [OPT_LIST] = {"list-effects", 0, NULL, "prints the effects with their keys"},
+    {NULL, 0, NULL, NULL},
+};
+
+static const command_about about = {
+    "simulate",
+    "--motor M.toml --scenario S.toml -o REC.csv [--effect id[:key=value,...]]... [--seed N]",
+    "Runs the firmware's code against the switching-level drive, closed loop, and writes what its sensors\n"
+    "and its controller saw as a recording. The firmware knows the motor file; the drive differs from it by "
+    "the\n"
+    "effects given.",
+    specs,
+};
+
+typedef struct request {
+    const char *motor_path, *scenario_path, *out_path;
+    const char *effect[EFFECTS_MAX];
+    int effects;
+    long seed;
+    bool list;
+} request;
+
+static bool parse(options *o, request *r, error *e)
+{
+    int which;
+    while ((which = options_next(o, e)) >= 0) {
+        switch (which) {
+        case OPT_MOTOR:
+            r->motor_path = o->argument;
+            break;
+        case OPT_SCENARIO:
+            r->scenario_path = o->argument;
+            break;
+        case OPT_OUT:
+            r->out_path = o->argument;
+            break;
+        case OPT_EFFECT:
+            if (r->effects == EFFECTS_MAX) {
+                return error_input(e, NULL, 0, 0, "simulate: more than %d effects", EFFECTS_MAX);
+            }
+            r->effect[r->effects++] = o->argument;
+            break;
+        case OPT_SEED:
+            if (!options_integer(o, 0, 2147483647L, &r->seed, e)) {
+                return false;
+            }
+            break;
+        case OPT_LIST:
+            r->list = true;
+            break;
+        default:
+            break;
+        }
+    }
+    if (which == OPTIONS_ERROR) {
+        return false;
+    }
+    if (o->helped || r->list) {
+        return true;
+    }
+    return options_at_most(o, 0, e) && (r->motor_path != NULL || options_missing(o, OPT_MOTOR, e)) &&
+           (r->scenario_path != NULL || options_missing(o, OPT_SCENARIO, e)) &&
+           (r->out_path != NULL || options_missing(o, OPT_OUT, e));
+}
+
+static void take_sensors(plant_config *c, const scenario_sensors *s)
+{
+    c->sensors.current_bits = s->current_bits;
+    c->sensors.current_full_scale_A = s->current_full_scale_A;
+    c->sensors.current_noise_A = s->current_noise_A;
+    c->sensors.current_bandwidth_Hz = s->current_bandwidth_Hz;
+    c->sensors.angle_noise_rad = s->angle_noise_rad;
+    c->sensors.omega_noise_rad_s = s->speed_noise_rad_s;
+    c->sensors.u_dc_noise_V = s->u_dc_noise_V;
+    for (int x = 0; x < 3; x++) {
+        c->sensors.current_offset_A[x] = s->current_offset_A[x];
+    }
+}
+
+static bool run_all(const request *r, const motor *m, const scenario *s, plant_config drive,
+                    drive_recording *out, error *e)
+{
+    static drive_host host;
+    iqfoc_cycle_config_t config;
+    if (!config_from_motor(m, r->motor_path, &s->control, &config, e)) {
+        return false;
+    }
+    const drive_firmware firmware = drive_firmware_host(&host);
+    const drive_log log = drive_recording_log(out);
+    progress p = progress_begin("simulate", (double)s->runs, "runs");
+    bool good = true;
+    for (size_t k = 0; k < s->runs && good; k++) {
+        uint32_t status = 0;
+        drive.seed = (uint64_t)r->seed * 1000003U + k;
+        good = drive_run(m, &drive, &s->run[k], (long)k + 1, &config, &firmware, &log, &status, e);
+        status &= ~IQFOC_STATUS_NO_INTERVAL; /* every start of a corrected mean has it */
+        if (good && status != 0) {
+            char text[160];
+            fprintf(stderr, "iqfoc: simulate: note: run %zu, settling included: %s\n", k + 1,
+                    drive_status_text(status, text, sizeof text));
+        }
+        progress_update(&p, (double)(k + 1));
+    }
+    progress_end(&p);
+    return good;
+}
+
+static bool simulate(const request *r, const motor *m, const scenario *s, error *e)
+{
+    plant_config drive = plant_config_from_motor(m);
+    take_sensors(&drive, &s->sensors);
+    for (int k = 0; k < r->effects; k++) {
+        if (!plant_effect_apply(&drive, r->effect[k], e)) {
+            return false;
+        }
+    }
+    drive_recording out = {.run = 0};
+    char comment[512];
+    (void)snprintf(comment, sizeof comment, "iqfoc simulate: %s, %s, seed %ld%s%s", m->name, s->name, r->seed,
+                   r->effects > 0 ? ", with effects: " : "", r->effects > 0 ? r->effect[0] : "");
+    for (int k = 1; k < r->effects; k++) {
+        const size_t used = strlen(comment);
+        (void)snprintf(comment + used, sizeof comment - used, " %s", r->effect[k]);
+    }
+    bool good = drive_recording_begin(&out, s, drive.T_s, e) && run_all(r, m, s, drive, &out, e) &&
+                recording_write(r->out_path, &out.recording, comment, e);
+    recording_free(&out.recording);
+    return good;
+}
+
+int cmd_simulate(int argc, char **argv)
+{
+    error e = {0, ""};
+    request r = {.seed = 1};
+    options o = options_begin(&about, argc, argv);
+    if (!parse(&o, &r, &e)) {
+        return error_print(&e);
+    }
+    if (o.helped) {
+        return STATUS_DONE;
+    }
+    if (r.list) {
+        plant_effect_list(stdout);
+        return STATUS_DONE;
+    }
+    motor m;
+    scenario s;
+    if (!motor_read(r.motor_path, &m, &e) || !scenario_read(r.scenario_path, &s, &e)) {
+        return error_print(&e);
+    }
+    const bool good = simulate(&r, &m, &s, &e);
+    scenario_free(&s);
+    return good ? STATUS_DONE : error_print(&e);
+}
