@@ -31,8 +31,8 @@ extern const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4];
  *     sin = s + c sin(d) - s (1 - cos(d)),    cos = c - s sin(d) - c (1 - cos(d))
  *
  * Range: |s|, |c| <= 2^30. |sin_d| < 0.0491 2^34 < 2^30 and 0 <= versin_d < 0.00121 2^34 < 2^25, both Q34.
- * Products are Q64 and sums of two below 2^60 + 2^55; the high words, Q32, below 2^29. The results in Q30
- * are within 2^30 and the error of 2^4, so adding 2^5 cannot overflow; rounded, they are within 2^24.
+ * Products are Q64, sums of two below 2^60 + 2^55; in Q30 the changes are below 2^27. s and c with their
+ * changes are within 2^30 and an error of 2^4, so adding 2^5 cannot overflow; rounded, they are within 2^24.
  */
 static inline iq24_sincos_t iq24_sincos_inline(iq24_t turns)
 {
