@@ -20,17 +20,37 @@ static void append(error *e, const char *format, ...)
     va_end(args);
 }
 
+/* Length of the UTF-8 character at `text` if it is one that prints, else 0. */
+static size_t printable_length(const unsigned char *text)
+{
+    if (text[0] < 0x80) {
+        return text[0] >= 0x20 && text[0] != 0x7f ? 1 : 0;
+    }
+    const size_t length = text[0] >= 0xf0 && text[0] < 0xf5   ? 4
+                          : text[0] >= 0xe0 && text[0] < 0xf0 ? 3
+                          : text[0] >= 0xc2 && text[0] < 0xe0 ? 2
+                                                              : 0;
+    for (size_t i = 1; i < length; i++) {
+        if ((text[i] & 0xC0) != 0x80) {
+            return 0;
+        }
+    }
+    /* U+0080 to U+009F are control characters too. */
+    return text[0] == 0xc2 && text[1] < 0xa0 ? 0 : length;
+}
+
 /*
  * A message quotes what a file holds, and a file may hold anything: a line break or an escape sequence in it
  * must not turn one line of bad news into two, or into a command to the terminal.
  */
 static void make_one_line(char *text)
 {
-    for (; *text != '\0'; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c < 0x20 || c == 0x7f) {
+    while (*text != '\0') {
+        const size_t length = printable_length((unsigned char *)text);
+        if (length == 0) {
             *text = '?';
         }
+        text += length > 0 ? length : 1;
     }
 }
 

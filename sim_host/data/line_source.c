@@ -20,8 +20,8 @@ enum {
 
 bool line_source_open(line_source *s, const char *path, error *e)
 {
-    *s = (line_source){.path = path};
     const bool is_stdin = strcmp(path, "-") == 0;
+    *s = (line_source){.path = is_stdin ? "stdin" : path};
     const int descriptor = is_stdin ? dup(STDIN_FILENO) : open(path, O_RDONLY);
     if (descriptor < 0) {
         return error_input(e, path, 0, 0, "cannot be read: %s", strerror(errno));
@@ -51,16 +51,19 @@ static bool block_read(line_source *s, error *e)
     const int got = gzread(s->stream, s->block, BLOCK_SIZE);
     int code = Z_OK;
     const char *why = gzerror(s->stream, &code);
-    if (got < 0 || (code != Z_OK && code != Z_STREAM_END)) {
-        const long line = s->length > 0 ? s->number : s->number + 1;
-        if (code == Z_ERRNO) {
-            return error_input(e, s->path, line, 0, "cannot be read: %s", strerror(errno));
-        }
-        return error_input(e, s->path, line, 0, "the gzip data is cut or damaged from here on (%s)", why);
+    if (got >= 0 && (code == Z_OK || code == Z_STREAM_END)) {
+        s->at = 0;
+        s->end = (size_t)got;
+        return got > 0;
     }
-    s->at = 0;
-    s->end = (size_t)got;
-    return got > 0;
+    const long line = s->length > 0 ? s->number : s->number + 1;
+    const long column = (long)s->length + 1;
+    if (code == Z_ERRNO) {
+        return error_input(e, s->path, line, column, "cannot be read: %s", strerror(errno));
+    }
+    const char *colon = strstr(why, ": "); /* zlib puts its own name of the file in front */
+    return error_input(e, s->path, line, column, "the gzip data is cut or damaged from here on (%s)",
+                       colon != NULL ? colon + 2 : why);
 }
 
 /* Appends to ->joined, which then is the current line. */

@@ -9,9 +9,9 @@
 #include <stddef.h>
 
 typedef struct line_source {
-    const char *path;
-    void *stream; /* zlib's gzFile */
-    char *block;  /* bytes read but not yet handed out: [at, end) */
+    const char *path; /* for messages: "stdin" for "-" */
+    void *stream;     /* zlib's gzFile */
+    char *block;      /* bytes read but not yet handed out: [at, end) */
     size_t at, end;
     char *joined; /* a line that lay across two blocks */
     size_t joined_size;

@@ -184,6 +184,9 @@ static void test_an_error_is_one_line_and_the_first_stays(void)
     TEST_ASSERT_FALSE(error_input(&e, "m.toml", 3, 7, "two\nlines and an \x1b[31mescape"));
     TEST_ASSERT_EQUAL_STRING("m.toml:3:7: two?lines and an ?[31mescape", e.text);
     error_failure(&e, 0, "later");
+    error bytes = {0};
+    error_input(&bytes, NULL, 0, 0, "\xC3\xA9 \xFF \xC2\x9B \xE2\x82 \xF0\x9F\x98\x80");
+    TEST_ASSERT_EQUAL_STRING("\xC3\xA9 ? ?? ?? \xF0\x9F\x98\x80", bytes.text);
     TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
 
     error long_one = {0};

@@ -1,0 +1,45 @@
+/*
+ * A CSV file (RFC 4180, by libcsv) as records of fields, with the line and column of every field.
+ *
+ * Fed to libcsv line by line, so that the line is always known; the column of a field is looked for only when
+ * there is something to complain about. A byte order mark, and comments (#) and blank lines ahead of the
+ * first record, are skipped.
+ */
+#ifndef SIM_HOST_DATA_CSV_FILE_H
+#define SIM_HOST_DATA_CSV_FILE_H
+
+#include "../base/error.h"
+#include "line_source.h"
+
+#include <stddef.h>
+
+/* A field, unquoted and without the spaces around it, not 0-terminated; index from 0 within its record. */
+typedef void csv_field_fn(void *context, size_t index, const char *text, size_t length);
+
+/* The end of a record of so many fields. */
+typedef void csv_record_fn(void *context, size_t fields);
+
+typedef struct csv_file {
+    csv_field_fn *on_field;
+    csv_record_fn *on_record;
+    void *context;
+    error *e; /* set by anyone: reading stops, and no callback is called any more */
+
+    line_source lines;
+    char *record; /* the raw text of the present record; a quoted field may hold line breaks */
+    size_t record_length, record_size;
+    long record_line; /* the line on which it starts */
+    size_t field;     /* how many of its fields have been seen */
+    bool started;     /* the first record has been seen */
+} csv_file;
+
+/* Reads it all. The caller has set the callbacks, context and e, and the rest to 0. "-" is stdin. */
+bool csv_file_read(csv_file *f, const char *path);
+
+/* Within a callback: an error at the start of field `index` of the present record. */
+void csv_file_refuse(csv_file *f, size_t index, const char *format, ...) ERROR_PRINTF(3, 4);
+
+/* Safe on a zeroed struct. */
+void csv_file_free(csv_file *f);
+
+#endif
