@@ -24,8 +24,8 @@ def position(text, fragment):
     return f"{text.count(chr(10), 0, at) + 1}:{at - (text.rfind(chr(10), 0, at) + 1) + 1}"
 
 
-# (old text, new text, where the complaint points within the new file, words of the complaint). `where` is a fragment of
-# the new file, or (line, column).
+# (old text, new text, where the complaint points, words of the complaint). Where: a fragment that stands once in the
+# new file, or (line, column).
 MOTOR_ROWS = [
     ("L_d_H = 0.008", "L_d_H = -0.008", "-0.008", "L_d_H must be a number > 0, not -0.008"),
     ("L_q_H = 0.011", "L_q_H = 0", "0\npsi", "L_q_H must be a number > 0"),
@@ -38,8 +38,8 @@ MOTOR_ROWS = [
     ("psi_f_Wb = 0.2", "psi_f_wb = 0.2", "[motor]", "psi_f_Wb is missing"),
     ("R_ohm = 0.9", "R_ohm = 0.9\nR_omh = 0.9", "R_omh", "did you mean R_ohm?"),
     ("R_ohm = 0.9", "R_ohm = 0,9", ",9", "not TOML"),
-    ("R_ohm = 0.9", "R_ohm = 0.9\nR_ohm = 0.9", (12, None), "not TOML"),
-    ("[inverter]", "[inverter", (17, None), "not TOML"),
+    ("R_ohm = 0.9", "R_ohm = 0.9\nR_ohm = 0.9", (5, 9), "not TOML"),
+    ("[inverter]", "[inverter", (10, 10), "not TOML"),
 ]
 
 SCENARIO_ROWS = [
@@ -141,7 +141,7 @@ class BadInput(unittest.TestCase):
                     if isinstance(where, str):
                         where = position(text, where)
                     else:
-                        where = ":".join(str(part) for part in where if part is not None)
+                        where = "{}:{}".format(*where)
                     self.refused([command, *call["arguments"]], {file: text}, f"{file}:{where}:", words)
 
     def test_motor(self):

@@ -7,7 +7,19 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else ROOT / "build/host/iqfoc"
 
-MOTOR = (ROOT / "motors/compressor_salient.toml").read_text()
+MOTOR = """name = "Compressor 2.2 kW"
+[motor]
+pole_pairs = 3
+R_ohm = 0.9
+L_d_H = 0.008
+L_q_H = 0.011
+psi_f_Wb = 0.2
+I_rated_A_rms = 6
+n_max_rpm = 6000
+[inverter]
+f_pwm_Hz = 4000
+u_dc_V = 565
+"""
 
 SCENARIO = """name = "short"
 [control]
