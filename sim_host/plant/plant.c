@@ -191,10 +191,11 @@ void plant_sample(plant *p, plant_samples *s)
     const bool filtered = p->config.sensors.current_bandwidth_Hz > 0.0;
     const vec_ab i = {y[filtered ? STATE_SEEN_ALPHA : STATE_I_ALPHA],
                       y[filtered ? STATE_SEEN_BETA : STATE_I_BETA]};
+    const bool given = p->config.shaft.mode == PLANT_SHAFT_GIVEN;
     sensor_truth truth = {.t_s = p->t_begin_s + p->t_cycle_s,
                           .theta_mech_rad = y[STATE_THETA_E] / p->config.machine.pole_pairs,
                           .omega_e_rad_s = y[STATE_OMEGA_E],
-                          .accel_e_rad_s2 = p->config.shaft.accel_e_rad_s2};
+                          .accel_e_rad_s2 = given ? p->config.shaft.accel_e_rad_s2 : 0.0};
     for (int x = 0; x < 3; x++) {
         truth.i_A[x] = vec_phase(i, x);
     }

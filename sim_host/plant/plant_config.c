@@ -30,9 +30,7 @@ plant_config plant_config_from_motor(const motor *m)
 typedef struct range {
     const char *name;
     double value;
-    double least; /* allowed */
-    double above; /* value must be greater than this too */
-    double most;
+    double least, above, most; /* least <= value <= most, and value > above */
 } range;
 
 bool plant_config_check(const plant_config *c, error *e)
@@ -78,6 +76,17 @@ bool plant_config_check(const plant_config *c, error *e)
         {"ADC full scale", s->current_full_scale_A, 0.0, s->current_bits > 0 ? 0.0 : none, big},
         {"current noise", s->current_noise_A, 0.0, none, big},
         {"current bandwidth", s->current_bandwidth_Hz, 0.0, none, big},
+        {"current gain a", s->current_gain[0], none, none, big},
+        {"current gain b", s->current_gain[1], none, none, big},
+        {"current gain c", s->current_gain[2], none, none, big},
+        {"current offset a", s->current_offset_A[0], none, none, big},
+        {"current offset b", s->current_offset_A[1], none, none, big},
+        {"current offset c", s->current_offset_A[2], none, none, big},
+        {"theta_0", s->theta_0_rad, none, none, big},
+        {"angle harmonic's order", s->harmonic_order, 1.0, none, 100.0},
+        {"angle harmonic's amplitude", s->harmonic_amplitude_rad, none, none, big},
+        {"angle harmonic's phase", s->harmonic_phase_rad, none, none, big},
+        {"t_delay", s->t_delay_s, none, none, big},
         {"angle noise", s->angle_noise_rad, 0.0, none, big},
         {"speed noise", s->omega_noise_rad_s, 0.0, none, big},
         {"u_dc noise", s->u_dc_noise_V, 0.0, none, big},

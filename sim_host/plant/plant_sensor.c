@@ -57,28 +57,28 @@ static bool loose_now(const plant_sensors *s, sensor_memory *m)
     return true;
 }
 
-void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *truth, plant_samples *out)
+void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *truth, plant_samples *s)
 {
-    const plant_sensors *s = &c->sensors;
-    const bool loose = loose_now(s, m);
-    out->t_s = truth->t_s;
+    const plant_sensors *sensors = &c->sensors;
+    const bool loose = loose_now(sensors, m);
+    s->t_s = truth->t_s;
     for (int x = 0; x < 3; x++) {
-        double i = s->current_gain[x] * truth->i_A[x] + s->current_offset_A[x];
-        if (loose && x == s->loose_channel) {
-            i = s->loose_gain * i + s->loose_step_A;
+        double i = sensors->current_gain[x] * truth->i_A[x] + sensors->current_offset_A[x];
+        if (loose && x == sensors->loose_channel) {
+            i = sensors->loose_gain * i + sensors->loose_step_A;
         }
-        i += noise(&m->current, s->current_noise_A);
-        out->i_A[x] = adc(i, s->current_bits, s->current_full_scale_A);
+        i += noise(&m->current, sensors->current_noise_A);
+        s->i_A[x] = adc(i, sensors->current_bits, sensors->current_full_scale_A);
     }
     const double pole_pairs = (double)c->machine.pole_pairs;
-    const double late_s = s->t_delay_s;
+    const double late_s = sensors->t_delay_s;
     double wrong_rad = truth->omega_e_rad_s * late_s + 0.5 * truth->accel_e_rad_s2 * late_s * late_s;
-    wrong_rad += s->theta_0_rad + noise(&m->angle, s->angle_noise_rad);
-    wrong_rad +=
-        s->harmonic_amplitude_rad * cos(s->harmonic_order * truth->theta_mech_rad + s->harmonic_phase_rad);
-    out->theta_e_rad = wrap(pole_pairs * truth->theta_mech_rad + wrong_rad);
-    out->theta_mech_rad = wrap(truth->theta_mech_rad + wrong_rad / pole_pairs);
-    out->omega_e_rad_s = truth->omega_e_rad_s + noise(&m->angle, s->omega_noise_rad_s);
+    wrong_rad += sensors->theta_0_rad + noise(&m->angle, sensors->angle_noise_rad);
+    wrong_rad += sensors->harmonic_amplitude_rad *
+                 cos(sensors->harmonic_order * truth->theta_mech_rad + sensors->harmonic_phase_rad);
+    s->theta_e_rad = wrap(pole_pairs * truth->theta_mech_rad + wrong_rad);
+    s->theta_mech_rad = wrap(truth->theta_mech_rad + wrong_rad / pole_pairs);
+    s->omega_e_rad_s = truth->omega_e_rad_s + noise(&m->angle, sensors->omega_noise_rad_s);
     /* A link measured wrong reads 1/k_u of what is there. */
-    out->u_dc_V = truth->u_dc_V / c->inverter.k_u + noise(&m->angle, s->u_dc_noise_V);
+    s->u_dc_V = truth->u_dc_V / c->inverter.k_u + noise(&m->angle, sensors->u_dc_noise_V);
 }

@@ -82,46 +82,48 @@ static double least_margin(const solver *v, const machine_terms *t, unsigned set
 }
 
 /*
- * The length of a step, between 0 and h, at which the least margin of the set crosses zero; it is negative at
- * h. Illinois' variant of regula falsi on the step itself, so that the located state is as exact as any
- * other.
+ * The length of a step, between 0 and h, at which the least margin of the set has just turned negative; it is
+ * negative at h. Illinois' variant of regula falsi on the step itself, so that the located state is as exact
+ * as any other. It aims half a tolerance below zero: a clamp whose margin is still a hair inside would hold
+ * again.
  */
 static double event_at(solver *v, double t_s, double h, const plant_state *s, const double k0[STATE_COUNT],
                        const machine_terms *start, double margin_h, unsigned set)
 {
+    const double aim = 0.5 * SOLVER_ZERO_CURRENT;
     plant_state trial;
     machine_terms terms;
     double k_end[STATE_COUNT];
-    double low = 0.0, margin_low = least_margin(v, start, set);
-    double high = h, margin_high = margin_h;
-    if (margin_low <= SOLVER_ZERO_CURRENT) {
-        /* It starts at zero: has it grown in between? */
+    double low = 0.0, above_low = least_margin(v, start, set) + aim;
+    double high = h, above_high = margin_h + aim;
+    if (above_low <= 0.0) {
+        return 0.0;
+    }
+    if (above_low <= 2.0 * aim) {
+        /* It starts at zero, as after a change of flow: did it grow in between, and come back? */
         const double early = h / 16.0;
         (void)step(v, t_s, early, s, k0, &trial, k_end, &terms);
-        const double margin = least_margin(v, &terms, set);
-        if (margin <= SOLVER_ZERO_CURRENT) {
-            return 0.0;
-        }
-        low = early;
-        margin_low = margin;
+        const double above = least_margin(v, &terms, set) + aim;
+        *(above > 0.0 ? &low : &high) = early;
+        *(above > 0.0 ? &above_low : &above_high) = above;
     }
     int side = 0;
     for (int n = 0; n < 80 && high - low > 1e-15 * v->config->T_s; n++) {
-        const double middle = (low * margin_high - high * margin_low) / (margin_high - margin_low);
+        const double middle = (low * above_high - high * above_low) / (above_high - above_low);
         (void)step(v, t_s, middle, s, k0, &trial, k_end, &terms);
-        const double margin = least_margin(v, &terms, set);
-        if (fabs(margin) <= 0.1 * SOLVER_ZERO_CURRENT) {
+        const double above = least_margin(v, &terms, set) + aim;
+        if (fabs(above) < aim) {
             return middle;
         }
-        if (margin < 0.0) {
+        if (above < 0.0) {
             high = middle;
-            margin_high = margin;
-            margin_low *= side < 0 ? 0.5 : 1.0;
+            above_high = above;
+            above_low *= side < 0 ? 0.5 : 1.0;
             side = -1;
         } else {
             low = middle;
-            margin_low = margin;
-            margin_high *= side > 0 ? 0.5 : 1.0;
+            above_low = above;
+            above_high *= side > 0 ? 0.5 : 1.0;
             side = 1;
         }
     }

@@ -33,6 +33,12 @@ static plant_config with(const char *text)
     return c;
 }
 
+/* Byte by byte: both come from one configuration, which began as zeros. */
+static bool same(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(plant_config)) == 0;
+}
+
 /* Refused with exit status 2, by a line that holds `part`; the configuration is untouched. */
 static void refused(const char *text, const char *part)
 {
@@ -42,7 +48,7 @@ static void refused(const char *text, const char *part)
     TEST_ASSERT_FALSE(plant_effect_apply(&c, text, &e));
     TEST_ASSERT_EQUAL_INT(STATUS_UNUSABLE, e.status);
     TEST_ASSERT_TRUE_MESSAGE(strstr(e.text, part) != NULL, e.text);
-    TEST_ASSERT_TRUE(memcmp(&c, &before, sizeof c) == 0);
+    TEST_ASSERT_TRUE(same(&c, &before));
 }
 
 static void test_each_id_changes_its_own(void)
@@ -94,7 +100,7 @@ static void test_typical_sizes(void)
     const plant_config plain = drive();
     for (const char *id = plant_effect_id(0); id != NULL; id = plant_effect_id(++n)) {
         const plant_config c = with(id);
-        TEST_ASSERT_TRUE_MESSAGE(memcmp(&c, &plain, sizeof c) != 0, id);
+        TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), id);
     }
     TEST_ASSERT_EQUAL_INT(24, n);
     TEST_ASSERT_NULL(plant_effect_id(-1));
@@ -146,6 +152,7 @@ static void test_bad_text(void)
     refused("phase_asymmetry:dR_a=-1", "R + dR_a");
     refused("loose_sensor:channel=3", "at most 2");
     refused("loose_sensor:samples=0.5", "1 or more");
+    refused("angle_harmonic:order=0", "1 or more");
 }
 
 static void test_list(void)

@@ -84,7 +84,8 @@ static void test_saturation_goes_on(void)
 {
     plant_machine m = {.I_sat_A = 10.0};
     double before = 0.0;
-    for (double i = 0.05; i < 100.0; i += 0.05) {
+    for (int k = 1; k < 2000; k++) {
+        const double i = 0.05 * k;
         double factor, slope;
         machine_saturation(&m, i, &factor, &slope);
         const double flux = factor * i;
