@@ -15,6 +15,11 @@
 
 #define TWO_PI 6.28318530717958647692
 
+/* Thins a sweep where double precision is slow: on an emulated core. 1 is the full test. */
+#ifndef IQFOC_TEST_STRIDE
+#define IQFOC_TEST_STRIDE 1
+#endif
+
 static inline double to_double(iq24_t x)
 {
     return (double)x / 16777216.0;
