@@ -5,7 +5,9 @@
 #include "toml_table.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 static const char *const extension_names[EXT_COUNT] = {
@@ -155,6 +157,27 @@ bool motor_read(const char *path, motor *m, error *e)
     }
     *m = read;
     return true;
+}
+
+bool motor_refuse(const char *path, const char *key, error *e, const char *format, ...)
+{
+    char text[400];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+
+    /* If the file cannot be read again the message goes without a position. */
+    long line = 0;
+    long column = 0;
+    error unread = {0};
+    toml_file *file = toml_file_open(path, &unread);
+    toml_table *root = toml_file_root(file);
+    if (!toml_position(toml_table_inner_or_null(root, "motor"), key, &line, &column)) {
+        toml_position(toml_table_inner_or_null(root, "inverter"), key, &line, &column);
+    }
+    toml_file_close(file);
+    return error_input(e, path, line, column, "%s", text);
 }
 
 /* ---- writing ---- */

@@ -65,6 +65,13 @@ const char *motor_extension_id(extension_id id);
 /* Reads and checks; on failure *e holds file, line, column and what was expected. */
 bool motor_read(const char *path, motor *m, error *e);
 
+/*
+ * Sets an error at the value of `key` ("R_ohm") of a motor file that was read: for what only a user of the
+ * motor can find wrong, such as a value that no fixed-point constant holds. Reads the file anew for the
+ * position. Returns false.
+ */
+bool motor_refuse(const char *path, const char *key, error *e, const char *format, ...) ERROR_PRINTF(4, 5);
+
 /* Writes a motor file that motor_read reads back to the same values (17 significant digits where needed). */
 bool motor_write(const char *path, const motor *m, const char *comment, error *e);
 

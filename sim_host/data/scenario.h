@@ -27,7 +27,7 @@ typedef enum scenario_modulation {
 typedef struct scenario_control {
     scenario_feedback feedback;
     scenario_modulation modulation;
-    double bandwidth_Hz; /* of the current control; 0: f_pwm / 20 */
+    double bandwidth_Hz; /* of the current control; 0: the firmware's own choice */
 } scenario_control;
 
 /* Of the measurement that the firmware and the recording see. All 0 is perfect. */

@@ -418,6 +418,16 @@ extern "C" size_t toml_choice(toml_table *table, const char *key, const char *co
     return toml_choice_or(table, key, words, count, 0);
 }
 
+extern "C" bool toml_position(toml_table *table, const char *key, long *line, long *column)
+{
+    const toml::node *node = find(table, key);
+    if (node != nullptr) {
+        *line = static_cast<long>(node->source().begin.line);
+        *column = static_cast<long>(node->source().begin.column);
+    }
+    return node != nullptr;
+}
+
 extern "C" bool toml_refuse(toml_table *table, const char *key, const char *format, ...)
 {
     if (table == nullptr) {

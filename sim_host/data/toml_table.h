@@ -74,6 +74,9 @@ size_t toml_choice(toml_table *table, const char *key, const char *const *words,
 size_t toml_choice_or(toml_table *table, const char *key, const char *const *words, size_t count,
                       size_t absent);
 
+/* Where a key's value stands; false if it is absent. */
+bool toml_position(toml_table *table, const char *key, long *line, long *column);
+
 /* An error at a key's value (or its table, if it is absent), for checks that take several keys. Returns
  * false. */
 bool toml_refuse(toml_table *table, const char *key, const char *format, ...) ERROR_PRINTF(3, 4);

@@ -3,6 +3,7 @@
 #include "host_files.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unity.h>
@@ -204,6 +205,21 @@ static void test_a_value_that_is_not_finite_is_not_written(void)
     TEST_ASSERT_NULL(scratch_read("nan.toml"));
 }
 
+/* What a command finds wrong after reading gets the position all the same. */
+static void test_a_later_complaint_has_its_place(void)
+{
+    const char *path = example_file(0, "", "");
+    char expected[500];
+    error e = {0};
+    TEST_ASSERT_FALSE(motor_refuse(path, "u_dc_V", &e, "u_dc_V = %g is no good", 750.0));
+    snprintf(expected, sizeof expected, "%s:12:10: u_dc_V = 750 is no good", path);
+    TEST_ASSERT_EQUAL_STRING(expected, e.text);
+    error absent = {0};
+    TEST_ASSERT_FALSE(motor_refuse("no/such.toml", "R_ohm", &absent, "R_ohm is no good"));
+    TEST_ASSERT_EQUAL_STRING("no/such.toml: R_ohm is no good", absent.text);
+    TEST_ASSERT_EQUAL(STATUS_UNUSABLE, absent.status);
+}
+
 int main(void)
 {
     scratch_begin();
@@ -216,6 +232,7 @@ int main(void)
     RUN_TEST(test_extension_rules);
     RUN_TEST(test_written_is_read_back_to_the_same_bits);
     RUN_TEST(test_a_value_that_is_not_finite_is_not_written);
+    RUN_TEST(test_a_later_complaint_has_its_place);
     const int failed = UNITY_END();
     scratch_end();
     return failed;
