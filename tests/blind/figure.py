@@ -42,7 +42,7 @@ set palette defined (0 "#ffffff", 1 "#c6dbef", 50 "#6baed6", 100 "#08519c")
 set cbrange [0:100]
 unset colorbox
 set tics scale 0
-plot $cells using 1:2:3 with image notitle, \\
+plot $cells using 1:2:3 with image pixels notitle, \\
      $labels using 1:2:(sprintf("%d", $3)):($3 > 60 ? 0xffffff : 0x000000) with labels tc rgb variable font ",11" notitle
 """
     subprocess.run(["gnuplot", "-"], input=script, text=True, check=True)

@@ -86,19 +86,30 @@ def motor_text(motor):
             f"[inverter]\nf_pwm_Hz = {motor.f_pwm_Hz:g}\nu_dc_V = {motor.u_dc_V:g}\n")
 
 
+def write_text(folder, name, text):
+    with open(os.path.join(folder, name), "w", encoding="utf-8", newline="") as file:
+        file.write(text)
+
+
+def write_truth(truth, folder):
+    """Last of the three files: a folder that holds it is whole."""
+    write_text(folder, "truth.json", json.dumps(truth, indent=2) + "\n")
+
+
 def write(drawn, folder):
     os.makedirs(folder, exist_ok=True)
-    for name, text in (("rec.csv", recording_text(drawn)), ("motor.toml", motor_text(drawn.motor)),
-                       ("truth.json", json.dumps(drawn.truth, indent=2) + "\n")):
-        with open(os.path.join(folder, name), "w", encoding="utf-8", newline="") as file:
-            file.write(text)
+    write_text(folder, "rec.csv", recording_text(drawn))
+    write_text(folder, "motor.toml", motor_text(drawn.motor))
+    write_truth(drawn.truth, folder)
 
 
 def make(seed, kind, plant, folder, iqfoc, bench_kind="usual"):
     """Draws and writes one recording by either plant; iqfoc is the program that holds the main one."""
     if plant == "main":
-        raise NotImplementedError("the main plant")
-    write(draw.draw(seed, kind, None, bench_kind), folder)
+        import main_plant  # which imports this module
+        main_plant.make(seed, kind, folder, iqfoc, None, bench_kind)
+    else:
+        write(draw.draw(seed, kind, None, bench_kind), folder)
 
 
 def main():

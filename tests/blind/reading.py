@@ -14,9 +14,13 @@ def read_table(path):
     return {name: values[:, n] for n, name in enumerate(rows[0])}
 
 
-def read_columns(path):
+def read_columns(path, pole_pairs):
     """One dictionary of columns for averaged.predict() per run; time gaps end a run as well."""
     table = read_table(path)
+    if "theta_mech_rad" in table:
+        # The electrical angle counted from the mechanical one, so that the revolution is known.
+        turns = np.round((pole_pairs * table["theta_mech_rad"] - table["theta_e_rad"]) / (2.0 * np.pi))
+        table["theta_e_rad"] = table["theta_e_rad"] + 2.0 * np.pi * turns
     if "i_c_A" not in table:
         table["i_c_A"] = -table["i_a_A"] - table["i_b_A"]
     if "u_a_V" not in table:

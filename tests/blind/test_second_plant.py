@@ -171,7 +171,7 @@ class Recordings(unittest.TestCase):
                 self.assertEqual(len(table["t_s"]), sum(drawn.bench.rows))
                 self.assertTrue(all(np.isfinite(x).all() for x in table.values()))
                 self.assertTrue((np.diff(table["t_s"]) > 0.0).all())
-                runs = reading.read_columns(os.path.join(folder, "rec.csv"))
+                runs = reading.read_columns(os.path.join(folder, "rec.csv"), drawn.motor.pole_pairs)
                 self.assertEqual([len(r["theta_e_rad"]) for r in runs], drawn.bench.rows)
 
     def test_a_seed_is_a_recording(self):
@@ -197,7 +197,7 @@ class Recordings(unittest.TestCase):
                                        [{"sign": 1.0}], True)
             model.psi_f_Wb = drawn.truth["motor_file_should_say"]["psi_f_Wb"]
             parts = [averaged.predict(r, model, drawn.motor.pole_pairs, 1.0 / drawn.motor.f_pwm_Hz)
-                     for r in reading.read_columns(os.path.join(folder, "rec.csv"))]
+                     for r in reading.read_columns(os.path.join(folder, "rec.csv"), drawn.motor.pole_pairs)]
             error = averaged.rms(np.concatenate([p[0] for p in parts]))
             size = averaged.rms(np.concatenate([p[1] for p in parts]))
             self.assertLess(abs(100.0 * error / size / drawn.truth["oracle"]["true_percent"] - 1.0), 0.05)
