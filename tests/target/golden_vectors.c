@@ -1,0 +1,256 @@
+/*
+ * Digests of the library's functions (golden_vectors.h). Inputs keep to each function's stated range.
+ */
+#include "golden_vectors.h"
+
+#include "digest.h"
+#include "golden_inputs.h"
+
+#include "iqfoc/current_control.h"
+#include "iqfoc/iq24_math.h"
+#include "iqfoc/mean_current.h"
+#include "iqfoc/modulation.h"
+#include "iqfoc/predictor.h"
+#include "iqfoc/rotor.h"
+#include "iqfoc/transform.h"
+
+static void add_ab(uint64_t *digest, iqfoc_ab_t ab)
+{
+    digest_add(digest, ab.alpha);
+    digest_add(digest, ab.beta);
+}
+
+static void add_dq(uint64_t *digest, iqfoc_dq_t dq)
+{
+    digest_add(digest, dq.d);
+    digest_add(digest, dq.q);
+}
+
+static void add_abc(uint64_t *digest, iqfoc_abc_t abc)
+{
+    digest_add(digest, abc.a);
+    digest_add(digest, abc.b);
+    digest_add(digest, abc.c);
+}
+
+static iqfoc_ab_t ab_within(golden_inputs_t *inputs, iq24_t limit)
+{
+    iqfoc_ab_t ab;
+    ab.alpha = golden_within(inputs, limit);
+    ab.beta = golden_within(inputs, limit);
+    return ab;
+}
+
+static iqfoc_dq_t dq_within(golden_inputs_t *inputs, iq24_t limit)
+{
+    iqfoc_dq_t dq;
+    dq.d = golden_within(inputs, limit);
+    dq.q = golden_within(inputs, limit);
+    return dq;
+}
+
+static iq24_t positive_within(golden_inputs_t *inputs, iq24_t limit)
+{
+    return iq24_abs_sat(golden_within(inputs, limit));
+}
+
+static iqfoc_predictor_t any_machine(golden_inputs_t *inputs)
+{
+    iqfoc_predictor_t machine;
+    machine.k_u = 1 + positive_within(inputs, IQ24(32.0) - 1);
+    machine.k_r = positive_within(inputs, IQ24_ONE);
+    machine.k_psi = positive_within(inputs, IQ24(32.0));
+    return machine;
+}
+
+static iqfoc_current_control_gains_t any_gains(golden_inputs_t *inputs)
+{
+    iqfoc_current_control_gains_t gains;
+    gains.kp_d = positive_within(inputs, IQ24(32.0));
+    gains.kp_q = positive_within(inputs, IQ24(32.0));
+    gains.ki_d = positive_within(inputs, IQ24(32.0));
+    gains.ki_q = positive_within(inputs, IQ24(32.0));
+    gains.anti_windup = positive_within(inputs, IQ24_ONE);
+    gains.x_d = positive_within(inputs, IQ24(96.0));
+    gains.x_q = positive_within(inputs, IQ24(96.0));
+    gains.emf = positive_within(inputs, IQ24(96.0));
+    return gains;
+}
+
+static void arithmetic(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iq24_t a;
+    iq24_t b;
+    golden_pair(inputs, &a, &b);
+    digest_add(digest, iq24_add_wrap(a, b));
+    digest_add(digest, iq24_sub_wrap(a, b));
+    digest_add(digest, iq24_add_sat(a, b));
+    digest_add(digest, iq24_sub_sat(a, b));
+    digest_add(digest, iq24_neg_sat(a));
+    digest_add(digest, iq24_abs_sat(a));
+    digest_add(digest, iq24_mul_trunc(a, b));
+    digest_add(digest, iq24_mul_round(a, b));
+    digest_add(digest, iq24_mul_sat(a, b));
+}
+
+static void division(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iq24_t a;
+    iq24_t b;
+    golden_pair(inputs, &a, &b);
+    digest_add(digest, iq24_div(a, b));
+}
+
+static void root(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iq24_t a;
+    iq24_t b;
+    golden_pair(inputs, &a, &b);
+    digest_add(digest, iq24_sqrt(a));
+    digest_add(digest, iq24_sqrt(b));
+}
+
+static void sine_and_cosine(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iq24_t a;
+    iq24_t b;
+    golden_pair(inputs, &a, &b);
+    const iq24_sincos_t sc = iq24_sincos(iq24_add_wrap(a, b));
+    digest_add(digest, sc.sin);
+    digest_add(digest, sc.cos);
+}
+
+static void arc_tangent(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iq24_t a;
+    iq24_t b;
+    golden_pair(inputs, &a, &b);
+    digest_add(digest, iq24_atan2(a, b));
+}
+
+static void transforms(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iqfoc_abc_t abc;
+    abc.a = golden_within(inputs, IQ24(31.9));
+    abc.b = golden_within(inputs, IQ24(31.9));
+    abc.c = golden_within(inputs, IQ24(31.9));
+    const iqfoc_ab_t ab = iqfoc_clarke3(abc);
+    const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_MAX));
+    const iqfoc_dq_t dq = iqfoc_park(ab, sc);
+    add_ab(digest, ab);
+    add_ab(digest, iqfoc_clarke2(abc.a, abc.b));
+    add_abc(digest, iqfoc_clarke_inverse(ab));
+    add_dq(digest, dq);
+    add_ab(digest, iqfoc_park_inverse(dq_within(inputs, IQ24(64.0)), sc));
+}
+
+static void rotor_movement(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iq24_t a;
+    iq24_t b;
+    golden_pair(inputs, &a, &b);
+    const iqfoc_rotor_t wide = iqfoc_rotor_from_turns(a);
+    const iqfoc_rotor_t valid = iqfoc_rotor_from_turns(b % IQFOC_ROTOR_TURNS_MAX);
+    digest_add(digest, wide.turns);
+    digest_add(digest, wide.s1);
+    digest_add(digest, wide.s2);
+    digest_add(digest, valid.s1);
+    digest_add(digest, valid.s2);
+    digest_add(digest, iqfoc_rotor_steady_gain(a));
+    digest_add(digest, iqfoc_rotor_steady_gain(b % IQFOC_ROTOR_TURNS_MAX));
+}
+
+static void mean_current(golden_inputs_t *inputs, uint64_t *digest)
+{
+    const iqfoc_ab_t i = ab_within(inputs, IQ24(32.0));
+    const iqfoc_ab_t delta = ab_within(inputs, IQ24(32.0));
+    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+    const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_ONE));
+    add_dq(digest, iqfoc_mean_current_correct(i, delta, &rotor, sc));
+    add_dq(digest, iqfoc_mean_current_correct_steady(i, iqfoc_rotor_steady_gain(turns), sc));
+    const iqfoc_predictor_t machine = any_machine(inputs);
+    const iqfoc_ab_t u = ab_within(inputs, IQ24(2.0));
+    add_ab(digest, iqfoc_mean_current_quasi_discrete(&machine, i, u, &rotor, sc));
+}
+
+static void prediction(golden_inputs_t *inputs, uint64_t *digest)
+{
+    const iqfoc_predictor_t machine = any_machine(inputs);
+    const iqfoc_ab_t i = ab_within(inputs, IQ24(32.0));
+    const iqfoc_ab_t u = ab_within(inputs, IQ24(2.0));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_ONE));
+    add_ab(digest, iqfoc_predictor_euler(&machine, i, u, &rotor, sc));
+    add_ab(digest, iqfoc_predictor_quasi_discrete(&machine, i, u, &rotor, sc));
+}
+
+/* The integrators stay from input to input, as in a drive. */
+static void current_control(golden_inputs_t *inputs, uint64_t *digest)
+{
+    static iqfoc_current_control_t control;
+    if (inputs->number++ == 0) {
+        control.integral.d = 0;
+        control.integral.q = 0;
+    }
+    const iqfoc_current_control_gains_t gains = any_gains(inputs);
+    const iqfoc_dq_t i_ref = dq_within(inputs, IQ24(32.0));
+    const iqfoc_dq_t i = dq_within(inputs, IQ24(32.0));
+    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
+    const iqfoc_dq_t u = iqfoc_current_control_step(&control, &gains, i_ref, i, turns);
+    add_dq(digest, u);
+    add_dq(digest, control.integral);
+    iqfoc_current_control_limited(&control, &gains, u, positive_within(inputs, IQ24_ONE));
+    add_dq(digest, control.integral);
+}
+
+static void modulation(golden_inputs_t *inputs, uint64_t *digest)
+{
+    const iqfoc_ab_t u = ab_within(inputs, inputs->number++ % 2 == 0 ? IQ24(32.0) : IQ24_ONE);
+    const iq24_t u_dc_inverse = 1 + positive_within(inputs, IQ24(2.0) - 1);
+    const iq24_t span_max = 1 + positive_within(inputs, IQ24_ONE - 1);
+    const iqfoc_duties_t duties = iqfoc_modulate(u, u_dc_inverse, span_max);
+    add_abc(digest, duties.high);
+    digest_add(digest, duties.scale);
+}
+
+static void six_step(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iq24_t a;
+    iq24_t b;
+    golden_pair(inputs, &a, &b);
+    const int32_t state = iqfoc_six_step_state(a);
+    digest_add(digest, state);
+    add_abc(digest, iqfoc_six_step_duties(state).high);
+    add_ab(digest, iqfoc_six_step_voltage(state, b / 2));
+    digest_add(digest, iqfoc_six_step_remaining(a, b));
+}
+
+void golden_vectors(golden_report *report)
+{
+    static const struct {
+        const char *name;
+        void (*add)(golden_inputs_t *inputs, uint64_t *digest);
+    } functions[] = {
+        {"arithmetic", arithmetic},
+        {"div", division},
+        {"sqrt", root},
+        {"sincos", sine_and_cosine},
+        {"atan2", arc_tangent},
+        {"transform", transforms},
+        {"rotor", rotor_movement},
+        {"mean_current", mean_current},
+        {"predictor", prediction},
+        {"current_control", current_control},
+        {"modulation", modulation},
+        {"six_step", six_step},
+    };
+    for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
+        golden_inputs_t inputs = {0, GOLDEN_SEED};
+        uint64_t digest = DIGEST_START;
+        for (uint32_t n = 0; n < GOLDEN_INPUTS; n++) {
+            functions[k].add(&inputs, &digest);
+        }
+        report(functions[k].name, digest);
+    }
+}

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Builds the test images of both emulated targets and the same program with the host's compilers, runs all of them and
+# compares: tests/target/run.py. Needs UNITY_DIR (./dev test sets it). IQFOC_BUILD names another folder than build/.
+set -euo pipefail
+
+ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+BUILD=${IQFOC_BUILD:-$ROOT/build}
+JOBS=${IQFOC_JOBS:-$(nproc)}
+: "${UNITY_DIR:?the folder of unity.c; ./dev test finds it}"
+cd "$ROOT"
+mkdir -p "$BUILD/same_bits"
+
+for target in cortex-m4 rv32; do
+    {
+        cmake -G Ninja -S . -B "$BUILD/$target" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DUNITY_DIR="$UNITY_DIR" \
+            -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/toolchain-$target.cmake" &&
+            cmake --build "$BUILD/$target" -j "$JOBS"
+    } >"$BUILD/$target.images.log" 2>&1 || {
+        cat "$BUILD/$target.images.log" >&2
+        exit 1
+    }
+done
+
+# Language and warnings as in cmake/; what differs on purpose is compiler and optimisation.
+FLAGS=(-std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes -Werror -Iinclude -Iport/emulated)
+SOURCES=(tests/target/{same_bits,closed_loop,golden_vectors,golden_inputs}.c port/emulated/{hal_emulated,small_drive}.c src/*.c)
+gcc -O2 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/gcc-O2"
+clang -O0 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O0"
+clang -O3 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O3"
+
+exec python3 tests/target/run.py --build "$BUILD" --jobs "$JOBS" "$@"
