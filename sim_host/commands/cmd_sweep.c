@@ -1,0 +1,161 @@
+/*
+ * iqfoc sweep: the errors of each method over the ratio of switching to fundamental frequency.
+ */
+#include "base/json_file.h"
+#include "command.h"
+#include "options.h"
+#include "reproduce/sweep.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SPEEDS_MAX = 1000 };
+
+enum { OPT_MOTOR, OPT_RPM, OPT_CURRENT, OPT_ID_RATIO, OPT_JSON };
+
+static const option_spec specs[] = {
+    {"motor", 'm', "M.toml", "the motor file"},
+    {"rpm", 0, "N[,N...]", "mechanical speeds in rpm; negative: reverse"},
+    {"current-rms", 0, "A", "phase current in A rms; default: the motor file's rated current"},
+    {"id-ratio", 0, "X", "i_d as a share of the current, -1 to 1; default 0"},
+    {"json", 0, "F", "write the points to file F; - is stdout, without the table"},
+    {NULL, 0, NULL, NULL}};
+
+static const command_about about = {
+    "sweep", "--motor M.toml --rpm N[,N...] [--current-rms A] [--id-ratio X] [--json F]",
+    "Runs the switching-level drive in steady state at each speed, the current regulated at the\n"
+    "mid-point sample to the given value, and prints each method's rms error over the rms phase\n"
+    "current in percent: mean current over a cycle (standard: the mid-point sample; quasi-discrete:\n"
+    "2019 (10)) and current at the next cycle's start (standard: Euler, 2019 (3); quasi-discrete:\n"
+    "2019 (12)). In JSON also through the firmware's IQ24 functions, under \"iq24\".\n"
+    "The methods are for machines without saliency; of a salient motor they get L = (L_d + L_q)/2.\n"
+    "Where the DC link cannot hold a point, it is raised for that point, and this is said.",
+    specs};
+
+typedef struct request {
+    const char *motor_path, *json_path;
+    double rpm[SPEEDS_MAX];
+    size_t speeds;
+    double current_A_rms; /* 0: rated */
+    double id_ratio;
+    bool helped;
+} request;
+
+static bool take_option(const options *o, int which, request *r, error *e)
+{
+    switch (which) {
+    case OPT_MOTOR:
+        r->motor_path = o->argument;
+        return true;
+    case OPT_RPM:
+        return options_numbers(o, -1e6, 1e6, r->rpm, SPEEDS_MAX, &r->speeds, e);
+    case OPT_CURRENT:
+        return options_number(o, 1e-3, 1e6, &r->current_A_rms, e);
+    case OPT_ID_RATIO:
+        return options_number(o, -1.0, 1.0, &r->id_ratio, e);
+    case OPT_JSON:
+        r->json_path = o->argument;
+        return true;
+    default:
+        return false;
+    }
+}
+
+static bool parse(int argc, char **argv, request *r, error *e)
+{
+    options o = options_begin(&about, argc, argv);
+    int which;
+    while ((which = options_next(&o, e)) >= 0) {
+        if (!take_option(&o, which, r, e)) {
+            return false;
+        }
+    }
+    r->helped = o.helped;
+    if (which == OPTIONS_ERROR || o.helped) {
+        return which != OPTIONS_ERROR;
+    }
+    if (r->motor_path == NULL) {
+        return options_missing(&o, OPT_MOTOR, e);
+    }
+    if (r->speeds == 0) {
+        return options_missing(&o, OPT_RPM, e);
+    }
+    return options_at_most(&o, 0, e);
+}
+
+static void print_point(const sweep_point *p)
+{
+    printf("%10g  %8.4g", p->n_rpm, p->sffr);
+    for (int k = 0; k < METHOD_COUNT; k++) {
+        printf("  %14.4g", p->errors.of[k].rms_percent);
+    }
+    if (p->link_raised) {
+        printf("  DC link raised to %.4g V", p->u_dc_V);
+    }
+    putchar('\n');
+}
+
+static void print_head(const motor *m, double current_A_rms, double id_ratio)
+{
+    printf("%s: %g A rms, i_d = %g of it; errors in percent of the rms phase current\n", m->name,
+           current_A_rms, id_ratio);
+    if (m->L_d_H != m->L_q_H) {
+        printf("The machine is salient; the methods get L = (L_d + L_q)/2 = %g H.\n",
+               0.5 * (m->L_d_H + m->L_q_H));
+    }
+    printf("%10s  %8s  %14s  %14s  %14s  %14s\n", "", "", "mean", "mean", "prediction", "prediction");
+    printf("%10s  %8s  %14s  %14s  %14s  %14s\n", "rpm", "SFFR", "standard", "quasi-discrete", "standard",
+           "quasi-discrete");
+}
+
+static bool write_json(const request *r, const motor *m, double current_A_rms, json_t *points, error *e)
+{
+    json_t *root =
+        json_pack("{s:s, s:f, s:f, s:f, s:O}", "motor", m->name, "current_A_rms", current_A_rms, "id_ratio",
+                  r->id_ratio, "L_used_H", 0.5 * (m->L_d_H + m->L_q_H), "points", points);
+    const bool ok = json_file_write(r->json_path, root, e);
+    json_decref(root);
+    return ok;
+}
+
+static bool sweep(const request *r, error *e)
+{
+    motor m;
+    method_machine machine;
+    if (!motor_read(r->motor_path, &m, e) || !method_machine_of(&m, r->motor_path, &machine, e)) {
+        return false;
+    }
+    const double current_A_rms = r->current_A_rms > 0.0 ? r->current_A_rms : m.I_rated_A_rms;
+    const double complex i_dq_A =
+        sqrt(2.0) * current_A_rms * papers_vector(r->id_ratio, sqrt(1.0 - r->id_ratio * r->id_ratio));
+    const bool quiet = r->json_path != NULL && strcmp(r->json_path, "-") == 0;
+    if (!quiet) {
+        print_head(&m, current_A_rms, r->id_ratio);
+    }
+    json_t *points = json_array();
+    bool ok = true;
+    for (size_t n = 0; n < r->speeds && ok; n++) {
+        sweep_point point;
+        ok = sweep_point_at(&m, r->motor_path, &machine, r->rpm[n], i_dq_A, &point, e);
+        if (ok && !quiet) {
+            print_point(&point);
+        }
+        if (ok && json_array_append_new(points, sweep_point_json(&point)) != 0) {
+            ok = error_failure(e, 0, "sweep: out of memory");
+        }
+    }
+    ok = ok && (r->json_path == NULL || write_json(r, &m, current_A_rms, points, e));
+    json_decref(points);
+    return ok;
+}
+
+int cmd_sweep(int argc, char **argv)
+{
+    request r = {0};
+    error e = {0};
+    if (!parse(argc, argv, &r, &e) || (!r.helped && !sweep(&r, &e))) {
+        return error_print(&e);
+    }
+    return STATUS_DONE;
+}

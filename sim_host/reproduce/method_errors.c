@@ -1,0 +1,138 @@
+#include "method_errors.h"
+
+#include "per_unit_vector.h"
+
+#include "iqfoc/mean_current.h"
+
+#include <math.h>
+
+static const struct {
+    const char *quantity, *name, *key;
+} methods[METHOD_COUNT] = {
+    [METHOD_MEAN_STANDARD] = {"mean", "standard", "standard"},
+    [METHOD_MEAN_QUASI_DISCRETE] = {"mean", "quasi-discrete", "quasi_discrete"},
+    [METHOD_PREDICTION_STANDARD] = {"prediction", "standard", "standard"},
+    [METHOD_PREDICTION_QUASI_DISCRETE] = {"prediction", "quasi-discrete", "quasi_discrete"}};
+
+const char *method_quantity(method which)
+{
+    return methods[which].quantity;
+}
+
+const char *method_name(method which)
+{
+    return methods[which].name;
+}
+
+const char *method_key(method which)
+{
+    return methods[which].key;
+}
+
+bool method_machine_of(const motor *m, const char *file, method_machine *machine, error *e)
+{
+    const per_unit base = per_unit_of(m);
+    *machine = (method_machine){.in_double = {.R_ohm = m->R_ohm,
+                                              .L_H = 0.5 * (m->L_d_H + m->L_q_H),
+                                              .psi_f_Wb = m->psi_f_Wb,
+                                              .T_s = base.T_s},
+                                .I_base_A = base.I_A,
+                                .U_base_V = base.U_V};
+    return predictor_from_motor(m, file, &machine->in_iq24, e);
+}
+
+method_input method_input_of(const steady_drive *d, const drive_cycle *at)
+{
+    const method_input in = {at->i_valley_A, at->i_mid_A, at->u_V, at->theta_rad, d->omega_rad_s};
+    return in;
+}
+
+double complex method_compute(method which, const method_machine *m, const method_input *in)
+{
+    const papers_machine *p = &m->in_double;
+    switch (which) {
+    case METHOD_MEAN_STANDARD:
+        return in->i_mid_A;
+    case METHOD_MEAN_QUASI_DISCRETE:
+        return papers_mean_quasi_discrete(p, in->i_valley_A, in->u_V, in->theta_rad, in->omega_rad_s);
+    case METHOD_PREDICTION_STANDARD:
+        return papers_predict_euler(p, in->i_valley_A, in->u_V, in->theta_rad, in->omega_rad_s);
+    case METHOD_PREDICTION_QUASI_DISCRETE:
+        return papers_predict_quasi_discrete(p, in->i_valley_A, in->u_V, in->theta_rad, in->omega_rad_s);
+    case METHOD_COUNT:
+        break;
+    }
+    return NAN;
+}
+
+double complex method_compute_iq24(method which, const method_machine *m, const method_input *in)
+{
+    const double phi = in->omega_rad_s * m->in_double.T_s;
+    const iqfoc_ab_t i = vector_to_iq24(in->i_valley_A, m->I_base_A);
+    const iqfoc_ab_t u = vector_to_iq24(in->u_V, m->U_base_V);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns_from_speed(in->omega_rad_s, m->in_double.T_s));
+    const iq24_sincos_t sc = iq24_sincos(turns_from_rad(in->theta_rad));
+    const iq24_sincos_t sc_mid = iq24_sincos(turns_from_rad(in->theta_rad + 0.5 * phi));
+    iqfoc_ab_t result = vector_to_iq24(in->i_mid_A, m->I_base_A);
+    switch (which) {
+    case METHOD_MEAN_STANDARD:
+        break;
+    case METHOD_MEAN_QUASI_DISCRETE:
+        result = iqfoc_mean_current_quasi_discrete(&m->in_iq24, i, u, &rotor, sc_mid);
+        break;
+    case METHOD_PREDICTION_STANDARD:
+        result = iqfoc_predictor_euler(&m->in_iq24, i, u, &rotor, sc);
+        break;
+    case METHOD_PREDICTION_QUASI_DISCRETE:
+        result = iqfoc_predictor_quasi_discrete(&m->in_iq24, i, u, &rotor, sc_mid);
+        break;
+    case METHOD_COUNT:
+        break;
+    }
+    return vector_from_iq24(result, m->I_base_A);
+}
+
+double complex method_truth(method which, const drive_cycle *at)
+{
+    return which == METHOD_MEAN_STANDARD || which == METHOD_MEAN_QUASI_DISCRETE ? at->i_mean_A
+                                                                                : at->i_next_valley_A;
+}
+
+static double squared(double complex x)
+{
+    return creal(x) * creal(x) + cimag(x) * cimag(x);
+}
+
+static method_error error_of(method which, const steady_drive *d, const method_machine *m)
+{
+    method_error worst = {0};
+    double sum = 0.0;
+    double sum_iq24 = 0.0;
+    double sum_current = 0.0;
+    for (size_t n = 0; n < d->count; n++) {
+        const drive_cycle *at = &d->cycle[n];
+        const method_input in = method_input_of(d, at);
+        const double complex truth = method_truth(which, at);
+        const double complex in_double = method_compute(which, m, &in);
+        const double complex in_iq24 = method_compute_iq24(which, m, &in);
+        sum += squared(in_double - truth);
+        sum_iq24 += squared(in_iq24 - truth);
+        sum_current += squared(at->i_valley_A);
+        worst.peak_A = fmax(worst.peak_A, fabs(creal(in_double - truth)));
+        worst.peak_A_iq24 = fmax(worst.peak_A_iq24, fabs(creal(in_iq24 - truth)));
+        worst.iq24_off = fmax(worst.iq24_off, cabs(in_iq24 - in_double) / m->I_base_A);
+    }
+    /* The rms of three phases without zero sequence is that of their vector over sqrt(2), above and below. */
+    worst.rms_percent = 100.0 * sqrt(sum / sum_current);
+    worst.rms_percent_iq24 = 100.0 * sqrt(sum_iq24 / sum_current);
+    return worst;
+}
+
+method_errors method_errors_of(const steady_drive *d, const method_machine *m)
+{
+    method_errors e;
+    for (int which = 0; which < METHOD_COUNT; which++) {
+        e.of[which] = error_of((method)which, d, m);
+    }
+    return e;
+}

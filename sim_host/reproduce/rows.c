@@ -1,0 +1,104 @@
+#include "rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *copy(const char *text, bool *failed)
+{
+    const size_t size = strlen(text) + 1;
+    char *mine = malloc(size);
+    if (mine == NULL) {
+        *failed = true;
+        return NULL;
+    }
+    return memcpy(mine, text, size);
+}
+
+static void free_row(const comparison_row *row)
+{
+    const char *const texts[] = {row->paper,     row->item, row->quantity, row->method,
+                                 row->condition, row->unit, row->note};
+    for (size_t n = 0; n < sizeof texts / sizeof texts[0]; n++) {
+        free((void *)texts[n]);
+    }
+}
+
+static bool grow(comparison *c)
+{
+    if (c->count < c->capacity) {
+        return true;
+    }
+    const size_t capacity = c->capacity == 0 ? 64 : 2 * c->capacity;
+    comparison_row *row = realloc(c->row, capacity * sizeof *row);
+    if (row == NULL) {
+        return false;
+    }
+    c->row = row;
+    c->capacity = capacity;
+    return true;
+}
+
+void comparison_add(comparison *c, comparison_row row)
+{
+    if (!grow(c)) {
+        c->out_of_memory = true;
+        return;
+    }
+    bool failed = false;
+    row.paper = copy(row.paper, &failed);
+    row.item = copy(row.item, &failed);
+    row.quantity = copy(row.quantity, &failed);
+    row.method = copy(row.method, &failed);
+    row.condition = copy(row.condition, &failed);
+    row.unit = copy(row.unit, &failed);
+    row.note = copy(row.note, &failed);
+    if (failed) {
+        free_row(&row);
+        c->out_of_memory = true;
+        return;
+    }
+    c->row[c->count++] = row;
+}
+
+bool comparison_check(const comparison *c, error *e)
+{
+    return !c->out_of_memory || error_failure(e, 0, "comparison: out of memory");
+}
+
+void comparison_free(comparison *c)
+{
+    for (size_t n = 0; n < c->count; n++) {
+        free_row(&c->row[n]);
+    }
+    free(c->row);
+    *c = (comparison){0};
+}
+
+double comparison_ratio(const comparison_row *row)
+{
+    return row->value / row->paper_value;
+}
+
+static json_t *number_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+json_t *comparison_json(const comparison *c)
+{
+    json_t *rows = json_array();
+    for (size_t n = 0; n < c->count; n++) {
+        const comparison_row *r = &c->row[n];
+        json_t *row =
+            json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:s}", "paper", r->paper, "item",
+                      r->item, "quantity", r->quantity, "method", r->method, "condition", r->condition,
+                      "unit", r->unit, "paper_value", number_or_null(r->paper_value), "value",
+                      number_or_null(r->value), "value_iq24", number_or_null(r->value_iq24), "note", r->note);
+        if (row == NULL || json_array_append_new(rows, row) != 0) {
+            json_decref(rows);
+            return NULL;
+        }
+    }
+    return json_pack("{s:o}", "rows", rows);
+}

@@ -1,0 +1,206 @@
+#include "steady_drive.h"
+
+#include "../model/papers.h"
+#include "plant/plant.h"
+#include "plant/plant_electrical.h"
+
+#include <lapacke.h>
+#include <math.h>
+#include <stdlib.h>
+
+double steady_drive_omega(const motor *m, double n_rpm)
+{
+    return n_rpm / 60.0 * 2.0 * VEC_PI * m->pole_pairs;
+}
+
+double steady_drive_voltage_limit(double u_dc_V)
+{
+    return u_dc_V * VEC_1_SQRT3;
+}
+
+/* ---- The steady state without ripple ---- */
+
+/* The current after one half of a cycle; u_dq_V: the voltage in the rotor frame at the half's start. */
+static double complex half_cycle(const electrical_linear *m, double T_s, double complex i_dq_A,
+                                 double complex u_dq_V)
+{
+    electrical_state x = {.i_dq_A = {creal(i_dq_A), cimag(i_dq_A)}};
+    const vec_dq u = {creal(u_dq_V), cimag(u_dq_V)};
+    electrical_advance(m, 0.5 * T_s, u, &x);
+    return papers_vector(x.i_dq_A.d, x.i_dq_A.q);
+}
+
+enum { UNKNOWNS = 4 }; /* i_valley d, q; u d, q */
+
+/* What must vanish: the current repeats from valley to valley, and is the one asked for at the middle. */
+static void residual(const electrical_linear *m, double T_s, const double x[UNKNOWNS],
+                     double complex i_mid_dq_A, double r[UNKNOWNS])
+{
+    const double complex i_valley = papers_vector(x[0], x[1]);
+    const double complex u_mid = papers_vector(x[2], x[3]);
+    const double half_phi = 0.5 * m->omega_e_rad_s * T_s;
+    const double complex i_mid = half_cycle(m, T_s, i_valley, u_mid * papers_turn(half_phi));
+    const double complex i_end = half_cycle(m, T_s, i_mid, u_mid);
+    r[0] = creal(i_end - i_valley);
+    r[1] = cimag(i_end - i_valley);
+    r[2] = creal(i_mid - i_mid_dq_A);
+    r[3] = cimag(i_mid - i_mid_dq_A);
+}
+
+steady_point steady_point_solve(const motor *m, double omega_rad_s, double complex i_mid_dq_A)
+{
+    const electrical_linear machine = {.R_ohm = m->R_ohm,
+                                       .L_d_H = m->L_d_H,
+                                       .L_q_H = m->L_q_H,
+                                       .psi_f_Wb = m->psi_f_Wb,
+                                       .omega_e_rad_s = omega_rad_s};
+    const double T_s = 1.0 / m->f_pwm_Hz;
+    /* The residual is affine, r(x) = r(0) + J x: J's columns are differences. x in amperes and volts, scaled
+     * to alike sizes of r. */
+    const double scale[UNKNOWNS] = {1.0, 1.0, m->L_d_H / T_s, m->L_q_H / T_s};
+    const double zero[UNKNOWNS] = {0.0, 0.0, 0.0, 0.0};
+    double r0[UNKNOWNS];
+    double jacobian[UNKNOWNS * UNKNOWNS];
+    residual(&machine, T_s, zero, i_mid_dq_A, r0);
+    for (int col = 0; col < UNKNOWNS; col++) {
+        double x[UNKNOWNS] = {0.0, 0.0, 0.0, 0.0};
+        double r[UNKNOWNS];
+        x[col] = scale[col];
+        residual(&machine, T_s, x, i_mid_dq_A, r);
+        for (int row = 0; row < UNKNOWNS; row++) {
+            jacobian[row * UNKNOWNS + col] = r[row] - r0[row];
+        }
+    }
+    double x[UNKNOWNS] = {-r0[0], -r0[1], -r0[2], -r0[3]};
+    lapack_int pivot[UNKNOWNS];
+    /* Regular: the voltage moves the middle, and the valley follows from the middle backwards. */
+    LAPACKE_dgesv(LAPACK_ROW_MAJOR, UNKNOWNS, 1, jacobian, UNKNOWNS, pivot, x, 1);
+    const steady_point p = {papers_vector(x[0] * scale[0], x[1] * scale[1]),
+                            papers_vector(x[2] * scale[2], x[3] * scale[3])};
+    return p;
+}
+
+/* ---- The same under PWM ---- */
+
+/* Centre-aligned duties of a mean voltage, the highest and lowest alike far from the rails. */
+static void duties_of(double complex u_V, double u_dc_V, double duty[3])
+{
+    const vec_ab u = {creal(u_V), cimag(u_V)};
+    double phase[3];
+    for (int x = 0; x < 3; x++) {
+        phase[x] = vec_phase(u, x);
+    }
+    const double highest = fmax(phase[0], fmax(phase[1], phase[2]));
+    const double lowest = fmin(phase[0], fmin(phase[1], phase[2]));
+    for (int x = 0; x < 3; x++) {
+        duty[x] = 0.5 + (phase[x] - 0.5 * (highest + lowest)) / u_dc_V;
+    }
+}
+
+static double complex sampled_current(const plant_samples *s)
+{
+    const vec_ab i = vec_from_phases(s->i_A);
+    return papers_vector(i.alpha, i.beta);
+}
+
+static void run_cycle(plant *p, const steady_drive *d, drive_cycle *at)
+{
+    plant_samples valley;
+    plant_samples peak;
+    plant_means means;
+    double duty[3];
+    at->theta_rad = plant_now(p).theta_e_rad;
+    at->u_V = d->u_dq_V * papers_turn(at->theta_rad + 0.5 * d->omega_rad_s * d->T_s);
+    duties_of(at->u_V, d->u_dc_V, duty);
+    plant_cycle(p, duty, &valley, &peak, &means);
+    at->i_valley_A = sampled_current(&valley);
+    at->i_mid_A = sampled_current(&peak);
+    at->i_mean_A = papers_vector(means.i_ab_A.alpha, means.i_ab_A.beta);
+    const plant_point end = plant_now(p);
+    const vec_ab i_end = vec_from_phases(end.i_A);
+    at->i_next_valley_A = papers_vector(i_end.alpha, i_end.beta);
+}
+
+/*
+ * From the ripple-free steady state until what PWM changes has settled, then the record. Returns the mean of
+ * the mid-point samples in the rotor frame.
+ */
+static double complex run(const motor *m, const steady_point *point, steady_drive *d)
+{
+    /* Twelve time constants leave 6e-6 of what is already only a ripple's trace; a winding of next to no
+     * resistance does not settle and is not waited for. */
+    const double tau_cycles = fmax(m->L_d_H, m->L_q_H) / fmax(m->R_ohm, 1e-9) / d->T_s;
+    const size_t settling = (size_t)fmin(12.0 * tau_cycles, 20000.0) + 2;
+    plant_config c = plant_config_from_motor(m);
+    c.inverter.u_dc_V = d->u_dc_V;
+    c.shaft.omega_e_start_rad_s = d->omega_rad_s;
+    plant p;
+    plant_init(&p, &c);
+    const vec_dq start = {creal(point->i_valley_dq_A), cimag(point->i_valley_dq_A)};
+    plant_set_current(&p, start);
+    d->u_dq_V = point->u_dq_V;
+    drive_cycle dropped;
+    for (size_t n = 0; n < settling; n++) {
+        run_cycle(&p, d, &dropped);
+    }
+    double complex sum_dq = 0.0;
+    for (size_t n = 0; n < d->count; n++) {
+        drive_cycle *at = &d->cycle[n];
+        run_cycle(&p, d, at);
+        sum_dq += at->i_mid_A * papers_turn(-at->theta_rad - 0.5 * d->omega_rad_s * d->T_s);
+    }
+    return sum_dq / (double)d->count;
+}
+
+/* The count from `cycles` up, within as many again, that comes nearest to whole turns of the rotor. */
+static size_t beat_count(double turns_per_cycle, size_t cycles)
+{
+    size_t best = cycles;
+    double least = 1.0;
+    for (size_t n = cycles; n <= 2 * cycles; n++) {
+        const double turns = (double)n * fabs(turns_per_cycle);
+        const double off = fabs(turns - rint(turns));
+        /* A longer record must be clearly better. */
+        if (off < least - 1e-9) {
+            least = off;
+            best = n;
+        }
+    }
+    return best;
+}
+
+bool steady_drive_run(const motor *m, double n_rpm, double complex i_mid_dq_A, size_t cycles, steady_drive *d,
+                      error *e)
+{
+    const double omega = steady_drive_omega(m, n_rpm);
+    *d = (steady_drive){.T_s = 1.0 / m->f_pwm_Hz,
+                        .omega_rad_s = omega,
+                        .turns_per_cycle = omega / (2.0 * VEC_PI * m->f_pwm_Hz),
+                        .i_mid_dq_A = i_mid_dq_A,
+                        .u_dc_V = m->u_dc_V};
+    d->count = beat_count(d->turns_per_cycle, cycles);
+    d->cycle = calloc(d->count, sizeof *d->cycle);
+    if (d->cycle == NULL) {
+        return error_failure(e, 0, "steady state: out of memory");
+    }
+    double complex aim = i_mid_dq_A;
+    steady_point point = steady_point_solve(m, omega, aim);
+    /* Two hundredths above the need, for what the corrections below still change. */
+    const double needed_V = 1.02 * cabs(point.u_dq_V) / VEC_1_SQRT3;
+    d->link_raised = needed_V > d->u_dc_V;
+    d->u_dc_V = fmax(d->u_dc_V, needed_V);
+    /* Ripple moves the sampled mean by parts per million; one correction leaves parts per billion. */
+    for (int pass = 0; pass < 2; pass++) {
+        aim += i_mid_dq_A - run(m, &point, d);
+        point = steady_point_solve(m, omega, aim);
+    }
+    run(m, &point, d);
+    return true;
+}
+
+void steady_drive_free(steady_drive *d)
+{
+    free(d->cycle);
+    d->cycle = NULL;
+    d->count = 0;
+}

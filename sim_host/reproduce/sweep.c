@@ -1,0 +1,64 @@
+#include "sweep.h"
+
+#include <math.h>
+
+/* Cycles of a record: several beats of carrier and fundamental at any ratio above 3. */
+enum { CYCLES = 600 };
+
+/* Voltages beyond this many nominal DC links leave the firmware's range (predictor.h). */
+static const double link_max_pu = 3.0;
+
+bool sweep_point_at(const motor *m, const char *file, const method_machine *machine, double n_rpm,
+                    double complex i_mid_dq_A, sweep_point *point, error *e)
+{
+    const double turns = fabs(n_rpm) / 60.0 * m->pole_pairs / m->f_pwm_Hz;
+    const double sffr = turns > 0.0 ? 1.0 / turns : INFINITY;
+    if (sffr < SWEEP_SFFR_MIN * (1.0 - 1e-12)) {
+        return error_input(e, file, 0, 0,
+                           "%g rpm is %.3g switching periods a revolution; expected at least %g (%.6g rpm)",
+                           n_rpm, sffr, SWEEP_SFFR_MIN, m->f_pwm_Hz / SWEEP_SFFR_MIN * 60.0 / m->pole_pairs);
+    }
+    steady_drive d;
+    if (!steady_drive_run(m, n_rpm, i_mid_dq_A, CYCLES, &d, e)) {
+        return false;
+    }
+    bool ok = true;
+    if (d.u_dc_V > link_max_pu * m->u_dc_V) {
+        ok = error_input(e, file, 0, 0,
+                         "%g rpm with this current needs a DC link of %.4g V; expected at most %g times the "
+                         "motor file's %g V",
+                         n_rpm, d.u_dc_V, link_max_pu, m->u_dc_V);
+    } else {
+        *point =
+            (sweep_point){n_rpm, sffr, i_mid_dq_A, d.u_dc_V, d.link_raised, method_errors_of(&d, machine)};
+    }
+    steady_drive_free(&d);
+    return ok;
+}
+
+static json_t *pair_json(const sweep_point *p, method standard, method quasi_discrete, bool iq24)
+{
+    const method_error *a = &p->errors.of[standard];
+    const method_error *b = &p->errors.of[quasi_discrete];
+    return json_pack("{s:f, s:f}", method_key(standard), iq24 ? a->rms_percent_iq24 : a->rms_percent,
+                     method_key(quasi_discrete), iq24 ? b->rms_percent_iq24 : b->rms_percent);
+}
+
+static json_t *mean_json(const sweep_point *p, bool iq24)
+{
+    return pair_json(p, METHOD_MEAN_STANDARD, METHOD_MEAN_QUASI_DISCRETE, iq24);
+}
+
+static json_t *prediction_json(const sweep_point *p, bool iq24)
+{
+    return pair_json(p, METHOD_PREDICTION_STANDARD, METHOD_PREDICTION_QUASI_DISCRETE, iq24);
+}
+
+json_t *sweep_point_json(const sweep_point *p)
+{
+    return json_pack("{s:f, s:o, s:o, s:o, s:{s:o, s:o}, s:f, s:f, s:f, s:b}", "rpm", p->n_rpm, "sffr",
+                     isfinite(p->sffr) ? json_real(p->sffr) : json_null(), "mean", mean_json(p, false),
+                     "prediction", prediction_json(p, false), "iq24", "mean", mean_json(p, true),
+                     "prediction", prediction_json(p, true), "i_d_A", creal(p->i_mid_dq_A), "i_q_A",
+                     cimag(p->i_mid_dq_A), "u_dc_V", p->u_dc_V, "u_dc_raised", (int)p->link_raised);
+}

@@ -1,0 +1,32 @@
+/*
+ * One point of the errors over speed (2019 Fig. 7, `iqfoc sweep`): the drive in steady state and every method
+ * on it.
+ */
+#ifndef SIM_HOST_REPRODUCE_SWEEP_H
+#define SIM_HOST_REPRODUCE_SWEEP_H
+
+#include "method_errors.h"
+
+#include <jansson.h>
+
+typedef struct sweep_point {
+    double n_rpm;
+    double sffr;               /* switching over fundamental frequency; INFINITY at standstill */
+    double complex i_mid_dq_A; /* peak, at the mid-point sample */
+    double u_dc_V;
+    bool link_raised; /* the motor file's link cannot hold this point */
+    method_errors errors;
+} sweep_point;
+
+/* The least ratio of switching to fundamental frequency that the library covers. */
+#define SWEEP_SFFR_MIN 3.0
+
+/* file: the motor's, for messages; may be NULL. */
+bool sweep_point_at(const motor *m, const char *file, const method_machine *machine, double n_rpm,
+                    double complex i_mid_dq_A, sweep_point *point, error *e);
+
+/* {"rpm":, "sffr":, "mean": {"standard":, "quasi_discrete":}, "prediction": {...}, "iq24": {the same}, ...}
+ */
+json_t *sweep_point_json(const sweep_point *p);
+
+#endif
