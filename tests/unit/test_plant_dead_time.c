@@ -54,8 +54,8 @@ static void witness_cycle(reference *r, const plant_config *c, const double duty
 }
 
 /*
- * Relative to the rated peak of 14.8 A. Measured: at most 3.4e-7 with this knee, 1.1e-6 with one ten times as wide,
- * so that what is left is the witness's knee.
+ * Relative to the rated peak of 14.8 A. Measured: at most 3.4e-7 with this knee, 1.1e-6 with one ten times as
+ * wide, so that what is left is the witness's knee.
  */
 static void follow(const char *name, plant_config c, double i_q, int cycles)
 {

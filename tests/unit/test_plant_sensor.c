@@ -267,39 +267,6 @@ static void test_seed(void)
     TEST_ASSERT_TRUE(first_sample(&c).i_A[0] != a.i_A[0]);
 }
 
-/*
- * xoshiro256++ from the state {1, 2, 3, 4}: the first outputs of its authors' reference code. 10^6 normals:
- * moments within 4 sigma of theirs.
- */
-static void test_random(void)
-{
-    plant_random r = {.s = {1, 2, 3, 4}};
-    const uint64_t expected[4] = {41943041u, 58720359u, 3588806011781223u, 3591011842654386u};
-    for (int k = 0; k < 4; k++) {
-        TEST_ASSERT_TRUE(plant_random_bits(&r) == expected[k]);
-    }
-    plant_random_seed(&r, SEED, 3);
-    const double n = 1e6;
-    double moment[5] = {0.0};
-    for (int k = 0; k < (int)n; k++) {
-        const double x = plant_random_normal(&r);
-        for (int m = 1; m <= 4; m++) {
-            moment[m] += pow(x, m) / n;
-        }
-    }
-    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(1.0 / n), 0.0, moment[1]);
-    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(2.0 / n), 1.0, moment[2]);
-    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(15.0 / n), 0.0, moment[3]);
-    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(96.0 / n), 3.0, moment[4]);
-    double least = 1.0, most = 0.0;
-    for (int k = 0; k < 100000; k++) {
-        const double u = plant_random_uniform(&r);
-        least = fmin(least, u);
-        most = fmax(most, u);
-    }
-    TEST_ASSERT_TRUE(least >= 0.0 && least < 1e-3 && most < 1.0 && most > 0.999);
-}
-
 void setUp(void)
 {
 }
@@ -323,6 +290,5 @@ int main(void)
     RUN_TEST(test_loose_sensor);
     RUN_TEST(test_ripple);
     RUN_TEST(test_seed);
-    RUN_TEST(test_random);
     return UNITY_END();
 }

@@ -1,0 +1,43 @@
+/*
+ * The effects as data: ids, keys with their units, where each lives in the configuration, and its typical
+ * size. For plant_effect.c; everybody else goes by plant_effect.h.
+ */
+#ifndef SIM_HOST_PLANT_PLANT_EFFECT_TABLE_H
+#define SIM_HOST_PLANT_PLANT_EFFECT_TABLE_H
+
+#include <stddef.h>
+
+#define EFFECT_KEYS_MAX 5
+
+/* What a key's typical value is a multiple of. */
+typedef enum relative_to {
+    ABSOLUTE,
+    OF_ITSELF, /* of the value that stands there */
+    OF_RATED,  /* rated peak current */
+    OF_CYCLE,
+    OF_LINK,
+    OF_MAGNET,
+    OF_RESISTANCE
+} relative_to;
+
+typedef enum key_kind { REAL, WHOLE, FLAG, BOTH_INDUCTANCES, MEAN_INDUCTANCE } key_kind;
+
+typedef struct effect_key {
+    const char *name;
+    const char *unit;
+    key_kind kind;
+    size_t offset; /* into plant_config */
+    double typical;
+    relative_to of;
+} effect_key;
+
+typedef struct effect {
+    const char *id;
+    const char *does;
+    effect_key key[EFFECT_KEYS_MAX]; /* the first without a name ends them */
+} effect;
+
+extern const effect effect_table[];
+extern const int effect_table_length;
+
+#endif
