@@ -1,6 +1,5 @@
 #include "error.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -54,7 +53,7 @@ static void make_one_line(char *text)
     }
 }
 
-bool error_input(error *e, const char *file, long line, long column, const char *format, ...)
+bool error_input_args(error *e, const char *file, long line, long column, const char *format, va_list args)
 {
     if (e->status != 0) {
         return false;
@@ -71,11 +70,17 @@ bool error_input(error *e, const char *file, long line, long column, const char 
         }
         append(e, " ");
     }
+    append_args(e, format, args);
+    make_one_line(e->text);
+    return false;
+}
+
+bool error_input(error *e, const char *file, long line, long column, const char *format, ...)
+{
     va_list args;
     va_start(args, format);
-    append_args(e, format, args);
+    error_input_args(e, file, line, column, format, args);
     va_end(args);
-    make_one_line(e->text);
     return false;
 }
 

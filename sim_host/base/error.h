@@ -7,6 +7,7 @@
 #ifndef SIM_HOST_BASE_ERROR_H
 #define SIM_HOST_BASE_ERROR_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 
 #ifdef __cplusplus
@@ -37,6 +38,9 @@ typedef struct error {
  */
 bool error_input(error *e, const char *file, long line, long column, const char *format, ...)
     ERROR_PRINTF(5, 6);
+
+/* The same for a function that has taken such arguments itself. */
+bool error_input_args(error *e, const char *file, long line, long column, const char *format, va_list args);
 
 /* The same for a failure of the program itself: status 1. Appends strerror(errno_value) if it is not 0. */
 bool error_failure(error *e, int errno_value, const char *format, ...) ERROR_PRINTF(3, 4);

@@ -2,7 +2,6 @@
 
 #include <csv.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,15 +32,13 @@ static void field_position(const csv_file *f, size_t index, long *line, long *co
 
 void csv_file_refuse(csv_file *f, size_t index, const char *format, ...)
 {
-    char text[400];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
     long line;
     long column;
     field_position(f, index, &line, &column);
-    error_input(f->e, f->lines.path, line, column, "%s", text);
+    va_list args;
+    va_start(args, format);
+    error_input_args(f->e, f->lines.path, line, column, format, args);
+    va_end(args);
 }
 
 static bool is_stopped(const csv_file *f)

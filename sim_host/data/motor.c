@@ -161,12 +161,6 @@ bool motor_read(const char *path, motor *m, error *e)
 
 bool motor_refuse(const char *path, const char *key, error *e, const char *format, ...)
 {
-    char text[400];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-
     /* If the file cannot be read again the message goes without a position. */
     long line = 0;
     long column = 0;
@@ -177,7 +171,11 @@ bool motor_refuse(const char *path, const char *key, error *e, const char *forma
         toml_position(toml_table_inner_or_null(root, "inverter"), key, &line, &column);
     }
     toml_file_close(file);
-    return error_input(e, path, line, column, "%s", text);
+    va_list args;
+    va_start(args, format);
+    error_input_args(e, path, line, column, format, args);
+    va_end(args);
+    return false;
 }
 
 /* ---- writing ---- */

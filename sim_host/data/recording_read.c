@@ -123,15 +123,21 @@ static void header_end(reader *in, size_t fields)
 static bool grow_doubles(double **column, size_t rows)
 {
     double *grown = realloc(*column, rows * sizeof *grown);
-    *column = grown != NULL ? grown : *column;
-    return grown != NULL;
+    if (grown == NULL) {
+        return false;
+    }
+    *column = grown;
+    return true;
 }
 
 static bool grow_longs(long **column, size_t rows)
 {
     long *grown = realloc(*column, rows * sizeof *grown);
-    *column = grown != NULL ? grown : *column;
-    return grown != NULL;
+    if (grown == NULL) {
+        return false;
+    }
+    *column = grown;
+    return true;
 }
 
 /* Makes room for twice as many rows, in the columns that there will be. */

@@ -433,12 +433,12 @@ extern "C" bool toml_refuse(toml_table *table, const char *key, const char *form
     if (table == nullptr) {
         return false;
     }
-    char text[400];
+    const toml::node *node = find(table, key);
+    const toml::source_position &at = (node != nullptr ? node->source() : table->node->source()).begin;
     va_list args;
     va_start(args, format);
-    std::vsnprintf(text, sizeof text, format, args);
+    error_input_args(table->file->e, table->file->path.c_str(), static_cast<long>(at.line),
+                     static_cast<long>(at.column), format, args);
     va_end(args);
-    const toml::node *node = find(table, key);
-    refuse_at(*table->file, (node != nullptr ? node->source() : table->node->source()).begin, text);
     return false;
 }
