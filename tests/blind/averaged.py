@@ -16,7 +16,8 @@ def no_effect():
     """Every effect absent, in the terms of the recording's documentation, plus what the diagnosis does not know."""
     return SimpleNamespace(
         I_sat_A=np.inf, t_dead_s=0.0, V_switch_V=0.0, V_diode_V=0.0, v_dead_V=0.0, i_knee_A=1.0, k_u=1.0,
-        o_A=np.zeros(3), g=np.ones(3), two_sensors=False, theta_0_rad=0.0, order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
+        o_A=np.zeros(3), g=np.ones(3), two_sensors=False, theta_0_rad=0.0,
+        order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
         delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, dR_ohm=np.zeros(3), R_iron_ohm=np.inf, tau_iron_s=1e-4,
         u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
 
@@ -40,7 +41,12 @@ def predict(columns, model, pole_pairs, T_s):
 
     columns: what second_drive.record returned. model: R_ohm, L_d_H, L_q_H, psi_f_Wb and the fields of no_effect().
     """
-    measured = vector_from_phases(columns["i_A"].transpose(1, 0, 2).reshape(3, -1)).reshape(columns["theta_e_rad"].shape)
+    shape = columns["theta_e_rad"].shape
+
+    def vectors(name):
+        return vector_from_phases(columns[name].transpose(1, 0, 2).reshape(3, -1)).reshape(shape)
+
+    measured = vectors("i_A")
     o = complex(vector_from_phases(model.o_A.reshape(3, 1))[0])
     p, q = gains_on_vector(model)
     x = measured - o
@@ -52,12 +58,11 @@ def predict(columns, model, pole_pairs, T_s):
     omega = columns["omega_e_rad_s"]
     theta = theta - omega * model.t_delay_s
 
-    u = model.k_u * vector_from_phases(columns["u_V"].transpose(1, 0, 2).reshape(3, -1)).reshape(theta.shape)
-    first = 1
-    now, then = slice(first, -1), slice(first + 1, None)
-    u = u[first - model.delay_cycles:len(u) - 1 - model.delay_cycles]
+    # The first row has no row before it, where a late voltage would stand; the last has no row after it.
+    now, then = slice(1, -1), slice(2, None)
+    u = model.k_u * vectors("u_V")[1 - model.delay_cycles:shape[0] - 1 - model.delay_cycles]
     theta, omega, i_now = theta[now].ravel(), omega[now].ravel(), i[now].ravel()
-    shape, u = u.shape, u.ravel()
+    shape, u = u.shape, u.ravel()  # without the first and the last row
     machine = Machine(u.size, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
                       model.I_sat_A, model.dR_ohm)
 

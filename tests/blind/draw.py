@@ -131,7 +131,7 @@ def draw_sizes(case):
     """The effects' sizes: a short pilot tells how large each shows at its middle size, then it is scaled to its target.
 
     Where the one-cycle error is nearly blind to an effect, the size ends at half to all of what a bench plausibly
-    shows (effects.RANGE), and the truth file's evidence (share times the root of the rows) says what the recording holds.
+    shows (effects.RANGE), and the truth file's evidence (share times the root of the rows) says what is there.
     """
     sizes = [float(np.sqrt(np.prod(effects.RANGE[name]))) for name in case.ids]
     if any(name != "voltage_delay" for name in case.ids):
@@ -172,7 +172,8 @@ def truth_of(case, sizes, model, parameters, columns, plant="second"):
                     for name, s, q, par in zip(case.ids, sizes, share, parameters)],
         "motor_file_should_say": {"R_ohm": model.R_ohm, "L_d_H": model.L_d_H, "L_q_H": model.L_q_H,
                                   "psi_f_Wb": model.psi_f_Wb},
-        "oracle": {"nominal_percent": 100.0 * averaged.rms(nominal_error) / size, "true_percent": 100.0 * error / size,
+        "oracle": {"nominal_percent": 100.0 * averaged.rms(nominal_error) / size,
+                   "true_percent": 100.0 * error / size,
                    "floor_percent": 100.0 * float(noise_floor_A(bench)) / size,
                    "gain": averaged.rms(nominal_error) / error},
         "sffr_min": motor.f_pwm_Hz / (motor.n_max_rpm / 60.0 * motor.pole_pairs)}

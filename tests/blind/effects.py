@@ -97,8 +97,8 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "dead_time":
         model.t_dead_s = size * T_s
         total = size * motor.u_dc_V * (1.0 + d["drop"])
-        model.V_switch_V, model.V_diode_V = 1.2 * d["drop"] * size * motor.u_dc_V, 0.8 * d["drop"] * size * motor.u_dc_V
-        model.v_dead_V = total
+        drop = d["drop"] * size * motor.u_dc_V
+        model.V_switch_V, model.V_diode_V, model.v_dead_V = 1.2 * drop, 0.8 * drop, total
         return [truth("v_dead", "V", total), truth("i_knee", "A", 0.0, False)]
     if effect == "voltage_gain":
         model.k_u = factor(size, d["sign"])
@@ -115,7 +115,8 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "angle_harmonic":
         model.order, model.amplitude_rad, model.phase_rad = d["order"], size, d["angle"]
         # Without a mechanical angle the revolution's start is open, and so is the phase.
-        return [truth("order", "1", d["order"]), truth("amplitude", "rad", size), truth("phase", "rad", d["angle"], False)]
+        return [truth("order", "1", d["order"]), truth("amplitude", "rad", size),
+                truth("phase", "rad", d["angle"], False)]
     if effect == "angle_delay":
         model.t_delay_s = size * T_s * d["sign"]
         return [truth("t_delay", "s", model.t_delay_s)]
@@ -140,7 +141,8 @@ def apply(model, motor, effect, size, d, has_i_c):
         model.glitch_rate = size
         return [truth("rate", "1", size, False)]
     if effect == "loose_sensor":
-        model.loose_rate, model.loose_phase, model.loose_factor = size, d["phase"] if has_i_c else d["phase"] % 2, d["factor"]
+        model.loose_rate, model.loose_factor = size, d["factor"]
+        model.loose_phase = d["phase"] if has_i_c else d["phase"] % 2
         return [truth("rate", "1", size, False)]
     raise ValueError(f"no such effect: {effect}")
 

@@ -73,7 +73,8 @@ def recording_text(drawn):
         keys = [keys[k] for k in rng.permutation(len(keys))]
     columns = [np.char.mod(form, np.concatenate(table[name, form])) for name, form in keys]
     end = "\r\n" if bench.crlf else "\n"
-    lines = [f"# {motor.name}, bench trace {drawn.truth['seed']}", "# sampled at the carrier valley"] if bench.comments else []
+    comments = [f"# {motor.name}, bench trace {drawn.truth['seed']}", "# sampled at the carrier valley"]
+    lines = comments if bench.comments else []
     lines.append(",".join(name for name, _ in keys))
     lines += [",".join(row) for row in zip(*columns)]
     return end.join(lines) + end

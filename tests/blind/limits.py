@@ -64,7 +64,7 @@ def run(args):
             table.setdefault(cause, []).append(limit)
             if sys.stderr.isatty():
                 print(f"\r{cause} seed {seed}          ", end="", file=sys.stderr)
-    lines = [f"| cause | median size found | found in 95 % of cases | unit | share of the noise floor there | n |",
+    lines = ["| cause | median size found | found in 95 % of cases | unit | share of the noise floor there | n |",
              "|---|---|---|---|---|---|"]
     out = {}
     for cause, limits in table.items():
@@ -76,7 +76,8 @@ def run(args):
                       "unit": UNIT[cause], "seeds": len(sizes), "never_found": int(sum(x is None for x in limits))}
         shown = f"{sizes[k]:.3g}" if np.isfinite(sizes[k]) else f"above {effects.RANGE[cause][1]:.3g}"
         share = f"{shares[k]:.2g}" if np.isfinite(shares[k]) else "-"
-        lines.append(f"| {cause.replace('_', ' ')} | {np.median(sizes):.3g} | {shown} | {UNIT[cause]} | {share} | {len(sizes)} |")
+        name = cause.replace("_", " ")
+        lines.append(f"| {name} | {np.median(sizes):.3g} | {shown} | {UNIT[cause]} | {share} | {len(sizes)} |")
     text = "\n".join(lines) + "\n"
     print(text, end="")
     if args.table:

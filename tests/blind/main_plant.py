@@ -40,7 +40,8 @@ def scenario_text(case, cycles):
              f"current_noise_A = {bench.noise_A:.9g}",
              # The second plant's encoder counts, as noise of the same size.
              f"angle_noise_rad = {2.0 * np.pi * motor.pole_pairs / bench.encoder_counts / np.sqrt(12.0):.6g}",
-             f"speed_noise_rad_s = {bench.omega_noise * omega_max:.6g}", f"u_dc_noise_V = {bench.u_dc_noise * motor.u_dc_V:.6g}",
+             f"speed_noise_rad_s = {bench.omega_noise * omega_max:.6g}",
+             f"u_dc_noise_V = {bench.u_dc_noise * motor.u_dc_V:.6g}",
              "[log]"]
     for key, on in (("voltages", bench.columns != "duty"), ("duties", bench.columns != "u"),
                     ("third_current", bench.has_i_c), ("mid_currents", bench.has_mid),
@@ -120,11 +121,14 @@ def make(seed, kind, folder, iqfoc, sizes=None, bench_kind="usual"):
         with open(scenario, "w", encoding="utf-8") as file:
             file.write(scenario_text(case, cycles))
         command = [iqfoc, "simulate", "--motor", motor_path, "--scenario", scenario, "-o", raw, "--seed", str(seed)]
-        done = subprocess.run(command + effect_arguments(case, model), capture_output=True, text=True, timeout=120)
+        command += effect_arguments(case, model)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120)
         if done.returncode != 0:
             raise RuntimeError(f"iqfoc simulate, exit {done.returncode}: {done.stderr.strip()}")
-        with open(raw, encoding="utf-8", newline="") as source, open(recording, "w", encoding="utf-8", newline="") as file:
-            file.writelines(for_the_diagnosis(source, case.bench.has_mech))
+        with open(raw, encoding="utf-8", newline="") as source:
+            lines = for_the_diagnosis(source, case.bench.has_mech)
+        with open(recording, "w", encoding="utf-8", newline="") as file:
+            file.writelines(lines)
         runs = reading.read_columns(raw, case.motor.pole_pairs)
     columns = {name: np.concatenate([r[name] for r in runs], axis=-1) for name in runs[0]}
     generate.write_truth(draw.truth_of(case, sizes, model, parameters, columns, "main"), folder)

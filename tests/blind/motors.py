@@ -17,7 +17,7 @@ def three_digits(x):
 def draw_motor(rng, salient):
     """A motor of 0.4 to 120 kW on a matching inverter, sized in per-unit so that it can be run to its top speed."""
     power_W = log_uniform(rng, 400.0, 120e3)
-    u_dc_V = float(rng.choice([325.0, 565.0, 600.0, 750.0]) if power_W > 1500.0 else rng.choice([48.0, 96.0, 325.0, 565.0]))
+    u_dc_V = float(rng.choice([325.0, 565.0, 600.0, 750.0] if power_W > 1500.0 else [48.0, 96.0, 325.0, 565.0]))
     v_base_V = u_dc_V / np.sqrt(3.0)
     I_pk_A = power_W / (1.5 * 0.7 * v_base_V)
     f_pwm_Hz = float(rng.choice([2000, 2500, 4000] if power_W > 40e3 else [4000, 5000, 8000, 10000, 16000]))

@@ -98,8 +98,8 @@ def print_report(results, failures, s):
                   f"named {'+'.join(r['named']) or 'nothing'} ({r['verdict']}); share of floor: {share or '-'}")
         for p in r["parameters"]:
             if not p["inside"]:
-                print(f"outside: seed {r['seed']} {r['kind']} {r['plant']}: {p['id']}.{p['name']} true {p['true']:.6g}, "
-                      f"fit {p['fit']}, interval {p['ci95']}")
+                print(f"outside: seed {r['seed']} {r['kind']} {r['plant']}: {p['id']}.{p['name']} "
+                      f"true {p['true']:.6g}, fit {p['fit']}, interval {p['ci95']}")
     for case, words in failures:
         print(f"failed: seed {case[0]} kind {case[1]} plant {case[2]}: {words}")
     for name, value in s.items():
@@ -132,7 +132,7 @@ def main():
     parser.add_argument("--limits", action="store_true", help="detection limits instead of rates")
     parser.add_argument("--seeds", type=int, default=20, help="seeds per cause for --limits")
     parser.add_argument("--causes", default=",".join(effects.CAUSES), help="causes for --limits, by commas")
-    parser.add_argument("--plant", choices=["both", "second", "main"], default="both", help="recordings of one plant only")
+    parser.add_argument("--plant", choices=["both", "second", "main"], default="both", help="one plant only")
     parser.add_argument("--skip", help="pass on to the diagnosis: hypotheses to leave out")
     parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"))
     parser.add_argument("--jobs", type=int, default=2)
@@ -161,7 +161,8 @@ def main():
     print_report(results, failures, s)
     if args.json:
         with open(args.json, "w", encoding="utf-8") as file:
-            json.dump({"summary": s, "failures": [[list(c[:3]), w] for c, w in failures], "recordings": results}, file, indent=1)
+            json.dump({"summary": s, "failures": [[list(c[:3]), w] for c, w in failures], "recordings": results},
+                      file, indent=1)
     if args.figure:
         figure.write_svg(results, args.figure)
     if args.table:

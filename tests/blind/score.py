@@ -14,8 +14,9 @@ def judge(truth, diagnosis):
     hidden = [e["id"] for e in truth["effects"] if e["known"]]
     unknown = [e["id"] for e in truth["effects"] if not e["known"]]
     named = [c["id"] for c in diagnosis["causes"]]
-    result = {"seed": truth["seed"], "kind": truth["kind"], "plant": truth["plant"], "hidden": hidden, "unknown": unknown,
-              "named": named, "verdict": diagnosis["verdict"], "exact": sorted(hidden) == sorted(named),
+    result = {"seed": truth["seed"], "kind": truth["kind"], "plant": truth["plant"], "hidden": hidden,
+              "unknown": unknown, "named": named, "verdict": diagnosis["verdict"],
+              "exact": sorted(hidden) == sorted(named),
               "share": {e["id"]: e["share_of_floor"] for e in truth["effects"]}, "parameters": [],
               "confused_with": {c["id"]: c.get("confused_with", []) for c in diagnosis["causes"]}}
     found = {c["id"]: {p["name"]: p for p in c["parameters"]} for c in diagnosis["causes"]}

@@ -81,7 +81,8 @@ class Plant(unittest.TestCase):
             drive = Drive(machine, Inverter(1, T), steady_shaft(omega))
             for _ in range(1500):
                 drive.advance_cycle(np.full((3, 1), 0.5), 300.0)
-            # psi_total = L i_m + psi, 0 = R (i_m + i_iron) + j omega psi_total, i_iron (1 + j omega tau) = j omega psi_total / R_iron
+            # psi_total = L i_m + psi, 0 = R (i_m + i_iron) + j omega psi_total,
+            # i_iron (1 + j omega tau) = j omega psi_total / R_iron
             y = 1j * omega / R_iron / (1.0 + 1j * omega * tau) if np.isfinite(R_iron) else 0.0
             i_m = -psi * (1j * omega + R * y) / (R + L * (1j * omega + R * y))
             expected = (i_m + y * (L * i_m + psi)) * np.exp(1j * drive.shaft.theta(drive.t_s))[0]
@@ -127,7 +128,7 @@ class DeadTime(unittest.TestCase):
         # i_a > 0, i_b, i_c < 0 well away from zero: v_dead = u_dc t_dead f against each sign, common part removed.
         lost = self.lost_volt_seconds(10.0 + 0.0j, 1.5e-6, 0.0, 0.0, np.array([0.5, 0.5, 0.5]))
         v_dead = 500.0 * 1.5e-6 / 2e-4
-        expected = phases_from_vector(np.array([vector_from_phases(v_dead * np.array([1.0, -1.0, -1.0]).reshape(3, 1))[0]]))
+        expected = phases_from_vector(vector_from_phases(v_dead * np.array([[1.0], [-1.0], [-1.0]])))
         np.testing.assert_allclose(lost, expected.ravel(), atol=1e-9)
 
     def test_device_drops(self):
@@ -167,7 +168,8 @@ class Recordings(unittest.TestCase):
                 generate.write(drawn, folder)
                 table = reading.read_table(os.path.join(folder, "rec.csv"))
                 self.assertTrue(required <= set(table))
-                self.assertTrue({"u_a_V", "u_b_V", "u_c_V"} <= set(table) or {"d_a", "d_b", "d_c", "u_dc_V"} <= set(table))
+                self.assertTrue({"u_a_V", "u_b_V", "u_c_V"} <= set(table)
+                                or {"d_a", "d_b", "d_c", "u_dc_V"} <= set(table))
                 self.assertEqual(len(table["t_s"]), sum(drawn.bench.rows))
                 self.assertTrue(all(np.isfinite(x).all() for x in table.values()))
                 self.assertTrue((np.diff(table["t_s"]) > 0.0).all())
@@ -184,10 +186,16 @@ class Recordings(unittest.TestCase):
         # is left with sensor noise. Dead time has no exact averaged law (its shape near zero): 40 % above was measured.
         for n, cause in enumerate(effects.CAUSES):
             with self.subTest(cause=cause):
-                truth = draw.draw(300 + n, cause).truth
+                case = draw.draw_case(300 + n, cause)
+                size = [float(np.sqrt(np.prod(effects.RANGE[cause])))]
+                model, _ = draw.true_model(case.motor, [cause], size, case.directions, case.bench.has_i_c)
+                columns = draw.simulate(case.motor, case.bench, model, 150, [300 + n, 1])
                 bound = 1.6 if cause == "dead_time" else 1.1
-                self.assertLess(truth["oracle"]["true_percent"], bound * truth["oracle"]["floor_percent"])
-                self.assertGreater(truth["oracle"]["gain"], 1.0)
+                error = draw.oracle(columns, model, case.motor)[0]
+                self.assertLess(error, bound * draw.noise_floor_A(case.bench))
+                nominal = effects.nominal_model(case.motor, averaged.no_effect())
+                wrong = averaged.predict(columns, nominal, case.motor.pole_pairs, 1.0 / case.motor.f_pwm_Hz)[0]
+                self.assertLess(error, averaged.rms(wrong))
 
     def test_read_back_gives_the_same_oracle(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -229,7 +237,8 @@ class Scoring(unittest.TestCase):
         clean = dict(self.TRUTH, kind="clean", effects=[])
         s = score.summary([score.judge(clean, self.answer(["resistance"]))] * 10)
         self.assertTrue(any(p.startswith("clean") for p in score.below_threshold(s, False)))
-        unknown = dict(self.TRUTH, kind="glitch", effects=[{"id": "glitch", "known": False, "share_of_floor": 4.0, "parameters": []}])
+        glitch = {"id": "glitch", "known": False, "share_of_floor": 4.0, "parameters": []}
+        unknown = dict(self.TRUTH, kind="glitch", effects=[glitch])
         s = score.summary([score.judge(unknown, self.answer(["resistance"]))] * 10)
         self.assertTrue(any(p.startswith("unknown") for p in score.below_threshold(s, False)))
 
