@@ -94,7 +94,7 @@ def draw_bench(rng, motor, kind="usual"):
     bench = SimpleNamespace(
         runs=runs, rows=[int(rng.integers(1100, 1500)) * 10 // max(runs, 4) for _ in range(runs)], warm_up=150,
         points=draw_operating_points(rng, motor, runs, kind), excitation=rng.uniform(0.04, 0.12),
-        noise_A=log_uniform(rng, 0.0006, 0.003) * I_pk, bits=int(rng.choice([12, 12, 14])),
+        noise_A=log_uniform(rng, 0.0006, 0.005) * I_pk, bits=int(rng.choice([12, 12, 14])),
         full_scale_A=rng.uniform(1.6, 2.6) * I_pk, encoder_counts=2 ** int(rng.choice([15, 16, 17])),
         omega_noise=log_uniform(rng, 1e-6, 1e-4), timer_counts=int(rng.choice([2500, 5000, 8500, 10000])),
         min_max=bool(rng.random() < 0.75), bandwidth_T=rng.uniform(0.12, 0.22),
