@@ -156,14 +156,27 @@ static bool take_setting(plant_config *c, const effect *f, const char *text, con
                        (int)name, setting, known);
 }
 
+/* Without these the effect would not be there: a ripple of no frequency. */
+static void complete(plant_config *c, const effect *f, const bool seen[EFFECT_KEYS_MAX])
+{
+    for (int k = 0; k < key_count(f); k++) {
+        double value = 0.0;
+        if (f->key[k].needed && !seen[k]) {
+            memcpy(&value, (const char *)c + f->key[k].offset,
+                   sizeof value); /* all of them are real numbers */
+            (void)set_key(c, &f->key[k], value != 0.0 ? value : typical_value(c, &f->key[k]));
+        }
+    }
+}
+
 bool plant_effect_apply(plant_config *c, const char *text, error *e)
 {
     const size_t id_length = strcspn(text, ":");
     const effect *f = find(text, id_length);
     if (f == NULL) {
         return error_input(e, NULL, 0, 0,
-                           "effect \"%s\": unknown id \"%.*s\"; `iqfoc simulate --help` lists them", text,
-                           (int)id_length, text);
+                           "effect \"%s\": unknown id \"%.*s\"; `iqfoc simulate --list-effects` names them",
+                           text, (int)id_length, text);
     }
     plant_config changed = *c;
     if (f->key[0].offset == offsetof(plant_config, inverter.ripple_V)) {
@@ -184,6 +197,7 @@ bool plant_effect_apply(plant_config *c, const char *text, error *e)
             }
             setting += length;
         }
+        complete(&changed, f, seen);
     }
     error wrong = {0};
     if (!plant_config_check(&changed, &wrong)) {

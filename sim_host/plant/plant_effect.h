@@ -16,7 +16,7 @@
 /* Changes the configuration; on failure it is untouched and *e says what was expected. Later effects win. */
 bool plant_effect_apply(plant_config *c, const char *text, error *e);
 
-/* One line per effect: id, keys with units, what it does. For --help. */
+/* One line per effect: id, keys with units, what it does. For --list-effects. */
 void plant_effect_list(FILE *stream);
 
 /* The id of the k-th effect, NULL past the last. */

@@ -5,6 +5,7 @@
 #ifndef SIM_HOST_PLANT_PLANT_EFFECT_TABLE_H
 #define SIM_HOST_PLANT_PLANT_EFFECT_TABLE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #define EFFECT_KEYS_MAX 5
@@ -29,6 +30,7 @@ typedef struct effect_key {
     size_t offset; /* into plant_config */
     double typical;
     relative_to of;
+    bool needed; /* there is no such effect while this is 0: the typical value unless given */
 } effect_key;
 
 typedef struct effect {

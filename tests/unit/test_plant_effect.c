@@ -107,6 +107,21 @@ static void test_typical_sizes(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2e-6, with("dead_time").inverter.t_dead_s);
 }
 
+/* A key that is left out keeps its value, but what the effect cannot be without is filled in. */
+static void test_needed_keys(void)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0 * sqrt(2.0) * 10.0, with("saturation:L_0=5e-3").machine.I_sat_A);
+    TEST_ASSERT_TRUE(with("ripple:amplitude=5").inverter.ripple_Hz == 300.0);
+    TEST_ASSERT_TRUE(with("iron_loss:R_fe=100").machine.tau_fe_s == 50e-6);
+    TEST_ASSERT_TRUE(with("current_quantisation:bits=12").sensors.current_full_scale_A > 28.0);
+    TEST_ASSERT_TRUE(with("dead_time:t_dead=1e-6").inverter.v_diode_V == 0.0);
+    plant_config c = drive();
+    error e = {0};
+    TEST_ASSERT_TRUE(plant_effect_apply(&c, "saturation:I_sat=33", &e));
+    TEST_ASSERT_TRUE(plant_effect_apply(&c, "saturation:L_0=5e-3", &e));
+    TEST_ASSERT_TRUE(c.machine.I_sat_A == 33.0);
+}
+
 /* The causes that a diagnosis can name are all there: interfaces.md, the table of cause ids. */
 static void test_every_cause_can_be_made(void)
 {
@@ -181,6 +196,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_each_id_changes_its_own);
     RUN_TEST(test_typical_sizes);
+    RUN_TEST(test_needed_keys);
     RUN_TEST(test_every_cause_can_be_made);
     RUN_TEST(test_several_add_up);
     RUN_TEST(test_bad_text);
