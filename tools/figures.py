@@ -41,19 +41,23 @@ class Program:
         self.path = path
         self.results = {}
 
+    def output(self, *command):
+        """What a command prints that is run in the root of the tree."""
+        try:
+            done = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
+        except OSError as error:
+            raise FigureError(f"{command[0]}: {error.strerror}; `./dev build` builds it") from error
+        if done.returncode != 0:
+            raise FigureError(f"{' '.join(command)}: exit status {done.returncode}: {done.stderr.strip()}")
+        return done.stdout
+
     def json(self, *arguments):
         """What `iqfoc ARGUMENTS --json F` writes into F."""
         if arguments not in self.results:
             with tempfile.TemporaryDirectory() as folder:
-                output = pathlib.Path(folder) / "output.json"
-                command = [str(self.path), *arguments, "--json", str(output)]
-                try:
-                    done = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
-                except OSError as error:
-                    raise FigureError(f"{self.path}: {error.strerror}; `./dev build` builds it") from error
-                if done.returncode != 0:
-                    raise FigureError(f"{' '.join(command)}: exit status {done.returncode}: {done.stderr.strip()}")
-                self.results[arguments] = json.loads(output.read_text(encoding="utf-8"))
+                file = pathlib.Path(folder) / "output.json"
+                self.output(str(self.path), *arguments, "--json", str(file))
+                self.results[arguments] = json.loads(file.read_text(encoding="utf-8"))
         return self.results[arguments]
 
 

@@ -24,7 +24,7 @@ class OneRow:
         assert arguments == ("reproduce",)
         return {"rows": [{"paper": "2019", "item": "Table 1", "quantity": "prediction", "method": "quasi-discrete",
                           "condition": "8000 rpm", "unit": "%", "paper_value": 0.76, "value": self.value,
-                          "value_iq24": None, "note": ""}]}
+                          "value_iq24": None, "note": "a note"}]}
 
 
 DOCUMENT = 'Before.\n<!-- figures: papers 2019 "Table 1" -->\nold\n<!-- end -->\nAfter.\n'
@@ -48,7 +48,7 @@ class Figures(unittest.TestCase):
         text = self.readme.read_text(encoding="utf-8")
         self.assertTrue(text.startswith("Before.\n<!-- figures"))
         self.assertTrue(text.endswith("<!-- end -->\nAfter.\n"))
-        self.assertIn("| 0.76 | 0.8 | - | 1.05 |", text)
+        self.assertIn("| 0.76 | 0.8 | - | 1.05 | [1] |\n\n- [1] a note\n", text)
         self.assertEqual(self.run_on(None, "check"), (0, ""))
 
     def test_another_value_is_drift(self):
@@ -86,9 +86,9 @@ class Figures(unittest.TestCase):
 
 
 class Numbers(unittest.TestCase):
-    def test_three_digits_without_needless_exponents(self):
-        for value, text in [(None, "-"), (0, "0"), (0.05296, "0.053"), (22.44, "22.4"), (12345.0, "12300"),
-                            (9.5e-6, "9.50e-06"), (-1234567.0, "-1.23e+06")]:
+    def test_three_or_four_digits_without_needless_exponents(self):
+        for value, text in [(None, "-"), (0, "0"), (0.05296, "0.053"), (22.44, "22.4"), (1.05296, "1.053"), (12345.0, "12340"),
+                            (9.5e-6, "9.50e-6"), (-1234567.0, "-1.235e6"), (9.9999e-5, "1.000e-4")]:
             self.assertEqual(markdown.number(value), text)
 
 

@@ -3,7 +3,7 @@
     <!-- figures: papers 2019 "Table 1" -->
 """
 
-from .markdown import number, table
+from .markdown import Notes, number, table
 
 
 def generate(program, arguments):
@@ -13,14 +13,15 @@ def generate(program, arguments):
             if row["paper"] == arguments[0] and row["item"] in (arguments[1:] or [row["item"]])]
     if not rows:
         raise ValueError(f"`iqfoc reproduce` has no row for {' '.join(arguments)}")
-    items = {row["item"] for row in rows}
-    heads = ["quantity", "method", "condition", "unit", "paper", "this project", "firmware (IQ24)", "ratio to the paper", "note"]
-    if len(items) > 1:
+    heads = ["quantity", "method", "condition", "unit", "paper", "this project", "firmware (IQ24)", "ratio to the paper", ""]
+    several_items = len({row["item"] for row in rows}) > 1
+    if several_items:
         heads.insert(0, "item")
-    cells = []
+    notes, cells = Notes(), []
     for row in rows:
         ratio = row["value"] / row["paper_value"] if row["paper_value"] and row["value"] is not None else None
         line = [row["quantity"], row["method"], row["condition"], row["unit"], number(row["paper_value"]), number(row["value"]),
-                number(row["value_iq24"]), number(ratio), row["note"]]
-        cells.append([row["item"], *line] if len(items) > 1 else line)
-    return table(heads, cells, right=("paper", "this project", "firmware (IQ24)", "ratio to the paper"))
+                number(row["value_iq24"]), "-" if ratio is None else f"{ratio:.2f}", notes.mark(row["note"])]
+        cells.append([row["item"], *line] if several_items else line)
+    figures = ("paper", "this project", "firmware (IQ24)", "ratio to the paper")
+    return f"{table(heads, cells, right=figures)}\n\n{notes.listing()}"
