@@ -30,7 +30,7 @@ iq24_t iq24_div(iq24_t a, iq24_t b)
     iq24_longdiv_step(&division);
     uint32_t half = division.divisor - (division.divisor >> 1); /* rounded up */
     uint32_t quotient = division.quotient + (division.rest >= half);
-    return iq24_wrap(((int64_t)quotient ^ sign) - sign); /* -q = ~q + 1 */
+    return iq24_wrap(((int64_t)quotient ^ sign) - sign); /* ~q + 1 = -q */
 }
 
 /*

@@ -4,8 +4,9 @@
  * 1 LSB = 2^-24. Errors are against the exact function of the integer arguments; how each was found stands
  * with it, and tests/unit/test_iq24_math.c enforces every sentence below.
  *
- * All but the sine rest on the core's unsigned 32-bit divide, which takes 2 to 12 cycles on a Cortex-M4, by
- * its operands. Where a core has no divide instruction, each of those is a library call.
+ * Instructions are those of a call on a Cortex-M4, entry through return, gcc 12.2 -O2; they do not depend
+ * on the arguments but as stated. All but the sine rest on the core's unsigned 32-bit divide, whose cycles
+ * (2 to 12 there) do; where a core has no divide instruction, each of those is a library call.
  */
 #ifndef IQFOC_IQ24_MATH_H
 #define IQFOC_IQ24_MATH_H
@@ -19,7 +20,7 @@
  * Scaling and overflow: any argument is an angle; whole turns (all but the low 24 bits) drop out. No output
  * can overflow.
  * Error: 0.51 LSB at most, over all 2^24 angles (0.50986 found, at 10091565). Exact at quarter turns.
- * iq24_sincos.h has the same function inline.
+ * Instructions: 33. iq24_sincos.h has the same function inline.
  */
 iq24_sincos_t iq24_sincos(iq24_t turns);
 
@@ -31,6 +32,7 @@ iq24_sincos_t iq24_sincos(iq24_t turns);
  * Error: 0.64 LSB at most, by analysis 0.5 (rounding) + 0.08 (ratio) + 0.06 (cubic and truncations); 0.6342
  * found over 16 million vectors, on circles of all radii and at random. Exact on the axes and diagonals,
  * exactly odd in y (but for the half turn) and mirrored in x.
+ * Instructions: 60; 12 for (0, 0).
  */
 iq24_t iq24_atan2(iq24_t y, iq24_t x);
 
@@ -40,6 +42,7 @@ iq24_t iq24_atan2(iq24_t y, iq24_t x);
  * Scaling and overflow: the result is at most sqrt(128) = 11.3 and cannot overflow.
  * Error: 0.63 LSB at most, and 0.57 below 64.0 (0.6250 and 0.5625 found over 22 million arguments). Exact
  * where the root is an iq24_t.
+ * Instructions: 41; 4 for x <= 0.
  */
 iq24_t iq24_sqrt(iq24_t x);
 
