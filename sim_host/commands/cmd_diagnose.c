@@ -1,0 +1,156 @@
+/*
+ * iqfoc diagnose: what a recording shows the model to get wrong, why, and what mending it gains.
+ */
+#include "base/json_file.h"
+#include "base/out_file.h"
+#include "command.h"
+#include "diagnose/diagnose.h"
+#include "diagnose/diagnose_json.h"
+#include "diagnose/diagnose_text.h"
+#include "options.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { OPT_MOTOR, OPT_DIR, OPT_JSON, OPT_SKIP, OPT_TRACE };
+
+static const option_spec specs[] = {
+    {"motor", 'm', "M.toml", "the motor file, as you have it"},
+    {"output", 'o', "DIR", "write diagnosis.json and motor_extended.toml into DIR"},
+    {"json", 0, "F", "write the diagnosis to file F; - is stdout, without the text"},
+    {"skip", 0, "ID[,ID...]", "leave these causes out of the search"},
+    {"trace", 0, NULL, "tell on stderr how the search went"},
+    {NULL, 0, NULL, NULL}};
+
+static const command_about about = {
+    "diagnose", "REC.csv --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]]",
+    "Compares a recording with the averaged model, cycle by cycle; names the effects that account for\n"
+    "the difference, with 95 % intervals; and measures on rows that were not fitted what the extended\n"
+    "model gains. The exit status is 0 whatever the verdict, 2 if the recording cannot be used.",
+    specs};
+
+typedef struct request {
+    const char *recording_path, *motor_path, *directory, *json_path;
+    diagnose_options options;
+    bool helped;
+} request;
+
+static bool take_skip(const char *list, hypothesis_set *skip, error *e)
+{
+    while (*list) {
+        char id[64];
+        size_t n = strcspn(list, ",");
+        snprintf(id, sizeof id, "%.*s", (int)n, list);
+        hypothesis_set set = hypotheses_of_cause(id);
+        if (set == 0) {
+            return error_input(e, NULL, 0, 0, "diagnose: --skip: '%s' is no cause id", id);
+        }
+        *skip |= set;
+        list += n + (list[n] == ',');
+    }
+    return true;
+}
+
+static bool take_option(const options *o, int which, request *r, error *e)
+{
+    switch (which) {
+    case OPT_MOTOR:
+        r->motor_path = o->argument;
+        return true;
+    case OPT_DIR:
+        r->directory = o->argument;
+        return true;
+    case OPT_JSON:
+        r->json_path = o->argument;
+        return true;
+    case OPT_SKIP:
+        return take_skip(o->argument, &r->options.skip, e);
+    case OPT_TRACE:
+        r->options.trace = stderr;
+        return true;
+    default:
+        return false;
+    }
+}
+
+static bool parse(int argc, char **argv, request *r, error *e)
+{
+    options o = options_begin(&about, argc, argv);
+    int which;
+    while ((which = options_next(&o, e)) >= 0) {
+        if (!take_option(&o, which, r, e)) {
+            return false;
+        }
+    }
+    r->helped = o.helped;
+    if (which == OPTIONS_ERROR || o.helped) {
+        return which != OPTIONS_ERROR;
+    }
+    if (r->motor_path == NULL) {
+        return options_missing(&o, OPT_MOTOR, e);
+    }
+    if (o.first >= argc) {
+        return error_input(e, NULL, 0, 0, "diagnose: which recording? Usage: iqfoc diagnose %s", about.usage);
+    }
+    if (o.first + 1 < argc) {
+        return error_input(e, NULL, 0, 0, "diagnose: one recording is expected, '%s' is one more",
+                           argv[o.first + 1]);
+    }
+    r->recording_path = argv[o.first];
+    return true;
+}
+
+static bool write_directory(const request *r, const diagnosis *d, const json_t *json, error *e)
+{
+    char path[4096];
+    if (!out_dir_make(r->directory, e)) {
+        return false;
+    }
+    snprintf(path, sizeof path, "%s/diagnosis.json", r->directory);
+    if (!json_file_write(path, json, e)) {
+        return false;
+    }
+    snprintf(path, sizeof path, "%s/motor_extended.toml", r->directory);
+    return motor_write(path, &d->extended_motor,
+                       "Written by iqfoc diagnose: the motor file with what the recording showed.", e);
+}
+
+static bool run(const request *r, error *e)
+{
+    motor m;
+    recording rec;
+    diagnosis d;
+    if (!motor_read(r->motor_path, &m, e) || !recording_read(r->recording_path, &rec, e)) {
+        return false;
+    }
+    bool ok = diagnose(&d, &rec, r->recording_path, &m, &r->options, e);
+    if (ok) {
+        json_t *json = diagnose_json(&d, r->recording_path, r->motor_path);
+        if (r->directory) {
+            ok = write_directory(r, &d, json, e);
+        }
+        if (ok && r->json_path) {
+            ok = json_file_write(r->json_path, json, e);
+        }
+        if (ok && !(r->json_path && strcmp(r->json_path, "-") == 0)) {
+            diagnose_print(stdout, &d, r->recording_path, r->motor_path);
+        }
+        json_decref(json);
+        diagnosis_free(&d);
+    }
+    recording_free(&rec);
+    return ok;
+}
+
+int cmd_diagnose(int argc, char **argv)
+{
+    error e = {0};
+    request r = {0};
+    if (!parse(argc, argv, &r, &e)) {
+        return error_print(&e);
+    }
+    if (r.helped) {
+        return STATUS_DONE;
+    }
+    return run(&r, &e) ? STATUS_DONE : error_print(&e);
+}

@@ -1,0 +1,342 @@
+#include "search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    ROUNDS_MAX = 5,
+    FULL_SIZE = 3,    /* all sets up to this size are compared */
+    LARGEST_SIZE = 5, /* larger ones grow from the best */
+    KEPT = 24,        /* sets that grow */
+    REFINED = 4,      /* sets that are fitted without linearisation per round */
+    REFINE_STEPS = 5
+};
+
+/* Chi square per fitted parameter: about log(rows) as in Schwarz's criterion. Robust tests follow, so that
+ * this only has to rank. */
+static const double PENALTY = 12.0;
+/* How much worse than the present set a set may look under linearisation and still be tried. */
+static const double SLACK = 30.0;
+
+bool search_look(fit_data *d, const fit_state *s, search_view *view)
+{
+    int column[COLUMN_COUNT];
+    for (int c = 0; c < COLUMN_COUNT; c++) {
+        column[c] = c;
+    }
+    gram *grams = fit_grams(d, s, column, COLUMN_COUNT);
+    if (!grams) {
+        return false;
+    }
+    memset(view, 0, sizeof *view);
+    for (size_t b = 0; b < d->blocks; b++) {
+        view->total.c += grams[b].c;
+        for (size_t i = 0; i < COLUMN_COUNT; i++) {
+            view->total.g[i] += grams[b].g[i];
+            for (size_t j = 0; j < COLUMN_COUNT; j++) {
+                view->total.h[i][j] += grams[b].h[i][j];
+            }
+        }
+    }
+    free(grams);
+    for (size_t k = 0; k < P_COUNT; k++) {
+        view->to_nominal[k] =
+            k == P_KNEE || k == P_RIPPLE || k == P_EDGE || k == P_OFFSET_ZERO ? 0.0 : -s->z[k];
+    }
+    return true;
+}
+
+bool search_cost(const search_view *view, const fit_state *s, hypothesis_set set, search_option *option)
+{
+    const gram *t = &view->total;
+    double away[COLUMN_COUNT];
+    int column[COLUMN_COUNT];
+    size_t n = 0;
+    memcpy(away, view->to_nominal, sizeof away);
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const hypothesis *hypo = &hypothesis_table[h];
+        if (!(set & HYPOTHESIS_BIT(h))) {
+            continue;
+        }
+        for (size_t k = 0; k < hypo->columns; k++) {
+            if (hypo->fixed) {
+                away[hypo->column[k]] += 1.0;
+            } else if (hypo->column[k] != P_GAIN_C || t->h[P_GAIN_C][P_GAIN_C] > 0.0) {
+                column[n++] = hypo->column[k]; /* with two sensors there is no third gain */
+            }
+        }
+    }
+    if (t->h[P_OFFSET_ZERO][P_OFFSET_ZERO] > 0.0) {
+        column[n++] = P_OFFSET_ZERO;
+    }
+    double slope[COLUMN_COUNT];
+    option->set = set;
+    option->cost = t->c;
+    for (size_t i = 0; i < COLUMN_COUNT; i++) {
+        slope[i] = t->g[i];
+        for (size_t j = 0; j < P_COUNT; j++) {
+            slope[i] += t->h[i][j] * away[j];
+        }
+        option->cost += away[i] * (t->g[i] + slope[i]);
+    }
+    double small[COLUMN_COUNT][COLUMN_COUNT];
+    double right[COLUMN_COUNT];
+    double step[COLUMN_COUNT];
+    for (size_t i = 0; i < n; i++) {
+        right[i] = -slope[column[i]];
+        for (size_t j = 0; j < n; j++) {
+            small[i][j] = t->h[column[i]][column[j]];
+        }
+    }
+    if (!fit_solve(n, (const double(*)[COLUMN_COUNT])small, right, step)) {
+        return false;
+    }
+    memcpy(option->z, s->z, sizeof option->z);
+    for (int k = 0; k < P_COUNT; k++) {
+        option->z[k] += away[k];
+    }
+    for (size_t i = 0; i < n; i++) {
+        option->cost -= step[i] * right[i];
+        column_move(column[i], step[i], option->z);
+    }
+    bool dead = (set & HYPOTHESIS_BIT(H_DEAD_TIME)) != 0;
+    bool saturation = (set & HYPOTHESIS_BIT(H_SATURATION)) != 0;
+    return !(dead && option->z[P_V_DEAD] <= 0.0) && !(saturation && option->z[P_SATURATION] <= 0.0) &&
+           hypotheses_count(set, option->z);
+}
+
+double search_penalty(hypothesis_set set)
+{
+    double sum = 0.0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (set & HYPOTHESIS_BIT(h)) {
+            sum += PENALTY * (double)(hypothesis_table[h].columns + (h == H_DEAD_TIME ? 2 : 0)) +
+                   hypothesis_table[h].surprise;
+        }
+    }
+    return sum;
+}
+
+const char *search_words(hypothesis_set set, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if ((set & HYPOTHESIS_BIT(h)) && used < size) {
+            int n = snprintf(text + used, size - used, "%s%s", used ? " + " : "", hypothesis_table[h].cause);
+            used += n > 0 ? (size_t)n : 0;
+        }
+    }
+    return used ? text : "nothing";
+}
+
+static int by_score(const void *x, const void *y)
+{
+    const search_option *a = x;
+    const search_option *b = y;
+    double left = a->cost + search_penalty(a->set);
+    double right = b->cost + search_penalty(b->set);
+    return left < right ? -1 : left > right;
+}
+
+/*
+ * A member that the others do without, by their own unbounded optimum, is there only because columns lean on
+ * one another (flux, voltage gain and current gain together move along a line that changes nothing).
+ */
+static bool every_member_pays(const search_view *view, const fit_state *s, const search_option *option)
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        search_option without;
+        hypothesis_set rest = option->set & ~HYPOTHESIS_BIT(h);
+        if (rest == option->set) {
+            continue;
+        }
+        search_cost(view, s, rest, &without);
+        if (without.cost + search_penalty(rest) <= option->cost + search_penalty(option->set)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+typedef struct enumeration {
+    const search_view *view;
+    const fit_state *state;
+    hypothesis_set allowed;
+    search_option list[KEPT + 1];
+    size_t listed;
+} enumeration;
+
+/* Keeps the best options in a sorted list of at most KEPT. */
+static void keep(enumeration *e, const search_option *option)
+{
+    search_option *list = e->list;
+    size_t *n = &e->listed;
+    if ((*n == KEPT && by_score(option, &list[KEPT - 1]) >= 0) ||
+        !every_member_pays(e->view, e->state, option)) {
+        return;
+    }
+    for (size_t k = 0; k < *n; k++) {
+        if (list[k].set == option->set) {
+            return;
+        }
+    }
+    if (*n < KEPT) {
+        list[(*n)++] = *option;
+    } else {
+        list[KEPT - 1] = *option;
+    }
+    qsort(list, *n, sizeof *list, by_score);
+}
+
+static void enumerate(enumeration *e, hypothesis_set set, hypothesis_id from, int more)
+{
+    search_option option;
+    if (search_cost(e->view, e->state, set, &option)) {
+        keep(e, &option);
+    }
+    for (hypothesis_id h = from; more > 0 && h < H_COUNT; h++) {
+        if ((e->allowed & HYPOTHESIS_BIT(h)) && hypothesis_joins(set, h)) {
+            enumerate(e, set | HYPOTHESIS_BIT(h), h + 1, more - 1);
+        }
+    }
+}
+
+static void grow(enumeration *e)
+{
+    for (int size = FULL_SIZE; size < LARGEST_SIZE; size++) {
+        search_option seed[KEPT];
+        size_t seeds = e->listed;
+        memcpy(seed, e->list, seeds * sizeof *seed);
+        for (size_t k = 0; k < seeds; k++) {
+            for (hypothesis_id h = 0; h < H_COUNT; h++) {
+                search_option option;
+                hypothesis_set set = seed[k].set | HYPOTHESIS_BIT(h);
+                if ((e->allowed & HYPOTHESIS_BIT(h)) && hypothesis_joins(seed[k].set, h) &&
+                    search_cost(e->view, e->state, set, &option)) {
+                    keep(e, &option);
+                }
+            }
+        }
+    }
+}
+
+static const double knee_share[] = {0.005, 0.02, 0.06, 0.15};
+enum { KNEES = sizeof knee_share / sizeof *knee_share };
+static const double RIPPLE_START = 0.7;
+
+/*
+ * While no dead time is fitted its derivative by the knee is nothing; the knee and the law under which it
+ * would pay most are then found by trial. Shares of the rated peak current: an ideal switch, a usual one, a
+ * slow one.
+ */
+static bool choose_edge(fit_data *d, fit_state *s)
+{
+    double best = 0.0;
+    fit_state chosen = *s;
+    for (size_t k = 0; k < KNEES * EDGE_LAWS; k++) {
+        fit_state trial = *s;
+        const int column[] = {P_V_DEAD};
+        trial.z[P_EDGE] = (double)(k / KNEES);
+        trial.z[P_RIPPLE] = RIPPLE_START;
+        trial.z[P_KNEE] =
+            log(knee_share[k % KNEES] * d->parameters->i_rated_peak_A / d->parameters->nominal.i_knee_A);
+        gram *grams = fit_grams(d, &trial, column, 1);
+        if (!grams) {
+            return false;
+        }
+        double g = 0.0;
+        double h = 0.0;
+        for (size_t b = 0; b < d->blocks; b++) {
+            g += grams[b].g[0];
+            h += grams[b].h[0][0];
+        }
+        free(grams);
+        if (h > 0.0 && g * g / h > best) {
+            best = g * g / h;
+            chosen = trial;
+        }
+    }
+    *s = chosen;
+    return true;
+}
+
+/* The other laws for a dead time that stands in the model, each fitted. */
+static bool revise_edge(fit_data *d, fit_state *s)
+{
+    double law = s->z[P_EDGE];
+    for (int other = 0; other < (int)EDGE_LAWS; other++) {
+        fit_state trial = *s;
+        if (other == (int)law) {
+            continue;
+        }
+        trial.z[P_EDGE] = other;
+        if (!fit_refine(d, &trial, REFINE_STEPS)) {
+            return false;
+        }
+        if (trial.objective < s->objective) {
+            *s = trial;
+        }
+    }
+    return true;
+}
+
+bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
+{
+    static const size_t none = 0;
+    char words[256];
+    enumeration *e = calloc(1, sizeof *e);
+    search_view *view = calloc(1, sizeof *view);
+    bool ok = e && view;
+    for (int round = 0; ok && round < ROUNDS_MAX; round++) {
+        ok = (s->z[P_V_DEAD] != 0.0 || choose_edge(d, s)) && search_look(d, s, view);
+        if (!ok) {
+            break;
+        }
+        *e = (enumeration){.view = view, .state = s, .allowed = allowed, .listed = none};
+        enumerate(e, 0, 0, FULL_SIZE);
+        grow(e);
+        fit_state best = *s;
+        double best_score = s->objective + search_penalty(s->set);
+        hypothesis_set before = s->set;
+        for (size_t k = 0; ok && k < e->listed && k < REFINED; k++) {
+            const search_option *option = &e->list[k];
+            /* Once the state is a fit, its own set's quadratic form is exact, and what does worse there need
+             * not be fitted. */
+            if (round > 0 && (option->set == before || option->cost + search_penalty(option->set) >
+                                                           view->total.c + search_penalty(before) + SLACK)) {
+                continue;
+            }
+            fit_state trial = *s;
+            trial.set = option->set;
+            memcpy(trial.z, option->z, sizeof trial.z);
+            parameters_bound(d->parameters, trial.z);
+            ok = fit_refine(d, &trial, REFINE_STEPS);
+            if (!hypotheses_count(trial.set, trial.z)) {
+                continue;
+            }
+            double score = trial.objective + search_penalty(trial.set);
+            if (trace) {
+                fprintf(trace, "  round %d: %-60s linear %10.1f  fitted %12.1f\n", round,
+                        search_words(option->set, words, sizeof words),
+                        option->cost + search_penalty(option->set), score);
+            }
+            if (score < best_score) {
+                best = trial;
+                best_score = score;
+            }
+        }
+        bool settled = best.set == before;
+        *s = best;
+        if (ok && !settled && (s->set & HYPOTHESIS_BIT(H_DEAD_TIME))) {
+            ok = revise_edge(d, s);
+        }
+        if (settled) {
+            break;
+        }
+    }
+    free(e);
+    free(view);
+    return ok;
+}

@@ -1,0 +1,103 @@
+/*
+ * The averaged drive: the exact averaged machine (averaged.h) with every effect that the diagnosis knows, as
+ * laws of interfaces.md. It maps the true current at the start of a cycle to the true current at its end, and
+ * true currents to what the sensors record.
+ *
+ * The machine's own step is exact. The effects are small additions to it and enter to second order in the
+ * cycle: the current that dead time and unequal resistances see is that at mid-cycle, the drop over R that
+ * saturation changes is that at the cycle's start. Saturation itself is exact in flux: flux advances, and the
+ * current is what carries that flux.
+ */
+#ifndef SIM_HOST_MODEL_AVERAGED_DRIVE_H
+#define SIM_HOST_MODEL_AVERAGED_DRIVE_H
+
+#include "../data/motor.h"
+#include "averaged.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct vector_ab {
+    double a, b;
+} vector_ab;
+
+/* How the loss of dead time depends on the current near zero; v_dead is what it tends to far from zero in
+ * each case. */
+typedef enum edge_law {
+    EDGE_CHARGED, /* the current first charges the devices' capacitance: 1 - knee/(2|i|) */
+    EDGE_CLIPPED, /* sat(i / knee): the law of interfaces.md and of the firmware */
+    EDGE_LAWS
+} edge_law;
+
+/* Plain numbers, so that a fit can move any of them. averaged_drive_of fills them from a motor file. */
+typedef struct averaged_drive {
+    double R_ohm, L_d_H, L_q_H, psi_f_Wb;
+    double saturation; /* 1/I_sat^2 (1/A^2); L_d_H and L_q_H then are those at zero current */
+    double v_dead_V, i_knee_A;
+    edge_law edge;
+    double edge_ripple; /* how much of the ripple each edge sees: 0, the mean current, to 1, all that the
+                           duties tell */
+    double k_u;
+    double offset_ab_A[2]; /* current sensors, stationary frame */
+    double offset_zero_A;  /* mean of the three sensors' offsets: shows only where all three are recorded */
+    double g[3];
+    double theta_0_rad, t_delay_s;
+    double harmonic_cos_rad[2],
+        harmonic_sin_rad[2]; /* angle error c cos(n theta_mech) + s sin(n theta_mech), n = 1, 2 */
+    double u_delay[2];       /* share of the voltage that is one, two cycles late: 0 or 1 in a real drive */
+    double psi_5_Wb, psi_7_Wb;
+    double dR_ohm[3];
+    /* Effects that the diagnosis does not name; it fits them to see that no named effect is taken for them.
+     */
+    double iron_S;        /* 1 / iron loss resistance, beside the flux-producing current */
+    double current_lag_s; /* current sampled late, or a slow sensor */
+    double saturation_q;  /* further 1/A^2 on the q axis alone: saturation that differs between the axes */
+    double psi_11_Wb, psi_13_Wb;
+    double psi_temperature; /* psi_f and R that follow recorded temperature, per kelvin (needs temp_C) */
+    double R_temperature;
+} averaged_drive;
+
+/* What one row of a recording says about its cycle. Angles and speed as recorded. */
+typedef struct drive_row {
+    vector_ab u_V[3]; /* recorded voltage of this cycle, of the one before and of two before */
+    double cos_theta, sin_theta;
+    double cos_turn, sin_turn; /* of omega T */
+    double omega_rad_s;
+    double cos_mech, sin_mech;
+    double rise[3];              /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
+    vector_ab edge_ripple_Wb[3]; /* flux ripple when each leg rises; the opposite when it falls */
+    double node_h;               /* where the speed lies from its node, in node steps */
+    size_t node;                 /* index into the table */
+    double temperature_K;        /* above the recording's mean; 0 without temp_C */
+    vector_ab i_A;               /* recorded currents, Clarke (amplitude-invariant) */
+    double i_zero_A;             /* mean of the three recorded currents; 0 if only two were recorded */
+} drive_row;
+
+averaged_drive averaged_drive_of(const motor *m);
+
+/* The motor file that says the same: extensions where an effect is there. Starts from `base` for names and
+ * ratings. */
+motor averaged_drive_motor(const averaged_drive *drive, const motor *base);
+
+/* True current at the end of the row's cycle. `nodes` is the table for this drive's R, L_d, L_q. */
+vector_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes,
+                                 const drive_row *row, vector_ab i_true);
+
+/* The share of v_dead that an edge loses at x = i / knee. */
+double averaged_drive_edge(edge_law law, double x);
+
+/* The sensor chain as matrices: recorded = forward true + offset, and back; what the three sensors' mean
+ * shows. */
+typedef struct sensor_map {
+    double forward[2][2], back[2][2];
+    vector_ab offset;
+    double zero[2]; /* mean of the three recorded currents = zero . true + zero_offset_A */
+    double zero_offset_A;
+} sensor_map;
+
+/* `two_sensors`: phase C was not measured, and -a-b of the recorded ones stands for it. */
+sensor_map averaged_drive_sensors(const averaged_drive *drive, bool two_sensors);
+vector_ab sensor_map_measure(const sensor_map *map, vector_ab i_true);
+vector_ab sensor_map_unmeasure(const sensor_map *map, vector_ab i_recorded);
+
+#endif
