@@ -266,12 +266,21 @@ static void wrap_and_sat_of_64_bits(void)
             int64_t wide = exact_product(extremes[i], extremes[j]);
             TEST_ASSERT_EQUAL_INT32(modulo_2_32(wide), iq24_wrap(wide));
             TEST_ASSERT_EQUAL_INT32(limit(wide), iq24_sat(wide));
+            for (uint32_t bits = 1; bits < 32; bits++) {
+                int64_t shifted = floor_divide(wide, INT64_C(1) << bits);
+                TEST_ASSERT_EQUAL_INT32(modulo_2_32(shifted), iq24_shift_wrap(wide, bits));
+            }
         }
     }
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, iq24_sat(INT64_MIN));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, iq24_sat(INT64_MAX));
     TEST_ASSERT_EQUAL_INT32(0, iq24_wrap(INT64_MIN));
     TEST_ASSERT_EQUAL_INT32(-1, iq24_wrap(INT64_MAX));
+    TEST_ASSERT_EQUAL_INT32(0, iq24_shift_wrap(INT64_MIN, 31));
+    TEST_ASSERT_EQUAL_INT32(-1, iq24_shift_wrap(INT64_MAX, 31));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, iq24_from_bits(UINT32_C(0x80000000)));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, iq24_from_bits(UINT32_C(0x7FFFFFFF)));
+    TEST_ASSERT_EQUAL_INT32(-1, iq24_from_bits(UINT32_MAX));
 }
 
 /* ---- Accumulator ---- */
