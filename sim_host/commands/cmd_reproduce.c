@@ -4,6 +4,7 @@
 #include "base/json_file.h"
 #include "command.h"
 #include "options.h"
+#include "reproduce/figures.h"
 #include "reproduce/paper_2016.h"
 #include "reproduce/paper_2019.h"
 
@@ -15,7 +16,7 @@ enum { OPT_PAPER, OPT_JSON, OPT_OUTPUT };
 static const option_spec specs[] = {
     {"paper", 0, "2016|2019", "only this paper; default: both"},
     {"json", 0, "F", "write the rows to file F; - is stdout, without the tables"},
-    {"output", 'o', "DIR", "where the report page goes; default: report-reproduce"},
+    {"output", 'o', "DIR", "where the report page goes; default: report-reproduce,\nor no page if --json is given without -o"},
     {NULL, 0, NULL, NULL}};
 
 static const command_about about = {
@@ -77,15 +78,32 @@ static bool reproduce(const request *r, comparison *c, error *e)
     if ((r->with_2016 && !paper_2016_compare(c, e)) || (r->with_2019 && !paper_2019_compare(c, e))) {
         return false;
     }
-    if (r->json_path == NULL || strcmp(r->json_path, "-") != 0) {
+    const bool quiet = r->json_path != NULL && strcmp(r->json_path, "-") == 0;
+    if (!quiet) {
         comparison_print(c, stdout);
     }
-    return r->json_path == NULL || write_json(r->json_path, c, e);
+    if (r->json_path != NULL && !write_json(r->json_path, c, e)) {
+        return false;
+    }
+    const char *directory = r->directory;
+    if (directory == NULL && r->json_path == NULL) {
+        directory = "report-reproduce";
+    }
+    if (directory == NULL) {
+        return true;
+    }
+    if (!reproduce_page(directory, c, r->with_2016, r->with_2019, e)) {
+        return false;
+    }
+    if (!quiet) {
+        printf("\nThe figures: %s/index.html\n", directory);
+    }
+    return true;
 }
 
 int cmd_reproduce(int argc, char **argv)
 {
-    request r = {.with_2016 = true, .with_2019 = true, .directory = "report-reproduce"};
+    request r = {.with_2016 = true, .with_2019 = true};
     comparison c = {0};
     error e = {0};
     const bool ok = parse(argc, argv, &r, &e) && (r.helped || reproduce(&r, &c, &e));

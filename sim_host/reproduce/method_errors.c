@@ -70,7 +70,8 @@ double complex method_compute_iq24(method which, const method_machine *m, const 
     const double phi = in->omega_rad_s * m->in_double.T_s;
     const iqfoc_ab_t i = vector_to_iq24(in->i_valley_A, m->I_base_A);
     const iqfoc_ab_t u = vector_to_iq24(in->u_V, m->U_base_V);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns_from_speed(in->omega_rad_s, m->in_double.T_s));
+    const iqfoc_rotor_t movement =
+        iqfoc_rotor_from_turns(turns_from_speed(in->omega_rad_s, m->in_double.T_s));
     const iq24_sincos_t sc = iq24_sincos(turns_from_rad(in->theta_rad));
     const iq24_sincos_t sc_mid = iq24_sincos(turns_from_rad(in->theta_rad + 0.5 * phi));
     iqfoc_ab_t result = vector_to_iq24(in->i_mid_A, m->I_base_A);
@@ -78,13 +79,13 @@ double complex method_compute_iq24(method which, const method_machine *m, const 
     case METHOD_MEAN_STANDARD:
         break;
     case METHOD_MEAN_QUASI_DISCRETE:
-        result = iqfoc_mean_current_quasi_discrete(&m->in_iq24, i, u, &rotor, sc_mid);
+        result = iqfoc_mean_current_quasi_discrete(&m->in_iq24, i, u, &movement, sc_mid);
         break;
     case METHOD_PREDICTION_STANDARD:
-        result = iqfoc_predictor_euler(&m->in_iq24, i, u, &rotor, sc);
+        result = iqfoc_predictor_euler(&m->in_iq24, i, u, &movement, sc);
         break;
     case METHOD_PREDICTION_QUASI_DISCRETE:
-        result = iqfoc_predictor_quasi_discrete(&m->in_iq24, i, u, &rotor, sc_mid);
+        result = iqfoc_predictor_quasi_discrete(&m->in_iq24, i, u, &movement, sc_mid);
         break;
     case METHOD_COUNT:
         break;

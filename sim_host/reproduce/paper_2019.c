@@ -130,9 +130,10 @@ static void add_peaks(comparison *c, const paper_2019_points *p)
 {
     for (int k = 0; k < METHOD_COUNT; k++) {
         const method_error *error_of = &p->at[2].errors.of[k];
-        comparison_add(c, (comparison_row){"2019", "Figure 6", method_quantity((method)k),
-                                           method_name((method)k), "8000 rpm, peak of phase A", "A",
-                                           peaks_A[k], error_of->peak_A, error_of->peak_A_iq24, ""});
+        comparison_add(c, (comparison_row){"2019", "Figure 6",
+                                           k < METHOD_PREDICTION_STANDARD ? "mean, peak" : "prediction, peak",
+                                           method_name((method)k), "8000 rpm", "A", peaks_A[k],
+                                           error_of->peak_A, error_of->peak_A_iq24, ""});
     }
 }
 

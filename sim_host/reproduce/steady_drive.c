@@ -1,7 +1,6 @@
 #include "steady_drive.h"
 
 #include "../model/papers.h"
-#include "plant/plant.h"
 #include "plant/plant_electrical.h"
 
 #include <lapacke.h>
@@ -121,6 +120,39 @@ static void run_cycle(plant *p, const steady_drive *d, drive_cycle *at)
     at->i_next_valley_A = papers_vector(i_end.alpha, i_end.beta);
 }
 
+static void start_plant(const motor *m, const steady_drive *d, double theta_rad, double complex i_dq_A,
+                        plant *p)
+{
+    plant_config c = plant_config_from_motor(m);
+    c.inverter.u_dc_V = d->u_dc_V;
+    c.shaft.omega_e_start_rad_s = d->omega_rad_s;
+    c.shaft.theta_mech_start_rad = theta_rad / m->pole_pairs;
+    const vec_dq start = {creal(i_dq_A), cimag(i_dq_A)};
+    plant_init(p, &c);
+    plant_set_current(p, start);
+}
+
+void steady_drive_duties(const steady_drive *d, const drive_cycle *at, double duty[3])
+{
+    duties_of(at->u_V, d->u_dc_V, duty);
+}
+
+void steady_drive_trace(const motor *m, const steady_drive *d, size_t first, size_t cycles, double step_s,
+                        plant_trace *trace, void *context)
+{
+    const drive_cycle *at = &d->cycle[first];
+    plant p;
+    start_plant(m, d, at->theta_rad, at->i_valley_A * papers_turn(-at->theta_rad), &p);
+    p.trace = trace;
+    p.trace_context = context;
+    p.trace_step_s = step_s;
+    for (size_t n = 0; n < cycles; n++) {
+        double duty[3];
+        steady_drive_duties(d, &d->cycle[first + n], duty);
+        plant_cycle(&p, duty, NULL, NULL, NULL);
+    }
+}
+
 /*
  * From the ripple-free steady state until what PWM changes has settled, then the record. Returns the mean of
  * the mid-point samples in the rotor frame.
@@ -131,13 +163,8 @@ static double complex run(const motor *m, const steady_point *point, steady_driv
      * resistance does not settle and is not waited for. */
     const double tau_cycles = fmax(m->L_d_H, m->L_q_H) / fmax(m->R_ohm, 1e-9) / d->T_s;
     const size_t settling = (size_t)fmin(12.0 * tau_cycles, 20000.0) + 2;
-    plant_config c = plant_config_from_motor(m);
-    c.inverter.u_dc_V = d->u_dc_V;
-    c.shaft.omega_e_start_rad_s = d->omega_rad_s;
     plant p;
-    plant_init(&p, &c);
-    const vec_dq start = {creal(point->i_valley_dq_A), cimag(point->i_valley_dq_A)};
-    plant_set_current(&p, start);
+    start_plant(m, d, 0.0, point->i_valley_dq_A, &p);
     d->u_dq_V = point->u_dq_V;
     drive_cycle dropped;
     for (size_t n = 0; n < settling; n++) {

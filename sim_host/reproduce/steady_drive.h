@@ -11,6 +11,7 @@
 
 #include "../base/error.h"
 #include "../data/motor.h"
+#include "plant/plant.h"
 
 #include <complex.h>
 #include <stddef.h>
@@ -44,6 +45,13 @@ typedef struct steady_drive {
 bool steady_drive_run(const motor *m, double n_rpm, double complex i_mid_dq_A, size_t cycles, steady_drive *d,
                       error *e);
 void steady_drive_free(steady_drive *d);
+
+/* The duties of a recorded cycle. */
+void steady_drive_duties(const steady_drive *d, const drive_cycle *at, double duty[3]);
+
+/* Runs recorded cycles once more and hands the true waveforms to `trace`, at every edge and every step_s. */
+void steady_drive_trace(const motor *m, const steady_drive *d, size_t first, size_t cycles, double step_s,
+                        plant_trace *trace, void *context);
 
 /*
  * The voltage (rotor frame at mid-cycle) and valley current of the steady state without PWM ripple: u

@@ -1,0 +1,166 @@
+#include "page.h"
+
+#include "page_style.h"
+#include "svg_inline.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool page_begin(page *p, const char *directory, const char *title, const char *subtitle, error *e)
+{
+    *p = (page){.can_draw = plot_available()};
+    char path[sizeof p->directory + 16];
+    if ((size_t)snprintf(p->directory, sizeof p->directory, "%s", directory) >= sizeof p->directory) {
+        return error_input(e, directory, 0, 0, "too long a name for a directory");
+    }
+    snprintf(path, sizeof path, "%s/index.html", directory);
+    if (!out_dir_make(directory, e) || !out_file_open(&p->file, path, e)) {
+        return false;
+    }
+    FILE *out = p->file.stream;
+    fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>",
+          out);
+    html_text(out, title);
+    fprintf(out, "</title>\n<style>\n%s</style>\n</head>\n<body>\n<h1>", page_style);
+    html_text(out, title);
+    fputs("</h1>\n<p class=\"subtitle\">", out);
+    html_text(out, subtitle);
+    fputs("</p>\n", out);
+    return true;
+}
+
+bool page_end(page *p, error *e)
+{
+    fputs("</body>\n</html>\n", p->file.stream);
+    return out_file_commit(&p->file, e);
+}
+
+void page_abandon(page *p)
+{
+    out_file_abandon(&p->file);
+}
+
+void page_heading(page *p, int level, const char *text)
+{
+    fprintf(p->file.stream, "<h%d>", level);
+    html_text(p->file.stream, text);
+    fprintf(p->file.stream, "</h%d>\n", level);
+}
+
+static void put_formatted(FILE *out, const char *format, va_list args)
+{
+    char text[2048];
+    vsnprintf(text, sizeof text, format, args);
+    html_text(out, text);
+}
+
+void page_text(page *p, const char *format, ...)
+{
+    va_list args;
+    fputs("<p>", p->file.stream);
+    va_start(args, format);
+    put_formatted(p->file.stream, format, args);
+    va_end(args);
+    fputs("</p>\n", p->file.stream);
+}
+
+void page_note(page *p, const char *format, ...)
+{
+    va_list args;
+    fputs("<p class=\"note\">", p->file.stream);
+    va_start(args, format);
+    put_formatted(p->file.stream, format, args);
+    va_end(args);
+    fputs("</p>\n", p->file.stream);
+}
+
+void page_pair_begin(page *p)
+{
+    fputs("<div class=\"pair\"><div>\n", p->file.stream);
+}
+
+void page_pair_beside(page *p)
+{
+    fputs("</div><div>\n", p->file.stream);
+}
+
+void page_pair_end(page *p)
+{
+    fputs("</div></div>\n", p->file.stream);
+}
+
+static bool write_side_file(const page *p, const char *id, const char *svg, error *e)
+{
+    char path[sizeof p->directory + 80];
+    out_file f;
+    snprintf(path, sizeof path, "%s/%s.svg", p->directory, id);
+    if (!out_file_open(&f, path, e)) {
+        return false;
+    }
+    fputs(svg, f.stream);
+    return out_file_commit(&f, e);
+}
+
+bool page_figure(page *p, plot *drawing, const char *id, const char *caption, error *e)
+{
+    FILE *out = p->file.stream;
+    char prefix[16];
+    snprintf(prefix, sizeof prefix, "f%d", ++p->figures);
+    fprintf(out, "<figure id=\"%s\">\n", id);
+    if (p->can_draw) {
+        char *svg = plot_draw(drawing, e);
+        if (svg == NULL || !write_side_file(p, id, svg, e)) {
+            free(svg);
+            return false;
+        }
+        svg_inline(out, svg, prefix, caption);
+        free(svg);
+    } else {
+        plot_abandon(drawing);
+        fputs("<p class=\"missing\">Not drawn: gnuplot is not installed.</p>\n", out);
+    }
+    fputs("<figcaption>", out);
+    html_text(out, caption);
+    fputs("</figcaption>\n</figure>\n", out);
+    return true;
+}
+
+void page_table_begin(page *p, const char *const *heads, size_t columns)
+{
+    fputs("<div class=\"table\"><table>\n<tr>", p->file.stream);
+    for (size_t n = 0; n < columns; n++) {
+        /* A head that starts with a tab stands over numbers. */
+        const bool number = heads[n][0] == '\t';
+        fputs(number ? "<th class=\"n\">" : "<th>", p->file.stream);
+        html_text(p->file.stream, heads[n] + number);
+        fputs("</th>", p->file.stream);
+    }
+    fputs("</tr>\n", p->file.stream);
+}
+
+void page_row_begin(page *p)
+{
+    fputs("<tr>", p->file.stream);
+}
+
+void page_cell(page *p, bool number, const char *format, ...)
+{
+    va_list args;
+    fputs(number ? "<td class=\"n\">" : "<td>", p->file.stream);
+    va_start(args, format);
+    put_formatted(p->file.stream, format, args);
+    va_end(args);
+    fputs("</td>", p->file.stream);
+}
+
+void page_row_end(page *p)
+{
+    fputs("</tr>\n", p->file.stream);
+}
+
+void page_table_end(page *p)
+{
+    fputs("</table></div>\n", p->file.stream);
+}

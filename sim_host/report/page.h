@@ -1,0 +1,53 @@
+/*
+ * A report page: one HTML file that opens from disk, with its figures in it. Readable on a phone and on a
+ * wide screen, in light and dark. Each figure is also written beside the page as <id>.svg.
+ *
+ * What the text functions take is plain text; what HTML holds special is escaped.
+ */
+#ifndef SIM_HOST_REPORT_PAGE_H
+#define SIM_HOST_REPORT_PAGE_H
+
+#include "../base/error.h"
+#include "../base/out_file.h"
+#include "plot.h"
+
+typedef struct page {
+    out_file file;
+    char directory[1024];
+    bool can_draw;
+    int figures;
+} page;
+
+/* Opens DIRECTORY/index.html, making the directory. */
+bool page_begin(page *p, const char *directory, const char *title, const char *subtitle, error *e);
+/* Closes the page and puts it in place. */
+bool page_end(page *p, error *e);
+/* Gives up; what stood at the path before stays. */
+void page_abandon(page *p);
+
+/* level 2 ... 4. */
+void page_heading(page *p, int level, const char *text);
+void page_text(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
+
+/* Smaller: a remark below a table. */
+void page_note(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
+
+/* A figure beside its numbers: the figure first, then what page_pair_beside begins, where there is room. */
+void page_pair_begin(page *p);
+void page_pair_beside(page *p);
+void page_pair_end(page *p);
+
+/*
+ * Draws a plot into the page. id: also the file's name. Without gnuplot a line says so in its place. False
+ * when gnuplot fails or the file cannot be written.
+ */
+bool page_figure(page *p, plot *drawing, const char *id, const char *caption, error *e);
+
+/* A table, cell by cell; numbers are aligned right, and so are heads that begin with a tab. */
+void page_table_begin(page *p, const char *const *heads, size_t columns);
+void page_row_begin(page *p);
+void page_cell(page *p, bool number, const char *format, ...) ERROR_PRINTF(3, 4);
+void page_row_end(page *p);
+void page_table_end(page *p);
+
+#endif

@@ -1,0 +1,347 @@
+/*
+ * 2019: Figs. 3 (PWM), 6 (error waveforms), 7 (errors over the frequency ratio) and 9 (the laboratory).
+ */
+#include "figures.h"
+#include "lab_drives.h"
+#include "paper_2019.h"
+#include "rows_page.h"
+#include "sweep.h"
+
+#include <math.h>
+
+static const double full_speed_rpm = 8000.0;
+
+/* ---- Fig. 3 ---- */
+
+enum { SHOWN_CYCLES = 4 };
+
+static void say_point(void *context, const plant_point *point)
+{
+    plot_say(context, "%.7g %.6g %.6g\n", 1e3 * point->t_s, point->u_V[0], point->i_A[0]);
+}
+
+/* Edges of the three legs, and where valleys and peaks are sampled. */
+static void say_switching(plot *p, const steady_drive *d)
+{
+    for (int x = 0; x < 3; x++) {
+        char name[16];
+        snprintf(name, sizeof name, "leg%d", x);
+        plot_data(p, name);
+        for (int n = 0; n < SHOWN_CYCLES; n++) {
+            double duty[3];
+            steady_drive_duties(d, &d->cycle[n], duty);
+            const double t_ms = 1e3 * n * d->T_s;
+            const double T_ms = 1e3 * d->T_s;
+            plot_say(p, "%.7g 0\n%.7g 1\n%.7g 0\n", t_ms, t_ms + 0.5 * T_ms * (1.0 - duty[x]),
+                     t_ms + 0.5 * T_ms * (1.0 + duty[x]));
+        }
+        plot_say(p, "%.7g 0\n", 1e3 * SHOWN_CYCLES * d->T_s);
+        plot_data_end(p);
+    }
+    plot_data(p, "samples");
+    for (int n = 0; n < SHOWN_CYCLES; n++) {
+        const drive_cycle *at = &d->cycle[n];
+        plot_say(p, "%.7g %.6g %.7g %.6g %.6g %.7g\n", 1e3 * n * d->T_s, creal(at->i_valley_A),
+                 1e3 * (n + 0.5) * d->T_s, creal(at->i_mid_A), creal(at->i_mean_A), 1e3 * (n + 1) * d->T_s);
+    }
+    plot_data_end(p);
+}
+
+static bool figure_3(page *p, const motor *m, const steady_drive *d, error *e)
+{
+    plot drawing;
+    if (!plot_begin(&drawing, 620, 470, e)) {
+        return false;
+    }
+    say_switching(&drawing, d);
+    plot_data(&drawing, "wave");
+    steady_drive_trace(m, d, 0, SHOWN_CYCLES, d->T_s / 40.0, say_point, &drawing);
+    plot_data_end(&drawing);
+    plot_say(&drawing,
+             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\nset xrange [0:%g]\n"
+             "set xtics %g\nset format x ''\nset yrange [-0.15:1.15]\nunset ytics\nunset key\n",
+             1e3 * SHOWN_CYCLES * d->T_s, 1e3 * d->T_s);
+    for (int x = 0; x < 3; x++) {
+        plot_say(&drawing,
+                 "set tmargin at screen %g\nset bmargin at screen %g\nset ylabel 'S_%c' rotate by 0 offset "
+                 "-1,0\nplot "
+                 "$leg%d using 1:2 with steps linestyle %d\n",
+                 0.985 - 0.085 * x, 0.91 - 0.085 * x, 'A' + x, x, 1 + x);
+    }
+    plot_say(
+        &drawing,
+        "set ytics 250\nset yrange [-550:550]\nset tmargin at screen 0.72\nset bmargin at screen 0.47\n"
+        "set ylabel 'u_A, V' rotate offset 0.6,0\nplot $wave using 1:2 with lines linestyle 1\n"
+        "set tmargin at screen 0.39\nset bmargin at screen 0.11\nset ytics 4\nset yrange [*:*]\nset format x "
+        "'%%g'\n"
+        "set xlabel 't, ms'\nset ylabel 'i_A, A'\nset key at graph 1,1.22 horizontal maxrows 1 samplen 1.2 "
+        "font ',11'\n"
+        "plot $samples using 1:5:($6-$1):(0) with vectors nohead linestyle 9 linewidth 2 title 'true mean', "
+        "$wave using 1:3 with lines linestyle 1 title 'i_A', "
+        "$samples using 1:2 with points linestyle 2 title 'sample at the valley', "
+        "$samples using 3:4 with points linestyle 3 title 'sample at the peak'\nunset multiplot\n");
+    page_heading(p, 3, "Switching and sampling at 8000 rpm");
+    return page_figure(
+        p, &drawing, "2019-figure-3",
+        "Figure 3. PWM signals, voltage and current of phase A at 8000 rpm (12.5 switching periods a "
+        "fundamental period). The mid-point sample misses the cycle's mean by what the current bends.",
+        e);
+}
+
+/* ---- Fig. 6 ---- */
+
+static bool figure_6(page *p, const comparison *c, const method_machine *machine, const steady_drive *d,
+                     error *e)
+{
+    enum { SHOWN = 50 };
+    plot drawing;
+    if (!plot_begin(&drawing, 620, 560, e)) {
+        return false;
+    }
+    plot_data(&drawing, "errors");
+    for (int n = 0; n < SHOWN; n++) {
+        const method_input in = method_input_of(d, &d->cycle[n]);
+        plot_say(&drawing, "%.7g %.6g", 1e3 * n * d->T_s, creal(d->cycle[n].i_valley_A));
+        for (int k = 0; k < METHOD_COUNT; k++) {
+            const double complex off =
+                method_compute((method)k, machine, &in) - method_truth((method)k, &d->cycle[n]);
+            plot_say(&drawing, " %.6g", creal(off));
+        }
+        plot_say(&drawing, "\n");
+    }
+    plot_data_end(&drawing);
+    plot_say(&drawing,
+             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\nset xrange [0:%g]\nset "
+             "format x ''\n"
+             "set key top right horizontal font ',11'\nset offsets 0,0,graph 0.22,graph 0.05\n"
+             "set tmargin at screen 0.985\nset bmargin at screen 0.74\nset ylabel 'i_A, A'\n"
+             "plot $errors using 1:2 with steps linestyle 9 title 'sampled phase current'\n"
+             "set tmargin at screen 0.69\nset bmargin at screen 0.42\nset ylabel 'error of the mean, A'\n"
+             "plot $errors using 1:3 with steps linestyle 1 title 'standard', $errors using 1:4 with steps "
+             "linestyle 2 "
+             "title 'quasi-discrete'\n"
+             "set tmargin at screen 0.37\nset bmargin at screen 0.1\nset ylabel 'error of prediction, "
+             "A'\nset format x "
+             "'%%g'\nset xlabel 't, ms'\n"
+             "plot $errors using 1:5 with steps linestyle 1 title 'standard', $errors using 1:6 with steps "
+             "linestyle 2 "
+             "title 'quasi-discrete'\nunset multiplot\n",
+             1e3 * SHOWN * d->T_s);
+    page_heading(p, 3, "Errors over time");
+    page_pair_begin(p);
+    if (!page_figure(
+            p, &drawing, "2019-figure-6",
+            "Figure 6. Errors of mean current and prediction of phase A at 8000 rpm, rated current, four "
+            "fundamental periods.",
+            e)) {
+        return false;
+    }
+    page_pair_beside(p);
+    rows_page_table(p, c, "2019", "Figure 6", NULL);
+    page_pair_end(p);
+    return true;
+}
+
+/* ---- Figs. 7 and 9: over the ratio of switching to fundamental frequency ---- */
+
+enum { SPEEDS = 24 };
+
+/* Speeds whose ratios lie evenly on a logarithmic axis from 12.5 to 200. */
+static double speed_at(int n)
+{
+    return full_speed_rpm * pow(500.0 / full_speed_rpm, (double)n / (SPEEDS - 1));
+}
+
+static void say_errors(plot *p, const sweep_point *at)
+{
+    plot_say(p, "%.6g", at->sffr);
+    for (int k = 0; k < METHOD_COUNT; k++) {
+        plot_say(p, " %.6g", at->errors.of[k].rms_percent);
+    }
+    plot_say(p, "\n");
+}
+
+static bool say_sweep(plot *p, const motor *m, const method_machine *machine, bool weakened, error *e)
+{
+    bool ok = true;
+    plot_data(p, weakened ? "errors" : "plain");
+    for (int n = 0; n < SPEEDS && ok; n++) {
+        const double rpm = speed_at(n);
+        sweep_point at;
+        ok = sweep_point_at(m, NULL, machine, rpm,
+                            weakened ? paper_2019_current(m, rpm) : paper_2019_current_at(m, 0.0), &at, e);
+        if (ok) {
+            say_errors(p, &at);
+        }
+    }
+    plot_data_end(p);
+    return ok;
+}
+
+/* The paper's Table 1; its ratios are those of 500, 5000 and 8000 rpm. */
+static const char table_1_points[] =
+    "200 0.041 0.018 0.494 0.048\n20 0.73 0.16 8.82 0.47\n12.5 1.89 0.26 22.4 0.76\n";
+
+static void say_error_panel(plot *p, int column, const char *label, bool with_key)
+{
+    plot_say(p,
+             "set ylabel '%s'\n%s\nplot $plain using 1:%d with lines linestyle 9 dashtype 2 notitle, $plain "
+             "using 1:%d with "
+             "lines linestyle 9 dashtype 2 title 'i_d = 0 throughout', "
+             "$errors using 1:%d with lines linestyle 1 title 'standard', $errors using 1:%d with lines "
+             "linestyle 2 title "
+             "'quasi-discrete', $paper using 1:%d with points linestyle 1 title 'paper, Table 1', $paper "
+             "using 1:%d with "
+             "points linestyle 2 notitle\n",
+             label, with_key ? "set key top right font ',11'" : "unset key", column, column + 1, column,
+             column + 1, column, column + 1);
+}
+
+static bool draw_figure_7(page *p, const motor *m, const method_machine *machine, bool logarithmic, error *e)
+{
+    plot drawing;
+    if (!plot_begin(&drawing, 620, 330, e)) {
+        return false;
+    }
+    if (!say_sweep(&drawing, m, machine, true, e) || !say_sweep(&drawing, m, machine, false, e)) {
+        plot_abandon(&drawing);
+        return false;
+    }
+    plot_data(&drawing, "paper");
+    plot_say(&drawing, "%s", table_1_points);
+    plot_data_end(&drawing);
+    plot_say(&drawing, "%s",
+             logarithmic ? "set logscale xy\nset xrange [11.5:220]\nset xtics (12.5,20,50,100,200)\n"
+                           "set format y '%g'\n"
+                         : "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\n");
+    plot_say(&drawing,
+             "set xlabel 'SFFR'\nset multiplot layout 1,2 margins 0.11,0.985,0.15,0.96 spacing 0.14,0\n");
+    say_error_panel(&drawing, 2, "mean current, % of the rms current", false);
+    say_error_panel(&drawing, 4, "prediction, % of the rms current", true);
+    plot_say(&drawing, "unset multiplot\n");
+    return logarithmic ? page_figure(p, &drawing, "2019-figure-7-log",
+                                     "The same down to 500 rpm, both axes logarithmic. The paper's standard "
+                                     "figures at SFFR 200 "
+                                     "lie on the curve of SFFR 100.",
+                                     e)
+                       : page_figure(p, &drawing, "2019-figure-7",
+                                     "Figure 7. Errors over the switching-to-fundamental frequency ratio "
+                                     "(SFFR), rated current: "
+                                     "mean current (a), prediction (b). Dots: the paper's Table 1.",
+                                     e);
+}
+
+static bool figure_7(page *p, const comparison *c, const motor *m, const method_machine *machine, error *e)
+{
+    page_heading(p, 3, "Errors over speed");
+    page_pair_begin(p);
+    if (!draw_figure_7(p, m, machine, false, e) || !draw_figure_7(p, m, machine, true, e)) {
+        return false;
+    }
+    page_pair_beside(p);
+    rows_page_table(p, c, "2019", "Table 1", NULL);
+    page_pair_end(p);
+    return true;
+}
+
+static bool say_spread(plot *p, const motor *m, method which, const char *name, error *e)
+{
+    bool ok = true;
+    plot_data(p, name);
+    for (int n = 0; n < SPEEDS && ok; n++) {
+        const double rpm = speed_at(n);
+        steady_drive d;
+        lab_spread s;
+        if (rpm < 1900.0) {
+            continue; /* outside the figure */
+        }
+        ok = steady_drive_run(m, rpm, paper_2019_current(m, rpm), 100, &d, e);
+        if (ok) {
+            ok = lab_spread_of(m, &d, which, &s, e);
+            steady_drive_free(&d);
+        }
+        if (ok) {
+            plot_say(p, "%.6g %.6g %.6g %.6g\n", 1.0 / d.turns_per_cycle, s.low, s.median, s.high);
+        }
+    }
+    plot_data_end(p);
+    return ok;
+}
+
+static bool figure_9(page *p, const comparison *c, const motor *m, const method_machine *machine, error *e)
+{
+    plot drawing;
+    if (!plot_begin(&drawing, 620, 330, e)) {
+        return false;
+    }
+    if (!say_sweep(&drawing, m, machine, true, e) ||
+        !say_spread(&drawing, m, METHOD_PREDICTION_STANDARD, "standard", e) ||
+        !say_spread(&drawing, m, METHOD_PREDICTION_QUASI_DISCRETE, "quasi", e)) {
+        plot_abandon(&drawing);
+        return false;
+    }
+    plot_say(&drawing, "$measured << END_OF_DATA\n20 8.96 1.43\n12.5 22.3 3.47\nEND_OF_DATA\n"
+                       "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\nset xlabel 'SFFR'\nset key top "
+                       "right font ',11'\n"
+                       "set multiplot layout 1,2 margins 0.11,0.985,0.15,0.91 spacing 0.14,0\n");
+    for (int k = 0; k < 2; k++) {
+        const char *name = k == 0 ? "standard" : "quasi";
+        plot_say(&drawing,
+                 "set title '%s'\nset ylabel 'prediction, %% of the rms current'\n"
+                 "plot $%s using 1:2:4 with filledcurves linecolor rgb '" PLOT_BAND
+                 "' title '90%% of the drawn drives', $%s using 1:3 with lines linestyle 2 title 'their "
+                 "median', $errors "
+                 "using 1:%d with lines linestyle 1 title 'simulation', $measured using 1:%d with points "
+                 "linestyle 4 "
+                 "pointsize 0.8 title 'paper, measured'\n",
+                 k == 0 ? "(a) standard" : "(b) quasi-discrete", name, name, 4 + k, 2 + k);
+    }
+    plot_say(&drawing, "unset multiplot\n");
+    page_heading(p, 3, "In place of the laboratory");
+    page_text(
+        p,
+        "What the laboratory's noise and parameter errors were, the paper does not say. %d drives are drawn "
+        "(seed %d) whose controllers know R to ±10 %%, L to ±5 %%, ψ to ±2 %%, the voltage to ±1 %% and the "
+        "angle to "
+        "±1° (each uniform), with 0.5 %% of the rated peak as noise on each current sample. Nothing is "
+        "fitted to "
+        "the measured points.",
+        LAB_DRAWS, (int)LAB_SEED);
+    page_pair_begin(p);
+    if (!page_figure(
+            p, &drawing, "2019-figure-9",
+            "Figure 9. Prediction errors as they might be measured, and the two points that the paper gives "
+            "in numbers (Table 3).",
+            e)) {
+        return false;
+    }
+    page_pair_beside(p);
+    rows_page_table(p, c, "2019", "Table 3", NULL);
+    page_pair_end(p);
+    return true;
+}
+
+bool figures_2019(page *p, const comparison *c, error *e)
+{
+    const motor m = paper_2019_motor();
+    method_machine machine;
+    steady_drive d;
+    page_heading(p, 2, "2019: quasi-discrete modelling at low frequency ratio");
+    page_text(
+        p,
+        "The quasi-discrete model lets the EMF turn with the rotor within a control cycle. The drive is the "
+        "paper's laboratory drive, its PWM resolved at every edge; current regulated at the mid-point "
+        "sample.");
+    if (!method_machine_of(&m, NULL, &machine, e) ||
+        !steady_drive_run(&m, full_speed_rpm, paper_2019_current(&m, full_speed_rpm), 200, &d, e)) {
+        return false;
+    }
+    const bool ok = figure_3(p, &m, &d, e) && figure_6(p, c, &machine, &d, e) &&
+                    figure_7(p, c, &m, &machine, e) && figure_9(p, c, &m, &machine, e);
+    steady_drive_free(&d);
+    if (ok) {
+        page_heading(p, 3, "The firmware against double precision");
+        rows_page_table(p, c, "2019", "IQ24 against double", NULL);
+    }
+    return ok;
+}

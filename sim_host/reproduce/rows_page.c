@@ -1,0 +1,86 @@
+#include "rows_page.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { NOTES_MAX = 16 };
+
+static bool wanted(const comparison_row *r, const char *paper, const char *item, const char *part)
+{
+    return strcmp(r->paper, paper) == 0 && strcmp(r->item, item) == 0 &&
+           (part == NULL || strstr(r->condition, part) != NULL || strstr(r->quantity, part) != NULL);
+}
+
+static void number_cell(page *p, double value)
+{
+    if (!isfinite(value)) {
+        page_cell(p, true, "–");
+    } else if (value != 0.0 && fabs(value) < 1e-3) {
+        page_cell(p, true, "%.2e", value);
+    } else {
+        page_cell(p, true, "%.4g", value);
+    }
+}
+
+static int note_of(const char *notes[NOTES_MAX], int *count, const char *note)
+{
+    for (int n = 0; n < *count; n++) {
+        if (strcmp(notes[n], note) == 0) {
+            return n + 1;
+        }
+    }
+    if (note[0] == '\0' || *count == NOTES_MAX) {
+        return 0;
+    }
+    notes[(*count)++] = note;
+    return *count;
+}
+
+/* A condition without what all rows of the table have in common. */
+static const char *rest_of(const char *condition, const char *part)
+{
+    const size_t length = part == NULL ? 0 : strlen(part);
+    if (length == 0 || strncmp(condition, part, length) != 0) {
+        return condition;
+    }
+    return condition + length + strspn(condition + length, ", ");
+}
+
+static void put_row(page *p, const comparison_row *r, const char *part, int note)
+{
+    const double ratio = comparison_ratio(r);
+    page_row_begin(p);
+    page_cell(p, false, "%s%s%s, %s", r->quantity, r->method[0] != '\0' ? ", " : "", r->method, r->unit);
+    page_cell(p, false, "%s", rest_of(r->condition, part));
+    number_cell(p, r->paper_value);
+    number_cell(p, r->value);
+    number_cell(p, r->value_iq24);
+    if (isfinite(ratio)) {
+        page_cell(p, true, "%.3f", ratio);
+    } else {
+        page_cell(p, true, "–");
+    }
+    if (note > 0) {
+        page_cell(p, true, "[%d]", note);
+    } else {
+        page_cell(p, true, " ");
+    }
+    page_row_end(p);
+}
+
+void rows_page_table(page *p, const comparison *c, const char *paper, const char *item, const char *part)
+{
+    static const char *const heads[] = {"", "", "\tpaper", "\tdouble", "\tIQ24", "\tratio", ""};
+    const char *notes[NOTES_MAX];
+    int count = 0;
+    page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
+    for (size_t n = 0; n < c->count; n++) {
+        if (wanted(&c->row[n], paper, item, part)) {
+            put_row(p, &c->row[n], part, note_of(notes, &count, c->row[n].note));
+        }
+    }
+    page_table_end(p);
+    for (int n = 0; n < count; n++) {
+        page_note(p, "[%d] %s", n + 1, notes[n]);
+    }
+}
