@@ -1,8 +1,49 @@
-"""The confusion matrix as a figure (gnuplot, SVG) and as a Markdown table."""
+"""What the blind tests found, for the documentation: the confusion matrix as a figure (gnuplot, SVG), and tables."""
 
+import os
+import re
 import subprocess
 
 import score
+
+DOCS = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "docs")
+
+
+def fill_page(name, text):
+    """Puts a table between <!-- blind: NAME --> and <!-- end --> of docs/blind_tests.md."""
+    path = os.path.join(DOCS, "blind_tests.md")
+    with open(path, encoding="utf-8") as file:
+        page = file.read()
+    block = re.compile(rf"(<!-- blind: {name} -->\n).*?(<!-- end -->)", re.DOTALL)
+    if not block.search(page):
+        raise ValueError(f"{path} has no block <!-- blind: {name} -->")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(block.sub(lambda m: m.group(1) + text + m.group(2), page))
+
+
+def rates_markdown(s):
+    """The rates beside what is asked of them."""
+    t, n = score.THRESHOLDS, s["recordings"]
+
+    def percent(x):
+        return "-" if x is None else f"{100.0 * x:.1f} %"
+
+    def at_least(name):
+        return f">= {100.0 * t[name]:.0f} %"
+    false_causes = None if s["unknown_without_cause"] is None else 1.0 - s["unknown_without_cause"]
+    rows = [("single effects named exactly", n["single"], s["single_exact"], at_least("single_exact")),
+            ("pairs named exactly", n["pair"], s["pair_exact"], at_least("pair_exact")),
+            ("clean recordings with no cause", n["clean"], s["clean_without_cause"], at_least("clean_without_cause")),
+            ("unknown effects with a false cause", n["unknown"], false_causes,
+             f"<= {100.0 * (1.0 - t['unknown_without_cause']):.0f} %"),
+            ("true parameters inside their 95 % interval", s["parameters_counted"], s["coverage"],
+             f"{100.0 * t['coverage_low']:.0f} to {100.0 * t['coverage_high']:.0f} %"),
+            ("gain over the oracle's, mean", n["single"] + n["pair"], s["gain_share"], at_least("gain_share"))]
+    lines = ["| what | of | measured | asked |", "|---|---|---|---|"]
+    lines += [f"| {what} | {count} | {percent(value)} | {asked} |" for what, count, value, asked in rows]
+    second, main = s["by_plant"]["second"], s["by_plant"]["main"]
+    lines += ["", f"{second} of the recordings are by the second plant, {main} by the project's own."]
+    return "\n".join(lines) + "\n"
 
 
 def markdown(results):
@@ -43,6 +84,7 @@ set cbrange [0:100]
 unset colorbox
 set tics scale 0
 plot $cells using 1:2:3 with image pixels notitle, \\
-     $labels using 1:2:(sprintf("%d", $3)):($3 > 60 ? 0xffffff : 0x000000) with labels tc rgb variable font ",11" notitle
+     $labels using 1:2:(sprintf("%d", $3)):($3 > 60 ? 0xffffff : 0x000000) with labels tc rgb variable \\
+     font ",11" notitle
 """
     subprocess.run(["gnuplot", "-"], input=script, text=True, check=True)

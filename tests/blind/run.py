@@ -37,9 +37,9 @@ def fixed_set(full):
     """(seed, kind, plant) of every recording: each cause alone, pairs, clean, unknown; the plants take turns."""
     repeats, pairs, clean, unknown = (8, 90, 50, 40) if full else (1, 14, 10, 9)
     kinds = effects.CAUSES * repeats + ["pair"] * pairs + ["clean"] * clean
-    kinds += [effects.UNKNOWN[n % len(effects.UNKNOWN)] for n in range(unknown)]
+    # The plants take turns: over an odd number of causes each meets both; the even number of unknown ones is shifted.
+    kinds += [effects.UNKNOWN[(n + n // 4) % len(effects.UNKNOWN)] for n in range(unknown)]
     first = 1000 if full else 9000
-    # Over an odd number of causes, taking turns gives each cause to both plants.
     return [(first + n, kind, ("second", "main")[n % 2]) for n, kind in enumerate(kinds)]
 
 
@@ -138,6 +138,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--keep", metavar="DIR", help="leave the recordings here, and reuse those that are")
     parser.add_argument("--json", metavar="F", help="all results as JSON")
+    parser.add_argument("--docs", action="store_true", help="write the results into docs/blind_tests.md and its figure")
     parser.add_argument("--figure", metavar="F.svg", help="the confusion matrix as a figure")
     parser.add_argument("--table", metavar="F.md", help="the confusion matrix as a table")
     args = parser.parse_args()
@@ -168,6 +169,11 @@ def main():
     if args.table:
         with open(args.table, "w", encoding="utf-8") as file:
             file.write(figure.markdown(results))
+    if args.docs:
+        figure.fill_page("rates", figure.rates_markdown(s))
+        figure.fill_page("confusion", figure.markdown(results))
+        os.makedirs(os.path.join(figure.DOCS, "figures"), exist_ok=True)
+        figure.write_svg(results, os.path.join(figure.DOCS, "figures", "confusion.svg"))
     problems = score.below_threshold(s, not args.ci) + [f"{len(failures)} recordings failed to run"] * bool(failures)
     for problem in problems:
         print(f"below threshold: {problem}")
