@@ -11,10 +11,9 @@
 BENCH_APART void bench_current_control(bench_drive_t *drive, iq24_t i_a, iq24_t i_b, iq24_t theta,
                                        iq24_t scale)
 {
-    const iq24_sincos_t sc = iq24_sincos(theta);
+    const iq24_sincos_t sc = iq24_sincos_inline(theta);
     const iqfoc_dq_t i = iqfoc_park(iqfoc_clarke2(i_a, i_b), sc);
-    const iqfoc_dq_t u =
-        iqfoc_current_control_step(&drive->control, &bench_config.gains, drive->i_ref, i, drive->rotor.turns);
+    const iqfoc_dq_t u = iqfoc_current_control_step(&drive->control, &bench_config.gains, drive->i_ref, i);
     iqfoc_current_control_limited(&drive->control, &bench_config.gains, u, scale);
     drive->u_next = iqfoc_park_inverse(u, sc);
 }
@@ -22,17 +21,14 @@ BENCH_APART void bench_current_control(bench_drive_t *drive, iq24_t i_a, iq24_t 
 BENCH_APART void bench_cycle(bench_drive_t *drive, iq24_t i_a, iq24_t i_b, iq24_t theta_mid,
                              iqfoc_duties_t *duties)
 {
+    const iqfoc_predictor_t *predictor = &bench_config.predictor;
+    const iqfoc_rotor_t *rotor = &drive->rotor;
     const iqfoc_ab_t i = iqfoc_clarke2(i_a, i_b);
-    const iq24_sincos_t sc = iq24_sincos(theta_mid);
-    drive->i_next =
-        iqfoc_predictor_quasi_discrete(&bench_config.predictor, i, drive->u_now, &drive->rotor, sc);
-    const iqfoc_ab_t mean =
-        iqfoc_mean_current_quasi_discrete(&bench_config.predictor, i, drive->u_now, &drive->rotor, sc);
-    const iqfoc_ab_t delta = {iq24_sub_wrap(drive->i_next.alpha, i.alpha),
-                              iq24_sub_wrap(drive->i_next.beta, i.beta)};
-    const iqfoc_dq_t i_dq = iqfoc_mean_current_correct(mean, delta, &drive->rotor, sc);
-    const iqfoc_dq_t u = iqfoc_current_control_step(&drive->control, &bench_config.gains, drive->i_ref, i_dq,
-                                                    drive->rotor.turns);
+    const iq24_sincos_t sc = iq24_sincos_inline(theta_mid);
+    const iqfoc_ab_t i_next = iqfoc_predictor_quasi_discrete(predictor, i, drive->u_now, rotor, sc);
+    const iqfoc_dq_t i_dq = iqfoc_mean_current_seen(predictor, i, i_next, rotor, sc);
+    const iqfoc_dq_t u = iqfoc_current_control_step(&drive->control, &bench_config.gains, drive->i_ref, i_dq);
+    drive->i_next = i_next;
     drive->u_now = iqfoc_park_inverse(u, sc);
     *duties = iqfoc_modulate(drive->u_now, drive->u_dc_inverse, bench_config.span_max);
     iqfoc_current_control_limited(&drive->control, &bench_config.gains, u, duties->scale);

@@ -77,9 +77,8 @@ COUNT(prediction_quasi_discrete, iqfoc_ab_t, iqfoc_predictor_quasi_discrete,
       (const iqfoc_predictor_t *, iqfoc_ab_t, iqfoc_ab_t, const iqfoc_rotor_t *, iq24_sincos_t),
       (&bench_config.predictor, in->i, in->u, &in->rotor, in->sc))
 COUNT(control_step, iqfoc_dq_t, iqfoc_current_control_step,
-      (iqfoc_current_control_t *, const iqfoc_current_control_gains_t *, iqfoc_dq_t, iqfoc_dq_t, iq24_t),
-      (&drive.control, &bench_config.gains, in->i_ref, (iqfoc_dq_t){in->i.alpha, in->i.beta},
-       in->sample.turns))
+      (iqfoc_current_control_t *, const iqfoc_current_control_gains_t *, iqfoc_dq_t, iqfoc_dq_t),
+      (&drive.control, &bench_config.gains, in->i_ref, (iqfoc_dq_t){in->i.alpha, in->i.beta}))
 COUNT(modulation, iqfoc_duties_t, iqfoc_modulate, (iqfoc_ab_t, iq24_t, iq24_t),
       (in->u, IQ24(1.0), bench_config.span_max))
 COUNT(current_control, void, bench_current_control, (bench_drive_t *, iq24_t, iq24_t, iq24_t, iq24_t),

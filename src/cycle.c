@@ -24,7 +24,7 @@ static bool beyond(iq24_t x, iq24_t limit)
 
 static bool predictor_valid(const iqfoc_predictor_t *p)
 {
-    return within(p->k_u, 1, IQ24(32.0)) && within(p->k_r, 0, IQ24_ONE) && within(p->k_psi, 0, IQ24(32.0));
+    return within(p->k_u, 1, IQ24(16.0)) && within(p->k_r, 0, IQ24_ONE) && within(p->k_psi, 0, IQ24(8.0));
 }
 
 static bool gains_valid(const iqfoc_current_control_gains_t *g)
@@ -57,20 +57,20 @@ iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t 
     if (!within(config->span_max, 1, IQ24_ONE)) {
         return IQFOC_ERROR_SPAN;
     }
-    if (!within(config->current_limit, 1, IQ24(32.0))) {
+    if (!within(config->current_limit, 1, IQ24(16.0))) {
         return IQFOC_ERROR_CURRENT_LIMIT;
     }
     if (!choices_valid(config)) {
         return IQFOC_ERROR_CHOICE;
     }
-    const iqfoc_cycle_t fresh = {.config = config, .rotor = {0, IQ24_ONE, 0}, .u_dc_inverse = IQ24_ONE};
+    const iqfoc_cycle_t fresh = {.config = config, .rotor = {.s1 = IQ24_ONE}, .u_dc_inverse = IQ24_ONE};
     *cycle = fresh;
     return IQFOC_OK;
 }
 
 void iqfoc_cycle_clear(iqfoc_cycle_t *cycle)
 {
-    const iqfoc_current_control_t no_control = {{0, 0}};
+    const iqfoc_current_control_t no_control = {0, 0};
     cycle->status = 0;
     cycle->tripped = false;
     cycle->started = false;
@@ -136,6 +136,10 @@ static iqfoc_dq_t corrected_mean(const iqfoc_cycle_t *cycle, const iqfoc_sample_
     return iqfoc_mean_current_correct(i_mean, delta, &cycle->rotor, iq24_sincos(theta_mid));
 }
 
+/*
+ * Range: phases within 15.9 give |alpha| <= 21.2 and |beta| <= 18.4; u_now is what the DC link can make, |u|
+ * <= 1. So |i_next| <= 21.2 + 16 + 13.9 = 51.1 a component, which is what iqfoc_mean_current_seen asks for.
+ */
 void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
 {
     const iqfoc_cycle_config_t *config = cycle->config;
@@ -168,11 +172,7 @@ void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint
         iq24_sincos(theta_after(cycle->theta_valley, cycle->rotor.turns, IQ24_ONE / 2));
     cycle->i_next =
         iqfoc_predictor_quasi_discrete(&config->predictor, i, cycle->u_now, &cycle->rotor, sc_mid);
-    cycle->i_mean =
-        iqfoc_mean_current_quasi_discrete(&config->predictor, i, cycle->u_now, &cycle->rotor, sc_mid);
-    const iqfoc_ab_t delta = {iq24_sub_wrap(cycle->i_next.alpha, i.alpha),
-                              iq24_sub_wrap(cycle->i_next.beta, i.beta)};
-    cycle->i_mean_dq = iqfoc_mean_current_correct(cycle->i_mean, delta, &cycle->rotor, sc_mid);
+    cycle->i_mean_dq = iqfoc_mean_current_seen(&config->predictor, i, cycle->i_next, &cycle->rotor, sc_mid);
 }
 
 static iqfoc_dq_t feedback(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i)
@@ -225,7 +225,7 @@ static iqfoc_duties_t modulated(const iqfoc_cycle_t *cycle, iqfoc_ab_t *u, iq24_
 
 static void stop(iqfoc_cycle_t *cycle)
 {
-    const iqfoc_current_control_t no_control = {{0, 0}};
+    const iqfoc_current_control_t no_control = {0, 0};
     const iqfoc_ab_t no_voltage = {0, 0};
     const iqfoc_dq_t nothing = {0, 0};
     cycle->control = no_control;
@@ -253,8 +253,11 @@ iqfoc_command_t iqfoc_cycle_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sam
         return iqfoc_cycle_safe(config);
     }
 
-    cycle->u_dq =
-        iqfoc_current_control_step(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq, turns);
+    const iqfoc_dq_t control =
+        iqfoc_current_control_step(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq);
+    const iqfoc_dq_t apart = iqfoc_current_control_decoupling(&config->gains, cycle->i_dq, turns);
+    cycle->u_dq.d = control.d + apart.d;
+    cycle->u_dq.q = control.q + apart.q;
     cycle->u_ab = iqfoc_park_inverse(cycle->u_dq,
                                      iq24_sincos(theta_after(sample->theta, turns, output_mid - sample->at)));
     const iqfoc_command_t command = {modulated(cycle, &cycle->u_ab, sample->u_dc), true};

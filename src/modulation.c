@@ -5,49 +5,14 @@
 
 #include "iqfoc/transform.h"
 
-static iq24_t larger(iq24_t x, iq24_t y)
-{
-    return x > y ? x : y;
-}
-
-static iq24_t smaller(iq24_t x, iq24_t y)
-{
-    return x < y ? x : y;
-}
-
-/* A duty within [0, 1]: the last LSB of the roundings before it must not switch a leg the wrong way. */
-static iq24_t duty(iq24_t x)
-{
-    return iq24_clamp(x, 0, IQ24_ONE);
-}
-
 /*
- * Range: |u u_dc_inverse| <= 32 a component, so |phase| <= 43.8 and span = max - min <= sqrt(3) 32 sqrt(2)
- * = 78.4: no sum wraps. 0 < scale < 1 where span > span_max, so what is shortened only gets smaller. Error
- * within the hexagon: voltage over u_dc 0.5 LSB, inverse Clarke 1.2, zero sequence 1.2: together below 3.
- * Shortened: the rounded scale costs 0.5 LSB times the phase's size besides, and the span's own error.
+ * Range: span_max - 1 >= 0 and span >= 2 LSB: the quotient is in [0, 1).
+ * The quotient is within 0.5 LSB, so (quotient - 1) span is at most span_max - 1 - 0.5 span in LSB and per
+ * unit: the phases' new span, which floors can raise by less than 1 LSB, is below span_max.
  */
-iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max)
+iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max)
 {
-    const iqfoc_ab_t v = {iq24_mul_round(u.alpha, u_dc_inverse), iq24_mul_round(u.beta, u_dc_inverse)};
-    iqfoc_abc_t x = iqfoc_clarke_inverse(v);
-    iq24_t high = larger(larger(x.a, x.b), x.c);
-    iq24_t low = smaller(smaller(x.a, x.b), x.c);
-    iqfoc_duties_t duties = {{0, 0, 0}, IQ24_ONE};
-    const iq24_t span = iq24_sub_wrap(high, low);
-    if (span > span_max) {
-        duties.scale = iq24_div(span_max, span);
-        x.a = iq24_mul_round(x.a, duties.scale);
-        x.b = iq24_mul_round(x.b, duties.scale);
-        x.c = iq24_mul_round(x.c, duties.scale);
-        high = iq24_mul_round(high, duties.scale);
-        low = iq24_mul_round(low, duties.scale);
-    }
-    const iq24_t shift = iq24_sub_wrap(IQ24_ONE / 2, iq24_asr32(iq24_add_wrap(high, low), 1));
-    duties.high.a = duty(iq24_add_wrap(x.a, shift));
-    duties.high.b = duty(iq24_add_wrap(x.b, shift));
-    duties.high.c = duty(iq24_add_wrap(x.c, shift));
-    return duties;
+    return iqfoc_larger(iq24_div(span_max - 1, span) - 1, 0);
 }
 
 /* The fraction of a turn, [0, 2^24). A mask of the two's complement: exact for negative angles too. */

@@ -1,17 +1,17 @@
 /*
- * Current control in the rotor frame: PI with decoupling and back-calculation anti-windup.
+ * Current control in the rotor frame: PI with back-calculation anti-windup, and decoupling.
  *
- *     u_d = kp_d e_d + I_d - x x_q i_q
- *     u_q = kp_q e_q + I_q + x (x_d i_d + emf),     e = i_ref - i,  x = speed in turns per cycle
- *     I  += ki e + k_aw (scale - 1) u
+ *     u  = kp e + I,   I += ki e,   e = i_ref - i                        for d and q
+ *     u += ( -x x_q i_q,  x (x_d i_d + emf) )                            x = speed in turns per cycle
+ *     I += k_aw (scale - 1) u                                            where the modulator made scale * u
  *
- * where the modulator could only make scale * u of the voltage. The frame in which u acts is the caller's:
- * the cycle turns it back with the rotor angle at the middle of the span in which the voltage will stand.
+ * The frame in which u acts is the caller's: the cycle turns it back with the rotor angle at the middle of
+ * the span in which the voltage will stand.
  */
 #ifndef IQFOC_CURRENT_CONTROL_H
 #define IQFOC_CURRENT_CONTROL_H
 
-#include "iq24_math.h"
+#include "iq24.h"
 #include "vector.h"
 
 /* Per unit, IQ24 (iqfoc/params.h makes them). All >= 0. */
@@ -20,38 +20,117 @@ typedef struct iqfoc_current_control_gains {
     iq24_t kp_q; /* the same for q; differs where L_q != L_d */
     iq24_t ki_d; /* voltage per current and cycle, <= 32 */
     iq24_t ki_q;
-    iq24_t anti_windup; /* k_aw: share of the missing voltage taken back per cycle, <= 1; ki/kp is the usual
-                           choice */
+    iq24_t anti_windup; /* k_aw: share of the missing voltage taken back per cycle, <= 1 */
     iq24_t x_d;         /* 2 pi L_d I_b / (T U_b): reactance at one turn per cycle, <= 96; 0: no decoupling */
     iq24_t x_q;         /* 2 pi L_q I_b / (T U_b) */
     iq24_t emf;         /* 2 pi psi_f / (T U_b): EMF at one turn per cycle, <= 96 */
 } iqfoc_current_control_gains_t;
 
-/* The integrators, per unit voltage. Zero it to reset. */
+/*
+ * The integrators: voltage per unit with 48 fractional bits, so that no error is too small to be integrated.
+ * Zero them to reset.
+ */
 typedef struct iqfoc_current_control {
-    iqfoc_dq_t integral; /* each within +-IQFOC_CURRENT_CONTROL_LIMIT */
+    iq24_acc_t integral_d; /* within +-8 per unit */
+    iq24_acc_t integral_q;
 } iqfoc_current_control_t;
 
-/* No integrator and no output component leaves this range (per unit voltage): eight times what any DC link
- * can make. */
+/* Neither an integrator nor a result leaves +-8 per unit voltage: eight times what the DC link can make. */
 #define IQFOC_CURRENT_CONTROL_LIMIT IQ24(8.0)
 
 /*
- * One step: the voltage that the controller asks for, before any limit of the inverter.
+ * A sum held to +-8.
  *
- * i_ref, i: per unit, |component| <= 32. turns: speed, |turns| <= 1/3 turn per cycle. Out: per unit voltage,
- * each component held to the limit above; so is the integrator. Largest error of u against double: 0.5 LSB +
- * 0.5 LSB per unit of i (the decoupling's rounded reactance); of the integrator 0.5 LSB a step.
+ * The high word of Q15.48 is Q15.16 and decides alone: 8 is 2^19 there, and below it the low word is less
+ * than one unit.
  */
-iqfoc_dq_t iqfoc_current_control_step(iqfoc_current_control_t *control,
-                                      const iqfoc_current_control_gains_t *gains, iqfoc_dq_t i_ref,
-                                      iqfoc_dq_t i, iq24_t turns);
+static inline iq24_acc_t iqfoc_current_control_hold(iq24_acc_t sum)
+{
+    const int32_t limit = INT32_C(1) << 19;
+    const int32_t high = (int32_t)iq24_asr64(sum, 32);
+    if (high >= limit) {
+        return (iq24_acc_t)limit * INT64_C(0x100000000);
+    }
+    return high < -limit ? -(iq24_acc_t)limit * INT64_C(0x100000000) : sum;
+}
+
+/* The same as a rounded-down iq24_t. */
+static inline iq24_t iqfoc_current_control_held(iq24_acc_t sum)
+{
+    const int32_t limit = INT32_C(1) << 19;
+    const int32_t high = (int32_t)iq24_asr64(sum, 32);
+    const iq24_t low = iq24_acc_trunc(sum);
+    return high >= limit ? IQFOC_CURRENT_CONTROL_LIMIT : high < -limit ? -IQFOC_CURRENT_CONTROL_LIMIT : low;
+}
+
+/*
+ * PI of one axis: the result, and the integrator moved on.
+ *
+ * Range: |e| <= 64 and k <= 32 give |k e| <= 2048 in per unit, 2^59 in the accumulator; with |I| <= 8 the sum
+ * fits. Error: floor, below 1 LSB; the integrator is exact.
+ */
+static inline iq24_t iqfoc_current_control_axis(iq24_acc_t *integral, iq24_t kp, iq24_t ki, iq24_t e)
+{
+    const iq24_t u = iqfoc_current_control_held(iq24_acc_mac(*integral, kp, e));
+    *integral = iqfoc_current_control_hold(iq24_acc_mac(*integral, ki, e));
+    return u;
+}
+
+/*
+ * The controllers' part of the voltage, before decoupling and before any limit of the inverter.
+ *
+ * i_ref, i: per unit, |component| <= 32. Out: per unit voltage, each component held to +-8; so is the
+ * integrator. Largest error against double: 1 LSB (rounded down); of the integrator none.
+ */
+static inline iqfoc_dq_t iqfoc_current_control_step(iqfoc_current_control_t *control,
+                                                    const iqfoc_current_control_gains_t *gains,
+                                                    iqfoc_dq_t i_ref, iqfoc_dq_t i)
+{
+    const iq24_t e_d = iq24_sub_wrap(i_ref.d, i.d);
+    const iq24_t e_q = iq24_sub_wrap(i_ref.q, i.q);
+    const iqfoc_dq_t u = {iqfoc_current_control_axis(&control->integral_d, gains->kp_d, gains->ki_d, e_d),
+                          iqfoc_current_control_axis(&control->integral_q, gains->kp_q, gains->ki_q, e_q)};
+    return u;
+}
+
+/*
+ * The voltage that keeps the axes apart and meets the EMF, to be added to the controllers'.
+ *
+ * i: per unit, |component| <= 32. turns: speed, |turns| <= 1/3 turn per cycle. Out: per unit voltage, each
+ * component held to +-8. Largest error: 0.5 LSB + 0.5 LSB per unit of i (the rounded reactance), rounded
+ * down: 1 LSB more.
+ *
+ * Range: |x x_q| <= 96/3 = 32, so a product is at most 32 * 32 = 1024 in per unit, 2^58 in the accumulator;
+ * the EMF 32.
+ */
+static inline iqfoc_dq_t iqfoc_current_control_decoupling(const iqfoc_current_control_gains_t *gains,
+                                                          iqfoc_dq_t i, iq24_t turns)
+{
+    const iq24_t reactance_d = iq24_mul_round(turns, gains->x_d);
+    const iq24_t reactance_q = iq24_mul_round(turns, gains->x_q);
+    const iq24_acc_t d = iq24_acc_mul(-reactance_q, i.q);
+    const iq24_acc_t q = iq24_acc_mac(iq24_acc_mul(reactance_d, i.d), turns, gains->emf);
+    const iqfoc_dq_t u = {iqfoc_current_control_held(d), iqfoc_current_control_held(q)};
+    return u;
+}
+
+/* What iqfoc_current_control_limited does where something was missing: rarely, so not inline. */
+void iqfoc_current_control_back(iqfoc_current_control_t *control, const iqfoc_current_control_gains_t *gains,
+                                iqfoc_dq_t u, iq24_t scale);
 
 /*
  * Back-calculation: to be called after a step of which the modulator could only make scale < 1.
- * scale: 0 ... 1, as iqfoc_modulate gives it; 1 leaves the integrators as they are.
+ *
+ * u: the voltage asked for, |component| <= 16. scale: 0 ... 1, as iqfoc_modulate gives it; 1 leaves the
+ * integrators as they are.
  */
-void iqfoc_current_control_limited(iqfoc_current_control_t *control,
-                                   const iqfoc_current_control_gains_t *gains, iqfoc_dq_t u, iq24_t scale);
+static inline void iqfoc_current_control_limited(iqfoc_current_control_t *control,
+                                                 const iqfoc_current_control_gains_t *gains, iqfoc_dq_t u,
+                                                 iq24_t scale)
+{
+    if (scale < IQ24_ONE) {
+        iqfoc_current_control_back(control, gains, u, scale);
+    }
+}
 
 #endif

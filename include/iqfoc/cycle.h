@@ -63,7 +63,7 @@ typedef enum iqfoc_safe_state {
 
 /* One set of measurements. Per unit and turns are IQ24. */
 typedef struct iqfoc_sample {
-    iqfoc_abc_t i; /* phase currents, per unit, into the motor; the port's scaling keeps each within +-31.9 */
+    iqfoc_abc_t i; /* phase currents, per unit, into the motor; the port's scaling keeps each within +-15.9 */
     iqfoc_abc_t i_mean; /* valley only: their means over the cycle that ends; read if has_mean */
     iq24_t theta;       /* electrical angle at the sampling instant, turns */
     iq24_t turns;       /* electrical speed, turns per control cycle */
@@ -89,7 +89,7 @@ typedef struct iqfoc_cycle_config {
     iqfoc_modulation_t modulation;
     iqfoc_safe_state_t safe_state;
     iq24_t span_max;          /* for iqfoc_modulate: 0 < span_max <= 1 */
-    iq24_t current_limit;     /* per unit: 0 < current_limit <= 32, of alpha and of beta */
+    iq24_t current_limit;     /* per unit: 0 < current_limit <= 16, of alpha and of beta */
     uint32_t period_ticks;    /* control cycle T in the port's ticks; 0 switches the checks of time off */
     uint32_t tolerance_ticks; /* a cycle longer than period + tolerance was missed */
     uint32_t stale_ticks;     /* a sample older than this when a call begins is stale */
@@ -111,8 +111,7 @@ typedef struct iqfoc_cycle {
     iqfoc_ab_t i_valley;       /* sample of the last valley */
     iqfoc_ab_t i_next;         /* quasi-discrete prediction for the next valley */
     iqfoc_ab_t error;          /* last valley's sample less its prediction */
-    iqfoc_ab_t i_mean;         /* quasi-discrete mean of the cycle that runs */
-    iqfoc_dq_t i_mean_dq;      /* the same as seen from the rotor */
+    iqfoc_dq_t i_mean_dq;      /* quasi-discrete mean of the cycle that runs, seen from the rotor */
     iqfoc_dq_t i_corrected_dq; /* mean of the cycle that ended at the last valley, if `corrected` */
     iqfoc_ab_t i_peak;         /* sample of the last peak */
     iqfoc_rotor_t rotor;       /* of the last valley's speed */
@@ -132,7 +131,7 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_PREDICTOR = -2,     /* a coefficient outside the range stated in predictor.h */
     IQFOC_ERROR_GAINS = -3,         /* a gain outside the range stated in current_control.h */
     IQFOC_ERROR_SPAN = -4,          /* span_max not in (0, 1] */
-    IQFOC_ERROR_CURRENT_LIMIT = -5, /* not in (0, 32] */
+    IQFOC_ERROR_CURRENT_LIMIT = -5, /* not in (0, 16] */
     IQFOC_ERROR_CHOICE = -6         /* feedback, modulation or safe_state is none of its enumeration */
 } iqfoc_error_t;
 

@@ -19,18 +19,30 @@
 #include "iq24_math.h"
 #include "predictor.h"
 #include "rotor.h"
+#include "transform.h"
 #include "vector.h"
 
 /*
  * Correction of a discrete-angle mean current, general form: 2016 (10).
  *
  * i_mean: mean of the stationary current over the cycle; delta: i(T) - i(0), the change over it, both IQ24
- * per unit, |component| <= 32 and |delta| <= 32. rotor: s1 and s2 of the speed. sc_mid: of the angle at
- * mid-cycle. Exact for currents that change linearly in the stationary frame. Out: dq, per unit; no overflow
- * in that range. Largest error with s1, s2 and sine as given: 1.3 LSB.
+ * per unit, |component| <= 48. rotor: s1 and s2 of the speed. sc_mid: of the angle at mid-cycle. Exact for
+ * currents that change linearly in the stationary frame. Out: dq, per unit; no overflow in that range.
+ * Largest error with s1, s2 and sine as given: 1.3 LSB.
+ *
+ * Range: v = s1 i_mean - j s2 delta; |s1 i| <= 48 and |s2 delta| <= 0.157 * 48 = 7.6, so |v| components
+ * <= 55.6 <= 64, Park's precondition; the accumulators hold less than 2^54 + 2^52. Error: v is rounded once
+ * (0.5 LSB a component, at most 0.71 in any direction) and Park once (0.5).
  */
-iqfoc_dq_t iqfoc_mean_current_correct(iqfoc_ab_t i_mean, iqfoc_ab_t delta, const iqfoc_rotor_t *rotor,
-                                      iq24_sincos_t sc_mid);
+static inline iqfoc_dq_t iqfoc_mean_current_correct(iqfoc_ab_t i_mean, iqfoc_ab_t delta,
+                                                    const iqfoc_rotor_t *rotor, iq24_sincos_t sc_mid)
+{
+    const iq24_acc_t alpha = iq24_acc_mac(IQ24_ACC_HALF, rotor->s1, i_mean.alpha);
+    const iq24_acc_t beta = iq24_acc_mac(IQ24_ACC_HALF, rotor->s1, i_mean.beta);
+    const iqfoc_ab_t v = {iq24_acc_trunc(iq24_acc_mac(alpha, rotor->s2, delta.beta)),
+                          iq24_acc_trunc(iq24_acc_mac(beta, -rotor->s2, delta.alpha))};
+    return iqfoc_park(v, sc_mid);
+}
 
 /*
  * The same where the dq current is the same at both ends of the cycle (steady state): 2016 (9).
@@ -39,18 +51,79 @@ iqfoc_dq_t iqfoc_mean_current_correct(iqfoc_ab_t i_mean, iqfoc_ab_t delta, const
  *
  * i_mean: per unit, |component| <= 32. gain: iqfoc_rotor_steady_gain of the speed, <= 1.37. Out: dq, |dq|
  * <= 62. Largest error with gain and sine as given: 1.3 LSB.
+ *
+ * Range: |gain i| <= 1.37 * 32 = 43.9 <= 64, Park's precondition.
  */
-iqfoc_dq_t iqfoc_mean_current_correct_steady(iqfoc_ab_t i_mean, iq24_t gain, iq24_sincos_t sc_mid);
+static inline iqfoc_dq_t iqfoc_mean_current_correct_steady(iqfoc_ab_t i_mean, iq24_t gain,
+                                                           iq24_sincos_t sc_mid)
+{
+    const iqfoc_ab_t v = {iq24_mul_round(gain, i_mean.alpha), iq24_mul_round(gain, i_mean.beta)};
+    return iqfoc_park(v, sc_mid);
+}
 
 /*
- * Quasi-discrete mean of the phase currents over the cycle that begins now: 2019 (10), its third term mended
- * (docs/equations.md, errata).
+ * Quasi-discrete mean of the phase currents over the cycle that begins now, 2019 (10), from the
+ * quasi-discrete prediction of its end, which holds all but one term of it:
+ *
+ *     i_mean = (i + i_next)/2 - (psi phi/L) s2 e^(j theta_m)
+ *
+ * i, i_next: current at the start, |component| <= 32, and predicted at the end, <= 80.8. Out: |component|
+ * <= 59. Largest error with i_next as given: 1.5 LSB.
+ *
+ * Range: |i + i_next| <= 112.8; q = k_psi phi s2 <= 8 * 0.3270 = 2.7.
+ * Error: the half is floored (0.5 LSB at most), q and its product are rounded.
+ */
+static inline iqfoc_ab_t iqfoc_mean_current_from_prediction(const iqfoc_predictor_t *predictor, iqfoc_ab_t i,
+                                                            iqfoc_ab_t i_next, const iqfoc_rotor_t *rotor,
+                                                            iq24_sincos_t sc_mid)
+{
+    const iq24_t q = iq24_mul_round(predictor->k_psi, rotor->phi_s2);
+    const iqfoc_ab_t mean = {
+        iq24_asr32(iq24_add_wrap(i.alpha, i_next.alpha), 1) - iq24_mul_round(q, sc_mid.cos),
+        iq24_asr32(iq24_add_wrap(i.beta, i_next.beta), 1) - iq24_mul_round(q, sc_mid.sin)};
+    return mean;
+}
+
+/*
+ * The same mean as seen from the turning rotor: 2019 (10) and 2016 (10) in one. The term in s2 of the former
+ * lies on the d axis at every angle, so that of both corrections little is left to do:
+ *
+ *     i_dq = e^(-j theta_m) [ s1 (i + i_next)/2 - j s2 (i_next - i) ] - s1 (psi phi/L) s2
+ *
+ * i, i_next: |component| <= 21.3 and <= 51.2 (docs/units.md: what a sampled current within 15.9 gives). Out:
+ * dq. Largest error with i_next as given: 2.1 LSB.
+ *
+ * Range: |i_next - i| <= 72.5 fits; |(i + i_next)/2| <= 36.3 and |s2 delta| <= 11.4, together within
+ * Park's 64.
+ */
+static inline iqfoc_dq_t iqfoc_mean_current_seen(const iqfoc_predictor_t *predictor, iqfoc_ab_t i,
+                                                 iqfoc_ab_t i_next, const iqfoc_rotor_t *rotor,
+                                                 iq24_sincos_t sc_mid)
+{
+    const iq24_t q = iq24_mul_round(predictor->k_psi, rotor->phi_s2);
+    const iqfoc_ab_t middle = {iq24_asr32(iq24_add_wrap(i.alpha, i_next.alpha), 1),
+                               iq24_asr32(iq24_add_wrap(i.beta, i_next.beta), 1)};
+    const iqfoc_ab_t delta = {iq24_sub_wrap(i_next.alpha, i.alpha), iq24_sub_wrap(i_next.beta, i.beta)};
+    const iqfoc_dq_t seen = iqfoc_mean_current_correct(middle, delta, rotor, sc_mid);
+    const iqfoc_dq_t mean = {seen.d - iq24_mul_round(q, rotor->s1), seen.q};
+    return mean;
+}
+
+/*
+ * The same from the start alone: 2019 (10), its third term mended (docs/equations.md, errata).
  *
  * i: current at the start of the cycle, |component| <= 32; u: the voltage that acts during it, |component| <=
- * 2; sc_mid: of the angle at mid-cycle. Out: stationary frame, saturates at the ends of IQ24. Largest error
- * against the formula in double with the same coefficients, s1, s2 and sine: 1.1 LSB.
+ * 2; sc_mid: of the angle at mid-cycle. Out: stationary frame, |component| <= 59. Largest error against the
+ * formula in double with the same coefficients, phi s1, phi s2 and sine: 2 LSB.
+ *
+ * Range: the prediction is below 80.8 in size, as iqfoc_predictor_step shows.
  */
-iqfoc_ab_t iqfoc_mean_current_quasi_discrete(const iqfoc_predictor_t *predictor, iqfoc_ab_t i, iqfoc_ab_t u,
-                                             const iqfoc_rotor_t *rotor, iq24_sincos_t sc_mid);
+static inline iqfoc_ab_t iqfoc_mean_current_quasi_discrete(const iqfoc_predictor_t *predictor, iqfoc_ab_t i,
+                                                           iqfoc_ab_t u, const iqfoc_rotor_t *rotor,
+                                                           iq24_sincos_t sc_mid)
+{
+    const iqfoc_ab_t i_next = iqfoc_predictor_quasi_discrete(predictor, i, u, rotor, sc_mid);
+    return iqfoc_mean_current_from_prediction(predictor, i, i_next, rotor, sc_mid);
+}
 
 #endif

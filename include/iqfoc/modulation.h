@@ -4,7 +4,7 @@
 #ifndef IQFOC_MODULATION_H
 #define IQFOC_MODULATION_H
 
-#include "iq24_math.h"
+#include "transform.h"
 #include "vector.h"
 
 /* What a modulator asks of the inverter. */
@@ -13,18 +13,58 @@ typedef struct iqfoc_duties {
     iq24_t scale;     /* 1, or < 1: the factor by which the voltage had to be shortened */
 } iqfoc_duties_t;
 
+static inline iq24_t iqfoc_larger(iq24_t x, iq24_t y)
+{
+    return x > y ? x : y;
+}
+
+static inline iq24_t iqfoc_smaller(iq24_t x, iq24_t y)
+{
+    return x < y ? x : y;
+}
+
+/*
+ * The factor that makes a voltage fit whose phases are too far apart: a little below span_max/span, so that
+ * phases multiplied by it and rounded down are not. 1 LSB <= span_max < span. Largest error 7 LSB, downwards.
+ */
+iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
+
 /*
  * Centre-aligned PWM with the zero sequence -(max + min)/2 of the three phase voltages, which uses the DC
  * link as fully as space-vector modulation and gives the same switching instants.
  *
- * u: stationary voltage, per unit, |component| <= 16. u_dc_inverse: 1/u_dc in per unit, 0 < u_dc_inverse
- * <= 2. span_max: largest difference of two duties, 0 < span_max <= 1: below 1 it leaves room for sampling
- * and dead time. A voltage beyond the hexagon is shortened so that its angle stays, and scale says by how
- * much: 1 means that nothing was taken. Duties lie in [0, 1] for every input, also outside these ranges.
- * Largest error against double: a duty within the hexagon 3 LSB; shortened, 4 LSB + 1.5 LSB per unit of
- * |u| u_dc_inverse; scale 5 LSB.
+ * u: stationary voltage, per unit, |u| <= 32. u_dc_inverse: 1/u_dc in per unit, 0 < u_dc_inverse <= 2.
+ * span_max: largest difference of two duties, 0 < span_max <= 1: below 1 it leaves room for sampling and dead
+ * time. A voltage beyond the hexagon is shortened so that its angle stays, and scale says by how much: 1
+ * means that nothing was taken. Duties lie in [0, 1] for every input in that range. Largest error against
+ * double: a duty within the hexagon 3 LSB; shortened, 4 LSB + 1.5 LSB per unit of |u| u_dc_inverse; scale 7
+ * LSB (it is rounded down, so that the duties fit).
+ *
+ * Range: |u u_dc_inverse| <= 64, so |phase| <= 64.1 and span = max - min <= sqrt(3) 64 = 110.9: no sum wraps.
+ * With 0 <= span <= 1, (1 - span)/2 >= 0 is the lowest duty and (1 - span)/2 + span <= 1 the highest,
+ * exactly: nothing need be clamped after it. Error within the hexagon: voltage over u_dc 0.5 LSB, inverse
+ * Clarke 1.2 (twice: a phase and the lowest), the half 0.5.
  */
-iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max);
+static inline iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max)
+{
+    const iqfoc_ab_t v = {iq24_mul_round(u.alpha, u_dc_inverse), iq24_mul_round(u.beta, u_dc_inverse)};
+    iqfoc_abc_t x = iqfoc_clarke_inverse(v);
+    iq24_t low = iqfoc_smaller(iqfoc_smaller(x.a, x.b), x.c);
+    iq24_t span = iq24_sub_wrap(iqfoc_larger(iqfoc_larger(x.a, x.b), x.c), low);
+    iq24_t scale = IQ24_ONE;
+    if (span > span_max) {
+        scale = iqfoc_modulation_scale(span, span_max);
+        x.a = iq24_mul_trunc(x.a, scale);
+        x.b = iq24_mul_trunc(x.b, scale);
+        x.c = iq24_mul_trunc(x.c, scale);
+        low = iqfoc_smaller(iqfoc_smaller(x.a, x.b), x.c);
+        span = iq24_sub_wrap(iqfoc_larger(iqfoc_larger(x.a, x.b), x.c), low);
+    }
+    const iq24_t shift = iq24_sub_wrap(iq24_asr32(IQ24_ONE - span, 1), low);
+    const iqfoc_duties_t duties = {
+        {iq24_add_wrap(x.a, shift), iq24_add_wrap(x.b, shift), iq24_add_wrap(x.c, shift)}, scale};
+    return duties;
+}
 
 /*
  * Six-step: the active inverter state nearest to a voltage angle. State k, 0 ... 5, has its vector at k

@@ -27,11 +27,11 @@
 /* ---- The formulas, in double: one per coefficient of predictor.h and current_control.h. Limits beside them.
  * ---- */
 #define IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V) ((T_s) * (U_b_V) / ((L_H) * (I_b_A)))
-#define IQFOC_MAX_K_U                         32.0
+#define IQFOC_MAX_K_U                         16.0
 #define IQFOC_RAW_K_R(R_ohm, L_H, T_s)        ((R_ohm) * (T_s) / (L_H))
 #define IQFOC_MAX_K_R                         1.0
-#define IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A)   (IQFOC_TWO_PI_ * (psi_Wb) / ((L_H) * (I_b_A)))
-#define IQFOC_MAX_K_PSI                       32.0
+#define IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A)   ((psi_Wb) / ((L_H) * (I_b_A)))
+#define IQFOC_MAX_K_PSI                       8.0
 /* Reactance and EMF at one turn per cycle. */
 #define IQFOC_RAW_X(L_H, T_s, I_b_A, U_b_V) (IQFOC_TWO_PI_ * (L_H) * (I_b_A) / ((T_s) * (U_b_V)))
 #define IQFOC_RAW_EMF(psi_Wb, T_s, U_b_V)   (IQFOC_TWO_PI_ * (psi_Wb) / ((T_s) * (U_b_V)))

@@ -23,26 +23,56 @@
  * parameter conversion. I_b, U_b: the current and voltage base. Each coefficient is rounded to 0.5 LSB.
  */
 typedef struct iqfoc_predictor {
-    iq24_t k_u;   /* T U_b / (L I_b): per-unit current per per-unit voltage and cycle; 0 < k_u <= 32 */
+    iq24_t k_u;   /* T U_b / (L I_b): per-unit current per per-unit voltage and cycle; 0 < k_u <= 16 */
     iq24_t k_r;   /* R T / L; 0 <= k_r <= 1 */
-    iq24_t k_psi; /* 2 pi psi_f / (L I_b): EMF per turn of the rotor; 0 <= k_psi <= 32; 0 for an RL load */
+    iq24_t k_psi; /* psi_f / (L I_b): EMF per radian of the rotor; 0 <= k_psi <= 8; 0 for an RL load */
 } iqfoc_predictor_t;
+
+/*
+ * i + k_u u - k_r i - j w (cos + j sin), that is alpha + w sin and beta - w cos: what both predictions share.
+ *
+ * Range: |(1 - k_r) i| <= 32, |k_u u| <= 32 and |w| <= 8 * 2.0944 = 16.8 in per unit: the sum is below 80.8
+ * in size, so it fits, and in the accumulator below 2^55. Error: one rounding, 0.5 LSB. -w is exact: |w| <
+ * 2^31.
+ */
+static inline iqfoc_ab_t iqfoc_predictor_step(const iqfoc_predictor_t *p, iqfoc_ab_t i, iqfoc_ab_t u,
+                                              iq24_t w, iq24_sincos_t sc)
+{
+    const iq24_t stays = IQ24_ONE - p->k_r;
+    iq24_acc_t alpha = iq24_acc_mac(IQ24_ACC_HALF, i.alpha, stays);
+    iq24_acc_t beta = iq24_acc_mac(IQ24_ACC_HALF, i.beta, stays);
+    alpha = iq24_acc_mac(iq24_acc_mac(alpha, p->k_u, u.alpha), w, sc.sin);
+    beta = iq24_acc_mac(iq24_acc_mac(beta, p->k_u, u.beta), -w, sc.cos);
+    const iqfoc_ab_t next = {iq24_acc_trunc(alpha), iq24_acc_trunc(beta)};
+    return next;
+}
 
 /*
  * Standard prediction, 2019 (3): the current at the start of the next cycle.
  *
- * i, u: per unit, |component| <= 32 and <= 2. rotor: the speed. sc: sine and cosine of theta, the angle at
- * the start. Out: saturates at the ends of IQ24. Largest error against the formula in double with the same
- * coefficients and sine: 0.5 LSB + 0.5 LSB per |sin|, |cos| from the rounded k_psi phi.
+ * i, u: per unit, |component| <= 32 and <= 2. rotor: of the speed. sc: sine and cosine of theta, the angle at
+ * the start. Out: per unit, |component| <= 80.8: no overflow in that range, beyond it the result wraps.
+ * Largest error against the formula in double with the same coefficients, phi and sine: 1 LSB.
+ *
+ * Range: |k_psi phi| <= 8 * 2.0944 = 16.8.
  */
-iqfoc_ab_t iqfoc_predictor_euler(const iqfoc_predictor_t *predictor, iqfoc_ab_t i, iqfoc_ab_t u,
-                                 const iqfoc_rotor_t *rotor, iq24_sincos_t sc);
+static inline iqfoc_ab_t iqfoc_predictor_euler(const iqfoc_predictor_t *predictor, iqfoc_ab_t i, iqfoc_ab_t u,
+                                               const iqfoc_rotor_t *rotor, iq24_sincos_t sc)
+{
+    return iqfoc_predictor_step(predictor, i, u, iq24_mul_round(predictor->k_psi, rotor->phi), sc);
+}
 
 /*
  * Quasi-discrete prediction, 2019 (12). As above, but sc is of theta_m, the angle at the middle of the cycle.
- * Largest error against the formula in double with the same coefficients, s1 and sine: 1.5 LSB.
+ * Largest error against the formula in double with the same coefficients, phi s1 and sine: 1 LSB.
+ *
+ * Range: |k_psi phi s1| <= 8 * 1.7321 = 13.9.
  */
-iqfoc_ab_t iqfoc_predictor_quasi_discrete(const iqfoc_predictor_t *predictor, iqfoc_ab_t i, iqfoc_ab_t u,
-                                          const iqfoc_rotor_t *rotor, iq24_sincos_t sc_mid);
+static inline iqfoc_ab_t iqfoc_predictor_quasi_discrete(const iqfoc_predictor_t *predictor, iqfoc_ab_t i,
+                                                        iqfoc_ab_t u, const iqfoc_rotor_t *rotor,
+                                                        iq24_sincos_t sc_mid)
+{
+    return iqfoc_predictor_step(predictor, i, u, iq24_mul_round(predictor->k_psi, rotor->phi_s1), sc_mid);
+}
 
 #endif

@@ -22,18 +22,22 @@
 /* Largest |x| in turns per cycle: floor(2^24/3). The cycle holds the measured speed to it and says so. */
 #define IQFOC_ROTOR_TURNS_MAX INT32_C(5592405)
 
+/* What the algorithms need of the speed: made where the speed changes, which need not be every cycle. */
 typedef struct iqfoc_rotor {
-    iq24_t turns; /* x, turns per cycle */
-    iq24_t s1;    /* 0.8269 ... 1 */
-    iq24_t s2;    /* -0.1564 ... 0.1564 */
+    iq24_t turns;  /* x, turns per cycle */
+    iq24_t phi;    /* 2 pi x, rad: -2.0944 ... 2.0944 */
+    iq24_t s1;     /* 0.8269 ... 1 */
+    iq24_t s2;     /* -0.1564 ... 0.1564 */
+    iq24_t phi_s1; /* phi s1 = 2 sin(phi/2): -1.7321 ... 1.7321 */
+    iq24_t phi_s2; /* phi s2 = s1 - cos(phi/2): 0 ... 0.3270 */
 } iqfoc_rotor_t;
 
 /*
- * s1 and s2 of a speed.
+ * s1 and s2 of a speed, and their products with phi.
  *
  * turns: IQ24 turns per control cycle, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one is taken as that limit.
- * Largest error (all 11 184 811 arguments, tests/unit/test_rotor.c): s1 0.51 LSB, s2 0.51 LSB. s2(-x) =
- * -s2(x) to 1 LSB.
+ * Largest error (all 11 184 811 arguments, tests/unit/test_rotor.c): s1, s2 0.51 LSB, phi 0.51 LSB, phi_s1
+ * 0.55 LSB, phi_s2 0.6 LSB. Odd ones: f(-x) = -f(x) to 1 LSB.
  */
 iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns);
 

@@ -3,7 +3,7 @@
 #include <math.h>
 
 /* The library's limit for a phase current in per unit. */
-#define CURRENT_MAX_PU 31.9
+#define CURRENT_MAX_PU 15.9
 
 static iq24_t current(double i_A, const plant_sensors *sensors, const per_unit *base, bool *clipped)
 {

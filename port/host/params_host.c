@@ -67,7 +67,7 @@ bool predictor_from_motor(const motor *m, const char *path, iqfoc_predictor_t *p
                        &predictor->k_u, e) &&
            coefficient(path, "k_r = R T/L", "R_ohm with L_d_H, L_q_H and f_pwm_Hz",
                        IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0, IQFOC_MAX_K_R, &predictor->k_r, e) &&
-           coefficient(path, "k_psi = 2 pi psi/(L I_b)", "psi_f_Wb with L_d_H, L_q_H and I_rated_A_rms",
+           coefficient(path, "k_psi = psi/(L I_b)", "psi_f_Wb with L_d_H, L_q_H and I_rated_A_rms",
                        IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A), 0.0, IQFOC_MAX_K_PSI, &predictor->k_psi,
                        e);
 }

@@ -57,9 +57,9 @@ static iq24_t positive_within(golden_inputs_t *inputs, iq24_t limit)
 static iqfoc_predictor_t any_machine(golden_inputs_t *inputs)
 {
     iqfoc_predictor_t machine;
-    machine.k_u = 1 + positive_within(inputs, IQ24(32.0) - 1);
+    machine.k_u = 1 + positive_within(inputs, IQ24(16.0) - 1);
     machine.k_r = positive_within(inputs, IQ24_ONE);
-    machine.k_psi = positive_within(inputs, IQ24(32.0));
+    machine.k_psi = positive_within(inputs, IQ24(8.0));
     return machine;
 }
 
@@ -185,23 +185,33 @@ static void prediction(golden_inputs_t *inputs, uint64_t *digest)
     add_ab(digest, iqfoc_predictor_quasi_discrete(&machine, i, u, &rotor, sc));
 }
 
+static void add_integrals(uint64_t *digest, const iqfoc_current_control_t *control)
+{
+    const iqfoc_dq_t low = {iq24_wrap(control->integral_d), iq24_wrap(control->integral_q)};
+    const iqfoc_dq_t high = {iq24_wrap(iq24_asr64(control->integral_d, 32)),
+                             iq24_wrap(iq24_asr64(control->integral_q, 32))};
+    add_dq(digest, low);
+    add_dq(digest, high);
+}
+
 /* The integrators stay from input to input, as in a drive. */
 static void current_control(golden_inputs_t *inputs, uint64_t *digest)
 {
     static iqfoc_current_control_t control;
     if (inputs->number++ == 0) {
-        control.integral.d = 0;
-        control.integral.q = 0;
+        control.integral_d = 0;
+        control.integral_q = 0;
     }
     const iqfoc_current_control_gains_t gains = any_gains(inputs);
     const iqfoc_dq_t i_ref = dq_within(inputs, IQ24(32.0));
     const iqfoc_dq_t i = dq_within(inputs, IQ24(32.0));
     const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
-    const iqfoc_dq_t u = iqfoc_current_control_step(&control, &gains, i_ref, i, turns);
+    const iqfoc_dq_t u = iqfoc_current_control_step(&control, &gains, i_ref, i);
     add_dq(digest, u);
-    add_dq(digest, control.integral);
+    add_dq(digest, iqfoc_current_control_decoupling(&gains, i, turns));
+    add_integrals(digest, &control);
     iqfoc_current_control_limited(&control, &gains, u, positive_within(inputs, IQ24_ONE));
-    add_dq(digest, control.integral);
+    add_integrals(digest, &control);
 }
 
 static void modulation(golden_inputs_t *inputs, uint64_t *digest)

@@ -30,62 +30,91 @@ static iqfoc_dq_t random_dq(uint64_t *seed, double reach)
     return v;
 }
 
+static double acc_to_double(iq24_acc_t x)
+{
+    return (double)x / 281474976710656.0;
+}
+
 static void test_a_step_is_its_formula(void)
 {
     uint64_t seed = SEED;
+    worst voltage = {"voltage", 0.0};
+    double integral_error = 0.0;
     double largest_share = 0.0;
-    worst integral = {"integrator", 0.0};
     for (int32_t n = 0; n < DRAWS; n++) {
         const bool extreme = n % 4 == 0;
         const double gain = extreme ? 32.0 : 3.0;
-        const iqfoc_current_control_gains_t g = {random_iq24(&seed, 0.0, gain),
-                                                 random_iq24(&seed, 0.0, gain),
-                                                 random_iq24(&seed, 0.0, gain),
-                                                 random_iq24(&seed, 0.0, gain),
-                                                 random_iq24(&seed, 0.0, 1.0),
-                                                 random_iq24(&seed, 0.0, extreme ? 96.0 : 6.0),
-                                                 random_iq24(&seed, 0.0, extreme ? 96.0 : 6.0),
-                                                 random_iq24(&seed, 0.0, extreme ? 96.0 : 6.0)};
-        iqfoc_current_control_t control = {random_dq(&seed, n % 3 == 0 ? limit : 0.5)};
+        const double reactance = extreme ? 96.0 : 6.0;
+        const iqfoc_current_control_gains_t g = {
+            random_iq24(&seed, 0.0, gain),      random_iq24(&seed, 0.0, gain),
+            random_iq24(&seed, 0.0, gain),      random_iq24(&seed, 0.0, gain),
+            random_iq24(&seed, 0.0, 1.0),       random_iq24(&seed, 0.0, reactance),
+            random_iq24(&seed, 0.0, reactance), random_iq24(&seed, 0.0, reactance)};
+        const iqfoc_dq_t start = random_dq(&seed, n % 3 == 0 ? limit : 0.5);
+        iqfoc_current_control_t control = {iq24_acc_mul(start.d, IQ24_ONE) + 12345,
+                                           iq24_acc_mul(start.q, IQ24_ONE)};
         const iqfoc_current_control_t before = control;
         const iqfoc_dq_t ref = random_dq(&seed, extreme ? 32.0 : 1.0);
         const iqfoc_dq_t i = random_dq(&seed, extreme ? 32.0 : 1.0);
         const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
-        const iqfoc_dq_t u = iqfoc_current_control_step(&control, &g, ref, i, turns);
+        const iqfoc_dq_t u = iqfoc_current_control_step(&control, &g, ref, i);
         const double e_d = to_double(ref.d) - to_double(i.d);
         const double e_q = to_double(ref.q) - to_double(i.q);
+        const double I_d = acc_to_double(before.integral_d);
+        const double I_q = acc_to_double(before.integral_q);
+        worst_add(&voltage, u.d, held(to_double(g.kp_d) * e_d + I_d));
+        worst_add(&voltage, u.q, held(to_double(g.kp_q) * e_q + I_q));
+        integral_error = fmax(integral_error,
+                              fabs(acc_to_double(control.integral_d) - held(I_d + to_double(g.ki_d) * e_d)));
+        integral_error = fmax(integral_error,
+                              fabs(acc_to_double(control.integral_q) - held(I_q + to_double(g.ki_q) * e_q)));
+
+        const iqfoc_dq_t apart = iqfoc_current_control_decoupling(&g, i, turns);
         const double x = to_double(turns);
-        const double u_d =
-            to_double(g.kp_d) * e_d + to_double(before.integral.d) - x * to_double(g.x_q) * to_double(i.q);
-        const double u_q = to_double(g.kp_q) * e_q + to_double(before.integral.q) +
-                           x * (to_double(g.x_d) * to_double(i.d) + to_double(g.emf));
-        worst voltage = {"", 0.0};
-        worst_add(&voltage, u.d, held(u_d));
-        worst_add(&voltage, u.q, held(u_q));
-        const double bound = 0.5 + 0.5 * fmax(fabs(to_double(i.d)), fabs(to_double(i.q)));
-        largest_share = fmax(largest_share, voltage.lsb / bound);
-        worst_add(&integral, control.integral.d,
-                  held(to_double(before.integral.d) + to_double(g.ki_d) * e_d));
-        worst_add(&integral, control.integral.q,
-                  held(to_double(before.integral.q) + to_double(g.ki_q) * e_q));
+        worst decoupling = {"", 0.0};
+        worst_add(&decoupling, apart.d, held(-x * to_double(g.x_q) * to_double(i.q)));
+        worst_add(&decoupling, apart.q, held(x * (to_double(g.x_d) * to_double(i.d) + to_double(g.emf))));
+        const double bound = 1.5 + 0.5 * fmax(fabs(to_double(i.d)), fabs(to_double(i.q)));
+        largest_share = fmax(largest_share, decoupling.lsb / bound);
     }
-    printf("  voltage: %.2f of the stated bound\n", largest_share);
+    worst_check(&voltage, 1.0);
+    printf("  decoupling: %.2f of the stated bound; integrator %.1e\n", largest_share, integral_error);
     TEST_ASSERT_TRUE(largest_share <= 1.0 && largest_share > 0.5);
-    worst_check(&integral, 0.5);
+    TEST_ASSERT_TRUE(integral_error < 1e-13); /* exact; the reference's own rounding */
 }
 
 static void test_back_calculation(void)
 {
     const iqfoc_current_control_gains_t g = {IQ24_ONE, IQ24_ONE, IQ24(0.1), IQ24(0.1), IQ24(0.25), 0, 0, 0};
-    iqfoc_current_control_t control = {{IQ24(0.5), IQ24(-0.5)}};
+    iqfoc_current_control_t control = {iq24_acc_mul(IQ24(0.5), IQ24_ONE), iq24_acc_mul(IQ24(-0.5), IQ24_ONE)};
     const iqfoc_current_control_t before = control;
     const iqfoc_dq_t u = {IQ24(1.0), IQ24(-2.0)};
     iqfoc_current_control_limited(&control, &g, u, IQ24_ONE);
-    TEST_ASSERT_EQUAL_INT32(before.integral.d, control.integral.d);
-    TEST_ASSERT_EQUAL_INT32(before.integral.q, control.integral.q);
+    TEST_ASSERT_EQUAL_INT64(before.integral_d, control.integral_d);
+    TEST_ASSERT_EQUAL_INT64(before.integral_q, control.integral_q);
     iqfoc_current_control_limited(&control, &g, u, IQ24(0.6));
-    TEST_ASSERT_INT32_WITHIN(2, IQ24(0.5 - 0.25 * 0.4), control.integral.d);
-    TEST_ASSERT_INT32_WITHIN(2, IQ24(-0.5 + 0.25 * 0.4 * 2.0), control.integral.q);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.5 - 0.25 * 0.4, acc_to_double(control.integral_d));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, -0.5 + 0.25 * 0.4 * 2.0, acc_to_double(control.integral_q));
+    /* An integrator at its end stays there. */
+    const iqfoc_dq_t huge = {IQ24(-16.0), IQ24(16.0)};
+    for (int32_t n = 0; n < 50; n++) {
+        iqfoc_current_control_limited(&control, &g, huge, 0);
+    }
+    TEST_ASSERT_EQUAL_INT64(iq24_acc_mul(IQFOC_CURRENT_CONTROL_LIMIT, IQ24_ONE), control.integral_d);
+    TEST_ASSERT_EQUAL_INT64(-iq24_acc_mul(IQFOC_CURRENT_CONTROL_LIMIT, IQ24_ONE), control.integral_q);
+}
+
+static void test_no_error_is_too_small_to_be_integrated(void)
+{
+    const iqfoc_current_control_gains_t g = {0, 0, IQ24(0.001), IQ24(0.001), 0, 0, 0, 0};
+    iqfoc_current_control_t control = {0, 0};
+    const iqfoc_dq_t ref = {1, -1};
+    const iqfoc_dq_t none = {0, 0};
+    for (int32_t n = 0; n < 5000; n++) {
+        (void)iqfoc_current_control_step(&control, &g, ref, none);
+    }
+    TEST_ASSERT_INT32_WITHIN(1, 5, iq24_acc_trunc(control.integral_d));
+    TEST_ASSERT_INT32_WITHIN(1, -5, iq24_acc_trunc(control.integral_q));
 }
 
 /* A first-order winding behind a limited voltage: the step back must not wait for the integrator to unwind.
@@ -94,13 +123,13 @@ static double overshoot_after_saturation(iq24_t anti_windup)
 {
     const iqfoc_current_control_gains_t g = {IQ24(0.5),   IQ24(0.5), IQ24(0.1), IQ24(0.1),
                                              anti_windup, 0,         0,         0};
-    iqfoc_current_control_t control = {{0, 0}};
+    iqfoc_current_control_t control = {0, 0};
     double i = 0.0;
     double largest = 0.0;
     for (int32_t n = 0; n < 400; n++) {
         const iqfoc_dq_t ref = {0, n < 200 ? IQ24(4.0) : IQ24(0.5)};
         const iqfoc_dq_t now = {0, to_iq24(i)};
-        const iqfoc_dq_t u = iqfoc_current_control_step(&control, &g, ref, now, 0);
+        const iqfoc_dq_t u = iqfoc_current_control_step(&control, &g, ref, now);
         const double wanted = fabs(to_double(u.q));
         const double scale = wanted > 0.3 ? 0.3 / wanted : 1.0;
         iqfoc_current_control_limited(&control, &g, u, to_iq24(scale));
@@ -128,6 +157,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_step_is_its_formula);
     RUN_TEST(test_back_calculation);
+    RUN_TEST(test_no_error_is_too_small_to_be_integrated);
     RUN_TEST(test_anti_windup_matters);
     return UNITY_END();
 }

@@ -86,7 +86,7 @@ static void expect_safe(iqfoc_command_t command)
 {
     TEST_ASSERT_FALSE(command.gates);
     TEST_ASSERT_EQUAL_INT32(0, command.duties.high.a | command.duties.high.b | command.duties.high.c);
-    TEST_ASSERT_EQUAL_INT32(0, cycle.control.integral.d | cycle.control.integral.q);
+    TEST_ASSERT_EQUAL_INT64(0, cycle.control.integral_d | cycle.control.integral_q);
     TEST_ASSERT_EQUAL_INT32(0, cycle.u_ab.alpha | cycle.u_ab.beta);
 }
 
@@ -113,11 +113,11 @@ static void test_init_refuses_by_name(void)
     refused(IQFOC_ERROR_NULL, NULL);
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_cycle_init(NULL, &base_config));
     REFUSED(IQFOC_ERROR_PREDICTOR, predictor.k_u, 0);
-    REFUSED(IQFOC_ERROR_PREDICTOR, predictor.k_u, IQ24(32.0) + 1);
+    REFUSED(IQFOC_ERROR_PREDICTOR, predictor.k_u, IQ24(16.0) + 1);
     REFUSED(IQFOC_ERROR_PREDICTOR, predictor.k_r, -1);
     REFUSED(IQFOC_ERROR_PREDICTOR, predictor.k_r, IQ24_ONE + 1);
     REFUSED(IQFOC_ERROR_PREDICTOR, predictor.k_psi, -1);
-    REFUSED(IQFOC_ERROR_PREDICTOR, predictor.k_psi, IQ24(32.0) + 1);
+    REFUSED(IQFOC_ERROR_PREDICTOR, predictor.k_psi, IQ24(8.0) + 1);
     REFUSED(IQFOC_ERROR_GAINS, gains.kp_d, -1);
     REFUSED(IQFOC_ERROR_GAINS, gains.kp_q, IQ24(32.0) + 1);
     REFUSED(IQFOC_ERROR_GAINS, gains.ki_d, -1);
@@ -129,7 +129,7 @@ static void test_init_refuses_by_name(void)
     REFUSED(IQFOC_ERROR_SPAN, span_max, 0);
     REFUSED(IQFOC_ERROR_SPAN, span_max, IQ24_ONE + 1);
     REFUSED(IQFOC_ERROR_CURRENT_LIMIT, current_limit, 0);
-    REFUSED(IQFOC_ERROR_CURRENT_LIMIT, current_limit, IQ24(32.0) + 1);
+    REFUSED(IQFOC_ERROR_CURRENT_LIMIT, current_limit, IQ24(16.0) + 1);
     REFUSED(IQFOC_ERROR_CHOICE, feedback, (iqfoc_feedback_t)7);
     REFUSED(IQFOC_ERROR_CHOICE, modulation, (iqfoc_modulation_t)7);
     REFUSED(IQFOC_ERROR_CHOICE, safe_state, (iqfoc_safe_state_t)7);

@@ -49,8 +49,7 @@ static void test_formulas(void)
     const double I_b = 10.5 * sqrt(2.0);
     TEST_ASSERT_INT32_WITHIN(1, (int32_t)lround(2e-4 / 5.2e-3 * 750.0 / I_b * 16777216.0), folded.k_u);
     TEST_ASSERT_INT32_WITHIN(1, (int32_t)lround(0.75 * 2e-4 / 5.2e-3 * 16777216.0), folded.k_r);
-    TEST_ASSERT_INT32_WITHIN(1, (int32_t)lround(2.0 * acos(-1.0) * 0.134 / 5.2e-3 / I_b * 16777216.0),
-                             folded.k_psi);
+    TEST_ASSERT_INT32_WITHIN(1, (int32_t)lround(0.134 / 5.2e-3 / I_b * 16777216.0), folded.k_psi);
     /* At one turn per cycle the speed is 2 pi/T: its EMF over the voltage base. */
     TEST_ASSERT_INT32_WITHIN(1, (int32_t)lround(2.0 * acos(-1.0) / 2e-4 * 0.134 / 750.0 * 16777216.0),
                              folded_gains.emf);

@@ -31,16 +31,25 @@ static void test_every_speed(void)
 {
     worst s1 = {"s1, all speeds", 0.0};
     worst s2 = {"s2, all speeds", 0.0};
+    worst phi = {"phi, all speeds", 0.0};
+    worst phi_s1 = {"phi s1, all speeds", 0.0};
+    worst phi_s2 = {"phi s2, all speeds", 0.0};
     worst gain = {"steady gain, all speeds", 0.0};
     for (int32_t x = -IQFOC_ROTOR_TURNS_MAX; x <= IQFOC_ROTOR_TURNS_MAX; x += IQFOC_TEST_STRIDE) {
         const double p = TWO_PI * to_double(x);
         const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(x);
         worst_add(&s1, rotor.s1, s1_of(p));
         worst_add(&s2, rotor.s2, s2_of(p));
+        worst_add(&phi, rotor.phi, p);
+        worst_add(&phi_s1, rotor.phi_s1, 2.0 * sin(p / 2.0));
+        worst_add(&phi_s2, rotor.phi_s2, p * s2_of(p));
         worst_add(&gain, iqfoc_rotor_steady_gain(x), s1_of(p) + 2.0 * tan(p / 2.0) * s2_of(p));
     }
     worst_check(&s1, 0.51);
     worst_check(&s2, 0.51);
+    worst_check(&phi, 0.51);
+    worst_check(&phi_s1, 0.55);
+    worst_check(&phi_s2, 0.6);
     worst_check(&gain, 0.8);
 }
 
@@ -49,12 +58,18 @@ static void test_standstill_and_symmetry(void)
     const iqfoc_rotor_t still = iqfoc_rotor_from_turns(0);
     TEST_ASSERT_EQUAL_INT32(IQ24_ONE, still.s1);
     TEST_ASSERT_EQUAL_INT32(0, still.s2);
+    TEST_ASSERT_EQUAL_INT32(0, still.phi);
+    TEST_ASSERT_EQUAL_INT32(0, still.phi_s1);
+    TEST_ASSERT_EQUAL_INT32(0, still.phi_s2);
     TEST_ASSERT_EQUAL_INT32(IQ24_ONE, iqfoc_rotor_steady_gain(0));
     for (int32_t x = 0; x <= IQFOC_ROTOR_TURNS_MAX; x += 101) {
         const iqfoc_rotor_t forward = iqfoc_rotor_from_turns(x);
         const iqfoc_rotor_t reverse = iqfoc_rotor_from_turns(-x);
         TEST_ASSERT_EQUAL_INT32(forward.s1, reverse.s1);
         TEST_ASSERT_INT32_WITHIN(1, forward.s2, -reverse.s2);
+        TEST_ASSERT_INT32_WITHIN(1, forward.phi, -reverse.phi);
+        TEST_ASSERT_INT32_WITHIN(1, forward.phi_s1, -reverse.phi_s1);
+        TEST_ASSERT_EQUAL_INT32(forward.phi_s2, reverse.phi_s2);
         TEST_ASSERT_EQUAL_INT32(iqfoc_rotor_steady_gain(x), iqfoc_rotor_steady_gain(-x));
     }
 }
