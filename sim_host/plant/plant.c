@@ -130,7 +130,7 @@ static vec_ab ideal_voltage(const plant *p)
 }
 
 /* The exact path: one span between edges. *r is the rotor's angle before and after. */
-static void advance_linear(plant *p, double dt_s, rotor *r)
+static void advance_linear(plant *p, double dt_s, vec_rotor *r)
 {
     const plant_machine *m = &p->config.machine;
     double *y = p->state.y;
@@ -141,7 +141,7 @@ static void advance_linear(plant *p, double dt_s, rotor *r)
                                        .omega_e_rad_s = y[STATE_OMEGA_E]};
     const vec_ab u = ideal_voltage(p);
     const vec_ab i = {y[STATE_I_ALPHA], y[STATE_I_BETA]};
-    const rotor start = *r;
+    const vec_rotor start = *r;
     electrical_state x = {vec_to_dq(i, start), {y[STATE_INT_I_D], y[STATE_INT_I_Q]}, {0.0, 0.0}};
     electrical_advance(&machine, dt_s, vec_to_dq(u, start), &x);
     y[STATE_THETA_E] += y[STATE_OMEGA_E] * dt_s;
@@ -163,7 +163,7 @@ void plant_advance_to(plant *p, double t_s)
 {
     const double target = fmin(t_s, p->duration_s);
     const double t_dead_s = p->config.inverter.t_dead_s;
-    rotor r = rotor_at(p->state.y[STATE_THETA_E]);
+    vec_rotor r = rotor_at(p->state.y[STATE_THETA_E]);
     while (p->t_cycle_s < target) {
         double next = target;
         for (int x = 0; x < 3; x++) {

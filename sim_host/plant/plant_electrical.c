@@ -91,7 +91,7 @@ void electrical_advance(const electrical_linear *m, double dt_s, vec_dq u_dq_V, 
     const double dt = dt_s / (double)pieces;
     vec_ab integral = {0.0, 0.0};
     for (long k = 0; k < pieces; k++) {
-        rotor turned = rotor_at(m->omega_e_rad_s * dt * (double)k); /* the rotor since the start */
+        vec_rotor turned = rotor_at(m->omega_e_rad_s * dt * (double)k); /* the rotor since the start */
         vec_ab u_start = {u_dq_V.d, u_dq_V.q};
         span(m, dt, rate * dt, vec_to_dq(u_start, turned), x);
         vec_dq piece = {x->integral_start_As.alpha, x->integral_start_As.beta};

@@ -28,8 +28,8 @@ static vec_ab harmonic_emf_per_speed(const plant_machine *m, double theta_e_rad)
 {
     vec_ab v = {0.0, 0.0};
     if (m->psi_5_Wb != 0.0 || m->psi_7_Wb != 0.0) {
-        const rotor five = rotor_at(5.0 * theta_e_rad);
-        const rotor seven = rotor_at(7.0 * theta_e_rad);
+        const vec_rotor five = rotor_at(5.0 * theta_e_rad);
+        const vec_rotor seven = rotor_at(7.0 * theta_e_rad);
         v.alpha = -5.0 * m->psi_5_Wb * five.sin - 7.0 * m->psi_7_Wb * seven.sin;
         v.beta = -5.0 * m->psi_5_Wb * five.cos + 7.0 * m->psi_7_Wb * seven.cos;
     }

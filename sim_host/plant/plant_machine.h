@@ -42,7 +42,7 @@ typedef struct plant_state {
 } plant_state;
 
 typedef struct machine_terms {
-    rotor r;
+    vec_rotor r;
     vec_ab i_A; /* phase current */
     vec_dq i_dq_A;
     double rate[2][2]; /* di/dt = rate * u + drift, stationary frame */

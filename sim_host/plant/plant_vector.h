@@ -16,9 +16,9 @@ typedef struct vec_dq {
 } vec_dq;
 
 /* e^{j theta} as a pair, computed once and used for every rotation by that angle. */
-typedef struct rotor {
+typedef struct vec_rotor {
     double cos, sin;
-} rotor;
+} vec_rotor;
 
 #define VEC_HALF_SQRT3 0.86602540378443864676
 #define VEC_1_SQRT3    0.57735026918962576451
@@ -27,19 +27,19 @@ typedef struct rotor {
 /* The phases' axes in the stationary frame: phase x of a vector v is axis[x] . v. */
 static const vec_ab vec_phase_axis[3] = {{1.0, 0.0}, {-0.5, VEC_HALF_SQRT3}, {-0.5, -VEC_HALF_SQRT3}};
 
-static inline rotor rotor_at(double theta_e_rad)
+static inline vec_rotor rotor_at(double theta_e_rad)
 {
-    rotor r = {cos(theta_e_rad), sin(theta_e_rad)};
+    vec_rotor r = {cos(theta_e_rad), sin(theta_e_rad)};
     return r;
 }
 
-static inline vec_dq vec_to_dq(vec_ab v, rotor r)
+static inline vec_dq vec_to_dq(vec_ab v, vec_rotor r)
 {
     vec_dq w = {r.cos * v.alpha + r.sin * v.beta, r.cos * v.beta - r.sin * v.alpha};
     return w;
 }
 
-static inline vec_ab vec_to_ab(vec_dq v, rotor r)
+static inline vec_ab vec_to_ab(vec_dq v, vec_rotor r)
 {
     vec_ab w = {r.cos * v.d - r.sin * v.q, r.cos * v.q + r.sin * v.d};
     return w;
