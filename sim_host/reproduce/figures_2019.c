@@ -15,9 +15,9 @@ static const double full_speed_rpm = 8000.0;
 
 enum { SHOWN_CYCLES = 4 };
 
-static void say_point(void *context, const plant_point *point)
+static void say_point(void *context, const drive_point *point)
 {
-    plot_say(context, "%.7g %.6g %.6g\n", 1e3 * point->t_s, point->u_V[0], point->i_A[0]);
+    plot_say(context, "%.7g %.6g %.6g\n", 1e3 * point->t_s, point->u_A_V, point->i_A_A);
 }
 
 /* Edges of the three legs, and where valleys and peaks are sampled. */

@@ -1,6 +1,7 @@
 #include "steady_drive.h"
 
 #include "../model/papers.h"
+#include "plant/plant.h"
 #include "plant/plant_electrical.h"
 
 #include <lapacke.h>
@@ -137,14 +138,27 @@ void steady_drive_duties(const steady_drive *d, const drive_cycle *at, double du
     duties_of(at->u_V, d->u_dc_V, duty);
 }
 
+typedef struct tracer {
+    drive_trace *trace;
+    void *context;
+} tracer;
+
+static void pass_on(void *context, const plant_point *point)
+{
+    const tracer *t = context;
+    const drive_point of_phase_a = {point->t_s, point->u_V[0], point->i_A[0]};
+    t->trace(t->context, &of_phase_a);
+}
+
 void steady_drive_trace(const motor *m, const steady_drive *d, size_t first, size_t cycles, double step_s,
-                        plant_trace *trace, void *context)
+                        drive_trace *trace, void *context)
 {
     const drive_cycle *at = &d->cycle[first];
+    tracer t = {trace, context};
     plant p;
     start_plant(m, d, at->theta_rad, at->i_valley_A * papers_turn(-at->theta_rad), &p);
-    p.trace = trace;
-    p.trace_context = context;
+    p.trace = pass_on;
+    p.trace_context = &t;
     p.trace_step_s = step_s;
     for (size_t n = 0; n < cycles; n++) {
         double duty[3];

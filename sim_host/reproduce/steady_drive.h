@@ -11,7 +11,6 @@
 
 #include "../base/error.h"
 #include "../data/motor.h"
-#include "plant/plant.h"
 
 #include <complex.h>
 #include <stddef.h>
@@ -49,9 +48,18 @@ void steady_drive_free(steady_drive *d);
 /* The duties of a recorded cycle. */
 void steady_drive_duties(const steady_drive *d, const drive_cycle *at, double duty[3]);
 
-/* Runs recorded cycles once more and hands the true waveforms to `trace`, at every edge and every step_s. */
+/* A point of the true waveforms of phase A. */
+typedef struct drive_point {
+    double t_s;   /* since the first cycle began */
+    double u_A_V; /* phase to star point, of the span that ends here */
+    double i_A_A;
+} drive_point;
+
+typedef void drive_trace(void *context, const drive_point *point);
+
+/* Runs recorded cycles once more and hands the waveforms to `trace`, at every edge and every step_s. */
 void steady_drive_trace(const motor *m, const steady_drive *d, size_t first, size_t cycles, double step_s,
-                        plant_trace *trace, void *context);
+                        drive_trace *trace, void *context);
 
 /*
  * The voltage (rotor frame at mid-cycle) and valley current of the steady state without PWM ripple: u
