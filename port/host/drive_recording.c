@@ -76,14 +76,14 @@ static bool add_row(void *context, const drive_row *row, error *e)
         return error_failure(e, 0, "more cycles than the scenario has");
     }
     if (row->run != r->run) {
-        const double begin_s = k == 0 ? 0.0 : rec->t_s[k - 1] + PAUSE_CYCLES * r->T_s;
-        r->offset_s = begin_s - row->valley.t_s;
+        r->begin_s = k == 0 ? 0.0 : rec->t_s[k - 1] + PAUSE_CYCLES * r->T_s;
+        r->first = k;
         r->run = row->run;
     }
     double u_V[3];
     commanded(row, u_V);
     rec->run[k] = row->run;
-    rec->t_s[k] = r->offset_s + row->valley.t_s;
+    rec->t_s[k] = r->begin_s + (double)(k - r->first) * r->T_s;
     rec->theta_e_rad[k] = row->valley.theta_e_rad;
     rec->omega_e_rad_s[k] = row->valley.omega_e_rad_s;
     set(rec->u_dc_V, k, row->valley.u_dc_V);

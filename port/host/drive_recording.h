@@ -13,8 +13,9 @@ typedef struct drive_recording {
     recording recording;
     size_t capacity; /* rows */
     double T_s;
-    double offset_s; /* added to the plant's time of the present run, so that runs follow each other */
-    long run;        /* the last row's */
+    double begin_s; /* of the present run: runs follow each other */
+    size_t first;   /* its first row */
+    long run;       /* the last row's */
 } drive_recording;
 
 /* Room for all logged cycles of a scenario. False with *e set if there is no memory. */

@@ -41,15 +41,16 @@ iq24_t turns_from_speed(double omega_e_rad_s, double T_s)
     return iq24_from_double(omega_e_rad_s * T_s / IQFOC_TWO_PI_);
 }
 
-/* One coefficient: converted if it lies in low ... high, else refused by its name and what made it. */
-static bool coefficient(const char *path, const char *name, const char *made_of, double value, double low,
+/* One coefficient: converted if it lies in low ... high, else refused at the key that makes it, by its name.
+ */
+static bool coefficient(const char *path, const char *key, const char *name, double value, double low,
                         double high, iq24_t *out, error *e)
 {
     if (!(value >= low && value <= high)) {
-        return error_input(
-            e, path, 0, 0,
-            "%s gives the per-unit constant %s = %.6g; the fixed-point library holds %.3g to %.3g", made_of,
-            name, value, low, high);
+        return motor_refuse(
+            path, key, e,
+            "%s gives the per-unit constant %s = %.6g; the fixed-point library holds %.3g to %.3g", key, name,
+            value, low, high);
     }
     *out = iq24_from_double(value);
     return true;
@@ -62,14 +63,12 @@ bool predictor_from_motor(const motor *m, const char *path, iqfoc_predictor_t *p
 {
     const per_unit base = per_unit_of(m);
     const double L_H = 0.5 * (m->L_d_H + m->L_q_H);
-    return coefficient(path, "k_u = T U_b/(L I_b)", "L_d_H, L_q_H with f_pwm_Hz, u_dc_V and I_rated_A_rms",
-                       IQFOC_RAW_K_U(L_H, base.T_s, base.I_A, base.U_V), LEAST_K_U, IQFOC_MAX_K_U,
-                       &predictor->k_u, e) &&
-           coefficient(path, "k_r = R T/L", "R_ohm with L_d_H, L_q_H and f_pwm_Hz",
-                       IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0, IQFOC_MAX_K_R, &predictor->k_r, e) &&
-           coefficient(path, "k_psi = psi/(L I_b)", "psi_f_Wb with L_d_H, L_q_H and I_rated_A_rms",
-                       IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A), 0.0, IQFOC_MAX_K_PSI, &predictor->k_psi,
-                       e);
+    return coefficient(path, "L_d_H", "k_u = T U_b/(L I_b)", IQFOC_RAW_K_U(L_H, base.T_s, base.I_A, base.U_V),
+                       LEAST_K_U, IQFOC_MAX_K_U, &predictor->k_u, e) &&
+           coefficient(path, "R_ohm", "k_r = R T/L", IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0,
+                       IQFOC_MAX_K_R, &predictor->k_r, e) &&
+           coefficient(path, "psi_f_Wb", "k_psi = psi/(L I_b)", IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A),
+                       0.0, IQFOC_MAX_K_PSI, &predictor->k_psi, e);
 }
 
 bool gains_from_motor(const motor *m, const char *path, double bandwidth_Hz,
@@ -77,26 +76,24 @@ bool gains_from_motor(const motor *m, const char *path, double bandwidth_Hz,
 {
     const per_unit base = per_unit_of(m);
     const double w_rad_s = IQFOC_TWO_PI_ * bandwidth_Hz;
-    const char *winding = "L_d_H, L_q_H with I_rated_A_rms, u_dc_V and the bandwidth";
-    const char *resistance = "R_ohm with I_rated_A_rms, u_dc_V, f_pwm_Hz and the bandwidth";
-    const char *reactance = "L_d_H, L_q_H with I_rated_A_rms, u_dc_V and f_pwm_Hz";
     const double ki = IQFOC_RAW_KI(w_rad_s, m->R_ohm, base.T_s, base.I_A, base.U_V);
-    return coefficient(path, "kp_d", winding, IQFOC_RAW_KP(w_rad_s, m->L_d_H, base.I_A, base.U_V), 0.0,
-                       IQFOC_MAX_GAIN, &gains->kp_d, e) &&
-           coefficient(path, "kp_q", winding, IQFOC_RAW_KP(w_rad_s, m->L_q_H, base.I_A, base.U_V), 0.0,
-                       IQFOC_MAX_GAIN, &gains->kp_q, e) &&
-           coefficient(path, "ki_d", resistance, ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_d, e) &&
-           coefficient(path, "ki_q", resistance, ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_q, e) &&
-           coefficient(path, "anti_windup = w T", "the bandwidth with f_pwm_Hz",
-                       IQFOC_RAW_ANTI_WINDUP(w_rad_s, base.T_s), 0.0, IQFOC_MAX_ANTI_WINDUP,
-                       &gains->anti_windup, e) &&
-           coefficient(path, "x_d = 2 pi L_d I_b/(T U_b)", reactance,
+    return coefficient(path, "L_d_H", "kp_d = w L_d I_b/U_b",
+                       IQFOC_RAW_KP(w_rad_s, m->L_d_H, base.I_A, base.U_V), 0.0, IQFOC_MAX_GAIN, &gains->kp_d,
+                       e) &&
+           coefficient(path, "L_q_H", "kp_q = w L_q I_b/U_b",
+                       IQFOC_RAW_KP(w_rad_s, m->L_q_H, base.I_A, base.U_V), 0.0, IQFOC_MAX_GAIN, &gains->kp_q,
+                       e) &&
+           coefficient(path, "R_ohm", "ki_d = w R T I_b/U_b", ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_d, e) &&
+           coefficient(path, "R_ohm", "ki_q = w R T I_b/U_b", ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_q, e) &&
+           coefficient(path, "f_pwm_Hz", "anti_windup = w T", IQFOC_RAW_ANTI_WINDUP(w_rad_s, base.T_s), 0.0,
+                       IQFOC_MAX_ANTI_WINDUP, &gains->anti_windup, e) &&
+           coefficient(path, "L_d_H", "x_d = 2 pi L_d I_b/(T U_b)",
                        IQFOC_RAW_X(m->L_d_H, base.T_s, base.I_A, base.U_V), 0.0, IQFOC_MAX_X, &gains->x_d,
                        e) &&
-           coefficient(path, "x_q = 2 pi L_q I_b/(T U_b)", reactance,
+           coefficient(path, "L_q_H", "x_q = 2 pi L_q I_b/(T U_b)",
                        IQFOC_RAW_X(m->L_q_H, base.T_s, base.I_A, base.U_V), 0.0, IQFOC_MAX_X, &gains->x_q,
                        e) &&
-           coefficient(path, "emf = 2 pi psi/(T U_b)", "psi_f_Wb with u_dc_V and f_pwm_Hz",
+           coefficient(path, "psi_f_Wb", "emf = 2 pi psi/(T U_b)",
                        IQFOC_RAW_EMF(m->psi_f_Wb, base.T_s, base.U_V), 0.0, IQFOC_MAX_X, &gains->emf, e);
 }
 
@@ -104,10 +101,10 @@ static bool speed_fits(const motor *m, const char *path, error *e)
 {
     const double turns = IQFOC_RAW_TURNS(m->n_max_rpm, m->pole_pairs, 1.0 / m->f_pwm_Hz);
     return turns <= IQFOC_MAX_TURNS ||
-           error_input(
-               e, path, 0, 0,
-               "n_max_rpm with pole_pairs and f_pwm_Hz gives %.3g turns per control cycle; the library holds "
-               "1/3 (a switching-to-fundamental ratio of 3)",
+           motor_refuse(
+               path, "n_max_rpm", e,
+               "n_max_rpm with pole_pairs and f_pwm_Hz gives %.3g turns per control cycle; the library "
+               "holds 1/3 (a switching-to-fundamental ratio of 3)",
                turns);
 }
 
@@ -137,8 +134,8 @@ bool config_from_motor(const motor *m, const char *path, const scenario_control 
     made.current_limit = iq24_from_double(CURRENT_LIMIT_PU);
     const double period = HAL_HOST_TICKS_PER_S / m->f_pwm_Hz;
     if (!(period < 4294967295.0)) {
-        return error_input(e, path, 0, 0, "f_pwm_Hz = %g is too low: a control cycle must fit a 32-bit timer",
-                           m->f_pwm_Hz);
+        return motor_refuse(path, "f_pwm_Hz", e,
+                            "f_pwm_Hz = %g is too low: a control cycle must fit a 32-bit timer", m->f_pwm_Hz);
     }
     made.period_ticks = (uint32_t)period;
     made.tolerance_ticks = made.period_ticks / 50;

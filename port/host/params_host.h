@@ -30,7 +30,8 @@ iq24_t turns_from_speed(double omega_e_rad_s, double T_s);
 
 /*
  * The predictor of a motor file. Its L is the mean of L_d and L_q: the papers' models are for non-salient
- * machines. False, with the file and the coefficient named, where a value does not fit the library's ranges.
+ * machines. False, with file, line, column and the coefficient named, where a value does not fit the
+ * library's ranges.
  */
 bool predictor_from_motor(const motor *m, const char *path, iqfoc_predictor_t *predictor, error *e);
 

@@ -64,7 +64,7 @@ static void test_spans_compose(void)
         vec_ab integral = {0.0, 0.0};
         double theta = 0.0;
         for (int n = 0; n < 7; n++) {
-            const rotor r = rotor_at(theta);
+            const vec_rotor r = rotor_at(theta);
             electrical_advance(&m, parts[n] * T, vec_to_dq(u, r), &part);
             const vec_ab add =
                 vec_to_ab((vec_dq){part.integral_start_As.alpha, part.integral_start_As.beta}, r);
