@@ -26,6 +26,7 @@ static const char page_style[] =
     "table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums}\n"
     "th,td{padding:.2rem .6rem .2rem 0;text-align:left;vertical-align:top}\n"
     "th{font-weight:600;border-bottom:1px solid var(--ink)}td{border-bottom:1px solid var(--rule)}\n"
+    "td:nth-child(2){white-space:nowrap}\n"
     ".n{text-align:right;white-space:nowrap}\n"
     ".note{color:var(--soft);font-size:.85rem;margin:.25rem 0}\n"
     ".missing{color:var(--soft);border:1px dashed var(--rule);padding:2rem;text-align:center}\n";

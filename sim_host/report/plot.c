@@ -30,7 +30,7 @@ bool plot_begin(plot *p, int width, int height, error *e)
              "set tics nomirror out scale 0.6 textcolor rgb '" PLOT_INK "'\n"
              "set grid linetype 1 linecolor rgb '" PLOT_GRID "' linewidth 0.8 dashtype solid\n"
              "set xtics offset 0,0.4\n"
-             "set key textcolor rgb '" PLOT_INK "' samplen 2.2 spacing 1.15\n"
+             "set key textcolor rgb '" PLOT_INK "' Left reverse samplen 2.2 spacing 1.15\n"
              "set xlabel offset 0,0.8 textcolor rgb '" PLOT_INK "'\n"
              "set ylabel offset 0.6,0 textcolor rgb '" PLOT_INK "'\n"
              "set title offset 0,-0.4 textcolor rgb '" PLOT_INK "'\n"

@@ -68,11 +68,18 @@ static bool starts(const char *text, const char *with)
 /* All but its first tag, which the page writes itself. */
 static void put_body(FILE *out, const char *svg, const char *prefix)
 {
+    /* The ground of a boxed label. */
+    static const char box_colour[] = "flood-color='white'";
     static const char *const id_marks[] = {"id='", "id=\"", "href='#", "href=\"#", "url(#"};
     while (*svg != '\0') {
         const char *next = starts(svg, "rgb(") ? put_colour(out, svg) : NULL;
         if (next != NULL) {
             svg = next;
+            continue;
+        }
+        if (starts(svg, box_colour)) {
+            fputs("flood-color='var(--paper)'", out);
+            svg += strlen(box_colour);
             continue;
         }
         for (size_t n = 0; n < sizeof id_marks / sizeof id_marks[0]; n++) {

@@ -19,7 +19,8 @@ typedef struct contour_panel {
     double x_low, x_high, y_low, y_high;
     double level_low, level_step, level_high;
     const char *level_format;
-    int label_at; /* point of each line at which its value is written */
+    double from_x, from_y, to_x,
+        to_y; /* values stand where the lines cross this one; every other line has one */
     double (*value)(double x, double y);
 } contour_panel;
 
@@ -37,20 +38,44 @@ static void say_grid(plot *p, const contour_panel *panel, const char *name)
     plot_data_end(p);
 }
 
-/* Contour lines with their values beside them. */
+static void say_values(plot *p, const contour_panel *panel, const char *name)
+{
+    enum { STEPS = 2000 };
+    char block[32];
+    snprintf(block, sizeof block, "%s_values", name);
+    plot_data(p, block);
+    double before = panel->value(panel->from_x, panel->from_y);
+    for (int n = 1; n <= STEPS; n++) {
+        const double at = (double)n / STEPS;
+        const double x = panel->from_x + at * (panel->to_x - panel->from_x);
+        const double y = panel->from_y + at * (panel->to_y - panel->from_y);
+        const double value = panel->value(x, y);
+        const double spacing = 2.0 * panel->level_step;
+        const double level = spacing * floor(fmax(before, value) / spacing);
+        if (level > fmin(before, value)) {
+            char text[32];
+            /* Without the sign of a zero. */
+            snprintf(text, sizeof text, panel->level_format, fabs(level) < 1e-9 ? 0.0 : level);
+            plot_say(p, "%g %g %s\n", x, y, text);
+        }
+        before = value;
+    }
+    plot_data_end(p);
+}
+
+/* Contour lines with their values in them. */
 static void say_contours(plot *p, const contour_panel *panel, const char *name)
 {
-    plot_say(
-        p,
-        "set contour base\nunset surface\nset cntrparam levels incremental %g,%g,%g\n"
-        "set table $%s_lines\nsplot $%s using 1:2:3 notitle\nunset table\nunset contour\n"
-        "set xrange [%g:%g]\nset yrange [%g:%g]\nset title \"%s\"\nset xlabel \"%s\"\nset ylabel \"%s\"\n"
-        "plot $%s_lines using 1:2 with lines linestyle 1 linewidth 1.3 notitle, "
-        "$%s_lines using 1:2:(sprintf('%s', $3)) every 1000::%d with labels font ',10' textcolor rgb "
-        "'" PLOT_INK "' offset 0,0.5 notitle\n",
-        panel->level_low, panel->level_step, panel->level_high, name, name, panel->x_low, panel->x_high,
-        panel->y_low, panel->y_high, panel->title, panel->x_label, panel->y_label, name, name,
-        panel->level_format, panel->label_at);
+    say_values(p, panel, name);
+    plot_say(p,
+             "set contour base\nunset surface\nset cntrparam levels incremental %g,%g,%g\n"
+             "set table $%s_lines\nsplot $%s using 1:2:3 notitle\nunset table\nunset contour\n"
+             "set xrange [%g:%g]\nset yrange [%g:%g]\nset style textbox opaque noborder margins 0.4,0.2\nset "
+             "title \"%s\"\nset xlabel \"%s\"\nset ylabel \"%s\"\n"
+             "plot $%s_lines using 1:2 with lines linestyle 1 linewidth 1.3 notitle, "
+             "$%s_values using 1:2:3 with labels boxed font ',11' textcolor rgb '" PLOT_INK "' notitle\n",
+             panel->level_low, panel->level_step, panel->level_high, name, name, panel->x_low, panel->x_high,
+             panel->y_low, panel->y_high, panel->title, panel->x_label, panel->y_label, name, name);
 }
 
 static bool contour_figure(page *p, const contour_panel panel[2], const char *id, const char *caption,
@@ -62,7 +87,7 @@ static bool contour_figure(page *p, const contour_panel panel[2], const char *id
     }
     say_grid(&drawing, &panel[0], "left");
     say_grid(&drawing, &panel[1], "right");
-    plot_say(&drawing, "set multiplot layout 1,2 margins 0.11,0.985,0.15,0.91 spacing 0.14,0\n");
+    plot_say(&drawing, "set multiplot layout 1,2 margins 0.11,0.975,0.15,0.91 spacing 0.14,0\n");
     say_contours(&drawing, &panel[0], "left");
     say_contours(&drawing, &panel[1], "right");
     plot_say(&drawing, "unset multiplot\n");
@@ -109,14 +134,15 @@ static double phase_mrad(double dm, double da_rad)
 
 static bool figures_8_and_9(page *p, const comparison *c, error *e)
 {
-    static const contour_panel figure_8[2] = {
-        {"(a) d' component, p.u.", "k", "γ, degrees", 0, 2, -90, 90, 0.92, 0.02, 1.2, "%.2f", 40, mean_d},
-        {"(b) q' component, p.u.", "k", "γ, degrees", 0, 2, -90, 90, -0.2, 0.02, 0.2, "%.2f", 22, mean_q}};
+    static const contour_panel figure_8[2] = {{"(a) d' component, p.u.", "k", "γ, degrees", 0, 2, -90, 90,
+                                               0.92, 0.02, 1.2, "%.2f", 0, 0, 2, 0, mean_d},
+                                              {"(b) q' component, p.u.", "k", "γ, degrees", 0, 2, -90, 90,
+                                               -0.2, 0.02, 0.2, "%.2f", 1.5, -90, 1.5, 90, mean_q}};
     static const contour_panel figure_9[2] = {
         {"(a) gain error, %", "change of modulus, p.u.", "change of angle, rad", -0.6, 0.6, -0.6, 0.6, -4, 1,
-         16, "%.0f", 52, gain_percent},
+         16, "%.0f", 0, -0.6, 0, 0.6, gain_percent},
         {"(b) phase error, mrad", "change of modulus, p.u.", "change of angle, rad", -0.6, 0.6, -0.6, 0.6,
-         -100, 10, 100, "%.0f", 30, phase_mrad}};
+         -100, 10, 100, "%.0f", -0.6, 0, 0.6, 0, phase_mrad}};
     page_heading(p, 3, "What the discrete angle gets wrong");
     page_pair_begin(p);
     if (!contour_figure(

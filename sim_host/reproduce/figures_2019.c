@@ -182,18 +182,16 @@ static bool say_sweep(plot *p, const motor *m, const method_machine *machine, bo
 static const char table_1_points[] =
     "200 0.041 0.018 0.494 0.048\n20 0.73 0.16 8.82 0.47\n12.5 1.89 0.26 22.4 0.76\n";
 
-static void say_error_panel(plot *p, int column, const char *label, bool with_key)
+static void say_error_panel(plot *p, int column, const char *title, bool with_key)
 {
     plot_say(p,
-             "set ylabel '%s'\n%s\nplot $plain using 1:%d with lines linestyle 9 dashtype 2 notitle, $plain "
-             "using 1:%d with "
-             "lines linestyle 9 dashtype 2 title 'i_d = 0 throughout', "
-             "$errors using 1:%d with lines linestyle 1 title 'standard', $errors using 1:%d with lines "
-             "linestyle 2 title "
-             "'quasi-discrete', $paper using 1:%d with points linestyle 1 title 'paper, Table 1', $paper "
-             "using 1:%d with "
-             "points linestyle 2 notitle\n",
-             label, with_key ? "set key top right font ',11'" : "unset key", column, column + 1, column,
+             "set title '%s'\n%s\nplot $errors using 1:%d with lines linestyle 1 title 'standard', "
+             "$errors using 1:%d with lines linestyle 2 title 'quasi-discrete', "
+             "$paper using 1:%d with points linestyle 1 title 'paper, Table 1', "
+             "$paper using 1:%d with points linestyle 2 notitle, "
+             "$plain using 1:%d with lines linestyle 9 dashtype 2 title 'with i_d = 0', "
+             "$plain using 1:%d with lines linestyle 9 dashtype 2 notitle\n",
+             title, with_key ? "set key top right font ',11'" : "unset key", column, column + 1, column,
              column + 1, column, column + 1);
 }
 
@@ -214,10 +212,10 @@ static bool draw_figure_7(page *p, const motor *m, const method_machine *machine
              logarithmic ? "set logscale xy\nset xrange [11.5:220]\nset xtics (12.5,20,50,100,200)\n"
                            "set format y '%g'\n"
                          : "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\n");
-    plot_say(&drawing,
-             "set xlabel 'SFFR'\nset multiplot layout 1,2 margins 0.11,0.985,0.15,0.96 spacing 0.14,0\n");
-    say_error_panel(&drawing, 2, "mean current, % of the rms current", false);
-    say_error_panel(&drawing, 4, "prediction, % of the rms current", true);
+    plot_say(&drawing, "set xlabel 'SFFR'\nset ylabel 'error, %% of the rms current'\n"
+                       "set multiplot layout 1,2 margins 0.11,0.985,0.15,0.91 spacing 0.14,0\n");
+    say_error_panel(&drawing, 2, "(a) mean current", false);
+    say_error_panel(&drawing, 4, "(b) prediction", true);
     plot_say(&drawing, "unset multiplot\n");
     return logarithmic ? page_figure(p, &drawing, "2019-figure-7-log",
                                      "The same down to 500 rpm, both axes logarithmic. The paper's standard "

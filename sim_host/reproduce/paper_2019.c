@@ -94,7 +94,7 @@ static void table_1_note(const paper_2019_points *p, int speed, method which, ch
             "the printed figure",
             p->at_1000.errors.of[which].rms_percent);
     } else if (speed == 0 && which == METHOD_MEAN_QUASI_DISCRETE) {
-        snprintf(note, size, "0.003 %% of the current are 0.3 mA: the digits of the paper's simulation");
+        snprintf(note, size, "0.003 %% of the current (0.5 mA peak) below the paper; unexplained");
     } else if (speed == 2) {
         snprintf(note, size,
                  "field weakening with i_d = %.2f of the current: the voltage kept at that of 5000 rpm; the "
