@@ -16,7 +16,8 @@ enum { OPT_PAPER, OPT_JSON, OPT_OUTPUT };
 static const option_spec specs[] = {
     {"paper", 0, "2016|2019", "only this paper; default: both"},
     {"json", 0, "F", "write the rows to file F; - is stdout, without the tables"},
-    {"output", 'o', "DIR", "where the report page goes; default: report-reproduce,\nor no page if --json is given without -o"},
+    {"output", 'o', "DIR",
+     "where the report page goes; default: report-reproduce,\nor no page if --json is given without -o"},
     {NULL, 0, NULL, NULL}};
 
 static const command_about about = {
@@ -79,11 +80,11 @@ static bool reproduce(const request *r, comparison *c, error *e)
         return false;
     }
     const bool quiet = r->json_path != NULL && strcmp(r->json_path, "-") == 0;
-    if (!quiet) {
-        comparison_print(c, stdout);
-    }
     if (r->json_path != NULL && !write_json(r->json_path, c, e)) {
         return false;
+    }
+    if (!quiet) {
+        comparison_print(c, stdout);
     }
     const char *directory = r->directory;
     if (directory == NULL && r->json_path == NULL) {

@@ -9,12 +9,6 @@
 
 #include <math.h>
 
-static papers_error numerical(const six_step_interval *at)
-{
-    const double theta_m = at->theta_rad + 0.5 * at->Theta_rad;
-    return papers_error_of(at->i_mean_dq / papers_mean_discrete_angle_dq(at->i_mean, theta_m));
-}
-
 discrete_angle discrete_angle_of(const six_step_interval *at)
 {
     const discrete_angle d = {
@@ -22,7 +16,8 @@ discrete_angle discrete_angle_of(const six_step_interval *at)
                                    at->i_end * papers_turn(-at->theta_rad - at->Theta_rad)),
         .path_a = papers_error_of(
             papers_mean_normalised(papers_movement_of(at->i_start, at->i_end, at->Theta_rad))),
-        .path_bc = numerical(at)};
+        .path_bc = papers_error_of(
+            at->i_mean_dq / papers_mean_discrete_angle_dq(at->i_mean, at->theta_rad + 0.5 * at->Theta_rad))};
     return d;
 }
 
@@ -51,12 +46,13 @@ discrete_angle discrete_angle_of_iq24(const six_step_interval *at)
 
     const iqfoc_dq_t corrected = iqfoc_mean_current_correct(mean, delta, &rotor, sc_mid);
     const iqfoc_dq_t uncorrected = iqfoc_park(mean, sc_mid);
+    const iqfoc_dq_t discrete = iqfoc_park(vector_to_iq24(at->i_mean, 1.0), sc_mid);
     const iqfoc_dq_t start_dq = iqfoc_park(start, iq24_sincos(turns_from_rad(at->theta_rad)));
     const iqfoc_dq_t end_dq = iqfoc_park(end, iq24_sincos(turns_from_rad(at->theta_rad + at->Theta_rad)));
     const discrete_angle d = {
         .change = {modulus_iq24(end_dq) - modulus_iq24(start_dq), angle_iq24(start_dq, end_dq)},
         .path_a = papers_error_of(dq_from_iq24(corrected, 1.0) / dq_from_iq24(uncorrected, 1.0)),
-        .path_bc = numerical(at)};
+        .path_bc = papers_error_of(at->i_mean_dq / dq_from_iq24(discrete, 1.0))};
     return d;
 }
 

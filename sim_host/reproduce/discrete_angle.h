@@ -17,7 +17,7 @@ typedef struct discrete_angle {
 
 discrete_angle discrete_angle_of(const six_step_interval *at);
 
-/* The same with path A and the change by the firmware's IQ24 functions; B and C are the truth and stay. */
+/* The same with paths A and C and the change by the firmware's IQ24 functions; B is the truth and stays. */
 discrete_angle discrete_angle_of_iq24(const six_step_interval *at);
 
 /* What the paper's Table 2 draws from a run: the steady state, and the largest since the step. */

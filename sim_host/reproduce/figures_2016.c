@@ -1,6 +1,7 @@
 /*
  * 2016: Figs. 8 and 9 (the analysis as contours), 12 (waveforms), 13-15 (the three motors).
  */
+#include "../report/contour.h"
 #include "discrete_angle.h"
 #include "figures.h"
 #include "paper_2016.h"
@@ -12,86 +13,11 @@ static const double pi = 3.14159265358979323846;
 
 /* ---- Figs. 8 and 9: contours ---- */
 
-enum { GRID_X = 81, GRID_Y = 61 };
-
-typedef struct contour_panel {
-    const char *title, *x_label, *y_label;
-    double x_low, x_high, y_low, y_high;
-    double level_low, level_step, level_high;
-    const char *level_format;
-    double from_x, from_y, to_x,
-        to_y; /* values stand where the lines cross this one; every other line has one */
-    double (*value)(double x, double y);
-} contour_panel;
-
-static void say_grid(plot *p, const contour_panel *panel, const char *name)
-{
-    plot_data(p, name);
-    for (int row = 0; row < GRID_Y; row++) {
-        const double y = panel->y_low + (panel->y_high - panel->y_low) * row / (GRID_Y - 1);
-        for (int col = 0; col < GRID_X; col++) {
-            const double x = panel->x_low + (panel->x_high - panel->x_low) * col / (GRID_X - 1);
-            plot_say(p, "%.6g %.6g %.8g\n", x, y, panel->value(x, y));
-        }
-        plot_say(p, "\n");
-    }
-    plot_data_end(p);
-}
-
-static void say_values(plot *p, const contour_panel *panel, const char *name)
-{
-    enum { STEPS = 2000 };
-    char block[32];
-    snprintf(block, sizeof block, "%s_values", name);
-    plot_data(p, block);
-    double before = panel->value(panel->from_x, panel->from_y);
-    for (int n = 1; n <= STEPS; n++) {
-        const double at = (double)n / STEPS;
-        const double x = panel->from_x + at * (panel->to_x - panel->from_x);
-        const double y = panel->from_y + at * (panel->to_y - panel->from_y);
-        const double value = panel->value(x, y);
-        const double spacing = 2.0 * panel->level_step;
-        const double level = spacing * floor(fmax(before, value) / spacing);
-        if (level > fmin(before, value)) {
-            char text[32];
-            /* Without the sign of a zero. */
-            snprintf(text, sizeof text, panel->level_format, fabs(level) < 1e-9 ? 0.0 : level);
-            plot_say(p, "%g %g %s\n", x, y, text);
-        }
-        before = value;
-    }
-    plot_data_end(p);
-}
-
-/* Contour lines with their values in them. */
-static void say_contours(plot *p, const contour_panel *panel, const char *name)
-{
-    say_values(p, panel, name);
-    plot_say(p,
-             "set contour base\nunset surface\nset cntrparam levels incremental %g,%g,%g\n"
-             "set table $%s_lines\nsplot $%s using 1:2:3 notitle\nunset table\nunset contour\n"
-             "set xrange [%g:%g]\nset yrange [%g:%g]\nset style textbox opaque noborder margins 0.4,0.2\nset "
-             "title \"%s\"\nset xlabel \"%s\"\nset ylabel \"%s\"\n"
-             "plot $%s_lines using 1:2 with lines linestyle 1 linewidth 1.3 notitle, "
-             "$%s_values using 1:2:3 with labels boxed font ',11' textcolor rgb '" PLOT_INK "' notitle\n",
-             panel->level_low, panel->level_step, panel->level_high, name, name, panel->x_low, panel->x_high,
-             panel->y_low, panel->y_high, panel->title, panel->x_label, panel->y_label, name, name);
-}
-
 static bool contour_figure(page *p, const contour_panel panel[2], const char *id, const char *caption,
                            error *e)
 {
     plot drawing;
-    if (!plot_begin(&drawing, 620, 330, e)) {
-        return false;
-    }
-    say_grid(&drawing, &panel[0], "left");
-    say_grid(&drawing, &panel[1], "right");
-    plot_say(&drawing, "set multiplot layout 1,2 margins 0.11,0.975,0.15,0.91 spacing 0.14,0\n");
-    say_contours(&drawing, &panel[0], "left");
-    say_contours(&drawing, &panel[1], "right");
-    plot_say(&drawing, "unset multiplot\n");
-    return page_figure(p, &drawing, id, caption, e);
+    return contour_pair(&drawing, panel, e) && page_figure(p, &drawing, id, caption, e);
 }
 
 static double complex normalised(double k, double gamma_deg)
@@ -318,10 +244,11 @@ static bool figure_of_motor(page *p, const comparison *c, int which, error *e)
     say_panels(&drawing);
     snprintf(id, sizeof id, "2016-figure-%d", 13 + which);
     snprintf(caption, sizeof caption,
-             "Figure %d. Motor %d (L = %g mH, R = %g mΩ): the reference angle steps by π/6 at 0.1 s. One "
+             "Figure %d. Motor %d (L = %g mH, R = %g mΩ, τ = L/R = %.3g ms): the reference angle steps by "
+             "π/6 at 0.1 s. One "
              "point a control "
              "interval.",
-             13 + which, 1 + which, 1e3 * m->L_H, 1e3 * m->R_ohm);
+             13 + which, 1 + which, 1e3 * m->L_H, 1e3 * m->R_ohm, 1e3 * m->L_H / m->R_ohm);
     page_pair_begin(p);
     if (!page_figure(p, &drawing, id, caption, e)) {
         return false;
@@ -343,7 +270,6 @@ bool figures_2016(page *p, const comparison *c, error *e)
     if (!figures_8_and_9(p, c, e) || !figure_12(p, e)) {
         return false;
     }
-    rows_page_table(p, c, "2016", "Table 1", NULL);
     page_heading(p, 3, "Steady state and a step, three motors");
     for (int n = 0; n < PAPER_2016_MOTORS; n++) {
         if (!figure_of_motor(p, c, n, e)) {

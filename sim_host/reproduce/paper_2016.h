@@ -12,7 +12,6 @@ enum { PAPER_2016_MOTORS = 3 };
 typedef struct paper_2016_motor {
     const char *name;
     double L_H, R_ohm;
-    double tau_paper_s;
 } paper_2016_motor;
 
 extern const paper_2016_motor paper_2016_motors[PAPER_2016_MOTORS];

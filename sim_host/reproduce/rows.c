@@ -85,20 +85,27 @@ static json_t *number_or_null(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+static json_t *row_json(const comparison_row *r)
+{
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:s}", "paper", r->paper, "item", r->item,
+                     "quantity", r->quantity, "method", r->method, "condition", r->condition, "unit", r->unit,
+                     "paper_value", number_or_null(r->paper_value), "value", number_or_null(r->value),
+                     "value_iq24", number_or_null(r->value_iq24), "note", r->note);
+}
+
 json_t *comparison_json(const comparison *c)
 {
     json_t *rows = json_array();
+    json_t *own = json_array();
+    bool ok = true;
     for (size_t n = 0; n < c->count; n++) {
-        const comparison_row *r = &c->row[n];
-        json_t *row =
-            json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:s}", "paper", r->paper, "item",
-                      r->item, "quantity", r->quantity, "method", r->method, "condition", r->condition,
-                      "unit", r->unit, "paper_value", number_or_null(r->paper_value), "value",
-                      number_or_null(r->value), "value_iq24", number_or_null(r->value_iq24), "note", r->note);
-        if (row == NULL || json_array_append_new(rows, row) != 0) {
-            json_decref(rows);
-            return NULL;
-        }
+        json_t *list = isfinite(c->row[n].paper_value) ? rows : own;
+        ok = json_array_append_new(list, row_json(&c->row[n])) == 0 && ok;
     }
-    return json_pack("{s:o}", "rows", rows);
+    json_t *root = json_pack("{s:o, s:o}", "rows", rows, "own", own);
+    if (!ok) {
+        json_decref(root);
+        return NULL;
+    }
+    return root;
 }

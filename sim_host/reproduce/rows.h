@@ -42,7 +42,8 @@ double comparison_ratio(const comparison_row *row);
 /* A table of each paper's items, columns aligned, notes as numbered lines below. */
 void comparison_print(const comparison *c, FILE *out);
 
-/* {"rows": [...]}; NAN becomes null. NULL when out of memory. */
+/* {"rows": [...], "own": [...]}: those that have a figure of a paper, and those that do not. NAN becomes
+ * null. NULL when out of memory. */
 json_t *comparison_json(const comparison *c);
 
 #endif
