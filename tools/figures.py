@@ -37,8 +37,10 @@ class FigureError(Exception):
 class Program:
     """The built iqfoc, run once for each distinct command line."""
 
-    def __init__(self, path):
+    def __init__(self, path, writes=False):
         self.path = path
+        self.root = ROOT
+        self.writes = writes  # pictures too are rewritten
         self.results = {}
 
     def output(self, *command):
@@ -140,7 +142,7 @@ def main():
     parser.add_argument("mode", choices=["check", "write"])
     parser.add_argument("--iqfoc", type=pathlib.Path, default=ROOT / "build" / "host" / "iqfoc")
     options = parser.parse_args()
-    return run(options.mode, ROOT, Program(options.iqfoc.resolve()))
+    return run(options.mode, ROOT, Program(options.iqfoc.resolve(), options.mode == "write"))
 
 
 if __name__ == "__main__":

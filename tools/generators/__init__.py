@@ -5,9 +5,11 @@ line, `program.output(...)` what another command of the tree prints, `arguments`
 rounded to what a reader needs: the last digits may differ between machines.
 """
 
-from . import bench, papers
+from . import bench, diagnosis, papers, picture
 
 GENERATORS = {
     "bench": bench.generate,
+    "diagnosis": diagnosis.generate,
     "papers": papers.generate,
+    "picture": picture.generate,
 }
