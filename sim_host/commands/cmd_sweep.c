@@ -2,12 +2,14 @@
  * iqfoc sweep: the errors of each method over the ratio of switching to fundamental frequency.
  */
 #include "base/json_file.h"
+#include "base/progress.h"
 #include "command.h"
 #include "options.h"
 #include "reproduce/sweep.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SPEEDS_MAX = 1000 };
@@ -109,44 +111,68 @@ static void print_head(const motor *m, double current_A_rms, double id_ratio)
            "quasi-discrete");
 }
 
-static bool write_json(const request *r, const motor *m, double current_A_rms, json_t *points, error *e)
+static bool write_json(const request *r, const motor *m, double current_A_rms, const sweep_point *points,
+                       error *e)
 {
+    json_t *list = json_array();
+    for (size_t n = 0; n < r->speeds; n++) {
+        if (json_array_append_new(list, sweep_point_json(&points[n])) != 0) {
+            json_decref(list);
+            return error_failure(e, 0, "sweep: out of memory");
+        }
+    }
     json_t *root =
-        json_pack("{s:s, s:f, s:f, s:f, s:O}", "motor", m->name, "current_A_rms", current_A_rms, "id_ratio",
-                  r->id_ratio, "L_used_H", 0.5 * (m->L_d_H + m->L_q_H), "points", points);
+        json_pack("{s:s, s:f, s:f, s:f, s:o}", "motor", m->name, "current_A_rms", current_A_rms, "id_ratio",
+                  r->id_ratio, "L_used_H", 0.5 * (m->L_d_H + m->L_q_H), "points", list);
     const bool ok = json_file_write(r->json_path, root, e);
     json_decref(root);
+    return ok;
+}
+
+static void print_table(const request *r, const motor *m, double current_A_rms, const sweep_point *points)
+{
+    print_head(m, current_A_rms, r->id_ratio);
+    for (size_t n = 0; n < r->speeds; n++) {
+        print_point(&points[n]);
+    }
+}
+
+/* All points before the first line, so that a point that cannot be leaves no half table. */
+static bool compute(const request *r, const motor *m, double current_A_rms, sweep_point *points, error *e)
+{
+    method_machine machine;
+    if (!method_machine_of(m, r->motor_path, &machine, e)) {
+        return false;
+    }
+    const double complex i_dq_A =
+        sqrt(2.0) * current_A_rms * papers_vector(r->id_ratio, sqrt(1.0 - r->id_ratio * r->id_ratio));
+    progress shown = progress_begin("sweep", (double)r->speeds, "speeds");
+    bool ok = true;
+    for (size_t n = 0; n < r->speeds && ok; n++) {
+        ok = sweep_point_at(m, r->motor_path, &machine, r->rpm[n], i_dq_A, &points[n], e);
+        progress_update(&shown, (double)n);
+    }
+    progress_end(&shown);
     return ok;
 }
 
 static bool sweep(const request *r, error *e)
 {
     motor m;
-    method_machine machine;
-    if (!motor_read(r->motor_path, &m, e) || !method_machine_of(&m, r->motor_path, &machine, e)) {
+    if (!motor_read(r->motor_path, &m, e)) {
         return false;
     }
+    sweep_point *points = calloc(r->speeds, sizeof *points);
+    if (points == NULL) {
+        return error_failure(e, 0, "sweep: out of memory");
+    }
     const double current_A_rms = r->current_A_rms > 0.0 ? r->current_A_rms : m.I_rated_A_rms;
-    const double complex i_dq_A =
-        sqrt(2.0) * current_A_rms * papers_vector(r->id_ratio, sqrt(1.0 - r->id_ratio * r->id_ratio));
-    const bool quiet = r->json_path != NULL && strcmp(r->json_path, "-") == 0;
-    if (!quiet) {
-        print_head(&m, current_A_rms, r->id_ratio);
+    const bool ok = compute(r, &m, current_A_rms, points, e) &&
+                    (r->json_path == NULL || write_json(r, &m, current_A_rms, points, e));
+    if (ok && (r->json_path == NULL || strcmp(r->json_path, "-") != 0)) {
+        print_table(r, &m, current_A_rms, points);
     }
-    json_t *points = json_array();
-    bool ok = true;
-    for (size_t n = 0; n < r->speeds && ok; n++) {
-        sweep_point point;
-        ok = sweep_point_at(&m, r->motor_path, &machine, r->rpm[n], i_dq_A, &point, e);
-        if (ok && !quiet) {
-            print_point(&point);
-        }
-        if (ok && json_array_append_new(points, sweep_point_json(&point)) != 0) {
-            ok = error_failure(e, 0, "sweep: out of memory");
-        }
-    }
-    ok = ok && (r->json_path == NULL || write_json(r, &m, current_A_rms, points, e));
-    json_decref(points);
+    free(points);
     return ok;
 }
 

@@ -40,15 +40,15 @@ void html_text(FILE *out, const char *text)
 /* gnuplot writes rgb(0,114,178), and with blanks rgb(  0, 114, 178). Returns what is behind it, or NULL. */
 static const char *put_colour(FILE *out, const char *at)
 {
-    char *end;
     unsigned long rgb = 0;
     const char *from = at + strlen("rgb(");
     for (int n = 0; n < 3; n++) {
+        char *end;
         rgb = rgb << 8 | (strtoul(from, &end, 10) & 0xFF);
+        if (*end != (n < 2 ? ',' : ')')) {
+            return NULL;
+        }
         from = end + 1;
-    }
-    if (*end != ')') {
-        return NULL;
     }
     for (int n = 0; n < COLOURS; n++) {
         if (strtoul(colours[n].hex + 1, NULL, 16) == rgb) {

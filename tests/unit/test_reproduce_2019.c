@@ -144,6 +144,25 @@ static void test_standard_figures_of_500_rpm_are_those_of_1000(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.2 * 0.494, 0.494, at_1000.errors.of[METHOD_PREDICTION_STANDARD].rms_percent);
 }
 
+/* docs/equations.md: what each method leaves out, to first order; at 500 rpm little else is left. */
+static void test_leading_terms_of_the_errors(void)
+{
+    sweep_point p;
+    error e = {0};
+    TEST_ASSERT_TRUE(sweep_point_at(&lab, NULL, &machine, 500.0, paper_2019_current_at(&lab, 0.0), &p, &e));
+    const double phi = steady_drive_omega(&lab, 500.0) / lab.f_pwm_Hz;
+    const double rho = lab.R_ohm / (lab.f_pwm_Hz * lab.L_d_H);
+    const double psi_pu = lab.psi_f_Wb / (lab.L_d_H * lab.I_rated_A_rms * sqrt(2.0));
+    const double expected[METHOD_COUNT] = {
+        [METHOD_MEAN_STANDARD] = psi_pu * phi * phi / 24.0 + rho * phi / 24.0,
+        [METHOD_MEAN_QUASI_DISCRETE] = rho * phi / 6.0,
+        [METHOD_PREDICTION_STANDARD] = 0.5 * psi_pu * phi * phi + 0.5 * rho * phi,
+        [METHOD_PREDICTION_QUASI_DISCRETE] = 0.5 * rho * phi};
+    for (int k = 0; k < METHOD_COUNT; k++) {
+        TEST_ASSERT_DOUBLE_WITHIN(8.0 * expected[k], 100.0 * expected[k], p.errors.of[k].rms_percent);
+    }
+}
+
 static void test_firmware_is_within_1e_5_of_double(void)
 {
     const double speeds_rpm[] = {-8000.0, 0.0, 500.0, 5000.0, 8000.0, 33000.0};
@@ -243,6 +262,7 @@ int main(void)
     RUN_TEST(test_field_weakening_begins_at_5000_rpm);
     RUN_TEST(test_table_1_at_5000_and_8000_rpm);
     RUN_TEST(test_standard_figures_of_500_rpm_are_those_of_1000);
+    RUN_TEST(test_leading_terms_of_the_errors);
     RUN_TEST(test_firmware_is_within_1e_5_of_double);
     RUN_TEST(test_reverse_mirrors_forward);
     RUN_TEST(test_sweep_refuses_fewer_than_three_cycles_a_revolution);
