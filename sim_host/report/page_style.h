@@ -23,10 +23,10 @@ static const char page_style[] =
     ".pair{display:grid;grid-template-columns:minmax(0,1fr);gap:.5rem 2rem;align-items:start}\n"
     "@media(min-width:62rem){.pair{grid-template-columns:minmax(0,11fr) minmax(0,9fr)}}\n"
     ".table{overflow-x:auto;margin:.8rem 0}\n"
-    "table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums}\n"
-    "th,td{padding:.2rem .6rem .2rem 0;text-align:left;vertical-align:top}\n"
+    "table{border-collapse:collapse;font-size:.87rem;font-variant-numeric:tabular-nums}\n"
+    "th,td{padding:.2rem .5rem .2rem 0;text-align:left;vertical-align:top}\n"
     "th{font-weight:600;border-bottom:1px solid var(--ink)}td{border-bottom:1px solid var(--rule)}\n"
-    "td:nth-child(2){white-space:nowrap}\n"
+    "td:first-child{min-width:8.8rem}td:nth-child(2){white-space:nowrap}\n"
     ".n{text-align:right;white-space:nowrap}\n"
     ".note{color:var(--soft);font-size:.85rem;margin:.25rem 0}\n"
     ".missing{color:var(--soft);border:1px dashed var(--rule);padding:2rem;text-align:center}\n";

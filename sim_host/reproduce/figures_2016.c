@@ -71,11 +71,10 @@ static bool figures_8_and_9(page *p, const comparison *c, error *e)
          -100, 10, 100, "%.0f", -0.6, 0, 0.6, 0, phase_mrad}};
     page_heading(p, 3, "What the discrete angle gets wrong");
     page_pair_begin(p);
-    if (!contour_figure(
-            p, figure_8, "2016-figure-8",
-            "Figure 8. True mean current relative to the discrete angle's, which is 1 + j0 by the "
-            "normalisation, over the current's movement k, γ (Θ = π/3).",
-            e)) {
+    if (!contour_figure(p, figure_8, "2016-figure-8",
+                        "Figure 8. True mean current relative to the discrete angle's, which is 1 + j0 "
+                        "by the normalisation, over the current's movement k, γ (Θ = π/3).",
+                        e)) {
         return false;
     }
     page_pair_beside(p);
@@ -141,31 +140,31 @@ static bool figure_12(page *p, error *e)
     }
     say_waveforms(&drawing, &run, 12);
     six_step_free(&run);
-    plot_say(&drawing,
-             "set multiplot\nset lmargin at screen 0.12\nset rmargin at screen 0.985\nset yrange [-0.8:0.8]\n"
-             "set ytics ('−2/3' -0.667, '0' 0, '2/3' 0.667)\nset format x ''\nset xrange [0:*] noextend\n");
+    plot_say(&drawing, "set multiplot\nset lmargin at screen 0.12\nset rmargin at screen 0.985\n"
+                       "set yrange [-0.8:0.8]\n"
+                       "set ytics ('−2/3' -0.667, '0' 0, '2/3' 0.667)\nset format x ''\n"
+                       "set xrange [0:*] noextend\n");
     for (int x = 0; x < 3; x++) {
-        plot_say(
-            &drawing,
-            "set tmargin at screen %g\nset bmargin at screen %g\nset ylabel 'u_%s / u_{dc}' offset 0.6,0\n"
-            "plot $wave using 1:%d with lines linestyle %d notitle\n",
-            0.98 - 0.155 * x, 0.85 - 0.155 * x, phase_names[x], 2 + x, 1 + x);
+        plot_say(&drawing,
+                 "set tmargin at screen %g\nset bmargin at screen %g\n"
+                 "set ylabel 'u_%s / u_{dc}' offset 0.6,0\n"
+                 "plot $wave using 1:%d with lines linestyle %d notitle\n",
+                 0.98 - 0.155 * x, 0.85 - 0.155 * x, phase_names[x], 2 + x, 1 + x);
     }
-    plot_say(&drawing,
-             "set tmargin at screen 0.5\nset bmargin at screen 0.12\nset format x '%%g'\nset ytics auto\n"
-             "set yrange [*:*]\nset xlabel 't, ms'\nset ylabel 'i, p.u.'\n"
-             "set key at graph 0.99,1.12 horizontal\nplot");
+    plot_say(&drawing, "set tmargin at screen 0.5\nset bmargin at screen 0.12\nset format x '%%g'\n"
+                       "set ytics auto\nset yrange [*:*]\nset xlabel 't, ms'\nset ylabel 'i, p.u.'\n"
+                       "set key at graph 0.99,1.12 horizontal\n"
+                       "plot");
     for (int x = 0; x < 3; x++) {
         plot_say(&drawing, "%s $wave using 1:%d with lines linestyle %d title 'i_%s'", x > 0 ? "," : "",
                  5 + x, 1 + x, phase_names[x]);
     }
     plot_say(&drawing, "\nunset multiplot\n");
     page_heading(p, 3, "The six-step drive");
-    return page_figure(
-        p, &drawing, "2016-figure-12",
-        "Figure 12. Phase voltages and currents in steady six-step operation, motor 2, two periods at "
-        "105 Hz. Current relative to the modulus of its mean.",
-        e);
+    return page_figure(p, &drawing, "2016-figure-12",
+                       "Figure 12. Phase voltages and currents in steady six-step operation, motor 2, "
+                       "two periods at 105 Hz. Current relative to the modulus of its mean.",
+                       e);
 }
 
 /* ---- Figs. 13-15 ---- */
@@ -194,30 +193,27 @@ static void say_panels(plot *p)
         const char *label, *ticks, *curves;
     } panels[5] = {{"(a) reference,\\nrad", "0.25", "$reference using 1:2 with lines linestyle 1 notitle"},
                    {"(b) change per\\ninterval", "0.4",
-                    "$errors using 1:2 with lines linestyle 1 title 'modulus, "
-                    "p.u.', $errors using 1:3 with lines linestyle 2 "
-                    "title 'angle, rad'"},
+                    "$errors using 1:2 with lines linestyle 1 title 'modulus, p.u.', $errors using 1:3 "
+                    "with lines linestyle 2 title 'angle, rad'"},
                    {"(c) gain error,\\n%", "4",
-                    "$errors using 1:4 with lines linestyle 1 title 'analytical (A)', "
-                    "$errors using 1:5 with points linestyle 2 "
-                    "pointsize 0.3 title 'numerical (B/C)'"},
+                    "$errors using 1:4 with lines linestyle 1 title 'analytical (A)', $errors using 1:5 "
+                    "with points linestyle 2 pointsize 0.3 title 'numerical (B/C)'"},
                    {"(d) phase error,\\nmrad", "40",
-                    "$errors using 1:6 with lines linestyle 1 title 'analytical "
-                    "(A)', $errors using 1:7 with points linestyle 2 "
-                    "pointsize 0.3 title 'numerical (B/C)'"},
+                    "$errors using 1:6 with lines linestyle 1 title 'analytical (A)', $errors using 1:7 "
+                    "with points linestyle 2 pointsize 0.3 title 'numerical (B/C)'"},
                    {"(e) A − B/C,\\n10^{−3}", "autofreq",
-                    "$errors using 1:8 with lines linestyle 1 title 'gain, p.u.', "
-                    "$errors using 1:9 with lines linestyle 2 title "
-                    "'phase, rad'"}};
-    plot_say(p, "set multiplot\nset lmargin at screen 0.15\nset rmargin at screen 0.985\nset xrange [0:0.3]\n"
-                "set format x ''\nset key top right horizontal samplen 1.5 font ',11'\nset offsets 0,0,graph "
-                "0.3,graph "
-                "0.08\nset ytics autofreq\n");
+                    "$errors using 1:8 with lines linestyle 1 title 'gain, p.u.', $errors using 1:9 with "
+                    "lines linestyle 2 title 'phase, rad'"}};
+    plot_say(p, "set multiplot\nset lmargin at screen 0.15\nset rmargin at screen 0.985\n"
+                "set xrange [0:0.3]\nset format x ''\n"
+                "set key top right horizontal samplen 1.5 font ',11'\n"
+                "set offsets 0,0,graph 0.3,graph 0.08\nset ytics autofreq\n");
     for (int n = 0; n < 5; n++) {
         const double top = 0.985 - 0.187 * n;
         plot_say(p,
-                 "set tmargin at screen %g\nset bmargin at screen %g\nset ylabel \"%s\"\nset ytics "
-                 "%s\n%splot %s\n",
+                 "set tmargin at screen %g\nset bmargin at screen %g\nset ylabel \"%s\"\n"
+                 "set ytics %s\n"
+                 "%splot %s\n",
                  top, top - 0.165, panels[n].label, panels[n].ticks,
                  n == 4 ? "set format x '%g'\nset xlabel 't, s'\n" : "", panels[n].curves);
     }
@@ -244,10 +240,8 @@ static bool figure_of_motor(page *p, const comparison *c, int which, error *e)
     say_panels(&drawing);
     snprintf(id, sizeof id, "2016-figure-%d", 13 + which);
     snprintf(caption, sizeof caption,
-             "Figure %d. Motor %d (L = %g mH, R = %g mΩ, τ = L/R = %.3g ms): the reference angle steps by "
-             "π/6 at 0.1 s. One "
-             "point a control "
-             "interval.",
+             "Figure %d. Motor %d (L = %g mH, R = %g mΩ, τ = L/R = %.3g ms): the reference angle steps "
+             "by π/6 at 0.1 s. One point a control interval.",
              13 + which, 1 + which, 1e3 * m->L_H, 1e3 * m->R_ohm, 1e3 * m->L_H / m->R_ohm);
     page_pair_begin(p);
     if (!page_figure(p, &drawing, id, caption, e)) {
@@ -262,11 +256,10 @@ static bool figure_of_motor(page *p, const comparison *c, int which, error *e)
 bool figures_2016(page *p, const comparison *c, error *e)
 {
     page_heading(p, 2, "2016: rotor position discretised, six-step");
-    page_text(p, "Averaging phase currents and turning the mean by one angle is wrong when the rotor turns "
-                 "by π/3 within "
-                 "a control interval. Path A is the paper's analysis, from the current at both ends of the "
-                 "interval; paths "
-                 "B and C are the true mean and the discrete angle's, in closed form here.");
+    page_text(p, "Averaging phase currents and turning the mean by one angle is wrong when the rotor "
+                 "turns by π/3 within a control interval. Path A is the paper's analysis, from the "
+                 "current at both ends of the interval; paths B and C are the true mean and the discrete "
+                 "angle's, in closed form here.");
     if (!figures_8_and_9(p, c, e) || !figure_12(p, e)) {
         return false;
     }

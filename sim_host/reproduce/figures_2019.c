@@ -57,28 +57,31 @@ static bool figure_3(page *p, const motor *m, const steady_drive *d, error *e)
     steady_drive_trace(m, d, 0, SHOWN_CYCLES, d->T_s / 40.0, say_point, &drawing);
     plot_data_end(&drawing);
     plot_say(&drawing,
-             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\nset xrange [0:%g]\n"
-             "set xtics %g\nset format x ''\nset yrange [-0.15:1.15]\nunset ytics\nunset key\n",
+             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\n"
+             "set xrange [0:%g]\nset xtics %g\nset format x ''\nset yrange [-0.15:1.15]\n"
+             "unset ytics\n"
+             "unset key\n",
              1e3 * SHOWN_CYCLES * d->T_s, 1e3 * d->T_s);
     for (int x = 0; x < 3; x++) {
         plot_say(&drawing,
-                 "set tmargin at screen %g\nset bmargin at screen %g\nset ylabel 'S_%c' rotate by 0 offset "
-                 "-1,0\nplot "
-                 "$leg%d using 1:2 with steps linestyle %d\n",
+                 "set tmargin at screen %g\nset bmargin at screen %g\n"
+                 "set ylabel 'S_%c' rotate by 0 offset -1,0\n"
+                 "plot $leg%d using 1:2 with steps linestyle %d\n",
                  0.985 - 0.085 * x, 0.91 - 0.085 * x, 'A' + x, x, 1 + x);
     }
-    plot_say(
-        &drawing,
-        "set ytics 250\nset yrange [-550:550]\nset tmargin at screen 0.72\nset bmargin at screen 0.47\n"
-        "set ylabel 'u_A, V' rotate offset 0.6,0\nplot $wave using 1:2 with lines linestyle 1\n"
-        "set tmargin at screen 0.39\nset bmargin at screen 0.11\nset ytics 4\nset yrange [*:*]\nset format x "
-        "'%%g'\n"
-        "set xlabel 't, ms'\nset ylabel 'i_A, A'\nset key at graph 1,1.22 horizontal maxrows 1 samplen 1.2 "
-        "font ',11'\n"
-        "plot $samples using 1:5:($6-$1):(0) with vectors nohead linestyle 9 linewidth 2 title 'true mean', "
-        "$wave using 1:3 with lines linestyle 1 title 'i_A', "
-        "$samples using 1:2 with points linestyle 2 title 'sample at the valley', "
-        "$samples using 3:4 with points linestyle 3 title 'sample at the peak'\nunset multiplot\n");
+    plot_say(&drawing,
+             "set ytics nomirror 250\nset yrange [-550:550]\nset tmargin at screen 0.72\n"
+             "set bmargin at screen 0.47\n"
+             "set ylabel 'u_A, V' rotate offset 0.6,0\n"
+             "plot $wave using 1:2 with lines linestyle 1\n"
+             "set tmargin at screen 0.39\nset bmargin at screen 0.11\nset ytics nomirror 4\n"
+             "set yrange [*:*]\nset format x '%%g'\nset xlabel 't, ms'\nset ylabel 'i_A, A'\n"
+             "set key at graph 1,1.22 horizontal maxrows 1 samplen 1.2 width -3 font ',11'\n"
+             "plot $samples using 1:5:($6-$1):(0) with vectors nohead linestyle 9 linewidth 2 title "
+             "'mean', $wave using 1:3 with lines linestyle 1 title 'i_A', "
+             "$samples using 1:2 with points linestyle 2 title 'valley sample', "
+             "$samples using 3:4 with points linestyle 3 title 'peak sample'\n"
+             "unset multiplot\n");
     page_heading(p, 3, "Switching and sampling at 8000 rpm");
     return page_figure(
         p, &drawing, "2019-figure-3",
@@ -98,7 +101,7 @@ static bool figure_6(page *p, const comparison *c, const method_machine *machine
         return false;
     }
     plot_data(&drawing, "errors");
-    for (int n = 0; n < SHOWN; n++) {
+    for (int n = 0; n <= SHOWN; n++) {
         const method_input in = method_input_of(d, &d->cycle[n]);
         plot_say(&drawing, "%.7g %.6g", 1e3 * n * d->T_s, creal(d->cycle[n].i_valley_A));
         for (int k = 0; k < METHOD_COUNT; k++) {
@@ -110,29 +113,26 @@ static bool figure_6(page *p, const comparison *c, const method_machine *machine
     }
     plot_data_end(&drawing);
     plot_say(&drawing,
-             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\nset xrange [0:%g]\nset "
-             "format x ''\n"
-             "set key top right horizontal font ',11'\nset offsets 0,0,graph 0.22,graph 0.05\n"
+             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\n"
+             "set xrange [0:%g]\nset format x ''\n"
+             "set key top right horizontal font ',11'\nset offsets 0,0,graph 0.32,graph 0.05\n"
              "set tmargin at screen 0.985\nset bmargin at screen 0.74\nset ylabel 'i_A, A'\n"
              "plot $errors using 1:2 with steps linestyle 9 title 'sampled phase current'\n"
              "set tmargin at screen 0.69\nset bmargin at screen 0.42\nset ylabel 'error of the mean, A'\n"
-             "plot $errors using 1:3 with steps linestyle 1 title 'standard', $errors using 1:4 with steps "
-             "linestyle 2 "
-             "title 'quasi-discrete'\n"
-             "set tmargin at screen 0.37\nset bmargin at screen 0.1\nset ylabel 'error of prediction, "
-             "A'\nset format x "
-             "'%%g'\nset xlabel 't, ms'\n"
-             "plot $errors using 1:5 with steps linestyle 1 title 'standard', $errors using 1:6 with steps "
-             "linestyle 2 "
-             "title 'quasi-discrete'\nunset multiplot\n",
+             "plot $errors using 1:3 with steps linestyle 1 title 'standard', "
+             "$errors using 1:4 with steps linestyle 2 title 'quasi-discrete'\n"
+             "set tmargin at screen 0.37\nset bmargin at screen 0.1\n"
+             "set ylabel 'error of prediction, A'\nset format x '%%g'\nset xlabel 't, ms'\n"
+             "plot $errors using 1:5 with steps linestyle 1 title 'standard', "
+             "$errors using 1:6 with steps linestyle 2 title 'quasi-discrete'\n"
+             "unset multiplot\n",
              1e3 * SHOWN * d->T_s);
     page_heading(p, 3, "Errors over time");
     page_pair_begin(p);
-    if (!page_figure(
-            p, &drawing, "2019-figure-6",
-            "Figure 6. Errors of mean current and prediction of phase A at 8000 rpm, rated current, four "
-            "fundamental periods.",
-            e)) {
+    if (!page_figure(p, &drawing, "2019-figure-6",
+                     "Figure 6. Errors of mean current and prediction of phase A at 8000 rpm, rated "
+                     "current, four fundamental periods.",
+                     e)) {
         return false;
     }
     page_pair_beside(p);
@@ -147,11 +147,10 @@ bool figures_2019(page *p, const comparison *c, error *e)
     method_machine machine;
     steady_drive d;
     page_heading(p, 2, "2019: quasi-discrete modelling at low frequency ratio");
-    page_text(
-        p,
-        "The quasi-discrete model lets the EMF turn with the rotor within a control cycle. The drive is the "
-        "paper's laboratory drive, its PWM resolved at every edge; current regulated at the mid-point "
-        "sample.");
+    page_text(p,
+              "The quasi-discrete model lets the EMF turn with the rotor within a control cycle. The drive "
+              "is the paper's laboratory drive, its PWM resolved at every edge; current regulated at the "
+              "mid-point sample.");
     if (!method_machine_of(&m, NULL, &machine, e) ||
         !steady_drive_run(&m, full_speed_rpm, paper_2019_current(&m, full_speed_rpm), 200, &d, e)) {
         return false;

@@ -51,7 +51,9 @@ static const char table_1_points[] =
 static void say_error_panel(plot *p, int column, const char *title, bool with_key)
 {
     plot_say(p,
-             "set title '%s'\n%s\nplot $errors using 1:%d with lines linestyle 1 title 'standard', "
+             "set title '%s'\n"
+             "%s\n"
+             "plot $errors using 1:%d with lines linestyle 1 title 'standard', "
              "$errors using 1:%d with lines linestyle 2 title 'quasi-discrete', "
              "$paper using 1:%d with points linestyle 1 title 'paper, Table 1', "
              "$paper using 1:%d with points linestyle 2 notitle, "
@@ -78,20 +80,20 @@ static bool draw_figure_7(page *p, const motor *m, const method_machine *machine
              logarithmic ? "set logscale xy\nset xrange [11.5:220]\nset xtics (12.5,20,50,100,200)\n"
                            "set format y '%g'\n"
                          : "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\n");
-    plot_say(&drawing, "set xlabel 'SFFR'\nset ylabel 'error, %% of the rms current'\n"
+    plot_say(&drawing, "set xlabel 'SFFR'\n"
+                       "set ylabel 'error, %% of the rms current'\n"
                        "set multiplot layout 1,2 margins 0.11,0.985,0.15,0.91 spacing 0.14,0\n");
     say_error_panel(&drawing, 2, "(a) mean current", false);
     say_error_panel(&drawing, 4, "(b) prediction", true);
     plot_say(&drawing, "unset multiplot\n");
     return logarithmic ? page_figure(p, &drawing, "2019-figure-7-log",
-                                     "The same down to 500 rpm, both axes logarithmic. The paper's standard "
-                                     "figures at SFFR 200 "
-                                     "lie on the curve of SFFR 100.",
+                                     "The same down to 500 rpm, both axes logarithmic. The paper's "
+                                     "standard figures at SFFR 200 lie on the curve of SFFR 100.",
                                      e)
                        : page_figure(p, &drawing, "2019-figure-7",
                                      "Figure 7. Errors over the switching-to-fundamental frequency ratio "
-                                     "(SFFR), rated current: "
-                                     "mean current (a), prediction (b). Dots: the paper's Table 1.",
+                                     "(SFFR), rated current: mean current (a), prediction (b). Dots: the "
+                                     "paper's Table 1.",
                                      e);
 }
 
@@ -144,39 +146,37 @@ bool figure_2019_9(page *p, const comparison *c, const motor *m, const method_ma
         plot_abandon(&drawing);
         return false;
     }
-    plot_say(&drawing, "$measured << END_OF_DATA\n20 8.96 1.43\n12.5 22.3 3.47\nEND_OF_DATA\n"
-                       "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\nset xlabel 'SFFR'\nset key top "
-                       "right font ',11'\n"
+    plot_say(&drawing, "$measured << END_OF_DATA\n"
+                       "20 8.96 1.43\n"
+                       "12.5 22.3 3.47\n"
+                       "END_OF_DATA\n"
+                       "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\nset xlabel 'SFFR'\n"
+                       "set key top right font ',11'\n"
                        "set multiplot layout 1,2 margins 0.11,0.985,0.15,0.91 spacing 0.14,0\n");
     for (int k = 0; k < 2; k++) {
         const char *name = k == 0 ? "standard" : "quasi";
         plot_say(&drawing,
-                 "set title '%s'\nset ylabel 'prediction, %% of the rms current'\n"
+                 "set title '%s'\n"
+                 "set ylabel 'prediction, %% of the rms current'\n"
                  "plot $%s using 1:2:4 with filledcurves linecolor rgb '" PLOT_BAND
-                 "' title '90%% of the drawn drives', $%s using 1:3 with lines linestyle 2 title 'their "
-                 "median', $errors "
-                 "using 1:%d with lines linestyle 1 title 'simulation', $measured using 1:%d with points "
-                 "linestyle 4 "
-                 "pointsize 0.8 title 'paper, measured'\n",
+                 "' title '90%% of drives', $%s using 1:3 with lines linestyle 2 title 'their median', "
+                 "$errors using 1:%d with lines linestyle 1 title 'simulation', $measured using 1:%d "
+                 "with points linestyle 4 pointsize 0.8 title 'measured'\n",
                  k == 0 ? "(a) standard" : "(b) quasi-discrete", name, name, 4 + k, 2 + k);
     }
     plot_say(&drawing, "unset multiplot\n");
     page_heading(p, 3, "In place of the laboratory");
-    page_text(
-        p,
-        "What the laboratory's noise and parameter errors were, the paper does not say. %d drives are drawn "
-        "(seed %d) whose controllers know R to ±10 %%, L to ±5 %%, ψ to ±2 %%, the voltage to ±1 %% and the "
-        "angle to "
-        "±1° (each uniform), with 0.5 %% of the rated peak as noise on each current sample. Nothing is "
-        "fitted to "
-        "the measured points.",
-        LAB_DRAWS, (int)LAB_SEED);
+    page_text(p,
+              "What the laboratory's noise and parameter errors were, the paper does not say. %d drives "
+              "are drawn (seed %d) whose controllers know R to ±10 %%, L to ±5 %%, ψ to ±2 %%, the "
+              "voltage to ±1 %% and the angle to ±1° (each uniform), with 0.5 %% of the rated peak as "
+              "noise on each current sample. Nothing is fitted to the measured points.",
+              LAB_DRAWS, (int)LAB_SEED);
     page_pair_begin(p);
-    if (!page_figure(
-            p, &drawing, "2019-figure-9",
-            "Figure 9. Prediction errors as they might be measured, and the two points that the paper gives "
-            "in numbers (Table 3).",
-            e)) {
+    if (!page_figure(p, &drawing, "2019-figure-9",
+                     "Figure 9. Prediction errors as they might be measured, and the two points that the "
+                     "paper gives in numbers (Table 3).",
+                     e)) {
         return false;
     }
     page_pair_beside(p);

@@ -73,8 +73,7 @@ static const char *table_2_note(int row, int which)
     }
     if (row == 0 && which == 1) {
         return "does not follow from the paper's model: the difference grows with (T/tau)^2, which puts "
-               "motor 2 "
-               "at 2e-6 between motors 1 and 3; no speed near 105 Hz gives 9.5e-6";
+               "motor 2 at 2e-6 between motors 1 and 3; no speed near 105 Hz gives 9.5e-6";
     }
     if (row == 0) {
         return "1.83e-4 at 100 Hz; the paper does not give the speed";

@@ -88,17 +88,16 @@ static void table_1_note(const paper_2019_points *p, int speed, method which, ch
     note[0] = '\0';
     const bool standard = which == METHOD_MEAN_STANDARD || which == METHOD_PREDICTION_STANDARD;
     if (speed == 0 && standard) {
-        snprintf(
-            note, size,
-            "does not follow from the paper's model at 500 rpm; the model gives %.3f %% at 1000 rpm, near "
-            "the printed figure",
-            p->at_1000.errors.of[which].rms_percent);
+        snprintf(note, size,
+                 "does not follow from the paper's model at 500 rpm; the model gives %.3f %% at 1000 "
+                 "rpm, near the printed figure",
+                 p->at_1000.errors.of[which].rms_percent);
     } else if (speed == 0 && which == METHOD_MEAN_QUASI_DISCRETE) {
         snprintf(note, size, "0.003 %% of the current (0.5 mA peak) below the paper; unexplained");
     } else if (speed == 2) {
         snprintf(note, size,
-                 "field weakening with i_d = %.2f of the current: the voltage kept at that of 5000 rpm; the "
-                 "paper does not give i_d",
+                 "field weakening with i_d = %.2f of the current: the voltage kept at that of 5000 rpm; "
+                 "the paper does not give i_d",
                  creal(p->at[2].i_mid_dq_A) / cabs(p->at[2].i_mid_dq_A));
     }
 }
@@ -160,8 +159,8 @@ static bool add_table_3(comparison *c, const motor *m, error *e)
                 snprintf(condition, sizeof condition, "%g rpm, laboratory", table_3_rpm[n]);
                 snprintf(
                     note, sizeof note,
-                    "median of %d drives drawn within ordinary uncertainty (seed %d; docs/reproduce.md), in "
-                    "place of the laboratory; 90 %% of them lie in %.3g ... %.3g %%",
+                    "median of %d drives drawn within ordinary uncertainty (seed %d; docs/reproduce.md), "
+                    "in place of the laboratory; 90 %% of them lie in %.3g ... %.3g %%",
                     LAB_DRAWS, (int)LAB_SEED, s.low, s.high);
                 comparison_add(c, (comparison_row){"2019", "Table 3", "prediction",
                                                    method_name(predictions[k]), condition, "%", table_3[n][k],

@@ -11,14 +11,17 @@ static bool wanted(const comparison_row *r, const char *paper, const char *item,
            (part == NULL || strstr(r->condition, part) != NULL || strstr(r->quantity, part) != NULL);
 }
 
-static void number_cell(page *p, double value)
+/* What the paper prints, as it prints it; what is computed to three digits, zeros at the end among them. */
+static void number_cell(page *p, double value, bool printed)
 {
     if (!isfinite(value)) {
         page_cell(p, true, "–");
     } else if (value != 0.0 && fabs(value) < 1e-3) {
         page_cell(p, true, "%.2e", value);
+    } else if (printed || fabs(value) >= 100.0) {
+        page_cell(p, true, "%.3g", value);
     } else {
-        page_cell(p, true, "%.4g", value);
+        page_cell(p, true, "%#.3g", value);
     }
 }
 
@@ -52,9 +55,9 @@ static void put_row(page *p, const comparison_row *r, const char *part, int note
     page_row_begin(p);
     page_cell(p, false, "%s%s%s, %s", r->quantity, r->method[0] != '\0' ? ", " : "", r->method, r->unit);
     page_cell(p, false, "%s", rest_of(r->condition, part));
-    number_cell(p, r->paper_value);
-    number_cell(p, r->value);
-    number_cell(p, r->value_iq24);
+    number_cell(p, r->paper_value, true);
+    number_cell(p, r->value, false);
+    number_cell(p, r->value_iq24, false);
     if (isfinite(ratio)) {
         page_cell(p, true, "%.3f", ratio);
     } else {
