@@ -162,7 +162,7 @@ static bool sweep(const request *r, error *e)
     if (!motor_read(r->motor_path, &m, e)) {
         return false;
     }
-    sweep_point *points = calloc(r->speeds, sizeof *points);
+    sweep_point *points = calloc(SPEEDS_MAX, sizeof *points);
     if (points == NULL) {
         return error_failure(e, 0, "sweep: out of memory");
     }

@@ -227,9 +227,11 @@ bool steady_drive_run(const motor *m, double n_rpm, double complex i_mid_dq_A, s
     double complex aim = i_mid_dq_A;
     steady_point point = steady_point_solve(m, omega, aim);
     /* Two hundredths above the need, for what the corrections below still change. */
-    const double needed_V = 1.02 * cabs(point.u_dq_V) / VEC_1_SQRT3;
-    d->link_raised = needed_V > d->u_dc_V;
-    d->u_dc_V = fmax(d->u_dc_V, needed_V);
+    const double needed_V = 1.02 * cabs(point.u_dq_V);
+    d->link_raised = needed_V > steady_drive_voltage_limit(d->u_dc_V);
+    if (d->link_raised) {
+        d->u_dc_V *= needed_V / steady_drive_voltage_limit(d->u_dc_V);
+    }
     /* Ripple moves the sampled mean by parts per million; one correction leaves parts per billion. */
     for (int pass = 0; pass < 2; pass++) {
         aim += i_mid_dq_A - run(m, &point, d);

@@ -5,8 +5,10 @@
 /* Cycles of a record: several beats of carrier and fundamental at any ratio above 3. */
 enum { CYCLES = 600 };
 
-/* Voltages beyond this many nominal DC links leave the firmware's range (predictor.h). */
+/* Beyond these many DC links and peak rated currents the firmware's range ends (predictor.h: u <= 2, i <=
+ * 32). */
 static const double link_max_pu = 3.0;
+static const double current_max_pu = 16.0;
 
 bool sweep_point_at(const motor *m, const char *file, const method_machine *machine, double n_rpm,
                     double complex i_mid_dq_A, sweep_point *point, error *e)
@@ -17,6 +19,11 @@ bool sweep_point_at(const motor *m, const char *file, const method_machine *mach
         return error_input(e, file, 0, 0,
                            "%g rpm is %.3g switching periods a revolution; expected at least %g (%.6g rpm)",
                            n_rpm, sffr, SWEEP_SFFR_MIN, m->f_pwm_Hz / SWEEP_SFFR_MIN * 60.0 / m->pole_pairs);
+    }
+    if (cabs(i_mid_dq_A) > current_max_pu * machine->I_base_A) {
+        return error_input(e, file, 0, 0,
+                           "%.4g A rms is more than %g times the rated %.4g A rms, the most expected",
+                           cabs(i_mid_dq_A) / sqrt(2.0), current_max_pu, m->I_rated_A_rms);
     }
     steady_drive d;
     if (!steady_drive_run(m, n_rpm, i_mid_dq_A, CYCLES, &d, e)) {

@@ -201,6 +201,17 @@ static void test_sweep_refuses_fewer_than_three_cycles_a_revolution(void)
     TEST_ASSERT_NOT_NULL(strstr(e.text, "m.toml"));
 }
 
+static void test_sweep_refuses_what_the_firmware_cannot_hold(void)
+{
+    sweep_point p;
+    error current = {0};
+    error voltage = {0};
+    TEST_ASSERT_FALSE(sweep_point_at(&lab, NULL, &machine, 500.0, papers_vector(0.0, 300.0), &p, &current));
+    TEST_ASSERT_NOT_NULL(strstr(current.text, "rated"));
+    TEST_ASSERT_FALSE(sweep_point_at(&lab, NULL, &machine, 30000.0, papers_vector(0.0, 100.0), &p, &voltage));
+    TEST_ASSERT_NOT_NULL(strstr(voltage.text, "DC link"));
+}
+
 static void test_sweep_json_has_the_keys(void)
 {
     sweep_point p;
@@ -266,6 +277,7 @@ int main(void)
     RUN_TEST(test_firmware_is_within_1e_5_of_double);
     RUN_TEST(test_reverse_mirrors_forward);
     RUN_TEST(test_sweep_refuses_fewer_than_three_cycles_a_revolution);
+    RUN_TEST(test_sweep_refuses_what_the_firmware_cannot_hold);
     RUN_TEST(test_sweep_json_has_the_keys);
     RUN_TEST(test_motor_that_does_not_fit_is_refused_by_name);
     RUN_TEST(test_lab_spread_repeats);
