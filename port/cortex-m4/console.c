@@ -4,6 +4,7 @@
 #include "console.h"
 
 #include "mps2_an386.h"
+#include "semihost.h"
 
 /* QEMU's line has no speed; any divisor that the UART accepts will do. */
 #define BAUD_DIVISOR 16
@@ -35,15 +36,13 @@ int32_t console_receive(void)
     return (int32_t)(MPS2_UART0->data & 0xFF);
 }
 
-/* Semihosting call SYS_EXIT_EXTENDED with ADP_Stopped_ApplicationExit and a status. */
+/* The reason is "application exit", with a status. */
 _Noreturn void console_exit(int32_t status)
 {
+    const uint32_t arguments[2] = {0x20026, (uint32_t)status};
     while ((MPS2_UART0->state & MPS2_UART_STATE_TX_FULL) != 0) {
     }
-    const uint32_t arguments[2] = {0x20026, (uint32_t)status};
-    register uint32_t operation __asm("r0") = 0x20;
-    register const uint32_t *block __asm("r1") = arguments;
     for (;;) {
-        __asm volatile("bkpt 0xab" : "+r"(operation) : "r"(block) : "memory");
+        (void)semihost_call(SEMIHOST_EXIT_EXTENDED, arguments);
     }
 }

@@ -11,3 +11,7 @@ add_subdirectory(${PROJECT_SOURCE_DIR}/bench ${PROJECT_BINARY_DIR}/bench)
 if(UNITY_DIR)
     add_subdirectory(${PROJECT_SOURCE_DIR}/tests/target ${PROJECT_BINARY_DIR}/tests/target)
 endif()
+
+# The image that `iqfoc simulate --target` runs, at the top of the build folder, where the program looks for it.
+iqfoc_add_image(iqfoc_pil ${CMAKE_CURRENT_LIST_DIR}/pil_main.c ${CMAKE_CURRENT_LIST_DIR}/pil_wire.c)
+set_target_properties(iqfoc_pil PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})

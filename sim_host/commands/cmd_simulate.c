@@ -5,6 +5,7 @@
 #include "options.h"
 
 #include "base/progress.h"
+#include "drive_emulated.h"
 #include "drive_recording.h"
 #include "plant/plant_effect.h"
 
@@ -13,7 +14,7 @@
 
 enum { EFFECTS_MAX = 32 };
 
-enum { OPT_MOTOR, OPT_SCENARIO, OPT_OUT, OPT_EFFECT, OPT_SEED, OPT_LIST };
+enum { OPT_MOTOR, OPT_SCENARIO, OPT_OUT, OPT_EFFECT, OPT_SEED, OPT_TARGET, OPT_IMAGE, OPT_LIST };
 
 static const option_spec specs[] = {
     [OPT_MOTOR] = {"motor", 0, "M.toml",
@@ -23,13 +24,18 @@ static const option_spec specs[] = {
     [OPT_EFFECT] = {"effect", 0, "id[:key=value,...]",
                     "makes the true drive differ from its file; may be given more than once"},
     [OPT_SEED] = {"seed", 0, "N", "of the sensors' noise and of random effects (default 1)"},
+    [OPT_TARGET] = {"target", 0, "T",
+                    "runs the firmware in QEMU instead: cortex-m4 or rv32; the recording is the same"},
+    [OPT_IMAGE] = {"image", 0, "F.elf",
+                   "the image for --target (default: the one built beside this program)"},
     [OPT_LIST] = {"list-effects", 0, NULL, "prints the effects with their keys"},
     {NULL, 0, NULL, NULL},
 };
 
 static const command_about about = {
     "simulate",
-    "--motor M.toml --scenario S.toml -o REC.csv [--effect id[:key=value,...]]... [--seed N]",
+    "--motor M.toml --scenario S.toml -o REC.csv [--effect id[:key=value,...]]... [--seed N] "
+    "[--target T]",
     "Runs the firmware's code against the switching-level drive, closed loop, and writes what its sensors\n"
     "and its controller saw as a recording. The firmware knows the motor file; the drive differs from it by "
     "the\n"
@@ -39,6 +45,7 @@ static const command_about about = {
 
 typedef struct request {
     const char *motor_path, *scenario_path, *out_path;
+    const char *target, *image_path; /* NULL: the firmware in this program */
     const char *effect[EFFECTS_MAX];
     int effects;
     long seed;
@@ -69,6 +76,12 @@ static bool parse(options *o, request *r, error *e)
             if (!options_integer(o, 0, 2147483647L, &r->seed, e)) {
                 return false;
             }
+            break;
+        case OPT_TARGET:
+            r->target = o->argument;
+            break;
+        case OPT_IMAGE:
+            r->image_path = o->argument;
             break;
         case OPT_LIST:
             r->list = true;
@@ -103,21 +116,19 @@ static void take_sensors(plant_config *c, const scenario_sensors *s)
 }
 
 static bool run_all(const request *r, const motor *m, const scenario *s, plant_config drive,
-                    drive_recording *out, error *e)
+                    const drive_firmware *firmware, drive_recording *out, error *e)
 {
-    static drive_host host;
     iqfoc_cycle_config_t config;
     if (!config_from_motor(m, r->motor_path, &s->control, &config, e)) {
         return false;
     }
-    const drive_firmware firmware = drive_firmware_host(&host);
     const drive_log log = drive_recording_log(out);
     progress p = progress_begin("simulate", (double)s->runs, "runs");
     bool good = true;
     for (size_t k = 0; k < s->runs && good; k++) {
         uint32_t status = 0;
         drive.seed = (uint64_t)r->seed * 1000003U + k;
-        good = drive_run(m, &drive, &s->run[k], (long)k + 1, &config, &firmware, &log, &status, e);
+        good = drive_run(m, &drive, &s->run[k], (long)k + 1, &config, firmware, &log, &status, e);
         status &= ~IQFOC_STATUS_NO_INTERVAL; /* every start of a corrected mean has it */
         if (good && status != 0) {
             char text[160];
@@ -127,6 +138,23 @@ static bool run_all(const request *r, const motor *m, const scenario *s, plant_c
         progress_update(&p, (double)(k + 1));
     }
     progress_end(&p);
+    return good;
+}
+
+/* The firmware of this program, or that of a target in its emulator. */
+static bool run_firmware(const request *r, const motor *m, const scenario *s, const plant_config *drive,
+                         drive_recording *out, error *e)
+{
+    static drive_host host;
+    static drive_emulated emulated;
+    if (r->target == NULL) {
+        const drive_firmware firmware = drive_firmware_host(&host);
+        return run_all(r, m, s, *drive, &firmware, out, e);
+    }
+    const drive_firmware firmware = drive_firmware_emulated(&emulated);
+    const bool good = drive_emulated_start(&emulated, r->target, r->image_path, e) &&
+                      run_all(r, m, s, *drive, &firmware, out, e);
+    drive_emulated_stop(&emulated);
     return good;
 }
 
@@ -147,7 +175,7 @@ static bool simulate(const request *r, const motor *m, const scenario *s, error 
         const size_t used = strlen(comment);
         (void)snprintf(comment + used, sizeof comment - used, " %s", r->effect[k]);
     }
-    bool good = drive_recording_begin(&out, s, drive.T_s, e) && run_all(r, m, s, drive, &out, e) &&
+    bool good = drive_recording_begin(&out, s, drive.T_s, e) && run_firmware(r, m, s, &drive, &out, e) &&
                 recording_write(r->out_path, &out.recording, comment, e);
     recording_free(&out.recording);
     return good;

@@ -17,6 +17,9 @@ EMULATORS = {
 }
 COMMON = ["-icount", "shift=3", "-display", "none", "-monitor", "none", "-serial", "stdio", "-kernel"]
 TIME_LIMIT_S = 300
+HERE = pathlib.Path(__file__).resolve().parent
+# Tests of the program with the images.
+SCRIPTS = ("pil.py",)
 HOST_BUILDS = ("gcc-O2", "clang-O0", "clang-O3")
 
 
@@ -65,7 +68,12 @@ def main():
         if len(text) != len(reference):
             failed += 1
             print(f"FAIL  {name}: {len(text)} characters instead of {len(reference)}")
-    total = len(commands) + 1
+    for script in SCRIPTS:
+        passed, text = run([sys.executable, str(HERE / script), "--build", str(options.build)])
+        print(("ok    " if passed else "FAIL  ") + script)
+        print("\n".join("      " + line for line in text.strip().split("\n")))
+        failed += not passed
+    total = len(commands) + 1 + len(SCRIPTS)
     failed = min(failed, total)
     print(f"{100 * (total - failed) // total}% tests passed, {failed} tests failed out of {total}")
     return 1 if failed else 0

@@ -28,4 +28,13 @@ gcc -O2 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/gcc-O2"
 clang -O0 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O0"
 clang -O3 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O3"
 
+# The program, for processor in the loop.
+{
+    cmake -G Ninja -S . -B "$BUILD/host" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DUNITY_DIR="$UNITY_DIR" &&
+        cmake --build "$BUILD/host" --target iqfoc_cli -j "$JOBS"
+} >"$BUILD/host.program.log" 2>&1 || {
+    cat "$BUILD/host.program.log" >&2
+    exit 1
+}
+
 exec python3 tests/target/run.py --build "$BUILD" --jobs "$JOBS" "$@"

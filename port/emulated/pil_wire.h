@@ -1,0 +1,68 @@
+/*
+ * Processor in the loop: the messages between the simulator and the firmware's image on an emulated board.
+ *
+ * One exchange per control cycle. A frame is a sync byte, a type, the type's fixed number of 32-bit words
+ * (low byte first) and the CRC-32 of type and words. Both sides compile this file, so that they cannot
+ * disagree.
+ */
+#ifndef PORT_EMULATED_PIL_WIRE_H
+#define PORT_EMULATED_PIL_WIRE_H
+
+#include "iqfoc/cycle.h"
+
+#define PIL_SYNC 0x5A
+
+/* Types of frames. */
+#define PIL_START   1 /* to the image: a configuration; the drive begins anew */
+#define PIL_CYCLE   2 /* to the image: reference, valley's sample, peak's sample */
+#define PIL_STARTED 3 /* from the image: iqfoc_error_t of the configuration */
+#define PIL_COMMAND 4 /* from the image: the command, and the status */
+#define PIL_GARBLED 5 /* from the image, its last: what came was no frame */
+
+#define PIL_CONFIG_WORDS 21
+#define PIL_SAMPLE_WORDS 11
+#define PIL_WORDS_MAX    24
+/* Bytes of the longest frame. */
+#define PIL_FRAME_MAX (1 + 1 + 4 * PIL_WORDS_MAX + 4)
+
+typedef struct pil_frame {
+    uint32_t type;
+    uint32_t words; /* of data in use */
+    int32_t data[PIL_WORDS_MAX];
+} pil_frame_t;
+
+/* What the image computes in a cycle. */
+typedef struct pil_result {
+    iqfoc_command_t command;
+    uint32_t status;
+} pil_result_t;
+
+/* Number of words of a type; -1 for a type that does not exist. */
+int32_t pil_words_of(uint32_t type);
+
+/* The frame's bytes, 0 ... 255 each; returns how many, at most PIL_FRAME_MAX. */
+uint32_t pil_encode(const pil_frame_t *frame, uint8_t bytes[PIL_FRAME_MAX]);
+
+/* Byte by byte. Zero-initialised; ready for the next frame after each that was whole. */
+typedef struct pil_decoder {
+    uint8_t bytes[PIL_FRAME_MAX];
+    uint32_t count;
+} pil_decoder_t;
+
+typedef enum pil_decoded {
+    PIL_MORE = 0,     /* wants the next byte */
+    PIL_WHOLE = 1,    /* *frame is filled in */
+    PIL_DAMAGED = -1, /* no sync, no such type, or the CRC is wrong */
+} pil_decoded_t;
+
+pil_decoded_t pil_decode(pil_decoder_t *decoder, uint32_t byte, pil_frame_t *frame);
+
+pil_frame_t pil_start_frame(const iqfoc_cycle_config_t *config);
+void pil_start_read(const pil_frame_t *frame, iqfoc_cycle_config_t *config);
+pil_frame_t pil_cycle_frame(iqfoc_dq_t i_ref, const iqfoc_sample_t *valley, const iqfoc_sample_t *peak);
+void pil_cycle_read(const pil_frame_t *frame, iqfoc_dq_t *i_ref, iqfoc_sample_t *valley,
+                    iqfoc_sample_t *peak);
+pil_frame_t pil_command_frame(const pil_result_t *result);
+void pil_command_read(const pil_frame_t *frame, pil_result_t *result);
+
+#endif

@@ -1,0 +1,185 @@
+/*
+ * Processor in the loop: the drive's calls as frames on the emulator's serial line (drive_emulated.h).
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "drive_emulated.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PATH_SIZE 4096
+
+typedef struct target {
+    const char *name;
+    const char *argv[8]; /* of the emulator, before the common part */
+} target;
+
+static const target targets[] = {
+    {"cortex-m4", {"qemu-system-arm", "-M", "mps2-an386", NULL}},
+    {"rv32", {"qemu-system-riscv32", "-M", "virt", "-bios", "none", NULL}},
+};
+/* The image speaks by semihosting: to the emulator's standard input and output, which is our line. */
+static const char *const common[] = {"-semihosting-config",
+                                     "enable=on,target=native",
+                                     "-display",
+                                     "none",
+                                     "-monitor",
+                                     "none",
+                                     "-serial",
+                                     "none",
+                                     "-kernel",
+                                     NULL};
+
+static const target *target_named(const char *name)
+{
+    for (size_t k = 0; k < sizeof targets / sizeof targets[0]; k++) {
+        if (strcmp(targets[k].name, name) == 0) {
+            return &targets[k];
+        }
+    }
+    return NULL;
+}
+
+/* build/host/iqfoc -> build/<target>/iqfoc_pil.elf. */
+static bool image_beside_program(const char *name, char path[PATH_SIZE], error *e)
+{
+    char program[PATH_SIZE];
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length < 0) {
+        return error_failure(e, 0, "simulate: cannot find out where this program lies; name the --image");
+    }
+    program[length] = '\0';
+    for (int up = 0; up < 2; up++) {
+        char *slash = strrchr(program, '/');
+        if (slash != NULL) {
+            *slash = '\0';
+        }
+    }
+    const int wrote = snprintf(path, PATH_SIZE, "%s/%s/iqfoc_pil.elf", program, name);
+    if (wrote < 0 || wrote >= PATH_SIZE) {
+        return error_failure(e, 0, "simulate: the path of this program is too long");
+    }
+    return true;
+}
+
+bool drive_emulated_start(drive_emulated *d, const char *name, const char *image, error *e)
+{
+    char beside[PATH_SIZE];
+    const target *t = target_named(name);
+    memset(d, 0, sizeof *d);
+    if (t == NULL) {
+        return error_input(e, NULL, 0, 0, "simulate: --target %s: expected cortex-m4 or rv32", name);
+    }
+    if (image == NULL) {
+        if (!image_beside_program(name, beside, e)) {
+            return false;
+        }
+        image = beside;
+    }
+    if (access(image, R_OK) != 0) {
+        return error_input(e, image, 0, 0, "no image for --target %s; `tests/target/run.sh` builds it", name);
+    }
+    const char *argv[24];
+    size_t count = 0;
+    for (size_t k = 0; t->argv[k] != NULL; k++) {
+        argv[count++] = t->argv[k];
+    }
+    for (size_t k = 0; common[k] != NULL; k++) {
+        argv[count++] = common[k];
+    }
+    argv[count++] = image;
+    argv[count] = NULL;
+    return emulator_start(&d->machine, t->name, argv, e);
+}
+
+/* The next frame of the image, of the type wanted. */
+static bool receive(drive_emulated *d, uint32_t type, pil_frame_t *frame, error *e)
+{
+    for (;;) {
+        uint8_t bytes[PIL_FRAME_MAX];
+        size_t count = 0;
+        if (!emulator_receive(&d->machine, bytes, sizeof bytes, &count, e)) {
+            return false;
+        }
+        for (size_t k = 0; k < count; k++) {
+            const pil_decoded_t decoded = pil_decode(&d->decoder, bytes[k], frame);
+            if (decoded == PIL_MORE) {
+                continue;
+            }
+            if (decoded == PIL_WHOLE && frame->type == type && k + 1 == count) {
+                return true;
+            }
+            const bool complains = decoded == PIL_WHOLE && frame->type == PIL_GARBLED;
+            drive_emulated_stop(d);
+            return error_failure(e, 0, "%s: garbled exchange: %s", d->machine.name,
+                                 complains ? "the image could not read what it was sent"
+                                           : "what the image sent is no answer");
+        }
+    }
+}
+
+static bool exchange(drive_emulated *d, const pil_frame_t *question, uint32_t type, pil_frame_t *answer,
+                     error *e)
+{
+    uint8_t bytes[PIL_FRAME_MAX];
+    const uint32_t count = pil_encode(question, bytes);
+    return emulator_send(&d->machine, bytes, count, e) && receive(d, type, answer, e);
+}
+
+static bool emulated_start(void *context, const iqfoc_cycle_config_t *config, error *e)
+{
+    drive_emulated *d = context;
+    const pil_frame_t question = pil_start_frame(config);
+    pil_frame_t answer;
+    if (!exchange(d, &question, PIL_STARTED, &answer, e)) {
+        return false;
+    }
+    if (answer.data[0] != IQFOC_OK) {
+        return error_failure(e, 0, "%s: the library refused its configuration: iqfoc_error_t %d",
+                             d->machine.name, (int)answer.data[0]);
+    }
+    return true;
+}
+
+static bool emulated_reference(void *context, iqfoc_dq_t i_ref, error *e)
+{
+    (void)e;
+    ((drive_emulated *)context)->i_ref = i_ref;
+    return true;
+}
+
+static bool emulated_valley(void *context, const iqfoc_sample_t *sample, error *e)
+{
+    (void)e;
+    ((drive_emulated *)context)->valley = *sample;
+    return true;
+}
+
+static bool emulated_peak(void *context, const iqfoc_sample_t *sample, iqfoc_command_t *command,
+                          uint32_t *status, error *e)
+{
+    drive_emulated *d = context;
+    const pil_frame_t question = pil_cycle_frame(d->i_ref, &d->valley, sample);
+    pil_frame_t answer;
+    pil_result_t result;
+    if (!exchange(d, &question, PIL_COMMAND, &answer, e)) {
+        return false;
+    }
+    pil_command_read(&answer, &result);
+    *command = result.command;
+    *status = result.status;
+    return true;
+}
+
+drive_firmware drive_firmware_emulated(drive_emulated *d)
+{
+    const drive_firmware firmware = {d, emulated_start, emulated_reference, emulated_valley, emulated_peak};
+    return firmware;
+}
+
+void drive_emulated_stop(drive_emulated *d)
+{
+    emulator_stop(&d->machine);
+}
