@@ -44,9 +44,24 @@ static bool say_sweep(plot *p, const motor *m, const method_machine *machine, bo
     return ok;
 }
 
-/* The paper's Table 1; its ratios are those of 500, 5000 and 8000 rpm. */
-static const char table_1_points[] =
-    "200 0.041 0.018 0.494 0.048\n20 0.73 0.16 8.82 0.47\n12.5 1.89 0.26 22.4 0.76\n";
+static void say_paper(plot *p, const motor *m)
+{
+    plot_data(p, "paper");
+    for (int n = 0; n < PAPER_2019_TABLE_1; n++) {
+        plot_say(p, "%.6g", paper_2019_sffr(m, paper_2019_table_1[n].n_rpm));
+        for (int k = 0; k < METHOD_COUNT; k++) {
+            plot_say(p, " %g", paper_2019_table_1[n].percent[k]);
+        }
+        plot_say(p, "\n");
+    }
+    plot_data_end(p);
+    plot_data(p, "measured");
+    for (int n = 0; n < PAPER_2019_TABLE_3; n++) {
+        const struct paper_2019_measured *at = &paper_2019_table_3[n];
+        plot_say(p, "%.6g %g %g\n", paper_2019_sffr(m, at->n_rpm), at->standard, at->quasi_discrete);
+    }
+    plot_data_end(p);
+}
 
 static void say_error_panel(plot *p, int column, const char *title, bool with_key)
 {
@@ -73,9 +88,7 @@ static bool draw_figure_7(page *p, const motor *m, const method_machine *machine
         plot_abandon(&drawing);
         return false;
     }
-    plot_data(&drawing, "paper");
-    plot_say(&drawing, "%s", table_1_points);
-    plot_data_end(&drawing);
+    say_paper(&drawing, m);
     plot_say(&drawing, "%s",
              logarithmic ? "set logscale xy\nset xrange [11.5:220]\nset xtics (12.5,20,50,100,200)\n"
                            "set format y '%g'\n"
@@ -146,11 +159,8 @@ bool figure_2019_9(page *p, const comparison *c, const motor *m, const method_ma
         plot_abandon(&drawing);
         return false;
     }
-    plot_say(&drawing, "$measured << END_OF_DATA\n"
-                       "20 8.96 1.43\n"
-                       "12.5 22.3 3.47\n"
-                       "END_OF_DATA\n"
-                       "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\nset xlabel 'SFFR'\n"
+    say_paper(&drawing, m);
+    plot_say(&drawing, "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\nset xlabel 'SFFR'\n"
                        "set key top right font ',11'\n"
                        "set multiplot layout 1,2 margins 0.11,0.985,0.15,0.91 spacing 0.14,0\n");
     for (int k = 0; k < 2; k++) {

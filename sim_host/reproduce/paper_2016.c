@@ -64,53 +64,63 @@ static void figures_of(const discrete_angle_summary *s, double figure[TABLE_2_RO
     }
 }
 
+/* Each motor at the inferred speed, through both arithmetics, and at a slightly lower one. */
+typedef struct motor_summaries {
+    discrete_angle_summary in_double, in_iq24;
+    discrete_angle_summary slower; /* double */
+} motor_summaries;
+
+static const double slower_Hz = 100.0;
+
 /* Why the rows of Table 2 that are off are off. */
-static const char *table_2_note(int row, int which)
+static void table_2_note(int row, int which, const motor_summaries all[PAPER_2016_MOTORS], char *note,
+                         size_t size)
 {
-    if (row == 0 && which == 0) {
-        return "the exact solution of the paper's model gives 6.2e-8 at 105 Hz and 6.8e-8 at 100 Hz; a "
-               "difference of 1e-8 is at the tolerance of a numerical simulation, and at one LSB of IQ24";
+    const discrete_angle_summary *s = &all[which].in_double;
+    const double slower = all[which].slower.steady_gain_difference;
+    if (row != 0) {
+        snprintf(
+            note, size,
+            "the paper gives neither speed nor instant of the step: %g Hz and %g %% of an interval, inferred",
+            fundamental_Hz, 100.0 * step_at);
+    } else if (which == 1) {
+        snprintf(note, size,
+                 "does not follow from the paper's model: the difference grows with (T/tau)^2, which "
+                 "puts motor 2 at %.1e between %.1e and %.1e; %.1e at %g Hz",
+                 s->steady_gain_difference, all[0].in_double.steady_gain_difference,
+                 all[2].in_double.steady_gain_difference, slower, slower_Hz);
+    } else {
+        snprintf(note, size, "%.1e at %g Hz; the paper does not give the speed%s", slower, slower_Hz,
+                 which == 0 ? ". One LSB of IQ24 is 6e-8" : "");
     }
-    if (row == 0 && which == 1) {
-        return "does not follow from the paper's model: the difference grows with (T/tau)^2, which puts "
-               "motor 2 at 2e-6 between motors 1 and 3; no speed near 105 Hz gives 9.5e-6";
-    }
-    if (row == 0) {
-        return "1.83e-4 at 100 Hz; the paper does not give the speed";
-    }
-    return "";
 }
 
-static const char scenario_note[] =
-    "the paper gives neither speed nor instant of the step: 105 Hz and 58 % of an interval, inferred";
-
-static void add_table_2(comparison *c, int which, const discrete_angle_summary *in_double,
-                        const discrete_angle_summary *in_iq24)
+static void add_table_2(comparison *c, int which, const motor_summaries all[PAPER_2016_MOTORS])
 {
     double value[TABLE_2_ROWS];
     double value_iq24[TABLE_2_ROWS];
-    figures_of(in_double, value);
-    figures_of(in_iq24, value_iq24);
+    figures_of(&all[which].in_double, value);
+    figures_of(&all[which].in_iq24, value_iq24);
     for (int n = 0; n < TABLE_2_ROWS; n++) {
         char condition[64];
-        const char *note = table_2_note(n, which);
+        char note[256];
         snprintf(condition, sizeof condition, "%s, %s", paper_2016_motors[which].name, table_2[n].state);
+        table_2_note(n, which, all, note, sizeof note);
         comparison_add(c, (comparison_row){"2016", "Table 2", table_2[n].quantity, table_2[n].method,
                                            condition, table_2[n].unit, table_2[n].paper[which], value[n],
-                                           value_iq24[n], note[0] != '\0' ? note : scenario_note});
+                                           value_iq24[n], note});
     }
 }
 
-static void add_steady_gain(comparison *c, int which, const discrete_angle_summary *in_double,
-                            const discrete_angle_summary *in_iq24)
+static void add_steady_gain(comparison *c, int which, const motor_summaries *s)
 {
     const char *name = paper_2016_motors[which].name;
     comparison_add(c, (comparison_row){"2016", "Section 5.3", "steady gain error", "analytical (A)", name,
-                                       "%", 5.3, 100.0 * in_double->steady_gain_a,
-                                       100.0 * in_iq24->steady_gain_a, ""});
+                                       "%", 5.3, 100.0 * s->in_double.steady_gain_a,
+                                       100.0 * s->in_iq24.steady_gain_a, ""});
     comparison_add(c, (comparison_row){"2016", "Section 5.3", "steady gain error", "numerical (B/C)", name,
-                                       "%", 5.3, 100.0 * in_double->steady_gain_bc,
-                                       100.0 * in_iq24->steady_gain_bc, ""});
+                                       "%", 5.3, 100.0 * s->in_double.steady_gain_bc,
+                                       100.0 * s->in_iq24.steady_gain_bc, ""});
 }
 
 static void add_steady_mean(comparison *c)
@@ -123,26 +133,39 @@ static void add_steady_mean(comparison *c)
                                        iq24_to_double(iqfoc_rotor_steady_gain(sixth)), "6 sqrt(3)/pi^2"});
 }
 
+static bool summarise(const paper_2016_motor *of, motor_summaries *s, error *e)
+{
+    six_step_scenario test = paper_2016_scenario(of);
+    six_step_run run;
+    if (!six_step_solve(&test, &run, e)) {
+        return false;
+    }
+    s->in_double = discrete_angle_summarise(&run, discrete_angle_of);
+    s->in_iq24 = discrete_angle_summarise(&run, discrete_angle_of_iq24);
+    six_step_free(&run);
+    test.f_Hz = slower_Hz;
+    if (!six_step_solve(&test, &run, e)) {
+        return false;
+    }
+    s->slower = discrete_angle_summarise(&run, discrete_angle_of);
+    six_step_free(&run);
+    return true;
+}
+
 bool paper_2016_compare(comparison *c, error *e)
 {
-    discrete_angle_summary in_double[PAPER_2016_MOTORS];
-    discrete_angle_summary in_iq24[PAPER_2016_MOTORS];
+    motor_summaries all[PAPER_2016_MOTORS];
     for (int n = 0; n < PAPER_2016_MOTORS; n++) {
-        const six_step_scenario test = paper_2016_scenario(&paper_2016_motors[n]);
-        six_step_run run;
-        if (!six_step_solve(&test, &run, e)) {
+        if (!summarise(&paper_2016_motors[n], &all[n], e)) {
             return false;
         }
-        in_double[n] = discrete_angle_summarise(&run, discrete_angle_of);
-        in_iq24[n] = discrete_angle_summarise(&run, discrete_angle_of_iq24);
-        six_step_free(&run);
     }
     add_steady_mean(c);
     for (int n = 0; n < PAPER_2016_MOTORS; n++) {
-        add_steady_gain(c, n, &in_double[n], &in_iq24[n]);
+        add_steady_gain(c, n, &all[n]);
     }
     for (int n = 0; n < PAPER_2016_MOTORS; n++) {
-        add_table_2(c, n, &in_double[n], &in_iq24[n]);
+        add_table_2(c, n, all);
     }
     return comparison_check(c, e);
 }

@@ -57,25 +57,32 @@ double complex paper_2019_current(const motor *m, double n_rpm)
 
 /* ---- Table 1 and the peaks of Fig. 6 ---- */
 
-static const double table_1_rpm[] = {500.0, 5000.0, 8000.0};
-enum { TABLE_1_SPEEDS = sizeof table_1_rpm / sizeof table_1_rpm[0] };
+const struct paper_2019_simulated paper_2019_table_1[PAPER_2019_TABLE_1] = {
+    {500.0, {0.041, 0.018, 0.494, 0.048}},
+    {5000.0, {0.73, 0.16, 8.82, 0.47}},
+    {8000.0, {1.89, 0.26, 22.4, 0.76}}};
 
-static const double table_1[TABLE_1_SPEEDS][METHOD_COUNT] = {
-    {0.041, 0.018, 0.494, 0.048}, {0.73, 0.16, 8.82, 0.47}, {1.89, 0.26, 22.4, 0.76}};
+const struct paper_2019_measured paper_2019_table_3[PAPER_2019_TABLE_3] = {{5000.0, 8.96, 1.43},
+                                                                           {8000.0, 22.3, 3.47}};
+
+double paper_2019_sffr(const motor *m, double n_rpm)
+{
+    return m->f_pwm_Hz / (n_rpm / 60.0 * m->pole_pairs);
+}
 
 static const double peaks_A[METHOD_COUNT] = {0.28, 0.04, 3.30, 0.12};
 
 typedef struct paper_2019_points {
-    sweep_point at[TABLE_1_SPEEDS];
+    sweep_point at[PAPER_2019_TABLE_1];
     sweep_point at_1000;       /* to show where the standard figures of 500 rpm come from */
     sweep_point at_8000_plain; /* 8000 rpm with i_d = 0 */
 } paper_2019_points;
 
 static bool run_points(const motor *m, const method_machine *machine, paper_2019_points *p, error *e)
 {
-    for (int n = 0; n < TABLE_1_SPEEDS; n++) {
-        if (!sweep_point_at(m, NULL, machine, table_1_rpm[n], paper_2019_current(m, table_1_rpm[n]),
-                            &p->at[n], e)) {
+    for (int n = 0; n < PAPER_2019_TABLE_1; n++) {
+        if (!sweep_point_at(m, NULL, machine, paper_2019_table_1[n].n_rpm,
+                            paper_2019_current(m, paper_2019_table_1[n].n_rpm), &p->at[n], e)) {
             return false;
         }
     }
@@ -104,24 +111,26 @@ static void table_1_note(const paper_2019_points *p, int speed, method which, ch
 
 static void add_table_1(comparison *c, const paper_2019_points *p)
 {
-    for (int n = 0; n < TABLE_1_SPEEDS; n++) {
+    for (int n = 0; n < PAPER_2019_TABLE_1; n++) {
         for (int k = 0; k < METHOD_COUNT; k++) {
             const method_error *error_of = &p->at[n].errors.of[k];
             char condition[64];
             char note[256];
-            snprintf(condition, sizeof condition, "%g rpm", table_1_rpm[n]);
+            snprintf(condition, sizeof condition, "%g rpm", paper_2019_table_1[n].n_rpm);
             table_1_note(p, n, (method)k, note, sizeof note);
             comparison_add(c, (comparison_row){"2019", "Table 1", method_quantity((method)k),
-                                               method_name((method)k), condition, "%", table_1[n][k],
-                                               error_of->rms_percent, error_of->rms_percent_iq24, note});
+                                               method_name((method)k), condition, "%",
+                                               paper_2019_table_1[n].percent[k], error_of->rms_percent,
+                                               error_of->rms_percent_iq24, note});
         }
     }
     for (int k = 0; k < METHOD_COUNT; k++) {
         const method_error *error_of = &p->at_8000_plain.errors.of[k];
-        comparison_add(c, (comparison_row){"2019", "Table 1", method_quantity((method)k),
-                                           method_name((method)k), "8000 rpm, i_d = 0", "%", table_1[2][k],
-                                           error_of->rms_percent, error_of->rms_percent_iq24,
-                                           "the other choice of what the paper leaves open"});
+        comparison_add(c,
+                       (comparison_row){"2019", "Table 1", method_quantity((method)k), method_name((method)k),
+                                        "8000 rpm, i_d = 0", "%", paper_2019_table_1[2].percent[k],
+                                        error_of->rms_percent, error_of->rms_percent_iq24,
+                                        "the other choice of what the paper leaves open"});
     }
 }
 
@@ -138,15 +147,13 @@ static void add_peaks(comparison *c, const paper_2019_points *p)
 
 /* ---- Table 3: the laboratory ---- */
 
-static const double table_3_rpm[] = {5000.0, 8000.0};
-static const double table_3[2][2] = {{8.96, 1.43}, {22.3, 3.47}};
-
 static bool add_table_3(comparison *c, const motor *m, error *e)
 {
     static const method predictions[2] = {METHOD_PREDICTION_STANDARD, METHOD_PREDICTION_QUASI_DISCRETE};
-    for (int n = 0; n < 2; n++) {
+    for (int n = 0; n < PAPER_2019_TABLE_3; n++) {
+        const struct paper_2019_measured *measured = &paper_2019_table_3[n];
         steady_drive d;
-        if (!steady_drive_run(m, table_3_rpm[n], paper_2019_current(m, table_3_rpm[n]), 200, &d, e)) {
+        if (!steady_drive_run(m, measured->n_rpm, paper_2019_current(m, measured->n_rpm), 200, &d, e)) {
             return false;
         }
         bool ok = true;
@@ -156,14 +163,15 @@ static bool add_table_3(comparison *c, const motor *m, error *e)
             char note[256];
             ok = lab_spread_of(m, &d, predictions[k], &s, e);
             if (ok) {
-                snprintf(condition, sizeof condition, "%g rpm, laboratory", table_3_rpm[n]);
+                snprintf(condition, sizeof condition, "%g rpm, laboratory", measured->n_rpm);
                 snprintf(
                     note, sizeof note,
                     "median of %d drives drawn within ordinary uncertainty (seed %d; docs/reproduce.md), "
                     "in place of the laboratory; 90 %% of them lie in %.3g ... %.3g %%",
                     LAB_DRAWS, (int)LAB_SEED, s.low, s.high);
                 comparison_add(c, (comparison_row){"2019", "Table 3", "prediction",
-                                                   method_name(predictions[k]), condition, "%", table_3[n][k],
+                                                   method_name(predictions[k]), condition, "%",
+                                                   k == 0 ? measured->standard : measured->quasi_discrete,
                                                    s.median, s.median_iq24, note});
             }
         }
@@ -181,7 +189,7 @@ static void add_iq24(comparison *c, const paper_2019_points *p)
 {
     for (int k = 0; k < METHOD_COUNT; k++) {
         double worst = 0.0;
-        for (int n = 0; n < TABLE_1_SPEEDS; n++) {
+        for (int n = 0; n < PAPER_2019_TABLE_1; n++) {
             worst = fmax(worst, p->at[n].errors.of[k].iq24_off);
         }
         comparison_add(c, (comparison_row){"2019", "IQ24 against double", method_quantity((method)k),

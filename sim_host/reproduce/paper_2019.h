@@ -4,8 +4,8 @@
 #ifndef SIM_HOST_REPRODUCE_PAPER_2019_H
 #define SIM_HOST_REPRODUCE_PAPER_2019_H
 
+#include "method_errors.h"
 #include "rows.h"
-#include "steady_drive.h"
 
 /* 2019 Table 2. The DC link is not given; 750 V here. It enters through the ripple alone. */
 motor paper_2019_motor(void);
@@ -20,6 +20,23 @@ double complex paper_2019_current(const motor *m, double n_rpm);
 
 /* The same with i_d a given share of it. */
 double complex paper_2019_current_at(const motor *m, double id_ratio);
+
+/* What the paper prints: Table 1 (simulation), percent, in the order of `method`; Table 3 (measured),
+ * predictions. */
+enum { PAPER_2019_TABLE_1 = 3, PAPER_2019_TABLE_3 = 2 };
+
+extern const struct paper_2019_simulated {
+    double n_rpm;
+    double percent[METHOD_COUNT];
+} paper_2019_table_1[PAPER_2019_TABLE_1];
+
+extern const struct paper_2019_measured {
+    double n_rpm;
+    double standard, quasi_discrete;
+} paper_2019_table_3[PAPER_2019_TABLE_3];
+
+/* Switching over fundamental frequency. */
+double paper_2019_sffr(const motor *m, double n_rpm);
 
 bool paper_2019_compare(comparison *c, error *e);
 
