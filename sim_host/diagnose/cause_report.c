@@ -9,6 +9,10 @@
  * about this much.
  */
 static const double SYSTEMATIC = 0.03;
+/* And as a share of the effect: what the averaged model of an effect may err by against its physics within
+ * the cycle. Dead time near zero current has no exact law at all. */
+static const double SYSTEMATIC_SHARE = 0.003;
+static const double SYSTEMATIC_SHARE_DEAD_TIME = 0.01;
 
 static diagnosis_parameter *add(diagnosis_cause *cause, const char *name, const char *unit, double nominal,
                                 double value, double half_width)
@@ -62,7 +66,8 @@ static void report_asymmetry(diagnosis_cause *cause, const fit_state *s, const c
     }
     for (int x = 0; x < 3; x++) {
         double own = certainty_half_width(c, P_DR_A + x);
-        add(cause, name[x], "ohm", 0.0, s->z[P_DR_A + x] * scale, ((own > 0.0 ? own : any) + least) * scale);
+        add(cause, name[x], "ohm", 0.0, s->z[P_DR_A + x] * scale,
+            ((own > 0.0 ? own : any) + least + SYSTEMATIC_SHARE * fabs(s->z[P_DR_A + x])) * scale);
     }
 }
 
@@ -76,7 +81,9 @@ void cause_report(diagnosis_cause *cause, hypothesis_id h, const fit_data *d, co
     const double least = SYSTEMATIC * hypo->least;
     double half[HYPOTHESIS_COLUMNS] = {0};
     for (size_t k = 0; k < hypo->columns; k++) {
-        half[k] = certainty_half_width(c, hypo->column[k]) + least;
+        int column = hypo->column[k] == COLUMN_L ? P_L_D : hypo->column[k];
+        half[k] = certainty_half_width(c, hypo->column[k]) + least +
+                  fabs(s->z[column]) * (h == H_DEAD_TIME ? SYSTEMATIC_SHARE_DEAD_TIME : SYSTEMATIC_SHARE);
     }
     cause->id = hypo->cause;
     cause->words = hypo->words;

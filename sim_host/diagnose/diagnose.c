@@ -26,6 +26,17 @@ enum {
 static const double CERTAIN_CHI_SQUARE = 25.0;
 static const double CERTAIN_HALF_WIDTHS = 2.0;
 
+/*
+ * And in proportion: a small effect found beside a large one may be what the large one's law leaves (shares
+ * of the chi square that all of them explain), and beside structure that no hypothesis explains it may be a
+ * part of that (shares of what is left).
+ */
+static const double LEAST_SHARE = 5e-4;
+static const double LEAST_SHARE_OF_REST = 0.05;
+
+/* Structure that takes less of the one-cycle error's power does no harm and is not reported. */
+static const double STRUCTURE_SHARE = 0.03;
+
 /* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
 static const double FLOOR_TOLERANCE = 1.25;
 
@@ -55,39 +66,6 @@ static bool is_certain(const session *w, hypothesis_id h)
            strongest > CERTAIN_HALF_WIDTHS;
 }
 
-/* Starts over from the motor file with the hypotheses allowed, and drops what is not certain until all that
- * stays is. */
-static bool find_causes(session *w, FILE *trace)
-{
-    hypothesis_set allowed = w->possible;
-    w->state = w->nominal;
-    for (;;) {
-        if (!search_best(&w->fitted, &w->state, allowed, trace) || !fit_refine(&w->fitted, &w->state, 12) ||
-            !certainty_of(&w->fitted, &w->state, &w->certainty)) {
-            return false;
-        }
-        hypothesis_id worst = H_COUNT;
-        double least = INFINITY;
-        for (hypothesis_id h = 0; h < H_COUNT; h++) {
-            if ((w->state.set & HYPOTHESIS_BIT(h)) && !is_certain(w, h)) {
-                double chi = certainty_chi_square(&w->certainty, &w->state, h);
-                if (chi < least) {
-                    least = chi;
-                    worst = h;
-                }
-            }
-        }
-        if (worst == H_COUNT) {
-            return true;
-        }
-        if (trace) {
-            fprintf(trace, "  not certain (chi square %.0f): %s\n", least, hypothesis_table[worst].words);
-        }
-        allowed &= ~HYPOTHESIS_BIT(worst);
-        w->state = w->nominal;
-    }
-}
-
 /* Adds a hypothesis' fitted values to a partial model. */
 static void adopt(const session *w, hypothesis_id h, double z[P_COUNT])
 {
@@ -105,6 +83,99 @@ static void adopt(const session *w, hypothesis_id h, double z[P_COUNT])
         z[P_RIPPLE] = w->state.z[P_RIPPLE];
         z[P_EDGE] = w->state.z[P_EDGE];
     }
+}
+
+/* Held-out error of the model that holds the named members of a set, at the fitted values. */
+static double named_error(const session *w, hypothesis_set set)
+{
+    double z[P_COUNT] = {0};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if ((set & HYPOTHESIS_BIT(h)) && hypothesis_table[h].named) {
+            adopt(w, h, z);
+        }
+    }
+    averaged_drive drive = parameters_drive(&w->parameters, z);
+    return measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
+}
+
+/* What is left of the one-cycle error beyond the sensors' noise, as a share of the noise's power. */
+static double rest_of(const session *w)
+{
+    double noise = 0.0;
+    averaged_drive drive = parameters_drive(&w->parameters, w->state.z);
+    double floor = measure_floor(&w->rows, &w->state, &drive, &noise);
+    double wrong = 0.01 * measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true) *
+                   measure_current(&w->rows, MEASURE_ALL, true);
+    return floor > 0.0 ? fmax(wrong * wrong / (floor * floor) - 1.0, 0.0) : 0.0;
+}
+
+/* The member that is least worth its name, H_COUNT if all are. */
+static hypothesis_id weakest(const session *w, const search_view *view)
+{
+    search_option own;
+    search_option none;
+    hypothesis_set decoys = 0;
+    search_cost(view, &w->state, w->state.set, &own);
+    search_cost(view, &w->state, 0, &none);
+    double total = none.cost - own.cost;
+    double rest = rest_of(w);
+    double unexplained = rest > FLOOR_TOLERANCE * FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
+    double cost_without[H_COUNT] = {0};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (w->state.set & HYPOTHESIS_BIT(h)) {
+            search_option without;
+            search_cost(view, &w->state, w->state.set & ~HYPOTHESIS_BIT(h), &without);
+            cost_without[h] = without.cost - own.cost;
+            if (!hypothesis_table[h].named) {
+                decoys |= HYPOTHESIS_BIT(h);
+                unexplained += cost_without[h];
+            }
+        }
+    }
+    hypothesis_id worst = H_COUNT;
+    double least = INFINITY;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        double bar = LEAST_SHARE * total;
+        if (!(decoys & HYPOTHESIS_BIT(h))) {
+            bar = fmax(bar, LEAST_SHARE_OF_REST * unexplained);
+        }
+        bool in = (w->state.set & HYPOTHESIS_BIT(h)) != 0;
+        /* Beside an effect without a name a cause must also help where it stands alone with the other causes.
+         */
+        bool harms =
+            in && decoys && hypothesis_table[h].named &&
+            named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * named_error(w, w->state.set);
+        if (in && (!is_certain(w, h) || harms || cost_without[h] < bar) && cost_without[h] < least) {
+            least = cost_without[h];
+            worst = h;
+        }
+    }
+    return worst;
+}
+
+/* Starts over from the motor file with the hypotheses allowed, and drops what is not certain until all that
+ * stays is. */
+static bool find_causes(session *w, FILE *trace)
+{
+    hypothesis_set allowed = w->possible;
+    search_view *view = calloc(1, sizeof *view);
+    w->state = w->nominal;
+    bool ok = view != NULL;
+    while (ok) {
+        ok = search_best(&w->fitted, &w->state, allowed, trace) && fit_refine(&w->fitted, &w->state, 12) &&
+             certainty_of(&w->fitted, &w->state, &w->certainty) && search_look(&w->fitted, &w->state, view);
+        hypothesis_id worst = ok ? weakest(w, view) : H_COUNT;
+        if (worst == H_COUNT) {
+            break;
+        }
+        if (trace) {
+            fprintf(trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
+        }
+        allowed &= ~HYPOTHESIS_BIT(worst);
+        w->state = w->nominal;
+    }
+    free(view);
+    return ok;
 }
 
 /* The causes in the order of what each takes off the held-out error, with their gains. Fills `member`
@@ -153,11 +224,15 @@ static void order_causes(session *w, diagnosis *d, hypothesis_id member[DIAGNOSI
     d->extended_motor = averaged_drive_motor(&plain, &d->extended_motor);
 }
 
-/* The decoys that were chosen are structure: known to be there, but without a name in the list of causes. */
+/* A decoy that was chosen is structure, known to be there but without a name in the list of causes, if it
+ * matters. */
 static void mention_decoys(const session *w, diagnosis *d)
 {
+    averaged_drive all = parameters_drive(&w->parameters, w->state.z);
+    double best = measure_one_cycle(&w->rows, &all, MEASURE_ALL, true);
+    double share = 1.0 - best * best / (d->extended * d->extended);
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if ((w->state.set & HYPOTHESIS_BIT(h)) && !hypothesis_table[h].named) {
+        if ((w->state.set & HYPOTHESIS_BIT(h)) && !hypothesis_table[h].named && share > STRUCTURE_SHARE) {
             size_t used = strlen(d->structure.words);
             d->structure.certain = true;
             snprintf(d->structure.words + used, sizeof d->structure.words - used, "%sit looks like %s",

@@ -3,9 +3,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* An innovation longer than this many (robust) standard deviations is a glitch; by chance once in 1e9 rows.
+/* An innovation longer than this many (robust) standard deviations stands out; by chance once in 1e10 rows.
  */
-static const double GLITCH = 6.5;
+static const double GLITCH = 7.0;
+/* A glitch stands apart. Where more rows lie between these many deviations and GLITCH than beyond it, the
+ * tail is a law that does not quite fit (dead time near zero current), and nothing is left out. */
+static const double TAIL = 4.5;
 /* More glitches than this share of the rows are no glitches, but a model that does not fit. */
 static const double GLITCH_SHARE = 0.03;
 
@@ -161,6 +164,8 @@ size_t measure_outliers(fit_data *d, const fit_state *s)
     double *square = calloc(r->rows + 1, sizeof *square);
     double *innovation = calloc(FILTER_OUTPUTS * r->rows + 1, sizeof *innovation);
     size_t found = 0;
+    size_t apart = 0;
+    size_t between = 0;
     for (size_t g = 0; nodes && square && innovation && g < r->groups; g++) {
         size_t n = 0;
         for (size_t b = 0; b < r->blocks; b++) {
@@ -180,6 +185,11 @@ size_t measure_outliers(fit_data *d, const fit_state *s)
         qsort(square, n, sizeof *square, ascending);
         /* The median of a two-dimensional normal square is 2 ln 2 of one component's variance. */
         double deviation = sqrt(square[n / 2] / 1.386294361119891);
+        for (size_t k = 0; k < n; k++) {
+            double size = sqrt(square[k]) / deviation;
+            apart += size > GLITCH;
+            between += size > TAIL && size <= GLITCH;
+        }
         for (size_t b = 0; b < r->blocks; b++) {
             if (r->block[b].group == g) {
                 filter_block(r, &drive, nodes, &r->block[b], s->noise[g].gain, GLITCH * deviation,
@@ -190,7 +200,7 @@ size_t measure_outliers(fit_data *d, const fit_state *s)
     for (size_t k = 0; k < r->rows; k++) {
         found += r->outlier[k];
     }
-    if ((double)found > GLITCH_SHARE * (double)r->rows) {
+    if ((double)found > GLITCH_SHARE * (double)r->rows || between > apart) {
         for (size_t k = 0; k < r->rows; k++) {
             r->outlier[k] = 0;
         }

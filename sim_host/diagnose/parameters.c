@@ -69,6 +69,7 @@ parameter_set parameters_of(const motor *m, const diagnose_rows *r)
     double R = fmax(d->R_ohm, 0.01 * L / r->T_s);
     double omega = fmax(r->omega_max_rad_s, 1.0);
     p.i_rated_peak_A = I;
+    p.pole_pairs = m->pole_pairs;
     p.knee_max_A = 0.25 * I;
     for (size_t k = 0; k < P_COUNT; k++) {
         p.scale[k] = 1.0;

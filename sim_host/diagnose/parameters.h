@@ -52,6 +52,7 @@ typedef struct parameter_set {
     averaged_drive nominal;
     double scale[P_COUNT]; /* change of the physical value per z (linear ones) */
     double i_rated_peak_A;
+    int pole_pairs;
     double knee_max_A; /* a dead time with a larger knee would be a resistance */
 } parameter_set;
 

@@ -1,5 +1,7 @@
 #include "search.h"
 
+#include "revolution.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,13 +11,19 @@ enum {
     FULL_SIZE = 3,    /* all sets up to this size are compared */
     LARGEST_SIZE = 5, /* larger ones grow from the best */
     KEPT = 24,        /* sets that grow */
-    REFINED = 4,      /* sets that are fitted without linearisation per round */
+    REFINED = 3,      /* sets that are fitted without linearisation per round */
     REFINE_STEPS = 5
 };
+
+#define ANY_HARMONIC (HYPOTHESIS_BIT(H_ANGLE_HARMONIC_1) | HYPOTHESIS_BIT(H_ANGLE_HARMONIC_2))
 
 /* Chi square per fitted parameter: about log(rows) as in Schwarz's criterion. Robust tests follow, so that
  * this only has to rank. */
 static const double PENALTY = 12.0;
+/* And per cause: no real drive is the model to the last digit, and a trade such as a voltage gain with R and
+ * L for a flux of the wrong size (their exact equal but for one part in a thousand) must not win by what that
+ * leaves. */
+static const double CAUSE_PENALTY = 25.0;
 /* How much worse than the present set a set may look under linearisation and still be tried. */
 static const double SLACK = 30.0;
 
@@ -111,7 +119,8 @@ double search_penalty(hypothesis_set set)
     double sum = 0.0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (set & HYPOTHESIS_BIT(h)) {
-            sum += PENALTY * (double)(hypothesis_table[h].columns + (h == H_DEAD_TIME ? 2 : 0)) +
+            sum += CAUSE_PENALTY +
+                   PENALTY * (double)(hypothesis_table[h].columns + (h == H_DEAD_TIME ? 2 : 0)) +
                    hypothesis_table[h].surprise;
         }
     }
@@ -166,6 +175,7 @@ typedef struct enumeration {
     hypothesis_set allowed;
     search_option list[KEPT + 1];
     size_t listed;
+    search_option of_size[FULL_SIZE]; /* the best of one, two, three; set 0 if there is none */
 } enumeration;
 
 /* Keeps the best options in a sorted list of at most KEPT. */
@@ -173,6 +183,16 @@ static void keep(enumeration *e, const search_option *option)
 {
     search_option *list = e->list;
     size_t *n = &e->listed;
+    size_t size = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        size += (option->set >> h) & 1;
+    }
+    if (size >= 1 && size <= FULL_SIZE) {
+        search_option *best = &e->of_size[size - 1];
+        if ((best->set == 0 || by_score(option, best) < 0) && every_member_pays(e->view, e->state, option)) {
+            *best = *option;
+        }
+    }
     if ((*n == KEPT && by_score(option, &list[KEPT - 1]) >= 0) ||
         !every_member_pays(e->view, e->state, option)) {
         return;
@@ -282,58 +302,125 @@ static bool revise_edge(fit_data *d, fit_state *s)
     return true;
 }
 
+/*
+ * Leaves out the members that turned out too small for a name; of a saliency without difference or a
+ * saturation without fall an inductance stays. True if anything was left out.
+ */
+static bool drop_small(fit_state *s, hypothesis_set allowed)
+{
+    hypothesis_set before = s->set;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (!(s->set & HYPOTHESIS_BIT(h)) || hypothesis_size(h, s->z) >= hypothesis_table[h].least) {
+            continue;
+        }
+        s->set &= ~HYPOTHESIS_BIT(h);
+        if (h == H_SALIENCY || h == H_SATURATION || h == H_CROSS_SATURATION) {
+            s->z[P_SATURATION] = s->z[P_SATURATION_Q] = 0.0;
+            s->z[P_L_D] = s->z[P_L_Q] = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
+            if ((allowed & HYPOTHESIS_BIT(H_INDUCTANCE)) &&
+                fabs(s->z[P_L_D]) >= hypothesis_table[H_INDUCTANCE].least) {
+                s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
+                continue;
+            }
+        }
+        for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+            int column = hypothesis_table[h].column[k];
+            if (column == COLUMN_L) {
+                s->z[P_L_D] = s->z[P_L_Q] = 0.0;
+            } else {
+                s->z[column] = 0.0;
+            }
+        }
+    }
+    return s->set != before;
+}
+
+/* An option fitted without linearisation, from where its quadratic form has its optimum. */
+static bool fit_option(fit_data *d, const search_option *option, hypothesis_set allowed, fit_state *trial)
+{
+    trial->set = option->set;
+    memcpy(trial->z, option->z, sizeof trial->z);
+    parameters_bound(d->parameters, trial->z);
+    if (!fit_refine(d, trial, REFINE_STEPS)) {
+        return false;
+    }
+    while (drop_small(trial, allowed)) {
+        if (!fit_refine(d, trial, REFINE_STEPS)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* One round: the promising options fitted, *s the best. */
+static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, FILE *trace)
+{
+    const fit_state start = *s;
+    double best_score = s->objective + search_penalty(s->set);
+    hypothesis_set tried[REFINED + FULL_SIZE];
+    size_t n = 0;
+    for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
+        /* First the best of each size: while the state is a bad fit, larger sets win by soaking up what is
+         * not theirs. */
+        const search_option *option = k < FULL_SIZE ? &e->of_size[k] : &e->list[k - FULL_SIZE];
+        bool known = option->set == 0 || (k >= FULL_SIZE && k - FULL_SIZE >= e->listed) ||
+                     (round > 0 && option->set == start.set);
+        for (size_t j = 0; j < n; j++) {
+            known = known || tried[j] == option->set;
+        }
+        /* Once the state is a fit, its own set's quadratic form is exact, and what does worse there need not
+         * be fitted. */
+        if (known || (round > 0 && option->cost + search_penalty(option->set) >
+                                       e->view->total.c + search_penalty(start.set) + SLACK)) {
+            continue;
+        }
+        tried[n++] = option->set;
+        fit_state trial = start;
+        if (!fit_option(d, option, e->allowed, &trial)) {
+            return false;
+        }
+        double score = trial.objective + search_penalty(trial.set);
+        if (trace) {
+            char words[256];
+            fprintf(trace, "  round %d: %-60s linear %10.1f  ", round,
+                    search_words(option->set, words, sizeof words),
+                    option->cost + search_penalty(option->set));
+            fprintf(trace, "fitted %12.1f%s%s\n", score, trial.set != option->set ? " as " : "",
+                    trial.set != option->set ? search_words(trial.set, words, sizeof words) : "");
+        }
+        if (score < best_score) {
+            *s = trial;
+            best_score = score;
+        }
+    }
+    return true;
+}
+
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
 {
-    static const size_t none = 0;
-    char words[256];
     enumeration *e = calloc(1, sizeof *e);
     search_view *view = calloc(1, sizeof *view);
     bool ok = e && view;
     for (int round = 0; ok && round < ROUNDS_MAX; round++) {
-        ok = (s->z[P_V_DEAD] != 0.0 || choose_edge(d, s)) && search_look(d, s, view);
+        ok = (s->z[P_V_DEAD] != 0.0 || choose_edge(d, s)) &&
+             ((s->set & ANY_HARMONIC) || revolution_align(d, s, d->parameters->pole_pairs)) &&
+             search_look(d, s, view);
         if (!ok) {
             break;
         }
-        *e = (enumeration){.view = view, .state = s, .allowed = allowed, .listed = none};
+        memset(e, 0, sizeof *e);
+        e->view = view;
+        e->state = s;
+        e->allowed = allowed;
         enumerate(e, 0, 0, FULL_SIZE);
         grow(e);
-        fit_state best = *s;
-        double best_score = s->objective + search_penalty(s->set);
         hypothesis_set before = s->set;
-        for (size_t k = 0; ok && k < e->listed && k < REFINED; k++) {
-            const search_option *option = &e->list[k];
-            /* Once the state is a fit, its own set's quadratic form is exact, and what does worse there need
-             * not be fitted. */
-            if (round > 0 && (option->set == before || option->cost + search_penalty(option->set) >
-                                                           view->total.c + search_penalty(before) + SLACK)) {
-                continue;
-            }
-            fit_state trial = *s;
-            trial.set = option->set;
-            memcpy(trial.z, option->z, sizeof trial.z);
-            parameters_bound(d->parameters, trial.z);
-            ok = fit_refine(d, &trial, REFINE_STEPS);
-            if (!hypotheses_count(trial.set, trial.z)) {
-                continue;
-            }
-            double score = trial.objective + search_penalty(trial.set);
-            if (trace) {
-                fprintf(trace, "  round %d: %-60s linear %10.1f  fitted %12.1f\n", round,
-                        search_words(option->set, words, sizeof words),
-                        option->cost + search_penalty(option->set), score);
-            }
-            if (score < best_score) {
-                best = trial;
-                best_score = score;
-            }
-        }
-        bool settled = best.set == before;
-        *s = best;
-        if (ok && !settled && (s->set & HYPOTHESIS_BIT(H_DEAD_TIME))) {
-            ok = revise_edge(d, s);
-        }
-        if (settled) {
+        ok = try_options(d, s, e, round, trace);
+        if (s->set == before) {
             break;
+        }
+        if (ok && (s->set & HYPOTHESIS_BIT(H_DEAD_TIME))) {
+            ok = revise_edge(d, s);
         }
     }
     free(e);

@@ -135,7 +135,7 @@ static double angle_error(const averaged_drive *d, const drive_row *row)
  * the mean current.
  */
 static vector_ab phase_losses(const averaged_drive *d, const drive_row *row, vector_ab i_start,
-                              vector_ab i_end, double cos_2, double sin_2)
+                              vector_ab i_end, double cos_2, double sin_2, double T_s)
 {
     double first[3];
     double last[3];
@@ -146,6 +146,9 @@ static vector_ab phase_losses(const averaged_drive *d, const drive_row *row, vec
     /* 1/L in the stationary frame: a mean, and a part that turns with twice the angle. */
     double even = d->edge_ripple * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
     double odd = d->edge_ripple * 0.5 * (1.0 / d->L_d_H - 1.0 / d->L_q_H);
+    /* The drop lowers the end current, and with it its own mid-cycle value: a leg sees 2/3 of its loss, half
+     * of that by mid-cycle. */
+    double third = T_s / 3.0 * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
     for (size_t x = 0; x < 3; x++) {
         double mid = 0.5 * (first[x] + last[x]);
         vector_ab flux = row->edge_ripple_Wb[x];
@@ -157,7 +160,7 @@ static vector_ab phase_losses(const averaged_drive *d, const drive_row *row, vec
         lost[x] = 0.5 * d->v_dead_V *
                       (averaged_drive_edge(d->edge, (mid + apart) * per_knee) +
                        averaged_drive_edge(d->edge, (mid - apart) * per_knee)) +
-                  d->dR_ohm[x] * mid;
+                  d->dR_ohm[x] * mid / (1.0 + d->dR_ohm[x] * third);
     }
     return clarke(lost);
 }
@@ -207,14 +210,19 @@ vector_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *n
         /* The current of this cycle as if nothing were lost, in the stationary frame. */
         vector_ab i_end = turn(current_of(d, y, i_dq), end.a, end.b);
         vector_ab i_start = turn(i_dq, c, s);
-        vector_ab lost = turn(phase_losses(d, row, i_start, i_end, c * c - s * s, 2.0 * c * s), c, -s);
+        vector_ab lost =
+            turn(phase_losses(d, row, i_start, i_end, c * c - s * s, 2.0 * c * s, m.push[0][0]), c, -s);
         y.a -= m.drive[0][0] * lost.a + m.drive[0][1] * lost.b;
         y.b -= m.drive[1][0] * lost.a + m.drive[1][1] * lost.b;
     }
     if (d->psi_5_Wb != 0.0 || d->psi_7_Wb != 0.0 || d->psi_11_Wb != 0.0 || d->psi_13_Wb != 0.0) {
         vector_ab before = harmonic_flux(d, c, s);
         vector_ab after = harmonic_flux(d, end.a, end.b);
-        vector_ab change = turn((vector_ab){after.a - before.a, after.b - before.b}, end.a, -end.b);
+        /* Induced evenly over the cycle, on average it decays for half a cycle: e^{-a T/2}, from det decay =
+         * e^{-2 a T}. */
+        double half = sqrt(sqrt(m.decay[0][0] * m.decay[1][1] - m.decay[0][1] * m.decay[1][0]));
+        vector_ab change =
+            turn((vector_ab){half * (after.a - before.a), half * (after.b - before.b)}, end.a, -end.b);
         y.a -= change.a;
         y.b -= change.b;
     }

@@ -1,0 +1,103 @@
+#include "revolution.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double TWO_PI = 6.28318530717958647693;
+
+/* Below this chi square of the strongest stretch its phase would be chance. */
+static const double WORTH_TURNING = 20.0;
+
+/* With the phasor: what a constant angle error, another flux, or another voltage would do, so that these are
+ * not taken for a part of it. */
+static const int column[] = {P_HARMONIC_1C, P_HARMONIC_1S, P_HARMONIC_2C, P_HARMONIC_2S, P_THETA_0, P_PSI};
+enum { COLUMNS = sizeof column / sizeof *column };
+
+typedef struct phasor {
+    double c, s;
+    double chi_square;
+} phasor;
+
+/* The phasor of an order in one stretch's sums: fitted with the constant columns, its own pair's chi square.
+ */
+static phasor phasor_of(const gram *sum, size_t order)
+{
+    const size_t at[4] = {2 * (order - 1), 2 * (order - 1) + 1, 4, 5};
+    double h[4][COLUMN_COUNT];
+    double right[4];
+    double with[4];
+    double without[4] = {0};
+    for (size_t i = 0; i < 4; i++) {
+        right[i] = -sum->g[at[i]];
+        for (size_t j = 0; j < 4; j++) {
+            h[i][j] = sum->h[at[i]][at[j]];
+        }
+    }
+    phasor p = {0};
+    if (fit_solve(4, (const double(*)[COLUMN_COUNT])h, right, with)) {
+        double rest[2][COLUMN_COUNT] = {{h[2][2], h[2][3]}, {h[3][2], h[3][3]}};
+        double both = 0.0;
+        double alone = 0.0;
+        fit_solve(2, (const double(*)[COLUMN_COUNT])rest, right + 2, without);
+        for (size_t i = 0; i < 4; i++) {
+            both += with[i] * right[i];
+            alone += i < 2 ? without[i] * right[i + 2] : 0.0;
+        }
+        p = (phasor){with[0], with[1], both - alone};
+    }
+    return p;
+}
+
+bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs)
+{
+    size_t stretches = d->rows->recording->stretches;
+    if (d->rows->mech_known || stretches < 2) {
+        return true;
+    }
+    gram *grams = fit_grams(d, s, column, COLUMNS);
+    gram *sum = calloc(stretches, sizeof *sum);
+    if (!grams || !sum) {
+        free(grams);
+        free(sum);
+        return false;
+    }
+    for (size_t b = 0; b < d->blocks; b++) {
+        gram *to = &sum[d->rows->block[d->block[b]].stretch];
+        for (size_t i = 0; i < COLUMNS; i++) {
+            to->g[i] += grams[b].g[i];
+            for (size_t j = 0; j < COLUMNS; j++) {
+                to->h[i][j] += grams[b].h[i][j];
+            }
+        }
+    }
+    free(grams);
+    double evidence[3] = {0};
+    size_t strongest[3] = {0};
+    for (size_t order = 1; order <= 2; order++) {
+        double most = 0.0;
+        for (size_t n = 0; n < stretches; n++) {
+            double chi = phasor_of(&sum[n], order).chi_square;
+            evidence[order] += chi;
+            if (chi > most) {
+                most = chi;
+                strongest[order] = n;
+            }
+        }
+    }
+    size_t order = evidence[2] > evidence[1] ? 2 : 1;
+    phasor reference = phasor_of(&sum[strongest[order]], order);
+    for (size_t n = 0; n < stretches && reference.chi_square > WORTH_TURNING; n++) {
+        phasor p = phasor_of(&sum[n], order);
+        if (n == strongest[order] || !(p.chi_square > 0.0)) {
+            continue;
+        }
+        /* c cos(n x) + s sin(n x) is the real part of (c - js) e^{jnx}: an angle too small by b shows the
+         * phasor turned by n b. */
+        double ahead = atan2(-p.s, p.c) - atan2(-reference.s, reference.c);
+        double step = TWO_PI / (double)pole_pairs;
+        double angle = step * round(ahead / ((double)order * step));
+        rows_turn_mechanical(d->rows, n, angle);
+    }
+    free(sum);
+    return true;
+}
