@@ -29,6 +29,10 @@ const iqfoc_cycle_config_t bench_config = {
     .trips = 0,
 };
 
+const iqfoc_exact_winding_t bench_winding = IQFOC_EXACT_WINDING(R_OHM, L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
+const iqfoc_salient_machine_t bench_salient =
+    IQFOC_SALIENT_MACHINE(R_OHM, L_H, 1.5 * L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
+
 #define SEED UINT32_C(20161219)
 
 static uint32_t state = SEED;

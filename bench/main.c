@@ -7,6 +7,8 @@
  */
 #include "iqfoc/iq24_math.h"
 #include "iqfoc/mean_current.h"
+#include "iqfoc/predictor_exact.h"
+#include "iqfoc/predictor_salient.h"
 
 #include "console.h"
 #include "inputs.h"
@@ -22,6 +24,10 @@
 static bench_drive_t drive;
 static iqfoc_cycle_t cycle;
 static iqfoc_duties_t duties;
+static iqfoc_exact_law_t exact_law;
+static iqfoc_exact_t exact;
+static iqfoc_salient_t salient;
+static iqfoc_salient_t salient_mean;
 
 /*
  * count_<name>: the units that one call of `function` takes. The call through a pointer whose value the
@@ -76,6 +82,17 @@ COUNT(prediction_euler, iqfoc_ab_t, iqfoc_predictor_euler,
 COUNT(prediction_quasi_discrete, iqfoc_ab_t, iqfoc_predictor_quasi_discrete,
       (const iqfoc_predictor_t *, iqfoc_ab_t, iqfoc_ab_t, const iqfoc_rotor_t *, iq24_sincos_t),
       (&bench_config.predictor, in->i, in->u, &in->rotor, in->sc))
+COUNT(prediction_exact, iqfoc_ab_t, iqfoc_exact_step,
+      (const iqfoc_exact_t *, iqfoc_ab_t, iqfoc_ab_t, iq24_sincos_t), (&exact, in->i, in->u, in->sc))
+COUNT(exact_at_speed, iqfoc_exact_t, iqfoc_exact_at_speed, (const iqfoc_exact_law_t *, iq24_t),
+      (&exact_law, in->sample.turns))
+COUNT(exact_set_up, iqfoc_exact_law_t, iqfoc_exact_prediction, (const iqfoc_exact_winding_t *, iq24_t),
+      (&bench_winding, IQ24_ONE))
+COUNT(prediction_salient, iqfoc_dq_t, iqfoc_salient_step, (const iqfoc_salient_t *, iqfoc_dq_t, iqfoc_dq_t),
+      (&salient, in->i_ref, (iqfoc_dq_t){in->u.alpha, in->u.beta}))
+COUNT(salient_at_speed, void, iqfoc_salient_at_speed,
+      (const iqfoc_salient_machine_t *, iq24_t, iq24_t, iqfoc_salient_t *, iqfoc_salient_t *),
+      (&bench_salient, in->sample.turns, IQ24_ONE, &salient, &salient_mean))
 COUNT(control_step, iqfoc_dq_t, iqfoc_current_control_step,
       (iqfoc_current_control_t *, const iqfoc_current_control_gains_t *, iqfoc_dq_t, iqfoc_dq_t),
       (&drive.control, &bench_config.gains, in->i_ref, (iqfoc_dq_t){in->i.alpha, in->i.beta}))
@@ -149,6 +166,9 @@ int main(void)
 {
     counter_start();
     drive.u_dc_inverse = IQ24_ONE;
+    exact_law = iqfoc_exact_prediction(&bench_winding, IQ24_ONE);
+    exact = iqfoc_exact_at_speed(&exact_law, IQ24(0.08));
+    iqfoc_salient_at_speed(&bench_salient, IQ24(0.08), IQ24_ONE, &salient, &salient_mean);
     if (iqfoc_cycle_init(&cycle, &bench_config) != IQFOC_OK) {
         console_text("the benchmark's configuration was refused\n");
         return 1;
@@ -168,6 +188,11 @@ int main(void)
     report("mean_quasi_discrete", count_mean_quasi_discrete);
     report("prediction_euler", count_prediction_euler);
     report("prediction_quasi_discrete", count_prediction_quasi_discrete);
+    report("prediction_exact", count_prediction_exact);
+    report("exact_at_speed", count_exact_at_speed);
+    report("exact_set_up", count_exact_set_up);
+    report("prediction_salient", count_prediction_salient);
+    report("salient_at_speed", count_salient_at_speed);
     report("control_step", count_control_step);
     report("modulation", count_modulation);
     report("current_control", count_current_control_of_drive);

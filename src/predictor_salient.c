@@ -1,0 +1,164 @@
+/*
+ * The coefficients of exact prediction for salient machines, in fixed point (docs/exact-prediction.md).
+ *
+ * In fluxes of the currents, L_d i_d and L_q i_q, and over one span, saliency leaves the speed's terms:
+ *
+ *         | -rho_d   phi     1     0     0  |
+ *         |  -phi  -rho_q    0     1   -phi |       the last column times psi_f, whose factor waits
+ *     M = |                  0    phi       |       until the end
+ *         |                -phi    0        |
+ *         |                              0  |
+ *
+ * The rows of the mean, F = sum M^n/(n+1)!, come by Horner's rule from the last term to the first,
+ *
+ *     F <- e + F M/(k+1),    k = N ... 1,
+ *
+ * and those of the end are e + F M. Two rows are wanted, those of the fluxes.
+ */
+#include "iqfoc/predictor_salient.h"
+
+/* Products: a b / 2^bits, rounded to nearest; all results fit, as said where it is called. */
+static int32_t scaled(int32_t a, int32_t b, uint32_t bits)
+{
+    return iq24_shift_wrap(IQ24_MUL64(a, b) + (INT64_C(1) << (bits - 1)), bits);
+}
+
+/* M over one span, Q28. */
+typedef struct generator {
+    int32_t rho_d, rho_q, phi;
+} generator;
+
+/* A row of F or of its product with M, Q28: the columns of x. */
+typedef struct row {
+    int32_t i_d, i_q, u_d, u_q, constant;
+} row;
+
+/*
+ * row M/n.
+ *
+ * Range: |phi| <= 2.1, rho <= 1. In F the entries of i are within (e^3.1 - 1)/3.1 = 6.8 in size, for that
+ * bounds the sum of the absolute terms, and those of u within half of it: all below the 8 of Q28. The sums of
+ * two products stay below 2^63: 2 * 2^31 * 2^30. Error: the quotients of M are cut by 1 unit, products
+ * rounded by half a unit.
+ */
+static row times_generator(const row *r, const generator *m, int32_t n)
+{
+    const int32_t phi = m->phi / n;
+    const row product = {
+        .i_d = -scaled(r->i_d, m->rho_d / n, 28) - scaled(r->i_q, phi, 28),
+        .i_q = scaled(r->i_d, phi, 28) - scaled(r->i_q, m->rho_q / n, 28),
+        .u_d = r->i_d / n - scaled(r->u_q, phi, 28),
+        .u_q = r->i_q / n + scaled(r->u_d, phi, 28),
+        .constant = r->i_q / n,
+    };
+    return product;
+}
+
+#define ONE_Q28 (INT32_C(1) << 28)
+
+/*
+ * How many terms count: with a = max(rho) + |phi| the term of M^n is below n a^(n-1)/(n+1)!, and the last one
+ * kept is below a unit of Q28. 19 at 1/3 turn and rho = 1, 3 at standstill without resistance.
+ */
+static int32_t terms_of(const generator *m)
+{
+    const int32_t rho = m->rho_d > m->rho_q ? m->rho_d : m->rho_q;
+    const int32_t bound = rho + (m->phi < 0 ? -m->phi : m->phi);
+    int32_t term = ONE_Q28;
+    int32_t n = 1;
+    while (term > 0) {
+        n++;
+        term = scaled(term, bound / n, 28);
+    }
+    return n + 1;
+}
+
+/* The two rows of the mean. */
+static void mean_rows(const generator *m, row *d, row *q)
+{
+    *d = (row){.i_d = ONE_Q28};
+    *q = (row){.i_q = ONE_Q28};
+    for (int32_t k = terms_of(m); k >= 1; k--) {
+        *d = times_generator(d, m, k + 1);
+        *q = times_generator(q, m, k + 1);
+        d->i_d += ONE_Q28;
+        q->i_q += ONE_Q28;
+    }
+}
+
+/* The rows of the end: e + F M. */
+static void end_rows(const generator *m, row *d, row *q)
+{
+    *d = times_generator(d, m, 1);
+    *q = times_generator(q, m, 1);
+    d->i_d += ONE_Q28;
+    q->i_q += ONE_Q28;
+}
+
+/* From fluxes to currents, as the step has them. k_u: of this axis and span. cross: the other axis' L over
+ * this one's. */
+typedef struct axis {
+    int32_t k_u_q26, k_psi_phi_q26, cross_q27;
+} axis;
+
+/*
+ * Range: |flux rows| < 2^31 in Q28 are at most 1 at a true end or mean, so that the products are within
+ * 16, 16.8 and 8 of Q26's 32. own, other: entries of this axis' current and of the other's.
+ */
+static iqfoc_salient_row_t row_of(const row *r, const axis *a, int32_t i_d_q26, int32_t i_q_q26)
+{
+    const iqfoc_salient_row_t result = {.i_d_q26 = i_d_q26,
+                                        .i_q_q26 = i_q_q26,
+                                        .u_d_q26 = scaled(r->u_d, a->k_u_q26, 28),
+                                        .u_q_q26 = scaled(r->u_q, a->k_u_q26, 28),
+                                        .constant_q26 = -scaled(r->constant, a->k_psi_phi_q26, 28)};
+    return result;
+}
+
+static int32_t own(int32_t flux_q28)
+{
+    return iq24_asr32(flux_q28 + 2, 2);
+}
+
+static int32_t other(int32_t flux_q28, const axis *a)
+{
+    return scaled(flux_q28, a->cross_q27, 29);
+}
+
+static void to_currents(const row *d, const row *q, const axis *of_d, const axis *of_q, iqfoc_salient_t *out)
+{
+    out->d = row_of(d, of_d, own(d->i_d), other(d->i_q, of_d));
+    out->q = row_of(q, of_q, other(q->i_d, of_q), own(q->i_q));
+}
+
+/* 2 pi in Q28: 1686629713.07. */
+#define TWO_PI_Q28 INT32_C(1686629713)
+
+/*
+ * Range: |phi| <= 2.0944 in Q28 is below 2^30; k_psi phi <= 16.8 in Q26 below 2^31. rho in Q30 times span in
+ * Q24 over 2^26 is Q28.
+ */
+void iqfoc_salient_at_speed(const iqfoc_salient_machine_t *machine, iq24_t turns, iq24_t span,
+                            iqfoc_salient_t *end, iqfoc_salient_t *mean)
+{
+    const iq24_t x = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const generator m = {.rho_d = scaled(machine->rho_d_q30, span, 26),
+                         .rho_q = scaled(machine->rho_q_q30, span, 26),
+                         .phi = scaled(scaled(x * 64, TWO_PI_Q28, 30), span, 24)};
+    const axis of_d = {.k_u_q26 = scaled(machine->k_d_q26, span, 24),
+                       .k_psi_phi_q26 = scaled(machine->k_psi_d_q27, m.phi, 29),
+                       .cross_q27 = machine->q_to_d_q27};
+    const axis of_q = {.k_u_q26 = scaled(machine->k_q_q26, span, 24),
+                       .k_psi_phi_q26 = scaled(machine->k_psi_q_q27, m.phi, 29),
+                       .cross_q27 = machine->d_to_q_q27};
+    row d;
+    row q;
+    mean_rows(&m, &d, &q);
+    if (mean != NULL) {
+        to_currents(&d, &q, &of_d, &of_q, mean);
+    }
+    if (end != NULL) {
+        end_rows(&m, &d, &q);
+        to_currents(&d, &q, &of_d, &of_q, end);
+    }
+}
