@@ -94,16 +94,26 @@ check_format() {
     source_files | xargs clang-format --dry-run -Werror
 }
 
-# clang-tidy looks at what the clang preset compiles, a file at a time: over several, its va_list checker of Debian 12 carries one
-# file's state into the next. Its count of warnings in system headers is left out.
-check_tidy() {
-    configure_preset clang -DBUILD_TESTING=ON
-    python3 - <<'END' | xargs -P "$JOBS" -n 1 clang-tidy --quiet -p build/clang 2>&1 | { grep -v '^[0-9]* warnings\? generated' || true; }
+# The C and C++ files that the clang preset compiles.
+compiled_files() {
+    python3 - <<'END'
 import json, os
 root = os.getcwd() + "/"
 files = {entry["file"] for entry in json.load(open("build/clang/compile_commands.json"))}
 print("\n".join(sorted(f for f in files if f.startswith(root) and not f.startswith(root + ".cache/"))))
 END
+}
+
+# A file at a time: over several, the va_list checker of Debian 12's clang-tidy carries one file's state into the next.
+# shellcheck disable=SC2016 # the inner shell expands its $1
+check_tidy() {
+    configure_preset clang -DBUILD_TESTING=ON
+    compiled_files | xargs -P "$JOBS" -n 1 sh -c 'echo "$1"; exec clang-tidy --quiet -p build/clang "$1" 2>/dev/null' sh |
+        tee build/clang-tidy.txt || {
+        printf '\nFindings:\n'
+        grep -A 3 -E '(error|warning):' build/clang-tidy.txt
+        return 1
+    }
 }
 
 check_cppcheck() {
