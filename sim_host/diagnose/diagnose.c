@@ -153,6 +153,19 @@ static hypothesis_id weakest(const session *w, const search_view *view)
     return worst;
 }
 
+/* Takes a hypothesis out of a state: its parameters go back to the motor file's. */
+static void leave(fit_state *s, hypothesis_id h)
+{
+    s->set &= ~HYPOTHESIS_BIT(h);
+    for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+        if (hypothesis_table[h].column[k] == COLUMN_L) {
+            s->z[P_L_D] = s->z[P_L_Q] = 0.0;
+        } else {
+            s->z[hypothesis_table[h].column[k]] = 0.0;
+        }
+    }
+}
+
 /* Starts over from the motor file with the hypotheses allowed, and drops what is not certain until all that
  * stays is. */
 static bool find_causes(session *w, FILE *trace)
@@ -162,6 +175,7 @@ static bool find_causes(session *w, FILE *trace)
     w->state = w->nominal;
     bool ok = view != NULL;
     while (ok) {
+        fit_noise(&w->fitted, &w->state);
         ok = search_best(&w->fitted, &w->state, allowed, trace) && fit_refine(&w->fitted, &w->state, 12) &&
              certainty_of(&w->fitted, &w->state, &w->certainty) && search_look(&w->fitted, &w->state, view);
         hypothesis_id worst = ok ? weakest(w, view) : H_COUNT;
@@ -172,7 +186,7 @@ static bool find_causes(session *w, FILE *trace)
             fprintf(trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
         }
         allowed &= ~HYPOTHESIS_BIT(worst);
-        w->state = w->nominal;
+        leave(&w->state, worst);
     }
     free(view);
     return ok;

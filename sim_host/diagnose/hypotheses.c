@@ -71,6 +71,7 @@ const hypothesis hypothesis_table[H_COUNT] = {
         {"phase_asymmetry", "unequal resistances", true, 3, {P_DR_A, P_DR_B, P_DR_C}, false, 8.0, 0.03},
     [H_IRON_LOSS] =
         {"iron loss", "iron loss (current that makes no flux)", false, 1, {P_IRON}, false, 3.0, 0.3},
+    [H_EDDY] = {"iron loss", "iron loss (eddy currents)", false, 1, {P_EDDY}, false, 3.0, 0.3},
     [H_CROSS_SATURATION] = {"saturation unlike in d and q",
                             "saturation that differs between the axes",
                             false,

@@ -42,6 +42,7 @@ typedef enum hypothesis_id {
     H_ASYMMETRY_C,
     H_ASYMMETRY,
     H_IRON_LOSS,
+    H_EDDY,
     H_CROSS_SATURATION,
     H_EMF_HARMONICS_11,
     H_TEMPERATURE,

@@ -38,6 +38,7 @@ typedef enum parameter_id {
     P_DR_B,
     P_DR_C,
     P_IRON,
+    P_EDDY,
     P_SATURATION_Q,
     P_PSI_11,
     P_PSI_13,

@@ -183,6 +183,12 @@ vector_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *n
     vector_ab u = {
         d->k_u * (now * row->u_V[0].a + d->u_delay[0] * row->u_V[1].a + d->u_delay[1] * row->u_V[2].a),
         d->k_u * (now * row->u_V[0].b + d->u_delay[0] * row->u_V[1].b + d->u_delay[1] * row->u_V[2].b)};
+    if (d->eddy_S != 0.0) {
+        /* What flows in the iron follows the flux's change over the last cycle, whose mean the voltage less
+         * the drop is. */
+        i_true.a -= d->eddy_S * (d->k_u * row->u_V[1].a - d->R_ohm * i_true.a);
+        i_true.b -= d->eddy_S * (d->k_u * row->u_V[1].b - d->R_ohm * i_true.b);
+    }
     vector_ab u_dq = turn(u, c, -s);
     vector_ab i_dq = turn(i_true, c, -s);
     double psi = d->psi_f_Wb + d->psi_temperature * row->temperature_K;
@@ -231,7 +237,10 @@ vector_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *n
         i_end.a -= d->iron_S * row->omega_rad_s * y.b;
         i_end.b += d->iron_S * row->omega_rad_s * (y.a + psi);
     }
-    return turn(i_end, end.a, end.b);
+    vector_ab i_next = turn(i_end, end.a, end.b);
+    i_next.a += d->eddy_S * (u.a - d->R_ohm * i_next.a);
+    i_next.b += d->eddy_S * (u.b - d->R_ohm * i_next.b);
+    return i_next;
 }
 
 sensor_map averaged_drive_sensors(const averaged_drive *d, bool two_sensors)
