@@ -30,8 +30,10 @@ static const command_about about = {
     "mid-point sample to the given value, and prints each method's rms error over the rms phase\n"
     "current in percent: mean current over a cycle (standard: the mid-point sample; quasi-discrete:\n"
     "2019 (10)) and current at the next cycle's start (standard: Euler, 2019 (3); quasi-discrete:\n"
-    "2019 (12)). In JSON also through the firmware's IQ24 functions, under \"iq24\".\n"
-    "The methods are for machines without saliency; of a salient motor they get L = (L_d + L_q)/2.\n"
+    "2019 (12)), each also by the exact solution. In JSON also through the firmware's IQ24 functions, under "
+    "\"iq24\".\n"
+    "All but the exact are for machines without saliency; of a salient motor they get\n"
+    "L = (L_d + L_q)/2.\n"
     "Where the DC link cannot hold a point, it is raised for that point, and this is said.",
     specs};
 
@@ -89,9 +91,11 @@ static bool parse(int argc, char **argv, request *r, error *e)
 static void print_point(const sweep_point *p)
 {
     printf("%10g  %8.4g", p->n_rpm, p->sffr);
-    for (int k = 0; k < METHOD_COUNT; k++) {
-        printf("  %14.4g", p->errors.of[k].rms_percent);
-    }
+    const method_error *errors = p->errors.of;
+    printf("  %10.4g  %14.4g  %10.4g", errors[METHOD_MEAN_STANDARD].rms_percent,
+           errors[METHOD_MEAN_QUASI_DISCRETE].rms_percent, p->exact.mean.rms_percent);
+    printf("  %10.4g  %14.4g  %10.4g", errors[METHOD_PREDICTION_STANDARD].rms_percent,
+           errors[METHOD_PREDICTION_QUASI_DISCRETE].rms_percent, p->exact.prediction.rms_percent);
     if (p->link_raised) {
         printf("  DC link raised to %.4g V", p->u_dc_V);
     }
@@ -103,12 +107,19 @@ static void print_head(const motor *m, double current_A_rms, double id_ratio)
     printf("%s: %g A rms, i_d = %g of it; errors in percent of the rms phase current\n", m->name,
            current_A_rms, id_ratio);
     if (m->L_d_H != m->L_q_H) {
-        printf("The machine is salient; the methods get L = (L_d + L_q)/2 = %g H.\n",
+        printf("The machine is salient; standard and quasi-discrete get L = (L_d + L_q)/2 = %g H.\n",
                0.5 * (m->L_d_H + m->L_q_H));
     }
-    printf("%10s  %8s  %14s  %14s  %14s  %14s\n", "", "", "mean", "mean", "prediction", "prediction");
-    printf("%10s  %8s  %14s  %14s  %14s  %14s\n", "rpm", "SFFR", "standard", "quasi-discrete", "standard",
-           "quasi-discrete");
+    static const char *const columns[2] = {"mean", "prediction"};
+    printf("%10s  %8s", "", "");
+    for (int k = 0; k < 2; k++) {
+        printf("  %10s  %14s  %10s", columns[k], columns[k], columns[k]);
+    }
+    printf("\n%10s  %8s", "rpm", "SFFR");
+    for (int k = 0; k < 2; k++) {
+        printf("  %10s  %14s  %10s", "standard", "quasi-discrete", "exact");
+    }
+    putchar('\n');
 }
 
 static bool write_json(const request *r, const motor *m, double current_A_rms, const sweep_point *points,

@@ -116,6 +116,7 @@ static void run_cycle(plant *p, const steady_drive *d, drive_cycle *at)
     at->i_valley_A = sampled_current(&valley);
     at->i_mid_A = sampled_current(&peak);
     at->i_mean_A = papers_vector(means.i_ab_A.alpha, means.i_ab_A.beta);
+    at->i_mean_dq_A = papers_vector(means.i_dq_A.d, means.i_dq_A.q);
     const plant_point end = plant_now(p);
     const vec_ab i_end = vec_from_phases(end.i_A);
     at->i_next_valley_A = papers_vector(i_end.alpha, i_end.beta);

@@ -22,6 +22,7 @@ typedef struct drive_cycle {
     double complex i_mid_A;         /* at its middle */
     double complex i_next_valley_A; /* at its end */
     double complex i_mean_A;        /* true mean over it */
+    double complex i_mean_dq_A;     /* true mean of the current as seen from the turning rotor */
     double complex u_V;             /* mean voltage that the PWM applies: commanded and true alike */
 } drive_cycle;
 

@@ -36,29 +36,37 @@ bool sweep_point_at(const motor *m, const char *file, const method_machine *mach
                          "motor file's %g V",
                          n_rpm, d.u_dc_V, link_max_pu, m->u_dc_V);
     } else {
-        *point =
-            (sweep_point){n_rpm, sffr, i_mid_dq_A, d.u_dc_V, d.link_raised, method_errors_of(&d, machine)};
+        *point = (sweep_point){.n_rpm = n_rpm,
+                               .sffr = sffr,
+                               .i_mid_dq_A = i_mid_dq_A,
+                               .u_dc_V = d.u_dc_V,
+                               .link_raised = d.link_raised,
+                               .errors = method_errors_of(&d, machine)};
+        ok = exact_errors_of(m, file, &d, &point->exact, e);
     }
     steady_drive_free(&d);
     return ok;
 }
 
-static json_t *pair_json(const sweep_point *p, method standard, method quasi_discrete, bool iq24)
+static json_t *errors_json(const sweep_point *p, method standard, method quasi_discrete,
+                           const method_error *exact, bool iq24)
 {
     const method_error *a = &p->errors.of[standard];
     const method_error *b = &p->errors.of[quasi_discrete];
-    return json_pack("{s:f, s:f}", method_key(standard), iq24 ? a->rms_percent_iq24 : a->rms_percent,
-                     method_key(quasi_discrete), iq24 ? b->rms_percent_iq24 : b->rms_percent);
+    return json_pack("{s:f, s:f, s:f}", method_key(standard), iq24 ? a->rms_percent_iq24 : a->rms_percent,
+                     method_key(quasi_discrete), iq24 ? b->rms_percent_iq24 : b->rms_percent, "exact",
+                     iq24 ? exact->rms_percent_iq24 : exact->rms_percent);
 }
 
 static json_t *mean_json(const sweep_point *p, bool iq24)
 {
-    return pair_json(p, METHOD_MEAN_STANDARD, METHOD_MEAN_QUASI_DISCRETE, iq24);
+    return errors_json(p, METHOD_MEAN_STANDARD, METHOD_MEAN_QUASI_DISCRETE, &p->exact.mean, iq24);
 }
 
 static json_t *prediction_json(const sweep_point *p, bool iq24)
 {
-    return pair_json(p, METHOD_PREDICTION_STANDARD, METHOD_PREDICTION_QUASI_DISCRETE, iq24);
+    return errors_json(p, METHOD_PREDICTION_STANDARD, METHOD_PREDICTION_QUASI_DISCRETE, &p->exact.prediction,
+                       iq24);
 }
 
 json_t *sweep_point_json(const sweep_point *p)

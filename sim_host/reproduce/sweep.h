@@ -5,6 +5,7 @@
 #ifndef SIM_HOST_REPRODUCE_SWEEP_H
 #define SIM_HOST_REPRODUCE_SWEEP_H
 
+#include "exact_errors.h"
 #include "method_errors.h"
 
 #include <jansson.h>
@@ -16,6 +17,7 @@ typedef struct sweep_point {
     double u_dc_V;
     bool link_raised; /* the motor file's link cannot hold this point */
     method_errors errors;
+    exact_errors exact;
 } sweep_point;
 
 /* The least ratio of switching to fundamental frequency that the library covers. */
@@ -25,7 +27,8 @@ typedef struct sweep_point {
 bool sweep_point_at(const motor *m, const char *file, const method_machine *machine, double n_rpm,
                     double complex i_mid_dq_A, sweep_point *point, error *e);
 
-/* {"rpm":, "sffr":, "mean": {"standard":, "quasi_discrete":}, "prediction": {...}, "iq24": {the same}, ...}
+/* {"rpm":, "sffr":, "mean": {"standard":, "quasi_discrete":, "exact":}, "prediction": {...}, "iq24": {the
+ * same}, ...}
  */
 json_t *sweep_point_json(const sweep_point *p);
 
