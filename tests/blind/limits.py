@@ -19,7 +19,7 @@ import generate
 import main_plant
 import run as blind
 
-STEPS = 6  # of bisection: the limit is known to a factor of 300^(1/64) = 1.09
+STEPS = 5  # of bisection: the limit is known to a factor of 300^(1/32) = 1.2
 SPAN = 300.0
 
 
