@@ -25,6 +25,11 @@ typedef struct bench_input {
     iqfoc_rotor_t rotor;
     iq24_sincos_t sc;
     iqfoc_sample_t sample; /* of a valley or a peak at that current and speed; nothing wrong with it */
+
+    /* Beside sample: a drive at an operating point, for the compositions. */
+    iqfoc_dq_t u_steady;  /* voltage that holds the current at the speed of the rotor */
+    iqfoc_dq_t u_winding; /* the part of it that the resistance takes */
+    iq24_t u_dc_inverse;  /* 1/sample.u_dc */
 } bench_input_t;
 
 /* Input k of the series; to be called with k = 0, 1, 2 ... as each draws on the generator. */

@@ -13,25 +13,27 @@ BENCH_APART void bench_current_control(bench_drive_t *drive, iq24_t i_a, iq24_t 
 {
     const iq24_sincos_t sc = iq24_sincos_inline(theta);
     const iqfoc_dq_t i = iqfoc_park(iqfoc_clarke2(i_a, i_b), sc);
-    const iqfoc_dq_t u = iqfoc_current_control_step(&drive->control, &bench_config.gains, drive->i_ref, i);
-    iqfoc_current_control_limited(&drive->control, &bench_config.gains, u, scale);
+    const iqfoc_dq_t u = iqfoc_current_control_step(&drive->control, &drive->config->gains, drive->i_ref, i);
+    iqfoc_current_control_limited(&drive->control, &drive->config->gains, u, scale);
     drive->u_next = iqfoc_park_inverse(u, sc);
 }
 
 BENCH_APART void bench_cycle(bench_drive_t *drive, iq24_t i_a, iq24_t i_b, iq24_t theta_mid,
                              iqfoc_duties_t *duties)
 {
-    const iqfoc_predictor_t *predictor = &bench_config.predictor;
+    const iqfoc_predictor_t *predictor = &drive->config->predictor;
     const iqfoc_rotor_t *rotor = &drive->rotor;
     const iqfoc_ab_t i = iqfoc_clarke2(i_a, i_b);
     const iq24_sincos_t sc = iq24_sincos_inline(theta_mid);
-    const iqfoc_ab_t i_next = iqfoc_predictor_quasi_discrete(predictor, i, drive->u_now, rotor, sc);
-    const iqfoc_dq_t i_dq = iqfoc_mean_current_seen(predictor, i, i_next, rotor, sc);
-    const iqfoc_dq_t u = iqfoc_current_control_step(&drive->control, &bench_config.gains, drive->i_ref, i_dq);
+    const iq24_t w = iqfoc_predictor_emf(predictor, rotor);
+    const iqfoc_ab_t i_next = iqfoc_predictor_step(predictor, i, drive->u_now, w, sc);
+    const iqfoc_dq_t i_dq = iqfoc_mean_current_seen(i, i_next, w, rotor, sc);
+    const iqfoc_dq_t u =
+        iqfoc_current_control_step(&drive->control, &drive->config->gains, drive->i_ref, i_dq);
     drive->i_next = i_next;
     drive->u_now = iqfoc_park_inverse(u, sc);
-    *duties = iqfoc_modulate(drive->u_now, drive->u_dc_inverse, bench_config.span_max);
-    iqfoc_current_control_limited(&drive->control, &bench_config.gains, u, duties->scale);
+    *duties = iqfoc_modulate(drive->u_now, drive->u_dc_inverse, drive->config->span_max);
+    iqfoc_current_control_limited(&drive->control, &drive->config->gains, u, duties->scale);
 }
 
 /* BENCH_LINE times, by hand: a loop would be counted too. */

@@ -15,6 +15,7 @@
 
 /* What moves from cycle to cycle in the compositions. */
 typedef struct bench_drive {
+    const iqfoc_cycle_config_t *config;
     iqfoc_current_control_t control;
     iqfoc_dq_t i_ref;
     iqfoc_rotor_t rotor; /* of the speed: a slower loop's matter */

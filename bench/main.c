@@ -107,6 +107,13 @@ COUNT(valley, void, iqfoc_cycle_valley, (iqfoc_cycle_t *, const iqfoc_sample_t *
 COUNT(peak, iqfoc_command_t, iqfoc_cycle_peak, (iqfoc_cycle_t *, const iqfoc_sample_t *, iq24_t, uint32_t),
       (&cycle, &in->sample, IQ24(1.5), in->sample.time))
 
+/* Integrators that hold a voltage. */
+static iqfoc_current_control_t holding(iqfoc_dq_t u)
+{
+    const iqfoc_current_control_t control = {iq24_acc_mul(u.d, IQ24_ONE), iq24_acc_mul(u.q, IQ24_ONE)};
+    return control;
+}
+
 /* One carrier period as the interrupts run it: valley and peak. */
 static uint32_t count_isr_cycle(const bench_input_t *in)
 {
@@ -118,23 +125,30 @@ static uint32_t count_isr_cycle(const bench_input_t *in)
     at_peak.sample.at = IQ24(0.5);
     period += bench_config.period_ticks;
     cycle.i_ref = in->i_ref;
+    cycle.control = holding(in->u_winding);
     return count_valley(&at_valley) + count_peak(&at_peak);
 }
 
-/* The compositions' slow quantities, as the speed loop would set them. */
-static uint32_t count_current_control_of_drive(const bench_input_t *in)
+/* The drive settled at the input's operating point. */
+static void settle(const bench_input_t *in)
 {
+    drive.control = holding(in->u_steady);
     drive.i_ref = in->i_ref;
     drive.rotor = in->rotor;
-    duties.scale = in->any_a < 0 ? IQ24(0.9) : IQ24_ONE;
+    drive.u_dc_inverse = in->u_dc_inverse;
+    drive.u_now = iqfoc_park_inverse(in->u_steady, in->sc);
+    duties = iqfoc_modulate(drive.u_now, in->u_dc_inverse, bench_config.span_max);
+}
+
+static uint32_t count_current_control_of_drive(const bench_input_t *in)
+{
+    settle(in);
     return count_current_control(in);
 }
 
 static uint32_t count_cycle_of_drive(const bench_input_t *in)
 {
-    drive.i_ref = in->i_ref;
-    drive.rotor = in->rotor;
-    drive.u_dc_inverse = in->sample.u_dc;
+    settle(in);
     return count_cycle(in);
 }
 
@@ -165,6 +179,7 @@ static void report(const char *name, uint32_t (*count)(const bench_input_t *))
 int main(void)
 {
     counter_start();
+    drive.config = &bench_config;
     drive.u_dc_inverse = IQ24_ONE;
     exact_law = iqfoc_exact_prediction(&bench_winding, IQ24_ONE);
     exact = iqfoc_exact_at_speed(&exact_law, IQ24(0.08));

@@ -90,12 +90,17 @@ static void set_status(iqfoc_cycle_t *cycle, uint32_t bits)
     cycle->tripped = cycle->tripped || (bits & cycle->config->trips) != 0;
 }
 
-/* Ticks wrap: the difference of two unsigned times is right across the wrap. */
+/* Ticks from one time to a later one. They wrap: the difference modulo 2^32 is right across the wrap. */
+static uint32_t ticks_since(uint32_t then, uint32_t now)
+{
+    return (uint32_t)(UINT64_C(0x100000000) + now - then);
+}
+
 static void check_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i, uint32_t now)
 {
     const iqfoc_cycle_config_t *config = cycle->config;
     uint32_t bits = 0;
-    if (config->period_ticks != 0 && now - sample->time > config->stale_ticks) {
+    if (config->period_ticks != 0 && ticks_since(sample->time, now) > config->stale_ticks) {
         bits |= IQFOC_STATUS_STALE;
     }
     if (sample->clipped) {
@@ -148,7 +153,7 @@ void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint
     bool whole = cycle->started; /* the cycle that ends here was seen from its valley on */
     check_sample(cycle, sample, i, now);
     if (cycle->started && (cycle->at_valley || (config->period_ticks != 0 &&
-                                                sample->time - cycle->valley_time >
+                                                ticks_since(cycle->valley_time, sample->time) >
                                                     config->period_ticks + config->tolerance_ticks))) {
         set_status(cycle, IQFOC_STATUS_MISSED);
         whole = false;
@@ -170,9 +175,9 @@ void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint
     cycle->theta_valley = theta_after(sample->theta, cycle->rotor.turns, -sample->at);
     const iq24_sincos_t sc_mid =
         iq24_sincos(theta_after(cycle->theta_valley, cycle->rotor.turns, IQ24_ONE / 2));
-    cycle->i_next =
-        iqfoc_predictor_quasi_discrete(&config->predictor, i, cycle->u_now, &cycle->rotor, sc_mid);
-    cycle->i_mean_dq = iqfoc_mean_current_seen(&config->predictor, i, cycle->i_next, &cycle->rotor, sc_mid);
+    const iq24_t w = iqfoc_predictor_emf(&config->predictor, &cycle->rotor);
+    cycle->i_next = iqfoc_predictor_step(&config->predictor, i, cycle->u_now, w, sc_mid);
+    cycle->i_mean_dq = iqfoc_mean_current_seen(i, cycle->i_next, w, &cycle->rotor, sc_mid);
 }
 
 static iqfoc_dq_t feedback(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i)
@@ -275,7 +280,7 @@ iqfoc_command_t iqfoc_cycle_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sam
 bool iqfoc_cycle_in_time(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
 {
     const bool in_time =
-        cycle->config->period_ticks == 0 || now - sample->time <= cycle->config->deadline_ticks;
+        cycle->config->period_ticks == 0 || ticks_since(sample->time, now) <= cycle->config->deadline_ticks;
     if (!in_time) {
         set_status(cycle, IQFOC_STATUS_LATE);
         if (cycle->tripped) {

@@ -5,14 +5,23 @@
 
 #include "iqfoc/transform.h"
 
+#include "iq24_longdiv.h"
+
 /*
- * Range: span_max - 1 >= 0 and span >= 2 LSB: the quotient is in [0, 1).
- * The quotient is within 0.5 LSB, so (quotient - 1) span is at most span_max - 1 - 0.5 span in LSB and per
- * unit: the phases' new span, which floors can raise by less than 1 LSB, is below span_max.
+ * (span_max - 1)/span by long division, rounded down and at most one LSB less: no need to round to nearest
+ * what must be too small.
+ *
+ * Range: 0 <= span_max - 1 < span, so the quotient is in [0, 1) and its three digits are all of it.
+ * quotient span <= span_max - 1 in LSB: the phases' new span, which floors can raise by less than 1 LSB, is
+ * below span_max.
  */
 iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max)
 {
-    return iqfoc_larger(iq24_div(span_max - 1, span) - 1, 0);
+    iq24_longdiv_t division = iq24_longdiv_begin(0, (uint32_t)(span_max - 1), (uint32_t)span);
+    iq24_longdiv_step(&division);
+    iq24_longdiv_step(&division);
+    iq24_longdiv_step(&division);
+    return (iq24_t)division.quotient;
 }
 
 /* The fraction of a turn, [0, 2^24). A mask of the two's complement: exact for negative angles too. */

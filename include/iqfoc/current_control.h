@@ -35,52 +35,28 @@ typedef struct iqfoc_current_control {
     iq24_acc_t integral_q;
 } iqfoc_current_control_t;
 
-/* Neither an integrator nor a result leaves +-8 per unit voltage: eight times what the DC link can make. */
-#define IQFOC_CURRENT_CONTROL_LIMIT IQ24(8.0)
-
 /*
- * A sum held to +-8.
+ * A sum held to -8 <= result < 8: neither an integrator nor a result leaves that, eight times what the DC
+ * link can make.
  *
- * The high word of Q15.48 is Q15.16 and decides alone: 8 is 2^19 there, and below it the low word is less
- * than one unit.
+ * The high word of Q15.48 is Q15.16, and 8 is 2^19 there. It alone is held, to 20 bits; the low word stays
+ * as it is. So a sum outside becomes a number within 2^-16 of the limit that it passed, and none inside is
+ * changed.
  */
 static inline iq24_acc_t iqfoc_current_control_hold(iq24_acc_t sum)
 {
-    const int32_t limit = INT32_C(1) << 19;
-    const int32_t high = (int32_t)iq24_asr64(sum, 32);
-    if (high >= limit) {
-        return (iq24_acc_t)limit * INT64_C(0x100000000);
-    }
-    return high < -limit ? -(iq24_acc_t)limit * INT64_C(0x100000000) : sum;
-}
-
-/* The same as a rounded-down iq24_t. */
-static inline iq24_t iqfoc_current_control_held(iq24_acc_t sum)
-{
-    const int32_t limit = INT32_C(1) << 19;
-    const int32_t high = (int32_t)iq24_asr64(sum, 32);
-    const iq24_t low = iq24_acc_trunc(sum);
-    return high >= limit ? IQFOC_CURRENT_CONTROL_LIMIT : high < -limit ? -IQFOC_CURRENT_CONTROL_LIMIT : low;
-}
-
-/*
- * PI of one axis: the result, and the integrator moved on.
- *
- * Range: |e| <= 64 and k <= 32 give |k e| <= 2048 in per unit, 2^59 in the accumulator; with |I| <= 8 the sum
- * fits. Error: floor, below 1 LSB; the integrator is exact.
- */
-static inline iq24_t iqfoc_current_control_axis(iq24_acc_t *integral, iq24_t kp, iq24_t ki, iq24_t e)
-{
-    const iq24_t u = iqfoc_current_control_held(iq24_acc_mac(*integral, kp, e));
-    *integral = iqfoc_current_control_hold(iq24_acc_mac(*integral, ki, e));
-    return u;
+    const int32_t high = IQ24_HOLD_BITS((int32_t)iq24_asr64(sum, 32), 20);
+    return iq24_acc_join(high, (uint32_t)((uint64_t)sum & UINT32_MAX));
 }
 
 /*
  * The controllers' part of the voltage, before decoupling and before any limit of the inverter.
  *
  * i_ref, i: per unit, |component| <= 32. Out: per unit voltage, each component held to +-8; so is the
- * integrator. Largest error against double: 1 LSB (rounded down); of the integrator none.
+ * integrator. Largest error against double: 1 LSB (rounded down); of the integrator none. Beyond +-8, 2^-16.
+ *
+ * Range: |e| <= 64 and k <= 32 give |k e| <= 2048 in per unit, 2^59 in the accumulator; with |I| <= 8 the sum
+ * fits.
  */
 static inline iqfoc_dq_t iqfoc_current_control_step(iqfoc_current_control_t *control,
                                                     const iqfoc_current_control_gains_t *gains,
@@ -88,8 +64,12 @@ static inline iqfoc_dq_t iqfoc_current_control_step(iqfoc_current_control_t *con
 {
     const iq24_t e_d = iq24_sub_wrap(i_ref.d, i.d);
     const iq24_t e_q = iq24_sub_wrap(i_ref.q, i.q);
-    const iqfoc_dq_t u = {iqfoc_current_control_axis(&control->integral_d, gains->kp_d, gains->ki_d, e_d),
-                          iqfoc_current_control_axis(&control->integral_q, gains->kp_q, gains->ki_q, e_q)};
+    const iq24_acc_t u_d = iq24_acc_mac(control->integral_d, gains->kp_d, e_d);
+    const iq24_acc_t u_q = iq24_acc_mac(control->integral_q, gains->kp_q, e_q);
+    const iqfoc_dq_t u = {iq24_acc_trunc(iqfoc_current_control_hold(u_d)),
+                          iq24_acc_trunc(iqfoc_current_control_hold(u_q))};
+    control->integral_d = iqfoc_current_control_hold(iq24_acc_mac(control->integral_d, gains->ki_d, e_d));
+    control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(control->integral_q, gains->ki_q, e_q));
     return u;
 }
 
@@ -110,26 +90,28 @@ static inline iqfoc_dq_t iqfoc_current_control_decoupling(const iqfoc_current_co
     const iq24_t reactance_q = iq24_mul_round(turns, gains->x_q);
     const iq24_acc_t d = iq24_acc_mul(-reactance_q, i.q);
     const iq24_acc_t q = iq24_acc_mac(iq24_acc_mul(reactance_d, i.d), turns, gains->emf);
-    const iqfoc_dq_t u = {iqfoc_current_control_held(d), iqfoc_current_control_held(q)};
+    const iqfoc_dq_t u = {iq24_acc_trunc(iqfoc_current_control_hold(d)),
+                          iq24_acc_trunc(iqfoc_current_control_hold(q))};
     return u;
 }
-
-/* What iqfoc_current_control_limited does where something was missing: rarely, so not inline. */
-void iqfoc_current_control_back(iqfoc_current_control_t *control, const iqfoc_current_control_gains_t *gains,
-                                iqfoc_dq_t u, iq24_t scale);
 
 /*
  * Back-calculation: to be called after a step of which the modulator could only make scale < 1.
  *
  * u: the voltage asked for, |component| <= 16. scale: 0 ... 1, as iqfoc_modulate gives it; 1 leaves the
  * integrators as they are.
+ *
+ * Range: |k_aw (scale - 1)| <= 1 and |u| <= 16 in per unit, so the product is at most 2^52 in the
+ * accumulator; |I| <= 2^51.
  */
 static inline void iqfoc_current_control_limited(iqfoc_current_control_t *control,
                                                  const iqfoc_current_control_gains_t *gains, iqfoc_dq_t u,
                                                  iq24_t scale)
 {
     if (scale < IQ24_ONE) {
-        iqfoc_current_control_back(control, gains, u, scale);
+        const iq24_t back = iq24_mul_trunc(gains->anti_windup, scale - IQ24_ONE);
+        control->integral_d = iqfoc_current_control_hold(iq24_acc_mac(control->integral_d, back, u.d));
+        control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(control->integral_q, back, u.q));
     }
 }
 

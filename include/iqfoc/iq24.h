@@ -40,6 +40,11 @@
 #define IQ24_MAC64(sum, a, b) ((sum) + IQ24_MUL64(a, b))
 #endif
 
+/* Hook: x held to what a signed number of so many bits can be, bits a constant from 1 to 31. */
+#ifndef IQ24_HOLD_BITS
+#define IQ24_HOLD_BITS(x, bits) iq24_clamp(x, -(INT32_C(1) << ((bits)-1)), (INT32_C(1) << ((bits)-1)) - 1)
+#endif
+
 typedef int32_t iq24_t;     /* Q7.24 */
 typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before rounding */
 
@@ -94,6 +99,13 @@ static inline iq24_t iq24_shift_wrap(int64_t x, uint32_t bits)
     const uint32_t high = (uint32_t)((uint64_t)x >> 32);
     const uint32_t low = (uint32_t)((uint64_t)x & UINT32_MAX);
     return iq24_from_bits(((high & (UINT32_MAX >> (32 - bits))) << (32 - bits)) | (low >> bits));
+}
+
+/* high 2^32 + low. Or, not plus: the halves do not overlap, and the compiler keeps them in their registers.
+ */
+static inline int64_t iq24_acc_join(int32_t high, uint32_t low)
+{
+    return (int64_t)high * INT64_C(0x100000000) | (int64_t)low;
 }
 
 /* x where it fits, else the nearer of IQ24_MIN and IQ24_MAX. */

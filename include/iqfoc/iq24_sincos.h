@@ -47,8 +47,8 @@ static inline iq24_sincos_t iq24_sincos_inline(iq24_t turns)
     int32_t sin_d = iq24_mul_high(rest, IQ24_ROTATE_S1 - iq24_mul_high(square, IQ24_ROTATE_S3));
     int32_t minus_versin_d = iq24_mul_high(square, iq24_mul_high(square, IQ24_ROTATE_C4) - IQ24_ROTATE_C2);
 
-    int64_t sin_change = IQ24_MUL64(c, sin_d) + IQ24_MUL64(s, minus_versin_d);
-    int64_t cos_change = IQ24_MUL64(s, -sin_d) + IQ24_MUL64(c, minus_versin_d);
+    int64_t sin_change = IQ24_MAC64(IQ24_MUL64(c, sin_d), s, minus_versin_d);
+    int64_t cos_change = IQ24_MAC64(IQ24_MUL64(s, -sin_d), c, minus_versin_d);
 
     iq24_sincos_t result;
     result.sin = iq24_asr32(s + iq24_wrap(iq24_asr64(sin_change, 34)) + 32, 6);

@@ -37,10 +37,9 @@
 static inline iqfoc_dq_t iqfoc_mean_current_correct(iqfoc_ab_t i_mean, iqfoc_ab_t delta,
                                                     const iqfoc_rotor_t *rotor, iq24_sincos_t sc_mid)
 {
-    const iq24_acc_t alpha = iq24_acc_mac(IQ24_ACC_HALF, rotor->s1, i_mean.alpha);
-    const iq24_acc_t beta = iq24_acc_mac(IQ24_ACC_HALF, rotor->s1, i_mean.beta);
-    const iqfoc_ab_t v = {iq24_acc_trunc(iq24_acc_mac(alpha, rotor->s2, delta.beta)),
-                          iq24_acc_trunc(iq24_acc_mac(beta, -rotor->s2, delta.alpha))};
+    const iq24_acc_t alpha = iq24_acc_mac(iq24_acc_mul(rotor->s1, i_mean.alpha), rotor->s2, delta.beta);
+    const iq24_acc_t beta = iq24_acc_mac(iq24_acc_mul(rotor->s1, i_mean.beta), -rotor->s2, delta.alpha);
+    const iqfoc_ab_t v = {iq24_acc_round(alpha), iq24_acc_round(beta)};
     return iqfoc_park(v, sc_mid);
 }
 
@@ -86,26 +85,32 @@ static inline iqfoc_ab_t iqfoc_mean_current_from_prediction(const iqfoc_predicto
 
 /*
  * The same mean as seen from the turning rotor: 2019 (10) and 2016 (10) in one. The term in s2 of the former
- * lies on the d axis at every angle, so that of both corrections little is left to do:
+ * lies on the d axis at every angle; there it is s1 (psi phi/L) s2, and (psi phi/L) s1 is the EMF w that the
+ * prediction was made with, so that of both corrections little is left to do:
  *
- *     i_dq = e^(-j theta_m) [ s1 (i + i_next)/2 - j s2 (i_next - i) ] - s1 (psi phi/L) s2
+ *     i_dq = e^(-j theta_m) [ s1 (i + i_next)/2 - j s2 (i_next - i) ] - w s2
  *
- * i, i_next: |component| <= 21.3 and <= 51.2 (docs/units.md: what a sampled current within 15.9 gives). Out:
- * dq. Largest error with i_next as given: 2.1 LSB.
+ * i, i_next: |component| <= 21.3 and <= 51.2 (docs/units.md: what a sampled current within 15.9 gives). w:
+ * iqfoc_predictor_emf. Out: dq. Largest error with i_next and w as given: 1.9 LSB.
  *
- * Range: |i_next - i| <= 72.5 fits; |(i + i_next)/2| <= 36.3 and |s2 delta| <= 11.4, together within
- * Park's 64.
+ * Range: |i + i_next| and |i_next - i| <= 72.5 fit; in v |s1 (i + i_next)/2| <= 36.3 and |s2 delta| <= 11.4,
+ * together within Park's 64; |w s2| <= 13.9 * 0.157 = 2.2.
+ * Error: v is twice too large until it is rounded down, by less than 1 LSB a component; Park's sum and w s2
+ * are rounded together.
  */
-static inline iqfoc_dq_t iqfoc_mean_current_seen(const iqfoc_predictor_t *predictor, iqfoc_ab_t i,
-                                                 iqfoc_ab_t i_next, const iqfoc_rotor_t *rotor,
-                                                 iq24_sincos_t sc_mid)
+static inline iqfoc_dq_t iqfoc_mean_current_seen(iqfoc_ab_t i, iqfoc_ab_t i_next, iq24_t w,
+                                                 const iqfoc_rotor_t *rotor, iq24_sincos_t sc_mid)
 {
-    const iq24_t q = iq24_mul_round(predictor->k_psi, rotor->phi_s2);
-    const iqfoc_ab_t middle = {iq24_asr32(iq24_add_wrap(i.alpha, i_next.alpha), 1),
-                               iq24_asr32(iq24_add_wrap(i.beta, i_next.beta), 1)};
+    const iq24_t two_s2 = 2 * rotor->s2;
+    const iqfoc_ab_t sum = {iq24_add_wrap(i.alpha, i_next.alpha), iq24_add_wrap(i.beta, i_next.beta)};
     const iqfoc_ab_t delta = {iq24_sub_wrap(i_next.alpha, i.alpha), iq24_sub_wrap(i_next.beta, i.beta)};
-    const iqfoc_dq_t seen = iqfoc_mean_current_correct(middle, delta, rotor, sc_mid);
-    const iqfoc_dq_t mean = {seen.d - iq24_mul_round(q, rotor->s1), seen.q};
+    const iq24_acc_t alpha = iq24_acc_mac(iq24_acc_mul(rotor->s1, sum.alpha), two_s2, delta.beta);
+    const iq24_acc_t beta = iq24_acc_mac(iq24_acc_mul(rotor->s1, sum.beta), -two_s2, delta.alpha);
+    const iqfoc_ab_t v = {iq24_shift_wrap(alpha, IQ24_FRACTION_BITS + 1),
+                          iq24_shift_wrap(beta, IQ24_FRACTION_BITS + 1)};
+    const iq24_acc_t d = iq24_acc_mac(iq24_acc_mul(v.alpha, sc_mid.cos), v.beta, sc_mid.sin);
+    const iq24_acc_t q = iq24_acc_mac(iq24_acc_mul(v.beta, sc_mid.cos), v.alpha, -sc_mid.sin);
+    const iqfoc_dq_t mean = {iq24_acc_round(iq24_acc_mac(d, -w, rotor->s2)), iq24_acc_round(q)};
     return mean;
 }
 

@@ -50,17 +50,17 @@ static inline iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, i
     const iqfoc_ab_t v = {iq24_mul_round(u.alpha, u_dc_inverse), iq24_mul_round(u.beta, u_dc_inverse)};
     iqfoc_abc_t x = iqfoc_clarke_inverse(v);
     iq24_t low = iqfoc_smaller(iqfoc_smaller(x.a, x.b), x.c);
-    iq24_t span = iq24_sub_wrap(iqfoc_larger(iqfoc_larger(x.a, x.b), x.c), low);
+    iq24_t high = iqfoc_larger(iqfoc_larger(x.a, x.b), x.c);
     iq24_t scale = IQ24_ONE;
-    if (span > span_max) {
-        scale = iqfoc_modulation_scale(span, span_max);
+    if (iq24_sub_wrap(high, low) > span_max) {
+        scale = iqfoc_modulation_scale(iq24_sub_wrap(high, low), span_max);
         x.a = iq24_mul_trunc(x.a, scale);
         x.b = iq24_mul_trunc(x.b, scale);
         x.c = iq24_mul_trunc(x.c, scale);
-        low = iqfoc_smaller(iqfoc_smaller(x.a, x.b), x.c);
-        span = iq24_sub_wrap(iqfoc_larger(iqfoc_larger(x.a, x.b), x.c), low);
+        low = iq24_mul_trunc(low, scale);
+        high = iq24_mul_trunc(high, scale);
     }
-    const iq24_t shift = iq24_sub_wrap(iq24_asr32(IQ24_ONE - span, 1), low);
+    const iq24_t shift = iq24_sub_wrap(iq24_asr32(IQ24_ONE - iq24_sub_wrap(high, low), 1), low);
     const iqfoc_duties_t duties = {
         {iq24_add_wrap(x.a, shift), iq24_add_wrap(x.b, shift), iq24_add_wrap(x.c, shift)}, scale};
     return duties;

@@ -29,6 +29,16 @@ typedef struct iqfoc_predictor {
 } iqfoc_predictor_t;
 
 /*
+ * The EMF of a cycle as the quasi-discrete prediction has it, w = (psi phi/L) s1: current per cycle.
+ *
+ * Range: |k_psi phi s1| <= 8 * 1.7321 = 13.9. Error: 0.5 LSB.
+ */
+static inline iq24_t iqfoc_predictor_emf(const iqfoc_predictor_t *predictor, const iqfoc_rotor_t *rotor)
+{
+    return iq24_mul_round(predictor->k_psi, rotor->phi_s1);
+}
+
+/*
  * i + k_u u - k_r i - j w (cos + j sin), that is alpha + w sin and beta - w cos: what both predictions share.
  *
  * Range: |(1 - k_r) i| <= 32, |k_u u| <= 32 and |w| <= 8 * 2.0944 = 16.8 in per unit: the sum is below 80.8
@@ -39,11 +49,10 @@ static inline iqfoc_ab_t iqfoc_predictor_step(const iqfoc_predictor_t *p, iqfoc_
                                               iq24_t w, iq24_sincos_t sc)
 {
     const iq24_t stays = IQ24_ONE - p->k_r;
-    iq24_acc_t alpha = iq24_acc_mac(IQ24_ACC_HALF, i.alpha, stays);
-    iq24_acc_t beta = iq24_acc_mac(IQ24_ACC_HALF, i.beta, stays);
-    alpha = iq24_acc_mac(iq24_acc_mac(alpha, p->k_u, u.alpha), w, sc.sin);
-    beta = iq24_acc_mac(iq24_acc_mac(beta, p->k_u, u.beta), -w, sc.cos);
-    const iqfoc_ab_t next = {iq24_acc_trunc(alpha), iq24_acc_trunc(beta)};
+    const iq24_acc_t alpha = iq24_acc_mac(iq24_acc_mul(i.alpha, stays), p->k_u, u.alpha);
+    const iq24_acc_t beta = iq24_acc_mac(iq24_acc_mul(i.beta, stays), p->k_u, u.beta);
+    const iqfoc_ab_t next = {iq24_acc_round(iq24_acc_mac(alpha, w, sc.sin)),
+                             iq24_acc_round(iq24_acc_mac(beta, -w, sc.cos))};
     return next;
 }
 
@@ -65,14 +74,12 @@ static inline iqfoc_ab_t iqfoc_predictor_euler(const iqfoc_predictor_t *predicto
 /*
  * Quasi-discrete prediction, 2019 (12). As above, but sc is of theta_m, the angle at the middle of the cycle.
  * Largest error against the formula in double with the same coefficients, phi s1 and sine: 1 LSB.
- *
- * Range: |k_psi phi s1| <= 8 * 1.7321 = 13.9.
  */
 static inline iqfoc_ab_t iqfoc_predictor_quasi_discrete(const iqfoc_predictor_t *predictor, iqfoc_ab_t i,
                                                         iqfoc_ab_t u, const iqfoc_rotor_t *rotor,
                                                         iq24_sincos_t sc_mid)
 {
-    return iqfoc_predictor_step(predictor, i, u, iq24_mul_round(predictor->k_psi, rotor->phi_s1), sc_mid);
+    return iqfoc_predictor_step(predictor, i, u, iqfoc_predictor_emf(predictor, rotor), sc_mid);
 }
 
 #endif

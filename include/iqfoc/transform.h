@@ -92,10 +92,9 @@ static inline iqfoc_abc_t iqfoc_clarke_inverse(iqfoc_ab_t ab)
  */
 static inline iqfoc_dq_t iqfoc_park(iqfoc_ab_t ab, iq24_sincos_t sc)
 {
-    const iq24_acc_t d = iq24_acc_mac(IQ24_ACC_HALF, ab.alpha, sc.cos);
-    const iq24_acc_t q = iq24_acc_mac(IQ24_ACC_HALF, ab.beta, sc.cos);
-    const iqfoc_dq_t dq = {iq24_acc_trunc(iq24_acc_mac(d, ab.beta, sc.sin)),
-                           iq24_acc_trunc(iq24_acc_mac(q, ab.alpha, -sc.sin))};
+    const iq24_acc_t d = iq24_acc_mac(iq24_acc_mul(ab.alpha, sc.cos), ab.beta, sc.sin);
+    const iq24_acc_t q = iq24_acc_mac(iq24_acc_mul(ab.beta, sc.cos), ab.alpha, -sc.sin);
+    const iqfoc_dq_t dq = {iq24_acc_round(d), iq24_acc_round(q)};
     return dq;
 }
 
@@ -108,10 +107,9 @@ static inline iqfoc_dq_t iqfoc_park(iqfoc_ab_t ab, iq24_sincos_t sc)
  */
 static inline iqfoc_ab_t iqfoc_park_inverse(iqfoc_dq_t dq, iq24_sincos_t sc)
 {
-    const iq24_acc_t alpha = iq24_acc_mac(IQ24_ACC_HALF, dq.d, sc.cos);
-    const iq24_acc_t beta = iq24_acc_mac(IQ24_ACC_HALF, dq.q, sc.cos);
-    const iqfoc_ab_t ab = {iq24_acc_trunc(iq24_acc_mac(alpha, dq.q, -sc.sin)),
-                           iq24_acc_trunc(iq24_acc_mac(beta, dq.d, sc.sin))};
+    const iq24_acc_t alpha = iq24_acc_mac(iq24_acc_mul(dq.d, sc.cos), dq.q, -sc.sin);
+    const iq24_acc_t beta = iq24_acc_mac(iq24_acc_mul(dq.q, sc.cos), dq.d, sc.sin);
+    const iqfoc_ab_t ab = {iq24_acc_round(alpha), iq24_acc_round(beta)};
     return ab;
 }
 

@@ -2,29 +2,48 @@
  * Target header for Cortex-M4 with gcc or clang: compile the library with
  * -DIQFOC_TARGET_HEADER='"iqfoc_cortex_m4.h"'.
  *
- * Same results, fewer instructions: the core's two multiplies by name. A compiler left to itself keeps some
- * 32-bit factors in 64 bits and multiplies by them with four instructions (gcc 12.2: the whole cycle by a
- * tenth more).
+ * Same results, fewer instructions: the core's multiply, multiply-accumulate and saturation by name. A
+ * compiler left to itself keeps some 32-bit factors in 64 bits and multiplies by them with four instructions,
+ * and compares where the core can saturate (docs/bench.md).
+ *
+ * The instructions take the two halves of a sum as registers of their own. As one 64-bit operand they would
+ * have to be neighbours, which costs a move for every second product (gcc 12.2).
  */
 #ifndef PORT_CORTEX_M4_IQFOC_CORTEX_M4_H
 #define PORT_CORTEX_M4_IQFOC_CORTEX_M4_H
 
 #include <stdint.h>
 
+static inline int64_t iqfoc_cortex_m4_join(uint32_t low, uint32_t high)
+{
+    return (int64_t)((uint64_t)high << 32 | low);
+}
+
 static inline int64_t iqfoc_cortex_m4_mul64(int32_t a, int32_t b)
 {
-    int64_t product;
-    __asm("smull %Q0, %R0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
-    return product;
+    uint32_t low;
+    uint32_t high;
+    __asm("smull %0, %1, %2, %3" : "=r"(low), "=r"(high) : "r"(a), "r"(b));
+    return iqfoc_cortex_m4_join(low, high);
 }
 
 static inline int64_t iqfoc_cortex_m4_mac64(int64_t sum, int32_t a, int32_t b)
 {
-    __asm("smlal %Q0, %R0, %1, %2" : "+r"(sum) : "r"(a), "r"(b));
-    return sum;
+    uint32_t low = (uint32_t)sum;
+    uint32_t high = (uint32_t)((uint64_t)sum >> 32);
+    __asm("smlal %0, %1, %2, %3" : "+r"(low), "+r"(high) : "r"(a), "r"(b));
+    return iqfoc_cortex_m4_join(low, high);
 }
 
 #define IQ24_MUL64(a, b)      iqfoc_cortex_m4_mul64(a, b)
 #define IQ24_MAC64(sum, a, b) iqfoc_cortex_m4_mac64(sum, a, b)
+
+/* A macro throughout: the instruction wants the number of bits as a constant. */
+#define IQ24_HOLD_BITS(x, bits)                                                                              \
+    __extension__({                                                                                          \
+        int32_t held_;                                                                                       \
+        __asm("ssat %0, %1, %2" : "=r"(held_) : "I"(bits), "r"(x));                                          \
+        held_;                                                                                               \
+    })
 
 #endif

@@ -335,6 +335,26 @@ static void two_products_accumulate_exactly(void)
     }
 }
 
+static void halves_join_and_hold(void)
+{
+    iq24_t extremes[IQ24_EXTREMES];
+    int count = iq24_extremes(extremes);
+    for (int i = 0; i < count; i++) {
+        for (int j = 0; j < count; j++) {
+            int64_t joined = iq24_acc_join(extremes[i], (uint32_t)extremes[j]);
+            TEST_ASSERT_EQUAL_INT64(extremes[i], iq24_asr64(joined, 32));
+            TEST_ASSERT_EQUAL_UINT32((uint32_t)extremes[j], (uint32_t)((uint64_t)joined & UINT32_MAX));
+        }
+    }
+    iq24_random_t random = {SEED};
+    for (int32_t i = 0; i < RANDOM_PAIRS / 4; i++) {
+        iq24_t x = i < count ? extremes[i] : iq24_random_magnitude(&random);
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(x, -1, 0), IQ24_HOLD_BITS(x, 1));
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(x, -524288, 524287), IQ24_HOLD_BITS(x, 20));
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(x, -1073741824, 1073741823), IQ24_HOLD_BITS(x, 31));
+    }
+}
+
 static void many_products_below_their_bound_accumulate_exactly(void)
 {
     /* n = 512 factors of 8 per unit: exactly the bound of the header, on its negative side. */
@@ -392,6 +412,7 @@ int main(void)
     RUN_TEST(right_shifts_are_floors);
     RUN_TEST(wrap_and_sat_of_64_bits);
     RUN_TEST(two_products_accumulate_exactly);
+    RUN_TEST(halves_join_and_hold);
     RUN_TEST(many_products_below_their_bound_accumulate_exactly);
     RUN_TEST(constants_fold_to_the_nearest);
     return UNITY_END();

@@ -85,6 +85,7 @@ static void test_formulas_in_fixed_point(void)
     worst mean = {"mean, quasi-discrete", 0.0};
     worst corrected = {"mean correction, general", 0.0};
     worst steady = {"mean correction, steady state", 0.0};
+    worst seen = {"mean, quasi-discrete, from the rotor", 0.0};
     for (int32_t n = 0; n < DRAWS; n++) {
         const instance c = drawn(&seed, n);
         const double complex linear = c.i_c + c.k_u * c.u_c - c.k_r * c.i_c;
@@ -99,6 +100,16 @@ static void test_formulas_in_fixed_point(void)
         const double complex want = conj(c.e_c) * (c.s1 * c.i_c - I * c.s2 * c.delta_c);
         worst_add(&corrected, dq.d, creal(want));
         worst_add(&corrected, dq.q, cimag(want));
+        const iq24_t w = iqfoc_predictor_emf(&c.predictor, &c.rotor);
+        const iqfoc_ab_t from = random_vector(&seed, n % 4 == 0 ? 21.3 : 1.5);
+        const iqfoc_ab_t to = random_vector(&seed, n % 4 == 0 ? 51.2 : 1.5);
+        const iqfoc_dq_t mean_dq = iqfoc_mean_current_seen(from, to, w, &c.rotor, c.sc);
+        const double complex change = complex_of(to) - complex_of(from);
+        const double complex middle = 0.5 * (complex_of(to) + complex_of(from));
+        const double complex seen_want =
+            conj(c.e_c) * (c.s1 * middle - I * c.s2 * change) - to_double(w) * c.s2;
+        worst_add(&seen, mean_dq.d, creal(seen_want));
+        worst_add(&seen, mean_dq.q, cimag(seen_want));
         const iq24_t gain = iqfoc_rotor_steady_gain(c.rotor.turns);
         const iqfoc_dq_t steady_dq = iqfoc_mean_current_correct_steady(c.i, gain, c.sc);
         const double complex steady_want = conj(c.e_c) * c.i_c * to_double(gain);
@@ -110,6 +121,7 @@ static void test_formulas_in_fixed_point(void)
     worst_check(&mean, 2.0);
     worst_check(&corrected, 1.3);
     worst_check(&steady, 1.3);
+    worst_check(&seen, 1.9);
 }
 
 /* The stated range's corner: every term at its end and of one sign. Nothing wraps. */
@@ -195,6 +207,16 @@ static void check_against_integration(double phi, double theta)
     TEST_ASSERT_DOUBLE_WITHIN(few_lsb, 0.0, cabs(next - frozen.i_end));
     const double complex mean = complex_of(iqfoc_mean_current_quasi_discrete(&p, i_iq, u_iq, &rotor, sc_mid));
     TEST_ASSERT_DOUBLE_WITHIN(few_lsb, 0.0, cabs(mean - frozen.i_mean));
+
+    /* Both papers' corrections in one are the two one after the other. */
+    const iqfoc_ab_t i_next = iqfoc_predictor_quasi_discrete(&p, i_iq, u_iq, &rotor, sc_mid);
+    const iqfoc_ab_t delta = {i_next.alpha - i_iq.alpha, i_next.beta - i_iq.beta};
+    const iqfoc_dq_t twice = iqfoc_mean_current_correct(
+        iqfoc_mean_current_quasi_discrete(&p, i_iq, u_iq, &rotor, sc_mid), delta, &rotor, sc_mid);
+    const iqfoc_dq_t at_once =
+        iqfoc_mean_current_seen(i_iq, i_next, iqfoc_predictor_emf(&p, &rotor), &rotor, sc_mid);
+    TEST_ASSERT_INT32_WITHIN(5, twice.d, at_once.d);
+    TEST_ASSERT_INT32_WITHIN(5, twice.q, at_once.q);
 
     /* The general correction is exact for a current that is linear in the stationary frame: no EMF, no
      * resistance. */
