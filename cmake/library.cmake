@@ -6,7 +6,7 @@ function(iqfoc_library_options target)
     target_compile_options(${target} PRIVATE -ffreestanding)
     if(IQFOC_SANITIZE)
         # Wrap-around of unsigned numbers and lossy conversions are defined in C, but in fixed-point code they are
-        # mostly mistakes: where they are meant, the function says so by an attribute.
+        # mostly mistakes: the library computes what is meant to wrap so that it does not trip this.
         target_compile_options(${target} PRIVATE -fsanitize=integer)
     endif()
 endfunction()
