@@ -2,11 +2,11 @@
  * iqfoc diagnose: what a recording shows the model to get wrong, why, and what mending it gains.
  */
 #include "base/json_file.h"
-#include "base/out_file.h"
 #include "command.h"
 #include "diagnose/diagnose.h"
 #include "diagnose/diagnose_json.h"
 #include "diagnose/diagnose_text.h"
+#include "diagnose_report/diagnose_report.h"
 #include "options.h"
 
 #include <stdio.h>
@@ -16,7 +16,8 @@ enum { OPT_MOTOR, OPT_DIR, OPT_JSON, OPT_SKIP, OPT_TRACE };
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file, as you have it"},
-    {"output", 'o', "DIR", "write diagnosis.json and motor_extended.toml into DIR"},
+    {"output", 'o', "DIR",
+     "write report.html, motor_extended.toml, iqfoc_extension.h and diagnosis.json into DIR"},
     {"json", 0, "F", "write the diagnosis to file F; - is stdout, without the text"},
     {"skip", 0, "ID[,ID...]", "leave these causes out of the search"},
     {"trace", 0, NULL, "tell on stderr how the search went"},
@@ -100,21 +101,6 @@ static bool parse(int argc, char **argv, request *r, error *e)
     return true;
 }
 
-static bool write_directory(const request *r, const diagnosis *d, const json_t *json, error *e)
-{
-    char path[4096];
-    if (!out_dir_make(r->directory, e)) {
-        return false;
-    }
-    snprintf(path, sizeof path, "%s/diagnosis.json", r->directory);
-    if (!json_file_write(path, json, e)) {
-        return false;
-    }
-    snprintf(path, sizeof path, "%s/motor_extended.toml", r->directory);
-    return motor_write(path, &d->extended_motor,
-                       "Written by iqfoc diagnose: the motor file with what the recording showed.", e);
-}
-
 static bool run(const request *r, error *e)
 {
     motor m;
@@ -123,17 +109,27 @@ static bool run(const request *r, error *e)
     if (!motor_read(r->motor_path, &m, e) || !recording_read(r->recording_path, &rec, e)) {
         return false;
     }
-    bool ok = diagnose(&d, &rec, r->recording_path, &m, &r->options, e);
+    diagnose_options how = r->options;
+    how.series =
+        r->directory != NULL || r->json_path != NULL; /* what is measured after it goes by its rows */
+    bool ok = diagnose(&d, &rec, r->recording_path, &m, &how, e);
     if (ok) {
         json_t *json = diagnose_json(&d, r->recording_path, r->motor_path);
+        const report_input in = {&rec, r->recording_path, r->motor_path, &m, &d};
+        if (how.series) {
+            diagnose_report_firmware(&in, json);
+        }
         if (r->directory) {
-            ok = write_directory(r, &d, json, e);
+            ok = diagnose_report_write(&in, r->directory, json, e);
         }
         if (ok && r->json_path) {
             ok = json_file_write(r->json_path, json, e);
         }
         if (ok && !(r->json_path && strcmp(r->json_path, "-") == 0)) {
             diagnose_print(stdout, &d, r->recording_path, r->motor_path);
+            if (ok && r->directory) {
+                printf("\n  report: %s/report.html\n", r->directory);
+            }
         }
         json_decref(json);
         diagnosis_free(&d);

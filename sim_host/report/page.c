@@ -9,12 +9,18 @@
 
 bool page_begin(page *p, const char *directory, const char *title, const char *subtitle, error *e)
 {
+    return page_begin_as(p, directory, "index.html", title, subtitle, e);
+}
+
+bool page_begin_as(page *p, const char *directory, const char *name, const char *title, const char *subtitle,
+                   error *e)
+{
     *p = (page){.can_draw = plot_available()};
-    char path[sizeof p->directory + 16];
+    char path[sizeof p->directory + 80];
     if ((size_t)snprintf(p->directory, sizeof p->directory, "%s", directory) >= sizeof p->directory) {
         return error_input(e, directory, 0, 0, "too long a name for a directory");
     }
-    snprintf(path, sizeof path, "%s/index.html", directory);
+    snprintf(path, sizeof path, "%s/%s", directory, name);
     if (!out_dir_make(directory, e) || !out_file_open(&p->file, path, e)) {
         return false;
     }
@@ -66,6 +72,16 @@ void page_text(page *p, const char *format, ...)
     fputs("</p>\n", p->file.stream);
 }
 
+void page_lead(page *p, const char *format, ...)
+{
+    va_list args;
+    fputs("<p class=\"lead\">", p->file.stream);
+    va_start(args, format);
+    put_formatted(p->file.stream, format, args);
+    va_end(args);
+    fputs("</p>\n", p->file.stream);
+}
+
 void page_note(page *p, const char *format, ...)
 {
     va_list args;
@@ -79,6 +95,11 @@ void page_note(page *p, const char *format, ...)
 void page_pair_begin(page *p)
 {
     fputs("<div class=\"pair\"><div>\n", p->file.stream);
+}
+
+void page_twins_begin(page *p)
+{
+    fputs("<div class=\"pair twins\"><div>\n", p->file.stream);
 }
 
 void page_pair_beside(page *p)

@@ -20,6 +20,9 @@ typedef struct page {
 
 /* Opens DIRECTORY/index.html, making the directory. */
 bool page_begin(page *p, const char *directory, const char *title, const char *subtitle, error *e);
+/* The same as DIRECTORY/NAME. */
+bool page_begin_as(page *p, const char *directory, const char *name, const char *title, const char *subtitle,
+                   error *e);
 /* Closes the page and puts it in place. */
 bool page_end(page *p, error *e);
 /* Gives up; what stood at the path before stays. */
@@ -29,11 +32,16 @@ void page_abandon(page *p);
 void page_heading(page *p, int level, const char *text);
 void page_text(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
 
+/* Larger: the sentence that says it all. */
+void page_lead(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
 /* Smaller: a remark below a table. */
 void page_note(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
 
-/* A figure beside its numbers: the figure first, then what page_pair_beside begins, where there is room. */
+/* A figure beside its numbers, or beside another: the first, then what page_pair_beside begins, where there
+ * is room. */
 void page_pair_begin(page *p);
+/* The same for two figures of one size. */
+void page_twins_begin(page *p);
 void page_pair_beside(page *p);
 void page_pair_end(page *p);
 

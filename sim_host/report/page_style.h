@@ -21,13 +21,15 @@ static const char page_style[] =
     "figure{margin:.8rem 0;min-width:0;max-width:46rem}figure svg{display:block;width:100%;height:auto}\n"
     "figcaption{color:var(--soft);font-size:.9rem;margin-top:.3rem;max-width:46rem}\n"
     ".pair{display:grid;grid-template-columns:minmax(0,1fr);gap:.5rem 2rem;align-items:start}\n"
-    "@media(min-width:62rem){.pair{grid-template-columns:minmax(0,11fr) minmax(0,9fr)}}\n"
+    "@media(min-width:62rem){.pair{grid-template-columns:minmax(0,11fr) minmax(0,9fr)}"
+    ".twins{grid-template-columns:minmax(0,1fr) minmax(0,1fr)}}\n"
     ".table{overflow-x:auto;margin:.8rem 0}\n"
     "table{border-collapse:collapse;font-size:.87rem;font-variant-numeric:tabular-nums}\n"
     "th,td{padding:.2rem .5rem .2rem 0;text-align:left;vertical-align:top}\n"
     "th{font-weight:600;border-bottom:1px solid var(--ink)}td{border-bottom:1px solid var(--rule)}\n"
     "td:first-child{min-width:8.8rem}td:nth-child(2){white-space:nowrap}\n"
     ".n{text-align:right;white-space:nowrap}\n"
+    ".lead{font-size:1.25rem;line-height:1.4;max-width:52rem}\n"
     ".note{color:var(--soft);font-size:.85rem;margin:.25rem 0}\n"
     ".missing{color:var(--soft);border:1px dashed var(--rule);padding:2rem;text-align:center}\n";
 

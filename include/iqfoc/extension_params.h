@@ -1,0 +1,77 @@
+/*
+ * Physical values of a diagnosis to the per-unit constants of extension.h and flux_predictor.h: macros of
+ * floating constants that fold at compile time, as in params.h, whose bases hold here too. A value out of its
+ * range does not compile.
+ */
+#ifndef IQFOC_EXTENSION_PARAMS_H
+#define IQFOC_EXTENSION_PARAMS_H
+
+#include "params.h"
+
+/* ---- The formulas in double, limits beside them. ---- */
+#define IQFOC_RAW_EXT_OFFSET(o_A, I_b_A)  ((o_A) / (I_b_A))
+#define IQFOC_MAX_EXT_OFFSET              1.0
+#define IQFOC_RAW_EXT_GAIN_INVERSE(g)     (1.0 / (g))
+#define IQFOC_MIN_EXT_GAIN                0.5
+#define IQFOC_MAX_EXT_GAIN                2.0
+#define IQFOC_RAW_EXT_ANGLE(theta_rad)    ((theta_rad) / IQFOC_TWO_PI_)
+#define IQFOC_MAX_EXT_ANGLE               0.5
+#define IQFOC_RAW_EXT_DELAY(t_s, T_s)     ((t_s) / (T_s))
+#define IQFOC_MAX_EXT_DELAY               8.0
+#define IQFOC_RAW_EXT_VOLTAGE(v_V, U_b_V) ((v_V) / (U_b_V))
+#define IQFOC_MAX_EXT_VOLTAGE             0.25
+#define IQFOC_MAX_EXT_KNEE_INVERSE        127.0
+/* A knee of nothing, or below what the constant holds, is taken as the least knee. */
+#define IQFOC_RAW_EXT_KNEE_INVERSE(knee_A, I_b_A)                                                            \
+    ((knee_A)*IQFOC_MAX_EXT_KNEE_INVERSE > (I_b_A) ? (I_b_A) / (knee_A) : IQFOC_MAX_EXT_KNEE_INVERSE)
+#define IQFOC_RAW_EXT_SATURATION(I_sat_A, I_b_A) ((I_b_A) / (I_sat_A) * ((I_b_A) / (I_sat_A)))
+#define IQFOC_MAX_EXT_SATURATION                 4.0
+#define IQFOC_RAW_FLUX_L(L_H, T_s, I_b_A, U_b_V) ((L_H) * (I_b_A) / ((T_s) * (U_b_V)))
+#define IQFOC_MIN_FLUX_L                         0.0625
+#define IQFOC_MAX_FLUX_L                         4.0
+#define IQFOC_RAW_FLUX_R(R_ohm, I_b_A, U_b_V)    ((R_ohm) * (I_b_A) / (U_b_V))
+#define IQFOC_MAX_FLUX_R                         1.0
+#define IQFOC_RAW_FLUX_PSI(psi_Wb, T_s, U_b_V)   ((psi_Wb) / ((T_s) * (U_b_V)))
+#define IQFOC_MAX_FLUX_PSI                       16.0
+
+/* ---- The same as checked IQ24 constants. ---- */
+#define IQFOC_EXT_OFFSET(o_A, I_b_A)                                                                         \
+    IQFOC_CHECKED(IQFOC_RAW_EXT_OFFSET(o_A, I_b_A), -IQFOC_MAX_EXT_OFFSET, IQFOC_MAX_EXT_OFFSET)
+#define IQFOC_EXT_GAIN_INVERSE(g)                                                                            \
+    IQFOC_CHECKED(IQFOC_RAW_EXT_GAIN_INVERSE(g), IQFOC_MIN_EXT_GAIN, IQFOC_MAX_EXT_GAIN)
+#define IQFOC_EXT_ANGLE(theta_rad)                                                                           \
+    IQFOC_CHECKED(IQFOC_RAW_EXT_ANGLE(theta_rad), -IQFOC_MAX_EXT_ANGLE, IQFOC_MAX_EXT_ANGLE)
+#define IQFOC_EXT_DELAY(t_s, T_s)                                                                            \
+    IQFOC_CHECKED(IQFOC_RAW_EXT_DELAY(t_s, T_s), -IQFOC_MAX_EXT_DELAY, IQFOC_MAX_EXT_DELAY)
+#define IQFOC_EXT_K_U(k_u) IQFOC_CHECKED(k_u, IQFOC_MIN_EXT_GAIN, IQFOC_MAX_EXT_GAIN)
+#define IQFOC_EXT_VOLTAGE(v_V, U_b_V)                                                                        \
+    IQFOC_CHECKED(IQFOC_RAW_EXT_VOLTAGE(v_V, U_b_V), -IQFOC_MAX_EXT_VOLTAGE, IQFOC_MAX_EXT_VOLTAGE)
+#define IQFOC_EXT_KNEE_INVERSE(knee_A, I_b_A)                                                                \
+    IQFOC_CHECKED(IQFOC_RAW_EXT_KNEE_INVERSE(knee_A, I_b_A), 0.0, IQFOC_MAX_EXT_KNEE_INVERSE)
+#define IQFOC_EXT_SATURATION(I_sat_A, I_b_A)                                                                 \
+    IQFOC_CHECKED(IQFOC_RAW_EXT_SATURATION(I_sat_A, I_b_A), 0.0, IQFOC_MAX_EXT_SATURATION)
+#define IQFOC_FLUX_L(L_H, T_s, I_b_A, U_b_V)                                                                 \
+    IQFOC_CHECKED(IQFOC_RAW_FLUX_L(L_H, T_s, I_b_A, U_b_V), IQFOC_MIN_FLUX_L, IQFOC_MAX_FLUX_L)
+#define IQFOC_FLUX_K(L_H, T_s, I_b_A, U_b_V)                                                                 \
+    IQFOC_CHECKED(1.0 / IQFOC_RAW_FLUX_L(L_H, T_s, I_b_A, U_b_V), 1.0 / IQFOC_MAX_FLUX_L,                    \
+                  1.0 / IQFOC_MIN_FLUX_L)
+#define IQFOC_FLUX_R(R_ohm, I_b_A, U_b_V)                                                                    \
+    IQFOC_CHECKED(IQFOC_RAW_FLUX_R(R_ohm, I_b_A, U_b_V), 0.0, IQFOC_MAX_FLUX_R)
+#define IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V)                                                                   \
+    IQFOC_CHECKED(IQFOC_RAW_FLUX_PSI(psi_Wb, T_s, U_b_V), 0.0, IQFOC_MAX_FLUX_PSI)
+
+/* iqfoc_flux_predictor_t. */
+#define IQFOC_FLUX_PREDICTOR(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V)                                 \
+    {                                                                                                        \
+        .l_d = IQFOC_FLUX_L(L_d_H, T_s, I_b_A, U_b_V), .l_q = IQFOC_FLUX_L(L_q_H, T_s, I_b_A, U_b_V),        \
+        .k_d = IQFOC_FLUX_K(L_d_H, T_s, I_b_A, U_b_V), .k_q = IQFOC_FLUX_K(L_q_H, T_s, I_b_A, U_b_V),        \
+        .r = IQFOC_FLUX_R(R_ohm, I_b_A, U_b_V), .psi = IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V)                    \
+    }
+
+/* iqfoc_extension_t that puts nothing right. */
+#define IQFOC_EXTENSION_NONE                                                                                 \
+    {                                                                                                        \
+        .i_gain_inverse = {IQ24(1.0), IQ24(1.0), IQ24(1.0)}, .k_u = IQ24(1.0), .knee_inverse = IQ24(127.0)   \
+    }
+
+#endif

@@ -1,0 +1,29 @@
+/*
+ * What comes after a diagnosis: the gain in firmware code, the plant as a witness, the firmware's header, the
+ * page.
+ */
+#ifndef SIM_HOST_DIAGNOSE_REPORT_DIAGNOSE_REPORT_H
+#define SIM_HOST_DIAGNOSE_REPORT_DIAGNOSE_REPORT_H
+
+#include "../diagnose/diagnose_result.h"
+
+#include <jansson.h>
+
+typedef struct report_input {
+    const recording *rec;
+    const char *recording_path, *motor_path;
+    const motor *nominal;
+    const diagnosis *d; /* with its series */
+} report_input;
+
+/* Sets the JSON's "firmware": {"nominal", "extended", "gain"} in percent, or null where it cannot be
+ * measured. */
+void diagnose_report_firmware(const report_input *in, json_t *json);
+
+/*
+ * Writes motor_extended.toml, iqfoc_extension.h, report.html (with its figures beside it) and, last,
+ * diagnosis.json into a directory; the JSON gets "plant" as well.
+ */
+bool diagnose_report_write(const report_input *in, const char *directory, json_t *json, error *e);
+
+#endif

@@ -1,0 +1,235 @@
+#include "report_tables.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *unit_of(const diagnosis_parameter *p)
+{
+    return strcmp(p->unit, "1") == 0 ? "" : p->unit;
+}
+
+/* "v_dead = 3.39 V, 95 %: 3.34 to 3.45" */
+static void say_parameter(char *text, size_t size, const diagnosis_parameter *p)
+{
+    const char *unit = unit_of(p);
+    int n = snprintf(text, size, "%s = %.4g%s%s", p->name, p->value, unit[0] ? " " : "", unit);
+    if (p->high > p->low && n > 0 && (size_t)n < size) {
+        snprintf(text + n, size - (size_t)n, ", 95 %%: %.4g to %.4g", p->low, p->high);
+    }
+}
+
+/* The parameter that is farthest from the file for its interval: the one that speaks. */
+static const diagnosis_parameter *telling(const diagnosis_cause *cause)
+{
+    const diagnosis_parameter *best = &cause->parameter[0];
+    double most = -1.0;
+    for (size_t k = 0; k < cause->parameters; k++) {
+        const diagnosis_parameter *p = &cause->parameter[k];
+        const double width = p->high - p->low;
+        const double away = width > 0.0 ? fabs(p->value - p->nominal) / width : 0.0;
+        if (away > most) {
+            most = away;
+            best = p;
+        }
+    }
+    return best;
+}
+
+void report_lead(page *p, const diagnosis *d)
+{
+    char what[900] = "";
+    if (d->causes == 0 && d->verdict == VERDICT_CLEAN) {
+        page_lead(p,
+                  "Nothing is wrong: with the motor file's values the model predicts the next cycle's "
+                  "current to %.3g %%, and the "
+                  "sensors' noise alone would leave %.3g %%.",
+                  d->nominal, d->noise_floor);
+        return;
+    }
+    if (d->causes == 0) {
+        page_lead(p,
+                  "The model errs by %.3g %% where the sensors' noise would leave %.3g %%, and none of the "
+                  "known effects accounts for "
+                  "it: no cause is named.",
+                  d->nominal, d->noise_floor);
+        return;
+    }
+    for (size_t k = 0; k < d->causes; k++) {
+        char value[160];
+        const size_t used = strlen(what);
+        say_parameter(value, sizeof value, telling(&d->cause[k]));
+        snprintf(what + used, sizeof what - used, "%s%s (%s)",
+                 k == 0 ? "" : (k + 1 == d->causes ? ", and " : ", "), d->cause[k].words, value);
+    }
+    page_lead(p,
+              "%s: %s. With %s in the model the one-cycle error falls from %.3g %% to %.3g %%, %.3g times; "
+              "the sensors' noise alone leaves "
+              "%.3g %%.",
+              d->verdict == VERDICT_EXPLAINED ? "What the model gets wrong"
+                                              : "A part of what the model gets wrong",
+              what, d->causes == 1 ? "it" : "them", d->nominal, d->extended, d->gain, d->noise_floor);
+}
+
+void report_causes(page *p, const diagnosis *d)
+{
+    static const char *const heads[] = {"cause",  "parameter",          "\tvalue", "\t95 %", "\tfile says",
+                                        "\tgain", "not told apart from"};
+    page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
+    for (size_t k = 0; k < d->causes; k++) {
+        const diagnosis_cause *cause = &d->cause[k];
+        for (size_t n = 0; n < cause->parameters; n++) {
+            const diagnosis_parameter *q = &cause->parameter[n];
+            char confused[256] = "";
+            for (size_t c = 0; n == 0 && c < cause->confused; c++) {
+                const size_t used = strlen(confused);
+                snprintf(confused + used, sizeof confused - used, "%s%s", c > 0 ? ", " : "",
+                         cause->confused_with[c]);
+            }
+            page_row_begin(p);
+            page_cell(p, false, "%s", n == 0 ? cause->id : "");
+            page_cell(p, false, "%s%s%s", q->name, unit_of(q)[0] ? ", " : "", unit_of(q));
+            page_cell(p, true, "%.5g", q->value);
+            if (q->high > q->low) {
+                page_cell(p, true, "%.5g ... %.5g", q->low, q->high);
+            } else {
+                page_cell(p, true, " ");
+            }
+            page_cell(p, true, "%.5g", q->nominal);
+            if (n == 0) {
+                page_cell(p, true, "%.2f", cause->gain);
+            } else {
+                page_cell(p, true, " ");
+            }
+            page_cell(p, false, "%s", n > 0 ? "" : (cause->confused > 0 ? confused : "nothing"));
+            page_row_end(p);
+        }
+    }
+    page_table_end(p);
+    page_note(p, "Gain: one-cycle error before the cause was added over the error after, causes in this "
+                 "order, rows that were not fitted. "
+                 "Laws and signs of the parameters: the interface's table of causes.");
+}
+
+static void error_row(page *p, const char *what, double nominal, double extended, double floor, double gain)
+{
+    page_row_begin(p);
+    page_cell(p, false, "%s", what);
+    page_cell(p, true, "%.3f", nominal);
+    page_cell(p, true, "%.3f", extended);
+    if (isfinite(floor)) {
+        page_cell(p, true, "%.3f", floor);
+    } else {
+        page_cell(p, true, " ");
+    }
+    page_cell(p, true, "%.2f", gain);
+    page_row_end(p);
+}
+
+void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware)
+{
+    static const char *const heads[] = {"one-cycle error, %", "\tas it was", "\textended", "\tnoise alone",
+                                        "\tgain"};
+    page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
+    error_row(p, "exact model, double", d->nominal, d->extended, d->noise_floor, d->gain);
+    if (firmware->measured) {
+        error_row(p, "firmware, IQ24", firmware->nominal, firmware->extended, NAN, firmware->gain);
+    }
+    page_table_end(p);
+    page_note(p,
+              "%zu rows held out of %zu used; the error vector's rms over the current vector's. Sensor "
+              "noise, as estimated from this "
+              "recording: %.3g A rms per phase.%s",
+              d->rows_held_out, d->rows_used, d->sensor_noise_A,
+              d->outliers > 0 ? " Glitches were left out of the fit." : "");
+    if (!firmware->measured) {
+        page_note(p, "Not measured in firmware code: %s.", firmware->reason);
+    }
+    if (d->structure.words[0] != '\0') {
+        page_text(p, "Left over: %s.", d->structure.words);
+    }
+}
+
+void report_hypotheses(page *p, const diagnosis *d)
+{
+    static const char *const heads[] = {"hypothesis", "what it is", "\talone explains", "\twould add", ""};
+    page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
+    for (size_t k = 0; k < d->hypotheses; k++) {
+        const diagnosis_hypothesis *h = &d->hypothesis[k];
+        page_row_begin(p);
+        page_cell(p, false, "%s", h->id);
+        page_cell(p, false, "%s", strcmp(h->id, h->words) == 0 ? "" : h->words);
+        if (h->possible && d->causes > 0) {
+            page_cell(p, true, "%.0f %%", 100.0 * h->alone);
+        } else {
+            page_cell(p, true, " ");
+        }
+        if (h->possible && !h->named) {
+            page_cell(p, true, "%.3g", h->beyond);
+        } else {
+            page_cell(p, true, " ");
+        }
+        page_cell(p, false, "%s",
+                  h->named
+                      ? "named"
+                      : (h->skipped ? "left out by request" : (h->possible ? "" : "cannot be seen here")));
+        page_row_end(p);
+    }
+    page_table_end(p);
+    page_note(p,
+              "Alone: share of what all named causes together explain (in likelihood) that this one would "
+              "explain by itself. Would add: chi square "
+              "that it would still take off the extended model; below about 25 per parameter it is chance.");
+}
+
+void report_runs(page *p, const diagnosis *d, const plant_witness *witness)
+{
+    static const char *const heads[] = {"\trun",          "\trad/s",       "\tA rms",       "\ti_d, A",
+                                        "\ti_q, A",       "\tas it was",   "\textended",    "\tnoise alone",
+                                        "\tfree run was", "\tfree run is", "\ton the plant"};
+    page_table_begin(p, heads, sizeof heads / sizeof heads[0] - (witness->simulated ? 0 : 1));
+    for (size_t k = 0; k < d->runs; k++) {
+        const diagnosis_run *run = &d->run[k];
+        page_row_begin(p);
+        page_cell(p, true, "%ld", run->run);
+        page_cell(p, true, "%.1f", run->omega_rad_s);
+        page_cell(p, true, "%.2f", run->i_rms_A);
+        page_cell(p, true, "%.2f", run->i_d_A);
+        page_cell(p, true, "%.2f", run->i_q_A);
+        page_cell(p, true, "%.3f", run->nominal);
+        page_cell(p, true, "%.3f", run->extended);
+        page_cell(p, true, "%.3f", run->noise_floor);
+        page_cell(p, true, "%.2f", run->free_nominal);
+        page_cell(p, true, "%.2f", run->free_extended);
+        if (witness->simulated) {
+            const diagnosis_run *simulated = plant_witness_run(witness, run->run);
+            page_cell(p, true, simulated != NULL ? "%.3f" : " ",
+                      simulated != NULL ? simulated->nominal : 0.0);
+        }
+        page_row_end(p);
+    }
+    page_table_end(p);
+    page_note(p, "Errors in percent of the run's current. Currents d and q are means over the run, so that "
+                 "steps of both signs cancel.");
+}
+
+void report_plant(page *p, const diagnosis *d, const plant_witness *witness)
+{
+    if (!witness->simulated) {
+        page_text(p, "Not simulated: %s.", witness->reason);
+        return;
+    }
+    char named[256] = "";
+    for (size_t k = 0; k < witness->found.causes; k++) {
+        const size_t used = strlen(named);
+        snprintf(named + used, sizeof named - used, "%s%s", k > 0 ? ", " : "", witness->found.cause[k].id);
+    }
+    page_text(p,
+              "The drive at switching level, with %s, was driven by the firmware's code through the %zu "
+              "operating points of the recording. On "
+              "it the model as it was errs by %.3g %% (on the machine: %.3g %%). Beyond the noise, run by "
+              "run, that is %.0f %% of the machine's. "
+              "Diagnosed with the same motor file, the plant's recording shows: %s.",
+              witness->effect, witness->found.runs, witness->found.nominal, d->nominal, 100.0 * witness->size,
+              witness->found.causes > 0 ? named : "no cause");
+}

@@ -1,0 +1,99 @@
+/*
+ * Prediction by flux linkage (include/iqfoc/flux_predictor.h).
+ */
+#include "iqfoc/flux_predictor.h"
+
+#include "iqfoc/iq24_math.h"
+#include "iqfoc/transform.h"
+
+#include <stddef.h>
+
+/* Beyond it a predicted current is held: far outside what any sensor measures, well inside what the
+ * transforms take. */
+#define CURRENT_MAX IQ24(32.0)
+
+static bool within(iq24_t x, iq24_t low, iq24_t high)
+{
+    return x >= low && x <= high;
+}
+
+static bool reciprocal(iq24_t l, iq24_t k)
+{
+    return within(l, IQ24(0.0625), IQ24(4.0)) && within(k, IQ24(0.25), IQ24(16.0)) &&
+           within(iq24_mul_round(l, k), IQ24(0.9990234375), IQ24(1.0009765625));
+}
+
+iqfoc_extension_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *p)
+{
+    if (p == NULL) {
+        return IQFOC_EXTENSION_ERROR_NULL;
+    }
+    const bool good = reciprocal(p->l_d, p->k_d) && reciprocal(p->l_q, p->k_q) && within(p->r, 0, IQ24_ONE) &&
+                      within(p->psi, 0, IQ24(16.0));
+    return good ? IQFOC_EXTENSION_OK : IQFOC_EXTENSION_ERROR_CURRENT;
+}
+
+/* s |i|^2. Range: |component| <= 32, so the square is at most 2048 in the accumulator; both roundings
+ * saturate. */
+static iq24_t saturation_of(iq24_t s, iqfoc_dq_t i)
+{
+    return iq24_mul_sat(s, iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(i.d, i.d), i.q, i.q)));
+}
+
+static iqfoc_ab_t flux_of(const iqfoc_flux_predictor_t *p, iq24_t s, iqfoc_ab_t i, iq24_sincos_t sc)
+{
+    const iqfoc_dq_t i_dq = iqfoc_park(i, sc);
+    iqfoc_dq_t flux = {iq24_mul_round(p->l_d, i_dq.d), iq24_mul_round(p->l_q, i_dq.q)};
+    if (s != 0) {
+        const iq24_t rise = iq24_clamp(saturation_of(s, i_dq), 0, IQ24_ONE); /* the law ends at |i| = I_sat */
+        const iq24_t fall = iq24_div(IQ24_ONE, IQ24_ONE + rise);
+        flux.d = iq24_mul_round(flux.d, fall);
+        flux.q = iq24_mul_round(flux.q, fall);
+    }
+    flux.d = iq24_add_sat(flux.d, p->psi);
+    return iqfoc_park_inverse(flux, sc);
+}
+
+static iq24_t held(iq24_t i)
+{
+    return iq24_clamp(i, -CURRENT_MAX, CURRENT_MAX);
+}
+
+static iqfoc_ab_t current_of(const iqfoc_flux_predictor_t *p, iq24_t s, iqfoc_ab_t flux, iq24_sincos_t sc)
+{
+    const iqfoc_dq_t x = iqfoc_park(flux, sc);
+    iqfoc_dq_t i = {held(iq24_mul_sat(iq24_sub_sat(x.d, p->psi), p->k_d)), held(iq24_mul_sat(x.q, p->k_q))};
+    if (s != 0) {
+        /* 0.25 is the turning point of the law: |i| = I_sat, factor 2. */
+        const iq24_t x4 = 4 * iq24_clamp(saturation_of(s, i), 0, IQ24(0.25));
+        const iq24_t factor = iq24_div(2 * IQ24_ONE, IQ24_ONE + iq24_sqrt(IQ24_ONE - x4));
+        i.d = held(iq24_mul_sat(i.d, factor));
+        i.q = held(iq24_mul_sat(i.q, factor));
+    }
+    return iqfoc_park_inverse(i, sc);
+}
+
+/* Flux after a cycle with the acting voltage and the drop of a current i over R. */
+static iqfoc_ab_t advance(const iqfoc_flux_predictor_t *p, iqfoc_ab_t flux, iqfoc_ab_t acting, iqfoc_ab_t i)
+{
+    const iqfoc_ab_t next = {
+        iq24_add_sat(flux.alpha, iq24_sub_sat(acting.alpha, iq24_mul_round(p->r, i.alpha))),
+        iq24_add_sat(flux.beta, iq24_sub_sat(acting.beta, iq24_mul_round(p->r, i.beta)))};
+    return next;
+}
+
+static iq24_t middle(iq24_t x, iq24_t y)
+{
+    return iq24_wrap(iq24_asr64((int64_t)x + y, 1));
+}
+
+iqfoc_ab_t iqfoc_flux_predictor_step(const iqfoc_flux_predictor_t *p, const iqfoc_extension_t *extension,
+                                     iqfoc_ab_t i, iqfoc_ab_t u, iq24_sincos_t start, iq24_sincos_t end)
+{
+    const iq24_t s = extension->saturation;
+    const iqfoc_ab_t flux = flux_of(p, s, i, start);
+    iqfoc_ab_t next = current_of(p, s, advance(p, flux, iqfoc_extension_acting(extension, u, i), i), end);
+    const iqfoc_ab_t mean = {middle(i.alpha, next.alpha), middle(i.beta, next.beta)};
+    next = current_of(p, s, advance(p, flux, iqfoc_extension_acting(extension, u, mean), mean), end);
+    return next;
+}
