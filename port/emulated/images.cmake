@@ -13,5 +13,6 @@ if(UNITY_DIR)
 endif()
 
 # The image that `iqfoc simulate --target` runs, at the top of the build folder, where the program looks for it.
-iqfoc_add_image(iqfoc_pil ${CMAKE_CURRENT_LIST_DIR}/pil_main.c ${CMAKE_CURRENT_LIST_DIR}/pil_wire.c)
+iqfoc_add_image(iqfoc_pil ${CMAKE_CURRENT_LIST_DIR}/pil_main.c ${CMAKE_CURRENT_LIST_DIR}/pil_recorder.c
+                ${CMAKE_CURRENT_LIST_DIR}/pil_wire.c)
 set_target_properties(iqfoc_pil PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})

@@ -8,6 +8,8 @@
 #include "pil_wire.h"
 #include "semihost.h"
 
+#include "pil_recorder.h"
+
 #include "iqfoc/hal.h"
 
 /* Exit status after a damaged frame. */
@@ -56,8 +58,9 @@ static void receive(pil_frame_t *frame)
     for (;;) {
         uint8_t bytes[PIL_FRAME_MAX];
         const uint32_t count = semihost_receive(bytes, sizeof bytes);
-        if (count == 0) {
-            console_exit(0); /* the simulator has hung up */
+        if (count == 0) { /* the simulator has hung up */
+            pil_recorder_finish();
+            console_exit(0);
         }
         for (uint32_t k = 0; k < count; k++) {
             const pil_decoded_t decoded = pil_decode(&decoder, bytes[k], frame);
@@ -73,13 +76,20 @@ static void receive(pil_frame_t *frame)
     }
 }
 
+static void answer_started(int32_t refused)
+{
+    const pil_frame_t started = {PIL_STARTED, 1, {refused}};
+    send(&started);
+}
+
 static void start(const pil_frame_t *frame)
 {
+    pil_recorder_finish();
     pil_start_read(frame, &config);
     const iqfoc_error_t refused = iqfoc_cycle_init(&cycle, &config);
     cycle.enabled = true;
-    const pil_frame_t started = {PIL_STARTED, 1, {(int32_t)refused}};
-    send(&started);
+    pil_recorder_arm();
+    answer_started((int32_t)refused);
 }
 
 static void run_cycle(const pil_frame_t *frame)
@@ -89,11 +99,13 @@ static void run_cycle(const pil_frame_t *frame)
     pil_cycle_read(frame, &cycle.i_ref, &valley, &peak);
     hal.sample = valley;
     iqfoc_isr_valley(&cycle, &hal);
+    pil_recorder_take(cycle.status);
     hal.sample = peak;
     iqfoc_isr_peak(&cycle, &hal);
     const pil_result_t result = {hal.command, cycle.status};
     const pil_frame_t answer = pil_command_frame(&result);
     send(&answer);
+    pil_recorder_drain();
 }
 
 int main(void)
@@ -103,6 +115,8 @@ int main(void)
         receive(&frame);
         if (frame.type == PIL_START) {
             start(&frame);
+        } else if (frame.type == PIL_RECORD) {
+            answer_started(pil_recorder_start(&frame, &cycle));
         } else if (frame.type == PIL_CYCLE && cycle.config != 0) {
             run_cycle(&frame);
         } else {

@@ -16,6 +16,8 @@ int32_t pil_words_of(uint32_t type)
         return 6;
     case PIL_GARBLED:
         return 0;
+    case PIL_RECORD:
+        return 8;
     default:
         return -1;
     }
@@ -88,6 +90,22 @@ pil_decoded_t pil_decode(pil_decoder_t *decoder, uint32_t byte, pil_frame_t *fra
     }
     decoder->count = 0;
     return PIL_WHOLE;
+}
+
+pil_frame_t pil_record_frame(const pil_bases_t *b)
+{
+    const pil_frame_t frame = {PIL_RECORD,
+                               8,
+                               {b->T_mantissa, b->T_shift, b->I_mantissa, b->I_shift, b->U_mantissa,
+                                b->U_shift, b->omega_mantissa, b->omega_shift}};
+    return frame;
+}
+
+void pil_record_read(const pil_frame_t *frame, pil_bases_t *bases)
+{
+    const int32_t *d = frame->data;
+    const pil_bases_t read = {d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7]};
+    *bases = read;
 }
 
 pil_frame_t pil_start_frame(const iqfoc_cycle_config_t *c)

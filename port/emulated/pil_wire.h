@@ -18,6 +18,8 @@
 #define PIL_STARTED 3 /* from the image: iqfoc_error_t of the configuration */
 #define PIL_COMMAND 4 /* from the image: the command, and the status */
 #define PIL_GARBLED 5 /* from the image, its last: what came was no frame */
+#define PIL_RECORD                                                                                           \
+    6 /* to the image: record every cycle over the UART from the next start; answered by STARTED */
 
 #define PIL_CONFIG_WORDS 21
 #define PIL_SAMPLE_WORDS 11
@@ -57,6 +59,16 @@ typedef enum pil_decoded {
 
 pil_decoded_t pil_decode(pil_decoder_t *decoder, uint32_t byte, pil_frame_t *frame);
 
+/* What 1.0 per unit is in host units, and the cycle: each mantissa / 2^shift. */
+typedef struct pil_bases {
+    int32_t T_mantissa, T_shift;         /* s */
+    int32_t I_mantissa, I_shift;         /* A */
+    int32_t U_mantissa, U_shift;         /* V */
+    int32_t omega_mantissa, omega_shift; /* rad/s of one turn per cycle */
+} pil_bases_t;
+
+pil_frame_t pil_record_frame(const pil_bases_t *bases);
+void pil_record_read(const pil_frame_t *frame, pil_bases_t *bases);
 pil_frame_t pil_start_frame(const iqfoc_cycle_config_t *config);
 void pil_start_read(const pil_frame_t *frame, iqfoc_cycle_config_t *config);
 pil_frame_t pil_cycle_frame(iqfoc_dq_t i_ref, const iqfoc_sample_t *valley, const iqfoc_sample_t *peak);

@@ -14,7 +14,7 @@
 
 enum { EFFECTS_MAX = 32 };
 
-enum { OPT_MOTOR, OPT_SCENARIO, OPT_OUT, OPT_EFFECT, OPT_SEED, OPT_TARGET, OPT_IMAGE, OPT_LIST };
+enum { OPT_MOTOR, OPT_SCENARIO, OPT_OUT, OPT_EFFECT, OPT_SEED, OPT_TARGET, OPT_IMAGE, OPT_UART, OPT_LIST };
 
 static const option_spec specs[] = {
     [OPT_MOTOR] = {"motor", 0, "M.toml",
@@ -28,6 +28,8 @@ static const option_spec specs[] = {
                     "runs the firmware in QEMU instead: cortex-m4 or rv32; the recording is the same"},
     [OPT_IMAGE] = {"image", 0, "F.elf",
                    "the image for --target (default: the one built beside this program)"},
+    [OPT_UART] = {"uart", 0, "F",
+                  "with --target: the image records every cycle over its UART, into file F (iqfoc record)"},
     [OPT_LIST] = {"list-effects", 0, NULL, "prints the effects with their keys"},
     {NULL, 0, NULL, NULL},
 };
@@ -45,7 +47,7 @@ static const command_about about = {
 
 typedef struct request {
     const char *motor_path, *scenario_path, *out_path;
-    const char *target, *image_path; /* NULL: the firmware in this program */
+    drive_emulated_choice emulated; /* no target: the firmware in this program */
     const char *effect[EFFECTS_MAX];
     int effects;
     long seed;
@@ -78,10 +80,13 @@ static bool parse(options *o, request *r, error *e)
             }
             break;
         case OPT_TARGET:
-            r->target = o->argument;
+            r->emulated.target = o->argument;
             break;
         case OPT_IMAGE:
-            r->image_path = o->argument;
+            r->emulated.image = o->argument;
+            break;
+        case OPT_UART:
+            r->emulated.uart = o->argument;
             break;
         case OPT_LIST:
             r->list = true;
@@ -147,13 +152,13 @@ static bool run_firmware(const request *r, const motor *m, const scenario *s, co
 {
     static drive_host host;
     static drive_emulated emulated;
-    if (r->target == NULL) {
+    if (r->emulated.target == NULL) {
         const drive_firmware firmware = drive_firmware_host(&host);
         return run_all(r, m, s, *drive, &firmware, out, e);
     }
     const drive_firmware firmware = drive_firmware_emulated(&emulated);
-    const bool good = drive_emulated_start(&emulated, r->target, r->image_path, e) &&
-                      run_all(r, m, s, *drive, &firmware, out, e);
+    const bool good = drive_emulated_start(&emulated, &r->emulated, m, e) &&
+                      run_all(r, m, s, *drive, &firmware, out, e) && drive_emulated_finish(&emulated, e);
     drive_emulated_stop(&emulated);
     return good;
 }

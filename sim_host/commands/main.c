@@ -27,6 +27,9 @@ static const command commands[] = {
 #ifdef IQFOC_HAS_SIMULATE
     {"simulate", "run the firmware code against the switching-level drive, write a recording", cmd_simulate},
 #endif
+#ifdef IQFOC_HAS_RECORD
+    {"record", "what the firmware's recorder sends over a serial line, as a recording", cmd_record},
+#endif
 #ifdef IQFOC_HAS_SWEEP
     {"sweep", "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
 #endif

@@ -4,6 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "drive_emulated.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,8 +27,6 @@ static const char *const common[] = {"-semihosting-config",
                                      "-display",
                                      "none",
                                      "-monitor",
-                                     "none",
-                                     "-serial",
                                      "none",
                                      "-kernel",
                                      NULL};
@@ -64,36 +63,6 @@ static bool image_beside_program(const char *name, char path[PATH_SIZE], error *
     return true;
 }
 
-bool drive_emulated_start(drive_emulated *d, const char *name, const char *image, error *e)
-{
-    char beside[PATH_SIZE];
-    const target *t = target_named(name);
-    memset(d, 0, sizeof *d);
-    if (t == NULL) {
-        return error_input(e, NULL, 0, 0, "simulate: --target %s: expected cortex-m4 or rv32", name);
-    }
-    if (image == NULL) {
-        if (!image_beside_program(name, beside, e)) {
-            return false;
-        }
-        image = beside;
-    }
-    if (access(image, R_OK) != 0) {
-        return error_input(e, image, 0, 0, "no image for --target %s; `tests/target/run.sh` builds it", name);
-    }
-    const char *argv[24];
-    size_t count = 0;
-    for (size_t k = 0; t->argv[k] != NULL; k++) {
-        argv[count++] = t->argv[k];
-    }
-    for (size_t k = 0; common[k] != NULL; k++) {
-        argv[count++] = common[k];
-    }
-    argv[count++] = image;
-    argv[count] = NULL;
-    return emulator_start(&d->machine, t->name, argv, e);
-}
-
 /* The next frame of the image, of the type wanted. */
 static bool receive(drive_emulated *d, uint32_t type, pil_frame_t *frame, error *e)
 {
@@ -126,6 +95,71 @@ static bool exchange(drive_emulated *d, const pil_frame_t *question, uint32_t ty
     uint8_t bytes[PIL_FRAME_MAX];
     const uint32_t count = pil_encode(question, bytes);
     return emulator_send(&d->machine, bytes, count, e) && receive(d, type, answer, e);
+}
+
+/* x as mantissa / 2^shift with a mantissa of 30 bits. x > 0. */
+static void mantissa_of(double x, int32_t *mantissa, int32_t *shift)
+{
+    int exponent;
+    (void)frexp(x, &exponent);
+    *mantissa = (int32_t)lround(ldexp(x, 30 - exponent));
+    *shift = 30 - exponent;
+}
+
+/* Tells the image's recorder what its numbers stand for. */
+static bool recorder_start(drive_emulated *d, const motor *m, error *e)
+{
+    const per_unit base = per_unit_of(m);
+    pil_bases_t bases;
+    pil_frame_t answer;
+    mantissa_of(base.T_s, &bases.T_mantissa, &bases.T_shift);
+    mantissa_of(base.I_A, &bases.I_mantissa, &bases.I_shift);
+    mantissa_of(base.U_V, &bases.U_mantissa, &bases.U_shift);
+    mantissa_of(6.283185307179586 / base.T_s, &bases.omega_mantissa, &bases.omega_shift);
+    const pil_frame_t question = pil_record_frame(&bases);
+    if (!exchange(d, &question, PIL_STARTED, &answer, e)) {
+        return false;
+    }
+    return answer.data[0] == 0 || error_failure(e, 0, "%s: the recorder refused its configuration: %d",
+                                                d->machine.name, (int)answer.data[0]);
+}
+
+bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice, const motor *m, error *e)
+{
+    char beside[PATH_SIZE];
+    char serial[PATH_SIZE];
+    const target *t = target_named(choice->target);
+    const char *image = choice->image;
+    memset(d, 0, sizeof *d);
+    if (t == NULL) {
+        return error_input(e, NULL, 0, 0, "simulate: --target %s: expected cortex-m4 or rv32",
+                           choice->target);
+    }
+    if (image == NULL) {
+        if (!image_beside_program(t->name, beside, e)) {
+            return false;
+        }
+        image = beside;
+    }
+    if (access(image, R_OK) != 0) {
+        return error_input(e, image, 0, 0, "no image for --target %s; `tests/target/run.sh` builds it",
+                           t->name);
+    }
+    (void)snprintf(serial, sizeof serial, "%s%s", choice->uart != NULL ? "file:" : "none",
+                   choice->uart != NULL ? choice->uart : "");
+    const char *argv[24];
+    size_t count = 0;
+    for (size_t k = 0; t->argv[k] != NULL; k++) {
+        argv[count++] = t->argv[k];
+    }
+    argv[count++] = "-serial";
+    argv[count++] = serial;
+    for (size_t k = 0; common[k] != NULL; k++) {
+        argv[count++] = common[k];
+    }
+    argv[count++] = image;
+    argv[count] = NULL;
+    return emulator_start(&d->machine, t->name, argv, e) && (choice->uart == NULL || recorder_start(d, m, e));
 }
 
 static bool emulated_start(void *context, const iqfoc_cycle_config_t *config, error *e)
@@ -177,6 +211,11 @@ drive_firmware drive_firmware_emulated(drive_emulated *d)
 {
     const drive_firmware firmware = {d, emulated_start, emulated_reference, emulated_valley, emulated_peak};
     return firmware;
+}
+
+bool drive_emulated_finish(drive_emulated *d, error *e)
+{
+    return emulator_finish(&d->machine, e);
 }
 
 void drive_emulated_stop(drive_emulated *d)

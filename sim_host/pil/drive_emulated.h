@@ -18,16 +18,24 @@ typedef struct drive_emulated {
         valley; /* goes out with the peak's: what the plant does in between does not depend on it */
 } drive_emulated;
 
-/*
- * Starts the image of a target, "cortex-m4" or "rv32". image: the ELF file, or NULL for the one that was
- * built beside this program (build/<target>/iqfoc_pil.elf). False with *e set: unknown target, no image, no
- * emulator.
+typedef struct drive_emulated_choice {
+    const char *target; /* "cortex-m4" or "rv32" */
+    const char
+        *image; /* the ELF file; NULL: the one built beside this program, build/<target>/iqfoc_pil.elf */
+    const char
+        *uart; /* NULL, or a file: the image records every cycle over its UART, whose octets go there */
+} drive_emulated_choice;
+
+/* Starts the image. m: for the recorder's scales. False with *e set: unknown target, no image, no emulator.
  */
-bool drive_emulated_start(drive_emulated *d, const char *target, const char *image, error *e);
+bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice, const motor *m, error *e);
 
 drive_firmware drive_firmware_emulated(drive_emulated *d);
 
-/* Ends the emulator. Safe on a zeroed struct. */
+/* Lets the image end by itself, its recorder emptied. False with *e set if it does not. */
+bool drive_emulated_finish(drive_emulated *d, error *e);
+
+/* Kills the emulator. Safe on a zeroed struct. */
 void drive_emulated_stop(drive_emulated *d);
 
 #endif

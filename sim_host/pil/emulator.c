@@ -130,6 +130,31 @@ bool emulator_receive(emulator *m, uint8_t *bytes, size_t count, size_t *receive
     }
 }
 
+bool emulator_finish(emulator *m, error *e)
+{
+    if (m->pid == 0) {
+        return true;
+    }
+    int status = 0;
+    pid_t ended = 0;
+    (void)shutdown(m->line, SHUT_WR);
+    for (int k = 0; k < (int)(EMULATOR_SILENCE_MAX_S * 100.0) && ended == 0; k++) {
+        (void)poll(NULL, 0, 10);
+        ended = waitpid(m->pid, &status, WNOHANG);
+    }
+    if (ended != m->pid) {
+        emulator_stop(m);
+        return error_failure(e, 0, "%s: the image did not end when the run was over", m->name);
+    }
+    m->pid = 0;
+    (void)close(m->line);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+        return error_failure(e, 0, "%s: the image ended with status %d after the run", m->name,
+                             WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status));
+    }
+    return true;
+}
+
 void emulator_stop(emulator *m)
 {
     if (m->pid != 0) {

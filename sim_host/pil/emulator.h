@@ -33,7 +33,11 @@ bool emulator_send(emulator *m, const uint8_t *bytes, size_t count, error *e);
  * long. */
 bool emulator_receive(emulator *m, uint8_t *bytes, size_t count, size_t *received, error *e);
 
-/* Ends the child. Safe to call twice and on a zeroed struct. */
+/* Hangs up and lets the child end by itself, with a status of 0 and within a time limit. False with *e set if
+ * not. */
+bool emulator_finish(emulator *m, error *e);
+
+/* Kills the child. Safe to call twice and on a zeroed struct. */
 void emulator_stop(emulator *m);
 
 #endif

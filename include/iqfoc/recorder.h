@@ -1,0 +1,152 @@
+/*
+ * The recorder: chosen variables, cycle by cycle, into a ring in the caller's memory, and out over a serial
+ * line.
+ *
+ * iqfoc_recorder_take is called in an interrupt, after the cycle; iqfoc_recorder_octet in the background,
+ * whenever the line is free. Between the two there is one writer and one reader and no lock. What the line is
+ * too slow for is lost, but never unseen: each row carries the number of its cycle, and lost rows are counted
+ * on the wire.
+ *
+ * docs/recorder-format.md is the format on the wire; `iqfoc record` makes a recording of it.
+ */
+#ifndef IQFOC_RECORDER_H
+#define IQFOC_RECORDER_H
+
+#include "iq24.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define IQFOC_RECORDER_CHANNELS_MAX 16
+
+/* What a channel is, as the wire numbers it; never renumbered. Host units: A, rad, rad/s, V, 1, degrees C. */
+typedef enum iqfoc_recorder_column {
+    IQFOC_RECORDER_I_A = 1, /* sampled at the valley */
+    IQFOC_RECORDER_I_B = 2,
+    IQFOC_RECORDER_I_C = 3,
+    IQFOC_RECORDER_I_ALPHA = 4, /* the same as a vector: two channels in place of three */
+    IQFOC_RECORDER_I_BETA = 5,
+    IQFOC_RECORDER_THETA_E = 6,
+    IQFOC_RECORDER_OMEGA_E = 7,
+    IQFOC_RECORDER_U_A = 8, /* mean voltage that acts during the cycle */
+    IQFOC_RECORDER_U_B = 9,
+    IQFOC_RECORDER_U_C = 10,
+    IQFOC_RECORDER_U_ALPHA = 11,
+    IQFOC_RECORDER_U_BETA = 12,
+    IQFOC_RECORDER_D_A = 13, /* duties in force during the cycle */
+    IQFOC_RECORDER_D_B = 14,
+    IQFOC_RECORDER_D_C = 15,
+    IQFOC_RECORDER_U_DC = 16,
+    IQFOC_RECORDER_I_MID_A = 17, /* sampled at the peak */
+    IQFOC_RECORDER_I_MID_B = 18,
+    IQFOC_RECORDER_I_MID_C = 19,
+    IQFOC_RECORDER_THETA_MECH = 20,
+    IQFOC_RECORDER_TEMP = 21
+} iqfoc_recorder_column_t;
+
+/* One recorded variable. Its value in host units is *source * mantissa / 2^shift. */
+typedef struct iqfoc_recorder_channel {
+    const int32_t *source;
+    uint32_t column;  /* iqfoc_recorder_column_t */
+    int32_t mantissa; /* not 0 */
+    uint32_t shift;   /* 0 ... 62 */
+} iqfoc_recorder_channel_t;
+
+/*
+ * Initialiser of a channel that holds an iq24_t of which 1.0 is `unit` in host units. bits: as many as keep
+ * |unit| 2^bits below 2^31, for the finest scale.
+ */
+#define IQFOC_RECORDER_IQ24(variable, what, unit, bits)                                                      \
+    {                                                                                                        \
+        .source = (variable), .column = (what), .mantissa = (int32_t)((unit) * (double)(1LL << (bits))),     \
+        .shift = 24 + (bits)                                                                                 \
+    }
+
+typedef enum iqfoc_recorder_trigger {
+    IQFOC_RECORDER_NOW,    /* records from the start until it is stopped */
+    IQFOC_RECORDER_STATUS, /* one memory full, around the moment when one of `status_bits` comes up */
+    IQFOC_RECORDER_RISES,  /* the same, around the moment when channel `channel` goes from below to above
+                              `level` */
+    IQFOC_RECORDER_FALLS   /* from above to below */
+} iqfoc_recorder_trigger_t;
+
+typedef struct iqfoc_recorder_config {
+    iqfoc_recorder_channel_t channels[IQFOC_RECORDER_CHANNELS_MAX];
+    uint32_t channel_count;   /* 1 ... IQFOC_RECORDER_CHANNELS_MAX */
+    uint32_t decimation;      /* a row every so many cycles, >= 1 */
+    uint32_t period_mantissa; /* control cycle in seconds: mantissa / 2^shift; not 0 */
+    uint32_t period_shift;    /* 0 ... 62 */
+    iqfoc_recorder_trigger_t trigger;
+    uint32_t status_bits;
+    uint32_t channel;
+    int32_t level;    /* in the variable's own scale */
+    iq24_t pre_share; /* of the memory, kept for what was before the trigger: 0 ... 1, exclusive of 1 */
+} iqfoc_recorder_config_t;
+
+/* The state is the module's own. */
+typedef struct iqfoc_recorder {
+    const iqfoc_recorder_config_t *config;
+    volatile int32_t *memory;
+    uint32_t row_words; /* number of the cycle, then the channels */
+    uint32_t capacity;  /* rows */
+    uint32_t pre_rows;
+    uint32_t stream; /* how often it was armed */
+    volatile uint32_t phase;
+    /* The writer's. */
+    volatile uint32_t written; /* rows, ever; wraps */
+    uint32_t write_slot;
+    uint32_t cycle;         /* calls since it was armed */
+    uint32_t until_next;    /* cycles to the next row */
+    uint32_t still_to_take; /* rows, after a trigger */
+    uint32_t last_status;
+    int32_t last_level;
+    bool before_known;
+    volatile uint32_t lost; /* rows for which there was no room */
+    /* The reader's. */
+    volatile uint32_t read; /* rows, ever; wraps */
+    uint32_t read_slot;
+    uint32_t sequence;   /* of frames */
+    uint32_t frame_type; /* 0: between frames */
+    uint32_t frame_words;
+    uint32_t frame_rows;
+    uint32_t frame_lost;
+    uint32_t rows_sent;
+    uint32_t frames_to_header; /* row frames until the header is repeated */
+    uint32_t word;             /* that goes out */
+    uint32_t word_index;
+    uint32_t octet_index;
+    uint32_t escaped; /* second octet of an escape, or 0 */
+    uint32_t crc;
+    bool end_sent;
+} iqfoc_recorder_t;
+
+/* Negative: refused, the object untouched. */
+typedef enum iqfoc_recorder_error {
+    IQFOC_RECORDER_OK = 0,
+    IQFOC_RECORDER_ERROR_NULL = -1,
+    IQFOC_RECORDER_ERROR_CHANNELS = -2, /* their number, a source, a mantissa of 0 or a shift above 62 */
+    IQFOC_RECORDER_ERROR_MEMORY = -3,   /* room for less than two rows */
+    IQFOC_RECORDER_ERROR_PERIOD = -4,   /* period or decimation */
+    IQFOC_RECORDER_ERROR_TRIGGER = -5   /* no such trigger or channel, or a share outside [0, 1) */
+} iqfoc_recorder_error_t;
+
+/* words: length of memory. config and memory must outlive the recorder. It starts idle. */
+iqfoc_recorder_error_t iqfoc_recorder_init(iqfoc_recorder_t *recorder, const iqfoc_recorder_config_t *config,
+                                           int32_t *memory, uint32_t words);
+
+/* Begins anew: forgets rows not yet sent. Not while an interrupt may call iqfoc_recorder_take. */
+void iqfoc_recorder_arm(iqfoc_recorder_t *recorder);
+
+/* No more rows; what is in memory still goes out, then the end frame. */
+void iqfoc_recorder_stop(iqfoc_recorder_t *recorder);
+
+/* One cycle. status: the cycle's status bits. */
+void iqfoc_recorder_take(iqfoc_recorder_t *recorder, uint32_t status);
+
+/* The next octet for the line, 0 ... 255, or -1: nothing to send now. */
+int32_t iqfoc_recorder_octet(iqfoc_recorder_t *recorder);
+
+/* True once everything, the end frame included, has gone out. */
+bool iqfoc_recorder_finished(const iqfoc_recorder_t *recorder);
+
+#endif

@@ -1,0 +1,77 @@
+/*
+ * Recording in the loop (pil_recorder.h).
+ */
+#include "pil_recorder.h"
+
+#include "console.h"
+
+#include "iqfoc/recorder.h"
+
+#define MEMORY_WORDS 4096
+
+/* 2 pi, a turn in radians. */
+#define TURN_MANTISSA 1686629713
+#define TURN_SHIFT    28
+
+static iqfoc_recorder_t recorder;
+static iqfoc_recorder_config_t config;
+static int32_t memory[MEMORY_WORDS];
+static bool running;
+
+/* A per-unit variable: 2^-24 of the base per step. */
+static void channel_add(const int32_t *source, iqfoc_recorder_column_t column, int32_t mantissa,
+                        int32_t shift)
+{
+    const iqfoc_recorder_channel_t channel = {source, (uint32_t)column, mantissa, (uint32_t)shift + 24};
+    config.channels[config.channel_count++] = channel;
+}
+
+int32_t pil_recorder_start(const pil_frame_t *frame, const iqfoc_cycle_t *cycle)
+{
+    pil_bases_t b;
+    pil_record_read(frame, &b);
+    config.channel_count = 0;
+    config.decimation = 1;
+    config.trigger = IQFOC_RECORDER_NOW;
+    config.period_mantissa = (uint32_t)b.T_mantissa;
+    config.period_shift = (uint32_t)b.T_shift;
+    channel_add(&cycle->i_valley.alpha, IQFOC_RECORDER_I_ALPHA, b.I_mantissa, b.I_shift);
+    channel_add(&cycle->i_valley.beta, IQFOC_RECORDER_I_BETA, b.I_mantissa, b.I_shift);
+    channel_add(&cycle->theta_valley, IQFOC_RECORDER_THETA_E, TURN_MANTISSA, TURN_SHIFT);
+    channel_add(&cycle->rotor.turns, IQFOC_RECORDER_OMEGA_E, b.omega_mantissa, b.omega_shift);
+    channel_add(&cycle->u_now.alpha, IQFOC_RECORDER_U_ALPHA, b.U_mantissa, b.U_shift);
+    channel_add(&cycle->u_now.beta, IQFOC_RECORDER_U_BETA, b.U_mantissa, b.U_shift);
+    const iqfoc_recorder_error_t refused = iqfoc_recorder_init(&recorder, &config, memory, MEMORY_WORDS);
+    running = refused == IQFOC_RECORDER_OK;
+    return (int32_t)refused;
+}
+
+void pil_recorder_arm(void)
+{
+    if (running) {
+        iqfoc_recorder_arm(&recorder);
+    }
+}
+
+void pil_recorder_take(uint32_t status)
+{
+    if (running) {
+        iqfoc_recorder_take(&recorder, status);
+    }
+}
+
+void pil_recorder_drain(void)
+{
+    int32_t octet;
+    while (running && (octet = iqfoc_recorder_octet(&recorder)) >= 0) {
+        console_send(octet);
+    }
+}
+
+void pil_recorder_finish(void)
+{
+    if (running) {
+        iqfoc_recorder_stop(&recorder);
+        pil_recorder_drain();
+    }
+}

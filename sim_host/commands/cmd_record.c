@@ -1,0 +1,186 @@
+/*
+ * iqfoc record: the target's recorder on a serial line (docs/recorder-format.md), made a recording.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "command.h"
+#include "options.h"
+
+#include "line.h"
+#include "record_rows.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { OPT_PORT, OPT_OUT, OPT_BAUD, OPT_SECONDS };
+
+static const option_spec specs[] = {
+    [OPT_PORT] = {"port", 'p', "DEV|PTY|SOCKET|FILE", "where the octets come from"},
+    [OPT_OUT] = {"output", 'o', "REC.csv", "the recording; - is standard output"},
+    [OPT_BAUD] = {"baud", 'b', "N", "speed of a serial device (default 1000000)"},
+    [OPT_SECONDS] = {"seconds", 0, "X",
+                     "stops after this time; else at the stream's end frame, the line's end or Ctrl-C"},
+    {NULL, 0, NULL, NULL},
+};
+
+static const command_about about = {
+    "record",
+    "--port DEV|PTY|SOCKET|FILE -o REC.csv [--baud N] [--seconds X]",
+    "Reads what the firmware's recorder sends and writes it as a recording. Lost and damaged frames are\n"
+    "counted, and a stretch ends where a row is missing: the next one has another `run`.",
+    specs,
+};
+
+typedef struct request {
+    const char *port, *out_path;
+    long baud;
+    double seconds; /* 0: no limit */
+} request;
+
+static bool parse(options *o, request *r, error *e)
+{
+    int which;
+    while ((which = options_next(o, e)) >= 0) {
+        bool good = true;
+        switch (which) {
+        case OPT_PORT:
+            r->port = o->argument;
+            break;
+        case OPT_OUT:
+            r->out_path = o->argument;
+            break;
+        case OPT_BAUD:
+            good = options_integer(o, 1, 10000000L, &r->baud, e);
+            break;
+        case OPT_SECONDS:
+            good = options_number(o, 1e-3, 1e6, &r->seconds, e);
+            break;
+        default:
+            break;
+        }
+        if (!good) {
+            return false;
+        }
+    }
+    if (which == OPTIONS_ERROR || o->helped) {
+        return which != OPTIONS_ERROR;
+    }
+    return options_at_most(o, 0, e) && (r->port != NULL || options_missing(o, OPT_PORT, e)) &&
+           (r->out_path != NULL || options_missing(o, OPT_OUT, e));
+}
+
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+static double now_s(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* A line's length is unknown ahead, so that the progress is rows and damage, on a terminal only. */
+static void show(const record_rows *rows, const wire_reader *reader, bool last)
+{
+    static double next_s;
+    const double now = now_s();
+    if (isatty(STDERR_FILENO) == 0 || (!last && now < next_s)) {
+        return;
+    }
+    next_s = now + 0.2;
+    fprintf(stderr, "\r\033[Krecord: %zu rows, %lu frames, %lu damaged, %lu lost%s", rows->recording.rows,
+            reader->counts.frames, reader->counts.damaged, reader->counts.lost_frames,
+            last ? "\r\033[K" : "");
+    (void)fflush(stderr);
+}
+
+/* A file is read to its end, as it may hold several streams. */
+static bool receive(const request *r, line *l, wire_reader *reader, record_rows *rows, error *e)
+{
+    const double end_s = now_s() + r->seconds;
+    bool closed = false;
+    while (!closed && !interrupted && (!reader->ended || l->size > 0) &&
+           (r->seconds == 0.0 || now_s() < end_s)) {
+        uint8_t octets[4096];
+        size_t count = 0;
+        if (!line_read(l, octets, sizeof octets, 100, &count, &closed, e)) {
+            return false;
+        }
+        if (!wire_read(reader, octets, count, record_rows_take, rows)) {
+            *e = rows->e;
+            return false;
+        }
+        if (reader->version != 0) {
+            return error_input(e, r->port, 0, 0,
+                               "the target speaks version %u of the format; expected version 1",
+                               (unsigned)reader->version);
+        }
+        show(rows, reader, false);
+    }
+    wire_close(reader);
+    show(rows, reader, true);
+    return true;
+}
+
+/* What came and what did not; on stderr, so that `-o -` stays a recording. */
+static void summarise(const record_rows *rows, const wire_reader *reader)
+{
+    const wire_counts *c = &reader->counts;
+    fprintf(stderr,
+            "iqfoc: record: %zu rows in %ld stretches; %lu frames, %lu damaged, %lu lost; %lu rows lost on "
+            "the target",
+            rows->recording.rows, rows->run, c->frames, c->damaged, c->lost_frames, c->lost_rows);
+    if (c->headless_rows > 0) {
+        fprintf(stderr, "; %lu rows before the first header", c->headless_rows);
+    }
+    fprintf(stderr, "%s\n", reader->ended ? "" : "; the stream's end did not come");
+}
+
+static bool write_out(const request *r, record_rows *rows, const wire_reader *reader, error *e)
+{
+    char comment[256];
+    const wire_counts *c = &reader->counts;
+    if (rows->recording.rows == 0) {
+        return error_input(e, r->port, 0, 0, "no row came: %lu frames, %lu damaged, %lu lost", c->frames,
+                           c->damaged, c->lost_frames);
+    }
+    (void)snprintf(comment, sizeof comment,
+                   "iqfoc record: %lu frames, %lu damaged, %lu lost, %lu rows lost on the target", c->frames,
+                   c->damaged, c->lost_frames, c->lost_rows);
+    return recording_write(r->out_path, &rows->recording, comment, e);
+}
+
+int cmd_record(int argc, char **argv)
+{
+    error e = {0, ""};
+    request r = {.baud = 1000000};
+    options o = options_begin(&about, argc, argv);
+    if (!parse(&o, &r, &e)) {
+        return error_print(&e);
+    }
+    if (o.helped) {
+        return STATUS_DONE;
+    }
+    struct sigaction stop = {.sa_handler = on_interrupt};
+    (void)sigaction(SIGINT, &stop, NULL);
+    (void)sigaction(SIGTERM, &stop, NULL);
+
+    static wire_reader reader;
+    static record_rows rows;
+    line l;
+    bool good = line_open(&l, r.port, r.baud, &e) && receive(&r, &l, &reader, &rows, &e);
+    if (good) {
+        summarise(&rows, &reader);
+        good = write_out(&r, &rows, &reader, &e);
+    }
+    line_close(&l);
+    record_rows_free(&rows);
+    return good ? STATUS_DONE : error_print(&e);
+}

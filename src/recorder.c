@@ -1,0 +1,354 @@
+/*
+ * The recorder's ring, and its encoder octet by octet (include/iqfoc/recorder.h, docs/recorder-format.md).
+ */
+#include "iqfoc/recorder.h"
+
+#include <stddef.h>
+
+enum { IDLE, ARMED, RUNNING, DRAINING };
+
+/* Frames. */
+#define VERSION      1
+#define FRAME_HEADER 1
+#define FRAME_ROWS   2
+#define FRAME_END    3
+#define ROWS_MAX     8  /* in a frame */
+#define HEADER_EVERY 32 /* row frames */
+#define HEADER_WORDS 6  /* and three for each channel */
+#define ROWS_WORDS   4  /* and the rows */
+#define END_WORDS    4
+
+/* Octets with a meaning of their own, as in RFC 1055. */
+#define OCTET_END        0xC0
+#define OCTET_ESCAPE     0xDB
+#define OCTET_ESCAPE_END 0xDC
+#define OCTET_ESCAPE_ESC 0xDD
+
+static bool channels_valid(const iqfoc_recorder_config_t *config)
+{
+    if (config->channel_count < 1 || config->channel_count > IQFOC_RECORDER_CHANNELS_MAX) {
+        return false;
+    }
+    for (uint32_t k = 0; k < config->channel_count; k++) {
+        const iqfoc_recorder_channel_t *channel = &config->channels[k];
+        if (channel->source == NULL || channel->mantissa == 0 || channel->shift > 62) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool trigger_valid(const iqfoc_recorder_config_t *config)
+{
+    const bool known = config->trigger == IQFOC_RECORDER_NOW || config->trigger == IQFOC_RECORDER_STATUS ||
+                       config->trigger == IQFOC_RECORDER_RISES || config->trigger == IQFOC_RECORDER_FALLS;
+    return known && config->channel < config->channel_count && config->pre_share >= 0 &&
+           config->pre_share < IQ24_ONE;
+}
+
+iqfoc_recorder_error_t iqfoc_recorder_init(iqfoc_recorder_t *recorder, const iqfoc_recorder_config_t *config,
+                                           int32_t *memory, uint32_t words)
+{
+    if (recorder == NULL || config == NULL || memory == NULL) {
+        return IQFOC_RECORDER_ERROR_NULL;
+    }
+    if (!channels_valid(config)) {
+        return IQFOC_RECORDER_ERROR_CHANNELS;
+    }
+    if (config->period_mantissa == 0 || config->period_shift > 62 || config->decimation == 0) {
+        return IQFOC_RECORDER_ERROR_PERIOD;
+    }
+    if (!trigger_valid(config)) {
+        return IQFOC_RECORDER_ERROR_TRIGGER;
+    }
+    const uint32_t row_words = config->channel_count + 1;
+    const uint32_t capacity = words / row_words;
+    if (capacity < 2) {
+        return IQFOC_RECORDER_ERROR_MEMORY;
+    }
+    const iqfoc_recorder_t fresh = {
+        .config = config, .memory = memory, .row_words = row_words, .capacity = capacity};
+    *recorder = fresh;
+    /* pre_share < 1 leaves at least one row for the trigger itself. */
+    recorder->pre_rows = (uint32_t)(((uint64_t)capacity * (uint32_t)config->pre_share) >> 24);
+    return IQFOC_RECORDER_OK;
+}
+
+void iqfoc_recorder_arm(iqfoc_recorder_t *recorder)
+{
+    recorder->phase = IDLE;
+    recorder->stream++;
+    recorder->written = 0;
+    recorder->write_slot = 0;
+    recorder->cycle = 0;
+    recorder->until_next = 0;
+    recorder->still_to_take = 0;
+    recorder->last_status = 0;
+    recorder->before_known = false;
+    recorder->lost = 0;
+    recorder->read = 0;
+    recorder->read_slot = 0;
+    recorder->frame_type = 0;
+    recorder->rows_sent = 0;
+    recorder->frames_to_header = 0;
+    recorder->escaped = 0;
+    recorder->end_sent = false;
+    recorder->phase = recorder->config->trigger == IQFOC_RECORDER_NOW ? RUNNING : ARMED;
+}
+
+void iqfoc_recorder_stop(iqfoc_recorder_t *recorder)
+{
+    if (recorder->phase != IDLE) {
+        recorder->phase = DRAINING;
+    }
+}
+
+static uint32_t slot_after(const iqfoc_recorder_t *recorder, uint32_t slot)
+{
+    return slot + 1 == recorder->capacity ? 0 : slot + 1;
+}
+
+/* ---- The writer ---- */
+
+/* A bit counts when it comes up, a level when it is crossed: what was so before is no event. */
+static bool triggered(iqfoc_recorder_t *recorder, uint32_t status)
+{
+    const iqfoc_recorder_config_t *config = recorder->config;
+    const uint32_t came_up = status & ~recorder->last_status & config->status_bits;
+    const int32_t level = *config->channels[config->channel].source;
+    const bool known = recorder->before_known;
+    const int32_t before = recorder->last_level;
+    recorder->last_status = status;
+    recorder->last_level = level;
+    recorder->before_known = true;
+    switch (config->trigger) {
+    case IQFOC_RECORDER_STATUS:
+        return known && came_up != 0;
+    case IQFOC_RECORDER_RISES:
+        return known && before < config->level && level >= config->level;
+    case IQFOC_RECORDER_FALLS:
+        return known && before > config->level && level <= config->level;
+    case IQFOC_RECORDER_NOW:
+    default:
+        return false;
+    }
+}
+
+/* Precondition: there is room. The row is complete before `written` says so. */
+static void row_store(iqfoc_recorder_t *recorder)
+{
+    const iqfoc_recorder_config_t *config = recorder->config;
+    volatile int32_t *row = &recorder->memory[recorder->write_slot * recorder->row_words];
+    row[0] = iq24_wrap((int64_t)recorder->cycle);
+    for (uint32_t k = 0; k < config->channel_count; k++) {
+        row[k + 1] = *config->channels[k].source;
+    }
+    recorder->write_slot = slot_after(recorder, recorder->write_slot);
+    recorder->written = recorder->written + 1;
+}
+
+/* Unsigned counters wrap: 64 bits say that it is meant, the low half is the difference. */
+static uint32_t rows_waiting(const iqfoc_recorder_t *recorder)
+{
+    return (uint32_t)(((uint64_t)recorder->written - recorder->read) & UINT32_MAX);
+}
+
+void iqfoc_recorder_take(iqfoc_recorder_t *recorder, uint32_t status)
+{
+    const uint32_t phase = recorder->phase;
+    if (phase != ARMED && phase != RUNNING) {
+        return;
+    }
+    const bool event = triggered(recorder, status);
+    if (phase == ARMED && event) {
+        recorder->still_to_take = recorder->capacity - rows_waiting(recorder);
+        recorder->phase = RUNNING; /* from here on the rows are the reader's to take */
+    }
+    if (recorder->until_next == 0) {
+        recorder->until_next = recorder->config->decimation;
+        if (recorder->phase == ARMED && rows_waiting(recorder) >= recorder->pre_rows) {
+            if (recorder->pre_rows == 0) {
+                recorder->until_next--;
+                recorder->cycle++;
+                return;
+            }
+            /* The oldest goes. The reader does not look while it is armed. */
+            recorder->read_slot = slot_after(recorder, recorder->read_slot);
+            recorder->read = recorder->read + 1;
+        }
+        if (rows_waiting(recorder) < recorder->capacity) {
+            row_store(recorder);
+        } else {
+            recorder->lost = recorder->lost + 1;
+        }
+        if (recorder->still_to_take != 0 && --recorder->still_to_take == 0) {
+            recorder->phase = DRAINING;
+        }
+    }
+    recorder->until_next--;
+    recorder->cycle++;
+}
+
+/* ---- The reader: a frame is a list of words, lowest octet first, then the CRC ---- */
+
+/* IEEE 802.3, reflected, four bits at a time. */
+static uint32_t crc_after(uint32_t crc, uint32_t octet)
+{
+    static const uint32_t table[16] = {
+        0x00000000, 0x1DB71064, 0x3B6E20C8, 0x26D930AC, 0x76DC4190, 0x6B6B51F4, 0x4DB26158, 0x5005713C,
+        0xEDB88320, 0xF00F9344, 0xD6D6A3E8, 0xCB61B38C, 0x9B64C2B0, 0x86D3D2D4, 0xA00AE278, 0xBDBDF21C,
+    };
+    crc ^= octet;
+    crc = (crc >> 4) ^ table[crc & 15];
+    return (crc >> 4) ^ table[crc & 15];
+}
+
+static uint32_t header_word(const iqfoc_recorder_t *recorder, uint32_t index)
+{
+    const iqfoc_recorder_config_t *config = recorder->config;
+    switch (index) {
+    case 1:
+        return recorder->stream;
+    case 2:
+        return config->period_mantissa;
+    case 3:
+        return config->period_shift;
+    case 4:
+        return config->decimation;
+    case 5:
+        return config->channel_count;
+    default:
+        break;
+    }
+    const iqfoc_recorder_channel_t *channel = &config->channels[(index - HEADER_WORDS) / 3];
+    switch ((index - HEADER_WORDS) % 3) {
+    case 0:
+        return channel->column;
+    case 1:
+        return (uint32_t)channel->mantissa;
+    default:
+        return channel->shift;
+    }
+}
+
+static uint32_t rows_word(const iqfoc_recorder_t *recorder, uint32_t index)
+{
+    switch (index) {
+    case 1:
+        return recorder->stream;
+    case 2:
+        return recorder->frame_lost;
+    case 3:
+        return recorder->frame_rows;
+    default:
+        break;
+    }
+    uint32_t slot = recorder->read_slot + (index - ROWS_WORDS) / recorder->row_words;
+    if (slot >= recorder->capacity) {
+        slot -= recorder->capacity;
+    }
+    return (uint32_t)
+        recorder->memory[slot * recorder->row_words + (index - ROWS_WORDS) % recorder->row_words];
+}
+
+static uint32_t frame_word(const iqfoc_recorder_t *recorder, uint32_t index)
+{
+    if (index == recorder->frame_words) {
+        return ~recorder->crc;
+    }
+    if (index == 0) {
+        return VERSION | recorder->frame_type << 8 | (recorder->sequence & 0xFFFF) << 16;
+    }
+    if (recorder->frame_type == FRAME_HEADER) {
+        return header_word(recorder, index);
+    }
+    if (recorder->frame_type == FRAME_ROWS) {
+        return rows_word(recorder, index);
+    }
+    return index == 1 ? recorder->stream : index == 2 ? recorder->frame_lost : recorder->rows_sent;
+}
+
+/* Chooses the next frame. False: nothing to send. */
+static bool frame_begin(iqfoc_recorder_t *recorder)
+{
+    const uint32_t phase = recorder->phase; /* before the rows are counted: after DRAINING none is added */
+    if (phase != RUNNING && phase != DRAINING) {
+        return false;
+    }
+    const uint32_t waiting = rows_waiting(recorder);
+    if ((waiting == 0 && phase == RUNNING) || recorder->end_sent) {
+        return false;
+    }
+    recorder->frame_lost = recorder->lost;
+    if (recorder->frames_to_header == 0) {
+        recorder->frame_type = FRAME_HEADER;
+        recorder->frame_words = HEADER_WORDS + 3 * recorder->config->channel_count;
+    } else if (waiting != 0) {
+        recorder->frame_type = FRAME_ROWS;
+        recorder->frame_rows = waiting < ROWS_MAX ? waiting : ROWS_MAX;
+        recorder->frame_words = ROWS_WORDS + recorder->frame_rows * recorder->row_words;
+    } else {
+        recorder->frame_type = FRAME_END;
+        recorder->frame_words = END_WORDS;
+    }
+    recorder->word_index = 0;
+    recorder->octet_index = 0;
+    recorder->crc = UINT32_MAX;
+    recorder->word = frame_word(recorder, 0);
+    return true;
+}
+
+static void frame_finish(iqfoc_recorder_t *recorder)
+{
+    if (recorder->frame_type == FRAME_HEADER) {
+        recorder->frames_to_header = HEADER_EVERY;
+    } else if (recorder->frame_type == FRAME_ROWS) {
+        for (uint32_t k = 0; k < recorder->frame_rows; k++) {
+            recorder->read_slot = slot_after(recorder, recorder->read_slot);
+        }
+        recorder->rows_sent += recorder->frame_rows;
+        recorder->read = recorder->read + recorder->frame_rows; /* only now may the writer use them again */
+        recorder->frames_to_header--;
+    } else {
+        recorder->end_sent = true;
+    }
+    recorder->sequence++;
+    recorder->frame_type = 0;
+}
+
+int32_t iqfoc_recorder_octet(iqfoc_recorder_t *recorder)
+{
+    if (recorder->escaped != 0) {
+        const uint32_t second = recorder->escaped;
+        recorder->escaped = 0;
+        return (int32_t)second;
+    }
+    if (recorder->frame_type == 0) {
+        return frame_begin(recorder) ? OCTET_END : -1;
+    }
+    if (recorder->word_index > recorder->frame_words) {
+        frame_finish(recorder);
+        return OCTET_END;
+    }
+    const uint32_t octet = (recorder->word >> (8 * recorder->octet_index)) & 0xFF;
+    if (recorder->word_index < recorder->frame_words) {
+        recorder->crc = crc_after(recorder->crc, octet);
+    }
+    if (++recorder->octet_index == 4) {
+        recorder->octet_index = 0;
+        recorder->word_index++;
+        if (recorder->word_index <= recorder->frame_words) {
+            recorder->word = frame_word(recorder, recorder->word_index);
+        }
+    }
+    if (octet == OCTET_END || octet == OCTET_ESCAPE) {
+        recorder->escaped = octet == OCTET_END ? OCTET_ESCAPE_END : OCTET_ESCAPE_ESC;
+        return OCTET_ESCAPE;
+    }
+    return (int32_t)octet;
+}
+
+bool iqfoc_recorder_finished(const iqfoc_recorder_t *recorder)
+{
+    return recorder->end_sent && recorder->frame_type == 0;
+}
