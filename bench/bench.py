@@ -10,12 +10,14 @@ import pathlib
 import subprocess
 import sys
 
+import elf32
 import estimate
 import table
 from footprint import Footprint
 
 HERE = pathlib.Path(__file__).resolve().parent
 BASELINE = HERE / "baseline.json"
+DOCUMENT = HERE.parent / "docs" / "bench.md"
 INPUTS = 4096
 
 # How a count is exact: port/*/counter_qemu.h.
@@ -95,24 +97,43 @@ def evaluate(target, build):
     return rows
 
 
-def whole_library(build):
-    """Code and constants of the library with nothing left out, in bytes."""
-    sizes = {"code": 0, "rodata": 0}
-    import elf32
+# Objects beyond what a drive needs: what issue from a recording or a finer model, and the recorder.
+BEYOND_CORE = {"deadbeat", "extension", "finite_set", "flux_predictor", "predictor_exact", "predictor_salient", "recorder"}
+
+
+def library_size(build):
+    """Code and constants of the library in bytes, nothing left out: of its core, and of all of it."""
+    sizes = {"core": {"code": 0, "rodata": 0}, "all": {"code": 0, "rodata": 0}}
     for path in build.glob("src/CMakeFiles/iqfoc.dir/*.obj"):
         for section in elf32.read(path).sections:
             if section.flags & elf32.SHF_ALLOC and section.kind == 1:
-                sizes["code" if section.flags & elf32.SHF_EXECINSTR else "rodata"] += section.size
+                kind = "code" if section.flags & elf32.SHF_EXECINSTR else "rodata"
+                sizes["all"][kind] += section.size
+                if path.name.split(".")[0] not in BEYOND_CORE:
+                    sizes["core"][kind] += section.size
     return sizes
 
 
+def compilers():
+    """What compiled: counts of another compiler are not comparable."""
+    names = {"cortex-m4": "arm-none-eabi-gcc", "rv32": "riscv64-unknown-elf-gcc"}
+    return {target: f"{name} " + subprocess.run([name, "-dumpfullversion"], capture_output=True, text=True,
+                                                check=True).stdout.strip() for target, name in names.items()}
+
+
 def check(result):
-    """The gate: no count more than 2 % above the baseline's. Returns the lines to print; empty is passed."""
+    """The gate: no count more than 2 % above the baseline's, and the document's table is the baseline's. Returns complaints."""
     if not BASELINE.exists():
         return [f"{BASELINE} is missing: bench/run.sh --update writes it"]
     baseline = json.loads(BASELINE.read_text())
     complaints = []
+    if not table.stands_in(DOCUMENT, baseline):
+        complaints.append(f"the table in {DOCUMENT.name} is not that of {BASELINE.name}: bench/run.sh --update")
     for target in EMULATORS:
+        if baseline["compilers"][target] != result["compilers"][target]:
+            print(f"{target}: the baseline is of {baseline['compilers'][target]}, this is {result['compilers'][target]}: "
+                  "not compared")
+            continue
         known = {row["function"]: row for row in baseline[target]}
         for row in result[target]:
             old = known.get(row["function"])
@@ -136,13 +157,14 @@ def main():
 
     result = {target: evaluate(target, options.build / target) for target in EMULATORS}
     estimate.add(result["cortex-m4"], options.build / "cortex-m4", EMULATORS["cortex-m4"] + SERIAL)
-    result["library"] = {target: whole_library(options.build / target) for target in EMULATORS}
+    result["library"] = {target: library_size(options.build / target) for target in EMULATORS}
+    result["compilers"] = compilers()
     text = json.dumps(result, indent=1) + "\n"
     if options.json:
         options.json.write_text(text)
     if options.update:
         BASELINE.write_text(text)
-        table.rewrite(HERE.parent / "docs" / "bench.md", result)
+        table.rewrite(DOCUMENT, result)
     if options.markdown:
         print(table.markdown(result), end="")
     else:
