@@ -19,7 +19,7 @@ ROWS = {
     "exact_set_up": ("exact prediction's law of a winding", "-", None),
     "prediction_salient": ("exact prediction, salient", "-", 60),
     "salient_at_speed": ("salient prediction's and mean's coefficients at a speed", "-", None),
-    "control_step": ("two PI with decoupling", "CMSIS q31 2 x 20 (no clamp, no decoupling)", None),
+    "control_step": ("two PI with limits and anti-windup state", "CMSIS q31 2 x 20 (no limits)", None),
     "modulation": ("modulation with limiting", "-", None),
     "current_control": ("current control", "CMSIS f32 (FPU) 123, CMSIS q31 208, TI 226", 123),
     "cycle": ("the whole cycle, straight calls", "CMSIS q31 242 without correction and prediction", 242),
