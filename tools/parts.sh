@@ -149,13 +149,6 @@ check_everything() {
     close_parts
 }
 
-# The parts that other folders bring.
-run_if_there() {
-    if [[ -e $2 ]]; then
-        run_part "$@"
-    fi
-}
-
 test_everything() {
     run_part host test_preset host
     run_part clang test_preset clang "$ONCE"
@@ -164,9 +157,9 @@ test_everything() {
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
     run_part examples python3 tools/check_examples.py
     run_part figures python3 tools/figures.py check
-    run_if_there target tests/target/run.sh
-    run_if_there bench bench/run.sh --check
-    run_if_there blind tests/blind/run.py --ci --jobs "$JOBS"
+    run_part target tests/target/run.sh
+    run_part bench bench/run.sh --check
+    run_part blind tests/blind/run.py --ci --jobs "$JOBS"
     run_static_checks
     run_part coverage check_coverage
     close_parts
