@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""
+What a C28x demands of the library, checked without one: its char has 16 bits and its int 16.
+
+1. No 8-bit type, nothing that depends on the size of a char, no int-sized assumption in a name: a scan of all tokens.
+2. Every source compiles without a warning where int has 16 bits (clang for MSP430): a constant or shift that needs a wider
+   int is an error there, and so is a conversion that loses bits.
+The checker is tested on code that it must refuse. Called by tests/target/run.sh.
+"""
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+SOURCES = sorted((ROOT / "src").glob("*.c"))
+FILES = SOURCES + sorted((ROOT / "src").glob("*.h")) + sorted((ROOT / "include" / "iqfoc").glob("*.h"))
+
+# int itself is allowed nowhere: it has another size on every kind of target.
+FORBIDDEN = {"char", "int8_t", "uint8_t", "int_least8_t", "uint_least8_t", "int_fast8_t", "uint_fast8_t", "int_fast16_t",
+             "uint_fast16_t", "int_fast32_t", "uint_fast32_t", "sizeof", "CHAR_BIT", "memcpy", "memset", "memcmp", "union",
+             "int", "short", "unsigned", "signed", "float", "double"}
+# An array of -1 elements that refuses to compile; its element type means nothing. Macros that fold at compile time.
+ALLOWED_LINES = (re.compile(r"^typedef char iq24_assume_\w+\["), re.compile(r"\(double\)"))
+COMPILE = ["clang", "--target=msp430", "-std=c99", "-ffreestanding", "-fsyntax-only", "-Wall", "-Wextra", "-Wconversion",
+           "-Wshift-overflow", "-Wconstant-conversion", "-Werror", "-I", str(ROOT / "include"), "-I", str(ROOT / "src")]
+
+failures = []
+
+
+def check(good, what):
+    print(("ok    " if good else "FAIL  ") + what)
+    if not good:
+        failures.append(what)
+
+
+def without_comments(text):
+    """The text with comments blanked and its lines kept."""
+    return re.sub(r"/\*.*?\*/", lambda m: re.sub(r"[^\n]", " ", m.group()), text, flags=re.S)
+
+
+def offences(text):
+    """(line number, token) of every forbidden token."""
+    found = []
+    for number, line in enumerate(without_comments(text).split("\n"), 1):
+        if not any(pattern.search(line) for pattern in ALLOWED_LINES):
+            found += [(number, word) for word in re.findall(r"[A-Za-z_]\w*", line) if word in FORBIDDEN]
+    return found
+
+
+def compiles(path):
+    done = subprocess.run(COMPILE + [str(path)], capture_output=True, text=True, check=False)
+    return done.returncode == 0, done.stderr
+
+
+def self_test():
+    check(offences("uint8_t octet;\n/* int8_t here is prose */\n") == [(1, "uint8_t")], "the scan sees an 8-bit type")
+    with tempfile.TemporaryDirectory() as folder:
+        planted = pathlib.Path(folder) / "planted.c"
+        for text, what in (("#include <stdint.h>\nint32_t f(void);\nint32_t f(void)\n{\n    return 1 << 20;\n}\n", "a shift beyond 16 bits"),
+                           ("#include <stdint.h>\nint32_t f(int32_t x);\nint32_t f(int32_t x)\n{\n    return (int)x;\n}\n"
+                            "int g(int32_t x);\nint g(int32_t x)\n{\n    return x;\n}\n", "32 bits kept in an int")):
+            planted.write_text(text)
+            check(not compiles(planted)[0], f"the compiler refuses {what}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.strip().split("\n")[0])
+    parser.add_argument("--build", help="not needed")
+    parser.parse_args()
+    self_test()
+    for path in FILES:
+        found = offences(path.read_text())
+        check(not found, f"{path.relative_to(ROOT)}: no type of 8 bits or of another size" +
+              "".join(f"\n        line {number}: {token}" for number, token in found))
+    for path in SOURCES:
+        good, text = compiles(path)
+        check(good, f"{path.relative_to(ROOT)}: compiles where int has 16 bits" + ("\n" + text if not good else ""))
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
