@@ -9,8 +9,9 @@
  *
  * The current is turned into flux at the angle of the cycle's start and back at the angle of its end;
  * saliency, EMF and the rotor's movement are exact at any speed. R and dead time see the current's mean over
- * the cycle, (i(0) + i(T))/2, from a first pass that has i(0) in its place; what is left is (R T/L) phi^2/12
- * of the current.
+ * the cycle, (i(0) + i(T))/2, from a first pass that has i(0) in its place. With R T/L = 0.02 what is left is
+ * 0.006 % of the rated current at 0.1 rad a cycle, 0.13 % at 0.5 and 0.45 % at 1
+ * (tests/unit/test_flux_predictor.c).
  *
  * Saturation, L(|i|) = L_0/(1 + (|i|/I_sat)^2) on both axes: with y the current that an unsaturated machine
  * would have at the same flux, |i| = |y| (1 + s |i|^2) has the solution i = y * 2/(1 + sqrt(1 - 4 s |y|^2)),
@@ -42,14 +43,14 @@ iqfoc_extension_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t 
 /*
  * The current at the start of the next cycle.
  *
- * i: true current at the start, |component| <= 8. u: commanded voltage, |component| <= 2; the extension turns
- * it into what acts. start, end: sine and cosine of the true rotor angle at both ends of the cycle. Out: held
- * to +-32 a component. Largest error against the formula in double with the same constants, without
- * saturation: 4 (k_d + k_q) LSB, and 12 LSB.
+ * i: true current at the start, |i| <= 8. u: commanded voltage, |u| <= 2; the extension turns it into what
+ * acts. start, end: sine and cosine of the true rotor angle at both ends of the cycle. Out: held to +-32 a
+ * component in the rotor frame. Largest error against the formula in double with the same constants: 8 + 2.5
+ * (k_d + k_q) LSB, twice that with saturation.
  *
- * Range: |l i| <= 4 * 8 sqrt(2) = 45.3 and psi <= 16, so the flux is within 61.3, and a cycle adds at most 2
- * * 2 sqrt(2) + 1/3 of voltage and r |i| <= 11.4: 78.7, within what iqfoc_park takes a component of (64) when
- * the current stays within 6.
+ * Range, of lengths, which no turn changes: |l i| <= 32 and psi <= 16, so the flux is within 48; the acting
+ * voltage adds 2 * 2 + 1/3, the drop of the mean of i and a held prediction r (8 + 32 sqrt(2))/2 <= 26.7.
+ * Their sum, 79, is within the 90.6 that iqfoc_park makes of its largest argument, and below 128: no wrap.
  */
 iqfoc_ab_t iqfoc_flux_predictor_step(const iqfoc_flux_predictor_t *predictor,
                                      const iqfoc_extension_t *extension, iqfoc_ab_t i, iqfoc_ab_t u,
