@@ -96,17 +96,12 @@ static uint32_t ticks_since(uint32_t then, uint32_t now)
     return (uint32_t)(UINT64_C(0x100000000) + now - then);
 }
 
-static void check_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i, uint32_t now)
+/* What a sample shows of its own, as status bits. */
+static uint32_t sample_faults(const iqfoc_cycle_config_t *config, const iqfoc_sample_t *sample,
+                              iq24_t i_alpha, iq24_t i_beta)
 {
-    const iqfoc_cycle_config_t *config = cycle->config;
-    uint32_t bits = 0;
-    if (config->period_ticks != 0 && ticks_since(sample->time, now) > config->stale_ticks) {
-        bits |= IQFOC_STATUS_STALE;
-    }
-    if (sample->clipped) {
-        bits |= IQFOC_STATUS_SAMPLE_CLIPPED;
-    }
-    if (beyond(i.alpha, config->current_limit) || beyond(i.beta, config->current_limit)) {
+    uint32_t bits = sample->clipped ? IQFOC_STATUS_SAMPLE_CLIPPED : 0;
+    if (beyond(i_alpha, config->current_limit) || beyond(i_beta, config->current_limit)) {
         bits |= IQFOC_STATUS_OVERCURRENT;
     }
     if (beyond(sample->turns, IQFOC_ROTOR_TURNS_MAX)) {
@@ -115,7 +110,16 @@ static void check_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqf
     if (!within(sample->u_dc, U_DC_MIN, U_DC_MAX)) {
         bits |= IQFOC_STATUS_DC_LINK;
     }
-    set_status(cycle, bits);
+    return bits;
+}
+
+/* The same and its age when the call began. */
+static uint32_t faults(const iqfoc_cycle_config_t *config, const iqfoc_sample_t *sample, iqfoc_ab_t i,
+                       uint32_t now)
+{
+    const uint32_t bits = sample_faults(config, sample, i.alpha, i.beta);
+    const bool stale = config->period_ticks != 0 && ticks_since(sample->time, now) > config->stale_ticks;
+    return stale ? bits | IQFOC_STATUS_STALE : bits;
 }
 
 /*
@@ -128,6 +132,12 @@ static iq24_t theta_after(iq24_t theta, iq24_t turns, iq24_t cycles)
     return iq24_add_wrap(theta, iq24_mul_round(turns, cycles));
 }
 
+/* theta half a cycle on. */
+static iq24_t theta_half_on(iq24_t theta, iq24_t turns)
+{
+    return iq24_add_wrap(theta, iq24_asr32(turns, 1));
+}
+
 /*
  * Mean over the cycle that ends at this valley: its ends are the two valleys' samples, and the sample at its
  * middle is the mean of a current that changes linearly; a port that averages gives a better one.
@@ -137,7 +147,7 @@ static iqfoc_dq_t corrected_mean(const iqfoc_cycle_t *cycle, const iqfoc_sample_
     const iqfoc_ab_t i_mean = sample->has_mean ? iqfoc_clarke3(sample->i_mean) : cycle->i_peak;
     const iqfoc_ab_t delta = {iq24_sub_wrap(i.alpha, cycle->i_valley.alpha),
                               iq24_sub_wrap(i.beta, cycle->i_valley.beta)};
-    const iq24_t theta_mid = theta_after(cycle->theta_valley, cycle->rotor.turns, IQ24_ONE / 2);
+    const iq24_t theta_mid = theta_half_on(cycle->theta_valley, cycle->rotor.turns);
     return iqfoc_mean_current_correct(i_mean, delta, &cycle->rotor, iq24_sincos(theta_mid));
 }
 
@@ -151,13 +161,14 @@ void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     const iqfoc_ab_t none = {0, 0};
     bool whole = cycle->started; /* the cycle that ends here was seen from its valley on */
-    check_sample(cycle, sample, i, now);
+    uint32_t status = faults(config, sample, i, now);
     if (cycle->started && (cycle->at_valley || (config->period_ticks != 0 &&
                                                 ticks_since(cycle->valley_time, sample->time) >
                                                     config->period_ticks + config->tolerance_ticks))) {
-        set_status(cycle, IQFOC_STATUS_MISSED);
+        status |= IQFOC_STATUS_MISSED;
         whole = false;
     }
+    set_status(cycle, status);
     const iqfoc_ab_t error = {iq24_sub_wrap(i.alpha, cycle->i_next.alpha),
                               iq24_sub_wrap(i.beta, cycle->i_next.beta)};
     cycle->error = whole ? error : none;
@@ -173,8 +184,7 @@ void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint
 
     cycle->rotor = iqfoc_rotor_from_turns(sample->turns);
     cycle->theta_valley = theta_after(sample->theta, cycle->rotor.turns, -sample->at);
-    const iq24_sincos_t sc_mid =
-        iq24_sincos(theta_after(cycle->theta_valley, cycle->rotor.turns, IQ24_ONE / 2));
+    const iq24_sincos_t sc_mid = iq24_sincos(theta_half_on(cycle->theta_valley, cycle->rotor.turns));
     const iq24_t w = iqfoc_predictor_emf(&config->predictor, &cycle->rotor);
     cycle->i_next = iqfoc_predictor_step(&config->predictor, i, cycle->u_now, w, sc_mid);
     cycle->i_mean_dq = iqfoc_mean_current_seen(i, cycle->i_next, w, &cycle->rotor, sc_mid);
@@ -201,14 +211,15 @@ static iqfoc_dq_t feedback(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, i
 /*
  * One Newton step towards 1/u: r (2 - u r).
  *
- * Range: 0.5 <= u <= 1.5 and 0 < r <= 2 at entry; p = u r is held to 1.5, so the factor 2 - p is at least 0.5
- * and r stays positive; r (2 - u r) <= 1/u <= 2. The relative error e becomes e^2 a cycle: after a step of 10
- * % in u_dc it is 1 %, then 0.01 %, then below 1 LSB.
+ * Range: 0.5 <= u <= 1.5 and 0 < r <= 2 at entry; p = u r >= 0 is held to 1.5, so the factor 2 - p is at
+ * least 0.5, and r stays positive: half of 1 LSB is rounded up. r (2 - u r) <= 1/u <= 2, but for its
+ * rounding. The relative error e becomes e^2 a cycle: after a step of 10 % in u_dc it is 1 %, then 0.01 %,
+ * then below 1 LSB.
  */
 static iq24_t inverse_followed(iq24_t r, iq24_t u)
 {
-    const iq24_t p = iq24_clamp(iq24_mul_round(iq24_clamp(u, U_DC_MIN, U_DC_MAX), r), 0, IQ24(1.5));
-    return iq24_clamp(iq24_mul_round(r, 2 * IQ24_ONE - p), 1, 2 * IQ24_ONE);
+    const iq24_t p = iqfoc_smaller(iq24_mul_round(iq24_clamp(u, U_DC_MIN, U_DC_MAX), r), IQ24(1.5));
+    return iqfoc_smaller(iq24_mul_round(r, 2 * IQ24_ONE - p), 2 * IQ24_ONE);
 }
 
 /* Duties for u, and in u what they really make of it. */
@@ -244,11 +255,12 @@ iqfoc_command_t iqfoc_cycle_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sam
     const iqfoc_cycle_config_t *config = cycle->config;
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     const iq24_t turns = iq24_clamp(sample->turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    check_sample(cycle, sample, i, now);
+    uint32_t status = faults(config, sample, i, now);
     if (!cycle->at_valley) {
-        set_status(cycle, IQFOC_STATUS_MISSED);
+        status |= IQFOC_STATUS_MISSED;
         cycle->corrected = false;
     }
+    set_status(cycle, status);
     cycle->at_valley = false;
     cycle->i_dq = feedback(cycle, sample, i);
     cycle->i_peak = i;

@@ -20,7 +20,7 @@ static const int32_t steady_gain_poly[10] = {134217727, 55195100,   70343732,  6
 static int32_t turns_squared_q32(iq24_t turns)
 {
     const int32_t x_q32 = turns * 256;
-    return (int32_t)iq24_asr64((int64_t)x_q32 * x_q32, 32);
+    return iq24_mul_high(x_q32, x_q32);
 }
 
 /*
@@ -32,7 +32,7 @@ static int32_t turns_squared_q32(iq24_t turns)
  */
 static int32_t horner(int32_t p, int32_t v_q32, int32_t c)
 {
-    return iq24_add_wrap(c, (int32_t)iq24_asr64((int64_t)p * v_q32, 32));
+    return iq24_add_wrap(c, iq24_mul_high(p, v_q32));
 }
 
 static iq24_t limited(iq24_t turns)
@@ -51,7 +51,7 @@ static iq24_t limited(iq24_t turns)
  */
 static iq24_t times(iq24_t x, int32_t k, uint32_t bits)
 {
-    return (iq24_t)iq24_asr64((int64_t)x * k + (INT64_C(1) << (bits - 1)), bits);
+    return iq24_shift_wrap(IQ24_MUL64(x, k) + (INT64_C(1) << (bits - 1)), bits);
 }
 
 /*
@@ -73,15 +73,14 @@ iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns)
     p2 = horner(p2, v, s2_poly[1]);
     p1 = horner(p1, v, s1_poly[0]);
     p2 = horner(p2, v, s2_poly[0]);
-    const int32_t two_pi_p1 = (int32_t)iq24_asr64((int64_t)p1 * TWO_PI_Q28, 30);
-    const int32_t two_pi_p2 = (int32_t)iq24_asr64((int64_t)p2 * TWO_PI_Q28, 30);
+    const int32_t two_pi_p1 = iq24_shift_wrap(IQ24_MUL64(p1, TWO_PI_Q28), 30);
+    const int32_t two_pi_p2 = iq24_shift_wrap(IQ24_MUL64(p2, TWO_PI_Q28), 30);
     const iqfoc_rotor_t rotor = {.turns = x,
                                  .phi = times(x, TWO_PI_Q28, 28),
                                  .s1 = iq24_asr32(p1 + 32, 6),
                                  .s2 = times(x, p2, 30),
                                  .phi_s1 = times(x, two_pi_p1, 28),
-                                 .phi_s2 =
-                                     (iq24_t)iq24_asr64((int64_t)v * two_pi_p2 + (INT64_C(1) << 35), 36)};
+                                 .phi_s2 = iq24_asr32(iq24_mul_high(v, two_pi_p2) + 8, 4)};
     return rotor;
 }
 

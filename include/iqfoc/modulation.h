@@ -42,12 +42,12 @@ iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
  *
  * Range: |u u_dc_inverse| <= 64, so |phase| <= 64.1 and span = max - min <= sqrt(3) 64 = 110.9: no sum wraps.
  * With 0 <= span <= 1, (1 - span)/2 >= 0 is the lowest duty and (1 - span)/2 + span <= 1 the highest,
- * exactly: nothing need be clamped after it. Error within the hexagon: voltage over u_dc 0.5 LSB, inverse
- * Clarke 1.2 (twice: a phase and the lowest), the half 0.5.
+ * exactly: nothing need be clamped after it. Error within the hexagon, all floors: voltage over u_dc 1 LSB,
+ * inverse Clarke 1.2 (twice: a phase and the lowest, in which the former partly cancels), the half 0.5.
  */
 static inline iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max)
 {
-    const iqfoc_ab_t v = {iq24_mul_round(u.alpha, u_dc_inverse), iq24_mul_round(u.beta, u_dc_inverse)};
+    const iqfoc_ab_t v = {iq24_mul_trunc(u.alpha, u_dc_inverse), iq24_mul_trunc(u.beta, u_dc_inverse)};
     iqfoc_abc_t x = iqfoc_clarke_inverse(v);
     iq24_t low = iqfoc_smaller(iqfoc_smaller(x.a, x.b), x.c);
     iq24_t high = iqfoc_larger(iqfoc_larger(x.a, x.b), x.c);

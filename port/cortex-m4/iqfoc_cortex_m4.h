@@ -8,6 +8,10 @@
  *
  * The instructions take the two halves of a sum as registers of their own. As one 64-bit operand they would
  * have to be neighbours, which costs a move for every second product (gcc 12.2).
+ *
+ * They are volatile although they only compute: that keeps them in the order in which they are written. Free
+ * to reorder them, the compiler loads all operands ahead and then has no register left to hold them: current
+ * control took 116 instructions instead of 103.
  */
 #ifndef PORT_CORTEX_M4_IQFOC_CORTEX_M4_H
 #define PORT_CORTEX_M4_IQFOC_CORTEX_M4_H
@@ -23,7 +27,7 @@ static inline int64_t iqfoc_cortex_m4_mul64(int32_t a, int32_t b)
 {
     uint32_t low;
     uint32_t high;
-    __asm("smull %0, %1, %2, %3" : "=r"(low), "=r"(high) : "r"(a), "r"(b));
+    __asm volatile("smull %0, %1, %2, %3" : "=r"(low), "=r"(high) : "r"(a), "r"(b));
     return iqfoc_cortex_m4_join(low, high);
 }
 
@@ -31,7 +35,7 @@ static inline int64_t iqfoc_cortex_m4_mac64(int64_t sum, int32_t a, int32_t b)
 {
     uint32_t low = (uint32_t)sum;
     uint32_t high = (uint32_t)((uint64_t)sum >> 32);
-    __asm("smlal %0, %1, %2, %3" : "+r"(low), "+r"(high) : "r"(a), "r"(b));
+    __asm volatile("smlal %0, %1, %2, %3" : "+r"(low), "+r"(high) : "r"(a), "r"(b));
     return iqfoc_cortex_m4_join(low, high);
 }
 
@@ -42,7 +46,7 @@ static inline int64_t iqfoc_cortex_m4_mac64(int64_t sum, int32_t a, int32_t b)
 #define IQ24_HOLD_BITS(x, bits)                                                                              \
     __extension__({                                                                                          \
         int32_t held_;                                                                                       \
-        __asm("ssat %0, %1, %2" : "=r"(held_) : "I"(bits), "r"(x));                                          \
+        __asm volatile("ssat %0, %1, %2" : "=r"(held_) : "I"(bits), "r"(x));                                 \
         held_;                                                                                               \
     })
 
