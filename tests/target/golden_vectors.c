@@ -5,6 +5,7 @@
 
 #include "digest.h"
 #include "golden_inputs.h"
+#include "golden_models.h"
 
 #include "iqfoc/current_control.h"
 #include "iqfoc/iq24_math.h"
@@ -216,7 +217,8 @@ static void current_control(golden_inputs_t *inputs, uint64_t *digest)
 
 static void modulation(golden_inputs_t *inputs, uint64_t *digest)
 {
-    const iqfoc_ab_t u = ab_within(inputs, inputs->number++ % 2 == 0 ? IQ24(32.0) : IQ24_ONE);
+    /* |u| <= 32, so each component up to 32/sqrt(2). */
+    const iqfoc_ab_t u = ab_within(inputs, inputs->number++ % 2 == 0 ? IQ24(22.6) : IQ24_ONE);
     const iq24_t u_dc_inverse = 1 + positive_within(inputs, IQ24(2.0) - 1);
     const iq24_t span_max = 1 + positive_within(inputs, IQ24_ONE - 1);
     const iqfoc_duties_t duties = iqfoc_modulate(u, u_dc_inverse, span_max);
@@ -254,6 +256,9 @@ void golden_vectors(golden_report *report)
         {"current_control", current_control},
         {"modulation", modulation},
         {"six_step", six_step},
+        {"predictor_exact", golden_exact},
+        {"predictor_salient", golden_salient},
+        {"extension", golden_extension},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
         golden_inputs_t inputs = {0, GOLDEN_SEED};

@@ -1,0 +1,14 @@
+/*
+ * Golden vectors of the exact predictors and of the corrections from a diagnosis; part of golden_vectors.h.
+ */
+#ifndef TESTS_TARGET_GOLDEN_MODELS_H
+#define TESTS_TARGET_GOLDEN_MODELS_H
+
+#include "golden_inputs.h"
+
+/* Each adds what one input gives. */
+void golden_exact(golden_inputs_t *inputs, uint64_t *digest);
+void golden_salient(golden_inputs_t *inputs, uint64_t *digest);
+void golden_extension(golden_inputs_t *inputs, uint64_t *digest);
+
+#endif
