@@ -48,6 +48,9 @@ ROOTS = {
     "exact_set_up": ["iqfoc_exact_prediction"],
     "prediction_salient": ["iqfoc_salient_step"],
     "salient_at_speed": ["iqfoc_salient_at_speed"],
+    "mean_modulated": ["iqfoc_mean_modulated"],
+    "modulated_at_speed": ["iqfoc_mean_modulated_at_speed"],
+    "ripple": ["iqfoc_ripple_seen"],
     "control_step": ["iqfoc_current_control_step"],
     "modulation": ["iqfoc_modulate"],
     "current_control": ["bench_current_control"],
@@ -98,7 +101,7 @@ def evaluate(target, build):
 
 
 # Objects beyond what a drive needs: what issue from a recording or a finer model, and the recorder.
-BEYOND_CORE = {"deadbeat", "extension", "finite_set", "flux_predictor", "predictor_exact", "predictor_salient", "recorder"}
+BEYOND_CORE = {"deadbeat", "extension", "finite_set", "flux_predictor", "mean_modulated", "predictor_exact", "predictor_salient", "recorder", "ripple"}
 
 
 def library_size(build):

@@ -7,6 +7,7 @@
  */
 #include "iqfoc/iq24_math.h"
 #include "iqfoc/mean_current.h"
+#include "iqfoc/mean_modulated.h"
 #include "iqfoc/predictor_exact.h"
 #include "iqfoc/predictor_salient.h"
 
@@ -28,6 +29,8 @@ static iqfoc_exact_law_t exact_law;
 static iqfoc_exact_t exact;
 static iqfoc_salient_t salient;
 static iqfoc_salient_t salient_mean;
+static iqfoc_mean_modulated_t modulated;
+static iqfoc_ripple_t ripple;
 
 /*
  * count_<name>: the units that one call of `function` takes. The call through a pointer whose value the
@@ -93,6 +96,13 @@ COUNT(prediction_salient, iqfoc_dq_t, iqfoc_salient_step, (const iqfoc_salient_t
 COUNT(salient_at_speed, void, iqfoc_salient_at_speed,
       (const iqfoc_salient_machine_t *, iq24_t, iq24_t, iqfoc_salient_t *, iqfoc_salient_t *),
       (&bench_salient, in->sample.turns, IQ24_ONE, &salient, &salient_mean))
+COUNT(mean_modulated, iqfoc_dq_t, iqfoc_mean_modulated,
+      (const iqfoc_mean_modulated_t *, iqfoc_ab_t, iqfoc_ab_t, iqfoc_abc_t, iq24_t, iq24_sincos_t),
+      (&modulated, in->i, in->delta, duties.high, in->sample.u_dc, in->sc))
+COUNT(modulated_at_speed, iqfoc_mean_modulated_t, iqfoc_mean_modulated_at_speed,
+      (const iqfoc_predictor_t *, const iqfoc_rotor_t *), (&bench_config.predictor, &in->rotor))
+COUNT(ripple, iqfoc_dq_t, iqfoc_ripple_seen, (const iqfoc_ripple_t *, iqfoc_abc_t, iq24_t, iq24_sincos_t),
+      (&ripple, duties.high, in->sample.u_dc, in->sc))
 COUNT(control_step, iqfoc_dq_t, iqfoc_current_control_step,
       (iqfoc_current_control_t *, const iqfoc_current_control_gains_t *, iqfoc_dq_t, iqfoc_dq_t),
       (&drive.control, &bench_config.gains, in->i_ref, (iqfoc_dq_t){in->i.alpha, in->i.beta}))
@@ -184,6 +194,10 @@ int main(void)
     exact_law = iqfoc_exact_prediction(&bench_winding, IQ24_ONE);
     exact = iqfoc_exact_at_speed(&exact_law, IQ24(0.08));
     iqfoc_salient_at_speed(&bench_salient, IQ24(0.08), IQ24_ONE, &salient, &salient_mean);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(IQ24(0.08));
+    modulated = iqfoc_mean_modulated_at_speed(&bench_config.predictor, &rotor);
+    ripple = iqfoc_ripple_at_speed(&bench_salient, &rotor);
+    duties = iqfoc_modulate((iqfoc_ab_t){IQ24(0.3), IQ24(0.2)}, IQ24_ONE, bench_config.span_max);
     if (iqfoc_cycle_init(&cycle, &bench_config) != IQFOC_OK) {
         console_text("the benchmark's configuration was refused\n");
         return 1;
@@ -208,6 +222,9 @@ int main(void)
     report("exact_set_up", count_exact_set_up);
     report("prediction_salient", count_prediction_salient);
     report("salient_at_speed", count_salient_at_speed);
+    report("mean_modulated", count_mean_modulated);
+    report("modulated_at_speed", count_modulated_at_speed);
+    report("ripple", count_ripple);
     report("control_step", count_control_step);
     report("modulation", count_modulation);
     report("current_control", count_current_control_of_drive);
