@@ -37,6 +37,9 @@ static const double LEAST_SHARE_OF_REST = 0.05;
 /* Structure that takes less of the one-cycle error's power does no harm and is not reported. */
 static const double STRUCTURE_SHARE = 0.03;
 
+/* An extended error of this many noise floors raises the question whether the columns are what they say. */
+static const double SUSPECT = 2.0;
+
 /* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
 static const double FLOOR_TOLERANCE = 1.25;
 
@@ -359,7 +362,7 @@ bool diagnose(diagnosis *d, const recording *rec, const char *recording_path, co
     if (!w) {
         return error_failure(e, 0, "out of memory");
     }
-    bool ok = plausible_check(rec, recording_path, m, e) && rows_prepare(&w->rows, rec, m, e);
+    bool ok = plausible_columns(rec, recording_path, m, e) && rows_prepare(&w->rows, rec, m, e);
     if (ok) {
         w->parameters = parameters_of(m, &w->rows);
         ok = fit_data_make(&w->fitted, &w->rows, &w->parameters, SEARCH_ROWS, false, e);
@@ -367,6 +370,12 @@ bool diagnose(diagnosis *d, const recording *rec, const char *recording_path, co
     if (ok && !work(w, d, m, options)) {
         ok = error_failure(e, 0, "out of memory in the diagnosis of %zu rows", rec->rows);
     }
+    /* Causes that explain the recording are believed; otherwise the wiring is suspected before the physics.
+     */
+    if (ok && d->extended > SUSPECT * d->noise_floor) {
+        ok = plausible_wiring(rec, m, recording_path, e);
+    }
+    ok = ok && plausible_motor(&d->extended_drive, &d->nominal_drive, recording_path, e);
     fit_data_free(&w->fitted);
     rows_free(&w->rows);
     free(w);
