@@ -25,7 +25,7 @@
 
 #include <stdint.h>
 
-/* A target may name a header that defines the hook below its own way: -DIQFOC_TARGET_HEADER='"my_dsp.h"' */
+/* A target may name a header that defines the hooks below its own way: -DIQFOC_TARGET_HEADER='"my_dsp.h"' */
 #ifdef IQFOC_TARGET_HEADER
 #include IQFOC_TARGET_HEADER
 #endif

@@ -4,8 +4,8 @@
  * 1 LSB = 2^-24. Errors are against the exact function of the integer arguments; how each was found stands
  * with it, and tests/unit/test_iq24_math.c enforces every sentence below.
  *
- * Instructions are those of a call on a Cortex-M4, entry through return, gcc 12.2 -O2; they do not depend
- * on the arguments but as stated. All but the sine rest on the core's unsigned 32-bit divide, whose cycles
+ * Instructions are those of a call on a Cortex-M4, entry through return, gcc 12.2 -O2 with the target header
+ * in port/cortex-m4; they do not depend on the arguments but as stated. All but the sine rest on the core's unsigned 32-bit divide, whose cycles
  * (2 to 12 there) do; where a core has no divide instruction, each of those is a library call.
  */
 #ifndef IQFOC_IQ24_MATH_H
@@ -20,7 +20,7 @@
  * Scaling and overflow: any argument is an angle; whole turns (all but the low 24 bits) drop out. No output
  * can overflow.
  * Error: 0.51 LSB at most, over all 2^24 angles (0.50986 found, at 10091565). Exact at quarter turns.
- * Instructions: 33. iq24_sincos.h has the same function inline.
+ * Instructions: 32. iq24_sincos.h has the same function inline.
  */
 iq24_sincos_t iq24_sincos(iq24_t turns);
 

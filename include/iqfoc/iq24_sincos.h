@@ -1,7 +1,7 @@
 /*
  * Sine with cosine for code that cannot afford the call: iq24_sincos of iq24_math.h is this function, once in
- * the library. Inlined, it costs a control loop about 10 of its 44 instructions less (Cortex-M4, gcc 12.2
- * -O2: no call, no saved registers, no results through memory), and some 100 bytes of code for each use.
+ * the library. Inlined, it costs a control loop some 10 instructions less than the call (Cortex-M4, gcc 12.2
+ * -O2: no saved registers, no results through memory), and some 100 bytes of code for each use.
  */
 #ifndef IQFOC_IQ24_SINCOS_H
 #define IQFOC_IQ24_SINCOS_H
