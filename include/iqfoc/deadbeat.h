@@ -1,0 +1,82 @@
+/*
+ * Deadbeat predictive current control with compensation of the computation's delay.
+ *
+ * At valley k the voltage of the cycle that begins is decided already; what is computed now acts from valley
+ * k + 1. So the current is predicted to valley k + 1, and the voltage sought that brings it to the reference
+ * at valley k + 2:
+ *
+ *     i_(k+1) = a i_k + k_u u_k + m_k,        u_(k+1) = (i_ref,(k+2) - a i_(k+1) - m_(k+1))/k_u
+ *
+ * a, k_u and m (the EMF's part, turned by the angle at mid-cycle) are one predictor's: exact, quasi-discrete
+ * or standard, as the caller fills `model` (predictor_exact.h, predictor_form.h). There is no integrator:
+ * what the model gets wrong, the current gets wrong.
+ *
+ * In use, with `rotor` of the speed:
+ *
+ *     iqfoc_deadbeat_t deadbeat = {
+ *         .model = iqfoc_exact_at_speed(&law, rotor.turns),                  where the speed changes
+ *         .k_u_inverse = iqfoc_deadbeat_inverse(law.k_u_q26),                once
+ *         .reference = iqfoc_valley_reference_at(&rotor, k_psi)};            where the speed changes
+ *     u = iqfoc_deadbeat_step(&deadbeat, i, u_now, i_ref, theta, rotor.turns);     at each valley
+ *     duties = iqfoc_modulate(u, u_dc_inverse, span_max);    u_now of the next valley: u times duties.scale
+ */
+#ifndef IQFOC_DEADBEAT_H
+#define IQFOC_DEADBEAT_H
+
+#include "predictor_exact.h"
+#include "transform.h"
+#include "valley_reference.h"
+
+typedef struct iqfoc_deadbeat {
+    iqfoc_exact_t model; /* over one whole cycle, of the present speed; 1/64 <= k_u <= 16 */
+    iq24_t k_u_inverse;  /* 1/k_u: per-unit voltage that moves the current by 1 in a cycle; 1/16 ... 64 */
+    iqfoc_valley_reference_t reference; /* gain 1 and magnet 0 to control the valleys' current itself */
+} iqfoc_deadbeat_t;
+
+/* A component of the voltage is held to this: beyond what any DC link makes, within what iqfoc_modulate
+ * takes. */
+#define IQFOC_DEADBEAT_LIMIT IQ24(16.0)
+
+/* 1/k_u to 0.5 LSB. 1/64 <= k_u <= 16; below that it saturates at 128. */
+static inline iq24_t iqfoc_deadbeat_inverse(int32_t k_u_q26)
+{
+    return iq24_div(INT32_C(1) << 26, k_u_q26);
+}
+
+/*
+ * The voltage that brings the current from i to target over one cycle.
+ *
+ * i, target: per unit, |component| <= 32. sc_mid: of the rotor angle in the middle of that cycle. Out: each
+ * component held to +-16. Where neither is held, iqfoc_exact_step with the result misses the target by at
+ * most 1.5 LSB + 0.5 k_u (1 + |change|) LSB, change: what the voltage has to do to the current: 4 LSB where
+ * both are about 1.5.
+ *
+ * Range: without voltage |i'| <= 32 + 16.8, so the difference is within 80.8 and does not wrap. The product
+ * saturates; it is at most 80.8 * 128 = 10343 in per unit, within the accumulator's 32768.
+ */
+static inline iqfoc_ab_t iqfoc_deadbeat_voltage(const iqfoc_deadbeat_t *deadbeat, iqfoc_ab_t i,
+                                                iqfoc_ab_t target, iq24_sincos_t sc_mid)
+{
+    const iqfoc_ab_t none = {0, 0};
+    const iqfoc_ab_t left_alone = iqfoc_exact_step(&deadbeat->model, i, none, sc_mid);
+    const iq24_t alpha = iq24_mul_sat(iq24_sub_wrap(target.alpha, left_alone.alpha), deadbeat->k_u_inverse);
+    const iq24_t beta = iq24_mul_sat(iq24_sub_wrap(target.beta, left_alone.beta), deadbeat->k_u_inverse);
+    const iqfoc_ab_t u = {iq24_clamp(alpha, -IQFOC_DEADBEAT_LIMIT, IQFOC_DEADBEAT_LIMIT),
+                          iq24_clamp(beta, -IQFOC_DEADBEAT_LIMIT, IQFOC_DEADBEAT_LIMIT)};
+    return u;
+}
+
+/*
+ * One control cycle: the voltage for the cycle after the one that begins now.
+ *
+ * i: sample at this valley, |component| <= 15, u_now: the voltage of the cycle that begins, |component| <= 1.
+ * i_ref: mean current wanted, rotor frame, |component| <= 20. theta: at this valley, turns: of the speed that
+ * `deadbeat` was made for. Out: per unit, each component held to +-16; the modulator may have to shorten it.
+ *
+ * Range: |i_next| <= 15 + 16 + 20.8 with k_u |u| <= 16 and |w| <= 20.8 (both parts); the caller's current
+ * limit keeps it far below. Past 32 the voltage is at its limit whatever i_next is.
+ */
+iqfoc_ab_t iqfoc_deadbeat_step(const iqfoc_deadbeat_t *deadbeat, iqfoc_ab_t i, iqfoc_ab_t u_now,
+                               iqfoc_dq_t i_ref, iq24_t theta, iq24_t turns);
+
+#endif

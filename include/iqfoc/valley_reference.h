@@ -1,0 +1,59 @@
+/*
+ * What the current must be at the valleys for its mean over each cycle, seen from the turning rotor, to be
+ * the reference.
+ *
+ * Torque follows the mean, a predictive controller aims at the instants between two voltages, and at a low
+ * switching-to-fundamental ratio the two are far apart. But for R i, flux linkage runs straight in the
+ * stationary frame while a voltage stands: from psi_v at one valley to psi_v e^(j phi) at the next. Its mean,
+ * seen from the rotor (2016 (10)), is
+ *
+ *     e^(-j phi/2) [ s1 (1 + e^(j phi))/2 - j s2 (e^(j phi) - 1) ] psi_v = s1^2 psi_v,
+ *
+ * since cos(phi/2) + phi s2 = s1. With psi = L i + psi_f,
+ *
+ *     i_d = (mean_d + k_psi)/s1^2 - k_psi,      i_q = mean_q/s1^2.
+ *
+ * Exact in steady state for R = 0; docs/loops.md has the error with R. k_psi = 3 at a ratio of 5: the valley
+ * current is 43 % of the rated one away from the mean.
+ */
+#ifndef IQFOC_VALLEY_REFERENCE_H
+#define IQFOC_VALLEY_REFERENCE_H
+
+#include "iq24_math.h"
+#include "rotor.h"
+#include "vector.h"
+
+/* Made where the speed changes. */
+typedef struct iqfoc_valley_reference {
+    iq24_t gain;      /* 1/s1^2: 1 ... 1.4625 */
+    iq24_t magnet_pu; /* k_psi (1/s1^2 - 1): 0 ... 3.7 */
+} iqfoc_valley_reference_t;
+
+/*
+ * k_psi: psi_f/(L I_b), 0 ... 8. Largest error: gain 3.2 LSB where s1 is least, magnet 0.5 LSB + 3.2 LSB per
+ * unit of k_psi (tests/unit/test_deadbeat.c finds 3.1).
+ *
+ * Range: s1 >= 0.8269, so s1^2 >= 0.6838 and its inverse <= 1.4625.
+ */
+static inline iqfoc_valley_reference_t iqfoc_valley_reference_at(const iqfoc_rotor_t *rotor, iq24_t k_psi)
+{
+    iqfoc_valley_reference_t reference;
+    reference.gain = iq24_div(IQ24_ONE, iq24_mul_round(rotor->s1, rotor->s1));
+    reference.magnet_pu = iq24_mul_round(k_psi, reference.gain - IQ24_ONE);
+    return reference;
+}
+
+/*
+ * The valley current, rotor frame at the valley, of a mean current.
+ *
+ * mean: per unit, |component| <= 20. Out: |component| <= 33. Largest error with gain and magnet as given: 0.5
+ * LSB.
+ */
+static inline iqfoc_dq_t iqfoc_valley_reference(const iqfoc_valley_reference_t *reference, iqfoc_dq_t mean)
+{
+    const iqfoc_dq_t valley = {iq24_add_wrap(iq24_mul_round(reference->gain, mean.d), reference->magnet_pu),
+                               iq24_mul_round(reference->gain, mean.q)};
+    return valley;
+}
+
+#endif
