@@ -5,8 +5,9 @@
  * with it, and tests/unit/test_iq24_math.c enforces every sentence below.
  *
  * Instructions are those of a call on a Cortex-M4, entry through return, gcc 12.2 -O2 with the target header
- * in port/cortex-m4; they do not depend on the arguments but as stated. All but the sine rest on the core's unsigned 32-bit divide, whose cycles
- * (2 to 12 there) do; where a core has no divide instruction, each of those is a library call.
+ * in port/cortex-m4; they do not depend on the arguments but as stated. All but the sine rest on the core's
+ * unsigned 32-bit divide, whose cycles (2 to 12 there) do; where a core has no divide instruction, each of
+ * those is a library call.
  */
 #ifndef IQFOC_IQ24_MATH_H
 #define IQFOC_IQ24_MATH_H
