@@ -35,7 +35,7 @@ static const double LEAST_SHARE = 5e-4;
 static const double LEAST_SHARE_OF_REST = 0.05;
 
 /* Structure that takes less of the one-cycle error's power does no harm and is not reported. */
-static const double STRUCTURE_SHARE = 0.03;
+static const double STRUCTURE_SHARE = 0.05;
 
 /* An extended error of this many noise floors raises the question whether the columns are what they say. */
 static const double SUSPECT = 2.0;

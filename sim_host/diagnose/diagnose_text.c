@@ -33,8 +33,11 @@ void diagnose_sentence(diagnosis *d)
     if (used < size) {
         snprintf(out + used, size - used,
                  "%s: the error falls from %.3g %% to %.3g %% (noise floor %.3g %%).",
-                 d->verdict == VERDICT_EXPLAINED ? " explain what the model gets wrong"
-                                                 : " explain a part of what the model gets wrong",
+                 d->verdict == VERDICT_EXPLAINED
+                     ? (d->causes > 1 ? " explain what the model gets wrong"
+                                      : " explains what the model gets wrong")
+                     : (d->causes > 1 ? " explain a part of what the model gets wrong"
+                                      : " explains a part of what the model gets wrong"),
                  d->nominal, d->extended, d->noise_floor);
     }
 }
