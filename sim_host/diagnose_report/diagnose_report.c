@@ -40,7 +40,7 @@ static json_t *plant_json(const diagnosis *d, const plant_witness *w)
         json_array_append_new(causes, json_string(w->found.cause[k].id));
     }
     for (size_t k = 0; k < d->runs; k++) {
-        const diagnosis_run *run = plant_witness_run(w, d->run[k].run);
+        const diagnosis_run *run = plant_witness_run(w, d, k);
         if (run != NULL) {
             json_array_append_new(runs, json_pack("{s:I, s:o, s:o}", "run", (json_int_t)run->run,
                                                   "nominal_on_machine", number(d->run[k].nominal),
@@ -85,13 +85,24 @@ static bool write_body(page *p, const report_input *in, const evidence *v, const
         report_causes(p, d);
     }
     report_errors(p, d, firmware);
-    page_heading(p, 2, "What the model gets wrong");
+    page_heading(
+        p, 2, d->verdict == VERDICT_CLEAN ? "The model beside the recording" : "What the model gets wrong");
     if (!pair(p, v, figure_waveform, figure_residual_time, e) ||
-        !pair(p, v, figure_current, figure_voltage, e) || !pair(p, v, figure_speed, figure_angle, e) ||
-        !pair(p, v, figure_orders, figure_methods, e)) {
+        !pair(p, v, figure_current, figure_voltage, e)) {
         return false;
     }
-    page_heading(p, 2, "What it gains, run by run");
+    if (v->turns) {
+        if (!pair(p, v, figure_speed, figure_angle, e) || !pair(p, v, figure_orders, figure_methods, e)) {
+            return false;
+        }
+    } else {
+        page_note(
+            p, "The rotor does not turn in this recording: nothing is shown against speed, angle or order.");
+        if (!figure_methods(p, v, e)) {
+            return false;
+        }
+    }
+    page_heading(p, 2, d->causes > 0 ? "What it gains, run by run" : "Run by run");
     if (!pair(p, v, figure_runs, figure_free_runs, e)) {
         return false;
     }

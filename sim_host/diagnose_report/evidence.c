@@ -3,13 +3,37 @@
 
 #include <math.h>
 
+/* Fewer samples say nothing about a bin's mean. */
+enum { LEAST_COUNT = 24 };
+
 static const double PI = 3.14159265358979323846;
+
+/* Two electrical revolutions in one stretch. */
+static bool rotor_turns(const recording *rec)
+{
+    for (size_t n = 0; n < rec->stretches; n++) {
+        double angle = 0.0;
+        for (size_t k = rec->stretch[n].first; k < rec->stretch[n].first + rec->stretch[n].count; k++) {
+            angle += rec->omega_e_rad_s[k] * rec->T_s;
+        }
+        if (fabs(angle) > 4.0 * PI) {
+            return true;
+        }
+    }
+    return false;
+}
 
 evidence evidence_of(const recording *rec, const motor *nominal, const diagnosis *d,
                      const plant_witness *witness)
 {
     const averaged_drive *drive = &d->extended_drive;
-    evidence v = {.rec = rec, .nominal = nominal, .d = d, .witness = witness, .extended = d->causes > 0};
+    evidence v = {.rec = rec,
+                  .nominal = nominal,
+                  .d = d,
+                  .witness = witness,
+                  .extended = d->causes > 0,
+                  .was = d->causes > 0 ? "as it was" : "model"};
+    v.turns = rotor_turns(rec);
     v.before = (residual){rec, d->error_nominal, drive->L_d_H, drive->L_q_H};
     v.after = (residual){rec, d->error_extended, drive->L_d_H, drive->L_q_H};
     if (witness->simulated) {
@@ -88,12 +112,13 @@ bool figure_waveform(page *p, const evidence *v, error *e)
     }
     say_window(&drawing, v, &w);
     plot_say(&drawing,
-             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\nset format x ''\n"
+             "set multiplot\nset lmargin at screen 0.15\nset rmargin at screen 0.985\nset format x ''\n"
              "set key at graph 1,1.17 right horizontal maxrows 1 samplen 1.2 width -1 font ',12'\nset xrange "
              "[0:*] noextend\n"
              "set tmargin at screen 0.92\nset bmargin at screen 0.5\nset ylabel 'phase A, A'\n"
              "plot $rows using 1:2 with lines linestyle 9 linewidth 4 title 'measured', "
-             "$rows using 1:3 with lines linestyle 2 title 'as it was'");
+             "$rows using 1:3 with lines linestyle 2 title '%s'",
+             v->was);
     if (v->extended) {
         plot_say(&drawing, ", $rows using 1:4 with lines linestyle 1 title 'extended'");
     }
@@ -101,7 +126,7 @@ bool figure_waveform(page *p, const evidence *v, error *e)
         &drawing,
         "\nunset key\nset tmargin at screen 0.44\nset bmargin at screen 0.12\nset format x '%%g'\nset xlabel "
         "'time, "
-        "ms'\nset ylabel 'measured - model, A'\nplot $rows using 1:($2-$3) with lines linestyle 2 notitle");
+        "ms'\nset ylabel 'difference, A'\nplot $rows using 1:($2-$3) with lines linestyle 2 notitle");
     if (v->extended) {
         plot_say(&drawing, ", $rows using 1:($2-$4) with lines linestyle 1 notitle");
     }
@@ -126,7 +151,8 @@ bool figure_residual_time(page *p, const evidence *v, error *e)
              "set xrange [0:*] noextend\nset xlabel 'time, ms'\nset ylabel 'missing voltage of phase A, V'\n"
              "set key at graph 1,1.09 right horizontal maxrows 1 samplen 1.2 width -1 font ',12'\nset "
              "tmargin 2.5\n"
-             "plot $rows using 1:5 with steps linestyle 2 title 'as it was'");
+             "plot $rows using 1:5 with steps linestyle 2 title '%s'",
+             v->was);
     if (v->extended) {
         plot_say(&drawing, ", $rows using 1:6 with steps linestyle 1 title 'extended'");
     }
@@ -146,11 +172,26 @@ static void say_bins(plot *drawing, const char *name, const residual *r, residua
     residual_bins(r, axis, low, high, bins);
     plot_data(drawing, name);
     for (size_t n = 0; n < RESIDUAL_BINS; n++) {
-        if (bins[n].count >= 6) {
+        if (bins[n].count >= LEAST_COUNT) {
             plot_say(drawing, "%.6g %.6g\n", bins[n].x, bins[n].y);
         }
     }
     plot_data_end(drawing);
+}
+
+/* Root mean square of what the extended model leaves, a phase: noise, where it explains all. */
+static double rest(const evidence *v)
+{
+    double sum = 0.0;
+    double n = 0.0;
+    for (size_t k = 1; k < v->rec->rows; k++) {
+        residual_point p;
+        if (residual_at(&v->after, k, &p)) {
+            sum += 0.5 * (p.v_V.a * p.v_V.a + p.v_V.b * p.v_V.b);
+            n += 1.0;
+        }
+    }
+    return n > 0.0 ? sqrt(sum / n) : 1.0;
 }
 
 /* The largest recorded |value| that an axis shows. */
@@ -175,6 +216,10 @@ static bool figure_bins(page *p, const evidence *v, residual_axis axis, double l
                         const char *labels, const char *id, const char *caption, error *e)
 {
     plot drawing;
+    const char *style = axis == AXIS_SPEED ? "points" : "linespoints";
+    char range[64];
+    /* Means of noise are not blown up to the figure's height. */
+    snprintf(range, sizeof range, "set yrange [*<%.3g:%.3g<*];", -0.5 * rest(v), 0.5 * rest(v));
     if (!plot_begin(&drawing, 560, 380, e)) {
         return false;
     }
@@ -184,10 +229,10 @@ static bool figure_bins(page *p, const evidence *v, residual_axis axis, double l
              "%s\nset key at graph 1,1.11 right horizontal maxrows 1 samplen 1.2 width -1 font ',12'\nset "
              "tmargin 2.5\nset "
              "xrange [%g:%g]\n"
-             "plot $before using 1:2 with linespoints linestyle 2 title 'as it was'",
-             labels, low, high);
+             "%s plot $before using 1:2 with %s linestyle 2 title '%s'",
+             labels, low, high, axis == AXIS_SPEED ? "" : range, style, v->was);
     if (v->extended) {
-        plot_say(&drawing, ", $after using 1:2 with linespoints linestyle 1 title 'extended'");
+        plot_say(&drawing, ", $after using 1:2 with %s linestyle 1 title 'extended'", style);
     }
     plot_say(&drawing, "\n");
     return page_figure(p, &drawing, id, caption, e);
@@ -241,7 +286,8 @@ bool figure_angle(page *p, const evidence *v, error *e)
              "xrange [0:360]\n"
              "set xtics 60\nset yrange [0:*]\nset key at graph 1,1.11 right horizontal maxrows 1 samplen "
              "1.2\nset tmargin "
-             "2.5\nplot $before using ($1*180/pi):2 with linespoints linestyle 2 title 'as it was'");
+             "2.5\nplot $before using ($1*180/pi):2 with linespoints linestyle 2 title '%s'",
+             v->was);
     if (v->extended) {
         plot_say(&drawing, ", $after using ($1*180/pi):2 with linespoints linestyle 1 title 'extended'");
     }

@@ -17,6 +17,8 @@ typedef struct evidence {
     const plant_witness *witness;
     residual before, after; /* nominal and extended model, this recording */
     residual plant;         /* nominal model, the simulated recording; error NULL if there is none */
+    bool turns;             /* the rotor turns, two revolutions at least */
+    const char *was;        /* what to call the nominal model */
     bool extended;          /* there is an extended model that differs from the nominal */
 } evidence;
 

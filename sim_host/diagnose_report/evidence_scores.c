@@ -38,7 +38,7 @@ bool figure_runs(page *p, const evidence *v, error *e)
     plot_say(&drawing,
              "set xlabel 'run, and its electrical speed in rad/s' offset 0,-0.4\nset bmargin 4.6\n%s",
              v->d->runs > 14 ? "set xtics rotate by 90 font ',9'\n" : "");
-    plot_say(&drawing, "plot $runs using 2:xtic(1) linestyle 2 title 'as it was'");
+    plot_say(&drawing, "plot $runs using 2:xtic(1) linestyle 2 title '%s'", v->was);
     if (v->extended) {
         plot_say(&drawing, ", $runs using 3 linestyle 1 title 'extended'");
     }
@@ -66,8 +66,8 @@ bool figure_free_runs(page *p, const evidence *v, error *e)
              "its electrical speed in "
              "rad/s' offset 0,-0.4\nset bmargin 4.6\n%splot $runs using 2:xtic(1) with points linestyle 2 "
              "pointsize 1.1 "
-             "title 'as it was'",
-             v->d->runs > 14 ? "set xtics rotate by 90 font ',9'\n" : "");
+             "title '%s'",
+             v->d->runs > 14 ? "set xtics rotate by 90 font ',9'\n" : "", v->was);
     if (v->extended) {
         plot_say(&drawing, ", $runs using 3 with points linestyle 1 pointsize 1.1 title 'extended'");
     }
@@ -89,9 +89,11 @@ bool figure_methods(page *p, const evidence *v, error *e)
     plot_say(&drawing, "Euler %.5g %.5g\n\"quasi-discrete\" %.5g %.5g\nexact %.5g %.5g\n", was->euler,
              is->euler, was->quasi_discrete, is->quasi_discrete, was->exact, is->exact);
     plot_data_end(&drawing);
-    plot_say(&drawing, "set logscale y\nset yrange [*:*]\nset offsets 0,0,0,graph 0.1\nplot $methods using "
-                       "2:xtic(1) linestyle 2 "
-                       "title 'parameters as they were'");
+    plot_say(&drawing,
+             "set logscale y\nset yrange [*:*]\nset offsets 0,0,0,graph 0.1\nplot $methods using "
+             "2:xtic(1) linestyle 2 "
+             "title '%s'",
+             v->was);
     if (v->extended) {
         plot_say(&drawing, ", $methods using 3 linestyle 1 title 'extended'");
     }
@@ -141,11 +143,11 @@ bool figure_orders(page *p, const evidence *v, error *e)
              "'%%g'\nset yrange [%g:*]\n"
              "set key at graph 1,1.09 right horizontal maxrows 1 samplen 1.2 width -1 font ',12'\nset "
              "tmargin 2.5\n"
-             "plot $before using 1:2 with lines linestyle 2 title 'as it was'",
-             fmax(2e-3 * most, 1e-9));
+             "plot $before using 1:2 with lines linestyle 2 title '%s'",
+             fmax(2e-3 * most, 1e-9), v->was);
     if (v->plant.error != NULL) {
-        plot_say(&drawing, ", $plant using 1:2 with lines linestyle 4 linewidth 1.2 dashtype 2 title 'on the "
-                           "was, on the plant'");
+        plot_say(&drawing,
+                 ", $plant using 1:2 with lines linestyle 4 linewidth 1.2 dashtype 2 title 'on the plant'");
     }
     if (v->extended) {
         plot_say(&drawing, ", $after using 1:2 with lines linestyle 1 title 'extended'");
@@ -168,8 +170,8 @@ bool figure_plant_runs(page *p, const evidence *v, error *e)
     plot_data(&drawing, "runs");
     for (size_t k = 0; k < v->d->runs; k++) {
         const diagnosis_run *run = &v->d->run[k];
-        const diagnosis_run *simulated = plant_witness_run(v->witness, run->run);
-        if (simulated != NULL) {
+        const diagnosis_run *simulated = plant_witness_run(v->witness, v->d, k);
+        if (simulated != NULL && run->nominal > 0.0 && simulated->nominal > 0.0) {
             say_run(&drawing, run, run->nominal, simulated->nominal, 0.0);
         }
     }

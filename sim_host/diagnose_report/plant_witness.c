@@ -18,8 +18,8 @@ static double size_of(const plant_witness *w, const diagnosis *d)
     double measured = 0.0;
     double simulated = 0.0;
     for (size_t k = 0; k < d->runs; k++) {
-        const diagnosis_run *run = plant_witness_run(w, d->run[k].run);
-        if (run != NULL) {
+        const diagnosis_run *run = plant_witness_run(w, d, k);
+        if (run != NULL && d->run[k].nominal > 0.0 && run->nominal > 0.0) {
             measured += beyond_noise(&d->run[k]);
             simulated += beyond_noise(run);
         }
@@ -60,11 +60,15 @@ void plant_witness_free(plant_witness *w)
     memset(w, 0, sizeof *w);
 }
 
-const diagnosis_run *plant_witness_run(const plant_witness *w, long run)
+const diagnosis_run *plant_witness_run(const plant_witness *w, const diagnosis *d, size_t k)
 {
-    for (size_t k = 0; w->simulated && k < w->found.runs; k++) {
-        if (w->found.run[k].run == run) {
-            return &w->found.run[k];
+    size_t which = 0;
+    for (size_t n = 0; n < k; n++) {
+        which += d->run[n].run == d->run[k].run;
+    }
+    for (size_t n = 0; w->simulated && n < w->found.runs; n++) {
+        if (w->found.run[n].run == d->run[k].run && which-- == 0) {
+            return &w->found.run[n];
         }
     }
     return NULL;

@@ -21,7 +21,7 @@ typedef struct plant_witness {
 void plant_witness_call(plant_witness *w, const recording *rec, const motor *nominal, const diagnosis *d);
 void plant_witness_free(plant_witness *w);
 
-/* The simulated run of a number, or NULL. */
-const diagnosis_run *plant_witness_run(const plant_witness *w, long run);
+/* The simulated counterpart of the k-th of the diagnosis' runs (one run may be cut into several), or NULL. */
+const diagnosis_run *plant_witness_run(const plant_witness *w, const diagnosis *d, size_t k);
 
 #endif

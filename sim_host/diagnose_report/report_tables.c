@@ -142,6 +142,13 @@ void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware)
               "recording: %.3g A rms per phase.%s",
               d->rows_held_out, d->rows_used, d->sensor_noise_A,
               d->outliers > 0 ? " Glitches were left out of the fit." : "");
+    for (int id = 0; id < EXT_COUNT; id++) {
+        if (d->extended_motor.ext.has[id] &&
+            (id == EXT_ANGLE_HARMONIC || id == EXT_EMF_HARMONICS || id == EXT_PHASE_ASYMMETRY)) {
+            page_note(p, "The firmware has no correction for %s: in its row that effect stays.",
+                      motor_extension_id((extension_id)id));
+        }
+    }
     if (!firmware->measured) {
         page_note(p, "Not measured in firmware code: %s.", firmware->reason);
     }
@@ -182,6 +189,16 @@ void report_hypotheses(page *p, const diagnosis *d)
               "that it would still take off the extended model; below about 25 per parameter it is chance.");
 }
 
+/* A run none of whose rows was held out has no such error. */
+static void error_cell(page *p, double percent)
+{
+    if (percent > 0.0) {
+        page_cell(p, true, "%.3f", percent);
+    } else {
+        page_cell(p, true, " ");
+    }
+}
+
 void report_runs(page *p, const diagnosis *d, const plant_witness *witness)
 {
     static const char *const heads[] = {"\trun",          "\trad/s",       "\tA rms",       "\ti_d, A",
@@ -196,15 +213,14 @@ void report_runs(page *p, const diagnosis *d, const plant_witness *witness)
         page_cell(p, true, "%.2f", run->i_rms_A);
         page_cell(p, true, "%.2f", run->i_d_A);
         page_cell(p, true, "%.2f", run->i_q_A);
-        page_cell(p, true, "%.3f", run->nominal);
-        page_cell(p, true, "%.3f", run->extended);
-        page_cell(p, true, "%.3f", run->noise_floor);
+        error_cell(p, run->nominal);
+        error_cell(p, run->extended);
+        error_cell(p, run->noise_floor);
         page_cell(p, true, "%.2f", run->free_nominal);
         page_cell(p, true, "%.2f", run->free_extended);
         if (witness->simulated) {
-            const diagnosis_run *simulated = plant_witness_run(witness, run->run);
-            page_cell(p, true, simulated != NULL ? "%.3f" : " ",
-                      simulated != NULL ? simulated->nominal : 0.0);
+            const diagnosis_run *simulated = plant_witness_run(witness, d, k);
+            error_cell(p, simulated != NULL ? simulated->nominal : 0.0);
         }
         page_row_end(p);
     }
