@@ -61,7 +61,7 @@ RECORDING_ROWS = [
     ("1.1,", "inf,", "inf", "i_a_A \"inf\" is not finite"),
     ("0.125,", ",", (4, 23), "theta_e_rad is empty"),
     ("10.5,-5.0,-5.5\n", "10.", (4, 1), "the row has 7 fields, the header has 9; is the file cut off?"),
-    ("-5.5\n", "-5.5,0\n", (4, 47), "the row has 10 fields, the header has 9"),
+    ("-5.5\n", "-5.5,0\n", (4, 48), "the row has 10 fields, the header has 9"),
     ("0.00025", "0.00000", (4, 1), "t_s = 0 does not rise"),
     (program.RECORDING, "", (1, 1), "the file is empty"),
     ("0.00000,1.0,-0.5,-0.5,0.10,100,10.0,-5.0,-5.0\n0.00025,1.1,-0.5,-0.6,0.125,100,10.5,-5.0,-5.5\n", "", (3, 1),
@@ -184,8 +184,8 @@ class BadInput(unittest.TestCase):
         for command in ("simulate", "sweep"):
             if command in self.commands:
                 with self.subTest(command=command):
-                    self.refused([command, *program.CALLS[command]["arguments"]], {"motor.toml": text}, "motor.toml",
-                                 "R_ohm")
+                    self.refused([command, *program.CALLS[command]["arguments"]], {"motor.toml": text},
+                                 "motor.toml:" + position(text, "1e9") + ":", "R_ohm")
 
 
 if __name__ == "__main__":
