@@ -8,6 +8,7 @@
 int cmd_reproduce(int argc, char **argv);
 int cmd_simulate(int argc, char **argv);
 int cmd_record(int argc, char **argv);
+int cmd_loops(int argc, char **argv);
 int cmd_sweep(int argc, char **argv);
 int cmd_diagnose(int argc, char **argv);
 

@@ -33,6 +33,9 @@ static const command commands[] = {
 #ifdef IQFOC_HAS_SWEEP
     {"sweep", "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
 #endif
+#ifdef IQFOC_HAS_LOOPS
+    {"loops", "what better feedback and better prediction do to a closed loop", cmd_loops},
+#endif
 #ifdef IQFOC_HAS_DIAGNOSE
     {"diagnose", "what the model gets wrong about a recording, why, and what mending it gains", cmd_diagnose},
 #endif

@@ -1,0 +1,208 @@
+#include "closed_loop.h"
+
+#include "iqfoc/params.h"
+
+#include <complex.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Points of the current's waveform in a cycle, for distortion; the switching ripple is straight between
+ * edges. */
+enum { POINTS = 24 };
+
+const char *loop_outcome_text(loop_outcome outcome)
+{
+    static const char *const text[] = {"holds", "misses", "unstable", "trips"};
+    return text[outcome];
+}
+
+/* What the run collects. */
+typedef struct loop_run {
+    const loop_case *c;
+    per_unit base;
+    plant drive;
+    double duty[3];            /* in force */
+    double *error_d, *error_q; /* per unit, each cycle from the step on */
+    long cycle, steady_from, cycles;
+    double square_sum, fundamental_re, fundamental_im; /* of phase A in the steady window */
+    long points;
+    long edges;
+    bool tripped;
+} loop_run;
+
+static void take_points(loop_run *r, int first, int last)
+{
+    const bool steady = r->cycle >= r->steady_from;
+    for (int n = first; n <= last; n++) {
+        const double t = r->base.T_s * n / POINTS;
+        plant_advance_to(&r->drive, t);
+        if (steady) {
+            const plant_point now = plant_now(&r->drive);
+            r->square_sum += now.i_A[0] * now.i_A[0];
+            r->fundamental_re += now.i_A[0] * cos(now.theta_e_rad);
+            r->fundamental_im += now.i_A[0] * sin(now.theta_e_rad);
+            r->points++;
+        }
+    }
+}
+
+/* A leg at 0 or 1 throughout has no pulse; one that changes between such cycles has half of one. */
+static void count_edges(loop_run *r, const double before[3])
+{
+    for (int x = 0; x < 3; x++) {
+        const bool pulses = r->duty[x] > 0.0 && r->duty[x] < 1.0;
+        const bool flips = !pulses && (before[x] <= 0.0 || before[x] >= 1.0) && before[x] != r->duty[x];
+        r->edges += pulses ? 2 : flips ? 1 : 0;
+    }
+}
+
+static double reference_q(const loop_run *r)
+{
+    return (r->cycle < LOOP_SETTLE_CYCLES ? r->c->i_q_before_A : r->c->i_q_after_A) / r->base.I_A;
+}
+
+static bool one_cycle(loop_run *r, const drive_firmware *f, loop_result *result, error *e)
+{
+    const plant_sensors *sensors = &r->drive.config.sensors;
+    const double i_q_ref = reference_q(r);
+    const iqfoc_dq_t i_ref = {0, iq24_from_double(i_q_ref)};
+    plant_samples readings;
+    iqfoc_command_t command;
+    uint32_t status;
+    plant_begin_cycle(&r->drive, r->duty);
+    plant_sample(&r->drive, &readings);
+    const iqfoc_sample_t valley = hal_host_sample(&readings, sensors, &r->base, 0);
+    if (!f->reference(f->context, i_ref, e) || !f->valley(f->context, &valley, e)) {
+        return false;
+    }
+    take_points(r, 1, POINTS / 2);
+    plant_sample(&r->drive, &readings);
+    const iqfoc_sample_t peak = hal_host_sample(&readings, sensors, &r->base, IQ24(0.5));
+    if (!f->peak(f->context, &peak, &command, &status, e)) {
+        return false;
+    }
+    take_points(r, POINTS / 2 + 1, POINTS);
+    const vec_dq mean = plant_mean(&r->drive).i_dq_A;
+    const double d = mean.d / r->base.I_A;
+    const double q = mean.q / r->base.I_A;
+    const long shown = r->cycle - (LOOP_SETTLE_CYCLES - LOOP_TRACE_BEFORE);
+    if (shown >= 0 && shown < LOOP_TRACE_CYCLES) {
+        result->trace_d[shown] = d;
+        result->trace_q[shown] = q;
+    }
+    if (r->cycle >= LOOP_SETTLE_CYCLES) {
+        r->error_d[r->cycle - LOOP_SETTLE_CYCLES] = d;
+        r->error_q[r->cycle - LOOP_SETTLE_CYCLES] = q - i_q_ref;
+    }
+    r->tripped = r->tripped || hypot(d, q) > LOOP_TRIP_LIMIT || !command.gates;
+    const double before[3] = {r->duty[0], r->duty[1], r->duty[2]};
+    r->duty[0] = iq24_to_double(command.duties.high.a);
+    r->duty[1] = iq24_to_double(command.duties.high.b);
+    r->duty[2] = iq24_to_double(command.duties.high.c);
+    if (r->cycle >= r->steady_from) {
+        count_edges(r, before);
+    }
+    return true;
+}
+
+static void measure_step(const loop_run *r, loop_result *result)
+{
+    const double step = (r->c->i_q_after_A - r->c->i_q_before_A) / r->base.I_A;
+    double beyond = 0.0;
+    long last_outside = -1;
+    for (long n = 0; n < LOOP_TRANSIENT_CYCLES; n++) {
+        beyond = fmax(beyond, r->error_q[n] / step);
+        if (hypot(r->error_d[n], r->error_q[n]) > LOOP_SETTLED) {
+            last_outside = n;
+        }
+    }
+    result->overshoot_percent = 100.0 * beyond;
+    result->settling_cycles = last_outside + 1 < LOOP_TRANSIENT_CYCLES ? (int)(last_outside + 1) : -1;
+}
+
+static void measure_steady(const loop_run *r, loop_result *result)
+{
+    const long from = r->steady_from - LOOP_SETTLE_CYCLES;
+    const long to = r->cycles - LOOP_SETTLE_CYCLES;
+    double d = 0.0;
+    double q = 0.0;
+    double square = 0.0;
+    for (long n = from; n < to; n++) {
+        d += r->error_d[n] / (double)(to - from);
+        q += r->error_q[n] / (double)(to - from);
+        square += (r->error_d[n] * r->error_d[n] + r->error_q[n] * r->error_q[n]) / (double)(to - from);
+    }
+    const double offset = hypot(d, q);
+    const double wander = sqrt(fmax(square - offset * offset, 0.0));
+    result->rms_percent = 100.0 * sqrt(square);
+    result->offset_percent = 100.0 * offset;
+    result->wander_percent = 100.0 * wander;
+    result->i_d_offset_percent = 100.0 * d;
+    result->i_q_offset_percent = 100.0 * q;
+    const double points = (double)r->points;
+    const double rms_squared = r->square_sum / points;
+    const double peak = 2.0 * hypot(r->fundamental_re, r->fundamental_im) / points;
+    const double fundamental_squared = 0.5 * peak * peak;
+    result->thd_percent = 100.0 * sqrt(fmax(rms_squared - fundamental_squared, 0.0) / fundamental_squared);
+    const double window_s = (double)(r->cycles - r->steady_from) * r->base.T_s;
+    result->switching_Hz = 0.5 * (double)r->edges / 3.0 / window_s;
+    result->outcome = wander > LOOP_WANDER_LIMIT   ? LOOP_UNSTABLE
+                      : offset > LOOP_OFFSET_LIMIT ? LOOP_MISSES
+                                                   : LOOP_HOLDS;
+}
+
+static void nothing_measured(loop_result *result)
+{
+    const loop_result none = {.outcome = LOOP_TRIPS,
+                              .rms_percent = NAN,
+                              .offset_percent = NAN,
+                              .wander_percent = NAN,
+                              .i_d_offset_percent = NAN,
+                              .i_q_offset_percent = NAN,
+                              .overshoot_percent = NAN,
+                              .settling_cycles = -1,
+                              .thd_percent = NAN,
+                              .switching_Hz = NAN};
+    *result = none;
+    for (int n = 0; n < LOOP_TRACE_CYCLES; n++) {
+        result->trace_d[n] = NAN;
+        result->trace_q[n] = NAN;
+    }
+}
+
+bool closed_loop_run(const loop_case *c, const drive_firmware *firmware, loop_result *result, error *e)
+{
+    loop_run r = {.c = c, .base = per_unit_of(&c->truth), .duty = {0.5, 0.5, 0.5}};
+    const double turns = fabs(c->omega_e_rad_s) * r.base.T_s / IQFOC_TWO_PI_;
+    r.steady_from = LOOP_SETTLE_CYCLES + LOOP_TRANSIENT_CYCLES;
+    r.cycles = r.steady_from + lround(c->periods / turns);
+    plant_config drive = plant_config_from_motor(&c->truth);
+    drive.sensors.current_noise_A = c->noise_A;
+    drive.seed = c->seed;
+    if (!plant_config_check(&drive, e)) {
+        return false;
+    }
+    const size_t kept = (size_t)(r.cycles - LOOP_SETTLE_CYCLES);
+    r.error_d = calloc(kept, sizeof *r.error_d);
+    r.error_q = calloc(kept, sizeof *r.error_q);
+    if (r.error_d == NULL || r.error_q == NULL) {
+        free(r.error_d);
+        free(r.error_q);
+        return error_failure(e, 0, "loops: out of memory");
+    }
+    plant_init(&r.drive, &drive);
+    plant_set_speed(&r.drive, c->omega_e_rad_s, 0.0);
+    nothing_measured(result);
+    bool ok = true;
+    for (; r.cycle < r.cycles && ok && !r.tripped; r.cycle++) {
+        ok = one_cycle(&r, firmware, result, e);
+    }
+    if (ok && !r.tripped) {
+        measure_step(&r, result);
+        measure_steady(&r, result);
+    }
+    free(r.error_d);
+    free(r.error_q);
+    return ok;
+}

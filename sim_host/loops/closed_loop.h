@@ -1,0 +1,67 @@
+/*
+ * One closed loop: firmware against the switching-level drive at constant speed, with a step of the torque
+ * current, and what is measured of it.
+ *
+ *     settle | step -> transient | steady window of whole fundamental periods
+ *
+ * The firmware stands behind drive_firmware (port/host/drive.h), as in `iqfoc simulate`: samples at valley
+ * and peak, duties of cycle k act from valley k + 1. Errors are those of the true mean current over each
+ * cycle, seen from the turning rotor: what torque follows, whatever the firmware believes.
+ */
+#ifndef SIM_HOST_LOOPS_CLOSED_LOOP_H
+#define SIM_HOST_LOOPS_CLOSED_LOOP_H
+
+#include "drive.h"
+
+enum {
+    LOOP_SETTLE_CYCLES = 200, /* ten time constants of the PI loops, at f_pwm/20 */
+    LOOP_TRANSIENT_CYCLES = 120,
+    LOOP_TRACE_BEFORE = 4, /* cycles ahead of the step that a trace begins with */
+    LOOP_TRACE_CYCLES = 44
+};
+
+typedef struct loop_case {
+    motor truth;          /* the drive; perfect sensors but for the noise */
+    double omega_e_rad_s; /* constant */
+    double i_q_before_A;  /* peak; i_d is 0 throughout */
+    double i_q_after_A;
+    int periods;    /* fundamental periods in the steady window */
+    double noise_A; /* standard deviation of each current sample */
+    uint64_t seed;
+} loop_case;
+
+typedef enum loop_outcome {
+    LOOP_HOLDS,    /* within LOOP_OFFSET_LIMIT of the reference, quiet */
+    LOOP_MISSES,   /* quiet, but elsewhere */
+    LOOP_UNSTABLE, /* wanders by more than LOOP_WANDER_LIMIT: kept within bounds by the DC link alone */
+    LOOP_TRIPS     /* beyond LOOP_TRIP_LIMIT: a real drive would have switched off */
+} loop_outcome;
+
+/* Shares of the rated peak current. */
+#define LOOP_OFFSET_LIMIT 0.05
+#define LOOP_WANDER_LIMIT 0.05
+#define LOOP_TRIP_LIMIT   3.0
+#define LOOP_SETTLED      0.05
+
+/* Percent of the rated peak current, but where it says otherwise. NAN where the loop tripped. */
+typedef struct loop_result {
+    loop_outcome outcome;
+    double rms_percent;    /* of the error vector in the steady window: */
+    double offset_percent; /* of which constant */
+    double wander_percent; /* and of which not */
+    double i_d_offset_percent, i_q_offset_percent;
+    double overshoot_percent; /* of i_q beyond the reference after the step, of the step */
+    int settling_cycles; /* from the reference's step until the error stays within LOOP_SETTLED; -1: never
+                          */
+    double thd_percent;  /* of phase A in the steady window, all that is not the fundamental, of it */
+    double switching_Hz; /* mean per leg: pulses a second */
+    double trace_d[LOOP_TRACE_CYCLES], trace_q[LOOP_TRACE_CYCLES]; /* mean current over its reference's rated
+                                                                      peak, around the step */
+} loop_result;
+
+const char *loop_outcome_text(loop_outcome outcome);
+
+/* False with *e set only if the firmware is gone. */
+bool closed_loop_run(const loop_case *c, const drive_firmware *firmware, loop_result *result, error *e);
+
+#endif

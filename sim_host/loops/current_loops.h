@@ -1,0 +1,63 @@
+/*
+ * The study of current loops: PI with angle advance (the library's cycle), and deadbeat control with each
+ * predictor, over the switching-to-fundamental ratio and over errors of the parameters.
+ *
+ * Drive: that of the 2019 paper at 5000 rpm (250 Hz), whose switching frequency is varied: 1250 Hz to 12.5
+ * kHz. The torque current steps from 30 % to 70 % of rated, which the DC link allows at each ratio.
+ */
+#ifndef SIM_HOST_LOOPS_CURRENT_LOOPS_H
+#define SIM_HOST_LOOPS_CURRENT_LOOPS_H
+
+#include "closed_loop.h"
+#include "predictive_drive.h"
+
+typedef enum loop_method {
+    LOOP_PI_MIDPOINT, /* fed by the sample at the carrier peak */
+    LOOP_PI_MEAN,     /* fed by the quasi-discrete mean */
+    LOOP_DEADBEAT_EULER,
+    LOOP_DEADBEAT_QUASI_DISCRETE,
+    LOOP_DEADBEAT_EXACT,
+    LOOP_METHODS
+} loop_method;
+
+extern const char *const loop_method_text[LOOP_METHODS];
+extern const char *const loop_method_key[LOOP_METHODS];
+
+/* What the firmware believes, as a multiple of what is true. */
+typedef struct loop_belief {
+    const char *text, *key;
+    double L, psi, R;
+} loop_belief;
+
+enum { LOOP_RATIOS = 9, LOOP_BELIEFS = 7, LOOP_NOMINAL = 0 };
+extern const double loop_ratios[LOOP_RATIOS];
+extern const loop_belief loop_beliefs[LOOP_BELIEFS];
+
+typedef struct current_loops {
+    loop_result at[LOOP_RATIOS][LOOP_BELIEFS][LOOP_METHODS];
+    loop_result noisy[LOOP_RATIOS]
+                     [LOOP_METHODS]; /* right parameters, noise of LOOP_NOISE of the rated peak */
+    /* Largest belief of L/true L up to LOOP_L_MOST with which the loop neither wanders nor trips; and the
+     * least. */
+    double L_most[LOOP_RATIOS][LOOP_METHODS];
+} current_loops;
+
+#define LOOP_NOISE  0.005
+#define LOOP_SEED   UINT64_C(5)
+#define LOOP_RPM    5000.0
+#define LOOP_L_MOST 3.0
+
+/* The drive at a ratio: the paper's, with another switching frequency. */
+motor loop_motor_at(double ratio);
+
+/* The run that all share: the drive, the step and the noise's share of the rated peak. */
+loop_case current_loop_case(double ratio, double noise);
+
+/* One run: method, belief and noise as given. */
+bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, double noise,
+                      loop_result *result, error *e);
+
+/* All of them. */
+bool current_loops_run(current_loops *all, error *e);
+
+#endif

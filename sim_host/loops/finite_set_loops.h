@@ -1,0 +1,37 @@
+/*
+ * The study of finite-control-set control: horizons 1 to 3 with each predictor over the ratio of control
+ * intervals to fundamental, and what switching costs against distortion. Drive and step as in
+ * current_loops.h.
+ */
+#ifndef SIM_HOST_LOOPS_FINITE_SET_LOOPS_H
+#define SIM_HOST_LOOPS_FINITE_SET_LOOPS_H
+
+#include "current_loops.h"
+
+enum { FINITE_SET_RATIOS = 5, FINITE_SET_WEIGHTS = 7, FINITE_SET_PREDICTORS = 3 };
+
+extern const double finite_set_ratios[FINITE_SET_RATIOS];
+extern const double finite_set_weights[FINITE_SET_WEIGHTS];
+
+typedef struct finite_set_point {
+    loop_result loop;
+    double nodes; /* predicted currents per decision, mean */
+} finite_set_point;
+
+/* Intervals per fundamental period for the trade of switching against distortion. */
+#define FINITE_SET_TRADE_RATIO 100.0
+
+typedef struct finite_set_loops {
+    finite_set_point at[FINITE_SET_RATIOS][FINITE_SET_PREDICTORS][IQFOC_FINITE_SET_HORIZON];
+    finite_set_point trade[IQFOC_FINITE_SET_HORIZON][FINITE_SET_WEIGHTS]; /* exact predictor */
+    loop_result
+        pwm[FINITE_SET_WEIGHTS]; /* deadbeat with PWM at the switching frequency of horizon 1's trade */
+    double pwm_ratio[FINITE_SET_WEIGHTS]; /* ... rounded to whole numbers; 0 where that is below 5 */
+} finite_set_loops;
+
+bool finite_set_loop_run(double ratio, predictor_kind kind, int horizon, double weight,
+                         finite_set_point *point, error *e);
+
+bool finite_set_loops_run(finite_set_loops *all, error *e);
+
+#endif

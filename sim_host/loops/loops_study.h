@@ -1,0 +1,32 @@
+/*
+ * All that `iqfoc loops` computes, and how it is told: tables, JSON, report page.
+ */
+#ifndef SIM_HOST_LOOPS_LOOPS_STUDY_H
+#define SIM_HOST_LOOPS_LOOPS_STUDY_H
+
+#include "finite_set_loops.h"
+#include "six_step_loop.h"
+
+#include <jansson.h>
+#include <stdio.h>
+
+enum { SIX_STEP_DISCRETE, SIX_STEP_CORRECTED, SIX_STEP_LOOPS };
+
+typedef struct loops_study {
+    six_step_loop six_step[SIX_STEP_LOOPS];
+    current_loops current;
+    finite_set_loops finite_set;
+} loops_study;
+
+extern const char *const six_step_loop_text[SIX_STEP_LOOPS];
+
+bool loops_study_run(loops_study *s, error *e);
+
+void loops_study_print(const loops_study *s, FILE *stream);
+
+/* NULL when memory runs out. What a loop that tripped has not is null. */
+json_t *loops_study_json(const loops_study *s);
+
+bool loops_study_page(const loops_study *s, const char *directory, error *e);
+
+#endif

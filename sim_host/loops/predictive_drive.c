@@ -1,0 +1,118 @@
+#include "predictive_drive.h"
+
+#include "params_exact.h"
+
+#include "iqfoc/modulation.h"
+#include "iqfoc/predictor_form.h"
+#include "iqfoc/transform.h"
+
+#include <string.h>
+
+const char *predictor_kind_text(predictor_kind kind)
+{
+    static const char *const text[] = {"Euler", "quasi-discrete", "exact"};
+    return text[kind];
+}
+
+bool predictive_drive_init(predictive_drive *p, const motor *assumed, const char *path, predictor_kind kind,
+                           error *e)
+{
+    iqfoc_exact_winding_t winding;
+    memset(p, 0, sizeof *p);
+    p->kind = kind;
+    if (!predictor_from_motor(assumed, path, &p->predictor, e) ||
+        !winding_from_motor(assumed, path, &winding, e)) {
+        return false;
+    }
+    p->law = iqfoc_exact_prediction(&winding, IQ24_ONE);
+    p->k_psi = p->predictor.k_psi;
+    return true;
+}
+
+static iqfoc_exact_t model_at(const predictive_drive *p, const iqfoc_rotor_t *rotor)
+{
+    switch (p->kind) {
+    case PREDICTOR_EULER:
+        return iqfoc_form_euler(&p->predictor, rotor);
+    case PREDICTOR_QUASI_DISCRETE:
+        return iqfoc_form_quasi_discrete(&p->predictor, rotor);
+    case PREDICTOR_EXACT:
+    default:
+        return iqfoc_exact_at_speed(&p->law, rotor->turns);
+    }
+}
+
+static void choose_by_deadbeat(predictive_drive *p, const iqfoc_sample_t *sample, const iqfoc_rotor_t *rotor)
+{
+    iqfoc_deadbeat_t deadbeat = {.model = model_at(p, rotor),
+                                 .reference = iqfoc_valley_reference_at(rotor, p->k_psi)};
+    deadbeat.k_u_inverse = iqfoc_deadbeat_inverse(deadbeat.model.k_u_q26);
+    const iqfoc_ab_t u = iqfoc_deadbeat_step(&deadbeat, iqfoc_clarke3(sample->i), p->u_now, p->i_ref,
+                                             sample->theta, rotor->turns);
+    p->command.duties = iqfoc_modulate(u, iq24_div(IQ24_ONE, sample->u_dc), IQ24_ONE);
+    p->u_next.alpha = iq24_mul_round(u.alpha, p->command.duties.scale);
+    p->u_next.beta = iq24_mul_round(u.beta, p->command.duties.scale);
+}
+
+static void choose_from_set(predictive_drive *p, const iqfoc_sample_t *sample, const iqfoc_rotor_t *rotor)
+{
+    const iqfoc_finite_set_t set = {.model = model_at(p, rotor),
+                                    .reference = iqfoc_valley_reference_at(rotor, p->k_psi),
+                                    .weight = p->weight,
+                                    .horizon = p->horizon};
+    p->state = iqfoc_finite_set_choose(&set, iqfoc_clarke3(sample->i), p->state, p->i_ref, sample->theta,
+                                       rotor->turns, sample->u_dc, &p->nodes);
+    const iqfoc_abc_t legs = {(p->state & 1) != 0 ? IQ24_ONE : 0, (p->state & 2) != 0 ? IQ24_ONE : 0,
+                              (p->state & 4) != 0 ? IQ24_ONE : 0};
+    p->command.duties.high = legs;
+    p->command.duties.scale = IQ24_ONE;
+}
+
+static bool reference(void *context, iqfoc_dq_t i_ref, error *e)
+{
+    (void)e;
+    ((predictive_drive *)context)->i_ref = i_ref;
+    return true;
+}
+
+static bool valley(void *context, const iqfoc_sample_t *sample, error *e)
+{
+    predictive_drive *p = context;
+    (void)e;
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(sample->turns);
+    p->u_now = p->u_next;
+    p->decisions++;
+    p->command.gates = true;
+    if (p->horizon == 0) {
+        choose_by_deadbeat(p, sample, &rotor);
+    } else {
+        choose_from_set(p, sample, &rotor);
+    }
+    return true;
+}
+
+/* The controller needs the valley's sample only; its command waits until the peak, as the cycle's does. */
+static bool peak(void *context, const iqfoc_sample_t *sample, iqfoc_command_t *command, uint32_t *status,
+                 error *e)
+{
+    const predictive_drive *p = context;
+    (void)sample;
+    (void)e;
+    *command = p->command;
+    *status = 0;
+    return true;
+}
+
+static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
+{
+    (void)context;
+    (void)config;
+    (void)e;
+    return true;
+}
+
+drive_firmware predictive_drive_firmware(predictive_drive *p)
+{
+    const drive_firmware firmware = {p, start, reference, valley, peak};
+    return firmware;
+}

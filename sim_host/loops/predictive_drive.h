@@ -1,0 +1,40 @@
+/*
+ * Firmware with a predictive current controller behind the same two calls as the control cycle: deadbeat or
+ * finite-control-set, each with any of the three predictors. All that runs in valley and peak is the
+ * library's IQ24.
+ */
+#ifndef SIM_HOST_LOOPS_PREDICTIVE_DRIVE_H
+#define SIM_HOST_LOOPS_PREDICTIVE_DRIVE_H
+
+#include "drive.h"
+
+#include "iqfoc/deadbeat.h"
+#include "iqfoc/finite_set.h"
+#include "iqfoc/predictor.h"
+
+typedef enum predictor_kind { PREDICTOR_EULER, PREDICTOR_QUASI_DISCRETE, PREDICTOR_EXACT } predictor_kind;
+
+const char *predictor_kind_text(predictor_kind kind);
+
+typedef struct predictive_drive {
+    predictor_kind kind;
+    int32_t horizon; /* 0: deadbeat with PWM; 1 ... 3: finite control set */
+    iq24_t weight;   /* of a leg's switching, finite control set only */
+    iqfoc_predictor_t predictor;
+    iqfoc_exact_law_t law;
+    iq24_t k_psi;
+    iqfoc_dq_t i_ref;
+    iqfoc_ab_t u_now, u_next; /* of the cycle that runs and of the next */
+    int32_t state;            /* finite set: of the next */
+    iqfoc_command_t command;
+    uint32_t nodes; /* predicted currents in all */
+    uint32_t decisions;
+} predictive_drive;
+
+/* assumed: the motor as the firmware believes it to be; path: its file, for what does not fit. */
+bool predictive_drive_init(predictive_drive *p, const motor *assumed, const char *path, predictor_kind kind,
+                           error *e);
+
+drive_firmware predictive_drive_firmware(predictive_drive *p);
+
+#endif
