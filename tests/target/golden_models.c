@@ -18,8 +18,12 @@ static int32_t positive(golden_inputs_t *inputs, int32_t limit)
 static void add_exact(uint64_t *digest, const iqfoc_exact_law_t *law, golden_inputs_t *inputs)
 {
     const iqfoc_exact_t exact = iqfoc_exact_at_speed(law, golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
-    const iqfoc_ab_t i = {golden_within(inputs, IQ24(16.0)), golden_within(inputs, IQ24(16.0))};
-    const iqfoc_ab_t u = {golden_within(inputs, IQ24_ONE), golden_within(inputs, IQ24_ONE)};
+    iqfoc_ab_t i;
+    iqfoc_ab_t u;
+    i.alpha = golden_within(inputs, IQ24(16.0));
+    i.beta = golden_within(inputs, IQ24(16.0));
+    u.alpha = golden_within(inputs, IQ24_ONE);
+    u.beta = golden_within(inputs, IQ24_ONE);
     const iqfoc_ab_t next = iqfoc_exact_step(&exact, i, u, iq24_sincos(golden_within(inputs, IQ24_ONE)));
     digest_add(digest, exact.stays_q26);
     digest_add(digest, exact.k_u_q26);
@@ -68,8 +72,12 @@ void golden_salient(golden_inputs_t *inputs, uint64_t *digest)
     machine.d_to_q_q27 = (INT32_C(1) << 26) + positive(inputs, INT32_C(3) << 26);
     const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
     iqfoc_salient_at_speed(&machine, turns, 1 + positive(inputs, IQ24_ONE - 1), &end, &mean);
-    const iqfoc_dq_t i = {golden_within(inputs, IQ24_ONE), golden_within(inputs, IQ24_ONE)};
-    const iqfoc_dq_t u = {golden_within(inputs, IQ24_ONE), golden_within(inputs, IQ24_ONE)};
+    iqfoc_dq_t i;
+    iqfoc_dq_t u;
+    i.d = golden_within(inputs, IQ24_ONE);
+    i.q = golden_within(inputs, IQ24_ONE);
+    u.d = golden_within(inputs, IQ24_ONE);
+    u.q = golden_within(inputs, IQ24_ONE);
     add_salient(digest, &end, i, u);
     add_salient(digest, &mean, i, u);
 }
@@ -104,7 +112,8 @@ void golden_extension(golden_inputs_t *inputs, uint64_t *digest)
     extension.knee_inverse = positive(inputs, IQ24(127.0));
     digest_add(digest, (int32_t)iqfoc_extension_check(&extension));
     add_phases(digest, iqfoc_extension_current(&extension, phases(inputs, IQ24(4.0))));
-    digest_add(digest, iqfoc_extension_angle(&extension, golden_within(inputs, IQ24_ONE),
-                                             golden_within(inputs, IQFOC_ROTOR_TURNS_MAX)));
+    const iq24_t theta = golden_within(inputs, IQ24_ONE);
+    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
+    digest_add(digest, iqfoc_extension_angle(&extension, theta, turns));
     add_phases(digest, iqfoc_extension_lost(&extension, phases(inputs, IQ24(4.0))));
 }
