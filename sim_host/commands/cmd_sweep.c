@@ -5,6 +5,7 @@
 #include "base/progress.h"
 #include "command.h"
 #include "options.h"
+#include "reproduce/mean_map.h"
 #include "reproduce/sweep.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@
 
 enum { SPEEDS_MAX = 1000 };
 
-enum { OPT_MOTOR, OPT_RPM, OPT_CURRENT, OPT_ID_RATIO, OPT_JSON };
+enum { OPT_MOTOR, OPT_RPM, OPT_CURRENT, OPT_ID_RATIO, OPT_JSON, OPT_MAP, OPT_OUTPUT };
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file"},
@@ -22,19 +23,24 @@ static const option_spec specs[] = {
     {"current-rms", 0, "A", "phase current in A rms; default: the motor file's rated current"},
     {"id-ratio", 0, "X", "i_d as a share of the current, -1 to 1; default 0"},
     {"json", 0, "F", "write the points to file F; - is stdout, without the table"},
+    {"map", 0, NULL, "instead: which mean current is enough where"},
+    {"output", 'o', "DIR", "with --map: the folder for its page; default sweep-map"},
     {NULL, 0, NULL, NULL}};
 
 static const command_about about = {
-    "sweep", "--motor M.toml --rpm N[,N...] [--current-rms A] [--id-ratio X] [--json F]",
+    "sweep",
+    "--motor M.toml --rpm N[,N...] [--current-rms A] [--id-ratio X] [--json F]\n"
+    "       iqfoc sweep --motor M.toml --map [-o DIR] [--json F]",
     "Runs the switching-level drive in steady state at each speed, the current regulated at the\n"
     "mid-point sample to the given value, and prints each method's rms error over the rms phase\n"
     "current in percent: mean current over a cycle (standard: the mid-point sample; quasi-discrete:\n"
     "2019 (10)) and current at the next cycle's start (standard: Euler, 2019 (3); quasi-discrete:\n"
-    "2019 (12)), each also by the exact solution. In JSON also through the firmware's IQ24 functions, under "
-    "\"iq24\".\n"
+    "2019 (12)), each also by the exact solution. In JSON also through the firmware's IQ24\n"
+    "functions, under \"iq24\".\n"
     "All but the exact are for machines without saliency; of a salient motor they get\n"
     "L = (L_d + L_q)/2.\n"
-    "Where the DC link cannot hold a point, it is raised for that point, and this is said.",
+    "Where the DC link cannot hold a point, it is raised for that point, and this is said.\n"
+    "--map compares four means of the dq current over SFFR 3 to 100, modulation index and load.",
     specs};
 
 typedef struct request {
@@ -43,7 +49,8 @@ typedef struct request {
     size_t speeds;
     double current_A_rms; /* 0: rated */
     double id_ratio;
-    bool helped;
+    const char *directory; /* of the map */
+    bool map, helped;
 } request;
 
 static bool take_option(const options *o, int which, request *r, error *e)
@@ -60,6 +67,12 @@ static bool take_option(const options *o, int which, request *r, error *e)
         return options_number(o, -1.0, 1.0, &r->id_ratio, e);
     case OPT_JSON:
         r->json_path = o->argument;
+        return true;
+    case OPT_MAP:
+        r->map = true;
+        return true;
+    case OPT_OUTPUT:
+        r->directory = o->argument;
         return true;
     default:
         return false;
@@ -82,7 +95,10 @@ static bool parse(int argc, char **argv, request *r, error *e)
     if (r->motor_path == NULL) {
         return options_missing(&o, OPT_MOTOR, e);
     }
-    if (r->speeds == 0) {
+    if (r->map && r->speeds > 0) {
+        return error_input(e, NULL, 0, 0, "sweep: --map takes no --rpm; expected one of the two");
+    }
+    if (r->speeds == 0 && !r->map) {
         return options_missing(&o, OPT_RPM, e);
     }
     return options_at_most(&o, 0, e);
@@ -187,11 +203,50 @@ static bool sweep(const request *r, error *e)
     return ok;
 }
 
+static bool write_map(const request *r, const motor *m, error *e)
+{
+    static mean_map map;
+    if (!mean_map_run(m, &map, e)) {
+        return false;
+    }
+    if (r->json_path != NULL) {
+        json_t *root = json_pack("{s:s, s:o}", "motor", m->name, "points", mean_map_json(&map));
+        const bool ok = json_file_write(r->json_path, root, e);
+        json_decref(root);
+        if (!ok) {
+            return false;
+        }
+    }
+    const char *directory = r->directory;
+    if (directory == NULL && r->json_path == NULL) {
+        directory = "sweep-map";
+    }
+    if (directory == NULL) {
+        return true;
+    }
+    if (!mean_map_page(directory, m, &map, e)) {
+        return false;
+    }
+    if (r->json_path == NULL || strcmp(r->json_path, "-") != 0) {
+        printf("The map: %s/index.html, %s/mean-map.svg\n", directory, directory);
+    }
+    return true;
+}
+
+static bool run(const request *r, error *e)
+{
+    motor m;
+    if (!r->map) {
+        return sweep(r, e);
+    }
+    return motor_read(r->motor_path, &m, e) && write_map(r, &m, e);
+}
+
 int cmd_sweep(int argc, char **argv)
 {
     request r = {0};
     error e = {0};
-    if (!parse(argc, argv, &r, &e) || (!r.helped && !sweep(&r, &e))) {
+    if (!parse(argc, argv, &r, &e) || (!r.helped && !run(&r, &e))) {
         return error_print(&e);
     }
     return STATUS_DONE;

@@ -1,4 +1,4 @@
-"""picture COMMAND FILE.svg PATH "words": a picture that `iqfoc COMMAND -o DIR` draws, kept in the tree as docs/figures/FILE.svg.
+"""picture COMMAND FILE.svg PATH "words": a picture that `iqfoc COMMAND -o DIR` draws (COMMAND may have options, in quotes), kept in the tree as docs/figures/FILE.svg.
 
     <!-- figures: picture reproduce 2019-figure-7.svg docs/figures "Errors over the ratio" -->
 
@@ -8,6 +8,7 @@ a hundredth of the drawing's unit, so that another version's last digit is no dr
 
 import pathlib
 import re
+import shlex
 import shutil
 import tempfile
 
@@ -27,7 +28,7 @@ def generate(program, arguments):
     command, name, folder, words = arguments
     kept = program.root / FOLDER / name
     with tempfile.TemporaryDirectory() as made:
-        program.output(str(program.path), command, "-o", made)
+        program.output(str(program.path), *shlex.split(command), "-o", made)
         drawn = pathlib.Path(made) / name
         if not drawn.exists():
             raise ValueError(f"`iqfoc {command} -o DIR` draws no {name}")
