@@ -16,7 +16,7 @@ enum { UNKNOWNS = 5, ROWS_MOST = 20000 };
 
 /* A rearrangement must leave this share of the voltage's power or more as it is, and this factor less when
  * undone. */
-static const double BAD = 0.02;
+static const double BAD = 5e-4;
 static const double BETTER = 8.0;
 
 typedef struct arrangement {

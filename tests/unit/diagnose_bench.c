@@ -1,0 +1,203 @@
+#include "diagnose_bench.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double TWO_PI = 6.28318530717958647693;
+enum { STEPS = 40 };
+
+motor bench_motor(void)
+{
+    motor m = motor_blank();
+    strcpy(m.name, "bench");
+    m.pole_pairs = 3;
+    m.R_ohm = 0.9;
+    m.L_d_H = 0.008;
+    m.L_q_H = 0.011;
+    m.psi_f_Wb = 0.2;
+    m.I_rated_A_rms = 6.0;
+    m.n_max_rpm = 6000.0;
+    m.f_pwm_Hz = 4000.0;
+    m.u_dc_V = 565.0;
+    return m;
+}
+
+/* splitmix64, and the normal by twelve uniforms: enough for noise. */
+static double uniform(uint64_t *state)
+{
+    *state += UINT64_C(0x9E3779B97F4A7C15);
+    uint64_t z = *state;
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return (double)((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
+}
+
+static double normal(uint64_t *state)
+{
+    double sum = -6.0;
+    for (int k = 0; k < 12; k++) {
+        sum += uniform(state);
+    }
+    return sum;
+}
+
+/* d(total flux)/dt = u - R i, both stationary; the current from the flux by the inductances in the rotor
+ * frame. */
+static void current_of(const motor *m, const double flux[2], double theta, double i[2])
+{
+    double c = cos(theta);
+    double s = sin(theta);
+    double d = (flux[0] * c + flux[1] * s - m->psi_f_Wb) / m->L_d_H;
+    double q = (flux[1] * c - flux[0] * s) / m->L_q_H;
+    i[0] = d * c - q * s;
+    i[1] = d * s + q * c;
+}
+
+static void slope(const motor *m, const double flux[2], double theta, const double u[2], double out[2])
+{
+    double i[2];
+    current_of(m, flux, theta, i);
+    out[0] = u[0] - m->R_ohm * i[0];
+    out[1] = u[1] - m->R_ohm * i[1];
+}
+
+static void cycle(const motor *m, double flux[2], double *theta, double omega, double T, const double u[2])
+{
+    double h = T / STEPS;
+    for (int k = 0; k < STEPS; k++) {
+        double k1[2], k2[2], k3[2], k4[2], at[2];
+        slope(m, flux, *theta, u, k1);
+        for (int x = 0; x < 2; x++) {
+            at[x] = flux[x] + 0.5 * h * k1[x];
+        }
+        slope(m, at, *theta + 0.5 * omega * h, u, k2);
+        for (int x = 0; x < 2; x++) {
+            at[x] = flux[x] + 0.5 * h * k2[x];
+        }
+        slope(m, at, *theta + 0.5 * omega * h, u, k3);
+        for (int x = 0; x < 2; x++) {
+            at[x] = flux[x] + h * k3[x];
+        }
+        slope(m, at, *theta + omega * h, u, k4);
+        for (int x = 0; x < 2; x++) {
+            flux[x] += h / 6.0 * (k1[x] + 2.0 * k2[x] + 2.0 * k3[x] + k4[x]);
+        }
+        *theta += omega * h;
+    }
+}
+
+static double *column(size_t rows)
+{
+    double *x = calloc(rows, sizeof *x);
+    if (!x) {
+        abort();
+    }
+    return x;
+}
+
+static void allocate(recording *r, const bench *b)
+{
+    const size_t rows = (size_t)BENCH_RUNS * BENCH_ROWS;
+    *r = (recording){.rows = rows, .T_s = 1.0 / b->m.f_pwm_Hz, .i_c_measured = !b->two_sensors};
+    r->t_s = column(rows);
+    r->theta_e_rad = column(rows);
+    r->omega_e_rad_s = column(rows);
+    for (int x = 0; x < 3; x++) {
+        r->i_A[x] = column(rows);
+        r->u_V[x] = column(rows);
+    }
+    r->run = calloc(rows, sizeof *r->run);
+    r->line = calloc(rows, sizeof *r->line);
+    r->stretch = calloc(BENCH_RUNS, sizeof *r->stretch);
+    r->stretches = BENCH_RUNS;
+    if (!r->run || !r->line || !r->stretch) {
+        abort();
+    }
+}
+
+static void to_phases(const double ab[2], double x[3])
+{
+    x[0] = ab[0];
+    x[1] = -0.5 * ab[0] + 0.86602540378443865 * ab[1];
+    x[2] = -0.5 * ab[0] - 0.86602540378443865 * ab[1];
+}
+
+/* What the sensors make of the true current and angle. */
+static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], double theta, double omega,
+                  uint64_t *random)
+{
+    const motor_extension *x = &b->m.ext;
+    double i[3];
+    to_phases(i_ab, i);
+    for (int p = 0; p < 3; p++) {
+        double g = x->has[EXT_CURRENT_GAIN] ? x->g[p] : 1.0;
+        double o = x->has[EXT_CURRENT_OFFSET] ? x->o_A[p] : 0.0;
+        r->i_A[p][k] = g * i[p] + o + b->noise_A * normal(random);
+    }
+    if (b->two_sensors) {
+        r->i_A[2][k] = -r->i_A[0][k] - r->i_A[1][k];
+    }
+    double shown = theta + (x->has[EXT_ANGLE_OFFSET] ? x->theta_0_rad : 0.0) +
+                   (x->has[EXT_ANGLE_DELAY] ? x->t_delay_s * omega : 0.0);
+    r->theta_e_rad[k] = shown - TWO_PI * floor(shown / TWO_PI);
+    r->omega_e_rad_s[k] = omega;
+}
+
+recording bench_record(const bench *b)
+{
+    static const double speed[BENCH_RUNS] = {60.0, 300.0, -500.0, 900.0, 1300.0, -150.0};
+    static const double i_d[BENCH_RUNS] = {0.0, -2.0, -1.0, -2.0, -4.0, 1.0};
+    static const double i_q[BENCH_RUNS] = {4.0, -3.0, 5.0, 3.0, 2.0, 6.0};
+    const motor *m = &b->m;
+    uint64_t random = b->seed;
+    recording r;
+    allocate(&r, b);
+    for (size_t run = 0; run < BENCH_RUNS; run++) {
+        double omega = speed[run];
+        double theta = 0.4 + (double)run;
+        double flux[2] = {m->psi_f_Wb * cos(theta), m->psi_f_Wb * sin(theta)};
+        double step[2] = {0.0, 0.0};
+        double before[2] = {0.0, 0.0};
+        r.stretch[run] = (stretch){run * BENCH_ROWS, BENCH_ROWS, (long)run + 1};
+        for (size_t j = 0; j < BENCH_ROWS; j++) {
+            size_t k = run * BENCH_ROWS + j;
+            double i_ab[2];
+            current_of(m, flux, theta, i_ab);
+            sense(b, &r, k, i_ab, theta, omega, &random);
+            r.t_s[k] = 2.0 * (double)run + (double)j * r.T_s;
+            r.run[k] = (long)run + 1;
+            r.line[k] = (long)k + 2;
+            /* The steady voltage, a proportional pull towards the operating point, and a step every thirty
+             * cycles. */
+            double c = cos(theta + 0.5 * omega * r.T_s);
+            double s = sin(theta + 0.5 * omega * r.T_s);
+            double d = i_ab[0] * cos(theta) + i_ab[1] * sin(theta);
+            double q = i_ab[1] * cos(theta) - i_ab[0] * sin(theta);
+            if (j % 30 == 0) {
+                step[0] = 6.0 * normal(&random);
+                step[1] = 6.0 * normal(&random);
+            }
+            double u_d = m->R_ohm * i_d[run] - omega * m->L_q_H * q + 5.0 * (i_d[run] - d) + step[0];
+            double u_q =
+                m->R_ohm * i_q[run] + omega * (m->L_d_H * d + m->psi_f_Wb) + 5.0 * (i_q[run] - q) + step[1];
+            double u_ab[2] = {u_d * c - u_q * s, u_d * s + u_q * c};
+            double applied[2];
+            double k_u = m->ext.has[EXT_VOLTAGE_GAIN] ? m->ext.k_u : 1.0;
+            double ripple = 1.0 + b->unlogged_ripple * sin(TWO_PI * 300.0 * r.t_s[k]);
+            bool late = m->ext.has[EXT_VOLTAGE_DELAY];
+            double phase[3];
+            to_phases(u_ab, phase);
+            for (int p = 0; p < 3; p++) {
+                r.u_V[p][k] = phase[p];
+            }
+            for (int x = 0; x < 2; x++) {
+                applied[x] = k_u * ripple * (late ? before[x] : u_ab[x]);
+                before[x] = u_ab[x];
+            }
+            cycle(m, flux, &theta, omega, r.T_s, applied);
+        }
+    }
+    return r;
+}

@@ -1,0 +1,31 @@
+/*
+ * A bench for the diagnosis' tests: a machine integrated by Runge-Kutta in many steps a cycle, in stationary
+ * phase quantities, which shares no line with the averaged model. Averaged voltages, no switching: what
+ * switching does is the blind tests' business.
+ */
+#ifndef TESTS_UNIT_DIAGNOSE_BENCH_H
+#define TESTS_UNIT_DIAGNOSE_BENCH_H
+
+#include "data/motor.h"
+#include "data/recording.h"
+
+#include <stdbool.h>
+
+typedef struct bench {
+    motor m; /* what the machine is; extensions are its effects: resistance, flux, sensors, angle, voltage */
+    double noise_A;         /* rms of each current sensor */
+    double unlogged_ripple; /* share of the voltage at 300 Hz that no column knows */
+    bool two_sensors;
+    unsigned long seed;
+} bench;
+
+/* The motor of these tests: salient, 4 kHz. */
+motor bench_motor(void);
+
+enum { BENCH_RUNS = 6, BENCH_ROWS = 1500 };
+
+/* Records BENCH_RUNS operating points, both directions, with small steps in the voltage. Free with
+ * recording_free. */
+recording bench_record(const bench *b);
+
+#endif

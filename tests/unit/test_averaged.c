@@ -1,0 +1,145 @@
+/*
+ * The averaged model against Runge-Kutta in stationary quantities, at standstill, in reverse, without
+ * resistance and at three cycles a revolution.
+ */
+#include "diagnose_bench.h"
+#include "model/averaged_drive.h"
+
+#include <math.h>
+#include <unity.h>
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* dx/dt of the rotor-frame equations of averaged.h, integrated by brute force. */
+static void brute(double R, double L_d, double L_q, double T, double omega, const double u[2], double forcing,
+                  double x[2])
+{
+    const int steps = 4000;
+    double h = T / steps;
+    for (int n = 0; n < steps; n++) {
+        double k[4][2];
+        for (int stage = 0; stage < 4; stage++) {
+            double share = stage == 0 ? 0.0 : (stage == 3 ? 1.0 : 0.5);
+            double t = (n + share) * h;
+            double at[2];
+            for (int a = 0; a < 2; a++) {
+                at[a] = x[a] + (stage > 0 ? share * h * k[stage - 1][a] : 0.0);
+            }
+            double u_d = u[0] * cos(omega * t) + u[1] * sin(omega * t);
+            double u_q = u[1] * cos(omega * t) - u[0] * sin(omega * t);
+            k[stage][0] = -R / L_d * at[0] + omega * at[1] + u_d;
+            k[stage][1] = -omega * at[0] - R / L_q * at[1] + u_q + forcing;
+        }
+        for (int a = 0; a < 2; a++) {
+            x[a] += h / 6.0 * (k[0][a] + 2.0 * k[1][a] + 2.0 * k[2][a] + k[3][a]);
+        }
+    }
+}
+
+static void the_step_is_the_exact_solution(void)
+{
+    static const double motors[][3] = {
+        {0.9, 0.008, 0.011}, {0.0, 0.005, 0.005}, {3.0, 0.002, 0.006}, {0.05, 1e-3, 1e-3}};
+    static const double turns[] = {0.0, 1e-9, 0.01, -0.3, 0.79, -2.09};
+    const double T = 2.5e-4;
+    for (size_t m = 0; m < 4; m++) {
+        for (size_t n = 0; n < 6; n++) {
+            const double *p = motors[m];
+            double omega = turns[n] / T;
+            averaged_step step = averaged_step_at(p[0], p[1], p[2], T, omega);
+            const double u[2] = {120.0, -75.0};
+            const double forcing = -omega * 0.2 + 3.0;
+            double x[2] = {0.03, -0.05};
+            const double x0[2] = {0.03, -0.05};
+            brute(p[0], p[1], p[2], T, omega, u, forcing, x);
+            for (int a = 0; a < 2; a++) {
+                double y = step.decay[a][0] * x0[0] + step.decay[a][1] * x0[1] + step.drive[a][0] * u[0] +
+                           step.drive[a][1] * u[1] + step.push[a][1] * forcing;
+                /* 4000 steps of the fourth order are exact to rounding; the flux is of the order of 0.1 Wb.
+                 */
+                TEST_ASSERT_DOUBLE_WITHIN(1e-11, x[a], y);
+            }
+        }
+    }
+}
+
+static void a_node_serves_its_neighbourhood(void)
+{
+    const double T = 2.5e-4;
+    const double omega = 1300.0;
+    averaged_node node = averaged_node_at(0.9, 0.008, 0.011, T, omega);
+    for (double h = -0.5; h <= 0.5; h += 0.125) {
+        averaged_step near = averaged_node_step(&node, h);
+        averaged_step exact = averaged_step_at(0.9, 0.008, 0.011, T, omega + h * AVERAGED_NODE_STEP / T);
+        for (int k = 0; k < 4; k++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-7, (&exact.decay[0][0])[k], (&near.decay[0][0])[k]);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-7 * T, (&exact.drive[0][0])[k], (&near.drive[0][0])[k]);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-7 * T, (&exact.push[0][0])[k], (&near.push[0][0])[k]);
+        }
+    }
+}
+
+static void sensors_invert(void)
+{
+    averaged_drive d = {.L_d_H = 1.0, .L_q_H = 1.0, .g = {0.95, 1.04, 1.01}, .offset_ab_A = {0.3, -0.2}};
+    const vector_ab i = {3.0, -4.0};
+    for (int two = 0; two < 2; two++) {
+        sensor_map map = averaged_drive_sensors(&d, two == 1);
+        vector_ab shown = sensor_map_measure(&map, i);
+        vector_ab back = sensor_map_unmeasure(&map, shown);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.a, back.a);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.b, back.b);
+    }
+    /* Phase A alone reads g_a i_a + (2 o_a - o_b - o_c)/3 when two sensors make the vector. */
+    sensor_map two = averaged_drive_sensors(&d, true);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.95 * 3.0 + 0.3, sensor_map_measure(&two, i).a);
+}
+
+static void an_edge_loses_its_share(void)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, averaged_drive_edge(EDGE_CLIPPED, 7.0));
+    TEST_ASSERT_EQUAL_DOUBLE(-0.5, averaged_drive_edge(EDGE_CLIPPED, -0.5));
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, averaged_drive_edge(EDGE_CHARGED, 1.0)); /* both branches meet */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -0.95, averaged_drive_edge(EDGE_CHARGED, -10.0));
+}
+
+static void the_extended_motor_file_says_the_same_drive(void)
+{
+    motor m = bench_motor();
+    m.ext.has[EXT_ANGLE_HARMONIC] = true;
+    m.ext.harmonic_order = 2.0;
+    m.ext.harmonic_amplitude_rad = 0.03;
+    m.ext.harmonic_phase_rad = -2.5;
+    m.ext.has[EXT_SATURATION] = true;
+    m.ext.L_0_H = 0.0095;
+    m.ext.I_sat_A = 20.0;
+    m.ext.has[EXT_VOLTAGE_DELAY] = true;
+    m.ext.voltage_delay_cycles = 1;
+    averaged_drive d = averaged_drive_of(&m);
+    motor base = bench_motor();
+    motor again = averaged_drive_motor(&d, &base);
+    TEST_ASSERT_EQUAL_DOUBLE(2.0, again.ext.harmonic_order);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.03, again.ext.harmonic_amplitude_rad);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -2.5, again.ext.harmonic_phase_rad);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0095, again.ext.L_0_H);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 20.0, again.ext.I_sat_A);
+    TEST_ASSERT_EQUAL_INT(1, again.ext.voltage_delay_cycles);
+    TEST_ASSERT_FALSE(again.ext.has[EXT_DEAD_TIME] || again.ext.has[EXT_CURRENT_GAIN]);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_step_is_the_exact_solution);
+    RUN_TEST(a_node_serves_its_neighbourhood);
+    RUN_TEST(sensors_invert);
+    RUN_TEST(an_edge_loses_its_share);
+    RUN_TEST(the_extended_motor_file_says_the_same_drive);
+    return UNITY_END();
+}

@@ -1,0 +1,219 @@
+/*
+ * The diagnosis on the bench of diagnose_bench.h: right causes with intervals that hold the truth, nothing on
+ * clean recordings, nothing invented where no hypothesis fits, and failure to name what it was told to skip.
+ */
+#include "diagnose/diagnose.h"
+#include "diagnose_bench.h"
+
+#include <math.h>
+#include <string.h>
+#include <unity.h>
+
+static bench good;
+
+void setUp(void)
+{
+    good = (bench){.m = bench_motor(), .noise_A = 0.017, .seed = 20260101};
+}
+
+void tearDown(void)
+{
+}
+
+static diagnosis look(const bench *b, const char *skip)
+{
+    motor file = bench_motor();
+    recording r = bench_record(b);
+    diagnosis d;
+    error e = {0};
+    diagnose_options options = {.skip = skip ? hypotheses_of_cause(skip) : 0, .series = true};
+    bool ok = diagnose(&d, &r, "bench", &file, &options, &e);
+    TEST_ASSERT_TRUE_MESSAGE(ok, e.text);
+    recording_free(&r);
+    return d;
+}
+
+static void holds(const diagnosis_cause *cause, const char *name, double truth)
+{
+    for (size_t k = 0; k < cause->parameters; k++) {
+        const diagnosis_parameter *p = &cause->parameter[k];
+        if (strcmp(p->name, name) == 0) {
+            TEST_ASSERT_TRUE_MESSAGE(p->low <= truth && truth <= p->high, name);
+            return;
+        }
+    }
+    TEST_FAIL_MESSAGE(name);
+}
+
+static void one_cause(const diagnosis *d, const char *id)
+{
+    TEST_ASSERT_EQUAL_size_t(1, d->causes);
+    TEST_ASSERT_EQUAL_STRING(id, d->cause[0].id);
+    TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d->verdict);
+    TEST_ASSERT_TRUE(d->extended < 1.1 * d->noise_floor);
+}
+
+static void a_clean_recording_has_no_cause_and_its_floor_is_the_noise(void)
+{
+    for (int two = 0; two < 2; two++) {
+        good.two_sensors = two == 1;
+        diagnosis d = look(&good, NULL);
+        TEST_ASSERT_EQUAL_size_t(0, d.causes);
+        TEST_ASSERT_EQUAL_INT(VERDICT_CLEAN, d.verdict);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * good.noise_A, good.noise_A, d.sensor_noise_A);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * d.nominal, d.nominal, d.noise_floor);
+        TEST_ASSERT_TRUE(d.rows_held_out > d.rows_used / 5 && d.rows_held_out < d.rows_used / 2);
+        diagnosis_free(&d);
+    }
+}
+
+static void resistance_is_named_although_noise_is_on_both_sides(void)
+{
+    good.m.R_ohm = 1.2;
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "resistance");
+    holds(&d.cause[0], "R", 1.2);
+    diagnosis_free(&d);
+    good.noise_A = 0.1; /* six times the noise must not bias it */
+    d = look(&good, NULL);
+    one_cause(&d, "resistance");
+    holds(&d.cause[0], "R", 1.2);
+    diagnosis_free(&d);
+}
+
+static void flux_inductance_and_saliency_are_told_apart(void)
+{
+    good.m.psi_f_Wb = 0.19;
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "flux_linkage");
+    holds(&d.cause[0], "psi_f", 0.19);
+    diagnosis_free(&d);
+    good.m = bench_motor();
+    good.m.L_d_H *= 0.9;
+    good.m.L_q_H *= 0.9;
+    d = look(&good, NULL);
+    one_cause(&d, "inductance");
+    holds(&d.cause[0], "L", 0.9 * 0.0095);
+    diagnosis_free(&d);
+    good.m = bench_motor();
+    good.m.L_d_H = 0.0088;
+    good.m.L_q_H = 0.0098;
+    d = look(&good, NULL);
+    one_cause(&d, "saliency");
+    holds(&d.cause[0], "L_d", 0.0088);
+    holds(&d.cause[0], "L_q", 0.0098);
+    diagnosis_free(&d);
+}
+
+static void everything_scaled_alike_is_one_voltage_gain(void)
+{
+    good.m.ext.has[EXT_VOLTAGE_GAIN] = true;
+    good.m.ext.k_u = 0.96;
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "voltage_gain");
+    holds(&d.cause[0], "k_u", 0.96);
+    diagnosis_free(&d);
+}
+
+static void a_voltage_that_acts_late_is_found(void)
+{
+    good.m.ext.has[EXT_VOLTAGE_DELAY] = true;
+    good.m.ext.voltage_delay_cycles = 1;
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "voltage_delay");
+    holds(&d.cause[0], "cycles", 1.0);
+    diagnosis_free(&d);
+}
+
+static void two_causes_at_once_are_both_found(void)
+{
+    good.m.ext.has[EXT_ANGLE_OFFSET] = true;
+    good.m.ext.theta_0_rad = -0.03;
+    good.m.ext.has[EXT_CURRENT_GAIN] = true;
+    good.m.ext.g[0] = 1.03;
+    good.m.ext.g[1] = 0.98;
+    good.m.ext.g[2] = 1.0;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(2, d.causes);
+    for (size_t k = 0; k < 2; k++) {
+        if (strcmp(d.cause[k].id, "angle_offset") == 0) {
+            holds(&d.cause[k], "theta_0", -0.03);
+        } else {
+            TEST_ASSERT_EQUAL_STRING("current_gain", d.cause[k].id);
+            holds(&d.cause[k], "g_a", 1.03);
+            holds(&d.cause[k], "g_b", 0.98);
+            holds(&d.cause[k], "g_c", 1.0);
+        }
+    }
+    diagnosis_free(&d);
+}
+
+static void an_offset_is_named_although_one_cycle_hardly_shows_it(void)
+{
+    good.m.ext.has[EXT_CURRENT_OFFSET] = true;
+    good.m.ext.o_A[0] = 0.1;
+    good.m.ext.o_A[1] = -0.06;
+    good.m.ext.o_A[2] = -0.04;
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "current_offset");
+    holds(&d.cause[0], "o_a", 0.1);
+    holds(&d.cause[0], "o_b", -0.06);
+    TEST_ASSERT_TRUE(d.cause[0].gain < 1.2);
+    diagnosis_free(&d);
+}
+
+static void an_unlogged_ripple_is_structure_and_no_cause(void)
+{
+    good.unlogged_ripple = 0.02;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(0, d.causes);
+    TEST_ASSERT_EQUAL_INT(VERDICT_UNEXPLAINED, d.verdict);
+    TEST_ASSERT_TRUE(d.structure.certain);
+    /* The ripple is no sensor noise: the floor must not have swallowed it. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.35 * good.noise_A, good.noise_A, d.sensor_noise_A);
+    diagnosis_free(&d);
+}
+
+static void what_is_skipped_is_not_named(void)
+{
+    good.m.psi_f_Wb = 0.185;
+    diagnosis d = look(&good, "flux_linkage");
+    for (size_t k = 0; k < d.causes; k++) {
+        TEST_ASSERT_NOT_EQUAL(0, strcmp("flux_linkage", d.cause[k].id));
+    }
+    TEST_ASSERT_NOT_EQUAL(VERDICT_CLEAN, d.verdict);
+    diagnosis_free(&d);
+}
+
+static void the_extended_motor_needs_nothing_more(void)
+{
+    good.m.R_ohm = 1.1;
+    good.m.ext.has[EXT_ANGLE_DELAY] = true;
+    good.m.ext.t_delay_s = 2e-5;
+    diagnosis first = look(&good, NULL);
+    recording r = bench_record(&good);
+    diagnosis again;
+    error e = {0};
+    diagnose_options options = {0};
+    TEST_ASSERT_TRUE(diagnose(&again, &r, "bench", &first.extended_motor, &options, &e));
+    TEST_ASSERT_EQUAL_INT(VERDICT_CLEAN, again.verdict);
+    recording_free(&r);
+    diagnosis_free(&first);
+    diagnosis_free(&again);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_clean_recording_has_no_cause_and_its_floor_is_the_noise);
+    RUN_TEST(resistance_is_named_although_noise_is_on_both_sides);
+    RUN_TEST(flux_inductance_and_saliency_are_told_apart);
+    RUN_TEST(everything_scaled_alike_is_one_voltage_gain);
+    RUN_TEST(a_voltage_that_acts_late_is_found);
+    RUN_TEST(two_causes_at_once_are_both_found);
+    RUN_TEST(an_offset_is_named_although_one_cycle_hardly_shows_it);
+    RUN_TEST(an_unlogged_ripple_is_structure_and_no_cause);
+    RUN_TEST(what_is_skipped_is_not_named);
+    RUN_TEST(the_extended_motor_needs_nothing_more);
+    return UNITY_END();
+}

@@ -1,0 +1,195 @@
+/*
+ * Recordings that cannot be what they say: each spoiled in one way, refused with a line that names the way.
+ */
+#include "diagnose/diagnose.h"
+#include "diagnose_bench.h"
+
+#include <math.h>
+#include <string.h>
+#include <unity.h>
+
+static recording r;
+static motor file;
+
+void setUp(void)
+{
+    bench b = {.m = bench_motor(), .noise_A = 0.017, .seed = 7};
+    file = bench_motor();
+    r = bench_record(&b);
+}
+
+void tearDown(void)
+{
+    recording_free(&r);
+}
+
+static void refused_with(const char *words)
+{
+    diagnosis d;
+    error e = {0};
+    diagnose_options options = {0};
+    bool ok = diagnose(&d, &r, "bench.csv", &file, &options, &e);
+    TEST_ASSERT_FALSE_MESSAGE(ok, words);
+    TEST_ASSERT_EQUAL_INT(STATUS_UNUSABLE, e.status);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, words), e.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "bench.csv"), e.text);
+    TEST_ASSERT_NULL(strchr(e.text, '\n'));
+}
+
+static void scale(double *x, double by)
+{
+    for (size_t k = 0; k < r.rows; k++) {
+        x[k] *= by;
+    }
+}
+
+static void swap(double *x[3], int a, int b)
+{
+    double *keep = x[a];
+    x[a] = x[b];
+    x[b] = keep;
+}
+
+static void swapped_phases(void)
+{
+    swap(r.i_A, 1, 2);
+    refused_with("current columns of phases B and C look swapped");
+}
+
+static void swapped_voltages(void)
+{
+    swap(r.u_V, 0, 2);
+    refused_with("voltages or duties of phases A and C look swapped");
+}
+
+static void swapped_motor_cables(void)
+{
+    swap(r.i_A, 0, 1);
+    swap(r.u_V, 0, 1);
+    refused_with("two motor phases are swapped");
+}
+
+static void wrong_direction(void)
+{
+    scale(r.theta_e_rad, -1.0);
+    scale(r.omega_e_rad_s, -1.0);
+    refused_with("the angle counts against the phases");
+}
+
+static void angle_against_speed(void)
+{
+    scale(r.theta_e_rad, -1.0);
+    refused_with("opposite sign");
+}
+
+static void wrong_current_sign(void)
+{
+    for (int x = 0; x < 3; x++) {
+        scale(r.i_A[x], -1.0);
+    }
+    refused_with("wrong sign");
+}
+
+static void quarter_turn(void)
+{
+    for (size_t k = 0; k < r.rows; k++) {
+        r.theta_e_rad[k] += 1.5707963267948966;
+    }
+    refused_with("degrees from the recorded d axis");
+}
+
+static void milliamperes(void)
+{
+    for (int x = 0; x < 3; x++) {
+        scale(r.i_A[x], 1000.0);
+    }
+    refused_with("milliamperes");
+}
+
+static void millivolts(void)
+{
+    for (int x = 0; x < 3; x++) {
+        scale(r.u_V[x], 1000.0);
+    }
+    refused_with("millivolts");
+}
+
+static void milliseconds(void)
+{
+    scale(r.t_s, 1000.0);
+    r.T_s *= 1000.0;
+    refused_with("milliseconds");
+}
+
+static void degrees(void)
+{
+    scale(r.theta_e_rad, 57.29577951308232);
+    refused_with("degrees, radians are expected");
+}
+
+static void rpm(void)
+{
+    scale(r.omega_e_rad_s, 60.0 / 6.283185307179586 / 3.0);
+    refused_with("revolutions per minute");
+}
+
+static void nothing_flows(void)
+{
+    for (int x = 0; x < 3; x++) {
+        scale(r.i_A[x], 0.0);
+    }
+    refused_with("no excitation");
+}
+
+static void all_zero(void)
+{
+    for (int x = 0; x < 3; x++) {
+        scale(r.i_A[x], 0.0);
+        scale(r.u_V[x], 0.0);
+    }
+    refused_with("all currents and voltages are zero");
+}
+
+static void too_short(void)
+{
+    r.stretches = 1;
+    r.rows = r.stretch[0].count = 40;
+    refused_with("a diagnosis needs 200");
+}
+
+static void another_motor(void)
+{
+    file.R_ohm = 5.0;
+    file.L_d_H = file.L_q_H = 0.03;
+    file.psi_f_Wb = 0.6;
+    refused_with("another motor's");
+}
+
+static void another_cycle(void)
+{
+    file.f_pwm_Hz = 10000.0;
+    refused_with("f_pwm_Hz");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(swapped_phases);
+    RUN_TEST(swapped_voltages);
+    RUN_TEST(swapped_motor_cables);
+    RUN_TEST(wrong_direction);
+    RUN_TEST(angle_against_speed);
+    RUN_TEST(wrong_current_sign);
+    RUN_TEST(quarter_turn);
+    RUN_TEST(milliamperes);
+    RUN_TEST(millivolts);
+    RUN_TEST(milliseconds);
+    RUN_TEST(degrees);
+    RUN_TEST(rpm);
+    RUN_TEST(nothing_flows);
+    RUN_TEST(all_zero);
+    RUN_TEST(too_short);
+    RUN_TEST(another_motor);
+    RUN_TEST(another_cycle);
+    return UNITY_END();
+}
