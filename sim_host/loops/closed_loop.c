@@ -95,6 +95,9 @@ static bool one_cycle(loop_run *r, const drive_firmware *f, loop_result *result,
         r->error_d[r->cycle - LOOP_SETTLE_CYCLES] = d;
         r->error_q[r->cycle - LOOP_SETTLE_CYCLES] = q - i_q_ref;
     }
+    if (r->cycle >= LOOP_START_CYCLES && r->cycle < LOOP_SETTLE_CYCLES) {
+        result->start_percent = fmax(result->start_percent, 100.0 * hypot(d, q - i_q_ref));
+    }
     r->tripped = r->tripped || hypot(d, q) > LOOP_TRIP_LIMIT || !command.gates;
     const double before[3] = {r->duty[0], r->duty[1], r->duty[2]};
     r->duty[0] = iq24_to_double(command.duties.high.a);

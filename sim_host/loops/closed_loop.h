@@ -14,6 +14,7 @@
 #include "drive.h"
 
 enum {
+    LOOP_START_CYCLES = 4,    /* a predictive controller has the current where it wants it */
     LOOP_SETTLE_CYCLES = 200, /* ten time constants of the PI loops, at f_pwm/20 */
     LOOP_TRANSIENT_CYCLES = 120,
     LOOP_TRACE_BEFORE = 4, /* cycles ahead of the step that a trace begins with */
@@ -51,10 +52,12 @@ typedef struct loop_result {
     double wander_percent; /* and of which not */
     double i_d_offset_percent, i_q_offset_percent;
     double overshoot_percent; /* of i_q beyond the reference after the step, of the step */
-    int settling_cycles; /* from the reference's step until the error stays within LOOP_SETTLED; -1: never
-                          */
-    double thd_percent;  /* of phase A in the steady window, all that is not the fundamental, of it */
-    double switching_Hz; /* mean per leg: pulses a second */
+    int settling_cycles;  /* from the reference's step until the error stays within LOOP_SETTLED; -1: never
+                           */
+    double start_percent; /* largest error from cycle LOOP_START_CYCLES on, up to the step: the machine turns
+ at full speed and its terminals are shorted when the firmware begins */
+    double thd_percent;   /* of phase A in the steady window, all that is not the fundamental, of it */
+    double switching_Hz;  /* mean per leg: pulses a second */
     double trace_d[LOOP_TRACE_CYCLES], trace_q[LOOP_TRACE_CYCLES]; /* mean current over its reference's rated
                                                                       peak, around the step */
 } loop_result;

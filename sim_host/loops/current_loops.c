@@ -8,11 +8,12 @@
 
 #include <math.h>
 
-const char *const loop_method_text[LOOP_METHODS] = {"PI, mid-point sample", "PI, quasi-discrete mean",
-                                                    "deadbeat, Euler", "deadbeat, quasi-discrete",
-                                                    "deadbeat, exact"};
-const char *const loop_method_key[LOOP_METHODS] = {"pi_midpoint", "pi_mean", "deadbeat_euler",
-                                                   "deadbeat_quasi_discrete", "deadbeat_exact"};
+const char *const loop_method_text[LOOP_METHODS] = {
+    "PI, mid-point sample", "PI, quasi-discrete mean", "deadbeat, Euler",          "deadbeat, quasi-discrete",
+    "deadbeat, exact",      "learning, Euler",         "learning, quasi-discrete", "learning, exact"};
+const char *const loop_method_key[LOOP_METHODS] = {
+    "pi_midpoint",    "pi_mean",        "deadbeat_euler",          "deadbeat_quasi_discrete",
+    "deadbeat_exact", "learning_euler", "learning_quasi_discrete", "learning_exact"};
 
 const double loop_ratios[LOOP_RATIOS] = {5, 6, 8, 10, 12, 16, 20, 30, 50};
 
@@ -58,13 +59,14 @@ static bool run_pi(const loop_case *c, const motor *assumed, scenario_feedback f
     return firmware.start(firmware.context, &config, e) && closed_loop_run(c, &firmware, result, e);
 }
 
-static bool run_deadbeat(const loop_case *c, const motor *assumed, predictor_kind kind, loop_result *result,
-                         error *e)
+static bool run_deadbeat(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
+                         loop_result *result, error *e)
 {
     predictive_drive drive;
     if (!predictive_drive_init(&drive, assumed, NULL, kind, e)) {
         return false;
     }
+    drive.learning = iq24_from_double(learning);
     const drive_firmware firmware = predictive_drive_firmware(&drive);
     return closed_loop_run(c, &firmware, result, e);
 }
@@ -94,13 +96,19 @@ bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, 
     case LOOP_PI_MEAN:
         return run_pi(&c, &assumed, FEEDBACK_QUASI_DISCRETE_MEAN, result, e);
     case LOOP_DEADBEAT_EULER:
-        return run_deadbeat(&c, &assumed, PREDICTOR_EULER, result, e);
+        return run_deadbeat(&c, &assumed, PREDICTOR_EULER, 0.0, result, e);
     case LOOP_DEADBEAT_QUASI_DISCRETE:
-        return run_deadbeat(&c, &assumed, PREDICTOR_QUASI_DISCRETE, result, e);
+        return run_deadbeat(&c, &assumed, PREDICTOR_QUASI_DISCRETE, 0.0, result, e);
     case LOOP_DEADBEAT_EXACT:
+        return run_deadbeat(&c, &assumed, PREDICTOR_EXACT, 0.0, result, e);
+    case LOOP_LEARNING_EULER:
+        return run_deadbeat(&c, &assumed, PREDICTOR_EULER, LOOP_LEARNING, result, e);
+    case LOOP_LEARNING_QUASI_DISCRETE:
+        return run_deadbeat(&c, &assumed, PREDICTOR_QUASI_DISCRETE, LOOP_LEARNING, result, e);
+    case LOOP_LEARNING_EXACT:
     case LOOP_METHODS:
     default:
-        return run_deadbeat(&c, &assumed, PREDICTOR_EXACT, result, e);
+        return run_deadbeat(&c, &assumed, PREDICTOR_EXACT, LOOP_LEARNING, result, e);
     }
 }
 

@@ -17,6 +17,9 @@ typedef enum loop_method {
     LOOP_DEADBEAT_EULER,
     LOOP_DEADBEAT_QUASI_DISCRETE,
     LOOP_DEADBEAT_EXACT,
+    LOOP_LEARNING_EULER, /* the same with a learnt drift */
+    LOOP_LEARNING_QUASI_DISCRETE,
+    LOOP_LEARNING_EXACT,
     LOOP_METHODS
 } loop_method;
 
@@ -42,10 +45,12 @@ typedef struct current_loops {
     double L_most[LOOP_RATIOS][LOOP_METHODS];
 } current_loops;
 
-#define LOOP_NOISE  0.005
-#define LOOP_SEED   UINT64_C(5)
-#define LOOP_RPM    5000.0
-#define LOOP_L_MOST 3.0
+/* Gain of the drift: ten cycles' memory. */
+#define LOOP_LEARNING 0.1
+#define LOOP_NOISE    0.005
+#define LOOP_SEED     UINT64_C(5)
+#define LOOP_RPM      5000.0
+#define LOOP_L_MOST   3.0
 
 /* The drive at a ratio: the paper's, with another switching frequency. */
 motor loop_motor_at(double ratio);

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-const double finite_set_ratios[FINITE_SET_RATIOS] = {10, 20, 30, 50, 100};
+const double finite_set_ratios[FINITE_SET_RATIOS] = {10.15, 20.15, 30.15, 50.15, 100.15};
 const double finite_set_weights[FINITE_SET_WEIGHTS] = {0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
 
 bool finite_set_loop_run(double ratio, predictor_kind kind, int horizon, double weight,

@@ -10,6 +10,7 @@
 
 enum { FINITE_SET_RATIOS = 5, FINITE_SET_WEIGHTS = 7, FINITE_SET_PREDICTORS = 3 };
 
+/* No whole numbers, at which the states would lock to the rotor; 20 periods are whole intervals. */
 extern const double finite_set_ratios[FINITE_SET_RATIOS];
 extern const double finite_set_weights[FINITE_SET_WEIGHTS];
 
@@ -19,7 +20,7 @@ typedef struct finite_set_point {
 } finite_set_point;
 
 /* Intervals per fundamental period for the trade of switching against distortion. */
-#define FINITE_SET_TRADE_RATIO 100.0
+#define FINITE_SET_TRADE_RATIO 100.15
 
 typedef struct finite_set_loops {
     finite_set_point at[FINITE_SET_RATIOS][FINITE_SET_PREDICTORS][IQFOC_FINITE_SET_HORIZON];

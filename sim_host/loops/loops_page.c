@@ -111,7 +111,7 @@ static bool step_figure(page *p, const loops_study *s, error *e)
     plot_say(&drawing, "set xlabel 'cycles after the step of the reference'\n"
                        "set ylabel 'i_q over rated'\nset key right bottom\nplot ");
     for (int n = 0; n < LOOP_METHODS; n++) {
-        plot_say(&drawing, "%s$%s using 1:2 with linespoints pointsize 0.4 linestyle %d title '%s'",
+        plot_say(&drawing, "%s$%s using 1:2 with linespoints linestyle %d pointsize 0.4 title '%s'",
                  n > 0 ? ", " : "", loop_method_key[n], n == LOOP_PI_MIDPOINT ? 9 : n, loop_method_text[n]);
     }
     plot_say(&drawing, "\n");

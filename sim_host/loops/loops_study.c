@@ -40,15 +40,17 @@ static void print_current(const loops_study *s, FILE *f)
         f,
         "\nCurrent loops at %g rpm, step of i_q from 30 %% to 70 %% of rated, right parameters; percent of "
         "the rated peak\n"
-        "  %5s  %-26s%-10s%10s%10s%10s%10s%10s%10s\n",
-        LOOP_RPM, "SFFR", "loop", "outcome", "rms", "wander", "overshoot", "settling", "THD", "L up to");
+        "  %5s  %-26s%-10s%10s%10s%10s%10s%10s%10s%10s\n",
+        LOOP_RPM, "SFFR", "loop", "outcome", "rms", "wander", "start", "overshoot", "settling", "THD",
+        "L up to");
     for (int k = 0; k < LOOP_RATIOS; k++) {
         for (int n = 0; n < LOOP_METHODS; n++) {
             const loop_result *r = &s->current.at[k][LOOP_NOMINAL][n];
             char text[16];
-            fprintf(f, "  %5g  %-26s%-10s%10.3f%10.3f%10.1f%10s%10.2f%10.2f\n", loop_ratios[k],
+            fprintf(f, "  %5g  %-26s%-10s%10.3f%10.3f%10.1f%10.1f%10s%10.2f%10.2f\n", loop_ratios[k],
                     loop_method_text[n], loop_outcome_text(r->outcome), r->rms_percent, r->wander_percent,
-                    r->overshoot_percent, settling(r, text), r->thd_percent, s->current.L_most[k][n]);
+                    r->start_percent, r->overshoot_percent, settling(r, text), r->thd_percent,
+                    s->current.L_most[k][n]);
         }
     }
     fprintf(f, "\nThe same with wrong parameters: rms error, percent of the rated peak\n  %5s  %-26s", "SFFR",

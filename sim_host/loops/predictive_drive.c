@@ -47,8 +47,11 @@ static void choose_by_deadbeat(predictive_drive *p, const iqfoc_sample_t *sample
     iqfoc_deadbeat_t deadbeat = {.model = model_at(p, rotor),
                                  .reference = iqfoc_valley_reference_at(rotor, p->k_psi)};
     deadbeat.k_u_inverse = iqfoc_deadbeat_inverse(deadbeat.model.k_u_q26);
-    const iqfoc_ab_t u = iqfoc_deadbeat_step(&deadbeat, iqfoc_clarke3(sample->i), p->u_now, p->i_ref,
-                                             sample->theta, rotor->turns);
+    const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
+    const iqfoc_ab_t u =
+        p->learning > 0 ? iqfoc_deadbeat_drift_step(&p->drift, &deadbeat, p->learning, i, p->u_now, p->i_ref,
+                                                    sample->theta, rotor->turns)
+                        : iqfoc_deadbeat_step(&deadbeat, i, p->u_now, p->i_ref, sample->theta, rotor->turns);
     p->command.duties = iqfoc_modulate(u, iq24_div(IQ24_ONE, sample->u_dc), IQ24_ONE);
     p->u_next.alpha = iq24_mul_round(u.alpha, p->command.duties.scale);
     p->u_next.beta = iq24_mul_round(u.beta, p->command.duties.scale);

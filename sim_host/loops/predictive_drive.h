@@ -8,7 +8,7 @@
 
 #include "drive.h"
 
-#include "iqfoc/deadbeat.h"
+#include "iqfoc/deadbeat_drift.h"
 #include "iqfoc/finite_set.h"
 #include "iqfoc/predictor.h"
 
@@ -20,6 +20,8 @@ typedef struct predictive_drive {
     predictor_kind kind;
     int32_t horizon; /* 0: deadbeat with PWM; 1 ... 3: finite control set */
     iq24_t weight;   /* of a leg's switching, finite control set only */
+    iq24_t learning; /* gain of the drift; 0: plain deadbeat */
+    iqfoc_deadbeat_drift_t drift;
     iqfoc_predictor_t predictor;
     iqfoc_exact_law_t law;
     iq24_t k_psi;

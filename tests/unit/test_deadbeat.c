@@ -2,7 +2,7 @@
  * Deadbeat control (include/iqfoc/deadbeat.h), the papers' predictors in the exact one's form
  * (predictor_form.h), and the valley's reference (valley_reference.h): every range and error stated there.
  */
-#include "iqfoc/deadbeat.h"
+#include "iqfoc/deadbeat_drift.h"
 #include "iqfoc/predictor_form.h"
 #include "model/exact.h"
 #include "reference.h"
@@ -210,6 +210,78 @@ static void the_second_valley_has_the_reference(void)
     }
 }
 
+/* Runs a machine that is not the model for so many cycles; its current as the rotor sees it at the end. */
+static iqfoc_dq_t run_learning(const iqfoc_deadbeat_t *believed, const iqfoc_exact_t *truth, iq24_t gain,
+                               iq24_t turns, iqfoc_dq_t i_ref, int cycles)
+{
+    iqfoc_deadbeat_drift_t drift = {{0, 0}, {0, 0}, false};
+    iqfoc_ab_t i = {0, 0};
+    iqfoc_ab_t u_now = {0, 0};
+    iq24_t theta = 0;
+    for (int k = 0; k < cycles; k++) {
+        const iqfoc_ab_t u_next =
+            iqfoc_deadbeat_drift_step(&drift, believed, gain, i, u_now, i_ref, theta, turns);
+        i = iqfoc_exact_step(truth, i, u_now, iq24_sincos(iq24_add_wrap(theta, turns / 2)));
+        u_now = u_next;
+        theta = iq24_add_wrap(theta, turns);
+    }
+    return iqfoc_park(i, iq24_sincos(theta));
+}
+
+/* L, psi and R all wrong: with a gain the reference is met all the same, without one it is not. */
+static void what_the_model_gets_wrong_is_learnt(void)
+{
+    const iqfoc_dq_t i_ref = {IQ24(-0.25), IQ24(0.75)};
+    const double speeds[] = {0.0, 0.1, -0.2};
+    for (size_t s = 0; s < sizeof speeds / sizeof speeds[0]; s++) {
+        const iq24_t turns = to_iq24(speeds[s]) & ~1;
+        const iqfoc_deadbeat_t truth = deadbeat_of(0.05, 2.0, 1.5, turns);
+        iqfoc_deadbeat_t believed = deadbeat_of(0.08, 2.3, 1.7, turns);
+        believed.reference = truth.reference;
+        const iqfoc_dq_t want = iqfoc_valley_reference(&truth.reference, i_ref);
+        const iqfoc_dq_t learnt = run_learning(&believed, &truth.model, IQ24(0.1), turns, i_ref, 400);
+        TEST_ASSERT_INT32_WITHIN(40, want.d, learnt.d);
+        TEST_ASSERT_INT32_WITHIN(40, want.q, learnt.q);
+        const iqfoc_dq_t plain = run_learning(&believed, &truth.model, 0, turns, i_ref, 400);
+        const double off = hypot(to_double(plain.d - want.d), to_double(plain.q - want.q));
+        TEST_ASSERT_TRUE(off > 0.02);
+    }
+}
+
+/* Without gain it is the plain law, to the rounding of the reference's two ways to the target. */
+static void without_gain_nothing_is_learnt(void)
+{
+    uint64_t seed = 6;
+    for (int n = 0; n < 2000; n++) {
+        const iq24_t turns = random_iq24(&seed, -0.3, 0.3);
+        const iqfoc_deadbeat_t d = deadbeat_of(0.1, 2.0, 2.0, turns);
+        iqfoc_deadbeat_drift_t drift = {{0, 0}, random_ab(&seed, 2.0), true};
+        const iqfoc_ab_t i = random_ab(&seed, 2.0);
+        const iqfoc_ab_t u = random_ab(&seed, 0.7);
+        const iqfoc_dq_t i_ref = {random_iq24(&seed, -1.0, 1.0), random_iq24(&seed, -1.0, 1.0)};
+        const iq24_t theta = random_iq24(&seed, -0.5, 0.5);
+        const iqfoc_ab_t want = iqfoc_deadbeat_step(&d, i, u, i_ref, theta, turns);
+        const iqfoc_ab_t got = iqfoc_deadbeat_drift_step(&drift, &d, 0, i, u, i_ref, theta, turns);
+        TEST_ASSERT_EQUAL_INT32(want.alpha, got.alpha);
+        TEST_ASSERT_EQUAL_INT32(want.beta, got.beta);
+        TEST_ASSERT_EQUAL_INT32(0, drift.drift.d);
+        TEST_ASSERT_TRUE(drift.predicted);
+    }
+}
+
+static void the_drift_is_held(void)
+{
+    const iqfoc_deadbeat_t d = deadbeat_of(0.0, 16.0, 8.0, IQFOC_ROTOR_TURNS_MAX);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        iqfoc_deadbeat_drift_t drift = {{0, 0}, {sign * IQ24(60.0), 0}, true};
+        const iqfoc_ab_t i = {-sign * IQ24(15.0), 0};
+        const iqfoc_ab_t u = {0, 0};
+        const iqfoc_dq_t i_ref = {sign * IQ24(20.0), sign * IQ24(20.0)};
+        (void)iqfoc_deadbeat_drift_step(&drift, &d, IQ24_ONE, i, u, i_ref, 0, IQFOC_ROTOR_TURNS_MAX);
+        TEST_ASSERT_EQUAL_INT32(-sign * IQFOC_DEADBEAT_DRIFT_LIMIT, drift.drift.d);
+    }
+}
+
 /* The corners of every range: defined and held, under the sanitizers too. */
 static void extremes_are_held(void)
 {
@@ -243,6 +315,9 @@ int main(void)
     RUN_TEST(the_inverse_is_rounded_once);
     RUN_TEST(the_voltage_hits_the_target);
     RUN_TEST(the_second_valley_has_the_reference);
+    RUN_TEST(what_the_model_gets_wrong_is_learnt);
+    RUN_TEST(without_gain_nothing_is_learnt);
+    RUN_TEST(the_drift_is_held);
     RUN_TEST(extremes_are_held);
     return UNITY_END();
 }
