@@ -63,6 +63,12 @@ def check_header(folder, result):
         made = subprocess.run([compiler, *WARNINGS, "-I", ROOT / "include", "-I", folder, folder / "firmware.c", *sources, "-o",
                                folder / "firmware"], capture_output=True, text=True, check=False)
         assert made.returncode == 0 and not made.stderr, made.stderr
+        # The example's header out of the way: -I is searched after the source's own folder.
+        shutil.copy(ROOT / "examples/corrected_drive/corrected_drive.c", folder)
+        shutil.copy(ROOT / "examples/corrected_drive/corrected_drive.h", folder)
+        made = subprocess.run([compiler, *WARNINGS, "-I", ROOT / "include", "-c", folder / "corrected_drive.c",
+                               "-o", folder / "corrected_drive.o"], capture_output=True, text=True, check=False)
+        assert made.returncode == 0 and not made.stderr, made.stderr
     held = json.loads(subprocess.run([folder / "firmware"], capture_output=True, check=True).stdout)
     found = values(result)
     base = 6.0 * 2 ** 0.5

@@ -1,0 +1,56 @@
+/*
+ * The corrected drive on an STM32G474: as first_drive, with the corrected interrupts.
+ */
+#include "board.h"
+#include "chip.h"
+#include "corrected_drive.h"
+#include "hal_stm32g4.h"
+
+#define HALF_TICKS (STM32G4_CLOCK_HZ / CORRECTED_DRIVE_PWM_HZ / 2)
+
+static const stm32g4_chip_t chip = STM32G4_CHIP;
+
+/* 2048 counts are 2.5 times the rated peak current, 4096 counts 1.6 times the nominal DC link; a 1024-line
+ * encoder. */
+static const hal_stm32g4_board_t board = {
+    .half_ticks = HALF_TICKS,
+    .i_offset = 2048,
+    .i_per_count = IQ24(2.5 / 2048),
+    .u_dc_per_count = IQ24(1.6 / 4096),
+    .counts_per_turn = 4096,
+    .pole_pairs = 3,
+    .theta_offset = 0,
+};
+
+static iqfoc_cycle_t cycle;
+static iqfoc_hal_t hal;
+
+void adc1_2_handler(void);
+
+/* Both converters have sampled: at the valley or at the peak, whichever the counter comes from. */
+void adc1_2_handler(void)
+{
+    stm32g4_write(&chip.adc1->ISR, ADC_ISR_JEOS);
+    if (hal_stm32g4_at_valley(&hal)) {
+        corrected_drive_valley(&cycle, &hal);
+    } else {
+        corrected_drive_peak(&cycle, &hal);
+    }
+}
+
+int main(void)
+{
+    if (stm32g4_clock_start(&chip) != STM32G4_OK ||
+        stm32g4_carrier_start(&chip, HALF_TICKS, 1000) != STM32G4_OK ||
+        stm32g4_encoder_start(&chip, board.counts_per_turn) != STM32G4_OK ||
+        stm32g4_converters_start(&chip) != STM32G4_OK ||
+        !corrected_drive_start(&cycle, STM32G4_CLOCK_HZ, IQ24(0.1))) {
+        return 1;
+    }
+    hal_stm32g4_start(&hal, &chip, &board);
+    stm32g4_pins_start(&chip); /* last: no pin drives a gate before the timer holds it low */
+    stm32g4_run(&chip);
+    for (;;) {
+        __asm volatile("wfi");
+    }
+}
