@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LOG_LENGTH 512
+#define LOG_LENGTH 4096
 
 typedef struct log_entry {
     stm32g4_reg_t *reg;
