@@ -21,7 +21,7 @@ iqfoc_add_image(same_bits same_bits.c closed_loop.c golden_vectors.c golden_mode
 target_compile_definitions(same_bits PRIVATE IQFOC_ON_TARGET)
 
 # The library's own unit tests. Sweeps are thinned: double precision is emulated twice here.
-foreach(name IN ITEMS iq24 iq24_math rotor transform predictor modulation current_control cycle)
+foreach(name IN ITEMS iq24 iq24_math rotor transform predictor modulation current_control cycle cycle_loop)
     iqfoc_add_image(unit_${name} ../unit/test_${name}.c ${IQFOC_TARGET_SYSCALLS})
     target_compile_definitions(unit_${name} PRIVATE IQFOC_TEST_STRIDE=1009)
     target_link_libraries(unit_${name} PRIVATE unity m)
