@@ -171,6 +171,11 @@ void port_check_update_instant(const port_rig *rig)
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.002, 0.8, share[leg],
                                           "a command does not act from the next valley");
     }
+    /* A command that comes too late for its valley waits for the next: it must not act at the peak. */
+    rig->go_to(0.05);
+    iqfoc_hal_write(rig->hal, &before);
+    rig->go_to(0.85);
+    TEST_ASSERT_TRUE_MESSAGE(rig->leg_high(0), "a late command acts in the middle of a period");
 }
 
 void port_check_duties_and_order(const port_rig *rig)
