@@ -101,6 +101,25 @@ static bool parse(int argc, char **argv, request *r, error *e)
     return true;
 }
 
+/* Files first, words last: what is printed has been written. */
+static bool deliver(const request *r, const report_input *in, json_t *json, error *e)
+{
+    if (r->directory && !diagnose_report_write(in, r->directory, json, e)) {
+        return false;
+    }
+    if (r->json_path && !json_file_write(r->json_path, json, e)) {
+        return false;
+    }
+    if (r->json_path && strcmp(r->json_path, "-") == 0) {
+        return true;
+    }
+    diagnose_print(stdout, in->d, r->recording_path, r->motor_path);
+    if (r->directory) {
+        printf("\n  report: %s/report.html\n", r->directory);
+    }
+    return true;
+}
+
 static bool run(const request *r, error *e)
 {
     motor m;
@@ -110,8 +129,8 @@ static bool run(const request *r, error *e)
         return false;
     }
     diagnose_options how = r->options;
-    how.series =
-        r->directory != NULL || r->json_path != NULL; /* what is measured after it goes by its rows */
+    /* What is measured after the diagnosis goes by its rows. */
+    how.series = r->directory != NULL || r->json_path != NULL;
     bool ok = diagnose(&d, &rec, r->recording_path, &m, &how, e);
     if (ok) {
         json_t *json = diagnose_json(&d, r->recording_path, r->motor_path);
@@ -119,18 +138,7 @@ static bool run(const request *r, error *e)
         if (how.series) {
             diagnose_report_firmware(&in, json);
         }
-        if (r->directory) {
-            ok = diagnose_report_write(&in, r->directory, json, e);
-        }
-        if (ok && r->json_path) {
-            ok = json_file_write(r->json_path, json, e);
-        }
-        if (ok && !(r->json_path && strcmp(r->json_path, "-") == 0)) {
-            diagnose_print(stdout, &d, r->recording_path, r->motor_path);
-            if (ok && r->directory) {
-                printf("\n  report: %s/report.html\n", r->directory);
-            }
-        }
+        ok = deliver(r, &in, json, e);
         json_decref(json);
         diagnosis_free(&d);
     }

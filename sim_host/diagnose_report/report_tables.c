@@ -183,10 +183,11 @@ void report_hypotheses(page *p, const diagnosis *d)
         page_row_end(p);
     }
     page_table_end(p);
-    page_note(p,
-              "Alone: share of what all named causes together explain (in likelihood) that this one would "
-              "explain by itself. Would add: chi square "
-              "that it would still take off the extended model; below about 25 per parameter it is chance.");
+    page_note(p, "Alone: share of what all named causes together explain (in likelihood) that this one would "
+                 "explain by itself. "
+                 "Would add: chi square that it would still take off the extended model, linearised there. "
+                 "What is not named is not "
+                 "certain, or too small beside the named to be more than what their laws leave.");
 }
 
 /* A run none of whose rows was held out has no such error. */
