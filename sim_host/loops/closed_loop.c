@@ -88,8 +88,10 @@ static bool one_cycle(loop_run *r, const drive_firmware *f, loop_result *result,
     const double q = mean.q / r->base.I_A;
     const long shown = r->cycle - (LOOP_SETTLE_CYCLES - LOOP_TRACE_BEFORE);
     if (shown >= 0 && shown < LOOP_TRACE_CYCLES) {
-        result->trace_d[shown] = d;
         result->trace_q[shown] = q;
+    }
+    if (r->cycle < LOOP_TRACE_CYCLES) {
+        result->trace_start[r->cycle] = 100.0 * hypot(d, q - i_q_ref);
     }
     if (r->cycle >= LOOP_SETTLE_CYCLES) {
         r->error_d[r->cycle - LOOP_SETTLE_CYCLES] = d;
@@ -169,8 +171,8 @@ static void nothing_measured(loop_result *result)
                               .switching_Hz = NAN};
     *result = none;
     for (int n = 0; n < LOOP_TRACE_CYCLES; n++) {
-        result->trace_d[n] = NAN;
         result->trace_q[n] = NAN;
+        result->trace_start[n] = NAN;
     }
 }
 

@@ -58,8 +58,8 @@ typedef struct loop_result {
  at full speed and its terminals are shorted when the firmware begins */
     double thd_percent;   /* of phase A in the steady window, all that is not the fundamental, of it */
     double switching_Hz;  /* mean per leg: pulses a second */
-    double trace_d[LOOP_TRACE_CYCLES], trace_q[LOOP_TRACE_CYCLES]; /* mean current over its reference's rated
-                                                                      peak, around the step */
+    double trace_q[LOOP_TRACE_CYCLES];     /* mean i_q over rated around the step */
+    double trace_start[LOOP_TRACE_CYCLES]; /* error in percent of rated, from switch-on */
 } loop_result;
 
 const char *loop_outcome_text(loop_outcome outcome);

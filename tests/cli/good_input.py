@@ -77,6 +77,16 @@ class GoodInput(unittest.TestCase):
         points = json.loads((self.folder / "out.json").read_text())["points"]
         self.assertEqual([1000, 2000], [point["rpm"] for point in points])
 
+    def test_loops(self):
+        self.need("loops")
+        self.done(["loops", "--json", "out.json"])
+        result = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual(["discrete angle", "corrected, 2016 (10)"], [loop["feedback"] for loop in result["six_step"]])
+        exact = [point["rms_percent"] for point in result["current"]
+                 if point["loop"] == "deadbeat_exact" and point["belief"] == "right"]
+        self.assertEqual(sorted(exact, reverse=True), exact)
+        self.assertFalse((self.folder / "report-loops").exists())
+
     def test_reproduce(self):
         self.need("reproduce")
         self.done(["reproduce", "--paper", "2019", "--json", "out.json"])
