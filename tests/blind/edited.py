@@ -272,7 +272,7 @@ REFUSED = [
     ("two phases exchanged", exchange, {}, ("exchanged", "swapped", "order")),
     ("currents of the other sign", negative_currents, {}, ("sign",)),
     ("angle in the other direction", other_direction, {}, ("direction",)),
-    ("currents in mA", milliamperes, {}, ("1000", "unit", "mA")),
+    ("currents in mA", milliamperes, {}, ("milliamperes",)),
     ("inductance in mH", None, {"L_d_H": 8.0, "L_q_H": 11.0}, ("L_d_H", "unit", "mH", "1000")),
     ("no current", no_current, {}, ("zero", "current", "excitation")),
     ("another motor's file", None, {"R_ohm": 0.1, "L_d_H": 5e-4, "L_q_H": 5e-4, "psi_f_Wb": 0.03}, ("motor",)),
