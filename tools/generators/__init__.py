@@ -5,12 +5,14 @@ line, `program.output(...)` what another command of the tree prints, `arguments`
 rounded to what a reader needs: the last digits may differ between machines.
 """
 
-from . import bench, carried_on, diagnosis, mean_map, papers, picture, sweep
+from . import bench, carried_on, diagnosis, induction, loops, mean_map, papers, picture, sweep
 
 GENERATORS = {
     "bench": bench.generate,
     "carried_on": carried_on.generate,
     "diagnosis": diagnosis.generate,
+    "loops": loops.generate,
+    "induction": induction.generate,
     "mean_map": mean_map.generate,
     "papers": papers.generate,
     "picture": picture.generate,

@@ -1,0 +1,93 @@
+"""loops WHAT [RATIO...]: tables of `iqfoc loops`.
+
+    <!-- figures: loops six_step -->
+    <!-- figures: loops ratios 5 10 20 50 -->
+    <!-- figures: loops beliefs 5 10 20 50 -->
+    <!-- figures: loops finite_set 20.15 50.15 100.15 -->
+    <!-- figures: loops trade -->
+"""
+
+from .markdown import number, table
+
+LOOPS = {
+    "pi_midpoint": "PI, mid-point sample",
+    "pi_mean": "PI, quasi-discrete mean",
+    "deadbeat_euler": "deadbeat, Euler",
+    "deadbeat_quasi_discrete": "deadbeat, quasi-discrete",
+    "deadbeat_exact": "deadbeat, exact",
+    "learning_euler": "learning, Euler",
+    "learning_quasi_discrete": "learning, quasi-discrete",
+    "learning_exact": "learning, exact",
+}
+BELIEFS = {"right": "right", "L+30": "L +30 %", "L-30": "L -30 %", "psi+10": "psi +10 %", "psi-10": "psi -10 %",
+           "R+50": "R +50 %", "R-50": "R -50 %", "noise": "noise"}
+
+
+def short(value):
+    """Two digits are what a closed loop repeats to on another machine."""
+    return "-" if value is None else number(float(f"{value:.3g}"))
+
+
+def six_step(result, _ratios):
+    heads = ["feedback", "asked for, A", "fed back, A", "true i_q, A", "excess, %", "torque, Nm", "asked for, Nm"]
+    rows = [[loop["feedback"], *(f"{loop[key]:.3f}" for key in ("i_q_reference_A", "i_q_fed_back_A", "i_q_A")),
+             f"{loop['excess_percent']:.2f}", f"{loop['torque_Nm']:.3f}", f"{loop['torque_reference_Nm']:.3f}"]
+            for loop in result["six_step"]]
+    return table(heads, rows, right=heads[1:])
+
+
+def ratios(result, wanted):
+    heads = ["SFFR", "loop", "", "rms error, %", "of it constant, %", "start, %", "overshoot, %", "settling, cycles", "THD, %",
+             "stable up to L"]
+    rows = []
+    for point in result["current"]:
+        if point["belief"] == "right" and point["sffr"] in wanted:
+            settling = point["settling_cycles"]
+            rows.append([f"{point['sffr']:g}", LOOPS[point["loop"]], point["outcome"], short(point["rms_percent"]),
+                         short(point["offset_percent"]), short(point["start_percent"]), short(point["overshoot_percent"]),
+                         "-" if settling is None else settling, short(point["thd_percent"]), f"{point['L_most']:.1f}"])
+    return table(heads, rows, right=[head for head in heads if head not in ("loop", "")])
+
+
+def beliefs(result, wanted):
+    cells = {}
+    for point in result["current"]:
+        text = short(point["rms_percent"])
+        if point["outcome"] == "trips":
+            text = "trips"
+        elif point["outcome"] == "unstable":
+            text += " unstable"
+        cells[point["sffr"], point["loop"], point["belief"]] = text
+    heads = ["SFFR", "loop", *BELIEFS.values()]
+    rows = [[f"{ratio:g}", LOOPS[loop], *(cells[ratio, loop, belief] for belief in BELIEFS)]
+            for ratio in wanted for loop in LOOPS]
+    return table(heads, rows, right=["SFFR", *BELIEFS.values()])
+
+
+def finite_set_rows(points):
+    return [[f"{point['intervals']:g}", point["predictor"], point["horizon"] or "-", f"{point['weight']:g}",
+             short(point["rms_percent"]), short(point["offset_percent"]), short(point["thd_percent"]),
+             f"{point['switching_Hz']:.0f}", f"{point['nodes']:.0f}" if point["horizon"] else "-"] for point in points]
+
+
+FINITE_SET_HEADS = ["intervals a period", "predictor", "horizon", "weight", "rms error, %", "of it constant, %", "THD, %",
+                    "pulses per leg and second", "currents predicted per decision"]
+
+
+def finite_set(result, wanted):
+    rows = finite_set_rows(point for point in result["finite_set"] if point["intervals"] in wanted)
+    return table(FINITE_SET_HEADS, rows, right=[head for head in FINITE_SET_HEADS if head != "predictor"])
+
+
+def trade(result, _ratios):
+    rows = finite_set_rows(result["finite_set_trade"])
+    return table(FINITE_SET_HEADS, rows, right=[head for head in FINITE_SET_HEADS if head != "predictor"])
+
+
+PARTS = {"six_step": six_step, "ratios": ratios, "beliefs": beliefs, "finite_set": finite_set, "trade": trade}
+
+
+def generate(program, arguments):
+    if not arguments or arguments[0] not in PARTS:
+        raise ValueError(f"expected one of {', '.join(sorted(PARTS))}, got {arguments}")
+    return PARTS[arguments[0]](program.json("loops"), [float(ratio) for ratio in arguments[1:]])
