@@ -10,7 +10,8 @@
  */
 static const double SYSTEMATIC = 0.03;
 /* And as a share of the effect: what the averaged model of an effect may err by against its physics within
- * the cycle. Dead time near zero current has no exact law at all. */
+ * the cycle. Dead time near zero current has no exact law at all, and what it leaves falls to the other
+ * causes. */
 static const double SYSTEMATIC_SHARE = 0.003;
 static const double SYSTEMATIC_SHARE_DEAD_TIME = 0.01;
 
@@ -83,7 +84,8 @@ void cause_report(diagnosis_cause *cause, hypothesis_id h, const fit_data *d, co
     for (size_t k = 0; k < hypo->columns; k++) {
         int column = hypo->column[k] == COLUMN_L ? P_L_D : hypo->column[k];
         half[k] = certainty_half_width(c, hypo->column[k]) + least +
-                  fabs(s->z[column]) * (h == H_DEAD_TIME ? SYSTEMATIC_SHARE_DEAD_TIME : SYSTEMATIC_SHARE);
+                  fabs(s->z[column]) *
+                      (s->set & HYPOTHESIS_BIT(H_DEAD_TIME) ? SYSTEMATIC_SHARE_DEAD_TIME : SYSTEMATIC_SHARE);
     }
     cause->id = hypo->cause;
     cause->words = hypo->words;

@@ -39,6 +39,9 @@ static const double STRUCTURE_SHARE = 0.05;
 
 /* An extended error of this many noise floors raises the question whether the columns are what they say. */
 static const double SUSPECT = 2.0;
+/* And one of this many percent, whether the motor is the one of the file. Glitches and loose sensors stay
+ * below. */
+static const double FAR_OFF = 15.0;
 
 /* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
 static const double FLOOR_TOLERANCE = 1.25;
@@ -373,7 +376,7 @@ bool diagnose(diagnosis *d, const recording *rec, const char *recording_path, co
     /* Causes that explain the recording are believed; otherwise the wiring is suspected before the physics.
      */
     if (ok && d->extended > SUSPECT * d->noise_floor) {
-        ok = plausible_wiring(rec, m, recording_path, e);
+        ok = plausible_wiring(rec, m, d->extended > FAR_OFF, recording_path, e);
     }
     ok = ok && plausible_motor(&d->extended_drive, &d->nominal_drive, recording_path, e);
     fit_data_free(&w->fitted);

@@ -17,7 +17,7 @@ const hypothesis hypothesis_table[H_COUNT] = {
         {"saturation", "inductance falls with current", true, 2, {COLUMN_L, P_SATURATION}, false, 4.0, 0.02},
     [H_DEAD_TIME] =
         {"dead_time", "voltage lost against the phase currents", true, 1, {P_V_DEAD}, false, 0.0, 0.04},
-    [H_VOLTAGE_GAIN] = {"voltage_gain", "all voltages scaled alike", true, 1, {P_K_U}, false, 2.0, 0.003},
+    [H_VOLTAGE_GAIN] = {"voltage_gain", "all voltages scaled alike", true, 1, {P_K_U}, false, 1.0, 0.003},
     [H_CURRENT_OFFSET] = {"current_offset",
                           "offsets of the current sensors",
                           true,
@@ -180,6 +180,27 @@ bool hypotheses_count(hypothesis_set set, const double z[P_COUNT])
         }
     }
     return true;
+}
+
+double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
+{
+    /* One standard deviation of what drives usually show, in z. */
+    static const double usual[P_COUNT] = {
+        [P_R] = 0.3,       [P_L_D] = 0.12,    [P_L_Q] = 0.12,    [P_PSI] = 0.05,    [P_SATURATION] = 0.4,
+        [P_K_U] = 0.04,    [P_GAIN_A] = 0.04, [P_GAIN_B] = 0.04, [P_GAIN_C] = 0.04, [P_THETA_0] = 0.1,
+        [P_T_DELAY] = 0.5, [P_DR_A] = 0.4,    [P_DR_B] = 0.4,    [P_DR_C] = 0.4,    [P_V_DEAD] = 1.0};
+    double sum = 0.0;
+    bool counted[P_COUNT] = {false};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        for (size_t k = 0; (set & HYPOTHESIS_BIT(h)) && k < hypothesis_table[h].columns; k++) {
+            int column = hypothesis_table[h].column[k] == COLUMN_L ? P_L_D : hypothesis_table[h].column[k];
+            if (usual[column] > 0.0 && !counted[column]) {
+                counted[column] = true;
+                sum += z[column] * z[column] / (usual[column] * usual[column]);
+            }
+        }
+    }
+    return sum;
 }
 
 void column_move(int column, double by, double z[P_COUNT])

@@ -79,6 +79,12 @@ double hypothesis_size(hypothesis_id h, const double z[P_COUNT]);
 /* Whether every member of the set is large enough to be worth a name. */
 bool hypotheses_count(hypothesis_set set, const double z[P_COUNT]);
 
+/*
+ * How unusual the sizes are, as -2 log of a normal prior: it decides where the data cannot, between flux and
+ * voltage gain beside a current gain, say, for the smaller deviations.
+ */
+double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT]);
+
 /* Moves z along a column. */
 void column_move(int column, double by, double z[P_COUNT]);
 

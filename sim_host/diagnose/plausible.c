@@ -126,6 +126,6 @@ bool plausible_motor(const averaged_drive *fitted, const averaged_drive *file, c
                        "this is another motor's recording: it fits R = %.3g ohm, L_d = %.3g H, L_q = %.3g H, "
                        "psi_f = %.3g Wb, and the motor file "
                        "says %.3g ohm, %.3g H, %.3g H, %.3g Wb",
-                       fitted->R_ohm, fitted->L_d_H, fitted->L_q_H, fitted->psi_f_Wb, file->R_ohm,
-                       file->L_d_H, file->L_q_H, file->psi_f_Wb);
+                       fitted->R_ohm / k, fitted->L_d_H / k, fitted->L_q_H / k, fitted->psi_f_Wb / k,
+                       file->R_ohm, file->L_d_H, file->L_q_H, file->psi_f_Wb);
 }

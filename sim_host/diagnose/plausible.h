@@ -22,8 +22,9 @@ bool plausible_columns(const recording *rec, const char *path, const motor *m, e
 bool plausible_angle(const recording *rec, const char *path, const motor *m, error *e);
 
 /* Looks for exchanged columns; false with one line in *e if it finds what explains the recording,
- * or if the plain voltage equation holds with values far from the motor file's. */
-bool plausible_wiring(const recording *rec, const motor *m, const char *path, error *e);
+ * or if the model is
+ * `far_off` and the plain voltage equation holds with values far from the motor file's. */
+bool plausible_wiring(const recording *rec, const motor *m, bool far_off, const char *path, error *e);
 
 /* The fitted values are so far from the file's that it is another motor's. */
 bool plausible_motor(const averaged_drive *fitted, const averaged_drive *file, const char *path, error *e);

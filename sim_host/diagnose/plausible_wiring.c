@@ -135,7 +135,7 @@ static double ratio(double fitted, double file)
     return r > 1.0 ? r : 1.0 / r;
 }
 
-bool plausible_wiring(const recording *rec, const motor *m, const char *path, error *e)
+bool plausible_wiring(const recording *rec, const motor *m, bool far_off, const char *path, error *e)
 {
     regression own = regress(rec, &as_recorded);
     regression best = own;
@@ -170,7 +170,7 @@ bool plausible_wiring(const recording *rec, const motor *m, const char *path, er
                            "axis (check zero, direction and the phases' order)",
                            angle * 57.29577951308232);
     }
-    if (holds && own.x[1] > 0.0 && own.x[2] > 0.0 &&
+    if (far_off && holds && own.x[1] > 0.0 && own.x[2] > 0.0 &&
         (ratio(own.x[0], m->R_ohm) > 20.0 ||
          ratio(sqrt(own.x[1] * own.x[2]), sqrt(m->L_d_H * m->L_q_H)) > 5.0 ||
          ratio(flux, m->psi_f_Wb) > 3.0)) {

@@ -144,8 +144,8 @@ static int by_score(const void *x, const void *y)
 {
     const search_option *a = x;
     const search_option *b = y;
-    double left = a->cost + search_penalty(a->set);
-    double right = b->cost + search_penalty(b->set);
+    double left = a->cost + search_penalty(a->set) + hypotheses_unusual(a->set, a->z);
+    double right = b->cost + search_penalty(b->set) + hypotheses_unusual(b->set, b->z);
     return left < right ? -1 : left > right;
 }
 
@@ -356,7 +356,7 @@ static bool fit_option(fit_data *d, const search_option *option, hypothesis_set 
 static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, FILE *trace)
 {
     const fit_state start = *s;
-    double best_score = s->objective + search_penalty(s->set);
+    double best_score = s->objective + search_penalty(s->set) + hypotheses_unusual(s->set, s->z);
     hypothesis_set tried[REFINED + FULL_SIZE];
     size_t n = 0;
     for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
@@ -379,7 +379,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         if (!fit_option(d, option, e->allowed, &trial)) {
             return false;
         }
-        double score = trial.objective + search_penalty(trial.set);
+        double score = trial.objective + search_penalty(trial.set) + hypotheses_unusual(trial.set, trial.z);
         if (trace) {
             char words[256];
             fprintf(trace, "  round %d: %-60s linear %10.1f  ", round,
