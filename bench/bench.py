@@ -51,6 +51,12 @@ ROOTS = {
     "mean_modulated": ["iqfoc_mean_modulated"],
     "modulated_at_speed": ["iqfoc_mean_modulated_at_speed"],
     "ripple": ["iqfoc_ripple_seen"],
+    "prediction_induction": ["iqfoc_induction_step"],
+    "induction_at_speed": ["iqfoc_induction_at_speed"],
+    "deadbeat": ["iqfoc_deadbeat_step"],
+    "deadbeat_drift": ["iqfoc_deadbeat_drift_step"],
+    "finite_set_1": ["iqfoc_finite_set_choose"],
+    "finite_set_3": ["iqfoc_finite_set_choose"],
     "control_step": ["iqfoc_current_control_step"],
     "modulation": ["iqfoc_modulate"],
     "current_control": ["bench_current_control"],
@@ -101,7 +107,7 @@ def evaluate(target, build):
 
 
 # Objects beyond what a drive needs: what issue from a recording or a finer model, and the recorder.
-BEYOND_CORE = {"deadbeat", "extension", "finite_set", "flux_predictor", "mean_modulated", "predictor_exact", "predictor_salient", "recorder", "ripple"}
+BEYOND_CORE = {"deadbeat", "deadbeat_drift", "extension", "finite_set", "flux_predictor", "induction", "mean_modulated", "predictor_exact", "predictor_salient", "recorder", "ripple"}
 
 
 def library_size(build):

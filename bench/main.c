@@ -5,6 +5,9 @@
  * difference, plus the one instruction of that return, is the function's own count. One line per function
  * goes out: its name, then least, mean times 4096, and greatest count.
  */
+#include "iqfoc/deadbeat_drift.h"
+#include "iqfoc/finite_set.h"
+#include "iqfoc/induction.h"
 #include "iqfoc/iq24_math.h"
 #include "iqfoc/mean_current.h"
 #include "iqfoc/mean_modulated.h"
@@ -31,6 +34,11 @@ static iqfoc_salient_t salient;
 static iqfoc_salient_t salient_mean;
 static iqfoc_mean_modulated_t modulated;
 static iqfoc_ripple_t ripple;
+static iqfoc_deadbeat_t deadbeat;
+static iqfoc_deadbeat_drift_t drift;
+static iqfoc_finite_set_t near_set; /* horizon 1 */
+static iqfoc_finite_set_t far_set;  /* horizon 3 */
+static iqfoc_induction_t induction;
 
 /*
  * count_<name>: the units that one call of `function` takes. The call through a pointer whose value the
@@ -103,6 +111,24 @@ COUNT(modulated_at_speed, iqfoc_mean_modulated_t, iqfoc_mean_modulated_at_speed,
       (const iqfoc_predictor_t *, const iqfoc_rotor_t *), (&bench_config.predictor, &in->rotor))
 COUNT(ripple, iqfoc_dq_t, iqfoc_ripple_seen, (const iqfoc_ripple_t *, iqfoc_abc_t, iq24_t, iq24_sincos_t),
       (&ripple, duties.high, in->sample.u_dc, in->sc))
+COUNT(prediction_induction, iqfoc_induction_state_t, iqfoc_induction_step,
+      (const iqfoc_induction_t *, iqfoc_induction_state_t, iqfoc_ab_t),
+      (&induction, (iqfoc_induction_state_t){in->i, in->delta}, in->u))
+COUNT(induction_at_speed, iqfoc_induction_t, iqfoc_induction_at_speed,
+      (const iqfoc_induction_machine_t *, iq24_t, iq24_t), (&bench_induction, in->sample.turns, IQ24_ONE))
+COUNT(deadbeat, iqfoc_ab_t, iqfoc_deadbeat_step,
+      (const iqfoc_deadbeat_t *, iqfoc_ab_t, iqfoc_ab_t, iqfoc_dq_t, iq24_t, iq24_t),
+      (&deadbeat, in->i, in->u, in->i_ref, in->sample.theta, in->sample.turns))
+COUNT(deadbeat_drift, iqfoc_ab_t, iqfoc_deadbeat_drift_step,
+      (iqfoc_deadbeat_drift_t *, const iqfoc_deadbeat_t *, iq24_t, iqfoc_ab_t, iqfoc_ab_t, iqfoc_dq_t, iq24_t,
+       iq24_t),
+      (&drift, &deadbeat, IQ24(0.1), in->i, in->u, in->i_ref, in->sample.theta, in->sample.turns))
+COUNT(finite_set_1, int32_t, iqfoc_finite_set_choose,
+      (const iqfoc_finite_set_t *, iqfoc_ab_t, int32_t, iqfoc_dq_t, iq24_t, iq24_t, iq24_t, uint32_t *),
+      (&near_set, in->i, 1, in->i_ref, in->sample.theta, in->sample.turns, in->sample.u_dc, 0))
+COUNT(finite_set_3, int32_t, iqfoc_finite_set_choose,
+      (const iqfoc_finite_set_t *, iqfoc_ab_t, int32_t, iqfoc_dq_t, iq24_t, iq24_t, iq24_t, uint32_t *),
+      (&far_set, in->i, 1, in->i_ref, in->sample.theta, in->sample.turns, in->sample.u_dc, 0))
 COUNT(control_step, iqfoc_dq_t, iqfoc_current_control_step,
       (iqfoc_current_control_t *, const iqfoc_current_control_gains_t *, iqfoc_dq_t, iqfoc_dq_t),
       (&drive.control, &bench_config.gains, in->i_ref, (iqfoc_dq_t){in->i.alpha, in->i.beta}))
@@ -196,7 +222,13 @@ int main(void)
     iqfoc_salient_at_speed(&bench_salient, IQ24(0.08), IQ24_ONE, &salient, &salient_mean);
     const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(IQ24(0.08));
     modulated = iqfoc_mean_modulated_at_speed(&bench_config.predictor, &rotor);
+    induction = iqfoc_induction_at_speed(&bench_induction, IQ24(0.08), IQ24_ONE);
     ripple = iqfoc_ripple_at_speed(&bench_salient, &rotor);
+    deadbeat.model = exact;
+    deadbeat.k_u_inverse = iqfoc_deadbeat_inverse(exact_law.k_u_q26);
+    deadbeat.reference = iqfoc_valley_reference_at(&rotor, bench_config.predictor.k_psi);
+    near_set = (iqfoc_finite_set_t){exact, deadbeat.reference, IQ24(0.01), 1};
+    far_set = (iqfoc_finite_set_t){exact, deadbeat.reference, IQ24(0.01), 3};
     duties = iqfoc_modulate((iqfoc_ab_t){IQ24(0.3), IQ24(0.2)}, IQ24_ONE, bench_config.span_max);
     if (iqfoc_cycle_init(&cycle, &bench_config) != IQFOC_OK) {
         console_text("the benchmark's configuration was refused\n");
@@ -225,6 +257,12 @@ int main(void)
     report("mean_modulated", count_mean_modulated);
     report("modulated_at_speed", count_modulated_at_speed);
     report("ripple", count_ripple);
+    report("prediction_induction", count_prediction_induction);
+    report("induction_at_speed", count_induction_at_speed);
+    report("deadbeat", count_deadbeat);
+    report("deadbeat_drift", count_deadbeat_drift);
+    report("finite_set_1", count_finite_set_1);
+    report("finite_set_3", count_finite_set_3);
     report("control_step", count_control_step);
     report("modulation", count_modulation);
     report("current_control", count_current_control_of_drive);

@@ -5,6 +5,7 @@
 #include "base/progress.h"
 #include "command.h"
 #include "options.h"
+#include "reproduce/induction_table.h"
 #include "reproduce/mean_map.h"
 #include "reproduce/sweep.h"
 
@@ -15,7 +16,7 @@
 
 enum { SPEEDS_MAX = 1000 };
 
-enum { OPT_MOTOR, OPT_RPM, OPT_CURRENT, OPT_ID_RATIO, OPT_JSON, OPT_MAP, OPT_OUTPUT };
+enum { OPT_MOTOR, OPT_RPM, OPT_CURRENT, OPT_ID_RATIO, OPT_JSON, OPT_MAP, OPT_OUTPUT, OPT_INDUCTION };
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file"},
@@ -25,12 +26,14 @@ static const option_spec specs[] = {
     {"json", 0, "F", "write the points to file F; - is stdout, without the table"},
     {"map", 0, NULL, "instead: which mean current is enough where"},
     {"output", 'o', "DIR", "with --map: the folder for its page; default sweep-map"},
+    {"induction", 0, NULL, "instead: the errors for a traction induction machine at 500 Hz switching"},
     {NULL, 0, NULL, NULL}};
 
 static const command_about about = {
     "sweep",
     "--motor M.toml --rpm N[,N...] [--current-rms A] [--id-ratio X] [--json F]\n"
-    "       iqfoc sweep --motor M.toml --map [-o DIR] [--json F]",
+    "       iqfoc sweep --motor M.toml --map [-o DIR] [--json F]\n"
+    "       iqfoc sweep --induction [--json F]",
     "Runs the switching-level drive in steady state at each speed, the current regulated at the\n"
     "mid-point sample to the given value, and prints each method's rms error over the rms phase\n"
     "current in percent: mean current over a cycle (standard: the mid-point sample; quasi-discrete:\n"
@@ -50,7 +53,7 @@ typedef struct request {
     double current_A_rms; /* 0: rated */
     double id_ratio;
     const char *directory; /* of the map */
-    bool map, helped;
+    bool map, induction, helped;
 } request;
 
 static bool take_option(const options *o, int which, request *r, error *e)
@@ -70,6 +73,9 @@ static bool take_option(const options *o, int which, request *r, error *e)
         return true;
     case OPT_MAP:
         r->map = true;
+        return true;
+    case OPT_INDUCTION:
+        r->induction = true;
         return true;
     case OPT_OUTPUT:
         r->directory = o->argument;
@@ -92,13 +98,17 @@ static bool parse(int argc, char **argv, request *r, error *e)
     if (which == OPTIONS_ERROR || o.helped) {
         return which != OPTIONS_ERROR;
     }
-    if (r->motor_path == NULL) {
+    if (r->induction && (r->motor_path != NULL || r->map || r->speeds > 0)) {
+        return error_input(e, NULL, 0, 0,
+                           "sweep: --induction brings its own machine; expected no --motor, --rpm or --map");
+    }
+    if (r->motor_path == NULL && !r->induction) {
         return options_missing(&o, OPT_MOTOR, e);
     }
     if (r->map && r->speeds > 0) {
         return error_input(e, NULL, 0, 0, "sweep: --map takes no --rpm; expected one of the two");
     }
-    if (r->speeds == 0 && !r->map) {
+    if (r->speeds == 0 && !r->map && !r->induction) {
         return options_missing(&o, OPT_RPM, e);
     }
     return options_at_most(&o, 0, e);
@@ -233,9 +243,58 @@ static bool write_map(const request *r, const motor *m, error *e)
     return true;
 }
 
+static void print_induction(const induction_errors points[INDUCTION_POINTS])
+{
+    static const char *const columns[2] = {"mean", "prediction"};
+    printf("Traction induction machine, rated current, 500 Hz switching; errors in percent of the rms "
+           "current\n");
+    printf("%10s  %8s  %8s", "", "", "");
+    for (int k = 0; k < 2; k++) {
+        printf("  %10s  %14s  %10s  %12s", columns[k], columns[k], columns[k], columns[k]);
+    }
+    printf("\n%10s  %8s  %8s", "stator Hz", "SFFR", "psi Wb");
+    for (int k = 0; k < 2; k++) {
+        printf("  %10s  %14s  %10s  %12s", "standard", "quasi-discrete", "exact", "with ripple");
+    }
+    putchar('\n');
+    for (int n = 0; n < INDUCTION_POINTS; n++) {
+        const induction_errors *p = &points[n];
+        printf("%10.4g  %8.4g  %8.3g", p->f_stator_Hz, p->sffr, p->psi_Wb);
+        printf("  %10.4g  %14.4g  %10.4g  %12.4g", p->mean_standard, p->mean_quasi_discrete, p->mean_exact,
+               p->mean_pulses_iq24);
+        printf("  %10.4g  %14.4g  %10.4g  %12.4g\n", p->prediction_standard, p->prediction_quasi_discrete,
+               p->prediction_exact, p->prediction_pulses_iq24);
+    }
+}
+
+static bool induction(const request *r, error *e)
+{
+    induction_errors points[INDUCTION_POINTS];
+    for (int n = 0; n < INDUCTION_POINTS; n++) {
+        if (!induction_errors_at(induction_table_Hz[n], &points[n], e)) {
+            return false;
+        }
+    }
+    if (r->json_path != NULL) {
+        json_t *root = induction_table_json(points);
+        const bool ok = json_file_write(r->json_path, root, e);
+        json_decref(root);
+        if (!ok) {
+            return false;
+        }
+    }
+    if (r->json_path == NULL || strcmp(r->json_path, "-") != 0) {
+        print_induction(points);
+    }
+    return true;
+}
+
 static bool run(const request *r, error *e)
 {
     motor m;
+    if (r->induction) {
+        return induction(r, e);
+    }
     if (!r->map) {
         return sweep(r, e);
     }
