@@ -19,7 +19,7 @@ static bool within(iq24_t x, iq24_t low, iq24_t high)
 
 static bool reciprocal(iq24_t l, iq24_t k)
 {
-    return within(l, IQ24(0.0625), IQ24(4.0)) && within(k, IQ24(0.25), IQ24(16.0)) &&
+    return within(l, IQ24(0.0625), IQ24(8.0)) && within(k, IQ24(0.125), IQ24(16.0)) &&
            within(iq24_mul_round(l, k), IQ24(0.9990234375), IQ24(1.0009765625));
 }
 

@@ -28,7 +28,7 @@
 #define IQFOC_MAX_EXT_SATURATION                 4.0
 #define IQFOC_RAW_FLUX_L(L_H, T_s, I_b_A, U_b_V) ((L_H) * (I_b_A) / ((T_s) * (U_b_V)))
 #define IQFOC_MIN_FLUX_L                         0.0625
-#define IQFOC_MAX_FLUX_L                         4.0
+#define IQFOC_MAX_FLUX_L                         8.0
 #define IQFOC_RAW_FLUX_R(R_ohm, I_b_A, U_b_V)    ((R_ohm) * (I_b_A) / (U_b_V))
 #define IQFOC_MAX_FLUX_R                         1.0
 #define IQFOC_RAW_FLUX_PSI(psi_Wb, T_s, U_b_V)   ((psi_Wb) / ((T_s) * (U_b_V)))

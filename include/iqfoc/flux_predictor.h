@@ -28,7 +28,7 @@
 
 /* Flux in per-unit voltage times cycles, U_b T. Made by iqfoc/extension_params.h. */
 typedef struct iqfoc_flux_predictor {
-    iq24_t l_d; /* L_d I_b / (U_b T): 1/16 ... 4; at zero current, if it saturates */
+    iq24_t l_d; /* L_d I_b / (U_b T): 1/16 ... 8; at zero current, if it saturates */
     iq24_t l_q; /* likewise */
     iq24_t k_d; /* 1/l_d */
     iq24_t k_q; /* 1/l_q */
@@ -43,12 +43,13 @@ iqfoc_extension_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t 
 /*
  * The current at the start of the next cycle.
  *
- * i: true current at the start, |i| <= 8. u: commanded voltage, |u| <= 2; the extension turns it into what
- * acts. start, end: sine and cosine of the true rotor angle at both ends of the cycle. Out: held to +-32 a
- * component in the rotor frame. Largest error against the formula in double with the same constants: 8 + 2.5
- * (k_d + k_q) LSB, twice that with saturation.
+ * i: true current at the start, |i| <= 8 and |l i| <= 32. u: commanded voltage, |u| <= 2; the extension turns
+ * it into what acts. start, end: sine and cosine of the true rotor angle at both ends of the cycle. Out: held
+ * to +-32 a component in the rotor frame. Largest error against the formula in double with the same
+ * constants: 8 + 2.5 (k_d + k_q) LSB, twice that with saturation.
  *
- * Range, of lengths, which no turn changes: |l i| <= 32 and psi <= 16, so the flux is within 48; the acting
+ * Range, of lengths, which no turn changes: |l i| <= 32 (four times the rated current for the largest l) and
+ * psi <= 16, so the flux is within 48; the acting
  * voltage adds 2 * 2 + 1/3, the drop of the mean of i and a held prediction r (8 + 32 sqrt(2))/2 <= 26.7.
  * Their sum, 79, is within the 90.6 that iqfoc_park makes of its largest argument, and below 128: no wrap.
  */

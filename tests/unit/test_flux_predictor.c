@@ -199,8 +199,8 @@ static void test_refusals(void)
     p.k_q += IQ24(0.01); /* no longer the reciprocal */
     TEST_ASSERT_NOT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_flux_predictor_check(&p));
     p = good;
-    p.l_d = IQ24(4.1);
-    p.k_d = IQ24(1.0 / 4.1);
+    p.l_d = IQ24(8.1);
+    p.k_d = IQ24(1.0 / 8.1);
     TEST_ASSERT_NOT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_flux_predictor_check(&p));
     p = good;
     p.r = IQ24_ONE + 1;
