@@ -47,8 +47,8 @@ bool winding_from_motor(const motor *m, const char *path, iqfoc_exact_winding_t 
 
 bool salient_from_motor(const motor *m, const char *path, iqfoc_salient_machine_t *machine, error *e)
 {
-    axis_constants d;
-    axis_constants q;
+    axis_constants d = {0};
+    axis_constants q = {0};
     iqfoc_salient_machine_t made = {0};
     const double least = 1.0 / IQFOC_MAX_SALIENCY;
     if (!axis_from_motor(m, path, "L_d_H", m->L_d_H, &d, e) ||

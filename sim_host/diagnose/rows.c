@@ -243,6 +243,7 @@ static bool cut_blocks(diagnose_rows *r)
             b->first = st->first + ROWS_HISTORY + j * usable / n;
             b->count = st->first + ROWS_HISTORY + (j + 1) * usable / n - b->first;
             b->stretch = s;
+            /* There is a block, so that total is not 0. NOLINTNEXTLINE(clang-analyzer-core.DivideZero) */
             b->group = by_run ? group : r->blocks * (total < 12 ? GROUPS_WANTED : 12) / total;
             r->group_run[b->group] = st->run;
             r->groups = b->group + 1;
