@@ -7,6 +7,8 @@
 #include "digest.h"
 
 #include "iqfoc/extension.h"
+#include "iqfoc/induction.h"
+#include "iqfoc/mean_modulated.h"
 #include "iqfoc/predictor_exact.h"
 #include "iqfoc/predictor_salient.h"
 
@@ -116,4 +118,75 @@ void golden_extension(golden_inputs_t *inputs, uint64_t *digest)
     const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
     digest_add(digest, iqfoc_extension_angle(&extension, theta, turns));
     add_phases(digest, iqfoc_extension_lost(&extension, phases(inputs, IQ24(4.0))));
+}
+
+static iqfoc_ab_t vector(golden_inputs_t *inputs, iq24_t limit)
+{
+    iqfoc_ab_t v;
+    v.alpha = golden_within(inputs, limit);
+    v.beta = golden_within(inputs, limit);
+    return v;
+}
+
+static void add_vector(uint64_t *digest, iqfoc_ab_t v)
+{
+    digest_add(digest, v.alpha);
+    digest_add(digest, v.beta);
+}
+
+static iqfoc_abc_t duties(golden_inputs_t *inputs)
+{
+    iqfoc_abc_t high;
+    high.a = positive(inputs, IQ24_ONE);
+    high.b = positive(inputs, IQ24_ONE);
+    high.c = positive(inputs, IQ24_ONE);
+    return high;
+}
+
+void golden_modulated(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iqfoc_predictor_t machine;
+    machine.k_u = 1 + positive(inputs, IQ24(16.0) - 1);
+    machine.k_r = positive(inputs, IQ24_ONE);
+    machine.k_psi = positive(inputs, IQ24(8.0));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iqfoc_mean_modulated_t c = iqfoc_mean_modulated_at_speed(&machine, &rotor);
+    const iqfoc_ab_t i = vector(inputs, IQ24(32.0));
+    const iqfoc_ab_t i_next = vector(inputs, IQ24(32.0));
+    const iqfoc_abc_t high = duties(inputs);
+    const iq24_t u_dc = positive(inputs, IQ24(2.0));
+    const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_ONE));
+    const iqfoc_dq_t mean = iqfoc_mean_modulated(&c, i, i_next, high, u_dc, sc);
+    digest_add(digest, mean.d);
+    digest_add(digest, mean.q);
+    iqfoc_salient_machine_t salient = {0};
+    salient.rho_d_q30 = positive(inputs, INT32_C(1) << 30);
+    salient.rho_q_q30 = positive(inputs, INT32_C(1) << 30);
+    salient.k_d_q26 = 1 + positive(inputs, (INT32_C(1) << 30) - 1);
+    salient.k_q_q26 = 1 + positive(inputs, (INT32_C(1) << 30) - 1);
+    const iqfoc_ripple_t ripple = iqfoc_ripple_at_speed(&salient, &rotor);
+    const iqfoc_dq_t part = iqfoc_ripple_seen(&ripple, high, u_dc, sc);
+    digest_add(digest, part.d);
+    digest_add(digest, part.q);
+}
+
+void golden_induction(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iqfoc_induction_machine_t machine;
+    machine.rho_s_q30 = positive(inputs, INT32_C(1) << 29);
+    machine.rho_r_q30 = positive(inputs, INT32_C(1) << 29);
+    machine.a_q30 = positive(inputs, INT32_C(107374182)); /* 0.1 */
+    machine.k_u_q26 = 1 + positive(inputs, (INT32_C(1) << 30) - 1);
+    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
+    const iqfoc_induction_t c = iqfoc_induction_at_speed(&machine, turns, 1 + positive(inputs, IQ24_ONE - 1));
+    iqfoc_induction_state_t x;
+    x.i = vector(inputs, IQ24(5.6));
+    x.flux = vector(inputs, IQ24(11.3));
+    const iqfoc_ab_t u = vector(inputs, IQ24(1.4));
+    const iqfoc_ab_t v = iqfoc_ripple_vector(duties(inputs), 0, IQ24_ONE);
+    const iqfoc_induction_state_t next = iqfoc_induction_step(&c, x, u);
+    add_vector(digest, next.i);
+    add_vector(digest, next.flux);
+    add_vector(digest, iqfoc_induction_mean(&c, x, u));
+    add_vector(digest, iqfoc_induction_with_ripple(&c.i, next.i, v));
 }

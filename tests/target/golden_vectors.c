@@ -259,6 +259,8 @@ void golden_vectors(golden_report *report)
         {"predictor_exact", golden_exact},
         {"predictor_salient", golden_salient},
         {"extension", golden_extension},
+        {"mean_modulated", golden_modulated},
+        {"induction", golden_induction},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
         golden_inputs_t inputs = {0, GOLDEN_SEED};
