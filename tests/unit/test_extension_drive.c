@@ -112,7 +112,7 @@ static motor laboratory(void)
     return m;
 }
 
-static score run(const plant_config *plant, const motor *corrected)
+static score run(const plant_config *truth, const motor *corrected)
 {
     static corrected_drive drive;
     const motor m = laboratory();
@@ -131,19 +131,19 @@ static score run(const plant_config *plant, const motor *corrected)
     r.load_Nm = profile_constant(0.0);
     TEST_ASSERT_TRUE_MESSAGE(extension_from_motor(corrected, "m.toml", &drive.extension, &e), e.text);
     TEST_ASSERT_TRUE_MESSAGE(config_from_motor(&m, "m.toml", &control, &config, &e), e.text);
-    TEST_ASSERT_TRUE_MESSAGE(drive_run(&m, plant, &r, 1, &config, &firmware, &log, &status, &e), e.text);
+    TEST_ASSERT_TRUE_MESSAGE(drive_run(&m, truth, &r, 1, &config, &firmware, &log, &status, &e), e.text);
     const score s = {sqrt(w.current / (double)w.rows), sqrt(w.prediction / (double)w.rows)};
     return s;
 }
 
 /* `improves`: at least so many times better; half of what was seen.
  */
-static void check(const char *what, const plant_config *plant, const motor *found, double current_improves,
+static void check(const char *what, const plant_config *truth, const motor *found, double current_improves,
                   double prediction_improves)
 {
     const motor nothing = laboratory();
-    const score before = run(plant, &nothing);
-    const score after = run(plant, found);
+    const score before = run(truth, &nothing);
+    const score after = run(truth, found);
     printf("  %-16s current off by %.4f A, corrected %.4f A; prediction by %.4f A, corrected %.4f A\n", what,
            before.current_A, after.current_A, before.prediction_A, after.prediction_A);
     TEST_ASSERT_TRUE_MESSAGE(before.current_A > current_improves * after.current_A, what);
@@ -153,45 +153,45 @@ static void check(const char *what, const plant_config *plant, const motor *foun
 static void test_dead_time(void)
 {
     motor m = laboratory();
-    plant_config plant = plant_config_from_motor(&m);
-    plant.inverter.t_dead_s = 2e-6;
+    plant_config truth = plant_config_from_motor(&m);
+    truth.inverter.t_dead_s = 2e-6;
     m.ext.has[EXT_DEAD_TIME] = true;
     m.ext.v_dead_V = 2e-6 * 750.0 * 5000.0;
     m.ext.i_knee_A = 0.5;
-    check("dead time", &plant, &m, 4.5, 6.5);
+    check("dead time", &truth, &m, 4.5, 6.5);
 }
 
 static void test_sensors(void)
 {
     motor m = laboratory();
-    plant_config plant = plant_config_from_motor(&m);
+    plant_config truth = plant_config_from_motor(&m);
     const double g[3] = {1.05, 0.97, 1.0};
     const double o[3] = {0.4, -0.1, -0.3};
     m.ext.has[EXT_CURRENT_GAIN] = m.ext.has[EXT_CURRENT_OFFSET] = true;
     memcpy(m.ext.g, g, sizeof g);
     memcpy(m.ext.o_A, o, sizeof o);
-    memcpy(plant.sensors.current_gain, g, sizeof g);
-    memcpy(plant.sensors.current_offset_A, o, sizeof o);
-    check("current sensors", &plant, &m, 80.0, 1.4);
+    memcpy(truth.sensors.current_gain, g, sizeof g);
+    memcpy(truth.sensors.current_offset_A, o, sizeof o);
+    check("current sensors", &truth, &m, 80.0, 1.4);
 }
 
 static void test_angle(void)
 {
     motor m = laboratory();
-    plant_config plant = plant_config_from_motor(&m);
+    plant_config truth = plant_config_from_motor(&m);
     m.ext.has[EXT_ANGLE_OFFSET] = m.ext.has[EXT_ANGLE_DELAY] = true;
-    m.ext.theta_0_rad = plant.sensors.theta_0_rad = 0.06;
-    m.ext.t_delay_s = plant.sensors.t_delay_s = 5e-5;
-    check("angle", &plant, &m, 120.0, 6.5);
+    m.ext.theta_0_rad = truth.sensors.theta_0_rad = 0.06;
+    m.ext.t_delay_s = truth.sensors.t_delay_s = 5e-5;
+    check("angle", &truth, &m, 120.0, 6.5);
 }
 
 static void test_link(void)
 {
     motor m = laboratory();
-    plant_config plant = plant_config_from_motor(&m);
+    plant_config truth = plant_config_from_motor(&m);
     m.ext.has[EXT_VOLTAGE_GAIN] = true;
-    m.ext.k_u = plant.inverter.k_u = 0.93;
-    check("DC link", &plant, &m, 9.0, 8.5);
+    m.ext.k_u = truth.inverter.k_u = 0.93;
+    check("DC link", &truth, &m, 9.0, 8.5);
 }
 
 int main(void)
