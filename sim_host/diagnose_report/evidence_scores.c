@@ -20,7 +20,8 @@ static bool begin_bars(plot *drawing, int height, const char *ylabel, error *e)
 
 static void say_run(plot *drawing, const diagnosis_run *run, double x, double y, double z)
 {
-    plot_say(drawing, "\"%ld\\n%.0f\" %.5g %.5g %.5g\n", run->run, run->omega_rad_s, x, y, z);
+    plot_say(drawing, "\"%ld\\n%.0f\" %.5g %.5g %.5g\n", run->run, nearbyint(run->omega_rad_s) + 0.0, x, y,
+             z);
 }
 
 bool figure_runs(page *p, const evidence *v, error *e)

@@ -50,9 +50,10 @@ void report_lead(page *p, const diagnosis *d)
     if (d->causes == 0) {
         page_lead(p,
                   "The model errs by %.3g %% where the sensors' noise would leave %.3g %%, and none of the "
-                  "known effects accounts for "
-                  "it: no cause is named.",
-                  d->nominal, d->noise_floor);
+                  "known effects "
+                  "accounts for it: no cause is named.%s%s%s",
+                  d->nominal, d->noise_floor, d->structure.words[0] ? " What is seen: " : "",
+                  d->structure.words, d->structure.words[0] ? "." : "");
         return;
     }
     for (size_t k = 0; k < d->causes; k++) {
@@ -73,8 +74,8 @@ void report_lead(page *p, const diagnosis *d)
 
 void report_causes(page *p, const diagnosis *d)
 {
-    static const char *const heads[] = {"cause",  "parameter",          "\tvalue", "\t95 %", "\tfile says",
-                                        "\tgain", "not told apart from"};
+    static const char *const heads[] = {"cause",       "parameter", "\tvalue",      "\t95 %",
+                                        "\tfile says", "\tgain",    "confused with"};
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (size_t k = 0; k < d->causes; k++) {
         const diagnosis_cause *cause = &d->cause[k];
@@ -152,7 +153,7 @@ void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware)
     if (!firmware->measured) {
         page_note(p, "Not measured in firmware code: %s.", firmware->reason);
     }
-    if (d->structure.words[0] != '\0') {
+    if (d->structure.words[0] != '\0' && d->causes > 0) {
         page_text(p, "Left over: %s.", d->structure.words);
     }
 }
@@ -190,6 +191,12 @@ void report_hypotheses(page *p, const diagnosis *d)
                  "certain, or too small beside the named to be more than what their laws leave.");
 }
 
+/* Rounded, and no minus sign at nought. */
+static double rounded(double x, double step)
+{
+    return step * nearbyint(x / step) + 0.0;
+}
+
 /* A run none of whose rows was held out has no such error. */
 static void error_cell(page *p, double percent)
 {
@@ -210,10 +217,10 @@ void report_runs(page *p, const diagnosis *d, const plant_witness *witness)
         const diagnosis_run *run = &d->run[k];
         page_row_begin(p);
         page_cell(p, true, "%ld", run->run);
-        page_cell(p, true, "%.1f", run->omega_rad_s);
+        page_cell(p, true, "%.1f", rounded(run->omega_rad_s, 0.1));
         page_cell(p, true, "%.2f", run->i_rms_A);
-        page_cell(p, true, "%.2f", run->i_d_A);
-        page_cell(p, true, "%.2f", run->i_q_A);
+        page_cell(p, true, "%.2f", rounded(run->i_d_A, 0.01));
+        page_cell(p, true, "%.2f", rounded(run->i_q_A, 0.01));
         error_cell(p, run->nominal);
         error_cell(p, run->extended);
         error_cell(p, run->noise_floor);
