@@ -46,7 +46,7 @@ def main():
                 + [options.build / target / "examples" / "first_drive.elf"]}
     for build in HOST_BUILDS:
         commands[f"x86-64 {build} same_bits"] = [str(options.build / "same_bits" / build)]
-    if len(commands) < 2 * 11 + len(HOST_BUILDS):
+    if len(commands) < 2 * 14 + len(HOST_BUILDS):
         sys.exit(f"only {len(commands)} images were built: {', '.join(commands)}")
 
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
