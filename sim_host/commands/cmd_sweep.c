@@ -5,9 +5,8 @@
 #include "base/progress.h"
 #include "command.h"
 #include "options.h"
-#include "reproduce/induction_table.h"
-#include "reproduce/mean_map.h"
 #include "reproduce/sweep.h"
+#include "sweep_special.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,13 +24,13 @@ static const option_spec specs[] = {
     {"id-ratio", 0, "X", "i_d as a share of the current, -1 to 1; default 0"},
     {"json", 0, "F", "write the points to file F; - is stdout, without the table"},
     {"map", 0, NULL, "instead: which mean current is enough where"},
-    {"output", 'o', "DIR", "with --map: the folder for its page; default sweep-map"},
+    {"output", 'o', "DIR", "the folder for a page with the picture; with --map sweep-map if not given"},
     {"induction", 0, NULL, "instead: the errors for a traction induction machine at 500 Hz switching"},
     {NULL, 0, NULL, NULL}};
 
 static const command_about about = {
     "sweep",
-    "--motor M.toml --rpm N[,N...] [--current-rms A] [--id-ratio X] [--json F]\n"
+    "--motor M.toml --rpm N[,N...] [--current-rms A] [--id-ratio X] [-o DIR] [--json F]\n"
     "       iqfoc sweep --motor M.toml --map [-o DIR] [--json F]\n"
     "       iqfoc sweep --induction [--json F]",
     "Runs the switching-level drive in steady state at each speed, the current regulated at the\n"
@@ -52,7 +51,7 @@ typedef struct request {
     size_t speeds;
     double current_A_rms; /* 0: rated */
     double id_ratio;
-    const char *directory; /* of the map */
+    const char *directory; /* NULL: no page */
     bool map, induction, helped;
 } request;
 
@@ -209,96 +208,21 @@ static bool sweep(const request *r, error *e)
     if (ok && (r->json_path == NULL || strcmp(r->json_path, "-") != 0)) {
         print_table(r, &m, current_A_rms, points);
     }
+    const bool drawn = ok && (r->directory == NULL || sweep_page(r->directory, &m, points, r->speeds, e));
     free(points);
-    return ok;
-}
-
-static bool write_map(const request *r, const motor *m, error *e)
-{
-    static mean_map map;
-    if (!mean_map_run(m, &map, e)) {
-        return false;
-    }
-    if (r->json_path != NULL) {
-        json_t *root = json_pack("{s:s, s:o}", "motor", m->name, "points", mean_map_json(&map));
-        const bool ok = json_file_write(r->json_path, root, e);
-        json_decref(root);
-        if (!ok) {
-            return false;
-        }
-    }
-    const char *directory = r->directory;
-    if (directory == NULL && r->json_path == NULL) {
-        directory = "sweep-map";
-    }
-    if (directory == NULL) {
-        return true;
-    }
-    if (!mean_map_page(directory, m, &map, e)) {
-        return false;
-    }
-    if (r->json_path == NULL || strcmp(r->json_path, "-") != 0) {
-        printf("The map: %s/index.html, %s/mean-map.svg\n", directory, directory);
-    }
-    return true;
-}
-
-static void print_induction(const induction_errors points[INDUCTION_POINTS])
-{
-    static const char *const columns[2] = {"mean", "prediction"};
-    printf("Traction induction machine, rated current, 500 Hz switching; errors in percent of the rms "
-           "current\n");
-    printf("%10s  %8s  %8s", "", "", "");
-    for (int k = 0; k < 2; k++) {
-        printf("  %10s  %14s  %10s  %12s", columns[k], columns[k], columns[k], columns[k]);
-    }
-    printf("\n%10s  %8s  %8s", "stator Hz", "SFFR", "psi Wb");
-    for (int k = 0; k < 2; k++) {
-        printf("  %10s  %14s  %10s  %12s", "standard", "quasi-discrete", "exact", "with ripple");
-    }
-    putchar('\n');
-    for (int n = 0; n < INDUCTION_POINTS; n++) {
-        const induction_errors *p = &points[n];
-        printf("%10.4g  %8.4g  %8.3g", p->f_stator_Hz, p->sffr, p->psi_Wb);
-        printf("  %10.4g  %14.4g  %10.4g  %12.4g", p->mean_standard, p->mean_quasi_discrete, p->mean_exact,
-               p->mean_pulses_iq24);
-        printf("  %10.4g  %14.4g  %10.4g  %12.4g\n", p->prediction_standard, p->prediction_quasi_discrete,
-               p->prediction_exact, p->prediction_pulses_iq24);
-    }
-}
-
-static bool induction(const request *r, error *e)
-{
-    induction_errors points[INDUCTION_POINTS];
-    for (int n = 0; n < INDUCTION_POINTS; n++) {
-        if (!induction_errors_at(induction_table_Hz[n], &points[n], e)) {
-            return false;
-        }
-    }
-    if (r->json_path != NULL) {
-        json_t *root = induction_table_json(points);
-        const bool ok = json_file_write(r->json_path, root, e);
-        json_decref(root);
-        if (!ok) {
-            return false;
-        }
-    }
-    if (r->json_path == NULL || strcmp(r->json_path, "-") != 0) {
-        print_induction(points);
-    }
-    return true;
+    return drawn;
 }
 
 static bool run(const request *r, error *e)
 {
     motor m;
     if (r->induction) {
-        return induction(r, e);
+        return sweep_induction(r->json_path, e);
     }
     if (!r->map) {
         return sweep(r, e);
     }
-    return motor_read(r->motor_path, &m, e) && write_map(r, &m, e);
+    return motor_read(r->motor_path, &m, e) && sweep_map(&m, r->directory, r->json_path, e);
 }
 
 int cmd_sweep(int argc, char **argv)

@@ -32,4 +32,7 @@ bool sweep_point_at(const motor *m, const char *file, const method_machine *mach
  */
 json_t *sweep_point_json(const sweep_point *p);
 
+/* DIRECTORY/index.html with the errors over the ratio, and the picture as DIRECTORY/sweep.svg. */
+bool sweep_page(const char *directory, const motor *m, const sweep_point *points, size_t count, error *e);
+
 #endif

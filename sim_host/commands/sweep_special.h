@@ -1,0 +1,16 @@
+/*
+ * What `iqfoc sweep` does beside its table over speed: the map of mean currents and the induction machine.
+ */
+#ifndef SIM_HOST_COMMANDS_SWEEP_SPECIAL_H
+#define SIM_HOST_COMMANDS_SWEEP_SPECIAL_H
+
+#include "data/motor.h"
+
+/* The map of means as a page in `directory` (NULL: "sweep-map", or none if there is JSON), and as JSON if
+ * json_path. */
+bool sweep_map(const motor *m, const char *directory, const char *json_path, error *e);
+
+/* The induction machine's errors, printed, and as JSON if json_path. */
+bool sweep_induction(const char *json_path, error *e);
+
+#endif
