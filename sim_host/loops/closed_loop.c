@@ -27,6 +27,7 @@ typedef struct loop_run {
     long cycle, steady_from, cycles;
     double square_sum, fundamental_re, fundamental_im; /* of phase A in the steady window */
     long points;
+    double cycle_torque_Nm, torque_sum, torque_square_sum; /* of the cycle that runs; of the cycles' means */
     long edges;
     bool tripped;
 } loop_run;
@@ -43,6 +44,7 @@ static void take_points(loop_run *r, int first, int last)
             r->fundamental_re += now.i_A[0] * cos(now.theta_e_rad);
             r->fundamental_im += now.i_A[0] * sin(now.theta_e_rad);
             r->points++;
+            r->cycle_torque_Nm += now.torque_Nm / POINTS;
         }
     }
 }
@@ -107,6 +109,9 @@ static bool one_cycle(loop_run *r, const drive_firmware *f, loop_result *result,
     r->duty[2] = iq24_to_double(command.duties.high.c);
     if (r->cycle >= r->steady_from) {
         count_edges(r, before);
+        r->torque_sum += r->cycle_torque_Nm;
+        r->torque_square_sum += r->cycle_torque_Nm * r->cycle_torque_Nm;
+        r->cycle_torque_Nm = 0.0;
     }
     return true;
 }
@@ -150,6 +155,13 @@ static void measure_steady(const loop_run *r, loop_result *result)
     const double peak = 2.0 * hypot(r->fundamental_re, r->fundamental_im) / points;
     const double fundamental_squared = 0.5 * peak * peak;
     result->thd_percent = 100.0 * sqrt(fmax(rms_squared - fundamental_squared, 0.0) / fundamental_squared);
+    const double cycles = (double)(to - from);
+    const double torque_Nm = r->torque_sum / cycles;
+    const plant_machine *machine = &r->drive.config.machine;
+    const double asked_Nm = 1.5 * machine->pole_pairs * machine->psi_f_Wb * r->c->i_q_after_A;
+    result->torque_error_percent = 100.0 * (torque_Nm / asked_Nm - 1.0);
+    result->torque_ripple_percent =
+        100.0 * sqrt(fmax(r->torque_square_sum / cycles - torque_Nm * torque_Nm, 0.0)) / asked_Nm;
     const double window_s = (double)(r->cycles - r->steady_from) * r->base.T_s;
     result->switching_Hz = 0.5 * (double)r->edges / 3.0 / window_s;
     result->outcome = wander > LOOP_WANDER_LIMIT   ? LOOP_UNSTABLE
@@ -168,7 +180,9 @@ static void nothing_measured(loop_result *result)
                               .overshoot_percent = NAN,
                               .settling_cycles = -1,
                               .thd_percent = NAN,
-                              .switching_Hz = NAN};
+                              .switching_Hz = NAN,
+                              .torque_error_percent = NAN,
+                              .torque_ripple_percent = NAN};
     *result = none;
     for (int n = 0; n < LOOP_TRACE_CYCLES; n++) {
         result->trace_q[n] = NAN;
@@ -182,9 +196,11 @@ bool closed_loop_run(const loop_case *c, const drive_firmware *firmware, loop_re
     const double turns = fabs(c->omega_e_rad_s) * r.base.T_s / IQFOC_TWO_PI_;
     r.steady_from = LOOP_SETTLE_CYCLES + LOOP_TRANSIENT_CYCLES;
     r.cycles = r.steady_from + lround(c->periods / turns);
-    plant_config drive = plant_config_from_motor(&c->truth);
-    drive.sensors.current_noise_A = c->noise_A;
-    drive.seed = c->seed;
+    plant_config drive = c->drive != NULL ? *c->drive : plant_config_from_motor(&c->truth);
+    if (c->drive == NULL) {
+        drive.sensors.current_noise_A = c->noise_A;
+        drive.seed = c->seed;
+    }
     if (!plant_config_check(&drive, e)) {
         return false;
     }

@@ -22,7 +22,9 @@ enum {
 };
 
 typedef struct loop_case {
-    motor truth;          /* the drive; perfect sensors but for the noise */
+    motor truth; /* the drive, perfect but for the noise */
+    const plant_config
+        *drive;           /* NULL; or what the drive is instead, sensors included: then no noise is added */
     double omega_e_rad_s; /* constant */
     double i_q_before_A;  /* peak; i_d is 0 throughout */
     double i_q_after_A;
@@ -58,7 +60,9 @@ typedef struct loop_result {
  at full speed and its terminals are shorted when the firmware begins */
     double thd_percent;   /* of phase A in the steady window, all that is not the fundamental, of it */
     double switching_Hz;  /* mean per leg: pulses a second */
-    double trace_q[LOOP_TRACE_CYCLES];     /* mean i_q over rated around the step */
+    double torque_error_percent;       /* mean in the steady window, over what i_q asked for makes, less 1 */
+    double torque_ripple_percent;      /* rms of the cycles' means about their mean, over the same */
+    double trace_q[LOOP_TRACE_CYCLES]; /* mean i_q over rated around the step */
     double trace_start[LOOP_TRACE_CYCLES]; /* error in percent of rated, from switch-on */
 } loop_result;
 

@@ -1,5 +1,6 @@
 #include "predictive_drive.h"
 
+#include "extension_host.h"
 #include "params_exact.h"
 
 #include "iqfoc/modulation.h"
@@ -29,6 +30,21 @@ bool predictive_drive_init(predictive_drive *p, const motor *assumed, const char
     return true;
 }
 
+bool predictive_drive_extend(predictive_drive *p, const motor *assumed, const char *path, error *e)
+{
+    p->extended = extension_from_motor(assumed, path, &p->extension, e);
+    return p->extended;
+}
+
+/* The winding's law at the inductance that this current leaves; in a firmware a slower task's matter. */
+static void follow_saturation(predictive_drive *p, iqfoc_ab_t i)
+{
+    const iqfoc_predictor_t now = iqfoc_extension_saturate(&p->extension, &p->predictor, i);
+    const iqfoc_exact_winding_t winding = {now.k_r * 64, now.k_u * 4, now.k_psi * 8};
+    p->law = iqfoc_exact_prediction(&winding, IQ24_ONE);
+    p->k_psi = now.k_psi;
+}
+
 static iqfoc_exact_t model_at(const predictive_drive *p, const iqfoc_rotor_t *rotor)
 {
     switch (p->kind) {
@@ -53,6 +69,13 @@ static void choose_by_deadbeat(predictive_drive *p, const iqfoc_sample_t *sample
                                                     sample->theta, rotor->turns)
                         : iqfoc_deadbeat_step(&deadbeat, i, p->u_now, p->i_ref, sample->theta, rotor->turns);
     p->command.duties = iqfoc_modulate(u, iq24_div(IQ24_ONE, sample->u_dc), IQ24_ONE);
+    if (p->extended) {
+        /* The legs' losses in the cycle that the duties are for: at its first current. */
+        const iq24_t mid = iq24_add_wrap(sample->theta, iq24_asr32(rotor->turns, 1));
+        const iqfoc_ab_t i_next = iqfoc_exact_step(&deadbeat.model, i, p->u_now, iq24_sincos(mid));
+        iqfoc_extension_compensate(&p->extension, &p->command.duties, iqfoc_clarke_inverse(i_next),
+                                   iq24_div(IQ24_ONE, sample->u_dc));
+    }
     p->u_next.alpha = iq24_mul_round(u.alpha, p->command.duties.scale);
     p->u_next.beta = iq24_mul_round(u.beta, p->command.duties.scale);
 }
@@ -82,14 +105,19 @@ static bool valley(void *context, const iqfoc_sample_t *sample, error *e)
 {
     predictive_drive *p = context;
     (void)e;
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(sample->turns);
+    iqfoc_sample_t corrected = *sample;
+    if (p->extended) {
+        iqfoc_extension_sample(&p->extension, &corrected);
+        follow_saturation(p, iqfoc_clarke3(corrected.i));
+    }
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(corrected.turns);
     p->u_now = p->u_next;
     p->decisions++;
     p->command.gates = true;
     if (p->horizon == 0) {
-        choose_by_deadbeat(p, sample, &rotor);
+        choose_by_deadbeat(p, &corrected, &rotor);
     } else {
-        choose_from_set(p, sample, &rotor);
+        choose_from_set(p, &corrected, &rotor);
     }
     return true;
 }

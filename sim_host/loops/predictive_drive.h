@@ -9,6 +9,7 @@
 #include "drive.h"
 
 #include "iqfoc/deadbeat_drift.h"
+#include "iqfoc/extension.h"
 #include "iqfoc/finite_set.h"
 #include "iqfoc/predictor.h"
 
@@ -22,6 +23,8 @@ typedef struct predictive_drive {
     iq24_t weight;   /* of a leg's switching, finite control set only */
     iq24_t learning; /* gain of the drift; 0: plain deadbeat */
     iqfoc_deadbeat_drift_t drift;
+    bool extended; /* the corrections below are made */
+    iqfoc_extension_t extension;
     iqfoc_predictor_t predictor;
     iqfoc_exact_law_t law;
     iq24_t k_psi;
@@ -36,6 +39,10 @@ typedef struct predictive_drive {
 /* assumed: the motor as the firmware believes it to be; path: its file, for what does not fit. */
 bool predictive_drive_init(predictive_drive *p, const motor *assumed, const char *path, predictor_kind kind,
                            error *e);
+
+/* What the file's extensions put right: samples, dead time, and saturation in the exact predictor. Deadbeat
+ * only. */
+bool predictive_drive_extend(predictive_drive *p, const motor *assumed, const char *path, error *e);
 
 drive_firmware predictive_drive_firmware(predictive_drive *p);
 

@@ -84,7 +84,7 @@ def file_rows():
     ]
 
 
-KNOWN = ("reproduce", "simulate", "sweep", "diagnose")
+KNOWN = ("reproduce", "simulate", "sweep", "diagnose", "loops")
 
 # Calls that cannot be understood.
 USAGE_ROWS = [
@@ -114,6 +114,14 @@ USAGE_ROWS = [
     (["reproduce", "--paper", "2017"], "--paper"),
     (["reproduce", "--paper"], "--paper needs a value"),
     (["reproduce", "more"], "\"more\""),
+    (["loops", "more"], "\"more\""),
+    (["loops", "--json"], "--json needs a value"),
+    (["loops", "--extended", "motor.toml"], "--motor M.toml is missing"),
+    (["loops", "--effect", "dead_time"], "--motor M.toml is missing"),
+    (["loops", "--motor", "motor.toml"], "--extended X.toml is missing"),
+    (["loops", "--motor", "motor.toml", "--extended", "motor.toml", "-o", "out"], "--extended draws no page"),
+    (["loops", "--motor", "motor.toml", "--extended", "motor.toml", "--effect", "nonsense"], "nonsense"),
+    (["loops", "--motor", "motor.toml", "--extended", "none.toml"], "none.toml: cannot be read"),
     (["diagnose", "recording.csv"], "--motor"),
     (["diagnose", "--motor", "motor.toml"], "iqfoc: diagnose: "),
 ]

@@ -87,6 +87,16 @@ class GoodInput(unittest.TestCase):
         self.assertEqual(sorted(exact, reverse=True), exact)
         self.assertFalse((self.folder / "report-loops").exists())
 
+    def test_loops_extended(self):
+        self.need("loops")
+        self.done(["loops", "--motor", "motor.toml", "--extended", "motor.toml", "--effect", "resistance:R=1.5", "--json", "out.json"])
+        points = json.loads((self.folder / "out.json").read_text())["extended"]
+        nominal = [point for point in points if point["belief"] == "nominal"]
+        extended = [point for point in points if point["belief"] == "extended"]
+        self.assertEqual(len(nominal), len(extended))
+        for one, other in zip(nominal, extended):
+            self.assertAlmostEqual(one["rms_percent"], other["rms_percent"], delta=0.05)
+
     def test_reproduce(self):
         self.need("reproduce")
         self.done(["reproduce", "--paper", "2019", "--json", "out.json"])

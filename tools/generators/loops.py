@@ -5,7 +5,14 @@
     <!-- figures: loops beliefs 5 10 20 50 -->
     <!-- figures: loops finite_set 20.15 50.15 100.15 -->
     <!-- figures: loops trade -->
+    <!-- figures: loops extended motors/jarzebowicz2019.toml scenarios/identification.toml dead_time saturation resistance:R=1.0 -->
+
+`extended` records a drive with these effects, diagnoses it, and compares control by both motor files.
 """
+
+import json
+import pathlib
+import tempfile
 
 from .markdown import number, table
 
@@ -84,10 +91,27 @@ def trade(result, _ratios):
     return table(FINITE_SET_HEADS, rows, right=[head for head in FINITE_SET_HEADS if head != "predictor"])
 
 
+def extended(program, motor, scenario, *effects):
+    options = [word for effect in effects for word in ("--effect", effect)]
+    with tempfile.TemporaryDirectory() as folder:
+        recording, diagnosis, result = (str(pathlib.Path(folder) / name) for name in ("recording.csv", "diagnosis", "loops.json"))
+        program.output(str(program.path), "simulate", "--motor", motor, "--scenario", scenario, "-o", recording, *options)
+        program.output(str(program.path), "diagnose", recording, "--motor", motor, "-o", diagnosis)
+        program.output(str(program.path), "loops", "--motor", motor, "--extended", f"{diagnosis}/motor_extended.toml", *options,
+                       "--json", result)
+        points = json.loads(pathlib.Path(result).read_text(encoding="utf-8"))["extended"]
+    heads = ["rpm", "loop", "parameters", "rms error, %", "torque error, %", "torque ripple, %"]
+    rows = [[f"{point['rpm']:g}", point["loop"], point["belief"],
+             *(f"{point[key]:.2f}" for key in ("rms_percent", "torque_error_percent", "torque_ripple_percent"))] for point in points]
+    return table(heads, rows, right=[head for head in heads if head not in ("loop", "parameters")])
+
+
 PARTS = {"six_step": six_step, "ratios": ratios, "beliefs": beliefs, "finite_set": finite_set, "trade": trade}
 
 
 def generate(program, arguments):
+    if len(arguments) >= 3 and arguments[0] == "extended":
+        return extended(program, *arguments[1:])
     if not arguments or arguments[0] not in PARTS:
         raise ValueError(f"expected one of {', '.join(sorted(PARTS))}, got {arguments}")
     return PARTS[arguments[0]](program.json("loops"), [float(ratio) for ratio in arguments[1:]])
