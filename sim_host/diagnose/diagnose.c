@@ -33,6 +33,14 @@ static const double CERTAIN_HALF_WIDTHS = 2.0;
  */
 static const double LEAST_SHARE = 5e-4;
 static const double LEAST_SHARE_OF_REST = 0.05;
+/* What dead time's law leaves near zero current looks like a voltage that is a little off, in all the ways
+ * that follow. */
+static const double LEAST_SHARE_BESIDE_DEAD_TIME = 4e-3;
+static const hypothesis_set like_dead_time =
+    HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_SALIENCY) |
+    HYPOTHESIS_BIT(H_SATURATION) | HYPOTHESIS_BIT(H_FLUX) | HYPOTHESIS_BIT(H_VOLTAGE_GAIN) |
+    HYPOTHESIS_BIT(H_EMF_HARMONICS) | HYPOTHESIS_BIT(H_ASYMMETRY_A) | HYPOTHESIS_BIT(H_ASYMMETRY_B) |
+    HYPOTHESIS_BIT(H_ASYMMETRY_C) | HYPOTHESIS_BIT(H_ASYMMETRY) | HYPOTHESIS_BIT(H_ANGLE_DELAY);
 
 /* Structure that takes less of the one-cycle error's power does no harm and is not reported. */
 static const double STRUCTURE_SHARE = 0.05;
@@ -122,7 +130,10 @@ static hypothesis_id weakest(const session *w, const search_view *view)
     search_option none;
     hypothesis_set decoys = 0;
     search_cost(view, &w->state, w->state.set, &own);
-    search_cost(view, &w->state, 0, &none);
+    /* A voltage that acts late is exactly that: its law leaves nothing that another cause could be taken for.
+     */
+    hypothesis_set exact = HYPOTHESIS_BIT(H_VOLTAGE_DELAY_1) | HYPOTHESIS_BIT(H_VOLTAGE_DELAY_2);
+    search_cost(view, &w->state, w->state.set & exact, &none);
     double total = none.cost - own.cost;
     double rest = rest_of(w);
     double unexplained = rest > FLOOR_TOLERANCE * FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
@@ -142,6 +153,9 @@ static hypothesis_id weakest(const session *w, const search_view *view)
     double least = INFINITY;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         double bar = LEAST_SHARE * total;
+        if ((w->state.set & HYPOTHESIS_BIT(H_DEAD_TIME)) && (like_dead_time & HYPOTHESIS_BIT(h))) {
+            bar = LEAST_SHARE_BESIDE_DEAD_TIME * total;
+        }
         if (!(decoys & HYPOTHESIS_BIT(h))) {
             bar = fmax(bar, LEAST_SHARE_OF_REST * unexplained);
         }

@@ -136,12 +136,11 @@ bool hypothesis_joins(hypothesis_set set, hypothesis_id id)
     return true;
 }
 
-/* How far three values (two, if the third is not fitted) are apart: root sum square about their mean. */
+/* How far three values are apart: root sum square about their mean. */
 static double spread(double a, double b, double c)
 {
-    const double mean = c == 0.0 ? 0.5 * (a + b) : (a + b + c) / 3.0;
-    return sqrt((a - mean) * (a - mean) + (b - mean) * (b - mean) +
-                (c == 0.0 ? 0.0 : (c - mean) * (c - mean)));
+    const double mean = (a + b + c) / 3.0;
+    return sqrt((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean));
 }
 
 double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
@@ -157,8 +156,10 @@ double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
     case H_CROSS_SATURATION:
         return fabs(z[P_SATURATION_Q]);
     case H_CURRENT_GAIN:
-        /* A mismatch: one gain common to all sensors is R and L seen through another scale. */
-        return spread(z[P_GAIN_A], z[P_GAIN_B], z[P_GAIN_C]);
+        /* A mismatch: one gain common to all sensors is R and L seen through another scale. Two sensors have
+         * no third that could stand out, and what they share counts. */
+        return z[P_GAIN_C] == 0.0 ? hypot(z[P_GAIN_A], z[P_GAIN_B])
+                                  : spread(z[P_GAIN_A], z[P_GAIN_B], z[P_GAIN_C]);
     case H_ASYMMETRY:
         /* Three equal ones are a resistance. */
         return spread(z[P_DR_A], z[P_DR_B], z[P_DR_C]);

@@ -38,6 +38,7 @@ bool search_look(fit_data *d, const fit_state *s, search_view *view)
         return false;
     }
     memset(view, 0, sizeof *view);
+    view->two_sensors = d->rows->two_sensors;
     for (size_t b = 0; b < d->blocks; b++) {
         view->total.c += grams[b].c;
         for (size_t i = 0; i < COLUMN_COUNT; i++) {
@@ -80,6 +81,7 @@ bool search_cost(const search_view *view, const fit_state *s, hypothesis_set set
     }
     double slope[COLUMN_COUNT];
     option->set = set;
+    option->score = INFINITY;
     option->cost = t->c;
     for (size_t i = 0; i < COLUMN_COUNT; i++) {
         slope[i] = t->g[i];
@@ -108,20 +110,22 @@ bool search_cost(const search_view *view, const fit_state *s, hypothesis_set set
         option->cost -= step[i] * right[i];
         column_move(column[i], step[i], option->z);
     }
+    option->score =
+        option->cost + search_penalty(set, view->two_sensors) + hypotheses_unusual(set, option->z);
     bool dead = (set & HYPOTHESIS_BIT(H_DEAD_TIME)) != 0;
     bool saturation = (set & HYPOTHESIS_BIT(H_SATURATION)) != 0;
     return !(dead && option->z[P_V_DEAD] <= 0.0) && !(saturation && option->z[P_SATURATION] <= 0.0) &&
            hypotheses_count(set, option->z);
 }
 
-double search_penalty(hypothesis_set set)
+double search_penalty(hypothesis_set set, bool two_sensors)
 {
     double sum = 0.0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (set & HYPOTHESIS_BIT(h)) {
-            sum += CAUSE_PENALTY +
-                   PENALTY * (double)(hypothesis_table[h].columns + (h == H_DEAD_TIME ? 2 : 0)) +
-                   hypothesis_table[h].surprise;
+            size_t parameters = hypothesis_table[h].columns + (h == H_DEAD_TIME ? 2 : 0);
+            parameters -= h == H_CURRENT_GAIN && two_sensors;
+            sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise;
         }
     }
     return sum;
@@ -144,9 +148,7 @@ static int by_score(const void *x, const void *y)
 {
     const search_option *a = x;
     const search_option *b = y;
-    double left = a->cost + search_penalty(a->set) + hypotheses_unusual(a->set, a->z);
-    double right = b->cost + search_penalty(b->set) + hypotheses_unusual(b->set, b->z);
-    return left < right ? -1 : left > right;
+    return a->score < b->score ? -1 : a->score > b->score;
 }
 
 /*
@@ -162,7 +164,8 @@ static bool every_member_pays(const search_view *view, const fit_state *s, const
             continue;
         }
         search_cost(view, s, rest, &without);
-        if (without.cost + search_penalty(rest) <= option->cost + search_penalty(option->set)) {
+        if (without.cost + search_penalty(rest, view->two_sensors) <=
+            option->cost + search_penalty(option->set, view->two_sensors)) {
             return false;
         }
     }
@@ -352,11 +355,16 @@ static bool fit_option(fit_data *d, const search_option *option, hypothesis_set 
     return true;
 }
 
+static double state_score(const fit_data *d, const fit_state *s)
+{
+    return s->objective + search_penalty(s->set, d->rows->two_sensors) + hypotheses_unusual(s->set, s->z);
+}
+
 /* One round: the promising options fitted, *s the best. */
 static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, FILE *trace)
 {
     const fit_state start = *s;
-    double best_score = s->objective + search_penalty(s->set) + hypotheses_unusual(s->set, s->z);
+    double best_score = state_score(d, s);
     hypothesis_set tried[REFINED + FULL_SIZE];
     size_t n = 0;
     for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
@@ -370,8 +378,9 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         }
         /* Once the state is a fit, its own set's quadratic form is exact, and what does worse there need not
          * be fitted. */
-        if (known || (round > 0 && option->cost + search_penalty(option->set) >
-                                       e->view->total.c + search_penalty(start.set) + SLACK)) {
+        if (known ||
+            (round > 0 && option->cost + search_penalty(option->set, e->view->two_sensors) >
+                              e->view->total.c + search_penalty(start.set, e->view->two_sensors) + SLACK)) {
             continue;
         }
         tried[n++] = option->set;
@@ -379,12 +388,11 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         if (!fit_option(d, option, e->allowed, &trial)) {
             return false;
         }
-        double score = trial.objective + search_penalty(trial.set) + hypotheses_unusual(trial.set, trial.z);
+        double score = state_score(d, &trial);
         if (trace) {
             char words[256];
             fprintf(trace, "  round %d: %-60s linear %10.1f  ", round,
-                    search_words(option->set, words, sizeof words),
-                    option->cost + search_penalty(option->set));
+                    search_words(option->set, words, sizeof words), option->score);
             fprintf(trace, "fitted %12.1f%s%s\n", score, trial.set != option->set ? " as " : "",
                     trial.set != option->set ? search_words(trial.set, words, sizeof words) : "");
         }

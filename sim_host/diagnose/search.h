@@ -16,6 +16,7 @@
 
 /* All columns' sums at a state, and what follows from them. */
 typedef struct search_view {
+    bool two_sensors;
     gram total;                      /* over the fit blocks */
     double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances
                                         excepted) */
@@ -23,7 +24,8 @@ typedef struct search_view {
 
 typedef struct search_option {
     hypothesis_set set;
-    double cost; /* chi square the set leaves */
+    double cost;  /* chi square the set leaves */
+    double score; /* that, its penalty and how unusual it is: what is compared */
     double z[P_COUNT];
 } search_option;
 
@@ -36,8 +38,9 @@ bool search_look(fit_data *d, const fit_state *s, search_view *view);
  */
 bool search_cost(const search_view *view, const fit_state *s, hypothesis_set set, search_option *option);
 
-/* What a set pays for its parameters and its surprise, in chi square. */
-double search_penalty(hypothesis_set set);
+/* What a set pays for its causes, its parameters and their surprise, in chi square. With two sensors a gain
+ * of the third is no parameter. */
+double search_penalty(hypothesis_set set, bool two_sensors);
 
 /* From s to the best allowed set. `trace` may be NULL. */
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace);
