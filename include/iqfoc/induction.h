@@ -134,9 +134,9 @@ static inline iqfoc_ab_t iqfoc_induction_mean(const iqfoc_induction_t *induction
  * up to 1 % off, most of it by way of the flux: the ripple flows in the rotor too, and the observer sums it
  * up.
  *
- * row: of the result, over a whole cycle. even: the result. v: iqfoc_ripple_vector of the cycle's duties, square 0. To
- * the second moment of the pulses: at most 5 % of what this adds is left (tests/unit/test_induction_table.c). Rounding:
- * 1 LSB more.
+ * row: of the result, over a whole cycle. even: the result. v: iqfoc_ripple_vector of the cycle's duties,
+ * square 0. To the second moment of the pulses: at most 5 % of what this adds is left
+ * (tests/unit/test_induction_table.c). Rounding: 1 LSB more.
  */
 static inline iqfoc_ab_t iqfoc_induction_with_ripple(const iqfoc_induction_row_t *row, iqfoc_ab_t even,
                                                      iqfoc_ab_t v)

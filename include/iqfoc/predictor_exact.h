@@ -103,13 +103,12 @@ iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns);
 /*
  * The current at the end of the span, or its mean over it, by the law that `exact` was made of.
  *
- * i: current at the start of the span, per unit, |component| <= 32. u: the voltage in the span, |component|
- * <=
- * 2. sc_mid: of the rotor angle at the middle of the span. Out: |component| <= 81: no overflow in that range,
- * beyond it the result wraps. Largest error against the exact solution for the physical machine, the integers
- * i, u, angle and speed as given (tests/unit/test_predictor_exact.c): 3.5 LSB at the end and 2.7 for the mean
- * where rho <= 0.1, k_u <= 3, k_psi <= 3 and |i| <= 1.5; 12 and 10 LSB over the whole range. With the motors
- * of motors/: 1.5 LSB at SFFR 3 to 200.
+ * i: current at the start of the span, per unit, |component| <= 32. u: the voltage in the span, at most 2 a
+ * component. sc_mid: of the rotor angle at the middle of the span. Out: |component| <= 81: no overflow in
+ * that range, beyond it the result wraps. Largest error against the exact solution for the physical machine,
+ * the integers i, u, angle and speed as given (tests/unit/test_predictor_exact.c): 3.5 LSB at the end and 2.7
+ * for the mean where rho <= 0.1, k_u <= 3, k_psi <= 3 and |i| <= 1.5; 12 and 10 LSB over the whole range.
+ * With the motors of motors/: 1.5 LSB at SFFR 3 to 200.
  *
  * Range: |E i| <= 32, |k_u u| <= 32 and |w| <= 16.8 together are below 80.8; in Q50 that is below 2^57.
  * Error: one rounding, 0.5 LSB; the sine's 0.51 LSB times |w|; an eighth of an LSB per unit of current.

@@ -6,8 +6,8 @@
  * follows from the duties in closed form (docs/mean-under-modulation.md); to the second order in the rotor's
  * angle phi
  *
- *     V = Clarke{ d (1 - d^2) [1 - (phi^2/80)(1 + d^2)] },     i_ripple = (rho - j phi) (k_u u_dc/24) e^(-j
- * theta_m) V
+ *     V        = Clarke{ d (1 - d^2) [1 - (phi^2/80)(1 + d^2)] }
+ *     i_ripple = (rho - j phi) (k_u u_dc/24) e^(-j theta_m) V
  *
  * with rho = R T/L. Each axis of a salient machine has its own k_u and rho. Add it to a mean that knows the
  * voltage only by its mean, such as that of predictor_salient.h; mean_modulated.h has it built in.
@@ -20,7 +20,7 @@
 #include "transform.h"
 #include "vector.h"
 
-/* One leg's share: d (1 - d^2) [1 - square (1 + d^2)]. 0 <= d <= 1; result 0 ... 0.385. Error 1.6 LSB. */
+/* One leg's share: d (1 - d^2) [1 - square (1 + d^2)]. 0 <= d <= 1; result 0 ... 0.385. */
 static inline iq24_t iqfoc_ripple_of_leg(iq24_t d, iq24_t square)
 {
     const iq24_t d2 = iq24_mul_round(d, d);
@@ -32,7 +32,7 @@ static inline iq24_t iqfoc_ripple_of_leg(iq24_t d, iq24_t square)
  * u_dc V: the ripple's vector in the stationary frame, per unit voltage.
  *
  * high: duties 0 ... 1. square: phi^2/80, 0 ... 0.055. u_dc: the DC link, per unit, 0 ... 2. Out: |component|
- * <= 0.52. Largest error with square as given: 5 LSB at u_dc = 1.5.
+ * <= 0.52. Largest error with square as given: 4 LSB at u_dc = 1.5.
  */
 static inline iqfoc_ab_t iqfoc_ripple_vector(iqfoc_abc_t high, iq24_t square, iq24_t u_dc)
 {
@@ -59,11 +59,10 @@ iqfoc_ripple_t iqfoc_ripple_at_speed(const iqfoc_salient_machine_t *machine, con
 /*
  * The ripple's part of the mean, dq as seen from the turning rotor.
  *
- * high: the cycle's duties. u_dc: per unit, 0 ... 2. sc_mid: of the rotor angle at mid-cycle. Out:
- * |component| <= 1.1.
- * Together with the mean of predictor_salient.h within 0.02 % of the rated current of the drive's true mean,
- * each motor of motors/ at SFFR 6 and above; 0.06 % where R T/L is 0.27 (motor 3 of 2016), for resistance
- * counts to first order.
+ * high: the cycle's duties. u_dc: per unit, 0 ... 2. sc_mid: of the rotor angle at mid-cycle.
+ * Out: |component| <= 1.1. Together with the mean of predictor_salient.h within 0.02 % of the rated current
+ * of the drive's true mean, each motor of motors/ at SFFR 6 and above; 0.06 % where R T/L is 0.27 (motor 3 of
+ * 2016), for resistance counts to first order.
  */
 static inline iqfoc_dq_t iqfoc_ripple_seen(const iqfoc_ripple_t *ripple, iqfoc_abc_t high, iq24_t u_dc,
                                            iq24_sincos_t sc_mid)

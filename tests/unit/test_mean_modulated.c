@@ -149,7 +149,7 @@ static void test_ripple_vector_in_fixed_point(void)
         worst_add(&w, got.alpha, to_double(u_dc) * want.alpha);
         worst_add(&w, got.beta, to_double(u_dc) * want.beta);
     }
-    worst_check(&w, 5.0);
+    worst_check(&w, 4.0);
 }
 
 /* ---- On the drive ---- */
