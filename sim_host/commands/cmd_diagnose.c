@@ -6,6 +6,7 @@
 #include "diagnose/diagnose.h"
 #include "diagnose/diagnose_json.h"
 #include "diagnose/diagnose_text.h"
+#include "diagnose_many.h"
 #include "diagnose_report/diagnose_report.h"
 #include "options.h"
 
@@ -24,14 +25,18 @@ static const option_spec specs[] = {
     {NULL, 0, NULL, NULL}};
 
 static const command_about about = {
-    "diagnose", "REC.csv --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]]",
+    "diagnose", "REC.csv... --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]]",
     "Compares a recording with the averaged model, cycle by cycle; names the effects that account for\n"
     "the difference, with 95 % intervals; and measures on rows that were not fitted what the extended\n"
-    "model gains. The exit status is 0 whatever the verdict, 2 if the recording cannot be used.",
+    "model gains. The exit status is 0 whatever the verdict, 2 if the recording cannot be used.\n"
+    "Several recordings of one motor are diagnosed in parallel, each into DIR/<name>/, with "
+    "DIR/summary.json.",
     specs};
 
 typedef struct request {
     const char *recording_path, *motor_path, *directory, *json_path;
+    char **recordings; /* all of them */
+    int count;
     diagnose_options options;
     bool helped;
 } request;
@@ -93,9 +98,12 @@ static bool parse(int argc, char **argv, request *r, error *e)
     if (o.first >= argc) {
         return error_input(e, NULL, 0, 0, "diagnose: which recording? Usage: iqfoc diagnose %s", about.usage);
     }
-    if (o.first + 1 < argc) {
-        return error_input(e, NULL, 0, 0, "diagnose: one recording is expected, '%s' is one more",
-                           argv[o.first + 1]);
+    r->recordings = argv + o.first;
+    r->count = argc - o.first;
+    if (r->count > 1 && (r->directory == NULL || r->json_path != NULL)) {
+        return error_input(
+            e, NULL, 0, 0,
+            "diagnose: several recordings need -o DIR, and no --json: each gets DIR/<name>/diagnosis.json");
     }
     r->recording_path = argv[o.first];
     return true;
@@ -146,6 +154,15 @@ static bool run(const request *r, error *e)
     return ok;
 }
 
+/* One of several, in its own process. */
+static bool run_into(const void *request_of_all, const char *recording_path, const char *directory, error *e)
+{
+    request r = *(const request *)request_of_all;
+    r.recording_path = recording_path;
+    r.directory = directory;
+    return run(&r, e);
+}
+
 int cmd_diagnose(int argc, char **argv)
 {
     error e = {0};
@@ -155,6 +172,11 @@ int cmd_diagnose(int argc, char **argv)
     }
     if (r.helped) {
         return STATUS_DONE;
+    }
+    if (r.count > 1) {
+        int status = STATUS_DONE;
+        return diagnose_many(run_into, &r, r.recordings, r.count, r.directory, &status, &e) ? status
+                                                                                            : error_print(&e);
     }
     return run(&r, &e) ? STATUS_DONE : error_print(&e);
 }
