@@ -110,6 +110,8 @@ USAGE_ROWS = [
     (["sweep", "--motor", "motor.toml", "--json", "out.json"], "--rpm N[,N...] is missing"),
     (["sweep", "--motor", "motor.toml", "--rpm", "1e99", "--json", "out.json"], "--rpm must be"),
     (["sweep", "--motor", "motor.toml", "--rpm", "500", "--current-rms", "-1", "--json", "out.json"], "--current-rms"),
+    (["sweep", "--motor", "motor.toml", "--rpm", "500", "--map", "--json", "out.json"], "--map takes no --rpm"),
+    (["sweep", "--motor", "motor.toml", "--induction", "--json", "out.json"], "--induction brings its own machine"),
     (["sweep", "--motor", "motor.toml", "--rpm", "500", "--json", "."], "is a directory"),
     (["reproduce", "--paper", "2017"], "--paper"),
     (["reproduce", "--paper"], "--paper needs a value"),
