@@ -94,14 +94,14 @@ static void choose_from_set(predictive_drive *p, const iqfoc_sample_t *sample, c
     p->command.duties.scale = IQ24_ONE;
 }
 
-static bool reference(void *context, iqfoc_dq_t i_ref, error *e)
+static bool take_reference(void *context, iqfoc_dq_t i_ref, error *e)
 {
     (void)e;
     ((predictive_drive *)context)->i_ref = i_ref;
     return true;
 }
 
-static bool valley(void *context, const iqfoc_sample_t *sample, error *e)
+static bool take_valley(void *context, const iqfoc_sample_t *sample, error *e)
 {
     predictive_drive *p = context;
     (void)e;
@@ -123,8 +123,8 @@ static bool valley(void *context, const iqfoc_sample_t *sample, error *e)
 }
 
 /* The controller needs the valley's sample only; its command waits until the peak, as the cycle's does. */
-static bool peak(void *context, const iqfoc_sample_t *sample, iqfoc_command_t *command, uint32_t *status,
-                 error *e)
+static bool give_peak(void *context, const iqfoc_sample_t *sample, iqfoc_command_t *command, uint32_t *status,
+                      error *e)
 {
     const predictive_drive *p = context;
     (void)sample;
@@ -144,6 +144,6 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
 
 drive_firmware predictive_drive_firmware(predictive_drive *p)
 {
-    const drive_firmware firmware = {p, start, reference, valley, peak};
+    const drive_firmware firmware = {p, start, take_reference, take_valley, give_peak};
     return firmware;
 }

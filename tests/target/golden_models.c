@@ -6,10 +6,13 @@
 
 #include "digest.h"
 
+#include "iqfoc/deadbeat_drift.h"
 #include "iqfoc/extension.h"
+#include "iqfoc/finite_set.h"
 #include "iqfoc/induction.h"
 #include "iqfoc/mean_modulated.h"
 #include "iqfoc/predictor_exact.h"
+#include "iqfoc/predictor_form.h"
 #include "iqfoc/predictor_salient.h"
 
 static int32_t positive(golden_inputs_t *inputs, int32_t limit)
@@ -189,4 +192,36 @@ void golden_induction(golden_inputs_t *inputs, uint64_t *digest)
     add_vector(digest, next.flux);
     add_vector(digest, iqfoc_induction_mean(&c, x, u));
     add_vector(digest, iqfoc_induction_with_ripple(&c.i, next.i, v));
+}
+
+/* The three predictors in turn, deadbeat with and without a learnt drift, and a search of two intervals. */
+void golden_predictive_control(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iqfoc_predictor_t machine;
+    machine.k_u = IQ24(1.0 / 64.0) + positive(inputs, IQ24(15.9));
+    machine.k_r = positive(inputs, IQ24_ONE);
+    machine.k_psi = positive(inputs, IQ24(8.0));
+    const iqfoc_exact_winding_t winding = {machine.k_r * 64, machine.k_u * 4, machine.k_psi * 8};
+    const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iqfoc_exact_t models[] = {iqfoc_form_euler(&machine, &rotor),
+                                    iqfoc_form_quasi_discrete(&machine, &rotor),
+                                    iqfoc_exact_at_speed(&law, rotor.turns)};
+    const iqfoc_deadbeat_t deadbeat = {models[inputs->number % 3], iqfoc_deadbeat_inverse(law.k_u_q26),
+                                       iqfoc_valley_reference_at(&rotor, machine.k_psi)};
+    const iqfoc_ab_t i = vector(inputs, IQ24(15.0));
+    const iqfoc_ab_t u = vector(inputs, IQ24_ONE);
+    const iqfoc_ab_t want = vector(inputs, IQ24(15.0));
+    const iqfoc_dq_t i_ref = {want.alpha, want.beta};
+    const iq24_t theta = golden_within(inputs, IQ24_ONE);
+    add_vector(digest, iqfoc_deadbeat_step(&deadbeat, i, u, i_ref, theta, rotor.turns));
+    iqfoc_deadbeat_drift_t drift = {{0, 0}, vector(inputs, IQ24(15.0)), true};
+    const iq24_t gain = positive(inputs, IQ24_ONE);
+    add_vector(digest, iqfoc_deadbeat_drift_step(&drift, &deadbeat, gain, i, u, i_ref, theta, rotor.turns));
+    add_vector(digest, drift.i_next);
+    const iqfoc_finite_set_t set = {deadbeat.model, deadbeat.reference, gain, 2};
+    uint32_t nodes = 0;
+    digest_add(digest, iqfoc_finite_set_choose(&set, i, gain % IQFOC_FINITE_SET_STATES, i_ref, theta,
+                                               rotor.turns, positive(inputs, IQ24(2.0)), &nodes));
+    digest_add(digest, (int32_t)nodes);
 }

@@ -261,6 +261,7 @@ void golden_vectors(golden_report *report)
         {"extension", golden_extension},
         {"mean_modulated", golden_modulated},
         {"induction", golden_induction},
+        {"predictive_control", golden_predictive_control},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
         golden_inputs_t inputs = {0, GOLDEN_SEED};
