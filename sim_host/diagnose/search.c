@@ -1,5 +1,6 @@
 #include "search.h"
 
+#include "edge_choice.h"
 #include "revolution.h"
 
 #include <math.h>
@@ -17,132 +18,8 @@ enum {
 
 #define ANY_HARMONIC (HYPOTHESIS_BIT(H_ANGLE_HARMONIC_1) | HYPOTHESIS_BIT(H_ANGLE_HARMONIC_2))
 
-/* Chi square per fitted parameter: about log(rows) as in Schwarz's criterion. Robust tests follow, so that
- * this only has to rank. */
-static const double PENALTY = 12.0;
-/* And per cause: no real drive is the model to the last digit, and a trade such as a voltage gain with R and
- * L for a flux of the wrong size (their exact equal but for one part in a thousand) must not win by what that
- * leaves. */
-static const double CAUSE_PENALTY = 25.0;
 /* How much worse than the present set a set may look under linearisation and still be tried. */
 static const double SLACK = 30.0;
-
-bool search_look(fit_data *d, const fit_state *s, search_view *view)
-{
-    int column[COLUMN_COUNT];
-    for (int c = 0; c < COLUMN_COUNT; c++) {
-        column[c] = c;
-    }
-    gram *grams = fit_grams(d, s, column, COLUMN_COUNT);
-    if (!grams) {
-        return false;
-    }
-    memset(view, 0, sizeof *view);
-    view->two_sensors = d->rows->two_sensors;
-    for (size_t b = 0; b < d->blocks; b++) {
-        view->total.c += grams[b].c;
-        for (size_t i = 0; i < COLUMN_COUNT; i++) {
-            view->total.g[i] += grams[b].g[i];
-            for (size_t j = 0; j < COLUMN_COUNT; j++) {
-                view->total.h[i][j] += grams[b].h[i][j];
-            }
-        }
-    }
-    free(grams);
-    for (size_t k = 0; k < P_COUNT; k++) {
-        view->to_nominal[k] =
-            k == P_KNEE || k == P_RIPPLE || k == P_EDGE || k == P_OFFSET_ZERO ? 0.0 : -s->z[k];
-    }
-    return true;
-}
-
-bool search_cost(const search_view *view, const fit_state *s, hypothesis_set set, search_option *option)
-{
-    const gram *t = &view->total;
-    double away[COLUMN_COUNT];
-    int column[COLUMN_COUNT];
-    size_t n = 0;
-    memcpy(away, view->to_nominal, sizeof away);
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        const hypothesis *hypo = &hypothesis_table[h];
-        if (!(set & HYPOTHESIS_BIT(h))) {
-            continue;
-        }
-        for (size_t k = 0; k < hypo->columns; k++) {
-            if (hypo->fixed) {
-                away[hypo->column[k]] += 1.0;
-            } else if (hypo->column[k] != P_GAIN_C || t->h[P_GAIN_C][P_GAIN_C] > 0.0) {
-                column[n++] = hypo->column[k]; /* with two sensors there is no third gain */
-            }
-        }
-    }
-    if (t->h[P_OFFSET_ZERO][P_OFFSET_ZERO] > 0.0) {
-        column[n++] = P_OFFSET_ZERO;
-    }
-    double slope[COLUMN_COUNT];
-    option->set = set;
-    option->score = INFINITY;
-    option->cost = t->c;
-    for (size_t i = 0; i < COLUMN_COUNT; i++) {
-        slope[i] = t->g[i];
-        for (size_t j = 0; j < P_COUNT; j++) {
-            slope[i] += t->h[i][j] * away[j];
-        }
-        option->cost += away[i] * (t->g[i] + slope[i]);
-    }
-    double small[COLUMN_COUNT][COLUMN_COUNT];
-    double right[COLUMN_COUNT];
-    double step[COLUMN_COUNT];
-    for (size_t i = 0; i < n; i++) {
-        right[i] = -slope[column[i]];
-        for (size_t j = 0; j < n; j++) {
-            small[i][j] = t->h[column[i]][column[j]];
-        }
-    }
-    if (!fit_solve(n, (const double(*)[COLUMN_COUNT])small, right, step)) {
-        return false;
-    }
-    memcpy(option->z, s->z, sizeof option->z);
-    for (int k = 0; k < P_COUNT; k++) {
-        option->z[k] += away[k];
-    }
-    for (size_t i = 0; i < n; i++) {
-        option->cost -= step[i] * right[i];
-        column_move(column[i], step[i], option->z);
-    }
-    option->score =
-        option->cost + search_penalty(set, view->two_sensors) + hypotheses_unusual(set, option->z);
-    bool dead = (set & HYPOTHESIS_BIT(H_DEAD_TIME)) != 0;
-    bool saturation = (set & HYPOTHESIS_BIT(H_SATURATION)) != 0;
-    return !(dead && option->z[P_V_DEAD] <= 0.0) && !(saturation && option->z[P_SATURATION] <= 0.0) &&
-           hypotheses_count(set, option->z);
-}
-
-double search_penalty(hypothesis_set set, bool two_sensors)
-{
-    double sum = 0.0;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (set & HYPOTHESIS_BIT(h)) {
-            size_t parameters = hypothesis_table[h].columns + (h == H_DEAD_TIME ? 2 : 0);
-            parameters -= h == H_CURRENT_GAIN && two_sensors;
-            sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise;
-        }
-    }
-    return sum;
-}
-
-const char *search_words(hypothesis_set set, char *text, size_t size)
-{
-    size_t used = 0;
-    text[0] = '\0';
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if ((set & HYPOTHESIS_BIT(h)) && used < size) {
-            int n = snprintf(text + used, size - used, "%s%s", used ? " + " : "", hypothesis_table[h].cause);
-            used += n > 0 ? (size_t)n : 0;
-        }
-    }
-    return used ? text : "nothing";
-}
 
 static int by_score(const void *x, const void *y)
 {
@@ -243,66 +120,6 @@ static void grow(enumeration *e)
             }
         }
     }
-}
-
-static const double knee_share[] = {0.005, 0.02, 0.06, 0.15};
-enum { KNEES = sizeof knee_share / sizeof *knee_share };
-static const double RIPPLE_START = 0.7;
-
-/*
- * While no dead time is fitted its derivative by the knee is nothing; the knee and the law under which it
- * would pay most are then found by trial. Shares of the rated peak current: an ideal switch, a usual one, a
- * slow one.
- */
-static bool choose_edge(fit_data *d, fit_state *s)
-{
-    double best = 0.0;
-    fit_state chosen = *s;
-    for (size_t k = 0; k < KNEES * EDGE_LAWS; k++) {
-        fit_state trial = *s;
-        const int column[] = {P_V_DEAD};
-        trial.z[P_EDGE] = (double)(k / KNEES);
-        trial.z[P_RIPPLE] = RIPPLE_START;
-        trial.z[P_KNEE] =
-            log(knee_share[k % KNEES] * d->parameters->i_rated_peak_A / d->parameters->nominal.i_knee_A);
-        gram *grams = fit_grams(d, &trial, column, 1);
-        if (!grams) {
-            return false;
-        }
-        double g = 0.0;
-        double h = 0.0;
-        for (size_t b = 0; b < d->blocks; b++) {
-            g += grams[b].g[0];
-            h += grams[b].h[0][0];
-        }
-        free(grams);
-        if (h > 0.0 && g * g / h > best) {
-            best = g * g / h;
-            chosen = trial;
-        }
-    }
-    *s = chosen;
-    return true;
-}
-
-/* The other laws for a dead time that stands in the model, each fitted. */
-static bool revise_edge(fit_data *d, fit_state *s)
-{
-    double law = s->z[P_EDGE];
-    for (int other = 0; other < (int)EDGE_LAWS; other++) {
-        fit_state trial = *s;
-        if (other == (int)law) {
-            continue;
-        }
-        trial.z[P_EDGE] = other;
-        if (!fit_refine(d, &trial, REFINE_STEPS)) {
-            return false;
-        }
-        if (trial.objective < s->objective) {
-            *s = trial;
-        }
-    }
-    return true;
 }
 
 /*
@@ -410,7 +227,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
     search_view *view = calloc(1, sizeof *view);
     bool ok = e && view;
     for (int round = 0; ok && round < ROUNDS_MAX; round++) {
-        ok = (s->z[P_V_DEAD] != 0.0 || choose_edge(d, s)) &&
+        ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) &&
              ((s->set & ANY_HARMONIC) || revolution_align(d, s, d->parameters->pole_pairs)) &&
              search_look(d, s, view);
         if (!ok) {
@@ -428,7 +245,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
             break;
         }
         if (ok && (s->set & HYPOTHESIS_BIT(H_DEAD_TIME))) {
-            ok = revise_edge(d, s);
+            ok = edge_revise(d, s, REFINE_STEPS);
         }
     }
     free(e);

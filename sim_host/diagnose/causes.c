@@ -1,0 +1,227 @@
+#include "causes.h"
+
+#include "cause_report.h"
+#include "measure.h"
+#include "search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * A cause is certain when its robust chi square exceeds this per parameter, and its strongest parameter
+ * stands four 95 % half widths off nought: about one false cause in ten thousand recordings if all is as
+ * assumed, which leaves room for what is not.
+ */
+static const double CERTAIN_CHI_SQUARE = 25.0;
+static const double CERTAIN_HALF_WIDTHS = 2.0;
+
+/*
+ * And in proportion: a small effect found beside a large one may be what the large one's law leaves (shares
+ * of the chi square that all of them explain), and beside structure that no hypothesis explains it may be a
+ * part of that (shares of what is left).
+ */
+static const double LEAST_SHARE = 5e-4;
+static const double LEAST_SHARE_OF_REST = 0.05;
+/* What dead time's law leaves near zero current looks like a voltage that is a little off, in all the ways
+ * that follow. */
+static const double LEAST_SHARE_BESIDE_DEAD_TIME = 4e-3;
+static const hypothesis_set like_dead_time =
+    HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_SALIENCY) |
+    HYPOTHESIS_BIT(H_SATURATION) | HYPOTHESIS_BIT(H_FLUX) | HYPOTHESIS_BIT(H_VOLTAGE_GAIN) |
+    HYPOTHESIS_BIT(H_EMF_HARMONICS) | HYPOTHESIS_BIT(H_ASYMMETRY_A) | HYPOTHESIS_BIT(H_ASYMMETRY_B) |
+    HYPOTHESIS_BIT(H_ASYMMETRY_C) | HYPOTHESIS_BIT(H_ASYMMETRY) | HYPOTHESIS_BIT(H_ANGLE_DELAY);
+
+static bool is_certain(const session *w, hypothesis_id h)
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    if (hypo->fixed) {
+        return true;
+    }
+    double strongest = 0.0;
+    for (size_t k = 0; k < hypo->columns; k++) {
+        double half = certainty_half_width(&w->certainty, hypo->column[k]);
+        double z = w->state.z[hypo->column[k] == COLUMN_L ? P_L_D : hypo->column[k]];
+        strongest = fmax(strongest, half > 0.0 ? fabs(z) / half : 0.0);
+    }
+    return certainty_chi_square(&w->certainty, &w->state, h) > CERTAIN_CHI_SQUARE * (double)hypo->columns &&
+           strongest > CERTAIN_HALF_WIDTHS;
+}
+
+/* Adds a hypothesis' fitted values to a partial model. */
+static void adopt(const session *w, hypothesis_id h, double z[P_COUNT])
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    for (size_t k = 0; k < hypo->columns; k++) {
+        if (hypo->column[k] == COLUMN_L) {
+            z[P_L_D] = w->state.z[P_L_D];
+            z[P_L_Q] = w->state.z[P_L_Q];
+        } else {
+            z[hypo->column[k]] = w->state.z[hypo->column[k]];
+        }
+    }
+    if (h == H_DEAD_TIME) {
+        z[P_KNEE] = w->state.z[P_KNEE];
+        z[P_RIPPLE] = w->state.z[P_RIPPLE];
+        z[P_EDGE] = w->state.z[P_EDGE];
+    }
+}
+
+/* Held-out error of the model that holds the named members of a set, at the fitted values. */
+static double named_error(const session *w, hypothesis_set set)
+{
+    double z[P_COUNT] = {0};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if ((set & HYPOTHESIS_BIT(h)) && hypothesis_table[h].named) {
+            adopt(w, h, z);
+        }
+    }
+    averaged_drive drive = parameters_drive(&w->parameters, z);
+    return measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
+}
+
+/* What is left of the one-cycle error beyond the sensors' noise, as a share of the noise's power. */
+static double rest_of(const session *w)
+{
+    double noise = 0.0;
+    averaged_drive drive = parameters_drive(&w->parameters, w->state.z);
+    double floor = measure_floor(&w->rows, &w->state, &drive, &noise);
+    double wrong = 0.01 * measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true) *
+                   measure_current(&w->rows, MEASURE_ALL, true);
+    return floor > 0.0 ? fmax(wrong * wrong / (floor * floor) - 1.0, 0.0) : 0.0;
+}
+
+/* The member that is least worth its name, H_COUNT if all are. */
+static hypothesis_id weakest(const session *w, const search_view *view)
+{
+    search_option own;
+    search_option none;
+    hypothesis_set decoys = 0;
+    search_cost(view, &w->state, w->state.set, &own);
+    /* A voltage that acts late is exactly that: its law leaves nothing that another cause could be taken for.
+     */
+    hypothesis_set exact = HYPOTHESIS_BIT(H_VOLTAGE_DELAY_1) | HYPOTHESIS_BIT(H_VOLTAGE_DELAY_2);
+    search_cost(view, &w->state, w->state.set & exact, &none);
+    double total = none.cost - own.cost;
+    double rest = rest_of(w);
+    double unexplained = rest > CAUSES_FLOOR_TOLERANCE * CAUSES_FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
+    double cost_without[H_COUNT] = {0};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (w->state.set & HYPOTHESIS_BIT(h)) {
+            search_option without;
+            search_cost(view, &w->state, w->state.set & ~HYPOTHESIS_BIT(h), &without);
+            cost_without[h] = without.cost - own.cost;
+            if (!hypothesis_table[h].named) {
+                decoys |= HYPOTHESIS_BIT(h);
+                unexplained += cost_without[h];
+            }
+        }
+    }
+    hypothesis_id worst = H_COUNT;
+    double least = INFINITY;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        double bar = LEAST_SHARE * total;
+        if ((w->state.set & HYPOTHESIS_BIT(H_DEAD_TIME)) && (like_dead_time & HYPOTHESIS_BIT(h))) {
+            bar = LEAST_SHARE_BESIDE_DEAD_TIME * total;
+        }
+        if (!(decoys & HYPOTHESIS_BIT(h))) {
+            bar = fmax(bar, LEAST_SHARE_OF_REST * unexplained);
+        }
+        bool in = (w->state.set & HYPOTHESIS_BIT(h)) != 0;
+        /* Beside an effect without a name a cause must also help where it stands alone with the other causes.
+         */
+        bool harms =
+            in && decoys && hypothesis_table[h].named &&
+            named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * named_error(w, w->state.set);
+        if (in && (!is_certain(w, h) || harms || cost_without[h] < bar) && cost_without[h] < least) {
+            least = cost_without[h];
+            worst = h;
+        }
+    }
+    return worst;
+}
+
+/* Takes a hypothesis out of a state: its parameters go back to the motor file's. */
+static void leave(fit_state *s, hypothesis_id h)
+{
+    s->set &= ~HYPOTHESIS_BIT(h);
+    for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+        if (hypothesis_table[h].column[k] == COLUMN_L) {
+            s->z[P_L_D] = s->z[P_L_Q] = 0.0;
+        } else {
+            s->z[hypothesis_table[h].column[k]] = 0.0;
+        }
+    }
+}
+
+/* Starts over from the motor file with the hypotheses allowed, and drops what is not certain until all that
+ * stays is. */
+bool causes_find(session *w, FILE *trace)
+{
+    hypothesis_set allowed = w->possible;
+    search_view *view = calloc(1, sizeof *view);
+    w->state = w->nominal;
+    bool ok = view != NULL;
+    while (ok) {
+        fit_noise(&w->fitted, &w->state);
+        ok = search_best(&w->fitted, &w->state, allowed, trace) && fit_refine(&w->fitted, &w->state, 12) &&
+             certainty_of(&w->fitted, &w->state, &w->certainty) && search_look(&w->fitted, &w->state, view);
+        hypothesis_id worst = ok ? weakest(w, view) : H_COUNT;
+        if (worst == H_COUNT) {
+            break;
+        }
+        if (trace) {
+            fprintf(trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
+        }
+        allowed &= ~HYPOTHESIS_BIT(worst);
+        leave(&w->state, worst);
+    }
+    free(view);
+    return ok;
+}
+
+/* The causes in the order of what each takes off the held-out error, with their gains. Fills `member`
+ * likewise. */
+void causes_order(session *w, diagnosis *d, hypothesis_id member[DIAGNOSIS_CAUSES])
+{
+    double z[P_COUNT] = {0};
+    double before = d->nominal;
+    hypothesis_set left = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        left |= hypothesis_table[h].named ? w->state.set & HYPOTHESIS_BIT(h) : 0;
+    }
+    while (left && d->causes < DIAGNOSIS_CAUSES) {
+        double best = INFINITY;
+        hypothesis_id chosen = H_COUNT;
+        for (hypothesis_id h = 0; h < H_COUNT; h++) {
+            if (left & HYPOTHESIS_BIT(h)) {
+                double trial[P_COUNT];
+                memcpy(trial, z, sizeof trial);
+                adopt(w, h, trial);
+                averaged_drive drive = parameters_drive(&w->parameters, trial);
+                double after = measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
+                if (after < best) {
+                    best = after;
+                    chosen = h;
+                }
+            }
+        }
+        diagnosis_cause *cause = &d->cause[d->causes];
+        cause_report(cause, chosen, &w->fitted, &w->state, &w->certainty);
+        cause->certainty = certainty_chi_square(&w->certainty, &w->state, chosen);
+        cause->gain = best > 0.0 ? before / best : 1.0;
+        member[d->causes++] = chosen;
+        adopt(w, chosen, z);
+        before = best;
+        left &= ~HYPOTHESIS_BIT(chosen);
+    }
+    /* The extended model holds what was named and nothing else; it is written with the firmware's plain law
+     * of dead time. */
+    z[P_OFFSET_ZERO] = w->state.z[P_OFFSET_ZERO];
+    d->extended_drive = parameters_drive(&w->parameters, z);
+    averaged_drive plain = d->extended_drive;
+    if (z[P_V_DEAD] != 0.0) {
+        plain.i_knee_A = cause_plain_knee_A(&plain, &w->rows, w->parameters.i_rated_peak_A);
+    }
+    d->extended_motor = averaged_drive_motor(&plain, &d->extended_motor);
+}
