@@ -83,9 +83,11 @@ void cause_report(diagnosis_cause *cause, hypothesis_id h, const fit_data *d, co
     double half[HYPOTHESIS_COLUMNS] = {0};
     for (size_t k = 0; k < hypo->columns; k++) {
         int column = hypo->column[k] == COLUMN_L ? P_L_D : hypo->column[k];
-        half[k] = certainty_half_width(c, hypo->column[k]) + least +
-                  fabs(s->z[column]) *
-                      (s->set & HYPOTHESIS_BIT(H_DEAD_TIME) ? SYSTEMATIC_SHARE_DEAD_TIME : SYSTEMATIC_SHARE);
+        /* The two parts of a vector lean on one another: what counts is its length. */
+        double size = h == H_CURRENT_OFFSET ? hypothesis_size(h, s->z) : fabs(s->z[column]);
+        half[k] =
+            certainty_half_width(c, hypo->column[k]) + least +
+            size * (s->set & HYPOTHESIS_BIT(H_DEAD_TIME) ? SYSTEMATIC_SHARE_DEAD_TIME : SYSTEMATIC_SHARE);
     }
     cause->id = hypo->cause;
     cause->words = hypo->words;

@@ -48,8 +48,9 @@ static phasor phasor_of(const gram *sum, size_t order)
     return p;
 }
 
-bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs)
+bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bool *turned)
 {
+    *turned = false;
     size_t stretches = d->rows->recording->stretches;
     if (d->rows->mech_known || stretches < 2) {
         return true;
@@ -84,19 +85,31 @@ bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs)
             }
         }
     }
-    size_t order = evidence[2] > evidence[1] ? 2 : 1;
-    phasor reference = phasor_of(&sum[strongest[order]], order);
-    for (size_t n = 0; n < stretches && reference.chi_square > WORTH_TURNING; n++) {
+    /* With a harmonic in the model its phasor is what the stretches are held against, and each shows its
+     * difference from it. */
+    size_t order = (s->set & HYPOTHESIS_BIT(H_ANGLE_HARMONIC_1))   ? 1
+                   : (s->set & HYPOTHESIS_BIT(H_ANGLE_HARMONIC_2)) ? 2
+                   : evidence[2] > evidence[1]                     ? 2
+                                                                   : 1;
+    phasor fitted = {s->z[order == 1 ? P_HARMONIC_1C : P_HARMONIC_2C],
+                     s->z[order == 1 ? P_HARMONIC_1S : P_HARMONIC_2S], 0.0};
+    bool held = fitted.c != 0.0 || fitted.s != 0.0;
+    phasor reference = held ? fitted : phasor_of(&sum[strongest[order]], order);
+    bool worth = held || reference.chi_square > WORTH_TURNING;
+    for (size_t n = 0; n < stretches && worth; n++) {
         phasor p = phasor_of(&sum[n], order);
-        if (n == strongest[order] || !(p.chi_square > 0.0)) {
+        if ((!held && n == strongest[order]) || !(p.chi_square > 0.0)) {
             continue;
         }
+        p.c += fitted.c;
+        p.s += fitted.s;
         /* c cos(n x) + s sin(n x) is the real part of (c - js) e^{jnx}: an angle too small by b shows the
          * phasor turned by n b. */
         double ahead = atan2(-p.s, p.c) - atan2(-reference.s, reference.c);
         double step = TWO_PI / (double)pole_pairs;
         double angle = step * round(ahead / ((double)order * step));
         rows_turn_mechanical(d->rows, n, angle);
+        *turned = *turned || angle != 0.0;
     }
     free(sum);
     return true;

@@ -9,7 +9,8 @@
 
 #include "fit.h"
 
-/* Turns the mechanical angle of the stretches if there is evidence to do so. False: out of memory. */
-bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs);
+/* Turns the mechanical angle of the stretches if there is evidence to do so, and says whether it did. False:
+ * out of memory. */
+bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bool *turned);
 
 #endif

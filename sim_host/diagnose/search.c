@@ -16,8 +16,6 @@ enum {
     REFINE_STEPS = 5
 };
 
-#define ANY_HARMONIC (HYPOTHESIS_BIT(H_ANGLE_HARMONIC_1) | HYPOTHESIS_BIT(H_ANGLE_HARMONIC_2))
-
 /* How much worse than the present set a set may look under linearisation and still be tried. */
 static const double SLACK = 30.0;
 
@@ -227,9 +225,13 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
     search_view *view = calloc(1, sizeof *view);
     bool ok = e && view;
     for (int round = 0; ok && round < ROUNDS_MAX; round++) {
+        bool turned = false;
         ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) &&
-             ((s->set & ANY_HARMONIC) || revolution_align(d, s, d->parameters->pole_pairs)) &&
-             search_look(d, s, view);
+             revolution_align(d, s, d->parameters->pole_pairs, &turned);
+        if (ok && turned) {
+            ok = fit_refine(d, s, REFINE_STEPS);
+        }
+        ok = ok && search_look(d, s, view);
         if (!ok) {
             break;
         }
@@ -241,7 +243,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
         grow(e);
         hypothesis_set before = s->set;
         ok = try_options(d, s, e, round, trace);
-        if (s->set == before) {
+        if (s->set == before && !turned) {
             break;
         }
         if (ok && (s->set & HYPOTHESIS_BIT(H_DEAD_TIME))) {

@@ -15,6 +15,10 @@ enum { LONGEST = 4096, SHORTEST = 128, LABELS = 64, ORDER_MOST = 24 };
 static const double CHANCE = 1e-6; /* of calling any bin of any run a line by chance */
 static const double WORTH_SAYING =
     0.03; /* share of the one-cycle error's power: less does not hurt and is not called structure */
+/* An error that is hardly above the floor may hold more: where the current hardly moves, quantisation errors
+ * are slow lines themselves. */
+static const double WORTH_SAYING_NEAR_FLOOR = 0.12;
+static const double NEAR_FLOOR = 1.1;
 
 typedef struct line_label {
     bool is_order;
@@ -145,7 +149,7 @@ bool measure_structure(fit_data *d, const fit_state *s, double excess, diagnosis
         used +=
             snprintf(found->words + used, room - (size_t)used, "%zu rows stand out as glitches", glitches);
     }
-    if (strongest && found->share >= WORTH_SAYING) {
+    if (strongest && found->share >= (excess > NEAR_FLOOR ? WORTH_SAYING : WORTH_SAYING_NEAR_FLOOR)) {
         found->certain = true;
         used += snprintf(
             found->words + used, room - (size_t)used,
