@@ -48,6 +48,22 @@ static phasor phasor_of(const gram *sum, size_t order)
     return p;
 }
 
+/* The multiple of the electrical revolution whose phasor of this order lies nearest. */
+static double turn_of(double ahead, size_t order, int pole_pairs)
+{
+    double best = 0.0;
+    double nearest = INFINITY;
+    for (int m = 0; m < pole_pairs; m++) {
+        double angle = TWO_PI * m / pole_pairs;
+        double off = fabs(remainder(ahead - (double)order * angle, TWO_PI));
+        if (off < nearest - 1e-9) {
+            nearest = off;
+            best = angle;
+        }
+    }
+    return best;
+}
+
 bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bool *turned)
 {
     *turned = false;
@@ -106,8 +122,7 @@ bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bool *tur
         /* c cos(n x) + s sin(n x) is the real part of (c - js) e^{jnx}: an angle too small by b shows the
          * phasor turned by n b. */
         double ahead = atan2(-p.s, p.c) - atan2(-reference.s, reference.c);
-        double step = TWO_PI / (double)pole_pairs;
-        double angle = step * round(ahead / ((double)order * step));
+        double angle = turn_of(ahead, order, pole_pairs);
         rows_turn_mechanical(d->rows, n, angle);
         *turned = *turned || angle != 0.0;
     }
