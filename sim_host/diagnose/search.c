@@ -224,7 +224,8 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
     enumeration *e = calloc(1, sizeof *e);
     search_view *view = calloc(1, sizeof *view);
     bool ok = e && view;
-    for (int round = 0; ok && round < ROUNDS_MAX; round++) {
+    /* A state that holds causes is a fit already: what looks worse from there is not tried. */
+    for (int round = s->set ? 1 : 0; ok && round < ROUNDS_MAX; round++) {
         bool turned = false;
         ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) &&
              revolution_align(d, s, d->parameters->pole_pairs, &turned);

@@ -92,7 +92,8 @@ static vector_ab current_of(const averaged_drive *d, vector_ab flux, vector_ab g
         double db = (m11 * wrong.b - m21 * wrong.a) / det;
         i.a += da;
         i.b += db;
-        if (fabs(da) + fabs(db) < 1e-10 * (fabs(i.a) + fabs(i.b)) + 1e-12) {
+        if (fabs(da) + fabs(db) <
+            1e-6 * (fabs(i.a) + fabs(i.b)) + 1e-12) { /* the next step would be its square */
             break;
         }
     }
