@@ -154,28 +154,48 @@ static void leave(fit_state *s, hypothesis_id h)
     }
 }
 
-/* Starts over from the motor file with the hypotheses allowed, and drops what is not certain until all that
- * stays is. */
-bool causes_find(session *w, FILE *trace)
+/* Fits the state's set and drops, one by one, what is not certain, until all that stays is. */
+static bool prune(session *w, search_view *view, hypothesis_set *allowed, FILE *trace)
 {
-    hypothesis_set allowed = w->possible;
-    search_view *view = calloc(1, sizeof *view);
-    w->state = w->nominal;
-    bool ok = view != NULL;
-    while (ok) {
-        fit_noise(&w->fitted, &w->state);
-        ok = search_best(&w->fitted, &w->state, allowed, trace) && fit_refine(&w->fitted, &w->state, 12) &&
-             certainty_of(&w->fitted, &w->state, &w->certainty) && search_look(&w->fitted, &w->state, view);
-        hypothesis_id worst = ok ? weakest(w, view) : H_COUNT;
+    for (;;) {
+        if (!fit_refine(&w->fitted, &w->state, 12) || !certainty_of(&w->fitted, &w->state, &w->certainty) ||
+            !search_look(&w->fitted, &w->state, view)) {
+            return false;
+        }
+        hypothesis_id worst = weakest(w, view);
         if (worst == H_COUNT) {
-            break;
+            return true;
         }
         if (trace) {
             fprintf(trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
         }
-        allowed &= ~HYPOTHESIS_BIT(worst);
+        *allowed &= ~HYPOTHESIS_BIT(worst);
         leave(&w->state, worst);
     }
+}
+
+/* What was dropped may have kept something better out: search and prune in turn until a search finds nothing
+ * new. */
+bool causes_find(session *w, FILE *trace)
+{
+    hypothesis_set allowed = w->possible;
+    hypothesis_set before = 0;
+    search_view *view = calloc(1, sizeof *view);
+    w->state = w->nominal;
+    bool ok = view != NULL;
+    for (bool first = true; ok; first = false) {
+        before = w->state.set;
+        ok = search_best(&w->fitted, &w->state, allowed, trace);
+        if (ok && !first && w->state.set == before) {
+            break;
+        }
+        ok = ok && prune(w, view, &allowed, trace);
+        if (w->state.set == 0 && allowed == w->possible) {
+            break; /* nothing found, nothing dropped */
+        }
+    }
+    /* The last search may have turned a stretch or moved the edge's law without changing the set. */
+    ok = ok && certainty_of(&w->fitted, &w->state, &w->certainty);
     free(view);
     return ok;
 }

@@ -13,7 +13,7 @@
 
 enum {
     SEARCH_ROWS =
-        24000, /* more are searched in evenly spread blocks: time, not accuracy, is what they would cost */
+        12000, /* more are searched in evenly spread blocks: time, not accuracy, is what they would cost */
     GAIN_ROUNDS = 4
 };
 
