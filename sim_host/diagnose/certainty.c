@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The half width of what cannot be known, in z. */
+static const double UNKNOWN = 1e6;
+
 double certainty_student(size_t degrees)
 {
     static const double table[] = {12.71, 12.71, 4.303, 3.182, 2.776, 2.571,
@@ -79,8 +82,13 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
         for (size_t g = 0; g < groups; g++) {
             add_square(n, score[g], by_group);
         }
-        ok = fit_invert(n, (const double(*)[COLUMN_COUNT])sum, bread);
-        if (ok) {
+        if (!fit_invert(n, (const double(*)[COLUMN_COUNT])sum, bread)) {
+            /* Columns that cannot be told apart here: nothing is certain. */
+            for (size_t i = 0; i < n; i++) {
+                c->covariance[i][i] = UNKNOWN * UNKNOWN;
+                c->half_width[i] = UNKNOWN;
+            }
+        } else {
             sandwich(n, (const double(*)[COLUMN_COUNT])bread, (const double(*)[COLUMN_COUNT])by_block,
                      c->covariance);
             sandwich(n, (const double(*)[COLUMN_COUNT])bread, (const double(*)[COLUMN_COUNT])by_group,

@@ -19,7 +19,7 @@ typedef struct certainty {
     double inflation; /* how much wider than white noise would have it, in variance, >= 1 */
 } certainty;
 
-/* At a fitted state. False: out of memory, or two columns cannot be told apart. */
+/* At a fitted state. Where two columns cannot be told apart every width is huge. False: out of memory. */
 bool certainty_of(fit_data *d, const fit_state *s, certainty *c);
 
 /* Chi square of a hypothesis' parameters being nought, robust; and the same per 95 % half width squared, for

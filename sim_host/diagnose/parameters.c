@@ -135,5 +135,9 @@ void parameters_bound(const parameter_set *p, double z[P_COUNT])
     z[P_KNEE] = fmin(fmax(z[P_KNEE], log(1e-3 * p->i_rated_peak_A / p->nominal.i_knee_A)), knee);
     z[P_RIPPLE] = fmin(fmax(z[P_RIPPLE], 0.0), 1.2);
     z[P_THETA_0] = fmin(fmax(z[P_THETA_0], -1.5), 1.5);
+    for (parameter_id id = P_GAIN_A; id <= P_GAIN_C; id++) {
+        /* Beyond that it is no sensor error but another sign, unit or motor. */
+        z[id] = fmin(fmax(z[id], -0.4), 0.6);
+    }
     z[P_K_U] = fmax(z[P_K_U], 0.05 - p->nominal.k_u);
 }

@@ -68,7 +68,7 @@ double parameters_slope(const parameter_set *p, parameter_id id, const double z[
 /* The step for differences. */
 double parameters_step(parameter_id id);
 
-/* Pulls z back to what is physical: R, L, psi > 0, 0 < knee <= knee_max, saturation >= 0. */
+/* Pulls z back to what is physical: R, L, psi > 0, 0 < knee <= knee_max, gains of 0.6 to 1.6. */
 void parameters_bound(const parameter_set *p, double z[P_COUNT]);
 
 #endif
