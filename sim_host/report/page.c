@@ -62,34 +62,40 @@ static void put_formatted(FILE *out, const char *format, va_list args)
     html_text(out, text);
 }
 
+/* A paragraph; its class, or NULL for plain text. */
+static void put_paragraph(page *p, const char *class_name, const char *format, va_list args)
+{
+    if (class_name != NULL) {
+        fprintf(p->file.stream, "<p class=\"%s\">", class_name);
+    } else {
+        fputs("<p>", p->file.stream);
+    }
+    put_formatted(p->file.stream, format, args);
+    fputs("</p>\n", p->file.stream);
+}
+
 void page_text(page *p, const char *format, ...)
 {
     va_list args;
-    fputs("<p>", p->file.stream);
     va_start(args, format);
-    put_formatted(p->file.stream, format, args);
+    put_paragraph(p, NULL, format, args);
     va_end(args);
-    fputs("</p>\n", p->file.stream);
 }
 
 void page_lead(page *p, const char *format, ...)
 {
     va_list args;
-    fputs("<p class=\"lead\">", p->file.stream);
     va_start(args, format);
-    put_formatted(p->file.stream, format, args);
+    put_paragraph(p, "lead", format, args);
     va_end(args);
-    fputs("</p>\n", p->file.stream);
 }
 
 void page_note(page *p, const char *format, ...)
 {
     va_list args;
-    fputs("<p class=\"note\">", p->file.stream);
     va_start(args, format);
-    put_formatted(p->file.stream, format, args);
+    put_paragraph(p, "note", format, args);
     va_end(args);
-    fputs("</p>\n", p->file.stream);
 }
 
 void page_pair_begin(page *p)

@@ -40,6 +40,12 @@ static inline uint64_t random_bits(uint64_t *state)
     return z ^ (z >> 31);
 }
 
+/* Uniform in [low, high). */
+static inline double uniform(uint64_t *seed, double low, double high)
+{
+    return low + (high - low) * (double)(random_bits(seed) >> 11) / 9007199254740992.0;
+}
+
 /* Uniform in [low, high]. */
 static inline iq24_t random_iq24(uint64_t *state, double low, double high)
 {

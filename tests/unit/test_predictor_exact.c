@@ -21,11 +21,6 @@ void tearDown(void)
 {
 }
 
-static double uniform(uint64_t *seed, double low, double high)
-{
-    return low + (high - low) * (double)(random_bits(seed) >> 11) / 9007199254740992.0;
-}
-
 static int32_t to_q(double x, int bits)
 {
     return (int32_t)lround(ldexp(x, bits));
