@@ -33,13 +33,14 @@ except ImportError as missing:
     sys.exit(f"tests/blind/run.py: {missing}; needs Debian's python3-numpy and its /usr/bin/python3")
 
 
-def fixed_set(full):
+def fixed_set(full, first=None):
     """(seed, kind, plant) of every recording: each cause alone, pairs, clean, unknown; the plants take turns."""
     repeats, pairs, clean, unknown = (8, 90, 50, 40) if full else (1, 14, 10, 9)
     kinds = effects.CAUSES * repeats + ["pair"] * pairs + ["clean"] * clean
     # The plants take turns: over an odd number of causes each meets both; the even number of unknown ones is shifted.
     kinds += [effects.UNKNOWN[(n + n // 4) % len(effects.UNKNOWN)] for n in range(unknown)]
-    first = 1000 if full else 9000
+    if first is None:
+        first = 1000 if full else 9000
     return [(first + n, kind, ("second", "main")[n % 2]) for n, kind in enumerate(kinds)]
 
 
@@ -128,6 +129,7 @@ def skip_check(args):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--ci", action="store_true", help="the fixed small set")
+    parser.add_argument("--first", type=int, metavar="SEED", help="another set of the same kind: its first seed")
     parser.add_argument("--skip-check", action="store_true", help="check that skipping a hypothesis fails the test")
     parser.add_argument("--limits", action="store_true", help="detection limits instead of rates")
     parser.add_argument("--seeds", type=int, default=20, help="seeds per cause for --limits")
@@ -152,7 +154,7 @@ def main():
         import limits
         return limits.run(args)
 
-    wanted = [c for c in fixed_set(not args.ci)]
+    wanted = fixed_set(not args.ci, args.first)
     if args.plant != "both":
         wanted = [(seed, kind, args.plant) for seed, kind, _ in wanted]
     cases = [(seed, kind, plant, args.keep, args.iqfoc, args.skip) for seed, kind, plant in wanted]
