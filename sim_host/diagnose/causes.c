@@ -1,6 +1,7 @@
 #include "causes.h"
 
 #include "cause_report.h"
+#include "confusion.h"
 #include "measure.h"
 #include "search.h"
 
@@ -16,21 +17,9 @@
 static const double CERTAIN_CHI_SQUARE = 25.0;
 static const double CERTAIN_HALF_WIDTHS = 2.0;
 
-/*
- * And in proportion: a small effect found beside a large one may be what the large one's law leaves (shares
- * of the chi square that all of them explain), and beside structure that no hypothesis explains it may be a
- * part of that (shares of what is left).
- */
-static const double LEAST_SHARE = 5e-4;
+/* Beside structure that no hypothesis explains a cause may be a part of that: the least share of what is
+ * left. */
 static const double LEAST_SHARE_OF_REST = 0.05;
-/* What dead time's law leaves near zero current looks like a voltage that is a little off, in all the ways
- * that follow. */
-static const double LEAST_SHARE_BESIDE_DEAD_TIME = 4e-3;
-static const hypothesis_set like_dead_time =
-    HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_SALIENCY) |
-    HYPOTHESIS_BIT(H_SATURATION) | HYPOTHESIS_BIT(H_FLUX) | HYPOTHESIS_BIT(H_VOLTAGE_GAIN) |
-    HYPOTHESIS_BIT(H_EMF_HARMONICS) | HYPOTHESIS_BIT(H_ASYMMETRY_A) | HYPOTHESIS_BIT(H_ASYMMETRY_B) |
-    HYPOTHESIS_BIT(H_ASYMMETRY_C) | HYPOTHESIS_BIT(H_ASYMMETRY) | HYPOTHESIS_BIT(H_ANGLE_DELAY);
 
 static bool is_certain(const session *w, hypothesis_id h)
 {
@@ -41,7 +30,7 @@ static bool is_certain(const session *w, hypothesis_id h)
     double strongest = 0.0;
     for (size_t k = 0; k < hypo->columns; k++) {
         double half = certainty_half_width(&w->certainty, hypo->column[k]);
-        double z = w->state.z[hypo->column[k] == COLUMN_L ? P_L_D : hypo->column[k]];
+        double z = column_value(hypo->column[k], w->state.z);
         strongest = fmax(strongest, half > 0.0 ? fabs(z) / half : 0.0);
     }
     return certainty_chi_square(&w->certainty, &w->state, h) > CERTAIN_CHI_SQUARE * (double)hypo->columns &&
@@ -53,12 +42,7 @@ static void adopt(const session *w, hypothesis_id h, double z[P_COUNT])
 {
     const hypothesis *hypo = &hypothesis_table[h];
     for (size_t k = 0; k < hypo->columns; k++) {
-        if (hypo->column[k] == COLUMN_L) {
-            z[P_L_D] = w->state.z[P_L_D];
-            z[P_L_Q] = w->state.z[P_L_Q];
-        } else {
-            z[hypo->column[k]] = w->state.z[hypo->column[k]];
-        }
+        column_copy(hypo->column[k], w->state.z, z);
     }
     if (h == H_DEAD_TIME) {
         z[P_KNEE] = w->state.z[P_KNEE];
@@ -91,6 +75,18 @@ static double rest_of(const session *w)
     return floor > 0.0 ? fmax(wrong * wrong / (floor * floor) - 1.0, 0.0) : 0.0;
 }
 
+/* Whether another cause would do as well in h's place. */
+static bool is_open(const session *w, const search_view *view, double own_cost, hypothesis_id h)
+{
+    for (hypothesis_id other = 0; other < H_COUNT; other++) {
+        if ((w->possible & HYPOTHESIS_BIT(other)) &&
+            confusion_of(view, &w->state, own_cost, h, other, w->certainty.inflation)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* The member that is least worth its name, H_COUNT if all are. */
 static hypothesis_id weakest(const session *w, const search_view *view)
 {
@@ -102,7 +98,6 @@ static hypothesis_id weakest(const session *w, const search_view *view)
      */
     hypothesis_set exact = HYPOTHESIS_BIT(H_VOLTAGE_DELAY_1) | HYPOTHESIS_BIT(H_VOLTAGE_DELAY_2);
     search_cost(view, &w->state, w->state.set & exact, &none);
-    double total = none.cost - own.cost;
     double rest = rest_of(w);
     double unexplained = rest > CAUSES_FLOOR_TOLERANCE * CAUSES_FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
     double cost_without[H_COUNT] = {0};
@@ -113,26 +108,28 @@ static hypothesis_id weakest(const session *w, const search_view *view)
             cost_without[h] = without.cost - own.cost;
             if (!hypothesis_table[h].named) {
                 decoys |= HYPOTHESIS_BIT(h);
-                unexplained += cost_without[h];
             }
         }
     }
     hypothesis_id worst = H_COUNT;
     double least = INFINITY;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        double bar = LEAST_SHARE * total;
-        if ((w->state.set & HYPOTHESIS_BIT(H_DEAD_TIME)) && (like_dead_time & HYPOTHESIS_BIT(h))) {
-            bar = LEAST_SHARE_BESIDE_DEAD_TIME * total;
-        }
-        if (!(decoys & HYPOTHESIS_BIT(h))) {
-            bar = fmax(bar, LEAST_SHARE_OF_REST * unexplained);
-        }
+        double bar = search_least(none.cost - own.cost, w->state.set, h);
         bool in = (w->state.set & HYPOTHESIS_BIT(h)) != 0;
-        /* Beside an effect without a name a cause must also help where it stands alone with the other causes.
-         */
+        if (in && hypothesis_table[h].named) {
+            /* What the effects without a name explain, alone or together with this cause: iron loss, say,
+             * looks so much like a late angle that either takes most of what they share. */
+            search_option without;
+            search_cost(view, &w->state, w->state.set & ~decoys & ~HYPOTHESIS_BIT(h), &without);
+            double shared = decoys ? without.cost - own.cost : 0.0;
+            bar = fmax(bar, LEAST_SHARE_OF_REST * (unexplained + shared));
+        }
+        /* Beside an effect without a name a cause must also help where it stands alone with the other causes,
+         * and no other may do as well: what only smooths the edges of that effect would be any of several. */
         bool harms =
             in && decoys && hypothesis_table[h].named &&
-            named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * named_error(w, w->state.set);
+            (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * named_error(w, w->state.set) ||
+             is_open(w, view, own.cost, h));
         if (in && (!is_certain(w, h) || harms || cost_without[h] < bar) && cost_without[h] < least) {
             least = cost_without[h];
             worst = h;
@@ -144,13 +141,10 @@ static hypothesis_id weakest(const session *w, const search_view *view)
 /* Takes a hypothesis out of a state: its parameters go back to the motor file's. */
 static void leave(fit_state *s, hypothesis_id h)
 {
+    static const double nominal[P_COUNT] = {0.0};
     s->set &= ~HYPOTHESIS_BIT(h);
     for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
-        if (hypothesis_table[h].column[k] == COLUMN_L) {
-            s->z[P_L_D] = s->z[P_L_Q] = 0.0;
-        } else {
-            s->z[hypothesis_table[h].column[k]] = 0.0;
-        }
+        column_copy(hypothesis_table[h].column[k], nominal, s->z);
     }
 }
 
@@ -185,7 +179,7 @@ bool causes_find(session *w, FILE *trace)
     bool ok = view != NULL;
     for (bool first = true; ok; first = false) {
         before = w->state.set;
-        ok = search_best(&w->fitted, &w->state, allowed, trace);
+        ok = search_best(&w->fitted, &w->state, allowed, w->nominal.objective, trace);
         if (ok && !first && w->state.set == before) {
             break;
         }

@@ -139,7 +139,7 @@ double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_i
         for (size_t j = 0; j < c->columns; j++) {
             if (c->column[j] == hypo->column[k]) {
                 at[n] = j;
-                z[n++] = s->z[hypo->column[k] == COLUMN_L ? P_L_D : hypo->column[k]];
+                z[n++] = column_value(hypo->column[k], s->z);
             }
         }
     }

@@ -17,6 +17,17 @@ static bool contains(hypothesis_id a, hypothesis_id b)
     return b == H_RESISTANCE && a == H_ASYMMETRY;
 }
 
+bool confusion_of(const search_view *view, const fit_state *s, double own_cost, hypothesis_id member,
+                  hypothesis_id other, double inflation)
+{
+    hypothesis_set rest = s->set & ~HYPOTHESIS_BIT(member);
+    search_option option;
+    return hypothesis_table[other].named && hypothesis_joins(rest, other) &&
+           strcmp(hypothesis_table[other].cause, hypothesis_table[member].cause) != 0 &&
+           !contains(other, member) && search_cost(view, s, rest | HYPOTHESIS_BIT(other), &option) &&
+           option.cost - own_cost <= AS_GOOD * inflation;
+}
+
 void confusion_find(diagnosis *d, const search_view *view, const fit_state *s, const hypothesis_id *member,
                     hypothesis_set possible, double inflation)
 {
@@ -24,14 +35,10 @@ void confusion_find(diagnosis *d, const search_view *view, const fit_state *s, c
     search_cost(view, s, s->set, &own);
     for (size_t k = 0; k < d->causes; k++) {
         diagnosis_cause *cause = &d->cause[k];
-        hypothesis_set rest = s->set & ~HYPOTHESIS_BIT(member[k]);
         cause->confused = 0;
         for (hypothesis_id h = 0; h < H_COUNT && cause->confused < DIAGNOSIS_CONFUSED; h++) {
-            search_option other;
-            if (!(possible & HYPOTHESIS_BIT(h)) || !hypothesis_table[h].named || !hypothesis_joins(rest, h) ||
-                strcmp(hypothesis_table[h].cause, cause->id) == 0 || contains(h, member[k]) ||
-                !search_cost(view, s, rest | HYPOTHESIS_BIT(h), &other) ||
-                other.cost - own.cost > AS_GOOD * inflation) {
+            if (!(possible & HYPOTHESIS_BIT(h)) ||
+                !confusion_of(view, s, own.cost, member[k], h, inflation)) {
                 continue;
             }
             bool listed = false;

@@ -216,6 +216,12 @@ size_t fit_columns(const fit_data *d, const fit_state *s, hypothesis_set set, in
     return n;
 }
 
+static double column_step(int column)
+{
+    return parameters_step(column < P_COUNT ? (parameter_id)column
+                                            : P_L_D); /* joint ones move gains or inductances */
+}
+
 gram *fit_grams(fit_data *d, const fit_state *s, const int *column, size_t n)
 {
     gram *grams = calloc(d->blocks + 1, sizeof *grams);
@@ -235,7 +241,7 @@ gram *fit_grams(fit_data *d, const fit_state *s, const int *column, size_t n)
             step[c] = 1.0;
             continue;
         }
-        step[c] = parameters_step(column[c] == COLUMN_L ? P_L_D : (parameter_id)column[c]);
+        step[c] = column_step(column[c]);
         column_move(column[c], step[c], z);
         moved[c] = parameters_drive(d->parameters, z);
     }

@@ -34,6 +34,16 @@ const hypothesis hypothesis_table[H_COUNT] = {
                         false,
                         4.0,
                         0.004},
+    /* Where the gain common to all would be R, L and psi through another scale, they alone can be told. What
+     * they leave out makes them the dearer choice elsewhere. */
+    [H_GAIN_MISMATCH] = {"current_gain",
+                         "gains of the current sensors against one another",
+                         true,
+                         2,
+                         {COLUMN_GAIN_A, COLUMN_GAIN_BC},
+                         false,
+                         18.0,
+                         0.004},
     [H_ANGLE_OFFSET] = {"angle_offset", "constant angle error", true, 1, {P_THETA_0}, false, 0.0, 0.003},
     [H_ANGLE_HARMONIC_1] = {"angle_harmonic",
                             "angle error once per revolution",
@@ -69,9 +79,15 @@ const hypothesis hypothesis_table[H_COUNT] = {
     [H_ASYMMETRY_C] = {"phase_asymmetry", "resistance of phase C alone", true, 1, {P_DR_C}, false, 5.0, 0.02},
     [H_ASYMMETRY] =
         {"phase_asymmetry", "unequal resistances", true, 3, {P_DR_A, P_DR_B, P_DR_C}, false, 8.0, 0.03},
-    [H_IRON_LOSS] =
-        {"iron loss", "iron loss (current that makes no flux)", false, 1, {P_IRON}, false, 3.0, 0.3},
-    [H_EDDY] = {"iron loss", "iron loss (eddy currents)", false, 1, {P_EDDY}, false, 3.0, 0.3},
+    [H_IRON_LOSS] = {"iron loss",
+                     "iron loss (current that makes no flux)",
+                     false,
+                     2,
+                     {P_IRON, P_IRON_LATE},
+                     false,
+                     3.0,
+                     0.3},
+    [H_EDDY] = {"iron loss", "iron loss (eddy currents)", false, 2, {P_EDDY, P_EDDY_LATER}, false, 3.0, 0.3},
     [H_CROSS_SATURATION] = {"saturation unlike in d and q",
                             "saturation that differs between the axes",
                             false,
@@ -96,6 +112,15 @@ const hypothesis hypothesis_table[H_COUNT] = {
                        false,
                        8.0,
                        0.02},
+    /* On average, updates that are missed now and then are a share of the voltage that comes a cycle late. */
+    [H_LATE_SHARE] = {"a share of the voltage late",
+                      "a share of the voltage a cycle late (missed updates)",
+                      false,
+                      1,
+                      {P_U_DELAY_1},
+                      false,
+                      3.0,
+                      0.005},
 };
 
 /* Inductance lies inside saliency and saturation; three free dR hold a resistance. */
@@ -106,6 +131,7 @@ const hypothesis hypothesis_table[H_COUNT] = {
 /* Of each line at most all but one may stand in a set. */
 static const hypothesis_set exclusive[][4] = {
     {HYPOTHESIS_BIT(H_RESISTANCE), HYPOTHESIS_BIT(H_ASYMMETRY)},
+    {HYPOTHESIS_BIT(H_VOLTAGE_DELAY_1) | HYPOTHESIS_BIT(H_VOLTAGE_DELAY_2), HYPOTHESIS_BIT(H_LATE_SHARE)},
     {HYPOTHESIS_BIT(H_VOLTAGE_GAIN), HYPOTHESIS_BIT(H_FLUX), ANY_INDUCTANCE},
     {HYPOTHESIS_BIT(H_VOLTAGE_GAIN), HYPOTHESIS_BIT(H_FLUX), HYPOTHESIS_BIT(H_CURRENT_GAIN)},
     {HYPOTHESIS_BIT(H_VOLTAGE_GAIN), HYPOTHESIS_BIT(H_CURRENT_GAIN), ANY_INDUCTANCE},
@@ -136,11 +162,24 @@ bool hypothesis_joins(hypothesis_set set, hypothesis_id id)
     return true;
 }
 
+/* Of two gains, as a share of both: the least difference that makes them a mismatch. */
+static const double LEAST_DIFFERENCE = 0.05;
+
 /* How far three values are apart: root sum square about their mean. */
 static double spread(double a, double b, double c)
 {
     const double mean = (a + b + c) / 3.0;
     return sqrt((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean));
+}
+
+/*
+ * A mismatch: one gain common to all sensors is R and L seen through another scale. Two sensors have no third
+ * that could stand out, so that what they share counts, but only beside a difference.
+ */
+static double size_of_two(double a, double b)
+{
+    const double all = hypot(a, b);
+    return fabs(a - b) >= LEAST_DIFFERENCE * all ? all : 0.0;
 }
 
 double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
@@ -155,10 +194,10 @@ double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
         return z[P_SATURATION];
     case H_CROSS_SATURATION:
         return fabs(z[P_SATURATION_Q]);
+    case H_GAIN_MISMATCH:
+        return spread(z[P_GAIN_A], z[P_GAIN_B], z[P_GAIN_C]);
     case H_CURRENT_GAIN:
-        /* A mismatch: one gain common to all sensors is R and L seen through another scale. Two sensors have
-         * no third that could stand out, and what they share counts. */
-        return z[P_GAIN_C] == 0.0 ? hypot(z[P_GAIN_A], z[P_GAIN_B])
+        return z[P_GAIN_C] == 0.0 ? size_of_two(z[P_GAIN_A], z[P_GAIN_B])
                                   : spread(z[P_GAIN_A], z[P_GAIN_B], z[P_GAIN_C]);
     case H_ASYMMETRY:
         /* Three equal ones are a resistance. */
@@ -183,6 +222,8 @@ bool hypotheses_count(hypothesis_set set, const double z[P_COUNT])
     return true;
 }
 
+static const double USUAL_GAIN_OF_ALL = 0.02;
+
 double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
 {
     /* One standard deviation of what drives usually show, in z. */
@@ -190,27 +231,79 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
         [P_R] = 0.3,       [P_L_D] = 0.12,    [P_L_Q] = 0.12,    [P_PSI] = 0.05,    [P_SATURATION] = 0.4,
         [P_K_U] = 0.04,    [P_GAIN_A] = 0.04, [P_GAIN_B] = 0.04, [P_GAIN_C] = 0.04, [P_THETA_0] = 0.1,
         [P_T_DELAY] = 0.5, [P_DR_A] = 0.4,    [P_DR_B] = 0.4,    [P_DR_C] = 0.4,    [P_V_DEAD] = 1.0};
-    double sum = 0.0;
-    bool counted[P_COUNT] = {false};
+    bool moved[P_COUNT] = {false};
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         for (size_t k = 0; (set & HYPOTHESIS_BIT(h)) && k < hypothesis_table[h].columns; k++) {
-            int column = hypothesis_table[h].column[k] == COLUMN_L ? P_L_D : hypothesis_table[h].column[k];
-            if (usual[column] > 0.0 && !counted[column]) {
-                counted[column] = true;
-                sum += z[column] * z[column] / (usual[column] * usual[column]);
+            double away[P_COUNT] = {0};
+            column_move(hypothesis_table[h].column[k], 1.0, away);
+            for (size_t id = 0; id < P_COUNT; id++) {
+                /* Of both inductances alike one counts. */
+                moved[id] = moved[id] || (away[id] != 0.0 && (id != P_L_Q || away[P_L_D] == 0.0));
             }
         }
+    }
+    double sum = 0.0;
+    for (size_t id = 0; id < P_COUNT; id++) {
+        if (moved[id] && usual[id] > 0.0) {
+            sum += z[id] * z[id] / (usual[id] * usual[id]);
+        }
+    }
+    if (moved[P_GAIN_C] && z[P_GAIN_C] != 0.0) {
+        /* Three sensors that err alike are rarer than an R and an L that do. */
+        double mean = (z[P_GAIN_A] + z[P_GAIN_B] + z[P_GAIN_C]) / 3.0;
+        sum += mean * mean / (USUAL_GAIN_OF_ALL * USUAL_GAIN_OF_ALL);
     }
     return sum;
 }
 
+/* What a step along a column does: the parameters it moves, and by how much. The last of a list has share 0.
+ */
+typedef struct column_part {
+    parameter_id parameter;
+    double share;
+} column_part;
+
+enum { COLUMN_PARTS = 4 };
+
+static const column_part joint[COLUMN_COUNT - P_COUNT][COLUMN_PARTS] = {
+    [COLUMN_L - P_COUNT] = {{P_L_D, 1.0}, {P_L_Q, 1.0}},
+    [COLUMN_GAIN_A - P_COUNT] = {{P_GAIN_A, 1.0}, {P_GAIN_B, -0.5}, {P_GAIN_C, -0.5}},
+    [COLUMN_GAIN_BC - P_COUNT] = {{P_GAIN_B, 1.0}, {P_GAIN_C, -1.0}},
+};
+
 void column_move(int column, double by, double z[P_COUNT])
 {
-    if (column == COLUMN_L) {
-        z[P_L_D] += by;
-        z[P_L_Q] += by;
-    } else {
+    if (column < P_COUNT) {
         z[column] += by;
+        return;
+    }
+    for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
+        z[part->parameter] += by * part->share;
+    }
+}
+
+double column_value(int column, const double z[P_COUNT])
+{
+    if (column < P_COUNT) {
+        return z[column];
+    }
+    double along = 0.0;
+    double length = 0.0;
+    for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
+        along += part->share * z[part->parameter];
+        length += part->share * part->share;
+    }
+    return along / length;
+}
+
+void column_copy(int column, const double from[P_COUNT], double to[P_COUNT])
+{
+    if (column < P_COUNT) {
+        to[column] = from[column];
+        return;
+    }
+    for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
+        to[part->parameter] = from[part->parameter];
     }
 }
 
@@ -225,6 +318,9 @@ hypothesis_set hypotheses_possible(const diagnose_rows *r, const parameter_set *
     if (!turns) {
         all &= ~(HYPOTHESIS_BIT(H_ANGLE_HARMONIC_1) | HYPOTHESIS_BIT(H_ANGLE_HARMONIC_2) |
                  HYPOTHESIS_BIT(H_ANGLE_DELAY));
+    }
+    if (r->two_sensors) {
+        all &= ~HYPOTHESIS_BIT(H_GAIN_MISMATCH);
     }
     if (!r->temperature_known) {
         all &= ~HYPOTHESIS_BIT(H_TEMPERATURE);

@@ -16,6 +16,8 @@
 
 enum {
     COLUMN_L = P_COUNT, /* both inductances alike */
+    COLUMN_GAIN_A,      /* gain of sensor a against the two others, their mean kept */
+    COLUMN_GAIN_BC,     /* gain of sensor b against c, their mean kept */
     COLUMN_COUNT,
     HYPOTHESIS_COLUMNS = 3
 };
@@ -30,6 +32,7 @@ typedef enum hypothesis_id {
     H_VOLTAGE_GAIN,
     H_CURRENT_OFFSET,
     H_CURRENT_GAIN,
+    H_GAIN_MISMATCH,
     H_ANGLE_OFFSET,
     H_ANGLE_HARMONIC_1,
     H_ANGLE_HARMONIC_2,
@@ -46,6 +49,7 @@ typedef enum hypothesis_id {
     H_CROSS_SATURATION,
     H_EMF_HARMONICS_11,
     H_TEMPERATURE,
+    H_LATE_SHARE,
     H_COUNT
 } hypothesis_id;
 
@@ -87,6 +91,12 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT]);
 
 /* Moves z along a column. */
 void column_move(int column, double by, double z[P_COUNT]);
+
+/* Where z stands along a column. */
+double column_value(int column, const double z[P_COUNT]);
+
+/* Copies the parameters that a column moves. */
+void column_copy(int column, const double from[P_COUNT], double to[P_COUNT]);
 
 /* Which hypotheses this recording allows (needs temperature, a moving rotor, harmonics of a known revolution
  * ...). */

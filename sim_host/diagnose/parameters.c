@@ -34,7 +34,9 @@ static const size_t field[P_COUNT] = {
     [P_DR_B] = FIELD(dR_ohm) + sizeof(double),
     [P_DR_C] = FIELD(dR_ohm) + 2 * sizeof(double),
     [P_IRON] = FIELD(iron_S),
+    [P_IRON_LATE] = FIELD(iron_s_S),
     [P_EDDY] = FIELD(eddy_S),
+    [P_EDDY_LATER] = FIELD(eddy_S) + sizeof(double),
     [P_SATURATION_Q] = FIELD(saturation_q),
     [P_PSI_11] = FIELD(psi_11_Wb),
     [P_PSI_13] = FIELD(psi_13_Wb),
@@ -81,7 +83,8 @@ parameter_set parameters_of(const motor *m, const diagnose_rows *r)
     p.scale[P_V_DEAD] = 0.01 * m->u_dc_V;
     p.scale[P_OFFSET_A] = p.scale[P_OFFSET_B] = p.scale[P_OFFSET_ZERO] = I;
     p.scale[P_T_DELAY] = r->T_s;
-    p.scale[P_EDDY] = p.scale[P_IRON] = 0.01 * I / (omega * psi);
+    p.scale[P_EDDY] = p.scale[P_EDDY_LATER] = p.scale[P_IRON] = 0.01 * I / (omega * psi);
+    p.scale[P_IRON_LATE] = p.scale[P_IRON] * r->T_s;
     p.scale[P_PSI_TEMPERATURE] = 0.01 * psi;
     p.scale[P_R_TEMPERATURE] = 0.01 * R;
     return p;

@@ -39,8 +39,7 @@ static bool every_member_pays(const search_view *view, const fit_state *s, const
             continue;
         }
         search_cost(view, s, rest, &without);
-        if (without.cost + search_penalty(rest, view->two_sensors) <=
-            option->cost + search_penalty(option->set, view->two_sensors)) {
+        if (without.cost + search_penalty(view, rest) <= option->cost + search_penalty(view, option->set)) {
             return false;
         }
     }
@@ -126,6 +125,7 @@ static void grow(enumeration *e)
  */
 static bool drop_small(fit_state *s, hypothesis_set allowed)
 {
+    static const double nominal[P_COUNT] = {0.0};
     hypothesis_set before = s->set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (!(s->set & HYPOTHESIS_BIT(h)) || hypothesis_size(h, s->z) >= hypothesis_table[h].least) {
@@ -142,12 +142,7 @@ static bool drop_small(fit_state *s, hypothesis_set allowed)
             }
         }
         for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
-            int column = hypothesis_table[h].column[k];
-            if (column == COLUMN_L) {
-                s->z[P_L_D] = s->z[P_L_Q] = 0.0;
-            } else {
-                s->z[column] = 0.0;
-            }
+            column_copy(hypothesis_table[h].column[k], nominal, s->z);
         }
     }
     return s->set != before;
@@ -170,16 +165,16 @@ static bool fit_option(fit_data *d, const search_option *option, hypothesis_set 
     return true;
 }
 
-static double state_score(const fit_data *d, const fit_state *s)
+static double state_score(const search_view *view, const fit_state *s)
 {
-    return s->objective + search_penalty(s->set, d->rows->two_sensors) + hypotheses_unusual(s->set, s->z);
+    return s->objective + search_penalty(view, s->set) + hypotheses_unusual(s->set, s->z);
 }
 
 /* One round: the promising options fitted, *s the best. */
 static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, FILE *trace)
 {
     const fit_state start = *s;
-    double best_score = state_score(d, s);
+    double best_score = state_score(e->view, s);
     hypothesis_set tried[REFINED + FULL_SIZE];
     size_t n = 0;
     for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
@@ -193,9 +188,8 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         }
         /* Once the state is a fit, its own set's quadratic form is exact, and what does worse there need not
          * be fitted. */
-        if (known ||
-            (round > 0 && option->cost + search_penalty(option->set, e->view->two_sensors) >
-                              e->view->total.c + search_penalty(start.set, e->view->two_sensors) + SLACK)) {
+        if (known || (round > 0 && option->cost + search_penalty(e->view, option->set) >
+                                       e->view->total.c + search_penalty(e->view, start.set) + SLACK)) {
             continue;
         }
         tried[n++] = option->set;
@@ -203,7 +197,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         if (!fit_option(d, option, e->allowed, &trial)) {
             return false;
         }
-        double score = state_score(d, &trial);
+        double score = state_score(e->view, &trial);
         if (trace) {
             char words[256];
             fprintf(trace, "  round %d: %-60s linear %10.1f  ", round,
@@ -219,7 +213,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
     return true;
 }
 
-bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
+bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, FILE *trace)
 {
     enumeration *e = calloc(1, sizeof *e);
     search_view *view = calloc(1, sizeof *view);
@@ -236,6 +230,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace)
         if (!ok) {
             break;
         }
+        view->explained = fmax(nominal_objective - s->objective, 0.0);
         memset(e, 0, sizeof *e);
         e->view = view;
         e->state = s;

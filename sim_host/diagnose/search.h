@@ -17,7 +17,8 @@
 /* All columns' sums at a state, and what follows from them. */
 typedef struct search_view {
     bool two_sensors;
-    gram total;                      /* over the fit blocks */
+    double explained; /* what the state takes off the motor file's -2 log likelihood; set by search_best */
+    gram total;       /* over the fit blocks */
     double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances
                                         excepted) */
 } search_view;
@@ -38,12 +39,16 @@ bool search_look(fit_data *d, const fit_state *s, search_view *view);
  */
 bool search_cost(const search_view *view, const fit_state *s, hypothesis_set set, search_option *option);
 
+/* The least that h must explain beside a set's other members, in the measure of what all of them explain. */
+double search_least(double explained, hypothesis_set set, hypothesis_id h);
+
 /* What a set pays for its causes, its parameters and their surprise, in chi square. With two sensors a gain
  * of the third is no parameter. */
-double search_penalty(hypothesis_set set, bool two_sensors);
+double search_penalty(const search_view *view, hypothesis_set set);
 
-/* From s to the best allowed set. `trace` may be NULL. */
-bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, FILE *trace);
+/* From s to the best allowed set. `nominal_objective` is that of the motor file's values. `trace` may be
+ * NULL. */
+bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, FILE *trace);
 
 /* A set as text: "dead_time + resistance". */
 const char *search_words(hypothesis_set set, char *text, size_t size);

@@ -15,6 +15,41 @@ static const double PENALTY = 12.0;
  * leaves. */
 static const double CAUSE_PENALTY = 25.0;
 
+/*
+ * And in proportion: a small effect found beside large ones may be what their laws leave (shares of what all
+ * of them explain). What dead time's law leaves near zero current looks like a voltage that is a little off,
+ * in all the ways that follow.
+ */
+static const double LEAST_SHARE = 5e-4;
+static const double LEAST_SHARE_BESIDE_DEAD_TIME = 4e-3;
+static const hypothesis_set like_dead_time =
+    HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_SALIENCY) |
+    HYPOTHESIS_BIT(H_SATURATION) | HYPOTHESIS_BIT(H_FLUX) | HYPOTHESIS_BIT(H_VOLTAGE_GAIN) |
+    HYPOTHESIS_BIT(H_EMF_HARMONICS) | HYPOTHESIS_BIT(H_ASYMMETRY_A) | HYPOTHESIS_BIT(H_ASYMMETRY_B) |
+    HYPOTHESIS_BIT(H_ASYMMETRY_C) | HYPOTHESIS_BIT(H_ASYMMETRY) | HYPOTHESIS_BIT(H_ANGLE_DELAY);
+
+/* More than this of the voltage late is a voltage delay of whole cycles, seen from a model that is not there
+ * yet. */
+static const double LATE_SHARE_MOST = 0.3;
+
+/* Iron loss of more than this share of the rated current, in its z of 1 %, is none. */
+static const double IRON_MOST = 25.0;
+
+static bool within(double z, double most)
+{
+    return z > 0.0 && z <= most;
+}
+
+/* Whether the signs and sizes are such as an effect without a choice of them can have. */
+static bool is_physical(hypothesis_set set, const double z[P_COUNT])
+{
+    return (!(set & HYPOTHESIS_BIT(H_DEAD_TIME)) || z[P_V_DEAD] > 0.0) &&
+           (!(set & HYPOTHESIS_BIT(H_SATURATION)) || z[P_SATURATION] > 0.0) &&
+           (!(set & HYPOTHESIS_BIT(H_LATE_SHARE)) || within(z[P_U_DELAY_1], LATE_SHARE_MOST)) &&
+           (!(set & HYPOTHESIS_BIT(H_IRON_LOSS)) || within(z[P_IRON], IRON_MOST)) &&
+           (!(set & HYPOTHESIS_BIT(H_EDDY)) || within(z[P_EDDY] + z[P_EDDY_LATER], IRON_MOST));
+}
+
 bool search_look(fit_data *d, const fit_state *s, search_view *view)
 {
     int column[COLUMN_COUNT];
@@ -98,22 +133,25 @@ bool search_cost(const search_view *view, const fit_state *s, hypothesis_set set
         option->cost -= step[i] * right[i];
         column_move(column[i], step[i], option->z);
     }
-    option->score =
-        option->cost + search_penalty(set, view->two_sensors) + hypotheses_unusual(set, option->z);
-    bool dead = (set & HYPOTHESIS_BIT(H_DEAD_TIME)) != 0;
-    bool saturation = (set & HYPOTHESIS_BIT(H_SATURATION)) != 0;
-    return !(dead && option->z[P_V_DEAD] <= 0.0) && !(saturation && option->z[P_SATURATION] <= 0.0) &&
-           hypotheses_count(set, option->z);
+    option->score = option->cost + search_penalty(view, set) + hypotheses_unusual(set, option->z);
+    return is_physical(set, option->z) && hypotheses_count(set, option->z);
 }
 
-double search_penalty(hypothesis_set set, bool two_sensors)
+double search_least(double explained, hypothesis_set set, hypothesis_id h)
+{
+    bool like = (set & HYPOTHESIS_BIT(H_DEAD_TIME)) && (like_dead_time & HYPOTHESIS_BIT(h));
+    return (like ? LEAST_SHARE_BESIDE_DEAD_TIME : LEAST_SHARE) * explained;
+}
+
+double search_penalty(const search_view *view, hypothesis_set set)
 {
     double sum = 0.0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (set & HYPOTHESIS_BIT(h)) {
             size_t parameters = hypothesis_table[h].columns + (h == H_DEAD_TIME ? 2 : 0);
-            parameters -= h == H_CURRENT_GAIN && two_sensors;
-            sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise;
+            parameters -= h == H_CURRENT_GAIN && view->two_sensors;
+            sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
+                   search_least(view->explained, set, h);
         }
     }
     return sum;

@@ -166,6 +166,23 @@ static vector_ab phase_losses(const averaged_drive *d, const drive_row *row, vec
     return clarke(lost);
 }
 
+/* The iron's current by the flux that turns through it, late by a short time: (1 - j omega tau) j omega psi
+ * G, rotor frame. */
+static vector_ab iron_share(const averaged_drive *d, double omega_rad_s, vector_ab flux)
+{
+    double along = d->iron_s_S * omega_rad_s * omega_rad_s;
+    double across = d->iron_S * omega_rad_s;
+    return (vector_ab){along * flux.a - across * flux.b, along * flux.b + across * flux.a};
+}
+
+/* The eddy current beside the current i, from the last cycle's voltage u[0] and the one's before it. */
+static vector_ab eddy_current(const averaged_drive *d, const vector_ab *u, vector_ab i)
+{
+    double drop = (d->eddy_S[0] + d->eddy_S[1]) * d->R_ohm;
+    return (vector_ab){d->k_u * (d->eddy_S[0] * u[0].a + d->eddy_S[1] * u[1].a) - drop * i.a,
+                       d->k_u * (d->eddy_S[0] * u[0].b + d->eddy_S[1] * u[1].b) - drop * i.b};
+}
+
 vector_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *nodes, const drive_row *row,
                                  vector_ab i_true)
 {
@@ -184,26 +201,30 @@ vector_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *n
     vector_ab u = {
         d->k_u * (now * row->u_V[0].a + d->u_delay[0] * row->u_V[1].a + d->u_delay[1] * row->u_V[2].a),
         d->k_u * (now * row->u_V[0].b + d->u_delay[0] * row->u_V[1].b + d->u_delay[1] * row->u_V[2].b)};
-    if (d->eddy_S != 0.0) {
-        /* What flows in the iron follows the flux's change over the last cycle, whose mean the voltage less
+    const vector_ab total_dq = turn(i_true, c, -s); /* what flows through the winding's resistance */
+    if (d->eddy_S[0] != 0.0 || d->eddy_S[1] != 0.0) {
+        /* What flows in the iron follows the flux's change over the last cycles, whose mean the voltage less
          * the drop is. */
-        i_true.a -= d->eddy_S * (d->k_u * row->u_V[1].a - d->R_ohm * i_true.a);
-        i_true.b -= d->eddy_S * (d->k_u * row->u_V[1].b - d->R_ohm * i_true.b);
+        vector_ab eddy = eddy_current(d, row->u_V + 1, i_true);
+        i_true.a -= eddy.a;
+        i_true.b -= eddy.b;
     }
     vector_ab u_dq = turn(u, c, -s);
     vector_ab i_dq = turn(i_true, c, -s);
     double psi = d->psi_f_Wb + d->psi_temperature * row->temperature_K;
-    if (d->iron_S != 0.0) {
-        /* The current that makes flux is what the iron leaves: i - j omega psi_total G. */
+    bool iron = d->iron_S != 0.0 || d->iron_s_S != 0.0;
+    if (iron) {
+        /* The current that makes flux is what the iron leaves. */
         vector_ab flux = flux_of(d, i_dq);
-        i_dq.a += d->iron_S * row->omega_rad_s * flux.b;
-        i_dq.b -= d->iron_S * row->omega_rad_s * (flux.a + psi);
+        vector_ab taken = iron_share(d, row->omega_rad_s, (vector_ab){flux.a + psi, flux.b});
+        i_dq.a -= taken.a;
+        i_dq.b -= taken.b;
     }
     vector_ab x = flux_of(d, i_dq);
 
     /* Constant forcing in the rotor frame: the magnet, and the drop over R that the linear matrices do not
      * know. */
-    vector_ab push = {-d->R_ohm * (i_dq.a - x.a / d->L_d_H), -d->R_ohm * (i_dq.b - x.b / d->L_q_H)};
+    vector_ab push = {-d->R_ohm * (total_dq.a - x.a / d->L_d_H), -d->R_ohm * (total_dq.b - x.b / d->L_q_H)};
     push.b -= row->omega_rad_s * psi;
     if (d->R_temperature != 0.0) {
         push.a -= d->R_temperature * row->temperature_K * i_dq.a;
@@ -234,13 +255,15 @@ vector_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *n
         y.b -= change.b;
     }
     vector_ab i_end = current_of(d, y, i_dq);
-    if (d->iron_S != 0.0) {
-        i_end.a -= d->iron_S * row->omega_rad_s * y.b;
-        i_end.b += d->iron_S * row->omega_rad_s * (y.a + psi);
+    if (iron) {
+        vector_ab taken = iron_share(d, row->omega_rad_s, (vector_ab){y.a + psi, y.b});
+        i_end.a += taken.a;
+        i_end.b += taken.b;
     }
     vector_ab i_next = turn(i_end, end.a, end.b);
-    i_next.a += d->eddy_S * (u.a - d->R_ohm * i_next.a);
-    i_next.b += d->eddy_S * (u.b - d->R_ohm * i_next.b);
+    vector_ab eddy = eddy_current(d, row->u_V, i_next);
+    i_next.a += eddy.a;
+    i_next.b += eddy.b;
     return i_next;
 }
 

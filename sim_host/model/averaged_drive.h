@@ -49,8 +49,10 @@ typedef struct averaged_drive {
     double dR_ohm[3];
     /* Effects that the diagnosis does not name; it fits them to see that no named effect is taken for them.
      */
-    double iron_S; /* 1 / iron loss resistance, beside the flux-producing current */
-    double eddy_S; /* the same by the voltage of the cycle that ends: eddy currents that follow it late */
+    double iron_S;    /* 1 / iron loss resistance, beside the flux-producing current */
+    double iron_s_S;  /* that times the time by which the iron's current comes late */
+    double eddy_S[2]; /* the same by the voltage of the cycle that ends and of the one before: eddy currents
+                         that follow it late */
     double saturation_q; /* further 1/A^2 on the q axis alone: saturation that differs between the axes */
     double psi_11_Wb, psi_13_Wb;
     double psi_temperature; /* psi_f and R that follow recorded temperature, per kelvin (needs temp_C) */

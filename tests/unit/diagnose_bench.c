@@ -43,8 +43,8 @@ static double normal(uint64_t *state)
     return sum;
 }
 
-/* d(total flux)/dt = u - R i, both stationary; the current from the flux by the inductances in the rotor
- * frame. */
+/* d(total flux)/dt = u - R i, all stationary; the winding's current from the flux by the inductances in the
+ * rotor frame. */
 static void current_of(const motor *m, const double flux[2], double theta, double i[2])
 {
     double c = cos(theta);
@@ -55,34 +55,42 @@ static void current_of(const motor *m, const double flux[2], double theta, doubl
     i[1] = d * s + q * c;
 }
 
-static void slope(const motor *m, const double flux[2], double theta, const double u[2], double out[2])
+/* State: total flux (alpha, beta), and the current in the iron, which is measured with the winding's. */
+enum { STATES = 4 };
+
+static void slope(const bench *b, const double state[STATES], double theta, const double u[2],
+                  double out[STATES])
 {
     double i[2];
-    current_of(m, flux, theta, i);
-    out[0] = u[0] - m->R_ohm * i[0];
-    out[1] = u[1] - m->R_ohm * i[1];
+    current_of(&b->m, state, theta, i);
+    for (int x = 0; x < 2; x++) {
+        double iron = state[2 + x];
+        out[x] = u[x] - b->m.R_ohm * (i[x] + iron);
+        out[2 + x] = b->R_iron_ohm > 0.0 ? (out[x] / b->R_iron_ohm - iron) / b->tau_iron_s : 0.0;
+    }
 }
 
-static void cycle(const motor *m, double flux[2], double *theta, double omega, double T, const double u[2])
+static void cycle(const bench *b, double state[STATES], double *theta, double omega, double T,
+                  const double u[2])
 {
     double h = T / STEPS;
     for (int k = 0; k < STEPS; k++) {
-        double k1[2], k2[2], k3[2], k4[2], at[2];
-        slope(m, flux, *theta, u, k1);
-        for (int x = 0; x < 2; x++) {
-            at[x] = flux[x] + 0.5 * h * k1[x];
+        double k1[STATES], k2[STATES], k3[STATES], k4[STATES], at[STATES];
+        slope(b, state, *theta, u, k1);
+        for (int x = 0; x < STATES; x++) {
+            at[x] = state[x] + 0.5 * h * k1[x];
         }
-        slope(m, at, *theta + 0.5 * omega * h, u, k2);
-        for (int x = 0; x < 2; x++) {
-            at[x] = flux[x] + 0.5 * h * k2[x];
+        slope(b, at, *theta + 0.5 * omega * h, u, k2);
+        for (int x = 0; x < STATES; x++) {
+            at[x] = state[x] + 0.5 * h * k2[x];
         }
-        slope(m, at, *theta + 0.5 * omega * h, u, k3);
-        for (int x = 0; x < 2; x++) {
-            at[x] = flux[x] + h * k3[x];
+        slope(b, at, *theta + 0.5 * omega * h, u, k3);
+        for (int x = 0; x < STATES; x++) {
+            at[x] = state[x] + h * k3[x];
         }
-        slope(m, at, *theta + omega * h, u, k4);
-        for (int x = 0; x < 2; x++) {
-            flux[x] += h / 6.0 * (k1[x] + 2.0 * k2[x] + 2.0 * k3[x] + k4[x]);
+        slope(b, at, *theta + omega * h, u, k4);
+        for (int x = 0; x < STATES; x++) {
+            state[x] += h / 6.0 * (k1[x] + 2.0 * k2[x] + 2.0 * k3[x] + k4[x]);
         }
         *theta += omega * h;
     }
@@ -157,14 +165,16 @@ recording bench_record(const bench *b)
     for (size_t run = 0; run < BENCH_RUNS; run++) {
         double omega = speed[run];
         double theta = 0.4 + (double)run;
-        double flux[2] = {m->psi_f_Wb * cos(theta), m->psi_f_Wb * sin(theta)};
+        double state[STATES] = {m->psi_f_Wb * cos(theta), m->psi_f_Wb * sin(theta)};
         double step[2] = {0.0, 0.0};
         double before[2] = {0.0, 0.0};
         r.stretch[run] = (stretch){run * BENCH_ROWS, BENCH_ROWS, (long)run + 1};
         for (size_t j = 0; j < BENCH_ROWS; j++) {
             size_t k = run * BENCH_ROWS + j;
             double i_ab[2];
-            current_of(m, flux, theta, i_ab);
+            current_of(m, state, theta, i_ab);
+            i_ab[0] += state[2];
+            i_ab[1] += state[3];
             sense(b, &r, k, i_ab, theta, omega, &random);
             r.t_s[k] = 2.0 * (double)run + (double)j * r.T_s;
             r.run[k] = (long)run + 1;
@@ -196,7 +206,7 @@ recording bench_record(const bench *b)
                 applied[x] = k_u * ripple * (late ? before[x] : u_ab[x]);
                 before[x] = u_ab[x];
             }
-            cycle(m, flux, &theta, omega, r.T_s, applied);
+            cycle(b, state, &theta, omega, r.T_s, applied);
         }
     }
     return r;

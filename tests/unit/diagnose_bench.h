@@ -15,6 +15,8 @@ typedef struct bench {
     motor m; /* what the machine is; extensions are its effects: resistance, flux, sensors, angle, voltage */
     double noise_A;         /* rms of each current sensor */
     double unlogged_ripple; /* share of the voltage at 300 Hz that no column knows */
+    double R_iron_ohm;      /* eddy currents beside the winding's flux; 0: none */
+    double tau_iron_s;      /* by which they come late */
     bool two_sensors;
     unsigned long seed;
 } bench;

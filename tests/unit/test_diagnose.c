@@ -174,6 +174,75 @@ static void an_unlogged_ripple_is_structure_and_no_cause(void)
     diagnosis_free(&d);
 }
 
+/* Iron loss looks like a late angle, a voltage gain and a resistance, each in a part of the speed range. */
+static void iron_loss_is_structure_and_no_cause(void)
+{
+    static const double R_ohm[] = {300.0, 800.0};
+    static const double tau_cycles[] = {0.3, 0.7, 4.0};
+    good.noise_A = 0.03;
+    for (size_t k = 0; k < 6; k++) {
+        good.R_iron_ohm = R_ohm[k / 3];
+        good.tau_iron_s = tau_cycles[k % 3] / good.m.f_pwm_Hz;
+        diagnosis d = look(&good, NULL);
+        TEST_ASSERT_EQUAL_size_t(0, d.causes);
+        TEST_ASSERT_EQUAL_INT(VERDICT_UNEXPLAINED, d.verdict);
+        TEST_ASSERT_NOT_NULL(strstr(d.structure.words, "iron loss"));
+        diagnosis_free(&d);
+    }
+}
+
+static void an_angle_delay_beside_iron_loss_is_still_named(void)
+{
+    good.R_iron_ohm = 800.0;
+    good.tau_iron_s = 0.5 / good.m.f_pwm_Hz;
+    good.m.ext.has[EXT_ANGLE_DELAY] = true;
+    good.m.ext.t_delay_s = 1e-4;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(1, d.causes);
+    TEST_ASSERT_EQUAL_STRING("angle_delay", d.cause[0].id);
+    diagnosis_free(&d);
+}
+
+/* A gain common to all sensors would be R and L through another scale: beside them the mismatch alone is
+ * told. */
+static void mismatched_sensors_beside_resistance_and_inductance(void)
+{
+    static const double g[3] = {0.97, 0.99, 1.04};
+    good.m.R_ohm = 0.6;
+    good.m.L_d_H *= 0.88;
+    good.m.L_q_H *= 0.88;
+    good.m.ext.has[EXT_CURRENT_GAIN] = true;
+    memcpy(good.m.ext.g, g, sizeof g);
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(3, d.causes);
+    for (size_t k = 0; k < d.causes; k++) {
+        if (strcmp(d.cause[k].id, "current_gain") == 0) {
+            holds(&d.cause[k], "g_a", g[0]);
+            holds(&d.cause[k], "g_b", g[1]);
+            holds(&d.cause[k], "g_c", g[2]);
+        } else if (strcmp(d.cause[k].id, "resistance") == 0) {
+            holds(&d.cause[k], "R", 0.6);
+        } else {
+            TEST_ASSERT_EQUAL_STRING("inductance", d.cause[k].id);
+            holds(&d.cause[k], "L", 0.5 * (good.m.L_d_H + good.m.L_q_H));
+        }
+    }
+    diagnosis_free(&d);
+}
+
+static void two_sensors_with_one_gain_are_no_mismatch(void)
+{
+    good.two_sensors = true;
+    good.m.ext.has[EXT_CURRENT_GAIN] = true;
+    good.m.ext.g[0] = good.m.ext.g[1] = good.m.ext.g[2] = 1.05;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_TRUE(d.causes > 0);
+    for (size_t k = 0; k < d.causes; k++) {
+        TEST_ASSERT_NOT_EQUAL(0, strcmp("current_gain", d.cause[k].id));
+    }
+    diagnosis_free(&d);
+}
+
 static void what_is_skipped_is_not_named(void)
 {
     good.m.psi_f_Wb = 0.185;
@@ -213,6 +282,10 @@ int main(void)
     RUN_TEST(two_causes_at_once_are_both_found);
     RUN_TEST(an_offset_is_named_although_one_cycle_hardly_shows_it);
     RUN_TEST(an_unlogged_ripple_is_structure_and_no_cause);
+    RUN_TEST(iron_loss_is_structure_and_no_cause);
+    RUN_TEST(an_angle_delay_beside_iron_loss_is_still_named);
+    RUN_TEST(mismatched_sensors_beside_resistance_and_inductance);
+    RUN_TEST(two_sensors_with_one_gain_are_no_mismatch);
     RUN_TEST(what_is_skipped_is_not_named);
     RUN_TEST(the_extended_motor_needs_nothing_more);
     return UNITY_END();
