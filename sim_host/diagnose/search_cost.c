@@ -21,7 +21,7 @@ static const double CAUSE_PENALTY = 25.0;
  * in all the ways that follow.
  */
 static const double LEAST_SHARE = 5e-4;
-static const double LEAST_SHARE_BESIDE_DEAD_TIME = 4e-3;
+static const double LEAST_SHARE_BESIDE_DEAD_TIME = 1e-3;
 static const hypothesis_set like_dead_time =
     HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_SALIENCY) |
     HYPOTHESIS_BIT(H_SATURATION) | HYPOTHESIS_BIT(H_FLUX) | HYPOTHESIS_BIT(H_VOLTAGE_GAIN) |

@@ -160,10 +160,11 @@ def draw(seed, kind, sizes=None, bench_kind="usual"):
 def truth_of(case, sizes, model, parameters, columns, plant="second"):
     """The truth file of a recording, with what an oracle reaches on it."""
     motor, bench = case.motor, case.bench
-    if model.v_dead_V and "u_dc_V" in columns:
-        # What dead time takes goes with the true DC link, which drifts about the file's value.
+    if model.v_dead_V:
+        # What dead time takes goes with the true DC link: the second plant's drifts, and k_u is true over measured.
+        measured_V = float(columns["u_dc_V"].mean()) if "u_dc_V" in columns else motor.u_dc_V
         model = copy.copy(model)
-        model.v_dead_V += (model.k_u * float(columns["u_dc_V"].mean()) - motor.u_dc_V) * model.t_dead_s * motor.f_pwm_Hz
+        model.v_dead_V += (model.k_u * measured_V - motor.u_dc_V) * model.t_dead_s * motor.f_pwm_Hz
         parameters[case.ids.index("dead_time")][0]["value"] = model.v_dead_V
     error, size, _, _ = oracle(columns, model, motor)
     nominal = effects.nominal_model(motor, averaged.no_effect())
