@@ -25,6 +25,7 @@ typedef struct line_label {
     double number; /* order, or Hz */
     double power;  /* share of its run's power, summed over runs in proportion to their rows */
     size_t runs;
+    size_t last; /* the stretch counted last, + 1 */
 } line_label;
 
 typedef struct line_list {
@@ -32,26 +33,29 @@ typedef struct line_list {
     line_label label[LABELS];
 } line_list;
 
-static void add_line(line_list *list, bool is_order, double number, double tolerance, double power)
+static void add_line(line_list *list, size_t index, bool is_order, double number, double tolerance,
+                     double power)
 {
     for (size_t k = 0; k < list->n; k++) {
         line_label *l = &list->label[k];
         if (l->is_order == is_order && fabs(l->number - number) <= tolerance) {
             l->power += power;
-            l->runs++;
+            l->runs += l->last != index + 1;
+            l->last = index + 1;
             return;
         }
     }
     if (list->n < LABELS) {
-        list->label[list->n++] = (line_label){is_order, number, power, 1};
+        list->label[list->n++] = (line_label){is_order, number, power, 1, index + 1};
     }
 }
 
 /* The lines of one stretch. */
 static void lines_of(fit_data *d, const fit_state *s, const averaged_drive *drive, const averaged_node *nodes,
-                     const stretch *st, size_t group, double rows_in_all, line_list *list)
+                     size_t index, size_t group, double rows_in_all, line_list *list)
 {
     diagnose_rows *r = d->rows;
+    const stretch *st = &r->recording->stretch[index];
     size_t n = SHORTEST;
     while (2 * n <= st->count - ROWS_HISTORY - FILTER_START && 2 * n <= LONGEST) {
         n *= 2;
@@ -90,9 +94,9 @@ static void lines_of(fit_data *d, const fit_state *s, const averaged_drive *driv
             double undo = (1.0 + keep * keep - 2.0 * keep * cos(turn)) / (2.0 - noise->gain);
             double share = undo * (power - 1.0) / (double)n * (double)st->count / rows_in_all;
             if (fabs(order) <= ORDER_MOST && fabs(order - round(order)) * fabs(omega) < 1.5 * bin_rad_s) {
-                add_line(list, true, round(order), 0.5, share);
+                add_line(list, index, true, round(order), 0.5, share);
             } else {
-                add_line(list, false, frequency / 6.28318530717958647693, 2.0 * bin_rad_s, share);
+                add_line(list, index, false, frequency / 6.28318530717958647693, 2.0 * bin_rad_s, share);
             }
         }
     }
@@ -126,7 +130,7 @@ bool measure_structure(fit_data *d, const fit_state *s, double excess, diagnosis
         }
         if (b < r->blocks && r->block[b].stretch == k &&
             rec->stretch[k].count > SHORTEST + ROWS_HISTORY + FILTER_START) {
-            lines_of(d, s, &drive, nodes, &rec->stretch[k], r->block[b].group, rows_in_all, &list);
+            lines_of(d, s, &drive, nodes, k, r->block[b].group, rows_in_all, &list);
             seen++;
         }
     }

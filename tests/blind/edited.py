@@ -234,6 +234,8 @@ NAMED = [
     ("voltage and angle", "clean", all_of(voltage_scale(1.03), angle(lambda c: c["theta_e_rad"] - 0.03)), {},
      {"voltage_gain": {"k_u": (1.03, 1e-3)}, "angle_offset": {"theta_0": (-0.03, 5e-4)}}),
     ("and resistance", "dead_time", None, {"R_ohm": 0.7}, {**DEAD, "resistance": {"R": (0.9, 0.03)}}),
+    ("and resistance +11 %", "dead_time", None, {"R_ohm": 1.0}, {**DEAD, "resistance": {"R": (0.9, 0.03)}}),
+    ("and resistance -10 %", "dead_time", None, {"R_ohm": 0.81}, {**DEAD, "resistance": {"R": (0.9, 0.03)}}),
     ("and flux", "dead_time", None, {"psi_f_Wb": 0.21}, {**DEAD, "flux_linkage": {"psi_f": (0.2, 5e-4)}}),
     ("and gains", "dead_time", gain(0.97, 1.02, 1.0), {}, {**DEAD, "current_gain": {"g_a": (0.97, 2e-3)}}),
     ("and offsets", "dead_time", offset(0.06, -0.06, 0.0), {}, {**DEAD, "current_offset": {"o_a": (0.06, 6e-3)}}),

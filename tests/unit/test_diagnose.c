@@ -6,6 +6,7 @@
 #include "diagnose_bench.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unity.h>
 
@@ -171,6 +172,14 @@ static void an_unlogged_ripple_is_structure_and_no_cause(void)
     TEST_ASSERT_TRUE(d.structure.certain);
     /* The ripple is no sensor noise: the floor must not have swallowed it. */
     TEST_ASSERT_DOUBLE_WITHIN(0.35 * good.noise_A, good.noise_A, d.sensor_noise_A);
+    /* A line may fill several bins of a run, which is one run all the same. */
+    const char *runs = strchr(d.structure.words, '(');
+    unsigned with = 0;
+    unsigned in_all = 0;
+    TEST_ASSERT_NOT_NULL(runs);
+    TEST_ASSERT_EQUAL_INT(2, sscanf(runs, "(%u of %u runs)", &with, &in_all));
+    TEST_ASSERT_EQUAL_UINT(BENCH_RUNS, in_all);
+    TEST_ASSERT_TRUE(with >= 1 && with <= in_all);
     diagnosis_free(&d);
 }
 
