@@ -39,10 +39,3 @@ if(IQFOC_CCACHE AND NOT DEFINED CMAKE_C_COMPILER_LAUNCHER)
     set(CMAKE_C_COMPILER_LAUNCHER ${IQFOC_CCACHE})
     set(CMAKE_CXX_COMPILER_LAUNCHER ${IQFOC_CCACHE})
 endif()
-
-# Adds a folder of the tree that brings a CMakeLists.txt.
-function(iqfoc_add_folder folder)
-    if(EXISTS ${PROJECT_SOURCE_DIR}/${folder}/CMakeLists.txt)
-        add_subdirectory(${PROJECT_SOURCE_DIR}/${folder})
-    endif()
-endfunction()

@@ -37,7 +37,7 @@ static bool axis_from_motor(const motor *m, const char *path, const char *L_key,
 
 bool winding_from_motor(const motor *m, const char *path, iqfoc_exact_winding_t *winding, error *e)
 {
-    axis_constants a;
+    axis_constants a = {0};
     if (!axis_from_motor(m, path, "L_d_H", 0.5 * (m->L_d_H + m->L_q_H), &a, e)) {
         return false;
     }

@@ -20,25 +20,13 @@ typedef struct command {
 } command;
 
 static const command commands[] = {
-#ifdef IQFOC_HAS_REPRODUCE
     {"reproduce", "the papers' tables beside this project's values, with the figures as plots",
      cmd_reproduce},
-#endif
-#ifdef IQFOC_HAS_SIMULATE
     {"simulate", "run the firmware code against the switching-level drive, write a recording", cmd_simulate},
-#endif
-#ifdef IQFOC_HAS_RECORD
     {"record", "what the firmware's recorder sends over a serial line, as a recording", cmd_record},
-#endif
-#ifdef IQFOC_HAS_SWEEP
     {"sweep", "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
-#endif
-#ifdef IQFOC_HAS_LOOPS
     {"loops", "what better feedback and better prediction do to a closed loop", cmd_loops},
-#endif
-#ifdef IQFOC_HAS_DIAGNOSE
     {"diagnose", "what the model gets wrong about a recording, why, and what mending it gains", cmd_diagnose},
-#endif
     {NULL, NULL, NULL},
 };
 
