@@ -63,7 +63,34 @@ static bool is_pair(const diagnosis_cause *cause, const char *a, const char *b)
     return false;
 }
 
-void confusion_advise(diagnosis *d, const diagnose_rows *r)
+/* What shows an effect that has no name in the list of causes; NULL for a set without such. */
+static const char *advice_for_unnamed(hypothesis_set set)
+{
+    static const struct {
+        hypothesis_set any;
+        const char *advice;
+    } unnamed[] = {
+        {HYPOTHESIS_BIT(H_IRON_LOSS) | HYPOTHESIS_BIT(H_EDDY),
+         "Turn the shaft from outside at no current and measure the torque it takes at two speeds: iron loss "
+         "is there "
+         "without any current, a late angle or a wrong voltage is not."},
+        {HYPOTHESIS_BIT(H_CROSS_SATURATION),
+         "Record small current steps along d and along q, each around zero and around the rated current."},
+        {HYPOTHESIS_BIT(H_EMF_HARMONICS_11), "Coast with open terminals and record the terminal voltages: "
+                                             "the back-EMF's harmonics show there alone."},
+        {HYPOTHESIS_BIT(H_TEMPERATURE), "Record the same operating point cold and warm."},
+        {HYPOTHESIS_BIT(H_LATE_SHARE),
+         "Count the control cycles and the PWM timer's updates: if updates are missed, the counts differ."},
+    };
+    for (size_t k = 0; k < sizeof unnamed / sizeof *unnamed; k++) {
+        if (set & unnamed[k].any) {
+            return unnamed[k].advice;
+        }
+    }
+    return NULL;
+}
+
+void confusion_advise(diagnosis *d, const diagnose_rows *r, hypothesis_set set)
 {
     static const struct {
         const char *a, *b, *advice;
@@ -116,7 +143,11 @@ void confusion_advise(diagnosis *d, const diagnose_rows *r)
             return;
         }
     }
-    if (d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) {
+    const char *advice = advice_for_unnamed(set);
+    if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && advice) {
+        snprintf(d->next_experiment, sizeof d->next_experiment, "Structure is left (%s). %s",
+                 d->structure.words, advice);
+    } else if (d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) {
         snprintf(d->next_experiment, sizeof d->next_experiment,
                  "Structure is left (%s). Record the same operating point twice, once with %s, and compare "
                  "where the residual goes.",

@@ -22,7 +22,8 @@ bool confusion_of(const search_view *view, const fit_state *s, double own_cost, 
 void confusion_find(diagnosis *d, const search_view *view, const fit_state *s, const hypothesis_id *member,
                     hypothesis_set possible, double inflation);
 
-/* One or two sentences: the experiment that would separate what is confused, or show what is unexplained. */
-void confusion_advise(diagnosis *d, const diagnose_rows *r);
+/* One or two sentences: the experiment that would separate what is confused, or show what is unexplained.
+ * `set` is what was fitted, effects without a name among it. */
+void confusion_advise(diagnosis *d, const diagnose_rows *r, hypothesis_set set);
 
 #endif

@@ -129,7 +129,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!tabulate_hypotheses(w, d, member, options->skip)) {
         return false;
     }
-    confusion_advise(d, &w->rows);
+    confusion_advise(d, &w->rows, w->state.set);
     diagnose_sentence(d);
     for (size_t b = 0; b < w->rows.blocks; b++) {
         d->rows_used += w->rows.block[b].count;

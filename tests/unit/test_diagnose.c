@@ -196,6 +196,7 @@ static void iron_loss_is_structure_and_no_cause(void)
         TEST_ASSERT_EQUAL_size_t(0, d.causes);
         TEST_ASSERT_EQUAL_INT(VERDICT_UNEXPLAINED, d.verdict);
         TEST_ASSERT_NOT_NULL(strstr(d.structure.words, "iron loss"));
+        TEST_ASSERT_NOT_NULL(strstr(d.next_experiment, "shaft from outside at no current"));
         diagnosis_free(&d);
     }
 }
