@@ -18,7 +18,7 @@ typedef struct systematic {
     double of_least, of_effect;
 } systematic;
 
-static const systematic USUAL = {0.01, 0.001};
+static const systematic USUAL = {0.006, 0.0006};
 static const systematic BESIDE_DEAD_TIME = {0.3, 0.006};
 
 static diagnosis_parameter *add(diagnosis_cause *cause, const char *name, const char *unit, double nominal,
