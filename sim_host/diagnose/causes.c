@@ -40,10 +40,7 @@ static bool is_certain(const session *w, hypothesis_id h)
 /* Adds a hypothesis' fitted values to a partial model. */
 static void adopt(const session *w, hypothesis_id h, double z[P_COUNT])
 {
-    const hypothesis *hypo = &hypothesis_table[h];
-    for (size_t k = 0; k < hypo->columns; k++) {
-        column_copy(hypo->column[k], w->state.z, z);
-    }
+    hypothesis_copy(h, w->state.z, z);
     if (h == H_DEAD_TIME) {
         z[P_KNEE] = w->state.z[P_KNEE];
         z[P_RIPPLE] = w->state.z[P_RIPPLE];
@@ -111,6 +108,7 @@ static hypothesis_id weakest(const session *w, const search_view *view)
             }
         }
     }
+    double with_all = decoys ? named_error(w, w->state.set) : 0.0;
     hypothesis_id worst = H_COUNT;
     double least = INFINITY;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
@@ -126,10 +124,9 @@ static hypothesis_id weakest(const session *w, const search_view *view)
         }
         /* Beside an effect without a name a cause must also help where it stands alone with the other causes,
          * and no other may do as well: what only smooths the edges of that effect would be any of several. */
-        bool harms =
-            in && decoys && hypothesis_table[h].named &&
-            (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * named_error(w, w->state.set) ||
-             is_open(w, view, own.cost, h));
+        bool harms = in && decoys && hypothesis_table[h].named &&
+                     (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * with_all ||
+                      is_open(w, view, own.cost, h));
         if (in && (!is_certain(w, h) || harms || cost_without[h] < bar) && cost_without[h] < least) {
             least = cost_without[h];
             worst = h;
@@ -141,11 +138,8 @@ static hypothesis_id weakest(const session *w, const search_view *view)
 /* Takes a hypothesis out of a state: its parameters go back to the motor file's. */
 static void leave(fit_state *s, hypothesis_id h)
 {
-    static const double nominal[P_COUNT] = {0.0};
     s->set &= ~HYPOTHESIS_BIT(h);
-    for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
-        column_copy(hypothesis_table[h].column[k], nominal, s->z);
-    }
+    hypothesis_copy(h, hypothesis_nominal, s->z);
 }
 
 /* Fits the state's set and drops, one by one, what is not certain, until all that stays is. */

@@ -143,11 +143,12 @@ void confusion_advise(diagnosis *d, const diagnose_rows *r, hypothesis_set set)
             return;
         }
     }
+    const bool left = d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED;
     const char *advice = advice_for_unnamed(set);
-    if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && advice) {
+    if (left && advice) {
         snprintf(d->next_experiment, sizeof d->next_experiment, "Structure is left (%s). %s",
                  d->structure.words, advice);
-    } else if (d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) {
+    } else if (left) {
         snprintf(d->next_experiment, sizeof d->next_experiment,
                  "Structure is left (%s). Record the same operating point twice, once with %s, and compare "
                  "where the residual goes.",

@@ -231,26 +231,22 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
         [P_R] = 0.3,       [P_L_D] = 0.12,    [P_L_Q] = 0.12,    [P_PSI] = 0.05,    [P_SATURATION] = 0.4,
         [P_K_U] = 0.04,    [P_GAIN_A] = 0.04, [P_GAIN_B] = 0.04, [P_GAIN_C] = 0.04, [P_THETA_0] = 0.1,
         [P_T_DELAY] = 0.5, [P_DR_A] = 0.4,    [P_DR_B] = 0.4,    [P_DR_C] = 0.4,    [P_V_DEAD] = 1.0};
-    bool moved[P_COUNT] = {false};
+    double moved[P_COUNT] = {0.0};
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        for (size_t k = 0; (set & HYPOTHESIS_BIT(h)) && k < hypothesis_table[h].columns; k++) {
-            double away[P_COUNT] = {0};
-            column_move(hypothesis_table[h].column[k], 1.0, away);
-            for (size_t id = 0; id < P_COUNT; id++) {
-                /* Of both inductances alike one counts. */
-                moved[id] = moved[id] || (away[id] != 0.0 && (id != P_L_Q || away[P_L_D] == 0.0));
-            }
+        if (set & HYPOTHESIS_BIT(h)) {
+            hypothesis_copy(h, z, moved);
         }
+    }
+    if (!(set & HYPOTHESIS_BIT(H_SALIENCY))) {
+        moved[P_L_Q] = 0.0; /* of both inductances alike one counts */
     }
     double sum = 0.0;
     for (size_t id = 0; id < P_COUNT; id++) {
-        if (moved[id] && usual[id] > 0.0) {
-            sum += z[id] * z[id] / (usual[id] * usual[id]);
-        }
+        sum += usual[id] > 0.0 ? moved[id] * moved[id] / (usual[id] * usual[id]) : 0.0;
     }
-    if (moved[P_GAIN_C] && z[P_GAIN_C] != 0.0) {
+    if (moved[P_GAIN_C] != 0.0) {
         /* Three sensors that err alike are rarer than an R and an L that do. */
-        double mean = (z[P_GAIN_A] + z[P_GAIN_B] + z[P_GAIN_C]) / 3.0;
+        double mean = (moved[P_GAIN_A] + moved[P_GAIN_B] + moved[P_GAIN_C]) / 3.0;
         sum += mean * mean / (USUAL_GAIN_OF_ALL * USUAL_GAIN_OF_ALL);
     }
     return sum;
@@ -296,7 +292,7 @@ double column_value(int column, const double z[P_COUNT])
     return along / length;
 }
 
-void column_copy(int column, const double from[P_COUNT], double to[P_COUNT])
+static void column_copy(int column, const double from[P_COUNT], double to[P_COUNT])
 {
     if (column < P_COUNT) {
         to[column] = from[column];
@@ -304,6 +300,15 @@ void column_copy(int column, const double from[P_COUNT], double to[P_COUNT])
     }
     for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
         to[part->parameter] = from[part->parameter];
+    }
+}
+
+const double hypothesis_nominal[P_COUNT] = {0.0};
+
+void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT])
+{
+    for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+        column_copy(hypothesis_table[h].column[k], from, to);
     }
 }
 

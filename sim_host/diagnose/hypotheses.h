@@ -95,8 +95,9 @@ void column_move(int column, double by, double z[P_COUNT]);
 /* Where z stands along a column. */
 double column_value(int column, const double z[P_COUNT]);
 
-/* Copies the parameters that a column moves. */
-void column_copy(int column, const double from[P_COUNT], double to[P_COUNT]);
+/* Copies the parameters that a hypothesis moves; from a z of nought, takes them back to the motor file's. */
+void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT]);
+extern const double hypothesis_nominal[P_COUNT];
 
 /* Which hypotheses this recording allows (needs temperature, a moving rotor, harmonics of a known revolution
  * ...). */

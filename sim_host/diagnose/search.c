@@ -125,7 +125,6 @@ static void grow(enumeration *e)
  */
 static bool drop_small(fit_state *s, hypothesis_set allowed)
 {
-    static const double nominal[P_COUNT] = {0.0};
     hypothesis_set before = s->set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (!(s->set & HYPOTHESIS_BIT(h)) || hypothesis_size(h, s->z) >= hypothesis_table[h].least) {
@@ -141,9 +140,7 @@ static bool drop_small(fit_state *s, hypothesis_set allowed)
                 continue;
             }
         }
-        for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
-            column_copy(hypothesis_table[h].column[k], nominal, s->z);
-        }
+        hypothesis_copy(h, hypothesis_nominal, s->z);
     }
     return s->set != before;
 }
