@@ -10,11 +10,7 @@
  */
 #include "iqfoc/induction.h"
 
-/* a b / 2^bits, rounded to nearest; all results fit. */
-static int32_t scaled(int32_t a, int32_t b, uint32_t bits)
-{
-    return iq24_shift_wrap(IQ24_MUL64(a, b) + (INT64_C(1) << (bits - 1)), bits);
-}
+#include "series.h"
 
 /* Complex, Q28. */
 typedef struct cplx {
@@ -29,8 +25,6 @@ typedef struct generator {
 typedef struct row {
     cplx i, p, u;
 } row;
-
-#define ONE_Q28 (INT32_C(1) << 28)
 
 /*
  * row M/n:  i' = -rho_s i - rho_r (i - p),   p' = (a - j phi)(i - p),   u' = i.
@@ -56,20 +50,10 @@ static row times_generator(const row *r, const generator *m, int32_t n)
     return product;
 }
 
-/*
- * How many terms count: with b = rho_s + rho_r + a + |phi| the term of M^n is below n b^(n-1)/(n+1)!, and the
- * last one kept is below a unit of Q28.
- */
+/* |M| <= rho_s + rho_r + a + |phi|. */
 static int32_t terms_of(const generator *m)
 {
-    const int32_t bound = m->rho_s + m->rho_r + m->a + (m->phi < 0 ? -m->phi : m->phi);
-    int32_t term = ONE_Q28;
-    int32_t n = 1;
-    while (term > 0) {
-        n++;
-        term = scaled(term, bound / n, 28);
-    }
-    return n + 1;
+    return series_terms(m->rho_s + m->rho_r + m->a + (m->phi < 0 ? -m->phi : m->phi));
 }
 
 static iqfoc_induction_factor_t factor(cplx x)

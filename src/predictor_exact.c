@@ -16,17 +16,11 @@
  */
 #include "iqfoc/predictor_exact.h"
 
+#include "series.h"
+
 /* Moments 0 ... 2 TERMS are wanted. The recursion starts at MOMENT_START with 0 in place of at most 2/21;
  * each step down divides that error by 2 n or more: below 1e-9 at moment 13. */
 enum { MOMENTS = 2 * IQFOC_EXACT_TERMS + 1, MOMENT_START = 20, EXPONENTIAL_TERMS = 13 };
-
-/*
- * a b / 2^bits, rounded to nearest, for results that fit: |a b| <= 2^62 and the half below 2^62 do not wrap.
- */
-static int32_t scaled(int32_t a, int32_t b, uint32_t bits)
-{
-    return iq24_shift_wrap(IQ24_MUL64(a, b) + (INT64_C(1) << (bits - 1)), bits);
-}
 
 /*
  * e^-rho in Q30 by Horner's rule on 1 - rho (1 - rho/2 (1 - rho/3 ( ...

@@ -17,11 +17,7 @@
  */
 #include "iqfoc/predictor_salient.h"
 
-/* Products: a b / 2^bits, rounded to nearest; all results fit, as said where it is called. */
-static int32_t scaled(int32_t a, int32_t b, uint32_t bits)
-{
-    return iq24_shift_wrap(IQ24_MUL64(a, b) + (INT64_C(1) << (bits - 1)), bits);
-}
+#include "series.h"
 
 /* M over one span, Q28. */
 typedef struct generator {
@@ -54,23 +50,11 @@ static row times_generator(const row *r, const generator *m, int32_t n)
     return product;
 }
 
-#define ONE_Q28 (INT32_C(1) << 28)
-
-/*
- * How many terms count: with a = max(rho) + |phi| the term of M^n is below n a^(n-1)/(n+1)!, and the last one
- * kept is below a unit of Q28. 19 at 1/3 turn and rho = 1, 3 at standstill without resistance.
- */
+/* |M| <= max(rho) + |phi|: 19 terms at 1/3 turn and rho = 1, 3 at standstill without resistance. */
 static int32_t terms_of(const generator *m)
 {
     const int32_t rho = m->rho_d > m->rho_q ? m->rho_d : m->rho_q;
-    const int32_t bound = rho + (m->phi < 0 ? -m->phi : m->phi);
-    int32_t term = ONE_Q28;
-    int32_t n = 1;
-    while (term > 0) {
-        n++;
-        term = scaled(term, bound / n, 28);
-    }
-    return n + 1;
+    return series_terms(rho + (m->phi < 0 ? -m->phi : m->phi));
 }
 
 /* The two rows of the mean. */

@@ -3,9 +3,8 @@
  */
 #include "golden_vectors.h"
 
-#include "digest.h"
-#include "golden_inputs.h"
 #include "golden_models.h"
+#include "golden_types.h"
 
 #include "iqfoc/current_control.h"
 #include "iqfoc/iq24_math.h"
@@ -15,66 +14,26 @@
 #include "iqfoc/rotor.h"
 #include "iqfoc/transform.h"
 
-static void add_ab(uint64_t *digest, iqfoc_ab_t ab)
-{
-    digest_add(digest, ab.alpha);
-    digest_add(digest, ab.beta);
-}
-
-static void add_dq(uint64_t *digest, iqfoc_dq_t dq)
-{
-    digest_add(digest, dq.d);
-    digest_add(digest, dq.q);
-}
-
-static void add_abc(uint64_t *digest, iqfoc_abc_t abc)
-{
-    digest_add(digest, abc.a);
-    digest_add(digest, abc.b);
-    digest_add(digest, abc.c);
-}
-
-static iqfoc_ab_t ab_within(golden_inputs_t *inputs, iq24_t limit)
-{
-    iqfoc_ab_t ab;
-    ab.alpha = golden_within(inputs, limit);
-    ab.beta = golden_within(inputs, limit);
-    return ab;
-}
-
-static iqfoc_dq_t dq_within(golden_inputs_t *inputs, iq24_t limit)
-{
-    iqfoc_dq_t dq;
-    dq.d = golden_within(inputs, limit);
-    dq.q = golden_within(inputs, limit);
-    return dq;
-}
-
-static iq24_t positive_within(golden_inputs_t *inputs, iq24_t limit)
-{
-    return iq24_abs_sat(golden_within(inputs, limit));
-}
-
 static iqfoc_predictor_t any_machine(golden_inputs_t *inputs)
 {
     iqfoc_predictor_t machine;
-    machine.k_u = 1 + positive_within(inputs, IQ24(16.0) - 1);
-    machine.k_r = positive_within(inputs, IQ24_ONE);
-    machine.k_psi = positive_within(inputs, IQ24(8.0));
+    machine.k_u = 1 + golden_positive(inputs, IQ24(16.0) - 1);
+    machine.k_r = golden_positive(inputs, IQ24_ONE);
+    machine.k_psi = golden_positive(inputs, IQ24(8.0));
     return machine;
 }
 
 static iqfoc_current_control_gains_t any_gains(golden_inputs_t *inputs)
 {
     iqfoc_current_control_gains_t gains;
-    gains.kp_d = positive_within(inputs, IQ24(32.0));
-    gains.kp_q = positive_within(inputs, IQ24(32.0));
-    gains.ki_d = positive_within(inputs, IQ24(32.0));
-    gains.ki_q = positive_within(inputs, IQ24(32.0));
-    gains.anti_windup = positive_within(inputs, IQ24_ONE);
-    gains.x_d = positive_within(inputs, IQ24(96.0));
-    gains.x_q = positive_within(inputs, IQ24(96.0));
-    gains.emf = positive_within(inputs, IQ24(96.0));
+    gains.kp_d = golden_positive(inputs, IQ24(32.0));
+    gains.kp_q = golden_positive(inputs, IQ24(32.0));
+    gains.ki_d = golden_positive(inputs, IQ24(32.0));
+    gains.ki_q = golden_positive(inputs, IQ24(32.0));
+    gains.anti_windup = golden_positive(inputs, IQ24_ONE);
+    gains.x_d = golden_positive(inputs, IQ24(96.0));
+    gains.x_q = golden_positive(inputs, IQ24(96.0));
+    gains.emf = golden_positive(inputs, IQ24(96.0));
     return gains;
 }
 
@@ -138,11 +97,11 @@ static void transforms(golden_inputs_t *inputs, uint64_t *digest)
     const iqfoc_ab_t ab = iqfoc_clarke3(abc);
     const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_MAX));
     const iqfoc_dq_t dq = iqfoc_park(ab, sc);
-    add_ab(digest, ab);
-    add_ab(digest, iqfoc_clarke2(abc.a, abc.b));
-    add_abc(digest, iqfoc_clarke_inverse(ab));
-    add_dq(digest, dq);
-    add_ab(digest, iqfoc_park_inverse(dq_within(inputs, IQ24(64.0)), sc));
+    digest_ab(digest, ab);
+    digest_ab(digest, iqfoc_clarke2(abc.a, abc.b));
+    digest_abc(digest, iqfoc_clarke_inverse(ab));
+    digest_dq(digest, dq);
+    digest_ab(digest, iqfoc_park_inverse(golden_dq(inputs, IQ24(64.0)), sc));
 }
 
 static void rotor_movement(golden_inputs_t *inputs, uint64_t *digest)
@@ -163,27 +122,27 @@ static void rotor_movement(golden_inputs_t *inputs, uint64_t *digest)
 
 static void mean_current(golden_inputs_t *inputs, uint64_t *digest)
 {
-    const iqfoc_ab_t i = ab_within(inputs, IQ24(32.0));
-    const iqfoc_ab_t delta = ab_within(inputs, IQ24(32.0));
+    const iqfoc_ab_t i = golden_ab(inputs, IQ24(32.0));
+    const iqfoc_ab_t delta = golden_ab(inputs, IQ24(32.0));
     const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
     const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
     const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_ONE));
-    add_dq(digest, iqfoc_mean_current_correct(i, delta, &rotor, sc));
-    add_dq(digest, iqfoc_mean_current_correct_steady(i, iqfoc_rotor_steady_gain(turns), sc));
+    digest_dq(digest, iqfoc_mean_current_correct(i, delta, &rotor, sc));
+    digest_dq(digest, iqfoc_mean_current_correct_steady(i, iqfoc_rotor_steady_gain(turns), sc));
     const iqfoc_predictor_t machine = any_machine(inputs);
-    const iqfoc_ab_t u = ab_within(inputs, IQ24(2.0));
-    add_ab(digest, iqfoc_mean_current_quasi_discrete(&machine, i, u, &rotor, sc));
+    const iqfoc_ab_t u = golden_ab(inputs, IQ24(2.0));
+    digest_ab(digest, iqfoc_mean_current_quasi_discrete(&machine, i, u, &rotor, sc));
 }
 
 static void prediction(golden_inputs_t *inputs, uint64_t *digest)
 {
     const iqfoc_predictor_t machine = any_machine(inputs);
-    const iqfoc_ab_t i = ab_within(inputs, IQ24(32.0));
-    const iqfoc_ab_t u = ab_within(inputs, IQ24(2.0));
+    const iqfoc_ab_t i = golden_ab(inputs, IQ24(32.0));
+    const iqfoc_ab_t u = golden_ab(inputs, IQ24(2.0));
     const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
     const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_ONE));
-    add_ab(digest, iqfoc_predictor_euler(&machine, i, u, &rotor, sc));
-    add_ab(digest, iqfoc_predictor_quasi_discrete(&machine, i, u, &rotor, sc));
+    digest_ab(digest, iqfoc_predictor_euler(&machine, i, u, &rotor, sc));
+    digest_ab(digest, iqfoc_predictor_quasi_discrete(&machine, i, u, &rotor, sc));
 }
 
 static void add_integrals(uint64_t *digest, const iqfoc_current_control_t *control)
@@ -191,8 +150,8 @@ static void add_integrals(uint64_t *digest, const iqfoc_current_control_t *contr
     const iqfoc_dq_t low = {iq24_wrap(control->integral_d), iq24_wrap(control->integral_q)};
     const iqfoc_dq_t high = {iq24_wrap(iq24_asr64(control->integral_d, 32)),
                              iq24_wrap(iq24_asr64(control->integral_q, 32))};
-    add_dq(digest, low);
-    add_dq(digest, high);
+    digest_dq(digest, low);
+    digest_dq(digest, high);
 }
 
 /* The integrators stay from input to input, as in a drive. */
@@ -204,25 +163,25 @@ static void current_control(golden_inputs_t *inputs, uint64_t *digest)
         control.integral_q = 0;
     }
     const iqfoc_current_control_gains_t gains = any_gains(inputs);
-    const iqfoc_dq_t i_ref = dq_within(inputs, IQ24(32.0));
-    const iqfoc_dq_t i = dq_within(inputs, IQ24(32.0));
+    const iqfoc_dq_t i_ref = golden_dq(inputs, IQ24(32.0));
+    const iqfoc_dq_t i = golden_dq(inputs, IQ24(32.0));
     const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
     const iqfoc_dq_t u = iqfoc_current_control_step(&control, &gains, i_ref, i);
-    add_dq(digest, u);
-    add_dq(digest, iqfoc_current_control_decoupling(&gains, i, turns));
+    digest_dq(digest, u);
+    digest_dq(digest, iqfoc_current_control_decoupling(&gains, i, turns));
     add_integrals(digest, &control);
-    iqfoc_current_control_limited(&control, &gains, u, positive_within(inputs, IQ24_ONE));
+    iqfoc_current_control_limited(&control, &gains, u, golden_positive(inputs, IQ24_ONE));
     add_integrals(digest, &control);
 }
 
 static void modulation(golden_inputs_t *inputs, uint64_t *digest)
 {
     /* |u| <= 32, so each component up to 32/sqrt(2). */
-    const iqfoc_ab_t u = ab_within(inputs, inputs->number++ % 2 == 0 ? IQ24(22.6) : IQ24_ONE);
-    const iq24_t u_dc_inverse = 1 + positive_within(inputs, IQ24(2.0) - 1);
-    const iq24_t span_max = 1 + positive_within(inputs, IQ24_ONE - 1);
+    const iqfoc_ab_t u = golden_ab(inputs, inputs->number++ % 2 == 0 ? IQ24(22.6) : IQ24_ONE);
+    const iq24_t u_dc_inverse = 1 + golden_positive(inputs, IQ24(2.0) - 1);
+    const iq24_t span_max = 1 + golden_positive(inputs, IQ24_ONE - 1);
     const iqfoc_duties_t duties = iqfoc_modulate(u, u_dc_inverse, span_max);
-    add_abc(digest, duties.high);
+    digest_abc(digest, duties.high);
     digest_add(digest, duties.scale);
 }
 
@@ -233,8 +192,8 @@ static void six_step(golden_inputs_t *inputs, uint64_t *digest)
     golden_pair(inputs, &a, &b);
     const int32_t state = iqfoc_six_step_state(a);
     digest_add(digest, state);
-    add_abc(digest, iqfoc_six_step_duties(state).high);
-    add_ab(digest, iqfoc_six_step_voltage(state, b / 2));
+    digest_abc(digest, iqfoc_six_step_duties(state).high);
+    digest_ab(digest, iqfoc_six_step_voltage(state, b / 2));
     digest_add(digest, iqfoc_six_step_remaining(a, b));
 }
 
