@@ -5,7 +5,7 @@
 #include "iqfoc/deadbeat_drift.h"
 #include "iqfoc/predictor_form.h"
 #include "model/exact.h"
-#include "reference.h"
+#include "reference_vectors.h"
 
 #include <complex.h>
 
@@ -18,12 +18,6 @@ void tearDown(void)
 }
 
 enum { TRIES = 200000 / IQFOC_TEST_STRIDE };
-
-static iqfoc_ab_t random_ab(uint64_t *seed, double limit)
-{
-    const iqfoc_ab_t v = {random_iq24(seed, -limit, limit), random_iq24(seed, -limit, limit)};
-    return v;
-}
 
 /* ---- The papers' predictors in the common form ---- */
 
@@ -42,8 +36,8 @@ static void each_form_predicts_as_its_predictor(void)
         /* Half of an odd speed is no angle of IQ24: take an even one, so that both see the same middle. */
         const iqfoc_rotor_t even = iqfoc_rotor_from_turns(rotor.turns & ~1);
         const iq24_sincos_t sc_mid = iq24_sincos(theta + even.turns / 2);
-        const iqfoc_ab_t i = random_ab(&seed, 32.0);
-        const iqfoc_ab_t u = random_ab(&seed, 2.0);
+        const iqfoc_ab_t i = random_ab_in_square(&seed, 32.0);
+        const iqfoc_ab_t u = random_ab_in_square(&seed, 2.0);
         const iqfoc_exact_t as_euler = iqfoc_form_euler(&p, &even);
         const iqfoc_ab_t want = iqfoc_predictor_euler(&p, i, u, &even, sc);
         const iqfoc_ab_t got = iqfoc_exact_step(&as_euler, i, u, sc_mid);
@@ -163,8 +157,8 @@ static void the_voltage_hits_the_target(void)
         const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const iqfoc_deadbeat_t d = deadbeat_of(to_double(random_iq24(&seed, 0.0, 0.5)), k_u,
                                                to_double(random_iq24(&seed, 0.0, 4.0)), turns);
-        const iqfoc_ab_t i = random_ab(&seed, 4.0);
-        const iqfoc_ab_t target = random_ab(&seed, 4.0);
+        const iqfoc_ab_t i = random_ab_in_square(&seed, 4.0);
+        const iqfoc_ab_t target = random_ab_in_square(&seed, 4.0);
         const iq24_sincos_t sc_mid = iq24_sincos(random_iq24(&seed, -0.5, 0.5));
         const iqfoc_ab_t u = iqfoc_deadbeat_voltage(&d, i, target, sc_mid);
         const iqfoc_ab_t none = {0, 0};
@@ -255,9 +249,9 @@ static void without_gain_nothing_is_learnt(void)
     for (int n = 0; n < 2000; n++) {
         const iq24_t turns = random_iq24(&seed, -0.3, 0.3);
         const iqfoc_deadbeat_t d = deadbeat_of(0.1, 2.0, 2.0, turns);
-        iqfoc_deadbeat_drift_t drift = {{0, 0}, random_ab(&seed, 2.0), true};
-        const iqfoc_ab_t i = random_ab(&seed, 2.0);
-        const iqfoc_ab_t u = random_ab(&seed, 0.7);
+        iqfoc_deadbeat_drift_t drift = {{0, 0}, random_ab_in_square(&seed, 2.0), true};
+        const iqfoc_ab_t i = random_ab_in_square(&seed, 2.0);
+        const iqfoc_ab_t u = random_ab_in_square(&seed, 0.7);
         const iqfoc_dq_t i_ref = {random_iq24(&seed, -1.0, 1.0), random_iq24(&seed, -1.0, 1.0)};
         const iq24_t theta = random_iq24(&seed, -0.5, 0.5);
         const iqfoc_ab_t want = iqfoc_deadbeat_step(&d, i, u, i_ref, theta, turns);

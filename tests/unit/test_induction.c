@@ -5,7 +5,7 @@
 #include "iqfoc/induction.h"
 #include "iqfoc/predictor.h"
 #include "model/induction.h"
-#include "reference.h"
+#include "reference_vectors.h"
 
 #define SEED UINT64_C(20240614)
 
@@ -17,24 +17,6 @@ void tearDown(void)
 {
 }
 
-static int32_t to_q(double x, int bits)
-{
-    return (int32_t)lround(ldexp(x, bits));
-}
-
-static double complex complex_of(iqfoc_ab_t v)
-{
-    return papers_vector(to_double(v.alpha), to_double(v.beta));
-}
-
-static iqfoc_ab_t random_vector(uint64_t *seed, double length)
-{
-    const double angle = uniform(seed, 0.0, TWO_PI);
-    const double r = uniform(seed, 0.0, length);
-    const iqfoc_ab_t v = {to_iq24(r * cos(angle)), to_iq24(r * sin(angle))};
-    return v;
-}
-
 /* L_sigma = 1 and T = 1: fluxes are per unit, R_s is rho_s. */
 typedef struct machine {
     induction_machine in_double;
@@ -44,9 +26,10 @@ typedef struct machine {
 
 static machine machine_of(double rho_s, double rho_r, double a, double k_u)
 {
-    const machine m = {.in_double = {rho_s, rho_r, 1.0, rho_r / a},
-                       .k_u = k_u,
-                       .in_fixed = {to_q(rho_s, 30), to_q(rho_r, 30), to_q(a, 30), to_q(k_u, 26)}};
+    const machine m = {
+        .in_double = {rho_s, rho_r, 1.0, rho_r / a},
+        .k_u = k_u,
+        .in_fixed = {to_fixed(rho_s, 30), to_fixed(rho_r, 30), to_fixed(a, 30), to_fixed(k_u, 26)}};
     return m;
 }
 
@@ -63,13 +46,13 @@ static void add_vector(worst *w, iqfoc_ab_t got, double complex want)
 static void compare(errors *e, const machine *m, uint64_t *seed, int32_t n, double i_reach, double flux_reach,
                     double u_reach)
 {
-    const iqfoc_induction_state_t x = {random_vector(seed, i_reach), random_vector(seed, flux_reach)};
-    const iqfoc_ab_t u = random_vector(seed, u_reach);
+    const iqfoc_induction_state_t x = {random_ab_in_disc(seed, i_reach), random_ab_in_disc(seed, flux_reach)};
+    const iqfoc_ab_t u = random_ab_in_disc(seed, u_reach);
     const iq24_t turns = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0);
     const iq24_t span = n % 3 == 0 ? IQ24_ONE : n % 3 == 1 ? IQ24(0.5) : random_iq24(seed, 0.001, 1.0);
     const iqfoc_induction_t c = iqfoc_induction_at_speed(&m->in_fixed, turns, span);
-    const induction_state start = {complex_of(x.i), complex_of(x.flux)};
-    const induction_span want = induction_advance(&m->in_double, start, m->k_u * complex_of(u),
+    const induction_state start = {complex_of_ab(x.i), complex_of_ab(x.flux)};
+    const induction_span want = induction_advance(&m->in_double, start, m->k_u * complex_of_ab(u),
                                                   to_double(span), TWO_PI * to_double(turns));
     const iqfoc_induction_state_t got = iqfoc_induction_step(&c, x, u);
     add_vector(&e->i, got.i, want.end.i_A);
@@ -118,11 +101,12 @@ static void test_no_overflow_at_the_corner_of_the_range(void)
         const iqfoc_induction_state_t x = {{IQ24(8.0), 0},
                                            {to_iq24(16.0 * cos(angle)), to_iq24(16.0 * sin(angle))}};
         const iqfoc_ab_t u = {to_iq24(2.0 * cos(second)), to_iq24(2.0 * sin(second))};
-        const induction_state start = {complex_of(x.i), complex_of(x.flux)};
+        const induction_state start = {complex_of_ab(x.i), complex_of_ab(x.flux)};
         const double omega = TWO_PI * to_double(turns > 0 ? IQFOC_ROTOR_TURNS_MAX : -IQFOC_ROTOR_TURNS_MAX);
-        const induction_span want = induction_advance(&m.in_double, start, m.k_u * complex_of(u), 1.0, omega);
+        const induction_span want =
+            induction_advance(&m.in_double, start, m.k_u * complex_of_ab(u), 1.0, omega);
         const iqfoc_induction_state_t got = iqfoc_induction_step(&c, x, u);
-        TEST_ASSERT_DOUBLE_WITHIN(2e-6, 0.0, cabs(complex_of(got.i) - want.end.i_A));
+        TEST_ASSERT_DOUBLE_WITHIN(2e-6, 0.0, cabs(complex_of_ab(got.i) - want.end.i_A));
         greatest = fmax(greatest, cabs(want.end.i_A));
     }
     printf("  greatest current %.1f per unit\n", greatest);
@@ -268,14 +252,14 @@ static void test_flux_observer_converges(void)
         const iqfoc_ab_t u_iq = {to_iq24(creal(u) / 1500.0), to_iq24(cimag(u) / 1500.0)};
         estimate.i = (iqfoc_ab_t){to_iq24(creal(x.i_A) / I_b), to_iq24(cimag(x.i_A) / I_b)};
         estimate = iqfoc_induction_step(&c, estimate, u_iq);
-        x = induction_advance(&traction, x, 1500.0 * complex_of(u_iq), T_s, omega_fixed).end;
+        x = induction_advance(&traction, x, 1500.0 * complex_of_ab(u_iq), T_s, omega_fixed).end;
         if (n == 0) {
-            const double complex first = complex_of(estimate.flux) - x.psi_Wb / (traction.L_sigma_H * I_b);
+            const double complex first = complex_of_ab(estimate.flux) - x.psi_Wb / (traction.L_sigma_H * I_b);
             TEST_ASSERT_TRUE(cabs(first) > 1.0);
         }
     }
     /* 4000 cycles are 19 time constants of L_m/R_r. */
-    const double complex last = complex_of(estimate.flux) - x.psi_Wb / (traction.L_sigma_H * I_b);
+    const double complex last = complex_of_ab(estimate.flux) - x.psi_Wb / (traction.L_sigma_H * I_b);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, cabs(last));
 }
 

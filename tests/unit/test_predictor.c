@@ -4,7 +4,7 @@
  */
 #include "iqfoc/mean_current.h"
 #include "iqfoc/transform.h"
-#include "reference.h"
+#include "reference_vectors.h"
 
 #include <complex.h>
 #include <stdbool.h>
@@ -32,17 +32,6 @@ typedef struct instance {
     double k_u, k_r, k_psi, phi, phi_s1, phi_s2, s1, s2;
 } instance;
 
-static iqfoc_ab_t random_vector(uint64_t *seed, double reach)
-{
-    const iqfoc_ab_t v = {random_iq24(seed, -reach, reach), random_iq24(seed, -reach, reach)};
-    return v;
-}
-
-static double complex complex_of(iqfoc_ab_t v)
-{
-    return to_double(v.alpha) + I * to_double(v.beta);
-}
-
 /* Usual drives three times in four, the ends of the stated ranges else. */
 static instance drawn(uint64_t *seed, int32_t n)
 {
@@ -51,14 +40,14 @@ static instance drawn(uint64_t *seed, int32_t n)
     c.predictor.k_u = random_iq24(seed, 0.05, extreme ? 16.0 : 3.0);
     c.predictor.k_r = random_iq24(seed, 0.0, extreme ? 1.0 : 0.1);
     c.predictor.k_psi = random_iq24(seed, 0.0, extreme ? 8.0 : 3.0);
-    c.i = random_vector(seed, extreme ? 32.0 : 1.5);
-    c.u = random_vector(seed, extreme ? 2.0 : 0.6);
-    c.delta = random_vector(seed, extreme ? 32.0 : 1.0);
+    c.i = random_ab_in_square(seed, extreme ? 32.0 : 1.5);
+    c.u = random_ab_in_square(seed, extreme ? 2.0 : 0.6);
+    c.delta = random_ab_in_square(seed, extreme ? 32.0 : 1.0);
     c.rotor = iqfoc_rotor_from_turns(random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0));
     c.sc = iq24_sincos(random_iq24(seed, 0.0, 1.0));
-    c.i_c = complex_of(c.i);
-    c.u_c = complex_of(c.u);
-    c.delta_c = complex_of(c.delta);
+    c.i_c = complex_of_ab(c.i);
+    c.u_c = complex_of_ab(c.u);
+    c.delta_c = complex_of_ab(c.delta);
     c.e_c = to_double(c.sc.cos) + I * to_double(c.sc.sin);
     c.k_u = to_double(c.predictor.k_u);
     c.k_r = to_double(c.predictor.k_r);
@@ -101,11 +90,11 @@ static void test_formulas_in_fixed_point(void)
         worst_add(&corrected, dq.d, creal(want));
         worst_add(&corrected, dq.q, cimag(want));
         const iq24_t w = iqfoc_predictor_emf(&c.predictor, &c.rotor);
-        const iqfoc_ab_t from = random_vector(&seed, n % 4 == 0 ? 21.3 : 1.5);
-        const iqfoc_ab_t to = random_vector(&seed, n % 4 == 0 ? 51.2 : 1.5);
+        const iqfoc_ab_t from = random_ab_in_square(&seed, n % 4 == 0 ? 21.3 : 1.5);
+        const iqfoc_ab_t to = random_ab_in_square(&seed, n % 4 == 0 ? 51.2 : 1.5);
         const iqfoc_dq_t mean_dq = iqfoc_mean_current_seen(from, to, w, &c.rotor, c.sc);
-        const double complex change = complex_of(to) - complex_of(from);
-        const double complex middle = 0.5 * (complex_of(to) + complex_of(from));
+        const double complex change = complex_of_ab(to) - complex_of_ab(from);
+        const double complex middle = 0.5 * (complex_of_ab(to) + complex_of_ab(from));
         const double complex seen_want =
             conj(c.e_c) * (c.s1 * middle - I * c.s2 * change) - to_double(w) * c.s2;
         worst_add(&seen, mean_dq.d, creal(seen_want));
@@ -203,9 +192,10 @@ static void check_against_integration(double phi, double theta)
     const truth frozen = integrated(i, u, 0.0, k_psi, phi, theta, rho);
     const double few_lsb = 1.5e-6; /* inputs rounded to IQ24: angle and speed 2 pi 0.5 LSB, times k_psi */
 
-    const double complex next = complex_of(iqfoc_predictor_quasi_discrete(&p, i_iq, u_iq, &rotor, sc_mid));
+    const double complex next = complex_of_ab(iqfoc_predictor_quasi_discrete(&p, i_iq, u_iq, &rotor, sc_mid));
     TEST_ASSERT_DOUBLE_WITHIN(few_lsb, 0.0, cabs(next - frozen.i_end));
-    const double complex mean = complex_of(iqfoc_mean_current_quasi_discrete(&p, i_iq, u_iq, &rotor, sc_mid));
+    const double complex mean =
+        complex_of_ab(iqfoc_mean_current_quasi_discrete(&p, i_iq, u_iq, &rotor, sc_mid));
     TEST_ASSERT_DOUBLE_WITHIN(few_lsb, 0.0, cabs(mean - frozen.i_mean));
 
     /* Both papers' corrections in one are the two one after the other. */

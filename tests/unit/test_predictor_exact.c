@@ -6,7 +6,7 @@
 #include "iqfoc/mean_current.h"
 #include "iqfoc/predictor_exact.h"
 #include "model/exact.h"
-#include "reference.h"
+#include "reference_vectors.h"
 
 #include <stdbool.h>
 
@@ -21,22 +21,6 @@ void tearDown(void)
 {
 }
 
-static int32_t to_q(double x, int bits)
-{
-    return (int32_t)lround(ldexp(x, bits));
-}
-
-static double complex complex_of(iqfoc_ab_t v)
-{
-    return papers_vector(to_double(v.alpha), to_double(v.beta));
-}
-
-static iqfoc_ab_t random_vector(uint64_t *seed, double reach)
-{
-    const iqfoc_ab_t v = {random_iq24(seed, -reach, reach), random_iq24(seed, -reach, reach)};
-    return v;
-}
-
 /* A machine of L = 1 and T = 1, so that R is rho and psi_f is k_psi, in double and as the library has it. */
 typedef struct machine {
     papers_machine in_double;
@@ -48,7 +32,7 @@ static machine machine_of(double rho, double k_u, double k_psi)
 {
     const machine m = {.in_double = {.R_ohm = rho, .L_H = 1.0, .psi_f_Wb = k_psi, .T_s = 1.0},
                        .k_u = k_u,
-                       .winding = {to_q(rho, 30), to_q(k_u, 26), to_q(k_psi, 27)}};
+                       .winding = {to_fixed(rho, 30), to_fixed(k_u, 26), to_fixed(k_psi, 27)}};
     return m;
 }
 
@@ -60,11 +44,11 @@ typedef struct arguments {
 
 static double complex solution(const machine *m, const arguments *a, bool mean)
 {
-    const double complex u = m->k_u * complex_of(a->u);
+    const double complex u = m->k_u * complex_of_ab(a->u);
     const double theta = TWO_PI * to_double(a->theta_mid);
     const double omega = TWO_PI * to_double(a->turns);
-    return mean ? exact_mean(&m->in_double, complex_of(a->i), u, to_double(a->span), theta, omega)
-                : exact_predict(&m->in_double, complex_of(a->i), u, to_double(a->span), theta, omega);
+    return mean ? exact_mean(&m->in_double, complex_of_ab(a->i), u, to_double(a->span), theta, omega)
+                : exact_predict(&m->in_double, complex_of_ab(a->i), u, to_double(a->span), theta, omega);
 }
 
 static iqfoc_exact_t coefficients(const machine *m, iq24_t span, iq24_t turns, bool mean)
@@ -91,8 +75,8 @@ static iq24_t random_span(uint64_t *seed, int32_t n)
 
 static arguments random_arguments(uint64_t *seed, int32_t n, double i, double u)
 {
-    const arguments a = {.i = random_vector(seed, i),
-                         .u = random_vector(seed, u),
+    const arguments a = {.i = random_ab_in_square(seed, i),
+                         .u = random_ab_in_square(seed, u),
                          .span = random_span(seed, n),
                          .turns = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0),
                          .theta_mid = random_iq24(seed, -1.0, 1.0)};
@@ -214,11 +198,11 @@ static void test_many_cycles_ahead(void)
         a.turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const iqfoc_exact_t exact = coefficients(&m, IQ24_ONE, a.turns, false);
         iqfoc_ab_t u[CYCLES];
-        double complex want = complex_of(a.i);
+        double complex want = complex_of_ab(a.i);
         const double omega = TWO_PI * to_double(a.turns);
         for (int k = 0; k < CYCLES; k++) {
-            u[k] = random_vector(&seed, 0.6);
-            want = exact_predict(&m.in_double, want, m.k_u * complex_of(u[k]), 1.0,
+            u[k] = random_ab_in_square(&seed, 0.6);
+            want = exact_predict(&m.in_double, want, m.k_u * complex_of_ab(u[k]), 1.0,
                                  TWO_PI * to_double(a.theta_mid) + omega * k, omega);
         }
         const iqfoc_ab_t got = iqfoc_exact_ahead(&exact, a.i, u, CYCLES, a.theta_mid, a.turns);
@@ -253,9 +237,9 @@ static void test_constants_from_physical_values(void)
     static const iqfoc_exact_winding_t w =
         IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 2e-4, IQFOC_I_BASE(10.5), 750.0);
     const double I_b = sqrt(2.0) * 10.5;
-    TEST_ASSERT_EQUAL_INT32(to_q(0.75 * 2e-4 / 5.2e-3, 30), w.rho_q30);
-    TEST_ASSERT_EQUAL_INT32(to_q(2e-4 * 750.0 / (5.2e-3 * I_b), 26), w.k_u_q26);
-    TEST_ASSERT_EQUAL_INT32(to_q(0.134 / (5.2e-3 * I_b), 27), w.k_psi_q27);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(0.75 * 2e-4 / 5.2e-3, 30), w.rho_q30);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(2e-4 * 750.0 / (5.2e-3 * I_b), 26), w.k_u_q26);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(0.134 / (5.2e-3 * I_b), 27), w.k_psi_q27);
 }
 
 int main(void)

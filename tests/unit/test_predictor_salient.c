@@ -5,7 +5,7 @@
 #include "iqfoc/predictor_salient.h"
 #include "iqfoc/transform.h"
 #include "model/exact.h"
-#include "reference.h"
+#include "reference_vectors.h"
 
 #include <stdbool.h>
 
@@ -18,24 +18,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static int32_t to_q(double x, int bits)
-{
-    return (int32_t)lround(ldexp(x, bits));
-}
-
-static double complex complex_of(iqfoc_dq_t v)
-{
-    return papers_vector(to_double(v.d), to_double(v.q));
-}
-
-static iqfoc_dq_t random_vector(uint64_t *seed, double length)
-{
-    const double angle = uniform(seed, 0.0, TWO_PI);
-    const double r = uniform(seed, 0.0, length);
-    const iqfoc_dq_t v = {to_iq24(r * cos(angle)), to_iq24(r * sin(angle))};
-    return v;
 }
 
 /* The smaller inductance is 1 and T is 1. */
@@ -51,20 +33,20 @@ static machine machine_of(double rho, double k_u, double k_psi, double q_to_d)
     const double L_q = q_to_d < 1.0 ? 1.0 : q_to_d;
     const machine m = {.in_double = {rho, L_d, L_q, k_psi},
                        .k_u = k_u,
-                       .in_fixed = {.rho_d_q30 = to_q(rho / L_d, 30),
-                                    .rho_q_q30 = to_q(rho / L_q, 30),
-                                    .k_d_q26 = to_q(k_u / L_d, 26),
-                                    .k_q_q26 = to_q(k_u / L_q, 26),
-                                    .k_psi_d_q27 = to_q(k_psi / L_d, 27),
-                                    .k_psi_q_q27 = to_q(k_psi / L_q, 27),
-                                    .q_to_d_q27 = to_q(L_q / L_d, 27),
-                                    .d_to_q_q27 = to_q(L_d / L_q, 27)}};
+                       .in_fixed = {.rho_d_q30 = to_fixed(rho / L_d, 30),
+                                    .rho_q_q30 = to_fixed(rho / L_q, 30),
+                                    .k_d_q26 = to_fixed(k_u / L_d, 26),
+                                    .k_q_q26 = to_fixed(k_u / L_q, 26),
+                                    .k_psi_d_q27 = to_fixed(k_psi / L_d, 27),
+                                    .k_psi_q_q27 = to_fixed(k_psi / L_q, 27),
+                                    .q_to_d_q27 = to_fixed(L_q / L_d, 27),
+                                    .d_to_q_q27 = to_fixed(L_d / L_q, 27)}};
     return m;
 }
 
 static exact_span solution(const machine *m, iqfoc_dq_t i, iqfoc_dq_t u, iq24_t span, iq24_t turns)
 {
-    return exact_salient_span(&m->in_double, complex_of(i), m->k_u * complex_of(u), to_double(span),
+    return exact_salient_span(&m->in_double, complex_of_dq(i), m->k_u * complex_of_dq(u), to_double(span),
                               TWO_PI * to_double(turns));
 }
 
@@ -77,8 +59,8 @@ static void add_vector(worst *w, iqfoc_dq_t got, double complex want)
 static void compare(worst *end, worst *mean, const machine *m, uint64_t *seed, int32_t n, double i_reach,
                     double u_reach)
 {
-    const iqfoc_dq_t i = random_vector(seed, i_reach);
-    const iqfoc_dq_t u = random_vector(seed, u_reach);
+    const iqfoc_dq_t i = random_dq_in_disc(seed, i_reach);
+    const iqfoc_dq_t u = random_dq_in_disc(seed, u_reach);
     const iq24_t turns = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0);
     const iq24_t span = n % 3 == 0 ? IQ24_ONE : n % 3 == 1 ? IQ24(0.5) : random_iq24(seed, 0.001, 1.0);
     iqfoc_salient_t of_end;
@@ -174,7 +156,7 @@ static void test_without_saliency_it_is_the_stationary_predictor(void)
 {
     uint64_t seed = SEED + 2;
     const machine m = machine_of(0.04, 0.75, 1.7, 1.0);
-    const iqfoc_exact_winding_t winding = {to_q(0.04, 30), to_q(0.75, 26), to_q(1.7, 27)};
+    const iqfoc_exact_winding_t winding = {to_fixed(0.04, 30), to_fixed(0.75, 26), to_fixed(1.7, 27)};
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
     for (int32_t n = 0; n < 1000; n++) {
         const iq24_t turns = 2 * random_iq24(&seed, -1.0 / 6.0, 1.0 / 6.0);
@@ -204,12 +186,12 @@ static void test_many_cycles_ahead(void)
         const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         iqfoc_salient_t end;
         iqfoc_salient_at_speed(&m.in_fixed, turns, IQ24_ONE, &end, NULL);
-        const iqfoc_dq_t i = random_vector(&seed, 1.0);
+        const iqfoc_dq_t i = random_dq_in_disc(&seed, 1.0);
         iqfoc_dq_t u[CYCLES];
-        double complex want = complex_of(i);
+        double complex want = complex_of_dq(i);
         for (int k = 0; k < CYCLES; k++) {
-            u[k] = random_vector(&seed, 0.4);
-            want = exact_salient_span(&m.in_double, want, m.k_u * complex_of(u[k]), 1.0,
+            u[k] = random_dq_in_disc(&seed, 0.4);
+            want = exact_salient_span(&m.in_double, want, m.k_u * complex_of_dq(u[k]), 1.0,
                                       TWO_PI * to_double(turns))
                        .end_dq_A;
         }
@@ -223,14 +205,14 @@ static void test_constants_from_physical_values(void)
     static const iqfoc_salient_machine_t w =
         IQFOC_SALIENT_MACHINE(0.9, 8e-3, 11e-3, 0.2, 2.5e-4, IQFOC_I_BASE(6.0), 565.0);
     const double I_b = sqrt(2.0) * 6.0;
-    TEST_ASSERT_EQUAL_INT32(to_q(0.9 * 2.5e-4 / 8e-3, 30), w.rho_d_q30);
-    TEST_ASSERT_EQUAL_INT32(to_q(0.9 * 2.5e-4 / 11e-3, 30), w.rho_q_q30);
-    TEST_ASSERT_EQUAL_INT32(to_q(2.5e-4 * 565.0 / (8e-3 * I_b), 26), w.k_d_q26);
-    TEST_ASSERT_EQUAL_INT32(to_q(2.5e-4 * 565.0 / (11e-3 * I_b), 26), w.k_q_q26);
-    TEST_ASSERT_EQUAL_INT32(to_q(0.2 / (8e-3 * I_b), 27), w.k_psi_d_q27);
-    TEST_ASSERT_EQUAL_INT32(to_q(0.2 / (11e-3 * I_b), 27), w.k_psi_q_q27);
-    TEST_ASSERT_EQUAL_INT32(to_q(11.0 / 8.0, 27), w.q_to_d_q27);
-    TEST_ASSERT_EQUAL_INT32(to_q(8.0 / 11.0, 27), w.d_to_q_q27);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(0.9 * 2.5e-4 / 8e-3, 30), w.rho_d_q30);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(0.9 * 2.5e-4 / 11e-3, 30), w.rho_q_q30);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(2.5e-4 * 565.0 / (8e-3 * I_b), 26), w.k_d_q26);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(2.5e-4 * 565.0 / (11e-3 * I_b), 26), w.k_q_q26);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(0.2 / (8e-3 * I_b), 27), w.k_psi_d_q27);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(0.2 / (11e-3 * I_b), 27), w.k_psi_q_q27);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(11.0 / 8.0, 27), w.q_to_d_q27);
+    TEST_ASSERT_EQUAL_INT32(to_fixed(8.0 / 11.0, 27), w.d_to_q_q27);
 }
 
 int main(void)
