@@ -64,6 +64,10 @@ typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before roundi
               (IQ24_SCALED_(x) - (iq24_t)IQ24_SCALED_(x) <= -0.5)))
 #define IQ24_SCALED_(x) ((x)*16777216.0)
 
+/* x 2^bits of constants, 0 <= bits <= 62, for numbers in other formats: like IQ24() nothing that the target
+ * computes. */
+#define IQ24_RAISED_(x, bits) ((x)*1.0 * (INT64_C(1) << (bits)))
+
 /* floor(x / 2^bits), 0 <= bits <= 31. */
 static inline int32_t iq24_asr32(int32_t x, uint32_t bits)
 {

@@ -45,7 +45,7 @@ typedef struct iqfoc_exact_winding {
 } iqfoc_exact_winding_t;
 
 /* x in Q(bits), to nearest, as a constant; x >= 0. */
-#define IQFOC_EXACT_Q(x, bits) ((int32_t)((x) * (double)(INT64_C(1) << (bits)) + 0.5))
+#define IQFOC_EXACT_Q(x, bits) ((int32_t)(IQ24_RAISED_(x, bits) + 0.5))
 /* The same, or no constant at all if x is outside low ... high (params.h). */
 #define IQFOC_EXACT_CHECKED(x, bits, low, high)                                                              \
     (IQFOC_EXACT_Q(x, bits) / (((x) >= (low) && (x) <= (high)) ? 1 : 0))

@@ -58,7 +58,7 @@ typedef struct iqfoc_recorder_channel {
  */
 #define IQFOC_RECORDER_IQ24(variable, what, unit, bits)                                                      \
     {                                                                                                        \
-        .source = (variable), .column = (what), .mantissa = (int32_t)((unit) * (double)(1LL << (bits))),     \
+        .source = (variable), .column = (what), .mantissa = (int32_t)IQ24_RAISED_(unit, bits),               \
         .shift = 24 + (bits)                                                                                 \
     }
 
