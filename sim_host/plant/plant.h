@@ -18,12 +18,12 @@
 #ifndef SIM_HOST_PLANT_PLANT_H
 #define SIM_HOST_PLANT_PLANT_H
 
+#include "../base/vector.h"
 #include "plant_config.h"
 #include "plant_inverter.h"
 #include "plant_machine.h"
 #include "plant_random.h"
 #include "plant_sensor.h"
-#include "plant_vector.h"
 
 /* True means over the time since the cycle or interval began; in closed form where the drive is linear. */
 typedef struct plant_means {

@@ -13,7 +13,7 @@
 #ifndef SIM_HOST_PLANT_PLANT_ELECTRICAL_H
 #define SIM_HOST_PLANT_PLANT_ELECTRICAL_H
 
-#include "plant_vector.h"
+#include "../base/vector.h"
 
 typedef struct electrical_linear {
     double R_ohm; /* winding and device on-resistance together */

@@ -14,8 +14,8 @@
 #ifndef SIM_HOST_PLANT_PLANT_MACHINE_H
 #define SIM_HOST_PLANT_PLANT_MACHINE_H
 
+#include "../base/vector.h"
 #include "plant_config.h"
-#include "plant_vector.h"
 
 /* Indices of the state vector. Angles run on within a cycle and are wrapped between cycles. */
 enum {

@@ -1,5 +1,5 @@
 #include "plant_sensor.h"
-#include "plant_vector.h"
+#include "../base/vector.h"
 
 #include <math.h>
 

@@ -1,9 +1,11 @@
 /*
- * Two-component vectors with their frame in the type, so that a rotor-frame vector cannot be added to a
- * stationary one by mistake. Amplitude-invariant Clarke; theta_e is the angle of the d axis from phase A.
+ * The host's vectors in double: two components with their frame in the type, so that a rotor-frame vector
+ * cannot be added to a stationary one by mistake. Amplitude-invariant Clarke; theta_e is the angle of the d
+ * axis from phase A. Arithmetic only: truth (plant) and model share it as they share sin and cos, and no law
+ * of a drive stands here.
  */
-#ifndef SIM_HOST_PLANT_PLANT_VECTOR_H
-#define SIM_HOST_PLANT_PLANT_VECTOR_H
+#ifndef SIM_HOST_BASE_VECTOR_H
+#define SIM_HOST_BASE_VECTOR_H
 
 #include <math.h>
 
@@ -23,6 +25,7 @@ typedef struct vec_rotor {
 #define VEC_HALF_SQRT3 0.86602540378443864676
 #define VEC_1_SQRT3    0.57735026918962576451
 #define VEC_PI         3.14159265358979323846
+#define VEC_TWO_PI     6.28318530717958647693
 
 /* The phases' axes in the stationary frame: phase x of a vector v is axis[x] . v. */
 static const vec_ab vec_phase_axis[3] = {{1.0, 0.0}, {-0.5, VEC_HALF_SQRT3}, {-0.5, -VEC_HALF_SQRT3}};
@@ -48,6 +51,14 @@ static inline vec_ab vec_to_ab(vec_dq v, vec_rotor r)
 static inline double vec_phase(vec_ab v, int x)
 {
     return vec_phase_axis[x].alpha * v.alpha + vec_phase_axis[x].beta * v.beta;
+}
+
+/* The three phases of a vector. */
+static inline void vec_to_phases(vec_ab v, double abc[3])
+{
+    for (int x = 0; x < 3; x++) {
+        abc[x] = vec_phase(v, x);
+    }
 }
 
 /* Clarke, amplitude invariant; what the three have in common drops out. */
