@@ -155,6 +155,7 @@ bool motor_read(const char *path, motor *m, error *e)
     if (!toml_file_close(file)) {
         return false;
     }
+    read.path = path;
     *m = read;
     return true;
 }

@@ -44,6 +44,7 @@ typedef struct motor_extension {
 } motor_extension;
 
 typedef struct motor {
+    const char *path; /* where it was read from, for messages; borrowed from the caller; NULL: made here */
     char name[128];
     int pole_pairs;       /* >= 1 */
     double R_ohm;         /* >= 0 */

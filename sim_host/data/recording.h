@@ -20,6 +20,7 @@ typedef struct stretch {
 } stretch;
 
 typedef struct recording {
+    const char *path; /* where it was read from, for messages; borrowed from the caller; NULL: made here */
     size_t rows;
     double *t_s;           /* required */
     double *i_A[3];        /* required; i_A[2] is filled in when absent */

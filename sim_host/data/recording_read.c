@@ -300,6 +300,8 @@ bool recording_read(const char *path, recording *r, error *e)
     free(in);
     if (!ok) {
         recording_free(r);
+    } else {
+        r->path = path;
     }
     return ok;
 }
