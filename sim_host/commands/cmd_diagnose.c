@@ -4,10 +4,10 @@
 #include "base/json_file.h"
 #include "command.h"
 #include "diagnose/diagnose.h"
-#include "diagnose/diagnose_json.h"
-#include "diagnose/diagnose_text.h"
+#include "diagnose/show/report.h"
+#include "diagnose/tell/json.h"
+#include "diagnose/tell/text.h"
 #include "diagnose_many.h"
-#include "diagnose_report/diagnose_report.h"
 #include "options.h"
 
 #include <stdio.h>
@@ -112,7 +112,7 @@ static bool parse(int argc, char **argv, request *r, error *e)
 /* Files first, words last: what is printed has been written. */
 static bool deliver(const request *r, const report_input *in, json_t *json, error *e)
 {
-    if (r->directory && !diagnose_report_write(in, r->directory, json, e)) {
+    if (r->directory && !report_write(in, r->directory, json, e)) {
         return false;
     }
     if (r->json_path && !json_file_write(r->json_path, json, e)) {
@@ -121,7 +121,7 @@ static bool deliver(const request *r, const report_input *in, json_t *json, erro
     if (r->json_path && strcmp(r->json_path, "-") == 0) {
         return true;
     }
-    diagnose_print(stdout, in->d, r->recording_path, r->motor_path);
+    text_print(stdout, in->d);
     if (r->directory) {
         printf("\n  report: %s/report.html\n", r->directory);
     }
@@ -139,12 +139,12 @@ static bool run(const request *r, error *e)
     diagnose_options how = r->options;
     /* What is measured after the diagnosis goes by its rows. */
     how.series = r->directory != NULL || r->json_path != NULL;
-    bool ok = diagnose(&d, &rec, r->recording_path, &m, &how, e);
+    bool ok = diagnose(&d, &rec, &m, &how, e);
     if (ok) {
-        json_t *json = diagnose_json(&d, r->recording_path, r->motor_path);
-        const report_input in = {&rec, r->recording_path, r->motor_path, &m, &d};
+        json_t *json = json_of_diagnosis(&d);
+        const report_input in = {&rec, &m, &d};
         if (how.series) {
-            diagnose_report_firmware(&in, json);
+            report_firmware(&in, json);
         }
         ok = deliver(r, &in, json, e);
         json_decref(json);

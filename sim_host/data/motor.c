@@ -10,108 +10,115 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const extension_names[EXT_COUNT] = {
-    [EXT_SATURATION] = "saturation",           [EXT_DEAD_TIME] = "dead_time",
-    [EXT_VOLTAGE_GAIN] = "voltage_gain",       [EXT_CURRENT_OFFSET] = "current_offset",
-    [EXT_CURRENT_GAIN] = "current_gain",       [EXT_ANGLE_OFFSET] = "angle_offset",
-    [EXT_ANGLE_HARMONIC] = "angle_harmonic",   [EXT_ANGLE_DELAY] = "angle_delay",
-    [EXT_VOLTAGE_DELAY] = "voltage_delay",     [EXT_EMF_HARMONICS] = "emf_harmonics",
-    [EXT_PHASE_ASYMMETRY] = "phase_asymmetry",
+enum { NEEDED = true, OPTIONAL = false };
+
+const motor_value motor_values[] = {
+#define MACHINE_VALUE(ID, field, kind, name, unit)                                                           \
+    {EXT_##ID, true, #field, name, unit, VALUE_##kind, offsetof(motor, field), NEEDED, NAN},
+#define VALUE(ID, field, key, name, unit, kind, range, need, absent)                                         \
+    {EXT_##ID, false, key, name, unit, VALUE_##kind, offsetof(motor, ext.field), need, absent},
+#include "causes.def"
 };
 
-/* A key of [extension.<id>] that holds a real number: one table for reading and writing. */
-typedef struct extension_key {
-    extension_id id;
-    const char *key;
-    size_t offset; /* of the double within motor_extension */
-    const toml_range *range;
-    bool required; /* else the value that means "no effect" stands */
-} extension_key;
+const size_t motor_values_length = sizeof motor_values / sizeof motor_values[0];
 
-#define AT(member) offsetof(motor_extension, member)
-
-static const extension_key extension_keys[] = {
-    {EXT_SATURATION, "L_0_H", AT(L_0_H), &TOML_POSITIVE, true},
-    {EXT_SATURATION, "I_sat_A", AT(I_sat_A), &TOML_POSITIVE, true},
-    {EXT_DEAD_TIME, "v_dead_V", AT(v_dead_V), &TOML_ANY, true},
-    {EXT_DEAD_TIME, "i_knee_A", AT(i_knee_A), &TOML_NOT_NEGATIVE, true},
-    {EXT_VOLTAGE_GAIN, "k_u", AT(k_u), &TOML_POSITIVE, true},
-    {EXT_CURRENT_OFFSET, "o_a_A", AT(o_A[0]), &TOML_ANY, false},
-    {EXT_CURRENT_OFFSET, "o_b_A", AT(o_A[1]), &TOML_ANY, false},
-    {EXT_CURRENT_OFFSET, "o_c_A", AT(o_A[2]), &TOML_ANY, false},
-    {EXT_CURRENT_GAIN, "g_a", AT(g[0]), &TOML_POSITIVE, false},
-    {EXT_CURRENT_GAIN, "g_b", AT(g[1]), &TOML_POSITIVE, false},
-    {EXT_CURRENT_GAIN, "g_c", AT(g[2]), &TOML_POSITIVE, false},
-    {EXT_ANGLE_OFFSET, "theta_0_rad", AT(theta_0_rad), &TOML_ANY, true},
-    {EXT_ANGLE_HARMONIC, "amplitude_rad", AT(harmonic_amplitude_rad), &TOML_ANY, true},
-    {EXT_ANGLE_HARMONIC, "phase_rad", AT(harmonic_phase_rad), &TOML_ANY, true},
-    {EXT_ANGLE_DELAY, "t_delay_s", AT(t_delay_s), &TOML_ANY, true},
-    {EXT_EMF_HARMONICS, "psi_5_Wb", AT(psi_5_Wb), &TOML_ANY, false},
-    {EXT_EMF_HARMONICS, "psi_7_Wb", AT(psi_7_Wb), &TOML_ANY, false},
-    {EXT_PHASE_ASYMMETRY, "dR_a_ohm", AT(dR_ohm[0]), &TOML_ANY, false},
-    {EXT_PHASE_ASYMMETRY, "dR_b_ohm", AT(dR_ohm[1]), &TOML_ANY, false},
-    {EXT_PHASE_ASYMMETRY, "dR_c_ohm", AT(dR_ohm[2]), &TOML_ANY, false},
-};
-
-enum {
-    EXTENSION_KEYS = sizeof extension_keys / sizeof extension_keys[0],
-    POLE_PAIRS_MAX = 1000,  /* well beyond any machine built; catches a speed in the wrong place */
-    DELAY_CYCLES_MAX = 100, /* likewise */
-};
-
-static double *extension_value(motor_extension *ext, const extension_key *k)
+static toml_range between(double low, double high)
 {
-    return (double *)(void *)((char *)ext + k->offset);
+    return (toml_range){low, high, false};
+}
+
+/* Something added to the rest must not take more than that away. */
+static toml_range leaves(double rest)
+{
+    return (toml_range){-rest, INFINITY, false};
+}
+
+/* What a value may be; it may depend on what stands in [motor]. */
+static toml_range range_of(const motor_value *v, const motor *m)
+{
+#define ANY          TOML_ANY
+#define POSITIVE     TOML_POSITIVE
+#define NOT_NEGATIVE TOML_NOT_NEGATIVE
+    const toml_range range[] = {
+#define MACHINE_VALUE(...)                                           TOML_ANY,
+#define VALUE(ID, field, key, name, unit, kind, range, need, absent) range,
+#include "causes.def"
+    };
+    return range[v - motor_values];
+}
+
+enum { POLE_PAIRS_MAX = 1000 }; /* well beyond any machine built; catches a speed in the wrong place */
+
+static double *place_of(motor *m, const motor_value *v)
+{
+    return (double *)(void *)((char *)m + v->offset);
+}
+
+double motor_value_of(const motor *m, const motor_value *v)
+{
+    if (v->kind == VALUE_MEAN_INDUCTANCE) {
+        return 0.5 * (m->L_d_H + m->L_q_H);
+    }
+    double value;
+    memcpy(&value, (const char *)m + v->offset, sizeof value);
+    return value;
+}
+
+void motor_note_extension(motor *m, cause_id cause)
+{
+    m->ext.has[cause] = false;
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        const bool tells = v->cause == cause && !v->of_machine && !isnan(v->absent);
+        m->ext.has[cause] = m->ext.has[cause] || (tells && motor_value_of(m, v) != v->absent);
+    }
 }
 
 motor motor_blank(void)
 {
     motor m = {0};
-    m.ext.k_u = 1.0;
-    for (int phase = 0; phase < 3; phase++) {
-        m.ext.g[phase] = 1.0;
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        if (!v->of_machine && !isnan(v->absent)) {
+            *place_of(&m, v) = v->absent;
+        }
     }
     return m;
 }
 
-const char *motor_extension_id(extension_id id)
-{
-    return extension_names[id];
-}
-
 /* ---- reading ---- */
 
-static void read_extension(toml_table *all, extension_id id, motor *m)
+static void read_value(toml_table *t, const motor_value *v, motor *m)
 {
-    toml_table *t = toml_table_inner_or_null(all, extension_names[id]);
+    double *value = place_of(m, v);
+    const toml_range range = range_of(v, m);
+    if (v->kind == VALUE_WHOLE) {
+        *value = (double)toml_integer(t, v->key, (long)range.min, (long)range.max);
+    } else {
+        *value = v->needed ? toml_number(t, v->key, range) : toml_number_or(t, v->key, range, *value);
+    }
+}
+
+static void read_extension(toml_table *all, cause_id id, motor *m)
+{
+    toml_table *t = toml_table_inner_or_null(all, cause_table[id].id);
     if (t == NULL) {
         return;
     }
     m->ext.has[id] = true;
-    for (size_t i = 0; i < EXTENSION_KEYS; i++) {
-        const extension_key *k = &extension_keys[i];
-        if (k->id != id) {
-            continue;
-        }
-        double *value = extension_value(&m->ext, k);
-        *value =
-            k->required ? toml_number(t, k->key, *k->range) : toml_number_or(t, k->key, *k->range, *value);
-    }
-    if (id == EXT_VOLTAGE_DELAY) {
-        m->ext.voltage_delay_cycles = (int)toml_integer(t, "cycles", 0, DELAY_CYCLES_MAX);
-    }
-    if (id == EXT_ANGLE_HARMONIC) {
-        m->ext.harmonic_order = (double)toml_integer(t, "order", 1, 2);
-    }
-    if (id == EXT_PHASE_ASYMMETRY) {
-        static const char *const keys[3] = {"dR_a_ohm", "dR_b_ohm", "dR_c_ohm"};
-        for (int phase = 0; phase < 3; phase++) {
-            if (m->R_ohm + m->ext.dR_ohm[phase] < 0.0) {
-                toml_refuse(t, keys[phase], "%s must leave the phase a resistance >= 0, but R_ohm is %g",
-                            keys[phase], m->R_ohm);
-            }
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        if (v->cause == id && !v->of_machine) {
+            read_value(t, v, m);
         }
     }
+}
+
+bool motor_is_extension(cause_id id)
+{
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        if (v->cause == id && !v->of_machine) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* A motor without a name is called by its file. */
@@ -149,7 +156,9 @@ bool motor_read(const char *path, motor *m, error *e)
 
     t = toml_table_inner_or_null(root, "extension");
     for (int id = 0; id < EXT_COUNT; id++) {
-        read_extension(t, (extension_id)id, &read);
+        if (motor_is_extension((cause_id)id)) {
+            read_extension(t, (cause_id)id, &read);
+        }
     }
 
     if (!toml_file_close(file)) {
@@ -215,18 +224,12 @@ static void put_comment(FILE *out, const char *comment)
     }
 }
 
-static void put_extension(FILE *out, extension_id id, motor_extension ext)
+static void put_extension(FILE *out, cause_id id, const motor *m)
 {
-    fprintf(out, "\n[extension.%s]\n", extension_names[id]);
-    if (id == EXT_VOLTAGE_DELAY) {
-        fprintf(out, "cycles = %d\n", ext.voltage_delay_cycles);
-    }
-    if (id == EXT_ANGLE_HARMONIC) {
-        put_number(out, "order", ext.harmonic_order);
-    }
-    for (size_t i = 0; i < EXTENSION_KEYS; i++) {
-        if (extension_keys[i].id == id) {
-            put_number(out, extension_keys[i].key, *extension_value(&ext, &extension_keys[i]));
+    fprintf(out, "\n[extension.%s]\n", cause_table[id].id);
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        if (v->cause == id && !v->of_machine) {
+            put_number(out, v->key, motor_value_of(m, v));
         }
     }
 }
@@ -236,11 +239,8 @@ static bool is_finite(const motor *m)
 {
     double sum = m->R_ohm + m->L_d_H + m->L_q_H + m->psi_f_Wb + m->I_rated_A_rms + m->n_max_rpm +
                  m->f_pwm_Hz + m->u_dc_V;
-    motor_extension ext = m->ext;
-    for (size_t i = 0; i < EXTENSION_KEYS; i++) {
-        if (ext.has[extension_keys[i].id]) {
-            sum += *extension_value(&ext, &extension_keys[i]);
-        }
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        sum += v->of_machine || m->ext.has[v->cause] ? motor_value_of(m, v) : 0.0;
     }
     return isfinite(sum) != 0;
 }
@@ -272,8 +272,8 @@ bool motor_write(const char *path, const motor *m, const char *comment, error *e
     put_number(out, "u_dc_V", m->u_dc_V);
 
     for (int id = 0; id < EXT_COUNT; id++) {
-        if (m->ext.has[id]) {
-            put_extension(out, (extension_id)id, m->ext);
+        if (m->ext.has[id] && motor_is_extension((cause_id)id)) {
+            put_extension(out, (cause_id)id, m);
         }
     }
     return out_file_commit(&f, e);

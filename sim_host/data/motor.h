@@ -8,39 +8,17 @@
 #define SIM_HOST_DATA_MOTOR_H
 
 #include "../base/error.h"
+#include "cause.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
-/* The effects that the averaged model knows beyond [motor]; the names in text are motor_extension_id(). */
-typedef enum extension_id {
-    EXT_SATURATION,
-    EXT_DEAD_TIME,
-    EXT_VOLTAGE_GAIN,
-    EXT_CURRENT_OFFSET,
-    EXT_CURRENT_GAIN,
-    EXT_ANGLE_OFFSET,
-    EXT_ANGLE_HARMONIC,
-    EXT_ANGLE_DELAY,
-    EXT_VOLTAGE_DELAY,
-    EXT_EMF_HARMONICS,
-    EXT_PHASE_ASYMMETRY,
-    EXT_COUNT
-} extension_id;
-
+/* One field a parameter of causes.def, and which [extension.<id>] tables stand. */
 typedef struct motor_extension {
     bool has[EXT_COUNT];
-    double L_0_H, I_sat_A;     /* saturation: flux/current = L_0 / (1 + (|i|/I_sat)^2), both axes in ratio */
-    double v_dead_V, i_knee_A; /* dead_time */
-    double k_u;                /* voltage_gain: applied = k_u * recorded; 1 when absent */
-    double o_A[3];             /* current_offset: measured = g * true + o */
-    double g[3];               /* current_gain; 1 when absent */
-    double theta_0_rad;        /* angle_offset: recorded = true + theta_0 */
-    double harmonic_order;     /* angle_harmonic: 1 or 2 per mechanical revolution */
-    double harmonic_amplitude_rad, harmonic_phase_rad;
-    double t_delay_s;          /* angle_delay: recorded(t_k) = true(t_k + t_delay) */
-    int voltage_delay_cycles;  /* voltage_delay: applied in k = recorded in k - cycles */
-    double psi_5_Wb, psi_7_Wb; /* emf_harmonics, signed flux */
-    double dR_ohm[3];          /* phase_asymmetry */
+#define VALUE(ID, field, ...)        double field;
+#define PHASE_VALUES(ID, field, ...) double field[3];
+#include "causes.def"
 } motor_extension;
 
 typedef struct motor {
@@ -57,11 +35,38 @@ typedef struct motor {
     motor_extension ext;
 } motor;
 
+/* A parameter of a cause: where it stands in a motor. */
+typedef enum motor_value_kind {
+    VALUE_REAL,
+    VALUE_WHOLE,
+    VALUE_MEAN_INDUCTANCE /* of L_d_H and L_q_H */
+} motor_value_kind;
+
+typedef struct motor_value {
+    cause_id cause;
+    bool of_machine;  /* stands in [motor], not in [extension.<id>] */
+    const char *key;  /* in the file: "v_dead_V"; for a mean, none */
+    const char *name; /* in the diagnosis: "v_dead" */
+    const char *unit;
+    motor_value_kind kind;
+    size_t offset; /* of the double within motor */
+    bool needed;   /* else `absent` may stand for it */
+    double absent; /* means no effect; NAN: its being there says nothing */
+} motor_value;
+
+extern const motor_value motor_values[];
+extern const size_t motor_values_length;
+
+double motor_value_of(const motor *m, const motor_value *v);
+
+/* Whether [extension.<id>] is a table that a motor file may hold. */
+bool motor_is_extension(cause_id id);
+
+/* Sets `has` of a cause to whether any of its values differs from the one that means no effect. */
+void motor_note_extension(motor *m, cause_id cause);
+
 /* A motor with every value 0, every gain 1 and no extension. */
 motor motor_blank(void);
-
-/* The id as in the file and the JSON: "dead_time". */
-const char *motor_extension_id(extension_id id);
 
 /* Reads and checks; on failure *e holds file, line, column and what was expected. */
 bool motor_read(const char *path, motor *m, error *e);

@@ -1,11 +1,19 @@
 #include "diagnose.h"
 
-#include "causes.h"
-#include "confusion.h"
-#include "diagnose_text.h"
-#include "measure.h"
-#include "plausible.h"
-#include "search.h"
+#include "check/columns.h"
+#include "check/motor_file.h"
+#include "check/wiring.h"
+#include "choose/causes.h"
+#include "choose/confusion.h"
+#include "identify/fit.h"
+#include "measure/errors.h"
+#include "measure/floor.h"
+#include "measure/glitches.h"
+#include "measure/lines.h"
+#include "measure/runs.h"
+#include "tell/advice.h"
+#include "tell/named.h"
+#include "tell/sentence.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,11 +38,11 @@ static const double FAR_OFF = 15.0;
  * matters. */
 static void mention_decoys(const session *w, diagnosis *d)
 {
-    averaged_drive all = parameters_drive(&w->parameters, w->state.z);
+    averaged_drive all = session_drive(w, w->state.z);
     double best = measure_one_cycle(&w->rows, &all, MEASURE_ALL, true);
     double share = 1.0 - best * best / (d->extended * d->extended);
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if ((w->state.set & HYPOTHESIS_BIT(h)) && !hypothesis_table[h].named && share > STRUCTURE_SHARE) {
+        if ((w->state.set & HYPOTHESIS_BIT(h)) && !hypothesis_cause(h)->named && share > STRUCTURE_SHARE) {
             size_t used = strlen(d->structure.words);
             d->structure.certain = true;
             snprintf(d->structure.words + used, sizeof d->structure.words - used, "%sit looks like %s",
@@ -45,33 +53,33 @@ static void mention_decoys(const session *w, diagnosis *d)
 
 static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
-    search_view *view = calloc(1, sizeof *view);
-    if (!view || !search_look(&w->fitted, &w->state, view)) {
+    evidence_view *view = calloc(1, sizeof *view);
+    if (!view || !evidence_look(&w->fitted, &w->state, view)) {
         free(view);
         return false;
     }
     confusion_find(d, view, &w->state, member, w->possible, w->certainty.inflation);
-    search_option own;
-    search_option none;
-    search_cost(view, &w->state, w->state.set, &own);
-    search_cost(view, &w->state, 0, &none);
+    evidence_option own;
+    evidence_option none;
+    evidence_cost(view, &w->state, w->state.set, &own);
+    evidence_cost(view, &w->state, 0, &none);
     for (hypothesis_id h = 0; h < H_COUNT && d->hypotheses < sizeof d->hypothesis / sizeof *d->hypothesis;
          h++) {
         diagnosis_hypothesis *row = &d->hypothesis[d->hypotheses++];
-        search_option alone;
-        search_option more;
+        evidence_option alone;
+        evidence_option more;
         *row =
-            (diagnosis_hypothesis){.id = hypothesis_table[h].cause,
+            (diagnosis_hypothesis){.id = hypothesis_cause(h)->id,
                                    .words = hypothesis_table[h].words,
-                                   .named = (w->state.set & HYPOTHESIS_BIT(h)) && hypothesis_table[h].named,
+                                   .named = (w->state.set & HYPOTHESIS_BIT(h)) && hypothesis_cause(h)->named,
                                    .possible = (w->possible & HYPOTHESIS_BIT(h)) != 0,
                                    .skipped = (skipped & HYPOTHESIS_BIT(h)) != 0};
-        search_cost(view, &w->state, HYPOTHESIS_BIT(h), &alone);
+        evidence_cost(view, &w->state, HYPOTHESIS_BIT(h), &alone);
         if (none.cost > own.cost) {
             row->alone = fmin(fmax((none.cost - alone.cost) / (none.cost - own.cost), 0.0), 1.0);
         }
         if (hypothesis_joins(w->state.set, h)) {
-            search_cost(view, &w->state, w->state.set | HYPOTHESIS_BIT(h), &more);
+            evidence_cost(view, &w->state, w->state.set | HYPOTHESIS_BIT(h), &more);
             row->beyond = fmax(own.cost - more.cost, 0.0);
         }
     }
@@ -81,7 +89,7 @@ static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *m
 
 static void decide(diagnosis *d)
 {
-    double tolerance = CAUSES_FLOOR_TOLERANCE * d->noise_floor;
+    double tolerance = DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
     if (d->causes == 0) {
         d->verdict = d->nominal <= tolerance && !d->structure.certain ? VERDICT_CLEAN : VERDICT_UNEXPLAINED;
     } else {
@@ -93,7 +101,7 @@ static void decide(diagnosis *d)
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
-    w->possible = hypotheses_possible(&w->rows, &w->parameters) & ~options->skip;
+    w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     w->nominal = fit_nominal();
     fit_noise(&w->fitted, &w->nominal);
     for (int k = 0; k < GAIN_ROUNDS; k++) {
@@ -102,7 +110,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!causes_find(w, options->trace)) {
         return false;
     }
-    d->outliers = measure_outliers(&w->fitted, &w->state);
+    d->outliers = measure_glitches(&w->fitted, &w->state);
     if (d->outliers > 0) {
         /* Glitches pull on every estimate: once more without them. */
         if (options->trace) {
@@ -113,15 +121,15 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
             return false;
         }
     }
-    d->nominal_drive = w->parameters.nominal;
+    d->nominal_drive = w->frame.nominal;
     d->extended_motor = *m;
     d->nominal = measure_one_cycle(&w->rows, &d->nominal_drive, MEASURE_ALL, true);
-    causes_order(w, d, member);
+    named_tell(w, d, member);
     d->extended = measure_one_cycle(&w->rows, &d->extended_drive, MEASURE_ALL, true);
     double current = measure_current(&w->rows, MEASURE_ALL, true);
     d->noise_floor =
         100.0 * measure_floor(&w->rows, &w->state, &d->extended_drive, &d->sensor_noise_A) / current;
-    if (!measure_structure(&w->fitted, &w->state, d->extended / d->noise_floor, &d->structure)) {
+    if (!measure_lines(&w->fitted, &w->state, d->extended / d->noise_floor, &d->structure)) {
         return false;
     }
     mention_decoys(w, d);
@@ -129,28 +137,29 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!tabulate_hypotheses(w, d, member, options->skip)) {
         return false;
     }
-    confusion_advise(d, &w->rows, w->state.set);
-    diagnose_sentence(d);
+    advice_tell(w, d);
+    sentence_tell(d);
     for (size_t b = 0; b < w->rows.blocks; b++) {
         d->rows_used += w->rows.block[b].count;
         d->rows_held_out += w->rows.block[b].held_out ? w->rows.block[b].count : 0;
     }
-    return measure_runs(&w->rows, &w->state, d, options->series);
+    return measure_runs(&w->rows, d, options->series);
 }
 
-bool diagnose(diagnosis *d, const recording *rec, const char *recording_path, const motor *m,
-              const diagnose_options *options, error *e)
+bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose_options *options, error *e)
 {
     memset(d, 0, sizeof *d);
+    d->recording_path = rec->path;
+    d->motor_path = m->path;
     d->rows = rec->rows;
     session *w = calloc(1, sizeof *w);
     if (!w) {
         return error_failure(e, 0, "out of memory");
     }
-    bool ok = plausible_columns(rec, recording_path, m, e) && rows_prepare(&w->rows, rec, m, e);
+    bool ok = check_columns(rec, m, e) && rows_prepare(&w->rows, rec, m, e);
     if (ok) {
-        w->parameters = parameters_of(m, &w->rows);
-        ok = fit_data_make(&w->fitted, &w->rows, &w->parameters, SEARCH_ROWS, false, e);
+        w->frame = coordinates_of(m, &w->rows);
+        ok = fit_data_make(&w->fitted, &w->rows, &w->frame, SEARCH_ROWS, e);
     }
     if (ok && !work(w, d, m, options)) {
         ok = error_failure(e, 0, "out of memory in the diagnosis of %zu rows", rec->rows);
@@ -158,9 +167,9 @@ bool diagnose(diagnosis *d, const recording *rec, const char *recording_path, co
     /* Causes that explain the recording are believed; otherwise the wiring is suspected before the physics.
      */
     if (ok && d->extended > SUSPECT * d->noise_floor) {
-        ok = plausible_wiring(rec, m, d->extended > FAR_OFF, recording_path, e);
+        ok = check_wiring(rec, m, d->extended > FAR_OFF, e);
     }
-    ok = ok && plausible_motor(&d->extended_drive, &d->nominal_drive, recording_path, e);
+    ok = ok && check_motor_file(&d->extended_drive, &d->nominal_drive, rec, e);
     fit_data_free(&w->fitted);
     rows_free(&w->rows);
     free(w);

@@ -2,16 +2,16 @@
  * The diagnosis: from a recording and a motor file to what the model gets wrong, why, and what mending it
  * gains.
  *
- * In order: check that the recording can be used (plausible.h), cut it into fitted and held-out blocks
- * (rows.h), find the set of causes (search.h), keep those that are certain (certainty.h), and measure on the
- * held-out blocks (measure.h).
+ * In order, each a folder: check that the recording can be used; identify, on fitted blocks, what a set of
+ * hypotheses would move; measure errors on held-out ones; choose the set of causes; tell what was found. What is
+ * shown beside it (pictures, the firmware's header, the plant as a witness) is made of the result (show/).
  */
 #ifndef SIM_HOST_DIAGNOSE_DIAGNOSE_H
 #define SIM_HOST_DIAGNOSE_DIAGNOSE_H
 
-#include "../base/error.h"
-#include "diagnose_result.h"
-#include "hypotheses.h"
+#include "base/error.h"
+#include "diagnose/identify/hypotheses.h"
+#include "result.h"
 
 #include <stdio.h>
 
@@ -21,8 +21,7 @@ typedef struct diagnose_options {
     bool series;         /* fill the series (the report needs them) */
 } diagnose_options;
 
-/* `recording_path` is for messages. On failure *e is set and nothing needs to be freed. */
-bool diagnose(diagnosis *d, const recording *rec, const char *recording_path, const motor *m,
-              const diagnose_options *options, error *e);
+/* On failure *e is set and nothing needs to be freed. */
+bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose_options *options, error *e);
 
 #endif

@@ -11,15 +11,12 @@
 #ifndef SIM_HOST_MODEL_AVERAGED_DRIVE_H
 #define SIM_HOST_MODEL_AVERAGED_DRIVE_H
 
+#include "../base/vector.h"
 #include "../data/motor.h"
 #include "averaged.h"
 
 #include <stdbool.h>
 #include <stddef.h>
-
-typedef struct vector_ab {
-    double a, b;
-} vector_ab;
 
 /* How the loss of dead time depends on the current near zero; v_dead is what it tends to far from zero in
  * each case. */
@@ -60,20 +57,20 @@ typedef struct averaged_drive {
 } averaged_drive;
 
 /* What one row of a recording says about its cycle. Angles and speed as recorded. */
-typedef struct drive_row {
-    vector_ab u_V[3]; /* recorded voltage of this cycle, of the one before and of two before */
+typedef struct cycle_row {
+    vec_ab u_V[3]; /* recorded voltage of this cycle, of the one before and of two before */
     double cos_theta, sin_theta;
     double cos_turn, sin_turn; /* of omega T */
     double omega_rad_s;
     double cos_mech, sin_mech;
-    double rise[3];              /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
-    vector_ab edge_ripple_Wb[3]; /* flux ripple when each leg rises; the opposite when it falls */
-    double node_h;               /* where the speed lies from its node, in node steps */
-    size_t node;                 /* index into the table */
-    double temperature_K;        /* above the recording's mean; 0 without temp_C */
-    vector_ab i_A;               /* recorded currents, Clarke (amplitude-invariant) */
-    double i_zero_A;             /* mean of the three recorded currents; 0 if only two were recorded */
-} drive_row;
+    double rise[3];           /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
+    vec_ab edge_ripple_Wb[3]; /* flux ripple when each leg rises; the opposite when it falls */
+    double node_h;            /* where the speed lies from its node, in node steps */
+    size_t node;              /* index into the table */
+    double temperature_K;     /* above the recording's mean; 0 without temp_C */
+    vec_ab i_A;               /* recorded currents, Clarke (amplitude-invariant) */
+    double i_zero_A;          /* mean of the three recorded currents; 0 if only two were recorded */
+} cycle_row;
 
 averaged_drive averaged_drive_of(const motor *m);
 
@@ -82,8 +79,8 @@ averaged_drive averaged_drive_of(const motor *m);
 motor averaged_drive_motor(const averaged_drive *drive, const motor *base);
 
 /* True current at the end of the row's cycle. `nodes` is the table for this drive's R, L_d, L_q. */
-vector_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes,
-                                 const drive_row *row, vector_ab i_true);
+vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes, const cycle_row *row,
+                              vec_ab i_true);
 
 /* The share of v_dead that an edge loses at x = i / knee. */
 double averaged_drive_edge(edge_law law, double x);
@@ -92,14 +89,14 @@ double averaged_drive_edge(edge_law law, double x);
  * shows. */
 typedef struct sensor_map {
     double forward[2][2], back[2][2];
-    vector_ab offset;
+    vec_ab offset;
     double zero[2]; /* mean of the three recorded currents = zero . true + zero_offset_A */
     double zero_offset_A;
 } sensor_map;
 
 /* `two_sensors`: phase C was not measured, and -a-b of the recorded ones stands for it. */
 sensor_map averaged_drive_sensors(const averaged_drive *drive, bool two_sensors);
-vector_ab sensor_map_measure(const sensor_map *map, vector_ab i_true);
-vector_ab sensor_map_unmeasure(const sensor_map *map, vector_ab i_recorded);
+vec_ab sensor_map_measure(const sensor_map *map, vec_ab i_true);
+vec_ab sensor_map_unmeasure(const sensor_map *map, vec_ab i_recorded);
 
 #endif

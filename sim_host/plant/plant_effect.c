@@ -27,7 +27,7 @@ static double typical_value(const plant_config *c, const effect_key *key)
     case ABSOLUTE:
         break;
     case OF_ITSELF:
-        if (key->kind == MEAN_INDUCTANCE || key->kind == BOTH_INDUCTANCES) {
+        if (key->kind == KEY_MEAN_INDUCTANCE || key->kind == KEY_BOTH_INDUCTANCES) {
             unit = 0.5 * (c->machine.L_d_H + c->machine.L_q_H);
         } else {
             memcpy(&unit, (const char *)c + key->offset, sizeof unit);
@@ -58,24 +58,24 @@ static bool set_key(plant_config *c, const effect_key *key, double value)
     const bool whole = value == floor(value) && fabs(value) < 1e9;
     char *field = (char *)c + key->offset;
     switch (key->kind) {
-    case REAL:
+    case KEY_REAL:
         memcpy(field, &value, sizeof value);
         return true;
-    case WHOLE: {
+    case KEY_WHOLE: {
         const int number = whole ? (int)value : 0;
         memcpy(field, &number, sizeof number);
         return whole;
     }
-    case FLAG: {
+    case KEY_FLAG: {
         const bool flag = value == 1.0;
         memcpy(field, &flag, sizeof flag);
         return value == 0.0 || value == 1.0;
     }
-    case BOTH_INDUCTANCES:
+    case KEY_BOTH_INDUCTANCES:
         c->machine.L_d_H = value;
         c->machine.L_q_H = value;
         return true;
-    case MEAN_INDUCTANCE: {
+    case KEY_MEAN_INDUCTANCE: {
         const double scale = value / (0.5 * (c->machine.L_d_H + c->machine.L_q_H));
         c->machine.L_d_H *= scale;
         c->machine.L_q_H *= scale;
@@ -146,7 +146,7 @@ static bool take_setting(plant_config *c, const effect *f, const char *text, con
                                text, f->key[k].name, number_complaint(result), f->key[k].unit);
         }
         if (!set_key(c, &f->key[k], value)) {
-            const char *expected = f->key[k].kind == FLAG ? "0 or 1" : "a whole number";
+            const char *expected = f->key[k].kind == KEY_FLAG ? "0 or 1" : "a whole number";
             return error_input(e, NULL, 0, 0, "effect \"%s\": %s is %g, expected %s", text, f->key[k].name,
                                value, expected);
         }

@@ -21,7 +21,7 @@ typedef enum relative_to {
     OF_RESISTANCE
 } relative_to;
 
-typedef enum key_kind { REAL, WHOLE, FLAG, BOTH_INDUCTANCES, MEAN_INDUCTANCE } key_kind;
+typedef enum key_kind { KEY_REAL, KEY_WHOLE, KEY_FLAG, KEY_BOTH_INDUCTANCES, KEY_MEAN_INDUCTANCE } key_kind;
 
 typedef struct effect_key {
     const char *name;

@@ -88,17 +88,17 @@ static void a_node_serves_its_neighbourhood(void)
 static void sensors_invert(void)
 {
     averaged_drive d = {.L_d_H = 1.0, .L_q_H = 1.0, .g = {0.95, 1.04, 1.01}, .offset_ab_A = {0.3, -0.2}};
-    const vector_ab i = {3.0, -4.0};
+    const vec_ab i = {3.0, -4.0};
     for (int two = 0; two < 2; two++) {
         sensor_map map = averaged_drive_sensors(&d, two == 1);
-        vector_ab shown = sensor_map_measure(&map, i);
-        vector_ab back = sensor_map_unmeasure(&map, shown);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.a, back.a);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.b, back.b);
+        vec_ab shown = sensor_map_measure(&map, i);
+        vec_ab back = sensor_map_unmeasure(&map, shown);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.alpha, back.alpha);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.beta, back.beta);
     }
     /* Phase A alone reads g_a i_a + (2 o_a - o_b - o_c)/3 when two sensors make the vector. */
     sensor_map two = averaged_drive_sensors(&d, true);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.95 * 3.0 + 0.3, sensor_map_measure(&two, i).a);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.95 * 3.0 + 0.3, sensor_map_measure(&two, i).alpha);
 }
 
 static void an_edge_loses_its_share(void)
@@ -120,7 +120,7 @@ static void the_extended_motor_file_says_the_same_drive(void)
     m.ext.L_0_H = 0.0095;
     m.ext.I_sat_A = 20.0;
     m.ext.has[EXT_VOLTAGE_DELAY] = true;
-    m.ext.voltage_delay_cycles = 1;
+    m.ext.voltage_delay_cycles = 1.0;
     averaged_drive d = averaged_drive_of(&m);
     motor base = bench_motor();
     motor again = averaged_drive_motor(&d, &base);
@@ -129,7 +129,7 @@ static void the_extended_motor_file_says_the_same_drive(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -2.5, again.ext.harmonic_phase_rad);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0095, again.ext.L_0_H);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 20.0, again.ext.I_sat_A);
-    TEST_ASSERT_EQUAL_INT(1, again.ext.voltage_delay_cycles);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, again.ext.voltage_delay_cycles);
     TEST_ASSERT_FALSE(again.ext.has[EXT_DEAD_TIME] || again.ext.has[EXT_CURRENT_GAIN]);
 }
 

@@ -28,7 +28,7 @@ static diagnosis look(const bench *b, const char *skip)
     diagnosis d;
     error e = {0};
     diagnose_options options = {.skip = skip ? hypotheses_of_cause(skip) : 0, .series = true};
-    bool ok = diagnose(&d, &r, "bench", &file, &options, &e);
+    bool ok = diagnose(&d, &r, &file, &options, &e);
     TEST_ASSERT_TRUE_MESSAGE(ok, e.text);
     recording_free(&r);
     return d;
@@ -119,7 +119,7 @@ static void everything_scaled_alike_is_one_voltage_gain(void)
 static void a_voltage_that_acts_late_is_found(void)
 {
     good.m.ext.has[EXT_VOLTAGE_DELAY] = true;
-    good.m.ext.voltage_delay_cycles = 1;
+    good.m.ext.voltage_delay_cycles = 1.0;
     diagnosis d = look(&good, NULL);
     one_cause(&d, "voltage_delay");
     holds(&d.cause[0], "cycles", 1.0);
@@ -274,7 +274,7 @@ static void the_extended_motor_needs_nothing_more(void)
     diagnosis again;
     error e = {0};
     diagnose_options options = {0};
-    TEST_ASSERT_TRUE(diagnose(&again, &r, "bench", &first.extended_motor, &options, &e));
+    TEST_ASSERT_TRUE(diagnose(&again, &r, &first.extended_motor, &options, &e));
     TEST_ASSERT_EQUAL_INT(VERDICT_CLEAN, again.verdict);
     recording_free(&r);
     diagnosis_free(&first);

@@ -28,7 +28,8 @@ static void refused_with(const char *words)
     diagnosis d;
     error e = {0};
     diagnose_options options = {0};
-    bool ok = diagnose(&d, &r, "bench.csv", &file, &options, &e);
+    r.path = "bench.csv";
+    bool ok = diagnose(&d, &r, &file, &options, &e);
     TEST_ASSERT_FALSE_MESSAGE(ok, words);
     TEST_ASSERT_EQUAL_INT(STATUS_UNUSABLE, e.status);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, words), e.text);

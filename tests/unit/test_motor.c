@@ -142,7 +142,7 @@ static void test_what_is_no_toml_is_refused(void)
 
 static void test_extension_rules(void)
 {
-    expect_refused(0, "", "[extension.phase_asymmetry]\ndR_b_ohm = -0.8\n", "17:12", "dR_b_ohm must leave");
+    expect_refused(0, "", "[extension.phase_asymmetry]\ndR_b_ohm = -0.8\n", "17:12", "dR_b_ohm must be a number >= -0.75, not -0.8");
     expect_refused(0, "", "[extension.angle_harmonic]\norder = 3\namplitude_rad = 0.1\nphase_rad = 0\n",
                    "17:9", "order must be a whole number from 1 to 2, not 3");
     expect_refused(0, "", "[extension.voltage_delay]\ncycles = -1\n", "17:10", "cycles must be");
@@ -167,9 +167,9 @@ static void test_written_is_read_back_to_the_same_bits(void)
         *values[i] = sqrt((double)i + 2.0) * pow(10.0, (double)(i % 7) - 5.0);
     }
     m.ext.harmonic_order = 2.0;
-    m.ext.voltage_delay_cycles = 1;
+    m.ext.voltage_delay_cycles = 1.0;
     for (int id = 0; id < EXT_COUNT; id++) {
-        m.ext.has[id] = true;
+        m.ext.has[id] = motor_is_extension((cause_id)id);
     }
 
     error e = {0};
@@ -188,9 +188,9 @@ static void test_written_is_read_back_to_the_same_bits(void)
         TEST_ASSERT_EQUAL_MEMORY(values[i], (const char *)&back + offset, sizeof(double));
     }
     TEST_ASSERT_TRUE(back.ext.harmonic_order == 2.0);
-    TEST_ASSERT_EQUAL(1, back.ext.voltage_delay_cycles);
+    TEST_ASSERT_TRUE(back.ext.voltage_delay_cycles == 1.0);
     for (int id = 0; id < EXT_COUNT; id++) {
-        TEST_ASSERT_TRUE_MESSAGE(back.ext.has[id], motor_extension_id((extension_id)id));
+        TEST_ASSERT_EQUAL_MESSAGE(motor_is_extension((cause_id)id), back.ext.has[id], cause_table[id].id);
     }
 }
 

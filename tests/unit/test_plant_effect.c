@@ -86,8 +86,8 @@ static void test_each_id_changes_its_own(void)
     TEST_ASSERT_TRUE(with("emf_harmonics:psi_7=0.001").machine.psi_7_Wb == 0.001);
     TEST_ASSERT_TRUE(with("phase_asymmetry:dR_b=0.2").machine.dR_ohm[1] == 0.2);
     TEST_ASSERT_TRUE(with("u_dc_ripple:amplitude=10,frequency=300,logged=1").inverter.ripple_logged);
-    TEST_ASSERT_FALSE(with("ripple:amplitude=10,frequency=300").inverter.ripple_logged);
-    TEST_ASSERT_TRUE(with("ripple:amplitude=10,frequency=300").inverter.ripple_V == 10.0);
+    TEST_ASSERT_FALSE(with("u_dc_ripple:amplitude=10,frequency=300,logged=0").inverter.ripple_logged);
+    TEST_ASSERT_TRUE(with("u_dc_ripple:amplitude=10,frequency=300").inverter.ripple_V == 10.0);
     TEST_ASSERT_TRUE(with("iron_loss:R_fe=300,tau_fe=4e-5").machine.R_fe_ohm == 300.0);
     TEST_ASSERT_TRUE(with("glitch:probability=0.01").inverter.glitch_probability == 0.01);
     TEST_ASSERT_TRUE(with("loose_sensor:channel=2,probability=0.01").sensors.loose_channel == 2);
@@ -102,7 +102,7 @@ static void test_typical_sizes(void)
         const plant_config c = with(id);
         TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), id);
     }
-    TEST_ASSERT_EQUAL_INT(24, n);
+    TEST_ASSERT_EQUAL_INT(23, n);
     TEST_ASSERT_NULL(plant_effect_id(-1));
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2e-6, with("dead_time").inverter.t_dead_s);
 }
@@ -111,7 +111,7 @@ static void test_typical_sizes(void)
 static void test_needed_keys(void)
 {
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0 * sqrt(2.0) * 10.0, with("saturation:L_0=5e-3").machine.I_sat_A);
-    TEST_ASSERT_TRUE(with("ripple:amplitude=5").inverter.ripple_Hz == 300.0);
+    TEST_ASSERT_TRUE(with("u_dc_ripple:amplitude=5").inverter.ripple_Hz == 300.0);
     TEST_ASSERT_TRUE(with("iron_loss:R_fe=100").machine.tau_fe_s == 50e-6);
     TEST_ASSERT_TRUE(with("current_quantisation:bits=12").sensors.current_full_scale_A > 28.0);
     TEST_ASSERT_TRUE(with("dead_time:t_dead=1e-6").inverter.v_diode_V == 0.0);

@@ -1,0 +1,14 @@
+/*
+ * Whether the fitted values are so far from the file's that the recording is another motor's.
+ */
+#ifndef SIM_HOST_DIAGNOSE_CHECK_MOTOR_FILE_H
+#define SIM_HOST_DIAGNOSE_CHECK_MOTOR_FILE_H
+
+#include "data/recording.h"
+#include "model/averaged_drive.h"
+
+/* False with one line in *e. */
+bool check_motor_file(const averaged_drive *fitted, const averaged_drive *file, const recording *rec,
+                      error *e);
+
+#endif

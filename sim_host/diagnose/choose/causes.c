@@ -1,0 +1,183 @@
+#include "causes.h"
+
+#include "confusion.h"
+#include "diagnose/identify/fit.h"
+#include "diagnose/measure/errors.h"
+#include "diagnose/measure/floor.h"
+#include "evidence.h"
+#include "search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * A cause is certain when its robust chi square exceeds this per parameter, and its strongest parameter
+ * stands two 95 % half widths off nought: about one false cause in ten thousand recordings if all is as
+ * assumed, which leaves room for what is not.
+ */
+static const double CERTAIN_CHI_SQUARE = 25.0;
+static const double CERTAIN_HALF_WIDTHS = 2.0;
+
+/* Beside structure that no hypothesis explains a cause may be a part of that: the least share of what is
+ * left. */
+static const double LEAST_SHARE_OF_REST = 0.05;
+
+static bool is_certain(const session *w, hypothesis_id h)
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    if (hypo->fixed) {
+        return true;
+    }
+    double strongest = 0.0;
+    for (size_t k = 0; k < hypo->columns; k++) {
+        double half = certainty_half_width(&w->certainty, hypo->column[k]);
+        double z = column_value(hypo->column[k], w->state.z);
+        strongest = fmax(strongest, half > 0.0 ? fabs(z) / half : 0.0);
+    }
+    return certainty_chi_square(&w->certainty, &w->state, h) > CERTAIN_CHI_SQUARE * (double)hypo->columns &&
+           strongest > CERTAIN_HALF_WIDTHS;
+}
+
+/* Held-out error of the model that holds the named members of a set, at the fitted values. */
+static double named_error(const session *w, hypothesis_set set)
+{
+    double z[P_COUNT] = {0};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if ((set & HYPOTHESIS_BIT(h)) && hypothesis_cause(h)->named) {
+            session_adopt(w, h, z);
+        }
+    }
+    averaged_drive drive = session_drive(w, z);
+    return measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
+}
+
+/* What is left of the one-cycle error beyond the sensors' noise, as a share of the noise's power. */
+static double rest_of(const session *w)
+{
+    double noise = 0.0;
+    averaged_drive drive = session_drive(w, w->state.z);
+    double floor = measure_floor(&w->rows, &w->state, &drive, &noise);
+    double wrong = 0.01 * measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true) *
+                   measure_current(&w->rows, MEASURE_ALL, true);
+    return floor > 0.0 ? fmax(wrong * wrong / (floor * floor) - 1.0, 0.0) : 0.0;
+}
+
+/* Whether another cause would do as well in h's place. */
+static bool is_open(const session *w, const evidence_view *view, double own_cost, hypothesis_id h)
+{
+    for (hypothesis_id other = 0; other < H_COUNT; other++) {
+        if ((w->possible & HYPOTHESIS_BIT(other)) &&
+            confusion_of(view, &w->state, own_cost, h, other, w->certainty.inflation)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The member that is least worth its name, H_COUNT if all are. */
+static hypothesis_id weakest(const session *w, const evidence_view *view)
+{
+    evidence_option own;
+    evidence_option none;
+    hypothesis_set decoys = 0;
+    evidence_cost(view, &w->state, w->state.set, &own);
+    /* A voltage that acts late is exactly that: its law leaves nothing that another cause could be taken for. */
+    hypothesis_set exact = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        exact |= hypothesis_table[h].exact ? HYPOTHESIS_BIT(h) : 0;
+    }
+    evidence_cost(view, &w->state, w->state.set & exact, &none);
+    double rest = rest_of(w);
+    double unexplained =
+        rest > DIAGNOSIS_FLOOR_TOLERANCE * DIAGNOSIS_FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
+    double cost_without[H_COUNT] = {0};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (w->state.set & HYPOTHESIS_BIT(h)) {
+            evidence_option without;
+            evidence_cost(view, &w->state, w->state.set & ~HYPOTHESIS_BIT(h), &without);
+            cost_without[h] = without.cost - own.cost;
+            if (!hypothesis_cause(h)->named) {
+                decoys |= HYPOTHESIS_BIT(h);
+            }
+        }
+    }
+    double with_all = decoys ? named_error(w, w->state.set) : 0.0;
+    hypothesis_id worst = H_COUNT;
+    double least = INFINITY;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        double bar = evidence_least(none.cost - own.cost, w->state.set, h);
+        bool in = (w->state.set & HYPOTHESIS_BIT(h)) != 0;
+        if (in && hypothesis_cause(h)->named) {
+            /* What the effects without a name explain, alone or together with this cause: iron loss, say,
+             * looks so much like a late angle that either takes most of what they share. */
+            evidence_option without;
+            evidence_cost(view, &w->state, w->state.set & ~decoys & ~HYPOTHESIS_BIT(h), &without);
+            double shared = decoys ? without.cost - own.cost : 0.0;
+            bar = fmax(bar, LEAST_SHARE_OF_REST * (unexplained + shared));
+        }
+        /* Beside an unnamed effect, name a cause only if it lowers the held-out error and nothing else fits as
+         * well. */
+        bool harms = in && decoys && hypothesis_cause(h)->named &&
+                     (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * with_all ||
+                      is_open(w, view, own.cost, h));
+        if (in && (!is_certain(w, h) || harms || cost_without[h] < bar) && cost_without[h] < least) {
+            least = cost_without[h];
+            worst = h;
+        }
+    }
+    return worst;
+}
+
+/* Takes a hypothesis out of a state: its parameters go back to the motor file's. */
+static void leave(fit_state *s, hypothesis_id h)
+{
+    s->set &= ~HYPOTHESIS_BIT(h);
+    hypothesis_copy(h, hypothesis_nominal, s->z);
+}
+
+/* Fits the state's set and drops, one by one, what is not certain, until all that stays is. */
+static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, FILE *trace)
+{
+    for (;;) {
+        if (!fit_refine(&w->fitted, &w->state, 12) || !certainty_of(&w->fitted, &w->state, &w->certainty) ||
+            !evidence_look(&w->fitted, &w->state, view)) {
+            return false;
+        }
+        hypothesis_id worst = weakest(w, view);
+        if (worst == H_COUNT) {
+            return true;
+        }
+        if (trace) {
+            fprintf(trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
+        }
+        *allowed &= ~HYPOTHESIS_BIT(worst);
+        leave(&w->state, worst);
+    }
+}
+
+/* What was dropped may have kept something better out: search and prune in turn until a search finds nothing
+ * new. */
+bool causes_find(session *w, FILE *trace)
+{
+    hypothesis_set allowed = w->possible;
+    hypothesis_set before = 0;
+    evidence_view *view = calloc(1, sizeof *view);
+    w->state = w->nominal;
+    bool ok = view != NULL;
+    for (bool first = true; ok; first = false) {
+        before = w->state.set;
+        ok = search_best(&w->fitted, &w->state, allowed, w->nominal.objective, trace);
+        if (ok && !first && w->state.set == before) {
+            break;
+        }
+        ok = ok && prune(w, view, &allowed, trace);
+        if (w->state.set == 0 && allowed == w->possible) {
+            break; /* nothing found, nothing dropped */
+        }
+    }
+    /* The last search may have turned a stretch or moved the edge's law without changing the set. */
+    ok = ok && certainty_of(&w->fitted, &w->state, &w->certainty);
+    free(view);
+    return ok;
+}

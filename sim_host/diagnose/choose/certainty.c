@@ -1,0 +1,178 @@
+#include "certainty.h"
+
+#include "base/solve.h"
+#include "diagnose/identify/gram.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The half width of what cannot be known, in z. */
+static const double UNKNOWN = 1e6;
+
+double certainty_student(size_t degrees)
+{
+    static const double table[] = {12.71, 12.71, 4.303, 3.182, 2.776, 2.571,
+                                   2.447, 2.365, 2.306, 2.262, 2.228};
+    const size_t last = sizeof table / sizeof *table - 1;
+    /* Beyond ten degrees the first terms of the expansion in 1/n are right to 0.2 %. */
+    return degrees <= last ? table[degrees]
+                           : 1.95996 + 2.3723 / (double)degrees + 2.82 / (double)(degrees * degrees);
+}
+
+/* out = a b a for a symmetric a. */
+static void sandwich(size_t n, const double a[][COLUMN_COUNT], const double b[][COLUMN_COUNT],
+                     double out[][COLUMN_COUNT])
+{
+    double half[COLUMN_COUNT][COLUMN_COUNT];
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            half[i][j] = 0.0;
+            for (size_t k = 0; k < n; k++) {
+                half[i][j] += a[i][k] * b[k][j];
+            }
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            out[i][j] = 0.0;
+            for (size_t k = 0; k < n; k++) {
+                out[i][j] += half[i][k] * a[k][j];
+            }
+        }
+    }
+}
+
+static void add_square(size_t n, const double *g, double meat[][COLUMN_COUNT])
+{
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            meat[i][j] += g[i] * g[j];
+        }
+    }
+}
+
+bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
+{
+    memset(c, 0, sizeof *c);
+    c->inflation = 1.0;
+    c->columns = gram_columns(d, s, s->set, c->column);
+    size_t n = c->columns;
+    if (n == 0) {
+        return true;
+    }
+    gram *grams = gram_blocks(d, s, c->column, n);
+    double(*work)[COLUMN_COUNT][COLUMN_COUNT] = calloc(5, sizeof *work);
+    double(*score)[COLUMN_COUNT] = calloc(ROWS_MAX_GROUPS, sizeof *score);
+    bool ok = grams && work && score;
+    if (ok) {
+        double(*bread)[COLUMN_COUNT] = work[0];
+        double(*sum)[COLUMN_COUNT] = work[1];
+        double(*by_block)[COLUMN_COUNT] = work[2];
+        double(*by_group)[COLUMN_COUNT] = work[3];
+        double(*group_covariance)[COLUMN_COUNT] = work[4];
+        double blocks = (double)d->blocks;
+        for (size_t b = 0; b < d->blocks; b++) {
+            for (size_t i = 0; i < n; i++) {
+                score[grams[b].group][i] += grams[b].g[i];
+                for (size_t j = 0; j < n; j++) {
+                    sum[i][j] += grams[b].h[i][j];
+                }
+            }
+            add_square(n, grams[b].g, by_block);
+        }
+        size_t groups = d->rows->groups;
+        for (size_t g = 0; g < groups; g++) {
+            add_square(n, score[g], by_group);
+        }
+        if (!solve_inverse(n, COLUMN_COUNT, &sum[0][0], &bread[0][0])) {
+            /* Columns that cannot be told apart here: nothing is certain. */
+            for (size_t i = 0; i < n; i++) {
+                c->covariance[i][i] = UNKNOWN * UNKNOWN;
+                c->half_width[i] = UNKNOWN;
+            }
+        } else {
+            sandwich(n, (const double(*)[COLUMN_COUNT])bread, (const double(*)[COLUMN_COUNT])by_block,
+                     c->covariance);
+            sandwich(n, (const double(*)[COLUMN_COUNT])bread, (const double(*)[COLUMN_COUNT])by_group,
+                     group_covariance);
+            double few_blocks = blocks > (double)n + 1.0 ? blocks / (blocks - (double)n) : 2.0;
+            double few_groups = groups > 1 ? (double)groups / (double)(groups - 1) : 1.0;
+            double t_blocks = certainty_student(d->blocks > n + 1 ? d->blocks - n : 2);
+            double t_groups = certainty_student(groups > 1 ? groups - 1 : 1);
+            double ratio = 0.0;
+            for (size_t i = 0; i < n; i++) {
+                for (size_t j = 0; j < n; j++) {
+                    c->covariance[i][j] *= few_blocks;
+                }
+                double plain = 1.96 * sqrt(bread[i][i]);
+                double block = t_blocks * sqrt(c->covariance[i][i]);
+                double group = groups > 3 ? t_groups * sqrt(few_groups * group_covariance[i][i]) : 0.0;
+                c->half_width[i] = fmax(plain, fmax(block, group));
+                ratio += c->covariance[i][i] / bread[i][i] / (double)n;
+            }
+            c->inflation = fmax(1.0, ratio);
+        }
+    }
+    free(grams);
+    free(work);
+    free(score);
+    return ok;
+}
+
+/* c->columns if the column was not fitted. */
+static size_t place_of(const certainty *c, int column)
+{
+    size_t k = 0;
+    while (k < c->columns && c->column[k] != column) {
+        k++;
+    }
+    return k;
+}
+
+double certainty_half_width(const certainty *c, int column)
+{
+    const size_t k = place_of(c, column);
+    return k < c->columns ? c->half_width[k] : 0.0;
+}
+
+double certainty_correlation(const certainty *c, int column, int other)
+{
+    const size_t i = place_of(c, column);
+    const size_t j = place_of(c, other);
+    if (i == c->columns || j == c->columns) {
+        return 0.0;
+    }
+    return c->covariance[i][j] / sqrt(c->covariance[i][i] * c->covariance[j][j]);
+}
+
+double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_id h)
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    double part[COLUMN_COUNT][COLUMN_COUNT];
+    double z[HYPOTHESIS_COLUMNS];
+    double x[HYPOTHESIS_COLUMNS];
+    size_t at[HYPOTHESIS_COLUMNS] = {0};
+    size_t n = 0;
+    for (size_t k = 0; k < hypo->columns && !hypo->fixed; k++) {
+        for (size_t j = 0; j < c->columns; j++) {
+            if (c->column[j] == hypo->column[k]) {
+                at[n] = j;
+                z[n++] = column_value(hypo->column[k], s->z);
+            }
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            part[i][j] = c->covariance[at[i]][at[j]];
+        }
+    }
+    if (n == 0 || !solve_positive(n, COLUMN_COUNT, &part[0][0], z, x)) {
+        return hypo->fixed ? INFINITY : 0.0;
+    }
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += z[i] * x[i];
+    }
+    return sum;
+}

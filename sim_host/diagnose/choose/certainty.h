@@ -1,0 +1,38 @@
+/*
+ * How sure: covariance of the fitted parameters that stays honest when the innovations are not white.
+ *
+ * Beside the textbook inverse of J'J two sandwich estimates are made, (J'J)^-1 (sum of g g') (J'J)^-1, with
+ * the scores g summed per block and per operating point. Small errors of the model are alike within a block,
+ * or within an operating point, and differ between them: then the scatter of the scores is larger than the
+ * noise would make it, and the interval grows. The widest of the three counts.
+ */
+#ifndef SIM_HOST_DIAGNOSE_CHOOSE_CERTAINTY_H
+#define SIM_HOST_DIAGNOSE_CHOOSE_CERTAINTY_H
+
+#include "diagnose/identify/fit_data.h"
+
+typedef struct certainty {
+    size_t columns;
+    int column[COLUMN_COUNT];
+    double covariance[COLUMN_COUNT][COLUMN_COUNT]; /* by blocks */
+    double half_width[COLUMN_COUNT];               /* of the 95 % interval, in z */
+    double inflation; /* how much wider than white noise would have it, in variance, >= 1 */
+} certainty;
+
+/* At a fitted state. Where two columns cannot be told apart every width is huge. False: out of memory. */
+bool certainty_of(fit_data *d, const fit_state *s, certainty *c);
+
+/* Chi square of a hypothesis' parameters being nought, robust; and the same per 95 % half width squared, for
+ * the weakest evidence. */
+double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_id h);
+
+/* Half width along a column, 0 if it was not fitted. */
+double certainty_half_width(const certainty *c, int column);
+
+/* How two columns lean on one another, -1 to 1; 0 if one was not fitted. */
+double certainty_correlation(const certainty *c, int column, int other);
+
+/* Student's t, 97.5 %. */
+double certainty_student(size_t degrees);
+
+#endif

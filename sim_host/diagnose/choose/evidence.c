@@ -1,0 +1,144 @@
+#include "evidence.h"
+
+#include "base/solve.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Chi square per fitted parameter: about log(rows) as in Schwarz's criterion. Robust tests follow, so that
+ * this only has to rank. */
+static const double PENALTY = 12.0;
+/* And per cause: no real drive is the model to the last digit, and a trade such as a voltage gain with R and
+ * L for a flux of the wrong size (their exact equal but for one part in a thousand) must not win by what that
+ * leaves. */
+static const double CAUSE_PENALTY = 25.0;
+
+/*
+ * And in proportion: a small effect found beside large ones may be what their laws leave (shares of what all
+ * of them explain). What dead time's law leaves near zero current looks like a voltage that is a little off,
+ * in all the ways that follow.
+ */
+static const double LEAST_SHARE = 5e-4;
+static const double LEAST_SHARE_BESIDE_DEAD_TIME = 1e-3;
+
+bool evidence_look(fit_data *d, const fit_state *s, evidence_view *view)
+{
+    int column[COLUMN_COUNT];
+    for (int c = 0; c < COLUMN_COUNT; c++) {
+        column[c] = c;
+    }
+    gram *grams = gram_blocks(d, s, column, COLUMN_COUNT);
+    if (!grams) {
+        return false;
+    }
+    memset(view, 0, sizeof *view);
+    view->two_sensors = d->rows->two_sensors;
+    for (size_t b = 0; b < d->blocks; b++) {
+        view->total.c += grams[b].c;
+        gram_add(&view->total, &grams[b], COLUMN_COUNT);
+    }
+    free(grams);
+    for (size_t k = 0; k < P_COUNT; k++) {
+        view->to_nominal[k] = -s->z[k];
+    }
+    view->to_nominal[P_OFFSET_ZERO] = 0.0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        for (size_t k = 0; k < hypothesis_table[h].shapes; k++) {
+            view->to_nominal[hypothesis_table[h].shape[k]] = 0.0;
+        }
+    }
+    return true;
+}
+
+bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set, evidence_option *option)
+{
+    const gram *t = &view->total;
+    double away[COLUMN_COUNT];
+    int column[COLUMN_COUNT];
+    size_t n = 0;
+    memcpy(away, view->to_nominal, sizeof away);
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const hypothesis *hypo = &hypothesis_table[h];
+        if (!(set & HYPOTHESIS_BIT(h))) {
+            continue;
+        }
+        for (size_t k = 0; k < hypo->columns; k++) {
+            if (hypo->fixed) {
+                away[hypo->column[k]] += 1.0;
+            } else if (hypo->column[k] != P_GAIN_C || t->h[P_GAIN_C][P_GAIN_C] > 0.0) {
+                column[n++] = hypo->column[k]; /* with two sensors there is no third gain */
+            }
+        }
+    }
+    if (t->h[P_OFFSET_ZERO][P_OFFSET_ZERO] > 0.0) {
+        column[n++] = P_OFFSET_ZERO;
+    }
+    double slope[COLUMN_COUNT];
+    option->set = set;
+    option->score = INFINITY;
+    option->cost = t->c;
+    for (size_t i = 0; i < COLUMN_COUNT; i++) {
+        slope[i] = t->g[i];
+        for (size_t j = 0; j < P_COUNT; j++) {
+            slope[i] += t->h[i][j] * away[j];
+        }
+        option->cost += away[i] * (t->g[i] + slope[i]);
+    }
+    double small[COLUMN_COUNT][COLUMN_COUNT];
+    double right[COLUMN_COUNT];
+    double step[COLUMN_COUNT];
+    for (size_t i = 0; i < n; i++) {
+        right[i] = -slope[column[i]];
+        for (size_t j = 0; j < n; j++) {
+            small[i][j] = t->h[column[i]][column[j]];
+        }
+    }
+    if (!solve_positive(n, COLUMN_COUNT, &small[0][0], right, step)) {
+        return false;
+    }
+    memcpy(option->z, s->z, sizeof option->z);
+    for (int k = 0; k < P_COUNT; k++) {
+        option->z[k] += away[k];
+    }
+    for (size_t i = 0; i < n; i++) {
+        option->cost -= step[i] * right[i];
+        column_move(column[i], step[i], option->z);
+    }
+    option->score = option->cost + evidence_penalty(view, set) + hypotheses_unusual(set, option->z);
+    return hypotheses_physical(set, option->z) && hypotheses_count(set, option->z);
+}
+
+double evidence_least(double explained, hypothesis_set set, hypothesis_id h)
+{
+    const bool like = hypothesis_in(set, H_DEAD_TIME) && hypothesis_table[h].near_edge;
+    return (like ? LEAST_SHARE_BESIDE_DEAD_TIME : LEAST_SHARE) * explained;
+}
+
+double evidence_penalty(const evidence_view *view, hypothesis_set set)
+{
+    double sum = 0.0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (set & HYPOTHESIS_BIT(h)) {
+            size_t parameters = hypothesis_table[h].columns + hypothesis_table[h].shapes;
+            parameters -= h == H_CURRENT_GAIN && view->two_sensors;
+            sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
+                   evidence_least(view->explained, set, h);
+        }
+    }
+    return sum;
+}
+
+const char *evidence_words(hypothesis_set set, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if ((set & HYPOTHESIS_BIT(h)) && used < size) {
+            int n = snprintf(text + used, size - used, "%s%s", used ? " + " : "", hypothesis_cause(h)->id);
+            used += n > 0 ? (size_t)n : 0;
+        }
+    }
+    return used ? text : "nothing";
+}

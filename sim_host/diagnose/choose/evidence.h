@@ -1,0 +1,46 @@
+/*
+ * The evidence for a set of hypotheses: what it leaves of the likelihood, and what it must pay, as a quadratic
+ * form in the sums of one view of the data.
+ */
+#ifndef SIM_HOST_DIAGNOSE_CHOOSE_EVIDENCE_H
+#define SIM_HOST_DIAGNOSE_CHOOSE_EVIDENCE_H
+
+#include "diagnose/identify/gram.h"
+
+/* All columns' sums at a state, and what follows from them. */
+typedef struct evidence_view {
+    bool two_sensors;
+    double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
+    gram total;       /* over the fit blocks */
+    double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances
+                                        excepted) */
+} evidence_view;
+
+typedef struct evidence_option {
+    hypothesis_set set;
+    double cost;  /* chi square the set leaves */
+    double score; /* that, its penalty and how unusual it is: what is compared */
+    double z[P_COUNT];
+} evidence_option;
+
+/* False: out of memory. */
+bool evidence_look(fit_data *d, const fit_state *s, evidence_view *view);
+
+/*
+ * The cost of a set at the view, and where its optimum lies. False if two of its columns cannot be told
+ * apart, or the optimum is not physical (a negative dead time).
+ */
+bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set,
+                   evidence_option *option);
+
+/* The least that h must explain beside a set's other members, in the measure of what all of them explain. */
+double evidence_least(double explained, hypothesis_set set, hypothesis_id h);
+
+/* What a set pays for its causes, its parameters and their surprise, in chi square. With two sensors a gain
+ * of the third is no parameter. */
+double evidence_penalty(const evidence_view *view, hypothesis_set set);
+
+/* A set as text: "dead_time + resistance". */
+const char *evidence_words(hypothesis_set set, char *text, size_t size);
+
+#endif

@@ -1,0 +1,253 @@
+#include "search.h"
+
+#include "evidence.h"
+
+#include "diagnose/identify/edge_choice.h"
+#include "diagnose/identify/fit.h"
+#include "diagnose/identify/revolution.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    ROUNDS_MAX = 5,
+    FULL_SIZE = 3,    /* all sets up to this size are compared */
+    LARGEST_SIZE = 5, /* larger ones grow from the best */
+    KEPT = 24,        /* sets that grow */
+    REFINED = 3,      /* sets that are fitted without linearisation per round */
+    REFINE_STEPS = 5
+};
+
+/* How much worse than the present set a set may look under linearisation and still be tried. */
+static const double SLACK = 30.0;
+
+static int by_score(const void *x, const void *y)
+{
+    const evidence_option *a = x;
+    const evidence_option *b = y;
+    return a->score < b->score ? -1 : a->score > b->score;
+}
+
+/*
+ * A member that the others do without, by their own unbounded optimum, is there only because columns lean on
+ * one another (flux, voltage gain and current gain together move along a line that changes nothing).
+ */
+static bool every_member_pays(const evidence_view *view, const fit_state *s, const evidence_option *option)
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        evidence_option without;
+        hypothesis_set rest = option->set & ~HYPOTHESIS_BIT(h);
+        if (rest == option->set) {
+            continue;
+        }
+        evidence_cost(view, s, rest, &without);
+        if (without.cost + evidence_penalty(view, rest) <=
+            option->cost + evidence_penalty(view, option->set)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+typedef struct enumeration {
+    const evidence_view *view;
+    const fit_state *state;
+    hypothesis_set allowed;
+    evidence_option list[KEPT + 1];
+    size_t listed;
+    evidence_option of_size[FULL_SIZE]; /* the best of one, two, three; set 0 if there is none */
+} enumeration;
+
+/* Keeps the best options in a sorted list of at most KEPT. */
+static void keep(enumeration *e, const evidence_option *option)
+{
+    evidence_option *list = e->list;
+    size_t *n = &e->listed;
+    size_t size = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        size += (option->set >> h) & 1;
+    }
+    if (size >= 1 && size <= FULL_SIZE) {
+        evidence_option *best = &e->of_size[size - 1];
+        if ((best->set == 0 || by_score(option, best) < 0) && every_member_pays(e->view, e->state, option)) {
+            *best = *option;
+        }
+    }
+    if ((*n == KEPT && by_score(option, &list[KEPT - 1]) >= 0) ||
+        !every_member_pays(e->view, e->state, option)) {
+        return;
+    }
+    for (size_t k = 0; k < *n; k++) {
+        if (list[k].set == option->set) {
+            return;
+        }
+    }
+    if (*n < KEPT) {
+        list[(*n)++] = *option;
+    } else {
+        list[KEPT - 1] = *option;
+    }
+    qsort(list, *n, sizeof *list, by_score);
+}
+
+static void enumerate(enumeration *e, hypothesis_set set, hypothesis_id from, int more)
+{
+    evidence_option option;
+    if (evidence_cost(e->view, e->state, set, &option)) {
+        keep(e, &option);
+    }
+    for (hypothesis_id h = from; more > 0 && h < H_COUNT; h++) {
+        if ((e->allowed & HYPOTHESIS_BIT(h)) && hypothesis_joins(set, h)) {
+            enumerate(e, set | HYPOTHESIS_BIT(h), h + 1, more - 1);
+        }
+    }
+}
+
+static void grow(enumeration *e)
+{
+    for (int size = FULL_SIZE; size < LARGEST_SIZE; size++) {
+        evidence_option seed[KEPT];
+        size_t seeds = e->listed;
+        memcpy(seed, e->list, seeds * sizeof *seed);
+        for (size_t k = 0; k < seeds; k++) {
+            for (hypothesis_id h = 0; h < H_COUNT; h++) {
+                evidence_option option;
+                hypothesis_set set = seed[k].set | HYPOTHESIS_BIT(h);
+                if ((e->allowed & HYPOTHESIS_BIT(h)) && hypothesis_joins(seed[k].set, h) &&
+                    evidence_cost(e->view, e->state, set, &option)) {
+                    keep(e, &option);
+                }
+            }
+        }
+    }
+}
+
+/*
+ * Leaves out the members that turned out too small for a name; of a saliency without difference or a
+ * saturation without fall an inductance stays. True if anything was left out.
+ */
+static bool drop_small(fit_state *s, hypothesis_set allowed)
+{
+    hypothesis_set before = s->set;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (!(s->set & HYPOTHESIS_BIT(h)) || hypothesis_size(h, s->z) >= hypothesis_table[h].least) {
+            continue;
+        }
+        s->set &= ~HYPOTHESIS_BIT(h);
+        if (h != H_INDUCTANCE && (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0) {
+            s->z[P_SATURATION] = s->z[P_SATURATION_Q] = 0.0;
+            s->z[P_L_D] = s->z[P_L_Q] = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
+            if ((allowed & HYPOTHESIS_BIT(H_INDUCTANCE)) &&
+                fabs(s->z[P_L_D]) >= hypothesis_table[H_INDUCTANCE].least) {
+                s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
+                continue;
+            }
+        }
+        hypothesis_copy(h, hypothesis_nominal, s->z);
+    }
+    return s->set != before;
+}
+
+/* An option fitted without linearisation, from where its quadratic form has its optimum. */
+static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_set allowed, fit_state *trial)
+{
+    trial->set = option->set;
+    memcpy(trial->z, option->z, sizeof trial->z);
+    coordinates_bound(d->frame, trial->z);
+    if (!fit_refine(d, trial, REFINE_STEPS)) {
+        return false;
+    }
+    while (drop_small(trial, allowed)) {
+        if (!fit_refine(d, trial, REFINE_STEPS)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static double state_score(const evidence_view *view, const fit_state *s)
+{
+    return s->objective + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, s->z);
+}
+
+/* One round: the promising options fitted, *s the best. */
+static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, FILE *trace)
+{
+    const fit_state start = *s;
+    double best_score = state_score(e->view, s);
+    hypothesis_set tried[REFINED + FULL_SIZE];
+    size_t n = 0;
+    for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
+        /* First the best of each size: while the state is a bad fit, larger sets win by soaking up what is
+         * not theirs. */
+        const evidence_option *option = k < FULL_SIZE ? &e->of_size[k] : &e->list[k - FULL_SIZE];
+        bool known = option->set == 0 || (k >= FULL_SIZE && k - FULL_SIZE >= e->listed) ||
+                     (round > 0 && option->set == start.set);
+        for (size_t j = 0; j < n; j++) {
+            known = known || tried[j] == option->set;
+        }
+        /* Once the state is a fit, its own set's quadratic form is exact, and what does worse there need not
+         * be fitted. */
+        if (known || (round > 0 && option->cost + evidence_penalty(e->view, option->set) >
+                                       e->view->total.c + evidence_penalty(e->view, start.set) + SLACK)) {
+            continue;
+        }
+        tried[n++] = option->set;
+        fit_state trial = start;
+        if (!fit_option(d, option, e->allowed, &trial)) {
+            return false;
+        }
+        double score = state_score(e->view, &trial);
+        if (trace) {
+            char words[256];
+            fprintf(trace, "  round %d: %-60s linear %10.1f  ", round,
+                    evidence_words(option->set, words, sizeof words), option->score);
+            fprintf(trace, "fitted %12.1f%s%s\n", score, trial.set != option->set ? " as " : "",
+                    trial.set != option->set ? evidence_words(trial.set, words, sizeof words) : "");
+        }
+        if (score < best_score) {
+            *s = trial;
+            best_score = score;
+        }
+    }
+    return true;
+}
+
+bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, FILE *trace)
+{
+    enumeration *e = calloc(1, sizeof *e);
+    evidence_view *view = calloc(1, sizeof *view);
+    bool ok = e && view;
+    /* A state that holds causes is a fit already: what looks worse from there is not tried. */
+    for (int round = s->set ? 1 : 0; ok && round < ROUNDS_MAX; round++) {
+        bool turned = false;
+        ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) &&
+             revolution_align(d, s, d->frame->pole_pairs, &turned);
+        if (ok && turned) {
+            ok = fit_refine(d, s, REFINE_STEPS);
+        }
+        ok = ok && evidence_look(d, s, view);
+        if (!ok) {
+            break;
+        }
+        view->explained = fmax(nominal_objective - s->objective, 0.0);
+        memset(e, 0, sizeof *e);
+        e->view = view;
+        e->state = s;
+        e->allowed = allowed;
+        enumerate(e, 0, 0, FULL_SIZE);
+        grow(e);
+        hypothesis_set before = s->set;
+        ok = try_options(d, s, e, round, trace);
+        if (s->set == before && !turned) {
+            break;
+        }
+        if (ok && (s->set & HYPOTHESIS_BIT(H_DEAD_TIME))) {
+            ok = edge_revise(d, s, REFINE_STEPS);
+        }
+    }
+    free(e);
+    free(view);
+    return ok;
+}

@@ -1,0 +1,20 @@
+/*
+ * Which causes: the best set of hypotheses by penalised likelihood.
+ *
+ * At a state, the evidence of every set is a quadratic form (evidence.h), so that all sets of up to three and
+ * the promising larger ones are compared without touching the data again. The best few are then fitted without
+ * linearisation, the best of those becomes the new state, and the round repeats until the state stays. Looking
+ * at whole sets matters: two effects at once often let a third, wrong one look best alone.
+ */
+#ifndef SIM_HOST_DIAGNOSE_CHOOSE_SEARCH_H
+#define SIM_HOST_DIAGNOSE_CHOOSE_SEARCH_H
+
+#include "diagnose/identify/fit_data.h"
+
+#include <stdio.h>
+
+/* From s to the best allowed set. `nominal_objective` is that of the motor file's values. `trace` may be
+ * NULL. False: out of memory. */
+bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, FILE *trace);
+
+#endif

@@ -1,0 +1,77 @@
+/*
+ * The numbers that a fit can move, as dimensionless coordinates z around the motor file: z = 0 is what the
+ * file says, and a step of 1 is a large change (100 % of R, a radian, the rated current). The rows stand in
+ * data/causes.def, each with its cause.
+ */
+#ifndef SIM_HOST_DIAGNOSE_IDENTIFY_COORDINATES_H
+#define SIM_HOST_DIAGNOSE_IDENTIFY_COORDINATES_H
+
+#include "model/averaged_drive.h"
+#include "rows.h"
+
+typedef enum coordinate_id {
+#define COORDINATE(P, ...) P,
+#include "data/causes.def"
+    P_COUNT
+} coordinate_id;
+
+/* What a step of 1 in z is, in the coordinate's own unit. */
+typedef enum coordinate_scale {
+    SCALE_ONE,
+    SCALE_R,           /* the file's resistance */
+    SCALE_L,           /* the mean of its inductances */
+    SCALE_PSI,         /* its magnet's flux */
+    SCALE_CURRENT,     /* the rated peak current */
+    SCALE_PER_SQUARE,  /* 1 / rated peak current^2 */
+    SCALE_LINK,        /* 1 % of the DC link */
+    SCALE_CYCLE,       /* a control cycle */
+    SCALE_IRON,        /* an iron loss that takes 1 % of the rated current at the highest speed */
+    SCALE_IRON_LATE,   /* that times a cycle */
+    SCALE_PSI_PERCENT, /* 1 % of the flux */
+    SCALE_R_PERCENT,
+    SCALE_COUNT
+} coordinate_scale;
+
+/* What `low` and `high` of a coordinate bound. */
+typedef enum coordinate_bound {
+    BOUND_NONE,
+    BOUND_OF_Z,
+    BOUND_OF_NOMINAL, /* the value, as a multiple of the file's */
+    BOUND_OF_RATED    /* the value, as a multiple of the rated peak current */
+} coordinate_bound;
+
+typedef struct coordinate {
+    size_t offset;    /* of the double within averaged_drive */
+    bool logarithmic; /* value = nominal e^z; else nominal + scale z */
+    coordinate_scale scale;
+    double step; /* for differences, in z; 0: the usual one */
+    coordinate_bound bound;
+    double low, high;
+    double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
+    double usual;   /* one standard deviation of what drives show, in z; 0: nothing is said */
+} coordinate;
+
+extern const coordinate coordinate_table[P_COUNT];
+
+/* A motor file with the sizes that its coordinates are measured in. */
+typedef struct coordinate_frame {
+    const motor *motor;
+    averaged_drive nominal;
+    double scale[SCALE_COUNT];
+    double i_rated_peak_A;
+    int pole_pairs;
+} coordinate_frame;
+
+coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r);
+
+/* The drive at z. `edge`: the law of a dead time that is fitted; one that the file states is the plain law. */
+averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COUNT], edge_law edge);
+
+/* The step for differences. */
+#define COORDINATE_STEP 1e-4
+double coordinate_step(coordinate_id id);
+
+/* Pulls z back to what is physical: R, L, psi > 0, a knee well below the rated current, gains of 0.6 to 1.6. */
+void coordinates_bound(const coordinate_frame *f, double z[P_COUNT]);
+
+#endif

@@ -1,0 +1,178 @@
+#include "fit.h"
+
+#include "base/solve.h"
+#include "gram.h"
+#include "observer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GAIN_STEPS = 2 };
+
+/*
+ * A gain of nought would trust the model for ever. One part in thirty bounds its memory to thirty cycles: the
+ * estimates lose little (the regressor's noise variance is 3 % of the sensor's), and a small slow error of
+ * the model is not summed up.
+ */
+static const double GAIN_LEAST = 0.03;
+static const double GAIN_MOST = 0.98;
+
+/* Turns summed squares into covariances, whitening and the objective. */
+static void finish_noise(const fit_data *d, fit_state *s)
+{
+    double pool[4] = {0};
+    double pool_rows = 0.0;
+    for (size_t g = 0; g < d->rows->groups; g++) {
+        const group_noise *n = &s->noise[g];
+        for (size_t k = 0; k < 3; k++) {
+            pool[k] += n->cov[k];
+        }
+        pool[3] += n->zero;
+        pool_rows += n->rows;
+    }
+    s->objective = 0.0;
+    for (size_t g = 0; g < d->rows->groups; g++) {
+        /* A group of a few rows leans on all the others. */
+        const double lean = 20.0;
+        group_noise *n = &s->noise[g];
+        double count = n->rows + lean;
+        double tiny = 1e-14 * d->frame->i_rated_peak_A * d->frame->i_rated_peak_A;
+        double cov[4];
+        for (size_t k = 0; k < 4; k++) {
+            double own = k < 3 ? n->cov[k] : n->zero;
+            cov[k] = (own + lean * pool[k] / fmax(pool_rows, 1.0)) / count + (k != 1 ? tiny : 0.0);
+        }
+        for (size_t k = 0; k < 3; k++) {
+            n->cov[k] = cov[k];
+        }
+        n->zero = cov[3];
+        double l11 = sqrt(cov[0]);
+        double l21 = cov[1] / l11;
+        double l22 = sqrt(fmax(cov[2] - l21 * l21, 1e-6 * cov[2]));
+        n->white[0] = 1.0 / l11;
+        n->white[1] = -l21 / (l11 * l22);
+        n->white[2] = 1.0 / l22;
+        n->white_zero = d->rows->two_sensors ? 0.0 : 1.0 / sqrt(cov[3]);
+        s->objective += n->rows * 2.0 * (log(l11) + log(l22));
+        s->objective += d->rows->two_sensors ? 0.0 : n->rows * log(cov[3]);
+    }
+}
+
+void fit_noise(fit_data *d, fit_state *s)
+{
+    averaged_drive drive = fit_drive(d, s);
+    rows_nodes_fill(d->rows, &drive, d->nodes);
+    for (size_t g = 0; g < d->rows->groups; g++) {
+        group_noise *n = &s->noise[g];
+        n->cov[0] = n->cov[1] = n->cov[2] = n->zero = n->rows = 0.0;
+    }
+    for (size_t b = 0; b < d->blocks; b++) {
+        const row_block *block = &d->rows->block[d->block[b]];
+        group_noise *n = &s->noise[block->group];
+        observer_block(d->rows, &drive, d->nodes, block, n->gain, 0.0, d->base);
+        for (size_t j = 0; j < block->count; j++) {
+            const double *e = d->base + OBSERVER_OUTPUTS * j;
+            n->cov[0] += e[0] * e[0];
+            n->cov[1] += e[0] * e[1];
+            n->cov[2] += e[1] * e[1];
+            n->zero += e[2] * e[2];
+            n->rows += e[0] != 0.0 || e[1] != 0.0 ? 1.0 : 0.0;
+        }
+    }
+    finish_noise(d, s);
+}
+
+void fit_gain(fit_data *d, fit_state *s)
+{
+    averaged_drive drive = fit_drive(d, s);
+    rows_nodes_fill(d->rows, &drive, d->nodes);
+    double down[ROWS_MAX_GROUPS] = {0};
+    double curve[ROWS_MAX_GROUPS] = {0};
+    const double h = 1e-3;
+    for (size_t b = 0; b < d->blocks; b++) {
+        const row_block *block = &d->rows->block[d->block[b]];
+        const group_noise *n = &s->noise[block->group];
+        observer_block(d->rows, &drive, d->nodes, block, n->gain, 0.0, d->base);
+        observer_block(d->rows, &drive, d->nodes, block, n->gain + h, 0.0, d->moved);
+        gram_whiten(n, block->count, d->base, d->base);
+        gram_whiten(n, block->count, d->moved, d->moved);
+        for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {
+            double slope = (d->moved[j] - d->base[j]) / h;
+            down[block->group] += slope * d->base[j];
+            curve[block->group] += slope * slope;
+        }
+    }
+    for (size_t g = 0; g < d->rows->groups; g++) {
+        if (curve[g] > 0.0) {
+            double step = -down[g] / curve[g];
+            double gain = s->noise[g].gain + fmin(fmax(step, -0.3), 0.3);
+            s->noise[g].gain = fmin(fmax(gain, GAIN_LEAST), GAIN_MOST);
+        }
+    }
+    fit_noise(d, s);
+}
+
+/* One Gauss-Newton step, halved until the objective falls. True while steps still matter. */
+static bool improve(fit_data *d, fit_state *s, bool *failed)
+{
+    int column[COLUMN_COUNT];
+    size_t n = gram_columns(d, s, s->set, column);
+    if (n == 0) {
+        return false;
+    }
+    gram *grams = gram_blocks(d, s, column, n);
+    if (!grams) {
+        *failed = true;
+        return false;
+    }
+    gram *sum = calloc(1, sizeof *sum);
+    double step[COLUMN_COUNT] = {0};
+    for (size_t b = 0; sum && b < d->blocks; b++) {
+        gram_add(sum, &grams[b], n);
+    }
+    free(grams);
+    for (size_t i = 0; sum && i < n; i++) {
+        sum->g[i] = -sum->g[i];
+    }
+    bool solved = sum && solve_positive(n, COLUMN_COUNT, &sum->h[0][0], sum->g, step);
+    double expected = 0.0;
+    for (size_t i = 0; solved && i < n; i++) {
+        expected += step[i] * sum->g[i];
+    }
+    free(sum);
+    if (!solved) {
+        return false;
+    }
+    for (double share = 1.0; share > 0.02; share *= 0.4) {
+        fit_state trial = *s;
+        for (size_t i = 0; i < n; i++) {
+            column_move(column[i], share * step[i], trial.z);
+        }
+        coordinates_bound(d->frame, trial.z);
+        fit_noise(d, &trial);
+        if (trial.objective < s->objective) {
+            *s = trial;
+            return expected > 0.3;
+        }
+    }
+    return false;
+}
+
+bool fit_refine(fit_data *d, fit_state *s, int iterations)
+{
+    bool failed = false;
+    fit_noise(d, s);
+    for (int k = 0; k < iterations; k++) {
+        bool more = improve(d, s, &failed);
+        double before = s->objective;
+        fit_gain(d, s);
+        if (!more && fabs(s->objective - before) < 0.5) {
+            break;
+        }
+    }
+    for (int k = 0; k < GAIN_STEPS; k++) {
+        fit_gain(d, s);
+    }
+    return !failed;
+}

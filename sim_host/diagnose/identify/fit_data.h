@@ -1,0 +1,51 @@
+/*
+ * What a fit works on and what it improves: the blocks that are fitted, and a state of coordinates and noise.
+ *
+ * Each group has its own innovation covariance and filter gain, both estimated along with the coordinates.
+ */
+#ifndef SIM_HOST_DIAGNOSE_IDENTIFY_FIT_DATA_H
+#define SIM_HOST_DIAGNOSE_IDENTIFY_FIT_DATA_H
+
+#include "hypotheses.h"
+
+#include <stdbool.h>
+
+typedef struct group_noise {
+    double gain;                 /* of the filter, 1 = trust the sensor alone */
+    double cov[3], zero;         /* innovation: aa, ab, bb, and of the three sensors' mean (A^2) */
+    double white[3], white_zero; /* whitening: rows of the inverse Cholesky factor 11, 21, 22 */
+    double rows;
+} group_noise;
+
+typedef struct fit_state {
+    hypothesis_set set;
+    double z[P_COUNT];
+    edge_law edge; /* of a dead time: chosen by likelihood, no number to move */
+    group_noise noise[ROWS_MAX_GROUPS];
+    double objective; /* sum of n log det cov: -2 log likelihood up to a constant */
+} fit_state;
+
+typedef struct fit_data {
+    diagnose_rows *rows;
+    const coordinate_frame *frame;
+    size_t *block; /* indices of the blocks that are fitted */
+    size_t blocks;
+    size_t longest; /* rows of the longest block */
+    averaged_node *nodes;
+    double *base, *moved; /* innovations of one block */
+    double *columns;      /* whitened derivatives of one block: [column][3 rows] */
+} fit_data;
+
+/* At most `rows_max` rows are fitted, evenly spread over the recording. */
+bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, size_t rows_max, error *e);
+void fit_data_free(fit_data *d);
+
+/* A start: the motor file's values, every gain one half. */
+fit_state fit_nominal(void);
+
+static inline averaged_drive fit_drive(const fit_data *d, const fit_state *s)
+{
+    return coordinates_drive(d->frame, s->z, s->edge);
+}
+
+#endif

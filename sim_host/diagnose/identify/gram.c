@@ -1,0 +1,140 @@
+#include "gram.h"
+
+#include "observer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* One block's innovations times the group's inverse Cholesky factor. */
+void gram_whiten(const group_noise *n, size_t rows, const double *innovation, double *out)
+{
+    for (size_t j = 0; j < rows; j++) {
+        const double *e = innovation + OBSERVER_OUTPUTS * j;
+        double *w = out + OBSERVER_OUTPUTS * j;
+        double second =
+            n->white[1] * e[0] + n->white[2] * e[1]; /* first: out may be the innovations themselves */
+        w[0] = n->white[0] * e[0];
+        w[1] = second;
+        w[2] = n->white_zero * e[2];
+    }
+}
+
+static double dot(const double *x, const double *y, size_t n)
+{
+    double sum[4] = {0};
+    size_t k = 0;
+    for (; k + 4 <= n; k += 4) {
+        sum[0] += x[k] * y[k];
+        sum[1] += x[k + 1] * y[k + 1];
+        sum[2] += x[k + 2] * y[k + 2];
+        sum[3] += x[k + 3] * y[k + 3];
+    }
+    for (; k < n; k++) {
+        sum[0] += x[k] * y[k];
+    }
+    return sum[0] + sum[1] + sum[2] + sum[3];
+}
+
+size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, int column[COLUMN_COUNT])
+{
+    size_t n = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const hypothesis *hypo = &hypothesis_table[h];
+        if (!(set & HYPOTHESIS_BIT(h)) || hypo->fixed) {
+            continue;
+        }
+        for (size_t k = 0; k < hypo->columns; k++) {
+            if (hypo->column[k] == P_GAIN_C && d->rows->two_sensors) {
+                continue; /* no such sensor */
+            }
+            column[n++] = hypo->column[k];
+        }
+        for (size_t k = 0; hypo->shapes > 0 && s->z[hypo->column[0]] != 0.0 && k < hypo->shapes; k++) {
+            column[n++] = (int)hypo->shape[k];
+        }
+    }
+    if (!d->rows->two_sensors) {
+        column[n++] = P_OFFSET_ZERO;
+    }
+    return n;
+}
+
+/* Joint columns move gains or inductances. */
+static double column_step(int column)
+{
+    return coordinate_step(column < P_COUNT ? (coordinate_id)column : P_L_D);
+}
+
+gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
+{
+    gram *grams = calloc(d->blocks + 1, sizeof *grams);
+    size_t stride = OBSERVER_OUTPUTS * d->longest;
+    if (!grams) {
+        return NULL;
+    }
+    const averaged_drive drive = fit_drive(d, s);
+    rows_nodes_fill(d->rows, &drive, d->nodes);
+    averaged_drive moved[COLUMN_COUNT];
+    double step[COLUMN_COUNT];
+    for (size_t c = 0; c < n; c++) {
+        double z[P_COUNT];
+        memcpy(z, s->z, sizeof z);
+        step[c] = column_step(column[c]);
+        column_move(column[c], step[c], z);
+        moved[c] = coordinates_drive(d->frame, z, s->edge);
+    }
+    /* Column by column would need every block's derivatives at once; block by block would need every column's
+     * nodes at once. The nodes depend on R, L_d and L_q alone: only those columns bring a table of their own.
+     */
+    averaged_node *own[COLUMN_COUNT] = {NULL};
+    bool complete = true;
+    for (size_t c = 0; c < n; c++) {
+        own[c] = d->nodes;
+        if (moved[c].R_ohm != drive.R_ohm || moved[c].L_d_H != drive.L_d_H || moved[c].L_q_H != drive.L_q_H) {
+            own[c] = rows_nodes(d->rows, &moved[c]);
+            complete = complete && own[c];
+        }
+    }
+    for (size_t b = 0; complete && b < d->blocks; b++) {
+        const row_block *block = &d->rows->block[d->block[b]];
+        const group_noise *noise = &s->noise[block->group];
+        size_t outputs = OBSERVER_OUTPUTS * block->count;
+        observer_block(d->rows, &drive, d->nodes, block, noise->gain, 0.0, d->base);
+        gram_whiten(noise, block->count, d->base, d->base);
+        gram *sum = &grams[b];
+        sum->group = block->group;
+        sum->c = dot(d->base, d->base, outputs);
+        for (size_t c = 0; c < n; c++) {
+            double *column_c = d->columns + c * stride;
+            observer_block(d->rows, &moved[c], own[c], block, noise->gain, 0.0, d->moved);
+            gram_whiten(noise, block->count, d->moved, column_c);
+            for (size_t j = 0; j < outputs; j++) {
+                column_c[j] = (column_c[j] - d->base[j]) / step[c];
+            }
+            sum->g[c] = dot(column_c, d->base, outputs);
+            for (size_t a = 0; a <= c; a++) {
+                sum->h[a][c] = sum->h[c][a] = dot(column_c, d->columns + a * stride, outputs);
+            }
+        }
+    }
+    for (size_t c = 0; c < n; c++) {
+        if (own[c] != d->nodes) {
+            free(own[c]);
+        }
+    }
+    if (!complete) {
+        free(grams);
+        return NULL;
+    }
+    return grams;
+}
+
+void gram_add(gram *to, const gram *from, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        to->g[i] += from->g[i];
+        for (size_t j = 0; j < n; j++) {
+            to->h[i][j] += from->h[i][j];
+        }
+    }
+}

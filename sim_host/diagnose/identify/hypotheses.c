@@ -1,0 +1,257 @@
+#include "hypotheses.h"
+
+#include <math.h>
+#include <string.h>
+
+#define LIST(...)  __VA_ARGS__
+#define COUNT(...) (sizeof((const int[]){__VA_ARGS__}) / sizeof(int))
+
+const hypothesis hypothesis_table[H_COUNT] = {
+#define HYPOTHESIS(H, ID, text, list, ...)                                                                   \
+    [H] = {.cause = EXT_##ID, .words = (text), .columns = COUNT list, .column = {LIST list}, __VA_ARGS__},
+#include "data/causes.def"
+};
+
+/* Of each line at most all but one may stand in a set: together they change nothing. */
+static const unsigned exclusive[][3] = {
+    {DELAYS_VOLTAGE, DELAYS_A_SHARE},
+    {SCALES_VOLTAGE, SCALES_FLUX, SCALES_INDUCTANCE},
+    {SCALES_VOLTAGE, SCALES_FLUX, SCALES_CURRENT},
+    {SCALES_VOLTAGE, SCALES_CURRENT, SCALES_INDUCTANCE},
+    {SCALES_RESISTANCE, SCALES_CURRENT, SCALES_INDUCTANCE},
+};
+
+bool hypothesis_joins(hypothesis_set set, hypothesis_id id)
+{
+    const hypothesis *own = &hypothesis_table[id];
+    unsigned roles = own->role;
+    for (hypothesis_id other = 0; other < H_COUNT; other++) {
+        const hypothesis *member = &hypothesis_table[other];
+        if (!hypothesis_in(set, other)) {
+            continue;
+        }
+        if (other == id || member->cause == own->cause || (member->holds & own->holds) != 0) {
+            return false;
+        }
+        roles |= member->role;
+    }
+    for (size_t k = 0; k < sizeof exclusive / sizeof *exclusive; k++) {
+        const unsigned line = exclusive[k][0] | exclusive[k][1] | exclusive[k][2];
+        if ((roles & line) == line) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool hypothesis_contains(hypothesis_id a, hypothesis_id b)
+{
+    const hypothesis *inner = &hypothesis_table[b];
+    return inner->columns == 1 && hypothesis_table[a].columns > 1 &&
+           (hypothesis_table[a].holds & inner->holds) != 0;
+}
+
+/* Of two gains, as a share of both: the least difference that makes them a mismatch. */
+static const double LEAST_DIFFERENCE = 0.05;
+
+/*
+ * A mismatch: one gain common to all sensors is R and L seen through another scale. Two sensors have no third
+ * that could stand out, so that what they share counts, but only beside a difference.
+ */
+static double size_of_two(double a, double b)
+{
+    const double all = hypot(a, b);
+    return fabs(a - b) >= LEAST_DIFFERENCE * all ? all : 0.0;
+}
+
+/* How far three values are apart: root sum square about their mean. */
+static double spread(const double x[3])
+{
+    const double mean = (x[0] + x[1] + x[2]) / 3.0;
+    double square = 0.0;
+    for (int n = 0; n < 3; n++) {
+        square += (x[n] - mean) * (x[n] - mean);
+    }
+    return sqrt(square);
+}
+
+/* The three coordinates that a hypothesis about phases moves, in their order. */
+static void phases_of(hypothesis_id h, const double z[P_COUNT], double x[3])
+{
+    double mark[P_COUNT] = {0.0};
+    double one[P_COUNT];
+    size_t n = 0;
+    for (size_t k = 0; k < P_COUNT; k++) {
+        one[k] = 1.0;
+    }
+    hypothesis_copy(h, one, mark);
+    for (size_t k = 0; k < P_COUNT && n < 3; k++) {
+        if (mark[k] != 0.0) {
+            x[n++] = z[k];
+        }
+    }
+}
+
+double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    double at[HYPOTHESIS_COLUMNS] = {0.0};
+    double square = 0.0;
+    double x[3] = {0.0};
+    for (size_t k = 0; k < hypo->columns; k++) {
+        at[k] = column_value(hypo->column[k], z);
+        square += at[k] * at[k];
+    }
+    switch (hypo->size) {
+    case SIZE_DIFFERENCE:
+        return fabs(at[0] - at[1]);
+    case SIZE_LAST:
+        return (hypo->positive & SIGN_LAST) != 0 ? at[hypo->columns - 1] : fabs(at[hypo->columns - 1]);
+    case SIZE_SPREAD:
+        phases_of(h, z, x);
+        return spread(x);
+    case SIZE_SENSORS:
+        return at[2] == 0.0 ? size_of_two(at[0], at[1]) : spread(at);
+    case SIZE_LENGTH:
+    default:
+        return sqrt(square);
+    }
+}
+
+bool hypotheses_count(hypothesis_set set, const double z[P_COUNT])
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(set, h) && hypothesis_size(h, z) < hypothesis_table[h].least) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool hypotheses_physical(hypothesis_set set, const double z[P_COUNT])
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const hypothesis *hypo = &hypothesis_table[h];
+        double sum = 0.0;
+        if (!hypothesis_in(set, h) || hypo->positive == 0) {
+            continue;
+        }
+        sum += (hypo->positive & SIGN_FIRST) != 0 ? z[hypo->column[0]] : 0.0;
+        sum += (hypo->positive & SIGN_LAST) != 0 ? z[hypo->column[hypo->columns - 1]] : 0.0;
+        if (!(sum > 0.0) || (hypo->most > 0.0 && sum > hypo->most)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static const double USUAL_GAIN_OF_ALL = 0.02;
+
+double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
+{
+    double moved[P_COUNT] = {0.0};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(set, h)) {
+            hypothesis_copy(h, z, moved);
+        }
+    }
+    if (!hypothesis_in(set, H_SALIENCY)) {
+        moved[P_L_Q] = 0.0; /* of both inductances alike one counts */
+    }
+    double sum = 0.0;
+    for (size_t id = 0; id < P_COUNT; id++) {
+        const double usual = coordinate_table[id].usual;
+        sum += usual > 0.0 ? moved[id] * moved[id] / (usual * usual) : 0.0;
+    }
+    if (moved[P_GAIN_C] != 0.0) {
+        /* Three sensors that err alike are rarer than an R and an L that do. */
+        double mean = (moved[P_GAIN_A] + moved[P_GAIN_B] + moved[P_GAIN_C]) / 3.0;
+        sum += mean * mean / (USUAL_GAIN_OF_ALL * USUAL_GAIN_OF_ALL);
+    }
+    return sum;
+}
+
+/* What a step along a column does: the coordinates it moves, and by how much. The last of a list has share 0. */
+typedef struct column_part {
+    coordinate_id coordinate;
+    double share;
+} column_part;
+
+enum { COLUMN_PARTS = 4 };
+
+static const column_part joint[COLUMN_COUNT - P_COUNT][COLUMN_PARTS] = {
+    [COLUMN_L - P_COUNT] = {{P_L_D, 1.0}, {P_L_Q, 1.0}},
+    [COLUMN_GAIN_A - P_COUNT] = {{P_GAIN_A, 1.0}, {P_GAIN_B, -0.5}, {P_GAIN_C, -0.5}},
+    [COLUMN_GAIN_BC - P_COUNT] = {{P_GAIN_B, 1.0}, {P_GAIN_C, -1.0}},
+};
+
+void column_move(int column, double by, double z[P_COUNT])
+{
+    if (column < P_COUNT) {
+        z[column] += by;
+        return;
+    }
+    for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
+        z[part->coordinate] += by * part->share;
+    }
+}
+
+double column_value(int column, const double z[P_COUNT])
+{
+    if (column < P_COUNT) {
+        return z[column];
+    }
+    double along = 0.0;
+    double length = 0.0;
+    for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
+        along += part->share * z[part->coordinate];
+        length += part->share * part->share;
+    }
+    return along / length;
+}
+
+static void column_copy(int column, const double from[P_COUNT], double to[P_COUNT])
+{
+    if (column < P_COUNT) {
+        to[column] = from[column];
+        return;
+    }
+    for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
+        to[part->coordinate] = from[part->coordinate];
+    }
+}
+
+const double hypothesis_nominal[P_COUNT] = {0.0};
+
+void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT])
+{
+    for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+        column_copy(hypothesis_table[h].column[k], from, to);
+    }
+}
+
+hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_frame *f)
+{
+    const bool turns = r->omega_max_rad_s * r->T_s > 1e-5;
+    const bool there[] = {[NEEDS_NOTHING] = true,
+                          [NEEDS_TURNING] = turns,
+                          [NEEDS_MAGNET] = turns && f->nominal.psi_f_Wb != 0.0,
+                          [NEEDS_THREE_SENSORS] = !r->two_sensors,
+                          [NEEDS_TEMPERATURE] = r->temperature_known};
+    hypothesis_set all = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        all |= there[hypothesis_table[h].needs] ? HYPOTHESIS_BIT(h) : 0;
+    }
+    return all;
+}
+
+hypothesis_set hypotheses_of_cause(const char *cause)
+{
+    hypothesis_set set = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_cause(h)->named && strcmp(hypothesis_cause(h)->id, cause) == 0) {
+            set |= HYPOTHESIS_BIT(h);
+        }
+    }
+    return set;
+}

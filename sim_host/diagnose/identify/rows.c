@@ -1,0 +1,311 @@
+#include "rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    BLOCK_ROWS_MIN = 80,  /* the filter's start costs a few rows of each block */
+    BLOCK_ROWS_MAX = 300, /* long enough for effects that show over L/R, short enough for many blocks */
+    BLOCKS_PER_STRETCH = 8,
+    CORRECT_ROWS_MIN = 200, /* fewer rows say less about the speed than the column does */
+    GROUPS_WANTED = 6 /* a recording of fewer runs is cut in time, or robust intervals had nothing to count */
+};
+
+/* A third sensor that is only minus the sum of the others, rounded, tells nothing of its own. */
+static bool third_sensor_counts(const recording *rec)
+{
+    if (!rec->i_c_measured) {
+        return false;
+    }
+    double sum2 = 0.0;
+    double size2 = 0.0;
+    for (size_t k = 0; k < rec->rows; k++) {
+        double sum = rec->i_A[0][k] + rec->i_A[1][k] + rec->i_A[2][k];
+        sum2 += sum * sum;
+        size2 += rec->i_A[0][k] * rec->i_A[0][k] + rec->i_A[1][k] * rec->i_A[1][k];
+    }
+    return sum2 > 1e-8 * size2;
+}
+
+static bool angle_is_wrapped(const recording *rec)
+{
+    for (size_t k = 0; k < rec->rows; k++) {
+        if (fabs(rec->theta_e_rad[k]) > VEC_TWO_PI + 0.01) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void fill_angles(diagnose_rows *r, const motor *m)
+{
+    const recording *rec = r->recording;
+    for (size_t n = 0; n < rec->stretches; n++) {
+        const stretch *s = &rec->stretch[n];
+        double turns = 0.0;
+        for (size_t j = 0; j < s->count; j++) {
+            size_t k = s->first + j;
+            cycle_row *row = &r->row[k];
+            double theta = rec->theta_e_rad[k];
+            row->omega_rad_s = rec->omega_e_rad_s[k];
+            row->cos_theta = cos(theta);
+            row->sin_theta = sin(theta);
+            row->cos_turn = cos(row->omega_rad_s * r->T_s);
+            row->sin_turn = sin(row->omega_rad_s * r->T_s);
+            if (j > 0) {
+                turns -= VEC_TWO_PI *
+                         round((theta - rec->theta_e_rad[k - 1] - row->omega_rad_s * r->T_s) / VEC_TWO_PI);
+            }
+            double mech = rec->theta_mech_rad ? rec->theta_mech_rad[k] : (theta + turns) / m->pole_pairs;
+            row->cos_mech = cos(mech);
+            row->sin_mech = sin(mech);
+            r->omega_max_rad_s = fmax(r->omega_max_rad_s, fabs(row->omega_rad_s));
+        }
+    }
+}
+
+static void fill_electrical(diagnose_rows *r)
+{
+    const recording *rec = r->recording;
+    double temperature = 0.0;
+    double u2 = 0.0;
+    for (size_t k = 0; rec->temp_C && k < rec->rows; k++) {
+        temperature += rec->temp_C[k] / (double)rec->rows;
+    }
+    for (size_t n = 0; n < rec->stretches; n++) {
+        const stretch *s = &rec->stretch[n];
+        for (size_t j = 0; j < s->count; j++) {
+            size_t k = s->first + j;
+            cycle_row *row = &r->row[k];
+            double u[3];
+            recording_voltage(rec, k, u);
+            row->u_V[0] = vec_from_phases(u);
+            row->u_V[1] = j > 0 ? row[-1].u_V[0] : row->u_V[0];
+            row->u_V[2] = j > 0 ? row[-1].u_V[1] : row->u_V[0];
+            const double i_A[3] = {rec->i_A[0][k], rec->i_A[1][k], rec->i_A[2][k]};
+            row->i_A = vec_from_phases(i_A);
+            row->i_zero_A = (rec->i_A[0][k] + rec->i_A[1][k] + rec->i_A[2][k]) / 3.0;
+            row->temperature_K = rec->temp_C ? rec->temp_C[k] - temperature : 0.0;
+            r->i_peak_A = fmax(r->i_peak_A, hypot(row->i_A.alpha, row->i_A.beta));
+            u2 += row->u_V[0].alpha * row->u_V[0].alpha + row->u_V[0].beta * row->u_V[0].beta;
+        }
+    }
+    r->u_rms_V = sqrt(u2 / (double)rec->rows);
+}
+
+/*
+ * When each leg rises, and the flux ripple it finds: the integral of its voltage from the carrier valley,
+ * less the share of the mean. Without recorded duties those of the usual min/max modulation stand in.
+ */
+static void fill_edges(diagnose_rows *r, const motor *m)
+{
+    const recording *rec = r->recording;
+    for (size_t k = 0; k < r->rows; k++) {
+        double duty[3];
+        double u[3];
+        double u_dc = rec->u_dc_V ? rec->u_dc_V[k] : m->u_dc_V;
+        recording_voltage(rec, k, u);
+        double middle = 0.5 * (fmax(u[0], fmax(u[1], u[2])) + fmin(u[0], fmin(u[1], u[2])));
+        for (size_t x = 0; x < 3; x++) {
+            duty[x] = rec->duty[0] ? rec->duty[x][k] : 0.5 + (u_dc > 0.0 ? (u[x] - middle) / u_dc : 0.0);
+            duty[x] = fmin(fmax(duty[x], 0.0), 1.0);
+        }
+        for (size_t x = 0; x < 3; x++) {
+            double rise = 0.5 * (1.0 - duty[x]);
+            double high[3]; /* what each leg's flux is ahead of its mean when leg x rises */
+            for (size_t y = 0; y < 3; y++) {
+                high[y] = fmax(0.0, rise - 0.5 * (1.0 - duty[y])) - rise * duty[y];
+            }
+            vec_ab ahead = vec_from_phases(high);
+            r->row[k].rise[x] = rise;
+            r->row[k].edge_ripple_Wb[x] = (vec_ab){u_dc * r->T_s * ahead.alpha, u_dc * r->T_s * ahead.beta};
+        }
+    }
+}
+
+/*
+ * A recorded speed that lags or is filtered disagrees with the recorded angle. Over a stretch the angle
+ * decides: its difference from the integrated speed is fitted by a parabola, whose slope corrects the speed.
+ * Errors of the angle that come and go with the revolution average out.
+ */
+static void correct_speed(diagnose_rows *r)
+{
+    const recording *rec = r->recording;
+    for (size_t n = 0; n < rec->stretches; n++) {
+        const stretch *s = &rec->stretch[n];
+        if (s->count < CORRECT_ROWS_MIN) {
+            continue;
+        }
+        double difference = 0.0;
+        double sum[3] = {0}; /* moments of the difference with the Legendre polynomials of the stretch */
+        for (size_t j = 0; j < s->count; j++) {
+            size_t k = s->first + j;
+            if (j > 0) {
+                double step = rec->theta_e_rad[k] - rec->theta_e_rad[k - 1] -
+                              0.5 * (r->row[k].omega_rad_s + r->row[k - 1].omega_rad_s) * r->T_s;
+                difference += step - VEC_TWO_PI * round(step / VEC_TWO_PI);
+            }
+            double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
+            sum[1] += difference * x * 3.0 / (double)s->count;
+            sum[2] += difference * (1.5 * x * x - 0.5) * 5.0 / (double)s->count;
+        }
+        double per_row = 2.0 / ((double)s->count * r->T_s); /* dx/dt */
+        for (size_t j = 0; j < s->count; j++) {
+            double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
+            double change = (sum[1] + 3.0 * sum[2] * x) * per_row;
+            cycle_row *row = &r->row[s->first + j];
+            if (fabs(change) < 0.01 * fabs(row->omega_rad_s) + 0.5) {
+                row->omega_rad_s += change;
+            }
+            row->cos_turn = cos(row->omega_rad_s * r->T_s);
+            row->sin_turn = sin(row->omega_rad_s * r->T_s);
+        }
+    }
+}
+
+/* Gives every row the nearest node of an even grid of speeds, and keeps only the nodes in use. */
+static bool place_nodes(diagnose_rows *r)
+{
+    double step = AVERAGED_NODE_STEP / r->T_s;
+    long lowest = 0;
+    long highest = 0;
+    for (size_t k = 0; k < r->rows; k++) {
+        long n = lround(r->row[k].omega_rad_s / step);
+        lowest = k == 0 || n < lowest ? n : lowest;
+        highest = k == 0 || n > highest ? n : highest;
+    }
+    size_t span = (size_t)(highest - lowest + 1);
+    size_t *index = calloc(span, sizeof *index);
+    r->node_omega_rad_s = calloc(span, sizeof *r->node_omega_rad_s);
+    if (!index || !r->node_omega_rad_s) {
+        free(index);
+        return false;
+    }
+    for (size_t k = 0; k < r->rows; k++) {
+        double exact = r->row[k].omega_rad_s / step;
+        long n = lround(exact);
+        size_t *slot = &index[n - lowest];
+        if (*slot == 0) {
+            r->node_omega_rad_s[r->nodes] = (double)n * step;
+            *slot = ++r->nodes;
+        }
+        r->row[k].node = *slot - 1;
+        r->row[k].node_h = exact - (double)n;
+    }
+    free(index);
+    return true;
+}
+
+static size_t blocks_of(size_t usable)
+{
+    size_t length = usable / BLOCKS_PER_STRETCH;
+    length = length < BLOCK_ROWS_MIN ? BLOCK_ROWS_MIN : (length > BLOCK_ROWS_MAX ? BLOCK_ROWS_MAX : length);
+    size_t n = usable / length;
+    return n > 0 ? n : (usable >= BLOCK_ROWS_MIN / 4 ? 1 : 0);
+}
+
+static size_t distinct_runs(const recording *rec)
+{
+    size_t n = rec->stretches > 0 ? 1 : 0;
+    for (size_t s = 1; s < rec->stretches; s++) {
+        n += rec->stretch[s].run != rec->stretch[s - 1].run;
+    }
+    return n;
+}
+
+static bool cut_blocks(diagnose_rows *r)
+{
+    const recording *rec = r->recording;
+    size_t total = 0;
+    for (size_t s = 0; s < rec->stretches; s++) {
+        total += rec->stretch[s].count > ROWS_HISTORY ? blocks_of(rec->stretch[s].count - ROWS_HISTORY) : 0;
+    }
+    r->block = calloc(total + 1, sizeof *r->block);
+    if (!r->block) {
+        return false;
+    }
+    bool by_run = distinct_runs(rec) >= GROUPS_WANTED && distinct_runs(rec) <= ROWS_MAX_GROUPS;
+    size_t group = 0;
+    for (size_t s = 0; s < rec->stretches; s++) {
+        const stretch *st = &rec->stretch[s];
+        size_t n = st->count > ROWS_HISTORY ? blocks_of(st->count - ROWS_HISTORY) : 0;
+        group += by_run && s > 0 && st->run != rec->stretch[s - 1].run;
+        for (size_t j = 0; j < n; j++) {
+            size_t usable = st->count - ROWS_HISTORY;
+            row_block *b = &r->block[r->blocks];
+            b->first = st->first + ROWS_HISTORY + j * usable / n;
+            b->count = st->first + ROWS_HISTORY + (j + 1) * usable / n - b->first;
+            b->stretch = s;
+            /* There is a block, so that total is not 0. NOLINTNEXTLINE(clang-analyzer-core.DivideZero) */
+            b->group = by_run ? group : r->blocks * (total < 12 ? GROUPS_WANTED : 12) / total;
+            r->group_run[b->group] = st->run;
+            r->groups = b->group + 1;
+            size_t of_ten = r->blocks % 10;
+            b->held_out = of_ten == 2 || of_ten == 5 || of_ten == 8;
+            r->blocks++;
+        }
+    }
+    return true;
+}
+
+bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error *e)
+{
+    *r = (diagnose_rows){.recording = rec, .T_s = rec->T_s, .rows = rec->rows};
+    r->row = calloc(rec->rows, sizeof *r->row);
+    r->outlier = calloc(rec->rows, 1);
+    if (!r->row || !r->outlier) {
+        rows_free(r);
+        return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
+    }
+    r->two_sensors = !third_sensor_counts(rec);
+    r->mech_known = rec->theta_mech_rad != NULL || !angle_is_wrapped(rec) || m->pole_pairs == 1;
+    r->temperature_known = rec->temp_C != NULL;
+    fill_angles(r, m);
+    correct_speed(r);
+    fill_electrical(r);
+    fill_edges(r, m);
+    if (!place_nodes(r) || !cut_blocks(r)) {
+        rows_free(r);
+        return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
+    }
+    return true;
+}
+
+void rows_free(diagnose_rows *r)
+{
+    free(r->row);
+    free(r->outlier);
+    free(r->node_omega_rad_s);
+    free(r->block);
+    *r = (diagnose_rows){0};
+}
+
+void rows_nodes_fill(const diagnose_rows *r, const averaged_drive *drive, averaged_node *nodes)
+{
+    for (size_t n = 0; n < r->nodes; n++) {
+        nodes[n] = averaged_node_at(drive->R_ohm, drive->L_d_H, drive->L_q_H, r->T_s, r->node_omega_rad_s[n]);
+    }
+}
+
+averaged_node *rows_nodes(const diagnose_rows *r, const averaged_drive *drive)
+{
+    averaged_node *nodes = calloc(r->nodes, sizeof *nodes);
+    if (nodes) {
+        rows_nodes_fill(r, drive, nodes);
+    }
+    return nodes;
+}
+
+void rows_turn_mechanical(diagnose_rows *r, size_t stretch_index, double angle_rad)
+{
+    const stretch *s = &r->recording->stretch[stretch_index];
+    double c = cos(angle_rad);
+    double f = sin(angle_rad);
+    for (size_t k = s->first; k < s->first + s->count; k++) {
+        cycle_row *row = &r->row[k];
+        double a = row->cos_mech;
+        double b = row->sin_mech;
+        row->cos_mech = a * c - b * f;
+        row->sin_mech = a * f + b * c;
+    }
+}

@@ -1,0 +1,63 @@
+/*
+ * A recording made ready for the averaged drive: one cycle_row per row, cut into blocks that are fitted or
+ * held out.
+ *
+ * A block lies inside one stretch. Its filter starts anew, so that nothing of a held-out block reaches a
+ * fitted one. Three blocks of ten are held out, spread so that each operating point lies in both parts. A
+ * group is an operating point (a run): noise and weight belong to it, and it is the unit that the robust
+ * intervals count.
+ */
+#ifndef SIM_HOST_DIAGNOSE_IDENTIFY_ROWS_H
+#define SIM_HOST_DIAGNOSE_IDENTIFY_ROWS_H
+
+#include "data/motor.h"
+#include "data/recording.h"
+#include "model/averaged_drive.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum {
+    ROWS_HISTORY = 2, /* rows at the start of a stretch that only feed the delayed voltages */
+    ROWS_MAX_GROUPS = 48
+};
+
+typedef struct row_block {
+    size_t first, count;
+    size_t group;
+    size_t stretch;
+    bool held_out;
+} row_block;
+
+typedef struct diagnose_rows {
+    const recording *recording;
+    double T_s;
+    size_t rows;
+    cycle_row *row;
+    unsigned char *outlier; /* set by the fit: a glitch that would drag every estimate */
+    size_t nodes;
+    double *node_omega_rad_s;
+    size_t blocks;
+    row_block *block;
+    size_t groups;
+    long group_run[ROWS_MAX_GROUPS]; /* the `run` of each group */
+    bool two_sensors;                /* only two currents were measured */
+    bool mech_known;                 /* the revolution is known across stretches */
+    bool temperature_known;
+    double omega_max_rad_s, i_peak_A, u_rms_V;
+    double u_resolution_V;
+} diagnose_rows;
+
+/* False with *e set if memory runs out or no block can be cut. */
+bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error *e);
+void rows_free(diagnose_rows *r);
+
+/* The table of the exact step for a drive, one entry per node in use. Caller frees. NULL: no memory. */
+averaged_node *rows_nodes(const diagnose_rows *r, const averaged_drive *drive);
+/* Fills a table of r->nodes entries. */
+void rows_nodes_fill(const diagnose_rows *r, const averaged_drive *drive, averaged_node *nodes);
+
+/* Turns the mechanical angle of one stretch by `revolutions` of the electrical angle / pole pairs. */
+void rows_turn_mechanical(diagnose_rows *r, size_t stretch, double angle_rad);
+
+#endif

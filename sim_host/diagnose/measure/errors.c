@@ -1,0 +1,53 @@
+#include "errors.h"
+
+#include "diagnose/identify/observer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static bool counts(const row_block *b, size_t group, bool held_out_only)
+{
+    return (group == MEASURE_ALL || b->group == group) && (b->held_out || !held_out_only);
+}
+
+double measure_current(const diagnose_rows *r, size_t group, bool held_out_only)
+{
+    double sum = 0.0;
+    double n = 0.0;
+    for (size_t b = 0; b < r->blocks; b++) {
+        for (size_t j = 0; counts(&r->block[b], group, held_out_only) && j < r->block[b].count; j++) {
+            vec_ab i = r->row[r->block[b].first + j].i_A;
+            sum += i.alpha * i.alpha + i.beta * i.beta;
+            n += 1.0;
+        }
+    }
+    return n > 0.0 ? sqrt(sum / n) : 0.0;
+}
+
+double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
+                         bool held_out_only)
+{
+    size_t longest = 1;
+    for (size_t b = 0; b < r->blocks; b++) {
+        longest = r->block[b].count > longest ? r->block[b].count : longest;
+    }
+    averaged_node *nodes = rows_nodes(r, drive);
+    vec_ab *wrong = calloc(longest, sizeof *wrong);
+    double sum = 0.0;
+    double n = 0.0;
+    for (size_t b = 0; nodes && wrong && b < r->blocks; b++) {
+        const row_block *block = &r->block[b];
+        if (!counts(block, group, held_out_only)) {
+            continue;
+        }
+        observer_one_cycle(r, drive, nodes, block->first, block->count, wrong);
+        for (size_t j = 1; j < block->count; j++) {
+            sum += wrong[j].alpha * wrong[j].alpha + wrong[j].beta * wrong[j].beta;
+            n += 1.0;
+        }
+    }
+    free(nodes);
+    free(wrong);
+    double current = measure_current(r, group, held_out_only);
+    return n > 0.0 && current > 0.0 ? 100.0 * sqrt(sum / n) / current : 0.0;
+}

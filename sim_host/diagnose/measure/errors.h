@@ -1,0 +1,20 @@
+/*
+ * The error of one-cycle prediction: what a model is judged by.
+ */
+#ifndef SIM_HOST_DIAGNOSE_MEASURE_ERRORS_H
+#define SIM_HOST_DIAGNOSE_MEASURE_ERRORS_H
+
+#include "diagnose/identify/rows.h"
+
+/* In place of a group: all of them. */
+#define MEASURE_ALL ((size_t)-1)
+
+/* rms of the one-cycle error vector over rms of the current vector, percent, over held-out (or all) blocks of
+ * one group or MEASURE_ALL. */
+double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
+                         bool held_out_only);
+
+/* Current's rms over the same rows (A, vector). */
+double measure_current(const diagnose_rows *r, size_t group, bool held_out_only);
+
+#endif

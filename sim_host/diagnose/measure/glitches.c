@@ -1,0 +1,78 @@
+#include "glitches.h"
+
+#include "diagnose/identify/observer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* An innovation longer than this many (robust) standard deviations stands out; by chance once in 1e10 rows.
+ */
+static const double GLITCH = 7.0;
+/* A glitch stands apart. Where more rows lie between these many deviations and GLITCH than beyond it, the
+ * tail is a law that does not quite fit (dead time near zero current), and nothing is left out. */
+static const double TAIL = 4.5;
+/* More glitches than this share of the rows are no glitches, but a model that does not fit. */
+static const double GLITCH_SHARE = 0.03;
+
+static int ascending(const void *x, const void *y)
+{
+    double a = *(const double *)x;
+    double b = *(const double *)y;
+    return a < b ? -1 : a > b;
+}
+
+size_t measure_glitches(fit_data *d, const fit_state *s)
+{
+    diagnose_rows *r = d->rows;
+    averaged_drive drive = fit_drive(d, s);
+    averaged_node *nodes = rows_nodes(r, &drive);
+    double *square = calloc(r->rows + 1, sizeof *square);
+    double *innovation = calloc(OBSERVER_OUTPUTS * r->rows + 1, sizeof *innovation);
+    size_t found = 0;
+    size_t apart = 0;
+    size_t between = 0;
+    for (size_t g = 0; nodes && square && innovation && g < r->groups; g++) {
+        size_t n = 0;
+        for (size_t b = 0; b < r->blocks; b++) {
+            if (r->block[b].group != g) {
+                continue;
+            }
+            observer_block(r, &drive, nodes, &r->block[b], s->noise[g].gain, 0.0, innovation);
+            for (size_t j = 0; j < r->block[b].count; j++) {
+                const double *e = innovation + OBSERVER_OUTPUTS * j;
+                square[n] = e[0] * e[0] + e[1] * e[1];
+                n += square[n] > 0.0;
+            }
+        }
+        if (n < 20) {
+            continue;
+        }
+        qsort(square, n, sizeof *square, ascending);
+        /* The median of a two-dimensional normal square is 2 ln 2 of one component's variance. */
+        double deviation = sqrt(square[n / 2] / 1.386294361119891);
+        for (size_t k = 0; k < n; k++) {
+            double size = sqrt(square[k]) / deviation;
+            apart += size > GLITCH;
+            between += size > TAIL && size <= GLITCH;
+        }
+        for (size_t b = 0; b < r->blocks; b++) {
+            if (r->block[b].group == g) {
+                observer_block(r, &drive, nodes, &r->block[b], s->noise[g].gain, GLITCH * deviation,
+                               innovation);
+            }
+        }
+    }
+    for (size_t k = 0; k < r->rows; k++) {
+        found += r->outlier[k];
+    }
+    if ((double)found > GLITCH_SHARE * (double)r->rows || between > apart) {
+        for (size_t k = 0; k < r->rows; k++) {
+            r->outlier[k] = 0;
+        }
+        found = 0;
+    }
+    free(nodes);
+    free(square);
+    free(innovation);
+    return found;
+}

@@ -1,0 +1,98 @@
+/*
+ * What a diagnosis found: everything that the terminal, the JSON file and the report show, as plain numbers.
+ */
+#ifndef SIM_HOST_DIAGNOSE_RESULT_H
+#define SIM_HOST_DIAGNOSE_RESULT_H
+
+#include "data/motor.h"
+#include "data/recording.h"
+#include "model/averaged_drive.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { DIAGNOSIS_CAUSES = 6, DIAGNOSIS_PARAMETERS = 3, DIAGNOSIS_CONFUSED = 6, DIAGNOSIS_GROUPS = 48 };
+
+/* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
+#define DIAGNOSIS_FLOOR_TOLERANCE 1.25
+
+typedef enum diagnosis_verdict {
+    VERDICT_CLEAN,
+    VERDICT_EXPLAINED,
+    VERDICT_PARTLY,
+    VERDICT_UNEXPLAINED
+} diagnosis_verdict;
+
+typedef struct diagnosis_parameter {
+    char name[16], unit[8];
+    double nominal, value, low, high; /* 95 % */
+} diagnosis_parameter;
+
+typedef struct diagnosis_cause {
+    const char *id;    /* of interfaces.md */
+    const char *words; /* for people */
+    size_t parameters;
+    diagnosis_parameter parameter[DIAGNOSIS_PARAMETERS];
+    double gain;      /* error before it was added / after, held-out rows, causes in this order */
+    double certainty; /* robust chi square of leaving it out */
+    size_t confused;
+    const char *confused_with[DIAGNOSIS_CONFUSED];
+} diagnosis_cause;
+
+/* A row of the table of hypotheses: what each would do, alone and on top of what was named. */
+typedef struct diagnosis_hypothesis {
+    const char *id, *words;
+    bool named, possible, skipped;
+    double alone;  /* share of the nominal model's excess chi square that it takes off by itself, 0 ... 1 */
+    double beyond; /* chi square it would still take off the extended model */
+} diagnosis_hypothesis;
+
+/* One operating point. Errors in percent of its current's rms. */
+typedef struct diagnosis_run {
+    long run;
+    size_t rows;
+    double omega_rad_s, i_rms_A, u_rms_V, i_d_A, i_q_A;
+    double nominal, extended, noise_floor; /* one cycle, held-out rows */
+    double free_nominal, free_extended;    /* free run from the start of each stretch, all rows */
+} diagnosis_run;
+
+/* One-cycle error by method with the same parameters, percent, held-out rows. */
+typedef struct diagnosis_method {
+    double euler, quasi_discrete, exact;
+} diagnosis_method;
+
+typedef struct diagnosis_structure {
+    bool certain;
+    double share;    /* of the extended model's innovation power */
+    char words[256]; /* which order or frequency, which runs, how many glitches; empty if nothing */
+} diagnosis_structure;
+
+typedef struct diagnosis {
+    const char *recording_path, *motor_path; /* borrowed; for what is told */
+    diagnosis_verdict verdict;
+    size_t rows, rows_used, rows_held_out, outliers;
+    size_t causes;
+    diagnosis_cause cause[DIAGNOSIS_CAUSES];
+    double nominal, extended, noise_floor, gain; /* percent, percent, percent, 1 */
+    double sensor_noise_A;                       /* rms per phase */
+    diagnosis_structure structure;
+    char next_experiment[512];
+    char sentence[512]; /* what is wrong, how sure, what it gains */
+    size_t hypotheses;
+    diagnosis_hypothesis hypothesis[32];
+    size_t runs;
+    diagnosis_run run[DIAGNOSIS_GROUPS];
+    diagnosis_method method_nominal, method_extended;
+    motor extended_motor;
+    averaged_drive nominal_drive, extended_drive;
+    /* Series, one entry per row of the recording; NAN where there is no prediction. */
+    vec_ab *error_nominal, *error_extended; /* A, one cycle */
+    vec_ab *free_nominal, *free_extended;   /* A, free-running current */
+    unsigned char *held_out;                /* 1: the row was not fitted */
+} diagnosis;
+
+void diagnosis_free(diagnosis *d);
+
+const char *diagnosis_verdict_id(diagnosis_verdict v);
+
+#endif

@@ -1,0 +1,194 @@
+#include "extension_header.h"
+
+#include "base/number.h"
+#include "base/out_file.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A double as a C constant: with a point or an exponent, so that no integer arithmetic creeps in. */
+static void put_value(FILE *out, double x)
+{
+    char text[NUMBER_TEXT_SIZE];
+    number_text(x, text);
+    fputs(text, out);
+    if (strpbrk(text, ".eE") == NULL) {
+        fputs(".0", out);
+    }
+}
+
+/* Text inside a comment: nothing in it may end the comment or the line. */
+static void put_comment_text(FILE *out, const char *text)
+{
+    for (; *text != '\0'; text++) {
+        const unsigned char c = (unsigned char)*text;
+        fputc(c < 0x20 || c == '*' || c == 0x5c ? '_' : c, out);
+    }
+}
+
+static const diagnosis_parameter *found(const diagnosis *d, const char *name)
+{
+    for (size_t k = 0; k < d->causes; k++) {
+        for (size_t n = 0; n < d->cause[k].parameters; n++) {
+            if (strcmp(d->cause[k].parameter[n].name, name) == 0) {
+                return &d->cause[k].parameter[n];
+            }
+        }
+    }
+    return NULL;
+}
+
+/* One macro; behind it what the diagnosis knows of the parameter `name` of interfaces.md. */
+static void define(FILE *out, const diagnosis *d, const char *macro, double value, const char *unit,
+                   const char *name, const char *otherwise)
+{
+    const diagnosis_parameter *p = name != NULL ? found(d, name) : NULL;
+    fprintf(out, "#define %s ", macro);
+    put_value(out, value);
+    fprintf(out, " /* %s", unit);
+    if (p != NULL && p->high > p->low) {
+        fprintf(out, "; diagnosed, 95 %%: %.6g to %.6g; the file says %.6g", p->low, p->high, p->nominal);
+    } else if (p != NULL) {
+        fprintf(out, "; diagnosed; the file says %.6g", p->nominal);
+    } else {
+        fprintf(out, "; %s", otherwise);
+    }
+    fputs(" */\n", out);
+}
+
+static void define_machine(FILE *out, const diagnosis *d)
+{
+    static const char same[] = "as in the motor file";
+    const motor *m = &d->extended_motor;
+    const bool both = found(d, "L") != NULL;
+    const bool zero = found(d, "L_0") != NULL;
+    fputs("/* ---- Bases and machine: what iqfoc/params.h takes ---- */\n", out);
+    define(out, d, "IQFOC_DIAGNOSED_T_S", 1.0 / m->f_pwm_Hz, "s, control cycle", NULL, same);
+    define(out, d, "IQFOC_DIAGNOSED_I_RATED_A", m->I_rated_A_rms, "A rms", NULL, same);
+    define(out, d, "IQFOC_DIAGNOSED_U_DC_V", m->u_dc_V, "V", NULL, same);
+    define(out, d, "IQFOC_DIAGNOSED_R_OHM", m->R_ohm, "ohm", "R", same);
+    define(out, d, "IQFOC_DIAGNOSED_L_D_H", m->L_d_H, zero ? "H, at zero current" : "H",
+           both ? "L" : (zero ? "L_0" : "L_d"), same);
+    define(out, d, "IQFOC_DIAGNOSED_L_Q_H", m->L_q_H, zero ? "H, at zero current" : "H",
+           both ? "L" : (zero ? "L_0" : "L_q"), same);
+    define(out, d, "IQFOC_DIAGNOSED_PSI_WB", m->psi_f_Wb, "Wb", "psi_f", same);
+    fputs("#define IQFOC_DIAGNOSED_I_BASE_A IQFOC_I_BASE(IQFOC_DIAGNOSED_I_RATED_A)\n\n", out);
+}
+
+/* "v_dead_V" -> "IQFOC_DIAGNOSED_V_DEAD_V". */
+static void macro_of(const motor_value *v, char *text, size_t size)
+{
+    snprintf(text, size, "IQFOC_DIAGNOSED_%s", v->key);
+    for (char *c = text; *c != '\0'; c++) {
+        *c = (char)toupper((unsigned char)*c);
+    }
+}
+
+/* The parameters of all causes that the library has a correction for. */
+static void define_corrections(FILE *out, const diagnosis *d)
+{
+    const motor *m = &d->extended_motor;
+    fputs("/* ---- Sensors: measured = g * true + o, recorded angle = true + theta_0, and true at t + "
+          "t_delay.\n"
+          " * Voltage: applied = k_u * recorded, less v_dead * sat(i / i_knee) of each leg. L = L_0 / (1 + "
+          "(i/I_sat)^2). ---- */\n",
+          out);
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        const bool there = m->ext.has[v->cause];
+        const bool beyond =
+            isnan(v->absent); /* the inductances are above; I_sat stands only if the iron saturates */
+        char macro[64];
+        if (v->of_machine || cause_table[v->cause].firmware != FIRMWARE_HOLDS ||
+            (v->cause == EXT_SATURATION && (!there || v->offset != offsetof(motor, ext.I_sat_A)))) {
+            continue;
+        }
+        macro_of(v, macro, sizeof macro);
+        const double absent = beyond ? 0.0 : v->absent;
+        define(out, d, macro, there ? motor_value_of(m, v) : absent, v->unit, v->name,
+               there ? "as in the motor file" : "none seen");
+    }
+    fputc('\n', out);
+}
+
+static void put_initialisers(FILE *out, bool saturates)
+{
+    fprintf(out,
+            "/* iqfoc_extension_t: the corrections of samples, duties and acting voltage. */\n"
+            "#define IQFOC_DIAGNOSED_EXTENSION \\\n"
+            "    {.i_offset = {IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_A_A, IQFOC_DIAGNOSED_I_BASE_A), \\\n"
+            "                  IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_B_A, IQFOC_DIAGNOSED_I_BASE_A), \\\n"
+            "                  IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_C_A, IQFOC_DIAGNOSED_I_BASE_A)}, \\\n"
+            "     .i_gain_inverse = {IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_A), \\\n"
+            "                        IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_B), \\\n"
+            "                        IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_C)}, \\\n"
+            "     .theta_0 = IQFOC_EXT_ANGLE(IQFOC_DIAGNOSED_THETA_0_RAD), \\\n"
+            "     .theta_delay = IQFOC_EXT_DELAY(IQFOC_DIAGNOSED_T_DELAY_S, IQFOC_DIAGNOSED_T_S), \\\n"
+            "     .k_u = IQFOC_EXT_K_U(IQFOC_DIAGNOSED_K_U), \\\n"
+            "     .v_dead = IQFOC_EXT_VOLTAGE(IQFOC_DIAGNOSED_V_DEAD_V, IQFOC_DIAGNOSED_U_DC_V), \\\n"
+            "     .knee_inverse = IQFOC_EXT_KNEE_INVERSE(IQFOC_DIAGNOSED_I_KNEE_A, "
+            "IQFOC_DIAGNOSED_I_BASE_A), \\\n"
+            "     .saturation = %s}\n\n",
+            saturates ? "IQFOC_EXT_SATURATION(IQFOC_DIAGNOSED_I_SAT_A, IQFOC_DIAGNOSED_I_BASE_A)" : "0");
+    fputs(
+        "/* iqfoc_predictor_t, for a machine with L_d = L_q: their mean stands for both. */\n"
+        "#define IQFOC_DIAGNOSED_PREDICTOR \\\n"
+        "    IQFOC_PREDICTOR(IQFOC_DIAGNOSED_R_OHM, 0.5 * (IQFOC_DIAGNOSED_L_D_H + IQFOC_DIAGNOSED_L_Q_H), "
+        "\\\n"
+        "                    IQFOC_DIAGNOSED_PSI_WB, IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, \\\n"
+        "                    IQFOC_DIAGNOSED_U_DC_V)\n\n"
+        "/* iqfoc_flux_predictor_t, for any machine. */\n"
+        "#define IQFOC_DIAGNOSED_FLUX_PREDICTOR \\\n"
+        "    IQFOC_FLUX_PREDICTOR(IQFOC_DIAGNOSED_R_OHM, IQFOC_DIAGNOSED_L_D_H, IQFOC_DIAGNOSED_L_Q_H, \\\n"
+        "                         IQFOC_DIAGNOSED_PSI_WB, IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, \\\n"
+        "                         IQFOC_DIAGNOSED_U_DC_V)\n\n"
+        "/* iqfoc_current_control_gains_t for a closed loop of w_rad_s. */\n"
+        "#define IQFOC_DIAGNOSED_GAINS(w_rad_s) \\\n"
+        "    IQFOC_GAINS(w_rad_s, IQFOC_DIAGNOSED_R_OHM, IQFOC_DIAGNOSED_L_D_H, IQFOC_DIAGNOSED_L_Q_H, \\\n"
+        "                IQFOC_DIAGNOSED_PSI_WB, IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, "
+        "IQFOC_DIAGNOSED_U_DC_V)\n\n",
+        out);
+}
+
+/* Named effects that the firmware has no constant for. */
+static void put_rest(FILE *out, const diagnosis *d)
+{
+    for (int id = 0; id < EXT_COUNT; id++) {
+        if (d->extended_motor.ext.has[id] && cause_table[id].firmware != FIRMWARE_HOLDS) {
+            fprintf(out,
+                    "/* Not here, because the library has no correction for it: %s. See motor_extended.toml. "
+                    "*/\n",
+                    cause_table[id].id);
+        }
+    }
+}
+
+bool extension_header_write(const char *path, const diagnosis *d, error *e)
+{
+    out_file f;
+    if (!out_file_open(&f, path, e)) {
+        return false;
+    }
+    FILE *out = f.stream;
+    fputs("/*\n * Written by iqfoc diagnose from ", out);
+    put_comment_text(out, d->recording_path);
+    fputs(" with ", out);
+    put_comment_text(out, d->motor_path);
+    fputs(".\n * ", out);
+    put_comment_text(out, d->sentence);
+    fputs("\n *\n *     static const iqfoc_extension_t extension = IQFOC_DIAGNOSED_EXTENSION;\n"
+          " *     static const iqfoc_flux_predictor_t predictor = IQFOC_DIAGNOSED_FLUX_PREDICTOR;\n"
+          " *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h. A value that the library "
+          "cannot hold does not compile.\n"
+          " */\n#ifndef IQFOC_DIAGNOSED_EXTENSION_H\n#define IQFOC_DIAGNOSED_EXTENSION_H\n\n"
+          "#include \"iqfoc/extension_params.h\"\n#include \"iqfoc/flux_predictor.h\"\n\n",
+          out);
+    define_machine(out, d);
+    define_corrections(out, d);
+    put_initialisers(out, d->extended_motor.ext.has[EXT_SATURATION]);
+    put_rest(out, d);
+    fputs("#endif\n", out);
+    return out_file_commit(&f, e);
+}

@@ -1,0 +1,15 @@
+/*
+ * The firmware's header: what a diagnosis found as constants of the library, each with its physical value,
+ * unit and 95 % interval.
+ */
+#ifndef SIM_HOST_DIAGNOSE_SHOW_EXTENSION_HEADER_H
+#define SIM_HOST_DIAGNOSE_SHOW_EXTENSION_HEADER_H
+
+#include "base/error.h"
+#include "diagnose/result.h"
+
+/* Compiles as C99 without warnings against include/; a value that the library cannot hold is refused there,
+ * by its name. */
+bool extension_header_write(const char *path, const diagnosis *d, error *e);
+
+#endif

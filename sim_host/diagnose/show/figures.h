@@ -1,0 +1,42 @@
+/*
+ * The pictures of a diagnosis: where the model errs, before and after, and the plant beside the machine.
+ */
+#ifndef SIM_HOST_DIAGNOSE_SHOW_FIGURES_H
+#define SIM_HOST_DIAGNOSE_SHOW_FIGURES_H
+
+#include "diagnose/result.h"
+#include "plant_witness.h"
+#include "report/page.h"
+#include "residual.h"
+
+/* What all pictures are drawn from. */
+typedef struct evidence {
+    const recording *rec;
+    const motor *nominal;
+    const diagnosis *d;
+    const plant_witness *witness;
+    residual before, after; /* nominal and extended model, this recording */
+    residual plant;         /* nominal model, the simulated recording; error NULL if there is none */
+    bool turns;             /* the rotor turns, two revolutions at least */
+    const char *was;        /* what to call the nominal model */
+    bool extended;          /* there is an extended model that differs from the nominal */
+} evidence;
+
+evidence evidence_of(const recording *rec, const motor *nominal, const diagnosis *d,
+                     const plant_witness *witness);
+
+/* Each draws one figure; false with *e set if gnuplot or the disk fails. */
+bool figure_waveform(page *p, const evidence *v, error *e);
+bool figure_residual_time(page *p, const evidence *v, error *e);
+bool figure_current(page *p, const evidence *v, error *e);
+bool figure_voltage(page *p, const evidence *v, error *e);
+bool figure_angle(page *p, const evidence *v, error *e);
+bool figure_speed(page *p, const evidence *v, error *e);
+bool figure_orders(page *p, const evidence *v, error *e);
+bool figure_runs(page *p, const evidence *v, error *e);
+bool figure_free_runs(page *p, const evidence *v, error *e);
+bool figure_methods(page *p, const evidence *v, error *e);
+bool figure_plant_runs(page *p, const evidence *v, error *e);
+bool figure_plant_current(page *p, const evidence *v, error *e);
+
+#endif

@@ -1,0 +1,120 @@
+#include "firmware_gain.h"
+
+#include "base/vector.h"
+#include "extension_host.h"
+
+#include "iqfoc/iq24_math.h"
+#include "iqfoc/transform.h"
+
+#include <math.h>
+#include <stdio.h>
+
+typedef struct firmware {
+    const motor *m;
+    per_unit base;
+    iqfoc_extension_t extension;
+    iqfoc_flux_predictor_t predictor;
+    size_t late; /* cycles by which the voltage acts late */
+} firmware;
+
+static bool firmware_of(const motor *m, firmware *f, error *e)
+{
+    f->m = m;
+    f->base = per_unit_of(m);
+    f->late = m->ext.has[EXT_VOLTAGE_DELAY] ? (size_t)m->ext.voltage_delay_cycles : 0;
+    return extension_from_motor(m, NULL, &f->extension, e) &&
+           flux_predictor_from_motor(m, NULL, &f->predictor, e);
+}
+
+/* Phase values, per unit, to a vector. */
+static iqfoc_abc_t per_unit_phases(const double x[3], double base)
+{
+    const iqfoc_abc_t pu = {iq24_from_double(x[0] / base), iq24_from_double(x[1] / base),
+                            iq24_from_double(x[2] / base)};
+    return pu;
+}
+
+/* What the sensors of a drive with this motor's extension show of a true current, as a vector. */
+static vec_ab sensed(const firmware *f, bool two_sensors, iqfoc_ab_t i)
+{
+    const iqfoc_abc_t phase = iqfoc_clarke_inverse(i);
+    const motor_extension *x = &f->m->ext;
+    double i_A[3] = {iq24_to_double(phase.a) * f->base.I_A, iq24_to_double(phase.b) * f->base.I_A,
+                     iq24_to_double(phase.c) * f->base.I_A};
+    for (int n = 0; n < 3; n++) {
+        i_A[n] = (x->has[EXT_CURRENT_GAIN] ? x->g[n] : 1.0) * i_A[n] +
+                 (x->has[EXT_CURRENT_OFFSET] ? x->o_A[n] : 0.0);
+    }
+    if (two_sensors) {
+        i_A[2] = -i_A[0] - i_A[1];
+    }
+    return vec_from_phases(i_A);
+}
+
+/* One cycle in fixed point, from row k to what row k + 1 will show. */
+static vec_ab predict(const firmware *f, const recording *rec, size_t k)
+{
+    const double i_A[3] = {rec->i_A[0][k], rec->i_A[1][k], rec->i_A[2][k]};
+    double u_V[3];
+    recording_voltage(rec, k - f->late, u_V);
+    iqfoc_sample_t sample = {.i = per_unit_phases(i_A, f->base.I_A),
+                             .theta = turns_from_rad(rec->theta_e_rad[k]),
+                             .turns = turns_from_speed(rec->omega_e_rad_s[k], rec->T_s),
+                             .u_dc = IQ24_ONE};
+    iqfoc_extension_sample(&f->extension, &sample);
+    if (!rec->i_c_measured) {
+        sample.i.c = iq24_sub_wrap(0, iq24_add_wrap(sample.i.a, sample.i.b));
+    }
+    const iqfoc_ab_t next =
+        iqfoc_flux_predictor_step(&f->predictor, &f->extension, iqfoc_clarke3(sample.i),
+                                  iqfoc_clarke3(per_unit_phases(u_V, f->base.U_V)), iq24_sincos(sample.theta),
+                                  iq24_sincos(iq24_add_wrap(sample.theta, sample.turns)));
+    return sensed(f, !rec->i_c_measured, next);
+}
+
+static double error_percent(const firmware *f, const recording *rec, const unsigned char *held_out)
+{
+    double wrong = 0.0;
+    double current = 0.0;
+    for (size_t n = 0; n < rec->stretches; n++) {
+        const stretch *s = &rec->stretch[n];
+        /* From the third row on, so that every model is measured on the same rows, a late voltage or not. */
+        for (size_t k = s->first + 2; k + 1 < s->first + s->count; k++) {
+            if (!held_out[k] || !held_out[k + 1]) {
+                continue;
+            }
+            const vec_ab shown = predict(f, rec, k);
+            const double i_A[3] = {rec->i_A[0][k + 1], rec->i_A[1][k + 1], rec->i_A[2][k + 1]};
+            const vec_ab i = vec_from_phases(i_A);
+            const vec_ab off = {i.alpha - shown.alpha, i.beta - shown.beta};
+            wrong += off.alpha * off.alpha + off.beta * off.beta;
+            current += i.alpha * i.alpha + i.beta * i.beta;
+        }
+    }
+    return current > 0.0 ? 100.0 * sqrt(wrong / current) : NAN;
+}
+
+firmware_gain firmware_gain_measure(const recording *rec, const unsigned char *held_out, const motor *nominal,
+                                    const motor *extended)
+{
+    firmware_gain g = {false, NAN, NAN, NAN, ""};
+    firmware before;
+    firmware after;
+    error e = {0};
+    if (!firmware_of(nominal, &before, &e) || !firmware_of(extended, &after, &e)) {
+        snprintf(g.reason, sizeof g.reason, "%s", e.text);
+        return g;
+    }
+    if (before.late > 2 || after.late > 2) {
+        snprintf(g.reason, sizeof g.reason, "a voltage more than two cycles late is not kept");
+        return g;
+    }
+    g.nominal = error_percent(&before, rec, held_out);
+    g.extended = error_percent(&after, rec, held_out);
+    g.gain = g.extended > 0.0 ? g.nominal / g.extended : NAN;
+    g.measured = isfinite(g.gain) != 0;
+    if (!g.measured) {
+        snprintf(g.reason, sizeof g.reason, "no held-out rows with a current");
+    }
+    return g;
+}

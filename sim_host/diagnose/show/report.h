@@ -1,0 +1,28 @@
+/*
+ * What comes after a diagnosis: the gain in firmware code, the plant as a witness, the firmware's header, the
+ * page.
+ */
+#ifndef SIM_HOST_DIAGNOSE_SHOW_REPORT_H
+#define SIM_HOST_DIAGNOSE_SHOW_REPORT_H
+
+#include "diagnose/result.h"
+
+#include <jansson.h>
+
+typedef struct report_input {
+    const recording *rec;
+    const motor *nominal;
+    const diagnosis *d; /* with its series */
+} report_input;
+
+/* Sets the JSON's "firmware": {"nominal", "extended", "gain"} in percent, or null where it cannot be
+ * measured. */
+void report_firmware(const report_input *in, json_t *json);
+
+/*
+ * Writes motor_extended.toml, iqfoc_extension.h, report.html (with its figures beside it) and, last,
+ * diagnosis.json into a directory; the JSON gets "plant" as well.
+ */
+bool report_write(const report_input *in, const char *directory, json_t *json, error *e);
+
+#endif

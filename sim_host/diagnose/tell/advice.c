@@ -1,0 +1,82 @@
+#include "advice.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static bool is_pair(const diagnosis_cause *cause, const char *a, const char *b)
+{
+    for (size_t k = 0; k < cause->confused; k++) {
+        if ((strcmp(cause->id, a) == 0 && strcmp(cause->confused_with[k], b) == 0) ||
+            (strcmp(cause->id, b) == 0 && strcmp(cause->confused_with[k], a) == 0)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* What shows an effect that has no name in the list of causes; NULL for a set without such. */
+static const char *advice_for_unnamed(hypothesis_set set)
+{
+    static const char *const advice[EXT_COUNT] = {
+#define ADVICE(ID, text) [EXT_##ID] = (text),
+#include "data/causes.def"
+    };
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(set, h) && advice[hypothesis_table[h].cause] != NULL) {
+            return advice[hypothesis_table[h].cause];
+        }
+    }
+    return NULL;
+}
+
+void advice_tell(const session *w, diagnosis *d)
+{
+    static const struct {
+        cause_id a, b;
+        const char *advice;
+    } pair[] = {
+#define TELL_APART(ID, OTHER, text) {EXT_##ID, EXT_##OTHER, text},
+#include "data/causes.def"
+    };
+    const diagnose_rows *r = &w->rows;
+    d->next_experiment[0] = '\0';
+    for (size_t k = 0; k < d->causes; k++) {
+        for (size_t j = 0; j < sizeof pair / sizeof *pair; j++) {
+            if (is_pair(&d->cause[k], cause_table[pair[j].a].id, cause_table[pair[j].b].id)) {
+                snprintf(d->next_experiment, sizeof d->next_experiment, "%s", pair[j].advice);
+                return;
+            }
+        }
+    }
+    for (size_t k = 0; k < d->causes; k++) {
+        if (d->cause[k].confused > 0) {
+            snprintf(d->next_experiment, sizeof d->next_experiment,
+                     "To tell %s from %s: record more operating points - both directions, standstill and two "
+                     "speeds far apart, each at two current levels, with steps in i_d and i_q.",
+                     d->cause[k].id, d->cause[k].confused_with[0]);
+            return;
+        }
+    }
+    const bool left = d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED;
+    const char *advice = advice_for_unnamed(w->state.set);
+    if (left && advice) {
+        snprintf(d->next_experiment, sizeof d->next_experiment, "Structure is left (%s). %s",
+                 d->structure.words, advice);
+    } else if (left) {
+        snprintf(d->next_experiment, sizeof d->next_experiment,
+                 "Structure is left (%s). Record the same operating point twice, once with %s, and compare "
+                 "where the residual goes.",
+                 d->structure.words[0] ? d->structure.words : "see the residuals",
+                 r->recording->u_dc_V ? "the shaft driven from outside at no current"
+                                      : "the DC link voltage logged");
+    } else if (d->verdict == VERDICT_EXPLAINED) {
+        snprintf(d->next_experiment, sizeof d->next_experiment,
+                 "Record again with the extended model's corrections in the drive: the diagnosis of that "
+                 "recording should be clean.");
+    } else {
+        snprintf(d->next_experiment, sizeof d->next_experiment,
+                 "None is needed for this model. To test it further, record higher speed and current than "
+                 "the %.0f rad/s and %.3g A seen here.",
+                 r->omega_max_rad_s, r->i_peak_A);
+    }
+}

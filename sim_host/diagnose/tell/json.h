@@ -1,0 +1,14 @@
+/*
+ * The diagnosis as the JSON of interfaces.md.
+ */
+#ifndef SIM_HOST_DIAGNOSE_TELL_JSON_H
+#define SIM_HOST_DIAGNOSE_TELL_JSON_H
+
+#include "diagnose/result.h"
+
+#include <jansson.h>
+
+/* A new reference; NULL: out of memory. */
+json_t *json_of_diagnosis(const diagnosis *d);
+
+#endif

@@ -1,0 +1,12 @@
+/*
+ * The verdict in one sentence, as every output says it.
+ */
+#ifndef SIM_HOST_DIAGNOSE_TELL_SENTENCE_H
+#define SIM_HOST_DIAGNOSE_TELL_SENTENCE_H
+
+#include "diagnose/result.h"
+
+/* Sets d->sentence. Needs d's causes, verdict and errors. */
+void sentence_tell(diagnosis *d);
+
+#endif

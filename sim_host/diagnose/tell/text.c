@@ -1,0 +1,37 @@
+#include "text.h"
+
+#include <string.h>
+
+void text_print(FILE *out, const diagnosis *d)
+{
+    fprintf(out, "%s with %s\n  %s: %s\n", d->recording_path, d->motor_path, diagnosis_verdict_id(d->verdict),
+            d->sentence);
+    for (size_t k = 0; k < d->causes; k++) {
+        const diagnosis_cause *cause = &d->cause[k];
+        fprintf(out, "\n  %-16s %s; gain %.2f\n", cause->id, cause->words, cause->gain);
+        for (size_t j = 0; j < cause->parameters; j++) {
+            const diagnosis_parameter *p = &cause->parameter[j];
+            fprintf(out, "    %-10s %12.6g %-4s  95 %% %.6g to %.6g   (file: %.6g)\n", p->name, p->value,
+                    strcmp(p->unit, "1") == 0 ? "" : p->unit, p->low, p->high, p->nominal);
+        }
+        for (size_t j = 0; j < cause->confused; j++) {
+            fprintf(out, "    this recording cannot tell it from %s\n", cause->confused_with[j]);
+        }
+    }
+    if (d->structure.words[0]) {
+        fprintf(out, "\n  left over: %s\n", d->structure.words);
+    }
+    fprintf(out, "\n  one-cycle error, %% of the current, %zu held-out of %zu rows:\n", d->rows_held_out,
+            d->rows_used);
+    fprintf(out, "    nominal %.3f   extended %.3f   noise floor %.3f   gain %.2f\n", d->nominal, d->extended,
+            d->noise_floor, d->gain);
+    fprintf(out, "    by method (extended parameters): Euler %.3f   quasi-discrete %.3f   exact %.3f\n",
+            d->method_extended.euler, d->method_extended.quasi_discrete, d->method_extended.exact);
+    fprintf(out, "\n  run    rad/s  A rms   nominal  extended  floor   free run: nominal  extended\n");
+    for (size_t k = 0; k < d->runs; k++) {
+        const diagnosis_run *r = &d->run[k];
+        fprintf(out, "  %3ld %8.1f %6.2f  %8.3f  %8.3f %6.3f  %17.2f  %8.2f\n", r->run, r->omega_rad_s,
+                r->i_rms_A, r->nominal, r->extended, r->noise_floor, r->free_nominal, r->free_extended);
+    }
+    fprintf(out, "\n  next: %s\n", d->next_experiment);
+}
