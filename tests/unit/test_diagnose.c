@@ -281,6 +281,35 @@ static void the_extended_motor_needs_nothing_more(void)
     diagnosis_free(&again);
 }
 
+/* However short a recording that is accepted: rows are held out, every figure is one, and no run is made up. */
+static void a_short_recording_always_holds_rows_out(void)
+{
+    good.m.psi_f_Wb = 0.17;
+    for (size_t rows = 200; rows <= 400; rows += 10) {
+        motor file = bench_motor();
+        recording r = bench_record(&good);
+        diagnosis d;
+        error e = {0};
+        const diagnose_options options = {.series = true};
+        r.rows = rows;
+        r.stretches = 1;
+        r.stretch[0].count = rows;
+        TEST_ASSERT_TRUE_MESSAGE(diagnose(&d, &r, &file, &options, &e), e.text);
+        TEST_ASSERT_TRUE(d.rows_held_out >= 40 && d.rows_held_out < d.rows_used);
+        TEST_ASSERT_TRUE(isfinite(d.noise_floor) && isfinite(d.nominal) && isfinite(d.extended));
+        TEST_ASSERT_TRUE(d.extended < d.nominal);
+        size_t measured = 0;
+        for (size_t k = 0; k < d.runs; k++) {
+            TEST_ASSERT_EQUAL_INT(1, d.run[k].run);
+            TEST_ASSERT_TRUE(d.run[k].rows > 0 && isfinite(d.run[k].free_extended));
+            measured += isfinite(d.run[k].nominal) ? 1 : 0;
+        }
+        TEST_ASSERT_TRUE(measured >= 1);
+        diagnosis_free(&d);
+        recording_free(&r);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -298,5 +327,6 @@ int main(void)
     RUN_TEST(two_sensors_with_one_gain_are_no_mismatch);
     RUN_TEST(what_is_skipped_is_not_named);
     RUN_TEST(the_extended_motor_needs_nothing_more);
+    RUN_TEST(a_short_recording_always_holds_rows_out);
     return UNITY_END();
 }

@@ -95,12 +95,12 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
             small[i][j] = t->h[column[i]][column[j]];
         }
     }
-    if (!solve_positive(n, COLUMN_COUNT, &small[0][0], right, step)) {
-        return false;
-    }
     memcpy(option->z, s->z, sizeof option->z);
     for (int k = 0; k < P_COUNT; k++) {
         option->z[k] += away[k];
+    }
+    if (!solve_positive(n, COLUMN_COUNT, &small[0][0], right, step)) {
+        return false; /* what stands is the option without a step, and no score */
     }
     for (size_t i = 0; i < n; i++) {
         option->cost -= step[i] * right[i];

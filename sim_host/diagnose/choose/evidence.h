@@ -27,8 +27,9 @@ typedef struct evidence_option {
 bool evidence_look(fit_data *d, const fit_state *s, evidence_view *view);
 
 /*
- * The cost of a set at the view, and where its optimum lies. False if two of its columns cannot be told
- * apart, or the optimum is not physical (a negative dead time).
+ * The cost of a set at the view, and where its optimum lies. False if the set is no choice: its optimum is not
+ * physical (a negative dead time) or too small for a name, or two of its columns cannot be told apart; in that
+ * last case the option is the one without a step, its score infinite.
  */
 bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set,
                    evidence_option *option);

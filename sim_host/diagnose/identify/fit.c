@@ -70,14 +70,14 @@ void fit_noise(fit_data *d, fit_state *s)
     for (size_t b = 0; b < d->blocks; b++) {
         const row_block *block = &d->rows->block[d->block[b]];
         group_noise *n = &s->noise[block->group];
-        observer_block(d->rows, &drive, d->nodes, block, n->gain, 0.0, d->base);
+        observer_block(d->rows, &drive, d->nodes, block, n->gain, 0.0, d->base, d->seen);
         for (size_t j = 0; j < block->count; j++) {
             const double *e = d->base + OBSERVER_OUTPUTS * j;
             n->cov[0] += e[0] * e[0];
             n->cov[1] += e[0] * e[1];
             n->cov[2] += e[1] * e[1];
             n->zero += e[2] * e[2];
-            n->rows += e[0] != 0.0 || e[1] != 0.0 ? 1.0 : 0.0;
+            n->rows += d->seen[j];
         }
     }
     finish_noise(d, s);
@@ -93,8 +93,8 @@ void fit_gain(fit_data *d, fit_state *s)
     for (size_t b = 0; b < d->blocks; b++) {
         const row_block *block = &d->rows->block[d->block[b]];
         const group_noise *n = &s->noise[block->group];
-        observer_block(d->rows, &drive, d->nodes, block, n->gain, 0.0, d->base);
-        observer_block(d->rows, &drive, d->nodes, block, n->gain + h, 0.0, d->moved);
+        observer_block(d->rows, &drive, d->nodes, block, n->gain, 0.0, d->base, NULL);
+        observer_block(d->rows, &drive, d->nodes, block, n->gain + h, 0.0, d->moved, NULL);
         gram_whiten(n, block->count, d->base, d->base);
         gram_whiten(n, block->count, d->moved, d->moved);
         for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {

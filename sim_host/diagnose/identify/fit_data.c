@@ -30,7 +30,8 @@ bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, siz
     d->base = calloc(outputs, sizeof *d->base);
     d->moved = calloc(outputs, sizeof *d->moved);
     d->columns = calloc(outputs * COLUMN_COUNT, sizeof *d->columns);
-    if (!d->block || !d->nodes || !d->base || !d->moved || !d->columns) {
+    d->seen = calloc(d->longest + 1, sizeof *d->seen);
+    if (!d->seen || !d->block || !d->nodes || !d->base || !d->moved || !d->columns) {
         fit_data_free(d);
         return error_failure(e, 0, "out of memory for a fit of %zu rows", total);
     }
@@ -44,6 +45,7 @@ void fit_data_free(fit_data *d)
     free(d->base);
     free(d->moved);
     free(d->columns);
+    free(d->seen);
     *d = (fit_data){0};
 }
 

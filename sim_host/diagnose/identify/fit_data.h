@@ -33,6 +33,7 @@ typedef struct fit_data {
     size_t longest; /* rows of the longest block */
     averaged_node *nodes;
     double *base, *moved; /* innovations of one block */
+    unsigned char *seen;  /* which of its rows have one */
     double *columns;      /* whitened derivatives of one block: [column][3 rows] */
 } fit_data;
 

@@ -99,14 +99,14 @@ gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
         const row_block *block = &d->rows->block[d->block[b]];
         const group_noise *noise = &s->noise[block->group];
         size_t outputs = OBSERVER_OUTPUTS * block->count;
-        observer_block(d->rows, &drive, d->nodes, block, noise->gain, 0.0, d->base);
+        observer_block(d->rows, &drive, d->nodes, block, noise->gain, 0.0, d->base, NULL);
         gram_whiten(noise, block->count, d->base, d->base);
         gram *sum = &grams[b];
         sum->group = block->group;
         sum->c = dot(d->base, d->base, outputs);
         for (size_t c = 0; c < n; c++) {
             double *column_c = d->columns + c * stride;
-            observer_block(d->rows, &moved[c], own[c], block, noise->gain, 0.0, d->moved);
+            observer_block(d->rows, &moved[c], own[c], block, noise->gain, 0.0, d->moved, NULL);
             gram_whiten(noise, block->count, d->moved, column_c);
             for (size_t j = 0; j < outputs; j++) {
                 column_c[j] = (column_c[j] - d->base[j]) / step[c];

@@ -4,12 +4,15 @@
 #include <string.h>
 
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                    const row_block *block, double gain, double gate, double *innovation)
+                    const row_block *block, double gain, double gate, double *innovation, unsigned char *seen)
 {
     sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors);
     vec_ab x = {0.0, 0.0};
     size_t age = 0; /* rows since the filter started */
     memset(innovation, 0, OBSERVER_OUTPUTS * block->count * sizeof *innovation);
+    if (seen != NULL) {
+        memset(seen, 0, block->count);
+    }
     for (size_t j = 0; j < block->count; j++) {
         size_t k = block->first + j;
         const cycle_row *row = &r->row[k];
@@ -27,6 +30,9 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
             } else {
                 if (age >= OBSERVER_START) {
                     double *out = innovation + OBSERVER_OUTPUTS * j;
+                    if (seen != NULL) {
+                        seen[j] = 1;
+                    }
                     out[0] = wrong.alpha;
                     out[1] = wrong.beta;
                     if (!r->two_sensors) {

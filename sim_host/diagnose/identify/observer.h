@@ -21,11 +21,12 @@ enum {
 
 /*
  * Writes OBSERVER_OUTPUTS innovations per row of the block; zeros at the start and at outliers, where the
- * filter starts anew. With `gate` > 0 rows whose innovation exceeds gate (A, length) are marked as outliers
- * on the way.
+ * observer starts anew. With `gate` > 0 rows whose innovation exceeds gate (A, length) are marked as outliers
+ * on the way. `seen` (may be NULL): 1 for each row that has an innovation.
  */
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                    const row_block *block, double gain, double gate, double *innovation);
+                    const row_block *block, double gain, double gate, double *innovation,
+                    unsigned char *seen);
 
 /* Error of the one-cycle prediction into each row from the recorded row before it (gain 1), two numbers per
  * row; zero for the first. */

@@ -4,8 +4,9 @@
 #include <stdlib.h>
 
 enum {
-    BLOCK_ROWS_MIN = 80,  /* the filter's start costs a few rows of each block */
-    BLOCK_ROWS_MAX = 300, /* long enough for effects that show over L/R, short enough for many blocks */
+    BLOCK_ROWS_MIN = 80,   /* the observer's start costs a few rows of each block */
+    BLOCK_ROWS_SHORT = 40, /* where no block could be held out otherwise */
+    BLOCK_ROWS_MAX = 300,  /* long enough for effects that show over L/R, short enough for many blocks */
     BLOCKS_PER_STRETCH = 8,
     CORRECT_ROWS_MIN = 200, /* fewer rows say less about the speed than the column does */
     GROUPS_WANTED = 6 /* a recording of fewer runs is cut in time, or robust intervals had nothing to count */
@@ -196,12 +197,28 @@ static bool place_nodes(diagnose_rows *r)
     return true;
 }
 
-static size_t blocks_of(size_t usable)
+static size_t blocks_of(const stretch *s, size_t least)
 {
+    const size_t usable = s->count > ROWS_HISTORY ? s->count - ROWS_HISTORY : 0;
     size_t length = usable / BLOCKS_PER_STRETCH;
-    length = length < BLOCK_ROWS_MIN ? BLOCK_ROWS_MIN : (length > BLOCK_ROWS_MAX ? BLOCK_ROWS_MAX : length);
+    length = length < least ? least : (length > BLOCK_ROWS_MAX ? BLOCK_ROWS_MAX : length);
     size_t n = usable / length;
     return n > 0 ? n : (usable >= BLOCK_ROWS_MIN / 4 ? 1 : 0);
+}
+
+static size_t blocks_in_all(const recording *rec, size_t least)
+{
+    size_t total = 0;
+    for (size_t s = 0; s < rec->stretches; s++) {
+        total += blocks_of(&rec->stretch[s], least);
+    }
+    return total;
+}
+
+/* Three of ten, and one of the first three. */
+static bool is_held_out(size_t block)
+{
+    return block % 10 == 2 || block % 10 == 5 || block % 10 == 8;
 }
 
 static size_t distinct_runs(const recording *rec)
@@ -216,32 +233,34 @@ static size_t distinct_runs(const recording *rec)
 static bool cut_blocks(diagnose_rows *r)
 {
     const recording *rec = r->recording;
-    size_t total = 0;
-    for (size_t s = 0; s < rec->stretches; s++) {
-        total += rec->stretch[s].count > ROWS_HISTORY ? blocks_of(rec->stretch[s].count - ROWS_HISTORY) : 0;
-    }
+    const size_t least = blocks_in_all(rec, BLOCK_ROWS_MIN) > 2 ? BLOCK_ROWS_MIN : BLOCK_ROWS_SHORT;
+    const size_t total = blocks_in_all(rec, least);
     r->block = calloc(total + 1, sizeof *r->block);
     if (!r->block) {
         return false;
     }
-    bool by_run = distinct_runs(rec) >= GROUPS_WANTED && distinct_runs(rec) <= ROWS_MAX_GROUPS;
-    size_t group = 0;
+    const bool by_run = distinct_runs(rec) >= GROUPS_WANTED && distinct_runs(rec) <= ROWS_MAX_GROUPS;
+    const size_t wanted = total < 12 ? GROUPS_WANTED : 12;
+    const size_t in_time = total < wanted ? total : wanted;
     for (size_t s = 0; s < rec->stretches; s++) {
         const stretch *st = &rec->stretch[s];
-        size_t n = st->count > ROWS_HISTORY ? blocks_of(st->count - ROWS_HISTORY) : 0;
-        group += by_run && s > 0 && st->run != rec->stretch[s - 1].run;
+        const size_t n = blocks_of(st, least);
         for (size_t j = 0; j < n; j++) {
-            size_t usable = st->count - ROWS_HISTORY;
+            const size_t usable = st->count - ROWS_HISTORY;
             row_block *b = &r->block[r->blocks];
             b->first = st->first + ROWS_HISTORY + j * usable / n;
             b->count = st->first + ROWS_HISTORY + (j + 1) * usable / n - b->first;
             b->stretch = s;
-            /* There is a block, so that total is not 0. NOLINTNEXTLINE(clang-analyzer-core.DivideZero) */
-            b->group = by_run ? group : r->blocks * (total < 12 ? GROUPS_WANTED : 12) / total;
+            if (by_run) {
+                const bool same = r->groups > 0 && r->group_run[r->groups - 1] == st->run;
+                b->group = same ? r->groups - 1 : r->groups;
+            } else {
+                /* There is a block, so that total is not 0. NOLINTNEXTLINE(clang-analyzer-core.DivideZero) */
+                b->group = r->blocks * in_time / total;
+            }
             r->group_run[b->group] = st->run;
             r->groups = b->group + 1;
-            size_t of_ten = r->blocks % 10;
-            b->held_out = of_ten == 2 || of_ten == 5 || of_ten == 8;
+            b->held_out = is_held_out(r->blocks);
             r->blocks++;
         }
     }
@@ -267,6 +286,12 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     if (!place_nodes(r) || !cut_blocks(r)) {
         rows_free(r);
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
+    }
+    if (r->blocks < 3) {
+        rows_free(r);
+        return error_input(e, rec->path, 0, 0,
+                           "%zu rows in %zu stretches are too few to hold some out and fit the others",
+                           rec->rows, rec->stretches);
     }
     return true;
 }

@@ -3,7 +3,8 @@
  * held out.
  *
  * A block lies inside one stretch. Its filter starts anew, so that nothing of a held-out block reaches a
- * fitted one. Three blocks of ten are held out, spread so that each operating point lies in both parts. A
+ * fitted one. Three blocks of ten are held out, and one of three at least, spread so that each operating point lies in
+ * both parts. A
  * group is an operating point (a run): noise and weight belong to it, and it is the unit that the robust
  * intervals count.
  */

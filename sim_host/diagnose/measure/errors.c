@@ -49,5 +49,5 @@ double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, si
     free(nodes);
     free(wrong);
     double current = measure_current(r, group, held_out_only);
-    return n > 0.0 && current > 0.0 ? 100.0 * sqrt(sum / n) / current : 0.0;
+    return n > 0.0 && current > 0.0 ? 100.0 * sqrt(sum / n) / current : NAN;
 }

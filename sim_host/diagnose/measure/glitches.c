@@ -28,20 +28,21 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
     averaged_node *nodes = rows_nodes(r, &drive);
     double *square = calloc(r->rows + 1, sizeof *square);
     double *innovation = calloc(OBSERVER_OUTPUTS * r->rows + 1, sizeof *innovation);
+    unsigned char *seen = calloc(r->rows + 1, sizeof *seen);
     size_t found = 0;
     size_t apart = 0;
     size_t between = 0;
-    for (size_t g = 0; nodes && square && innovation && g < r->groups; g++) {
+    for (size_t g = 0; nodes && square && innovation && seen && g < r->groups; g++) {
         size_t n = 0;
         for (size_t b = 0; b < r->blocks; b++) {
             if (r->block[b].group != g) {
                 continue;
             }
-            observer_block(r, &drive, nodes, &r->block[b], s->noise[g].gain, 0.0, innovation);
+            observer_block(r, &drive, nodes, &r->block[b], s->noise[g].gain, 0.0, innovation, seen);
             for (size_t j = 0; j < r->block[b].count; j++) {
                 const double *e = innovation + OBSERVER_OUTPUTS * j;
                 square[n] = e[0] * e[0] + e[1] * e[1];
-                n += square[n] > 0.0;
+                n += seen[j];
             }
         }
         if (n < 20) {
@@ -58,7 +59,7 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
         for (size_t b = 0; b < r->blocks; b++) {
             if (r->block[b].group == g) {
                 observer_block(r, &drive, nodes, &r->block[b], s->noise[g].gain, GLITCH * deviation,
-                               innovation);
+                               innovation, NULL);
             }
         }
     }
@@ -74,5 +75,6 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
     free(nodes);
     free(square);
     free(innovation);
+    free(seen);
     return found;
 }

@@ -65,7 +65,7 @@ static void lines_of(fit_data *d, const fit_state *s, const averaged_drive *driv
         const group_noise *noise = &s->noise[group];
         double total = 0.0;
         double omega = 0.0;
-        observer_block(r, drive, nodes, &block, noise->gain, 0.0, e);
+        observer_block(r, drive, nodes, &block, noise->gain, 0.0, e, NULL);
         for (size_t j = 0; j < n; j++) {
             const double *v = e + OBSERVER_OUTPUTS * (j + OBSERVER_START);
             const cycle_row *row = &r->row[block.first + OBSERVER_START + j];

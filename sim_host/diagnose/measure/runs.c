@@ -41,7 +41,7 @@ static double method_error(const diagnose_rows *r, const averaged_drive *d, bool
         }
     }
     double current = measure_current(r, MEASURE_ALL, true);
-    return n > 0.0 && current > 0.0 ? 100.0 * sqrt(sum / n) / current : 0.0;
+    return n > 0.0 && current > 0.0 ? 100.0 * sqrt(sum / n) / current : NAN;
 }
 
 /* Free-run error of a group, percent of its current; optionally keeps the series. */
@@ -81,7 +81,7 @@ static void free_run(const diagnose_rows *r, const averaged_drive *drive, const 
         }
     }
     for (size_t g = 0; g < r->groups; g++) {
-        percent[g] = current[g] > 0.0 ? 100.0 * sqrt(wrong[g] / current[g]) : 0.0;
+        percent[g] = current[g] > 0.0 ? 100.0 * sqrt(wrong[g] / current[g]) : NAN;
     }
 }
 
@@ -163,7 +163,7 @@ bool measure_runs(const diagnose_rows *r, diagnosis *d, bool series)
             run->nominal = measure_one_cycle(r, &d->nominal_drive, g, true);
             run->extended = measure_one_cycle(r, &d->extended_drive, g, true);
             double own = measure_current(r, g, true);
-            run->noise_floor = own > 0.0 ? d->noise_floor * all / own : 0.0;
+            run->noise_floor = own > 0.0 ? d->noise_floor * all / own : NAN;
             run->free_nominal = percent[0][g];
             run->free_extended = percent[1][g];
         }

@@ -47,13 +47,19 @@ typedef struct window {
     const diagnosis_run *run;
 } window;
 
+/* A run none of whose rows was held out has no such error. */
+static double beyond_noise(const diagnosis_run *run)
+{
+    return isfinite(run->nominal) ? run->nominal - run->noise_floor : -INFINITY;
+}
+
 /* Some periods of the run in which the nominal model errs most beyond its noise. */
 static window choose_window(const evidence *v)
 {
     const diagnosis *d = v->d;
     const diagnosis_run *worst = &d->run[0];
     for (size_t k = 1; k < d->runs; k++) {
-        if (d->run[k].nominal - d->run[k].noise_floor > worst->nominal - worst->noise_floor) {
+        if (beyond_noise(&d->run[k]) > beyond_noise(worst)) {
             worst = &d->run[k];
         }
     }

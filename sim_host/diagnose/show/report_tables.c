@@ -144,7 +144,7 @@ static double rounded(double x, double step)
 /* A run none of whose rows was held out has no such error. */
 static void error_cell(page *p, double percent)
 {
-    if (percent > 0.0) {
+    if (isfinite(percent) && percent > 0.0) {
         page_cell(p, true, "%.3f", percent);
     } else {
         page_cell(p, true, " ");

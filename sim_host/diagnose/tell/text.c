@@ -1,6 +1,17 @@
 #include "text.h"
 
+#include <math.h>
 #include <string.h>
+
+/* A run none of whose rows was held out has no such error. */
+static void put_cell(FILE *out, int width, int digits, double x)
+{
+    if (isfinite(x)) {
+        fprintf(out, "%*.*f", width, digits, x);
+    } else {
+        fprintf(out, "%*s", width, "-");
+    }
+}
 
 void text_print(FILE *out, const diagnosis *d)
 {
@@ -30,8 +41,13 @@ void text_print(FILE *out, const diagnosis *d)
     fprintf(out, "\n  run    rad/s  A rms   nominal  extended  floor   free run: nominal  extended\n");
     for (size_t k = 0; k < d->runs; k++) {
         const diagnosis_run *r = &d->run[k];
-        fprintf(out, "  %3ld %8.1f %6.2f  %8.3f  %8.3f %6.3f  %17.2f  %8.2f\n", r->run, r->omega_rad_s,
-                r->i_rms_A, r->nominal, r->extended, r->noise_floor, r->free_nominal, r->free_extended);
+        fprintf(out, "  %3ld %8.1f %6.2f", r->run, r->omega_rad_s, r->i_rms_A);
+        put_cell(out, 10, 3, r->nominal);
+        put_cell(out, 10, 3, r->extended);
+        put_cell(out, 7, 3, r->noise_floor);
+        put_cell(out, 19, 2, r->free_nominal);
+        put_cell(out, 10, 2, r->free_extended);
+        fputc('\n', out);
     }
     fprintf(out, "\n  next: %s\n", d->next_experiment);
 }
