@@ -48,6 +48,9 @@ static double typical_value(const plant_config *c, const effect_key *key)
     case OF_RESISTANCE:
         unit = c->machine.R_ohm;
         break;
+    case OF_INDUCTANCE:
+        unit = 0.5 * (c->machine.L_d_H + c->machine.L_q_H);
+        break;
     }
     return key->typical * unit;
 }

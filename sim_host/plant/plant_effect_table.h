@@ -18,7 +18,8 @@ typedef enum relative_to {
     OF_CYCLE,
     OF_LINK,
     OF_MAGNET,
-    OF_RESISTANCE
+    OF_RESISTANCE,
+    OF_INDUCTANCE
 } relative_to;
 
 typedef enum key_kind { KEY_REAL, KEY_WHOLE, KEY_FLAG, KEY_BOTH_INDUCTANCES, KEY_MEAN_INDUCTANCE } key_kind;

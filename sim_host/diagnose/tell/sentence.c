@@ -1,7 +1,25 @@
 #include "sentence.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+/* The parameter that is farthest from the file for its interval: the one that speaks. */
+static const diagnosis_parameter *telling(const diagnosis_cause *cause)
+{
+    const diagnosis_parameter *best = &cause->parameter[0];
+    double most = -1.0;
+    for (size_t k = 0; k < cause->parameters; k++) {
+        const diagnosis_parameter *p = &cause->parameter[k];
+        const double width = p->high - p->low;
+        const double away = width > 0.0 ? fabs(p->value - p->nominal) / width : 0.0;
+        if (away > most) {
+            most = away;
+            best = p;
+        }
+    }
+    return best;
+}
 
 /* The value that stands for a cause in a sentence: "v_dead = 3.39 V (3.35 to 3.43)". */
 static int value_text(char *out, size_t size, const diagnosis_parameter *p)
@@ -26,7 +44,7 @@ void sentence_tell(diagnosis *d)
     size_t used = 0;
     for (size_t k = 0; k < d->causes && used < size; k++) {
         char value[64];
-        value_text(value, sizeof value, &d->cause[k].parameter[0]);
+        value_text(value, sizeof value, telling(&d->cause[k]));
         int n = snprintf(out + used, size - used, "%s%s (%s)",
                          k == 0 ? "" : (k + 1 == d->causes ? " and " : ", "), d->cause[k].id, value);
         used += n > 0 ? (size_t)n : 0;
