@@ -149,6 +149,48 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
     return vec_from_phases(lost);
 }
 
+/* Flux that is induced evenly over the cycle decays on average for half a cycle: e^{-a T/2}, from det decay =
+ * e^{-2 a T}. */
+static double half_decay(const averaged_step *m)
+{
+    return sqrt(sqrt(m->decay[0][0] * m->decay[1][1] - m->decay[0][1] * m->decay[1][0]));
+}
+
+/* Flux linkage of the unequal part of the phases' inductances. */
+static vec_ab phase_flux(const averaged_drive *d, vec_ab i)
+{
+    double flux[3];
+    vec_to_phases(i, flux);
+    for (size_t x = 0; x < 3; x++) {
+        flux[x] *= d->dL_H[x];
+    }
+    return vec_from_phases(flux);
+}
+
+/*
+ * What that part takes of the flux left for the rest by the end of a cycle, whose current without it would have
+ * changed by `free`. With M its matrix and K the inverse inductance, both stationary, the change x that is left
+ * solves (1 + K M) x = free.
+ */
+static vec_ab phase_share(const averaged_drive *d, vec_ab free, double cos_2, double sin_2)
+{
+    const double even = 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
+    const double odd = 0.5 * (1.0 / d->L_d_H - 1.0 / d->L_q_H);
+    const vec_ab one = phase_flux(d, (vec_ab){1.0, 0.0});
+    const vec_ab two = phase_flux(d, (vec_ab){0.0, 1.0});
+    const double k11 = even + odd * cos_2;
+    const double k12 = odd * sin_2;
+    const double k22 = even - odd * cos_2;
+    const double a11 = 1.0 + k11 * one.alpha + k12 * one.beta;
+    const double a12 = k11 * two.alpha + k12 * two.beta;
+    const double a21 = k12 * one.alpha + k22 * one.beta;
+    const double a22 = 1.0 + k12 * two.alpha + k22 * two.beta;
+    const double det = a11 * a22 - a12 * a21;
+    const vec_ab change = {(a22 * free.alpha - a12 * free.beta) / det,
+                           (a11 * free.beta - a21 * free.alpha) / det};
+    return phase_flux(d, change);
+}
+
 /* The iron's current by the flux that turns through it, late by a short time: (1 - j omega tau) j omega psi
  * G, rotor frame. */
 static vec_ab iron_share(const averaged_drive *d, double omega_rad_s, vec_ab flux)
@@ -229,15 +271,24 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
         y.beta -= m.drive[1][0] * lost.alpha + m.drive[1][1] * lost.beta;
     }
     if (d->psi_5_Wb != 0.0 || d->psi_7_Wb != 0.0 || d->psi_11_Wb != 0.0 || d->psi_13_Wb != 0.0) {
+        double half = half_decay(&m);
         vec_ab before = harmonic_flux(d, c, s);
         vec_ab after = harmonic_flux(d, end.alpha, end.beta);
-        /* Induced evenly over the cycle, on average it decays for half a cycle: e^{-a T/2}, from det decay =
-         * e^{-2 a T}. */
-        double half = sqrt(sqrt(m.decay[0][0] * m.decay[1][1] - m.decay[0][1] * m.decay[1][0]));
         vec_ab change = turn((vec_ab){half * (after.alpha - before.alpha), half * (after.beta - before.beta)},
                              end.alpha, -end.beta);
         y.alpha -= change.alpha;
         y.beta -= change.beta;
+    }
+    if (d->dL_H[0] != 0.0 || d->dL_H[1] != 0.0 || d->dL_H[2] != 0.0) {
+        double half = half_decay(&m);
+        vec_ab i_first = turn(i_dq, c, s);
+        vec_ab i_last = turn(current_of(d, y, i_dq), end.alpha, end.beta);
+        vec_ab change = {i_last.alpha - i_first.alpha, i_last.beta - i_first.beta};
+        vec_ab taken =
+            phase_share(d, change, end.alpha * end.alpha - end.beta * end.beta, 2.0 * end.alpha * end.beta);
+        taken = turn((vec_ab){half * taken.alpha, half * taken.beta}, end.alpha, -end.beta);
+        y.alpha -= taken.alpha;
+        y.beta -= taken.beta;
     }
     vec_ab i_end = current_of(d, y, i_dq);
     if (iron) {

@@ -44,6 +44,7 @@ typedef struct averaged_drive {
     double u_delay[2];       /* share of the voltage that is one, two cycles late: 0 or 1 in a real drive */
     double psi_5_Wb, psi_7_Wb;
     double dR_ohm[3];
+    double dL_H[3];
     /* Effects that the diagnosis does not name; it fits them to see that no named effect is taken for them.
      */
     double iron_S;    /* 1 / iron loss resistance, beside the flux-producing current */

@@ -12,7 +12,8 @@ static bool is_linear(const plant_config *c)
 {
     const plant_machine *m = &c->machine;
     const plant_inverter *v = &c->inverter;
-    const bool equal_phases = m->dR_ohm[0] == 0.0 && m->dR_ohm[1] == 0.0 && m->dR_ohm[2] == 0.0;
+    const bool equal_phases = m->dR_ohm[0] == 0.0 && m->dR_ohm[1] == 0.0 && m->dR_ohm[2] == 0.0 &&
+                              m->dL_H[0] == 0.0 && m->dL_H[1] == 0.0 && m->dL_H[2] == 0.0;
     const bool plain_machine =
         equal_phases && m->I_sat_A == 0.0 && m->R_fe_ohm == 0.0 && m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0;
     const bool ideal_legs =

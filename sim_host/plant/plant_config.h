@@ -20,6 +20,7 @@ typedef struct plant_machine {
     double R_ohm;
     double dR_ohm[3];    /* phase x has R + dR[x] */
     double L_d_H, L_q_H; /* at zero current, if it saturates */
+    double dL_H[3];      /* in series with phase x: leakage, or a choke in the cable */
     double psi_f_Wb;
     double psi_5_Wb, psi_7_Wb; /* psi_A = psi_f cos(theta) + psi_5 cos(5 theta) + psi_7 cos(7 theta) */
     double I_sat_A;  /* flux / current = L / (1 + (|i|/I_sat)^2) in both axes; 0: does not saturate */

@@ -36,6 +36,43 @@ static vec_ab harmonic_emf_per_speed(const plant_machine *m, double theta_e_rad)
     return v;
 }
 
+/* The voltage that currents of this rate of change need across the unequal part of the phases' inductances. */
+static vec_ab series_voltage(const plant_machine *m, vec_ab rate_A_s)
+{
+    double u_V[3];
+    for (int x = 0; x < 3; x++) {
+        u_V[x] = m->dL_H[x] * vec_phase(rate_A_s, x);
+    }
+    return vec_from_phases(u_V);
+}
+
+/*
+ * Puts the series inductance M in front of a machine whose current changes by rate u + drift: of u it leaves
+ * u - M di/dt, so that di/dt = (1 + rate M)^-1 (rate u + drift).
+ */
+static void put_in_series(const plant_machine *m, machine_terms *t)
+{
+    double a[2][2]; /* 1 + rate M */
+    for (int k = 0; k < 2; k++) {
+        const vec_ab unit = {k == 0 ? 1.0 : 0.0, k == 0 ? 0.0 : 1.0};
+        const vec_ab u = series_voltage(m, unit);
+        a[0][k] = unit.alpha + t->rate[0][0] * u.alpha + t->rate[0][1] * u.beta;
+        a[1][k] = unit.beta + t->rate[1][0] * u.alpha + t->rate[1][1] * u.beta;
+    }
+    const double determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+    const double left[2][2] = {{a[1][1] / determinant, -a[0][1] / determinant},
+                               {-a[1][0] / determinant, a[0][0] / determinant}};
+    for (int k = 0; k < 2; k++) {
+        const double alpha = t->rate[0][k];
+        const double beta = t->rate[1][k];
+        t->rate[0][k] = left[0][0] * alpha + left[0][1] * beta;
+        t->rate[1][k] = left[1][0] * alpha + left[1][1] * beta;
+    }
+    const vec_ab drift = t->drift_A_s;
+    t->drift_A_s.alpha = left[0][0] * drift.alpha + left[0][1] * drift.beta;
+    t->drift_A_s.beta = left[1][0] * drift.alpha + left[1][1] * drift.beta;
+}
+
 void machine_linearise(const plant_config *c, const plant_state *s, machine_terms *t)
 {
     const plant_machine *m = &c->machine;
@@ -100,6 +137,10 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
         t->drift_A_s.beta -= t->to_iron[0] * t->drop_V.beta + t->to_iron[1] * t->i_fe_A.beta;
     }
 
+    if (m->dL_H[0] != 0.0 || m->dL_H[1] != 0.0 || m->dL_H[2] != 0.0) {
+        put_in_series(m, t);
+    }
+
     const double reluctance_and_magnet = (psi_i.d + m->psi_f_Wb) * i_m.q - psi_i.q * i_m.d;
     const double harmonics = harmonic.alpha * i_m_ab.alpha + harmonic.beta * i_m_ab.beta;
     t->torque_Nm = 1.5 * m->pole_pairs * (reluctance_and_magnet + harmonics);
@@ -121,8 +162,12 @@ void machine_rates(const plant_config *c, const plant_state *s, const machine_te
 {
     rate[STATE_I_ALPHA] = t->rate[0][0] * u_V.alpha + t->rate[0][1] * u_V.beta + t->drift_A_s.alpha;
     rate[STATE_I_BETA] = t->rate[1][0] * u_V.alpha + t->rate[1][1] * u_V.beta + t->drift_A_s.beta;
-    rate[STATE_FE_ALPHA] = t->to_iron[0] * (u_V.alpha - t->drop_V.alpha) - t->to_iron[1] * t->i_fe_A.alpha;
-    rate[STATE_FE_BETA] = t->to_iron[0] * (u_V.beta - t->drop_V.beta) - t->to_iron[1] * t->i_fe_A.beta;
+    const vec_ab rate_A_s = {rate[STATE_I_ALPHA], rate[STATE_I_BETA]};
+    const vec_ab series_V = series_voltage(&c->machine, rate_A_s);
+    const vec_ab e_V = {u_V.alpha - t->drop_V.alpha - series_V.alpha,
+                        u_V.beta - t->drop_V.beta - series_V.beta};
+    rate[STATE_FE_ALPHA] = t->to_iron[0] * e_V.alpha - t->to_iron[1] * t->i_fe_A.alpha;
+    rate[STATE_FE_BETA] = t->to_iron[0] * e_V.beta - t->to_iron[1] * t->i_fe_A.beta;
     const double bandwidth_rad_s = 2.0 * VEC_PI * c->sensors.current_bandwidth_Hz;
     rate[STATE_SEEN_ALPHA] = bandwidth_rad_s * (t->i_A.alpha - s->y[STATE_SEEN_ALPHA]);
     rate[STATE_SEEN_BETA] = bandwidth_rad_s * (t->i_A.beta - s->y[STATE_SEEN_BETA]);

@@ -3,7 +3,7 @@
  * saturation, harmonics of the magnet's flux, unequal phases, iron loss, a speed that changes.
  *
  * With i_m = i - i_fe the part of the phase current that magnetises, psi(i_m, theta) the flux linkages in the
- * stationary frame and e = u - R i the voltage left to change them:
+ * stationary frame and e = u - R i - M di/dt the voltage left to change them, M the phases' unequal inductances:
  *
  *     e = dpsi/dt = (dpsi/di_m) di_m/dt + omega dpsi/dtheta
  *     e = R_fe i_fe + tau_fe R_fe di_fe/dt

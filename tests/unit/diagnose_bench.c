@@ -43,16 +43,29 @@ static double normal(uint64_t *state)
     return sum;
 }
 
-/* d(total flux)/dt = u - R i, all stationary; the winding's current from the flux by the inductances in the
- * rotor frame. */
+/*
+ * d(total flux)/dt = u - R i, all stationary. The winding's current solves flux - magnet = (L(theta) + M) i, with M
+ * the phases' own additions: of a phase x on the axis at angle a_x, 2/3 dL_x cos a_x cos a_x and so on.
+ */
 static void current_of(const motor *m, const double flux[2], double theta, double i[2])
 {
     double c = cos(theta);
     double s = sin(theta);
-    double d = (flux[0] * c + flux[1] * s - m->psi_f_Wb) / m->L_d_H;
-    double q = (flux[1] * c - flux[0] * s) / m->L_q_H;
-    i[0] = d * c - q * s;
-    i[1] = d * s + q * c;
+    double aa = m->L_d_H * c * c + m->L_q_H * s * s;
+    double ab = (m->L_d_H - m->L_q_H) * c * s;
+    double bb = m->L_d_H * s * s + m->L_q_H * c * c;
+    for (int x = 0; x < 3 && m->ext.has[EXT_PHASE_INDUCTANCE]; x++) {
+        double along = cos(TWO_PI * x / 3.0);
+        double across = sin(TWO_PI * x / 3.0);
+        aa += 2.0 / 3.0 * m->ext.dL_H[x] * along * along;
+        ab += 2.0 / 3.0 * m->ext.dL_H[x] * along * across;
+        bb += 2.0 / 3.0 * m->ext.dL_H[x] * across * across;
+    }
+    double alpha = flux[0] - m->psi_f_Wb * c;
+    double beta = flux[1] - m->psi_f_Wb * s;
+    double det = aa * bb - ab * ab;
+    i[0] = (bb * alpha - ab * beta) / det;
+    i[1] = (aa * beta - ab * alpha) / det;
 }
 
 /* State: total flux (alpha, beta), and the current in the iron, which is measured with the winding's. */

@@ -106,6 +106,29 @@ static void flux_inductance_and_saliency_are_told_apart(void)
     diagnosis_free(&d);
 }
 
+static void an_inductance_of_one_phase_or_of_all_is_named(void)
+{
+    static const double added_H[][3] = {{0.0, 0.0008, 0.0}, {-0.0006, 0.0, 0.0}, {0.0004, -0.0007, 0.0005}};
+    for (size_t k = 0; k < sizeof added_H / sizeof *added_H; k++) {
+        good.m.ext.has[EXT_PHASE_INDUCTANCE] = true;
+        memcpy(good.m.ext.dL_H, added_H[k], sizeof added_H[k]);
+        diagnosis d = look(&good, NULL);
+        one_cause(&d, "phase_inductance");
+        holds(&d.cause[0], "dL_a", added_H[k][0]);
+        holds(&d.cause[0], "dL_b", added_H[k][1]);
+        holds(&d.cause[0], "dL_c", added_H[k][2]);
+        diagnosis_free(&d);
+    }
+    /* Three alike are the machine's own inductances. */
+    const double alike_H[3] = {0.0009, 0.0009, 0.0009};
+    memcpy(good.m.ext.dL_H, alike_H, sizeof alike_H);
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "saliency");
+    holds(&d.cause[0], "L_d", bench_motor().L_d_H + 0.0009);
+    holds(&d.cause[0], "L_q", bench_motor().L_q_H + 0.0009);
+    diagnosis_free(&d);
+}
+
 static void everything_scaled_alike_is_one_voltage_gain(void)
 {
     good.m.ext.has[EXT_VOLTAGE_GAIN] = true;
@@ -316,6 +339,7 @@ int main(void)
     RUN_TEST(a_clean_recording_has_no_cause_and_its_floor_is_the_noise);
     RUN_TEST(resistance_is_named_although_noise_is_on_both_sides);
     RUN_TEST(flux_inductance_and_saliency_are_told_apart);
+    RUN_TEST(an_inductance_of_one_phase_or_of_all_is_named);
     RUN_TEST(everything_scaled_alike_is_one_voltage_gain);
     RUN_TEST(a_voltage_that_acts_late_is_found);
     RUN_TEST(two_causes_at_once_are_both_found);

@@ -29,6 +29,7 @@ reference compare_reference(const plant_config *c)
     r.pole_pairs = c->machine.pole_pairs;
     for (int x = 0; x < 3; x++) {
         r.R[x] = c->machine.R_ohm + c->machine.dR_ohm[x] + c->inverter.r_on_ohm;
+        r.dL[x] = c->machine.dL_H[x];
     }
     r.L_d = c->machine.L_d_H;
     r.L_q = c->machine.L_q_H;

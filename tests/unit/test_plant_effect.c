@@ -102,7 +102,7 @@ static void test_typical_sizes(void)
         const plant_config c = with(id);
         TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), id);
     }
-    TEST_ASSERT_EQUAL_INT(23, n);
+    TEST_ASSERT_EQUAL_INT(24, n);
     TEST_ASSERT_NULL(plant_effect_id(-1));
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2e-6, with("dead_time").inverter.t_dead_s);
 }

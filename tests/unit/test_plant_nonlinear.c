@@ -43,6 +43,18 @@ static void test_unequal_phases(void)
     follow("unequal phases", c, 9.0);
 }
 
+static void test_unequal_inductances(void)
+{
+    plant_config c = compare_drive(1.5, 700.0);
+    c.machine.dL_H[0] = 0.25 * c.machine.L_d_H;
+    c.machine.dL_H[2] = -0.1 * c.machine.L_d_H;
+    follow("unequal inductances, salient", c, 9.0);
+    c.machine.I_sat_A = 45.0;
+    c.machine.R_fe_ohm = 150.0;
+    c.machine.tau_fe_s = 40e-6;
+    follow("and saturation and iron loss", c, 9.0);
+}
+
 static void test_iron_loss(void)
 {
     plant_config c = compare_drive(1.6, 1500.0);
@@ -117,6 +129,7 @@ int main(void)
     RUN_TEST(test_saturation);
     RUN_TEST(test_flux_harmonics);
     RUN_TEST(test_unequal_phases);
+    RUN_TEST(test_unequal_inductances);
     RUN_TEST(test_iron_loss);
     RUN_TEST(test_sensor_bandwidth);
     RUN_TEST(test_all_with_free_shaft);

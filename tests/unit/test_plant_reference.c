@@ -69,6 +69,7 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
     /* d(flux_x)/dt = sum_k D[x][k] di_k/dt + turned_x omega; with di_c = -di_a - di_b, two line-to-line
      * equations. */
     double D[3][3];
+    double without[3]; /* the voltage left for flux and what lies in series with it */
     for (int x = 0; x < 3; x++) {
         for (int k = 0; k < 3; k++) {
             D[x][k] = f * L[x][k] + L_i[x] * df_dsquare * 4.0 / 3.0 * i[k];
@@ -78,30 +79,45 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
             u = 0.5 * (r->least[x] + r->most[x]) -
                 0.5 * (r->most[x] - r->least[x]) * tanh(i_phase[x] / r->knee);
         }
-        flux_rate[x] = u - r->R[x] * i_phase[x];
-        against[x] = flux_rate[x] - turned[x] * omega;
+        without[x] = u - r->R[x] * i_phase[x];
     }
     double m[2][2], rhs[2];
     for (int k = 0; k < 2; k++) {
         for (int column = 0; column < 2; column++) {
             m[k][column] = D[k][column] - D[k][2] - D[k + 1][column] + D[k + 1][2];
         }
-        rhs[k] = against[k] - against[k + 1];
     }
     const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-    dy[0] = (m[1][1] * rhs[0] - m[0][1] * rhs[1]) / det;
-    dy[1] = (m[0][0] * rhs[1] - m[1][0] * rhs[0]) / det;
+    /* An inductance in series takes its share of the voltage by the current's rate, which that voltage makes:
+     * repeated until it stands. */
+    const bool series = r->dL[0] != 0.0 || r->dL[1] != 0.0 || r->dL[2] != 0.0;
+    dy[0] = dy[1] = 0.0;
+    for (int again = 0; again < (series ? 60 : 1); again++) {
+        const double rate[3] = {dy[0], dy[1], -dy[0] - dy[1]};
+        for (int x = 0; x < 3; x++) {
+            flux_rate[x] = without[x] - r->dL[x] * rate[x];
+            against[x] = flux_rate[x] - turned[x] * omega;
+        }
+        for (int k = 0; k < 2; k++) {
+            rhs[k] = against[k] - against[k + 1];
+        }
+        dy[0] = (m[1][1] * rhs[0] - m[0][1] * rhs[1]) / det;
+        dy[1] = (m[0][0] * rhs[1] - m[1][0] * rhs[0]) / det;
+        /* The star point floats: of the phase voltages only what differs counts. */
+        const double common = (flux_rate[0] + flux_rate[1] + flux_rate[2]) / 3.0;
+        for (int x = 0; x < 2; x++) {
+            dy[8 + x] =
+                r->R_fe > 0.0 ? (flux_rate[x] - common - r->R_fe * i_fe[x]) / (r->tau_fe * r->R_fe) : 0.0;
+            dy[x] += dy[8 + x];
+        }
+    }
     dy[2] = omega;
     dy[3] = r->accel;
     if (r->J > 0.0) {
         const double torque = r->pole_pairs * torque_per_pole_pair;
         dy[3] = r->pole_pairs / r->J * (torque - r->T_load - r->friction * omega / r->pole_pairs);
     }
-    /* The star point floats: of the phase voltages only what differs counts. */
-    const double common = (flux_rate[0] + flux_rate[1] + flux_rate[2]) / 3.0;
     for (int x = 0; x < 2; x++) {
-        dy[8 + x] = r->R_fe > 0.0 ? (flux_rate[x] - common - r->R_fe * i_fe[x]) / (r->tau_fe * r->R_fe) : 0.0;
-        dy[x] += dy[8 + x];
         dy[10 + x] = 6.28318530717958647693 * r->bandwidth * (i_phase[x] - y[10 + x]);
     }
     dy[4] = i_phase[0];

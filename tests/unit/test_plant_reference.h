@@ -15,7 +15,7 @@
 #include <stdbool.h>
 
 typedef struct reference {
-    double pole_pairs, R[3], L_d, L_q, psi, psi_5, psi_7, I_sat; /* I_sat 0: none */
+    double pole_pairs, R[3], dL[3], L_d, L_q, psi, psi_5, psi_7, I_sat; /* I_sat 0: none */
     double R_fe,
         tau_fe; /* iron loss, R_fe 0: none; R_fe i_fe + tau_fe R_fe di_fe/dt = dflux_x/dt in each phase */
     double bandwidth;           /* of the current sensors, Hz; 0: none */
