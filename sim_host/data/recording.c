@@ -23,6 +23,12 @@ void recording_free(recording *r)
     *r = (recording){0};
 }
 
+vec_ab recording_current(const recording *r, size_t k)
+{
+    const double i_A[3] = {r->i_A[0][k], r->i_A[1][k], r->i_A[2][k]};
+    return vec_from_phases(i_A);
+}
+
 void recording_voltage(const recording *r, size_t k, double u_V[3])
 {
     if (r->u_V[0] != NULL) {

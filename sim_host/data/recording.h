@@ -9,6 +9,7 @@
 #define SIM_HOST_DATA_RECORDING_H
 
 #include "../base/error.h"
+#include "../base/vector.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -65,6 +66,9 @@ bool recording_find_stretches(recording *r);
 bool recording_write(const char *path, const recording *r, const char *comment, error *e);
 
 void recording_free(recording *r);
+
+/* The recorded current of row k, stationary frame. */
+vec_ab recording_current(const recording *r, size_t k);
 
 /*
  * Mean phase-to-star-point voltages of row k: u_V if recorded, else (d_x - mean d) * u_dc.

@@ -25,6 +25,9 @@ enum {
     GAIN_ROUNDS = 4
 };
 
+_Static_assert((int)H_COUNT <= (int)DIAGNOSIS_HYPOTHESES, "a row of the table for each hypothesis");
+_Static_assert(H_COUNT <= 8 * sizeof(hypothesis_set), "a bit for each hypothesis");
+
 /* Structure that takes less of the one-cycle error's power does no harm and is not reported. */
 static const double STRUCTURE_SHARE = 0.05;
 
@@ -63,8 +66,7 @@ static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *m
     evidence_option none;
     evidence_cost(view, &w->state, w->state.set, &own);
     evidence_cost(view, &w->state, 0, &none);
-    for (hypothesis_id h = 0; h < H_COUNT && d->hypotheses < sizeof d->hypothesis / sizeof *d->hypothesis;
-         h++) {
+    for (hypothesis_id h = 0; h < H_COUNT && d->hypotheses < DIAGNOSIS_HYPOTHESES; h++) {
         diagnosis_hypothesis *row = &d->hypothesis[d->hypotheses++];
         evidence_option alone;
         evidence_option more;
@@ -177,20 +179,4 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
         diagnosis_free(d);
     }
     return ok;
-}
-
-void diagnosis_free(diagnosis *d)
-{
-    free(d->error_nominal);
-    free(d->error_extended);
-    free(d->free_nominal);
-    free(d->free_extended);
-    free(d->held_out);
-    memset(d, 0, sizeof *d);
-}
-
-const char *diagnosis_verdict_id(diagnosis_verdict v)
-{
-    static const char *const id[] = {"clean", "explained", "partly", "unexplained"};
-    return id[v];
 }

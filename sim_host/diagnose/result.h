@@ -11,7 +11,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { DIAGNOSIS_CAUSES = 6, DIAGNOSIS_PARAMETERS = 3, DIAGNOSIS_CONFUSED = 6, DIAGNOSIS_GROUPS = 48 };
+enum {
+    DIAGNOSIS_CAUSES = 6,
+    DIAGNOSIS_PARAMETERS = 3,
+    DIAGNOSIS_CONFUSED = 6,
+    DIAGNOSIS_GROUPS = 48,
+    DIAGNOSIS_HYPOTHESES = 48
+};
 
 /* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
 #define DIAGNOSIS_FLOOR_TOLERANCE 1.25
@@ -79,7 +85,7 @@ typedef struct diagnosis {
     char next_experiment[512];
     char sentence[512]; /* what is wrong, how sure, what it gains */
     size_t hypotheses;
-    diagnosis_hypothesis hypothesis[32];
+    diagnosis_hypothesis hypothesis[DIAGNOSIS_HYPOTHESES];
     size_t runs;
     diagnosis_run run[DIAGNOSIS_GROUPS];
     diagnosis_method method_nominal, method_extended;

@@ -94,9 +94,8 @@ static void say_window(plot *drawing, const evidence *v, const window *w)
         residual_point before = {.theta_rad = 0.0};
         residual_point after = {.theta_rad = 0.0};
         const bool seen = residual_at(&v->before, k, &before) && residual_at(&v->after, k, &after);
-        const double i_A[3] = {v->rec->i_A[0][k], v->rec->i_A[1][k], v->rec->i_A[2][k]};
         plot_say(drawing, "%.7g", 1e3 * (v->rec->t_s[k] - v->rec->t_s[w->first]));
-        say_number(drawing, vec_from_phases(i_A).alpha);
+        say_number(drawing, recording_current(v->rec, k).alpha);
         say_number(drawing, v->d->free_nominal[k].alpha);
         say_number(drawing, v->d->free_extended[k].alpha);
         say_number(drawing, seen ? before.v_phase_V[0] : NAN);

@@ -84,8 +84,7 @@ static double error_percent(const firmware *f, const recording *rec, const unsig
                 continue;
             }
             const vec_ab shown = predict(f, rec, k);
-            const double i_A[3] = {rec->i_A[0][k + 1], rec->i_A[1][k + 1], rec->i_A[2][k + 1]};
-            const vec_ab i = vec_from_phases(i_A);
+            const vec_ab i = recording_current(rec, k + 1);
             const vec_ab off = {i.alpha - shown.alpha, i.beta - shown.beta};
             wrong += off.alpha * off.alpha + off.beta * off.beta;
             current += i.alpha * i.alpha + i.beta * i.beta;

@@ -93,15 +93,6 @@ static void describe(const motor *was, const motor *is, char *text, size_t size)
     }
 }
 
-/* Recorded currents in the frame of the recorded angle: what the firmware's references are. */
-static void recorded_dq(const recording *rec, size_t k, double *i_d, double *i_q)
-{
-    const double i_A[3] = {rec->i_A[0][k], rec->i_A[1][k], rec->i_A[2][k]};
-    const vec_dq i = vec_to_dq(vec_from_phases(i_A), rotor_at(rec->theta_e_rad[k]));
-    *i_d = i.d;
-    *i_q = i.q;
-}
-
 static double link_of(const recording *rec, size_t first, size_t count, double nominal_V)
 {
     double sum = 0.0;
@@ -122,11 +113,10 @@ static void follow(const recording *rec, const motor *m, size_t first, size_t co
         const size_t to = first + (p + 1) * count / points;
         double sum[3] = {0.0, 0.0, 0.0};
         for (size_t k = from; k < to; k++) {
-            double i_d;
-            double i_q;
-            recorded_dq(rec, k, &i_d, &i_q);
-            sum[0] += i_d;
-            sum[1] += i_q;
+            /* In the frame of the recorded angle: what the firmware's references are. */
+            const vec_dq i = vec_to_dq(recording_current(rec, k), rotor_at(rec->theta_e_rad[k]));
+            sum[0] += i.d;
+            sum[1] += i.q;
             sum[2] += rec->omega_e_rad_s[k];
         }
         const double n = (double)(to - from);
