@@ -34,7 +34,6 @@ function(iqfoc_dependency_by_file name package header)
 endfunction()
 
 iqfoc_dependency(lapacke lapacke liblapacke-dev)
-iqfoc_dependency(cminpack cminpack libcminpack-dev)
 iqfoc_dependency(fftw3 fftw3 libfftw3-dev)
 iqfoc_dependency(jansson jansson libjansson-dev)
 iqfoc_dependency(zlib zlib zlib1g-dev)

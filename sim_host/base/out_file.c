@@ -3,8 +3,9 @@
 
 #include "out_file.h"
 
+#include "leftovers.h"
+
 #include <errno.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -18,67 +19,10 @@ static mode_t new_file_mode(void)
     return (mode_t)(0666 & ~mask);
 }
 
-/*
- * The temporary files that are open, for the signal handler: a user who stops a long simulation by Ctrl-C
- * must not find its remains. A name is taken out before it is freed, so that the handler never sees a
- * dangling one.
- */
-enum {
-    OPEN_MAX_KNOWN =
-        16 /* further ones are merely not removed on a signal; no command opens nearly as many at once */
-};
-
-static char *volatile open_names[OPEN_MAX_KNOWN];
-
-static void remove_and_die(int signal_number)
-{
-    for (int i = 0; i < OPEN_MAX_KNOWN; i++) {
-        if (open_names[i] != NULL) {
-            unlink(open_names[i]);
-        }
-    }
-    /* Delivered when this handler returns: the caller sees that a signal ended the process. */
-    signal(signal_number, SIG_DFL);
-    raise(signal_number);
-}
-
-static void watch_signals(void)
-{
-    static const int watched[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
-    for (size_t i = 0; i < sizeof watched / sizeof watched[0]; i++) {
-        struct sigaction action;
-        /* What somebody else ignores or handles stays theirs. */
-        if (sigaction(watched[i], NULL, &action) == 0 && action.sa_handler == SIG_DFL) {
-            action = (struct sigaction){.sa_handler = remove_and_die};
-            sigemptyset(&action.sa_mask);
-            sigaction(watched[i], &action, NULL);
-        }
-    }
-}
-
-static void name_remember(char *name)
-{
-    for (int i = 0; i < OPEN_MAX_KNOWN; i++) {
-        if (open_names[i] == NULL) {
-            open_names[i] = name;
-            return;
-        }
-    }
-}
-
-static void name_forget(const char *name)
-{
-    for (int i = 0; i < OPEN_MAX_KNOWN; i++) {
-        if (open_names[i] == name) {
-            open_names[i] = NULL;
-        }
-    }
-}
-
 static void out_file_release(out_file *f)
 {
     if (f->temp_path != NULL) {
-        name_forget(f->temp_path);
+        leftovers_forget(f->temp_path);
     }
     free(f->path);
     free(f->temp_path);
@@ -114,7 +58,6 @@ static bool open_temporary(out_file *f, mode_t mode, error *e)
     if (f->temp_path == NULL) {
         return error_failure(e, 0, "out of memory");
     }
-    watch_signals();
     const int descriptor = mkstemp(f->temp_path);
     if (descriptor < 0) {
         const int why = errno;
@@ -122,7 +65,7 @@ static bool open_temporary(out_file *f, mode_t mode, error *e)
         f->temp_path = NULL;
         return error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(why));
     }
-    name_remember(f->temp_path);
+    leftovers_add(f->temp_path);
     if (fchmod(descriptor, mode) != 0 || (f->stream = fdopen(descriptor, "w")) == NULL) {
         error_failure(e, errno, "%s", f->temp_path);
         close(descriptor);
@@ -167,6 +110,23 @@ bool out_file_open(out_file *f, const char *path, error *e)
     return ok;
 }
 
+/* The errno of what went wrong, or 0. A file in a stage (out_folder.h) goes with the stage on a signal. */
+static int put_in_place(const out_file *f)
+{
+    const bool staged = leftovers_hold_stage_of(f->path);
+    if (staged) {
+        leftovers_add(f->path);
+    }
+    if (rename(f->temp_path, f->path) == 0) {
+        return 0;
+    }
+    const int why = errno;
+    if (staged) {
+        leftovers_forget(f->path);
+    }
+    return why;
+}
+
 bool out_file_commit(out_file *f, error *e)
 {
     if (f->stream == NULL) {
@@ -185,8 +145,8 @@ bool out_file_commit(out_file *f, error *e)
         why = errno;
     }
     f->stream = NULL;
-    if (why == 0 && f->temp_path != NULL && rename(f->temp_path, f->path) != 0) {
-        why = errno;
+    if (why == 0 && f->temp_path != NULL) {
+        why = put_in_place(f);
     }
     if (why != 0) {
         error_failure(e, why, "%s: cannot be written", f->path);
@@ -206,34 +166,4 @@ void out_file_abandon(out_file *f)
         unlink(f->temp_path);
     }
     out_file_release(f);
-}
-
-bool out_dir_make(const char *path, error *e)
-{
-    if (path[0] == '\0') {
-        return error_input(e, NULL, 0, 0, "an output directory needs a name, not an empty text");
-    }
-    char *partial = strdup(path);
-    if (partial == NULL) {
-        return error_failure(e, 0, "out of memory");
-    }
-    bool ok = true;
-    const size_t length = strlen(partial);
-    for (size_t i = 1; ok && i <= length; i++) {
-        if (partial[i] != '/' && partial[i] != '\0') {
-            continue;
-        }
-        partial[i] = '\0';
-        struct stat status;
-        if (mkdir(partial, 0777) != 0 && errno != EEXIST) {
-            ok = error_input(e, partial, 0, 0, "the directory cannot be made: %s", strerror(errno));
-        } else if (stat(partial, &status) != 0 || !S_ISDIR(status.st_mode)) {
-            ok = error_input(e, partial, 0, 0, "is not a directory");
-        }
-        if (i < length) {
-            partial[i] = '/';
-        }
-    }
-    free(partial);
-    return ok;
 }

@@ -1,7 +1,7 @@
 /*
  * Output files that appear whole or not at all: written under a temporary name in the same directory,
  * flushed, and renamed over the old file only when everything was written. What the user had stays until
- * then.
+ * then. Several files that belong together: out_folder.h.
  */
 #ifndef SIM_HOST_BASE_OUT_FILE_H
 #define SIM_HOST_BASE_OUT_FILE_H
@@ -24,8 +24,5 @@ bool out_file_commit(out_file *f, error *e);
 
 /* Forgets it: removes the temporary file. Safe after commit and on a zeroed struct. */
 void out_file_abandon(out_file *f);
-
-/* Makes a directory and its parents, as mkdir -p. */
-bool out_dir_make(const char *path, error *e);
 
 #endif

@@ -2,12 +2,12 @@
  * iqfoc diagnose: what a recording shows the model to get wrong, why, and what mending it gains.
  */
 #include "base/json_file.h"
+#include "base/out_folder.h"
 #include "command.h"
 #include "diagnose/diagnose.h"
 #include "diagnose/show/report.h"
 #include "diagnose/tell/json.h"
 #include "diagnose/tell/text.h"
-#include "diagnose_many.h"
 #include "options.h"
 
 #include <stdio.h>
@@ -25,18 +25,14 @@ static const option_spec specs[] = {
     {NULL, 0, NULL, NULL}};
 
 static const command_about about = {
-    "diagnose", "REC.csv... --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]]",
+    "diagnose", "REC.csv --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]]",
     "Compares a recording with the averaged model, cycle by cycle; names the effects that account for\n"
     "the difference, with 95 % intervals; and measures on rows that were not fitted what the extended\n"
-    "model gains. The exit status is 0 whatever the verdict, 2 if the recording cannot be used.\n"
-    "Several recordings of one motor are diagnosed in parallel, each into DIR/<name>/, with "
-    "DIR/summary.json.",
+    "model gains. The exit status is 0 whatever the verdict, 2 if the recording cannot be used.",
     specs};
 
 typedef struct request {
     const char *recording_path, *motor_path, *directory, *json_path;
-    char **recordings; /* all of them */
-    int count;
     diagnose_options options;
     bool helped;
 } request;
@@ -98,34 +94,51 @@ static bool parse(int argc, char **argv, request *r, error *e)
     if (o.first >= argc) {
         return error_input(e, NULL, 0, 0, "diagnose: which recording? Usage: iqfoc diagnose %s", about.usage);
     }
-    r->recordings = argv + o.first;
-    r->count = argc - o.first;
-    if (r->count > 1 && (r->directory == NULL || r->json_path != NULL)) {
-        return error_input(
-            e, NULL, 0, 0,
-            "diagnose: several recordings need -o DIR, and no --json: each gets DIR/<name>/diagnosis.json");
-    }
     r->recording_path = argv[o.first];
-    return true;
+    return o.first + 1 == argc ||
+           error_input(e, NULL, 0, 0,
+                       "diagnose: one recording at a time; \"%s\" is a second one. Usage: iqfoc diagnose %s",
+                       argv[o.first + 1], about.usage);
+}
+
+/* Everything that is to be in DIR goes into its stage first. */
+static bool write_files(const request *r, out_folder *f, const report_input *in, json_t *json, error *e)
+{
+    if (f->stage != NULL && !report_write(in, f->stage, json, e)) {
+        return false;
+    }
+    if (r->json_path == NULL) {
+        return true;
+    }
+    const char *path = out_folder_place(f, r->json_path, e);
+    return path != NULL && json_file_write(path, json, e);
+}
+
+static void print(const request *r, const diagnosis *d)
+{
+    if (r->json_path != NULL && strcmp(r->json_path, "-") == 0) {
+        return;
+    }
+    text_print(stdout, d);
+    if (r->directory != NULL) {
+        printf("\n  report: %s/report.html\n", r->directory);
+    }
 }
 
 /* Files first, words last: what is printed has been written. */
-static bool deliver(const request *r, const report_input *in, json_t *json, error *e)
+static bool deliver(const request *r, out_folder *f, const report_input *in, error *e)
 {
-    if (r->directory && !report_write(in, r->directory, json, e)) {
-        return false;
+    json_t *json = json_of_diagnosis(in->d);
+    if (r->directory != NULL || r->json_path != NULL) {
+        report_firmware(in, json);
     }
-    if (r->json_path && !json_file_write(r->json_path, json, e)) {
-        return false;
+    bool ok = write_files(r, f, in, json, e);
+    json_decref(json);
+    ok = out_folder_close(f, ok, e);
+    if (ok) {
+        print(r, in->d);
     }
-    if (r->json_path && strcmp(r->json_path, "-") == 0) {
-        return true;
-    }
-    text_print(stdout, in->d);
-    if (r->directory) {
-        printf("\n  report: %s/report.html\n", r->directory);
-    }
-    return true;
+    return ok;
 }
 
 static bool run(const request *r, error *e)
@@ -133,34 +146,23 @@ static bool run(const request *r, error *e)
     motor m;
     recording rec;
     diagnosis d;
+    out_folder f = {0};
     if (!motor_read(r->motor_path, &m, e) || !recording_read(r->recording_path, &rec, e)) {
         return false;
     }
     diagnose_options how = r->options;
     /* What is measured after the diagnosis goes by its rows. */
     how.series = r->directory != NULL || r->json_path != NULL;
-    bool ok = diagnose(&d, &rec, &m, &how, e);
+    bool ok = out_folder_open(&f, r->directory, e) && diagnose(&d, &rec, &m, &how, e);
     if (ok) {
-        json_t *json = json_of_diagnosis(&d);
         const report_input in = {&rec, &m, &d};
-        if (how.series) {
-            report_firmware(&in, json);
-        }
-        ok = deliver(r, &in, json, e);
-        json_decref(json);
+        ok = deliver(r, &f, &in, e);
         diagnosis_free(&d);
+    } else {
+        out_folder_close(&f, false, e);
     }
     recording_free(&rec);
     return ok;
-}
-
-/* One of several, in its own process. */
-static bool run_into(const void *request_of_all, const char *recording_path, const char *directory, error *e)
-{
-    request r = *(const request *)request_of_all;
-    r.recording_path = recording_path;
-    r.directory = directory;
-    return run(&r, e);
 }
 
 int cmd_diagnose(int argc, char **argv)
@@ -172,11 +174,6 @@ int cmd_diagnose(int argc, char **argv)
     }
     if (r.helped) {
         return STATUS_DONE;
-    }
-    if (r.count > 1) {
-        int status = STATUS_DONE;
-        return diagnose_many(run_into, &r, r.recordings, r.count, r.directory, &status, &e) ? status
-                                                                                            : error_print(&e);
     }
     return run(&r, &e) ? STATUS_DONE : error_print(&e);
 }

@@ -2,6 +2,7 @@
  * iqfoc loops: what better feedback and better prediction do to a closed loop.
  */
 #include "base/json_file.h"
+#include "base/out_folder.h"
 #include "command.h"
 #include "loops/extended_loops.h"
 #include "loops/loops_study.h"
@@ -100,9 +101,19 @@ static bool parse(int argc, char **argv, request *r, error *e)
 static bool write_json(const char *path, const loops_study *s, error *e)
 {
     json_t *root = loops_study_json(s);
-    const bool ok = json_file_write(path, root, e);
+    const bool ok = path != NULL && json_file_write(path, root, e);
     json_decref(root);
     return ok;
+}
+
+/* directory: NULL for no page. */
+static bool study(const request *r, const char *directory, loops_study *s, error *e)
+{
+    out_folder f = {0};
+    const bool ok = out_folder_open(&f, directory, e) && loops_study_run(s, e) &&
+                    (f.stage == NULL || loops_study_page(s, f.stage, e)) &&
+                    (r->json_path == NULL || write_json(out_folder_place(&f, r->json_path, e), s, e));
+    return out_folder_close(&f, ok, e);
 }
 
 static bool compare_extended(const request *r, error *e)
@@ -146,13 +157,12 @@ static bool loops(const request *r, error *e)
     }
     const bool quiet = r->json_path != NULL && strcmp(r->json_path, "-") == 0;
     const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "report-loops";
-    bool ok = loops_study_run(s, e) && (r->json_path == NULL || write_json(r->json_path, s, e));
+    const bool ok = study(r, directory, s, e);
     if (ok && !quiet) {
         loops_study_print(s, stdout);
-    }
-    ok = ok && (directory == NULL || loops_study_page(s, directory, e));
-    if (ok && !quiet && directory != NULL) {
-        printf("\nThe figures: %s/index.html\n", directory);
+        if (directory != NULL) {
+            printf("\nThe figures: %s/index.html\n", directory);
+        }
     }
     free(s);
     return ok;

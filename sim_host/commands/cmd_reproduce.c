@@ -2,6 +2,7 @@
  * iqfoc reproduce: both papers' tables beside this project's values, and their figures.
  */
 #include "base/json_file.h"
+#include "base/out_folder.h"
 #include "command.h"
 #include "options.h"
 #include "reproduce/figures.h"
@@ -69,35 +70,35 @@ static bool parse(int argc, char **argv, request *r, error *e)
 static bool write_json(const char *path, const comparison *c, error *e)
 {
     json_t *rows = comparison_json(c);
-    const bool ok = json_file_write(path, rows, e);
+    const bool ok = path != NULL && json_file_write(path, rows, e);
     json_decref(rows);
     return ok;
 }
 
+/* directory: NULL for no page. */
+static bool compare(const request *r, const char *directory, comparison *c, error *e)
+{
+    out_folder f = {0};
+    const bool ok = out_folder_open(&f, directory, e) && (!r->with_2016 || paper_2016_compare(c, e)) &&
+                    (!r->with_2019 || paper_2019_compare(c, e)) &&
+                    (f.stage == NULL || reproduce_page(f.stage, c, r->with_2016, r->with_2019, e)) &&
+                    (r->json_path == NULL || write_json(out_folder_place(&f, r->json_path, e), c, e));
+    return out_folder_close(&f, ok, e);
+}
+
+/* Files first, words last: what is printed has been written. */
 static bool reproduce(const request *r, comparison *c, error *e)
 {
-    if ((r->with_2016 && !paper_2016_compare(c, e)) || (r->with_2019 && !paper_2019_compare(c, e))) {
-        return false;
-    }
     const bool quiet = r->json_path != NULL && strcmp(r->json_path, "-") == 0;
-    if (r->json_path != NULL && !write_json(r->json_path, c, e)) {
+    const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "report-reproduce";
+    if (!compare(r, directory, c, e)) {
         return false;
     }
     if (!quiet) {
         comparison_print(c, stdout);
-    }
-    const char *directory = r->directory;
-    if (directory == NULL && r->json_path == NULL) {
-        directory = "report-reproduce";
-    }
-    if (directory == NULL) {
-        return true;
-    }
-    if (!reproduce_page(directory, c, r->with_2016, r->with_2019, e)) {
-        return false;
-    }
-    if (!quiet) {
-        printf("\nThe figures: %s/index.html\n", directory);
+        if (directory != NULL) {
+            printf("\nThe figures: %s/index.html\n", directory);
+        }
     }
     return true;
 }

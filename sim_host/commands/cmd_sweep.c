@@ -2,6 +2,7 @@
  * iqfoc sweep: the errors of each method over the ratio of switching to fundamental frequency.
  */
 #include "base/json_file.h"
+#include "base/out_folder.h"
 #include "base/progress.h"
 #include "command.h"
 #include "options.h"
@@ -147,8 +148,8 @@ static void print_head(const motor *m, double current_A_rms, double id_ratio)
     putchar('\n');
 }
 
-static bool write_json(const request *r, const motor *m, double current_A_rms, const sweep_point *points,
-                       error *e)
+static bool write_json(const request *r, const char *path, const motor *m, double current_A_rms,
+                       const sweep_point *points, error *e)
 {
     json_t *list = json_array();
     for (size_t n = 0; n < r->speeds; n++) {
@@ -160,7 +161,7 @@ static bool write_json(const request *r, const motor *m, double current_A_rms, c
     json_t *root =
         json_pack("{s:s, s:f, s:f, s:f, s:o}", "motor", m->name, "current_A_rms", current_A_rms, "id_ratio",
                   r->id_ratio, "L_used_H", 0.5 * (m->L_d_H + m->L_q_H), "points", list);
-    const bool ok = json_file_write(r->json_path, root, e);
+    const bool ok = path != NULL && json_file_write(path, root, e);
     json_decref(root);
     return ok;
 }
@@ -192,6 +193,17 @@ static bool compute(const request *r, const motor *m, double current_A_rms, swee
     return ok;
 }
 
+static bool points_and_files(const request *r, const motor *m, double current_A_rms, sweep_point *points,
+                             error *e)
+{
+    out_folder f = {0};
+    const bool ok = out_folder_open(&f, r->directory, e) && compute(r, m, current_A_rms, points, e) &&
+                    (f.stage == NULL || sweep_page(f.stage, m, points, r->speeds, e)) &&
+                    (r->json_path == NULL ||
+                     write_json(r, out_folder_place(&f, r->json_path, e), m, current_A_rms, points, e));
+    return out_folder_close(&f, ok, e);
+}
+
 static bool sweep(const request *r, error *e)
 {
     motor m;
@@ -203,14 +215,12 @@ static bool sweep(const request *r, error *e)
         return error_failure(e, 0, "sweep: out of memory");
     }
     const double current_A_rms = r->current_A_rms > 0.0 ? r->current_A_rms : m.I_rated_A_rms;
-    const bool ok = compute(r, &m, current_A_rms, points, e) &&
-                    (r->json_path == NULL || write_json(r, &m, current_A_rms, points, e));
+    const bool ok = points_and_files(r, &m, current_A_rms, points, e);
     if (ok && (r->json_path == NULL || strcmp(r->json_path, "-") != 0)) {
         print_table(r, &m, current_A_rms, points);
     }
-    const bool drawn = ok && (r->directory == NULL || sweep_page(r->directory, &m, points, r->speeds, e));
     free(points);
-    return drawn;
+    return ok;
 }
 
 static bool run(const request *r, error *e)

@@ -21,7 +21,7 @@ bool page_begin_as(page *p, const char *directory, const char *name, const char 
         return error_input(e, directory, 0, 0, "too long a name for a directory");
     }
     snprintf(path, sizeof path, "%s/%s", directory, name);
-    if (!out_dir_make(directory, e) || !out_file_open(&p->file, path, e)) {
+    if (!out_file_open(&p->file, path, e)) {
         return false;
     }
     FILE *out = p->file.stream;

@@ -18,7 +18,7 @@ typedef struct page {
     int figures;
 } page;
 
-/* Opens DIRECTORY/index.html, making the directory. */
+/* Opens DIRECTORY/index.html; the directory exists, and may be a stage (base/out_folder.h). */
 bool page_begin(page *p, const char *directory, const char *title, const char *subtitle, error *e);
 /* The same as DIRECTORY/NAME. */
 bool page_begin_as(page *p, const char *directory, const char *name, const char *title, const char *subtitle,

@@ -3,6 +3,8 @@
 
 #include "plot.h"
 
+#include "../base/leftovers.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -142,10 +144,12 @@ char *plot_draw(plot *p, error *e)
     if (file < 0) {
         error_failure(e, errno, "%s", path);
     } else {
+        leftovers_add(path);
         if (write_script(p, file, e)) {
             svg = run_gnuplot(path, e);
         }
         unlink(path);
+        leftovers_forget(path);
     }
     plot_abandon(p);
     return svg;

@@ -126,6 +126,10 @@ USAGE_ROWS = [
     (["loops", "--motor", "motor.toml", "--extended", "none.toml"], "none.toml: cannot be read"),
     (["diagnose", "recording.csv"], "--motor"),
     (["diagnose", "--motor", "motor.toml"], "iqfoc: diagnose: "),
+    (["diagnose", "recording.csv", "other.csv", "--motor", "motor.toml"], "one recording at a time; \"other.csv\" is a second one"),
+    (["diagnose", "recording.csv", "other.csv", "--motor", "motor.toml", "-o", "out"], "one recording at a time"),
+    (["diagnose", "recording.csv", "--motor", "motor.toml", "-o", ""], "an output directory needs a name"),
+    (["diagnose", "recording.csv", "--motor", "motor.toml", "-o", "motor.toml"], "motor.toml: is not a directory"),
 ]
 
 

@@ -164,20 +164,6 @@ static void test_a_full_disk_is_a_failure(void)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "/dev/full"), e.text);
 }
 
-static void test_directories_are_made_with_their_parents(void)
-{
-    error e = {0};
-    TEST_ASSERT_TRUE_MESSAGE(out_dir_make(scratch_path("a/b/c"), &e), e.text);
-    TEST_ASSERT_TRUE_MESSAGE(out_dir_make(scratch_path("a/b/c/"), &e), e.text);
-    rmdir(scratch_path("a/b/c"));
-    rmdir(scratch_path("a/b"));
-    rmdir(scratch_path("a"));
-    scratch_text("file", "");
-    TEST_ASSERT_FALSE(out_dir_make(scratch_path("file/sub"), &e));
-    TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
-    remove(scratch_path("file"));
-}
-
 static void test_an_error_is_one_line_and_the_first_stays(void)
 {
     error e = {0};
@@ -210,7 +196,6 @@ int main(void)
     RUN_TEST(test_what_cannot_be_opened_is_named);
     RUN_TEST(test_a_device_is_written_in_place);
     RUN_TEST(test_a_full_disk_is_a_failure);
-    RUN_TEST(test_directories_are_made_with_their_parents);
     RUN_TEST(test_an_error_is_one_line_and_the_first_stays);
     const int failed = UNITY_END();
     scratch_end();

@@ -1,7 +1,6 @@
 #include "report.h"
 
 #include "base/json_file.h"
-#include "base/out_file.h"
 #include "extension_header.h"
 #include "figures.h"
 #include "firmware_gain.h"
@@ -163,9 +162,6 @@ static bool write_all(const report_input *in, const plant_witness *witness, cons
 bool report_write(const report_input *in, const char *directory, json_t *json, error *e)
 {
     plant_witness witness;
-    if (!out_dir_make(directory, e)) {
-        return false;
-    }
     plant_witness_call(&witness, in->rec, in->nominal, in->d);
     json_object_set_new(json, "plant", plant_json(in->d, &witness));
     const bool good = write_all(in, &witness, directory, json, e);

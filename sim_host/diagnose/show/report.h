@@ -20,8 +20,9 @@ typedef struct report_input {
 void report_firmware(const report_input *in, json_t *json);
 
 /*
- * Writes motor_extended.toml, iqfoc_extension.h, report.html (with its figures beside it) and, last,
- * diagnosis.json into a directory; the JSON gets "plant" as well.
+ * Writes motor_extended.toml, iqfoc_extension.h, report.html (with its figures beside it) and diagnosis.json
+ * into a directory that exists, the stage of an out_folder (base/out_folder.h); the JSON gets "plant" as
+ * well.
  */
 bool report_write(const report_input *in, const char *directory, json_t *json, error *e);
 

@@ -1,0 +1,133 @@
+/* POSIX: sigaction, sigprocmask, unlink, rmdir. */
+#define _XOPEN_SOURCE 700
+
+#include "leftovers.h"
+
+#include <signal.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct leftover {
+    struct leftover *next;
+    bool stage;
+    char path[];
+} leftover;
+
+/* The signal handler may look at any time: an entry is whole before it is linked in, and out before it is
+ * freed. The fences keep the compiler from reordering that. */
+static leftover *volatile newest;
+
+static const int watched[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+
+enum { WATCHED = sizeof watched / sizeof watched[0] };
+
+static sigset_t mask_before;
+
+static void remove_and_die(int signal_number)
+{
+    for (const leftover *l = newest; l != NULL; l = l->next) {
+        if (unlink(l->path) != 0) {
+            rmdir(l->path);
+        }
+    }
+    /* Delivered when this handler returns: the caller sees that a signal ended the process. */
+    signal(signal_number, SIG_DFL);
+    raise(signal_number);
+}
+
+static void watch_signals(void)
+{
+    for (int n = 0; n < WATCHED; n++) {
+        struct sigaction action;
+        if (sigaction(watched[n], NULL, &action) == 0 && action.sa_handler == SIG_DFL) {
+            action = (struct sigaction){.sa_handler = remove_and_die};
+            sigemptyset(&action.sa_mask);
+            /* One of them at a time: two would both walk through the list. */
+            for (int other = 0; other < WATCHED; other++) {
+                sigaddset(&action.sa_mask, watched[other]);
+            }
+            sigaction(watched[n], &action, NULL);
+        }
+    }
+}
+
+static void add(const char *path, bool stage)
+{
+    const size_t size = strlen(path) + 1;
+    leftover *l = malloc(sizeof *l + size);
+    if (l == NULL) {
+        return;
+    }
+    watch_signals();
+    memcpy(l->path, path, size);
+    l->stage = stage;
+    l->next = newest;
+    atomic_signal_fence(memory_order_seq_cst);
+    newest = l;
+    atomic_signal_fence(memory_order_seq_cst);
+}
+
+void leftovers_add(const char *path)
+{
+    add(path, false);
+}
+
+void leftovers_add_stage(const char *path)
+{
+    add(path, true);
+}
+
+static bool is_in(const char *path, const char *folder)
+{
+    const size_t length = strlen(folder);
+    return strncmp(path, folder, length) == 0 && path[length] == '/';
+}
+
+void leftovers_forget(const char *path)
+{
+    leftover *before = NULL;
+    for (leftover *l = newest, *next; l != NULL; l = next) {
+        next = l->next;
+        if (strcmp(l->path, path) != 0 && !is_in(l->path, path)) {
+            before = l;
+            continue;
+        }
+        if (before == NULL) {
+            newest = next;
+        } else {
+            before->next = next;
+        }
+        atomic_signal_fence(memory_order_seq_cst);
+        free(l);
+    }
+}
+
+bool leftovers_hold_stage_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const size_t length = slash != NULL ? (size_t)(slash - path) : 0;
+    for (const leftover *l = newest; length > 0 && l != NULL; l = l->next) {
+        if (l->stage && strlen(l->path) == length && strncmp(l->path, path, length) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void leftovers_signals_wait(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    for (int n = 0; n < WATCHED; n++) {
+        sigaddset(&set, watched[n]);
+    }
+    sigprocmask(SIG_BLOCK, &set, &mask_before);
+}
+
+void leftovers_signals_go_on(void)
+{
+    sigprocmask(SIG_SETMASK, &mask_before, NULL);
+}

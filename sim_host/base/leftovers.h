@@ -1,0 +1,32 @@
+/*
+ * What has to go if a signal ends the process before its work is done: temporary files and folders.
+ *
+ * A user who stops a long simulation by Ctrl-C must not find its remains. The first path that is added makes
+ * the process watch for SIGINT, SIGTERM, SIGHUP and SIGPIPE; a signal that somebody else handles or ignores
+ * stays theirs. The process still dies of the signal, so that its caller sees that.
+ */
+#ifndef SIM_HOST_BASE_LEFTOVERS_H
+#define SIM_HOST_BASE_LEFTOVERS_H
+
+#include <stdbool.h>
+
+/*
+ * From now on a signal removes this path, which need not exist: a file, or a folder that is empty by then.
+ * What was added last is removed first, so that files go before the folder they are in. The text is copied.
+ * Without memory for that the path is merely not removed.
+ */
+void leftovers_add(const char *path);
+/* The same for a folder whose finished files are to go with it (out_file.h adds them). */
+void leftovers_add_stage(const char *path);
+
+/* The path and what is in it stay, or are gone already. Nothing happens if none of them was added. */
+void leftovers_forget(const char *path);
+
+/* Is this file in a stage? */
+bool leftovers_hold_stage_of(const char *path);
+
+/* No signal comes through between the two; one that arrives meanwhile is delivered by the second. */
+void leftovers_signals_wait(void);
+void leftovers_signals_go_on(void);
+
+#endif

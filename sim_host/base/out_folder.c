@@ -1,0 +1,177 @@
+/* POSIX: lstat, mkdir, rmdir, strdup. */
+#define _XOPEN_SOURCE 700
+
+#include "out_folder.h"
+
+#include "leftovers.h"
+#include "out_folder_files.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- Opening ---- */
+
+static bool is_folder(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+static bool exists(const char *path)
+{
+    struct stat status;
+    return lstat(path, &status) == 0;
+}
+
+/* "dir//" -> "dir", "/" stays. */
+static char *without_last_slashes(const char *path)
+{
+    char *copy = strdup(path);
+    for (size_t n = copy != NULL ? strlen(copy) : 0; n > 1 && copy[n - 1] == '/'; n--) {
+        copy[n - 1] = '\0';
+    }
+    return copy;
+}
+
+/* Makes each folder on the way to f->path that is missing, as mkdir -p; not the last one. */
+static bool make_parents(out_folder *f, error *e)
+{
+    bool ok = true;
+    bool made = false;
+    for (char *slash = strchr(f->path + 1, '/'); ok && slash != NULL; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        if (mkdir(f->path, 0777) == 0) {
+            leftovers_add(f->path);
+            made = true;
+        } else if (is_folder(f->path)) {
+            f->there = made ? f->there : strlen(f->path);
+        } else {
+            ok = errno == EEXIST
+                     ? error_input(e, f->path, 0, 0, "is not a directory")
+                     : error_input(e, f->path, 0, 0, "the directory cannot be made: %s", strerror(errno));
+        }
+        *slash = '/';
+    }
+    return ok;
+}
+
+/*
+ * In the folder itself if it exists, as its parent may be locked or another file system; else beside it.
+ * The process number keeps programs that run at once apart.
+ */
+static bool make_stage(out_folder *f, error *e)
+{
+    const bool inside = is_folder(f->path);
+    const char *slash = strrchr(f->path, '/');
+    const size_t size = strlen(f->path) + 64;
+    f->stage = malloc(size);
+    if (f->stage == NULL) {
+        return error_failure(e, 0, "out of memory");
+    }
+    int why = EEXIST;
+    for (int n = 0; why == EEXIST && n < 1000; n++) {
+        if (inside) {
+            snprintf(f->stage, size, "%s/.iqfoc.%ld-%d", f->path, (long)getpid(), n);
+        } else {
+            const size_t parent = slash != NULL ? (size_t)(slash - f->path) + 1 : 0;
+            snprintf(f->stage, size, "%.*s.%s.%ld-%d", (int)parent, f->path, f->path + parent, (long)getpid(),
+                     n);
+        }
+        why = mkdir(f->stage, 0777) == 0 ? 0 : errno;
+    }
+    if (why != 0) {
+        free(f->stage);
+        f->stage = NULL;
+        return error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(why));
+    }
+    leftovers_add_stage(f->stage);
+    return true;
+}
+
+bool out_folder_open(out_folder *f, const char *path, error *e)
+{
+    *f = (out_folder){0};
+    if (path == NULL) {
+        return true;
+    }
+    if (path[0] == '\0') {
+        return error_input(e, NULL, 0, 0, "an output directory needs a name, not an empty text");
+    }
+    f->path = without_last_slashes(path);
+    if (f->path == NULL) {
+        return error_failure(e, 0, "out of memory");
+    }
+    if (!is_folder(f->path) && exists(f->path)) {
+        return error_input(e, f->path, 0, 0, "is not a directory");
+    }
+    return make_parents(f, e) && make_stage(f, e);
+}
+
+const char *out_folder_place(out_folder *f, const char *path, error *e)
+{
+    const size_t length = f->path != NULL ? strlen(f->path) : 0;
+    if (length == 0 || strncmp(path, f->path, length) != 0 || path[length] != '/' ||
+        strchr(path + length + 1, '/') != NULL) {
+        return path;
+    }
+    free(f->placed);
+    const size_t size = strlen(f->stage) + strlen(path + length) + 1;
+    f->placed = malloc(size);
+    if (f->placed == NULL) {
+        error_failure(e, 0, "out of memory");
+        return NULL;
+    }
+    snprintf(f->placed, size, "%s%s", f->stage, path + length);
+    return f->placed;
+}
+
+/* ---- Closing ---- */
+
+/* The parents that were made: no leftovers any more, and removed if nothing came to stand in them. */
+static void settle_parents(out_folder *f, bool stay)
+{
+    for (char *slash = strrchr(f->path, '/'); slash != NULL && (size_t)(slash - f->path) > f->there;
+         slash = strrchr(f->path, '/')) {
+        *slash = '\0';
+        leftovers_forget(f->path);
+        if (!stay) {
+            rmdir(f->path); /* not if another program has written there meanwhile */
+        }
+    }
+}
+
+/* Messages of what wrote into the stage name its files; the user knows them by another folder. */
+static void name_users_path(const out_folder *f, error *e)
+{
+    const size_t length = strlen(f->stage);
+    const size_t wanted = strlen(f->path);
+    for (char *at = strstr(e->text, f->stage); at != NULL && length >= wanted; at = strstr(at, f->stage)) {
+        memmove(at + wanted, at + length, strlen(at + length) + 1);
+        memcpy(at, f->path, wanted);
+        at += wanted;
+    }
+}
+
+bool out_folder_close(out_folder *f, bool ok, error *e)
+{
+    if (f->path == NULL) {
+        return ok;
+    }
+    leftovers_signals_wait();
+    ok = ok && f->stage != NULL && out_folder_put(f->stage, f->path, e);
+    if (f->stage != NULL) {
+        out_folder_remove(f->stage);
+        name_users_path(f, e);
+    }
+    settle_parents(f, ok);
+    leftovers_signals_go_on();
+    free(f->path);
+    free(f->stage);
+    free(f->placed);
+    *f = (out_folder){0};
+    return ok;
+}

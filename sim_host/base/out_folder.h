@@ -1,0 +1,51 @@
+/*
+ * An output folder that appears whole or not at all.
+ *
+ *     out_folder f;
+ *     const bool ok = out_folder_open(&f, directory, e) && write_files(f.stage, e);
+ *     return out_folder_close(&f, ok, e);
+ *
+ * The files are written into a hidden folder in the same file system, the stage, and put in place when all of
+ * them are there. A folder that did not exist appears by one rename. In one that exists, the files that were
+ * written replace those of the same name, one after the other and all of them or none; whatever else is in it
+ * stays as it is. Two programs that write into one folder at once leave the files of the one or the other,
+ * never some of each. After a failure, and after a signal that ends the process, the folder is as it was.
+ *
+ * What is written into the stage: plain files, by out_file.h, no folders.
+ */
+#ifndef SIM_HOST_BASE_OUT_FOLDER_H
+#define SIM_HOST_BASE_OUT_FOLDER_H
+
+#include "error.h"
+
+#include <stddef.h>
+
+typedef struct out_folder {
+    char *path;   /* as the user named it, without a slash at its end; NULL: nothing is open */
+    char *stage;  /* the folder to write into; for no message and no page */
+    char *placed; /* what out_folder_place gave last */
+    size_t there; /* length of the part of `path` that existed before; the parents beyond it were made */
+} out_folder;
+
+/*
+ * Makes the stage, and the parents of the folder where they are missing. False with *e set when the path is
+ * no directory or nothing can be written there. A path of NULL is no folder: nothing is open, and that is
+ * true.
+ */
+bool out_folder_open(out_folder *f, const char *path, error *e);
+
+/*
+ * Where to write a file that the user named separately: in the stage if `path` lies in the folder, so that
+ * `-o DIR --json DIR/x.json` goes with the others; else `path` itself, as when nothing is open. Valid until
+ * the next call and until the folder is closed. NULL with *e set when memory runs out.
+ */
+const char *out_folder_place(out_folder *f, const char *path, error *e);
+
+/*
+ * Puts the files in place if `ok`, else removes them and everything that was made; in *e the user's path then
+ * stands where the stage's stood. Returns whether the files are in place, and `ok` itself if nothing is open,
+ * as after an opening that failed. Nothing is open afterwards.
+ */
+bool out_folder_close(out_folder *f, bool ok, error *e);
+
+#endif

@@ -1,0 +1,213 @@
+/* POSIX: opendir, realpath, lstat, link. Every libc of today: flock. */
+#define _DEFAULT_SOURCE
+#define _XOPEN_SOURCE 700
+
+#include "out_folder_files.h"
+
+#include "leftovers.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* One file on its way: "stage/name" -> "path/name", what stood there -> "stage/.was.name". */
+typedef struct mover {
+    char *staged, *place, *was;
+    bool replaces; /* there is something at its place */
+    bool saved;    /* and it is kept in `was` */
+    mode_t mode;   /* of what it replaces */
+} mover;
+
+typedef struct movers {
+    mover *file;
+    size_t count;
+} movers;
+
+static char *join(const char *folder, const char *between, const char *name)
+{
+    const size_t size = strlen(folder) + strlen(between) + strlen(name) + 1;
+    char *path = malloc(size);
+    if (path != NULL) {
+        snprintf(path, size, "%s%s%s", folder, between, name);
+    }
+    return path;
+}
+
+static bool is_entry(const char *name)
+{
+    return strcmp(name, ".") != 0 && strcmp(name, "..") != 0;
+}
+
+void out_folder_remove(const char *stage)
+{
+    DIR *open = opendir(stage);
+    for (struct dirent *d; open != NULL && (d = readdir(open)) != NULL;) {
+        char *path = is_entry(d->d_name) ? join(stage, "/", d->d_name) : NULL;
+        if (path != NULL) {
+            unlink(path);
+        }
+        free(path);
+    }
+    if (open != NULL) {
+        closedir(open);
+    }
+    rmdir(stage);
+    leftovers_forget(stage);
+}
+
+/* ---- Which files go where ---- */
+
+static void movers_free(movers *m)
+{
+    for (size_t n = 0; n < m->count; n++) {
+        free(m->file[n].staged);
+        free(m->file[n].place);
+        free(m->file[n].was);
+    }
+    free(m->file);
+    *m = (movers){0};
+}
+
+static bool movers_add(movers *m, const char *stage, const char *path, const char *name)
+{
+    mover *grown = realloc(m->file, (m->count + 1) * sizeof *grown);
+    if (grown == NULL) {
+        return false;
+    }
+    m->file = grown;
+    mover *added = &m->file[m->count++];
+    *added = (mover){join(stage, "/", name), join(path, "/", name), join(stage, "/.was.", name), 0, 0, 0};
+    return added->staged != NULL && added->place != NULL && added->was != NULL;
+}
+
+static bool movers_find(movers *m, const char *stage, const char *path, error *e)
+{
+    DIR *open = opendir(stage);
+    if (open == NULL) {
+        return error_failure(e, errno, "%s", stage);
+    }
+    bool ok = true;
+    for (struct dirent *d; ok && (d = readdir(open)) != NULL;) {
+        ok = !is_entry(d->d_name) || movers_add(m, stage, path, d->d_name);
+    }
+    closedir(open);
+    return ok || error_failure(e, 0, "out of memory");
+}
+
+/* Everything that can be refused is refused before the first file moves. */
+static bool look_at_place(mover *m, error *e)
+{
+    struct stat status;
+    if (lstat(m->place, &status) != 0) {
+        return true;
+    }
+    if (S_ISLNK(status.st_mode) && stat(m->place, &status) == 0) {
+        /* Through a symbolic link the file it names is replaced, not the link: as out_file.h does. */
+        char *named = realpath(m->place, NULL);
+        if (named == NULL) {
+            return error_failure(e, errno, "%s", m->place);
+        }
+        free(m->place);
+        m->place = named;
+    }
+    if (S_ISDIR(status.st_mode)) {
+        return error_input(e, m->place, 0, 0, "is a directory; a file of this name is to be written");
+    }
+    if (!S_ISLNK(status.st_mode) && access(m->place, W_OK) != 0) {
+        return error_input(e, m->place, 0, 0, "cannot be written: %s", strerror(errno));
+    }
+    m->replaces = true;
+    m->mode = S_ISREG(status.st_mode) ? status.st_mode & 07777 : 0;
+    return true;
+}
+
+/* ---- Moving them ---- */
+
+/* By a second name where the file system has that, so that the file is never missing at its place. */
+static bool save_old(mover *m)
+{
+    m->saved = link(m->place, m->was) == 0 || rename(m->place, m->was) == 0;
+    return m->saved;
+}
+
+static bool move_one(mover *m)
+{
+    return (!m->replaces || save_old(m)) && (m->mode == 0 || chmod(m->staged, m->mode) == 0) &&
+           rename(m->staged, m->place) == 0;
+}
+
+/* Back to what was, from the last file that was moved. */
+static void undo(const movers *m, size_t moved)
+{
+    for (size_t n = moved; n > 0; n--) {
+        const mover *file = &m->file[n - 1];
+        if (file->saved) {
+            rename(file->was, file->place);
+        } else {
+            unlink(file->place);
+        }
+    }
+}
+
+static bool move_all(movers *m, error *e)
+{
+    for (size_t n = 0; n < m->count; n++) {
+        if (!look_at_place(&m->file[n], e)) {
+            return false;
+        }
+    }
+    for (size_t n = 0; n < m->count; n++) {
+        mover *file = &m->file[n];
+        if (!move_one(file)) {
+            error_failure(e, errno, "%s: cannot be written", file->place);
+            if (file->saved) {
+                rename(file->was, file->place);
+            }
+            undo(m, n);
+            return false;
+        }
+    }
+    return true;
+}
+
+/* One program at a time; where a file system knows no locks it does without. */
+static bool replace_files(const char *stage, const char *path, error *e)
+{
+    movers m = {0};
+    const int folder = open(path, O_RDONLY | O_DIRECTORY);
+    if (folder >= 0) {
+        flock(folder, LOCK_EX);
+    }
+    const bool ok = movers_find(&m, stage, path, e) && move_all(&m, e);
+    if (folder >= 0) {
+        close(folder);
+    }
+    movers_free(&m);
+    return ok;
+}
+
+/*
+ * A rename takes an empty folder's place too; what has files in it, made by another program since the stage
+ * was, is a folder like any that existed before.
+ */
+bool out_folder_put(const char *stage, const char *path, error *e)
+{
+    struct stat status;
+    if (stat(path, &status) == 0) {
+        return replace_files(stage, path, e);
+    }
+    if (rename(stage, path) == 0) {
+        return true;
+    }
+    const int why = errno;
+    if (why == ENOTEMPTY || why == EEXIST) {
+        return replace_files(stage, path, e);
+    }
+    return error_failure(e, why, "%s: cannot be written", path);
+}

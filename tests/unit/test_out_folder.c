@@ -1,0 +1,482 @@
+/*
+ * An output folder appears whole or not at all; what was in it stays until then, and the user's own files for
+ * good.
+ */
+#define _XOPEN_SOURCE 700
+
+#include "base/out_file.h"
+#include "base/out_folder.h"
+#include "host_files.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <unity.h>
+
+static error e;
+static out_folder f;
+
+/* Every test starts without the folder "out" and ends so; "out" is all that it makes. */
+void setUp(void)
+{
+    e = (error){0};
+    f = (out_folder){0};
+}
+
+void tearDown(void)
+{
+    TEST_ASSERT_EQUAL_MESSAGE(0, scratch_count(), "a test has left something behind");
+}
+
+static void expect_content(const char *name, const char *text)
+{
+    char *found = scratch_read(name);
+    TEST_ASSERT_NOT_NULL_MESSAGE(found, name);
+    TEST_ASSERT_EQUAL_STRING(text, found);
+    free(found);
+}
+
+static void expect_none(const char *name)
+{
+    TEST_ASSERT_EQUAL_MESSAGE(-1, access(scratch_path(name), F_OK), name);
+}
+
+static void make_folder(const char *name)
+{
+    TEST_ASSERT_EQUAL(0, mkdir(scratch_path(name), 0777));
+}
+
+static void remove_one(const char *name)
+{
+    TEST_ASSERT_EQUAL_MESSAGE(0, remove(scratch_path(name)), name);
+}
+
+static void open_out(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(out_folder_open(&f, scratch_path("out"), &e), e.text);
+    TEST_ASSERT_NOT_EQUAL(0, strcmp(f.stage, scratch_path("out")));
+}
+
+static void stage(const char *name, const char *text)
+{
+    char path[500];
+    out_file file;
+    snprintf(path, sizeof path, "%s/%s", f.stage, name);
+    TEST_ASSERT_TRUE_MESSAGE(out_file_open(&file, path, &e), e.text);
+    fputs(text, file.stream);
+    TEST_ASSERT_TRUE_MESSAGE(out_file_commit(&file, &e), e.text);
+}
+
+static void close_out(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(out_folder_close(&f, true, &e), e.text);
+    TEST_ASSERT_NULL(f.path);
+}
+
+/* How many names there are in "out". */
+static size_t count_out(void)
+{
+    char command[500];
+    snprintf(command, sizeof command, "exit $(ls -A '%s' | wc -l)", scratch_path("out"));
+    return (size_t)WEXITSTATUS(system(command));
+}
+
+static void test_a_new_folder_is_absent_until_it_is_closed(void)
+{
+    open_out();
+    stage("a", "first");
+    stage("b", "second");
+    expect_none("out");
+    close_out();
+    expect_content("out/a", "first");
+    expect_content("out/b", "second");
+    TEST_ASSERT_EQUAL(2, count_out());
+    TEST_ASSERT_EQUAL(1, scratch_count());
+    remove_one("out/a");
+    remove_one("out/b");
+    remove_one("out");
+}
+
+static void test_a_new_folder_has_the_mode_the_umask_gives(void)
+{
+    const mode_t mask = umask(027);
+    open_out();
+    close_out();
+    umask(mask);
+    struct stat status;
+    TEST_ASSERT_EQUAL(0, stat(scratch_path("out"), &status));
+    TEST_ASSERT_EQUAL_HEX(0750, status.st_mode & 0777);
+    remove_one("out");
+}
+
+static void test_a_failure_leaves_no_folder_and_no_parents(void)
+{
+    make_folder("there");
+    TEST_ASSERT_TRUE_MESSAGE(out_folder_open(&f, scratch_path("there/a/b/c//"), &e), e.text);
+    stage("file", "half");
+    TEST_ASSERT_FALSE(out_folder_close(&f, false, &e));
+    expect_none("there/a");
+    remove_one("there");
+}
+
+static void test_parents_are_made(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(out_folder_open(&f, scratch_path("a/b/c//"), &e), e.text);
+    stage("file", "whole");
+    close_out();
+    expect_content("a/b/c/file", "whole");
+    remove_one("a/b/c/file");
+    remove_one("a/b/c");
+    remove_one("a/b");
+    remove_one("a");
+}
+
+static void test_a_folder_that_exists_keeps_what_is_not_written(void)
+{
+    make_folder("out");
+    scratch_text("out/mine", "precious");
+    scratch_text("out/report", "old");
+    chmod(scratch_path("out/report"), 0640);
+    open_out();
+    stage("report", "new");
+    stage("figure", "drawn");
+    expect_content("out/report", "old");
+    expect_none("out/figure");
+    close_out();
+    expect_content("out/mine", "precious");
+    expect_content("out/report", "new");
+    expect_content("out/figure", "drawn");
+    TEST_ASSERT_EQUAL(3, count_out());
+    struct stat status;
+    TEST_ASSERT_EQUAL(0, stat(scratch_path("out/report"), &status));
+    TEST_ASSERT_EQUAL_HEX(0640, status.st_mode & 07777);
+    remove_one("out/mine");
+    remove_one("out/report");
+    remove_one("out/figure");
+    remove_one("out");
+}
+
+static void test_a_failure_leaves_the_folder_as_it_was(void)
+{
+    make_folder("out");
+    scratch_text("out/report", "old");
+    open_out();
+    stage("report", "new");
+    stage("figure", "drawn");
+    TEST_ASSERT_FALSE(out_folder_close(&f, false, &e));
+    expect_content("out/report", "old");
+    TEST_ASSERT_EQUAL(1, count_out());
+    remove_one("out/report");
+    remove_one("out");
+}
+
+/* The names are put in place in whatever order the folder lists them: "a" and "c" must be as before with "b"
+ * in the way, which no order can pass. */
+static void test_a_name_that_is_taken_by_a_folder_stops_all(void)
+{
+    make_folder("out");
+    make_folder("out/b");
+    scratch_text("out/a", "old");
+    open_out();
+    stage("a", "new");
+    stage("b", "new");
+    stage("c", "new");
+    TEST_ASSERT_FALSE(out_folder_close(&f, true, &e));
+    TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, scratch_path("out/b")), e.text);
+    expect_content("out/a", "old");
+    expect_none("out/c");
+    TEST_ASSERT_EQUAL(2, count_out());
+    remove_one("out/a");
+    remove_one("out/b");
+    remove_one("out");
+}
+
+/* Found only when the file is moved: the link's folder is another file system. */
+static void test_a_move_that_fails_is_taken_back(void)
+{
+    struct stat here;
+    struct stat there;
+    if (stat("/dev/shm", &there) != 0 || stat(scratch_path(""), &here) != 0 || here.st_dev == there.st_dev) {
+        TEST_IGNORE_MESSAGE("no second file system here");
+    }
+    char far_away[] = "/dev/shm/iqfoc-test-XXXXXX";
+    const int descriptor = mkstemp(far_away);
+    TEST_ASSERT_TRUE(descriptor >= 0);
+    close(descriptor);
+    make_folder("out");
+    TEST_ASSERT_EQUAL(0, symlink(far_away, scratch_path("out/b")));
+    scratch_text("out/a", "old a");
+    scratch_text("out/c", "old c");
+    open_out();
+    stage("a", "new");
+    stage("b", "new");
+    stage("c", "new");
+    stage("d", "new");
+    TEST_ASSERT_FALSE(out_folder_close(&f, true, &e));
+    TEST_ASSERT_EQUAL(STATUS_FAILED, e.status);
+    expect_content("out/a", "old a");
+    expect_content("out/c", "old c");
+    expect_content("out/b", "");
+    expect_none("out/d");
+    TEST_ASSERT_EQUAL(3, count_out());
+    remove(far_away);
+    remove_one("out/a");
+    remove_one("out/b");
+    remove_one("out/c");
+    remove_one("out");
+}
+
+static void test_a_link_stays_and_its_file_is_replaced(void)
+{
+    make_folder("out");
+    scratch_text("target", "old");
+    TEST_ASSERT_EQUAL(0, symlink("../target", scratch_path("out/link")));
+    open_out();
+    stage("link", "new");
+    close_out();
+    struct stat status;
+    TEST_ASSERT_EQUAL(0, lstat(scratch_path("out/link"), &status));
+    TEST_ASSERT_TRUE(S_ISLNK(status.st_mode));
+    expect_content("target", "new");
+    remove_one("out/link");
+    remove_one("out");
+    remove_one("target");
+}
+
+static void test_a_folder_that_appeared_meanwhile_is_written_into(void)
+{
+    open_out();
+    stage("report", "new");
+    make_folder("out");
+    scratch_text("out/other", "of another program");
+    close_out();
+    expect_content("out/report", "new");
+    expect_content("out/other", "of another program");
+    TEST_ASSERT_EQUAL(1, scratch_count());
+    remove_one("out/report");
+    remove_one("out/other");
+    remove_one("out");
+}
+
+static void test_messages_name_the_users_folder(void)
+{
+    open_out();
+    char path[500];
+    snprintf(path, sizeof path, "%s/none/x", f.stage);
+    error_failure(&e, 0, "%s: no; %s: neither", path, path);
+    TEST_ASSERT_FALSE(out_folder_close(&f, false, &e));
+    char expected[900];
+    snprintf(expected, sizeof expected, "%s: no; %s: neither", scratch_path("out/none/x"),
+             scratch_path("out/none/x"));
+    TEST_ASSERT_EQUAL_STRING(expected, e.text);
+}
+
+static void test_a_file_named_separately_goes_with_the_others(void)
+{
+    open_out();
+    const char *path = out_folder_place(&f, scratch_path("out/x.json"), &e);
+    TEST_ASSERT_NOT_NULL(path);
+    TEST_ASSERT_EQUAL_STRING_LEN(f.stage, path, strlen(f.stage));
+    TEST_ASSERT_EQUAL_STRING("/x.json", path + strlen(f.stage));
+    static const char *const elsewhere[] = {"-", "out.json", "outside/x.json"};
+    for (size_t n = 0; n < sizeof elsewhere / sizeof elsewhere[0]; n++) {
+        TEST_ASSERT_EQUAL_PTR(elsewhere[n], out_folder_place(&f, elsewhere[n], &e));
+    }
+    const char *beside = scratch_path("outside.json");
+    TEST_ASSERT_EQUAL_PTR(beside, out_folder_place(&f, beside, &e));
+    TEST_ASSERT_FALSE(out_folder_close(&f, false, &e));
+    TEST_ASSERT_EQUAL_PTR("out/x", out_folder_place(&f, "out/x", &e)); /* nothing is open */
+}
+
+static void test_no_folder_is_no_failure(void)
+{
+    TEST_ASSERT_TRUE(out_folder_open(&f, NULL, &e));
+    TEST_ASSERT_NULL(f.stage);
+    TEST_ASSERT_TRUE(out_folder_close(&f, true, &e));
+    TEST_ASSERT_FALSE(out_folder_close(&f, false, &e));
+}
+
+static void expect_refused(const char *path, const char *words)
+{
+    e = (error){0};
+    TEST_ASSERT_FALSE(out_folder_open(&f, path, &e));
+    TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, words), e.text);
+    TEST_ASSERT_FALSE(out_folder_close(&f, false, &e));
+}
+
+static void test_what_cannot_be_opened_is_named(void)
+{
+    scratch_text("file", "");
+    expect_refused("", "needs a name");
+    expect_refused(scratch_path("file"), "is not a directory");
+    expect_refused(scratch_path("file/sub"), "is not a directory");
+    expect_refused("/proc/self/iqfoc", "/proc/self/iqfoc: cannot be written");
+    TEST_ASSERT_EQUAL(0, symlink("nowhere", scratch_path("dangling")));
+    expect_refused(scratch_path("dangling"), "is not a directory");
+    remove_one("dangling");
+    remove_one("file");
+}
+
+/* Ctrl-C while the files are being written: finished ones, one that is open, and the folders. */
+static void die_within(const char *path)
+{
+    const pid_t child = fork();
+    if (child == 0) {
+        out_file file;
+        char name[500];
+        if (!out_folder_open(&f, path, &e)) {
+            _exit(98);
+        }
+        stage("finished", "x");
+        snprintf(name, sizeof name, "%s/open", f.stage);
+        if (out_file_open(&file, name, &e)) {
+            raise(SIGINT);
+        }
+        _exit(99);
+    }
+    int status = 0;
+    TEST_ASSERT_EQUAL(child, waitpid(child, &status, 0));
+    TEST_ASSERT_TRUE_MESSAGE(WIFSIGNALED(status), "the child must die of the signal");
+    TEST_ASSERT_EQUAL(SIGINT, WTERMSIG(status));
+}
+
+static void test_a_signal_leaves_nothing_behind(void)
+{
+    die_within(scratch_path("a/b/c"));
+    TEST_ASSERT_EQUAL(0, scratch_count());
+    make_folder("out");
+    scratch_text("out/finished", "old");
+    die_within(scratch_path("out"));
+    expect_content("out/finished", "old");
+    TEST_ASSERT_EQUAL(1, count_out());
+    remove_one("out/finished");
+    remove_one("out");
+}
+
+/* A signal after the folder is in place must not take it away again. */
+static void test_a_signal_afterwards_takes_nothing(void)
+{
+    const pid_t child = fork();
+    if (child == 0) {
+        if (out_folder_open(&f, scratch_path("a/out"), &e)) {
+            stage("report", "whole");
+            if (out_folder_close(&f, true, &e)) {
+                raise(SIGTERM);
+            }
+        }
+        _exit(99);
+    }
+    int status = 0;
+    TEST_ASSERT_EQUAL(child, waitpid(child, &status, 0));
+    TEST_ASSERT_TRUE(WIFSIGNALED(status));
+    expect_content("a/out/report", "whole");
+    remove_one("a/out/report");
+    remove_one("a/out");
+    remove_one("a");
+}
+
+enum { FILES = 60, ROUNDS = 8 };
+
+/* Says "ready" on one pipe when all is staged, and goes on when the other one is closed: both at once. */
+static void write_round(const char *text, int ready, int go)
+{
+    error failed = {0};
+    if (!out_folder_open(&f, scratch_path("out"), &failed)) {
+        fprintf(stderr, "%s\n", failed.text);
+        _exit(98);
+    }
+    for (int n = 0; n < FILES; n++) {
+        char path[500];
+        snprintf(path, sizeof path, "%s/%d", f.stage, n);
+        FILE *file = fopen(path, "w"); /* out_file would wait for the disk each time */
+        if (file == NULL || fputs(text, file) < 0 || fclose(file) != 0) {
+            _exit(97);
+        }
+    }
+    char nothing = 0;
+    if (write(ready, &nothing, 1) != 1 || read(go, &nothing, 1) != 0) {
+        _exit(95);
+    }
+    if (!out_folder_close(&f, true, &failed)) {
+        fprintf(stderr, "%s\n", failed.text);
+        _exit(96);
+    }
+}
+
+/* Two programs at once, over and over: after each round all files are from the one or all from the other. */
+static void test_two_at_once_leave_the_files_of_one(void)
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        pid_t child[2];
+        int ready[2];
+        int go[2];
+        TEST_ASSERT_EQUAL(0, pipe(ready) + pipe(go));
+        for (int k = 0; k < 2; k++) {
+            child[k] = fork();
+            if (child[k] == 0) {
+                close(go[1]);
+                write_round(k == 0 ? "one" : "other", ready[1], go[0]);
+                _exit(0);
+            }
+        }
+        close(ready[1]);
+        close(go[0]);
+        for (int k = 0; k < 2; k++) {
+            char nothing;
+            TEST_ASSERT_EQUAL(1, read(ready[0], &nothing, 1));
+        }
+        close(go[1]);
+        close(ready[0]);
+        for (int k = 0; k < 2; k++) {
+            int status = 0;
+            TEST_ASSERT_EQUAL(child[k], waitpid(child[k], &status, 0));
+            TEST_ASSERT_EQUAL(0, status);
+        }
+        char *first = scratch_read("out/0");
+        TEST_ASSERT_NOT_NULL(first);
+        TEST_ASSERT_EQUAL(FILES, count_out());
+        for (int n = 0; n < FILES; n++) {
+            char name[40];
+            snprintf(name, sizeof name, "out/%d", n);
+            expect_content(name, first);
+            if (round % 4 == 3) {
+                remove_one(name);
+            }
+        }
+        if (round % 4 == 3) {
+            remove_one("out"); /* some rounds begin without the folder */
+        }
+        free(first);
+    }
+}
+
+int main(void)
+{
+    scratch_begin();
+    UNITY_BEGIN();
+    RUN_TEST(test_a_new_folder_is_absent_until_it_is_closed);
+    RUN_TEST(test_a_new_folder_has_the_mode_the_umask_gives);
+    RUN_TEST(test_a_failure_leaves_no_folder_and_no_parents);
+    RUN_TEST(test_parents_are_made);
+    RUN_TEST(test_a_folder_that_exists_keeps_what_is_not_written);
+    RUN_TEST(test_a_failure_leaves_the_folder_as_it_was);
+    RUN_TEST(test_a_name_that_is_taken_by_a_folder_stops_all);
+    RUN_TEST(test_a_move_that_fails_is_taken_back);
+    RUN_TEST(test_a_link_stays_and_its_file_is_replaced);
+    RUN_TEST(test_a_folder_that_appeared_meanwhile_is_written_into);
+    RUN_TEST(test_messages_name_the_users_folder);
+    RUN_TEST(test_a_file_named_separately_goes_with_the_others);
+    RUN_TEST(test_no_folder_is_no_failure);
+    RUN_TEST(test_what_cannot_be_opened_is_named);
+    RUN_TEST(test_a_signal_leaves_nothing_behind);
+    RUN_TEST(test_a_signal_afterwards_takes_nothing);
+    RUN_TEST(test_two_at_once_leave_the_files_of_one);
+    const int failed = UNITY_END();
+    scratch_end();
+    return failed;
+}
