@@ -97,7 +97,10 @@ static bool movers_find(movers *m, const char *stage, const char *path, error *e
         ok = !is_entry(d->d_name) || movers_add(m, stage, path, d->d_name);
     }
     closedir(open);
-    return ok || error_failure(e, 0, "out of memory");
+    if (!ok) {
+        error_failure(e, 0, "out of memory");
+    }
+    return ok;
 }
 
 /* Everything that can be refused is refused before the first file moves. */

@@ -18,8 +18,8 @@ def no_effect():
         I_sat_A=np.inf, t_dead_s=0.0, V_switch_V=0.0, V_diode_V=0.0, v_dead_V=0.0, i_knee_A=1.0, k_u=1.0,
         o_A=np.zeros(3), g=np.ones(3), two_sensors=False, theta_0_rad=0.0,
         order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
-        delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, dR_ohm=np.zeros(3), R_iron_ohm=np.inf, tau_iron_s=1e-4,
-        u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
+        delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, dR_ohm=np.zeros(3), dL_H=np.zeros(3), R_iron_ohm=np.inf,
+        tau_iron_s=1e-4, u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
 
 
 def gains_on_vector(model):
@@ -64,7 +64,7 @@ def predict(columns, model, pole_pairs, T_s):
     theta, omega, i_now = theta[now].ravel(), omega[now].ravel(), i[now].ravel()
     shape, u = u.shape, u.ravel()  # without the first and the last row
     machine = Machine(u.size, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
-                      model.I_sat_A, model.dR_ohm)
+                      model.I_sat_A, model.dR_ohm, dL_H=model.dL_H)
 
     def slope(psi, angle):
         current = machine.current(psi, angle)

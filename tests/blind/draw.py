@@ -28,7 +28,7 @@ def draw_effects(rng, kind):
                 return ids
     ids = kind.split("+")
     for name in ids:
-        if name not in effects.CAUSES + effects.UNKNOWN:
+        if name not in effects.KNOWN + effects.UNKNOWN:
             raise ValueError(f"kind: clean, single, pair, triple, unknown or ids joined by +, not '{name}'")
     return ids
 
@@ -47,7 +47,7 @@ def simulate(motor, bench, model, rows, rng_seed):
     lanes, T_s, I_pk = bench.runs, 1.0 / motor.f_pwm_Hz, motor.I_rated_A_rms * np.sqrt(2.0)
     omega = np.array([w for w, _ in bench.points])
     machine = Machine(lanes, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
-                      model.I_sat_A, model.dR_ohm, model.R_iron_ohm, model.tau_iron_s)
+                      model.I_sat_A, model.dR_ohm, model.R_iron_ohm, model.tau_iron_s, model.dL_H)
     inverter = Inverter(lanes, T_s, model.t_dead_s, model.V_switch_V, model.V_diode_V)
     # At standstill the rotor is locked: the swing is a share of the speed.
     shaft = Shaft(rng.uniform(0.0, TURN * motor.pole_pairs, lanes), omega, omega * np.array(bench.swing),
@@ -173,7 +173,7 @@ def truth_of(case, sizes, model, parameters, columns, plant="second"):
     n = sum(bench.rows)
     return {
         "schema": 1, "seed": case.seed, "kind": case.kind, "plant": plant,
-        "effects": [{"id": name, "known": name in effects.CAUSES, "size": s, "share_of_floor": round(q, 3),
+        "effects": [{"id": name, "known": name in effects.KNOWN, "size": s, "share_of_floor": round(q, 3),
                      "evidence": round(q * np.sqrt(n), 1), "parameters": par}
                     for name, s, q, par in zip(case.ids, sizes, share, parameters)],
         "motor_file_should_say": {"R_ohm": model.R_ohm, "L_d_H": model.L_d_H, "L_q_H": model.L_q_H,

@@ -57,7 +57,8 @@ def limit_of(work):
 UNIT = {"resistance": "of R", "inductance": "of L", "flux_linkage": "of psi_f", "saliency": "of L",
         "saturation": "(rated peak / I_sat)^2", "dead_time": "of a cycle", "voltage_gain": "of 1",
         "current_offset": "of rated peak", "current_gain": "of 1", "angle_offset": "rad", "angle_harmonic": "rad",
-        "angle_delay": "of a cycle", "emf_harmonics": "of psi_f", "phase_asymmetry": "of R"}
+        "angle_delay": "of a cycle", "emf_harmonics": "of psi_f", "phase_asymmetry": "of R",
+        "phase_inductance": "of L"}
 
 
 def run(args):

@@ -72,7 +72,8 @@ def effect_arguments(case, model):
         "angle_delay": lambda: {"t_delay": model.t_delay_s}, "voltage_delay": lambda: {"cycles": 1},
         "emf_harmonics": lambda: {"psi_5": model.psi_5_Wb, "psi_7": model.psi_7_Wb},
         "phase_asymmetry": lambda: dict(zip(("dR_a", "dR_b", "dR_c"), model.dR_ohm)),
-        "dc_link_ripple": lambda: {"amplitude": model.u_ripple * u_dc, "frequency": model.u_ripple_Hz},
+        "phase_inductance": lambda: dict(zip(("dL_a", "dL_b", "dL_c"), model.dL_H)),
+        "dc_link_ripple": lambda: {"amplitude": model.u_ripple * u_dc, "frequency": model.u_ripple_Hz, "logged": 0},
         "iron_loss": lambda: {"R_fe": model.R_iron_ohm, "tau_fe": model.tau_iron_s},
         "glitch": lambda: {"probability": model.glitch_rate},
         # Two samples a cycle there, one decision a cycle here; bursts of 1 to 12 cycles.
@@ -82,7 +83,7 @@ def effect_arguments(case, model):
     for name in case.ids:
         # "inductance" there makes both axes equal; a salient motor's two are set one by one.
         settings = sets["saliency" if name == "inductance" else name]()
-        program_id = {"inductance": "saliency", "dc_link_ripple": "ripple"}.get(name, name)
+        program_id = {"inductance": "saliency", "dc_link_ripple": "u_dc_ripple"}.get(name, name)
         out += ["--effect", program_id + ":" + ",".join(f"{k}={v:.12g}" for k, v in settings.items())]
     return out
 

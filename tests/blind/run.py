@@ -3,6 +3,7 @@
 
     tests/blind/run.py              300 recordings; fails below the thresholds of score.py
     tests/blind/run.py --ci         a fixed set of 48, half of them by the second plant
+    tests/blind/run.py --kind phase_inductance --count 40    recordings of one kind (generate.py lists them)
     tests/blind/run.py --skip-check for each cause: told to skip its hypothesis, the diagnosis must fail this test
     tests/blind/run.py --limits     the size of each effect that is found in 95 % of cases (limits.py)
 
@@ -42,6 +43,17 @@ def fixed_set(full, first=None):
     if first is None:
         first = 1000 if full else 9000
     return [(first + n, kind, ("second", "main")[n % 2]) for n, kind in enumerate(kinds)]
+
+
+def set_of(args):
+    """(seed, kind, plant) of the recordings that are asked for."""
+    wanted = fixed_set(not args.ci, args.first)
+    if args.kind:
+        first = 50000 if args.first is None else args.first
+        wanted = [(first + n, args.kind, ("second", "main")[n % 2]) for n in range(args.count)]
+    if args.plant != "both":
+        wanted = [(seed, kind, args.plant) for seed, kind, _ in wanted]
+    return wanted
 
 
 def prepare(folder, seed, kind, plant, iqfoc):
@@ -130,6 +142,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--ci", action="store_true", help="the fixed small set")
     parser.add_argument("--first", type=int, metavar="SEED", help="another set of the same kind: its first seed")
+    parser.add_argument("--kind", help="recordings of this kind only: single, dead_time, resistance+angle_offset, ...")
+    parser.add_argument("--count", type=int, default=40, help="how many of --kind (default 40)")
     parser.add_argument("--skip-check", action="store_true", help="check that skipping a hypothesis fails the test")
     parser.add_argument("--limits", action="store_true", help="detection limits instead of rates")
     parser.add_argument("--seeds", type=int, default=20, help="seeds per cause for --limits")
@@ -147,6 +161,8 @@ def main():
     args.iqfoc = os.path.abspath(args.iqfoc)
     if not os.access(args.iqfoc, os.X_OK):
         parser.error(f"no program at {args.iqfoc}: build it first (./dev build) or name it by --iqfoc")
+    if args.docs and (args.kind or args.ci):
+        parser.error("--docs: the page holds the full set, without --kind and --ci")
     args.keep = os.path.abspath(args.keep) if args.keep else None
     if args.skip_check:
         return skip_check(args)
@@ -154,10 +170,7 @@ def main():
         import limits
         return limits.run(args)
 
-    wanted = fixed_set(not args.ci, args.first)
-    if args.plant != "both":
-        wanted = [(seed, kind, args.plant) for seed, kind, _ in wanted]
-    cases = [(seed, kind, plant, args.keep, args.iqfoc, args.skip) for seed, kind, plant in wanted]
+    cases = [(seed, kind, plant, args.keep, args.iqfoc, args.skip) for seed, kind, plant in set_of(args)]
     print(f"{len(cases)} recordings, seeds {cases[0][0]} to {cases[-1][0]}")
     results, failures = run_cases(cases, args.jobs)
     s = score.summary(results)
@@ -176,7 +189,7 @@ def main():
         figure.fill_page("confusion", figure.markdown(results))
         os.makedirs(os.path.join(figure.DOCS, "figures"), exist_ok=True)
         figure.write_svg(results, os.path.join(figure.DOCS, "figures", "confusion.svg"))
-    problems = score.below_threshold(s, not args.ci) + [f"{len(failures)} recordings failed to run"] * bool(failures)
+    problems = score.below_threshold(s, not args.ci and not args.kind) + [f"{len(failures)} recordings failed to run"] * bool(failures)
     for problem in problems:
         print(f"below threshold: {problem}")
     print("blind tests: " + ("thresholds missed" if problems else f"passed on {len(results)} recordings"))

@@ -1,5 +1,8 @@
 """Compares diagnoses with the truth: rates, interval coverage, gain against the oracle, and the thresholds."""
 
+import math
+from fractions import Fraction
+
 import numpy as np
 
 import effects
@@ -73,8 +76,11 @@ def summary(results):
 
 
 def misses_allowed(count, threshold):
-    """A threshold in whole recordings, so that a small set is not failed by a rate it cannot express."""
-    return int(np.floor((1.0 - threshold) * count + 0.5))
+    """The most misses among `count` at which the rate still reaches the threshold as it is written, in decimals.
+
+    Exact: at least 99 % of 50 is all 50. A set too small to show a rate below one allows no miss.
+    """
+    return math.floor((1 - Fraction(repr(threshold))) * count)
 
 
 def below_threshold(s, full):
@@ -101,6 +107,12 @@ def below_threshold(s, full):
     return problems
 
 
+def causes_met(results):
+    """The columns of the tables: all causes that are drawn, and of the later ones those that occur."""
+    met = {c for r in results for c in r["hidden"] + r["named"]}
+    return effects.CAUSES + [c for c in effects.LATER if c in met]
+
+
 def confusion(results):
     """rows: what was hidden (one effect, nothing, or an unknown one); per row the share naming each cause, or none."""
     rows = {}
@@ -109,8 +121,8 @@ def confusion(results):
             continue
         label = r["hidden"][0] if r["hidden"] else (r["unknown"][0] if r["unknown"] else "clean")
         rows.setdefault(label, []).append(r["named"])
-    names = effects.CAUSES + ["none"]
-    order = [x for x in effects.CAUSES + ["clean"] + effects.UNKNOWN if x in rows]
+    names = causes_met(results) + ["none"]
+    order = [x for x in effects.KNOWN + ["clean"] + effects.UNKNOWN if x in rows]
     matrix = [[float(np.mean([(c in named) if c != "none" else not named for named in rows[row]])) for c in names]
               for row in order]
     return order, names, matrix, [len(rows[row]) for row in order]
@@ -118,7 +130,7 @@ def confusion(results):
 
 def pair_table(results):
     """Per cause over the pairs: how often it was hidden, found, and named though not hidden."""
-    table = {c: [0, 0, 0] for c in effects.CAUSES}
+    table = {c: [0, 0, 0] for c in causes_met(results)}
     for r in results:
         if group_of(r) != "pair":
             continue
