@@ -106,8 +106,9 @@ def evaluate(target, build):
     return rows
 
 
-# Objects beyond what a drive needs: what issue from a recording or a finer model, and the recorder.
-BEYOND_CORE = {"deadbeat", "deadbeat_drift", "extension", "finite_set", "flux_predictor", "induction", "mean_modulated", "predictor_exact", "predictor_salient", "recorder", "ripple"}
+# Objects that the papers' control does not need: finer models, predictive control, corrections from a diagnosis, the recorder.
+BEYOND_CORE = {"deadbeat", "deadbeat_drift", "extension", "finite_set", "flux_predictor", "induction", "mean_modulated",
+               "predictor_exact", "predictor_salient", "recorder", "ripple"}
 
 
 def library_size(build):

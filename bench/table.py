@@ -37,7 +37,8 @@ ROWS = {
 # What is linked, nothing left out.
 PARTS = {
     "core": "the library linked: numbers, transforms, corrections, prediction, control, modulation, cycle",
-    "all": "with exact and salient prediction, corrections from a diagnosis, recorder",
+    "all": "with all the rest: exact and salient prediction, mean under modulation, deadbeat and finite-set control, "
+           "induction machine, corrections from a diagnosis, recorder",
 }
 START = "<!-- bench: begin -->"
 END = "<!-- bench: end -->"
