@@ -6,7 +6,8 @@
 
 #include "iqfoc/cycle.h"
 
-/* Kept as written: neither inlined, cloned nor merged with a twin, so that what is counted is what is called.
+/*
+ * Kept as written: neither inlined, cloned nor merged with a twin, so that what is counted is what is called.
  */
 #define BENCH_APART __attribute__((noipa))
 

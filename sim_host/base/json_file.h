@@ -12,8 +12,8 @@
 
 #include <jansson.h>
 
-/* Writes with a newline at the end; "-" is stdout. Does not take the reference. NULL: out of memory while
- * building. */
+/* Writes with a newline at the end; "-" is stdout.
+ * Does not take the reference. NULL: out of memory while building. */
 bool json_file_write(const char *path, const json_t *value, error *e);
 
 #endif

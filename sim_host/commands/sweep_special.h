@@ -6,8 +6,10 @@
 
 #include "data/motor.h"
 
-/* The map of means as a page in `directory` (NULL: "sweep-map", or none if there is JSON), and as JSON if
- * json_path. */
+/*
+ * The map of means as a page in `directory` and as JSON in json_path, if that is not NULL. Without a directory
+ * the page goes to "sweep-map", or is left out if there is JSON.
+ */
 bool sweep_map(const motor *m, const char *directory, const char *json_path, error *e);
 
 /* The induction machine's errors, printed, and as JSON if json_path. */

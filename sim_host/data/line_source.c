@@ -44,8 +44,8 @@ bool line_source_open(line_source *s, const char *path, error *e)
     return true;
 }
 
-/* The next block; false at the end of the file or with *e set. A gzip file that was cut is an error, not an
- * end. */
+/* The next block; false at the end of the file or with *e set.
+ * A gzip file that was cut is an error, not an end. */
 static bool block_read(line_source *s, error *e)
 {
     const int got = gzread(s->stream, s->block, BLOCK_SIZE);

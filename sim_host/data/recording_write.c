@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* i_c is left out if it was not measured: whoever reads the file then knows as much. */
+/* i_c is left out if it was not measured, so that no reader of the file takes it for a third sensor. */
 static bool is_written(const recording *r, column_id id, const double *column)
 {
     return id == COL_RUN ? r->run != NULL : column != NULL && (id != COL_I_C || r->i_c_measured);

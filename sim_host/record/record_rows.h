@@ -18,8 +18,8 @@ typedef struct record_rows {
     error e;            /* why a row was refused */
 } record_rows;
 
-/* A wire_take_row; context: record_rows, zero-initialised. False, with e set, for a stream that no recording
- * can hold. */
+/* A wire_take_row; context: record_rows, zero-initialised.
+ * False, with e set, for a stream that no recording can hold. */
 bool record_rows_take(void *context, const wire_header *header, const wire_row *row);
 
 void record_rows_free(record_rows *rows);

@@ -11,8 +11,8 @@ typedef struct contour_panel {
     double x_low, x_high, y_low, y_high;
     double level_low, level_step, level_high;
     const char *level_format;
-    double from_x, from_y, to_x,
-        to_y; /* values stand where the lines cross this one; every other line has one */
+    /* The values are written where the contour lines cross this straight one; every other line has one. */
+    double from_x, from_y, to_x, to_y;
     double (*value)(double x, double y);
 } contour_panel;
 

@@ -37,8 +37,8 @@ void page_lead(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
 /* Smaller: a remark below a table. */
 void page_note(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
 
-/* A figure beside its numbers, or beside another: the first, then what page_pair_beside begins, where there
- * is room. */
+/* A figure beside its numbers, or beside another:
+ * the first, then what page_pair_beside begins, where there is room. */
 void page_pair_begin(page *p);
 /* The same for two figures of one size. */
 void page_twins_begin(page *p);

@@ -109,8 +109,8 @@ static bool write_script(const plot *p, int file, error *e)
 static char *run_gnuplot(const char *script_path, error *e)
 {
     char command[128];
-    /* The path is mkstemp's and needs no quoting. In a locale that is not UTF-8 gnuplot complains of its
-     * degree sign. */
+    /* The path is mkstemp's and needs no quoting.
+     * In a locale that is not UTF-8 gnuplot complains of its degree sign. */
     snprintf(command, sizeof command, "LC_ALL=C.UTF-8 gnuplot %s", script_path);
     fflush(NULL);
     FILE *stream = popen(command, "r");

@@ -7,8 +7,8 @@
  *     plot_say(&p, "plot $curve with lines linestyle 1 title 'mean'\n");
  *     char *svg = plot_draw(&p, e);
  *
- * Line styles 1 ... PLOT_STYLES are set, in colours that stay apart for every common kind of colour vision; 9
- * is faint. A page (page.h) shows each colour in a light and a dark variant.
+ * Line styles 1 to 4 are set, in colours that stay apart for every common kind of colour vision; 9 is faint. A
+ * page (page.h) shows each colour in a light and a dark variant.
  */
 #ifndef SIM_HOST_REPORT_PLOT_H
 #define SIM_HOST_REPORT_PLOT_H

@@ -16,7 +16,8 @@ typedef struct golden_inputs {
 /* Two numbers of any size. The first 192 * 192 draws are all pairs of the extremes. */
 void golden_pair(golden_inputs_t *inputs, iq24_t *a, iq24_t *b);
 
-/* A number with |x| <= limit: now and then the limit itself, its negative or zero, else even over the range.
+/*
+ * A number with |x| <= limit: now and then the limit itself, its negative or zero, else even over the range.
  */
 iq24_t golden_within(golden_inputs_t *inputs, iq24_t limit);
 

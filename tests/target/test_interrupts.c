@@ -97,7 +97,8 @@ static void test_valley_and_peak_alternate(void)
     TEST_ASSERT_FALSE(cycle.tripped);
 }
 
-/* A valley whose handler goes on past the peak, its own work done: the peak comes in between and is in time.
+/*
+ * A valley whose handler goes on past the peak, its own work done: the peak comes in between and is in time.
  */
 static void test_peak_nests_into_a_long_valley(void)
 {

@@ -61,7 +61,8 @@ static void the_step_is_the_exact_solution(void)
             for (int a = 0; a < 2; a++) {
                 double y = step.decay[a][0] * x0[0] + step.decay[a][1] * x0[1] + step.drive[a][0] * u[0] +
                            step.drive[a][1] * u[1] + step.push[a][1] * forcing;
-                /* 4000 steps of the fourth order are exact to rounding; the flux is of the order of 0.1 Wb.
+                /*
+                 * 4000 steps of the fourth order are exact to rounding; the flux is of the order of 0.1 Wb.
                  */
                 TEST_ASSERT_DOUBLE_WITHIN(1e-11, x[a], y);
             }

@@ -148,7 +148,8 @@ static void test_no_error_is_too_small_to_be_integrated(void)
     TEST_ASSERT_INT32_WITHIN(1, -5, iq24_acc_trunc(control.integral_q));
 }
 
-/* A first-order winding behind a limited voltage: the step back must not wait for the integrator to unwind.
+/*
+ * A first-order winding behind a limited voltage: the step back must not wait for the integrator to unwind.
  */
 static double overshoot_after_saturation(iq24_t anti_windup)
 {

@@ -177,7 +177,8 @@ static void the_voltage_hits_the_target(void)
     TEST_ASSERT_TRUE(most <= 1.0 && most >= 0.5);
 }
 
-/* Against a machine that is the model: the reference's step is reached at the second valley after, and kept.
+/*
+ * Against a machine that is the model: the reference's step is reached at the second valley after, and kept.
  */
 static void the_second_valley_has_the_reference(void)
 {

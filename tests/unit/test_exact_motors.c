@@ -157,7 +157,8 @@ static void add_stationary(worst *end, worst *mean, const case_ *exact_inputs)
     add_dq(mean, (iqfoc_dq_t){mean_ab.alpha, mean_ab.beta}, t.mean_A, base.I_A);
 }
 
-/* Four quadrants: torque and speed of either sign; two spans; two currents; voltage that a link could make.
+/*
+ * Four quadrants: torque and speed of either sign; two spans; two currents; voltage that a link could make.
  */
 static case_ case_of(const motor *m, double ratio, int kind)
 {

@@ -136,7 +136,8 @@ static score run(const plant_config *truth, const motor *corrected)
     return s;
 }
 
-/* `improves`: at least so many times better; half of what was seen.
+/*
+ * `improves`: at least so many times better; half of what was seen.
  */
 static void check(const char *what, const plant_config *truth, const motor *found, double current_improves,
                   double prediction_improves)

@@ -107,7 +107,8 @@ static double worst_step(bool saturates, uint64_t seed)
         const double complex e = to_double(start.cos) + I * to_double(start.sin);
         const double complex turned = to_double(end.cos) + I * to_double(end.sin);
         const double complex i_c = to_double(i.alpha) + I * to_double(i.beta);
-        /* About what holds the current, as a drive's voltage does: else it leaves the range within one cycle.
+        /*
+         * About what holds the current, as a drive's voltage does: else it leaves the range within one cycle.
          */
         const double complex holds = flux_of(&m, i_c * conj(e)) * (turned - e);
         if (cabs(holds) > 1.6) {

@@ -49,7 +49,8 @@ static double complex vector_of(const double x[3])
     return 2.0 / 3.0 * (x[0] + x[1] * cexp(2.0 * I * pi / 3.0) + x[2] * cexp(-2.0 * I * pi / 3.0));
 }
 
-/* Each row's current follows from the last by the machine's equation, mean voltage, R i frozen at the middle.
+/*
+ * Each row's current follows from the last by the machine's equation, mean voltage, R i frozen at the middle.
  */
 static bool check_row(void *context, const drive_row *row, error *e)
 {

@@ -247,7 +247,8 @@ static void sqrt_of_a_dense_sweep_within_its_bound(void)
 
 static void sqrt_is_exact_where_the_root_is_a_number(void)
 {
-    /* root^2 / 2^24 is an integer where root is a multiple of 2^12; below 128, that is root < 11585 * 2^12.
+    /*
+     * root^2 / 2^24 is an integer where root is a multiple of 2^12; below 128, that is root < 11585 * 2^12.
      */
     for (int64_t root = 0; root * root < INT64_C(1) << 31; root++) {
         TEST_ASSERT_EQUAL_INT32(root * 4096, iq24_sqrt((iq24_t)(root * root)));

@@ -18,7 +18,8 @@ plant_config compare_drive(double L_q_ratio, double omega_e_rad_s);
 /* The same machine and shaft, written in phase variables. */
 reference compare_reference(const plant_config *c);
 
-/* Duties that roughly hold i_q: the steady state's voltage at the rotor's middle angle, and a little wobble.
+/*
+ * Duties that roughly hold i_q: the steady state's voltage at the rotor's middle angle, and a little wobble.
  */
 void compare_duties(const plant *p, int cycle, double i_q, double duty[3]);
 

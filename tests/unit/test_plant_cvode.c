@@ -70,7 +70,8 @@ static void six_step(const char *name, plant_config c)
     reference r = compare_reference(&c);
     comparison w = {0};
     for (int k = 0; k < 200; k++) {
-        /* Six states in turn, following the rotor, each held for a sixth of a period or a bit more or less.
+        /*
+         * Six states in turn, following the rotor, each held for a sixth of a period or a bit more or less.
          */
         const double theta = p.state.y[STATE_THETA_E] + 0.5 * VEC_PI;
         const double duration = VEC_PI / 3.0 / fabs(c.shaft.omega_e_start_rad_s) * (1.0 + 0.3 * sin(k));
@@ -120,7 +121,8 @@ static void test_ramp_through_zero(void)
     compare_check(&w, 1e-9);
 }
 
-/* The integrator and the exact path are two ways to the same answer: force the first where the second serves.
+/*
+ * The integrator and the exact path are two ways to the same answer: force the first where the second serves.
  */
 static void test_both_paths_agree(void)
 {

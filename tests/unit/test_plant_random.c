@@ -10,9 +10,8 @@
 #define SEED 20190612u
 
 /*
- * xoshiro256++ from the state {1, 2, 3, 4}: the outputs that its authors' algorithm gives; the first by hand
- * is
- * ((1 + 4) << 23) + 1.
+ * xoshiro256++ from the state {1, 2, 3, 4}: the outputs that its authors' algorithm gives. The first, by hand,
+ * is ((1 + 4) << 23) + 1.
  */
 static void test_known_bits(void)
 {

@@ -2,12 +2,12 @@
  * The drive once more, for the plant's tests: in phase variables, integrated by SUNDIALS CVODE at a tolerance
  * of 1e-12.
  *
- * Nothing is shared with the plant. The machine is written as three coupled coils with the inductances
- *     L_xy(theta) = 2/3 [ (L_d + L_q)/2 cos(a_x - a_y) + (L_d - L_q)/2 cos(2 theta - a_x - a_y) ],
- *     a = 0, 2pi/3, 4pi/3
- * (L_d, L_q constant, or both falling as 1/(1 + (|i|/I_sat)^2)) and magnets psi cos(theta - a_x)
- * + psi_5 cos 5(theta - a_x) + psi_7 cos 7(theta - a_x); the two line-to-line equations and i_a + i_b + i_c =
- * 0 are solved for the currents.
+ * Nothing is shared with the plant. The machine is written as three coupled coils on the axes a = 0, 2 pi/3,
+ * 4 pi/3 with the inductances
+ *     L_xy(theta) = 2/3 [ (L_d + L_q)/2 cos(a_x - a_y) + (L_d - L_q)/2 cos(2 theta - a_x - a_y) ]
+ * (L_d, L_q constant, or both falling as 1/(1 + (|i|/I_sat)^2)) and the magnet's flux linkages
+ *     psi cos(theta - a_x) + psi_5 cos 5(theta - a_x) + psi_7 cos 7(theta - a_x).
+ * The two line-to-line equations and i_a + i_b + i_c = 0 are solved for the currents.
  */
 #ifndef TESTS_UNIT_TEST_PLANT_REFERENCE_H
 #define TESTS_UNIT_TEST_PLANT_REFERENCE_H
@@ -16,8 +16,8 @@
 
 typedef struct reference {
     double pole_pairs, R[3], dL[3], L_d, L_q, psi, psi_5, psi_7, I_sat; /* I_sat 0: none */
-    double R_fe,
-        tau_fe; /* iron loss, R_fe 0: none; R_fe i_fe + tau_fe R_fe di_fe/dt = dflux_x/dt in each phase */
+    /* Iron loss, none with R_fe = 0: R_fe i_fe + tau_fe R_fe di_fe/dt = dflux_x/dt in each phase. */
+    double R_fe, tau_fe;
     double bandwidth;           /* of the current sensors, Hz; 0: none */
     double accel;               /* of a given speed */
     double J, friction, T_load; /* J > 0: the shaft is free */

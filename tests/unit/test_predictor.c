@@ -137,7 +137,8 @@ static void test_no_overflow_at_the_corner_of_the_range(void)
     }
 }
 
-/* A cycle of a machine, integrated by RK4 in 400 steps, with the sums that make its means by Simpson's rule.
+/*
+ * A cycle of a machine, integrated by RK4 in 400 steps, with the sums that make its means by Simpson's rule.
  */
 typedef struct truth {
     double complex i_end, i_mean, i_mean_rotor;

@@ -195,7 +195,8 @@ static void test_gaps_and_runs_end_stretches(void)
 {
     char text[4000];
     strcpy(text, "run,t_s,i_a_A,i_b_A,theta_e_rad,omega_e_rad_s,u_a_V,u_b_V,u_c_V\n");
-    /* Steps of 0.1 but for one of 0.14 (no gap) and one of 0.16 (a gap); then run 7, which starts again at 0.
+    /*
+     * Steps of 0.1 but for one of 0.14 (no gap) and one of 0.16 (a gap); then run 7, which starts again at 0.
      */
     const double t_s[] = {0.0, 0.1, 0.2, 0.34, 0.44, 0.54, 0.70, 0.80, 0.0, 0.1};
     for (size_t k = 0; k < sizeof t_s / sizeof t_s[0]; k++) {

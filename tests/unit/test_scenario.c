@@ -1,4 +1,5 @@
-/* Scenario files: courses over time, defaults, refusals; and every scenario and motor of the project is read.
+/*
+ * Scenario files: courses over time, defaults, refusals; and every scenario and motor of the project is read.
  */
 #define _XOPEN_SOURCE 700
 
