@@ -109,7 +109,7 @@ BENCH_APART void bench_two_to_two_line(const volatile iq24_t *from, volatile iq2
     EIGHT_TIMES(two_to_two_once(from, to));
 }
 
-/* A label and a return: the compiler can neither inline it nor see what it leaves alone. */
+/* A label and a return: the compiler can neither inline it nor know which registers it leaves alone. */
 __asm(".text\n.globl bench_nothing\n.type bench_nothing, %function\n"
 #ifdef __arm__
       ".thumb_func\nbench_nothing: bx lr\n"

@@ -151,7 +151,7 @@ static bool run(const request *r, error *e)
         return false;
     }
     diagnose_options how = r->options;
-    /* What is measured after the diagnosis goes by its rows. */
+    /* The files need the diagnosis' series, row by row. */
     how.series = r->directory != NULL || r->json_path != NULL;
     bool ok = out_folder_open(&f, r->directory, e) && diagnose(&d, &rec, &m, &how, e);
     if (ok) {

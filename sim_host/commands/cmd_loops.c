@@ -69,7 +69,7 @@ static bool take_option(const options *o, int which, request *r, error *e)
     }
 }
 
-/* The two files go together, and an effect with them; a page there is none then. */
+/* --motor, --extended and --effect are given together or not at all; then no page is drawn. */
 static bool combination(const options *o, const request *r, error *e)
 {
     if (r->extended_path == NULL && r->motor_path == NULL && r->effects == 0) {

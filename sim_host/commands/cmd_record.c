@@ -86,7 +86,7 @@ static double now_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* A line's length is unknown ahead, so that the progress is rows and damage, on a terminal only. */
+/* How much will come is not known in advance: the progress line counts rows and damage, on a terminal only. */
 static void show(const record_rows *rows, const wire_reader *reader, bool last)
 {
     static double next_s;
@@ -129,7 +129,7 @@ static bool receive(const request *r, line *l, wire_reader *reader, record_rows 
     return true;
 }
 
-/* What came and what did not; on stderr, so that `-o -` stays a recording. */
+/* How much came and how much was lost; on stderr, so that stdout holds the recording alone with `-o -`. */
 static void summarise(const record_rows *rows, const wire_reader *reader)
 {
     const wire_counts *c = &reader->counts;

@@ -134,7 +134,7 @@ static bool run_all(const request *r, const motor *m, const scenario *s, plant_c
         uint32_t status = 0;
         drive.seed = (uint64_t)r->seed * 1000003U + k;
         good = drive_run(m, &drive, &s->run[k], (long)k + 1, &config, firmware, &log, &status, e);
-        status &= ~IQFOC_STATUS_NO_INTERVAL; /* every start of a corrected mean has it */
+        status &= ~IQFOC_STATUS_NO_INTERVAL; /* set at every start with a corrected mean */
         if (good && status != 0) {
             char text[160];
             fprintf(stderr, "iqfoc: simulate: note: run %zu, settling included: %s\n", k + 1,

@@ -174,7 +174,7 @@ static void print_table(const request *r, const motor *m, double current_A_rms, 
     }
 }
 
-/* All points before the first line, so that a point that cannot be leaves no half table. */
+/* All points are computed before the first line is printed, so that an impossible one leaves no half table. */
 static bool compute(const request *r, const motor *m, double current_A_rms, sweep_point *points, error *e)
 {
     method_machine machine;

@@ -89,7 +89,7 @@ bool recording_find_stretches(recording *r)
     if (steps == NULL) {
         return false;
     }
-    /* The first median may hold gaps; they are the few long ones, so it is good enough to tell them. */
+    /* Gaps count in the first median too. They are few and long, so that it still tells what a gap is. */
     const double first = median_step(r, INFINITY, steps);
     r->T_s = median_step(r, gap_in_cycles * first, steps);
     free(steps);

@@ -106,7 +106,7 @@ static void header_end(reader *in, size_t fields)
         refuse_missing(in, "the voltage: columns u_a_V, u_b_V and u_c_V, or d_a, d_b, d_c and u_dc_V,");
         return;
     }
-    /* Half a group is of no use beside a whole one. */
+    /* An incomplete group of columns is ignored where the other group is complete. */
     if (!has_u) {
         drop_three(in, COL_U_A);
     }
@@ -140,7 +140,7 @@ static bool grow_longs(long **column, size_t rows)
     return true;
 }
 
-/* Makes room for twice as many rows, in the columns that there will be. */
+/* Makes room for twice as many rows in each column that is read. */
 static bool grow(reader *in)
 {
     recording *r = in->r;
@@ -160,7 +160,7 @@ static bool grow(reader *in)
     return out_of_memory(in);
 }
 
-/* Quotes what stands there, cut to a length that fits a line. */
+/* Quotes the field in a message, cut to a length that fits a line. */
 static void refuse_number(reader *in, size_t index, const char *text, size_t length, const char *complaint)
 {
     const char *name = recording_column_name(in->target[index]);
@@ -266,7 +266,7 @@ static bool has_rows(reader *in)
     return true;
 }
 
-/* Gives back what doubling took too much. */
+/* Frees the room beyond the last row that the doubling left. */
 static void trim(recording *r)
 {
     for (int id = 0; id < COL_COUNT; id++) {

@@ -47,7 +47,7 @@ static void put_row(FILE *out, const recording *r, size_t k, const column_id *id
 
 bool recording_write(const char *path, const recording *r, const char *comment, error *e)
 {
-    recording columns_of = *r; /* recording_column hands out places in a struct that it may change */
+    recording columns_of = *r; /* a copy, as recording_column wants a struct that it may change */
     column_id ids[COL_COUNT];
     double *columns[COL_COUNT];
     size_t count = 0;

@@ -33,7 +33,7 @@ static bool has(const channel_map *map, int column)
     return map->at[column] >= 0;
 }
 
-/* Three phases, or a vector, or at least the first two phases if `two` will do. */
+/* True with three phases, a vector, or, if `two` suffices, the first two phases. */
 static bool has_phases(const channel_map *map, int phase_a, int alpha, bool two)
 {
     const bool phases = has(map, phase_a) && has(map, phase_a + 1) && (two || has(map, phase_a + 2));
@@ -64,7 +64,7 @@ static bool check_columns(record_rows *r, const wire_header *header)
     return true;
 }
 
-/* ---- Columns of the recording; every one that is there grows with the others ---- */
+/* ---- Columns of the recording; all that are used grow together ---- */
 
 static void columns_of(recording *rec, const channel_map *map, double **column[COLUMNS + 3], size_t *count)
 {
@@ -135,7 +135,7 @@ static double value(const row_values *v, int column)
     return at < 0 ? 0.0 : v->row->value[at] * v->header->channel[at].scale;
 }
 
-/* Phases as they are, the third from the star point where it is missing; or from the vector. */
+/* The phases as recorded, a missing third one as -a - b; or the phases of the vector. */
 static void phases(const row_values *v, int phase_a, int alpha, double *const out[3], size_t k)
 {
     if (has(&v->map, phase_a)) {

@@ -16,7 +16,7 @@
 #define OCTET_ESCAPE_END 0xDC
 #define OCTET_ESCAPE_ESC 0xDD
 
-/* IEEE 802.3, reflected; bit by bit, as a second opinion on the target's table. */
+/* IEEE 802.3, reflected; bit by bit, so that it shares nothing with the target's table. */
 static uint32_t crc_of(const uint8_t *data, size_t count)
 {
     uint32_t crc = UINT32_MAX;
@@ -35,7 +35,7 @@ static uint32_t word_at(const wire_reader *r, size_t index)
     return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
 }
 
-/* words: without the CRC. False: not a header of ours after all. */
+/* words: without the CRC. False if it is no valid header after all. */
 static bool header_read(wire_reader *r, size_t words)
 {
     wire_header h = {.stream = word_at(r, 1), .decimation = word_at(r, 4)};
@@ -149,7 +149,7 @@ static bool frame_read(wire_reader *r, wire_take_row *take, void *context, bool 
     return whole;
 }
 
-/* A mark: what stood before it was a frame, or damage, or nothing. */
+/* At a frame mark: what came before it was a frame, or damage, or nothing. */
 static bool piece_finish(wire_reader *r, wire_take_row *take, void *context)
 {
     bool good = true;

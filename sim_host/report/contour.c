@@ -34,7 +34,7 @@ static void say_values(plot *p, const contour_panel *panel, const char *name)
         const double level = spacing * floor(fmax(before, value) / spacing);
         if (level > fmin(before, value)) {
             char text[32];
-            /* Without the sign of a zero. */
+            /* "-0" is written as "0". */
             snprintf(text, sizeof text, panel->level_format, fabs(level) < 1e-9 ? 0.0 : level);
             plot_say(p, "%g %g %s\n", x, y, text);
         }

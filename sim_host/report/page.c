@@ -158,7 +158,7 @@ void page_table_begin(page *p, const char *const *heads, size_t columns)
 {
     fputs("<div class=\"table\"><table>\n<tr>", p->file.stream);
     for (size_t n = 0; n < columns; n++) {
-        /* A head that starts with a tab stands over numbers. */
+        /* A head that starts with a tab is that of a column of numbers. */
         const bool number = heads[n][0] == '\t';
         fputs(number ? "<th class=\"n\">" : "<th>", p->file.stream);
         html_text(p->file.stream, heads[n] + number);

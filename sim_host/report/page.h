@@ -32,15 +32,15 @@ void page_abandon(page *p);
 void page_heading(page *p, int level, const char *text);
 void page_text(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
 
-/* Larger: the sentence that says it all. */
+/* A paragraph in larger type: the main statement of the page. */
 void page_lead(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
-/* Smaller: a remark below a table. */
+/* A paragraph in smaller type: a remark below a table. */
 void page_note(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
 
-/* A figure beside its numbers, or beside another:
- * the first, then what page_pair_beside begins, where there is room. */
+/* Two things side by side where the window is wide enough, else one below the other: what is written after
+ * page_pair_begin, and what is written after page_pair_beside. */
 void page_pair_begin(page *p);
-/* The same for two figures of one size. */
+/* The same in two columns of equal width, for two figures. */
 void page_twins_begin(page *p);
 void page_pair_beside(page *p);
 void page_pair_end(page *p);

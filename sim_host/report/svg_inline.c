@@ -65,10 +65,10 @@ static bool starts(const char *text, const char *with)
     return strncmp(text, with, strlen(with)) == 0;
 }
 
-/* All but its first tag, which the page writes itself. */
+/* The SVG without its first tag, which svg_inline writes itself. */
 static void put_body(FILE *out, const char *svg, const char *prefix)
 {
-    /* The ground of a boxed label. */
+    /* The background of a boxed label. */
     static const char box_colour[] = "flood-color='white'";
     static const char *const id_marks[] = {"id='", "id=\"", "href='#", "href=\"#", "url(#"};
     while (*svg != '\0') {

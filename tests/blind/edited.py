@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Diagnoses recordings of a drive that is not ours, as they are and with known errors written into them.
 
-The recordings in recordings/ come from a plant that shares no code with this project. An error of a sensor, of the voltage's scale or timing,
-or of the motor file can be written into such a recording exactly: the physics stays that of the other plant, and the truth is known.
+The recordings in recordings/ come from a plant that shares no code with this project. An error of a sensor, of the voltage's scale or
+timing, or of the motor file can be written into such a recording exactly: the physics stays that of the other plant, and the truth is
+known.
 What disturbs the drive (a ripple of the DC link that is not logged, missed updates, a loose contact) is written in as well, and no
 cause may be named for it.
 
@@ -196,8 +197,8 @@ def no_current(_header, c):
 
 DEAD = {"dead_time": {"v_dead": (3.39, 0.12)}}
 
-# (name, recording, edit, changed values of the motor file, the causes with true value and tolerance of each parameter). A tolerance holds the
-# other plant's own departure from its stated values besides the interval.
+# (name, recording, edit, changed values of the motor file, the causes with true value and tolerance of each parameter). A tolerance
+# covers, besides the interval, how far the other plant itself is from the values stated for it.
 NAMED = [
     ("as it is", "clean", None, {}, {}),
     ("as it is", "dead_time", None, {}, DEAD),

@@ -27,7 +27,7 @@ RANGE = {
     "emf_harmonics": (0.005, 0.08), "phase_asymmetry": (0.1, 1.2), "phase_inductance": (0.02, 0.35),
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004)}
 
-# Two of one group are one cause by the documentation's own rule (hypotheses are nested), so no pair takes both.
+# Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
 GROUPS = [{"inductance", "saliency", "saturation", "phase_inductance"}, {"resistance", "phase_asymmetry"},
           {"current_gain", "inductance"}]
 

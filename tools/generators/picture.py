@@ -1,4 +1,6 @@
-"""picture COMMAND FILE.svg PATH "words": a picture that `iqfoc COMMAND -o DIR` draws (COMMAND may have options, in quotes), kept in the tree as docs/figures/FILE.svg.
+"""picture COMMAND FILE.svg PATH "words": a picture that `iqfoc COMMAND -o DIR` draws, kept in the tree as docs/figures/FILE.svg.
+
+COMMAND may have options; it stands in quotes then.
 
     <!-- figures: picture reproduce 2019-figure-7.svg docs/figures "Errors over the ratio" -->
 
