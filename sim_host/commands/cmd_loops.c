@@ -69,7 +69,7 @@ static bool take_option(const options *o, int which, request *r, error *e)
     }
 }
 
-/* --motor, --extended and --effect are given together or not at all; then no page is drawn. */
+/* --extended and --motor need each other, and --effect needs both; no page is drawn then. */
 static bool combination(const options *o, const request *r, error *e)
 {
     if (r->extended_path == NULL && r->motor_path == NULL && r->effects == 0) {
