@@ -15,9 +15,9 @@
  * phase_asymmetry) have no constant there. False, with the file and the constant named, where a value does
  * not fit the library's ranges.
  */
-bool extension_from_motor(const motor *m, const char *path, iqfoc_extension_t *extension, error *e);
+bool extension_from_motor(const motor *m, iqfoc_extension_t *extension, error *e);
 
-/* The flux predictor of a motor file; L_d and L_q are those at zero current, if it saturates. */
-bool flux_predictor_from_motor(const motor *m, const char *path, iqfoc_flux_predictor_t *predictor, error *e);
+/* The flux predictor of a motor file. */
+bool flux_predictor_from_motor(const motor *m, iqfoc_flux_predictor_t *predictor, error *e);
 
 #endif

@@ -10,8 +10,8 @@
 #include "iqfoc/predictor_salient.h"
 
 /* L is the mean of L_d and L_q. False, with the file and the key named, where a value does not fit. */
-bool winding_from_motor(const motor *m, const char *path, iqfoc_exact_winding_t *winding, error *e);
+bool winding_from_motor(const motor *m, iqfoc_exact_winding_t *winding, error *e);
 
-bool salient_from_motor(const motor *m, const char *path, iqfoc_salient_machine_t *machine, error *e);
+bool salient_from_motor(const motor *m, iqfoc_salient_machine_t *machine, error *e);
 
 #endif

@@ -1,115 +1,87 @@
+/* Motor files to the constants of the control cycle (params_host.h). */
 #include "params_host.h"
 
 #include "hal_host.h"
 
 #include "iqfoc/params.h"
 
-#include <math.h>
 #include <string.h>
 
-/* Four times the rated current: above what any scenario asks for, below what the converter's scaling holds.
- */
+/* Four times the rated current: above what any scenario asks for, below what the converter's scaling holds. */
 #define CURRENT_LIMIT_PU 4.0
 
-per_unit per_unit_of(const motor *m)
-{
-    const per_unit base = {IQFOC_I_BASE(m->I_rated_A_rms), m->u_dc_V, 1.0 / m->f_pwm_Hz};
-    return base;
-}
-
-iq24_t iq24_from_double(double x)
-{
-    const double scaled = nearbyint(x * (double)IQ24_ONE);
-    if (scaled >= (double)IQ24_MAX) {
-        return IQ24_MAX;
-    }
-    return scaled <= (double)IQ24_MIN ? IQ24_MIN : (iq24_t)scaled;
-}
-
-double iq24_to_double(iq24_t x)
-{
-    return (double)x / (double)IQ24_ONE;
-}
-
-iq24_t turns_from_rad(double theta_rad)
-{
-    return iq24_from_double(remainder(theta_rad / IQFOC_TWO_PI_, 1.0));
-}
-
-iq24_t turns_from_speed(double omega_e_rad_s, double T_s)
-{
-    return iq24_from_double(omega_e_rad_s * T_s / IQFOC_TWO_PI_);
-}
-
-/* One coefficient: converted if it lies in low ... high, else refused at the key that makes it, by its name.
- */
-static bool coefficient(const char *path, const char *key, const char *name, double value, double low,
-                        double high, iq24_t *out, error *e)
+bool constant_from_motor(const motor *m, const char *key, const char *name, double value, double low,
+                         double high, int bits, int32_t *out, error *e)
 {
     if (!(value >= low && value <= high)) {
         return motor_refuse(
-            path, key, e,
+            m->path, key, e,
             "%s gives the per-unit constant %s = %.6g; the fixed-point library holds %.3g to %.3g", key, name,
             value, low, high);
     }
-    *out = iq24_from_double(value);
+    *out = (int32_t)nearbyint(ldexp(value, bits));
     return true;
 }
 
-/* Below half an LSB a coefficient that must not vanish would. */
-#define LEAST_K_U 6e-8
-
-bool predictor_from_motor(const motor *m, const char *path, iqfoc_predictor_t *predictor, error *e)
+/* In IQ24. */
+static bool coefficient(const motor *m, const char *key, const char *name, double value, double low,
+                        double high, iq24_t *out, error *e)
 {
-    const per_unit base = per_unit_of(m);
-    const double L_H = 0.5 * (m->L_d_H + m->L_q_H);
-    return coefficient(path, "L_d_H", "k_u = T U_b/(L I_b)", IQFOC_RAW_K_U(L_H, base.T_s, base.I_A, base.U_V),
-                       LEAST_K_U, IQFOC_MAX_K_U, &predictor->k_u, e) &&
-           coefficient(path, "R_ohm", "k_r = R T/L", IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0,
-                       IQFOC_MAX_K_R, &predictor->k_r, e) &&
-           coefficient(path, "psi_f_Wb", "k_psi = psi/(L I_b)", IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A),
-                       0.0, IQFOC_MAX_K_PSI, &predictor->k_psi, e);
+    return constant_from_motor(m, key, name, value, low, high, 24, out, e);
 }
 
-bool gains_from_motor(const motor *m, const char *path, double bandwidth_Hz,
-                      iqfoc_current_control_gains_t *gains, error *e)
+bool predictor_from_motor(const motor *m, iqfoc_predictor_t *predictor, error *e)
 {
     const per_unit base = per_unit_of(m);
-    const double w_rad_s = IQFOC_TWO_PI_ * bandwidth_Hz;
+    double L_d_H;
+    double L_q_H;
+    motor_inductances(m, &L_d_H, &L_q_H);
+    const double L_H = 0.5 * (L_d_H + L_q_H);
+    return coefficient(m, "L_d_H", "k_u = T U_b/(L I_b)", IQFOC_RAW_K_U(L_H, base.T_s, base.I_A, base.U_V),
+                       LEAST_K_U, IQFOC_MAX_K_U, &predictor->k_u, e) &&
+           coefficient(m, "R_ohm", "k_r = R T/L", IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0, IQFOC_MAX_K_R,
+                       &predictor->k_r, e) &&
+           coefficient(m, "psi_f_Wb", "k_psi = psi/(L I_b)", IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A), 0.0,
+                       IQFOC_MAX_K_PSI, &predictor->k_psi, e);
+}
+
+bool gains_from_motor(const motor *m, double bandwidth_Hz, iqfoc_current_control_gains_t *gains, error *e)
+{
+    const per_unit base = per_unit_of(m);
+    const double w_rad_s = VEC_TWO_PI * bandwidth_Hz;
     const double ki = IQFOC_RAW_KI(w_rad_s, m->R_ohm, base.T_s, base.I_A, base.U_V);
-    return coefficient(path, "L_d_H", "kp_d = w L_d I_b/U_b",
-                       IQFOC_RAW_KP(w_rad_s, m->L_d_H, base.I_A, base.U_V), 0.0, IQFOC_MAX_GAIN, &gains->kp_d,
-                       e) &&
-           coefficient(path, "L_q_H", "kp_q = w L_q I_b/U_b",
-                       IQFOC_RAW_KP(w_rad_s, m->L_q_H, base.I_A, base.U_V), 0.0, IQFOC_MAX_GAIN, &gains->kp_q,
-                       e) &&
-           coefficient(path, "R_ohm", "ki_d = w R T I_b/U_b", ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_d, e) &&
-           coefficient(path, "R_ohm", "ki_q = w R T I_b/U_b", ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_q, e) &&
-           coefficient(path, "f_pwm_Hz", "anti_windup = w T", IQFOC_RAW_ANTI_WINDUP(w_rad_s, base.T_s), 0.0,
+    double L_d_H;
+    double L_q_H;
+    motor_inductances(m, &L_d_H, &L_q_H);
+    return coefficient(m, "L_d_H", "kp_d = w L_d I_b/U_b", IQFOC_RAW_KP(w_rad_s, L_d_H, base.I_A, base.U_V),
+                       0.0, IQFOC_MAX_GAIN, &gains->kp_d, e) &&
+           coefficient(m, "L_q_H", "kp_q = w L_q I_b/U_b", IQFOC_RAW_KP(w_rad_s, L_q_H, base.I_A, base.U_V),
+                       0.0, IQFOC_MAX_GAIN, &gains->kp_q, e) &&
+           coefficient(m, "R_ohm", "ki_d = w R T I_b/U_b", ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_d, e) &&
+           coefficient(m, "R_ohm", "ki_q = w R T I_b/U_b", ki, 0.0, IQFOC_MAX_GAIN, &gains->ki_q, e) &&
+           coefficient(m, "f_pwm_Hz", "anti_windup = w T", IQFOC_RAW_ANTI_WINDUP(w_rad_s, base.T_s), 0.0,
                        IQFOC_MAX_ANTI_WINDUP, &gains->anti_windup, e) &&
-           coefficient(path, "L_d_H", "x_d = 2 pi L_d I_b/(T U_b)",
-                       IQFOC_RAW_X(m->L_d_H, base.T_s, base.I_A, base.U_V), 0.0, IQFOC_MAX_X, &gains->x_d,
-                       e) &&
-           coefficient(path, "L_q_H", "x_q = 2 pi L_q I_b/(T U_b)",
-                       IQFOC_RAW_X(m->L_q_H, base.T_s, base.I_A, base.U_V), 0.0, IQFOC_MAX_X, &gains->x_q,
-                       e) &&
-           coefficient(path, "psi_f_Wb", "emf = 2 pi psi/(T U_b)",
+           coefficient(m, "L_d_H", "x_d = 2 pi L_d I_b/(T U_b)",
+                       IQFOC_RAW_X(L_d_H, base.T_s, base.I_A, base.U_V), 0.0, IQFOC_MAX_X, &gains->x_d, e) &&
+           coefficient(m, "L_q_H", "x_q = 2 pi L_q I_b/(T U_b)",
+                       IQFOC_RAW_X(L_q_H, base.T_s, base.I_A, base.U_V), 0.0, IQFOC_MAX_X, &gains->x_q, e) &&
+           coefficient(m, "psi_f_Wb", "emf = 2 pi psi/(T U_b)",
                        IQFOC_RAW_EMF(m->psi_f_Wb, base.T_s, base.U_V), 0.0, IQFOC_MAX_X, &gains->emf, e);
 }
 
-static bool speed_fits(const motor *m, const char *path, error *e)
+static bool speed_fits(const motor *m, error *e)
 {
     const double turns = IQFOC_RAW_TURNS(m->n_max_rpm, m->pole_pairs, 1.0 / m->f_pwm_Hz);
     return turns <= IQFOC_MAX_TURNS ||
            motor_refuse(
-               path, "n_max_rpm", e,
+               m->path, "n_max_rpm", e,
                "n_max_rpm with pole_pairs and f_pwm_Hz gives %.3g turns per control cycle; the library "
                "holds 1/3 (a switching-to-fundamental ratio of 3)",
                turns);
 }
 
-bool config_from_motor(const motor *m, const char *path, const scenario_control *control,
-                       iqfoc_cycle_config_t *config, error *e)
+bool config_from_motor(const motor *m, const scenario_control *control, iqfoc_cycle_config_t *config,
+                       error *e)
 {
     static const iqfoc_feedback_t feedback[] = {
         [FEEDBACK_MIDPOINT] = IQFOC_FEEDBACK_MIDPOINT,
@@ -122,8 +94,8 @@ bool config_from_motor(const motor *m, const char *path, const scenario_control 
     const double bandwidth_Hz = control->bandwidth_Hz > 0.0 ? control->bandwidth_Hz : usual_Hz;
     iqfoc_cycle_config_t made;
     memset(&made, 0, sizeof made);
-    if (!speed_fits(m, path, e) || !predictor_from_motor(m, path, &made.predictor, e) ||
-        !gains_from_motor(m, path, bandwidth_Hz, &made.gains, e)) {
+    if (!speed_fits(m, e) || !predictor_from_motor(m, &made.predictor, e) ||
+        !gains_from_motor(m, bandwidth_Hz, &made.gains, e)) {
         return false;
     }
     made.feedback = feedback[control->feedback];
@@ -134,7 +106,7 @@ bool config_from_motor(const motor *m, const char *path, const scenario_control 
     made.current_limit = iq24_from_double(CURRENT_LIMIT_PU);
     const double period = HAL_HOST_TICKS_PER_S / m->f_pwm_Hz;
     if (!(period < 4294967295.0)) {
-        return motor_refuse(path, "f_pwm_Hz", e,
+        return motor_refuse(m->path, "f_pwm_Hz", e,
                             "f_pwm_Hz = %g is too low: a control cycle must fit a 32-bit timer", m->f_pwm_Hz);
     }
     made.period_ticks = (uint32_t)period;

@@ -129,8 +129,7 @@ static bool compare_extended(const request *r, error *e)
             return false;
         }
     }
-    const believed_motor belief[EXTENDED_BELIEFS] = {{&nominal, r->motor_path},
-                                                     {&extended, r->extended_path}};
+    const motor *const belief[EXTENDED_BELIEFS] = {&nominal, &extended};
     extended_loops all;
     if (!extended_loops_run(belief, &drive, &all, e)) {
         return false;

@@ -5,8 +5,9 @@
 #include "options.h"
 
 #include "base/progress.h"
+#include "drive/drive_recording.h"
+#include "drive/firmware_host.h"
 #include "drive_emulated.h"
-#include "drive_recording.h"
 #include "plant/plant_effect.h"
 
 #include <stdio.h>
@@ -124,7 +125,7 @@ static bool run_all(const request *r, const motor *m, const scenario *s, plant_c
                     const drive_firmware *firmware, drive_recording *out, error *e)
 {
     iqfoc_cycle_config_t config;
-    if (!config_from_motor(m, r->motor_path, &s->control, &config, e)) {
+    if (!config_from_motor(m, &s->control, &config, e)) {
         return false;
     }
     const drive_log log = drive_recording_log(out);
@@ -153,7 +154,7 @@ static bool run_firmware(const request *r, const motor *m, const scenario *s, co
     static drive_host host;
     static drive_emulated emulated;
     if (r->emulated.target == NULL) {
-        const drive_firmware firmware = drive_firmware_host(&host);
+        const drive_firmware firmware = drive_firmware_host(&host, NULL);
         return run_all(r, m, s, *drive, &firmware, out, e);
     }
     const drive_firmware firmware = drive_firmware_emulated(&emulated);

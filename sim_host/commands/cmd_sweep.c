@@ -5,6 +5,7 @@
 #include "base/out_folder.h"
 #include "base/progress.h"
 #include "command.h"
+#include "induction/induction_study.h"
 #include "options.h"
 #include "reproduce/sweep.h"
 #include "sweep_special.h"
@@ -178,15 +179,15 @@ static void print_table(const request *r, const motor *m, double current_A_rms, 
 static bool compute(const request *r, const motor *m, double current_A_rms, sweep_point *points, error *e)
 {
     method_machine machine;
-    if (!method_machine_of(m, r->motor_path, &machine, e)) {
+    if (!method_machine_of(m, &machine, e)) {
         return false;
     }
     const double complex i_dq_A =
-        sqrt(2.0) * current_A_rms * papers_vector(r->id_ratio, sqrt(1.0 - r->id_ratio * r->id_ratio));
+        sqrt(2.0) * current_A_rms * vec_complex(r->id_ratio, sqrt(1.0 - r->id_ratio * r->id_ratio));
     progress shown = progress_begin("sweep", (double)r->speeds, "speeds");
     bool ok = true;
     for (size_t n = 0; n < r->speeds && ok; n++) {
-        ok = sweep_point_at(m, r->motor_path, &machine, r->rpm[n], i_dq_A, &points[n], e);
+        ok = sweep_point_at(m, &machine, r->rpm[n], i_dq_A, &points[n], e);
         progress_update(&shown, (double)n);
     }
     progress_end(&shown);
@@ -210,6 +211,7 @@ static bool sweep(const request *r, error *e)
     if (!motor_read(r->motor_path, &m, e)) {
         return false;
     }
+    m.ext = motor_blank().ext; /* the study's drive has no effects, so its firmware corrects none */
     sweep_point *points = calloc(SPEEDS_MAX, sizeof *points);
     if (points == NULL) {
         return error_failure(e, 0, "sweep: out of memory");
@@ -227,7 +229,7 @@ static bool run(const request *r, error *e)
 {
     motor m;
     if (r->induction) {
-        return sweep_induction(r->json_path, e);
+        return induction_study(r->json_path, e);
     }
     if (!r->map) {
         return sweep(r, e);

@@ -1,5 +1,5 @@
 /*
- * What `iqfoc sweep` does beside its table over speed: the map of mean currents and the induction machine.
+ * What `iqfoc sweep` does beside its table over speed: the map of mean currents.
  */
 #ifndef SIM_HOST_COMMANDS_SWEEP_SPECIAL_H
 #define SIM_HOST_COMMANDS_SWEEP_SPECIAL_H
@@ -11,8 +11,5 @@
  * the page goes to "sweep-map", or is left out if there is JSON.
  */
 bool sweep_map(const motor *m, const char *directory, const char *json_path, error *e);
-
-/* The induction machine's errors, printed, and as JSON if json_path. */
-bool sweep_induction(const char *json_path, error *e);
 
 #endif

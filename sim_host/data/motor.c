@@ -2,6 +2,7 @@
 
 #include "../base/number.h"
 #include "../base/out_file.h"
+#include "../base/vector.h"
 #include "toml_table.h"
 
 #include <math.h>
@@ -82,6 +83,21 @@ motor motor_blank(void)
         }
     }
     return m;
+}
+
+void motor_inductances(const motor *m, double *L_d_H, double *L_q_H)
+{
+    *L_d_H = m->L_d_H;
+    *L_q_H = m->L_q_H;
+    if (m->ext.has[EXT_SATURATION]) {
+        *L_d_H = m->ext.L_0_H * 2.0 * m->L_d_H / (m->L_d_H + m->L_q_H);
+        *L_q_H = m->ext.L_0_H * 2.0 * m->L_q_H / (m->L_d_H + m->L_q_H);
+    }
+}
+
+double motor_speed_rad_s(const motor *m, double n_rpm)
+{
+    return n_rpm / 60.0 * VEC_TWO_PI * m->pole_pairs;
 }
 
 /* ---- reading ---- */
@@ -175,7 +191,7 @@ bool motor_refuse(const char *path, const char *key, error *e, const char *forma
     long line = 0;
     long column = 0;
     error unread = {0};
-    toml_file *file = toml_file_open(path, &unread);
+    toml_file *file = path != NULL ? toml_file_open(path, &unread) : NULL;
     toml_table *root = toml_file_root(file);
     if (!toml_position(toml_table_inner_or_null(root, "motor"), key, &line, &column)) {
         toml_position(toml_table_inner_or_null(root, "inverter"), key, &line, &column);

@@ -68,6 +68,16 @@ void motor_note_extension(motor *m, cause_id cause);
 /* A motor with every value 0, every gain 1 and no extension. */
 motor motor_blank(void);
 
+/*
+ * The inductances at zero current: [motor]'s; where [extension.saturation] stands, its L_0_H as the mean of
+ * the two, in the ratio that [motor] gives. Whoever takes an inductance from a motor file takes it by this
+ * rule.
+ */
+void motor_inductances(const motor *m, double *L_d_H, double *L_q_H);
+
+/* Electrical rad/s of a mechanical speed. */
+double motor_speed_rad_s(const motor *m, double n_rpm);
+
 /* Reads and checks; on failure *e holds file, line, column and what was expected. */
 bool motor_read(const char *path, motor *m, error *e);
 

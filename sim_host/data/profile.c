@@ -1,8 +1,6 @@
 #include "profile.h"
 
-#include <math.h>
-
-static const double pi = 3.14159265358979323846;
+#include "../base/vector.h"
 
 profile profile_constant(double value)
 {
@@ -41,7 +39,7 @@ double profile_at(const profile *p, double t_s)
     if (p->excitation == EXCITATION_SQUARE) {
         return phase < 0.5 ? base + p->amplitude : base - p->amplitude;
     }
-    return base + p->amplitude * sin(2.0 * pi * t_s / p->period_s);
+    return base + p->amplitude * sin(VEC_TWO_PI * t_s / p->period_s);
 }
 
 /* ---- reading ---- */

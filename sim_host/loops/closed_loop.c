@@ -1,11 +1,8 @@
+/* A closed loop and its measures (closed_loop.h). */
 #include "closed_loop.h"
 
-#include "iqfoc/params.h"
-
-#include <complex.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Points of the current's waveform in a cycle, for distortion; the switching ripple is straight between
  * edges. */
@@ -20,9 +17,7 @@ const char *loop_outcome_text(loop_outcome outcome)
 /* What the run collects. */
 typedef struct loop_run {
     const loop_case *c;
-    per_unit base;
-    plant drive;
-    double duty[3];            /* in force */
+    drive_loop loop;
     double *error_d, *error_q; /* per unit, each cycle from the step on */
     long cycle, steady_from, cycles;
     double square_sum, fundamental_re, fundamental_im; /* of phase A in the steady window */
@@ -32,20 +27,16 @@ typedef struct loop_run {
     bool tripped;
 } loop_run;
 
-static void take_points(loop_run *r, int first, int last)
+static void take_point(void *context, const plant *drive)
 {
-    const bool steady = r->cycle >= r->steady_from;
-    for (int n = first; n <= last; n++) {
-        const double t = r->base.T_s * n / POINTS;
-        plant_advance_to(&r->drive, t);
-        if (steady) {
-            const plant_point now = plant_now(&r->drive);
-            r->square_sum += now.i_A[0] * now.i_A[0];
-            r->fundamental_re += now.i_A[0] * cos(now.theta_e_rad);
-            r->fundamental_im += now.i_A[0] * sin(now.theta_e_rad);
-            r->points++;
-            r->cycle_torque_Nm += now.torque_Nm / POINTS;
-        }
+    loop_run *r = context;
+    if (r->cycle >= r->steady_from) {
+        const plant_point now = plant_now(drive);
+        r->square_sum += now.i_A[0] * now.i_A[0];
+        r->fundamental_re += now.i_A[0] * cos(now.theta_e_rad);
+        r->fundamental_im += now.i_A[0] * sin(now.theta_e_rad);
+        r->points++;
+        r->cycle_torque_Nm += now.torque_Nm / POINTS;
     }
 }
 
@@ -53,62 +44,45 @@ static void take_points(loop_run *r, int first, int last)
 static void count_edges(loop_run *r, const double before[3])
 {
     for (int x = 0; x < 3; x++) {
-        const bool pulses = r->duty[x] > 0.0 && r->duty[x] < 1.0;
-        const bool flips = !pulses && (before[x] <= 0.0 || before[x] >= 1.0) && before[x] != r->duty[x];
+        const double duty = r->loop.duty[x];
+        const bool pulses = duty > 0.0 && duty < 1.0;
+        const bool flips = !pulses && (before[x] <= 0.0 || before[x] >= 1.0) && before[x] != duty;
         r->edges += pulses ? 2 : flips ? 1 : 0;
     }
 }
 
 static double reference_q(const loop_run *r)
 {
-    return (r->cycle < LOOP_SETTLE_CYCLES ? r->c->i_q_before_A : r->c->i_q_after_A) / r->base.I_A;
+    return (r->cycle < LOOP_SETTLE_CYCLES ? r->c->i_q_before_A : r->c->i_q_after_A) / r->loop.base.I_A;
 }
 
-static bool one_cycle(loop_run *r, const drive_firmware *f, loop_result *result, error *e)
+static bool one_cycle(loop_run *r, loop_result *result, error *e)
 {
-    const plant_sensors *sensors = &r->drive.config.sensors;
     const double i_q_ref = reference_q(r);
     const iqfoc_dq_t i_ref = {0, iq24_from_double(i_q_ref)};
-    plant_samples readings;
-    iqfoc_command_t command;
-    uint32_t status;
-    plant_begin_cycle(&r->drive, r->duty);
-    plant_sample(&r->drive, &readings);
-    const iqfoc_sample_t valley = hal_host_sample(&readings, sensors, &r->base, 0);
-    if (!f->reference(f->context, i_ref, e) || !f->valley(f->context, &valley, e)) {
+    drive_row row;
+    if (!drive_loop_span(&r->loop, i_ref, &row, e)) {
         return false;
     }
-    take_points(r, 1, POINTS / 2);
-    plant_sample(&r->drive, &readings);
-    const iqfoc_sample_t peak = hal_host_sample(&readings, sensors, &r->base, IQ24(0.5));
-    if (!f->peak(f->context, &peak, &command, &status, e)) {
-        return false;
-    }
-    take_points(r, POINTS / 2 + 1, POINTS);
-    const vec_dq mean = plant_mean(&r->drive).i_dq_A;
-    const double d = mean.d / r->base.I_A;
-    const double q = mean.q / r->base.I_A;
+    const double d = row.truth.i_dq_A.d / r->loop.base.I_A;
+    const double q = row.truth.i_dq_A.q / r->loop.base.I_A;
+    const double off = hypot(d, q - i_q_ref);
     const long shown = r->cycle - (LOOP_SETTLE_CYCLES - LOOP_TRACE_BEFORE);
     if (shown >= 0 && shown < LOOP_TRACE_CYCLES) {
         result->trace_q[shown] = q;
     }
     if (r->cycle < LOOP_TRACE_CYCLES) {
-        result->trace_start[r->cycle] = 100.0 * hypot(d, q - i_q_ref);
+        result->trace_start[r->cycle] = 100.0 * off;
     }
     if (r->cycle >= LOOP_SETTLE_CYCLES) {
         r->error_d[r->cycle - LOOP_SETTLE_CYCLES] = d;
         r->error_q[r->cycle - LOOP_SETTLE_CYCLES] = q - i_q_ref;
+    } else if (r->cycle >= LOOP_START_CYCLES) {
+        result->start_percent = fmax(result->start_percent, 100.0 * off);
     }
-    if (r->cycle >= LOOP_START_CYCLES && r->cycle < LOOP_SETTLE_CYCLES) {
-        result->start_percent = fmax(result->start_percent, 100.0 * hypot(d, q - i_q_ref));
-    }
-    r->tripped = r->tripped || hypot(d, q) > LOOP_TRIP_LIMIT || !command.gates;
-    const double before[3] = {r->duty[0], r->duty[1], r->duty[2]};
-    r->duty[0] = iq24_to_double(command.duties.high.a);
-    r->duty[1] = iq24_to_double(command.duties.high.b);
-    r->duty[2] = iq24_to_double(command.duties.high.c);
+    r->tripped = r->tripped || hypot(d, q) > LOOP_TRIP_LIMIT || !row.answer.command.gates;
     if (r->cycle >= r->steady_from) {
-        count_edges(r, before);
+        count_edges(r, row.duty);
         r->torque_sum += r->cycle_torque_Nm;
         r->torque_square_sum += r->cycle_torque_Nm * r->cycle_torque_Nm;
         r->cycle_torque_Nm = 0.0;
@@ -118,7 +92,7 @@ static bool one_cycle(loop_run *r, const drive_firmware *f, loop_result *result,
 
 static void measure_step(const loop_run *r, loop_result *result)
 {
-    const double step = (r->c->i_q_after_A - r->c->i_q_before_A) / r->base.I_A;
+    const double step = (r->c->i_q_after_A - r->c->i_q_before_A) / r->loop.base.I_A;
     double beyond = 0.0;
     long last_outside = -1;
     for (long n = 0; n < LOOP_TRANSIENT_CYCLES; n++) {
@@ -157,12 +131,12 @@ static void measure_steady(const loop_run *r, loop_result *result)
     result->thd_percent = 100.0 * sqrt(fmax(rms_squared - fundamental_squared, 0.0) / fundamental_squared);
     const double cycles = (double)(to - from);
     const double torque_Nm = r->torque_sum / cycles;
-    const plant_machine *machine = &r->drive.config.machine;
+    const plant_machine *machine = &r->loop.drive.config.machine;
     const double asked_Nm = 1.5 * machine->pole_pairs * machine->psi_f_Wb * r->c->i_q_after_A;
     result->torque_error_percent = 100.0 * (torque_Nm / asked_Nm - 1.0);
     result->torque_ripple_percent =
         100.0 * sqrt(fmax(r->torque_square_sum / cycles - torque_Nm * torque_Nm, 0.0)) / asked_Nm;
-    const double window_s = (double)(r->cycles - r->steady_from) * r->base.T_s;
+    const double window_s = (double)(r->cycles - r->steady_from) * r->loop.base.T_s;
     result->switching_Hz = 0.5 * (double)r->edges / 3.0 / window_s;
     result->outcome = wander > LOOP_WANDER_LIMIT   ? LOOP_UNSTABLE
                       : offset > LOOP_OFFSET_LIMIT ? LOOP_MISSES
@@ -192,9 +166,8 @@ static void nothing_measured(loop_result *result)
 
 bool closed_loop_run(const loop_case *c, const drive_firmware *firmware, loop_result *result, error *e)
 {
-    loop_run r = {.c = c, .base = per_unit_of(&c->truth), .duty = {0.5, 0.5, 0.5}};
-    const double turns = fabs(c->omega_e_rad_s) * r.base.T_s / IQFOC_TWO_PI_;
-    r.steady_from = LOOP_SETTLE_CYCLES + LOOP_TRANSIENT_CYCLES;
+    loop_run r = {.c = c, .steady_from = LOOP_SETTLE_CYCLES + LOOP_TRANSIENT_CYCLES};
+    const double turns = fabs(c->omega_e_rad_s) * per_unit_of(&c->truth).T_s / VEC_TWO_PI;
     r.cycles = r.steady_from + lround(c->periods / turns);
     plant_config drive = c->drive != NULL ? *c->drive : plant_config_from_motor(&c->truth);
     if (c->drive == NULL) {
@@ -212,12 +185,13 @@ bool closed_loop_run(const loop_case *c, const drive_firmware *firmware, loop_re
         free(r.error_q);
         return error_failure(e, 0, "loops: out of memory");
     }
-    plant_init(&r.drive, &drive);
-    plant_set_speed(&r.drive, c->omega_e_rad_s, 0.0);
+    drive_loop_begin(&r.loop, &c->truth, &drive, firmware);
+    r.loop.watch = (drive_watch){&r, POINTS, take_point};
+    plant_set_speed(&r.loop.drive, c->omega_e_rad_s, 0.0);
     nothing_measured(result);
     bool ok = true;
     for (; r.cycle < r.cycles && ok && !r.tripped; r.cycle++) {
-        ok = one_cycle(&r, firmware, result, e);
+        ok = one_cycle(&r, result, e);
     }
     if (ok && !r.tripped) {
         measure_step(&r, result);

@@ -4,14 +4,13 @@
  *
  *     settle | step -> transient | steady window of whole fundamental periods
  *
- * The firmware stands behind drive_firmware (port/host/drive.h), as in `iqfoc simulate`: samples at valley
- * and peak, duties of cycle k act from valley k + 1. Errors are those of the true mean current over each
+ * The loop is the simulator's (drive/drive_loop.h). Errors are those of the true mean current over each
  * cycle, seen from the turning rotor: what torque follows, whatever the firmware believes.
  */
 #ifndef SIM_HOST_LOOPS_CLOSED_LOOP_H
 #define SIM_HOST_LOOPS_CLOSED_LOOP_H
 
-#include "drive.h"
+#include "drive/drive_loop.h"
 
 enum {
     LOOP_START_CYCLES = 4,    /* a predictive controller has the current where it wants it */
@@ -22,11 +21,10 @@ enum {
 };
 
 typedef struct loop_case {
-    motor truth; /* the drive, perfect but for the noise */
-    const plant_config
-        *drive;           /* NULL; or what the drive is instead, sensors included: then no noise is added */
-    double omega_e_rad_s; /* constant */
-    double i_q_before_A;  /* peak; i_d is 0 throughout */
+    motor truth;               /* the drive, perfect but for the noise */
+    const plant_config *drive; /* NULL; or what the drive is instead, sensors included: no noise is added */
+    double omega_e_rad_s;      /* constant */
+    double i_q_before_A;       /* peak; i_d is 0 throughout */
     double i_q_after_A;
     int periods;    /* fundamental periods in the steady window */
     double noise_A; /* standard deviation of each current sample */
@@ -49,20 +47,24 @@ typedef enum loop_outcome {
 /* Percent of the rated peak current, but where it says otherwise. NAN where the loop tripped. */
 typedef struct loop_result {
     loop_outcome outcome;
-    double rms_percent;    /* of the error vector in the steady window: */
-    double offset_percent; /* of which constant */
-    double wander_percent; /* and of which not */
+    /* Of the error vector in the steady window: all of it, what is constant, and what is not. */
+    double rms_percent, offset_percent, wander_percent;
     double i_d_offset_percent, i_q_offset_percent;
-    double overshoot_percent; /* of i_q beyond the reference after the step, of the step */
-    int settling_cycles;  /* from the reference's step until the error stays within LOOP_SETTLED; -1: never
-                           */
-    double start_percent; /* largest error from cycle LOOP_START_CYCLES on, up to the step: the machine turns
- at full speed and its terminals are shorted when the firmware begins */
-    double thd_percent;   /* of phase A in the steady window, all that is not the fundamental, of it */
-    double switching_Hz;  /* mean per leg: pulses a second */
-    double torque_error_percent;       /* mean in the steady window, over what i_q asked for makes, less 1 */
-    double torque_ripple_percent;      /* rms of the cycles' means about their mean, over the same */
-    double trace_q[LOOP_TRACE_CYCLES]; /* mean i_q over rated around the step */
+    /* Of i_q beyond its reference after the step, in percent of the step. */
+    double overshoot_percent;
+    /* From the reference's step until the error stays within LOOP_SETTLED; -1: never. */
+    int settling_cycles;
+    /* Largest error from cycle LOOP_START_CYCLES up to the step: the machine turns at full speed and its
+     * terminals are shorted when the firmware begins. */
+    double start_percent;
+    /* Of phase A in the steady window: all that is not the fundamental, over it. */
+    double thd_percent;
+    /* Mean per leg: pulses a second. */
+    double switching_Hz;
+    /* Of the mean torque in the steady window, over what the i_q asked for makes; and the rms of the cycles'
+     * means about it, over the same. */
+    double torque_error_percent, torque_ripple_percent;
+    double trace_q[LOOP_TRACE_CYCLES];     /* mean i_q over rated around the step */
     double trace_start[LOOP_TRACE_CYCLES]; /* error in percent of rated, from switch-on */
 } loop_result;
 

@@ -1,10 +1,7 @@
 #include "current_loops.h"
 
-#include "reproduce/paper_2019.h"
-
 #include "base/progress.h"
-
-#include "iqfoc/params.h"
+#include "reproduce/paper_2019.h"
 
 #include <math.h>
 
@@ -43,27 +40,32 @@ static motor believed(const motor *truth, const loop_belief *belief)
     return m;
 }
 
-/* PI: the library's cycle as `iqfoc simulate` runs it, closed-loop bandwidth f_pwm/20; its own trips off, as
- * this study has one of its own for all methods. */
-static bool run_pi(const loop_case *c, const motor *assumed, scenario_feedback feedback, loop_result *result,
-                   error *e)
+bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_control *control,
+                    const iqfoc_extension_t *extension, loop_result *result, error *e)
 {
     drive_host host;
     iqfoc_cycle_config_t config;
-    const scenario_control control = {.feedback = feedback, .modulation = MODULATION_PWM};
-    if (!config_from_motor(assumed, NULL, &control, &config, e)) {
+    if (!config_from_motor(assumed, control, &config, e)) {
         return false;
     }
     config.trips = 0;
-    const drive_firmware firmware = drive_firmware_host(&host);
+    const drive_firmware firmware = drive_firmware_host(&host, extension);
     return firmware.start(firmware.context, &config, e) && closed_loop_run(c, &firmware, result, e);
+}
+
+/* Fed by this feedback, at the usual bandwidth f_pwm/20. */
+static bool run_pi(const loop_case *c, const motor *assumed, scenario_feedback feedback, loop_result *result,
+                   error *e)
+{
+    const scenario_control control = {.feedback = feedback, .modulation = MODULATION_PWM};
+    return cycle_loop_run(c, assumed, &control, NULL, result, e);
 }
 
 static bool run_deadbeat(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
                          loop_result *result, error *e)
 {
     predictive_drive drive;
-    if (!predictive_drive_init(&drive, assumed, NULL, kind, e)) {
+    if (!predictive_drive_init(&drive, assumed, kind, e)) {
         return false;
     }
     drive.learning = iq24_from_double(learning);
@@ -76,7 +78,7 @@ loop_case current_loop_case(double ratio, double noise)
     const motor truth = loop_motor_at(ratio);
     const double rated_A = per_unit_of(&truth).I_A;
     const loop_case c = {.truth = truth,
-                         .omega_e_rad_s = LOOP_RPM / 60.0 * IQFOC_TWO_PI_ * truth.pole_pairs,
+                         .omega_e_rad_s = motor_speed_rad_s(&truth, LOOP_RPM),
                          .i_q_before_A = 0.3 * rated_A,
                          .i_q_after_A = 0.7 * rated_A,
                          .periods = 20,

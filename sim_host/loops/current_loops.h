@@ -9,6 +9,7 @@
 #define SIM_HOST_LOOPS_CURRENT_LOOPS_H
 
 #include "closed_loop.h"
+#include "drive/firmware_host.h"
 #include "predictive_drive.h"
 
 typedef enum loop_method {
@@ -38,10 +39,9 @@ extern const loop_belief loop_beliefs[LOOP_BELIEFS];
 
 typedef struct current_loops {
     loop_result at[LOOP_RATIOS][LOOP_BELIEFS][LOOP_METHODS];
-    loop_result noisy[LOOP_RATIOS]
-                     [LOOP_METHODS]; /* right parameters, noise of LOOP_NOISE of the rated peak */
-    /* Largest belief of L/true L up to LOOP_L_MOST with which the loop neither wanders nor trips; and the
-     * least. */
+    /* Right parameters, noise of LOOP_NOISE of the rated peak. */
+    loop_result noisy[LOOP_RATIOS][LOOP_METHODS];
+    /* Largest belief of L/true L, up to LOOP_L_MOST, with which the loop neither wanders nor trips. */
     double L_most[LOOP_RATIOS][LOOP_METHODS];
 } current_loops;
 
@@ -57,6 +57,13 @@ motor loop_motor_at(double ratio);
 
 /* The run that all share: the drive, the step and the noise's share of the rated peak. */
 loop_case current_loop_case(double ratio, double noise);
+
+/*
+ * The library's cycle in the loop, PI as `iqfoc simulate` runs it; extension: NULL, or what is put right
+ * around it. Its own trips are off, as the study has one of its own for all methods.
+ */
+bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_control *control,
+                    const iqfoc_extension_t *extension, loop_result *result, error *e);
 
 /* One run: method, belief and noise as given. */
 bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, double noise,

@@ -1,9 +1,8 @@
 #include "extended_loops.h"
 
-#include "corrected_cycle.h"
 #include "current_loops.h"
-
-#include "iqfoc/params.h"
+#include "drive/firmware_host.h"
+#include "extension_host.h"
 
 #include <math.h>
 
@@ -12,20 +11,17 @@ static const char *const method_text[EXTENDED_METHODS] = {"PI, mid-point sample"
                                                           "learning, exact"};
 static const char *const belief_text[EXTENDED_BELIEFS] = {"nominal", "extended"};
 
-static bool run(const loop_case *c, extended_method how, const believed_motor *belief, loop_result *result,
-                error *e)
+static bool run(const loop_case *c, extended_method how, const motor *belief, loop_result *result, error *e)
 {
     if (how == EXTENDED_PI) {
-        corrected_cycle cycle;
-        if (!corrected_cycle_init(&cycle, belief->m, belief->path, e)) {
-            return false;
-        }
-        const drive_firmware firmware = corrected_cycle_firmware(&cycle);
-        return closed_loop_run(c, &firmware, result, e);
+        const scenario_control control = {.feedback = FEEDBACK_MIDPOINT, .modulation = MODULATION_PWM};
+        iqfoc_extension_t extension;
+        return extension_from_motor(belief, &extension, e) &&
+               cycle_loop_run(c, belief, &control, &extension, result, e);
     }
     predictive_drive drive;
-    if (!predictive_drive_init(&drive, belief->m, belief->path, PREDICTOR_EXACT, e) ||
-        !predictive_drive_extend(&drive, belief->m, belief->path, e)) {
+    if (!predictive_drive_init(&drive, belief, PREDICTOR_EXACT, e) ||
+        !predictive_drive_extend(&drive, belief, e)) {
         return false;
     }
     drive.learning = how == EXTENDED_LEARNING ? iq24_from_double(LOOP_LEARNING) : 0;
@@ -33,22 +29,22 @@ static bool run(const loop_case *c, extended_method how, const believed_motor *b
     return closed_loop_run(c, &firmware, result, e);
 }
 
-bool extended_loops_run(const believed_motor belief[EXTENDED_BELIEFS], const plant_config *drive,
+bool extended_loops_run(const motor *const belief[EXTENDED_BELIEFS], const plant_config *drive,
                         extended_loops *all, error *e)
 {
-    const motor *m = belief[0].m;
+    const motor *m = belief[0];
     const double rated_A = per_unit_of(m).I_A;
     for (int s = 0; s < EXTENDED_SPEEDS; s++) {
         all->rpm[s] = speed_shares[s] * m->n_max_rpm;
         const loop_case c = {.truth = *m,
                              .drive = drive,
-                             .omega_e_rad_s = all->rpm[s] / 60.0 * IQFOC_TWO_PI_ * m->pole_pairs,
+                             .omega_e_rad_s = motor_speed_rad_s(m, all->rpm[s]),
                              .i_q_before_A = 0.3 * rated_A,
                              .i_q_after_A = 0.7 * rated_A,
                              .periods = s == 0 ? 2 : 6};
         for (int n = 0; n < EXTENDED_METHODS; n++) {
             for (int b = 0; b < EXTENDED_BELIEFS; b++) {
-                if (!run(&c, (extended_method)n, &belief[b], &all->at[s][n][b], e)) {
+                if (!run(&c, (extended_method)n, belief[b], &all->at[s][n][b], e)) {
                     return false;
                 }
             }

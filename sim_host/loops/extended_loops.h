@@ -25,14 +25,8 @@ typedef struct extended_loops {
     loop_result at[EXTENDED_SPEEDS][EXTENDED_METHODS][EXTENDED_BELIEFS]; /* nominal, extended */
 } extended_loops;
 
-/* A motor file and where it came from. */
-typedef struct believed_motor {
-    const motor *m;
-    const char *path;
-} believed_motor;
-
-/* drive: what the drive truly is: the nominal motor with its effects. */
-bool extended_loops_run(const believed_motor belief[EXTENDED_BELIEFS], const plant_config *drive,
+/* belief: the nominal motor, and the extended one. drive: what the drive truly is. */
+bool extended_loops_run(const motor *const belief[EXTENDED_BELIEFS], const plant_config *drive,
                         extended_loops *all, error *e);
 
 void extended_loops_print(const extended_loops *all, FILE *stream);

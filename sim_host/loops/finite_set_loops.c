@@ -12,7 +12,7 @@ bool finite_set_loop_run(double ratio, predictor_kind kind, int horizon, double 
 {
     predictive_drive drive;
     const loop_case c = current_loop_case(ratio, 0.0);
-    if (!predictive_drive_init(&drive, &c.truth, NULL, kind, e)) {
+    if (!predictive_drive_init(&drive, &c.truth, kind, e)) {
         return false;
     }
     drive.horizon = horizon;

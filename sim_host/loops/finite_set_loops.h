@@ -25,9 +25,10 @@ typedef struct finite_set_point {
 typedef struct finite_set_loops {
     finite_set_point at[FINITE_SET_RATIOS][FINITE_SET_PREDICTORS][IQFOC_FINITE_SET_HORIZON];
     finite_set_point trade[IQFOC_FINITE_SET_HORIZON][FINITE_SET_WEIGHTS]; /* exact predictor */
-    loop_result
-        pwm[FINITE_SET_WEIGHTS]; /* deadbeat with PWM at the switching frequency of horizon 1's trade */
-    double pwm_ratio[FINITE_SET_WEIGHTS]; /* ... rounded to whole numbers; 0 where that is below 5 */
+    /* Deadbeat with PWM at the switching frequency of horizon 1's trade, that rounded to a whole ratio; 0
+     * where the ratio is below 5, and there is no such loop. */
+    loop_result pwm[FINITE_SET_WEIGHTS];
+    double pwm_ratio[FINITE_SET_WEIGHTS];
 } finite_set_loops;
 
 bool finite_set_loop_run(double ratio, predictor_kind kind, int horizon, double weight,

@@ -6,9 +6,9 @@ const char *const six_step_loop_text[SIX_STEP_LOOPS] = {"discrete angle", "corre
 
 bool loops_study_run(loops_study *s, error *e)
 {
-    six_step_loop_run(false, &s->six_step[SIX_STEP_DISCRETE]);
-    six_step_loop_run(true, &s->six_step[SIX_STEP_CORRECTED]);
-    return current_loops_run(&s->current, e) && finite_set_loops_run(&s->finite_set, e);
+    return six_step_loop_run(false, &s->six_step[SIX_STEP_DISCRETE], e) &&
+           six_step_loop_run(true, &s->six_step[SIX_STEP_CORRECTED], e) &&
+           current_loops_run(&s->current, e) && finite_set_loops_run(&s->finite_set, e);
 }
 
 static void print_six_step(const loops_study *s, FILE *f)

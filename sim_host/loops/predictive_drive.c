@@ -1,3 +1,4 @@
+/* Predictive current control as firmware (predictive_drive.h). */
 #include "predictive_drive.h"
 
 #include "extension_host.h"
@@ -15,34 +16,43 @@ const char *predictor_kind_text(predictor_kind kind)
     return text[kind];
 }
 
-bool predictive_drive_init(predictive_drive *p, const motor *assumed, const char *path, predictor_kind kind,
-                           error *e)
+bool predictive_drive_init(predictive_drive *p, const motor *assumed, predictor_kind kind, error *e)
 {
-    iqfoc_exact_winding_t winding;
     memset(p, 0, sizeof *p);
     p->kind = kind;
-    if (!predictor_from_motor(assumed, path, &p->predictor, e) ||
-        !winding_from_motor(assumed, path, &winding, e)) {
+    if (!predictor_from_motor(assumed, &p->predictor, e) || !winding_from_motor(assumed, &p->winding, e)) {
         return false;
     }
-    p->law = iqfoc_exact_prediction(&winding, IQ24_ONE);
+    p->law = iqfoc_exact_prediction(&p->winding, IQ24_ONE);
     p->k_psi = p->predictor.k_psi;
     return true;
 }
 
-bool predictive_drive_extend(predictive_drive *p, const motor *assumed, const char *path, error *e)
+bool predictive_drive_extend(predictive_drive *p, const motor *assumed, error *e)
 {
-    p->extended = extension_from_motor(assumed, path, &p->extension, e);
+    p->extended = extension_from_motor(assumed, &p->extension, e);
     return p->extended;
+}
+
+/* A winding's constant times `factor`, in the constant's own format. Each ends at 2^30: rho at 1 in Q30, k_u
+ * at 16 in Q26, k_psi at 8 in Q27. Range: 0 <= x <= 2^30 and 0 <= factor <= 2, the product below 2^55. */
+static int32_t raised(int32_t x, iq24_t factor)
+{
+    const int64_t product = (IQ24_MUL64(x, factor) + (INT64_C(1) << 23)) >> 24;
+    return product < (INT64_C(1) << 30) ? (int32_t)product : INT32_C(1) << 30;
 }
 
 /* The winding's law at the inductance that this current leaves; in a firmware a slower task's matter. */
 static void follow_saturation(predictive_drive *p, iqfoc_ab_t i)
 {
-    const iqfoc_predictor_t now = iqfoc_extension_saturate(&p->extension, &p->predictor, i);
-    const iqfoc_exact_winding_t winding = {now.k_r * 64, now.k_u * 4, now.k_psi * 8};
+    /* L_0/L(|i|), 1 ... 2, is what the library makes of a coefficient of 1. */
+    const iqfoc_predictor_t one = {.k_psi = IQ24_ONE};
+    const iq24_t factor = iqfoc_extension_saturate(&p->extension, &one, i).k_psi;
+    const iqfoc_exact_winding_t winding = {raised(p->winding.rho_q30, factor),
+                                           raised(p->winding.k_u_q26, factor),
+                                           raised(p->winding.k_psi_q27, factor)};
     p->law = iqfoc_exact_prediction(&winding, IQ24_ONE);
-    p->k_psi = now.k_psi;
+    p->k_psi = (winding.k_psi_q27 + 4) >> 3;
 }
 
 static iqfoc_exact_t model_at(const predictive_drive *p, const iqfoc_rotor_t *rotor)
@@ -123,14 +133,11 @@ static bool take_valley(void *context, const iqfoc_sample_t *sample, error *e)
 }
 
 /* The controller needs the valley's sample only; its command waits until the peak, as the cycle's does. */
-static bool give_peak(void *context, const iqfoc_sample_t *sample, iqfoc_command_t *command, uint32_t *status,
-                      error *e)
+static bool give_peak(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e)
 {
-    const predictive_drive *p = context;
     (void)sample;
     (void)e;
-    *command = p->command;
-    *status = 0;
+    answer->command = ((const predictive_drive *)context)->command;
     return true;
 }
 

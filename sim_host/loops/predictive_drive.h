@@ -1,12 +1,14 @@
 /*
- * Firmware with a predictive current controller behind the same two calls as the control cycle: deadbeat or
- * finite-control-set, each with any of the three predictors. All that runs in valley and peak is the
- * library's IQ24.
+ * Firmware with a predictive current controller behind the same calls as the control cycle: deadbeat or
+ * finite control set, each with any of the three predictors. All that runs at valley and peak is the
+ * library's fixed point.
  */
 #ifndef SIM_HOST_LOOPS_PREDICTIVE_DRIVE_H
 #define SIM_HOST_LOOPS_PREDICTIVE_DRIVE_H
 
-#include "drive.h"
+#include "drive/firmware.h"
+
+#include "data/motor.h"
 
 #include "iqfoc/deadbeat_drift.h"
 #include "iqfoc/extension.h"
@@ -25,8 +27,9 @@ typedef struct predictive_drive {
     iqfoc_deadbeat_drift_t drift;
     bool extended; /* the corrections below are made */
     iqfoc_extension_t extension;
-    iqfoc_predictor_t predictor;
-    iqfoc_exact_law_t law;
+    iqfoc_predictor_t predictor; /* these two at zero current */
+    iqfoc_exact_winding_t winding;
+    iqfoc_exact_law_t law; /* at the inductance that the current leaves */
     iq24_t k_psi;
     iqfoc_dq_t i_ref;
     iqfoc_ab_t u_now, u_next; /* of the cycle that runs and of the next */
@@ -36,13 +39,12 @@ typedef struct predictive_drive {
     uint32_t decisions;
 } predictive_drive;
 
-/* assumed: the motor as the firmware believes it to be; path: its file, for what does not fit. */
-bool predictive_drive_init(predictive_drive *p, const motor *assumed, const char *path, predictor_kind kind,
-                           error *e);
+/* assumed: the motor as the firmware believes it to be. False where it does not fit the library's ranges. */
+bool predictive_drive_init(predictive_drive *p, const motor *assumed, predictor_kind kind, error *e);
 
 /* What the file's extensions put right: samples, dead time, and saturation in the exact predictor. Deadbeat
  * only. */
-bool predictive_drive_extend(predictive_drive *p, const motor *assumed, const char *path, error *e);
+bool predictive_drive_extend(predictive_drive *p, const motor *assumed, error *e);
 
 drive_firmware predictive_drive_firmware(predictive_drive *p);
 

@@ -1,14 +1,12 @@
+/* Six-step torque control (six_step_loop.h): its controller as firmware, in the simulator's loop. */
 #include "six_step_loop.h"
 
+#include "drive/drive_loop.h"
 #include "reproduce/paper_2019.h"
-
-#include "drive.h"
 
 #include "iqfoc/mean_current.h"
 #include "iqfoc/modulation.h"
-#include "iqfoc/params.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Bandwidth of the angle's control: slow against the resonance at the fundamental that a winding has in the
@@ -17,12 +15,15 @@
 
 /* The firmware's state. */
 typedef struct angle_control {
+    double omega_rad_s; /* what its timer is set by */
+    iq24_t i_q_ref;
     iqfoc_current_control_t pi; /* its q axis: out comes the voltage's angle in turns */
     iqfoc_current_control_gains_t gains;
     int32_t state;      /* of the interval that runs, 0 ... 5 */
     iq24_t theta_start; /* at its start */
     iqfoc_ab_t i_start;
-    iq24_t angle; /* of the voltage ahead of the d axis */
+    iq24_t angle;        /* of the voltage ahead of the d axis */
+    iqfoc_dq_t fed_back; /* what the controller was fed with */
     bool corrected;
 } angle_control;
 
@@ -37,9 +38,26 @@ static iq24_t turns_to_go(const angle_control *c, iq24_t theta)
     return iq24_clamp(rest, IQ24_ONE / 600, IQ24_ONE / 3);
 }
 
-/* The interval has ended: feedback, control, next state. Returns what the controller was fed with. */
-static iqfoc_dq_t at_switching(angle_control *c, const iqfoc_sample_t *sample, iq24_t i_q_ref)
+/* The state that is to come and how long it stands, seen from the rotor's angle at its start. */
+static void command_state(const angle_control *c, iq24_t theta, drive_answer *answer)
 {
+    answer->command.duties = iqfoc_six_step_duties(c->state);
+    answer->command.gates = true;
+    answer->interval_s = iq24_to_double(turns_to_go(c, theta)) * VEC_TWO_PI / c->omega_rad_s;
+}
+
+static bool take_reference(void *context, iqfoc_dq_t i_ref, error *e)
+{
+    (void)e;
+    ((angle_control *)context)->i_q_ref = i_ref.q;
+    return true;
+}
+
+/* The interval has ended: feedback, control, next state. */
+static bool at_switching(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e)
+{
+    angle_control *c = context;
+    (void)e;
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     const iqfoc_ab_t mean = iqfoc_clarke3(sample->i_mean);
     const iqfoc_ab_t delta = {iq24_sub_wrap(i.alpha, c->i_start.alpha),
@@ -47,40 +65,28 @@ static iqfoc_dq_t at_switching(angle_control *c, const iqfoc_sample_t *sample, i
     const iq24_t covered = (sample->theta - c->theta_start) & 0xFFFFFF;
     const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(covered);
     const iq24_sincos_t sc_mid = iq24_sincos(c->theta_start + covered / 2);
-    const iqfoc_dq_t fed_back =
+    const iqfoc_dq_t wanted = {0, c->i_q_ref};
+    c->fed_back =
         c->corrected ? iqfoc_mean_current_correct(mean, delta, &rotor, sc_mid) : iqfoc_park(mean, sc_mid);
-    const iqfoc_dq_t wanted = {0, i_q_ref};
-    c->angle = iqfoc_current_control_step(&c->pi, &c->gains, wanted, fed_back).q;
+    c->angle = iqfoc_current_control_step(&c->pi, &c->gains, wanted, c->fed_back).q;
     c->state = (c->state + 1) % 6;
     c->theta_start = sample->theta;
     c->i_start = i;
-    return fed_back;
-}
-
-/* What the converter delivers at the switching instant: samples, and the means since the last. */
-static iqfoc_sample_t sample_of(plant *drive, const per_unit *base)
-{
-    plant_samples readings;
-    plant_sample(drive, &readings);
-    iqfoc_sample_t sample = hal_host_sample(&readings, &drive->config.sensors, base, 0);
-    const plant_means means = plant_mean(drive);
-    sample.i_mean.a = iq24_from_double(means.i_A[0] / base->I_A);
-    sample.i_mean.b = iq24_from_double(means.i_A[1] / base->I_A);
-    sample.i_mean.c = iq24_from_double(means.i_A[2] / base->I_A);
-    sample.has_mean = true;
-    return sample;
+    command_state(c, sample->theta, answer);
+    return true;
 }
 
 static angle_control control_of(const motor *m, const per_unit *base, double omega_rad_s, bool corrected)
 {
     /* i_q answers to the voltage's angle by U/(omega L) per radian, U = (2/pi) u_dc the fundamental. */
     const double u_V = 2.0 / VEC_PI * SIX_STEP_U_DC;
-    const double pu_per_turn = IQFOC_TWO_PI_ * u_V / (omega_rad_s * m->L_q_H) / base->I_A;
-    const double interval_s = IQFOC_TWO_PI_ / omega_rad_s / 6.0;
+    const double pu_per_turn = VEC_TWO_PI * u_V / (omega_rad_s * m->L_q_H) / base->I_A;
+    const double interval_s = VEC_TWO_PI / omega_rad_s / 6.0;
     angle_control c;
     memset(&c, 0, sizeof c);
+    c.omega_rad_s = omega_rad_s;
     c.corrected = corrected;
-    c.gains.ki_q = iq24_from_double(IQFOC_TWO_PI_ * BANDWIDTH_HZ * interval_s / pu_per_turn);
+    c.gains.ki_q = iq24_from_double(VEC_TWO_PI * BANDWIDTH_HZ * interval_s / pu_per_turn);
     c.angle = IQ24(0.25); /* along the EMF */
     c.pi.integral_q = iq24_acc_mul(c.angle, IQ24_ONE);
     c.state = 2; /* 120 degrees: the nearest to 90 whose sector has not ended at theta = 0 */
@@ -97,40 +103,40 @@ static void measure(six_step_loop *result, const plant_means *means, double fed_
     result->angle_deg += share * 360.0 * angle_turns;
 }
 
-void six_step_loop_run(bool corrected, six_step_loop *result)
+bool six_step_loop_run(bool corrected, six_step_loop *result, error *e)
 {
     const motor m = paper_2019_motor();
+    const double omega_rad_s = motor_speed_rad_s(&m, SIX_STEP_RPM);
+    const double Nm_per_A = 1.5 * m.pole_pairs * m.psi_f_Wb;
     const per_unit base = per_unit_of(&m);
-    const double omega_rad_s = SIX_STEP_RPM / 60.0 * IQFOC_TWO_PI_ * m.pole_pairs;
-    plant drive;
     plant_config config = plant_config_from_motor(&m);
     config.inverter.u_dc_V = SIX_STEP_U_DC;
-    plant_init(&drive, &config);
-    plant_set_speed(&drive, omega_rad_s, 0.0);
     angle_control c = control_of(&m, &base, omega_rad_s, corrected);
+    const drive_firmware firmware = {.context = &c, .reference = take_reference, .peak = at_switching};
+    drive_loop loop;
+    drive_answer first = {.status = 0};
+    drive_loop_begin(&loop, &m, &config, &firmware);
+    plant_set_speed(&loop.drive, omega_rad_s, 0.0);
+    command_state(&c, 0, &first);
+    drive_loop_put(&loop, &first);
     *result = (six_step_loop){.reference_before_A = 0.3 * base.I_A, .reference_A = 0.5 * base.I_A};
-    const double Nm_per_A = 1.5 * m.pole_pairs * m.psi_f_Wb;
-    iq24_t theta = 0;
     double t_s = 0.0;
     for (int k = 0; k < SIX_STEP_INTERVALS; k++) {
         const double i_q_ref_A = k < SIX_STEP_STEP_AT ? result->reference_before_A : result->reference_A;
-        const iqfoc_abc_t legs = iqfoc_six_step_duties(c.state).high;
-        const bool high[3] = {legs.a > 0, legs.b > 0, legs.c > 0};
-        const double duration_s = iq24_to_double(turns_to_go(&c, theta)) * IQFOC_TWO_PI_ / omega_rad_s;
-        plant_begin_interval(&drive, high, duration_s);
-        plant_advance_to(&drive, duration_s);
-        t_s += duration_s;
-        const iqfoc_sample_t sample = sample_of(&drive, &base);
-        const plant_means means = plant_mean(&drive);
-        const iqfoc_dq_t fed_back = at_switching(&c, &sample, iq24_from_double(i_q_ref_A / base.I_A));
-        theta = sample.theta;
+        const iqfoc_dq_t i_ref = {0, iq24_from_double(i_q_ref_A / base.I_A)};
+        drive_row row;
+        t_s += loop.interval_s;
+        if (!drive_loop_span(&loop, i_ref, &row, e)) {
+            return false;
+        }
         result->trace_t_s[k] = t_s;
-        result->trace_q_A[k] = means.i_dq_A.q;
-        result->trace_fed_back_A[k] = iq24_to_double(fed_back.q) * base.I_A;
+        result->trace_q_A[k] = row.truth.i_dq_A.q;
+        result->trace_fed_back_A[k] = iq24_to_double(c.fed_back.q) * base.I_A;
         if (k >= SIX_STEP_INTERVALS - SIX_STEP_MEASURED) {
-            measure(result, &means, result->trace_fed_back_A[k], iq24_to_double(c.angle));
+            measure(result, &row.truth, result->trace_fed_back_A[k], iq24_to_double(c.angle));
         }
     }
     result->torque_Nm = Nm_per_A * result->i_q_A;
     result->torque_reference_Nm = Nm_per_A * result->reference_A;
+    return true;
 }

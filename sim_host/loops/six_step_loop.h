@@ -12,7 +12,7 @@
 #ifndef SIM_HOST_LOOPS_SIX_STEP_LOOP_H
 #define SIM_HOST_LOOPS_SIX_STEP_LOOP_H
 
-#include "data/motor.h"
+#include "base/error.h"
 
 #include <stdbool.h>
 
@@ -33,6 +33,6 @@ typedef struct six_step_loop {
 #define SIX_STEP_RPM  8000.0
 #define SIX_STEP_U_DC 540.0
 
-void six_step_loop_run(bool corrected, six_step_loop *result);
+bool six_step_loop_run(bool corrected, six_step_loop *result, error *e);
 
 #endif

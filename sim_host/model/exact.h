@@ -4,8 +4,8 @@
  * docs/exact-prediction.md.
  *
  * Vectors are complex: stationary frame, rotor frame where the name ends in _dq. No form divides by
- * resistance or speed. Nothing here is shared with the switching-level plant, which the tests hold it
- * against.
+ * resistance or speed: an ideal winding, standstill and reverse are ordinary points. Nothing here is shared
+ * with the switching-level plant, which the tests hold it against.
  */
 #ifndef SIM_HOST_MODEL_EXACT_H
 #define SIM_HOST_MODEL_EXACT_H
@@ -23,7 +23,7 @@ double complex exact_predict(const papers_machine *m, double complex i_A, double
 double complex exact_mean(const papers_machine *m, double complex i_A, double complex u_V, double span_s,
                           double theta_mid_rad, double omega_rad_s);
 
-/* Any machine, rotor frame. */
+/* Any machine, rotor frame: the maps of exact_map.h. */
 typedef struct exact_salient {
     double R_ohm, L_d_H, L_q_H, psi_f_Wb;
 } exact_salient;
@@ -33,10 +33,7 @@ typedef struct exact_span {
     double complex end_dq_A, mean_dq_A;
 } exact_span;
 
-/*
- * i_dq_A, u_dq_V: seen from the rotor at the start of the span; the voltage stands still in the stationary
- * frame.
- */
+/* i_dq_A, u_dq_V: seen from the rotor at the start of the span. */
 exact_span exact_salient_span(const exact_salient *m, double complex i_dq_A, double complex u_dq_V,
                               double span_s, double omega_rad_s);
 

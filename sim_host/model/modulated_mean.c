@@ -1,57 +1,19 @@
+/* The mean under PWM (modulated_mean.h). */
 #include "modulated_mean.h"
 
-#include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
-
-static double complex leg_axis(size_t leg)
-{
-    static const double angle[3] = {0.0, 2.09439510239319549231, -2.09439510239319549231};
-    return papers_turn(angle[leg]);
-}
-
-/* Voltage to the star point while the legs are as they are at `at`, a share of the cycle. */
-static double complex voltage_at(const modulated_cycle *c, double at)
-{
-    double complex u = 0.0;
-    for (size_t leg = 0; leg < 3; leg++) {
-        const bool high = fabs(at - 0.5) < 0.5 * c->duty[leg];
-        u += high ? 2.0 / 3.0 * c->u_dc_V * leg_axis(leg) : 0.0;
-    }
-    return u;
-}
-
-enum { INSTANTS = 8 };
-
-/* The cycle's ends and the six edges, in order. */
-static void instants_of(const modulated_cycle *c, double at[INSTANTS])
-{
-    size_t count = 0;
-    at[count++] = 0.0;
-    at[count++] = 1.0;
-    for (size_t leg = 0; leg < 3; leg++) {
-        at[count++] = 0.5 * (1.0 - c->duty[leg]);
-        at[count++] = 0.5 * (1.0 + c->duty[leg]);
-    }
-    for (size_t n = 1; n < INSTANTS; n++) {
-        for (size_t k = n; k > 0 && at[k] < at[k - 1]; k--) {
-            const double swap = at[k];
-            at[k] = at[k - 1];
-            at[k - 1] = swap;
-        }
-    }
-}
+#include "pwm_cycle.h"
 
 exact_span modulated_exact(const exact_salient *m, const modulated_cycle *c, double complex i_start_A)
 {
-    double at[INSTANTS];
-    instants_of(c, at);
-    exact_span total = {i_start_A * papers_turn(-c->theta_rad), 0.0};
-    for (size_t n = 0; n + 1 < INSTANTS; n++) {
+    double at[PWM_INSTANTS];
+    pwm_instants(c->duty, at);
+    exact_span total = {i_start_A * vec_turn(-c->theta_rad), 0.0};
+    for (int n = 0; n + 1 < PWM_INSTANTS; n++) {
         const double share = at[n + 1] - at[n];
         const double theta = c->theta_rad + c->omega_rad_s * c->T_s * at[n];
-        const double complex u_dq = voltage_at(c, 0.5 * (at[n] + at[n + 1])) * papers_turn(-theta);
-        const exact_span span = exact_salient_span(m, total.end_dq_A, u_dq, share * c->T_s, c->omega_rad_s);
+        const double complex u = pwm_voltage(c->duty, c->u_dc_V, 0.5 * (at[n] + at[n + 1]));
+        const exact_span span =
+            exact_salient_span(m, total.end_dq_A, u * vec_turn(-theta), share * c->T_s, c->omega_rad_s);
         total.end_dq_A = span.end_dq_A;
         total.mean_dq_A += share * span.mean_dq_A;
     }
@@ -81,15 +43,15 @@ static double leg_ripple(double d, double phi_rad)
 double complex modulated_ripple_vector(const double duty[3], double phi_rad)
 {
     double complex v = 0.0;
-    for (size_t leg = 0; leg < 3; leg++) {
-        v += 2.0 / 3.0 * leg_ripple(duty[leg], phi_rad) * leg_axis(leg);
+    for (int leg = 0; leg < 3; leg++) {
+        v += 2.0 / 3.0 * leg_ripple(duty[leg], phi_rad) * vec_complex_ab(vec_phase_axis[leg]);
     }
     return v;
 }
 
 static double complex seen_mid(const modulated_cycle *c, double complex v)
 {
-    return v * papers_turn(-c->theta_rad - 0.5 * c->omega_rad_s * c->T_s);
+    return v * vec_turn(-c->theta_rad - 0.5 * c->omega_rad_s * c->T_s);
 }
 
 double complex modulated_ripple_dq(const exact_salient *m, const modulated_cycle *c)
@@ -99,8 +61,8 @@ double complex modulated_ripple_dq(const exact_salient *m, const modulated_cycle
     const double complex v = seen_mid(c, modulated_ripple_vector(c->duty, phi));
     const double rho_d = m->R_ohm * c->T_s / m->L_d_H;
     const double rho_q = m->R_ohm * c->T_s / m->L_q_H;
-    return papers_vector(volt_seconds / m->L_d_H * (rho_d * creal(v) + phi * cimag(v)),
-                         volt_seconds / m->L_q_H * (rho_q * cimag(v) - phi * creal(v)));
+    return vec_complex(volt_seconds / m->L_d_H * (rho_d * creal(v) + phi * cimag(v)),
+                       volt_seconds / m->L_q_H * (rho_q * cimag(v) - phi * creal(v)));
 }
 
 /*
@@ -127,9 +89,9 @@ double complex modulated_from_samples(const papers_machine *m, const modulated_c
     const double s1 = papers_s1(phi);
     const double complex delta = i_end_A - i_start_A;
     const double complex smooth =
-        s1 * 0.5 * (i_start_A + i_end_A) + papers_vector(rho * bow(phi), -papers_s2(phi)) * delta;
+        s1 * 0.5 * (i_start_A + i_end_A) + vec_complex(rho * bow(phi), -papers_s2(phi)) * delta;
     const double complex ripple =
-        papers_vector(rho, -phi) * (c->u_dc_V * c->T_s / m->L_H) * modulated_ripple_vector(c->duty, phi);
+        vec_complex(rho, -phi) * (c->u_dc_V * c->T_s / m->L_H) * modulated_ripple_vector(c->duty, phi);
     const double emf = m->psi_f_Wb / m->L_H * (1.0 - s1) * (1.0 + s1);
     return seen_mid(c, smooth + ripple) - emf;
 }

@@ -20,7 +20,7 @@ typedef struct modulated_cycle {
 
 /*
  * The exact current at the end of the cycle and its mean as seen from the rotor, from the current at its
- * start: in closed form from one edge to the next (seven intervals), added up.
+ * start: from one edge to the next, added up.
  */
 exact_span modulated_exact(const exact_salient *m, const modulated_cycle *c, double complex i_start_A);
 

@@ -1,14 +1,8 @@
+/* The formulas of both papers (papers.h). */
 #include "papers.h"
-
-#include <math.h>
 
 /* Terms of the power series below: at |phi/2| = pi the last one is under 1e-20. */
 enum { SERIES_TERMS = 20 };
-
-double complex papers_turn(double angle_rad)
-{
-    return papers_vector(cos(angle_rad), sin(angle_rad));
-}
 
 /*
  * With h = phi/2:  s1 = sin(h)/h              = sum over n >= 0 of (-1)^n     h^2n     / (2n+1)!
@@ -46,17 +40,17 @@ double papers_steady_gain(double phi_rad)
 
 double complex papers_mean_discrete_angle_dq(double complex i_mean, double theta_m_rad)
 {
-    return i_mean * papers_turn(-theta_m_rad);
+    return i_mean * vec_turn(-theta_m_rad);
 }
 
 double complex papers_mean_corrected_dq(double complex i_mean, double complex delta_i, double theta_m_rad,
                                         double phi_rad)
 {
-    return papers_turn(-theta_m_rad) * (papers_s1(phi_rad) * i_mean - I * papers_s2(phi_rad) * delta_i);
+    return vec_turn(-theta_m_rad) * (papers_s1(phi_rad) * i_mean - I * papers_s2(phi_rad) * delta_i);
 }
 
 /* tan(pi/6), the base of k in (8). */
-static const double k_base = 0.57735026918962576451;
+static const double k_base = VEC_1_SQRT3;
 
 papers_movement papers_movement_of(double complex i_start, double complex i_end, double Theta_rad)
 {
@@ -74,7 +68,7 @@ double complex papers_mean_normalised(papers_movement m)
     const double half = 0.5 * m.Theta_rad;
     const double leak =
         2.0 / (m.Theta_rad * m.Theta_rad) * (2.0 * sin(half) - m.Theta_rad * cos(half)) * m.k * k_base;
-    return papers_vector(2.0 / m.Theta_rad * sin(half) + leak * cos(m.gamma_rad), -leak * sin(m.gamma_rad));
+    return vec_complex(2.0 / m.Theta_rad * sin(half) + leak * cos(m.gamma_rad), -leak * sin(m.gamma_rad));
 }
 
 papers_error papers_error_of(double complex mean_normalised)
@@ -99,7 +93,7 @@ double complex papers_predict_euler(const papers_machine *m, double complex i_A,
                                     double theta_rad, double omega_rad_s)
 {
     const double phi = omega_rad_s * m->T_s;
-    return i_A + drive(m, i_A, u_V) - I * (m->psi_f_Wb * phi / m->L_H) * papers_turn(theta_rad);
+    return i_A + drive(m, i_A, u_V) - I * (m->psi_f_Wb * phi / m->L_H) * vec_turn(theta_rad);
 }
 
 double complex papers_predict_quasi_discrete(const papers_machine *m, double complex i_A, double complex u_V,
@@ -107,7 +101,7 @@ double complex papers_predict_quasi_discrete(const papers_machine *m, double com
 {
     const double phi = omega_rad_s * m->T_s;
     return i_A + drive(m, i_A, u_V) -
-           I * (m->psi_f_Wb * phi / m->L_H) * papers_s1(phi) * papers_turn(theta_rad + 0.5 * phi);
+           I * (m->psi_f_Wb * phi / m->L_H) * papers_s1(phi) * vec_turn(theta_rad + 0.5 * phi);
 }
 
 double complex papers_mean_quasi_discrete(const papers_machine *m, double complex i_A, double complex u_V,
@@ -115,6 +109,6 @@ double complex papers_mean_quasi_discrete(const papers_machine *m, double comple
 {
     const double phi = omega_rad_s * m->T_s;
     return i_A + 0.5 * drive(m, i_A, u_V) -
-           (m->psi_f_Wb * phi / m->L_H) * papers_turn(theta_rad + 0.5 * phi) *
-               papers_vector(papers_s2(phi), 0.5 * papers_s1(phi));
+           (m->psi_f_Wb * phi / m->L_H) * vec_turn(theta_rad + 0.5 * phi) *
+               vec_complex(papers_s2(phi), 0.5 * papers_s1(phi));
 }

@@ -11,16 +11,7 @@
 #ifndef SIM_HOST_MODEL_PAPERS_H
 #define SIM_HOST_MODEL_PAPERS_H
 
-#include <complex.h>
-
-/* re + j im. (C11's CMPLX is missing in clang 14; for finite values this is the same.) */
-static inline double complex papers_vector(double re, double im)
-{
-    return re + im * I;
-}
-
-/* e^{j angle}. */
-double complex papers_turn(double angle_rad);
+#include "../base/vector_complex.h"
 
 /* ---- Rotor movement ---- */
 

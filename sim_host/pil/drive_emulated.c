@@ -4,7 +4,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "drive_emulated.h"
 
-#include <math.h>
+#include "per_unit.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -115,7 +116,7 @@ static bool recorder_start(drive_emulated *d, const motor *m, error *e)
     mantissa_of(base.T_s, &bases.T_mantissa, &bases.T_shift);
     mantissa_of(base.I_A, &bases.I_mantissa, &bases.I_shift);
     mantissa_of(base.U_V, &bases.U_mantissa, &bases.U_shift);
-    mantissa_of(6.283185307179586 / base.T_s, &bases.omega_mantissa, &bases.omega_shift);
+    mantissa_of(VEC_TWO_PI / base.T_s, &bases.omega_mantissa, &bases.omega_shift);
     const pil_frame_t question = pil_record_frame(&bases);
     if (!exchange(d, &question, PIL_STARTED, &answer, e)) {
         return false;
@@ -191,19 +192,18 @@ static bool emulated_valley(void *context, const iqfoc_sample_t *sample, error *
     return true;
 }
 
-static bool emulated_peak(void *context, const iqfoc_sample_t *sample, iqfoc_command_t *command,
-                          uint32_t *status, error *e)
+static bool emulated_peak(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e)
 {
     drive_emulated *d = context;
     const pil_frame_t question = pil_cycle_frame(d->i_ref, &d->valley, sample);
-    pil_frame_t answer;
+    pil_frame_t frame;
     pil_result_t result;
-    if (!exchange(d, &question, PIL_COMMAND, &answer, e)) {
+    if (!exchange(d, &question, PIL_COMMAND, &frame, e)) {
         return false;
     }
-    pil_command_read(&answer, &result);
-    *command = result.command;
-    *status = result.status;
+    pil_command_read(&frame, &result);
+    answer->command = result.command;
+    answer->status = result.status;
     return true;
 }
 

@@ -5,8 +5,10 @@
 #ifndef SIM_HOST_PIL_DRIVE_EMULATED_H
 #define SIM_HOST_PIL_DRIVE_EMULATED_H
 
-#include "drive.h"
+#include "drive/firmware.h"
 #include "emulator.h"
+
+#include "data/motor.h"
 
 #include "pil_wire.h"
 
@@ -14,16 +16,14 @@ typedef struct drive_emulated {
     emulator machine;
     pil_decoder_t decoder;
     iqfoc_dq_t i_ref;
-    iqfoc_sample_t
-        valley; /* goes out with the peak's: what the plant does in between does not depend on it */
+    iqfoc_sample_t valley; /* goes out with the peak's: the plant does not depend on it in between */
 } drive_emulated;
 
 typedef struct drive_emulated_choice {
     const char *target; /* "cortex-m4" or "rv32" */
-    const char
-        *image; /* the ELF file; NULL: the one built beside this program, build/<target>/iqfoc_pil.elf */
-    const char
-        *uart; /* NULL, or a file: the image records every cycle over its UART, whose octets go there */
+    const char *image; /* the ELF file; NULL: the one built beside this program, build/TARGET/iqfoc_pil.elf */
+    const char *uart;  /* NULL; or the file that gets the octets of the image's UART, where it records every
+                         * cycle */
 } drive_emulated_choice;
 
 /* Starts the image. m: for the recorder's scales. False with *e set: unknown target, no image, no emulator.

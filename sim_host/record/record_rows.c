@@ -3,7 +3,8 @@
  */
 #include "record_rows.h"
 
-#include <math.h>
+#include "base/vector.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -144,11 +145,10 @@ static void phases(const row_values *v, int phase_a, int alpha, double *const ou
         out[2][k] = has(&v->map, phase_a + 2) ? value(v, phase_a + 2) : -out[0][k] - out[1][k];
         return;
     }
-    const double x = value(v, alpha);
-    const double y = value(v, alpha + 1);
-    out[0][k] = x;
-    out[1][k] = -0.5 * x + 0.5 * sqrt(3.0) * y;
-    out[2][k] = -0.5 * x - 0.5 * sqrt(3.0) * y;
+    const vec_ab vector = {value(v, alpha), value(v, alpha + 1)};
+    for (int x = 0; x < 3; x++) {
+        out[x][k] = vec_phase(vector, x);
+    }
 }
 
 static void row_put(recording *rec, const row_values *v, size_t k)

@@ -1,6 +1,6 @@
 #include "discrete_angle.h"
 
-#include "per_unit_vector.h"
+#include "per_unit.h"
 
 #include "iqfoc/iq24_math.h"
 #include "iqfoc/mean_current.h"
@@ -12,8 +12,8 @@
 discrete_angle discrete_angle_of(const six_step_interval *at)
 {
     const discrete_angle d = {
-        .change = papers_change_of(at->i_start * papers_turn(-at->theta_rad),
-                                   at->i_end * papers_turn(-at->theta_rad - at->Theta_rad)),
+        .change = papers_change_of(at->i_start * vec_turn(-at->theta_rad),
+                                   at->i_end * vec_turn(-at->theta_rad - at->Theta_rad)),
         .path_a = papers_error_of(
             papers_mean_normalised(papers_movement_of(at->i_start, at->i_end, at->Theta_rad))),
         .path_bc = papers_error_of(
@@ -30,14 +30,14 @@ static double angle_iq24(iqfoc_dq_t from, iqfoc_dq_t to)
 {
     /* Differences of angles wrap by themselves: a turn is 2^24. */
     const int32_t turns_q24 = (iq24_atan2(to.q, to.d) - iq24_atan2(from.q, from.d)) & 0xFFFFFF;
-    return 6.283185307179586 * iq24_to_double(turns_q24 < 0x800000 ? turns_q24 : turns_q24 - 0x1000000);
+    return VEC_TWO_PI * iq24_to_double(turns_q24 < 0x800000 ? turns_q24 : turns_q24 - 0x1000000);
 }
 
 discrete_angle discrete_angle_of_iq24(const six_step_interval *at)
 {
     const double theta_m_rad = at->theta_rad + 0.5 * at->Theta_rad;
-    const iqfoc_ab_t start = vector_to_iq24(at->i_start, 1.0);
-    const iqfoc_ab_t end = vector_to_iq24(at->i_end, 1.0);
+    const iqfoc_ab_t start = ab_from_complex(at->i_start, 1.0);
+    const iqfoc_ab_t end = ab_from_complex(at->i_end, 1.0);
     const iqfoc_ab_t mean = {iq24_asr32(iq24_add_wrap(start.alpha, end.alpha), 1),
                              iq24_asr32(iq24_add_wrap(start.beta, end.beta), 1)};
     const iqfoc_ab_t delta = {iq24_sub_wrap(end.alpha, start.alpha), iq24_sub_wrap(end.beta, start.beta)};
@@ -46,13 +46,13 @@ discrete_angle discrete_angle_of_iq24(const six_step_interval *at)
 
     const iqfoc_dq_t corrected = iqfoc_mean_current_correct(mean, delta, &rotor, sc_mid);
     const iqfoc_dq_t uncorrected = iqfoc_park(mean, sc_mid);
-    const iqfoc_dq_t discrete = iqfoc_park(vector_to_iq24(at->i_mean, 1.0), sc_mid);
+    const iqfoc_dq_t discrete = iqfoc_park(ab_from_complex(at->i_mean, 1.0), sc_mid);
     const iqfoc_dq_t start_dq = iqfoc_park(start, iq24_sincos(turns_from_rad(at->theta_rad)));
     const iqfoc_dq_t end_dq = iqfoc_park(end, iq24_sincos(turns_from_rad(at->theta_rad + at->Theta_rad)));
     const discrete_angle d = {
         .change = {modulus_iq24(end_dq) - modulus_iq24(start_dq), angle_iq24(start_dq, end_dq)},
-        .path_a = papers_error_of(dq_from_iq24(corrected, 1.0) / dq_from_iq24(uncorrected, 1.0)),
-        .path_bc = papers_error_of(at->i_mean_dq / dq_from_iq24(discrete, 1.0))};
+        .path_a = papers_error_of(complex_from_dq(corrected, 1.0) / complex_from_dq(uncorrected, 1.0)),
+        .path_bc = papers_error_of(at->i_mean_dq / complex_from_dq(discrete, 1.0))};
     return d;
 }
 

@@ -2,7 +2,7 @@
 
 #include "model/exact.h"
 #include "params_exact.h"
-#include "per_unit_vector.h"
+#include "per_unit.h"
 
 #include "iqfoc/transform.h"
 
@@ -20,11 +20,11 @@ typedef struct machine {
     iq24_t turns;
 } machine;
 
-static bool machine_of(const motor *m, const char *file, double omega_rad_s, machine *x, error *e)
+static bool machine_of(const motor *m, double omega_rad_s, machine *x, error *e)
 {
     iqfoc_exact_winding_t winding;
     iqfoc_salient_machine_t in_fixed;
-    if (!winding_from_motor(m, file, &winding, e) || !salient_from_motor(m, file, &in_fixed, e)) {
+    if (!winding_from_motor(m, &winding, e) || !salient_from_motor(m, &in_fixed, e)) {
         return false;
     }
     x->base = per_unit_of(m);
@@ -49,7 +49,7 @@ static cycle_currents in_double(const machine *x, const method_input *in)
 {
     const double T_s = x->base.T_s;
     if (x->is_salient) {
-        const double complex back = papers_turn(-in->theta_rad);
+        const double complex back = vec_turn(-in->theta_rad);
         const exact_span s =
             exact_salient_span(&x->salient, in->i_valley_A * back, in->u_V * back, T_s, in->omega_rad_s);
         return (cycle_currents){s.end_dq_A, s.mean_dq_A};
@@ -61,40 +61,35 @@ static cycle_currents in_double(const machine *x, const method_input *in)
 
 static cycle_currents in_iq24(const machine *x, const method_input *in)
 {
-    const iqfoc_ab_t i = vector_to_iq24(in->i_valley_A, x->base.I_A);
-    const iqfoc_ab_t u = vector_to_iq24(in->u_V, x->base.U_V);
+    const iqfoc_ab_t i = ab_from_complex(in->i_valley_A, x->base.I_A);
+    const iqfoc_ab_t u = ab_from_complex(in->u_V, x->base.U_V);
     if (x->is_salient) {
         const iq24_sincos_t sc = iq24_sincos(turns_from_rad(in->theta_rad));
         const iqfoc_dq_t i_dq = iqfoc_park(i, sc);
         const iqfoc_dq_t u_dq = iqfoc_park(u, sc);
-        return (cycle_currents){dq_from_iq24(iqfoc_salient_step(&x->end_dq, i_dq, u_dq), x->base.I_A),
-                                dq_from_iq24(iqfoc_salient_step(&x->mean_dq, i_dq, u_dq), x->base.I_A)};
+        return (cycle_currents){complex_from_dq(iqfoc_salient_step(&x->end_dq, i_dq, u_dq), x->base.I_A),
+                                complex_from_dq(iqfoc_salient_step(&x->mean_dq, i_dq, u_dq), x->base.I_A)};
     }
     const iq24_sincos_t sc = iq24_sincos(turns_from_rad(in->theta_rad + 0.5 * in->omega_rad_s * x->base.T_s));
-    return (cycle_currents){vector_from_iq24(iqfoc_exact_step(&x->end, i, u, sc), x->base.I_A),
-                            vector_from_iq24(iqfoc_exact_step(&x->mean, i, u, sc), x->base.I_A)};
+    return (cycle_currents){complex_from_ab(iqfoc_exact_step(&x->end, i, u, sc), x->base.I_A),
+                            complex_from_ab(iqfoc_exact_step(&x->mean, i, u, sc), x->base.I_A)};
 }
 
 static cycle_currents truth(const machine *x, const steady_drive *d, const drive_cycle *at)
 {
     if (x->is_salient) {
         const double end_rad = at->theta_rad + d->omega_rad_s * d->T_s;
-        return (cycle_currents){at->i_next_valley_A * papers_turn(-end_rad), at->i_mean_dq_A};
+        return (cycle_currents){at->i_next_valley_A * vec_turn(-end_rad), at->i_mean_dq_A};
     }
     return (cycle_currents){at->i_next_valley_A, at->i_mean_A};
-}
-
-static double squared(double complex x)
-{
-    return creal(x) * creal(x) + cimag(x) * cimag(x);
 }
 
 /* Sums until error_finish, which takes roots and percent. */
 static void error_add(method_error *e, double complex computed, double complex fixed, double complex truth_A,
                       double base)
 {
-    e->rms_percent += squared(computed - truth_A);
-    e->rms_percent_iq24 += squared(fixed - truth_A);
+    e->rms_percent += vec_square(computed - truth_A);
+    e->rms_percent_iq24 += vec_square(fixed - truth_A);
     e->peak_A = fmax(e->peak_A, fabs(creal(computed - truth_A)));
     e->peak_A_iq24 = fmax(e->peak_A_iq24, fabs(creal(fixed - truth_A)));
     e->iq24_off = fmax(e->iq24_off, cabs(fixed - computed) / base);
@@ -106,10 +101,10 @@ static void error_finish(method_error *e, double sum_current)
     e->rms_percent_iq24 = 100.0 * sqrt(e->rms_percent_iq24 / sum_current);
 }
 
-bool exact_errors_of(const motor *m, const char *file, const steady_drive *d, exact_errors *errors, error *e)
+bool exact_errors_of(const motor *m, const steady_drive *d, exact_errors *errors, error *e)
 {
     machine x;
-    if (!machine_of(m, file, d->omega_rad_s, &x, e)) {
+    if (!machine_of(m, d->omega_rad_s, &x, e)) {
         return false;
     }
     *errors = (exact_errors){0};
@@ -121,7 +116,7 @@ bool exact_errors_of(const motor *m, const char *file, const steady_drive *d, ex
         const cycle_currents was = truth(&x, d, &d->cycle[n]);
         error_add(&errors->prediction, computed.end_A, fixed.end_A, was.end_A, x.base.I_A);
         error_add(&errors->mean, computed.mean_A, fixed.mean_A, was.mean_A, x.base.I_A);
-        sum_current += squared(in.i_valley_A);
+        sum_current += vec_square(in.i_valley_A);
     }
     error_finish(&errors->prediction, sum_current);
     error_finish(&errors->mean, sum_current);

@@ -14,7 +14,7 @@ typedef struct exact_errors {
     method_error mean, prediction;
 } exact_errors;
 
-/* file: the motor's, for messages, may be NULL. False with the value named if it does not fit IQ24. */
-bool exact_errors_of(const motor *m, const char *file, const steady_drive *d, exact_errors *errors, error *e);
+/* False with the value named if it does not fit IQ24. */
+bool exact_errors_of(const motor *m, const steady_drive *d, exact_errors *errors, error *e);
 
 #endif

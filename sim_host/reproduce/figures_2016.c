@@ -9,8 +9,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846;
-
 /* ---- Figs. 8 and 9: contours ---- */
 
 static bool contour_figure(page *p, const contour_panel panel[2], const char *id, const char *caption,
@@ -22,7 +20,7 @@ static bool contour_figure(page *p, const contour_panel panel[2], const char *id
 
 static double complex normalised(double k, double gamma_deg)
 {
-    return papers_mean_normalised((papers_movement){k, gamma_deg * pi / 180.0, pi / 3.0});
+    return papers_mean_normalised((papers_movement){k, gamma_deg * VEC_PI / 180.0, VEC_PI / 3.0});
 }
 
 static double mean_d(double k, double gamma_deg)
@@ -43,9 +41,9 @@ static double mean_q(double k, double gamma_deg)
  */
 static double complex mean_of_change(double dm, double da_rad)
 {
-    const double b = da_rad + pi / 3.0;
+    const double b = da_rad + VEC_PI / 3.0;
     const double m = -0.5 * dm + sqrt(0.25 * dm * dm - (dm * dm - 4.0) / (2.0 * (1.0 + cos(b))));
-    return papers_mean_normalised(papers_movement_of(m, (m + dm) * papers_turn(b), pi / 3.0));
+    return papers_mean_normalised(papers_movement_of(m, (m + dm) * vec_turn(b), VEC_PI / 3.0));
 }
 
 static double gain_percent(double dm, double da_rad)
@@ -101,7 +99,7 @@ static const char *const phase_names[3] = {"A", "B", "C"};
 
 static double phase_of(double complex x, int phase)
 {
-    return creal(x * papers_turn(-phase * 2.0 * pi / 3.0));
+    return creal(x * vec_turn(-phase * 2.0 * VEC_PI / 3.0));
 }
 
 static void say_waveforms(plot *p, const six_step_run *run, size_t intervals)
@@ -115,7 +113,7 @@ static void say_waveforms(plot *p, const six_step_run *run, size_t intervals)
             plot_say(p, "%.6g", 1e3 * (at->t_s + t_s));
             for (int x = 0; x < 3; x++) {
                 /* The star point floats: phase voltages are those of the vector (2/3) u_dc e^{jn pi/3}. */
-                plot_say(p, " %.6g", phase_of(2.0 / 3.0 * papers_turn(at->vector * pi / 3.0), x));
+                plot_say(p, " %.6g", phase_of(2.0 / 3.0 * vec_turn(at->vector * VEC_PI / 3.0), x));
             }
             for (int x = 0; x < 3; x++) {
                 plot_say(p, " %.6g", phase_of(six_step_current(run, at, t_s), x));
@@ -182,7 +180,8 @@ static void say_errors(plot *p, const six_step_run *run)
     }
     plot_data_end(p);
     plot_data(p, "reference");
-    plot_say(p, "0 0\n%.8g 0\n%.8g %.8g\n0.3 %.8g\n", run->t_step_s, run->t_step_s, pi / 6.0, pi / 6.0);
+    plot_say(p, "0 0\n%.8g 0\n%.8g %.8g\n0.3 %.8g\n", run->t_step_s, run->t_step_s, VEC_PI / 6.0,
+             VEC_PI / 6.0);
     plot_data_end(p);
 }
 

@@ -151,7 +151,7 @@ bool figures_2019(page *p, const comparison *c, error *e)
               "The quasi-discrete model lets the EMF turn with the rotor within a control cycle. The drive "
               "is the paper's laboratory drive, its PWM resolved at every edge; current regulated at the "
               "mid-point sample.");
-    if (!method_machine_of(&m, NULL, &machine, e) ||
+    if (!method_machine_of(&m, &machine, e) ||
         !steady_drive_run(&m, full_speed_rpm, paper_2019_current(&m, full_speed_rpm), 200, &d, e)) {
         return false;
     }

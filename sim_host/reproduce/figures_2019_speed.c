@@ -34,7 +34,7 @@ static bool say_sweep(plot *p, const motor *m, const method_machine *machine, bo
     for (int n = 0; n < SPEEDS && ok; n++) {
         const double rpm = speed_at(n);
         sweep_point at;
-        ok = sweep_point_at(m, NULL, machine, rpm,
+        ok = sweep_point_at(m, machine, rpm,
                             weakened ? paper_2019_current(m, rpm) : paper_2019_current_at(m, 0.0), &at, e);
         if (ok) {
             say_errors(p, &at);

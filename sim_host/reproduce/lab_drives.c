@@ -1,6 +1,6 @@
 #include "lab_drives.h"
 
-#include "per_unit_vector.h"
+#include "per_unit.h"
 #include "plant/plant_random.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@ const lab_uncertainty lab_uncertainty_assumed = {.R = 0.10,
                                                  .L = 0.05,
                                                  .psi_f = 0.02,
                                                  .voltage = 0.01,
-                                                 .angle_rad = 3.14159265358979323846 / 180.0,
+                                                 .angle_rad = VEC_PI / 180.0,
                                                  .current_noise = 0.005};
 
 /* One drive that might stand there, as its controller knows it. */
@@ -35,7 +35,7 @@ static bool draw(const motor *m, plant_random *r, lab_drive *drive, error *e)
     drive->voltage_gain = 1.0 + uniform(r, u->voltage);
     drive->angle_offset_rad = uniform(r, u->angle_rad);
     drive->noise_A = u->current_noise * per_unit_of(m).I_A;
-    return method_machine_of(&assumed, NULL, &drive->machine, e);
+    return method_machine_of(&assumed, &drive->machine, e);
 }
 
 /* Noise of two phase currents, as a vector: c = -a - b. */
@@ -43,12 +43,7 @@ static double complex noise_vector(plant_random *r, double sigma_A)
 {
     const double a = sigma_A * plant_random_normal(r);
     const double b = sigma_A * plant_random_normal(r);
-    return papers_vector(a, (a + 2.0 * b) * 0.57735026918962576451);
-}
-
-static double squared(double complex x)
-{
-    return creal(x) * creal(x) + cimag(x) * cimag(x);
+    return vec_complex(a, (a + 2.0 * b) * VEC_1_SQRT3);
 }
 
 /* As the laboratory measures it: the prediction from one sample against the next, each with its noise. */
@@ -66,9 +61,9 @@ static void run(const lab_drive *drive, const steady_drive *d, method which, pla
         in.theta_rad += drive->angle_offset_rad;
         noise = noise_vector(r, drive->noise_A);
         const double complex next = method_truth(which, &d->cycle[n]) + noise;
-        sum += squared(method_compute(which, &drive->machine, &in) - next);
-        sum_iq24 += squared(method_compute_iq24(which, &drive->machine, &in) - next);
-        sum_current += squared(in.i_valley_A);
+        sum += vec_square(method_compute(which, &drive->machine, &in) - next);
+        sum_iq24 += vec_square(method_compute_iq24(which, &drive->machine, &in) - next);
+        sum_current += vec_square(in.i_valley_A);
     }
     percent[0] = 100.0 * sqrt(sum / sum_current);
     percent[1] = 100.0 * sqrt(sum_iq24 / sum_current);

@@ -53,7 +53,7 @@ static void means_of(const motor *m, const steady_drive *d, const drive_cycle *a
         mean[MEAN_MODULATED] = modulated_from_samples(&round, &c, at->i_valley_A, at->i_next_valley_A);
     } else {
         const exact_salient machine = {m->R_ohm, m->L_d_H, m->L_q_H, m->psi_f_Wb};
-        const double complex back = papers_turn(-at->theta_rad);
+        const double complex back = vec_turn(-at->theta_rad);
         const exact_span even =
             exact_salient_span(&machine, at->i_valley_A * back, at->u_V * back, d->T_s, d->omega_rad_s);
         mean[MEAN_MODULATED] = even.mean_dq_A + modulated_ripple_dq(&machine, &c);
@@ -63,9 +63,9 @@ static void means_of(const motor *m, const steady_drive *d, const drive_cycle *a
 static bool point_of(const motor *m, double ratio, double index, double load, double percent[MEAN_METHODS],
                      error *e)
 {
-    const double omega = 2.0 * 3.14159265358979323846 * m->f_pwm_Hz / ratio;
+    const double omega = VEC_TWO_PI * m->f_pwm_Hz / ratio;
     const double rated_A = sqrt(2.0) * m->I_rated_A_rms;
-    const double complex i_dq_A = papers_vector(0.0, load * rated_A);
+    const double complex i_dq_A = vec_complex(0.0, load * rated_A);
     motor fitted = *m;
     const double voltage_V = cabs(steady_point_solve(m, omega, i_dq_A).u_dq_V);
     fitted.u_dc_V = fmax(voltage_V, 1e-3) / (index * steady_drive_voltage_limit(1.0));

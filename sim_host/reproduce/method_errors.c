@@ -1,6 +1,6 @@
 #include "method_errors.h"
 
-#include "per_unit_vector.h"
+#include "params_host.h"
 
 #include "iqfoc/mean_current.h"
 
@@ -29,7 +29,7 @@ const char *method_key(method which)
     return methods[which].key;
 }
 
-bool method_machine_of(const motor *m, const char *file, method_machine *machine, error *e)
+bool method_machine_of(const motor *m, method_machine *machine, error *e)
 {
     const per_unit base = per_unit_of(m);
     *machine = (method_machine){.in_double = {.R_ohm = m->R_ohm,
@@ -38,7 +38,7 @@ bool method_machine_of(const motor *m, const char *file, method_machine *machine
                                               .T_s = base.T_s},
                                 .I_base_A = base.I_A,
                                 .U_base_V = base.U_V};
-    return predictor_from_motor(m, file, &machine->in_iq24, e);
+    return predictor_from_motor(m, &machine->in_iq24, e);
 }
 
 method_input method_input_of(const steady_drive *d, const drive_cycle *at)
@@ -68,13 +68,13 @@ double complex method_compute(method which, const method_machine *m, const metho
 double complex method_compute_iq24(method which, const method_machine *m, const method_input *in)
 {
     const double phi = in->omega_rad_s * m->in_double.T_s;
-    const iqfoc_ab_t i = vector_to_iq24(in->i_valley_A, m->I_base_A);
-    const iqfoc_ab_t u = vector_to_iq24(in->u_V, m->U_base_V);
+    const iqfoc_ab_t i = ab_from_complex(in->i_valley_A, m->I_base_A);
+    const iqfoc_ab_t u = ab_from_complex(in->u_V, m->U_base_V);
     const iqfoc_rotor_t movement =
         iqfoc_rotor_from_turns(turns_from_speed(in->omega_rad_s, m->in_double.T_s));
     const iq24_sincos_t sc = iq24_sincos(turns_from_rad(in->theta_rad));
     const iq24_sincos_t sc_mid = iq24_sincos(turns_from_rad(in->theta_rad + 0.5 * phi));
-    iqfoc_ab_t result = vector_to_iq24(in->i_mid_A, m->I_base_A);
+    iqfoc_ab_t result = ab_from_complex(in->i_mid_A, m->I_base_A);
     switch (which) {
     case METHOD_MEAN_STANDARD:
         break;
@@ -90,18 +90,13 @@ double complex method_compute_iq24(method which, const method_machine *m, const 
     case METHOD_COUNT:
         break;
     }
-    return vector_from_iq24(result, m->I_base_A);
+    return complex_from_ab(result, m->I_base_A);
 }
 
 double complex method_truth(method which, const drive_cycle *at)
 {
     return which == METHOD_MEAN_STANDARD || which == METHOD_MEAN_QUASI_DISCRETE ? at->i_mean_A
                                                                                 : at->i_next_valley_A;
-}
-
-static double squared(double complex x)
-{
-    return creal(x) * creal(x) + cimag(x) * cimag(x);
 }
 
 static method_error error_of(method which, const steady_drive *d, const method_machine *m)
@@ -116,9 +111,9 @@ static method_error error_of(method which, const steady_drive *d, const method_m
         const double complex truth = method_truth(which, at);
         const double complex in_double = method_compute(which, m, &in);
         const double complex in_iq24 = method_compute_iq24(which, m, &in);
-        sum += squared(in_double - truth);
-        sum_iq24 += squared(in_iq24 - truth);
-        sum_current += squared(at->i_valley_A);
+        sum += vec_square(in_double - truth);
+        sum_iq24 += vec_square(in_iq24 - truth);
+        sum_current += vec_square(at->i_valley_A);
         worst.peak_A = fmax(worst.peak_A, fabs(creal(in_double - truth)));
         worst.peak_A_iq24 = fmax(worst.peak_A_iq24, fabs(creal(in_iq24 - truth)));
         worst.iq24_off = fmax(worst.iq24_off, cabs(in_iq24 - in_double) / m->I_base_A);

@@ -36,8 +36,8 @@ typedef struct method_machine {
     double I_base_A, U_base_V;
 } method_machine;
 
-/* False with the value named if it does not fit IQ24. file: what to name in the message, may be NULL. */
-bool method_machine_of(const motor *m, const char *file, method_machine *machine, error *e);
+/* False with the value named if it does not fit IQ24. */
+bool method_machine_of(const motor *m, method_machine *machine, error *e);
 
 /* What the controller knows of a cycle when it computes. */
 typedef struct method_input {

@@ -26,7 +26,7 @@ six_step_scenario paper_2016_scenario(const paper_2016_motor *of)
     const six_step_scenario s = {.L_H = of->L_H,
                                  .R_ohm = of->R_ohm,
                                  .f_Hz = fundamental_Hz,
-                                 .reference_step_rad = 3.14159265358979323846 / 6.0,
+                                 .reference_step_rad = VEC_PI / 6.0,
                                  .step_at = step_at,
                                  .intervals_before = (int)(0.1 * intervals_per_s),
                                  .intervals_after = (int)(0.2 * intervals_per_s)};
@@ -125,7 +125,7 @@ static void add_steady_gain(comparison *c, int which, const motor_summaries *s)
 
 static void add_steady_mean(comparison *c)
 {
-    const double phi = 3.14159265358979323846 / 3.0;
+    const double phi = VEC_PI / 3.0;
     /* A sixth of a turn a cycle, as IQ24. */
     const iq24_t sixth = 2796203;
     comparison_add(c, (comparison_row){"2016", "eq. (9)", "mean in steady state", "analytical (A)",

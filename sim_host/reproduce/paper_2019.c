@@ -27,13 +27,13 @@ motor paper_2019_motor(void)
 
 double complex paper_2019_current_at(const motor *m, double id_ratio)
 {
-    return sqrt(2.0) * m->I_rated_A_rms * papers_vector(id_ratio, sqrt(1.0 - id_ratio * id_ratio));
+    return sqrt(2.0) * m->I_rated_A_rms * vec_complex(id_ratio, sqrt(1.0 - id_ratio * id_ratio));
 }
 
 static double voltage_at(const motor *m, double n_rpm, double id_ratio)
 {
     return cabs(
-        steady_point_solve(m, steady_drive_omega(m, n_rpm), paper_2019_current_at(m, id_ratio)).u_dq_V);
+        steady_point_solve(m, motor_speed_rad_s(m, n_rpm), paper_2019_current_at(m, id_ratio)).u_dq_V);
 }
 
 double complex paper_2019_current(const motor *m, double n_rpm)
@@ -81,13 +81,13 @@ typedef struct paper_2019_points {
 static bool run_points(const motor *m, const method_machine *machine, paper_2019_points *p, error *e)
 {
     for (int n = 0; n < PAPER_2019_TABLE_1; n++) {
-        if (!sweep_point_at(m, NULL, machine, paper_2019_table_1[n].n_rpm,
+        if (!sweep_point_at(m, machine, paper_2019_table_1[n].n_rpm,
                             paper_2019_current(m, paper_2019_table_1[n].n_rpm), &p->at[n], e)) {
             return false;
         }
     }
-    return sweep_point_at(m, NULL, machine, 1000.0, paper_2019_current(m, 1000.0), &p->at_1000, e) &&
-           sweep_point_at(m, NULL, machine, 8000.0, paper_2019_current_at(m, 0.0), &p->at_8000_plain, e);
+    return sweep_point_at(m, machine, 1000.0, paper_2019_current(m, 1000.0), &p->at_1000, e) &&
+           sweep_point_at(m, machine, 8000.0, paper_2019_current_at(m, 0.0), &p->at_8000_plain, e);
 }
 
 static void table_1_note(const paper_2019_points *p, int speed, method which, char *note, size_t size)
@@ -204,7 +204,7 @@ bool paper_2019_compare(comparison *c, error *e)
     const motor m = paper_2019_motor();
     method_machine machine;
     paper_2019_points points;
-    if (!method_machine_of(&m, NULL, &machine, e) || !run_points(&m, &machine, &points, e)) {
+    if (!method_machine_of(&m, &machine, e) || !run_points(&m, &machine, &points, e)) {
         return false;
     }
     add_table_1(c, &points);

@@ -5,11 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double pi = 3.14159265358979323846;
-
 static double complex final_current(const six_step_run *run, int vector)
 {
-    return run->u_over_R * papers_turn(vector * pi / 3.0);
+    return run->u_over_R * vec_turn(vector * VEC_PI / 3.0);
 }
 
 double complex six_step_current(const six_step_run *run, const six_step_interval *at, double t_s)
@@ -33,8 +31,8 @@ static void solve_interval(const six_step_run *run, six_step_interval *at)
     const double complex turning = I * at->Theta_rad;
     at->i_end = target + rest * exp(-decay);
     at->i_mean = target + rest * mean_of_decay(decay);
-    at->i_mean_dq = papers_turn(-at->theta_rad) *
-                    (target * mean_of_decay(turning) + rest * mean_of_decay(turning + decay));
+    at->i_mean_dq =
+        vec_turn(-at->theta_rad) * (target * mean_of_decay(turning) + rest * mean_of_decay(turning + decay));
 }
 
 /*
@@ -43,20 +41,20 @@ static void solve_interval(const six_step_run *run, six_step_interval *at)
  */
 static double sector_end_rad(int vector, double reference_rad)
 {
-    return vector * pi / 3.0 + pi / 6.0 - reference_rad;
+    return vector * VEC_PI / 3.0 + VEC_PI / 6.0 - reference_rad;
 }
 
 static int nearest_vector(double theta_rad, double reference_rad)
 {
-    return (int)floor((theta_rad + reference_rad) / (pi / 3.0) + 0.5);
+    return (int)floor((theta_rad + reference_rad) / (VEC_PI / 3.0) + 0.5);
 }
 
 /* Lays out the intervals in time; currents come after. Returns where the step falls, as a rotor angle. */
 static double lay_out(const six_step_scenario *s, six_step_run *run)
 {
-    const double omega = 2.0 * pi * s->f_Hz;
+    const double omega = VEC_TWO_PI * s->f_Hz;
     const int steady = s->intervals_before;
-    const double theta_step = sector_end_rad(steady - 1, 0.0) + s->step_at * pi / 3.0;
+    const double theta_step = sector_end_rad(steady - 1, 0.0) + s->step_at * VEC_PI / 3.0;
     double theta = sector_end_rad(-1, 0.0);
     for (size_t n = 0; n < run->count; n++) {
         six_step_interval *at = &run->interval[n];
@@ -86,12 +84,12 @@ bool six_step_solve(const six_step_scenario *scenario, six_step_run *run, error 
         return error_failure(e, 0, "six-step run: out of memory");
     }
     const double theta_step = lay_out(scenario, run);
-    run->t_step_s = (theta_step - run->interval[0].theta_rad) / (2.0 * pi * scenario->f_Hz);
+    run->t_step_s = (theta_step - run->interval[0].theta_rad) / (VEC_TWO_PI * scenario->f_Hz);
 
     /* Steady state: after one interval the current has turned by pi/3 with the voltage. */
     six_step_interval *first = &run->interval[0];
     const double decay = exp(-first->duration_s * scenario->R_ohm / scenario->L_H);
-    first->i_start = final_current(run, 0) * (1.0 - decay) / (papers_turn(pi / 3.0) - decay);
+    first->i_start = final_current(run, 0) * (1.0 - decay) / (vec_turn(VEC_PI / 3.0) - decay);
     solve_interval(run, first);
 
     const double unit = cabs(first->i_mean);

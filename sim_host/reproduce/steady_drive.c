@@ -1,17 +1,13 @@
+/* The drive in steady state (steady_drive.h). */
 #include "steady_drive.h"
 
-#include "../model/papers.h"
+#include "model/pwm_cycle.h"
 #include "plant/plant.h"
 #include "plant/plant_electrical.h"
 
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
-
-double steady_drive_omega(const motor *m, double n_rpm)
-{
-    return n_rpm / 60.0 * 2.0 * VEC_PI * m->pole_pairs;
-}
 
 double steady_drive_voltage_limit(double u_dc_V)
 {
@@ -24,10 +20,9 @@ double steady_drive_voltage_limit(double u_dc_V)
 static double complex half_cycle(const electrical_linear *m, double T_s, double complex i_dq_A,
                                  double complex u_dq_V)
 {
-    electrical_state x = {.i_dq_A = {creal(i_dq_A), cimag(i_dq_A)}};
-    const vec_dq u = {creal(u_dq_V), cimag(u_dq_V)};
-    electrical_advance(m, 0.5 * T_s, u, &x);
-    return papers_vector(x.i_dq_A.d, x.i_dq_A.q);
+    electrical_state x = {.i_dq_A = vec_dq_of(i_dq_A)};
+    electrical_advance(m, 0.5 * T_s, vec_dq_of(u_dq_V), &x);
+    return vec_complex_dq(x.i_dq_A);
 }
 
 enum { UNKNOWNS = 4 }; /* i_valley d, q; u d, q */
@@ -36,10 +31,10 @@ enum { UNKNOWNS = 4 }; /* i_valley d, q; u d, q */
 static void residual(const electrical_linear *m, double T_s, const double x[UNKNOWNS],
                      double complex i_mid_dq_A, double r[UNKNOWNS])
 {
-    const double complex i_valley = papers_vector(x[0], x[1]);
-    const double complex u_mid = papers_vector(x[2], x[3]);
+    const double complex i_valley = vec_complex(x[0], x[1]);
+    const double complex u_mid = vec_complex(x[2], x[3]);
     const double half_phi = 0.5 * m->omega_e_rad_s * T_s;
-    const double complex i_mid = half_cycle(m, T_s, i_valley, u_mid * papers_turn(half_phi));
+    const double complex i_mid = half_cycle(m, T_s, i_valley, u_mid * vec_turn(half_phi));
     const double complex i_end = half_cycle(m, T_s, i_mid, u_mid);
     r[0] = creal(i_end - i_valley);
     r[1] = cimag(i_end - i_valley);
@@ -75,33 +70,12 @@ steady_point steady_point_solve(const motor *m, double omega_rad_s, double compl
     lapack_int pivot[UNKNOWNS];
     /* Regular: the voltage moves the middle, and the valley follows from the middle backwards. */
     LAPACKE_dgesv(LAPACK_ROW_MAJOR, UNKNOWNS, 1, jacobian, UNKNOWNS, pivot, x, 1);
-    const steady_point p = {papers_vector(x[0] * scale[0], x[1] * scale[1]),
-                            papers_vector(x[2] * scale[2], x[3] * scale[3])};
+    const steady_point p = {vec_complex(x[0] * scale[0], x[1] * scale[1]),
+                            vec_complex(x[2] * scale[2], x[3] * scale[3])};
     return p;
 }
 
 /* ---- The same under PWM ---- */
-
-/* Centre-aligned duties of a mean voltage, the highest and lowest alike far from the rails. */
-static void duties_of(double complex u_V, double u_dc_V, double duty[3])
-{
-    const vec_ab u = {creal(u_V), cimag(u_V)};
-    double phase[3];
-    for (int x = 0; x < 3; x++) {
-        phase[x] = vec_phase(u, x);
-    }
-    const double highest = fmax(phase[0], fmax(phase[1], phase[2]));
-    const double lowest = fmin(phase[0], fmin(phase[1], phase[2]));
-    for (int x = 0; x < 3; x++) {
-        duty[x] = 0.5 + (phase[x] - 0.5 * (highest + lowest)) / u_dc_V;
-    }
-}
-
-static double complex sampled_current(const plant_samples *s)
-{
-    const vec_ab i = vec_from_phases(s->i_A);
-    return papers_vector(i.alpha, i.beta);
-}
 
 static void run_cycle(plant *p, const steady_drive *d, drive_cycle *at)
 {
@@ -110,16 +84,14 @@ static void run_cycle(plant *p, const steady_drive *d, drive_cycle *at)
     plant_means means;
     double duty[3];
     at->theta_rad = plant_now(p).theta_e_rad;
-    at->u_V = d->u_dq_V * papers_turn(at->theta_rad + 0.5 * d->omega_rad_s * d->T_s);
-    duties_of(at->u_V, d->u_dc_V, duty);
+    at->u_V = d->u_dq_V * vec_turn(at->theta_rad + 0.5 * d->omega_rad_s * d->T_s);
+    pwm_duties(at->u_V, d->u_dc_V, duty);
     plant_cycle(p, duty, &valley, &peak, &means);
-    at->i_valley_A = sampled_current(&valley);
-    at->i_mid_A = sampled_current(&peak);
-    at->i_mean_A = papers_vector(means.i_ab_A.alpha, means.i_ab_A.beta);
-    at->i_mean_dq_A = papers_vector(means.i_dq_A.d, means.i_dq_A.q);
-    const plant_point end = plant_now(p);
-    const vec_ab i_end = vec_from_phases(end.i_A);
-    at->i_next_valley_A = papers_vector(i_end.alpha, i_end.beta);
+    at->i_valley_A = vec_complex_of_phases(valley.i_A);
+    at->i_mid_A = vec_complex_of_phases(peak.i_A);
+    at->i_mean_A = vec_complex_ab(means.i_ab_A);
+    at->i_mean_dq_A = vec_complex_dq(means.i_dq_A);
+    at->i_next_valley_A = vec_complex_of_phases(plant_now(p).i_A);
 }
 
 static void start_plant(const motor *m, const steady_drive *d, double theta_rad, double complex i_dq_A,
@@ -129,14 +101,13 @@ static void start_plant(const motor *m, const steady_drive *d, double theta_rad,
     c.inverter.u_dc_V = d->u_dc_V;
     c.shaft.omega_e_start_rad_s = d->omega_rad_s;
     c.shaft.theta_mech_start_rad = theta_rad / m->pole_pairs;
-    const vec_dq start = {creal(i_dq_A), cimag(i_dq_A)};
     plant_init(p, &c);
-    plant_set_current(p, start);
+    plant_set_current(p, vec_dq_of(i_dq_A));
 }
 
 void steady_drive_duties(const steady_drive *d, const drive_cycle *at, double duty[3])
 {
-    duties_of(at->u_V, d->u_dc_V, duty);
+    pwm_duties(at->u_V, d->u_dc_V, duty);
 }
 
 typedef struct tracer {
@@ -157,7 +128,7 @@ void steady_drive_trace(const motor *m, const steady_drive *d, size_t first, siz
     const drive_cycle *at = &d->cycle[first];
     tracer t = {trace, context};
     plant p;
-    start_plant(m, d, at->theta_rad, at->i_valley_A * papers_turn(-at->theta_rad), &p);
+    start_plant(m, d, at->theta_rad, at->i_valley_A * vec_turn(-at->theta_rad), &p);
     p.trace = pass_on;
     p.trace_context = &t;
     p.trace_step_s = step_s;
@@ -189,7 +160,7 @@ static double complex run(const motor *m, const steady_point *point, steady_driv
     for (size_t n = 0; n < d->count; n++) {
         drive_cycle *at = &d->cycle[n];
         run_cycle(&p, d, at);
-        sum_dq += at->i_mid_A * papers_turn(-at->theta_rad - 0.5 * d->omega_rad_s * d->T_s);
+        sum_dq += at->i_mid_A * vec_turn(-at->theta_rad - 0.5 * d->omega_rad_s * d->T_s);
     }
     return sum_dq / (double)d->count;
 }
@@ -214,10 +185,10 @@ static size_t beat_count(double turns_per_cycle, size_t cycles)
 bool steady_drive_run(const motor *m, double n_rpm, double complex i_mid_dq_A, size_t cycles, steady_drive *d,
                       error *e)
 {
-    const double omega = steady_drive_omega(m, n_rpm);
+    const double omega = motor_speed_rad_s(m, n_rpm);
     *d = (steady_drive){.T_s = 1.0 / m->f_pwm_Hz,
                         .omega_rad_s = omega,
-                        .turns_per_cycle = omega / (2.0 * VEC_PI * m->f_pwm_Hz),
+                        .turns_per_cycle = omega / (VEC_TWO_PI * m->f_pwm_Hz),
                         .i_mid_dq_A = i_mid_dq_A,
                         .u_dc_V = m->u_dc_V};
     d->count = beat_count(d->turns_per_cycle, cycles);

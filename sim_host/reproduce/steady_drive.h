@@ -75,6 +75,4 @@ steady_point steady_point_solve(const motor *m, double omega_rad_s, double compl
 /* Highest phase voltage (peak) that PWM with min/max zero sequence makes in linear modulation. */
 double steady_drive_voltage_limit(double u_dc_V);
 
-double steady_drive_omega(const motor *m, double n_rpm);
-
 #endif

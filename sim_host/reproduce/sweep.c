@@ -10,18 +10,18 @@ enum { CYCLES = 600 };
 static const double link_max_pu = 3.0;
 static const double current_max_pu = 16.0;
 
-bool sweep_point_at(const motor *m, const char *file, const method_machine *machine, double n_rpm,
-                    double complex i_mid_dq_A, sweep_point *point, error *e)
+bool sweep_point_at(const motor *m, const method_machine *machine, double n_rpm, double complex i_mid_dq_A,
+                    sweep_point *point, error *e)
 {
     const double turns = fabs(n_rpm) / 60.0 * m->pole_pairs / m->f_pwm_Hz;
     const double sffr = turns > 0.0 ? 1.0 / turns : INFINITY;
     if (sffr < SWEEP_SFFR_MIN * (1.0 - 1e-12)) {
-        return error_input(e, file, 0, 0,
+        return error_input(e, m->path, 0, 0,
                            "%g rpm is %.3g switching periods a revolution; expected at least %g (%.6g rpm)",
                            n_rpm, sffr, SWEEP_SFFR_MIN, m->f_pwm_Hz / SWEEP_SFFR_MIN * 60.0 / m->pole_pairs);
     }
     if (cabs(i_mid_dq_A) > current_max_pu * machine->I_base_A) {
-        return error_input(e, file, 0, 0,
+        return error_input(e, m->path, 0, 0,
                            "%.4g A rms is more than %g times the rated %.4g A rms, the most expected",
                            cabs(i_mid_dq_A) / sqrt(2.0), current_max_pu, m->I_rated_A_rms);
     }
@@ -31,7 +31,7 @@ bool sweep_point_at(const motor *m, const char *file, const method_machine *mach
     }
     bool ok = true;
     if (d.u_dc_V > link_max_pu * m->u_dc_V) {
-        ok = error_input(e, file, 0, 0,
+        ok = error_input(e, m->path, 0, 0,
                          "%g rpm with this current needs a DC link of %.4g V; expected at most %g times the "
                          "motor file's %g V",
                          n_rpm, d.u_dc_V, link_max_pu, m->u_dc_V);
@@ -42,7 +42,7 @@ bool sweep_point_at(const motor *m, const char *file, const method_machine *mach
                                .u_dc_V = d.u_dc_V,
                                .link_raised = d.link_raised,
                                .errors = method_errors_of(&d, machine)};
-        ok = exact_errors_of(m, file, &d, &point->exact, e);
+        ok = exact_errors_of(m, &d, &point->exact, e);
     }
     steady_drive_free(&d);
     return ok;

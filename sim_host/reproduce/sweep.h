@@ -23,9 +23,9 @@ typedef struct sweep_point {
 /* The least ratio of switching to fundamental frequency that the library covers. */
 #define SWEEP_SFFR_MIN 3.0
 
-/* file: the motor's, for messages; may be NULL. */
-bool sweep_point_at(const motor *m, const char *file, const method_machine *machine, double n_rpm,
-                    double complex i_mid_dq_A, sweep_point *point, error *e);
+/* False with the reason where the drive or the firmware has no such point. */
+bool sweep_point_at(const motor *m, const method_machine *machine, double n_rpm, double complex i_mid_dq_A,
+                    sweep_point *point, error *e);
 
 /* {"rpm":, "sffr":, "mean": {"standard":, "quasi_discrete":, "exact":}, "prediction": {...}, "iq24": {the
  * same}, ...}

@@ -97,12 +97,12 @@ static void the_mean_follows_from_the_valley(void)
         const iqfoc_dq_t mean = {random_iq24(&seed, -2.0, 2.0), random_iq24(&seed, -2.0, 2.0)};
         const iqfoc_dq_t valley = iqfoc_valley_reference(&r, mean);
         const exact_salient m = {0.0, L_H, L_H, k_psi * L_H * I_b_A};
-        const double complex i_A = I_b_A * papers_vector(to_double(valley.d), to_double(valley.q));
+        const double complex i_A = I_b_A * vec_complex(to_double(valley.d), to_double(valley.q));
         /* The voltage that brings the flux round by phi: u T = psi (e^{j phi} - 1). */
-        const double complex u_V = (L_H * i_A + m.psi_f_Wb) * (papers_turn(phi) - 1.0) / T_s;
+        const double complex u_V = (L_H * i_A + m.psi_f_Wb) * (vec_turn(phi) - 1.0) / T_s;
         const exact_span span = exact_salient_span(&m, i_A, u_V, T_s, phi / T_s);
         TEST_ASSERT_TRUE(cabs(span.end_dq_A - i_A) < 1e-6 * I_b_A);
-        const double complex want = I_b_A * papers_vector(to_double(mean.d), to_double(mean.q));
+        const double complex want = I_b_A * vec_complex(to_double(mean.d), to_double(mean.q));
         most = fmax(most, cabs(span.mean_dq_A - want) / I_b_A);
     }
     printf("  mean current asked for and had: %.2e per unit\n", most);

@@ -59,18 +59,18 @@ static truth of_plant(const case_ *c, double R_ohm)
                                        .psi_f_Wb = c->m->psi_f_Wb,
                                        .omega_e_rad_s = c->omega_rad_s};
     const double t_s = c->span / c->m->f_pwm_Hz;
-    const double complex back = papers_turn(-theta_rad(c));
+    const double complex back = vec_turn(-theta_rad(c));
     const double complex i = c->i_A * back;
     const double complex u = c->u_V * back;
     electrical_state x = {.i_dq_A = {creal(i), cimag(i)}};
     const vec_dq u_dq = {creal(u), cimag(u)};
     electrical_advance(&machine, t_s, u_dq, &x);
-    const truth t = {.end_dq_A = papers_vector(x.i_dq_A.d, x.i_dq_A.q),
-                     .end_A = papers_vector(x.i_dq_A.d, x.i_dq_A.q) *
-                              papers_turn(theta_rad(c) + c->omega_rad_s * t_s),
-                     .mean_A = papers_vector(x.integral_start_As.alpha, x.integral_start_As.beta) / t_s *
-                               papers_turn(theta_rad(c)),
-                     .mean_dq_A = papers_vector(x.integral_dq_As.d, x.integral_dq_As.q) / t_s};
+    const truth t = {.end_dq_A = vec_complex(x.i_dq_A.d, x.i_dq_A.q),
+                     .end_A =
+                         vec_complex(x.i_dq_A.d, x.i_dq_A.q) * vec_turn(theta_rad(c) + c->omega_rad_s * t_s),
+                     .mean_A = vec_complex(x.integral_start_As.alpha, x.integral_start_As.beta) / t_s *
+                               vec_turn(theta_rad(c)),
+                     .mean_dq_A = vec_complex(x.integral_dq_As.d, x.integral_dq_As.q) / t_s};
     return t;
 }
 
@@ -84,7 +84,7 @@ static double difference_in_double(const case_ *c, double R_ohm)
     const truth t = of_plant(c, R_ohm);
     const double t_s = c->span / c->m->f_pwm_Hz;
     const exact_salient s = {R_ohm, c->m->L_d_H, c->m->L_q_H, c->m->psi_f_Wb};
-    const double complex back = papers_turn(-theta_rad(c));
+    const double complex back = vec_turn(-theta_rad(c));
     const exact_span x = exact_salient_span(&s, c->i_A * back, c->u_V * back, t_s, c->omega_rad_s);
     double worst_of = fmax(of_rated(c, x.end_dq_A - t.end_dq_A), of_rated(c, x.mean_dq_A - t.mean_dq_A));
     if (c->m->L_d_H == c->m->L_q_H) {
@@ -117,12 +117,12 @@ static void add_salient(worst *end, worst *mean, const case_ *exact_inputs)
     const per_unit base = per_unit_of(c.m);
     iqfoc_salient_machine_t machine;
     error e = {0};
-    TEST_ASSERT_TRUE(salient_from_motor(c.m, NULL, &machine, &e));
+    TEST_ASSERT_TRUE(salient_from_motor(c.m, &machine, &e));
     c.theta = 0; /* the rotor frame's inputs are rounded themselves */
     const iqfoc_ab_t i = ab_of(c.i_A, base.I_A);
     const iqfoc_ab_t u = ab_of(c.u_V, base.U_V);
-    c.i_A = base.I_A * papers_vector(to_double(i.alpha), to_double(i.beta));
-    c.u_V = base.U_V * papers_vector(to_double(u.alpha), to_double(u.beta));
+    c.i_A = base.I_A * vec_complex(to_double(i.alpha), to_double(i.beta));
+    c.u_V = base.U_V * vec_complex(to_double(u.alpha), to_double(u.beta));
     const truth t = of_plant(&c, c.m->R_ohm);
     const iqfoc_dq_t i_dq = {i.alpha, i.beta};
     const iqfoc_dq_t u_dq = {u.alpha, u.beta};
@@ -139,11 +139,11 @@ static void add_stationary(worst *end, worst *mean, const case_ *exact_inputs)
     const per_unit base = per_unit_of(c.m);
     iqfoc_exact_winding_t winding;
     error e = {0};
-    TEST_ASSERT_TRUE(winding_from_motor(c.m, NULL, &winding, &e));
+    TEST_ASSERT_TRUE(winding_from_motor(c.m, &winding, &e));
     const iqfoc_ab_t i = ab_of(c.i_A, base.I_A);
     const iqfoc_ab_t u = ab_of(c.u_V, base.U_V);
-    c.i_A = base.I_A * papers_vector(to_double(i.alpha), to_double(i.beta));
-    c.u_V = base.U_V * papers_vector(to_double(u.alpha), to_double(u.beta));
+    c.i_A = base.I_A * vec_complex(to_double(i.alpha), to_double(i.beta));
+    c.u_V = base.U_V * vec_complex(to_double(u.alpha), to_double(u.beta));
     /* Speed and span are such that the middle is an IQ24 number. */
     const iq24_t theta_mid = c.theta + (iq24_t)lround(0.5 * c.span * (double)c.turns);
     const truth t = of_plant(&c, c.m->R_ohm);
@@ -169,10 +169,10 @@ static case_ case_of(const motor *m, double ratio, int kind)
     case_ c = {.m = m, .span = spans[(kind >> 2) & 1], .theta = 1000003 * kind};
     c.turns = ratio == 0.0 ? 0 : 4 * (to_iq24(sign / ratio) / 4);
     c.omega_rad_s = TWO_PI * to_double(c.turns) * m->f_pwm_Hz;
-    const double complex rotor = papers_turn(theta_rad(&c));
+    const double complex rotor = vec_turn(theta_rad(&c));
     const double i_d = kind & 8 ? -0.7 : 0.0;
-    c.i_A = base.I_A * papers_vector(i_d, torque * sqrt(1.0 - i_d * i_d)) * rotor;
-    c.u_V = base.U_V * 0.55 * papers_turn(0.7 * kind) * rotor;
+    c.i_A = base.I_A * vec_complex(i_d, torque * sqrt(1.0 - i_d * i_d)) * rotor;
+    c.u_V = base.U_V * 0.55 * vec_turn(0.7 * kind) * rotor;
     return c;
 }
 
@@ -227,7 +227,7 @@ static void test_spans_add_up(void)
     const double T_s = 1.0 / m.f_pwm_Hz;
     const exact_span whole = exact_salient_span(&s, c.i_A, c.u_V, T_s, c.omega_rad_s);
     const exact_span first = exact_salient_span(&s, c.i_A, c.u_V, 0.3 * T_s, c.omega_rad_s);
-    const double complex u_then = c.u_V * papers_turn(-0.3 * T_s * c.omega_rad_s);
+    const double complex u_then = c.u_V * vec_turn(-0.3 * T_s * c.omega_rad_s);
     const exact_span second = exact_salient_span(&s, first.end_dq_A, u_then, 0.7 * T_s, c.omega_rad_s);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, of_rated(&c, whole.end_dq_A - second.end_dq_A));
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0,
@@ -240,18 +240,18 @@ static void test_closed_form(void)
     for (int n = 0; n < 100; n++) {
         const papers_machine m = {.R_ohm = 0.05 + 0.009 * n, .L_H = 1.0, .psi_f_Wb = 1.5};
         const double phi = -2.0 + 0.041 * n;
-        const double complex half_z = 0.5 * papers_vector(m.R_ohm, phi);
+        const double complex half_z = 0.5 * vec_complex(m.R_ohm, phi);
         const double complex G = exp(-0.5 * m.R_ohm) * csinh(half_z) / half_z;
-        const double complex i = papers_vector(0.3, -0.9);
-        const double complex u = papers_vector(-0.4, 0.2);
+        const double complex i = vec_complex(0.3, -0.9);
+        const double complex u = vec_complex(-0.4, 0.2);
         const double E = exp(-m.R_ohm);
         const double complex want =
-            E * i + (1.0 - E) / m.R_ohm * u - I * m.psi_f_Wb * phi * G * papers_turn(0.4 * n);
+            E * i + (1.0 - E) / m.R_ohm * u - I * m.psi_f_Wb * phi * G * vec_turn(0.4 * n);
         const double complex got = exact_predict(&m, i, u, 1.0, 0.4 * n, phi);
         TEST_ASSERT_DOUBLE_WITHIN(1e-13, 0.0, cabs(got - want));
         /* L (i(T) - i) = (u - R mean) T - EMF, whose integral is that of 2019 (5). */
         const double complex mean = exact_mean(&m, i, u, 1.0, 0.4 * n, phi);
-        const double complex emf = I * m.psi_f_Wb * phi * papers_s1(phi) * papers_turn(0.4 * n);
+        const double complex emf = I * m.psi_f_Wb * phi * papers_s1(phi) * vec_turn(0.4 * n);
         TEST_ASSERT_DOUBLE_WITHIN(1e-13, 0.0, cabs(got - i - (u - m.R_ohm * mean - emf)));
     }
 }
@@ -265,17 +265,17 @@ static void test_a_motor_that_does_not_fit_is_refused(void)
     TEST_ASSERT_TRUE(motor_read(files[0], &m, &e));
     motor bad = m;
     bad.R_ohm = 1.01 * m.L_d_H * m.f_pwm_Hz;
-    TEST_ASSERT_FALSE(salient_from_motor(&bad, files[0], &machine, &e));
+    TEST_ASSERT_FALSE(salient_from_motor(&bad, &machine, &e));
     TEST_ASSERT_NOT_NULL(strstr(e.text, "R T/L"));
     bad = m;
     e = (error){0};
     bad.psi_f_Wb = 100.0;
-    TEST_ASSERT_FALSE(winding_from_motor(&bad, files[0], &winding, &e));
+    TEST_ASSERT_FALSE(winding_from_motor(&bad, &winding, &e));
     TEST_ASSERT_NOT_NULL(strstr(e.text, "psi_f"));
     bad = m;
     e = (error){0};
     bad.L_q_H = 8.01 * m.L_d_H;
-    TEST_ASSERT_FALSE(salient_from_motor(&bad, files[0], &machine, &e));
+    TEST_ASSERT_FALSE(salient_from_motor(&bad, &machine, &e));
     TEST_ASSERT_NOT_NULL(strstr(e.text, "L_q/L_d"));
 }
 

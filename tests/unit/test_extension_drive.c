@@ -2,10 +2,9 @@
  * The corrections in a closed loop with the switching-level drive: with the value of an effect put into the
  * firmware, its prediction and the true current come back to what they are without the effect.
  */
-#include "drive.h"
+#include "drive/drive_run.h"
+#include "drive/firmware_host.h"
 #include "extension_host.h"
-
-#include "iqfoc/transform.h"
 
 #include "unity.h"
 
@@ -13,20 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The library with its corrections around it: what a port does that has a diagnosis' header. */
-typedef struct corrected_drive {
-    iqfoc_cycle_t cycle;
-    iqfoc_cycle_config_t config;
-    iqfoc_extension_t extension;
-} corrected_drive;
-
 /* What a run came to, rms: the true dq current off its reference, and the prediction off the next sample. */
 typedef struct score {
     double current_A, prediction_A;
 } score;
 
 typedef struct watch {
-    const corrected_drive *drive;
+    const drive_host *drive;
     double i_d_A, i_q_A, base_A;
     double current, prediction;
     long rows;
@@ -38,49 +30,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
-{
-    corrected_drive *drive = context;
-    (void)e;
-    drive->config = *config;
-    drive->config.period_ticks = 0; /* time is the HAL's business, not this test's */
-    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_cycle_init(&drive->cycle, &drive->config));
-    TEST_ASSERT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_extension_check(&drive->extension));
-    drive->cycle.enabled = true;
-    return true;
-}
-
-static bool reference(void *context, iqfoc_dq_t i_ref, error *e)
-{
-    (void)e;
-    ((corrected_drive *)context)->cycle.i_ref = i_ref;
-    return true;
-}
-
-static bool valley(void *context, const iqfoc_sample_t *raw, error *e)
-{
-    corrected_drive *drive = context;
-    iqfoc_sample_t sample = *raw;
-    (void)e;
-    iqfoc_extension_sample(&drive->extension, &sample);
-    iqfoc_cycle_valley(&drive->cycle, &sample, sample.time);
-    return true;
-}
-
-static bool peak(void *context, const iqfoc_sample_t *raw, iqfoc_command_t *command, uint32_t *status,
-                 error *e)
-{
-    corrected_drive *drive = context;
-    iqfoc_sample_t sample = *raw;
-    (void)e;
-    iqfoc_extension_sample(&drive->extension, &sample);
-    *command = iqfoc_cycle_peak(&drive->cycle, &sample, IQ24(1.5), sample.time);
-    iqfoc_extension_compensate(&drive->extension, &command->duties, iqfoc_clarke_inverse(drive->cycle.i_next),
-                               drive->cycle.u_dc_inverse);
-    *status = drive->cycle.status;
-    return true;
 }
 
 static bool look(void *context, const drive_row *row, error *e)
@@ -114,7 +63,8 @@ static motor laboratory(void)
 
 static score run(const plant_config *truth, const motor *corrected)
 {
-    static corrected_drive drive;
+    static drive_host drive;
+    iqfoc_extension_t extension;
     const motor m = laboratory();
     error e = {0};
     iqfoc_cycle_config_t config;
@@ -122,15 +72,14 @@ static score run(const plant_config *truth, const motor *corrected)
     scenario_run r = {.cycles = 1500, .settle_cycles = 1500, .shaft = SHAFT_GIVEN};
     uint32_t status = 0;
     watch w = {.drive = &drive, .i_d_A = -3.0, .i_q_A = 8.0, .base_A = per_unit_of(&m).I_A};
-    const drive_firmware firmware = {&drive, start, reference, valley, peak};
+    const drive_firmware firmware = drive_firmware_host(&drive, &extension);
     const drive_log log = {&w, look};
-    memset(&drive, 0, sizeof drive);
     r.speed_rpm = profile_constant(700.0);
     r.i_d_A = profile_constant(w.i_d_A);
     r.i_q_A = profile_constant(w.i_q_A);
     r.load_Nm = profile_constant(0.0);
-    TEST_ASSERT_TRUE_MESSAGE(extension_from_motor(corrected, "m.toml", &drive.extension, &e), e.text);
-    TEST_ASSERT_TRUE_MESSAGE(config_from_motor(&m, "m.toml", &control, &config, &e), e.text);
+    TEST_ASSERT_TRUE_MESSAGE(extension_from_motor(corrected, &extension, &e), e.text);
+    TEST_ASSERT_TRUE_MESSAGE(config_from_motor(&m, &control, &config, &e), e.text);
     TEST_ASSERT_TRUE_MESSAGE(drive_run(&m, truth, &r, 1, &config, &firmware, &log, &status, &e), e.text);
     const score s = {sqrt(w.current / (double)w.rows), sqrt(w.prediction / (double)w.rows)};
     return s;

@@ -2,7 +2,8 @@
  * The firmware in closed loop with the switching-level drive: it regulates what its feedback promises, the
  * recording of it obeys the machine, and lateness seen through the HAL stops it.
  */
-#include "drive.h"
+#include "drive/drive_run.h"
+#include "drive/firmware_host.h"
 
 #include "unity.h"
 
@@ -96,9 +97,9 @@ static bool run_drive(scenario_feedback feedback, const scenario_run *run, uint3
     const plant_config drive = plant_config_from_motor(&m);
     const scenario_control control = {feedback, MODULATION_PWM, 0.0};
     iqfoc_cycle_config_t config;
-    const drive_firmware firmware = drive_firmware_host(&host);
+    const drive_firmware firmware = drive_firmware_host(&host, NULL);
     const drive_log log = {&m, check_row};
-    return config_from_motor(&m, "m.toml", &control, &config, e) &&
+    return config_from_motor(&m, &control, &config, e) &&
            drive_run(&m, &drive, run, 1, &config, &firmware, &log, status, e);
 }
 
@@ -148,10 +149,10 @@ static void test_late_firmware_is_stopped(void)
     const plant_config drive = plant_config_from_motor(&m);
     const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0};
     iqfoc_cycle_config_t config;
-    TEST_ASSERT_TRUE(config_from_motor(&m, "m.toml", &control, &config, &e));
+    TEST_ASSERT_TRUE(config_from_motor(&m, &control, &config, &e));
     config.deadline_ticks = 0;
     config.stale_ticks = 0;
-    const drive_firmware firmware = drive_firmware_host(&host);
+    const drive_firmware firmware = drive_firmware_host(&host, NULL);
     const drive_log log = {&m, check_row};
     const scenario_run run = steady(1000.0, 0.0, 5.0, 10);
     /* On time to the tick: nothing to stop. */
@@ -171,26 +172,25 @@ static void test_handler_sees_latency_and_its_own_duration(void)
     const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0};
     iqfoc_cycle_config_t config;
     error e = {0, ""};
-    TEST_ASSERT_TRUE(config_from_motor(&m, "m.toml", &control, &config, &e));
-    const drive_firmware firmware = drive_firmware_host(&host);
-    iqfoc_command_t command;
-    uint32_t status;
+    TEST_ASSERT_TRUE(config_from_motor(&m, &control, &config, &e));
+    const drive_firmware firmware = drive_firmware_host(&host, NULL);
+    drive_answer answer;
     iqfoc_sample_t sample = {.u_dc = IQ24_ONE, .time = UINT32_MAX - 5U};
     TEST_ASSERT_TRUE(firmware.start(firmware.context, &config, &e));
     host.hal.latency_ticks = config.stale_ticks;
     TEST_ASSERT_TRUE(firmware.valley(firmware.context, &sample, &e));
     TEST_ASSERT_EQUAL_UINT32(0, host.cycle.status);
     host.hal.latency_ticks = config.stale_ticks + 1;
-    TEST_ASSERT_TRUE(firmware.peak(firmware.context, &sample, &command, &status, &e));
-    TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_STALE, status);
-    TEST_ASSERT_FALSE(command.gates);
+    TEST_ASSERT_TRUE(firmware.peak(firmware.context, &sample, &answer, &e));
+    TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_STALE, answer.status);
+    TEST_ASSERT_FALSE(answer.command.gates);
 
     TEST_ASSERT_TRUE(firmware.start(firmware.context, &config, &e));
     host.hal.compute_ticks = config.deadline_ticks + 1;
     TEST_ASSERT_TRUE(firmware.valley(firmware.context, &sample, &e));
-    TEST_ASSERT_TRUE(firmware.peak(firmware.context, &sample, &command, &status, &e));
-    TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_LATE, status);
-    TEST_ASSERT_FALSE(command.gates);
+    TEST_ASSERT_TRUE(firmware.peak(firmware.context, &sample, &answer, &e));
+    TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_LATE, answer.status);
+    TEST_ASSERT_FALSE(answer.command.gates);
     TEST_ASSERT_EQUAL_INT(1, host.hal.written);
 }
 

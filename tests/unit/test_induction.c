@@ -2,9 +2,10 @@
  * The induction machine: the firmware's functions against the exact solution in double, that solution against
  * an independent integration, and what field orientation makes of it.
  */
+#include "induction/induction_model.h"
 #include "iqfoc/induction.h"
 #include "iqfoc/predictor.h"
-#include "model/induction.h"
+#include "model/papers.h"
 #include "reference_vectors.h"
 
 #define SEED UINT64_C(20240614)
@@ -148,8 +149,8 @@ static induction_state integrated(const induction_machine *m, induction_state x,
 static void test_reference_is_what_integration_gives(void)
 {
     for (int n = -10; n <= 10; n++) {
-        const induction_state start = {papers_vector(200.0, -150.0), papers_vector(1.0, 2.0)};
-        const double complex u = papers_vector(300.0, 600.0);
+        const induction_state start = {vec_complex(200.0, -150.0), vec_complex(1.0, 2.0)};
+        const double complex u = vec_complex(300.0, 600.0);
         const induction_span x = induction_advance(&traction, start, u, 2e-3, 100.0 * n);
         const induction_state want = integrated(&traction, start, u, 2e-3, 100.0 * n);
         TEST_ASSERT_DOUBLE_WITHIN(1e-8, 0.0, cabs(x.end.i_A - want.i_A));
@@ -168,8 +169,8 @@ static void test_pwm_cycle(void)
 {
     const double duty[3] = {0.8, 0.35, 0.2};
     const double T_s = 2e-4;
-    const induction_state start = {papers_vector(100.0, -50.0), papers_vector(2.0, 1.0)};
-    const double complex u = 1500.0 * papers_vector((2.0 * 0.8 - 0.35 - 0.2) / 3.0, (0.35 - 0.2) / sqrt(3.0));
+    const induction_state start = {vec_complex(100.0, -50.0), vec_complex(2.0, 1.0)};
+    const double complex u = 1500.0 * vec_complex((2.0 * 0.8 - 0.35 - 0.2) / 3.0, (0.35 - 0.2) / sqrt(3.0));
     const induction_cycle pulsed = induction_pwm(&traction, start, duty, 1500.0, T_s, 300.0);
     const induction_span even = induction_advance(&traction, start, u, T_s, 300.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, cabs(pulsed.whole.end.i_A - even.end.i_A));
@@ -184,14 +185,14 @@ static void test_pwm_cycle(void)
 
 static void test_steady_state_stands_still_in_the_flux_frame(void)
 {
-    const double complex i_dq = papers_vector(110.0, 260.0);
+    const double complex i_dq = vec_complex(110.0, 260.0);
     const induction_point p = induction_steady(&traction, i_dq, 400.0);
     const double omega_s = 400.0 + p.omega_slip_rad_s;
     induction_state x = {i_dq, p.psi_Wb};
     /* A voltage that turns in 2000 small steps over a turn. */
     const double step_s = TWO_PI / omega_s / 2000.0;
     for (int n = 0; n < 2000; n++) {
-        const double complex u = p.u_dq_V * papers_turn(omega_s * step_s * (n + 0.5));
+        const double complex u = p.u_dq_V * vec_turn(omega_s * step_s * (n + 0.5));
         x = induction_advance(&traction, x, u, step_s, 400.0).end;
     }
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, cabs(x.i_A - i_dq));
@@ -219,12 +220,12 @@ static void test_t_circuit_has_the_same_terminals(void)
 /* In field orientation the papers' predictor serves: the flux for the magnet, L_sigma for L, R_s for R. */
 static void test_field_orientation_makes_it_the_papers_form(void)
 {
-    const double complex i_dq = papers_vector(110.0, 260.0);
+    const double complex i_dq = vec_complex(110.0, 260.0);
     const induction_point p = induction_steady(&traction, i_dq, 300.0);
     const double omega_s = 300.0 + p.omega_slip_rad_s;
     const papers_machine papers = {traction.R_s_ohm, traction.L_sigma_H, p.psi_Wb, 2e-3};
     const induction_state start = {i_dq, p.psi_Wb};
-    const double complex u = p.u_dq_V * papers_turn(0.5 * omega_s * 2e-3) * papers_s1(omega_s * 2e-3);
+    const double complex u = p.u_dq_V * vec_turn(0.5 * omega_s * 2e-3) * papers_s1(omega_s * 2e-3);
     const double complex exact = induction_advance(&traction, start, u, 2e-3, 300.0).end.i_A;
     const double complex quasi = papers_predict_quasi_discrete(&papers, i_dq, u, 0.0, omega_s);
     const double complex euler = papers_predict_euler(&papers, i_dq, u, 0.0, omega_s);
@@ -243,12 +244,12 @@ static void test_flux_observer_converges(void)
     const iq24_t turns = to_iq24(omega * T_s / TWO_PI);
     const double omega_fixed = TWO_PI * to_double(turns) / T_s;
     const iqfoc_induction_t c = iqfoc_induction_at_speed(&fixed, turns, IQ24_ONE);
-    const induction_point p = induction_steady(&traction, papers_vector(110.0, 260.0), omega_fixed);
+    const induction_point p = induction_steady(&traction, vec_complex(110.0, 260.0), omega_fixed);
     const double omega_s = omega_fixed + p.omega_slip_rad_s;
-    induction_state x = {papers_vector(110.0, 260.0), p.psi_Wb};
+    induction_state x = {vec_complex(110.0, 260.0), p.psi_Wb};
     iqfoc_induction_state_t estimate = {{0, 0}, {0, 0}};
     for (int n = 0; n < 4000; n++) {
-        const double complex u = p.u_dq_V * papers_turn(omega_s * T_s * (n + 0.5));
+        const double complex u = p.u_dq_V * vec_turn(omega_s * T_s * (n + 0.5));
         const iqfoc_ab_t u_iq = {to_iq24(creal(u) / 1500.0), to_iq24(cimag(u) / 1500.0)};
         estimate.i = (iqfoc_ab_t){to_iq24(creal(x.i_A) / I_b), to_iq24(cimag(x.i_A) / I_b)};
         estimate = iqfoc_induction_step(&c, estimate, u_iq);

@@ -2,7 +2,7 @@
  * The induction machine's table: what is exact is exact under PWM too, what the papers' form leaves out is
  * seen, and the firmware's numbers follow.
  */
-#include "reproduce/induction_table.h"
+#include "induction/induction_table.h"
 #include "unity.h"
 
 #include <math.h>

@@ -8,7 +8,6 @@
 #include "params_exact.h"
 #include "plant/plant.h"
 #include "reference.h"
-#include "reproduce/per_unit_vector.h"
 #include "reproduce/steady_drive.h"
 
 #define SEED UINT64_C(20240613)
@@ -60,7 +59,7 @@ static void test_reference_is_the_plants_mean(void)
         m.R_ohm = n % 5 == 0 ? 0.0 : uniform(&seed, 0.0, 5.0);
         const double omega = n % 7 == 0 ? 0.0 : TWO_PI * m.f_pwm_Hz * uniform(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const modulated_cycle c = random_cycle(&seed, &m, omega);
-        const double complex i_dq = papers_vector(uniform(&seed, -15.0, 15.0), uniform(&seed, -15.0, 15.0));
+        const double complex i_dq = vec_complex(uniform(&seed, -15.0, 15.0), uniform(&seed, -15.0, 15.0));
         plant p;
         plant_means means;
         plant_config config = plant_config_from_motor(&m);
@@ -70,11 +69,11 @@ static void test_reference_is_the_plants_mean(void)
         plant_set_current(&p, (vec_dq){creal(i_dq), cimag(i_dq)});
         plant_cycle(&p, c.duty, NULL, NULL, &means);
         const exact_salient machine = machine_of(&m);
-        const exact_span x = modulated_exact(&machine, &c, i_dq * papers_turn(c.theta_rad));
-        const double complex mean = papers_vector(means.i_dq_A.d, means.i_dq_A.q);
+        const exact_span x = modulated_exact(&machine, &c, i_dq * vec_turn(c.theta_rad));
+        const double complex mean = vec_complex(means.i_dq_A.d, means.i_dq_A.q);
         TEST_ASSERT_DOUBLE_WITHIN(1e-11, 0.0, cabs(x.mean_dq_A - mean));
         const plant_point end = plant_now(&p);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-11, 0.0, cabs(x.end_dq_A - papers_vector(end.i_dq_A.d, end.i_dq_A.q)));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-11, 0.0, cabs(x.end_dq_A - vec_complex(end.i_dq_A.d, end.i_dq_A.q)));
     }
 }
 
@@ -82,7 +81,7 @@ static void test_reference_is_the_plants_mean(void)
 static double complex voltage_of(const modulated_cycle *c)
 {
     const vec_ab d = vec_from_phases(c->duty);
-    return c->u_dc_V * papers_vector(d.alpha, d.beta);
+    return c->u_dc_V * vec_complex(d.alpha, d.beta);
 }
 
 /* Without resistance the ripple's part is the whole difference that the pulses make. */
@@ -96,7 +95,7 @@ static void test_closed_form_of_the_ripple(void)
         const double omega = n % 7 == 0 ? 0.0 : TWO_PI * m.f_pwm_Hz * uniform(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const modulated_cycle c = random_cycle(&seed, &m, omega);
         const exact_salient machine = machine_of(&m);
-        const double complex back = papers_turn(-c.theta_rad);
+        const double complex back = vec_turn(-c.theta_rad);
         const exact_span pulsed = modulated_exact(&machine, &c, 0.0);
         const exact_span even = exact_salient_span(&machine, 0.0, voltage_of(&c) * back, c.T_s, omega);
         const double complex ripple = modulated_ripple_dq(&machine, &c);
@@ -159,9 +158,9 @@ static sampled sampled_of(const steady_drive *d, const drive_cycle *at, const pe
 {
     double duty[3];
     steady_drive_duties(d, at, duty);
-    const sampled s = {.i = vector_to_iq24(at->i_valley_A, base->I_A),
-                       .i_next = vector_to_iq24(at->i_next_valley_A, base->I_A),
-                       .u = vector_to_iq24(at->u_V, base->U_V),
+    const sampled s = {.i = ab_from_complex(at->i_valley_A, base->I_A),
+                       .i_next = ab_from_complex(at->i_next_valley_A, base->I_A),
+                       .u = ab_from_complex(at->u_V, base->U_V),
                        .high = {to_iq24(duty[0]), to_iq24(duty[1]), to_iq24(duty[2])},
                        .u_dc = to_iq24(d->u_dc_V / base->U_V),
                        .sc = iq24_sincos(turns_from_rad(at->theta_rad)),
@@ -176,14 +175,13 @@ typedef struct largest {
 static void add(largest *l, double complex in_double, iqfoc_dq_t in_iq24, double complex truth,
                 const per_unit *base)
 {
-    const double complex fixed = dq_from_iq24(in_iq24, base->I_A);
+    const double complex fixed = complex_from_dq(in_iq24, base->I_A);
     l->of_rated = fmax(l->of_rated, cabs(in_double - truth) / base->I_A);
     l->of_rated_iq24 = fmax(l->of_rated_iq24, cabs(fixed - truth) / base->I_A);
     l->lsb = fmax(l->lsb, cabs(fixed - in_double) / base->I_A * 16777216.0);
 }
 
-static void on_drive(const motor *m, const char *file, const steady_drive *d, largest *samples,
-                     largest *salient)
+static void on_drive(const motor *m, const steady_drive *d, largest *samples, largest *salient)
 {
     const per_unit base = per_unit_of(m);
     const papers_machine round = {m->R_ohm, m->L_d_H, m->psi_f_Wb, d->T_s};
@@ -194,8 +192,8 @@ static void on_drive(const motor *m, const char *file, const steady_drive *d, la
     iqfoc_salient_machine_t fixed;
     iqfoc_salient_t mean;
     error e = {0};
-    TEST_ASSERT_TRUE(predictor_from_motor(m, file, &predictor, &e));
-    TEST_ASSERT_TRUE(salient_from_motor(m, file, &fixed, &e));
+    TEST_ASSERT_TRUE(predictor_from_motor(m, &predictor, &e));
+    TEST_ASSERT_TRUE(salient_from_motor(m, &fixed, &e));
     const iqfoc_mean_modulated_t modulated = iqfoc_mean_modulated_at_speed(&predictor, &rotor);
     const iqfoc_ripple_t ripple = iqfoc_ripple_at_speed(&fixed, &rotor);
     iqfoc_salient_at_speed(&fixed, turns, IQ24_ONE, NULL, &mean);
@@ -209,7 +207,7 @@ static void on_drive(const motor *m, const char *file, const steady_drive *d, la
                 iqfoc_mean_modulated(&modulated, s.i, s.i_next, s.high, s.u_dc, s.sc_mid), at->i_mean_dq_A,
                 &base);
         }
-        const double complex back = papers_turn(-at->theta_rad);
+        const double complex back = vec_turn(-at->theta_rad);
         const exact_span even =
             exact_salient_span(&machine, at->i_valley_A * back, at->u_V * back, d->T_s, d->omega_rad_s);
         const iqfoc_dq_t even_iq24 = iqfoc_salient_step(&mean, iqfoc_park(s.i, s.sc), iqfoc_park(s.u, s.sc));
@@ -220,11 +218,11 @@ static void on_drive(const motor *m, const char *file, const steady_drive *d, la
 }
 
 /* The drive at a ratio, modulation index and load; its DC link is made to fit. */
-static void at_point(const motor *m, const char *file, double ratio, double index, double load,
-                     largest *samples, largest *salient)
+static void at_point(const motor *m, double ratio, double index, double load, largest *samples,
+                     largest *salient)
 {
     const double omega = ratio == 0.0 ? 0.0 : TWO_PI * m->f_pwm_Hz / ratio;
-    const double complex i = sqrt(2.0) * m->I_rated_A_rms * load * papers_vector(-0.5, sqrt(0.75));
+    const double complex i = sqrt(2.0) * m->I_rated_A_rms * load * vec_complex(-0.5, sqrt(0.75));
     motor fitted = *m;
     const steady_point point = steady_point_solve(m, omega, i);
     /* Between a tenth and four times the file's: what the per-unit voltage holds. */
@@ -233,7 +231,7 @@ static void at_point(const motor *m, const char *file, double ratio, double inde
     error e = {0};
     TEST_ASSERT_TRUE(steady_drive_run(&fitted, omega / TWO_PI * 60.0 / m->pole_pairs, i, 60, &d, &e));
     if (d.u_dc_V < 2.0 * m->u_dc_V) {
-        on_drive(m, file, &d, samples, salient);
+        on_drive(m, &d, samples, salient);
     }
     steady_drive_free(&d);
 }
@@ -255,7 +253,7 @@ static void test_within_the_bound_from_sffr_6_up(void)
         for (int r = 0; r < 8; r++) {
             for (int n = 0; n < 3; n++) {
                 for (int load = 0; load < 3; load++) {
-                    at_point(&m, files[f], ratios[r], indices[n], 0.5 * load, &samples, &salient);
+                    at_point(&m, ratios[r], indices[n], 0.5 * load, &samples, &salient);
                 }
             }
         }

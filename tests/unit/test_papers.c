@@ -73,14 +73,14 @@ typedef struct straight {
 static double complex seen(double at, const void *context)
 {
     const straight *s = context;
-    return (s->start + at * (s->end - s->start)) * papers_turn(-s->theta_rad - at * s->phi_rad);
+    return (s->start + at * (s->end - s->start)) * vec_turn(-s->theta_rad - at * s->phi_rad);
 }
 
 static void test_corrected_mean_is_the_mean_of_a_straight_current(void)
 {
     const double phis[] = {-2.0, -pi / 3.0, -1e-9, 0.0, 1e-3, pi / 3.0, 2.0};
     for (size_t n = 0; n < sizeof phis / sizeof phis[0]; n++) {
-        const straight s = {papers_vector(0.8, -0.3), papers_vector(0.5, 0.9), 0.7, phis[n]};
+        const straight s = {vec_complex(0.8, -0.3), vec_complex(0.5, 0.9), 0.7, phis[n]};
         const double complex mean = papers_mean_corrected_dq(0.5 * (s.start + s.end), s.end - s.start,
                                                              s.theta_rad + 0.5 * s.phi_rad, s.phi_rad);
         assert_vector(1e-9, mean_of(seen, &s), mean);
@@ -89,7 +89,7 @@ static void test_corrected_mean_is_the_mean_of_a_straight_current(void)
 
 static void test_normalised_form_is_the_same_mean(void)
 {
-    const straight s = {papers_vector(0.8, -0.3), papers_vector(0.5, 0.9), 0.7, 0.6};
+    const straight s = {vec_complex(0.8, -0.3), vec_complex(0.5, 0.9), 0.7, 0.6};
     const double complex i_mean = 0.5 * (s.start + s.end);
     const double theta_m = s.theta_rad + 0.5 * s.phi_rad;
     const double complex relative = papers_mean_normalised(papers_movement_of(s.start, s.end, s.phi_rad));
@@ -99,8 +99,8 @@ static void test_normalised_form_is_the_same_mean(void)
 
 static void test_steady_state_is_k_1_and_gamma_0(void)
 {
-    const double complex start = papers_vector(0.4, 1.1);
-    const papers_movement m = papers_movement_of(start, start * papers_turn(pi / 3.0), pi / 3.0);
+    const double complex start = vec_complex(0.4, 1.1);
+    const papers_movement m = papers_movement_of(start, start * vec_turn(pi / 3.0), pi / 3.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 1.0, m.k);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.0, m.gamma_rad);
     const papers_error e = papers_error_of(papers_mean_normalised(m));
@@ -110,7 +110,7 @@ static void test_steady_state_is_k_1_and_gamma_0(void)
 
 static void test_change_is_what_the_rotor_sees(void)
 {
-    const papers_change c = papers_change_of(2.0 * papers_turn(3.0), 2.5 * papers_turn(-3.0));
+    const papers_change c = papers_change_of(2.0 * vec_turn(3.0), 2.5 * vec_turn(-3.0));
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.5, c.modulus);
     TEST_ASSERT_DOUBLE_WITHIN(1e-14, 2.0 * pi - 6.0, c.angle_rad);
 }
@@ -129,7 +129,7 @@ static double complex rise(double at, const void *context)
     (void)context;
     const double t = at * machine.T_s;
     return ((voltage - machine.R_ohm * current) * t +
-            machine.psi_f_Wb * (papers_turn(theta) - papers_turn(theta + omega * t))) /
+            machine.psi_f_Wb * (vec_turn(theta) - vec_turn(theta + omega * t))) /
            machine.L_H;
 }
 
@@ -163,8 +163,8 @@ static double emf_of_phase_a(void)
 
 static void test_erratum_2019_4_sign_of_the_emf(void)
 {
-    const double complex mended = omega * machine.psi_f_Wb * papers_turn(theta - 0.5 * pi);
-    const double complex printed = omega * machine.psi_f_Wb * papers_turn(theta + 0.5 * pi);
+    const double complex mended = omega * machine.psi_f_Wb * vec_turn(theta - 0.5 * pi);
+    const double complex printed = omega * machine.psi_f_Wb * vec_turn(theta + 0.5 * pi);
     TEST_ASSERT_DOUBLE_WITHIN(1e-10, emf_of_phase_a(), creal(mended));
     TEST_ASSERT_DOUBLE_WITHIN(1e-10, -emf_of_phase_a(), creal(printed));
     /* Euler with "+ e", (1) and (3), is what papers_predict_euler computes with the mended form only. */
@@ -199,9 +199,9 @@ static void test_erratum_2016_5_lacks_two_thirds(void)
     const double a = 3.0 * cos(0.4);
     const double b = 3.0 * cos(0.4 - 2.0 * pi / 3.0);
     const double c = 3.0 * cos(0.4 + 2.0 * pi / 3.0);
-    const double complex printed = a + b * papers_turn(2.0 * pi / 3.0) + c * papers_turn(4.0 * pi / 3.0);
-    const double complex by_2 = papers_vector(2.0 / 3.0 * (a - 0.5 * b - 0.5 * c), (b - c) / sqrt(3.0));
-    assert_vector(1e-14, 3.0 * papers_turn(0.4), by_2);
+    const double complex printed = a + b * vec_turn(2.0 * pi / 3.0) + c * vec_turn(4.0 * pi / 3.0);
+    const double complex by_2 = vec_complex(2.0 / 3.0 * (a - 0.5 * b - 0.5 * c), (b - c) / sqrt(3.0));
+    assert_vector(1e-14, 3.0 * vec_turn(0.4), by_2);
     assert_vector(1e-14, by_2, 2.0 / 3.0 * printed);
     TEST_ASSERT_DOUBLE_WITHIN(1e-14, 4.5, cabs(printed));
 }
@@ -211,15 +211,15 @@ static double complex active_vector(int k)
 {
     static const int high[6][3] = {{1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}, {1, 0, 1}};
     const int *leg = high[k - 1];
-    return papers_vector((2.0 * leg[0] - leg[1] - leg[2]) / 3.0, (leg[1] - leg[2]) / sqrt(3.0));
+    return vec_complex((2.0 * leg[0] - leg[1] - leg[2]) / 3.0, (leg[1] - leg[2]) / sqrt(3.0));
 }
 
 static void test_erratum_2016_section_5_spacing_of_the_vectors(void)
 {
     for (int k = 1; k <= 6; k++) {
-        assert_vector(1e-15, active_vector(k), 2.0 / 3.0 * papers_turn((k - 1) * pi / 3.0));
+        assert_vector(1e-15, active_vector(k), 2.0 / 3.0 * vec_turn((k - 1) * pi / 3.0));
     }
-    TEST_ASSERT_TRUE(0.3 < cabs(active_vector(2) - 2.0 / 3.0 * papers_turn(pi / 6.0)));
+    TEST_ASSERT_TRUE(0.3 < cabs(active_vector(2) - 2.0 / 3.0 * vec_turn(pi / 6.0)));
 }
 
 static void test_erratum_2016_section_5_time_constant(void)

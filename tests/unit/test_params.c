@@ -31,6 +31,7 @@ void tearDown(void)
 static motor laboratory(void)
 {
     motor m = motor_blank();
+    m.path = "m.toml";
     m.pole_pairs = 3;
     m.R_ohm = 0.75;
     m.L_d_H = 5.2e-3;
@@ -63,7 +64,7 @@ static void test_host_gives_the_same_constants(void)
     const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 250.0};
     iqfoc_cycle_config_t config;
     error e = {0, ""};
-    TEST_ASSERT_TRUE(config_from_motor(&m, "m.toml", &control, &config, &e));
+    TEST_ASSERT_TRUE(config_from_motor(&m, &control, &config, &e));
     TEST_ASSERT_EQUAL_MEMORY(&folded, &config.predictor, sizeof folded);
     TEST_ASSERT_EQUAL_MEMORY(&folded_gains, &config.gains, sizeof folded_gains);
     iqfoc_cycle_t cycle;
@@ -77,7 +78,7 @@ static void refused(motor m, const char *named)
     const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0};
     iqfoc_cycle_config_t config;
     error e = {0, ""};
-    TEST_ASSERT_FALSE(config_from_motor(&m, "m.toml", &control, &config, &e));
+    TEST_ASSERT_FALSE(config_from_motor(&m, &control, &config, &e));
     TEST_ASSERT_EQUAL_INT(STATUS_UNUSABLE, e.status);
     TEST_ASSERT_EQUAL_PTR(e.text, strstr(e.text, "m.toml"));
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, named), e.text);

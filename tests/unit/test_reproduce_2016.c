@@ -75,7 +75,7 @@ static void test_closed_form_is_what_the_plant_does(void)
         c.shaft.theta_mech_start_rad = run.interval[0].theta_rad;
         plant p;
         plant_init(&p, &c);
-        const double complex start = run.interval[0].i_start * papers_turn(-run.interval[0].theta_rad);
+        const double complex start = run.interval[0].i_start * vec_turn(-run.interval[0].theta_rad);
         plant_set_current(&p, (vec_dq){creal(start), cimag(start)});
         for (size_t n = 0; n < run.count; n++) {
             const six_step_interval *at = &run.interval[n];

@@ -35,7 +35,7 @@ static double complex mean_mid_sample(const steady_drive *d)
     double complex sum = 0.0;
     for (size_t n = 0; n < d->count; n++) {
         const drive_cycle *at = &d->cycle[n];
-        sum += at->i_mid_A * papers_turn(-at->theta_rad - 0.5 * d->omega_rad_s * d->T_s);
+        sum += at->i_mid_A * vec_turn(-at->theta_rad - 0.5 * d->omega_rad_s * d->T_s);
     }
     return sum / (double)d->count;
 }
@@ -48,7 +48,7 @@ static void test_mid_point_sample_is_what_was_asked_for(void)
     const double speeds_rpm[] = {-3000.0, 0.0, 500.0, 8000.0};
     for (int which = 0; which < 2; which++) {
         for (int n = 0; n < 4; n++) {
-            const double complex asked = papers_vector(-5.0, 9.0);
+            const double complex asked = vec_complex(-5.0, 9.0);
             steady_drive d = settled(motors[which], speeds_rpm[n], asked);
             TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cabs(mean_mid_sample(&d) - asked));
             steady_drive_free(&d);
@@ -132,10 +132,8 @@ static void test_standard_figures_of_500_rpm_are_those_of_1000(void)
     sweep_point at_500;
     sweep_point at_1000;
     error e = {0};
-    TEST_ASSERT_TRUE(
-        sweep_point_at(&lab, NULL, &machine, 500.0, paper_2019_current(&lab, 500.0), &at_500, &e));
-    TEST_ASSERT_TRUE(
-        sweep_point_at(&lab, NULL, &machine, 1000.0, paper_2019_current(&lab, 1000.0), &at_1000, &e));
+    TEST_ASSERT_TRUE(sweep_point_at(&lab, &machine, 500.0, paper_2019_current(&lab, 500.0), &at_500, &e));
+    TEST_ASSERT_TRUE(sweep_point_at(&lab, &machine, 1000.0, paper_2019_current(&lab, 1000.0), &at_1000, &e));
     TEST_ASSERT_DOUBLE_WITHIN(0.0005, 0.010, at_500.errors.of[METHOD_MEAN_STANDARD].rms_percent);
     TEST_ASSERT_DOUBLE_WITHIN(0.001, 0.131, at_500.errors.of[METHOD_PREDICTION_STANDARD].rms_percent);
     TEST_ASSERT_DOUBLE_WITHIN(0.0005, 0.015, at_500.errors.of[METHOD_MEAN_QUASI_DISCRETE].rms_percent);
@@ -149,8 +147,8 @@ static void test_leading_terms_of_the_errors(void)
 {
     sweep_point p;
     error e = {0};
-    TEST_ASSERT_TRUE(sweep_point_at(&lab, NULL, &machine, 500.0, paper_2019_current_at(&lab, 0.0), &p, &e));
-    const double phi = steady_drive_omega(&lab, 500.0) / lab.f_pwm_Hz;
+    TEST_ASSERT_TRUE(sweep_point_at(&lab, &machine, 500.0, paper_2019_current_at(&lab, 0.0), &p, &e));
+    const double phi = motor_speed_rad_s(&lab, 500.0) / lab.f_pwm_Hz;
     const double rho = lab.R_ohm / (lab.f_pwm_Hz * lab.L_d_H);
     const double psi_pu = lab.psi_f_Wb / (lab.L_d_H * lab.I_rated_A_rms * sqrt(2.0));
     const double expected[METHOD_COUNT] = {
@@ -169,7 +167,7 @@ static void test_firmware_is_within_1e_5_of_double(void)
     for (int n = 0; n < 6; n++) {
         sweep_point p;
         error e = {0};
-        TEST_ASSERT_TRUE(sweep_point_at(&lab, NULL, &machine, speeds_rpm[n],
+        TEST_ASSERT_TRUE(sweep_point_at(&lab, &machine, speeds_rpm[n],
                                         paper_2019_current_at(&lab, speeds_rpm[n] > 9000.0 ? -0.9 : 0.0), &p,
                                         &e));
         for (int k = 0; k < METHOD_COUNT; k++) {
@@ -184,8 +182,8 @@ static void test_reverse_mirrors_forward(void)
     sweep_point forward;
     sweep_point reverse;
     error e = {0};
-    TEST_ASSERT_TRUE(sweep_point_at(&lab, NULL, &machine, 6000.0, papers_vector(-6.0, 10.0), &forward, &e));
-    TEST_ASSERT_TRUE(sweep_point_at(&lab, NULL, &machine, -6000.0, papers_vector(-6.0, -10.0), &reverse, &e));
+    TEST_ASSERT_TRUE(sweep_point_at(&lab, &machine, 6000.0, vec_complex(-6.0, 10.0), &forward, &e));
+    TEST_ASSERT_TRUE(sweep_point_at(&lab, &machine, -6000.0, vec_complex(-6.0, -10.0), &reverse, &e));
     for (int k = 0; k < METHOD_COUNT; k++) {
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * forward.errors.of[k].rms_percent, forward.errors.of[k].rms_percent,
                                   reverse.errors.of[k].rms_percent);
@@ -196,7 +194,9 @@ static void test_sweep_refuses_fewer_than_three_cycles_a_revolution(void)
 {
     sweep_point p;
     error e = {0};
-    TEST_ASSERT_FALSE(sweep_point_at(&lab, "m.toml", &machine, 33400.0, papers_vector(0.0, 10.0), &p, &e));
+    motor m = lab;
+    m.path = "m.toml";
+    TEST_ASSERT_FALSE(sweep_point_at(&m, &machine, 33400.0, vec_complex(0.0, 10.0), &p, &e));
     TEST_ASSERT_EQUAL_INT(STATUS_UNUSABLE, e.status);
     TEST_ASSERT_NOT_NULL(strstr(e.text, "m.toml"));
 }
@@ -206,9 +206,9 @@ static void test_sweep_refuses_what_the_firmware_cannot_hold(void)
     sweep_point p;
     error current = {0};
     error voltage = {0};
-    TEST_ASSERT_FALSE(sweep_point_at(&lab, NULL, &machine, 500.0, papers_vector(0.0, 300.0), &p, &current));
+    TEST_ASSERT_FALSE(sweep_point_at(&lab, &machine, 500.0, vec_complex(0.0, 300.0), &p, &current));
     TEST_ASSERT_NOT_NULL(strstr(current.text, "rated"));
-    TEST_ASSERT_FALSE(sweep_point_at(&lab, NULL, &machine, 30000.0, papers_vector(0.0, 100.0), &p, &voltage));
+    TEST_ASSERT_FALSE(sweep_point_at(&lab, &machine, 30000.0, vec_complex(0.0, 100.0), &p, &voltage));
     TEST_ASSERT_NOT_NULL(strstr(voltage.text, "DC link"));
 }
 
@@ -216,7 +216,7 @@ static void test_sweep_json_has_the_keys(void)
 {
     sweep_point p;
     error e = {0};
-    TEST_ASSERT_TRUE(sweep_point_at(&lab, NULL, &machine, 3000.0, papers_vector(0.0, 10.0), &p, &e));
+    TEST_ASSERT_TRUE(sweep_point_at(&lab, &machine, 3000.0, vec_complex(0.0, 10.0), &p, &e));
     json_t *json = sweep_point_json(&p);
     double sffr;
     double values[4];
@@ -235,8 +235,9 @@ static void test_motor_that_does_not_fit_is_refused_by_name(void)
     motor m = lab;
     method_machine refused;
     error e = {0};
+    m.path = "m.toml";
     m.L_d_H = m.L_q_H = 1e-6;
-    TEST_ASSERT_FALSE(method_machine_of(&m, "m.toml", &refused, &e));
+    TEST_ASSERT_FALSE(method_machine_of(&m, &refused, &e));
     TEST_ASSERT_EQUAL_INT(STATUS_UNUSABLE, e.status);
     TEST_ASSERT_NOT_NULL(strstr(e.text, "m.toml"));
 }
@@ -262,7 +263,7 @@ int main(void)
 {
     error e = {0};
     lab = paper_2019_motor();
-    if (!method_machine_of(&lab, NULL, &machine, &e) || !paper_2019_compare(&rows, &e)) {
+    if (!method_machine_of(&lab, &machine, &e) || !paper_2019_compare(&rows, &e)) {
         return error_print(&e);
     }
     UNITY_BEGIN();

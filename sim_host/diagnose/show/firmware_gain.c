@@ -22,8 +22,10 @@ static bool firmware_of(const motor *m, firmware *f, error *e)
     f->m = m;
     f->base = per_unit_of(m);
     f->late = m->ext.has[EXT_VOLTAGE_DELAY] ? (size_t)m->ext.voltage_delay_cycles : 0;
-    return extension_from_motor(m, NULL, &f->extension, e) &&
-           flux_predictor_from_motor(m, NULL, &f->predictor, e);
+    motor unnamed = *m;
+    unnamed.path = NULL; /* the reason is told without a file */
+    return extension_from_motor(&unnamed, &f->extension, e) &&
+           flux_predictor_from_motor(&unnamed, &f->predictor, e);
 }
 
 /* Phase values, per unit, to a vector. */

@@ -1,6 +1,7 @@
 #include "plant_replay.h"
 
-#include "drive_recording.h"
+#include "drive/drive_recording.h"
+#include "drive/firmware_host.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -171,9 +172,9 @@ static bool run_all(const scenario *s, const stretch *chosen, const motor *told,
     drive_host *host = calloc(1, sizeof *host);
     iqfoc_cycle_config_t config;
     bool good = (host != NULL || error_failure(e, 0, "out of memory")) &&
-                config_from_motor(told, NULL, &s->control, &config, e);
+                config_from_motor(told, &s->control, &config, e);
     for (size_t k = 0; k < s->runs && good; k++) {
-        const drive_firmware firmware = drive_firmware_host(host);
+        const drive_firmware firmware = drive_firmware_host(host, NULL);
         const drive_log log = drive_recording_log(out);
         plant_config c = *drive;
         uint32_t status = 0;
@@ -198,6 +199,7 @@ bool plant_replay(const recording *rec, const motor *nominal, const motor *exten
     motor is = *extended;
     memset(out, 0, sizeof *out);
     effect[0] = '\0';
+    told.path = NULL; /* a copy, of which no file says what does not fit */
     told.f_pwm_Hz = is.f_pwm_Hz = 1.0 / rec->T_s;
     s.runs = choose_stretches(rec, chosen);
     s.run = calloc(s.runs + 1, sizeof *s.run);

@@ -11,10 +11,10 @@
  *
  * Vectors are complex, stationary frame; psi is the rotor flux, omega the rotor's electrical speed.
  */
-#ifndef SIM_HOST_MODEL_INDUCTION_H
-#define SIM_HOST_MODEL_INDUCTION_H
+#ifndef SIM_HOST_INDUCTION_INDUCTION_MODEL_H
+#define SIM_HOST_INDUCTION_INDUCTION_MODEL_H
 
-#include "papers.h"
+#include "base/vector_complex.h"
 
 typedef struct induction_machine {
     double R_s_ohm, R_r_ohm;
@@ -39,7 +39,7 @@ typedef struct induction_span {
 induction_span induction_advance(const induction_machine *m, induction_state start, double complex u_V,
                                  double span_s, double omega_rad_s);
 
-/* Seven such spans from edge to edge: a cycle of length T_s with these duties. i_mid_A: at the carrier's
+/* Such spans from edge to edge: a cycle of length T_s with these duties. i_mid_A: at the carrier's
  * peak. */
 typedef struct induction_cycle {
     induction_span whole;

@@ -2,11 +2,11 @@
  * The rows of a simulated drive as a recording (interfaces.md): what its sensors delivered and its firmware
  * commanded, with the columns that the scenario asks for. The truth stays behind.
  */
-#ifndef PORT_HOST_DRIVE_RECORDING_H
-#define PORT_HOST_DRIVE_RECORDING_H
+#ifndef SIM_HOST_DRIVE_DRIVE_RECORDING_H
+#define SIM_HOST_DRIVE_DRIVE_RECORDING_H
 
 #include "data/recording.h"
-#include "drive.h"
+#include "drive_run.h"
 
 /* Collects rows. Zero-initialised, then begun; recording is freed with recording_free. */
 typedef struct drive_recording {

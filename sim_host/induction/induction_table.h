@@ -6,8 +6,8 @@
  * oriented, rated current, flux weakened where the DC link calls for it. The flux is not measured: an
  * observer started without flux has long settled when the record begins, and every method gets what it says.
  */
-#ifndef SIM_HOST_REPRODUCE_INDUCTION_TABLE_H
-#define SIM_HOST_REPRODUCE_INDUCTION_TABLE_H
+#ifndef SIM_HOST_INDUCTION_INDUCTION_TABLE_H
+#define SIM_HOST_INDUCTION_INDUCTION_TABLE_H
 
 #include "../base/error.h"
 

@@ -1,8 +1,7 @@
-#include "induction.h"
+/* The induction machine over spans and cycles (induction_model.h). */
+#include "induction_model.h"
 
-#include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
+#include "model/pwm_cycle.h"
 
 /*
  * Circuits with the same terminals: the rotor's winding scaled by L_magnetising over the rotor's inductance,
@@ -26,7 +25,7 @@ enum { TERMS = 50 };
 induction_span induction_advance(const induction_machine *m, induction_state start, double complex u_V,
                                  double span_s, double omega_rad_s)
 {
-    const double complex decay = papers_vector(m->R_r_ohm / m->L_m_H, -omega_rad_s);
+    const double complex decay = vec_complex(m->R_r_ohm / m->L_m_H, -omega_rad_s);
     double complex i = start.i_A;
     double complex psi = start.psi_Wb;
     double complex u = u_V;
@@ -44,48 +43,15 @@ induction_span induction_advance(const induction_machine *m, induction_state sta
     return total;
 }
 
-/* Voltage to the star point while the legs are as at this share of the cycle. */
-static double complex voltage_at(const double duty[3], double u_dc_V, double at)
-{
-    static const double axis_rad[3] = {0.0, 2.09439510239319549231, -2.09439510239319549231};
-    double complex u = 0.0;
-    for (size_t leg = 0; leg < 3; leg++) {
-        const bool high = fabs(at - 0.5) < 0.5 * duty[leg];
-        u += high ? 2.0 / 3.0 * u_dc_V * papers_turn(axis_rad[leg]) : 0.0;
-    }
-    return u;
-}
-
-/* The cycle's ends, its middle, and the six edges, in order. */
-enum { INSTANTS = 9 };
-
-static void instants_of(const double duty[3], double at[INSTANTS])
-{
-    at[0] = 0.0;
-    at[1] = 0.5;
-    at[2] = 1.0;
-    for (size_t leg = 0; leg < 3; leg++) {
-        at[3 + 2 * leg] = 0.5 * (1.0 - duty[leg]);
-        at[4 + 2 * leg] = 0.5 * (1.0 + duty[leg]);
-    }
-    for (size_t n = 1; n < INSTANTS; n++) {
-        for (size_t k = n; k > 0 && at[k] < at[k - 1]; k--) {
-            const double swap = at[k];
-            at[k] = at[k - 1];
-            at[k - 1] = swap;
-        }
-    }
-}
-
 induction_cycle induction_pwm(const induction_machine *m, induction_state start, const double duty[3],
                               double u_dc_V, double T_s, double omega_rad_s)
 {
-    double at[INSTANTS];
-    instants_of(duty, at);
+    double at[PWM_INSTANTS];
+    pwm_instants(duty, at);
     induction_cycle cycle = {{start, 0.0}, start.i_A};
-    for (size_t n = 0; n + 1 < INSTANTS; n++) {
+    for (int n = 0; n + 1 < PWM_INSTANTS; n++) {
         const double share = at[n + 1] - at[n];
-        const double complex u = voltage_at(duty, u_dc_V, 0.5 * (at[n] + at[n + 1]));
+        const double complex u = pwm_voltage(duty, u_dc_V, 0.5 * (at[n] + at[n + 1]));
         const induction_span span = induction_advance(m, cycle.whole.end, u, share * T_s, omega_rad_s);
         cycle.whole.end = span.end;
         cycle.whole.i_mean_A += share * span.i_mean_A;

@@ -1,13 +1,12 @@
+/* The induction machine's table (induction_table.h). */
 #include "induction_table.h"
 
-#include "model/induction.h"
-#include "per_unit_vector.h"
+#include "induction_model.h"
+#include "model/papers.h"
+#include "model/pwm_cycle.h"
+#include "per_unit.h"
 
 #include "iqfoc/induction.h"
-
-#include <math.h>
-
-#define TWO_PI 6.28318530717958647692
 
 /* T circuit, rotor seen from the stator. */
 #define R_S_OHM        0.10
@@ -40,32 +39,17 @@ static double complex current_at(const induction_machine *m, double omega_rad_s)
     for (int n = 0; n < 60; n++) {
         const double i_d = n == 0 ? high : 0.5 * (low + high);
         const induction_point p =
-            induction_steady(m, papers_vector(i_d, sqrt(I_RATED_A * I_RATED_A - i_d * i_d)), omega_rad_s);
+            induction_steady(m, vec_complex(i_d, sqrt(I_RATED_A * I_RATED_A - i_d * i_d)), omega_rad_s);
         const bool fits = cabs(held_voltage(&p, omega_rad_s)) <= INDEX_MOST * U_DC_V / sqrt(3.0);
         if (n == 0 && fits) {
-            return papers_vector(high, sqrt(I_RATED_A * I_RATED_A - high * high));
+            return vec_complex(high, sqrt(I_RATED_A * I_RATED_A - high * high));
         }
         if (n > 0) {
             low = fits ? i_d : low;
             high = fits ? high : i_d;
         }
     }
-    return papers_vector(low, sqrt(I_RATED_A * I_RATED_A - low * low));
-}
-
-static void duties_of(double complex u_V, double duty[3])
-{
-    double highest = -INFINITY;
-    double lowest = INFINITY;
-    for (int x = 0; x < 3; x++) {
-        const double angle = TWO_PI / 3.0 * x;
-        duty[x] = creal(u_V * papers_turn(-angle)) / U_DC_V;
-        highest = fmax(highest, duty[x]);
-        lowest = fmin(lowest, duty[x]);
-    }
-    for (int x = 0; x < 3; x++) {
-        duty[x] += 0.5 - 0.5 * (highest + lowest);
-    }
+    return vec_complex(low, sqrt(I_RATED_A * I_RATED_A - low * low));
 }
 
 /* The drive, its truth and the observers of flux that run along. */
@@ -103,11 +87,6 @@ typedef struct sums {
     double mean_pulses, next_pulses;
 } sums;
 
-static double squared(double complex x)
-{
-    return creal(x) * creal(x) + cimag(x) * cimag(x);
-}
-
 /* The firmware's exact prediction and mean with the pulses' ripple, from its own flux; moves that flux on. */
 static void advance_with_pulses(drive *d, sums *s, const double duty[3], iqfoc_ab_t i, iqfoc_ab_t u,
                                 const induction_cycle *truth)
@@ -120,24 +99,24 @@ static void advance_with_pulses(drive *d, sums *s, const double duty[3], iqfoc_a
     const iqfoc_ab_t next = iqfoc_induction_with_ripple(&d->fixed.i, even.i, v);
     const iqfoc_ab_t mean =
         iqfoc_induction_with_ripple(&d->fixed.i_mean, iqfoc_induction_mean(&d->fixed, x, u), v);
-    s->next_pulses += squared(vector_from_iq24(next, I_RATED_A) - truth->whole.end.i_A);
-    s->mean_pulses += squared(vector_from_iq24(mean, I_RATED_A) - truth->whole.i_mean_A);
+    s->next_pulses += vec_square(complex_from_ab(next, I_RATED_A) - truth->whole.end.i_A);
+    s->mean_pulses += vec_square(complex_from_ab(mean, I_RATED_A) - truth->whole.i_mean_A);
     d->flux_pulses = iqfoc_induction_with_ripple(&d->fixed.flux, even.flux, v);
 }
 
 static void advance(drive *d, sums *s)
 {
     const double phi = d->omega_s_rad_s * T_S;
-    const double complex u = d->u_dq_V * papers_turn(d->theta_rad + 0.5 * phi);
+    const double complex u = d->u_dq_V * vec_turn(d->theta_rad + 0.5 * phi);
     double duty[3];
-    duties_of(u, duty);
+    pwm_duties(u, U_DC_V, duty);
     const double complex i = d->x.i_A;
     const induction_cycle truth = induction_pwm(&d->machine, d->x, duty, U_DC_V, T_S, d->omega_rad_s);
 
     const induction_state seen = {i, d->psi_Wb};
     const induction_span exact = induction_advance(&d->machine, seen, u, T_S, d->omega_rad_s);
-    const iqfoc_induction_state_t fixed = {vector_to_iq24(i, I_RATED_A), d->flux};
-    const iqfoc_ab_t u_fixed = vector_to_iq24(u, U_DC_V);
+    const iqfoc_induction_state_t fixed = {ab_from_complex(i, I_RATED_A), d->flux};
+    const iqfoc_ab_t u_fixed = ab_from_complex(u, U_DC_V);
     const iqfoc_induction_state_t next = iqfoc_induction_step(&d->fixed, fixed, u_fixed);
     const iqfoc_ab_t mean = iqfoc_induction_mean(&d->fixed, fixed, u_fixed);
 
@@ -146,21 +125,22 @@ static void advance(drive *d, sums *s)
     const double angle = carg(d->psi_Wb);
     const double complex end_A = truth.whole.end.i_A;
     const double complex mean_A = truth.whole.i_mean_A;
-    s->current += squared(i);
-    s->mean_standard += squared(truth.i_mid_A - mean_A);
-    s->mean_quasi += squared(papers_mean_quasi_discrete(&papers, i, u, angle, d->omega_s_rad_s) - mean_A);
-    s->mean_exact += squared(exact.i_mean_A - mean_A);
-    s->mean_iq24 += squared(vector_from_iq24(mean, I_RATED_A) - mean_A);
-    s->next_euler += squared(papers_predict_euler(&papers, i, u, angle, d->omega_s_rad_s) - end_A);
-    s->next_quasi += squared(papers_predict_quasi_discrete(&papers, i, u, angle, d->omega_s_rad_s) - end_A);
-    s->next_exact += squared(exact.end.i_A - end_A);
-    s->next_iq24 += squared(vector_from_iq24(next.i, I_RATED_A) - end_A);
+    s->current += vec_square(i);
+    s->mean_standard += vec_square(truth.i_mid_A - mean_A);
+    s->mean_quasi += vec_square(papers_mean_quasi_discrete(&papers, i, u, angle, d->omega_s_rad_s) - mean_A);
+    s->mean_exact += vec_square(exact.i_mean_A - mean_A);
+    s->mean_iq24 += vec_square(complex_from_ab(mean, I_RATED_A) - mean_A);
+    s->next_euler += vec_square(papers_predict_euler(&papers, i, u, angle, d->omega_s_rad_s) - end_A);
+    s->next_quasi +=
+        vec_square(papers_predict_quasi_discrete(&papers, i, u, angle, d->omega_s_rad_s) - end_A);
+    s->next_exact += vec_square(exact.end.i_A - end_A);
+    s->next_iq24 += vec_square(complex_from_ab(next.i, I_RATED_A) - end_A);
 
     advance_with_pulses(d, s, duty, fixed.i, u_fixed, &truth);
     d->psi_Wb = exact.end.psi_Wb;
     d->flux = next.flux;
     d->x = truth.whole.end;
-    d->theta_rad = remainder(d->theta_rad + phi, TWO_PI);
+    d->theta_rad = remainder(d->theta_rad + phi, VEC_TWO_PI);
 }
 
 static double percent(double sum, const sums *s)
@@ -172,10 +152,10 @@ bool induction_errors_at(double f_rotor_Hz, induction_errors *at, error *e)
 {
     const induction_machine m =
         induction_from_t_circuit(R_S_OHM, R_ROTOR_OHM, L_LEAK_S_H, L_LEAK_R_H, L_MAGNETISE_H);
-    const double omega = TWO_PI * f_rotor_Hz;
+    const double omega = VEC_TWO_PI * f_rotor_Hz;
     const double complex i_dq = current_at(&m, omega);
     drive d = drive_at(&m, omega, i_dq);
-    const double f_stator_Hz = d.omega_s_rad_s / TWO_PI;
+    const double f_stator_Hz = d.omega_s_rad_s / VEC_TWO_PI;
     if (!(3.0 * fabs(f_stator_Hz) <= F_PWM_HZ)) {
         return error_input(
             e, NULL, 0, 0,

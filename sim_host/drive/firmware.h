@@ -1,0 +1,35 @@
+/*
+ * The calls behind which a firmware stands, so that one loop drives the library linked into this program, an
+ * image on an emulated processor, or a study's controller.
+ */
+#ifndef SIM_HOST_DRIVE_FIRMWARE_H
+#define SIM_HOST_DRIVE_FIRMWARE_H
+
+#include "base/error.h"
+
+#include "iqfoc/cycle.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* What the firmware answers to the last sample of a span. */
+typedef struct drive_answer {
+    iqfoc_command_t command; /* in force from the end of the span */
+    uint32_t status;         /* IQFOC_STATUS_*, sticky */
+    double interval_s; /* 0: duties of a control cycle of PWM; else the legs, each 0 or 1, of an inverter
+                              * state that stands for so long */
+} drive_answer;
+
+/* Each call returns false, with *e set, if the firmware is gone (a crashed image). */
+typedef struct drive_firmware {
+    void *context;
+    bool (*start)(void *context, const iqfoc_cycle_config_t *config, error *e);
+    bool (*reference)(void *context, iqfoc_dq_t i_ref, error *e);
+    bool (*valley)(void *context, const iqfoc_sample_t *sample, error *e); /* not called in six-step */
+    bool (*peak)(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e);
+} drive_firmware;
+
+/* "MISSED | STALE": the names of status bits, "none" for 0. */
+const char *drive_status_text(uint32_t status, char *text, size_t size);
+
+#endif

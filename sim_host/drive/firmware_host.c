@@ -1,0 +1,101 @@
+/* The firmware linked into this program (firmware_host.h), and the names of its status bits. */
+#include "firmware_host.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
+{
+    drive_host *host = context;
+    memset(&host->hal, 0, sizeof host->hal);
+    host->config = *config;
+    const iqfoc_error_t refused = iqfoc_cycle_init(&host->cycle, &host->config);
+    if (refused != IQFOC_OK) {
+        return error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
+    }
+    if (host->extension != NULL) {
+        const iqfoc_extension_error_t unfit = iqfoc_extension_check(host->extension);
+        if (unfit != IQFOC_EXTENSION_OK) {
+            return error_failure(e, 0, "the library refused its corrections: iqfoc_extension_error_t %d",
+                                 (int)unfit);
+        }
+    }
+    host->cycle.enabled = true;
+    return true;
+}
+
+static bool reference(void *context, iqfoc_dq_t i_ref, error *e)
+{
+    (void)e;
+    ((drive_host *)context)->cycle.i_ref = i_ref;
+    return true;
+}
+
+/* What the port's handler will read. */
+static void interrupt(drive_host *host, const iqfoc_sample_t *sample)
+{
+    iqfoc_sample_t corrected = *sample;
+    if (host->extension != NULL) {
+        iqfoc_extension_sample(host->extension, &corrected);
+    }
+    hal_host_interrupt(&host->hal, &corrected);
+}
+
+static bool valley(void *context, const iqfoc_sample_t *sample, error *e)
+{
+    drive_host *host = context;
+    (void)e;
+    interrupt(host, sample);
+    iqfoc_isr_valley(&host->cycle, &host->hal);
+    return true;
+}
+
+static bool peak(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e)
+{
+    drive_host *host = context;
+    (void)e;
+    interrupt(host, sample);
+    iqfoc_isr_peak(&host->cycle, &host->hal);
+    answer->command = host->hal.command;
+    answer->status = host->cycle.status;
+    if (host->extension != NULL) {
+        iqfoc_extension_compensate(host->extension, &answer->command.duties,
+                                   iqfoc_clarke_inverse(host->cycle.i_next), host->cycle.u_dc_inverse);
+    }
+    return true;
+}
+
+drive_firmware drive_firmware_host(drive_host *host, const iqfoc_extension_t *extension)
+{
+    const drive_firmware firmware = {host, start, reference, valley, peak};
+    host->extension = extension;
+    return firmware;
+}
+
+const char *drive_status_text(uint32_t status, char *text, size_t size)
+{
+    static const struct {
+        uint32_t bit;
+        const char *name;
+    } names[] = {
+        {IQFOC_STATUS_MISSED, "MISSED"},
+        {IQFOC_STATUS_LATE, "LATE"},
+        {IQFOC_STATUS_STALE, "STALE"},
+        {IQFOC_STATUS_SAMPLE_CLIPPED, "SAMPLE_CLIPPED"},
+        {IQFOC_STATUS_OVERCURRENT, "OVERCURRENT"},
+        {IQFOC_STATUS_OVERSPEED, "OVERSPEED"},
+        {IQFOC_STATUS_VOLTAGE_LIMIT, "VOLTAGE_LIMIT"},
+        {IQFOC_STATUS_DC_LINK, "DC_LINK"},
+        {IQFOC_STATUS_NO_INTERVAL, "NO_INTERVAL"},
+    };
+    size_t used = 0;
+    (void)snprintf(text, size, "none");
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        if ((status & names[k].bit) != 0 && used < size) {
+            const int wrote =
+                snprintf(text + used, size - used, "%s%s", used > 0 ? " | " : "", names[k].name);
+            used += wrote > 0 ? (size_t)wrote : 0;
+        }
+    }
+    return text;
+}
