@@ -29,12 +29,12 @@ static void advance(drive_loop *l, int first, int last, int parts)
     }
 }
 
-static bool begin_cycle(drive_loop *l, drive_row *row, error *e)
+static bool begin_cycle(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
 {
     plant_begin_cycle(&l->drive, l->duty);
     plant_sample(&l->drive, &row->valley);
     const iqfoc_sample_t sample = hal_host_sample(&row->valley, &l->drive.config.sensors, &l->base, 0);
-    return l->firmware->valley(l->firmware->context, &sample, e);
+    return l->firmware->valley(l->firmware->context, i_ref, &sample, e);
 }
 
 static void begin_interval(drive_loop *l)
@@ -62,12 +62,9 @@ bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
     const int sampled = interval ? parts : parts / 2;
     memcpy(row->duty, l->duty, sizeof row->duty);
     row->answer = (drive_answer){.status = 0};
-    if (!f->reference(f->context, i_ref, e)) {
-        return false;
-    }
     if (interval) {
         begin_interval(l);
-    } else if (!begin_cycle(l, row, e)) {
+    } else if (!begin_cycle(l, i_ref, row, e)) {
         return false;
     }
     advance(l, 1, sampled, parts);
@@ -77,7 +74,7 @@ bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
     if (interval) {
         add_means(l, &sample);
     }
-    if (!f->peak(f->context, &sample, &row->answer, e)) {
+    if (!f->peak(f->context, i_ref, &sample, &row->answer, e)) {
         return false;
     }
     advance(l, sampled + 1, parts, parts);

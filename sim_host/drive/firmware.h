@@ -20,13 +20,19 @@ typedef struct drive_answer {
                               * state that stands for so long */
 } drive_answer;
 
-/* Each call returns false, with *e set, if the firmware is gone (a crashed image). */
+/*
+ * Each call returns false, with *e set, if the firmware is gone (a crashed image). i_ref: the references of
+ * the span, per unit.
+ */
 typedef struct drive_firmware {
     void *context;
+    /* Once, ahead of a scenario's run; NULL where none is run. */
     bool (*start)(void *context, const iqfoc_cycle_config_t *config, error *e);
-    bool (*reference)(void *context, iqfoc_dq_t i_ref, error *e);
-    bool (*valley)(void *context, const iqfoc_sample_t *sample, error *e); /* not called in six-step */
-    bool (*peak)(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e);
+    /* At the start of a control cycle; never in six-step. */
+    bool (*valley)(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e);
+    /* At its middle; in six-step at the end of an interval. */
+    bool (*peak)(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, drive_answer *answer,
+                 error *e);
 } drive_firmware;
 
 /* "MISSED | STALE": the names of status bits, "none" for 0. */

@@ -24,37 +24,32 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
     return true;
 }
 
-static bool reference(void *context, iqfoc_dq_t i_ref, error *e)
-{
-    (void)e;
-    ((drive_host *)context)->cycle.i_ref = i_ref;
-    return true;
-}
-
-/* What the port's handler will read. */
-static void interrupt(drive_host *host, const iqfoc_sample_t *sample)
+/* What the handler will read. */
+static void interrupt(drive_host *host, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample)
 {
     iqfoc_sample_t corrected = *sample;
+    host->cycle.i_ref = i_ref;
     if (host->extension != NULL) {
         iqfoc_extension_sample(host->extension, &corrected);
     }
     hal_host_interrupt(&host->hal, &corrected);
 }
 
-static bool valley(void *context, const iqfoc_sample_t *sample, error *e)
+static bool valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
 {
     drive_host *host = context;
     (void)e;
-    interrupt(host, sample);
+    interrupt(host, i_ref, sample);
     iqfoc_isr_valley(&host->cycle, &host->hal);
     return true;
 }
 
-static bool peak(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e)
+static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, drive_answer *answer,
+                 error *e)
 {
     drive_host *host = context;
     (void)e;
-    interrupt(host, sample);
+    interrupt(host, i_ref, sample);
     iqfoc_isr_peak(&host->cycle, &host->hal);
     answer->command = host->hal.command;
     answer->status = host->cycle.status;
@@ -67,7 +62,7 @@ static bool peak(void *context, const iqfoc_sample_t *sample, drive_answer *answ
 
 drive_firmware drive_firmware_host(drive_host *host, const iqfoc_extension_t *extension)
 {
-    const drive_firmware firmware = {host, start, reference, valley, peak};
+    const drive_firmware firmware = {host, start, valley, peak};
     host->extension = extension;
     return firmware;
 }

@@ -104,17 +104,11 @@ static void choose_from_set(predictive_drive *p, const iqfoc_sample_t *sample, c
     p->command.duties.scale = IQ24_ONE;
 }
 
-static bool take_reference(void *context, iqfoc_dq_t i_ref, error *e)
-{
-    (void)e;
-    ((predictive_drive *)context)->i_ref = i_ref;
-    return true;
-}
-
-static bool take_valley(void *context, const iqfoc_sample_t *sample, error *e)
+static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
 {
     predictive_drive *p = context;
     (void)e;
+    p->i_ref = i_ref;
     iqfoc_sample_t corrected = *sample;
     if (p->extended) {
         iqfoc_extension_sample(&p->extension, &corrected);
@@ -133,24 +127,18 @@ static bool take_valley(void *context, const iqfoc_sample_t *sample, error *e)
 }
 
 /* The controller needs the valley's sample only; its command waits until the peak, as the cycle's does. */
-static bool give_peak(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e)
+static bool give_peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, drive_answer *answer,
+                      error *e)
 {
+    (void)i_ref;
     (void)sample;
     (void)e;
     answer->command = ((const predictive_drive *)context)->command;
     return true;
 }
 
-static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
-{
-    (void)context;
-    (void)config;
-    (void)e;
-    return true;
-}
-
 drive_firmware predictive_drive_firmware(predictive_drive *p)
 {
-    const drive_firmware firmware = {p, start, take_reference, take_valley, give_peak};
+    const drive_firmware firmware = {p, NULL, take_valley, give_peak};
     return firmware;
 }

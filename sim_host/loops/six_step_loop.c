@@ -15,8 +15,7 @@
 
 /* The firmware's state. */
 typedef struct angle_control {
-    double omega_rad_s; /* what its timer is set by */
-    iq24_t i_q_ref;
+    double omega_rad_s;         /* what its timer is set by */
     iqfoc_current_control_t pi; /* its q axis: out comes the voltage's angle in turns */
     iqfoc_current_control_gains_t gains;
     int32_t state;      /* of the interval that runs, 0 ... 5 */
@@ -46,15 +45,9 @@ static void command_state(const angle_control *c, iq24_t theta, drive_answer *an
     answer->interval_s = iq24_to_double(turns_to_go(c, theta)) * VEC_TWO_PI / c->omega_rad_s;
 }
 
-static bool take_reference(void *context, iqfoc_dq_t i_ref, error *e)
-{
-    (void)e;
-    ((angle_control *)context)->i_q_ref = i_ref.q;
-    return true;
-}
-
 /* The interval has ended: feedback, control, next state. */
-static bool at_switching(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e)
+static bool at_switching(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, drive_answer *answer,
+                         error *e)
 {
     angle_control *c = context;
     (void)e;
@@ -65,10 +58,9 @@ static bool at_switching(void *context, const iqfoc_sample_t *sample, drive_answ
     const iq24_t covered = (sample->theta - c->theta_start) & 0xFFFFFF;
     const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(covered);
     const iq24_sincos_t sc_mid = iq24_sincos(c->theta_start + covered / 2);
-    const iqfoc_dq_t wanted = {0, c->i_q_ref};
     c->fed_back =
         c->corrected ? iqfoc_mean_current_correct(mean, delta, &rotor, sc_mid) : iqfoc_park(mean, sc_mid);
-    c->angle = iqfoc_current_control_step(&c->pi, &c->gains, wanted, c->fed_back).q;
+    c->angle = iqfoc_current_control_step(&c->pi, &c->gains, i_ref, c->fed_back).q;
     c->state = (c->state + 1) % 6;
     c->theta_start = sample->theta;
     c->i_start = i;
@@ -112,7 +104,7 @@ bool six_step_loop_run(bool corrected, six_step_loop *result, error *e)
     plant_config config = plant_config_from_motor(&m);
     config.inverter.u_dc_V = SIX_STEP_U_DC;
     angle_control c = control_of(&m, &base, omega_rad_s, corrected);
-    const drive_firmware firmware = {.context = &c, .reference = take_reference, .peak = at_switching};
+    const drive_firmware firmware = {.context = &c, .peak = at_switching};
     drive_loop loop;
     drive_answer first = {.status = 0};
     drive_loop_begin(&loop, &m, &config, &firmware);

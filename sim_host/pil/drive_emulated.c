@@ -178,24 +178,19 @@ static bool emulated_start(void *context, const iqfoc_cycle_config_t *config, er
     return true;
 }
 
-static bool emulated_reference(void *context, iqfoc_dq_t i_ref, error *e)
+static bool emulated_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
 {
-    (void)e;
-    ((drive_emulated *)context)->i_ref = i_ref;
-    return true;
-}
-
-static bool emulated_valley(void *context, const iqfoc_sample_t *sample, error *e)
-{
+    (void)i_ref;
     (void)e;
     ((drive_emulated *)context)->valley = *sample;
     return true;
 }
 
-static bool emulated_peak(void *context, const iqfoc_sample_t *sample, drive_answer *answer, error *e)
+static bool emulated_peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, drive_answer *answer,
+                          error *e)
 {
     drive_emulated *d = context;
-    const pil_frame_t question = pil_cycle_frame(d->i_ref, &d->valley, sample);
+    const pil_frame_t question = pil_cycle_frame(i_ref, &d->valley, sample);
     pil_frame_t frame;
     pil_result_t result;
     if (!exchange(d, &question, PIL_COMMAND, &frame, e)) {
@@ -209,7 +204,7 @@ static bool emulated_peak(void *context, const iqfoc_sample_t *sample, drive_ans
 
 drive_firmware drive_firmware_emulated(drive_emulated *d)
 {
-    const drive_firmware firmware = {d, emulated_start, emulated_reference, emulated_valley, emulated_peak};
+    const drive_firmware firmware = {d, emulated_start, emulated_valley, emulated_peak};
     return firmware;
 }
 

@@ -15,7 +15,6 @@
 typedef struct drive_emulated {
     emulator machine;
     pil_decoder_t decoder;
-    iqfoc_dq_t i_ref;
     iqfoc_sample_t valley; /* goes out with the peak's: the plant does not depend on it in between */
 } drive_emulated;
 

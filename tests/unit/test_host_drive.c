@@ -140,29 +140,58 @@ static void test_rows_obey_the_machine(void)
     TEST_ASSERT_TRUE(largest_prediction_error_A < 5e-3);
 }
 
-static void test_late_firmware_is_stopped(void)
+/* How late the firmware of the next run is: its interrupts, and its own work. */
+static uint32_t latency_ticks, compute_ticks;
+
+static bool start_late(void *context, const iqfoc_cycle_config_t *config, error *e)
 {
-    uint32_t status = 0;
-    error e = {0, ""};
+    const bool started = drive_firmware_host(context, NULL).start(context, config, e);
+    host.hal.latency_ticks = latency_ticks;
+    host.hal.compute_ticks = compute_ticks;
+    return started;
+}
+
+static bool run_late(iqfoc_cycle_config_t *config, uint32_t latency, uint32_t compute, error *e)
+{
     static motor m;
     m = laboratory();
     const plant_config drive = plant_config_from_motor(&m);
-    const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0};
-    iqfoc_cycle_config_t config;
-    TEST_ASSERT_TRUE(config_from_motor(&m, &control, &config, &e));
-    config.deadline_ticks = 0;
-    config.stale_ticks = 0;
-    const drive_firmware firmware = drive_firmware_host(&host, NULL);
     const drive_log log = {&m, check_row};
     const scenario_run run = steady(1000.0, 0.0, 5.0, 10);
-    /* On time to the tick: nothing to stop. */
-    TEST_ASSERT_TRUE_MESSAGE(drive_run(&m, &drive, &run, 1, &config, &firmware, &log, &status, &e), e.text);
-    /* A limit of the current that the reference exceeds stops it, and the message says by which bit. */
+    uint32_t status = 0;
+    drive_firmware firmware = drive_firmware_host(&host, NULL);
+    firmware.start = start_late;
+    latency_ticks = latency;
+    compute_ticks = compute;
+    *e = (error){0, ""};
+    return drive_run(&m, &drive, &run, 7, config, &firmware, &log, &status, e);
+}
+
+static void stopped_by(const char *bit, const error *e)
+{
+    TEST_ASSERT_EQUAL_INT(STATUS_FAILED, e->status);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e->text, "run 7"), e->text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e->text, bit), e->text);
+}
+
+/* To the tick of its limits it runs, a tick later it is stopped, and the message says by which bit. */
+static void test_late_firmware_is_stopped(void)
+{
+    const motor m = laboratory();
+    const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0};
+    iqfoc_cycle_config_t config;
+    error e = {0, ""};
+    TEST_ASSERT_TRUE(config_from_motor(&m, &control, &config, &e));
+    TEST_ASSERT_TRUE_MESSAGE(run_late(&config, 0, config.deadline_ticks, &e), e.text);
+    TEST_ASSERT_FALSE(run_late(&config, 0, config.deadline_ticks + 1, &e));
+    stopped_by("LATE", &e);
+    TEST_ASSERT_TRUE_MESSAGE(run_late(&config, config.stale_ticks, 0, &e), e.text);
+    TEST_ASSERT_FALSE(run_late(&config, config.stale_ticks + 1, 0, &e));
+    stopped_by("STALE", &e);
+    /* So is one whose reference exceeds its limit of the current. */
     config.current_limit = IQ24(0.2);
-    TEST_ASSERT_FALSE(drive_run(&m, &drive, &run, 7, &config, &firmware, &log, &status, &e));
-    TEST_ASSERT_EQUAL_INT(STATUS_FAILED, e.status);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "run 7"), e.text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "OVERCURRENT"), e.text);
+    TEST_ASSERT_FALSE(run_late(&config, 0, 0, &e));
+    stopped_by("OVERCURRENT", &e);
 }
 
 static void test_handler_sees_latency_and_its_own_duration(void)
@@ -178,17 +207,17 @@ static void test_handler_sees_latency_and_its_own_duration(void)
     iqfoc_sample_t sample = {.u_dc = IQ24_ONE, .time = UINT32_MAX - 5U};
     TEST_ASSERT_TRUE(firmware.start(firmware.context, &config, &e));
     host.hal.latency_ticks = config.stale_ticks;
-    TEST_ASSERT_TRUE(firmware.valley(firmware.context, &sample, &e));
+    TEST_ASSERT_TRUE(firmware.valley(firmware.context, (iqfoc_dq_t){0, 0}, &sample, &e));
     TEST_ASSERT_EQUAL_UINT32(0, host.cycle.status);
     host.hal.latency_ticks = config.stale_ticks + 1;
-    TEST_ASSERT_TRUE(firmware.peak(firmware.context, &sample, &answer, &e));
+    TEST_ASSERT_TRUE(firmware.peak(firmware.context, (iqfoc_dq_t){0, 0}, &sample, &answer, &e));
     TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_STALE, answer.status);
     TEST_ASSERT_FALSE(answer.command.gates);
 
     TEST_ASSERT_TRUE(firmware.start(firmware.context, &config, &e));
     host.hal.compute_ticks = config.deadline_ticks + 1;
-    TEST_ASSERT_TRUE(firmware.valley(firmware.context, &sample, &e));
-    TEST_ASSERT_TRUE(firmware.peak(firmware.context, &sample, &answer, &e));
+    TEST_ASSERT_TRUE(firmware.valley(firmware.context, (iqfoc_dq_t){0, 0}, &sample, &e));
+    TEST_ASSERT_TRUE(firmware.peak(firmware.context, (iqfoc_dq_t){0, 0}, &sample, &answer, &e));
     TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_LATE, answer.status);
     TEST_ASSERT_FALSE(answer.command.gates);
     TEST_ASSERT_EQUAL_INT(1, host.hal.written);

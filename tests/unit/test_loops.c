@@ -5,6 +5,7 @@
 #include "loops/finite_set_loops.h"
 #include "loops/six_step_loop.h"
 #include "model/exact.h"
+#include "params_exact.h"
 #include "unity.h"
 
 #include <math.h>
@@ -130,6 +131,35 @@ static void a_finite_set_follows_with_the_states_alone(void)
     }
 }
 
+/* Saturation moves the exact predictor's constants in their own formats: what they are for this inductance,
+ * not what is left of them in IQ24. */
+static void saturation_keeps_the_finer_constants(void)
+{
+    motor m = loop_motor_at(10.0);
+    motor at_current = m;
+    predictive_drive drive;
+    iqfoc_exact_winding_t winding;
+    error e = {0};
+    m.ext.has[EXT_SATURATION] = true;
+    m.ext.L_0_H = m.L_d_H;
+    m.ext.I_sat_A = 2.0 * per_unit_of(&m).I_A;
+    at_current.L_d_H = at_current.L_q_H = m.L_d_H / 1.25; /* at the rated peak */
+    TEST_ASSERT_TRUE_MESSAGE(predictive_drive_init(&drive, &m, PREDICTOR_EXACT, &e) &&
+                                 predictive_drive_extend(&drive, &m, &e) &&
+                                 winding_from_motor(&at_current, &winding, &e),
+                             e.text);
+    const drive_firmware firmware = predictive_drive_firmware(&drive);
+    const iqfoc_sample_t sample = {.i = {IQ24_ONE, -IQ24_ONE / 2, -IQ24_ONE / 2}, .u_dc = IQ24_ONE};
+    TEST_ASSERT_TRUE(firmware.valley(firmware.context, (iqfoc_dq_t){0, 0}, &sample, &e));
+    const iqfoc_exact_law_t want = iqfoc_exact_prediction(&winding, IQ24_ONE);
+    TEST_ASSERT_INT32_WITHIN(1, want.stays_q26, drive.law.stays_q26);
+    TEST_ASSERT_INT32_WITHIN(1, want.k_u_q26, drive.law.k_u_q26);
+    for (int n = 0; n < IQFOC_EXACT_TERMS; n++) {
+        TEST_ASSERT_INT32_WITHIN(2, want.real_q25[n], drive.law.real_q25[n]);
+        TEST_ASSERT_INT32_WITHIN(2, want.imag_q25[n], drive.law.imag_q25[n]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -139,5 +169,6 @@ int main(void)
     RUN_TEST(stability_is_the_inductances_alone);
     RUN_TEST(learning_mends_the_steady_state_only);
     RUN_TEST(a_finite_set_follows_with_the_states_alone);
+    RUN_TEST(saturation_keeps_the_finer_constants);
     return UNITY_END();
 }

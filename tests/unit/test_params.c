@@ -2,7 +2,8 @@
  * Physical values to per unit: the compile-time macros and the host's conversion give the same constants,
  * those are what the formulas of docs/units.md give, and what does not fit is refused by its name.
  */
-#include "params_host.h"
+#include "extension_host.h"
+#include "params_exact.h"
 
 #include "iqfoc/params.h"
 
@@ -123,6 +124,58 @@ static void test_conversions_saturate_and_wrap(void)
     TEST_ASSERT_EQUAL_INT32(IQ24(0.08), turns_from_speed(2.0 * pi * 400.0, 2e-4));
 }
 
+/* A file that saturates: every constant is made of L_0_H in the axes' ratio, and none of [motor]'s own. */
+static void test_inductances_are_those_at_zero_current(void)
+{
+    motor written = laboratory();
+    motor meant = laboratory();
+    written.L_d_H = 4e-3;
+    written.L_q_H = 6e-3;
+    written.ext.has[EXT_SATURATION] = true;
+    written.ext.L_0_H = 7e-3;
+    written.ext.I_sat_A = 40.0;
+    meant.L_d_H = 5.6e-3;
+    meant.L_q_H = 8.4e-3;
+    iqfoc_predictor_t predictor[2];
+    iqfoc_current_control_gains_t gains[2];
+    iqfoc_exact_winding_t winding[2];
+    iqfoc_salient_machine_t salient[2];
+    iqfoc_flux_predictor_t flux[2];
+    for (int k = 0; k < 2; k++) {
+        const motor *m = k == 0 ? &written : &meant;
+        error e = {0, ""};
+        TEST_ASSERT_TRUE_MESSAGE(
+            predictor_from_motor(m, &predictor[k], &e) && gains_from_motor(m, 250.0, &gains[k], &e) &&
+                winding_from_motor(m, &winding[k], &e) && salient_from_motor(m, &salient[k], &e) &&
+                flux_predictor_from_motor(m, &flux[k], &e),
+            e.text);
+    }
+    /* Henries to 1e-16 of themselves: a rounding may fall the other way. */
+    TEST_ASSERT_INT32_WITHIN(1, predictor[1].k_u, predictor[0].k_u);
+    TEST_ASSERT_INT32_WITHIN(1, gains[1].kp_q, gains[0].kp_q);
+    TEST_ASSERT_INT32_WITHIN(1, gains[1].x_d, gains[0].x_d);
+    TEST_ASSERT_INT32_WITHIN(1, winding[1].k_psi_q27, winding[0].k_psi_q27);
+    TEST_ASSERT_INT32_WITHIN(1, salient[1].k_d_q26, salient[0].k_d_q26);
+    TEST_ASSERT_INT32_WITHIN(1, salient[1].rho_q_q30, salient[0].rho_q_q30);
+    TEST_ASSERT_INT32_WITHIN(1, flux[1].l_d, flux[0].l_d);
+    TEST_ASSERT_INT32_WITHIN(1, flux[1].k_q, flux[0].k_q);
+}
+
+/* A correction that does not fit is refused by file, key and constant. */
+static void test_correction_that_does_not_fit_is_named(void)
+{
+    motor m = laboratory();
+    iqfoc_extension_t extension;
+    error e = {0, ""};
+    m.ext.has[EXT_DEAD_TIME] = true;
+    m.ext.v_dead_V = 200.0;
+    TEST_ASSERT_FALSE(extension_from_motor(&m, &extension, &e));
+    TEST_ASSERT_EQUAL_INT(STATUS_UNUSABLE, e.status);
+    TEST_ASSERT_EQUAL_PTR(e.text, strstr(e.text, "m.toml"));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "v_dead_V"), e.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "v_dead/U_b"), e.text);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -130,5 +183,7 @@ int main(void)
     RUN_TEST(test_host_gives_the_same_constants);
     RUN_TEST(test_what_does_not_fit_is_named);
     RUN_TEST(test_conversions_saturate_and_wrap);
+    RUN_TEST(test_inductances_are_those_at_zero_current);
+    RUN_TEST(test_correction_that_does_not_fit_is_named);
     return UNITY_END();
 }
