@@ -63,8 +63,8 @@ static bool inductance(const motor *m, const char *key, const char *name, double
 {
     const per_unit base = per_unit_of(m);
     const double value = IQFOC_RAW_FLUX_L(L_H, base.T_s, base.I_A, base.U_V);
-    return constant(m, key, name, value, IQFOC_MIN_FLUX_L, IQFOC_MAX_FLUX_L, l, e) &&
-           constant(m, key, name, 1.0 / value, 1.0 / IQFOC_MAX_FLUX_L, 1.0 / IQFOC_MIN_FLUX_L, k, e);
+    *k = iq24_from_double(1.0 / value);
+    return constant(m, key, name, value, IQFOC_MIN_FLUX_L, IQFOC_MAX_FLUX_L, l, e);
 }
 
 bool flux_predictor_from_motor(const motor *m, iqfoc_flux_predictor_t *predictor, error *e)

@@ -1,3 +1,4 @@
+/* The HAL with the simulated drive behind it (hal_host.h). */
 #include "hal_host.h"
 
 #include <math.h>

@@ -88,8 +88,7 @@ bool config_from_motor(const motor *m, const scenario_control *control, iqfoc_cy
         [FEEDBACK_CORRECTED_MEAN] = IQFOC_FEEDBACK_CORRECTED_MEAN,
         [FEEDBACK_QUASI_DISCRETE_MEAN] = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
     };
-    /* A corrected mean is a cycle old when it is used: a third of the bandwidth keeps the loop's phase
-     * margin. */
+    /* A corrected mean is a cycle old when it is used: a third of the bandwidth keeps the phase margin. */
     const double usual_Hz = m->f_pwm_Hz / (control->feedback == FEEDBACK_CORRECTED_MEAN ? 60.0 : 20.0);
     const double bandwidth_Hz = control->bandwidth_Hz > 0.0 ? control->bandwidth_Hz : usual_Hz;
     iqfoc_cycle_config_t made;

@@ -3,6 +3,7 @@
 #include "number.h"
 #include "out_file.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { INDENT = 2 };
@@ -126,4 +127,9 @@ bool json_file_write(const char *path, const json_t *value, error *e)
         return error_failure(e, 0, "%s: out of memory", path);
     }
     return out_file_commit(&f, e);
+}
+
+json_t *json_number(double x)
+{
+    return isfinite(x) ? json_real(x) : json_null();
 }

@@ -16,4 +16,7 @@
  * Does not take the reference. NULL: out of memory while building. */
 bool json_file_write(const char *path, const json_t *value, error *e);
 
+/* A real; null where x is not finite. */
+json_t *json_number(double x);
+
 #endif

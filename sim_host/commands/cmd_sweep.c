@@ -5,7 +5,7 @@
 #include "base/out_folder.h"
 #include "base/progress.h"
 #include "command.h"
-#include "induction/induction_study.h"
+#include "induction/induction_table.h"
 #include "options.h"
 #include "reproduce/sweep.h"
 #include "sweep_special.h"
@@ -229,7 +229,7 @@ static bool run(const request *r, error *e)
 {
     motor m;
     if (r->induction) {
-        return induction_study(r->json_path, e);
+        return induction_table(r->json_path, e);
     }
     if (!r->map) {
         return sweep(r, e);

@@ -1,22 +1,18 @@
+/* A simulated drive's rows as a recording (drive_recording.h). */
 #include "drive_recording.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Time between the last cycle of a run and the first of the next, in cycles: more than 1.5, so that a stretch
- * ends. */
+/* Cycles between the last of a run and the first of the next: more than 1.5, so that a stretch ends. */
 #define PAUSE_CYCLES 10.0
 
-static bool column(double **out, size_t rows)
+/* Room in the first `count` of these columns, if they are wanted. */
+static bool columns(double **out, int count, bool wanted, size_t rows)
 {
-    *out = calloc(rows, sizeof **out);
-    return *out != NULL;
-}
-
-static bool columns(double *out[3], int count, size_t rows)
-{
-    for (int x = 0; x < count; x++) {
-        if (!column(&out[x], rows)) {
+    for (int x = 0; x < count && wanted; x++) {
+        out[x] = calloc(rows, sizeof **out);
+        if (out[x] == NULL) {
             return false;
         }
     }
@@ -25,15 +21,14 @@ static bool columns(double *out[3], int count, size_t rows)
 
 static bool allocate(recording *r, const scenario_log *log, size_t rows)
 {
+    const int sensors = log->third_current ? 3 : 2;
     r->run = calloc(rows, sizeof *r->run);
-    const int channels = log->third_current ? 3 : 2;
     r->i_c_measured = log->third_current;
-    return r->run != NULL && column(&r->t_s, rows) && column(&r->theta_e_rad, rows) &&
-           column(&r->omega_e_rad_s, rows) && columns(r->i_A, channels, rows) &&
-           (!log->voltages || columns(r->u_V, 3, rows)) && (!log->duties || columns(r->duty, 3, rows)) &&
-           (!log->u_dc || column(&r->u_dc_V, rows)) &&
-           (!log->mid_currents || columns(r->i_mid_A, channels, rows)) &&
-           (!log->mechanical_angle || column(&r->theta_mech_rad, rows));
+    return r->run != NULL && columns(&r->t_s, 1, true, rows) && columns(&r->theta_e_rad, 1, true, rows) &&
+           columns(&r->omega_e_rad_s, 1, true, rows) && columns(r->i_A, sensors, true, rows) &&
+           columns(r->u_V, 3, log->voltages, rows) && columns(r->duty, 3, log->duties, rows) &&
+           columns(&r->u_dc_V, 1, log->u_dc, rows) && columns(r->i_mid_A, sensors, log->mid_currents, rows) &&
+           columns(&r->theta_mech_rad, 1, log->mechanical_angle, rows);
 }
 
 bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, error *e)

@@ -1,8 +1,8 @@
 /* A run of a scenario (drive_run.h). */
 #include "drive_run.h"
 
-/* Shaft, load and references for the cycle that begins at t_s. While settling everything stands as at t = 0,
- * unexcited. */
+/* Shaft, load and references for the cycle that begins at t_s. While the drive settles everything stands as
+ * it does at t = 0, without the excitation. */
 static iqfoc_dq_t set_cycle(drive_loop *l, const motor *m, const scenario_run *run, double t_s, bool settling)
 {
     const double T_s = l->base.T_s;

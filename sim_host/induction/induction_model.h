@@ -39,8 +39,7 @@ typedef struct induction_span {
 induction_span induction_advance(const induction_machine *m, induction_state start, double complex u_V,
                                  double span_s, double omega_rad_s);
 
-/* Such spans from edge to edge: a cycle of length T_s with these duties. i_mid_A: at the carrier's
- * peak. */
+/* Such spans from edge to edge: a cycle of PWM with these duties. i_mid_A: at the carrier's peak. */
 typedef struct induction_cycle {
     induction_span whole;
     double complex i_mid_A;

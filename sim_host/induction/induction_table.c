@@ -1,12 +1,16 @@
 /* The induction machine's table (induction_table.h). */
 #include "induction_table.h"
 
+#include "base/json_file.h"
 #include "induction_model.h"
 #include "model/papers.h"
 #include "model/pwm_cycle.h"
 #include "per_unit.h"
 
 #include "iqfoc/induction.h"
+
+#include <stdio.h>
+#include <string.h>
 
 /* T circuit, rotor seen from the stator. */
 #define R_S_OHM        0.10
@@ -191,7 +195,7 @@ bool induction_errors_at(double f_rotor_Hz, induction_errors *at, error *e)
     return true;
 }
 
-json_t *induction_table_json(const induction_errors points[INDUCTION_POINTS])
+static json_t *table_json(const induction_errors points[INDUCTION_POINTS])
 {
     json_t *list = json_array();
     for (int n = 0; n < INDUCTION_POINTS; n++) {
@@ -212,4 +216,50 @@ json_t *induction_table_json(const induction_errors points[INDUCTION_POINTS])
                      "R_rotor_ohm", R_ROTOR_OHM, "L_leak_s_H", L_LEAK_S_H, "L_leak_r_H", L_LEAK_R_H,
                      "L_magnetising_H", L_MAGNETISE_H, "I_rated_A_peak", I_RATED_A, "u_dc_V", U_DC_V,
                      "f_pwm_Hz", F_PWM_HZ, "points", list);
+}
+
+static void print_table(const induction_errors points[INDUCTION_POINTS])
+{
+    static const char *const columns[2] = {"mean", "prediction"};
+    printf("Traction induction machine, rated current, 500 Hz switching; errors in percent of the rms "
+           "current\n");
+    printf("%10s  %8s  %8s", "", "", "");
+    for (int k = 0; k < 2; k++) {
+        printf("  %10s  %14s  %10s  %12s", columns[k], columns[k], columns[k], columns[k]);
+    }
+    printf("\n%10s  %8s  %8s", "stator Hz", "SFFR", "psi Wb");
+    for (int k = 0; k < 2; k++) {
+        printf("  %10s  %14s  %10s  %12s", "standard", "quasi-discrete", "exact", "with ripple");
+    }
+    putchar('\n');
+    for (int n = 0; n < INDUCTION_POINTS; n++) {
+        const induction_errors *p = &points[n];
+        printf("%10.4g  %8.4g  %8.3g", p->f_stator_Hz, p->sffr, p->psi_Wb);
+        printf("  %10.4g  %14.4g  %10.4g  %12.4g", p->mean_standard, p->mean_quasi_discrete, p->mean_exact,
+               p->mean_pulses_iq24);
+        printf("  %10.4g  %14.4g  %10.4g  %12.4g\n", p->prediction_standard, p->prediction_quasi_discrete,
+               p->prediction_exact, p->prediction_pulses_iq24);
+    }
+}
+
+bool induction_table(const char *json_path, error *e)
+{
+    induction_errors points[INDUCTION_POINTS];
+    for (int n = 0; n < INDUCTION_POINTS; n++) {
+        if (!induction_errors_at(induction_table_Hz[n], &points[n], e)) {
+            return false;
+        }
+    }
+    if (json_path != NULL) {
+        json_t *root = table_json(points);
+        const bool ok = json_file_write(json_path, root, e);
+        json_decref(root);
+        if (!ok) {
+            return false;
+        }
+    }
+    if (json_path == NULL || strcmp(json_path, "-") != 0) {
+        print_table(points);
+    }
+    return true;
 }

@@ -11,7 +11,6 @@
 
 #include "../base/error.h"
 
-#include <jansson.h>
 #include <stdbool.h>
 
 typedef struct induction_errors {
@@ -31,7 +30,10 @@ bool induction_errors_at(double f_rotor_Hz, induction_errors *at, error *e);
 enum { INDUCTION_POINTS = 6 };
 extern const double induction_table_Hz[INDUCTION_POINTS];
 
-/* {"machine": {...}, "points": [...]} of the table. */
-json_t *induction_table_json(const induction_errors points[INDUCTION_POINTS]);
+/*
+ * `iqfoc sweep --induction`: prints the table, and writes it as JSON if json_path is not NULL ("-" is standard
+ * output, without the table): {"machine": {...}, "points": [...]}.
+ */
+bool induction_table(const char *json_path, error *e);
 
 #endif

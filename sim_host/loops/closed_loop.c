@@ -4,8 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Points of the current's waveform in a cycle, for distortion; the switching ripple is straight between
- * edges. */
+/* Points of the current's waveform in a cycle, for its distortion: ripple is straight between edges. */
 enum { POINTS = 24 };
 
 const char *loop_outcome_text(loop_outcome outcome)

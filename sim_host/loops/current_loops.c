@@ -1,3 +1,4 @@
+/* The study of current loops (current_loops.h). */
 #include "current_loops.h"
 
 #include "base/progress.h"

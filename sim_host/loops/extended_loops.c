@@ -1,10 +1,10 @@
+/* Control with nominal and with diagnosed parameters (extended_loops.h). */
 #include "extended_loops.h"
 
+#include "base/json_file.h"
 #include "current_loops.h"
 #include "drive/firmware_host.h"
 #include "extension_host.h"
-
-#include <math.h>
 
 static const double speed_shares[EXTENDED_SPEEDS] = {0.02, 0.1, 0.5};
 static const char *const method_text[EXTENDED_METHODS] = {"PI, mid-point sample", "deadbeat, exact",
@@ -73,11 +73,6 @@ void extended_loops_print(const extended_loops *all, FILE *stream)
     }
 }
 
-static json_t *number(double x)
-{
-    return isfinite(x) ? json_real(x) : json_null();
-}
-
 json_t *extended_loops_json(const extended_loops *all)
 {
     json_t *root = json_pack("{s:[]}", "extended");
@@ -86,11 +81,11 @@ json_t *extended_loops_json(const extended_loops *all)
         for (int n = 0; n < EXTENDED_METHODS; n++) {
             for (int b = 0; b < EXTENDED_BELIEFS; b++) {
                 const loop_result *r = &all->at[s][n][b];
-                json_t *o = json_pack("{s:f, s:s, s:s, s:s, s:o, s:o, s:o}", "rpm", all->rpm[s], "loop",
-                                      method_text[n], "belief", belief_text[b], "outcome",
-                                      loop_outcome_text(r->outcome), "rms_percent", number(r->rms_percent),
-                                      "torque_error_percent", number(r->torque_error_percent),
-                                      "torque_ripple_percent", number(r->torque_ripple_percent));
+                json_t *o = json_pack(
+                    "{s:f, s:s, s:s, s:s, s:o, s:o, s:o}", "rpm", all->rpm[s], "loop", method_text[n],
+                    "belief", belief_text[b], "outcome", loop_outcome_text(r->outcome), "rms_percent",
+                    json_number(r->rms_percent), "torque_error_percent", json_number(r->torque_error_percent),
+                    "torque_ripple_percent", json_number(r->torque_ripple_percent));
                 if (o == NULL || json_array_append_new(list, o) != 0) {
                     json_decref(root);
                     return NULL;

@@ -1,3 +1,4 @@
+/* The study of finite-control-set control (finite_set_loops.h). */
 #include "finite_set_loops.h"
 
 #include "base/progress.h"

@@ -3,23 +3,19 @@
  */
 #include "loops_study.h"
 
-#include <math.h>
-
-static json_t *number(double x)
-{
-    return isfinite(x) ? json_real(x) : json_null();
-}
+#include "base/json_file.h"
 
 static json_t *result_json(const loop_result *r)
 {
-    return json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "outcome", loop_outcome_text(r->outcome),
-        "rms_percent", number(r->rms_percent), "offset_percent", number(r->offset_percent), "wander_percent",
-        number(r->wander_percent), "i_d_offset_percent", number(r->i_d_offset_percent), "i_q_offset_percent",
-        number(r->i_q_offset_percent), "overshoot_percent", number(r->overshoot_percent), "settling_cycles",
-        r->settling_cycles < 0 ? json_null() : json_integer(r->settling_cycles), "start_percent",
-        number(r->start_percent), "thd_percent", number(r->thd_percent), "switching_Hz",
-        number(r->switching_Hz));
+    return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "outcome",
+                     loop_outcome_text(r->outcome), "rms_percent", json_number(r->rms_percent),
+                     "offset_percent", json_number(r->offset_percent), "wander_percent",
+                     json_number(r->wander_percent), "i_d_offset_percent", json_number(r->i_d_offset_percent),
+                     "i_q_offset_percent", json_number(r->i_q_offset_percent), "overshoot_percent",
+                     json_number(r->overshoot_percent), "settling_cycles",
+                     r->settling_cycles < 0 ? json_null() : json_integer(r->settling_cycles), "start_percent",
+                     json_number(r->start_percent), "thd_percent", json_number(r->thd_percent),
+                     "switching_Hz", json_number(r->switching_Hz));
 }
 
 /* Takes both; `more` becomes part of `object`. */

@@ -1,3 +1,4 @@
+/* The studies of closed loops, run and printed (loops_study.h). */
 #include "loops_study.h"
 
 #include <math.h>

@@ -21,12 +21,10 @@ typedef struct drive_emulated {
 typedef struct drive_emulated_choice {
     const char *target; /* "cortex-m4" or "rv32" */
     const char *image; /* the ELF file; NULL: the one built beside this program, build/TARGET/iqfoc_pil.elf */
-    const char *uart;  /* NULL; or the file that gets the octets of the image's UART, where it records every
-                         * cycle */
+    const char *uart; /* NULL; or a file for the octets of the UART over which the image records each cycle */
 } drive_emulated_choice;
 
-/* Starts the image. m: for the recorder's scales. False with *e set: unknown target, no image, no emulator.
- */
+/* Starts the image. m: for the recorder's scales. False with *e set: no such target, image or emulator. */
 bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice, const motor *m, error *e);
 
 drive_firmware drive_firmware_emulated(drive_emulated *d);

@@ -22,19 +22,18 @@ typedef struct emulator {
     int line;         /* the socket that is its serial line */
 } emulator;
 
-/* argv: NULL-terminated, argv[0] the program, looked up in PATH. False with *e set if it cannot be started.
- */
+/* argv: NULL-terminated; argv[0], the program, is looked up in PATH. False with *e set if it does not start. */
 bool emulator_start(emulator *m, const char *name, const char *const argv[], error *e);
 
 /* Sends all bytes. False with *e set if the child is gone or does not take them in time. */
 bool emulator_send(emulator *m, const uint8_t *bytes, size_t count, error *e);
 
-/* Receives 1 to count bytes; *received says how many. False with *e set if the child is gone or silent too
- * long. */
+/* Receives 1 to count bytes; *received says how many. False with *e set if the child is gone, or silent for
+ * too long. */
 bool emulator_receive(emulator *m, uint8_t *bytes, size_t count, size_t *received, error *e);
 
-/* Hangs up and lets the child end by itself, with a status of 0 and within a time limit. False with *e set if
- * not. */
+/* Hangs up and lets the child end by itself. False with *e set if it does not do so with a status of 0 and
+ * within a time limit. */
 bool emulator_finish(emulator *m, error *e);
 
 /* Kills the child. Safe to call twice and on a zeroed struct. */

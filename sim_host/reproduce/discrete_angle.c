@@ -1,3 +1,4 @@
+/* The three processing paths of 2016, Section 5 (discrete_angle.h). */
 #include "discrete_angle.h"
 
 #include "per_unit.h"

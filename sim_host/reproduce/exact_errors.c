@@ -1,3 +1,4 @@
+/* The errors of the exact solution on a record (exact_errors.h). */
 #include "exact_errors.h"
 
 #include "model/exact.h"
@@ -84,23 +85,6 @@ static cycle_currents truth(const machine *x, const steady_drive *d, const drive
     return (cycle_currents){at->i_next_valley_A, at->i_mean_A};
 }
 
-/* Sums until error_finish, which takes roots and percent. */
-static void error_add(method_error *e, double complex computed, double complex fixed, double complex truth_A,
-                      double base)
-{
-    e->rms_percent += vec_square(computed - truth_A);
-    e->rms_percent_iq24 += vec_square(fixed - truth_A);
-    e->peak_A = fmax(e->peak_A, fabs(creal(computed - truth_A)));
-    e->peak_A_iq24 = fmax(e->peak_A_iq24, fabs(creal(fixed - truth_A)));
-    e->iq24_off = fmax(e->iq24_off, cabs(fixed - computed) / base);
-}
-
-static void error_finish(method_error *e, double sum_current)
-{
-    e->rms_percent = 100.0 * sqrt(e->rms_percent / sum_current);
-    e->rms_percent_iq24 = 100.0 * sqrt(e->rms_percent_iq24 / sum_current);
-}
-
 bool exact_errors_of(const motor *m, const steady_drive *d, exact_errors *errors, error *e)
 {
     machine x;
@@ -114,11 +98,11 @@ bool exact_errors_of(const motor *m, const steady_drive *d, exact_errors *errors
         const cycle_currents computed = in_double(&x, &in);
         const cycle_currents fixed = in_iq24(&x, &in);
         const cycle_currents was = truth(&x, d, &d->cycle[n]);
-        error_add(&errors->prediction, computed.end_A, fixed.end_A, was.end_A, x.base.I_A);
-        error_add(&errors->mean, computed.mean_A, fixed.mean_A, was.mean_A, x.base.I_A);
+        method_error_add(&errors->prediction, computed.end_A, fixed.end_A, was.end_A, x.base.I_A);
+        method_error_add(&errors->mean, computed.mean_A, fixed.mean_A, was.mean_A, x.base.I_A);
         sum_current += vec_square(in.i_valley_A);
     }
-    error_finish(&errors->prediction, sum_current);
-    error_finish(&errors->mean, sum_current);
+    method_error_finish(&errors->prediction, sum_current);
+    method_error_finish(&errors->mean, sum_current);
     return true;
 }

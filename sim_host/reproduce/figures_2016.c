@@ -97,11 +97,6 @@ static bool figures_8_and_9(page *p, const comparison *c, error *e)
 
 static const char *const phase_names[3] = {"A", "B", "C"};
 
-static double phase_of(double complex x, int phase)
-{
-    return creal(x * vec_turn(-phase * 2.0 * VEC_PI / 3.0));
-}
-
 static void say_waveforms(plot *p, const six_step_run *run, size_t intervals)
 {
     enum { STEPS = 12 };
@@ -113,10 +108,11 @@ static void say_waveforms(plot *p, const six_step_run *run, size_t intervals)
             plot_say(p, "%.6g", 1e3 * (at->t_s + t_s));
             for (int x = 0; x < 3; x++) {
                 /* The star point floats: phase voltages are those of the vector (2/3) u_dc e^{jn pi/3}. */
-                plot_say(p, " %.6g", phase_of(2.0 / 3.0 * vec_turn(at->vector * VEC_PI / 3.0), x));
+                plot_say(p, " %.6g",
+                         vec_phase(vec_ab_of(2.0 / 3.0 * vec_turn(at->vector * VEC_PI / 3.0)), x));
             }
             for (int x = 0; x < 3; x++) {
-                plot_say(p, " %.6g", phase_of(six_step_current(run, at, t_s), x));
+                plot_say(p, " %.6g", vec_phase(vec_ab_of(six_step_current(run, at, t_s)), x));
             }
             plot_say(p, "\n");
         }

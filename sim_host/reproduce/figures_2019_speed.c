@@ -1,3 +1,4 @@
+/* 2019: Figs. 7 and 9 (figures_2019_speed.h). */
 #include "figures_2019_speed.h"
 
 #include "lab_drives.h"

@@ -1,3 +1,4 @@
+/* The stand-in for the 2019 paper's laboratory (lab_drives.h). */
 #include "lab_drives.h"
 
 #include "per_unit.h"

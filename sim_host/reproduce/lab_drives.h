@@ -11,8 +11,7 @@
 
 #include "method_errors.h"
 
-/* Half-widths of the uniform errors, as fractions unless the unit is in the name; noise: standard deviation.
- */
+/* Half widths of the uniform errors, fractions where no unit is in the name; of the noise its deviation. */
 typedef struct lab_uncertainty {
     double R;             /* 0.10: a winding 25 K warmer or colder than assumed */
     double L;             /* 0.05 */

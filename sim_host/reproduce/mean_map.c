@@ -1,3 +1,4 @@
+/* Which mean of the dq current is enough where (mean_map.h). */
 #include "mean_map.h"
 
 #include "model/modulated_mean.h"
@@ -20,8 +21,7 @@ static double ratio_at(int n)
     return 3.0 * pow(100.0 / 3.0, n / (MEAN_MAP_RATIOS - 1.0));
 }
 
-/* 0.07 ... 0.97: PWM needs a little room above the voltage for what the plant's steady state still corrects.
- */
+/* 0.07 ... 0.97: the steady state is still corrected a little, and needs that much room above its voltage. */
 static double index_at(int n)
 {
     return 0.07 + 0.9 * n / (MEAN_MAP_INDICES - 1.0);

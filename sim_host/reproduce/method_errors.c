@@ -1,3 +1,4 @@
+/* The errors of the papers' methods on a record (method_errors.h). */
 #include "method_errors.h"
 
 #include "params_host.h"
@@ -99,36 +100,38 @@ double complex method_truth(method which, const drive_cycle *at)
                                                                                 : at->i_next_valley_A;
 }
 
-static method_error error_of(method which, const steady_drive *d, const method_machine *m)
+void method_error_add(method_error *e, double complex computed, double complex fixed, double complex truth,
+                      double base_A)
 {
-    method_error worst = {0};
-    double sum = 0.0;
-    double sum_iq24 = 0.0;
-    double sum_current = 0.0;
-    for (size_t n = 0; n < d->count; n++) {
-        const drive_cycle *at = &d->cycle[n];
-        const method_input in = method_input_of(d, at);
-        const double complex truth = method_truth(which, at);
-        const double complex in_double = method_compute(which, m, &in);
-        const double complex in_iq24 = method_compute_iq24(which, m, &in);
-        sum += vec_square(in_double - truth);
-        sum_iq24 += vec_square(in_iq24 - truth);
-        sum_current += vec_square(at->i_valley_A);
-        worst.peak_A = fmax(worst.peak_A, fabs(creal(in_double - truth)));
-        worst.peak_A_iq24 = fmax(worst.peak_A_iq24, fabs(creal(in_iq24 - truth)));
-        worst.iq24_off = fmax(worst.iq24_off, cabs(in_iq24 - in_double) / m->I_base_A);
-    }
-    /* The rms of three phases without zero sequence is that of their vector over sqrt(2), above and below. */
-    worst.rms_percent = 100.0 * sqrt(sum / sum_current);
-    worst.rms_percent_iq24 = 100.0 * sqrt(sum_iq24 / sum_current);
-    return worst;
+    e->rms_percent += vec_square(computed - truth);
+    e->rms_percent_iq24 += vec_square(fixed - truth);
+    e->peak_A = fmax(e->peak_A, fabs(creal(computed - truth)));
+    e->peak_A_iq24 = fmax(e->peak_A_iq24, fabs(creal(fixed - truth)));
+    e->iq24_off = fmax(e->iq24_off, cabs(fixed - computed) / base_A);
+}
+
+/* The rms of three phases without zero sequence is that of their vector over sqrt(2), above and below. */
+void method_error_finish(method_error *e, double sum_current)
+{
+    e->rms_percent = 100.0 * sqrt(e->rms_percent / sum_current);
+    e->rms_percent_iq24 = 100.0 * sqrt(e->rms_percent_iq24 / sum_current);
 }
 
 method_errors method_errors_of(const steady_drive *d, const method_machine *m)
 {
-    method_errors e;
+    method_errors e = {.of = {{0.0}}};
+    double sum_current = 0.0;
+    for (size_t n = 0; n < d->count; n++) {
+        const method_input in = method_input_of(d, &d->cycle[n]);
+        for (int which = 0; which < METHOD_COUNT; which++) {
+            method_error_add(&e.of[which], method_compute((method)which, m, &in),
+                             method_compute_iq24((method)which, m, &in),
+                             method_truth((method)which, &d->cycle[n]), m->I_base_A);
+        }
+        sum_current += vec_square(in.i_valley_A);
+    }
     for (int which = 0; which < METHOD_COUNT; which++) {
-        e.of[which] = error_of((method)which, d, m);
+        method_error_finish(&e.of[which], sum_current);
     }
     return e;
 }

@@ -60,6 +60,12 @@ typedef struct method_error {
     double iq24_off;                      /* largest |IQ24 - double|, of the rated current's peak */
 } method_error;
 
+/* Adds a cycle's result in double and in fixed point against the truth; base_A: the rated current's peak. */
+void method_error_add(method_error *e, double complex computed, double complex fixed, double complex truth,
+                      double base_A);
+/* Once all are added: roots and percent. sum_current: of the squares of the currents at the valleys. */
+void method_error_finish(method_error *e, double sum_current);
+
 typedef struct method_errors {
     method_error of[METHOD_COUNT];
 } method_errors;

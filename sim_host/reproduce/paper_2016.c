@@ -1,3 +1,4 @@
+/* The 2016 paper's tables beside what is computed (paper_2016.h). */
 #include "paper_2016.h"
 
 #include "discrete_angle.h"

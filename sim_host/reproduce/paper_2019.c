@@ -1,3 +1,4 @@
+/* The 2019 paper's tables beside what is computed (paper_2019.h). */
 #include "paper_2019.h"
 
 #include "lab_drives.h"

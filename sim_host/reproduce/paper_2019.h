@@ -21,7 +21,7 @@ double complex paper_2019_current(const motor *m, double n_rpm);
 /* The same with i_d a given share of it. */
 double complex paper_2019_current_at(const motor *m, double id_ratio);
 
-/* What the paper prints: Table 1 (simulation), percent, in the order of `method`; Table 3 (measured),
+/* What the paper prints, percent: Table 1 (simulated), in the order of `method`; Table 3 (measured), the two
  * predictions. */
 enum { PAPER_2019_TABLE_1 = 3, PAPER_2019_TABLE_3 = 2 };
 

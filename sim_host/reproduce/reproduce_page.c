@@ -1,3 +1,4 @@
+/* The page of both papers (figures.h). */
 #include "figures.h"
 
 bool reproduce_page(const char *directory, const comparison *c, bool with_2016, bool with_2019, error *e)

@@ -1,4 +1,7 @@
+/* The rows of the comparison, collected and as JSON (rows.h). */
 #include "rows.h"
+
+#include "base/json_file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -80,17 +83,26 @@ double comparison_ratio(const comparison_row *row)
     return row->value / row->paper_value;
 }
 
-static json_t *number_or_null(double value)
+int comparison_note(const char *notes[COMPARISON_NOTES], int *count, const char *note)
 {
-    return isfinite(value) ? json_real(value) : json_null();
+    for (int n = 0; n < *count; n++) {
+        if (strcmp(notes[n], note) == 0) {
+            return n + 1;
+        }
+    }
+    if (note[0] == '\0' || *count == COMPARISON_NOTES) {
+        return 0;
+    }
+    notes[(*count)++] = note;
+    return *count;
 }
 
 static json_t *row_json(const comparison_row *r)
 {
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:s}", "paper", r->paper, "item", r->item,
                      "quantity", r->quantity, "method", r->method, "condition", r->condition, "unit", r->unit,
-                     "paper_value", number_or_null(r->paper_value), "value", number_or_null(r->value),
-                     "value_iq24", number_or_null(r->value_iq24), "note", r->note);
+                     "paper_value", json_number(r->paper_value), "value", json_number(r->value), "value_iq24",
+                     json_number(r->value_iq24), "note", r->note);
 }
 
 json_t *comparison_json(const comparison *c)

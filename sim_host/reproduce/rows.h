@@ -39,6 +39,10 @@ void comparison_free(comparison *c);
 /* The value over the paper's, NAN where there is none. */
 double comparison_ratio(const comparison_row *row);
 
+/* The number of a note, from 1 on in order of first use; 0 for an empty one, or where there are too many. */
+enum { COMPARISON_NOTES = 32 };
+int comparison_note(const char *notes[COMPARISON_NOTES], int *count, const char *note);
+
 /* A table of each paper's items, columns aligned, notes as numbered lines below. */
 void comparison_print(const comparison *c, FILE *out);
 

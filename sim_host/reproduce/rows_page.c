@@ -1,9 +1,8 @@
+/* Rows of the comparison on the report page (rows_page.h). */
 #include "rows_page.h"
 
 #include <math.h>
 #include <string.h>
-
-enum { NOTES_MAX = 16 };
 
 static bool wanted(const comparison_row *r, const char *paper, const char *item, const char *part)
 {
@@ -23,20 +22,6 @@ static void number_cell(page *p, double value, bool printed)
     } else {
         page_cell(p, true, "%#.3g", value);
     }
-}
-
-static int note_of(const char *notes[NOTES_MAX], int *count, const char *note)
-{
-    for (int n = 0; n < *count; n++) {
-        if (strcmp(notes[n], note) == 0) {
-            return n + 1;
-        }
-    }
-    if (note[0] == '\0' || *count == NOTES_MAX) {
-        return 0;
-    }
-    notes[(*count)++] = note;
-    return *count;
 }
 
 /* A condition without what all rows of the table have in common. */
@@ -74,12 +59,12 @@ static void put_row(page *p, const comparison_row *r, const char *part, int note
 void rows_page_table(page *p, const comparison *c, const char *paper, const char *item, const char *part)
 {
     static const char *const heads[] = {"", "", "\tpaper", "\tdouble", "\tIQ24", "\tratio", ""};
-    const char *notes[NOTES_MAX];
+    const char *notes[COMPARISON_NOTES];
     int count = 0;
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (size_t n = 0; n < c->count; n++) {
         if (wanted(&c->row[n], paper, item, part)) {
-            put_row(p, &c->row[n], part, note_of(notes, &count, c->row[n].note));
+            put_row(p, &c->row[n], part, comparison_note(notes, &count, c->row[n].note));
         }
     }
     page_table_end(p);

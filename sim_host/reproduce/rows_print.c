@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { COLUMNS = 8, CELL = 96, NOTES_MAX = 32, NOTE_WIDTH = 100 };
+enum { COLUMNS = 8, CELL = 96, NOTE_WIDTH = 100 };
 
 typedef struct text_row {
     char cell[COLUMNS][CELL];
@@ -26,21 +26,6 @@ static void put_number(char cell[CELL], double value)
     } else {
         snprintf(cell, CELL, "%.4g", value);
     }
-}
-
-/* The number of a note, given out in order of first use. */
-static int note_number(const char *notes[NOTES_MAX], int *count, const char *note)
-{
-    for (int n = 0; n < *count; n++) {
-        if (strcmp(notes[n], note) == 0) {
-            return n + 1;
-        }
-    }
-    if (*count == NOTES_MAX) {
-        return 0;
-    }
-    notes[(*count)++] = note;
-    return *count;
 }
 
 static text_row as_text(const comparison_row *r, int note)
@@ -115,7 +100,7 @@ static bool same_item(const comparison_row *a, const comparison_row *b)
 
 static void print_item(const comparison_row *row, size_t count, FILE *out)
 {
-    const char *notes[NOTES_MAX];
+    const char *notes[COMPARISON_NOTES];
     int note_count = 0;
     int width[COLUMNS];
     text_row head;
@@ -130,8 +115,7 @@ static void print_item(const comparison_row *row, size_t count, FILE *out)
             print_line(out, &head, width);
         }
         for (size_t n = 0; n < count; n++) {
-            const int note = row[n].note[0] == '\0' ? 0 : note_number(notes, &note_count, row[n].note);
-            const text_row t = as_text(&row[n], note);
+            const text_row t = as_text(&row[n], comparison_note(notes, &note_count, row[n].note));
             if (pass == 0) {
                 widen(width, &t);
             } else {

@@ -1,3 +1,4 @@
+/* The drive of the 2016 paper's Section 5 (six_step.h). */
 #include "six_step.h"
 
 #include "../model/papers.h"

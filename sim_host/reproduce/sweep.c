@@ -1,12 +1,14 @@
+/* One point of the errors over speed (sweep.h). */
 #include "sweep.h"
+
+#include "base/json_file.h"
 
 #include <math.h>
 
 /* Cycles of a record: several beats of carrier and fundamental at any ratio above 3. */
 enum { CYCLES = 600 };
 
-/* Beyond these many DC links and peak rated currents the firmware's range ends (predictor.h: u <= 2, i <=
- * 32). */
+/* So many DC links and peak rated currents the firmware's range allows (predictor.h: u <= 2, i <= 32). */
 static const double link_max_pu = 3.0;
 static const double current_max_pu = 16.0;
 
@@ -72,8 +74,8 @@ static json_t *prediction_json(const sweep_point *p, bool iq24)
 json_t *sweep_point_json(const sweep_point *p)
 {
     return json_pack("{s:f, s:o, s:o, s:o, s:{s:o, s:o}, s:f, s:f, s:f, s:b}", "rpm", p->n_rpm, "sffr",
-                     isfinite(p->sffr) ? json_real(p->sffr) : json_null(), "mean", mean_json(p, false),
-                     "prediction", prediction_json(p, false), "iq24", "mean", mean_json(p, true),
-                     "prediction", prediction_json(p, true), "i_d_A", creal(p->i_mid_dq_A), "i_q_A",
-                     cimag(p->i_mid_dq_A), "u_dc_V", p->u_dc_V, "u_dc_raised", (int)p->link_raised);
+                     json_number(p->sffr), "mean", mean_json(p, false), "prediction",
+                     prediction_json(p, false), "iq24", "mean", mean_json(p, true), "prediction",
+                     prediction_json(p, true), "i_d_A", creal(p->i_mid_dq_A), "i_q_A", cimag(p->i_mid_dq_A),
+                     "u_dc_V", p->u_dc_V, "u_dc_raised", (int)p->link_raised);
 }

@@ -27,9 +27,8 @@ typedef struct sweep_point {
 bool sweep_point_at(const motor *m, const method_machine *machine, double n_rpm, double complex i_mid_dq_A,
                     sweep_point *point, error *e);
 
-/* {"rpm":, "sffr":, "mean": {"standard":, "quasi_discrete":, "exact":}, "prediction": {...}, "iq24": {the
- * same}, ...}
- */
+/* {"rpm":, "sffr":, "mean": {"standard":, "quasi_discrete":, "exact":}, "prediction": {the same}, "iq24":
+ * {"mean":, "prediction":}, ...} */
 json_t *sweep_point_json(const sweep_point *p);
 
 /* DIRECTORY/index.html with the errors over the ratio, and the picture as DIRECTORY/sweep.svg. */
