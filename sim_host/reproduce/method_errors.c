@@ -119,7 +119,7 @@ void method_error_finish(method_error *e, double sum_current)
 
 method_errors method_errors_of(const steady_drive *d, const method_machine *m)
 {
-    method_errors e = {.of = {{0.0}}};
+    method_errors e = {.of = {{.rms_percent = 0.0}}};
     double sum_current = 0.0;
     for (size_t n = 0; n < d->count; n++) {
         const method_input in = method_input_of(d, &d->cycle[n]);
