@@ -1,4 +1,4 @@
-/* Motor files to the constants of the control cycle (params_host.h). */
+/* Motor files to the constants of the control cycle and of the predictors (params_host.h). */
 #include "params_host.h"
 
 #include "hal_host.h"
@@ -9,6 +9,9 @@
 
 /* Four times the rated current: above what any scenario asks for, below what the converter's scaling holds. */
 #define CURRENT_LIMIT_PU 4.0
+
+/* The least k_u, T U_b/(L I_b): half an LSB of IQ24, below which a machine would not answer to its voltage. */
+#define LEAST_K_U 6e-8
 
 bool constant_from_motor(const motor *m, const char *key, const char *name, double value, double low,
                          double high, int bits, int32_t *out, error *e)
@@ -43,6 +46,60 @@ bool predictor_from_motor(const motor *m, iqfoc_predictor_t *predictor, error *e
                        &predictor->k_r, e) &&
            coefficient(m, "psi_f_Wb", "k_psi = psi/(L I_b)", IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A), 0.0,
                        IQFOC_MAX_K_PSI, &predictor->k_psi, e);
+}
+
+/* The three constants of one inductance. */
+static bool axis_from_motor(const motor *m, const char *L_key, double L_H, iqfoc_exact_winding_t *axis,
+                            error *e)
+{
+    const per_unit base = per_unit_of(m);
+    return constant_from_motor(m, "R_ohm", "R T/L", IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0,
+                               IQFOC_MAX_K_R, 30, &axis->rho_q30, e) &&
+           constant_from_motor(m, L_key, "T U_b/(L I_b)", IQFOC_RAW_K_U(L_H, base.T_s, base.I_A, base.U_V),
+                               LEAST_K_U, IQFOC_MAX_K_U, 26, &axis->k_u_q26, e) &&
+           constant_from_motor(m, "psi_f_Wb", "psi_f/(L I_b)", IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A),
+                               0.0, IQFOC_MAX_K_PSI, 27, &axis->k_psi_q27, e);
+}
+
+bool winding_from_motor(const motor *m, iqfoc_exact_winding_t *winding, error *e)
+{
+    double L_d_H;
+    double L_q_H;
+    iqfoc_exact_winding_t made = {0};
+    motor_inductances(m, &L_d_H, &L_q_H);
+    if (!axis_from_motor(m, "L_d_H", 0.5 * (L_d_H + L_q_H), &made, e)) {
+        return false;
+    }
+    *winding = made;
+    return true;
+}
+
+bool salient_from_motor(const motor *m, iqfoc_salient_machine_t *machine, error *e)
+{
+    double L_d_H;
+    double L_q_H;
+    iqfoc_exact_winding_t d = {0};
+    iqfoc_exact_winding_t q = {0};
+    int32_t q_to_d_q27 = 0;
+    int32_t d_to_q_q27 = 0;
+    const double least = 1.0 / IQFOC_MAX_SALIENCY;
+    motor_inductances(m, &L_d_H, &L_q_H);
+    if (!axis_from_motor(m, "L_d_H", L_d_H, &d, e) || !axis_from_motor(m, "L_q_H", L_q_H, &q, e) ||
+        !constant_from_motor(m, "L_q_H", "L_q/L_d", L_q_H / L_d_H, least, IQFOC_MAX_SALIENCY, 27, &q_to_d_q27,
+                             e) ||
+        !constant_from_motor(m, "L_d_H", "L_d/L_q", L_d_H / L_q_H, least, IQFOC_MAX_SALIENCY, 27, &d_to_q_q27,
+                             e)) {
+        return false;
+    }
+    *machine = (iqfoc_salient_machine_t){.rho_d_q30 = d.rho_q30,
+                                         .rho_q_q30 = q.rho_q30,
+                                         .k_d_q26 = d.k_u_q26,
+                                         .k_q_q26 = q.k_u_q26,
+                                         .k_psi_d_q27 = d.k_psi_q27,
+                                         .k_psi_q_q27 = q.k_psi_q27,
+                                         .q_to_d_q27 = q_to_d_q27,
+                                         .d_to_q_q27 = d_to_q_q27};
+    return true;
 }
 
 bool gains_from_motor(const motor *m, double bandwidth_Hz, iqfoc_current_control_gains_t *gains, error *e)

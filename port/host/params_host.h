@@ -1,8 +1,8 @@
 /*
  * Physical motor data to the library's per-unit constants, at run time: the host's counterpart of
- * iqfoc/params.h, whose formulas it evaluates. The only place on the host, with params_exact.h and
- * extension_host.h beside it, where ohms, henries and webers become fixed point. Inductances are those at
- * zero current (motor_inductances).
+ * iqfoc/params.h, whose formulas it evaluates. The only place on the host, with extension_host.h beside it,
+ * where ohms, henries and webers become fixed point. Inductances are those at zero current
+ * (motor_inductances).
  */
 #ifndef PORT_HOST_PARAMS_HOST_H
 #define PORT_HOST_PARAMS_HOST_H
@@ -11,6 +11,8 @@
 #include "per_unit.h"
 
 #include "iqfoc/cycle.h"
+#include "iqfoc/predictor_exact.h"
+#include "iqfoc/predictor_salient.h"
 
 /*
  * One constant in Q(bits), if its value lies in low ... high. Else false, and *e names the motor file, the
@@ -20,16 +22,17 @@
 bool constant_from_motor(const motor *m, const char *key, const char *name, double value, double low,
                          double high, int bits, int32_t *out, error *e);
 
-/* The least k_u, T U_b/(L I_b): half an LSB of IQ24, below which a machine would not answer to its voltage. */
-#define LEAST_K_U 6e-8
-
 /*
  * The predictor of a motor file. Its L is the mean of L_d and L_q: the papers' models are for non-salient
  * machines. False where a value does not fit the library's ranges, as above.
  */
 bool predictor_from_motor(const motor *m, iqfoc_predictor_t *predictor, error *e);
 
-/* The same for the gains of a closed loop of bandwidth_Hz. */
+/* The exact predictors, alike: the winding's of that mean, the salient machine's of L_d and L_q. */
+bool winding_from_motor(const motor *m, iqfoc_exact_winding_t *winding, error *e);
+bool salient_from_motor(const motor *m, iqfoc_salient_machine_t *machine, error *e);
+
+/* And the gains of a closed loop of bandwidth_Hz. */
 bool gains_from_motor(const motor *m, double bandwidth_Hz, iqfoc_current_control_gains_t *gains, error *e);
 
 /*

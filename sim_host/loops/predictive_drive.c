@@ -2,7 +2,7 @@
 #include "predictive_drive.h"
 
 #include "extension_host.h"
-#include "params_exact.h"
+#include "params_host.h"
 
 #include "iqfoc/modulation.h"
 #include "iqfoc/predictor_form.h"

@@ -2,8 +2,7 @@
 #include "exact_errors.h"
 
 #include "model/exact.h"
-#include "params_exact.h"
-#include "per_unit.h"
+#include "params_host.h"
 
 #include "iqfoc/transform.h"
 

@@ -6,7 +6,7 @@
 #include "model/exact.h"
 #include "plant/plant_electrical.h"
 
-#include "params_exact.h"
+#include "params_host.h"
 #include "reference.h"
 
 #include <stdbool.h>

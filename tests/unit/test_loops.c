@@ -5,7 +5,7 @@
 #include "loops/finite_set_loops.h"
 #include "loops/six_step_loop.h"
 #include "model/exact.h"
-#include "params_exact.h"
+#include "params_host.h"
 #include "unity.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
  */
 #include "iqfoc/mean_modulated.h"
 #include "model/modulated_mean.h"
-#include "params_exact.h"
+#include "params_host.h"
 #include "plant/plant.h"
 #include "reference.h"
 #include "reproduce/steady_drive.h"

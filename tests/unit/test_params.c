@@ -3,7 +3,7 @@
  * those are what the formulas of docs/units.md give, and what does not fit is refused by its name.
  */
 #include "extension_host.h"
-#include "params_exact.h"
+#include "params_host.h"
 
 #include "iqfoc/params.h"
 
