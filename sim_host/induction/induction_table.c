@@ -35,7 +35,7 @@ static double complex held_voltage(const induction_point *p, double omega_rad_s)
     return p->u_dq_V / papers_s1((omega_rad_s + p->omega_slip_rad_s) * T_S);
 }
 
-/* Rated current with as much flux as rated and as the link allows. */
+/* Rated current; of it, as much makes flux as the rated flux needs and the DC link allows. */
 static double complex current_at(const induction_machine *m, double omega_rad_s)
 {
     double low = 0.1 * I_D_RATED_A;

@@ -32,9 +32,9 @@ typedef struct loop_case {
 } loop_case;
 
 typedef enum loop_outcome {
-    LOOP_HOLDS,    /* within LOOP_OFFSET_LIMIT of the reference, quiet */
-    LOOP_MISSES,   /* quiet, but elsewhere */
-    LOOP_UNSTABLE, /* wanders by more than LOOP_WANDER_LIMIT: kept within bounds by the DC link alone */
+    LOOP_HOLDS,    /* settles within LOOP_OFFSET_LIMIT of the reference */
+    LOOP_MISSES,   /* settles, but farther from it */
+    LOOP_UNSTABLE, /* wanders by more than LOOP_WANDER_LIMIT: only the DC link still bounds it */
     LOOP_TRIPS     /* beyond LOOP_TRIP_LIMIT: a real drive would have switched off */
 } loop_outcome;
 
@@ -61,8 +61,8 @@ typedef struct loop_result {
     double thd_percent;
     /* Mean per leg: pulses a second. */
     double switching_Hz;
-    /* Of the mean torque in the steady window, over what the i_q asked for makes; and the rms of the cycles'
-     * means about it, over the same. */
+    /* Of the steady window, as shares of the torque that the i_q asked for makes: the mean torque's excess, and
+     * the rms of the cycles' means about their mean. */
     double torque_error_percent, torque_ripple_percent;
     double trace_q[LOOP_TRACE_CYCLES];     /* mean i_q over rated around the step */
     double trace_start[LOOP_TRACE_CYCLES]; /* error in percent of rated, from switch-on */

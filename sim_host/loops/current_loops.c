@@ -115,7 +115,7 @@ bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, 
     }
 }
 
-/* Stability over the belief of L: up in steps of 0.1 until it is lost, then halved to 0.01. */
+/* Raises the believed L in steps of 0.1 until the loop is no longer stable, then bisects to 0.01. */
 static bool find_L_most(double ratio, loop_method how, double *most, error *e)
 {
     double stable = 1.0;

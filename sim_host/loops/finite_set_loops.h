@@ -10,7 +10,7 @@
 
 enum { FINITE_SET_RATIOS = 5, FINITE_SET_WEIGHTS = 7, FINITE_SET_PREDICTORS = 3 };
 
-/* No whole numbers, at which the states would lock to the rotor; 20 periods are whole intervals. */
+/* Not whole, or the states would repeat with the rotor's turns; 20 periods are whole numbers of intervals. */
 extern const double finite_set_ratios[FINITE_SET_RATIOS];
 extern const double finite_set_weights[FINITE_SET_WEIGHTS];
 

@@ -18,7 +18,7 @@ static json_t *result_json(const loop_result *r)
                      "switching_Hz", json_number(r->switching_Hz));
 }
 
-/* Takes both; `more` becomes part of `object`. */
+/* Takes both references: the members of `more` go into `object`, and that into the list. */
 static bool append(json_t *list, json_t *object, json_t *more)
 {
     const bool ok = object != NULL && more != NULL && json_object_update(object, more) == 0;

@@ -65,7 +65,7 @@ static bool six_step_part(page *p, const loops_study *s, error *e)
 
 /* ---- Current loops ---- */
 
-/* A loop as the figures draw it; what learns is in steady state what predicts exactly. */
+/* The loops ahead of those that learn, which in steady state are what the exact predictor's is. */
 enum { LOOP_DRAWN = LOOP_LEARNING_EULER };
 
 static bool ratio_figure(page *p, const loops_study *s, error *e)

@@ -85,7 +85,7 @@ static angle_control control_of(const motor *m, const per_unit *base, double ome
     return c;
 }
 
-/* Sums over the measured intervals, by time. */
+/* Adds an interval to the means over those that are measured, alike long in steady state. */
 static void measure(six_step_loop *result, const plant_means *means, double fed_back_A, double angle_turns)
 {
     const double share = 1.0 / SIX_STEP_MEASURED;

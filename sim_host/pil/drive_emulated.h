@@ -15,7 +15,7 @@
 typedef struct drive_emulated {
     emulator machine;
     pil_decoder_t decoder;
-    iqfoc_sample_t valley; /* goes out with the peak's: the plant does not depend on it in between */
+    iqfoc_sample_t valley; /* kept, and sent with the peak's: until then nothing depends on the answer */
 } drive_emulated;
 
 typedef struct drive_emulated_choice {
