@@ -44,7 +44,7 @@ static motor believed(const motor *truth, const loop_belief *belief)
 bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_control *control,
                     const iqfoc_extension_t *extension, loop_result *result, error *e)
 {
-    drive_host host;
+    drive_host host = {.extension = NULL};
     iqfoc_cycle_config_t config;
     if (!config_from_motor(assumed, control, &config, e)) {
         return false;

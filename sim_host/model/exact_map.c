@@ -32,43 +32,42 @@ static double add_term(matrix sum, matrix term, double share)
     return largest;
 }
 
-/* Terms of e^(M T) = sum (M T)^n/n! for M = [A 1 1; 0 -j omega 0; 0 0 0], whose first row holds the three
- * matrices; a term's mean over the span is its (n+1)th part. */
+/* One term of e^(M T) = sum (M T)^n/n!, M = [A 1 1; 0 -j omega 0; 0 0 0]: its first row, and what drives it. */
+typedef struct series_term {
+    exact_map map;
+    matrix voltage; /* as the turning rotor sees it, s */
+} series_term;
+
 void exact_maps(double R_ohm, double L_d_H, double L_q_H, double span_s, double omega_rad_s, exact_map *end,
                 exact_map *mean)
 {
     const double phi = omega_rad_s * span_s;
+    const double per_s = span_s > 0.0 ? 1.0 / span_s : 0.0;
     matrix A = {{-R_ohm * span_s / L_d_H, phi}, {-phi, -R_ohm * span_s / L_q_H}};
-    matrix turn = {{0.0, phi}, {-phi, 0.0}}; /* of the voltage, seen from the rotor */
+    matrix turn = {{0.0, phi}, {-phi, 0.0}};
     matrix zero = {{0.0, 0.0}, {0.0, 0.0}};
     matrix span = {{span_s, 0.0}, {0.0, span_s}};
-    exact_map term = {.decay = {{1.0, 0.0}, {0.0, 1.0}}};
-    matrix u = {{span_s, 0.0}, {0.0, span_s}};
+    series_term term = {.map.decay = {{1.0, 0.0}, {0.0, 1.0}}, .voltage = {{span_s, 0.0}, {0.0, span_s}}};
     double largest = 1.0;
     *end = (exact_map){.decay = {{0.0}}};
     if (mean != NULL) {
         *mean = *end;
     }
     for (int n = 0; n < TERMS && largest > 1e-20; n++) {
-        const double per_s = span_s > 0.0 ? 1.0 / span_s : 0.0;
-        largest = add_term(end->decay, term.decay, 1.0);
-        largest = fmax(largest, per_s * add_term(end->drive, term.drive, 1.0));
-        largest = fmax(largest, per_s * add_term(end->push, term.push, 1.0));
+        largest = add_term(end->decay, term.map.decay, 1.0);
+        largest = fmax(largest, per_s * add_term(end->drive, term.map.drive, 1.0));
+        largest = fmax(largest, per_s * add_term(end->push, term.map.push, 1.0));
         if (mean != NULL) {
-            (void)add_term(mean->decay, term.decay, 1.0 / (n + 1));
-            (void)add_term(mean->drive, term.drive, 1.0 / (n + 1));
-            (void)add_term(mean->push, term.push, 1.0 / (n + 1));
+            /* A power's mean over the span is its (n+1)th part. */
+            (void)add_term(mean->decay, term.map.decay, 1.0 / (n + 1));
+            (void)add_term(mean->drive, term.map.drive, 1.0 / (n + 1));
+            (void)add_term(mean->push, term.map.push, 1.0 / (n + 1));
         }
-        exact_map next;
-        matrix u_next;
-        next_term(A, term.decay, zero, n + 1, next.decay);
-        next_term(A, term.drive, u, n + 1, next.drive);
-        next_term(A, term.push, n == 0 ? span : zero, n + 1, next.push);
-        next_term(turn, u, zero, n + 1, u_next);
+        series_term next = term;
+        next_term(A, term.map.decay, zero, n + 1, next.map.decay);
+        next_term(A, term.map.drive, term.voltage, n + 1, next.map.drive);
+        next_term(A, term.map.push, n == 0 ? span : zero, n + 1, next.map.push);
+        next_term(turn, term.voltage, zero, n + 1, next.voltage);
         term = next;
-        u[0][0] = u_next[0][0];
-        u[0][1] = u_next[0][1];
-        u[1][0] = u_next[1][0];
-        u[1][1] = u_next[1][1];
     }
 }
