@@ -4,8 +4,7 @@ set(CMAKE_SYSTEM_PROCESSOR arm)
 set(IQFOC_TARGET cortex-m4)
 set(CMAKE_C_COMPILER arm-none-eabi-gcc)
 set(CMAKE_ASM_COMPILER arm-none-eabi-gcc)
-set(CMAKE_C_FLAGS_INIT "-mcpu=cortex-m4 -mthumb -mfloat-abi=soft -ffunction-sections -fdata-sections \
--I${CMAKE_CURRENT_LIST_DIR}/../port/cortex-m4 -DIQFOC_TARGET_HEADER='\"iqfoc_cortex_m4.h\"'")
+set(CMAKE_C_FLAGS_INIT "-mcpu=cortex-m4 -mthumb -mfloat-abi=soft -ffunction-sections -fdata-sections")
 set(CMAKE_ASM_FLAGS_INIT "-mcpu=cortex-m4 -mthumb")
 # No start-up code is at hand when CMake tries the compiler.
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)

@@ -12,11 +12,6 @@
 #define U_DC_MIN IQ24(0.5)
 #define U_DC_MAX IQ24(1.5)
 
-static bool within(iq24_t x, iq24_t low, iq24_t high)
-{
-    return x >= low && x <= high;
-}
-
 static bool beyond(iq24_t x, iq24_t limit)
 {
     return x > limit || x < -limit;
@@ -24,15 +19,16 @@ static bool beyond(iq24_t x, iq24_t limit)
 
 static bool predictor_valid(const iqfoc_predictor_t *p)
 {
-    return within(p->k_u, 1, IQ24(16.0)) && within(p->k_r, 0, IQ24_ONE) && within(p->k_psi, 0, IQ24(8.0));
+    return iq24_within(p->k_u, 1, IQ24(16.0)) && iq24_within(p->k_r, 0, IQ24_ONE) &&
+           iq24_within(p->k_psi, 0, IQ24(8.0));
 }
 
 static bool gains_valid(const iqfoc_current_control_gains_t *g)
 {
-    return within(g->kp_d, 0, IQ24(32.0)) && within(g->kp_q, 0, IQ24(32.0)) &&
-           within(g->ki_d, 0, IQ24(32.0)) && within(g->ki_q, 0, IQ24(32.0)) &&
-           within(g->anti_windup, 0, IQ24_ONE) && within(g->x_d, 0, IQ24(96.0)) &&
-           within(g->x_q, 0, IQ24(96.0)) && within(g->emf, 0, IQ24(96.0));
+    return iq24_within(g->kp_d, 0, IQ24(32.0)) && iq24_within(g->kp_q, 0, IQ24(32.0)) &&
+           iq24_within(g->ki_d, 0, IQ24(32.0)) && iq24_within(g->ki_q, 0, IQ24(32.0)) &&
+           iq24_within(g->anti_windup, 0, IQ24_ONE) && iq24_within(g->x_d, 0, IQ24(96.0)) &&
+           iq24_within(g->x_q, 0, IQ24(96.0)) && iq24_within(g->emf, 0, IQ24(96.0));
 }
 
 static bool choices_valid(const iqfoc_cycle_config_t *c)
@@ -54,10 +50,10 @@ iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t 
     if (!gains_valid(&config->gains)) {
         return IQFOC_ERROR_GAINS;
     }
-    if (!within(config->span_max, 1, IQ24_ONE)) {
+    if (!iq24_within(config->span_max, 1, IQ24_ONE)) {
         return IQFOC_ERROR_SPAN;
     }
-    if (!within(config->current_limit, 1, IQ24(16.0))) {
+    if (!iq24_within(config->current_limit, 1, IQ24(16.0))) {
         return IQFOC_ERROR_CURRENT_LIMIT;
     }
     if (!choices_valid(config)) {
@@ -107,7 +103,7 @@ static uint32_t sample_faults(const iqfoc_cycle_config_t *config, const iqfoc_sa
     if (beyond(sample->turns, IQFOC_ROTOR_TURNS_MAX)) {
         bits |= IQFOC_STATUS_OVERSPEED;
     }
-    if (!within(sample->u_dc, U_DC_MIN, U_DC_MAX)) {
+    if (!iq24_within(sample->u_dc, U_DC_MIN, U_DC_MAX)) {
         bits |= IQFOC_STATUS_DC_LINK;
     }
     return bits;
@@ -218,8 +214,8 @@ static iqfoc_dq_t feedback(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, i
  */
 static iq24_t inverse_followed(iq24_t r, iq24_t u)
 {
-    const iq24_t p = iqfoc_smaller(iq24_mul_round(iq24_clamp(u, U_DC_MIN, U_DC_MAX), r), IQ24(1.5));
-    return iqfoc_smaller(iq24_mul_round(r, 2 * IQ24_ONE - p), 2 * IQ24_ONE);
+    const iq24_t p = iq24_min(iq24_mul_round(iq24_clamp(u, U_DC_MIN, U_DC_MAX), r), IQ24(1.5));
+    return iq24_min(iq24_mul_round(r, 2 * IQ24_ONE - p), 2 * IQ24_ONE);
 }
 
 /* Duties for u, and in u what they really make of it. */

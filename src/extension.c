@@ -10,36 +10,30 @@
 /* What the cycle takes as a phase current. */
 #define CURRENT_MAX IQ24(15.9)
 
-static bool within(iq24_t x, iq24_t low, iq24_t high)
-{
-    return x >= low && x <= high;
-}
-
 static bool all_within(iqfoc_abc_t x, iq24_t low, iq24_t high)
 {
-    return within(x.a, low, high) && within(x.b, low, high) && within(x.c, low, high);
+    return iq24_within(x.a, low, high) && iq24_within(x.b, low, high) && iq24_within(x.c, low, high);
 }
 
-iqfoc_extension_error_t iqfoc_extension_check(const iqfoc_extension_t *extension)
+iqfoc_error_t iqfoc_extension_check(const iqfoc_extension_t *extension)
 {
     if (extension == NULL) {
-        return IQFOC_EXTENSION_ERROR_NULL;
+        return IQFOC_ERROR_NULL;
     }
     if (!all_within(extension->i_offset, -IQ24_ONE, IQ24_ONE) ||
         !all_within(extension->i_gain_inverse, IQ24(0.5), IQ24(2.0))) {
-        return IQFOC_EXTENSION_ERROR_CURRENT;
+        return IQFOC_ERROR_CURRENT_SENSOR;
     }
-    if (!within(extension->theta_0, IQ24(-0.5), IQ24(0.5)) ||
-        !within(extension->theta_delay, IQ24(-8.0), IQ24(8.0))) {
-        return IQFOC_EXTENSION_ERROR_ANGLE;
+    if (!iq24_within(extension->theta_0, IQ24(-0.5), IQ24(0.5)) ||
+        !iq24_within(extension->theta_delay, IQ24(-8.0), IQ24(8.0))) {
+        return IQFOC_ERROR_ANGLE;
     }
-    if (!within(extension->k_u, IQ24(0.5), IQ24(2.0)) ||
-        !within(extension->v_dead, IQ24(-0.25), IQ24(0.25)) ||
-        !within(extension->knee_inverse, 0, IQ24(127.0))) {
-        return IQFOC_EXTENSION_ERROR_VOLTAGE;
+    if (!iq24_within(extension->k_u, IQ24(0.5), IQ24(2.0)) ||
+        !iq24_within(extension->v_dead, IQ24(-0.25), IQ24(0.25)) ||
+        !iq24_within(extension->knee_inverse, 0, IQ24(127.0))) {
+        return IQFOC_ERROR_VOLTAGE;
     }
-    return within(extension->saturation, 0, IQ24(4.0)) ? IQFOC_EXTENSION_OK
-                                                       : IQFOC_EXTENSION_ERROR_SATURATION;
+    return iq24_within(extension->saturation, 0, IQ24(4.0)) ? IQFOC_OK : IQFOC_ERROR_SATURATION;
 }
 
 static iq24_t true_current(iq24_t measured, iq24_t offset, iq24_t gain_inverse)

@@ -28,8 +28,8 @@ iqfoc_ab_t iqfoc_finite_set_voltage(int32_t state, iq24_t u_dc)
     const int32_t a = leg_is_high(state, 0);
     const int32_t b = leg_is_high(state, 1);
     const int32_t c = leg_is_high(state, 2);
-    const iqfoc_ab_t u = {(2 * a - b - c) * iqfoc_mul_q31(u_dc, IQFOC_Q31_1_3),
-                          (b - c) * iqfoc_mul_q31(u_dc, IQFOC_Q31_1_SQRT3)};
+    const iqfoc_ab_t u = {(2 * a - b - c) * iq24_mul_shift(u_dc, IQFOC_Q31_1_3, 31),
+                          (b - c) * iq24_mul_shift(u_dc, IQFOC_Q31_1_SQRT3, 31)};
     return u;
 }
 

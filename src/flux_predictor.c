@@ -12,25 +12,27 @@
  * transforms take. */
 #define CURRENT_MAX IQ24(32.0)
 
-static bool within(iq24_t x, iq24_t low, iq24_t high)
-{
-    return x >= low && x <= high;
-}
-
 static bool reciprocal(iq24_t l, iq24_t k)
 {
-    return within(l, IQ24(0.0625), IQ24(8.0)) && within(k, IQ24(0.125), IQ24(16.0)) &&
-           within(iq24_mul_round(l, k), IQ24(0.9990234375), IQ24(1.0009765625));
+    return iq24_within(l, IQ24(0.0625), IQ24(8.0)) && iq24_within(k, IQ24(0.125), IQ24(16.0)) &&
+           iq24_within(iq24_mul_round(l, k), IQ24(0.9990234375), IQ24(1.0009765625));
 }
 
-iqfoc_extension_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *p)
+iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *p)
 {
     if (p == NULL) {
-        return IQFOC_EXTENSION_ERROR_NULL;
+        return IQFOC_ERROR_NULL;
     }
-    const bool good = reciprocal(p->l_d, p->k_d) && reciprocal(p->l_q, p->k_q) && within(p->r, 0, IQ24_ONE) &&
-                      within(p->psi, 0, IQ24(16.0));
-    return good ? IQFOC_EXTENSION_OK : IQFOC_EXTENSION_ERROR_CURRENT;
+    if (!reciprocal(p->l_d, p->k_d)) {
+        return IQFOC_ERROR_INDUCTANCE_D;
+    }
+    if (!reciprocal(p->l_q, p->k_q)) {
+        return IQFOC_ERROR_INDUCTANCE_Q;
+    }
+    if (!iq24_within(p->r, 0, IQ24_ONE)) {
+        return IQFOC_ERROR_RESISTANCE;
+    }
+    return iq24_within(p->psi, 0, IQ24(16.0)) ? IQFOC_OK : IQFOC_ERROR_FLUX;
 }
 
 /* s |i|^2. Range: |component| <= 32, so the square is at most 2048 in the accumulator; both roundings

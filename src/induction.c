@@ -10,6 +10,7 @@
  */
 #include "iqfoc/induction.h"
 
+#include "angle.h"
 #include "series.h"
 
 /* Complex, Q28. */
@@ -41,10 +42,10 @@ static row times_generator(const row *r, const generator *m, int32_t n)
     const int32_t phi = m->phi / n;
     const cplx over = {r->i.re - r->p.re, r->i.im - r->p.im};
     const row product = {
-        .i = {-scaled(r->i.re, rho_s, 28) - scaled(over.re, rho_r, 28),
-              -scaled(r->i.im, rho_s, 28) - scaled(over.im, rho_r, 28)},
-        .p = {scaled(over.re, a, 28) + scaled(over.im, phi, 28),
-              scaled(over.im, a, 28) - scaled(over.re, phi, 28)},
+        .i = {-iq24_mul_shift(r->i.re, rho_s, 28) - iq24_mul_shift(over.re, rho_r, 28),
+              -iq24_mul_shift(r->i.im, rho_s, 28) - iq24_mul_shift(over.im, rho_r, 28)},
+        .p = {iq24_mul_shift(over.re, a, 28) + iq24_mul_shift(over.im, phi, 28),
+              iq24_mul_shift(over.im, a, 28) - iq24_mul_shift(over.re, phi, 28)},
         .u = {r->i.re / n, r->i.im / n},
     };
     return product;
@@ -66,7 +67,10 @@ static iqfoc_induction_factor_t factor(cplx x)
 static iqfoc_induction_row_t coefficients(const row *r, int32_t k_u_q26)
 {
     const iqfoc_induction_row_t c = {
-        factor(r->i), factor(r->p), {scaled(r->u.re, k_u_q26, 28), scaled(r->u.im, k_u_q26, 28)}, {0, 0}};
+        factor(r->i),
+        factor(r->p),
+        {iq24_mul_shift(r->u.re, k_u_q26, 28), iq24_mul_shift(r->u.im, k_u_q26, 28)},
+        {0, 0}};
     return c;
 }
 
@@ -76,22 +80,20 @@ static iqfoc_induction_row_t coefficients(const row *r, int32_t k_u_q26)
  */
 static iqfoc_induction_factor_t pulses(cplx x, int32_t k_u_q26)
 {
-    const iqfoc_induction_factor_t f = {-scaled(x.re, k_u_q26, 28) / 24, -scaled(x.im, k_u_q26, 28) / 24};
+    const iqfoc_induction_factor_t f = {-iq24_mul_shift(x.re, k_u_q26, 28) / 24,
+                                        -iq24_mul_shift(x.im, k_u_q26, 28) / 24};
     return f;
 }
-
-/* 2 pi in Q28: 1686629713.07. */
-#define TWO_PI_Q28 INT32_C(1686629713)
 
 iqfoc_induction_t iqfoc_induction_at_speed(const iqfoc_induction_machine_t *machine, iq24_t turns,
                                            iq24_t span)
 {
     const iq24_t x = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    const generator m = {.rho_s = scaled(machine->rho_s_q30, span, 26),
-                         .rho_r = scaled(machine->rho_r_q30, span, 26),
-                         .a = scaled(machine->a_q30, span, 26),
-                         .phi = scaled(scaled(x * 64, TWO_PI_Q28, 30), span, 24)};
-    const int32_t k_u_q26 = scaled(machine->k_u_q26, span, 24);
+    const generator m = {.rho_s = iq24_mul_shift(machine->rho_s_q30, span, 26),
+                         .rho_r = iq24_mul_shift(machine->rho_r_q30, span, 26),
+                         .a = iq24_mul_shift(machine->a_q30, span, 26),
+                         .phi = iq24_mul_shift(iq24_mul_shift(x * 64, TWO_PI_Q28, 30), span, 24)};
+    const int32_t k_u_q26 = iq24_mul_shift(machine->k_u_q26, span, 24);
     row i = {.i = {ONE_Q28, 0}};
     row p = {.p = {ONE_Q28, 0}};
     for (int32_t k = terms_of(&m); k >= 1; k--) {

@@ -57,8 +57,8 @@ iqfoc_ab_t iqfoc_six_step_voltage(int32_t state, iq24_t u_dc)
     const iqfoc_abc_t legs = iqfoc_six_step_duties(state).high;
     const int32_t in_phase = (2 * legs.a - legs.b - legs.c) / IQ24_ONE; /* -2 ... 2 */
     const int32_t in_quadrature = (legs.b - legs.c) / IQ24_ONE;         /* -1 ... 1 */
-    const iqfoc_ab_t u = {in_phase * iqfoc_mul_q31(u_dc, IQFOC_Q31_1_3),
-                          in_quadrature * iqfoc_mul_q31(u_dc, IQFOC_Q31_1_SQRT3)};
+    const iqfoc_ab_t u = {in_phase * iq24_mul_shift(u_dc, IQFOC_Q31_1_3, 31),
+                          in_quadrature * iq24_mul_shift(u_dc, IQFOC_Q31_1_SQRT3, 31)};
     return u;
 }
 

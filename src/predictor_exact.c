@@ -16,6 +16,7 @@
  */
 #include "iqfoc/predictor_exact.h"
 
+#include "angle.h"
 #include "series.h"
 
 /* Moments 0 ... 2 TERMS are wanted. The recursion starts at MOMENT_START with 0 in place of at most 2/21;
@@ -33,7 +34,7 @@ static int32_t exponential_q30(int32_t rho_q30)
     const int32_t one = INT32_C(1) << 30;
     int32_t bracket = one;
     for (int32_t n = EXPONENTIAL_TERMS; n >= 1; n--) {
-        bracket = one - scaled(rho_q30 / n, bracket, 30);
+        bracket = one - iq24_mul_shift(rho_q30 / n, bracket, 30);
     }
     return bracket;
 }
@@ -56,7 +57,7 @@ static memory memory_of(int32_t rho_q30)
     int32_t p = 0;
     for (int32_t n = MOMENT_START; n >= 1; n--) {
         const int32_t ends = n % 2 == 0 ? one - E : one + E;
-        p = (ends - scaled(p, rho_q30, 31)) / n; /* p rho/2: Q29 Q30 2^-31 */
+        p = (ends - iq24_mul_shift(p, rho_q30, 31)) / n; /* p rho/2: Q29 Q30 2^-31 */
         if (n <= MOMENTS) {
             m.p_q29[n - 1] = p;
         }
@@ -64,8 +65,7 @@ static memory memory_of(int32_t rho_q30)
     return m;
 }
 
-/* 2 pi in Q28 and (pi/2)^2 in Q29: 1686629713.07 and 1324675878.97. */
-#define TWO_PI_Q28          INT32_C(1686629713)
+/* (pi/2)^2 in Q29: 1324675878.97. */
 #define HALF_PI_SQUARED_Q29 INT32_C(1324675879)
 /* pi/4 in Q31: 1686629713.07. */
 #define QUARTER_PI_Q31 INT32_C(1686629713)
@@ -82,22 +82,22 @@ static memory memory_of(int32_t rho_q30)
 static void series(iqfoc_exact_law_t *law, const int32_t moment_q29[], int32_t k_psi_q27, iq24_t span)
 {
     const int32_t span_q30 = span * 64;
-    const int32_t square = scaled(span_q30, span_q30, 30);
-    const int32_t reach_q29 = scaled(HALF_PI_SQUARED_Q29, square, 30);
-    int32_t even_q25 = scaled(scaled(k_psi_q27, TWO_PI_Q28, 30), span_q30, 30);
-    int32_t odd_q25 = scaled(even_q25, scaled(QUARTER_PI_Q31, span_q30, 30), 31);
+    const int32_t square = iq24_mul_shift(span_q30, span_q30, 30);
+    const int32_t reach_q29 = iq24_mul_shift(HALF_PI_SQUARED_Q29, square, 30);
+    int32_t even_q25 = iq24_mul_shift(iq24_mul_shift(k_psi_q27, TWO_PI_Q28, 30), span_q30, 30);
+    int32_t odd_q25 = iq24_mul_shift(even_q25, iq24_mul_shift(QUARTER_PI_Q31, span_q30, 30), 31);
     for (int32_t k = 0; k < IQFOC_EXACT_TERMS; k++) {
-        law->real_q25[k] = scaled(even_q25, moment_q29[2 * k], 30);
-        law->imag_q25[k] = scaled(odd_q25, moment_q29[2 * k + 1], 30);
-        even_q25 = -scaled(even_q25, reach_q29 / ((2 * k + 1) * (2 * k + 2)), 29);
-        odd_q25 = -scaled(odd_q25, reach_q29 / ((2 * k + 2) * (2 * k + 3)), 29);
+        law->real_q25[k] = iq24_mul_shift(even_q25, moment_q29[2 * k], 30);
+        law->imag_q25[k] = iq24_mul_shift(odd_q25, moment_q29[2 * k + 1], 30);
+        even_q25 = -iq24_mul_shift(even_q25, reach_q29 / ((2 * k + 1) * (2 * k + 2)), 29);
+        odd_q25 = -iq24_mul_shift(odd_q25, reach_q29 / ((2 * k + 2) * (2 * k + 3)), 29);
     }
 }
 
 /* What both laws start from: rho and k_u of the span. Range: the span is at most 1. */
 static int32_t over_span(int32_t per_cycle, iq24_t span)
 {
-    return scaled(per_cycle, span, 24);
+    return iq24_mul_shift(per_cycle, span, 24);
 }
 
 iqfoc_exact_law_t iqfoc_exact_prediction(const iqfoc_exact_winding_t *winding, iq24_t span)
@@ -105,7 +105,7 @@ iqfoc_exact_law_t iqfoc_exact_prediction(const iqfoc_exact_winding_t *winding, i
     const memory m = memory_of(over_span(winding->rho_q30, span));
     iqfoc_exact_law_t law;
     law.stays_q26 = iq24_asr32(m.E_q30 + 8, 4);
-    law.k_u_q26 = scaled(over_span(winding->k_u_q26, span), m.p_q29[0], 30);
+    law.k_u_q26 = iq24_mul_shift(over_span(winding->k_u_q26, span), m.p_q29[0], 30);
     series(&law, m.p_q29, winding->k_psi_q27, span);
     return law;
 }
@@ -120,7 +120,7 @@ iqfoc_exact_law_t iqfoc_exact_mean(const iqfoc_exact_winding_t *winding, iq24_t 
     }
     iqfoc_exact_law_t law;
     law.stays_q26 = iq24_asr32(m.p_q29[0] + 8, 4); /* p_0/2 */
-    law.k_u_q26 = scaled(over_span(winding->k_u_q26, span), q_q29[0], 30);
+    law.k_u_q26 = iq24_mul_shift(over_span(winding->k_u_q26, span), q_q29[0], 30);
     series(&law, q_q29, winding->k_psi_q27, span);
     return law;
 }
@@ -152,8 +152,8 @@ iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns)
     const iqfoc_exact_t exact = {
         .stays_q26 = law->stays_q26,
         .k_u_q26 = law->k_u_q26,
-        .w_real_q26 = x < 0 ? -scaled(-x, real, 23) : scaled(x, real, 23),
-        .w_imag_q26 = scaled(w_q32, polynomial(law->imag_q25, w_q32), 31),
+        .w_real_q26 = x < 0 ? -iq24_mul_shift(-x, real, 23) : iq24_mul_shift(x, real, 23),
+        .w_imag_q26 = iq24_mul_shift(w_q32, polynomial(law->imag_q25, w_q32), 31),
     };
     return exact;
 }

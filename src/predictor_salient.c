@@ -17,6 +17,7 @@
  */
 #include "iqfoc/predictor_salient.h"
 
+#include "angle.h"
 #include "series.h"
 
 /* M over one span, Q28. */
@@ -41,10 +42,10 @@ static row times_generator(const row *r, const generator *m, int32_t n)
 {
     const int32_t phi = m->phi / n;
     const row product = {
-        .i_d = -scaled(r->i_d, m->rho_d / n, 28) - scaled(r->i_q, phi, 28),
-        .i_q = scaled(r->i_d, phi, 28) - scaled(r->i_q, m->rho_q / n, 28),
-        .u_d = r->i_d / n - scaled(r->u_q, phi, 28),
-        .u_q = r->i_q / n + scaled(r->u_d, phi, 28),
+        .i_d = -iq24_mul_shift(r->i_d, m->rho_d / n, 28) - iq24_mul_shift(r->i_q, phi, 28),
+        .i_q = iq24_mul_shift(r->i_d, phi, 28) - iq24_mul_shift(r->i_q, m->rho_q / n, 28),
+        .u_d = r->i_d / n - iq24_mul_shift(r->u_q, phi, 28),
+        .u_q = r->i_q / n + iq24_mul_shift(r->u_d, phi, 28),
         .constant = r->i_q / n,
     };
     return product;
@@ -93,9 +94,9 @@ static iqfoc_salient_row_t row_of(const row *r, const axis *a, int32_t i_d_q26, 
 {
     const iqfoc_salient_row_t result = {.i_d_q26 = i_d_q26,
                                         .i_q_q26 = i_q_q26,
-                                        .u_d_q26 = scaled(r->u_d, a->k_u_q26, 28),
-                                        .u_q_q26 = scaled(r->u_q, a->k_u_q26, 28),
-                                        .constant_q26 = -scaled(r->constant, a->k_psi_phi_q26, 28)};
+                                        .u_d_q26 = iq24_mul_shift(r->u_d, a->k_u_q26, 28),
+                                        .u_q_q26 = iq24_mul_shift(r->u_q, a->k_u_q26, 28),
+                                        .constant_q26 = -iq24_mul_shift(r->constant, a->k_psi_phi_q26, 28)};
     return result;
 }
 
@@ -106,7 +107,7 @@ static int32_t own(int32_t flux_q28)
 
 static int32_t other(int32_t flux_q28, const axis *a)
 {
-    return scaled(flux_q28, a->cross_q27, 29);
+    return iq24_mul_shift(flux_q28, a->cross_q27, 29);
 }
 
 static void to_currents(const row *d, const row *q, const axis *of_d, const axis *of_q, iqfoc_salient_t *out)
@@ -114,9 +115,6 @@ static void to_currents(const row *d, const row *q, const axis *of_d, const axis
     out->d = row_of(d, of_d, own(d->i_d), other(d->i_q, of_d));
     out->q = row_of(q, of_q, other(q->i_d, of_q), own(q->i_q));
 }
-
-/* 2 pi in Q28: 1686629713.07. */
-#define TWO_PI_Q28 INT32_C(1686629713)
 
 /*
  * Range: |phi| <= 2.0944 in Q28 is below 2^30; k_psi phi <= 16.8 in Q26 below 2^31. rho in Q30 times span in
@@ -126,14 +124,14 @@ void iqfoc_salient_at_speed(const iqfoc_salient_machine_t *machine, iq24_t turns
                             iqfoc_salient_t *end, iqfoc_salient_t *mean)
 {
     const iq24_t x = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    const generator m = {.rho_d = scaled(machine->rho_d_q30, span, 26),
-                         .rho_q = scaled(machine->rho_q_q30, span, 26),
-                         .phi = scaled(scaled(x * 64, TWO_PI_Q28, 30), span, 24)};
-    const axis of_d = {.k_u_q26 = scaled(machine->k_d_q26, span, 24),
-                       .k_psi_phi_q26 = scaled(machine->k_psi_d_q27, m.phi, 29),
+    const generator m = {.rho_d = iq24_mul_shift(machine->rho_d_q30, span, 26),
+                         .rho_q = iq24_mul_shift(machine->rho_q_q30, span, 26),
+                         .phi = iq24_mul_shift(iq24_mul_shift(x * 64, TWO_PI_Q28, 30), span, 24)};
+    const axis of_d = {.k_u_q26 = iq24_mul_shift(machine->k_d_q26, span, 24),
+                       .k_psi_phi_q26 = iq24_mul_shift(machine->k_psi_d_q27, m.phi, 29),
                        .cross_q27 = machine->q_to_d_q27};
-    const axis of_q = {.k_u_q26 = scaled(machine->k_q_q26, span, 24),
-                       .k_psi_phi_q26 = scaled(machine->k_psi_q_q27, m.phi, 29),
+    const axis of_q = {.k_u_q26 = iq24_mul_shift(machine->k_q_q26, span, 24),
+                       .k_psi_phi_q26 = iq24_mul_shift(machine->k_psi_q_q27, m.phi, 29),
                        .cross_q27 = machine->d_to_q_q27};
     row d;
     row q;

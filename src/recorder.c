@@ -46,32 +46,32 @@ static bool trigger_valid(const iqfoc_recorder_config_t *config)
            config->pre_share < IQ24_ONE;
 }
 
-iqfoc_recorder_error_t iqfoc_recorder_init(iqfoc_recorder_t *recorder, const iqfoc_recorder_config_t *config,
-                                           int32_t *memory, uint32_t words)
+iqfoc_error_t iqfoc_recorder_init(iqfoc_recorder_t *recorder, const iqfoc_recorder_config_t *config,
+                                  int32_t *memory, uint32_t words)
 {
     if (recorder == NULL || config == NULL || memory == NULL) {
-        return IQFOC_RECORDER_ERROR_NULL;
+        return IQFOC_ERROR_NULL;
     }
     if (!channels_valid(config)) {
-        return IQFOC_RECORDER_ERROR_CHANNELS;
+        return IQFOC_ERROR_CHANNELS;
     }
     if (config->period_mantissa == 0 || config->period_shift > 62 || config->decimation == 0) {
-        return IQFOC_RECORDER_ERROR_PERIOD;
+        return IQFOC_ERROR_PERIOD;
     }
     if (!trigger_valid(config)) {
-        return IQFOC_RECORDER_ERROR_TRIGGER;
+        return IQFOC_ERROR_TRIGGER;
     }
     const uint32_t row_words = config->channel_count + 1;
     const uint32_t capacity = words / row_words;
     if (capacity < 2) {
-        return IQFOC_RECORDER_ERROR_MEMORY;
+        return IQFOC_ERROR_MEMORY;
     }
     const iqfoc_recorder_t fresh = {
         .config = config, .memory = memory, .row_words = row_words, .capacity = capacity};
     *recorder = fresh;
     /* pre_share < 1 leaves at least one row for the trigger itself. */
     recorder->pre_rows = (uint32_t)(((uint64_t)capacity * (uint32_t)config->pre_share) >> 24);
-    return IQFOC_RECORDER_OK;
+    return IQFOC_OK;
 }
 
 void iqfoc_recorder_arm(iqfoc_recorder_t *recorder)

@@ -3,6 +3,8 @@
  */
 #include "iqfoc/rotor.h"
 
+#include "angle.h"
+
 /* Q30 in v = x^2; Chebyshev interpolation on v in [0, 1/9]: tools/derive_rotor.py, which CI compares with
  * these. */
 static const int32_t s1_poly[5] = {1073741824, -1766234468, 871599137, -204751197, 27384229};
@@ -40,23 +42,9 @@ static iq24_t limited(iq24_t turns)
     return iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
 }
 
-/* 2 pi in Q28: 1686629713.07. */
-#define TWO_PI_Q28 INT32_C(1686629713)
-
-/*
- * x k, k in Q(bits), rounded to nearest.
- *
- * Range: |x| <= 2^22.5 and |k| < 2^31 give |x k| < 2^54, within int64; the result stays within iq24_t as the
- * callers say.
- */
-static iq24_t times(iq24_t x, int32_t k, uint32_t bits)
-{
-    return iq24_shift_wrap(IQ24_MUL64(x, k) + (INT64_C(1) << (bits - 1)), bits);
-}
-
 /*
  * Range: P1 in Q30 lies in [0.826, 1], so P1 + 32 < 2^31. P2 in Q30 lies in [0.469, 0.524]. 2 pi P1 and 2 pi
- * P2 are at most 6.284 in Q28, 2^30.7. |phi| <= 2.1, |phi s1| <= 1.74, v 2 pi P2 <= 0.33. Error: phi_s1 and
+ * P2 are at most 6.284 in Q28, 2^30.7; |x| <= 2^22.5, so every product is below 2^54. |phi| <= 2.1, |phi s1| <= 1.74, v 2 pi P2 <= 0.33. Error: phi_s1 and
  * phi_s2 carry what the floors of P1 2 pi and P2 2 pi lose, 2^-28 times x or v, and the polynomials'.
  */
 iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns)
@@ -76,10 +64,10 @@ iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns)
     const int32_t two_pi_p1 = iq24_shift_wrap(IQ24_MUL64(p1, TWO_PI_Q28), 30);
     const int32_t two_pi_p2 = iq24_shift_wrap(IQ24_MUL64(p2, TWO_PI_Q28), 30);
     const iqfoc_rotor_t rotor = {.turns = x,
-                                 .phi = times(x, TWO_PI_Q28, 28),
+                                 .phi = iq24_mul_shift(x, TWO_PI_Q28, 28),
                                  .s1 = iq24_asr32(p1 + 32, 6),
-                                 .s2 = times(x, p2, 30),
-                                 .phi_s1 = times(x, two_pi_p1, 28),
+                                 .s2 = iq24_mul_shift(x, p2, 30),
+                                 .phi_s1 = iq24_mul_shift(x, two_pi_p1, 28),
                                  .phi_s2 = iq24_asr32(iq24_mul_high(v, two_pi_p2) + 8, 4)};
     return rotor;
 }

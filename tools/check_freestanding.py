@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that a static library needs nothing of a C library but memcpy and memset, and no floating point; the port's HAL aside.
+"""Checks that a static library needs nothing of a C library but memcpy and memset, and no floating point.
 
     check_freestanding.py NM LIBRARY.a
 
@@ -7,8 +7,6 @@ What a compiler may call by itself for 64-bit integers (its own runtime, libgcc)
 floating point are of that runtime too, and are not allowed: this finds a `double` that slipped into fixed-point code.
 """
 
-import pathlib
-import re
 import subprocess
 import sys
 
@@ -27,12 +25,6 @@ def symbols(nm, library, option):
     return {line[0] for line in lines if len(line) >= 2 and not line[0].endswith(":")}
 
 
-def hal_functions():
-    """What the library asks of a port, by the header that says so."""
-    header = pathlib.Path(__file__).resolve().parent.parent / "include" / "iqfoc" / "hal.h"
-    return set(re.findall(r"\b(iqfoc_hal_\w+)\(", header.read_text(encoding="utf-8")))
-
-
 def main(nm, library):
     defined = symbols(nm, library, "--defined-only")
     needed = symbols(nm, library, "--undefined-only") - defined
@@ -40,7 +32,7 @@ def main(nm, library):
         print(f"{library}: no symbols in it")
         return 1
     print(f"{library}: {len(defined)} symbols; needs from outside: {' '.join(sorted(needed)) or 'nothing'}")
-    foreign = needed - ALLOWED - INTEGER_RUNTIME - hal_functions()
+    foreign = needed - ALLOWED - INTEGER_RUNTIME
     for name in sorted(foreign):
         print(f"{library}: must not need '{name}'")
     return 1 if foreign else 0

@@ -14,6 +14,10 @@
 #include "iq24.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Per unit, IQ24 (iqfoc/params.h makes them). All >= 0. */
 typedef struct iqfoc_current_control_gains {
     iq24_t kp_d; /* voltage per current, <= 32 */
@@ -114,5 +118,9 @@ static inline void iqfoc_current_control_limited(iqfoc_current_control_t *contro
         control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(control->integral_q, back, u.q));
     }
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -17,6 +17,7 @@
 #define IQFOC_CYCLE_H
 
 #include "current_control.h"
+#include "error.h"
 #include "modulation.h"
 #include "predictor.h"
 #include "rotor.h"
@@ -24,6 +25,10 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* Sticky status bits. */
 #define IQFOC_STATUS_MISSED                                                                                  \
@@ -124,17 +129,6 @@ typedef struct iqfoc_cycle {
     bool corrected;       /* i_corrected_dq is of the cycle that ended at the last valley */
 } iqfoc_cycle_t;
 
-/* Negative: refused, the object untouched. */
-typedef enum iqfoc_error {
-    IQFOC_OK = 0,
-    IQFOC_ERROR_NULL = -1,
-    IQFOC_ERROR_PREDICTOR = -2,     /* a coefficient outside the range stated in predictor.h */
-    IQFOC_ERROR_GAINS = -3,         /* a gain outside the range stated in current_control.h */
-    IQFOC_ERROR_SPAN = -4,          /* span_max not in (0, 1] */
-    IQFOC_ERROR_CURRENT_LIMIT = -5, /* not in (0, 16] */
-    IQFOC_ERROR_CHOICE = -6         /* feedback, modulation or safe_state is none of its enumeration */
-} iqfoc_error_t;
-
 /* Starts disabled, with cleared status. config must outlive the cycle. */
 iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config);
 
@@ -163,5 +157,9 @@ bool iqfoc_cycle_in_time(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uin
 
 /* The safe command of a configuration. */
 iqfoc_command_t iqfoc_cycle_safe(const iqfoc_cycle_config_t *config);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -27,6 +27,10 @@
 #include "transform.h"
 #include "valley_reference.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct iqfoc_deadbeat {
     iqfoc_exact_t model; /* over one whole cycle, of the present speed; 1/64 <= k_u <= 16 */
     iq24_t k_u_inverse;  /* 1/k_u: per-unit voltage that moves the current by 1 in a cycle; 1/16 ... 64 */
@@ -78,5 +82,9 @@ static inline iqfoc_ab_t iqfoc_deadbeat_voltage(const iqfoc_deadbeat_t *deadbeat
  */
 iqfoc_ab_t iqfoc_deadbeat_step(const iqfoc_deadbeat_t *deadbeat, iqfoc_ab_t i, iqfoc_ab_t u_now,
                                iqfoc_dq_t i_ref, iq24_t theta, iq24_t turns);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -18,6 +18,10 @@
 
 #include <stdbool.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Zero it to begin anew, and whenever a cycle was missed. */
 typedef struct iqfoc_deadbeat_drift {
     iqfoc_dq_t drift;  /* current per cycle, held to +-4 */
@@ -36,5 +40,9 @@ typedef struct iqfoc_deadbeat_drift {
 iqfoc_ab_t iqfoc_deadbeat_drift_step(iqfoc_deadbeat_drift_t *drift, const iqfoc_deadbeat_t *deadbeat,
                                      iq24_t gain, iqfoc_ab_t i, iqfoc_ab_t u_now, iqfoc_dq_t i_ref,
                                      iq24_t theta, iq24_t turns);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

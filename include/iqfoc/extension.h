@@ -30,6 +30,10 @@
 #include "predictor.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Per unit, IQ24 (iqfoc/extension_params.h makes them). The values in brackets mean "nothing to put right".
  */
 typedef struct iqfoc_extension {
@@ -43,18 +47,8 @@ typedef struct iqfoc_extension {
     iq24_t saturation;   /* (rated peak current / I_sat)^2: 0 ... 4 (0) */
 } iqfoc_extension_t;
 
-/* Negative: refused. */
-typedef enum iqfoc_extension_error {
-    IQFOC_EXTENSION_OK = 0,
-    IQFOC_EXTENSION_ERROR_NULL = -1,
-    IQFOC_EXTENSION_ERROR_CURRENT = -2, /* an offset or gain outside the range stated above */
-    IQFOC_EXTENSION_ERROR_ANGLE = -3,
-    IQFOC_EXTENSION_ERROR_VOLTAGE = -4,
-    IQFOC_EXTENSION_ERROR_SATURATION = -5
-} iqfoc_extension_error_t;
-
 /* Are all values within their ranges? Once, before the drive runs: the functions below rely on it. */
-iqfoc_extension_error_t iqfoc_extension_check(const iqfoc_extension_t *extension);
+iqfoc_error_t iqfoc_extension_check(const iqfoc_extension_t *extension);
 
 /*
  * Measured phase currents to true ones. In: per unit, |measured| <= 31. Out: held to +-15.9, what the cycle
@@ -113,5 +107,9 @@ void iqfoc_extension_compensate(const iqfoc_extension_t *extension, iqfoc_duties
  */
 iqfoc_predictor_t iqfoc_extension_saturate(const iqfoc_extension_t *extension,
                                            const iqfoc_predictor_t *at_zero, iqfoc_ab_t i);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -60,18 +60,21 @@
 #define IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V)                                                                   \
     IQFOC_CHECKED(IQFOC_RAW_FLUX_PSI(psi_Wb, T_s, U_b_V), 0.0, IQFOC_MAX_FLUX_PSI)
 
-/* iqfoc_flux_predictor_t. */
+/* iqfoc_flux_predictor_t: l_d, l_q, k_d, k_q, r, psi (in the order of its members, as in params.h). */
 #define IQFOC_FLUX_PREDICTOR(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V)                                 \
     {                                                                                                        \
-        .l_d = IQFOC_FLUX_L(L_d_H, T_s, I_b_A, U_b_V), .l_q = IQFOC_FLUX_L(L_q_H, T_s, I_b_A, U_b_V),        \
-        .k_d = IQFOC_FLUX_K(L_d_H, T_s, I_b_A, U_b_V), .k_q = IQFOC_FLUX_K(L_q_H, T_s, I_b_A, U_b_V),        \
-        .r = IQFOC_FLUX_R(R_ohm, I_b_A, U_b_V), .psi = IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V)                    \
+        IQFOC_FLUX_L(L_d_H, T_s, I_b_A, U_b_V), IQFOC_FLUX_L(L_q_H, T_s, I_b_A, U_b_V),                      \
+            IQFOC_FLUX_K(L_d_H, T_s, I_b_A, U_b_V), IQFOC_FLUX_K(L_q_H, T_s, I_b_A, U_b_V),                  \
+            IQFOC_FLUX_R(R_ohm, I_b_A, U_b_V), IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V)                            \
     }
 
-/* iqfoc_extension_t that puts nothing right. */
+/*
+ * iqfoc_extension_t that puts nothing right: i_offset, i_gain_inverse, theta_0, theta_delay, k_u, v_dead, knee_inverse,
+ * saturation.
+ */
 #define IQFOC_EXTENSION_NONE                                                                                 \
     {                                                                                                        \
-        .i_gain_inverse = {IQ24(1.0), IQ24(1.0), IQ24(1.0)}, .k_u = IQ24(1.0), .knee_inverse = IQ24(127.0)   \
+        {0, 0, 0}, {IQ24(1.0), IQ24(1.0), IQ24(1.0)}, 0, 0, IQ24(1.0), 0, IQ24(127.0), 0                     \
     }
 
 #endif

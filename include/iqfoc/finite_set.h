@@ -18,6 +18,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define IQFOC_FINITE_SET_STATES  8
 #define IQFOC_FINITE_SET_HORIZON 3
 
@@ -47,5 +51,9 @@ int32_t iqfoc_finite_set_choose(const iqfoc_finite_set_t *set, iqfoc_ab_t i, int
 
 /* Its voltage vector for a DC link in per unit, |u_dc| <= 32: error 0.7 LSB. */
 iqfoc_ab_t iqfoc_finite_set_voltage(int32_t state, iq24_t u_dc);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -26,6 +26,10 @@
 #include "extension.h"
 #include "iq24_sincos.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Flux in per-unit voltage times cycles, U_b T. Made by iqfoc/extension_params.h. */
 typedef struct iqfoc_flux_predictor {
     iq24_t l_d; /* L_d I_b / (U_b T): 1/16 ... 8; at zero current, if it saturates */
@@ -36,9 +40,8 @@ typedef struct iqfoc_flux_predictor {
     iq24_t psi; /* psi_f / (U_b T): 0 ... 16 */
 } iqfoc_flux_predictor_t;
 
-/* Are all values within their ranges, and k_d, k_q the reciprocals of l_d, l_q (to 2^-10)? 0, or an error of
- * extension.h. */
-iqfoc_extension_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *predictor);
+/* Are all values within their ranges, and k_d, k_q the reciprocals of l_d, l_q (to 2^-10)? The error names the value. */
+iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *predictor);
 
 /*
  * The current at the start of the next cycle.
@@ -56,5 +59,9 @@ iqfoc_extension_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t 
 iqfoc_ab_t iqfoc_flux_predictor_step(const iqfoc_flux_predictor_t *predictor,
                                      const iqfoc_extension_t *extension, iqfoc_ab_t i, iqfoc_ab_t u,
                                      iq24_sincos_t start, iq24_sincos_t end);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -15,6 +15,10 @@
 
 #include "cycle.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The port's own state: registers, calibration, a simulated drive. Opaque here. */
 typedef struct iqfoc_hal iqfoc_hal_t;
 
@@ -31,8 +35,35 @@ void iqfoc_hal_write(iqfoc_hal_t *hal, const iqfoc_command_t *command);
 /* The free-running timer that stamps samples: ticks, wraps at 2^32. */
 uint32_t iqfoc_hal_now(iqfoc_hal_t *hal);
 
-/* What the interrupts call. A port's handler is one of these lines and the clearing of its flag. */
-void iqfoc_isr_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal);
-void iqfoc_isr_peak(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal);
+/* From the valley to the middle of the cycle in which the peak's command acts. */
+#define IQFOC_HAL_OUTPUT_MID IQ24(1.5)
+
+/*
+ * What the interrupts call: read, compute, write. A port's handler is one of these lines and the clearing of its flag.
+ * Inline, so that the library itself asks nothing of a port, and a shared one links without.
+ */
+static inline void iqfoc_isr_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
+{
+    iqfoc_sample_t sample;
+    const uint32_t now = iqfoc_hal_now(hal);
+    iqfoc_hal_read_valley(hal, &sample);
+    iqfoc_cycle_valley(cycle, &sample, now);
+}
+
+static inline void iqfoc_isr_peak(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
+{
+    iqfoc_sample_t sample;
+    const uint32_t now = iqfoc_hal_now(hal);
+    iqfoc_hal_read_peak(hal, &sample);
+    iqfoc_command_t command = iqfoc_cycle_peak(cycle, &sample, IQFOC_HAL_OUTPUT_MID, now);
+    if (!iqfoc_cycle_in_time(cycle, &sample, iqfoc_hal_now(hal)) && cycle->tripped) {
+        command = iqfoc_cycle_safe(cycle->config);
+    }
+    iqfoc_hal_write(hal, &command);
+}
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -28,6 +28,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The machine; finer than IQ24 for the same reason as iqfoc_exact_winding_t. */
 typedef struct iqfoc_induction_machine {
     int32_t rho_s_q30; /* R_s T/L_sigma; 0 <= rho_s <= 0.5 */
@@ -36,13 +40,13 @@ typedef struct iqfoc_induction_machine {
     int32_t k_u_q26;   /* T U_b/(L_sigma I_b); 0 < k_u <= 16 */
 } iqfoc_induction_machine_t;
 
-/* iqfoc_induction_machine_t of physical values of the inverse-gamma circuit, checked. */
+/* iqfoc_induction_machine_t of physical values of the inverse-gamma circuit, checked: rho_s, rho_r, a, k_u. */
 #define IQFOC_INDUCTION_MACHINE(R_s_ohm, R_r_ohm, L_sigma_H, L_m_H, T_s, I_b_A, U_b_V)                       \
     {                                                                                                        \
-        .rho_s_q30 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_s_ohm, L_sigma_H, T_s), 30, 0.0, 0.5),              \
-        .rho_r_q30 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_r_ohm, L_sigma_H, T_s), 30, 0.0, 0.5),              \
-        .a_q30 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_r_ohm, L_m_H, T_s), 30, 0.0, 0.1),                      \
-        .k_u_q26 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_U(L_sigma_H, T_s, I_b_A, U_b_V), 26, 6e-8, IQFOC_MAX_K_U) \
+        IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_s_ohm, L_sigma_H, T_s), 30, 0.0, 0.5),                           \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_r_ohm, L_sigma_H, T_s), 30, 0.0, 0.5),                       \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_r_ohm, L_m_H, T_s), 30, 0.0, 0.1),                           \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_U(L_sigma_H, T_s, I_b_A, U_b_V), 26, 6e-8, IQFOC_MAX_K_U)        \
     }
 
 /* A complex coefficient, Q26. */
@@ -150,5 +154,9 @@ static inline iqfoc_ab_t iqfoc_induction_with_ripple(const iqfoc_induction_row_t
                                iq24_add_wrap(even.beta, iq24_shift_wrap(beta, 26))};
     return result;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

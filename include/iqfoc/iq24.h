@@ -23,11 +23,49 @@
 #ifndef IQFOC_IQ24_H
 #define IQFOC_IQ24_H
 
+#include <float.h>
+#include <stdbool.h>
 #include <stdint.h>
 
-/* A target may name a header that defines the hooks below its own way: -DIQFOC_TARGET_HEADER='"my_dsp.h"' */
+/*
+ * The target's own way of the hooks below: the compiler says what it targets, and iqfoc/target/ has a header for it. A
+ * header of your own instead: -DIQFOC_TARGET_HEADER='"my_dsp.h"'; that defines the hooks it has and leaves the others.
+ */
 #ifdef IQFOC_TARGET_HEADER
 #include IQFOC_TARGET_HEADER
+#else
+#include "target/choose.h"
+#endif
+
+/*
+ * IQ24() folds constants of type double. Where they have the 24-bit mantissa of a float, every constant would silently
+ * be another: that is refused here.
+ */
+#if DBL_MANT_DIG < 53
+#error                                                                                                       \
+    "iqfoc: double has less than 53 bits on this target, so that IQ24(x) would be wrong; compile with 64-bit double (avr-gcc 10 and later: -mdouble=64; TI C28x: --abi=eabi)"
+#endif
+#define IQ24_ASSUME_TEXT_                                                                                    \
+    "iqfoc: constants like 0.1 have type float here, so that IQ24(x) would be wrong; compile without "       \
+    "-fsingle-precision-constant"
+#if defined(__cplusplus)
+static_assert(sizeof(0.1) > sizeof(0.1F), IQ24_ASSUME_TEXT_);
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
+_Static_assert(sizeof(0.1) > sizeof(0.1F), IQ24_ASSUME_TEXT_);
+#else
+/* C99 has no way to say it but the name of an array that cannot be. */
+typedef char iq24_assume_compiled_without_fsingle_precision_constant[sizeof(0.1) > sizeof(0.1F) ? 1 : -1];
+#endif
+
+/* A cast that C++ compilers do not call old-fashioned, for macros that users expand. */
+#ifdef __cplusplus
+#define IQ24_CAST_(type, x) static_cast<type>(x)
+#else
+#define IQ24_CAST_(type, x) ((type)(x))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
 #endif
 
 /* Hook: the exact 64-bit product of two int32_t. Every product of IQ24 goes through it. */
@@ -49,7 +87,7 @@ typedef int32_t iq24_t;     /* Q7.24 */
 typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before rounding */
 
 #define IQ24_FRACTION_BITS 24
-#define IQ24_ONE           ((iq24_t)16777216)
+#define IQ24_ONE           IQ24_CAST_(iq24_t, 16777216)
 #define IQ24_MAX           INT32_MAX /* 128 - 2^-24 */
 #define IQ24_MIN           INT32_MIN /* -128 */
 
@@ -60,12 +98,15 @@ typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before roundi
  * x * 2^24 + 0.5, which is itself rounded before it is truncated.
  */
 #define IQ24(x)                                                                                              \
-    ((iq24_t)((iq24_t)IQ24_SCALED_(x) + (IQ24_SCALED_(x) - (iq24_t)IQ24_SCALED_(x) >= 0.5) -                 \
-              (IQ24_SCALED_(x) - (iq24_t)IQ24_SCALED_(x) <= -0.5)))
+    IQ24_CAST_(iq24_t, IQ24_CUT_(x) + (IQ24_SCALED_(x) - IQ24_CUT_(x) >= 0.5) -                              \
+                           (IQ24_SCALED_(x) - IQ24_CUT_(x) <= -0.5))
 #define IQ24_SCALED_(x) ((x)*16777216.0)
+#define IQ24_CUT_(x)    IQ24_CAST_(iq24_t, IQ24_SCALED_(x))
 
-/* x 2^bits of constants, 0 <= bits <= 62, for numbers in other formats: like IQ24() nothing that the target
- * computes. */
+/*
+ * x 2^bits of constants, 0 <= bits <= 62, for numbers in other formats: like IQ24() nothing that the target
+ * computes.
+ */
 #define IQ24_RAISED_(x, bits) ((x)*1.0 * (INT64_C(1) << (bits)))
 
 /* floor(x / 2^bits), 0 <= bits <= 31. */
@@ -105,8 +146,7 @@ static inline iq24_t iq24_shift_wrap(int64_t x, uint32_t bits)
     return iq24_from_bits(((high & (UINT32_MAX >> (32 - bits))) << (32 - bits)) | (low >> bits));
 }
 
-/* high 2^32 + low. Or, not plus: the halves do not overlap, and the compiler keeps them in their registers.
- */
+/* high 2^32 + low. Or, not plus: the halves do not overlap, and the compiler keeps them in their registers. */
 static inline int64_t iq24_acc_join(int32_t high, uint32_t low)
 {
     return (int64_t)high * INT64_C(0x100000000) | (int64_t)low;
@@ -155,6 +195,22 @@ static inline iq24_t iq24_abs_sat(iq24_t a)
     return a < 0 ? iq24_neg_sat(a) : a;
 }
 
+static inline iq24_t iq24_min(iq24_t x, iq24_t y)
+{
+    return x < y ? x : y;
+}
+
+static inline iq24_t iq24_max(iq24_t x, iq24_t y)
+{
+    return x > y ? x : y;
+}
+
+/* lo <= x <= hi. */
+static inline bool iq24_within(iq24_t x, iq24_t lo, iq24_t hi)
+{
+    return x >= lo && x <= hi;
+}
+
 /* x limited to lo ... hi. Precondition: lo <= hi. */
 static inline iq24_t iq24_clamp(iq24_t x, iq24_t lo, iq24_t hi)
 {
@@ -165,7 +221,7 @@ static inline iq24_t iq24_clamp(iq24_t x, iq24_t lo, iq24_t hi)
 /*
  * ---- Sums of products ----
  * Scaling: Q7.24 * Q7.24 = Q15.48, exact; only iq24_acc_round and iq24_acc_sat round, once for the whole sum.
- * Precondition of mac and msu: the true sum lies in -32768 <= sum < 32768 (|acc| <= 2^63); of round and sat,
+ * Precondition of mac: the true sum lies in -32768 <= sum < 32768 (|acc| <= 2^63); of round and sat,
  * 2^-25 below that. One product is at most 2^62 (16384.0), so any two products meet it, unless both are
  * IQ24_MIN * IQ24_MIN and are added; n products meet it if their factors are below sqrt(32768 / n) in
  * magnitude, as per-unit values (below 8) are for n <= 512.
@@ -178,11 +234,6 @@ static inline iq24_acc_t iq24_acc_mul(iq24_t a, iq24_t b)
 static inline iq24_acc_t iq24_acc_mac(iq24_acc_t acc, iq24_t a, iq24_t b)
 {
     return IQ24_MAC64(acc, a, b);
-}
-
-static inline iq24_acc_t iq24_acc_msu(iq24_acc_t acc, iq24_t a, iq24_t b)
-{
-    return acc - IQ24_MUL64(a, b);
 }
 
 /* Half an LSB. A sum that starts from it is rounded by iq24_acc_trunc: one instruction less than by round. */
@@ -236,5 +287,18 @@ static inline iq24_t iq24_mul_sat(iq24_t a, iq24_t b)
 {
     return iq24_acc_sat(IQ24_MUL64(a, b));
 }
+
+/*
+ * a b / 2^bits to nearest, ties up, wrapping, 1 <= bits <= 31: a product of two formats in a third, whose fractional
+ * bits are those of a and b less `bits`. Error <= 0.5 unit where it fits.
+ */
+static inline int32_t iq24_mul_shift(int32_t a, int32_t b, uint32_t bits)
+{
+    return iq24_shift_wrap(IQ24_MUL64(a, b) + (INT64_C(1) << (bits - 1)), bits);
+}
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

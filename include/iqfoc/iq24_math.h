@@ -15,6 +15,10 @@
 #include "iq24.h"
 #include "iq24_sincos.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /*
  * sin(2 pi turns) and cos(2 pi turns), by rotating a tabulated angle (64 to the turn) through what remains.
  *
@@ -54,5 +58,9 @@ iq24_t iq24_sqrt(iq24_t x);
  * and 0 / 0 = 0. Error: 0.5 LSB at most; it is the exact quotient, rounded once.
  */
 iq24_t iq24_div(iq24_t a, iq24_t b);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

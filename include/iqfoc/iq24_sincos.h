@@ -8,6 +8,10 @@
 
 #include "iq24.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Q7.24 each, within -IQ24_ONE ... IQ24_ONE. */
 typedef struct {
     iq24_t sin;
@@ -55,5 +59,9 @@ static inline iq24_sincos_t iq24_sincos_inline(iq24_t turns)
     result.cos = iq24_asr32(c + iq24_wrap(iq24_asr64(cos_change, 34)) + 32, 6);
     return result;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

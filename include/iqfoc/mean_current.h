@@ -22,6 +22,10 @@
 #include "transform.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /*
  * Correction of a discrete-angle mean current, general form: 2016 (10).
  *
@@ -130,5 +134,9 @@ static inline iqfoc_ab_t iqfoc_mean_current_quasi_discrete(const iqfoc_predictor
     const iqfoc_ab_t i_next = iqfoc_predictor_quasi_discrete(predictor, i, u, rotor, sc_mid);
     return iqfoc_mean_current_from_prediction(predictor, i, i_next, rotor, sc_mid);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -23,6 +23,10 @@
 #include "transform.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* At a speed; IQ24. */
 typedef struct iqfoc_mean_modulated {
     iq24_t half_s1; /* s1/2 */
@@ -69,5 +73,9 @@ static inline iqfoc_dq_t iqfoc_mean_modulated(const iqfoc_mean_modulated_t *c, i
     const iqfoc_dq_t result = {iq24_sub_wrap(seen.d, c->emf), seen.q};
     return result;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,21 +7,15 @@
 #include "transform.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* What a modulator asks of the inverter. */
 typedef struct iqfoc_duties {
     iqfoc_abc_t high; /* high-side duty cycle of each leg: IQ24, 0 ... 1 */
     iq24_t scale;     /* 1, or < 1: the factor by which the voltage had to be shortened */
 } iqfoc_duties_t;
-
-static inline iq24_t iqfoc_larger(iq24_t x, iq24_t y)
-{
-    return x > y ? x : y;
-}
-
-static inline iq24_t iqfoc_smaller(iq24_t x, iq24_t y)
-{
-    return x < y ? x : y;
-}
 
 /*
  * The factor that makes a voltage fit whose phases are too far apart: a little below span_max/span, so that
@@ -49,8 +43,8 @@ static inline iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, i
 {
     const iqfoc_ab_t v = {iq24_mul_trunc(u.alpha, u_dc_inverse), iq24_mul_trunc(u.beta, u_dc_inverse)};
     iqfoc_abc_t x = iqfoc_clarke_inverse(v);
-    iq24_t low = iqfoc_smaller(iqfoc_smaller(x.a, x.b), x.c);
-    iq24_t high = iqfoc_larger(iqfoc_larger(x.a, x.b), x.c);
+    iq24_t low = iq24_min(iq24_min(x.a, x.b), x.c);
+    iq24_t high = iq24_max(iq24_max(x.a, x.b), x.c);
     iq24_t scale = IQ24_ONE;
     if (iq24_sub_wrap(high, low) > span_max) {
         scale = iqfoc_modulation_scale(iq24_sub_wrap(high, low), span_max);
@@ -88,5 +82,9 @@ iqfoc_ab_t iqfoc_six_step_voltage(int32_t state, iq24_t u_dc);
  * timer. 1/6 turn is no whole number of LSB: exact to 1 LSB.
  */
 iq24_t iqfoc_six_step_remaining(iq24_t angle, iq24_t turns_per_cycle);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,27 +5,43 @@
  * Bases (docs/units.md): current I_b = sqrt(2) I_rated_rms, voltage U_b = nominal DC link, angle one turn,
  * time one control cycle T. In a firmware:
  *
- *     static const iqfoc_cycle_config_t config = {
- *         .predictor = IQFOC_PREDICTOR(R_OHM, L_H, PSI_WB, T_S, IQFOC_I_BASE(I_RATED_A), U_DC_V), ...
+ *     static const iqfoc_predictor_t predictor =
+ *         IQFOC_PREDICTOR(R_OHM, L_H, PSI_WB, T_S, IQFOC_I_BASE(I_RATED_A), U_DC_V);
  *
- * A value out of its range does not compile: the error is a division by zero inside the macro that bears the
- * coefficient's name. The host refuses the same values by the same names.
+ * A value out of its range does not compile: the error stands inside the macro that bears the coefficient's name. The
+ * host refuses the same values by the same names.
  */
 #ifndef IQFOC_PARAMS_H
 #define IQFOC_PARAMS_H
 
 #include "iq24.h"
 
+/*
+ * 1 where x lies within low ... high; else it does not compile, for in C a division by 0 is no constant, and in C++ the
+ * template has no such member.
+ */
+#ifdef __cplusplus
+extern "C++" {
+template <bool value_is_within_its_range> struct iqfoc_range_check_ {
+};
+template <> struct iqfoc_range_check_<true> {
+    static constexpr int32_t passed = 1;
+};
+}
+#define IQFOC_WITHIN_(x, low, high) (iqfoc_range_check_<((x) >= (low) && (x) <= (high))>::passed)
+#else
+#define IQFOC_WITHIN_(x, low, high) (((x) >= (low) && (x) <= (high)) ? 1 : 0)
+#endif
+
 /* The IQ24 constant of x, or no constant at all if x is outside low ... high. */
-#define IQFOC_CHECKED(x, low, high) (IQ24(x) / (((x) >= (low) && (x) <= (high)) ? 1 : 0))
+#define IQFOC_CHECKED(x, low, high) (IQ24(x) / IQFOC_WITHIN_(x, low, high))
 
 /* Current base in A from the rated phase current in A rms. */
 #define IQFOC_I_BASE(I_rated_A_rms) (1.4142135623730951 * (I_rated_A_rms))
 
 #define IQFOC_TWO_PI_ 6.283185307179586
 
-/* ---- The formulas, in double: one per coefficient of predictor.h and current_control.h. Limits beside them.
- * ---- */
+/* ---- The formulas, in double: one per coefficient of predictor.h and current_control.h. Limits beside them. ---- */
 #define IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V) ((T_s) * (U_b_V) / ((L_H) * (I_b_A)))
 #define IQFOC_MAX_K_U                         16.0
 #define IQFOC_RAW_K_R(R_ohm, L_H, T_s)        ((R_ohm) * (T_s) / (L_H))
@@ -64,24 +80,27 @@
 #define IQFOC_TURNS(n_rpm, pole_pairs, T_s)                                                                  \
     IQFOC_CHECKED(IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s), -IQFOC_MAX_TURNS, IQFOC_MAX_TURNS)
 
-/* ---- Initialisers of whole structs. ---- */
+/*
+ * ---- Initialisers of whole structs. ----
+ * Values in the order of the struct's members, because C++17 knows no other; tests/unit/test_params.c holds them to it.
+ */
 
-/* iqfoc_predictor_t. */
+/* iqfoc_predictor_t: k_u, k_r, k_psi. */
 #define IQFOC_PREDICTOR(R_ohm, L_H, psi_Wb, T_s, I_b_A, U_b_V)                                               \
     {                                                                                                        \
-        .k_u = IQFOC_K_U(L_H, T_s, I_b_A, U_b_V), .k_r = IQFOC_K_R(R_ohm, L_H, T_s),                         \
-        .k_psi = IQFOC_K_PSI(psi_Wb, L_H, I_b_A)                                                             \
+        IQFOC_K_U(L_H, T_s, I_b_A, U_b_V), IQFOC_K_R(R_ohm, L_H, T_s), IQFOC_K_PSI(psi_Wb, L_H, I_b_A)       \
     }
 
-/* iqfoc_current_control_gains_t for a closed-loop bandwidth in rad/s, well below 1/T (a twentieth of 2 pi/T
- * is usual). */
+/*
+ * iqfoc_current_control_gains_t for a closed-loop bandwidth in rad/s, well below 1/T (a twentieth of 2 pi/T is usual):
+ * kp_d, kp_q, ki_d, ki_q, anti_windup, x_d, x_q, emf.
+ */
 #define IQFOC_GAINS(w_rad_s, R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V)                                 \
     {                                                                                                        \
-        .kp_d = IQFOC_KP(w_rad_s, L_d_H, I_b_A, U_b_V), .kp_q = IQFOC_KP(w_rad_s, L_q_H, I_b_A, U_b_V),      \
-        .ki_d = IQFOC_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V),                                                 \
-        .ki_q = IQFOC_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V), .anti_windup = IQFOC_ANTI_WINDUP(w_rad_s, T_s), \
-        .x_d = IQFOC_X(L_d_H, T_s, I_b_A, U_b_V), .x_q = IQFOC_X(L_q_H, T_s, I_b_A, U_b_V),                  \
-        .emf = IQFOC_EMF(psi_Wb, T_s, U_b_V)                                                                 \
+        IQFOC_KP(w_rad_s, L_d_H, I_b_A, U_b_V), IQFOC_KP(w_rad_s, L_q_H, I_b_A, U_b_V),                      \
+            IQFOC_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V), IQFOC_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V),        \
+            IQFOC_ANTI_WINDUP(w_rad_s, T_s), IQFOC_X(L_d_H, T_s, I_b_A, U_b_V),                              \
+            IQFOC_X(L_q_H, T_s, I_b_A, U_b_V), IQFOC_EMF(psi_Wb, T_s, U_b_V)                                 \
     }
 
 #endif

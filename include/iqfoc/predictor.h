@@ -18,6 +18,10 @@
 #include "rotor.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /*
  * The machine as the predictor sees it: per unit, IQ24, made by iqfoc/params.h (firmware) or the host's
  * parameter conversion. I_b, U_b: the current and voltage base. Each coefficient is rounded to 0.5 LSB.
@@ -81,5 +85,9 @@ static inline iqfoc_ab_t iqfoc_predictor_quasi_discrete(const iqfoc_predictor_t 
 {
     return iqfoc_predictor_step(predictor, i, u, iqfoc_predictor_emf(predictor, rotor), sc_mid);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -34,6 +34,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /*
  * The machine, per unit and cycle. Finer than IQ24, because a coefficient's rounding is multiplied by the
  * current: half an LSB of rho alone would be half an LSB of error per unit of current.
@@ -45,17 +49,16 @@ typedef struct iqfoc_exact_winding {
 } iqfoc_exact_winding_t;
 
 /* x in Q(bits), to nearest, as a constant; x >= 0. */
-#define IQFOC_EXACT_Q(x, bits) ((int32_t)(IQ24_RAISED_(x, bits) + 0.5))
+#define IQFOC_EXACT_Q(x, bits) IQ24_CAST_(int32_t, IQ24_RAISED_(x, bits) + 0.5)
 /* The same, or no constant at all if x is outside low ... high (params.h). */
-#define IQFOC_EXACT_CHECKED(x, bits, low, high)                                                              \
-    (IQFOC_EXACT_Q(x, bits) / (((x) >= (low) && (x) <= (high)) ? 1 : 0))
+#define IQFOC_EXACT_CHECKED(x, bits, low, high) (IQFOC_EXACT_Q(x, bits) / IQFOC_WITHIN_(x, low, high))
 
-/* iqfoc_exact_winding_t of physical values, checked. */
+/* iqfoc_exact_winding_t of physical values, checked: rho, k_u, k_psi. */
 #define IQFOC_EXACT_WINDING(R_ohm, L_H, psi_Wb, T_s, I_b_A, U_b_V)                                           \
     {                                                                                                        \
-        .rho_q30 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_ohm, L_H, T_s), 30, 0.0, IQFOC_MAX_K_R),              \
-        .k_u_q26 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V), 26, 6e-8, IQFOC_MAX_K_U),      \
-        .k_psi_q27 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A), 27, 0.0, IQFOC_MAX_K_PSI)      \
+        IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_ohm, L_H, T_s), 30, 0.0, IQFOC_MAX_K_R),                         \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V), 26, 6e-8, IQFOC_MAX_K_U),             \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A), 27, 0.0, IQFOC_MAX_K_PSI)               \
     }
 
 #define IQFOC_EXACT_TERMS 6
@@ -129,22 +132,8 @@ static inline iqfoc_ab_t iqfoc_exact_step(const iqfoc_exact_t *exact, iqfoc_ab_t
     return next;
 }
 
-/*
- * The current after `count` whole cycles with one voltage each.
- *
- * exact: of a prediction over a whole cycle. i, u[k]: as above, u[k] the voltage of cycle k. theta_mid: the
- * rotor angle at the middle of the first cycle, turns; turns: the speed that `exact` was made of, constant
- * over the horizon. Error: that of a step for each cycle, not more than their sum, as E <= 1. The horizon's
- * currents must stay within 32.
- */
-static inline iqfoc_ab_t iqfoc_exact_ahead(const iqfoc_exact_t *exact, iqfoc_ab_t i, const iqfoc_ab_t *u,
-                                           size_t count, iq24_t theta_mid, iq24_t turns)
-{
-    for (size_t k = 0; k < count; k++) {
-        i = iqfoc_exact_step(exact, i, u[k], iq24_sincos(theta_mid));
-        theta_mid = iq24_add_wrap(theta_mid, turns);
-    }
-    return i;
+#ifdef __cplusplus
 }
+#endif
 
 #endif

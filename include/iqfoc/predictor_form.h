@@ -9,7 +9,8 @@
  *     quasi-discrete, 2019 (12):  a = 1 - k_r,   w s1
  *     exact:                      a = E,         w G                                     (predictor_exact.h)
  *
- * cos(phi/2) = s1 - phi s2 and sin(phi/2) = phi s1/2, so that the rotor's numbers suffice.
+ * cos(phi/2) = s1 - phi s2 and sin(phi/2) = phi s1/2, so that the rotor's numbers suffice. w is a product of two Q24
+ * numbers in Q26, iq24_mul_shift(a, b, 22): within +-16.8 and so below 2^31; error 1/8 LSB.
  */
 #ifndef IQFOC_PREDICTOR_FORM_H
 #define IQFOC_PREDICTOR_FORM_H
@@ -17,14 +18,9 @@
 #include "predictor.h"
 #include "predictor_exact.h"
 
-/*
- * Q24 times Q24 in Q26, rounded. Range: the callers' products are within +-16.8, below 2^31 in Q26. Error 1/8
- * LSB.
- */
-static inline int32_t iqfoc_form_product_q26(iq24_t a, iq24_t b)
-{
-    return iq24_shift_wrap(IQ24_MUL64(a, b) + (INT64_C(1) << 21), 22);
-}
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* What the two have in common. Range: |1 - k_r| <= 1 and k_u <= 16, below 2^31 in Q26. Exact. */
 static inline iqfoc_exact_t iqfoc_form_of(const iqfoc_predictor_t *predictor, int32_t w_real_q26,
@@ -45,15 +41,19 @@ static inline iqfoc_exact_t iqfoc_form_euler(const iqfoc_predictor_t *predictor,
 {
     const iq24_t w = iq24_mul_round(predictor->k_psi, rotor->phi);
     const iq24_t sin_half = iq24_asr32(rotor->phi_s1, 1);
-    return iqfoc_form_of(predictor, iqfoc_form_product_q26(w, rotor->s1 - rotor->phi_s2),
-                         -iqfoc_form_product_q26(w, sin_half));
+    return iqfoc_form_of(predictor, iq24_mul_shift(w, rotor->s1 - rotor->phi_s2, 22),
+                         -iq24_mul_shift(w, sin_half, 22));
 }
 
 /* The quasi-discrete prediction, as iqfoc_predictor_quasi_discrete. Ranges as there; difference 1 LSB. */
 static inline iqfoc_exact_t iqfoc_form_quasi_discrete(const iqfoc_predictor_t *predictor,
                                                       const iqfoc_rotor_t *rotor)
 {
-    return iqfoc_form_of(predictor, iqfoc_form_product_q26(predictor->k_psi, rotor->phi_s1), 0);
+    return iqfoc_form_of(predictor, iq24_mul_shift(predictor->k_psi, rotor->phi_s1, 22), 0);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

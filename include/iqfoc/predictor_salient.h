@@ -29,6 +29,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The machine, per unit and cycle; finer than IQ24 for the same reason as iqfoc_exact_winding_t. */
 typedef struct iqfoc_salient_machine {
     int32_t rho_d_q30;   /* R T/L_d; 0 <= rho <= 1 */
@@ -43,18 +47,16 @@ typedef struct iqfoc_salient_machine {
 
 #define IQFOC_MAX_SALIENCY 8.0
 
-/* iqfoc_salient_machine_t of physical values, checked. */
+/* iqfoc_salient_machine_t of physical values, checked; in the order of its members. */
 #define IQFOC_SALIENT_MACHINE(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V)                                \
     {                                                                                                        \
-        .rho_d_q30 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_ohm, L_d_H, T_s), 30, 0.0, IQFOC_MAX_K_R),          \
-        .rho_q_q30 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_ohm, L_q_H, T_s), 30, 0.0, IQFOC_MAX_K_R),          \
-        .k_d_q26 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_U(L_d_H, T_s, I_b_A, U_b_V), 26, 6e-8, IQFOC_MAX_K_U),    \
-        .k_q_q26 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_U(L_q_H, T_s, I_b_A, U_b_V), 26, 6e-8, IQFOC_MAX_K_U),    \
-        .k_psi_d_q27 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_d_H, I_b_A), 27, 0.0, IQFOC_MAX_K_PSI), \
-        .k_psi_q_q27 = IQFOC_EXACT_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_q_H, I_b_A), 27, 0.0, IQFOC_MAX_K_PSI), \
-        .q_to_d_q27 =                                                                                        \
+        IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_ohm, L_d_H, T_s), 30, 0.0, IQFOC_MAX_K_R),                       \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_ohm, L_q_H, T_s), 30, 0.0, IQFOC_MAX_K_R),                   \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_U(L_d_H, T_s, I_b_A, U_b_V), 26, 6e-8, IQFOC_MAX_K_U),           \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_U(L_q_H, T_s, I_b_A, U_b_V), 26, 6e-8, IQFOC_MAX_K_U),           \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_d_H, I_b_A), 27, 0.0, IQFOC_MAX_K_PSI),            \
+            IQFOC_EXACT_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_q_H, I_b_A), 27, 0.0, IQFOC_MAX_K_PSI),            \
             IQFOC_EXACT_CHECKED((L_q_H) / (L_d_H), 27, 1.0 / IQFOC_MAX_SALIENCY, IQFOC_MAX_SALIENCY),        \
-        .d_to_q_q27 =                                                                                        \
             IQFOC_EXACT_CHECKED((L_d_H) / (L_q_H), 27, 1.0 / IQFOC_MAX_SALIENCY, IQFOC_MAX_SALIENCY)         \
     }
 
@@ -115,18 +117,8 @@ static inline iqfoc_dq_t iqfoc_salient_step(const iqfoc_salient_t *salient, iqfo
     return next;
 }
 
-/*
- * The dq current after `count` spans with one voltage each, u[k] seen from the rotor at the start of span k.
- * Error: at most that of a step for each span times max(L_q/L_d, L_d/L_q). The horizon's currents must stay
- * within 8.
- */
-static inline iqfoc_dq_t iqfoc_salient_ahead(const iqfoc_salient_t *salient, iqfoc_dq_t i,
-                                             const iqfoc_dq_t *u, size_t count)
-{
-    for (size_t k = 0; k < count; k++) {
-        i = iqfoc_salient_step(salient, i, u[k]);
-    }
-    return i;
+#ifdef __cplusplus
 }
+#endif
 
 #endif

@@ -12,10 +12,15 @@
 #ifndef IQFOC_RECORDER_H
 #define IQFOC_RECORDER_H
 
+#include "error.h"
 #include "iq24.h"
 
 #include <stdbool.h>
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define IQFOC_RECORDER_CHANNELS_MAX 16
 
@@ -53,13 +58,12 @@ typedef struct iqfoc_recorder_channel {
 } iqfoc_recorder_channel_t;
 
 /*
- * Initialiser of a channel that holds an iq24_t of which 1.0 is `unit` in host units. bits: as many as keep
+ * Initialiser of a channel (source, column, mantissa, shift) that holds an iq24_t of which 1.0 is `unit` in host units. bits: as many as keep
  * |unit| 2^bits below 2^31, for the finest scale.
  */
 #define IQFOC_RECORDER_IQ24(variable, what, unit, bits)                                                      \
     {                                                                                                        \
-        .source = (variable), .column = (what), .mantissa = (int32_t)IQ24_RAISED_(unit, bits),               \
-        .shift = 24 + (bits)                                                                                 \
+        (variable), (what), IQ24_CAST_(int32_t, IQ24_RAISED_(unit, bits)), 24 + (bits)                       \
     }
 
 typedef enum iqfoc_recorder_trigger {
@@ -120,19 +124,9 @@ typedef struct iqfoc_recorder {
     bool end_sent;
 } iqfoc_recorder_t;
 
-/* Negative: refused, the object untouched. */
-typedef enum iqfoc_recorder_error {
-    IQFOC_RECORDER_OK = 0,
-    IQFOC_RECORDER_ERROR_NULL = -1,
-    IQFOC_RECORDER_ERROR_CHANNELS = -2, /* their number, a source, a mantissa of 0 or a shift above 62 */
-    IQFOC_RECORDER_ERROR_MEMORY = -3,   /* room for less than two rows */
-    IQFOC_RECORDER_ERROR_PERIOD = -4,   /* period or decimation */
-    IQFOC_RECORDER_ERROR_TRIGGER = -5   /* no such trigger or channel, or a share outside [0, 1) */
-} iqfoc_recorder_error_t;
-
 /* words: length of memory. config and memory must outlive the recorder. It starts idle. */
-iqfoc_recorder_error_t iqfoc_recorder_init(iqfoc_recorder_t *recorder, const iqfoc_recorder_config_t *config,
-                                           int32_t *memory, uint32_t words);
+iqfoc_error_t iqfoc_recorder_init(iqfoc_recorder_t *recorder, const iqfoc_recorder_config_t *config,
+                                  int32_t *memory, uint32_t words);
 
 /* Begins anew: forgets rows not yet sent. Not while an interrupt may call iqfoc_recorder_take. */
 void iqfoc_recorder_arm(iqfoc_recorder_t *recorder);
@@ -148,5 +142,9 @@ int32_t iqfoc_recorder_octet(iqfoc_recorder_t *recorder);
 
 /* True once everything, the end frame included, has gone out. */
 bool iqfoc_recorder_finished(const iqfoc_recorder_t *recorder);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

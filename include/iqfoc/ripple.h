@@ -20,6 +20,10 @@
 #include "transform.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* One leg's share: d (1 - d^2) [1 - square (1 + d^2)]. 0 <= d <= 1; result 0 ... 0.385. */
 static inline iq24_t iqfoc_ripple_of_leg(iq24_t d, iq24_t square)
 {
@@ -74,5 +78,9 @@ static inline iqfoc_dq_t iqfoc_ripple_seen(const iqfoc_ripple_t *ripple, iqfoc_a
                              iq24_acc_trunc(iq24_acc_mac(q, -ripple->across_q, v.d))};
     return seen;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -19,6 +19,10 @@
 
 #include "iq24.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Largest |x| in turns per cycle: floor(2^24/3). The cycle holds the measured speed to it and says so. */
 #define IQFOC_ROTOR_TURNS_MAX INT32_C(5592405)
 
@@ -48,5 +52,9 @@ iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns);
  * turns: as above, same limit. Largest error (all arguments): 0.8 LSB.
  */
 iq24_t iqfoc_rotor_steady_gain(iq24_t turns);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

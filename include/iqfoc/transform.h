@@ -13,21 +13,17 @@
 #include "iq24_math.h"
 #include "vector.h"
 
-/* Constants in Q31: with a 31-bit fraction their rounding costs at most |x| 2^-8 LSB, x in per unit. */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+ * Constants in Q31: with a 31-bit fraction their rounding costs at most |x| 2^-8 LSB, x in per unit. A Q24 value times
+ * one of them is iq24_mul_shift(x, constant, 31); as the constant is below 1, it cannot wrap.
+ */
 #define IQFOC_Q31_1_SQRT3 INT32_C(1239850262) /* 1/sqrt(3) */
 #define IQFOC_Q31_1_3     INT32_C(715827883)  /* 1/3 */
 #define IQFOC_Q31_SQRT3_2 INT32_C(1859775393) /* sqrt(3)/2 */
-
-/*
- * Q24 times a Q31 constant, rounded to nearest.
- *
- * Range: |x| <= 2^31, |k| < 2^31, so |x k| + 2^30 < 2^62 + 2^30 fits int64, and the quotient by 2^31 fits
- * int32: |x k| / 2^31 < |x|.
- */
-static inline iq24_t iqfoc_mul_q31(iq24_t x, int32_t k)
-{
-    return iq24_shift_wrap(IQ24_MUL64(x, k) + INT64_C(0x40000000), 31);
-}
 
 /*
  * Clarke transform from two phase currents of a floating star point (c = -a - b).
@@ -40,7 +36,7 @@ static inline iq24_t iqfoc_mul_q31(iq24_t x, int32_t k)
  */
 static inline iqfoc_ab_t iqfoc_clarke2(iq24_t a, iq24_t b)
 {
-    const iqfoc_ab_t ab = {a, iqfoc_mul_q31(iq24_add_wrap(a, iq24_add_wrap(b, b)), IQFOC_Q31_1_SQRT3)};
+    const iqfoc_ab_t ab = {a, iq24_mul_shift(iq24_add_wrap(a, iq24_add_wrap(b, b)), IQFOC_Q31_1_SQRT3, 31)};
     return ab;
 }
 
@@ -57,8 +53,8 @@ static inline iqfoc_ab_t iqfoc_clarke3(iqfoc_abc_t abc)
 {
     const iq24_t two_a = iq24_add_wrap(abc.a, abc.a);
     const iq24_t b_and_c = iq24_add_wrap(abc.b, abc.c);
-    const iqfoc_ab_t ab = {iqfoc_mul_q31(iq24_sub_wrap(two_a, b_and_c), IQFOC_Q31_1_3),
-                           iqfoc_mul_q31(iq24_sub_wrap(abc.b, abc.c), IQFOC_Q31_1_SQRT3)};
+    const iqfoc_ab_t ab = {iq24_mul_shift(iq24_sub_wrap(two_a, b_and_c), IQFOC_Q31_1_3, 31),
+                           iq24_mul_shift(iq24_sub_wrap(abc.b, abc.c), IQFOC_Q31_1_SQRT3, 31)};
     return ab;
 }
 
@@ -75,7 +71,7 @@ static inline iqfoc_ab_t iqfoc_clarke3(iqfoc_abc_t abc)
  */
 static inline iqfoc_abc_t iqfoc_clarke_inverse(iqfoc_ab_t ab)
 {
-    const iq24_t b = iq24_sub_wrap(iqfoc_mul_q31(ab.beta, IQFOC_Q31_SQRT3_2), iq24_asr32(ab.alpha, 1));
+    const iq24_t b = iq24_sub_wrap(iq24_mul_shift(ab.beta, IQFOC_Q31_SQRT3_2, 31), iq24_asr32(ab.alpha, 1));
     const iqfoc_abc_t abc = {ab.alpha, b, iq24_sub_wrap(0, iq24_add_wrap(ab.alpha, b))};
     return abc;
 }
@@ -112,5 +108,9 @@ static inline iqfoc_ab_t iqfoc_park_inverse(iqfoc_dq_t dq, iq24_sincos_t sc)
     const iqfoc_ab_t ab = {iq24_acc_round(alpha), iq24_acc_round(beta)};
     return ab;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -23,6 +23,10 @@
 #include "rotor.h"
 #include "vector.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Made where the speed changes. */
 typedef struct iqfoc_valley_reference {
     iq24_t gain;      /* 1/s1^2: 1 ... 1.4625 */
@@ -55,5 +59,9 @@ static inline iqfoc_dq_t iqfoc_valley_reference(const iqfoc_valley_reference_t *
                                iq24_mul_round(reference->gain, mean.q)};
     return valley;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

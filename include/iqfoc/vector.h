@@ -11,6 +11,10 @@
 
 #include "iq24.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct iqfoc_abc {
     iq24_t a;
     iq24_t b;
@@ -26,5 +30,9 @@ typedef struct iqfoc_dq {
     iq24_t d;
     iq24_t q;
 } iqfoc_dq_t;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

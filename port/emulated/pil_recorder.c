@@ -41,8 +41,8 @@ int32_t pil_recorder_start(const pil_frame_t *frame, const iqfoc_cycle_t *cycle)
     channel_add(&cycle->rotor.turns, IQFOC_RECORDER_OMEGA_E, b.omega_mantissa, b.omega_shift);
     channel_add(&cycle->u_now.alpha, IQFOC_RECORDER_U_ALPHA, b.U_mantissa, b.U_shift);
     channel_add(&cycle->u_now.beta, IQFOC_RECORDER_U_BETA, b.U_mantissa, b.U_shift);
-    const iqfoc_recorder_error_t refused = iqfoc_recorder_init(&recorder, &config, memory, MEMORY_WORDS);
-    running = refused == IQFOC_RECORDER_OK;
+    const iqfoc_error_t refused = iqfoc_recorder_init(&recorder, &config, memory, MEMORY_WORDS);
+    running = refused == IQFOC_OK;
     return (int32_t)refused;
 }
 

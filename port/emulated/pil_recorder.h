@@ -8,7 +8,7 @@
 
 #include "pil_wire.h"
 
-/* frame: PIL_RECORD. cycle: whose variables are recorded. Returns 0 or an iqfoc_recorder_error_t. */
+/* frame: PIL_RECORD. cycle: whose variables are recorded. Returns 0 or an iqfoc_error_t. */
 int32_t pil_recorder_start(const pil_frame_t *frame, const iqfoc_cycle_t *cycle);
 
 /* A new stream begins. */

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/suggest.h"
 #include "command.h"
+#include "iqfoc/version.h"
 
 #include <errno.h>
 #include <stdbool.h>
@@ -71,7 +72,7 @@ static int run(int argc, char **argv)
         return print_overview();
     }
     if (strcmp(argv[1], "--version") == 0) {
-        puts("iqfoc " IQFOC_VERSION);
+        puts("iqfoc " IQFOC_VERSION_STRING);
         return STATUS_DONE;
     }
     for (const command *c = commands; c->name != NULL; c++) {

@@ -31,7 +31,7 @@ static const iqfoc_predictor_t predictor = IQFOC_DIAGNOSED_PREDICTOR;
 static const iqfoc_current_control_gains_t gains = IQFOC_DIAGNOSED_GAINS(1256.0);
 int main(void)
 {
-    if (iqfoc_extension_check(&extension) != IQFOC_EXTENSION_OK || iqfoc_flux_predictor_check(&flux) != IQFOC_EXTENSION_OK ||
+    if (iqfoc_extension_check(&extension) != IQFOC_OK || iqfoc_flux_predictor_check(&flux) != IQFOC_OK ||
         predictor.k_u <= 0 || gains.kp_d <= 0) {
         return 1;
     }

@@ -56,7 +56,7 @@ static double lost(const iqfoc_extension_t *x, double i)
 static void test_nothing_found_changes_nothing(void)
 {
     uint64_t seed = SEED;
-    TEST_ASSERT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_extension_check(&none));
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_extension_check(&none));
     for (int32_t n = 0; n < 1000; n++) {
         const iqfoc_abc_t i = phases(&seed, 15.0);
         iqfoc_sample_t sample = {.i = i,
@@ -219,7 +219,7 @@ static void test_saturation_in_the_predictors_coefficients(void)
     worst_check(&k, 2.3);
 }
 
-static iqfoc_extension_error_t check_with(size_t offset, iq24_t value)
+static iqfoc_error_t check_with(size_t offset, iq24_t value)
 {
     iqfoc_extension_t x = none;
     *(iq24_t *)(void *)((char *)&x + offset) = value;
@@ -231,21 +231,21 @@ static void test_refusals(void)
     static const struct {
         size_t offset;
         iq24_t low, high;
-        iqfoc_extension_error_t error;
+        iqfoc_error_t error;
     } range[] = {
-        {offsetof(iqfoc_extension_t, i_offset.b), -IQ24_ONE, IQ24_ONE, IQFOC_EXTENSION_ERROR_CURRENT},
-        {offsetof(iqfoc_extension_t, i_gain_inverse.c), IQ24(0.5), IQ24(2.0), IQFOC_EXTENSION_ERROR_CURRENT},
-        {offsetof(iqfoc_extension_t, theta_0), IQ24(-0.5), IQ24(0.5), IQFOC_EXTENSION_ERROR_ANGLE},
-        {offsetof(iqfoc_extension_t, theta_delay), IQ24(-8.0), IQ24(8.0), IQFOC_EXTENSION_ERROR_ANGLE},
-        {offsetof(iqfoc_extension_t, k_u), IQ24(0.5), IQ24(2.0), IQFOC_EXTENSION_ERROR_VOLTAGE},
-        {offsetof(iqfoc_extension_t, v_dead), IQ24(-0.25), IQ24(0.25), IQFOC_EXTENSION_ERROR_VOLTAGE},
-        {offsetof(iqfoc_extension_t, knee_inverse), 0, IQ24(127.0), IQFOC_EXTENSION_ERROR_VOLTAGE},
-        {offsetof(iqfoc_extension_t, saturation), 0, IQ24(4.0), IQFOC_EXTENSION_ERROR_SATURATION},
+        {offsetof(iqfoc_extension_t, i_offset.b), -IQ24_ONE, IQ24_ONE, IQFOC_ERROR_CURRENT_SENSOR},
+        {offsetof(iqfoc_extension_t, i_gain_inverse.c), IQ24(0.5), IQ24(2.0), IQFOC_ERROR_CURRENT_SENSOR},
+        {offsetof(iqfoc_extension_t, theta_0), IQ24(-0.5), IQ24(0.5), IQFOC_ERROR_ANGLE},
+        {offsetof(iqfoc_extension_t, theta_delay), IQ24(-8.0), IQ24(8.0), IQFOC_ERROR_ANGLE},
+        {offsetof(iqfoc_extension_t, k_u), IQ24(0.5), IQ24(2.0), IQFOC_ERROR_VOLTAGE},
+        {offsetof(iqfoc_extension_t, v_dead), IQ24(-0.25), IQ24(0.25), IQFOC_ERROR_VOLTAGE},
+        {offsetof(iqfoc_extension_t, knee_inverse), 0, IQ24(127.0), IQFOC_ERROR_VOLTAGE},
+        {offsetof(iqfoc_extension_t, saturation), 0, IQ24(4.0), IQFOC_ERROR_SATURATION},
     };
-    TEST_ASSERT_EQUAL_INT(IQFOC_EXTENSION_ERROR_NULL, iqfoc_extension_check(NULL));
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_extension_check(NULL));
     for (size_t n = 0; n < sizeof range / sizeof range[0]; n++) {
-        TEST_ASSERT_EQUAL_INT(IQFOC_EXTENSION_OK, check_with(range[n].offset, range[n].low));
-        TEST_ASSERT_EQUAL_INT(IQFOC_EXTENSION_OK, check_with(range[n].offset, range[n].high));
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, check_with(range[n].offset, range[n].low));
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, check_with(range[n].offset, range[n].high));
         TEST_ASSERT_EQUAL_INT(range[n].error, check_with(range[n].offset, range[n].low - 1));
         TEST_ASSERT_EQUAL_INT(range[n].error, check_with(range[n].offset, range[n].high + 1));
     }

@@ -8,6 +8,8 @@
 #include "reference.h"
 
 #include <complex.h>
+#include <stddef.h>
+#include <string.h>
 
 #define DRAWS 200000
 #define SEED  UINT64_C(20210607)
@@ -194,21 +196,30 @@ static void test_refusals(void)
 {
     const iqfoc_flux_predictor_t good =
         IQFOC_FLUX_PREDICTOR(0.9, 0.008, 0.011, 0.2, 0.00025, IQFOC_I_BASE(6.0), 565.0);
-    TEST_ASSERT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_flux_predictor_check(&good));
-    TEST_ASSERT_EQUAL_INT(IQFOC_EXTENSION_ERROR_NULL, iqfoc_flux_predictor_check(NULL));
-    iqfoc_flux_predictor_t p = good;
-    p.k_q += IQ24(0.01); /* no longer the reciprocal */
-    TEST_ASSERT_NOT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_flux_predictor_check(&p));
-    p = good;
-    p.l_d = IQ24(8.1);
-    p.k_d = IQ24(1.0 / 8.1);
-    TEST_ASSERT_NOT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_flux_predictor_check(&p));
-    p = good;
-    p.r = IQ24_ONE + 1;
-    TEST_ASSERT_NOT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_flux_predictor_check(&p));
-    p = good;
-    p.psi = -1;
-    TEST_ASSERT_NOT_EQUAL_INT(IQFOC_EXTENSION_OK, iqfoc_flux_predictor_check(&p));
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_flux_predictor_check(&good));
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_flux_predictor_check(NULL));
+    /* Each value at fault by itself, below and above its range, or no longer the other's reciprocal. */
+    const struct {
+        size_t offset;
+        iq24_t value;
+        iqfoc_error_t error;
+    } bad[] = {
+        {offsetof(iqfoc_flux_predictor_t, l_d), IQ24(0.0625) - 1, IQFOC_ERROR_INDUCTANCE_D},
+        {offsetof(iqfoc_flux_predictor_t, l_d), IQ24(8.0) + 1, IQFOC_ERROR_INDUCTANCE_D},
+        {offsetof(iqfoc_flux_predictor_t, k_d), IQ24(0.125) - 1, IQFOC_ERROR_INDUCTANCE_D},
+        {offsetof(iqfoc_flux_predictor_t, k_d), good.k_d + IQ24(0.01), IQFOC_ERROR_INDUCTANCE_D},
+        {offsetof(iqfoc_flux_predictor_t, l_q), IQ24(8.0) + 1, IQFOC_ERROR_INDUCTANCE_Q},
+        {offsetof(iqfoc_flux_predictor_t, k_q), good.k_q + IQ24(0.01), IQFOC_ERROR_INDUCTANCE_Q},
+        {offsetof(iqfoc_flux_predictor_t, r), -1, IQFOC_ERROR_RESISTANCE},
+        {offsetof(iqfoc_flux_predictor_t, r), IQ24_ONE + 1, IQFOC_ERROR_RESISTANCE},
+        {offsetof(iqfoc_flux_predictor_t, psi), -1, IQFOC_ERROR_FLUX},
+        {offsetof(iqfoc_flux_predictor_t, psi), IQ24(16.0) + 1, IQFOC_ERROR_FLUX},
+    };
+    for (size_t n = 0; n < sizeof bad / sizeof bad[0]; n++) {
+        iqfoc_flux_predictor_t p = good;
+        memcpy((char *)&p + bad[n].offset, &bad[n].value, sizeof bad[n].value);
+        TEST_ASSERT_EQUAL_INT(bad[n].error, iqfoc_flux_predictor_check(&p));
+    }
 }
 
 int main(void)

@@ -297,7 +297,7 @@ static int64_t two_products(iq24_t a, iq24_t b, iq24_t c, iq24_t d, int sign, in
 
 static void expect_accumulator(iq24_t a, iq24_t b, iq24_t c, iq24_t d)
 {
-    iq24_acc_t difference = iq24_acc_msu(iq24_acc_mul(a, b), c, d);
+    iq24_acc_t difference = iq24_acc_mul(a, b) - iq24_acc_mul(c, d);
     int64_t expected = two_products(a, b, c, d, -1, IQ24_ONE / 2);
     bool right =
         iq24_acc_round(difference) == modulo_2_32(expected) && iq24_acc_sat(difference) == limit(expected);
@@ -365,7 +365,7 @@ static void many_products_below_their_bound_accumulate_exactly(void)
     TEST_ASSERT_EQUAL_INT64(INT64_MIN, sum);
     TEST_ASSERT_EQUAL_INT32(IQ24_MIN, iq24_acc_sat(sum));
     for (int i = 0; i < 511; i++) {
-        sum = iq24_acc_msu(sum, 8 * IQ24_ONE, -8 * IQ24_ONE);
+        sum = iq24_acc_mac(sum, -8 * IQ24_ONE, -8 * IQ24_ONE);
     }
     TEST_ASSERT_EQUAL_INT32(-64 * IQ24_ONE, iq24_acc_sat(sum));
 }

@@ -108,8 +108,8 @@ static void test_duties_in_range(void)
         const iqfoc_ab_t u = {to_iq24(length * cos(angle)), to_iq24(length * sin(angle))};
         const iq24_t span_max = spans[n / 4 % 5];
         const iqfoc_duties_t d = iqfoc_modulate(u, inverses[n % 4], span_max);
-        const iq24_t high = iqfoc_larger(iqfoc_larger(d.high.a, d.high.b), d.high.c);
-        const iq24_t low = iqfoc_smaller(iqfoc_smaller(d.high.a, d.high.b), d.high.c);
+        const iq24_t high = iq24_max(iq24_max(d.high.a, d.high.b), d.high.c);
+        const iq24_t low = iq24_min(iq24_min(d.high.a, d.high.b), d.high.c);
         if (low < 0 || high > IQ24_ONE || high - low > span_max || d.scale < 0 || d.scale > IQ24_ONE) {
             TEST_FAIL_MESSAGE("a duty, the span or the scale out of its range");
         }

@@ -39,7 +39,7 @@ void tearDown(void)
 
 static void start(void)
 {
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_OK, iqfoc_recorder_init(&recorder, &config, memory, 400)); /* 100 rows */
+    TEST_ASSERT_EQUAL(IQFOC_OK, iqfoc_recorder_init(&recorder, &config, memory, 400)); /* 100 rows */
     iqfoc_recorder_arm(&recorder);
 }
 
@@ -90,36 +90,36 @@ static void test_refuses_by_name(void)
     iqfoc_recorder_t untouched;
     memset(&untouched, 0x5A, sizeof untouched);
     recorder = untouched;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_NULL, iqfoc_recorder_init(&recorder, &config, NULL, 400));
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_MEMORY, iqfoc_recorder_init(&recorder, &config, memory, 7));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_NULL, iqfoc_recorder_init(&recorder, &config, NULL, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_MEMORY, iqfoc_recorder_init(&recorder, &config, memory, 7));
     config.channel_count = 0;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
     config.channel_count = IQFOC_RECORDER_CHANNELS_MAX + 1;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
     setUp();
     config.channels[2].source = NULL;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
     setUp();
     config.channels[1].mantissa = 0;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
     setUp();
     config.channels[0].shift = 63;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_CHANNELS, iqfoc_recorder_init(&recorder, &config, memory, 400));
     setUp();
     config.decimation = 0;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_PERIOD, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_PERIOD, iqfoc_recorder_init(&recorder, &config, memory, 400));
     setUp();
     config.period_mantissa = 0;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_PERIOD, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_PERIOD, iqfoc_recorder_init(&recorder, &config, memory, 400));
     setUp();
     config.trigger = (iqfoc_recorder_trigger_t)9;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_TRIGGER, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_TRIGGER, iqfoc_recorder_init(&recorder, &config, memory, 400));
     setUp();
     config.pre_share = IQ24_ONE;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_TRIGGER, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_TRIGGER, iqfoc_recorder_init(&recorder, &config, memory, 400));
     setUp();
     config.channel = LINE_CHANNELS;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_ERROR_TRIGGER, iqfoc_recorder_init(&recorder, &config, memory, 400));
+    TEST_ASSERT_EQUAL(IQFOC_ERROR_TRIGGER, iqfoc_recorder_init(&recorder, &config, memory, 400));
     TEST_ASSERT_EQUAL_MEMORY(&untouched, &recorder, sizeof recorder);
 }
 

@@ -38,7 +38,7 @@ static void make_clean(void)
         .period_shift = 43,
     };
     iqfoc_recorder_t recorder;
-    TEST_ASSERT_EQUAL(IQFOC_RECORDER_OK, iqfoc_recorder_init(&recorder, &config, memory, 80));
+    TEST_ASSERT_EQUAL(IQFOC_OK, iqfoc_recorder_init(&recorder, &config, memory, 80));
     iqfoc_recorder_arm(&recorder);
     clean_length = 0;
     for (uint32_t cycle = 0; cycle <= ROWS; cycle++) {

@@ -116,21 +116,22 @@ static void define_corrections(FILE *out, const diagnosis *d)
 static void put_initialisers(FILE *out, bool saturates)
 {
     fprintf(out,
-            "/* iqfoc_extension_t: the corrections of samples, duties and acting voltage. */\n"
+            "/* iqfoc_extension_t: the corrections of samples, duties and acting voltage, in the order of "
+            "its members. */\n"
             "#define IQFOC_DIAGNOSED_EXTENSION \\\n"
-            "    {.i_offset = {IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_A_A, IQFOC_DIAGNOSED_I_BASE_A), \\\n"
-            "                  IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_B_A, IQFOC_DIAGNOSED_I_BASE_A), \\\n"
-            "                  IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_C_A, IQFOC_DIAGNOSED_I_BASE_A)}, \\\n"
-            "     .i_gain_inverse = {IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_A), \\\n"
-            "                        IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_B), \\\n"
-            "                        IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_C)}, \\\n"
-            "     .theta_0 = IQFOC_EXT_ANGLE(IQFOC_DIAGNOSED_THETA_0_RAD), \\\n"
-            "     .theta_delay = IQFOC_EXT_DELAY(IQFOC_DIAGNOSED_T_DELAY_S, IQFOC_DIAGNOSED_T_S), \\\n"
-            "     .k_u = IQFOC_EXT_K_U(IQFOC_DIAGNOSED_K_U), \\\n"
-            "     .v_dead = IQFOC_EXT_VOLTAGE(IQFOC_DIAGNOSED_V_DEAD_V, IQFOC_DIAGNOSED_U_DC_V), \\\n"
-            "     .knee_inverse = IQFOC_EXT_KNEE_INVERSE(IQFOC_DIAGNOSED_I_KNEE_A, "
+            "    {{IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_A_A, IQFOC_DIAGNOSED_I_BASE_A), \\\n"
+            "      IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_B_A, IQFOC_DIAGNOSED_I_BASE_A), \\\n"
+            "      IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_C_A, IQFOC_DIAGNOSED_I_BASE_A)}, \\\n"
+            "     {IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_A), \\\n"
+            "      IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_B), \\\n"
+            "      IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_C)}, \\\n"
+            "     IQFOC_EXT_ANGLE(IQFOC_DIAGNOSED_THETA_0_RAD), \\\n"
+            "     IQFOC_EXT_DELAY(IQFOC_DIAGNOSED_T_DELAY_S, IQFOC_DIAGNOSED_T_S), \\\n"
+            "     IQFOC_EXT_K_U(IQFOC_DIAGNOSED_K_U), \\\n"
+            "     IQFOC_EXT_VOLTAGE(IQFOC_DIAGNOSED_V_DEAD_V, IQFOC_DIAGNOSED_U_DC_V), \\\n"
+            "     IQFOC_EXT_KNEE_INVERSE(IQFOC_DIAGNOSED_I_KNEE_A, "
             "IQFOC_DIAGNOSED_I_BASE_A), \\\n"
-            "     .saturation = %s}\n\n",
+            "     %s}\n\n",
             saturates ? "IQFOC_EXT_SATURATION(IQFOC_DIAGNOSED_I_SAT_A, IQFOC_DIAGNOSED_I_BASE_A)" : "0");
     fputs(
         "/* iqfoc_predictor_t, for a machine with L_d = L_q: their mean stands for both. */\n"

@@ -1,4 +1,5 @@
-# Compiler settings that hold for every target: language levels, warnings as errors, sanitizers, coverage, ccache.
+# Compiler settings that hold for every target of the house: language levels, warnings as errors, sanitizers, coverage, ccache.
+# Never read by a parent project or under a foreign toolchain file.
 
 set(CMAKE_C_STANDARD 11)
 set(CMAKE_C_STANDARD_REQUIRED ON)

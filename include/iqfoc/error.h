@@ -1,0 +1,34 @@
+/*
+ * What a set-up function says: one enumeration for the whole library, so that a firmware has one type to store and
+ * every number has one meaning. 0, or negative: refused, the object untouched.
+ */
+#ifndef IQFOC_ERROR_H
+#define IQFOC_ERROR_H
+
+typedef enum iqfoc_error {
+    IQFOC_OK = 0,
+    IQFOC_ERROR_NULL = -1, /* a pointer that must not be */
+    /* iqfoc_cycle_init */
+    IQFOC_ERROR_PREDICTOR = -2,     /* a coefficient outside the range stated in predictor.h */
+    IQFOC_ERROR_GAINS = -3,         /* a gain outside the range stated in current_control.h */
+    IQFOC_ERROR_SPAN = -4,          /* span_max not in (0, 1] */
+    IQFOC_ERROR_CURRENT_LIMIT = -5, /* not in (0, 16] */
+    IQFOC_ERROR_CHOICE = -6,        /* feedback, modulation or safe_state is none of its enumeration */
+    /* iqfoc_extension_check: a value outside the range stated in extension.h */
+    IQFOC_ERROR_CURRENT_SENSOR = -10, /* i_offset or i_gain_inverse */
+    IQFOC_ERROR_ANGLE = -11,          /* theta_0 or theta_delay */
+    IQFOC_ERROR_VOLTAGE = -12,        /* k_u, v_dead or knee_inverse */
+    IQFOC_ERROR_SATURATION = -13,
+    /* iqfoc_flux_predictor_check: a value outside the range stated in flux_predictor.h */
+    IQFOC_ERROR_INDUCTANCE_D = -20, /* l_d or k_d, or k_d is not 1/l_d */
+    IQFOC_ERROR_INDUCTANCE_Q = -21, /* the same for q */
+    IQFOC_ERROR_RESISTANCE = -22,
+    IQFOC_ERROR_FLUX = -23, /* psi */
+    /* iqfoc_recorder_init */
+    IQFOC_ERROR_CHANNELS = -30, /* their number, a source, a mantissa of 0 or a shift above 62 */
+    IQFOC_ERROR_MEMORY = -31,   /* room for less than two rows */
+    IQFOC_ERROR_PERIOD = -32,   /* period or decimation */
+    IQFOC_ERROR_TRIGGER = -33   /* no such trigger or channel, or a share outside [0, 1) */
+} iqfoc_error_t;
+
+#endif

@@ -1,0 +1,60 @@
+/*
+ * IQ24's hooks for Arm cores that multiply 32 by 32 bits to 64: Cortex-M3, M4, M7, M33 and up, Cortex-R, and Cortex-A
+ * in its 32-bit state. gcc, clang and Arm's compiler; chosen by target/choose.h.
+ *
+ * Same results, fewer instructions: the core's multiply, multiply-accumulate and saturation by name. A compiler left to
+ * itself keeps some 32-bit factors in 64 bits and multiplies by them with four instructions, and compares where the
+ * core can saturate (docs/bench.md).
+ *
+ * The instructions take the two halves of a sum as registers of their own. As one 64-bit operand they would have to be
+ * neighbours, which costs a move for every second product (gcc 12.2).
+ *
+ * They are volatile although they only compute: that keeps them in the order in which they are written. Free to reorder
+ * them, the compiler loads all operands ahead and then has no register left to hold them: current control took 116
+ * instructions instead of 103.
+ */
+#ifndef IQFOC_TARGET_ARM_SMULL_H
+#define IQFOC_TARGET_ARM_SMULL_H
+
+#include "detect.h"
+
+#if !IQFOC_TARGET_HAS_ARM_SMULL
+#error                                                                                                       \
+    "iqfoc/target/arm_smull.h is for Arm cores with SMULL, SMLAL and SSAT (Cortex-M3 and up); this compiler targets another core: leave IQFOC_TARGET_HEADER undefined, or give the compiler the right -mcpu"
+#endif
+
+#include <stdint.h>
+
+static inline int64_t iqfoc_arm_join(uint32_t low, uint32_t high)
+{
+    return (int64_t)((uint64_t)high << 32 | low);
+}
+
+static inline int64_t iqfoc_arm_mul64(int32_t a, int32_t b)
+{
+    uint32_t low;
+    uint32_t high;
+    __asm volatile("smull %0, %1, %2, %3" : "=r"(low), "=r"(high) : "r"(a), "r"(b));
+    return iqfoc_arm_join(low, high);
+}
+
+static inline int64_t iqfoc_arm_mac64(int64_t sum, int32_t a, int32_t b)
+{
+    uint32_t low = (uint32_t)sum;
+    uint32_t high = (uint32_t)((uint64_t)sum >> 32);
+    __asm volatile("smlal %0, %1, %2, %3" : "+r"(low), "+r"(high) : "r"(a), "r"(b));
+    return iqfoc_arm_join(low, high);
+}
+
+#define IQ24_MUL64(a, b)      iqfoc_arm_mul64(a, b)
+#define IQ24_MAC64(sum, a, b) iqfoc_arm_mac64(sum, a, b)
+
+/* A macro throughout: the instruction wants the number of bits as a constant. */
+#define IQ24_HOLD_BITS(x, bits)                                                                              \
+    __extension__({                                                                                          \
+        int32_t held_;                                                                                       \
+        __asm volatile("ssat %0, %1, %2" : "=r"(held_) : "I"(bits), "r"(x));                                 \
+        held_;                                                                                               \
+    })
+
+#endif
