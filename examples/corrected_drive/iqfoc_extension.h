@@ -35,23 +35,23 @@
 
 /* ---- Voltage: applied = k_u * recorded, less v_dead * sat(i / i_knee) of each leg; L = L_0 / (1 + (i/I_sat)^2) ---- */
 #define IQFOC_DIAGNOSED_K_U 1.0 /* 1; none seen */
-#define IQFOC_DIAGNOSED_V_DEAD_V 3.391186423791799 /* V; diagnosed, 95 %: 3.33658 to 3.44579; the file says 0 */
-#define IQFOC_DIAGNOSED_I_KNEE_A 0.5977437942503404 /* A; diagnosed, 95 %: 0.407091 to 0.877685; the file says 0 */
+#define IQFOC_DIAGNOSED_V_DEAD_V 3.3911527204961835 /* V; diagnosed, 95 %: 3.35555 to 3.42675; the file says 0 */
+#define IQFOC_DIAGNOSED_I_KNEE_A 0.5977437942503404 /* A; diagnosed, 95 %: 0.40708 to 0.877709; the file says 0 */
 
-/* iqfoc_extension_t: the corrections of samples, duties and acting voltage. */
+/* iqfoc_extension_t: the corrections of samples, duties and acting voltage, in the order of its members. */
 #define IQFOC_DIAGNOSED_EXTENSION \
-    {.i_offset = {IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_A_A, IQFOC_DIAGNOSED_I_BASE_A), \
-                  IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_B_A, IQFOC_DIAGNOSED_I_BASE_A), \
-                  IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_C_A, IQFOC_DIAGNOSED_I_BASE_A)}, \
-     .i_gain_inverse = {IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_A), \
-                        IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_B), \
-                        IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_C)}, \
-     .theta_0 = IQFOC_EXT_ANGLE(IQFOC_DIAGNOSED_THETA_0_RAD), \
-     .theta_delay = IQFOC_EXT_DELAY(IQFOC_DIAGNOSED_T_DELAY_S, IQFOC_DIAGNOSED_T_S), \
-     .k_u = IQFOC_EXT_K_U(IQFOC_DIAGNOSED_K_U), \
-     .v_dead = IQFOC_EXT_VOLTAGE(IQFOC_DIAGNOSED_V_DEAD_V, IQFOC_DIAGNOSED_U_DC_V), \
-     .knee_inverse = IQFOC_EXT_KNEE_INVERSE(IQFOC_DIAGNOSED_I_KNEE_A, IQFOC_DIAGNOSED_I_BASE_A), \
-     .saturation = 0}
+    {{IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_A_A, IQFOC_DIAGNOSED_I_BASE_A), \
+      IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_B_A, IQFOC_DIAGNOSED_I_BASE_A), \
+      IQFOC_EXT_OFFSET(IQFOC_DIAGNOSED_O_C_A, IQFOC_DIAGNOSED_I_BASE_A)}, \
+     {IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_A), \
+      IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_B), \
+      IQFOC_EXT_GAIN_INVERSE(IQFOC_DIAGNOSED_G_C)}, \
+     IQFOC_EXT_ANGLE(IQFOC_DIAGNOSED_THETA_0_RAD), \
+     IQFOC_EXT_DELAY(IQFOC_DIAGNOSED_T_DELAY_S, IQFOC_DIAGNOSED_T_S), \
+     IQFOC_EXT_K_U(IQFOC_DIAGNOSED_K_U), \
+     IQFOC_EXT_VOLTAGE(IQFOC_DIAGNOSED_V_DEAD_V, IQFOC_DIAGNOSED_U_DC_V), \
+     IQFOC_EXT_KNEE_INVERSE(IQFOC_DIAGNOSED_I_KNEE_A, IQFOC_DIAGNOSED_I_BASE_A), \
+     0}
 
 /* iqfoc_predictor_t, for a machine with L_d = L_q: their mean stands for both. */
 #define IQFOC_DIAGNOSED_PREDICTOR \

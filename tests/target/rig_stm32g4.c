@@ -13,7 +13,8 @@
 
 static const hal_stm32g4_board_t board = {
     .half_ticks = HALF,
-    .i_offset = 2048,
+    .i_offset_a = 2031,
+    .i_offset_b = 2069,
     .i_per_count = IQ24(2.0 / 2048),
     .u_dc_per_count = IQ24(2.0 / 4096),
     .counts_per_turn = 4096,
@@ -36,8 +37,8 @@ static uint32_t converted(double value, double full_scale, double offset)
 static void sample(void)
 {
     if ((fake_bank.adc1.JSQR & 0x1FC) == (8u << 2 | 1u << 7) && fake_bank.tim1.CR2 == TIM_CR2_MMS2_OC4_OC6) {
-        fake_bank.adc1.JDR[0] = converted(current[0], 2.0, 2048.0);
-        fake_bank.adc2.JDR[0] = converted(current[1], 2.0, 2048.0);
+        fake_bank.adc1.JDR[0] = converted(current[0], 2.0, 2031.0);
+        fake_bank.adc2.JDR[0] = converted(current[1], 2.0, 2069.0);
         fake_bank.adc1.JDR[1] = converted(dc_link, 1.0, 0.0);
     }
 }

@@ -13,6 +13,7 @@ import sys
 # 8 ns an instruction: 125 million a second, so that a carrier half period of 100 us holds 12,500.
 EMULATORS = {
     "cortex-m4": ["qemu-system-arm", "-M", "mps2-an386", "-semihosting-config", "enable=on,target=native"],
+    "cortex-m0plus": ["qemu-system-arm", "-M", "mps2-an386", "-semihosting-config", "enable=on,target=native"],
     "rv32": ["qemu-system-riscv32", "-M", "virt", "-bios", "none"],
 }
 COMMON = ["-icount", "shift=3", "-display", "none", "-monitor", "none", "-serial", "stdio", "-kernel"]
@@ -46,7 +47,7 @@ def main():
                 + [options.build / target / "examples" / "first_drive.elf"]}
     for build in HOST_BUILDS:
         commands[f"x86-64 {build} same_bits"] = [str(options.build / "same_bits" / build)]
-    if len(commands) < 2 * 14 + len(HOST_BUILDS):
+    if len(commands) < 2 * 14 + 6 + len(HOST_BUILDS):
         sys.exit(f"only {len(commands)} images were built: {', '.join(commands)}")
 
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the test images of both emulated targets and the same program with the host's compilers, runs all of them and
+# Builds the test images of all emulated targets and the same program with the host's compilers, runs all of them and
 # compares: tests/target/run.py. Needs UNITY_DIR (./dev test sets it). IQFOC_BUILD names another folder than build/.
 set -euo pipefail
 
@@ -10,7 +10,7 @@ JOBS=${IQFOC_JOBS:-$(nproc)}
 cd "$ROOT"
 mkdir -p "$BUILD/same_bits"
 
-for target in cortex-m4 rv32; do
+for target in cortex-m4 cortex-m0plus rv32; do
     {
         cmake -G Ninja -S . -B "$BUILD/$target" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DUNITY_DIR="$UNITY_DIR" \
             -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/toolchain-$target.cmake" &&

@@ -16,7 +16,8 @@
 
 static const hal_stm32g4_board_t board = {
     .half_ticks = HALF,
-    .i_offset = 2048,
+    .i_offset_a = 2040,
+    .i_offset_b = 2061,
     .i_per_count = IQ24(2.0 / 2048),
     .u_dc_per_count = IQ24(2.0 / 4096),
     .counts_per_turn = 4096,
@@ -266,8 +267,8 @@ static void test_scaling_signs_and_clipping(void)
 {
     iqfoc_sample_t sample;
     instant(0, false, 0, 0);
-    fake_bank.adc1.JDR[0] = 2048 + 1024;
-    fake_bank.adc2.JDR[0] = 2048 - 512;
+    fake_bank.adc1.JDR[0] = 2040 + 1024;
+    fake_bank.adc2.JDR[0] = 2061 - 512;
     fake_bank.adc1.JDR[1] = 2048;
     iqfoc_hal_read_valley(&hal, &sample);
     TEST_ASSERT_EQUAL_INT32(IQ24(1.0), sample.i.a);
