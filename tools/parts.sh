@@ -19,7 +19,7 @@ show_progress() {
     printf '\r\033[K'
 }
 
-# Runs the function $2... as the part named $1. A part that runs ctest counts that many tests, any other counts as one.
+# Runs the function $2... as the part named $1. A part that ends as ctest does counts that many tests, any other counts as one.
 run_part() {
     local name=$1 log=build/logs/$1.log start=$SECONDS status=0 total=1 failed=0 count
     shift
@@ -157,6 +157,7 @@ test_everything() {
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
     run_part examples python3 tools/check_examples.py
     run_part figures python3 tools/figures.py check
+    run_part consume tests/consume/run.py
     run_part target tests/target/run.sh
     run_part bench bench/run.sh --check
     run_part blind tests/blind/run.py --ci --jobs "$JOBS"

@@ -5,10 +5,10 @@
 BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-dev liblapacke-dev libfftw3-dev
     libjansson-dev libcsv-dev zlib1g-dev gnuplot-nox)
 # What `test`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the targets' compilers and
-# emulators, the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
+# emulators (and those of targets that only compile the library), the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
 TEST_PACKAGES=(git python3 python3-numpy python3-scipy xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
-    picolibc-riscv64-unknown-elf qemu-system-misc)
+    picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make)
 
 # The packages among the arguments that are not installed, one a line.
 missing_packages() {

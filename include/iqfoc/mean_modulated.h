@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 /* At a speed; IQ24. */
-typedef struct iqfoc_mean_modulated {
+typedef struct {
     iq24_t half_s1; /* s1/2 */
     iq24_t s2;
     iq24_t bow;    /* rho s2/phi: 0 ... 0.084 */

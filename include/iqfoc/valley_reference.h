@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 /* Made where the speed changes. */
-typedef struct iqfoc_valley_reference {
+typedef struct {
     iq24_t gain;      /* 1/s1^2: 1 ... 1.4625 */
     iq24_t magnet_pu; /* k_psi (1/s1^2 - 1): 0 ... 3.7 */
 } iqfoc_valley_reference_t;

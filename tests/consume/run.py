@@ -1,0 +1,383 @@
+#!/usr/bin/env python3
+"""
+Uses the library as others do: from projects that know nothing of this tree but include/, src/ and what is installed.
+
+Each check below is one test; the last line counts them in ctest's words. Called by `./dev test`.
+"""
+import argparse
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+INCLUDE = ROOT / "include"
+SOURCES = sorted((ROOT / "src").glob("*.c"))
+PROGRAM = HERE / "every_header.c"
+BOARD = HERE / "board"
+QEMU_ARM = ["qemu-system-arm", "-M", "mps2-an386", "-semihosting-config", "enable=on,target=native", "-display", "none",
+            "-monitor", "none", "-serial", "stdio"]
+QEMU_RV32 = ["qemu-system-riscv32", "-M", "virt", "-bios", "none", "-display", "none", "-monitor", "none", "-serial", "stdio"]
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wundef", "-Werror"]
+BARE = ["-ffreestanding", "-ffunction-sections", "-fdata-sections", "-O2"]
+TIME_LIMIT_S = 120
+
+# The interrupt pair on Cortex-M0+, instructions: with the four-product multiply, and with the compiler's own.
+M0PLUS_PAIR = 2769
+M0PLUS_PAIR_BEFORE = 4514
+
+
+class Failed(Exception):
+    """What a check says when it fails."""
+
+
+def run(command, status=0, **more):
+    """The output of a command that must end with this status (None: with any but 0)."""
+    done = subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, errors="replace", timeout=TIME_LIMIT_S, check=False, **more)
+    good = done.returncode != 0 if status is None else done.returncode == status
+    if not good:
+        raise Failed(f"{' '.join(map(str, command))}\nended with {done.returncode}:\n{done.stdout[-3000:]}")
+    return done.stdout
+
+
+def expect(good, what):
+    if not good:
+        raise Failed(what)
+
+
+def cmake(source, build, *options, env=None):
+    run(["cmake", "-G", "Ninja", "-S", source, "-B", build, "-DCMAKE_BUILD_TYPE=Release", *options], env=env)
+    run(["cmake", "--build", build])
+
+
+def parent(folder, *options, env=None):
+    cmake(HERE / "parent", folder / "parent", f"-DIQFOC_SOURCE={ROOT}", *options, env=env)
+    return folder / "parent" / "consumer"
+
+
+def installed(folder, *options):
+    """The library alone, built and installed, then moved elsewhere: nothing in it may point to where it was."""
+    cmake(ROOT, folder / "build", "-DIQFOC_LIBRARY_ONLY=ON", "-DCMAKE_INSTALL_LIBDIR=lib", *options)
+    run(["cmake", "--install", folder / "build", "--prefix", folder / "first"])
+    shutil.rmtree(folder / "build")
+    (folder / "first").rename(folder / "prefix")
+    return folder / "prefix"
+
+
+def targets_of(build):
+    """The names of a build's own targets."""
+    ignored = {"all", "clean", "help", "edit_cache", "rebuild_cache", "list_install_components", "install", "install/local",
+               "install/strip", "build.ninja", "iqfoc", "libiqfoc.a", "libiqfoc.so"}
+    names = {line.split(":")[0] for line in run(["ninja", "-C", build, "-t", "targets", "all"]).split("\n") if ": phony" in line}
+    return {n for n in names if "/" not in n and n not in ignored and not n.startswith("/")}
+
+
+# ---- CMake ----
+
+def add_subdirectory_on_the_host(folder):
+    run([parent(folder)])
+
+
+def add_subdirectory_shared(folder):
+    run([parent(folder, "-DBUILD_SHARED_LIBS=ON", "-DCMAKE_C_VISIBILITY_PRESET=hidden")])
+    expect(list((folder / "parent").rglob("libiqfoc.so*")), "no shared library was built")
+
+
+def fetch_content(folder):
+    run([parent(folder, "-DIQFOC_FROM=fetch")])
+
+
+def add_subdirectory_with_a_foreign_toolchain_file(folder):
+    image = parent(folder, f"-DCMAKE_TOOLCHAIN_FILE={HERE}/parent/toolchain.cmake")
+    run([*QEMU_ARM, "-kernel", image])
+
+
+def top_level_with_a_foreign_toolchain_file(folder):
+    cmake(ROOT, folder / "build", f"-DCMAKE_TOOLCHAIN_FILE={HERE}/parent/toolchain.cmake")
+    expect((folder / "build/src/libiqfoc.a").exists(), "no library")
+    others = targets_of(folder / "build") & {"unity", "port", "bench", "iqfoc_cli", "iqfoc_pil", "test"}
+    expect(not others, f"more than the library is built: {others}")
+    run(["cmake", "--install", folder / "build", "--prefix", folder / "prefix"])
+    image = parent(folder, f"-DCMAKE_TOOLCHAIN_FILE={HERE}/parent/toolchain.cmake", "-DIQFOC_FROM=package",
+                   f"-Diqfoc_DIR={folder}/prefix/lib/cmake/iqfoc")
+    run([*QEMU_ARM, "-kernel", image])
+
+
+def find_package_static(folder):
+    prefix = installed(folder)
+    run([parent(folder, "-DIQFOC_FROM=package", f"-DCMAKE_PREFIX_PATH={prefix}")])
+
+
+def find_package_shared(folder):
+    prefix = installed(folder, "-DBUILD_SHARED_LIBS=ON")
+    run([parent(folder, "-DIQFOC_FROM=package", f"-DCMAKE_PREFIX_PATH={prefix}")])
+
+
+def find_package_refuses_another_version(folder):
+    prefix = installed(folder)
+    (folder / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.16)\nproject(p C)\n"
+                                           "find_package(iqfoc ${WANTED} CONFIG QUIET)\n"
+                                           "if(NOT iqfoc_FOUND)\n  message(FATAL_ERROR refused)\nendif()\n")
+    version = version_of_the_header()
+    minor = int(version.split(".")[1])
+    common = ["cmake", "-G", "Ninja", "-S", folder, f"-DCMAKE_PREFIX_PATH={prefix}"]
+    run([*common, "-B", folder / "same", f"-DWANTED={version}"])
+    expect("refused" in run([*common, "-B", folder / "next", f"-DWANTED=0.{minor + 1}"], status=None), "no refusal")
+
+
+# ---- pkg-config ----
+
+def version_of_the_header():
+    return re.search(r'IQFOC_VERSION_STRING "(.*)"', (INCLUDE / "iqfoc/version.h").read_text())[1]
+
+
+def pkg_config(folder):
+    prefix = installed(folder)
+    env = {**os.environ, "PKG_CONFIG_PATH": str(prefix / "lib/pkgconfig")}
+    flags = run(["pkg-config", "--cflags", "--libs", "iqfoc"], env=env).split()
+    expect(all("first" not in flag for flag in flags), f"not relocatable: {flags}")
+    version = run(["pkg-config", "--modversion", "iqfoc"], env=env).strip()
+    expect(version == version_of_the_header(), f"version {version}, the header says {version_of_the_header()}")
+    run(["gcc", "-std=c99", *WARNINGS, PROGRAM, *flags, "-o", folder / "consumer"])
+    run([folder / "consumer"])
+
+
+# ---- A plain Makefile ----
+
+def drop_in(folder, cpu, *flags):
+    """Each row of the benchmark, {name: (least, mean, greatest)}, of include/ and src/ in a plain Makefile."""
+    work = folder / cpu
+    work.mkdir()
+    shutil.copytree(INCLUDE, work / "iqfoc/include")
+    shutil.copytree(ROOT / "src", work / "iqfoc/src")
+    shutil.copy(HERE / "dropin/Makefile", work)
+    port = ROOT / "port/cortex-m4"
+    program = [ROOT / "bench" / name for name in ("main.c", "inputs.c", "kernels.c")]
+    harness = [port / "startup.c", port / "console.c", port / "semihost_call.c", ROOT / "port/emulated/semihost.c"]
+    # Both folders have a console.c: the second goes by another name.
+    shutil.copy(ROOT / "port/emulated/console.c", work / "console_emulated.c")
+    harness.append(work / "console_emulated.c")
+    more = f"-I{ROOT}/bench -I{port} -I{ROOT}/port/emulated " + " ".join(flags)
+    run(["make", "-j2", f"CPU={cpu}", f"PROGRAM={' '.join(map(str, program))}", f"HARNESS={' '.join(map(str, harness))}",
+         f"LINK={port}/link.ld", f"MORE_FLAGS={more}"], cwd=work)
+    text = run([*QEMU_ARM, "-icount", "shift=10", "-kernel", work / "firmware.elf"])
+    rows = [line.split() for line in text.replace("\r", "").split("\n")]
+    return {r[0]: (int(r[1]), round(int(r[2]) / 4096, 2), int(r[3])) for r in rows if len(r) == 4}
+
+
+def makefile_drop_in_counts_as_published(folder):
+    counts = drop_in(folder, "cortex-m4")
+    published = {row["function"]: (row["min"], row["mean"], row["max"])
+                 for row in json.loads((ROOT / "bench/baseline.json").read_text())["cortex-m4"]}
+    wrong = {name: (counts.get(name), want) for name, want in published.items() if counts.get(name) != want}
+    expect(not wrong, f"(counted, published): {wrong}")
+
+
+def makefile_drop_in_on_cortex_m0plus(folder):
+    mean = drop_in(folder, "cortex-m0plus")["isr_cycle"][1]
+    shutil.rmtree(folder / "cortex-m0plus")
+    plain = drop_in(folder, "cortex-m0plus", "-DIQFOC_TARGET_HEADER='<stdint.h>'")["isr_cycle"][1]
+    for counted, said in ((mean, M0PLUS_PAIR), (plain, M0PLUS_PAIR_BEFORE)):
+        expect(abs(counted / said - 1.0) < 0.02, f"{counted} instructions, expected {said} within 2 %")
+        expect(f"{said:,}" in (ROOT / "docs/bench.md").read_text(), f"docs/bench.md does not say {said:,}")
+
+
+# ---- Languages and compilers ----
+
+def host_library(folder, compiler="gcc"):
+    objects = []
+    for source in SOURCES:
+        objects.append(folder / (source.stem + ".o"))
+        run([compiler, "-std=c99", "-O2", f"-I{INCLUDE}", "-c", source, "-o", objects[-1]])
+    return objects
+
+
+def in_c_plus_plus(folder):
+    objects = host_library(folder)
+    for compiler in ("g++", "clang++"):
+        for standard in ("c++17", "c++20"):
+            common = [compiler, f"-std={standard}", *WARNINGS, f"-I{INCLUDE}"]
+            run([*common, "-x", "c++", PROGRAM, "-x", "none", *objects, "-o", folder / "consumer"])
+            run([folder / "consumer"])
+
+
+def diagnosed_header_in_c_and_c_plus_plus(folder):
+    objects = host_library(folder)
+    example = ROOT / "examples/corrected_drive"
+    for language in (["gcc", "-std=c99"], ["g++", "-std=c++17"], ["clang++", "-std=c++20"]):
+        kind = "c" if language[0] == "gcc" else "c++"
+        run([*language, *WARNINGS, "-DIQFOC_DIAGNOSED", f"-I{INCLUDE}", f"-I{example}", "-x", kind, PROGRAM, "-x", "none", *objects,
+             "-o", folder / "consumer"])
+        run([folder / "consumer"])
+
+
+def each_header_alone(folder):
+    """No header relies on what was included before it, in either language."""
+    for header in sorted((INCLUDE / "iqfoc").glob("*.h")):
+        file = folder / "one.c"
+        file.write_text(f'#include "iqfoc/{header.name}"\n#include "iqfoc/{header.name}"\nextern int none;\n')
+        for language in (["gcc", "-std=c99"], ["g++", "-std=c++17", "-x", "c++"], ["clang++", "-std=c++20", "-x", "c++"]):
+            run([*language, *WARNINGS, f"-I{INCLUDE}", "-fsyntax-only", file])
+        expect(header.name in (INCLUDE / "iqfoc/iqfoc.h").read_text() or header.name == "iqfoc.h", f"iqfoc.h lacks {header.name}")
+
+
+def compile_bare(folder, compiler, flags, start):
+    objects = []
+    for source in [*SOURCES, PROGRAM, *start]:
+        objects.append(folder / (source.stem + ".o"))
+        warnings = [] if source in start else WARNINGS
+        standard = [] if source.suffix == ".S" else ["-std=c99"]
+        run([compiler, *flags, *BARE, *standard, *warnings, f"-I{INCLUDE}", "-c", source, "-o", objects[-1]])
+    return objects
+
+
+def runtime(compiler, *flags):
+    return run([compiler, *flags, "-print-libgcc-file-name"]).strip()
+
+
+def clang_for_arm(folder):
+    for triple, cpu in (("thumbv7em-none-eabi", "cortex-m4"), ("thumbv6m-none-eabi", "cortex-m0plus"),
+                        ("thumbv7m-none-eabi", "cortex-m3")):
+        flags = [f"--target={triple}", f"-mcpu={cpu}", "-mfloat-abi=soft"]
+        objects = compile_bare(folder, "clang", flags, [BOARD / "startup_arm.c"])
+        library = runtime("arm-none-eabi-gcc", f"-mcpu={cpu}", "-mthumb", "-mfloat-abi=soft")
+        run(["ld.lld", "--gc-sections", "-T", BOARD / "arm.ld", *objects, library, "-o", folder / "image"])
+        run([*QEMU_ARM, "-kernel", folder / "image"])
+
+
+def gcc_for_other_arm_cores(folder):
+    """Cores up to M55 link; those that the board's Cortex-M4 can stand for also run."""
+    for cpu, runs in (("cortex-m0", True), ("cortex-m3", True), ("cortex-m4", True), ("cortex-m23", False), ("cortex-m33", False),
+                      ("cortex-m7", True), ("cortex-m55", False), ("cortex-r5", False)):
+        flags = [f"-mcpu={cpu}", "-mthumb", "-mfloat-abi=soft"]
+        objects = compile_bare(folder, "arm-none-eabi-gcc", flags, [BOARD / "startup_arm.c"])
+        run(["arm-none-eabi-gcc", *flags, "-nostdlib", "-Wl,--gc-sections", f"-T{BOARD}/arm.ld", *objects, "-lgcc", "-o",
+             folder / "image"])
+        multiply = "smull" if cpu not in ("cortex-m0", "cortex-m23") else "iqfoc_arm_mul64"
+        expect(multiply in run(["arm-none-eabi-objdump", "-d", folder / "image"]), f"{cpu}: no {multiply}")
+        if runs:
+            run([*QEMU_ARM, "-kernel", folder / "image"])
+
+
+def riscv(folder):
+    for compiler, flags in (("riscv64-unknown-elf-gcc", ["-march=rv32im", "-mabi=ilp32"]),
+                            ("riscv64-unknown-elf-gcc", ["-march=rv32i", "-mabi=ilp32"]),
+                            ("clang", ["--target=riscv32-unknown-elf", "-march=rv32im", "-mabi=ilp32"])):
+        flags.append("-mcmodel=medany")
+        objects = compile_bare(folder, compiler, flags, [BOARD / "startup_rv32.S"])
+        library = runtime("riscv64-unknown-elf-gcc", *[f for f in flags if "target" not in f])
+        run(["riscv64-unknown-elf-ld", "-melf32lriscv", "--gc-sections", "-T", BOARD / "rv32.ld", *objects, library, "-o",
+             folder / "image"])
+        run([*QEMU_RV32, "-kernel", folder / "image"])
+
+
+def xtensa(folder):
+    """Compiled and joined to one object; Debian's run-time library for it lacks the 64-bit product."""
+    compiler = "xtensa-lx106-elf-gcc"
+    objects = compile_bare(folder, compiler, ["-mlongcalls"], [])
+    run([compiler, "-nostdlib", "-r", *objects, "-o", folder / "image"])
+
+
+def avr_by_clang(folder):
+    """An int of 16 bits; with a 64-bit double, which Debian's older avr-gcc has not. Its linker and libraries serve."""
+    flags = ["--target=avr", "-mmcu=atmega2560", "-mdouble=64", "-Wno-main-return-type"]
+    objects = compile_bare(folder, "clang", flags, [])
+    run(["avr-gcc", "-mmcu=atmega2560", "-Wl,--gc-sections", *objects, "-o", folder / "image"])
+
+
+def msp430_by_clang(folder):
+    """Compiled; Debian has no run-time library to link it with."""
+    compile_bare(folder, "clang", ["--target=msp430"], [])
+
+
+# ---- Refusals ----
+
+def refusal(folder, command, *words):
+    """A compiler must refuse a program of one include, and say these words, before any assembler does."""
+    file = folder / "refused.c"
+    file.write_text('#include "iqfoc/iqfoc.h"\niq24_t x = IQ24(0.1);\n')
+    kind = ["-x", "c++"] if "++" in command[0] else []
+    text = run([*command, f"-I{INCLUDE}", *kind, "-c", file, "-o", folder / "refused.o"], status=None)
+    for word in words:
+        expect(word in text, f"{' '.join(command)}: '{word}' is not in:\n{text[:1500]}")
+    expect("Assembler messages" not in text, f"{' '.join(command)}: an assembler message:\n{text[:1500]}")
+
+
+def refuses_constants_of_single_precision(folder):
+    words = ("error", "fsingle", "precision")
+    for command in (["gcc", "-std=c99"], ["gcc", "-std=c11"], ["g++", "-std=c++17"], ["arm-none-eabi-gcc", "-std=c99"]):
+        refusal(folder, [*command, "-fsingle-precision-constant"], *words)
+        run([*command, f"-I{INCLUDE}", *(["-x", "c++"] if "++" in command[0] else []), "-c", folder / "refused.c", "-o",
+             folder / "good.o"])
+
+
+def refuses_a_double_of_32_bits(folder):
+    refusal(folder, ["avr-gcc", "-std=gnu99", "-mmcu=atmega2560"], "#error", "double has less than 53 bits")
+    refusal(folder, ["clang", "--target=avr", "-mmcu=atmega2560", "-ffreestanding"], "double has less than 53 bits")
+
+
+def refuses_a_wrong_target_header(folder):
+    def forced(name):
+        return f'-DIQFOC_TARGET_HEADER="iqfoc/target/{name}"'
+
+    m0plus = ["arm-none-eabi-gcc", "-mcpu=cortex-m0plus", "-mthumb"]
+    m4 = ["arm-none-eabi-gcc", "-mcpu=cortex-m4", "-mthumb"]
+    refusal(folder, ["gcc", forced("arm_smull.h")], "#error", "SMULL")
+    refusal(folder, ["g++", forced("arm_smull.h")], "#error", "SMULL")
+    refusal(folder, ["clang", forced("arm_smull.h")], "SMULL")
+    refusal(folder, [*m0plus, forced("arm_smull.h")], "#error", "SMULL")
+    refusal(folder, ["gcc", forced("arm_muls.h")], "#error", "Cortex-M0")
+    refusal(folder, [*m4, forced("arm_muls.h")], "#error", "Cortex-M0")
+    refusal(folder, ["gcc", forced("rv32_mulh.h")], "#error", "RV32")
+    refusal(folder, ["riscv64-unknown-elf-gcc", "-march=rv32i", "-mabi=ilp32", "-ffreestanding", forced("rv32_mulh.h")], "#error",
+            "RV32")
+    refusal(folder, ["gcc", forced("c28x.h")], "#error", "C28x")
+
+
+def refuses_a_value_out_of_its_range(folder):
+    for language, value in ((["gcc", "-std=c99"], 0), (["clang", "-std=c99"], 0), (["g++", "-std=c++17", "-x", "c++"], 0),
+                            (["clang++", "-std=c++20", "-x", "c++"], 0)):
+        file = folder / "range.c"
+        for resistance, status in (("0.75", value), ("750.0", None)):
+            file.write_text('#include "iqfoc/iqfoc.h"\nextern const iqfoc_predictor_t p;\n'
+                            f"const iqfoc_predictor_t p = IQFOC_PREDICTOR({resistance}, 5.2e-3, 0.134, 2e-4, 14.8, 750.0);\n")
+            run([*language, f"-I{INCLUDE}", "-Werror", "-c", file, "-o", folder / "range.o"], status=status)
+
+
+CHECKS = [
+    add_subdirectory_on_the_host, add_subdirectory_shared, fetch_content, add_subdirectory_with_a_foreign_toolchain_file,
+    top_level_with_a_foreign_toolchain_file, find_package_static, find_package_shared, find_package_refuses_another_version,
+    pkg_config, makefile_drop_in_counts_as_published, makefile_drop_in_on_cortex_m0plus, in_c_plus_plus,
+    diagnosed_header_in_c_and_c_plus_plus, each_header_alone, clang_for_arm, gcc_for_other_arm_cores, riscv, xtensa, avr_by_clang,
+    msp430_by_clang, refuses_constants_of_single_precision, refuses_a_double_of_32_bits, refuses_a_wrong_target_header,
+    refuses_a_value_out_of_its_range,
+]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.strip().split("\n")[0])
+    parser.add_argument("--only", default="", help="a part of the names of the checks to run")
+    options = parser.parse_args()
+    failed = 0
+    chosen = [check for check in CHECKS if options.only in check.__name__]
+    for check in chosen:
+        name = check.__name__.replace("_", " ")
+        with tempfile.TemporaryDirectory(prefix="iqfoc-consume-") as folder:
+            try:
+                check(pathlib.Path(folder))
+                print(f"ok    {name}", flush=True)
+            except (Failed, subprocess.TimeoutExpired) as reason:
+                failed += 1
+                print(f"FAIL  {name}\n      " + str(reason).replace("\n", "\n      "), flush=True)
+    print(f"{100 * (len(chosen) - failed) // max(len(chosen), 1)}% tests passed, {failed} tests failed out of {len(chosen)}")
+    return 1 if failed or not chosen else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
