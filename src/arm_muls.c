@@ -1,5 +1,6 @@
 /*
- * The exact 64-bit product on cores that multiply to 32 bits (include/iqfoc/target/arm_muls.h). Nothing elsewhere.
+ * The exact 64-bit product on cores that multiply to 32 bits (include/iqfoc/target/arm_muls.h); elsewhere
+ * this file holds nothing.
  */
 #include "iqfoc/target/detect.h"
 
@@ -15,9 +16,10 @@
  *     t'   = ah bl + (t mod 2^16)
  *     high = ah bh + (t >> 16) + (t' >> 16),     low = a b mod 2^32
  *
- * Range: |al bh| <= 65535 2^15 = 2^31 - 2^15, and what is added to it and to ah bl is below 2^16 and not negative:
- * t >= -2^31 + 2^15, and t <= 65535 (2^15 - 1) + 65534 < 2^31, as bh <= 2^15 - 1 where it is positive. The same bounds
- * t'. high is that of the true product, within 2^30. tests/target runs iq24's tests through it.
+ * Range: |al bh| <= 65535 2^15 = 2^31 - 2^15, and what is added to it and to ah bl is below 2^16 and not
+ * negative: t >= -2^31 + 2^15, and t <= 65535 (2^15 - 1) + 65534 < 2^31, as bh <= 2^15 - 1 where it is
+ * positive. The same bounds t'. high is that of the true product, within 2^30. tests/target runs iq24's
+ * tests through it.
  */
 __attribute__((naked)) int64_t iqfoc_arm_mul64(__attribute__((unused)) int32_t a,
                                                __attribute__((unused)) int32_t b)

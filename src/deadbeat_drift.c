@@ -27,8 +27,10 @@ static void learn(iqfoc_deadbeat_drift_t *drift, iq24_t gain, iqfoc_ab_t i, iq24
     drift->drift.q = learnt(drift->drift.q, gain, seen.q);
 }
 
-/* As iqfoc_deadbeat_step. The drift of the second cycle is taken off the target ahead: a i + k_u u + m must
- * reach what is left. */
+/*
+ * As iqfoc_deadbeat_step. The drift of the second cycle is taken off the target ahead: a i + k_u u + m
+ * must reach what is left.
+ */
 iqfoc_ab_t iqfoc_deadbeat_drift_step(iqfoc_deadbeat_drift_t *drift, const iqfoc_deadbeat_t *deadbeat,
                                      iq24_t gain, iqfoc_ab_t i, iqfoc_ab_t u_now, iqfoc_dq_t i_ref,
                                      iq24_t theta, iq24_t turns)

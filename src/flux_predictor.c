@@ -8,8 +8,10 @@
 
 #include <stddef.h>
 
-/* Beyond it a predicted current is held: far outside what any sensor measures, well inside what the
- * transforms take. */
+/*
+ * Beyond it a predicted current is held: far outside what any sensor measures, well inside what
+ * the transforms take.
+ */
 #define CURRENT_MAX IQ24(32.0)
 
 static bool reciprocal(iq24_t l, iq24_t k)
@@ -35,8 +37,10 @@ iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *p)
     return iq24_within(p->psi, 0, IQ24(16.0)) ? IQFOC_OK : IQFOC_ERROR_FLUX;
 }
 
-/* s |i|^2. Range: |component| <= 32, so the square is at most 2048 in the accumulator; both roundings
- * saturate. */
+/*
+ * s |i|^2. Range: |component| <= 32, so the square is at most 2048 in the accumulator; both
+ * roundings saturate.
+ */
 static iq24_t saturation_of(iq24_t s, iqfoc_dq_t i)
 {
     return iq24_mul_sat(s, iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(i.d, i.d), i.q, i.q)));

@@ -5,8 +5,8 @@
  *     M = |      rho_r       -(a - j phi)  0 |       in x = [i, p, k_u u], over one span
  *         |                                0 |
  *
- * The rows of the mean, F = sum M^n/(n+1)!, come by Horner's rule from the last term to the first, F <- e + F
- * M/(k+1), those of the end are e + F M: as in predictor_salient.c, with complex numbers.
+ * The rows of the mean, F = sum M^n/(n+1)!, come by Horner's rule from the last term to the first,
+ * F <- e + F M/(k+1); those of the end are e + F M: as in predictor_salient.c, with complex numbers.
  */
 #include "iqfoc/induction.h"
 

@@ -6,11 +6,15 @@
  * Where d >= 2^24, d / 256 is rounded up: the digit is then never too large and at most 1 too small, and the
  * next one takes up what is left.
  *
- * Range proof, d >= 2^24. trial = floor(d / 256) + 1, so d / 256 < trial <= d / 256 + 1. With 0 <= r < 1.004
- * d, digit = floor(r / trial) <= 256 r / d,  so that the new rest 256 r - digit d is not negative; digit > r
- * / trial - 1,  so that it is below d + (r / trial) (256 trial - d) <= d + (256 r / d) 256 < d + 1.004 *
- * 65536 <= d (1 + 1.004 * 2^-8) < 1.004 d again. The rest stays below 1.004 * 2^31 < 2^32, and a digit is at
- * most 1.004 * 256 < 258.
+ * Range proof, d >= 2^24. trial = floor(d / 256) + 1, so d / 256 < trial <= d / 256 + 1. With
+ * 0 <= r < 1.004 d:
+ *
+ *     digit = floor(r / trial) <= 256 r / d,  so that the new rest 256 r - digit d is not negative;
+ *     digit > r / trial - 1,                  so that the new rest is below
+ *                                             d + (r / trial) (256 trial - d) <= d + (256 r / d) 256
+ *                                             < d + 1.004 * 65536 <= d (1 + 1.004 * 2^-8) < 1.004 d again.
+ *
+ * The rest stays below 1.004 * 2^31 < 2^32, and a digit is at most 1.004 * 256 < 258.
  *
  * d < 2^24, both scaled: r <= d < 2^32 and trial = d / 256, so that the new rest is below d and a digit at
  * most 256.

@@ -19,8 +19,10 @@
 #include "angle.h"
 #include "series.h"
 
-/* Moments 0 ... 2 TERMS are wanted. The recursion starts at MOMENT_START with 0 in place of at most 2/21;
- * each step down divides that error by 2 n or more: below 1e-9 at moment 13. */
+/*
+ * Moments 0 ... 2 TERMS are wanted. The recursion starts at MOMENT_START with 0 in place of at most 2/21;
+ * each step down divides that error by 2 n or more: below 1e-9 at moment 13.
+ */
 enum { MOMENTS = 2 * IQFOC_EXACT_TERMS + 1, MOMENT_START = 20, EXPONENTIAL_TERMS = 13 };
 
 /*

@@ -80,8 +80,10 @@ static void end_rows(const generator *m, row *d, row *q)
     q->i_q += ONE_Q28;
 }
 
-/* From fluxes to currents, as the step has them. k_u: of this axis and span. cross: the other axis' L over
- * this one's. */
+/*
+ * From fluxes to currents, as the step has them. k_u: of this axis and span. cross: the other axis' L
+ * over this one's.
+ */
 typedef struct axis {
     int32_t k_u_q26, k_psi_phi_q26, cross_q27;
 } axis;

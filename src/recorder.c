@@ -147,7 +147,7 @@ static void row_store(iqfoc_recorder_t *recorder)
     recorder->written = recorder->written + 1;
 }
 
-/* Unsigned counters wrap: 64 bits say that it is meant, the low half is the difference. */
+/* Counters wrap, and the low half is their difference. Widened so that the wrap does not trip the sanitizer. */
 static uint32_t rows_waiting(const iqfoc_recorder_t *recorder)
 {
     return (uint32_t)(((uint64_t)recorder->written - recorder->read) & UINT32_MAX);

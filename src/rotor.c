@@ -5,8 +5,10 @@
 
 #include "angle.h"
 
-/* Q30 in v = x^2; Chebyshev interpolation on v in [0, 1/9]: tools/derive_rotor.py, which CI compares with
- * these. */
+/*
+ * Q30 in v = x^2; Chebyshev interpolation on v in [0, 1/9]: tools/derive_rotor.py, which CI
+ * compares with these.
+ */
 static const int32_t s1_poly[5] = {1073741824, -1766234468, 871599137, -204751197, 27384229};
 static const int32_t s2_poly[5] = {562209904, -554878930, 195586663, -35739408, 3925530};
 /* Q27 in 4 v, same script. Its pole at v = 1/4 makes it longer. */
@@ -43,9 +45,11 @@ static iq24_t limited(iq24_t turns)
 }
 
 /*
- * Range: P1 in Q30 lies in [0.826, 1], so P1 + 32 < 2^31. P2 in Q30 lies in [0.469, 0.524]. 2 pi P1 and 2 pi
- * P2 are at most 6.284 in Q28, 2^30.7; |x| <= 2^22.5, so every product is below 2^54. |phi| <= 2.1, |phi s1| <= 1.74, v 2 pi P2 <= 0.33. Error: phi_s1 and
- * phi_s2 carry what the floors of P1 2 pi and P2 2 pi lose, 2^-28 times x or v, and the polynomials'.
+ * Range: P1 in Q30 lies in [0.826, 1], so P1 + 32 < 2^31. P2 in Q30 lies in [0.469, 0.524]. 2 pi P1 and
+ * 2 pi P2 are at most 6.284 in Q28, 2^30.7; |x| <= 2^22.5, so that x times either is below 2^54. |phi| <= 2.1,
+ * |phi s1| <= 1.74, v 2 pi P2 <= 0.33.
+ * Error: phi_s1 and phi_s2 carry what the floors of P1 2 pi and P2 2 pi lose, 2^-28 times x or v, and the
+ * polynomials'.
  */
 iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns)
 {

@@ -10,8 +10,10 @@
 
 #define CORRECTED_DRIVE_PWM_HZ 4000
 
-/* Makes the cycle ready and lets it ask for i_q. ticks_per_second: of the port's clock. False if it was
- * refused. */
+/*
+ * Makes the cycle ready and lets it ask for i_q. ticks_per_second: of the port's clock. False if
+ * it was refused.
+ */
 bool corrected_drive_start(iqfoc_cycle_t *cycle, uint32_t ticks_per_second, iq24_t i_q);
 
 /* In place of iqfoc_isr_valley and iqfoc_isr_peak. */

@@ -3,8 +3,7 @@
  *
  *     valley t_k          peak t_k + T/2                    valley t_k + T
  *        |  sample i, theta    |  sample i, theta                  |
- *        |  mean, prediction   |  control, modulation -> duties    |  the duties act from here to the next
- * valley
+ *        |  mean, prediction   |  control, modulation -> duties    |  the duties act from here on, for a cycle
  *
  * Pure: a function of (state, sample) to (state, command); only a port touches registers. Time is an
  * argument: each sample says when it was taken, and the peak is told the middle of the span in which its
@@ -31,33 +30,30 @@ extern "C" {
 #endif
 
 /* Sticky status bits. */
-#define IQFOC_STATUS_MISSED                                                                                  \
-    UINT32_C(0x0001) /* two valleys or two peaks in a row, or a cycle that took too long */
-#define IQFOC_STATUS_LATE                                                                                    \
-    UINT32_C(0x0002) /* the command was ready later than `deadline_ticks` after its sample */
-#define IQFOC_STATUS_STALE UINT32_C(0x0004) /* a sample older than `stale_ticks` when the call began */
-#define IQFOC_STATUS_SAMPLE_CLIPPED                                                                          \
-    UINT32_C(0x0008) /* the port said that a converter was at the end of its range */
-#define IQFOC_STATUS_OVERCURRENT   UINT32_C(0x0010) /* a current component beyond `current_limit` */
-#define IQFOC_STATUS_OVERSPEED     UINT32_C(0x0020) /* |speed| above 1/3 turn per cycle: held to it */
-#define IQFOC_STATUS_VOLTAGE_LIMIT UINT32_C(0x0040) /* the modulator shortened the voltage */
-#define IQFOC_STATUS_DC_LINK       UINT32_C(0x0080) /* u_dc outside 0.5 ... 1.5 of nominal: held to it */
-#define IQFOC_STATUS_NO_INTERVAL                                                                             \
-    UINT32_C(0x0100) /* corrected mean asked for before a whole interval was seen */
+#define IQFOC_STATUS_MISSED         UINT32_C(0x0001) /* two valleys or peaks in a row, or too long a cycle */
+#define IQFOC_STATUS_LATE           UINT32_C(0x0002) /* command later than `deadline_ticks` after its sample */
+#define IQFOC_STATUS_STALE          UINT32_C(0x0004) /* sample older than `stale_ticks` when the call began */
+#define IQFOC_STATUS_SAMPLE_CLIPPED UINT32_C(0x0008) /* the port: a converter was at the end of its range */
+#define IQFOC_STATUS_OVERCURRENT    UINT32_C(0x0010) /* a current component beyond `current_limit` */
+#define IQFOC_STATUS_OVERSPEED      UINT32_C(0x0020) /* |speed| above 1/3 turn per cycle: held to it */
+#define IQFOC_STATUS_VOLTAGE_LIMIT  UINT32_C(0x0040) /* the modulator shortened the voltage */
+#define IQFOC_STATUS_DC_LINK        UINT32_C(0x0080) /* u_dc outside 0.5 ... 1.5 of nominal: held to it */
+#define IQFOC_STATUS_NO_INTERVAL    UINT32_C(0x0100) /* corrected mean before a whole interval was seen */
 
 /* Which current the controller is fed with. */
 typedef enum iqfoc_feedback {
-    IQFOC_FEEDBACK_MIDPOINT,       /* the sample at the carrier peak, its own angle: usual practice */
-    IQFOC_FEEDBACK_CORRECTED_MEAN, /* 2016 (10) over the cycle that ended at the last valley: one cycle old */
-    IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN /* 2019 (10), corrected by 2016 (10), over the cycle from the last
-                                          valley */
+    /* The sample at the carrier peak, turned by its own angle: usual practice. */
+    IQFOC_FEEDBACK_MIDPOINT,
+    /* 2016 (10) over the cycle that ended at the last valley: one cycle old. */
+    IQFOC_FEEDBACK_CORRECTED_MEAN,
+    /* 2019 (10), corrected by 2016 (10), over the cycle from the last valley. */
+    IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN
 } iqfoc_feedback_t;
 
 /* How the voltage is made. */
 typedef enum iqfoc_modulation {
     IQFOC_MODULATION_PWM,     /* centre-aligned, min/max zero sequence */
-    IQFOC_MODULATION_SIX_STEP /* the active inverter state nearest to the voltage, for the whole control
-                                 interval */
+    IQFOC_MODULATION_SIX_STEP /* the active inverter state nearest to the voltage, for the whole interval */
 } iqfoc_modulation_t;
 
 /* What stands at the inverter when the drive is tripped or not enabled. */
@@ -75,8 +71,7 @@ typedef struct iqfoc_sample {
     iq24_t u_dc;        /* DC-link voltage, per unit of nominal */
     iq24_t at;     /* the sampling instant, cycles after the valley: 0 there, 0.5 at the peak; -0.25 ... 1 */
     uint32_t time; /* the port's free-running timer at the sampling instant, ticks; wraps */
-    bool has_mean; /* valley only: the port averages (oversampling, sigma-delta); without it the peak's sample
-                           stands for the mean */
+    bool has_mean; /* valley only: the port averages (oversampling); else the peak's sample stands for it */
     bool clipped;  /* a converter was at the end of its range */
 } iqfoc_sample_t;
 

@@ -37,8 +37,10 @@ typedef struct iqfoc_deadbeat {
     iqfoc_valley_reference_t reference; /* gain 1 and magnet 0 to control the valleys' current itself */
 } iqfoc_deadbeat_t;
 
-/* A component of the voltage is held to this: beyond what any DC link makes, within what iqfoc_modulate
- * takes. */
+/*
+ * A component of the voltage is held to this: beyond what any DC link makes, within what
+ * iqfoc_modulate takes.
+ */
 #define IQFOC_DEADBEAT_LIMIT IQ24(16.0)
 
 /* 1/k_u to 0.5 LSB. 1/64 <= k_u <= 16; below that it saturates at 128. */

@@ -1,6 +1,6 @@
 /*
- * What a set-up function says: one enumeration for the whole library, so that a firmware has one type to store and
- * every number has one meaning. 0, or negative: refused, the object untouched.
+ * What a set-up function says: one enumeration for the whole library, so that a firmware has one type to
+ * store and every number has one meaning. 0, or negative: refused, the object untouched.
  */
 #ifndef IQFOC_ERROR_H
 #define IQFOC_ERROR_H

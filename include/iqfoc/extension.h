@@ -10,8 +10,8 @@
  * Signs and laws are those of the recording's interface: a fitted value goes in as it is. A firmware that
  * uses it:
  *
- *     iqfoc_extension_sample(&extension, &sample);                 before iqfoc_cycle_valley and
- * iqfoc_cycle_peak command = iqfoc_cycle_peak(&cycle, &sample, output_mid, now);
+ *     iqfoc_extension_sample(&extension, &sample);           before iqfoc_cycle_valley and iqfoc_cycle_peak
+ *     command = iqfoc_cycle_peak(&cycle, &sample, output_mid, now);
  *     iqfoc_extension_compensate(&extension, &command.duties, iqfoc_clarke_inverse(cycle.i_next),
  *                                cycle.u_dc_inverse);
  *
@@ -34,8 +34,7 @@
 extern "C" {
 #endif
 
-/* Per unit, IQ24 (iqfoc/extension_params.h makes them). The values in brackets mean "nothing to put right".
- */
+/* Per unit, IQ24 (iqfoc/extension_params.h makes them). Values in brackets: nothing to put right. */
 typedef struct iqfoc_extension {
     iqfoc_abc_t i_offset;       /* o: -1 ... 1 of the rated peak current (0) */
     iqfoc_abc_t i_gain_inverse; /* 1/g: 0.5 ... 2 (1) */
@@ -65,8 +64,7 @@ iqfoc_abc_t iqfoc_extension_current(const iqfoc_extension_t *extension, iqfoc_ab
  */
 iq24_t iqfoc_extension_angle(const iqfoc_extension_t *extension, iq24_t theta, iq24_t turns);
 
-/* A sample before the cycle sees it: currents (their means too, where the port has them), angle and DC link.
- */
+/* A sample before the cycle sees it: currents (and their means, where a port has them), angle, DC link. */
 void iqfoc_extension_sample(const iqfoc_extension_t *extension, iqfoc_sample_t *sample);
 
 /*

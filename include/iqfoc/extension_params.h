@@ -69,8 +69,8 @@
     }
 
 /*
- * iqfoc_extension_t that puts nothing right: i_offset, i_gain_inverse, theta_0, theta_delay, k_u, v_dead, knee_inverse,
- * saturation.
+ * iqfoc_extension_t that puts nothing right: i_offset, i_gain_inverse, theta_0, theta_delay, k_u, v_dead,
+ * knee_inverse, saturation.
  */
 #define IQFOC_EXTENSION_NONE                                                                                 \
     {                                                                                                        \

@@ -40,7 +40,10 @@ typedef struct iqfoc_flux_predictor {
     iq24_t psi; /* psi_f / (U_b T): 0 ... 16 */
 } iqfoc_flux_predictor_t;
 
-/* Are all values within their ranges, and k_d, k_q the reciprocals of l_d, l_q (to 2^-10)? The error names the value. */
+/*
+ * Are all values within their ranges, and k_d, k_q the reciprocals of l_d, l_q (to 2^-10)? The error
+ * names the value.
+ */
 iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *predictor);
 
 /*
@@ -52,9 +55,9 @@ iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *predictor
  * constants: 8 + 2.5 (k_d + k_q) LSB, twice that with saturation.
  *
  * Range, of lengths, which no turn changes: |l i| <= 32 (four times the rated current for the largest l) and
- * psi <= 16, so the flux is within 48; the acting
- * voltage adds 2 * 2 + 1/3, the drop of the mean of i and a held prediction r (8 + 32 sqrt(2))/2 <= 26.7.
- * Their sum, 79, is within the 90.6 that iqfoc_park makes of its largest argument, and below 128: no wrap.
+ * psi <= 16, so the flux is within 48; the acting voltage adds 2 * 2 + 1/3, the drop of the mean of i and a
+ * held prediction r (8 + 32 sqrt(2))/2 <= 26.7. Their sum, 79, is within the 90.6 that iqfoc_park makes of
+ * its largest argument, and below 128: no wrap.
  */
 iqfoc_ab_t iqfoc_flux_predictor_step(const iqfoc_flux_predictor_t *predictor,
                                      const iqfoc_extension_t *extension, iqfoc_ab_t i, iqfoc_ab_t u,

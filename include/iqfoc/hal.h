@@ -28,8 +28,10 @@ void iqfoc_hal_read_valley(iqfoc_hal_t *hal, iqfoc_sample_t *sample);
 /* The same for the peak. */
 void iqfoc_hal_read_peak(iqfoc_hal_t *hal, iqfoc_sample_t *sample);
 
-/* Hands the command to the inverter's shadow registers; it acts from the next valley. gates == false acts at
- * once. */
+/*
+ * Hands the command to the inverter's shadow registers; it acts from the next valley. gates == false
+ * acts at once.
+ */
 void iqfoc_hal_write(iqfoc_hal_t *hal, const iqfoc_command_t *command);
 
 /* The free-running timer that stamps samples: ticks, wraps at 2^32. */
@@ -39,8 +41,8 @@ uint32_t iqfoc_hal_now(iqfoc_hal_t *hal);
 #define IQFOC_HAL_OUTPUT_MID IQ24(1.5)
 
 /*
- * What the interrupts call: read, compute, write. A port's handler is one of these lines and the clearing of its flag.
- * Inline, so that the library itself asks nothing of a port, and a shared one links without.
+ * What the interrupts call: read, compute, write. A port's handler is one of these lines and the clearing
+ * of its flag. Inline, so that the library itself asks nothing of a port, and a shared one links without.
  */
 static inline void iqfoc_isr_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
 {

@@ -40,7 +40,7 @@ typedef struct iqfoc_induction_machine {
     int32_t k_u_q26;   /* T U_b/(L_sigma I_b); 0 < k_u <= 16 */
 } iqfoc_induction_machine_t;
 
-/* iqfoc_induction_machine_t of physical values of the inverse-gamma circuit, checked: rho_s, rho_r, a, k_u. */
+/* iqfoc_induction_machine_t of the inverse-gamma circuit, checked: rho_s, rho_r, a, k_u. */
 #define IQFOC_INDUCTION_MACHINE(R_s_ohm, R_r_ohm, L_sigma_H, L_m_H, T_s, I_b_A, U_b_V)                       \
     {                                                                                                        \
         IQFOC_EXACT_CHECKED(IQFOC_RAW_K_R(R_s_ohm, L_sigma_H, T_s), 30, 0.0, 0.5),                           \

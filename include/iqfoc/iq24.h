@@ -28,8 +28,9 @@
 #include <stdint.h>
 
 /*
- * The target's own way of the hooks below: the compiler says what it targets, and iqfoc/target/ has a header for it. A
- * header of your own instead: -DIQFOC_TARGET_HEADER='"my_dsp.h"'; that defines the hooks it has and leaves the others.
+ * The target's own way of the hooks below: the compiler says what it targets, and iqfoc/target/ has a
+ * header for it. A header of your own instead: -DIQFOC_TARGET_HEADER='"my_dsp.h"'; that defines the hooks
+ * it has and leaves the others.
  */
 #ifdef IQFOC_TARGET_HEADER
 #include IQFOC_TARGET_HEADER
@@ -38,8 +39,8 @@
 #endif
 
 /*
- * IQ24() folds constants of type double. Where they have the 24-bit mantissa of a float, every constant would silently
- * be another: that is refused here.
+ * IQ24() folds constants of type double. Where they have the 24-bit mantissa of a float, every constant
+ * would silently be another: that is refused here.
  */
 #if DBL_MANT_DIG < 53
 #error                                                                                                       \
@@ -146,7 +147,7 @@ static inline iq24_t iq24_shift_wrap(int64_t x, uint32_t bits)
     return iq24_from_bits(((high & (UINT32_MAX >> (32 - bits))) << (32 - bits)) | (low >> bits));
 }
 
-/* high 2^32 + low. Or, not plus: the halves do not overlap, and the compiler keeps them in their registers. */
+/* high 2^32 + low. Or, not plus: the halves do not overlap, and stay in their registers. */
 static inline int64_t iq24_acc_join(int32_t high, uint32_t low)
 {
     return (int64_t)high * INT64_C(0x100000000) | (int64_t)low;
@@ -289,8 +290,8 @@ static inline iq24_t iq24_mul_sat(iq24_t a, iq24_t b)
 }
 
 /*
- * a b / 2^bits to nearest, ties up, wrapping, 1 <= bits <= 31: a product of two formats in a third, whose fractional
- * bits are those of a and b less `bits`. Error <= 0.5 unit where it fits.
+ * a b / 2^bits to nearest, ties up, wrapping, 1 <= bits <= 31: a product of two formats in a third, whose
+ * fractional bits are those of a and b less `bits`. Error <= 0.5 unit where it fits.
  */
 static inline int32_t iq24_mul_shift(int32_t a, int32_t b, uint32_t bits)
 {

@@ -3,8 +3,8 @@
  * ends of the cycle, its duties and the speed, for machines without saliency. What 2016 leaves to future
  * work.
  *
- *     i_dq = e^(-j theta_m) [ s1 (i + i_next)/2 + (rho s2/phi - j s2)(i_next - i) + (rho - j phi)(k_u
- * u_dc/24) V ]
+ *     i_dq = e^(-j theta_m) [   s1 (i + i_next)/2 + (rho s2/phi - j s2)(i_next - i)
+ *                             + (rho - j phi)(k_u u_dc/24) V ]
  *            - k_psi (1 - s1^2)
  *
  * The first two terms are the smooth current's, straight but for the bow that the resistance gives it; the

@@ -72,8 +72,10 @@ int32_t iqfoc_six_step_state(iq24_t angle);
 /* The duties (0 or 1) of a state 0 ... 5; any other gives all low. scale is 1. */
 iqfoc_duties_t iqfoc_six_step_duties(int32_t state);
 
-/* The voltage vector of a state 0 ... 5 for a DC link in per unit, |u_dc| <= 64: 0 for another state. Error
- * 0.7 LSB. */
+/*
+ * The voltage vector of a state 0 ... 5 for a DC link in per unit, |u_dc| <= 64: 0 for another state.
+ * Error 0.7 LSB.
+ */
 iqfoc_ab_t iqfoc_six_step_voltage(int32_t state, iq24_t u_dc);
 
 /*

@@ -1,15 +1,15 @@
 /*
- * Physical values to per unit, in one place: macros of floating constants that fold at compile time, so that
- * no floating instruction reaches the target, and that the host evaluates with its motor file's values.
+ * Physical values to per unit, in one place: macros of floating constants that fold at compile time, so
+ * that no floating instruction reaches the target. The host evaluates them with its motor file's values.
  *
- * Bases (docs/units.md): current I_b = sqrt(2) I_rated_rms, voltage U_b = nominal DC link, angle one turn,
- * time one control cycle T. In a firmware:
+ * Bases (docs/units.md): current I_b = sqrt(2) I_rated_rms, voltage U_b = nominal DC link, angle one
+ * turn, time one control cycle T. In a firmware:
  *
  *     static const iqfoc_predictor_t predictor =
  *         IQFOC_PREDICTOR(R_OHM, L_H, PSI_WB, T_S, IQFOC_I_BASE(I_RATED_A), U_DC_V);
  *
- * A value out of its range does not compile: the error stands inside the macro that bears the coefficient's name. The
- * host refuses the same values by the same names.
+ * A value out of its range does not compile: the error stands inside the macro that bears the
+ * coefficient's name. The host refuses the same values by the same names.
  */
 #ifndef IQFOC_PARAMS_H
 #define IQFOC_PARAMS_H
@@ -17,8 +17,8 @@
 #include "iq24.h"
 
 /*
- * 1 where x lies within low ... high; else it does not compile, for in C a division by 0 is no constant, and in C++ the
- * template has no such member.
+ * 1 where x lies within low ... high; else it does not compile, for in C a division by 0 is no constant,
+ * and in C++ the template has no such member.
  */
 #ifdef __cplusplus
 extern "C++" {
@@ -41,7 +41,7 @@ template <> struct iqfoc_range_check_<true> {
 
 #define IQFOC_TWO_PI_ 6.283185307179586
 
-/* ---- The formulas, in double: one per coefficient of predictor.h and current_control.h. Limits beside them. ---- */
+/* ---- The formulas in double, one per coefficient of predictor.h and current_control.h, with limits. ---- */
 #define IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V) ((T_s) * (U_b_V) / ((L_H) * (I_b_A)))
 #define IQFOC_MAX_K_U                         16.0
 #define IQFOC_RAW_K_R(R_ohm, L_H, T_s)        ((R_ohm) * (T_s) / (L_H))
@@ -81,8 +81,9 @@ template <> struct iqfoc_range_check_<true> {
     IQFOC_CHECKED(IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s), -IQFOC_MAX_TURNS, IQFOC_MAX_TURNS)
 
 /*
- * ---- Initialisers of whole structs. ----
- * Values in the order of the struct's members, because C++17 knows no other; tests/unit/test_params.c holds them to it.
+ * ---- Initialisers of whole structs ----
+ * Values in the order of the struct's members, because C++17 knows no other; tests/unit/test_initialisers.c
+ * holds them to it.
  */
 
 /* iqfoc_predictor_t: k_u, k_r, k_psi. */
@@ -92,8 +93,8 @@ template <> struct iqfoc_range_check_<true> {
     }
 
 /*
- * iqfoc_current_control_gains_t for a closed-loop bandwidth in rad/s, well below 1/T (a twentieth of 2 pi/T is usual):
- * kp_d, kp_q, ki_d, ki_q, anti_windup, x_d, x_q, emf.
+ * iqfoc_current_control_gains_t for a closed-loop bandwidth in rad/s, well below 1/T (a twentieth of
+ * 2 pi/T is usual): kp_d, kp_q, ki_d, ki_q, anti_windup, x_d, x_q, emf.
  */
 #define IQFOC_GAINS(w_rad_s, R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V)                                 \
     {                                                                                                        \

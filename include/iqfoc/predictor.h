@@ -7,9 +7,8 @@
  *
  * with theta the rotor angle at the start of the cycle, theta_m = theta + phi/2 at its middle, and u constant
  * over the cycle (the mean voltage that the PWM applies). The second lets the EMF turn with the rotor; that
- * is all the difference, and it costs one multiplication by s1. A third of the same shape, exact and for
- * salient machines, belongs in a header of its own: what calls a predictor needs only a current, a voltage
- * and the rotor.
+ * is all the difference, and it costs one multiplication by s1. Exact prediction is in predictor_exact.h,
+ * for salient machines in predictor_salient.h.
  */
 #ifndef IQFOC_PREDICTOR_H
 #define IQFOC_PREDICTOR_H

@@ -15,10 +15,10 @@
  *
  * Three stages, each as seldom as it may be:
  *
- *     static const iqfoc_exact_winding_t winding = IQFOC_EXACT_WINDING(R_OHM, L_H, PSI_WB, T_S, I_B_A,
- * U_DC_V); iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);          once, or when R
- * changes iqfoc_exact_t exact = iqfoc_exact_at_speed(&law, turns);                     where the speed
- * changes i_next = iqfoc_exact_step(&exact, i, u, iq24_sincos(theta_mid));             every cycle
+ *     static const iqfoc_exact_winding_t winding = IQFOC_EXACT_WINDING(R, L, PSI, T, I_B, U_DC);
+ *     law = iqfoc_exact_prediction(&winding, IQ24_ONE);                      once, or when R changes
+ *     exact = iqfoc_exact_at_speed(&law, turns);                             where the speed changes
+ *     i_next = iqfoc_exact_step(&exact, i, u, iq24_sincos(theta_mid));       every cycle
  *
  * Laws of other spans: IQ24(0.5) and the sample at the carrier's peak predict the next valley; the
  * computation delay as a share of the cycle predicts the current that a result will meet.
@@ -65,8 +65,10 @@ typedef struct iqfoc_exact_winding {
 
 /*
  * What a span makes of the winding at every speed. With x in turns per cycle and w = (2 x)^2,
- * k_psi phi Re G = x real(w) and k_psi phi Im G = w imag(w), polynomials of which the lowest power stands
- * first.
+ *
+ *     k_psi phi Re G = x real(w),     k_psi phi Im G = w imag(w),
+ *
+ * both polynomials with the lowest power first.
  */
 typedef struct iqfoc_exact_law {
     int32_t stays_q26; /* of i: 0.36 ... 1 */

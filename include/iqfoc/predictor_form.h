@@ -1,16 +1,16 @@
 /*
- * The papers' predictors as coefficients of the exact predictor's step, so that a controller that is given an
- * iqfoc_exact_t neither knows nor cares by which of the three it predicts.
+ * The papers' predictors as coefficients of the exact predictor's step, so that a controller that is
+ * given an iqfoc_exact_t neither knows nor cares by which of the three it predicts.
  *
- * All three are i' = a i + k_u u - j (w_real + j w_imag) e^(j theta_m), theta_m at mid-cycle. With w = k_psi
- * phi:
+ * All three are i' = a i + k_u u - j (w_real + j w_imag) e^(j theta_m), theta_m at mid-cycle. With
+ * w = k_psi phi:
  *
  *     standard, 2019 (3):         a = 1 - k_r,   w e^(-j phi/2), as its EMF stands where the cycle begins
  *     quasi-discrete, 2019 (12):  a = 1 - k_r,   w s1
  *     exact:                      a = E,         w G                                     (predictor_exact.h)
  *
- * cos(phi/2) = s1 - phi s2 and sin(phi/2) = phi s1/2, so that the rotor's numbers suffice. w is a product of two Q24
- * numbers in Q26, iq24_mul_shift(a, b, 22): within +-16.8 and so below 2^31; error 1/8 LSB.
+ * cos(phi/2) = s1 - phi s2 and sin(phi/2) = phi s1/2, so that the rotor's numbers suffice. w is a product
+ * of two Q24 numbers in Q26, iq24_mul_shift(a, b, 22): within +-16.8 and so below 2^31; error 1/8 LSB.
  */
 #ifndef IQFOC_PREDICTOR_FORM_H
 #define IQFOC_PREDICTOR_FORM_H

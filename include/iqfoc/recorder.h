@@ -58,8 +58,8 @@ typedef struct iqfoc_recorder_channel {
 } iqfoc_recorder_channel_t;
 
 /*
- * Initialiser of a channel (source, column, mantissa, shift) that holds an iq24_t of which 1.0 is `unit` in host units. bits: as many as keep
- * |unit| 2^bits below 2^31, for the finest scale.
+ * Initialiser of a channel (source, column, mantissa, shift) that holds an iq24_t of which 1.0 is `unit`
+ * in host units. bits: as many as keep |unit| 2^bits below 2^31, for the finest scale.
  */
 #define IQFOC_RECORDER_IQ24(variable, what, unit, bits)                                                      \
     {                                                                                                        \

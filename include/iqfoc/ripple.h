@@ -56,8 +56,10 @@ typedef struct iqfoc_ripple {
     iq24_t across_q;
 } iqfoc_ripple_t;
 
-/* For a slower task. machine: within predictor_salient.h's ranges; L_d = L_q is one of them. rotor: of the
- * speed. */
+/*
+ * For a slower task. machine: within predictor_salient.h's ranges; L_d = L_q is one of them. rotor:
+ * of the speed.
+ */
 iqfoc_ripple_t iqfoc_ripple_at_speed(const iqfoc_salient_machine_t *machine, const iqfoc_rotor_t *rotor);
 
 /*

@@ -2,10 +2,9 @@
  * Clarke and Park transforms and their inverses: 2016 (2) and (3), amplitude invariant.
  *
  * All are inline: a transform is shorter than its call. Phase and vector components are IQ24 in per unit,
- * within
- * +-32 unless a function says otherwise: thirty times the rated current is beyond any sensor. Outside that
- * range the result wraps; it is never undefined. Errors are those of the function alone, its inputs taken as
- * exact.
+ * within +-32 unless a function says otherwise: thirty times the rated current is beyond any sensor. Outside
+ * that range the result wraps; it is never undefined. Errors are those of the function alone, its inputs
+ * taken as exact.
  */
 #ifndef IQFOC_TRANSFORM_H
 #define IQFOC_TRANSFORM_H
@@ -18,8 +17,8 @@ extern "C" {
 #endif
 
 /*
- * Constants in Q31: with a 31-bit fraction their rounding costs at most |x| 2^-8 LSB, x in per unit. A Q24 value times
- * one of them is iq24_mul_shift(x, constant, 31); as the constant is below 1, it cannot wrap.
+ * Constants in Q31: with a 31-bit fraction their rounding costs at most |x| 2^-8 LSB, x in per unit. A
+ * Q24 value times one of them is iq24_mul_shift(x, constant, 31), which cannot wrap: they are below 1.
  */
 #define IQFOC_Q31_1_SQRT3 INT32_C(1239850262) /* 1/sqrt(3) */
 #define IQFOC_Q31_1_3     INT32_C(715827883)  /* 1/3 */

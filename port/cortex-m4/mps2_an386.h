@@ -54,8 +54,7 @@ typedef struct mps2_dual_timer {
 #define ARM_NVIC_ISER0 (*(volatile uint32_t *)0xE000E100)
 #define ARM_NVIC_ICER0 (*(volatile uint32_t *)0xE000E180)
 #define ARM_NVIC_ICPR0 (*(volatile uint32_t *)0xE000E280)
-/* Eight bits each, four to a word: the word that holds the priorities of interrupts 8 to 11. Less is sooner.
- */
+/* Eight bits each, four to a word: the priorities of interrupts 8 to 11. Less is sooner. */
 #define ARM_NVIC_IPR2 (*(volatile uint32_t *)0xE000E408)
 
 #endif

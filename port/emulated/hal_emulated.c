@@ -40,8 +40,10 @@ static void instant(iqfoc_hal_t *hal)
     hal->next_time += hal->half_ticks;
 }
 
-/* The peak's handler may interrupt the valley's anywhere; registers of a chip would not mind, this drive
- * would. */
+/*
+ * The peak's handler may interrupt the valley's anywhere; registers of a chip would not mind,
+ * this drive would.
+ */
 static void catch_up(iqfoc_hal_t *hal)
 {
     const uint32_t before = board_interrupts_off();

@@ -26,13 +26,17 @@ const iqfoc_cycle_config_t small_drive_config = {
     .current_limit = IQ24(4.0),
 };
 
-/* The machine that stands there is not quite the one that the firmware was told: 20 % more resistance, 5 %
- * less inductance. Coefficients of half a cycle. */
+/*
+ * The machine that stands there is not quite the one that the firmware was told: 20 % more resistance,
+ * 5 % less inductance. Coefficients of half a cycle.
+ */
 static const iqfoc_predictor_t machine =
     IQFOC_PREDICTOR(1.2 * R_OHM, 0.95 * L_H, PSI_WB, 0.5 * T_S, I_BASE_A, U_DC_V);
 
-/* Turns per cycle at the plan's corner points, 4,096 cycles apart; between them the speed is a straight line.
- * The last repeats. Up to the limit of the voltage and beyond. */
+/*
+ * Turns per cycle at the plan's corner points, 4,096 cycles apart; between them the speed is a straight
+ * line. The last repeats. Up to the limit of the voltage and beyond.
+ */
 #define PLAN_STEP 4096
 static const iq24_t plan[6] = {0, IQ24(0.02), IQ24(0.12), IQ24(-0.03), IQ24(-0.12), IQ24(0.06)};
 

@@ -32,8 +32,10 @@ void small_drive_advance_half(small_drive_t *drive, const iqfoc_command_t *comma
 /* What the converters give at this instant. `at` and `time` are the caller's to fill in. */
 iqfoc_sample_t small_drive_sample(const small_drive_t *drive);
 
-/* The plan: speed up to 0.12 turns a cycle to both sides, through standstill, and steps of the reference. To
- * be called at each valley, which begins a new cycle. */
+/*
+ * The plan: speed up to 0.12 turns a cycle to both sides, through standstill, and steps of the reference.
+ * To be called at each valley, which begins a new cycle.
+ */
 void small_drive_begin_cycle(small_drive_t *drive);
 iqfoc_dq_t small_drive_reference(uint32_t cycle);
 

@@ -126,8 +126,10 @@ stm32g4_error_t stm32g4_encoder_start(const stm32g4_chip_t *chip, uint32_t count
     return STM32G4_OK;
 }
 
-/* Phase A and the DC link on ADC1, phase B on ADC2: PC0, PC2, PC1 are channels 6, 8, 7. A and B are sampled
- * together. */
+/*
+ * Phase A and the DC link on ADC1, phase B on ADC2: PC0, PC2, PC1 are channels 6, 8, 7. A and B
+ * are sampled together.
+ */
 static stm32g4_error_t converter_start(stm32g4_adc_t *adc)
 {
     stm32g4_write(&adc->CR, 0);               /* out of deep power-down */

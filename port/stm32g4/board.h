@@ -43,8 +43,10 @@ stm32g4_error_t stm32g4_carrier_start(const stm32g4_chip_t *chip, uint32_t half_
 /* ADC1 and ADC2, calibrated and waiting for the carrier; ADC1 interrupts after both have sampled. */
 stm32g4_error_t stm32g4_converters_start(const stm32g4_chip_t *chip);
 
-/* TIM4 counts all four edges of the encoder, modulo counts_per_turn of the shaft; TIM2 is the free-running
- * clock. */
+/*
+ * TIM4 counts all four edges of the encoder, modulo counts_per_turn of the shaft; TIM2 is
+ * the free-running clock.
+ */
 stm32g4_error_t stm32g4_encoder_start(const stm32g4_chip_t *chip, uint32_t counts_per_turn);
 
 /* Lets the carrier run. Outputs stay off until the HAL gets a command with gates. */

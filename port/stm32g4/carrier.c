@@ -9,8 +9,10 @@ static uint32_t ticks_of(uint32_t ns)
     return (uint32_t)(((uint64_t)ns * (STM32G4_CLOCK_HZ / 1000000) + 999) / 1000);
 }
 
-/* 29.6.20: 0xx: DTG; 10x: (64 + DTG[5:0]) 2; 110: (32 + DTG[4:0]) 8; 111: (32 + DTG[4:0]) 16. Rounded up
- * throughout. */
+/*
+ * 29.6.20: 0xx: DTG; 10x: (64 + DTG[5:0]) 2; 110: (32 + DTG[4:0]) 8; 111: (32 + DTG[4:0]) 16.
+ * Rounded up throughout.
+ */
 int32_t stm32g4_dead_time_code(uint32_t ns)
 {
     if (ns > 5929) {

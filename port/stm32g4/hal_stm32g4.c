@@ -86,7 +86,10 @@ static bool near_an_end(int32_t count)
     return count < CLIP_MARGIN || count > COUNT_MAX - CLIP_MARGIN;
 }
 
-/* elapsed: ticks since the instant of the sample. Range: |count - offset| < 2^12 and i_per_count <= 2^18: below 2^30. */
+/*
+ * elapsed: ticks since the instant of the sample. Range: |count - offset| < 2^12 and i_per_count <= 2^18:
+ * below 2^30.
+ */
 static void sample_fill(iqfoc_hal_t *hal, iqfoc_sample_t *sample, uint32_t now, uint32_t elapsed,
                         uint32_t encoder)
 {
@@ -130,7 +133,7 @@ void iqfoc_hal_read_peak(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
     sample_fill(hal, sample, now, elapsed, encoder);
 }
 
-/* Compare value of a duty: high for the share `duty` of the way from zero to the top. Never reached for duty 0. */
+/* Compare value of a duty: high for the share `duty` of the way to the top. Never reached for duty 0. */
 static uint32_t compare_of(iq24_t duty, uint32_t half_ticks)
 {
     const uint32_t high = (uint32_t)(((uint64_t)(uint32_t)duty * half_ticks + (1 << 23)) >> 24);

@@ -13,10 +13,10 @@
 
 /* What differs from board to board; all of it measured or read off a schematic. */
 typedef struct hal_stm32g4_board {
-    uint32_t half_ticks; /* clocks from valley to peak, as given to stm32g4_carrier_start */
-    int32_t i_offset_a;  /* converter counts at no current of the sensor in phase A: about 2048 */
-    int32_t i_offset_b;  /* and of the one in phase B: no two sensors are alike */
-    iq24_t i_per_count;  /* per-unit current of one count, |x| <= 2^18; negative if the sensors look the other way */
+    uint32_t half_ticks;      /* clocks from valley to peak, as given to stm32g4_carrier_start */
+    int32_t i_offset_a;       /* converter counts at no current of the sensor in phase A: about 2048 */
+    int32_t i_offset_b;       /* and of the one in phase B: no two sensors are alike */
+    iq24_t i_per_count;       /* per-unit current of one count, |x| <= 2^18; negative: sensors turned round */
     iq24_t u_dc_per_count;    /* per-unit DC-link voltage of one count, 0 < x <= 2^18 */
     uint32_t counts_per_turn; /* encoder edges in a turn of the shaft */
     uint32_t pole_pairs;      /* 1 ... 64 */
@@ -37,7 +37,7 @@ struct iqfoc_hal {
 
 void hal_stm32g4_start(iqfoc_hal_t *hal, const stm32g4_chip_t *chip, const hal_stm32g4_board_t *board);
 
-/* True if the instant that the converters last answered to was the valley: the counter runs upwards from it. */
+/* True if the converters last answered to the valley: the counter runs upwards from it. */
 bool hal_stm32g4_at_valley(const iqfoc_hal_t *hal);
 
 /* True after the break input stopped the outputs. They stay off until hal_stm32g4_clear_break. */

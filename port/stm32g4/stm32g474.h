@@ -154,9 +154,8 @@ typedef struct stm32g4_adc {
 #define ADC_CFGR_JQDIS        (UINT32_C(1) << 31)
 #define ADC_SMPR_6_5(channel) (UINT32_C(1) << (3 * (channel))) /* 6.5 clocks */
 #define ADC_JSQR_LENGTH(n)    ((uint32_t)(n)-1)
-#define ADC_JSQR_TIM1_TRGO2                                                                                  \
-    (UINT32_C(8) << 2) /* JEXTSEL; 21.4.19, external triggers of injected channels                           \
-                        */
+/* JEXTSEL: 21.4.19, external triggers of injected channels. */
+#define ADC_JSQR_TIM1_TRGO2      (UINT32_C(8) << 2)
 #define ADC_JSQR_RISING          (UINT32_C(1) << 7)
 #define ADC_JSQR_FIRST(channel)  ((uint32_t)(channel) << 9)
 #define ADC_JSQR_SECOND(channel) ((uint32_t)(channel) << 15)

@@ -1,10 +1,10 @@
 /*
- * IQ24's hooks for Arm cores whose only multiply gives 32 bits: Cortex-M0, M0+, M1, M23. gcc, clang and Arm's compiler;
- * chosen by target/choose.h.
+ * IQ24's hooks for Arm cores whose only multiply gives 32 bits: Cortex-M0, M0+, M1, M23. gcc, clang and
+ * Arm's compiler; chosen by target/choose.h.
  *
- * Left to itself the compiler calls __aeabi_lmul, which multiplies 64 by 64 bits and costs twice as much. The function
- * here makes the product of the four of 16-bit halves, with the same bits. It is a call and not inline: inline it saves
- * nothing, because the core has eight registers for it, and takes twice the code.
+ * Left to itself the compiler calls __aeabi_lmul, which multiplies 64 by 64 bits and costs twice as much.
+ * The function here makes the product of the four of 16-bit halves, with the same bits. Inline it would
+ * take twice the code and more instructions, as there are eight registers for all of it.
  */
 #ifndef IQFOC_TARGET_ARM_MULS_H
 #define IQFOC_TARGET_ARM_MULS_H

@@ -1,17 +1,17 @@
 /*
- * IQ24's hooks for Arm cores that multiply 32 by 32 bits to 64: Cortex-M3, M4, M7, M33 and up, Cortex-R, and Cortex-A
- * in its 32-bit state. gcc, clang and Arm's compiler; chosen by target/choose.h.
+ * IQ24's hooks for Arm cores that multiply 32 by 32 bits to 64: Cortex-M3, M4, M7, M33 and up, Cortex-R,
+ * and Cortex-A in its 32-bit state. gcc, clang and Arm's compiler; chosen by target/choose.h.
  *
- * Same results, fewer instructions: the core's multiply, multiply-accumulate and saturation by name. A compiler left to
- * itself keeps some 32-bit factors in 64 bits and multiplies by them with four instructions, and compares where the
- * core can saturate (docs/bench.md).
+ * Same results, fewer instructions: the core's multiply, multiply-accumulate and saturation by name. A
+ * compiler left to itself keeps some 32-bit factors in 64 bits and multiplies by them with four
+ * instructions, and compares where the core can saturate (docs/bench.md).
  *
- * The instructions take the two halves of a sum as registers of their own. As one 64-bit operand they would have to be
- * neighbours, which costs a move for every second product (gcc 12.2).
+ * The instructions take the two halves of a sum as registers of their own. As one 64-bit operand they
+ * would have to be neighbours, which costs a move for every second product (gcc 12.2).
  *
- * They are volatile although they only compute: that keeps them in the order in which they are written. Free to reorder
- * them, the compiler loads all operands ahead and then has no register left to hold them: current control took 116
- * instructions instead of 103.
+ * They are volatile although they only compute: that keeps them in the order in which they are written.
+ * Free to reorder them, the compiler loads all operands ahead and then has no register left to hold them:
+ * current control took 116 instructions instead of 103.
  */
 #ifndef IQFOC_TARGET_ARM_SMULL_H
 #define IQFOC_TARGET_ARM_SMULL_H

@@ -1,6 +1,6 @@
 /*
- * The target's own way of IQ24's hooks (iq24.h), chosen by the compiler's architecture macros. A core that is not named
- * here gets plain C, which gives the same bits.
+ * The target's own way of IQ24's hooks (iq24.h), chosen by the compiler's architecture macros. A core
+ * that is not named here gets plain C, which gives the same bits.
  */
 #ifndef IQFOC_TARGET_CHOOSE_H
 #define IQFOC_TARGET_CHOOSE_H

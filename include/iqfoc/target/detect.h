@@ -1,12 +1,13 @@
 /*
- * What the compiler targets, by its own architecture macros: one macro for each header of this folder, 1 or 0.
+ * What the compiler targets, by its own architecture macros: 1 or 0 for each header of this folder.
  */
 #ifndef IQFOC_TARGET_DETECT_H
 #define IQFOC_TARGET_DETECT_H
 
 /*
- * SMULL, SMLAL and SSAT: in Thumb code from Armv7-M on and in every core with Thumb-2 (__ARM_ARCH_ISA_THUMB is 2), in
- * 32-bit Arm code from Armv6 on. Not in Armv6-M and Armv8-M Baseline (Cortex-M0, M0+, M1, M23), whose Thumb is 1.
+ * SMULL, SMLAL and SSAT: in Thumb code from Armv7-M on and in every core with Thumb-2
+ * (__ARM_ARCH_ISA_THUMB is 2), in 32-bit Arm code from Armv6 on. Not in Armv6-M and Armv8-M Baseline
+ * (Cortex-M0, M0+, M1, M23), whose Thumb is 1.
  */
 #if defined(__GNUC__) && defined(__arm__) &&                                                                 \
     ((defined(__thumb__) && defined(__ARM_ARCH_ISA_THUMB) && __ARM_ARCH_ISA_THUMB >= 2) ||                   \

@@ -1,9 +1,9 @@
 /*
  * IQ24's hooks for RV32 with the multiply extension (M or Zmmul); chosen by target/choose.h.
  *
- * The plain product of two widened factors is what gcc and clang make MUL and MULH of. Named in assembler instead, they
- * cost the sample's way through the interrupts up to 2 % more and the finite set 13 % (gcc 12.2): the compiler can no
- * longer drop the half that nobody reads.
+ * The plain product of two widened factors is what gcc and clang make MUL and MULH of. Named in assembler
+ * instead, they cost the sample's way through the interrupts up to 2 % more and the finite set 13 % (gcc
+ * 12.2): the compiler can no longer drop the half that nobody reads.
  */
 #ifndef IQFOC_TARGET_RV32_MULH_H
 #define IQFOC_TARGET_RV32_MULH_H
