@@ -217,6 +217,41 @@ static void negate_and_absolute_saturate(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, iq24_abs_sat(IQ24_MIN));
 }
 
+static void comparisons_at_every_extreme(void)
+{
+    iq24_t extremes[IQ24_EXTREMES];
+    int count = iq24_extremes(extremes);
+    for (int i = 0; i < count; i++) {
+        for (int j = 0; j < count; j++) {
+            const int64_t a = extremes[i];
+            const int64_t b = extremes[j];
+            TEST_ASSERT_EQUAL_INT32(a - b < 0 ? a : b, iq24_min(extremes[i], extremes[j]));
+            TEST_ASSERT_EQUAL_INT32(a - b < 0 ? b : a, iq24_max(extremes[i], extremes[j]));
+            TEST_ASSERT_EQUAL(a - b >= 0 && a <= IQ24_ONE, iq24_within(extremes[i], extremes[j], IQ24_ONE));
+        }
+    }
+}
+
+/* Against the exact quotient in steps of one bit: no shift of the product by more than one is trusted. */
+static void products_of_other_formats_round_to_the_nearest(void)
+{
+    iq24_t extremes[IQ24_EXTREMES];
+    int count = iq24_extremes(extremes);
+    for (int i = 0; i < count; i++) {
+        for (int j = 0; j < count; j++) {
+            for (uint32_t bits = 1; bits <= 31; bits++) {
+                int64_t below =
+                    exact_product(extremes[i], extremes[j]); /* of one more bit: its last rounds */
+                for (uint32_t k = 1; k < bits; k++) {
+                    below = (below - (below & 1)) / 2;
+                }
+                const int64_t nearest = (below - (below & 1)) / 2 + (below & 1);
+                TEST_ASSERT_EQUAL_INT32(modulo_2_32(nearest), iq24_mul_shift(extremes[i], extremes[j], bits));
+            }
+        }
+    }
+}
+
 static void clamp_limits_to_both_ends(void)
 {
     iq24_t extremes[IQ24_EXTREMES];
@@ -408,6 +443,8 @@ int main(void)
     RUN_TEST(sums_wrap_and_saturate_at_every_extreme);
     RUN_TEST(the_product_test_sees_a_lost_carry);
     RUN_TEST(negate_and_absolute_saturate);
+    RUN_TEST(comparisons_at_every_extreme);
+    RUN_TEST(products_of_other_formats_round_to_the_nearest);
     RUN_TEST(clamp_limits_to_both_ends);
     RUN_TEST(right_shifts_are_floors);
     RUN_TEST(wrap_and_sat_of_64_bits);
