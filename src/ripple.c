@@ -3,10 +3,10 @@
  */
 #include "iqfoc/ripple.h"
 
-/* k x/24, k in Q26 and x in IQ24: |k x| <= 16 * 2.1 is 2^55.1 in Q50; / 4 / 24 by two steps keeps 32 bits. */
+/* k x/24, k in Q26 and x in IQ24: |k x| <= 16 * 2.1 is 2^55.1 in Q50, and within IQ24 before the division. */
 static iq24_t share(int32_t k_q26, iq24_t x)
 {
-    return iq24_shift_wrap(IQ24_MUL64(k_q26, x) + (INT64_C(1) << 25), 26) / 24;
+    return iq24_mul_shift(k_q26, x, 26) / 24;
 }
 
 /* Range: phi^2 <= 4.39. */
