@@ -218,8 +218,8 @@ def diagnosed_header_in_c_and_c_plus_plus(folder):
     example = ROOT / "examples/corrected_drive"
     for language in (["gcc", "-std=c99"], ["g++", "-std=c++17"], ["clang++", "-std=c++20"]):
         kind = "c" if language[0] == "gcc" else "c++"
-        run([*language, *WARNINGS, "-DIQFOC_DIAGNOSED", f"-I{INCLUDE}", f"-I{example}", "-x", kind, PROGRAM, "-x", "none", *objects,
-             "-o", folder / "consumer"])
+        run([*language, *WARNINGS, "-DIQFOC_DIAGNOSED", f"-I{INCLUDE}", f"-I{example}", "-x", kind, PROGRAM, "-x", "none",
+             *objects, "-o", folder / "consumer"])
         run([folder / "consumer"])
 
 
@@ -305,6 +305,12 @@ def msp430_by_clang(folder):
     compile_bare(folder, "clang", ["--target=msp430"], [])
 
 
+def c28x_header_on_the_host(folder):
+    """TI's compiler is not at hand: its macro alone, so that the header is at least sound C and gives the same sum."""
+    run(["gcc", "-std=c99", "-O2", *WARNINGS, "-D__TMS320C28XX__", f"-I{INCLUDE}", *SOURCES, PROGRAM, "-o", folder / "consumer"])
+    run([folder / "consumer"])
+
+
 # ---- Refusals ----
 
 def refusal(folder, command, *words):
@@ -364,8 +370,8 @@ CHECKS = [
     top_level_with_a_foreign_toolchain_file, find_package_static, find_package_shared, find_package_refuses_another_version,
     pkg_config, makefile_drop_in_counts_as_published, makefile_drop_in_on_cortex_m0plus, in_c_plus_plus,
     diagnosed_header_in_c_and_c_plus_plus, each_header_alone, clang_for_arm, gcc_for_other_arm_cores, riscv, xtensa, avr_by_clang,
-    msp430_by_clang, refuses_constants_of_single_precision, refuses_a_double_of_32_bits, refuses_a_wrong_target_header,
-    refuses_a_value_out_of_its_range,
+    msp430_by_clang, c28x_header_on_the_host, refuses_constants_of_single_precision, refuses_a_double_of_32_bits,
+    refuses_a_wrong_target_header, refuses_a_value_out_of_its_range,
 ]
 
 
