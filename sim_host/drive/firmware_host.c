@@ -14,9 +14,9 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
         return error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
     }
     if (host->extension != NULL) {
-        const iqfoc_extension_error_t unfit = iqfoc_extension_check(host->extension);
+        const iqfoc_error_t unfit = iqfoc_extension_check(host->extension);
         if (unfit != IQFOC_OK) {
-            return error_failure(e, 0, "the library refused its corrections: iqfoc_extension_error_t %d",
+            return error_failure(e, 0, "the library refused its corrections: iqfoc_error_t %d",
                                  (int)unfit);
         }
     }
