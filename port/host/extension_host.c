@@ -19,8 +19,8 @@ static bool currents(const motor *m, const per_unit *base, iqfoc_extension_t *ma
     const motor_extension *x = &m->ext;
     bool good = true;
     for (int phase = 0; phase < 3 && good; phase++) {
-        const double o_A = x->has[EXT_CURRENT_OFFSET] ? x->o_A[phase] : 0.0;
-        const double g = x->has[EXT_CURRENT_GAIN] ? x->g[phase] : 1.0;
+        const double o_A = x->has[CAUSE_CURRENT_OFFSET] ? x->o_A[phase] : 0.0;
+        const double g = x->has[CAUSE_CURRENT_GAIN] ? x->g[phase] : 1.0;
         good = constant(m, offset_key[phase], "current offset/I_b", IQFOC_RAW_EXT_OFFSET(o_A, base->I_A),
                         -IQFOC_MAX_EXT_OFFSET, IQFOC_MAX_EXT_OFFSET, offset[phase], e) &&
                constant(m, gain_key[phase], "1/current gain", IQFOC_RAW_EXT_GAIN_INVERSE(g),
@@ -33,12 +33,12 @@ bool extension_from_motor(const motor *m, iqfoc_extension_t *extension, error *e
 {
     const per_unit base = per_unit_of(m);
     const motor_extension *x = &m->ext;
-    const double theta_0 = x->has[EXT_ANGLE_OFFSET] ? x->theta_0_rad : 0.0;
-    const double t_delay_s = x->has[EXT_ANGLE_DELAY] ? x->t_delay_s : 0.0;
-    const double k_u = x->has[EXT_VOLTAGE_GAIN] ? x->k_u : 1.0;
-    const double v_dead_V = x->has[EXT_DEAD_TIME] ? x->v_dead_V : 0.0;
-    const double knee_A = x->has[EXT_DEAD_TIME] ? x->i_knee_A : 0.0;
-    const double saturation = x->has[EXT_SATURATION] ? IQFOC_RAW_EXT_SATURATION(x->I_sat_A, base.I_A) : 0.0;
+    const double theta_0 = x->has[CAUSE_ANGLE_OFFSET] ? x->theta_0_rad : 0.0;
+    const double t_delay_s = x->has[CAUSE_ANGLE_DELAY] ? x->t_delay_s : 0.0;
+    const double k_u = x->has[CAUSE_VOLTAGE_GAIN] ? x->k_u : 1.0;
+    const double v_dead_V = x->has[CAUSE_DEAD_TIME] ? x->v_dead_V : 0.0;
+    const double knee_A = x->has[CAUSE_DEAD_TIME] ? x->i_knee_A : 0.0;
+    const double saturation = x->has[CAUSE_SATURATION] ? IQFOC_RAW_EXT_SATURATION(x->I_sat_A, base.I_A) : 0.0;
     iqfoc_extension_t made = IQFOC_EXTENSION_NONE;
     if (!currents(m, &base, &made, e) ||
         !constant(m, "theta_0_rad", "theta_0 in turns", IQFOC_RAW_EXT_ANGLE(theta_0), -IQFOC_MAX_EXT_ANGLE,

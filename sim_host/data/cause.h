@@ -8,10 +8,10 @@
 #include <stdbool.h>
 
 typedef enum cause_id {
-#define CAUSE(ID, ...)   EXT_##ID,
-#define UNNAMED(ID, ...) EXT_##ID,
+#define CAUSE(ID, ...)   CAUSE_##ID,
+#define UNNAMED(ID, ...) CAUSE_##ID,
 #include "causes.def"
-    EXT_COUNT
+    CAUSE_COUNT
 } cause_id;
 
 /* What the library has against a cause. */
@@ -30,6 +30,6 @@ typedef struct cause_row {
     const char *noun;  /* what a plant with it has: "a dead time" */
 } cause_row;
 
-extern const cause_row cause_table[EXT_COUNT];
+extern const cause_row cause_table[CAUSE_COUNT];
 
 #endif

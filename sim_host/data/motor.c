@@ -15,9 +15,9 @@ enum { NEEDED = true, OPTIONAL = false };
 
 const motor_value motor_values[] = {
 #define MACHINE_VALUE(ID, field, kind, name, unit)                                                           \
-    {EXT_##ID, true, #field, name, unit, VALUE_##kind, offsetof(motor, field), NEEDED, NAN},
+    {CAUSE_##ID, true, #field, name, unit, VALUE_##kind, offsetof(motor, field), NEEDED, NAN},
 #define VALUE(ID, field, key, name, unit, kind, range, need, absent)                                         \
-    {EXT_##ID, false, key, name, unit, VALUE_##kind, offsetof(motor, ext.field), need, absent},
+    {CAUSE_##ID, false, key, name, unit, VALUE_##kind, offsetof(motor, ext.field), need, absent},
 #include "causes.def"
 };
 
@@ -89,7 +89,7 @@ void motor_inductances(const motor *m, double *L_d_H, double *L_q_H)
 {
     *L_d_H = m->L_d_H;
     *L_q_H = m->L_q_H;
-    if (m->ext.has[EXT_SATURATION]) {
+    if (m->ext.has[CAUSE_SATURATION]) {
         *L_d_H = m->ext.L_0_H * 2.0 * m->L_d_H / (m->L_d_H + m->L_q_H);
         *L_q_H = m->ext.L_0_H * 2.0 * m->L_q_H / (m->L_d_H + m->L_q_H);
     }
@@ -171,7 +171,7 @@ bool motor_read(const char *path, motor *m, error *e)
     read.u_dc_V = toml_number(t, "u_dc_V", TOML_POSITIVE);
 
     t = toml_table_inner_or_null(root, "extension");
-    for (int id = 0; id < EXT_COUNT; id++) {
+    for (int id = 0; id < CAUSE_COUNT; id++) {
         if (motor_is_extension((cause_id)id)) {
             read_extension(t, (cause_id)id, &read);
         }
@@ -287,7 +287,7 @@ bool motor_write(const char *path, const motor *m, const char *comment, error *e
     put_number(out, "f_pwm_Hz", m->f_pwm_Hz);
     put_number(out, "u_dc_V", m->u_dc_V);
 
-    for (int id = 0; id < EXT_COUNT; id++) {
+    for (int id = 0; id < CAUSE_COUNT; id++) {
         if (m->ext.has[id] && motor_is_extension((cause_id)id)) {
             put_extension(out, (cause_id)id, m);
         }

@@ -15,7 +15,7 @@
 
 /* One field a parameter of causes.def, and which [extension.<id>] tables stand. */
 typedef struct motor_extension {
-    bool has[EXT_COUNT];
+    bool has[CAUSE_COUNT];
 #define VALUE(ID, field, ...)        double field;
 #define PHASE_VALUES(ID, field, ...) double field[3];
 #include "causes.def"

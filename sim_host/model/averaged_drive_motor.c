@@ -7,23 +7,21 @@ static const double NEVER = 1e6; /* of the rated peak */
 static void take_laws(averaged_drive *d, const motor *m)
 {
     const motor_extension *x = &m->ext;
-    if (x->has[EXT_SATURATION]) {
-        d->L_d_H = x->L_0_H * 2.0 * m->L_d_H / (m->L_d_H + m->L_q_H);
-        d->L_q_H = x->L_0_H * 2.0 * m->L_q_H / (m->L_d_H + m->L_q_H);
+    if (x->has[CAUSE_SATURATION]) {
         d->saturation = 1.0 / (x->I_sat_A * x->I_sat_A);
     }
-    if (x->has[EXT_CURRENT_OFFSET]) {
+    if (x->has[CAUSE_CURRENT_OFFSET]) {
         const vec_ab offset = vec_from_phases(x->o_A);
         d->offset_ab_A[0] = offset.alpha;
         d->offset_ab_A[1] = offset.beta;
         d->offset_zero_A = (x->o_A[0] + x->o_A[1] + x->o_A[2]) / 3.0;
     }
-    if (x->has[EXT_ANGLE_HARMONIC]) {
+    if (x->has[CAUSE_ANGLE_HARMONIC]) {
         const size_t n = x->harmonic_order > 1.5 ? 1 : 0;
         d->harmonic_cos_rad[n] = x->harmonic_amplitude_rad * cos(x->harmonic_phase_rad);
         d->harmonic_sin_rad[n] = -x->harmonic_amplitude_rad * sin(x->harmonic_phase_rad);
     }
-    if (x->has[EXT_VOLTAGE_DELAY]) {
+    if (x->has[CAUSE_VOLTAGE_DELAY]) {
         d->u_delay[0] = x->voltage_delay_cycles == 1.0 ? 1.0 : 0.0;
         d->u_delay[1] = x->voltage_delay_cycles >= 2.0 ? 1.0 : 0.0;
     }
@@ -32,15 +30,14 @@ static void take_laws(averaged_drive *d, const motor *m)
 averaged_drive averaged_drive_of(const motor *m)
 {
     averaged_drive d = {.R_ohm = m->R_ohm,
-                        .L_d_H = m->L_d_H,
-                        .L_q_H = m->L_q_H,
                         .psi_f_Wb = m->psi_f_Wb,
                         .i_knee_A = 0.02 * m->I_rated_A_rms,
-                        .edge = m->ext.has[EXT_DEAD_TIME] ? EDGE_CLIPPED : EDGE_CHARGED,
+                        .edge = m->ext.has[CAUSE_DEAD_TIME] ? EDGE_CLIPPED : EDGE_CHARGED,
                         .k_u = 1.0,
                         .g = {1.0, 1.0, 1.0}};
-#define MODEL(ID, field, member) d.member = m->ext.has[EXT_##ID] ? m->ext.field : d.member;
+#define MODEL(ID, field, member) d.member = m->ext.has[CAUSE_##ID] ? m->ext.field : d.member;
 #include "../data/causes.def"
+    motor_inductances(m, &d.L_d_H, &d.L_q_H);
     take_laws(&d, m);
     return d;
 }
@@ -74,9 +71,9 @@ motor averaged_drive_motor(const averaged_drive *d, const motor *base)
 #include "../data/causes.def"
     put_laws(&m, d);
     m.ext.i_knee_A = d->v_dead_V != 0.0 ? d->i_knee_A : 0.0;
-    for (int id = 0; id < EXT_COUNT; id++) {
+    for (int id = 0; id < CAUSE_COUNT; id++) {
         motor_note_extension(&m, (cause_id)id);
     }
-    m.ext.has[EXT_SATURATION] = d->saturation > 0.0;
+    m.ext.has[CAUSE_SATURATION] = d->saturation > 0.0;
     return m;
 }

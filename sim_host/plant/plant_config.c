@@ -10,8 +10,7 @@ plant_config plant_config_from_motor(const motor *m)
     memset(&c, 0, sizeof c);
     c.machine.pole_pairs = m->pole_pairs;
     c.machine.R_ohm = m->R_ohm;
-    c.machine.L_d_H = m->L_d_H;
-    c.machine.L_q_H = m->L_q_H;
+    motor_inductances(m, &c.machine.L_d_H, &c.machine.L_q_H);
     c.machine.psi_f_Wb = m->psi_f_Wb;
     c.inverter.u_dc_V = m->u_dc_V;
     c.inverter.k_u = 1.0;

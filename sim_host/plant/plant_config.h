@@ -88,8 +88,9 @@ typedef struct plant_config {
 } plant_config;
 
 /*
- * The ideal drive of a motor file: its [motor] and [inverter] values, perfect sensors, standing shaft.
- * The file's extensions are fitted laws of the averaged model, not physics, and are not taken over.
+ * The ideal drive of a motor file: its [motor] and [inverter] values, perfect sensors, standing shaft. Its
+ * extensions are fitted laws of the averaged model, not physics, and are not taken over; but its inductances
+ * are those at zero current, as everywhere (motor_inductances).
  */
 plant_config plant_config_from_motor(const motor *m);
 

@@ -54,7 +54,7 @@ static void current_of(const motor *m, const double flux[2], double theta, doubl
     double aa = m->L_d_H * c * c + m->L_q_H * s * s;
     double ab = (m->L_d_H - m->L_q_H) * c * s;
     double bb = m->L_d_H * s * s + m->L_q_H * c * c;
-    for (int x = 0; x < 3 && m->ext.has[EXT_PHASE_INDUCTANCE]; x++) {
+    for (int x = 0; x < 3 && m->ext.has[CAUSE_PHASE_INDUCTANCE]; x++) {
         double along = cos(TWO_PI * x / 3.0);
         double across = sin(TWO_PI * x / 3.0);
         aa += 2.0 / 3.0 * m->ext.dL_H[x] * along * along;
@@ -153,15 +153,15 @@ static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], 
     double i[3];
     to_phases(i_ab, i);
     for (int p = 0; p < 3; p++) {
-        double g = x->has[EXT_CURRENT_GAIN] ? x->g[p] : 1.0;
-        double o = x->has[EXT_CURRENT_OFFSET] ? x->o_A[p] : 0.0;
+        double g = x->has[CAUSE_CURRENT_GAIN] ? x->g[p] : 1.0;
+        double o = x->has[CAUSE_CURRENT_OFFSET] ? x->o_A[p] : 0.0;
         r->i_A[p][k] = g * i[p] + o + b->noise_A * normal(random);
     }
     if (b->two_sensors) {
         r->i_A[2][k] = -r->i_A[0][k] - r->i_A[1][k];
     }
-    double shown = theta + (x->has[EXT_ANGLE_OFFSET] ? x->theta_0_rad : 0.0) +
-                   (x->has[EXT_ANGLE_DELAY] ? x->t_delay_s * omega : 0.0);
+    double shown = theta + (x->has[CAUSE_ANGLE_OFFSET] ? x->theta_0_rad : 0.0) +
+                   (x->has[CAUSE_ANGLE_DELAY] ? x->t_delay_s * omega : 0.0);
     r->theta_e_rad[k] = shown - TWO_PI * floor(shown / TWO_PI);
     r->omega_e_rad_s[k] = omega;
 }
@@ -207,9 +207,9 @@ recording bench_record(const bench *b)
                 m->R_ohm * i_q[run] + omega * (m->L_d_H * d + m->psi_f_Wb) + 5.0 * (i_q[run] - q) + step[1];
             double u_ab[2] = {u_d * c - u_q * s, u_d * s + u_q * c};
             double applied[2];
-            double k_u = m->ext.has[EXT_VOLTAGE_GAIN] ? m->ext.k_u : 1.0;
+            double k_u = m->ext.has[CAUSE_VOLTAGE_GAIN] ? m->ext.k_u : 1.0;
             double ripple = 1.0 + b->unlogged_ripple * sin(TWO_PI * 300.0 * r.t_s[k]);
-            bool late = m->ext.has[EXT_VOLTAGE_DELAY];
+            bool late = m->ext.has[CAUSE_VOLTAGE_DELAY];
             double phase[3];
             to_phases(u_ab, phase);
             for (int p = 0; p < 3; p++) {

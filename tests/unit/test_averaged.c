@@ -111,14 +111,14 @@ static void an_edge_loses_its_share(void)
 static void the_extended_motor_file_says_the_same_drive(void)
 {
     motor m = bench_motor();
-    m.ext.has[EXT_ANGLE_HARMONIC] = true;
+    m.ext.has[CAUSE_ANGLE_HARMONIC] = true;
     m.ext.harmonic_order = 2.0;
     m.ext.harmonic_amplitude_rad = 0.03;
     m.ext.harmonic_phase_rad = -2.5;
-    m.ext.has[EXT_SATURATION] = true;
+    m.ext.has[CAUSE_SATURATION] = true;
     m.ext.L_0_H = 0.0095;
     m.ext.I_sat_A = 20.0;
-    m.ext.has[EXT_VOLTAGE_DELAY] = true;
+    m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
     m.ext.voltage_delay_cycles = 1.0;
     averaged_drive d = averaged_drive_of(&m);
     motor base = bench_motor();
@@ -127,9 +127,12 @@ static void the_extended_motor_file_says_the_same_drive(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.03, again.ext.harmonic_amplitude_rad);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -2.5, again.ext.harmonic_phase_rad);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0095, again.ext.L_0_H);
+    /* The axes' ratio is [motor]'s, their mean L_0. */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0095, 0.5 * (again.L_d_H + again.L_q_H));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, m.L_d_H / m.L_q_H, again.L_d_H / again.L_q_H);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 20.0, again.ext.I_sat_A);
     TEST_ASSERT_EQUAL_DOUBLE(1.0, again.ext.voltage_delay_cycles);
-    TEST_ASSERT_FALSE(again.ext.has[EXT_DEAD_TIME] || again.ext.has[EXT_CURRENT_GAIN]);
+    TEST_ASSERT_FALSE(again.ext.has[CAUSE_DEAD_TIME] || again.ext.has[CAUSE_CURRENT_GAIN]);
 }
 
 int main(void)

@@ -110,7 +110,7 @@ static void an_inductance_of_one_phase_or_of_all_is_named(void)
 {
     static const double added_H[][3] = {{0.0, 0.0008, 0.0}, {-0.0006, 0.0, 0.0}, {0.0004, -0.0007, 0.0005}};
     for (size_t k = 0; k < sizeof added_H / sizeof *added_H; k++) {
-        good.m.ext.has[EXT_PHASE_INDUCTANCE] = true;
+        good.m.ext.has[CAUSE_PHASE_INDUCTANCE] = true;
         memcpy(good.m.ext.dL_H, added_H[k], sizeof added_H[k]);
         diagnosis d = look(&good, NULL);
         one_cause(&d, "phase_inductance");
@@ -131,7 +131,7 @@ static void an_inductance_of_one_phase_or_of_all_is_named(void)
 
 static void everything_scaled_alike_is_one_voltage_gain(void)
 {
-    good.m.ext.has[EXT_VOLTAGE_GAIN] = true;
+    good.m.ext.has[CAUSE_VOLTAGE_GAIN] = true;
     good.m.ext.k_u = 0.96;
     diagnosis d = look(&good, NULL);
     one_cause(&d, "voltage_gain");
@@ -141,7 +141,7 @@ static void everything_scaled_alike_is_one_voltage_gain(void)
 
 static void a_voltage_that_acts_late_is_found(void)
 {
-    good.m.ext.has[EXT_VOLTAGE_DELAY] = true;
+    good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
     good.m.ext.voltage_delay_cycles = 1.0;
     diagnosis d = look(&good, NULL);
     one_cause(&d, "voltage_delay");
@@ -151,9 +151,9 @@ static void a_voltage_that_acts_late_is_found(void)
 
 static void two_causes_at_once_are_both_found(void)
 {
-    good.m.ext.has[EXT_ANGLE_OFFSET] = true;
+    good.m.ext.has[CAUSE_ANGLE_OFFSET] = true;
     good.m.ext.theta_0_rad = -0.03;
-    good.m.ext.has[EXT_CURRENT_GAIN] = true;
+    good.m.ext.has[CAUSE_CURRENT_GAIN] = true;
     good.m.ext.g[0] = 1.03;
     good.m.ext.g[1] = 0.98;
     good.m.ext.g[2] = 1.0;
@@ -174,7 +174,7 @@ static void two_causes_at_once_are_both_found(void)
 
 static void an_offset_is_named_although_one_cycle_hardly_shows_it(void)
 {
-    good.m.ext.has[EXT_CURRENT_OFFSET] = true;
+    good.m.ext.has[CAUSE_CURRENT_OFFSET] = true;
     good.m.ext.o_A[0] = 0.1;
     good.m.ext.o_A[1] = -0.06;
     good.m.ext.o_A[2] = -0.04;
@@ -228,7 +228,7 @@ static void an_angle_delay_beside_iron_loss_is_still_named(void)
 {
     good.R_iron_ohm = 800.0;
     good.tau_iron_s = 0.5 / good.m.f_pwm_Hz;
-    good.m.ext.has[EXT_ANGLE_DELAY] = true;
+    good.m.ext.has[CAUSE_ANGLE_DELAY] = true;
     good.m.ext.t_delay_s = 1e-4;
     diagnosis d = look(&good, NULL);
     TEST_ASSERT_EQUAL_size_t(1, d.causes);
@@ -244,7 +244,7 @@ static void mismatched_sensors_beside_resistance_and_inductance(void)
     good.m.R_ohm = 0.6;
     good.m.L_d_H *= 0.88;
     good.m.L_q_H *= 0.88;
-    good.m.ext.has[EXT_CURRENT_GAIN] = true;
+    good.m.ext.has[CAUSE_CURRENT_GAIN] = true;
     memcpy(good.m.ext.g, g, sizeof g);
     diagnosis d = look(&good, NULL);
     TEST_ASSERT_EQUAL_size_t(3, d.causes);
@@ -266,7 +266,7 @@ static void mismatched_sensors_beside_resistance_and_inductance(void)
 static void two_sensors_with_one_gain_are_no_mismatch(void)
 {
     good.two_sensors = true;
-    good.m.ext.has[EXT_CURRENT_GAIN] = true;
+    good.m.ext.has[CAUSE_CURRENT_GAIN] = true;
     good.m.ext.g[0] = good.m.ext.g[1] = good.m.ext.g[2] = 1.05;
     diagnosis d = look(&good, NULL);
     TEST_ASSERT_TRUE(d.causes > 0);
@@ -290,7 +290,7 @@ static void what_is_skipped_is_not_named(void)
 static void the_extended_motor_needs_nothing_more(void)
 {
     good.m.R_ohm = 1.1;
-    good.m.ext.has[EXT_ANGLE_DELAY] = true;
+    good.m.ext.has[CAUSE_ANGLE_DELAY] = true;
     good.m.ext.t_delay_s = 2e-5;
     diagnosis first = look(&good, NULL);
     recording r = bench_record(&good);

@@ -105,7 +105,7 @@ static void test_dead_time(void)
     motor m = laboratory();
     plant_config truth = plant_config_from_motor(&m);
     truth.inverter.t_dead_s = 2e-6;
-    m.ext.has[EXT_DEAD_TIME] = true;
+    m.ext.has[CAUSE_DEAD_TIME] = true;
     m.ext.v_dead_V = 2e-6 * 750.0 * 5000.0;
     m.ext.i_knee_A = 0.5;
     check("dead time", &truth, &m, 4.5, 6.5);
@@ -117,7 +117,7 @@ static void test_sensors(void)
     plant_config truth = plant_config_from_motor(&m);
     const double g[3] = {1.05, 0.97, 1.0};
     const double o[3] = {0.4, -0.1, -0.3};
-    m.ext.has[EXT_CURRENT_GAIN] = m.ext.has[EXT_CURRENT_OFFSET] = true;
+    m.ext.has[CAUSE_CURRENT_GAIN] = m.ext.has[CAUSE_CURRENT_OFFSET] = true;
     memcpy(m.ext.g, g, sizeof g);
     memcpy(m.ext.o_A, o, sizeof o);
     memcpy(truth.sensors.current_gain, g, sizeof g);
@@ -129,7 +129,7 @@ static void test_angle(void)
 {
     motor m = laboratory();
     plant_config truth = plant_config_from_motor(&m);
-    m.ext.has[EXT_ANGLE_OFFSET] = m.ext.has[EXT_ANGLE_DELAY] = true;
+    m.ext.has[CAUSE_ANGLE_OFFSET] = m.ext.has[CAUSE_ANGLE_DELAY] = true;
     m.ext.theta_0_rad = truth.sensors.theta_0_rad = 0.06;
     m.ext.t_delay_s = truth.sensors.t_delay_s = 5e-5;
     check("angle", &truth, &m, 120.0, 6.5);
@@ -139,7 +139,7 @@ static void test_link(void)
 {
     motor m = laboratory();
     plant_config truth = plant_config_from_motor(&m);
-    m.ext.has[EXT_VOLTAGE_GAIN] = true;
+    m.ext.has[CAUSE_VOLTAGE_GAIN] = true;
     m.ext.k_u = truth.inverter.k_u = 0.93;
     check("DC link", &truth, &m, 9.0, 8.5);
 }

@@ -140,7 +140,7 @@ static void saturation_keeps_the_finer_constants(void)
     predictive_drive drive;
     iqfoc_exact_winding_t winding;
     error e = {0};
-    m.ext.has[EXT_SATURATION] = true;
+    m.ext.has[CAUSE_SATURATION] = true;
     m.ext.L_0_H = m.L_d_H;
     m.ext.I_sat_A = 2.0 * per_unit_of(&m).I_A;
     at_current.L_d_H = at_current.L_q_H = m.L_d_H / 1.25; /* at the rated peak */

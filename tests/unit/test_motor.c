@@ -77,8 +77,8 @@ static void test_the_example_is_read(void)
     TEST_ASSERT_TRUE(m.psi_f_Wb == 0.134);
     TEST_ASSERT_TRUE(m.I_rated_A_rms == 10.5 && m.n_max_rpm == 8000.0);
     TEST_ASSERT_TRUE(m.f_pwm_Hz == 5000.0 && m.u_dc_V == 750.0);
-    for (int id = 0; id < EXT_COUNT; id++) {
-        TEST_ASSERT_EQUAL(id == EXT_DEAD_TIME, m.ext.has[id]);
+    for (int id = 0; id < CAUSE_COUNT; id++) {
+        TEST_ASSERT_EQUAL(id == CAUSE_DEAD_TIME, m.ext.has[id]);
     }
     TEST_ASSERT_TRUE(m.ext.v_dead_V == 4.2 && m.ext.i_knee_A == 0.15);
     TEST_ASSERT_TRUE(m.ext.k_u == 1.0 && m.ext.g[0] == 1.0 && m.ext.g[2] == 1.0);
@@ -168,7 +168,7 @@ static void test_written_is_read_back_to_the_same_bits(void)
     }
     m.ext.harmonic_order = 2.0;
     m.ext.voltage_delay_cycles = 1.0;
-    for (int id = 0; id < EXT_COUNT; id++) {
+    for (int id = 0; id < CAUSE_COUNT; id++) {
         m.ext.has[id] = motor_is_extension((cause_id)id);
     }
 
@@ -189,7 +189,7 @@ static void test_written_is_read_back_to_the_same_bits(void)
     }
     TEST_ASSERT_TRUE(back.ext.harmonic_order == 2.0);
     TEST_ASSERT_TRUE(back.ext.voltage_delay_cycles == 1.0);
-    for (int id = 0; id < EXT_COUNT; id++) {
+    for (int id = 0; id < CAUSE_COUNT; id++) {
         TEST_ASSERT_EQUAL_MESSAGE(motor_is_extension((cause_id)id), back.ext.has[id], cause_table[id].id);
     }
 }

@@ -131,7 +131,7 @@ static void test_inductances_are_those_at_zero_current(void)
     motor meant = laboratory();
     written.L_d_H = 4e-3;
     written.L_q_H = 6e-3;
-    written.ext.has[EXT_SATURATION] = true;
+    written.ext.has[CAUSE_SATURATION] = true;
     written.ext.L_0_H = 7e-3;
     written.ext.I_sat_A = 40.0;
     meant.L_d_H = 5.6e-3;
@@ -167,7 +167,7 @@ static void test_correction_that_does_not_fit_is_named(void)
     motor m = laboratory();
     iqfoc_extension_t extension;
     error e = {0, ""};
-    m.ext.has[EXT_DEAD_TIME] = true;
+    m.ext.has[CAUSE_DEAD_TIME] = true;
     m.ext.v_dead_V = 200.0;
     TEST_ASSERT_FALSE(extension_from_motor(&m, &extension, &e));
     TEST_ASSERT_EQUAL_INT(STATUS_UNUSABLE, e.status);

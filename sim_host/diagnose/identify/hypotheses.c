@@ -8,7 +8,7 @@
 
 const hypothesis hypothesis_table[H_COUNT] = {
 #define HYPOTHESIS(H, ID, text, list, ...)                                                                   \
-    [H] = {.cause = EXT_##ID, .words = (text), .columns = COUNT list, .column = {LIST list}, __VA_ARGS__},
+    [H] = {.cause = CAUSE_##ID, .words = (text), .columns = COUNT list, .column = {LIST list}, __VA_ARGS__},
 #include "data/causes.def"
 };
 

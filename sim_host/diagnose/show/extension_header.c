@@ -102,7 +102,7 @@ static void define_corrections(FILE *out, const diagnosis *d)
             isnan(v->absent); /* the inductances are above; I_sat stands only if the iron saturates */
         char macro[64];
         if (v->of_machine || cause_table[v->cause].firmware != FIRMWARE_HOLDS ||
-            (v->cause == EXT_SATURATION && (!there || v->offset != offsetof(motor, ext.I_sat_A)))) {
+            (v->cause == CAUSE_SATURATION && (!there || v->offset != offsetof(motor, ext.I_sat_A)))) {
             continue;
         }
         macro_of(v, macro, sizeof macro);
@@ -156,7 +156,7 @@ static void put_initialisers(FILE *out, bool saturates)
 /* Named effects that the firmware has no constant for. */
 static void put_rest(FILE *out, const diagnosis *d)
 {
-    for (int id = 0; id < EXT_COUNT; id++) {
+    for (int id = 0; id < CAUSE_COUNT; id++) {
         if (d->extended_motor.ext.has[id] && cause_table[id].firmware != FIRMWARE_HOLDS) {
             fprintf(out,
                     "/* Not here, because the library has no correction for it: %s. See motor_extended.toml. "
@@ -188,7 +188,7 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
           out);
     define_machine(out, d);
     define_corrections(out, d);
-    put_initialisers(out, d->extended_motor.ext.has[EXT_SATURATION]);
+    put_initialisers(out, d->extended_motor.ext.has[CAUSE_SATURATION]);
     put_rest(out, d);
     fputs("#endif\n", out);
     return out_file_commit(&f, e);

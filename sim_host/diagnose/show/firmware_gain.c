@@ -21,7 +21,7 @@ static bool firmware_of(const motor *m, firmware *f, error *e)
 {
     f->m = m;
     f->base = per_unit_of(m);
-    f->late = m->ext.has[EXT_VOLTAGE_DELAY] ? (size_t)m->ext.voltage_delay_cycles : 0;
+    f->late = m->ext.has[CAUSE_VOLTAGE_DELAY] ? (size_t)m->ext.voltage_delay_cycles : 0;
     motor unnamed = *m;
     unnamed.path = NULL; /* the reason is told without a file */
     return extension_from_motor(&unnamed, &f->extension, e) &&
@@ -44,8 +44,8 @@ static vec_ab sensed(const firmware *f, bool two_sensors, iqfoc_ab_t i)
     double i_A[3] = {iq24_to_double(phase.a) * f->base.I_A, iq24_to_double(phase.b) * f->base.I_A,
                      iq24_to_double(phase.c) * f->base.I_A};
     for (int n = 0; n < 3; n++) {
-        i_A[n] = (x->has[EXT_CURRENT_GAIN] ? x->g[n] : 1.0) * i_A[n] +
-                 (x->has[EXT_CURRENT_OFFSET] ? x->o_A[n] : 0.0);
+        i_A[n] = (x->has[CAUSE_CURRENT_GAIN] ? x->g[n] : 1.0) * i_A[n] +
+                 (x->has[CAUSE_CURRENT_OFFSET] ? x->o_A[n] : 0.0);
     }
     if (two_sensors) {
         i_A[2] = -i_A[0] - i_A[1];

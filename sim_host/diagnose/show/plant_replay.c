@@ -42,14 +42,14 @@ static void tell(char *text, size_t size, const char *format, ...)
 /* Each leg is late once a period: v_dead = u_dc t_dead f_pwm. A gain of voltage is a device no inverter has. */
 static void laws_of_plant(plant_config *c, const motor *m, double u_dc_V)
 {
-    c->inverter.t_dead_s = m->ext.has[EXT_DEAD_TIME] ? fmax(m->ext.v_dead_V, 0.0) * c->T_s / u_dc_V : 0.0;
-    c->inverter.delay_cycles = m->ext.has[EXT_VOLTAGE_DELAY] ? (int)lround(m->ext.voltage_delay_cycles) : 0;
+    c->inverter.t_dead_s = m->ext.has[CAUSE_DEAD_TIME] ? fmax(m->ext.v_dead_V, 0.0) * c->T_s / u_dc_V : 0.0;
+    c->inverter.delay_cycles = m->ext.has[CAUSE_VOLTAGE_DELAY] ? (int)lround(m->ext.voltage_delay_cycles) : 0;
 }
 
 /* The named effects as the plant's own physics. */
 static void physics(plant_config *c, const motor *m, double u_dc_V)
 {
-#define PLANT(ID, field, member) c->member = m->ext.has[EXT_##ID] ? m->ext.field : c->member;
+#define PLANT(ID, field, member) c->member = m->ext.has[CAUSE_##ID] ? m->ext.field : c->member;
 #include "data/causes.def"
     laws_of_plant(c, m, u_dc_V);
 }
@@ -72,7 +72,7 @@ static bool in_plant(const motor_value *v)
 /* "a dead time (v_dead = 3.39 V); windings (R = 0.8 ohm)": what the plant has and the file does not say. */
 static void describe(const motor *was, const motor *is, char *text, size_t size)
 {
-    for (int id = 0; id < EXT_COUNT; id++) {
+    for (int id = 0; id < CAUSE_COUNT; id++) {
         char values[200] = "";
         bool differ = is->ext.has[id] && !was->ext.has[id];
         for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
@@ -88,7 +88,7 @@ static void describe(const motor *was, const motor *is, char *text, size_t size)
         }
         /* Both inductances alike are said as such, or as two. */
         const bool salient = differs(is->L_d_H, is->L_q_H);
-        if (differ && !(id == EXT_INDUCTANCE && salient) && !(id == EXT_SALIENCY && !salient)) {
+        if (differ && !(id == CAUSE_INDUCTANCE && salient) && !(id == CAUSE_SALIENCY && !salient)) {
             tell(text, size, "%s (%s)", cause_table[id].noun, values);
         }
     }
@@ -131,7 +131,7 @@ static void follow(const recording *rec, const motor *m, size_t first, size_t co
     run->i_d_A.points = run->i_q_A.points = run->speed_rpm.points = points;
     run->load_Nm = profile_constant(0.0);
     run->u_dc_V = link_of(rec, first, count, m->u_dc_V);
-    const double ahead = m->ext.has[EXT_ANGLE_OFFSET] ? m->ext.theta_0_rad : 0.0;
+    const double ahead = m->ext.has[CAUSE_ANGLE_OFFSET] ? m->ext.theta_0_rad : 0.0;
     run->theta_mech_start_rad = (rec->theta_e_rad[first] - ahead) / m->pole_pairs;
 }
 

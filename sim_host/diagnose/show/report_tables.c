@@ -88,7 +88,7 @@ void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware)
               "recording: %.3g A rms per phase.%s",
               d->rows_held_out, d->rows_used, d->sensor_noise_A,
               d->outliers > 0 ? " Glitches were left out of the fit." : "");
-    for (int id = 0; id < EXT_COUNT; id++) {
+    for (int id = 0; id < CAUSE_COUNT; id++) {
         if (d->extended_motor.ext.has[id] && cause_table[id].firmware == FIRMWARE_LACKS) {
             page_note(p, "The firmware has no correction for %s: in its row that effect stays.",
                       cause_table[id].id);

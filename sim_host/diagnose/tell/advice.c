@@ -17,8 +17,8 @@ static bool is_pair(const diagnosis_cause *cause, const char *a, const char *b)
 /* What shows an effect that has no name in the list of causes; NULL for a set without such. */
 static const char *advice_for_unnamed(hypothesis_set set)
 {
-    static const char *const advice[EXT_COUNT] = {
-#define ADVICE(ID, text) [EXT_##ID] = (text),
+    static const char *const advice[CAUSE_COUNT] = {
+#define ADVICE(ID, text) [CAUSE_##ID] = (text),
 #include "data/causes.def"
     };
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
@@ -35,7 +35,7 @@ void advice_tell(const session *w, diagnosis *d)
         cause_id a, b;
         const char *advice;
     } pair[] = {
-#define TELL_APART(ID, OTHER, text) {EXT_##ID, EXT_##OTHER, text},
+#define TELL_APART(ID, OTHER, text) {CAUSE_##ID, CAUSE_##OTHER, text},
 #include "data/causes.def"
     };
     const diagnose_rows *r = &w->rows;
