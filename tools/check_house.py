@@ -5,6 +5,8 @@ The drawing is the block between <!-- house --> and <!-- end -->: one line a roo
 
     room   path   <- rooms that it includes
 
+where `lib:a,b*` stands for include/iqfoc/ and src/ with these names, and anything else for a folder, or for the files of that name.
+
 A room may include only rooms that stand above it, so that no arrow points up and there is no circle. Each include must be
 drawn, and each arrow drawn must be there. Within the rooms no files may include one another in a circle.
 
@@ -12,6 +14,7 @@ drawn, and each arrow drawn must be there. Within the rooms no files may include
     tools/check_house.py --print    prints the arrows as they are, for the drawing
 """
 
+import fnmatch
 import os
 import re
 import subprocess
@@ -40,10 +43,20 @@ def tracked(root):
     return [f for f in done.stdout.split("\n") if f.endswith(SOURCES) and os.path.exists(os.path.join(root, f))]
 
 
+def holds(where, path):
+    """How closely a room's path fits a file; 0: not at all."""
+    if where.startswith("lib:"):
+        folder, name = os.path.split(path)
+        stem = os.path.splitext(name)[0]
+        named = any(fnmatch.fnmatchcase(stem, wanted) for wanted in where[4:].split(","))
+        return len(path) if folder in ("include/iqfoc", "src") and named else 0
+    return len(where) if path.startswith((where + "/", where + ".")) else 0
+
+
 def room_of(path, rooms):
-    """The room with the longest path that holds the file, or None."""
-    fits = [(len(where), name) for name, where, _ in rooms if path == where or path.startswith(where + "/")]
-    return max(fits)[1] if fits else None
+    """The room whose path fits the file most closely, or None."""
+    closest = max(rooms, key=lambda room: holds(room[1], path))
+    return closest[0] if holds(closest[1], path) else None
 
 
 def includes(root, files):

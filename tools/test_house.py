@@ -55,6 +55,14 @@ class House(unittest.TestCase):
         self.assertEqual("data", house.room_of("host/data/x.c", rooms))
         self.assertIsNone(house.room_of("host/dataset/x.c", rooms))
 
+    def test_names_of_the_library(self):
+        rooms = [("numbers", "lib:iq24*,vector", []), ("cycle", "lib:cycle", ["numbers"])]
+        self.assertEqual("numbers", house.room_of("include/iqfoc/iq24_math.h", rooms))
+        self.assertEqual("numbers", house.room_of("src/vector.c", rooms))
+        self.assertEqual("cycle", house.room_of("src/cycle.c", rooms))
+        self.assertIsNone(house.room_of("src/recorder.c", rooms))
+        self.assertIsNone(house.room_of("include/iqfoc/target/iq24.h", rooms))
+
     def test_the_page_is_read(self):
         text = "<!-- house -->\n\n    base   host/base   <-\n    data   host/data/  <- base\n\n<!-- end -->"
         self.assertEqual([("base", "host/base", []), ("data", "host/data", ["base"])], house.drawing(text))
