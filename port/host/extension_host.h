@@ -10,9 +10,8 @@
 #include "iqfoc/flux_predictor.h"
 
 /*
- * What the firmware can put right of the file's extensions: saturation, dead time, voltage gain, current
- * offset and gain, angle offset and delay. The others (angle_harmonic, voltage_delay, emf_harmonics,
- * phase_asymmetry) have no constant there. False, with the file and the constant named, where a value does
+ * What the firmware can put right of the file's extensions: those that have a FIRMWARE row in
+ * data/causes.def. The others have no constant there. False, with the file and the constant named, where a value does
  * not fit the library's ranges.
  */
 bool extension_from_motor(const motor *m, iqfoc_extension_t *extension, error *e);
