@@ -1,3 +1,4 @@
+/* The catalogue's rows as a table (cause.h). */
 #include "cause.h"
 
 const cause_row cause_table[CAUSE_COUNT] = {

@@ -1,3 +1,4 @@
+/* Reading and writing motor files, driven by causes.def (motor.h). */
 #include "motor.h"
 
 #include "../base/number.h"
@@ -32,6 +33,14 @@ static toml_range between(double low, double high)
 static toml_range leaves(double rest)
 {
     return (toml_range){-rest, INFINITY, false};
+}
+
+static double least_inductance(const motor *m)
+{
+    double L_d_H;
+    double L_q_H;
+    motor_inductances(m, &L_d_H, &L_q_H);
+    return fmin(L_d_H, L_q_H);
 }
 
 /* What a value may be; it may depend on what stands in [motor]. */

@@ -23,6 +23,18 @@ void recording_free(recording *r)
     *r = (recording){0};
 }
 
+bool recording_three_sensors(const recording *r)
+{
+    double sum2 = 0.0;
+    double size2 = 0.0;
+    for (size_t k = 0; r->i_c_measured && k < r->rows; k++) {
+        const double sum = r->i_A[0][k] + r->i_A[1][k] + r->i_A[2][k];
+        sum2 += sum * sum;
+        size2 += r->i_A[0][k] * r->i_A[0][k] + r->i_A[1][k] * r->i_A[1][k];
+    }
+    return sum2 > 1e-8 * size2;
+}
+
 vec_ab recording_current(const recording *r, size_t k)
 {
     const double i_A[3] = {r->i_A[0][k], r->i_A[1][k], r->i_A[2][k]};

@@ -67,6 +67,10 @@ bool recording_write(const char *path, const recording *r, const char *comment, 
 
 void recording_free(recording *r);
 
+/* Whether there are three current sensors: a third column that is only minus the sum of the others, rounded,
+ * tells nothing of its own. */
+bool recording_three_sensors(const recording *r);
+
 /* The recorded current of row k, stationary frame. */
 vec_ab recording_current(const recording *r, size_t k);
 

@@ -1,3 +1,4 @@
+/* The page on top: a recording's way through check, identify, measure, choose and tell (diagnose.h). */
 #include "diagnose.h"
 
 #include "check/columns.h"
@@ -19,11 +20,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    SEARCH_ROWS =
-        12000, /* more are searched in evenly spread blocks: time, not accuracy, is what they would cost */
-    GAIN_ROUNDS = 4
-};
+/* Of more rows evenly spread blocks are searched: the others would cost time and gain nothing. */
+enum { SEARCH_ROWS = 12000, GAIN_ROUNDS = 4 };
 
 _Static_assert((int)H_COUNT <= (int)DIAGNOSIS_HYPOTHESES, "a row of the table for each hypothesis");
 _Static_assert(H_COUNT <= 8 * sizeof(hypothesis_set), "a bit for each hypothesis");
@@ -57,7 +55,7 @@ static void mention_decoys(const session *w, diagnosis *d)
 static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
     evidence_view *view = calloc(1, sizeof *view);
-    if (!view || !evidence_look(&w->fitted, &w->state, view)) {
+    if (!view || !evidence_look(&w->fitted, &w->state, w->possible, view)) {
         free(view);
         return false;
     }
@@ -159,6 +157,10 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
         return error_failure(e, 0, "out of memory");
     }
     bool ok = check_columns(rec, m, e) && rows_prepare(&w->rows, rec, m, e);
+    if (ok && measure_current(&w->rows, MEASURE_ALL, true) == 0.0) {
+        ok = error_input(e, rec->path, 0, 0,
+                         "no current flows in the rows that are held out: errors are told in percent of it");
+    }
     if (ok) {
         w->frame = coordinates_of(m, &w->rows);
         ok = fit_data_make(&w->fitted, &w->rows, &w->frame, SEARCH_ROWS, e);

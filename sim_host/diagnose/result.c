@@ -1,3 +1,4 @@
+/* The result's own functions (result.h). */
 #include "result.h"
 
 #include <stdlib.h>

@@ -276,6 +276,33 @@ static void two_sensors_with_one_gain_are_no_mismatch(void)
     diagnosis_free(&d);
 }
 
+/* A third column that a logger made of the two others is no third sensor. */
+static void a_third_current_that_was_computed_tells_nothing(void)
+{
+    good.two_sensors = true;
+    good.m.R_ohm = 1.1;
+    double extended[2];
+    for (int claimed = 0; claimed < 2; claimed++) {
+        motor file = bench_motor();
+        recording r = bench_record(&good);
+        diagnosis d;
+        error e = {0};
+        const diagnose_options options = {0};
+        r.i_c_measured = claimed == 1;
+        TEST_ASSERT_FALSE(recording_three_sensors(&r));
+        TEST_ASSERT_TRUE_MESSAGE(diagnose(&d, &r, &file, &options, &e), e.text);
+        one_cause(&d, "resistance");
+        extended[claimed] = d.extended;
+        diagnosis_free(&d);
+        recording_free(&r);
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(extended[0], extended[1]);
+    good.two_sensors = false;
+    recording r = bench_record(&good);
+    TEST_ASSERT_TRUE(recording_three_sensors(&r));
+    recording_free(&r);
+}
+
 static void what_is_skipped_is_not_named(void)
 {
     good.m.psi_f_Wb = 0.185;
@@ -349,6 +376,7 @@ int main(void)
     RUN_TEST(an_angle_delay_beside_iron_loss_is_still_named);
     RUN_TEST(mismatched_sensors_beside_resistance_and_inductance);
     RUN_TEST(two_sensors_with_one_gain_are_no_mismatch);
+    RUN_TEST(a_third_current_that_was_computed_tells_nothing);
     RUN_TEST(what_is_skipped_is_not_named);
     RUN_TEST(the_extended_motor_needs_nothing_more);
     RUN_TEST(a_short_recording_always_holds_rows_out);

@@ -172,9 +172,21 @@ static void another_cycle(void)
     refused_with("f_pwm_Hz");
 }
 
+static void no_current_in_the_rows_that_are_held_out(void)
+{
+    r.rows = 260;
+    r.stretches = 1;
+    r.stretch[0].count = 260;
+    for (size_t k = 80; k < r.rows; k++) {
+        r.i_A[0][k] = r.i_A[1][k] = r.i_A[2][k] = 0.0;
+    }
+    refused_with("no current flows in the rows that are held out");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(no_current_in_the_rows_that_are_held_out);
     RUN_TEST(swapped_phases);
     RUN_TEST(swapped_voltages);
     RUN_TEST(swapped_motor_cables);

@@ -142,7 +142,14 @@ static void test_what_is_no_toml_is_refused(void)
 
 static void test_extension_rules(void)
 {
-    expect_refused(0, "", "[extension.phase_asymmetry]\ndR_b_ohm = -0.8\n", "17:12", "dR_b_ohm must be a number >= -0.75, not -0.8");
+    expect_refused(0, "", "[extension.phase_asymmetry]\ndR_b_ohm = -0.8\n", "17:12",
+                   "dR_b_ohm must be a number >= -0.75, not -0.8");
+    expect_refused(0, "", "[extension.phase_inductance]\ndL_c_H = -0.0052\n", "17:10",
+                   "dL_c_H must be a number >= -0.00416");
+    expect_refused(
+        0, "",
+        "[extension.saturation]\nL_0_H = 1e-3\nI_sat_A = 30\n[extension.phase_inductance]\ndL_c_H = -0.003\n",
+        "20:10", "dL_c_H must be a number >= -0.0008");
     expect_refused(0, "", "[extension.angle_harmonic]\norder = 3\namplitude_rad = 0.1\nphase_rad = 0\n",
                    "17:9", "order must be a whole number from 1 to 2, not 3");
     expect_refused(0, "", "[extension.voltage_delay]\ncycles = -1\n", "17:10", "cycles must be");

@@ -1,3 +1,4 @@
+/* What the angle and the speed column look like beside each other (angle.h). */
 #include "angle.h"
 
 #include "base/vector.h"

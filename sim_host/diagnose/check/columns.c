@@ -1,3 +1,4 @@
+/* Length, cycle, sizes and units of a recording (columns.h). */
 #include "columns.h"
 
 #include "angle.h"

@@ -1,3 +1,4 @@
+/* Fitted values against the motor file's (motor_file.h). */
 #include "motor_file.h"
 
 #include <math.h>

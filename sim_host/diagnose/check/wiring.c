@@ -1,3 +1,4 @@
+/* The voltage equation with columns exchanged (wiring.h). */
 #include "wiring.h"
 
 #include "base/solve.h"

@@ -1,3 +1,4 @@
+/* Search and prune in turn until all that stays is certain (causes.h). */
 #include "causes.h"
 
 #include "confusion.h"
@@ -141,7 +142,7 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, FILE
 {
     for (;;) {
         if (!fit_refine(&w->fitted, &w->state, 12) || !certainty_of(&w->fitted, &w->state, &w->certainty) ||
-            !evidence_look(&w->fitted, &w->state, view)) {
+            !evidence_look(&w->fitted, &w->state, w->possible, view)) {
             return false;
         }
         hypothesis_id worst = weakest(w, view);

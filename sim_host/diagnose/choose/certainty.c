@@ -1,3 +1,4 @@
+/* Covariances that stay honest, and intervals from them (certainty.h). */
 #include "certainty.h"
 
 #include "base/solve.h"
@@ -10,7 +11,8 @@
 /* The half width of what cannot be known, in z. */
 static const double UNKNOWN = 1e6;
 
-double certainty_student(size_t degrees)
+/* Student's t, 97.5 %. */
+static double student(size_t degrees)
 {
     static const double table[] = {12.71, 12.71, 4.303, 3.182, 2.776, 2.571,
                                    2.447, 2.365, 2.306, 2.262, 2.228};
@@ -98,8 +100,8 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
                      group_covariance);
             double few_blocks = blocks > (double)n + 1.0 ? blocks / (blocks - (double)n) : 2.0;
             double few_groups = groups > 1 ? (double)groups / (double)(groups - 1) : 1.0;
-            double t_blocks = certainty_student(d->blocks > n + 1 ? d->blocks - n : 2);
-            double t_groups = certainty_student(groups > 1 ? groups - 1 : 1);
+            double t_blocks = student(d->blocks > n + 1 ? d->blocks - n : 2);
+            double t_groups = student(groups > 1 ? groups - 1 : 1);
             double ratio = 0.0;
             for (size_t i = 0; i < n; i++) {
                 for (size_t j = 0; j < n; j++) {

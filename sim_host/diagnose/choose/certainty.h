@@ -22,8 +22,7 @@ typedef struct certainty {
 /* At a fitted state. Where two columns cannot be told apart every width is huge. False: out of memory. */
 bool certainty_of(fit_data *d, const fit_state *s, certainty *c);
 
-/* Chi square of a hypothesis' parameters being nought, robust; and the same per 95 % half width squared, for
- * the weakest evidence. */
+/* Chi square of a hypothesis' parameters being nought, robust. */
 double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_id h);
 
 /* Half width along a column, 0 if it was not fitted. */
@@ -31,8 +30,5 @@ double certainty_half_width(const certainty *c, int column);
 
 /* How two columns lean on one another, -1 to 1; 0 if one was not fitted. */
 double certainty_correlation(const certainty *c, int column, int other);
-
-/* Student's t, 97.5 %. */
-double certainty_student(size_t degrees);
 
 #endif

@@ -1,3 +1,4 @@
+/* What could take a cause's place (confusion.h). */
 #include "confusion.h"
 
 #include <string.h>

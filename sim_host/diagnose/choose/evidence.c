@@ -1,3 +1,4 @@
+/* The cost of any set as a quadratic form (evidence.h). */
 #include "evidence.h"
 
 #include "base/solve.h"
@@ -23,21 +24,50 @@ static const double CAUSE_PENALTY = 25.0;
 static const double LEAST_SHARE = 5e-4;
 static const double LEAST_SHARE_BESIDE_DEAD_TIME = 1e-3;
 
-bool evidence_look(fit_data *d, const fit_state *s, evidence_view *view)
+/* The columns of the allowed hypotheses, and the coordinates that these move. */
+static size_t columns_of(const fit_data *d, hypothesis_set allowed, int column[COLUMN_COUNT])
+{
+    bool wanted[COLUMN_COUNT] = {[P_OFFSET_ZERO] = !d->rows->two_sensors};
+    double one[P_COUNT];
+    double moved[P_COUNT] = {0.0};
+    size_t n = 0;
+    for (size_t k = 0; k < P_COUNT; k++) {
+        one[k] = 1.0;
+    }
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(allowed, h)) {
+            hypothesis_copy(h, one, moved);
+            for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+                wanted[hypothesis_table[h].column[k]] = true;
+            }
+        }
+    }
+    for (int c = 0; c < COLUMN_COUNT; c++) {
+        if ((wanted[c] || (c < P_COUNT && moved[c] != 0.0)) && column_shows(c, d->rows)) {
+            column[n++] = c;
+        }
+    }
+    return n;
+}
+
+bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view)
 {
     int column[COLUMN_COUNT];
-    for (int c = 0; c < COLUMN_COUNT; c++) {
-        column[c] = c;
-    }
-    gram *grams = gram_blocks(d, s, column, COLUMN_COUNT);
+    const size_t n = columns_of(d, allowed | s->set, column);
+    gram *grams = gram_blocks(d, s, column, n);
     if (!grams) {
         return false;
     }
     memset(view, 0, sizeof *view);
-    view->two_sensors = d->rows->two_sensors;
+    view->rows = d->rows;
     for (size_t b = 0; b < d->blocks; b++) {
         view->total.c += grams[b].c;
-        gram_add(&view->total, &grams[b], COLUMN_COUNT);
+        for (size_t i = 0; i < n; i++) {
+            view->total.g[column[i]] += grams[b].g[i];
+            for (size_t j = 0; j < n; j++) {
+                view->total.h[column[i]][column[j]] += grams[b].h[i][j];
+            }
+        }
     }
     free(grams);
     for (size_t k = 0; k < P_COUNT; k++) {
@@ -67,8 +97,8 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
         for (size_t k = 0; k < hypo->columns; k++) {
             if (hypo->fixed) {
                 away[hypo->column[k]] += 1.0;
-            } else if (hypo->column[k] != P_GAIN_C || t->h[P_GAIN_C][P_GAIN_C] > 0.0) {
-                column[n++] = hypo->column[k]; /* with two sensors there is no third gain */
+            } else if (column_shows(hypo->column[k], view->rows)) {
+                column[n++] = hypo->column[k];
             }
         }
     }
@@ -122,7 +152,9 @@ double evidence_penalty(const evidence_view *view, hypothesis_set set)
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (set & HYPOTHESIS_BIT(h)) {
             size_t parameters = hypothesis_table[h].columns + hypothesis_table[h].shapes;
-            parameters -= h == H_CURRENT_GAIN && view->two_sensors;
+            for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+                parameters -= column_shows(hypothesis_table[h].column[k], view->rows) ? 0 : 1;
+            }
             sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
                    evidence_least(view->explained, set, h);
         }

@@ -9,7 +9,7 @@
 
 /* All columns' sums at a state, and what follows from them. */
 typedef struct evidence_view {
-    bool two_sensors;
+    const diagnose_rows *rows;
     double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
     gram total;       /* over the fit blocks */
     double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances
@@ -23,8 +23,8 @@ typedef struct evidence_option {
     double z[P_COUNT];
 } evidence_option;
 
-/* False: out of memory. */
-bool evidence_look(fit_data *d, const fit_state *s, evidence_view *view);
+/* For sets of the `allowed` hypotheses: what none of them moves is not looked at. False: out of memory. */
+bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view);
 
 /*
  * The cost of a set at the view, and where its optimum lies. False if the set is no choice: its optimum is not

@@ -1,3 +1,4 @@
+/* The best set of hypotheses, round by round (search.h). */
 #include "search.h"
 
 #include "evidence.h"
@@ -227,7 +228,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         if (ok && turned) {
             ok = fit_refine(d, s, REFINE_STEPS);
         }
-        ok = ok && evidence_look(d, s, view);
+        ok = ok && evidence_look(d, s, allowed, view);
         if (!ok) {
             break;
         }

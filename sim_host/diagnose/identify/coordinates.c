@@ -1,3 +1,4 @@
+/* Coordinates around the motor file (coordinates.h). */
 #include "coordinates.h"
 
 #include <math.h>

@@ -48,7 +48,8 @@ typedef struct coordinate {
     coordinate_bound bound;
     double low, high;
     double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
-    double usual;   /* one standard deviation of what drives show, in z; 0: nothing is said */
+    bool third_sensor; /* there is no such number where two currents are measured */
+    double usual;      /* one standard deviation of what drives show, in z; 0: nothing is said */
 } coordinate;
 
 extern const coordinate coordinate_table[P_COUNT];

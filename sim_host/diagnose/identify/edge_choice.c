@@ -1,3 +1,4 @@
+/* The law of a dead time near zero current, by likelihood (edge_choice.h). */
 #include "edge_choice.h"
 
 #include "fit.h"

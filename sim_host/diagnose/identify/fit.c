@@ -1,3 +1,4 @@
+/* Gauss-Newton and the observer's gains (fit.h). */
 #include "fit.h"
 
 #include "base/solve.h"

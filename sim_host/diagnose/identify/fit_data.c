@@ -1,3 +1,4 @@
+/* What a fit works on (fit_data.h). */
 #include "fit_data.h"
 
 #include "observer.h"

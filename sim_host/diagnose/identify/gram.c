@@ -1,3 +1,4 @@
+/* Sums over blocks (gram.h). */
 #include "gram.h"
 
 #include "observer.h"
@@ -5,14 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One block's innovations times the group's inverse Cholesky factor. */
 void gram_whiten(const group_noise *n, size_t rows, const double *innovation, double *out)
 {
     for (size_t j = 0; j < rows; j++) {
         const double *e = innovation + OBSERVER_OUTPUTS * j;
         double *w = out + OBSERVER_OUTPUTS * j;
-        double second =
-            n->white[1] * e[0] + n->white[2] * e[1]; /* first: out may be the innovations themselves */
+        /* Ahead of w[0], as `out` may be the innovations themselves. */
+        const double second = n->white[1] * e[0] + n->white[2] * e[1];
         w[0] = n->white[0] * e[0];
         w[1] = second;
         w[2] = n->white_zero * e[2];
@@ -44,10 +44,9 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
             continue;
         }
         for (size_t k = 0; k < hypo->columns; k++) {
-            if (hypo->column[k] == P_GAIN_C && d->rows->two_sensors) {
-                continue; /* no such sensor */
+            if (column_shows(hypo->column[k], d->rows)) {
+                column[n++] = hypo->column[k];
             }
-            column[n++] = hypo->column[k];
         }
         for (size_t k = 0; hypo->shapes > 0 && s->z[hypo->column[0]] != 0.0 && k < hypo->shapes; k++) {
             column[n++] = (int)hypo->shape[k];

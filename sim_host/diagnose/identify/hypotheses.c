@@ -1,3 +1,4 @@
+/* The table of hypotheses and what their columns move (hypotheses.h). */
 #include "hypotheses.h"
 
 #include <math.h>
@@ -208,6 +209,11 @@ double column_value(int column, const double z[P_COUNT])
         length += part->share * part->share;
     }
     return along / length;
+}
+
+bool column_shows(int column, const diagnose_rows *r)
+{
+    return column >= P_COUNT || !coordinate_table[column].third_sensor || !r->two_sensors;
 }
 
 static void column_copy(int column, const double from[P_COUNT], double to[P_COUNT])

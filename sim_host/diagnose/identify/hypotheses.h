@@ -72,9 +72,9 @@ typedef struct hypothesis {
     int column[HYPOTHESIS_COLUMNS]; /* directions that are fitted */
     bool fixed;                     /* the one direction is not fitted but set to 1 */
     double surprise; /* what choosing it must pay beyond its parameters, in chi square: rarer causes more */
-    double least;    /* the smallest size that is worth a name: below it the motor file is right for every
-                      * practical purpose, and second-order effects of a real inverter (ripple, quantised
-                      * duties) begin. In z. */
+    /* The smallest size that is worth a name, in z: below it the motor file is right for every practical purpose,
+     * and second-order effects of a real inverter (ripple, quantised duties) begin. */
+    double least;
     hypothesis_measure size;
     unsigned holds; /* HOLDS_ */
     unsigned role;  /* SCALES_, DELAYS_ */
@@ -83,10 +83,11 @@ typedef struct hypothesis {
     double most;       /* and at most this; 0: no bound */
     bool near_edge;    /* what a dead time's law leaves near zero current looks like it */
     bool one_vector;   /* the columns are the parts of one vector, whose length is its size */
-    size_t
-        shapes; /* coordinates that shape its law and are fitted with it once it stands: they say nothing */
-    coordinate_id shape[HYPOTHESIS_SHAPES]; /* of their own, and keep their values when it goes */
-    bool exact;                             /* its law leaves nothing that another cause could be taken for */
+    /* Coordinates that shape its law: fitted with it once it stands, they say nothing of their own, and keep their
+     * values when it goes. */
+    size_t shapes;
+    coordinate_id shape[HYPOTHESIS_SHAPES];
+    bool exact; /* its law leaves nothing that another cause could be taken for */
 } hypothesis;
 
 extern const hypothesis hypothesis_table[H_COUNT];
@@ -132,6 +133,9 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT]);
 
 /* Moves z along a column. */
 void column_move(int column, double by, double z[P_COUNT]);
+
+/* Whether these rows can show a column at all. */
+bool column_shows(int column, const diagnose_rows *r);
 
 /* Where z stands along a column. */
 double column_value(int column, const double z[P_COUNT]);

@@ -1,3 +1,4 @@
+/* The averaged drive as an observer of a recording (observer.h). */
 #include "observer.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Which revolution each stretch began in (revolution.h). */
 #include "revolution.h"
 
 #include "base/solve.h"

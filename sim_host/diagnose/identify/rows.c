@@ -1,3 +1,4 @@
+/* A recording made ready: angles, voltages, edges, nodes, blocks (rows.h). */
 #include "rows.h"
 
 #include <math.h>
@@ -11,22 +12,6 @@ enum {
     CORRECT_ROWS_MIN = 200, /* fewer rows say less about the speed than the column does */
     GROUPS_WANTED = 6 /* a recording of fewer runs is cut in time, or robust intervals had nothing to count */
 };
-
-/* A third sensor that is only minus the sum of the others, rounded, tells nothing of its own. */
-static bool third_sensor_counts(const recording *rec)
-{
-    if (!rec->i_c_measured) {
-        return false;
-    }
-    double sum2 = 0.0;
-    double size2 = 0.0;
-    for (size_t k = 0; k < rec->rows; k++) {
-        double sum = rec->i_A[0][k] + rec->i_A[1][k] + rec->i_A[2][k];
-        sum2 += sum * sum;
-        size2 += rec->i_A[0][k] * rec->i_A[0][k] + rec->i_A[1][k] * rec->i_A[1][k];
-    }
-    return sum2 > 1e-8 * size2;
-}
 
 static bool angle_is_wrapped(const recording *rec)
 {
@@ -275,7 +260,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
         rows_free(r);
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
     }
-    r->two_sensors = !third_sensor_counts(rec);
+    r->two_sensors = !recording_three_sensors(rec);
     r->mech_known = rec->theta_mech_rad != NULL || !angle_is_wrapped(rec) || m->pole_pairs == 1;
     r->temperature_known = rec->temp_C != NULL;
     fill_angles(r, m);

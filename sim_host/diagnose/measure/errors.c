@@ -1,3 +1,4 @@
+/* One-cycle errors (errors.h). */
 #include "errors.h"
 
 #include "diagnose/identify/observer.h"

@@ -1,3 +1,4 @@
+/* The noise floor (floor.h). */
 #include "floor.h"
 
 #include "diagnose/identify/observer.h"

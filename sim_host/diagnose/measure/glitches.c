@@ -1,3 +1,4 @@
+/* Rows that stand out (glitches.h). */
 #include "glitches.h"
 
 #include "diagnose/identify/observer.h"

@@ -1,3 +1,4 @@
+/* Lines in the spectrum of what is left (lines.h). */
 #include "lines.h"
 
 #include "diagnose/identify/observer.h"
@@ -10,8 +11,8 @@
 enum { LONGEST = 4096, SHORTEST = 128, LABELS = 64, ORDER_MOST = 24 };
 
 static const double CHANCE = 1e-6; /* of calling any bin of any run a line by chance */
-static const double WORTH_SAYING =
-    0.03; /* share of the one-cycle error's power: less does not hurt and is not called structure */
+/* Share of the one-cycle error's power: less does not hurt and is not called structure. */
+static const double WORTH_SAYING = 0.03;
 /* An error that is hardly above the floor may hold more: where the current hardly moves, quantisation errors
  * are slow lines themselves. */
 static const double WORTH_SAYING_NEAR_FLOOR = 0.12;

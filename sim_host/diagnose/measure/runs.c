@@ -1,3 +1,4 @@
+/* Figures per operating point and per method, and the series (runs.h). */
 #include "runs.h"
 
 #include "diagnose/identify/observer.h"

@@ -1,3 +1,4 @@
+/* The firmware's header (extension_header.h). */
 #include "extension_header.h"
 
 #include "base/number.h"
@@ -98,8 +99,8 @@ static void define_corrections(FILE *out, const diagnosis *d)
           out);
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
         const bool there = m->ext.has[v->cause];
-        const bool beyond =
-            isnan(v->absent); /* the inductances are above; I_sat stands only if the iron saturates */
+        /* The inductances are above; I_sat stands only if the iron saturates. */
+        const bool beyond = isnan(v->absent);
         char macro[64];
         if (v->of_machine || cause_table[v->cause].firmware != FIRMWARE_HOLDS ||
             (v->cause == CAUSE_SATURATION && (!there || v->offset != offsetof(motor, ext.I_sat_A)))) {

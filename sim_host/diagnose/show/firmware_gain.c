@@ -1,3 +1,4 @@
+/* The recording predicted by the firmware's own code (firmware_gain.h). */
 #include "firmware_gain.h"
 
 #include "base/vector.h"
@@ -36,7 +37,8 @@ static iqfoc_abc_t per_unit_phases(const double x[3], double base)
     return pu;
 }
 
-/* What the sensors of a drive with this motor's extension show of a true current, as a vector. */
+/* What the sensors of a drive with this motor's extension show of a true current; what the file does not say is
+ * no error. */
 static vec_ab sensed(const firmware *f, bool two_sensors, iqfoc_ab_t i)
 {
     const iqfoc_abc_t phase = iqfoc_clarke_inverse(i);
@@ -44,8 +46,7 @@ static vec_ab sensed(const firmware *f, bool two_sensors, iqfoc_ab_t i)
     double i_A[3] = {iq24_to_double(phase.a) * f->base.I_A, iq24_to_double(phase.b) * f->base.I_A,
                      iq24_to_double(phase.c) * f->base.I_A};
     for (int n = 0; n < 3; n++) {
-        i_A[n] = (x->has[CAUSE_CURRENT_GAIN] ? x->g[n] : 1.0) * i_A[n] +
-                 (x->has[CAUSE_CURRENT_OFFSET] ? x->o_A[n] : 0.0);
+        i_A[n] = x->g[n] * i_A[n] + x->o_A[n];
     }
     if (two_sensors) {
         i_A[2] = -i_A[0] - i_A[1];
@@ -54,7 +55,7 @@ static vec_ab sensed(const firmware *f, bool two_sensors, iqfoc_ab_t i)
 }
 
 /* One cycle in fixed point, from row k to what row k + 1 will show. */
-static vec_ab predict(const firmware *f, const recording *rec, size_t k)
+static vec_ab predict(const firmware *f, const recording *rec, bool two_sensors, size_t k)
 {
     const double i_A[3] = {rec->i_A[0][k], rec->i_A[1][k], rec->i_A[2][k]};
     double u_V[3];
@@ -64,18 +65,19 @@ static vec_ab predict(const firmware *f, const recording *rec, size_t k)
                              .turns = turns_from_speed(rec->omega_e_rad_s[k], rec->T_s),
                              .u_dc = IQ24_ONE};
     iqfoc_extension_sample(&f->extension, &sample);
-    if (!rec->i_c_measured) {
+    if (two_sensors) {
         sample.i.c = iq24_sub_wrap(0, iq24_add_wrap(sample.i.a, sample.i.b));
     }
     const iqfoc_ab_t next =
         iqfoc_flux_predictor_step(&f->predictor, &f->extension, iqfoc_clarke3(sample.i),
                                   iqfoc_clarke3(per_unit_phases(u_V, f->base.U_V)), iq24_sincos(sample.theta),
                                   iq24_sincos(iq24_add_wrap(sample.theta, sample.turns)));
-    return sensed(f, !rec->i_c_measured, next);
+    return sensed(f, two_sensors, next);
 }
 
 static double error_percent(const firmware *f, const recording *rec, const unsigned char *held_out)
 {
+    const bool two_sensors = !recording_three_sensors(rec);
     double wrong = 0.0;
     double current = 0.0;
     for (size_t n = 0; n < rec->stretches; n++) {
@@ -85,7 +87,7 @@ static double error_percent(const firmware *f, const recording *rec, const unsig
             if (!held_out[k] || !held_out[k + 1]) {
                 continue;
             }
-            const vec_ab shown = predict(f, rec, k);
+            const vec_ab shown = predict(f, rec, two_sensors, k);
             const vec_ab i = recording_current(rec, k + 1);
             const vec_ab off = {i.alpha - shown.alpha, i.beta - shown.beta};
             wrong += off.alpha * off.alpha + off.beta * off.beta;

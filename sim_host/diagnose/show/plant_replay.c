@@ -1,3 +1,4 @@
+/* The recording's operating points in the switching-level plant (plant_replay.h). */
 #include "plant_replay.h"
 
 #include "drive/drive_recording.h"
@@ -70,18 +71,20 @@ static bool in_plant(const motor_value *v)
 }
 
 /* "a dead time (v_dead = 3.39 V); windings (R = 0.8 ohm)": what the plant has and the file does not say. */
-static void describe(const motor *was, const motor *is, char *text, size_t size)
+static void describe(const motor *file, const motor *is, char *text, size_t size)
 {
+    motor was = *file;
+    motor_inductances(file, &was.L_d_H, &was.L_q_H); /* as the extended motor says them */
     for (int id = 0; id < CAUSE_COUNT; id++) {
         char values[200] = "";
-        bool differ = is->ext.has[id] && !was->ext.has[id];
+        bool differ = is->ext.has[id] && !was.ext.has[id];
         for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
             const size_t used = strlen(values);
             if ((int)v->cause != id || !in_plant(v)) {
                 continue;
             }
             differ = differ || ((v->of_machine || is->ext.has[id]) &&
-                                differs(motor_value_of(was, v), motor_value_of(is, v)));
+                                differs(motor_value_of(&was, v), motor_value_of(is, v)));
             snprintf(values + used, sizeof values - used, "%s%s = %.4g%s%s", used > 0 ? ", " : "", v->name,
                      motor_value_of(is, v), strcmp(v->unit, "1") == 0 ? "" : " ",
                      strcmp(v->unit, "1") == 0 ? "" : v->unit);
@@ -193,7 +196,7 @@ bool plant_replay(const recording *rec, const motor *nominal, const motor *exten
                   .log = {.voltages = true,
                           .duties = true,
                           .u_dc = true,
-                          .third_current = rec->i_c_measured,
+                          .third_current = recording_three_sensors(rec),
                           .mechanical_angle = true}};
     motor told = *nominal;
     motor is = *extended;

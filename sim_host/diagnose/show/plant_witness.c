@@ -1,3 +1,4 @@
+/* The plant's recording, diagnosed (plant_witness.h). */
 #include "plant_witness.h"
 
 #include "diagnose/diagnose.h"

@@ -13,8 +13,7 @@ typedef struct plant_witness {
     char effect[512]; /* the physics put into the plant */
     recording rec;
     diagnosis found; /* of rec, with the nominal motor file */
-    double
-        size; /* rms over runs of the nominal error beyond noise, simulated / measured; NAN: no such error */
+    double size;     /* rms over runs of the nominal error beyond noise, simulated / measured; NAN: none */
 } plant_witness;
 
 /* Never fails: what stands in the way is the reason. */

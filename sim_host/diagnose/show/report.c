@@ -1,3 +1,4 @@
+/* The report page from its parts (report.h). */
 #include "report.h"
 
 #include "base/json_file.h"

@@ -1,3 +1,4 @@
+/* The report's words and tables (report_tables.h). */
 #include "report_tables.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Residuals as voltages, their bins and orders (residual.h). */
 #include "residual.h"
 
 #include <math.h>

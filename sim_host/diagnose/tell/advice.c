@@ -1,3 +1,4 @@
+/* The next experiment (advice.h). */
 #include "advice.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* The diagnosis as JSON (json.h). */
 #include "json.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* The named causes in order (named.h). */
 #include "named.h"
 
 #include "diagnose/measure/errors.h"

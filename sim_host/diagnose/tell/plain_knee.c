@@ -1,3 +1,4 @@
+/* The plain law nearest to the fitted one (plain_knee.h). */
 #include "plain_knee.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* The verdict's sentence (sentence.h). */
 #include "sentence.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* The diagnosis on the terminal (text.h). */
 #include "text.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Values and intervals of a named cause (values.h). */
 #include "values.h"
 
 #include "plain_knee.h"
@@ -33,12 +34,6 @@ typedef struct spread {
 
 enum { SPREADS = HYPOTHESIS_COLUMNS + HYPOTHESIS_SHAPES };
 
-/* No sensor, no column: all that is known is what a gain can be. */
-static bool cannot_be_seen(const session *w, int column)
-{
-    return column == P_GAIN_C && w->rows.two_sensors;
-}
-
 static size_t spreads_of(const session *w, hypothesis_id h, spread list[SPREADS])
 {
     const hypothesis *hypo = &hypothesis_table[h];
@@ -54,7 +49,8 @@ static size_t spreads_of(const session *w, hypothesis_id h, spread list[SPREADS]
             hypo->one_vector ? hypothesis_size(h, w->state.z) : fabs(column_value(column, w->state.z));
         double half =
             certainty_half_width(&w->certainty, column) + of_least * hypo->least + more.of_effect * size;
-        if (cannot_be_seen(w, column)) {
+        if (!column_shows(column, &w->rows)) {
+            /* All that is known is what a gain can be. */
             half = 0.5 * (coordinate_table[column].high - coordinate_table[column].low);
         }
         list[n++] = (spread){column, hypo->fixed ? 0.0 : half, COORDINATE_STEP};
