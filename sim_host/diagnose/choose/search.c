@@ -177,7 +177,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
 {
     const fit_state start = *s;
     double best_score = state_score(e->view, s);
-    hypothesis_set tried[REFINED + FULL_SIZE];
+    hypothesis_set tried[REFINED + FULL_SIZE] = {0};
     size_t n = 0;
     for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
         /* First the best of each size: while the state is a bad fit, larger sets win by soaking up what is
