@@ -169,13 +169,13 @@ static vec_ab phase_flux(const averaged_drive *d, vec_ab i)
 
 /*
  * What that part takes of the flux left for the rest by the end of a cycle, whose current without it would have
- * changed by `free`. With M its matrix and K the inverse inductance, both stationary, the change x that is left
- * solves (1 + K M) x = free.
+ * changed by `free`. With M its matrix, of whose flux `half` has not decayed by then, and K the inverse inductance,
+ * all stationary, the change x that is left solves (1 + half K M) x = free, and half M x is what it takes.
  */
-static vec_ab phase_share(const averaged_drive *d, vec_ab free, double cos_2, double sin_2)
+static vec_ab phase_share(const averaged_drive *d, vec_ab free, double half, double cos_2, double sin_2)
 {
-    const double even = 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
-    const double odd = 0.5 * (1.0 / d->L_d_H - 1.0 / d->L_q_H);
+    const double even = half * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
+    const double odd = half * 0.5 * (1.0 / d->L_d_H - 1.0 / d->L_q_H);
     const vec_ab one = phase_flux(d, (vec_ab){1.0, 0.0});
     const vec_ab two = phase_flux(d, (vec_ab){0.0, 1.0});
     const double k11 = even + odd * cos_2;
@@ -188,7 +188,8 @@ static vec_ab phase_share(const averaged_drive *d, vec_ab free, double cos_2, do
     const double det = a11 * a22 - a12 * a21;
     const vec_ab change = {(a22 * free.alpha - a12 * free.beta) / det,
                            (a11 * free.beta - a21 * free.alpha) / det};
-    return phase_flux(d, change);
+    const vec_ab flux = phase_flux(d, change);
+    return (vec_ab){half * flux.alpha, half * flux.beta};
 }
 
 /* The iron's current by the flux that turns through it, late by a short time: (1 - j omega tau) j omega psi
@@ -280,13 +281,12 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
         y.beta -= change.beta;
     }
     if (d->dL_H[0] != 0.0 || d->dL_H[1] != 0.0 || d->dL_H[2] != 0.0) {
-        double half = half_decay(&m);
         vec_ab i_first = turn(i_dq, c, s);
         vec_ab i_last = turn(current_of(d, y, i_dq), end.alpha, end.beta);
         vec_ab change = {i_last.alpha - i_first.alpha, i_last.beta - i_first.beta};
-        vec_ab taken =
-            phase_share(d, change, end.alpha * end.alpha - end.beta * end.beta, 2.0 * end.alpha * end.beta);
-        taken = turn((vec_ab){half * taken.alpha, half * taken.beta}, end.alpha, -end.beta);
+        vec_ab taken = phase_share(d, change, half_decay(&m), end.alpha * end.alpha - end.beta * end.beta,
+                                   2.0 * end.alpha * end.beta);
+        taken = turn(taken, end.alpha, -end.beta);
         y.alpha -= taken.alpha;
         y.beta -= taken.beta;
     }
