@@ -1,3 +1,6 @@
+/*
+ * JSON as text: numbers, indentation, and the file around it (json_file.h).
+ */
 #include "json_file.h"
 
 #include "number.h"
@@ -127,6 +130,19 @@ bool json_file_write(const char *path, const json_t *value, error *e)
         return error_failure(e, 0, "%s: out of memory", path);
     }
     return out_file_commit(&f, e);
+}
+
+bool json_file_place(out_folder *f, const char *path, json_t *value, error *e)
+{
+    const char *place = path != NULL ? out_folder_place(f, path, e) : NULL;
+    const bool ok = path == NULL || (place != NULL && json_file_write(place, value, e));
+    json_decref(value);
+    return ok;
+}
+
+bool json_file_is_stdout(const char *path)
+{
+    return path != NULL && strcmp(path, "-") == 0;
 }
 
 json_t *json_number(double x)

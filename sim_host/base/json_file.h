@@ -8,13 +8,21 @@
 #ifndef SIM_HOST_BASE_JSON_FILE_H
 #define SIM_HOST_BASE_JSON_FILE_H
 
-#include "error.h"
+#include "out_folder.h"
 
 #include <jansson.h>
 
-/* Writes with a newline at the end; "-" is stdout.
- * Does not take the reference. NULL: out of memory while building. */
+/* Writes with a newline at the end; "-" is stdout. Keeps no reference. NULL: out of memory while building. */
 bool json_file_write(const char *path, const json_t *value, error *e);
+
+/*
+ * The same for a file that the user named beside an output folder (out_folder_place). A path of NULL: nothing
+ * is to be written. Takes the reference.
+ */
+bool json_file_place(out_folder *f, const char *path, json_t *value, error *e);
+
+/* Is the JSON to stand on stdout, and so nothing else? The path may be NULL. */
+bool json_file_is_stdout(const char *path);
 
 /* A real; null where x is not finite. */
 json_t *json_number(double x);

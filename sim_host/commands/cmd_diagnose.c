@@ -34,12 +34,13 @@ static const command_about about = {
 typedef struct request {
     const char *recording_path, *motor_path, *directory, *json_path;
     diagnose_options options;
-    bool helped;
+    bool traced;
 } request;
 
-static bool take_skip(const char *list, hypothesis_set *skip, error *e)
+static bool take_skip(const options *o, void *context, error *e)
 {
-    while (*list) {
+    hypothesis_set *skip = context;
+    for (const char *list = o->argument; *list != '\0';) {
         char id[64];
         size_t n = strcspn(list, ",");
         snprintf(id, sizeof id, "%.*s", (int)n, list);
@@ -53,76 +54,22 @@ static bool take_skip(const char *list, hypothesis_set *skip, error *e)
     return true;
 }
 
-static bool take_option(const options *o, int which, request *r, error *e)
+/* One recording, and the motor that it is of. */
+static bool combination(const options *o, request *r, error *e)
 {
-    switch (which) {
-    case OPT_MOTOR:
-        r->motor_path = o->argument;
-        return true;
-    case OPT_DIR:
-        r->directory = o->argument;
-        return true;
-    case OPT_JSON:
-        r->json_path = o->argument;
-        return true;
-    case OPT_SKIP:
-        return take_skip(o->argument, &r->options.skip, e);
-    case OPT_TRACE:
-        r->options.trace = stderr;
-        return true;
-    default:
-        return false;
-    }
-}
-
-static bool parse(int argc, char **argv, request *r, error *e)
-{
-    options o = options_begin(&about, argc, argv);
-    int which;
-    while ((which = options_next(&o, e)) >= 0) {
-        if (!take_option(&o, which, r, e)) {
-            return false;
-        }
-    }
-    r->helped = o.helped;
-    if (which == OPTIONS_ERROR || o.helped) {
-        return which != OPTIONS_ERROR;
-    }
     if (r->motor_path == NULL) {
-        return options_missing(&o, OPT_MOTOR, e);
+        return options_missing(o, OPT_MOTOR, e);
     }
-    if (o.first >= argc) {
+    const int given = o->argc - o->first;
+    char **recordings = &o->argv[o->first];
+    if (given == 0) {
         return error_input(e, NULL, 0, 0, "diagnose: which recording? Usage: iqfoc diagnose %s", about.usage);
     }
-    r->recording_path = argv[o.first];
-    return o.first + 1 == argc ||
+    r->recording_path = recordings[0];
+    return given == 1 ||
            error_input(e, NULL, 0, 0,
                        "diagnose: one recording at a time; \"%s\" is a second one. Usage: iqfoc diagnose %s",
-                       argv[o.first + 1], about.usage);
-}
-
-/* Everything that is to be in DIR goes into its stage first. */
-static bool write_files(const request *r, out_folder *f, const report_input *in, json_t *json, error *e)
-{
-    if (f->stage != NULL && !report_write(in, f->stage, json, e)) {
-        return false;
-    }
-    if (r->json_path == NULL) {
-        return true;
-    }
-    const char *path = out_folder_place(f, r->json_path, e);
-    return path != NULL && json_file_write(path, json, e);
-}
-
-static void print(const request *r, const diagnosis *d)
-{
-    if (r->json_path != NULL && strcmp(r->json_path, "-") == 0) {
-        return;
-    }
-    text_print(stdout, d);
-    if (r->directory != NULL) {
-        printf("\n  report: %s/report.html\n", r->directory);
-    }
+                       recordings[1], about.usage);
 }
 
 /* Files first, words last: what is printed has been written. */
@@ -132,11 +79,15 @@ static bool deliver(const request *r, out_folder *f, const report_input *in, err
     if (r->directory != NULL || r->json_path != NULL) {
         report_firmware(in, json);
     }
-    bool ok = write_files(r, f, in, json, e);
-    json_decref(json);
+    /* Everything that is to be in DIR goes into its stage first. */
+    bool ok = f->stage == NULL || report_write(in, f->stage, json, e);
+    ok = json_file_place(f, ok ? r->json_path : NULL, json, e) && ok;
     ok = out_folder_close(f, ok, e);
-    if (ok) {
-        print(r, in->d);
+    if (ok && !json_file_is_stdout(r->json_path)) {
+        text_print(stdout, in->d);
+        if (r->directory != NULL) {
+            printf("\n  report: %s/report.html\n", r->directory);
+        }
     }
     return ok;
 }
@@ -151,6 +102,7 @@ static bool run(const request *r, error *e)
         return false;
     }
     diagnose_options how = r->options;
+    how.trace = r->traced ? stderr : NULL;
     /* The files need the diagnosis' series, row by row. */
     how.series = r->directory != NULL || r->json_path != NULL;
     bool ok = out_folder_open(&f, r->directory, e) && diagnose(&d, &rec, &m, &how, e);
@@ -169,11 +121,12 @@ int cmd_diagnose(int argc, char **argv)
 {
     error e = {0};
     request r = {0};
-    if (!parse(argc, argv, &r, &e)) {
-        return error_print(&e);
-    }
-    if (r.helped) {
-        return STATUS_DONE;
-    }
-    return run(&r, &e) ? STATUS_DONE : error_print(&e);
+    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
+                                   [OPT_DIR] = {.text = &r.directory},
+                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_SKIP] = {.take = take_skip, .context = &r.options.skip},
+                                   [OPT_TRACE] = {.flag = &r.traced}};
+    options o = options_begin(&about, argc, argv);
+    const bool ok = options_read(&o, places, &e) && (o.helped || (combination(&o, &r, &e) && run(&r, &e)));
+    return ok ? STATUS_DONE : error_print(&e);
 }

@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { EFFECTS_MAX = 32 };
-
 enum { OPT_MOTOR, OPT_EXTENDED, OPT_EFFECT, OPT_JSON, OPT_OUTPUT };
 
 static const option_spec specs[] = {
@@ -39,40 +37,14 @@ static const command_about about = {
     specs};
 
 typedef struct request {
-    const char *motor_path, *extended_path, *effect[EFFECTS_MAX];
-    int effects;
-    const char *json_path, *directory;
-    bool helped;
+    const char *motor_path, *extended_path, *json_path, *directory;
+    option_texts effects;
 } request;
-
-static bool take_option(const options *o, int which, request *r, error *e)
-{
-    switch (which) {
-    case OPT_MOTOR:
-        r->motor_path = o->argument;
-        return true;
-    case OPT_EXTENDED:
-        r->extended_path = o->argument;
-        return true;
-    case OPT_EFFECT:
-        if (r->effects == EFFECTS_MAX) {
-            return error_input(e, NULL, 0, 0, "loops: more than %d effects", EFFECTS_MAX);
-        }
-        r->effect[r->effects++] = o->argument;
-        return true;
-    case OPT_JSON:
-        r->json_path = o->argument;
-        return true;
-    default:
-        r->directory = o->argument;
-        return true;
-    }
-}
 
 /* --extended and --motor need each other, and --effect needs both; no page is drawn then. */
 static bool combination(const options *o, const request *r, error *e)
 {
-    if (r->extended_path == NULL && r->motor_path == NULL && r->effects == 0) {
+    if (r->extended_path == NULL && r->motor_path == NULL && r->effects.count == 0) {
         return true;
     }
     if (r->motor_path == NULL) {
@@ -85,34 +57,13 @@ static bool combination(const options *o, const request *r, error *e)
            error_input(e, NULL, 0, 0, "loops: --extended draws no page: expected no -o");
 }
 
-static bool parse(int argc, char **argv, request *r, error *e)
-{
-    options o = options_begin(&about, argc, argv);
-    int which;
-    while ((which = options_next(&o, e)) >= 0) {
-        if (!take_option(&o, which, r, e)) {
-            return false;
-        }
-    }
-    r->helped = o.helped;
-    return which != OPTIONS_ERROR && (o.helped || (combination(&o, r, e) && options_at_most(&o, 0, e)));
-}
-
-static bool write_json(const char *path, const loops_study *s, error *e)
-{
-    json_t *root = loops_study_json(s);
-    const bool ok = path != NULL && json_file_write(path, root, e);
-    json_decref(root);
-    return ok;
-}
-
 /* directory: NULL for no page. */
 static bool study(const request *r, const char *directory, loops_study *s, error *e)
 {
     out_folder f = {0};
     const bool ok = out_folder_open(&f, directory, e) && loops_study_run(s, e) &&
                     (f.stage == NULL || loops_study_page(s, f.stage, e)) &&
-                    (r->json_path == NULL || write_json(out_folder_place(&f, r->json_path, e), s, e));
+                    json_file_place(&f, r->json_path, loops_study_json(s), e);
     return out_folder_close(&f, ok, e);
 }
 
@@ -124,8 +75,8 @@ static bool compare_extended(const request *r, error *e)
         return false;
     }
     plant_config drive = plant_config_from_motor(&nominal);
-    for (int n = 0; n < r->effects; n++) {
-        if (!plant_effect_apply(&drive, r->effect[n], e)) {
+    for (int n = 0; n < r->effects.count; n++) {
+        if (!plant_effect_apply(&drive, r->effects.of[n], e)) {
             return false;
         }
     }
@@ -134,18 +85,12 @@ static bool compare_extended(const request *r, error *e)
     if (!extended_loops_run(belief, &drive, &all, e)) {
         return false;
     }
-    if (r->json_path != NULL) {
-        json_t *root = extended_loops_json(&all);
-        const bool ok = json_file_write(r->json_path, root, e);
-        json_decref(root);
-        if (!ok) {
-            return false;
-        }
-    }
-    if (r->json_path == NULL || strcmp(r->json_path, "-") != 0) {
+    out_folder none = {0};
+    const bool ok = json_file_place(&none, r->json_path, extended_loops_json(&all), e);
+    if (ok && !json_file_is_stdout(r->json_path)) {
         extended_loops_print(&all, stdout);
     }
-    return true;
+    return ok;
 }
 
 static bool loops(const request *r, error *e)
@@ -154,10 +99,9 @@ static bool loops(const request *r, error *e)
     if (s == NULL) {
         return error_failure(e, 0, "loops: out of memory");
     }
-    const bool quiet = r->json_path != NULL && strcmp(r->json_path, "-") == 0;
     const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "report-loops";
     const bool ok = study(r, directory, s, e);
-    if (ok && !quiet) {
+    if (ok && !json_file_is_stdout(r->json_path)) {
         loops_study_print(s, stdout);
         if (directory != NULL) {
             printf("\nThe figures: %s/index.html\n", directory);
@@ -171,9 +115,16 @@ int cmd_loops(int argc, char **argv)
 {
     request r = {0};
     error e = {0};
-    if (!parse(argc, argv, &r, &e) ||
-        (!r.helped && !(r.extended_path != NULL ? compare_extended(&r, &e) : loops(&r, &e)))) {
-        return error_print(&e);
+    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
+                                   [OPT_EXTENDED] = {.text = &r.extended_path},
+                                   [OPT_EFFECT] = {.texts = &r.effects},
+                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_OUTPUT] = {.text = &r.directory}};
+    options o = options_begin(&about, argc, argv);
+    bool ok = options_read(&o, places, &e);
+    if (ok && !o.helped) {
+        ok = combination(&o, &r, &e) && options_complete(&o, places, &e) &&
+             (r.extended_path != NULL ? compare_extended(&r, &e) : loops(&r, &e));
     }
-    return STATUS_DONE;
+    return ok ? STATUS_DONE : error_print(&e);
 }

@@ -39,38 +39,6 @@ typedef struct request {
     double seconds; /* 0: no limit */
 } request;
 
-static bool parse(options *o, request *r, error *e)
-{
-    int which;
-    while ((which = options_next(o, e)) >= 0) {
-        bool good = true;
-        switch (which) {
-        case OPT_PORT:
-            r->port = o->argument;
-            break;
-        case OPT_OUT:
-            r->out_path = o->argument;
-            break;
-        case OPT_BAUD:
-            good = options_integer(o, 1, 10000000L, &r->baud, e);
-            break;
-        case OPT_SECONDS:
-            good = options_number(o, 1e-3, 1e6, &r->seconds, e);
-            break;
-        default:
-            break;
-        }
-        if (!good) {
-            return false;
-        }
-    }
-    if (which == OPTIONS_ERROR || o->helped) {
-        return which != OPTIONS_ERROR;
-    }
-    return options_at_most(o, 0, e) && (r->port != NULL || options_missing(o, OPT_PORT, e)) &&
-           (r->out_path != NULL || options_missing(o, OPT_OUT, e));
-}
-
 static volatile sig_atomic_t interrupted;
 
 static void on_interrupt(int number)
@@ -161,12 +129,13 @@ int cmd_record(int argc, char **argv)
 {
     error e = {0, ""};
     request r = {.baud = 1000000};
+    const option_place places[] = {[OPT_PORT] = {.text = &r.port, .needed = true},
+                                   [OPT_OUT] = {.text = &r.out_path, .needed = true},
+                                   [OPT_BAUD] = {.integer = &r.baud, .low = 1, .high = 10000000},
+                                   [OPT_SECONDS] = {.number = &r.seconds, .low = 1e-3, .high = 1e6}};
     options o = options_begin(&about, argc, argv);
-    if (!parse(&o, &r, &e)) {
+    if (!options_read(&o, places, &e) || o.helped || !options_complete(&o, places, &e)) {
         return error_print(&e);
-    }
-    if (o.helped) {
-        return STATUS_DONE;
     }
     struct sigaction stop = {.sa_handler = on_interrupt};
     (void)sigaction(SIGINT, &stop, NULL);

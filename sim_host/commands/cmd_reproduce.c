@@ -31,48 +31,17 @@ static const command_about about = {
     specs};
 
 typedef struct request {
-    bool with_2016, with_2019, helped;
+    bool with_2016, with_2019;
     const char *json_path, *directory;
 } request;
 
-static bool take_option(const options *o, int which, request *r, error *e)
+static bool take_paper(const options *o, void *context, error *e)
 {
-    switch (which) {
-    case OPT_PAPER:
-        r->with_2016 = strcmp(o->argument, "2016") == 0;
-        r->with_2019 = strcmp(o->argument, "2019") == 0;
-        return r->with_2016 || r->with_2019 ||
-               error_input(e, NULL, 0, 0, "reproduce: --paper %s: expected 2016 or 2019", o->argument);
-    case OPT_JSON:
-        r->json_path = o->argument;
-        return true;
-    case OPT_OUTPUT:
-        r->directory = o->argument;
-        return true;
-    default:
-        return false;
-    }
-}
-
-static bool parse(int argc, char **argv, request *r, error *e)
-{
-    options o = options_begin(&about, argc, argv);
-    int which;
-    while ((which = options_next(&o, e)) >= 0) {
-        if (!take_option(&o, which, r, e)) {
-            return false;
-        }
-    }
-    r->helped = o.helped;
-    return which != OPTIONS_ERROR && (o.helped || options_at_most(&o, 0, e));
-}
-
-static bool write_json(const char *path, const comparison *c, error *e)
-{
-    json_t *rows = comparison_json(c);
-    const bool ok = path != NULL && json_file_write(path, rows, e);
-    json_decref(rows);
-    return ok;
+    request *r = context;
+    r->with_2016 = strcmp(o->argument, "2016") == 0;
+    r->with_2019 = strcmp(o->argument, "2019") == 0;
+    return r->with_2016 || r->with_2019 ||
+           error_input(e, NULL, 0, 0, "reproduce: --paper %s: expected 2016 or 2019", o->argument);
 }
 
 /* directory: NULL for no page. */
@@ -82,19 +51,18 @@ static bool compare(const request *r, const char *directory, comparison *c, erro
     const bool ok = out_folder_open(&f, directory, e) && (!r->with_2016 || paper_2016_compare(c, e)) &&
                     (!r->with_2019 || paper_2019_compare(c, e)) &&
                     (f.stage == NULL || reproduce_page(f.stage, c, r->with_2016, r->with_2019, e)) &&
-                    (r->json_path == NULL || write_json(out_folder_place(&f, r->json_path, e), c, e));
+                    json_file_place(&f, r->json_path, comparison_json(c), e);
     return out_folder_close(&f, ok, e);
 }
 
 /* Files first, words last: what is printed has been written. */
 static bool reproduce(const request *r, comparison *c, error *e)
 {
-    const bool quiet = r->json_path != NULL && strcmp(r->json_path, "-") == 0;
     const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "report-reproduce";
     if (!compare(r, directory, c, e)) {
         return false;
     }
-    if (!quiet) {
+    if (!json_file_is_stdout(r->json_path)) {
         comparison_print(c, stdout);
         if (directory != NULL) {
             printf("\nThe figures: %s/index.html\n", directory);
@@ -108,7 +76,12 @@ int cmd_reproduce(int argc, char **argv)
     request r = {.with_2016 = true, .with_2019 = true};
     comparison c = {0};
     error e = {0};
-    const bool ok = parse(argc, argv, &r, &e) && (r.helped || reproduce(&r, &c, &e));
+    const option_place places[] = {[OPT_PAPER] = {.take = take_paper, .context = &r},
+                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_OUTPUT] = {.text = &r.directory}};
+    options o = options_begin(&about, argc, argv);
+    const bool ok = options_read(&o, places, &e) &&
+                    (o.helped || (options_complete(&o, places, &e) && reproduce(&r, &c, &e)));
     comparison_free(&c);
     return ok ? STATUS_DONE : error_print(&e);
 }

@@ -13,8 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { EFFECTS_MAX = 32 };
-
 enum { OPT_MOTOR, OPT_SCENARIO, OPT_OUT, OPT_EFFECT, OPT_SEED, OPT_TARGET, OPT_IMAGE, OPT_UART, OPT_LIST };
 
 static const option_spec specs[] = {
@@ -49,63 +47,10 @@ static const command_about about = {
 typedef struct request {
     const char *motor_path, *scenario_path, *out_path;
     drive_emulated_choice emulated; /* no target: the firmware in this program */
-    const char *effect[EFFECTS_MAX];
-    int effects;
+    option_texts effects;
     long seed;
     bool list;
 } request;
-
-static bool parse(options *o, request *r, error *e)
-{
-    int which;
-    while ((which = options_next(o, e)) >= 0) {
-        switch (which) {
-        case OPT_MOTOR:
-            r->motor_path = o->argument;
-            break;
-        case OPT_SCENARIO:
-            r->scenario_path = o->argument;
-            break;
-        case OPT_OUT:
-            r->out_path = o->argument;
-            break;
-        case OPT_EFFECT:
-            if (r->effects == EFFECTS_MAX) {
-                return error_input(e, NULL, 0, 0, "simulate: more than %d effects", EFFECTS_MAX);
-            }
-            r->effect[r->effects++] = o->argument;
-            break;
-        case OPT_SEED:
-            if (!options_integer(o, 0, 2147483647L, &r->seed, e)) {
-                return false;
-            }
-            break;
-        case OPT_TARGET:
-            r->emulated.target = o->argument;
-            break;
-        case OPT_IMAGE:
-            r->emulated.image = o->argument;
-            break;
-        case OPT_UART:
-            r->emulated.uart = o->argument;
-            break;
-        case OPT_LIST:
-            r->list = true;
-            break;
-        default:
-            break;
-        }
-    }
-    if (which == OPTIONS_ERROR) {
-        return false;
-    }
-    if (o->helped || r->list) {
-        return true;
-    }
-    return options_at_most(o, 0, e) && (r->motor_path != NULL || options_missing(o, OPT_MOTOR, e)) &&
-           (r->scenario_path != NULL || options_missing(o, OPT_SCENARIO, e)) &&
-           (r->out_path != NULL || options_missing(o, OPT_OUT, e));
-}
 
 static void take_sensors(plant_config *c, const scenario_sensors *s)
 {
@@ -168,18 +113,19 @@ static bool simulate(const request *r, const motor *m, const scenario *s, error 
 {
     plant_config drive = plant_config_from_motor(m);
     take_sensors(&drive, &s->sensors);
-    for (int k = 0; k < r->effects; k++) {
-        if (!plant_effect_apply(&drive, r->effect[k], e)) {
+    for (int k = 0; k < r->effects.count; k++) {
+        if (!plant_effect_apply(&drive, r->effects.of[k], e)) {
             return false;
         }
     }
     drive_recording out = {.run = 0};
     char comment[512];
     (void)snprintf(comment, sizeof comment, "iqfoc simulate: %s, %s, seed %ld%s%s", m->name, s->name, r->seed,
-                   r->effects > 0 ? ", with effects: " : "", r->effects > 0 ? r->effect[0] : "");
-    for (int k = 1; k < r->effects; k++) {
+                   r->effects.count > 0 ? ", with effects: " : "",
+                   r->effects.count > 0 ? r->effects.of[0] : "");
+    for (int k = 1; k < r->effects.count; k++) {
         const size_t used = strlen(comment);
-        (void)snprintf(comment + used, sizeof comment - used, " %s", r->effect[k]);
+        (void)snprintf(comment + used, sizeof comment - used, " %s", r->effects.of[k]);
     }
     bool good = drive_recording_begin(&out, s, drive.T_s, e) && run_firmware(r, m, s, &drive, &out, e) &&
                 recording_write(r->out_path, &out.recording, comment, e);
@@ -191,12 +137,18 @@ int cmd_simulate(int argc, char **argv)
 {
     error e = {0, ""};
     request r = {.seed = 1};
+    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
+                                   [OPT_SCENARIO] = {.text = &r.scenario_path, .needed = true},
+                                   [OPT_OUT] = {.text = &r.out_path, .needed = true},
+                                   [OPT_EFFECT] = {.texts = &r.effects},
+                                   [OPT_SEED] = {.integer = &r.seed, .high = 2147483647},
+                                   [OPT_TARGET] = {.text = &r.emulated.target},
+                                   [OPT_IMAGE] = {.text = &r.emulated.image},
+                                   [OPT_UART] = {.text = &r.emulated.uart},
+                                   [OPT_LIST] = {.flag = &r.list}};
     options o = options_begin(&about, argc, argv);
-    if (!parse(&o, &r, &e)) {
+    if (!options_read(&o, places, &e) || o.helped) {
         return error_print(&e);
-    }
-    if (o.helped) {
-        return STATUS_DONE;
     }
     if (r.list) {
         plant_effect_list(stdout);
@@ -204,7 +156,8 @@ int cmd_simulate(int argc, char **argv)
     }
     motor m;
     scenario s;
-    if (!motor_read(r.motor_path, &m, &e) || !scenario_read(r.scenario_path, &s, &e)) {
+    if (!options_complete(&o, places, &e) || !motor_read(r.motor_path, &m, &e) ||
+        !scenario_read(r.scenario_path, &s, &e)) {
         return error_print(&e);
     }
     const bool good = simulate(&r, &m, &s, &e);

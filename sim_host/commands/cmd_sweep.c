@@ -54,65 +54,26 @@ typedef struct request {
     double current_A_rms; /* 0: rated */
     double id_ratio;
     const char *directory; /* NULL: no page */
-    bool map, induction, helped;
+    bool map, induction;
 } request;
 
-static bool take_option(const options *o, int which, request *r, error *e)
+/* What is missing or does not go together. */
+static bool combination(const options *o, const request *r, error *e)
 {
-    switch (which) {
-    case OPT_MOTOR:
-        r->motor_path = o->argument;
-        return true;
-    case OPT_RPM:
-        return options_numbers(o, -1e6, 1e6, r->rpm, SPEEDS_MAX, &r->speeds, e);
-    case OPT_CURRENT:
-        return options_number(o, 1e-3, 1e6, &r->current_A_rms, e);
-    case OPT_ID_RATIO:
-        return options_number(o, -1.0, 1.0, &r->id_ratio, e);
-    case OPT_JSON:
-        r->json_path = o->argument;
-        return true;
-    case OPT_MAP:
-        r->map = true;
-        return true;
-    case OPT_INDUCTION:
-        r->induction = true;
-        return true;
-    case OPT_OUTPUT:
-        r->directory = o->argument;
-        return true;
-    default:
-        return false;
-    }
-}
-
-static bool parse(int argc, char **argv, request *r, error *e)
-{
-    options o = options_begin(&about, argc, argv);
-    int which;
-    while ((which = options_next(&o, e)) >= 0) {
-        if (!take_option(&o, which, r, e)) {
-            return false;
-        }
-    }
-    r->helped = o.helped;
-    if (which == OPTIONS_ERROR || o.helped) {
-        return which != OPTIONS_ERROR;
-    }
     if (r->induction && (r->motor_path != NULL || r->map || r->speeds > 0)) {
         return error_input(e, NULL, 0, 0,
                            "sweep: --induction brings its own machine; expected no --motor, --rpm or --map");
     }
     if (r->motor_path == NULL && !r->induction) {
-        return options_missing(&o, OPT_MOTOR, e);
+        return options_missing(o, OPT_MOTOR, e);
     }
     if (r->map && r->speeds > 0) {
         return error_input(e, NULL, 0, 0, "sweep: --map takes no --rpm; expected one of the two");
     }
     if (r->speeds == 0 && !r->map && !r->induction) {
-        return options_missing(&o, OPT_RPM, e);
+        return options_missing(o, OPT_RPM, e);
     }
-    return options_at_most(&o, 0, e);
+    return options_at_most(o, 0, e);
 }
 
 static void print_point(const sweep_point *p)
@@ -149,30 +110,17 @@ static void print_head(const motor *m, double current_A_rms, double id_ratio)
     putchar('\n');
 }
 
-static bool write_json(const request *r, const char *path, const motor *m, double current_A_rms,
-                       const sweep_point *points, error *e)
+static json_t *points_json(const request *r, const motor *m, double current_A_rms, const sweep_point *points)
 {
     json_t *list = json_array();
     for (size_t n = 0; n < r->speeds; n++) {
         if (json_array_append_new(list, sweep_point_json(&points[n])) != 0) {
             json_decref(list);
-            return error_failure(e, 0, "sweep: out of memory");
+            return NULL; /* out of memory, which the writer says */
         }
     }
-    json_t *root =
-        json_pack("{s:s, s:f, s:f, s:f, s:o}", "motor", m->name, "current_A_rms", current_A_rms, "id_ratio",
-                  r->id_ratio, "L_used_H", 0.5 * (m->L_d_H + m->L_q_H), "points", list);
-    const bool ok = path != NULL && json_file_write(path, root, e);
-    json_decref(root);
-    return ok;
-}
-
-static void print_table(const request *r, const motor *m, double current_A_rms, const sweep_point *points)
-{
-    print_head(m, current_A_rms, r->id_ratio);
-    for (size_t n = 0; n < r->speeds; n++) {
-        print_point(&points[n]);
-    }
+    return json_pack("{s:s, s:f, s:f, s:f, s:o}", "motor", m->name, "current_A_rms", current_A_rms,
+                     "id_ratio", r->id_ratio, "L_used_H", 0.5 * (m->L_d_H + m->L_q_H), "points", list);
 }
 
 /* All points are computed before the first line is printed, so that an impossible one leaves no half table. */
@@ -200,8 +148,7 @@ static bool points_and_files(const request *r, const motor *m, double current_A_
     out_folder f = {0};
     const bool ok = out_folder_open(&f, r->directory, e) && compute(r, m, current_A_rms, points, e) &&
                     (f.stage == NULL || sweep_page(f.stage, m, points, r->speeds, e)) &&
-                    (r->json_path == NULL ||
-                     write_json(r, out_folder_place(&f, r->json_path, e), m, current_A_rms, points, e));
+                    json_file_place(&f, r->json_path, points_json(r, m, current_A_rms, points), e);
     return out_folder_close(&f, ok, e);
 }
 
@@ -218,8 +165,11 @@ static bool sweep(const request *r, error *e)
     }
     const double current_A_rms = r->current_A_rms > 0.0 ? r->current_A_rms : m.I_rated_A_rms;
     const bool ok = points_and_files(r, &m, current_A_rms, points, e);
-    if (ok && (r->json_path == NULL || strcmp(r->json_path, "-") != 0)) {
-        print_table(r, &m, current_A_rms, points);
+    if (ok && !json_file_is_stdout(r->json_path)) {
+        print_head(&m, current_A_rms, r->id_ratio);
+        for (size_t n = 0; n < r->speeds; n++) {
+            print_point(&points[n]);
+        }
     }
     free(points);
     return ok;
@@ -241,8 +191,16 @@ int cmd_sweep(int argc, char **argv)
 {
     request r = {0};
     error e = {0};
-    if (!parse(argc, argv, &r, &e) || (!r.helped && !run(&r, &e))) {
-        return error_print(&e);
-    }
-    return STATUS_DONE;
+    const option_place places[] = {
+        [OPT_MOTOR] = {.text = &r.motor_path},
+        [OPT_RPM] = {.number = r.rpm, .count = &r.speeds, .most = SPEEDS_MAX, .low = -1e6, .high = 1e6},
+        [OPT_CURRENT] = {.number = &r.current_A_rms, .low = 1e-3, .high = 1e6},
+        [OPT_ID_RATIO] = {.number = &r.id_ratio, .low = -1.0, .high = 1.0},
+        [OPT_JSON] = {.text = &r.json_path},
+        [OPT_MAP] = {.flag = &r.map},
+        [OPT_OUTPUT] = {.text = &r.directory},
+        [OPT_INDUCTION] = {.flag = &r.induction}};
+    options o = options_begin(&about, argc, argv);
+    const bool ok = options_read(&o, places, &e) && (o.helped || (combination(&o, &r, &e) && run(&r, &e)));
+    return ok ? STATUS_DONE : error_print(&e);
 }

@@ -1,5 +1,7 @@
-/* GNU: getopt_long. */
-#define _GNU_SOURCE
+/*
+ * Command lines: the options of a command, its help text and the lines of bad news (options.h).
+ */
+#define _GNU_SOURCE /* getopt_long */
 
 #include "options.h"
 
@@ -32,12 +34,10 @@ static int spec_count(const command_about *about)
 static void print_option(const option_spec *spec)
 {
     char left[80];
-    char letter[8] = "    ";
-    if (spec->letter != 0) {
-        snprintf(letter, sizeof letter, "-%c, ", spec->letter);
-    }
+    const bool lettered = spec->letter != 0;
     const int width =
-        snprintf(left, sizeof left, "  %s--%s%s%s", letter, spec->name, spec->argument != NULL ? " " : "",
+        snprintf(left, sizeof left, "  %c%c%c --%s%s%s", lettered ? '-' : ' ', lettered ? spec->letter : ' ',
+                 lettered ? ',' : ' ', spec->name, spec->argument != NULL ? " " : "",
                  spec->argument != NULL ? spec->argument : "");
     printf("%-*s", HELP_COLUMN, left);
     if (width >= HELP_COLUMN) {
@@ -93,13 +93,10 @@ static int refuse_unknown(const options *o, error *e)
         names[i] = o->about->specs[i].name;
     }
     const char *meant = suggest(word, names, (size_t)count);
-    if (meant != NULL) {
-        error_input(e, NULL, 0, 0, "%s: unknown option --%s; did you mean --%s?", o->about->name, word,
-                    meant);
-    } else {
-        error_input(e, NULL, 0, 0, "%s: unknown option --%s; `iqfoc %s --help` lists them", o->about->name,
-                    word, o->about->name);
-    }
+    error_input(e, NULL, 0, 0,
+                meant != NULL ? "%s: unknown option --%s; did you mean --%s?"
+                              : "%s: unknown option --%s; `iqfoc %s --help` lists them",
+                o->about->name, word, meant != NULL ? meant : o->about->name);
     return OPTIONS_ERROR;
 }
 
@@ -229,6 +226,62 @@ bool options_at_most(const options *o, int most, error *e)
     if (o->argc - o->first > most) {
         return error_input(e, NULL, 0, 0, "%s: unexpected argument \"%s\"", o->about->name,
                            o->argv[o->first + most]);
+    }
+    return true;
+}
+
+/* ---- all of them ---- */
+
+static bool take_text(const options *o, option_texts *texts, error *e)
+{
+    if (texts->count == OPTION_TEXTS_MAX) {
+        return error_input(e, NULL, 0, 0, "%s: more than %d %ss", o->about->name, OPTION_TEXTS_MAX,
+                           o->about->specs[o->current].name);
+    }
+    texts->of[texts->count++] = o->argument;
+    return true;
+}
+
+static bool take_value(const options *o, const option_place *p, error *e)
+{
+    if (p->text != NULL) {
+        *p->text = o->argument;
+    } else if (p->flag != NULL) {
+        *p->flag = true;
+    } else if (p->texts != NULL) {
+        return take_text(o, p->texts, e);
+    } else if (p->integer != NULL) {
+        return options_integer(o, (long)p->low, (long)p->high, p->integer, e);
+    } else if (p->count != NULL) {
+        return options_numbers(o, p->low, p->high, p->number, p->most, p->count, e);
+    } else if (p->number != NULL) {
+        return options_number(o, p->low, p->high, p->number, e);
+    } else {
+        return p->take(o, p->context, e);
+    }
+    return true;
+}
+
+bool options_read(options *o, const option_place *places, error *e)
+{
+    int which;
+    while ((which = options_next(o, e)) >= 0) {
+        if (!take_value(o, &places[which], e)) {
+            return false;
+        }
+    }
+    return which == OPTIONS_END;
+}
+
+bool options_complete(const options *o, const option_place *places, error *e)
+{
+    if (!options_at_most(o, 0, e)) {
+        return false;
+    }
+    for (int n = 0; o->about->specs[n].name != NULL; n++) {
+        if (places[n].needed && *places[n].text == NULL) {
+            return options_missing(o, n, e);
+        }
     }
     return true;
 }

@@ -1,10 +1,10 @@
 /*
- * The options of a command: one table from which getopt_long, the help text and the error lines are made.
+ * The options of a command: one table from which getopt_long, the help text and the error lines are made, and
+ * a second one that says where each value goes.
  *
+ *     const option_place places[] = {[OPT_MOTOR] = {.text = &motor_path, .needed = true}, ...};
  *     options o = options_begin(&about, argc, argv);
- *     for (int which; (which = options_next(&o, &e)) >= 0;)
- *         switch (which) { case OPT_MOTOR: motor_path = o.argument; ... }
- *     if (o.helped) return STATUS_DONE;
+ *     ok = options_read(&o, places, &e) && (o.helped || (options_complete(&o, places, &e) && run(...)));
  *
  * Afterwards argv[o.first] ... argv[argc - 1] are the arguments that are no options.
  */
@@ -39,6 +39,29 @@ typedef struct options {
     bool helped;          /* --help was there and the help has been printed */
 } options;
 
+enum { OPTION_TEXTS_MAX = 32 };
+
+/* What a repeatable option was given. */
+typedef struct option_texts {
+    const char *of[OPTION_TEXTS_MAX];
+    int count;
+} option_texts;
+
+/* Where the value of one option goes: one of the pointers is set. */
+typedef struct option_place {
+    const char **text;
+    option_texts *texts;
+    bool *flag;
+    long *integer;  /* from low to high */
+    double *number; /* from low to high */
+    size_t *count;  /* set: `number` is an array of `most`, split by commas */
+    size_t most;
+    double low, high;
+    bool (*take)(const options *o, void *context, error *e); /* for everything else */
+    void *context;
+    bool needed; /* options_complete refuses its absence; with `text` alone */
+} option_place;
+
 enum {
     OPTIONS_END = -1,  /* no more, or --help */
     OPTIONS_ERROR = -2 /* *e is set */
@@ -49,6 +72,12 @@ options options_begin(const command_about *about, int argc, char **argv);
 
 /* The index in specs of the next option, OPTIONS_END or OPTIONS_ERROR. */
 int options_next(options *o, error *e);
+
+/* Reads all options into places[i] for specs[i]. True, too, after --help: o->helped. */
+bool options_read(options *o, const option_place *places, error *e);
+
+/* False with *e set if an argument is left that is no option, or an option is missing that is needed. */
+bool options_complete(const options *o, const option_place *places, error *e);
 
 /* The current option's argument as a number from min to max; with *e set if it is none. */
 bool options_number(const options *o, double min, double max, double *value, error *e);

@@ -1,3 +1,6 @@
+/*
+ * iqfoc sweep --map: its files (sweep_special.h).
+ */
 #include "sweep_special.h"
 
 #include "base/json_file.h"
@@ -5,15 +8,6 @@
 #include "reproduce/mean_map.h"
 
 #include <stdio.h>
-#include <string.h>
-
-static bool write_map(const char *path, const motor *m, const mean_map *map, error *e)
-{
-    json_t *root = json_pack("{s:s, s:o}", "motor", m->name, "points", mean_map_json(map));
-    const bool ok = path != NULL && json_file_write(path, root, e);
-    json_decref(root);
-    return ok;
-}
 
 bool sweep_map(const motor *m, const char *directory, const char *json_path, error *e)
 {
@@ -24,9 +18,10 @@ bool sweep_map(const motor *m, const char *directory, const char *json_path, err
     }
     bool ok = out_folder_open(&f, directory, e) && mean_map_run(m, &map, e) &&
               (f.stage == NULL || mean_map_page(f.stage, m, &map, e)) &&
-              (json_path == NULL || write_map(out_folder_place(&f, json_path, e), m, &map, e));
+              json_file_place(&f, json_path,
+                              json_pack("{s:s, s:o}", "motor", m->name, "points", mean_map_json(&map)), e);
     ok = out_folder_close(&f, ok, e);
-    if (ok && directory != NULL && (json_path == NULL || strcmp(json_path, "-") != 0)) {
+    if (ok && directory != NULL && !json_file_is_stdout(json_path)) {
         printf("The map: %s/index.html, %s/mean-map.svg\n", directory, directory);
     }
     return ok;
