@@ -1,5 +1,9 @@
+/*
+ * Columns by name, by place and by size (recording_columns.h).
+ */
 #include "recording_columns.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct column {
@@ -49,4 +53,22 @@ column_id recording_column_find(const char *name, size_t length)
 double **recording_column(recording *r, column_id id)
 {
     return id == COL_RUN ? NULL : (double **)(void *)((char *)r + columns[id].offset);
+}
+
+bool recording_columns_grow(recording *r, const bool have[COL_COUNT], size_t rows)
+{
+    for (int id = COL_RUN + 1; id < COL_COUNT; id++) {
+        double **place = recording_column(r, (column_id)id);
+        double *grown = have[id] ? realloc(*place, rows * sizeof *grown) : *place;
+        if (have[id] && grown == NULL) {
+            return false;
+        }
+        *place = grown;
+    }
+    long *run = have[COL_RUN] ? realloc(r->run, rows * sizeof *run) : r->run;
+    if (have[COL_RUN] && run == NULL) {
+        return false;
+    }
+    r->run = run;
+    return true;
 }

@@ -5,9 +5,6 @@
 
 #include "base/vector.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #define COLUMNS 22 /* numbers of the wire, 0 unused */
 
 /* Where each channel of the header stands; -1: not recorded. */
@@ -41,9 +38,47 @@ static bool has_phases(const channel_map *map, int phase_a, int alpha, bool two)
     return phases || (alpha > 0 && has(map, alpha) && has(map, alpha + 1));
 }
 
+/* Where three columns of a recording come from. */
+static const struct group {
+    column_id first;
+    int phase_a, alpha; /* alpha: 0 if the wire has no vector for it */
+    bool two;           /* two phases suffice */
+} groups[] = {
+    {COL_I_A, IQFOC_RECORDER_I_A, IQFOC_RECORDER_I_ALPHA, true},
+    {COL_U_A, IQFOC_RECORDER_U_A, IQFOC_RECORDER_U_ALPHA, false},
+    {COL_D_A, IQFOC_RECORDER_D_A, 0, false},
+    {COL_MID_A, IQFOC_RECORDER_I_MID_A, 0, true},
+};
+
+static const struct single {
+    column_id id;
+    int column;
+} singles[] = {
+    {COL_THETA, IQFOC_RECORDER_THETA_E}, {COL_OMEGA, IQFOC_RECORDER_OMEGA_E},
+    {COL_U_DC, IQFOC_RECORDER_U_DC},     {COL_THETA_MECH, IQFOC_RECORDER_THETA_MECH},
+    {COL_TEMP, IQFOC_RECORDER_TEMP},
+};
+
+enum { GROUPS = sizeof groups / sizeof groups[0], SINGLES = sizeof singles / sizeof singles[0] };
+
+static void find_columns(record_rows *r, const channel_map *map)
+{
+    r->have[COL_RUN] = r->have[COL_T] = true;
+    for (int n = 0; n < GROUPS; n++) {
+        const struct group *g = &groups[n];
+        const bool there = has_phases(map, g->phase_a, g->alpha, g->two);
+        r->have[g->first] = r->have[g->first + 1] = r->have[g->first + 2] = there;
+    }
+    for (int n = 0; n < SINGLES; n++) {
+        r->have[singles[n].id] = has(map, singles[n].column);
+    }
+}
+
 static bool check_columns(record_rows *r, const wire_header *header)
 {
     const channel_map map = map_of(header);
+    const bool *have = r->have;
+    find_columns(r, &map);
     for (size_t k = 0; k < header->channels; k++) {
         if (header->channel[k].column == 0 || header->channel[k].column >= COLUMNS) {
             return error_input(&r->e, NULL, 0, 0,
@@ -51,73 +86,28 @@ static bool check_columns(record_rows *r, const wire_header *header)
                                (unsigned)header->channel[k].column);
         }
     }
-    if (!has_phases(&map, IQFOC_RECORDER_I_A, IQFOC_RECORDER_I_ALPHA, true)) {
+    if (!have[COL_I_A]) {
         return error_input(&r->e, NULL, 0, 0, "record: the target sends no phase currents");
     }
-    if (!has(&map, IQFOC_RECORDER_THETA_E) || !has(&map, IQFOC_RECORDER_OMEGA_E)) {
+    if (!have[COL_THETA] || !have[COL_OMEGA]) {
         return error_input(&r->e, NULL, 0, 0, "record: the target sends no electrical angle or no speed");
     }
-    const bool duties = has_phases(&map, IQFOC_RECORDER_D_A, 0, false) && has(&map, IQFOC_RECORDER_U_DC);
-    if (!duties && !has_phases(&map, IQFOC_RECORDER_U_A, IQFOC_RECORDER_U_ALPHA, false)) {
+    if (!have[COL_U_A] && !(have[COL_D_A] && have[COL_U_DC])) {
         return error_input(&r->e, NULL, 0, 0,
                            "record: the target sends neither voltages nor duties with the DC link");
     }
     return true;
 }
 
-/* ---- Columns of the recording; all that are used grow together ---- */
-
-static void columns_of(recording *rec, const channel_map *map, double **column[COLUMNS + 3], size_t *count)
-{
-    size_t n = 0;
-    column[n++] = &rec->t_s;
-    column[n++] = &rec->theta_e_rad;
-    column[n++] = &rec->omega_e_rad_s;
-    for (int x = 0; x < 3; x++) {
-        column[n++] = &rec->i_A[x];
-        if (has_phases(map, IQFOC_RECORDER_U_A, IQFOC_RECORDER_U_ALPHA, false)) {
-            column[n++] = &rec->u_V[x];
-        }
-        if (has_phases(map, IQFOC_RECORDER_D_A, 0, false)) {
-            column[n++] = &rec->duty[x];
-        }
-        if (has_phases(map, IQFOC_RECORDER_I_MID_A, 0, true)) {
-            column[n++] = &rec->i_mid_A[x];
-        }
-    }
-    if (has(map, IQFOC_RECORDER_U_DC)) {
-        column[n++] = &rec->u_dc_V;
-    }
-    if (has(map, IQFOC_RECORDER_THETA_MECH)) {
-        column[n++] = &rec->theta_mech_rad;
-    }
-    if (has(map, IQFOC_RECORDER_TEMP)) {
-        column[n++] = &rec->temp_C;
-    }
-    *count = n;
-}
-
-static bool grow(record_rows *r, const channel_map *map)
+static bool grow(record_rows *r)
 {
     if (r->recording.rows < r->capacity) {
         return true;
     }
-    double **column[COLUMNS + 3];
-    size_t count;
     const size_t capacity = r->capacity == 0 ? 4096 : 2 * r->capacity;
-    columns_of(&r->recording, map, column, &count);
-    for (size_t k = 0; k < count; k++) {
-        double *larger = realloc(*column[k], capacity * sizeof **column[k]);
-        if (larger == NULL) {
-            return error_failure(&r->e, 0, "record: no memory for %zu rows", capacity);
-        }
-        *column[k] = larger;
-    }
-    long *run = realloc(r->recording.run, capacity * sizeof *run);
-    if (run == NULL) {
+    if (!recording_columns_grow(&r->recording, r->have, capacity)) {
         return error_failure(&r->e, 0, "record: no memory for %zu rows", capacity);
     }
-    r->recording.run = run;
     r->capacity = capacity;
     return true;
 }
@@ -137,43 +127,35 @@ static double value(const row_values *v, int column)
 }
 
 /* The phases as recorded, a missing third one as -a - b; or the phases of the vector. */
-static void phases(const row_values *v, int phase_a, int alpha, double *const out[3], size_t k)
+static void phases(const row_values *v, int phase_a, int alpha, double out[3])
 {
     if (has(&v->map, phase_a)) {
-        out[0][k] = value(v, phase_a);
-        out[1][k] = value(v, phase_a + 1);
-        out[2][k] = has(&v->map, phase_a + 2) ? value(v, phase_a + 2) : -out[0][k] - out[1][k];
+        out[0] = value(v, phase_a);
+        out[1] = value(v, phase_a + 1);
+        out[2] = has(&v->map, phase_a + 2) ? value(v, phase_a + 2) : -out[0] - out[1];
         return;
     }
     const vec_ab vector = {value(v, alpha), value(v, alpha + 1)};
-    for (int x = 0; x < 3; x++) {
-        out[x][k] = vec_phase(vector, x);
-    }
+    vec_to_phases(vector, out);
 }
 
-static void row_put(recording *rec, const row_values *v, size_t k)
+static void row_put(record_rows *r, const row_values *v)
 {
+    recording *rec = &r->recording;
+    const size_t k = rec->rows++;
+    rec->run[k] = r->run;
     rec->t_s[k] = v->row->cycle * v->header->T_s;
-    rec->theta_e_rad[k] = value(v, IQFOC_RECORDER_THETA_E);
-    rec->omega_e_rad_s[k] = value(v, IQFOC_RECORDER_OMEGA_E);
-    phases(v, IQFOC_RECORDER_I_A, IQFOC_RECORDER_I_ALPHA, rec->i_A, k);
-    if (rec->u_V[0] != NULL) {
-        phases(v, IQFOC_RECORDER_U_A, IQFOC_RECORDER_U_ALPHA, rec->u_V, k);
+    for (int n = 0; n < GROUPS; n++) {
+        double abc[3];
+        phases(v, groups[n].phase_a, groups[n].alpha, abc);
+        for (int x = 0; x < 3 && r->have[groups[n].first]; x++) {
+            (*recording_column(rec, (column_id)((int)groups[n].first + x)))[k] = abc[x];
+        }
     }
-    if (rec->duty[0] != NULL) {
-        phases(v, IQFOC_RECORDER_D_A, 0, rec->duty, k);
-    }
-    if (rec->i_mid_A[0] != NULL) {
-        phases(v, IQFOC_RECORDER_I_MID_A, 0, rec->i_mid_A, k);
-    }
-    if (rec->u_dc_V != NULL) {
-        rec->u_dc_V[k] = value(v, IQFOC_RECORDER_U_DC);
-    }
-    if (rec->theta_mech_rad != NULL) {
-        rec->theta_mech_rad[k] = value(v, IQFOC_RECORDER_THETA_MECH);
-    }
-    if (rec->temp_C != NULL) {
-        rec->temp_C[k] = value(v, IQFOC_RECORDER_TEMP);
+    for (int n = 0; n < SINGLES; n++) {
+        if (r->have[singles[n].id]) {
+            (*recording_column(rec, singles[n].id))[k] = value(v, singles[n].column);
+        }
     }
 }
 
@@ -201,14 +183,11 @@ bool record_rows_take(void *context, const wire_header *header, const wire_row *
         return error_input(&r->e, NULL, 0, 0,
                            "record: the target's channels changed; one recording cannot hold both");
     }
-    if (!grow(r, &v.map)) {
+    if (!grow(r)) {
         return false;
     }
     r->run += row->after_gap ? 1 : 0;
-    const size_t k = r->recording.rows;
-    row_put(&r->recording, &v, k);
-    r->recording.run[k] = r->run;
-    r->recording.rows = k + 1;
+    row_put(r, &v);
     return true;
 }
 

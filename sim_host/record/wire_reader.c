@@ -4,6 +4,7 @@
 #include "wire_reader.h"
 
 #include <math.h>
+#include <zlib.h>
 
 #define VERSION      1
 #define FRAME_HEADER 1
@@ -15,19 +16,6 @@
 #define OCTET_ESCAPE     0xDB
 #define OCTET_ESCAPE_END 0xDC
 #define OCTET_ESCAPE_ESC 0xDD
-
-/* IEEE 802.3, reflected; bit by bit, so that it shares nothing with the target's table. */
-static uint32_t crc_of(const uint8_t *data, size_t count)
-{
-    uint32_t crc = UINT32_MAX;
-    for (size_t k = 0; k < count; k++) {
-        crc ^= data[k];
-        for (int bit = 0; bit < 8; bit++) {
-            crc = crc >> 1 ^ ((crc & 1) != 0 ? UINT32_C(0xEDB88320) : 0);
-        }
-    }
-    return ~crc;
-}
 
 static uint32_t word_at(const wire_reader *r, size_t index)
 {
@@ -112,7 +100,7 @@ static bool frame_read(wire_reader *r, wire_take_row *take, void *context, bool 
         return false;
     }
     const size_t words = r->octets / 4 - 1;
-    if (crc_of(r->data, 4 * words) != word_at(r, words)) {
+    if (crc32(0, r->data, (uInt)(4 * words)) != word_at(r, words)) {
         return false;
     }
     const uint32_t first = word_at(r, 0);
@@ -149,16 +137,19 @@ static bool frame_read(wire_reader *r, wire_take_row *take, void *context, bool 
     return whole;
 }
 
+static void piece_end(wire_reader *r, bool damaged)
+{
+    r->counts.damaged += damaged ? 1 : 0;
+    r->broken = false;
+    r->in_escape = false;
+    r->octets = 0;
+}
+
 /* At a frame mark: what came before it was a frame, or damage, or nothing. */
 static bool piece_finish(wire_reader *r, wire_take_row *take, void *context)
 {
     bool good = true;
-    if (r->broken || r->in_escape || (r->octets > 0 && !frame_read(r, take, context, &good))) {
-        r->counts.damaged++;
-    }
-    r->broken = false;
-    r->in_escape = false;
-    r->octets = 0;
+    piece_end(r, r->broken || r->in_escape || (r->octets > 0 && !frame_read(r, take, context, &good)));
     return good;
 }
 
@@ -192,10 +183,5 @@ bool wire_read(wire_reader *r, const uint8_t *octets, size_t count, wire_take_ro
 
 void wire_close(wire_reader *r)
 {
-    if (r->broken || r->in_escape || r->octets > 0) {
-        r->counts.damaged++;
-    }
-    r->broken = false;
-    r->in_escape = false;
-    r->octets = 0;
+    piece_end(r, r->broken || r->in_escape || r->octets > 0);
 }
