@@ -1,5 +1,7 @@
-/* POSIX: open, dup. */
-#define _XOPEN_SOURCE 700
+/*
+ * Lines by zlib, which reads what is not packed as it is (line_source.h).
+ */
+#define _XOPEN_SOURCE 700 /* POSIX: open, dup */
 
 #include "line_source.h"
 
@@ -13,8 +15,7 @@
 
 enum {
     BLOCK_SIZE = 256 * 1024,
-    /* No recording has lines this long; a binary file may have no line end at all and is not to fill the
-       memory. */
+    /* No recording has lines this long; a binary file may have no line end at all and is not to fill memory. */
     LONGEST_LINE = 1024 * 1024
 };
 
@@ -31,12 +32,12 @@ bool line_source_open(line_source *s, const char *path, error *e)
         close(descriptor);
         return error_input(e, path, 0, 0, "is a directory; expected a file");
     }
-    s->block = malloc(BLOCK_SIZE);
+    s->buffer = malloc(LONGEST_LINE + 2);
     s->stream = gzdopen(descriptor, "rb");
     if (s->stream == NULL) {
         close(descriptor);
     }
-    if (s->block == NULL || s->stream == NULL) {
+    if (s->buffer == NULL || s->stream == NULL) {
         line_source_close(s);
         return error_failure(e, 0, "%s: out of memory", path);
     }
@@ -44,20 +45,19 @@ bool line_source_open(line_source *s, const char *path, error *e)
     return true;
 }
 
-/* The next block; false at the end of the file or with *e set.
- * A gzip file that was cut is an error, not an end. */
-static bool block_read(line_source *s, error *e)
+/*
+ * A gzip file that was cut or damaged is an error, not an end. zlib knows of it once it has unpacked that far,
+ * and lines that it has unpacked with the damage are not used any more.
+ */
+static bool check_stream(const line_source *s, bool whole, error *e)
 {
-    const int got = gzread(s->stream, s->block, BLOCK_SIZE);
     int code = Z_OK;
     const char *why = gzerror(s->stream, &code);
-    if (got >= 0 && (code == Z_OK || code == Z_STREAM_END)) {
-        s->at = 0;
-        s->end = (size_t)got;
-        return got > 0;
+    if (code == Z_OK || code == Z_STREAM_END) {
+        return true;
     }
     const long line = s->length > 0 ? s->number : s->number + 1;
-    const long column = (long)s->length + 1;
+    const long column = whole ? 1 : (long)s->length + 1;
     if (code == Z_ERRNO) {
         return error_input(e, s->path, line, column, "cannot be read: %s", strerror(errno));
     }
@@ -66,55 +66,18 @@ static bool block_read(line_source *s, error *e)
                        colon != NULL ? colon + 2 : why);
 }
 
-/* Appends to ->joined, which then is the current line. */
-static bool join(line_source *s, const char *text, size_t length, error *e)
-{
-    const size_t need = s->length + length;
-    if (need > LONGEST_LINE) {
-        return error_input(e, s->path, s->number, 0, "the line is longer than 1 MiB; expected a CSV file");
-    }
-    if (need > s->joined_size) {
-        const size_t size = need < 4096 ? 4096 : 2 * need;
-        char *grown = realloc(s->joined, size);
-        if (grown == NULL) {
-            return error_failure(e, 0, "%s: out of memory", s->path);
-        }
-        s->joined = grown;
-        s->joined_size = size;
-    }
-    memcpy(s->joined + s->length, text, length);
-    s->line = s->joined;
-    s->length = need;
-    return true;
-}
-
 bool line_source_next(line_source *s, error *e)
 {
-    s->line = NULL;
-    s->length = 0;
-    bool complete = false;
-    while (!complete) {
-        if (s->at == s->end && !block_read(s, e)) {
-            break;
-        }
-        if (s->length == 0) {
-            s->number++;
-        }
-        const char *text = s->block + s->at;
-        const size_t there = s->end - s->at;
-        const char *newline = memchr(text, '\n', there);
-        const size_t length = newline != NULL ? (size_t)(newline - text) + 1 : there;
-        complete = newline != NULL;
-        s->at += length;
-        if (complete && s->length == 0) {
-            /* The common case: the whole line lies in the block, no copy. */
-            s->line = text;
-            s->length = length;
-        } else if (!join(s, text, length, e)) {
-            return false;
-        }
+    const z_off_t start = gztell(s->stream);
+    const bool got = gzgets(s->stream, s->buffer, LONGEST_LINE + 2) != NULL;
+    s->line = s->buffer;
+    s->length = (size_t)(gztell(s->stream) - start); /* a binary file has zeros in its lines */
+    s->number += s->length > 0 ? 1 : 0;
+    if (s->length > LONGEST_LINE) {
+        return error_input(e, s->path, s->number, 0, "the line is longer than 1 MiB; expected a CSV file");
     }
-    return e->status == STATUS_DONE && s->length > 0;
+    const bool whole = got && s->line[s->length - 1] == '\n';
+    return check_stream(s, whole, e) && got;
 }
 
 void line_source_close(line_source *s)
@@ -122,7 +85,6 @@ void line_source_close(line_source *s)
     if (s->stream != NULL) {
         gzclose(s->stream);
     }
-    free(s->block);
-    free(s->joined);
+    free(s->buffer);
     *s = (line_source){0};
 }

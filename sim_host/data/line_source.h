@@ -11,11 +11,8 @@
 typedef struct line_source {
     const char *path; /* for messages: "stdin" for "-" */
     void *stream;     /* zlib's gzFile */
-    char *block;      /* bytes read but not yet handed out: [at, end) */
-    size_t at, end;
-    char *joined; /* a line that lay across two blocks */
-    size_t joined_size;
-    const char *line; /* the current line with its newline, if it has one; not 0-terminated */
+    char *buffer;     /* of a line */
+    const char *line; /* the current line with its newline, if it has one; may hold zeros */
     size_t length;
     long number; /* of the current line */
 } line_source;

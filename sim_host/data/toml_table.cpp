@@ -70,6 +70,11 @@ std::string range_words(const toml_range &range)
     return has_max ? "a number <= " + number_words(range.max) : "a finite number";
 }
 
+std::string whole_words(long min, long max)
+{
+    return "a whole number from " + std::to_string(min) + " to " + std::to_string(max);
+}
+
 // What stands there, short enough for one line: "text \"abc\"", "1.5", "an array".
 std::string value_words(const toml::node &node)
 {
@@ -118,18 +123,16 @@ void refuse_value(const toml_table &table, const char *key, const toml::node &no
               std::string(key) + " must be " + expected + ", not " + value_words(node));
 }
 
+// An integer may stand for a real; NaN is what no number is.
+double number_of(const toml::node &node)
+{
+    return node.is_number() ? node.value<double>().value_or(std::nan("")) : std::nan("");
+}
+
 bool read_number(const toml_table &table, const char *key, const toml::node &node, const toml_range &range,
                  double *value)
 {
-    double read = 0.0;
-    if (const auto *real = node.as_floating_point()) {
-        read = real->get();
-    } else if (const auto *integer = node.as_integer()) {
-        read = static_cast<double>(integer->get());
-    } else {
-        refuse_value(table, key, node, range_words(range));
-        return false;
-    }
+    const double read = number_of(node);
     const bool below = range.min_open ? read <= range.min : read < range.min;
     if (!std::isfinite(read) || below || read > range.max) {
         refuse_value(table, key, node, range_words(range));
@@ -290,12 +293,10 @@ extern "C" bool toml_is_table(toml_table *table, const char *key)
 
 extern "C" double toml_number_or(toml_table *table, const char *key, toml_range range, double absent)
 {
-    const toml::node *node = find(table, key);
-    double value = absent;
-    if (node != nullptr) {
-        read_number(*table, key, *node, range, &value);
+    if (const toml::node *node = find(table, key)) {
+        read_number(*table, key, *node, range, &absent);
     }
-    return value;
+    return absent;
 }
 
 extern "C" double toml_number(toml_table *table, const char *key, toml_range range)
@@ -312,17 +313,10 @@ extern "C" long toml_integer_or(toml_table *table, const char *key, long min, lo
     if (node == nullptr) {
         return absent;
     }
-    const std::string expected = "a whole number from " + std::to_string(min) + " to " + std::to_string(max);
-    // 3.0 is a whole number too.
-    double value = std::nan("");
-    if (const auto *integer = node->as_integer()) {
-        value = static_cast<double>(integer->get());
-    } else if (const auto *real = node->as_floating_point()) {
-        value = real->get();
-    }
-    const bool is_whole = std::floor(value) == value; // false for NaN
+    const double value = number_of(*node);
+    const bool is_whole = std::floor(value) == value; // 3.0 is a whole number too; false for NaN
     if (!is_whole || value < static_cast<double>(min) || value > static_cast<double>(max)) {
-        refuse_value(*table, key, *node, expected);
+        refuse_value(*table, key, *node, whole_words(min, max));
         return absent;
     }
     return static_cast<long>(value);
@@ -331,8 +325,7 @@ extern "C" long toml_integer_or(toml_table *table, const char *key, long min, lo
 extern "C" long toml_integer(toml_table *table, const char *key, long min, long max)
 {
     if (find(table, key) == nullptr) {
-        refuse_missing(table, key,
-                       "a whole number from " + std::to_string(min) + " to " + std::to_string(max));
+        refuse_missing(table, key, whole_words(min, max));
     }
     return toml_integer_or(table, key, min, max, min);
 }
@@ -408,14 +401,6 @@ extern "C" size_t toml_choice_or(toml_table *table, const char *key, const char 
     }
     refuse_value(*table, key, *node, all);
     return absent;
-}
-
-extern "C" size_t toml_choice(toml_table *table, const char *key, const char *const *words, size_t count)
-{
-    if (find(table, key) == nullptr) {
-        refuse_missing(table, key, std::string("for example \"") + words[0] + "\"");
-    }
-    return toml_choice_or(table, key, words, count, 0);
 }
 
 extern "C" bool toml_position(toml_table *table, const char *key, long *line, long *column)
