@@ -3,7 +3,8 @@
  */
 #include "pil_wire.h"
 
-int32_t pil_words_of(uint32_t type)
+/* Number of words of a type; -1 for a type that does not exist. */
+static int32_t words_of(uint32_t type)
 {
     switch (type) {
     case PIL_START:
@@ -72,7 +73,7 @@ pil_decoded_t pil_decode(pil_decoder_t *decoder, uint32_t byte, pil_frame_t *fra
     if (decoder->count < 2) {
         return PIL_MORE;
     }
-    const int32_t words = pil_words_of(decoder->bytes[1]);
+    const int32_t words = words_of(decoder->bytes[1]);
     if (words < 0) {
         return PIL_DAMAGED;
     }

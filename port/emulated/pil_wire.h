@@ -39,9 +39,6 @@ typedef struct pil_result {
     uint32_t status;
 } pil_result_t;
 
-/* Number of words of a type; -1 for a type that does not exist. */
-int32_t pil_words_of(uint32_t type);
-
 /* The frame's bytes, 0 ... 255 each; returns how many, at most PIL_FRAME_MAX. */
 uint32_t pil_encode(const pil_frame_t *frame, uint8_t bytes[PIL_FRAME_MAX]);
 

@@ -1,3 +1,4 @@
+/* Bad news: put together, kept to one line, printed (error.h). */
 #include "error.h"
 
 #include <stdio.h>

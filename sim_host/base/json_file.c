@@ -1,6 +1,4 @@
-/*
- * JSON as text: numbers, indentation, and the file around it (json_file.h).
- */
+/* JSON as text: numbers, indentation, and the file around it (json_file.h). */
 #include "json_file.h"
 
 #include "number.h"

@@ -1,5 +1,5 @@
-/* POSIX: sigaction, sigprocmask, unlink, rmdir. */
-#define _XOPEN_SOURCE 700
+/* The list of what has to go, and the signals that make it go (leftovers.h). */
+#define _XOPEN_SOURCE 700 /* POSIX: sigaction, sigprocmask, unlink, rmdir */
 
 #include "leftovers.h"
 
@@ -38,17 +38,23 @@ static void remove_and_die(int signal_number)
     raise(signal_number);
 }
 
+static sigset_t watched_set(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    for (int n = 0; n < WATCHED; n++) {
+        sigaddset(&set, watched[n]);
+    }
+    return set;
+}
+
 static void watch_signals(void)
 {
     for (int n = 0; n < WATCHED; n++) {
         struct sigaction action;
         if (sigaction(watched[n], NULL, &action) == 0 && action.sa_handler == SIG_DFL) {
-            action = (struct sigaction){.sa_handler = remove_and_die};
-            sigemptyset(&action.sa_mask);
             /* One of them at a time: two would both walk through the list. */
-            for (int other = 0; other < WATCHED; other++) {
-                sigaddset(&action.sa_mask, watched[other]);
-            }
+            action = (struct sigaction){.sa_handler = remove_and_die, .sa_mask = watched_set()};
             sigaction(watched[n], &action, NULL);
         }
     }
@@ -119,11 +125,7 @@ bool leftovers_hold_stage_of(const char *path)
 
 void leftovers_signals_wait(void)
 {
-    sigset_t set;
-    sigemptyset(&set);
-    for (int n = 0; n < WATCHED; n++) {
-        sigaddset(&set, watched[n]);
-    }
+    const sigset_t set = watched_set();
     sigprocmask(SIG_BLOCK, &set, &mask_before);
 }
 

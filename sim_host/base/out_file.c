@@ -1,5 +1,5 @@
-/* POSIX: mkstemp, fsync, fchmod, realpath. */
-#define _XOPEN_SOURCE 700
+/* Writing beside the old file, and the rename over it (out_file.h). */
+#define _GNU_SOURCE /* asprintf; POSIX: mkstemp, fsync, fchmod, realpath */
 
 #include "out_file.h"
 
@@ -33,13 +33,10 @@ static void out_file_release(out_file *f)
 static char *temp_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
-    const size_t directory_length = slash ? (size_t)(slash - path) + 1 : 0;
-    const size_t size = strlen(path) + sizeof "..XXXXXX";
-    char *name = malloc(size);
-    if (name != NULL) {
-        snprintf(name, size, "%.*s.%s.XXXXXX", (int)directory_length, path, path + directory_length);
-    }
-    return name;
+    const int directory_length = slash != NULL ? (int)(slash - path) + 1 : 0;
+    char *name;
+    return asprintf(&name, "%.*s.%s.XXXXXX", directory_length, path, path + directory_length) < 0 ? NULL
+                                                                                                  : name;
 }
 
 /* A pipe, a terminal or /dev/null cannot be replaced by a rename and is written as it comes. */
@@ -87,8 +84,7 @@ bool out_file_open(out_file *f, const char *path, error *e)
     if (exists && S_ISDIR(status.st_mode)) {
         return error_input(e, path, 0, 0, "is a directory; expected the name of a file to write");
     }
-    /* Replacing needs only a writable directory;
-     * a file that its owner has locked is still not ours to replace. */
+    /* Replacing needs only a writable directory; a file that its owner has locked is still not ours to replace. */
     if (exists && access(path, W_OK) != 0) {
         return error_input(e, path, 0, 0, "cannot be written: %s", strerror(errno));
     }

@@ -1,5 +1,5 @@
-/* POSIX: lstat, mkdir, rmdir, strdup. */
-#define _XOPEN_SOURCE 700
+/* The stage of an output folder, and the folders on the way to it (out_folder.h). */
+#define _GNU_SOURCE /* asprintf; POSIX: lstat, mkdir, rmdir, strdup */
 
 #include "out_folder.h"
 
@@ -67,19 +67,15 @@ static bool make_stage(out_folder *f, error *e)
 {
     const bool inside = is_folder(f->path);
     const char *slash = strrchr(f->path, '/');
-    const size_t size = strlen(f->path) + 64;
-    f->stage = malloc(size);
-    if (f->stage == NULL) {
-        return error_failure(e, 0, "out of memory");
-    }
+    const int parent = inside ? (int)strlen(f->path) : slash != NULL ? (int)(slash - f->path) + 1 : 0;
+    const char *name = inside ? "iqfoc" : f->path + parent;
     int why = EEXIST;
     for (int n = 0; why == EEXIST && n < 1000; n++) {
-        if (inside) {
-            snprintf(f->stage, size, "%s/.iqfoc.%ld-%d", f->path, (long)getpid(), n);
-        } else {
-            const size_t parent = slash != NULL ? (size_t)(slash - f->path) + 1 : 0;
-            snprintf(f->stage, size, "%.*s.%s.%ld-%d", (int)parent, f->path, f->path + parent, (long)getpid(),
-                     n);
+        free(f->stage);
+        if (asprintf(&f->stage, "%.*s%s.%s.%ld-%d", parent, f->path, inside ? "/" : "", name, (long)getpid(),
+                     n) < 0) {
+            f->stage = NULL;
+            return error_failure(e, 0, "out of memory");
         }
         why = mkdir(f->stage, 0777) == 0 ? 0 : errno;
     }
@@ -119,13 +115,10 @@ const char *out_folder_place(out_folder *f, const char *path, error *e)
         return path;
     }
     free(f->placed);
-    const size_t size = strlen(f->stage) + strlen(path + length) + 1;
-    f->placed = malloc(size);
-    if (f->placed == NULL) {
+    if (asprintf(&f->placed, "%s%s", f->stage, path + length) < 0) {
+        f->placed = NULL;
         error_failure(e, 0, "out of memory");
-        return NULL;
     }
-    snprintf(f->placed, size, "%s%s", f->stage, path + length);
     return f->placed;
 }
 

@@ -1,6 +1,5 @@
-/* POSIX: opendir, realpath, lstat, link. Every libc of today: flock. */
-#define _DEFAULT_SOURCE
-#define _XOPEN_SOURCE 700
+/* Which file of a stage goes where, and all of them or none (out_folder_files.h). */
+#define _GNU_SOURCE /* asprintf, flock; POSIX: opendir, realpath, lstat, link */
 
 #include "out_folder_files.h"
 
@@ -31,12 +30,8 @@ typedef struct movers {
 
 static char *join(const char *folder, const char *between, const char *name)
 {
-    const size_t size = strlen(folder) + strlen(between) + strlen(name) + 1;
-    char *path = malloc(size);
-    if (path != NULL) {
-        snprintf(path, size, "%s%s%s", folder, between, name);
-    }
-    return path;
+    char *path;
+    return asprintf(&path, "%s%s%s", folder, between, name) < 0 ? NULL : path;
 }
 
 static bool is_entry(const char *name)
@@ -145,14 +140,14 @@ static bool move_one(mover *m)
            rename(m->staged, m->place) == 0;
 }
 
-/* Back to what was, from the last file that was moved. */
+/* Back to what was, from the last file that was moved; the one after it may have been saved without that. */
 static void undo(const movers *m, size_t moved)
 {
-    for (size_t n = moved; n > 0; n--) {
+    for (size_t n = moved + 1; n > 0; n--) {
         const mover *file = &m->file[n - 1];
         if (file->saved) {
             rename(file->was, file->place);
-        } else {
+        } else if (n <= moved) {
             unlink(file->place);
         }
     }
@@ -169,9 +164,6 @@ static bool move_all(movers *m, error *e)
         mover *file = &m->file[n];
         if (!move_one(file)) {
             error_failure(e, errno, "%s: cannot be written", file->place);
-            if (file->saved) {
-                rename(file->was, file->place);
-            }
             undo(m, n);
             return false;
         }
@@ -208,9 +200,6 @@ bool out_folder_put(const char *stage, const char *path, error *e)
     if (rename(stage, path) == 0) {
         return true;
     }
-    const int why = errno;
-    if (why == ENOTEMPTY || why == EEXIST) {
-        return replace_files(stage, path, e);
-    }
-    return error_failure(e, why, "%s: cannot be written", path);
+    return errno == ENOTEMPTY || errno == EEXIST ? replace_files(stage, path, e)
+                                                 : error_failure(e, errno, "%s: cannot be written", path);
 }

@@ -1,5 +1,5 @@
-/* POSIX: clock_gettime, isatty. */
-#define _XOPEN_SOURCE 700
+/* The progress line, and when it is due (progress.h). */
+#define _XOPEN_SOURCE 700 /* POSIX: clock_gettime, isatty */
 
 #include "progress.h"
 

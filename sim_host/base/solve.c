@@ -1,3 +1,4 @@
+/* LAPACK's Cholesky factorisation, scaled so that its pivots can be judged (solve.h). */
 #include "solve.h"
 
 #include <lapacke.h>

@@ -1,3 +1,4 @@
+/* The nearest word by the distance of Levenshtein (suggest.h). */
 #include "suggest.h"
 
 #include <ctype.h>

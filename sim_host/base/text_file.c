@@ -1,3 +1,4 @@
+/* A small file, whole (text_file.h). */
 #include "text_file.h"
 
 #include <errno.h>

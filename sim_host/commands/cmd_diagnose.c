@@ -1,6 +1,4 @@
-/*
- * iqfoc diagnose: what a recording shows the model to get wrong, why, and what mending it gains.
- */
+/* iqfoc diagnose: what a recording shows the model to get wrong, why, and what mending it gains. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "command.h"

@@ -1,6 +1,4 @@
-/*
- * iqfoc loops: what better feedback and better prediction do to a closed loop.
- */
+/* iqfoc loops: what better feedback and better prediction do to a closed loop. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "command.h"

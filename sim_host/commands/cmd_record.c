@@ -1,6 +1,4 @@
-/*
- * iqfoc record: the target's recorder on a serial line (docs/recorder-format.md), made a recording.
- */
+/* iqfoc record: the target's recorder on a serial line (docs/recorder-format.md), made a recording. */
 #define _POSIX_C_SOURCE 200809L
 #include "command.h"
 #include "options.h"

@@ -1,6 +1,4 @@
-/*
- * iqfoc reproduce: both papers' tables beside this project's values, and their figures.
- */
+/* iqfoc reproduce: both papers' tables beside this project's values, and their figures. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "command.h"

@@ -1,6 +1,4 @@
-/*
- * iqfoc simulate: the firmware code against the switching-level drive, closed loop, to a recording.
- */
+/* iqfoc simulate: the firmware code against the switching-level drive, closed loop, to a recording. */
 #include "command.h"
 #include "options.h"
 

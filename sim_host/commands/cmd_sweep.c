@@ -1,6 +1,4 @@
-/*
- * iqfoc sweep: the errors of each method over the ratio of switching to fundamental frequency.
- */
+/* iqfoc sweep: the errors of each method over the ratio of switching to fundamental frequency. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "base/progress.h"

@@ -1,6 +1,4 @@
-/*
- * Command lines: the options of a command, its help text and the lines of bad news (options.h).
- */
+/* Command lines: the options of a command, its help text and the lines of bad news (options.h). */
 #define _GNU_SOURCE /* getopt_long */
 
 #include "options.h"

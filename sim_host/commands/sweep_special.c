@@ -1,6 +1,4 @@
-/*
- * iqfoc sweep --map: its files (sweep_special.h).
- */
+/* iqfoc sweep --map: its files (sweep_special.h). */
 #include "sweep_special.h"
 
 #include "base/json_file.h"

@@ -1,3 +1,4 @@
+/* Records and fields by libcsv, fed line by line (csv_file.h). */
 #include "csv_file.h"
 
 #include <csv.h>

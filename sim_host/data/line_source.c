@@ -1,6 +1,4 @@
-/*
- * Lines by zlib, which reads what is not packed as it is (line_source.h).
- */
+/* Lines by zlib, which reads what is not packed as it is (line_source.h). */
 #define _XOPEN_SOURCE 700 /* POSIX: open, dup */
 
 #include "line_source.h"

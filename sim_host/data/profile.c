@@ -1,3 +1,4 @@
+/* A quantity over time: its value, and its TOML (profile.h). */
 #include "profile.h"
 
 #include "../base/vector.h"

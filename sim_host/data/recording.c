@@ -1,3 +1,4 @@
+/* A recording's stretches, and its current and voltage in a row (recording.h). */
 #include "recording.h"
 
 #include "recording_columns.h"

@@ -1,6 +1,4 @@
-/*
- * Columns by name, by place and by size (recording_columns.h).
- */
+/* Columns by name, by place and by size (recording_columns.h). */
 #include "recording_columns.h"
 
 #include <stdlib.h>

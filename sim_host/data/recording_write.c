@@ -1,6 +1,4 @@
-/*
- * The writer: a row is built in memory from shortest round-trip texts (number.h) and written at once.
- */
+/* The writer: a row is built in memory from shortest round-trip texts (number.h) and written at once. */
 #include "recording.h"
 
 #include "../base/number.h"

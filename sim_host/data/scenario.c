@@ -1,3 +1,4 @@
+/* The scenario file, read and checked (scenario.h). */
 #include "scenario.h"
 
 #include "toml_table.h"

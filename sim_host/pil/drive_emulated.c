@@ -1,6 +1,4 @@
-/*
- * Processor in the loop: the drive's calls as frames on the emulator's serial line (drive_emulated.h).
- */
+/* Processor in the loop: the drive's calls as frames on the emulator's serial line (drive_emulated.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "drive_emulated.h"
 

@@ -1,6 +1,4 @@
-/*
- * The child process of an emulator (emulator.h).
- */
+/* The child process of an emulator (emulator.h). */
 #define _GNU_SOURCE /* for SOCK_CLOEXEC and prctl's PR_SET_PDEATHSIG: Linux */
 #include "emulator.h"
 

@@ -1,6 +1,4 @@
-/*
- * Opening and reading the recorder's line (line.h).
- */
+/* Opening and reading the recorder's line (line.h). */
 #define _DEFAULT_SOURCE /* cfmakeraw, B230400 and faster */
 #include "line.h"
 

@@ -1,6 +1,4 @@
-/*
- * From rows on the wire to a recording (record_rows.h).
- */
+/* From rows on the wire to a recording (record_rows.h). */
 #include "record_rows.h"
 
 #include "base/vector.h"

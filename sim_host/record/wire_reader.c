@@ -1,6 +1,4 @@
-/*
- * The recorder's line (wire_reader.h).
- */
+/* The recorder's line (wire_reader.h). */
 #include "wire_reader.h"
 
 #include <math.h>
