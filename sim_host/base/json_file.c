@@ -25,20 +25,15 @@ static void put_real(FILE *out, double value)
     }
 }
 
-static bool is_plain(const json_t *value)
-{
-    return !json_is_object(value) && !json_is_array(value);
-}
-
 /* True for an array short enough in kind to read on one line: [4.11, 4.25]. */
 static bool is_flat(const json_t *array)
 {
-    for (size_t i = 0; i < json_array_size(array); i++) {
-        if (!is_plain(json_array_get(array, i))) {
-            return false;
-        }
+    bool flat = true;
+    for (size_t i = 0; flat && i < json_array_size(array); i++) {
+        const json_t *value = json_array_get(array, i);
+        flat = !json_is_object(value) && !json_is_array(value);
     }
-    return true;
+    return flat;
 }
 
 static bool put_value(FILE *out, const json_t *value, int depth);

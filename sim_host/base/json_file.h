@@ -2,8 +2,7 @@
  * A jansson value as a file that appears whole or not at all (out_file.h).
  *
  * jansson itself prints 0.1 as 0.10000000000000001; here every real gets the shortest text that reads back to
- * the same double. Objects keep the order in which their keys were set; an array of plain values stays on one
- * line.
+ * the same double. Objects keep the order of their keys; an array of plain values stays on one line.
  */
 #ifndef SIM_HOST_BASE_JSON_FILE_H
 #define SIM_HOST_BASE_JSON_FILE_H

@@ -16,8 +16,10 @@ typedef struct leftover {
     char path[];
 } leftover;
 
-/* The signal handler may look at any time: an entry is whole before it is linked in, and out before it is
- * freed. The fences keep the compiler from reordering that. */
+/*
+ * The signal handler may look at any time: an entry is whole before it is linked in, and out before it is
+ * freed. The fences keep the compiler from reordering that.
+ */
 static leftover *volatile newest;
 
 static const int watched[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};

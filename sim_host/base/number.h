@@ -27,12 +27,10 @@ typedef enum number_result {
     NUMBER_NOT_REPRESENTABLE /* 1e999, 1e-999 */
 } number_result;
 
-/* Writes the shortest text of a value, 0-terminated;
- * returns its length. NaN and infinities are "nan", "inf", "-inf". */
+/* Writes the shortest text of a value, 0-terminated, and returns its length: also "nan", "inf", "-inf". */
 size_t number_text(double value, char text[NUMBER_TEXT_SIZE]);
 
-/* Reads exactly the `length` bytes of text;
- * *value is set only on NUMBER_OK. A leading + is allowed, spaces are not. */
+/* Reads exactly `length` bytes. *value is set only on NUMBER_OK. A leading + is allowed, spaces are not. */
 number_result number_parse(const char *text, size_t length, double *value);
 
 /* What number_parse missed, for a message: "is not a number", "is empty" ... */

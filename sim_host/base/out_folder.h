@@ -29,8 +29,7 @@ typedef struct out_folder {
 
 /*
  * Makes the stage, and the parents of the folder where they are missing. False with *e set when the path is
- * no directory or nothing can be written there. A path of NULL is no folder: nothing is open, and that is
- * true.
+ * no directory or nothing can be written there. True with a path of NULL, which opens nothing.
  */
 bool out_folder_open(out_folder *f, const char *path, error *e);
 

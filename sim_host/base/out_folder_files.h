@@ -1,6 +1,4 @@
-/*
- * The files of an output folder, from the stage to their place (out_folder.h).
- */
+/* The files of an output folder, from the stage to their place (out_folder.h). */
 #ifndef SIM_HOST_BASE_OUT_FOLDER_FILES_H
 #define SIM_HOST_BASE_OUT_FOLDER_FILES_H
 

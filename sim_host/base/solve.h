@@ -1,6 +1,4 @@
-/*
- * Small symmetric systems, by LAPACK's Cholesky factorisation.
- */
+/* Small symmetric systems, by LAPACK's Cholesky factorisation. */
 #ifndef SIM_HOST_BASE_SOLVE_H
 #define SIM_HOST_BASE_SOLVE_H
 

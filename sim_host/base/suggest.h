@@ -1,6 +1,4 @@
-/*
- * The word that somebody who mistyped most likely meant.
- */
+/* The word that somebody who mistyped most likely meant. */
 #ifndef SIM_HOST_BASE_SUGGEST_H
 #define SIM_HOST_BASE_SUGGEST_H
 

@@ -7,8 +7,7 @@
 #include "options.h"
 #include "plant/plant_effect.h"
 
-#include <stdlib.h>
-#include <string.h>
+#include <stdio.h>
 
 enum { OPT_MOTOR, OPT_EXTENDED, OPT_EFFECT, OPT_JSON, OPT_OUTPUT };
 
@@ -55,16 +54,6 @@ static bool combination(const options *o, const request *r, error *e)
            error_input(e, NULL, 0, 0, "loops: --extended draws no page: expected no -o");
 }
 
-/* directory: NULL for no page. */
-static bool study(const request *r, const char *directory, loops_study *s, error *e)
-{
-    out_folder f = {0};
-    const bool ok = out_folder_open(&f, directory, e) && loops_study_run(s, e) &&
-                    (f.stage == NULL || loops_study_page(s, f.stage, e)) &&
-                    json_file_place(&f, r->json_path, loops_study_json(s), e);
-    return out_folder_close(&f, ok, e);
-}
-
 static bool compare_extended(const request *r, error *e)
 {
     motor nominal;
@@ -93,19 +82,19 @@ static bool compare_extended(const request *r, error *e)
 
 static bool loops(const request *r, error *e)
 {
-    loops_study *s = calloc(1, sizeof *s);
-    if (s == NULL) {
-        return error_failure(e, 0, "loops: out of memory");
-    }
+    static loops_study s;
     const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "report-loops";
-    const bool ok = study(r, directory, s, e);
+    out_folder f = {0};
+    bool ok = out_folder_open(&f, directory, e) && loops_study_run(&s, e) &&
+              (f.stage == NULL || loops_study_page(&s, f.stage, e)) &&
+              json_file_place(&f, r->json_path, loops_study_json(&s), e);
+    ok = out_folder_close(&f, ok, e);
     if (ok && !json_file_is_stdout(r->json_path)) {
-        loops_study_print(s, stdout);
+        loops_study_print(&s, stdout);
         if (directory != NULL) {
             printf("\nThe figures: %s/index.html\n", directory);
         }
     }
-    free(s);
     return ok;
 }
 

@@ -1,16 +1,13 @@
 /* iqfoc record: the target's recorder on a serial line (docs/recorder-format.md), made a recording. */
-#define _POSIX_C_SOURCE 200809L
+#define _POSIX_C_SOURCE 200809L /* sigaction */
+#include "base/progress.h"
 #include "command.h"
-#include "options.h"
-
 #include "line.h"
+#include "options.h"
 #include "record_rows.h"
 
 #include <signal.h>
 #include <stdio.h>
-#include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 enum { OPT_PORT, OPT_OUT, OPT_BAUD, OPT_SECONDS };
 
@@ -45,35 +42,15 @@ static void on_interrupt(int number)
     interrupted = 1;
 }
 
-static double now_s(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-/* How much will come is not known in advance: the progress line counts rows and damage, on a terminal only. */
-static void show(const record_rows *rows, const wire_reader *reader, bool last)
-{
-    static double next_s;
-    const double now = now_s();
-    if (isatty(STDERR_FILENO) == 0 || (!last && now < next_s)) {
-        return;
-    }
-    next_s = now + 0.2;
-    fprintf(stderr, "\r\033[Krecord: %zu rows, %lu frames, %lu damaged, %lu lost%s", rows->recording.rows,
-            reader->counts.frames, reader->counts.damaged, reader->counts.lost_frames,
-            last ? "\r\033[K" : "");
-    (void)fflush(stderr);
-}
-
 /* A file is read to its end, as it may hold several streams. */
 static bool receive(const request *r, line *l, wire_reader *reader, record_rows *rows, error *e)
 {
-    const double end_s = now_s() + r->seconds;
+    const double end_s = progress_clock_s() + r->seconds;
+    /* How much will come is not known in advance: the line counts rows and damage. */
+    progress p = progress_begin("record", 0.0, "");
     bool closed = false;
     while (!closed && !interrupted && (!reader->ended || l->size > 0) &&
-           (r->seconds == 0.0 || now_s() < end_s)) {
+           (r->seconds == 0.0 || progress_clock_s() < end_s)) {
         uint8_t octets[4096];
         size_t count = 0;
         if (!line_read(l, octets, sizeof octets, 100, &count, &closed, e)) {
@@ -88,10 +65,12 @@ static bool receive(const request *r, line *l, wire_reader *reader, record_rows 
                                "the target speaks version %u of the format; expected version 1",
                                (unsigned)reader->version);
         }
-        show(rows, reader, false);
+        const wire_counts *c = &reader->counts;
+        progress_say(&p, "record: %zu rows, %lu frames, %lu damaged, %lu lost", rows->recording.rows,
+                     c->frames, c->damaged, c->lost_frames);
     }
     wire_close(reader);
-    show(rows, reader, true);
+    progress_end(&p);
     return true;
 }
 

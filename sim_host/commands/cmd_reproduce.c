@@ -42,31 +42,23 @@ static bool take_paper(const options *o, void *context, error *e)
            error_input(e, NULL, 0, 0, "reproduce: --paper %s: expected 2016 or 2019", o->argument);
 }
 
-/* directory: NULL for no page. */
-static bool compare(const request *r, const char *directory, comparison *c, error *e)
-{
-    out_folder f = {0};
-    const bool ok = out_folder_open(&f, directory, e) && (!r->with_2016 || paper_2016_compare(c, e)) &&
-                    (!r->with_2019 || paper_2019_compare(c, e)) &&
-                    (f.stage == NULL || reproduce_page(f.stage, c, r->with_2016, r->with_2019, e)) &&
-                    json_file_place(&f, r->json_path, comparison_json(c), e);
-    return out_folder_close(&f, ok, e);
-}
-
 /* Files first, words last: what is printed has been written. */
 static bool reproduce(const request *r, comparison *c, error *e)
 {
     const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "report-reproduce";
-    if (!compare(r, directory, c, e)) {
-        return false;
-    }
-    if (!json_file_is_stdout(r->json_path)) {
+    out_folder f = {0};
+    bool ok = out_folder_open(&f, directory, e) && (!r->with_2016 || paper_2016_compare(c, e)) &&
+              (!r->with_2019 || paper_2019_compare(c, e)) &&
+              (f.stage == NULL || reproduce_page(f.stage, c, r->with_2016, r->with_2019, e)) &&
+              json_file_place(&f, r->json_path, comparison_json(c), e);
+    ok = out_folder_close(&f, ok, e);
+    if (ok && !json_file_is_stdout(r->json_path)) {
         comparison_print(c, stdout);
         if (directory != NULL) {
             printf("\nThe figures: %s/index.html\n", directory);
         }
     }
-    return true;
+    return ok;
 }
 
 int cmd_reproduce(int argc, char **argv)

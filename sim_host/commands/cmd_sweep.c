@@ -5,12 +5,11 @@
 #include "command.h"
 #include "induction/induction_table.h"
 #include "options.h"
+#include "reproduce/mean_map.h"
 #include "reproduce/sweep.h"
-#include "sweep_special.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SPEEDS_MAX = 1000 };
@@ -140,49 +139,55 @@ static bool compute(const request *r, const motor *m, double current_A_rms, swee
     return ok;
 }
 
-static bool points_and_files(const request *r, const motor *m, double current_A_rms, sweep_point *points,
-                             error *e)
-{
-    out_folder f = {0};
-    const bool ok = out_folder_open(&f, r->directory, e) && compute(r, m, current_A_rms, points, e) &&
-                    (f.stage == NULL || sweep_page(f.stage, m, points, r->speeds, e)) &&
-                    json_file_place(&f, r->json_path, points_json(r, m, current_A_rms, points), e);
-    return out_folder_close(&f, ok, e);
-}
-
 static bool sweep(const request *r, error *e)
 {
+    static sweep_point points[SPEEDS_MAX];
     motor m;
     if (!motor_read(r->motor_path, &m, e)) {
         return false;
     }
     m.ext = motor_blank().ext; /* the study's drive has no effects, so its firmware corrects none */
-    sweep_point *points = calloc(SPEEDS_MAX, sizeof *points);
-    if (points == NULL) {
-        return error_failure(e, 0, "sweep: out of memory");
-    }
     const double current_A_rms = r->current_A_rms > 0.0 ? r->current_A_rms : m.I_rated_A_rms;
-    const bool ok = points_and_files(r, &m, current_A_rms, points, e);
+    out_folder f = {0};
+    bool ok = out_folder_open(&f, r->directory, e) && compute(r, &m, current_A_rms, points, e) &&
+              (f.stage == NULL || sweep_page(f.stage, &m, points, r->speeds, e)) &&
+              json_file_place(&f, r->json_path, points_json(r, &m, current_A_rms, points), e);
+    ok = out_folder_close(&f, ok, e);
     if (ok && !json_file_is_stdout(r->json_path)) {
         print_head(&m, current_A_rms, r->id_ratio);
         for (size_t n = 0; n < r->speeds; n++) {
             print_point(&points[n]);
         }
     }
-    free(points);
+    return ok;
+}
+
+/* Without -o the page goes to "sweep-map", or is left out if there is JSON. */
+static bool sweep_map(const request *r, error *e)
+{
+    static mean_map map;
+    motor m;
+    const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "sweep-map";
+    if (!motor_read(r->motor_path, &m, e)) {
+        return false;
+    }
+    out_folder f = {0};
+    bool ok = out_folder_open(&f, directory, e) && mean_map_run(&m, &map, e) &&
+              (f.stage == NULL || mean_map_page(f.stage, &m, &map, e));
+    if (ok) {
+        json_t *root = json_pack("{s:s, s:o}", "motor", m.name, "points", mean_map_json(&map));
+        ok = json_file_place(&f, r->json_path, root, e);
+    }
+    ok = out_folder_close(&f, ok, e);
+    if (ok && directory != NULL && !json_file_is_stdout(r->json_path)) {
+        printf("The map: %s/index.html, %s/mean-map.svg\n", directory, directory);
+    }
     return ok;
 }
 
 static bool run(const request *r, error *e)
 {
-    motor m;
-    if (r->induction) {
-        return induction_table(r->json_path, e);
-    }
-    if (!r->map) {
-        return sweep(r, e);
-    }
-    return motor_read(r->motor_path, &m, e) && sweep_map(&m, r->directory, r->json_path, e);
+    return r->induction ? induction_table(r->json_path, e) : r->map ? sweep_map(r, e) : sweep(r, e);
 }
 
 int cmd_sweep(int argc, char **argv)

@@ -28,16 +28,15 @@ static const command commands[] = {
     {"sweep", "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
     {"loops", "what better feedback and better prediction do to a closed loop", cmd_loops},
     {"diagnose", "what the model gets wrong about a recording, why, and what mending it gains", cmd_diagnose},
-    {NULL, NULL, NULL},
 };
 
-enum { COMMANDS = sizeof commands / sizeof commands[0] - 1 };
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
 static int print_overview(void)
 {
     printf("usage: iqfoc <command> [options]\n\n");
-    for (const command *c = commands; c->name != NULL; c++) {
-        printf("  %-12s%s\n", c->name, c->summary);
+    for (int n = 0; n < COMMANDS; n++) {
+        printf("  %-12s%s\n", commands[n].name, commands[n].summary);
     }
     printf("\n`iqfoc <command> --help` documents each. `iqfoc --version` prints the version.\n"
            "Exit status: 0 done, 2 for input or usage that cannot be used, 1 for a failure of the program "
@@ -47,7 +46,7 @@ static int print_overview(void)
 
 static int refuse(const char *given)
 {
-    const char *names[COMMANDS + 1];
+    const char *names[COMMANDS];
     for (int i = 0; i < COMMANDS; i++) {
         names[i] = commands[i].name;
     }
@@ -75,9 +74,9 @@ static int run(int argc, char **argv)
         puts("iqfoc " IQFOC_VERSION_STRING);
         return STATUS_DONE;
     }
-    for (const command *c = commands; c->name != NULL; c++) {
-        if (strcmp(argv[1], c->name) == 0) {
-            return c->run(argc - 1, argv + 1);
+    for (int n = 0; n < COMMANDS; n++) {
+        if (strcmp(argv[1], commands[n].name) == 0) {
+            return commands[n].run(argc - 1, argv + 1);
         }
     }
     return refuse(argv[1]);

@@ -9,6 +9,7 @@
 #include <getopt.h>
 #include <limits.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -159,23 +160,31 @@ int options_next(options *o, error *e)
 
 /* ---- values ---- */
 
-static bool refuse_value(const options *o, const char *expected, error *e)
+static bool refuse_value(const options *o, error *e, const char *format, ...) ERROR_PRINTF(3, 4);
+
+static bool refuse_value(const options *o, error *e, const char *format, ...)
 {
+    char expected[120];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(expected, sizeof expected, format, args);
+    va_end(args);
     return error_input(e, NULL, 0, 0, "%s: --%s must be %s, not \"%s\"", o->about->name,
                        o->about->specs[o->current].name, expected, o->argument);
 }
 
-bool options_number(const options *o, double min, double max, double *value, error *e)
+static bool number_within(const char *text, size_t length, double min, double max, double *value)
 {
     double read = 0.0;
-    const number_result result = number_parse(o->argument, strlen(o->argument), &read);
-    if (result != NUMBER_OK || read < min || read > max) {
-        char expected[80];
-        snprintf(expected, sizeof expected, "a number from %g to %g", min, max);
-        return refuse_value(o, expected, e);
-    }
-    *value = read;
-    return true;
+    const bool ok = number_parse(text, length, &read) == NUMBER_OK && read >= min && read <= max;
+    *value = ok ? read : *value;
+    return ok;
+}
+
+bool options_number(const options *o, double min, double max, double *value, error *e)
+{
+    return number_within(o->argument, strlen(o->argument), min, max, value) ||
+           refuse_value(o, e, "a number from %g to %g", min, max);
 }
 
 bool options_numbers(const options *o, double low, double high, double *values, size_t max, size_t *count,
@@ -184,15 +193,10 @@ bool options_numbers(const options *o, double low, double high, double *values, 
     *count = 0;
     for (const char *text = o->argument; text != NULL;) {
         const size_t length = strcspn(text, ",");
-        double value = 0.0;
-        const bool ok = number_parse(text, length, &value) == NUMBER_OK && value >= low && value <= high;
-        if (!ok || *count == max) {
-            char expected[120];
-            snprintf(expected, sizeof expected, "1 to %zu numbers from %g to %g, split by commas", max, low,
-                     high);
-            return refuse_value(o, expected, e);
+        if (*count == max || !number_within(text, length, low, high, &values[*count])) {
+            return refuse_value(o, e, "1 to %zu numbers from %g to %g, split by commas", max, low, high);
         }
-        values[(*count)++] = value;
+        *count += 1;
         text = text[length] == ',' ? text + length + 1 : NULL;
     }
     return true;
@@ -201,12 +205,9 @@ bool options_numbers(const options *o, double low, double high, double *values, 
 bool options_integer(const options *o, long min, long max, long *value, error *e)
 {
     double read = 0.0;
-    const bool ok = number_parse(o->argument, strlen(o->argument), &read) == NUMBER_OK &&
-                    read == floor(read) && read >= (double)min && read <= (double)max;
-    if (!ok) {
-        char expected[80];
-        snprintf(expected, sizeof expected, "a whole number from %ld to %ld", min, max);
-        return refuse_value(o, expected, e);
+    if (!number_within(o->argument, strlen(o->argument), (double)min, (double)max, &read) ||
+        read != floor(read)) {
+        return refuse_value(o, e, "a whole number from %ld to %ld", min, max);
     }
     *value = (long)read;
     return true;

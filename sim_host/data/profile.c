@@ -33,8 +33,7 @@ double profile_at(const profile *p, double t_s)
     if (p->excitation == EXCITATION_NONE) {
         return base;
     }
-    /* Cycle starts lie on multiples of T, and a half period often is one;
-     * a rounding error must not move the edge. */
+    /* Cycle starts lie on multiples of T, and a half period often is one: rounding must not move the edge. */
     const double turns = t_s / p->period_s + 1e-9;
     const double phase = turns - floor(turns);
     if (p->excitation == EXCITATION_SQUARE) {

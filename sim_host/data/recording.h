@@ -2,8 +2,7 @@
  * The recording (interfaces.md, "The recording: CSV") as columns of doubles.
  *
  * Columns are in the file's units. A column that the file lacks is NULL; the reader fills i_c from -a-b,
- * and nothing else. Stretches (a gap of more than 1.5 T in t_s, or a change of `run`, ends one) are found
- * once.
+ * and nothing else. A gap of more than 1.5 T in t_s, or a change of `run`, ends a stretch.
  */
 #ifndef SIM_HOST_DATA_RECORDING_H
 #define SIM_HOST_DATA_RECORDING_H
@@ -74,9 +73,7 @@ bool recording_three_sensors(const recording *r);
 /* The recorded current of row k, stationary frame. */
 vec_ab recording_current(const recording *r, size_t k);
 
-/*
- * Mean phase-to-star-point voltages of row k: u_V if recorded, else (d_x - mean d) * u_dc.
- */
+/* Mean phase-to-star-point voltages of row k: u_V if recorded, else (d_x - mean d) * u_dc. */
 void recording_voltage(const recording *r, size_t k, double u_V[3]);
 
 #endif

@@ -1,6 +1,4 @@
-/*
- * The columns of a recording by name: one table for the reader and the writer.
- */
+/* The columns of a recording by name: one table for the reader and the writer. */
 #ifndef SIM_HOST_DATA_RECORDING_COLUMNS_H
 #define SIM_HOST_DATA_RECORDING_COLUMNS_H
 

@@ -60,9 +60,9 @@ typedef enum scenario_shaft {
 typedef struct scenario_run {
     long cycles; /* control cycles; 0: duration_s holds instead */
     double duration_s;
-    long settle_cycles; /* ahead of t = 0, not logged: references at their first values, no excitation, shaft
-                           held */
-    profile speed_rpm;  /* mechanical, signed */
+    /* Ahead of t = 0, not logged: references at their first values, no excitation, shaft held. */
+    long settle_cycles;
+    profile speed_rpm;    /* mechanical, signed */
     profile i_d_A, i_q_A; /* references, peak */
     double u_dc_V;        /* true DC link; 0: the motor file's */
     double theta_mech_start_rad;

@@ -3,21 +3,19 @@
 #include "toml_table.h"
 
 #include "../base/suggest.h"
-#include "../base/text_file.h"
 
 #include <toml++/toml.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <limits>
 #include <memory>
 #include <set>
 #include <string>
-#include <string_view>
 #include <vector>
 
 const toml_range TOML_ANY = {-std::numeric_limits<double>::infinity(),
@@ -194,18 +192,31 @@ void refuse_unknown_keys(const toml_file &file)
     }
 }
 
+bool read_text(const char *path, std::string &text, error *e)
+{
+    const std::unique_ptr<FILE, int (*)(FILE *)> stream(std::fopen(path, "rb"), &std::fclose);
+    if (stream != nullptr) {
+        // One byte more than allowed is asked for: getting it shows that there is too much.
+        text.resize(largest_file + 1);
+        text.resize(std::fread(text.data(), 1, text.size(), stream.get()));
+    }
+    if (stream == nullptr || std::ferror(stream.get()) != 0) {
+        return error_input(e, path, 0, 0, "cannot be read: %s", std::strerror(errno));
+    }
+    return text.size() <= largest_file ||
+           error_input(e, path, 0, 0, "is larger than %zu bytes; expected a TOML file", largest_file);
+}
+
 } // namespace
 
 extern "C" toml_file *toml_file_open(const char *path, error *e)
 {
     try {
-        size_t length = 0;
-        const std::unique_ptr<char, decltype(&std::free)> text(
-            text_file_read(path, largest_file, "a TOML file", &length, e), &std::free);
-        if (text == nullptr) {
+        std::string text;
+        if (!read_text(path, text, e)) {
             return nullptr;
         }
-        toml::table root = toml::parse(std::string_view(text.get(), length), std::string(path));
+        toml::table root = toml::parse(text, std::string(path));
         auto *file = new toml_file{path, e, std::move(root), {}};
         add_table(file, &file->root, "");
         return file;

@@ -12,23 +12,14 @@
 #define PATH_SIZE 4096
 
 typedef struct target {
-    const char *name;
-    const char *argv[8]; /* of the emulator, before the common part */
+    const char *name, *emulator, *machine;
+    const char *bios; /* "none" where the machine would bring its own, else NULL */
 } target;
 
 static const target targets[] = {
-    {"cortex-m4", {"qemu-system-arm", "-M", "mps2-an386", NULL}},
-    {"rv32", {"qemu-system-riscv32", "-M", "virt", "-bios", "none", NULL}},
+    {"cortex-m4", "qemu-system-arm", "mps2-an386", NULL},
+    {"rv32", "qemu-system-riscv32", "virt", "none"},
 };
-/* The image speaks by semihosting: to the emulator's standard input and output, which is our line. */
-static const char *const common[] = {"-semihosting-config",
-                                     "enable=on,target=native",
-                                     "-display",
-                                     "none",
-                                     "-monitor",
-                                     "none",
-                                     "-kernel",
-                                     NULL};
 
 static const target *target_named(const char *name)
 {
@@ -96,6 +87,15 @@ static bool exchange(drive_emulated *d, const pil_frame_t *question, uint32_t ty
     return emulator_send(&d->machine, bytes, count, e) && receive(d, type, answer, e);
 }
 
+/* The same where the image answers with one number, 0 if it has what it needs. */
+static bool started(drive_emulated *d, const pil_frame_t *question, const char *complaint, error *e)
+{
+    pil_frame_t answer;
+    return exchange(d, question, PIL_STARTED, &answer, e) &&
+           (answer.data[0] == IQFOC_OK ||
+            error_failure(e, 0, "%s: %s %d", d->machine.name, complaint, (int)answer.data[0]));
+}
+
 /* x as mantissa / 2^shift with a mantissa of 30 bits. x > 0. */
 static void mantissa_of(double x, int32_t *mantissa, int32_t *shift)
 {
@@ -110,17 +110,12 @@ static bool recorder_start(drive_emulated *d, const motor *m, error *e)
 {
     const per_unit base = per_unit_of(m);
     pil_bases_t bases;
-    pil_frame_t answer;
     mantissa_of(base.T_s, &bases.T_mantissa, &bases.T_shift);
     mantissa_of(base.I_A, &bases.I_mantissa, &bases.I_shift);
     mantissa_of(base.U_V, &bases.U_mantissa, &bases.U_shift);
     mantissa_of(VEC_TWO_PI / base.T_s, &bases.omega_mantissa, &bases.omega_shift);
     const pil_frame_t question = pil_record_frame(&bases);
-    if (!exchange(d, &question, PIL_STARTED, &answer, e)) {
-        return false;
-    }
-    return answer.data[0] == 0 || error_failure(e, 0, "%s: the recorder refused its configuration: %d",
-                                                d->machine.name, (int)answer.data[0]);
+    return started(d, &question, "the recorder refused its configuration:", e);
 }
 
 bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice, const motor *m, error *e)
@@ -146,34 +141,23 @@ bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice
     }
     (void)snprintf(serial, sizeof serial, "%s%s", choice->uart != NULL ? "file:" : "none",
                    choice->uart != NULL ? choice->uart : "");
-    const char *argv[24];
-    size_t count = 0;
-    for (size_t k = 0; t->argv[k] != NULL; k++) {
-        argv[count++] = t->argv[k];
-    }
-    argv[count++] = "-serial";
-    argv[count++] = serial;
-    for (size_t k = 0; common[k] != NULL; k++) {
-        argv[count++] = common[k];
-    }
-    argv[count++] = image;
-    argv[count] = NULL;
+    /* The image speaks by semihosting: to the emulator's standard input and output, which is our line. */
+    const char *const semihosting = "enable=on,target=native";
+    const char *const argv[] = {t->emulator, "-M",
+                                t->machine,  "-serial",
+                                serial,      "-semihosting-config",
+                                semihosting, "-display",
+                                "none",      "-monitor",
+                                "none",      "-kernel",
+                                image,       t->bios != NULL ? "-bios" : NULL,
+                                t->bios,     NULL};
     return emulator_start(&d->machine, t->name, argv, e) && (choice->uart == NULL || recorder_start(d, m, e));
 }
 
 static bool emulated_start(void *context, const iqfoc_cycle_config_t *config, error *e)
 {
-    drive_emulated *d = context;
     const pil_frame_t question = pil_start_frame(config);
-    pil_frame_t answer;
-    if (!exchange(d, &question, PIL_STARTED, &answer, e)) {
-        return false;
-    }
-    if (answer.data[0] != IQFOC_OK) {
-        return error_failure(e, 0, "%s: the library refused its configuration: iqfoc_error_t %d",
-                             d->machine.name, (int)answer.data[0]);
-    }
-    return true;
+    return started(context, &question, "the library refused its configuration: iqfoc_error_t", e);
 }
 
 static bool emulated_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
@@ -202,8 +186,7 @@ static bool emulated_peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t 
 
 drive_firmware drive_firmware_emulated(drive_emulated *d)
 {
-    const drive_firmware firmware = {d, emulated_start, emulated_valley, emulated_peak};
-    return firmware;
+    return (drive_firmware){d, emulated_start, emulated_valley, emulated_peak};
 }
 
 bool drive_emulated_finish(drive_emulated *d, error *e)

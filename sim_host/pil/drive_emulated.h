@@ -20,8 +20,10 @@ typedef struct drive_emulated {
 
 typedef struct drive_emulated_choice {
     const char *target; /* "cortex-m4" or "rv32" */
-    const char *image; /* the ELF file; NULL: the one built beside this program, build/TARGET/iqfoc_pil.elf */
-    const char *uart; /* NULL; or a file for the octets of the UART over which the image records each cycle */
+    /* The ELF file; NULL: the one built beside this program, build/TARGET/iqfoc_pil.elf. */
+    const char *image;
+    /* NULL; or a file for the octets of the UART over which the image records each cycle. */
+    const char *uart;
 } drive_emulated_choice;
 
 /* Starts the image. m: for the recorder's scales. False with *e set: no such target, image or emulator. */

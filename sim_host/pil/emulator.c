@@ -51,20 +51,29 @@ bool emulator_start(emulator *m, const char *name, const char *const argv[], err
     return true;
 }
 
+/* Waits for the child's end; nothing is left of it then. False if it does not come in time. */
+static bool ended(emulator *m, double most_s, int *status)
+{
+    for (int k = 0; k < (int)(most_s * 100.0); k++) {
+        if (waitpid(m->pid, status, WNOHANG) == m->pid) {
+            m->pid = 0;
+            (void)close(m->line);
+            return true;
+        }
+        (void)poll(NULL, 0, 10);
+    }
+    return false;
+}
+
 /* The child's end, in words; the child is gone afterwards. */
 static bool gone(emulator *m, error *e)
 {
     int status = 0;
-    const pid_t pid = m->pid;
     /* Its line is closed: it ends by itself, or it is made to. */
-    for (int k = 0; k < 50 && waitpid(pid, &status, WNOHANG) == 0; k++) {
-        (void)poll(NULL, 0, 10);
-        if (k == 48) {
-            (void)kill(pid, SIGKILL);
-        }
+    if (!ended(m, 0.5, &status)) {
+        (void)kill(m->pid, SIGKILL);
+        (void)ended(m, EMULATOR_SILENCE_MAX_S, &status);
     }
-    m->pid = 0;
-    (void)close(m->line);
     if (WIFEXITED(status) && WEXITSTATUS(status) == NOT_FOUND) {
         return error_failure(e, 0, "%s: the emulator cannot be started; is QEMU installed?", m->name);
     }
@@ -134,18 +143,11 @@ bool emulator_finish(emulator *m, error *e)
         return true;
     }
     int status = 0;
-    pid_t ended = 0;
     (void)shutdown(m->line, SHUT_WR);
-    for (int k = 0; k < (int)(EMULATOR_SILENCE_MAX_S * 100.0) && ended == 0; k++) {
-        (void)poll(NULL, 0, 10);
-        ended = waitpid(m->pid, &status, WNOHANG);
-    }
-    if (ended != m->pid) {
+    if (!ended(m, EMULATOR_SILENCE_MAX_S, &status)) {
         emulator_stop(m);
         return error_failure(e, 0, "%s: the image did not end when the run was over", m->name);
     }
-    m->pid = 0;
-    (void)close(m->line);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
         return error_failure(e, 0, "%s: the image ended with status %d after the run", m->name,
                              WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status));

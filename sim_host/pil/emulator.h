@@ -28,12 +28,10 @@ bool emulator_start(emulator *m, const char *name, const char *const argv[], err
 /* Sends all bytes. False with *e set if the child is gone or does not take them in time. */
 bool emulator_send(emulator *m, const uint8_t *bytes, size_t count, error *e);
 
-/* Receives 1 to count bytes; *received says how many. False with *e set if the child is gone, or silent for
- * too long. */
+/* Receives *received bytes, 1 to count. False with *e set if the child is gone or silent for too long. */
 bool emulator_receive(emulator *m, uint8_t *bytes, size_t count, size_t *received, error *e);
 
-/* Hangs up and lets the child end by itself. False with *e set if it does not do so with a status of 0 and
- * within a time limit. */
+/* Hangs up and lets the child end by itself. False with *e set if it does not, in time and with status 0. */
 bool emulator_finish(emulator *m, error *e);
 
 /* Kills the child. Safe to call twice and on a zeroed struct. */

@@ -133,6 +133,82 @@ static void test_a_missing_option_is_named(void)
     TEST_ASSERT_EQUAL_STRING("try: --motor M.toml is missing; `iqfoc try --help` explains", e.text);
 }
 
+typedef struct request {
+    const char *motor, *out;
+    double rpm[2];
+    size_t speeds;
+    long seed;
+    bool quick;
+} request;
+
+/* Reads a command line into places of every kind; false with its error text in e. */
+static bool read_request(char **argv, request *r, error *e)
+{
+    const option_place places[] = {
+        [OPT_MOTOR] = {.text = &r->motor, .needed = true},
+        [OPT_OUT] = {.text = &r->out},
+        [OPT_RPM] = {.number = r->rpm, .count = &r->speeds, .most = 2, .low = -10.0, .high = 10.0},
+        [OPT_SEED] = {.integer = &r->seed, .low = 1, .high = 9},
+        [OPT_QUICK] = {.flag = &r->quick},
+    };
+    options o = options_begin(&about, count_arguments(argv), argv);
+    return options_read(&o, places, e) && options_complete(&o, places, e);
+}
+
+static void test_values_go_to_their_places(void)
+{
+    char *argv[] = {"try", "--motor", "m", "-of", "--rpm", "-2,10", "--seed", "9", "-q", NULL};
+    request r = {0};
+    error e = {0};
+    TEST_ASSERT_TRUE_MESSAGE(read_request(argv, &r, &e), e.text);
+    TEST_ASSERT_EQUAL_STRING("m", r.motor);
+    TEST_ASSERT_EQUAL_STRING("f", r.out);
+    TEST_ASSERT_EQUAL(2, r.speeds);
+    TEST_ASSERT_TRUE(r.rpm[0] == -2.0 && r.rpm[1] == 10.0 && r.seed == 9 && r.quick);
+}
+
+static void expect_request_refused(const char *option, const char *value, const char *text)
+{
+    char first[16];
+    char second[16];
+    strcpy(first, option);
+    strcpy(second, value);
+    char *argv[] = {"try", first, second, NULL};
+    request r = {0};
+    error e = {0};
+    TEST_ASSERT_FALSE_MESSAGE(read_request(argv, &r, &e), option);
+    TEST_ASSERT_EQUAL_STRING(text, e.text);
+}
+
+static void test_a_request_that_is_not_whole(void)
+{
+    expect_request_refused("-o", "f", "try: --motor M.toml is missing; `iqfoc try --help` explains");
+    expect_request_refused("-q", "f", "try: unexpected argument \"f\"");
+    expect_request_refused("--seed", "0", "try: --seed must be a whole number from 1 to 9, not \"0\"");
+    expect_request_refused(
+        "--rpm", "1,2,3", "try: --rpm must be 1 to 2 numbers from -10 to 10, split by commas, not \"1,2,3\"");
+}
+
+static void test_a_repeatable_option(void)
+{
+    char *argv[OPTION_TEXTS_MAX + 3] = {"try"};
+    option_texts outs = {.count = 0};
+    const option_place places[] = {[OPT_OUT] = {.texts = &outs}};
+    for (int n = 1; n <= OPTION_TEXTS_MAX + 1; n++) {
+        argv[n] = n % 2 == 1 ? "-oa" : "-ob";
+    }
+    error e = {0};
+    options o = options_begin(&about, OPTION_TEXTS_MAX + 1, argv);
+    TEST_ASSERT_TRUE_MESSAGE(options_read(&o, places, &e), e.text);
+    TEST_ASSERT_EQUAL(OPTION_TEXTS_MAX, outs.count);
+    TEST_ASSERT_EQUAL_STRING("a", outs.of[0]);
+    TEST_ASSERT_EQUAL_STRING("b", outs.of[OPTION_TEXTS_MAX - 1]);
+    outs.count = 0;
+    o = options_begin(&about, OPTION_TEXTS_MAX + 2, argv);
+    TEST_ASSERT_FALSE(options_read(&o, places, &e));
+    TEST_ASSERT_EQUAL_STRING("try: more than 32 outputs", e.text);
+}
+
 static void test_suggestions(void)
 {
     const char *const known[] = {"psi_f_Wb", "R_ohm", "L_d_H", "L_q_H"};
@@ -151,6 +227,9 @@ int main(void)
     RUN_TEST(test_what_is_no_option_of_ours);
     RUN_TEST(test_values_out_of_range);
     RUN_TEST(test_a_missing_option_is_named);
+    RUN_TEST(test_values_go_to_their_places);
+    RUN_TEST(test_a_request_that_is_not_whole);
+    RUN_TEST(test_a_repeatable_option);
     RUN_TEST(test_suggestions);
     return UNITY_END();
 }
