@@ -3,6 +3,7 @@
 #include "base/out_folder.h"
 #include "base/progress.h"
 #include "command.h"
+#include "data/motor.h"
 #include "induction/induction_table.h"
 #include "options.h"
 #include "reproduce/mean_map.h"

@@ -99,16 +99,20 @@ static int refuse_unknown(const options *o, error *e)
     return OPTIONS_ERROR;
 }
 
+/* The index in specs of an option of ours that getopt_long has returned. */
+static int index_of(const command_about *about, int got)
+{
+    int n = 0;
+    while (about->specs[n].name != NULL && got != OPTION_BASE + n && got != about->specs[n].letter) {
+        n++;
+    }
+    return n;
+}
+
 static int refuse_without_value(const options *o, error *e)
 {
-    const option_spec *spec = NULL;
-    for (const option_spec *s = o->about->specs; s->name != NULL; s++) {
-        if (optopt == OPTION_BASE + (int)(s - o->about->specs) || (s->letter != 0 && optopt == s->letter)) {
-            spec = s;
-        }
-    }
-    error_input(e, NULL, 0, 0, "%s: --%s needs a value: %s", o->about->name, spec != NULL ? spec->name : "?",
-                spec != NULL ? spec->argument : "?");
+    const option_spec *spec = &o->about->specs[index_of(o->about, optopt)];
+    error_input(e, NULL, 0, 0, "%s: --%s needs a value: %s", o->about->name, spec->name, spec->argument);
     return OPTIONS_ERROR;
 }
 
@@ -149,12 +153,7 @@ int options_next(options *o, error *e)
     if (got == ':') {
         return refuse_without_value(o, e);
     }
-    o->current = got - OPTION_BASE;
-    for (int i = 0; got < OPTION_BASE && i < count; i++) {
-        if (o->about->specs[i].letter == got) {
-            o->current = i;
-        }
-    }
+    o->current = index_of(o->about, got);
     return o->current;
 }
 

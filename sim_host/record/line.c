@@ -70,9 +70,7 @@ static bool socket_open(line *l, error *e)
 bool line_open(line *l, const char *name, long baud, error *e)
 {
     struct stat about;
-    memset(l, 0, sizeof *l);
-    l->name = name;
-    l->file = -1;
+    *l = (line){.name = name, .file = -1};
     if (stat(name, &about) != 0) {
         return error_input(e, name, 0, 0, "cannot be opened: %s", strerror(errno));
     }
