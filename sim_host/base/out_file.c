@@ -84,7 +84,7 @@ bool out_file_open(out_file *f, const char *path, error *e)
     if (exists && S_ISDIR(status.st_mode)) {
         return error_input(e, path, 0, 0, "is a directory; expected the name of a file to write");
     }
-    /* Replacing needs only a writable directory; a file that its owner has locked is still not ours to replace. */
+    /* Replacing needs only a writable directory; what its owner has locked is still not ours to replace. */
     if (exists && access(path, W_OK) != 0) {
         return error_input(e, path, 0, 0, "cannot be written: %s", strerror(errno));
     }

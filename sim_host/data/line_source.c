@@ -13,7 +13,7 @@
 
 enum {
     BLOCK_SIZE = 256 * 1024,
-    /* No recording has lines this long; a binary file may have no line end at all and is not to fill memory. */
+    /* No recording has lines this long; a binary file, which may have no line end, is not to fill memory. */
     LONGEST_LINE = 1024 * 1024
 };
 
@@ -44,8 +44,8 @@ bool line_source_open(line_source *s, const char *path, error *e)
 }
 
 /*
- * A gzip file that was cut or damaged is an error, not an end. zlib knows of it once it has unpacked that far,
- * and lines that it has unpacked with the damage are not used any more.
+ * A gzip file that was cut or damaged is an error, not an end. zlib knows of it once it has unpacked that
+ * far, and lines that it has unpacked with the damage are not used any more.
  */
 static bool check_stream(const line_source *s, bool whole, error *e)
 {

@@ -60,7 +60,7 @@ double toml_number_or(toml_table *table, const char *key, toml_range range, doub
 long toml_integer(toml_table *table, const char *key, long min, long max);
 long toml_integer_or(toml_table *table, const char *key, long min, long max, long absent);
 
-/* An array of numbers, or one number; returns how many were read into values[max], 0 when the key is absent. */
+/* An array of numbers, or one number; returns how many came into values[max], 0 when the key is absent. */
 size_t toml_numbers(toml_table *table, const char *key, toml_range range, double *values, size_t max);
 
 bool toml_flag_or(toml_table *table, const char *key, bool absent);
@@ -75,7 +75,7 @@ size_t toml_choice_or(toml_table *table, const char *key, const char *const *wor
 /* Where a key's value stands; false if it is absent. */
 bool toml_position(toml_table *table, const char *key, long *line, long *column);
 
-/* An error at a key's value (or its table, if it is absent), for checks that take several keys. Returns false. */
+/* An error at a key's value, or its table if it is absent: for checks of several keys. Returns false. */
 bool toml_refuse(toml_table *table, const char *key, const char *format, ...) ERROR_PRINTF(3, 4);
 
 #ifdef __cplusplus

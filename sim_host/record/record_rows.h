@@ -18,7 +18,7 @@ typedef struct record_rows {
     error e;            /* why a row was refused */
 } record_rows;
 
-/* A wire_take_row; context: record_rows, zero-initialised. False, with e set: no recording can hold the stream. */
+/* A wire_take_row; context: record_rows, zeroed. False, with e set: no recording can hold the stream. */
 bool record_rows_take(void *context, const wire_header *header, const wire_row *row);
 
 void record_rows_free(record_rows *rows);
