@@ -1,6 +1,4 @@
-/*
- * Turns to radians, in fixed point.
- */
+/* Turns to radians, in fixed point. */
 #ifndef IQFOC_SRC_ANGLE_H
 #define IQFOC_SRC_ANGLE_H
 

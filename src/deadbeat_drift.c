@@ -1,6 +1,4 @@
-/*
- * Deadbeat control with a learnt drift (include/iqfoc/deadbeat_drift.h).
- */
+/* Deadbeat control with a learnt drift (include/iqfoc/deadbeat_drift.h). */
 #include "iqfoc/deadbeat_drift.h"
 
 static iqfoc_ab_t plus(iqfoc_ab_t a, iqfoc_ab_t b)

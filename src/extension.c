@@ -1,6 +1,4 @@
-/*
- * The corrections that a diagnosis asks for (include/iqfoc/extension.h).
- */
+/* The corrections that a diagnosis asks for (include/iqfoc/extension.h). */
 #include "iqfoc/extension.h"
 
 #include "iqfoc/transform.h"

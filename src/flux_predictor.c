@@ -1,6 +1,4 @@
-/*
- * Prediction by flux linkage (include/iqfoc/flux_predictor.h).
- */
+/* Prediction by flux linkage (include/iqfoc/flux_predictor.h). */
 #include "iqfoc/flux_predictor.h"
 
 #include "iqfoc/iq24_math.h"

@@ -1,6 +1,4 @@
-/*
- * The coefficients of the mean under modulation at a speed (iqfoc/mean_modulated.h).
- */
+/* The coefficients of the mean under modulation at a speed (iqfoc/mean_modulated.h). */
 #include "iqfoc/mean_modulated.h"
 
 /*

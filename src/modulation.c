@@ -1,6 +1,4 @@
-/*
- * Min/max zero-sequence PWM and six-step (include/iqfoc/modulation.h).
- */
+/* Min/max zero-sequence PWM and six-step (include/iqfoc/modulation.h). */
 #include "iqfoc/modulation.h"
 
 #include "iqfoc/transform.h"

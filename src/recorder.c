@@ -1,6 +1,4 @@
-/*
- * The recorder's ring, and its encoder octet by octet (include/iqfoc/recorder.h, docs/recorder-format.md).
- */
+/* The recorder's ring, and its encoder octet by octet (include/iqfoc/recorder.h, docs/recorder-format.md). */
 #include "iqfoc/recorder.h"
 
 #include <stddef.h>

@@ -1,6 +1,4 @@
-/*
- * The ripple's coefficients at a speed (iqfoc/ripple.h).
- */
+/* The ripple's coefficients at a speed (iqfoc/ripple.h). */
 #include "iqfoc/ripple.h"
 
 /* k x/24, k in Q26 and x in IQ24: |k x| <= 16 * 2.1 is 2^55.1 in Q50, and within IQ24 before the division. */

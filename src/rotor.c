@@ -1,6 +1,4 @@
-/*
- * Rotor movement: polynomials for s1, s2 and the steady gain (include/iqfoc/rotor.h, docs/equations.md).
- */
+/* Rotor movement: polynomials for s1, s2 and the steady gain (include/iqfoc/rotor.h, docs/equations.md). */
 #include "iqfoc/rotor.h"
 
 #include "angle.h"

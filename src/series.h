@@ -1,6 +1,4 @@
-/*
- * What the coefficients of the exact predictors share: how far a power series is summed.
- */
+/* What the coefficients of the exact predictors share: how far a power series is summed. */
 #ifndef IQFOC_SRC_SERIES_H
 #define IQFOC_SRC_SERIES_H
 

@@ -58,8 +58,7 @@ void extended_loops_print(const extended_loops *all, FILE *stream)
     fprintf(
         stream,
         "The drive as it is, controlled by what the firmware believes; error in percent of the rated peak,\n"
-        "torque in percent of what was asked for\n"
-        "  %8s  %-24s%-10s%10s%10s%14s%14s\n",
+        "torque in percent of what was asked for\n  %8s  %-24s%-10s%10s%10s%14s%14s\n",
         "rpm", "loop", "belief", "outcome", "rms", "torque error", "torque ripple");
     for (int s = 0; s < EXTENDED_SPEEDS; s++) {
         for (int n = 0; n < EXTENDED_METHODS; n++) {

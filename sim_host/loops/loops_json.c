@@ -1,6 +1,4 @@
-/*
- * The study as JSON (loops_study.h).
- */
+/* The study as JSON (loops_study.h). */
 #include "loops_study.h"
 
 #include "base/json_file.h"

@@ -1,6 +1,4 @@
-/*
- * The study as a report page (loops_study.h).
- */
+/* The study as a report page (loops_study.h). */
 #include "loops_study.h"
 
 #include "report/page.h"

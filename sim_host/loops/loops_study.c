@@ -15,8 +15,7 @@ bool loops_study_run(loops_study *s, error *e)
 static void print_six_step(const loops_study *s, FILE *f)
 {
     fprintf(f,
-            "Six-step torque control at %g rpm, %g V, i_q asked for %.4g A\n"
-            "  %-24s%12s%12s%12s%12s%14s\n",
+            "Six-step torque control at %g rpm, %g V, i_q asked for %.4g A\n  %-24s%12s%12s%12s%12s%14s\n",
             SIX_STEP_RPM, SIX_STEP_U_DC, s->six_step[0].reference_A, "feedback", "fed back, A", "true i_q, A",
             "excess, %", "torque, Nm", "asked for, Nm");
     for (int n = 0; n < SIX_STEP_LOOPS; n++) {
@@ -40,8 +39,7 @@ static void print_current(const loops_study *s, FILE *f)
     fprintf(
         f,
         "\nCurrent loops at %g rpm, step of i_q from 30 %% to 70 %% of rated, right parameters; percent of "
-        "the rated peak\n"
-        "  %5s  %-26s%-10s%10s%10s%10s%10s%10s%10s%10s\n",
+        "the rated peak\n  %5s  %-26s%-10s%10s%10s%10s%10s%10s%10s%10s\n",
         LOOP_RPM, "SFFR", "loop", "outcome", "rms", "wander", "start", "overshoot", "settling", "THD",
         "L up to");
     for (int k = 0; k < LOOP_RATIOS; k++) {

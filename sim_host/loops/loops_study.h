@@ -1,6 +1,4 @@
-/*
- * All that `iqfoc loops` computes, and how it is told: tables, JSON, report page.
- */
+/* All that `iqfoc loops` computes, and how it is told: tables, JSON, report page. */
 #ifndef SIM_HOST_LOOPS_LOOPS_STUDY_H
 #define SIM_HOST_LOOPS_LOOPS_STUDY_H
 

@@ -45,8 +45,8 @@ typedef struct averaged_drive {
     double psi_5_Wb, psi_7_Wb;
     double dR_ohm[3];
     double dL_H[3];
-    /* Effects that the diagnosis does not name; it fits them to see that no named effect is taken for them.
-     */
+    /* Effects that the diagnosis does not name; it fits them to see that no named effect is taken for
+     * them. */
     double iron_S;    /* 1 / iron loss resistance, beside the flux-producing current */
     double iron_s_S;  /* that times the time by which the iron's current comes late */
     double eddy_S[2]; /* the same by the voltage of the cycle that ends and of the one before: eddy currents

@@ -23,9 +23,7 @@ exact_span modulated_exact(const exact_salient *m, const modulated_cycle *c, dou
 /* Terms of the series in (phi/2)^2: at |phi/2| = pi the last is under 1e-20. */
 enum { TERMS = 20 };
 
-/*
- * d [s1(d phi) - s1(phi)]/phi^2 = d/4 sum over n >= 1 of (-1)^n (phi/2)^(2n-2) (d^2n - 1)/(2n+1)!
- */
+/* d [s1(d phi) - s1(phi)]/phi^2 = d/4 sum over n >= 1 of (-1)^n (phi/2)^(2n-2) (d^2n - 1)/(2n+1)! */
 static double leg_ripple(double d, double phi_rad)
 {
     const double h2 = 0.25 * phi_rad * phi_rad;

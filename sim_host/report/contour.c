@@ -48,12 +48,9 @@ static void say_contours(plot *p, const contour_panel *panel, const char *name)
 {
     say_values(p, panel, name);
     plot_say(p,
-             "set contour base\n"
-             "unset surface\n"
-             "set cntrparam levels incremental %g,%g,%g\nset table $%s_lines\n"
-             "splot $%s using 1:2:3 notitle\n"
-             "unset table\n"
-             "unset contour\nset xrange [%g:%g]\nset yrange [%g:%g]\n"
+             "set contour base\nunset surface\n"
+             "set cntrparam levels incremental %g,%g,%g\nset table $%s_lines\nsplot $%s using 1:2:3 notitle\n"
+             "unset table\nunset contour\nset xrange [%g:%g]\nset yrange [%g:%g]\n"
              "set style textbox opaque noborder margins 0.4,0.2\nset title \"%s\"\n"
              "set xlabel \"%s\"\nset ylabel \"%s\"\n"
              "plot $%s_lines using 1:2 with lines linestyle 1 linewidth 1.3 notitle, "

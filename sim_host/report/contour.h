@@ -1,6 +1,4 @@
-/*
- * Contour lines of a function of two variables, their values written into them.
- */
+/* Contour lines of a function of two variables, their values written into them. */
 #ifndef SIM_HOST_REPORT_CONTOUR_H
 #define SIM_HOST_REPORT_CONTOUR_H
 

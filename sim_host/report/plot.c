@@ -27,17 +27,14 @@ bool plot_begin(plot *p, int width, int height, error *e)
     }
     plot_say(p,
              "set terminal svg size %d,%d dynamic enhanced font 'sans-serif,13' linewidth 1 butt\n"
-             "set encoding utf8\n"
-             "set border 3 linecolor rgb '" PLOT_INK "' linewidth 0.8\n"
+             "set encoding utf8\nset border 3 linecolor rgb '" PLOT_INK "' linewidth 0.8\n"
              "set tics nomirror out scale 0.6 textcolor rgb '" PLOT_INK "'\n"
              "set grid linetype 1 linecolor rgb '" PLOT_GRID "' linewidth 0.8 dashtype solid\n"
              "set xtics offset 0,0.4\n"
              "set key textcolor rgb '" PLOT_INK "' Left reverse samplen 2.2 spacing 1.15\n"
              "set xlabel offset 0,0.8 textcolor rgb '" PLOT_INK "'\n"
              "set ylabel offset 0.6,0 textcolor rgb '" PLOT_INK "'\n"
-             "set title offset 0,-0.4 textcolor rgb '" PLOT_INK "'\n"
-             "set minussign\n"
-             "set samples 400\n",
+             "set title offset 0,-0.4 textcolor rgb '" PLOT_INK "'\nset minussign\nset samples 400\n",
              width, height);
     say_style(p, 1, PLOT_BLUE, 1.8, "");
     say_style(p, 2, PLOT_ORANGE, 1.8, "");

@@ -1,6 +1,4 @@
-/*
- * 2016: Figs. 8 and 9 (the analysis as contours), 12 (waveforms), 13-15 (the three motors).
- */
+/* 2016: Figs. 8 and 9 (the analysis as contours), 12 (waveforms), 13-15 (the three motors). */
 #include "../report/contour.h"
 #include "discrete_angle.h"
 #include "figures.h"
@@ -147,8 +145,7 @@ static bool figure_12(page *p, error *e)
     }
     plot_say(&drawing, "set tmargin at screen 0.5\nset bmargin at screen 0.12\nset format x '%%g'\n"
                        "set ytics auto\nset yrange [*:*]\nset xlabel 't, ms'\nset ylabel 'i, p.u.'\n"
-                       "set key at graph 0.99,1.12 horizontal\n"
-                       "plot");
+                       "set key at graph 0.99,1.12 horizontal\nplot");
     for (int x = 0; x < 3; x++) {
         plot_say(&drawing, "%s $wave using 1:%d with lines linestyle %d title 'i_%s'", x > 0 ? "," : "",
                  5 + x, 1 + x, phase_names[x]);
@@ -200,14 +197,12 @@ static void say_panels(plot *p)
                     "$errors using 1:8 with lines linestyle 1 title 'gain, p.u.', $errors using 1:9 with "
                     "lines linestyle 2 title 'phase, rad'"}};
     plot_say(p, "set multiplot\nset lmargin at screen 0.15\nset rmargin at screen 0.985\n"
-                "set xrange [0:0.3]\nset format x ''\n"
-                "set key top right horizontal samplen 1.5 font ',11'\n"
+                "set xrange [0:0.3]\nset format x ''\nset key top right horizontal samplen 1.5 font ',11'\n"
                 "set offsets 0,0,graph 0.3,graph 0.08\nset ytics autofreq\n");
     for (int n = 0; n < 5; n++) {
         const double top = 0.985 - 0.187 * n;
         plot_say(p,
-                 "set tmargin at screen %g\nset bmargin at screen %g\nset ylabel \"%s\"\n"
-                 "set ytics %s\n"
+                 "set tmargin at screen %g\nset bmargin at screen %g\nset ylabel \"%s\"\nset ytics %s\n"
                  "%splot %s\n",
                  top, top - 0.165, panels[n].label, panels[n].ticks,
                  n == 4 ? "set format x '%g'\nset xlabel 't, s'\n" : "", panels[n].curves);

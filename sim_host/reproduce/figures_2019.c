@@ -1,6 +1,4 @@
-/*
- * 2019: Figs. 3 (PWM) and 6 (error waveforms), and the paper's section of the page.
- */
+/* 2019: Figs. 3 (PWM) and 6 (error waveforms), and the paper's section of the page. */
 #include "figures.h"
 #include "figures_2019_speed.h"
 #include "paper_2019.h"
@@ -58,21 +56,18 @@ static bool figure_3(page *p, const motor *m, const steady_drive *d, error *e)
     plot_data_end(&drawing);
     plot_say(&drawing,
              "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\n"
-             "set xrange [0:%g]\nset xtics %g\nset format x ''\nset yrange [-0.15:1.15]\n"
-             "unset ytics\n"
+             "set xrange [0:%g]\nset xtics %g\nset format x ''\nset yrange [-0.15:1.15]\nunset ytics\n"
              "unset key\n",
              1e3 * SHOWN_CYCLES * d->T_s, 1e3 * d->T_s);
     for (int x = 0; x < 3; x++) {
         plot_say(&drawing,
                  "set tmargin at screen %g\nset bmargin at screen %g\n"
-                 "set ylabel 'S_%c' rotate by 0 offset -1,0\n"
-                 "plot $leg%d using 1:2 with steps linestyle %d\n",
+                 "set ylabel 'S_%c' rotate by 0 offset -1,0\nplot $leg%d using 1:2 with steps linestyle %d\n",
                  0.985 - 0.085 * x, 0.91 - 0.085 * x, 'A' + x, x, 1 + x);
     }
     plot_say(&drawing,
              "set ytics nomirror 250\nset yrange [-550:550]\nset tmargin at screen 0.72\n"
-             "set bmargin at screen 0.47\n"
-             "set ylabel 'u_A, V' rotate offset 0.6,0\n"
+             "set bmargin at screen 0.47\nset ylabel 'u_A, V' rotate offset 0.6,0\n"
              "plot $wave using 1:2 with lines linestyle 1\n"
              "set tmargin at screen 0.39\nset bmargin at screen 0.11\nset ytics nomirror 4\n"
              "set yrange [*:*]\nset format x '%%g'\nset xlabel 't, ms'\nset ylabel 'i_A, A'\n"
@@ -80,8 +75,7 @@ static bool figure_3(page *p, const motor *m, const steady_drive *d, error *e)
              "plot $samples using 1:5:($6-$1):(0) with vectors nohead linestyle 9 linewidth 2 title "
              "'mean', $wave using 1:3 with lines linestyle 1 title 'i_A', "
              "$samples using 1:2 with points linestyle 2 title 'valley sample', "
-             "$samples using 3:4 with points linestyle 3 title 'peak sample'\n"
-             "unset multiplot\n");
+             "$samples using 3:4 with points linestyle 3 title 'peak sample'\nunset multiplot\n");
     page_heading(p, 3, "Switching and sampling at 8000 rpm");
     return page_figure(
         p, &drawing, "2019-figure-3",
@@ -124,8 +118,7 @@ static bool figure_6(page *p, const comparison *c, const method_machine *machine
              "set tmargin at screen 0.37\nset bmargin at screen 0.1\n"
              "set ylabel 'error of prediction, A'\nset format x '%%g'\nset xlabel 't, ms'\n"
              "plot $errors using 1:5 with steps linestyle 1 title 'standard', "
-             "$errors using 1:6 with steps linestyle 2 title 'quasi-discrete'\n"
-             "unset multiplot\n",
+             "$errors using 1:6 with steps linestyle 2 title 'quasi-discrete'\nunset multiplot\n",
              1e3 * SHOWN * d->T_s);
     page_heading(p, 3, "Errors over time");
     page_pair_begin(p);

@@ -67,9 +67,7 @@ static void say_paper(plot *p, const motor *m)
 static void say_error_panel(plot *p, int column, const char *title, bool with_key)
 {
     plot_say(p,
-             "set title '%s'\n"
-             "%s\n"
-             "plot $errors using 1:%d with lines linestyle 1 title 'standard', "
+             "set title '%s'\n%s\nplot $errors using 1:%d with lines linestyle 1 title 'standard', "
              "$errors using 1:%d with lines linestyle 2 title 'quasi-discrete', "
              "$paper using 1:%d with points linestyle 1 title 'paper, Table 1', "
              "$paper using 1:%d with points linestyle 2 notitle, "
@@ -94,8 +92,7 @@ static bool draw_figure_7(page *p, const motor *m, const method_machine *machine
              logarithmic ? "set logscale xy\nset xrange [11.5:220]\nset xtics (12.5,20,50,100,200)\n"
                            "set format y '%g'\n"
                          : "set xrange [10:50]\nset xtics 10\nset yrange [0:*]\n");
-    plot_say(&drawing, "set xlabel 'SFFR'\n"
-                       "set ylabel 'error, %% of the rms current'\n"
+    plot_say(&drawing, "set xlabel 'SFFR'\nset ylabel 'error, %% of the rms current'\n"
                        "set multiplot layout 1,2 margins 0.11,0.985,0.15,0.91 spacing 0.14,0\n");
     say_error_panel(&drawing, 2, "(a) mean current", false);
     say_error_panel(&drawing, 4, "(b) prediction", true);
@@ -167,8 +164,7 @@ bool figure_2019_9(page *p, const comparison *c, const motor *m, const method_ma
     for (int k = 0; k < 2; k++) {
         const char *name = k == 0 ? "standard" : "quasi";
         plot_say(&drawing,
-                 "set title '%s'\n"
-                 "set ylabel 'prediction, %% of the rms current'\n"
+                 "set title '%s'\nset ylabel 'prediction, %% of the rms current'\n"
                  "plot $%s using 1:2:4 with filledcurves linecolor rgb '" PLOT_BAND
                  "' title '90%% of drives', $%s using 1:3 with lines linestyle 2 title 'their median', "
                  "$errors using 1:%d with lines linestyle 1 title 'simulation', $measured using 1:%d "

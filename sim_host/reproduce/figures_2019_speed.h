@@ -1,6 +1,4 @@
-/*
- * 2019: Figs. 7 and 9, errors over the ratio of switching to fundamental frequency.
- */
+/* 2019: Figs. 7 and 9, errors over the ratio of switching to fundamental frequency. */
 #ifndef SIM_HOST_REPRODUCE_FIGURES_2019_SPEED_H
 #define SIM_HOST_REPRODUCE_FIGURES_2019_SPEED_H
 

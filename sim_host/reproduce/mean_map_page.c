@@ -1,6 +1,4 @@
-/*
- * The map of mean_map.h as a page and a picture to pin up.
- */
+/* The map of mean_map.h as a page and a picture to pin up. */
 #include "mean_map.h"
 
 #include "../report/page.h"
@@ -53,8 +51,7 @@ static void say_key(plot *p)
     for (int k = 0; k <= MEAN_METHODS; k++) {
         plot_say(p,
                  "set object %d rectangle from screen %g,0.015 to screen %g,0.045 fillcolor rgb '%s' "
-                 "fillstyle solid "
-                 "border rgb '" PLOT_INK "'\n"
+                 "fillstyle solid border rgb '" PLOT_INK "'\n"
                  "set label %d '%s' at screen %g,0.03 left textcolor rgb '" PLOT_INK "'\n",
                  k + 1, left[k], left[k] + 0.022, colours[k], k + 1,
                  k == MEAN_METHODS ? "none of these" : mean_method_name((mean_method)k), left[k] + 0.03);
@@ -76,8 +73,7 @@ static bool draw(page *to, const motor *m, const mean_map *map, error *e)
     plot_say(&p,
              "set multiplot layout %d,%d margins 0.08,0.985,0.15,0.955 spacing 0.05,0.1\n"
              "set style fill solid noborder\nset logscale x\nunset grid\nset xrange [2.9:104]\nset yrange "
-             "[0:1.03]\n"
-             "set xtics (3,6,12,25,50,100)\nset ytics 0.25\n",
+             "[0:1.03]\nset xtics (3,6,12,25,50,100)\nset ytics 0.25\n",
              LIMITS, MEAN_MAP_LOADS);
     for (int limit = 0; limit < LIMITS; limit++) {
         for (int load = 0; load < MEAN_MAP_LOADS; load++) {
@@ -89,8 +85,7 @@ static bool draw(page *to, const motor *m, const mean_map *map, error *e)
     char caption[512];
     snprintf(caption, sizeof caption,
              "%s: the cheapest mean of the dq current whose largest error stays within 1 %% or 0.1 %% of the "
-             "rated "
-             "current, over the switching-to-fundamental frequency ratio and the modulation index.",
+             "rated current, over the switching-to-fundamental frequency ratio and the modulation index.",
              m->name);
     return page_figure(to, &p, "mean-map", caption, e);
 }

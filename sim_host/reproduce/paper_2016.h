@@ -1,6 +1,4 @@
-/*
- * The 2016 paper's figures and tables: Table 1's motors through the six-step scenario of its Section 5.
- */
+/* The 2016 paper's figures and tables: Table 1's motors through the six-step scenario of its Section 5. */
 #ifndef SIM_HOST_REPRODUCE_PAPER_2016_H
 #define SIM_HOST_REPRODUCE_PAPER_2016_H
 

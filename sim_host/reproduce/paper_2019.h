@@ -1,6 +1,4 @@
-/*
- * The 2019 paper's drive, its operating points and its tables.
- */
+/* The 2019 paper's drive, its operating points and its tables. */
 #ifndef SIM_HOST_REPRODUCE_PAPER_2019_H
 #define SIM_HOST_REPRODUCE_PAPER_2019_H
 

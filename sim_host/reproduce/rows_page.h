@@ -1,6 +1,4 @@
-/*
- * Rows of the comparison as a table of the report page.
- */
+/* Rows of the comparison as a table of the report page. */
 #ifndef SIM_HOST_REPRODUCE_ROWS_PAGE_H
 #define SIM_HOST_REPRODUCE_ROWS_PAGE_H
 

@@ -1,6 +1,4 @@
-/*
- * The comparison as text: one table for each item of a paper, notes numbered below it.
- */
+/* The comparison as text: one table for each item of a paper, notes numbered below it. */
 #include "rows.h"
 
 #include <math.h>

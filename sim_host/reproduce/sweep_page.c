@@ -1,6 +1,4 @@
-/*
- * The errors over speed (sweep.h) as a page and a picture.
- */
+/* The errors over speed (sweep.h) as a page and a picture. */
 #include "sweep.h"
 
 #include "../report/page.h"
@@ -30,8 +28,7 @@ static void say_points(plot *p, const sweep_point *points, size_t count)
 static void say_panel(plot *p, int column, const char *title, bool with_key)
 {
     plot_say(p,
-             "set title '%s'\n%s\n"
-             "plot $errors using 1:%d with linespoints linestyle 1 title 'standard', "
+             "set title '%s'\n%s\nplot $errors using 1:%d with linespoints linestyle 1 title 'standard', "
              "$errors using 1:%d with linespoints linestyle 2 title 'quasi-discrete', "
              "$errors using 1:%d with linespoints linestyle 3 title 'exact'\n",
              title, with_key ? "set key bottom left font ',11'" : "unset key", column, column + 1,
@@ -63,8 +60,7 @@ bool sweep_page(const char *directory, const motor *m, const sweep_point *points
     char caption[512];
     snprintf(caption, sizeof caption,
              "%s: errors over the switching-to-fundamental frequency ratio (SFFR), switching-level drive in "
-             "steady "
-             "state.",
+             "steady state.",
              m->name);
     if (!page_figure(&p, &drawing, "sweep", caption, e)) {
         page_abandon(&p);
