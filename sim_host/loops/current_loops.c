@@ -54,19 +54,12 @@ bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_con
     return firmware.start(firmware.context, &config, e) && closed_loop_run(c, &firmware, result, e);
 }
 
-/* Fed by this feedback, at the usual bandwidth f_pwm/20. */
-static bool run_pi(const loop_case *c, const motor *assumed, scenario_feedback feedback, loop_result *result,
-                   error *e)
-{
-    const scenario_control control = {.feedback = feedback, .modulation = MODULATION_PWM};
-    return cycle_loop_run(c, assumed, &control, NULL, result, e);
-}
-
-static bool run_deadbeat(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
-                         loop_result *result, error *e)
+bool deadbeat_loop_run(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
+                       bool extended, loop_result *result, error *e)
 {
     predictive_drive drive;
-    if (!predictive_drive_init(&drive, assumed, kind, e)) {
+    if (!predictive_drive_init(&drive, assumed, kind, e) ||
+        (extended && !predictive_drive_extend(&drive, assumed, e))) {
         return false;
     }
     drive.learning = iq24_from_double(learning);
@@ -93,26 +86,17 @@ bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, 
 {
     const loop_case c = current_loop_case(ratio, noise);
     const motor assumed = believed(&c.truth, belief);
-    switch (how) {
-    case LOOP_PI_MIDPOINT:
-        return run_pi(&c, &assumed, FEEDBACK_MIDPOINT, result, e);
-    case LOOP_PI_MEAN:
-        return run_pi(&c, &assumed, FEEDBACK_QUASI_DISCRETE_MEAN, result, e);
-    case LOOP_DEADBEAT_EULER:
-        return run_deadbeat(&c, &assumed, PREDICTOR_EULER, 0.0, result, e);
-    case LOOP_DEADBEAT_QUASI_DISCRETE:
-        return run_deadbeat(&c, &assumed, PREDICTOR_QUASI_DISCRETE, 0.0, result, e);
-    case LOOP_DEADBEAT_EXACT:
-        return run_deadbeat(&c, &assumed, PREDICTOR_EXACT, 0.0, result, e);
-    case LOOP_LEARNING_EULER:
-        return run_deadbeat(&c, &assumed, PREDICTOR_EULER, LOOP_LEARNING, result, e);
-    case LOOP_LEARNING_QUASI_DISCRETE:
-        return run_deadbeat(&c, &assumed, PREDICTOR_QUASI_DISCRETE, LOOP_LEARNING, result, e);
-    case LOOP_LEARNING_EXACT:
-    case LOOP_METHODS:
-    default:
-        return run_deadbeat(&c, &assumed, PREDICTOR_EXACT, LOOP_LEARNING, result, e);
+    if (how < LOOP_DEADBEAT_EULER) {
+        /* At the usual bandwidth f_pwm/20. */
+        const scenario_control control = {.feedback = how == LOOP_PI_MIDPOINT ? FEEDBACK_MIDPOINT
+                                                                              : FEEDBACK_QUASI_DISCRETE_MEAN,
+                                          .modulation = MODULATION_PWM};
+        return cycle_loop_run(&c, &assumed, &control, NULL, result, e);
     }
+    const bool learns = how >= LOOP_LEARNING_EULER;
+    const int kind = (int)how - (learns ? LOOP_LEARNING_EULER : LOOP_DEADBEAT_EULER);
+    return deadbeat_loop_run(&c, &assumed, (predictor_kind)kind, learns ? LOOP_LEARNING : 0.0, false, result,
+                             e);
 }
 
 /* Raises the believed L in steps of 0.1 until the loop is no longer stable, then bisects to 0.01. */

@@ -13,9 +13,9 @@
 #include "predictive_drive.h"
 
 typedef enum loop_method {
-    LOOP_PI_MIDPOINT, /* fed by the sample at the carrier peak */
-    LOOP_PI_MEAN,     /* fed by the quasi-discrete mean */
-    LOOP_DEADBEAT_EULER,
+    LOOP_PI_MIDPOINT,    /* fed by the sample at the carrier peak */
+    LOOP_PI_MEAN,        /* fed by the quasi-discrete mean */
+    LOOP_DEADBEAT_EULER, /* from here on in the order of predictor_kind */
     LOOP_DEADBEAT_QUASI_DISCRETE,
     LOOP_DEADBEAT_EXACT,
     LOOP_LEARNING_EULER, /* the same with a learnt drift */
@@ -64,6 +64,11 @@ loop_case current_loop_case(double ratio, double noise);
  */
 bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_control *control,
                     const iqfoc_extension_t *extension, loop_result *result, error *e);
+
+/* Deadbeat control in the loop; learning: gain of the drift, or 0; extended: with what the file's extensions
+ * put right. */
+bool deadbeat_loop_run(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
+                       bool extended, loop_result *result, error *e);
 
 /* One run: method, belief and noise as given. */
 bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, double noise,

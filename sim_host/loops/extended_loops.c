@@ -19,14 +19,8 @@ static bool run(const loop_case *c, extended_method how, const motor *belief, lo
         return extension_from_motor(belief, &extension, e) &&
                cycle_loop_run(c, belief, &control, &extension, result, e);
     }
-    predictive_drive drive;
-    if (!predictive_drive_init(&drive, belief, PREDICTOR_EXACT, e) ||
-        !predictive_drive_extend(&drive, belief, e)) {
-        return false;
-    }
-    drive.learning = how == EXTENDED_LEARNING ? iq24_from_double(LOOP_LEARNING) : 0;
-    const drive_firmware firmware = predictive_drive_firmware(&drive);
-    return closed_loop_run(c, &firmware, result, e);
+    return deadbeat_loop_run(c, belief, PREDICTOR_EXACT, how == EXTENDED_LEARNING ? LOOP_LEARNING : 0.0, true,
+                             result, e);
 }
 
 bool extended_loops_run(const motor *const belief[EXTENDED_BELIEFS], const plant_config *drive,

@@ -35,9 +35,8 @@ static bool add_six_step(json_t *list, const loops_study *s)
         const six_step_loop *l = &s->six_step[n];
         json_t *o = json_pack("{s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "feedback", six_step_loop_text[n],
                               "i_q_reference_A", l->reference_A, "i_q_fed_back_A", l->i_q_fed_back_A, "i_q_A",
-                              l->i_q_A, "i_d_A", l->i_d_A, "excess_percent",
-                              100.0 * (l->i_q_A / l->reference_A - 1.0), "torque_Nm", l->torque_Nm,
-                              "torque_reference_Nm", l->torque_reference_Nm);
+                              l->i_q_A, "i_d_A", l->i_d_A, "excess_percent", six_step_excess_percent(l),
+                              "torque_Nm", l->torque_Nm, "torque_reference_Nm", l->torque_reference_Nm);
         ok = o != NULL && json_array_append_new(list, o) == 0;
     }
     return ok;

@@ -41,10 +41,10 @@ static bool six_step_part(page *p, const loops_study *s, error *e)
     page_heading(p, 2, "Six-step torque control");
     page_lead(
         p,
-        "Fed by the discrete angle the drive carries %.2f %% more current than was asked for, "
-        "corrected %.2f %%.",
-        100.0 * (s->six_step[SIX_STEP_DISCRETE].i_q_A / s->six_step[SIX_STEP_DISCRETE].reference_A - 1.0),
-        100.0 * (s->six_step[SIX_STEP_CORRECTED].i_q_A / s->six_step[SIX_STEP_CORRECTED].reference_A - 1.0));
+        "Fed by the discrete angle the drive carries %.2f %% more current than was asked for, corrected "
+        "%.2f %%.",
+        six_step_excess_percent(&s->six_step[SIX_STEP_DISCRETE]),
+        six_step_excess_percent(&s->six_step[SIX_STEP_CORRECTED]));
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (int n = 0; n < SIX_STEP_LOOPS; n++) {
         const six_step_loop *l = &s->six_step[n];
@@ -52,7 +52,7 @@ static bool six_step_part(page *p, const loops_study *s, error *e)
         page_cell(p, false, "%s", six_step_loop_text[n]);
         page_cell(p, true, "%.4f", l->i_q_fed_back_A);
         page_cell(p, true, "%.4f", l->i_q_A);
-        page_cell(p, true, "%.3f", 100.0 * (l->i_q_A / l->reference_A - 1.0));
+        page_cell(p, true, "%.3f", six_step_excess_percent(l));
         page_cell(p, true, "%.4f", l->torque_Nm);
         page_cell(p, true, "%.4f", l->torque_reference_Nm);
         page_row_end(p);
@@ -63,95 +63,96 @@ static bool six_step_part(page *p, const loops_study *s, error *e)
 
 /* ---- Current loops ---- */
 
-/* The loops ahead of those that learn, which in steady state are what the exact predictor's is. */
-enum { LOOP_DRAWN = LOOP_LEARNING_EULER };
-
-static bool ratio_figure(page *p, const loops_study *s, error *e)
+static double curve_ratio(const loops_study *s, loop_method how, int k, double *x)
 {
-    plot drawing;
-    if (!plot_begin(&drawing, 720, 400, e)) {
-        return false;
-    }
-    for (int n = 0; n < LOOP_DRAWN; n++) {
-        plot_data(&drawing, loop_method_key[n]);
-        for (int k = 0; k < LOOP_RATIOS; k++) {
-            plot_say(&drawing, "%g %.5g\n", loop_ratios[k], s->current.at[k][LOOP_NOMINAL][n].rms_percent);
-        }
-        plot_data_end(&drawing);
-    }
-    plot_say(&drawing, "set logscale xy\nset xrange [4.8:52]\nset xtics (5, 6, 8, 10, 12, 16, 20, 30, 50)\n"
-                       "set xlabel 'switching over fundamental frequency'\n"
-                       "set ylabel 'rms error, %% of rated'\nset key right top\nplot ");
-    for (int n = 0; n < LOOP_DRAWN; n++) {
-        plot_say(&drawing, "%s$%s using 1:2 with linespoints linestyle %d title '%s'", n > 0 ? ", " : "",
-                 loop_method_key[n], n == LOOP_PI_MIDPOINT ? 9 : n, loop_method_text[n]);
-    }
-    plot_say(&drawing, "\n");
-    return page_figure(p, &drawing, "loops-error",
-                       "Steady error of the true mean current, right parameters. The part that all share is "
-                       "the beat of the PWM's ripple with the turning rotor.",
-                       e);
+    *x = loop_ratios[k];
+    return s->current.at[k][LOOP_NOMINAL][how].rms_percent;
 }
 
 enum { STEP_RATIO = 3 }; /* SFFR 10 */
 
-static bool step_figure(page *p, const loops_study *s, error *e)
+static double curve_step(const loops_study *s, loop_method how, int k, double *x)
 {
-    plot drawing;
-    if (!plot_begin(&drawing, 720, 380, e)) {
-        return false;
-    }
-    for (int n = 0; n < LOOP_DRAWN; n++) {
-        const loop_result *r = &s->current.at[STEP_RATIO][LOOP_NOMINAL][n];
-        plot_data(&drawing, loop_method_key[n]);
-        for (int k = 0; k < LOOP_TRACE_CYCLES; k++) {
-            plot_say(&drawing, "%d %.5g\n", k - LOOP_TRACE_BEFORE, r->trace_q[k]);
-        }
-        plot_data_end(&drawing);
-    }
-    plot_say(&drawing, "set xlabel 'cycles after the step of the reference'\n"
-                       "set ylabel 'i_q over rated'\nset key right bottom\nplot ");
-    for (int n = 0; n < LOOP_DRAWN; n++) {
-        plot_say(&drawing, "%s$%s using 1:2 with linespoints linestyle %d pointsize 0.4 title '%s'",
-                 n > 0 ? ", " : "", loop_method_key[n], n == LOOP_PI_MIDPOINT ? 9 : n, loop_method_text[n]);
-    }
-    plot_say(&drawing, "\n");
-    return page_figure(
-        p, &drawing, "loops-step",
-        "Step of i_q from 0.3 to 0.7 of rated at a ratio of 10, right parameters: the true mean "
-        "of each cycle.",
-        e);
+    *x = k - LOOP_TRACE_BEFORE;
+    return s->current.at[STEP_RATIO][LOOP_NOMINAL][how].trace_q[k];
 }
 
 /* The firmware begins while the machine turns at full speed. */
-static bool start_figure(page *p, const loops_study *s, error *e)
+static double curve_start(const loops_study *s, loop_method how, int k, double *x)
 {
-    static const loop_method drawn[] = {LOOP_PI_MEAN, LOOP_LEARNING_EULER, LOOP_LEARNING_QUASI_DISCRETE,
-                                        LOOP_LEARNING_EXACT};
-    enum { DRAWN = sizeof drawn / sizeof drawn[0] };
+    *x = k;
+    return s->current.at[STEP_RATIO][LOOP_NOMINAL][how].trace_start[k];
+}
+
+/* A figure with a curve of each of some methods. */
+typedef struct method_figure {
+    double (*curve)(const loops_study *s, loop_method how, int k, double *x);
+    int points;
+    const char *point_size;
+    const loop_method *drawn;
+    int count, height;
+    const char *axes, *id, *caption;
+} method_figure;
+
+static bool draw_methods(page *p, const loops_study *s, const method_figure *f, error *e)
+{
     plot drawing;
-    if (!plot_begin(&drawing, 720, 360, e)) {
+    if (!plot_begin(&drawing, 720, f->height, e)) {
         return false;
     }
-    for (int n = 0; n < DRAWN; n++) {
-        const loop_result *r = &s->current.at[STEP_RATIO][LOOP_NOMINAL][drawn[n]];
-        plot_data(&drawing, loop_method_key[drawn[n]]);
-        for (int k = 0; k < LOOP_TRACE_CYCLES; k++) {
-            plot_say(&drawing, "%d %.5g\n", k, r->trace_start[k]);
+    for (int n = 0; n < f->count; n++) {
+        plot_data(&drawing, loop_method_key[f->drawn[n]]);
+        for (int k = 0; k < f->points; k++) {
+            double x = 0.0;
+            const double y = f->curve(s, f->drawn[n], k, &x);
+            plot_say(&drawing, "%g %.5g\n", x, y);
         }
         plot_data_end(&drawing);
     }
-    plot_say(&drawing, "set logscale y\nset xlabel 'cycles after switch-on'\n"
-                       "set ylabel 'error, %% of rated'\nset key right top\nplot ");
-    for (int n = 0; n < DRAWN; n++) {
-        plot_say(&drawing, "%s$%s using 1:2 with linespoints linestyle %d pointsize 0.4 title '%s'",
-                 n > 0 ? ", " : "", loop_method_key[drawn[n]], n + 1, loop_method_text[drawn[n]]);
+    plot_say(&drawing, "%s\nplot ", f->axes);
+    for (int n = 0; n < f->count; n++) {
+        /* A predictor has the same style with and without learning; the plainest loop is faint. */
+        const int how = (int)f->drawn[n];
+        const int style = how == LOOP_PI_MIDPOINT ? 9 : how < LOOP_LEARNING_EULER ? how : how - 3;
+        plot_say(&drawing, "%s$%s using 1:2 with linespoints linestyle %d %s title '%s'", n > 0 ? ", " : "",
+                 loop_method_key[how], style, f->point_size, loop_method_text[how]);
     }
     plot_say(&drawing, "\n");
-    return page_figure(p, &drawing, "loops-start",
-                       "Switched on at full speed, at a ratio of 10: what has to be learnt first is missing "
-                       "first. In the first cycle the terminals are shorted, for every loop alike.",
-                       e);
+    return page_figure(p, &drawing, f->id, f->caption, e);
+}
+
+static bool method_figures(page *p, const loops_study *s, error *e)
+{
+    /* Those that learn are in steady state what the exact predictor is. */
+    static const loop_method steady[] = {LOOP_PI_MIDPOINT, LOOP_PI_MEAN, LOOP_DEADBEAT_EULER,
+                                         LOOP_DEADBEAT_QUASI_DISCRETE, LOOP_DEADBEAT_EXACT};
+    static const loop_method starting[] = {LOOP_PI_MEAN, LOOP_LEARNING_EULER, LOOP_LEARNING_QUASI_DISCRETE,
+                                           LOOP_LEARNING_EXACT};
+    static const method_figure figures[] = {
+        {curve_ratio, LOOP_RATIOS, "", steady, 5, 400,
+         "set logscale xy\nset xrange [4.8:52]\nset xtics (5, 6, 8, 10, 12, 16, 20, 30, 50)\n"
+         "set xlabel 'switching over fundamental frequency'\n"
+         "set ylabel 'rms error, % of rated'\nset key right top",
+         "loops-error",
+         "Steady error of the true mean current, right parameters. The part that all share is the beat of "
+         "the PWM's ripple with the turning rotor."},
+        {curve_step, LOOP_TRACE_CYCLES, "pointsize 0.4", steady, 5, 380,
+         "set xlabel 'cycles after the step of the reference'\n"
+         "set ylabel 'i_q over rated'\nset key right bottom",
+         "loops-step",
+         "Step of i_q from 0.3 to 0.7 of rated at a ratio of 10, right parameters: the true mean of each "
+         "cycle."},
+        {curve_start, LOOP_TRACE_CYCLES, "pointsize 0.4", starting, 4, 360,
+         "set logscale y\nset xlabel 'cycles after switch-on'\nset ylabel 'error, % of rated'\n"
+         "set key right top",
+         "loops-start",
+         "Switched on at full speed, at a ratio of 10: what has to be learnt first is missing first. In the "
+         "first cycle the terminals are shorted, for every loop alike."}};
+    bool ok = true;
+    for (size_t n = 0; n < sizeof figures / sizeof figures[0] && ok; n++) {
+        ok = draw_methods(p, s, &figures[n], e);
+    }
+    return ok;
 }
 
 static void rms_cell(page *p, const loop_result *r)
@@ -199,7 +200,7 @@ static bool current_part(page *p, const loops_study *s, error *e)
               "the Euler predictor, by %.3g %% with the quasi-discrete and by %.3g %% with the exact one.",
               loop_ratios[0], at[LOOP_DEADBEAT_EULER].rms_percent,
               at[LOOP_DEADBEAT_QUASI_DISCRETE].rms_percent, at[LOOP_DEADBEAT_EXACT].rms_percent);
-    if (!ratio_figure(p, s, e) || !step_figure(p, s, e) || !start_figure(p, s, e)) {
+    if (!method_figures(p, s, e)) {
         return false;
     }
     page_heading(p, 3, "With wrong parameters");
@@ -213,6 +214,7 @@ static bool trade_figure(page *p, const loops_study *s, error *e)
 {
     const finite_set_loops *all = &s->finite_set;
     plot drawing;
+    page_heading(p, 2, "A finite set of states");
     if (!plot_begin(&drawing, 720, 380, e)) {
         return false;
     }
@@ -252,17 +254,7 @@ bool loops_study_page(const loops_study *s, const char *directory, error *e)
                     "What better feedback and better prediction do to a drive: the firmware's controllers in "
                     "IQ24 against the switching-level drive of the 2019 paper.",
                     e)) {
-        page_abandon(&p);
         return false;
     }
-    bool ok = six_step_part(&p, s, e) && current_part(&p, s, e);
-    if (ok) {
-        page_heading(&p, 2, "A finite set of states");
-        ok = trade_figure(&p, s, e);
-    }
-    if (!ok) {
-        page_abandon(&p);
-        return false;
-    }
-    return page_end(&p, e);
+    return page_finish(&p, six_step_part(&p, s, e) && current_part(&p, s, e) && trade_figure(&p, s, e), e);
 }

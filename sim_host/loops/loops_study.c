@@ -14,14 +14,13 @@ bool loops_study_run(loops_study *s, error *e)
 
 static void print_six_step(const loops_study *s, FILE *f)
 {
-    fprintf(f,
-            "Six-step torque control at %g rpm, %g V, i_q asked for %.4g A\n  %-24s%12s%12s%12s%12s%14s\n",
+    fprintf(f, "Six-step torque control at %g rpm, %g V, i_q asked for %.4g A\n  %-24s%12s%12s%12s%12s%14s\n",
             SIX_STEP_RPM, SIX_STEP_U_DC, s->six_step[0].reference_A, "feedback", "fed back, A", "true i_q, A",
             "excess, %", "torque, Nm", "asked for, Nm");
     for (int n = 0; n < SIX_STEP_LOOPS; n++) {
         const six_step_loop *l = &s->six_step[n];
         fprintf(f, "  %-24s%12.4f%12.4f%12.3f%12.4f%14.4f\n", six_step_loop_text[n], l->i_q_fed_back_A,
-                l->i_q_A, 100.0 * (l->i_q_A / l->reference_A - 1.0), l->torque_Nm, l->torque_reference_Nm);
+                l->i_q_A, six_step_excess_percent(l), l->torque_Nm, l->torque_reference_Nm);
     }
 }
 

@@ -95,6 +95,11 @@ static void measure(six_step_loop *result, const plant_means *means, double fed_
     result->angle_deg += share * 360.0 * angle_turns;
 }
 
+double six_step_excess_percent(const six_step_loop *l)
+{
+    return 100.0 * (l->i_q_A / l->reference_A - 1.0);
+}
+
 bool six_step_loop_run(bool corrected, six_step_loop *result, error *e)
 {
     const motor m = paper_2019_motor();

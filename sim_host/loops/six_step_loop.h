@@ -33,6 +33,9 @@ typedef struct six_step_loop {
 #define SIX_STEP_RPM  8000.0
 #define SIX_STEP_U_DC 540.0
 
+/* How much more i_q the drive carries than it was asked for. */
+double six_step_excess_percent(const six_step_loop *l);
+
 bool six_step_loop_run(bool corrected, six_step_loop *result, error *e);
 
 #endif

@@ -48,6 +48,14 @@ void page_abandon(page *p)
     out_file_abandon(&p->file);
 }
 
+bool page_finish(page *p, bool ok, error *e)
+{
+    if (!ok) {
+        page_abandon(p);
+    }
+    return ok && page_end(p, e);
+}
+
 void page_heading(page *p, int level, const char *text)
 {
     fprintf(p->file.stream, "<h%d>", level);
@@ -62,40 +70,18 @@ static void put_formatted(FILE *out, const char *format, va_list args)
     html_text(out, text);
 }
 
-/* A paragraph; its class, or NULL for plain text. */
-static void put_paragraph(page *p, const char *class_name, const char *format, va_list args)
+void page_paragraph(page *p, const char *class_name, const char *format, ...)
 {
+    va_list args;
     if (class_name != NULL) {
         fprintf(p->file.stream, "<p class=\"%s\">", class_name);
     } else {
         fputs("<p>", p->file.stream);
     }
+    va_start(args, format);
     put_formatted(p->file.stream, format, args);
+    va_end(args);
     fputs("</p>\n", p->file.stream);
-}
-
-void page_text(page *p, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    put_paragraph(p, NULL, format, args);
-    va_end(args);
-}
-
-void page_lead(page *p, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    put_paragraph(p, "lead", format, args);
-    va_end(args);
-}
-
-void page_note(page *p, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    put_paragraph(p, "note", format, args);
-    va_end(args);
 }
 
 void page_pair_begin(page *p)

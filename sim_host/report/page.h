@@ -25,17 +25,21 @@ bool page_begin_as(page *p, const char *directory, const char *name, const char 
                    error *e);
 /* Closes the page and puts it in place. */
 bool page_end(page *p, error *e);
+/* Ends the page if all went well, else gives it up. */
+bool page_finish(page *p, bool ok, error *e);
 /* Gives up; what stood at the path before stays. */
 void page_abandon(page *p);
 
 /* level 2 ... 4. */
 void page_heading(page *p, int level, const char *text);
-void page_text(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
 
-/* A paragraph in larger type: the main statement of the page. */
-void page_lead(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
-/* A paragraph in smaller type: a remark below a table. */
-void page_note(page *p, const char *format, ...) ERROR_PRINTF(2, 3);
+/* A paragraph of a class of the style sheet's, or of none: NULL. */
+void page_paragraph(page *p, const char *class_name, const char *format, ...) ERROR_PRINTF(3, 4);
+#define page_text(p, ...) page_paragraph(p, NULL, __VA_ARGS__)
+/* In larger type: the main statement of the page. */
+#define page_lead(p, ...) page_paragraph(p, "lead", __VA_ARGS__)
+/* In smaller type: a remark below a table. */
+#define page_note(p, ...) page_paragraph(p, "note", __VA_ARGS__)
 
 /* Two things side by side where the window is wide enough, else one below the other: what is written after
  * page_pair_begin, and what is written after page_pair_beside. */

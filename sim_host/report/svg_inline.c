@@ -17,21 +17,13 @@ enum { COLOURS = sizeof colours / sizeof colours[0] };
 
 void html_text(FILE *out, const char *text)
 {
+    static const char special[] = "<>&\"";
+    static const char *const escaped[] = {"&lt;", "&gt;", "&amp;", "&quot;"};
     for (; *text != '\0'; text++) {
-        switch (*text) {
-        case '<':
-            fputs("&lt;", out);
-            break;
-        case '>':
-            fputs("&gt;", out);
-            break;
-        case '&':
-            fputs("&amp;", out);
-            break;
-        case '"':
-            fputs("&quot;", out);
-            break;
-        default:
+        const char *at = strchr(special, *text);
+        if (at != NULL) {
+            fputs(escaped[at - special], out);
+        } else {
             fputc(*text, out);
         }
     }
