@@ -9,13 +9,6 @@
 
 /* ---- Figs. 8 and 9: contours ---- */
 
-static bool contour_figure(page *p, const contour_panel panel[2], const char *id, const char *caption,
-                           error *e)
-{
-    plot drawing;
-    return contour_pair(&drawing, panel, e) && page_figure(p, &drawing, id, caption, e);
-}
-
 static double complex normalised(double k, double gamma_deg)
 {
     return papers_mean_normalised((papers_movement){k, gamma_deg * VEC_PI / 180.0, VEC_PI / 3.0});
@@ -66,29 +59,25 @@ static bool figures_8_and_9(page *p, const comparison *c, error *e)
         {"(b) phase error, mrad", "change of modulus, p.u.", "change of angle, rad", -0.6, 0.6, -0.6, 0.6,
          -100, 10, 100, "%.0f", -0.6, 0, 0.6, 0, phase_mrad}};
     page_heading(p, 3, "What the discrete angle gets wrong");
+    plot drawing;
     page_pair_begin(p);
-    if (!contour_figure(p, figure_8, "2016-figure-8",
-                        "Figure 8. True mean current relative to the discrete angle's, which is 1 + j0 "
-                        "by the normalisation, over the current's movement k, γ (Θ = π/3).",
-                        e)) {
+    if (!contour_pair(&drawing, figure_8, e) ||
+        !page_figure(p, &drawing, "2016-figure-8",
+                     "Figure 8. True mean current relative to the discrete angle's, which is 1 + j0 by the "
+                     "normalisation, over the current's movement k, γ (Θ = π/3).",
+                     e)) {
         return false;
     }
     page_pair_beside(p);
     page_text(p, "In steady state k = 1 and γ = 0; the mean is 6√3/π² there.");
     rows_page_table(p, c, "2016", "eq. (9)", NULL);
     page_pair_end(p);
-    page_pair_begin(p);
-    if (!contour_figure(
-            p, figure_9, "2016-figure-9",
-            "Figure 9. The same as errors of gain and phase, over the change of the current as the rotor "
-            "sees it. The middle is the steady state.",
-            e)) {
-        return false;
-    }
-    page_pair_beside(p);
-    rows_page_table(p, c, "2016", "Section 5.3", NULL);
-    page_pair_end(p);
-    return true;
+    return contour_pair(&drawing, figure_9, e) &&
+           rows_page_figure(
+               p, &drawing, "2016-figure-9",
+               "Figure 9. The same as errors of gain and phase, over the change of the current as the rotor "
+               "sees it. The middle is the steady state.",
+               c, "2016", "Section 5.3", NULL, e);
 }
 
 /* ---- Fig. 12: waveforms ---- */
@@ -233,14 +222,7 @@ static bool figure_of_motor(page *p, const comparison *c, int which, error *e)
              "Figure %d. Motor %d (L = %g mH, R = %g mΩ, τ = L/R = %.3g ms): the reference angle steps "
              "by π/6 at 0.1 s. One point a control interval.",
              13 + which, 1 + which, 1e3 * m->L_H, 1e3 * m->R_ohm, 1e3 * m->L_H / m->R_ohm);
-    page_pair_begin(p);
-    if (!page_figure(p, &drawing, id, caption, e)) {
-        return false;
-    }
-    page_pair_beside(p);
-    rows_page_table(p, c, "2016", "Table 2", m->name);
-    page_pair_end(p);
-    return true;
+    return rows_page_figure(p, &drawing, id, caption, c, "2016", "Table 2", m->name, e);
 }
 
 bool figures_2016(page *p, const comparison *c, error *e)

@@ -121,17 +121,10 @@ static bool figure_6(page *p, const comparison *c, const method_machine *machine
              "$errors using 1:6 with steps linestyle 2 title 'quasi-discrete'\nunset multiplot\n",
              1e3 * SHOWN * d->T_s);
     page_heading(p, 3, "Errors over time");
-    page_pair_begin(p);
-    if (!page_figure(p, &drawing, "2019-figure-6",
-                     "Figure 6. Errors of mean current and prediction of phase A at 8000 rpm, rated "
-                     "current, four fundamental periods.",
-                     e)) {
-        return false;
-    }
-    page_pair_beside(p);
-    rows_page_table(p, c, "2019", "Figure 6", NULL);
-    page_pair_end(p);
-    return true;
+    return rows_page_figure(p, &drawing, "2019-figure-6",
+                            "Figure 6. Errors of mean current and prediction of phase A at 8000 rpm, rated "
+                            "current, four fundamental periods.",
+                            c, "2019", "Figure 6", NULL, e);
 }
 
 bool figures_2019(page *p, const comparison *c, error *e)

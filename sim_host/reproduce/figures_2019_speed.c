@@ -179,15 +179,8 @@ bool figure_2019_9(page *p, const comparison *c, const motor *m, const method_ma
               "voltage to ±1 %% and the angle to ±1° (each uniform), with 0.5 %% of the rated peak as "
               "noise on each current sample. Nothing is fitted to the measured points.",
               LAB_DRAWS, (int)LAB_SEED);
-    page_pair_begin(p);
-    if (!page_figure(p, &drawing, "2019-figure-9",
-                     "Figure 9. Prediction errors as they might be measured, and the two points that the "
-                     "paper gives in numbers (Table 3).",
-                     e)) {
-        return false;
-    }
-    page_pair_beside(p);
-    rows_page_table(p, c, "2019", "Table 3", NULL);
-    page_pair_end(p);
-    return true;
+    return rows_page_figure(p, &drawing, "2019-figure-9",
+                            "Figure 9. Prediction errors as they might be measured, and the two points that "
+                            "the paper gives in numbers (Table 3).",
+                            c, "2019", "Table 3", NULL, e);
 }

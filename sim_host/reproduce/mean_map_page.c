@@ -133,12 +133,11 @@ bool mean_map_page(const char *directory, const motor *m, const mean_map *map, e
     if (!page_begin(
             &p, directory, "Which mean current is enough",
             "Mean dq current over a PWM cycle, seen from the turning rotor: what a controller regulates.",
-            e) ||
-        !draw(&p, m, map, e)) {
-        page_abandon(&p);
+            e)) {
         return false;
     }
+    const bool ok = draw(&p, m, map, e);
     page_text(&p, "The SFFR from which on a method is within the limit at every modulation index:");
     say_table(&p, map);
-    return page_end(&p, e);
+    return page_finish(&p, ok, e);
 }

@@ -7,28 +7,11 @@
 
 #include <math.h>
 
-static const struct {
-    const char *quantity, *name, *key;
-} methods[METHOD_COUNT] = {
-    [METHOD_MEAN_STANDARD] = {"mean", "standard", "standard"},
-    [METHOD_MEAN_QUASI_DISCRETE] = {"mean", "quasi-discrete", "quasi_discrete"},
-    [METHOD_PREDICTION_STANDARD] = {"prediction", "standard", "standard"},
-    [METHOD_PREDICTION_QUASI_DISCRETE] = {"prediction", "quasi-discrete", "quasi_discrete"}};
-
-const char *method_quantity(method which)
-{
-    return methods[which].quantity;
-}
-
-const char *method_name(method which)
-{
-    return methods[which].name;
-}
-
-const char *method_key(method which)
-{
-    return methods[which].key;
-}
+const struct method_words method_words[METHOD_COUNT] = {
+    [METHOD_MEAN_STANDARD] = {"mean", "standard"},
+    [METHOD_MEAN_QUASI_DISCRETE] = {"mean", "quasi-discrete"},
+    [METHOD_PREDICTION_STANDARD] = {"prediction", "standard"},
+    [METHOD_PREDICTION_QUASI_DISCRETE] = {"prediction", "quasi-discrete"}};
 
 bool method_machine_of(const motor *m, method_machine *machine, error *e)
 {

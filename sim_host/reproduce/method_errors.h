@@ -25,9 +25,9 @@ typedef enum method {
     METHOD_COUNT
 } method;
 
-const char *method_quantity(method which); /* "mean", "prediction" */
-const char *method_name(method which);     /* "standard", "quasi-discrete" */
-const char *method_key(method which);      /* "standard", "quasi_discrete": for JSON */
+extern const struct method_words {
+    const char *quantity, *name;
+} method_words[METHOD_COUNT];
 
 /* A machine as the methods see it: in double and as the firmware's constants. */
 typedef struct method_machine {

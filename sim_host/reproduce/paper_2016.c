@@ -34,7 +34,7 @@ six_step_scenario paper_2016_scenario(const paper_2016_motor *of)
     return s;
 }
 
-/* 2016 Table 2, in the order of figures_of() below. */
+/* 2016 Table 2, in the order of figure_of() below. */
 enum { TABLE_2_ROWS = 8 };
 
 static const struct {
@@ -50,7 +50,7 @@ static const struct {
     {"peak gain error difference", "A - B/C", "transient", "p.u.", {1.0e-4, 5.3e-4, 2.5e-3}},
     {"peak phase error difference", "A - B/C", "transient", "rad", {9.8e-5, 5.7e-4, 3.6e-3}}};
 
-static void figures_of(const discrete_angle_summary *s, double figure[TABLE_2_ROWS])
+static double figure_of(const discrete_angle_summary *s, int row)
 {
     const double all[TABLE_2_ROWS] = {s->steady_gain_difference,
                                       s->steady_phase_difference_rad,
@@ -60,9 +60,7 @@ static void figures_of(const discrete_angle_summary *s, double figure[TABLE_2_RO
                                       s->peak_phase_rad,
                                       s->peak_gain_difference,
                                       s->peak_phase_difference_rad};
-    for (int n = 0; n < TABLE_2_ROWS; n++) {
-        figure[n] = all[n];
-    }
+    return all[row];
 }
 
 /* Each motor at the inferred speed, through both arithmetics, and at a slightly lower one. */
@@ -98,30 +96,23 @@ static void table_2_note(int row, int which, const motor_summaries all[PAPER_201
 
 static void add_table_2(comparison *c, int which, const motor_summaries all[PAPER_2016_MOTORS])
 {
-    double value[TABLE_2_ROWS];
-    double value_iq24[TABLE_2_ROWS];
-    figures_of(&all[which].in_double, value);
-    figures_of(&all[which].in_iq24, value_iq24);
     for (int n = 0; n < TABLE_2_ROWS; n++) {
         char condition[64];
         char note[256];
         snprintf(condition, sizeof condition, "%s, %s", paper_2016_motors[which].name, table_2[n].state);
         table_2_note(n, which, all, note, sizeof note);
         comparison_add(c, (comparison_row){"2016", "Table 2", table_2[n].quantity, table_2[n].method,
-                                           condition, table_2[n].unit, table_2[n].paper[which], value[n],
-                                           value_iq24[n], note});
+                                           condition, table_2[n].unit, table_2[n].paper[which],
+                                           figure_of(&all[which].in_double, n),
+                                           figure_of(&all[which].in_iq24, n), note});
     }
 }
 
-static void add_steady_gain(comparison *c, int which, const motor_summaries *s)
+static void add_steady_gain(comparison *c, int which, const char *method, double gain, double gain_iq24)
 {
-    const char *name = paper_2016_motors[which].name;
-    comparison_add(c, (comparison_row){"2016", "Section 5.3", "steady gain error", "analytical (A)", name,
-                                       "%", 5.3, 100.0 * s->in_double.steady_gain_a,
-                                       100.0 * s->in_iq24.steady_gain_a, ""});
-    comparison_add(c, (comparison_row){"2016", "Section 5.3", "steady gain error", "numerical (B/C)", name,
-                                       "%", 5.3, 100.0 * s->in_double.steady_gain_bc,
-                                       100.0 * s->in_iq24.steady_gain_bc, ""});
+    comparison_add(c, (comparison_row){"2016", "Section 5.3", "steady gain error", method,
+                                       paper_2016_motors[which].name, "%", 5.3, 100.0 * gain,
+                                       100.0 * gain_iq24, ""});
 }
 
 static void add_steady_mean(comparison *c)
@@ -163,7 +154,10 @@ bool paper_2016_compare(comparison *c, error *e)
     }
     add_steady_mean(c);
     for (int n = 0; n < PAPER_2016_MOTORS; n++) {
-        add_steady_gain(c, n, &all[n]);
+        const discrete_angle_summary *s = &all[n].in_double;
+        const discrete_angle_summary *iq24 = &all[n].in_iq24;
+        add_steady_gain(c, n, "analytical (A)", s->steady_gain_a, iq24->steady_gain_a);
+        add_steady_gain(c, n, "numerical (B/C)", s->steady_gain_bc, iq24->steady_gain_bc);
     }
     for (int n = 0; n < PAPER_2016_MOTORS; n++) {
         add_table_2(c, n, all);

@@ -110,28 +110,29 @@ static void table_1_note(const paper_2019_points *p, int speed, method which, ch
     }
 }
 
+static void add_table_1_row(comparison *c, method k, const char *condition, double paper_percent,
+                            const method_error *at, const char *note)
+{
+    comparison_add(c, (comparison_row){"2019", "Table 1", method_words[k].quantity, method_words[k].name,
+                                       condition, "%", paper_percent, at->rms_percent, at->rms_percent_iq24,
+                                       note});
+}
+
 static void add_table_1(comparison *c, const paper_2019_points *p)
 {
     for (int n = 0; n < PAPER_2019_TABLE_1; n++) {
         for (int k = 0; k < METHOD_COUNT; k++) {
-            const method_error *error_of = &p->at[n].errors.of[k];
             char condition[64];
             char note[256];
             snprintf(condition, sizeof condition, "%g rpm", paper_2019_table_1[n].n_rpm);
             table_1_note(p, n, (method)k, note, sizeof note);
-            comparison_add(c, (comparison_row){"2019", "Table 1", method_quantity((method)k),
-                                               method_name((method)k), condition, "%",
-                                               paper_2019_table_1[n].percent[k], error_of->rms_percent,
-                                               error_of->rms_percent_iq24, note});
+            add_table_1_row(c, (method)k, condition, paper_2019_table_1[n].percent[k], &p->at[n].errors.of[k],
+                            note);
         }
     }
     for (int k = 0; k < METHOD_COUNT; k++) {
-        const method_error *error_of = &p->at_8000_plain.errors.of[k];
-        comparison_add(c,
-                       (comparison_row){"2019", "Table 1", method_quantity((method)k), method_name((method)k),
-                                        "8000 rpm, i_d = 0", "%", paper_2019_table_1[2].percent[k],
-                                        error_of->rms_percent, error_of->rms_percent_iq24,
-                                        "the other choice of what the paper leaves open"});
+        add_table_1_row(c, (method)k, "8000 rpm, i_d = 0", paper_2019_table_1[2].percent[k],
+                        &p->at_8000_plain.errors.of[k], "the other choice of what the paper leaves open");
     }
 }
 
@@ -141,7 +142,7 @@ static void add_peaks(comparison *c, const paper_2019_points *p)
         const method_error *error_of = &p->at[2].errors.of[k];
         comparison_add(c, (comparison_row){"2019", "Figure 6",
                                            k < METHOD_PREDICTION_STANDARD ? "mean, peak" : "prediction, peak",
-                                           method_name((method)k), "8000 rpm", "A", peaks_A[k],
+                                           method_words[k].name, "8000 rpm", "A", peaks_A[k],
                                            error_of->peak_A, error_of->peak_A_iq24, ""});
     }
 }
@@ -171,7 +172,7 @@ static bool add_table_3(comparison *c, const motor *m, error *e)
                     "in place of the laboratory; 90 %% of them lie in %.3g ... %.3g %%",
                     LAB_DRAWS, (int)LAB_SEED, s.low, s.high);
                 comparison_add(c, (comparison_row){"2019", "Table 3", "prediction",
-                                                   method_name(predictions[k]), condition, "%",
+                                                   method_words[predictions[k]].name, condition, "%",
                                                    k == 0 ? measured->standard : measured->quasi_discrete,
                                                    s.median, s.median_iq24, note});
             }
@@ -193,8 +194,8 @@ static void add_iq24(comparison *c, const paper_2019_points *p)
         for (int n = 0; n < PAPER_2019_TABLE_1; n++) {
             worst = fmax(worst, p->at[n].errors.of[k].iq24_off);
         }
-        comparison_add(c, (comparison_row){"2019", "IQ24 against double", method_quantity((method)k),
-                                           method_name((method)k), "largest at 500, 5000 and 8000 rpm",
+        comparison_add(c, (comparison_row){"2019", "IQ24 against double", method_words[k].quantity,
+                                           method_words[k].name, "largest at 500, 5000 and 8000 rpm",
                                            "of rated current", NAN, 0.0, worst,
                                            "the difference of the two computations from the same samples"});
     }

@@ -9,12 +9,8 @@ bool reproduce_page(const char *directory, const comparison *c, bool with_2016, 
                     "values: the formula in double precision on the simulated drive, and the firmware's "
                     "IQ24 functions.",
                     e)) {
-        page_abandon(&p);
         return false;
     }
-    if ((with_2016 && !figures_2016(&p, c, e)) || (with_2019 && !figures_2019(&p, c, e))) {
-        page_abandon(&p);
-        return false;
-    }
-    return page_end(&p, e);
+    const bool ok = (!with_2016 || figures_2016(&p, c, e)) && (!with_2019 || figures_2019(&p, c, e));
+    return page_finish(&p, ok, e);
 }

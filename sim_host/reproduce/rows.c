@@ -7,24 +7,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *copy(const char *text, bool *failed)
+/* Where the texts of a row stand. */
+enum { TEXTS = 7 };
+
+static void texts_of(comparison_row *row, const char **text[TEXTS])
 {
-    const size_t size = strlen(text) + 1;
-    char *mine = malloc(size);
-    if (mine == NULL) {
-        *failed = true;
-        return NULL;
-    }
-    return memcpy(mine, text, size);
+    const char **const all[TEXTS] = {&row->paper,     &row->item, &row->quantity, &row->method,
+                                     &row->condition, &row->unit, &row->note};
+    memcpy(text, all, sizeof all);
 }
 
-static void free_row(const comparison_row *row)
+static void free_row(comparison_row *row)
 {
-    const char *const texts[] = {row->paper,     row->item, row->quantity, row->method,
-                                 row->condition, row->unit, row->note};
-    for (size_t n = 0; n < sizeof texts / sizeof texts[0]; n++) {
-        free((void *)texts[n]);
+    const char **text[TEXTS];
+    texts_of(row, text);
+    for (int n = 0; n < TEXTS; n++) {
+        free((void *)*text[n]);
     }
+}
+
+static bool own_texts(comparison_row *row)
+{
+    bool ok = true;
+    const char **text[TEXTS];
+    texts_of(row, text);
+    for (int n = 0; n < TEXTS; n++) {
+        const size_t size = strlen(*text[n]) + 1;
+        char *mine = malloc(size);
+        ok = ok && mine != NULL;
+        *text[n] = mine != NULL ? memcpy(mine, *text[n], size) : NULL;
+    }
+    return ok;
 }
 
 static bool grow(comparison *c)
@@ -48,15 +61,7 @@ void comparison_add(comparison *c, comparison_row row)
         c->out_of_memory = true;
         return;
     }
-    bool failed = false;
-    row.paper = copy(row.paper, &failed);
-    row.item = copy(row.item, &failed);
-    row.quantity = copy(row.quantity, &failed);
-    row.method = copy(row.method, &failed);
-    row.condition = copy(row.condition, &failed);
-    row.unit = copy(row.unit, &failed);
-    row.note = copy(row.note, &failed);
-    if (failed) {
+    if (!own_texts(&row)) {
         free_row(&row);
         c->out_of_memory = true;
         return;

@@ -72,3 +72,14 @@ void rows_page_table(page *p, const comparison *c, const char *paper, const char
         page_note(p, "[%d] %s", n + 1, notes[n]);
     }
 }
+
+bool rows_page_figure(page *p, plot *drawing, const char *id, const char *caption, const comparison *c,
+                      const char *paper, const char *item, const char *part, error *e)
+{
+    page_pair_begin(p);
+    const bool ok = page_figure(p, drawing, id, caption, e);
+    page_pair_beside(p);
+    rows_page_table(p, c, paper, item, part);
+    page_pair_end(p);
+    return ok;
+}

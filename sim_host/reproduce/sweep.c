@@ -50,32 +50,22 @@ bool sweep_point_at(const motor *m, const method_machine *machine, double n_rpm,
     return ok;
 }
 
-static json_t *errors_json(const sweep_point *p, method standard, method quasi_discrete,
-                           const method_error *exact, bool iq24)
+static json_t *errors_json(const sweep_point *p, bool prediction, bool iq24)
 {
-    const method_error *a = &p->errors.of[standard];
-    const method_error *b = &p->errors.of[quasi_discrete];
-    return json_pack("{s:f, s:f, s:f}", method_key(standard), iq24 ? a->rms_percent_iq24 : a->rms_percent,
-                     method_key(quasi_discrete), iq24 ? b->rms_percent_iq24 : b->rms_percent, "exact",
-                     iq24 ? exact->rms_percent_iq24 : exact->rms_percent);
-}
-
-static json_t *mean_json(const sweep_point *p, bool iq24)
-{
-    return errors_json(p, METHOD_MEAN_STANDARD, METHOD_MEAN_QUASI_DISCRETE, &p->exact.mean, iq24);
-}
-
-static json_t *prediction_json(const sweep_point *p, bool iq24)
-{
-    return errors_json(p, METHOD_PREDICTION_STANDARD, METHOD_PREDICTION_QUASI_DISCRETE, &p->exact.prediction,
-                       iq24);
+    const method_error *a = &p->errors.of[prediction ? METHOD_PREDICTION_STANDARD : METHOD_MEAN_STANDARD];
+    const method_error *const all[3] = {a, a + 1, prediction ? &p->exact.prediction : &p->exact.mean};
+    double rms[3];
+    for (int n = 0; n < 3; n++) {
+        rms[n] = iq24 ? all[n]->rms_percent_iq24 : all[n]->rms_percent;
+    }
+    return json_pack("{s:f, s:f, s:f}", "standard", rms[0], "quasi_discrete", rms[1], "exact", rms[2]);
 }
 
 json_t *sweep_point_json(const sweep_point *p)
 {
     return json_pack("{s:f, s:o, s:o, s:o, s:{s:o, s:o}, s:f, s:f, s:f, s:b}", "rpm", p->n_rpm, "sffr",
-                     json_number(p->sffr), "mean", mean_json(p, false), "prediction",
-                     prediction_json(p, false), "iq24", "mean", mean_json(p, true), "prediction",
-                     prediction_json(p, true), "i_d_A", creal(p->i_mid_dq_A), "i_q_A", cimag(p->i_mid_dq_A),
+                     json_number(p->sffr), "mean", errors_json(p, false, false), "prediction",
+                     errors_json(p, true, false), "iq24", "mean", errors_json(p, false, true), "prediction",
+                     errors_json(p, true, true), "i_d_A", creal(p->i_mid_dq_A), "i_q_A", cimag(p->i_mid_dq_A),
                      "u_dc_V", p->u_dc_V, "u_dc_raised", (int)p->link_raised);
 }

@@ -35,16 +35,10 @@ static void say_panel(plot *p, int column, const char *title, bool with_key)
              column + 2);
 }
 
-bool sweep_page(const char *directory, const motor *m, const sweep_point *points, size_t count, error *e)
+static bool draw(page *to, const motor *m, const sweep_point *points, size_t count, error *e)
 {
-    page p;
-    if (!page_begin(&p, directory, "Errors over speed",
-                    "Mean current over a cycle and predicted current: standard, quasi-discrete, exact.", e)) {
-        return false;
-    }
     plot drawing;
     if (!plot_begin(&drawing, 760, 380, e)) {
-        page_abandon(&p);
         return false;
     }
     say_points(&drawing, points, count);
@@ -62,9 +56,14 @@ bool sweep_page(const char *directory, const motor *m, const sweep_point *points
              "%s: errors over the switching-to-fundamental frequency ratio (SFFR), switching-level drive in "
              "steady state.",
              m->name);
-    if (!page_figure(&p, &drawing, "sweep", caption, e)) {
-        page_abandon(&p);
-        return false;
-    }
-    return page_end(&p, e);
+    return page_figure(to, &drawing, "sweep", caption, e);
+}
+
+bool sweep_page(const char *directory, const motor *m, const sweep_point *points, size_t count, error *e)
+{
+    page p;
+    return page_begin(&p, directory, "Errors over speed",
+                      "Mean current over a cycle and predicted current: standard, quasi-discrete, exact.",
+                      e) &&
+           page_finish(&p, draw(&p, m, points, count, e), e);
 }
