@@ -5,7 +5,7 @@
 
 enum { ENTRIES = sizeof(averaged_step) / sizeof(double) };
 
-averaged_step averaged_step_at(double R_ohm, double L_d_H, double L_q_H, double T_s, double omega_rad_s)
+static averaged_step step_at(double R_ohm, double L_d_H, double L_q_H, double T_s, double omega_rad_s)
 {
     averaged_step step;
     exact_maps(R_ohm, L_d_H, L_q_H, T_s, omega_rad_s, &step, NULL);
@@ -15,10 +15,10 @@ averaged_step averaged_step_at(double R_ohm, double L_d_H, double L_q_H, double 
 averaged_node averaged_node_at(double R_ohm, double L_d_H, double L_q_H, double T_s, double omega_rad_s)
 {
     double h = AVERAGED_NODE_STEP / T_s;
-    averaged_step below = averaged_step_at(R_ohm, L_d_H, L_q_H, T_s, omega_rad_s - h);
-    averaged_step above = averaged_step_at(R_ohm, L_d_H, L_q_H, T_s, omega_rad_s + h);
+    averaged_step below = step_at(R_ohm, L_d_H, L_q_H, T_s, omega_rad_s - h);
+    averaged_step above = step_at(R_ohm, L_d_H, L_q_H, T_s, omega_rad_s + h);
     averaged_node node;
-    node.value = averaged_step_at(R_ohm, L_d_H, L_q_H, T_s, omega_rad_s);
+    node.value = step_at(R_ohm, L_d_H, L_q_H, T_s, omega_rad_s);
     const double *b = &below.decay[0][0];
     const double *m = &node.value.decay[0][0];
     const double *t = &above.decay[0][0];

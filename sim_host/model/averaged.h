@@ -10,11 +10,8 @@
 
 typedef exact_map averaged_step;
 
-/* The three matrices at one speed. Needs L_d_H, L_q_H > 0 and R_ohm >= 0. */
-averaged_step averaged_step_at(double R_ohm, double L_d_H, double L_q_H, double T_s, double omega_rad_s);
-
 /*
- * The same for many speeds near one node: value and first two derivatives by the speed, so that a table of
+ * The step for many speeds near one node: value and first two derivatives by the speed, so that a table of
  * nodes serves all rows of a recording. Within |omega - node| T <= AVERAGED_NODE_STEP / 2 the error is below
  * 1e-7 of each matrix.
  */

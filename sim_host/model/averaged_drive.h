@@ -18,8 +18,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* How the loss of dead time depends on the current near zero; v_dead is what it tends to far from zero in
- * each case. */
+/* How the loss of dead time depends on the current near zero; far from zero it tends to v_dead in each case. */
 typedef enum edge_law {
     EDGE_CHARGED, /* the current first charges the devices' capacitance: 1 - knee/(2|i|) */
     EDGE_CLIPPED, /* sat(i / knee): the law of interfaces.md and of the firmware */
@@ -32,25 +31,24 @@ typedef struct averaged_drive {
     double saturation; /* 1/I_sat^2 (1/A^2); L_d_H and L_q_H then are those at zero current */
     double v_dead_V, i_knee_A;
     edge_law edge;
-    double edge_ripple; /* how much of the ripple each edge sees: 0, the mean current, to 1, all that the
-                           duties tell */
+    /* How much of the ripple each edge sees: 0, the mean current, to 1, all that the duties tell. */
+    double edge_ripple;
     double k_u;
     double offset_ab_A[2]; /* current sensors, stationary frame */
     double offset_zero_A;  /* mean of the three sensors' offsets: shows only where all three are recorded */
     double g[3];
     double theta_0_rad, t_delay_s;
-    double harmonic_cos_rad[2],
-        harmonic_sin_rad[2]; /* angle error c cos(n theta_mech) + s sin(n theta_mech), n = 1, 2 */
-    double u_delay[2];       /* share of the voltage that is one, two cycles late: 0 or 1 in a real drive */
+    /* Angle error c cos(n theta_mech) + s sin(n theta_mech), n = 1, 2. */
+    double harmonic_cos_rad[2], harmonic_sin_rad[2];
+    double u_delay[2]; /* share of the voltage that is one, two cycles late: 0 or 1 in a real drive */
     double psi_5_Wb, psi_7_Wb;
     double dR_ohm[3];
     double dL_H[3];
-    /* Effects that the diagnosis does not name; it fits them to see that no named effect is taken for
-     * them. */
-    double iron_S;    /* 1 / iron loss resistance, beside the flux-producing current */
-    double iron_s_S;  /* that times the time by which the iron's current comes late */
-    double eddy_S[2]; /* the same by the voltage of the cycle that ends and of the one before: eddy currents
-                         that follow it late */
+    /* Effects that the diagnosis does not name; fitted to see that no named effect is taken for them. */
+    double iron_S;   /* 1 / iron loss resistance, beside the flux-producing current */
+    double iron_s_S; /* that times the time by which the iron's current comes late */
+    /* The same by the voltage of the cycle that ends and of the one before: eddy currents that follow it late. */
+    double eddy_S[2];
     double saturation_q; /* further 1/A^2 on the q axis alone: saturation that differs between the axes */
     double psi_11_Wb, psi_13_Wb;
     double psi_temperature; /* psi_f and R that follow recorded temperature, per kelvin (needs temp_C) */
