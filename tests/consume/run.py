@@ -271,6 +271,15 @@ def gcc_for_other_arm_cores(folder):
             run([*QEMU_ARM, "-kernel", folder / "image"])
 
 
+def gcc_for_arm_before_armv6_and_big_endian(folder):
+    """Compiled and joined to one object, as the board's start needs Armv6: plain C in place of the four products."""
+    for core in (["-mcpu=arm7tdmi"], ["-mcpu=arm926ej-s"], ["-mcpu=cortex-m0", "-mbig-endian"]):
+        flags = [*core, "-mthumb", "-mfloat-abi=soft"]
+        objects = compile_bare(folder, "arm-none-eabi-gcc", flags, [])
+        run(["arm-none-eabi-gcc", *flags, "-nostdlib", "-r", *objects, "-o", folder / "image"])
+        expect("iqfoc_arm_mul64" not in run(["arm-none-eabi-objdump", "-d", folder / "image"]), f"{core}: its own product")
+
+
 def riscv(folder):
     for compiler, flags in (("riscv64-unknown-elf-gcc", ["-march=rv32im", "-mabi=ilp32"]),
                             ("riscv64-unknown-elf-gcc", ["-march=rv32i", "-mabi=ilp32"]),
@@ -369,7 +378,8 @@ CHECKS = [
     add_subdirectory_on_the_host, add_subdirectory_shared, fetch_content, add_subdirectory_with_a_foreign_toolchain_file,
     top_level_with_a_foreign_toolchain_file, find_package_static, find_package_shared, find_package_refuses_another_version,
     pkg_config, makefile_drop_in_counts_as_published, makefile_drop_in_on_cortex_m0plus, in_c_plus_plus,
-    diagnosed_header_in_c_and_c_plus_plus, each_header_alone, clang_for_arm, gcc_for_other_arm_cores, riscv, xtensa, avr_by_clang,
+    diagnosed_header_in_c_and_c_plus_plus, each_header_alone, clang_for_arm, gcc_for_other_arm_cores,
+    gcc_for_arm_before_armv6_and_big_endian, riscv, xtensa, avr_by_clang,
     msp430_by_clang, c28x_header_on_the_host, refuses_constants_of_single_precision, refuses_a_double_of_32_bits,
     refuses_a_wrong_target_header, refuses_a_value_out_of_its_range,
 ]

@@ -17,8 +17,12 @@
 #define IQFOC_TARGET_HAS_ARM_SMULL 0
 #endif
 
-/* Thumb without a multiply longer than 32 bits: Cortex-M0, M0+, M1, M23. */
-#if defined(__GNUC__) && defined(__arm__) && defined(__thumb__) && !IQFOC_TARGET_HAS_ARM_SMULL
+/*
+ * Thumb without a multiply longer than 32 bits: Cortex-M0, M0+, M1, M23. From Armv6 on, which brought UXTH, and
+ * little-endian, as a product's halves are returned low word first: ARM7TDMI, ARM9 and big-endian get plain C.
+ */
+#if defined(__GNUC__) && defined(__arm__) && defined(__thumb__) && !IQFOC_TARGET_HAS_ARM_SMULL &&            \
+    defined(__ARM_ARCH) && __ARM_ARCH >= 6 && !defined(__ARMEB__)
 #define IQFOC_TARGET_HAS_ARM_MULS 1
 #else
 #define IQFOC_TARGET_HAS_ARM_MULS 0
