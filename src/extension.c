@@ -1,6 +1,7 @@
 /* The corrections that a diagnosis asks for (include/iqfoc/extension.h). */
 #include "iqfoc/extension.h"
 
+#include "iqfoc/extension_params.h"
 #include "iqfoc/transform.h"
 
 #include <stddef.h>
@@ -18,20 +19,21 @@ iqfoc_error_t iqfoc_extension_check(const iqfoc_extension_t *extension)
     if (extension == NULL) {
         return IQFOC_ERROR_NULL;
     }
-    if (!all_within(extension->i_offset, -IQ24_ONE, IQ24_ONE) ||
-        !all_within(extension->i_gain_inverse, IQ24(0.5), IQ24(2.0))) {
+    if (!all_within(extension->i_offset, IQ24(-IQFOC_MAX_EXT_OFFSET), IQ24(IQFOC_MAX_EXT_OFFSET)) ||
+        !all_within(extension->i_gain_inverse, IQ24(IQFOC_MIN_EXT_GAIN), IQ24(IQFOC_MAX_EXT_GAIN))) {
         return IQFOC_ERROR_CURRENT_SENSOR;
     }
-    if (!iq24_within(extension->theta_0, IQ24(-0.5), IQ24(0.5)) ||
-        !iq24_within(extension->theta_delay, IQ24(-8.0), IQ24(8.0))) {
+    if (!iq24_within(extension->theta_0, IQ24(-IQFOC_MAX_EXT_ANGLE), IQ24(IQFOC_MAX_EXT_ANGLE)) ||
+        !iq24_within(extension->theta_delay, IQ24(-IQFOC_MAX_EXT_DELAY), IQ24(IQFOC_MAX_EXT_DELAY))) {
         return IQFOC_ERROR_ANGLE;
     }
-    if (!iq24_within(extension->k_u, IQ24(0.5), IQ24(2.0)) ||
-        !iq24_within(extension->v_dead, IQ24(-0.25), IQ24(0.25)) ||
-        !iq24_within(extension->knee_inverse, 0, IQ24(127.0))) {
+    if (!iq24_within(extension->k_u, IQ24(IQFOC_MIN_EXT_GAIN), IQ24(IQFOC_MAX_EXT_GAIN)) ||
+        !iq24_within(extension->v_dead, IQ24(-IQFOC_MAX_EXT_VOLTAGE), IQ24(IQFOC_MAX_EXT_VOLTAGE)) ||
+        !iq24_within(extension->knee_inverse, 0, IQ24(IQFOC_MAX_EXT_KNEE_INVERSE))) {
         return IQFOC_ERROR_VOLTAGE;
     }
-    return iq24_within(extension->saturation, 0, IQ24(4.0)) ? IQFOC_OK : IQFOC_ERROR_SATURATION;
+    return iq24_within(extension->saturation, 0, IQ24(IQFOC_MAX_EXT_SATURATION)) ? IQFOC_OK
+                                                                                 : IQFOC_ERROR_SATURATION;
 }
 
 static iq24_t true_current(iq24_t measured, iq24_t offset, iq24_t gain_inverse)
@@ -109,8 +111,9 @@ iqfoc_predictor_t iqfoc_extension_saturate(const iqfoc_extension_t *extension,
     const iq24_t square = iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(i.alpha, i.alpha), i.beta, i.beta));
     const iq24_t rise = iq24_clamp(iq24_mul_sat(extension->saturation, square), 0, IQ24_ONE);
     const iq24_t factor = IQ24_ONE + rise; /* L_0 / L(|i|) */
-    const iqfoc_predictor_t p = {iq24_clamp(iq24_mul_round(at_zero->k_u, factor), 0, IQ24(16.0)),
-                                 iq24_clamp(iq24_mul_round(at_zero->k_r, factor), 0, IQ24_ONE),
-                                 iq24_clamp(iq24_mul_round(at_zero->k_psi, factor), 0, IQ24(8.0))};
+    const iqfoc_predictor_t p = {
+        iq24_clamp(iq24_mul_round(at_zero->k_u, factor), 0, IQ24(IQFOC_MAX_K_U)),
+        iq24_clamp(iq24_mul_round(at_zero->k_r, factor), 0, IQ24_ONE),
+        iq24_clamp(iq24_mul_round(at_zero->k_psi, factor), 0, IQ24(IQFOC_MAX_K_PSI))};
     return p;
 }

@@ -1,20 +1,20 @@
 /* Prediction by flux linkage (include/iqfoc/flux_predictor.h). */
 #include "iqfoc/flux_predictor.h"
 
+#include "iqfoc/extension_params.h"
 #include "iqfoc/iq24_math.h"
 #include "iqfoc/transform.h"
 
 #include <stddef.h>
 
-/*
- * Beyond it a predicted current is held: far outside what any sensor measures, well inside what
- * the transforms take.
- */
+/* Beyond it a predicted current is held: far outside what any sensor measures, well inside what the transforms
+ * take. */
 #define CURRENT_MAX IQ24(32.0)
 
 static bool reciprocal(iq24_t l, iq24_t k)
 {
-    return iq24_within(l, IQ24(0.0625), IQ24(8.0)) && iq24_within(k, IQ24(0.125), IQ24(16.0)) &&
+    return iq24_within(l, IQ24(IQFOC_MIN_FLUX_L), IQ24(IQFOC_MAX_FLUX_L)) &&
+           iq24_within(k, IQ24(1.0 / IQFOC_MAX_FLUX_L), IQ24(1.0 / IQFOC_MIN_FLUX_L)) &&
            iq24_within(iq24_mul_round(l, k), IQ24(0.9990234375), IQ24(1.0009765625));
 }
 
@@ -29,16 +29,13 @@ iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *p)
     if (!reciprocal(p->l_q, p->k_q)) {
         return IQFOC_ERROR_INDUCTANCE_Q;
     }
-    if (!iq24_within(p->r, 0, IQ24_ONE)) {
+    if (!iq24_within(p->r, 0, IQ24(IQFOC_MAX_FLUX_R))) {
         return IQFOC_ERROR_RESISTANCE;
     }
-    return iq24_within(p->psi, 0, IQ24(16.0)) ? IQFOC_OK : IQFOC_ERROR_FLUX;
+    return iq24_within(p->psi, 0, IQ24(IQFOC_MAX_FLUX_PSI)) ? IQFOC_OK : IQFOC_ERROR_FLUX;
 }
 
-/*
- * s |i|^2. Range: |component| <= 32, so the square is at most 2048 in the accumulator; both
- * roundings saturate.
- */
+/* s |i|^2. Range: |component| <= 32, so the square is at most 2048 in the accumulator; both roundings saturate. */
 static iq24_t saturation_of(iq24_t s, iqfoc_dq_t i)
 {
     return iq24_mul_sat(s, iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(i.d, i.d), i.q, i.q)));

@@ -204,42 +204,25 @@ static uint32_t crc_after(uint32_t crc, uint32_t octet)
 static uint32_t header_word(const iqfoc_recorder_t *recorder, uint32_t index)
 {
     const iqfoc_recorder_config_t *config = recorder->config;
-    switch (index) {
-    case 1:
-        return recorder->stream;
-    case 2:
-        return config->period_mantissa;
-    case 3:
-        return config->period_shift;
-    case 4:
-        return config->decimation;
-    case 5:
-        return config->channel_count;
-    default:
-        break;
+    const uint32_t head[HEADER_WORDS] = {0,
+                                         recorder->stream,
+                                         config->period_mantissa,
+                                         config->period_shift,
+                                         config->decimation,
+                                         config->channel_count};
+    if (index < HEADER_WORDS) {
+        return head[index];
     }
     const iqfoc_recorder_channel_t *channel = &config->channels[(index - HEADER_WORDS) / 3];
-    switch ((index - HEADER_WORDS) % 3) {
-    case 0:
-        return channel->column;
-    case 1:
-        return (uint32_t)channel->mantissa;
-    default:
-        return channel->shift;
-    }
+    const uint32_t words[3] = {channel->column, (uint32_t)channel->mantissa, channel->shift};
+    return words[(index - HEADER_WORDS) % 3];
 }
 
 static uint32_t rows_word(const iqfoc_recorder_t *recorder, uint32_t index)
 {
-    switch (index) {
-    case 1:
-        return recorder->stream;
-    case 2:
-        return recorder->frame_lost;
-    case 3:
-        return recorder->frame_rows;
-    default:
-        break;
+    const uint32_t head[ROWS_WORDS] = {0, recorder->stream, recorder->frame_lost, recorder->frame_rows};
+    if (index < ROWS_WORDS) {
+        return head[index];
     }
     uint32_t slot = recorder->read_slot + (index - ROWS_WORDS) / recorder->row_words;
     if (slot >= recorder->capacity) {

@@ -44,10 +44,12 @@ template <> struct iqfoc_range_check_<true> {
 /* ---- The formulas in double, one per coefficient of predictor.h and current_control.h, with limits. ---- */
 #define IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V) ((T_s) * (U_b_V) / ((L_H) * (I_b_A)))
 #define IQFOC_MAX_K_U                         16.0
-#define IQFOC_RAW_K_R(R_ohm, L_H, T_s)        ((R_ohm) * (T_s) / (L_H))
-#define IQFOC_MAX_K_R                         1.0
-#define IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A)   ((psi_Wb) / ((L_H) * (I_b_A)))
-#define IQFOC_MAX_K_PSI                       8.0
+/* Half an LSB of IQ24: below it a machine would not answer to its voltage. */
+#define IQFOC_MIN_K_U                       6e-8
+#define IQFOC_RAW_K_R(R_ohm, L_H, T_s)      ((R_ohm) * (T_s) / (L_H))
+#define IQFOC_MAX_K_R                       1.0
+#define IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A) ((psi_Wb) / ((L_H) * (I_b_A)))
+#define IQFOC_MAX_K_PSI                     8.0
 /* Reactance and EMF at one turn per cycle. */
 #define IQFOC_RAW_X(L_H, T_s, I_b_A, U_b_V) (IQFOC_TWO_PI_ * (L_H) * (I_b_A) / ((T_s) * (U_b_V)))
 #define IQFOC_RAW_EMF(psi_Wb, T_s, U_b_V)   (IQFOC_TWO_PI_ * (psi_Wb) / ((T_s) * (U_b_V)))
@@ -65,7 +67,7 @@ template <> struct iqfoc_range_check_<true> {
 
 /* ---- The same as checked IQ24 constants. ---- */
 #define IQFOC_K_U(L_H, T_s, I_b_A, U_b_V)                                                                    \
-    IQFOC_CHECKED(IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V), 6e-8, IQFOC_MAX_K_U)
+    IQFOC_CHECKED(IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V), IQFOC_MIN_K_U, IQFOC_MAX_K_U)
 #define IQFOC_K_R(R_ohm, L_H, T_s) IQFOC_CHECKED(IQFOC_RAW_K_R(R_ohm, L_H, T_s), 0.0, IQFOC_MAX_K_R)
 #define IQFOC_K_PSI(psi_Wb, L_H, I_b_A)                                                                      \
     IQFOC_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A), 0.0, IQFOC_MAX_K_PSI)

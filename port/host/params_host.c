@@ -10,9 +10,6 @@
 /* Four times the rated current: above what any scenario asks for, below what the converter's scaling holds. */
 #define CURRENT_LIMIT_PU 4.0
 
-/* The least k_u, T U_b/(L I_b): half an LSB of IQ24, below which a machine would not answer to its voltage. */
-#define LEAST_K_U 6e-8
-
 bool constant_from_motor(const motor *m, const char *key, const char *name, double value, double low,
                          double high, int bits, int32_t *out, error *e)
 {
@@ -41,7 +38,7 @@ bool predictor_from_motor(const motor *m, iqfoc_predictor_t *predictor, error *e
     motor_inductances(m, &L_d_H, &L_q_H);
     const double L_H = 0.5 * (L_d_H + L_q_H);
     return coefficient(m, "L_d_H", "k_u = T U_b/(L I_b)", IQFOC_RAW_K_U(L_H, base.T_s, base.I_A, base.U_V),
-                       LEAST_K_U, IQFOC_MAX_K_U, &predictor->k_u, e) &&
+                       IQFOC_MIN_K_U, IQFOC_MAX_K_U, &predictor->k_u, e) &&
            coefficient(m, "R_ohm", "k_r = R T/L", IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0, IQFOC_MAX_K_R,
                        &predictor->k_r, e) &&
            coefficient(m, "psi_f_Wb", "k_psi = psi/(L I_b)", IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A), 0.0,
@@ -56,7 +53,7 @@ static bool axis_from_motor(const motor *m, const char *L_key, double L_H, iqfoc
     return constant_from_motor(m, "R_ohm", "R T/L", IQFOC_RAW_K_R(m->R_ohm, L_H, base.T_s), 0.0,
                                IQFOC_MAX_K_R, 30, &axis->rho_q30, e) &&
            constant_from_motor(m, L_key, "T U_b/(L I_b)", IQFOC_RAW_K_U(L_H, base.T_s, base.I_A, base.U_V),
-                               LEAST_K_U, IQFOC_MAX_K_U, 26, &axis->k_u_q26, e) &&
+                               IQFOC_MIN_K_U, IQFOC_MAX_K_U, 26, &axis->k_u_q26, e) &&
            constant_from_motor(m, "psi_f_Wb", "psi_f/(L I_b)", IQFOC_RAW_K_PSI(m->psi_f_Wb, L_H, base.I_A),
                                0.0, IQFOC_MAX_K_PSI, 27, &axis->k_psi_q27, e);
 }
