@@ -104,6 +104,11 @@ void motor_inductances(const motor *m, double *L_d_H, double *L_q_H)
     }
 }
 
+double motor_rated_peak_A(const motor *m)
+{
+    return sqrt(2.0) * m->I_rated_A_rms;
+}
+
 double motor_speed_rad_s(const motor *m, double n_rpm)
 {
     return n_rpm / 60.0 * VEC_TWO_PI * m->pole_pairs;

@@ -75,6 +75,9 @@ motor motor_blank(void);
  */
 void motor_inductances(const motor *m, double *L_d_H, double *L_q_H);
 
+/* Peak of the rated current. */
+double motor_rated_peak_A(const motor *m);
+
 /* Electrical rad/s of a mechanical speed. */
 double motor_speed_rad_s(const motor *m, double n_rpm);
 

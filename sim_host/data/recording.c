@@ -42,6 +42,14 @@ vec_ab recording_current(const recording *r, size_t k)
     return vec_from_phases(i_A);
 }
 
+void recording_commanded(const double duty[3], double u_dc_V, double u_V[3])
+{
+    const double mean = (duty[0] + duty[1] + duty[2]) / 3.0;
+    for (int phase = 0; phase < 3; phase++) {
+        u_V[phase] = (duty[phase] - mean) * u_dc_V;
+    }
+}
+
 void recording_voltage(const recording *r, size_t k, double u_V[3])
 {
     if (r->u_V[0] != NULL) {
@@ -50,10 +58,8 @@ void recording_voltage(const recording *r, size_t k, double u_V[3])
         }
         return;
     }
-    const double mean = (r->duty[0][k] + r->duty[1][k] + r->duty[2][k]) / 3.0;
-    for (int phase = 0; phase < 3; phase++) {
-        u_V[phase] = (r->duty[phase][k] - mean) * r->u_dc_V[k];
-    }
+    const double duty[3] = {r->duty[0][k], r->duty[1][k], r->duty[2][k]};
+    recording_commanded(duty, r->u_dc_V[k], u_V);
 }
 
 static bool is_same_run(const recording *r, size_t k)

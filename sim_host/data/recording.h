@@ -75,5 +75,7 @@ vec_ab recording_current(const recording *r, size_t k);
 
 /* Mean phase-to-star-point voltages of row k: u_V if recorded, else (d_x - mean d) * u_dc. */
 void recording_voltage(const recording *r, size_t k, double u_V[3]);
+/* The latter. */
+void recording_commanded(const double duty[3], double u_dc_V, double u_V[3]);
 
 #endif

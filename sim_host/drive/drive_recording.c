@@ -46,15 +46,6 @@ bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, er
     return true;
 }
 
-/* Commanded mean phase-to-star-point voltages: the duties' on the measured DC link. */
-static void commanded(const drive_row *row, double u_V[3])
-{
-    const double common = (row->duty[0] + row->duty[1] + row->duty[2]) / 3.0;
-    for (int x = 0; x < 3; x++) {
-        u_V[x] = (row->duty[x] - common) * row->valley.u_dc_V;
-    }
-}
-
 static void set(double *values, size_t k, double value)
 {
     if (values != NULL) {
@@ -76,7 +67,7 @@ static bool add_row(void *context, const drive_row *row, error *e)
         r->run = row->run;
     }
     double u_V[3];
-    commanded(row, u_V);
+    recording_commanded(row->duty, row->valley.u_dc_V, u_V);
     rec->run[k] = row->run;
     rec->t_s[k] = r->begin_s + (double)(k - r->first) * r->T_s;
     rec->theta_e_rad[k] = row->valley.theta_e_rad;

@@ -16,8 +16,8 @@
 typedef struct drive_answer {
     iqfoc_command_t command; /* in force from the end of the span */
     uint32_t status;         /* IQFOC_STATUS_*, sticky */
-    double interval_s; /* 0: duties of a control cycle of PWM; else the legs, each 0 or 1, of an inverter
-                              * state that stands for so long */
+    /* 0: duties of a control cycle of PWM; else the legs, each 0 or 1, of a state that stands for so long. */
+    double interval_s;
 } drive_answer;
 
 /*

@@ -84,8 +84,7 @@ vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *
 /* The share of v_dead that an edge loses at x = i / knee. */
 double averaged_drive_edge(edge_law law, double x);
 
-/* The sensor chain as matrices: recorded = forward true + offset, and back; what the three sensors' mean
- * shows. */
+/* The sensor chain as matrices: recorded = forward true + offset, and back; what the three's mean shows. */
 typedef struct sensor_map {
     double forward[2][2], back[2][2];
     vec_ab offset;

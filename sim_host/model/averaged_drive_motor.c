@@ -45,7 +45,7 @@ averaged_drive averaged_drive_of(const motor *m)
 static void put_laws(motor *m, const averaged_drive *d)
 {
     motor_extension *x = &m->ext;
-    const double I_A = sqrt(2.0) * m->I_rated_A_rms;
+    const double I_A = motor_rated_peak_A(m);
     x->L_0_H = 0.5 * (d->L_d_H + d->L_q_H);
     x->I_sat_A = d->saturation > 0.0 ? 1.0 / sqrt(d->saturation) : NEVER * I_A;
     /* Only the two-phase information of the offsets counts: their common part is left out. */

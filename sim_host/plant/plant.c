@@ -1,3 +1,4 @@
+/* The drive's time: cycles, edges, samples and means (plant.h). */
 #include "plant.h"
 #include "plant_electrical.h"
 #include "plant_solver.h"

@@ -58,8 +58,8 @@ typedef struct plant {
     bool linear;       /* the exact path serves */
     sensor_memory sensors;
     plant_random glitch_random;
-    double duty_queue[PLANT_VOLTAGE_DELAY_MAX + 1]
-                     [3]; /* commanded: [delay_cycles] now, [0] so many cycles ago */
+    /* Commanded: [delay_cycles] now, [0] so many cycles ago. */
+    double duty_queue[PLANT_VOLTAGE_DELAY_MAX + 1][3];
     double duty_in_force[3];
     bool duties_seen;
     bool glitched;      /* this cycle missed its update */

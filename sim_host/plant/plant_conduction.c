@@ -1,3 +1,4 @@
+/* Which devices conduct, and the voltages that follow (plant_conduction.h). */
 #include "plant_conduction.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* The ideal drive of a motor file, and what no drive can have (plant_config.h). */
 #include "plant_config.h"
 
 #include <math.h>
@@ -21,7 +22,7 @@ plant_config plant_config_from_motor(const motor *m)
     c.sensors.harmonic_order = 1.0;
     c.shaft.mode = PLANT_SHAFT_GIVEN;
     c.T_s = 1.0 / m->f_pwm_Hz;
-    c.I_scale_A = sqrt(2.0) * m->I_rated_A_rms;
+    c.I_scale_A = motor_rated_peak_A(m);
     c.seed = 1;
     return c;
 }

@@ -1,3 +1,4 @@
+/* An effect's text, read and put into the configuration (plant_effect.h). */
 #include "plant_effect.h"
 #include "../base/number.h"
 #include "plant_effect_table.h"
@@ -5,11 +6,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-const char *plant_effect_id(int k)
-{
-    return k >= 0 && k < effect_table_length ? effect_table[k].id : NULL;
-}
 
 static int key_count(const effect *f)
 {
@@ -22,37 +18,20 @@ static int key_count(const effect *f)
 
 static double typical_value(const plant_config *c, const effect_key *key)
 {
-    double unit = 1.0;
-    switch (key->of) {
-    case ABSOLUTE:
-        break;
-    case OF_ITSELF:
-        if (key->kind == KEY_MEAN_INDUCTANCE || key->kind == KEY_BOTH_INDUCTANCES) {
-            unit = 0.5 * (c->machine.L_d_H + c->machine.L_q_H);
-        } else {
-            memcpy(&unit, (const char *)c + key->offset, sizeof unit);
-        }
-        break;
-    case OF_RATED:
-        unit = c->I_scale_A;
-        break;
-    case OF_CYCLE:
-        unit = c->T_s;
-        break;
-    case OF_LINK:
-        unit = c->inverter.u_dc_V;
-        break;
-    case OF_MAGNET:
-        unit = c->machine.psi_f_Wb;
-        break;
-    case OF_RESISTANCE:
-        unit = c->machine.R_ohm;
-        break;
-    case OF_INDUCTANCE:
-        unit = 0.5 * (c->machine.L_d_H + c->machine.L_q_H);
-        break;
+    const double L_H = 0.5 * (c->machine.L_d_H + c->machine.L_q_H);
+    double itself = L_H;
+    if (key->kind != KEY_MEAN_INDUCTANCE && key->kind != KEY_BOTH_INDUCTANCES && key->of == OF_ITSELF) {
+        memcpy(&itself, (const char *)c + key->offset, sizeof itself);
     }
-    return key->typical * unit;
+    const double unit[] = {[ABSOLUTE] = 1.0,
+                           [OF_ITSELF] = itself,
+                           [OF_RATED] = c->I_scale_A,
+                           [OF_CYCLE] = c->T_s,
+                           [OF_LINK] = c->inverter.u_dc_V,
+                           [OF_MAGNET] = c->machine.psi_f_Wb,
+                           [OF_RESISTANCE] = c->machine.R_ohm,
+                           [OF_INDUCTANCE] = L_H};
+    return key->typical * unit[key->of];
 }
 
 /* False: the value is none of the key's kind. */
@@ -165,8 +144,8 @@ static void complete(plant_config *c, const effect *f, const bool seen[EFFECT_KE
     for (int k = 0; k < key_count(f); k++) {
         double value = 0.0;
         if (f->key[k].needed && !seen[k]) {
-            memcpy(&value, (const char *)c + f->key[k].offset,
-                   sizeof value); /* all of them are real numbers */
+            /* All of them are real numbers. */
+            memcpy(&value, (const char *)c + f->key[k].offset, sizeof value);
             (void)set_key(c, &f->key[k], value != 0.0 ? value : typical_value(c, &f->key[k]));
         }
     }

@@ -19,7 +19,4 @@ bool plant_effect_apply(plant_config *c, const char *text, error *e);
 /* One line per effect: id, keys with units, what it does. For --list-effects. */
 void plant_effect_list(FILE *stream);
 
-/* The id of the k-th effect, NULL past the last. */
-const char *plant_effect_id(int k);
-
 #endif

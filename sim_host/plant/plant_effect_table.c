@@ -1,3 +1,4 @@
+/* All effects with their keys (plant_effect_table.h). */
 #include "plant_effect_table.h"
 #include "plant_config.h"
 

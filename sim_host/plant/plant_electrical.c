@@ -1,3 +1,4 @@
+/* The linear machine's exponential by its power series (plant_electrical.h). */
 #include "plant_electrical.h"
 
 /*

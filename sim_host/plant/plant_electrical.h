@@ -25,8 +25,7 @@ typedef struct electrical_linear {
 typedef struct electrical_state {
     vec_dq i_dq_A;
     vec_dq integral_dq_As;    /* integral of i_dq: grows by what the span adds */
-    vec_ab integral_start_As; /* of the current in the frame that stands where the rotor stood at the span's
-                                 start */
+    vec_ab integral_start_As; /* of the current in the frame where the rotor stood at the span's start */
 } electrical_state;
 
 /*

@@ -1,3 +1,4 @@
+/* A leg's edges, dead time and voltages (plant_inverter.h). */
 #include "plant_inverter.h"
 #include "../base/vector.h"
 

@@ -1,3 +1,4 @@
+/* The machine's and the shaft's equations (plant_machine.h). */
 #include "plant_machine.h"
 
 #define SATURATION_LAW_ENDS 0.8 /* of I_sat */
@@ -87,16 +88,15 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
 
     double factor, slope;
     machine_saturation(m, sqrt(i_m.d * i_m.d + i_m.q * i_m.q), &factor, &slope);
-    const vec_dq psi_i = {m->L_d_H * factor * i_m.d,
-                          m->L_q_H * factor * i_m.q}; /* the current's share of the flux */
+    /* The current's share of the flux. */
+    const vec_dq psi_i = {m->L_d_H * factor * i_m.d, m->L_q_H * factor * i_m.q};
     const double L_dd = m->L_d_H * (factor + slope * i_m.d * i_m.d);
     const double L_dq = m->L_d_H * slope * i_m.d * i_m.q;
     const double L_qd = m->L_q_H * slope * i_m.d * i_m.q;
     const double L_qq = m->L_q_H * (factor + slope * i_m.q * i_m.q);
     const double determinant = L_dd * L_qq - L_dq * L_qd;
 
-    /* dpsi/dtheta at constant phase current: the flux turns with the rotor, the current in its frame turns
-     * back. */
+    /* dpsi/dtheta at constant phase current: the flux turns with the rotor, the current in its frame back. */
     const vec_dq turn = {-psi_i.q + L_dd * i_m.q - L_dq * i_m.d,
                          psi_i.d + m->psi_f_Wb + L_qd * i_m.q - L_qq * i_m.d};
     const vec_ab harmonic = harmonic_emf_per_speed(m, theta);

@@ -1,3 +1,4 @@
+/* The plant's random numbers (plant_random.h). */
 #include "plant_random.h"
 
 #include <math.h>
@@ -17,8 +18,7 @@ static uint64_t rotate_left(uint64_t x, int k)
 
 void plant_random_seed(plant_random *r, uint64_t seed, uint64_t stream)
 {
-    /* The stream goes through the mixer once, so that seed + 1 and stream + 1 do not land on the same
-     * state. */
+    /* The stream goes through the mixer once: seed + 1 and stream + 1 must not land on the same state. */
     uint64_t of_stream = stream;
     uint64_t state = seed ^ splitmix64(&of_stream);
     for (int k = 0; k < 4; k++) {

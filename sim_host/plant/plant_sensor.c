@@ -1,3 +1,4 @@
+/* What the sensors make of the truth (plant_sensor.h). */
 #include "plant_sensor.h"
 #include "../base/vector.h"
 

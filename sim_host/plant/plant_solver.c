@@ -1,3 +1,4 @@
+/* Dormand and Prince's pair with changes of conduction located (plant_solver.h). */
 #include "plant_solver.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Contour lines by gnuplot, their values put where they cross a line (contour.h). */
 #include "contour.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* The page's HTML, piece by piece (page.h). */
 #include "page.h"
 
 #include "page_style.h"

@@ -1,3 +1,4 @@
+/* gnuplot's SVG with a page's colours and ids (svg_inline.h). */
 #include "svg_inline.h"
 
 #include "plot.h"

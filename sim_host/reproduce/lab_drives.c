@@ -44,7 +44,8 @@ static double complex noise_vector(plant_random *r, double sigma_A)
 {
     const double a = sigma_A * plant_random_normal(r);
     const double b = sigma_A * plant_random_normal(r);
-    return vec_complex(a, (a + 2.0 * b) * VEC_1_SQRT3);
+    const double abc[3] = {a, b, -a - b};
+    return vec_complex_of_phases(abc);
 }
 
 /* As the laboratory measures it: the prediction from one sample against the next, each with its noise. */

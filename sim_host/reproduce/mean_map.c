@@ -64,7 +64,7 @@ static bool point_of(const motor *m, double ratio, double index, double load, do
                      error *e)
 {
     const double omega = VEC_TWO_PI * m->f_pwm_Hz / ratio;
-    const double rated_A = sqrt(2.0) * m->I_rated_A_rms;
+    const double rated_A = motor_rated_peak_A(m);
     const double complex i_dq_A = vec_complex(0.0, load * rated_A);
     motor fitted = *m;
     const double voltage_V = cabs(steady_point_solve(m, omega, i_dq_A).u_dq_V);

@@ -28,7 +28,7 @@ motor paper_2019_motor(void)
 
 double complex paper_2019_current_at(const motor *m, double id_ratio)
 {
-    return sqrt(2.0) * m->I_rated_A_rms * vec_complex(id_ratio, sqrt(1.0 - id_ratio * id_ratio));
+    return motor_rated_peak_A(m) * vec_complex(id_ratio, sqrt(1.0 - id_ratio * id_ratio));
 }
 
 static double voltage_at(const motor *m, double n_rpm, double id_ratio)

@@ -4,6 +4,7 @@
  * The text of `--effect`: what each id changes, and what bad text is told.
  */
 #include "plant/plant_effect.h"
+#include "plant/plant_effect_table.h"
 #include "unity.h"
 
 #include <math.h>
@@ -96,14 +97,12 @@ static void test_each_id_changes_its_own(void)
 /* Without keys every effect takes a size that is there and that the drive can have. */
 static void test_typical_sizes(void)
 {
-    int n = 0;
     const plant_config plain = drive();
-    for (const char *id = plant_effect_id(0); id != NULL; id = plant_effect_id(++n)) {
-        const plant_config c = with(id);
-        TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), id);
+    for (int n = 0; n < effect_table_length; n++) {
+        const plant_config c = with(effect_table[n].id);
+        TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), effect_table[n].id);
     }
-    TEST_ASSERT_EQUAL_INT(24, n);
-    TEST_ASSERT_NULL(plant_effect_id(-1));
+    TEST_ASSERT_EQUAL_INT(24, effect_table_length);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2e-6, with("dead_time").inverter.t_dead_s);
 }
 
@@ -177,8 +176,8 @@ static void test_list(void)
     TEST_ASSERT_NOT_NULL(f);
     plant_effect_list(f);
     TEST_ASSERT_EQUAL_INT(0, fclose(f));
-    for (int k = 0; plant_effect_id(k) != NULL; k++) {
-        TEST_ASSERT_NOT_NULL(strstr(text, plant_effect_id(k)));
+    for (int k = 0; k < effect_table_length; k++) {
+        TEST_ASSERT_NOT_NULL(strstr(text, effect_table[k].id));
     }
     TEST_ASSERT_NOT_NULL(strstr(text, "t_dead (s)"));
 }
