@@ -21,8 +21,7 @@ typedef struct induction_machine {
     double L_sigma_H, L_m_H;
 } induction_machine;
 
-/* The same from the T circuit with rotor values seen from the stator: stator and rotor leakage and
- * magnetising inductance. */
+/* The same from the T circuit, rotor values seen from the stator: both leakages, magnetising inductance. */
 induction_machine induction_from_t_circuit(double R_s_ohm, double R_rotor_ohm, double L_leak_s_H,
                                            double L_leak_r_H, double L_magnetising_H);
 

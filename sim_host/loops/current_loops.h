@@ -65,8 +65,7 @@ loop_case current_loop_case(double ratio, double noise);
 bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_control *control,
                     const iqfoc_extension_t *extension, loop_result *result, error *e);
 
-/* Deadbeat control in the loop; learning: gain of the drift, or 0; extended: with what the file's extensions
- * put right. */
+/* Deadbeat control in the loop; learning: gain of the drift, or 0; extended: with the file's corrections. */
 bool deadbeat_loop_run(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
                        bool extended, loop_result *result, error *e);
 

@@ -42,8 +42,7 @@ typedef struct predictive_drive {
 /* assumed: the motor as the firmware believes it to be. False where it does not fit the library's ranges. */
 bool predictive_drive_init(predictive_drive *p, const motor *assumed, predictor_kind kind, error *e);
 
-/* For deadbeat only: what the file's extensions put right. Samples, dead time, and saturation in the exact
- * predictor. */
+/* For deadbeat only, what the file's extensions put right: samples, dead time, the exact predictor's L. */
 bool predictive_drive_extend(predictive_drive *p, const motor *assumed, error *e);
 
 drive_firmware predictive_drive_firmware(predictive_drive *p);

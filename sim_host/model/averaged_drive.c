@@ -52,8 +52,7 @@ static vec_dq current_of(const averaged_drive *d, vec_dq flux, vec_dq guess)
     for (int k = 0; k < 8; k++) {
         vec_dq has = flux_of(d, i);
         vec_dq wrong = {flux.d - has.d, flux.q - has.q};
-        /* Newton with the radial part of the inductance: dx/d|i| = L (1 - s i^2) / (1 + s i^2)^2 along the
-         * current. */
+        /* Newton with the radial part of the inductance, along i: dx/d|i| = L (1 - s i^2) / (1 + s i^2)^2. */
         double s = d->saturation;
         double fall = 1.0 / (1.0 + s * (i.d * i.d + i.q * i.q));
         double down = 2.0 * s * fall * fall;
@@ -171,9 +170,9 @@ static vec_ab phase_flux(const averaged_drive *d, vec_ab i)
 }
 
 /*
- * What that part takes of the flux left for the rest by the end of a cycle, whose current without it would have
- * changed by `free`. With M its matrix, of whose flux `half` has not decayed by then, and K the inverse inductance,
- * all stationary, the change x that is left solves (1 + half K M) x = free, and half M x is what it takes.
+ * What that part takes of the flux left for the rest by the end of a cycle, whose current without it would
+ * have changed by `free`. With M its matrix, of whose flux `half` has not decayed by then, and K the inverse
+ * inductance, all stationary, the change x that is left solves (1 + half K M) x = free; half M x is taken.
  */
 static vec_ab phase_share(const averaged_drive *d, vec_ab free, double half, vec_rotor r)
 {
@@ -192,7 +191,7 @@ static vec_ab phase_share(const averaged_drive *d, vec_ab free, double half, vec
     return (vec_ab){half * flux.alpha, half * flux.beta};
 }
 
-/* The iron's current by the flux that turns through it, late by a short time: (1 - j omega tau) j omega psi G. */
+/* The iron's current by the flux that turns through it, a short time late: (1 - j omega tau) j omega psi G */
 static vec_dq iron_share(const averaged_drive *d, double omega_rad_s, vec_dq flux)
 {
     double along = d->iron_s_S * omega_rad_s * omega_rad_s;
@@ -245,8 +244,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     vec_dq x = flux_of(d, i_dq);
 
-    /* Constant forcing in the rotor frame: the magnet, and the drop over R that the linear matrices do not
-     * know. */
+    /* Constant forcing in the rotor frame: the magnet, and the drop over R that the matrices do not know. */
     vec_dq push = {-d->R_ohm * (total_dq.d - x.d / d->L_d_H), -d->R_ohm * (total_dq.q - x.q / d->L_q_H)};
     push.q -= row->omega_rad_s * psi;
     if (d->R_temperature != 0.0) {

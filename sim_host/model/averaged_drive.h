@@ -18,7 +18,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* How the loss of dead time depends on the current near zero; far from zero it tends to v_dead in each case. */
+/* How the loss of dead time depends on the current near zero; far from zero it tends to v_dead. */
 typedef enum edge_law {
     EDGE_CHARGED, /* the current first charges the devices' capacitance: 1 - knee/(2|i|) */
     EDGE_CLIPPED, /* sat(i / knee): the law of interfaces.md and of the firmware */
@@ -47,7 +47,7 @@ typedef struct averaged_drive {
     /* Effects that the diagnosis does not name; fitted to see that no named effect is taken for them. */
     double iron_S;   /* 1 / iron loss resistance, beside the flux-producing current */
     double iron_s_S; /* that times the time by which the iron's current comes late */
-    /* The same by the voltage of the cycle that ends and of the one before: eddy currents that follow it late. */
+    /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
     double saturation_q; /* further 1/A^2 on the q axis alone: saturation that differs between the axes */
     double psi_11_Wb, psi_13_Wb;
@@ -73,8 +73,7 @@ typedef struct cycle_row {
 
 averaged_drive averaged_drive_of(const motor *m);
 
-/* The motor file that says the same: extensions where an effect is there. Starts from `base` for names and
- * ratings. */
+/* The motor file that says the same: extensions where an effect is there; names and ratings are `base`'s. */
 motor averaged_drive_motor(const averaged_drive *drive, const motor *base);
 
 /* True current at the end of the row's cycle. `nodes` is the table for this drive's R, L_d, L_q. */

@@ -33,8 +33,7 @@ double complex papers_mean_discrete_angle_dq(double complex i_mean, double theta
 double complex papers_mean_corrected_dq(double complex i_mean, double complex delta_i, double theta_m_rad,
                                         double phi_rad);
 
-/* (8): a current's movement over one cycle, normalised as the paper does it: relative to its own mean, seen
- * along it. */
+/* (8): a current's movement over one cycle, normalised as there: relative to and along its own mean. */
 typedef struct papers_movement {
     double k;         /* size, 1 in steady state at Theta = pi/3 */
     double gamma_rad; /* direction, 0 in steady state */

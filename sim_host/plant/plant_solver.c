@@ -28,8 +28,7 @@ static void evaluate(solver *v, double t_s, const plant_state *s, double rate[ST
     machine_rates(v->config, s, t, conduction_voltage(&v->k, t), rate);
 }
 
-/* One step from s with its rate k0; returns the error estimate relative to the scales, and the rate at the
- * end. */
+/* One step from s with its rate k0; gives the error estimate in the scales, and the rate at the end. */
 static double step(solver *v, double t_s, double h, const plant_state *s, const double k0[STATE_COUNT],
                    plant_state *end, double k_end[STATE_COUNT], machine_terms *terms)
 {

@@ -19,8 +19,7 @@ double complex paper_2019_current(const motor *m, double n_rpm);
 /* The same with i_d a given share of it. */
 double complex paper_2019_current_at(const motor *m, double id_ratio);
 
-/* What the paper prints, percent: Table 1 (simulated), in the order of `method`; Table 3 (measured), the two
- * predictions. */
+/* What the paper prints, %: Table 1 (simulated), in the order of `method`; 3 (measured), predictions. */
 enum { PAPER_2019_TABLE_1 = 3, PAPER_2019_TABLE_3 = 2 };
 
 extern const struct paper_2019_simulated {
