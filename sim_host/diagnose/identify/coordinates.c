@@ -31,7 +31,7 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
     coordinate_frame f = {.motor = m, .nominal = averaged_drive_of(m), .pole_pairs = m->pole_pairs};
     const averaged_drive *d = &f.nominal;
     const double L = 0.5 * (d->L_d_H + d->L_q_H);
-    const double I = sqrt(2.0) * m->I_rated_A_rms;
+    const double I = motor_rated_peak_A(m);
     const double psi = d->psi_f_Wb > 0.0 ? d->psi_f_Wb : L * I;
     /* A file may say R = 0: then what counts as much is a hundredth of L/T. */
     const double R = fmax(d->R_ohm, 0.01 * L / r->T_s);
