@@ -2,6 +2,7 @@
 #include "recording.h"
 
 #include "recording_columns.h"
+#include "time_stamps.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -91,9 +92,57 @@ static double median_step(const recording *r, double longest, double *steps)
     return count % 2 == 1 ? steps[count / 2] : 0.5 * (steps[count / 2 - 1] + steps[count / 2]);
 }
 
-static bool starts_stretch(const recording *r, size_t k)
+/* Marks the rows ahead of which there is a gap or another run; how many there are. */
+static size_t mark_starts(const recording *r, unsigned char *starts)
 {
-    return k == 0 || !is_same_run(r, k) || r->t_s[k] - r->t_s[k - 1] > gap_in_cycles * r->T_s;
+    size_t count = 0;
+    for (size_t k = 0; k < r->rows; k++) {
+        starts[k] = k == 0 || !is_same_run(r, k) || r->t_s[k] - r->t_s[k - 1] > gap_in_cycles * r->T_s;
+        count += starts[k];
+    }
+    return count;
+}
+
+static size_t count_starts(const unsigned char *starts, size_t rows)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < rows; k++) {
+        count += starts[k];
+    }
+    return count;
+}
+
+/* Finds T_s and where stretches start, and how many there are. */
+static size_t find_starts(recording *r, unsigned char *starts, unsigned char *coarse, double *steps)
+{
+    /* Gaps count in the first median too. They are few and long, so that it still tells what a gap is. */
+    const double first = median_step(r, INFINITY, steps);
+    r->T_s = median_step(r, gap_in_cycles * first, steps);
+    const size_t found = mark_starts(r, starts);
+    /* A ladder that explains the stamps cuts no more than a median does; stamps that jitter have none. */
+    const double ladder = time_stamps_ladder(r, first, coarse, steps);
+    const size_t on_ladder = ladder > 0.0 ? count_starts(coarse, r->rows) : 0;
+    if (on_ladder == 0 || on_ladder > found) {
+        return found;
+    }
+    r->T_s = ladder;
+    memcpy(starts, coarse, r->rows);
+    return on_ladder;
+}
+
+static bool fill_stretches(recording *r, const unsigned char *starts, size_t count)
+{
+    r->stretch = malloc(count * sizeof *r->stretch);
+    if (r->stretch == NULL) {
+        return false;
+    }
+    for (size_t k = 0; k < r->rows; k++) {
+        if (starts[k]) {
+            r->stretch[r->stretches++] = (stretch){.first = k, .run = r->run != NULL ? r->run[k] : 0};
+        }
+        r->stretch[r->stretches - 1].count++;
+    }
+    return true;
 }
 
 bool recording_find_stretches(recording *r)
@@ -105,28 +154,10 @@ bool recording_find_stretches(recording *r)
         return true;
     }
     double *steps = malloc(r->rows * sizeof *steps);
-    if (steps == NULL) {
-        return false;
-    }
-    /* Gaps count in the first median too. They are few and long, so that it still tells what a gap is. */
-    const double first = median_step(r, INFINITY, steps);
-    r->T_s = median_step(r, gap_in_cycles * first, steps);
+    unsigned char *starts = malloc(2 * r->rows);
+    const bool ok = steps != NULL && starts != NULL &&
+                    fill_stretches(r, starts, find_starts(r, starts, starts + r->rows, steps));
     free(steps);
-
-    for (size_t k = 0; k < r->rows; k++) {
-        r->stretches += starts_stretch(r, k) ? 1 : 0;
-    }
-    r->stretch = malloc(r->stretches * sizeof *r->stretch);
-    if (r->stretch == NULL) {
-        r->stretches = 0;
-        return false;
-    }
-    size_t s = 0;
-    for (size_t k = 0; k < r->rows; k++) {
-        if (starts_stretch(r, k)) {
-            r->stretch[s++] = (stretch){.first = k, .run = r->run != NULL ? r->run[k] : 0};
-        }
-        r->stretch[s - 1].count++;
-    }
-    return true;
+    free(starts);
+    return ok;
 }

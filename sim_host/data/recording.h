@@ -37,7 +37,7 @@ typedef struct recording {
     bool i_c_measured; /* false: i_A[2] was filled in */
     size_t stretches;
     stretch *stretch;
-    double T_s; /* control cycle: median step of t_s within stretches */
+    double T_s; /* control cycle: median step of t_s within stretches; of stamps of few decimals, the mean */
 } recording;
 
 /*

@@ -222,9 +222,10 @@ static void row_end(reader *in, size_t fields)
     }
     const bool same_run = k > 0 && (r->run == NULL || r->run[k] == r->run[k - 1]);
     if (same_run && r->t_s[k] <= r->t_s[k - 1]) {
-        csv_file_refuse(&in->csv, in->field_of[COL_T],
-                        "t_s = %.9g does not rise: the row before has %.9g in the same run", r->t_s[k],
-                        r->t_s[k - 1]);
+        csv_file_refuse(
+            &in->csv, in->field_of[COL_T],
+            "t_s = %.9g does not rise: the row before has %.9g in the same run%s", r->t_s[k], r->t_s[k - 1],
+            r->t_s[k] == r->t_s[k - 1] ? " (stamps of too few decimals? Each cycle needs its own)" : "");
         return;
     }
     r->rows++;

@@ -157,6 +157,7 @@ static void test_rows_of_another_length(void)
 static void test_time_that_does_not_rise(void)
 {
     expect_row_refused("0,1,2,3,4,5,6,7\n", "3:1", "t_s = 0 does not rise");
+    expect_row_refused("0,1,2,3,4,5,6,7\n", "3:1", "too few decimals");
     expect_refused("run,i_a_A,i_b_A,theta_e_rad,omega_e_rad_s,u_a_V,u_b_V,u_c_V,t_s\n"
                    "1,1,2,3,4,5,6,7,0.5\n2,1,2,3,4,5,6,7,0.1\n2,1,2,3,4,5,6,7,0.05\n",
                    "4:17", "t_s = 0.05 does not rise: the row before has 0.1");
