@@ -116,6 +116,19 @@ double motor_speed_rad_s(const motor *m, double n_rpm)
 
 /* ---- reading ---- */
 
+/*
+ * What a machine or an inverter may be, with orders of magnitude to spare: beyond these a number was read or
+ * written wrongly, and what is made of it would overflow. interfaces.md gives the reasons.
+ */
+static double bounded(toml_table *t, const char *key, double value, double least, double most)
+{
+    const double size = fabs(value);
+    if (size > most || (size < least && value != 0.0)) {
+        toml_refuse(t, key, "%s = %g is absurd; expected a number from %g to %g", key, value, least, most);
+    }
+    return value;
+}
+
 static void read_value(toml_table *t, const motor_value *v, motor *m)
 {
     double *value = place_of(m, v);
@@ -124,6 +137,8 @@ static void read_value(toml_table *t, const motor_value *v, motor *m)
         *value = (double)toml_integer(t, v->key, (long)range.min, (long)range.max);
     } else {
         *value = v->needed ? toml_number(t, v->key, range) : toml_number_or(t, v->key, range, *value);
+        /* Generous: a fit that ran away is written here too, and must be read. */
+        bounded(t, v->key, *value, 1e-100, 1e12);
     }
 }
 
@@ -173,16 +188,17 @@ bool motor_read(const char *path, motor *m, error *e)
 
     toml_table *t = toml_table_inner(root, "motor");
     read.pole_pairs = (int)toml_integer(t, "pole_pairs", 1, POLE_PAIRS_MAX);
-    read.R_ohm = toml_number(t, "R_ohm", TOML_NOT_NEGATIVE);
-    read.L_d_H = toml_number(t, "L_d_H", TOML_POSITIVE);
-    read.L_q_H = toml_number(t, "L_q_H", TOML_POSITIVE);
-    read.psi_f_Wb = toml_number(t, "psi_f_Wb", TOML_NOT_NEGATIVE);
-    read.I_rated_A_rms = toml_number(t, "I_rated_A_rms", TOML_POSITIVE);
-    read.n_max_rpm = toml_number(t, "n_max_rpm", TOML_POSITIVE);
+    read.R_ohm = bounded(t, "R_ohm", toml_number(t, "R_ohm", TOML_NOT_NEGATIVE), 1e-9, 1e5);
+    read.L_d_H = bounded(t, "L_d_H", toml_number(t, "L_d_H", TOML_POSITIVE), 1e-9, 100.0);
+    read.L_q_H = bounded(t, "L_q_H", toml_number(t, "L_q_H", TOML_POSITIVE), 1e-9, 100.0);
+    read.psi_f_Wb = bounded(t, "psi_f_Wb", toml_number(t, "psi_f_Wb", TOML_NOT_NEGATIVE), 1e-9, 1e4);
+    read.I_rated_A_rms =
+        bounded(t, "I_rated_A_rms", toml_number(t, "I_rated_A_rms", TOML_POSITIVE), 1e-6, 1e6);
+    read.n_max_rpm = bounded(t, "n_max_rpm", toml_number(t, "n_max_rpm", TOML_POSITIVE), 1e-3, 1e7);
 
     t = toml_table_inner(root, "inverter");
-    read.f_pwm_Hz = toml_number(t, "f_pwm_Hz", TOML_POSITIVE);
-    read.u_dc_V = toml_number(t, "u_dc_V", TOML_POSITIVE);
+    read.f_pwm_Hz = bounded(t, "f_pwm_Hz", toml_number(t, "f_pwm_Hz", TOML_POSITIVE), 1e-3, 1e9);
+    read.u_dc_V = bounded(t, "u_dc_V", toml_number(t, "u_dc_V", TOML_POSITIVE), 1e-3, 1e6);
 
     t = toml_table_inner_or_null(root, "extension");
     for (int id = 0; id < CAUSE_COUNT; id++) {

@@ -7,35 +7,41 @@
 typedef struct column {
     const char *name;
     size_t offset; /* of the double * within recording */
+    double most;   /* beyond this, either sign, it is no such quantity: interfaces.md gives the reasons */
 } column;
 
 #define AT(member) offsetof(recording, member)
 
 static const column columns[COL_COUNT] = {
-    [COL_RUN] = {"run", AT(run)},
-    [COL_T] = {"t_s", AT(t_s)},
-    [COL_I_A] = {"i_a_A", AT(i_A[0])},
-    [COL_I_B] = {"i_b_A", AT(i_A[1])},
-    [COL_I_C] = {"i_c_A", AT(i_A[2])},
-    [COL_THETA] = {"theta_e_rad", AT(theta_e_rad)},
-    [COL_OMEGA] = {"omega_e_rad_s", AT(omega_e_rad_s)},
-    [COL_U_A] = {"u_a_V", AT(u_V[0])},
-    [COL_U_B] = {"u_b_V", AT(u_V[1])},
-    [COL_U_C] = {"u_c_V", AT(u_V[2])},
-    [COL_D_A] = {"d_a", AT(duty[0])},
-    [COL_D_B] = {"d_b", AT(duty[1])},
-    [COL_D_C] = {"d_c", AT(duty[2])},
-    [COL_U_DC] = {"u_dc_V", AT(u_dc_V)},
-    [COL_MID_A] = {"i_a_mid_A", AT(i_mid_A[0])},
-    [COL_MID_B] = {"i_b_mid_A", AT(i_mid_A[1])},
-    [COL_MID_C] = {"i_c_mid_A", AT(i_mid_A[2])},
-    [COL_THETA_MECH] = {"theta_mech_rad", AT(theta_mech_rad)},
-    [COL_TEMP] = {"temp_C", AT(temp_C)},
+    [COL_RUN] = {"run", AT(run), 2147483647},
+    [COL_T] = {"t_s", AT(t_s), 1e16},
+    [COL_I_A] = {"i_a_A", AT(i_A[0]), 1e6},
+    [COL_I_B] = {"i_b_A", AT(i_A[1]), 1e6},
+    [COL_I_C] = {"i_c_A", AT(i_A[2]), 1e6},
+    [COL_THETA] = {"theta_e_rad", AT(theta_e_rad), 1e9},
+    [COL_OMEGA] = {"omega_e_rad_s", AT(omega_e_rad_s), 1e6},
+    [COL_U_A] = {"u_a_V", AT(u_V[0]), 1e6},
+    [COL_U_B] = {"u_b_V", AT(u_V[1]), 1e6},
+    [COL_U_C] = {"u_c_V", AT(u_V[2]), 1e6},
+    [COL_D_A] = {"d_a", AT(duty[0]), 1e6},
+    [COL_D_B] = {"d_b", AT(duty[1]), 1e6},
+    [COL_D_C] = {"d_c", AT(duty[2]), 1e6},
+    [COL_U_DC] = {"u_dc_V", AT(u_dc_V), 1e6},
+    [COL_MID_A] = {"i_a_mid_A", AT(i_mid_A[0]), 1e6},
+    [COL_MID_B] = {"i_b_mid_A", AT(i_mid_A[1]), 1e6},
+    [COL_MID_C] = {"i_c_mid_A", AT(i_mid_A[2]), 1e6},
+    [COL_THETA_MECH] = {"theta_mech_rad", AT(theta_mech_rad), 1e9},
+    [COL_TEMP] = {"temp_C", AT(temp_C), 1e5},
 };
 
 const char *recording_column_name(column_id id)
 {
     return columns[id].name;
+}
+
+double recording_column_most(column_id id)
+{
+    return columns[id].most;
 }
 
 column_id recording_column_find(const char *name, size_t length)

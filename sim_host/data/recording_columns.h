@@ -31,6 +31,10 @@ typedef enum column_id {
 /* "t_s", "i_a_A" ... */
 const char *recording_column_name(column_id id);
 
+/* The largest magnitude that a value of the column may have; and the smallest beside 0, which is alike for all. */
+double recording_column_most(column_id id);
+#define RECORDING_LEAST 1e-100
+
 /* The id of a name of this length, or COL_COUNT. */
 column_id recording_column_find(const char *name, size_t length);
 

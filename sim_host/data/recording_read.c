@@ -174,6 +174,20 @@ static void refuse_number(reader *in, size_t index, const char *text, size_t len
     }
 }
 
+/* What no drive has is a number read wrongly, and would overflow in what is made of it. */
+static void check_size(reader *in, column_id id, size_t index, const char *text, size_t length, double value)
+{
+    const double most = recording_column_most(id);
+    const int shown = length > 40 ? 40 : (int)length;
+    if (fabs(value) > most) {
+        csv_file_refuse(&in->csv, index, "%s \"%.*s\" is absurd; expected a number from %g to %g",
+                        recording_column_name(id), shown, text, -most, most);
+    } else if (value != 0.0 && fabs(value) < RECORDING_LEAST) {
+        csv_file_refuse(&in->csv, index, "%s \"%.*s\" is absurd; expected 0 or a number of %g at least",
+                        recording_column_name(id), shown, text, RECORDING_LEAST);
+    }
+}
+
 static void row_field(reader *in, size_t index, const char *text, size_t length)
 {
     if (index >= in->fields) {
@@ -192,6 +206,7 @@ static void row_field(reader *in, size_t index, const char *text, size_t length)
         refuse_number(in, index, text, length, number_complaint(result));
     } else if (id != COL_RUN) {
         (*recording_column(in->r, id))[in->r->rows] = value;
+        check_size(in, id, index, text, length, value);
     } else if (value != floor(value) || fabs(value) > INT_MAX) {
         refuse_number(in, index, text, length, "is not a whole number that fits 32 bits");
     } else {

@@ -2,7 +2,10 @@
 #include "diagnose.h"
 
 #include "check/columns.h"
+#include "check/current_sum.h"
 #include "check/motor_file.h"
+#include "check/polarity.h"
+#include "check/values.h"
 #include "check/wiring.h"
 #include "choose/causes.h"
 #include "choose/confusion.h"
@@ -156,7 +159,8 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
     if (!w) {
         return error_failure(e, 0, "out of memory");
     }
-    bool ok = check_columns(rec, m, e) && rows_prepare(&w->rows, rec, m, e);
+    bool ok = check_values(rec, e) && check_columns(rec, m, e) && check_current_sum(rec, e) &&
+              check_polarity(rec, e) && rows_prepare(&w->rows, rec, m, e);
     if (ok && measure_current(&w->rows, MEASURE_ALL, true) == 0.0) {
         ok = error_input(e, rec->path, 0, 0,
                          "no current flows in the rows that are held out: errors are told in percent of it");

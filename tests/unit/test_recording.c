@@ -227,7 +227,7 @@ static void test_gzip(void)
     unsigned state = 1; /* seed; noise, so that the packed file is long enough to be cut in its middle */
     for (int k = 0; k < 20000; k++) {
         state = state * 1664525u + 1013904223u;
-        gzprintf(out, "%d,%u,2,3,4,5,6,7\n", k, state >> 8);
+        gzprintf(out, "%d,%u,2,3,4,5,6,7\n", k, state >> 13);
     }
     gzclose(out);
     error e = {0};

@@ -1,0 +1,85 @@
+#include "values.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A DC link may sag or be charged within a recording, but not beyond these of its median. */
+static const double LINK_LEAST = 0.01;
+static const double LINK_MOST = 10.0;
+/* Duties of overmodulation, computed but not yet clipped, and noise of an ADC that measured them. */
+static const double DUTY_ROOM = 0.25;
+/* So many rows beside that are glitches, which a diagnosis leaves out. */
+static const double DUTY_ROWS = 0.01;
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median_of(const double *x, size_t n)
+{
+    double *sorted = malloc(n * sizeof *sorted);
+    double median = 0.0;
+    for (size_t k = 0; sorted && k < n; k++) {
+        sorted[k] = x[k];
+    }
+    if (sorted) {
+        qsort(sorted, n, sizeof *sorted, ascending);
+        median = sorted[n / 2];
+    }
+    free(sorted);
+    return median;
+}
+
+static bool check_link(const recording *rec, error *e)
+{
+    const double *u = rec->u_dc_V;
+    if (u == NULL) {
+        return true;
+    }
+    const double median = median_of(u, rec->rows);
+    for (size_t k = 0; k < rec->rows; k++) {
+        if (!(u[k] > 0.0)) {
+            return error_input(e, rec->path, rec->line ? rec->line[k] : 0, 0,
+                               "u_dc_V = %g; expected the voltage of the DC link, > 0 V (the median is %g V)",
+                               u[k], median);
+        }
+        if (median > 0.0 && (u[k] < LINK_LEAST * median || u[k] > LINK_MOST * median)) {
+            return error_input(e, rec->path, rec->line ? rec->line[k] : 0, 0,
+                               "u_dc_V = %g beside a median of %g V; expected %g to %g times that", u[k],
+                               median, LINK_LEAST, LINK_MOST);
+        }
+    }
+    return true;
+}
+
+static bool check_duties(const recording *rec, error *e)
+{
+    double lowest = INFINITY;
+    double highest = -INFINITY;
+    double beyond = 0.0;
+    for (size_t x = 0; rec->duty[0] != NULL && x < 3; x++) {
+        for (size_t k = 0; k < rec->rows; k++) {
+            const double d = rec->duty[x][k];
+            lowest = fmin(lowest, d);
+            highest = fmax(highest, d);
+            beyond += d < -DUTY_ROOM || d > 1.0 + DUTY_ROOM;
+        }
+    }
+    if (beyond <= DUTY_ROWS * 3.0 * (double)rec->rows) {
+        return true;
+    }
+    const char *why = highest > 100.5 || lowest < -100.5 ? "they look like compare counts"
+                      : highest > 1.5                    ? "they look like percent"
+                                                         : "they look centred on 0";
+    return error_input(e, rec->path, 0, 0,
+                       "d_a, d_b and d_c run from %.4g to %.4g: %s; duties from 0 to 1 are expected", lowest,
+                       highest, why);
+}
+
+bool check_values(const recording *rec, error *e)
+{
+    return check_link(rec, e) && check_duties(rec, e);
+}
