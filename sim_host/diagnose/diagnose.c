@@ -38,6 +38,9 @@ static const double SUSPECT = 2.0;
  * below. */
 static const double FAR_OFF = 15.0;
 
+/* A free run that errs by this many percent of the current does not follow it any more. */
+static const double LOST = 1e4;
+
 /* A decoy that was chosen is structure, known to be there but without a name in the list of causes, if it
  * matters. */
 static void mention_decoys(const session *w, diagnosis *d)
@@ -101,6 +104,22 @@ static void decide(diagnosis *d)
     d->gain = d->extended > 0.0 ? d->nominal / d->extended : 1.0;
 }
 
+/* A free run that left the current behind tells nothing by its size. */
+static double told_free_run(double percent)
+{
+    return percent < LOST ? percent : NAN;
+}
+
+static bool measure_and_bound_runs(session *w, diagnosis *d, bool series)
+{
+    const bool ok = measure_runs(&w->rows, d, series);
+    for (size_t g = 0; ok && g < d->runs; g++) {
+        d->run[g].free_nominal = told_free_run(d->run[g].free_nominal);
+        d->run[g].free_extended = told_free_run(d->run[g].free_extended);
+    }
+    return ok;
+}
+
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
@@ -146,7 +165,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         d->rows_used += w->rows.block[b].count;
         d->rows_held_out += w->rows.block[b].held_out ? w->rows.block[b].count : 0;
     }
-    return measure_runs(&w->rows, d, options->series);
+    return measure_and_bound_runs(w, d, options->series);
 }
 
 bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose_options *options, error *e)
@@ -159,8 +178,8 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
     if (!w) {
         return error_failure(e, 0, "out of memory");
     }
-    bool ok = check_values(rec, e) && check_columns(rec, m, e) && check_current_sum(rec, e) &&
-              check_polarity(rec, e) && rows_prepare(&w->rows, rec, m, e);
+    bool ok = check_values(rec, e) && check_columns(rec, m, e) && check_speed(rec, e) &&
+              check_current_sum(rec, e) && check_polarity(rec, e) && rows_prepare(&w->rows, rec, m, e);
     if (ok && measure_current(&w->rows, MEASURE_ALL, true) == 0.0) {
         ok = error_input(e, rec->path, 0, 0,
                          "no current flows in the rows that are held out: errors are told in percent of it");

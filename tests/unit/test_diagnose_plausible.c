@@ -1,10 +1,13 @@
 /*
  * Recordings that cannot be what they say: each spoiled in one way, refused with a line that names the way.
  */
+#include "diagnose/check/current_sum.h"
+#include "diagnose/check/polarity.h"
 #include "diagnose/diagnose.h"
 #include "diagnose_bench.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unity.h>
 
@@ -89,6 +92,96 @@ static void wrong_current_sign(void)
         scale(r.i_A[x], -1.0);
     }
     refused_with("wrong sign");
+}
+
+static void inverted_voltages(void)
+{
+    for (int x = 0; x < 3; x++) {
+        scale(r.u_V[x], -1.0);
+    }
+    refused_with("voltages or duties look inverted");
+}
+
+/* Each phase in turn: named with three sensors by their sum, with two by the voltage equation. */
+static void negated_column(void)
+{
+    static const char *const words[] = {"column of phase A looks negated", "column of phase B looks negated",
+                                        "column of phase C looks negated"};
+    for (int x = 0; x < 3; x++) {
+        scale(r.i_A[x], -1.0);
+        refused_with(words[x]);
+        refused_with("the three then sum to nought");
+        scale(r.i_A[x], -1.0);
+    }
+    r.i_c_measured = false;
+    for (int x = 0; x < 2; x++) {
+        scale(r.i_A[x], -1.0);
+        for (size_t k = 0; k < r.rows; k++) {
+            r.i_A[2][k] = -r.i_A[0][k] - r.i_A[1][k];
+        }
+        refused_with(words[x]);
+        refused_with("the voltage equation misses");
+        scale(r.i_A[x], -1.0);
+    }
+}
+
+static void dead_column(void)
+{
+    scale(r.i_A[1], 0.0);
+    refused_with("column of phase B looks dead");
+}
+
+static void column_in_another_unit(void)
+{
+    scale(r.i_A[2], 1000.0);
+    file.I_rated_A_rms *= 1000.0; /* so that the phase currents' size is not the first to be seen */
+    refused_with("column of phase C looks scaled by 1e+03");
+}
+
+/* What the cause current_gain covers is not refused by the sum, one sensor or several. */
+static void gains_are_left_to_the_search(void)
+{
+    static const double gain[][3] = {
+        {0.6, 1, 1}, {1, 1.6, 1}, {1.6, 0.6, 1}, {0.6, 0.6, 1.6}, {1.6, 1.6, 0.6}};
+    for (size_t n = 0; n < sizeof gain / sizeof gain[0]; n++) {
+        error e = {0};
+        for (int x = 0; x < 3; x++) {
+            scale(r.i_A[x], gain[n][x]);
+        }
+        TEST_ASSERT_TRUE_MESSAGE(check_current_sum(&r, &e) && check_polarity(&r, &e), e.text);
+        for (int x = 0; x < 3; x++) {
+            scale(r.i_A[x], 1.0 / gain[n][x]);
+        }
+    }
+}
+
+static double *filled(double value)
+{
+    double *x = calloc(r.rows, sizeof *x);
+    TEST_ASSERT_NOT_NULL(x);
+    for (size_t k = 0; k < r.rows; k++) {
+        x[k] = value;
+    }
+    return x;
+}
+
+static void dead_link(void)
+{
+    r.u_dc_V = filled(565.0);
+    r.u_dc_V[4711] = 0.0;
+    refused_with("bench.csv:4713: u_dc_V = 0");
+    r.u_dc_V[4711] = 60000.0;
+    refused_with("bench.csv:4713: u_dc_V = 60000 beside a median of 565");
+}
+
+static void duties_in_other_units(void)
+{
+    for (int x = 0; x < 3; x++) {
+        r.duty[x] = filled(50.0 + x);
+    }
+    refused_with("percent");
+    scale(r.duty[1], 100.0);
+    refused_with("compare counts");
 }
 
 static void quarter_turn(void)
@@ -193,6 +286,13 @@ int main(void)
     RUN_TEST(wrong_direction);
     RUN_TEST(angle_against_speed);
     RUN_TEST(wrong_current_sign);
+    RUN_TEST(inverted_voltages);
+    RUN_TEST(negated_column);
+    RUN_TEST(dead_column);
+    RUN_TEST(column_in_another_unit);
+    RUN_TEST(gains_are_left_to_the_search);
+    RUN_TEST(dead_link);
+    RUN_TEST(duties_in_other_units);
     RUN_TEST(quarter_turn);
     RUN_TEST(milliamperes);
     RUN_TEST(millivolts);

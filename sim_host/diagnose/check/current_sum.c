@@ -16,8 +16,9 @@ static const double GAIN_LEAST = 0.34;
 static const double GAIN_MOST = 2.9;
 /* A sign is told from a scale by a gain this near to -1. */
 static const double SIGN_WIDTH = 0.25;
-/* A column with less than this share of the greatest column's power is still. */
+/* A column with less than this share of a usual column's power is still. */
 static const double STILL = 1e-4;
+static const double NOTHING = 1e-12;
 /* Two currents with a correlation beyond this lie on one line, and a third may rightly be nought. */
 static const double ON_ONE_LINE = 0.95;
 
@@ -63,32 +64,43 @@ static spread spread_of(const recording *rec, bool turning_only)
     return all;
 }
 
-static double greatest(const spread *s)
+/* Power of the middle one of three columns: neither a dead one nor one in another unit. */
+static double usual(const spread *s)
 {
-    return fmax(s->of[0][0], fmax(s->of[1][1], s->of[2][2]));
+    const double a = s->of[0][0];
+    const double b = s->of[1][1];
+    const double c = s->of[2][2];
+    return fmax(fmin(a, b), fmin(fmax(a, b), c));
 }
 
 static bool refuse_still(const recording *rec, size_t x, error *e)
 {
-    return error_input(e, rec->path, 0, 0,
-                       "the current column of phase %c looks dead: it stays at %.3g A while the others move; "
-                       "measured, or left out (a third current is then minus the other two), it can be used",
-                       phase_name[x], rec->i_A[x][0]);
+    return error_input(
+        e, rec->path, 0, 0,
+        "the current column of phase %c looks dead: it stays at %.3g A while others move (its sensor, or the "
+        "log, is to be looked at)",
+        phase_name[x], rec->i_A[x][0]);
+}
+
+/* Still beside the others, or beside one of them as only a column without any signal is. */
+static bool is_still(const spread *s, size_t x)
+{
+    const double most = fmax(s->of[0][0], fmax(s->of[1][1], s->of[2][2]));
+    return s->of[x][x] < STILL * usual(s) || s->of[x][x] < NOTHING * most;
 }
 
 /* A still column: of a rotor that turns, or of three that were measured and do not sum to nought. */
 static bool check_still(const recording *rec, const spread *s, error *e)
 {
     const spread turning = spread_of(rec, true);
-    const double most = greatest(&turning);
     for (size_t x = 0; x < 3; x++) {
-        if (most > 0.0 && turning.of[x][x] < STILL * most) {
+        if (is_still(&turning, x)) {
             return refuse_still(rec, x, e);
         }
         const size_t y = (x + 1) % 3;
         const size_t z = (x + 2) % 3;
         const double aligned = fabs(s->of[y][z]) / sqrt(fmax(s->of[y][y] * s->of[z][z], 1e-300));
-        if (rec->i_c_measured && s->of[x][x] < STILL * greatest(s) && aligned < ON_ONE_LINE) {
+        if (rec->i_c_measured && is_still(s, x) && aligned < ON_ONE_LINE) {
             return refuse_still(rec, x, e);
         }
     }
@@ -103,13 +115,13 @@ static bool explains(const spread *s, size_t x, double sum_power, double *gain)
 {
     const size_t y = (x + 1) % 3;
     const size_t z = (x + 2) % 3;
-    if (s->of[x][x] < STILL * greatest(s)) {
+    if (s->of[x][x] < STILL * usual(s)) {
         return false;
     }
     const double cross = s->of[x][y] + s->of[x][z];
     const double others = s->of[y][y] + s->of[z][z] + 2.0 * s->of[y][z];
     *gain = cross == 0.0 ? INFINITY : -s->of[x][x] / cross;
-    return others - cross * cross / s->of[x][x] < LEFT_SHARE * sum_power;
+    return others - cross * cross / s->of[x][x] < LEFT_SHARE * fmin(sum_power, others);
 }
 
 static bool is_sign(double gain)

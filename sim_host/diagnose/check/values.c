@@ -1,5 +1,7 @@
 #include "values.h"
 
+#include "base/vector.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -77,6 +79,21 @@ static bool check_duties(const recording *rec, error *e)
     return error_input(e, rec->path, 0, 0,
                        "d_a, d_b and d_c run from %.4g to %.4g: %s; duties from 0 to 1 are expected", lowest,
                        highest, why);
+}
+
+bool check_speed(const recording *rec, error *e)
+{
+    for (size_t k = 0; k < rec->rows; k++) {
+        const double turn = fabs(rec->omega_e_rad_s[k]) * rec->T_s / VEC_TWO_PI;
+        if (turn > 0.5) {
+            return error_input(
+                e, rec->path, rec->line ? rec->line[k] : 0, 0,
+                "omega_e_rad_s = %g is %.3g electrical turns in a control cycle of %g s; expected half a "
+                "turn at most",
+                rec->omega_e_rad_s[k], turn, rec->T_s);
+        }
+    }
+    return true;
 }
 
 bool check_values(const recording *rec, error *e)

@@ -10,4 +10,7 @@
 /* False with one line in *e that names the column, and the line of the file if it is a single row. */
 bool check_values(const recording *rec, error *e);
 
+/* The same for a speed at which the angle of the next cycle says nothing; after its unit has been checked. */
+bool check_speed(const recording *rec, error *e);
+
 #endif

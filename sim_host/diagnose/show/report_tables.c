@@ -152,6 +152,16 @@ static void error_cell(page *p, double percent)
     }
 }
 
+/* None where the free run lost the current. */
+static void free_run_cell(page *p, double percent)
+{
+    if (isfinite(percent)) {
+        page_cell(p, true, "%.2f", percent);
+    } else {
+        page_cell(p, true, "-");
+    }
+}
+
 void report_runs(page *p, const diagnosis *d, const plant_witness *witness)
 {
     static const char *const heads[] = {"\trun",          "\trad/s",       "\tA rms",       "\ti_d, A",
@@ -169,8 +179,8 @@ void report_runs(page *p, const diagnosis *d, const plant_witness *witness)
         error_cell(p, run->nominal);
         error_cell(p, run->extended);
         error_cell(p, run->noise_floor);
-        page_cell(p, true, "%.2f", run->free_nominal);
-        page_cell(p, true, "%.2f", run->free_extended);
+        free_run_cell(p, run->free_nominal);
+        free_run_cell(p, run->free_extended);
         if (witness->simulated) {
             const diagnosis_run *simulated = plant_witness_run(witness, d, k);
             error_cell(p, simulated != NULL ? simulated->nominal : 0.0);
