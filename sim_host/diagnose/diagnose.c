@@ -191,6 +191,12 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
     if (ok && !work(w, d, m, options)) {
         ok = error_failure(e, 0, "out of memory in the diagnosis of %zu rows", rec->rows);
     }
+    if (ok && !isfinite(d->nominal + d->extended + d->noise_floor)) {
+        ok = error_input(
+            e, rec->path, 0, 0,
+            "no excitation: no error can be measured on the rows that are held out, as they carry no "
+            "current");
+    }
     /* Causes that explain the recording are believed; otherwise the wiring is suspected before the physics.
      */
     if (ok && d->extended > SUSPECT * d->noise_floor) {

@@ -16,7 +16,7 @@ enum {
     BOUNDED, /* those ahead of it are not negative */
     PSI_Q = BOUNDED,
     UNKNOWNS,
-    ROWS_MOST = 20000,
+    ROWS_MOST = 6000,
     SPAN =
         5 /* cycles summed to one equation: the noise of di/dt, which is large in one cycle, is that of their ends */
 };
@@ -28,6 +28,11 @@ static const double BETTER = 6.0;
 static const double HOLDS = 0.15;
 /* Arrangements that leave so little more than the best one cannot be told from it. */
 static const double ALIKE = 1.3;
+/* Below this rms speed, rad/s, a rotor stands. */
+static const double STANDSTILL = 1.0;
+/* Angle offsets that are tried, in steps, either way: up to a radian. */
+enum { OFFSETS = 5 };
+static const double OFFSET_STEP = 0.2;
 /* Current over which a leg's lost voltage changes sign, as a share of the rms current. */
 static const double KNEE = 0.02;
 
@@ -35,6 +40,7 @@ static const double KNEE = 0.02;
 typedef enum sensors {
     ANY,
     ALL_MEASURED,
+    TURNING,      /* the magnet shows in the voltage only then */
     SUM_TO_NOUGHT /* one of the three was computed from the others, here or by the logger */
 } sensors;
 
@@ -75,13 +81,13 @@ static const arrangement mistakes[] = {
     {AS_IT_IS, SWAP_AC, 1.0, 0.0, ANY, false, "the voltages or duties of phases A and C look swapped"},
     {AS_IT_IS, AS_IT_IS, -1.0, 0.0, ANY, false,
      "the angle counts against the phases A-B-C: its direction is wrong, or two motor phases are swapped"},
-    {SWAP_AB, SWAP_AB, 1.0, 0.0, ANY, false, TURNED "120" ZERO ", and counts backwards: two motor phases are swapped"},
-    {SWAP_AC, SWAP_AC, 1.0, 0.0, ANY, false, TURNED "-120" ZERO ", and counts backwards: two motor phases are swapped"},
-    {AS_IT_IS, AS_IT_IS, 1.0, 2.0 * QUARTER, ANY, false, TURNED "180" ZERO},
-    {AS_IT_IS, AS_IT_IS, 1.0, QUARTER, ANY, false, TURNED "-90" ZERO},
-    {AS_IT_IS, AS_IT_IS, 1.0, -QUARTER, ANY, false, TURNED "90" ZERO},
-    {AS_IT_IS, AS_IT_IS, 1.0, 4.0 / 3.0 * QUARTER, ANY, false, TURNED "-120" ZERO},
-    {AS_IT_IS, AS_IT_IS, 1.0, -4.0 / 3.0 * QUARTER, ANY, false, TURNED "120" ZERO},
+    {SWAP_AB, SWAP_AB, 1.0, 0.0, TURNING, false, TURNED "120" ZERO ", and counts backwards: two motor phases are swapped"},
+    {SWAP_AC, SWAP_AC, 1.0, 0.0, TURNING, false, TURNED "-120" ZERO ", and counts backwards: two motor phases are swapped"},
+    {AS_IT_IS, AS_IT_IS, 1.0, 2.0 * QUARTER, TURNING, false, TURNED "180" ZERO},
+    {AS_IT_IS, AS_IT_IS, 1.0, QUARTER, TURNING, false, TURNED "-90" ZERO},
+    {AS_IT_IS, AS_IT_IS, 1.0, -QUARTER, TURNING, false, TURNED "90" ZERO},
+    {AS_IT_IS, AS_IT_IS, 1.0, 4.0 / 3.0 * QUARTER, TURNING, false, TURNED "-120" ZERO},
+    {AS_IT_IS, AS_IT_IS, 1.0, -4.0 / 3.0 * QUARTER, TURNING, false, TURNED "120" ZERO},
     {{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, AS_IT_IS, 1.0, 0.0, ALL_MEASURED, false, "the current column of phase A looks negated"},
     {{{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}, AS_IT_IS, 1.0, 0.0, ALL_MEASURED, false, "the current column of phase B looks negated"},
     {{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}, AS_IT_IS, 1.0, 0.0, ALL_MEASURED, false, "the current column of phase C looks negated"},
@@ -251,17 +257,40 @@ static double current_rms(const recording *rec, bool *sum_to_nought)
     return sqrt(size2 / (3.0 * (double)rec->rows));
 }
 
+static bool rotor_turns(const recording *rec)
+{
+    double omega2 = 0.0;
+    for (size_t k = 0; k < rec->rows; k++) {
+        omega2 += rec->omega_e_rad_s[k] * rec->omega_e_rad_s[k];
+    }
+    return omega2 > STANDSTILL * STANDSTILL * (double)rec->rows;
+}
+
 static bool applies(const arrangement *a, const recording *rec, bool sum_to_nought)
 {
     switch (a->sensors) {
     case ALL_MEASURED:
         return !sum_to_nought;
+    case TURNING:
+        return rotor_turns(rec);
     case SUM_TO_NOUGHT:
         return sum_to_nought && (rec->i_c_measured || a->c_computed);
     case ANY:
         break;
     }
     return true;
+}
+
+/* As recorded, but for an angle offset, which is a cause: at standstill it can look like other mistakes. */
+static double left_with_offset(const recording *rec, double knee_A)
+{
+    double least = 1.0;
+    for (int n = -OFFSETS; n <= OFFSETS; n++) {
+        arrangement turned = as_recorded;
+        turned.angle_ahead_rad = n * OFFSET_STEP;
+        least = fmin(least, left_over(rec, &turned, knee_A));
+    }
+    return least;
 }
 
 bool check_polarity(const recording *rec, error *e)
@@ -281,7 +310,8 @@ bool check_polarity(const recording *rec, error *e)
         left[k] = applies(&mistakes[k], rec, sum_to_nought) ? left_over(rec, &mistakes[k], KNEE * rms) : 1.0;
         best = left[k] < left[best] ? k : best;
     }
-    if (left[best] > HOLDS || BETTER * left[best] > own) {
+    if (left[best] > HOLDS || BETTER * left[best] > own ||
+        BETTER * left[best] > left_with_offset(rec, KNEE * rms)) {
         return true;
     }
     const double alike = ALIKE * left[best];
