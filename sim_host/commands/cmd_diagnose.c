@@ -99,6 +99,10 @@ static bool run(const request *r, error *e)
     if (!motor_read(r->motor_path, &m, e) || !recording_read(r->recording_path, &rec, e)) {
         return false;
     }
+    if (rec.omega_derived) {
+        fprintf(stderr, "iqfoc: note: %s has no omega_e_rad_s; the speed is the slope of theta_e_rad\n",
+                r->recording_path);
+    }
     diagnose_options how = r->options;
     how.trace = r->traced ? stderr : NULL;
     /* The files need the diagnosis' series, row by row. */

@@ -78,6 +78,16 @@ bool line_source_next(line_source *s, error *e)
     return check_stream(s, whole, e) && got;
 }
 
+bool line_source_block(line_source *s, char **bytes, size_t *length, error *e)
+{
+    if (!block_read(s, e)) {
+        return false;
+    }
+    *bytes = s->block;
+    *length = s->end;
+    return true;
+}
+
 void line_source_close(line_source *s)
 {
     if (s->stream != NULL) {

@@ -23,6 +23,12 @@ bool line_source_open(line_source *s, const char *path, error *e);
 /* The next line into ->line, ->length, ->number. False at the end, or with *e set on damage. */
 bool line_source_next(line_source *s, error *e);
 
+/*
+ * For who finds lines himself: the next bytes as they come, valid until the next call. Not to be mixed with
+ * line_source_next. False at the end, or with *e set on damage.
+ */
+bool line_source_block(line_source *s, char **bytes, size_t *length, error *e);
+
 /* Safe on a zeroed struct. */
 void line_source_close(line_source *s);
 

@@ -25,7 +25,7 @@ typedef struct recording {
     double *t_s;           /* required */
     double *i_A[3];        /* required; i_A[2] is filled in when absent */
     double *theta_e_rad;   /* required, as recorded (wrapped or not) */
-    double *omega_e_rad_s; /* required */
+    double *omega_e_rad_s; /* the slope of theta_e_rad when absent */
     double *u_V[3];        /* commanded mean phase-to-star-point voltages, or NULL */
     double *duty[3];       /* high-side duty cycles, or NULL; u_V or duty is there */
     double *u_dc_V;        /* there if duty is */
@@ -33,8 +33,9 @@ typedef struct recording {
     long *run;             /* or NULL */
     double *theta_mech_rad;
     double *temp_C;
-    long *line;        /* the line in the file of each row, for messages */
-    bool i_c_measured; /* false: i_A[2] was filled in */
+    long *line;         /* the line in the file of each row, for messages */
+    bool i_c_measured;  /* false: i_A[2] was filled in */
+    bool omega_derived; /* omega_e_rad_s was filled in */
     size_t stretches;
     stretch *stretch;
     double T_s; /* control cycle: median step of t_s within stretches; of stamps of few decimals, the mean */
@@ -42,8 +43,8 @@ typedef struct recording {
 
 /*
  * Reads a plain CSV file (or gzip, recognised by its first bytes); "-" is stdin. Refuses with file, line and
- * column: a missing required column, a field that is no finite number, a row of another length, no rows, time
- * that does not rise within a run. The column named is the character (from 1) at which the field starts in
+ * column: all missing required columns at once, a field that is no finite number, a row of another length, no
+ * rows, time that does not rise within a run. The column named is the character (from 1) at which the field starts in
  * its line.
  *
  * Unknown columns are ignored, and so is an optional group that is not whole: mid-point currents of one

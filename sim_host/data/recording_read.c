@@ -6,6 +6,8 @@
 #include "../base/number.h"
 #include "csv_file.h"
 #include "recording_columns.h"
+#include "recording_missing.h"
+#include "speed_from_angle.h"
 
 #include <limits.h>
 #include <math.h>
@@ -25,6 +27,7 @@ typedef struct reader {
     column_id target[FIELDS_MAX]; /* what each field of the file is; COL_COUNT: ignored */
     size_t field_of[COL_COUNT];   /* and back */
     bool have[COL_COUNT];
+    recording_missing missing;
     size_t rows_allocated;
 } reader;
 
@@ -44,6 +47,7 @@ static void header_field(reader *in, size_t index, const char *text, size_t leng
     const column_id id = recording_column_find(text, length);
     in->target[index] = id;
     if (id == COL_COUNT) {
+        recording_missing_note(&in->missing, text, length);
         return;
     }
     if (in->have[id]) {
@@ -70,40 +74,29 @@ static void drop_three(reader *in, column_id first)
     }
 }
 
-static void refuse_missing(reader *in, const char *what)
-{
-    /* The header as it stands, or as much of it as fits a message. */
-    int length = 0;
-    while (length < 300 && (size_t)length < in->csv.record_length &&
-           strchr("\r\n", in->csv.record[length]) == NULL) {
-        length++;
-    }
-    csv_file_refuse(&in->csv, 0, "%s is missing; found %.*s", what, length, in->csv.record);
-}
-
 /* Which columns will be read, and whether they suffice. */
 static void header_end(reader *in, size_t fields)
 {
-    static const column_id required[] = {COL_T, COL_I_A, COL_I_B, COL_THETA, COL_OMEGA};
+    /* The speed is not among them: it can be had from the angle. */
+    static const column_id required[] = {COL_T, COL_I_A, COL_I_B, COL_THETA};
 
     in->fields = fields;
     in->has_header = true;
     for (size_t i = 0; i < sizeof required / sizeof required[0]; i++) {
         if (!in->have[required[i]]) {
-            char what[64];
-            snprintf(what, sizeof what, "column %s", recording_column_name(required[i]));
-            refuse_missing(in, what);
-            return;
+            recording_missing_add(&in->missing, recording_column_name(required[i]));
         }
     }
     const bool has_u = have_three(in, COL_U_A);
     const bool has_duty = have_three(in, COL_D_A);
     if (!has_u && has_duty && !in->have[COL_U_DC]) {
-        refuse_missing(in, "column u_dc_V, which the duties need,");
-        return;
+        recording_missing_add(&in->missing, "u_dc_V (for the duties)");
     }
     if (!has_u && !has_duty) {
-        refuse_missing(in, "the voltage: columns u_a_V, u_b_V and u_c_V, or d_a, d_b, d_c and u_dc_V,");
+        recording_missing_add(&in->missing, "u_a_V, u_b_V, u_c_V (or d_a, d_b, d_c and u_dc_V)");
+    }
+    if (in->missing.list[0] != '\0') {
+        recording_missing_refuse(&in->missing, &in->csv);
         return;
     }
     /* An incomplete group of columns is ignored where the other group is complete. */
@@ -147,8 +140,8 @@ static bool grow(reader *in)
     const size_t rows = in->rows_allocated == 0 ? 4096 : 2 * in->rows_allocated;
     bool ok = grow_longs(&r->line, rows) && (!in->have[COL_RUN] || grow_longs(&r->run, rows));
     for (int id = 0; ok && id < COL_COUNT; id++) {
-        /* The third phase has a column even if the file has none. */
-        const bool filled_in = id == COL_I_C || (id == COL_MID_C && in->have[COL_MID_A]);
+        /* The third phase and the speed have a column even if the file has none. */
+        const bool filled_in = id == COL_I_C || id == COL_OMEGA || (id == COL_MID_C && in->have[COL_MID_A]);
         if (id != COL_RUN && (in->have[id] || filled_in)) {
             ok = grow_doubles(recording_column(r, (column_id)id), rows);
         }
@@ -311,6 +304,10 @@ bool recording_read(const char *path, recording *r, error *e)
         r->i_c_measured = in->have[COL_I_C];
         trim(r);
         ok = recording_find_stretches(r) || out_of_memory(in);
+        r->omega_derived = !in->have[COL_OMEGA];
+        if (ok && r->omega_derived) {
+            speed_from_angle(r);
+        }
     }
     csv_file_free(&in->csv);
     free(in);

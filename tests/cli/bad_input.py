@@ -53,8 +53,8 @@ SCENARIO_ROWS = [
 ]
 
 RECORDING_ROWS = [
-    ("omega_e_rad_s,", "", (2, 1), "column omega_e_rad_s is missing; found t_s,i_a_A"),
-    ("u_b_V", "u_x_V", (2, 1), "the voltage: columns u_a_V"),
+    ("theta_e_rad,", "", (2, 1), "missing column: theta_e_rad; found t_s,i_a_A"),
+    ("u_b_V", "u_x_V", (2, 1), "missing columns: u_a_V, u_b_V, u_c_V (or d_a"),
     ("i_b_A", "i_a_A", (2, 11), "column i_a_A stands twice"),
     ("1.1,", "1.1A,", "1.1A", "i_a_A \"1.1A\" is not a number"),
     ("1.1,", "nan,", "nan", "i_a_A \"nan\" is not finite"),

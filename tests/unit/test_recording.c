@@ -119,14 +119,17 @@ static void test_half_a_group_beside_a_whole_one_is_ignored(void)
 
 static void test_columns_that_must_be_there(void)
 {
-    expect_refused("t_s,i_a_A,i_b_A,theta_e_rad,u_a_V,u_b_V,u_c_V\n0,1,2,3,4,5,6\n", "1:1",
-                   "column omega_e_rad_s is missing; found t_s,i_a_A,i_b_A,theta_e_rad,u_a_V,u_b_V,u_c_V");
-    expect_refused("# c\nt_s,i_a_A,i_b_A,theta_e_rad,omega_e_rad_s\n0,1,2,3,4\n", "2:1",
-                   "the voltage: columns u_a_V");
+    expect_refused("t_s,i_a_A,i_b_A,omega_e_rad_s,u_a_V,u_b_V,u_c_V\n0,1,2,3,4,5,6\n", "1:1",
+                   "missing column: theta_e_rad; found t_s,i_a_A,i_b_A,omega_e_rad_s,u_a_V,u_b_V,u_c_V;");
+    expect_refused("# c\nt_s,i_b_A,omega_e_rad_s\n0,1,2\n", "2:1",
+                   "missing columns: i_a_A, theta_e_rad, u_a_V, u_b_V, u_c_V (or d_a, d_b, d_c and u_dc_V);");
     expect_refused("t_s,i_a_A,i_b_A,theta_e_rad,omega_e_rad_s,d_a,d_b,d_c\n0,1,2,3,4,5,6,7\n", "1:1",
-                   "column u_dc_V, which the duties need, is missing");
+                   "missing column: u_dc_V (for the duties);");
     expect_refused("t_s,i_a_A,i_b_A,\xC3\xA9,i_a_A,theta_e_rad\n", "1:19", "column i_a_A stands twice");
-    expect_refused("0.1,0.2,0.3\n0.2,0.2,0.3\n", "1:1", "column t_s is missing; found 0.1,0.2,0.3");
+    expect_refused("0.1,0.2,0.3\n0.2,0.2,0.3\n", "1:1", "missing columns: t_s, i_a_A, i_b_A, theta_e_rad,");
+    /* Names of other programs are told as a map has them; of names that nobody knows nothing is said. */
+    expect_refused("time,Ia [mA],theta\n0,1,2\n", "1:1", "i_a_A = \"Ia [mA]\", theta_e_rad = \"theta\")");
+    expect_refused("x,y\n0,1\n", "1:1", "found x,y; `iqfoc import` makes a recording of other logs");
 }
 
 static void test_fields_that_are_no_numbers(void)
@@ -190,6 +193,38 @@ static void test_bytes_at_random(void)
     TEST_ASSERT_FALSE(recording_read(scratch_file("bytes", bytes, 3000000), &r, &e));
     TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
     free(bytes);
+}
+
+/* Without a speed it is the angle's slope: exact for a rotor that accelerates, however the angle wraps. */
+static void test_speed_from_the_angle(void)
+{
+    enum { ROWS = 60 };
+    const double T_s = 2e-4;
+    char text[8000] = "run,t_s,i_a_A,i_b_A,theta_e_rad,u_a_V,u_b_V,u_c_V\n";
+    for (int k = 0; k < ROWS; k++) {
+        const double t_s = (k % 30) * T_s;
+        const double theta_rad = k < 30 ? 500.0 * t_s + 0.5 * 3e4 * t_s * t_s : 1.0 - 7000.0 * t_s;
+        char row[160];
+        snprintf(row, sizeof row, "%d,%.17g,1,2,%.17g,5,6,7\n", k / 30, t_s,
+                 remainder(theta_rad, 6.283185307179586));
+        strcat(text, row);
+    }
+    expect_read(text);
+    TEST_ASSERT_TRUE(r.omega_derived);
+    for (int k = 0; k < ROWS; k++) {
+        const double t_s = (k % 30) * T_s;
+        const double expected = k < 30 ? 500.0 + 3e4 * t_s : -7000.0;
+        TEST_ASSERT_TRUE(fabs(r.omega_e_rad_s[k] - expected) < 1e-6);
+    }
+    /* Two rows are a line, one is nothing. */
+    expect_read("run,t_s,i_a_A,i_b_A,theta_e_rad,u_a_V,u_b_V,u_c_V\n"
+                "1,0,1,2,6.2,5,6,7\n1,0.01,1,2,0.2,5,6,7\n2,0,1,2,3,5,6,7\n");
+    TEST_ASSERT_TRUE(fabs(r.omega_e_rad_s[1] - (0.2 - 6.2 + 6.283185307179586) / 0.01) < 1e-9);
+    TEST_ASSERT_TRUE(r.omega_e_rad_s[0] == r.omega_e_rad_s[1] && r.omega_e_rad_s[2] == 0.0);
+    expect_read(
+        "t_s,i_a_A,i_b_A,theta_e_rad,omega_e_rad_s,u_a_V,u_b_V,u_c_V\n0,1,2,3,4,5,6,7\n1,1,2,9,4,5,6,7\n");
+    TEST_ASSERT_FALSE(r.omega_derived);
+    TEST_ASSERT_TRUE(r.omega_e_rad_s[1] == 4.0);
 }
 
 static void test_gaps_and_runs_end_stretches(void)
@@ -310,6 +345,7 @@ int main(void)
     RUN_TEST(test_time_that_does_not_rise);
     RUN_TEST(test_files_without_rows);
     RUN_TEST(test_bytes_at_random);
+    RUN_TEST(test_speed_from_the_angle);
     RUN_TEST(test_gaps_and_runs_end_stretches);
     RUN_TEST(test_gzip);
     RUN_TEST(test_written_is_read_back_to_the_same_bits);
