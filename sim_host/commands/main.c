@@ -27,6 +27,7 @@ static const command commands[] = {
     {"record", "what the firmware's recorder sends over a serial line, as a recording", cmd_record},
     {"sweep", "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
     {"loops", "what better feedback and better prediction do to a closed loop", cmd_loops},
+    {"import", "a recording from the log of another program", cmd_import},
     {"diagnose", "what the model gets wrong about a recording, why, and what mending it gains", cmd_diagnose},
 };
 

@@ -80,12 +80,10 @@ bool line_source_next(line_source *s, error *e)
 
 bool line_source_block(line_source *s, char **bytes, size_t *length, error *e)
 {
-    if (!block_read(s, e)) {
-        return false;
-    }
-    *bytes = s->block;
-    *length = s->end;
-    return true;
+    const int got = gzread(s->stream, s->buffer, BLOCK_SIZE);
+    *bytes = s->buffer;
+    *length = got > 0 ? (size_t)got : 0;
+    return check_stream(s, false, e) && got > 0;
 }
 
 void line_source_close(line_source *s)

@@ -1,0 +1,149 @@
+/*
+ * iqfoc import: a recording from the log of another program.
+ */
+#include "command.h"
+#include "import/convert.h"
+#include "import/preset.h"
+#include "import/propose.h"
+#include "options.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { OPT_MAP, OPT_OUTPUT, OPT_MOTOR, OPT_PRESET };
+
+static const option_spec specs[] = {
+    {"map", 0, "MAP.toml", "which column is what; without it one is proposed"},
+    {"output", 'o', "REC.csv", "the recording; - is stdout"},
+    {"motor", 'm', "M.toml", "the motor file: pole pairs for mechanical angles and speeds, and --check"},
+    {"preset", 0, "NAME",
+     "print the map for a tool's log, or with -o use it: vesc, odrive, moteus, simplefoc,\n"
+     "ti-datalog, freemaster, motulator"},
+    {NULL, 0, NULL, NULL}};
+
+static const command_about about = {
+    "import", "LOG [--map MAP.toml | --preset NAME] [--motor M.toml] [-o REC.csv]",
+    "Makes a recording for `iqfoc diagnose` from a table that another program wrote, as a map says: which\n"
+    "column is what, in which unit, frame and sign. Delimiter, decimal mark, encoding and header are found.\n"
+    "Without a map, prints one that is proposed from the names in the header, to be saved and checked.",
+    specs};
+
+typedef struct request {
+    const char *log_path, *map_path, *recording_path, *motor_path, *preset_name;
+    bool helped;
+} request;
+
+static bool parse(int argc, char **argv, request *r, error *e)
+{
+    options o = options_begin(&about, argc, argv);
+    int which;
+    while ((which = options_next(&o, e)) >= 0) {
+        const char **to[] = {[OPT_MAP] = &r->map_path,
+                             [OPT_OUTPUT] = &r->recording_path,
+                             [OPT_MOTOR] = &r->motor_path,
+                             [OPT_PRESET] = &r->preset_name};
+        *to[which] = o.argument;
+    }
+    r->helped = o.helped;
+    if (which == OPTIONS_ERROR || o.helped) {
+        return which != OPTIONS_ERROR;
+    }
+    if (r->map_path != NULL && r->preset_name != NULL) {
+        return error_input(e, NULL, 0, 0, "import: --map or --preset, not both");
+    }
+    if (o.first >= argc && r->preset_name == NULL) {
+        return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about.usage);
+    }
+    r->log_path = o.first < argc ? argv[o.first] : NULL;
+    if (!options_at_most(&o, 1, e)) {
+        return false;
+    }
+    const bool has_map = r->map_path != NULL || r->preset_name != NULL;
+    if (r->recording_path != NULL && !has_map) {
+        return error_input(e, NULL, 0, 0,
+                           "import: --map MAP.toml is missing; `iqfoc import LOG > MAP.toml` proposes one");
+    }
+    if (r->recording_path != NULL && r->log_path == NULL) {
+        return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about.usage);
+    }
+    if (r->map_path != NULL && r->recording_path == NULL) {
+        return options_missing(&o, OPT_OUTPUT, e);
+    }
+    return true;
+}
+
+static bool propose(const request *r, error *e)
+{
+    const log_format unknown = LOG_FORMAT_UNKNOWN;
+    log_table t;
+    proposal p;
+    const bool ok = log_table_open(&t, r->log_path, &unknown, e);
+    if (ok) {
+        propose_map(&t, &p);
+        propose_print(stdout, &t, &p);
+    }
+    log_table_close(&t);
+    return ok;
+}
+
+/* What was changed on the way, for who reads the recording later. */
+static void describe(const log_table *t, const import_map *map, char *text, size_t size)
+{
+    snprintf(text, size, "imported from %s by %s; command acts %g cycles after its row%s", t->path, map->path,
+             map->shift_cycles,
+             map->column[QUANTITY_OMEGA].there || map->has_fixed_omega ? "" : "; speed from the angle");
+}
+
+static bool convert(const request *r, const import_map *map, error *e)
+{
+    motor m;
+    log_table t;
+    recording rec;
+    char comment[600];
+    if (r->motor_path != NULL && !motor_read(r->motor_path, &m, e)) {
+        return false;
+    }
+    bool ok = log_table_open(&t, r->log_path, &map->format, e) &&
+              convert_log(&t, map, r->motor_path != NULL ? &m : NULL, &rec, e);
+    if (ok) {
+        describe(&t, map, comment, sizeof comment);
+        ok = recording_write(r->recording_path, &rec, comment, e);
+        recording_free(&rec);
+    }
+    log_table_close(&t);
+    return ok;
+}
+
+static bool run(const request *r, error *e)
+{
+    import_map map;
+    if (r->map_path != NULL) {
+        return map_read(r->map_path, &map, e) && convert(r, &map, e);
+    }
+    if (r->preset_name == NULL) {
+        return propose(r, e);
+    }
+    const preset *p = preset_find(r->preset_name, e);
+    if (p == NULL) {
+        return false;
+    }
+    if (r->recording_path == NULL) {
+        preset_print(stdout, p);
+        return true;
+    }
+    map = preset_map(p);
+    return convert(r, &map, e);
+}
+
+int cmd_import(int argc, char **argv)
+{
+    error e = {0};
+    request r = {0};
+    if (!parse(argc, argv, &r, &e)) {
+        return error_print(&e);
+    }
+    if (r.helped) {
+        return STATUS_DONE;
+    }
+    return run(&r, &e) ? STATUS_DONE : error_print(&e);
+}
