@@ -1,117 +1,46 @@
 /* The voltage equation with columns exchanged (wiring.h). */
 #include "wiring.h"
 
-#include "base/solve.h"
-#include "base/vector.h"
+#include "voltage_equation.h"
 
 #include <math.h>
 #include <stdio.h>
 
-enum { UNKNOWNS = 5, ROWS_MOST = 20000 };
+enum { ROWS_MOST = 20000 };
 
 /* A rearrangement must leave this share of the voltage's power or more as it is, and this factor less when
  * undone. */
 static const double BAD = 5e-4;
 static const double BETTER = 8.0;
 
-typedef struct arrangement {
-    int i_from[3], u_from[3]; /* phase x is read from column ... */
-    double i_sign, angle_sign;
+typedef struct exchange {
+    voltage_arrangement a;
     const char *words;
-} arrangement;
+} exchange;
 
-typedef struct regression {
-    double left; /* share of the voltage's power that is not explained */
-    double x[UNKNOWNS];
-} regression;
-
-static vec_ab read_phases(const double x[3], const int from[3], double sign)
-{
-    const double phase[3] = {sign * x[from[0]], sign * x[from[1]], sign * x[from[2]]};
-    return vec_from_phases(phase);
-}
-
-static void row_of(const recording *rec, const arrangement *a, size_t k, double design[2][UNKNOWNS],
-                   double u_dq[2])
-{
-    vec_dq i[2];
-    double u[3];
-    const double theta = a->angle_sign * rec->theta_e_rad[k];
-    const double omega = a->angle_sign * rec->omega_e_rad_s[k];
-    for (size_t j = 0; j < 2; j++) {
-        const double phase[3] = {rec->i_A[0][k + j], rec->i_A[1][k + j], rec->i_A[2][k + j]};
-        i[j] = vec_to_dq(read_phases(phase, a->i_from, a->i_sign),
-                         rotor_at(theta + (double)j * omega * rec->T_s));
+#define CURRENTS(a, b, c)                                                                                    \
+    {                                                                                                        \
+        {a, b, c}, {0, 1, 2}, {1.0, 1.0, 1.0}, VOLTAGE_NONE_DERIVED, 1.0, 0.0, 0                             \
     }
-    recording_voltage(rec, k, u);
-    const vec_dq applied =
-        vec_to_dq(read_phases(u, a->u_from, 1.0), rotor_at(theta + 0.5 * omega * rec->T_s));
-    u_dq[0] = applied.d;
-    u_dq[1] = applied.q;
-    const double d = 0.5 * (i[0].d + i[1].d);
-    const double q = 0.5 * (i[0].q + i[1].q);
-    const double rows[2][UNKNOWNS] = {
-        {d, (i[1].d - i[0].d) / rec->T_s, -omega * q, 0.0, -omega},
-        {q, omega * d, (i[1].q - i[0].q) / rec->T_s, omega, 0.0},
-    };
-    for (size_t n = 0; n < UNKNOWNS; n++) {
-        design[0][n] = rows[0][n];
-        design[1][n] = rows[1][n];
+#define VOLTAGES(a, b, c)                                                                                    \
+    {                                                                                                        \
+        {0, 1, 2}, {a, b, c}, {1.0, 1.0, 1.0}, VOLTAGE_NONE_DERIVED, 1.0, 0.0, 0                             \
     }
-}
+#define BACKWARDS                                                                                            \
+    {                                                                                                        \
+        {0, 1, 2}, {0, 1, 2}, {1.0, 1.0, 1.0}, VOLTAGE_NONE_DERIVED, -1.0, 0.0, 0                            \
+    }
 
-static regression regress(const recording *rec, const arrangement *a)
-{
-    double h[UNKNOWNS][UNKNOWNS] = {{0}};
-    double g[UNKNOWNS] = {0};
-    double power = 0.0;
-    size_t every = rec->rows / ROWS_MOST + 1;
-    for (size_t s = 0; s < rec->stretches; s++) {
-        for (size_t j = 0; j + 1 < rec->stretch[s].count; j += every) {
-            double design[2][UNKNOWNS];
-            double u[2];
-            row_of(rec, a, rec->stretch[s].first + j, design, u);
-            for (size_t axis = 0; axis < 2; axis++) {
-                power += u[axis] * u[axis];
-                for (size_t m = 0; m < UNKNOWNS; m++) {
-                    g[m] += design[axis][m] * u[axis];
-                    for (size_t n = 0; n < UNKNOWNS; n++) {
-                        h[m][n] += design[axis][m] * design[axis][n];
-                    }
-                }
-            }
-        }
-    }
-    for (size_t m = 0; m < UNKNOWNS; m++) {
-        h[m][m] *= 1.0 + 1e-5; /* at standstill the flux has no column */
-        h[m][m] += h[m][m] > 0.0 ? 0.0 : 1.0;
-    }
-    regression r = {.left = 1.0};
-    if (power > 0.0 && solve_positive(UNKNOWNS, UNKNOWNS, &h[0][0], g, r.x)) {
-        double explained = 0.0;
-        for (size_t m = 0; m < UNKNOWNS; m++) {
-            explained += g[m] * r.x[m];
-        }
-        r.left = fmax(1.0 - explained / power, 0.0);
-    }
-    return r;
-}
-
-static const arrangement as_recorded = {{0, 1, 2}, {0, 1, 2}, 1.0, 1.0, NULL};
-
-static const arrangement exchanged[] = {
-    {{0, 2, 1}, {0, 1, 2}, 1.0, 1.0, "the current columns of phases B and C look swapped"},
-    {{1, 0, 2}, {0, 1, 2}, 1.0, 1.0, "the current columns of phases A and B look swapped"},
-    {{2, 1, 0}, {0, 1, 2}, 1.0, 1.0, "the current columns of phases A and C look swapped"},
-    {{1, 2, 0}, {0, 1, 2}, 1.0, 1.0, "the current columns look shifted by one phase against the voltages"},
-    {{2, 0, 1}, {0, 1, 2}, 1.0, 1.0, "the current columns look shifted by two phases against the voltages"},
-    {{0, 1, 2}, {0, 2, 1}, 1.0, 1.0, "the voltages or duties of phases B and C look swapped"},
-    {{0, 1, 2}, {1, 0, 2}, 1.0, 1.0, "the voltages or duties of phases A and B look swapped"},
-    {{0, 1, 2}, {2, 1, 0}, 1.0, 1.0, "the voltages or duties of phases A and C look swapped"},
-    {{0, 1, 2},
-     {0, 1, 2},
-     1.0,
-     -1.0,
+static const exchange exchanged[] = {
+    {CURRENTS(0, 2, 1), "the current columns of phases B and C look swapped"},
+    {CURRENTS(1, 0, 2), "the current columns of phases A and B look swapped"},
+    {CURRENTS(2, 1, 0), "the current columns of phases A and C look swapped"},
+    {CURRENTS(1, 2, 0), "the current columns look shifted by one phase against the voltages"},
+    {CURRENTS(2, 0, 1), "the current columns look shifted by two phases against the voltages"},
+    {VOLTAGES(0, 2, 1), "the voltages or duties of phases B and C look swapped"},
+    {VOLTAGES(1, 0, 2), "the voltages or duties of phases A and B look swapped"},
+    {VOLTAGES(2, 1, 0), "the voltages or duties of phases A and C look swapped"},
+    {BACKWARDS,
      "the angle counts against the phases A-B-C: its direction is wrong, or two motor phases are swapped"},
 };
 
@@ -123,11 +52,11 @@ static double ratio(double fitted, double file)
 
 bool check_wiring(const recording *rec, const motor *m, bool far_off, error *e)
 {
-    regression own = regress(rec, &as_recorded);
-    regression best = own;
+    voltage_fit own = voltage_equation_fit(rec, &voltage_as_recorded, ROWS_MOST);
+    voltage_fit best = own;
     const char *words = NULL;
     for (size_t k = 0; k < sizeof exchanged / sizeof *exchanged; k++) {
-        regression other = regress(rec, &exchanged[k]);
+        voltage_fit other = voltage_equation_fit(rec, &exchanged[k].a, ROWS_MOST);
         if (other.left < best.left && other.x[1] > 0.0 && other.x[2] > 0.0) {
             best = other;
             words = exchanged[k].words;

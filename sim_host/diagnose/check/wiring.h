@@ -1,12 +1,8 @@
 /*
  * Swapped phases, signs and directions, and a motor file of another motor. They are looked for only when no
  * set of known effects brings the error near the noise: then the voltage equation is fitted as a plain
- * regression to the recording as it is and with its columns exchanged, and what holds far better is named.
- *
- *     u_dq = R i_dq + (L_d di_d/dt - omega L_q i_q, L_q di_q/dt + omega L_d i_d) + omega (-psi_q, psi_d)
- *
- * with R, L_d, L_q and the two parts of the magnet's flux free. It need not be accurate: an exchange changes
- * what it leaves by factors.
+ * regression (voltage_equation.h) to the recording as it is and with its columns exchanged, and what holds far
+ * better is named. It need not be accurate: an exchange changes what it leaves by factors.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_WIRING_H
 #define SIM_HOST_DIAGNOSE_CHECK_WIRING_H
