@@ -2,6 +2,7 @@
  * iqfoc import: a recording from the log of another program.
  */
 #include "command.h"
+#include "import/arrange_map.h"
 #include "import/convert.h"
 #include "import/preset.h"
 #include "import/propose.h"
@@ -10,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_MAP, OPT_OUTPUT, OPT_MOTOR, OPT_PRESET };
+enum { OPT_MAP, OPT_OUTPUT, OPT_MOTOR, OPT_PRESET, OPT_CHECK };
 
 static const option_spec specs[] = {
     {"map", 0, "MAP.toml", "which column is what; without it one is proposed"},
@@ -19,10 +20,13 @@ static const option_spec specs[] = {
     {"preset", 0, "NAME",
      "print the map for a tool's log, or with -o use it: vesc, odrive, moteus, simplefoc,\n"
      "ti-datalog, freemaster, motulator"},
+    {"check", 0, NULL,
+     "try signs, order, direction, inverted counts, shift and the angle's zero, and print what\n"
+     "fits best, by how much, and the map's lines for it; nothing is written"},
     {NULL, 0, NULL, NULL}};
 
 static const command_about about = {
-    "import", "LOG [--map MAP.toml | --preset NAME] [--motor M.toml] [-o REC.csv]",
+    "import", "LOG [--map MAP.toml | --preset NAME] [--motor M.toml] [-o REC.csv | --check]",
     "Makes a recording for `iqfoc diagnose` from a table that another program wrote, as a map says: which\n"
     "column is what, in which unit, frame and sign. Delimiter, decimal mark, encoding and header are found.\n"
     "Without a map, prints one that is proposed from the names in the header, to be saved and checked.",
@@ -30,7 +34,7 @@ static const command_about about = {
 
 typedef struct request {
     const char *log_path, *map_path, *recording_path, *motor_path, *preset_name;
-    bool helped;
+    bool check, helped;
 } request;
 
 static bool parse(int argc, char **argv, request *r, error *e)
@@ -42,7 +46,11 @@ static bool parse(int argc, char **argv, request *r, error *e)
                              [OPT_OUTPUT] = &r->recording_path,
                              [OPT_MOTOR] = &r->motor_path,
                              [OPT_PRESET] = &r->preset_name};
-        *to[which] = o.argument;
+        if (which == OPT_CHECK) {
+            r->check = true;
+        } else {
+            *to[which] = o.argument;
+        }
     }
     r->helped = o.helped;
     if (which == OPTIONS_ERROR || o.helped) {
@@ -66,7 +74,16 @@ static bool parse(int argc, char **argv, request *r, error *e)
     if (r->recording_path != NULL && r->log_path == NULL) {
         return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about.usage);
     }
-    if (r->map_path != NULL && r->recording_path == NULL) {
+    if (r->check && r->recording_path != NULL) {
+        return error_input(e, NULL, 0, 0, "import: --check writes nothing; leave -o out");
+    }
+    if (r->check && !has_map) {
+        return options_missing(&o, OPT_MAP, e);
+    }
+    if (r->check && r->motor_path == NULL) {
+        return options_missing(&o, OPT_MOTOR, e);
+    }
+    if (r->map_path != NULL && r->recording_path == NULL && !r->check) {
         return options_missing(&o, OPT_OUTPUT, e);
     }
     return true;
@@ -105,7 +122,12 @@ static bool convert(const request *r, const import_map *map, error *e)
     }
     bool ok = log_table_open(&t, r->log_path, &map->format, e) &&
               convert_log(&t, map, r->motor_path != NULL ? &m : NULL, &rec, e);
-    if (ok) {
+    if (ok && r->check) {
+        const arrange_freedom freedom = arrange_freedom_of(map);
+        const arrange_result found = arrange_find(&rec, &freedom);
+        arrange_print(stdout, map, &m, &found);
+        recording_free(&rec);
+    } else if (ok) {
         describe(&t, map, comment, sizeof comment);
         ok = recording_write(r->recording_path, &rec, comment, e);
         recording_free(&rec);
@@ -127,7 +149,7 @@ static bool run(const request *r, error *e)
     if (p == NULL) {
         return false;
     }
-    if (r->recording_path == NULL) {
+    if (r->recording_path == NULL && !r->check) {
         preset_print(stdout, p);
         return true;
     }
