@@ -237,21 +237,30 @@ static foreign_name look_up_path(const char *name, size_t length)
     return found;
 }
 
-foreign_name foreign_name_find(const char *name, size_t length)
+/* Without a unit that stands at its end, behind one of these characters. */
+static foreign_name look_up_with_unit(const char *name, size_t length, const char *marks)
 {
-    foreign_name found = look_up_path(name, length);
-    /* A unit behind a bracket, a blank, a slash or an underscore; "rad/s" has a slash of its own. */
-    for (size_t k = 1; found.key == NULL && k < length; k++) {
-        const char *rest = name + k;
-        const bool opens = strchr("[(", *rest) != NULL;
-        if (!opens && strchr("_ /.", *rest) == NULL) {
+    for (size_t k = 1; k < length; k++) {
+        if (strchr(marks, name[k]) == NULL) {
             continue;
         }
-        const char *word = foreign_unit_find(opens ? rest : rest + 1, length - k - (opens ? 0 : 1));
-        if (word != NULL) {
-            found = look_up_path(name, k);
-            found.unit = found.key != NULL ? word : NULL;
+        const size_t from = strchr("[(", name[k]) != NULL ? k : k + 1;
+        const char *word = foreign_unit_find(name + from, length - from);
+        foreign_name found = word != NULL ? look_up_path(name, k) : (foreign_name){NULL, NULL, false};
+        if (found.key != NULL) {
+            found.unit = word;
+            return found;
         }
     }
-    return found;
+    return (foreign_name){NULL, NULL, false};
+}
+
+foreign_name foreign_name_find(const char *name, size_t length)
+{
+    /* "I_A" is a phase, not a current in A; "rad/s" has a slash of its own. */
+    foreign_name found = look_up_with_unit(name, length, "[(");
+    if (found.key == NULL) {
+        found = look_up_path(name, length);
+    }
+    return found.key != NULL ? found : look_up_with_unit(name, length, "_ /.");
 }

@@ -24,7 +24,7 @@ import_map map_blank(void)
 void map_put(import_map *m, quantity q, const char *from, const char *unit_word)
 {
     map_column *c = &m->column[q];
-    const unit *u = unit_word != NULL ? quantity_unit_find(quantity_dimension(q), unit_word) : NULL;
+    const quantity_unit *u = unit_word != NULL ? quantity_unit_find(quantity_dimension(q), unit_word) : NULL;
     c->there = true;
     snprintf(c->from, sizeof c->from, "%s", from);
     c->unit = u != NULL ? u : c->unit;
@@ -46,7 +46,7 @@ static void read_format(toml_table *t, log_format *f)
 static void read_unit(toml_table *t, quantity q, map_column *c)
 {
     size_t count;
-    const unit *units = quantity_units(quantity_dimension(q), &count);
+    const quantity_unit *units = quantity_units(quantity_dimension(q), &count);
     const char *words[8];
     for (size_t n = 0; n < count; n++) {
         words[n] = units[n].word;

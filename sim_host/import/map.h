@@ -20,7 +20,7 @@ typedef struct map_column {
     bool there;
     char from[MAP_NAME_SIZE];
     double scale, offset;
-    const unit *unit; /* of the quantity's dimension */
+    const quantity_unit *unit; /* of the quantity's dimension */
     double per_turn, zero;
     bool mechanical; /* angle and speed: to be multiplied by the pole pairs */
     double ahead;    /* u_d_V, u_q_V: cycles by which the angle they are turned with is ahead of theta_e */

@@ -42,16 +42,16 @@ static const entry entries[QUANTITY_COUNT] = {
     [QUANTITY_TEMP] = {"temp_C", DIMENSION_TEMPERATURE},
 };
 
-static const unit number_units[] = {{"1", 1.0}};
-static const unit time_units[] = {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
-static const unit current_units[] = {{"A", 1.0}, {"mA", 1e-3}, {"kA", 1e3}};
-static const unit voltage_units[] = {{"V", 1.0}, {"mV", 1e-3}, {"kV", 1e3}};
-static const unit duty_units[] = {{"1", 1.0}, {"percent", 0.01}};
-static const unit angle_units[] = {
+static const quantity_unit number_units[] = {{"1", 1.0}};
+static const quantity_unit time_units[] = {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
+static const quantity_unit current_units[] = {{"A", 1.0}, {"mA", 1e-3}, {"kA", 1e3}};
+static const quantity_unit voltage_units[] = {{"V", 1.0}, {"mV", 1e-3}, {"kV", 1e3}};
+static const quantity_unit duty_units[] = {{"1", 1.0}, {"percent", 0.01}};
+static const quantity_unit angle_units[] = {
     {"rad", 1.0}, {"deg", VEC_PI / 180.0}, {"turn", VEC_TWO_PI}, {"count", 0.0}};
-static const unit speed_units[] = {
+static const quantity_unit speed_units[] = {
     {"rad/s", 1.0}, {"rpm", VEC_TWO_PI / 60.0}, {"Hz", VEC_TWO_PI}, {"deg/s", VEC_PI / 180.0}};
-static const unit temperature_units[] = {{"C", 1.0}};
+static const quantity_unit temperature_units[] = {{"C", 1.0}};
 
 #define UNITS(array)                                                                                         \
     {                                                                                                        \
@@ -59,7 +59,7 @@ static const unit temperature_units[] = {{"C", 1.0}};
     }
 
 static const struct {
-    const unit *units;
+    const quantity_unit *units;
     size_t count;
 } units_of[] = {
     [DIMENSION_NUMBER] = UNITS(number_units),   [DIMENSION_TIME] = UNITS(time_units),
@@ -88,13 +88,13 @@ quantity quantity_find(const char *key)
     return QUANTITY_COUNT;
 }
 
-const unit *quantity_units(dimension d, size_t *count)
+const quantity_unit *quantity_units(dimension d, size_t *count)
 {
     *count = units_of[d].count;
     return units_of[d].units;
 }
 
-const unit *quantity_unit_find(dimension d, const char *word)
+const quantity_unit *quantity_unit_find(dimension d, const char *word)
 {
     for (size_t n = 0; n < units_of[d].count; n++) {
         if (strcmp(units_of[d].units[n].word, word) == 0) {

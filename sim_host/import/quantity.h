@@ -65,14 +65,14 @@ quantity quantity_find(const char *key);
  * The units that a dimension may have, the recording's own first. Each is worth `factor` of the first; an
  * angle's "count" has the factor 0: how many make a turn, only the map knows.
  */
-typedef struct unit {
+typedef struct quantity_unit {
     const char *word;
     double factor;
-} unit;
+} quantity_unit;
 
-const unit *quantity_units(dimension d, size_t *count);
+const quantity_unit *quantity_units(dimension d, size_t *count);
 
 /* The unit of a word among those of a dimension, or NULL. */
-const unit *quantity_unit_find(dimension d, const char *word);
+const quantity_unit *quantity_unit_find(dimension d, const char *word);
 
 #endif
