@@ -106,8 +106,7 @@ static bool propose(const request *r, error *e)
 /* What was changed on the way, for who reads the recording later. */
 static void describe(const log_table *t, const import_map *map, char *text, size_t size)
 {
-    snprintf(text, size, "imported from %s by %s; command acts %g cycles after its row%s", t->path, map->path,
-             map->shift_cycles,
+    snprintf(text, size, "imported from %s by %s; shift_cycles = %g%s", t->path, map->path, map->shift_cycles,
              map->column[QUANTITY_OMEGA].there || map->has_fixed_omega ? "" : "; speed from the angle");
 }
 
