@@ -107,15 +107,26 @@ bool out_folder_open(out_folder *f, const char *path, error *e)
     return make_parents(f, e) && make_stage(f, e);
 }
 
+/* "./dir" is "dir". */
+static const char *without_dots(const char *path)
+{
+    while (path[0] == '.' && path[1] == '/') {
+        path += 1 + strspn(path + 1, "/");
+    }
+    return path;
+}
+
 const char *out_folder_place(out_folder *f, const char *path, error *e)
 {
-    const size_t length = f->path != NULL ? strlen(f->path) : 0;
-    if (length == 0 || strncmp(path, f->path, length) != 0 || path[length] != '/' ||
-        strchr(path + length + 1, '/') != NULL) {
+    const char *folder = f->path != NULL ? without_dots(f->path) : "";
+    const char *name = without_dots(path);
+    const size_t length = strlen(folder);
+    if (length == 0 || strncmp(name, folder, length) != 0 || name[length] != '/' ||
+        strchr(name + length + 1, '/') != NULL) {
         return path;
     }
     free(f->placed);
-    if (asprintf(&f->placed, "%s%s", f->stage, path + length) < 0) {
+    if (asprintf(&f->placed, "%s%s", f->stage, name + length) < 0) {
         f->placed = NULL;
         error_failure(e, 0, "out of memory");
     }

@@ -106,6 +106,11 @@ class OutputFolder(unittest.TestCase):
                 self.expect_whole(result, [*files, "x.json"])
                 shutil.rmtree(self.out)
 
+    def test_json_in_the_same_folder_by_another_name(self):
+        result = self.call([*SWEEP, "-o", "out", "--json", "./out/x.json"], self.environment(""))
+        self.assertEqual(0, result.returncode, result.stderr)
+        self.assertIn("x.json", self.content(self.out))
+
     def test_without_gnuplot_the_page_says_so(self):
         for command, (arguments, files) in CALLS.items():
             with self.subTest(command=command):
