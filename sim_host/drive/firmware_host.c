@@ -16,8 +16,7 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
     if (host->extension != NULL) {
         const iqfoc_error_t unfit = iqfoc_extension_check(host->extension);
         if (unfit != IQFOC_OK) {
-            return error_failure(e, 0, "the library refused its corrections: iqfoc_error_t %d",
-                                 (int)unfit);
+            return error_failure(e, 0, "the library refused its corrections: iqfoc_error_t %d", (int)unfit);
         }
     }
     host->cycle.enabled = true;
