@@ -166,6 +166,7 @@ static bool refuse_value(const options *o, error *e, const char *format, ...)
     char expected[120];
     va_list args;
     va_start(args, format);
+    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): started in the line above */
     vsnprintf(expected, sizeof expected, format, args);
     va_end(args);
     return error_input(e, NULL, 0, 0, "%s: --%s must be %s, not \"%s\"", o->about->name,

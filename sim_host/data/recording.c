@@ -132,12 +132,12 @@ static size_t find_starts(recording *r, unsigned char *starts, unsigned char *co
 
 static bool fill_stretches(recording *r, const unsigned char *starts, size_t count)
 {
-    r->stretch = malloc(count * sizeof *r->stretch);
+    r->stretch = calloc(count, sizeof *r->stretch);
     if (r->stretch == NULL) {
         return false;
     }
     for (size_t k = 0; k < r->rows; k++) {
-        if (starts[k]) {
+        if (k == 0 || starts[k]) {
             r->stretch[r->stretches++] = (stretch){.first = k, .run = r->run != NULL ? r->run[k] : 0};
         }
         r->stretch[r->stretches - 1].count++;

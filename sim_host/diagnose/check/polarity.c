@@ -188,7 +188,7 @@ static void take(sums *s, const equations *row)
 /* What the unknowns of a set explain, as a share of the voltage's power; 0 if a bounded one comes out negative. */
 static double explained(const sums *s, unsigned set)
 {
-    size_t in[UNKNOWNS];
+    size_t in[UNKNOWNS] = {0};
     size_t n = 0;
     for (size_t m = 0; m < UNKNOWNS; m++) {
         if (set & (1u << m)) {
