@@ -192,10 +192,9 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
         ok = error_failure(e, 0, "out of memory in the diagnosis of %zu rows", rec->rows);
     }
     if (ok && !isfinite(d->nominal + d->extended + d->noise_floor)) {
-        ok = error_input(
-            e, rec->path, 0, 0,
-            "no excitation: no error can be measured on the rows that are held out, as they carry no "
-            "current");
+        ok = error_input(e, rec->path, 0, 0,
+                         "no error can be measured on the rows that are held out: with the motor file's "
+                         "values the model gives no number there");
     }
     /* Causes that explain the recording are believed; otherwise the wiring is suspected before the physics.
      */

@@ -240,20 +240,15 @@ static double left_over(const recording *rec, const arrangement *a, double knee_
     return fmax(1.0 - most, 0.0);
 }
 
-/* The rms current of all columns, and whether they sum to nought. */
-static double current_rms(const recording *rec, bool *sum_to_nought)
+/* The rms current of all columns. */
+static double current_rms(const recording *rec)
 {
-    double sum2 = 0.0;
     double size2 = 0.0;
     for (size_t k = 0; k < rec->rows; k++) {
-        double sum = 0.0;
         for (size_t x = 0; x < 3; x++) {
-            sum += rec->i_A[x][k];
             size2 += rec->i_A[x][k] * rec->i_A[x][k];
         }
-        sum2 += sum * sum;
     }
-    *sum_to_nought = sum2 <= 1e-8 * size2;
     return sqrt(size2 / (3.0 * (double)rec->rows));
 }
 
@@ -266,15 +261,15 @@ static bool rotor_turns(const recording *rec)
     return omega2 > STANDSTILL * STANDSTILL * (double)rec->rows;
 }
 
-static bool applies(const arrangement *a, const recording *rec, bool sum_to_nought)
+static bool applies(const arrangement *a, const recording *rec, bool three_sensors, bool turns)
 {
     switch (a->sensors) {
     case ALL_MEASURED:
-        return !sum_to_nought;
+        return three_sensors;
     case TURNING:
-        return rotor_turns(rec);
+        return turns;
     case SUM_TO_NOUGHT:
-        return sum_to_nought && (rec->i_c_measured || a->c_computed);
+        return !three_sensors && (rec->i_c_measured || a->c_computed);
     case ANY:
         break;
     }
@@ -295,8 +290,7 @@ static double left_with_offset(const recording *rec, double knee_A)
 
 bool check_polarity(const recording *rec, error *e)
 {
-    bool sum_to_nought;
-    const double rms = current_rms(rec, &sum_to_nought);
+    const double rms = current_rms(rec);
     if (rms == 0.0) {
         return true;
     }
@@ -304,10 +298,13 @@ bool check_polarity(const recording *rec, error *e)
     if (own < BAD) {
         return true;
     }
+    const bool three_sensors = recording_three_sensors(rec);
+    const bool turns = rotor_turns(rec);
     double left[MISTAKES];
     size_t best = 0;
     for (size_t k = 0; k < MISTAKES; k++) {
-        left[k] = applies(&mistakes[k], rec, sum_to_nought) ? left_over(rec, &mistakes[k], KNEE * rms) : 1.0;
+        left[k] =
+            applies(&mistakes[k], rec, three_sensors, turns) ? left_over(rec, &mistakes[k], KNEE * rms) : 1.0;
         best = left[k] < left[best] ? k : best;
     }
     if (left[best] > HOLDS || BETTER * left[best] > own ||

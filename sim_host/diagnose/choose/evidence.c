@@ -28,22 +28,17 @@ static const double LEAST_SHARE_BESIDE_DEAD_TIME = 1e-3;
 static size_t columns_of(const fit_data *d, hypothesis_set allowed, int column[COLUMN_COUNT])
 {
     bool wanted[COLUMN_COUNT] = {[P_OFFSET_ZERO] = !d->rows->two_sensors};
-    double one[P_COUNT];
-    double moved[P_COUNT] = {0.0};
     size_t n = 0;
-    for (size_t k = 0; k < P_COUNT; k++) {
-        one[k] = 1.0;
-    }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (hypothesis_in(allowed, h)) {
-            hypothesis_copy(h, one, moved);
+            hypothesis_mark(h, wanted); /* the coordinates are the first of the columns */
             for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
                 wanted[hypothesis_table[h].column[k]] = true;
             }
         }
     }
     for (int c = 0; c < COLUMN_COUNT; c++) {
-        if ((wanted[c] || (c < P_COUNT && moved[c] != 0.0)) && column_shows(c, d->rows)) {
+        if (wanted[c] && column_shows(c, d->rows)) {
             column[n++] = c;
         }
     }

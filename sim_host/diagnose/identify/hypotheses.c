@@ -79,15 +79,11 @@ static double spread(const double x[3])
 /* The three coordinates that a hypothesis about phases moves, in their order. */
 static void phases_of(hypothesis_id h, const double z[P_COUNT], double x[3])
 {
-    double mark[P_COUNT] = {0.0};
-    double one[P_COUNT];
+    bool moved[P_COUNT] = {false};
     size_t n = 0;
-    for (size_t k = 0; k < P_COUNT; k++) {
-        one[k] = 1.0;
-    }
-    hypothesis_copy(h, one, mark);
+    hypothesis_mark(h, moved);
     for (size_t k = 0; k < P_COUNT && n < 3; k++) {
-        if (mark[k] != 0.0) {
+        if (moved[k]) {
             x[n++] = z[k];
         }
     }
@@ -233,6 +229,20 @@ void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_CO
 {
     for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
         column_copy(hypothesis_table[h].column[k], from, to);
+    }
+}
+
+void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT])
+{
+    for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+        const int column = hypothesis_table[h].column[k];
+        if (column < P_COUNT) {
+            moved[column] = true;
+            continue;
+        }
+        for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
+            moved[part->coordinate] = true;
+        }
     }
 }
 

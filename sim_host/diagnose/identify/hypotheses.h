@@ -144,6 +144,9 @@ double column_value(int column, const double z[P_COUNT]);
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT]);
 extern const double hypothesis_nominal[P_COUNT];
 
+/* Marks the coordinates that a hypothesis moves; leaves the other marks as they are. */
+void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT]);
+
 /* Which hypotheses this recording allows (needs temperature, a moving rotor, three sensors ...). */
 hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_frame *f);
 
