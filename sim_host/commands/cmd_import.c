@@ -40,21 +40,14 @@ typedef struct request {
 static bool parse(int argc, char **argv, request *r, error *e)
 {
     options o = options_begin(&about, argc, argv);
-    int which;
-    while ((which = options_next(&o, e)) >= 0) {
-        const char **to[] = {[OPT_MAP] = &r->map_path,
-                             [OPT_OUTPUT] = &r->recording_path,
-                             [OPT_MOTOR] = &r->motor_path,
-                             [OPT_PRESET] = &r->preset_name};
-        if (which == OPT_CHECK) {
-            r->check = true;
-        } else {
-            *to[which] = o.argument;
-        }
-    }
-    r->helped = o.helped;
-    if (which == OPTIONS_ERROR || o.helped) {
-        return which != OPTIONS_ERROR;
+    const option_place places[] = {[OPT_MAP] = {.text = &r->map_path},
+                                   [OPT_OUTPUT] = {.text = &r->recording_path},
+                                   [OPT_MOTOR] = {.text = &r->motor_path},
+                                   [OPT_PRESET] = {.text = &r->preset_name},
+                                   [OPT_CHECK] = {.flag = &r->check}};
+    if (!options_read(&o, places, e) || o.helped) {
+        r->helped = o.helped;
+        return o.helped;
     }
     if (r->map_path != NULL && r->preset_name != NULL) {
         return error_input(e, NULL, 0, 0, "import: --map or --preset, not both");
