@@ -3,6 +3,7 @@
 #include "toml_table.h"
 
 #include "../base/suggest.h"
+#include "toml_depth.h"
 
 #include <toml++/toml.h>
 
@@ -203,8 +204,14 @@ bool read_text(const char *path, std::string &text, error *e)
     if (stream == nullptr || std::ferror(stream.get()) != 0) {
         return error_input(e, path, 0, 0, "cannot be read: %s", std::strerror(errno));
     }
-    return text.size() <= largest_file ||
-           error_input(e, path, 0, 0, "is larger than %zu bytes; expected a TOML file", largest_file);
+    if (text.size() > largest_file) {
+        return error_input(e, path, 0, 0, "is larger than %zu bytes; expected a TOML file", largest_file);
+    }
+    long line = 0;
+    long column = 0;
+    return toml_depth_check(text.data(), text.size(), &line, &column) ||
+           error_input(e, path, line, column, "the key has more than %d parts; expected a TOML file of this program",
+                       static_cast<int>(TOML_KEY_PARTS_MAX));
 }
 
 } // namespace

@@ -40,6 +40,10 @@ MOTOR_ROWS = [
     ("R_ohm = 0.9", "R_ohm = 0,9", ",9", "not TOML"),
     ("R_ohm = 0.9", "R_ohm = 0.9\nR_ohm = 0.9", (5, 9), "not TOML"),
     ("[inverter]", "[inverter", (10, 10), "not TOML"),
+    # Deeper than the parser's stack: a value's key, a table's, one within an inline table.
+    ("R_ohm = 0.9", ".".join(["a"] * 50000) + " = 1", (4, 32), "the key has more than 16 parts"),
+    ("[inverter]", "[" + ".".join(["'a'"] * 50000) + "]", (10, 65), "the key has more than 16 parts"),
+    ("R_ohm = 0.9", "x = {" + ".".join(["a"] * 50000) + " = 1}", (4, 37), "the key has more than 16 parts"),
 ]
 
 SCENARIO_ROWS = [

@@ -1,0 +1,29 @@
+/*
+ * How deep the keys of a TOML text go, looked at ahead of the parser: toml++ makes a table of each part of a dotted key and ends
+ * each table within the one around it, so that a key of 50,000 parts takes more stack than there is.
+ */
+#ifndef SIM_HOST_DATA_TOML_DEPTH_H
+#define SIM_HOST_DATA_TOML_DEPTH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+    TOML_KEY_PARTS_MAX = 16 /* no file of this program has a key of more than three parts */
+};
+
+/*
+ * False where a key, of a value, a table or an inline table, has more parts: at which line and character column (from 1) the first
+ * one too many follows. What is no TOML is left to the parser.
+ */
+bool toml_depth_check(const char *text, size_t length, long *line, long *column);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
