@@ -33,6 +33,8 @@
 #define IQFOC_MAX_FLUX_R                         1.0
 #define IQFOC_RAW_FLUX_PSI(psi_Wb, T_s, U_b_V)   ((psi_Wb) / ((T_s) * (U_b_V)))
 #define IQFOC_MAX_FLUX_PSI                       16.0
+#define IQFOC_RAW_FLUX_SKEW(L_d_H, L_q_H)        (((L_d_H) - (L_q_H)) / ((L_d_H) + (L_q_H)))
+#define IQFOC_MAX_FLUX_SKEW                      0.999
 
 /* ---- The same as checked IQ24 constants. ---- */
 #define IQFOC_EXT_OFFSET(o_A, I_b_A)                                                                         \
@@ -60,12 +62,16 @@
 #define IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V)                                                                   \
     IQFOC_CHECKED(IQFOC_RAW_FLUX_PSI(psi_Wb, T_s, U_b_V), 0.0, IQFOC_MAX_FLUX_PSI)
 
-/* iqfoc_flux_predictor_t: l_d, l_q, k_d, k_q, r, psi (in the order of its members, as in params.h). */
+#define IQFOC_FLUX_SKEW(L_d_H, L_q_H)                                                                        \
+    IQFOC_CHECKED(IQFOC_RAW_FLUX_SKEW(L_d_H, L_q_H), -IQFOC_MAX_FLUX_SKEW, IQFOC_MAX_FLUX_SKEW)
+
+/* iqfoc_flux_predictor_t: l_d, l_q, k_d, k_q, r, psi, skew (in the order of its members, as in params.h). */
 #define IQFOC_FLUX_PREDICTOR(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V)                                 \
     {                                                                                                        \
         IQFOC_FLUX_L(L_d_H, T_s, I_b_A, U_b_V), IQFOC_FLUX_L(L_q_H, T_s, I_b_A, U_b_V),                      \
             IQFOC_FLUX_K(L_d_H, T_s, I_b_A, U_b_V), IQFOC_FLUX_K(L_q_H, T_s, I_b_A, U_b_V),                  \
-            IQFOC_FLUX_R(R_ohm, I_b_A, U_b_V), IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V)                            \
+            IQFOC_FLUX_R(R_ohm, I_b_A, U_b_V), IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V),                           \
+            IQFOC_FLUX_SKEW(L_d_H, L_q_H)                                                                    \
     }
 
 /*

@@ -13,9 +13,10 @@
  * 0.006 % of the rated current at 0.1 rad a cycle, 0.13 % at 0.5 and 0.45 % at 1
  * (tests/unit/test_flux_predictor.c).
  *
- * Saturation, L(|i|) = L_0/(1 + (|i|/I_sat)^2) on both axes: with y the current that an unsaturated machine
- * would have at the same flux, |i| = |y| (1 + s |i|^2) has the solution i = y * 2/(1 + sqrt(1 - 4 s |y|^2)),
- * s = (I_b/I_sat)^2, no iteration.
+ * Saturation, L_0/(1 + (i/I_sat)^2) on both axes, i^2 = 2 (L_d i_d^2 + L_q i_q^2)/(L_d + L_q), which is |i|^2
+ * where the axes are alike; otherwise by the energy, or the flux would be no gradient. With y the current that an
+ * unsaturated machine would have at the same flux, i = y (1 + s i^2) has the solution
+ * i = y * 2/(1 + sqrt(1 - 4 s y^2)), s = (I_b/I_sat)^2 and y^2 in the same measure, no iteration.
  *
  * A drive whose duties are compensated and whose DC link is corrected (extension.h) makes the voltage that it
  * commands: it gives this predictor an extension that puts nothing right but the saturation.
@@ -32,17 +33,18 @@ extern "C" {
 
 /* Flux in per-unit voltage times cycles, U_b T. Made by iqfoc/extension_params.h. */
 typedef struct iqfoc_flux_predictor {
-    iq24_t l_d; /* L_d I_b / (U_b T): 1/16 ... 8; at zero current, if it saturates */
-    iq24_t l_q; /* likewise */
-    iq24_t k_d; /* 1/l_d */
-    iq24_t k_q; /* 1/l_q */
-    iq24_t r;   /* R I_b / U_b: 0 ... 1 */
-    iq24_t psi; /* psi_f / (U_b T): 0 ... 16 */
+    iq24_t l_d;  /* L_d I_b / (U_b T): 1/16 ... 8; at zero current, if it saturates */
+    iq24_t l_q;  /* likewise */
+    iq24_t k_d;  /* 1/l_d */
+    iq24_t k_q;  /* 1/l_q */
+    iq24_t r;    /* R I_b / U_b: 0 ... 1 */
+    iq24_t psi;  /* psi_f / (U_b T): 0 ... 16 */
+    iq24_t skew; /* (l_d - l_q)/(l_d + l_q), between -1 and 1; of use to saturation alone, else 0 will do */
 } iqfoc_flux_predictor_t;
 
 /*
- * Are all values within their ranges, and k_d, k_q the reciprocals of l_d, l_q (to 2^-10)? The error
- * names the value.
+ * Are all values within their ranges, and k_d, k_q the reciprocals of l_d, l_q (to 2^-10), and skew nought or
+ * theirs (its product with their sum to 2^-10; an error of skew is one of l_q)? The error names the value.
  */
 iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *predictor);
 

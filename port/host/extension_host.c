@@ -48,7 +48,9 @@ bool flux_predictor_from_motor(const motor *m, iqfoc_flux_predictor_t *predictor
         !constant(m, "R_ohm", "R I_b/U_b", IQFOC_RAW_FLUX_R(m->R_ohm, base.I_A, base.U_V), 0.0,
                   IQFOC_MAX_FLUX_R, &made.r, e) ||
         !constant(m, "psi_f_Wb", "psi/(T U_b)", IQFOC_RAW_FLUX_PSI(m->psi_f_Wb, base.T_s, base.U_V), 0.0,
-                  IQFOC_MAX_FLUX_PSI, &made.psi, e)) {
+                  IQFOC_MAX_FLUX_PSI, &made.psi, e) ||
+        !constant(m, "L_q_H", "(L_d - L_q)/(L_d + L_q)", IQFOC_RAW_FLUX_SKEW(L_d_H, L_q_H),
+                  -IQFOC_MAX_FLUX_SKEW, IQFOC_MAX_FLUX_SKEW, &made.skew, e)) {
         return false;
     }
     *predictor = made;

@@ -29,10 +29,20 @@ double averaged_drive_edge(edge_law law, double x)
     return law == EDGE_CHARGED ? charged(x) : saturated(x);
 }
 
+/* The current's square as saturation's law takes it: by the energy 1/2 (L_d i_d^2 + L_q i_q^2) of the
+ * unsaturated machine, so that the flux is the gradient of one function and both cross inductances are alike. */
+static double energy_square(const averaged_drive *d, vec_dq i)
+{
+    return 2.0 * (d->L_d_H * i.d * i.d + d->L_q_H * i.q * i.q) / (d->L_d_H + d->L_q_H);
+}
+
 /* Flux of a current, without the magnet's. */
 static vec_dq flux_of(const averaged_drive *d, vec_dq i)
 {
-    double square = i.d * i.d + i.q * i.q;
+    if (d->saturation == 0.0 && d->saturation_q == 0.0) {
+        return (vec_dq){d->L_d_H * i.d, d->L_q_H * i.q};
+    }
+    double square = energy_square(d, i);
     double fall = 1.0 / (1.0 + d->saturation * square);
     double fall_q = d->saturation_q == 0.0 ? fall : 1.0 / (1.0 + (d->saturation + d->saturation_q) * square);
     return (vec_dq){d->L_d_H * i.d * fall, d->L_q_H * i.q * fall_q};
@@ -52,23 +62,22 @@ static vec_dq current_of(const averaged_drive *d, vec_dq flux, vec_dq guess)
     for (int k = 0; k < 8; k++) {
         vec_dq has = flux_of(d, i);
         vec_dq wrong = {flux.d - has.d, flux.q - has.q};
-        /* Newton with the radial part of the inductance, along i: dx/d|i| = L (1 - s i^2) / (1 + s i^2)^2. */
+        /* Newton with the incremental inductance, symmetric as that of any machine. */
         double s = d->saturation;
-        double fall = 1.0 / (1.0 + s * (i.d * i.d + i.q * i.q));
-        double down = 2.0 * s * fall * fall;
-        double m11 = d->L_d_H * (fall - down * i.d * i.d);
-        double m12 = -d->L_d_H * down * i.d * i.q;
-        double m21 = -d->L_q_H * down * i.d * i.q;
-        double m22 = d->L_q_H * (fall - down * i.q * i.q);
-        double det = m11 * m22 - m12 * m21;
+        double fall = 1.0 / (1.0 + s * energy_square(d, i));
+        double down = 4.0 * s * fall * fall / (d->L_d_H + d->L_q_H);
+        double m11 = d->L_d_H * (fall - down * d->L_d_H * i.d * i.d);
+        double m12 = -down * d->L_d_H * d->L_q_H * i.d * i.q;
+        double m22 = d->L_q_H * (fall - down * d->L_q_H * i.q * i.q);
+        double det = m11 * m22 - m12 * m12;
         /* Close to the law's turning point: step as if unsaturated. */
         if (!(det > 0.05 * d->L_d_H * d->L_q_H)) {
             m11 = d->L_d_H;
             m22 = d->L_q_H;
-            m12 = m21 = 0.0;
+            m12 = 0.0;
             det = m11 * m22;
         }
-        vec_dq more = {(m22 * wrong.d - m12 * wrong.q) / det, (m11 * wrong.q - m21 * wrong.d) / det};
+        vec_dq more = {(m22 * wrong.d - m12 * wrong.q) / det, (m11 * wrong.q - m12 * wrong.d) / det};
         i.d += more.d;
         i.q += more.q;
         /* The next step would be this one's square. */

@@ -86,19 +86,21 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
     const vec_ab i_m_ab = {t->i_A.alpha - t->i_fe_A.alpha, t->i_A.beta - t->i_fe_A.beta};
     const vec_dq i_m = vec_to_dq(i_m_ab, t->r);
 
+    /* The flux is the gradient of a function of x^2 = a_d i_d^2 + a_q i_q^2 alone. */
+    const double a_d = 2.0 * m->L_d_H / (m->L_d_H + m->L_q_H);
+    const double a_q = 2.0 - a_d;
     double factor, slope;
-    machine_saturation(m, sqrt(i_m.d * i_m.d + i_m.q * i_m.q), &factor, &slope);
+    machine_saturation(m, sqrt(a_d * i_m.d * i_m.d + a_q * i_m.q * i_m.q), &factor, &slope);
     /* The current's share of the flux. */
     const vec_dq psi_i = {m->L_d_H * factor * i_m.d, m->L_q_H * factor * i_m.q};
-    const double L_dd = m->L_d_H * (factor + slope * i_m.d * i_m.d);
-    const double L_dq = m->L_d_H * slope * i_m.d * i_m.q;
-    const double L_qd = m->L_q_H * slope * i_m.d * i_m.q;
-    const double L_qq = m->L_q_H * (factor + slope * i_m.q * i_m.q);
-    const double determinant = L_dd * L_qq - L_dq * L_qd;
+    const double L_dd = m->L_d_H * (factor + slope * a_d * i_m.d * i_m.d);
+    const double L_dq = m->L_d_H * slope * a_q * i_m.d * i_m.q; /* L_d a_q = L_q a_d: the same in both axes */
+    const double L_qq = m->L_q_H * (factor + slope * a_q * i_m.q * i_m.q);
+    const double determinant = L_dd * L_qq - L_dq * L_dq;
 
     /* dpsi/dtheta at constant phase current: the flux turns with the rotor, the current in its frame back. */
     const vec_dq turn = {-psi_i.q + L_dd * i_m.q - L_dq * i_m.d,
-                         psi_i.d + m->psi_f_Wb + L_qd * i_m.q - L_qq * i_m.d};
+                         psi_i.d + m->psi_f_Wb + L_dq * i_m.q - L_qq * i_m.d};
     const vec_ab harmonic = harmonic_emf_per_speed(m, theta);
     vec_ab emf = vec_to_ab(turn, t->r);
     emf.alpha = omega * (emf.alpha + harmonic.alpha);
@@ -109,7 +111,7 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
         const vec_ab unit = {k == 0 ? 1.0 : 0.0, k == 0 ? 0.0 : 1.0};
         const vec_dq u = vec_to_dq(unit, t->r);
         const vec_dq inverse = {(L_qq * u.d - L_dq * u.q) / determinant,
-                                (L_dd * u.q - L_qd * u.d) / determinant};
+                                (L_dd * u.q - L_dq * u.d) / determinant};
         const vec_ab column = vec_to_ab(inverse, t->r);
         t->rate[0][k] = column.alpha;
         t->rate[1][k] = column.beta;

@@ -70,6 +70,13 @@ class Machine:
         sixth = np.exp(6j * theta_rad)
         return self.psi_f_Wb + self.psi_5_Wb * sixth.conj() + self.psi_7_Wb * sixth
 
+    def _size(self, y):
+        """How large a current in the rotor frame is for the iron: by the energy 1/2 (L_d i_d^2 + L_q i_q^2) that it
+        would store unsaturated. Of that energy the flux is a gradient; no other measure conserves it."""
+        if not self.saturates:
+            return np.abs(y)
+        return np.sqrt(2.0 * (self.L_d_H * y.real ** 2 + self.L_q_H * y.imag ** 2) / (self.L_d_H + self.L_q_H))
+
     def _linear_factors(self, theta_rad):
         """p (real) and q of x = p i + q conj(i): flux beyond the magnet's over current, without saturation."""
         p = 0.5 * (self.L_d_H + self.L_q_H) + self.L_mean_H
@@ -82,19 +89,21 @@ class Machine:
         i = (p * x - q * x.conj()) / (p ** 2 - np.abs(q) ** 2)
         if not self.saturates:
             return i
-        i = i * np.minimum(1.0, 0.9 * self.I_sat_A / np.maximum(np.abs(i), 1e-30))
+        i = i * np.minimum(1.0, 0.9 * self.I_sat_A / np.maximum(self._size(i * np.exp(-1j * theta_rad)), 1e-30))
         for _ in range(NEWTON_STEPS):
             # flux(i + d) - flux(i) is p d + q conj(d) to first order: the part in the rotor frame, divided by
             # 1 + s, s = (|i|/I_sat)^2, and what that division changes; then the stator's part.
-            s = (np.abs(i) / self.I_sat_A) ** 2
             rotor = np.exp(1j * theta_rad)
             y = i * rotor.conj()
+            s = (self._size(y) / self.I_sat_A) ** 2
             linear = (self.L_d_H * y.real + 1j * self.L_q_H * y.imag) * rotor
             p = 0.5 * (self.L_d_H + self.L_q_H) / (1.0 + s) + self.L_mean_H
             q = 0.5 * (self.L_d_H - self.L_q_H) * rotor ** 2 / (1.0 + s) + self.L_conj_H
-            # d s = 2 Re(conj(i) d) / I_sat^2, and 2 Re(conj(i) d) = conj(i) d + i conj(d).
+            # d s = 2 Re(conj(h) d) / I_sat^2 with h half the gradient of _size squared, and 2 Re(conj(h) d) =
+            # conj(h) d + h conj(d).
+            h = linear * 2.0 / (self.L_d_H + self.L_q_H)
             bend = -linear / ((1.0 + s) * self.I_sat_A) ** 2
-            p, q = p + bend * i.conj(), q + bend * i
+            p, q = p + bend * h.conj(), q + bend * h
             left = psi - self.flux(i, theta_rad)
             i = i + (p.conj() * left - q * left.conj()) / (np.abs(p) ** 2 - np.abs(q) ** 2)
         return i
@@ -107,9 +116,9 @@ class Machine:
         x = psi * rotor.conj() - self.magnet_flux_dq(theta_rad)
         y = x.real / self.L_d_H + 1j * (x.imag / self.L_q_H)
         if self.saturates:
-            # psi/L_0 = y = i/(1 + (|i|/I_sat)^2), solved for i. The flux has its maximum at |i| = I_sat: the clip
-            # keeps an overload on this side of it.
-            m = np.minimum(np.abs(y) / self.I_sat_A, 0.499)
+            # psi/L_0 = y = i/(1 + (size/I_sat)^2), solved for i. The flux has its maximum at I_sat: the clip keeps an
+            # overload on this side of it.
+            m = np.minimum(self._size(y) / self.I_sat_A, 0.499)
             s = 2.0 * m / (1.0 + np.sqrt(1.0 - 4.0 * m * m))
             y = y * (1.0 + s * s)
         return y * rotor
@@ -118,7 +127,7 @@ class Machine:
         """Flux linkage of a magnetising current: the inverse of current()."""
         rotor = np.exp(1j * theta_rad)
         y = i * rotor.conj()
-        y = y / (1.0 + (np.abs(y) / self.I_sat_A) ** 2)
+        y = y / (1.0 + (self._size(y) / self.I_sat_A) ** 2)
         psi = (self.L_d_H * y.real + 1j * self.L_q_H * y.imag + self.magnet_flux_dq(theta_rad)) * rotor
         if self.has_unequal_inductance:
             psi = psi + self.L_mean_H * i + self.L_conj_H * np.conj(i)

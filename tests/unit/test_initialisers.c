@@ -59,7 +59,8 @@ static void test_flux_predictor(void)
                                                  .k_d = IQFOC_FLUX_K(L_D, T, I, U),
                                                  .k_q = IQFOC_FLUX_K(L_Q, T, I, U),
                                                  .r = IQFOC_FLUX_R(R, I, U),
-                                                 .psi = IQFOC_FLUX_PSI(PSI, T, U)};
+                                                 .psi = IQFOC_FLUX_PSI(PSI, T, U),
+                                                 .skew = IQFOC_FLUX_SKEW(L_D, L_Q)};
     TEST_ASSERT_EQUAL_MEMORY(&named, &positional, sizeof named);
 }
 

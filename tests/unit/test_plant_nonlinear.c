@@ -70,8 +70,7 @@ static void test_sensor_bandwidth(void)
     follow("sensor bandwidth", c, 9.0);
 }
 
-/* The torque of the reference comes from co-energy; equal inductances, for the saturation law of two axes has
- * none. */
+/* The torque of the reference comes from co-energy. */
 static void test_all_with_free_shaft(void)
 {
     plant_config c = compare_drive(1.0, 700.0);
@@ -89,6 +88,8 @@ static void test_all_with_free_shaft(void)
     follow("all, free shaft", c, 9.0);
     c.machine.I_sat_A = 45.0;
     follow("and saturation", c, 9.0);
+    c.machine.L_q_H *= 1.8;
+    follow("and a saliency", c, 9.0);
 }
 
 /* Flux must rise with current for ever, or the machine has no current for a given flux. */

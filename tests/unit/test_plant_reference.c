@@ -45,26 +45,30 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
     const double theta = y[2], omega = y[3];
     const double mean = 0.5 * (r->L_d + r->L_q), half = 0.5 * (r->L_d - r->L_q);
 
-    const double square = 2.0 / 3.0 * (i[0] * i[0] + i[1] * i[1] + i[2] * i[2]);
+    double L_i[3] = {0}, dL_i[3] = {0}, turned[3], L[3][3], torque_per_pole_pair = 0.0, flux_rate[3],
+           against[3];
+    double square = 0.0, dsquare = 0.0; /* the current's, by the unsaturated energy; its rate by the angle */
+    for (int x = 0; x < 3; x++) {
+        for (int k = 0; k < 3; k++) {
+            const double of_both = 2.0 * theta - axis[x] - axis[k];
+            L[x][k] = 2.0 / 3.0 * (mean * cos(axis[x] - axis[k]) + half * cos(of_both));
+            L_i[x] += L[x][k] * i[k];
+            dL_i[x] += 2.0 / 3.0 * half * -2.0 * sin(of_both) * i[k];
+        }
+        square += 2.0 / 3.0 / mean * i[x] * L_i[x];
+        dsquare += 2.0 / 3.0 / mean * i[x] * dL_i[x];
+    }
     double f = 1.0, df_dsquare = 0.0;
     if (r->I_sat > 0.0) {
         f = 1.0 / (1.0 + square / (r->I_sat * r->I_sat));
         df_dsquare = -f * f / (r->I_sat * r->I_sat);
     }
-    double L_i[3] = {0}, turned[3], L[3][3], torque_per_pole_pair = 0.0, flux_rate[3], against[3];
     for (int x = 0; x < 3; x++) {
-        double dL_i = 0.0;
-        for (int k = 0; k < 3; k++) {
-            const double of_both = 2.0 * theta - axis[x] - axis[k];
-            L[x][k] = 2.0 / 3.0 * (mean * cos(axis[x] - axis[k]) + half * cos(of_both));
-            L_i[x] += L[x][k] * i[k];
-            dL_i += 2.0 / 3.0 * half * -2.0 * sin(of_both) * i[k];
-        }
         const double from = theta - axis[x];
         const double dmagnet =
             -r->psi * sin(from) - 5.0 * r->psi_5 * sin(5.0 * from) - 7.0 * r->psi_7 * sin(7.0 * from);
-        turned[x] = f * dL_i + dmagnet;
-        torque_per_pole_pair += i[x] * (0.5 * f * dL_i + dmagnet);
+        turned[x] = f * dL_i[x] + df_dsquare * dsquare * L_i[x] + dmagnet;
+        torque_per_pole_pair += i[x] * (0.5 * f * dL_i[x] + dmagnet);
     }
     /* d(flux_x)/dt = sum_k D[x][k] di_k/dt + turned_x omega; with di_c = -di_a - di_b, two line-to-line
      * equations. */
@@ -72,7 +76,7 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
     double without[3]; /* the voltage left for flux and what lies in series with it */
     for (int x = 0; x < 3; x++) {
         for (int k = 0; k < 3; k++) {
-            D[x][k] = f * L[x][k] + L_i[x] * df_dsquare * 4.0 / 3.0 * i[k];
+            D[x][k] = f * L[x][k] + L_i[x] * df_dsquare * 4.0 / 3.0 / mean * L_i[k];
         }
         double u = r->u_leg[x];
         if (r->knee > 0.0) {
