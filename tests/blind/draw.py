@@ -7,10 +7,19 @@ from types import SimpleNamespace
 import numpy as np
 
 import averaged
+import digits
 import effects
 import motors
 import second_drive
 from second_plant import TURN, Inverter, Machine, Shaft
+
+
+def draw_group(rng, causes, count):
+    """So many of the causes, none of which contains another or can stand in for it."""
+    while True:
+        ids = [str(x) for x in rng.choice(causes, count, replace=False)]
+        if all(effects.compatible(a, b) for a, b in itertools.combinations(ids, 2)):
+            return ids
 
 
 def draw_effects(rng, kind):
@@ -22,13 +31,10 @@ def draw_effects(rng, kind):
     if kind == "unknown":
         return [str(rng.choice(effects.UNKNOWN))]
     if kind in ("pair", "triple"):
-        while True:
-            ids = [str(x) for x in rng.choice(effects.CAUSES, 2 if kind == "pair" else 3, replace=False)]
-            if all(effects.compatible(a, b) for a, b in itertools.combinations(ids, 2)):
-                return ids
+        return draw_group(rng, effects.CAUSES, 2 if kind == "pair" else 3)
     ids = kind.split("+")
     for name in ids:
-        if name not in effects.KNOWN + effects.UNKNOWN:
+        if name not in effects.KNOWN + effects.UNNAMED:
             raise ValueError(f"kind: clean, single, pair, triple, unknown or ids joined by +, not '{name}'")
     return ids
 
@@ -100,7 +106,7 @@ def shares(columns, motor, bench, model, ids, sizes, directions):
     error, _, predicted, knee = oracle(columns, model, motor)
     out = []
     for n, name in enumerate(ids):
-        if name in effects.UNKNOWN:
+        if name in effects.UNNAMED:
             # The averaged model does not know it: what it leaves beyond the floor is its share.
             out.append(float(np.sqrt(max(error ** 2 / floor ** 2 - 1.0, 0.0))))
             continue
@@ -113,8 +119,8 @@ def shares(columns, motor, bench, model, ids, sizes, directions):
     return out
 
 
-def draw_case(seed, kind, bench_kind="usual"):
-    """What is drawn before anything runs: motor, bench, and the effects' ids, directions and target shares."""
+def draw_case(seed, kind, bench_kind="usual", with_digits=False):
+    """What is drawn before anything runs: motor and its file, bench, and the effects' ids, directions and target shares."""
     rng = np.random.default_rng([seed, 20190])
     ids = draw_effects(rng, kind)
     salient = bool(rng.random() < 0.5) and "saturation" not in ids
@@ -123,8 +129,9 @@ def draw_case(seed, kind, bench_kind="usual"):
     directions = [effects.draw_direction(rng, name, bench.has_i_c) for name in ids]
     targets = [motors.log_uniform(rng, 2.0, 12.0) for _ in ids]
     ceilings = [rng.uniform(0.5, 1.0) for _ in ids]
-    return SimpleNamespace(seed=seed, kind=kind, ids=ids, motor=motor, bench=bench, directions=directions,
-                           targets=targets, ceilings=ceilings)
+    errors = digits.relative_errors(seed, motor, ids) if with_digits else {}
+    return SimpleNamespace(seed=seed, kind=kind, ids=ids, motor=motor, file=digits.file_of(motor, errors), bench=bench,
+                           directions=directions, targets=targets, ceilings=ceilings, file_errors=errors)
 
 
 def draw_sizes(case):
@@ -146,15 +153,15 @@ def draw_sizes(case):
     return sizes
 
 
-def draw(seed, kind, sizes=None, bench_kind="usual"):
+def draw(seed, kind, sizes=None, bench_kind="usual", with_digits=False):
     """Everything about one blind recording by the second plant; sizes: the effects' sizes, instead of drawn ones."""
-    case = draw_case(seed, kind, bench_kind)
+    case = draw_case(seed, kind, bench_kind, with_digits)
     motor, bench, ids = case.motor, case.bench, case.ids
     sizes = draw_sizes(case) if sizes is None else sizes
     model, parameters = true_model(motor, ids, sizes, case.directions, bench.has_i_c)
     columns = simulate(motor, bench, model, max(bench.rows), [seed, 2])
     truth = truth_of(case, sizes, model, parameters, columns)
-    return SimpleNamespace(motor=motor, bench=bench, columns=columns, truth=truth)
+    return SimpleNamespace(motor=motor, file=case.file, bench=bench, columns=columns, truth=truth)
 
 
 def truth_of(case, sizes, model, parameters, columns, plant="second"):
@@ -167,7 +174,7 @@ def truth_of(case, sizes, model, parameters, columns, plant="second"):
         model.v_dead_V += (model.k_u * measured_V - motor.u_dc_V) * model.t_dead_s * motor.f_pwm_Hz
         parameters[case.ids.index("dead_time")][0]["value"] = model.v_dead_V
     error, size, _, _ = oracle(columns, model, motor)
-    nominal = effects.nominal_model(motor, averaged.no_effect())
+    nominal = effects.nominal_model(case.file, averaged.no_effect())
     nominal_error, _, _ = averaged.predict(columns, nominal, motor.pole_pairs, 1.0 / motor.f_pwm_Hz)
     share = shares(columns, motor, bench, model, case.ids, sizes, case.directions)
     n = sum(bench.rows)
@@ -178,6 +185,7 @@ def truth_of(case, sizes, model, parameters, columns, plant="second"):
                     for name, s, q, par in zip(case.ids, sizes, share, parameters)],
         "motor_file_should_say": {"R_ohm": model.R_ohm, "L_d_H": model.L_d_H, "L_q_H": model.L_q_H,
                                   "psi_f_Wb": model.psi_f_Wb},
+        "file_errors": case.file_errors,
         "oracle": {"nominal_percent": 100.0 * averaged.rms(nominal_error) / size,
                    "true_percent": 100.0 * error / size,
                    "floor_percent": 100.0 * float(noise_floor_A(bench)) / size,

@@ -16,6 +16,9 @@ CAUSES = ["resistance", "inductance", "flux_linkage", "saliency", "saturation", 
 LATER = ["phase_inductance"]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
+# The same for effects without a name: in the release sets, and by name.
+UNKNOWN_LATER = []
+UNNAMED = UNKNOWN + UNKNOWN_LATER
 
 # Least and largest size: what a bench plausibly shows. Relative to the file's value, the rated peak current, a cycle
 # (dead time, delay) or radians.

@@ -21,29 +21,70 @@ def fill_page(name, text):
         file.write(block.sub(lambda m: m.group(1) + text + m.group(2), page))
 
 
-def rates_markdown(s):
-    """The rates beside what is asked of them."""
-    t, n = score.THRESHOLDS, s["recordings"]
+def percent(x):
+    return "-" if x is None else f"{100.0 * x:.1f} %"
 
-    def percent(x):
-        return "-" if x is None else f"{100.0 * x:.1f} %"
+
+def rate_rows(s, asked):
+    """(what, of how many, share, what is asked, whether recordings or values are counted) of each rate."""
+    n = s["recordings"]
 
     def at_least(name):
-        return f">= {100.0 * t[name]:.0f} %"
+        return f">= {100.0 * asked[name]:.0f} %"
     false_causes = None if s["unknown_without_cause"] is None else 1.0 - s["unknown_without_cause"]
-    rows = [("single effects named exactly", n["single"], s["single_exact"], at_least("single_exact")),
-            ("pairs named exactly", n["pair"], s["pair_exact"], at_least("pair_exact")),
-            ("clean recordings with no cause", n["clean"], s["clean_without_cause"], at_least("clean_without_cause")),
-            ("unknown effects with a false cause", n["unknown"], false_causes,
-             f"<= {100.0 * (1.0 - t['unknown_without_cause']):.0f} %"),
-            ("true parameters inside their 95 % interval", s["parameters_counted"], s["coverage"],
-             f"{100.0 * t['coverage_low']:.0f} to {100.0 * t['coverage_high']:.0f} %"),
-            ("gain over the oracle's, mean", n["single"] + n["pair"], s["gain_share"], at_least("gain_share"))]
+    rows = [("single effects named exactly", n["single"], s["single_exact"], at_least("single_exact"), True),
+            ("pairs named exactly", n["pair"], s["pair_exact"], at_least("pair_exact"), True)]
+    if "triple_exact" in asked:
+        rows += [("triples named exactly", n["triple"], s["triple_exact"], at_least("triple_exact"), True)]
+    return rows + [
+        ("clean recordings with no cause", n["clean"], s["clean_without_cause"], at_least("clean_without_cause"), True),
+        ("unknown effects with a false cause", n["unknown"], false_causes,
+         f"<= {100.0 * (1.0 - asked['unknown_without_cause']):.0f} %", True),
+        ("true parameters inside their 95 % interval", s["parameters_counted"], s["coverage"],
+         f"{100.0 * asked['coverage_low']:.0f} to {100.0 * asked['coverage_high']:.0f} %", True),
+        ("gain over the oracle's, mean", n["single"] + n["pair"] + n["triple"], s["gain_share"], at_least("gain_share"), False)]
+
+
+def rates_markdown(s, asked):
+    """The rates beside what is asked of them."""
     lines = ["| what | of | measured | asked |", "|---|---|---|---|"]
-    lines += [f"| {what} | {count} | {percent(value)} | {asked} |" for what, count, value, asked in rows]
+    lines += [f"| {what} | {count} | {percent(value)} | {want} |" for what, count, value, want, _ in rate_rows(s, asked)]
     second, main = s["by_plant"]["second"], s["by_plant"]["main"]
     lines += ["", f"{second} of the recordings are by the second plant, {main} by the project's own."]
     return "\n".join(lines) + "\n"
+
+
+def release_markdown(number, commit, s, failed):
+    """A release set's figures as they fell, each rate with its 95 % confidence interval."""
+    lines = [f"Release set {number}, commit {commit}:", "", "| what | of | measured | 95 % confidence | asked |", "|---|---|---|---|---|"]
+    for what, count, value, want, is_rate in rate_rows(s, score.RELEASE_THRESHOLDS):
+        low, high = score.confidence(round(value * count), count) if is_rate and count else (None, None)
+        span = "-" if low is None else f"{100.0 * low:.1f} to {100.0 * high:.1f} %"
+        lines.append(f"| {what} | {count} | {percent(value)} | {span} | {want} |")
+    lines.append(f"| recordings that the diagnosis refused | {sum(s['recordings'].values()) + failed} | {failed} | - | 0 |")
+    median, most, slowest = s["seconds"]["clock_s"]
+    lines.append(f"| seconds a diagnosis: median, 95 %, slowest | {sum(s['recordings'].values())} | {median}, {most}, {slowest} "
+                 "| - | median <= 1, slowest <= 5 |")
+    return "\n".join(lines) + "\n"
+
+
+def release_block():
+    with open(os.path.join(DOCS, "blind_tests.md"), encoding="utf-8") as file:
+        found = re.search(r"<!-- blind: releases -->\n(.*?)<!-- end -->", file.read(), re.DOTALL)
+    if not found:
+        raise ValueError("docs/blind_tests.md has no block <!-- blind: releases -->")
+    return found.group(1)
+
+
+def is_published(number):
+    return f"Release set {number}, commit " in release_block()
+
+
+def publish(number, commit, s, failed):
+    """Adds a release set below those that stand on the page: none is ever taken away."""
+    before = release_block()
+    between = "\n" if before.startswith("Release set") else ""
+    fill_page("releases", (before + between if between else "") + release_markdown(number, commit, s, failed))
 
 
 def markdown(results):

@@ -100,17 +100,17 @@ def write_truth(truth, folder):
 def write(drawn, folder):
     os.makedirs(folder, exist_ok=True)
     write_text(folder, "rec.csv", recording_text(drawn))
-    write_text(folder, "motor.toml", motor_text(drawn.motor))
+    write_text(folder, "motor.toml", motor_text(drawn.file))
     write_truth(drawn.truth, folder)
 
 
-def make(seed, kind, plant, folder, iqfoc, bench_kind="usual"):
+def make(seed, kind, plant, folder, iqfoc, bench_kind="usual", with_digits=False):
     """Draws and writes one recording by either plant; iqfoc is the program that holds the main one."""
     if plant == "main":
         import main_plant  # which imports this module
-        main_plant.make(seed, kind, folder, iqfoc, None, bench_kind)
+        main_plant.make(seed, kind, folder, iqfoc, None, bench_kind, with_digits)
     else:
-        write(draw.draw(seed, kind, None, bench_kind), folder)
+        write(draw.draw(seed, kind, None, bench_kind, with_digits), folder)
 
 
 def main():
@@ -120,10 +120,11 @@ def main():
     parser.add_argument("-o", "--output", required=True, metavar="DIR")
     parser.add_argument("--plant", choices=["second", "main"], default="second")
     parser.add_argument("--bench", choices=motors.BENCHES, default="usual")
+    parser.add_argument("--digits", action="store_true", help="with last-digit errors in the motor file (digits.py)")
     parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"), help="for --plant main")
     args = parser.parse_args()
     try:
-        make(args.seed, args.kind, args.plant, args.output, args.iqfoc, args.bench)
+        make(args.seed, args.kind, args.plant, args.output, args.iqfoc, args.bench, args.digits)
     except ValueError as problem:
         parser.error(str(problem))
 

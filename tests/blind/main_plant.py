@@ -102,9 +102,9 @@ def for_the_diagnosis(lines, has_mech):
 SFFR_WITH_LATE_VOLTAGE = 45.0
 
 
-def make(seed, kind, folder, iqfoc, sizes=None, bench_kind="usual"):
+def make(seed, kind, folder, iqfoc, sizes=None, bench_kind="usual", with_digits=False):
     """Writes rec.csv, motor.toml and truth.json of a case simulated by `iqfoc simulate`."""
-    case = draw.draw_case(seed, kind, bench_kind)
+    case = draw.draw_case(seed, kind, bench_kind, with_digits)
     sizes = draw.draw_sizes(case) if sizes is None else sizes
     model, parameters = draw.true_model(case.motor, case.ids, sizes, case.directions, case.bench.has_i_c)
     if model.delay_cycles:
@@ -114,14 +114,14 @@ def make(seed, kind, folder, iqfoc, sizes=None, bench_kind="usual"):
     cycles = int(np.mean(case.bench.rows))
     case.bench.rows = [cycles] * case.bench.runs
     os.makedirs(folder, exist_ok=True)
-    motor_path, recording = os.path.join(folder, "motor.toml"), os.path.join(folder, "rec.csv")
-    with open(motor_path, "w", encoding="utf-8") as file:
-        file.write(generate.motor_text(case.motor))
+    recording = os.path.join(folder, "rec.csv")
+    generate.write_text(folder, "motor.toml", generate.motor_text(case.file))
     with tempfile.TemporaryDirectory(prefix="scenario-") as scratch:
         scenario, raw = os.path.join(scratch, "scenario.toml"), os.path.join(scratch, "raw.csv")
+        generate.write_text(scratch, "true.toml", generate.motor_text(case.motor))
         with open(scenario, "w", encoding="utf-8") as file:
             file.write(scenario_text(case, cycles))
-        command = [iqfoc, "simulate", "--motor", motor_path, "--scenario", scenario, "-o", raw, "--seed", str(seed)]
+        command = [iqfoc, "simulate", "--motor", os.path.join(scratch, "true.toml"), "--scenario", scenario, "-o", raw, "--seed", str(seed)]
         command += effect_arguments(case, model)
         done = subprocess.run(command, capture_output=True, text=True, timeout=120)
         if done.returncode != 0:

@@ -2,21 +2,26 @@
 """The blind tests: draws recordings, has `iqfoc diagnose` look at them, and compares with what was hidden.
 
     tests/blind/run.py              300 recordings; fails below the thresholds of score.py
+    tests/blind/run.py --digits     the same with last-digit errors in every motor file (digits.py)
     tests/blind/run.py --ci         a fixed set of 48, half of them by the second plant
+    tests/blind/run.py --release 3  release set 3: 1,000 recordings that nothing was developed on; once only (release.py)
     tests/blind/run.py --kind phase_inductance --count 40    recordings of one kind (generate.py lists them)
     tests/blind/run.py --skip-check for each cause: told to skip its hypothesis, the diagnosis must fail this test
     tests/blind/run.py --limits     the size of each effect that is found in 95 % of cases (limits.py)
 
 Recordings are the same on every machine: a seed is all there is. --keep DIR leaves them (and reuses those there).
-Needs Debian's python3-numpy, and gnuplot for --figure.
+Needs Debian's python3-numpy and python3-scipy, and gnuplot for --figure.
 """
 
 import argparse
 import json
 import os
+import resource
 import subprocess
 import sys
 import tempfile
+import time
+import typing
 from concurrent.futures import ProcessPoolExecutor, as_completed
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -29,6 +34,7 @@ try:
     import effects
     import figure
     import generate
+    import release
     import score
 except ImportError as missing:
     sys.exit(f"tests/blind/run.py: {missing}; needs Debian's python3-numpy and its /usr/bin/python3")
@@ -45,8 +51,20 @@ def fixed_set(full, first=None):
     return [(first + n, kind, ("second", "main")[n % 2]) for n, kind in enumerate(kinds)]
 
 
+class Case(typing.NamedTuple):
+    seed: int
+    kind: str
+    plant: str
+    digits: bool
+    keep: str
+    iqfoc: str
+    skip: str
+
+
 def set_of(args):
     """(seed, kind, plant) of the recordings that are asked for."""
+    if args.release is not None:
+        return release.cases(args.release, args.scale)
     wanted = fixed_set(not args.ci, args.first)
     if args.kind:
         first = 50000 if args.first is None else args.first
@@ -56,17 +74,17 @@ def set_of(args):
     return wanted
 
 
-def prepare(folder, seed, kind, plant, iqfoc):
+def prepare(folder, case):
     """Makes the recording unless the folder holds it already."""
     if not os.path.exists(os.path.join(folder, "truth.json")):
-        generate.make(seed, kind, plant, folder, iqfoc)
+        generate.make(case.seed, case.kind, case.plant, folder, case.iqfoc, "usual", case.digits)
     with open(os.path.join(folder, "truth.json"), encoding="utf-8") as file:
         return json.load(file)
 
 
-def diagnose(folder, iqfoc, skip=None):
+def diagnose(folder, iqfoc, skip=None, more=()):
     """Runs the diagnosis on a folder's recording; raises with its words when it refuses."""
-    command = [iqfoc, "diagnose", "rec.csv", "--motor", "motor.toml", "--json", "-"]
+    command = [iqfoc, "diagnose", "rec.csv", "--motor", "motor.toml", "--json", "-", *more]
     if skip:
         command += ["--skip", skip]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120)
@@ -75,12 +93,23 @@ def diagnose(folder, iqfoc, skip=None):
     return json.loads(done.stdout)
 
 
+def timed(folder, iqfoc, skip):
+    """The diagnosis, and its seconds by the clock and on the processor. A worker runs one child at a time."""
+    def cpu_s():
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return used.ru_utime + used.ru_stime
+    clock, before = time.monotonic(), cpu_s()
+    found = diagnose(folder, iqfoc, skip)
+    return found, {"clock_s": time.monotonic() - clock, "cpu_s": cpu_s() - before}
+
+
 def one_case(case):
-    seed, kind, plant, keep, iqfoc, skip = case
     with tempfile.TemporaryDirectory(prefix="blind-") as scratch:
-        folder = os.path.join(keep, f"{plant}-{kind}-{seed}") if keep else scratch
-        truth = prepare(folder, seed, kind, plant, iqfoc)
-        return score.judge(truth, diagnose(folder, iqfoc, skip))
+        name = f"{case.plant}-{case.kind}-{case.seed}" + ("-digits" if case.digits else "")
+        folder = os.path.join(case.keep, name) if case.keep else scratch
+        truth = prepare(folder, case)
+        found, taken = timed(folder, case.iqfoc, case.skip)
+        return {**score.judge(truth, found), **taken}
 
 
 def run_cases(cases, jobs):
@@ -114,18 +143,18 @@ def print_report(results, failures, s):
                 print(f"outside: seed {r['seed']} {r['kind']} {r['plant']}: {p['id']}.{p['name']} "
                       f"true {p['true']:.6g}, fit {p['fit']}, interval {p['ci95']}")
     for case, words in failures:
-        print(f"failed: seed {case[0]} kind {case[1]} plant {case[2]}: {words}")
+        print(f"failed: seed {case.seed} kind {case.kind} plant {case.plant}: {words}")
     for name, value in s.items():
         print(f"{name}: {value if not isinstance(value, float) else round(value, 4)}")
 
 
 def skip_check(args):
     """A test that hides an effect must fail when the hypothesis is left out: else it tests nothing."""
-    cases = [(7000 + n, c, "second", args.keep, args.iqfoc, None) for n, c in enumerate(effects.KNOWN)]
+    cases = [Case(7000 + n, c, "second", args.digits, args.keep, args.iqfoc, None) for n, c in enumerate(effects.KNOWN)]
     found, failures = run_cases(cases, args.jobs)
-    skipped, more = run_cases([case[:5] + (case[1],) for case in cases], args.jobs)
+    skipped, more = run_cases([case._replace(skip=case.kind) for case in cases], args.jobs)
     for case, words in failures + more:
-        print(f"failed: {case[1]}: {words}")
+        print(f"failed: {case.kind}: {words}")
     passed_anyway = [r["kind"] for r in skipped if r["exact"]]
     for r, without in zip(found, skipped):
         print(f"{r['kind']}: named {'+'.join(r['named']) or 'nothing'}; "
@@ -138,9 +167,12 @@ def skip_check(args):
     return 1 if passed_anyway or missed or failures or more else 0
 
 
-def main():
+def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--ci", action="store_true", help="the fixed small set")
+    parser.add_argument("--digits", action="store_true", help="with last-digit errors in every motor file (digits.py)")
+    parser.add_argument("--release", type=int, metavar="N", help="release set N, with --digits; once only")
+    parser.add_argument("--scale", type=float, default=1.0, help="try --release with this share of it, on development seeds")
     parser.add_argument("--first", type=int, metavar="SEED", help="another set of the same kind: its first seed")
     parser.add_argument("--kind", help="recordings of this kind only: single, dead_time, resistance+angle_offset, ...")
     parser.add_argument("--count", type=int, default=40, help="how many of --kind (default 40)")
@@ -151,7 +183,7 @@ def main():
     parser.add_argument("--plant", choices=["both", "second", "main"], default="both", help="one plant only")
     parser.add_argument("--skip", help="pass on to the diagnosis: hypotheses to leave out")
     parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"))
-    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="recordings side by side (default: all cores)")
     parser.add_argument("--keep", metavar="DIR", help="leave the recordings here, and reuse those that are")
     parser.add_argument("--json", metavar="F", help="all results as JSON")
     parser.add_argument("--docs", action="store_true", help="write the results into docs/blind_tests.md and its figure")
@@ -163,18 +195,35 @@ def main():
         parser.error(f"no program at {args.iqfoc}: build it first (./dev build) or name it by --iqfoc")
     if args.docs and (args.kind or args.ci):
         parser.error("--docs: the page holds the full set, without --kind and --ci")
+    if args.first is not None and args.first >= release.FIRST_SEED:
+        parser.error(f"--first: seeds from {release.FIRST_SEED} on are for release sets")
     args.keep = os.path.abspath(args.keep) if args.keep else None
-    if args.skip_check:
-        return skip_check(args)
-    if args.limits:
-        import limits
-        return limits.run(args)
+    if args.release is not None:
+        check_release(parser, args)
+    return args
 
-    cases = [(seed, kind, plant, args.keep, args.iqfoc, args.skip) for seed, kind, plant in set_of(args)]
-    print(f"{len(cases)} recordings, seeds {cases[0][0]} to {cases[-1][0]}")
-    results, failures = run_cases(cases, args.jobs)
-    s = score.summary(results)
-    print_report(results, failures, s)
+
+def check_release(parser, args):
+    """A release set is used once, on a tree that the published commit stands for."""
+    if args.kind or args.ci or args.skip or args.first is not None or args.plant != "both":
+        parser.error("--release: the set is what it is, without --kind, --ci, --skip, --first and --plant")
+    if not 0 < args.release < 100 or not 0.0 < args.scale <= 1.0:
+        parser.error("--release takes a set from 1 to 99, --scale a share above 0 and up to 1")
+    args.digits = True
+    args.commit = release.commit()
+    if args.scale < 1.0:
+        if args.docs:
+            parser.error("--docs: the page holds whole sets, without --scale")
+        return
+    if args.keep:
+        parser.error("--keep: a release set is not kept")
+    if figure.is_published(args.release):
+        parser.error(f"release set {args.release} is used up (docs/blind_tests.md); take the next number")
+    if args.commit is None:
+        parser.error("the tree is not as committed; a release set is published with its commit")
+
+
+def write_results(args, results, failures, s):
     if args.json:
         with open(args.json, "w", encoding="utf-8") as file:
             json.dump({"summary": s, "failures": [[list(c[:3]), w] for c, w in failures], "recordings": results},
@@ -184,12 +233,32 @@ def main():
     if args.table:
         with open(args.table, "w", encoding="utf-8") as file:
             file.write(figure.markdown(results))
-    if args.docs:
-        figure.fill_page("rates", figure.rates_markdown(s))
+    if args.docs and args.release is not None:
+        figure.publish(args.release, args.commit, s, len(failures))
+    elif args.docs:
+        figure.fill_page("rates", figure.rates_markdown(s, score.THRESHOLDS))
         figure.fill_page("confusion", figure.markdown(results))
         os.makedirs(os.path.join(figure.DOCS, "figures"), exist_ok=True)
         figure.write_svg(results, os.path.join(figure.DOCS, "figures", "confusion.svg"))
-    problems = score.below_threshold(s, not args.ci and not args.kind) + [f"{len(failures)} recordings failed to run"] * bool(failures)
+
+
+def main():
+    args = arguments()
+    if args.skip_check:
+        return skip_check(args)
+    if args.limits:
+        import limits
+        return limits.run(args)
+
+    cases = [Case(seed, kind, plant, args.digits, args.keep, args.iqfoc, args.skip) for seed, kind, plant in set_of(args)]
+    print(f"{len(cases)} recordings, seeds {cases[0].seed} to {cases[-1].seed}" + (", last-digit errors" if args.digits else ""))
+    results, failures = run_cases(cases, args.jobs)
+    s = score.summary(results)
+    print_report(results, failures, s)
+    write_results(args, results, failures, s)
+    thresholds = score.RELEASE_THRESHOLDS if args.release is not None else score.THRESHOLDS
+    problems = score.below_threshold(s, not args.ci and not args.kind, thresholds)
+    problems += [f"{len(failures)} recordings failed to run"] * bool(failures)
     for problem in problems:
         print(f"below threshold: {problem}")
     print("blind tests: " + ("thresholds missed" if problems else f"passed on {len(results)} recordings"))

@@ -1,0 +1,53 @@
+"""Release sets: 1,000 recordings drawn anew for a release, used once, and never developed on.
+
+Development has all seeds below FIRST_SEED, a release set has its own thousand beyond. What is found there is published with the set's
+number and the commit, as it falls (docs/blind_tests.md); a set that stands there is used up. A smaller set to try the machinery with
+(--scale) is drawn from development seeds.
+"""
+
+import os
+import subprocess
+
+import numpy as np
+
+import draw
+import effects
+
+FIRST_SEED = 1_000_000_000
+PER_SET = 10_000
+TRIAL_SEED = 500_000  # of a scaled set
+PARTS = {"clean": 300, "unknown": 200, "single": 300, "pair": 150, "triple": 50}
+
+
+def kind_of(part, n, seed):
+    """What is hidden in recording n of a part: causes and unknown effects in turn, pairs and triples drawn from all causes."""
+    if part == "single":
+        return effects.KNOWN[n % len(effects.KNOWN)]
+    if part == "unknown":
+        return effects.UNNAMED[n % len(effects.UNNAMED)]
+    if part in ("pair", "triple"):
+        return "+".join(draw.draw_group(np.random.default_rng([seed, 6]), effects.KNOWN, 2 if part == "pair" else 3))
+    return part
+
+
+def cases(number, scale=1.0):
+    """(seed, kind, plant) of release set `number`, or of a share of one on development seeds."""
+    first = FIRST_SEED + number * PER_SET if scale == 1.0 else TRIAL_SEED + number * PER_SET
+    out = []
+    for part, count in PARTS.items():
+        for n in range(round(count * scale)):
+            seed = first + len(out)
+            kind = kind_of(part, n, seed)
+            # The plants take turns, shifted each time the kinds have been through, so that each kind meets both.
+            turns = {"single": len(effects.KNOWN), "unknown": len(effects.UNNAMED)}.get(part, 1)
+            shift = n // turns if turns % 2 == 0 else 0
+            out.append((seed, kind, ("second", "main")[(n + shift) % 2]))
+    return out
+
+
+def commit():
+    """The commit that the tree stands at, or None where the tree is not as committed."""
+    def git(*words):
+        here = os.path.dirname(os.path.abspath(__file__))
+        return subprocess.run(["git", *words], cwd=here, capture_output=True, text=True, check=True).stdout.strip()
+    return None if git("status", "--porcelain", "--untracked-files=no") else git("rev-parse", "--short=12", "HEAD")
