@@ -77,6 +77,7 @@ static bool run_all(const request *r, const motor *m, const scenario *s, plant_c
     for (size_t k = 0; k < s->runs && good; k++) {
         uint32_t status = 0;
         drive.seed = (uint64_t)r->seed * 1000003U + k;
+        drive.clock_s = drive_recording_next_s(out);
         good = drive_run(m, &drive, &s->run[k], (long)k + 1, &config, firmware, &log, &status, e);
         status &= ~IQFOC_STATUS_NO_INTERVAL; /* set at every start with a corrected mean */
         if (good && status != 0) {

@@ -18,6 +18,7 @@ typedef struct motor_extension {
     bool has[CAUSE_COUNT];
 #define VALUE(ID, field, ...)        double field;
 #define PHASE_VALUES(ID, field, ...) double field[3];
+#define PHASE_RATES(ID, field, ...)  double field[3];
 #include "causes.def"
 } motor_extension;
 
@@ -39,7 +40,8 @@ typedef struct motor {
 typedef enum motor_value_kind {
     VALUE_REAL,
     VALUE_WHOLE,
-    VALUE_MEAN_INDUCTANCE /* of L_d_H and L_q_H */
+    VALUE_MEAN_INDUCTANCE, /* of L_d_H and L_q_H */
+    VALUE_RATE             /* of another value, per second; stands in a file only where it is not nought */
 } motor_value_kind;
 
 typedef struct motor_value {

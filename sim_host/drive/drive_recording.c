@@ -46,6 +46,12 @@ bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, er
     return true;
 }
 
+double drive_recording_next_s(const drive_recording *r)
+{
+    const recording *rec = &r->recording;
+    return rec->rows == 0 ? 0.0 : rec->t_s[rec->rows - 1] + PAUSE_CYCLES * r->T_s;
+}
+
 static void set(double *values, size_t k, double value)
 {
     if (values != NULL) {
@@ -62,7 +68,7 @@ static bool add_row(void *context, const drive_row *row, error *e)
         return error_failure(e, 0, "more cycles than the scenario has");
     }
     if (row->run != r->run) {
-        r->begin_s = k == 0 ? 0.0 : rec->t_s[k - 1] + PAUSE_CYCLES * r->T_s;
+        r->begin_s = drive_recording_next_s(r);
         r->first = k;
         r->run = row->run;
     }

@@ -21,6 +21,9 @@ typedef struct drive_recording {
 /* Room for all logged cycles of a scenario. False with *e set if there is no memory. */
 bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, error *e);
 
+/* When the first row of the next run will stand. */
+double drive_recording_next_s(const drive_recording *r);
+
 /* A log for drive_run. */
 drive_log drive_recording_log(drive_recording *r);
 

@@ -38,6 +38,7 @@ bool drive_run(const motor *m, const plant_config *drive, const scenario_run *ru
     c.shaft.theta_mech_start_rad = run->theta_mech_start_rad;
     c.shaft.J_kgm2 = run->J_kgm2;
     c.shaft.friction_Nms = run->friction_Nms;
+    c.clock_s -= (double)run->settle_cycles * c.T_s;
     if (run->u_dc_V > 0.0) {
         c.inverter.u_dc_V = run->u_dc_V;
     }

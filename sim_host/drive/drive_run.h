@@ -16,7 +16,7 @@ typedef struct drive_log {
 
 /*
  * Runs one run of a scenario: settling cycles, then the logged ones. drive: configured by the caller (motor,
- * effects, sensors, seed); shaft, DC link and references are set from the run. status collects the firmware's
+ * effects, sensors, seed, what the clock shows at the first logged cycle); shaft, DC link and references are set from the run. status collects the firmware's
  * sticky bits. False with *e set if the firmware tripped (by name and time) or is gone, or the log refused a
  * row.
  */

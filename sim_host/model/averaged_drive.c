@@ -136,6 +136,7 @@ static void inverse_inductance(const averaged_drive *d, double share, vec_rotor 
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
                            vec_rotor r, double T_s)
 {
+    const double drifted = d->R_rate_ohm_s * row->elapsed_s;
     double first[3];
     double last[3];
     double lost[3];
@@ -152,10 +153,11 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
         vec_ab flux = row->edge_ripple_Wb[x];
         vec_ab i_ripple = {k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
         double apart = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (last[x] - first[x]);
+        const double more_ohm = d->dR_ohm[x] + drifted;
         lost[x] = 0.5 * d->v_dead_V *
                       (averaged_drive_edge(d->edge, (mid + apart) * per_knee) +
                        averaged_drive_edge(d->edge, (mid - apart) * per_knee)) +
-                  d->dR_ohm[x] * mid / (1.0 + d->dR_ohm[x] * third);
+                  more_ohm * mid / (1.0 + more_ohm * third);
     }
     return vec_from_phases(lost);
 }
@@ -242,7 +244,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     vec_dq u_dq = vec_to_dq(u, r);
     vec_dq i_dq = vec_to_dq(i_true, r);
-    double psi = d->psi_f_Wb + d->psi_temperature * row->temperature_K;
+    double psi = d->psi_f_Wb + d->psi_temperature * row->temperature_K + d->psi_rate_Wb_s * row->elapsed_s;
     bool iron = d->iron_S != 0.0 || d->iron_s_S != 0.0;
     if (iron) {
         /* The current that makes flux is what the iron leaves. */
@@ -264,7 +266,8 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
                     m.push[0][0] * push.d + m.push[0][1] * push.q,
                 m.decay[1][0] * x.d + m.decay[1][1] * x.q + m.drive[1][0] * u_dq.d + m.drive[1][1] * u_dq.q +
                     m.push[1][0] * push.d + m.push[1][1] * push.q};
-    if (d->v_dead_V != 0.0 || d->dR_ohm[0] != 0.0 || d->dR_ohm[1] != 0.0 || d->dR_ohm[2] != 0.0) {
+    if (d->v_dead_V != 0.0 || d->R_rate_ohm_s != 0.0 || d->dR_ohm[0] != 0.0 || d->dR_ohm[1] != 0.0 ||
+        d->dR_ohm[2] != 0.0) {
         /* The current of this cycle as if nothing were lost, in the stationary frame. */
         vec_ab i_end = vec_to_ab(current_of(d, y, i_dq), end);
         vec_dq lost = vec_to_dq(phase_losses(d, row, vec_to_ab(i_dq, r), i_end, r, m.push[0][0]), r);
@@ -301,14 +304,22 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     return i_next;
 }
 
-sensor_map averaged_drive_sensors(const averaged_drive *d, bool two_sensors)
+bool averaged_drive_sensors_drift(const averaged_drive *d)
 {
-    sensor_map map = {.offset = {d->offset_ab_A[0], d->offset_ab_A[1]}, .zero_offset_A = d->offset_zero_A};
+    return d->offset_rate_ab_A_s[0] != 0.0 || d->offset_rate_ab_A_s[1] != 0.0 || d->g_rate_s[0] != 0.0 ||
+           d->g_rate_s[1] != 0.0 || d->g_rate_s[2] != 0.0;
+}
+
+sensor_map averaged_drive_sensors(const averaged_drive *d, bool two_sensors, double elapsed_s)
+{
+    sensor_map map = {.offset = {d->offset_ab_A[0] + d->offset_rate_ab_A_s[0] * elapsed_s,
+                                 d->offset_ab_A[1] + d->offset_rate_ab_A_s[1] * elapsed_s},
+                      .zero_offset_A = d->offset_zero_A};
     for (size_t column = 0; column < 2; column++) {
         double i[3];
         vec_to_phases((vec_ab){column == 0 ? 1.0 : 0.0, column == 1 ? 1.0 : 0.0}, i);
         for (size_t x = 0; x < 3; x++) {
-            i[x] *= d->g[x];
+            i[x] *= d->g[x] + d->g_rate_s[x] * elapsed_s;
         }
         map.zero[column] = (i[0] + i[1] + i[2]) / 3.0;
         if (two_sensors) {

@@ -37,6 +37,8 @@ typedef struct averaged_drive {
     double offset_ab_A[2]; /* current sensors, stationary frame */
     double offset_zero_A;  /* mean of the three sensors' offsets: shows only where all three are recorded */
     double g[3];
+    /* What moves, per second from the middle of the recording. */
+    double R_rate_ohm_s, psi_rate_Wb_s, offset_rate_ab_A_s[2], g_rate_s[3];
     double theta_0_rad, t_delay_s;
     /* Angle error c cos(n theta_mech) + s sin(n theta_mech), n = 1, 2. */
     double harmonic_cos_rad[2], harmonic_sin_rad[2];
@@ -66,6 +68,7 @@ typedef struct cycle_row {
     vec_ab edge_ripple_Wb[3]; /* flux ripple when each leg rises; the opposite when it falls */
     double node_h;            /* where the speed lies from its node, in node steps */
     size_t node;              /* index into the table */
+    double elapsed_s;         /* from the mean of the recording's times */
     double temperature_K;     /* above the recording's mean; 0 without temp_C */
     vec_ab i_A;               /* recorded currents, Clarke (amplitude-invariant) */
     double i_zero_A;          /* mean of the three recorded currents; 0 if only two were recorded */
@@ -91,8 +94,11 @@ typedef struct sensor_map {
     double zero_offset_A;
 } sensor_map;
 
-/* `two_sensors`: phase C was not measured, and -a-b of the recorded ones stands for it. */
-sensor_map averaged_drive_sensors(const averaged_drive *drive, bool two_sensors);
+/* `two_sensors`: phase C was not measured, and -a-b of the recorded ones stands for it. elapsed_s: as in cycle_row. */
+sensor_map averaged_drive_sensors(const averaged_drive *drive, bool two_sensors, double elapsed_s);
+
+/* Whether another row has another map. */
+bool averaged_drive_sensors_drift(const averaged_drive *drive);
 vec_ab sensor_map_measure(const sensor_map *map, vec_ab i_true);
 vec_ab sensor_map_unmeasure(const sensor_map *map, vec_ab i_recorded);
 

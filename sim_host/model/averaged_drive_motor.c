@@ -14,6 +14,9 @@ static void take_laws(averaged_drive *d, const motor *m)
         const vec_ab offset = vec_from_phases(x->o_A);
         d->offset_ab_A[0] = offset.alpha;
         d->offset_ab_A[1] = offset.beta;
+        const vec_ab rate = vec_from_phases(x->o_rate_A_s);
+        d->offset_rate_ab_A_s[0] = rate.alpha;
+        d->offset_rate_ab_A_s[1] = rate.beta;
         d->offset_zero_A = (x->o_A[0] + x->o_A[1] + x->o_A[2]) / 3.0;
     }
     if (x->has[CAUSE_ANGLE_HARMONIC]) {
@@ -50,6 +53,7 @@ static void put_laws(motor *m, const averaged_drive *d)
     x->I_sat_A = d->saturation > 0.0 ? 1.0 / sqrt(d->saturation) : NEVER * I_A;
     /* Only the two-phase information of the offsets counts: their common part is left out. */
     vec_to_phases((vec_ab){d->offset_ab_A[0], d->offset_ab_A[1]}, x->o_A);
+    vec_to_phases((vec_ab){d->offset_rate_ab_A_s[0], d->offset_rate_ab_A_s[1]}, x->o_rate_A_s);
     const double amplitude_rad[2] = {hypot(d->harmonic_cos_rad[0], d->harmonic_sin_rad[0]),
                                      hypot(d->harmonic_cos_rad[1], d->harmonic_sin_rad[1])};
     const size_t n = amplitude_rad[1] > amplitude_rad[0] ? 1 : 0;

@@ -15,8 +15,9 @@ static bool is_linear(const plant_config *c)
     const plant_inverter *v = &c->inverter;
     const bool equal_phases = m->dR_ohm[0] == 0.0 && m->dR_ohm[1] == 0.0 && m->dR_ohm[2] == 0.0 &&
                               m->dL_H[0] == 0.0 && m->dL_H[1] == 0.0 && m->dL_H[2] == 0.0;
-    const bool plain_machine =
-        equal_phases && m->I_sat_A == 0.0 && m->R_fe_ohm == 0.0 && m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0;
+    const bool steady = m->R_rate_ohm_s == 0.0 && m->psi_rate_Wb_s == 0.0;
+    const bool plain_machine = steady && equal_phases && m->I_sat_A == 0.0 && m->R_fe_ohm == 0.0 &&
+                               m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0;
     const bool ideal_legs =
         v->t_dead_s == 0.0 && v->v_switch_V == 0.0 && v->v_diode_V == 0.0 && v->ripple_V == 0.0;
     const bool constant_speed = c->shaft.mode == PLANT_SHAFT_GIVEN && c->shaft.accel_e_rad_s2 == 0.0;
@@ -30,6 +31,7 @@ void plant_init(plant *p, const plant_config *c)
     p->linear = is_linear(c);
     p->state.y[STATE_THETA_E] = c->shaft.theta_mech_start_rad * c->machine.pole_pairs;
     p->state.y[STATE_OMEGA_E] = c->shaft.omega_e_start_rad_s;
+    p->state.y[STATE_CLOCK] = c->clock_s;
     for (int x = 0; x < 3; x++) {
         p->leg[x].rise_s = INFINITY;
         p->leg[x].fall_s = INFINITY;
@@ -147,6 +149,7 @@ static void advance_linear(plant *p, double dt_s, vec_rotor *r)
     electrical_state x = {vec_to_dq(i, start), {y[STATE_INT_I_D], y[STATE_INT_I_Q]}, {0.0, 0.0}};
     electrical_advance(&machine, dt_s, vec_to_dq(u, start), &x);
     y[STATE_THETA_E] += y[STATE_OMEGA_E] * dt_s;
+    y[STATE_CLOCK] += dt_s;
     *r = rotor_at(y[STATE_THETA_E]);
     const vec_ab i_end = vec_to_ab(x.i_dq_A, *r);
     const vec_dq integral_start = {x.integral_start_As.alpha, x.integral_start_As.beta};
@@ -195,6 +198,7 @@ void plant_sample(plant *p, plant_samples *s)
                       y[filtered ? STATE_SEEN_BETA : STATE_I_BETA]};
     const bool given = p->config.shaft.mode == PLANT_SHAFT_GIVEN;
     sensor_truth truth = {.t_s = p->t_begin_s + p->t_cycle_s,
+                          .clock_s = y[STATE_CLOCK],
                           .theta_mech_rad = y[STATE_THETA_E] / p->config.machine.pole_pairs,
                           .omega_e_rad_s = y[STATE_OMEGA_E],
                           .accel_e_rad_s2 = given ? p->config.shaft.accel_e_rad_s2 : 0.0};

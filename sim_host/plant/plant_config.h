@@ -22,6 +22,7 @@ typedef struct plant_machine {
     double L_d_H, L_q_H; /* at zero current, if it saturates */
     double dL_H[3];      /* in series with phase x: leakage, or a choke in the cable */
     double psi_f_Wb;
+    double R_rate_ohm_s, psi_rate_Wb_s; /* by which both have grown for each second of the clock */
     double psi_5_Wb, psi_7_Wb; /* psi_A = psi_f cos(theta) + psi_5 cos(5 theta) + psi_7 cos(7 theta) */
     double I_sat_A;            /* flux / current = L/(1 + (i/I_sat)^2), i by its energy; 0: none */
     double R_fe_ohm; /* iron loss: branch beside the flux, R_fe with tau_fe * R_fe in series; 0: none */
@@ -63,6 +64,7 @@ typedef struct plant_sensors {
     double current_noise_A; /* standard deviation, each channel and sample on its own */
     double current_gain[3]; /* measured = gain * true + offset */
     double current_offset_A[3];
+    double current_gain_rate_s[3], current_offset_rate_A_s[3]; /* by which both grow with the clock */
     double current_bandwidth_Hz; /* first-order low-pass of all channels; 0: none */
     double theta_0_rad; /* reading = true(t + t_delay) + theta_0 + amplitude cos(order theta_mech + phase) */
     double harmonic_order, harmonic_amplitude_rad, harmonic_phase_rad;
@@ -82,6 +84,7 @@ typedef struct plant_config {
     plant_inverter inverter;
     plant_shaft shaft;
     plant_sensors sensors;
+    double clock_s;   /* when the drive starts: what drifts has the values above when the clock shows 0 */
     double T_s;       /* control cycle = PWM period */
     double I_scale_A; /* size of the currents, for the tolerance of the numerical path: rated peak */
     uint64_t seed;

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#define EFFECT_KEYS_MAX 5
+#define EFFECT_KEYS_MAX 6
 
 /* What a key's typical value is a multiple of. */
 typedef enum relative_to {

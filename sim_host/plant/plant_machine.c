@@ -1,6 +1,8 @@
 /* The machine's and the shaft's equations (plant_machine.h). */
 #include "plant_machine.h"
 
+#include <math.h>
+
 #define SATURATION_LAW_ENDS 0.8 /* of I_sat */
 
 void machine_saturation(const plant_machine *m, double i_A, double *factor, double *slope_over_i)
@@ -78,6 +80,8 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
 {
     const plant_machine *m = &c->machine;
     const double omega = s->y[STATE_OMEGA_E];
+    const double clock_s = s->y[STATE_CLOCK];
+    const double psi_f_Wb = m->psi_f_Wb + m->psi_rate_Wb_s * clock_s;
     const double theta = s->y[STATE_THETA_E];
     t->r = rotor_at(theta);
     t->i_A = (vec_ab){s->y[STATE_I_ALPHA], s->y[STATE_I_BETA]};
@@ -100,11 +104,12 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
 
     /* dpsi/dtheta at constant phase current: the flux turns with the rotor, the current in its frame back. */
     const vec_dq turn = {-psi_i.q + L_dd * i_m.q - L_dq * i_m.d,
-                         psi_i.d + m->psi_f_Wb + L_dq * i_m.q - L_qq * i_m.d};
+                         psi_i.d + psi_f_Wb + L_dq * i_m.q - L_qq * i_m.d};
     const vec_ab harmonic = harmonic_emf_per_speed(m, theta);
     vec_ab emf = vec_to_ab(turn, t->r);
-    emf.alpha = omega * (emf.alpha + harmonic.alpha);
-    emf.beta = omega * (emf.beta + harmonic.beta);
+    /* A magnet that weakens induces along its own axis. */
+    emf.alpha = omega * (emf.alpha + harmonic.alpha) + m->psi_rate_Wb_s * t->r.cos;
+    emf.beta = omega * (emf.beta + harmonic.beta) + m->psi_rate_Wb_s * t->r.sin;
 
     /* The inverse of the differential inductance, turned into the stationary frame column by column. */
     for (int k = 0; k < 2; k++) {
@@ -117,7 +122,7 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
         t->rate[1][k] = column.beta;
     }
 
-    const double R = m->R_ohm + c->inverter.r_on_ohm;
+    const double R = fmax(m->R_ohm + m->R_rate_ohm_s * clock_s, 0.0) + c->inverter.r_on_ohm;
     double drop[3];
     for (int x = 0; x < 3; x++) {
         drop[x] = (R + m->dR_ohm[x]) * vec_phase(t->i_A, x);
@@ -143,7 +148,7 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
         put_in_series(m, t);
     }
 
-    const double reluctance_and_magnet = (psi_i.d + m->psi_f_Wb) * i_m.q - psi_i.q * i_m.d;
+    const double reluctance_and_magnet = (psi_i.d + psi_f_Wb) * i_m.q - psi_i.q * i_m.d;
     const double harmonics = harmonic.alpha * i_m_ab.alpha + harmonic.beta * i_m_ab.beta;
     t->torque_Nm = 1.5 * m->pole_pairs * (reluctance_and_magnet + harmonics);
 }
@@ -175,6 +180,7 @@ void machine_rates(const plant_config *c, const plant_state *s, const machine_te
     rate[STATE_SEEN_BETA] = bandwidth_rad_s * (t->i_A.beta - s->y[STATE_SEEN_BETA]);
     rate[STATE_THETA_E] = s->y[STATE_OMEGA_E];
     rate[STATE_OMEGA_E] = acceleration(c, s->y[STATE_OMEGA_E], t->torque_Nm);
+    rate[STATE_CLOCK] = 1.0;
     rate[STATE_INT_I_ALPHA] = t->i_A.alpha;
     rate[STATE_INT_I_BETA] = t->i_A.beta;
     rate[STATE_INT_I_D] = t->i_dq_A.d;

@@ -27,6 +27,7 @@ enum {
     STATE_SEEN_BETA,
     STATE_THETA_E,    /* rad */
     STATE_OMEGA_E,    /* rad/s */
+    STATE_CLOCK,      /* s, from which values drift */
     STATE_CONTROLLED, /* the states above steer the step size; the integrals below follow */
     STATE_INT_I_ALPHA = STATE_CONTROLLED, /* since the cycle began, As */
     STATE_INT_I_BETA,

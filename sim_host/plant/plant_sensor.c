@@ -64,7 +64,10 @@ void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *tr
     const bool loose = loose_now(sensors, m);
     s->t_s = truth->t_s;
     for (int x = 0; x < 3; x++) {
-        double i = sensors->current_gain[x] * truth->i_A[x] + sensors->current_offset_A[x];
+        const double gain = sensors->current_gain[x] + sensors->current_gain_rate_s[x] * truth->clock_s;
+        const double offset_A =
+            sensors->current_offset_A[x] + sensors->current_offset_rate_A_s[x] * truth->clock_s;
+        double i = gain * truth->i_A[x] + offset_A;
         if (loose && x == sensors->loose_channel) {
             i = sensors->loose_gain * i + sensors->loose_step_A;
         }

@@ -27,7 +27,8 @@ typedef struct sensor_memory {
 /* What is true at the sampling instant. */
 typedef struct sensor_truth {
     double t_s;
-    double i_A[3]; /* behind the low-pass, if there is one */
+    double clock_s; /* from which gains and offsets drift */
+    double i_A[3];  /* behind the low-pass, if there is one */
     double theta_mech_rad, omega_e_rad_s, accel_e_rad_s2;
     double u_dc_V;
 } sensor_truth;

@@ -147,6 +147,7 @@ void solver_advance(const plant_config *c, inverter_leg leg[3], double t_begin_s
         v.scale[n] = c->I_scale_A;
     }
     v.scale[STATE_THETA_E] = 1.0;
+    v.scale[STATE_CLOCK] = 1.0;
     v.scale[STATE_OMEGA_E] = fmax(fabs(s->y[STATE_OMEGA_E]), 1.0 / c->T_s * 1e-3);
     v.k.leg = leg;
     for (int x = 0; x < 3; x++) {

@@ -17,6 +17,8 @@ def no_effect():
     return SimpleNamespace(
         I_sat_A=np.inf, t_dead_s=0.0, V_switch_V=0.0, V_diode_V=0.0, v_dead_V=0.0, i_knee_A=1.0, k_u=1.0,
         o_A=np.zeros(3), g=np.ones(3), two_sensors=False, theta_0_rad=0.0,
+        # What drifts: by how much per second of the recording; the values are those at its middle.
+        R_rate_ohm_s=0.0, psi_rate_Wb_s=0.0, o_rate_A_s=np.zeros(3), g_rate_s=np.zeros(3),
         order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
         delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, dR_ohm=np.zeros(3), dL_H=np.zeros(3), R_iron_ohm=np.inf,
         tau_iron_s=1e-4, u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
@@ -39,7 +41,8 @@ def gains_on_vector(model):
 def predict(columns, model, pole_pairs, T_s):
     """Errors of the one-cycle prediction as vectors, shape (cycles - 2, lanes), and the measured current.
 
-    columns: what second_drive.record returned. model: R_ohm, L_d_H, L_q_H, psi_f_Wb and the fields of no_effect().
+    columns: what second_drive.record returned. model: R_ohm, L_d_H, L_q_H, psi_f_Wb and the fields of no_effect();
+    what drifts stands at its mean.
     """
     shape = columns["theta_e_rad"].shape
 

@@ -39,6 +39,19 @@ def draw_effects(rng, kind):
     return ids
 
 
+def lane_starts(seed, bench, T_s):
+    """When each run begins in the recording, and when the last one ends: with generate.recording_text's pauses."""
+    rng = np.random.default_rng([seed, 3])
+    starts, start = [], 0.0
+    for rows in bench.rows:
+        starts.append(start)
+        end = start + T_s * rows
+        start = end + T_s * int(rng.integers(800, 4000))
+        if bench.extra:
+            rng.standard_normal(rows)
+    return np.array(starts), end
+
+
 def true_model(motor, ids, sizes, directions, has_i_c):
     model = effects.nominal_model(motor, averaged.no_effect())
     model.two_sensors = not has_i_c
@@ -61,6 +74,9 @@ def simulate(motor, bench, model, rows, rng_seed):
     steps = np.array([motors.excitation(rng, bench.warm_up + max(bench.rows), bench.excitation * I_pk)
                       for _ in range(lanes)]).T
     ones, three = np.ones(lanes), np.ones((3, lanes))
+    starts, _ = lane_starts(rng_seed[0], bench, T_s)
+    # The mean of all rows' times: of equal sampling, each run's middle weighed by its rows.
+    middle_s = np.average(starts + 0.5 * T_s * (np.array(bench.rows) - 1), weights=bench.rows)
     u_file = motor.u_dc_V
     p = SimpleNamespace(
         i_ref_dq=np.array([i for _, i in bench.points]) + steps,
@@ -76,6 +92,9 @@ def simulate(motor, bench, model, rows, rng_seed):
         u_ripple=model.u_ripple, u_ripple_Hz=model.u_ripple_Hz, u_dc_noise_V=bench.u_dc_noise * u_file,
         u_dc_lsb_V=1.4 * u_file / 2 ** bench.bits, timer_counts=bench.timer_counts, min_max=bench.min_max,
         omega_noise_rad_s=bench.omega_noise * motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs,
+        drifts=bool(model.R_rate_ohm_s or model.psi_rate_Wb_s or model.g_rate_s.any() or model.o_rate_A_s.any()),
+        clock_s=starts - middle_s, R_rate_ohm_s=model.R_rate_ohm_s, psi_rate_Wb_s=model.psi_rate_Wb_s,
+        gain_rate_s=model.g_rate_s.reshape(3, 1), offset_rate_A_s=model.o_rate_A_s.reshape(3, 1),
         glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles)
     columns = second_drive.record(p, machine, inverter, shaft, rows, bench.warm_up, rng)
     return columns
@@ -126,6 +145,7 @@ def draw_case(seed, kind, bench_kind="usual", with_digits=False):
     salient = bool(rng.random() < 0.5) and "saturation" not in ids
     motor = motors.draw_motor(rng, salient)
     bench = motors.draw_bench(rng, motor, bench_kind)
+    motor.span_s = lane_starts(seed, bench, 1.0 / motor.f_pwm_Hz)[1]  # how long the recording takes
     directions = [effects.draw_direction(rng, name, bench.has_i_c) for name in ids]
     targets = [motors.log_uniform(rng, 2.0, 12.0) for _ in ids]
     ceilings = [rng.uniform(0.5, 1.0) for _ in ids]
@@ -180,7 +200,7 @@ def truth_of(case, sizes, model, parameters, columns, plant="second"):
     n = sum(bench.rows)
     return {
         "schema": 1, "seed": case.seed, "kind": case.kind, "plant": plant,
-        "effects": [{"id": name, "known": name in effects.KNOWN, "size": s, "share_of_floor": round(q, 3),
+        "effects": [{"id": effects.cause_of(name), "known": name in effects.KNOWN, "size": s, "share_of_floor": round(q, 3),
                      "evidence": round(q * np.sqrt(n), 1), "parameters": par}
                     for name, s, q, par in zip(case.ids, sizes, share, parameters)],
         "motor_file_should_say": {"R_ohm": model.R_ohm, "L_d_H": model.L_d_H, "L_q_H": model.L_q_H,

@@ -13,7 +13,7 @@ CAUSES = ["resistance", "inductance", "flux_linkage", "saliency", "saturation", 
           "emf_harmonics", "phase_asymmetry"]
 # Causes that came after the published seeds. They are asked for by name only: were they among the above, each seed that
 # draws its effects would draw others.
-LATER = ["phase_inductance"]
+LATER = ["phase_inductance", "resistance_drift", "flux_linkage_drift", "current_offset_drift", "current_gain_drift"]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
 # The same for effects without a name: in the release sets, and by name.
@@ -28,6 +28,9 @@ RANGE = {
     "current_offset": (0.005, 0.08), "current_gain": (0.01, 0.1), "angle_offset": (0.01, 0.2),
     "angle_harmonic": (0.008, 0.1), "angle_delay": (0.04, 0.8), "voltage_delay": (1.0, 1.0),
     "emf_harmonics": (0.005, 0.08), "phase_asymmetry": (0.1, 1.2), "phase_inductance": (0.02, 0.35),
+    # What drifts: its change over the recording.
+    "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
+    "current_gain_drift": (0.02, 0.1),
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004)}
 
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
@@ -35,8 +38,13 @@ GROUPS = [{"inductance", "saliency", "saturation", "phase_inductance"}, {"resist
           {"current_gain", "inductance"}]
 
 
+def cause_of(effect):
+    """The cause's id: a value that drifts is that cause's."""
+    return effect.removesuffix("_drift")
+
+
 def compatible(a, b):
-    return a != b and not any(a in group and b in group for group in GROUPS)
+    return cause_of(a) != cause_of(b) and not any(a in group and b in group for group in GROUPS)
 
 
 def draw_direction(rng, effect, has_i_c):
@@ -47,13 +55,14 @@ def draw_direction(rng, effect, has_i_c):
             d["d"], d["q"] = rng.uniform(-1.0, 1.0, 2)
             if max(abs(d["d"]), abs(d["q"])) > 0.6 and abs(d["d"] - d["q"]) > 0.6:
                 break
-    if effect in ("current_offset", "current_gain"):
+    if cause_of(effect) in ("current_offset", "current_gain"):
         # Offsets without a common part, which a floating star would not show; gains differ, with a small common part.
         x = rng.standard_normal(3)
         x -= x.mean()
         if not has_i_c:
-            x = np.array([x[0], x[1], 0.0]) if effect == "current_gain" else x
-        d["x"] = x / np.abs(x).max() + (0.1 * rng.uniform(-1.0, 1.0) if effect == "current_gain" and has_i_c else 0.0)
+            x = np.array([x[0], x[1], 0.0]) if cause_of(effect) == "current_gain" else x
+        common = cause_of(effect) == "current_gain" and has_i_c
+        d["x"] = x / np.abs(x).max() + (0.1 * rng.uniform(-1.0, 1.0) if common else 0.0)
     if effect == "angle_harmonic":
         d["order"] = int(rng.integers(1, 3))
     if effect == "emf_harmonics":
@@ -90,6 +99,23 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "inductance":
         model.L_d_H, model.L_q_H = motor.L_d_H * factor(size, d["sign"]), motor.L_q_H * factor(size, d["sign"])
         return [truth("L", "H", 0.5 * (model.L_d_H + model.L_q_H), motor.L_d_H == motor.L_q_H)]
+    # What drifts begins at the file's value; told is what it is at the recording's middle, and its rate.
+    if effect == "resistance_drift":
+        change = motor.R_ohm * size * d["sign"]
+        model.R_ohm, model.R_rate_ohm_s = motor.R_ohm + 0.5 * change, change / motor.span_s
+        return [truth("R", "ohm", model.R_ohm), truth("R_rate", "ohm/s", model.R_rate_ohm_s)]
+    if effect == "flux_linkage_drift":
+        change = motor.psi_f_Wb * size * d["sign"]
+        model.psi_f_Wb, model.psi_rate_Wb_s = motor.psi_f_Wb + 0.5 * change, change / motor.span_s
+        return [truth("psi_f", "Wb", model.psi_f_Wb), truth("psi_f_rate", "Wb/s", model.psi_rate_Wb_s)]
+    if effect == "current_offset_drift":
+        model.o_A, model.o_rate_A_s = 0.5 * size * I_pk * d["x"], size * I_pk * d["x"] / motor.span_s
+        return [truth(f"o_{p}{rate}", "A", x[n]) for n, p in enumerate("abc")
+                for rate, x in (("", model.o_A), ("_rate", model.o_rate_A_s))]
+    if effect == "current_gain_drift":
+        model.g, model.g_rate_s = 1.0 + 0.5 * size * d["x"], size * d["x"] / motor.span_s
+        return [truth(f"g_{p}{rate}", "1", x[n], has_i_c or p != "c") for n, p in enumerate("abc")
+                for rate, x in (("", model.g), ("_rate", model.g_rate_s))]
     if effect == "flux_linkage":
         model.psi_f_Wb = motor.psi_f_Wb * factor(size, d["sign"])
         return [truth("psi_f", "Wb", model.psi_f_Wb)]

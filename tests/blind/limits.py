@@ -58,7 +58,8 @@ UNIT = {"resistance": "of R", "inductance": "of L", "flux_linkage": "of psi_f", 
         "saturation": "(rated peak / I_sat)^2", "dead_time": "of a cycle", "voltage_gain": "of 1",
         "current_offset": "of rated peak", "current_gain": "of 1", "angle_offset": "rad", "angle_harmonic": "rad",
         "angle_delay": "of a cycle", "emf_harmonics": "of psi_f", "phase_asymmetry": "of R",
-        "phase_inductance": "of L"}
+        "phase_inductance": "of L", "resistance_drift": "of R", "flux_linkage_drift": "of psi_f",
+        "current_offset_drift": "of rated peak", "current_gain_drift": "of 1"}
 
 
 def run(args):

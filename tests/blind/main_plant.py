@@ -10,6 +10,7 @@ import tempfile
 import numpy as np
 
 import draw
+import effects
 import generate
 import reading
 
@@ -59,6 +60,11 @@ def scenario_text(case, cycles):
 def effect_arguments(case, model):
     """One --effect per hidden effect, from the true model."""
     u_dc = case.motor.u_dc_V
+    half_s = 0.5 * case.motor.span_s  # there the clock of iqfoc simulate begins
+
+    def drifts(names, middle, rate):
+        return {name + end: value for name, x, v in zip(names, middle, rate)
+                for end, value in (("", x - v * half_s), ("_rate", v))}
     sets = {
         "resistance": lambda: {"R": model.R_ohm}, "flux_linkage": lambda: {"psi_f": model.psi_f_Wb},
         "saliency": lambda: {"L_d": model.L_d_H, "L_q": model.L_q_H},
@@ -73,6 +79,10 @@ def effect_arguments(case, model):
         "emf_harmonics": lambda: {"psi_5": model.psi_5_Wb, "psi_7": model.psi_7_Wb},
         "phase_asymmetry": lambda: dict(zip(("dR_a", "dR_b", "dR_c"), model.dR_ohm)),
         "phase_inductance": lambda: dict(zip(("dL_a", "dL_b", "dL_c"), model.dL_H)),
+        "resistance_drift": lambda: drifts(["R"], [model.R_ohm], [model.R_rate_ohm_s]),
+        "flux_linkage_drift": lambda: drifts(["psi_f"], [model.psi_f_Wb], [model.psi_rate_Wb_s]),
+        "current_offset_drift": lambda: drifts(("o_a", "o_b", "o_c"), model.o_A, model.o_rate_A_s),
+        "current_gain_drift": lambda: drifts(("g_a", "g_b", "g_c"), model.g, model.g_rate_s),
         "dc_link_ripple": lambda: {"amplitude": model.u_ripple * u_dc, "frequency": model.u_ripple_Hz, "logged": 0},
         "iron_loss": lambda: {"R_fe": model.R_iron_ohm, "tau_fe": model.tau_iron_s},
         "glitch": lambda: {"probability": model.glitch_rate},
@@ -83,7 +93,7 @@ def effect_arguments(case, model):
     for name in case.ids:
         # "inductance" there makes both axes equal; a salient motor's two are set one by one.
         settings = sets["saliency" if name == "inductance" else name]()
-        program_id = {"inductance": "saliency", "dc_link_ripple": "u_dc_ripple"}.get(name, name)
+        program_id = {"inductance": "saliency", "dc_link_ripple": "u_dc_ripple"}.get(name, effects.cause_of(name))
         out += ["--effect", program_id + ":" + ",".join(f"{k}={v:.12g}" for k, v in settings.items())]
     return out
 
@@ -106,6 +116,8 @@ def make(seed, kind, folder, iqfoc, sizes=None, bench_kind="usual", with_digits=
     """Writes rec.csv, motor.toml and truth.json of a case simulated by `iqfoc simulate`."""
     case = draw.draw_case(seed, kind, bench_kind, with_digits)
     sizes = draw.draw_sizes(case) if sizes is None else sizes
+    # Here the runs are of one length and follow one another after pauses of ten cycles.
+    case.motor.span_s = (case.bench.runs * int(np.mean(case.bench.rows)) + (case.bench.runs - 1) * 9) / case.motor.f_pwm_Hz
     model, parameters = draw.true_model(case.motor, case.ids, sizes, case.directions, case.bench.has_i_c)
     if model.delay_cycles:
         limit = 2.0 * np.pi * case.motor.f_pwm_Hz / SFFR_WITH_LATE_VOLTAGE

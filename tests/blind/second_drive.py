@@ -32,6 +32,9 @@ class CurrentSensors:
         length = self.rng.integers(1, 13, self.loose_left.shape)
         self.loose_left = np.where(opens, length, np.maximum(self.loose_left - 1, 0))
 
+    def drift_to(self, gain, offset_A):
+        self.gain, self.offset_A = gain, offset_A
+
     def read(self, i_abc):
         x = self.gain * i_abc + self.offset_A
         if np.any(self.loose_rate):
@@ -109,6 +112,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
     control = CurrentController(inverter.T_s, p.L_d_file_H, p.L_q_file_H, p.R_file_ohm, p.psi_f_file_Wb,
                                 p.bandwidth_T, p.u_max_ratio, p.delay_cycles)
     T = inverter.T_s
+    R_middle_ohm, psi_middle_Wb = machine.R_ohm, machine.psi_f_Wb
     keep = {name: [] for name in ("i_A", "i_mid_A", "theta_e_rad", "omega_e_rad_s", "duty", "u_dc_V", "u_V")}
     u_dc_meas = p.u_dc_V / p.k_u
     i0 = p.i_ref_dq[0]
@@ -120,6 +124,12 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
                                                              + 1j * p.L_q_file_H * i0.imag)
     for k in range(warm_up + cycles):
         t = k * T
+        if p.drifts:
+            # From cycle to cycle: what moves over seconds does not move within one.
+            clock_s = p.clock_s + (k - warm_up) * T
+            machine.drift_to(np.maximum(R_middle_ohm + p.R_rate_ohm_s * clock_s, 0.0),
+                             psi_middle_Wb + p.psi_rate_Wb_s * clock_s)
+            sensors.drift_to(p.gain + p.gain_rate_s * clock_s, p.offset_A + p.offset_rate_A_s * clock_s)
         slow = 1.0 + p.u_drift * np.sin(TURN * p.u_drift_Hz * t + 1.0)
         ripple = p.u_ripple * np.sin(TURN * p.u_ripple_Hz * (t + 0.5 * T))
         u_dc_true = p.u_dc_V * (slow + ripple)

@@ -63,6 +63,11 @@ class Machine:
         self.has_unequal_inductance = bool(np.any(dL))
         self.has_iron = bool(np.isfinite(self.R_iron_ohm).any())
 
+    def drift_to(self, R_ohm, psi_f_Wb):
+        """R and psi_f from now on. The flux linkage stays: a magnet that weakens is answered by the current."""
+        self.R_mean_ohm = self.R_mean_ohm + (R_ohm - self.R_ohm)
+        self.R_ohm, self.psi_f_Wb = R_ohm, psi_f_Wb
+
     def magnet_flux_dq(self, theta_rad):
         """Flux of the magnet in the rotor frame; the 5th turns backwards at 5, the 7th forwards at 7 times theta."""
         if not self.has_harmonics:

@@ -145,6 +145,16 @@ static void to_phases(const double ab[2], double x[3])
     x[2] = -0.5 * ab[0] - 0.86602540378443865 * ab[1];
 }
 
+/* From the middle of the recording, as what drifts is told. */
+static double middle_s(double T_s)
+{
+    double sum = 0.0;
+    for (size_t run = 0; run < BENCH_RUNS; run++) {
+        sum += 2.0 * (double)run + 0.5 * (double)(BENCH_ROWS - 1) * T_s;
+    }
+    return sum / BENCH_RUNS;
+}
+
 /* What the sensors make of the true current and angle. */
 static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], double theta, double omega,
                   uint64_t *random)
@@ -153,8 +163,9 @@ static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], 
     double i[3];
     to_phases(i_ab, i);
     for (int p = 0; p < 3; p++) {
-        double g = x->has[CAUSE_CURRENT_GAIN] ? x->g[p] : 1.0;
-        double o = x->has[CAUSE_CURRENT_OFFSET] ? x->o_A[p] : 0.0;
+        double from = r->t_s[k] - middle_s(r->T_s);
+        double g = x->has[CAUSE_CURRENT_GAIN] ? x->g[p] + x->g_rate_s[p] * from : 1.0;
+        double o = x->has[CAUSE_CURRENT_OFFSET] ? x->o_A[p] + x->o_rate_A_s[p] * from : 0.0;
         r->i_A[p][k] = g * i[p] + o + b->noise_A * normal(random);
     }
     if (b->two_sensors) {
@@ -166,18 +177,28 @@ static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], 
     r->omega_e_rad_s[k] = omega;
 }
 
+/* The bench as it is so long after the recording's middle; a magnet that weakens takes its flux with it. */
+static bench drifted(const bench *b, double from)
+{
+    bench now = *b;
+    now.m.R_ohm += b->m.ext.has[CAUSE_RESISTANCE] ? b->m.ext.R_rate_ohm_s * from : 0.0;
+    now.m.psi_f_Wb += b->m.ext.has[CAUSE_FLUX_LINKAGE] ? b->m.ext.psi_rate_Wb_s * from : 0.0;
+    return now;
+}
+
 recording bench_record(const bench *b)
 {
     static const double speed[BENCH_RUNS] = {60.0, 300.0, -500.0, 900.0, 1300.0, -150.0};
     static const double i_d[BENCH_RUNS] = {0.0, -2.0, -1.0, -2.0, -4.0, 1.0};
     static const double i_q[BENCH_RUNS] = {4.0, -3.0, 5.0, 3.0, 2.0, 6.0};
-    const motor *m = &b->m;
     uint64_t random = b->seed;
     recording r;
     allocate(&r, b);
     for (size_t run = 0; run < BENCH_RUNS; run++) {
         double omega = speed[run];
         double theta = 0.4 + (double)run;
+        bench now = drifted(b, 2.0 * (double)run - middle_s(r.T_s));
+        const motor *m = &now.m;
         double state[STATES] = {m->psi_f_Wb * cos(theta), m->psi_f_Wb * sin(theta)};
         double step[2] = {0.0, 0.0};
         double before[2] = {0.0, 0.0};
@@ -185,11 +206,12 @@ recording bench_record(const bench *b)
         for (size_t j = 0; j < BENCH_ROWS; j++) {
             size_t k = run * BENCH_ROWS + j;
             double i_ab[2];
+            r.t_s[k] = 2.0 * (double)run + (double)j * r.T_s;
+            now = drifted(b, r.t_s[k] - middle_s(r.T_s));
             current_of(m, state, theta, i_ab);
             i_ab[0] += state[2];
             i_ab[1] += state[3];
             sense(b, &r, k, i_ab, theta, omega, &random);
-            r.t_s[k] = 2.0 * (double)run + (double)j * r.T_s;
             r.run[k] = (long)run + 1;
             r.line[k] = (long)k + 2;
             /* The steady voltage, a proportional pull towards the operating point, and a step every thirty
@@ -219,7 +241,7 @@ recording bench_record(const bench *b)
                 applied[x] = k_u * ripple * (late ? before[x] : u_ab[x]);
                 before[x] = u_ab[x];
             }
-            cycle(b, state, &theta, omega, r.T_s, applied);
+            cycle(&now, state, &theta, omega, r.T_s, applied);
         }
     }
     return r;

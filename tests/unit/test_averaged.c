@@ -91,14 +91,14 @@ static void sensors_invert(void)
     averaged_drive d = {.L_d_H = 1.0, .L_q_H = 1.0, .g = {0.95, 1.04, 1.01}, .offset_ab_A = {0.3, -0.2}};
     const vec_ab i = {3.0, -4.0};
     for (int two = 0; two < 2; two++) {
-        sensor_map map = averaged_drive_sensors(&d, two == 1);
+        sensor_map map = averaged_drive_sensors(&d, two == 1, 0.0);
         vec_ab shown = sensor_map_measure(&map, i);
         vec_ab back = sensor_map_unmeasure(&map, shown);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.alpha, back.alpha);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.beta, back.beta);
     }
     /* Phase A alone reads g_a i_a + (2 o_a - o_b - o_c)/3 when two sensors make the vector. */
-    sensor_map two = averaged_drive_sensors(&d, true);
+    sensor_map two = averaged_drive_sensors(&d, true, 0.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.95 * 3.0 + 0.3, sensor_map_measure(&two, i).alpha);
 }
 

@@ -2,8 +2,7 @@
  * The diagnosis on the bench of diagnose_bench.h: right causes with intervals that hold the truth, nothing on
  * clean recordings, nothing invented where no hypothesis fits, and failure to name what it was told to skip.
  */
-#include "diagnose/diagnose.h"
-#include "diagnose_bench.h"
+#include "diagnose_look.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,39 +18,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static diagnosis look(const bench *b, const char *skip)
-{
-    motor file = bench_motor();
-    recording r = bench_record(b);
-    diagnosis d;
-    error e = {0};
-    diagnose_options options = {.skip = skip ? hypotheses_of_cause(skip) : 0, .series = true};
-    bool ok = diagnose(&d, &r, &file, &options, &e);
-    TEST_ASSERT_TRUE_MESSAGE(ok, e.text);
-    recording_free(&r);
-    return d;
-}
-
-static void holds(const diagnosis_cause *cause, const char *name, double truth)
-{
-    for (size_t k = 0; k < cause->parameters; k++) {
-        const diagnosis_parameter *p = &cause->parameter[k];
-        if (strcmp(p->name, name) == 0) {
-            TEST_ASSERT_TRUE_MESSAGE(p->low <= truth && truth <= p->high, name);
-            return;
-        }
-    }
-    TEST_FAIL_MESSAGE(name);
-}
-
-static void one_cause(const diagnosis *d, const char *id)
-{
-    TEST_ASSERT_EQUAL_size_t(1, d->causes);
-    TEST_ASSERT_EQUAL_STRING(id, d->cause[0].id);
-    TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d->verdict);
-    TEST_ASSERT_TRUE(d->extended < 1.1 * d->noise_floor);
 }
 
 static void a_clean_recording_has_no_cause_and_its_floor_is_the_noise(void)

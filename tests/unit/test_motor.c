@@ -201,6 +201,26 @@ static void test_written_is_read_back_to_the_same_bits(void)
     }
 }
 
+/* What does not drift has no rate in the file, and none is asked for. */
+static void test_a_rate_is_written_where_it_is_not_nought(void)
+{
+    error e = {0};
+    motor m;
+    TEST_ASSERT_TRUE(motor_read(example_file(0, "", ""), &m, &e));
+    m.ext.has[CAUSE_CURRENT_OFFSET] = true;
+    m.ext.o_rate_A_s[1] = -0.25;
+    TEST_ASSERT_TRUE_MESSAGE(motor_write(scratch_path("rate.toml"), &m, NULL, &e), e.text);
+    char *text = scratch_read("rate.toml");
+    TEST_ASSERT_NOT_NULL(strstr(text, "o_b_rate_A_s = -0.25\n"));
+    TEST_ASSERT_NULL(strstr(text, "o_a_rate_A_s"));
+    TEST_ASSERT_NULL(strstr(text, "R_rate"));
+    free(text);
+    motor back;
+    TEST_ASSERT_TRUE_MESSAGE(motor_read(scratch_path("rate.toml"), &back, &e), e.text);
+    TEST_ASSERT_TRUE(back.ext.o_rate_A_s[1] == -0.25);
+    TEST_ASSERT_TRUE(back.ext.o_rate_A_s[0] == 0.0);
+}
+
 static void test_a_value_that_is_not_finite_is_not_written(void)
 {
     error e = {0};
@@ -238,6 +258,7 @@ int main(void)
     RUN_TEST(test_what_is_no_toml_is_refused);
     RUN_TEST(test_extension_rules);
     RUN_TEST(test_written_is_read_back_to_the_same_bits);
+    RUN_TEST(test_a_rate_is_written_where_it_is_not_nought);
     RUN_TEST(test_a_value_that_is_not_finite_is_not_written);
     RUN_TEST(test_a_later_complaint_has_its_place);
     const int failed = UNITY_END();

@@ -36,6 +36,9 @@ reference compare_reference(const plant_config *c)
     r.psi = c->machine.psi_f_Wb;
     r.psi_5 = c->machine.psi_5_Wb;
     r.psi_7 = c->machine.psi_7_Wb;
+    r.R_rate = c->machine.R_rate_ohm_s;
+    r.psi_rate = c->machine.psi_rate_Wb_s;
+    r.t = c->clock_s;
     r.I_sat = c->machine.I_sat_A;
     r.R_fe = c->machine.R_fe_ohm;
     r.tau_fe = c->machine.tau_fe_s;

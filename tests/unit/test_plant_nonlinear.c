@@ -63,6 +63,16 @@ static void test_iron_loss(void)
     follow("iron loss", c, 9.0);
 }
 
+/* Far faster than any machine, so that its own voltage and the change within a cycle count. */
+static void test_drift(void)
+{
+    plant_config c = compare_drive(1.3, 900.0);
+    c.machine.R_rate_ohm_s = 20.0;
+    c.machine.psi_rate_Wb_s = -1.5;
+    c.clock_s = -0.01;
+    follow("drifting R and psi", c, 9.0);
+}
+
 static void test_sensor_bandwidth(void)
 {
     plant_config c = compare_drive(1.0, 900.0);
@@ -132,6 +142,7 @@ int main(void)
     RUN_TEST(test_unequal_phases);
     RUN_TEST(test_unequal_inductances);
     RUN_TEST(test_iron_loss);
+    RUN_TEST(test_drift);
     RUN_TEST(test_sensor_bandwidth);
     RUN_TEST(test_all_with_free_shaft);
     RUN_TEST(test_saturation_goes_on);

@@ -16,6 +16,7 @@
 
 typedef struct reference {
     double pole_pairs, R[3], dL[3], L_d, L_q, psi, psi_5, psi_7, I_sat; /* I_sat 0: none */
+    double R_rate, psi_rate; /* by which each R and psi grow per second of t */
     /* Iron loss, none with R_fe = 0: R_fe i_fe + tau_fe R_fe di_fe/dt = dflux_x/dt in each phase. */
     double R_fe, tau_fe;
     double bandwidth;           /* of the current sensors, Hz; 0: none */

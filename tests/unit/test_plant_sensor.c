@@ -70,6 +70,34 @@ static void test_current_gain_and_offset(void)
     }
 }
 
+static void test_drifting_gain_and_offset(void)
+{
+    plant_config c = drive();
+    const plant_samples truth = first_sample(&c);
+    c.clock_s = 40.0;
+    c.sensors.current_gain_rate_s[1] = -1e-3;
+    c.sensors.current_offset_rate_A_s[2] = 0.01;
+    plant_samples s = first_sample(&c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, truth.i_A[0], s.i_A[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.96 * truth.i_A[1], s.i_A[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, truth.i_A[2] + 0.4, s.i_A[2]);
+    /* The clock runs on: a cycle later, at the same currents. */
+    plant p;
+    plant q;
+    const double duty[3] = {0.5, 0.5, 0.5};
+    plant_samples later;
+    plant_init(&p, &c);
+    c.sensors.current_gain_rate_s[1] = 0.0;
+    plant_init(&q, &c);
+    plant_begin_cycle(&p, duty);
+    plant_begin_cycle(&q, duty);
+    plant_advance_to(&p, c.T_s);
+    plant_advance_to(&q, c.T_s);
+    plant_sample(&p, &later);
+    plant_sample(&q, &s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, (1.0 - 1e-3 * (40.0 + c.T_s)) * s.i_A[1], later.i_A[1]);
+}
+
 static void test_quantisation(void)
 {
     plant_config c = drive();
@@ -281,6 +309,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_perfect_sensors);
     RUN_TEST(test_current_gain_and_offset);
+    RUN_TEST(test_drifting_gain_and_offset);
     RUN_TEST(test_quantisation);
     RUN_TEST(test_noise);
     RUN_TEST(test_angle_laws);

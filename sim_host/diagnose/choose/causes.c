@@ -31,7 +31,11 @@ static bool is_certain(const session *w, hypothesis_id h)
         return true;
     }
     double strongest = 0.0;
+    const bool drifts = hypo->size == SIZE_RATES; /* then a rate must be certain by itself */
     for (size_t k = 0; k < hypo->columns; k++) {
+        if (drifts && !column_is_rate(hypo->column[k])) {
+            continue;
+        }
         double half = certainty_half_width(&w->certainty, hypo->column[k]);
         double z = column_value(hypo->column[k], w->state.z);
         strongest = fmax(strongest, half > 0.0 ? fabs(z) / half : 0.0);

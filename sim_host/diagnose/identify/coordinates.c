@@ -47,7 +47,11 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
                                        [SCALE_IRON] = iron,
                                        [SCALE_IRON_LATE] = iron * r->T_s,
                                        [SCALE_PSI_PERCENT] = 0.01 * psi,
-                                       [SCALE_R_PERCENT] = 0.01 * R};
+                                       [SCALE_R_PERCENT] = 0.01 * R,
+                                       [SCALE_RATE] = 1.0 / r->span_s,
+                                       [SCALE_R_RATE] = R / r->span_s,
+                                       [SCALE_PSI_RATE] = psi / r->span_s,
+                                       [SCALE_CURRENT_RATE] = I / r->span_s};
     memcpy(f.scale, scale, sizeof scale);
     f.i_rated_peak_A = I;
     return f;

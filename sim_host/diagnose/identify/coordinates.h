@@ -29,6 +29,11 @@ typedef enum coordinate_scale {
     SCALE_IRON_LATE,   /* that times a cycle */
     SCALE_PSI_PERCENT, /* 1 % of the flux */
     SCALE_R_PERCENT,
+    /* A change of 1 of these through the recording. */
+    SCALE_RATE,
+    SCALE_R_RATE,
+    SCALE_PSI_RATE,
+    SCALE_CURRENT_RATE,
     SCALE_COUNT
 } coordinate_scale;
 
@@ -48,6 +53,7 @@ typedef struct coordinate {
     coordinate_bound bound;
     double low, high;
     double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
+    bool rate;      /* of another coordinate, per second */
     bool third_sensor; /* there is no such number where two currents are measured */
     double usual;      /* one standard deviation of what drives show, in z; 0: nothing is said */
 } coordinate;

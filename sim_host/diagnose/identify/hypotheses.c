@@ -89,21 +89,30 @@ static void phases_of(hypothesis_id h, const double z[P_COUNT], double x[3])
     }
 }
 
+bool column_is_rate(int column)
+{
+    return column < P_COUNT && coordinate_table[column].rate;
+}
+
 double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
 {
     const hypothesis *hypo = &hypothesis_table[h];
     double at[HYPOTHESIS_COLUMNS] = {0.0};
     double square = 0.0;
+    double rates = 0.0;
     double x[3] = {0.0};
     for (size_t k = 0; k < hypo->columns; k++) {
         at[k] = column_value(hypo->column[k], z);
         square += at[k] * at[k];
+        rates += column_is_rate(hypo->column[k]) ? at[k] * at[k] : 0.0;
     }
     switch (hypo->size) {
     case SIZE_DIFFERENCE:
         return fabs(at[0] - at[1]);
     case SIZE_LAST:
         return (hypo->positive & SIGN_LAST) != 0 ? at[hypo->columns - 1] : fabs(at[hypo->columns - 1]);
+    case SIZE_RATES:
+        return sqrt(rates);
     case SIZE_SPREAD:
         phases_of(h, z, x);
         return spread(x);

@@ -20,7 +20,7 @@ enum {
     COLUMN_GAIN_A,      /* gain of sensor a against the two others, their mean kept */
     COLUMN_GAIN_BC,     /* gain of sensor b against c, their mean kept */
     COLUMN_COUNT,
-    HYPOTHESIS_COLUMNS = 3,
+    HYPOTHESIS_COLUMNS = 6,
     HYPOTHESIS_SHAPES = 2
 };
 
@@ -35,8 +35,9 @@ typedef enum hypothesis_measure {
     SIZE_LENGTH,     /* root sum square along its columns */
     SIZE_DIFFERENCE, /* of two columns: alike they are another cause */
     SIZE_LAST,       /* the last column: the others alone are another cause */
-    SIZE_SPREAD,     /* of the coordinates about their mean: three that are alike are another cause */
-    SIZE_SENSORS     /* the same, but of two sensors what they share counts beside a difference */
+    SIZE_RATES,  /* root sum square of the rates: a value that does not move is the same cause without them */
+    SIZE_SPREAD, /* of the coordinates about their mean: three that are alike are another cause */
+    SIZE_SENSORS /* the same, but of two sensors what they share counts beside a difference */
 } hypothesis_measure;
 
 /* A simpler cause that lies inside: of those that hold the same, one may stand in a set. */
@@ -136,6 +137,9 @@ void column_move(int column, double by, double z[P_COUNT]);
 
 /* Whether these rows can show a column at all. */
 bool column_shows(int column, const diagnose_rows *r);
+
+/* Whether it is a rate, per second, of another column's coordinate. */
+bool column_is_rate(int column);
 
 /* Where z stands along a column. */
 double column_value(int column, const double z[P_COUNT]);

@@ -7,7 +7,8 @@
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                     const row_block *block, double gain, double gate, double *innovation, unsigned char *seen)
 {
-    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors);
+    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    const bool drift = averaged_drive_sensors_drift(drive);
     vec_ab x = {0.0, 0.0};
     size_t age = 0; /* rows since the filter started */
     memset(innovation, 0, OBSERVER_OUTPUTS * block->count * sizeof *innovation);
@@ -17,6 +18,9 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
     for (size_t j = 0; j < block->count; j++) {
         size_t k = block->first + j;
         const cycle_row *row = &r->row[k];
+        if (drift) {
+            sensors = averaged_drive_sensors(drive, r->two_sensors, row->elapsed_s);
+        }
         if (age == 0 || r->outlier[k]) {
             x = sensor_map_unmeasure(&sensors, row->i_A);
             age = 1;
@@ -56,10 +60,14 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
 void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                         size_t first, size_t count, vec_ab *wrong)
 {
-    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors);
+    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    const bool drift = averaged_drive_sensors_drift(drive);
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
         const cycle_row *before = &r->row[first + j - 1];
+        if (drift) {
+            sensors = averaged_drive_sensors(drive, r->two_sensors, before->elapsed_s);
+        }
         vec_ab x = sensor_map_unmeasure(&sensors, before->i_A);
         vec_ab shown = sensor_map_measure(&sensors, averaged_drive_advance(drive, nodes, before, x));
         wrong[j].alpha = before[1].i_A.alpha - shown.alpha;
@@ -70,9 +78,13 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
 void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                        size_t first, size_t count, vec_ab *current)
 {
-    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors);
+    const bool drift = averaged_drive_sensors_drift(drive);
+    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, r->row[first].elapsed_s);
     vec_ab x = sensor_map_unmeasure(&sensors, r->row[first].i_A);
     for (size_t j = 0; j < count; j++) {
+        if (drift) {
+            sensors = averaged_drive_sensors(drive, r->two_sensors, r->row[first + j].elapsed_s);
+        }
         current[j] = sensor_map_measure(&sensors, x);
         x = averaged_drive_advance(drive, nodes, &r->row[first + j], x);
     }

@@ -50,6 +50,23 @@ static void fill_angles(diagnose_rows *r, const motor *m)
     }
 }
 
+/* When each row was taken, from the rows' mean: there what drifts has the value that is told. */
+static void fill_times(diagnose_rows *r)
+{
+    const recording *rec = r->recording;
+    double sum = 0.0;
+    for (size_t k = 0; k < r->rows; k++) {
+        const double since_first = rec->t_s[k] - rec->t_s[0];
+        sum += since_first / (double)r->rows;
+        r->row[k].elapsed_s = since_first;
+        r->span_s = fmax(r->span_s, fabs(since_first));
+    }
+    for (size_t k = 0; k < r->rows; k++) {
+        r->row[k].elapsed_s -= sum;
+    }
+    r->span_s = fmax(r->span_s, r->T_s);
+}
+
 static void fill_electrical(diagnose_rows *r)
 {
     const recording *rec = r->recording;
@@ -263,6 +280,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     r->two_sensors = !recording_three_sensors(rec);
     r->mech_known = rec->theta_mech_rad != NULL || !angle_is_wrapped(rec) || m->pole_pairs == 1;
     r->temperature_known = rec->temp_C != NULL;
+    fill_times(r);
     fill_angles(r, m);
     correct_speed(r);
     fill_electrical(r);

@@ -45,6 +45,7 @@ typedef struct diagnose_rows {
     bool two_sensors;                /* only two currents were measured */
     bool mech_known;                 /* the revolution is known across stretches */
     bool temperature_known;
+    double span_s; /* from the recording's first row to its last */
     double omega_max_rad_s, i_peak_A, u_rms_V;
     double u_resolution_V;
 } diagnose_rows;

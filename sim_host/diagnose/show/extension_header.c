@@ -102,7 +102,8 @@ static void define_corrections(FILE *out, const diagnosis *d)
         /* The inductances are above; I_sat stands only if the iron saturates. */
         const bool beyond = isnan(v->absent);
         char macro[64];
-        if (v->of_machine || cause_table[v->cause].firmware != FIRMWARE_HOLDS ||
+        /* A rate is that of one recording: no constant of a firmware follows it. */
+        if (v->of_machine || v->kind == VALUE_RATE || cause_table[v->cause].firmware != FIRMWARE_HOLDS ||
             (v->cause == CAUSE_SATURATION && (!there || v->offset != offsetof(motor, ext.I_sat_A)))) {
             continue;
         }

@@ -169,6 +169,16 @@ static size_t choose_stretches(const recording *rec, stretch chosen[RUNS_MAX])
     return runs;
 }
 
+/* When the middle of all runs' rows is: there the values of what drifts hold. */
+static double middle_of(const scenario *s, double T_s)
+{
+    double rows = 0.0;
+    for (size_t k = 0; k < s->runs; k++) {
+        rows += (double)s->run[k].cycles;
+    }
+    return 0.5 * rows * T_s;
+}
+
 static bool run_all(const scenario *s, const stretch *chosen, const motor *told, const plant_config *drive,
                     drive_recording *out, error *e)
 {
@@ -182,6 +192,7 @@ static bool run_all(const scenario *s, const stretch *chosen, const motor *told,
         plant_config c = *drive;
         uint32_t status = 0;
         c.seed = NOISE_SEED + k;
+        c.clock_s = drive_recording_next_s(out) - middle_of(s, c.T_s);
         good = drive_run(told, &c, &s->run[k], chosen[k].run, &config, &firmware, &log, &status, e);
     }
     free(host);

@@ -143,7 +143,11 @@ void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause)
         p->nominal = motor_value_of(&nominal, v);
         p->value = p->low = p->high = motor_value_of(&found, v);
         /* Whole numbers are found or not. */
-        moved[cause->parameters++] = v->kind == VALUE_WHOLE || interval_of(w, v, list, n, p) > 0;
+        const bool moves = v->kind == VALUE_WHOLE || interval_of(w, v, list, n, p) > 0;
+        if (v->kind == VALUE_RATE && !moves && p->nominal == 0.0) {
+            continue; /* does not drift */
+        }
+        moved[cause->parameters++] = moves;
         widest = fmax(widest, 0.5 * (p->high - p->low));
     }
     /* What was held at the file's value is as uncertain as what was not. */

@@ -1,0 +1,95 @@
+/*
+ * Causes that came after the first fifteen, on the bench of diagnose_bench.h: each is named alone, its intervals hold
+ * the truth, and what is not there is not told.
+ */
+#include "diagnose_look.h"
+
+#include <math.h>
+#include <string.h>
+#include <unity.h>
+
+static bench good;
+
+void setUp(void)
+{
+    good = (bench){.m = bench_motor(), .noise_A = 0.017, .seed = 20260101};
+}
+
+void tearDown(void)
+{
+}
+
+/* Each alone, with its mean and its rate, and neither mean nor rate of what stands still. */
+static void what_drifts_is_named_with_its_rate(void)
+{
+    good.m.ext.has[CAUSE_RESISTANCE] = true;
+    good.m.R_ohm = 1.03;
+    good.m.ext.R_rate_ohm_s = 0.022; /* 27 % in 11 s */
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "resistance");
+    TEST_ASSERT_EQUAL_size_t(2, d.cause[0].parameters);
+    holds(&d.cause[0], "R", 1.03);
+    holds(&d.cause[0], "R_rate", 0.022);
+    /* The extended file says the same: nothing is left to find with it. */
+    recording r = bench_record(&good);
+    diagnosis again;
+    error e = {0};
+    const diagnose_options options = {0};
+    TEST_ASSERT_TRUE(diagnose(&again, &r, &d.extended_motor, &options, &e));
+    TEST_ASSERT_EQUAL_INT(VERDICT_CLEAN, again.verdict);
+    diagnosis_free(&again);
+    recording_free(&r);
+    diagnosis_free(&d);
+
+    good.m = bench_motor();
+    good.m.ext.has[CAUSE_FLUX_LINKAGE] = true;
+    good.m.ext.psi_rate_Wb_s = -0.0006; /* 3.5 % in 11 s, about the file's value */
+    d = look(&good, NULL);
+    one_cause(&d, "flux_linkage");
+    holds(&d.cause[0], "psi_f", 0.2);
+    holds(&d.cause[0], "psi_f_rate", -0.0006);
+    diagnosis_free(&d);
+
+    good.m = bench_motor();
+    good.m.ext.has[CAUSE_CURRENT_OFFSET] = true;
+    good.m.ext.o_A[0] = 0.06;
+    good.m.ext.o_A[1] = good.m.ext.o_A[2] = -0.03;
+    good.m.ext.o_rate_A_s[1] = 0.02;
+    good.m.ext.o_rate_A_s[0] = good.m.ext.o_rate_A_s[2] = -0.01;
+    d = look(&good, NULL);
+    one_cause(&d, "current_offset");
+    TEST_ASSERT_EQUAL_size_t(6, d.cause[0].parameters);
+    holds(&d.cause[0], "o_a", 0.06);
+    holds(&d.cause[0], "o_b_rate", 0.02);
+    diagnosis_free(&d);
+
+    good.m = bench_motor();
+    good.m.ext.has[CAUSE_CURRENT_GAIN] = true;
+    good.m.ext.g[0] = 1.02;
+    good.m.ext.g[1] = good.m.ext.g[2] = 1.0;
+    good.m.ext.g_rate_s[0] = 0.004;
+    d = look(&good, NULL);
+    one_cause(&d, "current_gain");
+    holds(&d.cause[0], "g_a", 1.02);
+    holds(&d.cause[0], "g_a_rate", 0.004);
+    holds(&d.cause[0], "g_c_rate", 0.0);
+    diagnosis_free(&d);
+}
+
+static void what_stands_still_has_no_rate(void)
+{
+    good.m.R_ohm = 1.2;
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "resistance");
+    TEST_ASSERT_EQUAL_size_t(1, d.cause[0].parameters);
+    TEST_ASSERT_FALSE(d.extended_motor.ext.has[CAUSE_RESISTANCE]);
+    diagnosis_free(&d);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(what_drifts_is_named_with_its_rate);
+    RUN_TEST(what_stands_still_has_no_rate);
+    return UNITY_END();
+}
