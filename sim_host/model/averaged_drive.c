@@ -218,6 +218,38 @@ static vec_ab eddy_current(const averaged_drive *d, const vec_ab *u, vec_ab i)
                     d->k_u * (d->eddy_S[0] * u[0].beta + d->eddy_S[1] * u[1].beta) - drop * i.beta};
 }
 
+/*
+ * The cycle's voltage, as one that acts evenly: of late commands the older acts first, for a cycles of the first
+ * and b of the second. What acts x ahead of the cycle's middle decays for x longer, by R over the inductance (with
+ * the rotor at the end of the cycle: near enough). Less than a part in twenty late is no part of each cycle but a
+ * share of all cycles (updates that are missed).
+ */
+static vec_ab voltage_of(const averaged_drive *d, const cycle_row *row, vec_rotor end, double T_s)
+{
+    const double a = d->u_delay[0];
+    const double b = d->u_delay[1];
+    const double share[3] = {d->k_u * (1.0 - a), d->k_u * (a - b), d->k_u * b};
+    const double part = a < 1.0 ? a : b;
+    vec_ab u = {0.0, 0.0};
+    for (size_t n = 0; n < 3; n++) {
+        u.alpha += share[n] * row->u_V[n].alpha;
+        u.beta += share[n] * row->u_V[n].beta;
+    }
+    if (part > 0.05 && part < 0.95) {
+        const double behind[3] = {0.5 * a, 0.5 * (a + b - 1.0), 0.5 * (b - 1.0)}; /* the middle, in cycles */
+        vec_ab moment = {0.0, 0.0};
+        double k[3];
+        inverse_inductance(d, d->R_ohm * T_s, end, k);
+        for (size_t n = 0; n < 3; n++) {
+            moment.alpha += behind[n] * share[n] * row->u_V[n].alpha;
+            moment.beta += behind[n] * share[n] * row->u_V[n].beta;
+        }
+        u.alpha += k[0] * moment.alpha + k[1] * moment.beta;
+        u.beta += k[1] * moment.alpha + k[2] * moment.beta;
+    }
+    return u;
+}
+
 vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *nodes, const cycle_row *row,
                               vec_ab i_true)
 {
@@ -229,11 +261,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     vec_rotor end = further(r, (vec_rotor){row->cos_turn, row->sin_turn});
 
-    double now = 1.0 - d->u_delay[0] - d->u_delay[1];
-    vec_ab u = {d->k_u * (now * row->u_V[0].alpha + d->u_delay[0] * row->u_V[1].alpha +
-                          d->u_delay[1] * row->u_V[2].alpha),
-                d->k_u * (now * row->u_V[0].beta + d->u_delay[0] * row->u_V[1].beta +
-                          d->u_delay[1] * row->u_V[2].beta)};
+    vec_ab u = voltage_of(d, row, end, m.push[0][0]);
     const vec_dq total_dq = vec_to_dq(i_true, r); /* what flows through the winding's resistance */
     if (d->eddy_S[0] != 0.0 || d->eddy_S[1] != 0.0) {
         /* What flows in the iron follows the flux's change over the last cycles, whose mean the voltage less

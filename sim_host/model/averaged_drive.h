@@ -42,7 +42,7 @@ typedef struct averaged_drive {
     double theta_0_rad, t_delay_s;
     /* Angle error c cos(n theta_mech) + s sin(n theta_mech), n = 1, 2. */
     double harmonic_cos_rad[2], harmonic_sin_rad[2];
-    double u_delay[2]; /* share of the voltage that is one, two cycles late: 0 or 1 in a real drive */
+    double u_delay[2]; /* cycles by which the voltage acts late: of the first, of the second */
     double psi_5_Wb, psi_7_Wb;
     double dR_ohm[3];
     double dL_H[3];

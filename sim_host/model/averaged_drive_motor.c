@@ -25,8 +25,8 @@ static void take_laws(averaged_drive *d, const motor *m)
         d->harmonic_sin_rad[n] = -x->harmonic_amplitude_rad * sin(x->harmonic_phase_rad);
     }
     if (x->has[CAUSE_VOLTAGE_DELAY]) {
-        d->u_delay[0] = x->voltage_delay_cycles == 1.0 ? 1.0 : 0.0;
-        d->u_delay[1] = x->voltage_delay_cycles >= 2.0 ? 1.0 : 0.0;
+        d->u_delay[0] = fmin(x->voltage_delay_cycles, 1.0);
+        d->u_delay[1] = x->voltage_delay_cycles - d->u_delay[0];
     }
 }
 
@@ -61,7 +61,7 @@ static void put_laws(motor *m, const averaged_drive *d)
     x->harmonic_amplitude_rad = amplitude_rad[n];
     x->harmonic_phase_rad =
         amplitude_rad[n] > 0.0 ? atan2(-d->harmonic_sin_rad[n], d->harmonic_cos_rad[n]) : 0.0;
-    x->voltage_delay_cycles = d->u_delay[1] > 0.5 ? 2.0 : (d->u_delay[0] > 0.5 ? 1.0 : 0.0);
+    x->voltage_delay_cycles = d->u_delay[0] + d->u_delay[1];
 }
 
 motor averaged_drive_motor(const averaged_drive *d, const motor *base)

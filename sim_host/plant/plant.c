@@ -93,16 +93,21 @@ static void take_duties(plant *p, const double duty[3])
     const plant_inverter *v = &p->config.inverter;
     const bool first = !p->duties_seen;
     p->duties_seen = true;
-    for (int n = 0; n < v->delay_cycles; n++) {
+    const int whole = (int)v->delay_cycles;
+    for (int n = 0; n < whole; n++) {
         memcpy(p->duty_queue[n], first ? duty : p->duty_queue[n + 1], sizeof p->duty_queue[n]);
     }
-    memcpy(p->duty_queue[v->delay_cycles], duty, sizeof p->duty_queue[0]);
+    memcpy(p->duty_queue[whole], duty, sizeof p->duty_queue[0]);
+    memcpy(p->duty_to_peak, first ? duty : p->duty_in_force, sizeof p->duty_to_peak);
     p->glitched =
         v->glitch_probability > 0.0 && plant_random_uniform(&p->glitch_random) < v->glitch_probability;
     if (p->glitched && !first) {
         p->glitches++;
     } else {
         memcpy(p->duty_in_force, p->duty_queue[0], sizeof p->duty_in_force);
+    }
+    if (v->delay_cycles == (double)whole) {
+        memcpy(p->duty_to_peak, p->duty_in_force, sizeof p->duty_to_peak);
     }
 }
 
@@ -111,7 +116,8 @@ void plant_begin_cycle(plant *p, const double duty[3])
     begin(p, p->config.T_s);
     take_duties(p, duty);
     for (int x = 0; x < 3; x++) {
-        leg_begin_cycle(&p->leg[x], p->duty_in_force[x], p->duration_s, p->config.inverter.t_dead_s);
+        leg_begin_cycle(&p->leg[x], p->duty_to_peak[x], p->duty_in_force[x], p->duration_s,
+                        p->config.inverter.t_dead_s);
     }
 }
 

@@ -58,9 +58,10 @@ typedef struct plant {
     bool linear;       /* the exact path serves */
     sensor_memory sensors;
     plant_random glitch_random;
-    /* Commanded: [delay_cycles] now, [0] so many cycles ago. */
+    /* Commanded: [whole delay_cycles] now, [0] so many cycles ago. */
     double duty_queue[PLANT_VOLTAGE_DELAY_MAX + 1][3];
-    double duty_in_force[3];
+    double duty_in_force[3]; /* from this cycle's valley on, or from its peak */
+    double duty_to_peak[3];
     bool duties_seen;
     bool glitched;      /* this cycle missed its update */
     long glitches;      /* how many did */

@@ -124,5 +124,9 @@ bool plant_config_check(const plant_config *c, error *e)
             return error_input(e, NULL, 0, 0, "drive: %s is %g, expected %s", r->name, r->value, bound);
         }
     }
+    if (2.0 * v->delay_cycles != floor(2.0 * v->delay_cycles)) {
+        return error_input(e, NULL, 0, 0, "drive: delay cycles is %g, expected a multiple of 0.5",
+                           v->delay_cycles);
+    }
     return true;
 }

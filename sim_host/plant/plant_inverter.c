@@ -12,14 +12,13 @@ void leg_command(inverter_leg *leg, bool high, double t_s, double t_dead_s)
     }
 }
 
-void leg_begin_cycle(inverter_leg *leg, double duty, double T_s, double t_dead_s)
+void leg_begin_cycle(inverter_leg *leg, double duty, double duty_from_peak, double T_s, double t_dead_s)
 {
-    leg->rise_s = INFINITY;
-    leg->fall_s = INFINITY;
     leg_command(leg, duty >= 1.0, 0.0, t_dead_s);
-    if (duty > 0.0 && duty < 1.0) {
-        leg->rise_s = 0.5 * T_s * (1.0 - duty);
-        leg->fall_s = 0.5 * T_s * (1.0 + duty);
+    leg->rise_s = duty < 1.0 ? 0.5 * T_s * (1.0 - fmax(duty, 0.0)) : INFINITY;
+    leg->fall_s = duty_from_peak < 1.0 ? 0.5 * T_s * (1.0 + fmax(duty_from_peak, 0.0)) : INFINITY;
+    if (duty <= 0.0 && duty_from_peak <= 0.0) {
+        leg->rise_s = leg->fall_s = INFINITY;
     }
 }
 

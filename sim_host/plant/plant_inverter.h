@@ -34,8 +34,9 @@ typedef struct inverter_leg {
 /* Commands the leg at a time of the cycle; a change starts the dead time. */
 void leg_command(inverter_leg *leg, bool high, double t_s, double t_dead_s);
 
-/* Edges of a centre-aligned cycle that starts now; a duty of 0 or 1 has none. */
-void leg_begin_cycle(inverter_leg *leg, double duty, double T_s, double t_dead_s);
+/* Edges of a centre-aligned cycle that starts now, by the duty up to its peak and the one from there on; a duty of 0 or 1
+ * has none. */
+void leg_begin_cycle(inverter_leg *leg, double duty, double duty_from_peak, double T_s, double t_dead_s);
 
 /* The next instant after t_s at which the leg changes, INFINITY if none is planned. */
 double leg_next_change(const inverter_leg *leg, double t_s);

@@ -61,17 +61,20 @@ def predict(columns, model, pole_pairs, T_s):
     omega = columns["omega_e_rad_s"]
     theta = theta - omega * model.t_delay_s
 
-    # The first row has no row before it, where a late voltage would stand; the last has no row after it.
-    now, then = slice(1, -1), slice(2, None)
-    u = model.k_u * vectors("u_V")[1 - model.delay_cycles:shape[0] - 1 - model.delay_cycles]
+    # The first row (or two) has no row before it, where a late voltage would stand; the last has no row after it.
+    first, whole = max(1, int(np.ceil(model.delay_cycles))), int(model.delay_cycles)
+    part = model.delay_cycles - whole  # of each cycle under the command before
+    now, then = slice(first, -1), slice(first + 1, None)
+    u = model.k_u * vectors("u_V")
+    late, u = u[first - whole - 1:shape[0] - 2 - whole], u[first - whole:shape[0] - 1 - whole]
     theta, omega, i_now = theta[now].ravel(), omega[now].ravel(), i[now].ravel()
-    shape, u = u.shape, u.ravel()  # without the first and the last row
+    shape, u, late = u.shape, u.ravel(), late.ravel()  # without the first rows and the last
     machine = Machine(u.size, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
                       model.I_sat_A, model.dR_ohm, dL_H=model.dL_H)
 
     def slope(psi, angle):
         current = machine.current(psi, angle)
-        v = u - machine.resistive_drop(current)
+        v = (late if step < part * SUBSTEPS else u) - machine.resistive_drop(current)
         if model.v_dead_V:
             lost = model.v_dead_V * np.clip(phases_from_vector(current) / model.i_knee_A, -1.0, 1.0)
             v = v - vector_from_phases(lost)

@@ -134,7 +134,8 @@ def shares(columns, motor, bench, model, ids, sizes, directions):
                                 [directions[m] for m in rest], bench.has_i_c)
         without.i_knee_A = knee
         _, _, other = averaged.predict(columns, without, motor.pole_pairs, T_s)
-        out.append(averaged.rms(other - predicted) / floor)
+        n = min(len(other), len(predicted))  # a voltage that acts late costs rows at the start
+        out.append(averaged.rms(other[-n:] - predicted[-n:]) / floor)
     return out
 
 
@@ -161,13 +162,13 @@ def draw_sizes(case):
     shows (effects.RANGE), and the truth file's evidence (share times the root of the rows) says what is there.
     """
     sizes = [float(np.sqrt(np.prod(effects.RANGE[name]))) for name in case.ids]
-    if any(name != "voltage_delay" for name in case.ids):
+    if any(name not in effects.WITHOUT_SIZE for name in case.ids):
         model, _ = true_model(case.motor, case.ids, sizes, case.directions, case.bench.has_i_c)
         pilot = simulate(case.motor, case.bench, model, 120, [case.seed, 1])
         found = shares(pilot, case.motor, case.bench, model, case.ids, sizes, case.directions)
         for n, name in enumerate(case.ids):
             low, high = effects.RANGE[name]
-            if name != "voltage_delay":
+            if name not in effects.WITHOUT_SIZE:
                 wanted = sizes[n] * case.targets[n] / max(found[n], 1e-3)
                 sizes[n] = float(np.clip(wanted, low, max(low, case.ceilings[n] * high)))
     return sizes

@@ -13,7 +13,8 @@ CAUSES = ["resistance", "inductance", "flux_linkage", "saliency", "saturation", 
           "emf_harmonics", "phase_asymmetry"]
 # Causes that came after the published seeds. They are asked for by name only: were they among the above, each seed that
 # draws its effects would draw others.
-LATER = ["phase_inductance", "resistance_drift", "flux_linkage_drift", "current_offset_drift", "current_gain_drift"]
+LATER = ["phase_inductance", "resistance_drift", "flux_linkage_drift", "current_offset_drift", "current_gain_drift",
+         "voltage_delay_half"]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
 # The same for effects without a name: in the release sets, and by name.
@@ -28,6 +29,7 @@ RANGE = {
     "current_offset": (0.005, 0.08), "current_gain": (0.01, 0.1), "angle_offset": (0.01, 0.2),
     "angle_harmonic": (0.008, 0.1), "angle_delay": (0.04, 0.8), "voltage_delay": (1.0, 1.0),
     "emf_harmonics": (0.005, 0.08), "phase_asymmetry": (0.1, 1.2), "phase_inductance": (0.02, 0.35),
+    "voltage_delay_half": (1.0, 1.0),
     # What drifts: its change over the recording.
     "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
     "current_gain_drift": (0.02, 0.1),
@@ -36,11 +38,12 @@ RANGE = {
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
 GROUPS = [{"inductance", "saliency", "saturation", "phase_inductance"}, {"resistance", "phase_asymmetry"},
           {"current_gain", "inductance"}]
+WITHOUT_SIZE = {"voltage_delay", "voltage_delay_half"}
 
 
 def cause_of(effect):
-    """The cause's id: a value that drifts is that cause's."""
-    return effect.removesuffix("_drift")
+    """The cause's id: a value that drifts is that cause's, and a delay that is no whole number the delay's."""
+    return effect.removesuffix("_drift").removesuffix("_half")
 
 
 def compatible(a, b):
@@ -69,6 +72,8 @@ def draw_direction(rng, effect, has_i_c):
         d["c5"], d["c7"] = rng.choice([-1.0, 1.0], 2) * rng.uniform(0.4, 1.0, 2)
     if effect == "dead_time":
         d["drop"] = float(rng.choice([0.0, 0.0, 0.4]))
+    if effect == "voltage_delay_half":
+        d["cycles"] = float(rng.choice([0.5, 0.5, 1.5]))
     if effect == "saturation":
         d["file_is_unsaturated"] = bool(rng.random() < 0.6)
     if effect == "dc_link_ripple":
@@ -157,6 +162,10 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "voltage_delay":
         model.delay_cycles = 1
         return [truth("cycles", "1", 1.0)]
+    if effect == "voltage_delay_half":
+        # Compare registers that load at the carrier's peak.
+        model.delay_cycles = d["cycles"]
+        return [truth("cycles", "1", d["cycles"])]
     if effect == "emf_harmonics":
         model.psi_5_Wb, model.psi_7_Wb = size * motor.psi_f_Wb * d["c5"], size * motor.psi_f_Wb * d["c7"]
         return [truth("psi_5", "Wb", model.psi_5_Wb), truth("psi_7", "Wb", model.psi_7_Wb)]

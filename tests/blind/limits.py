@@ -64,7 +64,7 @@ UNIT = {"resistance": "of R", "inductance": "of L", "flux_linkage": "of psi_f", 
 
 def run(args):
     # A voltage is late by a whole cycle or not at all: there is no size to bisect.
-    causes = [c for c in args.causes.split(",") if c != "voltage_delay"]
+    causes = [c for c in args.causes.split(",") if c not in effects.WITHOUT_SIZE]
     # The project's own plant makes a recording several times faster; the second one can be asked for by --plant.
     plant = "main" if args.plant == "both" else args.plant
     work = [(20000 + n, c, plant, args.iqfoc) for c in causes for n in range(args.seeds)]

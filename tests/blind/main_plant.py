@@ -34,7 +34,7 @@ def scenario_text(case, cycles):
     rng = np.random.default_rng([case.seed, 4])
     I_pk, T_s = motor.I_rated_A_rms * np.sqrt(2.0), 1.0 / motor.f_pwm_Hz
     omega_max = motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs
-    late = "voltage_delay" in case.ids
+    late = any(effects.cause_of(name) == "voltage_delay" for name in case.ids)
     lines = ['name = "blind"', "[control]",
              f"bandwidth_Hz = {bench.bandwidth_T * (0.5 if late else 1.0) * motor.f_pwm_Hz / (2.0 * np.pi):.6g}",
              "[sensors]", f"current_bits = {bench.bits}", f"current_full_scale_A = {bench.full_scale_A:.9g}",
@@ -75,7 +75,9 @@ def effect_arguments(case, model):
         "current_gain": lambda: dict(zip(("g_a", "g_b", "g_c"), model.g)),
         "angle_offset": lambda: {"theta_0": model.theta_0_rad},
         "angle_harmonic": lambda: {"order": model.order, "amplitude": model.amplitude_rad, "phase": model.phase_rad},
-        "angle_delay": lambda: {"t_delay": model.t_delay_s}, "voltage_delay": lambda: {"cycles": 1},
+        "angle_delay": lambda: {"t_delay": model.t_delay_s},
+        "voltage_delay": lambda: {"cycles": model.delay_cycles},
+        "voltage_delay_half": lambda: {"cycles": model.delay_cycles},
         "emf_harmonics": lambda: {"psi_5": model.psi_5_Wb, "psi_7": model.psi_7_Wb},
         "phase_asymmetry": lambda: dict(zip(("dR_a", "dR_b", "dR_c"), model.dR_ohm)),
         "phase_inductance": lambda: dict(zip(("dL_a", "dL_b", "dL_c"), model.dL_H)),

@@ -37,8 +37,8 @@ def judge(truth, diagnosis):
                 continue
             fit = found[effect["id"]].get(parameter["name"])
             inside = fit is not None and fit["ci95"][0] <= parameter["value"] <= fit["ci95"][1]
-            # Order and cycles are whole numbers: found or not, without an interval to cover.
-            counted = parameter["name"] not in ("order", "cycles")
+            # Whole orders and cycles are found or not, without an interval to cover.
+            counted = parameter["name"] not in ("order", "cycles") or parameter["value"] % 1.0 != 0.0
             result["parameters"].append({
                 "id": effect["id"], "name": parameter["name"], "true": parameter["value"], "inside": inside,
                 "counted": counted, "fit": None if fit is None else fit["value"],

@@ -119,7 +119,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
     first = machine.resistive_drop(i0) + 1j * shaft.omega(0.0 * T) * (
         machine.psi_f_Wb + machine.L_d_H * i0.real + 1j * machine.L_q_H * i0.imag)
     command = duties(first * np.exp(1j * (shaft.theta(0.5 * T))), u_dc_meas, p.timer_counts, p.min_max)
-    applied_before, applied = command, command
+    commands, applied = [command, command], command
     control.integral = first - 1j * shaft.omega(0.0 * T) * (p.psi_f_file_Wb + p.L_d_file_H * i0.real
                                                              + 1j * p.L_q_file_H * i0.imag)
     for k in range(warm_up + cycles):
@@ -139,9 +139,11 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         theta = angle.read(t)
         omega = shaft.omega(t) + p.omega_noise_rad_s * rng.standard_normal(lanes)
         missed = rng.random(lanes) < p.glitch_rate if np.any(p.glitch_rate) else np.zeros(lanes, bool)
-        due = np.where(p.delay_cycles == 1, applied_before, command)
-        applied_before, applied = command, np.where(missed, applied, due)
-        i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied, u_dc_true)))
+        commands = [command] + commands[:1]
+        before, applied = applied, np.where(missed, applied, commands[int(p.delay_cycles)])
+        # Half a cycle late: registers that load at the peak, up to which those of the last cycle act.
+        to_peak = before if p.delay_cycles % 1.0 else applied
+        i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied, u_dc_true, to_peak)))
         if k >= warm_up:
             values = (i_valley, i_mid, theta, omega, command, u_dc_meas, (command - command.mean(axis=0)) * u_dc_meas)
             for column, value in zip(keep.values(), values):

@@ -188,26 +188,27 @@ class Inverter:
         self.has_dead_time = bool(np.any(self.t_dead_s))
         self.has_drops = bool(np.any(self.V_switch_V) or np.any(self.V_diode_V))
 
-    def instants(self, duty):
+    def instants(self, duty, duty_to_peak):
         """Sorted instants within the cycle at which anything may change, from 0 to T, shape (n, lanes)."""
-        rise, fall = self.edges(duty)
+        rise, fall = self.edges(duty, duty_to_peak)
         zero = np.zeros((1,) + self.T_s.shape)
         rows = [zero, rise, fall, zero + 0.5 * self.T_s, zero + self.T_s]
         if self.has_dead_time:
             rows += [rise + self.t_dead_s, fall + self.t_dead_s]
         return np.sort(np.minimum(np.concatenate(rows), self.T_s), axis=0)
 
-    def edges(self, duty):
-        """Commanded instants: rise of each leg, fall of each leg."""
-        return 0.5 * self.T_s * (1.0 - duty), 0.5 * self.T_s * (1.0 + duty)
+    def edges(self, duty, duty_to_peak):
+        """Commanded instants: rise of each leg, fall of each leg. The carrier meets one register on its way up to the
+        peak and perhaps another on its way down; a leg that changes between them does so at the peak."""
+        return 0.5 * self.T_s * (1.0 - duty_to_peak), 0.5 * self.T_s * (1.0 + duty)
 
-    def leg_voltages(self, at_s, duty, i_abc, u_dc_V):
+    def leg_voltages(self, at_s, duty, duty_to_peak, i_abc, u_dc_V):
         """Voltages of the legs against the negative rail at an instant between edges, and which legs have both off.
 
         After a switch turns off, the other waits for t_dead: meanwhile a positive current flows through the lower
         diode, a negative one through the upper.
         """
-        rise, fall = self.edges(duty)
+        rise, fall = self.edges(duty, duty_to_peak)
         out_of_motor = i_abc < 0.0
         high = (at_s > rise + self.t_dead_s) & (at_s < fall)
         off = np.zeros_like(high)
@@ -244,9 +245,11 @@ class Drive:
         k4, m4 = f(p + h_s * k3, e + h_s * m3, theta2, u)
         return p + h_s / 6.0 * (k1 + 2.0 * (k2 + k3) + k4), e + h_s / 6.0 * (m1 + 2.0 * (m2 + m3) + m4)
 
-    def advance_cycle(self, duty, u_dc_V):
-        """One PWM cycle with the duties (3, lanes); returns the current at the carrier peak, as a vector."""
-        inv, at = self.inverter, self.inverter.instants(duty)
+    def advance_cycle(self, duty, u_dc_V, duty_to_peak=None):
+        """One PWM cycle with the duties (3, lanes), others up to the peak if given; returns the current at the carrier
+        peak, as a vector."""
+        duty_to_peak = duty if duty_to_peak is None else duty_to_peak
+        inv, at = self.inverter, self.inverter.instants(duty, duty_to_peak)
         t0_s, i_mid = self.t_s, None
         theta_start = self.shaft.theta(t0_s)
         for a, b in zip(at[:-1], at[1:]):
@@ -254,7 +257,7 @@ class Drive:
             theta_mid, theta_end = self.shaft.theta(t0_s + 0.5 * (a + b)), self.shaft.theta(t0_s + b)
             # Only dead time and device drops ask for the currents' signs.
             i_abc = phases_from_vector(self.current()) if inv.has_dead_time or inv.has_drops else np.zeros_like(at[:3])
-            v, off = inv.leg_voltages(0.5 * (a + b), duty, i_abc, u_dc_V)
+            v, off = inv.leg_voltages(0.5 * (a + b), duty, duty_to_peak, i_abc, u_dc_V)
             u = vector_from_phases(v)
             psi, i_iron = self._step(h, u, theta_start, theta_mid, theta_end)
             if inv.has_dead_time and off.any():

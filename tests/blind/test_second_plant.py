@@ -224,9 +224,9 @@ class DeadTime(unittest.TestCase):
         # A current that would cross inside the dead time stops at zero: leg a's lower diode carries 20 mA while both of
         # its switches are off and the others are high. Without the diode's blocking it would end near -0.5 A.
         inverter, duty = Inverter(1, 2e-4, 4e-6), np.array([[0.5], [0.9], [0.9]])
-        rise = float(inverter.edges(duty)[0][0, 0])
+        rise = float(inverter.edges(duty, duty)[0][0, 0])
         drive = Drive(Machine(1, 0.0, 3e-3, 3e-3, 0.0), inverter, steady_shaft(0.0), 0.02 + 0.0j)
-        v, off = inverter.leg_voltages(rise + 2e-6, duty, phases_from_vector(drive.current()), 500.0)
+        v, off = inverter.leg_voltages(rise + 2e-6, duty, duty, phases_from_vector(drive.current()), 500.0)
         self.assertEqual((v[0, 0], off[0, 0], off[1, 0]), (0.0, True, False))
         h, theta = np.array([4e-6]), np.array([0.0])
         u = vector_from_phases(v)
@@ -286,6 +286,7 @@ class Recordings(unittest.TestCase):
         self.assertTrue(truth["known"])
         self.assertEqual([p["name"] for p in truth["parameters"]], ["dL_a", "dL_b", "dL_c"])
         self.assertEqual(sum(p["value"] != 0.0 for p in truth["parameters"]), 1)
+        self.assertEqual(draw.draw(1, "voltage_delay_half").truth["effects"][0]["id"], "voltage_delay")
 
     def test_read_back_gives_the_same_oracle(self):
         with tempfile.TemporaryDirectory() as folder:

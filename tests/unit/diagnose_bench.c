@@ -83,11 +83,13 @@ static void slope(const bench *b, const double state[STATES], double theta, cons
     }
 }
 
+/* One cycle under `u`, of which the first `steps_late` steps are still under `late`. */
 static void cycle(const bench *b, double state[STATES], double *theta, double omega, double T,
-                  const double u[2])
+                  const double late[2], long steps_late, const double now[2])
 {
     double h = T / STEPS;
     for (int k = 0; k < STEPS; k++) {
+        const double *u = k < steps_late ? late : now;
         double k1[STATES], k2[STATES], k3[STATES], k4[STATES], at[STATES];
         slope(b, state, *theta, u, k1);
         for (int x = 0; x < STATES; x++) {
@@ -201,7 +203,7 @@ recording bench_record(const bench *b)
         const motor *m = &now.m;
         double state[STATES] = {m->psi_f_Wb * cos(theta), m->psi_f_Wb * sin(theta)};
         double step[2] = {0.0, 0.0};
-        double before[2] = {0.0, 0.0};
+        double before[3][2] = {{0.0, 0.0}}; /* commands of this cycle and of the two before */
         r.stretch[run] = (stretch){run * BENCH_ROWS, BENCH_ROWS, (long)run + 1};
         for (size_t j = 0; j < BENCH_ROWS; j++) {
             size_t k = run * BENCH_ROWS + j;
@@ -216,8 +218,10 @@ recording bench_record(const bench *b)
             r.line[k] = (long)k + 2;
             /* The steady voltage, a proportional pull towards the operating point, and a step every thirty
              * cycles. */
-            double c = cos(theta + 0.5 * omega * r.T_s);
-            double s = sin(theta + 0.5 * omega * r.T_s);
+            double late = m->ext.has[CAUSE_VOLTAGE_DELAY] ? m->ext.voltage_delay_cycles : 0.0;
+            double ahead = (0.5 + late) * omega * r.T_s; /* to where the voltage acts */
+            double c = cos(theta + ahead);
+            double s = sin(theta + ahead);
             double d = i_ab[0] * cos(theta) + i_ab[1] * sin(theta);
             double q = i_ab[1] * cos(theta) - i_ab[0] * sin(theta);
             if (j % 30 == 0) {
@@ -228,20 +232,24 @@ recording bench_record(const bench *b)
             double u_q =
                 m->R_ohm * i_q[run] + omega * (m->L_d_H * d + m->psi_f_Wb) + 5.0 * (i_q[run] - q) + step[1];
             double u_ab[2] = {u_d * c - u_q * s, u_d * s + u_q * c};
-            double applied[2];
+            double applied[2][2]; /* this cycle's, and what still acts at its start */
             double k_u = m->ext.has[CAUSE_VOLTAGE_GAIN] ? m->ext.k_u : 1.0;
             double ripple = 1.0 + b->unlogged_ripple * sin(TWO_PI * 300.0 * r.t_s[k]);
-            bool late = m->ext.has[CAUSE_VOLTAGE_DELAY];
+            size_t whole = late < 2.0 ? (size_t)late : 1;
             double phase[3];
             to_phases(u_ab, phase);
             for (int p = 0; p < 3; p++) {
                 r.u_V[p][k] = phase[p];
             }
             for (int x = 0; x < 2; x++) {
-                applied[x] = k_u * ripple * (late ? before[x] : u_ab[x]);
-                before[x] = u_ab[x];
+                before[2][x] = before[1][x];
+                before[1][x] = before[0][x];
+                before[0][x] = u_ab[x];
+                applied[0][x] = k_u * ripple * before[whole][x];
+                applied[1][x] = k_u * ripple * before[whole + 1][x];
             }
-            cycle(&now, state, &theta, omega, r.T_s, applied);
+            cycle(&now, state, &theta, omega, r.T_s, applied[1], lround(STEPS * (late - (double)whole)),
+                  applied[0]);
         }
     }
     return r;

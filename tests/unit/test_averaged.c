@@ -121,7 +121,7 @@ static void the_extended_motor_file_says_the_same_drive(void)
     m.ext.L_0_H = 0.0095;
     m.ext.I_sat_A = 20.0;
     m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
-    m.ext.voltage_delay_cycles = 1.0;
+    m.ext.voltage_delay_cycles = 1.25;
     averaged_drive d = averaged_drive_of(&m);
     motor base = bench_motor();
     motor again = averaged_drive_motor(&d, &base);
@@ -133,7 +133,7 @@ static void the_extended_motor_file_says_the_same_drive(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0095, 0.5 * (again.L_d_H + again.L_q_H));
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, m.L_d_H / m.L_q_H, again.L_d_H / again.L_q_H);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 20.0, again.ext.I_sat_A);
-    TEST_ASSERT_EQUAL_DOUBLE(1.0, again.ext.voltage_delay_cycles);
+    TEST_ASSERT_EQUAL_DOUBLE(1.25, again.ext.voltage_delay_cycles);
     TEST_ASSERT_FALSE(again.ext.has[CAUSE_DEAD_TIME] || again.ext.has[CAUSE_CURRENT_GAIN]);
 }
 

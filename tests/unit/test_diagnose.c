@@ -112,6 +112,41 @@ static void a_voltage_that_acts_late_is_found(void)
     diagnosis d = look(&good, NULL);
     one_cause(&d, "voltage_delay");
     holds(&d.cause[0], "cycles", 1.0);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, d.cause[0].parameter[0].value);
+    diagnosis_free(&d);
+}
+
+/* Whole cycles, or a part beside R and L that are wrong as well: what acts first in a cycle decays for longer, without
+ * which R would be off. */
+static void a_voltage_that_acts_parts_of_a_cycle_late_is_found(void)
+{
+    static const double cycles[] = {0.5, 1.5, 0.2, 2.0};
+    for (size_t k = 0; k < sizeof cycles / sizeof *cycles; k++) {
+        good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
+        good.m.ext.voltage_delay_cycles = cycles[k];
+        diagnosis d = look(&good, NULL);
+        one_cause(&d, "voltage_delay");
+        holds(&d.cause[0], "cycles", cycles[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.003, cycles[k], d.cause[0].parameter[0].value);
+        diagnosis_free(&d);
+    }
+    good.m.ext.voltage_delay_cycles = 0.5;
+    good.m.R_ohm = 1.8;
+    good.m.L_d_H *= 0.9;
+    good.m.L_q_H *= 0.9;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(3, d.causes);
+    TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict);
+    for (size_t k = 0; k < d.causes; k++) {
+        if (strcmp(d.cause[k].id, "resistance") == 0) {
+            holds(&d.cause[k], "R", 1.8);
+        } else if (strcmp(d.cause[k].id, "inductance") == 0) {
+            holds(&d.cause[k], "L", 0.9 * 0.0095);
+        } else {
+            TEST_ASSERT_EQUAL_STRING("voltage_delay", d.cause[k].id);
+            holds(&d.cause[k], "cycles", 0.5);
+        }
+    }
     diagnosis_free(&d);
 }
 
@@ -335,6 +370,7 @@ int main(void)
     RUN_TEST(an_inductance_of_one_phase_or_of_all_is_named);
     RUN_TEST(everything_scaled_alike_is_one_voltage_gain);
     RUN_TEST(a_voltage_that_acts_late_is_found);
+    RUN_TEST(a_voltage_that_acts_parts_of_a_cycle_late_is_found);
     RUN_TEST(two_causes_at_once_are_both_found);
     RUN_TEST(an_offset_is_named_although_one_cycle_hardly_shows_it);
     RUN_TEST(an_unlogged_ripple_is_structure_and_no_cause);

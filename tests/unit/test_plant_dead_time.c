@@ -178,7 +178,7 @@ static void test_lost_voltage(void)
 static void test_pulse_shorter_than_dead_time(void)
 {
     inverter_leg leg = {.high = false, .on_at_s = 0.0};
-    leg_begin_cycle(&leg, 0.01, 100e-6, 2e-6); /* 1 us high around 50 us */
+    leg_begin_cycle(&leg, 0.01, 0.01, 100e-6, 2e-6); /* 1 us high around 50 us */
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 49.5e-6, leg_next_change(&leg, 0.0));
     leg_pass(&leg, leg.rise_s, 2e-6);
     TEST_ASSERT_TRUE(leg.high && leg_off(&leg, 49.6e-6));

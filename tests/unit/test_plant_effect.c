@@ -82,7 +82,7 @@ static void test_each_id_changes_its_own(void)
     TEST_ASSERT_TRUE(harmonic.sensors.harmonic_phase_rad == 1.0);
     TEST_ASSERT_TRUE(with("angle_delay:t_delay=-1e-5").sensors.t_delay_s == -1e-5);
     TEST_ASSERT_TRUE(with("angle_noise:sigma=1e-3").sensors.angle_noise_rad == 1e-3);
-    TEST_ASSERT_TRUE(with("voltage_delay:cycles=1").inverter.delay_cycles == 1);
+    TEST_ASSERT_TRUE(with("voltage_delay:cycles=1.5").inverter.delay_cycles == 1.5);
     TEST_ASSERT_TRUE(with("emf_harmonics:psi_5=-0.002").machine.psi_5_Wb == -0.002);
     TEST_ASSERT_TRUE(with("emf_harmonics:psi_7=0.001").machine.psi_7_Wb == 0.001);
     TEST_ASSERT_TRUE(with("phase_asymmetry:dR_b=0.2").machine.dR_ohm[1] == 0.2);
@@ -158,7 +158,7 @@ static void test_bad_text(void)
     refused("resistance:R=1,", "has no '='");
     refused("resistance:R=-1", "0 or more");
     refused("saliency:L_d=0", "greater than 0");
-    refused("voltage_delay:cycles=1.5", "a whole number");
+    refused("voltage_delay:cycles=1.25", "a multiple of 0.5");
     refused("voltage_delay:cycles=9", "at most 8");
     refused("u_dc_ripple:amplitude=1,logged=2", "0 or 1");
     refused("glitch:probability=1.5", "at most 1");

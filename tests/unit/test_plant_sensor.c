@@ -199,6 +199,32 @@ static void test_voltage_delay(void)
     }
 }
 
+/* Registers that load at the peak: each command acts in the second half of its cycle and in the first of the next, whatever
+ * the two are, a leg that stays low or high among them. */
+static void test_voltage_delay_of_a_half(void)
+{
+    static const double duty_a[] = {0.5, 0.8, 0.0, 0.3, 1.0, 0.6, 1.0, 0.0, 0.0, 0.4, 1.0, 1.0, 0.2};
+    for (int whole = 0; whole < 2; whole++) {
+        plant_config c = drive();
+        c.inverter.delay_cycles = 0.5 + whole;
+        plant p;
+        plant_init(&p, &c);
+        for (int k = 0; k < (int)(sizeof duty_a / sizeof *duty_a); k++) {
+            const double duty[3] = {duty_a[k], 0.5, 0.5};
+            const double now = duty_a[k >= whole ? k - whole : 0];
+            const double before = duty_a[k >= whole + 1 ? k - whole - 1 : 0];
+            plant_means m;
+            plant_begin_cycle(&p, duty);
+            plant_advance_to(&p, 0.5 * c.T_s);
+            m = plant_mean(&p);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, (before - 0.5) * 750.0 * 2.0 / 3.0, m.u_V[0]);
+            plant_advance_to(&p, c.T_s);
+            m = plant_mean(&p);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, (0.5 * (before + now) - 0.5) * 750.0 * 2.0 / 3.0, m.u_V[0]);
+        }
+    }
+}
+
 /* A missed update keeps the last duties; the share of cycles is the probability (4 sigma of 20000 draws). */
 static void test_glitch(void)
 {
@@ -315,6 +341,7 @@ int main(void)
     RUN_TEST(test_angle_laws);
     RUN_TEST(test_voltage_gain);
     RUN_TEST(test_voltage_delay);
+    RUN_TEST(test_voltage_delay_of_a_half);
     RUN_TEST(test_glitch);
     RUN_TEST(test_loose_sensor);
     RUN_TEST(test_ripple);

@@ -27,12 +27,12 @@ static const double LEAST_SHARE_OF_REST = 0.05;
 static bool is_certain(const session *w, hypothesis_id h)
 {
     const hypothesis *hypo = &hypothesis_table[h];
-    if (hypo->fixed) {
+    if (hypo->fixed == hypo->columns) {
         return true;
     }
     double strongest = 0.0;
     const bool drifts = hypo->size == SIZE_RATES; /* then a rate must be certain by itself */
-    for (size_t k = 0; k < hypo->columns; k++) {
+    for (size_t k = hypo->fixed; k < hypo->columns; k++) {
         if (drifts && !column_is_rate(hypo->column[k])) {
             continue;
         }

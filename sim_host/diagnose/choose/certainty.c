@@ -156,7 +156,7 @@ double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_i
     double x[HYPOTHESIS_COLUMNS];
     size_t at[HYPOTHESIS_COLUMNS] = {0};
     size_t n = 0;
-    for (size_t k = 0; k < hypo->columns && !hypo->fixed; k++) {
+    for (size_t k = hypo->fixed; k < hypo->columns; k++) {
         for (size_t j = 0; j < c->columns; j++) {
             if (c->column[j] == hypo->column[k]) {
                 at[n] = j;
@@ -170,7 +170,7 @@ double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_i
         }
     }
     if (n == 0 || !solve_positive(n, COLUMN_COUNT, &part[0][0], z, x)) {
-        return hypo->fixed ? INFINITY : 0.0;
+        return hypo->fixed == hypo->columns ? INFINITY : 0.0;
     }
     double sum = 0.0;
     for (size_t i = 0; i < n; i++) {

@@ -90,7 +90,7 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
             continue;
         }
         for (size_t k = 0; k < hypo->columns; k++) {
-            if (hypo->fixed) {
+            if (k < hypo->fixed) {
                 away[hypo->column[k]] += 1.0;
             } else if (column_shows(hypo->column[k], view->rows)) {
                 column[n++] = hypo->column[k];

@@ -40,10 +40,10 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
     size_t n = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         const hypothesis *hypo = &hypothesis_table[h];
-        if (!(set & HYPOTHESIS_BIT(h)) || hypo->fixed) {
+        if (!(set & HYPOTHESIS_BIT(h))) {
             continue;
         }
-        for (size_t k = 0; k < hypo->columns; k++) {
+        for (size_t k = hypo->fixed; k < hypo->columns; k++) {
             if (column_shows(hypo->column[k], d->rows)) {
                 column[n++] = hypo->column[k];
             }

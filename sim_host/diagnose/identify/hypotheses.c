@@ -113,6 +113,8 @@ double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
         return (hypo->positive & SIGN_LAST) != 0 ? at[hypo->columns - 1] : fabs(at[hypo->columns - 1]);
     case SIZE_RATES:
         return sqrt(rates);
+    case SIZE_FROM_WHOLE:
+        return fabs(at[hypo->columns - 1] - round(at[hypo->columns - 1]));
     case SIZE_SPREAD:
         phases_of(h, z, x);
         return spread(x);

@@ -35,9 +35,10 @@ typedef enum hypothesis_measure {
     SIZE_LENGTH,     /* root sum square along its columns */
     SIZE_DIFFERENCE, /* of two columns: alike they are another cause */
     SIZE_LAST,       /* the last column: the others alone are another cause */
-    SIZE_RATES,  /* root sum square of the rates: a value that does not move is the same cause without them */
-    SIZE_SPREAD, /* of the coordinates about their mean: three that are alike are another cause */
-    SIZE_SENSORS /* the same, but of two sensors what they share counts beside a difference */
+    SIZE_RATES, /* root sum square of the rates: a value that does not move is the same cause without them */
+    SIZE_FROM_WHOLE, /* of the last column from the nearest whole number, which is another hypothesis */
+    SIZE_SPREAD,     /* of the coordinates about their mean: three that are alike are another cause */
+    SIZE_SENSORS     /* the same, but of two sensors what they share counts beside a difference */
 } hypothesis_measure;
 
 /* A simpler cause that lies inside: of those that hold the same, one may stand in a set. */
@@ -71,7 +72,7 @@ typedef struct hypothesis {
     const char *words; /* for people */
     size_t columns;
     int column[HYPOTHESIS_COLUMNS]; /* directions that are fitted */
-    bool fixed;                     /* the one direction is not fitted but set to 1 */
+    size_t fixed;                   /* so many of them, the first, are not fitted but set to 1 */
     double surprise; /* what choosing it must pay beyond its parameters, in chi square: rarer causes more */
     /* The smallest size that is worth a name, in z: below it the motor file is right for every practical purpose,
      * and second-order effects of a real inverter (ripple, quantised duties) begin. */

@@ -15,14 +15,14 @@ typedef struct firmware {
     per_unit base;
     iqfoc_extension_t extension;
     iqfoc_flux_predictor_t predictor;
-    size_t late; /* cycles by which the voltage acts late */
+    double late; /* cycles by which the voltage acts late, 0 to 2 */
 } firmware;
 
 static bool firmware_of(const motor *m, firmware *f, error *e)
 {
     f->m = m;
     f->base = per_unit_of(m);
-    f->late = m->ext.has[CAUSE_VOLTAGE_DELAY] ? (size_t)m->ext.voltage_delay_cycles : 0;
+    f->late = m->ext.has[CAUSE_VOLTAGE_DELAY] ? m->ext.voltage_delay_cycles : 0.0;
     motor unnamed = *m;
     unnamed.path = NULL; /* the reason is told without a file */
     return extension_from_motor(&unnamed, &f->extension, e) &&
@@ -58,8 +58,16 @@ static vec_ab sensed(const firmware *f, bool two_sensors, iqfoc_ab_t i)
 static vec_ab predict(const firmware *f, const recording *rec, bool two_sensors, size_t k)
 {
     const double i_A[3] = {rec->i_A[0][k], rec->i_A[1][k], rec->i_A[2][k]};
+    /* A firmware that keeps its commands mixes the two that act in this cycle. */
+    const size_t whole = (size_t)f->late;
+    const double part = f->late - (double)whole;
     double u_V[3];
-    recording_voltage(rec, k - f->late, u_V);
+    double before_V[3];
+    recording_voltage(rec, k - whole, u_V);
+    recording_voltage(rec, part > 0.0 ? k - whole - 1 : k - whole, before_V);
+    for (int x = 0; x < 3; x++) {
+        u_V[x] += part * (before_V[x] - u_V[x]);
+    }
     iqfoc_sample_t sample = {.i = per_unit_phases(i_A, f->base.I_A),
                              .theta = turns_from_rad(rec->theta_e_rad[k]),
                              .turns = turns_from_speed(rec->omega_e_rad_s[k], rec->T_s),
@@ -106,10 +114,6 @@ firmware_gain firmware_gain_measure(const recording *rec, const unsigned char *h
     error e = {0};
     if (!firmware_of(nominal, &before, &e) || !firmware_of(extended, &after, &e)) {
         snprintf(g.reason, sizeof g.reason, "%s", e.text);
-        return g;
-    }
-    if (before.late > 2 || after.late > 2) {
-        snprintf(g.reason, sizeof g.reason, "a voltage more than two cycles late is not kept");
         return g;
     }
     g.nominal = error_percent(&before, rec, held_out);

@@ -44,7 +44,9 @@ static void tell(char *text, size_t size, const char *format, ...)
 static void laws_of_plant(plant_config *c, const motor *m, double u_dc_V)
 {
     c->inverter.t_dead_s = m->ext.has[CAUSE_DEAD_TIME] ? fmax(m->ext.v_dead_V, 0.0) * c->T_s / u_dc_V : 0.0;
-    c->inverter.delay_cycles = m->ext.has[CAUSE_VOLTAGE_DELAY] ? (int)lround(m->ext.voltage_delay_cycles) : 0;
+    /* Its registers load at the valley or at the peak. */
+    c->inverter.delay_cycles =
+        m->ext.has[CAUSE_VOLTAGE_DELAY] ? 0.5 * round(2.0 * m->ext.voltage_delay_cycles) : 0.0;
 }
 
 /* The named effects as the plant's own physics. */

@@ -53,7 +53,7 @@ static size_t spreads_of(const session *w, hypothesis_id h, spread list[SPREADS]
             /* All that is known is what a gain can be. */
             half = 0.5 * (coordinate_table[column].high - coordinate_table[column].low);
         }
-        list[n++] = (spread){column, hypo->fixed ? 0.0 : half, COORDINATE_STEP};
+        list[n++] = (spread){column, k < hypo->fixed ? 0.0 : half, COORDINATE_STEP};
     }
     for (size_t k = 0; k < hypo->shapes; k++) {
         const coordinate_id shape = hypo->shape[k];
