@@ -28,7 +28,17 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_CHANNELS = -30, /* their number, a source, a mantissa of 0 or a shift above 62 */
     IQFOC_ERROR_MEMORY = -31,   /* room for less than two rows */
     IQFOC_ERROR_PERIOD = -32,   /* period or decimation */
-    IQFOC_ERROR_TRIGGER = -33   /* no such trigger or channel, or a share outside [0, 1) */
+    IQFOC_ERROR_TRIGGER = -33,  /* no such trigger or channel, or a share outside [0, 1) */
+    /* What stands around the cycle: a field outside the range stated in its header */
+    IQFOC_ERROR_OFFSET_LIMITS = -40, /* offset.h */
+    IQFOC_ERROR_START = -41,         /* start.h */
+    IQFOC_ERROR_TRACKER = -42,       /* tracker.h */
+    IQFOC_ERROR_ENCODER = -43,       /* encoder.h */
+    IQFOC_ERROR_RESOLVER = -44,      /* resolver.h */
+    IQFOC_ERROR_HALLS = -45,         /* halls.h */
+    IQFOC_ERROR_SHUNTS = -46,        /* shunts.h */
+    IQFOC_ERROR_RESTART = -47,       /* restart.h */
+    IQFOC_ERROR_SUPERVISION = -48    /* supervision.h */
 } iqfoc_error_t;
 
 #endif

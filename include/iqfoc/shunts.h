@@ -1,0 +1,67 @@
+/*
+ * Currents from low-side shunts, sampled at the carrier valley: a leg's shunt carries its phase current only
+ * while the leg's low side is on, around the valley, for the share 1 - duty of the period.
+ *
+ * A sample is usable if that share leaves time on each side of the valley for dead time, settling and
+ * conversion: duty <= duty_max. Of three usable ones all are taken; of two, the third is the negative of
+ * their sum; one or none is not enough, and the drive's own prediction stands in. Which two are usable
+ * changes with the sector of the voltage: they are chosen by the duties in force.
+ *
+ *     sample.i = iqfoc_shunts_read(&shunts, sample.i, duties_in_force, predicted).i;
+ *     command.duties.high = iqfoc_shunts_make_room(&shunts, command.duties.high);
+ */
+#ifndef IQFOC_SHUNTS_H
+#define IQFOC_SHUNTS_H
+
+#include "error.h"
+#include "vector.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* duty_max = 1 - 2 (dead time + settling + half the sampling)/T: the valley is in the middle of the window. */
+typedef struct iqfoc_shunts {
+    iq24_t duty_max; /* 0.25 ... 1 */
+} iqfoc_shunts_t;
+
+/* Bits of `usable`. */
+#define IQFOC_SHUNT_A UINT32_C(1)
+#define IQFOC_SHUNT_B UINT32_C(2)
+#define IQFOC_SHUNT_C UINT32_C(4)
+
+typedef struct iqfoc_shunts_currents {
+    iqfoc_abc_t i;
+    uint32_t usable; /* the shunts whose sample was taken */
+    bool measured;   /* false: fewer than two were usable, i is the prediction */
+} iqfoc_shunts_currents_t;
+
+/* IQFOC_ERROR_SHUNTS: duty_max out of its range. Once; the functions below rely on it. */
+iqfoc_error_t iqfoc_shunts_check(const iqfoc_shunts_t *shunts);
+
+/* The shunts that can be used at these duties: bits. duties: IQ24, any. Exact. */
+uint32_t iqfoc_shunts_usable(const iqfoc_shunts_t *shunts, iqfoc_abc_t duties);
+
+/*
+ * Phase currents from the three shunts' samples. measured, predicted: per unit, any; what a shunt reads that
+ * is not usable does not matter. duties: those that were in force when the samples were taken. Exact; the
+ * third current saturates, which it can only do where two are beyond +-64.
+ */
+iqfoc_shunts_currents_t iqfoc_shunts_read(const iqfoc_shunts_t *shunts, iqfoc_abc_t measured,
+                                          iqfoc_abc_t duties, iqfoc_abc_t predicted);
+
+/*
+ * Duties with the same line voltages, all three moved down just so far that two shunts stay usable: until
+ * the middle duty is duty_max, and no further than to where the lowest is 0. Duties that leave two usable as
+ * they are come back unchanged. So two are usable wherever the middle duty less the lowest is within duty_max:
+ * for a voltage of span_max <= duty_max always, where centred duties allow no more than 2 duty_max - 1.
+ *
+ * duties: 0 ... 1; so is the result. Exact.
+ */
+iqfoc_abc_t iqfoc_shunts_make_room(const iqfoc_shunts_t *shunts, iqfoc_abc_t duties);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
