@@ -24,6 +24,9 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_INDUCTANCE_Q = -21, /* the same for q */
     IQFOC_ERROR_RESISTANCE = -22,
     IQFOC_ERROR_FLUX = -23, /* psi */
+    /* iqfoc_reference_check; _CURRENT_LIMIT there too */
+    IQFOC_ERROR_SALIENCY = -25,  /* |saliency i_max| beyond 11 */
+    IQFOC_ERROR_WEAKENING = -26, /* gain or share */
     /* iqfoc_recorder_init */
     IQFOC_ERROR_CHANNELS = -30, /* their number, a source, a mantissa of 0 or a shift above 62 */
     IQFOC_ERROR_MEMORY = -31,   /* room for less than two rows */
