@@ -3,6 +3,7 @@
  */
 #include "golden_vectors.h"
 
+#include "golden_around.h"
 #include "golden_models.h"
 #include "golden_types.h"
 
@@ -221,6 +222,8 @@ void golden_vectors(golden_report *report)
         {"mean_modulated", golden_modulated},
         {"induction", golden_induction},
         {"predictive_control", golden_predictive_control},
+        {"angle_sensors", golden_angle_sensors},
+        {"start_and_watch", golden_start_and_watch},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
         golden_inputs_t inputs = {0, GOLDEN_SEED};

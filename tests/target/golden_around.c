@@ -1,0 +1,183 @@
+/*
+ * Digests of what stands around the cycle (golden_vectors.h). The parts with memory keep it from input to
+ * input, and are begun anew every thousand.
+ */
+#include "golden_around.h"
+
+#include "golden_types.h"
+
+#include "iqfoc/encoder.h"
+#include "iqfoc/halls.h"
+#include "iqfoc/offset.h"
+#include "iqfoc/resolver.h"
+#include "iqfoc/restart.h"
+#include "iqfoc/shunts.h"
+#include "iqfoc/start.h"
+#include "iqfoc/supervision.h"
+#include "iqfoc/tracker.h"
+
+#define AGAIN 1000
+
+static uint32_t below(golden_inputs_t *inputs, uint32_t limit)
+{
+    return (uint32_t)golden_positive(inputs, (iq24_t)limit - 1);
+}
+
+static void add_encoder(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iqfoc_encoder_config_t config = {.index_known = true};
+    config.counts_per_turn = 4 + below(inputs, 65533);
+    config.pole_pairs = 1 + below(inputs, 64);
+    config.index_theta = golden_within(inputs, IQ24_MAX);
+    iqfoc_encoder_t encoder;
+    digest_add(digest, (int32_t)iqfoc_encoder_init(&encoder, &config));
+    for (uint32_t k = 0; k < 3; k++) {
+        (void)iqfoc_encoder_index(&encoder, below(inputs, config.counts_per_turn));
+        digest_add(digest, iqfoc_encoder_theta(&encoder, below(inputs, config.counts_per_turn)));
+        digest_add(digest, encoder.slip);
+    }
+}
+
+static iqfoc_resolver_angle_t resolver(golden_inputs_t *inputs)
+{
+    iqfoc_resolver_t r;
+    r.offset_sin = golden_within(inputs, IQ24(4.0));
+    r.offset_cos = golden_within(inputs, IQ24(4.0));
+    r.gain_sin = IQ24(0.0625) + golden_positive(inputs, IQ24(15.9));
+    r.gain_cos = IQ24(0.0625) + golden_positive(inputs, IQ24(15.9));
+    r.amplitude_max = 2 + golden_positive(inputs, IQ24(2.0) - 2);
+    r.amplitude_min = 1 + golden_positive(inputs, r.amplitude_max - 2);
+    r.ratio = 1 + (iq24_t)below(inputs, 64);
+    r.theta_0 = golden_within(inputs, IQ24_ONE);
+    iq24_t a;
+    iq24_t b;
+    golden_pair(inputs, &a, &b);
+    return iqfoc_resolver_read(&r, a, b);
+}
+
+static void add_halls(golden_inputs_t *inputs, uint64_t *digest)
+{
+    static const iqfoc_halls_config_t config = IQFOC_HALLS(300);
+    static const uint32_t order[6] = {1, 3, 2, 6, 4, 5};
+    static iqfoc_halls_t halls;
+    static uint32_t place;
+    if (inputs->number % AGAIN == 1) {
+        (void)iqfoc_halls_init(&halls, &config);
+    }
+    /* Mostly on by one or not at all, now and then anything. */
+    const uint32_t draw = below(inputs, 64);
+    place = draw < 40 ? place : draw < 58 ? (place + 1) % 6 : (place + 5) % 6;
+    const uint32_t bits = draw == 63 ? below(inputs, 8) : order[place];
+    iqfoc_halls_step(&halls, bits, below(inputs, 300));
+    digest_add(digest, halls.theta);
+    digest_add(digest, halls.turns);
+    digest_add(digest, (int32_t)halls.faults);
+}
+
+static void add_tracker(golden_inputs_t *inputs, uint64_t *digest, iqfoc_resolver_angle_t angle)
+{
+    static const iqfoc_tracker_config_t config = {IQ24(0.3), IQ24(0.05), IQ24(0.004), IQ24(0.4), 5};
+    static iqfoc_tracker_t tracker;
+    if (inputs->number % AGAIN == 1) {
+        (void)iqfoc_tracker_init(&tracker, &config);
+    }
+    const iq24_t at = golden_within(inputs, IQ24_ONE);
+    iqfoc_tracker_step(&tracker, angle.theta, at, below(inputs, 8) != 0);
+    digest_add(digest, tracker.theta_q32);
+    digest_add(digest, tracker.turns_q32);
+    digest_add(digest, tracker.acceleration_q32);
+    digest_add(digest, iqfoc_tracker_theta(&tracker, golden_within(inputs, IQ24(8.0))));
+    digest_add(digest, iqfoc_tracker_turns(&tracker));
+    digest_add(digest, tracker.lost ? 1 : 0);
+}
+
+/* The resolver draws a pair, which counts the input. */
+void golden_angle_sensors(golden_inputs_t *inputs, uint64_t *digest)
+{
+    const iqfoc_resolver_angle_t angle = resolver(inputs);
+    digest_add(digest, angle.theta);
+    digest_add(digest, angle.valid ? 1 : 0);
+    add_encoder(inputs, digest);
+    add_halls(inputs, digest);
+    add_tracker(inputs, digest, angle);
+}
+
+static void add_offset(golden_inputs_t *inputs, uint64_t *digest)
+{
+    iqfoc_offset_limits_t limits = {1, 3, 0, 0};
+    limits.offset_max = 1 + golden_positive(inputs, IQ24_ONE - 1);
+    limits.noise_max = 1 + golden_positive(inputs, IQ24(0.125) - 1);
+    iqfoc_offset_t offset;
+    (void)iqfoc_offset_init(&offset, &limits);
+    const iqfoc_abc_t place = golden_abc(inputs, IQ24_ONE);
+    while (offset.verdict == IQFOC_OFFSET_BUSY) {
+        const iqfoc_abc_t noise = golden_abc(inputs, IQ24(0.05));
+        const iqfoc_abc_t i = {place.a + noise.a, place.b + noise.b, place.c + noise.c};
+        (void)iqfoc_offset_step(&offset, i);
+    }
+    digest_add(digest, (int32_t)offset.verdict);
+    digest_add(digest, (int32_t)offset.faulty);
+    digest_abc(digest, offset.offset);
+    digest_abc(digest, offset.noise);
+    digest_abc(digest, iqfoc_offset_removed(&offset, golden_abc(inputs, IQ24_MAX)));
+}
+
+static void add_shunts(golden_inputs_t *inputs, uint64_t *digest)
+{
+    const iqfoc_shunts_t shunts = {IQ24(0.25) + golden_positive(inputs, IQ24(0.75))};
+    iqfoc_abc_t duties;
+    duties.a = golden_positive(inputs, IQ24_ONE);
+    duties.b = golden_positive(inputs, IQ24_ONE);
+    duties.c = golden_positive(inputs, IQ24_ONE);
+    const iqfoc_abc_t i = golden_abc(inputs, IQ24(15.9));
+    const iqfoc_shunts_currents_t got = iqfoc_shunts_read(&shunts, i, duties, golden_abc(inputs, IQ24_ONE));
+    digest_abc(digest, got.i);
+    digest_add(digest, (int32_t)got.usable);
+    digest_abc(digest, iqfoc_shunts_make_room(&shunts, duties));
+}
+
+static void add_start(golden_inputs_t *inputs, uint64_t *digest)
+{
+    static const iqfoc_start_config_t config = {IQ24(0.7), 200, 90, IQ24(-0.11), 300};
+    static iqfoc_start_t start;
+    if (inputs->number % AGAIN == 1) {
+        (void)iqfoc_start_init(&start, &config);
+    }
+    iqfoc_start_step(&start, golden_within(inputs, IQ24_MAX));
+    digest_dq(digest, start.i_ref);
+    digest_add(digest, (int32_t)start.verdict);
+    digest_add(digest, iqfoc_start_theta(&start, golden_within(inputs, IQ24_ONE)));
+    digest_dq(digest, iqfoc_start_handover(&start, golden_within(inputs, IQ24_MAX)));
+}
+
+static void add_watch(golden_inputs_t *inputs, uint64_t *digest)
+{
+    static const iqfoc_supervision_config_t watched = {IQ24(0.1), IQ24(0.125), 12, 2, IQ24(0.2), 3};
+    static const iqfoc_restart_config_t restarts = {6, 5, 3, 20};
+    static iqfoc_supervision_t supervision;
+    static iqfoc_restart_t restart;
+    if (inputs->number % AGAIN == 1) {
+        (void)iqfoc_supervision_init(&supervision, &watched);
+        (void)iqfoc_restart_init(&restart, &restarts);
+    }
+    iqfoc_abc_t i = golden_abc(inputs, IQ24(2.0));
+    i.a = inputs->number % AGAIN > 500 ? 0 : i.a;
+    i.c = -(i.a + i.b) + (below(inputs, 16) == 0 ? IQ24(0.3) : 0);
+    digest_add(digest,
+               (int32_t)iqfoc_supervision_step(&supervision, i, golden_within(inputs, IQ24(0.33)), true));
+    digest_add(digest, (int32_t)supervision.phase);
+    digest_add(digest, (int32_t)iqfoc_restart_step(&restart, below(inputs, 8) == 0 ? below(inputs, 16) : 0));
+    if (below(inputs, 256) == 0) {
+        iqfoc_restart_acknowledge(&restart);
+        iqfoc_supervision_clear(&supervision);
+    }
+}
+
+void golden_start_and_watch(golden_inputs_t *inputs, uint64_t *digest)
+{
+    inputs->number++;
+    add_offset(inputs, digest);
+    add_shunts(inputs, digest);
+    add_start(inputs, digest);
+    add_watch(inputs, digest);
+}
