@@ -41,6 +41,7 @@
 #include "supervision.h"
 #include "tracker.h"
 #include "transform.h"
+#include "tuned_control.h"
 #include "valley_reference.h"
 #include "vector.h"
 #include "version.h"
