@@ -93,13 +93,19 @@ static void measure_step(const loop_run *r, loop_result *result)
 {
     const double step = (r->c->i_q_after_A - r->c->i_q_before_A) / r->loop.base.I_A;
     double beyond = 0.0;
+    double remains = 0.0;
     long last_outside = -1;
-    for (long n = 0; n < LOOP_TRANSIENT_CYCLES; n++) {
-        beyond = fmax(beyond, r->error_q[n] / step);
-        if (hypot(r->error_d[n], r->error_q[n]) > LOOP_SETTLED) {
-            last_outside = n;
-        }
+    long last_beside = -1;
+    for (long n = LOOP_TRANSIENT_CYCLES; n < r->cycles - LOOP_SETTLE_CYCLES; n++) {
+        remains = fmax(remains, hypot(r->error_d[n], r->error_q[n]));
     }
+    for (long n = 0; n < LOOP_TRANSIENT_CYCLES; n++) {
+        const double off = hypot(r->error_d[n], r->error_q[n]);
+        beyond = fmax(beyond, r->error_q[n] / step);
+        last_outside = off > LOOP_SETTLED ? n : last_outside;
+        last_beside = off > remains + LOOP_SETTLED ? n : last_beside;
+    }
+    result->settling_beside_cycles = (int)(last_beside + 1);
     result->overshoot_percent = 100.0 * beyond;
     result->settling_cycles = last_outside + 1 < LOOP_TRANSIENT_CYCLES ? (int)(last_outside + 1) : -1;
 }
@@ -152,6 +158,7 @@ static void nothing_measured(loop_result *result)
                               .i_q_offset_percent = NAN,
                               .overshoot_percent = NAN,
                               .settling_cycles = -1,
+                              .settling_beside_cycles = -1,
                               .thd_percent = NAN,
                               .switching_Hz = NAN,
                               .torque_error_percent = NAN,

@@ -54,6 +54,8 @@ typedef struct loop_result {
     double overshoot_percent;
     /* From the reference's step until the error stays within LOOP_SETTLED; -1: never. */
     int settling_cycles;
+    /* The same until it stays within that of the largest error in the steady window: ripple apart. */
+    int settling_beside_cycles;
     /* Largest error from cycle LOOP_START_CYCLES up to the step: the machine turns at full speed and its
      * terminals are shorted when the firmware begins. */
     double start_percent;

@@ -58,6 +58,11 @@ CALLS = {
         "reads": ["motor.toml"],
         "writes": ["out.json"],
     },
+    "tune": {
+        "arguments": ["--motor", "motor.toml", "--drives", "1", "--json", "out.json"],
+        "reads": ["motor.toml"],
+        "writes": ["out.json"],
+    },
 }
 
 

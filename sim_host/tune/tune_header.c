@@ -1,0 +1,105 @@
+/* The firmware's header of a design, and the design in words (tune_report.h). */
+#include "tune_report.h"
+
+#include "base/number.h"
+#include "base/out_file.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A double as a C constant: with a point or an exponent, so that no integer arithmetic creeps in. */
+static void define(FILE *out, const char *macro, double value, const char *comment)
+{
+    char text[NUMBER_TEXT_SIZE];
+    number_text(value, text);
+    fprintf(out, "#define %s %s%s /* %s */\n", macro, text, strpbrk(text, ".eE") == NULL ? ".0" : "",
+            comment);
+}
+
+/* Text inside a comment: nothing in it may end the comment or the line. */
+static void put_comment_text(FILE *out, const char *text)
+{
+    for (; *text != '\0'; text++) {
+        const unsigned char c = (unsigned char)*text;
+        fputc(c < 0x20 || c == '*' || c == 0x5c ? '_' : c, out);
+    }
+}
+
+bool tune_report_header(const tune_report *t, const char *directory, error *e)
+{
+    const tune_result *r = &t->result;
+    const tune_design *d = &r->design;
+    char path[1100];
+    out_file f;
+    (void)snprintf(path, sizeof path, "%s/iqfoc_tuned.h", directory);
+    if (!out_file_open(&f, path, e)) {
+        return false;
+    }
+    FILE *out = f.stream;
+    fputs("/*\n * Written by iqfoc tune for ", out);
+    put_comment_text(out, r->motor.name);
+    fprintf(out, ": method %s, bandwidth %.0f rad/s.\n * Limited by ", tune_method_text[r->method],
+            r->bandwidth_rad_s);
+    put_comment_text(out, r->limited_by);
+    fputs(".\n * Region: ", out);
+    put_comment_text(out, r->region.source);
+    fputs(".\n *\n *     static const iqfoc_tuned_law_t law = IQFOC_TUNED_LAW;\n *\n * How it is used: "
+          "iqfoc/tuned_control.h. A value that the library cannot hold does not compile.\n */\n"
+          "#ifndef IQFOC_TUNED_LAW_H\n#define IQFOC_TUNED_LAW_H\n\n#include \"iqfoc/tuned_control.h\"\n\n",
+          out);
+    define(out, "IQFOC_TUNED_T_S", d->T_s, "s, control cycle");
+    define(out, "IQFOC_TUNED_I_RATED_A", r->motor.I_rated_A_rms, "A rms");
+    define(out, "IQFOC_TUNED_U_DC_V", r->motor.u_dc_V, "V");
+    define(out, "IQFOC_TUNED_R_OHM", d->machine.R_ohm, "ohm");
+    define(out, "IQFOC_TUNED_L_D_H", d->machine.L_d_H, "H");
+    define(out, "IQFOC_TUNED_L_Q_H", d->machine.L_q_H, "H");
+    define(out, "IQFOC_TUNED_PSI_WB", d->machine.psi_f_Wb, "Wb");
+    define(out, "IQFOC_TUNED_KEEP", d->keep, "share of an error that a cycle leaves");
+    define(out, "IQFOC_TUNED_FOLLOW", d->follow, "the same of the reference's filter");
+    define(out, "IQFOC_TUNED_LEARN", d->learn, "of a prediction error, into the drift");
+    define(out, "IQFOC_TUNED_LEARN_OFFSET", d->learn_offset, "of the valley's offset");
+    fputs("\n/* iqfoc_tuned_law_t: machine, keep, follow, learn, learn_offset. */\n"
+          "#define IQFOC_TUNED_LAW \\\n"
+          "    {IQFOC_SALIENT_MACHINE(IQFOC_TUNED_R_OHM, IQFOC_TUNED_L_D_H, IQFOC_TUNED_L_Q_H, "
+          "IQFOC_TUNED_PSI_WB, \\\n"
+          "                           IQFOC_TUNED_T_S, IQFOC_I_BASE(IQFOC_TUNED_I_RATED_A), "
+          "IQFOC_TUNED_U_DC_V), \\\n"
+          "     IQFOC_CHECKED(IQFOC_TUNED_KEEP, 0.0, 1.0), IQFOC_CHECKED(IQFOC_TUNED_FOLLOW, 0.0, 1.0), \\\n"
+          "     IQFOC_CHECKED(IQFOC_TUNED_LEARN, 0.0, 1.0), IQFOC_CHECKED(IQFOC_TUNED_LEARN_OFFSET, 0.0, "
+          "1.0)}\n\n"
+          "#endif\n",
+          out);
+    return out_file_commit(&f, e);
+}
+
+static void print_margins(const tune_result *r, FILE *stream)
+{
+    fprintf(stream, "  %8s%8s%13s%15s%15s%15s   %s\n", "rpm", "SFFR", "disk margin", "gain, dB", "phase, deg",
+            "delay, cycles", "worst disk margin with");
+    for (int s = 0; s < TUNE_SPEEDS; s += 4) {
+        const tune_at_speed *at = &r->at[s];
+        fprintf(stream, "  %8.0f%8.3g%13.3f%15.2f%15.1f%15.2f   %s\n", at->rpm, at->sffr, at->worst.disk,
+                at->worst.gain_dB, at->worst.phase_deg, at->worst.delay_cycles,
+                r->region.point[at->disk_worst].text);
+    }
+}
+
+void tune_report_print(const tune_report *t, FILE *stream)
+{
+    const tune_result *r = &t->result;
+    const tune_trial *trial = &t->trial;
+    fprintf(stream, "%s, %g Hz: %s, bandwidth %.0f rad/s\n  limited by %s\n  region: %s (%d machines)\n\n",
+            r->motor.name, r->motor.f_pwm_Hz, tune_method_text[r->method], r->bandwidth_rad_s, r->limited_by,
+            r->region.source, r->region.points);
+    fprintf(stream, "The worst of each margin over the region\n");
+    print_margins(r, stream);
+    fprintf(stream,
+            "\n%d drives of the region in the plant, each at a speed of its own up to %.0f rpm: %d unstable\n"
+            "  step of i_q, promised of the worst: overshoot %.1f %%, settling %.0f cycles; found: %.1f %%, "
+            "%.0f cycles\n"
+            "  later than promised by more than a tenth and a cycle: %d; higher by more than a tenth of the "
+            "step: %d\n",
+            trial->drives, trial->rpm_most, trial->unstable, trial->promised.overshoot_percent,
+            trial->promised.settling_cycles, trial->found.overshoot_percent, trial->found.settling_cycles,
+            trial->late, trial->high);
+}

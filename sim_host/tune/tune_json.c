@@ -1,0 +1,113 @@
+/* A design as JSON (tune_report.h). */
+#include "tune_report.h"
+
+#include "base/json_file.h"
+
+#include <math.h>
+
+static json_t *margins_json(const tune_margins *m)
+{
+    return json_pack("{s:o, s:o, s:o, s:o}", "disk_margin", json_number(m->disk), "gain_margin_dB",
+                     json_number(m->gain_dB), "phase_margin_deg", json_number(m->phase_deg),
+                     "delay_margin_cycles", json_number(m->delay_cycles));
+}
+
+static json_t *poles_json(const tune_at_speed *at)
+{
+    json_t *list = json_array();
+    for (int n = 0; n < at->poles; n++) {
+        if (json_array_append_new(list, json_pack("[f, f]", at->pole[n].re, at->pole[n].im)) != 0) {
+            json_decref(list);
+            return NULL;
+        }
+    }
+    return list;
+}
+
+static json_t *point_json(const tune_result *r, const tune_at_speed *at)
+{
+    json_t *o = json_pack("{s:f, s:o}", "rpm", at->rpm, "sffr", json_number(at->sffr));
+    json_t *worst = margins_json(&at->worst);
+    json_t *more =
+        json_pack("{s:s, s:o, s:o, s:f}", "worst_machine", r->region.point[at->disk_worst].text, "nominal",
+                  margins_json(&at->nominal), "poles", poles_json(at), "largest_pole", at->radius_worst);
+    const bool ok = o != NULL && worst != NULL && more != NULL && json_object_update(o, worst) == 0 &&
+                    json_object_update(o, more) == 0;
+    json_decref(worst);
+    json_decref(more);
+    if (!ok) {
+        json_decref(o);
+        return NULL;
+    }
+    return o;
+}
+
+static json_t *points_json(const tune_result *r)
+{
+    json_t *list = json_array();
+    for (int s = 0; s < TUNE_SPEEDS; s++) {
+        if (json_array_append_new(list, point_json(r, &r->at[s])) != 0) {
+            json_decref(list);
+            return NULL;
+        }
+    }
+    return list;
+}
+
+static json_t *promise_json(const tune_promise *p)
+{
+    return json_pack("{s:f, s:f}", "overshoot_percent", p->overshoot_percent, "settling_cycles",
+                     p->settling_cycles);
+}
+
+static json_t *trial_json(const tune_trial *t)
+{
+    return json_pack("{s:i, s:i, s:i, s:i, s:f, s:o, s:o, s:f, s:f, s:f}", "drives", t->drives, "unstable",
+                     t->unstable, "late", t->late, "high", t->high, "rpm_most", t->rpm_most, "promised",
+                     promise_json(&t->promised), "found", promise_json(&t->found), "overshoot_off_percent",
+                     t->overshoot_off, "settling_off_cycles", t->settling_off, "rms_percent", t->rms_percent);
+}
+
+static json_t *loop_json(int ratio, int controller, int truth, const loop_result *l)
+{
+    return json_pack("{s:f, s:s, s:s, s:s, s:o, s:o, s:o, s:o}", "sffr", tune_ratios[ratio], "controller",
+                     tune_controller_key[controller], "truth", tune_truth_text[truth], "outcome",
+                     loop_outcome_text(l->outcome), "rms_percent", json_number(l->rms_percent),
+                     "overshoot_percent", json_number(l->overshoot_percent), "settling_cycles",
+                     l->outcome != LOOP_HOLDS ? json_null() : json_integer(l->settling_beside_cycles),
+                     "start_percent", json_number(l->start_percent));
+}
+
+static json_t *comparison_json(const tune_comparison *c)
+{
+    json_t *list = json_array();
+    bool ok = list != NULL;
+    for (int k = 0; k < TUNE_RATIOS; k++) {
+        for (int n = 0; n < TUNE_CONTROLLERS; n++) {
+            for (int t = 0; t < TUNE_TRUTHS && ok && c->held[k]; t++) {
+                ok = json_array_append_new(list, loop_json(k, n, t, &c->at[k][n][t])) == 0;
+            }
+        }
+    }
+    if (!ok) {
+        json_decref(list);
+        return NULL;
+    }
+    return json_pack("{s:f, s:f, s:o}", "rpm", c->rpm, "L_share", c->L_share, "loops", list);
+}
+
+json_t *tune_report_json(const tune_report *t)
+{
+    const tune_result *r = &t->result;
+    const tune_design *d = &r->design;
+    return json_pack("{s:i, s:s, s:s, s:f, s:f, s:f, s:s, s:{s:s, s:i}, s:{s:f, s:f, s:f, s:f}, "
+                     "s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:o}",
+                     "schema", 1, "motor", r->motor.name, "method", tune_method_text[r->method], "f_pwm_Hz",
+                     r->motor.f_pwm_Hz, "disk_margin_wanted", r->disk_wanted, "bandwidth_rad_s",
+                     r->bandwidth_rad_s, "limited_by", r->limited_by, "region", "source", r->region.source,
+                     "machines", r->region.points, "machine", "R_ohm", d->machine.R_ohm, "L_d_H",
+                     d->machine.L_d_H, "L_q_H", d->machine.L_q_H, "psi_f_Wb", d->machine.psi_f_Wb,
+                     "controller", "keep", d->keep, "follow", d->follow, "learn", d->learn, "learn_offset",
+                     d->learn_offset, "points", points_json(r), "trial", trial_json(&t->trial), "comparison",
+                     comparison_json(&t->comparison));
+}

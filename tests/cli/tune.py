@@ -1,0 +1,98 @@
+"""What `iqfoc tune` writes: the JSON's keys, the firmware's header through compilers, the page; and what it refuses, with the number."""
+
+import json
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import program
+
+WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+
+FIRMWARE = """#include "iqfoc_tuned.h"
+#include <stdio.h>
+static const iqfoc_tuned_law_t law = IQFOC_TUNED_LAW;
+int main(void)
+{
+    printf("%d %d %d %d %d %d", (int)law.machine.k_d_q26, (int)law.machine.q_to_d_q27, (int)law.keep, (int)law.follow,
+           (int)law.learn, (int)law.learn_offset);
+    return 0;
+}
+"""
+
+
+class Tune(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.temporary.name)
+        program.write_files(self.folder)
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def refused(self, *arguments):
+        result = program.run(["tune", *arguments], self.folder)
+        self.assertEqual(2, result.returncode)
+        lines = result.stderr.decode().splitlines()
+        self.assertEqual(1, len(lines), lines)
+        return lines[0]
+
+    def test_what_it_writes(self):
+        done = program.run(["tune", "--motor", "motor.toml", "--method", "deadbeat", "--drives", "4", "-o", "tuned", "--json",
+                            "tuned/tune.json"], self.folder)
+        self.assertEqual(0, done.returncode, done.stderr.decode())
+        tuned = self.folder / "tuned"
+        result = json.loads((tuned / "tune.json").read_text())
+        self.assertEqual("deadbeat", result["method"])
+        self.assertGreater(result["bandwidth_rad_s"], 100.0)
+        self.assertIn("disk margin", result["limited_by"])
+        for point in result["points"]:
+            for key in ("rpm", "sffr", "disk_margin", "gain_margin_dB", "phase_margin_deg", "delay_margin_cycles", "poles"):
+                self.assertIn(key, point)
+            self.assertGreaterEqual(point["disk_margin"], 0.499)
+            self.assertTrue(all(re * re + im * im < 1.0 for re, im in point["poles"]))
+        self.assertEqual(0, result["trial"]["unstable"])
+        self.check_header(tuned, result)
+        page = (tuned / "index.html").read_text()
+        self.assertNotIn(">nan<", page)
+        if shutil.which("gnuplot"):
+            self.assertEqual(3, page.count("<svg "))
+
+    def check_header(self, folder, result):
+        (folder / "firmware.c").write_text(FIRMWARE)
+        compilers = [name for name in ("gcc", "clang", "cc") if shutil.which(name)]
+        self.assertTrue(compilers)
+        for compiler in compilers:
+            made = subprocess.run([compiler, *WARNINGS, "-I", program.ROOT / "include", folder / "firmware.c", "-o",
+                                   folder / "firmware"], capture_output=True, text=True, check=False)
+            self.assertEqual((0, ""), (made.returncode, made.stderr))
+        held = [int(word) for word in subprocess.run([folder / "firmware"], capture_output=True, check=True).stdout.split()]
+        machine, controller = result["machine"], result["controller"]
+        k_d = 565.0 / 4000.0 / (machine["L_d_H"] * 6.0 * 2.0 ** 0.5)
+        want = [k_d * 2 ** 26, machine["L_q_H"] / machine["L_d_H"] * 2 ** 27,
+                *(controller[key] * 2 ** 24 for key in ("keep", "follow", "learn", "learn_offset"))]
+        for got, value in zip(held, want):
+            self.assertAlmostEqual(value, got, delta=1.0)
+
+    def test_a_diagnosis_without_a_covariance_is_named_so(self):
+        (self.folder / "d.json").write_text('{"verdict": "clean", "causes": []}')
+        done = program.run(["tune", "--motor", "motor.toml", "--diagnosis", "d.json", "--drives", "1"], self.folder)
+        self.assertEqual(0, done.returncode, done.stderr.decode())
+        self.assertIn("has neither covariance nor intervals", done.stdout.decode())
+
+    def test_what_cannot_be_had_is_said_with_the_number(self):
+        slow = program.MOTOR.replace("f_pwm_Hz = 4000", "f_pwm_Hz = 850")
+        (self.folder / "slow.toml").write_text(slow)
+        self.assertIn("needs f_pwm_Hz = 900", self.refused("--motor", "slow.toml"))
+        self.assertRegex(self.refused("--motor", "motor.toml", "--ratio", "4", "--tolerance", "30,60,5"), r"the best has 0\.\d\d")
+
+    def test_bad_usage(self):
+        self.assertIn("expected pi or deadbeat", self.refused("--motor", "motor.toml", "--method", "fast"))
+        self.assertIn("expected three numbers", self.refused("--motor", "motor.toml", "--tolerance", "30,30"))
+        self.assertIn("motor.toml", self.refused("--motor", "motor.toml", "--diagnosis", "motor.toml"))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["tune.py"])
