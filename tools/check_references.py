@@ -19,9 +19,9 @@ SPAN = re.compile(r"`([^`\n]+)`")
 PATH = re.compile(r"(?:[\w.-]+/)+[\w.*-]*|[\w-]+\.(?:c|h|cpp|def|py|sh)")
 NAME = re.compile(r"\b(?:iqfoc_|IQFOC_|IQ24_)\w*\w")
 SOURCE = (".c", ".h", ".cpp", ".def", ".py", ".sh")
-NOT_SOURCES = {"iqfoc_extension.h", "unity.c"}
-# Variables of ./dev, and what a diagnosis writes for a firmware.
-NOT_IN_C = re.compile(r"IQFOC_JOBS|IQFOC_NO_INSTALL|IQFOC_DIAGNOSED_\w+|iqfoc_extension")
+NOT_SOURCES = {"iqfoc_extension.h", "iqfoc_tuned.h", "unity.c"}
+# Variables of ./dev, and what a diagnosis and a design write for a firmware.
+NOT_IN_C = re.compile(r"IQFOC_JOBS|IQFOC_NO_INSTALL|IQFOC_DIAGNOSED_\w+|iqfoc_extension|iqfoc_tuned")
 
 
 class Tree:

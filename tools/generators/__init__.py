@@ -6,7 +6,7 @@ raises ValueError for arguments that it cannot use. Figures are rounded to what 
 machines.
 """
 
-from . import bench, carried_on, diagnosis, induction, loops, mean_map, papers, picture, sweep
+from . import bench, carried_on, diagnosis, induction, loops, mean_map, papers, picture, sweep, tune
 
 GENERATORS = {
     "bench": bench.generate,
@@ -18,4 +18,5 @@ GENERATORS = {
     "papers": papers.generate,
     "picture": picture.generate,
     "sweep": sweep.generate,
+    "tune": tune.generate,
 }
