@@ -274,7 +274,7 @@ static void put_extension(FILE *out, cause_id id, const motor *m)
 {
     fprintf(out, "\n[extension.%s]\n", cause_table[id].id);
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
-        if (v->cause == id && !v->of_machine && (v->kind != VALUE_RATE || motor_value_of(m, v) != 0.0)) {
+        if (v->cause == id && !v->of_machine && (!motor_value_is_extra(v) || motor_value_of(m, v) != 0.0)) {
             put_number(out, v->key, motor_value_of(m, v));
         }
     }

@@ -41,7 +41,8 @@ typedef enum motor_value_kind {
     VALUE_REAL,
     VALUE_WHOLE,
     VALUE_MEAN_INDUCTANCE, /* of L_d_H and L_q_H */
-    VALUE_RATE             /* of another value, per second; stands in a file only where it is not nought */
+    VALUE_RATE,            /* of another value, per second */
+    VALUE_EXTRA            /* a term of a law that has others */
 } motor_value_kind;
 
 typedef struct motor_value {
@@ -55,6 +56,12 @@ typedef struct motor_value {
     bool needed;   /* else `absent` may stand for it */
     double absent; /* means no effect; NAN: its being there says nothing */
 } motor_value;
+
+/* Stands in a file, and in what is told, only where it is not nought. */
+static inline bool motor_value_is_extra(const motor_value *v)
+{
+    return v->kind == VALUE_RATE || v->kind == VALUE_EXTRA;
+}
 
 extern const motor_value motor_values[];
 extern const size_t motor_values_length;

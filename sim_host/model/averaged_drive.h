@@ -43,7 +43,7 @@ typedef struct averaged_drive {
     /* Angle error c cos(n theta_mech) + s sin(n theta_mech), n = 1, 2. */
     double harmonic_cos_rad[2], harmonic_sin_rad[2];
     double u_delay[2]; /* cycles by which the voltage acts late: of the first, of the second */
-    double psi_5_Wb, psi_7_Wb;
+    double psi_5_Wb, psi_7_Wb, psi_11_Wb, psi_13_Wb;
     double dR_ohm[3];
     double dL_H[3];
     /* Effects that the diagnosis does not name; fitted to see that no named effect is taken for them. */
@@ -51,8 +51,7 @@ typedef struct averaged_drive {
     double iron_s_S; /* that times the time by which the iron's current comes late */
     /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
-    double saturation_q; /* further 1/A^2 on the q axis alone: saturation that differs between the axes */
-    double psi_11_Wb, psi_13_Wb;
+    double saturation_q;    /* further 1/A^2 on the q axis alone: saturation that differs between the axes */
     double psi_temperature; /* psi_f and R that follow recorded temperature, per kelvin (needs temp_C) */
     double R_temperature;
 } averaged_drive;

@@ -17,7 +17,8 @@ static bool is_linear(const plant_config *c)
                               m->dL_H[0] == 0.0 && m->dL_H[1] == 0.0 && m->dL_H[2] == 0.0;
     const bool steady = m->R_rate_ohm_s == 0.0 && m->psi_rate_Wb_s == 0.0;
     const bool plain_machine = steady && equal_phases && m->I_sat_A == 0.0 && m->R_fe_ohm == 0.0 &&
-                               m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0;
+                               m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0 && m->psi_11_Wb == 0.0 &&
+                               m->psi_13_Wb == 0.0;
     const bool ideal_legs =
         v->t_dead_s == 0.0 && v->v_switch_V == 0.0 && v->v_diode_V == 0.0 && v->ripple_V == 0.0;
     const bool constant_speed = c->shaft.mode == PLANT_SHAFT_GIVEN && c->shaft.accel_e_rad_s2 == 0.0;

@@ -56,6 +56,8 @@ bool plant_config_check(const plant_config *c, error *e)
         {"psi_f", m->psi_f_Wb, 0.0, none, big},
         {"psi_5", m->psi_5_Wb, none, none, big},
         {"psi_7", m->psi_7_Wb, none, none, big},
+        {"psi_11", m->psi_11_Wb, none, none, big},
+        {"psi_13", m->psi_13_Wb, none, none, big},
         {"R rate", m->R_rate_ohm_s, none, none, big},
         {"psi_f rate", m->psi_rate_Wb_s, none, none, big},
         {"I_sat", m->I_sat_A, 0.0, none, big},

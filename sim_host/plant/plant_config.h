@@ -23,8 +23,9 @@ typedef struct plant_machine {
     double dL_H[3];      /* in series with phase x: leakage, or a choke in the cable */
     double psi_f_Wb;
     double R_rate_ohm_s, psi_rate_Wb_s; /* by which both have grown for each second of the clock */
-    double psi_5_Wb, psi_7_Wb; /* psi_A = psi_f cos(theta) + psi_5 cos(5 theta) + psi_7 cos(7 theta) */
-    double I_sat_A;            /* flux / current = L/(1 + (i/I_sat)^2), i by its energy; 0: none */
+    double psi_5_Wb, psi_7_Wb; /* psi_A = psi_f cos(theta) + psi_5 cos(5 theta) + psi_7 cos(7 theta) + ... */
+    double psi_11_Wb, psi_13_Wb;
+    double I_sat_A;  /* flux / current = L/(1 + (i/I_sat)^2), i by its energy; 0: none */
     double R_fe_ohm; /* iron loss: branch beside the flux, R_fe with tau_fe * R_fe in series; 0: none */
     double tau_fe_s;
 } plant_machine;

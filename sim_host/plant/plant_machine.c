@@ -26,15 +26,26 @@ void machine_saturation(const plant_machine *m, double i_A, double *factor, doub
     *slope_over_i = (slope_flux - *factor) / (i_A * i_A);
 }
 
-/* dpsi/dtheta, at constant phase current, of the 5th harmonic (negative sequence) and the 7th (positive). */
+/*
+ * dpsi/dtheta, at constant phase current, of the magnet's harmonics: those of order 6 n - 1 are of negative sequence,
+ * those of order 6 n + 1 of positive one.
+ */
 static vec_ab harmonic_emf_per_speed(const plant_machine *m, double theta_e_rad)
 {
+    const struct {
+        double order, psi_Wb, sequence;
+    } harmonic[] = {{5.0, m->psi_5_Wb, -1.0},
+                    {7.0, m->psi_7_Wb, 1.0},
+                    {11.0, m->psi_11_Wb, -1.0},
+                    {13.0, m->psi_13_Wb, 1.0}};
     vec_ab v = {0.0, 0.0};
-    if (m->psi_5_Wb != 0.0 || m->psi_7_Wb != 0.0) {
-        const vec_rotor five = rotor_at(5.0 * theta_e_rad);
-        const vec_rotor seven = rotor_at(7.0 * theta_e_rad);
-        v.alpha = -5.0 * m->psi_5_Wb * five.sin - 7.0 * m->psi_7_Wb * seven.sin;
-        v.beta = -5.0 * m->psi_5_Wb * five.cos + 7.0 * m->psi_7_Wb * seven.cos;
+    for (size_t k = 0; k < sizeof harmonic / sizeof *harmonic; k++) {
+        if (harmonic[k].psi_Wb != 0.0) {
+            const vec_rotor at = rotor_at(harmonic[k].order * theta_e_rad);
+            const double rate = harmonic[k].order * harmonic[k].psi_Wb;
+            v.alpha -= rate * at.sin;
+            v.beta += harmonic[k].sequence * rate * at.cos;
+        }
     }
     return v;
 }

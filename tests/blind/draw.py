@@ -66,7 +66,8 @@ def simulate(motor, bench, model, rows, rng_seed):
     lanes, T_s, I_pk = bench.runs, 1.0 / motor.f_pwm_Hz, motor.I_rated_A_rms * np.sqrt(2.0)
     omega = np.array([w for w, _ in bench.points])
     machine = Machine(lanes, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
-                      model.I_sat_A, model.dR_ohm, model.R_iron_ohm, model.tau_iron_s, model.dL_H)
+                      model.I_sat_A, model.dR_ohm, model.R_iron_ohm, model.tau_iron_s, model.dL_H,
+                      model.psi_11_Wb, model.psi_13_Wb)
     inverter = Inverter(lanes, T_s, model.t_dead_s, model.V_switch_V, model.V_diode_V)
     # At standstill the rotor is locked: the swing is a share of the speed.
     shaft = Shaft(rng.uniform(0.0, TURN * motor.pole_pairs, lanes), omega, omega * np.array(bench.swing),

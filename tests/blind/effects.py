@@ -13,8 +13,12 @@ CAUSES = ["resistance", "inductance", "flux_linkage", "saliency", "saturation", 
           "emf_harmonics", "phase_asymmetry"]
 # Causes that came after the published seeds. They are asked for by name only: were they among the above, each seed that
 # draws its effects would draw others.
-LATER = ["phase_inductance", "resistance_drift", "flux_linkage_drift", "current_offset_drift", "current_gain_drift",
-         "voltage_delay_half"]
+LATER = [
+    "phase_inductance",
+    "resistance_drift", "flux_linkage_drift", "current_offset_drift", "current_gain_drift",
+    "voltage_delay_half",
+    "emf_harmonics_high",
+]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
 # The same for effects without a name: in the release sets, and by name.
@@ -32,7 +36,7 @@ RANGE = {
     "voltage_delay_half": (1.0, 1.0),
     # What drifts: its change over the recording.
     "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
-    "current_gain_drift": (0.02, 0.1),
+    "current_gain_drift": (0.02, 0.1), "emf_harmonics_high": (0.004, 0.03),
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004)}
 
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
@@ -42,8 +46,10 @@ WITHOUT_SIZE = {"voltage_delay", "voltage_delay_half"}
 
 
 def cause_of(effect):
-    """The cause's id: a value that drifts is that cause's, and a delay that is no whole number the delay's."""
-    return effect.removesuffix("_drift").removesuffix("_half")
+    """The cause's id: of a variant, such as a value that drifts or a delay that is no whole number, it is that cause's."""
+    for variant in ("_drift", "_half", "_high"):
+        effect = effect.removesuffix(variant)
+    return effect
 
 
 def compatible(a, b):
@@ -70,6 +76,8 @@ def draw_direction(rng, effect, has_i_c):
         d["order"] = int(rng.integers(1, 3))
     if effect == "emf_harmonics":
         d["c5"], d["c7"] = rng.choice([-1.0, 1.0], 2) * rng.uniform(0.4, 1.0, 2)
+    if effect == "emf_harmonics_high":
+        d["c5"], d["c11"], d["c13"] = rng.choice([-1.0, 1.0], 3) * rng.uniform(0.4, 1.0, 3) * [rng.choice([0.0, 1.0]), 1, 1]
     if effect == "dead_time":
         d["drop"] = float(rng.choice([0.0, 0.0, 0.4]))
     if effect == "voltage_delay_half":
@@ -169,6 +177,11 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "emf_harmonics":
         model.psi_5_Wb, model.psi_7_Wb = size * motor.psi_f_Wb * d["c5"], size * motor.psi_f_Wb * d["c7"]
         return [truth("psi_5", "Wb", model.psi_5_Wb), truth("psi_7", "Wb", model.psi_7_Wb)]
+    if effect == "emf_harmonics_high":
+        # With a 5th, or without any.
+        model.psi_5_Wb, model.psi_11_Wb, model.psi_13_Wb = (size * motor.psi_f_Wb * d[c] for c in ("c5", "c11", "c13"))
+        return [truth("psi_5", "Wb", model.psi_5_Wb), truth("psi_11", "Wb", model.psi_11_Wb),
+                truth("psi_13", "Wb", model.psi_13_Wb)]
     if effect == "phase_asymmetry":
         model.dR_ohm = np.zeros(3)
         model.dR_ohm[d["phase"]] = size * motor.R_ohm

@@ -79,6 +79,7 @@ def effect_arguments(case, model):
         "voltage_delay": lambda: {"cycles": model.delay_cycles},
         "voltage_delay_half": lambda: {"cycles": model.delay_cycles},
         "emf_harmonics": lambda: {"psi_5": model.psi_5_Wb, "psi_7": model.psi_7_Wb},
+        "emf_harmonics_high": lambda: {"psi_5": model.psi_5_Wb, "psi_11": model.psi_11_Wb, "psi_13": model.psi_13_Wb},
         "phase_asymmetry": lambda: dict(zip(("dR_a", "dR_b", "dR_c"), model.dR_ohm)),
         "phase_inductance": lambda: dict(zip(("dL_a", "dL_b", "dL_c"), model.dL_H)),
         "resistance_drift": lambda: drifts(["R"], [model.R_ohm], [model.R_rate_ohm_s]),

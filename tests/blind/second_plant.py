@@ -44,19 +44,20 @@ class Machine:
 
     def __init__(self, lanes, R_ohm, L_d_H, L_q_H, psi_f_Wb, psi_5_Wb=0.0, psi_7_Wb=0.0, I_sat_A=np.inf,
                  dR_ohm=(0.0, 0.0, 0.0), R_iron_ohm=np.inf, tau_iron_s=1e-4,
-                 dL_H=(0.0, 0.0, 0.0)):
+                 dL_H=(0.0, 0.0, 0.0), psi_11_Wb=0.0, psi_13_Wb=0.0):
         def spread(x):
             return np.broadcast_to(np.asarray(x, float), (lanes,)).copy()
 
         self.R_ohm, self.L_d_H, self.L_q_H = spread(R_ohm), spread(L_d_H), spread(L_q_H)
         self.psi_f_Wb, self.psi_5_Wb, self.psi_7_Wb = spread(psi_f_Wb), spread(psi_5_Wb), spread(psi_7_Wb)
+        self.psi_11_Wb, self.psi_13_Wb = spread(psi_11_Wb), spread(psi_13_Wb)
         self.I_sat_A, self.R_iron_ohm, self.tau_iron_s = spread(I_sat_A), spread(R_iron_ohm), spread(tau_iron_s)
         dR = np.array([spread(x) for x in dR_ohm])
         # 2/3 sum dR_x i_x a_x of a current without common part is this pair of factors on i and on its conjugate.
         self.R_mean_ohm = self.R_ohm + dR.mean(axis=0)
         self.R_conj_ohm = (dR * AXIS ** 2).sum(axis=0) / 3.0
         self.saturates = bool(np.isfinite(self.I_sat_A).any())
-        self.has_harmonics = bool(np.any(self.psi_5_Wb) or np.any(self.psi_7_Wb))
+        self.has_harmonics = any(np.any(x) for x in (self.psi_5_Wb, self.psi_7_Wb, self.psi_11_Wb, self.psi_13_Wb))
         self.is_unequal = bool(np.any(dR))
         dL = np.array([spread(x) for x in dL_H])
         self.L_mean_H, self.L_conj_H = dL.mean(axis=0), (dL * AXIS ** 2).sum(axis=0) / 3.0
@@ -69,11 +70,13 @@ class Machine:
         self.R_ohm, self.psi_f_Wb = R_ohm, psi_f_Wb
 
     def magnet_flux_dq(self, theta_rad):
-        """Flux of the magnet in the rotor frame; the 5th turns backwards at 5, the 7th forwards at 7 times theta."""
+        """Flux of the magnet in the rotor frame; the 5th turns backwards at 5, the 7th forwards at 7 times theta, and so on."""
         if not self.has_harmonics:
             return self.psi_f_Wb
         sixth = np.exp(6j * theta_rad)
-        return self.psi_f_Wb + self.psi_5_Wb * sixth.conj() + self.psi_7_Wb * sixth
+        twelfth = sixth * sixth
+        return (self.psi_f_Wb + self.psi_5_Wb * sixth.conj() + self.psi_7_Wb * sixth
+                + self.psi_11_Wb * twelfth.conj() + self.psi_13_Wb * twelfth)
 
     def _size(self, y):
         """How large a current in the rotor frame is for the iron: by the energy 1/2 (L_d i_d^2 + L_q i_q^2) that it

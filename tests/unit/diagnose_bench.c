@@ -43,6 +43,23 @@ static double normal(uint64_t *state)
     return sum;
 }
 
+/* Of phases A, B, C at theta less 0, a third and two thirds of a turn, as a vector. */
+static void magnet_flux(const motor *m, double theta, double flux[2])
+{
+    const bool harmonics = m->ext.has[CAUSE_EMF_HARMONICS];
+    flux[0] = flux[1] = 0.0;
+    for (int x = 0; x < 3; x++) {
+        double from = theta - TWO_PI * x / 3.0;
+        double own = m->psi_f_Wb * cos(from);
+        if (harmonics) {
+            own += m->ext.psi_5_Wb * cos(5.0 * from) + m->ext.psi_7_Wb * cos(7.0 * from) +
+                   m->ext.psi_11_Wb * cos(11.0 * from) + m->ext.psi_13_Wb * cos(13.0 * from);
+        }
+        flux[0] += 2.0 / 3.0 * own * cos(TWO_PI * x / 3.0);
+        flux[1] += 2.0 / 3.0 * own * sin(TWO_PI * x / 3.0);
+    }
+}
+
 /*
  * d(total flux)/dt = u - R i, all stationary. The winding's current solves flux - magnet = (L(theta) + M) i, with M
  * the phases' own additions: of a phase x on the axis at angle a_x, 2/3 dL_x cos a_x cos a_x and so on.
@@ -61,8 +78,10 @@ static void current_of(const motor *m, const double flux[2], double theta, doubl
         ab += 2.0 / 3.0 * m->ext.dL_H[x] * along * across;
         bb += 2.0 / 3.0 * m->ext.dL_H[x] * across * across;
     }
-    double alpha = flux[0] - m->psi_f_Wb * c;
-    double beta = flux[1] - m->psi_f_Wb * s;
+    double magnet[2];
+    magnet_flux(m, theta, magnet);
+    double alpha = flux[0] - magnet[0];
+    double beta = flux[1] - magnet[1];
     double det = aa * bb - ab * ab;
     i[0] = (bb * alpha - ab * beta) / det;
     i[1] = (aa * beta - ab * alpha) / det;
@@ -201,7 +220,8 @@ recording bench_record(const bench *b)
         double theta = 0.4 + (double)run;
         bench now = drifted(b, 2.0 * (double)run - middle_s(r.T_s));
         const motor *m = &now.m;
-        double state[STATES] = {m->psi_f_Wb * cos(theta), m->psi_f_Wb * sin(theta)};
+        double state[STATES] = {0.0};
+        magnet_flux(m, theta, state);
         double step[2] = {0.0, 0.0};
         double before[3][2] = {{0.0, 0.0}}; /* commands of this cycle and of the two before */
         r.stretch[run] = (stretch){run * BENCH_ROWS, BENCH_ROWS, (long)run + 1};

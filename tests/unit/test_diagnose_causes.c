@@ -86,10 +86,39 @@ static void what_stands_still_has_no_rate(void)
     diagnosis_free(&d);
 }
 
+/* Told are the harmonics that were found: of a back-EMF with the 5th and 7th alone these two. */
+static void harmonics_of_the_emf_are_named_to_the_13th(void)
+{
+    good.m.ext.has[CAUSE_EMF_HARMONICS] = true;
+    good.m.ext.psi_11_Wb = 0.0012;
+    good.m.ext.psi_13_Wb = -0.0008;
+    diagnosis d = look(&good, NULL);
+    one_cause(&d, "emf_harmonics");
+    holds(&d.cause[0], "psi_11", 0.0012);
+    holds(&d.cause[0], "psi_13", -0.0008);
+    diagnosis_free(&d);
+    good.m.ext.psi_5_Wb = -0.002;
+    good.m.ext.psi_7_Wb = 0.001;
+    d = look(&good, NULL);
+    one_cause(&d, "emf_harmonics");
+    holds(&d.cause[0], "psi_5", -0.002);
+    holds(&d.cause[0], "psi_7", 0.001);
+    holds(&d.cause[0], "psi_11", 0.0012);
+    holds(&d.cause[0], "psi_13", -0.0008);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, -0.0008, d.extended_motor.ext.psi_13_Wb);
+    diagnosis_free(&d);
+    good.m.ext.psi_11_Wb = good.m.ext.psi_13_Wb = 0.0;
+    d = look(&good, NULL);
+    one_cause(&d, "emf_harmonics");
+    TEST_ASSERT_EQUAL_size_t(2, d.cause[0].parameters);
+    diagnosis_free(&d);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(what_drifts_is_named_with_its_rate);
     RUN_TEST(what_stands_still_has_no_rate);
+    RUN_TEST(harmonics_of_the_emf_are_named_to_the_13th);
     return UNITY_END();
 }

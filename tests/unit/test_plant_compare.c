@@ -36,6 +36,8 @@ reference compare_reference(const plant_config *c)
     r.psi = c->machine.psi_f_Wb;
     r.psi_5 = c->machine.psi_5_Wb;
     r.psi_7 = c->machine.psi_7_Wb;
+    r.psi_11 = c->machine.psi_11_Wb;
+    r.psi_13 = c->machine.psi_13_Wb;
     r.R_rate = c->machine.R_rate_ohm_s;
     r.psi_rate = c->machine.psi_rate_Wb_s;
     r.t = c->clock_s;

@@ -33,6 +33,9 @@ static void test_flux_harmonics(void)
     c.machine.psi_5_Wb = -0.004;
     c.machine.psi_7_Wb = 0.003;
     follow("flux harmonics", c, 9.0);
+    c.machine.psi_11_Wb = 0.002;
+    c.machine.psi_13_Wb = -0.0015;
+    follow("to the 13th", c, 9.0);
 }
 
 static void test_unequal_phases(void)

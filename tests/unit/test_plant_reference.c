@@ -66,7 +66,8 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
     for (int x = 0; x < 3; x++) {
         const double from = theta - axis[x];
         const double dmagnet = -(r->psi + r->psi_rate * clock) * sin(from) -
-                               5.0 * r->psi_5 * sin(5.0 * from) - 7.0 * r->psi_7 * sin(7.0 * from);
+                               5.0 * r->psi_5 * sin(5.0 * from) - 7.0 * r->psi_7 * sin(7.0 * from) -
+                               11.0 * r->psi_11 * sin(11.0 * from) - 13.0 * r->psi_13 * sin(13.0 * from);
         turned[x] = f * dL_i[x] + df_dsquare * dsquare * L_i[x] + dmagnet;
         torque_per_pole_pair += i[x] * (0.5 * f * dL_i[x] + dmagnet);
     }

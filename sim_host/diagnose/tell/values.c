@@ -144,8 +144,8 @@ void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause)
         p->value = p->low = p->high = motor_value_of(&found, v);
         /* Whole numbers are found or not. */
         const bool moves = v->kind == VALUE_WHOLE || interval_of(w, v, list, n, p) > 0;
-        if (v->kind == VALUE_RATE && !moves && p->nominal == 0.0) {
-            continue; /* does not drift */
+        if (motor_value_is_extra(v) && !moves && p->nominal == 0.0) {
+            continue; /* not there */
         }
         moved[cause->parameters++] = moves;
         widest = fmax(widest, 0.5 * (p->high - p->low));
