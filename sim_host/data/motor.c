@@ -104,6 +104,21 @@ void motor_inductances(const motor *m, double *L_d_H, double *L_q_H)
     }
 }
 
+size_t motor_angle_order(const motor *m)
+{
+    size_t n = 0;
+    while (n < ANGLE_ORDERS && m->ext.harmonic_order != motor_order_of(m, n)) {
+        n++;
+    }
+    return n;
+}
+
+double motor_order_of(const motor *m, size_t n)
+{
+    const double order[ANGLE_ORDERS] = {1.0, 2.0, m->pole_pairs, 2.0 * m->pole_pairs};
+    return order[n];
+}
+
 double motor_rated_peak_A(const motor *m)
 {
     return sqrt(2.0) * m->I_rated_A_rms;
@@ -135,6 +150,9 @@ static void read_value(toml_table *t, const motor_value *v, motor *m)
     const toml_range range = range_of(v, m);
     if (v->kind == VALUE_WHOLE) {
         *value = (double)toml_integer(t, v->key, (long)range.min, (long)range.max);
+        if (v->offset == offsetof(motor, ext.harmonic_order) && motor_angle_order(m) == ANGLE_ORDERS) {
+            toml_refuse(t, v->key, "order = %g, expected 1, 2, or once or twice pole_pairs", *value);
+        }
     } else {
         *value = v->needed ? toml_number(t, v->key, range) : toml_number_or(t, v->key, range, *value);
         /* Generous: a fit that ran away is written here too, and must be read. */

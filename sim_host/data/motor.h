@@ -84,6 +84,15 @@ motor motor_blank(void);
  */
 void motor_inductances(const motor *m, double *L_d_H, double *L_q_H);
 
+/*
+ * The orders, in mechanical revolutions, that an angle's error may have: once and twice per mechanical revolution (an
+ * eccentric or tilted sensor), once and twice per electrical one (a resolver's windings). The first that is
+ * m->ext.harmonic_order; ANGLE_ORDERS: none.
+ */
+enum { ANGLE_ORDERS = 4 };
+double motor_order_of(const motor *m, size_t n);
+size_t motor_angle_order(const motor *m);
+
 /* Peak of the rated current. */
 double motor_rated_peak_A(const motor *m);
 

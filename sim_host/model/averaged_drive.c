@@ -106,13 +106,32 @@ static vec_ab harmonic_flux(const averaged_drive *d, vec_rotor one)
     return flux;
 }
 
-/* How far the recorded angle lies ahead of the true one. */
+/* One order's error at n times an angle: those of sin and cos. */
+static double swing(const averaged_drive *d, size_t n, vec_rotor at)
+{
+    return d->harmonic_cos_rad[n] * at.cos + d->harmonic_sin_rad[n] * at.sin;
+}
+
+/*
+ * How far the recorded angle lies ahead of the true one. An error that repeats with the electrical turn moves the very
+ * angle that it depends on: it is taken at the angle that is left, once more.
+ */
 static double angle_error(const averaged_drive *d, const cycle_row *row)
 {
-    double c2 = row->cos_mech * row->cos_mech - row->sin_mech * row->sin_mech;
-    double s2 = 2.0 * row->cos_mech * row->sin_mech;
-    return d->theta_0_rad + d->t_delay_s * row->omega_rad_s + d->harmonic_cos_rad[0] * row->cos_mech +
-           d->harmonic_sin_rad[0] * row->sin_mech + d->harmonic_cos_rad[1] * c2 + d->harmonic_sin_rad[1] * s2;
+    const vec_rotor mech = {row->cos_mech, row->sin_mech};
+    const vec_rotor recorded = {row->cos_theta, row->sin_theta};
+    const double slow = d->theta_0_rad + d->t_delay_s * row->omega_rad_s + swing(d, 0, mech) +
+                        swing(d, 1, further(mech, mech));
+    if (d->harmonic_cos_rad[2] == 0.0 && d->harmonic_sin_rad[2] == 0.0 && d->harmonic_cos_rad[3] == 0.0 &&
+        d->harmonic_sin_rad[3] == 0.0) {
+        return slow;
+    }
+    double ahead = slow;
+    for (int again = 0; again < 2; again++) {
+        const vec_rotor r = further(recorded, (vec_rotor){cos(ahead), -sin(ahead)});
+        ahead = slow + swing(d, 2, r) + swing(d, 3, further(r, r));
+    }
+    return ahead;
 }
 
 /* A share of 1/L in the stationary frame (aa, ab, bb): a mean, and a part that turns with twice the angle. */

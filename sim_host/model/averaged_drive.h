@@ -40,8 +40,8 @@ typedef struct averaged_drive {
     /* What moves, per second from the middle of the recording. */
     double R_rate_ohm_s, psi_rate_Wb_s, offset_rate_ab_A_s[2], g_rate_s[3];
     double theta_0_rad, t_delay_s;
-    /* Angle error c cos(n theta_mech) + s sin(n theta_mech), n = 1, 2. */
-    double harmonic_cos_rad[2], harmonic_sin_rad[2];
+    /* Angle error c cos(n theta_mech) + s sin(n theta_mech), n of motor_order_of. */
+    double harmonic_cos_rad[ANGLE_ORDERS], harmonic_sin_rad[ANGLE_ORDERS];
     double u_delay[2]; /* cycles by which the voltage acts late: of the first, of the second */
     double psi_5_Wb, psi_7_Wb, psi_11_Wb, psi_13_Wb;
     double dR_ohm[3];

@@ -20,7 +20,7 @@ static void take_laws(averaged_drive *d, const motor *m)
         d->offset_zero_A = (x->o_A[0] + x->o_A[1] + x->o_A[2]) / 3.0;
     }
     if (x->has[CAUSE_ANGLE_HARMONIC]) {
-        const size_t n = x->harmonic_order > 1.5 ? 1 : 0;
+        const size_t n = motor_angle_order(m);
         d->harmonic_cos_rad[n] = x->harmonic_amplitude_rad * cos(x->harmonic_phase_rad);
         d->harmonic_sin_rad[n] = -x->harmonic_amplitude_rad * sin(x->harmonic_phase_rad);
     }
@@ -45,6 +45,12 @@ averaged_drive averaged_drive_of(const motor *m)
     return d;
 }
 
+/* How large an angle's error of that order is. */
+static double swing_rad(const averaged_drive *d, size_t n)
+{
+    return hypot(d->harmonic_cos_rad[n], d->harmonic_sin_rad[n]);
+}
+
 static void put_laws(motor *m, const averaged_drive *d)
 {
     motor_extension *x = &m->ext;
@@ -54,13 +60,16 @@ static void put_laws(motor *m, const averaged_drive *d)
     /* Only the two-phase information of the offsets counts: their common part is left out. */
     vec_to_phases((vec_ab){d->offset_ab_A[0], d->offset_ab_A[1]}, x->o_A);
     vec_to_phases((vec_ab){d->offset_rate_ab_A_s[0], d->offset_rate_ab_A_s[1]}, x->o_rate_A_s);
-    const double amplitude_rad[2] = {hypot(d->harmonic_cos_rad[0], d->harmonic_sin_rad[0]),
-                                     hypot(d->harmonic_cos_rad[1], d->harmonic_sin_rad[1])};
-    const size_t n = amplitude_rad[1] > amplitude_rad[0] ? 1 : 0;
-    x->harmonic_order = amplitude_rad[n] > 0.0 ? (double)(n + 1) : 0.0;
-    x->harmonic_amplitude_rad = amplitude_rad[n];
-    x->harmonic_phase_rad =
-        amplitude_rad[n] > 0.0 ? atan2(-d->harmonic_sin_rad[n], d->harmonic_cos_rad[n]) : 0.0;
+    size_t n = 0;
+    for (size_t k = 1; k < ANGLE_ORDERS; k++) {
+        if (swing_rad(d, k) > swing_rad(d, n)) {
+            n = k;
+        }
+    }
+    const bool swings = swing_rad(d, n) > 0.0;
+    x->harmonic_order = swings ? motor_order_of(m, n) : 0.0;
+    x->harmonic_amplitude_rad = swing_rad(d, n);
+    x->harmonic_phase_rad = swings ? atan2(-d->harmonic_sin_rad[n], d->harmonic_cos_rad[n]) : 0.0;
     x->voltage_delay_cycles = d->u_delay[0] + d->u_delay[1];
 }
 

@@ -18,6 +18,7 @@ LATER = [
     "resistance_drift", "flux_linkage_drift", "current_offset_drift", "current_gain_drift",
     "voltage_delay_half",
     "emf_harmonics_high",
+    "angle_harmonic_electrical",
 ]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
@@ -36,7 +37,7 @@ RANGE = {
     "voltage_delay_half": (1.0, 1.0),
     # What drifts: its change over the recording.
     "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
-    "current_gain_drift": (0.02, 0.1), "emf_harmonics_high": (0.004, 0.03),
+    "current_gain_drift": (0.02, 0.1), "emf_harmonics_high": (0.004, 0.03), "angle_harmonic_electrical": (0.008, 0.1),
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004)}
 
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
@@ -47,7 +48,7 @@ WITHOUT_SIZE = {"voltage_delay", "voltage_delay_half"}
 
 def cause_of(effect):
     """The cause's id: of a variant, such as a value that drifts or a delay that is no whole number, it is that cause's."""
-    for variant in ("_drift", "_half", "_high"):
+    for variant in ("_drift", "_half", "_high", "_electrical"):
         effect = effect.removesuffix(variant)
     return effect
 
@@ -76,6 +77,8 @@ def draw_direction(rng, effect, has_i_c):
         d["order"] = int(rng.integers(1, 3))
     if effect == "emf_harmonics":
         d["c5"], d["c7"] = rng.choice([-1.0, 1.0], 2) * rng.uniform(0.4, 1.0, 2)
+    if effect == "angle_harmonic_electrical":
+        d["times"] = int(rng.integers(1, 3))
     if effect == "emf_harmonics_high":
         d["c5"], d["c11"], d["c13"] = rng.choice([-1.0, 1.0], 3) * rng.uniform(0.4, 1.0, 3) * [rng.choice([0.0, 1.0]), 1, 1]
     if effect == "dead_time":
@@ -163,6 +166,10 @@ def apply(model, motor, effect, size, d, has_i_c):
         model.order, model.amplitude_rad, model.phase_rad = d["order"], size, d["angle"]
         # Without a mechanical angle the revolution's start is open, and so is the phase.
         return [truth("order", "1", d["order"]), truth("amplitude", "rad", size),
+                truth("phase", "rad", d["angle"], False)]
+    if effect == "angle_harmonic_electrical":
+        model.order, model.amplitude_rad, model.phase_rad = d["times"] * motor.pole_pairs, size, d["angle"]
+        return [truth("order", "1", model.order), truth("amplitude", "rad", size),
                 truth("phase", "rad", d["angle"], False)]
     if effect == "angle_delay":
         model.t_delay_s = size * T_s * d["sign"]

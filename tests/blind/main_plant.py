@@ -74,6 +74,7 @@ def effect_arguments(case, model):
         "current_offset": lambda: dict(zip(("o_a", "o_b", "o_c"), model.o_A)),
         "current_gain": lambda: dict(zip(("g_a", "g_b", "g_c"), model.g)),
         "angle_offset": lambda: {"theta_0": model.theta_0_rad},
+        "angle_harmonic_electrical": lambda: sets["angle_harmonic"](),
         "angle_harmonic": lambda: {"order": model.order, "amplitude": model.amplitude_rad, "phase": model.phase_rad},
         "angle_delay": lambda: {"t_delay": model.t_delay_s},
         "voltage_delay": lambda: {"cycles": model.delay_cycles},

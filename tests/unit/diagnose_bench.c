@@ -194,6 +194,10 @@ static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], 
     }
     double shown = theta + (x->has[CAUSE_ANGLE_OFFSET] ? x->theta_0_rad : 0.0) +
                    (x->has[CAUSE_ANGLE_DELAY] ? x->t_delay_s * omega : 0.0);
+    if (x->has[CAUSE_ANGLE_HARMONIC]) {
+        shown += x->harmonic_amplitude_rad *
+                 cos(x->harmonic_order * theta / b->m.pole_pairs + x->harmonic_phase_rad);
+    }
     r->theta_e_rad[k] = shown - TWO_PI * floor(shown / TWO_PI);
     r->omega_e_rad_s[k] = omega;
 }

@@ -122,6 +122,16 @@ static void the_extended_motor_file_says_the_same_drive(void)
     m.ext.I_sat_A = 20.0;
     m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
     m.ext.voltage_delay_cycles = 1.25;
+    /* Each order has a place of its own, but where two are the same number. */
+    const double orders[][2] = {{1.0, 1.0}, {2.0, 2.0}, {3.0, 3.0}, {6.0, 6.0}};
+    for (size_t k = 0; k < 4; k++) {
+        motor one = m;
+        one.ext.harmonic_order = orders[k][0];
+        const averaged_drive swings = averaged_drive_of(&one);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.03 * cos(-2.5), swings.harmonic_cos_rad[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-15, -0.03 * sin(-2.5), swings.harmonic_sin_rad[k]);
+        TEST_ASSERT_EQUAL_DOUBLE(orders[k][1], averaged_drive_motor(&swings, &one).ext.harmonic_order);
+    }
     averaged_drive d = averaged_drive_of(&m);
     motor base = bench_motor();
     motor again = averaged_drive_motor(&d, &base);

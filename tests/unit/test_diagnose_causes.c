@@ -114,11 +114,30 @@ static void harmonics_of_the_emf_are_named_to_the_13th(void)
     diagnosis_free(&d);
 }
 
+/* As a resolver errs: by its windings' offsets once, by their gains twice per electrical turn. */
+static void an_angle_error_of_the_electrical_turn_is_named(void)
+{
+    static const double order[] = {3.0, 6.0};
+    good.m.ext.has[CAUSE_ANGLE_HARMONIC] = true;
+    good.m.ext.harmonic_amplitude_rad = 0.03;
+    good.m.ext.harmonic_phase_rad = 0.7;
+    for (size_t k = 0; k < 2; k++) {
+        good.m.ext.harmonic_order = order[k];
+        diagnosis d = look(&good, NULL);
+        one_cause(&d, "angle_harmonic");
+        holds(&d.cause[0], "order", order[k]);
+        holds(&d.cause[0], "amplitude", 0.03);
+        holds(&d.cause[0], "phase", 0.7);
+        diagnosis_free(&d);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(what_drifts_is_named_with_its_rate);
     RUN_TEST(what_stands_still_has_no_rate);
     RUN_TEST(harmonics_of_the_emf_are_named_to_the_13th);
+    RUN_TEST(an_angle_error_of_the_electrical_turn_is_named);
     return UNITY_END();
 }

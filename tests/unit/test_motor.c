@@ -150,8 +150,10 @@ static void test_extension_rules(void)
         0, "",
         "[extension.saturation]\nL_0_H = 1e-3\nI_sat_A = 30\n[extension.phase_inductance]\ndL_c_H = -0.003\n",
         "20:10", "dL_c_H must be a number >= -0.0008");
-    expect_refused(0, "", "[extension.angle_harmonic]\norder = 3\namplitude_rad = 0.1\nphase_rad = 0\n",
-                   "17:9", "order must be a whole number from 1 to 2, not 3");
+    expect_refused(0, "", "[extension.angle_harmonic]\norder = 7\namplitude_rad = 0.1\nphase_rad = 0\n",
+                   "17:9", "order must be a whole number from 1 to 6, not 7");
+    expect_refused(0, "", "[extension.angle_harmonic]\norder = 4\namplitude_rad = 0.1\nphase_rad = 0\n",
+                   "17:9", "order = 4, expected 1, 2, or once or twice pole_pairs");
     expect_refused(0, "", "[extension.voltage_delay]\ncycles = -1\n", "17:10", "cycles must be");
     expect_refused(0, "", "[extension.current_gain]\ng_a = 0\n", "17:7", "g_a must be a number > 0");
 }

@@ -262,6 +262,8 @@ hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_fram
     const bool turns = r->omega_max_rad_s * r->T_s > 1e-5;
     const bool there[] = {[NEEDS_NOTHING] = true,
                           [NEEDS_TURNING] = turns,
+                          [NEEDS_POLES_ONCE] = turns && f->pole_pairs > 2,
+                          [NEEDS_POLES_TWICE] = turns && f->pole_pairs > 1,
                           [NEEDS_MAGNET] = turns && f->nominal.psi_f_Wb != 0.0,
                           [NEEDS_THREE_SENSORS] = !r->two_sensors,
                           [NEEDS_TEMPERATURE] = r->temperature_known};

@@ -59,6 +59,8 @@ enum {
 typedef enum hypothesis_need {
     NEEDS_NOTHING,
     NEEDS_TURNING,
+    NEEDS_POLES_ONCE, /* turning, and pole pairs enough that once per electrical turn is no other order */
+    NEEDS_POLES_TWICE,
     NEEDS_MAGNET, /* turning, too */
     NEEDS_THREE_SENSORS,
     NEEDS_TEMPERATURE
