@@ -105,6 +105,45 @@ static void everything_scaled_alike_is_one_voltage_gain(void)
     diagnosis_free(&d);
 }
 
+/* A file's last digits: the machine is off by a share of what is worth a name in all that the file says. */
+static void last_digits(bench *b, double share)
+{
+    b->m.R_ohm *= 1.0 - 0.02 * share;
+    b->m.L_d_H *= 1.0 + 0.008 * share;
+    b->m.L_q_H *= 1.0 + 0.006 * share;
+    b->m.psi_f_Wb *= 1.0 + 0.004 * share;
+    b->m.ext.has[CAUSE_VOLTAGE_GAIN] = true;
+    b->m.ext.k_u *= 1.0 - 0.003 * share;
+}
+
+/* Scaling voltage, R, L and psi alike changes nothing, so that two of them may stand for the others' last digits. */
+static void one_error_beside_last_digits_is_one_cause(void)
+{
+    static const double shares[] = {-0.25, 0.25, -0.6, 0.6};
+    for (size_t k = 0; k < sizeof shares / sizeof *shares; k++) {
+        for (int which = 0; which < 5; which++) {
+            static const char *const id[] = {NULL, "resistance", "inductance", "flux_linkage",
+                                             "voltage_gain"};
+            good = (bench){.m = bench_motor(), .noise_A = 0.017, .seed = 20260101 + (unsigned long)which};
+            good.m.ext.k_u = which == 4 ? 0.9 : 1.0;
+            last_digits(&good, shares[k]);
+            good.m.R_ohm *= which == 1 ? 1.3 : 1.0;
+            good.m.L_d_H *= which == 2 ? 0.9 : 1.0;
+            good.m.L_q_H *= which == 2 ? 0.9 : 1.0;
+            good.m.psi_f_Wb *= which == 3 ? 0.95 : 1.0;
+            diagnosis d = look(&good, NULL);
+            if (which == 0) {
+                TEST_ASSERT_EQUAL_size_t(0, d.causes);
+            } else {
+                TEST_ASSERT_EQUAL_size_t(1, d.causes);
+                TEST_ASSERT_EQUAL_STRING(id[which], d.cause[0].id);
+                TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict);
+            }
+            diagnosis_free(&d);
+        }
+    }
+}
+
 static void a_voltage_that_acts_late_is_found(void)
 {
     good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
@@ -369,6 +408,7 @@ int main(void)
     RUN_TEST(flux_inductance_and_saliency_are_told_apart);
     RUN_TEST(an_inductance_of_one_phase_or_of_all_is_named);
     RUN_TEST(everything_scaled_alike_is_one_voltage_gain);
+    RUN_TEST(one_error_beside_last_digits_is_one_cause);
     RUN_TEST(a_voltage_that_acts_late_is_found);
     RUN_TEST(a_voltage_that_acts_parts_of_a_cycle_late_is_found);
     RUN_TEST(two_causes_at_once_are_both_found);

@@ -134,11 +134,11 @@ static hypothesis_id weakest(const session *w, const evidence_view *view)
     return worst;
 }
 
-/* Takes a hypothesis out of a state: its parameters go back to the motor file's. */
+/* Takes a hypothesis out of a state. */
 static void leave(fit_state *s, hypothesis_id h)
 {
     s->set &= ~HYPOTHESIS_BIT(h);
-    hypothesis_copy(h, hypothesis_nominal, s->z);
+    last_digits_keep(h, s->z);
 }
 
 /* Fits the state's set and drops, one by one, what is not certain, until all that stays is. */

@@ -3,6 +3,7 @@
 
 #include "base/solve.h"
 #include "diagnose/identify/gram.h"
+#include "diagnose/identify/last_digits.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -58,9 +59,11 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
 {
     memset(c, 0, sizeof *c);
     c->inflation = 1.0;
-    c->columns = gram_columns(d, s, s->set, c->column);
-    size_t n = c->columns;
-    if (n == 0) {
+    const size_t members = gram_columns(d, s, s->set, c->column);
+    double prior[COLUMN_COUNT] = {0.0};
+    const size_t n = last_digits_append(d, s, members, c->column, prior);
+    c->columns = n;
+    if (members == 0) {
         return true;
     }
     gram *grams = gram_blocks(d, s, c->column, n);
@@ -74,6 +77,10 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
         double(*by_group)[COLUMN_COUNT] = work[3];
         double(*group_covariance)[COLUMN_COUNT] = work[4];
         double blocks = (double)d->blocks;
+        for (size_t i = 0; i < n; i++) {
+            /* What is known beforehand, and how it varies between drives. */
+            sum[i][i] = by_block[i][i] = by_group[i][i] = prior[i];
+        }
         for (size_t b = 0; b < d->blocks; b++) {
             for (size_t i = 0; i < n; i++) {
                 score[grams[b].group][i] += grams[b].g[i];
@@ -98,9 +105,9 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
                      c->covariance);
             sandwich(n, (const double(*)[COLUMN_COUNT])bread, (const double(*)[COLUMN_COUNT])by_group,
                      group_covariance);
-            double few_blocks = blocks > (double)n + 1.0 ? blocks / (blocks - (double)n) : 2.0;
+            double few_blocks = blocks > (double)members + 1.0 ? blocks / (blocks - (double)members) : 2.0;
             double few_groups = groups > 1 ? (double)groups / (double)(groups - 1) : 1.0;
-            double t_blocks = student(d->blocks > n + 1 ? d->blocks - n : 2);
+            double t_blocks = student(d->blocks > members + 1 ? d->blocks - members : 2);
             double t_groups = student(groups > 1 ? groups - 1 : 1);
             double ratio = 0.0;
             for (size_t i = 0; i < n; i++) {
@@ -111,7 +118,7 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
                 double block = t_blocks * sqrt(c->covariance[i][i]);
                 double group = groups > 3 ? t_groups * sqrt(few_groups * group_covariance[i][i]) : 0.0;
                 c->half_width[i] = fmax(plain, fmax(block, group));
-                ratio += c->covariance[i][i] / bread[i][i] / (double)n;
+                ratio += i < members ? c->covariance[i][i] / bread[i][i] / (double)members : 0.0;
             }
             c->inflation = fmax(1.0, ratio);
         }

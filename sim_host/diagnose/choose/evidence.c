@@ -28,7 +28,12 @@ static const double LEAST_SHARE_BESIDE_DEAD_TIME = 1e-3;
 static size_t columns_of(const fit_data *d, hypothesis_set allowed, int column[COLUMN_COUNT])
 {
     bool wanted[COLUMN_COUNT] = {[P_OFFSET_ZERO] = !d->rows->two_sensors};
+    coordinate_id small[P_COUNT];
+    const size_t smalls = last_digits_list(d->rows, small);
     size_t n = 0;
+    for (size_t k = 0; k < smalls; k++) {
+        wanted[small[k]] = true;
+    }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (hypothesis_in(allowed, h)) {
             hypothesis_mark(h, wanted); /* the coordinates are the first of the columns */
@@ -65,6 +70,7 @@ bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evid
         }
     }
     free(grams);
+    last_digits_deflate(d->rows, &view->total);
     for (size_t k = 0; k < P_COUNT; k++) {
         view->to_nominal[k] = -s->z[k];
     }

@@ -5,13 +5,13 @@
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_EVIDENCE_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_EVIDENCE_H
 
-#include "diagnose/identify/gram.h"
+#include "diagnose/identify/last_digits.h"
 
 /* All columns' sums at a state, and what follows from them. */
 typedef struct evidence_view {
     const diagnose_rows *rows;
     double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
-    gram total;       /* over the fit blocks */
+    gram total;       /* over the fit blocks, deflated by what may move unnamed */
     double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances
                                         excepted) */
 } evidence_view;

@@ -1,8 +1,6 @@
 /* The best set of hypotheses, round by round (search.h). */
 #include "search.h"
 
-#include "evidence.h"
-
 #include "diagnose/identify/edge_choice.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/revolution.h"
@@ -145,7 +143,7 @@ static bool drop_small(fit_state *s, hypothesis_set allowed)
                 continue;
             }
         }
-        hypothesis_copy(h, hypothesis_nominal, s->z);
+        last_digits_keep(h, s->z);
     }
     return s->set != before;
 }
@@ -169,13 +167,17 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
 
 static double state_score(const evidence_view *view, const fit_state *s)
 {
-    return s->objective + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, s->z);
+    return s->objective + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, s->z) +
+           last_digits_unusual(s->set, s->z);
 }
 
 /* One round: the promising options fitted, *s the best. */
 static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, FILE *trace)
 {
     const fit_state start = *s;
+    evidence_option own;
+    evidence_cost(e->view, &start, start.set, &own);
+    const double own_cost = own.cost + evidence_penalty(e->view, start.set);
     double best_score = state_score(e->view, s);
     hypothesis_set tried[REFINED + FULL_SIZE] = {0};
     size_t n = 0;
@@ -190,8 +192,8 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         }
         /* Once the state is a fit, its own set's quadratic form is exact, and what does worse there need not
          * be fitted. */
-        if (known || (round > 0 && option->cost + evidence_penalty(e->view, option->set) >
-                                       e->view->total.c + evidence_penalty(e->view, start.set) + SLACK)) {
+        if (known ||
+            (round > 0 && option->cost + evidence_penalty(e->view, option->set) > own_cost + SLACK)) {
             continue;
         }
         tried[n++] = option->set;

@@ -9,7 +9,7 @@
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_SEARCH_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_SEARCH_H
 
-#include "diagnose/identify/fit_data.h"
+#include "evidence.h"
 
 #include <stdio.h>
 

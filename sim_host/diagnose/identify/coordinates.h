@@ -56,6 +56,7 @@ typedef struct coordinate {
     bool rate;      /* of another coordinate, per second */
     bool third_sensor; /* there is no such number where two currents are measured */
     double usual;      /* one standard deviation of what drives show, in z; 0: nothing is said */
+    double digits;     /* and of what a file's last digits leave open, unnamed; 0: it is as the file says */
 } coordinate;
 
 extern const coordinate coordinate_table[P_COUNT];

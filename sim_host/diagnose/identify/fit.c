@@ -2,14 +2,14 @@
 #include "fit.h"
 
 #include "base/solve.h"
-#include "gram.h"
+#include "last_digits.h"
 #include "observer.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { GAIN_STEPS = 2 };
+enum { GAIN_STEPS = 2, JOINT_STEPS = 3 };
 
 /*
  * A gain of nought would trust the model for ever. One part in thirty bounds its memory to thirty cycles: the
@@ -114,11 +114,20 @@ void fit_gain(fit_data *d, fit_state *s)
     fit_noise(d, s);
 }
 
+/* What is made small: the objective, with the prior of what moves unnamed. */
+static double goal(const fit_state *s)
+{
+    return s->objective + last_digits_unusual(s->set, s->z);
+}
+
 /* One Gauss-Newton step, halved until the objective falls. True while steps still matter. */
-static bool improve(fit_data *d, fit_state *s, bool *failed)
+static bool improve(fit_data *d, fit_state *s, bool with_digits, bool *failed)
 {
     int column[COLUMN_COUNT];
-    size_t n = gram_columns(d, s, s->set, column);
+    double prior[COLUMN_COUNT] = {0.0};
+    double rest[P_COUNT];
+    const size_t members = gram_columns(d, s, s->set, column);
+    const size_t n = with_digits ? last_digits_append(d, s, members, column, prior) : members;
     if (n == 0) {
         return false;
     }
@@ -133,8 +142,14 @@ static bool improve(fit_data *d, fit_state *s, bool *failed)
         gram_add(sum, &grams[b], n);
     }
     free(grams);
+    last_digits_rest(s->set, s->z, rest);
     for (size_t i = 0; sum && i < n; i++) {
         sum->g[i] = -sum->g[i];
+        if (i >= members) {
+            const double digits = coordinate_table[column[i]].digits;
+            sum->g[i] -= rest[column[i]] / (digits * digits);
+            sum->h[i][i] += prior[i];
+        }
     }
     bool solved = sum && solve_positive(n, COLUMN_COUNT, &sum->h[0][0], sum->g, step);
     double expected = 0.0;
@@ -152,7 +167,7 @@ static bool improve(fit_data *d, fit_state *s, bool *failed)
         }
         coordinates_bound(d->frame, trial.z);
         fit_noise(d, &trial);
-        if (trial.objective < s->objective) {
+        if (goal(&trial) < goal(s)) {
             *s = trial;
             return expected > 0.3;
         }
@@ -160,20 +175,28 @@ static bool improve(fit_data *d, fit_state *s, bool *failed)
     return false;
 }
 
-bool fit_refine(fit_data *d, fit_state *s, int iterations)
+/* Steps until they do not matter; gains between them. */
+static bool descend(fit_data *d, fit_state *s, int iterations, bool with_digits)
 {
     bool failed = false;
-    fit_noise(d, s);
     for (int k = 0; k < iterations; k++) {
-        bool more = improve(d, s, &failed);
+        bool more = improve(d, s, with_digits, &failed);
         double before = s->objective;
         fit_gain(d, s);
         if (!more && fabs(s->objective - before) < 0.5) {
             break;
         }
     }
+    return !failed;
+}
+
+bool fit_refine(fit_data *d, fit_state *s, int iterations)
+{
+    fit_noise(d, s);
+    /* First the members alone: while they are far off, what is small would run after them. */
+    const bool ok = descend(d, s, iterations, false) && descend(d, s, JOINT_STEPS, true);
     for (int k = 0; k < GAIN_STEPS; k++) {
         fit_gain(d, s);
     }
-    return !failed;
+    return ok;
 }

@@ -223,23 +223,18 @@ bool column_shows(int column, const diagnose_rows *r)
     return column >= P_COUNT || !coordinate_table[column].third_sensor || !r->two_sensors;
 }
 
-static void column_copy(int column, const double from[P_COUNT], double to[P_COUNT])
-{
-    if (column < P_COUNT) {
-        to[column] = from[column];
-        return;
-    }
-    for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
-        to[part->coordinate] = from[part->coordinate];
-    }
-}
-
 const double hypothesis_nominal[P_COUNT] = {0.0};
 
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT])
 {
+    bool moved[P_COUNT] = {false};
+    hypothesis_mark(h, moved);
+    for (size_t k = 0; k < P_COUNT; k++) {
+        to[k] = moved[k] ? 0.0 : to[k];
+    }
     for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
-        column_copy(hypothesis_table[h].column[k], from, to);
+        const int column = hypothesis_table[h].column[k];
+        column_move(column, column_value(column, from), to);
     }
 }
 

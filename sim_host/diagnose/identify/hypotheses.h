@@ -147,7 +147,8 @@ bool column_is_rate(int column);
 /* Where z stands along a column. */
 double column_value(int column, const double z[P_COUNT]);
 
-/* Copies the coordinates that a hypothesis moves; from a z of nought, takes them back to the motor file's. */
+/* Sets the coordinates that a hypothesis moves to what `from` holds along its directions, and to nothing beside
+ * them; from a z of nought, takes them back to the motor file's. */
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT]);
 extern const double hypothesis_nominal[P_COUNT];
 
