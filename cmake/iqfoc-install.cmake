@@ -11,12 +11,16 @@ install(TARGETS iqfoc EXPORT iqfoc-targets
     INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/iqfoc DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
     FILES_MATCHING PATTERN "*.h")
+# The porting checklist, as source: it runs on the host, whatever the library was built for.
+install(FILES ${PROJECT_SOURCE_DIR}/port/check/port_check.c ${PROJECT_SOURCE_DIR}/port/check/port_check.h
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/iqfoc/port_check)
 install(EXPORT iqfoc-targets NAMESPACE iqfoc:: FILE iqfoc-targets.cmake DESTINATION ${iqfoc_package_dir})
 
 # Before 1.0 a new minor version may change the interface.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/iqfoc-config-version.cmake COMPATIBILITY SameMinorVersion)
+set(iqfoc_check_dir ${CMAKE_INSTALL_DATAROOTDIR}/iqfoc/port_check)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/iqfoc-config.cmake.in ${PROJECT_BINARY_DIR}/iqfoc-config.cmake
-    INSTALL_DESTINATION ${iqfoc_package_dir} NO_SET_AND_CHECK_MACRO NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+    INSTALL_DESTINATION ${iqfoc_package_dir} PATH_VARS iqfoc_check_dir NO_SET_AND_CHECK_MACRO NO_CHECK_REQUIRED_COMPONENTS_MACRO)
 install(FILES ${PROJECT_BINARY_DIR}/iqfoc-config.cmake ${PROJECT_BINARY_DIR}/iqfoc-config-version.cmake
     DESTINATION ${iqfoc_package_dir})
 

@@ -5,9 +5,9 @@
  * A sample is usable if that share leaves time on each side of the valley for dead time, settling and
  * conversion: duty <= duty_max. Of three usable ones all are taken; of two, the third is the negative of
  * their sum; one or none is not enough, and the drive's own prediction stands in. Which two are usable
- * changes with the sector of the voltage: they are chosen by the duties in force.
+ * changes with the sector of the voltage: they are chosen by the duties.
  *
- *     sample.i = iqfoc_shunts_read(&shunts, sample.i, duties_in_force, predicted).i;
+ *     sample.i = iqfoc_shunts_read(&shunts, sample.i, duties_before, predicted).i;
  *     command.duties.high = iqfoc_shunts_make_room(&shunts, command.duties.high);
  */
 #ifndef IQFOC_SHUNTS_H
@@ -44,7 +44,8 @@ uint32_t iqfoc_shunts_usable(const iqfoc_shunts_t *shunts, iqfoc_abc_t duties);
 
 /*
  * Phase currents from the three shunts' samples. measured, predicted: per unit, any; what a shunt reads that
- * is not usable does not matter. duties: those that were in force when the samples were taken. Exact; the
+ * is not usable does not matter. duties: those of the period that ended at the valley, in
+ * which the samples had their time to settle. Exact; the
  * third current saturates, which it can only do where two are beyond +-64.
  */
 iqfoc_shunts_currents_t iqfoc_shunts_read(const iqfoc_shunts_t *shunts, iqfoc_abc_t measured,

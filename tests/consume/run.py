@@ -131,6 +131,31 @@ def find_package_refuses_another_version(folder):
     expect("refused" in run([*common, "-B", folder / "next", f"-DWANTED=0.{minor + 1}"], status=None), "no refusal")
 
 
+# ---- The template of a board of one's own ----
+
+def template(folder):
+    """Copied out of the tree, against installed libraries: the firmware links, and its checklist is ticked off on the host."""
+    here = folder / "my_drive"
+    shutil.copytree(ROOT / "examples/template-stm32f405", here)
+    host = installed(folder)
+    toolchain = f"-DCMAKE_TOOLCHAIN_FILE={here}/toolchain.cmake"
+    cmake(ROOT, folder / "build", toolchain, "-DCMAKE_INSTALL_LIBDIR=lib")
+    run(["cmake", "--install", folder / "build", "--prefix", folder / "for_target"])
+    strict = f"-DCMAKE_C_FLAGS={' '.join(w for w in WARNINGS if w != '-Wundef')}"
+    cmake(here, here / "checks", f"-DCMAKE_PREFIX_PATH={host}", strict)
+    text = run([here / "checks/port_check"])
+    expect(text.count("[x]") == 9 and "[ ]" not in text, f"not all is ticked off:\n{text}")
+    for mistake in range(1, 6):
+        expect("[ ]" in run([here / "checks/port_check", mistake]), f"mistake {mistake} passes")
+    run([here / "checks/port_check", 6], status=2)
+    for first_run in (1, 0):
+        cmake(here, here / f"firmware{first_run}", toolchain, f"-DCMAKE_PREFIX_PATH={folder}/for_target",
+              f"-DCMAKE_C_FLAGS=-mcpu=cortex-m4 -mthumb -mfloat-abi=soft -ffunction-sections -Werror -DFIRST_RUN={first_run}")
+        symbols = run(["arm-none-eabi-nm", here / f"firmware{first_run}/first_drive.elf"])
+        expect(" T adc_handler" in symbols and "__aeabi_d" not in symbols and "__aeabi_f" not in symbols,
+               "no handler, or floating point, in the firmware")
+
+
 # ---- pkg-config ----
 
 def version_of_the_header():
@@ -377,7 +402,7 @@ def refuses_a_value_out_of_its_range(folder):
 CHECKS = [
     add_subdirectory_on_the_host, add_subdirectory_shared, fetch_content, add_subdirectory_with_a_foreign_toolchain_file,
     top_level_with_a_foreign_toolchain_file, find_package_static, find_package_shared, find_package_refuses_another_version,
-    pkg_config, makefile_drop_in_counts_as_published, makefile_drop_in_on_cortex_m0plus, in_c_plus_plus,
+    template, pkg_config, makefile_drop_in_counts_as_published, makefile_drop_in_on_cortex_m0plus, in_c_plus_plus,
     diagnosed_header_in_c_and_c_plus_plus, each_header_alone, clang_for_arm, gcc_for_other_arm_cores,
     gcc_for_arm_before_armv6_and_big_endian, riscv, xtensa, avr_by_clang,
     msp430_by_clang, c28x_header_on_the_host, refuses_constants_of_single_precision, refuses_a_double_of_32_bits,

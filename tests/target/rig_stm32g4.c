@@ -107,7 +107,7 @@ static uint32_t period_ticks(void)
     return 2 * HALF;
 }
 
-const port_rig *rig_stm32g4_start(void)
+const port_rig *rig_stm32g4(void)
 {
     static const port_rig rig = {
         .hal = &hal,
@@ -121,6 +121,11 @@ const port_rig *rig_stm32g4_start(void)
         .current_step_pu = 2.0 / 2048,
         .angle_step = 3.0 / 4096,
     };
+    return &rig;
+}
+
+const port_rig *rig_stm32g4_start(void)
+{
     fake_reset();
     phase = 0.0;
     periods = 5;
@@ -131,5 +136,5 @@ const port_rig *rig_stm32g4_start(void)
     hal_stm32g4_start(&hal, &fake_chip, &board);
     stm32g4_run(&fake_chip);
     go_to(0.0);
-    return &rig;
+    return rig_stm32g4();
 }

@@ -9,4 +9,7 @@
 /* Carrier, converters and encoder set up by the port and running. */
 const port_rig *rig_stm32g4_start(void);
 
+/* The same rig as it is, without a new start. */
+const port_rig *rig_stm32g4(void);
+
 #endif

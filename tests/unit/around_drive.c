@@ -34,15 +34,22 @@ plant_config around_plant(double u_dc_V)
     return truth;
 }
 
+void around_begin_motor(around_drive *d, const motor *m, const plant_config *truth)
+{
+    error e = {0};
+    memset(d, 0, sizeof *d);
+    d->motor = *m;
+    d->base = per_unit_of(m);
+    TEST_ASSERT_TRUE_MESSAGE(plant_config_check(truth, &e), e.text);
+    plant_init(&d->plant, truth);
+}
+
 void around_begin(around_drive *d, const plant_config *truth)
 {
     const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 0.0};
+    const motor m = laboratory(truth->inverter.u_dc_V);
     error e = {0};
-    memset(d, 0, sizeof *d);
-    d->motor = laboratory(truth->inverter.u_dc_V);
-    d->base = per_unit_of(&d->motor);
-    TEST_ASSERT_TRUE_MESSAGE(plant_config_check(truth, &e), e.text);
-    plant_init(&d->plant, truth);
+    around_begin_motor(d, &m, truth);
     TEST_ASSERT_TRUE_MESSAGE(config_from_motor(&d->motor, &control, &d->config, &e), e.text);
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_cycle_init(&d->cycle, &d->config));
 }
@@ -81,6 +88,11 @@ void around_peak_handler(around_drive *d, const iqfoc_sample_t *sample)
 {
     hal_host_interrupt(&d->hal, sample);
     iqfoc_isr_peak(&d->cycle, &d->hal);
+    around_take_command(d);
+}
+
+void around_take_command(around_drive *d)
+{
     const iqfoc_abc_t high = d->hal.command.duties.high;
     d->duty[0] = iq24_to_double(high.a);
     d->duty[1] = iq24_to_double(high.b);

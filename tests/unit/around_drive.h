@@ -32,11 +32,15 @@ plant_config around_plant(double u_dc_V);
 
 /* Motor, plant and cycle made ready; the cycle is not enabled. */
 void around_begin(around_drive *d, const plant_config *truth);
+/* The same for another motor, without a cycle. */
+void around_begin_motor(around_drive *d, const motor *m, const plant_config *truth);
 
 iqfoc_sample_t around_valley(around_drive *d);
 void around_valley_handler(around_drive *d, const iqfoc_sample_t *sample);
 iqfoc_sample_t around_peak(around_drive *d);
 void around_peak_handler(around_drive *d, const iqfoc_sample_t *sample);
+/* The command that was handed to the HAL acts from the next valley on; around_peak_handler does this too. */
+void around_take_command(around_drive *d);
 
 /* True electrical angle in turns, any number; true speed in turns per cycle. */
 double around_turns(const around_drive *d);

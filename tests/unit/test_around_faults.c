@@ -13,6 +13,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static around_drive d;
 
@@ -32,7 +33,7 @@ static plant_config given_speed(double u_dc_V, double turns_per_cycle)
     return truth;
 }
 
-/* What the three shunts show: the phase current where the low side is on long enough, else anything. */
+/* What the three shunts show: the phase current where the low side was on long enough up to the valley. */
 static iqfoc_abc_t shunt_samples(iqfoc_abc_t i, const double duty[3], double duty_max)
 {
     i.a = duty[0] > duty_max ? IQ24(3.0) : i.a;
@@ -41,10 +42,10 @@ static iqfoc_abc_t shunt_samples(iqfoc_abc_t i, const double duty[3], double dut
     return i;
 }
 
-static iqfoc_abc_t in_force(void)
+static iqfoc_abc_t duties_of(const double duty[3])
 {
-    const iqfoc_abc_t duties = {iq24_from_double(d.duty[0]), iq24_from_double(d.duty[1]),
-                                iq24_from_double(d.duty[2])};
+    const iqfoc_abc_t duties = {iq24_from_double(duty[0]), iq24_from_double(duty[1]),
+                                iq24_from_double(duty[2])};
     return duties;
 }
 
@@ -58,6 +59,7 @@ static long run_on_shunts(bool shunts_only, bool room, double span_max, double *
     const plant_config truth = given_speed(150.0, 0.016);
     double square = 0.0;
     long lacking = 0;
+    double before[3] = {0.0, 0.0, 0.0}; /* duties of the period that ends at the valley */
     around_begin(&d, &truth);
     d.config.span_max = iq24_from_double(span_max);
     d.config.deadline_ticks = d.config.period_ticks;
@@ -68,16 +70,18 @@ static long run_on_shunts(bool shunts_only, bool room, double span_max, double *
         iqfoc_sample_t sample = around_valley(&d);
         if (shunts_only) {
             const iqfoc_abc_t predicted = iqfoc_clarke_inverse(d.cycle.i_next);
-            const iqfoc_abc_t seen = shunt_samples(sample.i, d.duty, 0.85 + 1e-6);
-            const iqfoc_shunts_currents_t got = iqfoc_shunts_read(&shunts, seen, in_force(), predicted);
+            const iqfoc_abc_t seen = shunt_samples(sample.i, before, 0.85 + 1e-6);
+            const iqfoc_shunts_currents_t got =
+                iqfoc_shunts_read(&shunts, seen, duties_of(before), predicted);
             sample.i = got.i;
             lacking += k > 500 && !got.measured;
         }
         around_valley_handler(&d, &sample);
         (void)around_peak(&d);
+        memcpy(before, d.duty, sizeof before);
         around_peak_handler(&d, &sample);
         if (room) {
-            const iqfoc_abc_t moved = iqfoc_shunts_make_room(&shunts, in_force());
+            const iqfoc_abc_t moved = iqfoc_shunts_make_room(&shunts, duties_of(d.duty));
             d.duty[0] = iq24_to_double(moved.a);
             d.duty[1] = iq24_to_double(moved.b);
             d.duty[2] = iq24_to_double(moved.c);
