@@ -163,6 +163,7 @@ test_everything() {
     run_part target tests/target/run.sh
     run_part bench bench/run.sh --check
     run_part blind tests/blind/run.py --ci --jobs "$JOBS"
+    run_part third tests/blind/third.py --ci --jobs "$JOBS"
     run_static_checks
     run_part coverage check_coverage
     close_parts

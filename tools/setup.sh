@@ -6,7 +6,7 @@ BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-d
     libjansson-dev libcsv-dev zlib1g-dev gnuplot-nox)
 # What `test`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the targets' compilers and
 # emulators (and those of targets that only compile the library), the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
-TEST_PACKAGES=(git python3 python3-numpy python3-scipy xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
+TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
     picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make)
 
@@ -111,6 +111,21 @@ fetch_unity() {
     rm -rf "$target"
     mv "$work/unity" "$target"
     rm -rf "$work"
+}
+
+# motulator, the drive simulation of tests/blind/third.py, in an environment of its own, so that nothing of it meets the machine's Python.
+MOTULATOR=motulator==0.5.0
+set_up_motulator() {
+    local place=$ROOT/.cache/motulator log=$ROOT/.cache/pip.log
+    [[ -e $place/$MOTULATOR ]] && return 0
+    say "installing $MOTULATOR from PyPI into .cache/motulator"
+    rm -rf "$place"
+    if ! /usr/bin/python3 -m venv "$place" >"$log" 2>&1 ||
+        ! "$place/bin/pip" install --quiet --disable-pip-version-check "$MOTULATOR" >>"$log" 2>&1; then
+        tail -n 10 "$log" >&2
+        die "$MOTULATOR could not be installed (above; all of it in $log)"
+    fi
+    touch "$place/$MOTULATOR" # whole
 }
 
 unity_is_pinned() {

@@ -135,7 +135,7 @@ def print_report(results, failures, s):
         wrong = r["named"] if r["unknown"] else not r["exact"]
         if wrong:
             hidden = "+".join(r["hidden"] + r["unknown"]) or "nothing"
-            share = ", ".join(f"{name} {q:.2g}" for name, q in r["share"].items())
+            share = ", ".join(f"{name} {q:.2g}" for name, q in r["share"].items() if q is not None)
             print(f"miss: seed {r['seed']} kind {r['kind']} plant {r['plant']}: hidden {hidden}, "
                   f"named {'+'.join(r['named']) or 'nothing'} ({r['verdict']}); share of floor: {share or '-'}")
         for p in r["parameters"]:

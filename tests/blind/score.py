@@ -43,7 +43,7 @@ def judge(truth, diagnosis):
                 "id": effect["id"], "name": parameter["name"], "true": parameter["value"], "inside": inside,
                 "counted": counted, "fit": None if fit is None else fit["value"],
                 "ci95": None if fit is None else fit["ci95"]})
-    if hidden and not unknown:
+    if hidden and not unknown and "gain" in truth["oracle"]:
         result["gain"] = diagnosis["error"]["gain"]
         result["oracle_gain"] = truth["oracle"]["gain"]
     result["estimates"] = judge_estimates(truth, diagnosis) if result["exact"] and not unknown else []
