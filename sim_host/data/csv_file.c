@@ -1,4 +1,4 @@
-/* Records and fields by libcsv, fed line by line (csv_file.h). */
+/* Records and fields: plain lines at their commas, the others by libcsv, fed line by line (csv_file.h). */
 #include "csv_file.h"
 
 #include <csv.h>
@@ -15,8 +15,8 @@ static void field_position(const csv_file *f, size_t index, long *line, long *co
     bool quoted = false;
     *line = f->record_line;
     *column = 1;
-    for (size_t at = 0; at < f->record_length && index > 0; at++) {
-        const unsigned char c = (unsigned char)f->record[at];
+    for (size_t at = 0; at < f->text_length && index > 0; at++) {
+        const unsigned char c = (unsigned char)f->text[at];
         if (c == '"') {
             quoted = !quoted; /* a doubled quote toggles twice */
         } else if (c == ',' && !quoted) {
@@ -47,27 +47,36 @@ static bool is_stopped(const csv_file *f)
     return f->e->status != STATUS_DONE;
 }
 
-/* ---- libcsv's callbacks; libcsv cannot be stopped within a line ---- */
-
-static void field_end(void *text, size_t length, void *context)
+static void give_field(csv_file *f, const char *text, size_t length)
 {
-    csv_file *f = context;
     if (!is_stopped(f)) {
         f->on_field(f->context, f->field, text, length);
     }
     f->field++;
 }
 
-static void record_end(int terminator, void *context)
+static void give_record(csv_file *f)
 {
-    (void)terminator;
-    csv_file *f = context;
     if (!is_stopped(f)) {
         f->on_record(f->context, f->field);
     }
     f->started = true;
+    f->last_line = f->lines.number;
     f->field = 0;
     f->record_length = 0;
+}
+
+/* ---- libcsv's callbacks; libcsv cannot be stopped within a line ---- */
+
+static void field_end(void *text, size_t length, void *context)
+{
+    give_field(context, text, length);
+}
+
+static void record_end(int terminator, void *context)
+{
+    (void)terminator;
+    give_record(context);
 }
 
 /* ---- lines ---- */
@@ -80,6 +89,11 @@ static bool out_of_memory(csv_file *f)
 static bool record_append(csv_file *f)
 {
     const size_t need = f->record_length + f->lines.length;
+    if (need > LINE_SOURCE_LONGEST) {
+        return error_input(
+            f->e, f->lines.path, f->record_line, 0,
+            "a quoted field over several lines makes the row longer than 1 MiB; expected a CSV file");
+    }
     if (need > f->record_size) {
         char *grown = realloc(f->record, 2 * need);
         if (grown == NULL) {
@@ -93,6 +107,8 @@ static bool record_append(csv_file *f)
     }
     memcpy(f->record + f->record_length, f->lines.line, f->lines.length);
     f->record_length = need;
+    f->text = f->record;
+    f->text_length = need;
     return true;
 }
 
@@ -111,9 +127,87 @@ static bool is_ahead(csv_file *f)
     return first == '#' || first == '\r' || first == '\n';
 }
 
+static bool is_space(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/* The length of a line without its line end. */
+static size_t line_length(const line_source *lines)
+{
+    size_t length = lines->length;
+    if (length > 0 && lines->line[length - 1] == '\n') {
+        length--;
+    }
+    return length > 0 && lines->line[length - 1] == '\r' ? length - 1 : length;
+}
+
+/* Whether all of a record stands in the line as it is: nothing quoted, and no line end within it. */
+static bool is_plain(const csv_file *f, size_t length)
+{
+    const char *line = f->lines.line;
+    return f->record_length == 0 && memchr(line, '"', length) == NULL && memchr(line, '\r', length) == NULL;
+}
+
+/* The fields of a plain line: what stands between its commas, without the spaces around it. */
+static void part_line(csv_file *f, size_t length)
+{
+    const char *at = f->lines.line;
+    const char *const end = at + length;
+    f->text = at;
+    f->text_length = length;
+    f->record_line = f->lines.number;
+    while (!is_stopped(f)) {
+        const char *comma = memchr(at, ',', (size_t)(end - at));
+        const char *last = comma != NULL ? comma : end;
+        while (at < last && is_space(*at)) {
+            at++;
+        }
+        while (last > at && is_space(last[-1])) {
+            last--;
+        }
+        give_field(f, at, (size_t)(last - at));
+        if (comma == NULL) {
+            give_record(f);
+            return;
+        }
+        at = comma + 1;
+    }
+}
+
+static bool is_blank(const char *line, size_t length)
+{
+    for (size_t k = 0; k < length; k++) {
+        if (!is_space(line[k])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* A small packed file may unpack to blank lines without an end. */
+static void count_without_record(csv_file *f)
+{
+    if (f->lines.number - f->last_line > CSV_FILE_LINES_WITHOUT_RECORD) {
+        error_input(f->e, f->lines.path, f->lines.number, 0,
+                    "more than a million lines without a row; expected a CSV file");
+    }
+}
+
 static void feed_line(csv_file *f, struct csv_parser *csv)
 {
-    if (is_ahead(f) || !record_append(f)) {
+    count_without_record(f);
+    if (is_ahead(f)) {
+        return;
+    }
+    const size_t length = line_length(&f->lines);
+    if (is_plain(f, length)) {
+        if (!is_blank(f->lines.line, length)) {
+            part_line(f, length);
+        }
+        return;
+    }
+    if (!record_append(f)) {
         return;
     }
     const line_source *lines = &f->lines;

@@ -11,11 +11,10 @@
 #include <unistd.h>
 #include <zlib.h>
 
-enum {
-    BLOCK_SIZE = 256 * 1024,
-    /* No recording has lines this long; a binary file, which may have no line end, is not to fill memory. */
-    LONGEST_LINE = 1024 * 1024
-};
+enum { BLOCK_SIZE = 256 * 1024, BUFFER_SIZE = LINE_SOURCE_LONGEST + 1 + BLOCK_SIZE };
+
+/* More than hours of a fast drive: a small file that unpacks without an end is not to keep anyone waiting. */
+static const size_t MOST_BYTES = (size_t)4 << 30;
 
 bool line_source_open(line_source *s, const char *path, error *e)
 {
@@ -30,7 +29,7 @@ bool line_source_open(line_source *s, const char *path, error *e)
         close(descriptor);
         return error_input(e, path, 0, 0, "is a directory; expected a file");
     }
-    s->buffer = malloc(LONGEST_LINE + 2);
+    s->buffer = malloc(BUFFER_SIZE);
     s->stream = gzdopen(descriptor, "rb");
     if (s->stream == NULL) {
         close(descriptor);
@@ -44,18 +43,25 @@ bool line_source_open(line_source *s, const char *path, error *e)
 }
 
 /*
- * A gzip file that was cut or damaged is an error, not an end. zlib knows of it once it has unpacked that
- * far, and lines that it has unpacked with the damage are not used any more.
+ * A gzip file that was cut or damaged is an error, not an end. zlib knows of it once it has unpacked that far, and
+ * what it has unpacked with the damage is not used any more. It is complained of where the text breaks off.
  */
-static bool check_stream(const line_source *s, bool whole, error *e)
+static bool check_stream(const line_source *s, error *e)
 {
     int code = Z_OK;
     const char *why = gzerror(s->stream, &code);
     if (code == Z_OK || code == Z_STREAM_END) {
         return true;
     }
-    const long line = s->length > 0 ? s->number : s->number + 1;
-    const long column = whole ? 1 : (long)s->length + 1;
+    long line = s->number + 1;
+    size_t begin = s->at;
+    for (size_t k = s->at; k < s->end; k++) {
+        if (s->buffer[k] == '\n') {
+            line++;
+            begin = k + 1;
+        }
+    }
+    const long column = (long)(s->end - begin) + 1;
     if (code == Z_ERRNO) {
         return error_input(e, s->path, line, column, "cannot be read: %s", strerror(errno));
     }
@@ -64,18 +70,46 @@ static bool check_stream(const line_source *s, bool whole, error *e)
                        colon != NULL ? colon + 2 : why);
 }
 
+/* Reads a block behind what is left of the one before; false at the end, and with *e set on damage. */
+static bool fill(line_source *s, error *e)
+{
+    const size_t left = s->end - s->at;
+    memmove(s->buffer, s->buffer + s->at, left);
+    s->at = 0;
+    s->end = left;
+    const int got = gzread(s->stream, s->buffer + left, BLOCK_SIZE);
+    s->end += got > 0 ? (size_t)got : 0;
+    s->bytes += got > 0 ? (size_t)got : 0;
+    s->is_end = got <= 0;
+    if (!check_stream(s, e)) {
+        return false;
+    }
+    if (s->bytes > MOST_BYTES) {
+        return error_input(e, s->path, s->number + 1, 0,
+                           "the file is larger than 4 GiB; expected a recording");
+    }
+    return got > 0;
+}
+
 bool line_source_next(line_source *s, error *e)
 {
-    const z_off_t start = gztell(s->stream);
-    const bool got = gzgets(s->stream, s->buffer, LONGEST_LINE + 2) != NULL;
-    s->line = s->buffer;
-    s->length = (size_t)(gztell(s->stream) - start); /* a binary file has zeros in its lines */
+    const char *newline = NULL;
+    size_t searched = 0;
+    for (;;) {
+        newline = memchr(s->buffer + s->at + searched, '\n', s->end - s->at - searched);
+        searched = s->end - s->at;
+        if (newline != NULL || searched > LINE_SOURCE_LONGEST || s->is_end || !fill(s, e)) {
+            break;
+        }
+    }
+    s->line = s->buffer + s->at;
+    s->length = newline != NULL ? (size_t)(newline + 1 - s->line) : s->end - s->at;
+    s->at += s->length;
     s->number += s->length > 0 ? 1 : 0;
-    if (s->length > LONGEST_LINE) {
+    if (s->length > LINE_SOURCE_LONGEST) {
         return error_input(e, s->path, s->number, 0, "the line is longer than 1 MiB; expected a CSV file");
     }
-    const bool whole = got && s->line[s->length - 1] == '\n';
-    return check_stream(s, whole, e) && got;
+    return e->status == STATUS_DONE && s->length > 0;
 }
 
 bool line_source_block(line_source *s, char **bytes, size_t *length, error *e)
@@ -83,7 +117,7 @@ bool line_source_block(line_source *s, char **bytes, size_t *length, error *e)
     const int got = gzread(s->stream, s->buffer, BLOCK_SIZE);
     *bytes = s->buffer;
     *length = got > 0 ? (size_t)got : 0;
-    return check_stream(s, false, e) && got > 0;
+    return check_stream(s, e) && got > 0;
 }
 
 void line_source_close(line_source *s)

@@ -6,21 +6,33 @@
 
 #include "../base/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
+
+enum {
+    /* No recording has lines this long; a binary file, which may have no line end, is not to fill memory. */
+    LINE_SOURCE_LONGEST = 1024 * 1024
+};
 
 typedef struct line_source {
     const char *path; /* for messages: "stdin" for "-" */
     void *stream;     /* zlib's gzFile */
-    char *buffer;     /* of a line */
+    char *buffer;     /* bytes that were read: those from at to end stand ahead of the next line */
+    size_t at, end;
+    bool is_end;      /* there is no more to read */
     const char *line; /* the current line with its newline, if it has one; may hold zeros */
     size_t length;
-    long number; /* of the current line */
+    long number;  /* of the current line */
+    size_t bytes; /* of all that was read, unpacked */
 } line_source;
 
 /* `path` must outlive the struct. */
 bool line_source_open(line_source *s, const char *path, error *e);
 
-/* The next line into ->line, ->length, ->number. False at the end, or with *e set on damage. */
+/*
+ * The next line into ->line, ->length, ->number, valid until the next call. False at the end, or with *e set on damage, a line or a
+ * file that is too long.
+ */
 bool line_source_next(line_source *s, error *e);
 
 /*

@@ -28,11 +28,11 @@ void recording_missing_refuse(const recording_missing *m, csv_file *csv)
     const bool has_hint = m->hint[0] != '\0';
     const int most = has_hint ? HEADER_SHOWN_BESIDE_HINT : HEADER_SHOWN;
     int shown = 0;
-    while (shown < most && (size_t)shown < csv->record_length && strchr("\r\n", csv->record[shown]) == NULL) {
+    while (shown < most && (size_t)shown < csv->text_length && strchr("\r\n", csv->text[shown]) == NULL) {
         shown++;
     }
     csv_file_refuse(csv, 0,
                     "missing column%s: %s; found %.*s; `iqfoc import` makes a recording of other logs%s%s%s",
-                    strchr(m->list, ',') != NULL ? "s" : "", m->list, shown, csv->record,
+                    strchr(m->list, ',') != NULL ? "s" : "", m->list, shown, csv->text,
                     has_hint ? " (map: " : "", m->hint, has_hint ? ")" : "");
 }

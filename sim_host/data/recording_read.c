@@ -16,7 +16,8 @@
 #include <string.h>
 
 enum {
-    FIELDS_MAX = 1024 /* columns in a file; a line of text taken for a header ends here */
+    FIELDS_MAX = 1024,          /* columns in a file; a line of text taken for a header ends here */
+    ROWS_MAX = 16 * 1024 * 1024 /* an hour at 4.6 kHz; what unpacks to more is not to fill memory */
 };
 
 typedef struct reader {
@@ -137,6 +138,10 @@ static bool grow_longs(long **column, size_t rows)
 static bool grow(reader *in)
 {
     recording *r = in->r;
+    if (in->rows_allocated >= ROWS_MAX) {
+        csv_file_refuse(&in->csv, 0, "more than %d rows; expected a recording of minutes", ROWS_MAX);
+        return false;
+    }
     const size_t rows = in->rows_allocated == 0 ? 4096 : 2 * in->rows_allocated;
     bool ok = grow_longs(&r->line, rows) && (!in->have[COL_RUN] || grow_longs(&r->run, rows));
     for (int id = 0; ok && id < COL_COUNT; id++) {

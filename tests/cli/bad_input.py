@@ -5,7 +5,9 @@ USAGE_ROWS is a call as it stands. Add rows here when a command learns to refuse
 """
 
 import gzip
+import os
 import pathlib
+import subprocess
 import tempfile
 import unittest
 
@@ -188,6 +190,33 @@ class BadInput(unittest.TestCase):
                 if command in self.commands and file in call["reads"]:
                     with self.subTest(command=command, words=words):
                         self.refused([command, *call["arguments"]], {file: content}, file, words)
+
+    def test_files_without_an_end(self):
+        """Each far larger than it may be: one clear line, within seconds and 200 MB."""
+        header = program.RECORDING.splitlines(keepends=True)[1].encode()
+        large = {"a line of 1 GB": (b"", 1 << 30, b"recording.csv:1: the line is longer"),
+                 "10,000,000 columns": (b"a," * 10_000_000, 0, b"recording.csv:1: the line is longer"),
+                 "5,000 columns": (b"a," * 5_000, 0, b"recording.csv:1:2049: more than 1024 columns"),
+                 "a packed line of 1 GB": (gzip.compress(bytes(1 << 24)) * 64, 0, b"recording.csv:1: the line is longer"),
+                 "1 GB of packed blank lines": (gzip.compress(header + b"\n" * (1 << 24)) * 64, 0, b"more than a million lines"),
+                 "1 GB of packed comments": (gzip.compress(b"#\n" * (1 << 23)) * 64, 0, b"more than a million lines")}
+        for title, (content, zeros, words) in large.items():
+            with self.subTest(title), tempfile.TemporaryDirectory() as name:
+                folder = pathlib.Path(name)
+                program.write_files(folder, {"recording.csv": content})
+                if zeros:
+                    os.truncate(folder / "recording.csv", zeros)
+                with open(folder / "told", "wb") as told:
+                    child = subprocess.Popen([program.PROGRAM, "diagnose", "recording.csv", "--motor", "motor.toml"], cwd=folder,
+                                             stdout=subprocess.DEVNULL, stderr=told)
+                    _, status, used = os.wait4(child.pid, 0)
+                    child.returncode = os.waitstatus_to_exitcode(status)
+                error = (folder / "told").read_bytes()
+                self.assertEqual(2, child.returncode, error)
+                self.assertIn(words, error)
+                self.assertEqual(1, error.count(b"\n"), error)
+                self.assertLess(used.ru_utime + used.ru_stime, 2.0)
+                self.assertLess(used.ru_maxrss, 200_000)
 
     def test_usage(self):
         for arguments, words in USAGE_ROWS:

@@ -98,6 +98,90 @@ static void test_every_liberty_of_the_format(void)
     TEST_ASSERT_TRUE(u_V[0] == 150.0 && u_V[1] == -150.0 && u_V[2] == 0.0);
 }
 
+/* A line without quotes is parted without libcsv: it must come out as libcsv has it, which gets the line with one quoted field. */
+static void test_plain_lines_are_read_as_quoted_ones(void)
+{
+    static const char *const ends[] = {"\n", "\r\n"};
+    static const char *const spaces[] = {"", " ", "\t", " \t "};
+    for (unsigned k = 0; k < 128; k++) {
+        char plain[300];
+        char quoted[300];
+        const char *space = spaces[k % 4];
+        const char *end = ends[k / 4 % 2];
+        const char *note = k / 8 % 2 == 0 ? "" : "a # note";
+        const char *blank = k / 16 % 2 == 0 ? "" : "\n \t\r\n\r\n";
+        const char *last = k / 32 % 2 == 0 ? "" : end;
+        const char *form = "%s,%st_s,i_a_A%s,i_b_A,theta_e_rad,omega_e_rad_s,u_a_V,u_b_V,u_c_V%s%s"
+                           "%s,0,1%s,%s2,3,4,5,6,7%s%s%s%s,1,-1e3%s,2,3,4,5,6,%s+7%s";
+        snprintf(plain, sizeof plain, form, "note", space, space, end, blank, note, space, space, space, end,
+                 blank, note, space, space, last);
+        char quoted_note[20];
+        snprintf(quoted_note, sizeof quoted_note, "\"%s\"", note);
+        snprintf(quoted, sizeof quoted, form, "\"note\"", space, space, end, blank, quoted_note, space, space,
+                 space, end, blank, quoted_note, space, space, last);
+        double values[2][2][3];
+        long lines[2][2];
+        for (int which = 0; which < 2; which++) {
+            expect_read(which == 0 ? plain : quoted);
+            TEST_ASSERT_EQUAL(2, r.rows);
+            for (int row = 0; row < 2; row++) {
+                values[which][row][0] = r.i_A[0][row];
+                values[which][row][1] = r.i_A[1][row];
+                values[which][row][2] = r.u_V[2][row];
+                lines[which][row] = r.line[row];
+            }
+        }
+        TEST_ASSERT_EQUAL_MEMORY(values[0], values[1], sizeof values[0]);
+        TEST_ASSERT_EQUAL_MEMORY(lines[0], lines[1], sizeof lines[0]);
+        TEST_ASSERT_TRUE(values[0][0][0] == 1.0 && values[0][1][0] == -1e3 && values[0][1][2] == 7.0);
+    }
+    /* A return alone ends a row, as libcsv has it; so does the end of the file. */
+    char text[300];
+    snprintf(text, sizeof text, "%s0,1,2,3,4,5,6,7\r1,1,2,3,4,5,6,7\n2,1,2,3,4,5,6,7", header);
+    expect_read(text);
+    TEST_ASSERT_EQUAL(3, r.rows);
+    /* The first wrong field is where it is in the quoted line too. */
+    expect_row_refused("1, 1,x,3,4,5,6,7\n", "3:6", "i_b_A \"x\" is not a number");
+    expect_row_refused("1,\"1\",x,3,4,5,6,7\n", "3:7", "i_b_A \"x\" is not a number");
+}
+
+/* What would fill memory or keep its user waiting ends in a line that says so. */
+static void test_sizes_are_bounded(void)
+{
+    enum { MEGABYTE = 1024 * 1024 };
+    char *text = malloc(3 * MEGABYTE);
+    const size_t start = (size_t)snprintf(text, 200, "%s0,1,2,3,4,5,6,", header);
+    memset(text + start, '7', MEGABYTE + 10);
+    strcpy(text + start + MEGABYTE + 10, "\n");
+    error e = {0};
+    TEST_ASSERT_FALSE(recording_read(scratch_text("r.csv", text), &r, &e));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, ":2: the line is longer than 1 MiB"), e.text);
+
+    /* A quoted field may go on over lines, but not on and on. */
+    e = (error){0};
+    text[start] = '"';
+    memset(text + start + 1, 'x', MEGABYTE + 10);
+    for (size_t k = 1000; k < MEGABYTE; k += 1000) {
+        text[start + k] = '\n';
+    }
+    strcpy(text + start + MEGABYTE + 11, "\"\n");
+    TEST_ASSERT_FALSE(recording_read(scratch_text("r.csv", text), &r, &e));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, ":2: a quoted field over several lines"), e.text);
+
+    /* A million blank lines may stand there, and no more. */
+    e = (error){0};
+    memset(text + start, '7', 1);
+    memset(text + start + 1, '\n', 1000000);
+    strcpy(text + start + 1000001, "1,1,2,3,4,5,6,7\n");
+    TEST_ASSERT_TRUE_MESSAGE(recording_read(scratch_text("r.csv", text), &r, &e), e.text);
+    recording_free(&r);
+    memset(text + start + 1, '\n', 1000003);
+    strcpy(text + start + 1000004, "1,1,2,3,4,5,6,7\n");
+    TEST_ASSERT_FALSE(recording_read(scratch_text("r.csv", text), &r, &e));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "more than a million lines without a row"), e.text);
+    free(text);
+}
+
 static void test_voltages_win_over_duties(void)
 {
     expect_read("t_s,i_a_A,i_b_A,theta_e_rad,omega_e_rad_s,u_a_V,u_b_V,u_c_V,d_a,d_b,d_c,u_dc_V\n"
@@ -337,6 +421,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_plain_file);
     RUN_TEST(test_every_liberty_of_the_format);
+    RUN_TEST(test_plain_lines_are_read_as_quoted_ones);
+    RUN_TEST(test_sizes_are_bounded);
     RUN_TEST(test_voltages_win_over_duties);
     RUN_TEST(test_half_a_group_beside_a_whole_one_is_ignored);
     RUN_TEST(test_columns_that_must_be_there);
