@@ -17,6 +17,7 @@
 #include "measure/runs.h"
 #include "tell/advice.h"
 #include "tell/named.h"
+#include "tell/resistance_trade.h"
 #include "tell/sentence.h"
 
 #include <math.h>
@@ -156,7 +157,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     mention_decoys(w, d);
     decide(d);
-    if (!tabulate_hypotheses(w, d, member, options->skip)) {
+    if (!tabulate_hypotheses(w, d, member, options->skip) || !resistance_trade_tell(w, d)) {
         return false;
     }
     advice_tell(w, d);

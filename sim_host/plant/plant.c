@@ -112,12 +112,27 @@ static void take_duties(plant *p, const double duty[3])
     }
 }
 
+/* What the gate signals have against dead time and drops: a voltage along each phase current, as it is at the valley. */
+static void compensate(plant *p)
+{
+    const plant_inverter *v = &p->config.inverter;
+    const vec_ab i = {p->state.y[STATE_I_ALPHA], p->state.y[STATE_I_BETA]};
+    for (int x = 0; x < 3 && v->compensation_V != 0.0; x++) {
+        const double more = copysign(v->compensation_V / v->u_dc_V, vec_phase(i, x));
+        p->duty_to_gate[0][x] += more;
+        p->duty_to_gate[1][x] += more;
+    }
+}
+
 void plant_begin_cycle(plant *p, const double duty[3])
 {
     begin(p, p->config.T_s);
     take_duties(p, duty);
+    memcpy(p->duty_to_gate[0], p->duty_to_peak, sizeof p->duty_to_gate[0]);
+    memcpy(p->duty_to_gate[1], p->duty_in_force, sizeof p->duty_to_gate[1]);
+    compensate(p);
     for (int x = 0; x < 3; x++) {
-        leg_begin_cycle(&p->leg[x], p->duty_to_peak[x], p->duty_in_force[x], p->duration_s,
+        leg_begin_cycle(&p->leg[x], p->duty_to_gate[0][x], p->duty_to_gate[1][x], p->duration_s,
                         p->config.inverter.t_dead_s);
     }
 }

@@ -62,6 +62,7 @@ typedef struct plant {
     double duty_queue[PLANT_VOLTAGE_DELAY_MAX + 1][3];
     double duty_in_force[3]; /* from this cycle's valley on, or from its peak */
     double duty_to_peak[3];
+    double duty_to_gate[2][3]; /* what the gates get up to the peak, and from there on */
     bool duties_seen;
     bool glitched;      /* this cycle missed its update */
     long glitches;      /* how many did */

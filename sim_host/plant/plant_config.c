@@ -71,6 +71,7 @@ bool plant_config_check(const plant_config *c, error *e)
         {"v_switch", v->v_switch_V, 0.0, none, v->u_dc_V},
         {"v_diode", v->v_diode_V, 0.0, none, v->u_dc_V},
         {"r_on", v->r_on_ohm, 0.0, none, big},
+        {"compensation", v->compensation_V, none, none, v->u_dc_V},
         {"delay cycles", v->delay_cycles, 0.0, none, PLANT_VOLTAGE_DELAY_MAX},
         {"glitch probability", v->glitch_probability, 0.0, none, 1.0},
         {"J", h->J_kgm2, 0.0, inertia ? 0.0 : none, big},

@@ -35,13 +35,13 @@ typedef struct plant_inverter {
     double k_u;      /* the true link is k_u times what is measured; 1: measured right */
     double ripple_V; /* amplitude of a sine on the DC link */
     double ripple_Hz;
-    bool ripple_logged; /* the measured link shows the ripple (at the valley); else only its mean */
-    double t_dead_s;    /* each switch turns on this much after it was commanded to */
-    double v_switch_V;  /* constant drop of a conducting transistor */
-    double v_diode_V;   /* and of a diode */
-    double r_on_ohm;    /* of either */
-    double
-        delay_cycles; /* duties act this much later than commanded; a half: registers that load at the peak */
+    bool ripple_logged;    /* the measured link shows the ripple (at the valley); else only its mean */
+    double t_dead_s;       /* each switch turns on this much after it was commanded to */
+    double v_switch_V;     /* constant drop of a conducting transistor */
+    double v_diode_V;      /* and of a diode */
+    double r_on_ohm;       /* of either */
+    double delay_cycles;   /* duties act this much late; a half: registers that load at the peak */
+    double compensation_V; /* added to each leg by the sign of its current at the valley; not in the record */
     double glitch_probability; /* of a cycle that keeps the last cycle's duties: a PWM update missed */
 } plant_inverter;
 

@@ -15,7 +15,7 @@ SUBSTEPS = 4  # RK4 over T/4: below 1e-6 of the current even at eight cycles per
 def no_effect():
     """Every effect absent, in the terms of the recording's documentation, plus what the diagnosis does not know."""
     return SimpleNamespace(
-        I_sat_A=np.inf, t_dead_s=0.0, V_switch_V=0.0, V_diode_V=0.0, v_dead_V=0.0, i_knee_A=1.0, k_u=1.0,
+        I_sat_A=np.inf, t_dead_s=0.0, compensation_V=0.0, V_switch_V=0.0, V_diode_V=0.0, v_dead_V=0.0, i_knee_A=1.0, k_u=1.0,
         o_A=np.zeros(3), g=np.ones(3), two_sensors=False, theta_0_rad=0.0,
         # What drifts: by how much per second of the recording; the values are those at its middle.
         R_rate_ohm_s=0.0, psi_rate_Wb_s=0.0, o_rate_A_s=np.zeros(3), g_rate_s=np.zeros(3),

@@ -96,7 +96,7 @@ def simulate(motor, bench, model, rows, rng_seed):
         drifts=bool(model.R_rate_ohm_s or model.psi_rate_Wb_s or model.g_rate_s.any() or model.o_rate_A_s.any()),
         clock_s=starts - middle_s, R_rate_ohm_s=model.R_rate_ohm_s, psi_rate_Wb_s=model.psi_rate_Wb_s,
         gain_rate_s=model.g_rate_s.reshape(3, 1), offset_rate_A_s=model.o_rate_A_s.reshape(3, 1),
-        glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles)
+        compensation_V=model.compensation_V, glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles)
     columns = second_drive.record(p, machine, inverter, shaft, rows, bench.warm_up, rng)
     return columns
 
@@ -193,8 +193,9 @@ def truth_of(case, sizes, model, parameters, columns, plant="second"):
         # What dead time takes goes with the true DC link: the second plant's drifts, and k_u is true over measured.
         measured_V = float(columns["u_dc_V"].mean()) if "u_dc_V" in columns else motor.u_dc_V
         model = copy.copy(model)
-        model.v_dead_V += (model.k_u * measured_V - motor.u_dc_V) * model.t_dead_s * motor.f_pwm_Hz
-        parameters[case.ids.index("dead_time")][0]["value"] = model.v_dead_V
+        more_V = model.k_u * measured_V - motor.u_dc_V
+        model.v_dead_V += more_V * (model.t_dead_s * motor.f_pwm_Hz - model.compensation_V / motor.u_dc_V)
+        parameters[[effects.cause_of(x) for x in case.ids].index("dead_time")][0]["value"] = model.v_dead_V
     error, size, _, _ = oracle(columns, model, motor)
     nominal = effects.nominal_model(case.file, averaged.no_effect())
     nominal_error, _, _ = averaged.predict(columns, nominal, motor.pole_pairs, 1.0 / motor.f_pwm_Hz)

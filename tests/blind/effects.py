@@ -19,6 +19,7 @@ LATER = [
     "voltage_delay_half",
     "emf_harmonics_high",
     "angle_harmonic_electrical",
+    "dead_time_over",
 ]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
@@ -34,7 +35,7 @@ RANGE = {
     "current_offset": (0.005, 0.08), "current_gain": (0.01, 0.1), "angle_offset": (0.01, 0.2),
     "angle_harmonic": (0.008, 0.1), "angle_delay": (0.04, 0.8), "voltage_delay": (1.0, 1.0),
     "emf_harmonics": (0.005, 0.08), "phase_asymmetry": (0.1, 1.2), "phase_inductance": (0.02, 0.35),
-    "voltage_delay_half": (1.0, 1.0),
+    "voltage_delay_half": (1.0, 1.0), "dead_time_over": (0.002, 0.03),
     # What drifts: its change over the recording.
     "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
     "current_gain_drift": (0.02, 0.1), "emf_harmonics_high": (0.004, 0.03), "angle_harmonic_electrical": (0.008, 0.1),
@@ -48,7 +49,7 @@ WITHOUT_SIZE = {"voltage_delay", "voltage_delay_half"}
 
 def cause_of(effect):
     """The cause's id: of a variant, such as a value that drifts or a delay that is no whole number, it is that cause's."""
-    for variant in ("_drift", "_half", "_high", "_electrical"):
+    for variant in ("_drift", "_half", "_high", "_electrical", "_over"):
         effect = effect.removesuffix(variant)
     return effect
 
@@ -83,6 +84,8 @@ def draw_direction(rng, effect, has_i_c):
         d["c5"], d["c11"], d["c13"] = rng.choice([-1.0, 1.0], 3) * rng.uniform(0.4, 1.0, 3) * [rng.choice([0.0, 1.0]), 1, 1]
     if effect == "dead_time":
         d["drop"] = float(rng.choice([0.0, 0.0, 0.4]))
+    if effect == "dead_time_over":
+        d["over"] = float(rng.uniform(1.5, 2.5))
     if effect == "voltage_delay_half":
         d["cycles"] = float(rng.choice([0.5, 0.5, 1.5]))
     if effect == "saturation":
@@ -150,6 +153,12 @@ def apply(model, motor, effect, size, d, has_i_c):
         drop = d["drop"] * size * motor.u_dc_V
         model.V_switch_V, model.V_diode_V, model.v_dead_V = 1.2 * drop, 0.8 * drop, total
         return [truth("v_dead", "V", total), truth("i_knee", "A", 0.0, False)]
+    if effect == "dead_time_over":
+        # Compensated by more than is lost.
+        model.t_dead_s = size * T_s
+        model.compensation_V = d["over"] * size * motor.u_dc_V
+        model.v_dead_V = size * motor.u_dc_V * (1.0 - d["over"])
+        return [truth("v_dead", "V", model.v_dead_V), truth("i_knee", "A", 0.0, False)]
     if effect == "voltage_gain":
         model.k_u = factor(size, d["sign"])
         return [truth("k_u", "1", model.k_u)]

@@ -70,6 +70,7 @@ def effect_arguments(case, model):
         "saliency": lambda: {"L_d": model.L_d_H, "L_q": model.L_q_H},
         "saturation": lambda: {"L_0": model.L_q_H, "I_sat": model.I_sat_A},
         "dead_time": lambda: {"t_dead": model.t_dead_s, "v_switch": model.V_switch_V, "v_diode": model.V_diode_V},
+        "dead_time_over": lambda: {"t_dead": model.t_dead_s, "compensation": model.compensation_V},
         "voltage_gain": lambda: {"k_u": model.k_u},
         "current_offset": lambda: dict(zip(("o_a", "o_b", "o_c"), model.o_A)),
         "current_gain": lambda: dict(zip(("g_a", "g_b", "g_c"), model.g)),

@@ -143,7 +143,9 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         before, applied = applied, np.where(missed, applied, commands[int(p.delay_cycles)])
         # Half a cycle late: registers that load at the peak, up to which those of the last cycle act.
         to_peak = before if p.delay_cycles % 1.0 else applied
-        i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied, u_dc_true, to_peak)))
+        # A compensation of dead time and drops, as gate logic makes it: by the signs at the valley, unseen by the record.
+        more = p.compensation_V / p.u_dc_V * np.sign(phases_from_vector(drive.current()))
+        i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied + more, u_dc_true, to_peak + more)))
         if k >= warm_up:
             values = (i_valley, i_mid, theta, omega, command, u_dc_meas, (command - command.mean(axis=0)) * u_dc_meas)
             for column, value in zip(keep.values(), values):

@@ -90,14 +90,36 @@ static void current_of(const motor *m, const double flux[2], double theta, doubl
 /* State: total flux (alpha, beta), and the current in the iron, which is measured with the winding's. */
 enum { STATES = 4 };
 
+static void to_phases(const double ab[2], double x[3])
+{
+    x[0] = ab[0];
+    x[1] = -0.5 * ab[0] + 0.86602540378443865 * ab[1];
+    x[2] = -0.5 * ab[0] - 0.86602540378443865 * ab[1];
+}
+
+/* What dead time takes of each leg's voltage, or a compensation adds: against the phase's current, as a vector. */
+static void lost_by_legs(const motor *m, const double i_ab[2], double lost[2])
+{
+    double i[3];
+    to_phases(i_ab, i);
+    lost[0] = lost[1] = 0.0;
+    for (int p = 0; p < 3 && m->ext.has[CAUSE_DEAD_TIME]; p++) {
+        double share = fmin(fmax(i[p] / m->ext.i_knee_A, -1.0), 1.0);
+        lost[0] += 2.0 / 3.0 * m->ext.v_dead_V * share * cos(TWO_PI * p / 3.0);
+        lost[1] += 2.0 / 3.0 * m->ext.v_dead_V * share * sin(TWO_PI * p / 3.0);
+    }
+}
+
 static void slope(const bench *b, const double state[STATES], double theta, const double u[2],
                   double out[STATES])
 {
     double i[2];
+    double lost[2];
     current_of(&b->m, state, theta, i);
+    lost_by_legs(&b->m, i, lost);
     for (int x = 0; x < 2; x++) {
         double iron = state[2 + x];
-        out[x] = u[x] - b->m.R_ohm * (i[x] + iron);
+        out[x] = u[x] - lost[x] - b->m.R_ohm * (i[x] + iron);
         out[2 + x] = b->R_iron_ohm > 0.0 ? (out[x] / b->R_iron_ohm - iron) / b->tau_iron_s : 0.0;
     }
 }
@@ -157,13 +179,6 @@ static void allocate(recording *r, const bench *b)
     if (!r->run || !r->line || !r->stretch) {
         abort();
     }
-}
-
-static void to_phases(const double ab[2], double x[3])
-{
-    x[0] = ab[0];
-    x[1] = -0.5 * ab[0] + 0.86602540378443865 * ab[1];
-    x[2] = -0.5 * ab[0] - 0.86602540378443865 * ab[1];
 }
 
 /* From the middle of the recording, as what drifts is told. */

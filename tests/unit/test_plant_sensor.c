@@ -199,6 +199,22 @@ static void test_voltage_delay(void)
     }
 }
 
+/* A compensation adds its voltage along each phase current; more than the legs lose is a negative dead time. */
+static void test_compensation(void)
+{
+    plant_config c = drive();
+    c.inverter.compensation_V = 6.0;
+    c.shaft.theta_mech_start_rad = 0.0;
+    plant p;
+    plant_init(&p, &c);
+    plant_set_current(&p, (vec_dq){4.0, 0.0}); /* the d axis on phase A: b and c carry half, the other way */
+    const double duty[3] = {0.5, 0.5, 0.5};
+    plant_means m;
+    plant_cycle(&p, duty, NULL, NULL, &m);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 6.0 * 4.0 / 3.0, m.u_V[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -6.0 * 2.0 / 3.0, m.u_V[1]);
+}
+
 /* Registers that load at the peak: each command acts in the second half of its cycle and in the first of the next, whatever
  * the two are, a leg that stays low or high among them. */
 static void test_voltage_delay_of_a_half(void)
@@ -340,6 +356,7 @@ int main(void)
     RUN_TEST(test_noise);
     RUN_TEST(test_angle_laws);
     RUN_TEST(test_voltage_gain);
+    RUN_TEST(test_compensation);
     RUN_TEST(test_voltage_delay);
     RUN_TEST(test_voltage_delay_of_a_half);
     RUN_TEST(test_glitch);
