@@ -67,8 +67,7 @@ def fit(function, count, scale, q=30):
 
 
 TABLES = {
-    "s1_poly": fit(s1, 5, 1.0),
-    "s2_poly": fit(s2_over_x, 5, 1.0),
+    "iqfoc_rotor_poly": [c for pair in zip(fit(s1, 5, 1.0), fit(s2_over_x, 5, 1.0)) for c in pair],
     "steady_gain_poly": fit(steady_gain, 10, 4.0, 27),
 }
 
@@ -77,8 +76,8 @@ def main():
     if len(sys.argv) == 3 and sys.argv[1] == "--check":
         text = open(sys.argv[2], encoding="utf-8").read()
         for name, values in TABLES.items():
-            match = re.search(name + r"\[\w*\]\s*=\s*\{([^}]*)\}", text)
-            found = [int(v) for v in match.group(1).replace("\n", " ").split(",") if v.strip()] if match else None
+            match = re.search(name + r"[\[\]\w]*\s*=\s*\{([^;]*)\};", text)
+            found = [int(v) for v in re.findall(r"-?\d+", match.group(1))] if match else None
             if found != values:
                 print(f"{sys.argv[2]}: {name} is {found}, derived {values}", file=sys.stderr)
                 return 1

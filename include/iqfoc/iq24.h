@@ -79,6 +79,20 @@ extern "C" {
 #define IQ24_MAC64(sum, a, b) ((sum) + IQ24_MUL64(a, b))
 #endif
 
+/*
+ * Hooks: floor(a b / 2^32), the high word of the product; the same added to c, modulo 2^32; the high word to
+ * nearest, ties up. |a b| <= 2^62, so the high word is within 2^30.
+ */
+#ifndef IQ24_HIGH
+#define IQ24_HIGH(a, b) iq24_wrap(iq24_asr64(IQ24_MUL64(a, b), 32))
+#endif
+#ifndef IQ24_HIGH_ADD
+#define IQ24_HIGH_ADD(c, a, b) iq24_add_wrap(c, IQ24_HIGH(a, b))
+#endif
+#ifndef IQ24_HIGH_ROUND
+#define IQ24_HIGH_ROUND(a, b) iq24_wrap(iq24_asr64(IQ24_MUL64(a, b) + INT64_C(0x80000000), 32))
+#endif
+
 /* Hook: x held to what a signed number of so many bits can be, bits a constant from 1 to 31. */
 #ifndef IQ24_HOLD_BITS
 #define IQ24_HOLD_BITS(x, bits) iq24_clamp(x, -(INT32_C(1) << ((bits)-1)), (INT32_C(1) << ((bits)-1)) - 1)
@@ -258,10 +272,24 @@ static inline iq24_t iq24_acc_sat(iq24_acc_t acc)
     return iq24_sat(iq24_asr64(acc + IQ24_ACC_HALF, IQ24_FRACTION_BITS));
 }
 
-/* floor(a b / 2^32), the high word of the product: |a b| <= 2^62, so it is within 2^30. Never overflows. */
+/*
+ * ---- High words: floor(a b / 2^32), c plus it, and the nearest, ties up ----
+ * For factors whose formats have 32 bits to spare: one instruction on cores that have it. Never overflow, but
+ * for the sum, which wraps.
+ */
 static inline int32_t iq24_mul_high(int32_t a, int32_t b)
 {
-    return iq24_wrap(iq24_asr64(IQ24_MUL64(a, b), 32));
+    return IQ24_HIGH(a, b);
+}
+
+static inline int32_t iq24_mac_high(int32_t c, int32_t a, int32_t b)
+{
+    return IQ24_HIGH_ADD(c, a, b);
+}
+
+static inline int32_t iq24_mul_high_round(int32_t a, int32_t b)
+{
+    return IQ24_HIGH_ROUND(a, b);
 }
 
 /*

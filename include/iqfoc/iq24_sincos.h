@@ -29,8 +29,9 @@ extern const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4];
 #define IQ24_ROTATE_C4 INT32_C(66493)
 
 /*
- * sin(2 pi turns) and cos(2 pi turns): see iq24_math.h. The angle is a tabulated one, s and c its sine and
- * cosine, and a rest d of at most half a cell (0.0491 rad):
+ * sin(2 pi turns) and cos(2 pi turns) in Q30, within 0.02 LSB of IQ24; rounded to IQ24 they are iq24_sincos of
+ * iq24_math.h. The angle is a tabulated one, s and c its sine and cosine, and a rest d of at most half a cell
+ * (0.0491 rad):
  *
  *     sin = s + c sin(d) - s (1 - cos(d)),    cos = c - s sin(d) - c (1 - cos(d))
  *
@@ -38,12 +39,13 @@ extern const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4];
  * Products are Q64, sums of two below 2^60 + 2^55; in Q30 the changes are below 2^27. s and c with their
  * changes are within 2^30 and an error of 2^4, so adding 2^5 cannot overflow; rounded, they are within 2^24.
  */
-static inline iq24_sincos_t iq24_sincos_inline(iq24_t turns)
+static inline iq24_sincos_t iq24_sincos_q30_inline(iq24_t turns)
 {
     /* The nearest tabulated angle (cells are 2^18 wide), modulo one turn. */
     uint32_t cell = (uint32_t)iq24_asr32(iq24_add_wrap(turns, INT32_C(1) << 17), 18) % IQ24_SINE_CELLS;
-    int32_t s = iq24_sine_q30[cell];
-    int32_t c = iq24_sine_q30[cell + IQ24_SINE_CELLS / 4];
+    const int32_t *entry = &iq24_sine_q30[cell];
+    int32_t s = entry[0];
+    int32_t c = entry[IQ24_SINE_CELLS / 4];
 
     /* The rest: the low 18 bits as a signed number, scaled so that half a cell is 2^31. Its square, 2^30. */
     int32_t rest = iq24_wrap((int64_t)turns * (INT32_C(1) << 14));
@@ -55,8 +57,16 @@ static inline iq24_sincos_t iq24_sincos_inline(iq24_t turns)
     int64_t cos_change = IQ24_MAC64(IQ24_MUL64(s, -sin_d), c, minus_versin_d);
 
     iq24_sincos_t result;
-    result.sin = iq24_asr32(s + iq24_wrap(iq24_asr64(sin_change, 34)) + 32, 6);
-    result.cos = iq24_asr32(c + iq24_wrap(iq24_asr64(cos_change, 34)) + 32, 6);
+    result.sin = s + iq24_wrap(iq24_asr64(sin_change, 34));
+    result.cos = c + iq24_wrap(iq24_asr64(cos_change, 34));
+    return result;
+}
+
+/* The same rounded to IQ24. */
+static inline iq24_sincos_t iq24_sincos_inline(iq24_t turns)
+{
+    const iq24_sincos_t q30 = iq24_sincos_q30_inline(turns);
+    const iq24_sincos_t result = {iq24_asr32(q30.sin + 32, 6), iq24_asr32(q30.cos + 32, 6)};
     return result;
 }
 

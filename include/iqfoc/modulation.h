@@ -43,8 +43,14 @@ static inline iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, i
 {
     const iqfoc_ab_t v = {iq24_mul_trunc(u.alpha, u_dc_inverse), iq24_mul_trunc(u.beta, u_dc_inverse)};
     iqfoc_abc_t x = iqfoc_clarke_inverse(v);
-    iq24_t low = iq24_min(iq24_min(x.a, x.b), x.c);
-    iq24_t high = iq24_max(iq24_max(x.a, x.b), x.c);
+    iq24_t low = x.c;
+    iq24_t high = x.b;
+    if (x.b < x.c) {
+        low = x.b;
+        high = x.c;
+    }
+    low = iq24_min(low, x.a);
+    high = iq24_max(high, x.a);
     iq24_t scale = IQ24_ONE;
     if (iq24_sub_wrap(high, low) > span_max) {
         scale = iqfoc_modulation_scale(iq24_sub_wrap(high, low), span_max);

@@ -37,6 +37,55 @@ typedef struct iqfoc_rotor {
 } iqfoc_rotor_t;
 
 /*
+ * The same before any rounding, for code that runs every cycle and needs only part of it: x in Q32, v = x^2
+ * in Q32, and the polynomials P1 = s1 and P2 = s2/x in Q30.
+ */
+typedef struct iqfoc_rotor_shape {
+    int32_t x_q32;
+    int32_t v_q32;
+    int32_t p1_q30;
+    int32_t p2_q30;
+} iqfoc_rotor_shape_t;
+
+/* Coefficients of P1 and P2, a pair for each power, lowest first; src/rotor.c. */
+extern const int32_t iqfoc_rotor_poly[5][2];
+
+/*
+ * |turns| <= IQFOC_ROTOR_TURNS_MAX + 1. P1 lies in [0.826, 1], P2 in [0.469, 0.524]; errors are within those
+ * of the functions that are made of them.
+ *
+ * Range: |256 x| <= 1431655936 < 2^31, so 0 <= v <= 2^32/9 < 2^29. A Horner step is c plus the high word of p
+ * v, below 2^30 in size; the sums stay within Q30 (checked for every argument by the tests of the results).
+ */
+static inline iqfoc_rotor_shape_t iqfoc_rotor_shape(iq24_t turns)
+{
+    const int32_t(*c)[2] = iqfoc_rotor_poly;
+    const int32_t x = turns * 256;
+    const int32_t v = iq24_mul_high(x, x);
+    int32_t p1 = iq24_mac_high(c[3][0], c[4][0], v);
+    int32_t p2 = iq24_mac_high(c[3][1], c[4][1], v);
+    p1 = iq24_mac_high(c[2][0], p1, v);
+    p2 = iq24_mac_high(c[2][1], p2, v);
+    p1 = iq24_mac_high(c[1][0], p1, v);
+    p2 = iq24_mac_high(c[1][1], p2, v);
+    p1 = iq24_mac_high(c[0][0], p1, v);
+    p2 = iq24_mac_high(c[0][1], p2, v);
+    const iqfoc_rotor_shape_t shape = {x, v, p1, p2};
+    return shape;
+}
+
+/* s1 and s2 of a shape: 0.51 LSB. Range: P1 + 32 < 2^31. x P2 is floored in Q30, then rounded: once in all. */
+static inline iq24_t iqfoc_rotor_s1(const iqfoc_rotor_shape_t *shape)
+{
+    return iq24_asr32(shape->p1_q30 + 32, 6);
+}
+
+static inline iq24_t iqfoc_rotor_s2(const iqfoc_rotor_shape_t *shape)
+{
+    return iq24_asr32(iq24_mul_high(shape->x_q32, shape->p2_q30) + 32, 6);
+}
+
+/*
  * s1 and s2 of a speed, and their products with phi.
  *
  * turns: IQ24 turns per control cycle, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one is taken as that limit.

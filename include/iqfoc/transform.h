@@ -19,10 +19,28 @@ extern "C" {
 /*
  * Constants in Q31: with a 31-bit fraction their rounding costs at most |x| 2^-8 LSB, x in per unit. A
  * Q24 value times one of them is iq24_mul_shift(x, constant, 31), which cannot wrap: they are below 1.
+ *
+ * The transforms have the same product, to the bit, as a high word rounded to nearest: of x and twice the
+ * constant, which for those of 1/2 and above is negative in 32 bits, so that x is to be added.
  */
 #define IQFOC_Q31_1_SQRT3 INT32_C(1239850262) /* 1/sqrt(3) */
 #define IQFOC_Q31_1_3     INT32_C(715827883)  /* 1/3 */
 #define IQFOC_Q31_SQRT3_2 INT32_C(1859775393) /* sqrt(3)/2 */
+
+static inline iq24_t iqfoc_third(iq24_t x)
+{
+    return iq24_mul_high_round(x, 2 * IQFOC_Q31_1_3);
+}
+
+static inline iq24_t iqfoc_over_sqrt3(iq24_t x)
+{
+    return iq24_add_wrap(x, iq24_mul_high_round(x, INT32_C(-1815266772))); /* 2 Q31_1_SQRT3 - 2^32 */
+}
+
+static inline iq24_t iqfoc_half_sqrt3(iq24_t x)
+{
+    return iq24_add_wrap(x, iq24_mul_high_round(x, INT32_C(-575416510))); /* 2 Q31_SQRT3_2 - 2^32 */
+}
 
 /*
  * Clarke transform from two phase currents of a floating star point (c = -a - b).
@@ -35,7 +53,7 @@ extern "C" {
  */
 static inline iqfoc_ab_t iqfoc_clarke2(iq24_t a, iq24_t b)
 {
-    const iqfoc_ab_t ab = {a, iq24_mul_shift(iq24_add_wrap(a, iq24_add_wrap(b, b)), IQFOC_Q31_1_SQRT3, 31)};
+    const iqfoc_ab_t ab = {a, iqfoc_over_sqrt3(iq24_add_wrap(a, iq24_add_wrap(b, b)))};
     return ab;
 }
 
@@ -52,8 +70,8 @@ static inline iqfoc_ab_t iqfoc_clarke3(iqfoc_abc_t abc)
 {
     const iq24_t two_a = iq24_add_wrap(abc.a, abc.a);
     const iq24_t b_and_c = iq24_add_wrap(abc.b, abc.c);
-    const iqfoc_ab_t ab = {iq24_mul_shift(iq24_sub_wrap(two_a, b_and_c), IQFOC_Q31_1_3, 31),
-                           iq24_mul_shift(iq24_sub_wrap(abc.b, abc.c), IQFOC_Q31_1_SQRT3, 31)};
+    const iqfoc_ab_t ab = {iqfoc_third(iq24_sub_wrap(two_a, b_and_c)),
+                           iqfoc_over_sqrt3(iq24_sub_wrap(abc.b, abc.c))};
     return ab;
 }
 
@@ -70,7 +88,7 @@ static inline iqfoc_ab_t iqfoc_clarke3(iqfoc_abc_t abc)
  */
 static inline iqfoc_abc_t iqfoc_clarke_inverse(iqfoc_ab_t ab)
 {
-    const iq24_t b = iq24_sub_wrap(iq24_mul_shift(ab.beta, IQFOC_Q31_SQRT3_2, 31), iq24_asr32(ab.alpha, 1));
+    const iq24_t b = iq24_sub_wrap(iqfoc_half_sqrt3(ab.beta), iq24_asr32(ab.alpha, 1));
     const iqfoc_abc_t abc = {ab.alpha, b, iq24_sub_wrap(0, iq24_add_wrap(ab.alpha, b))};
     return abc;
 }
@@ -105,6 +123,20 @@ static inline iqfoc_ab_t iqfoc_park_inverse(iqfoc_dq_t dq, iq24_sincos_t sc)
     const iq24_acc_t alpha = iq24_acc_mac(iq24_acc_mul(dq.d, sc.cos), dq.q, -sc.sin);
     const iq24_acc_t beta = iq24_acc_mac(iq24_acc_mul(dq.q, sc.cos), dq.d, sc.sin);
     const iqfoc_ab_t ab = {iq24_acc_round(alpha), iq24_acc_round(beta)};
+    return ab;
+}
+
+/*
+ * The same by a sine and cosine in Q30 (iq24_sincos_q30_inline), rounded down: eight instructions less for a
+ * voltage. |component| <= 64. Largest error: 1 LSB.
+ *
+ * Range: a product is at most 2^30 2^30 and their sum 2^61.
+ */
+static inline iqfoc_ab_t iqfoc_park_inverse_q30(iqfoc_dq_t dq, iq24_sincos_t sc_q30)
+{
+    const int64_t alpha = IQ24_MAC64(IQ24_MUL64(dq.d, sc_q30.cos), dq.q, -sc_q30.sin);
+    const int64_t beta = IQ24_MAC64(IQ24_MUL64(dq.q, sc_q30.cos), dq.d, sc_q30.sin);
+    const iqfoc_ab_t ab = {iq24_shift_wrap(alpha, 30), iq24_shift_wrap(beta, 30)};
     return ab;
 }
 

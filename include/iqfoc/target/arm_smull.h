@@ -49,6 +49,48 @@ static inline int64_t iqfoc_arm_mac64(int64_t sum, int32_t a, int32_t b)
 #define IQ24_MUL64(a, b)      iqfoc_arm_mul64(a, b)
 #define IQ24_MAC64(sum, a, b) iqfoc_arm_mac64(sum, a, b)
 
+/*
+ * The high word of a product, of which Armv7E-M (M4, M7, M33 with its DSP instructions) has one instruction
+ * each: alone, added to a sum, rounded. They are not volatile: what nobody reads is left out. On Cortex-M3 the
+ * long product and its high half.
+ */
+static inline int32_t iqfoc_arm_high(int32_t a, int32_t b)
+{
+    int32_t high;
+#ifdef __ARM_FEATURE_DSP
+    __asm("smmul %0, %1, %2" : "=r"(high) : "r"(a), "r"(b));
+#else
+    uint32_t low;
+    __asm("smull %0, %1, %2, %3" : "=r"(low), "=r"(high) : "r"(a), "r"(b));
+#endif
+    return high;
+}
+
+static inline int32_t iqfoc_arm_high_round(int32_t a, int32_t b)
+{
+    int32_t high;
+#ifdef __ARM_FEATURE_DSP
+    __asm("smmulr %0, %1, %2" : "=r"(high) : "r"(a), "r"(b));
+#else
+    uint32_t low;
+    __asm("smull %0, %1, %2, %3\n\tadd %1, %1, %0, lsr #31" : "=&r"(low), "=&r"(high) : "r"(a), "r"(b));
+#endif
+    return high;
+}
+
+#ifdef __ARM_FEATURE_DSP
+static inline int32_t iqfoc_arm_high_add(int32_t c, int32_t a, int32_t b)
+{
+    int32_t sum;
+    __asm("smmla %0, %1, %2, %3" : "=r"(sum) : "r"(a), "r"(b), "r"(c));
+    return sum;
+}
+
+#define IQ24_HIGH_ADD(c, a, b) iqfoc_arm_high_add(c, a, b)
+#endif
+#define IQ24_HIGH(a, b)       iqfoc_arm_high(a, b)
+#define IQ24_HIGH_ROUND(a, b) iqfoc_arm_high_round(a, b)
+
 /* A macro throughout: the instruction wants the number of bits as a constant. */
 #define IQ24_HOLD_BITS(x, bits)                                                                              \
     __extension__({                                                                                          \
