@@ -1,5 +1,5 @@
 /*
- * The corrected drive on an STM32G474: as first_drive, with the corrected interrupts.
+ * The corrected drive on an STM32G474: as first_drive, with the corrections.
  */
 #include "board.h"
 #include "chip.h"
@@ -27,15 +27,10 @@ static iqfoc_hal_t hal;
 
 void adc1_2_handler(void);
 
-/* Both converters have sampled: at the valley or at the peak, whichever the counter comes from. */
+/* Both converters have sampled. */
 void adc1_2_handler(void)
 {
-    stm32g4_write(&chip.adc1->ISR, ADC_ISR_JEOS);
-    if (hal_stm32g4_at_valley(&hal)) {
-        corrected_drive_valley(&cycle, &hal);
-    } else {
-        corrected_drive_peak(&cycle, &hal);
-    }
+    hal_stm32g4_interrupt(corrected_drive_methods, &cycle, &hal);
 }
 
 int main(void)

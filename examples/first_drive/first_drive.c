@@ -24,8 +24,6 @@ bool first_drive_start(iqfoc_cycle_t *cycle, uint32_t ticks_per_second, iq24_t i
     static iqfoc_cycle_config_t config = {
         .predictor = IQFOC_PREDICTOR(R_OHM, L_H, PSI_F_WB, T_S, I_BASE_A, U_DC_V),
         .gains = IQFOC_GAINS(BANDWIDTH, R_OHM, L_H, L_H, PSI_F_WB, T_S, I_BASE_A, U_DC_V),
-        .feedback = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
-        .modulation = IQFOC_MODULATION_PWM,
         .safe_state = IQFOC_SAFE_GATES_OFF,
         .span_max = IQ24(0.96),
         .current_limit = IQ24(1.5),

@@ -5,8 +5,14 @@
 #define EXAMPLES_FIRST_DRIVE_H
 
 #include "iqfoc/cycle.h"
+#include "iqfoc/methods.h"
 
 #define FIRST_DRIVE_PWM_HZ 5000
+
+/* Constants, so that the compiler leaves out all other methods: predictor, feedback, controller, modulation. */
+static const iqfoc_methods_t first_drive_methods = {IQFOC_MODEL_QUASI_DISCRETE,
+                                                    IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN, IQFOC_CONTROL_PI,
+                                                    IQFOC_MODULATION_PWM, false};
 
 /*
  * Makes the cycle ready and lets it ask for i_q. ticks_per_second: of the port's clock. False if

@@ -17,12 +17,12 @@ static volatile uint32_t periods;
 
 void board_valley_interrupt(void)
 {
-    iqfoc_isr_valley(&cycle, &hal);
+    iqfoc_isr_valley_by(first_drive_methods, &cycle, &hal);
 }
 
 void board_peak_interrupt(void)
 {
-    iqfoc_isr_peak(&cycle, &hal);
+    iqfoc_isr_peak_by(first_drive_methods, &cycle, &hal);
     periods = periods + 1;
 }
 

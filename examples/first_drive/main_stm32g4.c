@@ -27,15 +27,10 @@ static iqfoc_hal_t hal;
 
 void adc1_2_handler(void);
 
-/* Both converters have sampled: at the valley or at the peak, whichever the counter comes from. */
+/* Both converters have sampled. */
 void adc1_2_handler(void)
 {
-    stm32g4_write(&chip.adc1->ISR, ADC_ISR_JEOS);
-    if (hal_stm32g4_at_valley(&hal)) {
-        iqfoc_isr_valley(&cycle, &hal);
-    } else {
-        iqfoc_isr_peak(&cycle, &hal);
-    }
+    hal_stm32g4_interrupt(first_drive_methods, &cycle, &hal);
 }
 
 int main(void)

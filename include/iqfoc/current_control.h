@@ -100,6 +100,38 @@ static inline iqfoc_dq_t iqfoc_current_control_decoupling(const iqfoc_current_co
 }
 
 /*
+ * Both in one, which is what a cycle wants: the controllers' voltage and the decoupling in one sum, held and
+ * rounded once.
+ *
+ * Ranges as above, |turns| by 1 LSB more. Out: per unit voltage, each component held to +-8. Largest error
+ * against double: 1 LSB (rounded down) and 1 LSB per unit of i (the reactance, rounded down); of the
+ * integrators none.
+ *
+ * Range: |k e| <= 2048, |reactance i| <= 1024, EMF 32 and |I| <= 8 in per unit: below 2^60 in the accumulator.
+ * 256 turns is below 2^31, and the high word of its product with x is turns times x, below 2^30.
+ */
+static inline iqfoc_dq_t iqfoc_current_control_voltage(iqfoc_current_control_t *control,
+                                                       const iqfoc_current_control_gains_t *gains,
+                                                       iqfoc_dq_t i_ref, iqfoc_dq_t i, iq24_t turns)
+{
+    const iq24_t e_d = iq24_sub_wrap(i_ref.d, i.d);
+    const iq24_t e_q = iq24_sub_wrap(i_ref.q, i.q);
+    const iq24_t minus_reactance_q = iq24_mul_high(-256 * turns, gains->x_q);
+    const iq24_t reactance_d = iq24_mul_high(256 * turns, gains->x_d);
+    const iq24_acc_t integral_d = control->integral_d;
+    const iq24_acc_t integral_q = control->integral_q;
+    iq24_acc_t d = iq24_acc_mac(integral_d, gains->kp_d, e_d);
+    iq24_acc_t q = iq24_acc_mac(integral_q, gains->kp_q, e_q);
+    d = iq24_acc_mac(d, minus_reactance_q, i.q);
+    q = iq24_acc_mac(iq24_acc_mac(q, reactance_d, i.d), turns, gains->emf);
+    control->integral_d = iqfoc_current_control_hold(iq24_acc_mac(integral_d, gains->ki_d, e_d));
+    control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(integral_q, gains->ki_q, e_q));
+    const iqfoc_dq_t u = {iq24_acc_trunc(iqfoc_current_control_hold(d)),
+                          iq24_acc_trunc(iqfoc_current_control_hold(q))};
+    return u;
+}
+
+/*
  * Back-calculation: to be called after a step of which the modulator could only make scale < 1.
  *
  * u: the voltage asked for, |component| <= 16. scale: 0 ... 1, as iqfoc_modulate gives it; 1 leaves the

@@ -9,6 +9,11 @@
  * argument: each sample says when it was taken, and the peak is told the middle of the span in which its
  * voltage will act.
  *
+ * There is one cycle. By which methods it predicts, feeds back, controls and modulates is iqfoc_methods_t:
+ * iqfoc/cycle_steps.h has the steps inline, and a drive that names its methods in a constant is compiled
+ * without the others. iqfoc_cycle_valley and iqfoc_cycle_peak are the same steps ready made, for the papers'
+ * methods: feedback and modulation are looked up in the configuration, and may change while it runs.
+ *
  * Timing and data that are not what they should be set sticky status bits. Those in `trips` stop the drive:
  * the command becomes the safe one, the integrators are reset, and it stays so until iqfoc_cycle_clear.
  */
@@ -17,9 +22,11 @@
 
 #include "current_control.h"
 #include "error.h"
+#include "methods.h"
 #include "modulation.h"
 #include "predictor.h"
 #include "rotor.h"
+#include "sample.h"
 #include "vector.h"
 
 #include <stdbool.h>
@@ -40,92 +47,83 @@ extern "C" {
 #define IQFOC_STATUS_DC_LINK        UINT32_C(0x0080) /* u_dc outside 0.5 ... 1.5 of nominal: held to it */
 #define IQFOC_STATUS_NO_INTERVAL    UINT32_C(0x0100) /* corrected mean before a whole interval was seen */
 
-/* Which current the controller is fed with. */
-typedef enum iqfoc_feedback {
-    /* The sample at the carrier peak, turned by its own angle: usual practice. */
-    IQFOC_FEEDBACK_MIDPOINT,
-    /* 2016 (10) over the cycle that ended at the last valley: one cycle old. */
-    IQFOC_FEEDBACK_CORRECTED_MEAN,
-    /* 2019 (10), corrected by 2016 (10), over the cycle from the last valley. */
-    IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN
-} iqfoc_feedback_t;
-
-/* How the voltage is made. */
-typedef enum iqfoc_modulation {
-    IQFOC_MODULATION_PWM,     /* centre-aligned, min/max zero sequence */
-    IQFOC_MODULATION_SIX_STEP /* the active inverter state nearest to the voltage, for the whole interval */
-} iqfoc_modulation_t;
-
 /* What stands at the inverter when the drive is tripped or not enabled. */
 typedef enum iqfoc_safe_state {
     IQFOC_SAFE_GATES_OFF,    /* all six switches off */
     IQFOC_SAFE_SHORT_CIRCUIT /* all low-side switches on: for machines whose EMF exceeds the DC link */
 } iqfoc_safe_state_t;
 
-/* One set of measurements. Per unit and turns are IQ24. */
-typedef struct iqfoc_sample {
-    iqfoc_abc_t i; /* phase currents, per unit, into the motor; the port's scaling keeps each within +-15.9 */
-    iqfoc_abc_t i_mean; /* valley only: their means over the cycle that ends; read if has_mean */
-    iq24_t theta;       /* electrical angle at the sampling instant, turns */
-    iq24_t turns;       /* electrical speed, turns per control cycle */
-    iq24_t u_dc;        /* DC-link voltage, per unit of nominal */
-    iq24_t at;     /* the sampling instant, cycles after the valley: 0 there, 0.5 at the peak; -0.25 ... 1 */
-    uint32_t time; /* the port's free-running timer at the sampling instant, ticks; wraps */
-    bool has_mean; /* valley only: the port averages (oversampling); else the peak's sample stands for it */
-    bool clipped;  /* a converter was at the end of its range */
-} iqfoc_sample_t;
-
-/* What the inverter is to do from the next valley on. */
-typedef struct iqfoc_command {
-    iqfoc_duties_t duties; /* IQ24, 0 ... 1 */
-    bool gates;            /* false: all switches off, whatever the duties say */
-} iqfoc_command_t;
-
-/* Fixed while the drive runs; the caller owns it. */
+/*
+ * One set of parameters. The caller owns it, and leaves it alone while the cycle has it: to change a value in
+ * a drive that runs, a slower task fills another set and offers it (iqfoc_cycle_offer).
+ */
 typedef struct iqfoc_cycle_config {
     iqfoc_predictor_t predictor;
     iqfoc_current_control_gains_t gains;
-    iqfoc_feedback_t feedback;
+    iqfoc_feedback_t feedback; /* these two of the ready-made cycle */
     iqfoc_modulation_t modulation;
     iqfoc_safe_state_t safe_state;
-    iq24_t span_max;          /* for iqfoc_modulate: 0 < span_max <= 1 */
-    iq24_t current_limit;     /* per unit: 0 < current_limit <= 16, of alpha and of beta */
-    uint32_t period_ticks;    /* control cycle T in the port's ticks; 0 switches the checks of time off */
-    uint32_t tolerance_ticks; /* a cycle longer than period + tolerance was missed */
-    uint32_t stale_ticks;     /* a sample older than this when a call begins is stale */
-    uint32_t deadline_ticks;  /* from the peak's sample to its finished command: later is late */
-    uint32_t trips;           /* status bits that stop the drive */
+    iq24_t span_max;           /* for iqfoc_modulate: 0 < span_max <= 1 */
+    iq24_t current_limit;      /* per unit: 0 < current_limit <= 16, of alpha and of beta; to 1 LSB */
+    uint32_t period_ticks;     /* control cycle T in the port's ticks; 0 switches the checks of time off */
+    uint32_t tolerance_ticks;  /* a cycle longer than period + tolerance was missed */
+    uint32_t stale_ticks;      /* a sample older than this when a call begins is stale */
+    uint32_t deadline_ticks;   /* from the peak's sample to its finished command: later is late */
+    uint32_t trips;            /* status bits that stop the drive */
+    iqfoc_methods_data_t data; /* what methods beyond the papers' need; nothing where none of them is used */
 } iqfoc_cycle_config_t;
 
 /* The state. Read what you like; write only i_ref and enabled, between calls. */
 typedef struct iqfoc_cycle {
-    const iqfoc_cycle_config_t *config;
-    iqfoc_dq_t i_ref;          /* reference of the current, per unit: |component| <= 32 */
+    const iqfoc_cycle_config_t *config; /* in force in the cycle that runs */
+    const iqfoc_cycle_config_t *next;   /* in force from the next valley on */
+    const iqfoc_cycle_config_t *volatile offered;
+    uint32_t phase;            /* which of valley and peak is due: IQFOC_CYCLE_DUE_... */
+    uint32_t valley_time;      /* ticks of the last valley's sample */
+    uint32_t status;           /* sticky bits */
     bool enabled;              /* false: the safe output, integrators held at zero */
     bool tripped;              /* a bit of config->trips was set; iqfoc_cycle_clear ends it */
-    uint32_t status;           /* sticky bits */
-    iqfoc_dq_t i_dq;           /* the feedback of the last peak */
-    iqfoc_dq_t u_dq;           /* what the controller asked for at the last peak */
+    bool corrected;            /* i_corrected_dq is of the cycle that ended at the last valley */
+    iqfoc_dq_t i_ref;          /* reference of the current, per unit: |component| <= 32 */
+    iqfoc_dq_t i_dq;           /* the feedback: of the last peak, or the mean that the last valley gave */
+    iqfoc_dq_t u_dq;           /* what the PI controller asked for at the last peak */
     iqfoc_ab_t u_ab;           /* what the modulator could make of it: acts from the next valley */
     iqfoc_ab_t u_now;          /* the voltage of the cycle that runs */
     iqfoc_ab_t i_valley;       /* sample of the last valley */
-    iqfoc_ab_t i_next;         /* quasi-discrete prediction for the next valley */
+    iqfoc_ab_t i_next;         /* prediction for the next valley */
     iqfoc_ab_t error;          /* last valley's sample less its prediction */
-    iqfoc_dq_t i_mean_dq;      /* quasi-discrete mean of the cycle that runs, seen from the rotor */
     iqfoc_dq_t i_corrected_dq; /* mean of the cycle that ended at the last valley, if `corrected` */
     iqfoc_ab_t i_peak;         /* sample of the last peak */
-    iqfoc_rotor_t rotor;       /* of the last valley's speed */
-    iq24_t theta_valley;       /* angle of the last valley */
-    iq24_t u_dc_inverse;       /* 1/u_dc, followed by a Newton step a cycle */
+    iqfoc_rotor_t rotor; /* of the last valley's speed: turns, s1, s2; the rest where a method needs it */
+    iq24_t theta_valley; /* angle of the last valley */
+    iq24_t u_dc_inverse; /* 1/u_dc, followed by a Newton step a cycle */
     iqfoc_current_control_t control;
-    uint32_t valley_time; /* ticks of the last valley's sample */
-    bool at_valley;       /* the last call was a valley's */
-    bool started;         /* a valley was seen */
-    bool corrected;       /* i_corrected_dq is of the cycle that ended at the last valley */
+    iqfoc_dq_t drift;       /* learnt by deadbeat control */
+    iqfoc_abc_t duties_now; /* mean under modulation: duties of the cycle that runs, and of the next */
+    iqfoc_abc_t duties_next;
 } iqfoc_cycle_t;
+
+/* What `phase` says: the top bit that no valley is due, the next that no peak is. */
+#define IQFOC_CYCLE_DUE_VALLEY  UINT32_C(0x40000000)
+#define IQFOC_CYCLE_DUE_PEAK    UINT32_C(0x80000000)
+#define IQFOC_CYCLE_DUE_NOTHING UINT32_C(0xC0000000) /* before the first valley: nothing can be told yet */
 
 /* Starts disabled, with cleared status. config must outlive the cycle. */
 iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config);
+
+/*
+ * Another set of parameters for a drive that runs, from any task: checked as iqfoc_cycle_init does, and refused
+ * with the cycle unchanged. It is taken as a whole at a valley, and in force from the one after: the command
+ * that is computed in between is already meant for it, its angle for the middle of a period of its length. A
+ * port whose carrier follows loads that length (iqfoc_cycle_next_ticks) with the same command.
+ */
+iqfoc_error_t iqfoc_cycle_offer(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config);
+
+/* True once the offered set is in force: the set before it is free to be filled anew. */
+bool iqfoc_cycle_taken(const iqfoc_cycle_t *cycle);
+
+/* The length of the cycle that begins at the next valley, ticks; for the port, at the peak. */
+uint32_t iqfoc_cycle_next_ticks(const iqfoc_cycle_t *cycle);
 
 /* Ends a trip: clears the status bits, the integrators and the memory of earlier samples. */
 void iqfoc_cycle_clear(iqfoc_cycle_t *cycle);

@@ -15,6 +15,7 @@
 #define IQFOC_DEADBEAT_DRIFT_H
 
 #include "deadbeat.h"
+#include "iq24_sincos.h"
 
 #include <stdbool.h>
 
@@ -30,6 +31,23 @@ typedef struct iqfoc_deadbeat_drift {
 } iqfoc_deadbeat_drift_t;
 
 #define IQFOC_DEADBEAT_DRIFT_LIMIT IQ24(4.0)
+
+/*
+ * The drift after a prediction error at a valley: stationary frame, each component held to +-32; theta: of that
+ * valley.
+ *
+ * Range: |drift| <= 4 and |gain error| <= 45.3 (Park of two components within 32): within 50.
+ */
+static inline void iqfoc_deadbeat_learn(iqfoc_dq_t *drift, iq24_t gain, iqfoc_ab_t miss, iq24_t theta)
+{
+    const iqfoc_ab_t held = {iq24_clamp(miss.alpha, IQ24(-32.0), IQ24(32.0)),
+                             iq24_clamp(miss.beta, IQ24(-32.0), IQ24(32.0))};
+    const iqfoc_dq_t seen = iqfoc_park(held, iq24_sincos_inline(theta));
+    drift->d = iq24_clamp(iq24_add_wrap(drift->d, iq24_mul_round(gain, seen.d)), -IQFOC_DEADBEAT_DRIFT_LIMIT,
+                          IQFOC_DEADBEAT_DRIFT_LIMIT);
+    drift->q = iq24_clamp(iq24_add_wrap(drift->q, iq24_mul_round(gain, seen.q)), -IQFOC_DEADBEAT_DRIFT_LIMIT,
+                          IQFOC_DEADBEAT_DRIFT_LIMIT);
+}
 
 /*
  * iqfoc_deadbeat_step with what was learnt, after learning from this sample.

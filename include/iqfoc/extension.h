@@ -7,13 +7,9 @@
  *     u_dc  = k_u * measured
  *     lost  = v_dead * sat(i / i_knee)                             each leg; sat(x) is x held to +-1
  *
- * Signs and laws are those of the recording's interface: a fitted value goes in as it is. A firmware that
- * uses it:
- *
- *     iqfoc_extension_sample(&extension, &sample);           before iqfoc_cycle_valley and iqfoc_cycle_peak
- *     command = iqfoc_cycle_peak(&cycle, &sample, output_mid, now);
- *     iqfoc_extension_compensate(&extension, &command.duties, iqfoc_clarke_inverse(cycle.i_next),
- *                                cycle.u_dc_inverse);
+ * Signs and laws are those of the recording's interface: a fitted value goes in as it is. The control cycle does
+ * it all where its methods say `extended` (iqfoc/methods.h): samples are corrected first, duties compensated
+ * last, at the current predicted for the valley from which they act.
  *
  * With the legs' losses made good, the voltage that the cycle commands is the voltage that acts, and its
  * predictor needs no correction. Where the compensation is not wanted, iqfoc_extension_acting says what acts.
@@ -25,9 +21,10 @@
 #ifndef IQFOC_EXTENSION_H
 #define IQFOC_EXTENSION_H
 
-#include "cycle.h"
+#include "error.h"
 #include "modulation.h"
 #include "predictor.h"
+#include "sample.h"
 #include "vector.h"
 
 #ifdef __cplusplus

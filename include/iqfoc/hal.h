@@ -14,6 +14,7 @@
 #define IQFOC_HAL_H
 
 #include "cycle.h"
+#include "cycle_steps.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -43,7 +44,30 @@ uint32_t iqfoc_hal_now(iqfoc_hal_t *hal);
 /*
  * What the interrupts call: read, compute, write. A port's handler is one of these lines and the clearing
  * of its flag. Inline, so that the library itself asks nothing of a port, and a shared one links without.
+ *
+ * For the methods that the drive names, a constant (iqfoc/cycle_steps.h):
  */
+IQFOC_STEP void iqfoc_isr_valley_by(const iqfoc_methods_t methods, iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
+{
+    iqfoc_sample_t sample;
+    const uint32_t now = iqfoc_hal_now(hal);
+    iqfoc_hal_read_valley(hal, &sample);
+    iqfoc_cycle_valley_by(methods, cycle, &sample, now);
+}
+
+IQFOC_STEP void iqfoc_isr_peak_by(const iqfoc_methods_t methods, iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
+{
+    iqfoc_sample_t sample;
+    const uint32_t now = iqfoc_hal_now(hal);
+    iqfoc_hal_read_peak(hal, &sample);
+    iqfoc_command_t command = iqfoc_cycle_peak_by(methods, cycle, &sample, IQFOC_HAL_OUTPUT_MID, now);
+    if (!iqfoc_cycle_in_time(cycle, &sample, iqfoc_hal_now(hal)) && cycle->tripped) {
+        command = iqfoc_cycle_safe(cycle->config);
+    }
+    iqfoc_hal_write(hal, &command);
+}
+
+/* The same with the ready-made cycle. */
 static inline void iqfoc_isr_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
 {
     iqfoc_sample_t sample;

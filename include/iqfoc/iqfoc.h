@@ -6,6 +6,7 @@
 
 #include "current_control.h"
 #include "cycle.h"
+#include "cycle_steps.h"
 #include "deadbeat.h"
 #include "deadbeat_drift.h"
 #include "encoder.h"
@@ -22,6 +23,7 @@
 #include "iq24_sincos.h"
 #include "mean_current.h"
 #include "mean_modulated.h"
+#include "methods.h"
 #include "modulation.h"
 #include "offset.h"
 #include "overmodulation.h"
@@ -36,6 +38,7 @@
 #include "restart.h"
 #include "ripple.h"
 #include "rotor.h"
+#include "sample.h"
 #include "shunts.h"
 #include "start.h"
 #include "supervision.h"

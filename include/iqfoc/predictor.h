@@ -85,6 +85,26 @@ static inline iqfoc_ab_t iqfoc_predictor_quasi_discrete(const iqfoc_predictor_t 
     return iqfoc_predictor_step(predictor, i, u, iqfoc_predictor_emf(predictor, rotor), sc_mid);
 }
 
+/*
+ * The same in the formats that cost a cycle least: w in Q26, sine and cosine in Q30 (iq24_sincos_q30_inline),
+ * two floors in place of one rounding.
+ *
+ * i, u: per unit, |component| <= 32 and <= 2; |w| <= 13.9, below 2^30 in Q26. Largest error against the formula
+ * in double with the same coefficients, w and sine: 2 LSB.
+ *
+ * Range: what the first two terms come to is below 64, the EMF's high word below 13.9.
+ */
+static inline iqfoc_ab_t iqfoc_predictor_step_q30(const iqfoc_predictor_t *p, iqfoc_ab_t i, iqfoc_ab_t u,
+                                                  int32_t w_q26, iq24_sincos_t sc_q30)
+{
+    const iq24_t stays = IQ24_ONE - p->k_r;
+    const iq24_acc_t alpha = iq24_acc_mac(iq24_acc_mul(i.alpha, stays), p->k_u, u.alpha);
+    const iq24_acc_t beta = iq24_acc_mac(iq24_acc_mul(i.beta, stays), p->k_u, u.beta);
+    const iqfoc_ab_t next = {iq24_mac_high(iq24_acc_trunc(alpha), w_q26, sc_q30.sin),
+                             iq24_mac_high(iq24_acc_trunc(beta), -w_q26, sc_q30.cos)};
+    return next;
+}
+
 #ifdef __cplusplus
 }
 #endif

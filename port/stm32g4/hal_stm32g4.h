@@ -44,4 +44,18 @@ bool hal_stm32g4_at_valley(const iqfoc_hal_t *hal);
 bool hal_stm32g4_broken(const iqfoc_hal_t *hal);
 void hal_stm32g4_clear_break(iqfoc_hal_t *hal);
 
+/*
+ * The interrupt of the converters, all of it: both have sampled, at the valley or at the peak, whichever the
+ * counter comes from. methods: a constant.
+ */
+IQFOC_STEP void hal_stm32g4_interrupt(const iqfoc_methods_t methods, iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
+{
+    stm32g4_write(&hal->chip->adc1->ISR, ADC_ISR_JEOS);
+    if (hal_stm32g4_at_valley(hal)) {
+        iqfoc_isr_valley_by(methods, cycle, hal);
+    } else {
+        iqfoc_isr_peak_by(methods, cycle, hal);
+    }
+}
+
 #endif

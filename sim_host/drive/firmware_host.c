@@ -9,6 +9,10 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
     drive_host *host = context;
     memset(&host->hal, 0, sizeof host->hal);
     host->config = *config;
+    host->config.data.extension = host->extension;
+    const iqfoc_methods_t methods = {IQFOC_MODEL_QUASI_DISCRETE, config->feedback, IQFOC_CONTROL_PI,
+                                     config->modulation, host->extension != NULL};
+    host->methods = methods;
     const iqfoc_error_t refused = iqfoc_cycle_init(&host->cycle, &host->config);
     if (refused != IQFOC_OK) {
         return error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
@@ -26,12 +30,8 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
 /* What the handler will read. */
 static void interrupt(drive_host *host, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample)
 {
-    iqfoc_sample_t corrected = *sample;
     host->cycle.i_ref = i_ref;
-    if (host->extension != NULL) {
-        iqfoc_extension_sample(host->extension, &corrected);
-    }
-    hal_host_interrupt(&host->hal, &corrected);
+    hal_host_interrupt(&host->hal, sample);
 }
 
 static bool valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
@@ -39,7 +39,7 @@ static bool valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample
     drive_host *host = context;
     (void)e;
     interrupt(host, i_ref, sample);
-    iqfoc_isr_valley(&host->cycle, &host->hal);
+    iqfoc_isr_valley_by(host->methods, &host->cycle, &host->hal);
     return true;
 }
 
@@ -49,13 +49,9 @@ static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, 
     drive_host *host = context;
     (void)e;
     interrupt(host, i_ref, sample);
-    iqfoc_isr_peak(&host->cycle, &host->hal);
+    iqfoc_isr_peak_by(host->methods, &host->cycle, &host->hal);
     answer->command = host->hal.command;
     answer->status = host->cycle.status;
-    if (host->extension != NULL) {
-        iqfoc_extension_compensate(host->extension, &answer->command.duties,
-                                   iqfoc_clarke_inverse(host->cycle.i_next), host->cycle.u_dc_inverse);
-    }
     return true;
 }
 

@@ -15,6 +15,7 @@ typedef struct drive_host {
     iqfoc_hal_t hal;
     iqfoc_cycle_t cycle;
     iqfoc_cycle_config_t config;
+    iqfoc_methods_t methods;
     const iqfoc_extension_t *extension; /* NULL: none */
 } drive_host;
 

@@ -146,7 +146,7 @@ static void drive(void)
         iqfoc_recorder_take(&recorder, cycle.status);
         add_duties(hal.command.duties);
         add_ab(cycle.i_next);
-        add_dq(cycle.i_mean_dq);
+        add_dq(cycle.i_dq);
     }
     iqfoc_recorder_stop(&recorder);
     while (!iqfoc_recorder_finished(&recorder)) {

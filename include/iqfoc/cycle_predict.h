@@ -1,0 +1,196 @@
+/*
+ * The second half of the valley's step (iqfoc/cycle_steps.h): prediction of the cycle that begins, its mean,
+ * and deadbeat control, which needs nothing later. For the step alone.
+ */
+#ifndef IQFOC_CYCLE_PREDICT_H
+#define IQFOC_CYCLE_PREDICT_H
+
+#include "cycle.h"
+#include "deadbeat_drift.h"
+#include "extension.h"
+#include "flux_predictor.h"
+#include "iq24_sincos.h"
+#include "mean_current.h"
+#include "mean_modulated.h"
+#include "predictor_exact.h"
+#include "predictor_form.h"
+#include "predictor_salient.h"
+#include "transform.h"
+
+/* Inlined whatever its size: only then is a method that is a constant also one for the compiler. */
+#if defined(__GNUC__)
+#define IQFOC_STEP static inline __attribute__((always_inline))
+#else
+#define IQFOC_STEP static inline
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What the methods share at a valley. */
+typedef struct iqfoc_valley {
+    iqfoc_ab_t i;
+    iq24_t theta;
+    iq24_sincos_t q30; /* of the angle at mid-cycle, Q30 */
+    int32_t w_q26;     /* EMF of the quasi-discrete prediction */
+    int32_t s1_q30;    /* of the speed */
+    int32_t s2_q30;
+    iqfoc_exact_t exact; /* deadbeat, and the exact model: the cycle's coefficients */
+} iqfoc_valley_t;
+
+/* Sine and cosine at mid-cycle in IQ24. */
+static inline iq24_sincos_t iqfoc_valley_sc_mid(const iqfoc_valley_t *at)
+{
+    const iq24_sincos_t sc = {iq24_asr32(at->q30.sin + 32, 6), iq24_asr32(at->q30.cos + 32, 6)};
+    return sc;
+}
+
+/* Methods that want the rotor's movement rounded, or all of it. */
+IQFOC_STEP bool iqfoc_wants_rotor(const iqfoc_methods_t m)
+{
+    return m.control != IQFOC_CONTROL_PI || m.feedback == IQFOC_FEEDBACK_MODULATED_MEAN ||
+           m.model == IQFOC_MODEL_EULER || m.extended;
+}
+
+/*
+ * The rotor's movement: as it comes out of the polynomials; rounded where a method asks for it.
+ *
+ * EMF as iqfoc_predictor_emf, from turns s1 in Q30: |x s1| <= 0.276, times 2 pi in Q28 leaves phi s1 in Q26,
+ * |phi s1| <= 1.74; times k_psi <= 8 within 2^54. Error of w: floors, 1 LSB + k_psi/4 LSB.
+ */
+IQFOC_STEP void iqfoc_cycle_rotor(const iqfoc_methods_t m, iqfoc_cycle_t *cycle, iqfoc_valley_t *at,
+                                  const iqfoc_sample_t *sample, iq24_t turns)
+{
+    const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(turns);
+    at->s1_q30 = shape.p1_q30;
+    at->s2_q30 = iq24_mul_high(shape.x_q32, shape.p2_q30);
+    cycle->rotor.turns = turns;
+    if (iqfoc_wants_rotor(m)) {
+        cycle->rotor = iqfoc_rotor_from_turns(turns);
+    } else if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN || m.feedback == IQFOC_FEEDBACK_EXACT_MEAN) {
+        cycle->rotor.s1 = iqfoc_rotor_s1(&shape);
+        cycle->rotor.s2 = iqfoc_rotor_s2(&shape);
+    }
+    const int32_t x_s1_q30 = iq24_mul_high(shape.x_q32, shape.p1_q30);
+    const int32_t phi_s1_q26 = iq24_mul_high(x_s1_q30, INT32_C(1686629713)); /* 2 pi in Q28 */
+    at->w_q26 = iq24_shift_wrap(IQ24_MUL64(cycle->config->predictor.k_psi, phi_s1_q26), 24);
+    /* |at| <= 1, and the angle's sum wraps at 128 turns, which are whole. */
+    at->theta = iq24_sub_wrap(sample->theta, iq24_mul_high(shape.x_q32, sample->at));
+    at->q30 = iq24_sincos_q30_inline(iq24_add_wrap(at->theta, iq24_asr32(turns, 1)));
+    cycle->theta_valley = at->theta;
+}
+
+/* Predictors that want the rotor frame or the flux, with angles of their own. Sets i_dq for the salient mean. */
+IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_salient(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                                  const iqfoc_valley_t *at, iqfoc_ab_t u)
+{
+    const iqfoc_methods_data_t *data = &cycle->config->data;
+    const iq24_sincos_t start = iq24_sincos(at->theta);
+    const iq24_sincos_t end = iq24_sincos(iq24_add_wrap(at->theta, cycle->rotor.turns));
+    if (m.model == IQFOC_MODEL_FLUX) {
+        return iqfoc_flux_predictor_step(data->flux, data->acting, at->i, u, start, end);
+    }
+    const iqfoc_dq_t i_dq = iqfoc_park(at->i, start);
+    const iqfoc_dq_t u_dq = iqfoc_park(u, start);
+    if (m.feedback == IQFOC_FEEDBACK_EXACT_MEAN) {
+        cycle->i_dq = iqfoc_salient_step(data->salient_mean, i_dq, u_dq);
+    }
+    return iqfoc_park_inverse(iqfoc_salient_step(data->salient, i_dq, u_dq), end);
+}
+
+/* The machine without saliency at this speed and current, and its prediction. */
+IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_plain(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                                iqfoc_valley_t *at, iqfoc_ab_t u)
+{
+    const iqfoc_cycle_config_t *config = cycle->config;
+    if (m.model == IQFOC_MODEL_EXACT) {
+        at->exact = iqfoc_exact_at_speed(config->data.exact, cycle->rotor.turns);
+        return iqfoc_exact_step(&at->exact, at->i, u, iqfoc_valley_sc_mid(at));
+    }
+    iqfoc_predictor_t predictor = config->predictor;
+    if (m.extended && config->data.extension->saturation != 0) {
+        predictor = iqfoc_extension_saturate(config->data.extension, &config->predictor, at->i);
+        at->w_q26 = iq24_mul_shift(predictor.k_psi, cycle->rotor.phi_s1, 22);
+    }
+    if (m.control != IQFOC_CONTROL_PI || m.model == IQFOC_MODEL_EULER) {
+        at->exact = m.model == IQFOC_MODEL_EULER ? iqfoc_form_euler(&predictor, &cycle->rotor)
+                                                 : iqfoc_form_quasi_discrete(&predictor, &cycle->rotor);
+        return iqfoc_exact_step(&at->exact, at->i, u, iqfoc_valley_sc_mid(at));
+    }
+    return iqfoc_predictor_step_q30(&predictor, at->i, u, at->w_q26, at->q30);
+}
+
+/* The mean of the cycle that begins, seen from the rotor; see iqfoc_feedback_t. */
+IQFOC_STEP void iqfoc_cycle_mean(const iqfoc_methods_t m, iqfoc_cycle_t *cycle, const iqfoc_valley_t *at,
+                                 iqfoc_ab_t i_next, iq24_t u_dc)
+{
+    if (m.feedback == IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN) {
+        cycle->i_dq = iqfoc_mean_current_seen_q30(at->i, i_next, at->w_q26, at->s1_q30, at->s2_q30, at->q30);
+    } else if (m.feedback == IQFOC_FEEDBACK_EXACT_MEAN && m.model == IQFOC_MODEL_EXACT) {
+        const iqfoc_exact_t law = iqfoc_exact_at_speed(cycle->config->data.exact_mean, cycle->rotor.turns);
+        const iqfoc_ab_t mean = iqfoc_exact_step(&law, at->i, cycle->u_now, iqfoc_valley_sc_mid(at));
+        const iqfoc_ab_t delta = {iq24_sub_wrap(i_next.alpha, at->i.alpha),
+                                  iq24_sub_wrap(i_next.beta, at->i.beta)};
+        cycle->i_dq = iqfoc_mean_current_correct(mean, delta, &cycle->rotor, iqfoc_valley_sc_mid(at));
+    } else if (m.feedback == IQFOC_FEEDBACK_MODULATED_MEAN) {
+        const iqfoc_mean_modulated_t c =
+            iqfoc_mean_modulated_at_speed(&cycle->config->predictor, &cycle->rotor);
+        cycle->i_dq =
+            iqfoc_mean_modulated(&c, at->i, i_next, cycle->duties_now, u_dc, iqfoc_valley_sc_mid(at));
+    }
+}
+
+/*
+ * Deadbeat control as in deadbeat.h and deadbeat_drift.h: the voltage of the cycle after this one.
+ *
+ * The drift that was learnt moves both cycles: the prediction by itself, the target of the second cycle back.
+ */
+IQFOC_STEP iqfoc_ab_t iqfoc_cycle_deadbeat(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                           const iqfoc_valley_t *at, iqfoc_ab_t *i_next)
+{
+    const iqfoc_methods_data_t *data = &cycle->config->data;
+    const iq24_t turns = cycle->rotor.turns;
+    const iqfoc_deadbeat_t deadbeat = {at->exact, data->k_u_inverse,
+                                       iqfoc_valley_reference_at(&cycle->rotor, data->k_psi)};
+    iqfoc_dq_t aim = iqfoc_valley_reference(&deadbeat.reference, cycle->i_ref);
+    if (m.control == IQFOC_CONTROL_DEADBEAT_LEARNING) {
+        iqfoc_deadbeat_learn(&cycle->drift, data->learning, cycle->error, at->theta);
+        const iqfoc_ab_t drift =
+            iqfoc_park_inverse(cycle->drift, iq24_sincos_inline(iq24_add_wrap(at->theta, turns)));
+        i_next->alpha = iq24_add_wrap(i_next->alpha, drift.alpha);
+        i_next->beta = iq24_add_wrap(i_next->beta, drift.beta);
+        aim.d = iq24_sub_wrap(aim.d, cycle->drift.d);
+        aim.q = iq24_sub_wrap(aim.q, cycle->drift.q);
+    }
+    const iq24_t end = iq24_add_wrap(at->theta, 2 * turns);
+    const iqfoc_ab_t target = iqfoc_park_inverse(aim, iq24_sincos_inline(end));
+    const iq24_t mid = iq24_add_wrap(at->theta, iq24_asr32(turns, 1));
+    return iqfoc_deadbeat_voltage(&deadbeat, *i_next, target, iq24_sincos_inline(iq24_add_wrap(mid, turns)));
+}
+
+/* All of it. turns: held to its limit. */
+IQFOC_STEP void iqfoc_cycle_predict(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                    const iqfoc_sample_t *sample, iqfoc_ab_t i, iqfoc_ab_t u, iq24_t turns)
+{
+    iqfoc_valley_t at;
+    at.i = i;
+    iqfoc_cycle_rotor(m, cycle, &at, sample, turns);
+    iqfoc_ab_t i_next = m.model == IQFOC_MODEL_SALIENT || m.model == IQFOC_MODEL_FLUX
+                            ? iqfoc_cycle_predict_salient(m, cycle, &at, u)
+                            : iqfoc_cycle_predict_plain(m, cycle, &at, u);
+    if (m.feedback == IQFOC_FEEDBACK_MODULATED_MEAN) {
+        cycle->duties_now = cycle->duties_next;
+    }
+    iqfoc_cycle_mean(m, cycle, &at, i_next, sample->u_dc);
+    if (m.control != IQFOC_CONTROL_PI) {
+        cycle->u_ab = iqfoc_cycle_deadbeat(m, cycle, &at, &i_next);
+    }
+    cycle->i_next = i_next;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

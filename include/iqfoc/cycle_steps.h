@@ -1,0 +1,217 @@
+/*
+ * The steps of the control cycle (iqfoc/cycle.h), inline, for the methods that a drive names.
+ *
+ *     static const iqfoc_methods_t methods = {...};                          iqfoc/methods.h
+ *     iqfoc_cycle_valley_by(methods, &cycle, &sample, now);                  in the valley's interrupt
+ *     command = iqfoc_cycle_peak_by(methods, &cycle, &sample, mid, now);     in the peak's
+ *
+ * `methods` is a constant, so that each question for a method is answered when the drive is compiled, and what
+ * is not asked for is neither compiled nor linked. Given a variable, the same code asks while it runs: that is
+ * how a simulator has all methods in one program.
+ *
+ * The valley: guard, error, mean of the cycle that ended | prediction | mean of the cycle that begins |
+ * deadbeat. The peak: guard, 1/u_dc | feedback | PI | angle | modulation.
+ */
+#ifndef IQFOC_CYCLE_STEPS_H
+#define IQFOC_CYCLE_STEPS_H
+
+#include "cycle.h"
+#include "cycle_guard.h"
+#include "cycle_predict.h"
+#include "extension.h"
+#include "mean_current.h"
+#include "transform.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+ * Mean over the cycle that ends at this valley: its ends are the two valleys' samples, and the sample at its
+ * middle is the mean of a current that changes linearly; a port that averages gives a better one.
+ */
+static inline iqfoc_dq_t iqfoc_cycle_corrected_mean(const iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample,
+                                                    iqfoc_ab_t i)
+{
+    const iqfoc_ab_t i_mean = sample->has_mean ? iqfoc_clarke3(sample->i_mean) : cycle->i_peak;
+    const iqfoc_ab_t delta = {iq24_sub_wrap(i.alpha, cycle->i_valley.alpha),
+                              iq24_sub_wrap(i.beta, cycle->i_valley.beta)};
+    const iq24_t theta_mid = iq24_add_wrap(cycle->theta_valley, iq24_asr32(cycle->rotor.turns, 1));
+    return iqfoc_mean_current_correct(i_mean, delta, &cycle->rotor, iq24_sincos(theta_mid));
+}
+
+/*
+ * A mean of the cycle that begins is known at its valley, and so is the voltage that it asks for: what is then
+ * left to the peak is the angle and the modulation, which keeps the way from the last sample to the duties short.
+ */
+IQFOC_STEP bool iqfoc_cycle_controls_early(const iqfoc_methods_t m)
+{
+    return m.control == IQFOC_CONTROL_PI && m.feedback != IQFOC_FEEDBACK_MIDPOINT &&
+           m.feedback != IQFOC_FEEDBACK_CORRECTED_MEAN;
+}
+
+/* At the carrier valley; see iqfoc_cycle_valley. */
+IQFOC_STEP void iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                      const iqfoc_sample_t *sample, uint32_t now)
+{
+    iqfoc_sample_t corrected;
+    if (m.extended) {
+        corrected = *sample;
+        iqfoc_extension_sample(cycle->next->data.extension, &corrected);
+        sample = &corrected;
+    }
+    const iqfoc_cycle_config_t *const ended = cycle->config;
+    const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
+    iq24_t turns = sample->turns;
+    bool whole = true;
+    if ((iqfoc_guard_sample(ended, sample, i, now) | cycle->phase |
+         iqfoc_guard_older(iqfoc_ticks_since(cycle->valley_time, sample->time),
+                           ended->period_ticks + ended->tolerance_ticks)) > INT32_MAX) {
+        whole = iqfoc_cycle_odd_valley(cycle, sample, now);
+        turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    }
+    cycle->phase = IQFOC_CYCLE_DUE_PEAK;
+    cycle->valley_time = sample->time;
+    const iqfoc_ab_t expected = cycle->i_next;
+    const iqfoc_ab_t miss = {iq24_sub_wrap(i.alpha, expected.alpha), iq24_sub_wrap(i.beta, expected.beta)};
+    cycle->error = miss;
+    if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
+        cycle->corrected = whole;
+        if (whole) {
+            cycle->i_corrected_dq = iqfoc_cycle_corrected_mean(cycle, sample, i);
+        }
+    }
+    const iqfoc_cycle_config_t *const config = cycle->next;
+    cycle->config = config;
+    cycle->next = cycle->offered;
+    const iqfoc_ab_t u_now = {cycle->u_ab.alpha, cycle->u_ab.beta};
+    cycle->u_now = u_now;
+    cycle->i_valley = i;
+    iqfoc_cycle_predict(m, cycle, sample, i, u_now, turns);
+    if (iqfoc_cycle_controls_early(m)) {
+        cycle->u_dq =
+            iqfoc_current_control_voltage(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq, turns);
+    }
+}
+
+/*
+ * One Newton step towards 1/u: r (2 - u r).
+ *
+ * Range: 0.5 <= u <= 1.5. In Q27, p = u r is floored and 2 - p held to at least 0.5. From r = 1 on r stays
+ * within 0.5 ... 2: where p <= 1.5, r (2 - u r) has its least value, 0.5, at the ends of that; where p is more,
+ * r is above 1 and is halved; and it is at most 1/u <= 2 but for p's floor, a quarter of an LSB. So p >= 0.25,
+ * and 2 - p below 2 fits Q30. The relative error e becomes e^2 a cycle: after a step of 10 % in u_dc it is 1 %,
+ * then 0.01 %, then below 1 LSB.
+ */
+static inline iq24_t iqfoc_cycle_inverse_followed(iq24_t r, iq24_t u)
+{
+    const int32_t p_q27 = iq24_mul_high(u * 64, r * 32);
+    const int32_t factor_q27 = iq24_max((INT32_C(2) << 27) - p_q27, INT32_C(1) << 26);
+    return iq24_asr32(iq24_mul_high(r * 32, factor_q27 * 8) + 4, 3);
+}
+
+/* What the controller is fed with, where that is not a mean that the valley has made. */
+IQFOC_STEP iqfoc_dq_t iqfoc_cycle_feedback(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                           const iqfoc_sample_t *sample, iqfoc_ab_t i)
+{
+    if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
+        if (cycle->corrected) {
+            return cycle->i_corrected_dq;
+        }
+        iqfoc_cycle_set_status(cycle, IQFOC_STATUS_NO_INTERVAL);
+    }
+    return iqfoc_park(i, iq24_sincos_inline(sample->theta));
+}
+
+/* Duties for u, and in u what they really make of it. */
+IQFOC_STEP iqfoc_duties_t iqfoc_cycle_modulated(const iqfoc_methods_t m, iq24_t u_dc_inverse, iq24_t span_max,
+                                                iqfoc_ab_t *u, iq24_t u_dc)
+{
+    iqfoc_duties_t duties = iqfoc_modulate(*u, u_dc_inverse, span_max);
+    if (m.modulation == IQFOC_MODULATION_SIX_STEP) {
+        const int32_t state = iqfoc_six_step_state(iq24_atan2(u->beta, u->alpha));
+        const iq24_t scale = duties.scale;
+        duties = iqfoc_six_step_duties(state);
+        duties.scale = scale;
+        *u = iqfoc_six_step_voltage(state, u_dc);
+    } else if (duties.scale < IQ24_ONE) {
+        u->alpha = iq24_mul_round(u->alpha, duties.scale);
+        u->beta = iq24_mul_round(u->beta, duties.scale);
+    }
+    return duties;
+}
+
+/* At the carrier peak; see iqfoc_cycle_peak. */
+IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                               const iqfoc_sample_t *sample, iq24_t output_mid, uint32_t now)
+{
+    const iqfoc_cycle_config_t *const config = cycle->config;
+    iqfoc_sample_t corrected;
+    if (m.extended) {
+        corrected = *sample;
+        iqfoc_extension_sample(config->data.extension, &corrected);
+        sample = &corrected;
+    }
+    const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
+    iq24_t turns = sample->turns;
+    iq24_t u_dc = sample->u_dc;
+    if ((iqfoc_guard_sample(config, sample, i, now) | cycle->phase << 1) > INT32_MAX) {
+        iqfoc_cycle_odd_peak(cycle, sample, now);
+        turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        u_dc = iq24_clamp(u_dc, IQFOC_CYCLE_U_DC_MIN, IQFOC_CYCLE_U_DC_MAX);
+    }
+    cycle->phase = IQFOC_CYCLE_DUE_VALLEY;
+    if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
+        cycle->i_peak = i;
+    }
+    const iq24_t u_dc_inverse = iqfoc_cycle_inverse_followed(cycle->u_dc_inverse, u_dc);
+    cycle->u_dc_inverse = u_dc_inverse;
+    if (m.control == IQFOC_CONTROL_PI && !iqfoc_cycle_controls_early(m)) {
+        cycle->i_dq = iqfoc_cycle_feedback(m, cycle, sample, i);
+    }
+    if (cycle->enabled <= cycle->tripped) { /* not enabled, or tripped: one comparison of the two */
+        return iqfoc_cycle_stopped(cycle);
+    }
+    iqfoc_ab_t u = cycle->u_ab;
+    if (m.control == IQFOC_CONTROL_PI) {
+        if (!iqfoc_cycle_controls_early(m)) {
+            cycle->u_dq = iqfoc_current_control_voltage(&cycle->control, &config->gains, cycle->i_ref,
+                                                        cycle->i_dq, turns);
+        }
+        if (cycle->next != config) {
+            output_mid = iqfoc_cycle_stretched(cycle, output_mid);
+        }
+        /* Range: |turns| <= 1/3 and |cycles| <= 9 give at most 3 turns; the sum wraps at 128, which are whole. */
+        const iq24_t ahead = iq24_mul_high(256 * turns, output_mid - sample->at);
+        u = iqfoc_park_inverse_q30(cycle->u_dq, iq24_sincos_q30_inline(iq24_add_wrap(sample->theta, ahead)));
+    }
+    iqfoc_command_t command;
+    command.duties = iqfoc_cycle_modulated(m, u_dc_inverse, config->span_max, &u, u_dc);
+    command.gates = true;
+    cycle->u_ab = u;
+    if (command.duties.scale < IQ24_ONE) {
+        cycle->status |= IQFOC_STATUS_VOLTAGE_LIMIT;
+        if (m.control == IQFOC_CONTROL_PI) {
+            iqfoc_current_control_limited(&cycle->control, &config->gains, cycle->u_dq, command.duties.scale);
+        }
+        if ((config->trips & IQFOC_STATUS_VOLTAGE_LIMIT) != 0) {
+            cycle->tripped = true;
+            return iqfoc_cycle_stopped(cycle);
+        }
+    }
+    if (m.extended) {
+        /* The duties act from the next valley on, at the current predicted for it. */
+        iqfoc_extension_compensate(config->data.extension, &command.duties,
+                                   iqfoc_clarke_inverse(cycle->i_next), u_dc_inverse);
+    }
+    if (m.feedback == IQFOC_FEEDBACK_MODULATED_MEAN) {
+        cycle->duties_next = command.duties.high;
+    }
+    return command;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
