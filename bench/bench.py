@@ -29,6 +29,10 @@ EMULATORS = {
 SERIAL = ["-display", "none", "-monitor", "none", "-serial", "stdio"]
 TIME_LIMIT_S = 120
 
+# The configurations of bench/drives.h.
+DRIVES = ("isr_cycle", "isr_midpoint", "isr_corrected_mean", "isr_exact", "isr_salient", "isr_flux", "isr_mean_modulated",
+          "isr_six_step", "isr_extended", "isr_deadbeat", "isr_deadbeat_exact", "isr_deadbeat_learning")
+
 # Where each row's code begins. A row of inlined code is a pair: a straight line of eight, and the same without.
 ROOTS = {
     "sincos": ["iq24_sincos"],
@@ -61,7 +65,10 @@ ROOTS = {
     "modulation": ["iqfoc_modulate"],
     "current_control": ["bench_current_control"],
     "cycle": ["bench_cycle"],
-    "isr_cycle": ["iqfoc_cycle_valley", "iqfoc_cycle_peak"],
+    **{name: [f"bench_{name}_valley", f"bench_{name}_peak"] for name in DRIVES},
+    "isr_cycle_looked_up": ["iqfoc_cycle_valley", "iqfoc_cycle_peak"],
+    "sample_to_duty": ["bench_isr_cycle_peak"],
+    "handler_stm32g4": ["bench_handler"],
 }
 LINE = 8
 
@@ -89,7 +96,7 @@ def run(target, image):
 def evaluate(target, build):
     """The rows of a target, in the order of ROOTS."""
     image = build / "bench" / "bench.elf"
-    objects = sorted(build.glob("src/CMakeFiles/iqfoc.dir/*.obj")) + sorted(build.glob("bench/CMakeFiles/bench.dir/*.obj"))
+    objects = sorted(build.glob("src/CMakeFiles/iqfoc.dir/*.obj")) + sorted(build.glob("bench/CMakeFiles/bench.dir/**/*.obj"))
     footprint = Footprint(image, objects)
     counts = run(target, image)
     rows = []
@@ -106,9 +113,8 @@ def evaluate(target, build):
     return rows
 
 
-# Objects that the papers' control does not need: finer models, predictive control, corrections from a diagnosis, the recorder.
-BEYOND_CORE = {"deadbeat", "deadbeat_drift", "extension", "finite_set", "flux_predictor", "induction", "mean_modulated",
-               "predictor_exact", "predictor_salient", "recorder", "ripple"}
+# Objects that the papers' control needs. The rest: finer models, predictive control, corrections from a diagnosis, and more.
+CORE = {"arm_muls", "cycle", "iq24_math", "iq24_trig", "modulation", "rotor"}
 
 
 def library_size(build):
@@ -119,7 +125,7 @@ def library_size(build):
             if section.flags & elf32.SHF_ALLOC and section.kind == 1:
                 kind = "code" if section.flags & elf32.SHF_EXECINSTR else "rodata"
                 sizes["all"][kind] += section.size
-                if path.name.split(".")[0] not in BEYOND_CORE:
+                if path.name.split(".")[0] in CORE:
                     sizes["core"][kind] += section.size
     return sizes
 

@@ -75,7 +75,7 @@ def add(rows, build, command):
     image = build / "bench" / "bench_trace.elf"
     code = _disassemble(image)
     own = {"main", "report", "draw", "draw_within", "draw_magnitudes", "bench_input_draw", "bench_input_restart",
-           "counter_start", "bench_nothing"}
+           "counter_start", "bench_nothing", "bench_handler_set", "bench_handler_start", "counts_of", "renew", "bench_drives_config"}
     sums, calls, case, previous = {}, {}, None, None
     for address in _executed(image, command):
         if previous is not None and case is not None:
@@ -94,8 +94,12 @@ def add(rows, build, command):
     per_call = {name: 2 * sums[name] / calls[name] for name in sums}  # every second call is the bare one
     for row in rows:
         name = row["function"]
-        if name == "isr_cycle":
-            row["cycles_estimate"] = round(per_call["valley"] + per_call["peak"])
+        if name + "_valley" in per_call:
+            row["cycles_estimate"] = round(per_call[name + "_valley"] + per_call[name + "_peak"])
+        elif name == "sample_to_duty":
+            row["cycles_estimate"] = round(per_call["isr_cycle_peak"])
+        elif name == "handler_stm32g4":
+            row["cycles_estimate"] = round(2 * per_call["interrupt"])
         elif name in per_call:
             row["cycles_estimate"] = round(per_call[name])
         else:

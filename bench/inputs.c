@@ -3,6 +3,7 @@
  */
 #include "inputs.h"
 
+#include "iqfoc/extension_params.h"
 #include "iqfoc/iq24_math.h"
 #include "iqfoc/params.h"
 #include "iqfoc/transform.h"
@@ -34,6 +35,8 @@ const iqfoc_cycle_config_t bench_config = {
 };
 
 const iqfoc_exact_winding_t bench_winding = IQFOC_EXACT_WINDING(R_OHM, L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
+const iqfoc_flux_predictor_t bench_flux =
+    IQFOC_FLUX_PREDICTOR(R_OHM, L_H, 1.5 * L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
 const iqfoc_salient_machine_t bench_salient =
     IQFOC_SALIENT_MACHINE(R_OHM, L_H, 1.5 * L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
 

@@ -15,6 +15,8 @@
 #include "iqfoc/predictor_salient.h"
 
 #include "console.h"
+#include "drives.h"
+#include "handler.h"
 #include "inputs.h"
 #include "kernels.h"
 
@@ -138,10 +140,22 @@ COUNT(current_control, void, bench_current_control, (bench_drive_t *, iq24_t, iq
       (&drive, in->sample.i.a, in->sample.i.b, in->sample.theta, duties.scale))
 COUNT(cycle, void, bench_cycle, (bench_drive_t *, iq24_t, iq24_t, iq24_t, iqfoc_duties_t *),
       (&drive, in->sample.i.a, in->sample.i.b, in->sample.theta, &duties))
-COUNT(valley, void, iqfoc_cycle_valley, (iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t),
-      (&cycle, &in->sample, in->sample.time))
-COUNT(peak, iqfoc_command_t, iqfoc_cycle_peak, (iqfoc_cycle_t *, const iqfoc_sample_t *, iq24_t, uint32_t),
+COUNT(isr_cycle_looked_up_valley, void, iqfoc_cycle_valley,
+      (iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t), (&cycle, &in->sample, in->sample.time))
+COUNT(isr_cycle_looked_up_peak, iqfoc_command_t, iqfoc_cycle_peak,
+      (iqfoc_cycle_t *, const iqfoc_sample_t *, iq24_t, uint32_t),
       (&cycle, &in->sample, IQ24(1.5), in->sample.time))
+
+#define COUNT_DRIVE(name)                                                                                    \
+    COUNT(name##_valley, void, bench_##name##_valley, (iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t),   \
+          (&cycle, &in->sample, in->sample.time))                                                            \
+    COUNT(name##_peak, iqfoc_command_t, bench_##name##_peak,                                                 \
+          (iqfoc_cycle_t *, const iqfoc_sample_t *, iq24_t, uint32_t),                                       \
+          (&cycle, &in->sample, IQ24(1.5), in->sample.time))                                                 \
+    static uint32_t count_##name(const bench_input_t *in)                                                    \
+    {                                                                                                        \
+        return count_period(in, count_##name##_valley, count_##name##_peak);                                 \
+    }
 
 /* Integrators that hold a voltage. */
 static iqfoc_current_control_t holding(iqfoc_dq_t u)
@@ -150,8 +164,12 @@ static iqfoc_current_control_t holding(iqfoc_dq_t u)
     return control;
 }
 
+/* What the last period's peak took of it. */
+static uint32_t last_peak;
+
 /* One carrier period as the interrupts run it: valley and peak. */
-static uint32_t count_isr_cycle(const bench_input_t *in)
+static uint32_t count_period(const bench_input_t *in, uint32_t (*count_valley)(const bench_input_t *),
+                             uint32_t (*count_peak)(const bench_input_t *))
 {
     static uint32_t period;
     bench_input_t at_peak = *in;
@@ -162,7 +180,33 @@ static uint32_t count_isr_cycle(const bench_input_t *in)
     period += bench_config.period_ticks;
     cycle.i_ref = in->i_ref;
     cycle.control = holding(in->u_winding);
-    return count_valley(&at_valley) + count_peak(&at_peak);
+    const uint32_t valley = count_valley(&at_valley);
+    last_peak = count_peak(&at_peak);
+    return valley + last_peak;
+}
+
+BENCH_DRIVES(COUNT_DRIVE)
+
+static uint32_t count_isr_cycle_looked_up(const bench_input_t *in)
+{
+    return count_period(in, count_isr_cycle_looked_up_valley, count_isr_cycle_looked_up_peak);
+}
+
+/* From the last sample, at the peak, to the duties. */
+static uint32_t count_sample_to_duty(const bench_input_t *in)
+{
+    (void)count_isr_cycle(in);
+    return last_peak;
+}
+
+COUNT(interrupt, void, bench_handler, (void), ())
+
+static uint32_t count_handler_stm32g4(const bench_input_t *in)
+{
+    bench_handler_set(in, false);
+    const uint32_t valley = count_interrupt(in);
+    bench_handler_set(in, true);
+    return valley + count_interrupt(in);
 }
 
 /* The drive settled at the input's operating point. */
@@ -186,6 +230,13 @@ static uint32_t count_cycle_of_drive(const bench_input_t *in)
 {
     settle(in);
     return count_cycle(in);
+}
+
+/* A cycle from its start: what one configuration has left is not another's. */
+static void renew(void)
+{
+    (void)iqfoc_cycle_init(&cycle, bench_drives_config());
+    cycle.enabled = true;
 }
 
 static void report(const char *name, uint32_t (*count)(const bench_input_t *))
@@ -214,6 +265,7 @@ static void report(const char *name, uint32_t (*count)(const bench_input_t *))
 
 int main(void)
 {
+    uint32_t status = 0;
     counter_start();
     drive.config = &bench_config;
     drive.u_dc_inverse = IQ24_ONE;
@@ -230,11 +282,10 @@ int main(void)
     near_set = (iqfoc_finite_set_t){exact, deadbeat.reference, IQ24(0.01), 1};
     far_set = (iqfoc_finite_set_t){exact, deadbeat.reference, IQ24(0.01), 3};
     duties = iqfoc_modulate((iqfoc_ab_t){IQ24(0.3), IQ24(0.2)}, IQ24_ONE, bench_config.span_max);
-    if (iqfoc_cycle_init(&cycle, &bench_config) != IQFOC_OK) {
+    if (iqfoc_cycle_init(&cycle, bench_drives_config()) != IQFOC_OK) {
         console_text("the benchmark's configuration was refused\n");
         return 1;
     }
-    cycle.enabled = true;
 
     console_text("unit " COUNTER_UNIT "\n");
     report("sincos", count_sincos);
@@ -267,10 +318,19 @@ int main(void)
     report("modulation", count_modulation);
     report("current_control", count_current_control_of_drive);
     report("cycle", count_cycle_of_drive);
-    report("isr_cycle", count_isr_cycle);
-    if (cycle.status != 0 && cycle.status != IQFOC_STATUS_VOLTAGE_LIMIT) {
+#define REPORT_DRIVE(name)                                                                                   \
+    renew();                                                                                                 \
+    report(#name, count_##name);                                                                             \
+    status |= cycle.status;
+    BENCH_DRIVES(REPORT_DRIVE)
+    REPORT_DRIVE(isr_cycle_looked_up)
+    REPORT_DRIVE(sample_to_duty)
+    bench_handler_start(&bench_config);
+    report("handler_stm32g4", count_handler_stm32g4);
+    status |= bench_handler_status();
+    if ((status & ~(IQFOC_STATUS_VOLTAGE_LIMIT | IQFOC_STATUS_NO_INTERVAL)) != 0) {
         console_text("status ");
-        console_unsigned(cycle.status);
+        console_unsigned(status);
         console_text("\n");
         return 1;
     }

@@ -32,7 +32,21 @@ ROWS = {
     "modulation": ("modulation with limiting", "-", None),
     "current_control": ("current control", "CMSIS f32 (FPU) 123, CMSIS q31 208, TI 226", 123),
     "cycle": ("the whole cycle, straight calls", "CMSIS q31 242 without correction and prediction", 242),
-    "isr_cycle": ("valley and peak, all checks", "-", None),
+    "isr_cycle": ("valley and peak, all checks: quasi-discrete mean, PI, PWM", "-", 400),
+    "isr_midpoint": ("the same fed by the mid-point sample", "-", None),
+    "isr_corrected_mean": ("fed by the corrected mean", "-", None),
+    "isr_exact": ("by exact prediction, fed by its mean", "-", None),
+    "isr_salient": ("by exact prediction of a salient machine, fed by its mean", "-", None),
+    "isr_flux": ("by flux linkage: salient and saturating; mid-point sample", "-", None),
+    "isr_mean_modulated": ("fed by the mean under modulation", "-", None),
+    "isr_six_step": ("quasi-discrete mean, PI, six-step", "-", None),
+    "isr_extended": ("quasi-discrete mean, PI, PWM, with all that a diagnosis puts right", "-", None),
+    "isr_deadbeat": ("deadbeat control by quasi-discrete prediction", "-", 650),
+    "isr_deadbeat_exact": ("deadbeat control by exact prediction", "-", None),
+    "isr_deadbeat_learning": ("the same with a learnt drift", "-", None),
+    "isr_cycle_looked_up": ("the ready-made cycle, its methods looked up: the first of these", "-", None),
+    "sample_to_duty": ("of the first, the peak: from the last sample to the duties", "-", 170),
+    "handler_stm32g4": ("the STM32G4 example's two interrupts of a period, port and all", "-", 640),
 }
 # What is linked, nothing left out.
 PARTS = {
