@@ -107,7 +107,7 @@ iqfoc_duties_t iqfoc_overmodulate_beyond(iqfoc_overmodulation_t *state, iqfoc_ab
  * The angle of its voltage is taken as it is; its length is followed by an eighth of the difference a cycle,
  * so that the harmonics do not reach the limit and cost voltage. How much of that is done grows from none at
  * the circle to all of it 1/32 beyond; a difference of more than 1/16 of u_dc is no harmonic's, and what
- * there is more of it is taken at once.
+ * there is more of it is taken at once. docs/run-up.md shows what comes of it.
  *
  * scale: 1 while the voltage asked for is at most 33/32 of the limit, else 33/32 limit over its length (over
  * 8, if it is longer), for the integrators' anti-windup: harmonics that just touch the limit shall not wind

@@ -2,6 +2,7 @@
 #include "loops_study.h"
 
 #include "report/page.h"
+#include "run_up_show.h"
 
 #include <math.h>
 
@@ -256,5 +257,8 @@ bool loops_study_page(const loops_study *s, const char *directory, error *e)
                     e)) {
         return false;
     }
-    return page_finish(&p, six_step_part(&p, s, e) && current_part(&p, s, e) && trade_figure(&p, s, e), e);
+    return page_finish(&p,
+                       six_step_part(&p, s, e) && current_part(&p, s, e) && trade_figure(&p, s, e) &&
+                           run_ups_part(&p, s->run_ups, e),
+                       e);
 }

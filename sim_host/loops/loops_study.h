@@ -3,6 +3,7 @@
 #define SIM_HOST_LOOPS_LOOPS_STUDY_H
 
 #include "finite_set_loops.h"
+#include "run_up.h"
 #include "six_step_loop.h"
 
 #include <jansson.h>
@@ -14,6 +15,7 @@ typedef struct loops_study {
     six_step_loop six_step[SIX_STEP_LOOPS];
     current_loops current;
     finite_set_loops finite_set;
+    run_up run_ups[RUN_UP_CASES];
 } loops_study;
 
 extern const char *const six_step_loop_text[SIX_STEP_LOOPS];

@@ -5,6 +5,7 @@
     <!-- figures: loops beliefs 5 10 20 50 -->
     <!-- figures: loops finite_set 20.15 50.15 100.15 -->
     <!-- figures: loops trade -->
+    <!-- figures: loops run_up -->
     <!-- figures: loops extended motors/jarzebowicz2019.toml scenarios/identification.toml dead_time saturation resistance:R=1.0 -->
 
 `extended` records a drive with these effects, diagnoses it, and compares control by both motor files.
@@ -91,6 +92,13 @@ def trade(result, _ratios):
     return table(FINITE_SET_HEADS, rows, right=[head for head in FINITE_SET_HEADS if head != "predictor"])
 
 
+def run_up(result, _ratios):
+    heads = ["modulation", "more torque, %", "less, %", "least i_d", "voltage over u_dc", "pulses a turn"]
+    rows = [[run["text"], *(f"{abs(run[key]):.1f}" for key in ("more_percent", "less_percent")), f"{run['i_d_least']:.2f}",
+             f"{run['voltage_most']:.3f}", f"{run['pulses_per_turn']:.1f}"] for run in result["run_up"]]
+    return table(heads, rows, right=heads[1:])
+
+
 def extended(program, motor, scenario, *effects):
     options = [word for effect in effects for word in ("--effect", effect)]
     with tempfile.TemporaryDirectory() as folder:
@@ -106,7 +114,8 @@ def extended(program, motor, scenario, *effects):
     return table(heads, rows, right=[head for head in heads if head not in ("loop", "parameters")])
 
 
-PARTS = {"six_step": six_step, "ratios": ratios, "beliefs": beliefs, "finite_set": finite_set, "trade": trade}
+PARTS = {"six_step": six_step, "ratios": ratios, "beliefs": beliefs, "finite_set": finite_set, "trade": trade,
+         "run_up": run_up}
 
 
 def generate(program, arguments):

@@ -1,0 +1,222 @@
+/* The run-up through overmodulation into six-step and down again (run_up.h). */
+#include "run_up.h"
+
+#include "drive/drive_loop.h"
+#include "reproduce/paper_2019.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BANDWIDTH_HZ    250.0
+#define WEAKENING_PER_S 120.0
+#define REVERSAL_S      0.07 /* around the top left out of the steps: that step is asked for */
+#define TOP_RPM         7900.0
+#define SIX_STEP_LENGTH 0.625 /* of 0.63 to 0.633, its largest at these speeds */
+
+const run_up_case run_up_cases[RUN_UP_CASES] = {
+    {"linear modulation", "linear", TORQUE_LINEAR, false, 0.98, 0.0, 0.0},
+    {"to six-step", "six_step", TORQUE_SIX_STEP, false, 1.0, 0.0, 0.0},
+    {"to six-step, link +-1 % at 300 Hz", "six_step_300", TORQUE_SIX_STEP, false, 1.0, 0.01, 300.0},
+    {"to six-step, link +-1 % at 100 Hz", "six_step_100", TORQUE_SIX_STEP, false, 1.0, 0.01, 100.0},
+    {"overmodulation, 98 %", "over_98", TORQUE_SIX_STEP, false, 0.98, 0.0, 0.0},
+    {"to six-step, mid-point sample", "midpoint", TORQUE_SIX_STEP, true, 1.0, 0.0, 0.0}};
+
+/* What is kept of each cycle. */
+typedef struct cycle_row {
+    double t_s, rpm, i_d, i_q, asked, voltage;
+    int switched_on; /* legs */
+} cycle_row;
+
+typedef struct history {
+    cycle_row *row;
+    long count, capacity;
+    long reversal;
+} history;
+
+/* How many legs were switched on in a cycle: by a pulse within it, or at its valley, to stay on. */
+static int switched_on(const drive_row *row, const double before[3])
+{
+    int on = 0;
+    for (int x = 0; x < 3; x++) {
+        const bool pulse = row->duty[x] > 0.0 && row->duty[x] < 1.0;
+        on += pulse || (row->duty[x] >= 1.0 && before[x] < 1.0) ? 1 : 0;
+    }
+    return on;
+}
+
+/* Up with the rated torque until the top is reached, then down with the same. */
+static bool drive_up_and_down(const run_up_case *c, const motor *m, drive_loop *l, const torque_drive *d,
+                              history *h, error *e)
+{
+    bool up = true;
+    double before[3] = {0.5, 0.5, 0.5};
+    while (h->count < h->capacity) {
+        const plant_point now = plant_now(&l->drive);
+        cycle_row *at = &h->row[h->count];
+        drive_row row;
+        at->rpm = now.omega_e_rad_s / motor_speed_rad_s(m, 1.0);
+        at->t_s = now.t_s;
+        if (up && at->rpm >= RUN_UP_RPM) {
+            up = false;
+            h->reversal = h->count;
+        }
+        if (!up && at->rpm <= 0.0) {
+            return true;
+        }
+        at->asked = up ? 1.0 : -1.0;
+        const iqfoc_dq_t torque = {0, iq24_from_double(at->asked)};
+        if (!drive_loop_span(l, torque, &row, e)) {
+            return false;
+        }
+        at->i_d = row.truth.i_dq_A.d / l->base.I_A;
+        at->i_q = row.truth.i_dq_A.q / l->base.I_A;
+        at->voltage = hypot(iq24_to_double(d->u_dq.d), iq24_to_double(d->u_dq.q)) / iq24_to_double(d->u_dc);
+        at->switched_on = switched_on(&row, before);
+        memcpy(before, row.duty, sizeof before);
+        h->count++;
+    }
+    return error_failure(e, 0, "run-up, %s: not up and down again within %ld cycles", c->text, h->capacity);
+}
+
+/* A bell over the cycles around k: cos^2, as long as RUN_UP_BELL. */
+static double bell(int n)
+{
+    const double c = cos(VEC_PI * n / (RUN_UP_BELL + 1.0));
+    return c * c;
+}
+
+static run_up_point smoothed(const history *h, long k)
+{
+    run_up_point p = {.t_s = h->row[k].t_s, .rpm = h->row[k].rpm, .asked = h->row[k].asked};
+    double weights = 0.0;
+    for (int n = -RUN_UP_BELL / 2; n <= RUN_UP_BELL / 2; n++) {
+        if (k + n < 0 || k + n >= h->count) {
+            continue;
+        }
+        const cycle_row *at = &h->row[k + n];
+        const double w = bell(n);
+        weights += w;
+        p.torque += w * at->i_q; /* the machine has no saliency */
+        p.i_q += w * at->i_q;
+        p.i_d += w * at->i_d;
+        p.voltage += w * at->voltage;
+    }
+    p.torque /= weights;
+    p.i_q /= weights;
+    p.i_d /= weights;
+    p.voltage /= weights;
+    return p;
+}
+
+/* The speed on the way up from which the voltage is beyond `voltage` for good. */
+static double reached_at_rpm(const history *h, double voltage)
+{
+    double rpm = NAN;
+    for (long k = h->reversal - lround(0.5 * RUN_UP_BELL); k >= RUN_UP_BELL; k--) {
+        const run_up_point p = smoothed(h, k);
+        if (p.voltage < voltage) {
+            break;
+        }
+        rpm = p.rpm;
+    }
+    return rpm;
+}
+
+static double pulses_at_the_top(const history *h)
+{
+    double turns = 0.0;
+    double pulses = 0.0;
+    for (long k = 0; k < h->reversal; k++) {
+        if (h->row[k].rpm > TOP_RPM) {
+            pulses += h->row[k].switched_on / 3.0;
+            turns +=
+                (h->row[k + 1].t_s - h->row[k].t_s) * h->row[k].rpm / 60.0 * paper_2019_motor().pole_pairs;
+        }
+    }
+    return pulses / turns;
+}
+
+static void measure(const history *h, double T_s, run_up *r)
+{
+    const long around = lround(REVERSAL_S / T_s);
+    *r = (run_up){.top_rpm = 0.0};
+    for (long k = 0; k < h->count; k++) {
+        const cycle_row *at = &h->row[k];
+        r->top_rpm = fmax(r->top_rpm, at->rpm);
+        r->i_most = fmax(r->i_most, hypot(at->i_d, at->i_q));
+        if (at->rpm < RUN_UP_FROM_RPM) {
+            continue;
+        }
+        const run_up_point p = smoothed(h, k);
+        r->i_d_least = fmin(r->i_d_least, p.i_d);
+        r->voltage_most = fmax(r->voltage_most, p.voltage);
+        if (labs(k - h->reversal) >= around) {
+            const double off =
+                100.0 * (p.torque - p.asked) * p.asked; /* more of it in its own direction: up */
+            r->step_up_percent = fmax(r->step_up_percent, off);
+            r->step_down_percent = fmin(r->step_down_percent, off);
+        }
+    }
+    r->points = RUN_UP_POINTS;
+    for (int n = 0; n < RUN_UP_POINTS; n++) {
+        r->point[n] = smoothed(h, n * (h->count - 1) / (RUN_UP_POINTS - 1));
+    }
+    r->pulses_top = pulses_at_the_top(h);
+    r->linear_to_rpm = reached_at_rpm(h, 1.0 / sqrt(3.0));
+    r->six_step_from_rpm = reached_at_rpm(h, SIX_STEP_LENGTH);
+}
+
+double run_up_step_percent(const run_up *r)
+{
+    return fmax(r->step_up_percent, -r->step_down_percent);
+}
+
+bool run_up_run(const run_up_case *c, run_up *result, error *e)
+{
+    const motor m = paper_2019_motor();
+    const double rated_A = sqrt(2.0) * m.I_rated_A_rms;
+    const torque_limits limits = {.i_max_A = 1.5 * rated_A,
+                                  .i_d_min_A = -rated_A,
+                                  .share = c->share,
+                                  .bandwidth_Hz = BANDWIDTH_HZ,
+                                  .weakening_per_s = WEAKENING_PER_S,
+                                  .u_dc_V = RUN_UP_U_DC};
+    plant_config config = plant_config_from_motor(&m);
+    config.inverter.u_dc_V = RUN_UP_U_DC;
+    config.inverter.ripple_V = c->ripple * RUN_UP_U_DC;
+    config.inverter.ripple_Hz = c->ripple_Hz;
+    config.inverter.ripple_logged = true;
+    config.shaft.mode = PLANT_SHAFT_INERTIA;
+    config.shaft.J_kgm2 = RUN_UP_J_KGM2;
+    torque_drive d;
+    const drive_firmware firmware = torque_drive_firmware(&d);
+    if (!plant_config_check(&config, e) || !torque_drive_init(&d, &m, &limits, e)) {
+        return false;
+    }
+    d.modulation = c->modulation;
+    d.midpoint = c->midpoint;
+    drive_loop loop;
+    drive_loop_begin(&loop, &m, &config, &firmware);
+    history h = {.capacity = 40000};
+    h.row = malloc((size_t)h.capacity * sizeof *h.row);
+    if (h.row == NULL) {
+        return error_failure(e, 0, "no memory for the run-up");
+    }
+    const bool ok = drive_up_and_down(c, &m, &loop, &d, &h, e);
+    if (ok) {
+        measure(&h, loop.base.T_s, result);
+    }
+    free(h.row);
+    return ok;
+}
+
+bool run_ups_run(run_up result[RUN_UP_CASES], error *e)
+{
+    for (int n = 0; n < RUN_UP_CASES; n++) {
+        if (!run_up_run(&run_up_cases[n], &result[n], e)) {
+            return false;
+        }
+    }
+    return true;
+}

@@ -1,0 +1,64 @@
+/*
+ * The run-up: the drive of the 2019 paper at 565 V from standstill to 8000 rpm and down again at its rated
+ * torque, through overmodulation into six-step with field weakening, against the switching-level plant.
+ *
+ * Torque: the true mean of each cycle, smoothed by a bell of RUN_UP_BELL cycles, as the ripple of a cycle is
+ * of the PWM and of six-step themselves. Its step is the largest deviation from what was asked for anywhere
+ * above RUN_UP_FROM_RPM, which is below where the linear range ends, but around the reversal at the top.
+ */
+#ifndef SIM_HOST_LOOPS_RUN_UP_H
+#define SIM_HOST_LOOPS_RUN_UP_H
+
+#include "torque_drive.h"
+
+enum { RUN_UP_CASES = 6, RUN_UP_POINTS = 600, RUN_UP_BELL = 64 };
+
+#define RUN_UP_RPM      8000.0
+#define RUN_UP_U_DC     565.0
+#define RUN_UP_J_KGM2   0.02
+#define RUN_UP_FROM_RPM 5500.0
+#define RUN_UP_STEP     2.0 /* percent of the rated torque: what a transition may cost */
+
+typedef struct run_up_case {
+    const char *text, *key;
+    torque_modulation modulation;
+    bool midpoint;
+    double share;  /* of the largest voltage */
+    double ripple; /* of the DC link, amplitude over its mean */
+    double ripple_Hz;
+} run_up_case;
+
+extern const run_up_case run_up_cases[RUN_UP_CASES];
+
+/* A point of the run, means over RUN_UP_BELL cycles. */
+typedef struct run_up_point {
+    double t_s, rpm;
+    double torque;   /* over rated */
+    double asked;    /* the same, asked for */
+    double i_d, i_q; /* over the rated peak */
+    double voltage;  /* asked for, over u_dc; the fundamental */
+} run_up_point;
+
+typedef struct run_up {
+    run_up_point point[RUN_UP_POINTS];
+    int points;
+    double top_rpm;
+    double linear_to_rpm, six_step_from_rpm; /* on the way up, by the voltage asked for; NAN: never reached */
+    /* Above RUN_UP_FROM_RPM, percent of the rated torque: largest deviations up and down. */
+    double step_up_percent, step_down_percent;
+    double i_d_least;    /* over the rated peak */
+    double i_most;       /* length of a cycle's mean current, the same */
+    double voltage_most; /* fundamental asked for, over u_dc, of points */
+    double pulses_top;   /* per leg and electrical turn, above 7900 rpm; of six-step by a timer 1 */
+} run_up;
+
+/* One case; false with *e set if the firmware is gone or the drive never got to the top. */
+bool run_up_run(const run_up_case *c, run_up *result, error *e);
+
+/* All of them. */
+bool run_ups_run(run_up result[RUN_UP_CASES], error *e);
+
+/* The larger of both deviations. */
+double run_up_step_percent(const run_up *r);
+
+#endif
