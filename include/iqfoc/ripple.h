@@ -20,6 +20,8 @@
 #include "transform.h"
 #include "vector.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -80,6 +82,43 @@ static inline iqfoc_dq_t iqfoc_ripple_seen(const iqfoc_ripple_t *ripple, iqfoc_a
                              iq24_acc_trunc(iq24_acc_mac(q, -ripple->across_q, v.d))};
     return seen;
 }
+
+/*
+ * ---- Two updates a carrier period ----
+ * Over half a period the ripple of a leg is a triangle, zero at both ends and so unseen by their samples, and
+ * its mean does not vanish: it is negative from the valley to the peak and positive from there on. With phi
+ * and rho of the half, to the second order in phi and the first in rho,
+ *
+ *     b = d (1 - d),   i_ripple = k_u u_dc e^(-j theta_m) { -+(1 - rho/2) Clarke[b (1 - (phi^2/24)(1 - 2 b))]/2
+ *                                                          + (j phi - rho) Clarke[b (1 - 2 d)]/12 }
+ *
+ * Add it to a mean that knows the voltage only by its mean, or take it off a measured one, whose controller
+ * would else answer the carrier.
+ */
+typedef struct iqfoc_ripple_half {
+    iq24_t square;   /* phi^2/24: 0 ... 0.19 */
+    iq24_t even_d;   /* k_d (1 - rho_d/2)/2: 0 ... 8 */
+    iq24_t along_d;  /* -k_d rho_d/12: -1.4 ... 0 */
+    iq24_t across_d; /* k_d phi/12: -2.8 ... 2.8 */
+    iq24_t even_q;
+    iq24_t along_q;
+    iq24_t across_q;
+} iqfoc_ripple_half_t;
+
+/* For a slower task. machine, rotor: of control cycles that are half a carrier period. */
+iqfoc_ripple_half_t iqfoc_ripple_half_at_speed(const iqfoc_salient_machine_t *machine,
+                                               const iqfoc_rotor_t *rotor);
+
+/*
+ * The ripple's part of the mean over a half, dq as seen from the turning rotor.
+ *
+ * high: the half's duties, 0 ... 1. u_dc: per unit, 0 ... 2. to_peak: from the valley to the peak. sc_mid: of
+ * the rotor angle at the half's middle. Out: |component| <= 7. Largest error against the formula in double
+ * with the same machine and rotor: 28 LSB. The formula itself is within 0.15 % of the rated current of the true mean
+ * for the drive of 2019 with ten halves a turn, where the ripple is 31 %.
+ */
+iqfoc_dq_t iqfoc_ripple_half_seen(const iqfoc_ripple_half_t *ripple, iqfoc_abc_t high, iq24_t u_dc,
+                                  bool to_peak, iq24_sincos_t sc_mid);
 
 #ifdef __cplusplus
 }

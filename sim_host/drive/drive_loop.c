@@ -31,7 +31,12 @@ static void advance(drive_loop *l, int first, int last, int parts)
 
 static bool begin_cycle(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
 {
-    plant_begin_cycle(&l->drive, l->duty);
+    if (l->halves) {
+        plant_begin_half(&l->drive, l->duty, !l->falling);
+        l->falling = !l->falling;
+    } else {
+        plant_begin_cycle(&l->drive, l->duty);
+    }
     plant_sample(&l->drive, &row->valley);
     const iqfoc_sample_t sample = hal_host_sample(&row->valley, &l->drive.config.sensors, &l->base, 0);
     return l->firmware->valley(l->firmware->context, i_ref, &sample, e);
@@ -68,9 +73,13 @@ bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
         return false;
     }
     advance(l, 1, sampled, parts);
-    plant_sample(&l->drive, &row->peak);
-    iqfoc_sample_t sample =
-        hal_host_sample(&row->peak, &l->drive.config.sensors, &l->base, interval ? 0 : IQ24(0.5));
+    if (l->halves && !interval) {
+        row->peak = row->valley;
+    } else {
+        plant_sample(&l->drive, &row->peak);
+    }
+    const iq24_t at = interval || l->halves ? 0 : IQ24(0.5);
+    iqfoc_sample_t sample = hal_host_sample(&row->peak, &l->drive.config.sensors, &l->base, at);
     if (interval) {
         add_means(l, &sample);
     }

@@ -5,6 +5,9 @@
  *     a control cycle of PWM    duties, in force from valley to valley; samples at its valley (start) and its
  *                               peak (middle); the answer to the peak is in force from the next valley, as
  *                               in the 2019 paper, Figs 3 to 5
+ *     half a period of PWM      two updates a carrier period: duties, in force for a half; a sample at its
+ *                               start, which both calls of the firmware get; the answer is in force in the
+ *                               next half
  *     an interval of six-step   one inverter state for any time; one sample, at its end, with the phases'
  *                               means over it; the answer is in force at once
  *
@@ -40,7 +43,9 @@ typedef struct drive_loop {
     per_unit base;
     plant drive;
     double duty[3];    /* in force from the next span on */
-    double interval_s; /* of that span; 0: a control cycle */
+    double interval_s; /* of that span; 0: a control cycle, or a half */
+    bool halves; /* control cycles are halves of a carrier period: the motor's f_pwm is twice the carrier's */
+    bool falling; /* the next half begins at the peak */
     drive_watch watch;
 } drive_loop;
 

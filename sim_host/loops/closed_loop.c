@@ -23,6 +23,8 @@ typedef struct loop_run {
     long points;
     double cycle_torque_Nm, torque_sum, torque_square_sum; /* of the cycle that runs; of the cycles' means */
     long edges;
+    double half_d, half_q;     /* means of the last half up to a peak */
+    double period_d, period_q; /* of the last carrier period */
     bool tripped;
 } loop_run;
 
@@ -46,7 +48,7 @@ static void count_edges(loop_run *r, const double before[3])
         const double duty = r->loop.duty[x];
         const bool pulses = duty > 0.0 && duty < 1.0;
         const bool flips = !pulses && (before[x] <= 0.0 || before[x] >= 1.0) && before[x] != duty;
-        r->edges += pulses ? 2 : flips ? 1 : 0;
+        r->edges += pulses && !r->c->halves ? 2 : pulses || flips ? 1 : 0; /* half a period has one edge */
     }
 }
 
@@ -63,8 +65,17 @@ static bool one_cycle(loop_run *r, loop_result *result, error *e)
     if (!drive_loop_span(&r->loop, i_ref, &row, e)) {
         return false;
     }
-    const double d = row.truth.i_dq_A.d / r->loop.base.I_A;
-    const double q = row.truth.i_dq_A.q / r->loop.base.I_A;
+    double d = row.truth.i_dq_A.d / r->loop.base.I_A;
+    double q = row.truth.i_dq_A.q / r->loop.base.I_A;
+    if (r->c->halves && r->loop.falling) { /* the half up to the peak has ended */
+        r->half_d = d;
+        r->half_q = q;
+        d = r->period_d;
+        q = r->period_q;
+    } else if (r->c->halves) {
+        d = r->period_d = 0.5 * (r->half_d + d);
+        q = r->period_q = 0.5 * (r->half_q + q);
+    }
     const double off = hypot(d, q - i_q_ref);
     const long shown = r->cycle - (LOOP_SETTLE_CYCLES - LOOP_TRACE_BEFORE);
     if (shown >= 0 && shown < LOOP_TRACE_CYCLES) {
@@ -192,6 +203,7 @@ bool closed_loop_run(const loop_case *c, const drive_firmware *firmware, loop_re
         return error_failure(e, 0, "loops: out of memory");
     }
     drive_loop_begin(&r.loop, &c->truth, &drive, firmware);
+    r.loop.halves = c->halves;
     r.loop.watch = (drive_watch){&r, POINTS, take_point};
     plant_set_speed(&r.loop.drive, c->omega_e_rad_s, 0.0);
     nothing_measured(result);

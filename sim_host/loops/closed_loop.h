@@ -28,6 +28,9 @@ typedef struct loop_case {
     double i_q_after_A;
     int periods;    /* fundamental periods in the steady window */
     double noise_A; /* standard deviation of each current sample */
+    /* Two updates a carrier period: `truth` has twice the carrier's frequency, a control cycle is half a period, and
+     * errors are of the mean over a whole one, valley to valley, as the ripple of a half does not cancel. */
+    bool halves;
     uint64_t seed;
 } loop_case;
 

@@ -81,22 +81,27 @@ loop_case current_loop_case(double ratio, double noise)
     return c;
 }
 
-bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, double noise,
-                      loop_result *result, error *e)
+bool loop_method_run(const loop_case *c, const motor *assumed, loop_method how, loop_result *result, error *e)
 {
-    const loop_case c = current_loop_case(ratio, noise);
-    const motor assumed = believed(&c.truth, belief);
     if (how < LOOP_DEADBEAT_EULER) {
         /* At the usual bandwidth f_pwm/20. */
         const scenario_control control = {.feedback = how == LOOP_PI_MIDPOINT ? FEEDBACK_MIDPOINT
                                                                               : FEEDBACK_QUASI_DISCRETE_MEAN,
                                           .modulation = MODULATION_PWM};
-        return cycle_loop_run(&c, &assumed, &control, NULL, result, e);
+        return cycle_loop_run(c, assumed, &control, NULL, result, e);
     }
     const bool learns = how >= LOOP_LEARNING_EULER;
     const int kind = (int)how - (learns ? LOOP_LEARNING_EULER : LOOP_DEADBEAT_EULER);
-    return deadbeat_loop_run(&c, &assumed, (predictor_kind)kind, learns ? LOOP_LEARNING : 0.0, false, result,
+    return deadbeat_loop_run(c, assumed, (predictor_kind)kind, learns ? LOOP_LEARNING : 0.0, false, result,
                              e);
+}
+
+bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, double noise,
+                      loop_result *result, error *e)
+{
+    const loop_case c = current_loop_case(ratio, noise);
+    const motor assumed = believed(&c.truth, belief);
+    return loop_method_run(&c, &assumed, how, result, e);
 }
 
 /* Raises the believed L in steps of 0.1 until the loop is no longer stable, then bisects to 0.01. */

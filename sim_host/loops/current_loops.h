@@ -69,6 +69,10 @@ bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_con
 bool deadbeat_loop_run(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
                        bool extended, loop_result *result, error *e);
 
+/* A method in the loop, at the usual bandwidth if it has one; assumed: the motor as the firmware believes it to be. */
+bool loop_method_run(const loop_case *c, const motor *assumed, loop_method how, loop_result *result,
+                     error *e);
+
 /* One run: method, belief and noise as given. */
 bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, double noise,
                       loop_result *result, error *e);

@@ -257,8 +257,8 @@ bool loops_study_page(const loops_study *s, const char *directory, error *e)
                     e)) {
         return false;
     }
-    return page_finish(&p,
-                       six_step_part(&p, s, e) && current_part(&p, s, e) && trade_figure(&p, s, e) &&
-                           run_ups_part(&p, s->run_ups, e),
-                       e);
+    const bool ok = six_step_part(&p, s, e) && current_part(&p, s, e) && trade_figure(&p, s, e) &&
+                    run_ups_part(&p, s->run_ups, e);
+    update_loops_part(&p, &s->updates);
+    return page_finish(&p, ok, e);
 }

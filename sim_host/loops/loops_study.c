@@ -12,7 +12,7 @@ bool loops_study_run(loops_study *s, error *e)
     return six_step_loop_run(false, &s->six_step[SIX_STEP_DISCRETE], e) &&
            six_step_loop_run(true, &s->six_step[SIX_STEP_CORRECTED], e) &&
            current_loops_run(&s->current, e) && finite_set_loops_run(&s->finite_set, e) &&
-           run_ups_run(s->run_ups, e);
+           run_ups_run(s->run_ups, e) && update_loops_run(&s->updates, e);
 }
 
 static void print_six_step(const loops_study *s, FILE *f)
@@ -118,6 +118,7 @@ void loops_study_print(const loops_study *s, FILE *stream)
     print_six_step(s, stream);
     print_current(s, stream);
     print_finite_set(s, stream);
+    update_loops_print(&s->updates, stream);
     run_ups_print(s->run_ups, stream);
     fprintf(stream, "Seed of the noise: %llu.\n", (unsigned long long)LOOP_SEED);
 }

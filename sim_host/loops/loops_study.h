@@ -5,6 +5,7 @@
 #include "finite_set_loops.h"
 #include "run_up.h"
 #include "six_step_loop.h"
+#include "update_loops.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -16,6 +17,7 @@ typedef struct loops_study {
     current_loops current;
     finite_set_loops finite_set;
     run_up run_ups[RUN_UP_CASES];
+    update_loops updates;
 } loops_study;
 
 extern const char *const six_step_loop_text[SIX_STEP_LOOPS];

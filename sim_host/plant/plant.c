@@ -137,6 +137,15 @@ void plant_begin_cycle(plant *p, const double duty[3])
     }
 }
 
+void plant_begin_half(plant *p, const double duty[3], bool to_peak)
+{
+    begin(p, p->config.T_s);
+    take_duties(p, duty);
+    for (int x = 0; x < 3; x++) {
+        leg_begin_half(&p->leg[x], p->duty_in_force[x], to_peak, p->duration_s, p->config.inverter.t_dead_s);
+    }
+}
+
 void plant_begin_interval(plant *p, const bool high[3], double duration_s)
 {
     begin(p, duration_s);

@@ -81,6 +81,9 @@ void plant_set_load(plant *p, double T_load_Nm);
 
 /* Duties outside 0 .. 1 count as 0 or 1. What is left of the last cycle is advanced first. */
 void plant_begin_cycle(plant *p, const double duty[3]);
+/* Half a carrier period, from its valley to its peak or from there on: for drives that update twice a period. T_s of the
+ * configuration is then that of a half; samples at both ends see a current without ripple. */
+void plant_begin_half(plant *p, const double duty[3], bool to_peak);
 /* One inverter state, high[x] for phase x, for any duration > 0. */
 void plant_begin_interval(plant *p, const bool high[3], double duration_s);
 

@@ -22,6 +22,14 @@ void leg_begin_cycle(inverter_leg *leg, double duty, double duty_from_peak, doub
     }
 }
 
+void leg_begin_half(inverter_leg *leg, double duty, bool to_peak, double T_s, double t_dead_s)
+{
+    const bool pulse = duty > 0.0 && duty < 1.0;
+    leg_command(leg, to_peak ? duty >= 1.0 : duty > 0.0, 0.0, t_dead_s);
+    leg->rise_s = pulse && to_peak ? T_s * (1.0 - duty) : INFINITY;
+    leg->fall_s = pulse && !to_peak ? T_s * duty : INFINITY;
+}
+
 double leg_next_change(const inverter_leg *leg, double t_s)
 {
     double next = fmin(leg->rise_s, leg->fall_s);

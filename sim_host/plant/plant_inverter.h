@@ -38,6 +38,10 @@ void leg_command(inverter_leg *leg, bool high, double t_s, double t_dead_s);
  * has none. */
 void leg_begin_cycle(inverter_leg *leg, double duty, double duty_from_peak, double T_s, double t_dead_s);
 
+/* Edges of half a carrier period that starts now: up to the peak the leg rises duty T_s before its end, from the peak on
+ * it falls duty T_s after its start. T_s: of the half. */
+void leg_begin_half(inverter_leg *leg, double duty, bool to_peak, double T_s, double t_dead_s);
+
 /* The next instant after t_s at which the leg changes, INFINITY if none is planned. */
 double leg_next_change(const inverter_leg *leg, double t_s);
 

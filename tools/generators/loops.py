@@ -6,6 +6,7 @@
     <!-- figures: loops finite_set 20.15 50.15 100.15 -->
     <!-- figures: loops trade -->
     <!-- figures: loops run_up -->
+    <!-- figures: loops updates 5 8 12 -->
     <!-- figures: loops extended motors/jarzebowicz2019.toml scenarios/identification.toml dead_time saturation resistance:R=1.0 -->
 
 `extended` records a drive with these effects, diagnoses it, and compares control by both motor files.
@@ -92,6 +93,15 @@ def trade(result, _ratios):
     return table(FINITE_SET_HEADS, rows, right=[head for head in FINITE_SET_HEADS if head != "predictor"])
 
 
+def updates(result, wanted):
+    heads = ["ratio", "loop", "updates", "constant error, %", "wanders, %", "start, %", "overshoot, %", "settling, periods"]
+    rows = [[f"{point['sffr']:g}", LOOPS[point["loop"]], point["updates"],
+             *(short(point[key]) for key in ("offset_percent", "wander_percent", "start_percent", "overshoot_percent")),
+             "-" if point["settling_periods"] is None else f"{point['settling_periods']:g}"]
+            for point in result["updates"] if point["sffr"] in wanted]
+    return table(heads, rows, right=[head for head in heads if head != "loop"])
+
+
 def run_up(result, _ratios):
     heads = ["modulation", "more torque, %", "less, %", "least i_d", "voltage over u_dc", "pulses a turn"]
     rows = [[run["text"], *(f"{abs(run[key]):.1f}" for key in ("more_percent", "less_percent")), f"{run['i_d_least']:.2f}",
@@ -115,7 +125,7 @@ def extended(program, motor, scenario, *effects):
 
 
 PARTS = {"six_step": six_step, "ratios": ratios, "beliefs": beliefs, "finite_set": finite_set, "trade": trade,
-         "run_up": run_up}
+         "run_up": run_up, "updates": updates}
 
 
 def generate(program, arguments):
