@@ -135,8 +135,9 @@ static void learn(iqfoc_tuned_state_t *state, const iqfoc_tuned_t *tuned, iqfoc_
     if (!state->predicted) {
         return;
     }
-    state->error = minus(i, state->i_next);
-    state->drift = learnt(state->drift, tuned->learn, state->error, DRIFT_LIMIT);
+    const iqfoc_dq_t missed = minus(i, state->i_next);
+    state->error = plus(missed, state->drift);
+    state->drift = learnt(state->drift, tuned->learn, missed, DRIFT_LIMIT);
     if (state->has_mid) {
         const iqfoc_dq_t away = minus(offset_seen(state, tuned, i), state->offset);
         state->offset = learnt(state->offset, tuned->learn_offset, away, OFFSET_LIMIT);

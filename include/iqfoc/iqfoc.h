@@ -48,5 +48,6 @@
 #include "valley_reference.h"
 #include "vector.h"
 #include "version.h"
+#include "watch.h"
 
 #endif

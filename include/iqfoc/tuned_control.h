@@ -79,7 +79,7 @@ typedef struct iqfoc_tuned_state {
     iqfoc_dq_t i;      /* at the last valley */
     iqfoc_dq_t i_mid;  /* at the last peak */
     iqfoc_dq_t i_next; /* predicted for the next valley */
-    iqfoc_dq_t error;  /* prediction error of the last valley, 0 where none was predicted: iqfoc/watch.h */
+    iqfoc_dq_t error;  /* what the model without the drift got wrong of the last valley: iqfoc/watch.h */
     bool predicted;    /* i_next is of the last valley */
     bool has_mid;      /* i_mid is of the peak after it */
 } iqfoc_tuned_state_t;

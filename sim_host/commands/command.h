@@ -11,6 +11,7 @@ int cmd_record(int argc, char **argv);
 int cmd_loops(int argc, char **argv);
 int cmd_sweep(int argc, char **argv);
 int cmd_tune(int argc, char **argv);
+int cmd_watch(int argc, char **argv);
 int cmd_import(int argc, char **argv);
 int cmd_diagnose(int argc, char **argv);
 

@@ -30,6 +30,7 @@ static const command commands[] = {
     {"import", "a recording from the log of another program", cmd_import},
     {"diagnose", "what the model gets wrong about a recording, why, and what mending it gains", cmd_diagnose},
     {"tune", "a current controller with its margins at every speed, from what a diagnosis knows", cmd_tune},
+    {"watch", "trials of the firmware's watch on its model", cmd_watch},
 };
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };

@@ -1,6 +1,7 @@
 /* The tuned controller as firmware (tuned_drive.h). */
 #include "tuned_drive.h"
 
+#include "extension_host.h"
 #include "params_host.h"
 
 #include "iqfoc/modulation.h"
@@ -49,6 +50,46 @@ bool tuned_drive_init(tuned_drive *t, const motor *m, const tune_design *design,
     return tuned_law_of(m, design, &t->law, e);
 }
 
+bool tuned_drive_extend(tuned_drive *t, const motor *m, error *e)
+{
+    t->extended = extension_from_motor(m, &t->extension, e);
+    return t->extended;
+}
+
+void tuned_drive_watch(tuned_drive *t, const motor *m, const tune_machine *machine, double noise_A)
+{
+    const per_unit base = per_unit_of(m);
+    const double noise = noise_A / base.I_A;
+    const iqfoc_watch_config_t config =
+        IQFOC_WATCH_CONFIG(machine->R_ohm, machine->L_d_H, machine->L_q_H, machine->psi_f_Wb, base.T_s,
+                           base.I_A, base.U_V, noise);
+    t->watch_config = config;
+    t->watched = true;
+    iqfoc_watch_reset(&t->watch);
+}
+
+/* What the watch sees of the cycle that ends at this valley, after the controller's step. */
+static void be_watched(tuned_drive *t, const iqfoc_sample_t *sample)
+{
+    const iq24_sincos_t sc = iq24_sincos(sample->theta);
+    const iqfoc_ab_t off = iqfoc_park_inverse(t->state.error, sc);
+    if (iqfoc_watch_step(&t->watch, off, t->i_start, t->u_start, sc) &&
+        iqfoc_watch_block(&t->watch, &t->watch_config, sample->turns)) {
+        t->named++;
+    }
+    t->i_start = t->state.i;
+    t->u_start = iqfoc_park(t->u_now, sc);
+}
+
+/* The legs' losses in the cycle that the duties are for: at its first current. */
+static void compensate(tuned_drive *t, const iqfoc_sample_t *sample)
+{
+    const iq24_sincos_t sc_next = iq24_sincos(iq24_add_wrap(sample->theta, sample->turns));
+    iqfoc_extension_compensate(&t->extension, &t->command.duties,
+                               iqfoc_clarke_inverse(iqfoc_park_inverse(t->state.i_next, sc_next)),
+                               iq24_div(IQ24_ONE, sample->u_dc));
+}
+
 static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
 {
     tuned_drive *t = context;
@@ -61,6 +102,12 @@ static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *s
     t->command.gates = true;
     t->u_next.alpha = iq24_mul_round(u.alpha, t->command.duties.scale);
     t->u_next.beta = iq24_mul_round(u.beta, t->command.duties.scale);
+    if (t->extended) {
+        compensate(t, sample);
+    }
+    if (t->watched) {
+        be_watched(t, sample);
+    }
     return true;
 }
 

@@ -6,7 +6,7 @@ raises ValueError for arguments that it cannot use. Figures are rounded to what 
 machines.
 """
 
-from . import bench, carried_on, diagnosis, induction, loops, mean_map, papers, picture, sweep, tune
+from . import bench, carried_on, diagnosis, induction, loops, mean_map, papers, picture, sweep, tune, watch
 
 GENERATORS = {
     "bench": bench.generate,
@@ -19,4 +19,5 @@ GENERATORS = {
     "picture": picture.generate,
     "sweep": sweep.generate,
     "tune": tune.generate,
+    "watch": watch.generate,
 }

@@ -1,0 +1,235 @@
+/*
+ * The watch on the model (include/iqfoc/watch.h): what each change is taken for, the bound on false alarms with the
+ * noise that it is stated for, and drives in the plant.
+ */
+#include "tune/watch_trial.h"
+
+#include "reference_vectors.h"
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* The compressor of motors/ at 8 kHz. */
+#define R_OHM 0.9
+#define L_D_H 0.008
+#define L_Q_H 0.011
+#define PSI   0.2
+#define T_S   1.25e-4
+#define I_B   (6.0 * 1.4142135623730951)
+#define U_B   565.0
+#define NOISE 0.003
+
+static const iqfoc_watch_config_t config = IQFOC_WATCH_CONFIG(R_OHM, L_D_H, L_Q_H, PSI, T_S, I_B, U_B, NOISE);
+
+static double normal(uint64_t *seed)
+{
+    return sqrt(-2.0 * log(1.0 - uniform(seed, 0.0, 1.0))) * cos(TWO_PI * uniform(seed, 0.0, 1.0));
+}
+
+/* What a change of its stated size makes of a cycle's error in the frame of mid-cycle: the header's table. */
+static double complex effect(iqfoc_watch_group_t group, double complex i, double complex u, double x,
+                             double theta_mid)
+{
+    const double L = 0.5 * (L_D_H + L_Q_H);
+    const double k_u = T_S * U_B / (L * I_B);
+    const double k_psi = PSI / (L * I_B);
+    const double phi = TWO_PI * x;
+    switch (group) {
+    case IQFOC_WATCH_RESISTANCE:
+        return -IQFOC_WATCH_SIZE_R * R_OHM * T_S / L * i;
+    case IQFOC_WATCH_INDUCTANCE:
+        return -IQFOC_WATCH_SIZE_L * I * phi * i;
+    case IQFOC_WATCH_FLUX:
+        return -IQFOC_WATCH_SIZE_PSI * I * phi * k_psi;
+    case IQFOC_WATCH_VOLTAGE_GAIN:
+        return IQFOC_WATCH_SIZE_GAIN * k_u * u;
+    case IQFOC_WATCH_DEAD_TIME:
+        return -IQFOC_WATCH_SIZE_DEAD * 4.0 / acos(-1.0) * k_u * i / cabs(i);
+    case IQFOC_WATCH_ANGLE:
+        return -IQFOC_WATCH_SIZE_ANGLE * phi * k_psi;
+    case IQFOC_WATCH_VOLTAGE_LATE:
+        return -IQFOC_WATCH_SIZE_LATE * k_u * I * phi * u;
+    case IQFOC_WATCH_SENSOR_GAIN: {
+        /* Phase a reads more: two thirds of what its current grows by, on the alpha axis. */
+        const double complex grows = I * phi * i * cexp(I * theta_mid);
+        return IQFOC_WATCH_SIZE_SENSOR * 2.0 / 3.0 * creal(grows) * cexp(-I * theta_mid);
+    }
+    case IQFOC_WATCH_SENSOR_OFFSET:
+        return IQFOC_WATCH_SIZE_OFFSET * R_OHM * T_S / L * cexp(-I * theta_mid);
+    case IQFOC_WATCH_GROUPS:
+    default:
+        return 0.0;
+    }
+}
+
+/* A drive made of numbers: an operating point for each block, noise of each sample in two cycles' errors. */
+typedef struct numbers {
+    uint64_t seed;
+    const iqfoc_watch_config_t *config;
+    iqfoc_watch_t watch;
+    double theta;
+    double complex last_noise;
+} numbers;
+
+/* One block; true when a group was named. times: of the stated size. */
+static bool block(numbers *n, iqfoc_watch_group_t group, double times, double noise)
+{
+    const double x = uniform(&n->seed, -0.03, 0.03);
+    const double complex i = uniform(&n->seed, 0.3, 1.0) * cexp(I * uniform(&n->seed, 0.0, TWO_PI));
+    const double complex u = uniform(&n->seed, 0.05, 0.6) * cexp(I * uniform(&n->seed, 0.0, TWO_PI));
+    const double E = exp(-R_OHM * T_S / (0.5 * (L_D_H + L_Q_H)));
+    bool named = false;
+    for (int k = 0; k < IQFOC_WATCH_BLOCK_CYCLES; k++) {
+        const double complex sample = noise * (normal(&n->seed) + I * normal(&n->seed));
+        const double theta_mid = n->theta + 0.5 * TWO_PI * x;
+        const double complex in_flux = times * effect(group, i, u, x, theta_mid);
+        const double mean = 0.5 * (L_D_H + L_Q_H);
+        const bool is_rotor = group < IQFOC_WATCH_SENSOR_GAIN;
+        const double complex e_mid =
+            is_rotor ? creal(in_flux) * mean / L_D_H + I * cimag(in_flux) * mean / L_Q_H : in_flux;
+        const double complex e = e_mid * cexp(I * theta_mid) + sample - E * n->last_noise;
+        n->last_noise = sample;
+        n->theta = fmod(n->theta + TWO_PI * x, TWO_PI);
+        const iqfoc_ab_t off = {to_iq24(creal(e)), to_iq24(cimag(e))};
+        const iqfoc_dq_t i_dq = {to_iq24(creal(i)), to_iq24(cimag(i))};
+        const double complex u_start = u * cexp(I * 0.5 * TWO_PI * x);
+        const iqfoc_dq_t u_dq = {to_iq24(creal(u_start)), to_iq24(cimag(u_start))};
+        if (iqfoc_watch_step(&n->watch, off, i_dq, u_dq, iq24_sincos(to_iq24(n->theta / TWO_PI)))) {
+            named = iqfoc_watch_block(&n->watch, n->config, to_iq24(x)) || named;
+        }
+    }
+    return named;
+}
+
+static void each_change_is_taken_for_what_it_is(void)
+{
+    for (int g = 0; g < IQFOC_WATCH_GROUPS; g++) {
+        numbers n = {.seed = 10 + (uint64_t)g, .config = &config};
+        iqfoc_watch_reset(&n.watch);
+        for (int k = 0; k < 50; k++) {
+            TEST_ASSERT_FALSE(block(&n, IQFOC_WATCH_NONE, 0.0, NOISE));
+        }
+        int blocks = 0;
+        while (blocks < 4000 && !block(&n, (iqfoc_watch_group_t)g, 3.0, NOISE)) {
+            blocks++;
+        }
+        printf("  %-14s taken for %-14s after %4d blocks, %.2f sizes, since %d\n", watch_group_text[g],
+               watch_group_text[n.watch.group], blocks, ldexp(n.watch.amount_q16, -16),
+               (int)n.watch.since - 50);
+        TEST_ASSERT_EQUAL_INT(g, n.watch.group);
+        TEST_ASSERT_DOUBLE_WITHIN(0.3, 3.0, ldexp(n.watch.amount_q16, -16));
+        TEST_ASSERT_TRUE(fabs((double)n.watch.since - 50.0) < 0.3 * blocks + 8.0);
+    }
+}
+
+/* After a name nothing changes; a reset begins anew. */
+static void a_name_stays_until_the_reset(void)
+{
+    numbers n = {.seed = 3, .config = &config};
+    iqfoc_watch_reset(&n.watch);
+    while (!block(&n, IQFOC_WATCH_FLUX, -3.0, NOISE)) {
+    }
+    const int32_t amount = n.watch.amount_q16;
+    TEST_ASSERT_TRUE(amount < 0);
+    for (int k = 0; k < 200; k++) {
+        TEST_ASSERT_FALSE(block(&n, IQFOC_WATCH_RESISTANCE, 10.0, NOISE));
+    }
+    TEST_ASSERT_EQUAL_INT(IQFOC_WATCH_FLUX, n.watch.group);
+    TEST_ASSERT_EQUAL_INT32(amount, n.watch.amount_q16);
+    iqfoc_watch_reset(&n.watch);
+    TEST_ASSERT_EQUAL_INT(IQFOC_WATCH_NONE, n.watch.group);
+}
+
+static double highest_of(const iqfoc_watch_t *w)
+{
+    int32_t highest = 0;
+    for (int n = 0; n < IQFOC_WATCH_SIGNATURES; n++) {
+        highest = w->up_q16[n] > highest ? w->up_q16[n] : highest;
+        highest = w->down_q16[n] > highest ? w->down_q16[n] : highest;
+    }
+    return ldexp(highest, -16);
+}
+
+/* With the noise told and no slack, levels are passed more seldom than e^level/22 blocks; with four times the noise
+ * the highest of them is not, so that the test can fail. */
+static void false_alarms_are_as_seldom_as_stated(void)
+{
+    static const double noise[2] = {NOISE, 4.0 * NOISE};
+    const int blocks = 60000 / IQFOC_TEST_STRIDE;
+    for (int told = 0; told < 2; told++) {
+        iqfoc_watch_config_t without_slack = config;
+        without_slack.slack_q16[0] = without_slack.slack_q16[1] = 0;
+        numbers n = {.seed = 4, .config = &without_slack};
+        long passed[8] = {0};
+        double before = 0.0;
+        iqfoc_watch_reset(&n.watch);
+        for (int k = 0; k < blocks; k++) {
+            (void)block(&n, IQFOC_WATCH_NONE, 0.0, noise[told]);
+            const double now = highest_of(&n.watch);
+            for (int level = 4; level < 8; level++) {
+                passed[level] += before < level && now >= level ? 1 : 0;
+            }
+            before = now;
+            if (n.watch.naming > 0) {
+                iqfoc_watch_reset(&n.watch);
+            }
+        }
+        for (int level = 4; level < 8; level++) {
+            const double bound = blocks * 22.0 / exp(level);
+            printf("  noise x %g, level %d: passed %ld times, bound %.0f\n", noise[told] / NOISE, level,
+                   passed[level], bound);
+            TEST_ASSERT_TRUE(told == 1 || (double)passed[level] <= bound);
+            TEST_ASSERT_TRUE(told == 0 || level < 7 || (double)passed[level] > bound);
+        }
+    }
+}
+
+static void it_fits_its_memory(void)
+{
+    TEST_ASSERT_TRUE(sizeof(iqfoc_watch_t) <= 256);
+}
+
+/* Few of each here; `iqfoc watch --trials` has as many as one wants. */
+static void drives_in_the_plant_are_noted_and_named(void)
+{
+    static tune_result r = {.method = TUNE_PI, .disk_wanted = 0.5};
+    const tune_tolerances t = {0.3, 0.3, 0.05};
+    error e = {0};
+    int right = 0;
+    int trials = 0;
+    TEST_ASSERT_TRUE_MESSAGE(motor_read("motors/compressor_salient.toml", &r.motor, &e), e.text);
+    r.motor.f_pwm_Hz = 8000.0;
+    tune_region_of_tolerances(&r.motor, &t, &r.region);
+    TEST_ASSERT_TRUE_MESSAGE(tune_design_bandwidth(&r, &e), e.text);
+    for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES; n++) {
+        watch_trial trial;
+        TEST_ASSERT_TRUE_MESSAGE(watch_trial_run(&r, (watch_change)n, 5, 1, &trial, &e), e.text);
+        printf("  %-24s noted %d, right %d of %d, latest %.3f s\n", watch_change_text[n], trial.noted,
+               trial.right, trial.trials, trial.latest_s);
+        TEST_ASSERT_EQUAL_INT(0, trial.early);
+        TEST_ASSERT_EQUAL_INT(trial.trials, trial.noted);
+        right += trial.right;
+        trials += trial.trials;
+    }
+    TEST_ASSERT_TRUE(right >= trials - 1);
+    watch_clean clean;
+    TEST_ASSERT_TRUE_MESSAGE(watch_clean_run(&r, 60000.0, 100, &clean, &e), e.text);
+    TEST_ASSERT_EQUAL_INT(0, clean.alarms);
+    TEST_ASSERT_TRUE(clean.passed[1] > 0);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(it_fits_its_memory);
+    RUN_TEST(each_change_is_taken_for_what_it_is);
+    RUN_TEST(a_name_stays_until_the_reset);
+    RUN_TEST(false_alarms_are_as_seldom_as_stated);
+    RUN_TEST(drives_in_the_plant_are_noted_and_named);
+    return UNITY_END();
+}
