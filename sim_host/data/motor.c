@@ -98,7 +98,10 @@ void motor_inductances(const motor *m, double *L_d_H, double *L_q_H)
 {
     *L_d_H = m->L_d_H;
     *L_q_H = m->L_q_H;
-    if (m->ext.has[CAUSE_SATURATION]) {
+    if (m->ext.has[CAUSE_SATURATION_DQ]) {
+        *L_d_H = m->ext.L_d0_H;
+        *L_q_H = m->ext.L_q0_H;
+    } else if (m->ext.has[CAUSE_SATURATION]) {
         *L_d_H = m->ext.L_0_H * 2.0 * m->L_d_H / (m->L_d_H + m->L_q_H);
         *L_q_H = m->ext.L_0_H * 2.0 * m->L_q_H / (m->L_d_H + m->L_q_H);
     }
@@ -225,6 +228,11 @@ bool motor_read(const char *path, motor *m, error *e)
         }
     }
 
+    if (read.ext.has[CAUSE_SATURATION] && read.ext.has[CAUSE_SATURATION_DQ]) {
+        toml_refuse(t, cause_table[CAUSE_SATURATION_DQ].id,
+                    "both laws of saturation; expected one of [extension.%s] and [extension.%s]",
+                    cause_table[CAUSE_SATURATION].id, cause_table[CAUSE_SATURATION_DQ].id);
+    }
     if (!toml_file_close(file)) {
         return false;
     }

@@ -79,7 +79,7 @@ motor motor_blank(void);
 
 /*
  * The inductances at zero current: [motor]'s; where [extension.saturation] stands, its L_0_H as the mean of
- * the two, in the ratio that [motor] gives. Whoever takes an inductance from a motor file takes it by this
+ * the two, in the ratio that [motor] gives; where [extension.saturation_dq] does, its L_d0_H and L_q0_H. Whoever takes an inductance from a motor file takes it by this
  * rule.
  */
 void motor_inductances(const motor *m, double *L_d_H, double *L_q_H);

@@ -1,6 +1,8 @@
 /* The averaged drive's laws over a cycle, and its sensors (averaged_drive.h). */
 #include "averaged_drive.h"
 
+#include "flux_map.h"
+
 #include <math.h>
 
 static vec_rotor further(vec_rotor r, vec_rotor by)
@@ -27,65 +29,6 @@ static double charged(double x)
 double averaged_drive_edge(edge_law law, double x)
 {
     return law == EDGE_CHARGED ? charged(x) : saturated(x);
-}
-
-/* The current's square as saturation's law takes it: by the energy 1/2 (L_d i_d^2 + L_q i_q^2) of the
- * unsaturated machine, so that the flux is the gradient of one function and both cross inductances are alike. */
-static double energy_square(const averaged_drive *d, vec_dq i)
-{
-    return 2.0 * (d->L_d_H * i.d * i.d + d->L_q_H * i.q * i.q) / (d->L_d_H + d->L_q_H);
-}
-
-/* Flux of a current, without the magnet's. */
-static vec_dq flux_of(const averaged_drive *d, vec_dq i)
-{
-    if (d->saturation == 0.0 && d->saturation_q == 0.0) {
-        return (vec_dq){d->L_d_H * i.d, d->L_q_H * i.q};
-    }
-    double square = energy_square(d, i);
-    double fall = 1.0 / (1.0 + d->saturation * square);
-    double fall_q = d->saturation_q == 0.0 ? fall : 1.0 / (1.0 + (d->saturation + d->saturation_q) * square);
-    return (vec_dq){d->L_d_H * i.d * fall, d->L_q_H * i.q * fall_q};
-}
-
-/*
- * The current that carries a flux, by fixed-point iteration with the guess at hand. The law i = x (1 + s
- * |i|^2) / L contracts while s |i|^2 < 1/3 or so; beyond |i| = I_sat the flux of interfaces.md's law falls
- * again and has no unique current, so the iteration is bounded and the last value stands.
- */
-static vec_dq current_of(const averaged_drive *d, vec_dq flux, vec_dq guess)
-{
-    vec_dq i = guess;
-    if (d->saturation == 0.0 && d->saturation_q == 0.0) {
-        return (vec_dq){flux.d / d->L_d_H, flux.q / d->L_q_H};
-    }
-    for (int k = 0; k < 8; k++) {
-        vec_dq has = flux_of(d, i);
-        vec_dq wrong = {flux.d - has.d, flux.q - has.q};
-        /* Newton with the incremental inductance, symmetric as that of any machine. */
-        double s = d->saturation;
-        double fall = 1.0 / (1.0 + s * energy_square(d, i));
-        double down = 4.0 * s * fall * fall / (d->L_d_H + d->L_q_H);
-        double m11 = d->L_d_H * (fall - down * d->L_d_H * i.d * i.d);
-        double m12 = -down * d->L_d_H * d->L_q_H * i.d * i.q;
-        double m22 = d->L_q_H * (fall - down * d->L_q_H * i.q * i.q);
-        double det = m11 * m22 - m12 * m12;
-        /* Close to the law's turning point: step as if unsaturated. */
-        if (!(det > 0.05 * d->L_d_H * d->L_q_H)) {
-            m11 = d->L_d_H;
-            m22 = d->L_q_H;
-            m12 = 0.0;
-            det = m11 * m22;
-        }
-        vec_dq more = {(m22 * wrong.d - m12 * wrong.q) / det, (m11 * wrong.q - m12 * wrong.d) / det};
-        i.d += more.d;
-        i.q += more.q;
-        /* The next step would be this one's square. */
-        if (fabs(more.d) + fabs(more.q) < 1e-6 * (fabs(i.d) + fabs(i.q)) + 1e-12) {
-            break;
-        }
-    }
-    return i;
 }
 
 /* Magnet flux harmonics as a stationary vector: the 5th and 11th run backwards, the 7th and 13th forwards. */
@@ -295,12 +238,12 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     bool iron = d->iron_S != 0.0 || d->iron_s_S != 0.0;
     if (iron) {
         /* The current that makes flux is what the iron leaves. */
-        vec_dq flux = flux_of(d, i_dq);
+        vec_dq flux = flux_map_flux(d, i_dq);
         vec_dq taken = iron_share(d, row->omega_rad_s, (vec_dq){flux.d + psi, flux.q});
         i_dq.d -= taken.d;
         i_dq.q -= taken.q;
     }
-    vec_dq x = flux_of(d, i_dq);
+    vec_dq x = flux_map_flux(d, i_dq);
 
     /* Constant forcing in the rotor frame: the magnet, and the drop over R that the matrices do not know. */
     vec_dq push = {-d->R_ohm * (total_dq.d - x.d / d->L_d_H), -d->R_ohm * (total_dq.q - x.q / d->L_q_H)};
@@ -316,7 +259,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     if (d->v_dead_V != 0.0 || d->R_rate_ohm_s != 0.0 || d->dR_ohm[0] != 0.0 || d->dR_ohm[1] != 0.0 ||
         d->dR_ohm[2] != 0.0) {
         /* The current of this cycle as if nothing were lost, in the stationary frame. */
-        vec_ab i_end = vec_to_ab(current_of(d, y, i_dq), end);
+        vec_ab i_end = vec_to_ab(flux_map_current(d, y, i_dq), end);
         vec_dq lost = vec_to_dq(phase_losses(d, row, vec_to_ab(i_dq, r), i_end, r, m.push[0][0]), r);
         y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
         y.q -= m.drive[1][0] * lost.d + m.drive[1][1] * lost.q;
@@ -332,13 +275,13 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     if (d->dL_H[0] != 0.0 || d->dL_H[1] != 0.0 || d->dL_H[2] != 0.0) {
         vec_ab i_first = vec_to_ab(i_dq, r);
-        vec_ab i_last = vec_to_ab(current_of(d, y, i_dq), end);
+        vec_ab i_last = vec_to_ab(flux_map_current(d, y, i_dq), end);
         vec_ab change = {i_last.alpha - i_first.alpha, i_last.beta - i_first.beta};
         vec_dq taken = vec_to_dq(phase_share(d, change, half_decay(&m), end), end);
         y.d -= taken.d;
         y.q -= taken.q;
     }
-    vec_dq i_end = current_of(d, y, i_dq);
+    vec_dq i_end = flux_map_current(d, y, i_dq);
     if (iron) {
         vec_dq taken = iron_share(d, row->omega_rad_s, (vec_dq){y.d + psi, y.q});
         i_end.d += taken.d;

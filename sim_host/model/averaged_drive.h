@@ -28,7 +28,9 @@ typedef enum edge_law {
 /* Plain numbers, so that a fit can move any of them. averaged_drive_of fills them from a motor file. */
 typedef struct averaged_drive {
     double R_ohm, L_d_H, L_q_H, psi_f_Wb;
-    double saturation; /* 1/I_sat^2 (1/A^2); L_d_H and L_q_H then are those at zero current */
+    double saturation;             /* 1/I_sat^2 (1/A^2); L_d_H and L_q_H then are those at zero current */
+    double w_ddd, w_dqq;           /* flux map (flux_map.h), Wb/A^2; L_d_H and L_q_H as with saturation */
+    double w_dddd, w_ddqq, w_qqqq; /* Wb/A^3 */
     double v_dead_V, i_knee_A;
     edge_law edge;
     /* How much of the ripple each edge sees: 0, the mean current, to 1, all that the duties tell. */
@@ -51,7 +53,6 @@ typedef struct averaged_drive {
     double iron_s_S; /* that times the time by which the iron's current comes late */
     /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
-    double saturation_q;    /* further 1/A^2 on the q axis alone: saturation that differs between the axes */
     double psi_temperature; /* psi_f and R that follow recorded temperature, per kelvin (needs temp_C) */
     double R_temperature;
 } averaged_drive;

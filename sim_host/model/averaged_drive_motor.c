@@ -1,6 +1,8 @@
 /* The averaged drive from a motor file and back: [motor] and [extension.*] as interfaces.md defines them. */
 #include "averaged_drive.h"
 
+#include "flux_map.h"
+
 /* Where no current saturates the iron: beyond any that flows, and finite, so that it can be written down. */
 static const double NEVER = 1e6; /* of the rated peak */
 
@@ -9,6 +11,9 @@ static void take_laws(averaged_drive *d, const motor *m)
     const motor_extension *x = &m->ext;
     if (x->has[CAUSE_SATURATION]) {
         d->saturation = 1.0 / (x->I_sat_A * x->I_sat_A);
+    }
+    if (x->has[CAUSE_SATURATION_DQ] && x->I_sat_dq_A > 0.0) {
+        d->saturation = 1.0 / (x->I_sat_dq_A * x->I_sat_dq_A);
     }
     if (x->has[CAUSE_CURRENT_OFFSET]) {
         const vec_ab offset = vec_from_phases(x->o_A);
@@ -56,6 +61,10 @@ static void put_laws(motor *m, const averaged_drive *d)
     motor_extension *x = &m->ext;
     const double I_A = motor_rated_peak_A(m);
     x->L_0_H = 0.5 * (d->L_d_H + d->L_q_H);
+    x->L_d0_H = d->L_d_H;
+    x->L_q0_H = d->L_q_H;
+    /* Beside terms of a map the fall with current is a part of it. */
+    x->I_sat_dq_A = d->saturation > 0.0 && flux_map_has_terms(d) ? 1.0 / sqrt(d->saturation) : 0.0;
     x->I_sat_A = d->saturation > 0.0 ? 1.0 / sqrt(d->saturation) : NEVER * I_A;
     /* Only the two-phase information of the offsets counts: their common part is left out. */
     vec_to_phases((vec_ab){d->offset_ab_A[0], d->offset_ab_A[1]}, x->o_A);
@@ -87,6 +96,6 @@ motor averaged_drive_motor(const averaged_drive *d, const motor *base)
     for (int id = 0; id < CAUSE_COUNT; id++) {
         motor_note_extension(&m, (cause_id)id);
     }
-    m.ext.has[CAUSE_SATURATION] = d->saturation > 0.0;
+    m.ext.has[CAUSE_SATURATION] = d->saturation > 0.0 && !flux_map_has_terms(d);
     return m;
 }

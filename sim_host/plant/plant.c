@@ -1,6 +1,7 @@
 /* The drive's time: cycles, edges, samples and means (plant.h). */
 #include "plant.h"
 #include "plant_electrical.h"
+#include "plant_flux.h"
 #include "plant_solver.h"
 
 #include <math.h>
@@ -16,9 +17,9 @@ static bool is_linear(const plant_config *c)
     const bool equal_phases = m->dR_ohm[0] == 0.0 && m->dR_ohm[1] == 0.0 && m->dR_ohm[2] == 0.0 &&
                               m->dL_H[0] == 0.0 && m->dL_H[1] == 0.0 && m->dL_H[2] == 0.0;
     const bool steady = m->R_rate_ohm_s == 0.0 && m->psi_rate_Wb_s == 0.0;
-    const bool plain_machine = steady && equal_phases && m->I_sat_A == 0.0 && m->R_fe_ohm == 0.0 &&
-                               m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0 && m->psi_11_Wb == 0.0 &&
-                               m->psi_13_Wb == 0.0;
+    const bool plain_machine = steady && equal_phases && m->I_sat_A == 0.0 && !plant_flux_has_map(m) &&
+                               m->R_fe_ohm == 0.0 && m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0 &&
+                               m->psi_11_Wb == 0.0 && m->psi_13_Wb == 0.0;
     const bool ideal_legs =
         v->t_dead_s == 0.0 && v->v_switch_V == 0.0 && v->v_diode_V == 0.0 && v->ripple_V == 0.0;
     const bool constant_speed = c->shaft.mode == PLANT_SHAFT_GIVEN && c->shaft.accel_e_rad_s2 == 0.0;
@@ -29,6 +30,7 @@ void plant_init(plant *p, const plant_config *c)
 {
     memset(p, 0, sizeof *p);
     p->config = *c;
+    (void)plant_flux_find_reach(&p->config.machine, c->I_scale_A);
     p->linear = is_linear(c);
     p->state.y[STATE_THETA_E] = c->shaft.theta_mech_start_rad * c->machine.pole_pairs;
     p->state.y[STATE_OMEGA_E] = c->shaft.omega_e_start_rad_s;

@@ -1,6 +1,8 @@
 /* The ideal drive of a motor file, and what no drive can have (plant_config.h). */
 #include "plant_config.h"
 
+#include "plant_flux.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -33,6 +35,21 @@ typedef struct range {
     double least, above, most; /* least <= value <= most, and value > above */
 } range;
 
+/* A flux that falls from a tenth of the rated current on is not that of a machine. */
+static bool check_map(const plant_config *c, error *e)
+{
+    plant_machine m = c->machine;
+    if (!plant_flux_has_map(&m)) {
+        return true;
+    }
+    const double reach_A = plant_flux_find_reach(&m, c->I_scale_A);
+    return reach_A > 0.1 * c->I_scale_A ||
+           error_input(e, NULL, 0, 0,
+                       "drive: the flux map's inductance falls to a tenth at %g A, expected a current beyond "
+                       "a tenth of the rated %g A",
+                       reach_A, c->I_scale_A);
+}
+
 bool plant_config_check(const plant_config *c, error *e)
 {
     const plant_machine *m = &c->machine;
@@ -61,6 +78,11 @@ bool plant_config_check(const plant_config *c, error *e)
         {"R rate", m->R_rate_ohm_s, none, none, big},
         {"psi_f rate", m->psi_rate_Wb_s, none, none, big},
         {"I_sat", m->I_sat_A, 0.0, none, big},
+        {"w_ddd", m->w_ddd, none, none, big},
+        {"w_dqq", m->w_dqq, none, none, big},
+        {"w_dddd", m->w_dddd, none, none, big},
+        {"w_ddqq", m->w_ddqq, none, none, big},
+        {"w_qqqq", m->w_qqqq, none, none, big},
         {"R_fe", m->R_fe_ohm, 0.0, none, big},
         {"tau_fe", m->tau_fe_s, 0.0, m->R_fe_ohm > 0.0 ? 0.0 : none, big},
         {"u_dc", v->u_dc_V, 0.0, 0.0, big},
@@ -131,5 +153,5 @@ bool plant_config_check(const plant_config *c, error *e)
         return error_input(e, NULL, 0, 0, "drive: delay cycles is %g, expected a multiple of 0.5",
                            v->delay_cycles);
     }
-    return true;
+    return check_map(c, e);
 }

@@ -12,6 +12,9 @@
 
 #include <stdint.h>
 
+/* Directions of the rotor frame in which the end of a flux map is sought. */
+#define PLANT_MAP_DIRECTIONS 16
+
 /* The most cycles by which a voltage can be late. */
 #define PLANT_VOLTAGE_DELAY_MAX 8
 
@@ -25,7 +28,12 @@ typedef struct plant_machine {
     double R_rate_ohm_s, psi_rate_Wb_s; /* by which both have grown for each second of the clock */
     double psi_5_Wb, psi_7_Wb; /* psi_A = psi_f cos(theta) + psi_5 cos(5 theta) + psi_7 cos(7 theta) + ... */
     double psi_11_Wb, psi_13_Wb;
-    double I_sat_A;  /* flux / current = L/(1 + (i/I_sat)^2), i by its energy; 0: none */
+    double I_sat_A; /* flux / current = L/(1 + (i/I_sat)^2), i by its energy; 0: none */
+    /* A flux map: further terms of the energy, of third and fourth order in i_d and i_q. */
+    double w_ddd, w_dqq;           /* Wb/A^2 */
+    double w_dddd, w_ddqq, w_qqqq; /* Wb/A^3 */
+    double
+        map_reach_A[PLANT_MAP_DIRECTIONS]; /* how far the map holds in each direction; plant_init finds it */
     double R_fe_ohm; /* iron loss: branch beside the flux, R_fe with tau_fe * R_fe in series; 0: none */
     double tau_fe_s;
 } plant_machine;

@@ -30,7 +30,9 @@ static double typical_value(const plant_config *c, const effect_key *key)
                            [OF_LINK] = c->inverter.u_dc_V,
                            [OF_MAGNET] = c->machine.psi_f_Wb,
                            [OF_RESISTANCE] = c->machine.R_ohm,
-                           [OF_INDUCTANCE] = L_H};
+                           [OF_INDUCTANCE] = L_H,
+                           [OF_MAP_THIRD] = L_H / c->I_scale_A,
+                           [OF_MAP_FOURTH] = L_H / (c->I_scale_A * c->I_scale_A)};
     return key->typical * unit[key->of];
 }
 

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#define EFFECT_KEYS_MAX 6
+#define EFFECT_KEYS_MAX 8
 
 /* What a key's typical value is a multiple of. */
 typedef enum relative_to {
@@ -19,7 +19,9 @@ typedef enum relative_to {
     OF_LINK,
     OF_MAGNET,
     OF_RESISTANCE,
-    OF_INDUCTANCE
+    OF_INDUCTANCE,
+    OF_MAP_THIRD, /* mean inductance over the rated peak current, */
+    OF_MAP_FOURTH /* and over its square */
 } relative_to;
 
 typedef enum key_kind { KEY_REAL, KEY_WHOLE, KEY_FLAG, KEY_BOTH_INDUCTANCES, KEY_MEAN_INDUCTANCE } key_kind;

@@ -1,30 +1,9 @@
 /* The machine's and the shaft's equations (plant_machine.h). */
 #include "plant_machine.h"
 
+#include "plant_flux.h"
+
 #include <math.h>
-
-#define SATURATION_LAW_ENDS 0.8 /* of I_sat */
-
-void machine_saturation(const plant_machine *m, double i_A, double *factor, double *slope_over_i)
-{
-    *factor = 1.0;
-    *slope_over_i = 0.0;
-    if (m->I_sat_A <= 0.0) {
-        return;
-    }
-    const double x = i_A / m->I_sat_A;
-    if (x <= SATURATION_LAW_ENDS) {
-        *factor = 1.0 / (1.0 + x * x);
-        *slope_over_i = -2.0 * *factor * *factor / (m->I_sat_A * m->I_sat_A);
-        return;
-    }
-    const double x_end = SATURATION_LAW_ENDS;
-    const double factor_end = 1.0 / (1.0 + x_end * x_end);
-    const double slope_flux = (1.0 - x_end * x_end) * factor_end * factor_end; /* of x * factor */
-    const double flux = x_end * factor_end + slope_flux * (x - x_end);
-    *factor = flux / x;
-    *slope_over_i = (slope_flux - *factor) / (i_A * i_A);
-}
 
 /*
  * dpsi/dtheta, at constant phase current, of the magnet's harmonics: those of order 6 n - 1 are of negative sequence,
@@ -101,16 +80,12 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
     const vec_ab i_m_ab = {t->i_A.alpha - t->i_fe_A.alpha, t->i_A.beta - t->i_fe_A.beta};
     const vec_dq i_m = vec_to_dq(i_m_ab, t->r);
 
-    /* The flux is the gradient of a function of x^2 = a_d i_d^2 + a_q i_q^2 alone. */
-    const double a_d = 2.0 * m->L_d_H / (m->L_d_H + m->L_q_H);
-    const double a_q = 2.0 - a_d;
-    double factor, slope;
-    machine_saturation(m, sqrt(a_d * i_m.d * i_m.d + a_q * i_m.q * i_m.q), &factor, &slope);
-    /* The current's share of the flux. */
-    const vec_dq psi_i = {m->L_d_H * factor * i_m.d, m->L_q_H * factor * i_m.q};
-    const double L_dd = m->L_d_H * (factor + slope * a_d * i_m.d * i_m.d);
-    const double L_dq = m->L_d_H * slope * a_q * i_m.d * i_m.q; /* L_d a_q = L_q a_d: the same in both axes */
-    const double L_qq = m->L_q_H * (factor + slope * a_q * i_m.q * i_m.q);
+    plant_flux iron;
+    plant_flux_at(m, i_m, &iron);
+    const vec_dq psi_i = iron.psi_Wb; /* the current's share of the flux */
+    const double L_dd = iron.L_dd_H;
+    const double L_dq = iron.L_dq_H;
+    const double L_qq = iron.L_qq_H;
     const double determinant = L_dd * L_qq - L_dq * L_dq;
 
     /* dpsi/dtheta at constant phase current: the flux turns with the rotor, the current in its frame back. */

@@ -54,15 +54,6 @@ typedef struct machine_terms {
     double torque_Nm;
 } machine_terms;
 
-/*
- * Flux linkage over current, relative to its value at zero current, and (its slope)/i, at a current whose size
- * is i_A: of a salient machine in the measure of its energy, i^2 = 2 (L_d i_d^2 + L_q i_q^2)/(L_d + L_q), without
- * which the two cross inductances would differ and the machine would make energy of nothing.
- * The law 1/(1 + (|i|/I_sat)^2) has a flux that turns back at I_sat, which no iron does: from 0.8 I_sat on,
- * where the differential inductance has fallen to 13 % of L_0, the flux goes on in a straight line.
- */
-void machine_saturation(const plant_machine *m, double i_A, double *factor, double *slope_over_i);
-
 void machine_linearise(const plant_config *c, const plant_state *s, machine_terms *t);
 
 /* The rate of every state, with u the voltage of the legs (before their on-resistance). */

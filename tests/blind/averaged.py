@@ -20,7 +20,7 @@ def no_effect():
         # What drifts: by how much per second of the recording; the values are those at its middle.
         R_rate_ohm_s=0.0, psi_rate_Wb_s=0.0, o_rate_A_s=np.zeros(3), g_rate_s=np.zeros(3),
         order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
-        delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, psi_11_Wb=0.0, psi_13_Wb=0.0, dR_ohm=np.zeros(3), dL_H=np.zeros(3), R_iron_ohm=np.inf,
+        delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, psi_11_Wb=0.0, psi_13_Wb=0.0, dR_ohm=np.zeros(3), dL_H=np.zeros(3), flux_map=None, R_iron_ohm=np.inf,
         tau_iron_s=1e-4, u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
 
 
@@ -70,7 +70,8 @@ def predict(columns, model, pole_pairs, T_s):
     theta, omega, i_now = theta[now].ravel(), omega[now].ravel(), i[now].ravel()
     shape, u, late = u.shape, u.ravel(), late.ravel()  # without the first rows and the last
     machine = Machine(u.size, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
-                      model.I_sat_A, model.dR_ohm, dL_H=model.dL_H, psi_11_Wb=model.psi_11_Wb, psi_13_Wb=model.psi_13_Wb)
+                      model.I_sat_A, model.dR_ohm, dL_H=model.dL_H, psi_11_Wb=model.psi_11_Wb, psi_13_Wb=model.psi_13_Wb,
+                      flux_map=model.flux_map)
 
     def slope(psi, angle):
         current = machine.current(psi, angle)

@@ -67,7 +67,7 @@ def simulate(motor, bench, model, rows, rng_seed):
     omega = np.array([w for w, _ in bench.points])
     machine = Machine(lanes, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
                       model.I_sat_A, model.dR_ohm, model.R_iron_ohm, model.tau_iron_s, model.dL_H,
-                      model.psi_11_Wb, model.psi_13_Wb)
+                      model.psi_11_Wb, model.psi_13_Wb, model.flux_map)
     inverter = Inverter(lanes, T_s, model.t_dead_s, model.V_switch_V, model.V_diode_V)
     # At standstill the rotor is locked: the swing is a share of the speed.
     shaft = Shaft(rng.uniform(0.0, TURN * motor.pole_pairs, lanes), omega, omega * np.array(bench.swing),
@@ -144,7 +144,7 @@ def draw_case(seed, kind, bench_kind="usual", with_digits=False):
     """What is drawn before anything runs: motor and its file, bench, and the effects' ids, directions and target shares."""
     rng = np.random.default_rng([seed, 20190])
     ids = draw_effects(rng, kind)
-    salient = bool(rng.random() < 0.5) and "saturation" not in ids
+    salient = bool(rng.random() < 0.5) and "saturation" not in ids or "saturation_dq" in ids
     motor = motors.draw_motor(rng, salient)
     bench = motors.draw_bench(rng, motor, bench_kind)
     motor.span_s = lane_starts(seed, bench, 1.0 / motor.f_pwm_Hz)[1]  # how long the recording takes

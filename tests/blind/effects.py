@@ -8,6 +8,8 @@ import copy
 
 import numpy as np
 
+from second_plant import FluxMap
+
 CAUSES = ["resistance", "inductance", "flux_linkage", "saliency", "saturation", "dead_time", "voltage_gain",
           "current_offset", "current_gain", "angle_offset", "angle_harmonic", "angle_delay", "voltage_delay",
           "emf_harmonics", "phase_asymmetry"]
@@ -15,6 +17,7 @@ CAUSES = ["resistance", "inductance", "flux_linkage", "saliency", "saturation", 
 # draws its effects would draw others.
 LATER = [
     "phase_inductance",
+    "saturation_dq",
     "resistance_drift", "flux_linkage_drift", "current_offset_drift", "current_gain_drift",
     "voltage_delay_half",
     "emf_harmonics_high",
@@ -35,6 +38,7 @@ RANGE = {
     "current_offset": (0.005, 0.08), "current_gain": (0.01, 0.1), "angle_offset": (0.01, 0.2),
     "angle_harmonic": (0.008, 0.1), "angle_delay": (0.04, 0.8), "voltage_delay": (1.0, 1.0),
     "emf_harmonics": (0.005, 0.08), "phase_asymmetry": (0.1, 1.2), "phase_inductance": (0.02, 0.35),
+    "saturation_dq": (0.1, 0.5),
     "voltage_delay_half": (1.0, 1.0), "dead_time_over": (0.002, 0.03),
     # What drifts: its change over the recording.
     "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
@@ -42,7 +46,7 @@ RANGE = {
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004)}
 
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
-GROUPS = [{"inductance", "saliency", "saturation", "phase_inductance"}, {"resistance", "phase_asymmetry"},
+GROUPS = [{"inductance", "saliency", "saturation", "phase_inductance", "saturation_dq"}, {"resistance", "phase_asymmetry"},
           {"current_gain", "inductance"}]
 WITHOUT_SIZE = {"voltage_delay", "voltage_delay_half"}
 
@@ -90,11 +94,38 @@ def draw_direction(rng, effect, has_i_c):
         d["cycles"] = float(rng.choice([0.5, 0.5, 1.5]))
     if effect == "saturation":
         d["file_is_unsaturated"] = bool(rng.random() < 0.6)
+    if effect == "saturation_dq":
+        d["d_share"], d["c_share"] = rng.uniform(0.1, 0.5), rng.uniform(0.3, 1.0)
+        d["right_at"] = float(rng.choice([0.1, 0.5, 0.9]))
+        d["powers"] = rng.uniform(3.0, 6.0), rng.uniform(1.5, 4.0), 1.0, float(rng.integers(2))
     if effect == "dc_link_ripple":
         d["Hz"] = float(rng.choice([100.0, 300.0, 360.0]))
     if effect == "loose_sensor":
         d["factor"] = float(rng.choice([0.0, 0.0, 0.5]))
     return d
+
+
+def iron(motor, size, d):
+    """A flux map whose q inductance falls by the share `size` at the rated current, the d axis' by less of it, both by
+    each other; at `right_at` of that current (i_d = -i_q/2) it has the inductances of the motor file.
+    """
+    I_pk = motor.I_rated_A_rms * np.sqrt(2.0)
+    i = np.array([d["right_at"] * I_pk * (-0.5 + 0.85j)])
+    S, T, U, V = d["powers"]
+    L_d, L_q = motor.L_d_H, motor.L_q_H
+    for _ in range(200):
+        # At these fluxes, those of the rated current, each term takes its share of the current.
+        psi_d, psi_q = motor.psi_f_Wb + 0.3 * L_d * I_pk, (1.0 - size) * L_q * I_pk
+        made = FluxMap(motor.psi_f_Wb, L_d, L_q, d["d_share"] * size / L_d / psi_d ** S,
+                       size / (1.0 - size) / L_q / psi_q ** T,
+                       d["c_share"] * size / L_q / (psi_d ** (U + 1.0) * psi_q ** (V + 1.0)), *d["powers"])
+        psi = made.flux(i)[0]
+        off_d = (psi.real - motor.psi_f_Wb) / i[0].real / motor.L_d_H
+        off_q = psi.imag / i[0].imag / motor.L_q_H
+        L_d, L_q = L_d * off_d ** -0.5, L_q * off_q ** -0.5
+        if abs(off_d - 1.0) + abs(off_q - 1.0) < 1e-9:
+            break
+    return made
 
 
 def factor(size, sign):
@@ -147,6 +178,10 @@ def apply(model, motor, effect, size, d, has_i_c):
             # The file's inductance is right at about half the rated current instead of at zero.
             model.L_d_H = model.L_q_H = motor.L_q_H * (1.0 + 0.25 * size)
         return [truth("L_0", "H", model.L_q_H), truth("I_sat", "A", model.I_sat_A)]
+    if effect == "saturation_dq":
+        model.flux_map = iron(motor, size, d)
+        # The truth is no polynomial: its terms are not compared, what it gains is.
+        return [truth("L_d0", "H", model.flux_map.L_d_H, False), truth("L_q0", "H", model.flux_map.L_q_H, False)]
     if effect == "dead_time":
         model.t_dead_s = size * T_s
         total = size * motor.u_dc_V * (1.0 + d["drop"])

@@ -31,6 +31,48 @@ def vector_from_phases(x_abc):
     return (2.0 / 3.0) * (x_abc * AXIS).sum(axis=0)
 
 
+class FluxMap:
+    """Iron that saturates and crosses over, as an algebraic law of the flux: no polynomial of the current.
+
+    In the rotor frame, with a magnet of flux psi_f on the d axis, i = g(psi) - g(psi_f) with
+
+        g_d = (1/L_d + a_d |psi_d|^S + c/(V + 2) |psi_d|^U |psi_q|^(V + 2)) psi_d
+        g_q = (1/L_q + a_q |psi_q|^T + c/(U + 2) |psi_d|^(U + 2) |psi_q|^V) psi_q
+
+    (Hinkkanen et al., 2017, found that it meets measured machines.) g is the gradient of an energy.
+    """
+
+    def __init__(self, psi_f_Wb, L_d_H, L_q_H, a_d, a_q, c, S=5.0, T=1.0, U=1.0, V=0.0):
+        self.psi_f_Wb, self.L_d_H, self.L_q_H = psi_f_Wb, L_d_H, L_q_H
+        self.a_d, self.a_q, self.c, self.powers = a_d, a_q, c, (S, T, U, V)
+
+    def _g(self, psi):
+        S, T, U, V = self.powers
+        d, q = np.abs(psi.real), np.abs(psi.imag)
+        return ((1.0 / self.L_d_H + self.a_d * d ** S + self.c / (V + 2.0) * d ** U * q ** (V + 2.0)) * psi.real
+                + 1j * (1.0 / self.L_q_H + self.a_q * q ** T + self.c / (U + 2.0) * d ** (U + 2.0) * q ** V) * psi.imag)
+
+    def current(self, psi):
+        """Current of a flux, rotor frame."""
+        return self._g(psi) - self._g(np.array([self.psi_f_Wb + 0.0j]))
+
+    def flux(self, i):
+        """Flux of a current, rotor frame: by Newton's method, differences for the slope."""
+        psi = self.psi_f_Wb + 0.5 * (self.L_d_H * np.real(i) + 1j * self.L_q_H * np.imag(i))
+        h = 1e-6 * (np.abs(psi).max() + self.L_q_H)
+        for _ in range(60):
+            left = i - self.current(psi)
+            by_d = (self.current(psi + h) - self.current(psi - h)) / (2.0 * h)
+            by_q = (self.current(psi + 1j * h) - self.current(psi - 1j * h)) / (2.0 * h)
+            det = by_d.real * by_q.imag - by_q.real * by_d.imag
+            step = ((by_q.imag * left.real - by_q.real * left.imag)
+                    + 1j * (by_d.real * left.imag - by_d.imag * left.real)) / det
+            psi = psi + step
+            if np.abs(step).max() < 1e-13 * (np.abs(psi).max() + 1e-9):
+                break
+        return psi
+
+
 class Machine:
     """A PMSM from flux linkages: saliency, saturation, flux harmonics, unequal phases, eddy currents.
 
@@ -44,7 +86,7 @@ class Machine:
 
     def __init__(self, lanes, R_ohm, L_d_H, L_q_H, psi_f_Wb, psi_5_Wb=0.0, psi_7_Wb=0.0, I_sat_A=np.inf,
                  dR_ohm=(0.0, 0.0, 0.0), R_iron_ohm=np.inf, tau_iron_s=1e-4,
-                 dL_H=(0.0, 0.0, 0.0), psi_11_Wb=0.0, psi_13_Wb=0.0):
+                 dL_H=(0.0, 0.0, 0.0), psi_11_Wb=0.0, psi_13_Wb=0.0, flux_map=None):
         def spread(x):
             return np.broadcast_to(np.asarray(x, float), (lanes,)).copy()
 
@@ -63,6 +105,8 @@ class Machine:
         self.L_mean_H, self.L_conj_H = dL.mean(axis=0), (dL * AXIS ** 2).sum(axis=0) / 3.0
         self.has_unequal_inductance = bool(np.any(dL))
         self.has_iron = bool(np.isfinite(self.R_iron_ohm).any())
+        # Takes the place of the inductances, of saturation and of the magnet's fundamental.
+        self.flux_map = flux_map
 
     def drift_to(self, R_ohm, psi_f_Wb):
         """R and psi_f from now on. The flux linkage stays: a magnet that weakens is answered by the current."""
@@ -121,6 +165,8 @@ class Machine:
         if self.has_unequal_inductance:
             return self._current_of_unequal_phases(psi, theta_rad)
         rotor = np.exp(1j * theta_rad)
+        if self.flux_map is not None:
+            return self.flux_map.current(psi * rotor.conj() - self.magnet_flux_dq(theta_rad) + self.psi_f_Wb) * rotor
         x = psi * rotor.conj() - self.magnet_flux_dq(theta_rad)
         y = x.real / self.L_d_H + 1j * (x.imag / self.L_q_H)
         if self.saturates:
@@ -135,6 +181,8 @@ class Machine:
         """Flux linkage of a magnetising current: the inverse of current()."""
         rotor = np.exp(1j * theta_rad)
         y = i * rotor.conj()
+        if self.flux_map is not None:
+            return (self.flux_map.flux(y) + self.magnet_flux_dq(theta_rad) - self.psi_f_Wb) * rotor
         y = y / (1.0 + (self._size(y) / self.I_sat_A) ** 2)
         psi = (self.L_d_H * y.real + 1j * self.L_q_H * y.imag + self.magnet_flux_dq(theta_rad)) * rotor
         if self.has_unequal_inductance:

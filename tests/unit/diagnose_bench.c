@@ -61,6 +61,25 @@ static void magnet_flux(const motor *m, double theta, double flux[2])
 }
 
 /*
+ * Iron by its flux, x = flux less the magnet's: the gradient of an energy of x_d, x_q, and no polynomial of the current.
+ * A bend is the share of the rated current that its term takes where that of the inductances alone is rated.
+ */
+static void current_of_iron(const bench *b, const double flux[2], double theta, double i[2])
+{
+    const motor *m = &b->m;
+    const double c = cos(theta);
+    const double s = sin(theta);
+    const double d = (c * flux[0] + s * flux[1] - m->psi_f_Wb) / (m->L_d_H * motor_rated_peak_A(m));
+    const double q = (c * flux[1] - s * flux[0]) / (m->L_q_H * motor_rated_peak_A(m));
+    /* H = L_d d^2/2 (1 + bend_d d^2/2) + L_q q^2/2 (1 + bend_q q^4/3) + L_d bend_cross d^2 q^2/2; i_d = dH/dd / L_d */
+    const double i_d = motor_rated_peak_A(m) * d * (1.0 + b->bend_d * d * d + b->bend_cross * q * q);
+    const double i_q = motor_rated_peak_A(m) * q *
+                       (1.0 + b->bend_q * q * q * q * q + b->bend_cross * d * d * m->L_d_H / m->L_q_H);
+    i[0] = c * i_d - s * i_q;
+    i[1] = s * i_d + c * i_q;
+}
+
+/*
  * d(total flux)/dt = u - R i, all stationary. The winding's current solves flux - magnet = (L(theta) + M) i, with M
  * the phases' own additions: of a phase x on the axis at angle a_x, 2/3 dL_x cos a_x cos a_x and so on.
  */
@@ -85,6 +104,15 @@ static void current_of(const motor *m, const double flux[2], double theta, doubl
     double det = aa * bb - ab * ab;
     i[0] = (bb * alpha - ab * beta) / det;
     i[1] = (aa * beta - ab * alpha) / det;
+}
+
+static void bench_current(const bench *b, const double flux[2], double theta, double i[2])
+{
+    if (b->bend_d != 0.0 || b->bend_q != 0.0 || b->bend_cross != 0.0) {
+        current_of_iron(b, flux, theta, i);
+    } else {
+        current_of(&b->m, flux, theta, i);
+    }
 }
 
 /* State: total flux (alpha, beta), and the current in the iron, which is measured with the winding's. */
@@ -115,7 +143,7 @@ static void slope(const bench *b, const double state[STATES], double theta, cons
 {
     double i[2];
     double lost[2];
-    current_of(&b->m, state, theta, i);
+    bench_current(b, state, theta, i);
     lost_by_legs(&b->m, i, lost);
     for (int x = 0; x < 2; x++) {
         double iron = state[2 + x];
@@ -249,7 +277,7 @@ recording bench_record(const bench *b)
             double i_ab[2];
             r.t_s[k] = 2.0 * (double)run + (double)j * r.T_s;
             now = drifted(b, r.t_s[k] - middle_s(r.T_s));
-            current_of(m, state, theta, i_ab);
+            bench_current(&now, state, theta, i_ab);
             i_ab[0] += state[2];
             i_ab[1] += state[3];
             sense(b, &r, k, i_ab, theta, omega, &random);

@@ -4,6 +4,7 @@
  */
 #include "diagnose_bench.h"
 #include "model/averaged_drive.h"
+#include "model/flux_map.h"
 
 #include <math.h>
 #include <unity.h>
@@ -147,6 +148,67 @@ static void the_extended_motor_file_says_the_same_drive(void)
     TEST_ASSERT_FALSE(again.ext.has[CAUSE_DEAD_TIME] || again.ext.has[CAUSE_CURRENT_GAIN]);
 }
 
+static averaged_drive with_map(void)
+{
+    motor m = bench_motor();
+    m.ext.has[CAUSE_SATURATION_DQ] = true;
+    m.ext.L_d0_H = 0.009;
+    m.ext.L_q0_H = 0.013;
+    m.ext.w_ddd = 2e-5;
+    m.ext.w_dqq = -4e-5;
+    m.ext.w_dddd = -1e-6;
+    m.ext.w_ddqq = -3e-6;
+    m.ext.w_qqqq = -2e-6;
+    m.ext.I_sat_dq_A = 30.0;
+    return averaged_drive_of(&m);
+}
+
+static void a_flux_map_goes_to_the_motor_file_and_back(void)
+{
+    const averaged_drive d = with_map();
+    const motor base = bench_motor();
+    const motor again = averaged_drive_motor(&d, &base);
+    TEST_ASSERT_EQUAL_DOUBLE(0.009, d.L_d_H);
+    TEST_ASSERT_TRUE(again.ext.has[CAUSE_SATURATION_DQ] && !again.ext.has[CAUSE_SATURATION]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.013, again.ext.L_q0_H);
+    TEST_ASSERT_EQUAL_DOUBLE(-4e-5, again.ext.w_dqq);
+    TEST_ASSERT_EQUAL_DOUBLE(-2e-6, again.ext.w_qqqq);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 30.0, again.ext.I_sat_dq_A);
+}
+
+/* Flux is a gradient, the incremental inductance its slope, and the current of a flux the one that makes it. */
+static void a_flux_map_is_inverted(void)
+{
+    const averaged_drive d = with_map();
+    const double h = 1e-5;
+    for (int n = 0; n < 40; n++) {
+        const vec_dq i = {8.0 * cos(0.4 * n) - 1.0, 7.0 * sin(0.55 * n)};
+        const vec_dq flux = flux_map_flux(&d, i);
+        const vec_dq on_d = flux_map_flux(&d, (vec_dq){i.d + h, i.q});
+        const vec_dq on_q = flux_map_flux(&d, (vec_dq){i.d, i.q + h});
+        const flux_map_slope m = flux_map_incremental(&d, i);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, m.dd, (on_d.d - flux.d) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, m.dq, (on_d.q - flux.q) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, m.dq, (on_q.d - flux.d) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, m.qq, (on_q.q - flux.q) / h);
+        TEST_ASSERT_TRUE(flux_map_is_physical(&d, i, 0.1));
+        const vec_dq back = flux_map_current(&d, flux, (vec_dq){0.8 * i.d, i.q + 1.0});
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.d, back.d);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.q, back.q);
+    }
+}
+
+/* A flux beyond what the map carries: no current makes it, and what comes out is no runaway. */
+static void a_flux_beyond_the_map_has_a_current_of_its_size(void)
+{
+    averaged_drive d = with_map();
+    d.saturation = 0.0;
+    d.w_qqqq = -2e-5;
+    TEST_ASSERT_FALSE(flux_map_is_physical(&d, (vec_dq){0.0, 10.0}, 0.0));
+    const vec_dq i = flux_map_current(&d, (vec_dq){0.0, 0.2}, (vec_dq){0.0, 3.0});
+    TEST_ASSERT_TRUE(i.q > 3.0 && i.q < 40.0 && fabs(i.d) < 40.0);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -155,5 +217,8 @@ int main(void)
     RUN_TEST(sensors_invert);
     RUN_TEST(an_edge_loses_its_share);
     RUN_TEST(the_extended_motor_file_says_the_same_drive);
+    RUN_TEST(a_flux_map_goes_to_the_motor_file_and_back);
+    RUN_TEST(a_flux_map_is_inverted);
+    RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
     return UNITY_END();
 }

@@ -3,6 +3,7 @@
  * clean recordings, nothing invented where no hypothesis fits, and failure to name what it was told to skip.
  */
 #include "diagnose_look.h"
+#include "model/flux_map.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -117,6 +118,29 @@ static void a_dead_time_of_either_sign_is_named(void)
         }
         diagnosis_free(&d);
     }
+}
+
+/* A machine whose iron is no law of the diagnosis: named by its map, to the floor, and with a gain. */
+static void iron_that_saturates_is_a_flux_map(void)
+{
+    good.bend_d = 0.1;
+    good.bend_q = 0.5;
+    good.bend_cross = 0.3;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_TRUE(d.gain > 1.6);
+    TEST_ASSERT_EQUAL_size_t(1, d.causes);
+    TEST_ASSERT_EQUAL_STRING("saturation_dq", d.cause[0].id);
+    TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict); /* by a law that is not quite the machine's */
+    TEST_ASSERT_TRUE(d.extended_motor.ext.has[CAUSE_SATURATION_DQ]);
+    /* At no current the inductances are the file's. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * good.m.L_d_H, good.m.L_d_H, d.extended_motor.ext.L_d0_H);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * good.m.L_q_H, good.m.L_q_H, d.extended_motor.ext.L_q0_H);
+    /* And the map's inductance is that of iron wherever a current was recorded. */
+    for (double turn = 0.0; turn < 1.0; turn += 0.05) {
+        const vec_dq i = {4.0 * cos(VEC_TWO_PI * turn), 5.0 * sin(VEC_TWO_PI * turn)};
+        TEST_ASSERT_TRUE(flux_map_is_physical(&d.extended_drive, i, 0.02));
+    }
+    diagnosis_free(&d);
 }
 
 static void everything_scaled_alike_is_one_voltage_gain(void)
@@ -432,6 +456,7 @@ int main(void)
     RUN_TEST(flux_inductance_and_saliency_are_told_apart);
     RUN_TEST(an_inductance_of_one_phase_or_of_all_is_named);
     RUN_TEST(a_dead_time_of_either_sign_is_named);
+    RUN_TEST(iron_that_saturates_is_a_flux_map);
     RUN_TEST(everything_scaled_alike_is_one_voltage_gain);
     RUN_TEST(one_error_beside_last_digits_is_one_cause);
     RUN_TEST(a_voltage_that_acts_late_is_found);

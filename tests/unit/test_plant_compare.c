@@ -42,6 +42,11 @@ reference compare_reference(const plant_config *c)
     r.psi_rate = c->machine.psi_rate_Wb_s;
     r.t = c->clock_s;
     r.I_sat = c->machine.I_sat_A;
+    r.w[3][0] = c->machine.w_ddd;
+    r.w[1][2] = c->machine.w_dqq;
+    r.w[4][0] = c->machine.w_dddd;
+    r.w[2][2] = c->machine.w_ddqq;
+    r.w[0][4] = c->machine.w_qqqq;
     r.R_fe = c->machine.R_fe_ohm;
     r.tau_fe = c->machine.tau_fe_s;
     r.bandwidth = c->sensors.current_bandwidth_Hz;

@@ -65,6 +65,10 @@ static void test_each_id_changes_its_own(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 4.8e-3, saturated.machine.L_d_H); /* the ratio stays, the mean is L_0 */
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 7.2e-3, saturated.machine.L_q_H);
     TEST_ASSERT_TRUE(saturated.machine.I_sat_A == 25.0);
+    const plant_config map = with("saturation_dq:L_d0=3e-3,w_dqq=-1e-5,w_qqqq_Wb/A^3=-1e-6");
+    TEST_ASSERT_TRUE(map.machine.L_d_H == 3e-3 && map.machine.L_q_H == 6e-3 && map.machine.w_dqq == -1e-5);
+    TEST_ASSERT_TRUE(map.machine.w_qqqq == -1e-6 && map.machine.w_ddd == 0.0);
+    refused("saturation_dq:w_qqqq=-1e-3", "the flux map's inductance falls to a tenth at");
     const plant_config dead = with("dead_time:t_dead_s=2e-6,v_switch_V=1.5,v_diode_V=1,r_on_ohm=0.01");
     TEST_ASSERT_TRUE(dead.inverter.t_dead_s == 2e-6 && dead.inverter.v_switch_V == 1.5);
     TEST_ASSERT_TRUE(dead.inverter.v_diode_V == 1.0 && dead.inverter.r_on_ohm == 0.01);
@@ -102,7 +106,7 @@ static void test_typical_sizes(void)
         const plant_config c = with(effect_table[n].id);
         TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), effect_table[n].id);
     }
-    TEST_ASSERT_EQUAL_INT(24, effect_table_length);
+    TEST_ASSERT_EQUAL_INT(25, effect_table_length);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2e-6, with("dead_time").inverter.t_dead_s);
 }
 
@@ -124,10 +128,10 @@ static void test_needed_keys(void)
 /* The causes that a diagnosis can name are all there: interfaces.md, the table of cause ids. */
 static void test_every_cause_can_be_made(void)
 {
-    const char *const causes[] = {"resistance",    "inductance",    "flux_linkage",   "saliency",
-                                  "saturation",    "dead_time",     "voltage_gain",   "current_offset",
-                                  "current_gain",  "angle_offset",  "angle_harmonic", "angle_delay",
-                                  "voltage_delay", "emf_harmonics", "phase_asymmetry"};
+    const char *const causes[] = {"resistance",     "inductance",    "flux_linkage",  "saliency",
+                                  "saturation",     "saturation_dq", "dead_time",     "voltage_gain",
+                                  "current_offset", "current_gain",  "angle_offset",  "angle_harmonic",
+                                  "angle_delay",    "voltage_delay", "emf_harmonics", "phase_asymmetry"};
     for (size_t k = 0; k < sizeof causes / sizeof causes[0]; k++) {
         (void)with(causes[k]);
     }

@@ -3,6 +3,7 @@
  * the magnet's flux, unequal phases, iron loss, the sensors' low-pass, and all of them with a free shaft.
  * Bound 1e-9 of the rated current.
  */
+#include "plant/plant_flux.h"
 #include "test_plant_compare.h"
 #include "unity.h"
 
@@ -25,6 +26,72 @@ static void test_saturation(void)
     c = compare_drive(2.0, -800.0);
     c.machine.I_sat_A = 45.0;
     follow("saturation, salient", c, 10.0);
+}
+
+/* A map whose inductances fall by up to a tenth at 15 A. */
+static void put_map(plant_machine *m)
+{
+    const double L = 0.1 * m->L_q_H;
+    m->w_ddd = 3e-3 * L;
+    m->w_dqq = -6e-3 * L;
+    m->w_dddd = -1e-4 * L;
+    m->w_ddqq = -4e-4 * L;
+    m->w_qqqq = -2e-4 * L;
+}
+
+static void test_flux_map(void)
+{
+    plant_config c = compare_drive(1.8, 700.0);
+    put_map(&c.machine);
+    follow("flux map", c, 6.0);
+    c.machine.I_sat_A = 40.0;
+    follow("and a fall of both axes", c, 6.0);
+    c.machine.R_fe_ohm = 150.0;
+    c.machine.tau_fe_s = 40e-6;
+    c.machine.dL_H[1] = 0.1 * c.machine.L_d_H;
+    c.shaft.mode = PLANT_SHAFT_INERTIA;
+    c.shaft.J_kgm2 = 5e-4;
+    c.shaft.friction_Nms = 1e-3;
+    c.shaft.T_load_Nm = 2.0;
+    follow("and iron loss, unequal inductances, free shaft", c, 6.0);
+}
+
+/* Within its reach a map is its polynomial; beyond, its flux still rises in every direction, without a step in the
+ * inductance, and it stays the gradient of an energy. */
+static void test_flux_map_goes_on(void)
+{
+    plant_config c = compare_drive(1.8, 700.0);
+    put_map(&c.machine);
+    const double least_A = plant_flux_find_reach(&c.machine, c.I_scale_A);
+    TEST_ASSERT_TRUE(least_A > 0.5 * c.I_scale_A && least_A < 4.0 * c.I_scale_A);
+    for (int n = 0; n < 72; n++) {
+        const double angle = 2.0 * VEC_PI * n / 72.0;
+        const vec_dq e = {cos(angle), sin(angle)};
+        double before = 0.0;
+        for (double i_A = 0.25; i_A < 4.0 * c.I_scale_A; i_A += 0.25) {
+            const vec_dq i = {i_A * e.d, i_A * e.q};
+            const double h = 1e-5;
+            plant_flux at, on_d, on_q;
+            plant_flux_at(&c.machine, i, &at);
+            plant_flux_at(&c.machine, (vec_dq){i.d + h, i.q}, &on_d);
+            plant_flux_at(&c.machine, (vec_dq){i.d, i.q + h}, &on_q);
+            const double along = at.psi_Wb.d * e.d + at.psi_Wb.q * e.q;
+            TEST_ASSERT_TRUE(along > before);
+            before = along;
+            const double L = c.machine.L_q_H * 1e-3 * (1.0 + at.L_dd_H / c.machine.L_d_H);
+            TEST_ASSERT_DOUBLE_WITHIN(L, at.L_dd_H, (on_d.psi_Wb.d - at.psi_Wb.d) / h);
+            TEST_ASSERT_DOUBLE_WITHIN(L, at.L_dq_H, (on_d.psi_Wb.q - at.psi_Wb.q) / h);
+            TEST_ASSERT_DOUBLE_WITHIN(L, at.L_dq_H, (on_q.psi_Wb.d - at.psi_Wb.d) / h);
+            TEST_ASSERT_DOUBLE_WITHIN(L, at.L_qq_H, (on_q.psi_Wb.q - at.psi_Wb.q) / h);
+            if (i_A < least_A) {
+                const plant_machine *m = &c.machine;
+                TEST_ASSERT_DOUBLE_WITHIN(1e-15,
+                                          2.0 * i.d * i.q * (m->w_dqq + m->w_ddqq * i.d) + m->L_q_H * i.q +
+                                              4.0 * m->w_qqqq * i.q * i.q * i.q,
+                                          at.psi_Wb.q);
+            }
+        }
+    }
 }
 
 static void test_flux_harmonics(void)
@@ -141,6 +208,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_saturation);
+    RUN_TEST(test_flux_map);
+    RUN_TEST(test_flux_map_goes_on);
     RUN_TEST(test_flux_harmonics);
     RUN_TEST(test_unequal_phases);
     RUN_TEST(test_unequal_inductances);

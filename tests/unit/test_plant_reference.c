@@ -32,6 +32,16 @@ static void must(bool good, const char *what)
     }
 }
 
+/* The times-th derivative of x^n. */
+static double slope(double x, int n, int times)
+{
+    double factor = 1.0;
+    for (int k = 0; k < times; k++) {
+        factor *= n - k;
+    }
+    return factor == 0.0 ? 0.0 : factor * pow(x, n - times);
+}
+
 /* Torque is the rate of co-energy with the mechanical angle at fixed currents. */
 static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
 {
@@ -71,6 +81,29 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
         turned[x] = f * dL_i[x] + df_dsquare * dsquare * L_i[x] + dmagnet;
         torque_per_pole_pair += i[x] * (0.5 * f * dL_i[x] + dmagnet);
     }
+    /* The map's derivatives by d and q, and those of d and q by a current, -2/3 sin and 2/3 cos, and by the angle. */
+    double d = 0.0, q = 0.0, W_d = 0.0, W_q = 0.0, W_dd = 0.0, W_dq = 0.0, W_qq = 0.0;
+    for (int x = 0; x < 3; x++) {
+        d += 2.0 / 3.0 * i[x] * cos(theta - axis[x]);
+        q -= 2.0 / 3.0 * i[x] * sin(theta - axis[x]);
+    }
+    for (int n = 0; n < 5; n++) {
+        for (int k = 0; k < 5; k++) {
+            const double w = r->w[n][k];
+            if (w != 0.0) {
+                W_d += w * slope(d, n, 1) * slope(q, k, 0);
+                W_q += w * slope(d, n, 0) * slope(q, k, 1);
+                W_dd += w * slope(d, n, 2) * slope(q, k, 0);
+                W_dq += w * slope(d, n, 1) * slope(q, k, 1);
+                W_qq += w * slope(d, n, 0) * slope(q, k, 2);
+            }
+        }
+    }
+    for (int x = 0; x < 3; x++) {
+        const double c = cos(theta - axis[x]), s = sin(theta - axis[x]);
+        turned[x] += (W_dd * q - W_dq * d - W_q) * c - (W_dq * q - W_qq * d + W_d) * s;
+    }
+    torque_per_pole_pair += 1.5 * (W_d * q - W_q * d);
     /* d(flux_x)/dt = sum_k D[x][k] di_k/dt + turned_x omega; with di_c = -di_a - di_b, two line-to-line
      * equations. */
     double D[3][3];
@@ -78,6 +111,9 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
     for (int x = 0; x < 3; x++) {
         for (int k = 0; k < 3; k++) {
             D[x][k] = f * L[x][k] + L_i[x] * df_dsquare * 4.0 / 3.0 / mean * L_i[k];
+            const double c = cos(theta - axis[x]), s = sin(theta - axis[x]);
+            const double c_k = cos(theta - axis[k]), s_k = sin(theta - axis[k]);
+            D[x][k] += 2.0 / 3.0 * (W_dd * c * c_k - W_dq * (c * s_k + s * c_k) + W_qq * s * s_k);
         }
         double u = r->u_leg[x];
         if (r->knee > 0.0) {

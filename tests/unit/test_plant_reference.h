@@ -5,7 +5,7 @@
  * Nothing is shared with the plant. The machine is written as three coupled coils on the axes a = 0, 2 pi/3,
  * 4 pi/3 with the inductances
  *     L_xy(theta) = 2/3 [ (L_d + L_q)/2 cos(a_x - a_y) + (L_d - L_q)/2 cos(2 theta - a_x - a_y) ]
- * (L_d, L_q constant, or both falling as 1/(1 + (|i|/I_sat)^2)) and the magnet's flux linkages
+ * (L_d, L_q constant, or both falling as 1/(1 + (i/I_sat)^2), i by the energy; further co-energy as a polynomial) and the magnet's flux linkages
  *     psi cos(theta - a_x) + psi_5 cos 5(theta - a_x) + psi_7 cos 7(theta - a_x) + and so for 11 and 13.
  * The two line-to-line equations and i_a + i_b + i_c = 0 are solved for the currents.
  */
@@ -17,6 +17,8 @@
 typedef struct reference {
     double pole_pairs, R[3], dL[3], L_d, L_q, psi, psi_5, psi_7, psi_11, psi_13, I_sat; /* I_sat 0: none */
     double R_rate, psi_rate; /* by which each R and psi grow per second of t */
+    /* Co-energy of the machine beyond that, 3/2 sum of w_nk d^n q^k, d and q the current's parts: w[n][k]. */
+    double w[5][5];
     /* Iron loss, none with R_fe = 0: R_fe i_fe + tau_fe R_fe di_fe/dt = dflux_x/dt in each phase. */
     double R_fe, tau_fe;
     double bandwidth;           /* of the current sensors, Hz; 0: none */

@@ -23,6 +23,8 @@ static const double CAUSE_PENALTY = 25.0;
  */
 static const double LEAST_SHARE = 5e-4;
 static const double LEAST_SHARE_BESIDE_DEAD_TIME = 1e-3;
+/* No map of a few terms is that of a machine to better than a part in a hundred of its flux. */
+static const double LEAST_SHARE_BESIDE_MAP = 1e-2;
 
 /* The columns of the allowed hypotheses, and the coordinates that these move. */
 static size_t columns_of(const fit_data *d, hypothesis_set allowed, int column[COLUMN_COUNT])
@@ -144,6 +146,9 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
 double evidence_least(double explained, hypothesis_set set, hypothesis_id h)
 {
     const bool like = hypothesis_in(set, H_DEAD_TIME) && hypothesis_table[h].near_edge;
+    if (hypothesis_table[h].cause != CAUSE_SATURATION_DQ && (set & hypotheses_of(CAUSE_SATURATION_DQ)) != 0) {
+        return LEAST_SHARE_BESIDE_MAP * explained;
+    }
     return (like ? LEAST_SHARE_BESIDE_DEAD_TIME : LEAST_SHARE) * explained;
 }
 

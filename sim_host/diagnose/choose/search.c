@@ -1,6 +1,8 @@
 /* The best set of hypotheses, round by round (search.h). */
 #include "search.h"
 
+#include "map_choice.h"
+
 #include "diagnose/identify/edge_choice.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/revolution.h"
@@ -135,8 +137,9 @@ static bool drop_small(fit_state *s, hypothesis_set allowed)
         }
         s->set &= ~HYPOTHESIS_BIT(h);
         if (h != H_INDUCTANCE && (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0) {
-            s->z[P_SATURATION] = s->z[P_SATURATION_Q] = 0.0;
-            s->z[P_L_D] = s->z[P_L_Q] = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
+            const double mean = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
+            hypothesis_copy(h, hypothesis_nominal, s->z);
+            s->z[P_L_D] = s->z[P_L_Q] = mean;
             if ((allowed & HYPOTHESIS_BIT(H_INDUCTANCE)) &&
                 fabs(s->z[P_L_D]) >= hypothesis_table[H_INDUCTANCE].least) {
                 s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
@@ -162,7 +165,7 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
             return false;
         }
     }
-    return true;
+    return map_choose(d, trial, allowed, REFINE_STEPS);
 }
 
 static double state_score(const evidence_view *view, const fit_state *s)

@@ -1,6 +1,8 @@
 /* Coordinates around the motor file (coordinates.h). */
 #include "coordinates.h"
 
+#include "model/flux_map.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -26,6 +28,18 @@ static double scale_of(const coordinate_frame *f, coordinate_id id)
     return f->scale[coordinate_table[id].scale];
 }
 
+static void find_reach(coordinate_frame *f, const diagnose_rows *r)
+{
+    for (size_t k = 0; k < r->rows; k++) {
+        const vec_dq i = vec_to_dq(r->row[k].i_A, (vec_rotor){r->row[k].cos_theta, r->row[k].sin_theta});
+        const double turn = atan2(i.q, i.d) / VEC_TWO_PI + 0.5;
+        vec_dq *most = &f->reach_A[(size_t)(turn * COORDINATE_DIRECTIONS) % COORDINATE_DIRECTIONS];
+        if (i.d * i.d + i.q * i.q > most->d * most->d + most->q * most->q) {
+            *most = i;
+        }
+    }
+}
+
 coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
 {
     coordinate_frame f = {.motor = m, .nominal = averaged_drive_of(m), .pole_pairs = m->pole_pairs};
@@ -42,6 +56,8 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
                                        [SCALE_PSI] = psi,
                                        [SCALE_CURRENT] = I,
                                        [SCALE_PER_SQUARE] = 1.0 / (I * I),
+                                       [SCALE_MAP_THIRD] = L / (3.0 * I),
+                                       [SCALE_MAP_FOURTH] = L / (4.0 * I * I),
                                        [SCALE_LINK] = 0.01 * m->u_dc_V,
                                        [SCALE_CYCLE] = r->T_s,
                                        [SCALE_IRON] = iron,
@@ -54,6 +70,7 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
                                        [SCALE_CURRENT_RATE] = I / r->span_s};
     memcpy(f.scale, scale, sizeof scale);
     f.i_rated_peak_A = I;
+    find_reach(&f, r);
     return f;
 }
 
@@ -90,6 +107,50 @@ static double z_of(const coordinate_frame *f, coordinate_id id, double value)
     return (value - nominal) / scale_of(f, id);
 }
 
+/* The least principal inductance of a flux map within the recorded currents, of the lesser one at none. */
+static const double LEAST_INCREMENTAL = 0.02;
+
+static bool map_is_physical(const coordinate_frame *f, const double z[P_COUNT])
+{
+    const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
+    bool physical = true;
+    for (size_t n = 0; n < COORDINATE_DIRECTIONS; n++) {
+        const vec_dq i = f->reach_A[n];
+        physical = physical && flux_map_is_physical(&d, i, LEAST_INCREMENTAL) &&
+                   flux_map_is_physical(&d, (vec_dq){0.5 * i.d, 0.5 * i.q}, LEAST_INCREMENTAL);
+    }
+    return physical;
+}
+
+/* The terms of a flux map, taken back by as little as makes it physical: with none of them it is. */
+static void bound_map(const coordinate_frame *f, double z[P_COUNT])
+{
+    static const coordinate_id term[] = {P_W_DDD, P_W_DQQ, P_W_DDDD, P_W_DDQQ, P_W_QQQQ, P_SATURATION};
+    enum { TERMS = sizeof term / sizeof *term, HALVINGS = 12 };
+    double moved[TERMS];
+    double low = 0.0;
+    double high = 1.0;
+    bool any = false;
+    for (size_t t = 0; t < TERMS; t++) {
+        moved[t] = z[term[t]];
+        any = any || (moved[t] != 0.0 && term[t] != P_SATURATION);
+    }
+    if (!any || map_is_physical(f, z)) {
+        return;
+    }
+    for (int n = 0; n <= HALVINGS; n++) {
+        const double share = n == HALVINGS ? low : 0.5 * (low + high);
+        for (size_t t = 0; t < TERMS; t++) {
+            z[term[t]] = share * moved[t];
+        }
+        if (map_is_physical(f, z)) {
+            low = share;
+        } else {
+            high = share;
+        }
+    }
+}
+
 void coordinates_bound(const coordinate_frame *f, double z[P_COUNT])
 {
     for (coordinate_id id = 0; id < P_COUNT; id++) {
@@ -106,4 +167,5 @@ void coordinates_bound(const coordinate_frame *f, double z[P_COUNT])
         }
         z[id] = fmin(fmax(z[id], low), high);
     }
+    bound_map(f, z);
 }

@@ -23,6 +23,8 @@ typedef enum coordinate_scale {
     SCALE_PSI,         /* its magnet's flux */
     SCALE_CURRENT,     /* the rated peak current */
     SCALE_PER_SQUARE,  /* 1 / rated peak current^2 */
+    SCALE_MAP_THIRD,   /* a term of third order of the flux map that doubles the flux at the rated current, */
+    SCALE_MAP_FOURTH,  /* and one of fourth */
     SCALE_LINK,        /* 1 % of the DC link */
     SCALE_CYCLE,       /* a control cycle */
     SCALE_IRON,        /* an iron loss that takes 1 % of the rated current at the highest speed */
@@ -61,6 +63,8 @@ typedef struct coordinate {
 
 extern const coordinate coordinate_table[P_COUNT];
 
+enum { COORDINATE_DIRECTIONS = 16 };
+
 /* A motor file with the sizes that its coordinates are measured in. */
 typedef struct coordinate_frame {
     const motor *motor;
@@ -68,6 +72,9 @@ typedef struct coordinate_frame {
     double scale[SCALE_COUNT];
     double i_rated_peak_A;
     int pole_pairs;
+    /* The largest recorded currents in each direction of the rotor frame: up to there a flux map must be one that a
+     * machine can have. */
+    vec_dq reach_A[COORDINATE_DIRECTIONS];
 } coordinate_frame;
 
 coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r);
@@ -79,7 +86,8 @@ averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COU
 #define COORDINATE_STEP 1e-4
 double coordinate_step(coordinate_id id);
 
-/* Pulls z back to what is physical: R, L, psi > 0, a knee well below the rated current, gains of 0.6 to 1.6. */
+/* Pulls z back to what is physical: R, L, psi > 0, a knee well below the rated current, gains of 0.6 to 1.6, a flux that
+ * rises with the recorded currents. */
 void coordinates_bound(const coordinate_frame *f, double z[P_COUNT]);
 
 #endif

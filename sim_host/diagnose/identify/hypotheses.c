@@ -45,9 +45,27 @@ bool hypothesis_joins(hypothesis_set set, hypothesis_id id)
     return true;
 }
 
+/* Whether all that b moves a moves too, each by itself. */
+static bool moves_all_of(hypothesis_id a, hypothesis_id b)
+{
+    bool outer[P_COUNT] = {false};
+    bool inner[P_COUNT] = {false};
+    hypothesis_mark(a, outer);
+    hypothesis_mark(b, inner);
+    for (size_t k = 0; k < P_COUNT; k++) {
+        if (inner[k] && !outer[k]) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool hypothesis_contains(hypothesis_id a, hypothesis_id b)
 {
     const hypothesis *inner = &hypothesis_table[b];
+    if (hypothesis_table[a].size == SIZE_BENDS) {
+        return moves_all_of(a, b);
+    }
     return inner->columns == 1 && hypothesis_table[a].columns > 1 &&
            (hypothesis_table[a].holds & inner->holds) != 0;
 }
@@ -115,6 +133,8 @@ double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
         return sqrt(rates);
     case SIZE_FROM_WHOLE:
         return fabs(at[hypo->columns - 1] - round(at[hypo->columns - 1]));
+    case SIZE_BENDS:
+        return sqrt(fmax(square - at[0] * at[0] - at[1] * at[1], 0.0));
     case SIZE_SPREAD:
         phases_of(h, z, x);
         return spread(x);
@@ -163,7 +183,7 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
             hypothesis_copy(h, z, moved);
         }
     }
-    if (!hypothesis_in(set, H_SALIENCY)) {
+    if (hypothesis_in(set, H_INDUCTANCE) || hypothesis_in(set, H_SATURATION)) {
         moved[P_L_Q] = 0.0; /* of both inductances alike one counts */
     }
     double sum = 0.0;
@@ -267,6 +287,15 @@ hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_fram
         all |= there[hypothesis_table[h].needs] ? HYPOTHESIS_BIT(h) : 0;
     }
     return all;
+}
+
+hypothesis_set hypotheses_of(cause_id cause)
+{
+    hypothesis_set set = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        set |= hypothesis_table[h].cause == cause ? HYPOTHESIS_BIT(h) : 0;
+    }
+    return set;
 }
 
 hypothesis_set hypotheses_of_cause(const char *cause)

@@ -20,7 +20,7 @@ enum {
     COLUMN_GAIN_A,      /* gain of sensor a against the two others, their mean kept */
     COLUMN_GAIN_BC,     /* gain of sensor b against c, their mean kept */
     COLUMN_COUNT,
-    HYPOTHESIS_COLUMNS = 6,
+    HYPOTHESIS_COLUMNS = 8,
     HYPOTHESIS_SHAPES = 2
 };
 
@@ -37,6 +37,7 @@ typedef enum hypothesis_measure {
     SIZE_LAST,       /* the last column: the others alone are another cause */
     SIZE_RATES, /* root sum square of the rates: a value that does not move is the same cause without them */
     SIZE_FROM_WHOLE, /* of the last column from the nearest whole number, which is another hypothesis */
+    SIZE_BENDS,      /* all columns but the first two, which alone are a saliency */
     SIZE_SPREAD,     /* of the coordinates about their mean: three that are alike are another cause */
     SIZE_SENSORS     /* the same, but of two sensors what they share counts beside a difference */
 } hypothesis_measure;
@@ -158,7 +159,10 @@ void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT]);
 /* Which hypotheses this recording allows (needs temperature, a moving rotor, three sensors ...). */
 hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_frame *f);
 
-/* The set of all entries of a cause id; 0 if there is none of that name. */
+/* The set of all entries of a cause. */
+hypothesis_set hypotheses_of(cause_id cause);
+
+/* The same of a cause id; 0 if there is none of that name. */
 hypothesis_set hypotheses_of_cause(const char *cause);
 
 #endif

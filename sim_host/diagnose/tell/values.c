@@ -124,7 +124,6 @@ void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause)
     averaged_drive drive = session_drive(w, w->state.z);
     spread list[SPREADS];
     const size_t n = spreads_of(w, h, list);
-    double widest = 0.0;
     bool moved[DIAGNOSIS_PARAMETERS] = {false};
     if (h == H_DEAD_TIME) {
         drive.i_knee_A = plain_knee_A(&drive, &w->rows, w->frame.i_rated_peak_A);
@@ -148,11 +147,16 @@ void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause)
             continue; /* not there */
         }
         moved[cause->parameters++] = moves;
-        widest = fmax(widest, 0.5 * (p->high - p->low));
     }
-    /* What was held at the file's value is as uncertain as what was not. */
+    /* What was held at the file's value is as uncertain as its like that was not. */
     for (size_t k = 0; k < cause->parameters; k++) {
         diagnosis_parameter *p = &cause->parameter[k];
+        double widest = 0.0;
+        for (size_t j = 0; !moved[k] && j < cause->parameters; j++) {
+            const diagnosis_parameter *other = &cause->parameter[j];
+            const bool like = moved[j] && strcmp(other->unit, p->unit) == 0;
+            widest = like ? fmax(widest, 0.5 * (other->high - other->low)) : widest;
+        }
         if (!moved[k]) {
             p->low = p->value - widest;
             p->high = p->value + widest;

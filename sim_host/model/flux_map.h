@@ -1,0 +1,38 @@
+/*
+ * Flux linkage of a current in the rotor frame and back, of an averaged drive that saturates. Without the
+ * magnet's flux, which does not depend on current.
+ *
+ * Two laws, each the gradient of an energy W of the currents d and q (so that the cross inductances are alike):
+ *     saturation      L / (1 + (i/I_sat)^2) in both axes, i^2 = 2 (L_d d^2 + L_q q^2)/(L_d + L_q)
+ *     saturation_dq   the same, of L_d0 and L_q0 and without I_sat constant, and the terms
+ *                     w_ddd d^3 + w_dqq d q^2 + w_dddd d^4 + w_ddqq d^2 q^2 + w_qqqq q^4 of W
+ * The terms alone turn back soon beyond the currents that they were fitted to; beside the fall they are small.
+ */
+#ifndef SIM_HOST_MODEL_FLUX_MAP_H
+#define SIM_HOST_MODEL_FLUX_MAP_H
+
+#include "averaged_drive.h"
+
+bool flux_map_has_terms(const averaged_drive *drive);
+
+vec_dq flux_map_flux(const averaged_drive *drive, vec_dq i);
+
+/*
+ * The current that carries a flux, by Newton's method from a guess, to about 1e-12 of it. Where the incremental
+ * inductance is not that of a machine (the flux falls as the current rises) the step is that without
+ * saturation, and after a few of these the last value stands; a flux that lies beyond all that a map can carry
+ * has the current of the first step, by the inductance at the guess.
+ */
+vec_dq flux_map_current(const averaged_drive *drive, vec_dq flux, vec_dq guess);
+
+/* dflux/di: dd, dq (= qd), qq. */
+typedef struct flux_map_slope {
+    double dd, dq, qq;
+} flux_map_slope;
+
+flux_map_slope flux_map_incremental(const averaged_drive *drive, vec_dq i);
+
+/* Whether a machine can have it: both of its principal values at least `share` of the lesser unsaturated one. */
+bool flux_map_is_physical(const averaged_drive *drive, vec_dq i, double share);
+
+#endif
