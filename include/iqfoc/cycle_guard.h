@@ -40,14 +40,13 @@ static inline uint32_t iqfoc_guard_older(uint32_t age, uint32_t limit)
 }
 
 /* The values of a sample, of its currents' vector and of its age. */
-static inline uint32_t iqfoc_guard_sample(const iqfoc_cycle_config_t *config, const iqfoc_sample_t *sample,
+static inline uint32_t iqfoc_guard_sample(const iqfoc_cycle_config_t *set, const iqfoc_sample_t *sample,
                                           iqfoc_ab_t i, uint32_t now)
 {
-    return iqfoc_guard_beyond(i.alpha, config->current_limit) |
-           iqfoc_guard_beyond(i.beta, config->current_limit) |
+    return iqfoc_guard_beyond(i.alpha, set->current_limit) | iqfoc_guard_beyond(i.beta, set->current_limit) |
            iqfoc_guard_beyond(sample->turns, IQFOC_ROTOR_TURNS_MAX) |
            iqfoc_guard_beyond(iq24_sub_wrap(sample->u_dc, IQ24_ONE), IQ24(0.5)) |
-           iqfoc_guard_older(iqfoc_ticks_since(sample->time, now), config->stale_ticks) |
+           iqfoc_guard_older(iqfoc_ticks_since(sample->time, now), set->stale_ticks) |
            (uint32_t)sample->clipped << 31;
 }
 

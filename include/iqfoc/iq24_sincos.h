@@ -29,7 +29,7 @@ extern const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4];
 #define IQ24_ROTATE_C4 INT32_C(66493)
 
 /*
- * sin(2 pi turns) and cos(2 pi turns) in Q30, within 0.02 LSB of IQ24; rounded to IQ24 they are iq24_sincos of
+ * sin(2 pi turns) and cos(2 pi turns) in Q30, within 0.03 LSB of IQ24; rounded to IQ24 they are iq24_sincos of
  * iq24_math.h. The angle is a tabulated one, s and c its sine and cosine, and a rest d of at most half a cell
  * (0.0491 rad):
  *
