@@ -3,7 +3,7 @@
  */
 #include "handler.h"
 
-#include "hal_stm32g4.h"
+#include "hal_stm32g4_inline.h"
 #include "kernels.h"
 
 #define HALF_TICKS 17000

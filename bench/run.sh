@@ -5,6 +5,10 @@ set -euo pipefail
 
 ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 BUILD=${IQFOC_BUILD:-$ROOT/build}
+# One core, with any flags: no build folder.
+for argument in "$@"; do
+    [[ $argument != --core* ]] || exec python3 "$ROOT/bench/core.py" "$@"
+done
 mkdir -p "$BUILD"
 for target in cortex-m4 rv32; do
     {

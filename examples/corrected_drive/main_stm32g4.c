@@ -4,7 +4,7 @@
 #include "board.h"
 #include "chip.h"
 #include "corrected_drive.h"
-#include "hal_stm32g4.h"
+#include "hal_stm32g4_inline.h"
 
 #define HALF_TICKS (STM32G4_CLOCK_HZ / CORRECTED_DRIVE_PWM_HZ / 2)
 

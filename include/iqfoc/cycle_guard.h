@@ -50,6 +50,12 @@ static inline uint32_t iqfoc_guard_sample(const iqfoc_cycle_config_t *set, const
            (uint32_t)sample->clipped << 31;
 }
 
+/* True where no look at the deadline is needed: the quick half of iqfoc_cycle_in_time. time: of the sample. */
+static inline bool iqfoc_cycle_in_time_inline(const iqfoc_cycle_t *cycle, uint32_t time, uint32_t now)
+{
+    return iqfoc_guard_older(iqfoc_ticks_since(time, now), cycle->config->deadline_ticks) <= INT32_MAX;
+}
+
 /* Something was wrong with a valley's sample, or it is the first: sets what it was. i_next becomes i where the
  * cycle before it was not whole, so that it shows no error. Returns whether it was whole. */
 bool iqfoc_cycle_odd_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);

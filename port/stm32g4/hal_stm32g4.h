@@ -38,24 +38,13 @@ struct iqfoc_hal {
 void hal_stm32g4_start(iqfoc_hal_t *hal, const stm32g4_chip_t *chip, const hal_stm32g4_board_t *board);
 
 /* True if the converters last answered to the valley: the counter runs upwards from it. */
-bool hal_stm32g4_at_valley(const iqfoc_hal_t *hal);
+static inline bool hal_stm32g4_at_valley(const iqfoc_hal_t *hal)
+{
+    return (stm32g4_read(&hal->chip->tim1->CR1) & TIM_CR1_DIR) == 0;
+}
 
 /* True after the break input stopped the outputs. They stay off until hal_stm32g4_clear_break. */
 bool hal_stm32g4_broken(const iqfoc_hal_t *hal);
 void hal_stm32g4_clear_break(iqfoc_hal_t *hal);
-
-/*
- * The interrupt of the converters, all of it: both have sampled, at the valley or at the peak, whichever the
- * counter comes from. methods: a constant.
- */
-IQFOC_STEP void hal_stm32g4_interrupt(const iqfoc_methods_t methods, iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
-{
-    stm32g4_write(&hal->chip->adc1->ISR, ADC_ISR_JEOS);
-    if (hal_stm32g4_at_valley(hal)) {
-        iqfoc_isr_valley_by(methods, cycle, hal);
-    } else {
-        iqfoc_isr_peak_by(methods, cycle, hal);
-    }
-}
 
 #endif
