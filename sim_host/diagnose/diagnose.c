@@ -9,6 +9,7 @@
 #include "check/wiring.h"
 #include "choose/causes.h"
 #include "choose/confusion.h"
+#include "choose/probability.h"
 #include "identify/fit.h"
 #include "measure/errors.h"
 #include "measure/floor.h"
@@ -16,6 +17,7 @@
 #include "measure/lines.h"
 #include "measure/runs.h"
 #include "tell/advice.h"
+#include "tell/known.h"
 #include "tell/named.h"
 #include "tell/resistance_trade.h"
 #include "tell/sentence.h"
@@ -67,6 +69,14 @@ static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *m
         return false;
     }
     confusion_find(d, view, &w->state, member, w->possible, w->certainty.inflation);
+    confusion_trades(d, view, &w->state, member, w->possible, w->certainty.inflation);
+    known_tell(w, view, d);
+    double probability[H_COUNT];
+    view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
+    probability_of(view, &w->state, w->possible, w->certainty.inflation, probability);
+    for (size_t k = 0; k < d->causes; k++) {
+        d->cause[k].probability = probability[member[k]];
+    }
     evidence_option own;
     evidence_option none;
     evidence_cost(view, &w->state, w->state.set, &own);
@@ -94,15 +104,41 @@ static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *m
     return true;
 }
 
+/* In noise floors. */
+static const double WITHIN_DIGITS = 2.0;
+/* A free run this much worse than the motor file's, beyond the noise, is no explanation. */
+static const double FREE_RUN_WORSE = 1.1;
+
+/* What the file's last digits leave unnamed is no structure, as long as it is of the noise's size. */
+static bool at_the_noise(const diagnosis *d, double percent)
+{
+    const double tolerance = DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
+    return percent <= tolerance ||
+           (d->within_digits <= tolerance && percent <= WITHIN_DIGITS * d->noise_floor);
+}
+
+/* Both as measured: a lost one is very large. */
+static bool free_run_holds(const diagnosis *d)
+{
+    return d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
+}
+
 static void decide(diagnosis *d)
 {
-    double tolerance = DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
     if (d->causes == 0) {
-        d->verdict = d->nominal <= tolerance && !d->structure.certain ? VERDICT_CLEAN : VERDICT_UNEXPLAINED;
-    } else {
-        d->verdict = d->extended <= tolerance && !d->structure.certain ? VERDICT_EXPLAINED : VERDICT_PARTLY;
+        d->verdict =
+            at_the_noise(d, d->nominal) && !d->structure.certain ? VERDICT_CLEAN : VERDICT_UNEXPLAINED;
+        return;
     }
-    d->gain = d->extended > 0.0 ? d->nominal / d->extended : 1.0;
+    const bool holds = free_run_holds(d);
+    d->verdict =
+        at_the_noise(d, d->extended) && !d->structure.certain && holds ? VERDICT_EXPLAINED : VERDICT_PARTLY;
+    if (!holds) {
+        const size_t used = strlen(d->structure.words);
+        snprintf(d->structure.words + used, sizeof d->structure.words - used,
+                 "%sthe model that runs freely got worse, %.3g %% to %.3g %%", used ? "; " : "",
+                 d->free_nominal_percent, d->free_extended_percent);
+    }
 }
 
 /* A free run that left the current behind tells nothing by its size. */
@@ -111,14 +147,28 @@ static double told_free_run(double percent)
     return percent < LOST ? percent : NAN;
 }
 
-static bool measure_and_bound_runs(session *w, diagnosis *d, bool series)
+static void bound_runs(diagnosis *d)
 {
-    const bool ok = measure_runs(&w->rows, d, series);
-    for (size_t g = 0; ok && g < d->runs; g++) {
+    d->free_nominal_percent = told_free_run(d->free_nominal_percent);
+    d->free_extended_percent = told_free_run(d->free_extended_percent);
+    for (size_t g = 0; g < d->runs; g++) {
         d->run[g].free_nominal = told_free_run(d->run[g].free_nominal);
         d->run[g].free_extended = told_free_run(d->run[g].free_extended);
     }
-    return ok;
+}
+
+/* The error of the named causes with what may move unnamed beside them: effects without a name are left out. */
+static double error_within_digits(const session *w)
+{
+    double z[P_COUNT];
+    memcpy(z, w->state.z, sizeof z);
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(w->state.set, h) && !hypothesis_cause(h)->named) {
+            hypothesis_copy(h, hypothesis_nominal, z);
+        }
+    }
+    const averaged_drive drive = session_drive(w, z);
+    return measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
 }
 
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
@@ -152,11 +202,17 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     double current = measure_current(&w->rows, MEASURE_ALL, true);
     d->noise_floor =
         100.0 * measure_floor(&w->rows, &w->state, &d->extended_drive, &d->sensor_noise_A) / current;
-    if (!measure_lines(&w->fitted, &w->state, d->extended / d->noise_floor, &d->structure)) {
+    d->noise_floor = fmin(d->noise_floor, d->extended);
+    d->within_digits = error_within_digits(w);
+    d->gain = d->extended > 0.0 ? d->nominal / d->extended : 1.0;
+    const double excess = (at_the_noise(d, d->extended) ? d->within_digits : d->extended) / d->noise_floor;
+    if (!measure_lines(&w->fitted, &w->state, excess, &d->structure) ||
+        !measure_runs(&w->rows, d, options->series)) {
         return false;
     }
     mention_decoys(w, d);
     decide(d);
+    bound_runs(d);
     if (!tabulate_hypotheses(w, d, member, options->skip) || !resistance_trade_tell(w, d)) {
         return false;
     }
@@ -166,7 +222,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         d->rows_used += w->rows.block[b].count;
         d->rows_held_out += w->rows.block[b].held_out ? w->rows.block[b].count : 0;
     }
-    return measure_and_bound_runs(w, d, options->series);
+    return true;
 }
 
 bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose_options *options, error *e)

@@ -15,8 +15,11 @@ enum {
     DIAGNOSIS_CAUSES = 6,
     DIAGNOSIS_PARAMETERS = 8,
     DIAGNOSIS_CONFUSED = 6,
+    DIAGNOSIS_TRADES = 3,
     DIAGNOSIS_GROUPS = 48,
-    DIAGNOSIS_HYPOTHESES = 48
+    DIAGNOSIS_HYPOTHESES = 64,
+    DIAGNOSIS_ESTIMATES = 6,
+    DIAGNOSIS_FITTED = 24
 };
 
 /* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
@@ -41,9 +44,26 @@ typedef struct diagnosis_cause {
     diagnosis_parameter parameter[DIAGNOSIS_PARAMETERS];
     double gain;      /* error before it was added / after, held-out rows, causes in this order */
     double certainty; /* robust chi square of leaving it out */
+    double probability;
+    size_t trades; /* what together does the same to this recording: two or three causes, or none */
+    const char *trade[DIAGNOSIS_TRADES];
     size_t confused;
     const char *confused_with[DIAGNOSIS_CONFUSED];
 } diagnosis_cause;
+
+/* What the recording says of a parameter, named or not. Where it is not excited the numbers say nothing. */
+typedef struct diagnosis_estimate {
+    const char *name, *unit;
+    bool excited;
+    double value, low, high; /* 95 % */
+} diagnosis_estimate;
+
+/* The machine's parameters and those of the causes, with what is known of them together. */
+typedef struct diagnosis_covariance {
+    size_t count;
+    char name[DIAGNOSIS_FITTED][16], unit[DIAGNOSIS_FITTED][8];
+    double value[DIAGNOSIS_FITTED][DIAGNOSIS_FITTED];
+} diagnosis_covariance;
 
 /* A row of the table of hypotheses: what each would do, alone and on top of what was named. */
 typedef struct diagnosis_hypothesis {
@@ -81,6 +101,10 @@ typedef struct diagnosis {
     diagnosis_cause cause[DIAGNOSIS_CAUSES];
     double nominal, extended, noise_floor, gain; /* percent, percent, percent, 1 */
     double sensor_noise_A;                       /* rms per phase */
+    double within_digits; /* percent: the extended model with what may move unnamed as well */
+    double free_nominal_percent, free_extended_percent; /* free run of all rows; NAN where it was lost */
+    diagnosis_estimate estimate[DIAGNOSIS_ESTIMATES];
+    diagnosis_covariance covariance;
     diagnosis_structure structure;
     char next_experiment[512];
     char sentence[512]; /* what is wrong, how sure, what it gains */

@@ -68,7 +68,7 @@ class GoodInput(unittest.TestCase):
         self.simulate("recording.csv")
         self.done(["diagnose", "recording.csv", "--motor", "motor.toml", "--json", "out.json"])
         verdict = json.loads((self.folder / "out.json").read_text())
-        self.assertEqual(1, verdict["schema"])
+        self.assertEqual(2, verdict["schema"])
         self.assertEqual(400, verdict["rows"])
 
     def test_sweep(self):

@@ -192,6 +192,34 @@ static void one_error_beside_last_digits_is_one_cause(void)
     }
 }
 
+/* Named or not, what the recording says of the machine holds the truth, and what trades for a flux is told. */
+static void estimates_hold_the_truth_and_trades_are_told(void)
+{
+    good.m.psi_f_Wb = 0.19;
+    last_digits(&good, 0.4);
+    diagnosis d = look(&good, NULL);
+    const double truth[] = {good.m.R_ohm, good.m.L_d_H, good.m.L_q_H, good.m.psi_f_Wb, 0.0, 0.0};
+    TEST_ASSERT_EQUAL_size_t(1, d.causes);
+    TEST_ASSERT_TRUE(d.cause[0].trades >= 2);
+    TEST_ASSERT_TRUE(d.cause[0].probability > 0.99 && d.cause[0].probability <= 1.0);
+    for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
+        TEST_ASSERT_TRUE_MESSAGE(d.estimate[k].excited, d.estimate[k].name);
+        TEST_ASSERT_TRUE_MESSAGE(d.estimate[k].low <= truth[k] && truth[k] <= d.estimate[k].high,
+                                 d.estimate[k].name);
+    }
+    const diagnosis_covariance *c = &d.covariance;
+    TEST_ASSERT_EQUAL_size_t(4, c->count);
+    for (size_t i = 0; i < c->count; i++) {
+        TEST_ASSERT_TRUE(c->value[i][i] > 0.0);
+        for (size_t j = 0; j < i; j++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9 * sqrt(c->value[i][i] * c->value[j][j]), c->value[i][j],
+                                      c->value[j][i]);
+            TEST_ASSERT_TRUE(c->value[i][j] * c->value[i][j] < c->value[i][i] * c->value[j][j]);
+        }
+    }
+    diagnosis_free(&d);
+}
+
 static void a_voltage_that_acts_late_is_found(void)
 {
     good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
@@ -459,6 +487,7 @@ int main(void)
     RUN_TEST(iron_that_saturates_is_a_flux_map);
     RUN_TEST(everything_scaled_alike_is_one_voltage_gain);
     RUN_TEST(one_error_beside_last_digits_is_one_cause);
+    RUN_TEST(estimates_hold_the_truth_and_trades_are_told);
     RUN_TEST(a_voltage_that_acts_late_is_found);
     RUN_TEST(a_voltage_that_acts_parts_of_a_cycle_late_is_found);
     RUN_TEST(two_causes_at_once_are_both_found);

@@ -22,4 +22,12 @@ bool confusion_of(const evidence_view *view, const fit_state *s, double own_cost
 void confusion_find(diagnosis *d, const evidence_view *view, const fit_state *s, const hypothesis_id *member,
                     hypothesis_set possible, double inflation);
 
+/*
+ * What trades exactly: for each named cause that scales something, the smallest set of two or three other scalings
+ * that could take its place at a cost that the noise would hide, in d->cause[].trade. Voltage gain, R and psi
+ * together, say, do what an inductance does.
+ */
+void confusion_trades(diagnosis *d, const evidence_view *view, const fit_state *s,
+                      const hypothesis_id *member, hypothesis_set possible, double inflation);
+
 #endif

@@ -63,15 +63,16 @@ bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evid
     memset(view, 0, sizeof *view);
     view->rows = d->rows;
     for (size_t b = 0; b < d->blocks; b++) {
-        view->total.c += grams[b].c;
+        view->sums.c += grams[b].c;
         for (size_t i = 0; i < n; i++) {
-            view->total.g[column[i]] += grams[b].g[i];
+            view->sums.g[column[i]] += grams[b].g[i];
             for (size_t j = 0; j < n; j++) {
-                view->total.h[column[i]][column[j]] += grams[b].h[i][j];
+                view->sums.h[column[i]][column[j]] += grams[b].h[i][j];
             }
         }
     }
     free(grams);
+    view->total = view->sums;
     last_digits_deflate(d->rows, &view->total);
     for (size_t k = 0; k < P_COUNT; k++) {
         view->to_nominal[k] = -s->z[k];

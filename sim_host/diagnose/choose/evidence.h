@@ -11,7 +11,8 @@
 typedef struct evidence_view {
     const diagnose_rows *rows;
     double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
-    gram total;       /* over the fit blocks, deflated by what may move unnamed */
+    gram sums;        /* over the fit blocks */
+    gram total;       /* these, deflated by what may move unnamed */
     double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances
                                         excepted) */
 } evidence_view;

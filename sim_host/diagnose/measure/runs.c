@@ -49,9 +49,9 @@ static double method_error(const diagnose_rows *r, const averaged_drive *d, bool
     return n > 0.0 && current > 0.0 ? 100.0 * sqrt(sum / n) / current : NAN;
 }
 
-/* Free-run error of a group, percent of its current; optionally keeps the series. */
-static void free_run(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                     double *percent, vec_ab *scratch, vec_ab *keep)
+/* Free-run error of each group and (returned) of all, percent of the current; optionally keeps the series. */
+static double free_run(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
+                       double *percent, vec_ab *scratch, vec_ab *keep)
 {
     double wrong[ROWS_MAX_GROUPS] = {0};
     double current[ROWS_MAX_GROUPS] = {0};
@@ -85,9 +85,14 @@ static void free_run(const diagnose_rows *r, const averaged_drive *drive, const 
             }
         }
     }
+    double all_wrong = 0.0;
+    double all_current = 0.0;
     for (size_t g = 0; g < r->groups; g++) {
         percent[g] = current[g] > 0.0 ? 100.0 * sqrt(wrong[g] / current[g]) : NAN;
+        all_wrong += wrong[g];
+        all_current += current[g];
     }
+    return all_current > 0.0 ? 100.0 * sqrt(all_wrong / all_current) : NAN;
 }
 
 static void one_cycle_series(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
@@ -154,8 +159,10 @@ bool measure_runs(const diagnose_rows *r, diagnosis *d, bool series)
     double percent[2][ROWS_MAX_GROUPS] = {{0}};
     bool ok = nominal && extended && scratch && (!series || make_series(r, d));
     if (ok) {
-        free_run(r, &d->nominal_drive, nominal, percent[0], scratch, series ? d->free_nominal : NULL);
-        free_run(r, &d->extended_drive, extended, percent[1], scratch, series ? d->free_extended : NULL);
+        d->free_nominal_percent =
+            free_run(r, &d->nominal_drive, nominal, percent[0], scratch, series ? d->free_nominal : NULL);
+        d->free_extended_percent =
+            free_run(r, &d->extended_drive, extended, percent[1], scratch, series ? d->free_extended : NULL);
         if (series) {
             one_cycle_series(r, &d->nominal_drive, nominal, d->error_nominal);
             one_cycle_series(r, &d->extended_drive, extended, d->error_extended);

@@ -23,8 +23,13 @@ static json_t *cause_json(const diagnosis_cause *cause)
     for (size_t k = 0; k < cause->confused; k++) {
         json_array_append_new(confused, json_string(cause->confused_with[k]));
     }
-    return json_pack("{s:s, s:o, s:o, s:o}", "id", cause->id, "parameters", parameters, "gain",
-                     number(cause->gain), "confused_with", confused);
+    json_t *trades = json_array();
+    for (size_t k = 0; k < cause->trades; k++) {
+        json_array_append_new(trades, json_string(cause->trade[k]));
+    }
+    return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "id", cause->id, "parameters", parameters, "gain",
+                     number(cause->gain), "confused_with", confused, "probability",
+                     number(cause->probability), "trades_with", trades);
 }
 
 static json_t *runs_json(const diagnosis *d)
@@ -42,6 +47,37 @@ static json_t *runs_json(const diagnosis *d)
     return runs;
 }
 
+static json_t *estimates_json(const diagnosis *d)
+{
+    json_t *estimates = json_array();
+    for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
+        const diagnosis_estimate *e = &d->estimate[k];
+        json_t *value = e->excited ? number(e->value) : json_null();
+        json_t *interval = e->excited ? json_pack("[o, o]", number(e->low), number(e->high)) : json_null();
+        json_array_append_new(estimates,
+                              json_pack("{s:s, s:s, s:o, s:o, s:b}", "name", e->name, "unit", e->unit,
+                                        "value", value, "ci95", interval, "excited", (int)e->excited));
+    }
+    return estimates;
+}
+
+static json_t *covariance_json(const diagnosis_covariance *c)
+{
+    json_t *names = json_array();
+    json_t *units = json_array();
+    json_t *matrix = json_array();
+    for (size_t i = 0; i < c->count; i++) {
+        json_t *row = json_array();
+        json_array_append_new(names, json_string(c->name[i]));
+        json_array_append_new(units, json_string(c->unit[i]));
+        for (size_t j = 0; j < c->count; j++) {
+            json_array_append_new(row, number(c->value[i][j]));
+        }
+        json_array_append_new(matrix, row);
+    }
+    return json_pack("{s:o, s:o, s:o}", "names", names, "unit", units, "matrix", matrix);
+}
+
 json_t *json_of_diagnosis(const diagnosis *d)
 {
     json_t *causes = json_array();
@@ -49,15 +85,17 @@ json_t *json_of_diagnosis(const diagnosis *d)
         json_array_append_new(causes, cause_json(&d->cause[k]));
     }
     json_t *errors =
-        json_pack("{s:s, s:o, s:o, s:o, s:o}", "metric",
+        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "metric",
                   "one-cycle current prediction, rms of the error vector / rms of the current vector, "
                   "percent, held-out rows",
                   "nominal", number(d->nominal), "extended", number(d->extended), "noise_floor",
-                  number(d->noise_floor), "gain", number(d->gain));
-    return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o}", "schema", 1,
-                     "recording", d->recording_path, "motor", d->motor_path, "rows", (json_int_t)d->rows,
-                     "rows_used", (json_int_t)d->rows_used, "rows_held_out", (json_int_t)d->rows_held_out,
-                     "verdict", diagnosis_verdict_id(d->verdict), "causes", causes, "error", errors,
-                     "structure", json_string(d->structure.words), "next_experiment", d->next_experiment,
-                     "summary", d->sentence, "runs", runs_json(d));
+                  number(d->noise_floor), "gain", number(d->gain), "free_run_nominal",
+                  number(d->free_nominal_percent), "free_run_extended", number(d->free_extended_percent));
+    return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:n}",
+                     "schema", 2, "recording", d->recording_path, "motor", d->motor_path, "rows",
+                     (json_int_t)d->rows, "rows_used", (json_int_t)d->rows_used, "rows_held_out",
+                     (json_int_t)d->rows_held_out, "verdict", diagnosis_verdict_id(d->verdict), "causes",
+                     causes, "error", errors, "structure", json_string(d->structure.words), "next_experiment",
+                     d->next_experiment, "summary", d->sentence, "runs", runs_json(d), "estimates",
+                     estimates_json(d), "covariance", covariance_json(&d->covariance), "learned");
 }

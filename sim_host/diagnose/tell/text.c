@@ -29,7 +29,23 @@ void text_print(FILE *out, const diagnosis *d)
         for (size_t j = 0; j < cause->confused; j++) {
             fprintf(out, "    this recording cannot tell it from %s\n", cause->confused_with[j]);
         }
+        for (size_t j = 0; j < cause->trades; j++) {
+            fprintf(out, "%s%s%s", j == 0 ? "    the same would be done by " : " + ", cause->trade[j],
+                    j + 1 == cause->trades ? " together\n" : "");
+        }
     }
+    fprintf(out, "\n  known of the machine:");
+    for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
+        const diagnosis_estimate *e = &d->estimate[k];
+        const char *unit = strcmp(e->unit, "1") == 0 ? "" : e->unit;
+        fprintf(out, "%s%s ", k == 0 ? " " : ", ", e->name);
+        if (e->excited) {
+            fprintf(out, "%.4g +- %.2g%s%s", e->value, 0.5 * (e->high - e->low), unit[0] ? " " : "", unit);
+        } else {
+            fprintf(out, "not excited");
+        }
+    }
+    fputc('\n', out);
     if (d->structure.words[0]) {
         fprintf(out, "\n  left over: %s\n", d->structure.words);
     }

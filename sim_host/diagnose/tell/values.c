@@ -65,7 +65,7 @@ static size_t spreads_of(const session *w, hypothesis_id h, spread list[SPREADS]
 }
 
 /* A value at the fitted z moved along a column. */
-static double value_at(const session *w, const motor_value *v, int column, double by)
+double values_at(const session *w, const motor_value *v, int column, double by)
 {
     double z[P_COUNT];
     memcpy(z, w->state.z, sizeof z);
@@ -83,13 +83,13 @@ static double value_at(const session *w, const motor_value *v, int column, doubl
 static size_t interval_of(const session *w, const motor_value *v, const spread *list, size_t n,
                           diagnosis_parameter *p)
 {
-    const double fitted = value_at(w, v, 0, 0.0);
+    const double fitted = values_at(w, v, 0, 0.0);
     const spread *only = NULL;
     double half[SPREADS] = {0.0}; /* what each column adds */
     double square = 0.0;
     size_t moving = 0;
     for (size_t k = 0; k < n; k++) {
-        double change = value_at(w, v, list[k].column, list[k].step) - fitted;
+        double change = values_at(w, v, list[k].column, list[k].step) - fitted;
         if (strcmp(v->unit, "rad") == 0) {
             change = remainder(change, VEC_TWO_PI);
         }
@@ -110,8 +110,8 @@ static size_t interval_of(const session *w, const motor_value *v, const spread *
     if (moving == 1 && fitted != 0.0) {
         /* The plain law of dead time stands for the fitted one: then by shares. */
         const double share = p->value / fitted;
-        const double a = share * value_at(w, v, only->column, -only->half_width);
-        const double b = share * value_at(w, v, only->column, only->half_width);
+        const double a = share * values_at(w, v, only->column, -only->half_width);
+        const double b = share * values_at(w, v, only->column, only->half_width);
         p->low = fmin(a, b);
         p->high = fmax(a, b);
     }

@@ -8,6 +8,8 @@
 #include "diagnose/choose/session.h"
 #include "diagnose/result.h"
 
+/* Values and intervals of a cause; and what the fit says of a parameter at its z moved along a column. */
+double values_at(const session *w, const motor_value *v, int column, double by);
 void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause);
 
 #endif

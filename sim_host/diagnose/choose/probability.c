@@ -1,0 +1,62 @@
+/* Shares of the evidence (probability.h). */
+#include "probability.h"
+
+#include <math.h>
+
+typedef struct tally {
+    const evidence_view *view;
+    const fit_state *state;
+    double best, inflation;
+    double all;
+    double of_cause[CAUSE_COUNT];
+} tally;
+
+static double score_of(const tally *t, hypothesis_set set)
+{
+    evidence_option option;
+    return evidence_cost(t->view, t->state, set, &option) ? option.score : INFINITY;
+}
+
+static void count(tally *t, hypothesis_set set)
+{
+    const double weight = exp(-0.5 * (score_of(t, set) - t->best) / t->inflation);
+    bool counted[CAUSE_COUNT] = {false};
+    t->all += weight;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const cause_id cause = hypothesis_table[h].cause;
+        if (hypothesis_in(set, h) && !counted[cause]) {
+            counted[cause] = true;
+            t->of_cause[cause] += weight;
+        }
+    }
+}
+
+/* The set, and the set with one more. */
+static void count_about(tally *t, hypothesis_set set, hypothesis_set possible)
+{
+    count(t, set);
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(possible, h) && set != (t->state->set & ~HYPOTHESIS_BIT(h)) &&
+            hypothesis_joins(set, h)) {
+            count(t, set | HYPOTHESIS_BIT(h));
+        }
+    }
+}
+
+void probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
+                    double probability[H_COUNT])
+{
+    tally t = {.view = view, .state = s, .inflation = inflation};
+    evidence_option own;
+    evidence_cost(view, s, s->set, &own);
+    t.best = own.cost + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, own.z);
+    count_about(&t, s->set, possible);
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(s->set, h)) {
+            count_about(&t, s->set & ~HYPOTHESIS_BIT(h), possible);
+        }
+    }
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        probability[h] = t.all > 0.0 ? t.of_cause[hypothesis_table[h].cause] / t.all : 0.0;
+    }
+}

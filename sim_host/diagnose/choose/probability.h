@@ -1,0 +1,18 @@
+/*
+ * How probable each cause is, by the evidence of the sets about the one that was chosen.
+ */
+#ifndef SIM_HOST_DIAGNOSE_CHOOSE_PROBABILITY_H
+#define SIM_HOST_DIAGNOSE_CHOOSE_PROBABILITY_H
+
+#include "evidence.h"
+
+/*
+ * The set as it is, with one member less, with one more, and with one in place of another: each weighs
+ * exp(-score/2), the score what the search compares, over how much wider than white noise the scores scatter. A
+ * cause's probability is the share of the sets that hold one of its hypotheses. `probability` has one entry a
+ * hypothesis; those of a cause are alike.
+ */
+void probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
+                    double probability[H_COUNT]);
+
+#endif

@@ -1,0 +1,139 @@
+/* Estimates and covariance (known.h). */
+#include "known.h"
+
+#include "diagnose/choose/estimates.h"
+#include "values.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct wanted {
+    const char *name, *unit;
+    coordinate_id coordinate;
+    const char *told[2]; /* the names under which a cause may tell it */
+} wanted;
+
+static const wanted list[DIAGNOSIS_ESTIMATES] = {
+    {"R", "ohm", P_R, {"R", NULL}},
+    {"L_d", "H", P_L_D, {"L_d", "L"}},
+    {"L_q", "H", P_L_Q, {"L_q", "L"}},
+    {"psi_f", "Wb", P_PSI, {"psi_f", NULL}},
+    {"v_dead", "V", P_V_DEAD, {"v_dead", NULL}},
+    {"voltage_delay", "1", P_U_DELAY_1, {"cycles", NULL}},
+};
+
+static const diagnosis_parameter *told_by_a_cause(const diagnosis *d, const wanted *what)
+{
+    for (size_t k = 0; k < d->causes; k++) {
+        for (size_t n = 0; n < d->cause[k].parameters; n++) {
+            const diagnosis_parameter *p = &d->cause[k].parameter[n];
+            for (size_t t = 0; t < 2; t++) {
+                if (what->told[t] && strcmp(p->name, what->told[t]) == 0) {
+                    return p;
+                }
+            }
+        }
+    }
+    return NULL;
+}
+
+/* The number that a coordinate moves, with that coordinate at z. */
+static double number_at(const session *w, coordinate_id id, double z_of_it)
+{
+    double z[P_COUNT];
+    double value;
+    memcpy(z, w->state.z, sizeof z);
+    z[id] = z_of_it;
+    const averaged_drive drive = session_drive(w, z);
+    memcpy(&value, (const unsigned char *)&drive + coordinate_table[id].offset, sizeof value);
+    return value;
+}
+
+static void tell_estimates(const session *w, const evidence_view *view, diagnosis *d)
+{
+    for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
+        diagnosis_estimate *out = &d->estimate[k];
+        const diagnosis_parameter *told = told_by_a_cause(d, &list[k]);
+        *out = (diagnosis_estimate){.name = list[k].name, .unit = list[k].unit};
+        if (told) {
+            out->excited = true;
+            out->value = told->value;
+            out->low = told->low;
+            out->high = told->high;
+            continue;
+        }
+        const estimate e =
+            estimate_of(&w->fitted, view, &w->state, list[k].coordinate, w->certainty.inflation);
+        out->excited = e.excited;
+        if (e.excited) {
+            out->value = number_at(w, list[k].coordinate, e.z);
+            out->low = number_at(w, list[k].coordinate, e.z - e.half_width);
+            out->high = number_at(w, list[k].coordinate, e.z + e.half_width);
+        }
+    }
+}
+
+/* The values whose covariance is told: the machine's, and the real ones of the causes. */
+static size_t fitted_values(const diagnosis *d, const motor_value *fitted[DIAGNOSIS_FITTED])
+{
+    size_t n = 0;
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        bool told = v->of_machine && v->kind == VALUE_REAL;
+        for (size_t k = 0; k < d->causes; k++) {
+            const diagnosis_cause *cause = &d->cause[k];
+            for (size_t j = 0; j < cause->parameters && !v->of_machine && v->kind != VALUE_WHOLE; j++) {
+                told = told || (strcmp(cause->id, cause_table[v->cause].id) == 0 &&
+                                strcmp(cause->parameter[j].name, v->name) == 0);
+            }
+        }
+        for (size_t k = 0; k < n; k++) {
+            told = told && strcmp(fitted[k]->name, v->name) != 0;
+        }
+        if (told && n < DIAGNOSIS_FITTED) {
+            fitted[n++] = v;
+        }
+    }
+    return n;
+}
+
+static void tell_covariance(const session *w, diagnosis *d)
+{
+    const certainty *c = &w->certainty;
+    const motor_value *fitted[DIAGNOSIS_FITTED];
+    double by[DIAGNOSIS_FITTED]
+             [COLUMN_COUNT]; /* a value's change by a column, times what makes its width honest */
+    diagnosis_covariance *out = &d->covariance;
+    out->count = fitted_values(d, fitted);
+    for (size_t i = 0; i < out->count; i++) {
+        const double at = values_at(w, fitted[i], 0, 0.0);
+        snprintf(out->name[i], sizeof out->name[i], "%s", fitted[i]->name);
+        snprintf(out->unit[i], sizeof out->unit[i], "%s", fitted[i]->unit);
+        for (size_t k = 0; k < c->columns; k++) {
+            const double step = COORDINATE_STEP;
+            double change = values_at(w, fitted[i], c->column[k], step) - at;
+            if (strcmp(fitted[i]->unit, "rad") == 0) {
+                change = remainder(change, VEC_TWO_PI);
+            }
+            const double own = sqrt(c->covariance[k][k]);
+            by[i][k] = change / step * (own > 0.0 ? fmax(c->half_width[k] / (1.96 * own), 1.0) : 1.0);
+        }
+    }
+    for (size_t i = 0; i < out->count; i++) {
+        for (size_t j = 0; j < out->count; j++) {
+            double sum = 0.0;
+            for (size_t k = 0; k < c->columns; k++) {
+                for (size_t m = 0; m < c->columns; m++) {
+                    sum += by[i][k] * c->covariance[k][m] * by[j][m];
+                }
+            }
+            out->value[i][j] = sum;
+        }
+    }
+}
+
+void known_tell(const session *w, const evidence_view *view, diagnosis *d)
+{
+    tell_estimates(w, view, d);
+    tell_covariance(w, d);
+}

@@ -1,0 +1,15 @@
+/*
+ * What is known of the machine whether a cause was named or not: estimates, and one covariance of the machine's
+ * parameters and the causes'.
+ */
+#ifndef SIM_HOST_DIAGNOSE_TELL_KNOWN_H
+#define SIM_HOST_DIAGNOSE_TELL_KNOWN_H
+
+#include "diagnose/choose/evidence.h"
+#include "diagnose/choose/session.h"
+#include "diagnose/result.h"
+
+/* Fills d->estimate and d->covariance; d->cause is there. The view is one at w->state. */
+void known_tell(const session *w, const evidence_view *view, diagnosis *d);
+
+#endif
