@@ -177,11 +177,10 @@ static void follow_all(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
 
 /* ---- Alarm and name ---- */
 
-/* (sum X y)/(sum |X|^2) in Q16: the change in stated sizes. Range: xx is taken as 1 at least. */
+/* (sum X y)/(sum |X|^2) in Q16: the change in stated sizes, held to 128. Range: xx is taken as 1 at least. */
 static int32_t amount_of(const iqfoc_watch_t *watch, int32_t n)
 {
-    const int64_t xx = watch->xx_q6[n] > 64 ? watch->xx_q6[n] : 64;
-    return iq24_sat((int64_t)watch->xy_q6[n] * 65536 / xx);
+    return iq24_asr32(iq24_div(watch->xy_q6[n], iq24_max(watch->xx_q6[n], 64)), 8);
 }
 
 static void look_for_alarm(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config)
