@@ -10,6 +10,8 @@ import copy
 
 import numpy as np
 
+import effects
+
 # The least size at which the value's cause is named, relative to the value.
 LEAST = {"R_ohm": 0.02, "L_d_H": 0.008, "L_q_H": 0.008, "psi_f_Wb": 0.004}
 SPREAD, MOST = 0.2, 0.5  # of LEAST: standard deviation, and the largest error
@@ -32,7 +34,7 @@ def relative_errors(seed, motor, ids):
         drawn[key] = float(error)
     if motor.L_d_H == motor.L_q_H:
         drawn["L_q_H"] = drawn["L_d_H"]
-    hidden = {key for name in ids for key in MOVES.get(name, ())}
+    hidden = {key for name in ids for key in MOVES.get(effects.cause_of(name), ())}
     return {key: error for key, error in drawn.items() if key not in hidden}
 
 

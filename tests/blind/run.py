@@ -84,9 +84,9 @@ def prepare(folder, case):
         return json.load(file)
 
 
-def diagnose(folder, iqfoc, skip=None, more=()):
+def diagnose(folder, iqfoc, skip=None, motor="motor.toml", more=()):
     """Runs the diagnosis on a folder's recording; raises with its words when it refuses."""
-    command = [iqfoc, "diagnose", "rec.csv", "--motor", "motor.toml", "--json", "-", *more]
+    command = [iqfoc, "diagnose", "rec.csv", "--motor", motor, "--json", "-", *more]
     if skip:
         command += ["--skip", skip]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120)

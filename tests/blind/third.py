@@ -17,13 +17,17 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 sys.path.insert(0, HERE)
 
+import digits
 import figure
+import generate
 import run as blind
 import score
 
@@ -44,9 +48,9 @@ CI = [("ipmsm", "clean"), ("spmsm", "clean"), ("ipmsm", "angle_offset"), ("spmsm
       ("spmsm", "resistance+angle_offset")]
 
 
-def cases(only, digits):
+def cases(only):
     """Every recording as third_plant.py is told of it."""
-    every = [{"machine": m, "kind": k, "seed": FIRST_SEED + n, "digits": digits} for n, (m, k) in enumerate(SET)]
+    every = [{"machine": m, "kind": k, "seed": FIRST_SEED + n} for n, (m, k) in enumerate(SET)]
     if not only:
         return every
     return [next(c for c in every if (c["machine"], c["kind"]) == wanted) for wanted in only]
@@ -55,7 +59,7 @@ def cases(only, digits):
 def version():
     """Of what makes a recording: with any change in it the kept ones are made anew."""
     text = b""
-    for name in ("third_plant.py", "digits.py", "generate.py"):
+    for name in ("third_plant.py", "generate.py"):
         with open(os.path.join(HERE, name), "rb") as file:
             text += file.read()
     return hashlib.sha256(text).hexdigest()[:12]
@@ -63,7 +67,7 @@ def version():
 
 def prepare(case, kept):
     """The folder of a recording, made unless it is there: under another name first, so that a cut one is not taken for whole."""
-    folder = os.path.join(kept, "-".join([case["machine"], case["kind"], str(case["seed"])] + ["digits"] * case["digits"]))
+    folder = os.path.join(kept, "-".join([case["machine"], case["kind"], str(case["seed"])]))
     if not os.path.exists(os.path.join(folder, "truth.json")):
         with tempfile.TemporaryDirectory(dir=kept) as scratch:
             made = os.path.join(scratch, "made")
@@ -77,7 +81,16 @@ def prepare(case, kept):
     return folder
 
 
-def one_case(case, kept, iqfoc):
+def write_digits(folder, truth):
+    """The motor file with last-digit errors in what is not hidden, beside the one without."""
+    with open(os.path.join(folder, "motor.toml"), "rb") as file:
+        tables = tomllib.load(file)
+    motor = SimpleNamespace(name=tables["name"], **tables["motor"], **tables["inverter"])
+    errors = digits.relative_errors(truth["seed"], motor, [e["id"] for e in truth["effects"]])
+    generate.write_text(folder, "motor-digits.toml", generate.motor_text(digits.file_of(motor, errors)))
+
+
+def one_case(case, kept, iqfoc, with_digits):
     """The judged recording, or the words in which it failed."""
     try:
         folder = prepare(case, kept)
@@ -85,7 +98,8 @@ def one_case(case, kept, iqfoc):
             truth = json.load(file)
         if truth["kind"] == "clean":
             truth["effects"] = []
-        return score.judge(truth, blind.diagnose(folder, iqfoc))
+        write_digits(folder, truth)
+        return score.judge(truth, blind.diagnose(folder, iqfoc, motor="motor-digits.toml" if with_digits else "motor.toml"))
     except Exception as problem:  # a refusal, a crash or a hang: counted as not right
         return f"{case['machine']} {case['kind']}: {type(problem).__name__}: {problem}"
 
@@ -118,9 +132,9 @@ def main():
         parser.error("--docs: the page holds the whole set, without --ci")
     kept = os.path.join(os.path.abspath(args.keep), version())
     os.makedirs(kept, exist_ok=True)
-    chosen = cases(CI if args.ci else None, args.digits)
+    chosen = cases(CI if args.ci else None)
     with ThreadPoolExecutor(args.jobs) as pool:
-        told = list(pool.map(lambda case: one_case(case, kept, os.path.abspath(args.iqfoc)), chosen))
+        told = list(pool.map(lambda case: one_case(case, kept, os.path.abspath(args.iqfoc), args.digits), chosen))
     judged = [r for r in told if not isinstance(r, str)]
     failures = [r for r in told if isinstance(r, str)]
     for r in judged:

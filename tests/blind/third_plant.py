@@ -22,7 +22,6 @@ from motulator.drive.control import DriveControlSystem
 from motulator.drive.control.sm import CurrentController
 from motulator.drive.utils import SynchronousMachinePars
 
-import digits
 import generate
 
 WARM_UP = 80
@@ -318,19 +317,18 @@ def main():
     base = constants_of(machine)
     rng = np.random.default_rng([case["seed"], 30])
     hidden, told = hide(machine, base, case, rng)
-    errors = digits.relative_errors(case["seed"], base, [e["id"] for e in told]) if case["digits"] else {}
     runs = simulate(machine, base, hidden, case["seed"])
     file = SimpleNamespace(name=machine.name, pole_pairs=machine.pole_pairs, R_ohm=base.R_ohm, L_d_H=base.L_d_H, L_q_H=base.L_q_H,
                            psi_f_Wb=base.psi_f_Wb, I_rated_A_rms=machine.I_A, n_max_rpm=60.0 * machine.f_Hz / machine.pole_pairs,
                            f_pwm_Hz=machine.f_pwm_Hz, u_dc_V=machine.u_dc_V)
     os.makedirs(folder, exist_ok=True)
     generate.write_text(folder, "rec.csv", recording_text(runs, 1.0 / machine.f_pwm_Hz, case["seed"] % 2 == 0))
-    generate.write_text(folder, "motor.toml", generate.motor_text(digits.file_of(file, errors)))
+    generate.write_text(folder, "motor.toml", generate.motor_text(file))
     I_pk = np.sqrt(2.0) * machine.I_A
     size = np.sqrt(np.mean(np.concatenate([np.sum(r["i"] ** 2, axis=1) * 2.0 / 3.0 for r in runs])))
     noise = np.sqrt((0.0012 * I_pk) ** 2 + (2.0 * 2.2 * I_pk / 4096) ** 2 / 12.0)
     generate.write_truth({"seed": case["seed"], "kind": case["kind"], "plant": f"motulator {case['machine']}", "effects": told,
-                          "file_errors": errors, "oracle": {"floor_percent": 100.0 * float(np.sqrt(8.0 / 3.0) * noise / size)},
+                          "oracle": {"floor_percent": 100.0 * float(np.sqrt(8.0 / 3.0) * noise / size)},
                           "motor_file_should_say": {k: float(hidden[k]) for k in ("R_ohm", "L_d_H", "L_q_H", "psi_f_Wb")}}, folder)
 
 
