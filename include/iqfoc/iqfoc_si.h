@@ -44,7 +44,7 @@ typedef struct iqfoc_si_drive {
  */
 static inline int32_t iqfoc_si_q(double x, uint32_t bits)
 {
-    const double scaled = IQ24_RAISED_(x, bits);
+    const double scaled = x * IQ24_CAST_(double, INT64_C(1) << bits);
     const int32_t cut = IQ24_CAST_(int32_t, scaled);
     return scaled - cut >= 0.5 ? cut + 1 : cut;
 }

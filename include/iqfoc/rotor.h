@@ -40,7 +40,7 @@ typedef struct iqfoc_rotor {
  * The same before any rounding, for code that runs every cycle and needs only part of it: x in Q32, v = x^2
  * in Q32, and the polynomials P1 = s1 and P2 = s2/x in Q30.
  */
-typedef struct iqfoc_rotor_shape {
+typedef struct {
     int32_t x_q32;
     int32_t v_q32;
     int32_t p1_q30;
