@@ -219,11 +219,14 @@ bool iqfoc_cycle_in_time(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uin
 static inline iqfoc_methods_t of_papers(const iqfoc_cycle_config_t *config)
 {
     iqfoc_methods_t methods = {IQFOC_MODEL_QUASI_DISCRETE, IQFOC_FEEDBACK_MIDPOINT, IQFOC_CONTROL_PI,
-                               config->modulation, false};
+                               IQFOC_MODULATION_PWM, false};
     if (config->feedback == IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN) {
         methods.feedback = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN;
     } else if (config->feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
         methods.feedback = IQFOC_FEEDBACK_CORRECTED_MEAN;
+    }
+    if (config->modulation == IQFOC_MODULATION_SIX_STEP) {
+        methods.modulation = IQFOC_MODULATION_SIX_STEP;
     }
     return methods;
 }

@@ -24,6 +24,7 @@
 #include "error.h"
 #include "methods.h"
 #include "modulation.h"
+#include "overmodulation.h"
 #include "predictor.h"
 #include "rotor.h"
 #include "sample.h"
@@ -101,6 +102,7 @@ typedef struct iqfoc_cycle {
     iqfoc_dq_t drift;       /* learnt by deadbeat control */
     iqfoc_abc_t duties_now; /* mean under modulation: duties of the cycle that runs, and of the next */
     iqfoc_abc_t duties_next;
+    iqfoc_overmodulation_t over; /* of IQFOC_MODULATION_OVER */
 } iqfoc_cycle_t;
 
 /* What `phase` says: the top bit that no valley is due, the next that no peak is. */

@@ -50,6 +50,26 @@ IQFOC_STEP bool iqfoc_cycle_controls_early(const iqfoc_methods_t m)
            m.feedback != IQFOC_FEEDBACK_CORRECTED_MEAN;
 }
 
+/*
+ * What PI asks for. Up to six-step the axes are kept apart by the current asked for: the one fed back has
+ * six-step's harmonics, which would be turned, enlarged by the reactance and sent back as voltage.
+ *
+ * Range: both parts are within 8; their sum is held to that, as that of the other way is.
+ */
+IQFOC_STEP iqfoc_dq_t iqfoc_cycle_asked(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                        const iqfoc_cycle_config_t *config, iq24_t turns)
+{
+    if (m.modulation == IQFOC_MODULATION_OVER) {
+        const iqfoc_dq_t u =
+            iqfoc_current_control_step(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq);
+        const iqfoc_dq_t apart = iqfoc_current_control_decoupling(&config->gains, cycle->i_ref, turns);
+        const iqfoc_dq_t sum = {iq24_clamp(u.d + apart.d, IQ24(-8.0), IQ24(8.0)),
+                                iq24_clamp(u.q + apart.q, IQ24(-8.0), IQ24(8.0))};
+        return sum;
+    }
+    return iqfoc_current_control_voltage(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq, turns);
+}
+
 /* At the carrier valley; see iqfoc_cycle_valley. */
 IQFOC_STEP void iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                       const iqfoc_sample_t *sample, uint32_t now)
@@ -89,8 +109,7 @@ IQFOC_STEP void iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     cycle->i_valley = i;
     iqfoc_cycle_predict(m, cycle, sample, i, u_now, turns);
     if (iqfoc_cycle_controls_early(m)) {
-        cycle->u_dq =
-            iqfoc_current_control_voltage(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq, turns);
+        cycle->u_dq = iqfoc_cycle_asked(m, cycle, config, turns);
     }
 }
 
@@ -141,6 +160,17 @@ IQFOC_STEP iqfoc_duties_t iqfoc_cycle_modulated(const iqfoc_methods_t m, iq24_t 
     return duties;
 }
 
+/* Duties up to six-step, and in u what they really make. */
+IQFOC_STEP iqfoc_duties_t iqfoc_cycle_overmodulated(iqfoc_cycle_t *cycle, iq24_t u_dc_inverse, iqfoc_ab_t *u,
+                                                    iq24_t u_dc)
+{
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(cycle->rotor.turns);
+    const iqfoc_duties_t duties =
+        iqfoc_overmodulate(&cycle->over, *u, u_dc_inverse, iqfoc_overmodulation_limit(&rotor));
+    *u = iqfoc_modulated_voltage(duties.high, u_dc);
+    return duties;
+}
+
 /* At the carrier peak; see iqfoc_cycle_peak. */
 IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                                const iqfoc_sample_t *sample, iq24_t output_mid, uint32_t now)
@@ -175,8 +205,7 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
     iqfoc_ab_t u = cycle->u_ab;
     if (m.control == IQFOC_CONTROL_PI) {
         if (!iqfoc_cycle_controls_early(m)) {
-            cycle->u_dq = iqfoc_current_control_voltage(&cycle->control, &config->gains, cycle->i_ref,
-                                                        cycle->i_dq, turns);
+            cycle->u_dq = iqfoc_cycle_asked(m, cycle, config, turns);
         }
         if (cycle->next != config) {
             output_mid = iqfoc_cycle_stretched(cycle, output_mid);
@@ -186,7 +215,9 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
         u = iqfoc_park_inverse_q30(cycle->u_dq, iq24_sincos_q30_inline(iq24_add_wrap(sample->theta, ahead)));
     }
     iqfoc_command_t command;
-    command.duties = iqfoc_cycle_modulated(m, u_dc_inverse, config->span_max, &u, u_dc);
+    command.duties = m.modulation == IQFOC_MODULATION_OVER
+                         ? iqfoc_cycle_overmodulated(cycle, u_dc_inverse, &u, u_dc)
+                         : iqfoc_cycle_modulated(m, u_dc_inverse, config->span_max, &u, u_dc);
     command.gates = true;
     cycle->u_ab = u;
     if (command.duties.scale < IQ24_ONE) {

@@ -53,8 +53,10 @@ typedef enum iqfoc_control {
 
 /* How the voltage is made. */
 typedef enum iqfoc_modulation {
-    IQFOC_MODULATION_PWM,     /* centre-aligned, min/max zero sequence */
-    IQFOC_MODULATION_SIX_STEP /* the active inverter state nearest to the voltage, for the whole interval */
+    IQFOC_MODULATION_PWM,      /* centre-aligned, min/max zero sequence */
+    IQFOC_MODULATION_SIX_STEP, /* the active inverter state nearest to the voltage, for the whole interval */
+    /* Up to six-step without a bump (overmodulation.h); PI keeps the axes apart by the reference then. */
+    IQFOC_MODULATION_OVER
 } iqfoc_modulation_t;
 
 typedef struct iqfoc_methods {

@@ -15,12 +15,12 @@
 #define SIX_STEP_LENGTH 0.625 /* of 0.63 to 0.633, its largest at these speeds */
 
 const run_up_case run_up_cases[RUN_UP_CASES] = {
-    {"linear modulation", "linear", TORQUE_LINEAR, false, 0.98, 0.0, 0.0},
-    {"to six-step", "six_step", TORQUE_SIX_STEP, false, 1.0, 0.0, 0.0},
-    {"to six-step, link +-1 % at 300 Hz", "six_step_300", TORQUE_SIX_STEP, false, 1.0, 0.01, 300.0},
-    {"to six-step, link +-1 % at 100 Hz", "six_step_100", TORQUE_SIX_STEP, false, 1.0, 0.01, 100.0},
-    {"overmodulation, 98 %", "over_98", TORQUE_SIX_STEP, false, 0.98, 0.0, 0.0},
-    {"to six-step, mid-point sample", "midpoint", TORQUE_SIX_STEP, true, 1.0, 0.0, 0.0}};
+    {"linear modulation", "linear", IQFOC_MODULATION_PWM, false, 0.98, 0.0, 0.0},
+    {"to six-step", "six_step", IQFOC_MODULATION_OVER, false, 1.0, 0.0, 0.0},
+    {"to six-step, link +-1 % at 300 Hz", "six_step_300", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 300.0},
+    {"to six-step, link +-1 % at 100 Hz", "six_step_100", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 100.0},
+    {"overmodulation, 98 %", "over_98", IQFOC_MODULATION_OVER, false, 0.98, 0.0, 0.0},
+    {"to six-step, mid-point sample", "midpoint", IQFOC_MODULATION_OVER, true, 1.0, 0.0, 0.0}};
 
 /* What is kept of each cycle. */
 typedef struct cycle_row {
@@ -71,7 +71,7 @@ static bool drive_up_and_down(const run_up_case *c, const motor *m, drive_loop *
         }
         at->i_d = row.truth.i_dq_A.d / l->base.I_A;
         at->i_q = row.truth.i_dq_A.q / l->base.I_A;
-        at->voltage = hypot(iq24_to_double(d->u_dq.d), iq24_to_double(d->u_dq.q)) / iq24_to_double(d->u_dc);
+        at->voltage = cabs(complex_from_dq(d->host.cycle.u_dq, l->base.U_V)) / row.peak.u_dc_V;
         at->switched_on = switched_on(&row, before);
         memcpy(before, row.duty, sizeof before);
         h->count++;
@@ -191,11 +191,13 @@ bool run_up_run(const run_up_case *c, run_up *result, error *e)
     config.shaft.J_kgm2 = RUN_UP_J_KGM2;
     torque_drive d;
     const drive_firmware firmware = torque_drive_firmware(&d);
-    if (!plant_config_check(&config, e) || !torque_drive_init(&d, &m, &limits, e)) {
+    const iqfoc_methods_t methods = {IQFOC_MODEL_QUASI_DISCRETE,
+                                     c->midpoint ? IQFOC_FEEDBACK_MIDPOINT
+                                                 : IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
+                                     IQFOC_CONTROL_PI, c->modulation, false};
+    if (!plant_config_check(&config, e) || !torque_drive_init(&d, &m, &limits, methods, e)) {
         return false;
     }
-    d.modulation = c->modulation;
-    d.midpoint = c->midpoint;
     drive_loop loop;
     drive_loop_begin(&loop, &m, &config, &firmware);
     history h = {.capacity = 40000};

@@ -21,7 +21,7 @@ enum { RUN_UP_CASES = 6, RUN_UP_POINTS = 600, RUN_UP_BELL = 64 };
 
 typedef struct run_up_case {
     const char *text, *key;
-    torque_modulation modulation;
+    iqfoc_modulation_t modulation;
     bool midpoint;
     double share;  /* of the largest voltage */
     double ripple; /* of the DC link, amplitude over its mean */

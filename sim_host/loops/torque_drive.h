@@ -1,46 +1,22 @@
 /*
- * Firmware that turns a torque into duties over the whole range of the inverter: reference (torque to current,
- * field weakening), PI in the rotor frame, and the modulator up to six-step. All that runs at valley and peak
- * is the library's fixed point.
+ * Firmware that turns a torque into duties over the whole range of the inverter: the reference (torque to
+ * current, field weakening) ahead of the library's cycle, PI and the modulator up to six-step.
  */
 #ifndef SIM_HOST_LOOPS_TORQUE_DRIVE_H
 #define SIM_HOST_LOOPS_TORQUE_DRIVE_H
 
-#include "drive/firmware.h"
+#include "drive/firmware_host.h"
 
-#include "data/motor.h"
-
-#include "iqfoc/current_control.h"
-#include "iqfoc/overmodulation.h"
-#include "iqfoc/predictor.h"
 #include "iqfoc/reference.h"
-#include "iqfoc/rotor.h"
 
 #include <stdbool.h>
 
-typedef enum torque_modulation {
-    TORQUE_LINEAR,  /* up to the circle within the hexagon */
-    TORQUE_HEXAGON, /* iqfoc_modulate: as far as the hexagon, the angle kept */
-    TORQUE_SIX_STEP /* iqfoc_overmodulate */
-} torque_modulation;
-
 typedef struct torque_drive {
-    torque_modulation modulation;
-    bool
-        midpoint; /* fed by the sample at the peak; else by the quasi-discrete mean, corrected by 2016 (10) */
-    iqfoc_predictor_t predictor;
-    iqfoc_current_control_gains_t gains;
+    drive_host host;
+    drive_firmware cycle; /* the library's, behind its calls */
+    iqfoc_methods_t methods;
     iqfoc_reference_config_t reference_config;
     iqfoc_reference_t reference;
-    iqfoc_current_control_t control;
-    iqfoc_overmodulation_t over;
-    iqfoc_rotor_t rotor;
-    iqfoc_dq_t fed_back;
-    iqfoc_dq_t i_ref;
-    iqfoc_dq_t u_dq;   /* asked for */
-    iqfoc_ab_t u_next; /* made of it */
-    iq24_t limit;      /* the largest voltage, over u_dc */
-    iq24_t u_dc;
 } torque_drive;
 
 /* What the reference may ask for, beside the motor's data. */
@@ -52,8 +28,12 @@ typedef struct torque_limits {
     double u_dc_V;
 } torque_limits;
 
-/* False where a value does not fit the library's ranges. */
-bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *limits, error *e);
+/*
+ * methods: what the cycle does by PI; with IQFOC_MODULATION_PWM the voltage stays in the linear range. False where
+ * a value does not fit the library's ranges.
+ */
+bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *limits, iqfoc_methods_t methods,
+                       error *e);
 
 /* The firmware. Its i_ref.q is the torque, over (3/2) pole_pairs psi_f I_b; i_ref.d is not read. */
 drive_firmware torque_drive_firmware(torque_drive *d);

@@ -4,6 +4,7 @@
 #include "golden_vectors.h"
 
 #include "golden_around.h"
+#include "golden_limits.h"
 #include "golden_models.h"
 #include "golden_types.h"
 
@@ -224,6 +225,9 @@ void golden_vectors(golden_report *report)
         {"predictive_control", golden_predictive_control},
         {"angle_sensors", golden_angle_sensors},
         {"start_and_watch", golden_start_and_watch},
+        {"overmodulation", golden_overmodulation},
+        {"reference", golden_reference},
+        {"ripple_half", golden_ripple_half},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
         golden_inputs_t inputs = {0, GOLDEN_SEED};

@@ -23,7 +23,7 @@ done
 
 # Language and warnings as in cmake/; what differs on purpose is compiler and optimisation.
 FLAGS=(-std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes -Werror -Iinclude -Iport/emulated)
-SOURCES=(tests/target/{same_bits,closed_loop,golden_vectors,golden_models,golden_around,golden_inputs}.c port/emulated/{hal_emulated,small_drive}.c src/*.c)
+SOURCES=(tests/target/{same_bits,closed_loop,golden_vectors,golden_models,golden_around,golden_limits,golden_inputs}.c port/emulated/{hal_emulated,small_drive}.c src/*.c)
 gcc -O2 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/gcc-O2"
 clang -O0 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O0"
 clang -O3 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O3"
