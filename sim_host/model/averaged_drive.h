@@ -44,7 +44,8 @@ typedef struct averaged_drive {
     double theta_0_rad, t_delay_s;
     /* Angle error c cos(n theta_mech) + s sin(n theta_mech), n of motor_order_of. */
     double harmonic_cos_rad[ANGLE_ORDERS], harmonic_sin_rad[ANGLE_ORDERS];
-    double u_delay[2]; /* cycles by which the voltage acts late: of the first, of the second */
+    double sensor_lag_s; /* sensor_lag.h */
+    double u_delay[2];   /* cycles by which the voltage acts late: of the first, of the second */
     double psi_5_Wb, psi_7_Wb, psi_11_Wb, psi_13_Wb;
     double dR_ohm[3];
     double dL_H[3];
@@ -64,7 +65,9 @@ typedef struct cycle_row {
     double cos_turn, sin_turn; /* of omega T */
     double omega_rad_s;
     double cos_mech, sin_mech;
-    double rise[3];           /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
+    double rise[3]; /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
+    double fell[3]; /* when each leg fell ahead of the cycle's start, as a share of it */
+    double u_dc_V;
     vec_ab edge_ripple_Wb[3]; /* flux ripple when each leg rises; the opposite when it falls */
     double node_h;            /* where the speed lies from its node, in node steps */
     size_t node;              /* index into the table */

@@ -23,7 +23,7 @@ static bool is_linear(const plant_config *c)
     const bool ideal_legs =
         v->t_dead_s == 0.0 && v->v_switch_V == 0.0 && v->v_diode_V == 0.0 && v->ripple_V == 0.0;
     const bool constant_speed = c->shaft.mode == PLANT_SHAFT_GIVEN && c->shaft.accel_e_rad_s2 == 0.0;
-    return plain_machine && ideal_legs && constant_speed && c->sensors.current_bandwidth_Hz == 0.0;
+    return plain_machine && ideal_legs && constant_speed && plant_current_filter(&c->sensors) == 0.0;
 }
 
 void plant_init(plant *p, const plant_config *c)
@@ -223,12 +223,25 @@ void plant_advance_to(plant *p, double t_s)
     }
 }
 
+/* The current that the converter gets: behind its low-pass, or that of a while later, which a copy goes ahead for. */
+static vec_ab seen_current(const plant *p)
+{
+    const plant_sensors *s = &p->config.sensors;
+    const bool filtered = plant_current_filter(s) > 0.0;
+    plant ahead = *p;
+    if (s->current_lag_s < 0.0) {
+        ahead.trace = NULL;
+        plant_advance_to(&ahead, p->t_cycle_s - s->current_lag_s);
+    }
+    const double *y = ahead.state.y;
+    return (vec_ab){y[filtered ? STATE_SEEN_ALPHA : STATE_I_ALPHA],
+                    y[filtered ? STATE_SEEN_BETA : STATE_I_BETA]};
+}
+
 void plant_sample(plant *p, plant_samples *s)
 {
     const double *y = p->state.y;
-    const bool filtered = p->config.sensors.current_bandwidth_Hz > 0.0;
-    const vec_ab i = {y[filtered ? STATE_SEEN_ALPHA : STATE_I_ALPHA],
-                      y[filtered ? STATE_SEEN_BETA : STATE_I_BETA]};
+    const vec_ab i = seen_current(p);
     const bool given = p->config.shaft.mode == PLANT_SHAFT_GIVEN;
     sensor_truth truth = {.t_s = p->t_begin_s + p->t_cycle_s,
                           .clock_s = y[STATE_CLOCK],

@@ -105,6 +105,7 @@ bool plant_config_check(const plant_config *c, error *e)
         {"ADC bits", s->current_bits, 0.0, none, 32.0},
         {"ADC full scale", s->current_full_scale_A, 0.0, s->current_bits > 0 ? 0.0 : none, big},
         {"current noise", s->current_noise_A, 0.0, none, big},
+        {"late samples", -s->current_lag_s, none, none, 0.45 * c->T_s},
         {"current bandwidth", s->current_bandwidth_Hz, 0.0, none, big},
         {"current gain a", s->current_gain[0], none, none, big},
         {"current gain b", s->current_gain[1], none, none, big},

@@ -75,6 +75,7 @@ typedef struct plant_sensors {
     double current_gain[3]; /* measured = gain * true + offset */
     double current_offset_A[3];
     double current_gain_rate_s[3], current_offset_rate_A_s[3]; /* by which both grow with the clock */
+    double current_lag_s;        /* the low-pass by its time constant; negative: sampled so late */
     double current_bandwidth_Hz; /* first-order low-pass of all channels; 0: none */
     double theta_0_rad; /* reading = true(t + t_delay) + theta_0 + amplitude cos(order theta_mech + phase) */
     double harmonic_order, harmonic_amplitude_rad, harmonic_phase_rad;
@@ -88,6 +89,12 @@ typedef struct plant_sensors {
     double loose_gain;        /* during a dropout the channel reads gain * value + step */
     double loose_step_A;
 } plant_sensors;
+
+/* Of the currents' low-pass, rad/s; 0: none. */
+static inline double plant_current_filter(const plant_sensors *s)
+{
+    return s->current_lag_s > 0.0 ? 1.0 / s->current_lag_s : 6.283185307179586 * s->current_bandwidth_Hz;
+}
 
 typedef struct plant_config {
     plant_machine machine;

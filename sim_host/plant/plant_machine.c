@@ -161,7 +161,7 @@ void machine_rates(const plant_config *c, const plant_state *s, const machine_te
                         u_V.beta - t->drop_V.beta - series_V.beta};
     rate[STATE_FE_ALPHA] = t->to_iron[0] * e_V.alpha - t->to_iron[1] * t->i_fe_A.alpha;
     rate[STATE_FE_BETA] = t->to_iron[0] * e_V.beta - t->to_iron[1] * t->i_fe_A.beta;
-    const double bandwidth_rad_s = 2.0 * VEC_PI * c->sensors.current_bandwidth_Hz;
+    const double bandwidth_rad_s = plant_current_filter(&c->sensors);
     rate[STATE_SEEN_ALPHA] = bandwidth_rad_s * (t->i_A.alpha - s->y[STATE_SEEN_ALPHA]);
     rate[STATE_SEEN_BETA] = bandwidth_rad_s * (t->i_A.beta - s->y[STATE_SEEN_BETA]);
     rate[STATE_THETA_E] = s->y[STATE_OMEGA_E];

@@ -5,6 +5,7 @@
 #include "diagnose_bench.h"
 #include "model/averaged_drive.h"
 #include "model/flux_map.h"
+#include "model/sensor_lag.h"
 
 #include <math.h>
 #include <unity.h>
@@ -209,6 +210,75 @@ static void a_flux_beyond_the_map_has_a_current_of_its_size(void)
     TEST_ASSERT_TRUE(i.q > 3.0 && i.q < 40.0 && fabs(i.d) < 40.0);
 }
 
+/* Seen by sensors of this lag, a machine without resistance at theta = 0.7. */
+static vec_ab seen_by(double tau_s, const double fell[3], vec_ab i)
+{
+    motor m = bench_motor();
+    m.ext.has[CAUSE_SENSOR_LAG] = true;
+    m.ext.sensor_lag_s = tau_s;
+    averaged_drive d = averaged_drive_of(&m);
+    d.R_ohm = 0.0;
+    const cycle_row row = {.cos_theta = cos(0.7),
+                           .sin_theta = sin(0.7),
+                           .omega_rad_s = 900.0,
+                           .rise = {0.2, 0.2, 0.2},
+                           .fell = {fell[0], fell[1], fell[2]},
+                           .u_dc_V = 565.0};
+    const sensor_map plain = averaged_drive_sensors(&d, false, 0.0);
+    const sensor_map map = sensor_lag_map(&d, &row, 250e-6, &plain);
+    const vec_ab seen = sensor_map_measure(&map, i);
+    const vec_ab back = sensor_map_unmeasure(&map, seen);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.alpha, back.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.beta, back.beta);
+    return seen;
+}
+
+/* While no leg is high the flux stands still and the rotor turns under it. */
+static void a_late_sample_sees_the_flux_with_the_rotor_further_on(void)
+{
+    static const double fell[3] = {0.2, 0.2, 0.2};
+    const motor m = bench_motor();
+    const vec_ab i = {3.0, -2.0};
+    const vec_rotor then = {cos(0.7), sin(0.7)};
+    const vec_rotor now = {cos(0.7 + 900.0 * 4e-6), sin(0.7 + 900.0 * 4e-6)};
+    const vec_dq i_dq = vec_to_dq(i, then);
+    const vec_ab flux = vec_to_ab((vec_dq){m.L_d_H * i_dq.d + m.psi_f_Wb, m.L_q_H * i_dq.q}, then);
+    const vec_dq flux_dq = vec_to_dq(flux, now);
+    const vec_ab late = vec_to_ab((vec_dq){(flux_dq.d - m.psi_f_Wb) / m.L_d_H, flux_dq.q / m.L_q_H}, now);
+    const vec_ab seen = seen_by(-4e-6, fell, i);
+    const double moved = hypot(late.alpha - i.alpha, late.beta - i.beta);
+    TEST_ASSERT_TRUE(moved > 0.05);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * moved, late.alpha, seen.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * moved, late.beta, seen.beta);
+}
+
+/* An edge close to the sample: what the filter still holds of it, added up step by step. */
+static void a_filter_still_sees_the_last_edges(void)
+{
+    static const double early[3] = {0.04, 0.2, 0.2};
+    static const double same[3] = {0.2, 0.2, 0.2};
+    const motor m = bench_motor();
+    const double T_s = 250e-6;
+    const double tau_s = 15e-6;
+    const double step_s = 2e-8;
+    const vec_ab i = {3.0, -2.0};
+    double more_Vs = 0.0; /* of leg a, which is high for longer */
+    for (double s = 0.5 * step_s; s < 40.0 * tau_s; s += step_s) {
+        const double at = fmod(s, T_s) / T_s;
+        const bool wide = at > 0.04 && at < 0.96;
+        const bool narrow = at > 0.2 && at < 0.8;
+        more_Vs += (wide != narrow ? 565.0 : 0.0) * exp(-s / tau_s) * step_s;
+    }
+    const vec_rotor r = {cos(0.7), sin(0.7)};
+    const vec_dq push = vec_to_dq((vec_ab){2.0 / 3.0 * more_Vs, 0.0}, r);
+    const vec_ab less = vec_to_ab((vec_dq){push.d / m.L_d_H, push.q / m.L_q_H}, r);
+    const vec_ab one = seen_by(tau_s, early, i);
+    const vec_ab two = seen_by(tau_s, same, i);
+    TEST_ASSERT_TRUE(fabs(less.alpha) > 0.1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * fabs(less.alpha), -less.alpha, one.alpha - two.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * fabs(less.alpha), -less.beta, one.beta - two.beta);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -220,5 +290,7 @@ int main(void)
     RUN_TEST(a_flux_map_goes_to_the_motor_file_and_back);
     RUN_TEST(a_flux_map_is_inverted);
     RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
+    RUN_TEST(a_late_sample_sees_the_flux_with_the_rotor_further_on);
+    RUN_TEST(a_filter_still_sees_the_last_edges);
     return UNITY_END();
 }

@@ -215,6 +215,37 @@ static void test_compensation(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -6.0 * 2.0 / 3.0, m.u_V[1]);
 }
 
+/* A lag is the low-pass of that time constant; a negative one the current of so much later. */
+static void test_current_lag(void)
+{
+    plant_config lag = drive();
+    plant_config low_pass = drive();
+    plant_config late = drive();
+    const plant_config plain = drive();
+    lag.sensors.current_lag_s = 8e-6;
+    low_pass.sensors.current_bandwidth_Hz = 1.0 / (2.0 * 3.14159265358979323846 * 8e-6);
+    late.sensors.current_lag_s = -3e-6;
+    plant p[4];
+    plant_init(&p[0], &lag);
+    plant_init(&p[1], &low_pass);
+    plant_init(&p[2], &late);
+    plant_init(&p[3], &plain);
+    for (int k = 0; k < 10; k++) {
+        const double duty[3] = {0.6, 0.5, 0.4};
+        plant_samples s[4];
+        for (int n = 0; n < 4; n++) {
+            plant_begin_cycle(&p[n], duty);
+            plant_advance_to(&p[n], n == 3 ? 3e-6 : 0.0);
+            plant_sample(&p[n], &s[n]);
+            plant_advance_to(&p[n], plain.T_s);
+        }
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, s[1].i_A[x], s[0].i_A[x]);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, s[3].i_A[x], s[2].i_A[x]);
+        }
+    }
+}
+
 /* Registers that load at the peak: each command acts in the second half of its cycle and in the first of the next, whatever
  * the two are, a leg that stays low or high among them. */
 static void test_voltage_delay_of_a_half(void)
@@ -357,6 +388,7 @@ int main(void)
     RUN_TEST(test_angle_laws);
     RUN_TEST(test_voltage_gain);
     RUN_TEST(test_compensation);
+    RUN_TEST(test_current_lag);
     RUN_TEST(test_voltage_delay);
     RUN_TEST(test_voltage_delay_of_a_half);
     RUN_TEST(test_glitch);

@@ -1,14 +1,28 @@
 /* The averaged drive as an observer of a recording (observer.h). */
 #include "observer.h"
 
+#include "model/sensor_lag.h"
+
 #include <math.h>
 #include <string.h>
+
+static bool sensors_change(const averaged_drive *drive)
+{
+    return averaged_drive_sensors_drift(drive) || drive->sensor_lag_s != 0.0;
+}
+
+/* The sensors at a row, where they are not the same at all. */
+static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const cycle_row *row)
+{
+    const sensor_map map = averaged_drive_sensors(drive, r->two_sensors, row->elapsed_s);
+    return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map);
+}
 
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                     const row_block *block, double gain, double gate, double *innovation, unsigned char *seen)
 {
     sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, 0.0);
-    const bool drift = averaged_drive_sensors_drift(drive);
+    const bool change = sensors_change(drive);
     vec_ab x = {0.0, 0.0};
     size_t age = 0; /* rows since the filter started */
     memset(innovation, 0, OBSERVER_OUTPUTS * block->count * sizeof *innovation);
@@ -18,8 +32,8 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
     for (size_t j = 0; j < block->count; j++) {
         size_t k = block->first + j;
         const cycle_row *row = &r->row[k];
-        if (drift) {
-            sensors = averaged_drive_sensors(drive, r->two_sensors, row->elapsed_s);
+        if (change) {
+            sensors = sensors_at(r, drive, row);
         }
         if (age == 0 || r->outlier[k]) {
             x = sensor_map_unmeasure(&sensors, row->i_A);
@@ -61,14 +75,17 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
                         size_t first, size_t count, vec_ab *wrong)
 {
     sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, 0.0);
-    const bool drift = averaged_drive_sensors_drift(drive);
+    const bool change = sensors_change(drive);
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
         const cycle_row *before = &r->row[first + j - 1];
-        if (drift) {
-            sensors = averaged_drive_sensors(drive, r->two_sensors, before->elapsed_s);
+        if (change) {
+            sensors = sensors_at(r, drive, before);
         }
         vec_ab x = sensor_map_unmeasure(&sensors, before->i_A);
+        if (change) {
+            sensors = sensors_at(r, drive, before + 1);
+        }
         vec_ab shown = sensor_map_measure(&sensors, averaged_drive_advance(drive, nodes, before, x));
         wrong[j].alpha = before[1].i_A.alpha - shown.alpha;
         wrong[j].beta = before[1].i_A.beta - shown.beta;
@@ -78,12 +95,12 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
 void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                        size_t first, size_t count, vec_ab *current)
 {
-    const bool drift = averaged_drive_sensors_drift(drive);
-    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, r->row[first].elapsed_s);
+    const bool change = sensors_change(drive);
+    sensor_map sensors = sensors_at(r, drive, &r->row[first]);
     vec_ab x = sensor_map_unmeasure(&sensors, r->row[first].i_A);
     for (size_t j = 0; j < count; j++) {
-        if (drift) {
-            sensors = averaged_drive_sensors(drive, r->two_sensors, r->row[first + j].elapsed_s);
+        if (change) {
+            sensors = sensors_at(r, drive, &r->row[first + j]);
         }
         current[j] = sensor_map_measure(&sensors, x);
         x = averaged_drive_advance(drive, nodes, &r->row[first + j], x);

@@ -120,6 +120,8 @@ static void fill_edges(diagnose_rows *r, const motor *m)
             }
             vec_ab ahead = vec_from_phases(high);
             r->row[k].rise[x] = rise;
+            r->row[k].fell[x] = k > 0 ? r->row[k - 1].rise[x] : rise;
+            r->row[k].u_dc_V = u_dc;
             r->row[k].edge_ripple_Wb[x] = (vec_ab){u_dc * r->T_s * ahead.alpha, u_dc * r->T_s * ahead.beta};
         }
     }

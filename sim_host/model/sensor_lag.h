@@ -1,0 +1,25 @@
+/*
+ * Current sensors that see the current late, through a first-order filter of time constant tau, or that are sampled
+ * late against the carrier (tau < 0: by -tau).
+ *
+ * Around the valley no leg is high: the current falls against the back-EMF alone, whatever the cycle's mean voltage
+ * is, and tau times that slope is what the reading is off by. In the rotor frame, with W the volt-seconds of the legs
+ * that the filter still sees (or the late sample already), psi the whole flux:
+ *
+ *     seen = i - L^-1 (W - t (R i + j omega psi)) - t j omega i
+ *
+ * t = tau (1 - j omega tau), the rotor's turn meanwhile included to first order; (1 - j omega tau/2) of a late sample.
+ * While no leg is high (W = 0) the flux stands still, and but for R this is the current of that flux with the rotor
+ * where it was tau ago: an angle read late by tau. It is the edges that a filter still sees that tell the two apart.
+ * The map is linear in the current, and so a part of the map from true to recorded currents.
+ */
+#ifndef SIM_HOST_MODEL_SENSOR_LAG_H
+#define SIM_HOST_MODEL_SENSOR_LAG_H
+
+#include "averaged_drive.h"
+
+/* The map of sensors at a row that see the current so late. T_s: the cycle. */
+sensor_map sensor_lag_map(const averaged_drive *drive, const cycle_row *row, double T_s,
+                          const sensor_map *map);
+
+#endif
