@@ -156,7 +156,10 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, FILE
         if (trace) {
             fprintf(trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
         }
-        *allowed &= ~HYPOTHESIS_BIT(worst);
+        /* A flux map that is not worth its name with some of its terms is not with others. */
+        *allowed &= ~(hypothesis_table[worst].cause == CAUSE_SATURATION_DQ
+                          ? hypotheses_of_cause(hypothesis_cause(worst)->id)
+                          : HYPOTHESIS_BIT(worst));
         leave(&w->state, worst);
     }
 }

@@ -165,7 +165,7 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
             return false;
         }
     }
-    return map_choose(d, trial, allowed, REFINE_STEPS);
+    return true;
 }
 
 static double state_score(const evidence_view *view, const fit_state *s)
@@ -245,7 +245,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         enumerate(e, 0, 0, FULL_SIZE);
         grow(e);
         hypothesis_set before = s->set;
-        ok = try_options(d, s, e, round, trace);
+        ok = try_options(d, s, e, round, trace) && map_choose(d, s, allowed, REFINE_STEPS);
         if (s->set == before && !turned) {
             break;
         }

@@ -60,49 +60,87 @@ static void finish_noise(const fit_data *d, fit_state *s)
     }
 }
 
+typedef struct sums_task {
+    fit_data *d;
+    const fit_state *s;
+    averaged_drive drive;
+    block_sums *sums;
+} sums_task;
+
+static const double GAIN_STEP = 1e-3;
+
+static void noise_of_block(void *context, size_t b, size_t worker)
+{
+    const sums_task *t = context;
+    const struct fit_work *work = &t->d->work[worker];
+    const row_block *block = &t->d->rows->block[t->d->block[b]];
+    block_sums *sums = &t->sums[b];
+    observer_block(t->d->rows, &t->drive, t->d->nodes, block, t->s->noise[block->group].gain, 0.0, work->base,
+                   work->seen);
+    for (size_t j = 0; j < block->count; j++) {
+        const double *e = work->base + OBSERVER_OUTPUTS * j;
+        sums->cov[0] += e[0] * e[0];
+        sums->cov[1] += e[0] * e[1];
+        sums->cov[2] += e[1] * e[1];
+        sums->zero += e[2] * e[2];
+        sums->rows += work->seen[j];
+    }
+}
+
+static void gain_of_block(void *context, size_t b, size_t worker)
+{
+    const sums_task *t = context;
+    fit_data *d = t->d;
+    const struct fit_work *work = &d->work[worker];
+    const row_block *block = &d->rows->block[d->block[b]];
+    const group_noise *n = &t->s->noise[block->group];
+    observer_block(d->rows, &t->drive, d->nodes, block, n->gain, 0.0, work->base, NULL);
+    observer_block(d->rows, &t->drive, d->nodes, block, n->gain + GAIN_STEP, 0.0, work->moved, NULL);
+    gram_whiten(n, block->count, work->base, work->base);
+    gram_whiten(n, block->count, work->moved, work->moved);
+    for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {
+        const double slope = (work->moved[j] - work->base[j]) / GAIN_STEP;
+        t->sums[b].down += slope * work->base[j];
+        t->sums[b].curve += slope * slope;
+    }
+}
+
+/* Each block's sums at the state. */
+static void sum_blocks(fit_data *d, const fit_state *s, void (*of_block)(void *, size_t, size_t))
+{
+    sums_task t = {.d = d, .s = s, .drive = fit_drive(d, s), .sums = d->sums};
+    rows_nodes_fill(d->rows, &t.drive, d->nodes);
+    memset(d->sums, 0, d->blocks * sizeof *d->sums);
+    parallel_for(d->blocks, of_block, &t);
+}
+
 void fit_noise(fit_data *d, fit_state *s)
 {
-    averaged_drive drive = fit_drive(d, s);
-    rows_nodes_fill(d->rows, &drive, d->nodes);
+    sum_blocks(d, s, noise_of_block);
     for (size_t g = 0; g < d->rows->groups; g++) {
         group_noise *n = &s->noise[g];
         n->cov[0] = n->cov[1] = n->cov[2] = n->zero = n->rows = 0.0;
     }
     for (size_t b = 0; b < d->blocks; b++) {
-        const row_block *block = &d->rows->block[d->block[b]];
-        group_noise *n = &s->noise[block->group];
-        observer_block(d->rows, &drive, d->nodes, block, n->gain, 0.0, d->base, d->seen);
-        for (size_t j = 0; j < block->count; j++) {
-            const double *e = d->base + OBSERVER_OUTPUTS * j;
-            n->cov[0] += e[0] * e[0];
-            n->cov[1] += e[0] * e[1];
-            n->cov[2] += e[1] * e[1];
-            n->zero += e[2] * e[2];
-            n->rows += d->seen[j];
+        const block_sums *sums = &d->sums[b];
+        group_noise *n = &s->noise[d->rows->block[d->block[b]].group];
+        for (size_t k = 0; k < 3; k++) {
+            n->cov[k] += sums->cov[k];
         }
+        n->zero += sums->zero;
+        n->rows += sums->rows;
     }
     finish_noise(d, s);
 }
 
 void fit_gain(fit_data *d, fit_state *s)
 {
-    averaged_drive drive = fit_drive(d, s);
-    rows_nodes_fill(d->rows, &drive, d->nodes);
     double down[ROWS_MAX_GROUPS] = {0};
     double curve[ROWS_MAX_GROUPS] = {0};
-    const double h = 1e-3;
+    sum_blocks(d, s, gain_of_block);
     for (size_t b = 0; b < d->blocks; b++) {
-        const row_block *block = &d->rows->block[d->block[b]];
-        const group_noise *n = &s->noise[block->group];
-        observer_block(d->rows, &drive, d->nodes, block, n->gain, 0.0, d->base, NULL);
-        observer_block(d->rows, &drive, d->nodes, block, n->gain + h, 0.0, d->moved, NULL);
-        gram_whiten(n, block->count, d->base, d->base);
-        gram_whiten(n, block->count, d->moved, d->moved);
-        for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {
-            double slope = (d->moved[j] - d->base[j]) / h;
-            down[block->group] += slope * d->base[j];
-            curve[block->group] += slope * slope;
-        }
+        down[d->rows->block[d->block[b]].group] += d->sums[b].down;
+        curve[d->rows->block[d->block[b]].group] += d->sums[b].curve;
     }
     for (size_t g = 0; g < d->rows->groups; g++) {
         if (curve[g] > 0.0) {

@@ -28,11 +28,17 @@ bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, siz
     }
     size_t outputs = OBSERVER_OUTPUTS * d->longest + 1;
     d->nodes = calloc(r->nodes, sizeof *d->nodes);
-    d->base = calloc(outputs, sizeof *d->base);
-    d->moved = calloc(outputs, sizeof *d->moved);
-    d->columns = calloc(outputs * COLUMN_COUNT, sizeof *d->columns);
-    d->seen = calloc(d->longest + 1, sizeof *d->seen);
-    if (!d->seen || !d->block || !d->nodes || !d->base || !d->moved || !d->columns) {
+    d->sums = calloc(d->blocks + 1, sizeof *d->sums);
+    bool complete = d->block && d->nodes && d->sums;
+    for (size_t k = 0; k < parallel_workers(); k++) {
+        struct fit_work *w = &d->work[k];
+        w->base = calloc(outputs, sizeof *w->base);
+        w->moved = calloc(outputs, sizeof *w->moved);
+        w->columns = calloc(outputs * COLUMN_COUNT, sizeof *w->columns);
+        w->seen = calloc(d->longest + 1, sizeof *w->seen);
+        complete = complete && w->base && w->moved && w->columns && w->seen;
+    }
+    if (!complete) {
         fit_data_free(d);
         return error_failure(e, 0, "out of memory for a fit of %zu rows", total);
     }
@@ -43,10 +49,13 @@ void fit_data_free(fit_data *d)
 {
     free(d->block);
     free(d->nodes);
-    free(d->base);
-    free(d->moved);
-    free(d->columns);
-    free(d->seen);
+    free(d->sums);
+    for (size_t k = 0; k < PARALLEL_MOST; k++) {
+        free(d->work[k].base);
+        free(d->work[k].moved);
+        free(d->work[k].columns);
+        free(d->work[k].seen);
+    }
     *d = (fit_data){0};
 }
 

@@ -6,6 +6,7 @@
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_FIT_DATA_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_FIT_DATA_H
 
+#include "base/parallel.h"
 #include "hypotheses.h"
 
 #include <stdbool.h>
@@ -25,6 +26,12 @@ typedef struct fit_state {
     double objective; /* sum of n log det cov: -2 log likelihood up to a constant */
 } fit_state;
 
+/* What a block adds to its group's sums; summed afterwards in the blocks' order, so that threads change nothing. */
+typedef struct block_sums {
+    double cov[3], zero, rows;
+    double down, curve;
+} block_sums;
+
 typedef struct fit_data {
     diagnose_rows *rows;
     const coordinate_frame *frame;
@@ -32,9 +39,13 @@ typedef struct fit_data {
     size_t blocks;
     size_t longest; /* rows of the longest block */
     averaged_node *nodes;
-    double *base, *moved; /* innovations of one block */
-    unsigned char *seen;  /* which of its rows have one */
-    double *columns;      /* whitened derivatives of one block: [column][3 rows] */
+    block_sums *sums; /* one a block */
+    /* For one block, by each worker of base/parallel.h. */
+    struct fit_work {
+        double *base, *moved; /* innovations */
+        unsigned char *seen;  /* which of its rows have one */
+        double *columns;      /* whitened derivatives: [column][3 rows] */
+    } work[PARALLEL_MOST];
 } fit_data;
 
 /* At most `rows_max` rows are fitted, evenly spread over the recording. */

@@ -64,68 +64,75 @@ static double column_step(int column)
     return coordinate_step(column < P_COUNT ? (coordinate_id)column : P_L_D);
 }
 
+/* What the blocks of one call share. */
+typedef struct gram_task {
+    fit_data *d;
+    const fit_state *s;
+    size_t columns;
+    averaged_drive drive;
+    averaged_drive moved[COLUMN_COUNT];
+    averaged_node
+        *own[COLUMN_COUNT]; /* the nodes depend on R, L_d and L_q alone: only those bring their own */
+    double step[COLUMN_COUNT];
+    gram *grams;
+} gram_task;
+
+static void one_block(void *context, size_t b, size_t worker)
+{
+    const gram_task *t = context;
+    fit_data *d = t->d;
+    const struct fit_work *work = &d->work[worker];
+    const row_block *block = &d->rows->block[d->block[b]];
+    const group_noise *noise = &t->s->noise[block->group];
+    const size_t outputs = OBSERVER_OUTPUTS * block->count;
+    const size_t stride = OBSERVER_OUTPUTS * d->longest;
+    gram *sum = &t->grams[b];
+    observer_block(d->rows, &t->drive, d->nodes, block, noise->gain, 0.0, work->base, NULL);
+    gram_whiten(noise, block->count, work->base, work->base);
+    sum->group = block->group;
+    sum->c = dot(work->base, work->base, outputs);
+    for (size_t c = 0; c < t->columns; c++) {
+        double *column_c = work->columns + c * stride;
+        observer_block(d->rows, &t->moved[c], t->own[c], block, noise->gain, 0.0, work->moved, NULL);
+        gram_whiten(noise, block->count, work->moved, column_c);
+        for (size_t j = 0; j < outputs; j++) {
+            column_c[j] = (column_c[j] - work->base[j]) / t->step[c];
+        }
+        sum->g[c] = dot(column_c, work->base, outputs);
+        for (size_t a = 0; a <= c; a++) {
+            sum->h[a][c] = sum->h[c][a] = dot(column_c, work->columns + a * stride, outputs);
+        }
+    }
+}
+
 gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
 {
-    gram *grams = calloc(d->blocks + 1, sizeof *grams);
-    size_t stride = OBSERVER_OUTPUTS * d->longest;
-    if (!grams) {
-        return NULL;
-    }
-    const averaged_drive drive = fit_drive(d, s);
-    rows_nodes_fill(d->rows, &drive, d->nodes);
-    averaged_drive moved[COLUMN_COUNT];
-    double step[COLUMN_COUNT];
+    gram_task t = {.d = d, .s = s, .columns = n, .drive = fit_drive(d, s)};
+    bool complete = true;
+    rows_nodes_fill(d->rows, &t.drive, d->nodes);
     for (size_t c = 0; c < n; c++) {
         double z[P_COUNT];
         memcpy(z, s->z, sizeof z);
-        step[c] = column_step(column[c]);
-        column_move(column[c], step[c], z);
-        moved[c] = coordinates_drive(d->frame, z, s->edge);
-    }
-    /* Column by column would need every block's derivatives at once; block by block would need every column's
-     * nodes at once. The nodes depend on R, L_d and L_q alone: only those columns bring a table of their own.
-     */
-    averaged_node *own[COLUMN_COUNT] = {NULL};
-    bool complete = true;
-    for (size_t c = 0; c < n; c++) {
-        own[c] = d->nodes;
-        if (moved[c].R_ohm != drive.R_ohm || moved[c].L_d_H != drive.L_d_H || moved[c].L_q_H != drive.L_q_H) {
-            own[c] = rows_nodes(d->rows, &moved[c]);
-            complete = complete && own[c];
+        t.step[c] = column_step(column[c]);
+        column_move(column[c], t.step[c], z);
+        const averaged_drive moved = coordinates_drive(d->frame, z, s->edge);
+        t.moved[c] = moved;
+        t.own[c] = d->nodes;
+        if (moved.R_ohm != t.drive.R_ohm || moved.L_d_H != t.drive.L_d_H || moved.L_q_H != t.drive.L_q_H) {
+            t.own[c] = rows_nodes(d->rows, &moved);
+            complete = complete && t.own[c];
         }
     }
-    for (size_t b = 0; complete && b < d->blocks; b++) {
-        const row_block *block = &d->rows->block[d->block[b]];
-        const group_noise *noise = &s->noise[block->group];
-        size_t outputs = OBSERVER_OUTPUTS * block->count;
-        observer_block(d->rows, &drive, d->nodes, block, noise->gain, 0.0, d->base, NULL);
-        gram_whiten(noise, block->count, d->base, d->base);
-        gram *sum = &grams[b];
-        sum->group = block->group;
-        sum->c = dot(d->base, d->base, outputs);
-        for (size_t c = 0; c < n; c++) {
-            double *column_c = d->columns + c * stride;
-            observer_block(d->rows, &moved[c], own[c], block, noise->gain, 0.0, d->moved, NULL);
-            gram_whiten(noise, block->count, d->moved, column_c);
-            for (size_t j = 0; j < outputs; j++) {
-                column_c[j] = (column_c[j] - d->base[j]) / step[c];
-            }
-            sum->g[c] = dot(column_c, d->base, outputs);
-            for (size_t a = 0; a <= c; a++) {
-                sum->h[a][c] = sum->h[c][a] = dot(column_c, d->columns + a * stride, outputs);
-            }
-        }
+    t.grams = complete ? calloc(d->blocks + 1, sizeof *t.grams) : NULL;
+    if (t.grams) {
+        parallel_for(d->blocks, one_block, &t);
     }
     for (size_t c = 0; c < n; c++) {
-        if (own[c] != d->nodes) {
-            free(own[c]);
+        if (t.own[c] != d->nodes) {
+            free(t.own[c]);
         }
     }
-    if (!complete) {
-        free(grams);
-        return NULL;
-    }
-    return grams;
+    return t.grams;
 }
 
 void gram_add(gram *to, const gram *from, size_t n)
