@@ -210,7 +210,8 @@ bool read_text(const char *path, std::string &text, error *e)
     long line = 0;
     long column = 0;
     return toml_depth_check(text.data(), text.size(), &line, &column) ||
-           error_input(e, path, line, column, "the key has more than %d parts; expected a TOML file of this program",
+           error_input(e, path, line, column,
+                       "the key has more than %d parts; expected a TOML file of this program",
                        static_cast<int>(TOML_KEY_PARTS_MAX));
 }
 
