@@ -55,8 +55,13 @@ static void mention_decoys(const session *w, diagnosis *d)
         if ((w->state.set & HYPOTHESIS_BIT(h)) && !hypothesis_cause(h)->named && share > STRUCTURE_SHARE) {
             size_t used = strlen(d->structure.words);
             d->structure.certain = true;
-            snprintf(d->structure.words + used, sizeof d->structure.words - used, "%sit looks like %s",
-                     used ? "; " : "", hypothesis_table[h].words);
+            if (!hypothesis_table[h].silent) {
+                snprintf(d->structure.words + used, sizeof d->structure.words - used, "%sit looks like %s",
+                         used ? "; " : "", hypothesis_table[h].words);
+            } else if (used == 0) {
+                snprintf(d->structure.words, sizeof d->structure.words,
+                         "no cause of the list accounts for it");
+            }
         }
     }
 }

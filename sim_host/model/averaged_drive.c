@@ -1,5 +1,6 @@
 /* The averaged drive's laws over a cycle, and its sensors (averaged_drive.h). */
 #include "averaged_drive.h"
+#include "iron_branch.h"
 
 #include "flux_map.h"
 
@@ -225,6 +226,11 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
 
     vec_ab u = voltage_of(d, row, end, m.push[0][0]);
     const vec_dq total_dq = vec_to_dq(i_true, r); /* what flows through the winding's resistance */
+    if (d->fe_S != 0.0) {
+        vec_ab taken = iron_branch_begin(d, row, i_true);
+        i_true.alpha -= taken.alpha;
+        i_true.beta -= taken.beta;
+    }
     if (d->eddy_S[0] != 0.0 || d->eddy_S[1] != 0.0) {
         /* What flows in the iron follows the flux's change over the last cycles, whose mean the voltage less
          * the drop is. */
@@ -288,6 +294,11 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
         i_end.q += taken.q;
     }
     vec_ab i_next = vec_to_ab(i_end, end);
+    if (d->fe_S != 0.0) {
+        vec_ab taken = iron_branch_end(d, row, i_next);
+        i_next.alpha += taken.alpha;
+        i_next.beta += taken.beta;
+    }
     vec_ab eddy = eddy_current(d, row->u_V, i_next);
     i_next.alpha += eddy.alpha;
     i_next.beta += eddy.beta;

@@ -49,8 +49,9 @@ typedef struct averaged_drive {
     double psi_5_Wb, psi_7_Wb, psi_11_Wb, psi_13_Wb;
     double dR_ohm[3];
     double dL_H[3];
+    double fe_S, fe_tau_s; /* iron: 1 / R_fe of its branch, and the branch's time constant (iron_branch.h) */
     /* Effects that the diagnosis does not name; fitted to see that no named effect is taken for them. */
-    double iron_S;   /* 1 / iron loss resistance, beside the flux-producing current */
+    double iron_S;   /* 1 / resistance of a current beside the flux-producing current */
     double iron_s_S; /* that times the time by which the iron's current comes late */
     /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
@@ -72,9 +73,11 @@ typedef struct cycle_row {
     double node_h;            /* where the speed lies from its node, in node steps */
     size_t node;              /* index into the table */
     double elapsed_s;         /* from the mean of the recording's times */
-    double temperature_K;     /* above the recording's mean; 0 without temp_C */
-    vec_ab i_A;               /* recorded currents, Clarke (amplitude-invariant) */
-    double i_zero_A;          /* mean of the three recorded currents; 0 if only two were recorded */
+    double T_s;
+    size_t history;       /* rows of its stretch before it */
+    double temperature_K; /* above the recording's mean; 0 without temp_C */
+    vec_ab i_A;           /* recorded currents, Clarke (amplitude-invariant) */
+    double i_zero_A;      /* mean of the three recorded currents; 0 if only two were recorded */
 } cycle_row;
 
 averaged_drive averaged_drive_of(const motor *m);

@@ -15,6 +15,10 @@ static void take_laws(averaged_drive *d, const motor *m)
     if (x->has[CAUSE_SATURATION_DQ] && x->I_sat_dq_A > 0.0) {
         d->saturation = 1.0 / (x->I_sat_dq_A * x->I_sat_dq_A);
     }
+    if (x->has[CAUSE_IRON_LOSS]) {
+        d->fe_S = 1.0 / x->R_fe_ohm;
+        d->fe_tau_s = x->tau_fe_s;
+    }
     if (x->has[CAUSE_CURRENT_OFFSET]) {
         const vec_ab offset = vec_from_phases(x->o_A);
         d->offset_ab_A[0] = offset.alpha;
@@ -42,6 +46,7 @@ averaged_drive averaged_drive_of(const motor *m)
                         .i_knee_A = 0.02 * m->I_rated_A_rms,
                         .edge = m->ext.has[CAUSE_DEAD_TIME] ? EDGE_CLIPPED : EDGE_CHARGED,
                         .k_u = 1.0,
+                        .fe_tau_s = 0.5 / m->f_pwm_Hz,
                         .g = {1.0, 1.0, 1.0}};
 #define MODEL(ID, field, member) d.member = m->ext.has[CAUSE_##ID] ? m->ext.field : d.member;
 #include "../data/causes.def"
@@ -66,6 +71,8 @@ static void put_laws(motor *m, const averaged_drive *d)
     /* Beside terms of a map the fall with current is a part of it. */
     x->I_sat_dq_A = d->saturation > 0.0 && flux_map_has_terms(d) ? 1.0 / sqrt(d->saturation) : 0.0;
     x->I_sat_A = d->saturation > 0.0 ? 1.0 / sqrt(d->saturation) : NEVER * I_A;
+    x->R_fe_ohm = d->fe_S > 0.0 ? 1.0 / d->fe_S : NEVER * m->u_dc_V / I_A;
+    x->tau_fe_s = d->fe_tau_s;
     /* Only the two-phase information of the offsets counts: their common part is left out. */
     vec_to_phases((vec_ab){d->offset_ab_A[0], d->offset_ab_A[1]}, x->o_A);
     vec_to_phases((vec_ab){d->offset_rate_ab_A_s[0], d->offset_rate_ab_A_s[1]}, x->o_rate_A_s);
@@ -97,5 +104,6 @@ motor averaged_drive_motor(const averaged_drive *d, const motor *base)
         motor_note_extension(&m, (cause_id)id);
     }
     m.ext.has[CAUSE_SATURATION] = d->saturation > 0.0 && !flux_map_has_terms(d);
+    m.ext.has[CAUSE_IRON_LOSS] = d->fe_S > 0.0;
     return m;
 }

@@ -23,12 +23,13 @@ LATER = [
     "emf_harmonics_high",
     "angle_harmonic_electrical",
     "dead_time_over",
+    "iron_loss",
 ]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
 # The same for effects without a name: in the release sets, and by name.
 UNKNOWN_LATER = []
-UNNAMED = UNKNOWN + UNKNOWN_LATER
+UNNAMED = [x for x in UNKNOWN if x not in KNOWN] + UNKNOWN_LATER
 
 # Least and largest size: what a bench plausibly shows. Relative to the file's value, the rated peak current, a cycle
 # (dead time, delay) or radians.
@@ -247,7 +248,7 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "iron_loss":
         omega_max = motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs
         model.R_iron_ohm, model.tau_iron_s = omega_max * motor.psi_f_Wb / (size * I_pk), 0.5 * T_s
-        return [truth("R_iron", "ohm", model.R_iron_ohm, False)]
+        return [truth("R_fe", "ohm", model.R_iron_ohm), truth("tau_fe", "s", model.tau_iron_s)]
     if effect == "glitch":
         model.glitch_rate = size
         return [truth("rate", "1", size, False)]

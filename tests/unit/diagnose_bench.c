@@ -153,12 +153,40 @@ static void slope(const bench *b, const double state[STATES], double theta, cons
 }
 
 /* One cycle under `u`, of which the first `steps_late` steps are still under `late`. */
+/*
+ * The mean of a leg-switched voltage from `from` to `to` of the cycle: each leg is high around its middle. What is sampled
+ * at the cycle's ends then is the mean current, but an iron that follows within a cycle sees no pulse there.
+ */
+static void switched(const bench *b, const double u[2], double from, double to, double out[2])
+{
+    double phase[3];
+    double least = INFINITY;
+    double most = -INFINITY;
+    out[0] = out[1] = 0.0;
+    for (int x = 0; x < 3; x++) {
+        phase[x] = u[0] * cos(TWO_PI * x / 3.0) + u[1] * sin(TWO_PI * x / 3.0);
+        least = fmin(least, phase[x]);
+        most = fmax(most, phase[x]);
+    }
+    for (int x = 0; x < 3; x++) {
+        const double duty = 0.5 + (phase[x] - 0.5 * (least + most)) / b->m.u_dc_V;
+        const double on = fmin(to, 0.5 + 0.5 * duty) - fmax(from, 0.5 - 0.5 * duty);
+        const double leg = b->m.u_dc_V * fmax(on, 0.0) / (to - from);
+        out[0] += 2.0 / 3.0 * leg * cos(TWO_PI * x / 3.0);
+        out[1] += 2.0 / 3.0 * leg * sin(TWO_PI * x / 3.0);
+    }
+}
+
 static void cycle(const bench *b, double state[STATES], double *theta, double omega, double T,
                   const double late[2], long steps_late, const double now[2])
 {
     double h = T / STEPS;
     for (int k = 0; k < STEPS; k++) {
-        const double *u = k < steps_late ? late : now;
+        const double *mean = k < steps_late ? late : now;
+        double u[2] = {mean[0], mean[1]};
+        if (b->R_iron_ohm > 0.0) {
+            switched(b, mean, (double)k / STEPS, (double)(k + 1) / STEPS, u);
+        }
         double k1[STATES], k2[STATES], k3[STATES], k4[STATES], at[STATES];
         slope(b, state, *theta, u, k1);
         for (int x = 0; x < STATES; x++) {

@@ -322,36 +322,6 @@ static void an_unlogged_ripple_is_structure_and_no_cause(void)
     diagnosis_free(&d);
 }
 
-/* Iron loss looks like a late angle, a voltage gain and a resistance, each in a part of the speed range. */
-static void iron_loss_is_structure_and_no_cause(void)
-{
-    static const double R_ohm[] = {300.0, 800.0};
-    static const double tau_cycles[] = {0.3, 0.7, 4.0};
-    good.noise_A = 0.03;
-    for (size_t k = 0; k < 6; k++) {
-        good.R_iron_ohm = R_ohm[k / 3];
-        good.tau_iron_s = tau_cycles[k % 3] / good.m.f_pwm_Hz;
-        diagnosis d = look(&good, NULL);
-        TEST_ASSERT_EQUAL_size_t(0, d.causes);
-        TEST_ASSERT_EQUAL_INT(VERDICT_UNEXPLAINED, d.verdict);
-        TEST_ASSERT_NOT_NULL(strstr(d.structure.words, "iron loss"));
-        TEST_ASSERT_NOT_NULL(strstr(d.next_experiment, "shaft from outside at no current"));
-        diagnosis_free(&d);
-    }
-}
-
-static void an_angle_delay_beside_iron_loss_is_still_named(void)
-{
-    good.R_iron_ohm = 800.0;
-    good.tau_iron_s = 0.5 / good.m.f_pwm_Hz;
-    good.m.ext.has[CAUSE_ANGLE_DELAY] = true;
-    good.m.ext.t_delay_s = 1e-4;
-    diagnosis d = look(&good, NULL);
-    TEST_ASSERT_EQUAL_size_t(1, d.causes);
-    TEST_ASSERT_EQUAL_STRING("angle_delay", d.cause[0].id);
-    diagnosis_free(&d);
-}
-
 /* A gain common to all sensors would be R and L through another scale: beside them the mismatch alone is
  * told. */
 static void mismatched_sensors_beside_resistance_and_inductance(void)
@@ -493,8 +463,6 @@ int main(void)
     RUN_TEST(two_causes_at_once_are_both_found);
     RUN_TEST(an_offset_is_named_although_one_cycle_hardly_shows_it);
     RUN_TEST(an_unlogged_ripple_is_structure_and_no_cause);
-    RUN_TEST(iron_loss_is_structure_and_no_cause);
-    RUN_TEST(an_angle_delay_beside_iron_loss_is_still_named);
     RUN_TEST(mismatched_sensors_beside_resistance_and_inductance);
     RUN_TEST(two_sensors_with_one_gain_are_no_mismatch);
     RUN_TEST(a_third_current_that_was_computed_tells_nothing);

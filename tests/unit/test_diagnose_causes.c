@@ -132,6 +132,40 @@ static void an_angle_error_of_the_electrical_turn_is_named(void)
     }
 }
 
+/* It looks like a late angle, a voltage gain and a resistance, each in a part of the speed range. */
+static void iron_loss_is_named(void)
+{
+    static const double R_ohm[] = {300.0, 800.0};
+    static const double tau_cycles[] = {0.3, 0.7, 4.0};
+    good.noise_A = 0.03;
+    for (size_t k = 0; k < 6; k++) {
+        good.R_iron_ohm = R_ohm[k / 3];
+        good.tau_iron_s = tau_cycles[k % 3] / good.m.f_pwm_Hz;
+        diagnosis d = look(&good, NULL);
+        one_cause(&d, "iron_loss");
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * good.R_iron_ohm, good.R_iron_ohm, d.cause[0].parameter[0].value);
+        TEST_ASSERT_DOUBLE_WITHIN(0.15 * good.tau_iron_s, good.tau_iron_s, d.cause[0].parameter[1].value);
+        diagnosis_free(&d);
+    }
+}
+
+static void an_angle_delay_beside_iron_loss_is_still_named(void)
+{
+    good.R_iron_ohm = 800.0;
+    good.tau_iron_s = 0.5 / good.m.f_pwm_Hz;
+    good.m.ext.has[CAUSE_ANGLE_DELAY] = true;
+    good.m.ext.t_delay_s = 1e-4;
+    diagnosis d = look(&good, NULL);
+    bool delay = false;
+    for (size_t k = 0; k < d.causes; k++) {
+        delay = delay || strcmp(d.cause[k].id, "angle_delay") == 0;
+        TEST_ASSERT_TRUE(strcmp(d.cause[k].id, "angle_delay") == 0 ||
+                         strcmp(d.cause[k].id, "iron_loss") == 0);
+    }
+    TEST_ASSERT_TRUE(delay);
+    diagnosis_free(&d);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -139,5 +173,7 @@ int main(void)
     RUN_TEST(what_stands_still_has_no_rate);
     RUN_TEST(harmonics_of_the_emf_are_named_to_the_13th);
     RUN_TEST(an_angle_error_of_the_electrical_turn_is_named);
+    RUN_TEST(iron_loss_is_named);
+    RUN_TEST(an_angle_delay_beside_iron_loss_is_still_named);
     return UNITY_END();
 }

@@ -186,7 +186,8 @@ static void test_written_is_read_back_to_the_same_bits(void)
                               &m.ext.psi_5_Wb,  &m.ext.psi_7_Wb,
                               &m.ext.t_delay_s, &m.ext.harmonic_amplitude_rad,
                               &m.ext.dR_ohm[0], &m.ext.dR_ohm[1],
-                              &m.ext.dR_ohm[2], &m.ext.harmonic_phase_rad};
+                              &m.ext.dR_ohm[2], &m.ext.harmonic_phase_rad,
+                              &m.ext.R_fe_ohm,  &m.ext.tau_fe_s};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
         *values[i] = sqrt((double)i + 2.0) * pow(10.0, (double)(i % 7) - 3.0);
     }

@@ -126,7 +126,9 @@ static hypothesis_id weakest(const session *w, const evidence_view *view)
         bool harms = in && decoys && hypothesis_cause(h)->named &&
                      (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * with_all ||
                       is_open(w, view, own.cost, h));
-        if (in && (!is_certain(w, h) || harms || cost_without[h] < bar) && cost_without[h] < least) {
+        const bool stands_for_more = hypothesis_table[h].to_floor && unexplained > 0.0;
+        if (in && (!is_certain(w, h) || harms || stands_for_more || cost_without[h] < bar) &&
+            cost_without[h] < least) {
             least = cost_without[h];
             worst = h;
         }

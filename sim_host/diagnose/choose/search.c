@@ -3,6 +3,7 @@
 
 #include "map_choice.h"
 
+#include "diagnose/identify/branch_choice.h"
 #include "diagnose/identify/edge_choice.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/revolution.h"
@@ -228,7 +229,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
     /* A state that holds causes is a fit already: what looks worse from there is not tried. */
     for (int round = s->set ? 1 : 0; ok && round < ROUNDS_MAX; round++) {
         bool turned = false;
-        ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) &&
+        ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) && branch_choose(d, s) &&
              revolution_align(d, s, d->frame->pole_pairs, &turned);
         if (ok && turned) {
             ok = fit_refine(d, s, REFINE_STEPS);

@@ -50,6 +50,7 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
     /* A file may say R = 0: then what counts as much is a hundredth of L/T. */
     const double R = fmax(d->R_ohm, 0.01 * L / r->T_s);
     const double iron = 0.01 * I / (fmax(r->omega_max_rad_s, 1.0) * psi);
+    const double fe = 0.01 * I / fmax(fmax(r->omega_max_rad_s * psi, r->u_rms_V), 1e-3 * m->u_dc_V);
     const double scale[SCALE_COUNT] = {[SCALE_ONE] = 1.0,
                                        [SCALE_R] = R,
                                        [SCALE_L] = L,
@@ -61,6 +62,7 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
                                        [SCALE_LINK] = 0.01 * m->u_dc_V,
                                        [SCALE_CYCLE] = r->T_s,
                                        [SCALE_IRON] = iron,
+                                       [SCALE_FE] = fe,
                                        [SCALE_IRON_LATE] = iron * r->T_s,
                                        [SCALE_PSI_PERCENT] = 0.01 * psi,
                                        [SCALE_R_PERCENT] = 0.01 * R,

@@ -28,6 +28,7 @@ typedef enum coordinate_scale {
     SCALE_LINK,        /* 1 % of the DC link */
     SCALE_CYCLE,       /* a control cycle */
     SCALE_IRON,        /* an iron loss that takes 1 % of the rated current at the highest speed */
+    SCALE_FE,          /* an iron's branch that takes that at the recording's voltages */
     SCALE_IRON_LATE,   /* that times a cycle */
     SCALE_PSI_PERCENT, /* 1 % of the flux */
     SCALE_R_PERCENT,

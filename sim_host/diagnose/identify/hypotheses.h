@@ -43,7 +43,7 @@ typedef enum hypothesis_measure {
 } hypothesis_measure;
 
 /* A simpler cause that lies inside: of those that hold the same, one may stand in a set. */
-enum { HOLDS_RESISTANCE = 1, HOLDS_INDUCTANCE = 2 };
+enum { HOLDS_RESISTANCE = 1, HOLDS_INDUCTANCE = 2, HOLDS_IRON = 8 };
 
 /* What it scales or delays: some of these together move along a line on which nothing changes. */
 enum {
@@ -92,7 +92,9 @@ typedef struct hypothesis {
      * values when it goes. */
     size_t shapes;
     coordinate_id shape[HYPOTHESIS_SHAPES];
-    bool exact; /* its law leaves nothing that another cause could be taken for */
+    bool silent;   /* fits so much that where it wins nothing is said of it */
+    bool to_floor; /* named only where nothing is left then: else it may stand for what has no name */
+    bool exact;    /* its law leaves nothing that another cause could be taken for */
 } hypothesis;
 
 extern const hypothesis hypothesis_table[H_COUNT];

@@ -86,6 +86,8 @@ static void fill_electrical(diagnose_rows *r)
             row->u_V[1] = j > 0 ? row[-1].u_V[0] : row->u_V[0];
             row->u_V[2] = j > 0 ? row[-1].u_V[1] : row->u_V[0];
             row->i_A = recording_current(rec, k);
+            row->history = j;
+            row->T_s = r->T_s;
             row->i_zero_A = (rec->i_A[0][k] + rec->i_A[1][k] + rec->i_A[2][k]) / 3.0;
             row->temperature_K = rec->temp_C ? rec->temp_C[k] - temperature : 0.0;
             r->i_peak_A = fmax(r->i_peak_A, hypot(row->i_A.alpha, row->i_A.beta));
