@@ -126,7 +126,10 @@ static bool simulate(const request *r, const motor *m, const scenario *s, error 
         const size_t used = strlen(comment);
         (void)snprintf(comment + used, sizeof comment - used, " %s", r->effects.of[k]);
     }
-    bool good = drive_recording_begin(&out, s, drive.T_s, e) && run_firmware(r, m, s, &drive, &out, e) &&
+    scenario logged = *s;
+    logged.log.temperature = drive.machine.heating_K != 0.0;
+    bool good = drive_recording_begin(&out, &logged, drive.T_s, e) &&
+                run_firmware(r, m, s, &drive, &out, e) &&
                 recording_write(r->out_path, &out.recording, comment, e);
     recording_free(&out.recording);
     return good;

@@ -50,6 +50,7 @@ typedef struct scenario_log {
     bool third_current;    /* i_c_A */
     bool mid_currents;     /* i_a_mid_A ... */
     bool mechanical_angle; /* theta_mech_rad */
+    bool temperature;      /* temp_C: not a scenario's wish, but of a drive that warms */
 } scenario_log;
 
 typedef enum scenario_shaft {

@@ -28,7 +28,8 @@ static bool allocate(recording *r, const scenario_log *log, size_t rows)
            columns(&r->omega_e_rad_s, 1, true, rows) && columns(r->i_A, sensors, true, rows) &&
            columns(r->u_V, 3, log->voltages, rows) && columns(r->duty, 3, log->duties, rows) &&
            columns(&r->u_dc_V, 1, log->u_dc, rows) && columns(r->i_mid_A, sensors, log->mid_currents, rows) &&
-           columns(&r->theta_mech_rad, 1, log->mechanical_angle, rows);
+           columns(&r->theta_mech_rad, 1, log->mechanical_angle, rows) &&
+           columns(&r->temp_C, 1, log->temperature, rows);
 }
 
 bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, error *e)
@@ -80,6 +81,7 @@ static bool add_row(void *context, const drive_row *row, error *e)
     rec->omega_e_rad_s[k] = row->valley.omega_e_rad_s;
     set(rec->u_dc_V, k, row->valley.u_dc_V);
     set(rec->theta_mech_rad, k, row->valley.theta_mech_rad);
+    set(rec->temp_C, k, row->valley.temp_C);
     for (int x = 0; x < 3; x++) {
         set(rec->i_A[x], k, row->valley.i_A[x]);
         set(rec->i_mid_A[x], k, row->peak.i_A[x]);

@@ -99,7 +99,7 @@ static void inverse_inductance(const averaged_drive *d, double share, vec_rotor 
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
                            vec_rotor r, double T_s)
 {
-    const double drifted = d->R_rate_ohm_s * row->elapsed_s;
+    const double drifted = d->R_rate_ohm_s * row->elapsed_s + d->R_ohm * d->alpha_R * row->temperature_K;
     double first[3];
     double last[3];
     double lost[3];
@@ -240,7 +240,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     vec_dq u_dq = vec_to_dq(u, r);
     vec_dq i_dq = vec_to_dq(i_true, r);
-    double psi = d->psi_f_Wb + d->psi_temperature * row->temperature_K + d->psi_rate_Wb_s * row->elapsed_s;
+    double psi = d->psi_f_Wb * (1.0 + d->alpha_psi * row->temperature_K) + d->psi_rate_Wb_s * row->elapsed_s;
     bool iron = d->iron_S != 0.0 || d->iron_s_S != 0.0;
     if (iron) {
         /* The current that makes flux is what the iron leaves. */
@@ -254,16 +254,12 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     /* Constant forcing in the rotor frame: the magnet, and the drop over R that the matrices do not know. */
     vec_dq push = {-d->R_ohm * (total_dq.d - x.d / d->L_d_H), -d->R_ohm * (total_dq.q - x.q / d->L_q_H)};
     push.q -= row->omega_rad_s * psi;
-    if (d->R_temperature != 0.0) {
-        push.d -= d->R_temperature * row->temperature_K * i_dq.d;
-        push.q -= d->R_temperature * row->temperature_K * i_dq.q;
-    }
     vec_dq y = {m.decay[0][0] * x.d + m.decay[0][1] * x.q + m.drive[0][0] * u_dq.d + m.drive[0][1] * u_dq.q +
                     m.push[0][0] * push.d + m.push[0][1] * push.q,
                 m.decay[1][0] * x.d + m.decay[1][1] * x.q + m.drive[1][0] * u_dq.d + m.drive[1][1] * u_dq.q +
                     m.push[1][0] * push.d + m.push[1][1] * push.q};
-    if (d->v_dead_V != 0.0 || d->R_rate_ohm_s != 0.0 || d->dR_ohm[0] != 0.0 || d->dR_ohm[1] != 0.0 ||
-        d->dR_ohm[2] != 0.0) {
+    if (d->v_dead_V != 0.0 || d->R_rate_ohm_s != 0.0 || d->alpha_R != 0.0 || d->dR_ohm[0] != 0.0 ||
+        d->dR_ohm[1] != 0.0 || d->dR_ohm[2] != 0.0) {
         /* The current of this cycle as if nothing were lost, in the stationary frame. */
         vec_ab i_end = vec_to_ab(flux_map_current(d, y, i_dq), end);
         vec_dq lost = vec_to_dq(phase_losses(d, row, vec_to_ab(i_dq, r), i_end, r, m.push[0][0]), r);

@@ -49,14 +49,13 @@ typedef struct averaged_drive {
     double psi_5_Wb, psi_7_Wb, psi_11_Wb, psi_13_Wb;
     double dR_ohm[3];
     double dL_H[3];
+    double alpha_R, alpha_psi; /* by which R and psi_f grow per kelvin above the mean of temp_C */
     double fe_S, fe_tau_s; /* iron: 1 / R_fe of its branch, and the branch's time constant (iron_branch.h) */
     /* Effects that the diagnosis does not name; fitted to see that no named effect is taken for them. */
     double iron_S;   /* 1 / resistance of a current beside the flux-producing current */
     double iron_s_S; /* that times the time by which the iron's current comes late */
     /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
-    double psi_temperature; /* psi_f and R that follow recorded temperature, per kelvin (needs temp_C) */
-    double R_temperature;
 } averaged_drive;
 
 /* What one row of a recording says about its cycle. Angles and speed as recorded. */

@@ -16,7 +16,8 @@ static bool is_linear(const plant_config *c)
     const plant_inverter *v = &c->inverter;
     const bool equal_phases = m->dR_ohm[0] == 0.0 && m->dR_ohm[1] == 0.0 && m->dR_ohm[2] == 0.0 &&
                               m->dL_H[0] == 0.0 && m->dL_H[1] == 0.0 && m->dL_H[2] == 0.0;
-    const bool steady = m->R_rate_ohm_s == 0.0 && m->psi_rate_Wb_s == 0.0;
+    const bool steady =
+        m->R_rate_ohm_s == 0.0 && m->psi_rate_Wb_s == 0.0 && m->alpha_R == 0.0 && m->alpha_psi == 0.0;
     const bool plain_machine = steady && equal_phases && m->I_sat_A == 0.0 && !plant_flux_has_map(m) &&
                                m->R_fe_ohm == 0.0 && m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0 &&
                                m->psi_11_Wb == 0.0 && m->psi_13_Wb == 0.0;

@@ -25,6 +25,8 @@ typedef struct plant_machine {
     double L_d_H, L_q_H; /* at zero current, if it saturates */
     double dL_H[3];      /* in series with phase x: leakage, or a choke in the cable */
     double psi_f_Wb;
+    /* R and psi_f grow by alpha per kelvin above reference_K; the drive warms by heating_K (1 - e^{-clock/heating_s}). */
+    double alpha_R, alpha_psi, heating_K, heating_s, reference_K;
     double R_rate_ohm_s, psi_rate_Wb_s; /* by which both have grown for each second of the clock */
     double psi_5_Wb, psi_7_Wb; /* psi_A = psi_f cos(theta) + psi_5 cos(5 theta) + psi_7 cos(7 theta) + ... */
     double psi_11_Wb, psi_13_Wb;

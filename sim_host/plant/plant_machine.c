@@ -66,12 +66,26 @@ static void put_in_series(const plant_machine *m, machine_terms *t)
     t->drift_A_s.beta = left[1][0] * drift.alpha + left[1][1] * drift.beta;
 }
 
+double machine_warmer_K(const plant_machine *m, double clock_s)
+{
+    return m->heating_K != 0.0 ? m->heating_K * -expm1(-fmax(clock_s, 0.0) / m->heating_s) : 0.0;
+}
+
+double machine_warming_K_s(const plant_machine *m, double clock_s)
+{
+    const bool warms = m->heating_K != 0.0 && clock_s > 0.0;
+    return warms ? m->heating_K / m->heating_s * exp(-clock_s / m->heating_s) : 0.0;
+}
+
 void machine_linearise(const plant_config *c, const plant_state *s, machine_terms *t)
 {
     const plant_machine *m = &c->machine;
     const double omega = s->y[STATE_OMEGA_E];
     const double clock_s = s->y[STATE_CLOCK];
-    const double psi_f_Wb = m->psi_f_Wb + m->psi_rate_Wb_s * clock_s;
+    const double above_K = machine_warmer_K(m, clock_s) - m->reference_K;
+    const double psi_f_Wb = m->psi_f_Wb * (1.0 + m->alpha_psi * above_K) + m->psi_rate_Wb_s * clock_s;
+    const double weakening_V =
+        m->psi_rate_Wb_s + m->psi_f_Wb * m->alpha_psi * machine_warming_K_s(m, clock_s);
     const double theta = s->y[STATE_THETA_E];
     t->r = rotor_at(theta);
     t->i_A = (vec_ab){s->y[STATE_I_ALPHA], s->y[STATE_I_BETA]};
@@ -94,8 +108,8 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
     const vec_ab harmonic = harmonic_emf_per_speed(m, theta);
     vec_ab emf = vec_to_ab(turn, t->r);
     /* A magnet that weakens induces along its own axis. */
-    emf.alpha = omega * (emf.alpha + harmonic.alpha) + m->psi_rate_Wb_s * t->r.cos;
-    emf.beta = omega * (emf.beta + harmonic.beta) + m->psi_rate_Wb_s * t->r.sin;
+    emf.alpha = omega * (emf.alpha + harmonic.alpha) + weakening_V * t->r.cos;
+    emf.beta = omega * (emf.beta + harmonic.beta) + weakening_V * t->r.sin;
 
     /* The inverse of the differential inductance, turned into the stationary frame column by column. */
     for (int k = 0; k < 2; k++) {
@@ -108,7 +122,8 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
         t->rate[1][k] = column.beta;
     }
 
-    const double R = fmax(m->R_ohm + m->R_rate_ohm_s * clock_s, 0.0) + c->inverter.r_on_ohm;
+    const double R =
+        fmax(m->R_ohm * (1.0 + m->alpha_R * above_K) + m->R_rate_ohm_s * clock_s, 0.0) + c->inverter.r_on_ohm;
     double drop[3];
     for (int x = 0; x < 3; x++) {
         drop[x] = (R + m->dR_ohm[x]) * vec_phase(t->i_A, x);

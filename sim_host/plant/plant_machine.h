@@ -54,6 +54,10 @@ typedef struct machine_terms {
     double torque_Nm;
 } machine_terms;
 
+/* How much warmer than at the clock's nought the winding and the magnet are, and how fast that grows. */
+double machine_warmer_K(const plant_machine *m, double clock_s);
+double machine_warming_K_s(const plant_machine *m, double clock_s);
+
 void machine_linearise(const plant_config *c, const plant_state *s, machine_terms *t);
 
 /* The rate of every state, with u the voltage of the legs (before their on-resistance). */

@@ -1,9 +1,11 @@
 /* What the sensors make of the truth (plant_sensor.h). */
 #include "plant_sensor.h"
 #include "../base/vector.h"
+#include "plant_machine.h"
 
 #include <math.h>
 
+static const double ROOM_C = 25.0;
 enum { STREAM_CURRENT = 1, STREAM_ANGLE, STREAM_LOOSE };
 
 void sensor_init(sensor_memory *m, uint64_t seed)
@@ -83,6 +85,7 @@ void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *tr
     s->theta_e_rad = wrap(pole_pairs * truth->theta_mech_rad + wrong_rad);
     s->theta_mech_rad = wrap(truth->theta_mech_rad + wrong_rad / pole_pairs);
     s->omega_e_rad_s = truth->omega_e_rad_s + noise(&m->angle, sensors->omega_noise_rad_s);
+    s->temp_C = ROOM_C + machine_warmer_K(&c->machine, truth->clock_s);
     /* A link measured wrong reads 1/k_u of what is there. */
     s->u_dc_V = truth->u_dc_V / c->inverter.k_u + noise(&m->angle, sensors->u_dc_noise_V);
 }

@@ -16,6 +16,7 @@ typedef struct plant_samples {
     double theta_mech_rad; /* the same sensor's, in [0, 2 pi) */
     double omega_e_rad_s;
     double u_dc_V;
+    double temp_C; /* the winding's */
 } plant_samples;
 
 typedef struct sensor_memory {

@@ -52,6 +52,11 @@ def lane_starts(seed, bench, T_s):
     return np.array(starts), end
 
 
+def warming(t_s, model, motor):
+    """Kelvins by which a drive has warmed: nineteen twentieths of its heating within the recording."""
+    return model.heating_K * (1.0 - np.exp(-3.0 * np.maximum(t_s, 0.0) / motor.span_s))
+
+
 def true_model(motor, ids, sizes, directions, has_i_c):
     model = effects.nominal_model(motor, averaged.no_effect())
     model.two_sensors = not has_i_c
@@ -93,11 +98,21 @@ def simulate(motor, bench, model, rows, rng_seed):
         u_ripple=model.u_ripple, u_ripple_Hz=model.u_ripple_Hz, u_dc_noise_V=bench.u_dc_noise * u_file,
         u_dc_lsb_V=1.4 * u_file / 2 ** bench.bits, timer_counts=bench.timer_counts, min_max=bench.min_max,
         omega_noise_rad_s=bench.omega_noise * motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs,
+        R_share=np.zeros((bench.warm_up + rows, 1)), psi_share=np.zeros((bench.warm_up + rows, 1)),
         drifts=bool(model.R_rate_ohm_s or model.psi_rate_Wb_s or model.g_rate_s.any() or model.o_rate_A_s.any()),
         clock_s=starts - middle_s, R_rate_ohm_s=model.R_rate_ohm_s, psi_rate_Wb_s=model.psi_rate_Wb_s,
         gain_rate_s=model.g_rate_s.reshape(3, 1), offset_rate_A_s=model.o_rate_A_s.reshape(3, 1),
         compensation_V=model.compensation_V, glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles)
+    if model.heating_K:
+        p.drifts = True
+        p.warmer_K = warming(starts + T_s * np.arange(-bench.warm_up, rows).reshape(-1, 1), model, motor)
+        # A pilot is shorter than the runs.
+        mean_K = np.average([p.warmer_K[bench.warm_up:bench.warm_up + n, lane].mean() for lane, n in enumerate(bench.rows)],
+                            weights=bench.rows)
+        p.R_share, p.psi_share = model.alpha_R * (p.warmer_K - mean_K), model.alpha_psi * (p.warmer_K - mean_K)
     columns = second_drive.record(p, machine, inverter, shaft, rows, bench.warm_up, rng)
+    if model.heating_K:
+        columns["temp_C"] = 25.0 + p.warmer_K[bench.warm_up:]
     return columns
 
 

@@ -24,6 +24,7 @@ LATER = [
     "angle_harmonic_electrical",
     "dead_time_over",
     "iron_loss",
+    "temperature",
 ]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
@@ -44,6 +45,7 @@ RANGE = {
     # What drifts: its change over the recording.
     "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
     "current_gain_drift": (0.02, 0.1), "emf_harmonics_high": (0.004, 0.03), "angle_harmonic_electrical": (0.008, 0.1),
+    "temperature": (20.0, 70.0),
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004)}
 
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
@@ -234,6 +236,10 @@ def apply(model, motor, effect, size, d, has_i_c):
         model.psi_5_Wb, model.psi_11_Wb, model.psi_13_Wb = (size * motor.psi_f_Wb * d[c] for c in ("c5", "c11", "c13"))
         return [truth("psi_5", "Wb", model.psi_5_Wb), truth("psi_11", "Wb", model.psi_11_Wb),
                 truth("psi_13", "Wb", model.psi_13_Wb)]
+    if effect == "temperature":
+        # Copper and a magnet, warming by so many kelvins; the file's values are those at the recording's mean.
+        model.alpha_R, model.alpha_psi, model.heating_K = 0.0039, -0.0011, size
+        return [truth("alpha_R", "1/K", model.alpha_R), truth("alpha_psi", "1/K", model.alpha_psi)]
     if effect == "phase_asymmetry":
         model.dR_ohm = np.zeros(3)
         model.dR_ohm[d["phase"]] = size * motor.R_ohm

@@ -67,6 +67,9 @@ def recording_text(drawn):
             put("theta_mech_rad", (theta / motor.pole_pairs) % TURN, "%.6f")
         if bench.extra:
             put("state", np.full(n, 4), "%d")
+        if "temp_C" in c:
+            put("temp_C", c["temp_C"][:n, lane], "%.2f")
+        elif bench.extra:
             put("temp_C", 41.0 + 0.2 * lane + 0.1 * np.round(rng.standard_normal(n)), "%.1f")
     keys = list(table)
     if bench.shuffle:

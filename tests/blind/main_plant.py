@@ -89,6 +89,9 @@ def effect_arguments(case, model):
         "current_offset_drift": lambda: drifts(("o_a", "o_b", "o_c"), model.o_A, model.o_rate_A_s),
         "current_gain_drift": lambda: drifts(("g_a", "g_b", "g_c"), model.g, model.g_rate_s),
         "dc_link_ripple": lambda: {"amplitude": model.u_ripple * u_dc, "frequency": model.u_ripple_Hz, "logged": 0},
+        "temperature": lambda: {
+            "alpha_R": model.alpha_R, "alpha_psi": model.alpha_psi, "heating": model.heating_K,
+            "tau": case.motor.span_s / 3.0, "reference": model.heating_K * (1.0 - (1.0 - np.exp(-3.0)) / 3.0)},
         "iron_loss": lambda: {"R_fe": model.R_iron_ohm, "tau_fe": model.tau_iron_s},
         "glitch": lambda: {"probability": model.glitch_rate},
         # Two samples a cycle there, one decision a cycle here; bursts of 1 to 12 cycles.

@@ -127,8 +127,8 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         if p.drifts:
             # From cycle to cycle: what moves over seconds does not move within one.
             clock_s = p.clock_s + (k - warm_up) * T
-            machine.drift_to(np.maximum(R_middle_ohm + p.R_rate_ohm_s * clock_s, 0.0),
-                             psi_middle_Wb + p.psi_rate_Wb_s * clock_s)
+            machine.drift_to(np.maximum(R_middle_ohm * (1.0 + p.R_share[k]) + p.R_rate_ohm_s * clock_s, 0.0),
+                             psi_middle_Wb * (1.0 + p.psi_share[k]) + p.psi_rate_Wb_s * clock_s)
             sensors.drift_to(p.gain + p.gain_rate_s * clock_s, p.offset_A + p.offset_rate_A_s * clock_s)
         slow = 1.0 + p.u_drift * np.sin(TURN * p.u_drift_Hz * t + 1.0)
         ripple = p.u_ripple * np.sin(TURN * p.u_ripple_Hz * (t + 0.5 * T))

@@ -224,6 +224,7 @@ static void allocate(recording *r, const bench *b)
     r->t_s = column(rows);
     r->theta_e_rad = column(rows);
     r->omega_e_rad_s = column(rows);
+    r->temp_C = b->swing_K != 0.0 ? column(rows) : NULL;
     for (int x = 0; x < 3; x++) {
         r->i_A[x] = column(rows);
         r->u_V[x] = column(rows);
@@ -273,12 +274,22 @@ static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], 
     r->omega_e_rad_s[k] = omega;
 }
 
+/* Warm, then cooled, then warm again, so that no drift in time is like it. */
+static double bench_temperature_C(const bench *b, double from)
+{
+    return b->mean_C + b->swing_K * sin(0.9 * from);
+}
+
 /* The bench as it is so long after the recording's middle; a magnet that weakens takes its flux with it. */
 static bench drifted(const bench *b, double from)
 {
     bench now = *b;
     now.m.R_ohm += b->m.ext.has[CAUSE_RESISTANCE] ? b->m.ext.R_rate_ohm_s * from : 0.0;
     now.m.psi_f_Wb += b->m.ext.has[CAUSE_FLUX_LINKAGE] ? b->m.ext.psi_rate_Wb_s * from : 0.0;
+    if (b->m.ext.has[CAUSE_TEMPERATURE]) {
+        now.m.R_ohm *= 1.0 + b->m.ext.alpha_R * (bench_temperature_C(b, from) - b->mean_C);
+        now.m.psi_f_Wb *= 1.0 + b->m.ext.alpha_psi * (bench_temperature_C(b, from) - b->mean_C);
+    }
     return now;
 }
 
@@ -305,6 +316,9 @@ recording bench_record(const bench *b)
             double i_ab[2];
             r.t_s[k] = 2.0 * (double)run + (double)j * r.T_s;
             now = drifted(b, r.t_s[k] - middle_s(r.T_s));
+            if (r.temp_C) {
+                r.temp_C[k] = bench_temperature_C(b, r.t_s[k] - middle_s(r.T_s));
+            }
             bench_current(&now, state, theta, i_ab);
             i_ab[0] += state[2];
             i_ab[1] += state[3];

@@ -18,7 +18,8 @@ typedef struct bench {
     double R_iron_ohm;      /* eddy currents beside the winding's flux; 0: none */
     double tau_iron_s;      /* by which they come late */
     double bend_d, bend_q,
-        bend_cross; /* iron that saturates (current_of), at the rated current: parts of it */
+        bend_cross;         /* iron that saturates (current_of), at the rated current: parts of it */
+    double mean_C, swing_K; /* temperature: recorded where it swings */
     bool two_sensors;
     unsigned long seed;
 } bench;

@@ -166,6 +166,33 @@ static void an_angle_delay_beside_iron_loss_is_still_named(void)
     diagnosis_free(&d);
 }
 
+/* R and psi_f of the file are those at the recording's mean temperature: symmetric about it on this bench. */
+static void what_follows_the_temperature_is_named(void)
+{
+    good.m.ext.has[CAUSE_TEMPERATURE] = true;
+    good.m.ext.alpha_R = 0.0039;
+    good.m.ext.alpha_psi = -0.0011;
+    good.mean_C = 60.0;
+    good.swing_K = 25.0;
+    diagnosis d = look(&good, NULL);
+    bool found = false;
+    for (size_t k = 0; k < d.causes; k++) {
+        if (strcmp(d.cause[k].id, "temperature") == 0) {
+            found = true;
+            TEST_ASSERT_DOUBLE_WITHIN(0.0004, 0.0039, d.cause[k].parameter[0].value);
+            TEST_ASSERT_DOUBLE_WITHIN(0.0001, -0.0011, d.cause[k].parameter[1].value);
+        }
+    }
+    TEST_ASSERT_TRUE(found);
+    TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict);
+    diagnosis_free(&d);
+    /* A temperature that swings while nothing follows it is no cause. */
+    good.m = bench_motor();
+    d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(0, d.causes);
+    diagnosis_free(&d);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -175,5 +202,6 @@ int main(void)
     RUN_TEST(an_angle_error_of_the_electrical_turn_is_named);
     RUN_TEST(iron_loss_is_named);
     RUN_TEST(an_angle_delay_beside_iron_loss_is_still_named);
+    RUN_TEST(what_follows_the_temperature_is_named);
     return UNITY_END();
 }

@@ -38,6 +38,12 @@ reference compare_reference(const plant_config *c)
     r.psi_7 = c->machine.psi_7_Wb;
     r.psi_11 = c->machine.psi_11_Wb;
     r.psi_13 = c->machine.psi_13_Wb;
+    r.R_first = c->machine.R_ohm;
+    r.alpha_R = c->machine.alpha_R;
+    r.alpha_psi = c->machine.alpha_psi;
+    r.heating = c->machine.heating_K;
+    r.heating_s = c->machine.heating_s;
+    r.reference = c->machine.reference_K;
     r.R_rate = c->machine.R_rate_ohm_s;
     r.psi_rate = c->machine.psi_rate_Wb_s;
     r.t = c->clock_s;

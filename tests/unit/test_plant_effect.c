@@ -106,7 +106,7 @@ static void test_typical_sizes(void)
         const plant_config c = with(effect_table[n].id);
         TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), effect_table[n].id);
     }
-    TEST_ASSERT_EQUAL_INT(26, effect_table_length);
+    TEST_ASSERT_EQUAL_INT(27, effect_table_length);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2e-6, with("dead_time").inverter.t_dead_s);
 }
 

@@ -141,6 +141,13 @@ static void test_drift(void)
     c.machine.psi_rate_Wb_s = -1.5;
     c.clock_s = -0.01;
     follow("drifting R and psi", c, 9.0);
+    c.machine.R_rate_ohm_s = c.machine.psi_rate_Wb_s = c.clock_s = 0.0;
+    c.machine.alpha_R = 0.0039;
+    c.machine.alpha_psi = -0.0011;
+    c.machine.heating_K = 40.0;
+    c.machine.heating_s = 0.05;
+    c.machine.reference_K = 30.0;
+    follow("warming up", c, 9.0);
 }
 
 static void test_sensor_bandwidth(void)

@@ -47,6 +47,11 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
 {
     const reference *r = user;
     const double clock = r->t + t; /* t restarts in each span */
+    const double faded = r->heating != 0.0 ? exp(-clock / r->heating_s) : 1.0;
+    const double above = r->heating * (1.0 - faded) - r->reference;
+    const double psi = r->psi * (1.0 + r->alpha_psi * above) + r->psi_rate * clock;
+    const double psi_rate =
+        r->psi_rate + (r->heating != 0.0 ? r->psi * r->alpha_psi * r->heating / r->heating_s * faded : 0.0);
     const double *y = N_VGetArrayPointer(vy);
     double *dy = N_VGetArrayPointer(vdy);
     const double i_phase[3] = {y[0], y[1], -y[0] - y[1]};
@@ -75,9 +80,9 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
     }
     for (int x = 0; x < 3; x++) {
         const double from = theta - axis[x];
-        const double dmagnet = -(r->psi + r->psi_rate * clock) * sin(from) -
-                               5.0 * r->psi_5 * sin(5.0 * from) - 7.0 * r->psi_7 * sin(7.0 * from) -
-                               11.0 * r->psi_11 * sin(11.0 * from) - 13.0 * r->psi_13 * sin(13.0 * from);
+        const double dmagnet = -psi * sin(from) - 5.0 * r->psi_5 * sin(5.0 * from) -
+                               7.0 * r->psi_7 * sin(7.0 * from) - 11.0 * r->psi_11 * sin(11.0 * from) -
+                               13.0 * r->psi_13 * sin(13.0 * from);
         turned[x] = f * dL_i[x] + df_dsquare * dsquare * L_i[x] + dmagnet;
         torque_per_pole_pair += i[x] * (0.5 * f * dL_i[x] + dmagnet);
     }
@@ -120,7 +125,7 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
             u = 0.5 * (r->least[x] + r->most[x]) -
                 0.5 * (r->most[x] - r->least[x]) * tanh(i_phase[x] / r->knee);
         }
-        without[x] = u - (r->R[x] + r->R_rate * clock) * i_phase[x];
+        without[x] = u - (r->R[x] + r->R_first * r->alpha_R * above + r->R_rate * clock) * i_phase[x];
     }
     double m[2][2], rhs[2];
     for (int k = 0; k < 2; k++) {
@@ -137,7 +142,7 @@ static int rates(double t, N_Vector vy, N_Vector vdy, void *user)
         const double rate[3] = {dy[0], dy[1], -dy[0] - dy[1]};
         for (int x = 0; x < 3; x++) {
             flux_rate[x] = without[x] - r->dL[x] * rate[x];
-            against[x] = flux_rate[x] - turned[x] * omega - r->psi_rate * cos(theta - axis[x]);
+            against[x] = flux_rate[x] - turned[x] * omega - psi_rate * cos(theta - axis[x]);
         }
         for (int k = 0; k < 2; k++) {
             rhs[k] = against[k] - against[k + 1];

@@ -16,6 +16,9 @@
 
 typedef struct reference {
     double pole_pairs, R[3], dL[3], L_d, L_q, psi, psi_5, psi_7, psi_11, psi_13, I_sat; /* I_sat 0: none */
+    double R_first; /* of the winding alone, which alpha_R is of */
+    double alpha_R, alpha_psi, heating, heating_s,
+        reference;           /* by which R, psi grow with the drive's warming */
     double R_rate, psi_rate; /* by which each R and psi grow per second of t */
     /* Co-energy of the machine beyond that, 3/2 sum of w_nk d^n q^k, d and q the current's parts: w[n][k]. */
     double w[5][5];

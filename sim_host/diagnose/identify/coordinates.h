@@ -18,20 +18,19 @@ typedef enum coordinate_id {
 /* What a step of 1 in z is, in the coordinate's own unit. */
 typedef enum coordinate_scale {
     SCALE_ONE,
-    SCALE_R,           /* the file's resistance */
-    SCALE_L,           /* the mean of its inductances */
-    SCALE_PSI,         /* its magnet's flux */
-    SCALE_CURRENT,     /* the rated peak current */
-    SCALE_PER_SQUARE,  /* 1 / rated peak current^2 */
-    SCALE_MAP_THIRD,   /* a term of third order of the flux map that doubles the flux at the rated current, */
-    SCALE_MAP_FOURTH,  /* and one of fourth */
-    SCALE_LINK,        /* 1 % of the DC link */
-    SCALE_CYCLE,       /* a control cycle */
-    SCALE_IRON,        /* an iron loss that takes 1 % of the rated current at the highest speed */
-    SCALE_FE,          /* an iron's branch that takes that at the recording's voltages */
-    SCALE_IRON_LATE,   /* that times a cycle */
-    SCALE_PSI_PERCENT, /* 1 % of the flux */
-    SCALE_R_PERCENT,
+    SCALE_R,          /* the file's resistance */
+    SCALE_L,          /* the mean of its inductances */
+    SCALE_PSI,        /* its magnet's flux */
+    SCALE_CURRENT,    /* the rated peak current */
+    SCALE_PER_SQUARE, /* 1 / rated peak current^2 */
+    SCALE_MAP_THIRD,  /* a term of third order of the flux map that doubles the flux at the rated current, */
+    SCALE_MAP_FOURTH, /* and one of fourth */
+    SCALE_LINK,       /* 1 % of the DC link */
+    SCALE_CYCLE,      /* a control cycle */
+    SCALE_IRON,       /* an iron loss that takes 1 % of the rated current at the highest speed */
+    SCALE_FE,         /* an iron's branch that takes that at the recording's voltages */
+    SCALE_IRON_LATE,  /* that times a cycle */
+    SCALE_PERCENT,
     /* A change of 1 of these through the recording. */
     SCALE_RATE,
     SCALE_R_RATE,

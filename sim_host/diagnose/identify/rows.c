@@ -13,6 +13,8 @@ enum {
     GROUPS_WANTED = 6 /* a recording of fewer runs is cut in time, or robust intervals had nothing to count */
 };
 
+static const double WARMER_K = 5.0;
+
 static bool angle_is_wrapped(const recording *rec)
 {
     for (size_t k = 0; k < rec->rows; k++) {
@@ -235,6 +237,18 @@ static size_t distinct_runs(const recording *rec)
     return n;
 }
 
+/* Whether the temperature moves by enough to tell what follows it: 2 % of a copper winding's resistance. */
+static bool warms(const recording *rec)
+{
+    double least = INFINITY;
+    double most = -INFINITY;
+    for (size_t k = 0; rec->temp_C && k < rec->rows; k++) {
+        least = fmin(least, rec->temp_C[k]);
+        most = fmax(most, rec->temp_C[k]);
+    }
+    return most - least >= WARMER_K;
+}
+
 static bool cut_blocks(diagnose_rows *r)
 {
     const recording *rec = r->recording;
@@ -283,7 +297,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     }
     r->two_sensors = !recording_three_sensors(rec);
     r->mech_known = rec->theta_mech_rad != NULL || !angle_is_wrapped(rec) || m->pole_pairs == 1;
-    r->temperature_known = rec->temp_C != NULL;
+    r->temperature_known = warms(rec);
     fill_times(r);
     fill_angles(r, m);
     correct_speed(r);
