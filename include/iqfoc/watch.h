@@ -163,7 +163,8 @@ typedef struct iqfoc_watch {
 /* No alarm, nothing seen. */
 static inline void iqfoc_watch_reset(iqfoc_watch_t *watch)
 {
-    const iqfoc_watch_t fresh = {.group = IQFOC_WATCH_NONE};
+    const iqfoc_watch_t fresh = {0,   0,   0, 0, {0, 0}, {0, 0}, {0, 0},          0, {0}, {0},
+                                 {0}, {0}, 0, 0, 0,      0,      IQFOC_WATCH_NONE};
     *watch = fresh;
 }
 
@@ -203,7 +204,8 @@ static inline bool iqfoc_watch_step(iqfoc_watch_t *watch, iqfoc_ab_t off, iqfoc_
  *
  * Each product is rounded down in Q16. X and y are held to +-128, which only makes an alarm later, and the amount
  * of so large a change too small; detectors end at 16384. Blocks with less than 0.15 of current are not judged,
- * for no law says what the legs lose about zero. 2300 instructions on a Cortex-M4, the step 49. After a name nothing changes until iqfoc_watch_reset.
+ * for no law says what the legs lose about zero. 2300 instructions on a Cortex-M4, the step 49. After a name nothing
+ * changes until iqfoc_watch_reset.
  */
 bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns);
 
