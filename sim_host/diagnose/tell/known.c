@@ -104,8 +104,9 @@ static void tell_covariance(const session *w, diagnosis *d)
     double by[DIAGNOSIS_FITTED]
              [COLUMN_COUNT]; /* a value's change by a column, times what makes its width honest */
     diagnosis_covariance *out = &d->covariance;
-    out->count = fitted_values(d, fitted);
-    for (size_t i = 0; i < out->count; i++) {
+    const size_t count = fitted_values(d, fitted);
+    out->count = count;
+    for (size_t i = 0; i < count; i++) {
         const double at = values_at(w, fitted[i], 0, 0.0);
         snprintf(out->name[i], sizeof out->name[i], "%s", fitted[i]->name);
         snprintf(out->unit[i], sizeof out->unit[i], "%s", fitted[i]->unit);
@@ -119,8 +120,8 @@ static void tell_covariance(const session *w, diagnosis *d)
             by[i][k] = change / step * (own > 0.0 ? fmax(c->half_width[k] / (1.96 * own), 1.0) : 1.0);
         }
     }
-    for (size_t i = 0; i < out->count; i++) {
-        for (size_t j = 0; j < out->count; j++) {
+    for (size_t i = 0; i < count; i++) {
+        for (size_t j = 0; j < count; j++) {
             double sum = 0.0;
             for (size_t k = 0; k < c->columns; k++) {
                 for (size_t m = 0; m < c->columns; m++) {
