@@ -185,7 +185,9 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     iq24_t turns = sample->turns;
     iq24_t u_dc = sample->u_dc;
-    if ((iqfoc_guard_sample(config, sample, i, now) | cycle->phase << 1) > INT32_MAX) {
+    /* The phase's next bit to the top; the top one is to fall out, which the wider shift says. */
+    const uint32_t no_peak_due = (uint32_t)((uint64_t)cycle->phase << 1);
+    if ((iqfoc_guard_sample(config, sample, i, now) | no_peak_due) > INT32_MAX) {
         iqfoc_cycle_odd_peak(cycle, sample, now);
         turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
         u_dc = iq24_clamp(u_dc, IQFOC_CYCLE_U_DC_MIN, IQFOC_CYCLE_U_DC_MAX);
