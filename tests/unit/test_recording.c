@@ -34,6 +34,7 @@ static void expect_refused(const char *text, const char *where, const char *what
 {
     error e = {0};
     const char *path = scratch_text("r.csv", text);
+    recording_free(&r);
     TEST_ASSERT_FALSE_MESSAGE(recording_read(path, &r, &e), text);
     TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
     char start[500];
