@@ -19,16 +19,16 @@ static around_drive d;
 static drive_t drive;
 static iqfoc_encoder_t encoder;
 static iqfoc_tracker_t tracker;
-static iqfoc_abc_t offset;
-static double zero_turns;  /* where on the shaft the encoder counts from */
-static double encoder_way; /* -1: wired the other way round */
+static iqfoc_abc_t subtracted; /* from the currents */
+static double zero_turns;      /* where on the shaft the encoder counts from */
+static double encoder_way;     /* -1: wired the other way round */
 static bool broken;
 
 /* The port's part of it. */
-void port_set_offset(iqfoc_hal_t *hal, iqfoc_abc_t found)
+void port_set_offset(iqfoc_hal_t *hal, iqfoc_abc_t offset)
 {
     (void)hal;
-    offset = found;
+    subtracted = offset;
 }
 
 void port_set_predicted(iqfoc_hal_t *hal, iqfoc_abc_t current)
@@ -75,7 +75,7 @@ void setUp(void)
     const iqfoc_abc_t none = {0, 0, 0};
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_encoder_init(&encoder, &encoder_config));
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_tracker_init(&tracker, &tracker_config));
-    offset = none;
+    subtracted = none;
     encoder_way = 1.0;
     broken = false;
 }
@@ -118,9 +118,9 @@ static void periods(long count)
         iqfoc_tracker_step(&tracker, iqfoc_encoder_theta(&encoder, counter()), 0, true);
         sample.theta = iqfoc_tracker_theta(&tracker, 0);
         sample.turns = iqfoc_tracker_turns(&tracker);
-        sample.i.a -= offset.a;
-        sample.i.b -= offset.b;
-        sample.i.c -= offset.c;
+        sample.i.a -= subtracted.a;
+        sample.i.b -= subtracted.b;
+        sample.i.c -= subtracted.c;
         hal_host_interrupt(&d.hal, &sample);
         drive_interrupt(&drive, &d.hal);
         (void)around_peak(&d);
