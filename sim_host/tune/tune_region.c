@@ -62,7 +62,10 @@ static bool box_corner(const tune_region *region, int n, double off[TUNE_AXES])
     return !region->alike || (n >> 1 & 1) == (n >> 2 & 1);
 }
 
-/* A direction of the ellipsoid: -1, 0 or 1 on each axis, made a unit vector. False for none of its own. */
+/*
+ * A direction of the ellipsoid: -1, 0 or 1 on each axis, made a unit vector. False for none of its own. Axes
+ * from `known` on have z of 0 then.
+ */
 static bool direction(int n, int known, double off[TUNE_AXES], const tune_region *region)
 {
     double z[TUNE_AXES] = {(double)(n % 3 - 1), (double)(n / 3 % 3 - 1), (double)(n / 9 - 1)};
@@ -75,7 +78,7 @@ static bool direction(int n, int known, double off[TUNE_AXES], const tune_region
     }
     for (int row = 0; row < TUNE_AXES; row++) {
         off[row] = 0.0;
-        for (int k = 0; k < known && square > 0.0; k++) {
+        for (int k = 0; k < TUNE_AXES && square > 0.0; k++) {
             off[row] += region->root[row][k] * region->radius * z[k] / sqrt(square);
         }
     }

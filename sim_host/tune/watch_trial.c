@@ -163,15 +163,19 @@ bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint
 {
     double *delay = calloc((size_t)trials + 1, sizeof *delay);
     *out = (watch_trial){.trials = trials, .median_s = NAN, .latest_s = NAN};
-    bool ok = delay != NULL || error_failure(e, 0, "watch: out of memory");
+    if (delay == NULL) {
+        return error_failure(e, 0, "watch: out of memory");
+    }
+    const iqfoc_watch_group_t right = group_of_change[change];
+    bool ok = true;
     for (int n = 0; n < trials && ok; n++) {
         outcome one;
         ok = one_trial(r, change, seed + (uint64_t)n, &one, e);
         if (ok && one.noted) {
             delay[out->noted++] = one.alarm_s;
             out->since_within += fabs(one.since_s) <= 0.1 ? 1 : 0;
-            out->right += one.group == group_of_change[change] ? 1 : 0;
-            out->amount += one.group == group_of_change[change] ? one.amount : 0.0;
+            out->right += one.group == right ? 1 : 0;
+            out->amount += one.group == right ? one.amount : 0.0;
         }
         out->named[ok ? one.group : IQFOC_WATCH_NONE]++;
         out->early += ok && one.early ? 1 : 0;
