@@ -24,6 +24,10 @@ static const double CERTAIN_HALF_WIDTHS = 2.0;
  * left. */
 static const double LEAST_SHARE_OF_REST = 0.05;
 
+/* The least share of what all causes explain, those of exact laws included: the recording's own errors, in the speed
+ * within a cycle say, leave that much. */
+static const double LEAST_SHARE_OF_EXACT = 1.5e-4;
+
 static bool is_certain(const session *w, hypothesis_id h)
 {
     const hypothesis *hypo = &hypothesis_table[h];
@@ -87,12 +91,16 @@ static hypothesis_id weakest(const session *w, const evidence_view *view)
     evidence_option none;
     hypothesis_set decoys = 0;
     evidence_cost(view, &w->state, w->state.set, &own);
-    /* A voltage that acts late is exactly that: its law leaves nothing that another cause could be taken for. */
+    /* A voltage that acts late is exactly that, as are an angle and a sensor that err: their laws leave next to
+     * nothing that another cause could be taken for. */
     hypothesis_set exact = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         exact |= hypothesis_table[h].exact ? HYPOTHESIS_BIT(h) : 0;
     }
     evidence_cost(view, &w->state, w->state.set & exact, &none);
+    evidence_option nothing;
+    evidence_cost(view, &w->state, 0, &nothing);
+    const double least_of_all = LEAST_SHARE_OF_EXACT * (nothing.cost - own.cost);
     double rest = rest_of(w);
     double unexplained =
         rest > DIAGNOSIS_FLOOR_TOLERANCE * DIAGNOSIS_FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
@@ -111,7 +119,7 @@ static hypothesis_id weakest(const session *w, const evidence_view *view)
     hypothesis_id worst = H_COUNT;
     double least = INFINITY;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        double bar = evidence_least(none.cost - own.cost, w->state.set, h);
+        double bar = fmax(evidence_least(none.cost - own.cost, w->state.set, h), least_of_all);
         bool in = (w->state.set & HYPOTHESIS_BIT(h)) != 0;
         if (in && hypothesis_cause(h)->named) {
             /* What the effects without a name explain, alone or together with this cause: iron loss, say,

@@ -139,7 +139,7 @@ void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause)
         diagnosis_parameter *p = &cause->parameter[cause->parameters];
         snprintf(p->name, sizeof p->name, "%s", v->name);
         snprintf(p->unit, sizeof p->unit, "%s", v->unit);
-        p->nominal = motor_value_of(&nominal, v);
+        p->nominal = motor_value_of(&nominal, v) + 0.0; /* no -0 */
         p->value = p->low = p->high = motor_value_of(&found, v);
         /* Whole numbers are found or not. */
         const bool moves = v->kind == VALUE_WHOLE || interval_of(w, v, list, n, p) > 0;
