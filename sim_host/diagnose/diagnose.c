@@ -11,6 +11,7 @@
 #include "choose/confusion.h"
 #include "choose/probability.h"
 #include "identify/fit.h"
+#include "learn/learned.h"
 #include "measure/errors.h"
 #include "measure/floor.h"
 #include "measure/glitches.h"
@@ -217,6 +218,9 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     mention_decoys(w, d);
     decide(d);
+    if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && !learned_find(&w->rows, d)) {
+        return false;
+    }
     bound_runs(d);
     if (!tabulate_hypotheses(w, d, member, options->skip) || !resistance_trade_tell(w, d)) {
         return false;

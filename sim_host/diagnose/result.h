@@ -19,7 +19,9 @@ enum {
     DIAGNOSIS_GROUPS = 48,
     DIAGNOSIS_HYPOTHESES = 64,
     DIAGNOSIS_ESTIMATES = 6,
-    DIAGNOSIS_FITTED = 24
+    DIAGNOSIS_FITTED = 24,
+    DIAGNOSIS_LEARNED = 6,
+    DIAGNOSIS_LEARNED_POINTS = 48
 };
 
 /* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
@@ -93,6 +95,31 @@ typedef struct diagnosis_structure {
     char words[256]; /* which order or frequency, which runs, how many glitches; empty if nothing */
 } diagnosis_structure;
 
+typedef struct diagnosis_learned_term {
+    char name[48], unit[12]; /* "v_q: cos(9 theta_e)"; of the value */
+    double value;
+} diagnosis_learned_term;
+
+/* Means over held-out rows: the voltage that the extended model leaves, and what the terms say of it. */
+typedef struct diagnosis_learned_point {
+    double x, left, learned;
+    double weight;
+    size_t rows;
+} diagnosis_learned_point;
+
+/* What is left, as a few terms of a dictionary. Nothing is named by it. */
+typedef struct diagnosis_learned {
+    size_t terms; /* 0: nothing was learned */
+    diagnosis_learned_term term[DIAGNOSIS_LEARNED];
+    double nominal, extended,
+        gain;        /* percent, percent, 1: one cycle, held-out rows, without the terms and with */
+    char words[512]; /* "what is left depends on ..." */
+    char axis[64], voltage[32]; /* of the strongest term's picture */
+    bool turns;                 /* that axis is an angle in degrees */
+    size_t points;
+    diagnosis_learned_point point[DIAGNOSIS_LEARNED_POINTS];
+} diagnosis_learned;
+
 typedef struct diagnosis {
     const char *recording_path, *motor_path; /* borrowed; for what is told */
     diagnosis_verdict verdict;
@@ -106,6 +133,7 @@ typedef struct diagnosis {
     diagnosis_estimate estimate[DIAGNOSIS_ESTIMATES];
     diagnosis_covariance covariance;
     diagnosis_structure structure;
+    diagnosis_learned learned; /* where the verdict is partly or unexplained */
     char next_experiment[512];
     char sentence[512]; /* what is wrong, how sure, what it gains */
     size_t hypotheses;

@@ -145,6 +145,12 @@ static void slope(const bench *b, const double state[STATES], double theta, cons
     double lost[2];
     bench_current(b, state, theta, i);
     lost_by_legs(&b->m, i, lost);
+    const double c = cos(theta);
+    const double s = sin(theta);
+    const double along_d = b->product_V_A2 * (c * i[0] + s * i[1]) * (c * i[1] - s * i[0]);
+    const double along_q = b->cogging_V * cos(9.0 * theta);
+    lost[0] -= c * along_d - s * along_q;
+    lost[1] -= s * along_d + c * along_q;
     for (int x = 0; x < 2; x++) {
         double iron = state[2 + x];
         out[x] = u[x] - lost[x] - b->m.R_ohm * (i[x] + iron);

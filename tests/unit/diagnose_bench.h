@@ -20,6 +20,8 @@ typedef struct bench {
     double bend_d, bend_q,
         bend_cross;         /* iron that saturates (current_of), at the rated current: parts of it */
     double mean_C, swing_K; /* temperature: recorded where it swings */
+    double cogging_V;       /* along q, at the ninth order of the angle: no cause of the list does that */
+    double product_V_A2;    /* along d, in proportion to i_d i_q: neither does this */
     bool two_sensors;
     unsigned long seed;
 } bench;

@@ -38,5 +38,7 @@ bool figure_free_runs(page *p, const evidence *v, error *e);
 bool figure_methods(page *p, const evidence *v, error *e);
 bool figure_plant_runs(page *p, const evidence *v, error *e);
 bool figure_plant_current(page *p, const evidence *v, error *e);
+/* d->learned has points. */
+bool figure_learned(page *p, const evidence *v, error *e);
 
 #endif

@@ -102,6 +102,13 @@ static bool write_body(page *p, const report_input *in, const evidence *v, const
             return false;
         }
     }
+    if (d->learned.terms > 0) {
+        page_heading(p, 2, "What is left depends on");
+        report_learned(p, d);
+        if (d->learned.points > 1 && !figure_learned(p, v, e)) {
+            return false;
+        }
+    }
     page_heading(p, 2, d->causes > 0 ? "What it gains, run by run" : "Run by run");
     if (!pair(p, v, figure_runs, figure_free_runs, e)) {
         return false;

@@ -103,6 +103,28 @@ void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware)
     }
 }
 
+void report_learned(page *p, const diagnosis *d)
+{
+    static const char *const heads[] = {"term", "\tvalue", "unit"};
+    const diagnosis_learned *l = &d->learned;
+    page_text(p,
+              "Learned, not named: %s. With these terms the one-cycle error of the rows that were not fitted "
+              "falls from %.3g %% to %.3g %% (gain %.2f). They say where to look, not what it is.",
+              l->words, l->nominal, l->extended, l->gain);
+    page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
+    for (size_t k = 0; k < l->terms; k++) {
+        page_row_begin(p);
+        page_cell(p, false, "%s", l->term[k].name);
+        page_cell(p, true, "%.5g", l->term[k].value);
+        page_cell(p, false, "%s", l->term[k].unit);
+        page_row_end(p);
+    }
+    page_table_end(p);
+    page_note(
+        p, "The voltage along d or q that the model lacks is the sum of the value times the term; omega in "
+           "electrical rad/s, currents in A, angles of the rotor.");
+}
+
 void report_hypotheses(page *p, const diagnosis *d)
 {
     static const char *const heads[] = {"hypothesis", "what it is", "\talone explains", "\twould add", ""};

@@ -14,6 +14,7 @@ void report_lead(page *p, const diagnosis *d);
 
 void report_causes(page *p, const diagnosis *d);
 void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware);
+void report_learned(page *p, const diagnosis *d);
 void report_hypotheses(page *p, const diagnosis *d);
 void report_runs(page *p, const diagnosis *d, const plant_witness *witness);
 void report_plant(page *p, const diagnosis *d, const plant_witness *witness);

@@ -78,6 +78,21 @@ static json_t *covariance_json(const diagnosis_covariance *c)
     return json_pack("{s:o, s:o, s:o}", "names", names, "unit", units, "matrix", matrix);
 }
 
+static json_t *learned_json(const diagnosis_learned *l)
+{
+    if (l->terms == 0) {
+        return json_null();
+    }
+    json_t *terms = json_array();
+    for (size_t k = 0; k < l->terms; k++) {
+        const diagnosis_learned_term *t = &l->term[k];
+        json_array_append_new(
+            terms, json_pack("{s:s, s:s, s:o}", "name", t->name, "unit", t->unit, "value", number(t->value)));
+    }
+    return json_pack("{s:o, s:o, s:o, s:o}", "terms", terms, "nominal", number(l->nominal), "extended",
+                     number(l->extended), "gain", number(l->gain));
+}
+
 json_t *json_of_diagnosis(const diagnosis *d)
 {
     json_t *causes = json_array();
@@ -91,11 +106,12 @@ json_t *json_of_diagnosis(const diagnosis *d)
                   "nominal", number(d->nominal), "extended", number(d->extended), "noise_floor",
                   number(d->noise_floor), "gain", number(d->gain), "free_run_nominal",
                   number(d->free_nominal_percent), "free_run_extended", number(d->free_extended_percent));
-    return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:n}",
+    return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o}",
                      "schema", 2, "recording", d->recording_path, "motor", d->motor_path, "rows",
                      (json_int_t)d->rows, "rows_used", (json_int_t)d->rows_used, "rows_held_out",
                      (json_int_t)d->rows_held_out, "verdict", diagnosis_verdict_id(d->verdict), "causes",
                      causes, "error", errors, "structure", json_string(d->structure.words), "next_experiment",
                      d->next_experiment, "summary", d->sentence, "runs", runs_json(d), "estimates",
-                     estimates_json(d), "covariance", covariance_json(&d->covariance), "learned");
+                     estimates_json(d), "covariance", covariance_json(&d->covariance), "learned",
+                     learned_json(&d->learned));
 }

@@ -49,6 +49,16 @@ void text_print(FILE *out, const diagnosis *d)
     if (d->structure.words[0]) {
         fprintf(out, "\n  left over: %s\n", d->structure.words);
     }
+    if (d->learned.terms > 0) {
+        fprintf(out, "\n  %s\n", d->learned.words);
+        for (size_t k = 0; k < d->learned.terms; k++) {
+            const diagnosis_learned_term *t = &d->learned.term[k];
+            fprintf(out, "    %-28s %12.5g %s\n", t->name, t->value,
+                    strcmp(t->unit, "1") == 0 ? "" : t->unit);
+        }
+        fprintf(out, "    learned, not named: held-out error %.3f without, %.3f with, gain %.2f\n",
+                d->learned.nominal, d->learned.extended, d->learned.gain);
+    }
     fprintf(out, "\n  one-cycle error, %% of the current, %zu held-out of %zu rows:\n", d->rows_held_out,
             d->rows_used);
     fprintf(out, "    nominal %.3f   extended %.3f   noise floor %.3f   gain %.2f\n", d->nominal, d->extended,
