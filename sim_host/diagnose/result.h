@@ -21,7 +21,7 @@ enum {
     DIAGNOSIS_ESTIMATES = 6,
     DIAGNOSIS_FITTED = 24,
     DIAGNOSIS_LEARNED = 6,
-    DIAGNOSIS_LEARNED_POINTS = 48
+    DIAGNOSIS_LEARNED_POINTS = 72
 };
 
 /* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
