@@ -11,6 +11,7 @@
 #include "choose/confusion.h"
 #include "choose/probability.h"
 #include "identify/fit.h"
+#include "identify/last_digits.h"
 #include "learn/learned.h"
 #include "measure/errors.h"
 #include "measure/floor.h"
@@ -168,6 +169,7 @@ static double error_within_digits(const session *w)
 {
     double z[P_COUNT];
     memcpy(z, w->state.z, sizeof z);
+    last_digits_bound(w->state.set, z);
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (hypothesis_in(w->state.set, h) && !hypothesis_cause(h)->named) {
             hypothesis_copy(h, hypothesis_nominal, z);

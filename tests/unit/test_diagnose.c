@@ -398,6 +398,12 @@ static void what_is_skipped_is_not_named(void)
     }
     TEST_ASSERT_NOT_EQUAL(VERDICT_CLEAN, d.verdict);
     diagnosis_free(&d);
+    /* A resistance a third off is no last digit, whatever the error. */
+    good.m = bench_motor();
+    good.m.R_ohm = 1.2;
+    d = look(&good, "resistance");
+    TEST_ASSERT_NOT_EQUAL(VERDICT_CLEAN, d.verdict);
+    diagnosis_free(&d);
 }
 
 static void the_extended_motor_needs_nothing_more(void)

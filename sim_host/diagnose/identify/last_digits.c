@@ -125,6 +125,18 @@ double last_digits_unusual(hypothesis_set set, const double z[P_COUNT])
     return sum;
 }
 
+void last_digits_bound(hypothesis_set set, double z[P_COUNT])
+{
+    double rest[P_COUNT];
+    last_digits_rest(set, z, rest);
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        const double most = MOST * coordinate_table[id].digits;
+        if (most > 0.0) {
+            z[id] += fmin(fmax(rest[id], -most), most) - rest[id];
+        }
+    }
+}
+
 void last_digits_keep(hypothesis_id h, double z[P_COUNT])
 {
     bool moved[P_COUNT] = {false};

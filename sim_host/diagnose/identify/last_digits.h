@@ -36,6 +36,9 @@ void last_digits_deflate(const diagnose_rows *r, gram *sums);
 /* -2 log of the prior of what z moves beside the set's own directions, up to a constant. */
 double last_digits_unusual(hypothesis_set set, const double z[P_COUNT]);
 
+/* Takes what lies beside the set's own directions back to where it may be unnamed. */
+void last_digits_bound(hypothesis_set set, double z[P_COUNT]);
+
 /* A hypothesis goes: what its coordinates may keep unnamed stays, the rest returns to the motor file's. */
 void last_digits_keep(hypothesis_id h, double z[P_COUNT]);
 

@@ -186,7 +186,8 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
           " *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h. A value that the library "
           "cannot hold does not compile.\n"
           " */\n#ifndef IQFOC_DIAGNOSED_EXTENSION_H\n#define IQFOC_DIAGNOSED_EXTENSION_H\n\n"
-          "#include \"iqfoc/extension_params.h\"\n#include \"iqfoc/flux_predictor.h\"\n\n",
+          "#include \"iqfoc/current_control.h\"\n#include \"iqfoc/extension_params.h\"\n#include "
+          "\"iqfoc/flux_predictor.h\"\n\n",
           out);
     define_machine(out, d);
     define_corrections(out, d);
