@@ -6,6 +6,8 @@
 
 #include "current_control.h"
 #include "cycle.h"
+#include "cycle_guard.h"
+#include "cycle_predict.h"
 #include "cycle_steps.h"
 #include "deadbeat.h"
 #include "deadbeat_drift.h"

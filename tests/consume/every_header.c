@@ -17,7 +17,7 @@
 #define U_B 750.0              /* nominal DC link, V */
 #define I_B IQFOC_I_BASE(10.5) /* from the rated current, A rms */
 
-#define EXPECTED UINT32_C(0xA8ACAC4C)
+#define EXPECTED UINT32_C(0x548F5D73)
 
 static const iqfoc_predictor_t predictor = IQFOC_PREDICTOR(0.75, 5.2e-3, 0.134, T_S, I_B, U_B);
 static const iqfoc_current_control_gains_t gains =

@@ -62,14 +62,26 @@ void *memset(void *to, int value, size_t size)
 
 /* What clang calls in their place. */
 void __aeabi_memcpy4(void *to, const void *from, size_t size);
+void __aeabi_memcpy8(void *to, const void *from, size_t size);
 void __aeabi_memclr4(void *to, size_t size);
+void __aeabi_memclr8(void *to, size_t size);
 
 void __aeabi_memcpy4(void *to, const void *from, size_t size)
 {
     memcpy(to, from, size);
 }
 
+void __aeabi_memcpy8(void *to, const void *from, size_t size)
+{
+    memcpy(to, from, size);
+}
+
 void __aeabi_memclr4(void *to, size_t size)
+{
+    memset(to, 0, size);
+}
+
+void __aeabi_memclr8(void *to, size_t size)
 {
     memset(to, 0, size);
 }
