@@ -24,6 +24,7 @@ WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werr
 # Prints the constants as the compiler folded them.
 FIRMWARE = """
 #include "iqfoc_extension.h"
+#include "iqfoc/current_control.h"
 #include <stdio.h>
 static const iqfoc_extension_t extension = IQFOC_DIAGNOSED_EXTENSION;
 static const iqfoc_flux_predictor_t flux = IQFOC_DIAGNOSED_FLUX_PREDICTOR;
