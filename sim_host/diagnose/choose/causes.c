@@ -24,6 +24,9 @@ static const double CERTAIN_HALF_WIDTHS = 2.0;
  * left. */
 static const double LEAST_SHARE_OF_REST = 0.05;
 
+/* A cause that takes off so many times what the effects without a name do is none of their parts. */
+static const double FAR_MORE = 4.0;
+
 /* The least share of what all causes explain, those of exact laws included: the recording's own errors, in the speed
  * within a cycle say, leave that much. */
 static const double LEAST_SHARE_OF_EXACT = 1.5e-4;
@@ -84,8 +87,17 @@ static bool is_open(const session *w, const evidence_view *view, double own_cost
     return false;
 }
 
+/* What the set leaves unexplained, if that is more than the verdict allows, as chi square. */
+static double unexplained_of(const session *w, const evidence_view *view)
+{
+    evidence_option own;
+    const double rest = rest_of(w);
+    evidence_cost(view, &w->state, w->state.set, &own);
+    return rest > DIAGNOSIS_FLOOR_TOLERANCE * DIAGNOSIS_FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
+}
+
 /* The member that is least worth its name, H_COUNT if all are. */
-static hypothesis_id weakest(const session *w, const evidence_view *view)
+static hypothesis_id weakest(const session *w, const evidence_view *view, double unexplained)
 {
     evidence_option own;
     evidence_option none;
@@ -94,16 +106,15 @@ static hypothesis_id weakest(const session *w, const evidence_view *view)
     /* A voltage that acts late is exactly that, as are an angle and a sensor that err: their laws leave next to
      * nothing that another cause could be taken for. */
     hypothesis_set exact = 0;
+    hypothesis_set delays = 0; /* without which nothing fits: no measure of what is explained */
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         exact |= hypothesis_table[h].exact ? HYPOTHESIS_BIT(h) : 0;
+        delays |= (hypothesis_table[h].role & DELAYS_VOLTAGE) != 0 ? HYPOTHESIS_BIT(h) : 0;
     }
     evidence_cost(view, &w->state, w->state.set & exact, &none);
     evidence_option nothing;
-    evidence_cost(view, &w->state, 0, &nothing);
+    evidence_cost(view, &w->state, w->state.set & delays, &nothing);
     const double least_of_all = LEAST_SHARE_OF_EXACT * (nothing.cost - own.cost);
-    double rest = rest_of(w);
-    double unexplained =
-        rest > DIAGNOSIS_FLOOR_TOLERANCE * DIAGNOSIS_FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
     double cost_without[H_COUNT] = {0};
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (w->state.set & HYPOTHESIS_BIT(h)) {
@@ -115,6 +126,9 @@ static hypothesis_id weakest(const session *w, const evidence_view *view)
             }
         }
     }
+    evidence_option named;
+    evidence_cost(view, &w->state, w->state.set & ~decoys, &named);
+    const double of_decoys = named.cost - own.cost;
     double with_all = decoys ? named_error(w, w->state.set) : 0.0;
     hypothesis_id worst = H_COUNT;
     double least = INFINITY;
@@ -129,9 +143,9 @@ static hypothesis_id weakest(const session *w, const evidence_view *view)
             double shared = decoys ? without.cost - own.cost : 0.0;
             bar = fmax(bar, LEAST_SHARE_OF_REST * (unexplained + shared));
         }
-        /* Beside an unnamed effect, name a cause only if it lowers the held-out error and nothing else fits as
-         * well. */
-        bool harms = in && decoys && hypothesis_cause(h)->named &&
+        /* Beside an unnamed effect that explains as much or nearly so, name a cause only if it lowers the held-out
+         * error and nothing else fits as well. */
+        bool harms = in && cost_without[h] < FAR_MORE * of_decoys && hypothesis_cause(h)->named &&
                      (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * with_all ||
                       is_open(w, view, own.cost, h));
         const bool stands_for_more = hypothesis_table[h].to_floor && unexplained > 0.0;
@@ -151,15 +165,17 @@ static void leave(fit_state *s, hypothesis_id h)
     last_digits_keep(h, s->z);
 }
 
-/* Fits the state's set and drops, one by one, what is not certain, until all that stays is. */
-static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, FILE *trace)
+/* Fits the state's set and drops, one by one, what is not certain, until all that stays is. Raises `least` to what the
+ * next search's causes must explain to stand here. */
+static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, double *least, FILE *trace)
 {
     for (;;) {
         if (!fit_refine(&w->fitted, &w->state, 12) || !certainty_of(&w->fitted, &w->state, &w->certainty) ||
             !evidence_look(&w->fitted, &w->state, w->possible, view)) {
             return false;
         }
-        hypothesis_id worst = weakest(w, view);
+        const double unexplained = unexplained_of(w, view);
+        hypothesis_id worst = weakest(w, view, unexplained);
         if (worst == H_COUNT) {
             return true;
         }
@@ -171,6 +187,8 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, FILE
                           ? hypotheses_of_cause(hypothesis_cause(worst)->id)
                           : HYPOTHESIS_BIT(worst));
         leave(&w->state, worst);
+        /* Half, as another set may leave less. */
+        *least = fmax(*least, 0.5 * LEAST_SHARE_OF_REST * unexplained);
     }
 }
 
@@ -180,16 +198,17 @@ bool causes_find(session *w, FILE *trace)
 {
     hypothesis_set allowed = w->possible;
     hypothesis_set before = 0;
+    double least = 0.0;
     evidence_view *view = calloc(1, sizeof *view);
     w->state = w->nominal;
     bool ok = view != NULL;
     for (bool first = true; ok; first = false) {
         before = w->state.set;
-        ok = search_best(&w->fitted, &w->state, allowed, w->nominal.objective, trace);
+        ok = search_best(&w->fitted, &w->state, allowed, w->nominal.objective, least, trace);
         if (ok && !first && w->state.set == before) {
             break;
         }
-        ok = ok && prune(w, view, &allowed, trace);
+        ok = ok && prune(w, view, &allowed, &least, trace);
         if (w->state.set == 0 && allowed == w->possible) {
             break; /* nothing found, nothing dropped */
         }

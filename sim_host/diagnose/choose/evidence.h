@@ -11,6 +11,7 @@
 typedef struct evidence_view {
     const diagnose_rows *rows;
     double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
+    double least;     /* what a named cause must explain at the least, by what is left; set by the search */
     gram sums;        /* over the fit blocks */
     gram total;       /* these, deflated by what may move unnamed */
     double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances

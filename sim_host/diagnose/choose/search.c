@@ -221,7 +221,8 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
     return true;
 }
 
-bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, FILE *trace)
+bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
+                 FILE *trace)
 {
     enumeration *e = calloc(1, sizeof *e);
     evidence_view *view = calloc(1, sizeof *view);
@@ -239,6 +240,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
             break;
         }
         view->explained = fmax(nominal_objective - s->objective, 0.0);
+        view->least = least;
         memset(e, 0, sizeof *e);
         e->view = view;
         e->state = s;

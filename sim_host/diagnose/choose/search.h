@@ -13,8 +13,10 @@
 
 #include <stdio.h>
 
-/* From s to the best allowed set. `nominal_objective` is that of the motor file's values. `trace` may be
+/* From s to the best allowed set. `nominal_objective` is that of the motor file's values. `least`: chi square below
+ * which no named cause will stand. `trace` may be
  * NULL. False: out of memory. */
-bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, FILE *trace);
+bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
+                 FILE *trace);
 
 #endif

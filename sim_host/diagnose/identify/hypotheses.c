@@ -64,7 +64,8 @@ bool hypothesis_contains(hypothesis_id a, hypothesis_id b)
 {
     const hypothesis *inner = &hypothesis_table[b];
     if (hypothesis_table[a].size == SIZE_BENDS) {
-        return moves_all_of(a, b);
+        /* A flux map's terms are those of a fall with the current, to fourth order. */
+        return moves_all_of(a, b) || inner->cause == CAUSE_SATURATION;
     }
     return inner->columns == 1 && hypothesis_table[a].columns > 1 &&
            (hypothesis_table[a].holds & inner->holds) != 0;
