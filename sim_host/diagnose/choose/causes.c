@@ -87,6 +87,15 @@ static bool is_open(const session *w, const evidence_view *view, double own_cost
     return false;
 }
 
+/* Whether the named members alone, which err by so many percent, are at the noise. */
+static bool named_at_floor(const session *w, double percent)
+{
+    double noise = 0.0;
+    const averaged_drive drive = session_drive(w, w->state.z);
+    const double floor = measure_floor(&w->rows, &w->state, &drive, &noise);
+    return 0.01 * percent * measure_current(&w->rows, MEASURE_ALL, true) <= DIAGNOSIS_FLOOR_TOLERANCE * floor;
+}
+
 /* What the set leaves unexplained, if that is more than the verdict allows, as chi square. */
 static double unexplained_of(const session *w, const evidence_view *view)
 {
@@ -132,6 +141,10 @@ static hypothesis_id weakest(const session *w, const evidence_view *view, double
     double with_all = decoys ? named_error(w, w->state.set) : 0.0;
     hypothesis_id worst = H_COUNT;
     double least = INFINITY;
+    /* What dead time's law leaves near zero current looks like an effect without a name: where the named ones reach
+     * the noise beside a dead time, that goes first. */
+    const hypothesis_set first =
+        hypothesis_in(w->state.set, H_DEAD_TIME) && decoys && named_at_floor(w, with_all) ? decoys : 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         double bar = fmax(evidence_least(none.cost - own.cost, w->state.set, h), least_of_all);
         bool in = (w->state.set & HYPOTHESIS_BIT(h)) != 0;
@@ -149,7 +162,10 @@ static hypothesis_id weakest(const session *w, const evidence_view *view, double
                      (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * with_all ||
                       is_open(w, view, own.cost, h));
         const bool stands_for_more = hypothesis_table[h].to_floor && unexplained > 0.0;
-        if (in && (!is_certain(w, h) || harms || stands_for_more || cost_without[h] < bar) &&
+        if (first && !hypothesis_in(first, h)) {
+            continue;
+        }
+        if (in && (first || !is_certain(w, h) || harms || stands_for_more || cost_without[h] < bar) &&
             cost_without[h] < least) {
             least = cost_without[h];
             worst = h;

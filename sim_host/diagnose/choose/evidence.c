@@ -21,8 +21,8 @@ static const double CAUSE_PENALTY = 25.0;
  * of them explain). What dead time's law leaves near zero current looks like a voltage that is a little off,
  * in all the ways that follow.
  */
-static const double LEAST_SHARE = 5e-4;
-static const double LEAST_SHARE_BESIDE_DEAD_TIME = 1e-3;
+static const double LEAST_SHARE = 1e-4;
+static const double LEAST_SHARE_BESIDE_DEAD_TIME = 2e-4;
 /* No map of a few terms is that of a machine to better than a part in a hundred of its flux. */
 static const double LEAST_SHARE_BESIDE_MAP = 1e-2;
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* No unnamed move is larger than this many standard deviations: beyond, it is worth a name. */
-static const double MOST = 2.0;
+static const double MOST = 3.0;
 
 static double precision(coordinate_id id)
 {
