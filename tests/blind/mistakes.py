@@ -77,17 +77,6 @@ def emf_harmonic(order, psi):
     return edit
 
 
-def sensors(law):
-    """A law of each current sensor, of the current over the rated peak."""
-    def edit(_header, c):
-        peak = 6.0 * math.sqrt(2.0)
-        for p in "abc":
-            for name in (f"i_{p}_A", f"i_{p}_mid_A"):
-                if name in c:
-                    c[name] = peak * law(c[name] / peak)
-    return edit
-
-
 def in_run(run, edit):
     """An edit of one operating point only."""
     def in_it(header, c):
@@ -165,11 +154,8 @@ DRIFT = [
         {}, {"current_offset"}),
 ]
 
-# Sensors that are not linear: no constant cause is named for them.
+# What is left unnamed.
 NO_CAUSE = ("unexplained", "partly")
-SENSORS = [
-    Row("a cubic of 5 %", "clean", sensors(lambda x: x - 0.05 * x ** 3), {}, set(), {}, NO_CAUSE),
-]
 
 TIMING = [
     Row("resolver once a turn", "clean", lambda h, c: angle(lambda c: c["theta_e_rad"] + 0.02 * np.cos(c["theta_e_rad"] + 0.4))(h, c), {},
@@ -227,9 +213,6 @@ class Mistakes(unittest.TestCase):
 
     def test_what_drifts(self):
         self.holds(DRIFT)
-
-    def test_sensors_that_are_not_linear(self):
-        self.holds(SENSORS)
 
     def test_timing(self):
         self.holds(TIMING)

@@ -261,14 +261,18 @@ class Recordings(unittest.TestCase):
 
     def test_oracle_reaches_the_noise_floor(self):
         # Each effect's law as documented, against the plant's physics: with the true parameters the averaged model
-        # is left with sensor noise. Dead time has no exact averaged law (its shape near zero): 40 % above was measured.
+        # is left with sensor noise. Dead time has no exact averaged law (its shape near zero): 40 % above was measured. What
+        # warming leaves within a recording is 13 % above. An iron loss has no law among these, and no oracle.
+        bounds = {"dead_time": 1.6, "temperature": 1.25}
         for n, cause in enumerate(effects.KNOWN):
+            if cause == "iron_loss":
+                continue
             with self.subTest(cause=cause):
                 case = draw.draw_case(300 + n, cause)
                 size = [float(np.sqrt(np.prod(effects.RANGE[cause])))]
                 model, _ = draw.true_model(case.motor, [cause], size, case.directions, case.bench.has_i_c)
                 columns = draw.simulate(case.motor, case.bench, model, 150, [300 + n, 1])
-                bound = 1.6 if cause == "dead_time" else 1.1
+                bound = bounds.get(cause, 1.1)
                 error = draw.oracle(columns, model, case.motor)[0]
                 self.assertLess(error, bound * draw.noise_floor_A(case.bench))
                 nominal = effects.nominal_model(case.motor, averaged.no_effect())
