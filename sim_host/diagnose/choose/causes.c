@@ -64,15 +64,10 @@ static double named_error(const session *w, hypothesis_set set)
     return measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
 }
 
-/* What is left of the one-cycle error beyond the sensors' noise, as a share of the noise's power. */
-static double rest_of(const session *w)
+/* How many noise floors an error of so many percent of the current is; 0 if there is no noise to measure it by. */
+static double in_floors(const session *w, double floor_A, double percent)
 {
-    double noise = 0.0;
-    averaged_drive drive = session_drive(w, w->state.z);
-    double floor = measure_floor(&w->rows, &w->state, &drive, &noise);
-    double wrong = 0.01 * measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true) *
-                   measure_current(&w->rows, MEASURE_ALL, true);
-    return floor > 0.0 ? fmax(wrong * wrong / (floor * floor) - 1.0, 0.0) : 0.0;
+    return floor_A > 0.0 ? 0.01 * percent * measure_current(&w->rows, MEASURE_ALL, true) / floor_A : 0.0;
 }
 
 /* Whether another cause would do as well in h's place. */
@@ -87,26 +82,30 @@ static bool is_open(const session *w, const evidence_view *view, double own_cost
     return false;
 }
 
-/* Whether the named members alone, which err by so many percent, are at the noise. */
-static bool named_at_floor(const session *w, double percent)
-{
-    double noise = 0.0;
-    const averaged_drive drive = session_drive(w, w->state.z);
-    const double floor = measure_floor(&w->rows, &w->state, &drive, &noise);
-    return 0.01 * percent * measure_current(&w->rows, MEASURE_ALL, true) <= DIAGNOSIS_FLOOR_TOLERANCE * floor;
-}
-
 /* What the set leaves unexplained, if that is more than the verdict allows, as chi square. */
-static double unexplained_of(const session *w, const evidence_view *view)
+static double unexplained_of(const session *w, const evidence_view *view, double floor_A)
 {
     evidence_option own;
-    const double rest = rest_of(w);
+    const averaged_drive drive = session_drive(w, w->state.z);
+    const double floors = in_floors(w, floor_A, measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true));
     evidence_cost(view, &w->state, w->state.set, &own);
-    return rest > DIAGNOSIS_FLOOR_TOLERANCE * DIAGNOSIS_FLOOR_TOLERANCE - 1.0 ? rest * own.cost : 0.0;
+    return floors > DIAGNOSIS_FLOOR_TOLERANCE ? (floors * floors - 1.0) * own.cost : 0.0;
+}
+
+/* Of some members the one that explains least. */
+static hypothesis_id least_of(const double cost_without[H_COUNT], hypothesis_set some)
+{
+    hypothesis_id least = H_COUNT;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(some, h) && (least == H_COUNT || cost_without[h] < cost_without[least])) {
+            least = h;
+        }
+    }
+    return least;
 }
 
 /* The member that is least worth its name, H_COUNT if all are. */
-static hypothesis_id weakest(const session *w, const evidence_view *view, double unexplained)
+static hypothesis_id weakest(const session *w, const evidence_view *view, double floor_A, double unexplained)
 {
     evidence_option own;
     evidence_option none;
@@ -139,39 +138,38 @@ static hypothesis_id weakest(const session *w, const evidence_view *view, double
     evidence_cost(view, &w->state, w->state.set & ~decoys, &named);
     const double of_decoys = named.cost - own.cost;
     double with_all = decoys ? named_error(w, w->state.set) : 0.0;
-    hypothesis_id worst = H_COUNT;
-    double least = INFINITY;
     /* What dead time's law leaves near zero current looks like an effect without a name: where the named ones reach
      * the noise beside a dead time, that goes first. */
-    const hypothesis_set first =
-        hypothesis_in(w->state.set, H_DEAD_TIME) && decoys && named_at_floor(w, with_all) ? decoys : 0;
+    if (decoys && floor_A > 0.0 && hypothesis_in(w->state.set, H_DEAD_TIME) &&
+        in_floors(w, floor_A, with_all) <= DIAGNOSIS_FLOOR_TOLERANCE) {
+        return least_of(cost_without, decoys);
+    }
+    hypothesis_set unworthy = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (!hypothesis_in(w->state.set, h)) {
+            continue;
+        }
         double bar = fmax(evidence_least(none.cost - own.cost, w->state.set, h), least_of_all);
-        bool in = (w->state.set & HYPOTHESIS_BIT(h)) != 0;
-        if (in && hypothesis_cause(h)->named) {
+        bool harms = false;
+        if (hypothesis_cause(h)->named) {
             /* What the effects without a name explain, alone or together with this cause: iron loss, say,
              * looks so much like a late angle that either takes most of what they share. */
             evidence_option without;
             evidence_cost(view, &w->state, w->state.set & ~decoys & ~HYPOTHESIS_BIT(h), &without);
             double shared = decoys ? without.cost - own.cost : 0.0;
             bar = fmax(bar, LEAST_SHARE_OF_REST * (unexplained + shared));
+            /* Beside an unnamed effect that explains as much or nearly so, name a cause only if it lowers the
+             * held-out error and nothing else fits as well. */
+            harms = cost_without[h] < FAR_MORE * of_decoys &&
+                    (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * with_all ||
+                     is_open(w, view, own.cost, h));
         }
-        /* Beside an unnamed effect that explains as much or nearly so, name a cause only if it lowers the held-out
-         * error and nothing else fits as well. */
-        bool harms = in && cost_without[h] < FAR_MORE * of_decoys && hypothesis_cause(h)->named &&
-                     (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * with_all ||
-                      is_open(w, view, own.cost, h));
         const bool stands_for_more = hypothesis_table[h].to_floor && unexplained > 0.0;
-        if (first && !hypothesis_in(first, h)) {
-            continue;
-        }
-        if (in && (first || !is_certain(w, h) || harms || stands_for_more || cost_without[h] < bar) &&
-            cost_without[h] < least) {
-            least = cost_without[h];
-            worst = h;
+        if (!is_certain(w, h) || harms || stands_for_more || cost_without[h] < bar) {
+            unworthy |= HYPOTHESIS_BIT(h);
         }
     }
-    return worst;
+    return least_of(cost_without, unworthy);
 }
 
 /* Takes a hypothesis out of a state. */
@@ -190,8 +188,11 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
             !evidence_look(&w->fitted, &w->state, w->possible, view)) {
             return false;
         }
-        const double unexplained = unexplained_of(w, view);
-        hypothesis_id worst = weakest(w, view, unexplained);
+        double noise = 0.0;
+        const averaged_drive drive = session_drive(w, w->state.z);
+        const double floor_A = measure_floor(&w->rows, &w->state, &drive, &noise);
+        const double unexplained = unexplained_of(w, view, floor_A);
+        hypothesis_id worst = weakest(w, view, floor_A, unexplained);
         if (worst == H_COUNT) {
             return true;
         }
