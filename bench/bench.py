@@ -12,6 +12,7 @@ import sys
 
 import elf32
 import estimate
+import size
 import table
 from footprint import Footprint
 
@@ -143,8 +144,8 @@ def check(result):
         return [f"{BASELINE} is missing: bench/run.sh --update writes it"]
     baseline = json.loads(BASELINE.read_text())
     complaints = []
-    if not table.stands_in(DOCUMENT, baseline):
-        complaints.append(f"the table in {DOCUMENT.name} is not that of {BASELINE.name}: bench/run.sh --update")
+    if not table.stand_in(DOCUMENT, baseline):
+        complaints.append(f"the tables in {DOCUMENT.name} are not those of {BASELINE.name}: bench/run.sh --update")
     for target in EMULATORS:
         if baseline["compilers"][target] != result["compilers"][target]:
             print(f"{target}: the baseline is of {baseline['compilers'][target]}, this is {result['compilers'][target]}: "
@@ -159,6 +160,7 @@ def check(result):
             for key in ("mean", "max", "code", "stack"):
                 if row[key] > old[key] * 1.02:
                     complaints.append(f"{target} {row['function']}: {key} rose from {old[key]} to {row[key]}")
+        complaints += size.compared(target, baseline["size"][target], result["size"][target])
     return complaints
 
 
@@ -167,13 +169,14 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("--json", type=pathlib.Path, metavar="F", help="write the counts to F")
     parser.add_argument("--check", action="store_true", help="fail if a count is more than 2 %% above bench/baseline.json")
-    parser.add_argument("--update", action="store_true", help="write bench/baseline.json and the table of docs/bench.md")
+    parser.add_argument("--update", action="store_true", help="write bench/baseline.json and the tables of docs/bench.md")
     parser.add_argument("--markdown", action="store_true", help="print the table of docs/bench.md")
     options = parser.parse_args()
 
     result = {target: evaluate(target, options.build / target) for target in EMULATORS}
     estimate.add(result["cortex-m4"], options.build / "cortex-m4", EMULATORS["cortex-m4"] + SERIAL)
     result["library"] = {target: library_size(options.build / target) for target in EMULATORS}
+    result["size"] = {target: size.evaluate(target, options.build / target) for target in EMULATORS}
     result["compilers"] = compilers()
     text = json.dumps(result, indent=1) + "\n"
     if options.json:

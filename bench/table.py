@@ -1,4 +1,5 @@
-"""The benchmark's table: for the terminal, and for docs/bench.md beside what peers need."""
+"""The benchmark's tables: for the terminal, and for docs/bench.md beside what peers need."""
+import size
 
 # What the row is, the peers' instructions on the same core and by the same method, and this project's bound.
 ROWS = {
@@ -51,11 +52,14 @@ ROWS = {
 # What is linked, nothing left out.
 PARTS = {
     "core": "the library linked: numbers, transforms, corrections, prediction, control, modulation, cycle",
-    "all": "with all the rest: exact and salient prediction, mean under modulation, deadbeat and finite-set control, "
-           "induction machine, corrections from a diagnosis, recorder",
+    "all": "with all the rest: exact and salient prediction, mean under modulation, deadbeat, finite-set and tuned control, "
+           "overmodulation, reference, induction machine, corrections from a diagnosis, watch, recorder, and what stands around a first "
+           "drive",
 }
 START = "<!-- bench: begin -->"
 END = "<!-- bench: end -->"
+SIZE_START = "<!-- size: begin -->"
+SIZE_END = "<!-- size: end -->"
 
 
 def plain(result):
@@ -68,9 +72,12 @@ def plain(result):
             if "cycles_estimate" in row:
                 line += f" {row['cycles_estimate']:8.0f}"
             lines.append(line)
-        size = result["library"][target]
+        library = result["library"][target]
         for part, what in PARTS.items():
-            lines.append(f"  {what}: {size[part]['code']} bytes of code, {size[part]['rodata']} of constants")
+            lines.append(f"  {what}: {library[part]['code']} bytes of code, {library[part]['rodata']} of constants")
+        for drive in result["size"][target]:
+            lines.append(f"  {size.DRIVES[drive['drive']]}: {drive['text']} text, {drive['data']} data, {drive['bss']} bss; "
+                         + ", ".join(drive["parts"]))
     return "\n".join(lines) + "\n"
 
 
@@ -99,20 +106,36 @@ def markdown(result):
     return "\n".join(lines) + "\n"
 
 
-def _split(path):
-    """The document before, between and after the table's marks."""
+def size_markdown(result):
+    """What each drive of bench/size.py takes, and of which parts of the library."""
+    lines = ["| drive | Cortex-M4: text | data | bss | RV32IM: text | data | bss | of the library, linked |",
+             "| --- | ---: | ---: | ---: | ---: | ---: | ---: | --- |"]
+    for arm, riscv in zip(result["size"]["cortex-m4"], result["size"]["rv32"]):
+        numbers = [drive[key] for drive in (arm, riscv) for key in ("text", "data", "bss")]
+        lines.append(f"| {size.DRIVES[arm['drive']]} | " + " | ".join(map(str, numbers)) + f" | {', '.join(arm['parts'])} |")
+    return "\n".join(lines) + "\n"
+
+
+def _blocks(result):
+    """The document's tables, by the marks that they stand between."""
+    return {(START, END): markdown(result), (SIZE_START, SIZE_END): size_markdown(result)}
+
+
+def _split(path, start, end):
+    """The document before, between and after a table's marks."""
     text = path.read_text()
-    if text.count(START) != 1 or text.count(END) != 1:
-        raise SystemExit(f"{path}: the marks {START} and {END} must each stand in it once")
-    head, rest = text.split(START)
-    return head, *rest.split(END)
+    if text.count(start) != 1 or text.count(end) != 1:
+        raise SystemExit(f"{path}: the marks {start} and {end} must each stand in it once")
+    head, rest = text.split(start)
+    return head, *rest.split(end)
 
 
 def rewrite(path, result):
-    """Puts the table between its marks in a document."""
-    head, _, tail = _split(path)
-    path.write_text(head + START + "\n" + markdown(result) + END + tail)
+    """Puts the tables between their marks in a document."""
+    for (start, end), text in _blocks(result).items():
+        head, _, tail = _split(path, start, end)
+        path.write_text(head + start + "\n" + text + end + tail)
 
 
-def stands_in(path, result):
-    return _split(path)[1] == "\n" + markdown(result)
+def stand_in(path, result):
+    return all(_split(path, start, end)[1] == "\n" + text for (start, end), text in _blocks(result).items())
