@@ -2,40 +2,19 @@
 # A part is a function; its output goes to build/logs/, and is shown where it fails.
 # shellcheck shell=bash
 
-PART_PASSED=0
-PART_FAILED=0
-FAILED_PARTS=()
-
-# Shows, on a terminal, what the part in process $1 with log $2 and name $3 does, until it ends.
-show_progress() {
-    local columns line start=$SECONDS
-    columns=$(tput cols 2>/dev/null || printf 80)
-    while kill -0 "$1" 2>/dev/null; do
-        line=$(tail -c 400 "$2" | tr -d '\000-\010\013-\037' | tail -n 1)
-        line=$(printf '  ...  %-14s %4d s  %s' "$3" $((SECONDS - start)) "$line")
-        printf '\r\033[K%s' "${line:0:columns-1}"
-        sleep 0.5
-    done
-    printf '\r\033[K'
-}
+# What each part ended with: passed, failed and name, a line each.
+RESULTS=build/logs/results
 
 # Runs the function $2... as the part named $1. A part that ends as ctest does counts that many tests, any other counts as one.
 run_part() {
     local name=$1 log=build/logs/$1.log start=$SECONDS status=0 total=1 failed=0 count
     shift
-    mkdir -p build/logs
-    # A process group of its own, so that an interrupt ends the part's children too.
-    set -m
+    printf '%s' "$name" >"$LANE"
     (
         set -euo pipefail
         "$@"
     ) >"$log" 2>&1 </dev/null &
-    local pid=$!
-    set +m
-    trap 'kill -TERM -- -'"$pid"' 2>/dev/null; die "interrupted in: '"$name"'"' INT TERM
-    [[ -t 1 ]] && show_progress "$pid" "$log" "$name"
-    wait "$pid" || status=$?
-    trap - INT TERM
+    wait $! || status=$?
 
     count=$(sed -nE 's/^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)$/\1 \2/p' "$log" | tail -n 1)
     if [[ -n $count ]]; then
@@ -45,34 +24,79 @@ run_part() {
         failed=1
         [[ -n $count ]] && total=$((total + 1))
     fi
-    PART_PASSED=$((PART_PASSED + total - failed))
-    PART_FAILED=$((PART_FAILED + failed))
+    printf '%d %d %s\n' $((total - failed)) "$failed" "$name" >>"$RESULTS"
+    [[ -t 1 ]] && printf '\r\033[K'
     if ((status == 0)); then
         printf '  ok    %-14s %5d test%s %4d s\n' "$name" "$total" "$( ((total == 1)) && printf ' ' || printf s)" $((SECONDS - start))
     else
-        FAILED_PARTS+=("$name")
-        printf '  FAIL  %-14s %5d of %d  %4d s\n' "$name" "$failed" "$total" $((SECONDS - start))
-        tail -n 60 "$log" | sed 's/^/        /'
-        printf '        (all of it: %s)\n' "$log"
+        printf '%s\n' "$(
+            printf '  FAIL  %-14s %5d of %d  %4d s\n' "$name" "$failed" "$total" $((SECONDS - start))
+            tail -n 60 "$log" | sed 's/^/        /'
+            printf '        (all of it: %s)' "$log"
+        )"
     fi
 }
 
-# The closing words: what failed, then one line in ctest's form.
-close_parts() {
-    local total=$((PART_PASSED + PART_FAILED)) percent
-    percent=$((100 * PART_PASSED / total))
-    if ((PART_FAILED)); then
-        printf '\nFailed: %s\n' "${FAILED_PARTS[*]}"
-    fi
-    printf '%d%% tests passed, %d tests failed out of %d\n' "$percent" "$PART_FAILED" "$total"
-    ((PART_FAILED == 0))
+# Shows, on a terminal, which parts the lanes $2... are at, until the process $1 ends.
+show_progress() {
+    local lane names columns line start=$SECONDS pid=$1
+    shift
+    columns=$(tput cols 2>/dev/null || printf 80)
+    while kill -0 "$pid" 2>/dev/null; do
+        names=
+        for lane in "$@"; do
+            names+=" $(cat "build/logs/lane.$lane" 2>/dev/null || true)"
+        done
+        line=$(printf '  ... %4d s %s' $((SECONDS - start)) "$names")
+        printf '\r\033[K%s' "${line:0:columns-1}"
+        sleep 0.5
+    done
+    printf '\r\033[K'
+}
+
+# Runs the functions $@, each a lane of parts, beside one another: a part that has but one thing left to do leaves the other cores
+# to the other lane. Parts that build into one folder, or need what another built, stand in the same lane. Then the closing words:
+# what failed, and one line in ctest's form.
+run_lanes() {
+    local lane pids=() passed=0 failed=0 names=() one two three
+    rm -rf build/logs
+    mkdir -p build/logs
+    : >"$RESULTS"
+    # A process group for each lane, so that an interrupt ends all that it started.
+    set -m
+    for lane in "$@"; do
+        (
+            set +m
+            LANE=build/logs/lane.$lane
+            "$lane"
+            : >"$LANE"
+        ) </dev/null &
+        pids+=($!)
+    done
+    set +m
+    # shellcheck disable=SC2064 # the lanes as they are now
+    trap "kill -TERM -- ${pids[*]/#/-} 2>/dev/null; die interrupted" INT TERM
+    for one in "${pids[@]}"; do
+        [[ -t 1 ]] && show_progress "$one" "$@"
+        wait "$one" || printf '%d %d %s\n' 0 1 "a lane that broke off" >>"$RESULTS"
+    done
+    trap - INT TERM
+
+    while read -r one two three; do
+        passed=$((passed + one))
+        failed=$((failed + two))
+        ((two)) && names+=("$three")
+    done <"$RESULTS"
+    ((failed)) && printf '\nFailed: %s\n' "${names[*]}"
+    printf '%d%% tests passed, %d tests failed out of %d\n' $((100 * passed / (passed + failed))) "$failed" $((passed + failed))
+    ((failed == 0))
 }
 
 # Labels of tests that one build is enough for: exhaustive ones, and those that run none of the C code, or run it by the program
 # that the host preset built.
 ONCE='^(sweep|blind|tool)$'
-# Coverage is the library's, by its unit tests: the program as its user meets it adds nothing to it.
-NOT_COVERAGE='^(sweep|blind|tool|cli)$'
+# A second compiler and coverage are the library's and the parts', by their unit tests: the program as its user meets it adds nothing.
+UNIT_ONLY='^(sweep|blind|tool|cli)$'
 
 # Builds all of a preset and runs its tests but for those with a label that matches $2.
 test_preset() {
@@ -128,7 +152,7 @@ check_cppcheck() {
 # The library's lines and branches that the unit tests reach, headers with inline functions included.
 check_coverage() {
     find build/coverage -name '*.gcda' -delete 2>/dev/null || true
-    test_preset coverage "$NOT_COVERAGE"
+    test_preset coverage "$UNIT_ONLY"
     gcovr --root . --object-directory build/coverage --filter src/ --filter include/ --exclude-throw-branches \
         --json-summary build/coverage/summary.json --txt --fail-under-line 98 --fail-under-branch 90
     gcovr --root . --object-directory build/coverage --filter src/ --filter include/ --exclude-throw-branches \
@@ -139,7 +163,7 @@ check_scripts() {
     shellcheck -x dev .ci/run tools/*.sh
 }
 
-run_static_checks() {
+static_checks() {
     run_part format check_format
     run_part clang-tidy check_tidy
     run_part cppcheck check_cppcheck
@@ -147,24 +171,31 @@ run_static_checks() {
 }
 
 check_everything() {
-    run_static_checks
-    close_parts
+    run_lanes static_checks
 }
 
-test_everything() {
+# What the program built by gcc does, and what the targets' compilers make of the library.
+program_lane() {
     run_part host test_preset host
-    run_part clang test_preset clang "$ONCE"
-    run_part asan test_preset asan "$ONCE"
     run_part cortex-m4 test_freestanding cortex-m4 arm-none-eabi-nm
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
     run_part examples python3 tools/check_examples.py
     run_part figures python3 tools/figures.py check
-    run_part consume tests/consume/run.py
     run_part target tests/target/run.sh
     run_part bench bench/run.sh --check
     run_part blind tests/blind/run.py --ci --jobs "$JOBS"
     run_part third tests/blind/third.py --ci --jobs "$JOBS"
-    run_static_checks
+}
+
+# What needs none of that: other compilers, sanitizers, other people's builds, static analysis.
+source_lane() {
+    run_part clang test_preset clang "$UNIT_ONLY"
+    run_part asan test_preset asan "$ONCE"
+    static_checks
+    run_part consume tests/consume/run.py
     run_part coverage check_coverage
-    close_parts
+}
+
+test_everything() {
+    run_lanes program_lane source_lane
 }
