@@ -76,7 +76,9 @@ int main(void)
 {
     config = bench_config;
     give_data();
-    (void)iqfoc_cycle_init(&cycle, &config);
+    if (iqfoc_cycle_init_by(methods, &cycle, &config) != IQFOC_OK) {
+        return 1;
+    }
     for (;;) {
         iqfoc_sample_t sample = samples;
         iqfoc_cycle_valley_by(methods, &cycle, &sample, sample.time);

@@ -35,6 +35,12 @@ static bool choices_valid(const iqfoc_cycle_config_t *c)
            (c->safe_state == IQFOC_SAFE_GATES_OFF || c->safe_state == IQFOC_SAFE_SHORT_CIRCUIT);
 }
 
+/* The sum is a limit of the guard's, which takes one from 2^31 on as past. */
+static bool times_valid(const iqfoc_cycle_config_t *c)
+{
+    return c->period_ticks <= INT32_MAX && c->tolerance_ticks <= INT32_MAX - c->period_ticks;
+}
+
 /* What every drive needs, whatever its methods. */
 static iqfoc_error_t checked(const iqfoc_cycle_config_t *config)
 {
@@ -50,7 +56,10 @@ static iqfoc_error_t checked(const iqfoc_cycle_config_t *config)
     if (!iq24_within(config->current_limit, 1, IQ24(16.0))) {
         return IQFOC_ERROR_CURRENT_LIMIT;
     }
-    return choices_valid(config) ? IQFOC_OK : IQFOC_ERROR_CHOICE;
+    if (!choices_valid(config)) {
+        return IQFOC_ERROR_CHOICE;
+    }
+    return times_valid(config) ? IQFOC_OK : IQFOC_ERROR_TIMES;
 }
 
 iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config)
@@ -194,7 +203,7 @@ iq24_t iqfoc_cycle_stretched(const iqfoc_cycle_t *cycle, iq24_t output_mid)
 {
     const uint32_t old = cycle->config->period_ticks;
     const uint32_t new = cycle->next->period_ticks;
-    if (old == new || old > INT32_MAX || new > INT32_MAX || output_mid <= IQ24_ONE) {
+    if (old == new || output_mid <= IQ24_ONE) {
         return output_mid;
     }
     const iq24_t longer = iq24_div((iq24_t) new, (iq24_t)old);

@@ -27,7 +27,7 @@ bool corrected_drive_start(iqfoc_cycle_t *cycle, uint32_t ticks_per_second, iq24
     config.tolerance_ticks = config.period_ticks / 20;
     config.stale_ticks = config.period_ticks / 4;
     config.deadline_ticks = config.period_ticks / 2 - config.period_ticks / 20;
-    if (iqfoc_extension_check(&extension) != IQFOC_OK || iqfoc_cycle_init(cycle, &config) != IQFOC_OK) {
+    if (iqfoc_cycle_init_by(corrected_drive_methods, cycle, &config) != IQFOC_OK) {
         return false;
     }
     cycle->i_ref.q = i_q;

@@ -67,7 +67,7 @@ typedef struct iqfoc_cycle_config {
     iq24_t span_max;           /* for iqfoc_modulate: 0 < span_max <= 1 */
     iq24_t current_limit;      /* per unit: 0 < current_limit <= 16, of alpha and of beta; to 1 LSB */
     uint32_t period_ticks;     /* control cycle T in the port's ticks; 0 switches the checks of time off */
-    uint32_t tolerance_ticks;  /* a cycle longer than period + tolerance was missed */
+    uint32_t tolerance_ticks;  /* a cycle longer than period + tolerance, at most 2^31 - 1, was missed */
     uint32_t stale_ticks;      /* a sample older than this when a call begins is stale */
     uint32_t deadline_ticks;   /* from the peak's sample to its finished command: later is late */
     uint32_t trips;            /* status bits that stop the drive */
@@ -110,7 +110,11 @@ typedef struct iqfoc_cycle {
 #define IQFOC_CYCLE_DUE_PEAK    UINT32_C(0x80000000)
 #define IQFOC_CYCLE_DUE_NOTHING UINT32_C(0xC0000000) /* before the first valley: nothing can be told yet */
 
-/* Starts disabled, with cleared status. config must outlive the cycle. */
+/*
+ * Starts disabled, with cleared status. config must outlive the cycle. Refused with the object untouched: what the
+ * cycle runs on is then what it was, and not to be enabled if it was nothing. Where methods are named:
+ * iqfoc_cycle_init_by (cycle_check.h), which sees to what they need.
+ */
 iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config);
 
 /*

@@ -16,6 +16,7 @@
 #define IQFOC_CYCLE_STEPS_H
 
 #include "cycle.h"
+#include "cycle_check.h"
 #include "cycle_guard.h"
 #include "cycle_predict.h"
 #include "extension.h"

@@ -14,6 +14,9 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_SPAN = -4,          /* span_max not in (0, 1] */
     IQFOC_ERROR_CURRENT_LIMIT = -5, /* not in (0, 16] */
     IQFOC_ERROR_CHOICE = -6,        /* feedback, modulation or safe_state is none of its enumeration */
+    IQFOC_ERROR_TIMES = -7,         /* period_ticks and tolerance_ticks together above 2^31 - 1 */
+    /* iqfoc_cycle_init_by */
+    IQFOC_ERROR_METHODS = -8, /* methods that do not go together, or a number that deadbeat control needs */
     /* iqfoc_extension_check: a value outside the range stated in extension.h */
     IQFOC_ERROR_CURRENT_SENSOR = -10, /* i_offset or i_gain_inverse */
     IQFOC_ERROR_ANGLE = -11,          /* theta_0 or theta_delay */

@@ -6,6 +6,7 @@
 
 #include "current_control.h"
 #include "cycle.h"
+#include "cycle_check.h"
 #include "cycle_guard.h"
 #include "cycle_predict.h"
 #include "cycle_steps.h"

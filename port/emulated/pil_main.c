@@ -23,6 +23,7 @@ struct iqfoc_hal {
 static iqfoc_cycle_config_t config;
 static iqfoc_cycle_t cycle;
 static iqfoc_hal_t hal;
+static bool started; /* by a configuration that was not refused */
 
 void iqfoc_hal_read_valley(iqfoc_hal_t *h, iqfoc_sample_t *sample)
 {
@@ -78,17 +79,21 @@ static void receive(pil_frame_t *frame)
 
 static void answer_started(int32_t refused)
 {
-    const pil_frame_t started = {PIL_STARTED, 1, {refused}};
-    send(&started);
+    const pil_frame_t answer = {PIL_STARTED, 1, {refused}};
+    send(&answer);
 }
 
+/* A refused configuration drives nothing, and ends what an earlier one drove. */
 static void start(const pil_frame_t *frame)
 {
     pil_recorder_finish();
     pil_start_read(frame, &config);
     const iqfoc_error_t refused = iqfoc_cycle_init(&cycle, &config);
-    cycle.enabled = true;
-    pil_recorder_arm();
+    started = refused == IQFOC_OK;
+    if (started) {
+        cycle.enabled = true;
+        pil_recorder_arm();
+    }
     answer_started((int32_t)refused);
 }
 
@@ -117,7 +122,7 @@ int main(void)
             start(&frame);
         } else if (frame.type == PIL_RECORD) {
             answer_started(pil_recorder_start(&frame, &cycle));
-        } else if (frame.type == PIL_CYCLE && cycle.config != 0) {
+        } else if (frame.type == PIL_CYCLE && started) {
             run_cycle(&frame);
         } else {
             return STATUS_GARBLED;

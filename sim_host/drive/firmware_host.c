@@ -13,15 +13,9 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
     const iqfoc_methods_t methods = {IQFOC_MODEL_QUASI_DISCRETE, config->feedback, IQFOC_CONTROL_PI,
                                      config->modulation, host->extension != NULL};
     host->methods = methods;
-    const iqfoc_error_t refused = iqfoc_cycle_init(&host->cycle, &host->config);
+    const iqfoc_error_t refused = iqfoc_cycle_init_by(methods, &host->cycle, &host->config);
     if (refused != IQFOC_OK) {
         return error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
-    }
-    if (host->extension != NULL) {
-        const iqfoc_error_t unfit = iqfoc_extension_check(host->extension);
-        if (unfit != IQFOC_OK) {
-            return error_failure(e, 0, "the library refused its corrections: iqfoc_error_t %d", (int)unfit);
-        }
     }
     host->cycle.enabled = true;
     return true;

@@ -20,7 +20,7 @@ COMMON = ["-icount", "shift=3", "-display", "none", "-monitor", "none", "-serial
 TIME_LIMIT_S = 300
 HERE = pathlib.Path(__file__).resolve().parent
 # Tests of the program with the images.
-SCRIPTS = ("c28x.py", "pil.py", "recorder.py")
+SCRIPTS = ("c28x.py", "pil.py", "recorder.py", "wire.py")
 HOST_BUILDS = ("gcc-O2", "clang-O0", "clang-O3")
 
 

@@ -66,6 +66,26 @@ static void test_init_refuses_by_name(void)
     REFUSED(IQFOC_ERROR_CHOICE, feedback, (iqfoc_feedback_t)7);
     REFUSED(IQFOC_ERROR_CHOICE, modulation, (iqfoc_modulation_t)7);
     REFUSED(IQFOC_ERROR_CHOICE, safe_state, (iqfoc_safe_state_t)7);
+    REFUSED(IQFOC_ERROR_TIMES, period_ticks, UINT32_C(0x80000000));
+    REFUSED(IQFOC_ERROR_TIMES, tolerance_ticks, INT32_MAX - PERIOD + 1);
+    REFUSED(IQFOC_ERROR_TIMES, tolerance_ticks, UINT32_MAX); /* the sum would wrap */
+}
+
+/* The longest sum that is taken still tells a long cycle from a good one. */
+static void test_longest_times(void)
+{
+    config.tolerance_ticks = INT32_MAX - PERIOD;
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_cycle_init(&cycle, &config));
+    cycle.enabled = true;
+    run_healthy(3);
+    TEST_ASSERT_EQUAL_UINT32(0, cycle.status);
+    ticks += INT32_MAX - PERIOD;
+    valley();
+    TEST_ASSERT_EQUAL_UINT32(0, cycle.status);
+    (void)peak();
+    ticks += INT32_MAX - PERIOD + 1;
+    valley();
+    TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_MISSED, cycle.status);
 }
 
 static void test_starts_disabled_and_safe(void)
@@ -303,6 +323,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_init_refuses_by_name);
+    RUN_TEST(test_longest_times);
     RUN_TEST(test_starts_disabled_and_safe);
     RUN_TEST(test_short_circuit_is_the_other_safe_state);
     RUN_TEST(test_missed_peak_trips_until_cleared);

@@ -84,25 +84,6 @@ static void make_sets(void)
     sets[1].period_ticks = PERIOD + PERIOD / 4;
 }
 
-static bool possible(const iqfoc_methods_t *m)
-{
-    const bool plain = m->model != IQFOC_MODEL_SALIENT && m->model != IQFOC_MODEL_FLUX;
-    if (m->control != IQFOC_CONTROL_PI && !plain) {
-        return false;
-    }
-    switch (m->feedback) {
-    case IQFOC_FEEDBACK_EXACT_MEAN:
-        return m->model == IQFOC_MODEL_EXACT || m->model == IQFOC_MODEL_SALIENT;
-    case IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN:
-    case IQFOC_FEEDBACK_MODULATED_MEAN:
-        return plain;
-    case IQFOC_FEEDBACK_MIDPOINT:
-    case IQFOC_FEEDBACK_CORRECTED_MEAN:
-    default:
-        return true;
-    }
-}
-
 static iqfoc_methods_t draw_methods(void)
 {
     iqfoc_methods_t m;
@@ -110,9 +91,9 @@ static iqfoc_methods_t draw_methods(void)
         m.model = (iqfoc_model_t)(draw() % 5);
         m.feedback = (iqfoc_feedback_t)(draw() % 5);
         m.control = (iqfoc_control_t)(draw() % 3);
-        m.modulation = (iqfoc_modulation_t)(draw() % 2);
+        m.modulation = (iqfoc_modulation_t)(draw() % 3);
         m.extended = one_in(2);
-    } while (!possible(&m));
+    } while (iqfoc_cycle_check(m, &sets[0]) != IQFOC_OK);
     return m;
 }
 
