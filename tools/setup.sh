@@ -8,7 +8,7 @@ BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-d
 # emulators (and those of targets that only compile the library), the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
 TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
-    picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make)
+    picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make libxml2-utils)
 
 # What `prove` needs.
 PROVE_PACKAGES=(python3 frama-c-base)
@@ -116,19 +116,33 @@ fetch_unity() {
     rm -rf "$work"
 }
 
-# motulator, the drive simulation of tests/blind/third.py, in an environment of its own, so that nothing of it meets the machine's Python.
-MOTULATOR=motulator==0.5.0
-set_up_motulator() {
-    local place=$ROOT/.cache/motulator log=$ROOT/.cache/pip.log
-    [[ -e $place/$MOTULATOR ]] && return 0
-    say "installing $MOTULATOR from PyPI into .cache/motulator"
+# The Python programs of tools/python/$1.txt, each pinned by hash, in an environment of their own: .cache/python/$1.
+# What they need is in the file too; `./dev lock` writes it from the .in beside it.
+set_up_python() {
+    local name=$1 place=$ROOT/.cache/python/$1 log=$ROOT/.cache/pip.log
+    local pins=$ROOT/tools/python/$name.txt
+    [[ -r $pins ]] || die "there are no tools '$name': tools/python/$name.txt is missing"
+    cmp -s "$pins" "$place/pins.txt" && return 0
+    say "installing tools/python/$name.txt from PyPI into .cache/python/$name"
     rm -rf "$place"
+    mkdir -p "${place%/*}"
     if ! /usr/bin/python3 -m venv "$place" >"$log" 2>&1 ||
-        ! "$place/bin/pip" install --quiet --disable-pip-version-check "$MOTULATOR" >>"$log" 2>&1; then
+        ! "$place/bin/pip" install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r "$pins" \
+            >>"$log" 2>&1; then
         tail -n 10 "$log" >&2
-        die "$MOTULATOR could not be installed (above; all of it in $log)"
+        die "tools/python/$name.txt could not be installed (above; all of it in $log)"
     fi
-    touch "$place/$MOTULATOR" # whole
+    cp "$pins" "$place/pins.txt" # whole
+}
+
+# Writes tools/python/*.txt anew: the versions that the .in files name and what they need, with the hash of each of their files.
+lock_python() {
+    local file
+    set_up_python lock
+    for file in tools/python/*.in; do
+        (cd tools/python && ../../.cache/python/lock/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras \
+            --no-header --output-file "$(basename "$file" .in).txt" "$(basename "$file")")
+    done
 }
 
 unity_is_pinned() {

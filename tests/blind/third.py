@@ -6,7 +6,7 @@
     tests/blind/third.py --digits   with last-digit errors in every motor file (digits.py)
 
 A recording takes some ten seconds to make, so they are kept in .cache/third until what makes them changes. Needs motulator in
-.cache/motulator, which `./dev blind` installs.
+.cache/python/motulator, which `./dev blind` installs.
 """
 
 import argparse
@@ -31,7 +31,7 @@ import generate
 import run as blind
 import score
 
-PYTHON = os.path.join(ROOT, ".cache", "motulator", "bin", "python")
+PYTHON = os.path.join(ROOT, ".cache", "python", "motulator", "bin", "python")
 ASKED = 0.9
 FIRST_SEED = 400_000
 
@@ -127,7 +127,7 @@ def main():
     parser.add_argument("--docs", action="store_true", help="write the results into docs/blind_tests.md")
     args = parser.parse_args()
     if not os.access(PYTHON, os.X_OK):
-        parser.error("no motulator in .cache/motulator; ./dev blind installs it")
+        parser.error("no motulator in .cache/python/motulator; ./dev blind installs it")
     if args.docs and args.ci:
         parser.error("--docs: the page holds the whole set, without --ci")
     kept = os.path.join(os.path.abspath(args.keep), version())

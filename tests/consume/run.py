@@ -14,46 +14,13 @@ import subprocess
 import sys
 import tempfile
 
-HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
-INCLUDE = ROOT / "include"
-SOURCES = sorted((ROOT / "src").glob("*.c"))
-PROGRAM = HERE / "every_header.c"
-BOARD = HERE / "board"
-QEMU_ARM = ["qemu-system-arm", "-M", "mps2-an386", "-semihosting-config", "enable=on,target=native", "-display", "none",
-            "-monitor", "none", "-serial", "stdio"]
-QEMU_RV32 = ["qemu-system-riscv32", "-M", "virt", "-bios", "none", "-display", "none", "-monitor", "none", "-serial", "stdio"]
-WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wundef", "-Werror"]
-BARE = ["-ffreestanding", "-ffunction-sections", "-fdata-sections", "-O2"]
-TIME_LIMIT_S = 120
+import packages
+from common import (BARE, BOARD, HERE, INCLUDE, PROGRAM, QEMU_ARM, QEMU_RV32, ROOT, SOURCES, WARNINGS, Failed, cmake, expect, run,
+                    version_of_the_header)
 
 # The interrupt pair on Cortex-M0+, instructions: with the four-product multiply, and with the compiler's own.
 M0PLUS_PAIR = 2414
 M0PLUS_PAIR_BEFORE = 4000
-
-
-class Failed(Exception):
-    """What a check says when it fails."""
-
-
-def run(command, status=0, **more):
-    """The output of a command that must end with this status (None: with any but 0)."""
-    done = subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True, errors="replace", timeout=TIME_LIMIT_S, check=False, **more)
-    good = done.returncode != 0 if status is None else done.returncode == status
-    if not good:
-        raise Failed(f"{' '.join(map(str, command))}\nended with {done.returncode}:\n{done.stdout[-3000:]}")
-    return done.stdout
-
-
-def expect(good, what):
-    if not good:
-        raise Failed(what)
-
-
-def cmake(source, build, *options, env=None):
-    run(["cmake", "-G", "Ninja", "-S", source, "-B", build, "-DCMAKE_BUILD_TYPE=Release", *options], env=env)
-    run(["cmake", "--build", build])
 
 
 def parent(folder, *options, env=None):
@@ -157,10 +124,6 @@ def template(folder):
 
 
 # ---- pkg-config ----
-
-def version_of_the_header():
-    return re.search(r'IQFOC_VERSION_STRING "(.*)"', (INCLUDE / "iqfoc/version.h").read_text())[1]
-
 
 def pkg_config(folder):
     prefix = installed(folder)
@@ -410,7 +373,7 @@ CHECKS = [
     diagnosed_header_in_c_and_c_plus_plus, each_header_alone, clang_for_arm, gcc_for_other_arm_cores,
     gcc_for_arm_before_armv6_and_big_endian, riscv, xtensa, avr_by_clang,
     msp430_by_clang, c28x_header_on_the_host, refuses_constants_of_single_precision, refuses_a_double_of_32_bits,
-    refuses_a_wrong_target_header, refuses_a_value_out_of_its_range,
+    refuses_a_wrong_target_header, refuses_a_value_out_of_its_range, *packages.CHECKS,
 ]
 
 
