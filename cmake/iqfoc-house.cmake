@@ -32,6 +32,7 @@ add_subdirectory(sim_host/diagnose/show)
 add_subdirectory(sim_host/import)
 add_subdirectory(sim_host/loops)
 add_subdirectory(sim_host/tune)
+add_subdirectory(tests/target/golden)
 add_subdirectory(sim_host/commands)
 add_subdirectory(examples)
 

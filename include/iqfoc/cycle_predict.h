@@ -173,8 +173,12 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_deadbeat(const iqfoc_methods_t m, iqfoc_cycle_
 IQFOC_STEP void iqfoc_cycle_predict(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                     const iqfoc_sample_t *sample, iqfoc_ab_t i, iqfoc_ab_t u, iq24_t turns)
 {
+    /* Deadbeat control has a plain model (cycle_check.h), which sets it; a compiler to which methods are a variable
+     * does not see that. */
+    const iqfoc_exact_t none = {0, 0, 0, 0};
     iqfoc_valley_t at;
     at.i = i;
+    at.exact = none;
     iqfoc_cycle_rotor(m, cycle, &at, sample, turns);
     iqfoc_ab_t i_next = m.model == IQFOC_MODEL_SALIENT || m.model == IQFOC_MODEL_FLUX
                             ? iqfoc_cycle_predict_salient(m, cycle, &at, u)

@@ -16,8 +16,9 @@ iqfoc_add_image(test_interrupts test_interrupts.c)
 target_link_libraries(test_interrupts PRIVATE emulated_drive unity)
 
 # The run has a clock of its own in place of the board's.
-iqfoc_add_image(same_bits same_bits.c closed_loop.c golden_vectors.c golden_models.c golden_around.c golden_limits.c golden_inputs.c ${EMULATED}/hal_emulated.c
-                ${EMULATED}/small_drive.c)
+add_subdirectory(golden)
+iqfoc_add_image(same_bits same_bits.c closed_loop.c ${EMULATED}/hal_emulated.c ${EMULATED}/small_drive.c)
+target_link_libraries(same_bits PRIVATE golden)
 target_compile_definitions(same_bits PRIVATE IQFOC_ON_TARGET)
 
 # The library's own unit tests. Sweeps are thinned: double precision is emulated twice here. Fewer draws than these, and a

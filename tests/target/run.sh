@@ -22,8 +22,8 @@ for target in cortex-m4 cortex-m0plus rv32; do
 done
 
 # Language and warnings as in cmake/; what differs on purpose is compiler and optimisation.
-FLAGS=(-std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes -Werror -Iinclude -Iport/emulated)
-SOURCES=(tests/target/{same_bits,closed_loop,golden_vectors,golden_models,golden_around,golden_limits,golden_inputs}.c port/emulated/{hal_emulated,small_drive}.c src/*.c)
+FLAGS=(-std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes -Werror -Iinclude -Iport/emulated -Itests/target/golden)
+SOURCES=(tests/target/{same_bits,closed_loop}.c tests/target/golden/*.c port/emulated/{hal_emulated,small_drive}.c src/*.c)
 gcc -O2 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/gcc-O2"
 clang -O0 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O0"
 clang -O3 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O3"

@@ -4,6 +4,7 @@
 #include "golden_vectors.h"
 
 #include "golden_around.h"
+#include "golden_cycle.h"
 #include "golden_limits.h"
 #include "golden_models.h"
 #include "golden_types.h"
@@ -237,4 +238,5 @@ void golden_vectors(golden_report *report)
         }
         report(functions[k].name, digest);
     }
+    (void)golden_cycle(report);
 }
