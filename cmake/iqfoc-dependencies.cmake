@@ -1,5 +1,6 @@
 # The libraries that the host program stands on, each as one target `dep::NAME` (and, where it brings a .pc file, as
-# PkgConfig::NAME). All that is missing is named at once, by its Debian package.
+# PkgConfig::NAME): headers alone, but for zlib, so that they go to every processor with the program's own sources. All that
+# is missing is named at once, by its Debian package.
 find_package(PkgConfig REQUIRED)
 
 set(missing_packages "")
@@ -33,12 +34,30 @@ function(iqfoc_dependency_by_file name package header)
     add_library(dep::${name} ALIAS dep_${name})
 endfunction()
 
-iqfoc_dependency(lapacke lapacke liblapacke-dev)
-iqfoc_dependency(fftw3 fftw3 libfftw3-dev)
-iqfoc_dependency(jansson jansson libjansson-dev)
-iqfoc_dependency(zlib zlib zlib1g-dev)
-iqfoc_dependency(tomlplusplus tomlplusplus libtomlplusplus-dev)
-iqfoc_dependency_by_file(csv libcsv-dev csv.h csv)
+# dep::<name>, a library of headers alone, out of Debian's <package>. They fit every processor, but the folder that they are
+# installed in holds this machine's C library as well: the compiler is shown a link to the one folder of <header>.
+function(iqfoc_header_library name package header)
+    find_path(${name}_INCLUDE_DIR ${header} PATH_SUFFIXES eigen3 NO_CMAKE_FIND_ROOT_PATH)
+    if(NOT ${name}_INCLUDE_DIR)
+        set(missing_packages ${missing_packages} ${package} PARENT_SCOPE)
+        return()
+    endif()
+    string(REGEX REPLACE "/.*" "" folder ${header})
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/headers)
+    file(CREATE_LINK ${${name}_INCLUDE_DIR}/${folder} ${PROJECT_BINARY_DIR}/headers/${folder} SYMBOLIC)
+    add_library(dep_${name} INTERFACE)
+    target_include_directories(dep_${name} SYSTEM INTERFACE ${PROJECT_BINARY_DIR}/headers)
+    add_library(dep::${name} ALIAS dep_${name})
+endfunction()
+
+iqfoc_header_library(eigen libeigen3-dev Eigen/Cholesky)
+iqfoc_header_library(kissfft libkissfft-dev kissfft/kissfft.hh)
+iqfoc_header_library(json nlohmann-json3-dev nlohmann/json.hpp)
+iqfoc_header_library(tomlplusplus libtomlplusplus-dev toml++/toml.h)
+option(IQFOC_ZLIB "Read packed recordings (.csv.gz); without it they are refused" ON)
+if(IQFOC_ZLIB)
+    iqfoc_dependency(zlib zlib zlib1g-dev)
+endif()
 
 # The independent integrator is a witness in tests, no part of the program.
 if(BUILD_TESTING)

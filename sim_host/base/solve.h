@@ -1,11 +1,18 @@
-/* Small symmetric systems, by LAPACK's Cholesky factorisation. */
+/*
+ * Small dense systems of equations, by Eigen (solve.cpp). Matrices are row by row. Nothing is vectorised and nothing fused,
+ * so that every processor gives the same bits.
+ */
 #ifndef SIM_HOST_BASE_SOLVE_H
 #define SIM_HOST_BASE_SOLVE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { SOLVE_ORDER_MOST = 64 };
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { SOLVE_ORDER_MOST = 64, SOLVE_GENERAL_MOST = 16 };
 
 /*
  * Solves h x = b for a symmetric positive h of order n <= SOLVE_ORDER_MOST, rows `stride` apart. False if, its
@@ -15,5 +22,24 @@ bool solve_positive(size_t n, size_t stride, const double *h, const double *b, d
 
 /* The inverse of such a matrix, with the same stride. */
 bool solve_inverse(size_t n, size_t stride, const double *h, double *out);
+
+/*
+ * The lower factor L of a symmetric positive a = L L^T of order n <= SOLVE_GENERAL_MOST, in the place of a; only a's lower
+ * half is read and written. False if a is not positive.
+ */
+bool solve_factor(size_t n, double *a);
+
+/* Solves a x = b of order n <= SOLVE_GENERAL_MOST; x takes the place of b. False if a is singular. */
+bool solve_linear(size_t n, const double *a, double *b);
+
+/* The same for complex numbers, each a pair of real and imaginary part, and two right-hand sides side by side. */
+bool solve_complex_pair(size_t n, const double *a, double *b);
+
+/* The eigenvalues of a of order n <= SOLVE_GENERAL_MOST, in no order. False if a is not finite. */
+bool solve_eigenvalues(size_t n, const double *a, double *re, double *im);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

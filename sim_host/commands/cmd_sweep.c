@@ -113,7 +113,7 @@ static json_t *points_json(const request *r, const motor *m, double current_A_rm
     json_t *list = json_array();
     for (size_t n = 0; n < r->speeds; n++) {
         if (json_array_append_new(list, sweep_point_json(&points[n])) != 0) {
-            json_decref(list);
+            json_free(list);
             return NULL; /* out of memory, which the writer says */
         }
     }

@@ -44,7 +44,7 @@ static json_t *trial_json(watch_change change, const watch_trial *t)
     for (int g = 0; g <= IQFOC_WATCH_GROUPS; g++) {
         if (t->named[g] > 0 &&
             json_object_set_new(named, watch_group_text[g], json_integer(t->named[g])) != 0) {
-            json_decref(named);
+            json_free(named);
             return NULL;
         }
     }
@@ -66,8 +66,8 @@ static json_t *results_json(const motor *m, const results *r)
         ok = json_array_append_new(passed, json_integer(r->clean.passed[n])) == 0;
     }
     if (!ok) {
-        json_decref(trials);
-        json_decref(passed);
+        json_free(trials);
+        json_free(passed);
         return NULL;
     }
     return json_pack("{s:i, s:s, s:f, s:f, s:o, s:{s:f, s:i, s:f, s:o}}", "schema", 1, "motor", m->name,

@@ -1,7 +1,8 @@
-/* Records and fields: plain lines at their commas, the others by libcsv, fed line by line (csv_file.h). */
+/* Records and fields: plain lines at their commas, the others as quoted ones (csv_file.h). */
 #include "csv_file.h"
 
-#include <csv.h>
+#include "csv_quoted.h"
+
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,16 +67,15 @@ static void give_record(csv_file *f)
     f->record_length = 0;
 }
 
-/* ---- libcsv's callbacks; libcsv cannot be stopped within a line ---- */
+/* ---- what csv_quoted finds; it is not stopped within a line ---- */
 
-static void field_end(void *text, size_t length, void *context)
+static void quoted_field(void *context, const char *text, size_t length)
 {
     give_field(context, text, length);
 }
 
-static void record_end(int terminator, void *context)
+static void quoted_record(void *context)
 {
-    (void)terminator;
     give_record(context);
 }
 
@@ -194,14 +194,14 @@ static void count_without_record(csv_file *f)
     }
 }
 
-static void feed_line(csv_file *f, struct csv_parser *csv)
+static void feed_line(csv_file *f, csv_quoted *quoted)
 {
     count_without_record(f);
     if (is_ahead(f)) {
         return;
     }
     const size_t length = line_length(&f->lines);
-    if (is_plain(f, length)) {
+    if (quoted->state == CSV_BEFORE_RECORD && is_plain(f, length)) {
         if (!is_blank(f->lines.line, length)) {
             part_line(f, length);
         }
@@ -210,34 +210,32 @@ static void feed_line(csv_file *f, struct csv_parser *csv)
     if (!record_append(f)) {
         return;
     }
-    const line_source *lines = &f->lines;
-    if (csv_parse(csv, lines->line, lines->length, field_end, record_end, f) == lines->length) {
-        return;
-    }
-    if (csv_error(csv) == CSV_EPARSE) {
+    switch (csv_quoted_feed(quoted, f->lines.line, f->lines.length)) {
+    case CSV_QUOTED_OK:
+        break;
+    case CSV_QUOTED_STRAY:
         csv_file_refuse(f, f->field,
                         "a quote stands within a field or text after its end; expected RFC 4180");
-    } else {
+        break;
+    case CSV_QUOTED_NO_MEMORY:
         out_of_memory(f);
+        break;
     }
 }
 
 bool csv_file_read(csv_file *f, const char *path)
 {
-    struct csv_parser csv;
+    csv_quoted quoted = {.on_field = quoted_field, .on_record = quoted_record, .context = f};
     if (!line_source_open(&f->lines, path, f->e)) {
         return false;
     }
-    if (csv_init(&csv, CSV_STRICT | CSV_STRICT_FINI) != 0) {
-        return out_of_memory(f);
-    }
     while (!is_stopped(f) && line_source_next(&f->lines, f->e)) {
-        feed_line(f, &csv);
+        feed_line(f, &quoted);
     }
-    if (!is_stopped(f) && csv_fini(&csv, field_end, record_end, f) != 0) {
+    if (!is_stopped(f) && !csv_quoted_end(&quoted)) {
         csv_file_refuse(f, f->field, "a quoted field has no end; is the file cut off?");
     }
-    csv_free(&csv);
+    csv_quoted_free(&quoted);
     return !is_stopped(f);
 }
 

@@ -1,10 +1,9 @@
 /*
- * A CSV file (RFC 4180, by libcsv) as records of fields, with the line and column of every field.
+ * A CSV file (RFC 4180) as records of fields, with the line and column of every field.
  *
- * Fed to libcsv line by line, so that the line is always known; the column of a field is looked for only when
- * there is something to complain about. A line in which nothing is quoted is parted at its commas without
- * libcsv, to the same fields and much quicker: recordings have no other lines. A byte order mark, and
- * comments (#) and blank lines ahead of the first record, are skipped.
+ * Read line by line, so that the line is always known; the column of a field is looked for only when there is something to
+ * complain about. A line in which nothing is quoted is parted at its commas at once; recordings have no other lines. A byte
+ * order mark, and comments (#) and blank lines ahead of the first record, are skipped.
  */
 #ifndef SIM_HOST_DATA_CSV_FILE_H
 #define SIM_HOST_DATA_CSV_FILE_H

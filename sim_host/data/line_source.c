@@ -1,7 +1,9 @@
-/* Lines by zlib, which reads what is not packed as it is (line_source.h). */
+/* Lines of what a byte source gives (line_source.h). */
 #define _XOPEN_SOURCE 700 /* POSIX: open, dup */
 
 #include "line_source.h"
+
+#include "byte_source.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -9,9 +11,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <zlib.h>
 
-enum { BLOCK_SIZE = 256 * 1024, BUFFER_SIZE = LINE_SOURCE_LONGEST + 1 + BLOCK_SIZE };
+enum { BUFFER_SIZE = LINE_SOURCE_LONGEST + 1 + BYTE_SOURCE_BLOCK };
 
 /* More than hours of a fast drive: a small file that unpacks without an end is not to keep anyone waiting. */
 static const size_t MOST_BYTES = (size_t)4 << 30;
@@ -30,27 +31,19 @@ bool line_source_open(line_source *s, const char *path, error *e)
         return error_input(e, path, 0, 0, "is a directory; expected a file");
     }
     s->buffer = malloc(BUFFER_SIZE);
-    s->stream = gzdopen(descriptor, "rb");
-    if (s->stream == NULL) {
-        close(descriptor);
-    }
-    if (s->buffer == NULL || s->stream == NULL) {
+    s->bytes_of = byte_source_open(descriptor);
+    if (s->buffer == NULL || s->bytes_of == NULL) {
         line_source_close(s);
         return error_failure(e, 0, "%s: out of memory", path);
     }
-    gzbuffer(s->stream, BLOCK_SIZE);
     return true;
 }
 
-/*
- * A gzip file that was cut or damaged is an error, not an end. zlib knows of it once it has unpacked that far, and
- * what it has unpacked with the damage is not used any more. It is complained of where the text breaks off.
- */
+/* Damage is complained of where the text breaks off. */
 static bool check_stream(const line_source *s, error *e)
 {
-    int code = Z_OK;
-    const char *why = gzerror(s->stream, &code);
-    if (code == Z_OK || code == Z_STREAM_END) {
+    char words[BYTE_SOURCE_COMPLAINT];
+    if (!byte_source_complaint(s->bytes_of, words)) {
         return true;
     }
     long line = s->number + 1;
@@ -61,13 +54,7 @@ static bool check_stream(const line_source *s, error *e)
             begin = k + 1;
         }
     }
-    const long column = (long)(s->end - begin) + 1;
-    if (code == Z_ERRNO) {
-        return error_input(e, s->path, line, column, "cannot be read: %s", strerror(errno));
-    }
-    const char *colon = strstr(why, ": "); /* zlib puts its own name of the file in front */
-    return error_input(e, s->path, line, column, "the gzip data is cut or damaged from here on (%s)",
-                       colon != NULL ? colon + 2 : why);
+    return error_input(e, s->path, line, (long)(s->end - begin) + 1, "%s", words);
 }
 
 /* Reads a block behind what is left of the one before; false at the end, and with *e set on damage. */
@@ -77,10 +64,10 @@ static bool fill(line_source *s, error *e)
     memmove(s->buffer, s->buffer + s->at, left);
     s->at = 0;
     s->end = left;
-    const int got = gzread(s->stream, s->buffer + left, BLOCK_SIZE);
-    s->end += got > 0 ? (size_t)got : 0;
-    s->bytes += got > 0 ? (size_t)got : 0;
-    s->is_end = got <= 0;
+    const size_t got = byte_source_read(s->bytes_of, s->buffer + left, BYTE_SOURCE_BLOCK);
+    s->end += got;
+    s->bytes += got;
+    s->is_end = got == 0;
     if (!check_stream(s, e)) {
         return false;
     }
@@ -114,17 +101,14 @@ bool line_source_next(line_source *s, error *e)
 
 bool line_source_block(line_source *s, char **bytes, size_t *length, error *e)
 {
-    const int got = gzread(s->stream, s->buffer, BLOCK_SIZE);
+    *length = byte_source_read(s->bytes_of, s->buffer, BYTE_SOURCE_BLOCK);
     *bytes = s->buffer;
-    *length = got > 0 ? (size_t)got : 0;
-    return check_stream(s, e) && got > 0;
+    return check_stream(s, e) && *length > 0;
 }
 
 void line_source_close(line_source *s)
 {
-    if (s->stream != NULL) {
-        gzclose(s->stream);
-    }
+    byte_source_close(s->bytes_of);
     free(s->buffer);
     *s = (line_source){0};
 }

@@ -16,8 +16,8 @@ enum {
 
 typedef struct line_source {
     const char *path; /* for messages: "stdin" for "-" */
-    void *stream;     /* zlib's gzFile */
-    char *buffer;     /* bytes that were read: those from at to end stand ahead of the next line */
+    struct byte_source *bytes_of;
+    char *buffer; /* bytes that were read: those from at to end stand ahead of the next line */
     size_t at, end;
     bool is_end;      /* there is no more to read */
     const char *line; /* the current line with its newline, if it has one; may hold zeros */

@@ -253,7 +253,7 @@ bool induction_table(const char *json_path, error *e)
     if (json_path != NULL) {
         json_t *root = table_json(points);
         const bool ok = json_file_write(json_path, root, e);
-        json_decref(root);
+        json_free(root);
         if (!ok) {
             return false;
         }

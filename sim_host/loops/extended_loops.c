@@ -80,7 +80,7 @@ json_t *extended_loops_json(const extended_loops *all)
                     json_number(r->rms_percent), "torque_error_percent", json_number(r->torque_error_percent),
                     "torque_ripple_percent", json_number(r->torque_ripple_percent));
                 if (o == NULL || json_array_append_new(list, o) != 0) {
-                    json_decref(root);
+                    json_free(root);
                     return NULL;
                 }
             }

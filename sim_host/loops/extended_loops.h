@@ -6,9 +6,9 @@
 #ifndef SIM_HOST_LOOPS_EXTENDED_LOOPS_H
 #define SIM_HOST_LOOPS_EXTENDED_LOOPS_H
 
+#include "base/json.h"
 #include "closed_loop.h"
 
-#include <jansson.h>
 #include <stdio.h>
 
 enum { EXTENDED_SPEEDS = 3, EXTENDED_BELIEFS = 2 };

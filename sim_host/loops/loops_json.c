@@ -21,9 +21,9 @@ static json_t *result_json(const loop_result *r)
 static bool append(json_t *list, json_t *object, json_t *more)
 {
     const bool ok = object != NULL && more != NULL && json_object_update(object, more) == 0;
-    json_decref(more);
+    json_free(more);
     if (!ok) {
-        json_decref(object);
+        json_free(object);
         return false;
     }
     return json_array_append_new(list, object) == 0;
@@ -109,7 +109,7 @@ json_t *loops_study_json(const loops_study *s)
         !add_current(json_object_get(root, "current"), &s->current) ||
         !add_finite_set(json_object_get(root, "finite_set"), &s->finite_set) ||
         !add_trade(json_object_get(root, "finite_set_trade"), &s->finite_set)) {
-        json_decref(root);
+        json_free(root);
         return NULL;
     }
     return root;

@@ -2,12 +2,12 @@
 #ifndef SIM_HOST_LOOPS_LOOPS_STUDY_H
 #define SIM_HOST_LOOPS_LOOPS_STUDY_H
 
+#include "base/json.h"
 #include "finite_set_loops.h"
 #include "run_up.h"
 #include "six_step_loop.h"
 #include "update_loops.h"
 
-#include <jansson.h>
 #include <stdio.h>
 
 enum { SIX_STEP_DISCRETE, SIX_STEP_CORRECTED, SIX_STEP_LOOPS };

@@ -32,7 +32,7 @@ json_t *run_ups_json(const run_up all[RUN_UP_CASES])
                               "share", run_up_cases[n].share, "linear_to_rpm", json_number(r->linear_to_rpm),
                               "six_step_from_rpm", json_number(r->six_step_from_rpm));
         if (o == NULL || json_array_append_new(list, o) != 0) {
-            json_decref(list);
+            json_free(list);
             return NULL;
         }
     }

@@ -4,9 +4,9 @@
 
 #include "run_up.h"
 
+#include "base/json.h"
 #include "report/page.h"
 
-#include <jansson.h>
 #include <stdio.h>
 
 void run_ups_print(const run_up all[RUN_UP_CASES], FILE *f);

@@ -80,7 +80,7 @@ json_t *update_loops_json(const update_loops *all)
                               json_number(r->overshoot_percent), "settling_periods",
                               r->settling_cycles < 0 ? json_null() : json_real(settling_periods(r, u)));
         if (o == NULL || json_array_append_new(list, o) != 0) {
-            json_decref(list);
+            json_free(list);
             return NULL;
         }
     }

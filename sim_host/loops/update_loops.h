@@ -8,9 +8,9 @@
 
 #include "current_loops.h"
 
+#include "base/json.h"
 #include "report/page.h"
 
-#include <jansson.h>
 #include <stdio.h>
 
 enum { UPDATE_RATIOS = 5, UPDATE_METHODS = 3, UPDATES = 2 };

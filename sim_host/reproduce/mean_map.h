@@ -10,9 +10,8 @@
 #ifndef SIM_HOST_REPRODUCE_MEAN_MAP_H
 #define SIM_HOST_REPRODUCE_MEAN_MAP_H
 
+#include "base/json.h"
 #include "steady_drive.h"
-
-#include <jansson.h>
 
 /* In the order of what they cost. */
 typedef enum mean_method {

@@ -121,7 +121,7 @@ json_t *comparison_json(const comparison *c)
     }
     json_t *root = json_pack("{s:o, s:o}", "rows", rows, "own", own);
     if (!ok) {
-        json_decref(root);
+        json_free(root);
         return NULL;
     }
     return root;

@@ -6,8 +6,8 @@
 #define SIM_HOST_REPRODUCE_ROWS_H
 
 #include "../base/error.h"
+#include "base/json.h"
 
-#include <jansson.h>
 #include <stddef.h>
 #include <stdio.h>
 

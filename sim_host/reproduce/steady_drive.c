@@ -1,11 +1,11 @@
 /* The drive in steady state (steady_drive.h). */
 #include "steady_drive.h"
 
+#include "base/solve.h"
 #include "model/pwm_cycle.h"
 #include "plant/plant.h"
 #include "plant/plant_electrical.h"
 
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -67,9 +67,8 @@ steady_point steady_point_solve(const motor *m, double omega_rad_s, double compl
         }
     }
     double x[UNKNOWNS] = {-r0[0], -r0[1], -r0[2], -r0[3]};
-    lapack_int pivot[UNKNOWNS];
     /* Regular: the voltage moves the middle, and the valley follows from the middle backwards. */
-    LAPACKE_dgesv(LAPACK_ROW_MAJOR, UNKNOWNS, 1, jacobian, UNKNOWNS, pivot, x, 1);
+    (void)solve_linear(UNKNOWNS, jacobian, x);
     const steady_point p = {vec_complex(x[0] * scale[0], x[1] * scale[1]),
                             vec_complex(x[2] * scale[2], x[3] * scale[3])};
     return p;

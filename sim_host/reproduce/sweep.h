@@ -5,10 +5,9 @@
 #ifndef SIM_HOST_REPRODUCE_SWEEP_H
 #define SIM_HOST_REPRODUCE_SWEEP_H
 
+#include "base/json.h"
 #include "exact_errors.h"
 #include "method_errors.h"
-
-#include <jansson.h>
 
 typedef struct sweep_point {
     double n_rpm;

@@ -17,7 +17,7 @@ static json_t *poles_json(const tune_at_speed *at)
     json_t *list = json_array();
     for (int n = 0; n < at->poles; n++) {
         if (json_array_append_new(list, json_pack("[f, f]", at->pole[n].re, at->pole[n].im)) != 0) {
-            json_decref(list);
+            json_free(list);
             return NULL;
         }
     }
@@ -33,10 +33,10 @@ static json_t *point_json(const tune_result *r, const tune_at_speed *at)
                   margins_json(&at->nominal), "poles", poles_json(at), "largest_pole", at->radius_worst);
     const bool ok = o != NULL && worst != NULL && more != NULL && json_object_update(o, worst) == 0 &&
                     json_object_update(o, more) == 0;
-    json_decref(worst);
-    json_decref(more);
+    json_free(worst);
+    json_free(more);
     if (!ok) {
-        json_decref(o);
+        json_free(o);
         return NULL;
     }
     return o;
@@ -47,7 +47,7 @@ static json_t *points_json(const tune_result *r)
     json_t *list = json_array();
     for (int s = 0; s < TUNE_SPEEDS; s++) {
         if (json_array_append_new(list, point_json(r, &r->at[s])) != 0) {
-            json_decref(list);
+            json_free(list);
             return NULL;
         }
     }
@@ -90,7 +90,7 @@ static json_t *comparison_json(const tune_comparison *c)
         }
     }
     if (!ok) {
-        json_decref(list);
+        json_free(list);
         return NULL;
     }
     return json_pack("{s:f, s:f, s:o}", "rpm", c->rpm, "L_share", c->L_share, "loops", list);

@@ -1,23 +1,23 @@
 /* Margins of a closed loop (tune_margins.h). */
 #include "tune_margins.h"
 
+#include "base/solve.h"
 #include "base/vector.h"
 
 #include <complex.h>
-#include <lapacke.h>
 #include <math.h>
 #include <string.h>
 
 double tune_poles(const tune_loop *loop, tune_pole pole[TUNE_ORDER])
 {
-    double a[TUNE_ORDER * TUNE_ORDER];
+    double a[TUNE_ORDER * TUNE_ORDER] = {0.0};
     double re[TUNE_ORDER];
     double im[TUNE_ORDER];
     const int order = loop->order;
     for (int n = 0; n < order; n++) {
         memcpy(&a[n * order], loop->a[n], (size_t)order * sizeof a[0]);
     }
-    if (LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', order, a, order, re, im, NULL, 1, NULL, 1) != 0) {
+    if (!solve_eigenvalues((size_t)order, a, re, im)) {
         return INFINITY;
     }
     double largest = 0.0;
@@ -48,7 +48,6 @@ static double sensitivity(const tune_loop *loop, double rad_per_cycle, double sh
 {
     double complex a[TUNE_ORDER * TUNE_ORDER];
     double complex x[TUNE_ORDER * 2];
-    lapack_int pivot[TUNE_ORDER];
     const int order = loop->order;
     const double complex z = cexp(I * rad_per_cycle);
     for (int n = 0; n < order; n++) {
@@ -58,7 +57,7 @@ static double sensitivity(const tune_loop *loop, double rad_per_cycle, double sh
         x[n * 2] = loop->push[n][0];
         x[n * 2 + 1] = loop->push[n][1];
     }
-    if (LAPACKE_zgesv(LAPACK_ROW_MAJOR, order, 2, a, order, pivot, x, 2) != 0) {
+    if (!solve_complex_pair((size_t)order, (const double *)a, (double *)x)) {
         return INFINITY;
     }
     double complex s[2][2];

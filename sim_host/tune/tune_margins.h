@@ -24,7 +24,7 @@ typedef struct tune_pole {
     double re, im;
 } tune_pole;
 
-/* Eigenvalues by LAPACK; loop->order of them. Returns the largest modulus. */
+/* The eigenvalues, loop->order of them. Returns the largest modulus. */
 double tune_poles(const tune_loop *loop, tune_pole pole[TUNE_ORDER]);
 
 /*

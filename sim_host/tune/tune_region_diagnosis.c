@@ -1,8 +1,9 @@
 /* The region that a diagnosis knows the machine to (tune_region.h). */
 #include "tune_region_points.h"
 
-#include <jansson.h>
-#include <lapacke.h>
+#include "base/json.h"
+#include "base/solve.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -68,22 +69,19 @@ static void take_parameter(const json_t *p, tune_region *region, double low[AXES
 static void take_values(const json_t *root, tune_region *region, double low[AXES_NAMED],
                         double high[AXES_NAMED])
 {
-    size_t n = 0;
-    const json_t *p = NULL;
-    const json_t *cause = NULL;
-    json_array_foreach(json_object_get(root, "estimates"), n, p)
-    {
+    const json_t *estimates = json_object_get(root, "estimates");
+    for (size_t n = 0; n < json_array_size(estimates); n++) {
+        const json_t *p = json_array_get(estimates, n);
         const json_t *excited = json_object_get(p, "excited");
         if (excited == NULL || json_is_true(excited)) {
             take_parameter(p, region, low, high);
         }
     }
-    json_array_foreach(json_object_get(root, "causes"), n, cause)
-    {
-        size_t k = 0;
-        json_array_foreach(json_object_get(cause, "parameters"), k, p)
-        {
-            take_parameter(p, region, low, high);
+    const json_t *causes = json_object_get(root, "causes");
+    for (size_t n = 0; n < json_array_size(causes); n++) {
+        const json_t *parameters = json_object_get(json_array_get(causes, n), "parameters");
+        for (size_t k = 0; k < json_array_size(parameters); k++) {
+            take_parameter(json_array_get(parameters, k), region, low, high);
         }
     }
 }
@@ -116,7 +114,7 @@ static bool take_covariance(const json_t *covariance, tune_region *region, doubl
             factor[n * found + k] = json_number_value(json_array_get(json_array_get(matrix, at[n]), at[k]));
         }
     }
-    if (found == 0 || LAPACKE_dpotrf(LAPACK_ROW_MAJOR, 'L', found, factor, found) != 0) {
+    if (found == 0 || !solve_factor((size_t)found, factor)) {
         return found == 0;
     }
     region->known = found;
@@ -161,11 +159,10 @@ static int take_intervals(tune_region *region, const double low[AXES_NAMED], con
 bool tune_region_of_diagnosis(const motor *m, const char *path, const tune_tolerances *t, tune_region *region,
                               error *e)
 {
-    json_error_t wrong;
-    json_t *root = json_load_file(path, 0, &wrong);
+    json_complaint wrong;
+    json_t *root = json_read(path, &wrong);
     if (root == NULL) {
-        return error_input(e, path, wrong.line > 0 ? wrong.line : 0, 0, "expected a diagnosis (JSON): %s",
-                           wrong.text);
+        return error_input(e, path, wrong.line, 0, "expected a diagnosis (JSON): %s", wrong.text);
     }
     const json_t *covariance = json_object_get(root, "covariance");
     double low[AXES_NAMED] = {0.0};
@@ -197,6 +194,6 @@ bool tune_region_of_diagnosis(const motor *m, const char *path, const tune_toler
                 : "stated tolerances: the diagnosis has neither covariance nor intervals of R and L");
         tune_region_add_points(region);
     }
-    json_decref(root);
+    json_free(root);
     return ok;
 }

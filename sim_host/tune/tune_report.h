@@ -2,9 +2,9 @@
 #ifndef SIM_HOST_TUNE_TUNE_REPORT_H
 #define SIM_HOST_TUNE_TUNE_REPORT_H
 
+#include "base/json.h"
 #include "tune_trial.h"
 
-#include <jansson.h>
 #include <stdio.h>
 
 typedef struct tune_report {

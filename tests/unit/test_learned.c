@@ -67,11 +67,11 @@ static void a_ninth_order_is_learned(void)
     const json_t *term = json_array_get(json_object_get(learned, "terms"), 0);
     TEST_ASSERT_EQUAL_STRING("v_q: cos(9 theta_e)", json_string_value(json_object_get(term, "name")));
     TEST_ASSERT_EQUAL_STRING("V", json_string_value(json_object_get(term, "unit")));
-    TEST_ASSERT_EQUAL_DOUBLE(d.learned.term[0].value, json_real_value(json_object_get(term, "value")));
-    TEST_ASSERT_EQUAL_DOUBLE(d.learned.nominal, json_real_value(json_object_get(learned, "nominal")));
-    TEST_ASSERT_EQUAL_DOUBLE(d.learned.extended, json_real_value(json_object_get(learned, "extended")));
-    TEST_ASSERT_EQUAL_DOUBLE(d.learned.gain, json_real_value(json_object_get(learned, "gain")));
-    json_decref(json);
+    TEST_ASSERT_EQUAL_DOUBLE(d.learned.term[0].value, json_number_value(json_object_get(term, "value")));
+    TEST_ASSERT_EQUAL_DOUBLE(d.learned.nominal, json_number_value(json_object_get(learned, "nominal")));
+    TEST_ASSERT_EQUAL_DOUBLE(d.learned.extended, json_number_value(json_object_get(learned, "extended")));
+    TEST_ASSERT_EQUAL_DOUBLE(d.learned.gain, json_number_value(json_object_get(learned, "gain")));
+    json_free(json);
     diagnosis_free(&d);
 }
 
@@ -97,7 +97,7 @@ static void a_ripple_is_no_order_of_the_angle(void)
     d.recording_path = d.motor_path = "bench";
     json_t *json = json_of_diagnosis(&d);
     TEST_ASSERT_TRUE(json_is_null(json_object_get(json, "learned")));
-    json_decref(json);
+    json_free(json);
     diagnosis_free(&d);
 }
 

@@ -52,7 +52,7 @@ static void test_map_of_the_lab_drive(void)
     check_map(&map);
     json_t *points = mean_map_json(&map);
     TEST_ASSERT_EQUAL_INT(MEAN_MAP_RATIOS * MEAN_MAP_INDICES * MEAN_MAP_LOADS, json_array_size(points));
-    json_decref(points);
+    json_free(points);
 }
 
 int main(void)

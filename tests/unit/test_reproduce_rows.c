@@ -82,9 +82,9 @@ static void test_json_parts_rows_with_and_without_a_paper(void)
     TEST_ASSERT_EQUAL_UINT(1, json_array_size(own));
     const json_t *row = json_array_get(of_papers, 1);
     TEST_ASSERT_EQUAL_STRING("quasi-discrete", json_string_value(json_object_get(row, "method")));
-    TEST_ASSERT_EQUAL_DOUBLE(0.76, json_real_value(json_object_get(row, "paper_value")));
+    TEST_ASSERT_EQUAL_DOUBLE(0.76, json_number_value(json_object_get(row, "paper_value")));
     TEST_ASSERT_TRUE(json_is_null(json_object_get(json_array_get(own, 0), "paper_value")));
-    json_decref(json);
+    json_free(json);
 }
 
 int main(void)

@@ -1,9 +1,9 @@
 /* Lines in the spectrum of what is left (lines.h). */
 #include "lines.h"
 
+#include "base/fourier.h"
 #include "diagnose/identify/observer.h"
 
-#include <fftw3.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,8 +49,9 @@ static void add_line(line_list *list, size_t index, bool is_order, double number
 }
 
 /* The lines of one stretch. */
-static void lines_of(fit_data *d, const fit_state *s, const averaged_drive *drive, const averaged_node *nodes,
-                     size_t index, size_t group, double rows_in_all, line_list *list)
+static void lines_of(fit_data *d, fourier *transform, const fit_state *s, const averaged_drive *drive,
+                     const averaged_node *nodes, size_t index, size_t group, double rows_in_all,
+                     line_list *list)
 {
     diagnose_rows *r = d->rows;
     const stretch *st = &r->recording->stretch[index];
@@ -60,9 +61,9 @@ static void lines_of(fit_data *d, const fit_state *s, const averaged_drive *driv
     }
     row_block block = {.first = st->first + ROWS_HISTORY, .count = n + OBSERVER_START, .group = group};
     double *e = calloc(OBSERVER_OUTPUTS * block.count, sizeof *e);
-    fftw_complex *x = fftw_alloc_complex(n);
-    fftw_plan plan = x ? fftw_plan_dft_1d((int)n, x, x, FFTW_FORWARD, FFTW_ESTIMATE) : NULL;
-    if (e && x && plan) {
+    fourier_number *rotor = calloc(2 * n, sizeof *rotor);
+    if (e && rotor) {
+        fourier_number *x = rotor + n;
         const group_noise *noise = &s->noise[group];
         double total = 0.0;
         double omega = 0.0;
@@ -70,15 +71,15 @@ static void lines_of(fit_data *d, const fit_state *s, const averaged_drive *driv
         for (size_t j = 0; j < n; j++) {
             const double *v = e + OBSERVER_OUTPUTS * (j + OBSERVER_START);
             const cycle_row *row = &r->row[block.first + OBSERVER_START + j];
-            x[j][0] = v[0] * row->cos_theta + v[1] * row->sin_theta;
-            x[j][1] = v[1] * row->cos_theta - v[0] * row->sin_theta;
+            rotor[j].re = v[0] * row->cos_theta + v[1] * row->sin_theta;
+            rotor[j].im = v[1] * row->cos_theta - v[0] * row->sin_theta;
             total += v[0] * v[0] + v[1] * v[1];
             omega += row->omega_rad_s / (double)n;
         }
-        fftw_execute(plan);
+        fourier_forward(transform, n, rotor, x);
         double bin_rad_s = VEC_TWO_PI / ((double)n * r->T_s);
         for (size_t k = 0; k < n && total > 0.0; k++) {
-            double power = (x[k][0] * x[k][0] + x[k][1] * x[k][1]) / total; /* 1 on average */
+            double power = (x[k].re * x[k].re + x[k].im * x[k].im) / total; /* 1 on average */
             if (power < log(rows_in_all / CHANCE)) {
                 continue;
             }
@@ -98,10 +99,7 @@ static void lines_of(fit_data *d, const fit_state *s, const averaged_drive *driv
             }
         }
     }
-    if (plan) {
-        fftw_destroy_plan(plan);
-    }
-    fftw_free(x);
+    free(rotor);
     free(e);
 }
 
@@ -112,7 +110,10 @@ bool measure_lines(fit_data *d, const fit_state *s, double excess, diagnosis_str
     *found = (diagnosis_structure){0};
     averaged_drive drive = fit_drive(d, s);
     averaged_node *nodes = rows_nodes(r, &drive);
-    if (!nodes) {
+    fourier *transform = fourier_new();
+    if (!nodes || !transform) {
+        free(nodes);
+        fourier_free(transform);
         return false;
     }
     line_list list = {0};
@@ -128,11 +129,12 @@ bool measure_lines(fit_data *d, const fit_state *s, double excess, diagnosis_str
         }
         if (b < r->blocks && r->block[b].stretch == k &&
             rec->stretch[k].count > SHORTEST + ROWS_HISTORY + OBSERVER_START) {
-            lines_of(d, s, &drive, nodes, k, r->block[b].group, rows_in_all, &list);
+            lines_of(d, transform, s, &drive, nodes, k, r->block[b].group, rows_in_all, &list);
             seen++;
         }
     }
     free(nodes);
+    fourier_free(transform);
     const line_label *strongest = NULL;
     for (size_t k = 0; k < list.n; k++) {
         found->share += list.label[k].power;

@@ -10,11 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-static json_t *number(double x)
-{
-    return isfinite(x) ? json_real(x) : json_null();
-}
-
 static firmware_gain firmware_of(const report_input *in)
 {
     return firmware_gain_measure(in->rec, in->d->held_out, in->nominal, &in->d->extended_motor);
@@ -24,9 +19,10 @@ void report_firmware(const report_input *in, json_t *json)
 {
     const firmware_gain g = firmware_of(in);
     json_object_set_new(json, "firmware",
-                        g.measured ? json_pack("{s:o, s:o, s:o}", "nominal", number(g.nominal), "extended",
-                                               number(g.extended), "gain", number(g.gain))
-                                   : json_null());
+                        g.measured
+                            ? json_pack("{s:o, s:o, s:o}", "nominal", json_number(g.nominal), "extended",
+                                        json_number(g.extended), "gain", json_number(g.gain))
+                            : json_null());
 }
 
 static json_t *plant_json(const diagnosis *d, const plant_witness *w)
@@ -43,13 +39,13 @@ static json_t *plant_json(const diagnosis *d, const plant_witness *w)
         const diagnosis_run *run = plant_witness_run(w, d, k);
         if (run != NULL) {
             json_array_append_new(runs, json_pack("{s:I, s:o, s:o}", "run", (json_int_t)run->run,
-                                                  "nominal_on_machine", number(d->run[k].nominal),
-                                                  "nominal_on_plant", number(run->nominal)));
+                                                  "nominal_on_machine", json_number(d->run[k].nominal),
+                                                  "nominal_on_plant", json_number(run->nominal)));
         }
     }
     return json_pack("{s:b, s:s, s:o, s:o, s:o, s:o, s:o}", "simulated", 1, "effect", w->effect, "nominal",
-                     number(w->found.nominal), "extended", number(w->found.extended),
-                     "beyond_noise_plant_over_machine", number(w->size), "causes", causes, "runs", runs);
+                     json_number(w->found.nominal), "extended", json_number(w->found.extended),
+                     "beyond_noise_plant_over_machine", json_number(w->size), "causes", causes, "runs", runs);
 }
 
 /* Two figures side by side where there is room. */

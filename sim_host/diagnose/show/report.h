@@ -5,9 +5,8 @@
 #ifndef SIM_HOST_DIAGNOSE_SHOW_REPORT_H
 #define SIM_HOST_DIAGNOSE_SHOW_REPORT_H
 
+#include "base/json.h"
 #include "diagnose/result.h"
-
-#include <jansson.h>
 
 typedef struct report_input {
     const recording *rec;

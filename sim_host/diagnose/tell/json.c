@@ -1,14 +1,6 @@
 /* The diagnosis as JSON (json.h). */
 #include "json.h"
 
-#include <math.h>
-
-/* jansson refuses NaN and infinities; none should come here, and null says so if one does. */
-static json_t *number(double x)
-{
-    return isfinite(x) ? json_real(x) : json_null();
-}
-
 static json_t *cause_json(const diagnosis_cause *cause)
 {
     json_t *parameters = json_array();
@@ -16,8 +8,8 @@ static json_t *cause_json(const diagnosis_cause *cause)
         const diagnosis_parameter *p = &cause->parameter[k];
         json_array_append_new(parameters,
                               json_pack("{s:s, s:s, s:o, s:o, s:[o, o]}", "name", p->name, "unit", p->unit,
-                                        "nominal", number(p->nominal), "value", number(p->value), "ci95",
-                                        number(p->low), number(p->high)));
+                                        "nominal", json_number(p->nominal), "value", json_number(p->value),
+                                        "ci95", json_number(p->low), json_number(p->high)));
     }
     json_t *confused = json_array();
     for (size_t k = 0; k < cause->confused; k++) {
@@ -28,8 +20,8 @@ static json_t *cause_json(const diagnosis_cause *cause)
         json_array_append_new(trades, json_string(cause->trade[k]));
     }
     return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "id", cause->id, "parameters", parameters, "gain",
-                     number(cause->gain), "confused_with", confused, "probability",
-                     number(cause->probability), "trades_with", trades);
+                     json_number(cause->gain), "confused_with", confused, "probability",
+                     json_number(cause->probability), "trades_with", trades);
 }
 
 static json_t *runs_json(const diagnosis *d)
@@ -39,10 +31,11 @@ static json_t *runs_json(const diagnosis *d)
         const diagnosis_run *r = &d->run[k];
         json_array_append_new(
             runs, json_pack("{s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "run", (json_int_t)r->run,
-                            "rows", (json_int_t)r->rows, "omega_e_rad_s", number(r->omega_rad_s),
-                            "current_rms_A", number(r->i_rms_A), "nominal", number(r->nominal), "extended",
-                            number(r->extended), "noise_floor", number(r->noise_floor), "free_run_nominal",
-                            number(r->free_nominal), "free_run_extended", number(r->free_extended)));
+                            "rows", (json_int_t)r->rows, "omega_e_rad_s", json_number(r->omega_rad_s),
+                            "current_rms_A", json_number(r->i_rms_A), "nominal", json_number(r->nominal),
+                            "extended", json_number(r->extended), "noise_floor", json_number(r->noise_floor),
+                            "free_run_nominal", json_number(r->free_nominal), "free_run_extended",
+                            json_number(r->free_extended)));
     }
     return runs;
 }
@@ -52,8 +45,9 @@ static json_t *estimates_json(const diagnosis *d)
     json_t *estimates = json_array();
     for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
         const diagnosis_estimate *e = &d->estimate[k];
-        json_t *value = e->excited ? number(e->value) : json_null();
-        json_t *interval = e->excited ? json_pack("[o, o]", number(e->low), number(e->high)) : json_null();
+        json_t *value = e->excited ? json_number(e->value) : json_null();
+        json_t *interval =
+            e->excited ? json_pack("[o, o]", json_number(e->low), json_number(e->high)) : json_null();
         json_array_append_new(estimates,
                               json_pack("{s:s, s:s, s:o, s:o, s:b}", "name", e->name, "unit", e->unit,
                                         "value", value, "ci95", interval, "excited", (int)e->excited));
@@ -71,7 +65,7 @@ static json_t *covariance_json(const diagnosis_covariance *c)
         json_array_append_new(names, json_string(c->name[i]));
         json_array_append_new(units, json_string(c->unit[i]));
         for (size_t j = 0; j < c->count; j++) {
-            json_array_append_new(row, number(c->value[i][j]));
+            json_array_append_new(row, json_number(c->value[i][j]));
         }
         json_array_append_new(matrix, row);
     }
@@ -86,11 +80,11 @@ static json_t *learned_json(const diagnosis_learned *l)
     json_t *terms = json_array();
     for (size_t k = 0; k < l->terms; k++) {
         const diagnosis_learned_term *t = &l->term[k];
-        json_array_append_new(
-            terms, json_pack("{s:s, s:s, s:o}", "name", t->name, "unit", t->unit, "value", number(t->value)));
+        json_array_append_new(terms, json_pack("{s:s, s:s, s:o}", "name", t->name, "unit", t->unit, "value",
+                                               json_number(t->value)));
     }
-    return json_pack("{s:o, s:o, s:o, s:o}", "terms", terms, "nominal", number(l->nominal), "extended",
-                     number(l->extended), "gain", number(l->gain));
+    return json_pack("{s:o, s:o, s:o, s:o}", "terms", terms, "nominal", json_number(l->nominal), "extended",
+                     json_number(l->extended), "gain", json_number(l->gain));
 }
 
 json_t *json_of_diagnosis(const diagnosis *d)
@@ -99,13 +93,13 @@ json_t *json_of_diagnosis(const diagnosis *d)
     for (size_t k = 0; k < d->causes; k++) {
         json_array_append_new(causes, cause_json(&d->cause[k]));
     }
-    json_t *errors =
-        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "metric",
-                  "one-cycle current prediction, rms of the error vector / rms of the current vector, "
-                  "percent, held-out rows",
-                  "nominal", number(d->nominal), "extended", number(d->extended), "noise_floor",
-                  number(d->noise_floor), "gain", number(d->gain), "free_run_nominal",
-                  number(d->free_nominal_percent), "free_run_extended", number(d->free_extended_percent));
+    json_t *errors = json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "metric",
+        "one-cycle current prediction, rms of the error vector / rms of the current vector, "
+        "percent, held-out rows",
+        "nominal", json_number(d->nominal), "extended", json_number(d->extended), "noise_floor",
+        json_number(d->noise_floor), "gain", json_number(d->gain), "free_run_nominal",
+        json_number(d->free_nominal_percent), "free_run_extended", json_number(d->free_extended_percent));
     return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o}",
                      "schema", 2, "recording", d->recording_path, "motor", d->motor_path, "rows",
                      (json_int_t)d->rows, "rows_used", (json_int_t)d->rows_used, "rows_held_out",
