@@ -78,9 +78,11 @@ typedef struct iqfoc_methods_data {
     const iqfoc_flux_predictor_t *flux;
     const iqfoc_extension_t *acting; /* what the flux predictor makes of the voltage; saturation */
     const iqfoc_extension_t *extension;
-    iq24_t k_u_inverse; /* deadbeat: iqfoc_deadbeat_inverse of the model's k_u; 1/16 ... 64 */
-    iq24_t k_psi;       /* deadbeat: of the valley's reference; 0 ... 8, 0 to control the valleys' current */
-    iq24_t learning;    /* gain of the drift, 0 ... 1 */
+    /* Deadbeat: iqfoc_deadbeat_inverse of the model's k_u; 1/16 ... 64. Both do not follow saturation by themselves:
+     * a slower task offers a set for the inductance at the present current, as for data.exact. */
+    iq24_t k_u_inverse;
+    iq24_t k_psi;    /* deadbeat: of the valley's reference; 0 ... 8, 0 to control the valleys' current */
+    iq24_t learning; /* gain of the drift, 0 ... 1 */
 } iqfoc_methods_data_t;
 
 #ifdef __cplusplus

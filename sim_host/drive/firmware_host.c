@@ -9,11 +9,12 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
     drive_host *host = context;
     memset(&host->hal, 0, sizeof host->hal);
     host->config = *config;
-    host->config.data.extension = host->extension;
-    const iqfoc_methods_t methods = {IQFOC_MODEL_QUASI_DISCRETE, config->feedback, IQFOC_CONTROL_PI,
-                                     config->modulation, host->extension != NULL};
-    host->methods = methods;
-    const iqfoc_error_t refused = iqfoc_cycle_init_by(methods, &host->cycle, &host->config);
+    if (host->of_papers) {
+        host->config.data.extension = host->extension;
+        host->methods.feedback = config->feedback;
+        host->methods.modulation = config->modulation;
+    }
+    const iqfoc_error_t refused = iqfoc_cycle_init_by(host->methods, &host->cycle, &host->config);
     if (refused != IQFOC_OK) {
         return error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
     }
@@ -49,9 +50,21 @@ static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, 
     return true;
 }
 
-drive_firmware drive_firmware_host(drive_host *host, const iqfoc_extension_t *extension)
+drive_firmware drive_firmware_by(drive_host *host, iqfoc_methods_t methods)
 {
     const drive_firmware firmware = {host, start, valley, peak};
+    host->methods = methods;
+    host->of_papers = false;
+    host->extension = NULL;
+    return firmware;
+}
+
+drive_firmware drive_firmware_host(drive_host *host, const iqfoc_extension_t *extension)
+{
+    const iqfoc_methods_t methods = {
+        .model = IQFOC_MODEL_QUASI_DISCRETE, .control = IQFOC_CONTROL_PI, .extended = extension != NULL};
+    const drive_firmware firmware = drive_firmware_by(host, methods);
+    host->of_papers = true;
     host->extension = extension;
     return firmware;
 }

@@ -1,6 +1,6 @@
 /*
  * The library in this program as firmware: its control cycle, called through its HAL as a port's interrupts
- * call it; with what a diagnosis found put right around it, if asked for (iqfoc/extension.h).
+ * call it, by the methods that are named.
  */
 #ifndef SIM_HOST_DRIVE_FIRMWARE_HOST_H
 #define SIM_HOST_DRIVE_FIRMWARE_HOST_H
@@ -16,11 +16,15 @@ typedef struct drive_host {
     iqfoc_cycle_t cycle;
     iqfoc_cycle_config_t config;
     iqfoc_methods_t methods;
-    const iqfoc_extension_t *extension; /* NULL: none */
+    bool of_papers;                     /* feedback and modulation are the configuration's */
+    const iqfoc_extension_t *extension; /* NULL: the configuration's */
 } drive_host;
 
-/* host and extension must outlive the firmware; start makes host ready, whatever it held. extension: NULL or
- * what is put right. */
+/* The papers' methods, feedback and modulation as the configuration says. host and extension must outlive the
+ * firmware; start makes host ready, whatever it held. extension: NULL or what a diagnosis found, to be put right. */
 drive_firmware drive_firmware_host(drive_host *host, const iqfoc_extension_t *extension);
+
+/* Any methods; the configuration brings what they need. */
+drive_firmware drive_firmware_by(drive_host *host, iqfoc_methods_t methods);
 
 #endif

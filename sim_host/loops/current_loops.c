@@ -6,6 +6,10 @@
 
 #include <math.h>
 
+const iqfoc_model_t loop_models[LOOP_MODELS] = {IQFOC_MODEL_EULER, IQFOC_MODEL_QUASI_DISCRETE,
+                                                IQFOC_MODEL_EXACT};
+const char *const loop_model_text[LOOP_MODELS] = {"Euler", "quasi-discrete", "exact"};
+
 const char *const loop_method_text[LOOP_METHODS] = {
     "PI, mid-point sample", "PI, quasi-discrete mean", "deadbeat, Euler",          "deadbeat, quasi-discrete",
     "deadbeat, exact",      "learning, Euler",         "learning, quasi-discrete", "learning, exact"};
@@ -54,17 +58,13 @@ bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_con
     return firmware.start(firmware.context, &config, e) && closed_loop_run(c, &firmware, result, e);
 }
 
-bool deadbeat_loop_run(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
+bool deadbeat_loop_run(const loop_case *c, const motor *assumed, iqfoc_model_t model, double learning,
                        bool extended, loop_result *result, error *e)
 {
-    predictive_drive drive;
-    if (!predictive_drive_init(&drive, assumed, kind, e) ||
-        (extended && !predictive_drive_extend(&drive, assumed, e))) {
-        return false;
-    }
-    drive.learning = iq24_from_double(learning);
-    const drive_firmware firmware = predictive_drive_firmware(&drive);
-    return closed_loop_run(c, &firmware, result, e);
+    deadbeat_drive drive;
+    const drive_firmware firmware = deadbeat_drive_firmware(&drive);
+    return deadbeat_drive_init(&drive, assumed, model, learning, extended, e) &&
+           closed_loop_run(c, &firmware, result, e);
 }
 
 loop_case current_loop_case(double ratio, double noise)
@@ -92,8 +92,7 @@ bool loop_method_run(const loop_case *c, const motor *assumed, loop_method how, 
     }
     const bool learns = how >= LOOP_LEARNING_EULER;
     const int kind = (int)how - (learns ? LOOP_LEARNING_EULER : LOOP_DEADBEAT_EULER);
-    return deadbeat_loop_run(c, assumed, (predictor_kind)kind, learns ? LOOP_LEARNING : 0.0, false, result,
-                             e);
+    return deadbeat_loop_run(c, assumed, loop_models[kind], learns ? LOOP_LEARNING : 0.0, false, result, e);
 }
 
 bool current_loop_run(double ratio, loop_method how, const loop_belief *belief, double noise,

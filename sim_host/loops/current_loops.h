@@ -9,13 +9,13 @@
 #define SIM_HOST_LOOPS_CURRENT_LOOPS_H
 
 #include "closed_loop.h"
+#include "deadbeat_drive.h"
 #include "drive/firmware_host.h"
-#include "predictive_drive.h"
 
 typedef enum loop_method {
     LOOP_PI_MIDPOINT,    /* fed by the sample at the carrier peak */
     LOOP_PI_MEAN,        /* fed by the quasi-discrete mean */
-    LOOP_DEADBEAT_EULER, /* from here on in the order of predictor_kind */
+    LOOP_DEADBEAT_EULER, /* from here on in the order of loop_models */
     LOOP_DEADBEAT_QUASI_DISCRETE,
     LOOP_DEADBEAT_EXACT,
     LOOP_LEARNING_EULER, /* the same with a learnt drift */
@@ -23,6 +23,11 @@ typedef enum loop_method {
     LOOP_LEARNING_EXACT,
     LOOP_METHODS
 } loop_method;
+
+/* The predictors that predictive control is compared with. */
+enum { LOOP_MODELS = 3 };
+extern const iqfoc_model_t loop_models[LOOP_MODELS];
+extern const char *const loop_model_text[LOOP_MODELS];
 
 extern const char *const loop_method_text[LOOP_METHODS];
 extern const char *const loop_method_key[LOOP_METHODS];
@@ -65,8 +70,8 @@ loop_case current_loop_case(double ratio, double noise);
 bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_control *control,
                     const iqfoc_extension_t *extension, loop_result *result, error *e);
 
-/* Deadbeat control in the loop; learning: gain of the drift, or 0; extended: with the file's corrections. */
-bool deadbeat_loop_run(const loop_case *c, const motor *assumed, predictor_kind kind, double learning,
+/* The same with deadbeat control; the arguments are deadbeat_drive_init's. */
+bool deadbeat_loop_run(const loop_case *c, const motor *assumed, iqfoc_model_t model, double learning,
                        bool extended, loop_result *result, error *e);
 
 /* A method in the loop, at the usual bandwidth if it has one; assumed: the motor as the firmware believes it to be. */

@@ -19,8 +19,8 @@ static bool run(const loop_case *c, extended_method how, const motor *belief, lo
         return extension_from_motor(belief, &extension, e) &&
                cycle_loop_run(c, belief, &control, &extension, result, e);
     }
-    return deadbeat_loop_run(c, belief, PREDICTOR_EXACT, how == EXTENDED_LEARNING ? LOOP_LEARNING : 0.0, true,
-                             result, e);
+    return deadbeat_loop_run(c, belief, IQFOC_MODEL_EXACT, how == EXTENDED_LEARNING ? LOOP_LEARNING : 0.0,
+                             true, result, e);
 }
 
 bool extended_loops_run(const motor *const belief[EXTENDED_BELIEFS], const plant_config *drive,

@@ -7,8 +7,9 @@
 #define SIM_HOST_LOOPS_FINITE_SET_LOOPS_H
 
 #include "current_loops.h"
+#include "finite_set_drive.h"
 
-enum { FINITE_SET_RATIOS = 5, FINITE_SET_WEIGHTS = 7, FINITE_SET_PREDICTORS = 3 };
+enum { FINITE_SET_RATIOS = 5, FINITE_SET_WEIGHTS = 7, FINITE_SET_PREDICTORS = LOOP_MODELS };
 
 /* Not whole, or the states would repeat with the rotor's turns; 20 periods are whole numbers of intervals. */
 extern const double finite_set_ratios[FINITE_SET_RATIOS];
@@ -31,7 +32,7 @@ typedef struct finite_set_loops {
     double pwm_ratio[FINITE_SET_WEIGHTS];
 } finite_set_loops;
 
-bool finite_set_loop_run(double ratio, predictor_kind kind, int horizon, double weight,
+bool finite_set_loop_run(double ratio, iqfoc_model_t model, int horizon, double weight,
                          finite_set_point *point, error *e);
 
 bool finite_set_loops_run(finite_set_loops *all, error *e);

@@ -73,8 +73,7 @@ static bool add_finite_set(json_t *list, const finite_set_loops *all)
         for (int p = 0; p < FINITE_SET_PREDICTORS; p++) {
             for (int h = 0; h < IQFOC_FINITE_SET_HORIZON && ok; h++) {
                 const finite_set_point *at = &all->at[k][p][h];
-                json_t *o = point_json(finite_set_ratios[k], predictor_kind_text((predictor_kind)p), h + 1,
-                                       0.0, at->nodes);
+                json_t *o = point_json(finite_set_ratios[k], loop_model_text[p], h + 1, 0.0, at->nodes);
                 ok = append(list, o, result_json(&at->loop));
             }
         }

@@ -94,8 +94,7 @@ static void print_finite_set(const loops_study *s, FILE *f)
     for (int k = 0; k < FINITE_SET_RATIOS; k++) {
         for (int p = 0; p < FINITE_SET_PREDICTORS; p++) {
             for (int h = 0; h < IQFOC_FINITE_SET_HORIZON; h++) {
-                print_point(f, predictor_kind_text((predictor_kind)p), finite_set_ratios[k], h + 1,
-                            &all->at[k][p][h]);
+                print_point(f, loop_model_text[p], finite_set_ratios[k], h + 1, &all->at[k][p][h]);
             }
         }
     }

@@ -34,13 +34,9 @@ bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *lim
     iqfoc_cycle_config_t config;
     memset(d, 0, sizeof *d);
     d->methods = methods;
-    d->cycle = drive_firmware_host(&d->host, NULL);
-    if (!reference_from_motor(m, limits, &d->reference_config, e) ||
-        !config_from_motor(m, &control, &config, e) || !d->cycle.start(d->cycle.context, &config, e)) {
-        return false;
-    }
-    d->host.methods = methods;
-    return true;
+    d->cycle = drive_firmware_by(&d->host, methods);
+    return reference_from_motor(m, limits, &d->reference_config, e) &&
+           config_from_motor(m, &control, &config, e) && d->cycle.start(d->cycle.context, &config, e);
 }
 
 /* The largest voltage that the reference may have asked for, per unit. */

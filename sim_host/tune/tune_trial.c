@@ -148,7 +148,7 @@ static bool run_other(int controller, const motor *believed, const loop_case *c,
 {
     if (controller == DEADBEAT || controller == DEADBEAT_TRUE) {
         const motor *assumed = controller == DEADBEAT ? believed : &c->truth;
-        return deadbeat_loop_run(c, assumed, PREDICTOR_EXACT, 0.0, false, result, e);
+        return deadbeat_loop_run(c, assumed, IQFOC_MODEL_EXACT, 0.0, false, result, e);
     }
     const scenario_control control = {.feedback = controller == PI_MIDPOINT ? FEEDBACK_MIDPOINT
                                                                             : FEEDBACK_QUASI_DISCRETE_MEAN,

@@ -122,8 +122,8 @@ static void a_finite_set_follows_with_the_states_alone(void)
         finite_set_point free_to_switch;
         finite_set_point weighed;
         error e = {0};
-        TEST_ASSERT_TRUE(finite_set_loop_run(50.15, PREDICTOR_EXACT, horizon, 0.0, &free_to_switch, &e));
-        TEST_ASSERT_TRUE(finite_set_loop_run(50.15, PREDICTOR_EXACT, horizon, 0.03, &weighed, &e));
+        TEST_ASSERT_TRUE(finite_set_loop_run(50.15, IQFOC_MODEL_EXACT, horizon, 0.0, &free_to_switch, &e));
+        TEST_ASSERT_TRUE(finite_set_loop_run(50.15, IQFOC_MODEL_EXACT, horizon, 0.03, &weighed, &e));
         TEST_ASSERT_TRUE(free_to_switch.loop.offset_percent < 5.0);
         TEST_ASSERT_TRUE(free_to_switch.loop.rms_percent < 20.0);
         TEST_ASSERT_TRUE(weighed.loop.switching_Hz < free_to_switch.loop.switching_Hz);
@@ -137,26 +137,27 @@ static void saturation_keeps_the_finer_constants(void)
 {
     motor m = loop_motor_at(10.0);
     motor at_current = m;
-    predictive_drive drive;
+    static deadbeat_drive drive;
     iqfoc_exact_winding_t winding;
     error e = {0};
     m.ext.has[CAUSE_SATURATION] = true;
     m.ext.L_0_H = m.L_d_H;
     m.ext.I_sat_A = 2.0 * per_unit_of(&m).I_A;
     at_current.L_d_H = at_current.L_q_H = m.L_d_H / 1.25; /* at the rated peak */
-    TEST_ASSERT_TRUE_MESSAGE(predictive_drive_init(&drive, &m, PREDICTOR_EXACT, &e) &&
-                                 predictive_drive_extend(&drive, &m, &e) &&
+    TEST_ASSERT_TRUE_MESSAGE(deadbeat_drive_init(&drive, &m, IQFOC_MODEL_EXACT, 0.0, true, &e) &&
                                  winding_from_motor(&at_current, &winding, &e),
                              e.text);
-    const drive_firmware firmware = predictive_drive_firmware(&drive);
+    const drive_firmware firmware = deadbeat_drive_firmware(&drive);
     const iqfoc_sample_t sample = {.i = {IQ24_ONE, -IQ24_ONE / 2, -IQ24_ONE / 2}, .u_dc = IQ24_ONE};
     TEST_ASSERT_TRUE(firmware.valley(firmware.context, (iqfoc_dq_t){0, 0}, &sample, &e));
     const iqfoc_exact_law_t want = iqfoc_exact_prediction(&winding, IQ24_ONE);
-    TEST_ASSERT_INT32_WITHIN(1, want.stays_q26, drive.law.stays_q26);
-    TEST_ASSERT_INT32_WITHIN(1, want.k_u_q26, drive.law.k_u_q26);
+    const iqfoc_exact_law_t *const law = drive.host.cycle.offered->data.exact;
+    TEST_ASSERT_TRUE(law != &drive.law);
+    TEST_ASSERT_INT32_WITHIN(1, want.stays_q26, law->stays_q26);
+    TEST_ASSERT_INT32_WITHIN(1, want.k_u_q26, law->k_u_q26);
     for (int n = 0; n < IQFOC_EXACT_TERMS; n++) {
-        TEST_ASSERT_INT32_WITHIN(2, want.real_q25[n], drive.law.real_q25[n]);
-        TEST_ASSERT_INT32_WITHIN(2, want.imag_q25[n], drive.law.imag_q25[n]);
+        TEST_ASSERT_INT32_WITHIN(2, want.real_q25[n], law->real_q25[n]);
+        TEST_ASSERT_INT32_WITHIN(2, want.imag_q25[n], law->imag_q25[n]);
     }
 }
 
