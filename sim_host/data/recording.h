@@ -53,6 +53,13 @@ typedef struct recording {
 bool recording_read(const char *path, recording *r, error *e);
 
 /*
+ * The same of `count` columns of `rows` numbers in memory, which are copied; the values of `run` are whole numbers. `path`
+ * is what messages call it, and is borrowed; they name the row, from 1, in place of a line. On failure *r is empty.
+ */
+bool recording_make(recording *r, const char *path, size_t rows, size_t count, const char *const *name,
+                    const double *const *value, error *e);
+
+/*
  * Fills stretch, stretches and T_s (0 if no two rows are consecutive) from t_s and run; the reader has done
  * so. False: out of memory.
  */

@@ -76,3 +76,26 @@ bool recording_columns_grow(recording *r, const bool have[COL_COUNT], size_t row
     r->run = run;
     return true;
 }
+
+static bool all_three(const bool have[COL_COUNT], column_id first)
+{
+    return have[first] && have[first + 1] && have[first + 2];
+}
+
+static void drop_three(bool have[COL_COUNT], column_id first)
+{
+    have[first] = have[first + 1] = have[first + 2] = false;
+}
+
+void recording_columns_whole(bool have[COL_COUNT])
+{
+    if (!all_three(have, COL_U_A)) {
+        drop_three(have, COL_U_A);
+    }
+    if (!all_three(have, COL_D_A) || !have[COL_U_DC]) {
+        drop_three(have, COL_D_A);
+    }
+    if (!have[COL_MID_A] || !have[COL_MID_B]) {
+        drop_three(have, COL_MID_A);
+    }
+}

@@ -41,6 +41,9 @@ column_id recording_column_find(const char *name, size_t length);
 /* Where the recording keeps the column; NULL for COL_RUN. */
 double **recording_column(recording *r, column_id id);
 
+/* Drops the groups that are not whole where a recording can do without them, or where the other group is. */
+void recording_columns_whole(bool have[COL_COUNT]);
+
 /* Room for so many rows in each column that there is to be. False: out of memory; what there was stays. */
 bool recording_columns_grow(recording *r, const bool have[COL_COUNT], size_t rows);
 

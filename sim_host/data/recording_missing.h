@@ -6,6 +6,7 @@
 #define SIM_HOST_DATA_RECORDING_MISSING_H
 
 #include "csv_file.h"
+#include "recording_columns.h"
 
 typedef struct recording_missing {
     char list[200]; /* "t_s, i_a_A" */
@@ -15,8 +16,12 @@ typedef struct recording_missing {
 /* A column that a recording does not have. */
 void recording_missing_note(recording_missing *m, const char *name, size_t length);
 
-/* One that it should have. */
-void recording_missing_add(recording_missing *m, const char *what);
+/* What columns it should have beside those that it has. */
+void recording_missing_find(recording_missing *m, const bool have[COL_COUNT]);
+
+/* "missing columns: t_s, i_a_A", and what stands there instead, cut to `length`, with a hint how a map would read it. */
+void recording_missing_words(const recording_missing *m, const char *found, size_t length, char *text,
+                             size_t size);
 
 /* The error, at the header. */
 void recording_missing_refuse(const recording_missing *m, csv_file *csv);

@@ -59,56 +59,21 @@ static void header_field(reader *in, size_t index, const char *text, size_t leng
     in->field_of[id] = index;
 }
 
-static bool have_three(const reader *in, column_id first)
-{
-    return in->have[first] && in->have[first + 1] && in->have[first + 2];
-}
-
-static void drop_three(reader *in, column_id first)
-{
-    for (int i = 0; i < 3; i++) {
-        const column_id id = (column_id)((int)first + i);
-        if (in->have[id]) {
-            in->have[id] = false;
-            in->target[in->field_of[id]] = COL_COUNT;
-        }
-    }
-}
-
 /* Which columns will be read, and whether they suffice. */
 static void header_end(reader *in, size_t fields)
 {
-    /* The speed is not among them: it can be had from the angle. */
-    static const column_id required[] = {COL_T, COL_I_A, COL_I_B, COL_THETA};
-
     in->fields = fields;
     in->has_header = true;
-    for (size_t i = 0; i < sizeof required / sizeof required[0]; i++) {
-        if (!in->have[required[i]]) {
-            recording_missing_add(&in->missing, recording_column_name(required[i]));
-        }
-    }
-    const bool has_u = have_three(in, COL_U_A);
-    const bool has_duty = have_three(in, COL_D_A);
-    if (!has_u && has_duty && !in->have[COL_U_DC]) {
-        recording_missing_add(&in->missing, "u_dc_V (for the duties)");
-    }
-    if (!has_u && !has_duty) {
-        recording_missing_add(&in->missing, "u_a_V, u_b_V, u_c_V (or d_a, d_b, d_c and u_dc_V)");
-    }
+    recording_missing_find(&in->missing, in->have);
     if (in->missing.list[0] != '\0') {
         recording_missing_refuse(&in->missing, &in->csv);
         return;
     }
-    /* An incomplete group of columns is ignored where the other group is complete. */
-    if (!has_u) {
-        drop_three(in, COL_U_A);
-    }
-    if (!has_duty || !in->have[COL_U_DC]) {
-        drop_three(in, COL_D_A);
-    }
-    if (!in->have[COL_MID_A] || !in->have[COL_MID_B]) {
-        drop_three(in, COL_MID_A);
+    recording_columns_whole(in->have);
+    for (size_t index = 0; index < fields; index++) {
+        if (in->target[index] != COL_COUNT && !in->have[in->target[index]]) {
+            in->target[index] = COL_COUNT;
+        }
     }
 }
 

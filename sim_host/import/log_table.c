@@ -3,6 +3,7 @@
 
 #include "log_table.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -193,8 +194,52 @@ static bool take_row(row_reader *r, const char *line, size_t length, long number
     return true;
 }
 
+/* The columns are there; that their numbers are finite is still to be asked, of those that are wanted. */
+static bool check_held(const log_table *t, const bool *wanted, error *e)
+{
+    for (size_t n = 0; n < t->columns; n++) {
+        for (size_t k = 0; wanted[n] && k < t->rows; k++) {
+            if (!isfinite(t->value[n][k])) {
+                return error_input(e, t->path, t->line[k], 0, "%s is no finite number", t->name[n]);
+            }
+        }
+    }
+    return true;
+}
+
+bool log_table_hold(log_table *t, const char *path, size_t columns, const char *const *name,
+                    const double *const *value, size_t rows, error *e)
+{
+    *t = (log_table){.path = path, .held = true, .rows = rows};
+    if (columns > LOG_FIELDS_MOST) {
+        return error_input(e, path, 0, 0, "%zu columns; expected %d at most", columns, LOG_FIELDS_MOST);
+    }
+    t->name = calloc(columns + 1, sizeof *t->name);
+    t->value = calloc(columns + 1, sizeof *t->value);
+    t->line = calloc(rows + 1, sizeof *t->line);
+    t->unit = calloc(LOG_FIELDS_MOST, sizeof *t->unit);
+    bool ok = t->name != NULL && t->value != NULL && t->line != NULL && t->unit != NULL;
+    for (size_t n = 0; ok && n < columns; n++) {
+        t->columns = n + 1;
+        t->name[n] = strdup(name[n]);
+        t->unit[n] = strdup("");
+        t->value[n] = malloc((rows + 1) * sizeof **t->value);
+        ok = t->name[n] != NULL && t->unit[n] != NULL && t->value[n] != NULL;
+        if (ok && rows > 0) {
+            memcpy(t->value[n], value[n], rows * sizeof **t->value);
+        }
+    }
+    for (size_t k = 0; ok && k < rows; k++) {
+        t->line[k] = (long)k + 1;
+    }
+    return ok || out_of_memory(t, e);
+}
+
 bool log_table_read(log_table *t, const bool *wanted, error *e)
 {
+    if (t->held) {
+        return check_held(t, wanted, e);
+    }
     row_reader *r = calloc(1, sizeof *r);
     t->value = calloc(t->columns + 1, sizeof *t->value);
     if (r == NULL || t->value == NULL) {

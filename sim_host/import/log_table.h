@@ -17,10 +17,16 @@ typedef struct log_table {
     size_t rows;
     double **value; /* [column], NULL if it was not asked for */
     long *line;     /* of each row */
+    bool held;      /* its columns are the caller's, in memory */
 } log_table;
 
 /* Reads the first lines. `said` may be unknown; `path` must outlive the struct, "-" is stdin. */
 bool log_table_open(log_table *t, const char *path, const log_format *said, error *e);
+
+/* A table in memory, all its columns read: what other libraries read of formats that are not text. `path` is what
+ * messages call it. Copies all but `path`. */
+bool log_table_hold(log_table *t, const char *path, size_t columns, const char *const *name,
+                    const double *const *value, size_t rows, error *e);
 
 /* The index of a name, or ->columns. */
 size_t log_table_find(const log_table *t, const char *name);
