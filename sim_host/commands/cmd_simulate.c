@@ -2,8 +2,7 @@
 #include "command.h"
 #include "options.h"
 
-#include "base/progress.h"
-#include "drive/drive_recording.h"
+#include "drive/drive_scenario.h"
 #include "drive/firmware_host.h"
 #include "drive_emulated.h"
 #include "plant/plant_effect.h"
@@ -50,45 +49,19 @@ typedef struct request {
     bool list;
 } request;
 
-static void take_sensors(plant_config *c, const scenario_sensors *s)
+static void note(void *context, size_t run, uint32_t status)
 {
-    c->sensors.current_bits = s->current_bits;
-    c->sensors.current_full_scale_A = s->current_full_scale_A;
-    c->sensors.current_noise_A = s->current_noise_A;
-    c->sensors.current_bandwidth_Hz = s->current_bandwidth_Hz;
-    c->sensors.angle_noise_rad = s->angle_noise_rad;
-    c->sensors.omega_noise_rad_s = s->speed_noise_rad_s;
-    c->sensors.u_dc_noise_V = s->u_dc_noise_V;
-    for (int x = 0; x < 3; x++) {
-        c->sensors.current_offset_A[x] = s->current_offset_A[x];
-    }
+    char text[160];
+    (void)context;
+    fprintf(stderr, "iqfoc: simulate: note: run %zu, settling included: %s\n", run,
+            drive_status_text(status, text, sizeof text));
 }
 
-static bool run_all(const request *r, const motor *m, const scenario *s, plant_config drive,
+static bool run_all(const request *r, const motor *m, const scenario *s, const plant_config *drive,
                     const drive_firmware *firmware, drive_recording *out, error *e)
 {
-    iqfoc_cycle_config_t config;
-    if (!config_from_motor(m, &s->control, &config, e)) {
-        return false;
-    }
-    const drive_log log = drive_recording_log(out);
-    progress p = progress_begin("simulate", (double)s->runs, "runs");
-    bool good = true;
-    for (size_t k = 0; k < s->runs && good; k++) {
-        uint32_t status = 0;
-        drive.seed = (uint64_t)r->seed * 1000003U + k;
-        drive.clock_s = drive_recording_next_s(out);
-        good = drive_run(m, &drive, &s->run[k], (long)k + 1, &config, firmware, &log, &status, e);
-        status &= ~IQFOC_STATUS_NO_INTERVAL; /* set at every start with a corrected mean */
-        if (good && status != 0) {
-            char text[160];
-            fprintf(stderr, "iqfoc: simulate: note: run %zu, settling included: %s\n", k + 1,
-                    drive_status_text(status, text, sizeof text));
-        }
-        progress_update(&p, (double)(k + 1));
-    }
-    progress_end(&p);
-    return good;
+    const drive_scenario all = {m, s, drive, r->seed, firmware, note, NULL};
+    return drive_scenario_run(&all, out, e);
 }
 
 /* The firmware of this program, or that of a target in its emulator. */
@@ -99,19 +72,18 @@ static bool run_firmware(const request *r, const motor *m, const scenario *s, co
     static drive_emulated emulated;
     if (r->emulated.target == NULL) {
         const drive_firmware firmware = drive_firmware_host(&host, NULL);
-        return run_all(r, m, s, *drive, &firmware, out, e);
+        return run_all(r, m, s, drive, &firmware, out, e);
     }
     const drive_firmware firmware = drive_firmware_emulated(&emulated);
     const bool good = drive_emulated_start(&emulated, &r->emulated, m, e) &&
-                      run_all(r, m, s, *drive, &firmware, out, e) && drive_emulated_finish(&emulated, e);
+                      run_all(r, m, s, drive, &firmware, out, e) && drive_emulated_finish(&emulated, e);
     drive_emulated_stop(&emulated);
     return good;
 }
 
 static bool simulate(const request *r, const motor *m, const scenario *s, error *e)
 {
-    plant_config drive = plant_config_from_motor(m);
-    take_sensors(&drive, &s->sensors);
+    plant_config drive = drive_scenario_plant(m, s);
     for (int k = 0; k < r->effects.count; k++) {
         if (!plant_effect_apply(&drive, r->effects.of[k], e)) {
             return false;
@@ -126,11 +98,8 @@ static bool simulate(const request *r, const motor *m, const scenario *s, error 
         const size_t used = strlen(comment);
         (void)snprintf(comment + used, sizeof comment - used, " %s", r->effects.of[k]);
     }
-    scenario logged = *s;
-    logged.log.temperature = drive.machine.heating_K != 0.0;
-    bool good = drive_recording_begin(&out, &logged, drive.T_s, e) &&
-                run_firmware(r, m, s, &drive, &out, e) &&
-                recording_write(r->out_path, &out.recording, comment, e);
+    bool good =
+        run_firmware(r, m, s, &drive, &out, e) && recording_write(r->out_path, &out.recording, comment, e);
     recording_free(&out.recording);
     return good;
 }

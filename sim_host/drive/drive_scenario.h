@@ -1,0 +1,26 @@
+/*
+ * A whole scenario: its runs one after the other, as one recording.
+ */
+#ifndef SIM_HOST_DRIVE_DRIVE_SCENARIO_H
+#define SIM_HOST_DRIVE_DRIVE_SCENARIO_H
+
+#include "drive_recording.h"
+
+typedef struct drive_scenario {
+    const motor *motor; /* what the firmware is told */
+    const scenario *scenario;
+    const plant_config *plant; /* what the drive is: of drive_scenario_plant, and effects applied to it */
+    long seed;                 /* of the sensors' noise and of random effects */
+    const drive_firmware *firmware;
+    /* Told of each run, from 1, in which the firmware set sticky status bits; NULL: nobody is. */
+    void (*note)(void *context, size_t run, uint32_t status);
+    void *context;
+} drive_scenario;
+
+/* The ideal drive of a motor file, with a scenario's sensors. */
+plant_config drive_scenario_plant(const motor *m, const scenario *s);
+
+/* Begins the recording and fills it. False with *e set; the recording is then still to be freed. */
+bool drive_scenario_run(const drive_scenario *all, drive_recording *out, error *e);
+
+#endif
