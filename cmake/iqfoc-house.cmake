@@ -11,6 +11,10 @@ if(IQFOC_TARGET)
 endif()
 
 enable_language(CXX)
+option(IQFOC_PYTHON "Build what the Python package loads (python/pyproject.toml)" OFF)
+if(IQFOC_PYTHON)
+    set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+endif()
 # The program stands at the top of the build folder: build/host/iqfoc.
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 include(${PROJECT_SOURCE_DIR}/cmake/iqfoc-dependencies.cmake)
@@ -34,6 +38,7 @@ add_subdirectory(sim_host/loops)
 add_subdirectory(sim_host/tune)
 add_subdirectory(tests/target/golden)
 add_subdirectory(sim_host/commands)
+add_subdirectory(python/host)
 add_subdirectory(examples)
 
 if(BUILD_TESTING)

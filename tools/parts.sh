@@ -182,6 +182,7 @@ program_lane() {
     run_part examples python3 tools/check_examples.py
     run_part figures python3 tools/figures.py check
     run_part target tests/target/run.sh
+    run_part python python/test.sh
     run_part bench bench/run.sh --check
     run_part blind tests/blind/run.py --ci --jobs "$JOBS"
     run_part third tests/blind/third.py --ci --jobs "$JOBS"

@@ -1,0 +1,172 @@
+/*
+ * What the Python package calls: the library and the host's rooms behind plain C functions.
+ *
+ * Two read this file: the C compiler, and Python, which gives it to cffi without the lines that begin with a #. So the two
+ * cannot disagree on a signature; but what stands here must be what cffi can parse.
+ *
+ * Handles are made here and given back to py_..._free. A function that can fail takes an error * and returns NULL or false.
+ */
+#ifndef PYTHON_HOST_INTERFACE_H
+#define PYTHON_HOST_INTERFACE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct error error;
+typedef struct motor motor;
+typedef struct recording recording;
+typedef struct plant plant;
+typedef struct py_machine py_machine;
+typedef struct py_cycle py_cycle;
+typedef struct py_diagnosis py_diagnosis;
+
+/* ---- what went wrong: status 0 nothing, 1 the program, 2 the input ---- */
+error *py_error_new(void);
+void py_error_free(error *e);
+int py_error_status(const error *e);
+const char *py_error_text(const error *e);
+
+/* ---- the library's functions, element by element; every argument and result an array of n int32 ---- */
+typedef struct py_function {
+    const char *name;
+    int ins;
+    int outs;
+    void (*each)(size_t n, const int32_t *const *in, int32_t *const *out);
+} py_function;
+const py_function *py_functions(size_t *count);
+void py_from_float(size_t n, const double *x, int32_t *iq);
+
+/* ---- a motor file ---- */
+/* label: what messages and diagnoses call it; NULL: its path. */
+motor *py_motor_read(const char *path, const char *label, error *e);
+bool py_motor_write(const motor *m, const char *path, const char *comment, error *e);
+void py_motor_free(motor *m);
+
+/* ---- a machine's predictions in the firmware's arithmetic ---- */
+py_machine *py_machine_new(const motor *m, error *e);
+void py_machine_free(py_machine *p);
+/* method: euler, quasi_discrete, exact, salient, flux, quasi_discrete_mean, exact_mean, salient_mean; false: no such.
+ * in: i_alpha, i_beta, u_alpha, u_beta, theta at the start, turns. out: alpha, beta. */
+bool py_machine_predict(const py_machine *p, const char *method, size_t n, const int32_t *const *in,
+                        int32_t *const *out);
+/* The constants: predictor's k_u, k_r, k_psi. */
+void py_machine_constants(const py_machine *p, int32_t *three);
+
+/* ---- the control cycle ---- */
+typedef struct py_sample {
+    int32_t i[3];
+    int32_t theta;
+    int32_t turns;
+    int32_t u_dc;
+    int32_t at;
+    uint32_t time;
+    int32_t i_mean[3];
+    bool has_mean;
+    bool clipped;
+} py_sample;
+typedef struct py_command {
+    int32_t duty[3];
+    int32_t scale;
+    bool gates;
+} py_command;
+typedef struct py_state {
+    uint32_t status;
+    bool enabled;
+    bool tripped;
+    bool corrected;
+    int32_t i_ref_dq[2];
+    int32_t i_dq[2];
+    int32_t u_dq[2];
+    int32_t u_ab[2];
+    int32_t i_valley[2];
+    int32_t i_next[2];
+    int32_t error[2];
+    int32_t i_corrected_dq[2];
+} py_state;
+typedef struct py_methods {
+    int model;
+    int feedback;
+    int modulation;
+    double bandwidth_Hz;
+    bool extended;
+} py_methods;
+py_cycle *py_cycle_new(const motor *m, const py_methods *how, error *e);
+void py_cycle_free(py_cycle *c);
+void py_cycle_enable(py_cycle *c, bool enabled);
+void py_cycle_clear(py_cycle *c);
+void py_cycle_reference(py_cycle *c, int32_t d, int32_t q);
+void py_cycle_valley(py_cycle *c, const py_sample *sample);
+void py_cycle_peak(py_cycle *c, const py_sample *sample, int32_t output_mid, py_command *command);
+void py_cycle_state(const py_cycle *c, py_state *state);
+/* "MISSED | STALE" of status bits. */
+void py_status_text(uint32_t status, char *text, size_t size);
+
+/* ---- the plant ---- */
+typedef struct py_reading {
+    double t_s;
+    double i_A[3];
+    double theta_e_rad;
+    double theta_mech_rad;
+    double omega_e_rad_s;
+    double u_dc_V;
+    double temp_C;
+} py_reading;
+typedef struct py_means {
+    double duration_s;
+    double i_A[3];
+    double i_dq_A[2];
+    double u_V[3];
+} py_means;
+typedef struct py_now {
+    double t_s;
+    double theta_e_rad;
+    double omega_e_rad_s;
+    double i_A[3];
+    double i_dq_A[2];
+    double torque_Nm;
+} py_now;
+/* J_kgm2 0: the shaft turns as it is told. */
+plant *py_plant_new(const motor *m, size_t effects, const char *const *effect, long seed, double J_kgm2,
+                    double friction_Nms, error *e);
+void py_plant_free(plant *p);
+void py_plant_set_speed(plant *p, double omega_e_rad_s, double accel_e_rad_s2);
+void py_plant_set_load(plant *p, double T_load_Nm);
+void py_plant_cycle(plant *p, const double *duty, py_reading *valley, py_reading *peak, py_means *means);
+void py_plant_state(const plant *p, py_now *now);
+
+/* ---- recordings ---- */
+recording *py_recording_read(const char *path, error *e);
+recording *py_recording_make(const char *label, size_t rows, size_t count, const char *const *name,
+                             const double *const *value, error *e);
+/* notes: a line for each run in which the firmware set status bits. */
+recording *py_recording_simulate(const motor *m, const char *scenario, size_t effects,
+                                 const char *const *effect, long seed, char *notes, size_t size, error *e);
+/* By a map's file, or a preset if map is NULL; m may be NULL. With count 0 the log is the file; else these columns are. */
+recording *py_recording_import(const char *log, const char *map, const char *preset, const motor *m,
+                               size_t rows, size_t count, const char *const *name, const double *const *value,
+                               error *e);
+bool py_recording_write(const recording *r, const char *path, const char *comment, error *e);
+void py_recording_free(recording *r);
+size_t py_recording_rows(const recording *r);
+double py_recording_T_s(const recording *r);
+bool py_recording_omega_derived(const recording *r);
+/* Columns by number, from 0; NULL beyond the last. */
+const char *py_recording_column_name(size_t column);
+/* False: the recording has no such column, or it was filled in. */
+bool py_recording_column(const recording *r, size_t column, double *out);
+
+/* ---- the diagnosis ---- */
+/* r and m must outlive it. */
+py_diagnosis *py_diagnose(const recording *r, const motor *m, size_t skips, const char *const *skip,
+                          error *e);
+void py_diagnosis_free(py_diagnosis *p);
+/* What `iqfoc diagnose` prints, and what it writes by --json and by -o. */
+bool py_diagnosis_text(const py_diagnosis *p, const char *path, error *e);
+bool py_diagnosis_json(const py_diagnosis *p, const char *path, error *e);
+bool py_diagnosis_report(const py_diagnosis *p, const char *directory, error *e);
+/* The motor file with what was found. */
+motor *py_diagnosis_motor(const py_diagnosis *p);
+/* One value a row: 8 columns, the alpha and beta of error_nominal, error_extended, free_nominal, free_extended, in A; NaN where there is no
+ * prediction. held_out: 1 where a row was not fitted. */
+void py_diagnosis_series(const py_diagnosis *p, double *const *column, double *held_out);
+#endif

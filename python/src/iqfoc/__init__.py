@@ -1,0 +1,27 @@
+"""Field-oriented control at few PWM cycles per electrical revolution: the firmware's own C over numpy, its plant, and the diagnosis.
+
+    iqfoc.functions       the library's functions over arrays, to the bit
+    iqfoc.Machine         a motor file's predictions in the firmware's arithmetic
+    iqfoc.Cycle           the control cycle, step by step
+    iqfoc.Drive           the firmware against the switching-level plant; Drive.plant() for a controller of one's own
+    iqfoc.diagnose        what a recording shows the model to get wrong
+    iqfoc.read_log        logs of other programs as recordings
+"""
+
+from importlib.metadata import version as _version
+
+from . import functions
+from ._host import Error, InputError
+from .cycle import Command, Cycle, Sample
+from .diagnosis import Cause, Diagnosis, Errors, Parameter, diagnose
+from .drive import Drive, Means, Plant
+from .functions import from_float, to_float
+from .logs import read_log
+from .machine import Machine
+from .motor import Motor
+from .recording import Recording
+
+__version__ = _version("iqfoc")
+
+__all__ = ["Cause", "Command", "Cycle", "Diagnosis", "Drive", "Error", "Errors", "InputError", "Machine", "Means", "Motor", "Parameter", "Plant",
+           "Recording", "Sample", "diagnose", "from_float", "functions", "read_log", "to_float"]

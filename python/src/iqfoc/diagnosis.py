@@ -1,0 +1,166 @@
+"""The diagnosis: from a recording and a motor file to what the model gets wrong, why, and what it gains to mend it."""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import pathlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._host import Trouble, _pointers, ffi, lib, path_bytes, strings
+from ._html import table
+from .motor import Motor, motor_of, text_file
+from .recording import Recording, recording_of
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a cause: in the motor file, as found, and its 95 % interval."""
+
+    name: str
+    unit: str
+    nominal: float | None
+    value: float | None
+    ci95: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A named cause (docs/interfaces.md lists them)."""
+
+    id: str
+    parameters: tuple[Parameter, ...]
+    gain: float
+    """The one-cycle error before it was added over the error after."""
+    probability: float
+    confused_with: tuple[str, ...]
+    trades_with: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> Parameter:
+        return next(p for p in self.parameters if p.name == name)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """One-cycle and free-run errors, percent of the current; of rows that were not fitted."""
+
+    metric: str
+    nominal: float
+    extended: float
+    noise_floor: float
+    gain: float
+    free_run_nominal: float | None
+    free_run_extended: float | None
+
+
+class Diagnosis:
+    """What `diagnose` found.
+
+    verdict: clean, explained, partly or unexplained. causes: in the order of what each takes off the error. `data` is the JSON of
+    `iqfoc diagnose --json` (docs/interfaces.md), `json` its text, digit by digit; `series` the errors row by row; str() the command's text.
+    """
+
+    def __init__(self, handle, recording: Recording, motor: Motor):
+        self._c = ffi.gc(handle, lib.py_diagnosis_free)
+        self.recording, self.motor = recording, motor  # C looks into both
+        self.json: str = self._text(lib.py_diagnosis_json)
+        self.data: dict = json.loads(self.json)
+        self.verdict: str = self.data["verdict"]
+        self.summary: str = self.data["summary"]
+        self.causes: tuple[Cause, ...] = tuple(_cause(c) for c in self.data["causes"])
+        self.error = Errors(**{k: self.data["error"].get(k) for k in Errors.__dataclass_fields__})
+
+    def _text(self, write):
+        with text_file("", ".txt") as path:
+            trouble = Trouble()
+            trouble.check(write(self._c, path_bytes(path), trouble.c))
+            return pathlib.Path(path).read_text(encoding="utf-8")
+
+    @functools.cached_property
+    def series(self) -> dict[str, NDArray[np.float64]]:
+        """A number a row: `t_s`; alpha and beta of `error_nominal`, `error_extended` (one cycle, A) and of `free_nominal`, `free_extended`
+        (the free-running current, A), nan where there is no prediction; `held_out`, 1 where the row was not fitted."""
+        names = [f"{n}_{x}_A" for n in ("error_nominal", "error_extended", "free_nominal", "free_extended") for x in ("alpha", "beta")]
+        columns = {n: np.empty(self.recording.rows) for n in [*names, "held_out"]}
+        lib.py_diagnosis_series(self._c, _pointers([columns[n] for n in names], "double"),
+                                ffi.cast("double *", columns["held_out"].ctypes.data))
+        return {"t_s": self.recording["t_s"], **columns}
+
+    @property
+    def tables(self) -> dict[str, list[dict]]:
+        """Rows for a data frame: `causes` (a row a parameter), `estimates`, `runs`."""
+        causes = [{"cause": c.id, "gain": c.gain, "probability": c.probability, **vars(p)} for c in self.causes for p in c.parameters]
+        return {"causes": causes, "estimates": self.data["estimates"], "runs": self.data["runs"]}
+
+    def to_motor(self) -> Motor:
+        """The motor file with what was found; every command takes it."""
+        return Motor._from_handle(lib.py_diagnosis_motor(self._c), f"{self.motor.label}, extended")
+
+    def page(self, directory: str | os.PathLike) -> pathlib.Path:
+        """Writes what `iqfoc diagnose -o DIR` writes (report.html, motor_extended.toml, iqfoc_extension.h, diagnosis.json); the page."""
+        trouble = Trouble()
+        trouble.check(lib.py_diagnosis_report(self._c, path_bytes(directory), trouble.c))
+        return pathlib.Path(directory) / "report.html"
+
+    def figure(self):
+        """A matplotlib Figure: the one-cycle error in time, without and with what was found, and the error of each run."""
+        try:
+            from matplotlib.figure import Figure
+        except ImportError as none:
+            raise ImportError("figures need matplotlib: pip install iqfoc[plot]") from none
+        figure = Figure(figsize=(10.0, 3.4), layout="constrained")
+        in_time, by_run = figure.subplots(1, 2, width_ratios=(2, 1))
+        for name, colour in (("nominal", "tab:red"), ("extended", "tab:blue")):
+            size = np.hypot(self.series[f"error_{name}_alpha_A"], self.series[f"error_{name}_beta_A"])
+            in_time.plot(self.series["t_s"], size, color=colour, linewidth=0.5, label=name)
+            by_run.plot([r["run"] for r in self.data["runs"]], [r[name] for r in self.data["runs"]], "o", color=colour, label=name)
+        in_time.set(xlabel="t in s", ylabel="one-cycle error in A")
+        by_run.set(xlabel="run", ylabel="one-cycle error in %", yscale="log")
+        in_time.legend()
+        return figure
+
+    @property
+    def figures(self) -> dict:
+        """matplotlib Figures by name."""
+        return {"errors": self.figure()}
+
+    def __str__(self):
+        return self._text(lib.py_diagnosis_text)
+
+    def __repr__(self):
+        return f"<Diagnosis of {self.recording.label!r}: {self.verdict}; {', '.join(c.id for c in self.causes) or 'no cause'}>"
+
+    def _repr_html_(self):
+        causes = [(f"{c.id}: {p.name}", p.nominal, p.value, "" if p.ci95 is None else f"{p.ci95[0]:.4g} … {p.ci95[1]:.4g}", p.unit,
+                   c.probability) for c in self.causes for p in c.parameters]
+        e = self.error
+        errors = [("one cycle", e.nominal, e.extended, e.noise_floor), ("free run", e.free_run_nominal, e.free_run_extended, "")]
+        return (f"<p><b>{escape(self.verdict)}</b>: {escape(self.summary)}</p>" +
+                (table(("cause", "motor file", "found", "95 %", "unit", "probability"), causes) if causes else "") +
+                table(("error in %", "motor file", "extended", "noise floor"), errors))
+
+
+def _cause(c):
+    parameters = tuple(Parameter(p["name"], p["unit"], p["nominal"], p["value"], None if p["ci95"] is None else tuple(p["ci95"]))
+                       for p in c["parameters"])
+    return Cause(c["id"], parameters, c["gain"], c["probability"], tuple(c["confused_with"]), tuple(c["trades_with"]))
+
+
+def diagnose(recording, motor: Motor | str | os.PathLike, skip: Sequence[str] = ()) -> Diagnosis:
+    """What a recording shows the model to get wrong, as `iqfoc diagnose` finds it, to the last digit.
+
+    recording: a Recording, a CSV file, a mapping of columns or a data frame. motor: a Motor or its file, as the user has it. skip: causes
+    to be left out of the search. Raises InputError, with the command's one line, where the recording cannot be used.
+    """
+    recording, motor = recording_of(recording), motor_of(motor)
+    trouble = Trouble()
+    words, kept = strings([skip] if isinstance(skip, str) else skip)
+    handle = trouble.check(lib.py_diagnose(recording._c, motor._c, len(words), words, trouble.c))
+    del kept
+    return Diagnosis(handle, recording, motor)
