@@ -10,6 +10,7 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 option(IQFOC_SANITIZE "Address and undefined-behaviour sanitizers, for the library also the integer one (clang)" OFF)
+option(IQFOC_FUZZ "Build the fuzzers (clang, with IQFOC_SANITIZE)" OFF)
 option(IQFOC_COVERAGE "Count executed lines and branches (gcc)" OFF)
 
 add_compile_options(-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror
@@ -25,6 +26,11 @@ if(IQFOC_SANITIZE)
     endif()
     add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
     add_link_options(-fsanitize=address,undefined)
+endif()
+
+# Every file counts its branches for the fuzzer; the fuzzer itself is linked by who is one.
+if(IQFOC_FUZZ)
+    add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
 if(IQFOC_COVERAGE)

@@ -41,6 +41,10 @@ add_subdirectory(sim_host/commands)
 add_subdirectory(python/host)
 add_subdirectory(examples)
 
+if(IQFOC_FUZZ)
+    add_subdirectory(tests/fuzz)
+endif()
+
 if(BUILD_TESTING)
     add_subdirectory(tests/unit)
     add_subdirectory(tests/cli)

@@ -174,6 +174,13 @@ check_everything() {
     run_lanes static_checks
 }
 
+# A bound that was taken out is found, then a little of what `./dev fuzz` does.
+check_fuzz() {
+    build_preset fuzz fuzzers
+    tests/fuzz/run.py --build build/fuzz --planted --seconds 60
+    tests/fuzz/run.py --build build/fuzz --seconds 20 --jobs "$JOBS"
+}
+
 # What the program built by gcc does, and what the targets' compilers make of the library.
 program_lane() {
     run_part host test_preset host
@@ -193,6 +200,7 @@ source_lane() {
     run_part clang test_preset clang "$UNIT_ONLY"
     run_part asan test_preset asan "$ONCE"
     static_checks
+    run_part fuzz check_fuzz
     run_part consume tests/consume/run.py
     run_part coverage check_coverage
 }

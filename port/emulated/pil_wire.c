@@ -64,9 +64,9 @@ uint32_t pil_encode(const pil_frame_t *frame, uint8_t bytes[PIL_FRAME_MAX])
     return end + 4;
 }
 
-pil_decoded_t pil_decode(pil_decoder_t *decoder, uint32_t byte, pil_frame_t *frame)
+/* What the bytes so far are. */
+static pil_decoded_t judge(const pil_decoder_t *decoder)
 {
-    decoder->bytes[decoder->count++] = (uint8_t)byte;
     if (decoder->bytes[0] != PIL_SYNC) {
         return PIL_DAMAGED;
     }
@@ -81,15 +81,26 @@ pil_decoded_t pil_decode(pil_decoder_t *decoder, uint32_t byte, pil_frame_t *fra
     if (decoder->count < end + 4) {
         return PIL_MORE;
     }
-    if (word_get(&decoder->bytes[end]) != crc32_of(&decoder->bytes[1], end - 1)) {
+    return word_get(&decoder->bytes[end]) == crc32_of(&decoder->bytes[1], end - 1) ? PIL_WHOLE : PIL_DAMAGED;
+}
+
+pil_decoded_t pil_decode(pil_decoder_t *decoder, uint32_t byte, pil_frame_t *frame)
+{
+    decoder->bytes[decoder->count++] = (uint8_t)byte;
+    const pil_decoded_t decoded = judge(decoder);
+    if (decoded == PIL_MORE) {
+        return PIL_MORE;
+    }
+    /* What was no frame is passed over: the next byte is looked at as if it began one. */
+    decoder->count = 0;
+    if (decoded == PIL_DAMAGED) {
         return PIL_DAMAGED;
     }
     frame->type = decoder->bytes[1];
-    frame->words = (uint32_t)words;
+    frame->words = (uint32_t)words_of(frame->type);
     for (uint32_t k = 0; k < frame->words; k++) {
         frame->data[k] = (int32_t)word_get(&decoder->bytes[2 + 4 * k]);
     }
-    decoder->count = 0;
     return PIL_WHOLE;
 }
 

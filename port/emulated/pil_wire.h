@@ -42,7 +42,7 @@ typedef struct pil_result {
 /* The frame's bytes, 0 ... 255 each; returns how many, at most PIL_FRAME_MAX. */
 uint32_t pil_encode(const pil_frame_t *frame, uint8_t bytes[PIL_FRAME_MAX]);
 
-/* Byte by byte. Zero-initialised; ready for the next frame after each that was whole. */
+/* Byte by byte. Zero-initialised; ready for the next frame after each that was whole or damaged. */
 typedef struct pil_decoder {
     uint8_t bytes[PIL_FRAME_MAX];
     uint32_t count;
