@@ -145,6 +145,29 @@ lock_python() {
     done
 }
 
+# uPlot, which draws the report pages' curves: npm's package, by the hashes of tools/uplot.sha256, in .cache/uplot, where CMake looks
+# (cmake/iqfoc-uplot.cmake). UPLOT_DIR may name another folder of it.
+UPLOT=uplot@1.6.32
+uplot_is_pinned() {
+    [[ -d $1 ]] && (cd "$1" && sha256sum --status --strict -c "$ROOT/tools/uplot.sha256" 2>/dev/null)
+}
+
+set_up_uplot() {
+    local place=$ROOT/.cache/uplot work=$ROOT/.cache/uplot-fetch
+    { [[ -n ${UPLOT_DIR:-} ]] || uplot_is_pinned "$place"; } && return 0
+    command -v npm >/dev/null || install_packages npm
+    say "fetching $UPLOT from npm into .cache/uplot"
+    rm -rf "$work" "$place"
+    mkdir -p "$work"
+    if ! (cd "$work" && npm pack --silent "$UPLOT" && tar -xzf uplot-*.tgz) >"$work/log" 2>&1 </dev/null; then
+        tail -n 10 "$work/log" >&2
+        die "$UPLOT could not be fetched (above). Unpack its package from npm and set UPLOT_DIR to that folder"
+    fi
+    uplot_is_pinned "$work/package" || die "$UPLOT as npm has it is not the pinned one (tools/uplot.sha256)"
+    mv "$work/package" "$place"
+    rm -rf "$work"
+}
+
 unity_is_pinned() {
     [[ -d $1 ]] && (cd "$1" && sha256sum --status --strict -c "$ROOT/tools/unity.sha256" 2>/dev/null)
 }

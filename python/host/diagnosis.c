@@ -67,7 +67,8 @@ bool py_diagnosis_text(const py_diagnosis *p, const char *path, error *e)
 /* With what the firmware gains, as the command has it. Opens the folder if there is one. */
 static bool deliver(const py_diagnosis *p, const char *directory, const char *json_path, error *e)
 {
-    const report_input in = {p->rec, p->nominal, &p->d};
+    const provenance from = {.file = {{"recording", p->rec->path}, {"motor file", p->nominal->path}}};
+    const report_input in = {p->rec, p->nominal, &p->d, &from};
     out_folder f = {0};
     if (!out_folder_open(&f, directory, e)) {
         return false;

@@ -33,6 +33,8 @@ typedef struct request {
     const char *recording_path, *motor_path, *directory, *json_path;
     diagnose_options options;
     bool traced;
+    int argc;
+    char **argv;
 } request;
 
 static bool take_skip(const options *o, void *context, error *e)
@@ -109,7 +111,10 @@ static bool run(const request *r, error *e)
     how.series = r->directory != NULL || r->json_path != NULL;
     bool ok = out_folder_open(&f, r->directory, e) && diagnose(&d, &rec, &m, &how, e);
     if (ok) {
-        const report_input in = {&rec, &m, &d};
+        const provenance from = {.argc = r->argc,
+                                 .argv = r->argv,
+                                 .file = {{"recording", r->recording_path}, {"motor file", r->motor_path}}};
+        const report_input in = {&rec, &m, &d, &from};
         ok = deliver(r, &f, &in, e);
         diagnosis_free(&d);
     } else {
@@ -122,7 +127,7 @@ static bool run(const request *r, error *e)
 int cmd_diagnose(int argc, char **argv)
 {
     error e = {0};
-    request r = {0};
+    request r = {.argc = argc, .argv = argv};
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
                                    [OPT_DIR] = {.text = &r.directory},
                                    [OPT_JSON] = {.text = &r.json_path},

@@ -6,3 +6,8 @@ const cause_row cause_table[CAUSE_COUNT] = {
 #define UNNAMED(ID, id, words)                    [CAUSE_##ID] = {id, false, FIRMWARE_LACKS, words, "", ""},
 #include "causes.def"
 };
+
+const char *const cause_meaning[CAUSE_COUNT] = {
+#define MEANING(ID, text) [CAUSE_##ID] = (text),
+#include "causes.def"
+};

@@ -32,4 +32,7 @@ typedef struct cause_row {
 
 extern const cause_row cause_table[CAUSE_COUNT];
 
+/* Some sentences on each, for a glossary; NULL where it has no name. */
+extern const char *const cause_meaning[CAUSE_COUNT];
+
 #endif

@@ -1,7 +1,7 @@
 /* The page's HTML, piece by piece (page.h). */
 #include "page.h"
 
-#include "page_style.h"
+#include "page_assets.h"
 #include "svg_inline.h"
 
 #include <stdarg.h>
@@ -27,10 +27,12 @@ bool page_begin_as(page *p, const char *directory, const char *name, const char 
     }
     FILE *out = p->file.stream;
     fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>",
+          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n",
           out);
+    page_assets_head(out);
+    fputs("<title>", out);
     html_text(out, title);
-    fprintf(out, "</title>\n<style>\n%s</style>\n</head>\n<body>\n<h1>", page_style);
+    fputs("</title>\n</head>\n<body>\n<h1>", out);
     html_text(out, title);
     fputs("</h1>\n<p class=\"subtitle\">", out);
     html_text(out, subtitle);
@@ -40,6 +42,7 @@ bool page_begin_as(page *p, const char *directory, const char *name, const char 
 
 bool page_end(page *p, error *e)
 {
+    page_assets_end(p->file.stream);
     fputs("</body>\n</html>\n", p->file.stream);
     return out_file_commit(&p->file, e);
 }
@@ -66,9 +69,17 @@ void page_heading(page *p, int level, const char *text)
 
 static void put_formatted(FILE *out, const char *format, va_list args)
 {
-    char text[2048];
-    vsnprintf(text, sizeof text, format, args);
-    html_text(out, text);
+    char usual[2048];
+    va_list again;
+    va_copy(again, args);
+    const int length = vsnprintf(usual, sizeof usual, format, args);
+    char *text = length >= (int)sizeof usual ? malloc((size_t)length + 1) : NULL;
+    if (text != NULL) {
+        vsnprintf(text, (size_t)length + 1, format, again);
+    }
+    va_end(again);
+    html_text(out, text != NULL ? text : usual);
+    free(text);
 }
 
 void page_paragraph(page *p, const char *class_name, const char *format, ...)
@@ -133,12 +144,58 @@ bool page_figure(page *p, plot *drawing, const char *id, const char *caption, er
         free(svg);
     } else {
         plot_abandon(drawing);
-        fputs("<p class=\"missing\">Not drawn: gnuplot is not installed.</p>\n", out);
+        fputs("<p class=\"missing\">These contour lines are left out: gnuplot is not installed.</p>\n", out);
     }
     fputs("<figcaption>", out);
     html_text(out, caption);
     fputs("</figcaption>\n</figure>\n", out);
     return true;
+}
+
+bool page_charts(page *p, const chart *charts, size_t count, const char *id, const char *caption, error *e)
+{
+    FILE *out = p->file.stream;
+    const bool wide = charts[0].group != NULL;
+    fprintf(out, "<figure id=\"%s\" class=\"charts%s\">\n<div class=\"panels%s\">\n", id,
+            wide || count > 1 ? " wide" : "", !wide && count > 1 ? " tiled" : "");
+    for (size_t n = 0; n < count; n++) {
+        fputs("<div class=\"chart\"></div>\n", out);
+    }
+    fputs("</div>\n<script type=\"application/json\">\n", out);
+    const bool whole = chart_write(out, charts, count);
+    fputs("</script>\n<noscript>The curves are drawn by the browser and need "
+          "JavaScript.</noscript>\n<figcaption>",
+          out);
+    html_text(out, caption);
+    fputs("</figcaption>\n</figure>\n", out);
+    return whole || error_failure(e, 0, "out of memory");
+}
+
+bool page_chart(page *p, const chart *drawn, const char *id, const char *caption, error *e)
+{
+    return page_charts(p, drawn, 1, id, caption, e);
+}
+
+void page_terms_begin(page *p)
+{
+    fputs("<dl>\n", p->file.stream);
+}
+
+void page_term(page *p, const char *term, const char *format, ...)
+{
+    va_list args;
+    fputs("<dt>", p->file.stream);
+    html_text(p->file.stream, term);
+    fputs("</dt>\n<dd>", p->file.stream);
+    va_start(args, format);
+    put_formatted(p->file.stream, format, args);
+    va_end(args);
+    fputs("</dd>\n", p->file.stream);
+}
+
+void page_terms_end(page *p)
+{
+    fputs("</dl>\n", p->file.stream);
 }
 
 void page_table_begin(page *p, const char *const *heads, size_t columns)

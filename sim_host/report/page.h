@@ -1,6 +1,7 @@
 /*
- * A report page: one HTML file that opens from disk, with its figures in it. Readable on a phone and on a
- * wide screen, in light and dark. Each figure is also written beside the page as <id>.svg.
+ * A report page: one HTML file that opens from disk and asks for nothing else, with its charts and the program that
+ * draws them in it. Readable on a phone, on a wide screen and on paper, in light and dark. What gnuplot draws, contour
+ * lines, is also written beside the page as <id>.svg.
  *
  * What the text functions take is plain text; what HTML holds special is escaped.
  */
@@ -9,6 +10,7 @@
 
 #include "../base/error.h"
 #include "../base/out_file.h"
+#include "chart.h"
 #include "plot.h"
 
 typedef struct page {
@@ -50,10 +52,22 @@ void page_pair_beside(page *p);
 void page_pair_end(page *p);
 
 /*
- * Draws a plot into the page. id: also the file's name. Without gnuplot a line says so in its place. False
- * when gnuplot fails or the file cannot be written.
+ * Draws a plot by gnuplot into the page: what no chart can show, contour lines. id: also the file's name. Without
+ * gnuplot a line says so in its place. False when gnuplot fails or the file cannot be written.
  */
 bool page_figure(page *p, plot *drawing, const char *id, const char *caption, error *e);
+
+/*
+ * A figure of one or some charts: below one another where they are a group, else side by side where there is room.
+ * False with *e set when memory ran out for their data.
+ */
+bool page_charts(page *p, const chart *charts, size_t count, const char *id, const char *caption, error *e);
+bool page_chart(page *p, const chart *drawn, const char *id, const char *caption, error *e);
+
+/* Terms, each with what is said of it. */
+void page_terms_begin(page *p);
+void page_term(page *p, const char *term, const char *format, ...) ERROR_PRINTF(3, 4);
+void page_terms_end(page *p);
 
 /* A table, cell by cell; numbers are aligned right, and so are heads that begin with a tab. */
 void page_table_begin(page *p, const char *const *heads, size_t columns);

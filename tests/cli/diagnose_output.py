@@ -3,18 +3,21 @@
 
 For recordings of a drive that is not ours: the extended motor file makes the same recording clean, the header compiles without a
 warning and holds the values found, the gain in firmware code follows that of the exact model, the plant with the named effect errs
-as the machine did and is diagnosed alike, and the page holds its pictures.
+as the machine did and is diagnosed alike, and the page holds its charts and where it comes from.
 
     diagnose_output.py PROGRAM [RECORDING...]
 """
 
+import hashlib
 import json
+import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
@@ -44,8 +47,8 @@ int main(void)
 
 
 def diagnose(recording, motor, *more):
-    done = subprocess.run([PROGRAM, "diagnose", recording, "--motor", motor, *map(str, more)], capture_output=True, timeout=120,
-                          check=False, text=True)
+    done = subprocess.run([PROGRAM, "diagnose", recording, "--motor", motor, *map(str, more)], cwd=ROOT, capture_output=True,
+                          timeout=120, check=False, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -85,15 +88,25 @@ def check_header(folder, result):
     assert text.count("95 %") == sum(p["ci95"][0] < p["ci95"][1] for c in result["causes"] for p in c["parameters"]), text
 
 
-def check_page(folder):
+def check_page(folder, result):
     page = (folder / "report.html").read_text()
-    drawn = shutil.which("gnuplot") is not None
-    pictures = page.count("<svg ")
-    assert not drawn or pictures >= 10, pictures
-    assert len(set(re.findall(r'<figure id="([^"]+)"', page))) == page.count("<figure"), "a figure's id stands twice"
-    assert not re.search(r"(src|href)=\"https?:", page), "the page needs the network"
+    assert sorted(file.name for file in folder.glob("*.svg")) == [], "the page needs no pictures beside it"
+    assert page.count('class="charts') >= 8, page.count('class="charts')
+    ids = re.findall(r'<figure id="([^"]+)"', page)
+    assert len(set(ids)) == page.count("<figure"), "a figure's id stands twice"
+    assert not re.search(r"(src|href)=", page[:page.index("<body>")]) and "<img" not in page, "the page needs another file"
     assert not re.search(r">-?nan<", page), "a cell that is no number"
-    assert all((folder / f"{name}.svg").exists() for name in re.findall(r'<figure id="([^"]+)"', page)) or not drawn
+    for data in re.findall(r'<script type="application/json">(.*?)</script>', page, re.DOTALL):
+        told = json.loads(data)
+        assert told["charts"] and told["columns"], data[:200]
+    for file, path in (("recording", result["recording"]), ("motor file", result["motor"])):
+        digest = hashlib.sha256((ROOT / path).read_bytes()).hexdigest()
+        assert f"<dt>{file}</dt>\n<dd>{path}, sha256 {digest}</dd>" in page, (file, digest)
+    for estimate in result["estimates"]:
+        assert f"<td>{estimate['name']}</td>" in page and (not estimate["excited"] or f">{estimate['value']:.5g}<" in page), estimate
+    assert f"<td class=\"n\">{result['causes'][0]['probability']:.3g}</td>" in page if result["causes"] else True
+    for row in re.findall(r'^CAUSE\(\w+, "(\w+)"', (ROOT / "sim_host/data/causes.def").read_text(), re.MULTILINE):
+        assert f"<dt>{row}</dt>" in page, f"{row} is not in the glossary"
 
 
 def check_plant(result):
@@ -108,9 +121,28 @@ def check_plant(result):
         assert abs(run["nominal_on_plant"] - run["nominal_on_machine"]) < 0.15 * run["nominal_on_machine"] + 0.1, run
 
 
+def check_fixed_date(folder):
+    """The page is the same for the same input but for the date, which SOURCE_DATE_EPOCH sets; and text of the user's stays text."""
+    evil = "<img src=x onerror=alert(1)>'\"&.csv"
+    shutil.copy(ROOT / "recordings/clean.csv.gz", folder / evil)
+    motor = (ROOT / "recordings/clean.toml").read_text()
+    (folder / "motor.toml").write_text(re.sub(r'^name = .*', "name = '</script><script>alert(2)</script>'", motor, flags=re.MULTILINE))
+    pages = []
+    for n in range(2):
+        time.sleep(1.1 * n)
+        command = [PROGRAM, "diagnose", evil, "--motor", "motor.toml", "-o", "out"]
+        done = subprocess.run(command, cwd=folder, env={**os.environ, "SOURCE_DATE_EPOCH": "86400"}, capture_output=True, check=False)
+        assert done.returncode == 0, done.stderr
+        pages.append((folder / "out/report.html").read_text())
+    assert pages[0] == pages[1], "two runs give two pages"
+    assert "<dd>1970-01-02 00:00:00 UTC</dd>" in pages[0]
+    assert "<img" not in pages[0] and "<script>alert" not in pages[0]
+    assert pages[0].count("&lt;img src=x onerror=alert(1)&gt;") >= 3 and "&lt;/script&gt;" in pages[0]
+
+
 def check(name, folder):
-    recording = ROOT / "recordings" / f"{name}.csv.gz"
-    motor = ROOT / "recordings" / f"{name}.toml"
+    recording = pathlib.Path("recordings", f"{name}.csv.gz")
+    motor = pathlib.Path("recordings", f"{name}.toml")
     diagnose(recording, motor, "-o", folder)
     result = json.loads((folder / "diagnosis.json").read_text())
     firmware, error = result["firmware"], result["error"]
@@ -119,7 +151,7 @@ def check(name, folder):
     assert firmware["extended"] < 1.1 * error["extended"] + 0.01, (firmware, error)
     check_plant(result)
     check_header(folder, result)
-    check_page(folder)
+    check_page(folder, result)
     again = json.loads(diagnose(recording, folder / "motor_extended.toml", "--json", "-"))
     assert again["verdict"] == "clean" and not again["causes"], again
     assert abs(again["error"]["nominal"] - error["extended"]) < 0.05 * error["extended"], (again["error"], error)
@@ -127,6 +159,8 @@ def check(name, folder):
 
 
 def main():
+    with tempfile.TemporaryDirectory() as folder:
+        check_fixed_date(pathlib.Path(folder))
     for name in NAMES:
         with tempfile.TemporaryDirectory() as folder:
             check(name, pathlib.Path(folder))

@@ -61,7 +61,7 @@ static void test_cut_off_colour_is_passed_on(void)
 
 static char *read_file(const char *path)
 {
-    static char content[200000];
+    static char content[400000];
     FILE *f = fopen(path, "r");
     TEST_ASSERT_NOT_NULL_MESSAGE(f, path);
     content[fread(content, 1, sizeof content - 1, f)] = '\0';

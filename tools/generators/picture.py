@@ -1,9 +1,10 @@
-"""picture COMMAND FILE.svg PATH "words": a picture that `iqfoc COMMAND -o DIR` draws, kept in the tree as docs/figures/FILE.svg.
+"""picture COMMAND FILE.svg PATH "words": a figure of the page that `iqfoc COMMAND -o DIR` writes, kept in the tree as docs/figures/FILE.svg.
 
 COMMAND may have options; it stands in quotes then.
 
     <!-- figures: picture reproduce 2019-figure-7.svg docs/figures "Errors over the ratio" -->
 
+FILE is the figure's id in the page. Its charts are drawn by gnuplot here; contour lines the program has drawn itself, beside the page.
 PATH is the folder as the document writes it. `write` copies the picture; `check` compares what it shows: every word, and every number to
 a hundredth of the drawing's unit, so that another version's last digit is no drift.
 """
@@ -11,8 +12,9 @@ a hundredth of the drawing's unit, so that another version's last digit is no dr
 import pathlib
 import re
 import shlex
-import shutil
 import tempfile
+
+from . import chart_svg
 
 FOLDER = pathlib.Path("docs") / "figures"
 NUMBER = re.compile(r"-?\d+\.\d+")
@@ -24,6 +26,17 @@ def shown(text):
     return NUMBER.sub(lambda match: f"{float(match.group(0)):.2f}", VERSION.sub("", text))
 
 
+def drawn(folder, name):
+    """The picture, from beside the page or from the page's charts; None if there is none."""
+    if (folder / name).exists():
+        return (folder / name).read_text(encoding="utf-8")
+    for page in sorted(folder.glob("*.html")):
+        told = chart_svg.figure(page.read_text(encoding="utf-8"), name.removesuffix(".svg"))
+        if told is not None:
+            return chart_svg.svg(told)
+    return None
+
+
 def generate(program, arguments):
     if len(arguments) != 4:
         raise ValueError(f"expected a command, a file, the folder as the document writes it and words, got {arguments}")
@@ -31,12 +44,12 @@ def generate(program, arguments):
     kept = program.root / FOLDER / name
     with tempfile.TemporaryDirectory() as made:
         program.output(str(program.path), *shlex.split(command), "-o", made)
-        drawn = pathlib.Path(made) / name
-        if not drawn.exists():
-            raise ValueError(f"`iqfoc {command} -o DIR` draws no {name}")
-        if program.writes:
-            kept.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(drawn, kept)
-        elif not kept.exists() or shown(kept.read_text(encoding="utf-8")) != shown(drawn.read_text(encoding="utf-8")):
-            raise ValueError(f"{kept.relative_to(program.root)} is not what `iqfoc {command}` draws; `./dev figures` draws it anew")
+        picture = drawn(pathlib.Path(made), name)
+    if picture is None:
+        raise ValueError(f"the page of `iqfoc {command} -o DIR` has no figure {name}")
+    if program.writes:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        kept.write_text(picture, encoding="utf-8")
+    elif not kept.exists() or shown(kept.read_text(encoding="utf-8")) != shown(picture):
+        raise ValueError(f"{kept.relative_to(program.root)} is not what `iqfoc {command}` draws; `./dev figures` draws it anew")
     return f"![{words}]({folder}/{name})"

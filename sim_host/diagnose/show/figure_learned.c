@@ -1,28 +1,26 @@
-/* What was learned of an effect without a name, over what its strongest term depends on. */
+/* What was learned of an effect without a name, over what its strongest term depends on (figures.h). */
 #include "figures.h"
 
 bool figure_learned(page *p, const evidence *v, error *e)
 {
     const diagnosis_learned *l = &v->d->learned;
-    plot drawing;
-    if (!plot_begin(&drawing, 560, 380, e)) {
-        return false;
-    }
-    plot_data(&drawing, "learned");
+    chart_data d = chart_data_of(3);
     for (size_t n = 0; n < l->points; n++) {
-        plot_say(&drawing, "%.6g %.6g %.6g\n", l->point[n].x, l->point[n].left, l->point[n].learned);
+        chart_data_add(&d, (double[]){l->point[n].x, l->point[n].left, l->point[n].learned});
     }
-    plot_data_end(&drawing);
-    plot_say(&drawing,
-             "set xlabel '%s' noenhanced\nset ylabel 'missing %s (mean)' noenhanced\n%s"
-             "set key at graph 1,1.11 right horizontal maxrows 1 samplen 1.2 width -1 font ',12'\nset "
-             "tmargin 2.5\n"
-             "plot $learned using 1:2 with points linestyle 2 title 'left over', "
-             "$learned using 1:3 with lines linestyle 1 title 'learned'\n",
-             l->axis, l->voltage, l->turns ? "set xrange [0:360]\nset xtics 60\n" : "");
-    return page_figure(
-        p, &drawing, "learned",
-        "What the extended model leaves and what was learned of it, over what the strongest term "
-        "depends on: means over rows that were not fitted.",
-        e);
+    char y_label[64];
+    snprintf(y_label, sizeof y_label, "missing %s (mean)", l->voltage);
+    const chart drawn = {
+        .x_label = l->axis,
+        .y_label = y_label,
+        .x = {.fixed = l->turns, .low = 0.0, .high = 360.0},
+        .series = {{"left over", &d, 1, CHART_ORANGE, CHART_POINTS, CHART_ALWAYS, 0.0, false},
+                   {"learned", &d, 2, CHART_BLUE, CHART_LINE, CHART_ALWAYS, 0.0, false}}};
+    const bool ok = page_chart(p, &drawn, "learned",
+                               "What the extended model leaves and what was learned of it, over what the "
+                               "strongest term depends on: means over "
+                               "rows that were not fitted.",
+                               e);
+    chart_data_free(&d);
+    return ok;
 }

@@ -1,5 +1,5 @@
 /*
- * The pictures of a diagnosis: where the model errs, before and after, and the plant beside the machine.
+ * The charts of a diagnosis: where the model errs, before and after, and the plant beside the machine.
  */
 #ifndef SIM_HOST_DIAGNOSE_SHOW_FIGURES_H
 #define SIM_HOST_DIAGNOSE_SHOW_FIGURES_H
@@ -9,7 +9,7 @@
 #include "report/page.h"
 #include "residual.h"
 
-/* What all pictures are drawn from. */
+/* What all charts are drawn from. */
 typedef struct evidence {
     const recording *rec;
     const motor *nominal;
@@ -25,9 +25,12 @@ typedef struct evidence {
 evidence evidence_of(const recording *rec, const motor *nominal, const diagnosis *d,
                      const plant_witness *witness);
 
-/* Each draws one figure; false with *e set if gnuplot or the disk fails. */
-bool figure_waveform(page *p, const evidence *v, error *e);
-bool figure_residual_time(page *p, const evidence *v, error *e);
+/* A column as the curve of the model as it was, and as that of the extended model: none where there is none. */
+chart_series figure_nominal(const evidence *v, const chart_data *d, size_t column, chart_mark mark);
+chart_series figure_extended(const evidence *v, const chart_data *d, size_t column, chart_mark mark);
+
+/* Each draws one figure; false with *e set if memory runs out. */
+bool figure_time(page *p, const evidence *v, error *e);
 bool figure_current(page *p, const evidence *v, error *e);
 bool figure_voltage(page *p, const evidence *v, error *e);
 bool figure_angle(page *p, const evidence *v, error *e);

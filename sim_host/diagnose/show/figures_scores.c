@@ -1,188 +1,182 @@
-/* Figures of errors and spectra: per run, per method, per order. */
+/* Charts of errors and spectra: per run, per method, per order (figures.h). */
 #include "figures.h"
 
 #include <math.h>
 
-static bool begin_bars(plot *drawing, int height, const char *ylabel, error *e)
+/* ---- Run by run ---- */
+
+/* "3\n840": the run, and its speed below. */
+typedef struct run_names {
+    char text[DIAGNOSIS_GROUPS][40];
+    const char *of[DIAGNOSIS_GROUPS];
+    size_t count;
+} run_names;
+
+static double add_name(run_names *names, const diagnosis_run *run)
 {
-    if (!plot_begin(drawing, 560, height, e)) {
-        return false;
-    }
-    plot_say(
-        drawing,
-        "set style data histograms\nset style histogram clustered gap 1\nset style fill solid 0.85 noborder\n"
-        "set boxwidth 0.9\nset yrange [0:*]\nset ylabel '%s'\nset key at graph 1,1.11 right horizontal "
-        "maxrows 1 samplen 1\n"
-        "set tmargin 2.5\nset grid noxtics\n",
-        ylabel);
-    return true;
+    char *text = names->text[names->count];
+    snprintf(text, sizeof names->text[0], "%ld\n%.0f", run->run, nearbyint(run->omega_rad_s) + 0.0);
+    names->of[names->count] = text;
+    return (double)names->count++;
 }
 
-static void say_run(plot *drawing, const diagnosis_run *run, double x, double y, double z)
+static chart over_runs(const run_names *names, const char *y_label)
 {
-    plot_say(drawing, "\"%ld\\n%.0f\" %.5g %.5g %.5g\n", run->run, nearbyint(run->omega_rad_s) + 0.0, x, y,
-             z);
+    return (chart){.x_label = "run, and its electrical speed in rad/s",
+                   .y_label = y_label,
+                   .name = names->of,
+                   .names = names->count,
+                   .height = 290};
+}
+
+static double positive(double x)
+{
+    return isfinite(x) && x > 0.0 ? x : NAN;
 }
 
 bool figure_runs(page *p, const evidence *v, error *e)
 {
-    plot drawing;
-    if (!begin_bars(&drawing, 360, "one-cycle error, %", e)) {
-        return false;
-    }
-    plot_data(&drawing, "runs");
+    run_names names = {.count = 0};
+    chart_data d = chart_data_of(4);
     for (size_t k = 0; k < v->d->runs; k++) {
         const diagnosis_run *run = &v->d->run[k];
-        say_run(&drawing, run, run->nominal, run->extended, run->noise_floor);
+        chart_data_add(&d, (double[]){add_name(&names, run), positive(run->nominal), positive(run->extended),
+                                      positive(run->noise_floor)});
     }
-    plot_data_end(&drawing);
-    plot_say(&drawing,
-             "set xlabel 'run, and its electrical speed in rad/s' offset 0,-0.4\nset bmargin 4.6\n%s",
-             v->d->runs > 14 ? "set xtics rotate by 90 font ',9'\n" : "");
-    plot_say(&drawing, "plot $runs using 2:xtic(1) linestyle 2 title '%s'", v->was);
-    if (v->extended) {
-        plot_say(&drawing, ", $runs using 3 linestyle 1 title 'extended'");
-    }
-    plot_say(&drawing, ", $runs using 4 linestyle 9 title 'noise alone'\n");
-    return page_figure(p, &drawing, "runs",
-                       "One-cycle prediction, rms of the error over rms of the current, on rows that were "
-                       "not used for fitting.",
-                       e);
+    chart drawn = over_runs(&names, "one-cycle error, %");
+    drawn.series[0] =
+        (chart_series){"noise alone", &d, 3, CHART_GREEN, CHART_POINTS, CHART_ALWAYS, 0.0, false};
+    drawn.series[1] = figure_nominal(v, &d, 1, CHART_BARS);
+    drawn.series[2] = figure_extended(v, &d, 2, CHART_BARS);
+    const bool ok =
+        page_chart(p, &drawn, "runs",
+                   "One-cycle prediction, rms of the error over rms of the current, on rows that were not "
+                   "used for fitting.",
+                   e);
+    chart_data_free(&d);
+    return ok;
 }
 
 bool figure_free_runs(page *p, const evidence *v, error *e)
 {
-    plot drawing;
-    if (!begin_bars(&drawing, 360, "free-run error, %", e)) {
-        return false;
-    }
-    plot_data(&drawing, "runs");
+    run_names names = {.count = 0};
+    chart_data d = chart_data_of(3);
     for (size_t k = 0; k < v->d->runs; k++) {
         const diagnosis_run *run = &v->d->run[k];
-        say_run(&drawing, run, fmax(run->free_nominal, 1e-3), fmax(run->free_extended, 1e-3), 0.0);
+        chart_data_add(&d, (double[]){add_name(&names, run), fmax(run->free_nominal, 1e-3),
+                                      fmax(run->free_extended, 1e-3)});
     }
-    plot_data_end(&drawing);
-    plot_say(&drawing,
-             "set logscale y\nset yrange [*:*]\nset offsets 0,0,graph 0.05,graph 0.1\nset xlabel 'run, and "
-             "its electrical speed in "
-             "rad/s' offset 0,-0.4\nset bmargin 4.6\n%splot $runs using 2:xtic(1) with points linestyle 2 "
-             "pointsize 1.1 "
-             "title '%s'",
-             v->d->runs > 14 ? "set xtics rotate by 90 font ',9'\n" : "", v->was);
-    if (v->extended) {
-        plot_say(&drawing, ", $runs using 3 with points linestyle 1 pointsize 1.1 title 'extended'");
-    }
-    plot_say(&drawing, "\n");
-    return page_figure(
-        p, &drawing, "free-runs",
+    chart drawn = over_runs(&names, "free-run error, %");
+    drawn.y.logarithmic = true;
+    drawn.series[0] = figure_nominal(v, &d, 1, CHART_POINTS);
+    drawn.series[1] = figure_extended(v, &d, 2, CHART_POINTS);
+    const bool ok = page_chart(
+        p, &drawn, "free-runs",
         "Free run over whole stretches: errors add up, so that this is the harder test. Logarithmic.", e);
+    chart_data_free(&d);
+    return ok;
 }
+
+bool figure_plant_runs(page *p, const evidence *v, error *e)
+{
+    run_names names = {.count = 0};
+    chart_data d = chart_data_of(3);
+    for (size_t k = 0; k < v->d->runs; k++) {
+        const diagnosis_run *run = &v->d->run[k];
+        const diagnosis_run *simulated = plant_witness_run(v->witness, v->d, k);
+        if (simulated != NULL && run->nominal > 0.0 && simulated->nominal > 0.0) {
+            chart_data_add(&d, (double[]){add_name(&names, run), run->nominal, simulated->nominal});
+        }
+    }
+    chart drawn = over_runs(&names, "one-cycle error, %");
+    drawn.series[0] = (chart_series){"machine", &d, 1, CHART_FAINT, CHART_BARS, CHART_ALWAYS, 0.0, false};
+    drawn.series[1] = (chart_series){"plant", &d, 2, CHART_PURPLE, CHART_BARS, CHART_ALWAYS, 0.0, false};
+    const bool ok = page_chart(
+        p, &drawn, "plant-runs",
+        "The model as it was: its one-cycle error on the machine and on the plant with the named effect.", e);
+    chart_data_free(&d);
+    return ok;
+}
+
+/* ---- Method by method ---- */
 
 bool figure_methods(page *p, const evidence *v, error *e)
 {
-    plot drawing;
+    static const char *const names[] = {"Euler", "quasi-discrete", "exact"};
     const diagnosis_method *was = &v->d->method_nominal;
     const diagnosis_method *is = &v->d->method_extended;
-    if (!begin_bars(&drawing, 320, "one-cycle error, %", e)) {
-        return false;
-    }
-    plot_data(&drawing, "methods");
-    plot_say(&drawing, "Euler %.5g %.5g\n\"quasi-discrete\" %.5g %.5g\nexact %.5g %.5g\n", was->euler,
-             is->euler, was->quasi_discrete, is->quasi_discrete, was->exact, is->exact);
-    plot_data_end(&drawing);
-    plot_say(&drawing,
-             "set logscale y\nset yrange [*:*]\nset offsets 0,0,0,graph 0.1\nplot $methods using "
-             "2:xtic(1) linestyle 2 "
-             "title '%s'",
-             v->was);
-    if (v->extended) {
-        plot_say(&drawing, ", $methods using 3 linestyle 1 title 'extended'");
-    }
-    plot_say(&drawing, "\n");
-    return page_figure(
-        p, &drawing, "methods",
-        "How much is the method's: the same parameters in forward Euler, in the 2019 paper's quasi-discrete "
-        "form (both for "
-        "one inductance, the mean) and in the exact step that this diagnosis uses. Logarithmic.",
-        e);
+    chart_data d = chart_data_of(3);
+    chart_data_add(&d, (double[]){0.0, was->euler, is->euler});
+    chart_data_add(&d, (double[]){1.0, was->quasi_discrete, is->quasi_discrete});
+    chart_data_add(&d, (double[]){2.0, was->exact, is->exact});
+    chart drawn = {.x_label = "method",
+                   .y_label = "one-cycle error, %",
+                   .y = {.logarithmic = true},
+                   .name = names,
+                   .names = 3};
+    drawn.series[0] = figure_nominal(v, &d, 1, CHART_POINTS);
+    drawn.series[1] = figure_extended(v, &d, 2, CHART_POINTS);
+    const bool ok =
+        page_chart(p, &drawn, "methods",
+                   "How much is the method's: the same parameters in forward Euler, in the 2019 paper's "
+                   "quasi-discrete form (both for "
+                   "one inductance, the mean) and in the exact step that this diagnosis uses. Logarithmic.",
+                   e);
+    chart_data_free(&d);
+    return ok;
 }
 
+/* ---- Order by order ---- */
+
 /* Returns the largest amplitude. */
-static double say_orders(plot *drawing, const char *name, const residual *r, int parts)
+static double add_orders(chart_data *d, const residual *r, int parts)
 {
     double most = 0.0;
     double amplitude[ORDERS];
     residual_orders(r, parts, amplitude);
-    plot_data(drawing, name);
     for (int n = 0; n < order_count(parts); n++) {
         if (isfinite(amplitude[n])) {
-            plot_say(drawing, "%.5g %.5g\n", order_of(parts, n), amplitude[n]);
+            chart_data_add(d, (double[]){order_of(parts, n), amplitude[n]});
             most = fmax(most, amplitude[n]);
         }
     }
-    plot_data_end(drawing);
     return most;
 }
 
 bool figure_orders(page *p, const evidence *v, error *e)
 {
-    plot drawing;
     const int parts = order_parts(v->nominal->pole_pairs);
+    chart_data before = chart_data_of(2);
+    chart_data after = chart_data_of(2);
+    chart_data plant = chart_data_of(2);
+    const double most = add_orders(&before, &v->before, parts);
+    add_orders(&after, &v->after, parts);
+    chart drawn = {.x_label = "order of the electrical frequency (negative: against the rotor)",
+                   .y_label = "missing voltage, V",
+                   .x = {.fixed = true, .low = -ORDER_MAX - 0.5, .high = ORDER_MAX + 0.5},
+                   .y = {.logarithmic = true,
+                         .fixed = true,
+                         .low = fmax(2e-3 * most, 1e-9),
+                         .high = fmax(1.4 * most, 1e-8)},
+                   .height = 300};
+    size_t n = 0;
+    drawn.series[n++] = figure_nominal(v, &before, 1, CHART_LINE);
+    if (v->plant.error != NULL) {
+        add_orders(&plant, &v->plant, parts);
+        drawn.series[n++] =
+            (chart_series){"on the plant", &plant, 1, CHART_PURPLE, CHART_LINE, CHART_ALWAYS, 1.2, true};
+    }
+    drawn.series[n] = figure_extended(v, &after, 1, CHART_LINE);
     char caption[500];
-    if (!plot_begin(&drawing, 560, 430, e)) {
-        return false;
-    }
-    const double most = say_orders(&drawing, "before", &v->before, parts);
-    say_orders(&drawing, "after", &v->after, parts);
-    if (v->plant.error != NULL) {
-        say_orders(&drawing, "plant", &v->plant, parts);
-    }
-    plot_say(&drawing,
-             "set xlabel 'order of the electrical frequency (negative: against the rotor)'\nset "
-             "ylabel 'missing voltage, V'\n"
-             "set xrange [-13.5:13.5]\nset xtics -12,2,12\nset mxtics 2\nset logscale y\nset format y "
-             "'%%g'\nset yrange [%g:*]\n"
-             "set key at graph 1,1.09 right horizontal maxrows 1 samplen 1.2 width -1 font ',12'\nset "
-             "tmargin 2.5\n"
-             "plot $before using 1:2 with lines linestyle 2 title '%s'",
-             fmax(2e-3 * most, 1e-9), v->was);
-    if (v->plant.error != NULL) {
-        plot_say(&drawing,
-                 ", $plant using 1:2 with lines linestyle 4 linewidth 1.2 dashtype 2 title 'on the plant'");
-    }
-    if (v->extended) {
-        plot_say(&drawing, ", $after using 1:2 with lines linestyle 1 title 'extended'");
-    }
-    plot_say(&drawing, "\n");
     snprintf(caption, sizeof caption,
              "Spectrum of the missing voltage vector over the rotor's angle, in steps of 1/%d of an "
-             "electrical order; one mechanical order is "
-             "1/%d. Dead time shows at -5, 1 and 7, unequal phases and sensors at -1, an offset at 0.",
+             "electrical order; one "
+             "mechanical order is 1/%d. Dead time shows at -5, 1 and 7, unequal phases and sensors at -1, an "
+             "offset at 0.",
              parts, v->nominal->pole_pairs);
-    return page_figure(p, &drawing, "orders", caption, e);
-}
-
-bool figure_plant_runs(page *p, const evidence *v, error *e)
-{
-    plot drawing;
-    if (!begin_bars(&drawing, 380, "one-cycle error, %", e)) {
-        return false;
-    }
-    plot_data(&drawing, "runs");
-    for (size_t k = 0; k < v->d->runs; k++) {
-        const diagnosis_run *run = &v->d->run[k];
-        const diagnosis_run *simulated = plant_witness_run(v->witness, v->d, k);
-        if (simulated != NULL && run->nominal > 0.0 && simulated->nominal > 0.0) {
-            say_run(&drawing, run, run->nominal, simulated->nominal, 0.0);
-        }
-    }
-    plot_data_end(&drawing);
-    plot_say(&drawing,
-             "set xlabel 'run, and its electrical speed in rad/s' offset 0,-0.4\nset bmargin 4.6\n%splot "
-             "$runs using 2:xtic(1) linestyle "
-             "9 title 'machine', $runs using 3 linestyle 4 title 'plant'\n",
-             v->d->runs > 14 ? "set xtics rotate by 90 font ',9'\n" : "");
-    return page_figure(
-        p, &drawing, "plant-runs",
-        "The model as it was: its one-cycle error on the machine and on the plant with the named effect.", e);
+    const bool ok = page_chart(p, &drawn, "orders", caption, e);
+    chart_data_free(&before);
+    chart_data_free(&after);
+    chart_data_free(&plant);
+    return ok;
 }

@@ -6,6 +6,7 @@
 #include "figures.h"
 #include "firmware_gain.h"
 #include "report_tables.h"
+#include "report_words.h"
 
 #include <math.h>
 #include <string.h>
@@ -81,10 +82,11 @@ static bool write_body(page *p, const report_input *in, const evidence *v, const
         report_causes(p, d);
     }
     report_errors(p, d, firmware);
+    page_heading(p, 2, "What to do next");
+    report_next(p, d);
     page_heading(
         p, 2, d->verdict == VERDICT_CLEAN ? "The model beside the recording" : "What the model gets wrong");
-    if (!pair(p, v, figure_waveform, figure_residual_time, e) ||
-        !pair(p, v, figure_current, figure_voltage, e)) {
+    if (!figure_time(p, v, e) || !pair(p, v, figure_current, figure_voltage, e)) {
         return false;
     }
     if (v->turns) {
@@ -115,12 +117,16 @@ static bool write_body(page *p, const report_input *in, const evidence *v, const
     }
     page_heading(p, 2, "What else was considered");
     report_hypotheses(p, d);
-    page_heading(p, 2, "Next experiment");
-    page_text(p, "%s", d->next_experiment);
+    page_heading(p, 2, "The machine's values");
+    report_estimates(p, d);
+    report_motor(p, in->nominal, d);
+    page_heading(p, 2, "Glossary");
+    report_glossary(p);
+    provenance_tell(p, in->from);
     page_heading(p, 2, "Files beside this page");
     page_text(p, "motor_extended.toml: the motor file with what was found; every command takes it. "
-                 "iqfoc_extension.h: the same as constants of "
-                 "the firmware. diagnosis.json: the figures of this page. The pictures, each as SVG.");
+                 "iqfoc_extension.h: the "
+                 "same as constants of the firmware. diagnosis.json: the figures of this page.");
     return true;
 }
 

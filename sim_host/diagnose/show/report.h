@@ -7,11 +7,13 @@
 
 #include "base/json.h"
 #include "diagnose/result.h"
+#include "report/provenance.h"
 
 typedef struct report_input {
     const recording *rec;
     const motor *nominal;
-    const diagnosis *d; /* with its series */
+    const diagnosis *d;     /* with its series */
+    const provenance *from; /* for the page */
 } report_input;
 
 /* Sets the JSON's "firmware": {"nominal", "extended", "gain"} in percent, or null where it cannot be
@@ -19,7 +21,7 @@ typedef struct report_input {
 void report_firmware(const report_input *in, json_t *json);
 
 /*
- * Writes motor_extended.toml, iqfoc_extension.h, report.html (with its figures beside it) and diagnosis.json
+ * Writes motor_extended.toml, iqfoc_extension.h, report.html and diagnosis.json
  * into a directory that exists, the stage of an out_folder (base/out_folder.h); the JSON gets "plant" as
  * well.
  */

@@ -18,44 +18,91 @@ void report_lead(page *p, const diagnosis *d)
     }
 }
 
+/* "a, b", or `none`. */
+static void list_cell(page *p, const char *const *item, size_t count, const char *between, const char *none)
+{
+    char text[256] = "";
+    for (size_t n = 0; n < count; n++) {
+        const size_t used = strlen(text);
+        snprintf(text + used, sizeof text - used, "%s%s", n > 0 ? between : "", item[n]);
+    }
+    page_cell(p, false, "%s", count > 0 ? text : none);
+}
+
+static void interval_cell(page *p, double low, double high)
+{
+    if (high > low) {
+        page_cell(p, true, "%.5g ... %.5g", low, high);
+    } else {
+        page_cell(p, true, " ");
+    }
+}
+
+static void cause_rows(page *p, const diagnosis_cause *cause)
+{
+    for (size_t n = 0; n < cause->parameters; n++) {
+        const diagnosis_parameter *q = &cause->parameter[n];
+        page_row_begin(p);
+        page_cell(p, false, "%s", n == 0 ? cause->id : "");
+        page_cell(p, false, "%s%s%s", q->name, unit_of(q)[0] ? ", " : "", unit_of(q));
+        page_cell(p, true, "%.5g", q->value);
+        interval_cell(p, q->low, q->high);
+        page_cell(p, true, "%.5g", q->nominal);
+        if (n == 0) {
+            page_cell(p, true, "%.2f", cause->gain);
+            page_cell(p, true, "%.3g", cause->probability);
+            list_cell(p, cause->confused_with, cause->confused, ", ", "nothing");
+            list_cell(p, cause->trade, cause->trades, " + ", "nothing");
+        }
+        for (int empty = 0; n > 0 && empty < 4; empty++) {
+            page_cell(p, false, " ");
+        }
+        page_row_end(p);
+    }
+}
+
 void report_causes(page *p, const diagnosis *d)
 {
-    static const char *const heads[] = {"cause",       "parameter", "\tvalue",      "\t95 %",
-                                        "\tfile says", "\tgain",    "confused with"};
+    static const char *const heads[] = {"cause",         "parameter",     "\tvalue",
+                                        "\t95 %",        "\tfile says",   "\tgain",
+                                        "\tprobability", "confused with", "trades with"};
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (size_t k = 0; k < d->causes; k++) {
-        const diagnosis_cause *cause = &d->cause[k];
-        for (size_t n = 0; n < cause->parameters; n++) {
-            const diagnosis_parameter *q = &cause->parameter[n];
-            char confused[256] = "";
-            for (size_t c = 0; n == 0 && c < cause->confused; c++) {
-                const size_t used = strlen(confused);
-                snprintf(confused + used, sizeof confused - used, "%s%s", c > 0 ? ", " : "",
-                         cause->confused_with[c]);
-            }
-            page_row_begin(p);
-            page_cell(p, false, "%s", n == 0 ? cause->id : "");
-            page_cell(p, false, "%s%s%s", q->name, unit_of(q)[0] ? ", " : "", unit_of(q));
-            page_cell(p, true, "%.5g", q->value);
-            if (q->high > q->low) {
-                page_cell(p, true, "%.5g ... %.5g", q->low, q->high);
-            } else {
-                page_cell(p, true, " ");
-            }
-            page_cell(p, true, "%.5g", q->nominal);
-            if (n == 0) {
-                page_cell(p, true, "%.2f", cause->gain);
-            } else {
-                page_cell(p, true, " ");
-            }
-            page_cell(p, false, "%s", n > 0 ? "" : (cause->confused > 0 ? confused : "nothing"));
-            page_row_end(p);
-        }
+        cause_rows(p, &d->cause[k]);
     }
     page_table_end(p);
-    page_note(p, "Gain: one-cycle error before the cause was added over the error after, causes in this "
-                 "order, rows that were not fitted. "
-                 "Laws and signs of the parameters: the interface's table of causes.");
+    page_note(
+        p,
+        "Gain: one-cycle error before the cause was added over the error after, causes in this order, rows "
+        "that "
+        "were not fitted. Probability: its share of the evidence of all sets of causes about the one chosen. "
+        "Confused with: what this recording cannot tell from it. Trades with: what together would do exactly "
+        "the "
+        "same; the fewer causes win. What the causes are: the glossary below.");
+}
+
+void report_estimates(page *p, const diagnosis *d)
+{
+    static const char *const heads[] = {"parameter", "\tvalue", "\t95 %", "unit", ""};
+    page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
+    for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
+        const diagnosis_estimate *q = &d->estimate[k];
+        page_row_begin(p);
+        page_cell(p, false, "%s", q->name);
+        if (q->excited) {
+            page_cell(p, true, "%.5g", q->value);
+            interval_cell(p, q->low, q->high);
+        } else {
+            page_cell(p, true, " ");
+            page_cell(p, true, " ");
+        }
+        page_cell(p, false, "%s", strcmp(q->unit, "1") == 0 ? "" : q->unit);
+        page_cell(p, false, "%s", q->excited ? "" : "the recording does not show it");
+        page_row_end(p);
+    }
+    page_table_end(p);
+    page_note(p, "What the recording says of these whether a cause was named for them or not; voltage_delay "
+                 "in cycles.");
 }
 
 static void error_row(page *p, const char *what, double nominal, double extended, double floor, double gain)

@@ -13,6 +13,8 @@
 void report_lead(page *p, const diagnosis *d);
 
 void report_causes(page *p, const diagnosis *d);
+/* R, L_d, L_q, psi_f, dead time and delay, named or not. */
+void report_estimates(page *p, const diagnosis *d);
 void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware);
 void report_learned(page *p, const diagnosis *d);
 void report_hypotheses(page *p, const diagnosis *d);

@@ -1,0 +1,18 @@
+# Writes OUTPUT, a C source with VERSION and the commit that SOURCE is at; leaves it alone where nothing changed. Run by each build (-P).
+set(commit "")
+find_program(git git)
+if(git AND EXISTS ${SOURCE}/.git)
+    execute_process(COMMAND ${git} -C ${SOURCE} describe --always --abbrev=10 --exclude=* --dirty=+
+        OUTPUT_VARIABLE commit ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+endif()
+if(NOT commit MATCHES "^[0-9a-f]+[+]?$")
+    set(commit "")
+endif()
+set(text "/* Written by the build. */\n#include \"base/build.h\"\n\nconst char build_version[] = \"${VERSION}\";\nconst char build_commit[] = \"${commit}\";\n")
+set(before "")
+if(EXISTS ${OUTPUT})
+    file(READ ${OUTPUT} before)
+endif()
+if(NOT text STREQUAL before)
+    file(WRITE ${OUTPUT} "${text}")
+endif()

@@ -1,0 +1,33 @@
+# uPlot (npm, MIT), which draws the report pages' curves. Sets UPLOT_DIR to the folder of its files as `npm pack uplot` has
+# them. Taken as tools/uplot.sha256 pins them, so that a page is the same wherever it was built.
+file(STRINGS ${PROJECT_SOURCE_DIR}/tools/uplot.sha256 uplot_pins)
+set(uplot_seen "")
+foreach(folder IN ITEMS ${UPLOT_DIR} $ENV{UPLOT_DIR} ${PROJECT_SOURCE_DIR}/.cache/uplot
+        /usr/local/lib/node_modules/uplot /usr/lib/node_modules/uplot)
+    set(uplot_whole TRUE)
+    foreach(pin IN LISTS uplot_pins)
+        string(REGEX MATCH "^([0-9a-f]+)  (.*)$" matched "${pin}")
+        set(hash ${CMAKE_MATCH_1})
+        set(name ${CMAKE_MATCH_2})
+        if(EXISTS ${folder}/${name})
+            list(APPEND uplot_seen ${folder})
+            file(SHA256 ${folder}/${name} found)
+        else()
+            set(found "")
+        endif()
+        if(NOT found STREQUAL hash)
+            set(uplot_whole FALSE)
+        endif()
+    endforeach()
+    if(uplot_whole)
+        set(UPLOT_DIR ${folder} CACHE PATH "Folder of uPlot's package" FORCE)
+        return()
+    endif()
+endforeach()
+if(uplot_seen)
+    list(REMOVE_DUPLICATES uplot_seen)
+    message(FATAL_ERROR "uPlot in ${uplot_seen} is not the version that tools/uplot.sha256 pins. `./dev build` fetches that one; or "
+                        "unpack `npm pack uplot@1.6.32` and set UPLOT_DIR to its folder package/.")
+endif()
+message(FATAL_ERROR "uPlot, which the report pages embed, is missing. `./dev build` fetches it; or unpack `npm pack uplot@1.6.32` "
+                    "and set UPLOT_DIR to its folder package/.")

@@ -1,0 +1,430 @@
+/* What a report page does in the reader's browser: draws its charts by uPlot, zooms into them, shows and hides curves. */
+"use strict";
+(() => {
+    const root = document.documentElement;
+    const panels = []; // every chart of the page: {box, chart, tables, plot, shown, view, full}
+    const hidden = new Set(); // the roles that are switched off
+    const PRINT_WIDTH = 640;
+    const USUAL_HEIGHT = 290;
+    let printing = false;
+
+    /* ---- Numbers ---- */
+
+    function bytesOf(text) {
+        const raw = atob(text);
+        const bytes = new Uint8Array(raw.length);
+        for (let n = 0; n < raw.length; n++) {
+            bytes[n] = raw.charCodeAt(n);
+        }
+        return bytes;
+    }
+
+    function numbersOf(text, size, get) {
+        const bytes = bytesOf(text);
+        const view = new DataView(bytes.buffer);
+        const numbers = new Float64Array(bytes.length / size);
+        for (let n = 0; n < numbers.length; n++) {
+            numbers[n] = view[get](n * size, true);
+        }
+        return numbers;
+    }
+
+    /* A column as chart_column.h describes it; a gap is NaN. */
+    function columnOf(c) {
+        if (c.pieces) {
+            const numbers = new Float64Array(c.pieces.reduce((sum, piece) => sum + piece[2], 0));
+            let at = 0;
+            for (const [first, step, count] of c.pieces) {
+                for (let n = 0; n < count; n++) {
+                    numbers[at++] = first + n * step;
+                }
+            }
+            return numbers;
+        }
+        if (c.f8 !== undefined) {
+            return numbersOf(c.f8, 8, "getFloat64");
+        }
+        if (c.f4 !== undefined) {
+            return numbersOf(c.f4, 4, "getFloat32");
+        }
+        return numbersOf(c.i2, 2, "getInt16").map((n) => (n === -32768 ? NaN : c.middle + n * c.step));
+    }
+
+    const gapOf = (y, log) => (y === undefined ? undefined : y === null || Number.isNaN(y) || (log && y <= 0) ? null : y);
+
+    /* The first index whose x is not below `wanted`. */
+    function indexOf(x, wanted) {
+        let low = 0;
+        let high = x.length;
+        while (low < high) {
+            const mid = (low + high) >> 1;
+            if (x[mid] < wanted) {
+                low = mid + 1;
+            } else {
+                high = mid;
+            }
+        }
+        return low;
+    }
+
+    /* [x, y...] between two x as uPlot takes it: every row where there are few; else, of each bucket of rows, the least and the
+     * greatest value of each curve in their order, so that no peak is lost. */
+    function seenOf(tables, low, high, width, log) {
+        const x = tables[0];
+        const from = Math.max(indexOf(x, low) - 1, 0);
+        const to = Math.min(indexOf(x, high) + 1, x.length);
+        const buckets = Math.max(2 * width, 200);
+        if (to - from <= 4 * buckets) {
+            return tables.map((t, k) => Array.from(t.slice(from, to), (y) => (k === 0 ? y : gapOf(y, log))));
+        }
+        const size = (to - from) / buckets;
+        const seen = tables.map(() => []);
+        for (let b = 0; b < buckets; b++) {
+            const first = from + Math.floor(b * size);
+            const end = from + Math.floor((b + 1) * size);
+            seen[0].push(x[first], x[end - 1]);
+            for (let k = 1; k < tables.length; k++) {
+                const y = tables[k];
+                let least = -1;
+                let most = -1;
+                for (let n = first; n < end; n++) {
+                    const value = y[n];
+                    if (value === value && !(log && value <= 0)) {
+                        least = least < 0 || value < y[least] ? n : least;
+                        most = most < 0 || value > y[most] ? n : most;
+                    }
+                }
+                if (least < 0) {
+                    seen[k].push(null, null);
+                } else {
+                    seen[k].push(y[Math.min(least, most)], y[Math.max(least, most)]);
+                }
+            }
+        }
+        return seen;
+    }
+
+    /* The curves of a chart over one x. */
+    function tablesOf(chart, columns) {
+        const xs = [...new Set(chart.series.map((s) => s.x))];
+        if (xs.length === 1) {
+            return [columns[xs[0]], ...chart.series.map((s) => columns[s.y])];
+        }
+        const plain = (c) => Array.from(c, (y) => (Number.isNaN(y) ? null : y));
+        const joined = uPlot.join(chart.series.map((s) => [plain(columns[s.x]), plain(columns[s.y])]));
+        return joined.map((column) => (column.every((y) => y != null) ? Float64Array.from(column) : column));
+    }
+
+    /* ---- A chart ---- */
+
+    const colour = (name) => getComputedStyle(root).getPropertyValue("--" + name).trim();
+    const short = (value) => (value == null ? "–" : String(Number(value.toPrecision(5))).replace("-", "−"));
+    const nameOf = (chart, value) => (value == null ? "–" : (chart.names[Math.round(value)] || "").replace("\n", ", "));
+
+    const marks = {
+        line: () => ({}),
+        points: () => ({paths: () => null, points: {show: true, size: 6}}),
+        linepoints: () => ({points: {show: true, size: 5}}),
+        steps: () => ({paths: uPlot.paths.stepped({align: 1}), points: {show: false}}),
+        bars: (side) => ({paths: uPlot.paths.bars({size: [0.38, 40], align: side}), points: {show: false}}),
+    };
+
+    function curveOf(p, s, n) {
+        const {chart} = p;
+        const bars = chart.series.filter((other) => other.mark === "bars");
+        const side = bars.length < 2 ? 0 : bars.indexOf(s) === 0 ? -1 : 1;
+        const paint = colour(s.colour);
+        const curve = {
+            label: s.label,
+            stroke: paint,
+            width: s.width || 1.6,
+            dash: s.dashed ? [6, 4] : undefined,
+            show: p.shown ? p.shown[n] : !hidden.has(s.role),
+            value: (u, value) => short(value),
+            ...marks[s.mark](side),
+        };
+        if (s.mark === "bars") {
+            curve.fill = paint;
+        }
+        if (s.mark === "points") {
+            curve.points.fill = paint;
+        }
+        return curve;
+    }
+
+    function rangeOf(axis) {
+        if (axis.range) {
+            return () => axis.range;
+        }
+        if (axis.log) {
+            return (u, low, high) => (low == null ? [1, 10] : [low / 1.25, high * 1.25]);
+        }
+        return (u, low, high) => {
+            if (low == null) {
+                return [0, 1];
+            }
+            const [least, most] = axis.least ? [Math.min(low, -axis.least), Math.max(high, axis.least)] : [low, high];
+            const room = 0.06 * (most - least) || 0.1 * Math.abs(most) || 1;
+            return [least >= 0 && least < 0.5 * most ? 0 : least - room, most + room];
+        };
+    }
+
+    function axisOf(axis, names, size) {
+        const drawn = {
+            label: axis.label,
+            stroke: colour("ink"),
+            grid: {stroke: colour("grid"), width: 1},
+            ticks: {stroke: colour("rule"), width: 1, size: 5},
+            font: "12px system-ui, sans-serif",
+            labelFont: "13px system-ui, sans-serif",
+            labelSize: 20,
+            values: (u, splits) => splits.map((value) => (value == null ? "" : short(value))),
+            size,
+        };
+        if (names) {
+            const many = names.length > 14;
+            drawn.splits = () => names.map((name, n) => n);
+            drawn.values = () => names.map((name) => (many ? name.split("\n")[0] : name));
+            drawn.grid.show = false;
+            drawn.rotate = many ? -90 : 0;
+            drawn.size = many ? 40 : names.some((name) => name.includes("\n")) ? 42 : 28;
+        }
+        return drawn;
+    }
+
+    /* The logarithmic axis marks what uPlot chose, but leaves out labels that would touch. */
+    const logFilter = (u, splits) => {
+        const decades = Math.log10(u.scales.y.max / u.scales.y.min);
+        const keep = decades < 1.5 ? [1, 2, 3, 5, 7] : decades < 3 ? [1, 2, 5] : [1];
+        return splits.map((value) => (keep.includes(Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3))) ? value : null));
+    };
+
+    function optionsOf(p, width) {
+        const {chart} = p;
+        const x = axisOf(chart.x, chart.names, 28);
+        const y = axisOf(chart.y, null, 58);
+        if (chart.y.log) {
+            y.filter = logFilter;
+        }
+        return {
+            title: chart.title,
+            width,
+            height: chart.height || USUAL_HEIGHT,
+            scales: {x: {time: false, distr: chart.x.log ? 3 : 1}, y: {distr: chart.y.log ? 3 : 1, range: rangeOf(chart.y)}},
+            axes: [x, y],
+            series: [{label: chart.x.label, value: (u, value) => (chart.names ? nameOf(chart, value) : short(value))},
+                ...chart.series.map((s, n) => curveOf(p, s, n))],
+            cursor: {
+                drag: {x: !chart.names, y: false, setScale: false},
+                sync: chart.group ? {key: chart.group, scales: ["x", null], setSeries: false} : undefined,
+                bind: {dblclick: () => () => zoom(p, p.full)},
+            },
+            hooks: {
+                setSelect: [(u) => {
+                    if (u.select.width > 3) {
+                        zoom(p, [u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")]);
+                    }
+                    if (u.select.width > 0) {
+                        u.setSelect({left: 0, top: 0, width: 0, height: 0}, false);
+                    }
+                }],
+            },
+        };
+    }
+
+    const widthOf = (p) => Math.max(Math.floor(printing ? Math.min(PRINT_WIDTH, p.box.clientWidth) : p.box.clientWidth), 200);
+
+    function show(p) {
+        const data = seenOf(p.tables, p.view[0], p.view[1], p.plot.width, p.chart.y.log);
+        p.plot.batch(() => {
+            p.plot.setData(data, false);
+            p.plot.setScale("x", {min: p.view[0], max: p.view[1]});
+        });
+    }
+
+    function draw(p) {
+        if (p.plot) {
+            p.shown = p.plot.series.slice(1).map((s) => s.show);
+            p.plot.destroy();
+        }
+        p.plot = new uPlot(optionsOf(p, widthOf(p)), p.tables.map(() => []), p.box);
+        show(p);
+    }
+
+    function fullOf(p) {
+        const {x, names} = p.chart;
+        if (names) {
+            return [-0.6, names.length - 0.4];
+        }
+        if (x.range) {
+            const room = x.log ? 0 : 0.015 * (x.range[1] - x.range[0]);
+            return [x.range[0] - room, x.range[1] + room];
+        }
+        const first = p.tables[0][0];
+        const last = p.tables[0][p.tables[0].length - 1];
+        return first < last ? [first, last] : [first - 1, first + 1];
+    }
+
+    /* ---- Zoom ---- */
+
+    function zoom(p, view) {
+        const [least, most] = p.full;
+        const size = Math.min(Math.max(view[1] - view[0], 1e-7 * (most - least)), most - least);
+        const low = Math.min(Math.max(view[0], least), most - size);
+        for (const other of panels.filter((q) => q === p || (p.chart.group && q.chart.group === p.chart.group))) {
+            other.view = [low, low + size];
+            show(other);
+        }
+    }
+
+    function zoomBar(p, figure) {
+        const bar = document.createElement("div");
+        const button = (text, says, act) => {
+            const made = document.createElement("button");
+            made.type = "button";
+            made.textContent = text;
+            made.title = says;
+            made.setAttribute("aria-label", says);
+            made.addEventListener("click", act);
+            bar.append(made);
+        };
+        const by = (factor, shift) => () => {
+            const [low, high] = p.view;
+            const half = 0.5 * factor * (high - low);
+            const mid = 0.5 * (low + high) + shift * (high - low);
+            zoom(p, [mid - half, mid + half]);
+        };
+        bar.className = "zoom";
+        button("+", "zoom in", by(0.4, 0));
+        button("−", "zoom out", by(2.5, 0));
+        button("◀", "earlier", by(1, -0.5));
+        button("▶", "later", by(1, 0.5));
+        button("all", "show all", () => zoom(p, p.full));
+        if (p.chart.view) {
+            button("first view", "back to what was shown first", () => zoom(p, p.chart.view));
+        }
+        bar.append("or draw the mouse over a curve; a double click shows all.");
+        figure.querySelector(".panels").before(bar);
+    }
+
+    /* ---- The page ---- */
+
+    function switchRole(role, on) {
+        if (on) {
+            hidden.delete(role);
+        } else {
+            hidden.add(role);
+        }
+        for (const p of panels) {
+            p.chart.series.forEach((s, n) => s.role === role && p.plot.setSeries(n + 1, {show: on}));
+        }
+    }
+
+    function switchOf(role, says, paint) {
+        const label = document.createElement("label");
+        const box = document.createElement("input");
+        const line = document.createElement("i");
+        box.type = "checkbox";
+        box.checked = true;
+        box.name = role;
+        line.style.background = `var(--${paint})`;
+        box.addEventListener("change", () => switchRole(role, box.checked));
+        label.append(box, line, says);
+        return label;
+    }
+
+    function themeChoice() {
+        const label = document.createElement("label");
+        const choice = document.createElement("select");
+        for (const [value, says] of [["", "as the system"], ["light", "light"], ["dark", "dark"]]) {
+            choice.append(new Option(says, value));
+        }
+        choice.name = "theme";
+        choice.addEventListener("change", () => {
+            if (choice.value) {
+                root.dataset.theme = choice.value;
+            } else {
+                delete root.dataset.theme;
+            }
+            panels.forEach(draw);
+        });
+        label.append("colours ", choice);
+        return label;
+    }
+
+    function pageBar() {
+        const bar = document.createElement("div");
+        const roles = new Set(panels.flatMap((p) => p.chart.series.map((s) => s.role)));
+        bar.className = "bar";
+        if (roles.has("nominal") && roles.has("extended")) {
+            bar.append(switchOf("nominal", "as it was", "orange"), switchOf("extended", "extended", "blue"));
+        }
+        bar.append(themeChoice());
+        document.querySelector(".subtitle").after(bar);
+    }
+
+    function drawFigure(figure) {
+        const told = JSON.parse(figure.querySelector("script").textContent);
+        const columns = told.columns.map(columnOf);
+        const boxes = figure.querySelectorAll(".chart");
+        let first = null;
+        told.charts.forEach((chart, n) => {
+            const p = {box: boxes[n], chart, tables: tablesOf(chart, columns)};
+            p.full = fullOf(p);
+            p.view = chart.view || p.full;
+            draw(p);
+            panels.push(p);
+            first = first || p;
+        });
+        if (first && !first.chart.names && (first.chart.group || told.charts.length === 1) && first.tables[0].length > 60) {
+            zoomBar(first, figure);
+        }
+    }
+
+    function start() {
+        for (const figure of document.querySelectorAll("figure.charts")) {
+            try {
+                drawFigure(figure);
+            } catch (problem) {
+                figure.querySelector(".panels").textContent = "This chart could not be drawn: " + problem.message;
+                figure.classList.add("failed");
+                console.error(problem);
+            }
+        }
+        /* Of one group all that is shown together: the widest of them. */
+        for (const p of panels.filter((q) => q.chart.group)) {
+            const all = panels.filter((q) => q.chart.group === p.chart.group);
+            p.full = [Math.min(...all.map((q) => q.full[0])), Math.max(...all.map((q) => q.full[1]))];
+        }
+        pageBar();
+        const wide = new ResizeObserver(() => {
+            for (const p of panels) {
+                if (!printing && p.plot.width !== widthOf(p)) {
+                    p.plot.setSize({width: widthOf(p), height: p.chart.height || USUAL_HEIGHT});
+                    show(p);
+                }
+            }
+        });
+        panels.forEach((p) => wide.observe(p.box));
+        matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => panels.forEach(draw));
+        let theme;
+        addEventListener("beforeprint", () => {
+            printing = true;
+            theme = root.dataset.theme;
+            root.dataset.theme = "light";
+            panels.forEach(draw);
+        });
+        addEventListener("afterprint", () => {
+            printing = false;
+            if (theme) {
+                root.dataset.theme = theme;
+            } else {
+                delete root.dataset.theme;
+            }
+            panels.forEach(draw);
+        });
+        window.iqfocReport = {panels, zoom};
+    }
+
+    start();
+})();
