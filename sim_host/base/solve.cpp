@@ -30,7 +30,7 @@ using complex_pair =
     Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 2, Eigen::RowMajor, SOLVE_GENERAL_MOST, 2>;
 
 // Factors h with its diagonal scaled to 1; scale[i] = 1 / sqrt(h_ii).
-static bool factor(size_t order, size_t stride, const double *h, scales &scale, symmetric &a)
+static bool factor(size_t order, size_t stride, const double *h, double singular, scales &scale, symmetric &a)
 {
     const position n = static_cast<position>(order);
     const Eigen::Map<const symmetric, 0, Eigen::OuterStride<>> given(
@@ -54,7 +54,7 @@ static bool factor(size_t order, size_t stride, const double *h, scales &scale, 
         return false;
     }
     for (position i = 0; i < n; i++) {
-        if (!(a(i, i) * a(i, i) >= SINGULAR)) {
+        if (!(a(i, i) * a(i, i) >= singular)) {
             return false;
         }
     }
@@ -65,7 +65,7 @@ bool solve_positive(size_t order, size_t stride, const double *h, const double *
 {
     symmetric a;
     scales scale;
-    if (order == 0 || order > SOLVE_ORDER_MOST || !factor(order, stride, h, scale, a)) {
+    if (order == 0 || order > SOLVE_ORDER_MOST || !factor(order, stride, h, SINGULAR, scale, a)) {
         return order == 0;
     }
     const position n = static_cast<position>(order);
@@ -78,11 +78,11 @@ bool solve_positive(size_t order, size_t stride, const double *h, const double *
     return true;
 }
 
-bool solve_inverse(size_t order, size_t stride, const double *h, double *out)
+static bool inverse_of(size_t order, size_t stride, const double *h, double singular, double *out)
 {
     symmetric a;
     scales scale;
-    if (order == 0 || order > SOLVE_ORDER_MOST || !factor(order, stride, h, scale, a)) {
+    if (order == 0 || order > SOLVE_ORDER_MOST || !factor(order, stride, h, singular, scale, a)) {
         return order == 0;
     }
     const position n = static_cast<position>(order);
@@ -97,6 +97,16 @@ bool solve_inverse(size_t order, size_t stride, const double *h, double *out)
         }
     }
     return true;
+}
+
+bool solve_inverse(size_t order, size_t stride, const double *h, double *out)
+{
+    return inverse_of(order, stride, h, SINGULAR, out);
+}
+
+bool solve_covariance(size_t order, size_t stride, const double *information, double *out)
+{
+    return inverse_of(order, stride, information, 0.0, out);
 }
 
 bool solve_factor(size_t order, double *a)
@@ -154,6 +164,24 @@ bool solve_eigenvalues(size_t order, const double *a, double *re, double *im)
     for (position i = 0; i < n; i++) {
         re[i] = solver.eigenvalues()(i).real();
         im[i] = solver.eigenvalues()(i).imag();
+    }
+    return true;
+}
+
+bool solve_symmetric(size_t order, double *a, double *values)
+{
+    const position n = static_cast<position>(order);
+    Eigen::Map<general> given(a, n, n);
+    if (order == 0 || order > SOLVE_GENERAL_MOST || !given.allFinite()) {
+        return false;
+    }
+    const Eigen::SelfAdjointEigenSolver<general> solver(given);
+    if (solver.info() != Eigen::Success) {
+        return false;
+    }
+    given = solver.eigenvectors();
+    for (position i = 0; i < n; i++) {
+        values[i] = solver.eigenvalues()(i);
     }
     return true;
 }

@@ -23,6 +23,9 @@ bool solve_positive(size_t n, size_t stride, const double *h, const double *b, d
 /* The inverse of such a matrix, with the same stride. */
 bool solve_inverse(size_t n, size_t stride, const double *h, double *out);
 
+/* The same however alike two columns are. False only where h is not positive in double precision. */
+bool solve_covariance(size_t n, size_t stride, const double *information, double *out);
+
 /*
  * The lower factor L of a symmetric positive a = L L^T of order n <= SOLVE_GENERAL_MOST, in the place of a; only a's lower
  * half is read and written. False if a is not positive.
@@ -37,6 +40,12 @@ bool solve_complex_pair(size_t n, const double *a, double *b);
 
 /* The eigenvalues of a of order n <= SOLVE_GENERAL_MOST, in no order. False if a is not finite. */
 bool solve_eigenvalues(size_t n, const double *a, double *re, double *im);
+
+/*
+ * Eigenvalues, rising, of a symmetric a of order n <= SOLVE_GENERAL_MOST; only its lower half is read. The eigenvectors, of
+ * length 1, take its place as columns. False if a is not finite.
+ */
+bool solve_symmetric(size_t n, double *a, double *values);
 
 #ifdef __cplusplus
 }

@@ -10,6 +10,7 @@ int cmd_simulate(int argc, char **argv);
 int cmd_record(int argc, char **argv);
 int cmd_loops(int argc, char **argv);
 int cmd_sweep(int argc, char **argv);
+int cmd_plan(int argc, char **argv);
 int cmd_tune(int argc, char **argv);
 int cmd_watch(int argc, char **argv);
 int cmd_import(int argc, char **argv);

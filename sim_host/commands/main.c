@@ -29,6 +29,7 @@ static const command commands[] = {
     {"loops", "what better feedback and better prediction do to a closed loop", cmd_loops},
     {"import", "a recording from the log of another program", cmd_import},
     {"diagnose", "what the model gets wrong about a recording, why, and what mending it gains", cmd_diagnose},
+    {"plan", "the recording to make, by how well it lets the causes be told apart", cmd_plan},
     {"tune", "a current controller with its margins at every speed, from what a diagnosis knows", cmd_tune},
     {"watch", "trials of the firmware's watch on its model", cmd_watch},
 };

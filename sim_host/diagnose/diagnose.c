@@ -29,7 +29,7 @@
 #include <string.h>
 
 /* Of more rows evenly spread blocks are searched: the others would cost time and gain nothing. */
-enum { SEARCH_ROWS = 12000, GAIN_ROUNDS = 4 };
+enum { SEARCH_ROWS = 12000 };
 
 _Static_assert((int)H_COUNT <= (int)DIAGNOSIS_HYPOTHESES, "a row of the table for each hypothesis");
 _Static_assert(H_COUNT <= 8 * sizeof(hypothesis_set), "a bit for each hypothesis");
@@ -183,11 +183,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
-    w->nominal = fit_nominal();
-    fit_noise(&w->fitted, &w->nominal);
-    for (int k = 0; k < GAIN_ROUNDS; k++) {
-        fit_gain(&w->fitted, &w->nominal);
-    }
+    w->nominal = fit_of_nominal(&w->fitted);
     if (!causes_find(w, options->trace)) {
         return false;
     }

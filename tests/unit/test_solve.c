@@ -160,6 +160,44 @@ static void test_eigenvalues_of_a_known_polynomial(void)
 }
 
 /* Every length that has factors of its own kind, and from one length to another and back with the same factors. */
+/* Two columns alike but for a part in 1e10: refused as a system to solve, and yet a covariance. */
+static void test_covariance_of_columns_that_are_nearly_one(void)
+{
+    const double rest = 1e-10;
+    const double h[4] = {1.0, 1.0, 1.0, 1.0 + rest};
+    double c[4];
+    TEST_ASSERT_FALSE(solve_inverse(2, 2, h, c));
+    TEST_ASSERT_TRUE(solve_covariance(2, 2, h, c));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 / rest, 1.0 / rest, c[3]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 / rest, -1.0 / rest, c[1]);
+    TEST_ASSERT_FALSE(solve_covariance(2, 2, (const double[4]){1.0, 2.0, 2.0, 1.0}, c));
+}
+
+static void test_symmetric_eigenvectors(void)
+{
+    static double h[SOLVE_ORDER_MOST * STRIDE];
+    double a[SOLVE_GENERAL_MOST * SOLVE_GENERAL_MOST];
+    double value[SOLVE_GENERAL_MOST];
+    const size_t n = 9;
+    positive(n, 5, h);
+    for (size_t i = 0; i < n * n; i++) {
+        a[i] = h[i / n * STRIDE + i % n];
+    }
+    TEST_ASSERT_TRUE(solve_symmetric(n, a, value));
+    for (size_t d = 0; d < n; d++) {
+        TEST_ASSERT_TRUE(d == 0 || value[d] >= value[d - 1]);
+        for (size_t i = 0; i < n; i++) {
+            double sum = 0.0;
+            for (size_t j = 0; j < n; j++) {
+                sum += h[i * STRIDE + j] * a[j * n + d];
+            }
+            TEST_ASSERT_DOUBLE_WITHIN(1e-12 * value[n - 1], value[d] * a[i * n + d], sum);
+        }
+    }
+    a[0] = NAN;
+    TEST_ASSERT_FALSE(solve_symmetric(n, a, value));
+}
+
 static void test_transform_against_its_sum(void)
 {
     static const size_t lengths[] = {1, 2, 3, 4, 5, 7, 60, 128, 128, 77, 256, 128};
@@ -194,6 +232,8 @@ int main(void)
     RUN_TEST(test_what_is_not_positive_is_refused);
     RUN_TEST(test_general_systems);
     RUN_TEST(test_eigenvalues_of_a_known_polynomial);
+    RUN_TEST(test_covariance_of_columns_that_are_nearly_one);
+    RUN_TEST(test_symmetric_eigenvectors);
     RUN_TEST(test_transform_against_its_sum);
     return UNITY_END();
 }

@@ -6,7 +6,7 @@ raises ValueError for arguments that it cannot use. Figures are rounded to what 
 machines.
 """
 
-from . import bench, carried_on, diagnosis, induction, loops, mean_map, papers, picture, sweep, tune, watch
+from . import bench, carried_on, diagnosis, induction, loops, mean_map, papers, picture, plan, sweep, tune, watch
 
 GENERATORS = {
     "bench": bench.generate,
@@ -17,6 +17,7 @@ GENERATORS = {
     "mean_map": mean_map.generate,
     "papers": papers.generate,
     "picture": picture.generate,
+    "plan": plan.generate,
     "sweep": sweep.generate,
     "tune": tune.generate,
     "watch": watch.generate,

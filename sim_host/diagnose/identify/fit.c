@@ -152,6 +152,17 @@ void fit_gain(fit_data *d, fit_state *s)
     fit_noise(d, s);
 }
 
+fit_state fit_of_nominal(fit_data *d)
+{
+    enum { GAIN_ROUNDS = 4 };
+    fit_state s = fit_nominal();
+    fit_noise(d, &s);
+    for (int k = 0; k < GAIN_ROUNDS; k++) {
+        fit_gain(d, &s);
+    }
+    return s;
+}
+
 /* What is made small: the objective, with the prior of what moves unnamed. */
 static double goal(const fit_state *s)
 {

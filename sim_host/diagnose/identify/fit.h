@@ -15,6 +15,9 @@ void fit_noise(fit_data *d, fit_state *s);
 /* One improvement of every group's gain at fixed z, then fit_noise. */
 void fit_gain(fit_data *d, fit_state *s);
 
+/* The motor file's values with their noise: gains improved until they stand. */
+fit_state fit_of_nominal(fit_data *d);
+
 /* The maximum of the likelihood over the set's coordinates, from s->z. False: out of memory. */
 bool fit_refine(fit_data *d, fit_state *s, int iterations);
 

@@ -1,0 +1,140 @@
+/* iqfoc plan: the recording to make, from a motor file and limits. */
+#include "base/json_file.h"
+#include "command.h"
+#include "options.h"
+#include "plan/plan_tell.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum {
+    OPT_MOTOR,
+    OPT_CURRENT,
+    OPT_SPEED,
+    OPT_LINK,
+    OPT_SECONDS,
+    OPT_NOISE,
+    OPT_BITS,
+    OPT_SCALE,
+    OPT_AGAINST,
+    OPT_SEED,
+    OPT_JSON,
+    OPT_OUTPUT
+};
+
+static const option_spec specs[] = {
+    {"motor", 'm', "M.toml", "the motor file"},
+    {"current", 0, "A", "peak of the current, at the most; default: the rated peak"},
+    {"speed", 0, "RPM", "at the most, either way; default: n_max_rpm"},
+    {"u-dc", 0, "V", "the DC link; default: the motor file's"},
+    {"seconds", 0, "S", "of all that is run, settling included; default: 4, or --against's"},
+    {"noise", 0, "A", "standard deviation of a current sample; default: 0.3 % of the rated peak"},
+    {"bits", 0, "N", "of the current's converter; default: 12; 0: not quantised"},
+    {"full-scale", 0, "A", "its range, either way; default: three times the rated peak"},
+    {"against", 0, "S.toml", "a scenario to compare with, in its time and with its sensors"},
+    {"seed", 0, "N", "of the sensors' noise; default: 1"},
+    {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
+    {"output", 'o', "PLAN.toml", "the scenario, for iqfoc simulate and for a bench"},
+    {NULL, 0, NULL, NULL}};
+
+static const command_about about = {
+    "plan",
+    "--motor M.toml [--current A] [--speed RPM] [--u-dc V] [--seconds S] [--against S.toml] -o PLAN.toml",
+    "Plans a recording for iqfoc diagnose: pulses and steps at standstill, steps at speeds of both\n"
+    "directions, run-ups and currents through zero, chosen by the information matrix so that the\n"
+    "causes are told apart best in the time. Says what will be known and how well, what cannot be\n"
+    "told from what, and how large a cause must be to be named.",
+    specs};
+
+typedef struct request {
+    const char *motor_path, *against_path, *json_path, *out_path;
+    double current, speed, u_dc, seconds, noise, full_scale; /* negative: the default */
+    long bits, seed;
+} request;
+
+static double or_else(double given, double usual)
+{
+    return given < 0.0 ? usual : given;
+}
+
+static plan_limits limits_of(const request *r, const motor *m)
+{
+    const double peak = motor_rated_peak_A(m);
+    const plan_limits l = {.current_A = or_else(r->current, peak),
+                           .speed_rpm = or_else(r->speed, m->n_max_rpm),
+                           .u_dc_V = or_else(r->u_dc, m->u_dc_V),
+                           .seconds = or_else(r->seconds, 4.0),
+                           .noise_A = or_else(r->noise, 0.003 * peak),
+                           .bits = (int)r->bits,
+                           .full_scale_A = or_else(r->full_scale, ceil(3.0 * peak))};
+    return l;
+}
+
+/* The scenario's own time, unless another is asked for, and its sensors. */
+static bool look_against(const request *r, plan_report *p, error *e)
+{
+    scenario s;
+    if (!scenario_read(r->against_path, &s, e)) {
+        return false;
+    }
+    p->against_path = r->against_path;
+    p->against_seconds = plan_cycles_of(p->motor, &s) / p->motor->f_pwm_Hz;
+    p->limits.seconds = or_else(r->seconds, p->against_seconds);
+    p->limits.noise_A = s.sensors.current_noise_A;
+    p->limits.bits = s.sensors.current_bits;
+    p->limits.full_scale_A = s.sensors.current_full_scale_A;
+    const bool ok = plan_look(p->motor, &s, r->seed, &p->against, e);
+    scenario_free(&s);
+    return ok;
+}
+
+static bool make(const request *r, error *e)
+{
+    static motor m;
+    static plan_report p;
+    if (!motor_read(r->motor_path, &m, e)) {
+        return false;
+    }
+    p.motor = &m;
+    p.limits = limits_of(r, &m);
+    out_folder none = {0};
+    const bool ok = (r->against_path == NULL || look_against(r, &p, e)) &&
+                    plan_make(&m, &p.limits, r->seed, &p.plan, e) &&
+                    (r->out_path == NULL || plan_write_scenario(&p, r->out_path, e)) &&
+                    json_file_place(&none, r->json_path, plan_json(&p), e);
+    if (ok && !json_file_is_stdout(r->json_path) && !json_file_is_stdout(r->out_path)) {
+        plan_print(&p, stdout);
+    }
+    return ok;
+}
+
+int cmd_plan(int argc, char **argv)
+{
+    request r = {.current = -1.0,
+                 .speed = -1.0,
+                 .u_dc = -1.0,
+                 .seconds = -1.0,
+                 .noise = -1.0,
+                 .full_scale = -1.0,
+                 .bits = 12,
+                 .seed = 1};
+    error e = {0};
+    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
+                                   [OPT_CURRENT] = {.number = &r.current, .low = 1e-3, .high = 1e5},
+                                   [OPT_SPEED] = {.number = &r.speed, .low = 1.0, .high = 1e6},
+                                   [OPT_LINK] = {.number = &r.u_dc, .low = 1.0, .high = 1e5},
+                                   [OPT_SECONDS] = {.number = &r.seconds, .low = 0.1, .high = 600.0},
+                                   [OPT_NOISE] = {.number = &r.noise, .low = 0.0, .high = 1e4},
+                                   [OPT_BITS] = {.integer = &r.bits, .low = 0, .high = 24},
+                                   [OPT_SCALE] = {.number = &r.full_scale, .low = 1e-3, .high = 1e6},
+                                   [OPT_AGAINST] = {.text = &r.against_path},
+                                   [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
+                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_OUTPUT] = {.text = &r.out_path}};
+    options o = options_begin(&about, argc, argv);
+    bool ok = options_read(&o, places, &e);
+    if (ok && !o.helped) {
+        ok = options_complete(&o, places, &e) && make(&r, &e);
+    }
+    return ok ? STATUS_DONE : error_print(&e);
+}

@@ -1,0 +1,30 @@
+/*
+ * A plan told: the scenario file, the JSON, and words.
+ */
+#ifndef SIM_HOST_PLAN_PLAN_TELL_H
+#define SIM_HOST_PLAN_PLAN_TELL_H
+
+#include "plan.h"
+
+#include "base/json.h"
+#include <stdio.h>
+
+/* A plan beside a scenario in the same time. */
+typedef struct plan_report {
+    const motor *motor;
+    plan_limits limits;
+    plan plan;
+    const char *against_path; /* NULL: none */
+    double against_seconds;
+    plan_outlook against;
+} plan_report;
+
+/* The recording as a scenario of docs/scenario.md. */
+bool plan_write_scenario(const plan_report *r, const char *path, error *e);
+
+/* NULL: out of memory. */
+json_t *plan_json(const plan_report *r);
+
+void plan_print(const plan_report *r, FILE *stream);
+
+#endif
