@@ -58,21 +58,21 @@ static void add_means(const drive_loop *l, iqfoc_sample_t *sample)
     sample->has_mean = true;
 }
 
-bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
+bool drive_loop_open(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
+{
+    memcpy(row->duty, l->duty, sizeof row->duty);
+    row->answer = (drive_answer){.status = 0};
+    if (l->interval_s > 0.0) {
+        begin_interval(l);
+        return true;
+    }
+    return begin_cycle(l, i_ref, row, e);
+}
+
+bool drive_loop_sample(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
 {
     const drive_firmware *f = l->firmware;
     const bool interval = l->interval_s > 0.0;
-    const int least = interval ? 1 : 2;
-    const int parts = l->watch.points > least ? l->watch.points : least;
-    const int sampled = interval ? parts : parts / 2;
-    memcpy(row->duty, l->duty, sizeof row->duty);
-    row->answer = (drive_answer){.status = 0};
-    if (interval) {
-        begin_interval(l);
-    } else if (!begin_cycle(l, i_ref, row, e)) {
-        return false;
-    }
-    advance(l, 1, sampled, parts);
     if (l->halves && !interval) {
         row->peak = row->valley;
     } else {
@@ -83,11 +83,29 @@ bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
     if (interval) {
         add_means(l, &sample);
     }
-    if (!f->peak(f->context, i_ref, &sample, &row->answer, e)) {
+    return f->peak(f->context, i_ref, &sample, &row->answer, e);
+}
+
+void drive_loop_close(drive_loop *l, drive_row *row)
+{
+    row->truth = plant_mean(&l->drive);
+    drive_loop_put(l, &row->answer);
+}
+
+bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
+{
+    const bool interval = l->interval_s > 0.0;
+    const int least = interval ? 1 : 2;
+    const int parts = l->watch.points > least ? l->watch.points : least;
+    const int sampled = interval ? parts : parts / 2;
+    if (!drive_loop_open(l, i_ref, row, e)) {
+        return false;
+    }
+    advance(l, 1, sampled, parts);
+    if (!drive_loop_sample(l, i_ref, row, e)) {
         return false;
     }
     advance(l, sampled + 1, parts, parts);
-    row->truth = plant_mean(&l->drive);
-    drive_loop_put(l, &row->answer);
+    drive_loop_close(l, row);
     return true;
 }

@@ -58,4 +58,12 @@ void drive_loop_put(drive_loop *l, const drive_answer *answer);
 /* One span with these references (per unit). False with *e set if the firmware is gone. */
 bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e);
 
+/*
+ * The same in its parts, for who advances l->drive himself: the span's start; its sample, which a control cycle takes at
+ * its middle and an interval at its end; its end, where l->drive stands when `close` is called.
+ */
+bool drive_loop_open(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e);
+bool drive_loop_sample(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e);
+void drive_loop_close(drive_loop *l, drive_row *row);
+
 #endif

@@ -53,6 +53,15 @@ double drive_recording_next_s(const drive_recording *r)
     return rec->rows == 0 ? 0.0 : rec->t_s[rec->rows - 1] + PAUSE_CYCLES * r->T_s;
 }
 
+double drive_recording_run_s(const scenario *s, size_t n, double T_s)
+{
+    double begin_s = 0.0;
+    for (size_t k = 0; k < n; k++) {
+        begin_s += ((double)(scenario_run_cycles(&s->run[k], T_s) - 1) + PAUSE_CYCLES) * T_s;
+    }
+    return begin_s;
+}
+
 static void set(double *values, size_t k, double value)
 {
     if (values != NULL) {

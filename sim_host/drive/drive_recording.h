@@ -24,6 +24,9 @@ bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, er
 /* When the first row of the next run will stand. */
 double drive_recording_next_s(const drive_recording *r);
 
+/* When the first row of run n (from 0) of a scenario stands, but for rounding. */
+double drive_recording_run_s(const scenario *s, size_t n, double T_s);
+
 /* A log for drive_run. */
 drive_log drive_recording_log(drive_recording *r);
 

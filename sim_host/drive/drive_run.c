@@ -1,11 +1,15 @@
 /* A run of a scenario (drive_run.h). */
 #include "drive_run.h"
 
-/* Shaft, load and references for the cycle that begins at t_s. While the drive settles everything stands as
- * it does at t = 0, without the excitation. */
-static iqfoc_dq_t set_cycle(drive_loop *l, const motor *m, const scenario_run *run, double t_s, bool settling)
+iqfoc_dq_t drive_run_cycle(drive_loop *l, const motor *m, const scenario_run *run, long k)
 {
     const double T_s = l->base.T_s;
+    const double t_s = (double)k * T_s;
+    const bool settling = k < 0;
+    if (k == 0 && run->shaft == SHAFT_INERTIA) {
+        l->drive.config.shaft.mode = PLANT_SHAFT_INERTIA;
+        plant_set_speed(&l->drive, plant_now(&l->drive).omega_e_rad_s, 0.0);
+    }
     if (settling || run->shaft == SHAFT_GIVEN) {
         const profile *rpm = &run->speed_rpm;
         const double begin =
@@ -20,7 +24,7 @@ static iqfoc_dq_t set_cycle(drive_loop *l, const motor *m, const scenario_run *r
     return i_ref;
 }
 
-static bool stopped(const drive_row *row, error *e)
+bool drive_run_stopped(const drive_row *row, error *e)
 {
     char text[160];
     return !row->answer.command.gates &&
@@ -28,11 +32,9 @@ static bool stopped(const drive_row *row, error *e)
                           row->valley.t_s, drive_status_text(row->answer.status, text, sizeof text));
 }
 
-bool drive_run(const motor *m, const plant_config *drive, const scenario_run *run, long run_number,
-               const iqfoc_cycle_config_t *config, const drive_firmware *firmware, const drive_log *log,
-               uint32_t *status, error *e)
+bool drive_run_begin(drive_loop *l, const motor *m, const plant_config *drive, const scenario_run *run,
+                     const iqfoc_cycle_config_t *config, const drive_firmware *firmware, error *e)
 {
-    drive_loop l;
     plant_config c = *drive;
     c.shaft.mode = PLANT_SHAFT_GIVEN;
     c.shaft.theta_mech_start_rad = run->theta_mech_start_rad;
@@ -45,16 +47,23 @@ bool drive_run(const motor *m, const plant_config *drive, const scenario_run *ru
     if (!plant_config_check(&c, e) || !firmware->start(firmware->context, config, e)) {
         return false;
     }
-    drive_loop_begin(&l, m, &c, firmware);
+    drive_loop_begin(l, m, &c, firmware);
+    return true;
+}
+
+bool drive_run(const motor *m, const plant_config *drive, const scenario_run *run, long run_number,
+               const iqfoc_cycle_config_t *config, const drive_firmware *firmware, const drive_log *log,
+               uint32_t *status, error *e)
+{
+    drive_loop l;
+    if (!drive_run_begin(&l, m, drive, run, config, firmware, e)) {
+        return false;
+    }
     const long cycles = scenario_run_cycles(run, l.base.T_s);
     for (long k = -run->settle_cycles; k < cycles; k++) {
         drive_row row = {.run = run_number};
-        if (k == 0 && run->shaft == SHAFT_INERTIA) {
-            l.drive.config.shaft.mode = PLANT_SHAFT_INERTIA;
-            plant_set_speed(&l.drive, plant_now(&l.drive).omega_e_rad_s, 0.0);
-        }
-        const iqfoc_dq_t i_ref = set_cycle(&l, m, run, (double)k * l.base.T_s, k < 0);
-        if (!drive_loop_span(&l, i_ref, &row, e) || stopped(&row, e)) {
+        const iqfoc_dq_t i_ref = drive_run_cycle(&l, m, run, k);
+        if (!drive_loop_span(&l, i_ref, &row, e) || drive_run_stopped(&row, e)) {
             return false;
         }
         *status |= row.answer.status;

@@ -24,4 +24,16 @@ bool drive_run(const motor *m, const plant_config *drive, const scenario_run *ru
                const iqfoc_cycle_config_t *config, const drive_firmware *firmware, const drive_log *log,
                uint32_t *status, error *e);
 
+/*
+ * The same in its parts, for who goes through a run at his own pace: `begin`, then for each control cycle k, from
+ * -settle_cycles on, `cycle`, a span of drive_loop.h with the references that it returns, and `stopped`.
+ *
+ * cycle: sets shaft, load and references of the cycle that begins at k T; while k < 0 they stand as they do at t = 0, without
+ * the excitation. stopped: true with *e set if the answer to the row is that the gates are off.
+ */
+bool drive_run_begin(drive_loop *l, const motor *m, const plant_config *drive, const scenario_run *run,
+                     const iqfoc_cycle_config_t *config, const drive_firmware *firmware, error *e);
+iqfoc_dq_t drive_run_cycle(drive_loop *l, const motor *m, const scenario_run *run, long k);
+bool drive_run_stopped(const drive_row *row, error *e);
+
 #endif

@@ -19,6 +19,11 @@ plant_config drive_scenario_plant(const motor *m, const scenario *s)
     return c;
 }
 
+uint64_t drive_scenario_seed(long seed, size_t n)
+{
+    return (uint64_t)seed * 1000003U + n;
+}
+
 /* Each run has noise of its own, and begins when the one before has ended. */
 static bool run_one(const drive_scenario *all, size_t k, const iqfoc_cycle_config_t *config,
                     drive_recording *out, error *e)
@@ -26,7 +31,7 @@ static bool run_one(const drive_scenario *all, size_t k, const iqfoc_cycle_confi
     const drive_log log = drive_recording_log(out);
     plant_config c = *all->plant;
     uint32_t status = 0;
-    c.seed = (uint64_t)all->seed * 1000003U + k;
+    c.seed = drive_scenario_seed(all->seed, k);
     c.clock_s = drive_recording_next_s(out);
     if (!drive_run(all->motor, &c, &all->scenario->run[k], (long)k + 1, config, all->firmware, &log, &status,
                    e)) {

@@ -20,6 +20,9 @@ typedef struct drive_scenario {
 /* The ideal drive of a motor file, with a scenario's sensors. */
 plant_config drive_scenario_plant(const motor *m, const scenario *s);
 
+/* Of the noise in run n (from 0), where the user gave `seed`. */
+uint64_t drive_scenario_seed(long seed, size_t n);
+
 /* Begins the recording and fills it. False with *e set; the recording is then still to be freed. */
 bool drive_scenario_run(const drive_scenario *all, drive_recording *out, error *e);
 

@@ -51,6 +51,13 @@ void plant_set_current(plant *p, vec_dq i_dq_A)
     p->state.y[STATE_I_BETA] = p->state.y[STATE_SEEN_BETA] = i.beta;
 }
 
+void plant_set_config(plant *p, const plant_config *c)
+{
+    p->config = *c;
+    (void)plant_flux_find_reach(&p->config.machine, c->I_scale_A);
+    p->linear = is_linear(c);
+}
+
 void plant_set_speed(plant *p, double omega_e_rad_s, double accel_e_rad_s2)
 {
     p->state.y[STATE_OMEGA_E] = omega_e_rad_s;

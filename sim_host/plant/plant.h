@@ -75,6 +75,8 @@ typedef struct plant {
 void plant_init(plant *p, const plant_config *c);
 
 void plant_set_current(plant *p, vec_dq i_dq_A);
+/* Other values of machine, inverter, shaft and sensors from now on, checked as at the start; angle, speed and current stay. */
+void plant_set_config(plant *p, const plant_config *c);
 /* PLANT_SHAFT_GIVEN: speed and acceleration from now on. */
 void plant_set_speed(plant *p, double omega_e_rad_s, double accel_e_rad_s2);
 void plant_set_load(plant *p, double T_load_Nm);
