@@ -9,6 +9,12 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
+# The host's parts go into shared libraries too; nobody replaces a function of theirs from outside.
+if(NOT IQFOC_TARGET)
+    set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+    add_compile_options(-fno-semantic-interposition)
+endif()
+
 option(IQFOC_SANITIZE "Address and undefined-behaviour sanitizers, for the library also the integer one (clang)" OFF)
 option(IQFOC_FUZZ "Build the fuzzers (clang, with IQFOC_SANITIZE)" OFF)
 option(IQFOC_COVERAGE "Count executed lines and branches (gcc)" OFF)

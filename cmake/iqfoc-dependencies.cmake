@@ -58,9 +58,10 @@ iqfoc_header_library(tomlplusplus libtomlplusplus-dev toml++/toml.h)
 if(TARGET dep_json)
     target_compile_definitions(dep_json INTERFACE JSON_HAS_FILESYSTEM=0 JSON_HAS_EXPERIMENTAL_FILESYSTEM=0)
 endif()
-option(IQFOC_ZLIB "Read packed recordings (.csv.gz); without it they are refused" ON)
+option(IQFOC_ZLIB "Read packed recordings (.csv.gz) and export FMUs; without it both are refused" ON)
 if(IQFOC_ZLIB)
     iqfoc_dependency(zlib zlib zlib1g-dev)
+    iqfoc_dependency(minizip minizip libminizip-dev)
 endif()
 
 # The independent integrator is a witness in tests, no part of the program.

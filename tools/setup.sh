@@ -3,7 +3,7 @@
 
 # What `build` and `demo` need.
 BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-dev libeigen3-dev libkissfft-dev
-    nlohmann-json3-dev zlib1g-dev gnuplot-nox)
+    nlohmann-json3-dev zlib1g-dev libminizip-dev gnuplot-nox)
 # What `test`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the targets' compilers and
 # emulators (and those of targets that only compile the library), the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
 TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format

@@ -7,6 +7,7 @@
 
 int cmd_reproduce(int argc, char **argv);
 int cmd_simulate(int argc, char **argv);
+int cmd_export_fmu(int argc, char **argv);
 int cmd_record(int argc, char **argv);
 int cmd_loops(int argc, char **argv);
 int cmd_sweep(int argc, char **argv);

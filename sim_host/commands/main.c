@@ -24,6 +24,10 @@ static const command commands[] = {
     {"reproduce", "the papers' tables beside this project's values, with the figures as plots",
      cmd_reproduce},
     {"simulate", "run the firmware code against the switching-level drive, write a recording", cmd_simulate},
+#ifdef IQFOC_FMU
+    {"export-fmu", "the drive, or its plant alone, as a model for another simulator (FMI 3.0)",
+     cmd_export_fmu},
+#endif
     {"record", "what the firmware's recorder sends over a serial line, as a recording", cmd_record},
     {"sweep", "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
     {"loops", "what better feedback and better prediction do to a closed loop", cmd_loops},

@@ -48,6 +48,11 @@ CALLS = {
         "reads": ["motor.toml", "scenario.toml"],
         "writes": ["out.csv"],
     },
+    "export-fmu": {
+        "arguments": ["--motor", "motor.toml", "--scenario", "scenario.toml", "-o", "out.fmu"],
+        "reads": ["motor.toml", "scenario.toml"],
+        "writes": ["out.fmu"],
+    },
     "diagnose": {
         "arguments": ["recording.csv", "--motor", "motor.toml", "--json", "out.json"],
         "reads": ["motor.toml", "recording.csv"],

@@ -1,0 +1,75 @@
+/* iqfoc export-fmu: the plant, or controller and plant, as a model in the user's simulator. */
+#include "command.h"
+#include "options.h"
+
+#include "fmu/fmu_export.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { OPT_MOTOR, OPT_OUT, OPT_KIND, OPT_SCENARIO, OPT_RUN, OPT_EFFECT, OPT_SEED };
+
+static const option_spec specs[] = {
+    [OPT_MOTOR] = {"motor", 0, "M.toml",
+                   "the motor file: machine and inverter, and what the firmware is told"},
+    [OPT_OUT] = {"output", 'o', "F.fmu", "the FMU"},
+    [OPT_KIND] = {"kind", 0, "plant|drive",
+                  "plant: inverter, machine, shaft and sensors, for duties from outside;\n"
+                  "drive (default): the firmware's control cycle around it, for currents from outside"},
+    [OPT_SCENARIO] = {"scenario", 0, "S.toml",
+                      "takes sensors and control from it, and lets the drive follow one of its runs"},
+    [OPT_RUN] = {"run", 0, "N", "of the scenario (default 1)"},
+    [OPT_EFFECT] = {"effect", 0, "id[:key=value,...]",
+                    "makes the true drive differ from its file; may be given more than once"},
+    [OPT_SEED] = {"seed", 0, "N", "of the sensors' noise and of random effects (default 1)"},
+    {NULL, 0, NULL, NULL},
+};
+
+static const command_about about = {
+    "export-fmu",
+    "--motor M.toml -o F.fmu [--kind plant|drive] [--scenario S.toml [--run N]] [--effect "
+    "id[:key=value,...]]... "
+    "[--seed N]",
+    "Writes an FMU (Functional Mock-up Unit, FMI 3.0, co-simulation) of the switching-level drive, for this\n"
+    "kind of machine. In steps of a control cycle its currents are those of `iqfoc simulate` (docs/fmu.md).",
+    specs,
+};
+
+static bool take_kind(const options *o, void *context, error *e)
+{
+    fmu_kind *kind = context;
+    for (int k = 0; k < 2; k++) {
+        if (strcmp(o->argument, fmu_kind_words[k]) == 0) {
+            *kind = (fmu_kind)k;
+            return true;
+        }
+    }
+    return error_input(e, NULL, 0, 0, "export-fmu: --kind expects plant or drive, not \"%s\"", o->argument);
+}
+
+int cmd_export_fmu(int argc, char **argv)
+{
+    error e = {0, ""};
+    fmu_request r = {.kind = FMU_KIND_DRIVE, .seed = 1};
+    option_texts effects = {.count = 0};
+    long run = 1;
+    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
+                                   [OPT_OUT] = {.text = &r.out_path, .needed = true},
+                                   [OPT_KIND] = {.take = take_kind, .context = &r.kind},
+                                   [OPT_SCENARIO] = {.text = &r.scenario_path},
+                                   [OPT_RUN] = {.integer = &run, .low = 1, .high = 100000000},
+                                   [OPT_EFFECT] = {.texts = &effects},
+                                   [OPT_SEED] = {.integer = &r.seed, .high = 2147483647}};
+    options o = options_begin(&about, argc, argv);
+    if (!options_read(&o, places, &e) || o.helped || !options_complete(&o, places, &e)) {
+        return error_print(&e);
+    }
+    r.run = (size_t)run - 1;
+    r.effect = effects.of;
+    r.effects = effects.count;
+    if (run > 1 && r.scenario_path == NULL) {
+        error_input(&e, NULL, 0, 0, "export-fmu: --run needs the --scenario that it is a run of");
+        return error_print(&e);
+    }
+    return fmu_export(&r, &e) ? STATUS_DONE : error_print(&e);
+}
