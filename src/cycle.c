@@ -168,15 +168,18 @@ bool iqfoc_cycle_odd_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, 
     return whole;
 }
 
+void iqfoc_cycle_odd_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
+{
+    iqfoc_cycle_set_status(cycle, faults(cycle->config, sample, iqfoc_clarke3(sample->i), now));
+}
+
 void iqfoc_cycle_odd_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
 {
-    const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
-    uint32_t bits = faults(cycle->config, sample, i, now);
+    iqfoc_cycle_odd_sample(cycle, sample, now);
     if (cycle->phase != IQFOC_CYCLE_DUE_PEAK) {
-        bits |= IQFOC_STATUS_MISSED;
         cycle->corrected = false;
+        iqfoc_cycle_set_status(cycle, IQFOC_STATUS_MISSED);
     }
-    iqfoc_cycle_set_status(cycle, bits);
 }
 
 iqfoc_command_t iqfoc_cycle_stopped(iqfoc_cycle_t *cycle)

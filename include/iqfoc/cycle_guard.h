@@ -60,6 +60,9 @@ static inline bool iqfoc_cycle_in_time_inline(const iqfoc_cycle_t *cycle, uint32
  * cycle before it was not whole, so that it shows no error. Returns whether it was whole. */
 bool iqfoc_cycle_odd_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
 
+/* The same for a sample of which no order is asked. */
+void iqfoc_cycle_odd_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
+
 /* The same for a peak's. */
 void iqfoc_cycle_odd_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
 

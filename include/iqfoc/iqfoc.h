@@ -9,6 +9,7 @@
 #include "cycle_check.h"
 #include "cycle_guard.h"
 #include "cycle_predict.h"
+#include "cycle_six_step.h"
 #include "cycle_steps.h"
 #include "deadbeat.h"
 #include "deadbeat_drift.h"

@@ -1,11 +1,11 @@
-/* Six-step torque control (six_step_loop.h): its controller as firmware, in the simulator's loop. */
+/* Six-step torque control (six_step_loop.h): the library's cycle as firmware, in the simulator's loop. */
 #include "six_step_loop.h"
 
 #include "drive/drive_loop.h"
+#include "params_host.h"
 #include "reproduce/paper_2019.h"
 
-#include "iqfoc/mean_current.h"
-#include "iqfoc/modulation.h"
+#include "iqfoc/cycle_six_step.h"
 
 #include <string.h>
 
@@ -13,76 +13,62 @@
  * rotor frame, damped by R/L = 144 1/s alone. */
 #define BANDWIDTH_HZ 10.0
 
-/* The firmware's state. */
-typedef struct angle_control {
-    double omega_rad_s;         /* what its timer is set by */
-    iqfoc_current_control_t pi; /* its q axis: out comes the voltage's angle in turns */
-    iqfoc_current_control_gains_t gains;
-    int32_t state;      /* of the interval that runs, 0 ... 5 */
-    iq24_t theta_start; /* at its start */
-    iqfoc_ab_t i_start;
-    iq24_t angle;        /* of the voltage ahead of the d axis */
-    iqfoc_dq_t fed_back; /* what the controller was fed with */
-    bool corrected;
-} angle_control;
+/* The library's cycle in six-step by a timer, as firmware. */
+typedef struct six_step_drive {
+    iqfoc_cycle_config_t config;
+    iqfoc_six_step_config_t control;
+    iqfoc_cycle_t cycle;
+    iqfoc_six_step_t six;
+} six_step_drive;
 
-/* In turns: from a rotor angle to the end of the state's sector, where the voltage's angle is half a sector
- * past the state. More than a sector if the angle has just been taken back; never less than a hundredth of
- * one, so that a timer can be set. */
-static iq24_t turns_to_go(const angle_control *c, iq24_t theta)
+static void answer_with(const six_step_drive *d, const iqfoc_six_step_command_t *next, drive_answer *answer)
 {
-    const iq24_t end = (c->state * IQ24_ONE + IQ24_ONE / 2) / 6;
-    const iq24_t turn = (end - theta - c->angle) & 0xFFFFFF;
-    const iq24_t rest = turn < IQ24_ONE / 2 ? turn : turn - IQ24_ONE;
-    return iq24_clamp(rest, IQ24_ONE / 600, IQ24_ONE / 3);
-}
-
-/* The state that is to come and how long it stands, seen from the rotor's angle at its start. */
-static void command_state(const angle_control *c, iq24_t theta, drive_answer *answer)
-{
-    answer->command.duties = iqfoc_six_step_duties(c->state);
-    answer->command.gates = true;
-    answer->interval_s = iq24_to_double(turns_to_go(c, theta)) * VEC_TWO_PI / c->omega_rad_s;
+    answer->command = next->command;
+    answer->status = d->cycle.status;
+    answer->interval_s = (double)next->ticks / HAL_HOST_TICKS_PER_S;
 }
 
 /* The interval has ended: feedback, control, next state. */
 static bool at_switching(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, drive_answer *answer,
                          error *e)
 {
-    angle_control *c = context;
-    (void)e;
-    const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
-    const iqfoc_ab_t mean = iqfoc_clarke3(sample->i_mean);
-    const iqfoc_ab_t delta = {iq24_sub_wrap(i.alpha, c->i_start.alpha),
-                              iq24_sub_wrap(i.beta, c->i_start.beta)};
-    const iq24_t covered = (sample->theta - c->theta_start) & 0xFFFFFF;
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(covered);
-    const iq24_sincos_t sc_mid = iq24_sincos(c->theta_start + covered / 2);
-    c->fed_back =
-        c->corrected ? iqfoc_mean_current_correct(mean, delta, &rotor, sc_mid) : iqfoc_park(mean, sc_mid);
-    c->angle = iqfoc_current_control_step(&c->pi, &c->gains, i_ref, c->fed_back).q;
-    c->state = (c->state + 1) % 6;
-    c->theta_start = sample->theta;
-    c->i_start = i;
-    command_state(c, sample->theta, answer);
-    return true;
+    six_step_drive *d = context;
+    d->cycle.i_ref = i_ref;
+    const iqfoc_six_step_command_t next =
+        iqfoc_cycle_six_step_switch(&d->six, &d->cycle, sample, sample->time);
+    answer_with(d, &next, answer);
+    return next.command.gates || error_failure(e, 0, "six-step: the firmware stopped the drive");
 }
 
-static angle_control control_of(const motor *m, const per_unit *base, double omega_rad_s, bool corrected)
+static bool begin(six_step_drive *d, const motor *m, double omega_rad_s, bool corrected, drive_answer *first,
+                  error *e)
 {
     /* i_q answers to the voltage's angle by U/(omega L) per radian, U = (2/pi) u_dc the fundamental. */
+    const per_unit base = per_unit_of(m);
     const double u_V = 2.0 / VEC_PI * SIX_STEP_U_DC;
-    const double pu_per_turn = VEC_TWO_PI * u_V / (omega_rad_s * m->L_q_H) / base->I_A;
+    const double pu_per_turn = VEC_TWO_PI * u_V / (omega_rad_s * m->L_q_H) / base.I_A;
     const double interval_s = VEC_TWO_PI / omega_rad_s / 6.0;
-    angle_control c;
-    memset(&c, 0, sizeof c);
-    c.omega_rad_s = omega_rad_s;
-    c.corrected = corrected;
-    c.gains.ki_q = iq24_from_double(VEC_TWO_PI * BANDWIDTH_HZ * interval_s / pu_per_turn);
-    c.angle = IQ24(0.25); /* along the EMF */
-    c.pi.integral_q = iq24_acc_mul(c.angle, IQ24_ONE);
-    c.state = 2; /* 120 degrees: the nearest to 90 whose sector has not ended at theta = 0 */
-    return c;
+    const scenario_control control = {.feedback = FEEDBACK_MIDPOINT, .modulation = MODULATION_SIX_STEP};
+    const iqfoc_sample_t still = {.turns = iq24_from_double(omega_rad_s * base.T_s / VEC_TWO_PI),
+                                  .u_dc = iq24_from_double(SIX_STEP_U_DC / base.U_V)};
+    memset(d, 0, sizeof *d);
+    if (!config_from_motor(m, &control, &d->config, e)) {
+        return false;
+    }
+    const iqfoc_error_t refused = iqfoc_cycle_init(&d->cycle, &d->config);
+    if (refused != IQFOC_OK) {
+        return error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
+    }
+    d->cycle.enabled = true;
+    d->control.gain = iq24_from_double(VEC_TWO_PI * BANDWIDTH_HZ * interval_s / pu_per_turn);
+    d->control.angle_min = 0;
+    d->control.angle_max = IQ24(0.5);
+    d->control.discrete_angle = !corrected;
+    /* At first along the EMF. */
+    const iqfoc_six_step_command_t next =
+        iqfoc_cycle_six_step_begin(&d->six, &d->cycle, &d->control, IQ24(0.25), &still);
+    answer_with(d, &next, first);
+    return true;
 }
 
 /* Adds an interval to the means over those that are measured, alike long in steady state. */
@@ -108,13 +94,15 @@ bool six_step_loop_run(bool corrected, six_step_loop *result, error *e)
     const per_unit base = per_unit_of(&m);
     plant_config config = plant_config_from_motor(&m);
     config.inverter.u_dc_V = SIX_STEP_U_DC;
-    angle_control c = control_of(&m, &base, omega_rad_s, corrected);
-    const drive_firmware firmware = {.context = &c, .peak = at_switching};
+    six_step_drive d;
+    const drive_firmware firmware = {.context = &d, .peak = at_switching};
     drive_loop loop;
     drive_answer first = {.status = 0};
+    if (!begin(&d, &m, omega_rad_s, corrected, &first, e)) {
+        return false;
+    }
     drive_loop_begin(&loop, &m, &config, &firmware);
     plant_set_speed(&loop.drive, omega_rad_s, 0.0);
-    command_state(&c, 0, &first);
     drive_loop_put(&loop, &first);
     *result = (six_step_loop){.reference_before_A = 0.3 * base.I_A, .reference_A = 0.5 * base.I_A};
     double t_s = 0.0;
@@ -128,9 +116,10 @@ bool six_step_loop_run(bool corrected, six_step_loop *result, error *e)
         }
         result->trace_t_s[k] = t_s;
         result->trace_q_A[k] = row.truth.i_dq_A.q;
-        result->trace_fed_back_A[k] = iq24_to_double(c.fed_back.q) * base.I_A;
+        result->trace_fed_back_A[k] = iq24_to_double(d.cycle.i_dq.q) * base.I_A;
         if (k >= SIX_STEP_INTERVALS - SIX_STEP_MEASURED) {
-            measure(result, &row.truth, result->trace_fed_back_A[k], iq24_to_double(c.angle));
+            measure(result, &row.truth, result->trace_fed_back_A[k],
+                    iq24_to_double(iq24_acc_round(d.six.angle)));
         }
     }
     result->torque_Nm = Nm_per_A * result->i_q_A;

@@ -8,6 +8,7 @@
 
 #include "golden_types.h"
 
+#include "iqfoc/cycle_six_step.h"
 #include "iqfoc/cycle_steps.h"
 #include "iqfoc/extension_params.h"
 #include "iqfoc/params.h"
@@ -205,6 +206,39 @@ static void of_configuration(iqfoc_methods_t m, golden_report *report)
     report(name, digest);
 }
 
+/* Six-step by a timer: states of both directions, and back to the carrier. */
+static void by_timer(golden_report *report)
+{
+    static const iqfoc_six_step_config_t config = {IQ24(0.02), IQ24(-0.5), IQ24(0.5), false};
+    const iqfoc_methods_t m = {IQFOC_MODEL_QUASI_DISCRETE, IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
+                               IQFOC_CONTROL_PI, IQFOC_MODULATION_OVER, false};
+    uint64_t digest = DIGEST_START;
+    iqfoc_six_step_t six;
+    drive.inputs.number = 0;
+    drive.inputs.state = GOLDEN_SEED;
+    for (int32_t kind = 0; kind < 6; kind++) {
+        start(m);
+        drive.turns = kind % 2 == 0 ? iq24_abs_sat(drive.turns) : -iq24_abs_sat(drive.turns);
+        iqfoc_sample_t s = sample_of(drive.cycle.i_next, 0);
+        iqfoc_six_step_command_t next = iqfoc_cycle_six_step_begin(
+            &six, &drive.cycle, &config, golden_within(&drive.inputs, IQ24_ONE), &s);
+        for (int32_t n = 0; n < PERIODS; n++) {
+            drive.theta = iq24_add_wrap(drive.theta, s.turns < 0 ? -next.turns : next.turns);
+            drive.cycle.i_ref = golden_dq(&drive.inputs, IQ24(0.8));
+            s = sample_of(golden_ab(&drive.inputs, IQ24_ONE), 0);
+            next = iqfoc_cycle_six_step_switch(&six, &drive.cycle, &s, s.time);
+            add_state(&digest, &next.command);
+            digest_add(&digest, next.turns);
+            digest_add(&digest, (int32_t)(next.ticks & INT32_MAX));
+        }
+        iqfoc_cycle_six_step_end(&six, &drive.cycle, s.turns);
+        for (int32_t n = 0; n < PERIODS; n++) {
+            period(m, &digest);
+        }
+    }
+    report("cycle/six_step_by_timer", digest);
+}
+
 uint32_t golden_cycle(golden_report *report)
 {
     uint32_t count = 0;
@@ -216,5 +250,6 @@ uint32_t golden_cycle(golden_report *report)
             count++;
         }
     }
+    by_timer(report);
     return count;
 }
