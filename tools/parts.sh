@@ -188,6 +188,7 @@ program_lane() {
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
     run_part examples python3 tools/check_examples.py
     run_part figures python3 tools/figures.py check
+    run_part site python3 -B tools/site/build.py
     run_part target tests/target/run.sh
     run_part python python/test.sh
     run_part bench bench/run.sh --check

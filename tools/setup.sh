@@ -10,6 +10,9 @@ TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils lib
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
     picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make libxml2-utils)
 
+# What `site` needs.
+SITE_PACKAGES=(git python3 python3-venv doxygen)
+
 # What `prove` needs.
 PROVE_PACKAGES=(python3 frama-c-base)
 
@@ -145,27 +148,35 @@ lock_python() {
     done
 }
 
-# uPlot, which draws the report pages' curves: npm's package, by the hashes of tools/uplot.sha256, in .cache/uplot, where CMake looks
-# (cmake/iqfoc-uplot.cmake). UPLOT_DIR may name another folder of it.
-UPLOT=uplot@1.6.32
-uplot_is_pinned() {
-    [[ -d $1 ]] && (cd "$1" && sha256sum --status --strict -c "$ROOT/tools/uplot.sha256" 2>/dev/null)
-}
-
-set_up_uplot() {
-    local place=$ROOT/.cache/uplot work=$ROOT/.cache/uplot-fetch
-    { [[ -n ${UPLOT_DIR:-} ]] || uplot_is_pinned "$place"; } && return 0
+# npm's package $1 (NAME@VERSION) in .cache/NAME, held to the hashes of tools/NAME.sha256.
+set_up_npm() {
+    local name=${1%@*} place=$ROOT/.cache/${1%@*} work=$ROOT/.cache/${1%@*}-fetch
+    npm_is_pinned "$name" "$place" && return 0
     command -v npm >/dev/null || install_packages npm
-    say "fetching $UPLOT from npm into .cache/uplot"
+    say "fetching $1 from npm into .cache/$name"
     rm -rf "$work" "$place"
     mkdir -p "$work"
-    if ! (cd "$work" && npm pack --silent "$UPLOT" && tar -xzf uplot-*.tgz) >"$work/log" 2>&1 </dev/null; then
+    if ! (cd "$work" && npm pack --silent "$1" && tar -xzf "$name"-*.tgz) >"$work/log" 2>&1 </dev/null; then
         tail -n 10 "$work/log" >&2
-        die "$UPLOT could not be fetched (above). Unpack its package from npm and set UPLOT_DIR to that folder"
+        die "$1 could not be fetched (above). Unpack its package from npm as .cache/$name"
     fi
-    uplot_is_pinned "$work/package" || die "$UPLOT as npm has it is not the pinned one (tools/uplot.sha256)"
+    npm_is_pinned "$name" "$work/package" || die "$1 as npm has it is not the pinned one (tools/$name.sha256)"
     mv "$work/package" "$place"
     rm -rf "$work"
+}
+
+npm_is_pinned() {
+    [[ -d $2 ]] && (cd "$2" && sha256sum --status --strict -c "$ROOT/tools/$1.sha256" 2>/dev/null)
+}
+
+# uPlot, which draws the report pages' curves, where CMake looks for it (cmake/iqfoc-uplot.cmake). UPLOT_DIR may name another folder.
+set_up_uplot() {
+    [[ -n ${UPLOT_DIR:-} ]] || set_up_npm uplot@1.6.32
+}
+
+# What lets the site's search run where it is opened from disk.
+set_up_iframe_worker() {
+    set_up_npm iframe-worker@1.0.4
 }
 
 unity_is_pinned() {

@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""The documentation as a site that opens from disk, search included: build/site/index.html.
+
+    build.py [-o DIR]
+
+Pages are docs/, one a header of the library (api.py), and each file or folder of the tree that a document leads to. A link or an
+anchor that leads nowhere ends it. Needs doxygen, mkdocs in .cache/python/site and iframe-worker in .cache/iframe-worker (`./dev site`).
+"""
+
+import argparse
+import html.parser
+import os
+import pathlib
+import posixpath
+import re
+import shutil
+import subprocess
+import sys
+import urllib.parse
+
+import api
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+HERE = pathlib.Path(__file__).resolve().parent
+LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
+LANGUAGES = {".c": "c", ".h": "c", ".cpp": "cpp", ".py": "python", ".sh": "bash", ".toml": "toml", ".json": "json", ".yml": "yaml"}
+LONGEST_FILE = 200_000
+
+
+def title(path):
+    """A document's first heading."""
+    return re.search(r"^# (.*)$", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE)[1]
+
+
+class Stage:
+    """The folder that mkdocs reads: documents with their links led to pages of the site."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.sources = set()
+
+    def place_of(self, path):
+        """Where the site has a path of the tree, from the site's root."""
+        if path in ("README.md", "docs"):
+            return "index.md"
+        if path.startswith("docs/"):
+            return path[len("docs/"):]
+        header = re.fullmatch(r"include/iqfoc/(.*)\.h", path)
+        if header:
+            return f"api/{header[1]}.md"
+        if path == "include/iqfoc":
+            return "api/index.md"
+        self.sources.add(path)
+        return f"source/{path}.md"
+
+    def document(self, text, path, place):
+        """A document's text for the site, where it stood at `path` of the tree and stands at `place` of the site."""
+        in_fence = False
+        lines = []
+        for line in text.split("\n"):
+            if line.startswith("```"):
+                in_fence = not in_fence
+            if not in_fence and not line.startswith("    "):
+                line = LINK.sub(lambda match: self.link(match, path, place), line)
+            lines.append(line)
+        return "\n".join(lines)
+
+    def link(self, match, path, place):
+        words, target, fragment = match[1], match[2], match[3] or ""
+        if ":" in target:
+            return match[0]
+        there = posixpath.normpath(posixpath.join(posixpath.dirname(path), target))
+        if not (ROOT / there).exists():
+            return match[0]  # mkdocs says where it stands
+        if words == posixpath.basename(there) and there.startswith("docs/"):
+            words = title(there)
+        return f"[{words}]({posixpath.relpath(self.place_of(there), posixpath.dirname(place) or '.')}{fragment})"
+
+    def write(self, place, text):
+        file = self.folder / place
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+
+    def write_source(self, path):
+        """A page of a file or a folder. It is found by links alone, not by the search."""
+        head = f"---\nsearch:\n  exclude: true\n---\n\n# {path}\n\n"
+        place = f"source/{path}.md"
+        whole = ROOT / path
+        if whole.is_dir():
+            listed = subprocess.run(["git", "ls-files", path], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\n")
+            lines = [f"- [`{file}`]({posixpath.relpath(self.place_of(file), posixpath.dirname(place))})"
+                     for file in listed if file and self.can_be_shown(ROOT / file)]
+            self.write(place, head + "\n".join(lines) + "\n")
+        elif path.endswith(".md"):
+            self.write(place, self.document(whole.read_text(encoding="utf-8"), path, place))
+        else:
+            language = LANGUAGES.get(whole.suffix, "text")
+            text = whole.read_text(encoding="utf-8")
+            self.write(place, f"{head}````{language}\n{text.rstrip()}\n````\n")
+
+    @staticmethod
+    def can_be_shown(file):
+        return file.suffix not in (".gz", ".svg", ".png") and file.stat().st_size < LONGEST_FILE
+
+
+def stage(folder, work):
+    site = Stage(folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(ROOT / "docs/figures", folder / "figures")
+    for file in sorted((ROOT / "docs").glob("*.md")):
+        site.write(file.name, site.document(file.read_text(encoding="utf-8"), f"docs/{file.name}", file.name))
+    shutil.copy(HERE / "style.css", folder)
+    api.write_pages(ROOT / "include", folder / "api", work)
+    done = set()
+    while site.sources - done:
+        for path in sorted(site.sources - done):
+            site.write_source(path)
+            done.add(path)
+
+
+class Links(html.parser.HTMLParser):
+    """The anchors of a page, and what it refers to."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.anchors, self.targets = set(), []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        for name, value in attributes:
+            if name == "id" or (name == "name" and tag == "a"):
+                self.anchors.add(value)
+            if value and ((name == "href" and tag in ("a", "link")) or name == "src"):
+                self.targets.append((tag, value))
+
+
+def broken_links(site):
+    """A sentence for each reference of the built pages that leads nowhere, or that a reader without a network would miss."""
+    pages = {page: Links(page.read_text(encoding="utf-8")) for page in site.rglob("*.html")}
+    for page, links in sorted(pages.items()):
+        for tag, target in links.targets:
+            place, _, fragment = target.partition("#")
+            if re.match(r"[a-z]+:", target):
+                if tag != "a":
+                    yield f"{page.relative_to(site)}: {target} is fetched from a network"
+                continue
+            there = page if not place else pathlib.Path(os.path.normpath(page.parent / urllib.parse.unquote(place)))
+            if page.name == "404.html" and place.startswith("/"):
+                continue
+            if not there.is_file():
+                yield f"{page.relative_to(site)}: {target} leads nowhere"
+            elif fragment and there in pages and urllib.parse.unquote(fragment) not in pages[there].anchors:
+                yield f"{page.relative_to(site)}: {target} has no such anchor"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("-o", "--output", type=pathlib.Path, default=ROOT / "build/site")
+    output = parser.parse_args().output.absolute()
+    mkdocs = ROOT / ".cache/python/site/bin/mkdocs"
+    if not mkdocs.exists():
+        sys.exit("no mkdocs in .cache/python/site; ./dev tools site installs it")
+    worker = ROOT / ".cache/iframe-worker"
+    if not worker.exists():
+        sys.exit("no .cache/iframe-worker; ./dev site fetches it")
+    work = output.with_name(output.name + ".work")
+    shutil.rmtree(work, ignore_errors=True)
+    stage(work / "pages", work / "doxygen")
+    (work / "pages/iframe-worker").mkdir()
+    shutil.copy(worker / "shim/index.js", work / "pages/iframe-worker/shim.js")
+    shutil.copy(worker / "LICENSE", work / "pages/iframe-worker")
+    shutil.copy(HERE / "mkdocs.yml", work)
+    # The theme's makers print an advertisement where this is not set.
+    done = subprocess.run([mkdocs, "build", "--strict", "--quiet", "-f", work / "mkdocs.yml", "-d", output], check=False,
+                          env={**os.environ, "NO_MKDOCS_2_WARNING": "1"})
+    if done.returncode:
+        return 1
+    broken = list(broken_links(output))
+    print("\n".join(broken) or f"{len(list(output.rglob('*.html')))} pages: {output}/index.html")
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
