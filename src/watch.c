@@ -1,10 +1,12 @@
 /* The watch on the drive's model: what is done once a block (include/iqfoc/watch.h). */
 #include "iqfoc/watch.h"
 
-#define HELD_BITS     24                 /* +-128 in Q16 */
-#define ROUND_Q6      (INT64_C(1) << 25) /* half a unit, of Q32 */
-#define MOST_Q16      (INT32_C(16384) << 16)
-#define LEAST_CURRENT IQ24(0.15) /* below it no law says what the legs lose */
+#define HELD_BITS 24                 /* +-128 in Q16 */
+#define ROUND_Q6  (INT64_C(1) << 25) /* half a unit, of Q32 */
+#define MOST_Q16  (INT32_C(16384) << 16)
+/* A sum grows by this at most in a block: whatever one block shows, an alarm takes six. */
+#define MOST_A_BLOCK_Q16 (INT32_C(4) << 16)
+#define LEAST_CURRENT    IQ24(0.15) /* below it no law says what the legs lose */
 
 /* Two components in Q16. */
 typedef struct pair {
@@ -71,17 +73,67 @@ static iq24_t mean_of(int64_t sum)
 }
 
 /*
- * One over the noise of a block's error, in that of a sample: Q16, at most 16. With E near 1 a sample is in the
+ * One over the noise of a block's error, in that of a sample: Q16, at most 37. With E near 1 a sample is in the
  * errors of two cycles, in the second with the opposite sign and turned by phi: what is left of it is
  * |1 - e^(j phi)|^2 of its square in a mean of 32; at both ends of the block a sample stands alone, once more in
  * the block beside, in which the signature may have the other sign: 4/32^2 in all. The least is noise_least,
- * which has R T/L in it.
+ * which has R T/L in it. ends, inside: by how much the window of a frame changes the two.
  */
-static int32_t per_block_noise(const iqfoc_watch_config_t *config, iq24_sincos_t half)
+static int32_t per_block_noise(const iqfoc_watch_config_t *config, iq24_sincos_t half, iq24_t ends,
+                               iq24_t inside)
 {
+    const iq24_t turned_away = iq24_asr32(iq24_mul_round(half.sin, half.sin), 3);
     const iq24_t square =
-        iq24_add_wrap(config->noise_least, iq24_asr32(iq24_mul_round(half.sin, half.sin), 3));
+        iq24_add_wrap(iq24_mul_round(config->noise_least, ends), iq24_mul_round(turned_away, inside));
     return iq24_div(IQ24_ONE, iq24_sqrt(square)) >> 8;
+}
+
+/*
+ * A frame that turns against the rotor's: the stationary one, and the one that turns backwards.
+ *
+ * An error that stands still in the rotor's frame, e, is there s e^(j a) e in the block's mean, s = mean of the
+ * angle's unit vectors and a the angle at the block's middle. That much is taken away, so that no error of the
+ * rotor's frame is seen here, however slow the rotor; of what does stand still in this frame 1 - s^2 is left.
+ * The window of the sum is then 1 - s e^(j ...), which is what the noise is reckoned with.
+ */
+typedef struct frame {
+    bool seen;         /* the block turns far enough: 1 - s^2 > 1/16 */
+    iq24_t share;      /* s */
+    iq24_t left;       /* 1 - s^2 */
+    iq24_t middle;     /* a in turns */
+    int32_t per_noise; /* Q16 */
+} frame;
+
+/* Of a block that turns by this per cycle, s^2 = 15/16. */
+#define LEAST_TURNS IQ24(0.0044)
+
+/*
+ * times: 1 for the stationary frame, 2 for the backward one, in which the samples at both ends of a cycle are
+ * turned apart as well. turns: mean of the block, |turns| <= 1/3.
+ *
+ * Range: sin(relative angle/2) is above 0.0138, times 32 above 0.44 and within 32. |s| < 0.97; ends within 0.18
+ * ... 4, inside within 4.
+ */
+static frame frame_of(const iqfoc_watch_config_t *config, iq24_sincos_t half, iq24_t turns, iq24_t middle,
+                      int32_t times)
+{
+    frame f = {false, 0, 0, iq24_wrap((int64_t)times * middle), 0};
+    const iq24_t relative = times * turns;
+    f.seen = iq24_max(relative, -relative) >= LEAST_TURNS;
+    if (f.seen) {
+        const iq24_sincos_t half_relative = iq24_sincos(iq24_asr32(relative, 1));
+        const iq24_sincos_t half_block =
+            iq24_sincos(iq24_wrap((int64_t)relative * (IQFOC_WATCH_BLOCK_CYCLES / 2)));
+        f.share = iq24_div(half_block.sin, IQFOC_WATCH_BLOCK_CYCLES * half_relative.sin);
+        const iq24_t square = iq24_mul_round(f.share, f.share);
+        f.left = iq24_sub_wrap(IQ24_ONE, square);
+        /* |1 - s e^(j block/2)|^2 at the ends; on average |1 + s e^(j ...)|^2 or s^2 between neighbours. */
+        const iq24_t ends =
+            iq24_sub_wrap(iq24_add_wrap(IQ24_ONE, square), 2 * iq24_mul_round(f.share, half_block.cos));
+        const iq24_t inside = times == 1 ? square : iq24_add_wrap(IQ24_ONE, 3 * square);
+        f.per_noise = per_block_noise(config, half, iq24_max(ends, f.left), inside);
+    }
+    return f;
 }
 
 /* A factor of the configuration times that, held to 2^31 - 1. */
@@ -90,10 +142,18 @@ static int32_t over_noise(int32_t factor, int32_t per_noise_q16)
     return iq24_sat(iq24_asr64((int64_t)factor * per_noise_q16, 16));
 }
 
-static errors errors_of(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_sincos_t half,
-                        int32_t per_noise_q16)
+/* What an error leaves in a frame that does not hold an error e of the rotor's frame. */
+static iqfoc_dq_t without(iqfoc_dq_t error, iqfoc_dq_t e, const frame *f)
 {
-    const int32_t factor_q8 = over_noise(config->per_noise_q8, per_noise_q16);
+    const iqfoc_dq_t seen = turned(e, iq24_sincos(f->middle));
+    const iqfoc_dq_t rest = {iq24_sub_sat(error.d, iq24_mul_round(f->share, seen.d)),
+                             iq24_sub_sat(error.q, iq24_mul_round(f->share, seen.q))};
+    return rest;
+}
+
+static errors errors_of(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_sincos_t half,
+                        int32_t per_noise, const frame *still, const frame *backward)
+{
     const iq24_sincos_t half_back = {-half.sin, half.cos};
     const iqfoc_dq_t e = {mean_of(watch->alpha_cos + watch->beta_sin),
                           mean_of(watch->beta_cos - watch->alpha_sin)};
@@ -105,9 +165,11 @@ static errors errors_of(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *
     const iqfoc_dq_t e_mid = turned(e, half);
     const iqfoc_dq_t in_flux = {iq24_mul_shift(e_mid.d, config->flux_d_q16, 16),
                                 iq24_mul_shift(e_mid.q, config->flux_q_q16, 16)};
-    const errors y = {scaled_pair(in_flux, factor_q8, 16),
-                      scaled_pair(turned(back, half_back), factor_q8, 16),
-                      scaled_pair(stationary, factor_q8, 16)};
+    const errors y = {
+        scaled_pair(in_flux, over_noise(config->per_noise_q8, per_noise), 16),
+        scaled_pair(turned(without(back, e, backward), half_back),
+                    over_noise(config->per_noise_q8, backward->per_noise), 16),
+        scaled_pair(without(stationary, e, still), over_noise(config->per_noise_q8, still->per_noise), 16)};
     return y;
 }
 
@@ -118,12 +180,18 @@ static int32_t absolute(int32_t x)
     return x < 0 ? -x : x;
 }
 
+static int64_t least(int64_t x, int64_t y)
+{
+    return x < y ? x : y;
+}
+
 static int32_t held_sum(int64_t x)
 {
     return (int32_t)(x < 0 ? 0 : x > MOST_Q16 ? MOST_Q16 : x);
 }
 
-/* Range: components within 128 in Q16 make products within 2^47 in Q32; 96 blocks of them 2^28 in Q6. */
+/* Range: components within 128 in Q16 make products within 2^47 in Q32; 96 blocks of them 2^28 in Q6. A ratio held
+ * from above keeps the bound: its mean only falls. */
 static void follow(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, int32_t n, pair x, pair y)
 {
     const int64_t xy_q32 = (int64_t)x.d * y.d + (int64_t)x.q * y.q;
@@ -134,8 +202,8 @@ static void follow(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, int
         (xx >> 1) + iq24_asr64((int64_t)config->slack_q16[n < IQFOC_WATCH_SENSOR_GAIN ? 0 : 1] *
                                    (absolute(x.d) + absolute(x.q)),
                                16);
-    watch->up_q16[n] = held_sum(watch->up_q16[n] + xy - cost);
-    watch->down_q16[n] = held_sum(watch->down_q16[n] - xy - cost);
+    watch->up_q16[n] = held_sum(watch->up_q16[n] + least(xy - cost, MOST_A_BLOCK_Q16));
+    watch->down_q16[n] = held_sum(watch->down_q16[n] + least(-xy - cost, MOST_A_BLOCK_Q16));
     if (watch->naming > 0) {
         watch->xy_q6[n] = iq24_sat(watch->xy_q6[n] + iq24_asr64(xy_q32 + ROUND_Q6, 26));
         watch->xx_q6[n] = iq24_sat(watch->xx_q6[n] + iq24_asr64(xx_q32 + ROUND_Q6, 26));
@@ -145,34 +213,62 @@ static void follow(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, int
     }
 }
 
-static void follow_all(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns)
+/* The signatures of the current's own frame. */
+static void follow_rotor(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns,
+                         int32_t per_noise, pair y)
 {
     const iq24_sincos_t half = iq24_sincos(iq24_asr32(turns, 1));
     const iq24_sincos_t half_back = {-half.sin, half.cos};
-    const int32_t per_noise = per_block_noise(config, half);
-    const errors y = errors_of(watch, config, half, per_noise);
     const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
     const iqfoc_dq_t u_start = {watch->u[0], watch->u[1]};
     const iqfoc_dq_t u = turned(u_start, half_back);
     const iqfoc_dq_t along = {-turns, 0};
     const iqfoc_dq_t ahead = {0, -turns};
-    const iqfoc_dq_t moved = across(i, turns);
     const iqfoc_dq_t of_rotor[IQFOC_WATCH_SENSOR_GAIN] = {
-        opposite(i), moved, ahead, u, opposite(direction(i)), along, across(u, turns)};
+        opposite(i), across(i, turns), ahead, u, opposite(direction(i)), along, across(u, turns)};
     for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN; n++) {
-        follow(watch, config, n, scaled_pair(of_rotor[n], over_noise(config->size_q16[n], per_noise), 24),
-               y.rotor);
+        follow(watch, config, n, scaled_pair(of_rotor[n], over_noise(config->size_q16[n], per_noise), 24), y);
     }
-    const iqfoc_dq_t mirrored = {moved.d, -moved.q};
-    const iqfoc_dq_t mirrored_ahead = {moved.q, moved.d};
-    const int32_t gain = over_noise(config->size_q16[IQFOC_WATCH_SENSOR_GAIN], per_noise);
-    const int32_t offset = over_noise(config->size_q16[IQFOC_WATCH_SENSOR_OFFSET], per_noise);
-    const iqfoc_dq_t alpha = {IQ24_ONE, 0};
-    const iqfoc_dq_t beta = {0, IQ24_ONE};
-    follow(watch, config, 7, scaled_pair(mirrored, gain, 24), y.back);
-    follow(watch, config, 8, scaled_pair(mirrored_ahead, gain, 24), y.back);
-    follow(watch, config, 9, scaled_pair(alpha, offset, 24), y.stationary);
-    follow(watch, config, 10, scaled_pair(beta, offset, 24), y.stationary);
+}
+
+/* One over a frame's noise, times what it leaves of its signatures, times a group's size. */
+static int32_t seen_size(const iqfoc_watch_config_t *config, iqfoc_watch_group_t group, const frame *f)
+{
+    return over_noise(config->size_q16[group], iq24_mul_round(f->per_noise, f->left));
+}
+
+static void follow_all(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t at_end, iq24_t theta)
+{
+    /*
+     * The angles of the block's 32 ends, the speed changing evenly: at n cycles before the last
+     * theta - n at_end + n^2/2 (change per cycle); their mean has n = 15.5 and n^2/2 = 162.75.
+     */
+    const iq24_t change = iq24_sub_wrap(at_end, watch->turns);
+    const iq24_t turns = iq24_sub_wrap(at_end, iq24_asr32(change, 1));
+    const iq24_t middle = iq24_wrap((int64_t)theta - 15 * (int64_t)at_end - iq24_asr32(at_end, 1) +
+                                    iq24_mul_round(IQ24(162.75 / 32.0), change));
+    const iq24_sincos_t half = iq24_sincos(iq24_asr32(turns, 1));
+    const int32_t per_noise = per_block_noise(config, half, IQ24_ONE, IQ24_ONE);
+    const frame still = frame_of(config, half, turns, middle, 1);
+    const frame backward = frame_of(config, half, turns, middle, 2);
+    const errors y = errors_of(watch, config, half, per_noise, &still, &backward);
+    follow_rotor(watch, config, turns, per_noise, y.rotor);
+    if (backward.seen) {
+        const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
+        const iqfoc_dq_t moved = across(i, turns);
+        const iqfoc_dq_t mirrored = {moved.d, -moved.q};
+        const iqfoc_dq_t mirrored_ahead = {moved.q, moved.d};
+        const int32_t gain = seen_size(config, IQFOC_WATCH_SENSOR_GAIN, &backward);
+        follow(watch, config, 7, scaled_pair(mirrored, gain, 24), y.back);
+        follow(watch, config, 8, scaled_pair(mirrored_ahead, gain, 24), y.back);
+    }
+    if (still.seen) {
+        const int32_t offset = seen_size(config, IQFOC_WATCH_SENSOR_OFFSET, &still);
+        const iqfoc_dq_t alpha = {IQ24_ONE, 0};
+        const iqfoc_dq_t beta = {0, IQ24_ONE};
+        follow(watch, config, 9, scaled_pair(alpha, offset, 24), y.stationary);
+        follow(watch, config, 10, scaled_pair(beta, offset, 24), y.stationary);
+    }
 }
 
 /* ---- Alarm and name ---- */
@@ -195,7 +291,7 @@ static void look_for_alarm(iqfoc_watch_t *watch, const iqfoc_watch_config_t *con
     }
     if (highest >= config->threshold_q16) {
         watch->since = watch->blocks - (uint32_t)age;
-        watch->naming = config->naming_blocks;
+        watch->naming = (int16_t)config->naming_blocks;
         for (int32_t n = 0; n < IQFOC_WATCH_SIGNATURES; n++) {
             watch->xy_q6[n] = 0;
             watch->xx_q6[n] = 0;
@@ -258,14 +354,14 @@ static void begin_block(iqfoc_watch_t *watch)
 }
 
 /* True if the naming has ended with this block. */
-static bool judge(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns)
+static bool judge(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta)
 {
     const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
     const bool alarmed = watch->naming > 0;
     if (length_of(i) < LEAST_CURRENT) {
         return false;
     }
-    follow_all(watch, config, iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+    follow_all(watch, config, turns, theta);
     if (!alarmed) {
         look_for_alarm(watch, config);
         return false;
@@ -278,13 +374,16 @@ static bool judge(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24
     return false;
 }
 
-bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns)
+bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta)
 {
+    const iq24_t held = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     bool named = false;
     watch->blocks++;
-    if (watch->group == IQFOC_WATCH_NONE) {
-        named = judge(watch, config, turns);
+    /* The first block's speed at its beginning is not known. */
+    if (watch->group == IQFOC_WATCH_NONE && watch->blocks > 1) {
+        named = judge(watch, config, held, theta);
     }
+    watch->turns = held;
     begin_block(watch);
     return named;
 }

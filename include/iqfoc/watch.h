@@ -15,16 +15,26 @@
  * the logarithm of a likelihood ratio, held at 0 from below (E. S. Page, "Continuous inspection schemes",
  * Biometrika 41, 1954):
  *
- *     sum = max(0, sum + X y - |X|^2/2 - slack |X|)
+ *     sum = max(0, sum + min(4, X y - |X|^2/2 - slack |X|))
  *
  * y: the block's error over the bound of its noise (src/watch.c); X: the same of what a change of the stated
- * size would make of it. Where the block errors are sub-Gaussian with at most that noise, and what else is in
- * them is at most `slack` of it, the exponential of each sum is an e-detector (J. Shin, A. Ramdas and A. Rinaldo, "E-detectors", New England
- * J. of Statistics in Data Science 2(2), 2024): the mean number of blocks to a false alarm of any of the 22 is
- * at least e^threshold/22, whatever the drive does meanwhile. IQFOC_WATCH_THRESHOLD makes that 10^9 cycles.
+ * size would make of it.
+ *
+ * The bound. Let y be sub-Gaussian with at most that noise about a mean of length `slack` at most. Then
+ * E e^(X y) <= e^(slack |X| + |X|^2/2), so that the ratios by which a run of blocks multiplies e^sum have a
+ * product whose mean is 1 at most (the sample that two blocks share stands twice in the noise), and less where one
+ * is held to e^4. e^sum with the 0 from below is at most the sum of these products over all blocks that a run may
+ * have begun with: an e-detector (J. Shin, A. Ramdas and A. Rinaldo, "E-detectors", New England J. of Statistics
+ * in Data Science 2(2), 2024), whose mean after n blocks is at most n. The first time that it passes e^threshold
+ * has a mean of e^threshold blocks at least, and the first of 22 such a 22nd part of it, whatever the drive does
+ * meanwhile. IQFOC_WATCH_THRESHOLD makes that 10^9 cycles.
+ *
+ * An error that stands still in the rotor's frame is taken out of the other two first, block by block: at
+ * standstill all three are one, and what the legs lose about zero current would otherwise be a sensor's offset.
+ * There a sensor's offset and gain are not judged: below 0.0044 and 0.0022 turns a cycle.
  *
  *     static const iqfoc_watch_config_t config = IQFOC_WATCH_CONFIG(R, L_D, L_Q, PSI, T, I_B, U_B, NOISE);
- *     if (iqfoc_watch_step(&watch, error, i, u, sc) && iqfoc_watch_block(&watch, &config, turns)) {
+ *     if (iqfoc_watch_step(&watch, error, i, u, sc) && iqfoc_watch_block(&watch, &config, turns, theta)) {
  *         recorder trigger; watch.group, watch.amount_q16, watch.since
  *     }
  */
@@ -85,14 +95,15 @@ typedef struct iqfoc_watch {
     iq24_t e_ab[2]; /* in IQ24 */
     iq24_t i[2];    /* in IQ24, less 5 bits */
     iq24_t u[2];
-    int32_t count;                          /* cycles in the block */
+    int16_t count;                          /* cycles in the block */
+    int16_t naming;                         /* blocks left until the group is named; 0: no alarm */
+    iq24_t turns;                           /* at the last block's end */
     int32_t up_q16[IQFOC_WATCH_SIGNATURES]; /* the detectors */
     int32_t down_q16[IQFOC_WATCH_SIGNATURES];
     int32_t xy_q6[IQFOC_WATCH_SIGNATURES]; /* from the alarm on, sums; before it, blocks since up was at 0 */
     int32_t xx_q6[IQFOC_WATCH_SIGNATURES]; /* and since down was */
     uint32_t blocks;                       /* since the reset */
     uint32_t since;                        /* block in which the change began, once there is an alarm */
-    int32_t naming;                        /* blocks left until the group is named; 0: no alarm */
     int32_t amount_q16;                    /* of the group's change, in the sizes below, once it is named */
     iqfoc_watch_group_t group;             /* IQFOC_WATCH_NONE until one is named */
 } iqfoc_watch_t;
@@ -111,7 +122,7 @@ typedef struct iqfoc_watch {
 #define IQFOC_WATCH_THRESHOLD 20.35
 /* The legs' losses about zero current are in the rotor's frame only. */
 #define IQFOC_WATCH_SLACK_ROTOR 5.0
-#define IQFOC_WATCH_SLACK_ELSE  0.3
+#define IQFOC_WATCH_SLACK_ELSE  0.1
 #define IQFOC_WATCH_NAMING      64
 
 /* x in Q(bits) as a constant, if it lies within 0 ... high. */
@@ -163,8 +174,8 @@ typedef struct iqfoc_watch {
 /* No alarm, nothing seen. */
 static inline void iqfoc_watch_reset(iqfoc_watch_t *watch)
 {
-    const iqfoc_watch_t fresh = {0,   0,   0, 0, {0, 0}, {0, 0}, {0, 0},          0, {0}, {0},
-                                 {0}, {0}, 0, 0, 0,      0,      IQFOC_WATCH_NONE};
+    const iqfoc_watch_t fresh = {0, 0,   0,   0,   {0, 0}, {0, 0}, {0, 0}, 0, 0,
+                                 0, {0}, {0}, {0}, {0},    0,      0,      0, IQFOC_WATCH_NONE};
     *watch = fresh;
 }
 
@@ -194,20 +205,21 @@ static inline bool iqfoc_watch_step(iqfoc_watch_t *watch, iqfoc_ab_t off, iqfoc_
     watch->i[1] = iq24_add_wrap(watch->i[1], iq24_asr32(i.q, IQFOC_WATCH_BLOCK_BITS));
     watch->u[0] = iq24_add_wrap(watch->u[0], iq24_asr32(u.d, IQFOC_WATCH_BLOCK_BITS));
     watch->u[1] = iq24_add_wrap(watch->u[1], iq24_asr32(u.q, IQFOC_WATCH_BLOCK_BITS));
-    watch->count++;
+    watch->count = (int16_t)(watch->count + 1);
     return watch->count >= IQFOC_WATCH_BLOCK_CYCLES;
 }
 
 /*
  * A complete block: the detectors, the alarm, the name. True once, when a group has just been named; watch->naming
- * is above 0 from the alarm on. turns: the block's speed, |turns| <= IQFOC_ROTOR_TURNS_MAX.
+ * is above 0 from the alarm on. turns, theta: speed and angle at this valley, |turns| <= IQFOC_ROTOR_TURNS_MAX (held
+ * to it); the speed is taken to change evenly through the block. The first block after a reset is not judged.
  *
  * Each product is rounded down in Q16. X and y are held to +-128, which only makes an alarm later, and the amount
  * of so large a change too small; detectors end at 16384. Blocks with less than 0.15 of current are not judged,
- * for no law says what the legs lose about zero. 2300 instructions on a Cortex-M4, the step 49. After a name nothing
+ * for no law says what the legs lose about zero. 3150 instructions on a Cortex-M4, the step 49. After a name nothing
  * changes until iqfoc_watch_reset.
  */
-bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns);
+bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta);
 
 #ifdef __cplusplus
 }

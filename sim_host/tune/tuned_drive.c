@@ -79,7 +79,7 @@ static void be_watched(tuned_drive *t, const iqfoc_sample_t *sample)
     const iq24_sincos_t sc = iq24_sincos(sample->theta);
     const iqfoc_ab_t off = iqfoc_park_inverse(t->state.error, sc);
     if (iqfoc_watch_step(&t->watch, off, t->i_start, t->u_start, sc) &&
-        iqfoc_watch_block(&t->watch, &t->watch_config, sample->turns)) {
+        iqfoc_watch_block(&t->watch, &t->watch_config, sample->turns, sample->theta)) {
         t->named++;
     }
     t->i_start = t->state.i;

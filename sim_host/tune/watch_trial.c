@@ -24,8 +24,9 @@ typedef struct watched {
     drive_firmware calls;
     drive_loop loop;
     plant_random random;
+    const tune_result *design;
     double I_A, omega_most, omega;
-    iqfoc_dq_t i_ref;
+    double i_d, i_q;                 /* wanted, per unit */
     long speed_until, current_until; /* cycles */
 } watched;
 
@@ -56,13 +57,27 @@ static void change_drive(plant_config *c, watch_change change, int phase)
     }
 }
 
-/* Half the speed up to which the voltage would suffice at rated current, so that steps have room. */
-static double speed_with_room(const tune_result *r)
+/* Of the voltage in linear modulation, so that steps have room. */
+static const double VOLTAGE_SHARE = 0.75;
+/* How far the speed goes beyond that at which this much voltage is reached at rated current. */
+static const double WEAKENED = 1.2;
+
+static double speed_most(const tune_result *r)
 {
     const double flux =
         hypot(r->design.machine.psi_f_Wb, r->design.machine.L_q_H * motor_rated_peak_A(&r->motor));
-    const double omega = 0.75 * r->motor.u_dc_V / sqrt(3.0) / flux;
+    const double omega = WEAKENED * VOLTAGE_SHARE * r->motor.u_dc_V / sqrt(3.0) / flux;
     return fmin(omega, motor_speed_rad_s(&r->motor, r->motor.n_max_rpm));
+}
+
+/* The i_d at which the voltage suffices at this speed and i_q, or more. */
+static double weakened(const watched *w, double omega)
+{
+    const tune_machine *machine = &w->design->design.machine;
+    const double most = VOLTAGE_SHARE * w->design->motor.u_dc_V / sqrt(3.0) / fmax(fabs(omega), 1.0);
+    const double flux_q = machine->L_q_H * w->i_q * w->I_A;
+    const double flux_d = sqrt(fmax(most * most - flux_q * flux_q, 0.0));
+    return (flux_d - machine->psi_f_Wb) / (machine->L_d_H * w->I_A);
 }
 
 static bool begin(watched *w, const tune_result *r, uint64_t seed, error *e)
@@ -84,14 +99,15 @@ static bool begin(watched *w, const tune_result *r, uint64_t seed, error *e)
     w->calls = tuned_drive_firmware(&w->firmware);
     plant_random_seed(&w->random, seed, 7);
     drive_loop_begin(&w->loop, &m, &c, &w->calls);
-    w->omega_most = speed_with_room(r);
+    w->design = r;
+    w->omega_most = speed_most(r);
     w->omega = between(&w->random, -1.0, 1.0) * w->omega_most;
     w->speed_until = w->current_until = 0;
     plant_set_speed(&w->loop.drive, w->omega, 0.0);
     return true;
 }
 
-/* A new acceleration every 50 to 150 ms, new currents every 10 to 50 ms. */
+/* A new acceleration every 50 to 150 ms, new currents every 10 to 50 ms, the field weakened where it must be. */
 static bool cycle(watched *w, long n, error *e)
 {
     const double T_s = w->loop.base.T_s;
@@ -104,11 +120,13 @@ static bool cycle(watched *w, long n, error *e)
         w->omega += (next - w->omega) / span_s * (double)lround(span_s / T_s) * T_s;
     }
     if (n >= w->current_until) {
-        w->i_ref.d = iq24_from_double(between(&w->random, -0.4, 0.1));
-        w->i_ref.q = iq24_from_double(between(&w->random, -0.9, 0.9));
+        w->i_d = between(&w->random, -0.4, 0.1);
+        w->i_q = between(&w->random, -0.9, 0.9);
         w->current_until = n + lround(between(&w->random, 0.01, 0.05) / T_s);
     }
-    return drive_loop_span(&w->loop, w->i_ref, &row, e);
+    const double omega = plant_now(&w->loop.drive).omega_e_rad_s;
+    const iqfoc_dq_t i_ref = {iq24_from_double(fmin(w->i_d, weakened(w, omega))), iq24_from_double(w->i_q)};
+    return drive_loop_span(&w->loop, i_ref, &row, e);
 }
 
 /* ---- Changes ---- */
