@@ -39,3 +39,9 @@ END
 say "with the extras"
 "$tools/pip" install --quiet --no-index --no-deps --force-reinstall "$wheel"
 "$tools/python" -m pytest -q -p no:cacheprovider python/tests
+
+say "a small fleet"
+"$tools/python" -m pytest -q -p no:cacheprovider --show-capture=no examples/fleet
+
+say "the notebooks"
+"$tools/python" python/notebooks/run.py python/notebooks/*.ipynb 2> >(grep -v IPKernelApp >&2)
