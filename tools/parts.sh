@@ -160,7 +160,7 @@ check_coverage() {
 }
 
 check_scripts() {
-    shellcheck -x dev .ci/run tools/*.sh
+    shellcheck -x dev .ci/run tools/*.sh python/test.sh
 }
 
 static_checks() {

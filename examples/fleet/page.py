@@ -46,7 +46,7 @@ def causes(rows):
                     values[cause["id"], name, unit].append(value)
     table = []
     for cause, names in sorted(drives.items(), key=lambda item: -len(item[1])):
-        sizes = "; ".join(f"{n} {min(v):.4g} … {median(v):.4g} … {max(v):.4g} {u}" for (c, n, u), v in values.items() if c == cause)
+        sizes = "; ".join(f"{n} {min(v):.4g} … {median(v):.4g} … {max(v):.4g}{'' if u == '1' else f' {u}'}" for (c, n, u), v in values.items() if c == cause)
         shown = ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
         table.append((cause, len(names), (len(names) / len(rows),), sizes, shown))
     return table

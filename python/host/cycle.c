@@ -38,7 +38,7 @@ static bool configure(py_cycle *c, const motor *m, const py_methods *how, error 
     c->config.data.extension = how->extended ? &c->extension : NULL;
     c->methods = (iqfoc_methods_t){(iqfoc_model_t)how->model, (iqfoc_feedback_t)how->feedback,
                                    IQFOC_CONTROL_PI, (iqfoc_modulation_t)how->modulation, how->extended};
-    const iqfoc_error_t refused = iqfoc_cycle_init(&c->cycle, &c->config);
+    const iqfoc_error_t refused = iqfoc_cycle_init_by(c->methods, &c->cycle, &c->config);
     return refused == IQFOC_OK ||
            error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
 }

@@ -60,3 +60,11 @@ def test_skip_and_refusals(recording, motor):
         with pytest.raises(iqfoc.InputError, match=words) as refused:
             iqfoc.diagnose("nowhere.csv" if not arguments else recording, motor, **arguments)
         assert "\n" not in str(refused.value)
+
+
+def test_page_needs_no_other_program(diagnosis, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    page = diagnosis.page(tmp_path / "out")
+    assert "resistance" in page.read_text(encoding="utf-8")
+    assert iqfoc.Motor(tmp_path / "out" / "motor_extended.toml").R_ohm == diagnosis.to_motor().R_ohm
+    assert json.loads((tmp_path / "out" / "diagnosis.json").read_text())["verdict"] == diagnosis.verdict
