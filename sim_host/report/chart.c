@@ -114,11 +114,12 @@ static void put_series(FILE *out, const chart_series *s, column_list *list)
     static const char *const colours[] = {"blue", "orange", "green", "purple", "faint"};
     static const char *const marks[] = {"line", "points", "linepoints", "steps", "bars"};
     static const char *const roles[] = {"", "nominal", "extended"};
+    const size_t x = place_of(list, s->data, 0);
+    const size_t y = place_of(list, s->data, s->column);
     fprintf(
         out,
         "{\"x\":%zu,\"y\":%zu,\"colour\":\"%s\",\"mark\":\"%s\",\"role\":\"%s\",\"width\":%g,\"dashed\":%s",
-        place_of(list, s->data, 0), place_of(list, s->data, s->column), colours[s->colour], marks[s->mark],
-        roles[s->role], s->width, s->dashed ? "true" : "false");
+        x, y, colours[s->colour], marks[s->mark], roles[s->role], s->width, s->dashed ? "true" : "false");
     put_text(out, "label", s->label);
     fputc('}', out);
 }

@@ -89,7 +89,7 @@
                 let most = -1;
                 for (let n = first; n < end; n++) {
                     const value = y[n];
-                    if (value === value && !(log && value <= 0)) {
+                    if (value != null && value === value && !(log && value <= 0)) {
                         least = least < 0 || value < y[least] ? n : least;
                         most = most < 0 || value > y[most] ? n : most;
                     }
@@ -123,7 +123,7 @@
 
     const marks = {
         line: () => ({}),
-        points: () => ({paths: () => null, points: {show: true, size: 6}}),
+        points: () => ({paths: () => null, points: {show: true, size: 7}}),
         linepoints: () => ({points: {show: true, size: 5}}),
         steps: () => ({paths: uPlot.paths.stepped({align: 1}), points: {show: false}}),
         bars: (side) => ({paths: uPlot.paths.bars({size: [0.38, 40], align: side}), points: {show: false}}),
@@ -152,7 +152,7 @@
         return curve;
     }
 
-    function rangeOf(axis) {
+    function rangeOf(axis, bars) {
         if (axis.range) {
             return () => axis.range;
         }
@@ -165,7 +165,7 @@
             }
             const [least, most] = axis.least ? [Math.min(low, -axis.least), Math.max(high, axis.least)] : [low, high];
             const room = 0.06 * (most - least) || 0.1 * Math.abs(most) || 1;
-            return [least >= 0 && least < 0.5 * most ? 0 : least - room, most + room];
+            return [least >= 0 && (bars || least < 0.5 * most) ? 0 : least - room, most + room];
         };
     }
 
@@ -192,31 +192,46 @@
         return drawn;
     }
 
-    /* The logarithmic axis marks what uPlot chose, but leaves out labels that would touch. */
-    const logFilter = (u, splits) => {
-        const decades = Math.log10(u.scales.y.max / u.scales.y.min);
-        const keep = decades < 1.5 ? [1, 2, 3, 5, 7] : decades < 3 ? [1, 2, 5] : [1];
-        return splits.map((value) => (keep.includes(Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3))) ? value : null));
-    };
+    /* A logarithmic axis has a line at 1, 2 ... 9 of each decade, and a number at as many of them as there is room for. */
+    function logarithmic(axis) {
+        const mantissa = (value) => Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3));
+        axis.splits = (u, which, low, high) => {
+            const lines = [];
+            for (let decade = Math.floor(Math.log10(low)); decade <= Math.log10(high); decade++) {
+                for (let n = 1; n < 10; n++) {
+                    lines.push(Number((n * 10 ** decade).toPrecision(3)));
+                }
+            }
+            return lines.filter((value) => value >= low && value <= high);
+        };
+        axis.filter = (u, splits) => {
+            const decades = Math.log10(splits[splits.length - 1] / splits[0]);
+            const keep = decades < 1.5 ? [1, 2, 3, 5, 7] : decades < 3 ? [1, 2, 5] : [1];
+            return splits.map((value) => (keep.includes(mantissa(value)) ? value : null));
+        };
+    }
 
     function optionsOf(p, width) {
         const {chart} = p;
         const x = axisOf(chart.x, chart.names, 28);
         const y = axisOf(chart.y, null, 58);
+        if (chart.x.log) {
+            logarithmic(x);
+        }
         if (chart.y.log) {
-            y.filter = logFilter;
+            logarithmic(y);
         }
         return {
             title: chart.title,
             width,
             height: chart.height || USUAL_HEIGHT,
-            scales: {x: {time: false, distr: chart.x.log ? 3 : 1}, y: {distr: chart.y.log ? 3 : 1, range: rangeOf(chart.y)}},
+            scales: {x: {time: false, distr: chart.x.log ? 3 : 1, range: (u, low, high) => [low, high]}, y: {distr: chart.y.log ? 3 : 1, range: rangeOf(chart.y, chart.series.some((s) => s.mark === "bars"))}},
             axes: [x, y],
             series: [{label: chart.x.label, value: (u, value) => (chart.names ? nameOf(chart, value) : short(value))},
                 ...chart.series.map((s, n) => curveOf(p, s, n))],
             cursor: {
                 drag: {x: !chart.names, y: false, setScale: false},
-                sync: chart.group ? {key: chart.group, scales: ["x", null], setSeries: false} : undefined,
+                sync: chart.group ? {key: chart.group, scales: ["x", null], setSeries: false, filters: {pub: isMove}} : undefined,
                 bind: {dblclick: () => () => zoom(p, p.full)},
             },
             hooks: {
@@ -230,6 +245,11 @@
                 }],
             },
         };
+    }
+
+    /* What the charts of a group hear of one another: zoom() sees to the rest. */
+    function isMove(kind) {
+        return kind === "mousemove" || kind === "mouseleave";
     }
 
     const widthOf = (p) => Math.max(Math.floor(printing ? Math.min(PRINT_WIDTH, p.box.clientWidth) : p.box.clientWidth), 200);
@@ -376,7 +396,7 @@
             panels.push(p);
             first = first || p;
         });
-        if (first && !first.chart.names && (first.chart.group || told.charts.length === 1) && first.tables[0].length > 60) {
+        if (first && !first.chart.names && (first.chart.group || told.charts.length === 1) && first.tables[0].length > 100) {
             zoomBar(first, figure);
         }
     }

@@ -87,7 +87,7 @@ class Browser:
 
     def console(self):
         """What the page complained of since the last call."""
-        return [entry["message"] for entry in self.call("/se/log", {"type": "browser"}) if entry["level"] in ("SEVERE", "WARNING")]
+        return [entry["message"] for entry in self.call("/se/log", {"type": "browser"}) if entry["level"] == "SEVERE"]
 
     def drag(self, x, y, to_x):
         """With the left button, along a line."""

@@ -43,11 +43,11 @@ bool figure_runs(page *p, const evidence *v, error *e)
         chart_data_add(&d, (double[]){add_name(&names, run), positive(run->nominal), positive(run->extended),
                                       positive(run->noise_floor)});
     }
+    const chart_series noise = {"noise alone", &d, 3, CHART_GREEN, CHART_POINTS, CHART_ALWAYS, 0.0, false};
     chart drawn = over_runs(&names, "one-cycle error, %");
-    drawn.series[0] =
-        (chart_series){"noise alone", &d, 3, CHART_GREEN, CHART_POINTS, CHART_ALWAYS, 0.0, false};
-    drawn.series[1] = figure_nominal(v, &d, 1, CHART_BARS);
-    drawn.series[2] = figure_extended(v, &d, 2, CHART_BARS);
+    drawn.series[0] = figure_nominal(v, &d, 1, CHART_BARS);
+    drawn.series[1] = v->extended ? figure_extended(v, &d, 2, CHART_BARS) : noise;
+    drawn.series[2] = v->extended ? noise : (chart_series){.label = NULL};
     const bool ok =
         page_chart(p, &drawn, "runs",
                    "One-cycle prediction, rms of the error over rms of the current, on rows that were not "
