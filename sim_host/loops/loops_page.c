@@ -4,35 +4,43 @@
 #include "report/page.h"
 #include "run_up_show.h"
 
-#include <math.h>
+#include <stdlib.h>
 
 /* ---- Six-step ---- */
 
 enum { THIN = 6 }; /* every sixth interval, and thus the same state of the inverter, which hides the ripple */
 
+static chart_data six_step_trace(const six_step_loop *l)
+{
+    chart_data d = chart_data_of(3);
+    for (int k = SIX_STEP_STEP_AT - 300; k < SIX_STEP_INTERVALS; k += THIN) {
+        chart_data_add(&d, (double[]){l->trace_t_s[k], l->trace_q_A[k],
+                                      k < SIX_STEP_STEP_AT ? l->reference_before_A : l->reference_A});
+    }
+    return d;
+}
+
 static bool six_step_figure(page *p, const loops_study *s, error *e)
 {
-    plot drawing;
-    if (!plot_begin(&drawing, 720, 340, e)) {
-        return false;
-    }
-    for (int n = 0; n < SIX_STEP_LOOPS; n++) {
-        plot_data(&drawing, n == SIX_STEP_DISCRETE ? "discrete" : "corrected");
-        for (int k = SIX_STEP_STEP_AT - 300; k < SIX_STEP_INTERVALS; k += THIN) {
-            plot_say(&drawing, "%.6g %.6g %.6g %.6g\n", s->six_step[n].trace_t_s[k],
-                     s->six_step[n].trace_q_A[k], s->six_step[n].trace_fed_back_A[k],
-                     k < SIX_STEP_STEP_AT ? s->six_step[n].reference_before_A : s->six_step[n].reference_A);
-        }
-        plot_data_end(&drawing);
-    }
-    plot_say(&drawing, "set xlabel 't, s'\nset ylabel 'i_q, A'\nset key right bottom\n"
-                       "plot $corrected using 1:4 with lines linestyle 9 linewidth 2 title 'reference', "
-                       "$discrete using 1:2 with lines linestyle 2 title 'true, discrete angle fed back', "
-                       "$corrected using 1:2 with lines linestyle 1 title 'true, corrected mean fed back'\n");
-    return page_figure(p, &drawing, "loops-six-step",
-                       "Six-step torque control: the true mean of i_q over each inverter state. Both "
-                       "controllers believe that they hold the reference.",
-                       e);
+    chart_data discrete = six_step_trace(&s->six_step[SIX_STEP_DISCRETE]);
+    chart_data corrected = six_step_trace(&s->six_step[SIX_STEP_CORRECTED]);
+    const chart drawn = {
+        .x_label = "t, s",
+        .y_label = "i_q, A",
+        .height = 340,
+        .series = {{"reference", &corrected, 2, CHART_FAINT, CHART_LINE, CHART_ALWAYS, 2.0, false},
+                   {"true, discrete angle fed back", &discrete, 1, CHART_ORANGE, CHART_LINE, CHART_ALWAYS,
+                    0.0, false},
+                   {"true, corrected mean fed back", &corrected, 1, CHART_BLUE, CHART_LINE, CHART_ALWAYS, 0.0,
+                    false}}};
+    const bool ok =
+        page_chart(p, &drawn, "loops-six-step",
+                   "Six-step torque control: the true mean of i_q over each inverter state. Both controllers "
+                   "believe that they hold the reference.",
+                   e);
+    chart_data_free(&discrete);
+    chart_data_free(&corrected);
+    return ok;
 }
 
 static bool six_step_part(page *p, const loops_study *s, error *e)
@@ -89,37 +97,34 @@ static double curve_start(const loops_study *s, loop_method how, int k, double *
 typedef struct method_figure {
     double (*curve)(const loops_study *s, loop_method how, int k, double *x);
     int points;
-    const char *point_size;
     const loop_method *drawn;
-    int count, height;
-    const char *axes, *id, *caption;
+    int count;
+    chart axes;
+    const char *id, *caption;
 } method_figure;
 
 static bool draw_methods(page *p, const loops_study *s, const method_figure *f, error *e)
 {
-    plot drawing;
-    if (!plot_begin(&drawing, 720, f->height, e)) {
-        return false;
-    }
-    for (int n = 0; n < f->count; n++) {
-        plot_data(&drawing, loop_method_key[f->drawn[n]]);
-        for (int k = 0; k < f->points; k++) {
-            double x = 0.0;
-            const double y = f->curve(s, f->drawn[n], k, &x);
-            plot_say(&drawing, "%g %.5g\n", x, y);
+    /* A predictor has the same colour with and without learning; the plainest loop is faint. */
+    static const chart_colour colours[] = {CHART_FAINT, CHART_BLUE, CHART_ORANGE, CHART_GREEN, CHART_PURPLE};
+    chart_data d = chart_data_of(1 + (size_t)f->count);
+    chart drawn = f->axes;
+    for (int k = 0; k < f->points; k++) {
+        double row[1 + CHART_SERIES];
+        for (int n = 0; n < f->count; n++) {
+            row[1 + n] = f->curve(s, f->drawn[n], k, &row[0]);
         }
-        plot_data_end(&drawing);
+        chart_data_add(&d, row);
     }
-    plot_say(&drawing, "%s\nplot ", f->axes);
-    for (int n = 0; n < f->count; n++) {
-        /* A predictor has the same style with and without learning; the plainest loop is faint. */
+    for (size_t n = 0; n < (size_t)f->count; n++) {
         const int how = (int)f->drawn[n];
-        const int style = how == LOOP_PI_MIDPOINT ? 9 : how < LOOP_LEARNING_EULER ? how : how - 3;
-        plot_say(&drawing, "%s$%s using 1:2 with linespoints linestyle %d %s title '%s'", n > 0 ? ", " : "",
-                 loop_method_key[how], style, f->point_size, loop_method_text[how]);
+        drawn.series[n] = (chart_series){
+            loop_method_text[how], &d,           1 + n, colours[how < LOOP_LEARNING_EULER ? how : how - 3],
+            CHART_LINE_POINTS,     CHART_ALWAYS, 0.0,   false};
     }
-    plot_say(&drawing, "\n");
-    return page_figure(p, &drawing, f->id, f->caption, e);
+    const bool ok = page_chart(p, &drawn, f->id, f->caption, e);
+    chart_data_free(&d);
+    return ok;
 }
 
 static bool method_figures(page *p, const loops_study *s, error *e)
@@ -130,22 +135,34 @@ static bool method_figures(page *p, const loops_study *s, error *e)
     static const loop_method starting[] = {LOOP_PI_MEAN, LOOP_LEARNING_EULER, LOOP_LEARNING_QUASI_DISCRETE,
                                            LOOP_LEARNING_EXACT};
     static const method_figure figures[] = {
-        {curve_ratio, LOOP_RATIOS, "", steady, 5, 400,
-         "set logscale xy\nset xrange [4.8:52]\nset xtics (5, 6, 8, 10, 12, 16, 20, 30, 50)\n"
-         "set xlabel 'switching over fundamental frequency'\n"
-         "set ylabel 'rms error, % of rated'\nset key right top",
+        {curve_ratio,
+         LOOP_RATIOS,
+         steady,
+         5,
+         {.x_label = "switching over fundamental frequency",
+          .y_label = "rms error, % of rated",
+          .x = {.logarithmic = true, .fixed = true, .low = 4.8, .high = 52.0},
+          .y = {.logarithmic = true},
+          .height = 380},
          "loops-error",
          "Steady error of the true mean current, right parameters. The part that all share is the beat of "
          "the PWM's ripple with the turning rotor."},
-        {curve_step, LOOP_TRACE_CYCLES, "pointsize 0.4", steady, 5, 380,
-         "set xlabel 'cycles after the step of the reference'\n"
-         "set ylabel 'i_q over rated'\nset key right bottom",
+        {curve_step,
+         LOOP_TRACE_CYCLES,
+         steady,
+         5,
+         {.x_label = "cycles after the step of the reference", .y_label = "i_q over rated", .height = 360},
          "loops-step",
          "Step of i_q from 0.3 to 0.7 of rated at a ratio of 10, right parameters: the true mean of each "
          "cycle."},
-        {curve_start, LOOP_TRACE_CYCLES, "pointsize 0.4", starting, 4, 360,
-         "set logscale y\nset xlabel 'cycles after switch-on'\nset ylabel 'error, % of rated'\n"
-         "set key right top",
+        {curve_start,
+         LOOP_TRACE_CYCLES,
+         starting,
+         4,
+         {.x_label = "cycles after switch-on",
+          .y_label = "error, % of rated",
+          .y = {.logarithmic = true},
+          .height = 360},
          "loops-start",
          "Switched on at full speed, at a ratio of 10: what has to be learnt first is missing first. In the "
          "first cycle the terminals are shorted, for every loop alike."}};
@@ -211,41 +228,53 @@ static bool current_part(page *p, const loops_study *s, error *e)
 
 /* ---- Finite set ---- */
 
+/* Pulses a second and distortion of some loops, the pulses rising. */
+static void add_trade(chart_data *d, const loop_result *r)
+{
+    chart_data_add(d, (double[]){r->switching_Hz, r->thd_percent});
+}
+
+static int by_first(const void *a, const void *b)
+{
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 static bool trade_figure(page *p, const loops_study *s, error *e)
 {
+    enum { CURVES = IQFOC_FINITE_SET_HORIZON + 1 };
+    static const char *const labels[CURVES] = {"finite set, horizon 1", "horizon 2", "horizon 3",
+                                               "deadbeat with PWM"};
+    static const chart_colour colours[CURVES] = {CHART_BLUE, CHART_ORANGE, CHART_GREEN, CHART_PURPLE};
     const finite_set_loops *all = &s->finite_set;
-    plot drawing;
+    chart_data d[CURVES];
+    chart drawn = {.x_label = "pulses per leg and second", .y_label = "THD of the current, %", .height = 360};
     page_heading(p, 2, "A finite set of states");
-    if (!plot_begin(&drawing, 720, 380, e)) {
-        return false;
-    }
-    for (int h = 0; h < IQFOC_FINITE_SET_HORIZON; h++) {
-        char name[16];
-        (void)snprintf(name, sizeof name, "horizon%d", h + 1);
-        plot_data(&drawing, name);
+    for (int n = 0; n < CURVES; n++) {
+        d[n] = chart_data_of(2);
         for (int w = 0; w < FINITE_SET_WEIGHTS; w++) {
-            const loop_result *r = &all->trade[h][w].loop;
-            plot_say(&drawing, "%.6g %.5g\n", r->switching_Hz, r->thd_percent);
+            if (n < IQFOC_FINITE_SET_HORIZON) {
+                add_trade(&d[n], &all->trade[n][w].loop);
+            } else if (all->pwm_ratio[w] > 0.0) {
+                add_trade(&d[n], &all->pwm[w]);
+            }
         }
-        plot_data_end(&drawing);
-    }
-    plot_data(&drawing, "pwm");
-    for (int w = 0; w < FINITE_SET_WEIGHTS; w++) {
-        if (all->pwm_ratio[w] > 0.0) {
-            plot_say(&drawing, "%.6g %.5g\n", all->pwm[w].switching_Hz, all->pwm[w].thd_percent);
+        if (d[n].rows > 0) {
+            qsort(d[n].value, d[n].rows, 2 * sizeof *d[n].value, by_first);
         }
+        drawn.series[n] =
+            (chart_series){labels[n], &d[n], 1, colours[n], CHART_LINE_POINTS, CHART_ALWAYS, 0.0, false};
     }
-    plot_data_end(&drawing);
-    plot_say(&drawing, "set xlabel 'pulses per leg and second'\nset ylabel 'THD of the current, %%'\n"
-                       "set yrange [0:*]\nset key right top\nplot "
-                       "$horizon1 using 1:2 with linespoints linestyle 1 title 'finite set, horizon 1', "
-                       "$horizon2 using 1:2 with linespoints linestyle 2 title 'horizon 2', "
-                       "$horizon3 using 1:2 with linespoints linestyle 3 title 'horizon 3', "
-                       "$pwm using 1:2 with linespoints linestyle 4 title 'deadbeat with PWM'\n");
-    return page_figure(p, &drawing, "loops-finite-set",
-                       "Distortion over switching as the weight on switching is raised, exact predictor, 100 "
-                       "control intervals a period.",
-                       e);
+    const bool ok =
+        page_chart(p, &drawn, "loops-finite-set",
+                   "Distortion over switching as the weight on switching is raised, exact predictor, 100 "
+                   "control intervals a period.",
+                   e);
+    for (int n = 0; n < CURVES; n++) {
+        chart_data_free(&d[n]);
+    }
+    return ok;
 }
 
 bool loops_study_page(const loops_study *s, const char *directory, error *e)

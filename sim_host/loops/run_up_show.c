@@ -39,63 +39,78 @@ json_t *run_ups_json(const run_up all[RUN_UP_CASES])
     return list;
 }
 
-static void say_points(plot *drawing, const char *name, const run_up *r)
+/* ---- The page ---- */
+
+enum {
+    RUN_UP_T,
+    RUN_UP_SPEED,
+    RUN_UP_ASKED,
+    RUN_UP_TORQUE,
+    RUN_UP_ERROR,
+    RUN_UP_I_D,
+    RUN_UP_VOLTAGE,
+    RUN_UP_COLUMNS
+};
+
+static chart_data points_of(const run_up *r)
 {
-    plot_data(drawing, name);
+    chart_data d = chart_data_of(RUN_UP_COLUMNS);
     for (int n = 0; n < r->points; n++) {
         const run_up_point *at = &r->point[n];
-        plot_say(drawing, "%.4f %.5g %.4f %.4f %.4f %.4f\n", at->t_s, at->rpm, at->asked, at->torque, at->i_d,
-                 at->voltage);
+        chart_data_add(&d, (double[RUN_UP_COLUMNS]){at->t_s, at->rpm / 1000.0, at->asked, at->torque,
+                                                    100.0 * (at->torque - at->asked), at->i_d, at->voltage});
     }
-    plot_data_end(drawing);
+    return d;
 }
 
-/* A panel between two heights of the picture, in its own range. */
-static void say_panel(plot *drawing, double top, double bottom, const char *axis)
+static chart_series linear(const chart_data *d, size_t column)
 {
-    plot_say(drawing, "set tmargin at screen %g\nset bmargin at screen %g\n%s\n", top, bottom, axis);
+    return (chart_series){"linear modulation", d, column, CHART_ORANGE, CHART_LINE, CHART_ALWAYS, 0.0, false};
 }
 
-/* Five panels over one axis of time. */
-static void say_panels(plot *drawing)
+static chart_series six_step(const chart_data *d, size_t column, const char *label)
 {
-    plot_say(drawing, "set multiplot\nset lmargin at screen 0.10\nset rmargin at screen 0.985\n"
-                      "set xrange [0:3.8]\nset format x ''\n");
-    say_panel(drawing, 0.99, 0.85, "set ylabel 'speed, 1000 rpm'\nset ytics 4\nset yrange [0:8.8]");
-    plot_say(drawing, "plot $six using 1:($2/1000) with lines linestyle 1 notitle\n");
-    say_panel(drawing, 0.83, 0.67,
-              "set ylabel 'torque over rated'\nset yrange [-1.3:1.3]\nset ytics 1\n"
-              "set key at graph 0.02, graph 0.5 left");
-    plot_say(drawing, "plot $six using 1:3 with lines linestyle 9 linewidth 2.4 title 'asked for', "
-                      "$six using 1:4 with lines linestyle 1 title 'made, to six-step'\n");
-    say_panel(drawing, 0.65, 0.49,
-              "set ylabel 'torque error, %'\nset yrange [-3:3]\nset ytics 2\n"
-              "set key at graph 0.02, graph 0.38 left");
-    plot_say(drawing, "plot $linear using 1:(100*($4-$3)) with lines linestyle 2 title 'linear modulation', "
-                      "$six using 1:(100*($4-$3)) with lines linestyle 1 title 'to six-step'\n");
-    say_panel(drawing, 0.47, 0.29,
-              "set ylabel 'voltage over u_{dc}'\nset yrange [0:0.74]\nset ytics 0.2\n"
-              "set key at graph 0.42, graph 0.62 left");
-    plot_say(drawing, "plot 0.57735 with lines linestyle 9 title 'linear range', "
-                      "0.63662 with lines linestyle 9 dashtype 2 title 'six-step', "
-                      "$linear using 1:6 with lines linestyle 2 title 'linear modulation', "
-                      "$six using 1:6 with lines linestyle 1 title 'to six-step'\n");
-    say_panel(drawing, 0.27, 0.075,
-              "set ylabel 'i_d over rated'\nset yrange [-0.62:0.1]\nset format x '%g'\nset xlabel 't, s'\n"
-              "set key at graph 0.02, graph 0.5 left");
-    plot_say(drawing, "plot $linear using 1:5 with lines linestyle 2 title 'linear modulation', "
-                      "$six using 1:5 with lines linestyle 1 title 'to six-step'\nunset multiplot\n");
+    return (chart_series){label, d, column, CHART_BLUE, CHART_LINE, CHART_ALWAYS, 0.0, false};
+}
+
+/* Five charts over one axis of time. */
+static bool draw_run_ups(page *p, const chart_data *lin, const chart_data *six, const char *caption, error *e)
+{
+    enum { PANELS = 5 };
+    const double end_s = six->rows > 0 ? six->value[(six->rows - 1) * six->columns] : 1.0;
+    const chart usual = {.x_label = "t, s", .group = "run-up", .height = 190};
+    chart drawn[PANELS] = {usual, usual, usual, usual, usual};
+    /* The voltage of linear modulation and of six-step: 1/sqrt 3 and 2/pi of the DC link. */
+    chart_data limits = chart_data_of(3);
+    chart_data_add(&limits, (double[]){0.0, 0.57735, 0.63662});
+    chart_data_add(&limits, (double[]){end_s, 0.57735, 0.63662});
+    drawn[0].y_label = "speed, 1000 rpm";
+    drawn[0].series[0] = six_step(six, RUN_UP_SPEED, "speed");
+    drawn[1].y_label = "torque over rated";
+    drawn[1].series[0] =
+        (chart_series){"asked for", six, RUN_UP_ASKED, CHART_FAINT, CHART_LINE, CHART_ALWAYS, 2.4, false};
+    drawn[1].series[1] = six_step(six, RUN_UP_TORQUE, "made, to six-step");
+    drawn[2].y_label = "torque error, %";
+    drawn[2].y = (chart_axis){.fixed = true, .low = -3.0, .high = 3.0};
+    drawn[2].series[0] = linear(lin, RUN_UP_ERROR);
+    drawn[2].series[1] = six_step(six, RUN_UP_ERROR, "to six-step");
+    drawn[3].y_label = "voltage over u_dc";
+    drawn[3].series[0] =
+        (chart_series){"linear range", &limits, 1, CHART_FAINT, CHART_LINE, CHART_ALWAYS, 0.0, false};
+    drawn[3].series[1] =
+        (chart_series){"six-step", &limits, 2, CHART_FAINT, CHART_LINE, CHART_ALWAYS, 0.0, true};
+    drawn[3].series[2] = linear(lin, RUN_UP_VOLTAGE);
+    drawn[3].series[3] = six_step(six, RUN_UP_VOLTAGE, "to six-step");
+    drawn[4].y_label = "i_d over rated";
+    drawn[4].series[0] = linear(lin, RUN_UP_I_D);
+    drawn[4].series[1] = six_step(six, RUN_UP_I_D, "to six-step");
+    const bool ok = page_charts(p, drawn, PANELS, "loops-run-up", caption, e);
+    chart_data_free(&limits);
+    return ok;
 }
 
 static bool run_up_figure(page *p, const run_up all[RUN_UP_CASES], error *e)
 {
-    plot drawing;
-    if (!plot_begin(&drawing, 720, 860, e)) {
-        return false;
-    }
-    say_points(&drawing, "linear", &all[SHOWN_LINEAR]);
-    say_points(&drawing, "six", &all[SHOWN_SIX_STEP]);
-    say_panels(&drawing);
     char caption[256];
     (void)snprintf(
         caption, sizeof caption,
@@ -103,7 +118,12 @@ static bool run_up_figure(page *p, const run_up all[RUN_UP_CASES], error *e)
         "cycles. The voltage leaves the linear range at %.0f rpm and is six-step's from %.0f rpm on.",
         RUN_UP_RPM, RUN_UP_U_DC, (int)RUN_UP_BELL, all[SHOWN_SIX_STEP].linear_to_rpm,
         all[SHOWN_SIX_STEP].six_step_from_rpm);
-    return page_figure(p, &drawing, "loops-run-up", caption, e);
+    chart_data lin = points_of(&all[SHOWN_LINEAR]);
+    chart_data six = points_of(&all[SHOWN_SIX_STEP]);
+    const bool ok = draw_run_ups(p, &lin, &six, caption, e);
+    chart_data_free(&lin);
+    chart_data_free(&six);
+    return ok;
 }
 
 bool run_ups_part(page *p, const run_up all[RUN_UP_CASES], error *e)

@@ -10,40 +10,32 @@
 
 static bool margins_figure(page *p, const tune_result *r, error *e)
 {
-    plot drawing;
-    if (!plot_begin(&drawing, 760, 560, e)) {
-        return false;
-    }
-    plot_data(&drawing, "margins");
+    enum { PANELS = 4 };
+    static const char *const titles[PANELS] = {"disk margin", "gain margin, dB", "phase margin, degrees",
+                                               "delay margin, cycles"};
+    chart_data d = chart_data_of(1 + 2 * PANELS);
+    chart drawn[PANELS];
     for (int s = 0; s < TUNE_SPEEDS; s++) {
         const tune_at_speed *at = &r->at[s];
-        plot_say(&drawing, "%g %g %g %g %g %g %g %g %g\n", at->rpm, at->worst.disk, at->nominal.disk,
-                 at->worst.gain_dB, at->nominal.gain_dB, at->worst.phase_deg, at->nominal.phase_deg,
-                 at->worst.delay_cycles, at->nominal.delay_cycles);
+        chart_data_add(&d, (double[]){at->rpm, at->worst.disk, at->nominal.disk, at->worst.gain_dB,
+                                      at->nominal.gain_dB, at->worst.phase_deg, at->nominal.phase_deg,
+                                      at->worst.delay_cycles, at->nominal.delay_cycles});
     }
-    plot_data_end(&drawing);
-    plot_say(&drawing,
-             "set multiplot layout 2,2 margins 0.07,0.97,0.12,0.95 spacing 0.1,0.17\n"
-             "set yrange [0:*]\nset xtics autofreq %g\n",
-             r->motor.n_max_rpm / 4.0);
-    static const char *const panels[] = {"disk margin", "gain margin, dB", "phase margin, degrees",
-                                         "delay margin, cycles"};
-    for (int n = 0; n < 4; n++) {
-        plot_say(
-            &drawing,
-            "set title '%s'\n%s\n%s\nplot $margins using 1:%d with linespoints linestyle 1 pointsize 0.4 "
-            "title "
-            "'worst of the region', $margins using 1:%d with linespoints linestyle 2 pointsize 0.4 title "
-            "'nominal'\n",
-            panels[n], n == 0 ? "set key bottom left" : "unset key",
-            n >= 2 ? "set xlabel 'rpm'" : "unset xlabel", 2 + 2 * n, 3 + 2 * n);
+    for (size_t n = 0; n < PANELS; n++) {
+        drawn[n] = (chart){.title = titles[n],
+                           .x_label = "rpm",
+                           .series = {{"worst of the region", &d, 1 + 2 * n, CHART_BLUE, CHART_LINE_POINTS,
+                                       CHART_ALWAYS, 0.0, false},
+                                      {"nominal", &d, 2 + 2 * n, CHART_ORANGE, CHART_LINE_POINTS,
+                                       CHART_ALWAYS, 0.0, false}}};
     }
-    plot_say(&drawing, "unset multiplot\n");
-    return page_figure(
-        p, &drawing, "tune-margins",
-        "How far the voltage may go wrong before the loop is unstable, over the speed. A delay margin "
-        "of 1 stands for at least one cycle.",
-        e);
+    const bool ok =
+        page_charts(p, drawn, PANELS, "tune-margins",
+                    "How far the voltage may go wrong before the loop is unstable, over the speed. A delay "
+                    "margin of 1 stands for at least one cycle.",
+                    e);
+    chart_data_free(&d);
+    return ok;
 }
 
 static void margins_table(page *p, const tune_result *r)
@@ -76,96 +68,98 @@ static void margins_table(page *p, const tune_result *r)
 
 enum { FREQUENCIES = 120 };
 
+static chart_data sensitivity_of(const tune_result *r, const tune_at_speed *at)
+{
+    chart_data d = chart_data_of(3);
+    tune_loop nominal;
+    tune_loop worst;
+    tune_loop_make(&r->design, &r->region.point[0].machine, at->phi_rad, &tune_no_fault, &nominal);
+    tune_loop_make(&r->design, &r->region.point[at->disk_worst].machine, at->phi_rad, &tune_no_fault, &worst);
+    for (int k = 0; k < FREQUENCIES; k++) {
+        const double w = VEC_PI * pow(10.0, 2.0 * ((double)(k + 1) / FREQUENCIES - 1.0));
+        chart_data_add(&d, (double[]){w * r->motor.f_pwm_Hz / VEC_TWO_PI, tune_sensitivity(&nominal, w),
+                                      tune_sensitivity(&worst, w)});
+    }
+    return d;
+}
+
 static bool sensitivity_figure(page *p, const tune_result *r, error *e)
 {
-    static const int speeds[] = {0, (TUNE_SPEEDS - 1) / 2, TUNE_SPEEDS - 1};
-    plot drawing;
-    if (!plot_begin(&drawing, 760, 360, e)) {
-        return false;
-    }
-    for (int n = 0; n < 3; n++) {
+    enum { SHOWN = 3 };
+    static const int speeds[SHOWN] = {0, (TUNE_SPEEDS - 1) / 2, TUNE_SPEEDS - 1};
+    static const chart_colour colours[SHOWN] = {CHART_BLUE, CHART_ORANGE, CHART_GREEN};
+    chart_data d[SHOWN];
+    char label[2 * SHOWN][48];
+    chart drawn = {.x_label = "frequency in the rotor frame, Hz",
+                   .y_label = "largest singular value",
+                   .x = {.logarithmic = true},
+                   .y = {.logarithmic = true},
+                   .height = 360};
+    for (size_t n = 0; n < SHOWN; n++) {
         const tune_at_speed *at = &r->at[speeds[n]];
-        char name[16];
-        tune_loop nominal;
-        tune_loop worst;
-        tune_loop_make(&r->design, &r->region.point[0].machine, at->phi_rad, &tune_no_fault, &nominal);
-        tune_loop_make(&r->design, &r->region.point[at->disk_worst].machine, at->phi_rad, &tune_no_fault,
-                       &worst);
-        (void)snprintf(name, sizeof name, "speed%d", n);
-        plot_data(&drawing, name);
-        for (int k = 0; k < FREQUENCIES; k++) {
-            const double w = VEC_PI * pow(10.0, 2.0 * ((double)(k + 1) / FREQUENCIES - 1.0));
-            plot_say(&drawing, "%.5g %.5g %.5g\n", w * r->motor.f_pwm_Hz / VEC_TWO_PI,
-                     tune_sensitivity(&nominal, w), tune_sensitivity(&worst, w));
-        }
-        plot_data_end(&drawing);
+        d[n] = sensitivity_of(r, at);
+        (void)snprintf(label[2 * n], sizeof label[0], "nominal, %.0f rpm", at->rpm);
+        (void)snprintf(label[2 * n + 1], sizeof label[0], "worst machine, %.0f rpm", at->rpm);
+        drawn.series[2 * n] =
+            (chart_series){label[2 * n], &d[n], 1, colours[n], CHART_LINE, CHART_ALWAYS, 0.0, true};
+        drawn.series[2 * n + 1] =
+            (chart_series){label[2 * n + 1], &d[n], 2, colours[n], CHART_LINE, CHART_ALWAYS, 0.0, false};
     }
-    plot_say(&drawing,
-             "set logscale xy\nset xlabel 'frequency in the rotor frame, Hz'\n"
-             "set ylabel 'largest singular value'\nset key bottom right\nplot 1 with lines linestyle 9 "
-             "notitle");
-    for (int n = 0; n < 3; n++) {
-        plot_say(&drawing,
-                 ", $speed%d using 1:2 with lines linestyle %d dashtype 2 title 'nominal, %.0f rpm', "
-                 "$speed%d using 1:3 "
-                 "with lines linestyle %d title 'worst machine'",
-                 n, n + 1, r->at[speeds[n]].rpm, n, n + 1);
+    const bool ok =
+        page_chart(p, &drawn, "tune-sensitivity",
+                   "Sensitivity of the voltage to a disturbance of it: below 1 the loop takes it away, "
+                   "above 1 it adds to it.",
+                   e);
+    for (size_t n = 0; n < SHOWN; n++) {
+        chart_data_free(&d[n]);
     }
-    plot_say(&drawing, "\n");
-    return page_figure(
-        p, &drawing, "tune-sensitivity",
-        "Sensitivity of the voltage to a disturbance of it: below 1 the loop takes it away, above 1 it "
-        "adds to it.",
-        e);
+    return ok;
 }
 
 /* ---- Steps and comparison ---- */
 
 static bool steps_figure(page *p, const tune_report *t, error *e)
 {
-    static const int drawn[] = {0, 2, 3, 4}; /* ratios 5, 10, 20, 50 */
+    enum { PANELS = 4 };
+    static const int drawn_ratios[PANELS] = {0, 2, 3, 4}; /* ratios 5, 10, 20, 50 */
     const tune_comparison *c = &t->comparison;
-    plot drawing;
-    if (!plot_begin(&drawing, 760, 560, e)) {
-        return false;
-    }
-    for (int n = 0; n < 4; n++) {
-        char name[16];
-        (void)snprintf(name, sizeof name, "ratio%d", n);
-        plot_data(&drawing, name);
-        for (int k = 0; k < LOOP_TRACE_CYCLES - 12; k++) {
-            plot_say(&drawing, "%d", k - LOOP_TRACE_BEFORE);
+    chart_data d[PANELS];
+    char title[PANELS][48];
+    chart drawn[PANELS];
+    for (size_t n = 0; n < PANELS; n++) {
+        const int ratio = drawn_ratios[n];
+        d[n] = chart_data_of(1 + TUNE_CONTROLLERS);
+        for (int k = 0; k < LOOP_TRACE_CYCLES - 12 && c->held[ratio]; k++) {
+            double row[1 + TUNE_CONTROLLERS] = {k - LOOP_TRACE_BEFORE};
             for (int how = 0; how < TUNE_CONTROLLERS; how++) {
-                plot_say(&drawing, " %.5g", c->at[drawn[n]][how][0].trace_q[k]);
+                row[1 + how] = c->at[ratio][how][0].trace_q[k];
             }
-            plot_say(&drawing, "\n");
+            chart_data_add(&d[n], row);
         }
-        plot_data_end(&drawing);
+        (void)snprintf(title[n], sizeof title[n],
+                       c->held[ratio] ? "%g cycles a turn" : "%g cycles a turn: not held",
+                       tune_ratios[ratio]);
+        drawn[n] = (chart){
+            .title = title[n],
+            .x_label = "cycles after the step",
+            .y_label = "i_q over rated",
+            .x = {.fixed = true, .low = -4.0, .high = 28.0},
+            .y = {.fixed = true, .low = 0.2, .high = 1.0},
+            .series = {
+                {tune_controller_text[0], &d[n], 1, CHART_FAINT, CHART_LINE_POINTS, CHART_ALWAYS, 0.0, false},
+                {tune_controller_text[3], &d[n], 4, CHART_BLUE, CHART_LINE_POINTS, CHART_ALWAYS, 0.0, false},
+                {tune_controller_text[4], &d[n], 5, CHART_ORANGE, CHART_LINE_POINTS, CHART_ALWAYS, 0.0,
+                 false}}};
     }
-    plot_say(&drawing, "set multiplot layout 2,2 margins 0.07,0.97,0.12,0.95 spacing 0.09,0.17\nset yrange "
-                       "[0.2:1]\nset xrange [-4:28]\n");
-    for (int n = 0; n < 4; n++) {
-        if (!c->held[drawn[n]]) {
-            plot_say(&drawing, "set title '%g cycles a turn: not held'\nunset key\nplot -1 notitle\n",
-                     tune_ratios[drawn[n]]);
-            continue;
-        }
-        plot_say(&drawing,
-                 "set title '%g cycles a turn'\n%s\n%s\nplot $ratio%d using 1:2 with linespoints linestyle 9 "
-                 "pointsize 0.3 "
-                 "title '%s', $ratio%d using 1:5 with linespoints linestyle 1 pointsize 0.4 title '%s', "
-                 "$ratio%d using "
-                 "1:6 with linespoints linestyle 2 pointsize 0.4 title '%s'\n",
-                 tune_ratios[drawn[n]], n == 3 ? "set key bottom right" : "unset key",
-                 n >= 2 ? "set xlabel 'cycles after the step'" : "unset xlabel", n, tune_controller_text[0],
-                 n, tune_controller_text[3], n, tune_controller_text[4]);
-    }
-    plot_say(&drawing, "unset multiplot\n");
-    return page_figure(
-        p, &drawing, "tune-steps",
+    const bool ok = page_charts(
+        p, drawn, PANELS, "tune-steps",
         "Step of i_q from 0.3 to 0.7 of the rated peak, nominal machine, switching-level drive and "
         "firmware in fixed point: the true mean of each cycle.",
         e);
+    for (size_t n = 0; n < PANELS; n++) {
+        chart_data_free(&d[n]);
+    }
+    return ok;
 }
 
 static void result_cells(page *p, const loop_result *l)

@@ -122,8 +122,7 @@ class OutputFolder(unittest.TestCase):
                 self.expect_whole(self.call([*arguments, "-o", "out"], self.environment(None)), text_files)
                 self.assertFalse([name for name in self.content() if name.endswith(".svg")])
                 said = self.content()[files[0]].count(b"gnuplot is not installed")
-                if command != "sweep":
-                    self.assertEqual(command == "reproduce", said > 0)
+                self.assertEqual(command == "reproduce", said > 0)
                 shutil.rmtree(self.out)
 
     def expect_untouched(self, arguments, environment, status, words, **how):

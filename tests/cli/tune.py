@@ -57,8 +57,7 @@ class Tune(unittest.TestCase):
         self.check_header(tuned, result)
         page = (tuned / "index.html").read_text()
         self.assertNotIn(">nan<", page)
-        if shutil.which("gnuplot"):
-            self.assertEqual(3, page.count("<svg "))
+        self.assertEqual(3, page.count('class="charts'))
 
     def check_header(self, folder, result):
         (folder / "firmware.c").write_text(FIRMWARE)

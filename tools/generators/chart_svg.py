@@ -69,6 +69,8 @@ def axis_lines(chart, key):
     axis = chart[key]
     lines = [f"set {key}label {quoted(axis['label'])} noenhanced" if axis.get("label") else f"unset {key}label",
              f"set logscale {key}" if axis["log"] else f"unset logscale {key}", f"set {key}tics autofreq"]
+    if axis["log"] and key == "x":
+        lines.append("set xtics (" + ", ".join(f"{m * 10.0 ** k:g}" for k in range(-3, 6) for m in (1, 2, 5)) + ")")
     low, high = chart.get("view", axis.get("range", (None, None))) if key == "x" else axis.get("range", (None, None))
     if low is not None:
         lines.append(f"set {key}range [{low:.7g}:{high:.7g}]")
@@ -101,9 +103,7 @@ def chart_lines(chart, columns, number):
         curves.append(f"$chart{number}_{n} using 1:2 with {style} linecolor rgb {quoted(COLOURS[series['colour']])}"
                       f" linewidth {series['width'] or 1.8:g}{dash}{dots} title {quoted(series['label'])} noenhanced")
     lines += axis_lines(chart, "x") + axis_lines(chart, "y")
-    lines += [f"set title {quoted(chart.get('title', ''))} noenhanced offset 0,0.6" if len(chart["series"]) > 1 and chart.get("title")
-              else f"set title {quoted(chart.get('title', ''))} noenhanced offset 0,-0.4",
-              "set boxwidth 0.34", "plot " + ", ".join(curves)]
+    lines += [f"set title {quoted(chart.get('title', ''))} noenhanced offset 0,-0.4", "set boxwidth 0.34", "plot " + ", ".join(curves)]
     return lines
 
 
@@ -113,8 +113,8 @@ def svg(told):
     stacked = len(charts) == 1 or charts[0].get("group")
     columns = 1 if stacked else 2
     rows = -(-len(charts) // columns)
-    height = sum(chart["height"] or 290 for chart in charts) * 1.2 if stacked else 300 * rows
-    script = [f"set terminal svg size {WIDTH},{height:.0f} dynamic enhanced font 'sans-serif,13' linewidth 1 butt", "set encoding utf8",
+    height = sum(chart["height"] or 290 for chart in charts) * 1.2 if stacked else 330 * rows
+    script = [f"set terminal svg size {WIDTH},{height:.0f} dynamic enhanced font 'sans-serif,12' linewidth 1 butt", "set encoding utf8",
               f"set border 3 linecolor rgb '{INK}' linewidth 0.8", f"set tics nomirror out scale 0.6 textcolor rgb '{INK}'",
               f"set grid linetype 1 linecolor rgb '{GRID}' linewidth 0.8 dashtype solid", "set xtics offset 0,0.4",
               f"set key textcolor rgb '{INK}' Left reverse samplen 1.6 spacing 1.1 above maxrows 2", "set minussign",
@@ -122,8 +122,15 @@ def svg(told):
               f"set multiplot layout {rows},{columns}"]
     if stacked:
         script.append("set lmargin 9\nset rmargin 2")
+    # Side by side the same curves are named once, in the first chart.
+    alike = not stacked and len({tuple(series["label"] for series in chart["series"]) for chart in charts}) == 1
+    if alike:
+        script.append("set key inside vertical maxrows 8 right top" if any(chart["y"]["log"] for chart in charts) else
+                      "set key inside vertical maxrows 8 left top")
     for number, chart in enumerate(charts):
         script += chart_lines(chart, told["columns"], number)
+        if alike:
+            script.append("unset key")
     script.append("unset multiplot\n")
     done = subprocess.run(["gnuplot", "-"], input="\n".join(script), text=True, capture_output=True, check=False,
                           env={"LC_ALL": "C.UTF-8", "PATH": "/usr/bin:/bin"})
