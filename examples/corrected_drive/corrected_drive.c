@@ -3,6 +3,7 @@
  */
 #include "corrected_drive.h"
 
+#include "iqfoc/cycle_check.h"
 #include "iqfoc_extension.h"
 
 #include <stddef.h>

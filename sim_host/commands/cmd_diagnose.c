@@ -22,7 +22,7 @@ static const option_spec specs[] = {
     {"trace", 0, NULL, "tell on stderr how the search went"},
     {NULL, 0, NULL, NULL}};
 
-static const command_about about = {
+const command_about about_diagnose = {
     "diagnose", "REC.csv --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]]",
     "Compares a recording with the averaged model, cycle by cycle; names the effects that account for\n"
     "the difference, with 95 % intervals; and measures on rows that were not fitted what the extended\n"
@@ -63,13 +63,14 @@ static bool combination(const options *o, request *r, error *e)
     const int given = o->argc - o->first;
     char **recordings = &o->argv[o->first];
     if (given == 0) {
-        return error_input(e, NULL, 0, 0, "diagnose: which recording? Usage: iqfoc diagnose %s", about.usage);
+        return error_input(e, NULL, 0, 0, "diagnose: which recording? Usage: iqfoc diagnose %s",
+                           about_diagnose.usage);
     }
     r->recording_path = recordings[0];
     return given == 1 ||
            error_input(e, NULL, 0, 0,
                        "diagnose: one recording at a time; \"%s\" is a second one. Usage: iqfoc diagnose %s",
-                       recordings[1], about.usage);
+                       recordings[1], about_diagnose.usage);
 }
 
 /* Files first, words last: what is printed has been written. */
@@ -133,7 +134,7 @@ int cmd_diagnose(int argc, char **argv)
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_SKIP] = {.take = take_skip, .context = &r.options.skip},
                                    [OPT_TRACE] = {.flag = &r.traced}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_diagnose, argc, argv);
     const bool ok = options_read(&o, places, &e) && (o.helped || (combination(&o, &r, &e) && run(&r, &e)));
     return ok ? STATUS_DONE : error_print(&e);
 }

@@ -25,7 +25,7 @@ static const option_spec specs[] = {
     {NULL, 0, NULL, NULL},
 };
 
-static const command_about about = {
+const command_about about_export_fmu = {
     "export-fmu",
     "--motor M.toml -o F.fmu [--kind plant|drive] [--scenario S.toml [--run N]] [--effect "
     "id[:key=value,...]]... "
@@ -60,7 +60,7 @@ int cmd_export_fmu(int argc, char **argv)
                                    [OPT_RUN] = {.integer = &run, .low = 1, .high = 100000000},
                                    [OPT_EFFECT] = {.texts = &effects},
                                    [OPT_SEED] = {.integer = &r.seed, .high = 2147483647}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_export_fmu, argc, argv);
     if (!options_read(&o, places, &e) || o.helped || !options_complete(&o, places, &e)) {
         return error_print(&e);
     }

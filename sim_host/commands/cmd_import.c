@@ -25,7 +25,7 @@ static const option_spec specs[] = {
      "fits best, by how much, and the map's lines for it; nothing is written"},
     {NULL, 0, NULL, NULL}};
 
-static const command_about about = {
+const command_about about_import = {
     "import", "LOG [--map MAP.toml | --preset NAME] [--motor M.toml] [-o REC.csv | --check]",
     "Makes a recording for `iqfoc diagnose` from a table that another program wrote, as a map says: which\n"
     "column is what, in which unit, frame and sign. Delimiter, decimal mark, encoding and header are found.\n"
@@ -39,7 +39,7 @@ typedef struct request {
 
 static bool parse(int argc, char **argv, request *r, error *e)
 {
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_import, argc, argv);
     const option_place places[] = {[OPT_MAP] = {.text = &r->map_path},
                                    [OPT_OUTPUT] = {.text = &r->recording_path},
                                    [OPT_MOTOR] = {.text = &r->motor_path},
@@ -53,7 +53,7 @@ static bool parse(int argc, char **argv, request *r, error *e)
         return error_input(e, NULL, 0, 0, "import: --map or --preset, not both");
     }
     if (o.first >= argc && r->preset_name == NULL) {
-        return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about.usage);
+        return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about_import.usage);
     }
     r->log_path = o.first < argc ? argv[o.first] : NULL;
     if (!options_at_most(&o, 1, e)) {
@@ -65,7 +65,7 @@ static bool parse(int argc, char **argv, request *r, error *e)
                            "import: --map MAP.toml is missing; `iqfoc import LOG > MAP.toml` proposes one");
     }
     if (r->recording_path != NULL && r->log_path == NULL) {
-        return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about.usage);
+        return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about_import.usage);
     }
     if (r->check && r->recording_path != NULL) {
         return error_input(e, NULL, 0, 0, "import: --check writes nothing; leave -o out");

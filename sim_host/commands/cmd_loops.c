@@ -20,7 +20,7 @@ static const option_spec specs[] = {
      "where the report page goes; default: report-loops,\nor no page if --json is given without -o"},
     {NULL, 0, NULL, NULL}};
 
-static const command_about about = {
+const command_about about_loops = {
     "loops",
     "[--json F] [-o DIR]\n"
     "       iqfoc loops --motor M.toml --extended X.toml [--effect id[:key=value,...]]... [--json F]",
@@ -107,7 +107,7 @@ int cmd_loops(int argc, char **argv)
                                    [OPT_EFFECT] = {.texts = &r.effects},
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_OUTPUT] = {.text = &r.directory}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_loops, argc, argv);
     bool ok = options_read(&o, places, &e);
     if (ok && !o.helped) {
         ok = combination(&o, &r, &e) && options_complete(&o, places, &e) &&

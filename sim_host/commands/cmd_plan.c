@@ -37,7 +37,7 @@ static const option_spec specs[] = {
     {"output", 'o', "PLAN.toml", "the scenario, for iqfoc simulate and for a bench"},
     {NULL, 0, NULL, NULL}};
 
-static const command_about about = {
+const command_about about_plan = {
     "plan",
     "--motor M.toml [--current A] [--speed RPM] [--u-dc V] [--seconds S] [--against S.toml] -o PLAN.toml",
     "Plans a recording for iqfoc diagnose: pulses and steps at standstill, steps at speeds of both\n"
@@ -131,7 +131,7 @@ int cmd_plan(int argc, char **argv)
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_OUTPUT] = {.text = &r.out_path}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_plan, argc, argv);
     bool ok = options_read(&o, places, &e);
     if (ok && !o.helped) {
         ok = options_complete(&o, places, &e) && make(&r, &e);

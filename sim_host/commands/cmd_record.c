@@ -20,7 +20,7 @@ static const option_spec specs[] = {
     {NULL, 0, NULL, NULL},
 };
 
-static const command_about about = {
+const command_about about_record = {
     "record",
     "--port DEV|PTY|SOCKET|FILE -o REC.csv [--baud N] [--seconds X]",
     "Reads what the firmware's recorder sends and writes it as a recording. Lost and damaged frames are\n"
@@ -110,7 +110,7 @@ int cmd_record(int argc, char **argv)
                                    [OPT_OUT] = {.text = &r.out_path, .needed = true},
                                    [OPT_BAUD] = {.integer = &r.baud, .low = 1, .high = 10000000},
                                    [OPT_SECONDS] = {.number = &r.seconds, .low = 1e-3, .high = 1e6}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_record, argc, argv);
     if (!options_read(&o, places, &e) || o.helped || !options_complete(&o, places, &e)) {
         return error_print(&e);
     }

@@ -19,7 +19,7 @@ static const option_spec specs[] = {
      "where the report page goes; default: report-reproduce,\nor no page if --json is given without -o"},
     {NULL, 0, NULL, NULL}};
 
-static const command_about about = {
+const command_about about_reproduce = {
     "reproduce", "[--paper 2016|2019] [--json F] [-o DIR]",
     "Computes the tables and figures of\n"
     "  2016: L. Jarzebowicz, Applied Mathematical Modelling 42, pp. 576-590\n"
@@ -69,7 +69,7 @@ int cmd_reproduce(int argc, char **argv)
     const option_place places[] = {[OPT_PAPER] = {.take = take_paper, .context = &r},
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_OUTPUT] = {.text = &r.directory}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_reproduce, argc, argv);
     const bool ok = options_read(&o, places, &e) &&
                     (o.helped || (options_complete(&o, places, &e) && reproduce(&r, &c, &e)));
     comparison_free(&c);

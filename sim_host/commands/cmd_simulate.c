@@ -30,7 +30,7 @@ static const option_spec specs[] = {
     {NULL, 0, NULL, NULL},
 };
 
-static const command_about about = {
+const command_about about_simulate = {
     "simulate",
     "--motor M.toml --scenario S.toml -o REC.csv [--effect id[:key=value,...]]... [--seed N] "
     "[--target T]",
@@ -117,7 +117,7 @@ int cmd_simulate(int argc, char **argv)
                                    [OPT_IMAGE] = {.text = &r.emulated.image},
                                    [OPT_UART] = {.text = &r.emulated.uart},
                                    [OPT_LIST] = {.flag = &r.list}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_simulate, argc, argv);
     if (!options_read(&o, places, &e) || o.helped) {
         return error_print(&e);
     }

@@ -28,7 +28,7 @@ static const option_spec specs[] = {
     {"induction", 0, NULL, "instead: the errors for a traction induction machine at 500 Hz switching"},
     {NULL, 0, NULL, NULL}};
 
-static const command_about about = {
+const command_about about_sweep = {
     "sweep",
     "--motor M.toml --rpm N[,N...] [--current-rms A] [--id-ratio X] [-o DIR] [--json F]\n"
     "       iqfoc sweep --motor M.toml --map [-o DIR] [--json F]\n"
@@ -204,7 +204,7 @@ int cmd_sweep(int argc, char **argv)
         [OPT_MAP] = {.flag = &r.map},
         [OPT_OUTPUT] = {.text = &r.directory},
         [OPT_INDUCTION] = {.flag = &r.induction}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_sweep, argc, argv);
     const bool ok = options_read(&o, places, &e) && (o.helped || (combination(&o, &r, &e) && run(&r, &e)));
     return ok ? STATUS_DONE : error_print(&e);
 }

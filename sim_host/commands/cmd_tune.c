@@ -36,7 +36,7 @@ static const option_spec specs[] = {
     {"output", 'o', "DIR", "the page and the firmware's header, iqfoc_tuned.h"},
     {NULL, 0, NULL, NULL}};
 
-static const command_about about = {
+const command_about about_tune = {
     "tune", "--motor M.toml [--diagnosis D.json] [--ratio N] [--method pi|deadbeat] [-o DIR] [--json F]",
     "Designs the current controller of iqfoc/tuned_control.h: the highest bandwidth whose worst disk\n"
     "margin, at every speed to n_max and for every machine of the region that the diagnosis leaves,\n"
@@ -139,7 +139,7 @@ int cmd_tune(int argc, char **argv)
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_OUTPUT] = {.text = &r.directory}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_tune, argc, argv);
     bool ok = options_read(&o, places, &e);
     r.compares = r.directory != NULL || r.json_path != NULL;
     if (ok && !o.helped) {

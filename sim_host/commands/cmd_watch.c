@@ -18,7 +18,7 @@ static const option_spec specs[] = {
     {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
     {NULL, 0, NULL, NULL}};
 
-static const command_about about = {
+const command_about about_watch = {
     "watch", "--motor M.toml [--rate HZ] [--trials N] [--cycles N] [--json F]",
     "Tries the watch of iqfoc/watch.h: drives with dead time and noise under the tuned controller run\n"
     "varied duty in the switching-level plant, and after half a second the magnet weakens by 5 %,\n"
@@ -123,7 +123,7 @@ int cmd_watch(int argc, char **argv)
                                    [OPT_CYCLES] = {.number = &r.cycles, .low = 1e3, .high = 1e12},
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
                                    [OPT_JSON] = {.text = &r.json_path}};
-    options o = options_begin(&about, argc, argv);
+    options o = options_begin(&about_watch, argc, argv);
     bool ok = options_read(&o, places, &e);
     if (ok && !o.helped) {
         ok = options_complete(&o, places, &e) && watch(&r, &e);

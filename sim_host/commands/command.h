@@ -5,6 +5,8 @@
 #ifndef SIM_HOST_COMMANDS_COMMAND_H
 #define SIM_HOST_COMMANDS_COMMAND_H
 
+#include "options.h"
+
 int cmd_reproduce(int argc, char **argv);
 int cmd_simulate(int argc, char **argv);
 int cmd_export_fmu(int argc, char **argv);
@@ -16,5 +18,10 @@ int cmd_tune(int argc, char **argv);
 int cmd_watch(int argc, char **argv);
 int cmd_import(int argc, char **argv);
 int cmd_diagnose(int argc, char **argv);
+int cmd_golden(int argc, char **argv);
+
+/* What each takes, for its own parsing and for all help. */
+extern const command_about about_reproduce, about_simulate, about_record, about_loops, about_sweep,
+    about_tune, about_watch, about_import, about_diagnose, about_golden, about_plan, about_export_fmu;
 
 #endif

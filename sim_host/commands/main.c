@@ -15,27 +15,31 @@
 #include <string.h>
 
 typedef struct command {
-    const char *name;
+    const command_about *about;
     const char *summary;
     int (*run)(int argc, char **argv);
 } command;
 
 static const command commands[] = {
-    {"reproduce", "the papers' tables beside this project's values, with the figures as plots",
+    {&about_reproduce, "the papers' tables beside this project's values, with the figures as plots",
      cmd_reproduce},
-    {"simulate", "run the firmware code against the switching-level drive, write a recording", cmd_simulate},
+    {&about_simulate, "run the firmware code against the switching-level drive, write a recording",
+     cmd_simulate},
 #ifdef IQFOC_FMU
-    {"export-fmu", "the drive, or its plant alone, as a model for another simulator (FMI 3.0)",
+    {&about_export_fmu, "the drive, or its plant alone, as a model for another simulator (FMI 3.0)",
      cmd_export_fmu},
 #endif
-    {"record", "what the firmware's recorder sends over a serial line, as a recording", cmd_record},
-    {"sweep", "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
-    {"loops", "what better feedback and better prediction do to a closed loop", cmd_loops},
-    {"import", "a recording from the log of another program", cmd_import},
-    {"diagnose", "what the model gets wrong about a recording, why, and what mending it gains", cmd_diagnose},
-    {"plan", "the recording to make, by how well it lets the causes be told apart", cmd_plan},
-    {"tune", "a current controller with its margins at every speed, from what a diagnosis knows", cmd_tune},
-    {"watch", "trials of the firmware's watch on its model", cmd_watch},
+    {&about_record, "what the firmware's recorder sends over a serial line, as a recording", cmd_record},
+    {&about_sweep, "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep},
+    {&about_loops, "what better feedback and better prediction do to a closed loop", cmd_loops},
+    {&about_import, "a recording from the log of another program", cmd_import},
+    {&about_diagnose, "what the model gets wrong about a recording, why, and what mending it gains",
+     cmd_diagnose},
+    {&about_plan, "the recording to make, by how well it lets the causes be told apart", cmd_plan},
+    {&about_tune, "a current controller with its margins at every speed, from what a diagnosis knows",
+     cmd_tune},
+    {&about_watch, "trials of the firmware's watch on its model", cmd_watch},
+    {&about_golden, "one hash that shows this build to compute what every other does", cmd_golden},
 };
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
@@ -44,7 +48,7 @@ static int print_overview(void)
 {
     printf("usage: iqfoc <command> [options]\n\n");
     for (int n = 0; n < COMMANDS; n++) {
-        printf("  %-12s%s\n", commands[n].name, commands[n].summary);
+        printf("  %-12s%s\n", commands[n].about->name, commands[n].summary);
     }
     printf("\n`iqfoc <command> --help` documents each. `iqfoc --version` prints the version.\n"
            "Exit status: 0 done, 2 for input or usage that cannot be used, 1 for a failure of the program "
@@ -56,7 +60,7 @@ static int refuse(const char *given)
 {
     const char *names[COMMANDS];
     for (int i = 0; i < COMMANDS; i++) {
-        names[i] = commands[i].name;
+        names[i] = commands[i].about->name;
     }
     error e = {0};
     const char *meant = given != NULL ? suggest(given, names, COMMANDS) : NULL;
@@ -83,7 +87,7 @@ static int run(int argc, char **argv)
         return STATUS_DONE;
     }
     for (int n = 0; n < COMMANDS; n++) {
-        if (strcmp(argv[1], commands[n].name) == 0) {
+        if (strcmp(argv[1], commands[n].about->name) == 0) {
             return commands[n].run(argc - 1, argv + 1);
         }
     }
