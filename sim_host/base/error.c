@@ -1,6 +1,8 @@
 /* Bad news: put together, kept to one line, printed (error.h). */
 #include "error.h"
 
+#include "terminal.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -106,7 +108,7 @@ bool error_failure(error *e, int errno_value, const char *format, ...)
 int error_print(const error *e)
 {
     if (e->status != 0) {
-        fprintf(stderr, "iqfoc: %s\n", e->text);
+        fprintf(stderr, "%siqfoc:%s %s\n", terminal_red(stderr), terminal_plain(stderr), e->text);
     }
     return e->status;
 }

@@ -1,7 +1,9 @@
 /* iqfoc diagnose: what a recording shows the model to get wrong, why, and what mending it gains. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
+#include "base/suggest.h"
 #include "command.h"
+#include "data/cause.h"
 #include "diagnose/diagnose.h"
 #include "diagnose/show/report.h"
 #include "diagnose/tell/json.h"
@@ -37,6 +39,25 @@ typedef struct request {
     char **argv;
 } request;
 
+static bool refuse_cause(const char *given, error *e)
+{
+    const char *ids[CAUSE_COUNT];
+    size_t count = 0;
+    for (int k = 0; k < CAUSE_COUNT; k++) {
+        if (cause_table[k].named) {
+            ids[count++] = cause_table[k].id;
+        }
+    }
+    const char *meant = suggest(given, ids, count);
+    return meant != NULL
+               ? error_input(e, NULL, 0, 0, "diagnose: --skip: '%s' is no cause id; did you mean %s?", given,
+                             meant)
+               : error_input(
+                     e, NULL, 0, 0,
+                     "diagnose: --skip: '%s' is no cause id; `iqfoc simulate --list-effects` has them",
+                     given);
+}
+
 static bool take_skip(const options *o, void *context, error *e)
 {
     hypothesis_set *skip = context;
@@ -46,7 +67,7 @@ static bool take_skip(const options *o, void *context, error *e)
         snprintf(id, sizeof id, "%.*s", (int)n, list);
         hypothesis_set set = hypotheses_of_cause(id);
         if (set == 0) {
-            return error_input(e, NULL, 0, 0, "diagnose: --skip: '%s' is no cause id", id);
+            return refuse_cause(id, e);
         }
         *skip |= set;
         list += n + (list[n] == ',');

@@ -19,9 +19,11 @@ int cmd_watch(int argc, char **argv);
 int cmd_import(int argc, char **argv);
 int cmd_diagnose(int argc, char **argv);
 int cmd_golden(int argc, char **argv);
+int cmd_help(int argc, char **argv);
 
 /* What each takes, for its own parsing and for all help. */
 extern const command_about about_reproduce, about_simulate, about_record, about_loops, about_sweep,
-    about_tune, about_watch, about_import, about_diagnose, about_golden, about_plan, about_export_fmu;
+    about_tune, about_watch, about_import, about_diagnose, about_golden, about_plan, about_export_fmu,
+    about_help;
 
 #endif

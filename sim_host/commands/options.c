@@ -5,6 +5,7 @@
 
 #include "base/number.h"
 #include "base/suggest.h"
+#include "base/terminal.h"
 
 #include <getopt.h>
 #include <limits.h>
@@ -52,14 +53,16 @@ static void print_option(const option_spec *spec)
     }
 }
 
-static void print_help(const command_about *about)
+const option_spec options_help = {"help", 'h', NULL, "this text"};
+
+void options_print_help(const command_about *about)
 {
-    static const option_spec help = {"help", 'h', NULL, "this text"};
-    printf("usage: iqfoc %s %s\n\n%s\n\n", about->name, about->usage, about->description);
+    printf("usage: iqfoc %s%s%s %s\n\n%s\n\n", terminal_bold(stdout), about->name, terminal_plain(stdout),
+           about->usage, about->description);
     for (const option_spec *spec = about->specs; spec->name != NULL; spec++) {
         print_option(spec);
     }
-    print_option(&help);
+    print_option(&options_help);
 }
 
 /* ---- parsing ---- */
@@ -143,7 +146,7 @@ int options_next(options *o, error *e)
         return OPTIONS_END;
     }
     if (got == 'h') {
-        print_help(o->about);
+        options_print_help(o->about);
         o->helped = true;
         return OPTIONS_END;
     }

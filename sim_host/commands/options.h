@@ -62,6 +62,12 @@ typedef struct option_place {
     bool needed; /* options_complete refuses its absence; with `text` alone */
 } option_place;
 
+/* --help itself, as the help shows it. */
+extern const option_spec options_help;
+
+/* What --help prints. */
+void options_print_help(const command_about *about);
+
 enum {
     OPTIONS_END = -1,  /* no more, or --help */
     OPTIONS_ERROR = -2 /* *e is set */

@@ -1,6 +1,7 @@
 /* An effect's text, read and put into the configuration (plant_effect.h). */
 #include "plant_effect.h"
 #include "../base/number.h"
+#include "../base/suggest.h"
 #include "plant_effect_table.h"
 
 #include <math.h>
@@ -136,8 +137,16 @@ static bool take_setting(plant_config *c, const effect *f, const char *text, con
         }
         return true;
     }
-    return error_input(e, NULL, 0, 0, "effect \"%s\": unknown key \"%.*s\", expected one of %s", text,
-                       (int)name, setting, known);
+    const char *names[EFFECT_KEYS_MAX];
+    for (int k = 0; k < key_count(f); k++) {
+        names[k] = f->key[k].name;
+    }
+    char given[64];
+    (void)snprintf(given, sizeof given, "%.*s", (int)name, setting);
+    const char *meant = suggest(given, names, (size_t)key_count(f));
+    return error_input(e, NULL, 0, 0, "effect \"%s\": unknown key \"%s\", expected one of %s%s%s%s", text,
+                       given, known, meant != NULL ? "; did you mean " : "", meant != NULL ? meant : "",
+                       meant != NULL ? "?" : "");
 }
 
 /* Without these the effect would not be there: a ripple of no frequency. */
@@ -153,14 +162,33 @@ static void complete(plant_config *c, const effect *f, const bool seen[EFFECT_KE
     }
 }
 
+/* At most as many as there are causes, and what has no name; more would be left out of the search for what was meant. */
+enum { IDS_MOST = 64 };
+
+static bool refuse_id(const char *text, size_t length, error *e)
+{
+    char id[64];
+    const char *known[IDS_MOST];
+    size_t count = 0;
+    (void)snprintf(id, sizeof id, "%.*s", (int)length, text);
+    while (count < IDS_MOST && count < (size_t)effect_table_length) {
+        known[count] = effect_table[count].id;
+        count++;
+    }
+    const char *meant = suggest(id, known, count);
+    return error_input(e, NULL, 0, 0,
+                       meant != NULL
+                           ? "effect \"%s\": unknown id \"%s\"; did you mean %s?"
+                           : "effect \"%s\": unknown id \"%s\"; `iqfoc simulate --list-effects` names them",
+                       text, id, meant);
+}
+
 bool plant_effect_apply(plant_config *c, const char *text, error *e)
 {
     const size_t id_length = strcspn(text, ":");
     const effect *f = find(text, id_length);
     if (f == NULL) {
-        return error_input(e, NULL, 0, 0,
-                           "effect \"%s\": unknown id \"%.*s\"; `iqfoc simulate --list-effects` names them",
-                           text, (int)id_length, text);
+        return refuse_id(text, id_length, e);
     }
     plant_config changed = *c;
     if (f->key[0].offset == offsetof(plant_config, inverter.ripple_V)) {

@@ -96,7 +96,7 @@ KNOWN = ("reproduce", "simulate", "sweep", "diagnose", "loops")
 USAGE_ROWS = [
     ([], "expected a command"),
     (["simulat"], "unknown command \"simulat\""),
-    (["--motor"], "unknown command \"--motor\""),
+    (["--motor"], "unknown option --motor"),
     (["simulate", "--motr", "motor.toml"], "did you mean --motor?"),
     (["simulate", "--scenario", "scenario.toml", "-o", "out.csv"], "--motor M.toml is missing"),
     (["simulate", "--motor", "motor.toml", "-o", "out.csv"], "--scenario S.toml is missing"),

@@ -37,7 +37,7 @@ class GoodInput(unittest.TestCase):
 
     def test_help_and_version(self):
         self.assertIn("usage: iqfoc <command>", self.done(["--help"]).stdout.decode())
-        self.assertRegex(self.done(["--version"]).stdout.decode(), r"^iqfoc \d+\.\d+\.\d+\n$")
+        self.assertRegex(self.done(["--version"]).stdout.decode(), r"^iqfoc \d+\.\d+\.\d+( \(.*\))?\n$")
         for command in self.commands:
             with self.subTest(command=command):
                 text = self.done([command, "--help"]).stdout.decode()

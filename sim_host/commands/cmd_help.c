@@ -1,0 +1,75 @@
+/* iqfoc help: the list of commands, one command's help, man pages and completions. */
+#include "base/terminal.h"
+#include "help.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { OPT_MAN, OPT_COMPLETION };
+
+static const option_spec specs[] = {
+    {"man", 0, NULL, "print the page of manual in place of the help: iqfoc help --man diagnose | man -l -"},
+    {"completion", 0, "bash|zsh|fish", "print the completion script for that shell"},
+    {NULL, 0, NULL, NULL}};
+
+const command_about about_help = {
+    "help", "[COMMAND] [--man | --completion bash|zsh|fish]",
+    "Lists the commands, or explains one. Man pages and the shells' completions are made\n"
+    "from the same tables that the commands read their options by.",
+    specs};
+
+void help_overview(void)
+{
+    printf("usage: iqfoc <command> [options]\n\n");
+    for (int n = 0; n < COMMANDS; n++) {
+        printf("  %s%-12s%s%s\n", terminal_bold(stdout), command_table[n].about->name, terminal_plain(stdout),
+               command_table[n].summary);
+    }
+    printf("\n`iqfoc help <command>` explains each. `iqfoc --version` prints the version.\n"
+           "Exit status: 0 done, 2 for input or usage that cannot be used, 1 for a failure of the program "
+           "itself.\n");
+}
+
+static bool print_completion(const char *shell, error *e)
+{
+    static const char *const names[] = {"bash", "zsh", "fish"};
+    static help_completion *const print[] = {help_bash, help_zsh, help_fish};
+    for (size_t n = 0; n < sizeof names / sizeof names[0]; n++) {
+        if (strcmp(shell, names[n]) == 0) {
+            print[n]();
+            return true;
+        }
+    }
+    return error_input(e, NULL, 0, 0, "help: --completion %s: expected bash, zsh or fish", shell);
+}
+
+static bool run(const options *o, bool man, const char *shell, error *e)
+{
+    const char *name = o->first < o->argc ? o->argv[o->first] : NULL;
+    const command *of = name != NULL ? command_find(name, e) : NULL;
+    if (!options_at_most(o, 1, e) || (name != NULL && of == NULL)) {
+        return false;
+    }
+    if (shell != NULL) {
+        return print_completion(shell, e);
+    }
+    if (man) {
+        help_man(of);
+    } else if (of == NULL) {
+        help_overview();
+    } else {
+        options_print_help(of->about);
+    }
+    return true;
+}
+
+int cmd_help(int argc, char **argv)
+{
+    error e = {0};
+    bool man = false;
+    const char *shell = NULL;
+    const option_place places[] = {[OPT_MAN] = {.flag = &man}, [OPT_COMPLETION] = {.text = &shell}};
+    options o = options_begin(&about_help, argc, argv);
+    const bool ok = options_read(&o, places, &e) && (o.helped || run(&o, man, shell, &e));
+    return ok ? STATUS_DONE : error_print(&e);
+}

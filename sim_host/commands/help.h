@@ -1,0 +1,26 @@
+/* What the program says of itself, all of it from the commands' tables (command_table.h). */
+#ifndef SIM_HOST_COMMANDS_HELP_H
+#define SIM_HOST_COMMANDS_HELP_H
+
+#include "command_table.h"
+
+/* The list of commands, on stdout. */
+void help_overview(void);
+
+/* A page of manual (section 1) in man's macros: of the program, or of one command. */
+void help_man(const command *of);
+
+/* A script that completes commands, options and what has a list of values. */
+typedef void help_completion(void);
+help_completion help_bash, help_zsh, help_fish;
+
+/* Words that an option's value is one of, in `words`: "2016|2019" has two, "F" none. Returns how many. */
+enum { HELP_WORDS_MAX = 64 };
+typedef struct help_words {
+    int count;
+    const char *of[HELP_WORDS_MAX];
+    char text[200];
+} help_words;
+void help_values(const option_spec *spec, help_words *words);
+
+#endif
