@@ -51,7 +51,7 @@ def build(core, flags, kernel, folder):
     port = ROOT / "port" / core["port"]
     emulated = ROOT / "port/emulated"
     program = [HERE / name for name in ("inputs.c", "kernel_main.c")] + [kernel] if kernel else [
-        HERE / name for name in ("main.c", "inputs.c", "kernels.c", "drives.c", "handler.c")] + [
+        HERE / name for name in ("main.c", "beside.c", "inputs.c", "kernels.c", "drives.c", "handler.c")] + [
         ROOT / "port/stm32g4/hal_stm32g4.c"]
     sources = program + sorted((ROOT / "src").glob("*.c")) + [port / name for name in core["harness"]] + [
         emulated / "console.c", emulated / "semihost.c"]

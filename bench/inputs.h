@@ -9,6 +9,7 @@
 #include "iqfoc/induction.h"
 #include "iqfoc/predictor_exact.h"
 #include "iqfoc/predictor_salient.h"
+#include "iqfoc/watch.h"
 
 #ifndef BENCH_INPUT_COUNT
 #define BENCH_INPUT_COUNT 4096
@@ -46,5 +47,6 @@ extern const iqfoc_exact_winding_t bench_winding;
 extern const iqfoc_flux_predictor_t bench_flux;
 extern const iqfoc_induction_machine_t bench_induction; /* 300 kW at 500 Hz and 1500 V */
 extern const iqfoc_salient_machine_t bench_salient;     /* the same with L_q half as large again */
+extern const iqfoc_watch_config_t bench_watch;
 
 #endif

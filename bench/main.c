@@ -14,17 +14,13 @@
 #include "iqfoc/predictor_exact.h"
 #include "iqfoc/predictor_salient.h"
 
+#include "beside.h"
 #include "console.h"
+#include "count.h"
 #include "drives.h"
 #include "handler.h"
 #include "inputs.h"
 #include "kernels.h"
-
-#ifdef IQFOC_BENCH_DWT
-#include "counter_dwt.h"
-#else
-#include "counter_qemu.h"
-#endif
 
 /* The state that the functions with memory work on; twice, as the bare call must not disturb it. */
 static bench_drive_t drive;
@@ -41,26 +37,6 @@ static iqfoc_deadbeat_drift_t drift;
 static iqfoc_finite_set_t near_set; /* horizon 1 */
 static iqfoc_finite_set_t far_set;  /* horizon 3 */
 static iqfoc_induction_t induction;
-
-/*
- * count_<name>: the units that one call of `function` takes. The call through a pointer whose value the
- * compiler cannot know is the same code for the function and for the bare return, whose type differs from it:
- * that is sound as bench_nothing is written in assembler and touches neither arguments nor result.
- */
-#define COUNT(name, result, function, parameters, arguments)                                                 \
-    typedef result(*name##_function) parameters;                                                             \
-    static BENCH_APART uint32_t ticks_##name(name##_function called, const bench_input_t *in)                \
-    {                                                                                                        \
-        (void)in;                                                                                            \
-        const uint32_t before = counter_read();                                                              \
-        called arguments;                                                                                    \
-        return counter_read() - before;                                                                      \
-    }                                                                                                        \
-    static uint32_t count_##name(const bench_input_t *in)                                                    \
-    {                                                                                                        \
-        const uint32_t bare = counter_units(ticks_##name((name##_function)bench_nothing, in));               \
-        return counter_units(ticks_##name(function, in)) - bare + 1;                                         \
-    }
 
 /* An inlined function: what one more of it adds to a straight line of code. */
 #define COUNT_INLINED(name, line, empty)                                                                     \
@@ -239,7 +215,7 @@ static void renew(void)
     cycle.enabled = true;
 }
 
-static void report(const char *name, uint32_t (*count)(const bench_input_t *))
+void bench_report(const char *name, uint32_t (*count)(const bench_input_t *))
 {
     static bench_input_t input;
     uint32_t least = UINT32_MAX;
@@ -288,45 +264,46 @@ int main(void)
     }
 
     console_text("unit " COUNTER_UNIT "\n");
-    report("sincos", count_sincos);
-    report("park", count_park);
-    report("park_inverse", count_park_inverse);
-    report("clarke", count_clarke);
-    report("sqrt", count_sqrt);
-    report("atan2", count_atan2);
-    report("div", count_div);
-    report("rotor", count_rotor);
-    report("mean_correction", count_mean_correction);
-    report("mean_quasi_discrete", count_mean_quasi_discrete);
-    report("prediction_euler", count_prediction_euler);
-    report("prediction_quasi_discrete", count_prediction_quasi_discrete);
-    report("prediction_exact", count_prediction_exact);
-    report("exact_at_speed", count_exact_at_speed);
-    report("exact_set_up", count_exact_set_up);
-    report("prediction_salient", count_prediction_salient);
-    report("salient_at_speed", count_salient_at_speed);
-    report("mean_modulated", count_mean_modulated);
-    report("modulated_at_speed", count_modulated_at_speed);
-    report("ripple", count_ripple);
-    report("prediction_induction", count_prediction_induction);
-    report("induction_at_speed", count_induction_at_speed);
-    report("deadbeat", count_deadbeat);
-    report("deadbeat_drift", count_deadbeat_drift);
-    report("finite_set_1", count_finite_set_1);
-    report("finite_set_3", count_finite_set_3);
-    report("control_step", count_control_step);
-    report("modulation", count_modulation);
-    report("current_control", count_current_control_of_drive);
-    report("cycle", count_cycle_of_drive);
+    bench_report("sincos", count_sincos);
+    bench_report("park", count_park);
+    bench_report("park_inverse", count_park_inverse);
+    bench_report("clarke", count_clarke);
+    bench_report("sqrt", count_sqrt);
+    bench_report("atan2", count_atan2);
+    bench_report("div", count_div);
+    bench_report("rotor", count_rotor);
+    bench_report("mean_correction", count_mean_correction);
+    bench_report("mean_quasi_discrete", count_mean_quasi_discrete);
+    bench_report("prediction_euler", count_prediction_euler);
+    bench_report("prediction_quasi_discrete", count_prediction_quasi_discrete);
+    bench_report("prediction_exact", count_prediction_exact);
+    bench_report("exact_at_speed", count_exact_at_speed);
+    bench_report("exact_set_up", count_exact_set_up);
+    bench_report("prediction_salient", count_prediction_salient);
+    bench_report("salient_at_speed", count_salient_at_speed);
+    bench_report("mean_modulated", count_mean_modulated);
+    bench_report("modulated_at_speed", count_modulated_at_speed);
+    bench_report("ripple", count_ripple);
+    bench_report("prediction_induction", count_prediction_induction);
+    bench_report("induction_at_speed", count_induction_at_speed);
+    bench_report("deadbeat", count_deadbeat);
+    bench_report("deadbeat_drift", count_deadbeat_drift);
+    bench_report("finite_set_1", count_finite_set_1);
+    bench_report("finite_set_3", count_finite_set_3);
+    bench_report("control_step", count_control_step);
+    bench_report("modulation", count_modulation);
+    bench_report("current_control", count_current_control_of_drive);
+    bench_report("cycle", count_cycle_of_drive);
 #define REPORT_DRIVE(name)                                                                                   \
     renew();                                                                                                 \
-    report(#name, count_##name);                                                                             \
+    bench_report(#name, count_##name);                                                                       \
     status |= cycle.status;
     BENCH_DRIVES(REPORT_DRIVE)
     REPORT_DRIVE(isr_cycle_looked_up)
     REPORT_DRIVE(sample_to_duty)
+    bench_beside();
     bench_handler_start(&bench_config);
-    report("handler_stm32g4", count_handler_stm32g4);
+    bench_report("handler_stm32g4", count_handler_stm32g4);
     status |= bench_handler_status();
     if ((status & ~(IQFOC_STATUS_VOLTAGE_LIMIT | IQFOC_STATUS_NO_INTERVAL)) != 0) {
         console_text("status ");
