@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Packs the library for tools that want an archive of a shape of its own.
 
-    package.py [--url URL] [-o DIR] [arduino] [cmsis]
+    package.py [--url URL] [--day YYYY-MM-DD] [-o DIR] [arduino] [cmsis]
 
 writes DIR/iqfoc-arduino-VERSION.zip (the Arduino IDE's "Add .ZIP Library") and DIR/iqfoc.iqfoc.VERSION.pack (CMSIS), both if none
 is named, by default into build/packages. The version is the header's, the day that of the last commit, and the same tree gives the
@@ -66,7 +66,7 @@ def write_zip(path, files):
     print(path)
 
 
-def arduino(folder, url):
+def arduino(folder, url, _):
     """Arduino compiles all of src/ with src/ alone on the include path, and finds a library by a header that lies in it."""
     files = library("src", "src")
     files["src/iqfoc.h"] = '/* What a sketch includes: all of the library. */\n#include "iqfoc/iqfoc.h"\n'
@@ -77,10 +77,10 @@ def arduino(folder, url):
     write_zip(folder / f"iqfoc-arduino-{version()}.zip", {f"iqfoc/{name}": data for name, data in files.items()})
 
 
-def cmsis(folder, url):
+def cmsis(folder, url, date):
     files = library("src", "include")
     lines = [f'        <file category="source" name="{name}"/>' for name in sorted(files) if name.endswith(".c")]
-    files["iqfoc.iqfoc.pdsc"] = filled("iqfoc.pdsc.in", VERSION=version(), URL=url, DATE=day(), SOURCES="\n".join(lines))
+    files["iqfoc.iqfoc.pdsc"] = filled("iqfoc.pdsc.in", VERSION=version(), URL=url, DATE=date, SOURCES="\n".join(lines))
     for name in ("LICENSE", "README.md", "CHANGELOG.md"):
         files[name] = (ROOT / name).read_bytes()
     write_zip(folder / f"iqfoc.iqfoc.{version()}.pack", files)
@@ -93,13 +93,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("kinds", nargs="*", metavar="arduino|cmsis", help="what to pack; both if none is named")
     parser.add_argument("--url", default=URL, help="where the package is published")
+    parser.add_argument("--day", help="of the release; the last commit's if not given")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=ROOT / "build/packages")
     options = parser.parse_args()
     for kind in options.kinds:
         if kind not in KINDS:
             parser.error(f"unknown package '{kind}'; there are {', '.join(KINDS)}")
     for kind in options.kinds or KINDS:
-        KINDS[kind](options.output, options.url)
+        KINDS[kind](options.output, options.url, options.day or day())
 
 
 if __name__ == "__main__":

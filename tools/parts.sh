@@ -168,6 +168,7 @@ static_checks() {
     run_part clang-tidy check_tidy
     run_part cppcheck check_cppcheck
     run_part shellcheck check_scripts
+    run_part misra check_misra
 }
 
 check_everything() {

@@ -251,4 +251,26 @@ def packages_are_the_same_twice(folder):
         expect(first.read_bytes() == (folder / "second" / first.name).read_bytes(), f"{first.name} differs")
 
 
-CHECKS = [one_version_everywhere, recipes_are_short, platformio, arduino, esp_idf, zephyr, cmsis_pack, packages_are_the_same_twice]
+def a_release_is_the_same_twice(folder):
+    """And its archive, unpacked, builds the library; its SBOM is what SPDX's own reader takes."""
+    python = ROOT / ".cache/python/checks/bin/python"
+    expect(python.exists(), f"no {python}: `./dev tools checks` installs it")
+    for turn in ("first", "second"):
+        run([python, "-B", ROOT / "tools/release.py", "-o", folder / turn])
+    names = {file.name for file in (folder / "first").iterdir()}
+    version = version_of_the_header()
+    expect({"SHA256SUMS", "tag-notes.txt", f"iqfoc-{version}.tar.gz", f"iqfoc-{version}.spdx.json"} <= names, f"{names}")
+    for name in names:
+        expect((folder / "first" / name).read_bytes() == (folder / "second" / name).read_bytes(), f"{name} differs")
+    run(["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=folder / "first")
+    run([python.parent / "pyspdxtools", "--infile", folder / "first" / f"iqfoc-{version}.spdx.json"])
+    with tarfile.open(folder / "first" / f"iqfoc-{version}.tar.gz") as packed:
+        packed.extractall(folder)
+    sources = sorted((folder / f"iqfoc-{version}/src").glob("*.c"))
+    run(["gcc", "-std=c99", f"-I{folder}/iqfoc-{version}/include", folder / f"iqfoc-{version}/tests/consume/every_header.c", *sources,
+         "-o", folder / "consumer"])
+    run([folder / "consumer"])
+
+
+CHECKS = [one_version_everywhere, recipes_are_short, platformio, arduino, esp_idf, zephyr, cmsis_pack, packages_are_the_same_twice,
+          a_release_is_the_same_twice]

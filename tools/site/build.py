@@ -51,7 +51,12 @@ class Stage:
         if path == "include/iqfoc":
             return "api/index.md"
         self.sources.add(path)
-        return f"source/{path}.md"
+        return self.place_of_source(path)
+
+    @staticmethod
+    def place_of_source(path):
+        """mkdocs leaves out what begins with a dot."""
+        return "source/" + path.replace("/.", "/").lstrip(".") + ".md"
 
     def document(self, text, path, place):
         """A document's text for the site, where it stood at `path` of the tree and stands at `place` of the site."""
@@ -84,7 +89,7 @@ class Stage:
     def write_source(self, path):
         """A page of a file or a folder. It is found by links alone, not by the search."""
         head = f"---\nsearch:\n  exclude: true\n---\n\n# {path}\n\n"
-        place = f"source/{path}.md"
+        place = self.place_of_source(path)
         whole = ROOT / path
         if whole.is_dir():
             listed = subprocess.run(["git", "ls-files", path], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\n")
