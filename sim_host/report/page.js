@@ -122,8 +122,8 @@
     const nameOf = (chart, value) => (value == null ? "–" : (chart.names[Math.round(value)] || "").replace("\n", ", "));
 
     const marks = {
-        line: () => ({}),
-        points: () => ({paths: () => null, points: {show: true, size: 7}}),
+        line: () => ({points: {}}),
+        points: () => ({paths: () => null, points: {show: true}}),
         linepoints: () => ({points: {show: true, size: 5}}),
         steps: () => ({paths: uPlot.paths.stepped({align: 1}), points: {show: false}}),
         bars: (side) => ({paths: uPlot.paths.bars({size: [0.38, 40], align: side}), points: {show: false}}),
@@ -146,8 +146,12 @@
         if (s.mark === "bars") {
             curve.fill = paint;
         }
+        if (s.mark === "line" && p.tables[0].length < 200) {
+            curve.points.show = false; // of long ones uPlot shows the samples where the zoom parts them
+        }
         if (s.mark === "points") {
             curve.points.fill = paint;
+            curve.points.size = p.tables[0].length > 80 ? 4 : 7;
         }
         return curve;
     }

@@ -82,121 +82,125 @@ static bool figures_8_and_9(page *p, const comparison *c, error *e)
 
 /* ---- Fig. 12: waveforms ---- */
 
-static const char *const phase_names[3] = {"A", "B", "C"};
+enum { WAVE_T, WAVE_U, WAVE_I = WAVE_U + 3, WAVE_COLUMNS = WAVE_I + 3 };
 
-static void say_waveforms(plot *p, const six_step_run *run, size_t intervals)
+static chart_data waveforms_of(const six_step_run *run, size_t intervals)
 {
     enum { STEPS = 12 };
-    plot_data(p, "wave");
+    chart_data d = chart_data_of(WAVE_COLUMNS);
     for (size_t n = 0; n < intervals; n++) {
         const six_step_interval *at = &run->interval[n];
         for (int step = 0; step <= STEPS; step++) {
             const double t_s = at->duration_s * step / STEPS;
-            plot_say(p, "%.6g", 1e3 * (at->t_s + t_s));
+            double row[WAVE_COLUMNS] = {[WAVE_T] = 1e3 * (at->t_s + t_s)};
             for (int x = 0; x < 3; x++) {
                 /* The star point floats: phase voltages are those of the vector (2/3) u_dc e^{jn pi/3}. */
-                plot_say(p, " %.6g",
-                         vec_phase(vec_ab_of(2.0 / 3.0 * vec_turn(at->vector * VEC_PI / 3.0)), x));
+                row[WAVE_U + x] = vec_phase(vec_ab_of(2.0 / 3.0 * vec_turn(at->vector * VEC_PI / 3.0)), x);
+                row[WAVE_I + x] = vec_phase(vec_ab_of(six_step_current(run, at, t_s)), x);
             }
-            for (int x = 0; x < 3; x++) {
-                plot_say(p, " %.6g", vec_phase(vec_ab_of(six_step_current(run, at, t_s)), x));
-            }
-            plot_say(p, "\n");
+            chart_data_add(&d, row);
         }
     }
-    plot_data_end(p);
+    return d;
 }
 
 static bool figure_12(page *p, error *e)
 {
+    enum { PANELS = 4 };
+    static const char *const voltage[3] = {"u_A / u_dc", "u_B / u_dc", "u_C / u_dc"};
+    static const char *const current[3] = {"i_A", "i_B", "i_C"};
     const six_step_scenario test = paper_2016_scenario(&paper_2016_motors[1]);
     six_step_run run;
-    plot drawing;
+    chart drawn[PANELS];
     if (!six_step_solve(&test, &run, e)) {
         return false;
     }
-    if (!plot_begin(&drawing, 620, 420, e)) {
-        six_step_free(&run);
-        return false;
-    }
-    say_waveforms(&drawing, &run, 12);
+    chart_data d = waveforms_of(&run, 12);
     six_step_free(&run);
-    plot_say(&drawing, "set multiplot\nset lmargin at screen 0.12\nset rmargin at screen 0.985\n"
-                       "set yrange [-0.8:0.8]\n"
-                       "set ytics ('−2/3' -0.667, '0' 0, '2/3' 0.667)\nset format x ''\n"
-                       "set xrange [0:*] noextend\n");
-    for (int x = 0; x < 3; x++) {
-        plot_say(&drawing,
-                 "set tmargin at screen %g\nset bmargin at screen %g\n"
-                 "set ylabel 'u_%s / u_{dc}' offset 0.6,0\n"
-                 "plot $wave using 1:%d with lines linestyle %d notitle\n",
-                 0.98 - 0.155 * x, 0.85 - 0.155 * x, phase_names[x], 2 + x, 1 + x);
+    drawn[3] = (chart){.x_label = "t, ms", .y_label = "i, p.u.", .group = "2016-12", .height = 230};
+    for (size_t x = 0; x < 3; x++) {
+        const chart_colour colour = (chart_colour)x;
+        drawn[x] = (chart){.x_label = "t, ms",
+                           .y_label = voltage[x],
+                           .group = "2016-12",
+                           .y = {.fixed = true, .low = -0.8, .high = 0.8},
+                           .height = 130};
+        drawn[x].series[0] =
+            (chart_series){voltage[x], &d, WAVE_U + x, colour, CHART_LINE, CHART_ALWAYS, 0.0, false};
+        drawn[3].series[x] =
+            (chart_series){current[x], &d, WAVE_I + x, colour, CHART_LINE, CHART_ALWAYS, 0.0, false};
     }
-    plot_say(&drawing, "set tmargin at screen 0.5\nset bmargin at screen 0.12\nset format x '%%g'\n"
-                       "set ytics auto\nset yrange [*:*]\nset xlabel 't, ms'\nset ylabel 'i, p.u.'\n"
-                       "set key at graph 0.99,1.12 horizontal\nplot");
-    for (int x = 0; x < 3; x++) {
-        plot_say(&drawing, "%s $wave using 1:%d with lines linestyle %d title 'i_%s'", x > 0 ? "," : "",
-                 5 + x, 1 + x, phase_names[x]);
-    }
-    plot_say(&drawing, "\nunset multiplot\n");
     page_heading(p, 3, "The six-step drive");
-    return page_figure(p, &drawing, "2016-figure-12",
-                       "Figure 12. Phase voltages and currents in steady six-step operation, motor 2, "
-                       "two periods at 105 Hz. Current relative to the modulus of its mean.",
-                       e);
+    const bool ok =
+        page_charts(p, drawn, PANELS, "2016-figure-12",
+                    "Figure 12. Phase voltages and currents in steady six-step operation, motor 2, "
+                    "two periods at 105 Hz. Current relative to the modulus of its mean.",
+                    e);
+    chart_data_free(&d);
+    return ok;
 }
 
 /* ---- Figs. 13-15 ---- */
 
-static void say_errors(plot *p, const six_step_run *run)
+enum {
+    ERROR_T,
+    ERROR_MODULUS,
+    ERROR_ANGLE,
+    ERROR_GAIN_A,
+    ERROR_GAIN_BC,
+    ERROR_PHASE_A,
+    ERROR_PHASE_BC,
+    ERROR_GAINS,
+    ERROR_PHASES,
+    ERROR_COLUMNS
+};
+
+static chart_data errors_of(const six_step_run *run)
 {
-    plot_data(p, "errors");
+    chart_data d = chart_data_of(ERROR_COLUMNS);
     for (size_t n = 0; n < run->count; n++) {
         const six_step_interval *at = &run->interval[n];
-        const discrete_angle d = discrete_angle_of(at);
-        plot_say(p, "%.8g %.6g %.6g %.8g %.8g %.8g %.8g %.6g %.6g\n", at->t_s + 0.5 * at->duration_s,
-                 d.change.modulus, d.change.angle_rad, 100.0 * d.path_a.gain, 100.0 * d.path_bc.gain,
-                 1e3 * d.path_a.phase_rad, 1e3 * d.path_bc.phase_rad, 1e3 * (d.path_a.gain - d.path_bc.gain),
-                 1e3 * (d.path_a.phase_rad - d.path_bc.phase_rad));
+        const discrete_angle a = discrete_angle_of(at);
+        chart_data_add(&d, (double[ERROR_COLUMNS]){
+                               at->t_s + 0.5 * at->duration_s, a.change.modulus, a.change.angle_rad,
+                               100.0 * a.path_a.gain, 100.0 * a.path_bc.gain, 1e3 * a.path_a.phase_rad,
+                               1e3 * a.path_bc.phase_rad, 1e3 * (a.path_a.gain - a.path_bc.gain),
+                               1e3 * (a.path_a.phase_rad - a.path_bc.phase_rad)});
     }
-    plot_data_end(p);
-    plot_data(p, "reference");
-    plot_say(p, "0 0\n%.8g 0\n%.8g %.8g\n0.3 %.8g\n", run->t_step_s, run->t_step_s, VEC_PI / 6.0,
-             VEC_PI / 6.0);
-    plot_data_end(p);
+    return d;
 }
 
-/* Five panels, one above the other, with one axis of time. */
-static void say_panels(plot *p)
+/* Up to two curves of a panel. */
+typedef struct error_panel {
+    const char *y_label, *first, *second;
+    size_t column;
+    chart_mark mark; /* of the second */
+} error_panel;
+
+static bool draw_errors(page *p, const chart_data *errors, const chart_data *reference, const char *id,
+                        const char *caption, const comparison *c, const char *motor_name, error *e)
 {
-    static const struct {
-        const char *label, *ticks, *curves;
-    } panels[5] = {{"(a) reference,\\nrad", "0.25", "$reference using 1:2 with lines linestyle 1 notitle"},
-                   {"(b) change per\\ninterval", "0.4",
-                    "$errors using 1:2 with lines linestyle 1 title 'modulus, p.u.', $errors using 1:3 "
-                    "with lines linestyle 2 title 'angle, rad'"},
-                   {"(c) gain error,\\n%", "4",
-                    "$errors using 1:4 with lines linestyle 1 title 'analytical (A)', $errors using 1:5 "
-                    "with points linestyle 2 pointsize 0.3 title 'numerical (B/C)'"},
-                   {"(d) phase error,\\nmrad", "40",
-                    "$errors using 1:6 with lines linestyle 1 title 'analytical (A)', $errors using 1:7 "
-                    "with points linestyle 2 pointsize 0.3 title 'numerical (B/C)'"},
-                   {"(e) A − B/C,\\n10^{−3}", "autofreq",
-                    "$errors using 1:8 with lines linestyle 1 title 'gain, p.u.', $errors using 1:9 with "
-                    "lines linestyle 2 title 'phase, rad'"}};
-    plot_say(p, "set multiplot\nset lmargin at screen 0.15\nset rmargin at screen 0.985\n"
-                "set xrange [0:0.3]\nset format x ''\nset key top right horizontal samplen 1.5 font ',11'\n"
-                "set offsets 0,0,graph 0.3,graph 0.08\nset ytics autofreq\n");
-    for (int n = 0; n < 5; n++) {
-        const double top = 0.985 - 0.187 * n;
-        plot_say(p,
-                 "set tmargin at screen %g\nset bmargin at screen %g\nset ylabel \"%s\"\nset ytics %s\n"
-                 "%splot %s\n",
-                 top, top - 0.165, panels[n].label, panels[n].ticks,
-                 n == 4 ? "set format x '%g'\nset xlabel 't, s'\n" : "", panels[n].curves);
+    enum { PANELS = 5 };
+    static const error_panel panels[PANELS] = {
+        {"(a) reference, rad", "reference", NULL, 1, CHART_LINE},
+        {"(b) change, interval", "modulus, p.u.", "angle, rad", ERROR_MODULUS, CHART_LINE},
+        {"(c) gain error, %", "analytical (A)", "numerical (B/C)", ERROR_GAIN_A, CHART_POINTS},
+        {"(d) phase error, mrad", "analytical (A)", "numerical (B/C)", ERROR_PHASE_A, CHART_POINTS},
+        {"(e) A − B/C, 1e-3", "gain, p.u.", "phase, rad", ERROR_GAINS, CHART_LINE}};
+    chart drawn[PANELS];
+    for (size_t n = 0; n < PANELS; n++) {
+        const error_panel *at = &panels[n];
+        const chart_data *d = n == 0 ? reference : errors;
+        drawn[n] = (chart){
+            .x_label = "t, s",
+            .y_label = at->y_label,
+            .group = id,
+            .height = 180,
+            .x = {.fixed = true, .low = 0.0, .high = 0.3},
+            .series = {{at->first, d, at->column, CHART_BLUE, CHART_LINE, CHART_ALWAYS, 0.0, false},
+                       {at->second, d, at->column + 1, CHART_ORANGE, at->mark, CHART_ALWAYS, 0.0, false}}};
     }
-    plot_say(p, "unset multiplot\n");
+    return rows_page_charts(p, drawn, PANELS, id, caption, c, "2016", "Table 2", motor_name, e);
 }
 
 static bool figure_of_motor(page *p, const comparison *c, int which, error *e)
@@ -204,25 +208,27 @@ static bool figure_of_motor(page *p, const comparison *c, int which, error *e)
     const paper_2016_motor *m = &paper_2016_motors[which];
     const six_step_scenario test = paper_2016_scenario(m);
     six_step_run run;
-    plot drawing;
     char id[32];
     char caption[256];
     if (!six_step_solve(&test, &run, e)) {
         return false;
     }
-    if (!plot_begin(&drawing, 620, 720, e)) {
-        six_step_free(&run);
-        return false;
-    }
-    say_errors(&drawing, &run);
+    chart_data errors = errors_of(&run);
+    chart_data reference = chart_data_of(2);
+    chart_data_add(&reference, (double[]){0.0, 0.0});
+    chart_data_add(&reference, (double[]){run.t_step_s, 0.0});
+    chart_data_add(&reference, (double[]){run.t_step_s, VEC_PI / 6.0});
+    chart_data_add(&reference, (double[]){0.3, VEC_PI / 6.0});
     six_step_free(&run);
-    say_panels(&drawing);
     snprintf(id, sizeof id, "2016-figure-%d", 13 + which);
     snprintf(caption, sizeof caption,
              "Figure %d. Motor %d (L = %g mH, R = %g mΩ, τ = L/R = %.3g ms): the reference angle steps "
              "by π/6 at 0.1 s. One point a control interval.",
              13 + which, 1 + which, 1e3 * m->L_H, 1e3 * m->R_ohm, 1e3 * m->L_H / m->R_ohm);
-    return rows_page_figure(p, &drawing, id, caption, c, "2016", "Table 2", m->name, e);
+    const bool ok = draw_errors(p, &errors, &reference, id, caption, c, m->name, e);
+    chart_data_free(&errors);
+    chart_data_free(&reference);
+    return ok;
 }
 
 bool figures_2016(page *p, const comparison *c, error *e)

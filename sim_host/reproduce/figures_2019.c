@@ -12,76 +12,87 @@ static const double full_speed_rpm = 8000.0;
 
 enum { SHOWN_CYCLES = 4 };
 
-static void say_point(void *context, const drive_point *point)
+static void add_point(void *context, const drive_point *point)
 {
-    plot_say(context, "%.7g %.6g %.6g\n", 1e3 * point->t_s, point->u_A_V, point->i_A_A);
+    chart_data_add(context, (double[]){1e3 * point->t_s, point->u_A_V, point->i_A_A});
 }
 
-/* Edges of the three legs, and where valleys and peaks are sampled. */
-static void say_switching(plot *p, const steady_drive *d)
+/* The state of a leg, above a height of its own. */
+static chart_data leg_of(const steady_drive *d, int x)
 {
-    for (int x = 0; x < 3; x++) {
-        char name[16];
-        snprintf(name, sizeof name, "leg%d", x);
-        plot_data(p, name);
-        for (int n = 0; n < SHOWN_CYCLES; n++) {
-            double duty[3];
-            steady_drive_duties(d, &d->cycle[n], duty);
-            const double t_ms = 1e3 * n * d->T_s;
-            const double T_ms = 1e3 * d->T_s;
-            plot_say(p, "%.7g 0\n%.7g 1\n%.7g 0\n", t_ms, t_ms + 0.5 * T_ms * (1.0 - duty[x]),
-                     t_ms + 0.5 * T_ms * (1.0 + duty[x]));
-        }
-        plot_say(p, "%.7g 0\n", 1e3 * SHOWN_CYCLES * d->T_s);
-        plot_data_end(p);
+    const double off = 1.25 * (2 - x);
+    const double T_ms = 1e3 * d->T_s;
+    chart_data leg = chart_data_of(2);
+    for (int n = 0; n < SHOWN_CYCLES; n++) {
+        double duty[3];
+        steady_drive_duties(d, &d->cycle[n], duty);
+        chart_data_add(&leg, (double[]){n * T_ms, off});
+        chart_data_add(&leg, (double[]){(n + 0.5 * (1.0 - duty[x])) * T_ms, off + 1.0});
+        chart_data_add(&leg, (double[]){(n + 0.5 * (1.0 + duty[x])) * T_ms, off});
     }
-    plot_data(p, "samples");
+    chart_data_add(&leg, (double[]){SHOWN_CYCLES * T_ms, off});
+    return leg;
+}
+
+/* Samples at valleys (first) or peaks, and each cycle's mean from its beginning on. */
+static chart_data samples_of(const steady_drive *d, bool valleys)
+{
+    chart_data s = chart_data_of(3);
     for (int n = 0; n < SHOWN_CYCLES; n++) {
         const drive_cycle *at = &d->cycle[n];
-        plot_say(p, "%.7g %.6g %.7g %.6g %.6g %.7g\n", 1e3 * n * d->T_s, creal(at->i_valley_A),
-                 1e3 * (n + 0.5) * d->T_s, creal(at->i_mid_A), creal(at->i_mean_A), 1e3 * (n + 1) * d->T_s);
+        chart_data_add(&s, (double[]){1e3 * (n + (valleys ? 0.0 : 0.5)) * d->T_s,
+                                      creal(valleys ? at->i_valley_A : at->i_mid_A), creal(at->i_mean_A)});
     }
-    plot_data_end(p);
+    if (valleys) {
+        chart_data_add(
+            &s, (double[]){1e3 * SHOWN_CYCLES * d->T_s, NAN, creal(d->cycle[SHOWN_CYCLES - 1].i_mean_A)});
+    }
+    return s;
 }
 
 static bool figure_3(page *p, const motor *m, const steady_drive *d, error *e)
 {
-    plot drawing;
-    if (!plot_begin(&drawing, 620, 470, e)) {
-        return false;
+    static const char *const names[3] = {"S_A", "S_B", "S_C"};
+    chart_data leg[3] = {leg_of(d, 0), leg_of(d, 1), leg_of(d, 2)};
+    chart_data wave = chart_data_of(3);
+    chart_data valleys = samples_of(d, true);
+    chart_data peaks = samples_of(d, false);
+    steady_drive_trace(m, d, 0, SHOWN_CYCLES, d->T_s / 40.0, add_point, &wave);
+    const chart usual = {.x_label = "t, ms",
+                         .group = "2019-3",
+                         .x = {.fixed = true, .low = 0.0, .high = 1e3 * SHOWN_CYCLES * d->T_s},
+                         .height = 170};
+    chart drawn[3] = {usual, usual, usual};
+    drawn[0].y_label = "switched high";
+    drawn[0].y = (chart_axis){.fixed = true, .low = -0.2, .high = 3.7};
+    for (size_t x = 0; x < 3; x++) {
+        drawn[0].series[x] =
+            (chart_series){names[x], &leg[x], 1, (chart_colour)x, CHART_STEPS, CHART_ALWAYS, 0.0, false};
     }
-    say_switching(&drawing, d);
-    plot_data(&drawing, "wave");
-    steady_drive_trace(m, d, 0, SHOWN_CYCLES, d->T_s / 40.0, say_point, &drawing);
-    plot_data_end(&drawing);
-    plot_say(&drawing,
-             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\n"
-             "set xrange [0:%g]\nset xtics %g\nset format x ''\nset yrange [-0.15:1.15]\nunset ytics\n"
-             "unset key\n",
-             1e3 * SHOWN_CYCLES * d->T_s, 1e3 * d->T_s);
-    for (int x = 0; x < 3; x++) {
-        plot_say(&drawing,
-                 "set tmargin at screen %g\nset bmargin at screen %g\n"
-                 "set ylabel 'S_%c' rotate by 0 offset -1,0\nplot $leg%d using 1:2 with steps linestyle %d\n",
-                 0.985 - 0.085 * x, 0.91 - 0.085 * x, 'A' + x, x, 1 + x);
-    }
-    plot_say(&drawing,
-             "set ytics nomirror 250\nset yrange [-550:550]\nset tmargin at screen 0.72\n"
-             "set bmargin at screen 0.47\nset ylabel 'u_A, V' rotate offset 0.6,0\n"
-             "plot $wave using 1:2 with lines linestyle 1\n"
-             "set tmargin at screen 0.39\nset bmargin at screen 0.11\nset ytics nomirror 4\n"
-             "set yrange [*:*]\nset format x '%%g'\nset xlabel 't, ms'\nset ylabel 'i_A, A'\n"
-             "set key at graph 1,1.22 horizontal maxrows 1 samplen 1.2 width -3 font ',11'\n"
-             "plot $samples using 1:5:($6-$1):(0) with vectors nohead linestyle 9 linewidth 2 title "
-             "'mean', $wave using 1:3 with lines linestyle 1 title 'i_A', "
-             "$samples using 1:2 with points linestyle 2 title 'valley sample', "
-             "$samples using 3:4 with points linestyle 3 title 'peak sample'\nunset multiplot\n");
+    drawn[1].y_label = "u_A, V";
+    drawn[1].series[0] = (chart_series){"u_A", &wave, 1, CHART_BLUE, CHART_LINE, CHART_ALWAYS, 0.0, false};
+    drawn[2].y_label = "i_A, A";
+    drawn[2].height = 240;
+    drawn[2].series[0] =
+        (chart_series){"mean", &valleys, 2, CHART_FAINT, CHART_STEPS, CHART_ALWAYS, 2.4, false};
+    drawn[2].series[1] = (chart_series){"i_A", &wave, 2, CHART_BLUE, CHART_LINE, CHART_ALWAYS, 0.0, false};
+    drawn[2].series[2] =
+        (chart_series){"valley sample", &valleys, 1, CHART_ORANGE, CHART_POINTS, CHART_ALWAYS, 0.0, false};
+    drawn[2].series[3] =
+        (chart_series){"peak sample", &peaks, 1, CHART_GREEN, CHART_POINTS, CHART_ALWAYS, 0.0, false};
     page_heading(p, 3, "Switching and sampling at 8000 rpm");
-    return page_figure(
-        p, &drawing, "2019-figure-3",
+    const bool ok = page_charts(
+        p, drawn, 3, "2019-figure-3",
         "Figure 3. PWM signals, voltage and current of phase A at 8000 rpm (12.5 switching periods a "
         "fundamental period). The mid-point sample misses the cycle's mean by what the current bends.",
         e);
+    for (int x = 0; x < 3; x++) {
+        chart_data_free(&leg[x]);
+    }
+    chart_data_free(&wave);
+    chart_data_free(&valleys);
+    chart_data_free(&peaks);
+    return ok;
 }
 
 /* ---- Fig. 6 ---- */
@@ -89,42 +100,38 @@ static bool figure_3(page *p, const motor *m, const steady_drive *d, error *e)
 static bool figure_6(page *p, const comparison *c, const method_machine *machine, const steady_drive *d,
                      error *e)
 {
-    enum { SHOWN = 50 };
-    plot drawing;
-    if (!plot_begin(&drawing, 620, 560, e)) {
-        return false;
-    }
-    plot_data(&drawing, "errors");
+    enum { SHOWN = 50, PANELS = 3 };
+    chart_data errors = chart_data_of(2 + METHOD_COUNT);
     for (int n = 0; n <= SHOWN; n++) {
         const method_input in = method_input_of(d, &d->cycle[n]);
-        plot_say(&drawing, "%.7g %.6g", 1e3 * n * d->T_s, creal(d->cycle[n].i_valley_A));
+        double row[2 + METHOD_COUNT] = {1e3 * n * d->T_s, creal(d->cycle[n].i_valley_A)};
         for (int k = 0; k < METHOD_COUNT; k++) {
-            const double complex off =
-                method_compute((method)k, machine, &in) - method_truth((method)k, &d->cycle[n]);
-            plot_say(&drawing, " %.6g", creal(off));
+            row[2 + k] =
+                creal(method_compute((method)k, machine, &in) - method_truth((method)k, &d->cycle[n]));
         }
-        plot_say(&drawing, "\n");
+        chart_data_add(&errors, row);
     }
-    plot_data_end(&drawing);
-    plot_say(&drawing,
-             "set multiplot\nset lmargin at screen 0.13\nset rmargin at screen 0.985\n"
-             "set xrange [0:%g]\nset format x ''\n"
-             "set key top right horizontal font ',11'\nset offsets 0,0,graph 0.32,graph 0.05\n"
-             "set tmargin at screen 0.985\nset bmargin at screen 0.74\nset ylabel 'i_A, A'\n"
-             "plot $errors using 1:2 with steps linestyle 9 title 'sampled phase current'\n"
-             "set tmargin at screen 0.69\nset bmargin at screen 0.42\nset ylabel 'error of the mean, A'\n"
-             "plot $errors using 1:3 with steps linestyle 1 title 'standard', "
-             "$errors using 1:4 with steps linestyle 2 title 'quasi-discrete'\n"
-             "set tmargin at screen 0.37\nset bmargin at screen 0.1\n"
-             "set ylabel 'error of prediction, A'\nset format x '%%g'\nset xlabel 't, ms'\n"
-             "plot $errors using 1:5 with steps linestyle 1 title 'standard', "
-             "$errors using 1:6 with steps linestyle 2 title 'quasi-discrete'\nunset multiplot\n",
-             1e3 * SHOWN * d->T_s);
+    const chart usual = {.x_label = "t, ms", .group = "2019-6", .height = 200};
+    chart drawn[PANELS] = {usual, usual, usual};
+    drawn[0].y_label = "i_A, A";
+    drawn[0].series[0] = (chart_series){
+        "sampled phase current", &errors, 1, CHART_FAINT, CHART_STEPS, CHART_ALWAYS, 0.0, false};
+    drawn[1].y_label = "error of the mean, A";
+    drawn[2].y_label = "error of prediction, A";
+    for (size_t n = 1; n < PANELS; n++) {
+        drawn[n].series[0] =
+            (chart_series){"standard", &errors, 2 * n, CHART_BLUE, CHART_STEPS, CHART_ALWAYS, 0.0, false};
+        drawn[n].series[1] = (chart_series){"quasi-discrete", &errors,      2 * n + 1, CHART_ORANGE,
+                                            CHART_STEPS,      CHART_ALWAYS, 0.0,       false};
+    }
     page_heading(p, 3, "Errors over time");
-    return rows_page_figure(p, &drawing, "2019-figure-6",
-                            "Figure 6. Errors of mean current and prediction of phase A at 8000 rpm, rated "
-                            "current, four fundamental periods.",
-                            c, "2019", "Figure 6", NULL, e);
+    const bool ok =
+        rows_page_charts(p, drawn, PANELS, "2019-figure-6",
+                         "Figure 6. Errors of mean current and prediction of phase A at 8000 rpm, rated "
+                         "current, four fundamental periods.",
+                         c, "2019", "Figure 6", NULL, e);
+    chart_data_free(&errors);
+    return ok;
 }
 
 bool figures_2019(page *p, const comparison *c, error *e)

@@ -83,3 +83,14 @@ bool rows_page_figure(page *p, plot *drawing, const char *id, const char *captio
     page_pair_end(p);
     return ok;
 }
+
+bool rows_page_charts(page *p, const chart *charts, size_t count, const char *id, const char *caption,
+                      const comparison *c, const char *paper, const char *item, const char *part, error *e)
+{
+    page_pair_begin(p);
+    const bool ok = page_charts(p, charts, count, id, caption, e);
+    page_pair_beside(p);
+    rows_page_table(p, c, paper, item, part);
+    page_pair_end(p);
+    return ok;
+}

@@ -9,6 +9,10 @@
 bool rows_page_figure(page *p, plot *drawing, const char *id, const char *caption, const comparison *c,
                       const char *paper, const char *item, const char *part, error *e);
 
+/* The same of charts. */
+bool rows_page_charts(page *p, const chart *charts, size_t count, const char *id, const char *caption,
+                      const comparison *c, const char *paper, const char *item, const char *part, error *e);
+
 /* The rows of one item; with a `part`, those whose condition or quantity contains it. Notes stand below. */
 void rows_page_table(page *p, const comparison *c, const char *paper, const char *item, const char *part);
 
