@@ -17,8 +17,10 @@
 #include "measure/floor.h"
 #include "measure/glitches.h"
 #include "measure/lines.h"
+#include "measure/missed.h"
 #include "measure/runs.h"
 #include "tell/advice.h"
+#include "tell/counted.h"
 #include "tell/known.h"
 #include "tell/named.h"
 #include "tell/resistance_trade.h"
@@ -130,9 +132,9 @@ static bool free_run_holds(const diagnosis *d)
     return d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
 }
 
-static void decide(diagnosis *d)
+static void decide(diagnosis *d, bool counted)
 {
-    if (d->causes == 0) {
+    if (d->causes == 0 && !counted) {
         d->verdict =
             at_the_noise(d, d->nominal) && !d->structure.certain ? VERDICT_CLEAN : VERDICT_UNEXPLAINED;
         return;
@@ -179,13 +181,38 @@ static double error_within_digits(const session *w)
     return measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
 }
 
+static double error_with(const diagnose_rows *r, const averaged_drive *drive)
+{
+    return measure_one_cycle(r, drive, MEASURE_ALL, true);
+}
+
+/* From the motor file's values on. */
+static bool begin(session *w, FILE *trace)
+{
+    w->nominal = fit_of_nominal(&w->fitted);
+    return causes_find(w, trace);
+}
+
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
+    missed_updates missed = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
-    w->nominal = fit_of_nominal(&w->fitted);
-    if (!causes_find(w, options->trace)) {
+    if (!begin(w, options->trace)) {
         return false;
+    }
+    const averaged_drive first = session_drive(w, w->state.z);
+    if (!hypothesis_in(options->skip, H_MISSED_UPDATE) && !measure_missed(&w->rows, &first, &missed)) {
+        return false;
+    }
+    if (missed.mended > 0) {
+        if (options->trace) {
+            fprintf(options->trace, "  %zu missed updates given the voltage that acted, searched again\n",
+                    missed.mended);
+        }
+        if (!begin(w, options->trace)) {
+            return false;
+        }
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);
     if (d->outliers > 0) {
@@ -200,9 +227,10 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     d->nominal_drive = w->frame.nominal;
     d->extended_motor = *m;
-    d->nominal = measure_one_cycle(&w->rows, &d->nominal_drive, MEASURE_ALL, true);
+    const diagnose_rows recorded = rows_as_recorded(&w->rows);
+    d->nominal = error_with(&recorded, &d->nominal_drive);
     named_tell(w, d, member);
-    d->extended = measure_one_cycle(&w->rows, &d->extended_drive, MEASURE_ALL, true);
+    d->extended = error_with(&w->rows, &d->extended_drive);
     double current = measure_current(&w->rows, MEASURE_ALL, true);
     d->noise_floor =
         100.0 * measure_floor(&w->rows, &w->state, &d->extended_drive, &d->sensor_noise_A) / current;
@@ -215,7 +243,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         return false;
     }
     mention_decoys(w, d);
-    decide(d);
+    decide(d, counted_is_news(&missed, m));
     if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && !learned_find(&w->rows, d)) {
         return false;
     }
@@ -223,6 +251,8 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!tabulate_hypotheses(w, d, member, options->skip) || !resistance_trade_tell(w, d)) {
         return false;
     }
+    counted_tell(&missed, m,
+                 d->extended > 0.0 ? error_with(&recorded, &d->extended_drive) / d->extended : 1.0, d);
     advice_tell(w, d);
     sentence_tell(d);
     for (size_t b = 0; b < w->rows.blocks; b++) {

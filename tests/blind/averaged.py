@@ -20,7 +20,7 @@ def no_effect():
         # What drifts: by how much per second of the recording; the values are those at its middle.
         R_rate_ohm_s=0.0, psi_rate_Wb_s=0.0, o_rate_A_s=np.zeros(3), g_rate_s=np.zeros(3),
         alpha_R=0.0, alpha_psi=0.0, heating_K=0.0,
-        order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0,
+        order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0, sensor_lag_s=0.0,
         delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, psi_11_Wb=0.0, psi_13_Wb=0.0, dR_ohm=np.zeros(3), dL_H=np.zeros(3), flux_map=None, R_iron_ohm=np.inf,
         tau_iron_s=1e-4, u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
 
@@ -60,7 +60,8 @@ def predict(columns, model, pole_pairs, T_s):
     if model.amplitude_rad:
         theta = theta - model.amplitude_rad * np.cos(model.order * theta / pole_pairs + model.phase_rad)
     omega = columns["omega_e_rad_s"]
-    theta = theta - omega * model.t_delay_s
+    # While no leg is high a current that is seen late is an angle that is read late: nearly, where a filter still sees edges.
+    theta = theta - omega * (model.t_delay_s + model.sensor_lag_s)
 
     # The first row (or two) has no row before it, where a late voltage would stand; the last has no row after it.
     first, whole = max(1, int(np.ceil(model.delay_cycles))), int(model.delay_cycles)

@@ -102,7 +102,8 @@ def simulate(motor, bench, model, rows, rng_seed):
         drifts=bool(model.R_rate_ohm_s or model.psi_rate_Wb_s or model.g_rate_s.any() or model.o_rate_A_s.any()),
         clock_s=starts - middle_s, R_rate_ohm_s=model.R_rate_ohm_s, psi_rate_Wb_s=model.psi_rate_Wb_s,
         gain_rate_s=model.g_rate_s.reshape(3, 1), offset_rate_A_s=model.o_rate_A_s.reshape(3, 1),
-        compensation_V=model.compensation_V, glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles)
+        compensation_V=model.compensation_V, glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles,
+        sensor_lag_s=model.sensor_lag_s)
     if model.heating_K:
         p.drifts = True
         p.warmer_K = warming(starts + T_s * np.arange(-bench.warm_up, rows).reshape(-1, 1), model, motor)
@@ -141,8 +142,8 @@ def shares(columns, motor, bench, model, ids, sizes, directions):
     error, _, predicted, knee = oracle(columns, model, motor)
     out = []
     for n, name in enumerate(ids):
-        if name in effects.UNNAMED:
-            # The averaged model does not know it: what it leaves beyond the floor is its share.
+        if name in effects.UNNAMED or name == "glitch":
+            # The averaged model does not know it, or not in which cycles: what it leaves beyond the floor is its share.
             out.append(float(np.sqrt(max(error ** 2 / floor ** 2 - 1.0, 0.0))))
             continue
         rest = [m for m in range(len(ids)) if m != n]

@@ -25,6 +25,8 @@ LATER = [
     "dead_time_over",
     "iron_loss",
     "temperature",
+    "sensor_lag",
+    "glitch",
 ]
 KNOWN = CAUSES + LATER
 UNKNOWN = ["dc_link_ripple", "iron_loss", "glitch", "loose_sensor"]
@@ -45,12 +47,12 @@ RANGE = {
     # What drifts: its change over the recording.
     "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
     "current_gain_drift": (0.02, 0.1), "emf_harmonics_high": (0.004, 0.03), "angle_harmonic_electrical": (0.008, 0.1),
-    "temperature": (20.0, 70.0),
+    "temperature": (20.0, 70.0), "sensor_lag": (0.06, 0.2),
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004)}
 
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
 GROUPS = [{"inductance", "saliency", "saturation", "phase_inductance", "saturation_dq"}, {"resistance", "phase_asymmetry"},
-          {"current_gain", "inductance"}]
+          {"current_gain", "inductance"}, {"angle_delay", "sensor_lag"}]
 WITHOUT_SIZE = {"voltage_delay", "voltage_delay_half"}
 
 
@@ -58,7 +60,7 @@ def cause_of(effect):
     """The cause's id: of a variant, such as a value that drifts or a delay that is no whole number, it is that cause's."""
     for variant in ("_drift", "_half", "_high", "_electrical", "_over"):
         effect = effect.removesuffix(variant)
-    return effect
+    return {"glitch": "missed_update"}.get(effect, effect)
 
 
 def compatible(a, b):
@@ -221,6 +223,10 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "angle_delay":
         model.t_delay_s = size * T_s * d["sign"]
         return [truth("t_delay", "s", model.t_delay_s)]
+    if effect == "sensor_lag":
+        # A filter: samples that are late see no edge and are an angle's delay.
+        model.sensor_lag_s = size * T_s
+        return [truth("tau", "s", model.sensor_lag_s)]
     if effect == "voltage_delay":
         model.delay_cycles = 1
         return [truth("cycles", "1", 1.0)]
@@ -257,7 +263,7 @@ def apply(model, motor, effect, size, d, has_i_c):
         return [truth("R_fe", "ohm", model.R_iron_ohm), truth("tau_fe", "s", model.tau_iron_s)]
     if effect == "glitch":
         model.glitch_rate = size
-        return [truth("rate", "1", size, False)]
+        return [truth("share", "1", size)]
     if effect == "loose_sensor":
         model.loose_rate, model.loose_factor = size, d["factor"]
         model.loose_phase = d["phase"] if has_i_c else d["phase"] % 2

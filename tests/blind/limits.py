@@ -59,7 +59,8 @@ UNIT = {"resistance": "of R", "inductance": "of L", "flux_linkage": "of psi_f", 
         "current_offset": "of rated peak", "current_gain": "of 1", "angle_offset": "rad", "angle_harmonic": "rad",
         "angle_delay": "of a cycle", "emf_harmonics": "of psi_f", "phase_asymmetry": "of R",
         "phase_inductance": "of L", "resistance_drift": "of R", "flux_linkage_drift": "of psi_f",
-        "current_offset_drift": "of rated peak", "current_gain_drift": "of 1", "emf_harmonics_high": "of psi_f", "angle_harmonic_electrical": "rad", "temperature": "K"}
+        "current_offset_drift": "of rated peak", "current_gain_drift": "of 1", "emf_harmonics_high": "of psi_f", "angle_harmonic_electrical": "rad", "temperature": "K",
+        "sensor_lag": "of a cycle"}
 
 
 def run(args):

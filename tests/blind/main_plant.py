@@ -78,6 +78,7 @@ def effect_arguments(case, model):
         "angle_harmonic_electrical": lambda: sets["angle_harmonic"](),
         "angle_harmonic": lambda: {"order": model.order, "amplitude": model.amplitude_rad, "phase": model.phase_rad},
         "angle_delay": lambda: {"t_delay": model.t_delay_s},
+        "sensor_lag": lambda: {"tau": model.sensor_lag_s},
         "voltage_delay": lambda: {"cycles": model.delay_cycles},
         "voltage_delay_half": lambda: {"cycles": model.delay_cycles},
         "emf_harmonics": lambda: {"psi_5": model.psi_5_Wb, "psi_7": model.psi_7_Wb},
@@ -101,7 +102,7 @@ def effect_arguments(case, model):
     for name in case.ids:
         # "inductance" there makes both axes equal; a salient motor's two are set one by one.
         settings = sets["saliency" if name == "inductance" else name]()
-        program_id = {"inductance": "saliency", "dc_link_ripple": "u_dc_ripple"}.get(name, effects.cause_of(name))
+        program_id = {"inductance": "saliency", "dc_link_ripple": "u_dc_ripple", "glitch": "glitch"}.get(name, effects.cause_of(name))
         out += ["--effect", program_id + ":" + ",".join(f"{k}={v:.12g}" for k, v in settings.items())]
     return out
 

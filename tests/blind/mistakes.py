@@ -87,6 +87,15 @@ def in_run(run, edit):
     return in_it
 
 
+def bent_sensors(cubic=(0.0, 0.0, 0.0), zone_A=0.0):
+    """Sensors that show so much too much at the rated peak, growing with the current's cube, and nothing up to zone_A."""
+    def edit(_header, c):
+        for share, p in zip(cubic, "abc"):
+            i = c[f"i_{p}_A"]
+            c[f"i_{p}_A"] = i + share * i ** 3 / 72.0 - np.clip(i, -zone_A, zone_A)
+    return edit
+
+
 def first_rows(count):
     def edit(_header, c):
         for name in c:
@@ -175,6 +184,12 @@ LAWS = [
     Row("one of six operating points, angle", "clean", in_run(3, angle(lambda c: c["theta_e_rad"] + 0.05)), {}, set(), {}, NO_CAUSE),
 ]
 
+BENT = [
+    Row("sensors with a cubic of 5 %", "clean", bent_sensors((0.05, 0.05, 0.05)), {}, set(), {}, NO_CAUSE),
+    Row("one sensor with a cubic of 2 %", "clean", bent_sensors((0.0, 0.02, 0.0)), {}, set(), {}, NO_CAUSE),
+    Row("sensors with a dead zone of 1 %", "clean", bent_sensors(zone_A=0.08), {}, set(), {}, NO_CAUSE),
+]
+
 # Short ones are used, or refused in one line; none is a failure of the program.
 SHORT = (20, 100, 199, 200, 240, 300, 381, 400)
 
@@ -219,6 +234,9 @@ class Mistakes(unittest.TestCase):
 
     def test_laws(self):
         self.holds(LAWS)
+
+    def test_sensors_that_are_not_linear(self):
+        self.holds(BENT)
 
     def test_short_recordings(self):
         for count in SHORT:

@@ -104,7 +104,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
     p: a namespace with what the sensors, the controller and the operating points need (draw.py makes it).
     """
     lanes = inverter.T_s.shape[0]
-    drive = Drive(machine, inverter, shaft, p.i_ref_dq[0] * np.exp(1j * shaft.theta(np.zeros(lanes))))
+    drive = Drive(machine, inverter, shaft, p.i_ref_dq[0] * np.exp(1j * shaft.theta(np.zeros(lanes))), p.sensor_lag_s)
     sensors = CurrentSensors(p.gain, p.offset_A, p.noise_A, p.lsb_A, p.full_scale_A, p.loose_phase, p.loose_rate,
                              p.loose_factor, p.two_sensors, rng)
     angle = AngleSensor(shaft, p.pole_pairs, p.encoder_counts, p.theta_0_rad, p.t_delay_s, p.order, p.amplitude_rad,
@@ -135,7 +135,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         u_dc_true = p.u_dc_V * (slow + ripple)
         u_dc_meas = quantise(p.u_dc_V * slow / p.k_u + p.u_dc_noise_V * rng.standard_normal(lanes), p.u_dc_lsb_V)
         sensors.contact()
-        i_valley = sensors.read(phases_from_vector(drive.current()))
+        i_valley = sensors.read(phases_from_vector(drive.seen()))
         theta = angle.read(t)
         omega = shaft.omega(t) + p.omega_noise_rad_s * rng.standard_normal(lanes)
         missed = rng.random(lanes) < p.glitch_rate if np.any(p.glitch_rate) else np.zeros(lanes, bool)
@@ -146,6 +146,8 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         # A compensation of dead time and drops, as gate logic makes it: by the signs at the valley, unseen by the record.
         more = p.compensation_V / p.u_dc_V * np.sign(phases_from_vector(drive.current()))
         i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied + more, u_dc_true, to_peak + more)))
+        if drive.late_valley is not None:
+            i_valley = sensors.read(phases_from_vector(drive.late_valley))
         if k >= warm_up:
             values = (i_valley, i_mid, theta, omega, command, u_dc_meas, (command - command.mean(axis=0)) * u_dc_meas)
             for column, value in zip(keep.values(), values):

@@ -239,11 +239,11 @@ class Inverter:
         self.has_dead_time = bool(np.any(self.t_dead_s))
         self.has_drops = bool(np.any(self.V_switch_V) or np.any(self.V_diode_V))
 
-    def instants(self, duty, duty_to_peak):
-        """Sorted instants within the cycle at which anything may change, from 0 to T, shape (n, lanes)."""
+    def instants(self, duty, duty_to_peak, also_s=()):
+        """Sorted instants within the cycle at which anything may change, and those of `also_s`; from 0 to T, shape (n, lanes)."""
         rise, fall = self.edges(duty, duty_to_peak)
         zero = np.zeros((1,) + self.T_s.shape)
-        rows = [zero, rise, fall, zero + 0.5 * self.T_s, zero + self.T_s]
+        rows = [zero, rise, fall, zero + 0.5 * self.T_s, zero + self.T_s] + [zero + t for t in also_s]
         if self.has_dead_time:
             rows += [rise + self.t_dead_s, fall + self.t_dead_s]
         return np.sort(np.minimum(np.concatenate(rows), self.T_s), axis=0)
@@ -274,13 +274,28 @@ class Inverter:
 
 
 class Drive:
-    """Machine and inverter, advanced by whole PWM cycles."""
+    """Machine and inverter, advanced by whole PWM cycles.
 
-    def __init__(self, machine, inverter, shaft, i_start=0.0):
+    lag_s: the current is seen through a first-order filter of that time constant; or, below nought, so late, and what a
+    sample at the valley sees is known only after the cycle, in late_valley.
+    """
+
+    def __init__(self, machine, inverter, shaft, i_start=0.0, lag_s=0.0):
         self.machine, self.inverter, self.shaft = machine, inverter, shaft
         self.t_s = np.zeros_like(inverter.T_s)
         self.psi = machine.flux(np.zeros_like(self.t_s) + i_start, shaft.theta(self.t_s))
         self.i_iron = np.zeros_like(self.psi)
+        self.lag_s, self.filtered, self.late_valley = lag_s, self.current(), None
+
+    def seen(self):
+        """What stands before the sensors now; of late samples see late_valley."""
+        return self.filtered if self.lag_s > 0.0 else self.current()
+
+    def _filter(self, h_s, i_before):
+        """The filter's answer to a current that goes from i_before to what it is now in a straight line."""
+        slope = (self.current() - i_before) / np.where(h_s > 0.0, h_s, 1.0)
+        steady = i_before - self.lag_s * slope
+        self.filtered = steady + slope * h_s + (self.filtered - steady) * np.exp(-h_s / self.lag_s)
 
     def current(self):
         """The current that the terminals see, as a vector."""
@@ -298,14 +313,16 @@ class Drive:
 
     def advance_cycle(self, duty, u_dc_V, duty_to_peak=None):
         """One PWM cycle with the duties (3, lanes), others up to the peak if given; returns the current at the carrier
-        peak, as a vector."""
+        peak, as a vector: as the sensors see it."""
         duty_to_peak = duty if duty_to_peak is None else duty_to_peak
-        inv, at = self.inverter, self.inverter.instants(duty, duty_to_peak)
-        t0_s, i_mid = self.t_s, None
+        late_s = max(-self.lag_s, 0.0)
+        inv, at = self.inverter, self.inverter.instants(duty, duty_to_peak, (late_s, 0.5 * self.inverter.T_s + late_s) if late_s else ())
+        t0_s, i_mid, self.late_valley = self.t_s, None, None
         theta_start = self.shaft.theta(t0_s)
         for a, b in zip(at[:-1], at[1:]):
             h = b - a
             theta_mid, theta_end = self.shaft.theta(t0_s + 0.5 * (a + b)), self.shaft.theta(t0_s + b)
+            i_before = self.current() if self.lag_s > 0.0 else None
             # Only dead time and device drops ask for the currents' signs.
             i_abc = phases_from_vector(self.current()) if inv.has_dead_time or inv.has_drops else np.zeros_like(at[:3])
             v, off = inv.leg_voltages(0.5 * (a + b), duty, duty_to_peak, i_abc, u_dc_V)
@@ -316,11 +333,18 @@ class Drive:
                 if u is not None:
                     psi, i_iron = self._step(h, u, theta_start, theta_mid, theta_end)
             self.psi, self.i_iron, self.t_s, theta_start = psi, i_iron, t0_s + b, theta_end
-            peak = b == 0.5 * inv.T_s
-            if peak.any():
-                i = self.current()
-                i_mid = i if i_mid is None else np.where(peak, i, i_mid)
+            if self.lag_s > 0.0:
+                self._filter(h, i_before)
+            i_mid = self._kept(i_mid, b == 0.5 * inv.T_s + late_s)
+            if late_s:
+                self.late_valley = self._kept(self.late_valley, b == late_s)
         return i_mid
+
+    def _kept(self, before, now):
+        """What is seen, in those lanes whose instant it is."""
+        if not now.any():
+            return before
+        return self.seen() if before is None else np.where(now, self.seen(), before)
 
     def _clamp(self, u, v, off, i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V):
         """A diode does not carry its current through zero: the leg floats at the voltage that leaves it there.

@@ -115,8 +115,9 @@ static void bench_current(const bench *b, const double flux[2], double theta, do
     }
 }
 
-/* State: total flux (alpha, beta), and the current in the iron, which is measured with the winding's. */
-enum { STATES = 4 };
+/* State: total flux (alpha, beta), the current in the iron, which is measured with the winding's, and what the sensors'
+ * filter has let through. */
+enum { STATES = 6 };
 
 static void to_phases(const double ab[2], double x[3])
 {
@@ -155,6 +156,7 @@ static void slope(const bench *b, const double state[STATES], double theta, cons
         double iron = state[2 + x];
         out[x] = u[x] - lost[x] - b->m.R_ohm * (i[x] + iron);
         out[2 + x] = b->R_iron_ohm > 0.0 ? (out[x] / b->R_iron_ohm - iron) / b->tau_iron_s : 0.0;
+        out[4 + x] = b->filter_s > 0.0 ? (i[x] + iron - state[4 + x]) / b->filter_s : 0.0;
     }
 }
 
@@ -190,7 +192,7 @@ static void cycle(const bench *b, double state[STATES], double *theta, double om
     for (int k = 0; k < STEPS; k++) {
         const double *mean = k < steps_late ? late : now;
         double u[2] = {mean[0], mean[1]};
-        if (b->R_iron_ohm > 0.0) {
+        if (b->R_iron_ohm > 0.0 || b->filter_s > 0.0) {
             switched(b, mean, (double)k / STEPS, (double)(k + 1) / STEPS, u);
         }
         double k1[STATES], k2[STATES], k3[STATES], k4[STATES], at[STATES];
@@ -316,6 +318,7 @@ recording bench_record(const bench *b)
         magnet_flux(m, theta, state);
         double step[2] = {0.0, 0.0};
         double before[3][2] = {{0.0, 0.0}}; /* commands of this cycle and of the two before */
+        double held[2] = {0.0, 0.0};        /* what acts */
         r.stretch[run] = (stretch){run * BENCH_ROWS, BENCH_ROWS, (long)run + 1};
         for (size_t j = 0; j < BENCH_ROWS; j++) {
             size_t k = run * BENCH_ROWS + j;
@@ -328,7 +331,11 @@ recording bench_record(const bench *b)
             bench_current(&now, state, theta, i_ab);
             i_ab[0] += state[2];
             i_ab[1] += state[3];
-            sense(b, &r, k, i_ab, theta, omega, &random);
+            if (j == 0) {
+                state[4] = i_ab[0];
+                state[5] = i_ab[1];
+            }
+            sense(b, &r, k, b->filter_s > 0.0 ? state + 4 : i_ab, theta, omega, &random);
             r.run[k] = (long)run + 1;
             r.line[k] = (long)k + 2;
             /* The steady voltage, a proportional pull towards the operating point, and a step every thirty
@@ -350,6 +357,8 @@ recording bench_record(const bench *b)
             double applied[2][2]; /* this cycle's, and what still acts at its start */
             double k_u = m->ext.has[CAUSE_VOLTAGE_GAIN] ? m->ext.k_u : 1.0;
             double ripple = 1.0 + b->unlogged_ripple * sin(TWO_PI * 300.0 * r.t_s[k]);
+            /* A cycle whose update was missed: the last one's command acts on. */
+            const bool misses = j > 0 && b->missed_share > 0.0 && uniform(&random) < b->missed_share;
             size_t whole = late < 2.0 ? (size_t)late : 1;
             double phase[3];
             to_phases(u_ab, phase);
@@ -360,7 +369,8 @@ recording bench_record(const bench *b)
                 before[2][x] = before[1][x];
                 before[1][x] = before[0][x];
                 before[0][x] = u_ab[x];
-                applied[0][x] = k_u * ripple * before[whole][x];
+                held[x] = misses ? held[x] : before[whole][x];
+                applied[0][x] = k_u * ripple * held[x];
                 applied[1][x] = k_u * ripple * before[whole + 1][x];
             }
             cycle(&now, state, &theta, omega, r.T_s, applied[1], lround(STEPS * (late - (double)whole)),

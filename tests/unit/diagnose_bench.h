@@ -17,6 +17,8 @@ typedef struct bench {
     double unlogged_ripple; /* share of the voltage at 300 Hz that no column knows */
     double R_iron_ohm;      /* eddy currents beside the winding's flux; 0: none */
     double tau_iron_s;      /* by which they come late */
+    double missed_share;    /* of the cycles: the last command acts on */
+    double filter_s;        /* time constant of a filter ahead of the current sensors; 0: none */
     double bend_d, bend_q,
         bend_cross;         /* iron that saturates (current_of), at the rated current: parts of it */
     double mean_C, swing_K; /* temperature: recorded where it swings */

@@ -106,7 +106,7 @@ static void test_typical_sizes(void)
         const plant_config c = with(effect_table[n].id);
         TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), effect_table[n].id);
     }
-    TEST_ASSERT_EQUAL_INT(27, effect_table_length);
+    TEST_ASSERT_EQUAL_INT(28, effect_table_length);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2e-6, with("dead_time").inverter.t_dead_s);
 }
 
@@ -128,10 +128,10 @@ static void test_needed_keys(void)
 /* The causes that a diagnosis can name are all there: interfaces.md, the table of cause ids. */
 static void test_every_cause_can_be_made(void)
 {
-    const char *const causes[] = {"resistance",     "inductance",    "flux_linkage",  "saliency",
-                                  "saturation",     "saturation_dq", "dead_time",     "voltage_gain",
-                                  "current_offset", "current_gain",  "angle_offset",  "angle_harmonic",
-                                  "angle_delay",    "voltage_delay", "emf_harmonics", "phase_asymmetry"};
+    const char *const causes[] = {
+        "resistance",  "inductance",    "flux_linkage",   "saliency",        "saturation",   "saturation_dq",
+        "dead_time",   "voltage_gain",  "current_offset", "current_gain",    "angle_offset", "angle_harmonic",
+        "angle_delay", "voltage_delay", "emf_harmonics",  "phase_asymmetry", "sensor_lag",   "missed_update"};
     for (size_t k = 0; k < sizeof causes / sizeof causes[0]; k++) {
         (void)with(causes[k]);
     }

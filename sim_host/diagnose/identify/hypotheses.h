@@ -64,6 +64,7 @@ typedef enum hypothesis_need {
     NEEDS_POLES_TWICE,
     NEEDS_MAGNET, /* turning, too */
     NEEDS_THREE_SENSORS,
+    NEEDS_A_COUNT, /* of rows (measure/): no fit searches for it */
     NEEDS_TEMPERATURE
 } hypothesis_need;
 
@@ -94,6 +95,7 @@ typedef struct hypothesis {
     coordinate_id shape[HYPOTHESIS_SHAPES];
     bool silent;   /* fits so much that where it wins nothing is said of it */
     bool to_floor; /* named only where nothing is left then: else it may stand for what has no name */
+    double loose;  /* share of its value that its law may be off by: an interval says no less */
     bool exact;    /* its law leaves nothing that another cause could be taken for */
 } hypothesis;
 

@@ -1,6 +1,7 @@
 /* The averaged drive as an observer of a recording (observer.h). */
 #include "observer.h"
 
+#include "model/sensor_bend.h"
 #include "model/sensor_lag.h"
 
 #include <math.h>
@@ -16,6 +17,26 @@ static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive
 {
     const sensor_map map = averaged_drive_sensors(drive, r->two_sensors, row->elapsed_s);
     return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map);
+}
+
+/* What the sensors show of a true current; *zero: the mean of the three. */
+static vec_ab shown(const averaged_drive *drive, const sensor_map *map, vec_ab x, double *zero)
+{
+    vec_ab y = sensor_map_measure(map, x);
+    *zero = map->zero[0] * x.alpha + map->zero[1] * x.beta + map->zero_offset_A;
+    if (sensor_bend_is_there(drive)) {
+        double more_zero;
+        const vec_ab more = sensor_bend_more(drive, y, &more_zero);
+        y = (vec_ab){y.alpha + more.alpha, y.beta + more.beta};
+        *zero += more_zero;
+    }
+    return y;
+}
+
+static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, vec_ab recorded)
+{
+    const bool bent = sensor_bend_is_there(drive);
+    return sensor_map_unmeasure(map, bent ? sensor_bend_undo(drive, recorded) : recorded);
 }
 
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
@@ -36,15 +57,16 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
             sensors = sensors_at(r, drive, row);
         }
         if (age == 0 || r->outlier[k]) {
-            x = sensor_map_unmeasure(&sensors, row->i_A);
+            x = unshown(drive, &sensors, row->i_A);
             age = 1;
         } else {
-            vec_ab shown = sensor_map_measure(&sensors, x);
-            vec_ab wrong = {row->i_A.alpha - shown.alpha, row->i_A.beta - shown.beta};
+            double zero;
+            vec_ab seen_A = shown(drive, &sensors, x, &zero);
+            vec_ab wrong = {row->i_A.alpha - seen_A.alpha, row->i_A.beta - seen_A.beta};
             if (gate > 0.0 && age >= OBSERVER_START &&
                 wrong.alpha * wrong.alpha + wrong.beta * wrong.beta > gate * gate) {
                 r->outlier[k] = 1;
-                x = sensor_map_unmeasure(&sensors, row->i_A);
+                x = unshown(drive, &sensors, row->i_A);
                 age = 1;
             } else {
                 if (age >= OBSERVER_START) {
@@ -55,8 +77,7 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
                     out[0] = wrong.alpha;
                     out[1] = wrong.beta;
                     if (!r->two_sensors) {
-                        out[2] = row->i_zero_A - sensors.zero[0] * x.alpha - sensors.zero[1] * x.beta -
-                                 sensors.zero_offset_A;
+                        out[2] = row->i_zero_A - zero;
                     }
                 }
                 /* As if every sample so far counted alike, until the steady gain is reached. */
@@ -82,13 +103,14 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
         if (change) {
             sensors = sensors_at(r, drive, before);
         }
-        vec_ab x = sensor_map_unmeasure(&sensors, before->i_A);
+        vec_ab x = unshown(drive, &sensors, before->i_A);
         if (change) {
             sensors = sensors_at(r, drive, before + 1);
         }
-        vec_ab shown = sensor_map_measure(&sensors, averaged_drive_advance(drive, nodes, before, x));
-        wrong[j].alpha = before[1].i_A.alpha - shown.alpha;
-        wrong[j].beta = before[1].i_A.beta - shown.beta;
+        double zero;
+        vec_ab seen = shown(drive, &sensors, averaged_drive_advance(drive, nodes, before, x), &zero);
+        wrong[j].alpha = before[1].i_A.alpha - seen.alpha;
+        wrong[j].beta = before[1].i_A.beta - seen.beta;
     }
 }
 
@@ -97,12 +119,13 @@ void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, cons
 {
     const bool change = sensors_change(drive);
     sensor_map sensors = sensors_at(r, drive, &r->row[first]);
-    vec_ab x = sensor_map_unmeasure(&sensors, r->row[first].i_A);
+    vec_ab x = unshown(drive, &sensors, r->row[first].i_A);
     for (size_t j = 0; j < count; j++) {
         if (change) {
             sensors = sensors_at(r, drive, &r->row[first + j]);
         }
-        current[j] = sensor_map_measure(&sensors, x);
+        double zero;
+        current[j] = shown(drive, &sensors, x, &zero);
         x = averaged_drive_advance(drive, nodes, &r->row[first + j], x);
     }
 }

@@ -316,9 +316,17 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     return true;
 }
 
+diagnose_rows rows_as_recorded(const diagnose_rows *r)
+{
+    diagnose_rows plain = *r;
+    plain.row = r->recorded_row ? r->recorded_row : r->row;
+    return plain;
+}
+
 void rows_free(diagnose_rows *r)
 {
     free(r->row);
+    free(r->recorded_row);
     free(r->outlier);
     free(r->node_omega_rad_s);
     free(r->block);

@@ -35,7 +35,8 @@ typedef struct diagnose_rows {
     double T_s;
     size_t rows;
     cycle_row *row;
-    unsigned char *outlier; /* set by the fit: a glitch that would drag every estimate */
+    cycle_row *recorded_row; /* NULL; or as recorded, where `row` has other voltages (measure/missed) */
+    unsigned char *outlier;  /* set by the fit: a glitch that would drag every estimate */
     size_t nodes;
     double *node_omega_rad_s;
     size_t blocks;
@@ -52,6 +53,10 @@ typedef struct diagnose_rows {
 
 /* False with *e set if memory runs out or no block can be cut. */
 bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error *e);
+
+/* The same rows with what was recorded; borrows all of r. */
+diagnose_rows rows_as_recorded(const diagnose_rows *r);
+
 void rows_free(diagnose_rows *r);
 
 /* The table of the exact step for a drive, one entry per node in use. Caller frees. NULL: no memory. */

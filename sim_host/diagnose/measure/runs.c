@@ -153,18 +153,19 @@ static void describe_run(const diagnose_rows *r, size_t group, diagnosis_run *ru
 
 bool measure_runs(const diagnose_rows *r, diagnosis *d, bool series)
 {
+    const diagnose_rows recorded = rows_as_recorded(r);
     averaged_node *nominal = rows_nodes(r, &d->nominal_drive);
     averaged_node *extended = rows_nodes(r, &d->extended_drive);
     vec_ab *scratch = calloc(r->rows + 1, sizeof *scratch);
     double percent[2][ROWS_MAX_GROUPS] = {{0}};
     bool ok = nominal && extended && scratch && (!series || make_series(r, d));
     if (ok) {
-        d->free_nominal_percent =
-            free_run(r, &d->nominal_drive, nominal, percent[0], scratch, series ? d->free_nominal : NULL);
+        d->free_nominal_percent = free_run(&recorded, &d->nominal_drive, nominal, percent[0], scratch,
+                                           series ? d->free_nominal : NULL);
         d->free_extended_percent =
             free_run(r, &d->extended_drive, extended, percent[1], scratch, series ? d->free_extended : NULL);
         if (series) {
-            one_cycle_series(r, &d->nominal_drive, nominal, d->error_nominal);
+            one_cycle_series(&recorded, &d->nominal_drive, nominal, d->error_nominal);
             one_cycle_series(r, &d->extended_drive, extended, d->error_extended);
         }
         double all = measure_current(r, MEASURE_ALL, true);
@@ -172,15 +173,15 @@ bool measure_runs(const diagnose_rows *r, diagnosis *d, bool series)
         for (size_t g = 0; g < r->groups; g++) {
             diagnosis_run *run = &d->run[g];
             describe_run(r, g, run);
-            run->nominal = measure_one_cycle(r, &d->nominal_drive, g, true);
+            run->nominal = measure_one_cycle(&recorded, &d->nominal_drive, g, true);
             run->extended = measure_one_cycle(r, &d->extended_drive, g, true);
             double own = measure_current(r, g, true);
             run->noise_floor = own > 0.0 ? d->noise_floor * all / own : NAN;
             run->free_nominal = percent[0][g];
             run->free_extended = percent[1][g];
         }
-        d->method_nominal = (diagnosis_method){method_error(r, &d->nominal_drive, false),
-                                               method_error(r, &d->nominal_drive, true), d->nominal};
+        d->method_nominal = (diagnosis_method){method_error(&recorded, &d->nominal_drive, false),
+                                               method_error(&recorded, &d->nominal_drive, true), d->nominal};
         d->method_extended = (diagnosis_method){method_error(r, &d->extended_drive, false),
                                                 method_error(r, &d->extended_drive, true), d->extended};
     }

@@ -47,8 +47,8 @@ static size_t spreads_of(const session *w, hypothesis_id h, spread list[SPREADS]
         /* The parts of a vector lean on one another: what counts is its length. */
         const double size =
             hypo->one_vector ? hypothesis_size(h, w->state.z) : fabs(column_value(column, w->state.z));
-        double half =
-            certainty_half_width(&w->certainty, column) + of_least * hypo->least + more.of_effect * size;
+        double half = certainty_half_width(&w->certainty, column) + of_least * hypo->least +
+                      fmax(more.of_effect, hypo->loose) * size;
         if (!column_shows(column, &w->rows)) {
             /* All that is known is what a gain can be. */
             half = 0.5 * (coordinate_table[column].high - coordinate_table[column].low);

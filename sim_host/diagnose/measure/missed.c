@@ -1,0 +1,175 @@
+/* Cycles under the command of the cycle before (missed.h). */
+#include "missed.h"
+
+#include "diagnose/identify/observer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* In deviations: what a missed update must do to be counted, and how near the error must come to it. */
+static const double CLEAR = 8.0;
+static const double NEAR = 4.0;
+/* What is counted must be this many rows at the least, and so many times those that err the opposite way. */
+enum { LEAST_ROWS = 4, TIMES_OPPOSITE = 5 };
+/* A share late by more is a voltage delay: then which command is missed is another question. */
+static const double MOST_LATE = 0.15;
+
+/* The middle of a normal square in two dimensions is 2 ln 2 of one component's variance. */
+static const double MEDIAN_OF_SQUARE = 1.386294361119891;
+
+typedef struct count {
+    diagnose_rows *r;
+    const averaged_drive *drive;
+    const averaged_node *nodes;
+    double deviation_A[ROWS_MAX_GROUPS];
+    double odds; /* log of share / (1 - share); NAN while rows are counted and not mended */
+    size_t told, missed, opposite, mended;
+} count;
+
+static int ascending(const void *x, const void *y)
+{
+    const double a = *(const double *)x;
+    const double b = *(const double *)y;
+    return (a > b) - (a < b);
+}
+
+static bool find_deviations(count *c)
+{
+    const diagnose_rows *r = c->r;
+    double *square = calloc(r->rows + 1, sizeof *square);
+    vec_ab *wrong = calloc(r->rows + 1, sizeof *wrong);
+    for (size_t g = 0; square && wrong && g < r->groups; g++) {
+        size_t n = 0;
+        for (size_t b = 0; b < r->blocks; b++) {
+            if (r->block[b].group == g) {
+                observer_one_cycle(r, c->drive, c->nodes, r->block[b].first, r->block[b].count, wrong);
+            }
+            for (size_t j = 1; r->block[b].group == g && j < r->block[b].count; j++) {
+                square[n++] = wrong[j].alpha * wrong[j].alpha + wrong[j].beta * wrong[j].beta;
+            }
+        }
+        qsort(square, n, sizeof *square, ascending);
+        c->deviation_A[g] = n > 0 ? sqrt(square[n / 2] / MEDIAN_OF_SQUARE) : 0.0;
+    }
+    const bool ok = square && wrong;
+    free(square);
+    free(wrong);
+    return ok;
+}
+
+/* The cycle of a row under the command of the row before it. */
+static void hold_command(cycle_row *row)
+{
+    row->u_V[0] = row[-1].u_V[0];
+    memcpy(row->rise, row[-1].rise, sizeof row->rise);
+    memcpy(row->edge_ripple_Wb, row[-1].edge_ripple_Wb, sizeof row->edge_ripple_Wb);
+}
+
+/* What the rows after it know of it. */
+static void tell_next(cycle_row *next)
+{
+    next->u_V[1] = next[-1].u_V[0];
+    next->u_V[2] = next[-1].u_V[1];
+    memcpy(next->fell, next[-1].rise, sizeof next->fell);
+}
+
+static double square_of(vec_ab a)
+{
+    return a.alpha * a.alpha + a.beta * a.beta;
+}
+
+/* One-cycle error of a pair of rows with the first as it stands. */
+static vec_ab error_of(const count *c, size_t k)
+{
+    vec_ab wrong[2];
+    observer_one_cycle(c->r, c->drive, c->nodes, k, 2, wrong);
+    return wrong[1];
+}
+
+static void look_at(count *c, size_t k, double deviation_A)
+{
+    cycle_row *row = &c->r->row[k];
+    const cycle_row own = *row;
+    const cycle_row next = row[1];
+    const vec_ab e = error_of(c, k);
+    hold_command(row);
+    tell_next(row + 1);
+    const vec_ab held = error_of(c, k);
+    /* Twice its own error less that of the held command: the error if the opposite had been done. */
+    const vec_ab opposite = {2.0 * e.alpha - held.alpha, 2.0 * e.beta - held.beta};
+    const vec_ab does = {e.alpha - held.alpha, e.beta - held.beta};
+    const double near = NEAR * NEAR * deviation_A * deviation_A;
+    const bool tells = square_of(does) > CLEAR * CLEAR * deviation_A * deviation_A;
+    if (isnan(c->odds)) {
+        c->told += tells;
+        c->missed += tells && square_of(held) < near;
+        c->opposite += tells && square_of(opposite) < near;
+    } else if (0.5 * (square_of(e) - square_of(held)) + c->odds * deviation_A * deviation_A > 0.0) {
+        c->mended++;
+        return;
+    }
+    row[0] = own;
+    row[1] = next;
+}
+
+static void look_at_all(count *c)
+{
+    const recording *rec = c->r->recording;
+    size_t b = 0;
+    for (size_t s = 0; s < rec->stretches; s++) {
+        const stretch *st = &rec->stretch[s];
+        for (; b < c->r->blocks && c->r->block[b].stretch < s; b++) {
+        }
+        if (b == c->r->blocks || c->r->block[b].stretch != s) {
+            continue;
+        }
+        size_t own = b;
+        for (size_t k = st->first + ROWS_HISTORY; k + 1 < st->first + st->count; k++) {
+            while (own + 1 < c->r->blocks && c->r->block[own + 1].stretch == s &&
+                   c->r->block[own + 1].first <= k) {
+                own++;
+            }
+            look_at(c, k, c->deviation_A[c->r->block[own].group]);
+        }
+    }
+}
+
+/* Wilson's interval of a share. */
+static void tell_share(const count *c, missed_updates *found)
+{
+    const double z = 1.959963984540054;
+    const double n = (double)c->told;
+    const double p = (double)c->missed / n;
+    const double middle = (p + 0.5 * z * z / n) / (1.0 + z * z / n);
+    const double half = z / (1.0 + z * z / n) * sqrt(p * (1.0 - p) / n + 0.25 * z * z / (n * n));
+    *found = (missed_updates){c->told, c->missed, p, middle - half, middle + half, 0};
+}
+
+bool measure_missed(diagnose_rows *r, const averaged_drive *drive, missed_updates *found)
+{
+    averaged_node *nodes = rows_nodes(r, drive);
+    count c = {.r = r, .drive = drive, .nodes = nodes, .odds = NAN};
+    *found = (missed_updates){0};
+    if (!nodes || !find_deviations(&c)) {
+        free(nodes);
+        return false;
+    }
+    if (fabs(drive->u_delay[0]) < MOST_LATE && drive->u_delay[1] == 0.0) {
+        look_at_all(&c);
+    }
+    bool ok = true;
+    if (c.missed >= LEAST_ROWS && c.missed > TIMES_OPPOSITE * c.opposite) {
+        tell_share(&c, found);
+        r->recorded_row = malloc(r->rows * sizeof *r->recorded_row);
+        ok = r->recorded_row != NULL;
+        if (ok) {
+            memcpy(r->recorded_row, r->row, r->rows * sizeof *r->recorded_row);
+            c.odds = log(found->share / (1.0 - fmin(found->share, 0.5)));
+            look_at_all(&c);
+            found->mended = c.mended;
+        }
+    }
+    free(nodes);
+    return ok;
+}

@@ -1,0 +1,37 @@
+/* Current sensors that are not linear (sensor_bend.h). */
+#include "sensor_bend.h"
+
+#include <math.h>
+
+/* A bend of a tenth is undone to 1e-3 of itself. */
+enum { UNDO_STEPS = 6 };
+
+bool sensor_bend_is_there(const averaged_drive *d)
+{
+    return d->cubic_A2[0] != 0.0 || d->cubic_A2[1] != 0.0 || d->cubic_A2[2] != 0.0 || d->zone_A != 0.0;
+}
+
+vec_ab sensor_bend_more(const averaged_drive *d, vec_ab linear, double *zero)
+{
+    const double zone_A = fabs(d->zone_A);
+    double y[3];
+    vec_to_phases(linear, y);
+    for (size_t x = 0; x < 3; x++) {
+        const double lost = fmin(fmax(y[x], -zone_A), zone_A);
+        y[x] = d->cubic_A2[x] * y[x] * y[x] * y[x] - copysign(lost, d->zone_A * y[x]);
+    }
+    *zero = (y[0] + y[1] + y[2]) / 3.0;
+    return vec_from_phases(y);
+}
+
+vec_ab sensor_bend_undo(const averaged_drive *d, vec_ab recorded)
+{
+    vec_ab linear = recorded;
+    for (int k = 0; k < UNDO_STEPS; k++) {
+        double zero;
+        const vec_ab more = sensor_bend_more(d, linear, &zero);
+        linear.alpha = recorded.alpha - more.alpha;
+        linear.beta = recorded.beta - more.beta;
+    }
+    return linear;
+}
