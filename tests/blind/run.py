@@ -5,6 +5,7 @@
     tests/blind/run.py --digits     the same with last-digit errors in every motor file (digits.py)
     tests/blind/run.py --ci         a fixed set of 48, half of them by the second plant
     tests/blind/run.py --release 3  release set 3: 1,000 recordings that nothing was developed on; once only (release.py)
+    tests/blind/run.py --release 3 --minutes 30     as much of it as begins within 30 minutes, in an order drawn beforehand
     tests/blind/run.py --kind phase_inductance --count 40    recordings of one kind (generate.py lists them)
     tests/blind/run.py --skip-check for each cause: told to skip its hypothesis, the diagnosis must fail this test
     tests/blind/run.py --limits     the size of each effect that is found in 95 % of cases (limits.py)
@@ -15,6 +16,7 @@ Needs Debian's python3-numpy and python3-scipy, and gnuplot for --figure.
 
 import argparse
 import json
+import math
 import os
 import resource
 import subprocess
@@ -64,7 +66,8 @@ class Case(typing.NamedTuple):
 def set_of(args):
     """(seed, kind, plant) of the recordings that are asked for."""
     if args.release is not None:
-        return release.cases(args.release, args.scale)
+        cases = release.cases(args.release, args.scale)
+        return release.shuffled(cases, args.release) if args.minutes else cases
     wanted = fixed_set(not args.ci, args.first)
     if args.kind:
         first = 50000 if args.first is None else args.first
@@ -114,13 +117,19 @@ def one_case(case):
         return {**score.judge(truth, found), **taken}
 
 
-def run_cases(cases, jobs):
-    """Judged recordings in the cases' order, and (case, words) of those that failed to run."""
-    results, failures = {}, []
+def run_cases(cases, jobs, minutes=None):
+    """Judged recordings in the cases' order, and (case, words) of those that failed to run. After so many minutes none
+    begins; what has begun counts, however long it takes."""
+    results, failures, end = {}, [], time.monotonic() + 60.0 * (minutes or math.inf)
     with ProcessPoolExecutor(jobs) as pool:
         waiting = {pool.submit(one_case, case): case for case in cases}
         for done, future in enumerate(as_completed(waiting), 1):
             case = waiting[future]
+            if time.monotonic() > end:
+                for other in waiting:
+                    other.cancel()
+            if future.cancelled():
+                continue
             try:
                 results[case] = future.result()
             except Exception as problem:  # a refusal, a crash or a hang: reported with its case, never passed over
@@ -175,6 +184,7 @@ def arguments():
     parser.add_argument("--digits", action="store_true", help="with last-digit errors in every motor file (digits.py)")
     parser.add_argument("--release", type=int, metavar="N", help="release set N, with --digits; once only")
     parser.add_argument("--scale", type=float, default=1.0, help="try --release with this share of it, on development seeds")
+    parser.add_argument("--minutes", type=float, help="with --release: begin no recording after so long")
     parser.add_argument("--first", type=int, metavar="SEED", help="another set of the same kind: its first seed")
     parser.add_argument("--kind", help="recordings of this kind only: single, dead_time, resistance+angle_offset, ...")
     parser.add_argument("--count", type=int, default=40, help="how many of --kind (default 40)")
@@ -200,6 +210,8 @@ def arguments():
     if args.first is not None and args.first >= release.FIRST_SEED:
         parser.error(f"--first: seeds from {release.FIRST_SEED} on are for release sets")
     args.keep = os.path.abspath(args.keep) if args.keep else None
+    if args.minutes is not None and (args.release is None or args.minutes <= 0.0):
+        parser.error("--minutes: a time above 0, with --release")
     if args.release is not None:
         check_release(parser, args)
     return args
@@ -254,7 +266,7 @@ def main():
 
     cases = [Case(seed, kind, plant, args.digits, args.keep, args.iqfoc, args.skip) for seed, kind, plant in set_of(args)]
     print(f"{len(cases)} recordings, seeds {cases[0].seed} to {cases[-1].seed}" + (", last-digit errors" if args.digits else ""))
-    results, failures = run_cases(cases, args.jobs)
+    results, failures = run_cases(cases, args.jobs, args.minutes)
     s = score.summary(results)
     print_report(results, failures, s)
     write_results(args, results, failures, s)

@@ -89,6 +89,17 @@ class Releases(unittest.TestCase):
         self.assertEqual(len(trial), 50)
         self.assertTrue(all(seed < release.FIRST_SEED for seed, _, _ in trial))
 
+    def test_a_set_cut_short_is_a_sample_of_all_parts(self):
+        cases = release.cases(2)
+        mixed = release.shuffled(cases, 2)
+        self.assertEqual(sorted(mixed), sorted(cases))
+        self.assertEqual(mixed, release.shuffled(cases, 2))
+        first = mixed[:200]
+        for low, part in ((40, "clean"), (40, "single"), (20, "pair")):
+            hits = sum((k == "clean") if part == "clean" else k in effects.KNOWN if part == "single" else k.count("+") == 1
+                       for _, k, _ in first)
+            self.assertGreater(hits, low - 15, part)
+
     def test_confidence(self):
         # Of 300 without a miss: 1 - 0.025^(1/300); of 10 with 5: the table of Clopper and Pearson.
         self.assertAlmostEqual(score.confidence(300, 300)[0], 0.025 ** (1.0 / 300.0), 9)
