@@ -104,13 +104,31 @@ static hypothesis_id least_of(const double cost_without[H_COUNT], hypothesis_set
     return least;
 }
 
-/* The member that is least worth its name, H_COUNT if all are. */
-static hypothesis_id weakest(const session *w, const evidence_view *view, double floor_A, double unexplained)
+/* What the members of the state's set take off, one by one and together, in chi square. */
+typedef struct weighing {
+    const session *w;
+    const evidence_view *view;
+    double floor_A, unexplained;
+    double own_cost;         /* of the set as it is */
+    double inexact;          /* what those explain whose laws are not exact */
+    double all;              /* what all explain */
+    double without[H_COUNT]; /* what each takes off beside the others */
+    hypothesis_set decoys;   /* members without a name */
+    double of_decoys;        /* what these take off beside the named ones */
+    double with_all;         /* held-out error of the named ones; where there are decoys */
+} weighing;
+
+static double cost_of(const weighing *g, hypothesis_set set)
 {
-    evidence_option own;
-    evidence_option none;
-    hypothesis_set decoys = 0;
-    evidence_cost(view, &w->state, w->state.set, &own);
+    evidence_option option;
+    evidence_cost(g->view, &g->w->state, set, &option);
+    return option.cost;
+}
+
+static weighing weigh(const session *w, const evidence_view *view, double floor_A, double unexplained)
+{
+    weighing g = {.w = w, .view = view, .floor_A = floor_A, .unexplained = unexplained};
+    const hypothesis_set set = w->state.set;
     /* A voltage that acts late is exactly that, as are an angle and a sensor that err: their laws leave next to
      * nothing that another cause could be taken for. */
     hypothesis_set exact = 0;
@@ -118,58 +136,63 @@ static hypothesis_id weakest(const session *w, const evidence_view *view, double
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         exact |= hypothesis_table[h].exact ? HYPOTHESIS_BIT(h) : 0;
         delays |= (hypothesis_table[h].role & DELAYS_VOLTAGE) != 0 ? HYPOTHESIS_BIT(h) : 0;
+        g.decoys |= hypothesis_in(set, h) && !hypothesis_cause(h)->named ? HYPOTHESIS_BIT(h) : 0;
     }
-    evidence_cost(view, &w->state, w->state.set & exact, &none);
-    evidence_option nothing;
-    evidence_cost(view, &w->state, w->state.set & delays, &nothing);
-    const double least_of_all = LEAST_SHARE_OF_EXACT * (nothing.cost - own.cost);
-    double cost_without[H_COUNT] = {0};
+    g.own_cost = cost_of(&g, set);
+    g.inexact = cost_of(&g, set & exact) - g.own_cost;
+    g.all = cost_of(&g, set & delays) - g.own_cost;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (w->state.set & HYPOTHESIS_BIT(h)) {
-            evidence_option without;
-            evidence_cost(view, &w->state, w->state.set & ~HYPOTHESIS_BIT(h), &without);
-            cost_without[h] = without.cost - own.cost;
-            if (!hypothesis_cause(h)->named) {
-                decoys |= HYPOTHESIS_BIT(h);
-            }
-        }
+        g.without[h] = hypothesis_in(set, h) ? cost_of(&g, set & ~HYPOTHESIS_BIT(h)) - g.own_cost : 0.0;
     }
-    evidence_option named;
-    evidence_cost(view, &w->state, w->state.set & ~decoys, &named);
-    const double of_decoys = named.cost - own.cost;
-    double with_all = decoys ? named_error(w, w->state.set) : 0.0;
+    g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
+    g.with_all = g.decoys ? named_error(w, set) : 0.0;
+    return g;
+}
+
+/* The least that a member must take off, by what the others explain and what nothing does. */
+static double bar_of(const weighing *g, hypothesis_id h)
+{
+    const hypothesis_set set = g->w->state.set;
+    const double bar = fmax(evidence_least(g->inexact, set, h), LEAST_SHARE_OF_EXACT * g->all);
+    if (!hypothesis_cause(h)->named) {
+        return bar;
+    }
+    /* What the effects without a name explain, alone or together with this cause: iron loss, say, looks so much like
+     * a late angle that either takes most of what they share. */
+    const double shared = g->decoys ? cost_of(g, set & ~g->decoys & ~HYPOTHESIS_BIT(h)) - g->own_cost : 0.0;
+    return fmax(bar, LEAST_SHARE_OF_REST * (g->unexplained + shared));
+}
+
+/* Beside an unnamed effect that explains as much or nearly so, a cause is named only if it lowers the held-out error
+ * and nothing else fits as well. */
+static bool harms(const weighing *g, hypothesis_id h)
+{
+    return hypothesis_cause(h)->named && g->without[h] < FAR_MORE * g->of_decoys &&
+           (named_error(g->w, g->w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * g->with_all ||
+            is_open(g->w, g->view, g->own_cost, h));
+}
+
+static bool is_worthy(const weighing *g, hypothesis_id h)
+{
+    const bool stands_for_more = hypothesis_table[h].to_floor && g->unexplained > 0.0;
+    return is_certain(g->w, h) && !stands_for_more && g->without[h] >= bar_of(g, h) && !harms(g, h);
+}
+
+/* The member that is least worth its name, H_COUNT if all are. */
+static hypothesis_id weakest(const session *w, const evidence_view *view, double floor_A, double unexplained)
+{
+    const weighing g = weigh(w, view, floor_A, unexplained);
     /* What dead time's law leaves near zero current looks like an effect without a name: where the named ones reach
      * the noise beside a dead time, that goes first. */
-    if (decoys && floor_A > 0.0 && hypothesis_in(w->state.set, H_DEAD_TIME) &&
-        in_floors(w, floor_A, with_all) <= DIAGNOSIS_FLOOR_TOLERANCE) {
-        return least_of(cost_without, decoys);
+    if (g.decoys && floor_A > 0.0 && hypothesis_in(w->state.set, H_DEAD_TIME) &&
+        in_floors(w, floor_A, g.with_all) <= DIAGNOSIS_FLOOR_TOLERANCE) {
+        return least_of(g.without, g.decoys);
     }
     hypothesis_set unworthy = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (!hypothesis_in(w->state.set, h)) {
-            continue;
-        }
-        double bar = fmax(evidence_least(none.cost - own.cost, w->state.set, h), least_of_all);
-        bool harms = false;
-        if (hypothesis_cause(h)->named) {
-            /* What the effects without a name explain, alone or together with this cause: iron loss, say,
-             * looks so much like a late angle that either takes most of what they share. */
-            evidence_option without;
-            evidence_cost(view, &w->state, w->state.set & ~decoys & ~HYPOTHESIS_BIT(h), &without);
-            double shared = decoys ? without.cost - own.cost : 0.0;
-            bar = fmax(bar, LEAST_SHARE_OF_REST * (unexplained + shared));
-            /* Beside an unnamed effect that explains as much or nearly so, name a cause only if it lowers the
-             * held-out error and nothing else fits as well. */
-            harms = cost_without[h] < FAR_MORE * of_decoys &&
-                    (named_error(w, w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * with_all ||
-                     is_open(w, view, own.cost, h));
-        }
-        const bool stands_for_more = hypothesis_table[h].to_floor && unexplained > 0.0;
-        if (!is_certain(w, h) || harms || stands_for_more || cost_without[h] < bar) {
-            unworthy |= HYPOTHESIS_BIT(h);
-        }
+        unworthy |= hypothesis_in(w->state.set, h) && !is_worthy(&g, h) ? HYPOTHESIS_BIT(h) : 0;
     }
-    return least_of(cost_without, unworthy);
+    return least_of(g.without, unworthy);
 }
 
 /* Takes a hypothesis out of a state. */
