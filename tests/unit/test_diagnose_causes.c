@@ -149,28 +149,6 @@ static void iron_loss_is_named(void)
     }
 }
 
-/* It still sees the last edges, and so is no late angle. */
-static void a_filter_of_the_currents_is_named(void)
-{
-    good.filter_s = 20e-6;
-    diagnosis d = look(&good, NULL);
-    one_cause(&d, "sensor_lag");
-    holds(&d.cause[0], "tau", 20e-6);
-    diagnosis_free(&d);
-    d = look(&good, "sensor_lag");
-    TEST_ASSERT_TRUE(d.verdict == VERDICT_PARTLY || d.verdict == VERDICT_UNEXPLAINED);
-    diagnosis_free(&d);
-    /* One that has forgotten the edges cannot be told from it, and that is said. */
-    good.filter_s = 0.0;
-    good.m.ext.has[CAUSE_ANGLE_DELAY] = true;
-    good.m.ext.t_delay_s = 8e-6;
-    d = look(&good, NULL);
-    one_cause(&d, "angle_delay");
-    TEST_ASSERT_EQUAL_size_t(1, d.cause[0].confused);
-    TEST_ASSERT_EQUAL_STRING("sensor_lag", d.cause[0].confused_with[0]);
-    diagnosis_free(&d);
-}
-
 /* Counted, and given the voltage that acted: what else is wrong is then named as if none had been missed. */
 static void missed_updates_are_counted_and_mended(void)
 {
@@ -243,7 +221,6 @@ int main(void)
     RUN_TEST(harmonics_of_the_emf_are_named_to_the_13th);
     RUN_TEST(an_angle_error_of_the_electrical_turn_is_named);
     RUN_TEST(iron_loss_is_named);
-    RUN_TEST(a_filter_of_the_currents_is_named);
     RUN_TEST(missed_updates_are_counted_and_mended);
     RUN_TEST(an_angle_delay_beside_iron_loss_is_still_named);
     RUN_TEST(what_follows_the_temperature_is_named);
