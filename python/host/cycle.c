@@ -25,7 +25,7 @@ static bool configure(py_cycle *c, const motor *m, const py_methods *how, error 
         : how->feedback == IQFOC_FEEDBACK_MIDPOINT     ? FEEDBACK_MIDPOINT
                                                        : FEEDBACK_QUASI_DISCRETE_MEAN,
         how->modulation == IQFOC_MODULATION_SIX_STEP ? MODULATION_SIX_STEP : MODULATION_PWM,
-        how->bandwidth_Hz};
+        how->bandwidth_Hz, 1};
     iqfoc_exact_winding_t winding;
     if (!config_from_motor(m, &control, &c->config, e) || !winding_from_motor(m, &winding, e) ||
         (how->extended && !extension_from_motor(m, &c->extension, e))) {

@@ -1,6 +1,7 @@
 /* iqfoc plan: the recording to make, from a motor file and limits. */
 #include "base/json_file.h"
 #include "command.h"
+#include "drive/drive_scenario.h"
 #include "options.h"
 #include "plan/plan_tell.h"
 
@@ -75,6 +76,10 @@ static bool look_against(const request *r, plan_report *p, error *e)
 {
     scenario s;
     if (!scenario_read(r->against_path, &s, e)) {
+        return false;
+    }
+    if (!drive_scenario_whole_periods(&s, r->against_path, e)) {
+        scenario_free(&s);
         return false;
     }
     p->against_path = r->against_path;

@@ -81,7 +81,7 @@ static bool run_firmware(const request *r, const motor *m, const scenario *s, co
     return good;
 }
 
-static bool simulate(const request *r, const motor *m, const scenario *s, error *e)
+static bool simulate(const request *r, const motor *told, const motor *m, const scenario *s, error *e)
 {
     plant_config drive = drive_scenario_plant(m, s);
     for (int k = 0; k < r->effects.count; k++) {
@@ -99,7 +99,7 @@ static bool simulate(const request *r, const motor *m, const scenario *s, error 
         (void)snprintf(comment + used, sizeof comment - used, " %s", r->effects.of[k]);
     }
     bool good =
-        run_firmware(r, m, s, &drive, &out, e) && recording_write(r->out_path, &out.recording, comment, e);
+        run_firmware(r, told, s, &drive, &out, e) && recording_write(r->out_path, &out.recording, comment, e);
     recording_free(&out.recording);
     return good;
 }
@@ -131,7 +131,9 @@ int cmd_simulate(int argc, char **argv)
         !scenario_read(r.scenario_path, &s, &e)) {
         return error_print(&e);
     }
-    const bool good = simulate(&r, &m, &s, &e);
+    const motor told = drive_scenario_motor(&m, &s);
+    const bool good = (r.emulated.target == NULL || drive_scenario_whole_periods(&s, r.scenario_path, &e)) &&
+                      simulate(&r, &told, &m, &s, &e);
     scenario_free(&s);
     return good ? STATUS_DONE : error_print(&e);
 }

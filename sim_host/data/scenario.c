@@ -23,6 +23,14 @@ static void read_control(toml_table *t, scenario_control *control)
     control->modulation =
         (scenario_modulation)toml_choice_or(t, "modulation", modulations, 2, MODULATION_PWM);
     control->bandwidth_Hz = toml_number_or(t, "bandwidth_Hz", TOML_POSITIVE, 0.0);
+    control->updates = (int)toml_integer_or(t, "updates", 1, 2, 1);
+    if (control->updates == 2 &&
+        (control->feedback != FEEDBACK_QUASI_DISCRETE_MEAN || control->modulation != MODULATION_PWM)) {
+        toml_refuse(
+            t, "updates",
+            "updates = 2 needs feedback = \"quasi_discrete_mean\" and modulation = \"pwm\": half a carrier "
+            "period has no sample in its middle");
+    }
 }
 
 static void read_sensors(toml_table *t, scenario_sensors *sensors)
@@ -46,17 +54,21 @@ static void read_sensors(toml_table *t, scenario_sensors *sensors)
     }
 }
 
-static void read_log(toml_table *t, scenario_log *log)
+static void read_log(toml_table *t, const scenario_control *control, scenario_log *log)
 {
     log->voltages = toml_flag_or(t, "voltages", true);
     log->duties = toml_flag_or(t, "duties", false);
     log->u_dc = toml_flag_or(t, "u_dc", log->duties);
     log->third_current = toml_flag_or(t, "third_current", true);
-    log->mid_currents = toml_flag_or(t, "mid_currents", true);
+    log->mid_currents = toml_flag_or(t, "mid_currents", control->updates != 2);
     log->mechanical_angle = toml_flag_or(t, "mechanical_angle", false);
 
     if (!log->voltages && !log->duties) {
         toml_refuse(t, "voltages", "a recording needs voltages or duties");
+    }
+    if (log->mid_currents && control->updates == 2) {
+        toml_refuse(t, "mid_currents",
+                    "updates = 2 has no mid_currents: half a carrier period has no sample in its middle");
     }
     if (log->duties && !log->u_dc) {
         toml_refuse(t, "u_dc", "duties need u_dc");
@@ -117,7 +129,7 @@ bool scenario_read(const char *path, scenario *s, error *e)
     toml_text_or_keep(root, "name", s->name, sizeof s->name);
     read_control(toml_table_inner_or_null(root, "control"), &s->control);
     read_sensors(toml_table_inner_or_null(root, "sensors"), &s->sensors);
-    read_log(toml_table_inner_or_null(root, "log"), &s->log);
+    read_log(toml_table_inner_or_null(root, "log"), &s->control, &s->log);
 
     const size_t runs = toml_table_count(root, "run");
     if (runs == 0) {
@@ -127,6 +139,7 @@ bool scenario_read(const char *path, scenario *s, error *e)
     }
     for (size_t i = 0; s->run != NULL && i < runs; i++) {
         s->run[i] = read_run(toml_table_at(root, "run", i));
+        s->run[i].halves = s->control.updates == 2;
         s->runs = i + 1;
     }
     if (!toml_file_close(file)) {

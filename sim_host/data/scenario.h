@@ -28,6 +28,7 @@ typedef struct scenario_control {
     scenario_feedback feedback;
     scenario_modulation modulation;
     double bandwidth_Hz; /* of the current control; 0: the firmware's own choice */
+    int updates;         /* a carrier period: 2 - a control cycle is half of it -, else 1 */
 } scenario_control;
 
 /* Of the measurement that the firmware and the recording see. All 0 is perfect. */
@@ -66,6 +67,7 @@ typedef struct scenario_run {
     profile speed_rpm;    /* mechanical, signed */
     profile i_d_A, i_q_A; /* references, peak */
     double u_dc_V;        /* true DC link; 0: the motor file's */
+    bool halves;          /* of [control]: a control cycle is half a carrier period */
     double theta_mech_start_rad;
     scenario_shaft shaft;
     double J_kgm2;       /* > 0 with SHAFT_INERTIA */

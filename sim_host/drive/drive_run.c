@@ -48,6 +48,7 @@ bool drive_run_begin(drive_loop *l, const motor *m, const plant_config *drive, c
         return false;
     }
     drive_loop_begin(l, m, &c, firmware);
+    l->halves = run->halves;
     return true;
 }
 

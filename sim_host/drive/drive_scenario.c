@@ -3,9 +3,25 @@
 
 #include "base/progress.h"
 
+motor drive_scenario_motor(const motor *m, const scenario *s)
+{
+    motor told = *m;
+    told.f_pwm_Hz *= s->control.updates == 2 ? 2.0 : 1.0;
+    return told;
+}
+
+bool drive_scenario_whole_periods(const scenario *s, const char *path, error *e)
+{
+    return s->control.updates != 2 ||
+           error_input(
+               e, path, 0, 0,
+               "updates = 2: only `iqfoc simulate` without --target runs two updates a carrier period");
+}
+
 plant_config drive_scenario_plant(const motor *m, const scenario *s)
 {
-    plant_config c = plant_config_from_motor(m);
+    const motor told = drive_scenario_motor(m, s);
+    plant_config c = plant_config_from_motor(&told);
     c.sensors.current_bits = s->sensors.current_bits;
     c.sensors.current_full_scale_A = s->sensors.current_full_scale_A;
     c.sensors.current_noise_A = s->sensors.current_noise_A;

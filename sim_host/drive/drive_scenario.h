@@ -7,7 +7,7 @@
 #include "drive_recording.h"
 
 typedef struct drive_scenario {
-    const motor *motor; /* what the firmware is told */
+    const motor *motor; /* what the firmware is told: of drive_scenario_motor */
     const scenario *scenario;
     const plant_config *plant; /* what the drive is: of drive_scenario_plant, and effects applied to it */
     long seed;                 /* of the sensors' noise and of random effects */
@@ -17,7 +17,16 @@ typedef struct drive_scenario {
     void *context;
 } drive_scenario;
 
-/* The ideal drive of a motor file, with a scenario's sensors. */
+/*
+ * The motor as a scenario's firmware is told of it: with two updates a carrier period a control cycle is half of one, and
+ * f_pwm_Hz is the frequency of control cycles.
+ */
+motor drive_scenario_motor(const motor *m, const scenario *s);
+
+/* For a command that knows whole carrier periods only: false with *e set for a scenario of two updates. */
+bool drive_scenario_whole_periods(const scenario *s, const char *path, error *e);
+
+/* The ideal drive of a motor file, with a scenario's sensors; a control cycle long as in drive_scenario_motor. */
 plant_config drive_scenario_plant(const motor *m, const scenario *s);
 
 /* Of the noise in run n (from 0), where the user gave `seed`. */

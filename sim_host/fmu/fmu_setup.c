@@ -2,6 +2,7 @@
 #include "fmu_setup.h"
 
 #include "data/toml_table.h"
+#include "drive/drive_scenario.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -13,7 +14,8 @@ bool fmu_setup_read_files(fmu_setup *s, const char *motor_path, const char *scen
     s->has_scenario = scenario_path != NULL;
     s->scenario = (scenario){.runs = 0};
     const bool good = motor_read(motor_path, &s->motor, e) &&
-                      (!s->has_scenario || scenario_read(scenario_path, &s->scenario, e));
+                      (!s->has_scenario || (scenario_read(scenario_path, &s->scenario, e) &&
+                                            drive_scenario_whole_periods(&s->scenario, scenario_path, e)));
     /* The name is the caller's; a message about a value names the key. */
     s->motor.path = NULL;
     return good;

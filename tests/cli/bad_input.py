@@ -56,6 +56,8 @@ SCENARIO_ROWS = [
     ("period_s = 0.02", "period_s = 0", "0 } }", "period_s must be a number > 0"),
     ("speed_rpm", "sped_rpm", "sped_rpm", "did you mean speed_rpm?"),
     ("current_noise_A = 0.01", "current_noise_A = nan", "nan", "current_noise_A must be"),
+    ("feedback = \"midpoint\"", "feedback = \"midpoint\"\nupdates = 2", (4, 11), "updates = 2 needs feedback ="),
+    ("feedback = \"midpoint\"", "updates = 3", (3, 11), "updates must be a whole number"),
 ]
 
 RECORDING_ROWS = [

@@ -46,7 +46,7 @@ void around_begin_motor(around_drive *d, const motor *m, const plant_config *tru
 
 void around_begin(around_drive *d, const plant_config *truth)
 {
-    const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 0.0};
+    const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 0.0, 1};
     const motor m = laboratory(truth->inverter.u_dc_V);
     error e = {0};
     around_begin_motor(d, &m, truth);

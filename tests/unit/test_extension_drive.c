@@ -68,7 +68,7 @@ static score run(const plant_config *truth, const motor *corrected)
     const motor m = laboratory();
     error e = {0};
     iqfoc_cycle_config_t config;
-    const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 0.0};
+    const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 0.0, 1};
     scenario_run r = {.cycles = 1500, .settle_cycles = 1500, .shaft = SHAFT_GIVEN};
     uint32_t status = 0;
     watch w = {.drive = &drive, .i_d_A = -3.0, .i_q_A = 8.0, .base_A = per_unit_of(&m).I_A};

@@ -95,7 +95,7 @@ static bool run_drive(scenario_feedback feedback, const scenario_run *run, uint3
     static motor m;
     m = laboratory();
     const plant_config drive = plant_config_from_motor(&m);
-    const scenario_control control = {feedback, MODULATION_PWM, 0.0};
+    const scenario_control control = {feedback, MODULATION_PWM, 0.0, 1};
     iqfoc_cycle_config_t config;
     const drive_firmware firmware = drive_firmware_host(&host, NULL);
     const drive_log log = {&m, check_row};
@@ -178,7 +178,7 @@ static void stopped_by(const char *bit, const error *e)
 static void test_late_firmware_is_stopped(void)
 {
     const motor m = laboratory();
-    const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0};
+    const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0, 1};
     iqfoc_cycle_config_t config;
     error e = {0, ""};
     TEST_ASSERT_TRUE(config_from_motor(&m, &control, &config, &e));
@@ -198,7 +198,7 @@ static void test_handler_sees_latency_and_its_own_duration(void)
 {
     static motor m;
     m = laboratory();
-    const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0};
+    const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0, 1};
     iqfoc_cycle_config_t config;
     error e = {0, ""};
     TEST_ASSERT_TRUE(config_from_motor(&m, &control, &config, &e));

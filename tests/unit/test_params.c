@@ -62,7 +62,7 @@ static void test_formulas(void)
 static void test_host_gives_the_same_constants(void)
 {
     const motor m = laboratory();
-    const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 250.0};
+    const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 250.0, 1};
     iqfoc_cycle_config_t config;
     error e = {0, ""};
     TEST_ASSERT_TRUE(config_from_motor(&m, &control, &config, &e));
@@ -76,7 +76,7 @@ static void test_host_gives_the_same_constants(void)
 /* The motor is refused, and the line names the file and the coefficient. */
 static void refused(motor m, const char *named)
 {
-    const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0};
+    const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0, 1};
     iqfoc_cycle_config_t config;
     error e = {0, ""};
     TEST_ASSERT_FALSE(config_from_motor(&m, &control, &config, &e));

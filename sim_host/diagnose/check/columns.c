@@ -39,6 +39,13 @@ static bool cycle(const recording *rec, const motor *m, error *e)
         return error_input(e, rec->path, 0, 0, "t_s steps by %g s, a thousandth of the cycle 1/f_pwm = %g s",
                            rec->T_s, 1.0 / m->f_pwm_Hz);
     }
+    if (ratio > 0.4 && ratio < 0.625) {
+        return error_input(
+            e, rec->path, 0, 0,
+            "t_s steps by %g s, half the cycle of the motor file's f_pwm_Hz = %g: rows of half a "
+            "carrier period (two updates) cannot be diagnosed; record with one update a period",
+            rec->T_s, m->f_pwm_Hz);
+    }
     return error_input(
         e, rec->path, 0, 0,
         "t_s steps by %g s, but the motor file's f_pwm_Hz = %g makes a cycle of %g s: rows must be "
