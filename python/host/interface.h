@@ -34,6 +34,8 @@ typedef struct py_function {
     void (*each)(size_t n, const int32_t *const *in, int32_t *const *out);
 } py_function;
 const py_function *py_functions(size_t *count);
+/* The hash over all golden vectors, and the one that this version is meant to have. One call at a time. */
+uint64_t py_golden(uint64_t *expected);
 void py_from_float(size_t n, const double *x, int32_t *iq);
 
 /* ---- a motor file ---- */
@@ -138,11 +140,11 @@ void py_plant_state(const plant *p, py_now *now);
 recording *py_recording_read(const char *path, error *e);
 recording *py_recording_make(const char *label, size_t rows, size_t count, const char *const *name,
                              const double *const *value, error *e);
-/* notes: a line for each run in which the firmware set status bits. */
-recording *py_recording_simulate(const motor *m, const char *scenario, size_t effects,
-                                 const char *const *effect, long seed, char *notes, size_t size, error *e);
-/* By a map's file, or a preset if map is NULL; m may be NULL. With count 0 the log is the file; else these columns are. */
-recording *py_recording_import(const char *log, const char *map, const char *preset, const motor *m,
+/* text: gets a line for each run in which the firmware set status bits. */
+recording *py_recording_simulate(const motor *m, const char *scenario_path, size_t effects,
+                                 const char *const *effect, long seed, char *text, size_t size, error *e);
+/* By a map's file, or a preset if map_path is NULL; m may be NULL. With count 0 the log is the file; else these columns are. */
+recording *py_recording_import(const char *log, const char *map_path, const char *preset_name, const motor *m,
                                size_t rows, size_t count, const char *const *name, const double *const *value,
                                error *e);
 bool py_recording_write(const recording *r, const char *path, const char *comment, error *e);

@@ -37,7 +37,7 @@ bool py_motor_write(const motor *m, const char *path, const char *comment, error
 void py_motor_free(motor *m)
 {
     if (m != NULL) {
-        free((void *)(uintptr_t)m->path); /* its own */
+        free((char *)m->path); /* its own */
         free(m);
     }
 }

@@ -44,7 +44,7 @@ static recording *finish(recording *r, const char *name, bool ok)
 void py_recording_free(recording *r)
 {
     if (r != NULL) {
-        free((void *)(uintptr_t)r->path); /* its own */
+        free((char *)r->path); /* its own */
         recording_free(r);
         free(r);
     }

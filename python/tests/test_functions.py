@@ -1,5 +1,7 @@
 """The library's functions over arrays against double precision, within the errors that the headers state."""
 
+import subprocess
+
 import numpy as np
 import pytest
 
@@ -130,3 +132,7 @@ def test_methods_agree_where_the_machine_lets_them(motor):
         close(machine.predict(ia, ib, ua, ub, th, t, method), [end.real, end.imag], lsb)
     with pytest.raises(ValueError, match="euler"):
         machine.predict(0, 0, 0, 0, 0, 0, "guess")
+
+
+def test_golden_vectors_are_the_programs(program):
+    assert subprocess.run([program, "golden"], check=True, capture_output=True, text=True).stdout == f"golden {iqfoc.golden()}\n"

@@ -15,7 +15,7 @@ from ._host import Error, InputError
 from .cycle import Command, Cycle, Sample
 from .diagnosis import Cause, Diagnosis, Errors, Parameter, diagnose
 from .drive import Drive, Means, Plant
-from .functions import from_float, to_float
+from .functions import from_float, golden, to_float
 from .logs import read_log
 from .machine import Machine
 from .motor import Motor
@@ -24,4 +24,4 @@ from .recording import Recording
 __version__ = _version("iqfoc")
 
 __all__ = ["Cause", "Command", "Cycle", "Diagnosis", "Drive", "Error", "Errors", "InputError", "Machine", "Means", "Motor", "Parameter", "Plant",
-           "Recording", "Sample", "diagnose", "from_float", "functions", "read_log", "to_float"]
+           "Recording", "Sample", "diagnose", "from_float", "functions", "golden", "read_log", "to_float"]
