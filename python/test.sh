@@ -22,6 +22,11 @@ mkdir -p "$work"
 "$tools/pip" wheel --quiet --no-build-isolation --no-deps --wheel-dir "$work/built" ./python
 "$tools/auditwheel" repair --wheel-dir "$work" "$work"/built/iqfoc-*.whl
 wheel=$(echo "$work"/iqfoc-*.whl)
+# What auditwheel had to add stands in iqfoc.libs: nobody else's library goes out with ours.
+if "$tools/python" -m zipfile -l "$wheel" | grep -F iqfoc.libs/; then
+    echo "the wheel brings libraries of others (above)" >&2
+    exit 1
+fi
 
 say "a fresh environment: $wheel"
 /usr/bin/python3 -m venv "$work/fresh"
