@@ -16,7 +16,7 @@ bool page_begin(page *p, const char *directory, const char *title, const char *s
 bool page_begin_as(page *p, const char *directory, const char *name, const char *title, const char *subtitle,
                    error *e)
 {
-    *p = (page){.can_draw = plot_available()};
+    *p = (page){.figures = 0};
     char path[sizeof p->directory + 80];
     if ((size_t)snprintf(p->directory, sizeof p->directory, "%s", directory) >= sizeof p->directory) {
         return error_input(e, directory, 0, 0, "too long a name for a directory");
@@ -134,7 +134,7 @@ bool page_figure(page *p, plot *drawing, const char *id, const char *caption, er
     char prefix[16];
     snprintf(prefix, sizeof prefix, "f%d", ++p->figures);
     fprintf(out, "<figure id=\"%s\">\n", id);
-    if (p->can_draw) {
+    if (plot_available()) {
         char *svg = plot_draw(drawing, e);
         if (svg == NULL || !write_side_file(p, id, svg, e)) {
             free(svg);

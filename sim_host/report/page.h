@@ -16,7 +16,6 @@
 typedef struct page {
     out_file file;
     char directory[1024];
-    bool can_draw;
     int figures;
 } page;
 

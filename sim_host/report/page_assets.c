@@ -7,7 +7,7 @@
 #include <string.h>
 
 extern const unsigned char asset_uplot_js[], asset_uplot_css[], asset_uplot_licence[];
-extern const unsigned char asset_page_js[], asset_page_css[];
+extern const unsigned char asset_numbers_js[], asset_page_js[], asset_page_css[];
 
 static const char *text_of(const unsigned char *asset)
 {
@@ -34,12 +34,14 @@ void page_assets_head(FILE *out)
           "'unsafe-inline'; script-src",
           out);
     put_hash(out, text_of(asset_uplot_js));
+    put_hash(out, text_of(asset_numbers_js));
     put_hash(out, text_of(asset_page_js));
     fprintf(out, "\">\n<style>\n%s\n%s</style>\n", text_of(asset_uplot_css), text_of(asset_page_css));
 }
 
 void page_assets_end(FILE *out)
 {
-    fprintf(out, "<!-- uPlot:\n%s-->\n<script>%s</script>\n<script>%s</script>\n",
-            text_of(asset_uplot_licence), text_of(asset_uplot_js), text_of(asset_page_js));
+    fprintf(out, "<!-- uPlot:\n%s-->\n<script>%s</script>\n<script>%s</script>\n<script>%s</script>\n",
+            text_of(asset_uplot_licence), text_of(asset_uplot_js), text_of(asset_numbers_js),
+            text_of(asset_page_js));
 }

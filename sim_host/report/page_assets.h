@@ -1,6 +1,6 @@
 /*
- * What every page carries that is not its own text: the style sheets, the program that draws its charts (uPlot and
- * page.js), and a policy that lets these two run, and nothing else: no other script, no network.
+ * What every page carries that is not its own text: the style sheets, the program that draws its charts (uPlot,
+ * numbers.js, page.js), and a policy that lets these run, and nothing else: no other script, no network.
  */
 #ifndef SIM_HOST_REPORT_PAGE_ASSETS_H
 #define SIM_HOST_REPORT_PAGE_ASSETS_H

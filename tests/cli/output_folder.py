@@ -31,8 +31,9 @@ CALLS = {
 DATE = re.compile(rb"<dt>(date|command)</dt>\n<dd>[^<]*</dd>")
 STAGE = re.compile(rb"\.(iqfoc|out)\.\d")
 
-# Answers like gnuplot, and counts its pictures in a file beside it.
+# Answers like gnuplot, and counts its calls and its pictures in files beside it.
 GNUPLOT = """#!/bin/sh
+echo x >> "$0.called"
 [ "$1" = --version ] && exit 0
 echo x >> "$0.count"
 {act}
@@ -96,6 +97,7 @@ class OutputFolder(unittest.TestCase):
                 self.assertTrue({**first, "mine.txt": b"precious"} == self.content(), "another page")
                 self.assertEqual(0o640, page.stat().st_mode & 0o777)
                 self.assertEqual(before | {"out", "tools"}, self.names())
+                self.assertEqual(command == "reproduce", (self.folder / "tools/gnuplot.called").exists())
                 shutil.rmtree(self.out)
 
     def test_parents_are_made(self):

@@ -81,7 +81,7 @@ static void test_page_holds_its_figure(void)
     TEST_ASSERT_TRUE(plot_begin(&drawing, 300, 200, &e));
     plot_say(&drawing, "plot x with lines linestyle 1 notitle\n");
     TEST_ASSERT_TRUE_MESSAGE(page_figure(&p, &drawing, "line", "A line.", &e), e.text);
-    const bool drawn = p.can_draw;
+    const bool drawn = plot_available();
     TEST_ASSERT_TRUE_MESSAGE(page_end(&p, &e), e.text);
 
     snprintf(path, sizeof path, "%s/index.html", directory);
