@@ -191,6 +191,7 @@ program_lane() {
     run_part figures python3 tools/figures.py check
     run_part site python3 -B tools/site/build.py
     run_part target tests/target/run.sh
+    run_part golden python3 tools/golden.py check
     run_part python python/test.sh
     run_part bench bench/run.sh --check
     run_part blind tests/blind/run.py --ci --jobs "$JOBS"

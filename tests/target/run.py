@@ -63,6 +63,9 @@ def main():
             print("\n".join("      " + line for line in text.split("\n")[-40:]))
 
     digests = {name: text for name, (_, text) in results.items() if name.endswith("same_bits")}
+    # For tools/golden.py.
+    for name, text in digests.items():
+        (options.build / "same_bits" / f"{name.split()[0]}.txt").write_text(text)
     digests["tests/target/golden/golden.txt"] = GOLDEN.read_text()
     reference = digests["x86-64 gcc-O2 same_bits"]
     print("\n".join("      " + line for line in reference.strip().split("\n")))
