@@ -183,10 +183,17 @@ check_fuzz() {
 }
 
 # What the program built by gcc does, and what the targets' compilers make of the library.
+# The page in the browser against the program that the host preset built.
+test_web() {
+    web
+    python3 -B tests/browser/web_page.py build/host/iqfoc build/web/index.html
+}
+
 program_lane() {
     run_part host test_preset host
     run_part cortex-m4 test_freestanding cortex-m4 arm-none-eabi-nm
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
+    run_part web test_web
     run_part examples python3 tools/check_examples.py
     run_part figures python3 tools/figures.py check
     run_part site python3 -B tools/site/build.py

@@ -10,6 +10,10 @@ TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils lib
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
     picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make chromium chromium-driver libxml2-utils)
 
+# What `web` needs.
+WEB_PACKAGES=(clang lld cmake ninja-build wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32 libtomlplusplus-dev libeigen3-dev
+    libkissfft-dev nlohmann-json3-dev python3)
+
 # What `site` needs.
 SITE_PACKAGES=(git python3 python3-venv doxygen)
 

@@ -15,7 +15,7 @@
 enum { BUFFER_SIZE = LINE_SOURCE_LONGEST + 1 + BYTE_SOURCE_BLOCK };
 
 /* More than hours of a fast drive: a small file that unpacks without an end is not to keep anyone waiting. */
-static const size_t MOST_BYTES = (size_t)4 << 30;
+static const uint64_t MOST_BYTES = UINT64_C(4) << 30;
 
 bool line_source_open(line_source *s, const char *path, error *e)
 {

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum {
     /* No recording has lines this long; a binary file, which may have no line end, is not to fill memory. */
@@ -22,8 +23,8 @@ typedef struct line_source {
     bool is_end;      /* there is no more to read */
     const char *line; /* the current line with its newline, if it has one; may hold zeros */
     size_t length;
-    long number;  /* of the current line */
-    size_t bytes; /* of all that was read, unpacked */
+    long number;    /* of the current line */
+    uint64_t bytes; /* of all that was read, unpacked */
 } line_source;
 
 /* `path` must outlive the struct. */

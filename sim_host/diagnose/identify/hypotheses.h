@@ -13,6 +13,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* Directions in which more than one coordinate moves; the others are the coordinates themselves. */
 enum {
@@ -107,8 +108,8 @@ static inline const cause_row *hypothesis_cause(hypothesis_id h)
 }
 
 /* A set of hypotheses as bits. */
-typedef unsigned long hypothesis_set;
-#define HYPOTHESIS_BIT(id) (1UL << (id))
+typedef uint64_t hypothesis_set;
+#define HYPOTHESIS_BIT(id) (UINT64_C(1) << (id))
 
 static inline bool hypothesis_in(hypothesis_set set, hypothesis_id h)
 {

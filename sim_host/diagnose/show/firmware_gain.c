@@ -125,3 +125,14 @@ firmware_gain firmware_gain_measure(const recording *rec, const unsigned char *h
     }
     return g;
 }
+
+void firmware_gain_tell(json_t *json, const recording *rec, const unsigned char *held_out,
+                        const motor *nominal, const motor *extended)
+{
+    const firmware_gain g = firmware_gain_measure(rec, held_out, nominal, extended);
+    json_object_set_new(json, "firmware",
+                        g.measured
+                            ? json_pack("{s:o, s:o, s:o}", "nominal", json_number(g.nominal), "extended",
+                                        json_number(g.extended), "gain", json_number(g.gain))
+                            : json_null());
+}

@@ -13,6 +13,7 @@
 #define SIM_HOST_DIAGNOSE_SHOW_FIRMWARE_GAIN_H
 
 #include "base/error.h"
+#include "base/json.h"
 #include "data/motor.h"
 #include "data/recording.h"
 
@@ -25,5 +26,9 @@ typedef struct firmware_gain {
 /* held_out: one flag per row. */
 firmware_gain firmware_gain_measure(const recording *rec, const unsigned char *held_out, const motor *nominal,
                                     const motor *extended);
+
+/* Sets the JSON's "firmware": {"nominal", "extended", "gain"} in percent, or null where it cannot be measured. */
+void firmware_gain_tell(json_t *json, const recording *rec, const unsigned char *held_out,
+                        const motor *nominal, const motor *extended);
 
 #endif

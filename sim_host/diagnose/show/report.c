@@ -18,12 +18,7 @@ static firmware_gain firmware_of(const report_input *in)
 
 void report_firmware(const report_input *in, json_t *json)
 {
-    const firmware_gain g = firmware_of(in);
-    json_object_set_new(json, "firmware",
-                        g.measured
-                            ? json_pack("{s:o, s:o, s:o}", "nominal", json_number(g.nominal), "extended",
-                                        json_number(g.extended), "gain", json_number(g.gain))
-                            : json_null());
+    firmware_gain_tell(json, in->rec, in->d->held_out, in->nominal, &in->d->extended_motor);
 }
 
 static json_t *plant_json(const diagnosis *d, const plant_witness *w)

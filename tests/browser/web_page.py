@@ -1,0 +1,155 @@
+"""The page in the browser (./dev web), opened from disk: the same diagnosis as the program's, curves that follow the sliders.
+
+    web_page.py IQFOC PAGE.html [FOLDER for pictures]"""
+
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import browser
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM, PAGE = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
+PICTURES = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+RECORDINGS = [path.name[:-len(".csv.gz")] for path in sorted((ROOT / "recordings").glob("*.csv.gz"))]
+AGREES = 1e-7  # of two numbers: sin, exp and the like round their last bits otherwise here than in this machine's C library
+
+
+def differences(a, b, where=""):
+    """Where two JSON values differ by more than AGREES of their size."""
+    if isinstance(a, dict) and isinstance(b, dict):
+        keys = [where + ": other keys"] if set(a) != set(b) else []
+        return keys + [d for key in a if key in b for d in differences(a[key], b[key], f"{where}.{key}")]
+    if isinstance(a, list) and isinstance(b, list):
+        length = [where + ": another length"] if len(a) != len(b) else []
+        return length + [d for n, (x, y) in enumerate(zip(a, b)) for d in differences(x, y, f"{where}[{n}]")]
+    if isinstance(a, float) and isinstance(b, float):
+        return [] if math.isclose(a, b, rel_tol=AGREES, abs_tol=1e-12) else [f"{where}: {a} and {b}"]
+    return [] if a == b else [f"{where}: {a} and {b}"]
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        cls.browser = browser.Browser(1200, 900)
+        cls.browser.open(PAGE)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.__exit__()
+        cls.temporary.cleanup()
+
+    def tearDown(self):
+        self.assertEqual(self.browser.console(), [])
+
+    def idle(self, seconds=120):
+        """Until the page has answered all that it was asked."""
+        end = time.monotonic() + seconds
+        while self.browser.run("return window.iqfoc.busy") != 0:
+            self.assertLess(time.monotonic(), end, "the page does not come to an end")
+            time.sleep(0.05)
+
+    def picture(self, name):
+        if PICTURES is not None:
+            PICTURES.mkdir(parents=True, exist_ok=True)
+            self.browser.picture(PICTURES / name, whole=True)
+
+    def give(self, *paths):
+        """Chooses files, as the reader does by the button."""
+        found = self.browser.call("/element", {"using": "css selector", "value": "#choose"})
+        self.browser.call(f"/element/{next(iter(found.values()))}/value", {"text": "\n".join(str(path) for path in paths)})
+        time.sleep(0.3)
+        self.idle()
+
+    def slide(self, name, value):
+        before = self.browser.run("return window.iqfoc.draws")
+        self.browser.run("const s = document.getElementById(arguments[0]); s.value = arguments[1]; s.dispatchEvent(new Event('input'));",
+                         name, value)
+        end = time.monotonic() + 120
+        while self.browser.run("return window.iqfoc.draws") == before:
+            self.assertLess(time.monotonic(), end, "the curves were not drawn anew")
+            time.sleep(0.05)
+        self.idle()
+        return self.browser.run("return window.iqfoc.last")
+
+    def test_the_diagnosis_is_the_programs(self):
+        for name in RECORDINGS:
+            files = [ROOT / "recordings" / (name + ending) for ending in (".csv.gz", ".toml")]
+            written = self.folder / "diagnosis.json"
+            told = subprocess.run([PROGRAM, "diagnose", files[0].name, "--motor", files[1].name, "--json", written],
+                                  cwd=files[0].parent, capture_output=True, text=True, check=True)
+            self.browser.open(PAGE)
+            self.give(*files)
+            self.assertEqual(self.browser.run("return document.getElementById('state').className"), "note")
+            mine = self.browser.run("return window.iqfoc.json")
+            wanted = json.loads(written.read_text())
+            self.assertEqual(list(json.loads(mine)), list(wanted))
+            self.assertEqual(differences(json.loads(mine), wanted), [])
+            # What the program prints for a reader is the same to the last digit.
+            self.assertEqual(self.browser.run("return document.getElementById('words').textContent"), told.stdout)
+            self.assertEqual(self.browser.run("return document.getElementById('verdict').textContent"), json.loads(mine)["verdict"])
+        self.picture("diagnosis.png")
+
+    def test_a_file_that_cannot_be_used_is_named(self):
+        self.browser.open(PAGE)
+        self.give(ROOT / "recordings/dead_time.csv.gz", ROOT / "scenarios/standstill.toml")
+        said = self.browser.run("return document.getElementById('state').textContent")
+        self.assertTrue(said.startswith("iqfoc: standstill.toml:"), said)
+        self.assertFalse(self.browser.run("return window.iqfoc.json"))
+
+    def test_the_curves_are_the_programs(self):
+        self.browser.open(PAGE)
+        self.idle()
+        last = self.slide("speed", 8000)
+        # The 2019 paper's Table 1 at 8000 rpm and 5 kHz lies between two of the points; the program is asked for one itself.
+        point = last["points"][7]
+        motor = (ROOT / "motors/jarzebowicz2019.toml").read_text()
+        f_pwm = point["sffr"] * 8000 / 60 * 3
+        path = self.folder / "at.toml"
+        path.write_text(motor.replace("f_pwm_Hz = 5000", f"f_pwm_Hz = {f_pwm!r}"))
+        done = subprocess.run([PROGRAM, "sweep", "--motor", path, "--rpm", "8000", "--json", "-"], capture_output=True, text=True,
+                              check=True)
+        self.assertEqual(differences(point["mean"], json.loads(done.stdout)["points"][0]["mean"]), [])
+        self.assertEqual(differences(point["prediction"], json.loads(done.stdout)["points"][0]["prediction"]), [])
+
+    def test_every_slider_redraws(self):
+        self.browser.open(PAGE)
+        self.idle()
+        before = self.browser.run("return window.iqfoc.last")
+        for name, value in (("speed", 3000), ("R", 2), ("L", 12), ("psi", 0.2), ("ratio", 1.5), ("belief", 1.6)):
+            after = self.slide(name, value)
+            self.assertNotEqual(after, before, name)
+            before = after
+        self.assertEqual(self.browser.run("return document.querySelectorAll('.chart canvas').length"), 3)
+        # Deadbeat control that takes L for 1.6 times what it is overshoots.
+        deadbeat = next(m for m in before["step"]["methods"] if m["method"] == "deadbeat, exact")
+        self.assertGreater(max(deadbeat["trace"]), 0.75)
+        self.picture("sliders.png")
+
+    def test_the_golden_hash(self):
+        self.browser.open(PAGE)
+        self.browser.run("document.getElementById('check').click()")
+        self.idle()
+        wanted = subprocess.run([PROGRAM, "golden"], capture_output=True, text=True, check=False).stdout.strip()
+        self.assertEqual(self.browser.run("return document.getElementById('golden').textContent"), wanted)
+
+    def test_a_narrow_window(self):
+        self.browser.size(400, 800)
+        self.addCleanup(self.browser.size, 1200, 900)
+        self.browser.open(PAGE)
+        self.idle()
+        time.sleep(0.3)
+        wide = self.browser.run("return document.documentElement.scrollWidth")
+        self.assertLessEqual(wide, 400)
+        self.picture("narrow.png")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["web_page"], verbosity=2)

@@ -1,0 +1,145 @@
+/*
+ * What the page in the browser calls: the diagnosis of a recording, the errors of mean and prediction over the frequency ratio,
+ * and the loop's step. The same C as the program's; each call prints its JSON on stdout, what is to be said on stderr, and
+ * returns the program's exit status. Files are those that the page put into memory.
+ */
+#include "base/json.h"
+#include "data/recording.h"
+#include "diagnose/diagnose.h"
+#include "diagnose/show/firmware_gain.h"
+#include "diagnose/tell/json.h"
+#include "diagnose/tell/text.h"
+#include "golden_hash.h"
+#include "loops/current_loops.h"
+#include "reproduce/paper_2019.h"
+#include "reproduce/sweep.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+#define PAGE_CALL(name) __attribute__((export_name(#name))) int name
+
+enum { RATIOS_MAX = 64, NAME_SIZE = 256 };
+
+/* Set by the page ahead of page_diagnose: the recording's name and the motor file's, as the JSON shall tell them. */
+static char recording_name[NAME_SIZE], motor_name[NAME_SIZE];
+
+__attribute__((export_name("page_recording_name"))) char *page_recording_name(void)
+{
+    return recording_name;
+}
+
+__attribute__((export_name("page_motor_name"))) char *page_motor_name(void)
+{
+    return motor_name;
+}
+
+static int finish(bool ok, json_t *json, const error *e)
+{
+    if (ok) {
+        json_print(stdout, json);
+        fputc('\n', stdout);
+    }
+    json_free(json);
+    fflush(stdout);
+    return ok ? STATUS_DONE : error_print(e);
+}
+
+PAGE_CALL(page_diagnose)(void)
+{
+    error e = {0};
+    motor m;
+    recording rec;
+    diagnosis d;
+    if (!motor_read(motor_name, &m, &e) || !recording_read(recording_name, &rec, &e)) {
+        return error_print(&e);
+    }
+    const diagnose_options how = {.series = true};
+    json_t *json = NULL;
+    const bool ok = diagnose(&d, &rec, &m, &how, &e);
+    if (ok) {
+        json = json_of_diagnosis(&d);
+        firmware_gain_tell(json, &rec, d.held_out, &m, &d.extended_motor);
+        text_print(stderr, &d);
+        diagnosis_free(&d);
+    }
+    recording_free(&rec);
+    return finish(ok, json, &e);
+}
+
+/* The drive of the 2019 paper with another winding and magnet, at a ratio of switching to fundamental frequency. */
+static motor machine_at(double rpm, double ratio, double R_ohm, double L_H, double psi_f_Wb)
+{
+    motor m = paper_2019_motor();
+    m.R_ohm = R_ohm;
+    m.L_d_H = m.L_q_H = L_H;
+    m.psi_f_Wb = psi_f_Wb;
+    m.n_max_rpm = rpm;
+    m.f_pwm_Hz = ratio * rpm / 60.0 * m.pole_pairs;
+    return m;
+}
+
+/* The rated current as i_q; `count` ratios from `low` to `high`, each the same multiple of the one before. */
+PAGE_CALL(page_errors)
+(double rpm, double R_ohm, double L_H, double psi_f_Wb, double low, double high, int count)
+{
+    error e = {0};
+    json_t *points = json_array();
+    bool ok = count >= 2 && count <= RATIOS_MAX;
+    for (int k = 0; k < count && ok; k++) {
+        const motor m = machine_at(rpm, low * pow(high / low, (double)k / (count - 1)), R_ohm, L_H, psi_f_Wb);
+        method_machine machine;
+        sweep_point point;
+        ok = method_machine_of(&m, &machine, &e) &&
+             sweep_point_at(&m, &machine, rpm, sqrt(2.0) * m.I_rated_A_rms * I, &point, &e);
+        if (ok) {
+            json_array_append_new(points, sweep_point_json(&point));
+        }
+    }
+    return finish(ok, json_pack("{s:o}", "points", points), &e);
+}
+
+static json_t *step_json(loop_method how, const loop_result *r)
+{
+    json_t *trace = json_array();
+    for (int k = 0; k < LOOP_TRACE_CYCLES; k++) {
+        json_array_append_new(trace, json_number(r->trace_q[k]));
+    }
+    return json_pack("{s:s, s:s, s:o, s:i, s:o}", "method", loop_method_text[how], "outcome",
+                     loop_outcome_text(r->outcome), "overshoot", json_number(r->overshoot_percent),
+                     "settling_cycles", r->settling_cycles, "trace", trace);
+}
+
+/* A step of i_q from 30 % to 70 % of rated; the controller takes the inductance for believed_L times what it is. */
+PAGE_CALL(page_step)(double rpm, double ratio, double R_ohm, double L_H, double psi_f_Wb, double believed_L)
+{
+    static const loop_method shown[] = {LOOP_PI_MIDPOINT, LOOP_DEADBEAT_EULER, LOOP_DEADBEAT_QUASI_DISCRETE,
+                                        LOOP_DEADBEAT_EXACT};
+    error e = {0};
+    loop_case c = current_loop_case(ratio, 0.0);
+    c.truth = machine_at(rpm, ratio, R_ohm, L_H, psi_f_Wb);
+    c.omega_e_rad_s = motor_speed_rad_s(&c.truth, rpm);
+    motor assumed = c.truth;
+    assumed.L_d_H = assumed.L_q_H = believed_L * L_H;
+    json_t *all = json_array();
+    bool ok = true;
+    for (size_t k = 0; k < sizeof shown / sizeof shown[0] && ok; k++) {
+        loop_result r;
+        ok = loop_method_run(&c, &assumed, shown[k], &r, &e);
+        if (ok) {
+            json_array_append_new(all, step_json(shown[k], &r));
+        }
+    }
+    return finish(ok,
+                  json_pack("{s:f, s:f, s:i, s:o}", "cycle_s", 1.0 / c.truth.f_pwm_Hz, "reference_after", 0.7,
+                            "cycles_before", (int)LOOP_TRACE_BEFORE, "methods", all),
+                  &e);
+}
+
+/* The line of `iqfoc golden`: that the library computes here what it does everywhere. */
+PAGE_CALL(page_golden)(void)
+{
+    printf("golden %016" PRIx64 "\n", golden_hash(NULL));
+    fflush(stdout);
+    return STATUS_DONE;
+}

@@ -1,0 +1,11 @@
+# clang for WebAssembly, with the C library that Debian has for it (wasi-libc) and LLVM's C++ library of clang's version.
+set(CMAKE_SYSTEM_NAME Generic)
+set(CMAKE_SYSTEM_PROCESSOR wasm32)
+set(CMAKE_C_COMPILER clang)
+set(CMAKE_CXX_COMPILER clang++)
+set(CMAKE_C_COMPILER_TARGET wasm32-wasi)
+set(CMAKE_CXX_COMPILER_TARGET wasm32-wasi)
+set(CMAKE_SYSROOT /usr)
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+file(GLOB cxx_headers /usr/lib/llvm-*/include/wasm32-wasi/c++/v1)
+set(CMAKE_CXX_FLAGS_INIT "-fno-exceptions -fno-rtti -isystem ${cxx_headers}")
