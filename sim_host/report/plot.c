@@ -1,4 +1,4 @@
-/* POSIX: open_memstream, popen, mkstemp. */
+/* POSIX: open_memstream, posix_spawn, mkstemp. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "plot.h"
@@ -6,11 +6,15 @@
 #include "../base/leftovers.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+extern char **environ;
 
 static void say_style(plot *p, int style, const char *colour, double width, const char *dash)
 {
@@ -103,22 +107,65 @@ static bool write_script(const plot *p, int file, error *e)
     return (fclose(stream) == 0 && written) || error_failure(e, errno, "plot: its script cannot be written");
 }
 
+/*
+ * Runs a program as it is named, with no shell between that could take a word for more than a word. `out` gets its stdout, or is
+ * -1 where nobody listens. False if it cannot be run.
+ */
+static bool start(const char *const argv[], int out, pid_t *pid)
+{
+    posix_spawn_file_actions_t files;
+    if (posix_spawn_file_actions_init(&files) != 0) {
+        return false;
+    }
+    bool ok = posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0) == 0;
+    if (out >= 0) {
+        ok = ok && posix_spawn_file_actions_adddup2(&files, out, STDOUT_FILENO) == 0;
+    } else {
+        ok = ok && posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0) == 0 &&
+             posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO) == 0;
+    }
+    fflush(NULL);
+    ok = ok && posix_spawnp(pid, argv[0], &files, NULL, (char *const *)argv, environ) ==
+                   0; /* argv stays as it is */
+    posix_spawn_file_actions_destroy(&files);
+    return ok;
+}
+
+/* Whether it ended well. */
+static bool ended_well(pid_t pid)
+{
+    int status = 0;
+    pid_t ended = waitpid(pid, &status, 0);
+    while (ended < 0 && errno == EINTR) {
+        ended = waitpid(pid, &status, 0);
+    }
+    return ended == pid && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
 static char *run_gnuplot(const char *script_path, error *e)
 {
-    char command[128];
-    /* The path is mkstemp's and needs no quoting.
-     * In a locale that is not UTF-8 gnuplot complains of its degree sign. */
-    snprintf(command, sizeof command, "LC_ALL=C.UTF-8 gnuplot %s", script_path);
-    fflush(NULL);
-    FILE *stream = popen(command, "r");
-    if (stream == NULL) {
+    const char *const argv[] = {"gnuplot", script_path, NULL};
+    int ends[2];
+    if (pipe(ends) != 0) {
         error_failure(e, errno, "gnuplot");
         return NULL;
     }
-    char *svg = read_all(stream);
-    const int status = pclose(stream);
-    if (svg == NULL || status == -1 || !WIFEXITED(status) || WEXITSTATUS(status) != 0 ||
-        strstr(svg, "</svg>") == NULL) {
+    /* The child has no use for our end: its write would never fail after our death. */
+    (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
+    (void)fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+    /* In a locale that is not UTF-8 gnuplot complains of its degree sign; this program knows no locale itself. */
+    (void)setenv("LC_ALL", "C.UTF-8", 1);
+    pid_t pid;
+    const bool started = start(argv, ends[1], &pid);
+    close(ends[1]);
+    FILE *stream = fdopen(ends[0], "r");
+    char *svg = stream != NULL ? read_all(stream) : NULL;
+    if (stream != NULL) {
+        fclose(stream);
+    } else {
+        close(ends[0]);
+    }
+    if (!started || !ended_well(pid) || svg == NULL || strstr(svg, "</svg>") == NULL) {
         free(svg);
         error_failure(e, 0, "gnuplot could not draw a figure");
         return NULL;
@@ -154,5 +201,7 @@ char *plot_draw(plot *p, error *e)
 
 bool plot_available(void)
 {
-    return system("gnuplot --version >/dev/null 2>&1") == 0;
+    const char *const argv[] = {"gnuplot", "--version", NULL};
+    pid_t pid;
+    return start(argv, -1, &pid) && ended_well(pid);
 }
