@@ -47,6 +47,12 @@ if(IQFOC_COVERAGE)
     add_link_options(--coverage)
 endif()
 
+option(IQFOC_STATIC "Link the program statically: one file that needs nothing of the machine it runs on" OFF)
+if(IQFOC_STATIC)
+    # The map says what of others is in it (tools/licences.py).
+    add_link_options(-static -s -Wl,-Map=${PROJECT_BINARY_DIR}/iqfoc.map)
+endif()
+
 find_program(IQFOC_CCACHE ccache)
 if(IQFOC_CCACHE AND NOT DEFINED CMAKE_C_COMPILER_LAUNCHER)
     set(CMAKE_C_COMPILER_LAUNCHER ${IQFOC_CCACHE})

@@ -182,6 +182,17 @@ check_fuzz() {
     tests/fuzz/run.py --build build/fuzz --seconds 20 --jobs "$JOBS"
 }
 
+# The program in one file, for this processor and another; what is in it of others stands in docs/licences.md.
+check_static() {
+    local preset
+    for preset in static-x86-64 static-arm64; do
+        cmake --preset "$preset"
+        cmake --build "build/$preset" -j "$JOBS" --target iqfoc_cli
+    done
+    python3 -B tests/cli/static.py build/host/iqfoc build/static-x86-64/iqfoc build/static-arm64/iqfoc
+    python3 -B tools/licences.py build/static-x86-64
+}
+
 # What the program built by gcc does, and what the targets' compilers make of the library.
 # The page in the browser against the program that the host preset built.
 test_web() {
@@ -198,6 +209,7 @@ program_lane() {
     run_part figures python3 tools/figures.py check
     run_part site python3 -B tools/site/build.py
     run_part target tests/target/run.sh
+    run_part static check_static
     run_part golden python3 tools/golden.py check
     run_part python python/test.sh
     run_part bench bench/run.sh --check

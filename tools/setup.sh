@@ -96,24 +96,31 @@ write_source_entries() {
     done
 }
 
-# Takes Unity out of the source package of ntpsec, which Debian 12 has it in. Needs no root: apt works on folders of this tree, and
-# the machine's own lists and sources stay as they are.
-fetch_unity() {
-    local target=$1 work=$ROOT/.cache/unity-fetch codename tarball
+# Downloads the tarball of a source package of this release into an empty folder: "$work"/<package>_*.orig.tar.*. Needs no root: apt
+# works on folders of this tree, and the machine's own lists and sources stay as they are.
+fetch_source() {
+    local package=$1 work=$2 codename
     codename=$(. /etc/os-release && printf '%s' "${VERSION_CODENAME:-}")
-    say "fetching the test framework Unity from Debian's source package ntpsec"
     rm -rf "$work"
-    mkdir -p "$work"/{parts,state/lists/partial,cache/archives/partial,unity}
+    mkdir -p "$work"/{parts,state/lists/partial,cache/archives/partial}
     write_source_entries "$codename" "$work/parts"
     local apt_options=(-q -o "Dir::Etc::sourcelist=/dev/null" -o "Dir::Etc::sourceparts=$work/parts"
         -o "Dir::State::lists=$work/state/lists" -o "Dir::Cache=$work/cache" -o "APT::Get::List-Cleanup=0"
         -o "APT::Sandbox::User=$(id -un)" -o Acquire::Retries=3 -o Acquire::Languages=none)
-    if ! (cd "$work" && apt-get update "${apt_options[@]}" && apt-get source "${apt_options[@]}" --download-only --tar-only ntpsec) \
-        >"$work/log" 2>&1 </dev/null; then
-        tail -n 10 "$work/log" >&2
+    (cd "$work" && apt-get update "${apt_options[@]}" && apt-get source "${apt_options[@]}" --download-only --tar-only "$package") \
+        >"$work/log" 2>&1 </dev/null && return
+    tail -n 10 "$work/log" >&2
+    return 1
+}
+
+# Takes Unity out of the source package of ntpsec, which Debian 12 has it in.
+fetch_unity() {
+    local target=$1 work=$ROOT/.cache/unity-fetch tarball
+    say "fetching the test framework Unity from Debian's source package ntpsec"
+    fetch_source ntpsec "$work" ||
         die "Unity could not be fetched (above). Set UNITY_DIR to a folder with unity.c, unity.h and unity_internals.h"
-    fi
     tarball=$(echo "$work"/ntpsec_*.orig.tar.*)
+    mkdir "$work/unity"
     tar -C "$work/unity" --no-same-owner --strip-components=3 --wildcards -xf "$tarball" \
         '*/tests/unity/unity.c' '*/tests/unity/unity.h' '*/tests/unity/unity_internals.h' ||
         die "no Unity inside $tarball. Set UNITY_DIR to a folder with unity.c, unity.h and unity_internals.h"
@@ -181,6 +188,23 @@ set_up_uplot() {
 # What lets the site's search run where it is opened from disk.
 set_up_iframe_worker() {
     set_up_npm iframe-worker@1.0.4
+}
+
+# Sets and exports ZLIB_SOURCE_DIR: the caller's, or zlib's sources out of Debian's source package, for the static programs
+# (presets static-*): the package zlib1g-dev is for this machine's processor alone.
+set_up_zlib() {
+    local fetched=$ROOT/.cache/zlib work=$ROOT/.cache/zlib-fetch
+    if [[ -z ${ZLIB_SOURCE_DIR:-} && ! -r $fetched/zlib.h ]]; then
+        say "fetching zlib's sources from Debian's source package zlib"
+        fetch_source zlib "$work" || die "zlib's sources could not be fetched (above). Set ZLIB_SOURCE_DIR to their folder"
+        mkdir "$work/zlib"
+        tar -C "$work/zlib" --no-same-owner --strip-components=1 -xf "$(echo "$work"/zlib_*.orig.tar.*)" ||
+            die "zlib's sources could not be unpacked"
+        rm -rf "$fetched"
+        mv "$work/zlib" "$fetched"
+        rm -rf "$work"
+    fi
+    export ZLIB_SOURCE_DIR=${ZLIB_SOURCE_DIR:-$fetched}
 }
 
 unity_is_pinned() {
