@@ -6,8 +6,12 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
-enum { OPT_MOTOR, OPT_RATE, OPT_TRIALS, OPT_CYCLES, OPT_SEED, OPT_JSON };
+/* What a recorder holds after the alarm. */
+static const double RECORDED_S = 1.0;
+
+enum { OPT_MOTOR, OPT_RATE, OPT_TRIALS, OPT_CYCLES, OPT_SEED, OPT_JSON, OPT_CHANGE, OPT_OUTPUT };
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file"},
@@ -16,19 +20,22 @@ static const option_spec specs[] = {
     {"cycles", 0, "N", "of a drive in which nothing changes; default: 1e6"},
     {"seed", 0, "N", "of the first drive; default: 1"},
     {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
+    {"change", 0, "magnet|winding|sensor|dead_time", "with -o: what changes in the drive that is recorded"},
+    {"output", 'o', "DIR",
+     "no trials, but one drive: what the alarm lets be recorded, rec.csv, and motor.toml"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_watch = {
-    "watch", "--motor M.toml [--rate HZ] [--trials N] [--cycles N] [--json F]",
+    "watch", "--motor M.toml [--rate HZ] [--trials N] [--cycles N] [--json F] | --change C -o DIR",
     "Tries the watch of iqfoc/watch.h: drives with dead time and noise under the tuned controller run\n"
     "varied duty in the switching-level plant, and after half a second the magnet weakens by 5 %,\n"
     "the winding warms by 60 K, a current sensor's gain grows by 2 %, or the dead time doubles. Says\n"
     "how soon that is noted and what it is taken for, and how high the detectors get when nothing\n"
-    "changes.",
+    "changes. With -o one drive is recorded from its alarm on, for iqfoc diagnose.",
     specs};
 
 typedef struct request {
-    const char *motor_path, *json_path;
+    const char *motor_path, *json_path, *change, *directory;
     double rate, cycles;
     long trials, seed;
 } request;
@@ -90,27 +97,81 @@ static void print(const motor *m, const results *r)
            r->clean.alarms, r->clean.highest, IQFOC_WATCH_THRESHOLD);
 }
 
+static bool take_change(const request *r, watch_change *change, error *e)
+{
+    for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES; n++) {
+        if (r->change != NULL && strcmp(r->change, watch_change_key[n]) == 0) {
+            *change = (watch_change)n;
+            return true;
+        }
+    }
+    return error_input(e, NULL, 0, 0, "watch: -o needs --change magnet, winding, sensor or dead_time");
+}
+
+static bool write_dump(const request *r, const watch_dump *dump, error *e)
+{
+    out_folder f = {0};
+    char path[1100];
+    bool ok = out_folder_open(&f, r->directory, e);
+    if (ok) {
+        (void)snprintf(path, sizeof path, "%s/rec.csv", f.stage);
+        ok = recording_write(path, &dump->rows.recording, "iqfoc watch: recorded from its alarm on", e);
+    }
+    if (ok) {
+        (void)snprintf(path, sizeof path, "%s/motor.toml", f.stage);
+        ok = motor_write(path, &dump->told, "what the firmware knew at the alarm", e);
+    }
+    return out_folder_close(&f, ok, e);
+}
+
+/* One drive up to its alarm, and what is recorded from there on. */
+static bool record(const request *r, const tune_result *design, error *e)
+{
+    static watch_dump dump;
+    watch_change change = WATCH_NOTHING;
+    bool ok = take_change(r, &change, e) &&
+              watch_trial_dump(design, change, (uint64_t)r->seed, RECORDED_S, &dump, e);
+    if (ok && !dump.noted) {
+        ok = error_input(e, NULL, 0, 0,
+                         "watch: %s was not noted within %g s; another --seed runs another duty",
+                         watch_change_text[change], WATCH_CHANGED_S);
+    }
+    ok = ok && write_dump(r, &dump, e);
+    recording_free(&dump.rows.recording);
+    if (ok) {
+        printf("%s: taken for %s\n  iqfoc diagnose %s/rec.csv --motor %s/motor.toml\n",
+               watch_change_text[change], watch_group_text[dump.group], r->directory, r->directory);
+    }
+    return ok;
+}
+
+static bool try_all(const request *r, const tune_result *design, error *e)
+{
+    static results all;
+    bool ok = true;
+    for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES && ok; n++) {
+        ok = watch_trial_run(design, (watch_change)n, (int)r->trials, (uint64_t)r->seed, &all.of[n], e);
+    }
+    ok = ok && watch_clean_run(design, r->cycles, (uint64_t)r->seed + 1000000, &all.clean, e);
+    out_folder none = {0};
+    ok = ok && json_file_place(&none, r->json_path, results_json(&design->motor, &all), e);
+    if (ok && !json_file_is_stdout(r->json_path)) {
+        print(&design->motor, &all);
+    }
+    return ok;
+}
+
 static bool watch(const request *r, error *e)
 {
     static tune_result design = {.method = TUNE_PI, .disk_wanted = 0.5};
-    static results all;
     const tune_tolerances t = {TUNE_TOLERANCE_R, TUNE_TOLERANCE_L, TUNE_TOLERANCE_PSI_F};
     if (!motor_read(r->motor_path, &design.motor, e)) {
         return false;
     }
     design.motor.f_pwm_Hz = r->rate;
     tune_region_of_tolerances(&design.motor, &t, &design.region);
-    bool ok = tune_design_bandwidth(&design, e);
-    for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES && ok; n++) {
-        ok = watch_trial_run(&design, (watch_change)n, (int)r->trials, (uint64_t)r->seed, &all.of[n], e);
-    }
-    ok = ok && watch_clean_run(&design, r->cycles, (uint64_t)r->seed + 1000000, &all.clean, e);
-    out_folder none = {0};
-    ok = ok && json_file_place(&none, r->json_path, results_json(&design.motor, &all), e);
-    if (ok && !json_file_is_stdout(r->json_path)) {
-        print(&design.motor, &all);
-    }
-    return ok;
+    return tune_design_bandwidth(&design, e) &&
+           (r->directory != NULL ? record(r, &design, e) : try_all(r, &design, e));
 }
 
 int cmd_watch(int argc, char **argv)
@@ -122,7 +183,9 @@ int cmd_watch(int argc, char **argv)
                                    [OPT_TRIALS] = {.integer = &r.trials, .low = 1, .high = 100000},
                                    [OPT_CYCLES] = {.number = &r.cycles, .low = 1e3, .high = 1e12},
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
-                                   [OPT_JSON] = {.text = &r.json_path}};
+                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_CHANGE] = {.text = &r.change},
+                                   [OPT_OUTPUT] = {.text = &r.directory}};
     options o = options_begin(&about_watch, argc, argv);
     bool ok = options_read(&o, places, &e);
     if (ok && !o.helped) {

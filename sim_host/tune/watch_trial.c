@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 const char *const watch_change_text[WATCH_CHANGES] = {"nothing", "magnet 5 % weaker", "winding 60 K warmer",
                                                       "sensor's gain 2 % higher", "dead time doubled"};
@@ -25,6 +26,7 @@ typedef struct watched {
     drive_loop loop;
     plant_random random;
     const tune_result *design;
+    motor told; /* what the firmware knows */
     double I_A, omega_most, omega;
     double i_d, i_q;                 /* wanted, per unit */
     long speed_until, current_until; /* cycles */
@@ -82,23 +84,24 @@ static double weakened(const watched *w, double omega)
 
 static bool begin(watched *w, const tune_result *r, uint64_t seed, error *e)
 {
-    motor m = tuned_motor(&r->motor, &r->design.machine);
-    plant_config c = plant_config_from_motor(&m);
-    w->I_A = motor_rated_peak_A(&m);
+    w->told = tuned_motor(&r->motor, &r->design.machine);
+    motor *m = &w->told;
+    plant_config c = plant_config_from_motor(m);
+    w->I_A = motor_rated_peak_A(m);
     c.inverter.t_dead_s = WATCH_DEAD_S;
     c.sensors.current_noise_A = WATCH_NOISE * w->I_A;
     c.seed = seed;
-    m.ext.has[CAUSE_DEAD_TIME] = true;
-    m.ext.v_dead_V = m.u_dc_V * WATCH_DEAD_S * m.f_pwm_Hz;
-    m.ext.i_knee_A = 0.02 * w->I_A;
-    if (!plant_config_check(&c, e) || !tuned_drive_init(&w->firmware, &m, &r->design, e) ||
-        !tuned_drive_extend(&w->firmware, &m, e)) {
+    m->ext.has[CAUSE_DEAD_TIME] = true;
+    m->ext.v_dead_V = m->u_dc_V * WATCH_DEAD_S * m->f_pwm_Hz;
+    m->ext.i_knee_A = 0.02 * w->I_A;
+    if (!plant_config_check(&c, e) || !tuned_drive_init(&w->firmware, m, &r->design, e) ||
+        !tuned_drive_extend(&w->firmware, m, e)) {
         return false;
     }
-    tuned_drive_watch(&w->firmware, &m, &r->design.machine, c.sensors.current_noise_A);
+    tuned_drive_watch(&w->firmware, m, &r->design.machine, c.sensors.current_noise_A);
     w->calls = tuned_drive_firmware(&w->firmware);
     plant_random_seed(&w->random, seed, 7);
-    drive_loop_begin(&w->loop, &m, &c, &w->calls);
+    drive_loop_begin(&w->loop, m, &c, &w->calls);
     w->design = r;
     w->omega_most = speed_most(r);
     w->omega = between(&w->random, -1.0, 1.0) * w->omega_most;
@@ -108,10 +111,9 @@ static bool begin(watched *w, const tune_result *r, uint64_t seed, error *e)
 }
 
 /* A new acceleration every 50 to 150 ms, new currents every 10 to 50 ms, the field weakened where it must be. */
-static bool cycle(watched *w, long n, error *e)
+static bool cycle(watched *w, long n, drive_row *row, error *e)
 {
     const double T_s = w->loop.base.T_s;
-    drive_row row;
     if (n >= w->speed_until) {
         const double span_s = between(&w->random, 0.05, 0.15);
         const double next = between(&w->random, -1.0, 1.0) * w->omega_most;
@@ -126,7 +128,7 @@ static bool cycle(watched *w, long n, error *e)
     }
     const double omega = plant_now(&w->loop.drive).omega_e_rad_s;
     const iqfoc_dq_t i_ref = {iq24_from_double(fmin(w->i_d, weakened(w, omega))), iq24_from_double(w->i_q)};
-    return drive_loop_span(&w->loop, i_ref, &row, e);
+    return drive_loop_span(&w->loop, i_ref, row, e);
 }
 
 /* ---- Changes ---- */
@@ -141,6 +143,7 @@ typedef struct outcome {
 static bool one_trial(const tune_result *r, watch_change change, uint64_t seed, outcome *out, error *e)
 {
     watched w;
+    drive_row row;
     const double T_s = 1.0 / r->motor.f_pwm_Hz;
     const long clean = lround(WATCH_CLEAN_S / T_s);
     const long cycles = clean + lround((WATCH_CHANGED_S + WATCH_NAMED_S) / T_s);
@@ -154,7 +157,7 @@ static bool one_trial(const tune_result *r, watch_change change, uint64_t seed, 
         if (n == clean) {
             change_drive(&w.loop.drive.config, change, (int)(seed % 3));
         }
-        if (!cycle(&w, n, e)) {
+        if (!cycle(&w, n, &row, e)) {
             return false;
         }
         alarm = alarm < 0 && watch->naming > 0 ? n : alarm;
@@ -167,6 +170,51 @@ static bool one_trial(const tune_result *r, watch_change change, uint64_t seed, 
     out->group = watch->group;
     out->amount = ldexp(watch->amount_q16, -16);
     return true;
+}
+
+/* Up to the alarm; *n: cycles so far. False with *e set if the firmware is gone. */
+static bool run_to_alarm(watched *w, watch_change change, long *n, error *e)
+{
+    const double T_s = w->loop.base.T_s;
+    const long clean = lround(WATCH_CLEAN_S / T_s);
+    const long last = clean + lround(WATCH_CHANGED_S / T_s);
+    for (*n = 0; *n < last && w->firmware.watch.naming == 0; (*n)++) {
+        drive_row row;
+        if (*n == clean) {
+            change_drive(&w->loop.drive.config, change, 0);
+        }
+        if (!cycle(w, *n, &row, e)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool watch_trial_dump(const tune_result *r, watch_change change, uint64_t seed, double seconds,
+                      watch_dump *dump, error *e)
+{
+    watched w;
+    long n = 0;
+    memset(dump, 0, sizeof *dump);
+    if (!begin(&w, r, seed, e) || !run_to_alarm(&w, change, &n, e)) {
+        return false;
+    }
+    dump->told = w.told;
+    dump->noted = w.firmware.watch.naming > 0;
+    if (!dump->noted) {
+        return true;
+    }
+    scenario_run run = {.cycles = lround(seconds / w.loop.base.T_s)};
+    const scenario s = {.log = {.duties = true, .u_dc = true, .third_current = true}, .runs = 1, .run = &run};
+    bool ok = drive_recording_begin(&dump->rows, &s, w.loop.base.T_s, e);
+    const drive_log log = drive_recording_log(&dump->rows);
+    for (const long last = n + run.cycles; n < last && ok; n++) {
+        drive_row row = {.run = 1};
+        ok = cycle(&w, n, &row, e) && log.row(log.context, &row, e);
+    }
+    dump->group = w.firmware.watch.group;
+    return ok &&
+           (recording_find_stretches(&dump->rows.recording) || error_failure(e, 0, "watch: out of memory"));
 }
 
 static int by_size(const void *a, const void *b)
@@ -226,6 +274,7 @@ enum { CLEAN_RUN = 1000000 };
 bool watch_clean_run(const tune_result *r, double cycles, uint64_t seed, watch_clean *out, error *e)
 {
     watched w;
+    drive_row row;
     double before = 0.0;
     *out = (watch_clean){.cycles = 0.0};
     while (out->cycles < cycles) {
@@ -234,7 +283,7 @@ bool watch_clean_run(const tune_result *r, double cycles, uint64_t seed, watch_c
             return false;
         }
         for (long n = 0; n < of_run; n++) {
-            if (!cycle(&w, n, e)) {
+            if (!cycle(&w, n, &row, e)) {
                 return false;
             }
             if (w.firmware.watch.count == 0) {

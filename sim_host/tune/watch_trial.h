@@ -7,6 +7,8 @@
 
 #include "tune_design.h"
 
+#include "drive/drive_recording.h"
+
 #include "iqfoc/watch.h"
 
 typedef enum watch_change {
@@ -44,6 +46,20 @@ typedef struct watch_trial {
 /* The design's motor runs at its f_pwm_Hz. */
 bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint64_t seed, watch_trial *out,
                      error *e);
+
+/*
+ * What a recorder holds that the alarm triggers: the rows of the seconds after it as sensors and firmware had
+ * them, and the motor as the firmware knows it. The change of a current sensor is phase A's.
+ */
+typedef struct watch_dump {
+    bool noted; /* within WATCH_CHANGED_S; else there are no rows */
+    iqfoc_watch_group_t group;
+    drive_recording rows; /* freed with recording_free(&rows.recording), also after a failure */
+    motor told;
+} watch_dump;
+
+bool watch_trial_dump(const tune_result *r, watch_change change, uint64_t seed, double seconds,
+                      watch_dump *dump, error *e);
 
 /*
  * Cycles without a change, in runs of `cycles`/32 blocks each with a seed of its own: how often the highest

@@ -7,6 +7,7 @@
 #include "golden_cycle.h"
 #include "golden_limits.h"
 #include "golden_models.h"
+#include "golden_tuned.h"
 #include "golden_types.h"
 
 #include "iqfoc/current_control.h"
@@ -229,6 +230,7 @@ void golden_vectors(golden_report *report)
         {"overmodulation", golden_overmodulation},
         {"reference", golden_reference},
         {"ripple_half", golden_ripple_half},
+        {"tuned_and_watched", golden_tuned_and_watched},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
         golden_inputs_t inputs = {0, GOLDEN_SEED};
