@@ -155,7 +155,7 @@ lock_python() {
     set_up_python lock
     for file in tools/python/*.in; do
         (cd tools/python && ../../.cache/python/lock/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras \
-            --no-header --output-file "$(basename "$file" .in).txt" "$(basename "$file")")
+            --no-header --no-emit-find-links --output-file "$(basename "$file" .in).txt" "$(basename "$file")")
     done
 }
 
