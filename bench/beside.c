@@ -86,8 +86,8 @@ COUNT(tuned_step, iqfoc_ab_t, iqfoc_tuned_step,
 COUNT(watch_step, bool, iqfoc_watch_step,
       (iqfoc_watch_t *, iqfoc_ab_t, iqfoc_dq_t, iqfoc_dq_t, iq24_sincos_t),
       (&watch, in->i, in->i_ref, in->i_ref, in->sc))
-COUNT(watch_block, bool, iqfoc_watch_block, (iqfoc_watch_t *, const iqfoc_watch_config_t *, iq24_t),
-      (&watch, &bench_watch, in->sample.turns))
+COUNT(watch_block, bool, iqfoc_watch_block, (iqfoc_watch_t *, const iqfoc_watch_config_t *, iq24_t, iq24_t),
+      (&watch, &bench_watch, in->sample.turns, in->sample.theta))
 COUNT(encoder, iq24_t, iqfoc_encoder_theta, (const iqfoc_encoder_t *, uint32_t),
       (&encoder, (uint32_t)in->sample.theta & 4095))
 COUNT(resolver, iqfoc_resolver_angle_t, iqfoc_resolver_read, (const iqfoc_resolver_t *, iq24_t, iq24_t),
@@ -112,6 +112,8 @@ static uint32_t count_watch_block_of_drive(const bench_input_t *in)
 {
     const iqfoc_ab_t off = {in->delta.alpha / 256, in->delta.beta / 256};
     iqfoc_watch_reset(&watch);
+    watch.blocks = 1; /* the first is not judged */
+    watch.turns = in->sample.turns;
     for (uint32_t k = 0; k < IQFOC_WATCH_BLOCK_CYCLES; k++) {
         (void)iqfoc_watch_step(&watch, off, in->i_ref, in->u_steady, in->sc);
     }
