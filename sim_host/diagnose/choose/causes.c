@@ -115,7 +115,7 @@ typedef struct weighing {
     double without[H_COUNT]; /* what each takes off beside the others */
     hypothesis_set decoys;   /* members without a name */
     double of_decoys;        /* what these take off beside the named ones */
-    double with_all;         /* held-out error of the named ones; where there are decoys */
+    double with_all;         /* held-out error of the named ones; where there are decoys, or a dead time */
 } weighing;
 
 static double cost_of(const weighing *g, hypothesis_set set)
@@ -145,7 +145,7 @@ static weighing weigh(const session *w, const evidence_view *view, double floor_
         g.without[h] = hypothesis_in(set, h) ? cost_of(&g, set & ~HYPOTHESIS_BIT(h)) - g.own_cost : 0.0;
     }
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
-    g.with_all = g.decoys ? named_error(w, set) : 0.0;
+    g.with_all = g.decoys || hypothesis_in(set, H_DEAD_TIME) ? named_error(w, set) : 0.0;
     return g;
 }
 
@@ -172,10 +172,20 @@ static bool harms(const weighing *g, hypothesis_id h)
             is_open(g->w, g->view, g->own_cost, h));
 }
 
+/* What takes up what dead time's law leaves near zero current fits the rows that it was fitted to, with the last digits that were
+ * fitted beside it, and makes others worse. */
+static bool takes_leftovers(const weighing *g, hypothesis_id h)
+{
+    return hypothesis_table[h].near_edge && hypothesis_cause(h)->named &&
+           hypothesis_in(g->w->state.set, H_DEAD_TIME) &&
+           named_error(g->w, g->w->state.set & ~HYPOTHESIS_BIT(h)) < g->with_all;
+}
+
 static bool is_worthy(const weighing *g, hypothesis_id h)
 {
     const bool stands_for_more = hypothesis_table[h].to_floor && g->unexplained > 0.0;
-    return is_certain(g->w, h) && !stands_for_more && g->without[h] >= bar_of(g, h) && !harms(g, h);
+    return is_certain(g->w, h) && !stands_for_more && g->without[h] >= bar_of(g, h) && !harms(g, h) &&
+           !takes_leftovers(g, h);
 }
 
 /* The member that is least worth its name, H_COUNT if all are. */

@@ -23,6 +23,8 @@ static const double CAUSE_PENALTY = 25.0;
  */
 static const double LEAST_SHARE = 1e-4;
 static const double LEAST_SHARE_BESIDE_DEAD_TIME = 2e-4;
+/* A dead time moves the edges that a sensor's filter still sees: a fiftieth of what it explains can look like one. */
+static const double LEAST_SHARE_OF_EDGES = 3e-2;
 /* No map of a few terms is that of a machine to better than a part in a hundred of its flux. */
 static const double LEAST_SHARE_BESIDE_MAP = 1e-2;
 
@@ -147,6 +149,9 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
 double evidence_least(double explained, hypothesis_set set, hypothesis_id h)
 {
     const bool like = hypothesis_in(set, H_DEAD_TIME) && hypothesis_table[h].near_edge;
+    if (hypothesis_in(set, H_DEAD_TIME) && hypothesis_table[h].sees_edges) {
+        return LEAST_SHARE_OF_EDGES * explained;
+    }
     if (hypothesis_table[h].cause != CAUSE_SATURATION_DQ && (set & hypotheses_of(CAUSE_SATURATION_DQ)) != 0) {
         return LEAST_SHARE_BESIDE_MAP * explained;
     }

@@ -89,6 +89,7 @@ typedef struct hypothesis {
     unsigned positive; /* SIGN_: the sum of these columns is positive, */
     double most;       /* and at most this; 0: no bound */
     bool near_edge;    /* what a dead time's law leaves near zero current looks like it */
+    bool sees_edges;   /* tells by where the voltage's edges lie, which a dead time moves */
     bool one_vector;   /* the columns are the parts of one vector, whose length is its size */
     /* Coordinates that shape its law: fitted with it once it stands, they say nothing of their own, and keep their
      * values when it goes. */
