@@ -15,37 +15,37 @@ extern "C" {
 enum { SOLVE_ORDER_MOST = 64, SOLVE_GENERAL_MOST = 16 };
 
 /*
- * Solves h x = b for a symmetric positive h of order n <= SOLVE_ORDER_MOST, rows `stride` apart. False if, its
+ * Solves h x = b for a symmetric positive h of `order` <= SOLVE_ORDER_MOST, rows `stride` apart. False if, its
  * diagonal scaled to 1, a pivot is below 1e-6: then two columns do the same.
  */
-bool solve_positive(size_t n, size_t stride, const double *h, const double *b, double *x);
+bool solve_positive(size_t order, size_t stride, const double *h, const double *b, double *x);
 
 /* The inverse of such a matrix, with the same stride. */
-bool solve_inverse(size_t n, size_t stride, const double *h, double *out);
+bool solve_inverse(size_t order, size_t stride, const double *h, double *out);
 
 /* The same however alike two columns are. False only where h is not positive in double precision. */
-bool solve_covariance(size_t n, size_t stride, const double *information, double *out);
+bool solve_covariance(size_t order, size_t stride, const double *information, double *out);
 
 /*
- * The lower factor L of a symmetric positive a = L L^T of order n <= SOLVE_GENERAL_MOST, in the place of a; only a's lower
+ * The lower factor L of a symmetric positive a = L L^T of `order` <= SOLVE_GENERAL_MOST, in the place of a; only a's lower
  * half is read and written. False if a is not positive.
  */
-bool solve_factor(size_t n, double *a);
+bool solve_factor(size_t order, double *a);
 
-/* Solves a x = b of order n <= SOLVE_GENERAL_MOST; x takes the place of b. False if a is singular. */
-bool solve_linear(size_t n, const double *a, double *b);
+/* Solves a x = b of `order` <= SOLVE_GENERAL_MOST; x takes the place of b. False if a is singular. */
+bool solve_linear(size_t order, const double *a, double *b);
 
 /* The same for complex numbers, each a pair of real and imaginary part, and two right-hand sides side by side. */
-bool solve_complex_pair(size_t n, const double *a, double *b);
+bool solve_complex_pair(size_t order, const double *a, double *b);
 
-/* The eigenvalues of a of order n <= SOLVE_GENERAL_MOST, in no order. False if a is not finite. */
-bool solve_eigenvalues(size_t n, const double *a, double *re, double *im);
+/* The eigenvalues of a of `order` <= SOLVE_GENERAL_MOST, in no order. False if a is not finite. */
+bool solve_eigenvalues(size_t order, const double *a, double *re, double *im);
 
 /*
- * Eigenvalues, rising, of a symmetric a of order n <= SOLVE_GENERAL_MOST; only its lower half is read. The eigenvectors, of
+ * Eigenvalues, rising, of a symmetric a of `order` <= SOLVE_GENERAL_MOST; only its lower half is read. The eigenvectors, of
  * length 1, take its place as columns. False if a is not finite.
  */
-bool solve_symmetric(size_t n, double *a, double *values);
+bool solve_symmetric(size_t order, double *a, double *values);
 
 #ifdef __cplusplus
 }

@@ -131,28 +131,29 @@ bool plan_make(const motor *m, const plan_limits *limits, long seed, plan *p, er
 {
     const double cycles = limits->seconds * m->f_pwm_Hz;
     const double slot = cycles / PLAN_SLOTS - PLAN_SETTLE_CYCLES;
-    choice *c = calloc(1, sizeof *c);
     memset(p, 0, sizeof *p);
     if (slot < LEAST_ROWS) {
-        free(c);
         return error_input(e, NULL, 0, 0, "plan: --seconds %g: at %g Hz expected at least %.3g",
                            limits->seconds, m->f_pwm_Hz,
                            PLAN_SLOTS * (LEAST_ROWS + PLAN_SETTLE_CYCLES) / m->f_pwm_Hz);
     }
-    if (c != NULL) {
-        c->pieces = plan_pieces_list(m, limits, c->piece);
-        c->information = calloc(c->pieces + 1, sizeof *c->information);
+    choice *c = calloc(1, sizeof *c);
+    if (c == NULL) {
+        return error_failure(e, 0, "plan: out of memory");
     }
-    bool ok = (c != NULL && c->information != NULL) || error_failure(e, 0, "plan: out of memory");
-    ok = ok && inform(m, limits, lround(slot), seed, c, e);
+    c->pieces = plan_pieces_list(m, limits, c->piece);
+    c->information = calloc(c->pieces + 1, sizeof *c->information);
+    if (c->information == NULL) {
+        free(c);
+        return error_failure(e, 0, "plan: out of memory");
+    }
+    bool ok = inform(m, limits, lround(slot), seed, c, e);
     if (ok) {
         choose(c);
         settle(c, m, limits, cycles, p);
         ok = plan_look(m, &p->scenario, seed, &p->outlook, e);
     }
-    if (c != NULL) {
-        free(c->information);
-    }
+    free(c->information);
     free(c);
     return ok;
 }

@@ -145,7 +145,7 @@ static size_t left_of(const evidence_view *view, hypothesis_id h, hypothesis_id 
 /* The largest size, over `least`, that explains only `needed`, over the directions of what is left. */
 static double size_of(const evidence_view *view, hypothesis_id h, size_t n, square_of left, double needed)
 {
-    int column[HYPOTHESIS_COLUMNS];
+    int column[HYPOTHESIS_COLUMNS] = {0};
     double a[HYPOTHESIS_COLUMNS * HYPOTHESIS_COLUMNS];
     double value[HYPOTHESIS_COLUMNS];
     double most = 0.0;
@@ -224,8 +224,10 @@ void plan_outlook_of(const plan_information *info, plan_outlook *out)
 bool plan_look(const motor *m, const scenario *s, long seed, plan_outlook *out, error *e)
 {
     plan_information *info = malloc(sizeof *info);
-    const bool ok = (info != NULL || error_failure(e, 0, "plan: out of memory")) &&
-                    plan_information_of(m, s, seed, info, e);
+    if (info == NULL) {
+        return error_failure(e, 0, "plan: out of memory");
+    }
+    const bool ok = plan_information_of(m, s, seed, info, e);
     if (ok) {
         plan_outlook_of(info, out);
     }

@@ -25,6 +25,6 @@ bool plan_write_scenario(const plan_report *r, const char *path, error *e);
 /* NULL: out of memory. */
 json_t *plan_json(const plan_report *r);
 
-void plan_print(const plan_report *r, FILE *stream);
+void plan_print(const plan_report *r, FILE *out);
 
 #endif

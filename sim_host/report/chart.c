@@ -16,9 +16,12 @@ void chart_data_add(chart_data *d, const double *row)
     if (d->rows == d->room && !d->lost) {
         const size_t room = d->room > 0 ? 2 * d->room : 64;
         double *grown = realloc(d->value, room * d->columns * sizeof *grown);
-        d->lost = grown == NULL;
-        d->value = grown != NULL ? grown : d->value;
-        d->room = grown != NULL ? room : d->room;
+        if (grown != NULL) {
+            d->value = grown;
+            d->room = room;
+        } else {
+            d->lost = true;
+        }
     }
     if (!d->lost) {
         memcpy(&d->value[d->rows * d->columns], row, d->columns * sizeof *row);

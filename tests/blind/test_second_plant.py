@@ -262,10 +262,10 @@ class Recordings(unittest.TestCase):
     def test_oracle_reaches_the_noise_floor(self):
         # Each effect's law as documented, against the plant's physics: with the true parameters the averaged model
         # is left with sensor noise. Dead time has no exact averaged law (its shape near zero): 40 % above was measured. What
-        # warming leaves within a recording is 13 % above. An iron loss has no law among these, and no oracle.
+        # warming leaves within a recording is 13 % above. An iron loss and missed updates have no law among these, and no oracle.
         bounds = {"dead_time": 1.6, "temperature": 1.25}
         for n, cause in enumerate(effects.KNOWN):
-            if cause == "iron_loss":
+            if cause in ("iron_loss", "glitch"):
                 continue
             with self.subTest(cause=cause):
                 case = draw.draw_case(300 + n, cause)

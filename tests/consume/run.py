@@ -146,7 +146,7 @@ def drop_in(folder, cpu, *flags):
     shutil.copytree(ROOT / "src", work / "iqfoc/src")
     shutil.copy(HERE / "dropin/Makefile", work)
     port = ROOT / "port/cortex-m4"
-    program = [ROOT / "bench" / name for name in ("main.c", "inputs.c", "kernels.c", "drives.c", "handler.c")]
+    program = [ROOT / "bench" / name for name in ("main.c", "beside.c", "inputs.c", "kernels.c", "drives.c", "handler.c")]
     program.append(ROOT / "port/stm32g4/hal_stm32g4.c")
     harness = [port / "startup.c", port / "console.c", port / "semihost_call.c", ROOT / "port/emulated/semihost.c"]
     # Both folders have a console.c: the second goes by another name.

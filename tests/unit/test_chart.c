@@ -27,6 +27,7 @@ void setUp(void)
 void tearDown(void)
 {
     free(text);
+    text = NULL;
 }
 
 /* What was written, read. */
@@ -47,6 +48,7 @@ static json_t *parsed(void)
 static json_t *written(void (*write)(FILE *, const chart_column *), const double *value, size_t count)
 {
     const chart_column c = {value, 1, count};
+    free(text); /* of an earlier call of the same test */
     FILE *out = open_memstream(&text, &size);
     write(out, &c);
     fclose(out);
