@@ -155,14 +155,13 @@ check_cppcheck() {
 # The library's lines and branches that its unit tests reach, headers with inline functions included. A condition in
 # cycle_check.h is one of constants wherever it is used, and gcc counts every use's: its branches are left out.
 check_coverage() {
+    # Tests of the library that need parts of the host, beside those of tests/unit that do not.
+    local more=(recorder wire_damage watch induction mean_modulated half_period host_drive)
     configure_preset coverage -DBUILD_TESTING=ON
-    cmake --build build/coverage --target tests/unit/all test_recorder test_wire_damage test_watch -j "$JOBS"
+    cmake --build build/coverage --target tests/unit/all "${more[@]/#/test_}" -j "$JOBS"
     find build/coverage -name '*.gcda' -delete
-    local tests
-    for tests in tests/unit sim_host/record "sim_host/tune -R ^watch$"; do
-        # shellcheck disable=SC2086 # a folder, and options
-        ctest --test-dir build/coverage/$tests -j "$JOBS" --no-tests=error --output-on-failure --label-exclude "$UNIT_ONLY"
-    done
+    ctest --test-dir build/coverage/tests/unit -j "$JOBS" --no-tests=error --output-on-failure --label-exclude "$UNIT_ONLY"
+    ctest --test-dir build/coverage -j "$JOBS" --no-tests=error --output-on-failure -R "^($(printf '%s|' "${more[@]}")none)$"
     local measured=(--root . --object-directory build/coverage --filter src/ --filter include/ --exclude-throw-branches)
     gcovr "${measured[@]}" --json-summary build/coverage/summary.json --txt --fail-under-line 98
     gcovr "${measured[@]}" --exclude include/iqfoc/cycle_check.h --txt --branches --fail-under-branch 90
