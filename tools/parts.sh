@@ -126,7 +126,8 @@ compiled_files() {
 import json, os
 root = os.getcwd() + "/"
 files = {entry["file"] for entry in json.load(open("build/clang/compile_commands.json"))}
-print("\n".join(sorted(f for f in files if f.startswith(root) and not f.startswith(root + ".cache/"))))
+# (What a build writes is not ours to read.)
+print("\n".join(sorted(f for f in files if f.startswith(root) and not f.startswith((root + ".cache/", root + "build/")))))
 END
 }
 

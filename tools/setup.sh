@@ -8,7 +8,8 @@ BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-d
 # emulators (and those of targets that only compile the library), the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
 TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
-    picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make chromium chromium-driver libxml2-utils)
+    picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make chromium chromium-driver libxml2-utils
+    g++-aarch64-linux-gnu qemu-user-static file)
 
 # What `web` needs.
 WEB_PACKAGES=(clang lld cmake ninja-build wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32 libtomlplusplus-dev libeigen3-dev
