@@ -38,7 +38,10 @@ typedef struct {
     iq24_t across; /* k_u phi/24 */
 } iqfoc_mean_modulated_t;
 
-/* For a slower task. predictor: within its ranges. rotor: of the speed. */
+/*
+ * For a slower task. predictor: within its ranges. rotor: of the speed. To the bit: s1/2 and each product to
+ * nearest, ties up, quotients by 24 and 80 towards 0; s2/phi by four terms of its series.
+ */
 iqfoc_mean_modulated_t iqfoc_mean_modulated_at_speed(const iqfoc_predictor_t *predictor,
                                                      const iqfoc_rotor_t *rotor);
 

@@ -60,7 +60,7 @@ typedef struct iqfoc_ripple {
 
 /*
  * For a slower task. machine: within predictor_salient.h's ranges; L_d = L_q is one of them. rotor:
- * of the speed.
+ * of the speed. To the bit: rho in IQ24 and each product to nearest, ties up, quotients by 24 and 80 towards 0.
  */
 iqfoc_ripple_t iqfoc_ripple_at_speed(const iqfoc_salient_machine_t *machine, const iqfoc_rotor_t *rotor);
 
@@ -105,7 +105,10 @@ typedef struct iqfoc_ripple_half {
     iq24_t across_q;
 } iqfoc_ripple_half_t;
 
-/* For a slower task. machine, rotor: of control cycles that are half a carrier period. */
+/*
+ * For a slower task. machine, rotor: of control cycles that are half a carrier period. To the bit: rho, rho/2 and
+ * each product to nearest, ties up, quotients by 12 and 24 towards 0, the half of an even coefficient down.
+ */
 iqfoc_ripple_half_t iqfoc_ripple_half_at_speed(const iqfoc_salient_machine_t *machine,
                                                const iqfoc_rotor_t *rotor);
 
@@ -113,9 +116,10 @@ iqfoc_ripple_half_t iqfoc_ripple_half_at_speed(const iqfoc_salient_machine_t *ma
  * The ripple's part of the mean over a half, dq as seen from the turning rotor.
  *
  * high: the half's duties, 0 ... 1. u_dc: per unit, 0 ... 2. to_peak: from the valley to the peak. sc_mid: of
- * the rotor angle at the half's middle. Out: |component| <= 7. Largest error against the formula in double
- * with the same machine and rotor: 28 LSB. The formula itself is within 0.15 % of the rated current of the true mean
- * for the drive of 2019 with ten halves a turn, where the ripple is 31 %.
+ * the rotor angle at the half's middle. Out: |component| <= 7. Each product is rounded to nearest, the sum of an
+ * axis once. Largest error against the formula in double with the same machine and rotor: 28 LSB. The formula
+ * itself is within 0.15 % of the rated current of the true mean for the drive of 2019 with ten halves a turn,
+ * where the ripple is 31 %.
  */
 iqfoc_dq_t iqfoc_ripple_half_seen(const iqfoc_ripple_half_t *ripple, iqfoc_abc_t high, iq24_t u_dc,
                                   bool to_peak, iq24_sincos_t sc_mid);

@@ -90,7 +90,9 @@ static inline iq24_t iqfoc_rotor_s2(const iqfoc_rotor_shape_t *shape)
  *
  * turns: IQ24 turns per control cycle, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one is taken as that limit.
  * Largest error (all 11 184 811 arguments, tests/unit/test_rotor.c): s1, s2 0.51 LSB, phi 0.51 LSB, phi_s1
- * 0.55 LSB, phi_s2 0.6 LSB. Odd ones: f(-x) = -f(x) to 1 LSB.
+ * 0.55 LSB, phi_s2 0.6 LSB. Odd ones: f(-x) = -f(x) to 1 LSB. To the bit: s1 and s2/x are polynomials in x^2
+ * through the functions at the Chebyshev nodes (tools/derive_rotor.py), products in between are rounded down and
+ * each result once to nearest; likewise the steady state's gain below.
  */
 iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns);
 

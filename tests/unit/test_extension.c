@@ -233,7 +233,11 @@ static void test_refusals(void)
         iq24_t low, high;
         iqfoc_error_t error;
     } range[] = {
+        {offsetof(iqfoc_extension_t, i_offset.a), -IQ24_ONE, IQ24_ONE, IQFOC_ERROR_CURRENT_SENSOR},
         {offsetof(iqfoc_extension_t, i_offset.b), -IQ24_ONE, IQ24_ONE, IQFOC_ERROR_CURRENT_SENSOR},
+        {offsetof(iqfoc_extension_t, i_offset.c), -IQ24_ONE, IQ24_ONE, IQFOC_ERROR_CURRENT_SENSOR},
+        {offsetof(iqfoc_extension_t, i_gain_inverse.a), IQ24(0.5), IQ24(2.0), IQFOC_ERROR_CURRENT_SENSOR},
+        {offsetof(iqfoc_extension_t, i_gain_inverse.b), IQ24(0.5), IQ24(2.0), IQFOC_ERROR_CURRENT_SENSOR},
         {offsetof(iqfoc_extension_t, i_gain_inverse.c), IQ24(0.5), IQ24(2.0), IQFOC_ERROR_CURRENT_SENSOR},
         {offsetof(iqfoc_extension_t, theta_0), IQ24(-0.5), IQ24(0.5), IQFOC_ERROR_ANGLE},
         {offsetof(iqfoc_extension_t, theta_delay), IQ24(-8.0), IQ24(8.0), IQFOC_ERROR_ANGLE},
