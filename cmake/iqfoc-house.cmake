@@ -18,6 +18,7 @@ endif()
 # The program stands at the top of the build folder: build/host/iqfoc.
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 include(${PROJECT_SOURCE_DIR}/cmake/iqfoc-dependencies.cmake)
+include(${PROJECT_SOURCE_DIR}/cmake/iqfoc-math.cmake)
 include(${PROJECT_SOURCE_DIR}/cmake/iqfoc-unit-test.cmake)
 
 add_subdirectory(sim_host/base)

@@ -23,10 +23,17 @@ mkdir -p "$work"
 "$tools/auditwheel" repair --wheel-dir "$work" "$work"/built/iqfoc-*.whl
 wheel=$(echo "$work"/iqfoc-*.whl)
 # What auditwheel had to add stands in iqfoc.libs: nobody else's library goes out with ours.
-if "$tools/python" -m zipfile -l "$wheel" | grep -F iqfoc.libs/; then
+held=$("$tools/python" -m zipfile -l "$wheel")
+if grep -F iqfoc.libs/ <<<"$held"; then
     echo "the wheel brings libraries of others (above)" >&2
     exit 1
 fi
+for text in LICENSE licences.md; do
+    grep -qF "iqfoc/$text" <<<"$held" || {
+        echo "the wheel comes without iqfoc/$text" >&2
+        exit 1
+    }
+done
 
 say "a fresh environment: $wheel"
 /usr/bin/python3 -m venv "$work/fresh"

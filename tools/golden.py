@@ -69,6 +69,23 @@ def listed(name):
     return ask
 
 
+def written(file):
+    """The same for a place that only a test can ask, which keeps what it read in a file of the build."""
+    def ask():
+        path = BUILD / file
+        return int(path.read_text(encoding="utf-8").split()[1], 16) if path.exists() else None
+    return ask
+
+
+OF_FMU = """import fmpy, subprocess, sys, tempfile
+with tempfile.TemporaryDirectory() as folder:
+    path = folder + "/drive.fmu"
+    subprocess.run([sys.argv[1], "export-fmu", "--motor", sys.argv[2], "-o", path], check=True)
+    table = fmpy.simulate_fmu(path, stop_time=1e-3, output_interval=1e-3, output=["golden_hash"])
+    print("golden %016x" % table["golden_hash"][0])
+"""
+
+
 # Place, how it is asked, what holds it to the hash in CI, and the function that asks.
 PLACES = (
     ("Linux on x86-64, gcc and clang", "`iqfoc golden`", "`tests/cli/help.py`, part `target`", printed(BUILD / "host/iqfoc", "golden")),
@@ -80,6 +97,9 @@ PLACES = (
      printed("qemu-aarch64-static", BUILD / "static-arm64/iqfoc", "golden")),
     ("Python wheel", "`iqfoc.golden()`", "`python/tests/test_functions.py`",
      printed(BUILD / "wheel/fresh/bin/python", "-c", "import iqfoc; print('golden', iqfoc.golden())")),
+    ("WebAssembly", "the page's button", "`tests/browser/web_page.py`", written("web/golden.txt")),
+    ("FMU", "its variable `golden_hash`, by FMPy", "`tests/cli/fmu.py`",
+     printed(ROOT / ".cache/python/fmpy/bin/python", "-B", "-c", OF_FMU, BUILD / "host/iqfoc", ROOT / "motors/jarzebowicz2019.toml")),
 )
 
 

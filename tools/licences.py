@@ -30,6 +30,12 @@ PARTS = (
     (r"/lib(c|m|mvec|m-[\d.]+|pthread)\.a|/crt[1in]\.o|/usr/(aarch64-linux-gnu/)?include/", "GNU C Library", "libc6", "LGPL-2.1-or-later", []),
 )
 
+# What is not installed by a package but unpacked from its sources: its name, where CMake was told it is, the licence's file there.
+UNPACKED = (
+    ("uPlot", "UPLOT_DIR", "LICENSE", "MIT"),
+    ("musl's mathematics", "MUSL_SOURCE_DIR", "COPYRIGHT", "MIT"),
+)
+
 
 def used_archives(text):
     """The archives that the linker took an object of, by its map."""
@@ -66,13 +72,19 @@ def holder(package):
     return match.group(1).strip() if match else "Free Software Foundation, Inc."
 
 
-def uplot(folder):
-    """The licence of the script that the pages hold: the build embeds it from its package of npm."""
-    place = re.search(r"^UPLOT_DIR:PATH=(.+)$", (folder / "CMakeCache.txt").read_text(), re.MULTILINE)
-    return (pathlib.Path(place.group(1)) / "LICENSE").read_text().strip()
+def place_of(folder, variable):
+    """The folder that CMake was told."""
+    place = re.search(rf"^{variable}:PATH=(.+)$", (folder / "CMakeCache.txt").read_text(), re.MULTILINE)
+    return pathlib.Path(place[1]) if place else sys.exit(f"{variable} is empty in {folder}: its library is not in this build")
 
 
-def page(used, uplot_text):
+def unpacked(folder):
+    """Of what the build takes from unpacked sources: name, SPDX expression, and the text of the licence that lies with them."""
+    for name, variable, file, spdx in UNPACKED:
+        yield name, spdx, (place_of(folder, variable) / file).read_text(encoding="utf-8").strip()
+
+
+def page(used, others):
     lines = ["# Licences", "",
              "What a statically linked `iqfoc` holds: this project's own sources under the MIT licence ([LICENSE](../LICENSE)), and of others",
              "what the table lists, as the compiler and the linker say. The file is written by `tools/licences.py` and held to the program that",
@@ -81,7 +93,8 @@ def page(used, uplot_text):
     for _, name, package, spdx, _ in PARTS:
         if name in used:
             lines.append(f"| {name} | {spdx} | {holder(package)} |")
-    lines.append("| uPlot | MIT | " + re.search(r"Copyright \(c\) (.*)", uplot_text).group(1) + " |")
+    for name, spdx, text in others:
+        lines.append(f"| {name} | {spdx} | " + re.search(r"Copyright (?:\(c\)|\u00a9) (.*)", text).group(1) + " |")
     lines += ["", "The exception of GCC's libraries lets what they are linked into have any licence. The GNU C Library is the one part under a",
               "licence that asks for more: who passes a static program on also passes on, or offers, what it takes to link it with another C library;",
               "with this project's sources, which are that, nothing is missing. The program that is not static holds neither: it uses the machine's",
@@ -90,7 +103,8 @@ def page(used, uplot_text):
         for text in texts:
             if name in used:
                 lines += [f"## {name}", "", f"Copyright {holder(package)}", "", "```text", stanza(package, text), "```", ""]
-    lines += ["## uPlot", "", "```text", uplot_text, "```", ""]
+    for name, _, text in others:
+        lines += [f"## {name}", "", "```text", text, "```", ""]
     return "\n".join(lines)
 
 
@@ -102,7 +116,8 @@ def main():
 
     folder = options.build.resolve()
     files = used_archives((folder / "iqfoc.map").read_text()) | headers(folder)
-    own = (str(ROOT), "sim_host/", "src/", "port/", "tests/", "generated/")
+    own = (str(ROOT), "sim_host/", "src/", "port/", "tests/", "generated/", "libmusl_math.a", "musl_names.h",
+           str(place_of(folder, "MUSL_SOURCE_DIR")), str(place_of(folder, "ZLIB_SOURCE_DIR")))
     used = set()
     strange = []
     for path in sorted(files):
@@ -113,7 +128,7 @@ def main():
             strange.append(path)
     if strange:
         sys.exit("whose are these, and under which licence? " + ", ".join(strange))
-    text = page(used, uplot(folder))
+    text = page(used, list(unpacked(folder)))
     if options.write:
         PAGE.write_text(text)
     elif not PAGE.exists() or PAGE.read_text() != text:

@@ -34,6 +34,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Debian's libraries that the program is linked with, and their licences; each -dev package of BUILD_PACKAGES must be here.
 LINKED = {"libc6": "LGPL-2.1-or-later", "libtomlplusplus": "MIT", "libeigen3": "MPL-2.0", "libkissfft": "BSD-3-Clause",
           "nlohmann-json3": "MIT", "zlib1g": "Zlib", "libminizip": "Zlib"}
+# Debian's source packages that the program takes files of.
+COMPILED = {"musl": "MIT"}
 EMBEDDED = {"uplot": "MIT"}
 COPYRIGHT = re.compile(r"^Copyright .*$", re.MULTILINE)
 
@@ -120,6 +122,9 @@ def write_bom(path, tree, version, created, digest):
     for name, licence in linked_packages(setup):
         bom.add(f"SPDXRef-debian-{name}", RelationshipType.DEPENDS_ON, name, None, licence, purl=f"pkg:deb/debian/{name}-dev",
                 comment="Of the Debian release that builds it, under apt's signatures.")
+    for name, licence in COMPILED.items():
+        bom.add(f"SPDXRef-debian-{name}", RelationshipType.DEPENDS_ON, name, None, licence, purl=f"pkg:deb/debian/{name}?arch=source",
+                comment="Its mathematics, of the Debian release that builds it, under apt's signatures.")
     for (registry, name, version_), digests in sorted(fetched(tree).items()):
         ref = re.sub(r"[^A-Za-z0-9.-]", "-", f"SPDXRef-{registry}-{name}-{version_}")
         relation = RelationshipType.DEPENDS_ON if name in EMBEDDED else RelationshipType.DEV_DEPENDENCY_OF

@@ -9,7 +9,7 @@ BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-d
 TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
     cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
     picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make chromium chromium-driver libxml2-utils
-    g++-aarch64-linux-gnu qemu-user-static file)
+    g++-aarch64-linux-gnu qemu-user-static file zsh fish)
 
 # What `web` needs.
 WEB_PACKAGES=(clang lld cmake ninja-build wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32 libtomlplusplus-dev libeigen3-dev
@@ -191,21 +191,35 @@ set_up_iframe_worker() {
     set_up_npm iframe-worker@1.0.4
 }
 
+# Unpacks the sources of Debian's source package $1 into .cache/$1, once; $2 is a file of theirs.
+set_up_source() {
+    local name=$1 work=$ROOT/.cache/$1-fetch
+    [[ ! -r $ROOT/.cache/$name/$2 ]] || return 0
+    say "fetching the sources of Debian's source package $name into .cache/$name"
+    fetch_source "$name" "$work" || return 1
+    mkdir "$work/$name"
+    tar -C "$work/$name" --no-same-owner --strip-components=1 -xf "$(echo "$work/$name"_*.orig.tar.*)" || return 1
+    rm -rf "$ROOT/.cache/$name"
+    mv "$work/$name" "$ROOT/.cache/$name"
+    rm -rf "$work"
+}
+
 # Sets and exports ZLIB_SOURCE_DIR: the caller's, or zlib's sources out of Debian's source package, for the static programs
 # (presets static-*): the package zlib1g-dev is for this machine's processor alone.
 set_up_zlib() {
-    local fetched=$ROOT/.cache/zlib work=$ROOT/.cache/zlib-fetch
-    if [[ -z ${ZLIB_SOURCE_DIR:-} && ! -r $fetched/zlib.h ]]; then
-        say "fetching zlib's sources from Debian's source package zlib"
-        fetch_source zlib "$work" || die "zlib's sources could not be fetched (above). Set ZLIB_SOURCE_DIR to their folder"
-        mkdir "$work/zlib"
-        tar -C "$work/zlib" --no-same-owner --strip-components=1 -xf "$(echo "$work"/zlib_*.orig.tar.*)" ||
-            die "zlib's sources could not be unpacked"
-        rm -rf "$fetched"
-        mv "$work/zlib" "$fetched"
-        rm -rf "$work"
+    [[ -n ${ZLIB_SOURCE_DIR:-} ]] || set_up_source zlib zlib.h ||
+        die "zlib's sources could not be fetched (above). Set ZLIB_SOURCE_DIR to their folder"
+    export ZLIB_SOURCE_DIR=${ZLIB_SOURCE_DIR:-$ROOT/.cache/zlib}
+}
+
+# Sets and exports MUSL_SOURCE_DIR: the caller's, or musl's sources, of which the program takes sine, exponential and their like, so that
+# its results are the same to the last digit everywhere. Without them it builds as well, with this machine's.
+set_up_math() {
+    if [[ -z ${MUSL_SOURCE_DIR:-} ]] && ! set_up_source musl src/math/sin.c; then
+        say "musl's sources could not be fetched (above): results may differ in their last digits from another machine's"
+        return 0
     fi
-    export ZLIB_SOURCE_DIR=${ZLIB_SOURCE_DIR:-$fetched}
+    export MUSL_SOURCE_DIR=${MUSL_SOURCE_DIR:-$ROOT/.cache/musl}
 }
 
 unity_is_pinned() {

@@ -84,7 +84,7 @@ PAGE_CALL(page_errors)
 (double rpm, double R_ohm, double L_H, double psi_f_Wb, double low, double high, int count)
 {
     error e = {0};
-    json_t *points = json_array();
+    json_t *points = json_array(), *rates = json_array();
     bool ok = count >= 2 && count <= RATIOS_MAX;
     for (int k = 0; k < count && ok; k++) {
         const motor m = machine_at(rpm, low * pow(high / low, (double)k / (count - 1)), R_ohm, L_H, psi_f_Wb);
@@ -94,9 +94,10 @@ PAGE_CALL(page_errors)
              sweep_point_at(&m, &machine, rpm, sqrt(2.0) * m.I_rated_A_rms * I, &point, &e);
         if (ok) {
             json_array_append_new(points, sweep_point_json(&point));
+            json_array_append_new(rates, json_number(m.f_pwm_Hz));
         }
     }
-    return finish(ok, json_pack("{s:o}", "points", points), &e);
+    return finish(ok, json_pack("{s:o, s:o}", "f_pwm_Hz", rates, "points", points), &e);
 }
 
 static json_t *step_json(loop_method how, const loop_result *r)

@@ -222,7 +222,7 @@
             const bad = errors.status !== 0 ? errors.said : step.status !== 0 ? step.said : "";
             $("no-curves").textContent = bad.trim();
             if (bad === "") {
-                last = {points: JSON.parse(errors.out).points, step: JSON.parse(step.out)};
+                last = {...JSON.parse(errors.out), step: JSON.parse(step.out)};
                 window.iqfoc.last = last;
                 redraw();
             }

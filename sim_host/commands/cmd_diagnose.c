@@ -1,6 +1,7 @@
 /* iqfoc diagnose: what a recording shows the model to get wrong, why, and what mending it gains. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
+#include "base/progress.h"
 #include "base/suggest.h"
 #include "command.h"
 #include "data/cause.h"
@@ -128,10 +129,12 @@ static bool run(const request *r, error *e)
                 r->recording_path);
     }
     diagnose_options how = r->options;
-    how.trace = r->traced ? stderr : NULL;
+    progress shown = progress_begin("diagnose", 0.0, "");
+    how.teller = (diagnose_teller){.trace = r->traced ? stderr : NULL, .shown = r->traced ? NULL : &shown};
     /* The files need the diagnosis' series, row by row. */
     how.series = r->directory != NULL || r->json_path != NULL;
     bool ok = out_folder_open(&f, r->directory, e) && diagnose(&d, &rec, &m, &how, e);
+    progress_end(&shown);
     if (ok) {
         const provenance from = {.argc = r->argc,
                                  .argv = r->argv,

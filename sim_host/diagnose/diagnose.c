@@ -187,10 +187,10 @@ static double error_with(const diagnose_rows *r, const averaged_drive *drive)
 }
 
 /* From the motor file's values on. */
-static bool begin(session *w, FILE *trace)
+static bool begin(session *w, const diagnose_teller *teller)
 {
     w->nominal = fit_of_nominal(&w->fitted);
-    return causes_find(w, trace);
+    return causes_find(w, teller);
 }
 
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
@@ -198,7 +198,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
     missed_updates missed = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
-    if (!begin(w, options->trace)) {
+    if (!begin(w, &options->teller)) {
         return false;
     }
     const averaged_drive first = session_drive(w, w->state.z);
@@ -206,22 +206,22 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         return false;
     }
     if (missed.mended > 0) {
-        if (options->trace) {
-            fprintf(options->trace, "  %zu missed updates given the voltage that acted, searched again\n",
-                    missed.mended);
+        if (options->teller.trace) {
+            fprintf(options->teller.trace,
+                    "  %zu missed updates given the voltage that acted, searched again\n", missed.mended);
         }
-        if (!begin(w, options->trace)) {
+        if (!begin(w, &options->teller)) {
             return false;
         }
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);
     if (d->outliers > 0) {
         /* Glitches pull on every estimate: once more without them. */
-        if (options->trace) {
-            fprintf(options->trace, "  %zu glitches left out, searched again\n", d->outliers);
+        if (options->teller.trace) {
+            fprintf(options->teller.trace, "  %zu glitches left out, searched again\n", d->outliers);
         }
         fit_gain(&w->fitted, &w->nominal);
-        if (!causes_find(w, options->trace)) {
+        if (!causes_find(w, &options->teller)) {
             return false;
         }
     }

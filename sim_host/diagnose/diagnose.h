@@ -10,15 +10,14 @@
 #define SIM_HOST_DIAGNOSE_DIAGNOSE_H
 
 #include "base/error.h"
+#include "diagnose/choose/teller.h"
 #include "diagnose/identify/hypotheses.h"
 #include "result.h"
 
-#include <stdio.h>
-
 typedef struct diagnose_options {
-    hypothesis_set skip; /* hypotheses that are left out */
-    FILE *trace;         /* where to tell how the search went, or NULL */
-    bool series;         /* fill the series (the report needs them) */
+    hypothesis_set skip;    /* hypotheses that are left out */
+    diagnose_teller teller; /* of the search; zeros: nobody is told */
+    bool series;            /* fill the series (the report needs them) */
 } diagnose_options;
 
 /* On failure *e is set and nothing needs to be freed. */

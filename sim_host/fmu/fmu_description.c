@@ -57,8 +57,10 @@ static void put_start(FILE *out, const fmu_variable *v, double value)
 
 static void put_variable(FILE *out, int id, double value)
 {
-    static const char *const types[] = {
-        [FMU_TYPE_REAL] = "Float64", [FMU_TYPE_WHOLE] = "Int32", [FMU_TYPE_FLAG] = "Boolean"};
+    static const char *const types[] = {[FMU_TYPE_REAL] = "Float64",
+                                        [FMU_TYPE_WHOLE] = "Int32",
+                                        [FMU_TYPE_FLAG] = "Boolean",
+                                        [FMU_TYPE_HASH] = "UInt64"};
     static const char *const causality[] = {[FMU_ROLE_INPUT] = "input",
                                             [FMU_ROLE_FIXED] = "parameter",
                                             [FMU_ROLE_TUNABLE] = "parameter",

@@ -26,7 +26,6 @@ NO_VALUES(Int16)
 NO_VALUES(UInt16)
 NO_VALUES(UInt32)
 NO_VALUES(Int64)
-NO_VALUES(UInt64)
 NO_VALUES(String)
 
 fmi3Status fmi3GetBinary(FMI3_REFERENCES, size_t sizes[], fmi3Binary values[], size_t count)

@@ -26,7 +26,7 @@ typedef enum fmu_role {
     FMU_ROLE_OUTPUT
 } fmu_role;
 
-typedef enum fmu_type { FMU_TYPE_REAL, FMU_TYPE_WHOLE, FMU_TYPE_FLAG } fmu_type;
+typedef enum fmu_type { FMU_TYPE_REAL, FMU_TYPE_WHOLE, FMU_TYPE_FLAG, FMU_TYPE_HASH } fmu_type;
 
 typedef enum fmu_id {
 #define VARIABLE(id, role, type, kinds, unit, what) FMU_##id,

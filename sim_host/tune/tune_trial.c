@@ -1,6 +1,7 @@
 /* Designs tried in the plant (tune_trial.h). */
 #include "tune_trial.h"
 
+#include "base/progress.h"
 #include "loops/current_loops.h"
 #include "tuned_drive.h"
 
@@ -126,6 +127,7 @@ bool tune_trial_run(const tune_result *r, int drives, uint64_t seed, tune_trial 
     plant_random random;
     plant_random_seed(&random, seed, 0);
     *trial = (tune_trial){.drives = drives, .rpm_most = speed_with_voltage(r)};
+    progress shown = progress_begin("tune", (double)drives, "drives");
     for (int n = 0; n < drives; n++) {
         const tune_machine machine = tune_region_draw(&r->region, &random);
         const double rpm = trial->rpm_most * (0.02 + 0.98 * plant_random_uniform(&random));
@@ -134,10 +136,13 @@ bool tune_trial_run(const tune_result *r, int drives, uint64_t seed, tune_trial 
         const tune_promise p = tune_promise_of(&r->design, &machine, c.omega_e_rad_s / r->motor.f_pwm_Hz);
         loop_result result;
         if (!run_tuned(&r->motor, &r->design, &c, &result, e)) {
+            progress_end(&shown);
             return false;
         }
         judge(&p, &result, trial);
+        progress_update(&shown, (double)(n + 1));
     }
+    progress_end(&shown);
     return true;
 }
 

@@ -144,7 +144,7 @@ class Fmu(unittest.TestCase):
             if "fmi3Status" in source.read_text():
                 done = subprocess.run(["gcc", "-std=c11", "-fsyntax-only", "-DFMI3_STANDARD_HEADERS", "-I", HEADERS, "-I",
                                        program.ROOT / "sim_host", "-I", program.ROOT / "port/host", "-I", program.ROOT / "include",
-                                       source], capture_output=True, check=False)
+                                       "-I", program.ROOT / "tests/target/golden", source], capture_output=True, check=False)
                 self.assertEqual((done.returncode, done.stderr), (0, b""))
 
     def test_it_needs_nothing_but_the_c_library(self):
@@ -291,6 +291,13 @@ class Fmu(unittest.TestCase):
         with contextlib.redirect_stdout(io.StringIO()), self.assertRaises(Exception):
             fmu.instantiate(logMessage=log)
         self.assertIn("token", said[-1])
+
+    def test_the_golden_hash(self):
+        fmu = self.open("g.fmu")
+        reference = fmu.references["golden_hash"]
+        self.assertEqual(f"golden {fmu.fmu.getUInt64([reference])[0]:016x}", program.run(["golden"], self.folder).stdout.decode().strip())
+        self.refused(fmu, lambda: fmu.fmu.setUInt64([reference], [1]), "golden_hash cannot be set now")
+        self.refused(fmu, lambda: fmu.fmu.getUInt64([fmu.references["seed"]]), "no variable of this type")
 
     def test_the_same_input_makes_the_same_file(self):
         self.assertEqual(self.export("one.fmu").read_bytes(), self.export("two.fmu").read_bytes())

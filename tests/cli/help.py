@@ -112,8 +112,30 @@ class Help(unittest.TestCase):
                         "\n".join(line for line in script.splitlines() if f"seen_subcommand_from {command}'" in line))
                 for name in options_of(command):
                     self.assertIn(form.format(name), part, f"{shell} {command}")
-            if shutil.which(shell):
-                subprocess.run([shell, "-n"], input=script, text=True, check=True)
+
+    @unittest.skipUnless(shutil.which("fish"), "no fish here")
+    def test_fish_completes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "iqfoc.fish").write_text(out("help", "--completion", "fish"))
+            for line, offered in (("dia", ["diagnose"]), ("diagnose --skip dead", ["dead_time"]),
+                                  ("tune --method ", ["deadbeat", "pi"]), ("help wat", ["watch"])):
+                done = subprocess.run(["fish", "--no-config", "-c", f"source iqfoc.fish; complete -C 'iqfoc {line}'"], cwd=folder,
+                                      env={**os.environ, "HOME": folder}, capture_output=True, text=True, check=True)
+                self.assertEqual((done.stderr, sorted(one.split("\t")[0] for one in done.stdout.splitlines())), ("", offered))
+
+    @unittest.skipUnless(shutil.which("zsh"), "no zsh here")
+    def test_zsh_completes(self):
+        # Its own _arguments wants a terminal: here it prints what it is given.
+        asked = ("fpath=($PWD $fpath); autoload -U compinit; compinit -D -u; [[ $_comps[iqfoc] == _iqfoc ]] || exit 9;"
+                 "_arguments() { print -rl -- $@ }; _describe() { print -rl -- ${(P)@[-1]} }; autoload -U _iqfoc; CURRENT=$#words; _iqfoc")
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "_iqfoc").write_text(out("help", "--completion", "zsh"))
+            for words, wanted in [("''", commands())] + [(f"{command} --", [f"--{name}" for name in options_of(command)])
+                                                         for command in commands()]:
+                done = subprocess.run(["zsh", "-fc", f"words=(iqfoc {words}); {asked}"], cwd=folder, capture_output=True, text=True,
+                                      check=True)
+                offered = [re.match(r"[\w-]+", line)[0] for line in done.stdout.splitlines() if not line.startswith("*")]
+                self.assertEqual((done.stderr, offered), ("", wanted), words)
 
     def test_each_misspelt_word_gets_the_one_that_was_meant(self):
         for arguments, meant in (
@@ -131,6 +153,13 @@ class Help(unittest.TestCase):
                 (["help", "tune", "b"], 'unexpected argument "b"')):
             with self.subTest(arguments=arguments):
                 self.assertIn(meant, refused(*arguments))
+
+    def test_who_waits_at_a_terminal_is_told_what_goes_on(self):
+        told = on_terminal(["diagnose", "recordings/dead_time.csv.gz", "--motor", "recordings/dead_time.toml"])
+        self.assertRegex(told, r"\rdiagnose: round 1, trying \w")
+        # The line is gone before the words come.
+        self.assertIn("\r\033[K", told.split("dead_time.csv.gz", maxsplit=1)[0])
+        self.assertNotIn("\rdiagnose:", told.split("dead_time.csv.gz", maxsplit=1)[1])
 
     def test_colour_on_a_terminal_alone(self):
         self.assertIn("\033[1m", on_terminal(["help"]))

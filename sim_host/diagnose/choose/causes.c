@@ -214,7 +214,8 @@ static void leave(fit_state *s, hypothesis_id h)
 
 /* Fits the state's set and drops, one by one, what is not certain, until all that stays is. Raises `least` to what the
  * next search's causes must explain to stand here. */
-static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, double *least, FILE *trace)
+static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, double *least,
+                  const diagnose_teller *teller)
 {
     for (;;) {
         if (!fit_refine(&w->fitted, &w->state, 12) || !certainty_of(&w->fitted, &w->state, &w->certainty) ||
@@ -229,8 +230,8 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
         if (worst == H_COUNT) {
             return true;
         }
-        if (trace) {
-            fprintf(trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
+        if (teller->trace) {
+            fprintf(teller->trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
         }
         /* A flux map that is not worth its name with some of its terms is not with others. */
         *allowed &= ~(hypothesis_table[worst].cause == CAUSE_SATURATION_DQ
@@ -244,7 +245,7 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
 
 /* What was dropped may have kept something better out: search and prune in turn until a search finds nothing
  * new. */
-bool causes_find(session *w, FILE *trace)
+bool causes_find(session *w, const diagnose_teller *teller)
 {
     hypothesis_set allowed = w->possible;
     hypothesis_set before = 0;
@@ -254,11 +255,11 @@ bool causes_find(session *w, FILE *trace)
     bool ok = view != NULL;
     for (bool first = true; ok; first = false) {
         before = w->state.set;
-        ok = search_best(&w->fitted, &w->state, allowed, w->nominal.objective, least, trace);
+        ok = search_best(&w->fitted, &w->state, allowed, w->nominal.objective, least, teller);
         if (ok && !first && w->state.set == before) {
             break;
         }
-        ok = ok && prune(w, view, &allowed, &least, trace);
+        ok = ok && prune(w, view, &allowed, &least, teller);
         if (w->state.set == 0 && allowed == w->possible) {
             break; /* nothing found, nothing dropped */
         }

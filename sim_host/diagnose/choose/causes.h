@@ -5,11 +5,10 @@
 #define SIM_HOST_DIAGNOSE_CHOOSE_CAUSES_H
 
 #include "session.h"
-
-#include <stdio.h>
+#include "teller.h"
 
 /* Searches from w->nominal and drops what is not certain, or too small a part, until all that stays is.
  * Leaves the fit in w->state. False: out of memory. */
-bool causes_find(session *w, FILE *trace);
+bool causes_find(session *w, const diagnose_teller *teller);
 
 #endif

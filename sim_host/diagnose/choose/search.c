@@ -175,8 +175,19 @@ static double state_score(const evidence_view *view, const fit_state *s)
            last_digits_unusual(s->set, s->z);
 }
 
+/* Fitting an option is what takes the time. */
+static void tell_option(const diagnose_teller *teller, int round, const evidence_option *option)
+{
+    char words[256];
+    if (teller->shown) {
+        progress_say(teller->shown, "diagnose: round %d, trying %s", round + 1,
+                     evidence_words(option->set, words, sizeof words));
+    }
+}
+
 /* One round: the promising options fitted, *s the best. */
-static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, FILE *trace)
+static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round,
+                        const diagnose_teller *teller)
 {
     const fit_state start = *s;
     evidence_option own;
@@ -202,15 +213,16 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         }
         tried[n++] = option->set;
         fit_state trial = start;
+        tell_option(teller, round, option);
         if (!fit_option(d, option, e->allowed, &trial)) {
             return false;
         }
         double score = state_score(e->view, &trial);
-        if (trace) {
+        if (teller->trace) {
             char words[256];
-            fprintf(trace, "  round %d: %-60s linear %10.1f  ", round,
+            fprintf(teller->trace, "  round %d: %-60s linear %10.1f  ", round,
                     evidence_words(option->set, words, sizeof words), option->score);
-            fprintf(trace, "fitted %12.1f%s%s\n", score, trial.set != option->set ? " as " : "",
+            fprintf(teller->trace, "fitted %12.1f%s%s\n", score, trial.set != option->set ? " as " : "",
                     trial.set != option->set ? evidence_words(trial.set, words, sizeof words) : "");
         }
         if (score < best_score) {
@@ -222,7 +234,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
 }
 
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
-                 FILE *trace)
+                 const diagnose_teller *teller)
 {
     enumeration *e = calloc(1, sizeof *e);
     evidence_view *view = calloc(1, sizeof *view);
@@ -248,7 +260,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         enumerate(e, 0, 0, FULL_SIZE);
         grow(e);
         hypothesis_set before = s->set;
-        ok = try_options(d, s, e, round, trace) && map_choose(d, s, allowed, REFINE_STEPS);
+        ok = try_options(d, s, e, round, teller) && map_choose(d, s, allowed, REFINE_STEPS);
         if (s->set == before && !turned) {
             break;
         }

@@ -10,13 +10,11 @@
 #define SIM_HOST_DIAGNOSE_CHOOSE_SEARCH_H
 
 #include "evidence.h"
-
-#include <stdio.h>
+#include "teller.h"
 
 /* From s to the best allowed set. `nominal_objective` is that of the motor file's values. `least`: chi square below
- * which no named cause will stand. `trace` may be
- * NULL. False: out of memory. */
+ * which no named cause will stand. False: out of memory. */
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
-                 FILE *trace);
+                 const diagnose_teller *teller);
 
 #endif
