@@ -3,7 +3,8 @@
  *
  * One exchange per control cycle. A frame is a sync byte, a type, the type's fixed number of 32-bit words
  * (low byte first) and the CRC-32 of type and words. Both sides compile this file, so that they cannot
- * disagree.
+ * disagree. Any four wrong bits in the words and the CRC of a frame are found, and any burst of up to 32; of all
+ * other damage one frame in 2^32 is taken for whole. A run ends at the first frame that is not.
  */
 #ifndef PORT_EMULATED_PIL_WIRE_H
 #define PORT_EMULATED_PIL_WIRE_H

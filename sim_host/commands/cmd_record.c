@@ -80,8 +80,9 @@ static void summarise(const record_rows *rows, const wire_reader *reader)
     const wire_counts *c = &reader->counts;
     fprintf(stderr,
             "iqfoc: record: %zu rows in %ld stretches; %lu frames, %lu damaged, %lu lost; %lu rows lost on "
-            "the target",
-            rows->recording.rows, rows->run, c->frames, c->damaged, c->lost_frames, c->lost_rows);
+            "the target, %lu missing in all",
+            rows->recording.rows, rows->run, c->frames, c->damaged, c->lost_frames, c->lost_rows,
+            c->missing_rows);
     if (c->headless_rows > 0) {
         fprintf(stderr, "; %lu rows before the first header", c->headless_rows);
     }
@@ -96,9 +97,10 @@ static bool write_out(const request *r, record_rows *rows, const wire_reader *re
         return error_input(e, r->port, 0, 0, "no row came: %lu frames, %lu damaged, %lu lost", c->frames,
                            c->damaged, c->lost_frames);
     }
-    (void)snprintf(comment, sizeof comment,
-                   "iqfoc record: %lu frames, %lu damaged, %lu lost, %lu rows lost on the target", c->frames,
-                   c->damaged, c->lost_frames, c->lost_rows);
+    (void)snprintf(
+        comment, sizeof comment,
+        "iqfoc record: %lu frames, %lu damaged, %lu lost, %lu rows lost on the target, %lu missing in all",
+        c->frames, c->damaged, c->lost_frames, c->lost_rows, c->missing_rows);
     return recording_write(r->out_path, &rows->recording, comment, e);
 }
 

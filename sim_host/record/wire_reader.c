@@ -57,6 +57,8 @@ static bool header_read(wire_reader *r, size_t words)
         r->row_known = false;
         r->gap = true;
         r->last_lost = 0;
+        r->stream_rows = 0;
+        r->stream_missing = 0;
         r->ended = false;
     }
     r->header = h;
@@ -70,6 +72,18 @@ static void lost_rows_count(wire_reader *r, uint32_t lost)
         r->counts.lost_rows += lost - r->last_lost;
         r->last_lost = lost;
     }
+}
+
+static void missing_rows_count(wire_reader *r, unsigned long rows)
+{
+    r->counts.missing_rows += rows;
+    r->stream_missing += rows;
+}
+
+/* The row before this one stood `cycles` ahead of it: how many are missing between the two. */
+static unsigned long rows_between(const wire_reader *r, uint32_t cycles)
+{
+    return cycles < r->header.decimation ? 0 : cycles / r->header.decimation - 1;
 }
 
 static bool rows_read(wire_reader *r, size_t words, wire_take_row *take, void *context, bool *good)
@@ -92,6 +106,8 @@ static bool rows_read(wire_reader *r, size_t words, wire_take_row *take, void *c
         const size_t first = 4 + k * row_words;
         const uint32_t cycle = word_at(r, first);
         const bool follows = r->row_known && cycle - r->last_cycle == r->header.decimation;
+        missing_rows_count(r, r->row_known ? rows_between(r, cycle - r->last_cycle) : 0);
+        r->stream_rows++;
         for (size_t c = 0; c < r->header.channels; c++) {
             r->row[c] = (int32_t)word_at(r, first + 1 + c);
         }
@@ -102,6 +118,17 @@ static bool rows_read(wire_reader *r, size_t words, wire_take_row *take, void *c
         *good = take(context, &r->header, &row);
     }
     return true;
+}
+
+/* How many rows there were, of which the missing ones at both ends have not been counted yet. */
+static void end_read(wire_reader *r)
+{
+    lost_rows_count(r, word_at(r, 2));
+    r->rows_sent = word_at(r, 3);
+    const uint64_t taken = (uint64_t)r->rows_sent + word_at(r, 2);
+    const uint64_t known = (uint64_t)r->stream_rows + r->stream_missing;
+    missing_rows_count(r, taken > known ? (unsigned long)(taken - known) : 0);
+    r->ended = true;
 }
 
 static bool frame_read(wire_reader *r, wire_take_row *take, void *context, bool *good)
@@ -133,9 +160,7 @@ static bool frame_read(wire_reader *r, wire_take_row *take, void *context, bool 
     case FRAME_END:
         whole = words == 4;
         if (whole && r->header_known && r->header.stream == word_at(r, 1)) {
-            lost_rows_count(r, word_at(r, 2));
-            r->rows_sent = word_at(r, 3);
-            r->ended = true;
+            end_read(r);
         }
         break;
     default:

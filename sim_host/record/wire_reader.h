@@ -37,6 +37,12 @@ typedef struct wire_counts {
     unsigned long lost_frames;   /* missing from the sequence */
     unsigned long lost_rows;     /* that the target had no room for, as it says itself */
     unsigned long headless_rows; /* whole, but before any header of their stream */
+    /*
+     * Every row that the target took and that was not given to the caller, wherever it was lost: between two
+     * rows by the numbers of their cycles, before the first and after the last by the end frame. Without that
+     * frame the latter two are not known.
+     */
+    unsigned long missing_rows;
 } wire_counts;
 
 /* A row of the present stream. */
@@ -63,6 +69,7 @@ typedef struct wire_reader {
     bool row_known;
     uint32_t last_cycle;
     uint32_t last_lost;
+    unsigned long stream_rows, stream_missing; /* of the present stream */
     bool in_escape;
     bool broken; /* the present piece is no frame any more */
     size_t octets;

@@ -172,6 +172,7 @@ static void test_slow_line_loses_nothing_unseen(void)
         }
         missing += 1999 - rows.cycle[rows.count - 1];
         TEST_ASSERT_EQUAL(reader.counts.lost_rows, missing);
+        TEST_ASSERT_EQUAL(reader.counts.lost_rows, reader.counts.missing_rows);
     }
 }
 
