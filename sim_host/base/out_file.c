@@ -1,17 +1,18 @@
 /* Writing beside the old file, and the rename over it (out_file.h). */
-#define _GNU_SOURCE /* asprintf; POSIX: mkstemp, fsync, fchmod, realpath */
+#define _GNU_SOURCE /* F_DUPFD_CLOEXEC; POSIX: fsync, fchmod, realpath */
 
 #include "out_file.h"
 
 #include "leftovers.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The mode of a file that did not exist before: what fopen would have given it; mkstemp gives 0600. */
+/* The mode of a file that did not exist before: what fopen would have given it. */
 static mode_t new_file_mode(void)
 {
     const mode_t mask = umask(0);
@@ -21,22 +22,12 @@ static mode_t new_file_mode(void)
 
 static void out_file_release(out_file *f)
 {
-    if (f->temp_path != NULL) {
-        leftovers_forget(f->temp_path);
+    if (f->temporary.path != NULL) {
+        leftovers_forget(f->temporary.path);
     }
+    out_unfinished_end(&f->temporary);
     free(f->path);
-    free(f->temp_path);
     *f = (out_file){0};
-}
-
-/* "dir/name" -> "dir/.name.XXXXXX": the same directory, so that rename stays within one file system. */
-static char *temp_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    const int directory_length = slash != NULL ? (int)(slash - path) + 1 : 0;
-    char *name;
-    return asprintf(&name, "%.*s.%s.XXXXXX", directory_length, path, path + directory_length) < 0 ? NULL
-                                                                                                  : name;
 }
 
 /* A pipe, a terminal or /dev/null cannot be replaced by a rename and is written as it comes. */
@@ -49,24 +40,24 @@ static bool open_in_place(out_file *f, const char *path, error *e)
     return true;
 }
 
+/* The stream has a descriptor of its own: closing it leaves the lock until the file has its name. */
 static bool open_temporary(out_file *f, mode_t mode, error *e)
 {
-    f->temp_path = temp_name(f->path);
-    if (f->temp_path == NULL) {
-        return error_failure(e, 0, "out of memory");
-    }
-    const int descriptor = mkstemp(f->temp_path);
-    if (descriptor < 0) {
-        const int why = errno;
-        free(f->temp_path);
-        f->temp_path = NULL;
+    const int why = out_unfinished_make(&f->temporary, f->path, false);
+    if (why != 0) {
         return error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(why));
     }
-    leftovers_add(f->temp_path);
-    if (fchmod(descriptor, mode) != 0 || (f->stream = fdopen(descriptor, "w")) == NULL) {
-        error_failure(e, errno, "%s", f->temp_path);
-        close(descriptor);
-        unlink(f->temp_path);
+    leftovers_add(f->temporary.path);
+    const int descriptor = fcntl(f->temporary.descriptor, F_DUPFD_CLOEXEC, 0);
+    f->stream = descriptor >= 0 ? fdopen(descriptor, "w") : NULL;
+    if (f->stream == NULL || fchmod(descriptor, mode) != 0) {
+        error_failure(e, errno, "%s: cannot be written", f->path);
+        if (f->stream != NULL) {
+            fclose(f->stream);
+        } else if (descriptor >= 0) {
+            close(descriptor);
+        }
+        unlink(f->temporary.path);
         return false;
     }
     return true;
@@ -113,7 +104,7 @@ static int put_in_place(const out_file *f)
     if (staged) {
         leftovers_add(f->path);
     }
-    if (rename(f->temp_path, f->path) == 0) {
+    if (rename(f->temporary.path, f->path) == 0) {
         return 0;
     }
     const int why = errno;
@@ -134,14 +125,14 @@ bool out_file_commit(out_file *f, error *e)
     } else if (ferror(f->stream)) {
         why = EIO; /* an earlier write failed and its errno is gone */
     }
-    if (why == 0 && f->temp_path != NULL && fsync(fileno(f->stream)) != 0) {
+    if (why == 0 && f->temporary.path != NULL && fsync(fileno(f->stream)) != 0) {
         why = errno;
     }
     if (f->stream != stdout && fclose(f->stream) != 0 && why == 0) {
         why = errno;
     }
     f->stream = NULL;
-    if (why == 0 && f->temp_path != NULL) {
+    if (why == 0 && f->temporary.path != NULL) {
         why = put_in_place(f);
     }
     if (why != 0) {
@@ -158,8 +149,8 @@ void out_file_abandon(out_file *f)
     if (f->stream != NULL && f->stream != stdout) {
         fclose(f->stream);
     }
-    if (f->temp_path != NULL) {
-        unlink(f->temp_path);
+    if (f->temporary.path != NULL) {
+        unlink(f->temporary.path);
     }
     out_file_release(f);
 }

@@ -1,19 +1,20 @@
 /*
- * Output files that appear whole or not at all: written under a temporary name in the same directory,
- * flushed, and renamed over the old file only when everything was written. What the user had stays until
- * then. Several files that belong together: out_folder.h.
+ * Output files that appear whole or not at all: written under a hidden name in the same directory
+ * (out_unfinished.h), flushed, and renamed over the old file only when everything was written. What the user
+ * had stays until then. Several files that belong together: out_folder.h.
  */
 #ifndef SIM_HOST_BASE_OUT_FILE_H
 #define SIM_HOST_BASE_OUT_FILE_H
 
 #include "error.h"
+#include "out_unfinished.h"
 
 #include <stdio.h>
 
 typedef struct out_file {
-    FILE *stream;    /* NULL when nothing is open */
-    char *path;      /* the final name */
-    char *temp_path; /* the name while it is written */
+    FILE *stream;             /* NULL when nothing is open */
+    char *path;               /* the final name */
+    out_unfinished temporary; /* the name while it is written */
 } out_file;
 
 /* Opens for writing. "-" is stdout. False with *e set when the directory is missing or not writable. */

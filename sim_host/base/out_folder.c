@@ -59,31 +59,19 @@ static bool make_parents(out_folder *f, error *e)
     return ok;
 }
 
-/*
- * In the folder itself if it exists, as its parent may be locked or another file system; else beside it.
- * The process number keeps programs that run at once apart.
- */
+/* In the folder itself if it exists, as its parent may be locked or another file system; else beside it. */
 static bool make_stage(out_folder *f, error *e)
 {
-    const bool inside = is_folder(f->path);
-    const char *slash = strrchr(f->path, '/');
-    const int parent = inside ? (int)strlen(f->path) : slash != NULL ? (int)(slash - f->path) + 1 : 0;
-    const char *name = inside ? "iqfoc" : f->path + parent;
-    int why = EEXIST;
-    for (int n = 0; why == EEXIST && n < 1000; n++) {
-        free(f->stage);
-        if (asprintf(&f->stage, "%.*s%s.%s.%ld-%d", parent, f->path, inside ? "/" : "", name, (long)getpid(),
-                     n) < 0) {
-            f->stage = NULL;
-            return error_failure(e, 0, "out of memory");
-        }
-        why = mkdir(f->stage, 0777) == 0 ? 0 : errno;
+    char *beside;
+    if (asprintf(&beside, "%s%s", f->path, is_folder(f->path) ? "/" : "") < 0) {
+        return error_failure(e, 0, "out of memory");
     }
+    const int why = out_unfinished_make(&f->own, beside, true);
+    free(beside);
     if (why != 0) {
-        free(f->stage);
-        f->stage = NULL;
         return error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(why));
     }
+    f->stage = f->own.path;
     leftovers_add_stage(f->stage);
     return true;
 }
@@ -96,6 +84,10 @@ bool out_folder_open(out_folder *f, const char *path, error *e)
     }
     if (path[0] == '\0') {
         return error_input(e, NULL, 0, 0, "an output directory needs a name, not an empty text");
+    }
+    if (strlen(path) > OUT_FOLDER_LONGEST) {
+        return error_input(e, NULL, 0, 0, "an output directory's path may have %d characters, not %zu",
+                           OUT_FOLDER_LONGEST, strlen(path));
     }
     f->path = without_last_slashes(path);
     if (f->path == NULL) {
@@ -151,9 +143,10 @@ static void settle_parents(out_folder *f, bool stay)
 /* Messages of what wrote into the stage name its files; the user knows them by another folder. */
 static void name_users_path(const out_folder *f, error *e)
 {
-    const size_t length = strlen(f->stage);
+    const char *stage = f->own.path;
+    const size_t length = strlen(stage);
     const size_t wanted = strlen(f->path);
-    for (char *at = strstr(e->text, f->stage); at != NULL && length >= wanted; at = strstr(at, f->stage)) {
+    for (char *at = strstr(e->text, stage); at != NULL && length >= wanted; at = strstr(at, stage)) {
         memmove(at + wanted, at + length, strlen(at + length) + 1);
         memcpy(at, f->path, wanted);
         at += wanted;
@@ -166,15 +159,15 @@ bool out_folder_close(out_folder *f, bool ok, error *e)
         return ok;
     }
     leftovers_signals_wait();
-    ok = ok && f->stage != NULL && out_folder_put(f->stage, f->path, e);
+    ok = ok && f->stage != NULL && out_folder_put(&f->own, f->path, e);
     if (f->stage != NULL) {
-        out_folder_remove(f->stage);
+        out_folder_remove(f->own.path);
         name_users_path(f, e);
     }
+    out_unfinished_end(&f->own);
     settle_parents(f, ok);
     leftovers_signals_go_on();
     free(f->path);
-    free(f->stage);
     free(f->placed);
     *f = (out_folder){0};
     return ok;

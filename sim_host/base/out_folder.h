@@ -10,6 +10,8 @@
  * written replace those of the same name, one after the other and all of them or none; whatever else is in it
  * stays as it is. Two programs that write into one folder at once leave the files of the one or the other,
  * never some of each. After a failure, and after a signal that ends the process, the folder is as it was.
+ * What a process that was killed (kill -9) has left the next one removes; if that was among the renames, the
+ * next one does the rest of them first.
  *
  * What is written into the stage: plain files, by out_file.h, no folders.
  */
@@ -17,14 +19,20 @@
 #define SIM_HOST_BASE_OUT_FOLDER_H
 
 #include "error.h"
+#include "out_unfinished.h"
 
 #include <stddef.h>
 
+enum {
+    OUT_FOLDER_LONGEST = 900 /* of a path: a file's in its stage then fits in 1000 */
+};
+
 typedef struct out_folder {
-    char *path;   /* as the user named it, without a slash at its end; NULL: nothing is open */
-    char *stage;  /* the folder to write into; for no message and no page */
-    char *placed; /* what out_folder_place gave last */
-    size_t there; /* length of the part of `path` that existed before; the parents beyond it were made */
+    char *path;        /* as the user named it, without a slash at its end; NULL: nothing is open */
+    const char *stage; /* the folder to write into; for no message and no page */
+    char *placed;      /* what out_folder_place gave last */
+    size_t there;      /* length of the part of `path` that existed before; the parents beyond it were made */
+    out_unfinished own; /* the stage's name and lock */
 } out_folder;
 
 /*

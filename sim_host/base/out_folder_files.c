@@ -28,6 +28,8 @@ typedef struct movers {
     size_t count;
 } movers;
 
+#define WAS ".was."
+
 static char *join(const char *folder, const char *between, const char *name)
 {
     char *path;
@@ -41,16 +43,9 @@ static bool is_entry(const char *name)
 
 void out_folder_remove(const char *stage)
 {
-    DIR *open = opendir(stage);
-    for (struct dirent *d; open != NULL && (d = readdir(open)) != NULL;) {
-        char *path = is_entry(d->d_name) ? join(stage, "/", d->d_name) : NULL;
-        if (path != NULL) {
-            unlink(path);
-        }
-        free(path);
-    }
-    if (open != NULL) {
-        closedir(open);
+    const int folder = open(stage, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder >= 0) {
+        out_unfinished_empty(folder);
     }
     rmdir(stage);
     leftovers_forget(stage);
@@ -77,11 +72,12 @@ static bool movers_add(movers *m, const char *stage, const char *path, const cha
     }
     m->file = grown;
     mover *added = &m->file[m->count++];
-    *added = (mover){join(stage, "/", name), join(path, "/", name), join(stage, "/.was.", name), 0, 0, 0};
+    *added = (mover){join(stage, "/", name), join(path, "/", name), join(stage, "/" WAS, name), 0, 0, 0};
     return added->staged != NULL && added->place != NULL && added->was != NULL;
 }
 
-static bool movers_find(movers *m, const char *stage, const char *path, error *e)
+/* `again`: some have been moved already, and what they replaced is in the stage too. */
+static bool movers_find(movers *m, const char *stage, const char *path, bool again, error *e)
 {
     DIR *open = opendir(stage);
     if (open == NULL) {
@@ -89,7 +85,8 @@ static bool movers_find(movers *m, const char *stage, const char *path, error *e
     }
     bool ok = true;
     for (struct dirent *d; ok && (d = readdir(open)) != NULL;) {
-        ok = !is_entry(d->d_name) || movers_add(m, stage, path, d->d_name);
+        const bool old = again && strncmp(d->d_name, WAS, strlen(WAS)) == 0;
+        ok = old || !is_entry(d->d_name) || movers_add(m, stage, path, d->d_name);
     }
     closedir(open);
     if (!ok) {
@@ -171,15 +168,66 @@ static bool move_all(movers *m, error *e)
     return true;
 }
 
-/* One program at a time; where a file system knows no locks it does without. */
-static bool replace_files(const char *stage, const char *path, error *e)
+/* A process that was killed among its renames: the rest of them. What cannot be moved stays where it is. */
+static void finish_one(const char *path, const char *name)
 {
     movers m = {0};
-    const int folder = open(path, O_RDONLY | O_DIRECTORY);
+    error nobodys = {0};
+    char *stage = join(path, "/", name);
+    if (stage != NULL && movers_find(&m, stage, path, true, &nobodys) && move_all(&m, &nobodys)) {
+        out_folder_remove(stage);
+    }
+    movers_free(&m);
+    free(stage);
+}
+
+static void finish_what_was_left(const char *path, int folder)
+{
+    DIR *open = folder >= 0 ? opendir(path) : NULL;
+    for (struct dirent *d; open != NULL && (d = readdir(open)) != NULL;) {
+        const int left = out_unfinished_left(folder, d->d_name, OUT_UNFINISHED_WHOLE);
+        if (left >= 0) {
+            finish_one(path, d->d_name);
+            close(left);
+        }
+    }
+    if (open != NULL) {
+        closedir(open);
+    }
+}
+
+/* From here on, should this process be killed, the next one finishes its work; until here it would undo it. */
+static bool make_whole(out_unfinished *stage, const char *path, error *e)
+{
+    const char *slash = strrchr(stage->path, '/');
+    char *name = join(slash != NULL ? slash + 1 : stage->path, OUT_UNFINISHED_WHOLE, "");
+    char *whole = name != NULL ? join(path, "/", name) : NULL;
+    free(name);
+    if (whole == NULL) {
+        return error_failure(e, 0, "out of memory");
+    }
+    if (rename(stage->path, whole) != 0) {
+        error_failure(e, errno, "%s: cannot be written", path);
+        free(whole);
+        return false;
+    }
+    leftovers_forget(stage->path);
+    free(stage->path);
+    stage->path = whole;
+    return true;
+}
+
+/* One program at a time; where a file system knows no locks it does without. */
+static bool replace_files(out_unfinished *stage, const char *path, error *e)
+{
+    movers m = {0};
+    const int folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (folder >= 0) {
         flock(folder, LOCK_EX);
     }
-    const bool ok = movers_find(&m, stage, path, e) && move_all(&m, e);
+    finish_what_was_left(path, folder);
+    const bool ok =
+        make_whole(stage, path, e) && movers_find(&m, stage->path, path, false, e) && move_all(&m, e);
     if (folder >= 0) {
         close(folder);
     }
@@ -191,13 +239,13 @@ static bool replace_files(const char *stage, const char *path, error *e)
  * A rename takes an empty folder's place too; what has files in it, made by another program since the stage
  * was, is a folder like any that existed before.
  */
-bool out_folder_put(const char *stage, const char *path, error *e)
+bool out_folder_put(out_unfinished *stage, const char *path, error *e)
 {
     struct stat status;
     if (stat(path, &status) == 0) {
         return replace_files(stage, path, e);
     }
-    if (rename(stage, path) == 0) {
+    if (rename(stage->path, path) == 0) {
         return true;
     }
     return errno == ENOTEMPTY || errno == EEXIST ? replace_files(stage, path, e)

@@ -1,9 +1,7 @@
-/* POSIX: open_memstream, posix_spawn, mkstemp. */
+/* POSIX: open_memstream, posix_spawn. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "plot.h"
-
-#include "../base/leftovers.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -96,28 +94,33 @@ static char *read_all(FILE *stream)
     return text;
 }
 
-static bool write_script(const plot *p, int file, error *e)
+/* The script as a file without a name, which is gone with the last who has it open, whatever ends him. */
+static FILE *script_file(const plot *p, error *e)
 {
-    FILE *stream = fdopen(file, "w");
-    if (stream == NULL) {
-        close(file);
-        return error_failure(e, errno, "plot");
+    FILE *script = tmpfile();
+    if (script == NULL || fwrite(p->text, 1, p->size, script) != p->size || fflush(script) != 0 ||
+        lseek(fileno(script), 0, SEEK_SET) != 0) { /* the child reads from where we stand */
+        error_failure(e, errno, "plot: its script cannot be written");
+        if (script != NULL) {
+            fclose(script);
+        }
+        return NULL;
     }
-    const bool written = fwrite(p->text, 1, p->size, stream) == p->size;
-    return (fclose(stream) == 0 && written) || error_failure(e, errno, "plot: its script cannot be written");
+    return script;
 }
 
 /*
- * Runs a program as it is named, with no shell between that could take a word for more than a word. `out` gets its stdout, or is
- * -1 where nobody listens. False if it cannot be run.
+ * Runs a program as it is named, with no shell between that could take a word for more than a word. `in` is its stdin, `out` gets
+ * its stdout; -1 where it has nothing to read or nobody listens. False if it cannot be run.
  */
-static bool start(const char *const argv[], int out, pid_t *pid)
+static bool start(const char *const argv[], int in, int out, pid_t *pid)
 {
     posix_spawn_file_actions_t files;
     if (posix_spawn_file_actions_init(&files) != 0) {
         return false;
     }
-    bool ok = posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0) == 0;
+    bool ok = in >= 0 ? posix_spawn_file_actions_adddup2(&files, in, STDIN_FILENO) == 0
+                      : posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0) == 0;
     if (out >= 0) {
         ok = ok && posix_spawn_file_actions_adddup2(&files, out, STDOUT_FILENO) == 0;
     } else {
@@ -142,9 +145,10 @@ static bool ended_well(pid_t pid)
     return ended == pid && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-static char *run_gnuplot(const char *script_path, error *e)
+static char *run_gnuplot(FILE *script, error *e)
 {
-    const char *const argv[] = {"gnuplot", script_path, NULL};
+    /* By its "-" an error in the script ends it; without a word it would go on. */
+    const char *const argv[] = {"gnuplot", "-", NULL};
     int ends[2];
     if (pipe(ends) != 0) {
         error_failure(e, errno, "gnuplot");
@@ -156,7 +160,7 @@ static char *run_gnuplot(const char *script_path, error *e)
     /* In a locale that is not UTF-8 gnuplot complains of its degree sign; this program knows no locale itself. */
     (void)setenv("LC_ALL", "C.UTF-8", 1);
     pid_t pid;
-    const bool started = start(argv, ends[1], &pid);
+    const bool started = start(argv, fileno(script), ends[1], &pid);
     close(ends[1]);
     FILE *stream = fdopen(ends[0], "r");
     char *svg = stream != NULL ? read_all(stream) : NULL;
@@ -182,18 +186,10 @@ char *plot_draw(plot *p, error *e)
         return NULL;
     }
     p->script = NULL;
-    char path[] = "/tmp/iqfoc-plot-XXXXXX";
-    const int file = mkstemp(path);
-    char *svg = NULL;
-    if (file < 0) {
-        error_failure(e, errno, "%s", path);
-    } else {
-        leftovers_add(path);
-        if (write_script(p, file, e)) {
-            svg = run_gnuplot(path, e);
-        }
-        unlink(path);
-        leftovers_forget(path);
+    FILE *script = script_file(p, e);
+    char *svg = script != NULL ? run_gnuplot(script, e) : NULL;
+    if (script != NULL) {
+        fclose(script);
     }
     plot_abandon(p);
     return svg;
@@ -203,5 +199,5 @@ bool plot_available(void)
 {
     const char *const argv[] = {"gnuplot", "--version", NULL};
     pid_t pid;
-    return start(argv, -1, &pid) && ended_well(pid);
+    return start(argv, -1, -1, &pid) && ended_well(pid);
 }

@@ -65,6 +65,110 @@ static void test_a_signal_afterwards_takes_nothing(void)
     remove_one("a");
 }
 
+/* A child that has staged files in "out", or in a file's place, and is killed as nothing can be prepared for. */
+static void kill_within(bool folder)
+{
+    const pid_t child = fork();
+    if (child == 0) {
+        out_file file;
+        if (folder && out_folder_open(&f, scratch_path("out"), &e)) {
+            stage("finished", "x");
+            kill(getpid(), SIGKILL);
+        } else if (!folder && out_file_open(&file, scratch_path("out/file"), &e)) {
+            kill(getpid(), SIGKILL);
+        }
+        _exit(99);
+    }
+    int status = 0;
+    TEST_ASSERT_EQUAL(child, waitpid(child, &status, 0));
+    TEST_ASSERT_TRUE(WIFSIGNALED(status));
+}
+
+static void write_one(const char *text)
+{
+    open_out();
+    stage("kept", text);
+    close_out();
+}
+
+static void test_what_a_killed_process_left_goes_with_the_next(void)
+{
+    kill_within(true); /* there is no such folder: the stage stands beside it */
+    TEST_ASSERT_EQUAL(1, scratch_count());
+    write_one("first");
+    TEST_ASSERT_EQUAL(1, scratch_count());
+    kill_within(true);
+    kill_within(false); /* the file's maker has removed the stage already */
+    TEST_ASSERT_EQUAL(2, count_out());
+    scratch_text("out/.iqfoc.1-0.mine", "a name like ours, and the user's");
+    make_folder("out/.iqfoc.x-0");
+    write_one("second");
+    TEST_ASSERT_EQUAL(3, count_out());
+    expect_content("out/kept", "second");
+    remove_one("out/.iqfoc.1-0.mine");
+    remove_one("out/.iqfoc.x-0");
+    remove_one("out/kept");
+    remove_one("out");
+}
+
+/* Whoever still works keeps what he has written. */
+static void test_what_a_living_process_writes_stays(void)
+{
+    int go[2];
+    int ready[2];
+    TEST_ASSERT_EQUAL(0, pipe(go) + pipe(ready));
+    make_folder("out");
+    const pid_t child = fork();
+    if (child == 0) {
+        char nothing = 0;
+        close(go[1]);
+        open_out();
+        stage("others", "whole");
+        const bool told = write(ready[1], &nothing, 1) == 1 && read(go[0], &nothing, 1) == 0;
+        _exit(told && out_folder_close(&f, true, &e) ? 0 : 99);
+    }
+    char nothing;
+    close(go[0]);
+    TEST_ASSERT_EQUAL(1, read(ready[0], &nothing, 1));
+    write_one("own");
+    TEST_ASSERT_EQUAL(2, count_out());
+    close(go[1]);
+    int status = 0;
+    TEST_ASSERT_EQUAL(child, waitpid(child, &status, 0));
+    TEST_ASSERT_EQUAL(0, status);
+    close(ready[0]);
+    close(ready[1]);
+    expect_content("out/others", "whole");
+    expect_content("out/kept", "own");
+    remove_one("out/others");
+    remove_one("out/kept");
+    remove_one("out");
+}
+
+/* As a process leaves it that is killed between two renames: of its three files one is in place, and one has just been saved. */
+static void test_a_killed_process_renames_are_finished(void)
+{
+    make_folder("out");
+    make_folder("out/.iqfoc.4711-0.whole");
+    scratch_text("out/.iqfoc.4711-0.whole/.was.a", "old");
+    scratch_text("out/a", "new");
+    scratch_text("out/b", "old");
+    TEST_ASSERT_EQUAL(0, link(scratch_path("out/b"), scratch_path("out/.iqfoc.4711-0.whole/.was.b")));
+    scratch_text("out/.iqfoc.4711-0.whole/b", "new");
+    scratch_text("out/.iqfoc.4711-0.whole/c", "new");
+    write_one("own");
+    TEST_ASSERT_EQUAL(4, count_out());
+    expect_content("out/a", "new");
+    expect_content("out/b", "new");
+    expect_content("out/c", "new");
+    expect_content("out/kept", "own");
+    remove_one("out/a");
+    remove_one("out/b");
+    remove_one("out/c");
+    remove_one("out/kept");
+    remove_one("out");
+}
+
 enum { FILES = 60, ROUNDS = 8 };
 
 /* Says "ready" on one pipe when all is staged, and goes on when the other one is closed: both at once. */
@@ -146,6 +250,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_signal_leaves_nothing_behind);
     RUN_TEST(test_a_signal_afterwards_takes_nothing);
+    RUN_TEST(test_what_a_killed_process_left_goes_with_the_next);
+    RUN_TEST(test_what_a_living_process_writes_stays);
+    RUN_TEST(test_a_killed_process_renames_are_finished);
     RUN_TEST(test_two_at_once_leave_the_files_of_one);
     const int failed = UNITY_END();
     scratch_end();

@@ -1,0 +1,40 @@
+/*
+ * Hidden names for what is not finished yet: `.iqfoc.PID-N` in the directory that it is to stand in.
+ *
+ * Whoever writes under such a name holds a lock on it, which the system takes from him when he ends, whatever ended him. A name
+ * without a lock is thus what a process that was killed (kill -9) has left, and whoever makes the next one in that directory
+ * removes it. Where a file system knows no locks nothing is removed.
+ */
+#ifndef SIM_HOST_BASE_OUT_UNFINISHED_H
+#define SIM_HOST_BASE_OUT_UNFINISHED_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* What ends the name of a folder whose files are on their way into place (out_folder_files.c). */
+#define OUT_UNFINISHED_WHOLE ".whole"
+
+typedef struct out_unfinished {
+    char *path;     /* NULL: none */
+    int descriptor; /* of the file or folder, whose closing ends the lock; -1: none */
+} out_unfinished;
+
+/*
+ * Makes an empty file (mode 0600) or a folder beside `path`, in the directory that its text up to the last slash names; removes
+ * what was left there. Returns 0 or an errno, with `path` NULL then.
+ */
+int out_unfinished_make(out_unfinished *u, const char *path, bool folder);
+
+/* The lock goes; what bore the name is elsewhere by now, or removed. Safe on a zeroed struct. */
+void out_unfinished_end(out_unfinished *u);
+
+/*
+ * Of a directory's entry by this name, a descriptor that holds its lock, if it is a folder of ours that ends in `suffix` and has been
+ * left; else -1.
+ */
+int out_unfinished_left(int directory, const char *name, const char *suffix);
+
+/* Removes the files of an open folder; takes the descriptor. */
+void out_unfinished_empty(int folder);
+
+#endif
