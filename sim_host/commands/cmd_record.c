@@ -1,5 +1,6 @@
 /* iqfoc record: the target's recorder on a serial line (docs/recorder-format.md), made a recording. */
 #define _POSIX_C_SOURCE 200809L /* sigaction */
+#include "base/confine.h"
 #include "base/progress.h"
 #include "command.h"
 #include "line.h"
@@ -123,7 +124,9 @@ int cmd_record(int argc, char **argv)
     static wire_reader reader;
     static record_rows rows;
     line l;
-    bool good = line_open(&l, r.port, r.baud, &e) && receive(&r, &l, &reader, &rows, &e);
+    bool good = line_open(&l, r.port, r.baud, &e);
+    confine(CONFINE_TO_FILES); /* ahead of the first octet */
+    good = good && receive(&r, &l, &reader, &rows, &e);
     if (good) {
         summarise(&rows, &reader);
         good = write_out(&r, &rows, &reader, &e);

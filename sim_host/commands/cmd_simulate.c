@@ -1,4 +1,5 @@
 /* iqfoc simulate: the firmware code against the switching-level drive, closed loop, to a recording. */
+#include "base/confine.h"
 #include "command.h"
 #include "options.h"
 
@@ -124,6 +125,9 @@ int cmd_simulate(int argc, char **argv)
     if (r.list) {
         plant_effect_list(stdout);
         return STATUS_DONE;
+    }
+    if (r.emulated.target == NULL) {
+        confine(CONFINE_TO_FILES);
     }
     motor m;
     scenario s;

@@ -8,6 +8,7 @@ typedef struct command {
     const command_about *about;
     const char *summary;
     int (*run)(int argc, char **argv);
+    unsigned needs; /* before it knows its arguments: base/confine.h */
 } command;
 
 #ifdef IQFOC_FMU
