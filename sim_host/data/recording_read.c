@@ -16,8 +16,9 @@
 #include <string.h>
 
 enum {
-    FIELDS_MAX = 1024,          /* columns in a file; a line of text taken for a header ends here */
-    ROWS_MAX = 16 * 1024 * 1024 /* an hour at 4.6 kHz; what unpacks to more is not to fill memory */
+    FIELDS_MAX = 1024,           /* columns in a file; a line of text taken for a header ends here */
+    ROWS_MAX = 16 * 1024 * 1024, /* an hour at 4.6 kHz; what unpacks to more is not to fill memory */
+    RUNS_MAX = 100000            /* an operating point is many cycles */
 };
 
 typedef struct reader {
@@ -30,6 +31,7 @@ typedef struct reader {
     bool have[COL_COUNT];
     recording_missing missing;
     size_t rows_allocated;
+    long runs; /* changes of the run so far */
 } reader;
 
 static bool out_of_memory(reader *in)
@@ -199,6 +201,12 @@ static void row_end(reader *in, size_t fields)
         r->i_mid_A[2][k] = -r->i_mid_A[0][k] - r->i_mid_A[1][k];
     }
     const bool same_run = k > 0 && (r->run == NULL || r->run[k] == r->run[k - 1]);
+    in->runs += same_run ? 0 : 1;
+    if (in->runs > RUNS_MAX) {
+        csv_file_refuse(&in->csv, in->field_of[COL_RUN], "more than %d runs; expected many rows in each",
+                        RUNS_MAX);
+        return;
+    }
     if (same_run && r->t_s[k] <= r->t_s[k - 1]) {
         csv_file_refuse(
             &in->csv, in->field_of[COL_T],

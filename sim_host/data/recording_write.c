@@ -5,6 +5,7 @@
 #include "../base/out_file.h"
 #include "recording_columns.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -43,6 +44,25 @@ static void put_row(FILE *out, const recording *r, size_t k, const column_id *id
     fwrite(row, 1, length, out);
 }
 
+/* What no recording may hold is not written either, wherever it comes from: scales of a map, sensors of a scenario. */
+static bool check_values(const recording *r, const column_id *ids, double *const *columns, size_t count,
+                         const char *path, error *e)
+{
+    for (size_t c = 0; c < count; c++) {
+        const double most = recording_column_most(ids[c]);
+        for (size_t k = 0; ids[c] != COL_RUN && k < r->rows; k++) {
+            const double x = columns[c][k];
+            if (!(fabs(x) <= most)) {
+                return error_input(e, path, 0, 0,
+                                   "not written: %s in row %zu is %s; expected a number from %g to %g",
+                                   recording_column_name(ids[c]), k + 1,
+                                   isfinite(x) ? "absurd" : "no finite number", -most, most);
+            }
+        }
+    }
+    return true;
+}
+
 bool recording_write(const char *path, const recording *r, const char *comment, error *e)
 {
     recording columns_of = *r; /* a copy, as recording_column wants a struct that it may change */
@@ -59,7 +79,7 @@ bool recording_write(const char *path, const recording *r, const char *comment, 
     }
 
     out_file f;
-    if (!out_file_open(&f, path, e)) {
+    if (!check_values(r, ids, columns, count, path, e) || !out_file_open(&f, path, e)) {
         return false;
     }
     put_header(f.stream, ids, count, comment);

@@ -151,6 +151,13 @@ bool read_number(const toml_table &table, const char *key, const toml::node &nod
         refuse_value(table, key, node, range_words(range));
         return false;
     }
+    // In no unit is there such a number of anything here, and what is made of it would overflow or lose its digits.
+    if (std::fabs(read) > 1e18 || (read != 0.0 && std::fabs(read) < 1e-100)) {
+        refuse_at(*table.file, node.source().begin,
+                  std::string(key) + " = " + number_words(read) +
+                      " is absurd; expected a number from -1e18 to 1e18");
+        return false;
+    }
     *value = read;
     return true;
 }

@@ -196,18 +196,31 @@ class BadInput(unittest.TestCase):
     def test_files_without_an_end(self):
         """Each far larger than it may be: one clear line, within seconds and 200 MB."""
         header = program.RECORDING.splitlines(keepends=True)[1].encode()
-        large = {"a line of 1 GB": (b"", 1 << 30, b"recording.csv:1: the line is longer"),
-                 "10,000,000 columns": (b"a," * 10_000_000, 0, b"recording.csv:1: the line is longer"),
-                 "5,000 columns": (b"a," * 5_000, 0, b"recording.csv:1:2049: more than 1024 columns"),
-                 "a packed line of 1 GB": (gzip.compress(bytes(1 << 24)) * 64, 0, b"recording.csv:1: the line is longer"),
-                 "1 GB of packed blank lines": (gzip.compress(header + b"\n" * (1 << 24)) * 64, 0, b"more than a million lines"),
-                 "1 GB of packed comments": (gzip.compress(b"#\n" * (1 << 23)) * 64, 0, b"more than a million lines")}
-        for title, (content, zeros, words) in large.items():
+        with_runs = header.replace(b"t_s", b"run,t_s")
+        row = b"%d,0.%05d,1,-0.5,-0.5,0.1,100,10,-5,-5\n"
+
+        def packed(*parts):
+            return [gzip.compress(part) * times for part, times in parts]
+
+        def two_runs():
+            return b"".join(row % (run, k) for run in (1, 2) for k in range(100)) * 2000
+
+        # Pieces of a file, or how many noughts it holds; the words of the complaint.
+        large = {"a line of 1 GB": (1 << 30, b"recording.csv:1: the line is longer"),
+                 "10,000,000 columns": (lambda: (b"a," * 10_000 for _ in range(1000)), b"recording.csv:1: the line is longer"),
+                 "5,000 columns": (lambda: [b"a," * 5_000], b"recording.csv:1:2049: more than 1024 columns"),
+                 "1,000,000 runs": (lambda: (row % (run, 0) if run else with_runs for run in range(1_000_000)), b"more than 100000 runs"),
+                 "a packed line of 1 GB": (lambda: packed((bytes(1 << 24), 64)), b"recording.csv:1: the line is longer"),
+                 "1 GB of packed rows": (lambda: packed((with_runs, 1), (two_runs(), 64)), b"unpacks to more than 100 times its size"),
+                 "1 GB of packed blank lines": (lambda: packed((header, 1), (b"\n" * (1 << 24), 64)), b"more than a million lines"),
+                 "1 GB of packed comments": (lambda: packed((b"#\n" * (1 << 23), 64)), b"more than a million lines")}
+        for title, (content, words) in large.items():
             with self.subTest(title), tempfile.TemporaryDirectory() as name:
                 folder = pathlib.Path(name)
-                program.write_files(folder, {"recording.csv": content})
-                if zeros:
-                    os.truncate(folder / "recording.csv", zeros)
+                program.write_files(folder, {"recording.csv": b""})
+                with open(folder / "recording.csv", "wb") as file:
+                    file.writelines([] if isinstance(content, int) else content())
+                    file.truncate(content if isinstance(content, int) else None)
                 with open(folder / "told", "wb") as told:
                     child = subprocess.Popen([program.PROGRAM, "diagnose", "recording.csv", "--motor", "motor.toml"], cwd=folder,
                                              stdout=subprocess.DEVNULL, stderr=told)
