@@ -117,6 +117,7 @@ static int open_any(const char *name, const char *path, int flags, mode_t mode)
     return open_next(path, flags, mode);
 }
 
+/* NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the C library's names are its own */
 int open(const char *path, int flags, ...)
 {
     va_list args;
@@ -208,3 +209,4 @@ int rmdir(const char *path)
     next(&rmdir_next, "rmdir");
     return stops(false, false) ? -1 : rmdir_next(path);
 }
+/* NOLINTEND(readability-inconsistent-declaration-parameter-name) */
