@@ -191,17 +191,15 @@ static int32_t held_sum(int64_t x)
 }
 
 /* Range: components within 128 in Q16 make products within 2^47 in Q32; 96 blocks of them 2^28 in Q6. A ratio held
- * from above keeps the bound: its mean only falls. */
-static void follow(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, int32_t n, pair x, pair y)
+ * from above keeps the bound: its mean only falls. slack: what y may have for good, Q16, 0 ... 576: 2^50 in Q32. */
+static void follow(iqfoc_watch_t *watch, int32_t n, pair x, pair y, pair slack)
 {
     const int64_t xy_q32 = (int64_t)x.d * y.d + (int64_t)x.q * y.q;
     const int64_t xx_q32 = (int64_t)x.d * x.d + (int64_t)x.q * x.q;
     const int64_t xy = iq24_asr64(xy_q32, 16);
     const int64_t xx = iq24_asr64(xx_q32, 16);
     const int64_t cost =
-        (xx >> 1) + iq24_asr64((int64_t)config->slack_q16[n < IQFOC_WATCH_SENSOR_GAIN ? 0 : 1] *
-                                   (absolute(x.d) + absolute(x.q)),
-                               16);
+        (xx >> 1) + iq24_asr64((int64_t)slack.d * absolute(x.d) + (int64_t)slack.q * absolute(x.q), 16);
     watch->up_q16[n] = held_sum(watch->up_q16[n] + least(xy - cost, MOST_A_BLOCK_Q16));
     watch->down_q16[n] = held_sum(watch->down_q16[n] + least(-xy - cost, MOST_A_BLOCK_Q16));
     if (watch->naming > 0) {
@@ -211,6 +209,51 @@ static void follow(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, int
         watch->xy_q6[n] = watch->up_q16[n] > 0 ? iq24_add_sat(watch->xy_q6[n], 1) : 0;
         watch->xx_q6[n] = watch->down_q16[n] > 0 ? iq24_add_sat(watch->xx_q6[n], 1) : 0;
     }
+}
+
+/* Twice what y is held to: with it nothing is noted. */
+#define MOST_UNSURE_Q16 (INT32_C(256) << 16)
+
+/* By how much these signatures, components within 16, move y for each of `unsure`. Range: 2^28 times below 2^31 is
+ * 2^35 in Q16, and times 16 2^55 in Q32. */
+static int64_t moved_by(iq24_t component, int32_t size, int32_t unsure_q16)
+{
+    return iq24_asr64(iq24_asr64((int64_t)absolute(component) * size, 24) * unsure_q16, 16);
+}
+
+/*
+ * What y may have for good: `always`, and what resistance, inductances and flux may be off by within the model's
+ * confidence, by their signatures; each axis by itself, as L_d and L_q may be off unalike.
+ */
+static pair slack_of(const iqfoc_watch_config_t *config, int32_t always_q16, const iqfoc_dq_t *signature,
+                     int32_t per_noise)
+{
+    int64_t d = 0;
+    int64_t q = 0;
+    for (int32_t n = 0; n < IQFOC_WATCH_UNSURE; n++) {
+        const int32_t size = over_noise(config->size_q16[n], per_noise);
+        d += moved_by(signature[n].d, size, config->unsure_q16[n]);
+        q += moved_by(signature[n].q, size, config->unsure_q16[n]);
+    }
+    const pair slack = {always_q16 + (int32_t)least(d, MOST_UNSURE_Q16),
+                        always_q16 + (int32_t)least(q, MOST_UNSURE_Q16)};
+    return slack;
+}
+
+/*
+ * The same in a frame that turns against the rotor's: of what stands still in the rotor's nothing is left, but where
+ * the speed changes through the block, what is proportional to it does not stand still. Either axis may have all of it.
+ */
+static pair slack_elsewhere(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t change,
+                            int32_t per_noise)
+{
+    const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
+    const iq24_t half = iq24_asr32(change, 1);
+    const iqfoc_dq_t moves[IQFOC_WATCH_UNSURE] = {{0, 0}, across(i, half), {0, -half}};
+    const pair by_axis = slack_of(config, 0, moves, per_noise);
+    const int32_t slack = config->slack_q16[1] + by_axis.d + by_axis.q;
+    const pair both = {slack, slack};
+    return both;
 }
 
 /* The signatures of the current's own frame. */
@@ -226,8 +269,9 @@ static void follow_rotor(iqfoc_watch_t *watch, const iqfoc_watch_config_t *confi
     const iqfoc_dq_t ahead = {0, -turns};
     const iqfoc_dq_t of_rotor[IQFOC_WATCH_SENSOR_GAIN] = {
         opposite(i), across(i, turns), ahead, u, opposite(direction(i)), along, across(u, turns)};
+    const pair slack = slack_of(config, config->slack_q16[0], of_rotor, per_noise);
     for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN; n++) {
-        follow(watch, config, n, scaled_pair(of_rotor[n], over_noise(config->size_q16[n], per_noise), 24), y);
+        follow(watch, n, scaled_pair(of_rotor[n], over_noise(config->size_q16[n], per_noise), 24), y, slack);
     }
 }
 
@@ -259,15 +303,17 @@ static void follow_all(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
         const iqfoc_dq_t mirrored = {moved.d, -moved.q};
         const iqfoc_dq_t mirrored_ahead = {moved.q, moved.d};
         const int32_t gain = seen_size(config, IQFOC_WATCH_SENSOR_GAIN, &backward);
-        follow(watch, config, 7, scaled_pair(mirrored, gain, 24), y.back);
-        follow(watch, config, 8, scaled_pair(mirrored_ahead, gain, 24), y.back);
+        const pair slack = slack_elsewhere(watch, config, change, backward.per_noise);
+        follow(watch, 7, scaled_pair(mirrored, gain, 24), y.back, slack);
+        follow(watch, 8, scaled_pair(mirrored_ahead, gain, 24), y.back, slack);
     }
     if (still.seen) {
         const int32_t offset = seen_size(config, IQFOC_WATCH_SENSOR_OFFSET, &still);
+        const pair slack = slack_elsewhere(watch, config, change, still.per_noise);
         const iqfoc_dq_t alpha = {IQ24_ONE, 0};
         const iqfoc_dq_t beta = {0, IQ24_ONE};
-        follow(watch, config, 9, scaled_pair(alpha, offset, 24), y.stationary);
-        follow(watch, config, 10, scaled_pair(beta, offset, 24), y.stationary);
+        follow(watch, 9, scaled_pair(alpha, offset, 24), y.stationary, slack);
+        follow(watch, 10, scaled_pair(beta, offset, 24), y.stationary, slack);
     }
 }
 

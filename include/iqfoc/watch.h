@@ -18,7 +18,8 @@
  *     sum = max(0, sum + min(4, X y - |X|^2/2 - slack |X|))
  *
  * y: the block's error over the bound of its noise (src/watch.c); X: the same of what a change of the stated
- * size would make of it.
+ * size would make of it; slack, of each axis: a constant, and for each of resistance, inductance and flux what the
+ * model's confidence leaves: the X of the changes that it may be off by.
  *
  * The bound. Let y be sub-Gaussian with at most that noise about a mean of length `slack` at most. Then
  * E e^(X y) <= e^(slack |X| + |X|^2/2), so that the ratios by which a run of blocks multiplies e^sum have a
@@ -69,6 +70,7 @@ typedef enum iqfoc_watch_group {
 } iqfoc_watch_group_t;
 
 #define IQFOC_WATCH_SIGNATURES   11 /* the last four: gain twice, offset twice */
+#define IQFOC_WATCH_UNSURE       3  /* the first three: what a diagnosis knows with a confidence */
 #define IQFOC_WATCH_BLOCK_CYCLES 32
 #define IQFOC_WATCH_BLOCK_BITS   5
 
@@ -84,6 +86,8 @@ typedef struct iqfoc_watch_config {
         [2]; /* what may be in a block's error for good, over its noise: in the rotor's frame, elsewhere */
     int32_t threshold_q16; /* natural logarithm */
     int32_t naming_blocks; /* after an alarm, until the group is named: 1 ... 1024 */
+    /* By how much resistance, inductance and flux may be off from the start, over the stated changes: 0 ... 16. */
+    int32_t unsure_q16[IQFOC_WATCH_UNSURE];
 } iqfoc_watch_config_t;
 
 /* Zero it to begin anew: iqfoc_watch_reset. */
@@ -133,9 +137,14 @@ typedef struct iqfoc_watch {
 
 /*
  * iqfoc_watch_config_t of physical values, in the order of its members. noise_pu: standard deviation of one
- * current sample, per unit of I_b, 5e-5 ... 0.1.
+ * current sample, per unit of I_b, 5e-5 ... 0.1. IQFOC_WATCH_CONFIG is of a model that is taken for exact;
+ * IQFOC_WATCH_CONFIG_KNOWN of one whose R, L and psi may be off by these shares, to 1.6, 0.8 and 0.32: changes
+ * are then noted beyond them only, and the bound on false alarms holds for all machines within them.
  */
 #define IQFOC_WATCH_CONFIG(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V, noise_pu)                         \
+    IQFOC_WATCH_CONFIG_KNOWN(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V, noise_pu, 0.0, 0.0, 0.0)
+#define IQFOC_WATCH_CONFIG_KNOWN(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V, noise_pu, unsure_R,         \
+                                 unsure_L, unsure_psi)                                                       \
     {                                                                                                        \
         IQFOC_WATCH_Q_(1.0 / (noise_pu), 8, 20000.0),                                                        \
             {IQFOC_WATCH_SIZE_(IQFOC_WATCH_SIZE_R * (R_ohm) * (T_s) / IQFOC_WATCH_L_(L_d_H, L_q_H),          \
@@ -166,7 +175,12 @@ typedef struct iqfoc_watch {
             IQFOC_WATCH_Q_((L_q_H) / IQFOC_WATCH_L_(L_d_H, L_q_H), 16, 2.0),                                 \
             {IQFOC_WATCH_Q_(IQFOC_WATCH_SLACK_ROTOR, 16, 64.0),                                              \
              IQFOC_WATCH_Q_(IQFOC_WATCH_SLACK_ELSE, 16, 64.0)},                                              \
-            IQFOC_WATCH_Q_(IQFOC_WATCH_THRESHOLD, 16, 1000.0), IQFOC_WATCH_NAMING                            \
+            IQFOC_WATCH_Q_(IQFOC_WATCH_THRESHOLD, 16, 1000.0), IQFOC_WATCH_NAMING,                           \
+        {                                                                                                    \
+            IQFOC_WATCH_Q_((unsure_R) / IQFOC_WATCH_SIZE_R, 16, 16.0),                                       \
+                IQFOC_WATCH_Q_((unsure_L) / IQFOC_WATCH_SIZE_L, 16, 16.0),                                   \
+                IQFOC_WATCH_Q_((unsure_psi) / IQFOC_WATCH_SIZE_PSI, 16, 16.0)                                \
+        }                                                                                                    \
     }
 #define IQFOC_WATCH_RHO_(R_ohm, L_d_H, L_q_H, T_s) ((R_ohm) * (T_s) / IQFOC_WATCH_L_(L_d_H, L_q_H))
 #define IQFOC_WATCH_L_(L_d_H, L_q_H)               (0.5 * ((L_d_H) + (L_q_H)))
