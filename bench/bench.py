@@ -76,6 +76,8 @@ ROOTS = {
     "tuned_step": ["iqfoc_tuned_step"],
     "watch_step": ["iqfoc_watch_step"],
     "watch_block": ["iqfoc_watch_block"],
+    "adapt_block": ["iqfoc_adapt_block"],
+    "adapt_law": ["iqfoc_adapt_law"],
     "encoder": ["iqfoc_encoder_theta"],
     "resolver": ["iqfoc_resolver_read"],
     "halls": ["iqfoc_halls_step"],

@@ -4,6 +4,7 @@
  */
 #include "beside.h"
 
+#include "iqfoc/adapt.h"
 #include "iqfoc/cycle_six_step.h"
 #include "iqfoc/encoder.h"
 #include "iqfoc/halls.h"
@@ -33,6 +34,8 @@ static iqfoc_tuned_law_t tuned_law;
 static iqfoc_tuned_t tuned;
 static iqfoc_tuned_state_t tuned_state;
 static iqfoc_watch_t watch;
+static const iqfoc_adapt_config_t adapt_config = IQFOC_ADAPT_CONFIG;
+static iqfoc_adapt_t adapt;
 static const iqfoc_encoder_config_t encoder_config = {
     .counts_per_turn = 4096, .pole_pairs = 3, .index_known = true, .index_theta = 0};
 static iqfoc_encoder_t encoder;
@@ -88,6 +91,12 @@ COUNT(watch_step, bool, iqfoc_watch_step,
       (&watch, in->i, in->i_ref, in->i_ref, in->sc))
 COUNT(watch_block, bool, iqfoc_watch_block, (iqfoc_watch_t *, const iqfoc_watch_config_t *, iq24_t, iq24_t),
       (&watch, &bench_watch, in->sample.turns, in->sample.theta))
+COUNT(adapt_block, void, iqfoc_adapt_block,
+      (iqfoc_adapt_t *, const iqfoc_adapt_config_t *, const iqfoc_watch_t *, const iqfoc_watch_config_t *,
+       iq24_t),
+      (&adapt, &adapt_config, &watch, &bench_watch, in->sample.turns))
+COUNT(adapt_law, iqfoc_tuned_law_t, iqfoc_adapt_law, (const iqfoc_tuned_law_t *, const iqfoc_adapt_t *),
+      (&tuned_law, &adapt))
 COUNT(encoder, iq24_t, iqfoc_encoder_theta, (const iqfoc_encoder_t *, uint32_t),
       (&encoder, (uint32_t)in->sample.theta & 4095))
 COUNT(resolver, iqfoc_resolver_angle_t, iqfoc_resolver_read, (const iqfoc_resolver_t *, iq24_t, iq24_t),
@@ -107,8 +116,8 @@ COUNT(supervision, uint32_t, iqfoc_supervision_step, (iqfoc_supervision_t *, iqf
 COUNT(restart, iqfoc_restart_action_t, iqfoc_restart_step, (iqfoc_restart_t *, uint32_t),
       (&restart, (uint32_t)in->sample.theta >> 27 & 1))
 
-/* A block of a drive whose model fits, so that no alarm ends the work: errors of some thousandths. */
-static uint32_t count_watch_block_of_drive(const bench_input_t *in)
+/* The sums of a block of a drive whose model fits, so that no alarm ends the work: errors of some thousandths. */
+static void sum_block(const bench_input_t *in)
 {
     const iqfoc_ab_t off = {in->delta.alpha / 256, in->delta.beta / 256};
     iqfoc_watch_reset(&watch);
@@ -117,7 +126,18 @@ static uint32_t count_watch_block_of_drive(const bench_input_t *in)
     for (uint32_t k = 0; k < IQFOC_WATCH_BLOCK_CYCLES; k++) {
         (void)iqfoc_watch_step(&watch, off, in->i_ref, in->u_steady, in->sc);
     }
+}
+
+static uint32_t count_watch_block_of_drive(const bench_input_t *in)
+{
+    sum_block(in);
     return count_watch_block(in);
+}
+
+static uint32_t count_adapt_block_of_drive(const bench_input_t *in)
+{
+    sum_block(in);
+    return count_adapt_block(in);
 }
 
 static void begin(void)
@@ -150,6 +170,8 @@ void bench_beside(void)
     bench_report("tuned_step", count_tuned_step);
     bench_report("watch_step", count_watch_step);
     bench_report("watch_block", count_watch_block_of_drive);
+    bench_report("adapt_block", count_adapt_block_of_drive);
+    bench_report("adapt_law", count_adapt_law);
     bench_report("encoder", count_encoder);
     bench_report("resolver", count_resolver);
     bench_report("halls", count_halls);

@@ -54,6 +54,8 @@ ROWS = {
     "tuned_step": ("tuned control of a cycle", "-", None),
     "watch_step": ("the watch on the model, each cycle", "-", None),
     "watch_block": ("the watch, each 32 cycles", "-", None),
+    "adapt_block": ("resistance and magnet followed, each 32 cycles", "-", None),
+    "adapt_law": ("and handed to the law", "-", None),
     "encoder": ("angle of an encoder's count", "-", None),
     "resolver": ("angle of a resolver", "-", None),
     "halls": ("angle and speed of three Halls", "-", None),

@@ -4,6 +4,7 @@
 #ifndef IQFOC_IQFOC_H
 #define IQFOC_IQFOC_H
 
+#include "adapt.h"
 #include "current_control.h"
 #include "cycle.h"
 #include "cycle_check.h"
