@@ -13,6 +13,9 @@ if(UNITY_DIR)
 endif()
 
 # The image that `iqfoc simulate --target` runs, at the top of the build folder, where the program looks for it.
-iqfoc_add_image(iqfoc_pil ${CMAKE_CURRENT_LIST_DIR}/pil_main.c ${CMAKE_CURRENT_LIST_DIR}/pil_recorder.c
-                ${CMAKE_CURRENT_LIST_DIR}/pil_wire.c)
+add_library(pil_board STATIC ${CMAKE_CURRENT_LIST_DIR}/pil_main.c ${CMAKE_CURRENT_LIST_DIR}/pil_recorder.c
+            ${CMAKE_CURRENT_LIST_DIR}/pil_wire.c ${CMAKE_CURRENT_LIST_DIR}/tuned_firmware.c)
+target_link_libraries(pil_board PUBLIC iqfoc port)
+iqfoc_add_image(iqfoc_pil ${CMAKE_CURRENT_LIST_DIR}/pil_reference.c)
+target_link_libraries(iqfoc_pil PRIVATE pil_board)
 set_target_properties(iqfoc_pil PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})

@@ -9,6 +9,7 @@
 #include "semihost.h"
 
 #include "pil_recorder.h"
+#include "pil_reference.h"
 
 #include "iqfoc/hal.h"
 
@@ -23,7 +24,9 @@ struct iqfoc_hal {
 static iqfoc_cycle_config_t config;
 static iqfoc_cycle_t cycle;
 static iqfoc_hal_t hal;
-static bool started; /* by a configuration that was not refused */
+static tuned_firmware_t tuned;
+/* What a configuration that was not refused has started. */
+static enum { NOTHING, CYCLE, TUNED } started;
 
 void iqfoc_hal_read_valley(iqfoc_hal_t *h, iqfoc_sample_t *sample)
 {
@@ -89,12 +92,55 @@ static void start(const pil_frame_t *frame)
     pil_recorder_finish();
     pil_start_read(frame, &config);
     const iqfoc_error_t refused = iqfoc_cycle_init(&cycle, &config);
-    started = refused == IQFOC_OK;
-    if (started) {
+    started = refused == IQFOC_OK ? CYCLE : NOTHING;
+    if (started == CYCLE) {
         cycle.enabled = true;
         pil_recorder_arm();
     }
     answer_started((int32_t)refused);
+}
+
+/* The values are the simulator's, which holds them to the library's ranges. */
+static void start_tuned(const pil_frame_t *frame)
+{
+    tuned_firmware_config_t read;
+    pil_recorder_finish();
+    pil_tune_read(frame, &read);
+    const iqfoc_error_t refused = read.extended != 0 ? iqfoc_extension_check(&read.extension) : IQFOC_OK;
+    started = refused == IQFOC_OK ? TUNED : NOTHING;
+    if (started == TUNED) {
+        tuned_firmware_start(&tuned, &read);
+        pil_recorder_arm();
+    }
+    answer_started((int32_t)refused);
+}
+
+static void answer_command(const iqfoc_command_t *command, uint32_t status)
+{
+    const pil_result_t result = {*command, status};
+    const pil_frame_t answer = pil_command_frame(&result);
+    send(&answer);
+    pil_recorder_drain();
+}
+
+static void run_tuned(const pil_frame_t *frame)
+{
+    iqfoc_dq_t i_ref;
+    iqfoc_sample_t valley;
+    iqfoc_sample_t peak;
+    pil_cycle_read(frame, &i_ref, &valley, &peak);
+    tuned_firmware_valley(&tuned, i_ref, &valley);
+    pil_recorder_take(tuned.status);
+    tuned_firmware_peak(&tuned, &peak);
+    answer_command(&tuned.command, tuned.status);
+}
+
+static void answer_watched(void)
+{
+    const iqfoc_watch_t *watch = &tuned.watch;
+    const pil_watched_t watched = {(int32_t)watch->group, watch->since, watch->amount_q16};
+    const pil_frame_t answer = pil_watched_frame(&watched);
+    send(&answer);
 }
 
 static void run_cycle(const pil_frame_t *frame)
@@ -102,30 +148,43 @@ static void run_cycle(const pil_frame_t *frame)
     iqfoc_sample_t valley;
     iqfoc_sample_t peak;
     pil_cycle_read(frame, &cycle.i_ref, &valley, &peak);
+    cycle.i_ref = pil_reference(cycle.i_ref);
     hal.sample = valley;
     iqfoc_isr_valley(&cycle, &hal);
     pil_recorder_take(cycle.status);
     hal.sample = peak;
     iqfoc_isr_peak(&cycle, &hal);
-    const pil_result_t result = {hal.command, cycle.status};
-    const pil_frame_t answer = pil_command_frame(&result);
-    send(&answer);
-    pil_recorder_drain();
+    answer_command(&hal.command, cycle.status);
+}
+
+/* False: no image is asked this, not even by mistake. */
+static bool obey(const pil_frame_t *frame)
+{
+    if (frame->type == PIL_START) {
+        start(frame);
+    } else if (frame->type == PIL_TUNE) {
+        start_tuned(frame);
+    } else if (frame->type == PIL_RECORD) {
+        answer_started(pil_recorder_start(frame, &cycle));
+    } else if (frame->type == PIL_RECORD_ALARM) {
+        answer_started(pil_recorder_at_alarm(frame, &tuned));
+    } else if (frame->type == PIL_CYCLE && started == CYCLE) {
+        run_cycle(frame);
+    } else if (frame->type == PIL_CYCLE && started == TUNED) {
+        run_tuned(frame);
+    } else if (frame->type == PIL_ASK && started == TUNED) {
+        answer_watched();
+    } else {
+        return false;
+    }
+    return true;
 }
 
 int main(void)
 {
     pil_frame_t frame;
-    for (;;) {
+    do {
         receive(&frame);
-        if (frame.type == PIL_START) {
-            start(&frame);
-        } else if (frame.type == PIL_RECORD) {
-            answer_started(pil_recorder_start(&frame, &cycle));
-        } else if (frame.type == PIL_CYCLE && started) {
-            run_cycle(&frame);
-        } else {
-            return STATUS_GARBLED;
-        }
-    }
+    } while (obey(&frame));
+    return STATUS_GARBLED;
 }

@@ -1,7 +1,8 @@
 /*
- * The recorder in the image for processor in the loop: every cycle, over the board's UART.
+ * The recorder in the image for processor in the loop, over the board's UART: every cycle, or what follows the
+ * watch's alarm.
  *
- * All calls do nothing until pil_recorder_start.
+ * All calls do nothing until one of the first two.
  */
 #ifndef PORT_EMULATED_PIL_RECORDER_H
 #define PORT_EMULATED_PIL_RECORDER_H
@@ -10,6 +11,12 @@
 
 /* frame: PIL_RECORD. cycle: whose variables are recorded. Returns 0 or an iqfoc_error_t. */
 int32_t pil_recorder_start(const pil_frame_t *frame, const iqfoc_cycle_t *cycle);
+
+/*
+ * frame: PIL_RECORD_ALARM. From the alarm of this firmware's watch on, a second at 8 kHz: what was before it may
+ * be of the drive as it was before the change, and would be diagnosed as a mixture.
+ */
+int32_t pil_recorder_at_alarm(const pil_frame_t *frame, const tuned_firmware_t *firmware);
 
 /* A new stream begins. */
 void pil_recorder_arm(void);

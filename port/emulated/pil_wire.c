@@ -3,6 +3,11 @@
  */
 #include "pil_wire.h"
 
+#include <string.h>
+
+_Static_assert(sizeof(tuned_firmware_config_t) == PIL_TUNE_WORDS * sizeof(int32_t),
+               "words and nothing between them");
+
 /* Number of words of a type; -1 for a type that does not exist. */
 static int32_t words_of(uint32_t type)
 {
@@ -16,9 +21,15 @@ static int32_t words_of(uint32_t type)
     case PIL_COMMAND:
         return 6;
     case PIL_GARBLED:
+    case PIL_ASK:
         return 0;
     case PIL_RECORD:
+    case PIL_RECORD_ALARM:
         return 8;
+    case PIL_TUNE:
+        return PIL_TUNE_WORDS;
+    case PIL_WATCHED:
+        return 3;
     default:
         return -1;
     }
@@ -104,9 +115,9 @@ pil_decoded_t pil_decode(pil_decoder_t *decoder, uint32_t byte, pil_frame_t *fra
     return PIL_WHOLE;
 }
 
-pil_frame_t pil_record_frame(const pil_bases_t *b)
+pil_frame_t pil_record_frame(uint32_t type, const pil_bases_t *b)
 {
-    const pil_frame_t frame = {PIL_RECORD,
+    const pil_frame_t frame = {type,
                                8,
                                {b->T_mantissa, b->T_shift, b->I_mantissa, b->I_shift, b->U_mantissa,
                                 b->U_shift, b->omega_mantissa, b->omega_shift}};
@@ -240,4 +251,29 @@ void pil_command_read(const pil_frame_t *frame, pil_result_t *result)
     const int32_t *d = frame->data;
     const pil_result_t read = {{{{d[0], d[1], d[2]}, d[3]}, d[4] != 0}, (uint32_t)d[5]};
     *result = read;
+}
+
+pil_frame_t pil_tune_frame(const tuned_firmware_config_t *config)
+{
+    pil_frame_t frame = {PIL_TUNE, PIL_TUNE_WORDS, {0}};
+    memcpy(frame.data, config, sizeof *config);
+    return frame;
+}
+
+void pil_tune_read(const pil_frame_t *frame, tuned_firmware_config_t *config)
+{
+    memcpy(config, frame->data, sizeof *config);
+}
+
+pil_frame_t pil_watched_frame(const pil_watched_t *w)
+{
+    const pil_frame_t frame = {PIL_WATCHED, 3, {w->group, (int32_t)w->since, w->amount_q16}};
+    return frame;
+}
+
+void pil_watched_read(const pil_frame_t *frame, pil_watched_t *watched)
+{
+    const int32_t *d = frame->data;
+    const pil_watched_t read = {d[0], (uint32_t)d[1], d[2]};
+    *watched = read;
 }

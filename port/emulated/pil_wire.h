@@ -11,6 +11,8 @@
 
 #include "iqfoc/cycle.h"
 
+#include "tuned_firmware.h"
+
 #define PIL_SYNC 0x5A
 
 /* Types of frames. */
@@ -21,10 +23,15 @@
 #define PIL_GARBLED 5 /* from the image, its last: what came was no frame */
 #define PIL_RECORD                                                                                           \
     6 /* to the image: record every cycle over the UART from the next start; answered by STARTED */
+#define PIL_TUNE         7  /* to the image: as START, the tuned firmware in place of the cycle */
+#define PIL_RECORD_ALARM 8  /* to the image: record one memory full from the watch's alarm on, likewise */
+#define PIL_ASK          9  /* to the image: what has the watch of the tuned firmware seen? */
+#define PIL_WATCHED      10 /* from the image: that */
 
 #define PIL_CONFIG_WORDS 21
 #define PIL_SAMPLE_WORDS 11
-#define PIL_WORDS_MAX    24
+#define PIL_TUNE_WORDS   52
+#define PIL_WORDS_MAX    PIL_TUNE_WORDS
 /* Bytes of the longest frame. */
 #define PIL_FRAME_MAX (1 + 1 + 4 * PIL_WORDS_MAX + 4)
 
@@ -65,7 +72,8 @@ typedef struct pil_bases {
     int32_t omega_mantissa, omega_shift; /* rad/s of one turn per cycle */
 } pil_bases_t;
 
-pil_frame_t pil_record_frame(const pil_bases_t *bases);
+/* type: PIL_RECORD or PIL_RECORD_ALARM. */
+pil_frame_t pil_record_frame(uint32_t type, const pil_bases_t *bases);
 void pil_record_read(const pil_frame_t *frame, pil_bases_t *bases);
 pil_frame_t pil_start_frame(const iqfoc_cycle_config_t *config);
 void pil_start_read(const pil_frame_t *frame, iqfoc_cycle_config_t *config);
@@ -74,5 +82,17 @@ void pil_cycle_read(const pil_frame_t *frame, iqfoc_dq_t *i_ref, iqfoc_sample_t 
                     iqfoc_sample_t *peak);
 pil_frame_t pil_command_frame(const pil_result_t *result);
 void pil_command_read(const pil_frame_t *frame, pil_result_t *result);
+pil_frame_t pil_tune_frame(const tuned_firmware_config_t *config);
+void pil_tune_read(const pil_frame_t *frame, tuned_firmware_config_t *config);
+
+/* What a watch has come to: its members of the same names. */
+typedef struct pil_watched {
+    int32_t group; /* iqfoc_watch_group_t */
+    uint32_t since;
+    int32_t amount_q16;
+} pil_watched_t;
+
+pil_frame_t pil_watched_frame(const pil_watched_t *watched);
+void pil_watched_read(const pil_frame_t *frame, pil_watched_t *watched);
 
 #endif

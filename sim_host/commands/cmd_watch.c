@@ -1,8 +1,10 @@
 /* iqfoc watch: trials of the firmware's watch on its model. */
 #include "base/json_file.h"
 #include "command.h"
+#include "drive_emulated.h"
 #include "options.h"
-#include "tune/watch_trial.h"
+#include "tune/tune_watch.h"
+#include "tune/watch_results.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,22 +13,42 @@
 /* What a recorder holds after the alarm. */
 static const double RECORDED_S = 1.0;
 
-enum { OPT_MOTOR, OPT_RATE, OPT_TRIALS, OPT_CYCLES, OPT_SEED, OPT_JSON, OPT_CHANGE, OPT_OUTPUT };
+enum {
+    OPT_MOTOR,
+    OPT_DIAGNOSIS,
+    OPT_RATE,
+    OPT_TRIALS,
+    OPT_CYCLES,
+    OPT_SEED,
+    OPT_JSON,
+    OPT_CHANGE,
+    OPT_OUTPUT,
+    OPT_TARGET,
+    OPT_IMAGE
+};
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file"},
+    {"diagnosis", 0, "D.json",
+     "what `iqfoc diagnose --json` wrote: the firmware's model, and the watch's noise and confidence"},
     {"rate", 0, "HZ", "switching frequency; default: 8000"},
-    {"trials", 0, "N", "drives for each change; default: 20"},
+    {"trials", 0, "N", "drives for each change; default: 20; 0: only the one in which nothing changes"},
     {"cycles", 0, "N", "of a drive in which nothing changes; default: 1e6"},
     {"seed", 0, "N", "of the first drive; default: 1"},
     {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
     {"change", 0, "magnet|winding|sensor|dead_time", "with -o: what changes in the drive that is recorded"},
     {"output", 'o', "DIR",
      "no trials, but one drive: what the alarm lets be recorded, rec.csv, and motor.toml"},
+    {"target", 0, "T",
+     "with -o: the firmware runs in QEMU, cortex-m4 or rv32; what its recorder sends is rec.uart,\nfor iqfoc "
+     "record"},
+    {"image", 0, "F.elf", "the image for --target (default: the one built beside this program)"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_watch = {
-    "watch", "--motor M.toml [--rate HZ] [--trials N] [--cycles N] [--json F] | --change C -o DIR",
+    "watch",
+    "--motor M.toml [--diagnosis D.json] [--rate HZ] [--trials N] [--cycles N] [--json F] | --change C "
+    "[--target T] -o DIR",
     "Tries the watch of iqfoc/watch.h: drives with dead time and noise under the tuned controller run\n"
     "varied duty in the switching-level plant, and after half a second the magnet weakens by 5 %,\n"
     "the winding warms by 60 K, a current sensor's gain grows by 2 %, or the dead time doubles. Says\n"
@@ -35,67 +57,11 @@ const command_about about_watch = {
     specs};
 
 typedef struct request {
-    const char *motor_path, *json_path, *change, *directory;
+    const char *motor_path, *diagnosis_path, *json_path, *change, *directory;
+    drive_emulated_choice emulated; /* no target: the firmware in this program */
     double rate, cycles;
     long trials, seed;
 } request;
-
-typedef struct results {
-    watch_trial of[WATCH_CHANGES];
-    watch_clean clean;
-} results;
-
-static json_t *trial_json(watch_change change, const watch_trial *t)
-{
-    json_t *named = json_object();
-    for (int g = 0; g <= IQFOC_WATCH_GROUPS; g++) {
-        if (t->named[g] > 0 &&
-            json_object_set_new(named, watch_group_text[g], json_integer(t->named[g])) != 0) {
-            json_free(named);
-            return NULL;
-        }
-    }
-    return json_pack("{s:s, s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:i, s:o}", "change", watch_change_key[change],
-                     "trials", t->trials, "noted", t->noted, "right", t->right, "early", t->early, "median_s",
-                     json_number(t->median_s), "latest_s", json_number(t->latest_s), "amount",
-                     json_number(t->amount), "since_within_0.1_s", t->since_within, "named", named);
-}
-
-static json_t *results_json(const motor *m, const results *r)
-{
-    json_t *trials = json_array();
-    json_t *passed = json_array();
-    bool ok = trials != NULL && passed != NULL;
-    for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES && ok; n++) {
-        ok = json_array_append_new(trials, trial_json((watch_change)n, &r->of[n])) == 0;
-    }
-    for (int n = 1; n < WATCH_LEVELS && ok; n++) {
-        ok = json_array_append_new(passed, json_integer(r->clean.passed[n])) == 0;
-    }
-    if (!ok) {
-        json_free(trials);
-        json_free(passed);
-        return NULL;
-    }
-    return json_pack("{s:i, s:s, s:f, s:f, s:o, s:{s:f, s:i, s:f, s:o}}", "schema", 1, "motor", m->name,
-                     "f_pwm_Hz", m->f_pwm_Hz, "noise_pu", WATCH_NOISE, "trials", trials, "clean", "cycles",
-                     r->clean.cycles, "alarms", (int)r->clean.alarms, "highest", r->clean.highest, "passed",
-                     passed);
-}
-
-static void print(const motor *m, const results *r)
-{
-    printf("%s at %g Hz, noise %g %% of the rated peak a sample\n  %-26s%8s%8s%8s%12s%12s%10s\n", m->name,
-           m->f_pwm_Hz, 100.0 * WATCH_NOISE, "what changes", "drives", "noted", "right", "median, s",
-           "latest, s", "early");
-    for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES; n++) {
-        const watch_trial *t = &r->of[n];
-        printf("  %-26s%8d%8d%8d%12.3f%12.3f%10d\n", watch_change_text[n], t->trials, t->noted, t->right,
-               t->median_s, t->latest_s, t->early);
-    }
-    printf("nothing, %.3g cycles: %ld alarms, the highest detector at %.2f of %.2f\n", r->clean.cycles,
-           r->clean.alarms, r->clean.highest, IQFOC_WATCH_THRESHOLD);
-}
 
 static bool take_change(const request *r, watch_change *change, error *e)
 {
@@ -108,69 +74,142 @@ static bool take_change(const request *r, watch_change *change, error *e)
     return error_input(e, NULL, 0, 0, "watch: -o needs --change magnet, winding, sensor or dead_time");
 }
 
-static bool write_dump(const request *r, const watch_dump *dump, error *e)
+/* ---- The firmware in an emulator ---- */
+
+typedef struct emulated_firmware {
+    drive_emulated machine;
+    drive_emulated_choice choice;
+} emulated_firmware;
+
+static bool start_emulated(void *context, const tuned_firmware_config_t *config, const motor *told,
+                           drive_firmware *calls, error *e)
 {
-    out_folder f = {0};
-    char path[1100];
-    bool ok = out_folder_open(&f, r->directory, e);
-    if (ok) {
-        (void)snprintf(path, sizeof path, "%s/rec.csv", f.stage);
-        ok = recording_write(path, &dump->rows.recording, "iqfoc watch: recorded from its alarm on", e);
-    }
-    if (ok) {
-        (void)snprintf(path, sizeof path, "%s/motor.toml", f.stage);
-        ok = motor_write(path, &dump->told, "what the firmware knew at the alarm", e);
-    }
-    return out_folder_close(&f, ok, e);
+    emulated_firmware *f = context;
+    *calls = drive_firmware_emulated(&f->machine);
+    return drive_emulated_start(&f->machine, &f->choice, told, e) &&
+           drive_emulated_tune(&f->machine, config, e);
 }
 
-/* One drive up to its alarm, and what is recorded from there on. */
+static bool group_emulated(void *context, iqfoc_watch_group_t *group, error *e)
+{
+    emulated_firmware *f = context;
+    pil_watched_t watched;
+    if (!drive_emulated_watched(&f->machine, &watched, e)) {
+        return false;
+    }
+    *group = (iqfoc_watch_group_t)watched.group;
+    return true;
+}
+
+/* ---- One drive up to its alarm, and what is recorded from there on ---- */
+
+static bool run_dump(const request *r, const tune_result *design, watch_change change, const char *uart,
+                     watch_dump *dump, error *e)
+{
+    static emulated_firmware f;
+    const watch_target target = {&f, start_emulated, group_emulated};
+    const uint64_t seed = (uint64_t)r->seed;
+    if (r->emulated.target == NULL) {
+        return watch_trial_dump(design, change, seed, RECORDED_S, NULL, dump, e);
+    }
+    f.choice = r->emulated;
+    f.choice.uart = uart;
+    f.choice.at_alarm = true;
+    const bool ok = watch_trial_dump(design, change, seed, RECORDED_S, &target, dump, e) &&
+                    drive_emulated_finish(&f.machine, e);
+    drive_emulated_stop(&f.machine);
+    return ok;
+}
+
+static bool write_dump(const request *r, const char *stage, const watch_dump *dump, error *e)
+{
+    char path[1100];
+    (void)snprintf(path, sizeof path, "%s/rec.csv", stage);
+    const bool ok =
+        r->emulated.target != NULL ||
+        recording_write(path, &dump->rows.recording, "iqfoc watch: recorded from its alarm on", e);
+    (void)snprintf(path, sizeof path, "%s/motor.toml", stage);
+    return ok && motor_write(path, &dump->told, "what the firmware knew at the alarm", e);
+}
+
+static void print_dump(const request *r, watch_change change, const watch_dump *dump)
+{
+    printf("%s: taken for %s, %.3f s after it\n", watch_change_text[change], watch_group_text[dump->group],
+           dump->alarm_s);
+    if (r->emulated.target != NULL) {
+        printf("  iqfoc record --port %s/rec.uart -o %s/rec.csv\n", r->directory, r->directory);
+    }
+    printf("  iqfoc diagnose %s/rec.csv --motor %s/motor.toml\n", r->directory, r->directory);
+}
+
 static bool record(const request *r, const tune_result *design, error *e)
 {
     static watch_dump dump;
     watch_change change = WATCH_NOTHING;
-    bool ok = take_change(r, &change, e) &&
-              watch_trial_dump(design, change, (uint64_t)r->seed, RECORDED_S, &dump, e);
-    if (ok && !dump.noted) {
-        ok = error_input(e, NULL, 0, 0,
-                         "watch: %s was not noted within %g s; another --seed runs another duty",
-                         watch_change_text[change], WATCH_CHANGED_S);
+    char uart[1100];
+    out_folder f = {0};
+    bool ok = take_change(r, &change, e) && out_folder_open(&f, r->directory, e);
+    if (ok) {
+        (void)snprintf(uart, sizeof uart, "%s/rec.uart", f.stage);
+        ok = run_dump(r, design, change, uart, &dump, e) &&
+             (dump.noted ||
+              error_input(e, NULL, 0, 0,
+                          "watch: %s was not noted within %g s; another --seed runs another duty",
+                          watch_change_text[change], WATCH_CHANGED_S)) &&
+             write_dump(r, f.stage, &dump, e);
     }
-    ok = ok && write_dump(r, &dump, e);
+    ok = out_folder_close(&f, ok, e);
     recording_free(&dump.rows.recording);
     if (ok) {
-        printf("%s: taken for %s\n  iqfoc diagnose %s/rec.csv --motor %s/motor.toml\n",
-               watch_change_text[change], watch_group_text[dump.group], r->directory, r->directory);
+        print_dump(r, change, &dump);
     }
     return ok;
 }
 
 static bool try_all(const request *r, const tune_result *design, error *e)
 {
-    static results all;
-    bool ok = true;
-    for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES && ok; n++) {
-        ok = watch_trial_run(design, (watch_change)n, (int)r->trials, (uint64_t)r->seed, &all.of[n], e);
+    static watch_results all;
+    const uint64_t seed = (uint64_t)r->seed;
+    all.tried = r->trials > 0;
+    bool ok = watch_clean_run(design, r->cycles, seed + 1000000, &all.clean, e);
+    for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES && ok && all.tried; n++) {
+        ok = watch_trial_run(design, (watch_change)n, (int)r->trials, seed, &all.of[n], e);
     }
-    ok = ok && watch_clean_run(design, r->cycles, (uint64_t)r->seed + 1000000, &all.clean, e);
+    ok = ok && (!all.tried ||
+                (adapt_trial_run(design, false, WATCH_WARMING_S, WATCH_ADAPTED_S, seed, &all.plain, e) &&
+                 adapt_trial_run(design, true, WATCH_WARMING_S, WATCH_ADAPTED_S, seed, &all.adapted, e)));
     out_folder none = {0};
-    ok = ok && json_file_place(&none, r->json_path, results_json(&design->motor, &all), e);
+    ok = ok && json_file_place(&none, r->json_path, watch_results_json(&design->motor, &all), e);
     if (ok && !json_file_is_stdout(r->json_path)) {
-        print(&design->motor, &all);
+        watch_results_print(&design->motor, &all, stdout);
     }
     return ok;
+}
+
+/* The machines that the model may be of, and with a diagnosis what the watch may take for granted. */
+static bool take_region(const request *r, tune_result *design, error *e)
+{
+    const tune_tolerances t = {TUNE_TOLERANCE_R, TUNE_TOLERANCE_L, TUNE_TOLERANCE_PSI_F};
+    if (r->diagnosis_path == NULL) {
+        tune_region_of_tolerances(&design->motor, &t, &design->region);
+        return tune_design_bandwidth(design, e);
+    }
+    if (!tune_region_of_diagnosis(&design->motor, r->diagnosis_path, &t, &design->region, e) ||
+        !tune_design_bandwidth(design, e)) {
+        return false;
+    }
+    const tune_watch known = tune_watch_of(design);
+    return known.none == NULL || error_input(e, r->diagnosis_path, 0, 0, "no watch by this: %s", known.none);
 }
 
 static bool watch(const request *r, error *e)
 {
     static tune_result design = {.method = TUNE_PI, .disk_wanted = 0.5};
-    const tune_tolerances t = {TUNE_TOLERANCE_R, TUNE_TOLERANCE_L, TUNE_TOLERANCE_PSI_F};
     if (!motor_read(r->motor_path, &design.motor, e)) {
         return false;
     }
     design.motor.f_pwm_Hz = r->rate;
-    tune_region_of_tolerances(&design.motor, &t, &design.region);
-    return tune_design_bandwidth(&design, e) &&
+    return take_region(r, &design, e) &&
            (r->directory != NULL ? record(r, &design, e) : try_all(r, &design, e));
 }
 
@@ -179,17 +218,23 @@ int cmd_watch(int argc, char **argv)
     request r = {.rate = 8000.0, .cycles = 1e6, .trials = 20, .seed = 1};
     error e = {0};
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
+                                   [OPT_DIAGNOSIS] = {.text = &r.diagnosis_path},
                                    [OPT_RATE] = {.number = &r.rate, .low = 100.0, .high = 1e6},
-                                   [OPT_TRIALS] = {.integer = &r.trials, .low = 1, .high = 100000},
+                                   [OPT_TRIALS] = {.integer = &r.trials, .low = 0, .high = 100000},
                                    [OPT_CYCLES] = {.number = &r.cycles, .low = 1e3, .high = 1e12},
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_CHANGE] = {.text = &r.change},
-                                   [OPT_OUTPUT] = {.text = &r.directory}};
+                                   [OPT_OUTPUT] = {.text = &r.directory},
+                                   [OPT_TARGET] = {.text = &r.emulated.target},
+                                   [OPT_IMAGE] = {.text = &r.emulated.image}};
     options o = options_begin(&about_watch, argc, argv);
     bool ok = options_read(&o, places, &e);
     if (ok && !o.helped) {
-        ok = options_complete(&o, places, &e) && watch(&r, &e);
+        ok = options_complete(&o, places, &e) &&
+             (r.emulated.target == NULL || r.directory != NULL ||
+              error_input(&e, NULL, 0, 0, "watch: --target needs --change and -o")) &&
+             watch(&r, &e);
     }
     return ok ? STATUS_DONE : error_print(&e);
 }

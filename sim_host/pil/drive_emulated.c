@@ -106,7 +106,7 @@ static void mantissa_of(double x, int32_t *mantissa, int32_t *shift)
 }
 
 /* Tells the image's recorder what its numbers stand for. */
-static bool recorder_start(drive_emulated *d, const motor *m, error *e)
+static bool recorder_start(drive_emulated *d, uint32_t type, const motor *m, error *e)
 {
     const per_unit base = per_unit_of(m);
     pil_bases_t bases;
@@ -114,7 +114,7 @@ static bool recorder_start(drive_emulated *d, const motor *m, error *e)
     mantissa_of(base.I_A, &bases.I_mantissa, &bases.I_shift);
     mantissa_of(base.U_V, &bases.U_mantissa, &bases.U_shift);
     mantissa_of(VEC_TWO_PI / base.T_s, &bases.omega_mantissa, &bases.omega_shift);
-    const pil_frame_t question = pil_record_frame(&bases);
+    const pil_frame_t question = pil_record_frame(type, &bases);
     return started(d, &question, "the recorder refused its configuration:", e);
 }
 
@@ -151,7 +151,9 @@ bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice
                                 "none",      "-kernel",
                                 image,       t->bios != NULL ? "-bios" : NULL,
                                 t->bios,     NULL};
-    return emulator_start(&d->machine, t->name, argv, e) && (choice->uart == NULL || recorder_start(d, m, e));
+    const uint32_t recorded = choice->at_alarm ? PIL_RECORD_ALARM : PIL_RECORD;
+    return emulator_start(&d->machine, t->name, argv, e) &&
+           (choice->uart == NULL || recorder_start(d, recorded, m, e));
 }
 
 static bool emulated_start(void *context, const iqfoc_cycle_config_t *config, error *e)
@@ -187,6 +189,23 @@ static bool emulated_peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t 
 drive_firmware drive_firmware_emulated(drive_emulated *d)
 {
     return (drive_firmware){d, emulated_start, emulated_valley, emulated_peak};
+}
+
+bool drive_emulated_tune(drive_emulated *d, const tuned_firmware_config_t *config, error *e)
+{
+    const pil_frame_t question = pil_tune_frame(config);
+    return started(d, &question, "the library refused the tuned firmware's corrections: iqfoc_error_t", e);
+}
+
+bool drive_emulated_watched(drive_emulated *d, pil_watched_t *watched, error *e)
+{
+    const pil_frame_t question = {PIL_ASK, 0, {0}};
+    pil_frame_t answer;
+    if (!exchange(d, &question, PIL_WATCHED, &answer, e)) {
+        return false;
+    }
+    pil_watched_read(&answer, watched);
+    return true;
 }
 
 bool drive_emulated_finish(drive_emulated *d, error *e)

@@ -1,6 +1,8 @@
 /* The firmware's header of a design, and the design in words (tune_report.h). */
 #include "tune_report.h"
 
+#include "tune_watch.h"
+
 #include "base/number.h"
 #include "base/out_file.h"
 
@@ -25,6 +27,36 @@ static void put_comment_text(FILE *out, const char *text)
     }
 }
 
+/* The watch's constants, or why there are none. */
+static void put_watch(FILE *out, const tune_result *r)
+{
+    const tune_watch w = tune_watch_of(r);
+    if (w.none != NULL) {
+        fprintf(out, "\n/* No watch (iqfoc/watch.h): %s. */\n", w.none);
+        return;
+    }
+    const tune_noted from = tune_noted_from(&w);
+    fprintf(out,
+            "\n/*\n * The watch of iqfoc/watch.h: iqfoc_watch_config_t. With these its bound on false alarms "
+            "holds for every "
+            "machine of\n * the region; at best it notes R from %.2g %%, L from %.2g %% and psi_f from %.2g "
+            "%% off on.\n */\n",
+            100.0 * from.R, 100.0 * from.L, 100.0 * from.psi);
+    define(out, "IQFOC_TUNED_NOISE_PU", w.noise_pu, "of a current sample, per unit");
+    define(out, "IQFOC_TUNED_UNSURE_R", w.R, "share by which R may be off");
+    define(out, "IQFOC_TUNED_UNSURE_L", w.L, "L_d and L_q");
+    define(out, "IQFOC_TUNED_UNSURE_PSI", w.psi, "psi_f");
+    fputs(
+        "#define IQFOC_TUNED_WATCH \\\n"
+        "    IQFOC_WATCH_CONFIG_KNOWN(IQFOC_TUNED_R_OHM, IQFOC_TUNED_L_D_H, IQFOC_TUNED_L_Q_H, "
+        "IQFOC_TUNED_PSI_WB, \\\n"
+        "                             IQFOC_TUNED_T_S, IQFOC_I_BASE(IQFOC_TUNED_I_RATED_A), "
+        "IQFOC_TUNED_U_DC_V, \\\n"
+        "                             IQFOC_TUNED_NOISE_PU, IQFOC_TUNED_UNSURE_R, IQFOC_TUNED_UNSURE_L, \\\n"
+        "                             IQFOC_TUNED_UNSURE_PSI)\n",
+        out);
+}
+
 bool tune_report_header(const tune_report *t, const char *directory, error *e)
 {
     const tune_result *r = &t->result;
@@ -45,7 +77,9 @@ bool tune_report_header(const tune_report *t, const char *directory, error *e)
     put_comment_text(out, r->region.source);
     fputs(".\n *\n *     static const iqfoc_tuned_law_t law = IQFOC_TUNED_LAW;\n *\n * How it is used: "
           "iqfoc/tuned_control.h. A value that the library cannot hold does not compile.\n */\n"
-          "#ifndef IQFOC_TUNED_LAW_H\n#define IQFOC_TUNED_LAW_H\n\n#include \"iqfoc/tuned_control.h\"\n\n",
+          "#ifndef IQFOC_TUNED_LAW_H\n#define IQFOC_TUNED_LAW_H\n\n#include "
+          "\"iqfoc/tuned_control.h\"\n#include "
+          "\"iqfoc/watch.h\"\n\n",
           out);
     define(out, "IQFOC_TUNED_T_S", d->T_s, "s, control cycle");
     define(out, "IQFOC_TUNED_I_RATED_A", r->motor.I_rated_A_rms, "A rms");
@@ -66,9 +100,10 @@ bool tune_report_header(const tune_report *t, const char *directory, error *e)
           "IQFOC_TUNED_U_DC_V), \\\n"
           "     IQFOC_CHECKED(IQFOC_TUNED_KEEP, 0.0, 1.0), IQFOC_CHECKED(IQFOC_TUNED_FOLLOW, 0.0, 1.0), \\\n"
           "     IQFOC_CHECKED(IQFOC_TUNED_LEARN, 0.0, 1.0), IQFOC_CHECKED(IQFOC_TUNED_LEARN_OFFSET, 0.0, "
-          "1.0)}\n\n"
-          "#endif\n",
+          "1.0)}\n",
           out);
+    put_watch(out, r);
+    fputs("\n#endif\n", out);
     return out_file_commit(&f, e);
 }
 

@@ -125,10 +125,16 @@ tune_machine tune_region_draw(const tune_region *region, plant_random *r)
     return m;
 }
 
+tune_machine tune_machine_of_motor(const motor *m)
+{
+    tune_machine machine = {.R_ohm = m->R_ohm, .psi_f_Wb = m->psi_f_Wb};
+    motor_inductances(m, &machine.L_d_H, &machine.L_q_H);
+    return machine;
+}
+
 void tune_region_of_tolerances(const motor *m, const tune_tolerances *t, tune_region *region)
 {
-    *region = (tune_region){.centre = {.R_ohm = m->R_ohm, .psi_f_Wb = m->psi_f_Wb}};
-    motor_inductances(m, &region->centre.L_d_H, &region->centre.L_q_H);
+    *region = (tune_region){.centre = tune_machine_of_motor(m)};
     const double nominal[TUNE_AXES] = {m->R_ohm, region->centre.L_d_H, region->centre.L_q_H};
     const double share[TUNE_AXES] = {t->R, t->L, t->L};
     for (int n = 0; n < TUNE_AXES; n++) {

@@ -38,13 +38,17 @@ typedef struct tune_region {
     double radius;                          /* sqrt of chi squared's 95 % point for them */
     double low[TUNE_AXES], high[TUNE_AXES]; /* of the box, off the centre; 0 where the ellipsoid knows */
     double psi_low, psi_high;               /* off the centre */
+    double noise_A;                         /* of one phase's current sample; 0: not known */
     bool alike;                             /* the box moves both inductances alike */
     tune_point point[TUNE_POINTS_MOST];     /* the centre, then the region's boundary */
     int points;
     char source[160]; /* what it was made of, in words */
 } tune_region;
 
-/* The nominal machine is the motor's, at zero current. Tolerances: shares, 0 <= x < 1. */
+/* The motor's own machine, at zero current. */
+tune_machine tune_machine_of_motor(const motor *m);
+
+/* The nominal machine is the motor's. Tolerances: shares, 0 <= x < 1. */
 void tune_region_of_tolerances(const motor *m, const tune_tolerances *t, tune_region *region);
 
 /*

@@ -175,6 +175,8 @@ bool tune_region_of_diagnosis(const motor *m, const char *path, const tune_toler
     } else {
         tune_region_of_tolerances(m, t, region);
         take_values(root, region, low, high);
+        region->noise_A =
+            json_number_value(json_object_get(json_object_get(root, "error"), "sensor_noise_A"));
         const int intervals = take_intervals(region, low, high);
         ok = take_covariance(covariance, region, &psi_deviation) ||
              error_input(e, path, 0, 0, "covariance: expected a symmetric matrix that is positive definite");

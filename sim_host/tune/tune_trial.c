@@ -96,7 +96,7 @@ static loop_case case_of(const motor *truth, double rpm)
 static bool run_tuned(const motor *believed, const tune_design *design, const loop_case *c,
                       loop_result *result, error *e)
 {
-    tuned_drive drive;
+    tuned_firmware_t drive;
     if (!tuned_drive_init(&drive, believed, design, e)) {
         return false;
     }

@@ -1,6 +1,9 @@
 /*
  * The watch (iqfoc/watch.h) tried: drives under the tuned controller run varied duty (speeds through both
  * directions, steps of both currents); after half a second something about the drive changes.
+ *
+ * The drive is the motor file's, the firmware's model the centre of the design's region. Where a diagnosis made that, the
+ * watch has its noise and confidence; else it takes the model for exact, and knows the trials' own noise.
  */
 #ifndef SIM_HOST_TUNE_WATCH_TRIAL_H
 #define SIM_HOST_TUNE_WATCH_TRIAL_H
@@ -9,7 +12,7 @@
 
 #include "drive/drive_recording.h"
 
-#include "iqfoc/watch.h"
+#include "tuned_firmware.h"
 
 typedef enum watch_change {
     WATCH_NOTHING,
@@ -52,14 +55,25 @@ bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint
  * them, and the motor as the firmware knows it. The change of a current sensor is phase A's.
  */
 typedef struct watch_dump {
-    bool noted; /* within WATCH_CHANGED_S; else there are no rows */
+    bool noted;     /* within WATCH_CHANGED_S; else there are no rows */
+    double alarm_s; /* from the change to the alarm */
     iqfoc_watch_group_t group;
     drive_recording rows; /* freed with recording_free(&rows.recording), also after a failure */
     motor told;
 } watch_dump;
 
+/* A firmware that runs elsewhere than in this program. */
+typedef struct watch_target {
+    void *context;
+    /* *calls: its valley and peak. told: whose bases its recorder speaks in. */
+    bool (*start)(void *context, const tuned_firmware_config_t *config, const motor *told,
+                  drive_firmware *calls, error *e);
+    bool (*group)(void *context, iqfoc_watch_group_t *group, error *e);
+} watch_target;
+
+/* target: NULL for the firmware of this program. */
 bool watch_trial_dump(const tune_result *r, watch_change change, uint64_t seed, double seconds,
-                      watch_dump *dump, error *e);
+                      const watch_target *target, watch_dump *dump, error *e);
 
 /*
  * Cycles without a change, in runs of `cycles`/32 blocks each with a seed of its own: how often the highest

@@ -1,9 +1,10 @@
 """The watch from end to end: a drive changes, its alarm lets it be recorded, and `iqfoc diagnose` names what changed.
 
-    tests/blind/watch.py [--trials N] [--first SEED] [--iqfoc PROGRAM]
+    tests/blind/watch.py [--trials N] [--first SEED] [--target cortex-m4] [--iqfoc PROGRAM]
 
 Each trial is a drive of its own duty; CI runs one of each change. Exit status 1 if fewer than 95 % are noted within a second,
-taken for the right group by the watch, and named by the diagnosis with the right value in a tenth of the change.
+taken for the right group by the watch, and named by the diagnosis with the right value in a tenth of the change. With --target
+the firmware runs in QEMU, and what is diagnosed is what its recorder sent; tests/target/run.sh builds the images.
 """
 
 import argparse
@@ -30,14 +31,22 @@ def value_of(cause, name):
     return values[name] if name else values["g_a"] - 0.5 * (values["g_b"] + values["g_c"])
 
 
-def trial(program, change, seed, folder):
+def noted(program, change, seed, folder, target=None):
+    """What the watch takes the change for, or an error in words; folder/rec.csv is then there."""
+    command = [program, "watch", "--motor", MOTOR, "--change", change, "--seed", str(seed), "-o", folder]
+    done = subprocess.run(command + (["--target", target] if target else []), cwd=ROOT, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        return done.stderr.strip()
+    if target:
+        subprocess.run([program, "record", "--port", folder / "rec.uart", "-o", folder / "rec.csv"], cwd=ROOT, capture_output=True,
+                       check=True)
+    return done.stdout.splitlines()[0].partition(": taken for ")[2].partition(",")[0]
+
+
+def trial(program, change, seed, folder, target=None):
     """In words: "named", or what went wrong."""
     group, cause, name, truth, size = CHANGES[change]
-    noted = subprocess.run([program, "watch", "--motor", MOTOR, "--change", change, "--seed", str(seed), "-o", folder], cwd=ROOT,
-                           capture_output=True, text=True, check=False)
-    if noted.returncode != 0:
-        return noted.stderr.strip()
-    taken = noted.stdout.splitlines()[0].partition(": taken for ")[2]
+    taken = noted(program, change, seed, folder, target)
     if taken != group:
         return f"taken for {taken}"
     result = folder / "diagnosis.json"
@@ -54,6 +63,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--trials", type=int, default=1)
     parser.add_argument("--first", type=int, default=1)
+    parser.add_argument("--target", choices=["cortex-m4", "rv32"])
     parser.add_argument("--iqfoc", type=pathlib.Path, default=ROOT / "build" / "host" / "iqfoc")
     options = parser.parse_args()
     status = 0
@@ -61,7 +71,7 @@ def main():
         named = 0
         for seed in range(options.first, options.first + options.trials):
             with tempfile.TemporaryDirectory() as folder:
-                outcome = trial(options.iqfoc.resolve(), change, seed, pathlib.Path(folder))
+                outcome = trial(options.iqfoc.resolve(), change, seed, pathlib.Path(folder), options.target)
             named += outcome == "named"
             if outcome != "named":
                 print(f"  {change}, seed {seed}: {outcome}")

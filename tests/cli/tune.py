@@ -22,6 +22,16 @@ int main(void)
 }
 """
 
+WATCH = """#include "iqfoc_tuned.h"
+#include <stdio.h>
+static const iqfoc_watch_config_t config = IQFOC_TUNED_WATCH;
+int main(void)
+{
+    printf("%d %d %d %d", (int)config.per_noise_q8, (int)config.unsure_q16[0], (int)config.unsure_q16[1], (int)config.unsure_q16[2]);
+    return 0;
+}
+"""
+
 
 class Tune(unittest.TestCase):
     def setUp(self):
@@ -74,6 +84,32 @@ class Tune(unittest.TestCase):
                 *(controller[key] * 2 ** 24 for key in ("keep", "follow", "learn", "learn_offset"))]
         for got, value in zip(held, want):
             self.assertAlmostEqual(value, got, delta=1.0)
+
+    def test_a_diagnosis_brings_the_watch(self):
+        """Noise and region of the diagnosis are the watch's constants in the header; without them it says why it has none."""
+        variances = [0.9e-2, 0.8e-4, 1.1e-4, 0.2e-2]
+        told = {"verdict": "clean", "causes": [], "error": {"sensor_noise_A": 0.02},
+                "covariance": {"names": ["R", "L_d", "L_q", "psi_f"],
+                               "matrix": [[value ** 2 if k == n else 0.0 for n in range(4)] for k, value in enumerate(variances)]}}
+        (self.folder / "d.json").write_text(json.dumps(told))
+        (self.folder / "watch.c").write_text(WATCH)
+        done = program.run(["tune", "--motor", "motor.toml", "--diagnosis", "d.json", "--drives", "1", "-o", "tuned"], self.folder)
+        self.assertEqual(0, done.returncode, done.stderr.decode())
+        subprocess.run(["gcc", *WARNINGS, "-I", program.ROOT / "include", "-I", self.folder / "tuned", self.folder / "watch.c", "-o",
+                        self.folder / "watch"], check=True)
+        per_noise, *unsure = [int(word) for word in subprocess.run([self.folder / "watch"], capture_output=True, check=True).stdout.split()]
+        self.assertAlmostEqual(256 * 6.0 * 2 ** 0.5 / (0.02 * (5 / 3) ** 0.5), per_noise, delta=1.0)
+        # Of three parameters the ellipsoid goes to 2.796 deviations, of psi_f alone 1.96.
+        for got, want in zip(unsure, (0.01 * 2.796 / 0.1, 0.01 * 2.796 / 0.05, 0.01 * 1.96 / 0.02)):
+            self.assertAlmostEqual(want * 65536, got, delta=70.0)
+        done = program.run(["watch", "--motor", "motor.toml", "--diagnosis", "d.json", "--trials", "1", "--cycles", "1e3"], self.folder)
+        self.assertEqual(0, done.returncode, done.stderr.decode())
+        program.run(["tune", "--motor", "motor.toml", "--drives", "1", "-o", "untold"], self.folder)
+        self.assertIn("No watch", (self.folder / "untold" / "iqfoc_tuned.h").read_text())
+        (self.folder / "mute.json").write_text('{"verdict": "clean", "causes": []}')
+        done = program.run(["watch", "--motor", "motor.toml", "--diagnosis", "mute.json"], self.folder)
+        self.assertEqual((2, 1), (done.returncode, len(done.stderr.decode().splitlines())))
+        self.assertIn("noise of the current sensors is not known", done.stderr.decode())
 
     def test_a_diagnosis_without_a_covariance_is_named_so(self):
         (self.folder / "d.json").write_text('{"verdict": "clean", "causes": []}')

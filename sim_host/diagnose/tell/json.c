@@ -93,13 +93,14 @@ json_t *json_of_diagnosis(const diagnosis *d)
     for (size_t k = 0; k < d->causes; k++) {
         json_array_append_new(causes, cause_json(&d->cause[k]));
     }
-    json_t *errors = json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "metric",
-        "one-cycle current prediction, rms of the error vector / rms of the current vector, "
-        "percent, held-out rows",
-        "nominal", json_number(d->nominal), "extended", json_number(d->extended), "noise_floor",
-        json_number(d->noise_floor), "gain", json_number(d->gain), "free_run_nominal",
-        json_number(d->free_nominal_percent), "free_run_extended", json_number(d->free_extended_percent));
+    json_t *errors =
+        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "metric",
+                  "one-cycle current prediction, rms of the error vector / rms of the current vector, "
+                  "percent, held-out rows",
+                  "nominal", json_number(d->nominal), "extended", json_number(d->extended), "noise_floor",
+                  json_number(d->noise_floor), "sensor_noise_A", json_number(d->sensor_noise_A), "gain",
+                  json_number(d->gain), "free_run_nominal", json_number(d->free_nominal_percent),
+                  "free_run_extended", json_number(d->free_extended_percent));
     return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o}",
                      "schema", 2, "recording", d->recording_path, "motor", d->motor_path, "rows",
                      (json_int_t)d->rows, "rows_used", (json_int_t)d->rows_used, "rows_held_out",

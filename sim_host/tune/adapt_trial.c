@@ -1,0 +1,69 @@
+/* The adaptation tried (adapt_trial.h). */
+#include "adapt_trial.h"
+
+#include "watch_duty.h"
+
+#include <math.h>
+
+/* What the firmware's model has of the drive's R and psi_f, less 1, in percent. */
+static void look(const watch_duty *w, adapt_trial *out)
+{
+    const plant_machine *truth = &w->loop.drive.config.machine;
+    const iqfoc_salient_machine_t *told = &w->firmware.config.law.machine;
+    const iqfoc_salient_machine_t *has = &w->firmware.law.machine;
+    const double r = (double)has->rho_q_q30 / (double)told->rho_q_q30 * w->told.R_ohm / truth->R_ohm - 1.0;
+    const double psi =
+        (double)has->k_psi_q_q27 / (double)told->k_psi_q_q27 * w->told.psi_f_Wb / truth->psi_f_Wb - 1.0;
+    out->r_percent = 100.0 * r;
+    out->psi_percent = 100.0 * psi;
+    out->r_most_percent = fmax(out->r_most_percent, fabs(out->r_percent));
+    out->psi_most_percent = fmax(out->psi_most_percent, fabs(out->psi_percent));
+}
+
+/* Both changes, to a share of what they come to. */
+static void change_to(plant_machine *machine, const plant_machine *from, const plant_machine *to,
+                      double share)
+{
+    machine->R_ohm = from->R_ohm + share * (to->R_ohm - from->R_ohm);
+    machine->psi_f_Wb = from->psi_f_Wb + share * (to->psi_f_Wb - from->psi_f_Wb);
+}
+
+bool adapt_trial_run(const tune_result *r, bool adapted, double warming_s, double seconds, uint64_t seed,
+                     adapt_trial *out, error *e)
+{
+    static const iqfoc_adapt_config_t usual = IQFOC_ADAPT_CONFIG;
+    watch_duty w;
+    drive_row row = {.run = 0};
+    const long cycles = lround(seconds * r->motor.f_pwm_Hz);
+    const double warming = fmax(1.0, warming_s * r->motor.f_pwm_Hz);
+    const long judged = cycles - cycles / 4;
+    double error_square = 0.0;
+    double torque_square = 0.0;
+    *out = (adapt_trial){.alarm = false};
+    if (!watch_duty_begin(&w, r, seed, e)) {
+        return false;
+    }
+    w.firmware.config.adapted = adapted ? 1 : 0;
+    w.firmware.config.adapt = usual;
+    plant_config changed = w.loop.drive.config;
+    const plant_machine begun = changed.machine;
+    watch_duty_change(&changed, WATCH_WINDING, 0);
+    watch_duty_change(&changed, WATCH_MAGNET, 0);
+    for (long n = 0; n < cycles; n++) {
+        change_to(&w.loop.drive.config.machine, &begun, &changed.machine, fmin(1.0, (double)n / warming));
+        if (!watch_duty_cycle(&w, n, &row, e)) {
+            return false;
+        }
+        if (n >= judged) {
+            look(&w, out);
+            const iqfoc_dq_t off = w.firmware.state.error;
+            const double torque = out->psi_percent * row.truth.i_dq_A.q / w.I_A;
+            error_square += pow(iq24_to_double(off.d), 2.0) + pow(iq24_to_double(off.q), 2.0);
+            torque_square += torque * torque;
+        }
+    }
+    out->alarm = (row.answer.status & TUNED_FIRMWARE_ALARM) != 0;
+    out->error_percent = 100.0 * sqrt(error_square / (double)(cycles - judged));
+    out->torque_percent = sqrt(torque_square / (double)(cycles - judged));
+    return true;
+}
