@@ -20,7 +20,8 @@ enum {
     OPT_AGAINST,
     OPT_SEED,
     OPT_JSON,
-    OPT_OUTPUT
+    OPT_OUTPUT,
+    OPT_FIRMWARE
 };
 
 static const option_spec specs[] = {
@@ -36,11 +37,13 @@ static const option_spec specs[] = {
     {"seed", 0, "N", "of the sensors' noise; default: 1"},
     {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
     {"output", 'o', "PLAN.toml", "the scenario, for iqfoc simulate and for a bench"},
+    {"firmware", 0, "F.h", "the same as constants for a firmware (examples/planned_recording)"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_plan = {
     "plan",
-    "--motor M.toml [--current A] [--speed RPM] [--u-dc V] [--seconds S] [--against S.toml] -o PLAN.toml",
+    "--motor M.toml [--current A] [--speed RPM] [--u-dc V] [--seconds S] [--against S.toml] -o "
+    "PLAN.toml\n[--firmware F.h]",
     "Plans a recording for iqfoc diagnose: pulses and steps at standstill, steps at speeds of both\n"
     "directions, run-ups and currents through zero, chosen by the information matrix so that the\n"
     "causes are told apart best in the time. Says what will be known and how well, what cannot be\n"
@@ -48,7 +51,7 @@ const command_about about_plan = {
     specs};
 
 typedef struct request {
-    const char *motor_path, *against_path, *json_path, *out_path;
+    const char *motor_path, *against_path, *json_path, *out_path, *header_path;
     double current, speed, u_dc, seconds, noise, full_scale; /* negative: the default */
     long bits, seed;
 } request;
@@ -106,6 +109,7 @@ static bool make(const request *r, error *e)
     const bool ok = (r->against_path == NULL || look_against(r, &p, e)) &&
                     plan_make(&m, &p.limits, r->seed, &p.plan, e) &&
                     (r->out_path == NULL || plan_write_scenario(&p, r->out_path, e)) &&
+                    (r->header_path == NULL || plan_write_header(&p, r->header_path, e)) &&
                     json_file_place(&none, r->json_path, plan_json(&p), e);
     if (ok && !json_file_is_stdout(r->json_path) && !json_file_is_stdout(r->out_path)) {
         plan_print(&p, stdout);
@@ -135,7 +139,8 @@ int cmd_plan(int argc, char **argv)
                                    [OPT_AGAINST] = {.text = &r.against_path},
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
                                    [OPT_JSON] = {.text = &r.json_path},
-                                   [OPT_OUTPUT] = {.text = &r.out_path}};
+                                   [OPT_OUTPUT] = {.text = &r.out_path},
+                                   [OPT_FIRMWARE] = {.text = &r.header_path}};
     options o = options_begin(&about_plan, argc, argv);
     bool ok = options_read(&o, places, &e);
     if (ok && !o.helped) {

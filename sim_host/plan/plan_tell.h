@@ -1,5 +1,5 @@
 /*
- * A plan told: the scenario file, the JSON, and words.
+ * A plan told: the scenario file, the firmware's header, the JSON, and words.
  */
 #ifndef SIM_HOST_PLAN_PLAN_TELL_H
 #define SIM_HOST_PLAN_PLAN_TELL_H
@@ -21,6 +21,9 @@ typedef struct plan_report {
 
 /* The recording as a scenario of docs/scenario.md. */
 bool plan_write_scenario(const plan_report *r, const char *path, error *e);
+
+/* The same for a firmware: examples/planned_recording/planned.h. */
+bool plan_write_header(const plan_report *r, const char *path, error *e);
 
 /* NULL: out of memory. */
 json_t *plan_json(const plan_report *r);
