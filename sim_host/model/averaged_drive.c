@@ -226,8 +226,10 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
 
     vec_ab u = voltage_of(d, row, end, m.push[0][0]);
     const vec_dq total_dq = vec_to_dq(i_true, r); /* what flows through the winding's resistance */
+    iron_branch branch = {.now = NULL};
     if (d->fe_S != 0.0) {
-        vec_ab taken = iron_branch_begin(d, row, i_true);
+        branch = iron_branch_of(d, row);
+        vec_ab taken = iron_branch_begin(d, &branch, i_true);
         i_true.alpha -= taken.alpha;
         i_true.beta -= taken.beta;
     }
@@ -291,7 +293,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     vec_ab i_next = vec_to_ab(i_end, end);
     if (d->fe_S != 0.0) {
-        vec_ab taken = iron_branch_end(d, row, i_next);
+        vec_ab taken = iron_branch_end(d, &branch, i_next);
         i_next.alpha += taken.alpha;
         i_next.beta += taken.beta;
     }

@@ -41,23 +41,26 @@ static const cycle_row *acting(const averaged_drive *d, const cycle_row *row)
     return late <= row->history ? row - late : row;
 }
 
-static vec_ab branch(const averaged_drive *d, vec_ab left, vec_ab i)
+iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row)
+{
+    iron_branch b = {.now = acting(d, row), .per_tau = row->T_s / d->fe_tau_s};
+    b.fade = exp(-b.per_tau);
+    b.old = before(d, b.now, b.per_tau, b.fade);
+    return b;
+}
+
+static vec_ab beside(const averaged_drive *d, vec_ab left, vec_ab i)
 {
     return (vec_ab){d->fe_S * (left.alpha - d->R_ohm * i.alpha), d->fe_S * (left.beta - d->R_ohm * i.beta)};
 }
 
-vec_ab iron_branch_begin(const averaged_drive *d, const cycle_row *row, vec_ab i)
+vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b, vec_ab i)
 {
-    const double per_tau = row->T_s / d->fe_tau_s;
-    return branch(d, before(d, acting(d, row), per_tau, exp(-per_tau)), i);
+    return beside(d, b->old, i);
 }
 
-vec_ab iron_branch_end(const averaged_drive *d, const cycle_row *row, vec_ab i)
+vec_ab iron_branch_end(const averaged_drive *d, const iron_branch *b, vec_ab i)
 {
-    const double per_tau = row->T_s / d->fe_tau_s;
-    const double fade = exp(-per_tau);
-    const cycle_row *now = acting(d, row);
-    const vec_ab old = before(d, now, per_tau, fade);
-    const vec_ab own = pulses(d, now, per_tau);
-    return branch(d, (vec_ab){own.alpha + fade * old.alpha, own.beta + fade * old.beta}, i);
+    const vec_ab own = pulses(d, b->now, b->per_tau);
+    return beside(d, (vec_ab){own.alpha + b->fade * b->old.alpha, own.beta + b->fade * b->old.beta}, i);
 }
