@@ -4,10 +4,21 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <string>
 #include <system_error>
+
+extern "C" const char *number_or_dash(double value, int digits, char text[NUMBER_TEXT_SIZE])
+{
+    if (std::isfinite(value)) {
+        std::snprintf(text, NUMBER_TEXT_SIZE, "%.*g", digits, value);
+    } else {
+        std::strcpy(text, "-");
+    }
+    return text;
+}
 
 extern "C" size_t number_text(double value, char text[NUMBER_TEXT_SIZE])
 {

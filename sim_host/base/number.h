@@ -27,6 +27,9 @@ typedef enum number_result {
     NUMBER_NOT_REPRESENTABLE /* 1e999, 1e-999 */
 } number_result;
 
+/* Of a value in so many digits, for people, or "-" where it is none: standstill has no ratio of frequencies. Returns `text`. */
+const char *number_or_dash(double value, int digits, char text[NUMBER_TEXT_SIZE]);
+
 /* Writes the shortest text of a value, 0-terminated, and returns its length: also "nan", "inf", "-inf". */
 size_t number_text(double value, char text[NUMBER_TEXT_SIZE]);
 

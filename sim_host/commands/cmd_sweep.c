@@ -1,5 +1,6 @@
 /* iqfoc sweep: the errors of each method over the ratio of switching to fundamental frequency. */
 #include "base/json_file.h"
+#include "base/number.h"
 #include "base/out_folder.h"
 #include "base/progress.h"
 #include "command.h"
@@ -76,7 +77,8 @@ static bool combination(const options *o, const request *r, error *e)
 
 static void print_point(const sweep_point *p)
 {
-    printf("%10g  %8.4g", p->n_rpm, p->sffr);
+    char sffr[NUMBER_TEXT_SIZE];
+    printf("%10g  %8s", p->n_rpm, number_or_dash(p->sffr, 4, sffr));
     const method_error *errors = p->errors.of;
     printf("  %10.4g  %14.4g  %10.4g", errors[METHOD_MEAN_STANDARD].rms_percent,
            errors[METHOD_MEAN_QUASI_DISCRETE].rms_percent, p->exact.mean.rms_percent);

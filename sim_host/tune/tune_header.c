@@ -113,9 +113,10 @@ static void print_margins(const tune_result *r, FILE *stream)
             "delay, cycles", "worst disk margin with");
     for (int s = 0; s < TUNE_SPEEDS; s += 4) {
         const tune_at_speed *at = &r->at[s];
-        fprintf(stream, "  %8.0f%8.3g%13.3f%15.2f%15.1f%15.2f   %s\n", at->rpm, at->sffr, at->worst.disk,
-                at->worst.gain_dB, at->worst.phase_deg, at->worst.delay_cycles,
-                r->region.point[at->disk_worst].text);
+        char sffr[NUMBER_TEXT_SIZE];
+        fprintf(stream, "  %8.0f%8s%13.3f%15.2f%15.1f%15.2f   %s\n", at->rpm,
+                number_or_dash(at->sffr, 3, sffr), at->worst.disk, at->worst.gain_dB, at->worst.phase_deg,
+                at->worst.delay_cycles, r->region.point[at->disk_worst].text);
     }
 }
 

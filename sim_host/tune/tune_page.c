@@ -1,6 +1,7 @@
 /* A design as a report page (tune_report.h). */
 #include "tune_report.h"
 
+#include "base/number.h"
 #include "base/vector.h"
 #include "report/page.h"
 
@@ -46,9 +47,10 @@ static void margins_table(page *p, const tune_result *r)
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (int s = 0; s < TUNE_SPEEDS; s += 2) {
         const tune_at_speed *at = &r->at[s];
+        char sffr[NUMBER_TEXT_SIZE];
         page_row_begin(p);
         page_cell(p, true, "%.0f", at->rpm);
-        page_cell(p, true, "%.3g", at->sffr);
+        page_cell(p, true, "%s", number_or_dash(at->sffr, 3, sffr));
         page_cell(p, true, "%.3f", at->worst.disk);
         page_cell(p, true, "%.2f", at->worst.gain_dB);
         page_cell(p, true, "%.1f", at->worst.phase_deg);

@@ -76,6 +76,9 @@ class GoodInput(unittest.TestCase):
         self.done(["sweep", "--motor", "motor.toml", "--rpm", "1000,2000", "--json", "out.json"])
         points = json.loads((self.folder / "out.json").read_text())["points"]
         self.assertEqual([1000, 2000], [point["rpm"] for point in points])
+        still = self.done(["sweep", "--motor", "motor.toml", "--rpm", "0"]).stdout.decode()
+        self.assertRegex(still, r"\n +0 +- ")
+        self.assertNotRegex(still, "inf|nan")
 
     def test_loops(self):
         self.need("loops")

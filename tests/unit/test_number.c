@@ -110,9 +110,21 @@ static void test_the_locale_does_not_matter(void)
     setlocale(LC_ALL, "C");
 }
 
+static void test_a_dash_for_what_is_no_number(void)
+{
+    char text[NUMBER_TEXT_SIZE];
+    TEST_ASSERT_EQUAL_STRING("80", number_or_dash(80.0, 3, text));
+    TEST_ASSERT_EQUAL_STRING("2.46", number_or_dash(2.4567, 3, text));
+    TEST_ASSERT_EQUAL_STRING("-1e+300", number_or_dash(-1e300, 9, text));
+    TEST_ASSERT_EQUAL_STRING("-", number_or_dash(INFINITY, 3, text));
+    TEST_ASSERT_EQUAL_STRING("-", number_or_dash(-INFINITY, 3, text));
+    TEST_ASSERT_EQUAL_STRING("-", number_or_dash(NAN, 3, text));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_dash_for_what_is_no_number);
     RUN_TEST(test_text_is_the_shortest);
     RUN_TEST(test_text_reads_back_to_the_same_bits);
     RUN_TEST(test_what_is_read);
