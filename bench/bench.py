@@ -133,7 +133,7 @@ def evaluate(target, build):
 
 
 # Objects that the papers' control needs. The rest: finer models, predictive control, corrections from a diagnosis, and more.
-CORE = {"arm_muls", "cycle", "iq24_math", "iq24_trig", "modulation", "rotor"}
+CORE = {"arm_muls", "arm_rotor", "arm_sincos", "cycle", "iq24_math", "iq24_trig", "modulation", "rotor"}
 
 
 def library_size(build):

@@ -128,34 +128,33 @@ iqfoc_exact_law_t iqfoc_exact_mean(const iqfoc_exact_winding_t *winding, iq24_t 
 }
 
 /*
- * Horner's rule in Q25. Range: the coefficients alternate and fall, |P| <= 50.3 < 64. w < 2^31 in Q32: 4/9.
- * Error: half a unit a step, later ones times w: below 0.9 units.
- */
-static int32_t polynomial(const int32_t coefficient_q25[IQFOC_EXACT_TERMS], int32_t w_q32)
-{
-    int32_t sum = coefficient_q25[IQFOC_EXACT_TERMS - 1];
-    for (int32_t k = IQFOC_EXACT_TERMS - 2; k >= 0; k--) {
-        sum = iq24_add_wrap(coefficient_q25[k],
-                            iq24_wrap(iq24_asr64(IQ24_MUL64(sum, w_q32) + INT64_C(0x80000000), 32)));
-    }
-    return sum;
-}
-
-/*
  * Range: |x| <= 2^24/3, so 2 x in Q32 is |512 x| <= 2^33/3 and too long; 256 x squared, times 4, is below
- * 2^31 (rotor.c has the same).
+ * 2^31: w <= 4/9.
+ * Horner's rule in Q25, both polynomials side by side: the coefficients alternate and fall, |P| <= 50.3 < 64.
+ * Error: half a unit a step, later ones times w: below 0.9 units.
  */
 iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns)
 {
     const iq24_t x = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     const int32_t x_q32 = x * 256;
     const int32_t w_q32 = (int32_t)iq24_asr64(IQ24_MUL64(x_q32, x_q32), 30);
-    const int32_t real = polynomial(law->real_q25, w_q32);
+    const int32_t *r = law->real_q25;
+    const int32_t *i = law->imag_q25;
+    int32_t real = iq24_mac_high_round(r[4], r[5], w_q32);
+    int32_t imag = iq24_mac_high_round(i[4], i[5], w_q32);
+    real = iq24_mac_high_round(r[3], real, w_q32);
+    imag = iq24_mac_high_round(i[3], imag, w_q32);
+    real = iq24_mac_high_round(r[2], real, w_q32);
+    imag = iq24_mac_high_round(i[2], imag, w_q32);
+    real = iq24_mac_high_round(r[1], real, w_q32);
+    imag = iq24_mac_high_round(i[1], imag, w_q32);
+    real = iq24_mac_high_round(r[0], real, w_q32);
+    imag = iq24_mac_high_round(i[0], imag, w_q32);
     const iqfoc_exact_t exact = {
         .stays_q26 = law->stays_q26,
         .k_u_q26 = law->k_u_q26,
         .w_real_q26 = x < 0 ? -iq24_mul_shift(-x, real, 23) : iq24_mul_shift(x, real, 23),
-        .w_imag_q26 = iq24_mul_shift(w_q32, polynomial(law->imag_q25, w_q32), 31),
+        .w_imag_q26 = iq24_mul_shift(w_q32, imag, 31),
     };
     return exact;
 }

@@ -1,8 +1,6 @@
 /* Rotor movement: polynomials for s1, s2 and the steady gain (include/iqfoc/rotor.h, docs/equations.md). */
 #include "iqfoc/rotor.h"
 
-#include "angle.h"
-
 /*
  * Of s1 and s2/x, Q30 in v = x^2; Chebyshev interpolation on v in [0, 1/9]: tools/derive_rotor.py, which CI
  * compares with these.
@@ -21,26 +19,11 @@ static iq24_t limited(iq24_t turns)
     return iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
 }
 
-/*
- * Range: P1 in Q30 lies in [0.826, 1] and P2 in [0.469, 0.524]. 2 pi P1 and 2 pi P2 are at most 6.284 in Q28,
- * 2^30.7; |x| <= 2^22.5, so that x times either is below 2^54. |phi| <= 2.1, |phi s1| <= 1.74, v 2 pi P2 <=
- * 0.33.
- * Error: phi_s1 and phi_s2 carry what the floors of P1 2 pi and P2 2 pi lose, 2^-28 times x or v, and the
- * polynomials'. phi: the floor of a floor is the floor of the whole, so it is rounded once.
- */
 iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns)
 {
     const iq24_t x = limited(turns);
     const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(x);
-    const int32_t two_pi_p1 = iq24_shift_wrap(IQ24_MUL64(shape.p1_q30, TWO_PI_Q28), 30);
-    const int32_t two_pi_p2 = iq24_shift_wrap(IQ24_MUL64(shape.p2_q30, TWO_PI_Q28), 30);
-    const iqfoc_rotor_t rotor = {.turns = x,
-                                 .phi = iq24_asr32(iq24_mul_high(shape.x_q32, TWO_PI_Q28) + 8, 4),
-                                 .s1 = iqfoc_rotor_s1(&shape),
-                                 .s2 = iqfoc_rotor_s2(&shape),
-                                 .phi_s1 = iq24_mul_shift(x, two_pi_p1, 28),
-                                 .phi_s2 = iq24_asr32(iq24_mul_high(shape.v_q32, two_pi_p2) + 8, 4)};
-    return rotor;
+    return iqfoc_rotor_of_shape(x, &shape);
 }
 
 /*

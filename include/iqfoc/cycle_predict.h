@@ -62,18 +62,21 @@ IQFOC_STEP bool iqfoc_wants_rotor(const iqfoc_methods_t m)
 IQFOC_STEP void iqfoc_cycle_rotor(const iqfoc_methods_t m, iqfoc_cycle_t *cycle, iqfoc_valley_t *at,
                                   const iqfoc_sample_t *sample, iq24_t turns)
 {
+    if (iqfoc_wants_rotor(m)) {
+        turns = iq24_max(turns, -IQFOC_ROTOR_TURNS_MAX); /* the guard lets through one LSB more */
+    }
     const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(turns);
     at->s1_q30 = shape.p1_q30;
     at->s2_q30 = iq24_mul_high(shape.x_q32, shape.p2_q30);
     cycle->rotor.turns = turns;
     if (iqfoc_wants_rotor(m)) {
-        cycle->rotor = iqfoc_rotor_from_turns(turns);
+        cycle->rotor = iqfoc_rotor_of_shape(turns, &shape);
     } else if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN || m.feedback == IQFOC_FEEDBACK_EXACT_MEAN) {
         cycle->rotor.s1 = iqfoc_rotor_s1(&shape);
         cycle->rotor.s2 = iqfoc_rotor_s2(&shape);
     }
     const int32_t x_s1_q30 = iq24_mul_high(shape.x_q32, shape.p1_q30);
-    const int32_t phi_s1_q26 = iq24_mul_high(x_s1_q30, INT32_C(1686629713)); /* 2 pi in Q28 */
+    const int32_t phi_s1_q26 = iq24_mul_high(x_s1_q30, IQFOC_Q28_2_PI);
     at->w_q26 = iq24_shift_wrap(IQ24_MUL64(cycle->config->predictor.k_psi, phi_s1_q26), 24);
     /* |at| <= 1, and the angle's sum wraps at 128 turns, which are whole. */
     at->theta = iq24_sub_wrap(sample->theta, iq24_mul_high(shape.x_q32, sample->at));

@@ -81,7 +81,7 @@ extern "C" {
 
 /*
  * Hooks: floor(a b / 2^32), the high word of the product; the same added to c, modulo 2^32; the high word to
- * nearest, ties up. |a b| <= 2^62, so the high word is within 2^30.
+ * nearest, ties up, and that added to c. |a b| <= 2^62, so the high word is within 2^30.
  */
 #ifndef IQ24_HIGH
 #define IQ24_HIGH(a, b) iq24_wrap(iq24_asr64(IQ24_MUL64(a, b), 32))
@@ -91,6 +91,9 @@ extern "C" {
 #endif
 #ifndef IQ24_HIGH_ROUND
 #define IQ24_HIGH_ROUND(a, b) iq24_wrap(iq24_asr64(IQ24_MUL64(a, b) + INT64_C(0x80000000), 32))
+#endif
+#ifndef IQ24_HIGH_ROUND_ADD
+#define IQ24_HIGH_ROUND_ADD(c, a, b) iq24_add_wrap(c, IQ24_HIGH_ROUND(a, b))
 #endif
 
 /* Hook: x held to what a signed number of so many bits can be, bits a constant from 1 to 31. */
@@ -283,9 +286,9 @@ static inline iq24_t iq24_acc_sat(iq24_acc_t acc)
 }
 
 /*
- * ---- High words: floor(a b / 2^32), c plus it, and the nearest, ties up ----
+ * ---- High words: floor(a b / 2^32), c plus it, the nearest, ties up, and c plus that ----
  * For factors whose formats have 32 bits to spare: one instruction on cores that have it. Never overflow, but
- * for the sum, which wraps.
+ * for the sums, which wrap.
  */
 static inline int32_t iq24_mul_high(int32_t a, int32_t b)
 {
@@ -300,6 +303,11 @@ static inline int32_t iq24_mac_high(int32_t c, int32_t a, int32_t b)
 static inline int32_t iq24_mul_high_round(int32_t a, int32_t b)
 {
     return IQ24_HIGH_ROUND(a, b);
+}
+
+static inline int32_t iq24_mac_high_round(int32_t c, int32_t a, int32_t b)
+{
+    return IQ24_HIGH_ROUND_ADD(c, a, b);
 }
 
 /*

@@ -41,6 +41,12 @@ extern const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4];
  */
 static inline iq24_sincos_t iq24_sincos_q30_inline(iq24_t turns)
 {
+    iq24_sincos_t result;
+#ifdef IQ24_SINCOS_Q30 /* a target's own way, to the bit: cosine 2^32 + sine */
+    const int64_t both = IQ24_SINCOS_Q30(turns);
+    result.sin = iq24_wrap(both);
+    result.cos = iq24_wrap(iq24_asr64(both, 32));
+#else
     /* The nearest tabulated angle (cells are 2^18 wide), modulo one turn. */
     uint32_t cell = (uint32_t)iq24_asr32(iq24_add_wrap(turns, INT32_C(1) << 17), 18) % IQ24_SINE_CELLS;
     const int32_t *entry = &iq24_sine_q30[cell];
@@ -56,9 +62,9 @@ static inline iq24_sincos_t iq24_sincos_q30_inline(iq24_t turns)
     int64_t sin_change = IQ24_MAC64(IQ24_MUL64(c, sin_d), s, minus_versin_d);
     int64_t cos_change = IQ24_MAC64(IQ24_MUL64(s, -sin_d), c, minus_versin_d);
 
-    iq24_sincos_t result;
     result.sin = s + iq24_wrap(iq24_asr64(sin_change, 34));
     result.cos = c + iq24_wrap(iq24_asr64(cos_change, 34));
+#endif
     return result;
 }
 

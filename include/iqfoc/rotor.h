@@ -62,6 +62,11 @@ static inline iqfoc_rotor_shape_t iqfoc_rotor_shape(iq24_t turns)
     const int32_t(*c)[2] = iqfoc_rotor_poly;
     const int32_t x = turns * 256;
     const int32_t v = iq24_mul_high(x, x);
+#ifdef IQFOC_ROTOR_POLYNOMIALS /* a target's own way, to the bit: P2 2^32 + P1 */
+    const int64_t both = IQFOC_ROTOR_POLYNOMIALS(turns, &c[0][0]);
+    const int32_t p1 = iq24_wrap(both);
+    const int32_t p2 = iq24_wrap(iq24_asr64(both, 32));
+#else
     int32_t p1 = iq24_mac_high(c[3][0], c[4][0], v);
     int32_t p2 = iq24_mac_high(c[3][1], c[4][1], v);
     p1 = iq24_mac_high(c[2][0], p1, v);
@@ -70,6 +75,7 @@ static inline iqfoc_rotor_shape_t iqfoc_rotor_shape(iq24_t turns)
     p2 = iq24_mac_high(c[1][1], p2, v);
     p1 = iq24_mac_high(c[0][0], p1, v);
     p2 = iq24_mac_high(c[0][1], p2, v);
+#endif
     const iqfoc_rotor_shape_t shape = {x, v, p1, p2};
     return shape;
 }
@@ -83,6 +89,31 @@ static inline iq24_t iqfoc_rotor_s1(const iqfoc_rotor_shape_t *shape)
 static inline iq24_t iqfoc_rotor_s2(const iqfoc_rotor_shape_t *shape)
 {
     return iq24_asr32(iq24_mul_high(shape->x_q32, shape->p2_q30) + 32, 6);
+}
+
+#define IQFOC_Q28_2_PI INT32_C(1686629713)
+
+/*
+ * All that the algorithms need, of a shape whose |turns| <= IQFOC_ROTOR_TURNS_MAX: iqfoc_rotor_from_turns where the
+ * shape is there already.
+ *
+ * Range: P1 in Q30 lies in [0.826, 1] and P2 in [0.469, 0.524]. 2 pi P1 and 2 pi P2 are at most 6.284 in Q28,
+ * 2^30.7; |x| <= 2^22.5, so that x times either is below 2^54. |phi| <= 2.1, |phi s1| <= 1.74, v 2 pi P2 <=
+ * 0.33.
+ * Error: phi_s1 and phi_s2 carry what the floors of P1 2 pi and P2 2 pi lose, 2^-28 times x or v, and the
+ * polynomials'. phi: the floor of a floor is the floor of the whole, so it is rounded once.
+ */
+static inline iqfoc_rotor_t iqfoc_rotor_of_shape(iq24_t turns, const iqfoc_rotor_shape_t *shape)
+{
+    const int32_t two_pi_p1 = iq24_shift_wrap(IQ24_MUL64(shape->p1_q30, IQFOC_Q28_2_PI), 30);
+    const int32_t two_pi_p2 = iq24_shift_wrap(IQ24_MUL64(shape->p2_q30, IQFOC_Q28_2_PI), 30);
+    const iqfoc_rotor_t rotor = {turns,
+                                 iq24_asr32(iq24_mul_high(shape->x_q32, IQFOC_Q28_2_PI) + 8, 4),
+                                 iqfoc_rotor_s1(shape),
+                                 iqfoc_rotor_s2(shape),
+                                 iq24_mul_shift(turns, two_pi_p1, 28),
+                                 iq24_asr32(iq24_mul_high(shape->v_q32, two_pi_p2) + 8, 4)};
+    return rotor;
 }
 
 /*

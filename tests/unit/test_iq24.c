@@ -84,6 +84,55 @@ static int32_t reference_mul_high(int32_t a, int32_t b)
     return (int32_t)floor_divide(exact_product(a, b), INT64_C(4294967296));
 }
 
+static int32_t reference_mul_high_round(int32_t a, int32_t b)
+{
+    return (int32_t)floor_divide(exact_product(a, b) + INT64_C(2147483648), INT64_C(4294967296));
+}
+
+/* With sums, to which both factors give a third number. */
+static int32_t third_of(int32_t a, int32_t b)
+{
+    return a ^ (b / 3);
+}
+
+static int32_t mac_high(int32_t a, int32_t b)
+{
+    return iq24_mac_high(third_of(a, b), a, b);
+}
+
+static int32_t reference_mac_high(int32_t a, int32_t b)
+{
+    return modulo_2_32((int64_t)third_of(a, b) + reference_mul_high(a, b));
+}
+
+static int32_t mac_high_round(int32_t a, int32_t b)
+{
+    return iq24_mac_high_round(third_of(a, b), a, b);
+}
+
+static int32_t reference_mac_high_round(int32_t a, int32_t b)
+{
+    return modulo_2_32((int64_t)third_of(a, b) + reference_mul_high_round(a, b));
+}
+
+/* Half of a Q15.48 sum, so that it fits with any product, low word included. */
+static int64_t sum_of(int32_t a, int32_t b)
+{
+    return (int64_t)third_of(a, b) * INT64_C(1073741789) + b;
+}
+
+static int32_t mac(int32_t a, int32_t b)
+{
+    const iq24_acc_t sum = iq24_acc_mac(sum_of(a, b), a, b);
+    return modulo_2_32(sum) ^ modulo_2_32(floor_divide(sum, INT64_C(4294967296)));
+}
+
+static int32_t reference_mac(int32_t a, int32_t b)
+{
+    const int64_t sum = sum_of(a, b) + exact_product(a, b);
+    return modulo_2_32(sum) ^ modulo_2_32(floor_divide(sum, INT64_C(4294967296)));
+}
+
 static iq24_t reference_mul_trunc(iq24_t a, iq24_t b)
 {
     return modulo_2_32(floored(exact_product(a, b)));
@@ -171,6 +220,10 @@ static void products_are_exact_before_their_one_rounding(void)
     expect_exact("iq24_mul_trunc", iq24_mul_trunc, reference_mul_trunc);
     expect_exact("iq24_mul_round", iq24_mul_round, reference_mul_round);
     expect_exact("iq24_mul_high", iq24_mul_high, reference_mul_high);
+    expect_exact("iq24_mul_high_round", iq24_mul_high_round, reference_mul_high_round);
+    expect_exact("iq24_mac_high", mac_high, reference_mac_high);
+    expect_exact("iq24_mac_high_round", mac_high_round, reference_mac_high_round);
+    expect_exact("iq24_acc_mac", mac, reference_mac);
     expect_exact("iq24_mul_sat", iq24_mul_sat, reference_mul_sat);
 }
 

@@ -119,6 +119,15 @@ static void expect_atan2(iq24_t y, iq24_t x)
     }
 }
 
+/* What src/arm_sincos.c takes for granted where it adds products of signed halves. */
+static void no_sine_has_the_low_half_that_overflows(void)
+{
+    for (int32_t n = 0; n < IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4; n++) {
+        TEST_ASSERT_TRUE((iq24_sine_q30[n] & 0xFFFF) != 0x8000);
+        TEST_ASSERT_TRUE(abs(iq24_sine_q30[n]) <= INT32_C(1) << 30);
+    }
+}
+
 static void atan2_of_extremes_axes_and_octant_borders(void)
 {
     iq24_t extremes[IQ24_EXTREMES];
@@ -344,6 +353,7 @@ int main(void)
     RUN_TEST(the_sweep_sees_a_bad_span);
     RUN_TEST(sincos_is_exact_at_quarter_turns);
     RUN_TEST(sincos_drops_whole_turns_and_stays_within_one);
+    RUN_TEST(no_sine_has_the_low_half_that_overflows);
     RUN_TEST(atan2_of_extremes_axes_and_octant_borders);
     RUN_TEST(atan2_on_circles_of_every_radius);
     RUN_TEST(atan2_of_random_vectors);

@@ -86,7 +86,15 @@ static inline int32_t iqfoc_arm_high_add(int32_t c, int32_t a, int32_t b)
     return sum;
 }
 
-#define IQ24_HIGH_ADD(c, a, b) iqfoc_arm_high_add(c, a, b)
+static inline int32_t iqfoc_arm_high_round_add(int32_t c, int32_t a, int32_t b)
+{
+    int32_t sum;
+    __asm("smmlar %0, %1, %2, %3" : "=r"(sum) : "r"(a), "r"(b), "r"(c));
+    return sum;
+}
+
+#define IQ24_HIGH_ADD(c, a, b)       iqfoc_arm_high_add(c, a, b)
+#define IQ24_HIGH_ROUND_ADD(c, a, b) iqfoc_arm_high_round_add(c, a, b)
 #endif
 #define IQ24_HIGH(a, b)       iqfoc_arm_high(a, b)
 #define IQ24_HIGH_ROUND(a, b) iqfoc_arm_high_round(a, b)
