@@ -117,6 +117,21 @@ void iqfoc_cycle_clear(iqfoc_cycle_t *cycle)
     cycle->control = no_control;
 }
 
+/* Range: the phases leave components of the current within 21.3 and the vector within 32; u_dq is within 8, its
+ * vector within 11.4: beyond 8 the integrators are held. */
+void iqfoc_cycle_hand_over(iqfoc_cycle_t *cycle, iq24_t theta_before, const iqfoc_sample_t *sample)
+{
+    const iqfoc_dq_t nothing = {0, 0};
+    const iq24_t turns = iq24_clamp(sample->turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iqfoc_ab_t u =
+        iqfoc_park_inverse(cycle->u_dq, iq24_sincos(iq24_sub_wrap(theta_before, sample->theta)));
+    cycle->u_dq.d = u.alpha;
+    cycle->u_dq.q = u.beta;
+    cycle->i_ref = iqfoc_park(iqfoc_clarke3(sample->i), iq24_sincos(sample->theta));
+    cycle->drift = nothing;
+    iqfoc_current_control_preset(&cycle->control, &cycle->config->gains, cycle->u_dq, cycle->i_ref, turns);
+}
+
 iqfoc_command_t iqfoc_cycle_safe(const iqfoc_cycle_config_t *config)
 {
     const iqfoc_command_t safe = {{{0, 0, 0}, IQ24_ONE}, config->safe_state == IQFOC_SAFE_SHORT_CIRCUIT};

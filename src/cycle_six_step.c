@@ -136,20 +136,15 @@ iqfoc_six_step_command_t iqfoc_cycle_six_step_switch(iqfoc_six_step_t *six, iqfo
     return standing(six, cycle, sample->theta, sample->turns);
 }
 
-/* Range: the differences saturate, and an integrator is held to +-8. */
 void iqfoc_cycle_six_step_end(const iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, iq24_t turns)
 {
-    const iqfoc_current_control_gains_t *gains = &cycle->config->gains;
     const iq24_t held_turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    const iqfoc_dq_t apart = iqfoc_current_control_decoupling(gains, cycle->i_ref, held_turns);
     const iq24_t u = iq24_mul_round(TWO_OVER_PI, six->u_dc);
     const iq24_sincos_t sc = iq24_sincos(iq24_acc_round(six->angle));
     cycle->u_dq.d = iq24_mul_round(u, sc.cos);
     cycle->u_dq.q = iq24_mul_round(u, sc.sin);
-    cycle->control.integral_d =
-        iqfoc_current_control_hold(iq24_acc_mul(iq24_sub_sat(cycle->u_dq.d, apart.d), IQ24_ONE));
-    cycle->control.integral_q =
-        iqfoc_current_control_hold(iq24_acc_mul(iq24_sub_sat(cycle->u_dq.q, apart.q), IQ24_ONE));
+    iqfoc_current_control_preset(&cycle->control, &cycle->config->gains, cycle->u_dq, cycle->i_ref,
+                                 held_turns);
     cycle->over.length = TWO_OVER_PI;
     cycle->phase = IQFOC_CYCLE_DUE_NOTHING;
 }

@@ -13,6 +13,8 @@ bool around_offset_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal);
 /* start.c: turns the motor open loop, without any angle sensor. */
 void around_start_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal);
 void around_start_peak(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal);
+/* In place of one of these valleys: from it on the port's own angle, with the current and voltage as they were. */
+void around_start_hand_over(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal);
 
 /* encoder.c, resolver.c, halls.c: the angle from a sensor that the port reads `at` cycles after the valley. */
 void around_encoder_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal, uint32_t count, iq24_t at);

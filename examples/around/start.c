@@ -1,4 +1,4 @@
-/* An angle that turns by itself: the rotor is aligned, then drawn along, up to 2 % of a turn a cycle. */
+/* An angle that turns by itself: the rotor is aligned, then drawn along, up to 2 % of a turn a cycle; and from there on. */
 #include "around.h"
 
 #include "iqfoc/start.h"
@@ -37,4 +37,14 @@ void around_start_peak(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
     sample.turns = start.turns;
     const iqfoc_command_t command = iqfoc_cycle_peak(cycle, &sample, IQFOC_HAL_OUTPUT_MID, now);
     iqfoc_hal_write(hal, &command);
+}
+
+void around_start_hand_over(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
+{
+    iqfoc_sample_t sample;
+    const uint32_t now = iqfoc_hal_now(hal);
+    iqfoc_hal_read_valley(hal, &sample);
+    iqfoc_start_step(&start, sample.theta);
+    iqfoc_cycle_hand_over(cycle, start.theta, &sample);
+    iqfoc_cycle_valley(cycle, &sample, now);
 }

@@ -151,6 +151,24 @@ static inline void iqfoc_current_control_limited(iqfoc_current_control_t *contro
     }
 }
 
+/*
+ * Integrators that go on with a voltage as it is: what is left of u beside the decoupling at i and `turns`, so that
+ * without an error the next step asks for u.
+ *
+ * u: |component| <= 8; i and turns as iqfoc_current_control_decoupling takes them. Largest error of the voltage that
+ * iqfoc_current_control_voltage then asks for: 3 LSB where |i| <= 2. An integrator beyond +-8 is held to it.
+ *
+ * Range: the difference saturates, and times 1 it is below 2^55 in the accumulator.
+ */
+static inline void iqfoc_current_control_preset(iqfoc_current_control_t *control,
+                                                const iqfoc_current_control_gains_t *gains, iqfoc_dq_t u,
+                                                iqfoc_dq_t i, iq24_t turns)
+{
+    const iqfoc_dq_t apart = iqfoc_current_control_decoupling(gains, i, turns);
+    control->integral_d = iqfoc_current_control_hold(iq24_acc_mul(iq24_sub_sat(u.d, apart.d), IQ24_ONE));
+    control->integral_q = iqfoc_current_control_hold(iq24_acc_mul(iq24_sub_sat(u.q, apart.q), IQ24_ONE));
+}
+
 #ifdef __cplusplus
 }
 #endif

@@ -154,6 +154,18 @@ iqfoc_command_t iqfoc_cycle_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sam
  */
 bool iqfoc_cycle_in_time(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
 
+/*
+ * Another angle for the frame in which PI works, while the drive runs: from the one that start.h turns by itself to
+ * a sensor's, or from one sensor to another. Voltage and current, and so the torque, stay as they are: the voltage
+ * is turned by the difference of both angles, the integrators are set to what is left of it beside the decoupling,
+ * which now has its EMF in place, and i_ref becomes the current as the new angle sees it.
+ *
+ * Ahead of a valley's handler. theta_before: the old angle of that valley, turns; sample: what the handler will get,
+ * with the new angle and speed, |phases| <= 15.9; with `extended` among the methods, put right by
+ * iqfoc_extension_sample. What deadbeat control has learnt of the wrong angle is forgotten.
+ */
+void iqfoc_cycle_hand_over(iqfoc_cycle_t *cycle, iq24_t theta_before, const iqfoc_sample_t *sample);
+
 /* The safe command of a configuration. */
 iqfoc_command_t iqfoc_cycle_safe(const iqfoc_cycle_config_t *config);
 

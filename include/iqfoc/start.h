@@ -92,9 +92,10 @@ static inline iq24_t iqfoc_start_theta(const iqfoc_start_t *start, iq24_t at)
 }
 
 /*
- * The start's current as seen from the true angle of this valley, once a sensor or an observer has it: the
- * reference with which control goes on without a step of the current. Largest error: 0.51 LSB per unit of the
- * current, and 0.5.
+ * The start's current as seen from the true angle of this valley, once a sensor or an observer has it. The
+ * current itself may be some percent off it, and the integrators stand for the old angle: what goes on without
+ * a step of the torque is iqfoc_cycle_hand_over (cycle.h). Largest error: 0.51 LSB per unit of the current, and
+ * 0.5.
  */
 iqfoc_dq_t iqfoc_start_handover(const iqfoc_start_t *start, iq24_t theta_true);
 

@@ -135,6 +135,36 @@ static void test_back_calculation(void)
     TEST_ASSERT_TRUE(acc_to_double(control.integral_q) <= -limit + hold_error);
 }
 
+/* Preset, a step without an error asks for the voltage that was given, whatever speed and current. */
+static void test_preset_goes_on(void)
+{
+    uint64_t seed = SEED;
+    worst voltage = {"the voltage after a preset", 0.0};
+    for (int32_t n = 0; n < DRAWS; n++) {
+        iqfoc_current_control_gains_t g = {IQ24(3.0), IQ24(2.0), IQ24(0.1), IQ24(0.2), 0, 0, 0, 0};
+        g.x_d = random_iq24(&seed, 0.0, 6.0);
+        g.x_q = random_iq24(&seed, 0.0, 6.0);
+        g.emf = random_iq24(&seed, 0.0, 6.0);
+        const iqfoc_dq_t i = random_dq(&seed, 2.0);
+        const iqfoc_dq_t u = random_dq(&seed, 1.5);
+        const iq24_t turns = random_iq24(&seed, -0.33, 0.33);
+        iqfoc_current_control_t control = {0, 0};
+        iqfoc_current_control_preset(&control, &g, u, i, turns);
+        const iqfoc_dq_t next = iqfoc_current_control_voltage(&control, &g, i, i, turns);
+        worst_add(&voltage, next.d, to_double(u.d));
+        worst_add(&voltage, next.q, to_double(u.q));
+    }
+    worst_check(&voltage, 3.0);
+    /* What does not fit is held. */
+    iqfoc_current_control_gains_t g = {0, 0, 0, 0, 0, IQ24(96.0), IQ24(96.0), IQ24(96.0)};
+    const iqfoc_dq_t i = {IQ24(-32.0), IQ24(32.0)};
+    const iqfoc_dq_t u = {IQ24(8.0), IQ24(-8.0)};
+    iqfoc_current_control_t control = {0, 0};
+    iqfoc_current_control_preset(&control, &g, u, i, IQ24(-0.33));
+    TEST_ASSERT_TRUE(held_right(acc_to_double(control.integral_d), 0.0));
+    TEST_ASSERT_TRUE(held_right(acc_to_double(control.integral_q), -16.0));
+}
+
 static void test_no_error_is_too_small_to_be_integrated(void)
 {
     const iqfoc_current_control_gains_t g = {0, 0, IQ24(0.001), IQ24(0.001), 0, 0, 0, 0};
@@ -189,6 +219,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_step_is_its_formula);
     RUN_TEST(test_back_calculation);
+    RUN_TEST(test_preset_goes_on);
     RUN_TEST(test_no_error_is_too_small_to_be_integrated);
     RUN_TEST(test_anti_windup_matters);
     return UNITY_END();

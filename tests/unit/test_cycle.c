@@ -253,6 +253,34 @@ static void test_output_acts_at_the_angle_of_its_middle(void)
     TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.q, late.q);
 }
 
+/* Another angle: the voltage's place and the current's stay, and what is learnt of the old one goes. */
+static void test_hand_over(void)
+{
+    iqfoc_sample_t s = sample_at(0);
+    cycle.enabled = true;
+    cycle.i_ref.d = IQ24(0.4);
+    cycle.drift.d = IQ24_ONE;
+    valley();
+    (void)peak();
+    s.i.a = IQ24(0.3);
+    s.i.b = IQ24(-0.2);
+    s.i.c = IQ24(-0.1);
+    s.theta = IQ24(0.37);
+    const iqfoc_ab_t before = iqfoc_park_inverse(cycle.u_dq, iq24_sincos(IQ24(0.11)));
+    iqfoc_cycle_hand_over(&cycle, IQ24(0.11), &s);
+    const iqfoc_ab_t after = iqfoc_park_inverse(cycle.u_dq, iq24_sincos(s.theta));
+    TEST_ASSERT_INT32_WITHIN(3, before.alpha, after.alpha);
+    TEST_ASSERT_INT32_WITHIN(3, before.beta, after.beta);
+    const iqfoc_ab_t i = iqfoc_park_inverse(cycle.i_ref, iq24_sincos(s.theta));
+    TEST_ASSERT_INT32_WITHIN(2, iqfoc_clarke3(s.i).alpha, i.alpha);
+    TEST_ASSERT_INT32_WITHIN(2, iqfoc_clarke3(s.i).beta, i.beta);
+    const iqfoc_dq_t next =
+        iqfoc_current_control_voltage(&cycle.control, &config.gains, cycle.i_ref, cycle.i_ref, s.turns);
+    TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.d, next.d);
+    TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.q, next.q);
+    TEST_ASSERT_EQUAL_INT32(0, cycle.drift.d);
+}
+
 static void test_dc_link_inverse_follows(void)
 {
     const double steps[] = {1.0, 1.1, 0.5, 1.5, 0.5, 0.9};
@@ -334,6 +362,7 @@ int main(void)
     RUN_TEST(test_what_is_measured_beyond_its_range);
     RUN_TEST(test_voltage_limit_shows);
     RUN_TEST(test_output_acts_at_the_angle_of_its_middle);
+    RUN_TEST(test_hand_over);
     RUN_TEST(test_dc_link_inverse_follows);
     RUN_TEST(test_averaging_port_replaces_the_valley_sample);
     RUN_TEST(test_six_step_takes_the_nearest_state);
