@@ -50,6 +50,12 @@ static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, 
     return true;
 }
 
+drive_answer drive_answer_of_state(const iqfoc_cycle_t *cycle, const iqfoc_six_step_command_t *state)
+{
+    const drive_answer answer = {state->command, cycle->status, (double)state->ticks / HAL_HOST_TICKS_PER_S};
+    return answer;
+}
+
 drive_firmware drive_firmware_by(drive_host *host, iqfoc_methods_t methods)
 {
     const drive_firmware firmware = {host, start, valley, peak};

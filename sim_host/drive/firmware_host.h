@@ -9,6 +9,7 @@
 
 #include "hal_host.h"
 
+#include "iqfoc/cycle_six_step.h"
 #include "iqfoc/extension.h"
 
 typedef struct drive_host {
@@ -23,6 +24,9 @@ typedef struct drive_host {
 /* The papers' methods, feedback and modulation as the configuration says. host and extension must outlive the
  * firmware; start makes host ready, whatever it held. extension: NULL or what a diagnosis found, to be put right. */
 drive_firmware drive_firmware_host(drive_host *host, const iqfoc_extension_t *extension);
+
+/* A state of six-step by a timer as an answer. */
+drive_answer drive_answer_of_state(const iqfoc_cycle_t *cycle, const iqfoc_six_step_command_t *state);
 
 /* Any methods; the configuration brings what they need. */
 drive_firmware drive_firmware_by(drive_host *host, iqfoc_methods_t methods);

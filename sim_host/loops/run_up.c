@@ -12,26 +12,36 @@
 #define WEAKENING_PER_S 120.0
 #define REVERSAL_S      0.07 /* around the top left out of the steps: that step is asked for */
 #define TOP_RPM         7900.0
+#define TIMER_HZ        30.0
+#define TO_TIMER        0.13 /* of the rated current, weakening */
+#define TO_CARRIER      0.03
 #define SIX_STEP_LENGTH 0.625 /* of 0.63 to 0.633, its largest at these speeds */
 
 const run_up_case run_up_cases[RUN_UP_CASES] = {
-    {"linear modulation", "linear", IQFOC_MODULATION_PWM, false, 0.98, 0.0, 0.0},
-    {"to six-step", "six_step", IQFOC_MODULATION_OVER, false, 1.0, 0.0, 0.0},
-    {"to six-step, link +-1 % at 300 Hz", "six_step_300", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 300.0},
-    {"to six-step, link +-1 % at 100 Hz", "six_step_100", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 100.0},
-    {"overmodulation, 98 %", "over_98", IQFOC_MODULATION_OVER, false, 0.98, 0.0, 0.0},
-    {"to six-step, mid-point sample", "midpoint", IQFOC_MODULATION_OVER, true, 1.0, 0.0, 0.0}};
+    {"linear modulation", "linear", IQFOC_MODULATION_PWM, false, 0.98, 0.0, 0.0, false},
+    {"to six-step", "six_step", IQFOC_MODULATION_OVER, false, 1.0, 0.0, 0.0, false},
+    {"to six-step, link +-1 % at 300 Hz", "six_step_300", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 300.0,
+     false},
+    {"to six-step, link +-1 % at 100 Hz", "six_step_100", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 100.0,
+     false},
+    {"overmodulation, 98 %", "over_98", IQFOC_MODULATION_OVER, false, 0.98, 0.0, 0.0, false},
+    {"to six-step, mid-point sample", "midpoint", IQFOC_MODULATION_OVER, true, 1.0, 0.0, 0.0, false},
+    {"to six-step by a timer", "timer", IQFOC_MODULATION_OVER, false, 1.0, 0.0, 0.0, true},
+    {"by a timer, link +-1 % at 300 Hz", "timer_300", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 300.0, true},
+    {"by a timer, link +-1 % at 100 Hz", "timer_100", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 100.0, true}};
 
-/* What is kept of each cycle. */
+/* What is kept of each cycle, and of each state of a timer's. */
 typedef struct cycle_row {
-    double t_s, rpm, i_d, i_q, asked, voltage;
+    double t_s, duration_s, rpm, i_d, i_q, asked, voltage;
     int switched_on; /* legs */
+    bool by_timer;
 } cycle_row;
 
 typedef struct history {
     cycle_row *row;
     long count, capacity;
     long reversal;
+    double T_s; /* control cycle */
 } history;
 
 /* How many legs were switched on in a cycle: by a pulse within it, or at its valley, to stay on. */
@@ -65,13 +75,16 @@ static bool drive_up_and_down(const run_up_case *c, const motor *m, drive_loop *
             return true;
         }
         at->asked = up ? 1.0 : -1.0;
+        const bool by_timer = l->interval_s > 0.0;
         const iqfoc_dq_t torque = {0, iq24_from_double(at->asked)};
         if (!drive_loop_span(l, torque, &row, e)) {
             return false;
         }
         at->i_d = row.truth.i_dq_A.d / l->base.I_A;
         at->i_q = row.truth.i_dq_A.q / l->base.I_A;
-        at->voltage = cabs(complex_from_dq(d->host.cycle.u_dq, l->base.U_V)) / row.peak.u_dc_V;
+        at->voltage = torque_drive_voltage(d, row.peak.u_dc_V / l->base.U_V);
+        at->duration_s = row.truth.duration_s;
+        at->by_timer = by_timer;
         at->switched_on = switched_on(&row, before);
         memcpy(before, row.duty, sizeof before);
         h->count++;
@@ -79,11 +92,12 @@ static bool drive_up_and_down(const run_up_case *c, const motor *m, drive_loop *
     return error_failure(e, 0, "run-up, %s: not up and down again within %ld cycles", c->text, h->capacity);
 }
 
-/* A bell over the cycles around k: cos^2, as long as RUN_UP_BELL. */
-static double bell(int n)
+/* The weight of a row in the bell around another: cos^2, as long as RUN_UP_BELL cycles; 0 outside. */
+static double bell(const cycle_row *at, const cycle_row *middle, double T_s)
 {
-    const double c = cos(VEC_PI * n / (RUN_UP_BELL + 1.0));
-    return c * c;
+    const double off_s = at->t_s + 0.5 * at->duration_s - middle->t_s - 0.5 * middle->duration_s;
+    const double c = cos(VEC_PI * off_s / ((RUN_UP_BELL + 1.0) * T_s));
+    return fabs(off_s) < 0.5 * (RUN_UP_BELL + 1.0) * T_s ? c * c * at->duration_s : 0.0;
 }
 
 static run_up_point smoothed(const history *h, long k)
@@ -95,7 +109,7 @@ static run_up_point smoothed(const history *h, long k)
             continue;
         }
         const cycle_row *at = &h->row[k + n];
-        const double w = bell(n);
+        const double w = bell(at, &h->row[k], h->T_s);
         weights += w;
         p.torque += w * at->i_q; /* the machine has no saliency */
         p.i_q += w * at->i_q;
@@ -137,10 +151,10 @@ static double pulses_at_the_top(const history *h)
     return pulses / turns;
 }
 
-static void measure(const history *h, double T_s, run_up *r)
+static void measure(const history *h, run_up *r)
 {
-    const long around = lround(REVERSAL_S / T_s);
-    *r = (run_up){.top_rpm = 0.0};
+    const double reversal_s = h->row[h->reversal].t_s;
+    *r = (run_up){.top_rpm = 0.0, .to_timer_rpm = NAN, .to_carrier_rpm = NAN};
     for (long k = 0; k < h->count; k++) {
         const cycle_row *at = &h->row[k];
         r->top_rpm = fmax(r->top_rpm, at->rpm);
@@ -151,11 +165,21 @@ static void measure(const history *h, double T_s, run_up *r)
         const run_up_point p = smoothed(h, k);
         r->i_d_least = fmin(r->i_d_least, p.i_d);
         r->voltage_most = fmax(r->voltage_most, p.voltage);
-        if (labs(k - h->reversal) >= around) {
+        if (fabs(h->row[k].t_s - reversal_s) > REVERSAL_S - 0.5 * h->T_s) {
             const double off =
                 100.0 * (p.torque - p.asked) * p.asked; /* more of it in its own direction: up */
             r->step_up_percent = fmax(r->step_up_percent, off);
             r->step_down_percent = fmin(r->step_down_percent, off);
+        }
+    }
+    for (long k = 1; k < h->count; k++) {
+        if (h->row[k].by_timer != h->row[k - 1].by_timer) {
+            r->transitions++;
+            if (h->row[k].by_timer && isnan(r->to_timer_rpm)) {
+                r->to_timer_rpm = h->row[k].rpm;
+            } else if (h->row[k - 1].by_timer) {
+                r->to_carrier_rpm = h->row[k].rpm;
+            }
         }
     }
     r->points = RUN_UP_POINTS;
@@ -181,7 +205,10 @@ bool run_up_run(const run_up_case *c, run_up *result, error *e)
                                   .share = c->share,
                                   .bandwidth_Hz = BANDWIDTH_HZ,
                                   .weakening_per_s = WEAKENING_PER_S,
-                                  .u_dc_V = RUN_UP_U_DC};
+                                  .u_dc_V = RUN_UP_U_DC,
+                                  .timer_Hz = c->by_timer ? TIMER_HZ : 0.0,
+                                  .i_d_to_timer_A = -TO_TIMER * rated_A,
+                                  .i_d_to_carrier_A = -TO_CARRIER * rated_A};
     plant_config config = plant_config_from_motor(&m);
     config.inverter.u_dc_V = RUN_UP_U_DC;
     config.inverter.ripple_V = c->ripple * RUN_UP_U_DC;
@@ -200,14 +227,14 @@ bool run_up_run(const run_up_case *c, run_up *result, error *e)
     }
     drive_loop loop;
     drive_loop_begin(&loop, &m, &config, &firmware);
-    history h = {.capacity = 40000};
+    history h = {.capacity = 40000, .T_s = loop.base.T_s};
     h.row = malloc((size_t)h.capacity * sizeof *h.row);
     if (h.row == NULL) {
         return error_failure(e, 0, "no memory for the run-up");
     }
     const bool ok = drive_up_and_down(c, &m, &loop, &d, &h, e);
     if (ok) {
-        measure(&h, loop.base.T_s, result);
+        measure(&h, result);
     }
     free(h.row);
     return ok;

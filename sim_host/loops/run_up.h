@@ -11,7 +11,7 @@
 
 #include "torque_drive.h"
 
-enum { RUN_UP_CASES = 6, RUN_UP_POINTS = 600, RUN_UP_BELL = 64 };
+enum { RUN_UP_CASES = 9, RUN_UP_POINTS = 600, RUN_UP_BELL = 64 };
 
 #define RUN_UP_RPM      8000.0
 #define RUN_UP_U_DC     565.0
@@ -26,11 +26,12 @@ typedef struct run_up_case {
     double share;  /* of the largest voltage */
     double ripple; /* of the DC link, amplitude over its mean */
     double ripple_Hz;
+    bool by_timer; /* six-step proper where it is reached: cycle_six_step.h */
 } run_up_case;
 
 extern const run_up_case run_up_cases[RUN_UP_CASES];
 
-/* A point of the run, means over RUN_UP_BELL cycles. */
+/* A point of the run, means over the time of RUN_UP_BELL cycles. */
 typedef struct run_up_point {
     double t_s, rpm;
     double torque;   /* over rated */
@@ -46,10 +47,12 @@ typedef struct run_up {
     double linear_to_rpm, six_step_from_rpm; /* on the way up, by the voltage asked for; NAN: never reached */
     /* Above RUN_UP_FROM_RPM, percent of the rated torque: largest deviations up and down. */
     double step_up_percent, step_down_percent;
-    double i_d_least;    /* over the rated peak */
-    double i_most;       /* length of a cycle's mean current, the same */
-    double voltage_most; /* fundamental asked for, over u_dc, of points */
-    double pulses_top;   /* per leg and electrical turn, above 7900 rpm; of six-step by a timer 1 */
+    double i_d_least;                    /* over the rated peak */
+    double i_most;                       /* length of a cycle's mean current, the same */
+    double voltage_most;                 /* fundamental asked for, over u_dc, of points */
+    double to_timer_rpm, to_carrier_rpm; /* where the timer was first taken, last left; NAN: never */
+    int transitions;                     /* from the carrier to the timer and back */
+    double pulses_top; /* per leg and electrical turn, above 7900 rpm; of six-step by a timer 1 */
 } run_up;
 
 /* One case; false with *e set if the firmware is gone or the drive never got to the top. */

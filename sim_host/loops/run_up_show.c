@@ -3,7 +3,7 @@
 
 #include "base/json_file.h"
 
-enum { SHOWN_LINEAR = 0, SHOWN_SIX_STEP = 1 };
+enum { SHOWN_LINEAR = 0, SHOWN_SIX_STEP = 1, SHOWN_TIMER = 6 };
 
 void run_ups_print(const run_up all[RUN_UP_CASES], FILE *f)
 {
@@ -24,13 +24,14 @@ json_t *run_ups_json(const run_up all[RUN_UP_CASES])
     json_t *list = json_array();
     for (int n = 0; n < RUN_UP_CASES && list != NULL; n++) {
         const run_up *r = &all[n];
-        json_t *o = json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o}", "case",
-                              run_up_cases[n].key, "text", run_up_cases[n].text, "step_percent",
+        json_t *o = json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o, s:o, s:o}",
+                              "case", run_up_cases[n].key, "text", run_up_cases[n].text, "step_percent",
                               run_up_step_percent(r), "more_percent", r->step_up_percent, "less_percent",
                               r->step_down_percent, "i_d_least", r->i_d_least, "voltage_most",
                               r->voltage_most, "pulses_per_turn", r->pulses_top, "top_rpm", r->top_rpm,
                               "share", run_up_cases[n].share, "linear_to_rpm", json_number(r->linear_to_rpm),
-                              "six_step_from_rpm", json_number(r->six_step_from_rpm));
+                              "six_step_from_rpm", json_number(r->six_step_from_rpm), "to_timer_rpm",
+                              json_number(r->to_timer_rpm), "to_carrier_rpm", json_number(r->to_carrier_rpm));
         if (o == NULL || json_array_append_new(list, o) != 0) {
             json_free(list);
             return NULL;
@@ -73,8 +74,14 @@ static chart_series six_step(const chart_data *d, size_t column, const char *lab
     return (chart_series){label, d, column, CHART_BLUE, CHART_LINE, CHART_ALWAYS, 0.0, false};
 }
 
+static chart_series timer(const chart_data *d, size_t column)
+{
+    return (chart_series){"by a timer", d, column, CHART_GREEN, CHART_LINE, CHART_ALWAYS, 0.0, false};
+}
+
 /* Five charts over one axis of time. */
-static bool draw_run_ups(page *p, const chart_data *lin, const chart_data *six, const char *caption, error *e)
+static bool draw_run_ups(page *p, const chart_data *lin, const chart_data *six, const chart_data *timed,
+                         const char *caption, error *e)
 {
     enum { PANELS = 5 };
     const double end_s = six->rows > 0 ? six->value[(six->rows - 1) * six->columns] : 1.0;
@@ -94,6 +101,7 @@ static bool draw_run_ups(page *p, const chart_data *lin, const chart_data *six, 
     drawn[2].y = (chart_axis){.fixed = true, .low = -3.0, .high = 3.0};
     drawn[2].series[0] = linear(lin, RUN_UP_ERROR);
     drawn[2].series[1] = six_step(six, RUN_UP_ERROR, "to six-step");
+    drawn[2].series[2] = timer(timed, RUN_UP_ERROR);
     drawn[3].y_label = "voltage over u_dc";
     drawn[3].series[0] =
         (chart_series){"linear range", &limits, 1, CHART_FAINT, CHART_LINE, CHART_ALWAYS, 0.0, false};
@@ -101,9 +109,11 @@ static bool draw_run_ups(page *p, const chart_data *lin, const chart_data *six, 
         (chart_series){"six-step", &limits, 2, CHART_FAINT, CHART_LINE, CHART_ALWAYS, 0.0, true};
     drawn[3].series[2] = linear(lin, RUN_UP_VOLTAGE);
     drawn[3].series[3] = six_step(six, RUN_UP_VOLTAGE, "to six-step");
+    drawn[3].series[4] = timer(timed, RUN_UP_VOLTAGE);
     drawn[4].y_label = "i_d over rated";
     drawn[4].series[0] = linear(lin, RUN_UP_I_D);
     drawn[4].series[1] = six_step(six, RUN_UP_I_D, "to six-step");
+    drawn[4].series[2] = timer(timed, RUN_UP_I_D);
     const bool ok = page_charts(p, drawn, PANELS, "loops-run-up", caption, e);
     chart_data_free(&limits);
     return ok;
@@ -111,16 +121,20 @@ static bool draw_run_ups(page *p, const chart_data *lin, const chart_data *six, 
 
 static bool run_up_figure(page *p, const run_up all[RUN_UP_CASES], error *e)
 {
-    char caption[256];
-    (void)snprintf(
-        caption, sizeof caption,
-        "From standstill to %g rpm and down again at rated torque, %g V: means over a bell of %d "
-        "cycles. The voltage leaves the linear range at %.0f rpm and is six-step's from %.0f rpm on.",
-        RUN_UP_RPM, RUN_UP_U_DC, (int)RUN_UP_BELL, all[SHOWN_SIX_STEP].linear_to_rpm,
-        all[SHOWN_SIX_STEP].six_step_from_rpm);
+    char caption[384];
+    (void)snprintf(caption, sizeof caption,
+                   "From standstill to %g rpm and down again at rated torque, %g V: means over a bell of %d "
+                   "cycles. The voltage leaves the linear range at %.0f rpm and is six-step's from %.0f rpm "
+                   "on. By a timer: "
+                   "the carrier is left at %.0f rpm, and taken again at %.0f rpm on the way down.",
+                   RUN_UP_RPM, RUN_UP_U_DC, (int)RUN_UP_BELL, all[SHOWN_SIX_STEP].linear_to_rpm,
+                   all[SHOWN_SIX_STEP].six_step_from_rpm, all[SHOWN_TIMER].to_timer_rpm,
+                   all[SHOWN_TIMER].to_carrier_rpm);
     chart_data lin = points_of(&all[SHOWN_LINEAR]);
     chart_data six = points_of(&all[SHOWN_SIX_STEP]);
-    const bool ok = draw_run_ups(p, &lin, &six, caption, e);
+    chart_data timed = points_of(&all[SHOWN_TIMER]);
+    const bool ok = draw_run_ups(p, &lin, &six, &timed, caption, e);
+    chart_data_free(&timed);
     chart_data_free(&lin);
     chart_data_free(&six);
     return ok;

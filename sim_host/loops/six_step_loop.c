@@ -2,6 +2,7 @@
 #include "six_step_loop.h"
 
 #include "drive/drive_loop.h"
+#include "drive/firmware_host.h"
 #include "params_host.h"
 #include "reproduce/paper_2019.h"
 
@@ -21,13 +22,6 @@ typedef struct six_step_drive {
     iqfoc_six_step_t six;
 } six_step_drive;
 
-static void answer_with(const six_step_drive *d, const iqfoc_six_step_command_t *next, drive_answer *answer)
-{
-    answer->command = next->command;
-    answer->status = d->cycle.status;
-    answer->interval_s = (double)next->ticks / HAL_HOST_TICKS_PER_S;
-}
-
 /* The interval has ended: feedback, control, next state. */
 static bool at_switching(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, drive_answer *answer,
                          error *e)
@@ -36,7 +30,7 @@ static bool at_switching(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *
     d->cycle.i_ref = i_ref;
     const iqfoc_six_step_command_t next =
         iqfoc_cycle_six_step_switch(&d->six, &d->cycle, sample, sample->time);
-    answer_with(d, &next, answer);
+    *answer = drive_answer_of_state(&d->cycle, &next);
     return next.command.gates || error_failure(e, 0, "six-step: the firmware stopped the drive");
 }
 
@@ -67,7 +61,7 @@ static bool begin(six_step_drive *d, const motor *m, double omega_rad_s, bool co
     /* At first along the EMF. */
     const iqfoc_six_step_command_t next =
         iqfoc_cycle_six_step_begin(&d->six, &d->cycle, &d->control, IQ24(0.25), &still);
-    answer_with(d, &next, first);
+    *first = drive_answer_of_state(&d->cycle, &next);
     return true;
 }
 

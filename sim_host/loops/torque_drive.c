@@ -4,8 +4,16 @@
 #include "params_host.h"
 
 #include "iqfoc/overmodulation.h"
+#include "iqfoc/transform.h"
 
+#include <math.h>
 #include <string.h>
+
+#define FILTER_CYCLES 64 /* of the voltage's share ahead of six-step */
+#define FILTER_STATES 8  /* of i_d in six-step */
+/* The carrier is taken again where i_q has been this near for so many states: not in the middle of a reversal. */
+#define SETTLED        IQ24(0.05)
+#define SETTLED_STATES 24
 
 static bool reference_from_motor(const motor *m, const torque_limits *limits, iqfoc_reference_config_t *c,
                                  error *e)
@@ -24,6 +32,22 @@ static bool reference_from_motor(const motor *m, const torque_limits *limits, iq
            error_input(e, m->path, 0, 0, "the reference refuses its parameters: %d", (int)refused);
 }
 
+/*
+ * The angle's integrator. i_q answers to the voltage's angle by U/(omega L) per radian and a state lasts a sixth of
+ * a turn, so that the gain for a bandwidth is the same at every speed.
+ */
+static void timer_from_motor(torque_drive *d, const motor *m, const torque_limits *limits)
+{
+    const per_unit base = per_unit_of(m);
+    const double u_V = 2.0 / VEC_PI * limits->u_dc_V;
+    d->may_use_timer = limits->timer_Hz > 0.0;
+    d->i_d_to_timer = iq24_from_double(limits->i_d_to_timer_A / base.I_A);
+    d->i_d_to_carrier = iq24_from_double(limits->i_d_to_carrier_A / base.I_A);
+    d->six_config.gain = iq24_from_double(VEC_TWO_PI * limits->timer_Hz * m->L_q_H * base.I_A / (6.0 * u_V));
+    d->six_config.angle_min = 0;
+    d->six_config.angle_max = IQ24(0.5);
+}
+
 bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *limits, iqfoc_methods_t methods,
                        error *e)
 {
@@ -35,6 +59,7 @@ bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *lim
     memset(d, 0, sizeof *d);
     d->methods = methods;
     d->cycle = drive_firmware_by(&d->host, methods);
+    timer_from_motor(d, m, limits);
     return reference_from_motor(m, limits, &d->reference_config, e) &&
            config_from_motor(m, &control, &config, e) && d->cycle.start(d->cycle.context, &config, e);
 }
@@ -57,12 +82,86 @@ static bool at_valley(void *context, iqfoc_dq_t torque, const iqfoc_sample_t *sa
     return d->cycle.valley(d->cycle.context, i_ref, sample, e);
 }
 
+/*
+ * The angle at which six-step, a little longer than what the carrier makes, leaves i_q as it is: the voltage's d
+ * component, which i_q takes, stays. A DC link's ripple, which both parts of that share of six-step have, is
+ * filtered out of it.
+ */
+static void follow_share(torque_drive *d, const iqfoc_sample_t *sample)
+{
+    const double d_pu = iq24_to_double(d->host.cycle.u_dq.d);
+    const double asked = hypot(d_pu, iq24_to_double(d->host.cycle.u_dq.q));
+    const double made = fmin(asked, iq24_to_double(voltage_limit(d, sample)));
+    const double share = d_pu / fmax(asked, made) * made / (2.0 / VEC_PI * iq24_to_double(sample->u_dc));
+    d->d_share += (share - d->d_share) / FILTER_CYCLES;
+}
+
+/* From the next valley on, half a cycle after this peak: the sample as it will be there. */
+static void to_timer(torque_drive *d, const iqfoc_sample_t *sample, drive_answer *answer)
+{
+    iqfoc_cycle_t *cycle = &d->host.cycle;
+    iqfoc_sample_t at_valley = *sample;
+    at_valley.theta = iq24_add_wrap(sample->theta, iq24_asr32(sample->turns, 1));
+    at_valley.i = iqfoc_clarke_inverse(cycle->i_next);
+    const iqfoc_six_step_command_t next = iqfoc_cycle_six_step_begin(
+        &d->six, cycle, &d->six_config, iq24_from_double(acos(d->d_share) / VEC_TWO_PI), &at_valley);
+    *answer = drive_answer_of_state(cycle, &next);
+    d->timer_runs = true;
+    d->may_go = 0;
+    d->i_d = cycle->i_ref.d;
+}
+
+/* Weakening for what the carrier lacks of six-step's voltage: over the d axis' reactance. */
+static iq24_t carrier_weakening(const torque_drive *d, const iqfoc_sample_t *sample)
+{
+    const iq24_t lacks = iq24_mul_round(IQ24(2.0 / VEC_PI), sample->u_dc) - voltage_limit(d, sample);
+    const iq24_t reactance = iq24_mul_round(sample->turns, d->host.config.gains.x_d);
+    return iq24_div(lacks, iq24_max(iq24_abs_sat(reactance), 1));
+}
+
+/*
+ * The end of a state. Where the carrier begins anew, the state that begins stands for its first cycle, which is
+ * shorter than a sixth of a turn: as duties of 0 and 1, while the first command is made.
+ */
+static bool at_switching(torque_drive *d, iq24_t i_q, const iqfoc_sample_t *sample, drive_answer *answer,
+                         error *e)
+{
+    iqfoc_cycle_t *cycle = &d->host.cycle;
+    cycle->i_ref.q = i_q;
+    const iqfoc_six_step_command_t next = iqfoc_cycle_six_step_switch(&d->six, cycle, sample, sample->time);
+    *answer = drive_answer_of_state(cycle, &next);
+    d->i_d += (cycle->i_dq.d - d->i_d) / FILTER_STATES;
+    const bool settled = iq24_abs_sat(i_q - cycle->i_dq.q) < SETTLED;
+    d->may_go = settled && d->i_d > d->i_d_to_carrier ? d->may_go + 1 : 0;
+    if (d->may_go > SETTLED_STATES) {
+        cycle->i_ref.d = d->i_d;
+        d->reference.weakening = iq24_acc_mul(iq24_min(d->i_d - carrier_weakening(d, sample), 0), IQ24_ONE);
+        iqfoc_cycle_six_step_end(&d->six, cycle, sample->turns);
+        answer->interval_s = 0.0;
+        d->timer_runs = false;
+    }
+    return next.command.gates || error_failure(e, 0, "six-step: the firmware stopped the drive");
+}
+
 static bool at_peak(void *context, iqfoc_dq_t torque, const iqfoc_sample_t *sample, drive_answer *answer,
                     error *e)
 {
     torque_drive *d = context;
-    (void)torque;
-    return d->cycle.peak(d->cycle.context, d->host.cycle.i_ref, sample, answer, e);
+    if (d->timer_runs) {
+        return at_switching(d, torque.q, sample, answer, e);
+    }
+    const bool ok = d->cycle.peak(d->cycle.context, d->host.cycle.i_ref, sample, answer, e);
+    follow_share(d, sample);
+    if (ok && d->may_use_timer && d->host.cycle.i_ref.d < d->i_d_to_timer) {
+        to_timer(d, sample, answer);
+    }
+    return ok;
+}
+
+double torque_drive_voltage(const torque_drive *d, double u_dc)
+{
+    const iqfoc_dq_t u = d->host.cycle.u_dq;
+    return d->timer_runs ? 2.0 / VEC_PI : hypot(iq24_to_double(u.d), iq24_to_double(u.q)) / u_dc;
 }
 
 drive_firmware torque_drive_firmware(torque_drive *d)

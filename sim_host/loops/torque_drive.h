@@ -1,12 +1,17 @@
 /*
  * Firmware that turns a torque into duties over the whole range of the inverter: the reference (torque to
  * current, field weakening) ahead of the library's cycle, PI and the modulator up to six-step.
+ *
+ * By a timer, if wanted: where the weakening has come to i_d_to_timer_A the carrier is left for six-step at the
+ * voltage's very angle, in which i_d falls out of the speed, and where that is back at i_d_to_carrier_A the
+ * carrier begins anew.
  */
 #ifndef SIM_HOST_LOOPS_TORQUE_DRIVE_H
 #define SIM_HOST_LOOPS_TORQUE_DRIVE_H
 
 #include "drive/firmware_host.h"
 
+#include "iqfoc/cycle_six_step.h"
 #include "iqfoc/reference.h"
 
 #include <stdbool.h>
@@ -17,6 +22,13 @@ typedef struct torque_drive {
     iqfoc_methods_t methods;
     iqfoc_reference_config_t reference_config;
     iqfoc_reference_t reference;
+    bool may_use_timer, timer_runs;
+    iq24_t i_d_to_timer, i_d_to_carrier;
+    double d_share; /* of the voltage: its d component over six-step's length, filtered */
+    iq24_t i_d;     /* of six-step, filtered over some states */
+    int may_go;     /* for so many states the carrier might have been taken again */
+    iqfoc_six_step_config_t six_config;
+    iqfoc_six_step_t six;
 } torque_drive;
 
 /* What the reference may ask for, beside the motor's data. */
@@ -26,6 +38,8 @@ typedef struct torque_limits {
     double bandwidth_Hz;    /* of the current control */
     double weakening_per_s; /* bandwidth of the field weakening, at the motor's highest speed and u_dc_V */
     double u_dc_V;
+    double timer_Hz; /* bandwidth of six-step's angle; 0: no timer */
+    double i_d_to_timer_A, i_d_to_carrier_A;
 } torque_limits;
 
 /*
@@ -37,5 +51,8 @@ bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *lim
 
 /* The firmware. Its i_ref.q is the torque, over (3/2) pole_pairs psi_f I_b; i_ref.d is not read. */
 drive_firmware torque_drive_firmware(torque_drive *d);
+
+/* The fundamental of the voltage asked for last, over a DC link of u_dc (per unit). */
+double torque_drive_voltage(const torque_drive *d, double u_dc);
 
 #endif

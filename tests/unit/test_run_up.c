@@ -11,7 +11,7 @@
 static const double pi = 3.14159265358979323846;
 static run_up of[RUN_UP_CASES];
 
-enum { LINEAR, SIX_STEP, LINK_300, LINK_100, OVER, MIDPOINT };
+enum { LINEAR, SIX_STEP, LINK_300, LINK_100, OVER, MIDPOINT, TIMER, TIMER_300, TIMER_100 };
 
 void setUp(void)
 {
@@ -51,6 +51,24 @@ static void it_is_six_step_at_the_top(void)
     TEST_ASSERT_TRUE(of[SIX_STEP].i_d_least < -0.1);
 }
 
+/* From the carrier to a timer and back, with and without ripple of the link: there is one pulse a turn up there, the
+ * timer was reached under driving torque and left under braking torque, each once, and neither costs torque. */
+static void to_a_timer_and_back(void)
+{
+    for (int n = TIMER; n <= TIMER_100; n++) {
+        printf("  %-36s %+.2f %+.2f %% of rated, timer from %.0f to %.0f rpm, %.2f pulses\n",
+               run_up_cases[n].text, of[n].step_up_percent, of[n].step_down_percent, of[n].to_timer_rpm,
+               of[n].to_carrier_rpm, of[n].pulses_top);
+        TEST_ASSERT_TRUE(of[n].top_rpm > RUN_UP_RPM);
+        TEST_ASSERT_TRUE(run_up_step_percent(&of[n]) < RUN_UP_STEP);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, 1.0, of[n].pulses_top);
+        TEST_ASSERT_EQUAL_INT(2, of[n].transitions);
+        TEST_ASSERT_TRUE(of[n].to_timer_rpm > 7000.0 && of[n].to_timer_rpm < 7900.0);
+        TEST_ASSERT_TRUE(of[n].to_carrier_rpm > 7000.0 && of[n].to_carrier_rpm < 7900.0);
+    }
+    TEST_ASSERT_EQUAL_INT(0, of[SIX_STEP].transitions);
+}
+
 /* Mid-point feedback errs by what 2016 corrects, here 1 % of the current at 12.5 cycles a turn. */
 static void the_midpoint_carries_more(void)
 {
@@ -67,6 +85,7 @@ int main(void)
     }
     RUN_TEST(the_transitions_cost_no_torque);
     RUN_TEST(it_is_six_step_at_the_top);
+    RUN_TEST(to_a_timer_and_back);
     RUN_TEST(the_midpoint_carries_more);
     return UNITY_END();
 }
