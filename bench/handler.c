@@ -3,6 +3,7 @@
  */
 #include "handler.h"
 
+#include "example_board.h"
 #include "hal_stm32g4_inline.h"
 #include "kernels.h"
 
@@ -21,16 +22,7 @@ static stm32g4_adc_t adc2;
 static const stm32g4_chip_t chip = {
     .tim1 = &tim1, .tim2 = &tim2, .tim4 = &tim4, .adc1 = &adc1, .adc2 = &adc2};
 
-static const hal_stm32g4_board_t board = {
-    .half_ticks = HALF_TICKS,
-    .i_offset_a = 2048,
-    .i_offset_b = 2048,
-    .i_per_count = IQ24(2.5 / 2048),
-    .u_dc_per_count = IQ24(1.6 / 4096),
-    .counts_per_turn = 4096,
-    .pole_pairs = 3,
-    .theta_offset = 0,
-};
+static const hal_stm32g4_board_t board = STM32G4_EXAMPLE_BOARD(HALF_TICKS);
 
 static iqfoc_cycle_config_t config;
 static iqfoc_cycle_t cycle;

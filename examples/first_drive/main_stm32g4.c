@@ -3,6 +3,7 @@
  */
 #include "board.h"
 #include "chip.h"
+#include "example_board.h"
 #include "first_drive.h"
 #include "hal_stm32g4_inline.h"
 
@@ -10,17 +11,7 @@
 
 static const stm32g4_chip_t chip = STM32G4_CHIP;
 
-/* 2048 counts are 2.5 times the rated peak current, 4096 counts 1.6 times the nominal DC link; a 1024-line encoder. */
-static const hal_stm32g4_board_t board = {
-    .half_ticks = HALF_TICKS,
-    .i_offset_a = 2048,
-    .i_offset_b = 2048,
-    .i_per_count = IQ24(2.5 / 2048),
-    .u_dc_per_count = IQ24(1.6 / 4096),
-    .counts_per_turn = 4096,
-    .pole_pairs = 3,
-    .theta_offset = 0,
-};
+static const hal_stm32g4_board_t board = STM32G4_EXAMPLE_BOARD(HALF_TICKS);
 
 static iqfoc_cycle_t cycle;
 static iqfoc_hal_t hal;
