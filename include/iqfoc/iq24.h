@@ -90,7 +90,7 @@ extern "C" {
 #define IQ24_HIGH_ADD(c, a, b) iq24_add_wrap(c, IQ24_HIGH(a, b))
 #endif
 #ifndef IQ24_HIGH_ROUND
-#define IQ24_HIGH_ROUND(a, b) iq24_wrap(iq24_asr64(IQ24_MUL64(a, b) + INT64_C(0x80000000), 32))
+#define IQ24_HIGH_ROUND(a, b) iq24_high_round_of(IQ24_MUL64(a, b))
 #endif
 #ifndef IQ24_HIGH_ROUND_ADD
 #define IQ24_HIGH_ROUND_ADD(c, a, b) iq24_add_wrap(c, IQ24_HIGH_ROUND(a, b))
@@ -172,6 +172,16 @@ static inline iq24_t iq24_shift_wrap(int64_t x, uint32_t bits)
     const uint32_t low = (uint32_t)((uint64_t)x & UINT32_MAX);
     return iq24_from_bits(((high & (UINT32_MAX >> (32 - bits))) << (32 - bits)) | (low >> bits));
 #endif
+}
+
+/*
+ * x / 2^32 to nearest, ties up, |x| <= 2^62: the high word, and one more where the low word is at least half of it.
+ * Less than a 64-bit sum on a core without a carry.
+ */
+static inline int32_t iq24_high_round_of(int64_t x)
+{
+    const uint32_t low = (uint32_t)((uint64_t)x & UINT32_MAX);
+    return iq24_wrap(iq24_asr64(x, 32)) + (int32_t)(low >> 31);
 }
 
 /* high 2^32 + low. Or, not plus: the halves do not overlap, and stay in their registers. */

@@ -100,7 +100,7 @@ iqfoc_exact_law_t iqfoc_exact_mean(const iqfoc_exact_winding_t *winding, iq24_t 
  *
  * turns: IQ24 turns per whole control cycle whatever the span, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one
  * is taken as that limit. w_real is odd and w_imag even in the speed, to the last bit. Largest error: w_real
- * and w_imag 0.8 LSB of IQ24 over the whole range of windings, 0.4 for k_psi <= 2. Cortex-M4: 99
+ * and w_imag 0.8 LSB of IQ24 over the whole range of windings, 0.4 for k_psi <= 2. Cortex-M4: 54
  * instructions.
  */
 iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns);
