@@ -92,7 +92,8 @@ static void follow_share(torque_drive *d, const iqfoc_sample_t *sample)
     const double d_pu = iq24_to_double(d->host.cycle.u_dq.d);
     const double asked = hypot(d_pu, iq24_to_double(d->host.cycle.u_dq.q));
     const double made = fmin(asked, iq24_to_double(voltage_limit(d, sample)));
-    const double share = d_pu / fmax(asked, made) * made / (2.0 / VEC_PI * iq24_to_double(sample->u_dc));
+    const double six_step = 2.0 / VEC_PI * iq24_to_double(sample->u_dc);
+    const double share = asked > 0.0 ? d_pu / asked * made / six_step : 0.0;
     d->d_share += (share - d->d_share) / FILTER_CYCLES;
 }
 
@@ -151,11 +152,14 @@ static bool at_peak(void *context, iqfoc_dq_t torque, const iqfoc_sample_t *samp
         return at_switching(d, torque.q, sample, answer, e);
     }
     const bool ok = d->cycle.peak(d->cycle.context, d->host.cycle.i_ref, sample, answer, e);
+    if (!ok || !d->may_use_timer) {
+        return ok;
+    }
     follow_share(d, sample);
-    if (ok && d->may_use_timer && d->host.cycle.i_ref.d < d->i_d_to_timer) {
+    if (d->host.cycle.i_ref.d < d->i_d_to_timer) {
         to_timer(d, sample, answer);
     }
-    return ok;
+    return true;
 }
 
 double torque_drive_voltage(const torque_drive *d, double u_dc)
