@@ -221,6 +221,11 @@ static int64_t moved_by(iq24_t component, int32_t size, int32_t unsure_q16)
     return iq24_asr64(iq24_asr64((int64_t)absolute(component) * size, 24) * unsure_q16, 16);
 }
 
+static bool is_unsure(const iqfoc_watch_config_t *config)
+{
+    return config->unsure_q16[0] != 0 || config->unsure_q16[1] != 0 || config->unsure_q16[2] != 0;
+}
+
 /*
  * What y may have for good: `always`, and what resistance, inductances and flux may be off by within the model's
  * confidence, by their signatures; each axis by itself, as L_d and L_q may be off unalike.
@@ -230,7 +235,7 @@ static pair slack_of(const iqfoc_watch_config_t *config, int32_t always_q16, con
 {
     int64_t d = 0;
     int64_t q = 0;
-    for (int32_t n = 0; n < IQFOC_WATCH_UNSURE; n++) {
+    for (int32_t n = 0; n < IQFOC_WATCH_UNSURE && is_unsure(config); n++) {
         const int32_t size = over_noise(config->size_q16[n], per_noise);
         d += moved_by(signature[n].d, size, config->unsure_q16[n]);
         q += moved_by(signature[n].q, size, config->unsure_q16[n]);
