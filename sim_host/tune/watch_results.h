@@ -22,6 +22,6 @@ typedef struct watch_results {
 /* A new reference; NULL: out of memory. */
 json_t *watch_results_json(const motor *m, const watch_results *r);
 
-void watch_results_print(const motor *m, const watch_results *r, FILE *stream);
+void watch_results_print(const motor *m, const watch_results *r, FILE *out);
 
 #endif
