@@ -12,16 +12,17 @@
 #include "choose/probability.h"
 #include "identify/fit.h"
 #include "identify/last_digits.h"
+#include "identify/mended.h"
 #include "learn/learned.h"
 #include "measure/errors.h"
 #include "measure/floor.h"
 #include "measure/glitches.h"
 #include "measure/lines.h"
-#include "measure/missed.h"
 #include "measure/runs.h"
+#include "mending.h"
 #include "tell/advice.h"
-#include "tell/counted.h"
 #include "tell/known.h"
+#include "tell/mended_causes.h"
 #include "tell/named.h"
 #include "tell/resistance_trade.h"
 #include "tell/sentence.h"
@@ -94,12 +95,13 @@ static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *m
         diagnosis_hypothesis *row = &d->hypothesis[d->hypotheses++];
         evidence_option alone;
         evidence_option more;
-        *row =
-            (diagnosis_hypothesis){.id = hypothesis_cause(h)->id,
-                                   .words = hypothesis_table[h].words,
-                                   .named = (w->state.set & HYPOTHESIS_BIT(h)) && hypothesis_cause(h)->named,
-                                   .possible = (w->possible & HYPOTHESIS_BIT(h)) != 0,
-                                   .skipped = (skipped & HYPOTHESIS_BIT(h)) != 0};
+        *row = (diagnosis_hypothesis){
+            .id = hypothesis_cause(h)->id,
+            .words = hypothesis_table[h].words,
+            .named = ((w->state.set & HYPOTHESIS_BIT(h)) && hypothesis_cause(h)->named) ||
+                     mending_of(&w->rows, hypothesis_table[h].cause),
+            .possible = (w->possible & HYPOTHESIS_BIT(h)) != 0,
+            .skipped = (skipped & HYPOTHESIS_BIT(h)) != 0};
         evidence_cost(view, &w->state, HYPOTHESIS_BIT(h), &alone);
         if (none.cost > own.cost) {
             row->alone = fmin(fmax((none.cost - alone.cost) / (none.cost - own.cost), 0.0), 1.0);
@@ -132,9 +134,9 @@ static bool free_run_holds(const diagnosis *d)
     return d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
 }
 
-static void decide(diagnosis *d, bool counted)
+static void decide(diagnosis *d, bool mended)
 {
-    if (d->causes == 0 && !counted) {
+    if (d->causes == 0 && !mended) {
         d->verdict =
             at_the_noise(d, d->nominal) && !d->structure.certain ? VERDICT_CLEAN : VERDICT_UNEXPLAINED;
         return;
@@ -196,23 +198,11 @@ static bool begin(session *w, const diagnose_teller *teller)
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
-    missed_updates missed = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
-    if (!begin(w, &options->teller)) {
+    size_t mended = 0;
+    if (!begin(w, &options->teller) || !mending_by_rows(w, m, options->skip, options->teller.trace, &mended) ||
+        (mended > 0 && !begin(w, &options->teller))) {
         return false;
-    }
-    const averaged_drive first = session_drive(w, w->state.z);
-    if (!hypothesis_in(options->skip, H_MISSED_UPDATE) && !measure_missed(&w->rows, &first, &missed)) {
-        return false;
-    }
-    if (missed.mended > 0) {
-        if (options->teller.trace) {
-            fprintf(options->teller.trace,
-                    "  %zu missed updates given the voltage that acted, searched again\n", missed.mended);
-        }
-        if (!begin(w, &options->teller)) {
-            return false;
-        }
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);
     if (d->outliers > 0) {
@@ -227,7 +217,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     d->nominal_drive = w->frame.nominal;
     d->extended_motor = *m;
-    const diagnose_rows recorded = rows_as_recorded(&w->rows);
+    const diagnose_rows recorded = mended_rows(&w->rows, 0);
     d->nominal = error_with(&recorded, &d->nominal_drive);
     named_tell(w, d, member);
     d->extended = error_with(&w->rows, &d->extended_drive);
@@ -243,7 +233,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         return false;
     }
     mention_decoys(w, d);
-    decide(d, counted_is_news(&missed, m));
+    decide(d, w->rows.mends > 0);
     if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && !learned_find(&w->rows, d)) {
         return false;
     }
@@ -251,8 +241,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!tabulate_hypotheses(w, d, member, options->skip) || !resistance_trade_tell(w, d)) {
         return false;
     }
-    counted_tell(&missed, m,
-                 d->extended > 0.0 ? error_with(&recorded, &d->extended_drive) / d->extended : 1.0, d);
+    mended_causes_tell(&w->rows, m, d);
     advice_tell(w, d);
     sentence_tell(d);
     for (size_t b = 0; b < w->rows.blocks; b++) {
@@ -280,7 +269,9 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
     }
     if (ok) {
         w->frame = coordinates_of(m, &w->rows);
-        ok = fit_data_make(&w->fitted, &w->rows, &w->frame, SEARCH_ROWS, e);
+        ok = (mending_by_columns(w, m, options->skip, options->teller.trace) ||
+              error_failure(e, 0, "out of memory for %zu rows", w->rows.rows)) &&
+             fit_data_make(&w->fitted, &w->rows, &w->frame, SEARCH_ROWS, e);
     }
     if (ok && !work(w, d, m, options)) {
         ok = error_failure(e, 0, "out of memory in the diagnosis of %zu rows", rec->rows);

@@ -22,7 +22,7 @@ static bool is_linear(const plant_config *c)
                                m->R_fe_ohm == 0.0 && m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0 &&
                                m->psi_11_Wb == 0.0 && m->psi_13_Wb == 0.0;
     const bool ideal_legs =
-        v->t_dead_s == 0.0 && v->v_switch_V == 0.0 && v->v_diode_V == 0.0 && v->ripple_V == 0.0;
+        v->t_dead_s == 0.0 && v->v_switch_V == 0.0 && v->v_diode_V == 0.0 && !inverter_link_swings(v);
     const bool constant_speed = c->shaft.mode == PLANT_SHAFT_GIVEN && c->shaft.accel_e_rad_s2 == 0.0;
     return plain_machine && ideal_legs && constant_speed && plant_current_filter(&c->sensors) == 0.0;
 }
@@ -259,8 +259,7 @@ void plant_sample(plant *p, plant_samples *s)
     for (int x = 0; x < 3; x++) {
         truth.i_A[x] = vec_phase(i, x);
     }
-    const plant_inverter *v = &p->config.inverter;
-    truth.u_dc_V = v->ripple_logged ? inverter_link(v, truth.t_s) : v->k_u * v->u_dc_V;
+    truth.u_dc_V = inverter_logged_link(&p->config.inverter, truth.t_s);
     sensor_read(&p->config, &p->sensors, &truth, s);
 }
 

@@ -94,6 +94,8 @@ bool plant_config_check(const plant_config *c, error *e)
         {"k_u", v->k_u, 0.0, 0.0, big},
         {"ripple", fabs(v->ripple_V), 0.0, none, v->k_u * v->u_dc_V},
         {"ripple frequency", v->ripple_Hz, 0.0, none, big},
+        {"unlogged ripple's share", v->unlogged_share, 0.0, none, 1.0},
+        {"unlogged ripple's frequency", v->unlogged_Hz, 0.0, none, big},
         {"t_dead", v->t_dead_s, 0.0, none, 0.5 * c->T_s},
         {"v_switch", v->v_switch_V, 0.0, none, v->u_dc_V},
         {"v_diode", v->v_diode_V, 0.0, none, v->u_dc_V},
@@ -132,8 +134,10 @@ bool plant_config_check(const plant_config *c, error *e)
         {"t_delay", s->t_delay_s, none, none, big},
         {"angle noise", s->angle_noise_rad, 0.0, none, big},
         {"speed noise", s->omega_noise_rad_s, 0.0, none, big},
+        {"speed lag", s->speed_lag_s, 0.0, none, big},
         {"u_dc noise", s->u_dc_noise_V, 0.0, none, big},
         {"loose channel", s->loose_channel, 0.0, none, 2.0},
+        {"faulty phase", s->fault_phase, 0.0, none, 3.0},
         {"loose probability", s->loose_probability, 0.0, none, 1.0},
         {"loose samples", s->loose_samples, 1.0, none, 1e9},
         {"control cycle", c->T_s, 0.0, 0.0, big},
@@ -158,6 +162,9 @@ bool plant_config_check(const plant_config *c, error *e)
     if (2.0 * v->delay_cycles != floor(2.0 * v->delay_cycles)) {
         return error_input(e, NULL, 0, 0, "drive: delay cycles is %g, expected a multiple of 0.5",
                            v->delay_cycles);
+    }
+    if (s->fault_phase != floor(s->fault_phase)) {
+        return error_input(e, NULL, 0, 0, "drive: faulty phase is %g, expected 1, 2 or 3", s->fault_phase);
     }
     return check_map(c, e);
 }

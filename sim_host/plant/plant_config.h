@@ -46,6 +46,8 @@ typedef struct plant_inverter {
     double ripple_V; /* amplitude of a sine on the DC link */
     double ripple_Hz;
     bool ripple_logged;    /* the measured link shows the ripple (at the valley); else only its mean */
+    double unlogged_share; /* amplitude of another sine on the link, of its mean, that is never measured */
+    double unlogged_Hz;
     double t_dead_s;       /* each switch turns on this much after it was commanded to */
     double v_switch_V;     /* constant drop of a conducting transistor */
     double v_diode_V;      /* and of a diode */
@@ -84,8 +86,10 @@ typedef struct plant_sensors {
     double t_delay_s;
     double angle_noise_rad; /* standard deviation, electrical */
     double omega_noise_rad_s;
+    double speed_lag_s; /* time constant of a first-order filter of the speed, ahead of its noise; 0: none */
     double u_dc_noise_V;
     int loose_channel;        /* 0, 1, 2: phase whose contact is loose */
+    double fault_phase;       /* the same as 1, 2, 3, in place of loose_channel; 0: that */
     double loose_probability; /* of a new dropout at each sample; 0: none */
     double loose_samples;     /* mean length of a dropout, samples, >= 1 */
     double loose_gain;        /* during a dropout the channel reads gain * value + step */

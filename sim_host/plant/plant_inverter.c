@@ -68,11 +68,20 @@ void leg_voltages(const inverter_leg *leg, const plant_inverter *inverter, bool 
     }
 }
 
-double inverter_link(const plant_inverter *inverter, double t_s)
+static double swing(double amplitude_V, double frequency_Hz, double t_s)
 {
-    double u_dc_V = inverter->k_u * inverter->u_dc_V;
-    if (inverter->ripple_V != 0.0) {
-        u_dc_V += inverter->ripple_V * sin(2.0 * VEC_PI * inverter->ripple_Hz * t_s);
-    }
-    return u_dc_V;
+    return amplitude_V != 0.0 ? amplitude_V * sin(2.0 * VEC_PI * frequency_Hz * t_s) : 0.0;
+}
+
+double inverter_link(const plant_inverter *v, double t_s)
+{
+    const double mean_V = v->k_u * v->u_dc_V;
+    return mean_V + swing(v->ripple_V, v->ripple_Hz, t_s) +
+           swing(v->unlogged_share * mean_V, v->unlogged_Hz, t_s);
+}
+
+double inverter_logged_link(const plant_inverter *v, double t_s)
+{
+    const double mean_V = v->k_u * v->u_dc_V;
+    return v->ripple_logged ? mean_V + swing(v->ripple_V, v->ripple_Hz, t_s) : mean_V;
 }

@@ -60,7 +60,14 @@ static inline bool leg_off(const inverter_leg *leg, double t_s)
 void leg_voltages(const inverter_leg *leg, const plant_inverter *inverter, bool off, double u_dc_V,
                   double *least_V, double *most_V);
 
-/* The DC link at a time since plant_init. */
+/* The DC link at a time since plant_init, and what of it is there to be measured. */
 double inverter_link(const plant_inverter *inverter, double t_s);
+double inverter_logged_link(const plant_inverter *inverter, double t_s);
+
+/* Whether the link changes within a cycle. */
+static inline bool inverter_link_swings(const plant_inverter *inverter)
+{
+    return inverter->ripple_V != 0.0 || inverter->unlogged_share != 0.0;
+}
 
 #endif

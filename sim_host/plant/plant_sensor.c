@@ -15,6 +15,8 @@ void sensor_init(sensor_memory *m, uint64_t seed)
     plant_random_seed(&m->loose, seed, STREAM_LOOSE);
     m->loose_left = 0;
     m->dropouts = 0;
+    m->speed_begun = false;
+    m->speed_at_s = m->speed_true_rad_s = m->speed_seen_rad_s = 0.0;
 }
 
 /* Round to nearest code of a two's complement converter, which has one code fewer above zero than below. */
@@ -60,6 +62,32 @@ static bool loose_now(const plant_sensors *s, sensor_memory *m)
     return true;
 }
 
+/* The channel whose contact is loose. */
+static int loose_channel(const plant_sensors *s)
+{
+    return s->fault_phase > 0.0 ? (int)s->fault_phase - 1 : s->loose_channel;
+}
+
+/* tau dy/dt + y = speed, which goes in a straight line from sample to sample. */
+static double filtered_speed(double tau_s, sensor_memory *m, double t_s, double speed_rad_s)
+{
+    if (tau_s == 0.0) {
+        return speed_rad_s;
+    }
+    const double h_s = t_s - m->speed_at_s;
+    if (!m->speed_begun) {
+        m->speed_seen_rad_s = speed_rad_s;
+    } else if (h_s > 0.0) {
+        const double slope = (speed_rad_s - m->speed_true_rad_s) / h_s;
+        const double steady = m->speed_true_rad_s - tau_s * slope;
+        m->speed_seen_rad_s = steady + slope * h_s + (m->speed_seen_rad_s - steady) * exp(-h_s / tau_s);
+    }
+    m->speed_begun = true;
+    m->speed_at_s = t_s;
+    m->speed_true_rad_s = speed_rad_s;
+    return m->speed_seen_rad_s;
+}
+
 void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *truth, plant_samples *s)
 {
     const plant_sensors *sensors = &c->sensors;
@@ -70,7 +98,7 @@ void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *tr
         const double offset_A =
             sensors->current_offset_A[x] + sensors->current_offset_rate_A_s[x] * truth->clock_s;
         double i = gain * truth->i_A[x] + offset_A;
-        if (loose && x == sensors->loose_channel) {
+        if (loose && x == loose_channel(sensors)) {
             i = sensors->loose_gain * i + sensors->loose_step_A;
         }
         i += noise(&m->current, sensors->current_noise_A);
@@ -84,7 +112,8 @@ void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *tr
                  cos(sensors->harmonic_order * truth->theta_mech_rad + sensors->harmonic_phase_rad);
     s->theta_e_rad = wrap(pole_pairs * truth->theta_mech_rad + wrong_rad);
     s->theta_mech_rad = wrap(truth->theta_mech_rad + wrong_rad / pole_pairs);
-    s->omega_e_rad_s = truth->omega_e_rad_s + noise(&m->angle, sensors->omega_noise_rad_s);
+    s->omega_e_rad_s = filtered_speed(sensors->speed_lag_s, m, truth->t_s, truth->omega_e_rad_s) +
+                       noise(&m->angle, sensors->omega_noise_rad_s);
     s->temp_C = ROOM_C + machine_warmer_K(&c->machine, truth->clock_s);
     /* A link measured wrong reads 1/k_u of what is there. */
     s->u_dc_V = truth->u_dc_V / c->inverter.k_u + noise(&m->angle, sensors->u_dc_noise_V);

@@ -1,13 +1,15 @@
 /*
  * Sensors: what the firmware and the recording see. Channel x reads, at its sampling instant,
  *     ADC( gain_x * (low-passed current) + offset_x + noise ),
- * the angle sensor true(t + t_delay) + theta_0 + amplitude cos(order theta_mech + phase) + noise.
+ * the angle sensor true(t + t_delay) + theta_0 + amplitude cos(order theta_mech + phase) + noise, the speed behind its filter.
  */
 #ifndef SIM_HOST_PLANT_PLANT_SENSOR_H
 #define SIM_HOST_PLANT_PLANT_SENSOR_H
 
 #include "plant_config.h"
 #include "plant_random.h"
+
+#include <stdbool.h>
 
 typedef struct plant_samples {
     double t_s; /* since plant_init */
@@ -23,6 +25,8 @@ typedef struct sensor_memory {
     plant_random current, angle, loose; /* streams apart: one sensor's noise does not move another's */
     long loose_left;                    /* samples of this dropout still to come */
     long dropouts;
+    bool speed_begun;                                      /* the speed's filter has seen a sample, */
+    double speed_at_s, speed_true_rad_s, speed_seen_rad_s; /* when, what it was, and what came through */
 } sensor_memory;
 
 /* What is true at the sampling instant. */

@@ -21,7 +21,7 @@ typedef struct solver {
 
 static void evaluate(solver *v, double t_s, const plant_state *s, double rate[STATE_COUNT], machine_terms *t)
 {
-    if (v->config->inverter.ripple_V != 0.0) {
+    if (inverter_link_swings(&v->config->inverter)) {
         conduction_bounds(&v->k, &v->config->inverter, v->t_begin_s + t_s);
     }
     machine_linearise(v->config, s, t);

@@ -20,7 +20,7 @@ def no_effect():
         # What drifts: by how much per second of the recording; the values are those at its middle.
         R_rate_ohm_s=0.0, psi_rate_Wb_s=0.0, o_rate_A_s=np.zeros(3), g_rate_s=np.zeros(3),
         alpha_R=0.0, alpha_psi=0.0, heating_K=0.0,
-        order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0, sensor_lag_s=0.0,
+        order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0, sensor_lag_s=0.0, speed_lag_s=0.0,
         delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, psi_11_Wb=0.0, psi_13_Wb=0.0, dR_ohm=np.zeros(3), dL_H=np.zeros(3), flux_map=None, R_iron_ohm=np.inf,
         tau_iron_s=1e-4, u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
 
@@ -37,6 +37,18 @@ def gains_on_vector(model):
         return complex(vector_from_phases(phases)[0])
     of_one, of_j = measured(1.0 + 0.0j), measured(1.0j)
     return 0.5 * (of_one - 1j * of_j), 0.5 * (of_one + 1j * of_j)
+
+
+def true_speed(omega, lag_rows):
+    """The speed ahead of a first-order filter of so many rows: the recorded one and its slope, smoothed over as many."""
+    wide = int(round(lag_rows))
+    if wide < 2:
+        return omega
+    rows = len(omega)
+    sums = np.concatenate([np.zeros((1, omega.shape[1])), np.cumsum(omega, axis=0)])
+    low, high = np.maximum(np.arange(rows) - wide, 0), np.minimum(np.arange(rows) + wide + 1, rows)
+    middle = (sums[high] - sums[low]) / (high - low).reshape(-1, 1)
+    return omega + lag_rows * np.gradient(middle, axis=0)
 
 
 def predict(columns, model, pole_pairs, T_s):
@@ -59,7 +71,7 @@ def predict(columns, model, pole_pairs, T_s):
     theta = columns["theta_e_rad"] - model.theta_0_rad
     if model.amplitude_rad:
         theta = theta - model.amplitude_rad * np.cos(model.order * theta / pole_pairs + model.phase_rad)
-    omega = columns["omega_e_rad_s"]
+    omega = true_speed(columns["omega_e_rad_s"], model.speed_lag_s / T_s)
     # While no leg is high a current that is seen late is an angle that is read late: nearly, where a filter still sees edges.
     theta = theta - omega * (model.t_delay_s + model.sensor_lag_s)
 

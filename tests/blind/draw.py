@@ -34,7 +34,7 @@ def draw_effects(rng, kind):
         return draw_group(rng, effects.CAUSES, 2 if kind == "pair" else 3)
     ids = kind.split("+")
     for name in ids:
-        if name not in effects.KNOWN + effects.UNNAMED:
+        if name not in effects.DRAWN_BY_NAME:
             raise ValueError(f"kind: clean, single, pair, triple, unknown or ids joined by +, not '{name}'")
     return ids
 
@@ -103,7 +103,7 @@ def simulate(motor, bench, model, rows, rng_seed):
         clock_s=starts - middle_s, R_rate_ohm_s=model.R_rate_ohm_s, psi_rate_Wb_s=model.psi_rate_Wb_s,
         gain_rate_s=model.g_rate_s.reshape(3, 1), offset_rate_A_s=model.o_rate_A_s.reshape(3, 1),
         compensation_V=model.compensation_V, glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles,
-        sensor_lag_s=model.sensor_lag_s)
+        sensor_lag_s=model.sensor_lag_s, speed_lag_s=model.speed_lag_s)
     if model.heating_K:
         p.drifts = True
         p.warmer_K = warming(starts + T_s * np.arange(-bench.warm_up, rows).reshape(-1, 1), model, motor)
@@ -142,8 +142,8 @@ def shares(columns, motor, bench, model, ids, sizes, directions):
     error, _, predicted, knee = oracle(columns, model, motor)
     out = []
     for n, name in enumerate(ids):
-        if name in effects.UNNAMED or name == "glitch":
-            # The averaged model does not know it, or not in which cycles: what it leaves beyond the floor is its share.
+        if name in effects.NOT_AVERAGED:
+            # What it leaves beyond the floor is its share.
             out.append(float(np.sqrt(max(error ** 2 / floor ** 2 - 1.0, 0.0))))
             continue
         rest = [m for m in range(len(ids)) if m != n]
@@ -163,6 +163,8 @@ def draw_case(seed, kind, bench_kind="usual", with_digits=False):
     salient = bool(rng.random() < 0.5) and "saturation" not in ids or "saturation_dq" in ids
     motor = motors.draw_motor(rng, salient)
     bench = motors.draw_bench(rng, motor, bench_kind)
+    if "sensor_fault" in ids or "loose_of_two" in ids:
+        bench.has_i_c = "sensor_fault" in ids  # whose current it is only three sensors tell
     motor.span_s = lane_starts(seed, bench, 1.0 / motor.f_pwm_Hz)[1]  # how long the recording takes
     directions = [effects.draw_direction(rng, name, bench.has_i_c) for name in ids]
     targets = [motors.log_uniform(rng, 2.0, 12.0) for _ in ids]
@@ -219,9 +221,9 @@ def truth_of(case, sizes, model, parameters, columns, plant="second"):
     n = sum(bench.rows)
     return {
         "schema": 1, "seed": case.seed, "kind": case.kind, "plant": plant,
-        "effects": [{"id": effects.cause_of(name), "known": name in effects.KNOWN, "size": s, "share_of_floor": round(q, 3),
+        "effects": [{"id": told[0], "known": told[1], "size": s, "share_of_floor": round(q, 3),
                      "evidence": round(q * np.sqrt(n), 1), "parameters": par}
-                    for name, s, q, par in zip(case.ids, sizes, share, parameters)],
+                    for told, s, q, par in zip((effects.told_as(x, bench.has_i_c) for x in case.ids), sizes, share, parameters)],
         "motor_file_should_say": {"R_ohm": model.R_ohm, "L_d_H": model.L_d_H, "L_q_H": model.L_q_H,
                                   "psi_f_Wb": model.psi_f_Wb},
         "file_errors": case.file_errors,

@@ -60,7 +60,8 @@ UNIT = {"resistance": "of R", "inductance": "of L", "flux_linkage": "of psi_f", 
         "angle_delay": "of a cycle", "emf_harmonics": "of psi_f", "phase_asymmetry": "of R",
         "phase_inductance": "of L", "resistance_drift": "of R", "flux_linkage_drift": "of psi_f",
         "current_offset_drift": "of rated peak", "current_gain_drift": "of 1", "emf_harmonics_high": "of psi_f", "angle_harmonic_electrical": "rad", "temperature": "K",
-        "sensor_lag": "of a cycle"}
+        "sensor_lag": "of a cycle", "speed_lag": "of a cycle", "dc_link_ripple": "of the link", "sensor_fault": "of the samples",
+        "glitch": "of the cycles"}
 
 
 def run(args):

@@ -59,7 +59,6 @@ def scenario_text(case, cycles):
 
 def effect_arguments(case, model):
     """One --effect per hidden effect, from the true model."""
-    u_dc = case.motor.u_dc_V
     half_s = 0.5 * case.motor.span_s  # there the clock of iqfoc simulate begins
 
     def drifts(names, middle, rate):
@@ -89,7 +88,9 @@ def effect_arguments(case, model):
         "flux_linkage_drift": lambda: drifts(["psi_f"], [model.psi_f_Wb], [model.psi_rate_Wb_s]),
         "current_offset_drift": lambda: drifts(("o_a", "o_b", "o_c"), model.o_A, model.o_rate_A_s),
         "current_gain_drift": lambda: drifts(("g_a", "g_b", "g_c"), model.g, model.g_rate_s),
-        "dc_link_ripple": lambda: {"amplitude": model.u_ripple * u_dc, "frequency": model.u_ripple_Hz, "logged": 0},
+        "dc_link_ripple": lambda: {"frequency": model.u_ripple_Hz, "share": model.u_ripple},
+        "speed_lag": lambda: {"tau": model.speed_lag_s},
+        "angle_order": lambda: sets["angle_harmonic"](),
         "temperature": lambda: {
             "alpha_R": model.alpha_R, "alpha_psi": model.alpha_psi, "heating": model.heating_K,
             "tau": case.motor.span_s / 3.0, "reference": model.heating_K * (1.0 - (1.0 - np.exp(-3.0)) / 3.0)},
@@ -97,12 +98,15 @@ def effect_arguments(case, model):
         "glitch": lambda: {"probability": model.glitch_rate},
         # Two samples a cycle there, one decision a cycle here; bursts of 1 to 12 cycles.
         "loose_sensor": lambda: {"probability": 0.5 * model.loose_rate, "channel": model.loose_phase, "samples": 13,
+                                 "gain": model.loose_factor},
+        "loose_of_two": lambda: sets["loose_sensor"](),
+        "sensor_fault": lambda: {"phase": model.loose_phase + 1, "probability": 0.5 * model.loose_rate, "samples": 13,
                                  "gain": model.loose_factor}}
     out = []
     for name in case.ids:
         # "inductance" there makes both axes equal; a salient motor's two are set one by one.
         settings = sets["saliency" if name == "inductance" else name]()
-        program_id = {"inductance": "saliency", "dc_link_ripple": "u_dc_ripple", "glitch": "glitch"}.get(name, effects.cause_of(name))
+        program_id = {"inductance": "saliency", "glitch": "glitch", "loose_of_two": "loose_sensor", "angle_order": "angle_harmonic"}.get(name, effects.cause_of(name))
         out += ["--effect", program_id + ":" + ",".join(f"{k}={v:.12g}" for k, v in settings.items())]
     return out
 

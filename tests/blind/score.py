@@ -38,7 +38,8 @@ def judge(truth, diagnosis):
             fit = found[effect["id"]].get(parameter["name"])
             inside = fit is not None and fit["ci95"][0] <= parameter["value"] <= fit["ci95"][1]
             # Whole orders and cycles are found or not, without an interval to cover.
-            counted = parameter["name"] not in ("order", "cycles") or parameter["value"] % 1.0 != 0.0
+            whole = parameter["name"] in ("order", "cycles") or effect["id"] == "sensor_fault"
+            counted = not whole or parameter["value"] % 1.0 != 0.0
             result["parameters"].append({
                 "id": effect["id"], "name": parameter["name"], "true": parameter["value"], "inside": inside,
                 "counted": counted, "fit": None if fit is None else fit["value"],

@@ -62,6 +62,26 @@ class AngleSensor:
         return quantise(seen, TURN * self.pole_pairs / self.counts)
 
 
+class SpeedColumn:
+    """The shaft's speed through a first-order filter, which sees it go in a straight line from cycle to cycle."""
+
+    def __init__(self, shaft, tau_s):
+        self.shaft, self.tau_s, self.before, self.seen = shaft, tau_s, None, None
+
+    def read(self, t_s, T_s):
+        now = self.shaft.omega(t_s)
+        if self.tau_s == 0.0:
+            return now
+        if self.seen is None:
+            self.seen = now
+        else:
+            slope = (now - self.before) / T_s
+            steady = self.before - self.tau_s * slope
+            self.seen = steady + slope * T_s + (self.seen - steady) * np.exp(-T_s / self.tau_s)
+        self.before = now
+        return self.seen
+
+
 class CurrentController:
     """PI in the rotor frame with decoupling from the nominal motor; acts one cycle after its sample.
 
@@ -109,6 +129,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
                              p.loose_factor, p.two_sensors, rng)
     angle = AngleSensor(shaft, p.pole_pairs, p.encoder_counts, p.theta_0_rad, p.t_delay_s, p.order, p.amplitude_rad,
                         p.phase_rad)
+    speed = SpeedColumn(shaft, p.speed_lag_s)
     control = CurrentController(inverter.T_s, p.L_d_file_H, p.L_q_file_H, p.R_file_ohm, p.psi_f_file_Wb,
                                 p.bandwidth_T, p.u_max_ratio, p.delay_cycles)
     T = inverter.T_s
@@ -137,7 +158,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         sensors.contact()
         i_valley = sensors.read(phases_from_vector(drive.seen()))
         theta = angle.read(t)
-        omega = shaft.omega(t) + p.omega_noise_rad_s * rng.standard_normal(lanes)
+        omega = speed.read(t, T) + p.omega_noise_rad_s * rng.standard_normal(lanes)
         missed = rng.random(lanes) < p.glitch_rate if np.any(p.glitch_rate) else np.zeros(lanes, bool)
         commands = [command] + commands[:1]
         before, applied = applied, np.where(missed, applied, commands[int(p.delay_cycles)])

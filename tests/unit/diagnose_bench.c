@@ -269,6 +269,9 @@ static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], 
         double o = x->has[CAUSE_CURRENT_OFFSET] ? x->o_A[p] + x->o_rate_A_s[p] * from : 0.0;
         r->i_A[p][k] = g * i[p] + o + b->noise_A * normal(random);
     }
+    if (b->fault_share > 0.0 && uniform(random) < b->fault_share) {
+        r->i_A[b->fault_phase][k] += b->fault_A;
+    }
     if (b->two_sensors) {
         r->i_A[2][k] = -r->i_A[0][k] - r->i_A[1][k];
     }
@@ -280,6 +283,11 @@ static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], 
     }
     r->theta_e_rad[k] = shown - TWO_PI * floor(shown / TWO_PI);
     r->omega_e_rad_s[k] = omega;
+}
+
+static double speed_at(const bench *b, double speed, double t_s)
+{
+    return speed * (1.0 + b->swing * sin(TWO_PI * b->swing_Hz * t_s));
 }
 
 /* Warm, then cooled, then warm again, so that no drift in time is like it. */
@@ -310,7 +318,8 @@ recording bench_record(const bench *b)
     recording r;
     allocate(&r, b);
     for (size_t run = 0; run < BENCH_RUNS; run++) {
-        double omega = speed[run];
+        double omega = speed_at(b, speed[run], 2.0 * (double)run);
+        double seen = omega; /* what has come through the speed's filter */
         double theta = 0.4 + (double)run;
         bench now = drifted(b, 2.0 * (double)run - middle_s(r.T_s));
         const motor *m = &now.m;
@@ -324,6 +333,7 @@ recording bench_record(const bench *b)
             size_t k = run * BENCH_ROWS + j;
             double i_ab[2];
             r.t_s[k] = 2.0 * (double)run + (double)j * r.T_s;
+            omega = speed_at(b, speed[run], r.t_s[k]);
             now = drifted(b, r.t_s[k] - middle_s(r.T_s));
             if (r.temp_C) {
                 r.temp_C[k] = bench_temperature_C(b, r.t_s[k] - middle_s(r.T_s));
@@ -336,6 +346,12 @@ recording bench_record(const bench *b)
                 state[5] = i_ab[1];
             }
             sense(b, &r, k, b->filter_s > 0.0 ? state + 4 : i_ab, theta, omega, &random);
+            /* A cycle turns by the speed of its middle, which its filter sees throughout. */
+            omega = speed_at(b, speed[run], r.t_s[k] + 0.5 * r.T_s);
+            if (b->speed_filter_s > 0.0) {
+                r.omega_e_rad_s[k] = seen;
+                seen += (omega - seen) * -expm1(-r.T_s / b->speed_filter_s);
+            }
             r.run[k] = (long)run + 1;
             r.line[k] = (long)k + 2;
             /* The steady voltage, a proportional pull towards the operating point, and a step every thirty

@@ -13,12 +13,16 @@
 
 typedef struct bench {
     motor m; /* what the machine is; extensions are its effects: resistance, flux, sensors, angle, voltage */
-    double noise_A;         /* rms of each current sensor */
-    double unlogged_ripple; /* share of the voltage at 300 Hz that no column knows */
-    double R_iron_ohm;      /* eddy currents beside the winding's flux; 0: none */
-    double tau_iron_s;      /* by which they come late */
-    double missed_share;    /* of the cycles: the last command acts on */
-    double filter_s;        /* time constant of a filter ahead of the current sensors; 0: none */
+    double noise_A;              /* rms of each current sensor */
+    double unlogged_ripple;      /* share of the voltage at 300 Hz that no column knows */
+    double R_iron_ohm;           /* eddy currents beside the winding's flux; 0: none */
+    double tau_iron_s;           /* by which they come late */
+    double missed_share;         /* of the cycles: the last command acts on */
+    double swing, swing_Hz;      /* share by which each run's speed swings, and how fast */
+    double speed_filter_s;       /* time constant of a filter ahead of the speed column; 0: none */
+    double fault_share, fault_A; /* of the rows: the sensor of fault_phase (0 is a) shows so much more */
+    int fault_phase;
+    double filter_s; /* time constant of a filter ahead of the current sensors; 0: none */
     double bend_d, bend_q,
         bend_cross;         /* iron that saturates (current_of), at the rated current: parts of it */
     double mean_C, swing_K; /* temperature: recorded where it swings */

@@ -5,9 +5,12 @@
 #include "diagnose_bench.h"
 #include "model/averaged_drive.h"
 #include "model/flux_map.h"
+#include "model/late_speed.h"
+#include "model/link_ripple.h"
 #include "model/sensor_lag.h"
 
 #include <math.h>
+#include <string.h>
 #include <unity.h>
 
 void setUp(void)
@@ -279,6 +282,57 @@ static void a_filter_still_sees_the_last_edges(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * fabs(less.alpha), -less.beta, one.beta - two.beta);
 }
 
+/* Of a speed that climbs evenly and settled behind its filter, and of one that turns round within many tau. */
+static void a_filtered_speed_is_put_right(void)
+{
+    enum { ROWS = 400 };
+    const double T_s = 250e-6;
+    const double tau_s = 12.0 * T_s;
+    double recorded[ROWS];
+    double found[ROWS];
+    for (size_t k = 0; k < ROWS; k++) {
+        recorded[k] = 300.0 + 40.0 * ((double)k * T_s - tau_s);
+    }
+    late_speed_undo(recorded, ROWS, T_s, tau_s, found);
+    for (size_t k = 0; k < ROWS; k++) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 300.0 + 40.0 * (double)k * T_s, found[k]);
+    }
+    late_speed_undo(recorded, 1, T_s, tau_s, found);
+    TEST_ASSERT_EQUAL_DOUBLE(recorded[0], found[0]);
+    const double w = 25.0; /* w tau = 0.075 */
+    const double size = 1.0 / sqrt(1.0 + w * w * tau_s * tau_s);
+    for (size_t k = 0; k < ROWS; k++) {
+        recorded[k] = size * sin(w * (double)k * T_s - atan(w * tau_s));
+    }
+    late_speed_undo(recorded, ROWS, T_s, tau_s, found);
+    for (size_t k = 12; k + 12 < ROWS; k++) {
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3, sin(w * (double)k * T_s), found[k]);
+    }
+}
+
+/* All that a row knows of the voltage is under the other link, and nothing else changes. */
+static void a_row_under_another_link(void)
+{
+    cycle_row row[3];
+    memset(row, 0, sizeof row);
+    for (size_t k = 0; k < 3; k++) {
+        row[k].u_V[0] = (vec_ab){10.0 + (double)k, -4.0};
+        row[k].u_dc_V = 500.0;
+        row[k].i_A = (vec_ab){1.0, 2.0};
+        row[k].rise[1] = 0.3;
+        row[k].edge_ripple_Wb[2] = (vec_ab){1e-3, 2e-3};
+        link_ripple_scale(&row[k], 1.0 + 0.1 * (double)k);
+        link_ripple_tell(&row[k], k);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.2 * 12.0, row[2].u_V[0].alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.1 * 11.0, row[2].u_V[1].alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 10.0, row[2].u_V[2].alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 10.0, row[0].u_V[2].alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 600.0, row[2].u_dc_V);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2.4e-3, row[2].edge_ripple_Wb[2].beta);
+    TEST_ASSERT_TRUE(row[2].rise[1] == 0.3 && row[2].i_A.beta == 2.0);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -292,5 +346,7 @@ int main(void)
     RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
     RUN_TEST(a_late_sample_sees_the_flux_with_the_rotor_further_on);
     RUN_TEST(a_filter_still_sees_the_last_edges);
+    RUN_TEST(a_filtered_speed_is_put_right);
+    RUN_TEST(a_row_under_another_link);
     return UNITY_END();
 }

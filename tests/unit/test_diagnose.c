@@ -288,10 +288,10 @@ static void two_causes_at_once_are_both_found(void)
     diagnosis_free(&d);
 }
 
-static void an_unlogged_ripple_is_structure_and_no_cause(void)
+static void a_disturbance_without_a_name_is_structure_and_no_cause(void)
 {
     good.unlogged_ripple = 0.02;
-    diagnosis d = look(&good, NULL);
+    diagnosis d = look(&good, "dc_link_ripple"); /* as of a disturbance that no cause of the list has */
     TEST_ASSERT_EQUAL_size_t(0, d.causes);
     TEST_ASSERT_EQUAL_INT(VERDICT_UNEXPLAINED, d.verdict);
     TEST_ASSERT_TRUE(d.structure.certain);
@@ -386,7 +386,7 @@ int main(void)
     RUN_TEST(a_voltage_that_acts_late_is_found);
     RUN_TEST(a_voltage_that_acts_parts_of_a_cycle_late_is_found);
     RUN_TEST(two_causes_at_once_are_both_found);
-    RUN_TEST(an_unlogged_ripple_is_structure_and_no_cause);
+    RUN_TEST(a_disturbance_without_a_name_is_structure_and_no_cause);
     RUN_TEST(what_is_skipped_is_not_named);
     RUN_TEST(the_extended_motor_needs_nothing_more);
     RUN_TEST(a_short_recording_always_holds_rows_out);

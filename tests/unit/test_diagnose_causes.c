@@ -149,26 +149,6 @@ static void iron_loss_is_named(void)
     }
 }
 
-/* Counted, and given the voltage that acted: what else is wrong is then named as if none had been missed. */
-static void missed_updates_are_counted_and_mended(void)
-{
-    good.missed_share = 0.01;
-    good.m.psi_f_Wb = 0.19;
-    diagnosis d = look(&good, NULL);
-    TEST_ASSERT_EQUAL_size_t(2, d.causes);
-    TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict);
-    TEST_ASSERT_EQUAL_STRING("flux_linkage", d.cause[0].id);
-    holds(&d.cause[0], "psi_f", 0.19);
-    TEST_ASSERT_EQUAL_STRING("missed_update", d.cause[1].id);
-    holds(&d.cause[1], "share", 0.01);
-    TEST_ASSERT_TRUE(d.cause[1].gain > 1.5 && d.extended < 1.1 * d.noise_floor);
-    TEST_ASSERT_TRUE(d.extended_motor.ext.has[CAUSE_MISSED_UPDATE]);
-    diagnosis_free(&d);
-    d = look(&good, "missed_update");
-    TEST_ASSERT_TRUE(d.causes < 2 && d.verdict != VERDICT_EXPLAINED);
-    diagnosis_free(&d);
-}
-
 static void an_angle_delay_beside_iron_loss_is_still_named(void)
 {
     good.R_iron_ohm = 800.0;
@@ -221,7 +201,6 @@ int main(void)
     RUN_TEST(harmonics_of_the_emf_are_named_to_the_13th);
     RUN_TEST(an_angle_error_of_the_electrical_turn_is_named);
     RUN_TEST(iron_loss_is_named);
-    RUN_TEST(missed_updates_are_counted_and_mended);
     RUN_TEST(an_angle_delay_beside_iron_loss_is_still_named);
     RUN_TEST(what_follows_the_temperature_is_named);
     return UNITY_END();

@@ -95,6 +95,10 @@ static void test_each_id_changes_its_own(void)
     TEST_ASSERT_TRUE(with("u_dc_ripple:amplitude=10,frequency=300").inverter.ripple_V == 10.0);
     TEST_ASSERT_TRUE(with("iron_loss:R_fe=300,tau_fe=4e-5").machine.R_fe_ohm == 300.0);
     TEST_ASSERT_TRUE(with("glitch:probability=0.01").inverter.glitch_probability == 0.01);
+    TEST_ASSERT_TRUE(with("speed_lag:tau=0.01").sensors.speed_lag_s == 0.01);
+    const plant_config swinging = with("dc_link_ripple:frequency=100,share=0.05");
+    TEST_ASSERT_TRUE(swinging.inverter.unlogged_Hz == 100.0 && swinging.inverter.unlogged_share == 0.05);
+    TEST_ASSERT_TRUE(with("sensor_fault:phase=3,probability=0.01").sensors.fault_phase == 3.0);
     TEST_ASSERT_TRUE(with("loose_sensor:channel=2,probability=0.01").sensors.loose_channel == 2);
 }
 
@@ -106,7 +110,7 @@ static void test_typical_sizes(void)
         const plant_config c = with(effect_table[n].id);
         TEST_ASSERT_TRUE_MESSAGE(!same(&c, &plain), effect_table[n].id);
     }
-    TEST_ASSERT_EQUAL_INT(28, effect_table_length);
+    TEST_ASSERT_EQUAL_INT(31, effect_table_length);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 2e-6, with("dead_time").inverter.t_dead_s);
 }
 
@@ -115,6 +119,8 @@ static void test_needed_keys(void)
 {
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0 * sqrt(2.0) * 10.0, with("saturation:L_0=5e-3").machine.I_sat_A);
     TEST_ASSERT_TRUE(with("u_dc_ripple:amplitude=5").inverter.ripple_Hz == 300.0);
+    TEST_ASSERT_TRUE(with("dc_link_ripple:share=0.01").inverter.unlogged_Hz == 300.0);
+    TEST_ASSERT_TRUE(with("sensor_fault:phase=2").sensors.loose_probability > 0.0);
     TEST_ASSERT_TRUE(with("iron_loss:R_fe=100").machine.tau_fe_s == 50e-6);
     TEST_ASSERT_TRUE(with("current_quantisation:bits=12").sensors.current_full_scale_A > 28.0);
     TEST_ASSERT_TRUE(with("dead_time:t_dead=1e-6").inverter.v_diode_V == 0.0);
@@ -128,10 +134,12 @@ static void test_needed_keys(void)
 /* The causes that a diagnosis can name are all there: interfaces.md, the table of cause ids. */
 static void test_every_cause_can_be_made(void)
 {
-    const char *const causes[] = {
-        "resistance",  "inductance",    "flux_linkage",   "saliency",        "saturation",   "saturation_dq",
-        "dead_time",   "voltage_gain",  "current_offset", "current_gain",    "angle_offset", "angle_harmonic",
-        "angle_delay", "voltage_delay", "emf_harmonics",  "phase_asymmetry", "sensor_lag",   "missed_update"};
+    const char *const causes[] = {"resistance",     "inductance",    "flux_linkage",  "saliency",
+                                  "saturation",     "saturation_dq", "dead_time",     "voltage_gain",
+                                  "current_offset", "current_gain",  "angle_offset",  "angle_harmonic",
+                                  "angle_delay",    "voltage_delay", "emf_harmonics", "phase_asymmetry",
+                                  "sensor_lag",     "missed_update", "speed_lag",     "dc_link_ripple",
+                                  "sensor_fault"};
     for (size_t k = 0; k < sizeof causes / sizeof causes[0]; k++) {
         (void)with(causes[k]);
     }
@@ -169,6 +177,10 @@ static void test_bad_text(void)
     refused("dead_time:t_dead=2e-4", "at most");
     refused("phase_asymmetry:dR_a=-1", "R + dR_a");
     refused("loose_sensor:channel=3", "at most 2");
+    refused("sensor_fault:phase=4", "at most 3");
+    refused("sensor_fault:phase=1.5", "expected 1, 2 or 3");
+    refused("dc_link_ripple:share=1.5", "at most 1");
+    refused("speed_lag:tau=-1e-3", "0 or more");
     refused("loose_sensor:samples=0.5", "1 or more");
     refused("angle_harmonic:order=0", "1 or more");
 }

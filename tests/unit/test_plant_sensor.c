@@ -354,6 +354,73 @@ static void test_ripple(void)
     }
 }
 
+/* The same by its share of the link as it truly is, which no reading shows, and beside one that is logged. */
+static void test_unlogged_ripple(void)
+{
+    plant_config c = drive();
+    c.inverter.k_u = 0.9;
+    c.inverter.ripple_V = 7.0;
+    c.inverter.ripple_Hz = 30.0;
+    c.inverter.ripple_logged = true;
+    c.inverter.unlogged_share = 0.04;
+    c.inverter.unlogged_Hz = 50.0;
+    plant p;
+    plant_init(&p, &c);
+    for (int k = 0; k < 100; k++) {
+        const double duty[3] = {0.6, 0.5, 0.4};
+        plant_samples s;
+        plant_means m;
+        plant_cycle(&p, duty, &s, NULL, &m);
+        const double middle_s = (k + 0.5) * 200e-6;
+        const double logged_V = 7.0 * sin(60.0 * VEC_PI * k * 200e-6);
+        const double link_V =
+            675.0 * (1.0 + 0.04 * sin(100.0 * VEC_PI * middle_s)) + 7.0 * sin(60.0 * VEC_PI * middle_s);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1 * 27.0 * 1e-3, 0.1 * link_V, m.u_V[0]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, (675.0 + logged_V) / 0.9, s.u_dc_V);
+    }
+}
+
+/* Of a speed that climbs evenly a filter shows what it was tau ago, once it has settled from where it began. */
+static void test_speed_filter(void)
+{
+    const double tau_s = 3e-3;
+    plant_config c = drive();
+    c.shaft.accel_e_rad_s2 = 5000.0;
+    plant_samples still;
+    plant_samples s;
+    plant p;
+    c.sensors.speed_lag_s = tau_s;
+    plant_init(&p, &c);
+    for (int k = 0; k < 200; k++) {
+        const double duty[3] = {0.5, 0.5, 0.5};
+        plant_samples peak;
+        plant_cycle(&p, duty, &s, k % 3 == 0 ? &peak : NULL, NULL);
+        const double t_s = k * 200e-6;
+        const double shown = 700.0 + 5000.0 * (t_s - tau_s * (1.0 - exp(-t_s / tau_s)));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-8, shown, s.omega_e_rad_s);
+    }
+    plant_sample(&p, &s);
+    plant_sample(&p, &still); /* at the same instant it shows the same */
+    TEST_ASSERT_TRUE(s.omega_e_rad_s == still.omega_e_rad_s);
+}
+
+/* The phase of a fault goes ahead of the loose channel; all else is that of a loose contact. */
+static void test_sensor_fault(void)
+{
+    plant_config c = drive();
+    const plant_samples truth = first_sample(&c);
+    c.sensors.loose_probability = 1.0;
+    c.sensors.loose_samples = 1e6;
+    c.sensors.loose_gain = 0.5;
+    for (int phase = 1; phase <= 3; phase++) {
+        c.sensors.fault_phase = phase;
+        const plant_samples s = first_sample(&c);
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-12, (x + 1 == phase ? 0.5 : 1.0) * truth.i_A[x], s.i_A[x]);
+        }
+    }
+}
+
 /* The same seed gives the same bits, another seed others, and one sensor's noise does not move another's. */
 static void test_seed(void)
 {
@@ -394,6 +461,9 @@ int main(void)
     RUN_TEST(test_glitch);
     RUN_TEST(test_loose_sensor);
     RUN_TEST(test_ripple);
+    RUN_TEST(test_unlogged_ripple);
+    RUN_TEST(test_speed_filter);
+    RUN_TEST(test_sensor_fault);
     RUN_TEST(test_seed);
     return UNITY_END();
 }

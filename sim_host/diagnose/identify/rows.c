@@ -1,6 +1,8 @@
 /* A recording made ready: angles, voltages, edges, nodes, blocks (rows.h). */
 #include "rows.h"
 
+#include "row_speeds.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,7 +11,6 @@ enum {
     BLOCK_ROWS_SHORT = 40, /* where no block could be held out otherwise */
     BLOCK_ROWS_MAX = 300,  /* long enough for effects that show over L/R, short enough for many blocks */
     BLOCKS_PER_STRETCH = 8,
-    CORRECT_ROWS_MIN = 200, /* fewer rows say less about the speed than the column does */
     GROUPS_WANTED = 6 /* a recording of fewer runs is cut in time, or robust intervals had nothing to count */
 };
 
@@ -131,79 +132,6 @@ static void fill_edges(diagnose_rows *r, const motor *m)
     }
 }
 
-/*
- * A recorded speed that lags or is filtered disagrees with the recorded angle. Over a stretch the angle
- * decides: its difference from the integrated speed is fitted by a parabola, whose slope corrects the speed.
- * Errors of the angle that come and go with the revolution average out.
- */
-static void correct_speed(diagnose_rows *r)
-{
-    const recording *rec = r->recording;
-    for (size_t n = 0; n < rec->stretches; n++) {
-        const stretch *s = &rec->stretch[n];
-        if (s->count < CORRECT_ROWS_MIN) {
-            continue;
-        }
-        double difference = 0.0;
-        double sum[3] = {0}; /* moments of the difference with the Legendre polynomials of the stretch */
-        for (size_t j = 0; j < s->count; j++) {
-            size_t k = s->first + j;
-            if (j > 0) {
-                double step = rec->theta_e_rad[k] - rec->theta_e_rad[k - 1] -
-                              0.5 * (r->row[k].omega_rad_s + r->row[k - 1].omega_rad_s) * r->T_s;
-                difference += step - VEC_TWO_PI * round(step / VEC_TWO_PI);
-            }
-            double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
-            sum[1] += difference * x * 3.0 / (double)s->count;
-            sum[2] += difference * (1.5 * x * x - 0.5) * 5.0 / (double)s->count;
-        }
-        double per_row = 2.0 / ((double)s->count * r->T_s); /* dx/dt */
-        for (size_t j = 0; j < s->count; j++) {
-            double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
-            double change = (sum[1] + 3.0 * sum[2] * x) * per_row;
-            cycle_row *row = &r->row[s->first + j];
-            if (fabs(change) < 0.01 * fabs(row->omega_rad_s) + 0.5) {
-                row->omega_rad_s += change;
-            }
-            row->cos_turn = cos(row->omega_rad_s * r->T_s);
-            row->sin_turn = sin(row->omega_rad_s * r->T_s);
-        }
-    }
-}
-
-/* Gives every row the nearest node of an even grid of speeds, and keeps only the nodes in use. */
-static bool place_nodes(diagnose_rows *r)
-{
-    double step = AVERAGED_NODE_STEP / r->T_s;
-    long lowest = 0;
-    long highest = 0;
-    for (size_t k = 0; k < r->rows; k++) {
-        long n = lround(r->row[k].omega_rad_s / step);
-        lowest = k == 0 || n < lowest ? n : lowest;
-        highest = k == 0 || n > highest ? n : highest;
-    }
-    size_t span = (size_t)(highest - lowest + 1);
-    size_t *index = calloc(span, sizeof *index);
-    r->node_omega_rad_s = calloc(span, sizeof *r->node_omega_rad_s);
-    if (!index || !r->node_omega_rad_s) {
-        free(index);
-        return false;
-    }
-    for (size_t k = 0; k < r->rows; k++) {
-        double exact = r->row[k].omega_rad_s / step;
-        long n = lround(exact);
-        size_t *slot = &index[n - lowest];
-        if (*slot == 0) {
-            r->node_omega_rad_s[r->nodes] = (double)n * step;
-            *slot = ++r->nodes;
-        }
-        r->row[k].node = *slot - 1;
-        r->row[k].node_h = exact - (double)n;
-    }
-    free(index);
-    return true;
-}
-
 static size_t blocks_of(const stretch *s, size_t least)
 {
     const size_t usable = s->count > ROWS_HISTORY ? s->count - ROWS_HISTORY : 0;
@@ -300,10 +228,10 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     r->temperature_known = warms(rec);
     fill_times(r);
     fill_angles(r, m);
-    correct_speed(r);
+    rows_correct_speed(r);
     fill_electrical(r);
     fill_edges(r, m);
-    if (!place_nodes(r) || !cut_blocks(r)) {
+    if (!rows_place_nodes(r) || !cut_blocks(r)) {
         rows_free(r);
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
     }
@@ -316,17 +244,12 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     return true;
 }
 
-diagnose_rows rows_as_recorded(const diagnose_rows *r)
-{
-    diagnose_rows plain = *r;
-    plain.row = r->recorded_row ? r->recorded_row : r->row;
-    return plain;
-}
-
 void rows_free(diagnose_rows *r)
 {
     free(r->row);
-    free(r->recorded_row);
+    for (size_t n = 0; n < r->mends; n++) {
+        free(r->mend[n].before);
+    }
     free(r->outlier);
     free(r->node_omega_rad_s);
     free(r->block);

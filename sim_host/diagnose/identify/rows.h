@@ -20,7 +20,9 @@
 
 enum {
     ROWS_HISTORY = 2, /* rows at the start of a stretch that only feed the delayed voltages */
-    ROWS_MAX_GROUPS = 48
+    ROWS_MAX_GROUPS = 48,
+    ROWS_MENDS = 4,
+    MEND_VALUES = 2
 };
 
 typedef struct row_block {
@@ -30,13 +32,21 @@ typedef struct row_block {
     bool held_out;
 } row_block;
 
+/* A cause that the columns tell by themselves, or the rows one by one, and that the rows were mended of (mended.h). */
+typedef struct row_mend {
+    cause_id cause;
+    double value[MEND_VALUES], low[MEND_VALUES], high[MEND_VALUES]; /* 95 %; in the order of causes.def */
+    cycle_row *before;                                              /* the rows as they were */
+} row_mend;
+
 typedef struct diagnose_rows {
     const recording *recording;
     double T_s;
     size_t rows;
     cycle_row *row;
-    cycle_row *recorded_row; /* NULL; or as recorded, where `row` has other voltages (measure/missed) */
-    unsigned char *outlier;  /* set by the fit: a glitch that would drag every estimate */
+    unsigned char *outlier; /* set by the fit: a glitch that would drag every estimate */
+    size_t mends;
+    row_mend mend[ROWS_MENDS]; /* in their order */
     size_t nodes;
     double *node_omega_rad_s;
     size_t blocks;
@@ -53,9 +63,6 @@ typedef struct diagnose_rows {
 
 /* False with *e set if memory runs out or no block can be cut. */
 bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error *e);
-
-/* The same rows with what was recorded; borrows all of r. */
-diagnose_rows rows_as_recorded(const diagnose_rows *r);
 
 void rows_free(diagnose_rows *r);
 

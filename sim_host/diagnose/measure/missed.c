@@ -1,6 +1,7 @@
 /* Cycles under the command of the cycle before (missed.h). */
 #include "missed.h"
 
+#include "diagnose/identify/mended.h"
 #include "diagnose/identify/observer.h"
 
 #include <math.h>
@@ -136,21 +137,22 @@ static void look_at_all(count *c)
 }
 
 /* Wilson's interval of a share. */
-static void tell_share(const count *c, missed_updates *found)
+static row_mend share_of(const count *c)
 {
     const double z = 1.959963984540054;
     const double n = (double)c->told;
     const double p = (double)c->missed / n;
     const double middle = (p + 0.5 * z * z / n) / (1.0 + z * z / n);
     const double half = z / (1.0 + z * z / n) * sqrt(p * (1.0 - p) / n + 0.25 * z * z / (n * n));
-    *found = (missed_updates){c->told, c->missed, p, middle - half, middle + half, 0};
+    return (row_mend){
+        .cause = CAUSE_MISSED_UPDATE, .value = {p}, .low = {middle - half}, .high = {middle + half}};
 }
 
-bool measure_missed(diagnose_rows *r, const averaged_drive *drive, missed_updates *found)
+bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended)
 {
     averaged_node *nodes = rows_nodes(r, drive);
     count c = {.r = r, .drive = drive, .nodes = nodes, .odds = NAN};
-    *found = (missed_updates){0};
+    *mended = 0;
     if (!nodes || !find_deviations(&c)) {
         free(nodes);
         return false;
@@ -160,14 +162,12 @@ bool measure_missed(diagnose_rows *r, const averaged_drive *drive, missed_update
     }
     bool ok = true;
     if (c.missed >= LEAST_ROWS && c.missed > TIMES_OPPOSITE * c.opposite) {
-        tell_share(&c, found);
-        r->recorded_row = malloc(r->rows * sizeof *r->recorded_row);
-        ok = r->recorded_row != NULL;
+        const row_mend found = share_of(&c);
+        ok = mended_keep(r, &found, file);
         if (ok) {
-            memcpy(r->recorded_row, r->row, r->rows * sizeof *r->recorded_row);
-            c.odds = log(found->share / (1.0 - fmin(found->share, 0.5)));
+            c.odds = log(found.value[0] / (1.0 - fmin(found.value[0], 0.5)));
             look_at_all(&c);
-            found->mended = c.mended;
+            *mended = c.mended;
         }
     }
     free(nodes);

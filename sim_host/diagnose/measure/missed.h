@@ -10,17 +10,10 @@
 
 #include "diagnose/identify/rows.h"
 
-typedef struct missed_updates {
-    size_t told;             /* rows that could tell */
-    size_t missed;           /* of these */
-    double share, low, high; /* missed / told, 95 % */
-    size_t mended;           /* rows, of all */
-} missed_updates;
-
 /*
- * Counts them by a drive that predicts the recording else. If there are any, the rows get the voltage that acted, and
- * what was recorded stays in r->recorded_row. False: out of memory.
+ * Counts them by a drive that predicts the recording else. If there are any, the rows get the voltage that acted, and what they
+ * were is kept where the motor file does not know that share. *mended: how many rows. False: out of memory.
  */
-bool measure_missed(diagnose_rows *r, const averaged_drive *drive, missed_updates *found);
+bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended);
 
 #endif

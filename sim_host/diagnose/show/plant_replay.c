@@ -93,7 +93,8 @@ static void describe(const motor *file, const motor *is, char *text, size_t size
         }
         /* Both inductances alike are said as such, or as two. */
         const bool salient = differs(is->L_d_H, is->L_q_H);
-        if (differ && !(id == CAUSE_INDUCTANCE && salient) && !(id == CAUSE_SALIENCY && !salient)) {
+        if (differ && values[0] != '\0' && !(id == CAUSE_INDUCTANCE && salient) &&
+            !(id == CAUSE_SALIENCY && !salient)) {
             tell(text, size, "%s (%s)", cause_table[id].noun, values);
         }
     }

@@ -11,7 +11,8 @@
 void named_tell(const session *w, diagnosis *d, hypothesis_id member[DIAGNOSIS_CAUSES])
 {
     double z[P_COUNT] = {0};
-    double before = d->nominal;
+    /* Of the rows as they were mended: what that gained is told apart. */
+    double before = measure_one_cycle(&w->rows, &d->nominal_drive, MEASURE_ALL, true);
     hypothesis_set left = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         left |= hypothesis_cause(h)->named ? w->state.set & HYPOTHESIS_BIT(h) : 0;

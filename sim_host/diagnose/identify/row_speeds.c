@@ -1,0 +1,94 @@
+/* The rows' speeds (row_speeds.h). */
+#include "row_speeds.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { CORRECT_ROWS_MIN = 200 /* fewer rows say less about the speed than the column does */ };
+
+void rows_correct_speed(diagnose_rows *r)
+{
+    const recording *rec = r->recording;
+    for (size_t n = 0; n < rec->stretches; n++) {
+        const stretch *s = &rec->stretch[n];
+        if (s->count < CORRECT_ROWS_MIN) {
+            continue;
+        }
+        double difference = 0.0;
+        double sum[3] = {0}; /* moments of the difference with the Legendre polynomials of the stretch */
+        for (size_t j = 0; j < s->count; j++) {
+            size_t k = s->first + j;
+            if (j > 0) {
+                double step = rec->theta_e_rad[k] - rec->theta_e_rad[k - 1] -
+                              0.5 * (r->row[k].omega_rad_s + r->row[k - 1].omega_rad_s) * r->T_s;
+                difference += step - VEC_TWO_PI * round(step / VEC_TWO_PI);
+            }
+            double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
+            sum[1] += difference * x * 3.0 / (double)s->count;
+            sum[2] += difference * (1.5 * x * x - 0.5) * 5.0 / (double)s->count;
+        }
+        double per_row = 2.0 / ((double)s->count * r->T_s); /* dx/dt */
+        for (size_t j = 0; j < s->count; j++) {
+            double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
+            double change = (sum[1] + 3.0 * sum[2] * x) * per_row;
+            cycle_row *row = &r->row[s->first + j];
+            if (fabs(change) < 0.01 * fabs(row->omega_rad_s) + 0.5) {
+                row->omega_rad_s += change;
+            }
+            row->cos_turn = cos(row->omega_rad_s * r->T_s);
+            row->sin_turn = sin(row->omega_rad_s * r->T_s);
+        }
+    }
+}
+
+/* The rows as they are, and as they were before each mend. */
+static cycle_row *rows_of(const diagnose_rows *r, size_t n)
+{
+    return n < r->mends ? r->mend[n].before : r->row;
+}
+
+static void find_range(const diagnose_rows *r, double step, long *lowest, long *highest)
+{
+    *lowest = *highest = lround(r->row[0].omega_rad_s / step);
+    for (size_t m = 0; m <= r->mends; m++) {
+        const cycle_row *row = rows_of(r, m);
+        for (size_t k = 0; k < r->rows; k++) {
+            const long n = lround(row[k].omega_rad_s / step);
+            *lowest = n < *lowest ? n : *lowest;
+            *highest = n > *highest ? n : *highest;
+        }
+    }
+}
+
+bool rows_place_nodes(diagnose_rows *r)
+{
+    const double step = AVERAGED_NODE_STEP / r->T_s;
+    long lowest;
+    long highest;
+    find_range(r, step, &lowest, &highest);
+    const size_t span = (size_t)(highest - lowest + 1);
+    size_t *index = calloc(span, sizeof *index);
+    free(r->node_omega_rad_s);
+    r->nodes = 0;
+    r->node_omega_rad_s = calloc(span, sizeof *r->node_omega_rad_s);
+    if (!index || !r->node_omega_rad_s) {
+        free(index);
+        return false;
+    }
+    for (size_t m = 0; m <= r->mends; m++) {
+        cycle_row *row = rows_of(r, m);
+        for (size_t k = 0; k < r->rows; k++) {
+            const double exact = row[k].omega_rad_s / step;
+            const long n = lround(exact);
+            size_t *slot = &index[n - lowest];
+            if (*slot == 0) {
+                r->node_omega_rad_s[r->nodes] = (double)n * step;
+                *slot = ++r->nodes;
+            }
+            row[k].node = *slot - 1;
+            row[k].node_h = exact - (double)n;
+        }
+    }
+    free(index);
+    return true;
+}

@@ -1,0 +1,196 @@
+/* A speed that is late against the angle (speed_lag.h). */
+#include "speed_lag.h"
+
+#include "mended.h"
+#include "model/late_speed.h"
+#include "row_speeds.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * A stretch is cut into parts, in each of which the difference of angle and integrated speed may begin anywhere: what adds up
+ * over longer is another matter. Means of some rows stand for them, so that the column's noise is small against its change.
+ */
+enum { PARTS = 8, PART_ROWS_LEAST = 64, PART_ROWS_MOST = 400, POINTS = 16, PARTS_LEAST = 6 };
+
+static const double LEAST_CYCLES = 1.5;  /* a late angle is less */
+static const double MOST_S = 1.0;        /* slower than that no speed is of use */
+static const double CERTAIN = 8.0;       /* in standard deviations */
+static const double LEAST_SIGNAL = 0.75; /* of the speed's variance, else its noise would shorten tau */
+static const double MORE = 0.02;         /* what the law leaves: an interval says no less, of tau */
+
+/* By part: the integrated difference against what may make it: the time, the angle turned, the speed. */
+enum { TIME, TURNED, SPEED, DIFFERENCE, COLUMNS };
+
+typedef struct points {
+    size_t count;
+    double (*at)[COLUMNS]; /* about the part's mean */
+    size_t *part;
+    size_t parts;
+    double noise; /* sum over the points of the variance that the column's noise has in their speeds */
+} points;
+
+static void add_part(const recording *rec, size_t first, size_t rows, points *p)
+{
+    const size_t wide = rows / POINTS > 0 ? rows / POINTS : 1;
+    const size_t begin = p->count;
+    double at[COLUMNS] = {0.0};
+    double sum[COLUMNS] = {0.0};
+    double mean[COLUMNS] = {0.0};
+    double steps = 0.0;
+    for (size_t j = 0; j < rows / wide * wide; j++) {
+        const size_t k = first + j;
+        const double omega = rec->omega_e_rad_s[k];
+        if (j > 0) {
+            const double before = rec->omega_e_rad_s[k - 1];
+            const double expected = 0.5 * (omega + before) * rec->T_s;
+            const double step = rec->theta_e_rad[k] - rec->theta_e_rad[k - 1] - expected;
+            at[DIFFERENCE] += step - VEC_TWO_PI * round(step / VEC_TWO_PI);
+            at[TURNED] += expected;
+            at[TIME] += rec->T_s;
+            steps += (omega - before) * (omega - before);
+        }
+        at[SPEED] = omega;
+        for (size_t n = 0; n < COLUMNS; n++) {
+            sum[n] += at[n] / (double)wide;
+        }
+        if ((j + 1) % wide == 0) {
+            memcpy(p->at[p->count], sum, sizeof sum);
+            memset(sum, 0, sizeof sum);
+            p->part[p->count++] = p->parts;
+        }
+    }
+    const double count = (double)(p->count - begin);
+    for (size_t k = begin; k < p->count; k++) {
+        for (size_t n = 0; n < COLUMNS; n++) {
+            mean[n] += p->at[k][n] / count;
+        }
+    }
+    for (size_t k = begin; k < p->count; k++) {
+        for (size_t n = 0; n < COLUMNS; n++) {
+            p->at[k][n] -= mean[n];
+        }
+    }
+    p->noise += (count - 1.0) * 0.5 * steps / (double)rows / (double)wide;
+    p->parts++;
+}
+
+static void collect(const recording *rec, points *p)
+{
+    for (size_t s = 0; s < rec->stretches; s++) {
+        const stretch *st = &rec->stretch[s];
+        size_t rows = st->count / PARTS;
+        rows = rows < PART_ROWS_LEAST ? PART_ROWS_LEAST : (rows > PART_ROWS_MOST ? PART_ROWS_MOST : rows);
+        for (size_t first = 0; first + rows <= st->count; first += rows) {
+            add_part(rec, st->first + first, rows, p);
+        }
+    }
+}
+
+static double product(const points *p, size_t a, size_t b)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < p->count; k++) {
+        sum += p->at[k][a] * p->at[k][b];
+    }
+    return sum;
+}
+
+/* Takes out of column n what column `by` makes of it, everywhere by the same factor. */
+static void clear_of(points *p, size_t n, size_t by, double own)
+{
+    const double norm = product(p, by, by);
+    const double factor = norm > 1e-9 * own ? product(p, n, by) / norm : 0.0;
+    for (size_t k = 0; k < p->count; k++) {
+        p->at[k][n] -= factor * p->at[k][by];
+    }
+}
+
+/* tau and its standard deviation by the parts' scores. False: the speed hardly changes, or is not late for certain. */
+static bool slope_of(points *p, double T_s, row_mend *found)
+{
+    /* A speed column with an offset or in another scale: as much of the difference as that can make is not tau's. */
+    const double turned = product(p, TURNED, TURNED);
+    clear_of(p, TURNED, TIME, 0.0);
+    clear_of(p, SPEED, TIME, 0.0);
+    clear_of(p, DIFFERENCE, TIME, 0.0);
+    clear_of(p, SPEED, TURNED, turned);
+    clear_of(p, DIFFERENCE, TURNED, turned);
+    const double power = product(p, SPEED, SPEED);
+    const double signal = power - p->noise;
+    if (p->parts < PARTS_LEAST || !(signal > LEAST_SIGNAL * power)) {
+        return false;
+    }
+    const double tau_s = product(p, SPEED, DIFFERENCE) / signal;
+    double scores = 0.0;
+    for (size_t k = 0; k < p->count;) {
+        double score = 0.0;
+        const size_t part = p->part[k];
+        for (; k < p->count && p->part[k] == part; k++) {
+            score += p->at[k][SPEED] * (p->at[k][DIFFERENCE] - tau_s * p->at[k][SPEED]);
+        }
+        scores += score * score;
+    }
+    const double parts = (double)p->parts;
+    const double deviation_s = sqrt(scores * parts / (parts - 3.0)) / signal;
+    const double half_s = 1.959963984540054 * deviation_s + MORE * fabs(tau_s);
+    *found = (row_mend){
+        .cause = CAUSE_SPEED_LAG, .value = {tau_s}, .low = {tau_s - half_s}, .high = {tau_s + half_s}};
+    return tau_s > CERTAIN * deviation_s && tau_s - half_s > LEAST_CYCLES * T_s && tau_s < MOST_S;
+}
+
+static bool find(const recording *rec, row_mend *found, bool *certain)
+{
+    points p = {.at = calloc(rec->rows + 1, sizeof *p.at), .part = calloc(rec->rows + 1, sizeof *p.part)};
+    const bool ok = p.at && p.part;
+    if (ok) {
+        collect(rec, &p);
+        *certain = slope_of(&p, rec->T_s, found);
+    }
+    free(p.at);
+    free(p.part);
+    return ok;
+}
+
+static bool give_speeds(diagnose_rows *r, double tau_s)
+{
+    const recording *rec = r->recording;
+    double *true_speed = calloc(r->rows, sizeof *true_speed);
+    if (!true_speed) {
+        return false;
+    }
+    for (size_t s = 0; s < rec->stretches; s++) {
+        const stretch *st = &rec->stretch[s];
+        late_speed_undo(rec->omega_e_rad_s + st->first, st->count, r->T_s, tau_s, true_speed + st->first);
+    }
+    for (size_t k = 0; k < r->rows; k++) {
+        cycle_row *row = &r->row[k];
+        row->omega_rad_s = true_speed[k];
+        row->cos_turn = cos(row->omega_rad_s * r->T_s);
+        row->sin_turn = sin(row->omega_rad_s * r->T_s);
+    }
+    free(true_speed);
+    rows_correct_speed(r);
+    return rows_place_nodes(r);
+}
+
+bool speed_lag_mend(diagnose_rows *r, const motor *file, bool search)
+{
+    const recording *rec = r->recording;
+    const double known_s = file->ext.has[CAUSE_SPEED_LAG] ? file->ext.speed_lag_s : 0.0;
+    row_mend found = {.cause = CAUSE_SPEED_LAG};
+    bool certain = false;
+    if (known_s != 0.0 && !give_speeds(r, known_s)) {
+        return false;
+    }
+    if (rec->omega_derived || !search || !find(rec, &found, &certain)) {
+        return rec->omega_derived || !search;
+    }
+    /* What the file knows stands. */
+    if (!certain || !mended_is_news(&found, file)) {
+        return true;
+    }
+    return mended_keep(r, &found, file) && give_speeds(r, found.value[0]);
+}

@@ -1,0 +1,245 @@
+/* Rows in which one of three current sensors is at fault (sensor_fault.h). */
+#include "sensor_fault.h"
+
+#include "base/solve.h"
+#include "diagnose/identify/mended.h"
+#include "diagnose/identify/observer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What three sound sensors leave of their sum: an offset, gains, a cubic of each. */
+enum { TERMS = 6, FITS = 4 };
+/* Of the rows' deviation: beyond it a row is told, or, once the sensor is known, mended; and what is left out of a fit. */
+static const double TOLD = 8.0;
+static const double MENDED = 5.0;
+static const double LEFT_OUT = 4.0;
+static const double INNER = 0.95; /* of the rows: these tell the deviation */
+/* So many rows at the least, so large a part at the most, and so many of them must say the same phase. */
+enum { LEAST_ROWS = 4 };
+static const double MOST_ROWS = 0.3;
+static const double AGREE = 0.8;
+
+typedef struct fault {
+    diagnose_rows *r;
+    double *left_A;  /* of the sum, beyond what sound sensors leave */
+    double *scratch; /* as many */
+    double deviation_A;
+    double term[TERMS];
+} fault;
+
+static void terms_of(vec_ab i, double x[TERMS])
+{
+    double phase[3];
+    vec_to_phases(i, phase);
+    x[0] = 1.0;
+    x[1] = i.alpha;
+    x[2] = i.beta;
+    for (size_t n = 0; n < 3; n++) {
+        x[3 + n] = phase[n] * phase[n] * phase[n];
+    }
+}
+
+/* What sound sensors show as the sum of three at a current. */
+static double sound(const fault *f, vec_ab i)
+{
+    double x[TERMS];
+    double sum = 0.0;
+    terms_of(i, x);
+    for (size_t n = 0; n < TERMS; n++) {
+        sum += f->term[n] * x[n];
+    }
+    return sum;
+}
+
+static int ascending(const void *x, const void *y)
+{
+    const double a = *(const double *)x;
+    const double b = *(const double *)y;
+    return (a > b) - (a < b);
+}
+
+/* Of the inner rows, by what they would have of a normal noise: rounding to a coarse step leaves no middle that tells. */
+static void measure_deviation(fault *f)
+{
+    const size_t rows = f->r->rows;
+    for (size_t k = 0; k < rows; k++) {
+        f->scratch[k] = fabs(f->left_A[k]);
+    }
+    qsort(f->scratch, rows, sizeof *f->scratch, ascending);
+    const size_t inner = (size_t)(INNER * (double)rows);
+    double square = 0.0;
+    for (size_t k = 0; k < inner; k++) {
+        square += f->scratch[k] * f->scratch[k];
+    }
+    const double cut = 0.759; /* of a normal's square, its inner 95 % */
+    f->deviation_A = inner > 0 ? sqrt(square / (double)inner / cut) : 0.0;
+}
+
+/* Fitted to the rows that do not stand out, again and again. */
+static void fit_sound(fault *f)
+{
+    const diagnose_rows *r = f->r;
+    for (int again = 0; again < FITS; again++) {
+        double h[TERMS * TERMS] = {0.0};
+        double g[TERMS] = {0.0};
+        for (size_t k = 0; k < r->rows; k++) {
+            double x[TERMS];
+            if (again > 0 && fabs(f->left_A[k]) > LEFT_OUT * f->deviation_A) {
+                continue;
+            }
+            terms_of(r->row[k].i_A, x);
+            for (size_t n = 0; n < TERMS; n++) {
+                g[n] += x[n] * 3.0 * r->row[k].i_zero_A;
+                for (size_t m = 0; m < TERMS; m++) {
+                    h[n * TERMS + m] += x[n] * x[m];
+                }
+            }
+        }
+        memset(f->term, 0, sizeof f->term);
+        if (!solve_positive(TERMS, TERMS, h, g, f->term)) {
+            /* Currents along one line: an offset is all that can be told. */
+            memset(f->term, 0, sizeof f->term);
+            f->term[0] = h[0] > 0.0 ? g[0] / h[0] : 0.0;
+        }
+        for (size_t k = 0; k < r->rows; k++) {
+            f->left_A[k] = 3.0 * r->row[k].i_zero_A - sound(f, r->row[k].i_A);
+        }
+        measure_deviation(f);
+    }
+}
+
+static bool stands_out(const fault *f, size_t k, double deviations)
+{
+    return fabs(f->left_A[k]) > deviations * f->deviation_A;
+}
+
+/* The row with what stands out of its sum taken from phase x: then the sum is what sound sensors show. */
+static void take_from(const fault *f, cycle_row *row, size_t x)
+{
+    for (int again = 0; again < 3; again++) {
+        const double left_A = 3.0 * row->i_zero_A - sound(f, row->i_A);
+        row->i_A.alpha -= 2.0 / 3.0 * vec_phase_axis[x].alpha * left_A;
+        row->i_A.beta -= 2.0 / 3.0 * vec_phase_axis[x].beta * left_A;
+        row->i_zero_A -= left_A / 3.0;
+    }
+}
+
+/* Squares of the one-cycle errors into each row, into f->scratch: the rows that stand out with phase x mended, or none. */
+static bool errors_with(const fault *f, const averaged_drive *drive, const averaged_node *nodes, size_t x,
+                        vec_ab *wrong)
+{
+    const diagnose_rows *r = f->r;
+    diagnose_rows other = *r;
+    other.row = malloc(r->rows * sizeof *other.row);
+    if (!other.row) {
+        return false;
+    }
+    memcpy(other.row, r->row, r->rows * sizeof *other.row);
+    for (size_t k = 0; k < r->rows; k++) {
+        if (x < 3 && stands_out(f, k, TOLD)) {
+            take_from(f, &other.row[k], x);
+        }
+    }
+    for (size_t n = 0; n < r->recording->stretches; n++) {
+        const stretch *st = &r->recording->stretch[n];
+        observer_one_cycle(&other, drive, nodes, st->first, st->count, wrong);
+        for (size_t j = 0; j < st->count; j++) {
+            f->scratch[st->first + j] = wrong[j].alpha * wrong[j].alpha + wrong[j].beta * wrong[j].beta;
+        }
+    }
+    free(other.row);
+    return true;
+}
+
+/* The phase that most of the told rows say, 3 if they do not agree. */
+static bool find_phase(const fault *f, const averaged_drive *drive, size_t *phase)
+{
+    enum { AS_RECORDED = 3 };
+    const diagnose_rows *r = f->r;
+    averaged_node *nodes = rows_nodes(r, drive);
+    vec_ab *wrong = calloc(r->rows + 1, sizeof *wrong);
+    double *least = calloc(r->rows, sizeof *least);
+    unsigned char *best = calloc(r->rows, 1);
+    bool ok = nodes && wrong && least && best;
+    for (size_t x = 0; ok && x <= AS_RECORDED; x++) {
+        ok = errors_with(f, drive, nodes, x, wrong);
+        for (size_t k = 0; ok && k < r->rows; k++) {
+            if (x == 0 || f->scratch[k] < least[k]) {
+                least[k] = f->scratch[k];
+                best[k] = (unsigned char)x;
+            }
+        }
+    }
+    size_t votes[4] = {0};
+    size_t told = 0;
+    for (size_t k = 0; ok && k < r->rows; k++) {
+        if (stands_out(f, k, TOLD) && r->row[k].history > 0) {
+            votes[best[k]]++;
+            told++;
+        }
+    }
+    *phase = AS_RECORDED;
+    for (size_t x = 0; x < 3; x++) {
+        *phase = told >= LEAST_ROWS && (double)votes[x] >= AGREE * (double)told ? x : *phase;
+    }
+    free(nodes);
+    free(wrong);
+    free(least);
+    free(best);
+    return ok;
+}
+
+static size_t count_told(const fault *f)
+{
+    size_t told = 0;
+    for (size_t k = 0; k < f->r->rows; k++) {
+        told += stands_out(f, k, TOLD);
+    }
+    return told;
+}
+
+static bool look(fault *f, const averaged_drive *drive, const motor *file, size_t *mended)
+{
+    diagnose_rows *r = f->r;
+    size_t phase = 3;
+    fit_sound(f);
+    const size_t told = count_told(f);
+    if (told < LEAST_ROWS || (double)told > MOST_ROWS * (double)r->rows) {
+        return true;
+    }
+    if (!find_phase(f, drive, &phase)) {
+        return false;
+    }
+    if (phase == 3) {
+        return true;
+    }
+    const double number = (double)phase + 1.0;
+    const row_mend found = {
+        .cause = CAUSE_SENSOR_FAULT, .value = {number}, .low = {number}, .high = {number}};
+    if (!mended_keep(r, &found, file)) {
+        return false;
+    }
+    for (size_t k = 0; k < r->rows; k++) {
+        if (stands_out(f, k, MENDED)) {
+            take_from(f, &r->row[k], phase);
+            ++*mended;
+        }
+    }
+    return true;
+}
+
+bool measure_sensor_fault(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended)
+{
+    *mended = 0;
+    if (r->two_sensors) {
+        return true;
+    }
+    fault f = {
+        .r = r, .left_A = calloc(r->rows, sizeof *f.left_A), .scratch = calloc(r->rows, sizeof *f.scratch)};
+    const bool ok = f.left_A && f.scratch && look(&f, drive, file, mended);
+    free(f.left_A);
+    free(f.scratch);
+    return ok;
+}

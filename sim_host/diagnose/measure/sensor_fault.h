@@ -1,0 +1,20 @@
+/*
+ * One of three current sensors that now and then shows something else: rows in which the three do not sum to what they sum to
+ * else.
+ *
+ * What linear or bent sensors, offsets and noise leave of the sum is fitted over all rows; rows that stand far out of that are
+ * told. Whose sensor it was shows in the prediction: with its current taken from the other two a row is predicted better than
+ * as it was recorded, and with another's worse.
+ */
+#ifndef SIM_HOST_DIAGNOSE_MEASURE_SENSOR_FAULT_H
+#define SIM_HOST_DIAGNOSE_MEASURE_SENSOR_FAULT_H
+
+#include "diagnose/identify/rows.h"
+
+/*
+ * Looks for it by any drive that is roughly right, the motor file's. If there is one, its rows get the current that the other
+ * two say; what they were is kept where the motor file does not know it. *mended: how many rows. False: out of memory.
+ */
+bool measure_sensor_fault(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended);
+
+#endif

@@ -1,0 +1,51 @@
+/* Which mending comes when (mending.h). */
+#include "mending.h"
+
+#include "identify/speed_lag.h"
+#include "measure/link_ripple.h"
+#include "measure/missed.h"
+#include "measure/sensor_fault.h"
+
+static void say(FILE *trace, size_t rows, const char *what)
+{
+    if (rows > 0 && trace) {
+        fprintf(trace, "  %zu rows mended of %s\n", rows, what);
+    }
+}
+
+bool mending_by_columns(session *w, const motor *file, hypothesis_set skip, FILE *trace)
+{
+    size_t rows = 0;
+    if (!speed_lag_mend(&w->rows, file, !hypothesis_in(skip, H_SPEED_LAG)) ||
+        (!hypothesis_in(skip, H_SENSOR_FAULT) &&
+         !measure_sensor_fault(&w->rows, &w->frame.nominal, file, &rows))) {
+        return false;
+    }
+    say(trace, rows, "a sensor's fault");
+    return true;
+}
+
+bool mending_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *trace, size_t *mended)
+{
+    const averaged_drive first = session_drive(w, w->state.z);
+    size_t missed = 0;
+    size_t rippled = 0;
+    if ((!hypothesis_in(skip, H_MISSED_UPDATE) && !measure_missed(&w->rows, &first, file, &missed)) ||
+        (!hypothesis_in(skip, H_DC_LINK_RIPPLE) && !measure_link_ripple(&w->rows, &first, file, &rippled))) {
+        return false;
+    }
+    say(trace, missed, "missed updates");
+    say(trace, rippled, "a ripple of the link");
+    *mended = missed + rippled;
+    return true;
+}
+
+bool mending_of(const diagnose_rows *r, cause_id cause)
+{
+    for (size_t n = 0; n < r->mends; n++) {
+        if (r->mend[n].cause == cause) {
+            return true;
+        }
+    }
+    return false;
+}
