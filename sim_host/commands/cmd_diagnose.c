@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_MOTOR, OPT_DIR, OPT_JSON, OPT_SKIP, OPT_TRACE };
+enum { OPT_MOTOR, OPT_DIR, OPT_JSON, OPT_SKIP, OPT_ANY_SIZE, OPT_TRACE };
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file, as you have it"},
@@ -22,6 +22,7 @@ static const option_spec specs[] = {
      "write report.html, motor_extended.toml, iqfoc_extension.h and diagnosis.json into DIR"},
     {"json", 0, "F", "write the diagnosis to file F; - is stdout, without the text"},
     {"skip", 0, "ID[,ID...]", "leave these causes out of the search"},
+    {"any-size", 0, NULL, "name what is certain, too small to matter or not"},
     {"trace", 0, NULL, "tell on stderr how the search went"},
     {NULL, 0, NULL, NULL}};
 
@@ -157,6 +158,7 @@ int cmd_diagnose(int argc, char **argv)
                                    [OPT_DIR] = {.text = &r.directory},
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_SKIP] = {.take = take_skip, .context = &r.options.skip},
+                                   [OPT_ANY_SIZE] = {.flag = &r.options.any_size},
                                    [OPT_TRACE] = {.flag = &r.traced}};
     options o = options_begin(&about_diagnose, argc, argv);
     const bool ok = options_read(&o, places, &e) && (o.helped || (combination(&o, &r, &e) && run(&r, &e)));

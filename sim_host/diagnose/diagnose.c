@@ -200,7 +200,8 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     size_t mended = 0;
-    if (!begin(w, &options->teller) || !mending_by_rows(w, m, options->skip, options->teller.trace, &mended) ||
+    if (!begin(w, &options->teller) ||
+        !mending_by_rows(w, m, options->skip, options->teller.trace, &mended) ||
         (mended > 0 && !begin(w, &options->teller))) {
         return false;
     }
@@ -269,6 +270,7 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
     }
     if (ok) {
         w->frame = coordinates_of(m, &w->rows);
+        w->frame.of_least = options->any_size ? 0.0 : 1.0;
         ok = (mending_by_columns(w, m, options->skip, options->teller.trace) ||
               error_failure(e, 0, "out of memory for %zu rows", w->rows.rows)) &&
              fit_data_make(&w->fitted, &w->rows, &w->frame, SEARCH_ROWS, e);

@@ -17,6 +17,7 @@
 typedef struct diagnose_options {
     hypothesis_set skip;    /* hypotheses that are left out */
     diagnose_teller teller; /* of the search; zeros: nobody is told */
+    bool any_size;          /* name what is certain however small it is, below each hypothesis' `least` too */
     bool series;            /* fill the series (the report needs them) */
 } diagnose_options;
 

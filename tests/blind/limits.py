@@ -1,7 +1,8 @@
 """Detection limits: for each cause, the size that is found, and found alone, in 95 % of cases.
 
 For each seed the size is bisected (on a logarithmic scale) between "largest plausible" and 1/300 of it; the limit of
-the cause is the 95th percentile over the seeds of the smallest size found.
+the cause is the 95th percentile over the seeds of the smallest size found. With --any-size no size is too small for a name
+(`least` of sim_host/data/causes.def at nought): what the recordings allow, instead of what is worth a name.
 """
 
 import json
@@ -23,30 +24,30 @@ STEPS = 5  # of bisection: the limit is known to a factor of 300^(1/32) = 1.2
 SPAN = 300.0
 
 
-def found(seed, cause, size, plant, iqfoc):
+def found(seed, cause, size, plant, iqfoc, more):
     """Whether exactly this cause is named, and the effect's share of the noise floor."""
     with tempfile.TemporaryDirectory(prefix="limit-") as folder:
         if plant == "second":
             generate.write(draw.draw(seed, cause, [size]), folder)
         else:
             main_plant.make(seed, cause, folder, iqfoc, [size])
-        diagnosis = blind.diagnose(folder, iqfoc)
+        diagnosis = blind.diagnose(folder, iqfoc, more=more)
         with open(os.path.join(folder, "truth.json"), encoding="utf-8") as file:
             effect = json.load(file)["effects"][0]
-    return [c["id"] for c in diagnosis["causes"]] == [cause], effect["share_of_floor"]
+    return [c["id"] for c in diagnosis["causes"]] == [effects.cause_of(cause)], effect["share_of_floor"]
 
 
 def limit_of(work):
     """Smallest size found for one seed, with its share; None when not even the largest is."""
-    seed, cause, plant, iqfoc = work
+    seed, cause, plant, iqfoc, more = work
     high = effects.RANGE[cause][1]
-    hit, share = found(seed, cause, high, plant, iqfoc)
+    hit, share = found(seed, cause, high, plant, iqfoc, more)
     if not hit:
         return None
     low, best = high / SPAN, (high, share)
     for _ in range(STEPS):
         middle = float(np.sqrt(low * best[0]))
-        hit, share = found(seed, cause, middle, plant, iqfoc)
+        hit, share = found(seed, cause, middle, plant, iqfoc, more)
         if hit:
             best = (middle, share)
         else:
@@ -69,10 +70,11 @@ def run(args):
     causes = [c for c in args.causes.split(",") if c not in effects.WITHOUT_SIZE]
     # The project's own plant makes a recording several times faster; the second one can be asked for by --plant.
     plant = "main" if args.plant == "both" else args.plant
-    work = [(20000 + n, c, plant, args.iqfoc) for c in causes for n in range(args.seeds)]
+    more = ("--any-size",) if args.any_size else ()
+    work = [(20000 + n, c, plant, args.iqfoc, more) for c in causes for n in range(args.seeds)]
     table = {}
     with ProcessPoolExecutor(args.jobs) as pool:
-        for (seed, cause, _, _), limit in zip(work, pool.map(limit_of, work)):
+        for (seed, cause, *_), limit in zip(work, pool.map(limit_of, work)):
             table.setdefault(cause, []).append(limit)
             if sys.stderr.isatty():
                 print(f"\r{cause} seed {seed}          ", end="", file=sys.stderr)
@@ -93,7 +95,7 @@ def run(args):
     text = "\n".join(lines) + "\n"
     print(text, end="")
     if args.docs:
-        figure.fill_page("limits", text)
+        figure.fill_page("limits of any size" if args.any_size else "limits", text)
     if args.table:
         with open(args.table, "w", encoding="utf-8") as file:
             file.write(text)

@@ -9,6 +9,7 @@
     tests/blind/run.py --kind phase_inductance --count 40    recordings of one kind (generate.py lists them)
     tests/blind/run.py --skip-check for each cause: told to skip its hypothesis, the diagnosis must fail this test
     tests/blind/run.py --limits     the size of each effect that is found in 95 % of cases (limits.py)
+    tests/blind/run.py --limits --any-size     the same with the least size of a name at nought
 
 Recordings are the same on every machine: a seed is all there is. --keep DIR leaves them (and reuses those there).
 Needs Debian's python3-numpy and python3-scipy, and gnuplot for --figure.
@@ -192,6 +193,7 @@ def arguments():
     parser.add_argument("--count", type=int, default=40, help="how many of --kind (default 40)")
     parser.add_argument("--skip-check", action="store_true", help="check that skipping a hypothesis fails the test")
     parser.add_argument("--limits", action="store_true", help="detection limits instead of rates")
+    parser.add_argument("--any-size", action="store_true", help="for --limits: name what is certain, however small it is")
     parser.add_argument("--seeds", type=int, default=20, help="seeds per cause for --limits")
     parser.add_argument("--causes", default=",".join(effects.CAUSES), help="causes for --limits, by commas")
     parser.add_argument("--plant", choices=["both", "second", "main"], default="both", help="one plant only")

@@ -64,6 +64,7 @@ bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evid
     }
     memset(view, 0, sizeof *view);
     view->rows = d->rows;
+    view->of_least = d->frame->of_least;
     for (size_t b = 0; b < d->blocks; b++) {
         view->sums.c += grams[b].c;
         for (size_t i = 0; i < n; i++) {
@@ -143,7 +144,7 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
         column_move(column[i], step[i], option->z);
     }
     option->score = option->cost + evidence_penalty(view, set) + hypotheses_unusual(set, option->z);
-    return hypotheses_physical(set, option->z) && hypotheses_count(set, option->z);
+    return hypotheses_physical(set, option->z) && hypotheses_count(set, option->z, view->of_least);
 }
 
 double evidence_least(double explained, hypothesis_set set, hypothesis_id h)

@@ -129,11 +129,11 @@ static void grow(enumeration *e)
  * Leaves out the members that turned out too small for a name; of a saliency without difference or a
  * saturation without fall an inductance stays. True if anything was left out.
  */
-static bool drop_small(fit_state *s, hypothesis_set allowed)
+static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
 {
     hypothesis_set before = s->set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (!(s->set & HYPOTHESIS_BIT(h)) || hypothesis_size(h, s->z) >= hypothesis_table[h].least) {
+        if (!(s->set & HYPOTHESIS_BIT(h)) || hypothesis_size(h, s->z) >= of_least * hypothesis_table[h].least) {
             continue;
         }
         s->set &= ~HYPOTHESIS_BIT(h);
@@ -142,7 +142,7 @@ static bool drop_small(fit_state *s, hypothesis_set allowed)
             hypothesis_copy(h, hypothesis_nominal, s->z);
             s->z[P_L_D] = s->z[P_L_Q] = mean;
             if ((allowed & HYPOTHESIS_BIT(H_INDUCTANCE)) &&
-                fabs(s->z[P_L_D]) >= hypothesis_table[H_INDUCTANCE].least) {
+                fabs(s->z[P_L_D]) >= of_least * hypothesis_table[H_INDUCTANCE].least) {
                 s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
                 continue;
             }
@@ -161,7 +161,7 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
     if (!fit_refine(d, trial, REFINE_STEPS)) {
         return false;
     }
-    while (drop_small(trial, allowed)) {
+    while (drop_small(trial, allowed, d->frame->of_least)) {
         if (!fit_refine(d, trial, REFINE_STEPS)) {
             return false;
         }

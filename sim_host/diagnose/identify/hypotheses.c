@@ -147,10 +147,10 @@ double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
     }
 }
 
-bool hypotheses_count(hypothesis_set set, const double z[P_COUNT])
+bool hypotheses_count(hypothesis_set set, const double z[P_COUNT], double of_least)
 {
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(set, h) && hypothesis_size(h, z) < hypothesis_table[h].least) {
+        if (hypothesis_in(set, h) && hypothesis_size(h, z) < of_least * hypothesis_table[h].least) {
             return false;
         }
     }

@@ -130,8 +130,8 @@ bool hypothesis_contains(hypothesis_id a, hypothesis_id b);
 /* How far z stands from the motor file along a hypothesis, in the measure of `least`. */
 double hypothesis_size(hypothesis_id h, const double z[P_COUNT]);
 
-/* Whether every member of the set is large enough to be worth a name. */
-bool hypotheses_count(hypothesis_set set, const double z[P_COUNT]);
+/* Whether every member of the set is large enough to be worth a name; of_least: as in coordinate_frame. */
+bool hypotheses_count(hypothesis_set set, const double z[P_COUNT], double of_least);
 
 /* True if every effect of the set with a fixed sign or bounded size is within its bound. */
 bool hypotheses_physical(hypothesis_set set, const double z[P_COUNT]);
