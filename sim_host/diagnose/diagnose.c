@@ -199,8 +199,10 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
+    bool changed = false;
     size_t mended = 0;
-    if (!begin(w, &options->teller) ||
+    if (!begin(w, &options->teller) || !mending_by_modulator(w, options->teller.trace, &changed) ||
+        (changed && !begin(w, &options->teller)) ||
         !mending_by_rows(w, m, options->skip, options->teller.trace, &mended) ||
         (mended > 0 && !begin(w, &options->teller))) {
         return false;

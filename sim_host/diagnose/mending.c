@@ -1,6 +1,7 @@
 /* Which mending comes when (mending.h). */
 #include "mending.h"
 
+#include "identify/modulator_choice.h"
 #include "identify/speed_lag.h"
 #include "measure/link_ripple.h"
 #include "measure/missed.h"
@@ -22,6 +23,21 @@ bool mending_by_columns(session *w, const motor *file, hypothesis_set skip, FILE
         return false;
     }
     say(trace, rows, "a sensor's fault");
+    return true;
+}
+
+bool mending_by_modulator(session *w, FILE *trace, bool *changed)
+{
+    *changed = false;
+    if (!hypothesis_in(w->state.set, H_DEAD_TIME) && w->frame.nominal.v_dead_V == 0.0) {
+        return true;
+    }
+    if (!modulator_choose(&w->fitted, &w->state, changed)) {
+        return false;
+    }
+    if (*changed && trace) {
+        fprintf(trace, "  edges by another modulator: %s\n", modulator_words[w->rows.modulator]);
+    }
     return true;
 }
 

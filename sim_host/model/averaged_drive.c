@@ -117,10 +117,11 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
         vec_ab i_ripple = {k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
         double apart = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (last[x] - first[x]);
         const double more_ohm = d->dR_ohm[x] + drifted;
-        lost[x] = 0.5 * d->v_dead_V *
-                      (averaged_drive_edge(d->edge, (mid + apart) * per_knee) +
-                       averaged_drive_edge(d->edge, (mid - apart) * per_knee)) +
-                  more_ohm * mid / (1.0 + more_ohm * third);
+        /* Of a full loss at one edge and none at the other: (1 + s) / 2 at the rise, (s - 1) / 2 at the fall. */
+        const double rise = averaged_drive_edge(d->edge, (mid + apart) * per_knee);
+        const double fall = averaged_drive_edge(d->edge, (mid - apart) * per_knee);
+        const double held = row->no_rise[x] * (1.0 + rise) - row->no_fall[x] * (1.0 - fall);
+        lost[x] = 0.5 * d->v_dead_V * (rise + fall - held) + more_ohm * mid / (1.0 + more_ohm * third);
     }
     return vec_from_phases(lost);
 }

@@ -67,6 +67,9 @@ typedef struct cycle_row {
     double omega_rad_s;
     double cos_mech, sin_mech;
     double rise[3]; /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
+    double no_rise[3],
+        no_fall[3]; /* edges less than a pulse's one: 1 of a leg that is held at a rail; the edge to or from
+                                      the high rail lies at the valley between, and is one more of its cycle */
     double fell[3]; /* when each leg fell ahead of the cycle's start, as a share of it */
     double u_dc_V;
     vec_ab edge_ripple_Wb[3]; /* flux ripple when each leg rises; the opposite when it falls */

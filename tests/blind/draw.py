@@ -96,7 +96,7 @@ def simulate(motor, bench, model, rows, rng_seed):
         psi_f_file_Wb=motor.psi_f_Wb, bandwidth_T=bench.bandwidth_T * (0.5 if model.delay_cycles else 1.0),
         u_max_ratio=0.97, u_dc_V=u_file, k_u=model.k_u, u_drift=bench.u_drift, u_drift_Hz=bench.u_drift_Hz,
         u_ripple=model.u_ripple, u_ripple_Hz=model.u_ripple_Hz, u_dc_noise_V=bench.u_dc_noise * u_file,
-        u_dc_lsb_V=1.4 * u_file / 2 ** bench.bits, timer_counts=bench.timer_counts, min_max=bench.min_max,
+        u_dc_lsb_V=1.4 * u_file / 2 ** bench.bits, timer_counts=bench.timer_counts, modulator=getattr(bench, "modulator", "min_max" if bench.min_max else "sine"),
         omega_noise_rad_s=bench.omega_noise * motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs,
         R_share=np.zeros((bench.warm_up + rows, 1)), psi_share=np.zeros((bench.warm_up + rows, 1)),
         drifts=bool(model.R_rate_ohm_s or model.psi_rate_Wb_s or model.g_rate_s.any() or model.o_rate_A_s.any()),
@@ -163,6 +163,10 @@ def draw_case(seed, kind, bench_kind="usual", with_digits=False):
     salient = bool(rng.random() < 0.5) and "saturation" not in ids or "saturation_dq" in ids
     motor = motors.draw_motor(rng, salient)
     bench = motors.draw_bench(rng, motor, bench_kind)
+    if "speed_lag" in ids:
+        # It shows while the speed changes: by more than the bench's own swing, and no faster than before at the most.
+        bench.swing = [float(s) for s in np.random.default_rng([seed, 8]).uniform(0.3, 0.6, bench.runs)]
+        bench.points = [(w / (1.0 + s), i) for (w, i), s in zip(bench.points, bench.swing)]
     if "sensor_fault" in ids or "loose_of_two" in ids:
         bench.has_i_c = "sensor_fault" in ids  # whose current it is only three sensors tell
     motor.span_s = lane_starts(seed, bench, 1.0 / motor.f_pwm_Hz)[1]  # how long the recording takes

@@ -55,7 +55,7 @@ RANGE = {
     "current_gain_drift": (0.02, 0.1), "emf_harmonics_high": (0.004, 0.03), "angle_harmonic_electrical": (0.008, 0.1),
     "temperature": (20.0, 70.0), "sensor_lag": (0.06, 0.2),
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004),
-    "speed_lag": (10.0, 60.0), "sensor_fault": (0.0005, 0.004), "loose_of_two": (0.0005, 0.004), "angle_order": (0.008, 0.1)}
+    "speed_lag": (40.0, 160.0), "sensor_fault": (0.0005, 0.004), "loose_of_two": (0.0005, 0.004), "angle_order": (0.008, 0.1)}
 
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
 GROUPS = [{"inductance", "saliency", "saturation", "phase_inductance", "saturation_dq"}, {"resistance", "phase_asymmetry"},

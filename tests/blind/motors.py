@@ -80,14 +80,16 @@ def excitation(rng, cycles, amplitude_A):
     return x + 0.3 * amplitude_A * (np.sin(turn) + 1j * np.cos(0.7 * turn))
 
 
-BENCHES = ["usual", "standstill", "one_point"]
+BENCHES = ["usual", "standstill", "one_point", "discontinuous"]
+DISCONTINUOUS = ["dpwm_min", "dpwm_max", "dpwm_1", "dpwm_0", "dpwm_2", "dpwm_3"]
 
 
 def draw_bench(rng, motor, kind="usual"):
     """How the recording is taken: runs, excitation, sensors, DC link, and which columns the file has.
 
     kind: "usual" spreads 6 to 12 runs over speed and current; "standstill" and "one_point" show less, and a
-    diagnosis has to say what they cannot tell apart.
+    diagnosis has to say what they cannot tell apart. "discontinuous" holds a leg at a rail for a third of the time or for sixths of it,
+    and logs no duties.
     """
     I_pk = motor.I_rated_A_rms * np.sqrt(2.0)
     runs = 1 if kind == "one_point" else int(rng.integers(6, 13))
@@ -104,4 +106,6 @@ def draw_bench(rng, motor, kind="usual"):
         has_run=bool(rng.random() < 0.8), has_i_c=bool(rng.random() < 0.7), wrap=str(rng.choice(["2pi", "pi", "no"])),
         has_mech=bool(rng.random() < 0.4), comments=bool(rng.random() < 0.5), shuffle=bool(rng.random() < 0.3),
         extra=bool(rng.random() < 0.4), crlf=bool(rng.random() < 0.2))
+    if kind == "discontinuous":
+        bench.modulator, bench.columns = str(rng.choice(DISCONTINUOUS)), "u"
     return bench

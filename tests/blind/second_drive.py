@@ -111,10 +111,24 @@ class CurrentController:
         return u_limited * np.exp(1j * (theta_rad + omega_rad_s * self.T_s * (1 + self.late_cycles)))
 
 
-def duties(u, u_dc_V, timer_counts, min_max):
-    """Duty cycles of a voltage vector: with min/max common part or plain sine, in timer counts."""
+def held_leg(ratio, turned_rad=0.0, middle=False):
+    """The common part that puts a leg at the rail of its voltage's sign: the leg whose voltage is the largest, or the middle one, by
+    size, of the vector turned by so much."""
+    seen = phases_from_vector(vector_from_phases(ratio) * np.exp(1j * turned_rad))
+    leg = np.argsort(np.abs(seen), axis=0)[1 if middle else 2].reshape(1, -1)
+    return (0.5 * np.sign(np.take_along_axis(seen, leg, 0)) - np.take_along_axis(ratio, leg, 0))[0]
+
+
+COMMON = {"min_max": lambda r: -0.5 * (r.max(axis=0) + r.min(axis=0)), "sine": lambda r: np.zeros(r.shape[1]),
+          "dpwm_min": lambda r: -0.5 - r.min(axis=0), "dpwm_max": lambda r: 0.5 - r.max(axis=0), "dpwm_1": held_leg,
+          "dpwm_0": lambda r: held_leg(r, np.pi / 6.0), "dpwm_2": lambda r: held_leg(r, -np.pi / 6.0),
+          "dpwm_3": lambda r: held_leg(r, middle=True)}
+
+
+def duties(u, u_dc_V, timer_counts, modulator):
+    """Duty cycles of a voltage vector with a modulator's common part, in timer counts."""
     ratio = phases_from_vector(u) / u_dc_V
-    common = np.where(min_max, -0.5 * (ratio.max(axis=0) + ratio.min(axis=0)), 0.0)
+    common = COMMON[modulator](ratio)
     return quantise(np.clip(0.5 + ratio + common, 0.0, 1.0), 1.0 / timer_counts)
 
 
@@ -139,7 +153,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
     i0 = p.i_ref_dq[0]
     first = machine.resistive_drop(i0) + 1j * shaft.omega(0.0 * T) * (
         machine.psi_f_Wb + machine.L_d_H * i0.real + 1j * machine.L_q_H * i0.imag)
-    command = duties(first * np.exp(1j * (shaft.theta(0.5 * T))), u_dc_meas, p.timer_counts, p.min_max)
+    command = duties(first * np.exp(1j * (shaft.theta(0.5 * T))), u_dc_meas, p.timer_counts, p.modulator)
     commands, applied = [command, command], command
     control.integral = first - 1j * shaft.omega(0.0 * T) * (p.psi_f_file_Wb + p.L_d_file_H * i0.real
                                                              + 1j * p.L_q_file_H * i0.imag)
@@ -174,5 +188,5 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
             for column, value in zip(keep.values(), values):
                 column.append(value)
         u = control.voltage(vector_from_phases(i_mid), theta + 0.5 * omega * T, omega, p.i_ref_dq[k], u_dc_meas)
-        command = duties(u, u_dc_meas, p.timer_counts, p.min_max)
+        command = duties(u, u_dc_meas, p.timer_counts, p.modulator)
     return {name: np.array(column) for name, column in keep.items()}

@@ -239,13 +239,14 @@ class Inverter:
         self.has_dead_time = bool(np.any(self.t_dead_s))
         self.has_drops = bool(np.any(self.V_switch_V) or np.any(self.V_diode_V))
 
-    def instants(self, duty, duty_to_peak, also_s=()):
+    def instants(self, duty, duty_to_peak, also_s=(), at_rail=False):
         """Sorted instants within the cycle at which anything may change, and those of `also_s`; from 0 to T, shape (n, lanes)."""
         rise, fall = self.edges(duty, duty_to_peak)
         zero = np.zeros((1,) + self.T_s.shape)
         rows = [zero, rise, fall, zero + 0.5 * self.T_s, zero + self.T_s] + [zero + t for t in also_s]
         if self.has_dead_time:
-            rows += [rise + self.t_dead_s, fall + self.t_dead_s]
+            # A leg that goes to the high rail or comes back does so at the cycle's start.
+            rows += [rise + self.t_dead_s, fall + self.t_dead_s] + [zero + self.t_dead_s] * bool(at_rail)
         return np.sort(np.minimum(np.concatenate(rows), self.T_s), axis=0)
 
     def edges(self, duty, duty_to_peak):
@@ -253,18 +254,24 @@ class Inverter:
         peak and perhaps another on its way down; a leg that changes between them does so at the peak."""
         return 0.5 * self.T_s * (1.0 - duty_to_peak), 0.5 * self.T_s * (1.0 + duty)
 
-    def leg_voltages(self, at_s, duty, duty_to_peak, i_abc, u_dc_V):
+    def leg_voltages(self, at_s, duty, duty_to_peak, i_abc, u_dc_V, was_high=False):
         """Voltages of the legs against the negative rail at an instant between edges, and which legs have both off.
 
         After a switch turns off, the other waits for t_dead: meanwhile a positive current flows through the lower
-        diode, a negative one through the upper.
+        diode, a negative one through the upper. A leg that is held at a rail has no edge but the one at the cycle's start that brings it
+        there from the high rail, or to it; was_high: the legs that end the cycle before there.
         """
         rise, fall = self.edges(duty, duty_to_peak)
         out_of_motor = i_abc < 0.0
-        high = (at_s > rise + self.t_dead_s) & (at_s < fall)
+        begins_high, ends_high = duty_to_peak >= 1.0, duty >= 1.0
+        pulses = (duty > 0.0) | (duty_to_peak > 0.0)
+        starts = begins_high != was_high
+        high = pulses & (begins_high | (at_s > rise + self.t_dead_s)) & (ends_high | (at_s < fall))
         off = np.zeros_like(high)
         if self.has_dead_time:
-            off = ((at_s > rise) & (at_s < rise + self.t_dead_s)) | ((at_s > fall) & (at_s < fall + self.t_dead_s))
+            off = (pulses & ~begins_high & (at_s > rise) & (at_s < rise + self.t_dead_s)) | (
+                pulses & ~ends_high & (at_s > fall) & (at_s < fall + self.t_dead_s)) | (starts & (at_s < self.t_dead_s))
+            high = high & ~off
         v = np.where(high | (off & out_of_motor), u_dc_V, 0.0)
         if self.has_drops:
             # Into the motor: upper switch or lower diode. Out of it: upper diode or lower switch.
@@ -286,6 +293,7 @@ class Drive:
         self.psi = machine.flux(np.zeros_like(self.t_s) + i_start, shaft.theta(self.t_s))
         self.i_iron = np.zeros_like(self.psi)
         self.lag_s, self.filtered, self.late_valley = lag_s, self.current(), None
+        self.was_high = False
 
     def seen(self):
         """What stands before the sensors now; of late samples see late_valley."""
@@ -316,7 +324,8 @@ class Drive:
         peak, as a vector: as the sensors see it."""
         duty_to_peak = duty if duty_to_peak is None else duty_to_peak
         late_s = max(-self.lag_s, 0.0)
-        inv, at = self.inverter, self.inverter.instants(duty, duty_to_peak, (late_s, 0.5 * self.inverter.T_s + late_s) if late_s else ())
+        inv, also_s = self.inverter, (late_s, 0.5 * self.inverter.T_s + late_s) if late_s else ()
+        at = inv.instants(duty, duty_to_peak, also_s, np.any(duty_to_peak >= 1.0) or np.any(self.was_high))
         t0_s, i_mid, self.late_valley = self.t_s, None, None
         theta_start = self.shaft.theta(t0_s)
         for a, b in zip(at[:-1], at[1:]):
@@ -325,7 +334,7 @@ class Drive:
             i_before = self.current() if self.lag_s > 0.0 else None
             # Only dead time and device drops ask for the currents' signs.
             i_abc = phases_from_vector(self.current()) if inv.has_dead_time or inv.has_drops else np.zeros_like(at[:3])
-            v, off = inv.leg_voltages(0.5 * (a + b), duty, duty_to_peak, i_abc, u_dc_V)
+            v, off = inv.leg_voltages(0.5 * (a + b), duty, duty_to_peak, i_abc, u_dc_V, self.was_high)
             u = vector_from_phases(v)
             psi, i_iron = self._step(h, u, theta_start, theta_mid, theta_end)
             if inv.has_dead_time and off.any():
@@ -338,6 +347,7 @@ class Drive:
             i_mid = self._kept(i_mid, b == 0.5 * inv.T_s + late_s)
             if late_s:
                 self.late_valley = self._kept(self.late_valley, b == late_s)
+        self.was_high = duty >= 1.0
         return i_mid
 
     def _kept(self, before, now):

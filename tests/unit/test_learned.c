@@ -91,7 +91,7 @@ static void a_product_of_the_currents_is_learned(void)
 static void a_ripple_is_no_order_of_the_angle(void)
 {
     good.unlogged_ripple = 0.05;
-    diagnosis d = look(&good, NULL);
+    diagnosis d = look(&good, "dc_link_ripple");
     TEST_ASSERT_EQUAL_INT(VERDICT_UNEXPLAINED, d.verdict);
     TEST_ASSERT_EQUAL_size_t(0, d.learned.terms);
     d.recording_path = d.motor_path = "bench";

@@ -1,6 +1,7 @@
 /* A recording made ready: angles, voltages, edges, nodes, blocks (rows.h). */
 #include "rows.h"
 
+#include "row_edges.h"
 #include "row_speeds.h"
 
 #include <math.h>
@@ -98,38 +99,6 @@ static void fill_electrical(diagnose_rows *r)
         }
     }
     r->u_rms_V = sqrt(u2 / (double)rec->rows);
-}
-
-/*
- * When each leg rises, and the flux ripple it finds: the integral of its voltage from the carrier valley,
- * less the share of the mean. Without recorded duties those of the usual min/max modulation stand in.
- */
-static void fill_edges(diagnose_rows *r, const motor *m)
-{
-    const recording *rec = r->recording;
-    for (size_t k = 0; k < r->rows; k++) {
-        double duty[3];
-        double u[3];
-        double u_dc = rec->u_dc_V ? rec->u_dc_V[k] : m->u_dc_V;
-        recording_voltage(rec, k, u);
-        double middle = 0.5 * (fmax(u[0], fmax(u[1], u[2])) + fmin(u[0], fmin(u[1], u[2])));
-        for (size_t x = 0; x < 3; x++) {
-            duty[x] = rec->duty[0] ? rec->duty[x][k] : 0.5 + (u_dc > 0.0 ? (u[x] - middle) / u_dc : 0.0);
-            duty[x] = fmin(fmax(duty[x], 0.0), 1.0);
-        }
-        for (size_t x = 0; x < 3; x++) {
-            double rise = 0.5 * (1.0 - duty[x]);
-            double high[3]; /* what each leg's flux is ahead of its mean when leg x rises */
-            for (size_t y = 0; y < 3; y++) {
-                high[y] = fmax(0.0, rise - 0.5 * (1.0 - duty[y])) - rise * duty[y];
-            }
-            vec_ab ahead = vec_from_phases(high);
-            r->row[k].rise[x] = rise;
-            r->row[k].fell[x] = k > 0 ? r->row[k - 1].rise[x] : rise;
-            r->row[k].u_dc_V = u_dc;
-            r->row[k].edge_ripple_Wb[x] = (vec_ab){u_dc * r->T_s * ahead.alpha, u_dc * r->T_s * ahead.beta};
-        }
-    }
 }
 
 static size_t blocks_of(const stretch *s, size_t least)
@@ -230,7 +199,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     fill_angles(r, m);
     rows_correct_speed(r);
     fill_electrical(r);
-    fill_edges(r, m);
+    rows_fill_edges(r, m, MODULATOR_MIN_MAX);
     if (!rows_place_nodes(r) || !cut_blocks(r)) {
         rows_free(r);
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);

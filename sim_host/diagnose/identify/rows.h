@@ -14,6 +14,7 @@
 #include "data/motor.h"
 #include "data/recording.h"
 #include "model/averaged_drive.h"
+#include "model/modulator.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -45,6 +46,8 @@ typedef struct diagnose_rows {
     size_t rows;
     cycle_row *row;
     unsigned char *outlier; /* set by the fit: a glitch that would drag every estimate */
+    modulator
+        modulator; /* that made the edges; of a recording without duties, as chosen (modulator_choice.h) */
     size_t mends;
     row_mend mend[ROWS_MENDS]; /* in their order */
     size_t nodes;

@@ -19,7 +19,9 @@ static const double LEAST_CYCLES = 1.5;  /* a late angle is less */
 static const double MOST_S = 1.0;        /* slower than that no speed is of use */
 static const double CERTAIN = 8.0;       /* in standard deviations */
 static const double LEAST_SIGNAL = 0.75; /* of the speed's variance, else its noise would shorten tau */
-static const double MORE = 0.02;         /* what the law leaves: an interval says no less, of tau */
+static const double LEAST_ERROR =
+    0.005; /* of the fastest speed, rms: less is an EMF that is right for practical purposes */
+static const double MORE = 0.02; /* what the law leaves: an interval says no less, of tau */
 
 /* By part: the integrated difference against what may make it: the time, the angle turned, the speed. */
 enum { TIME, TURNED, SPEED, DIFFERENCE, COLUMNS };
@@ -154,26 +156,49 @@ static bool find(const recording *rec, row_mend *found, bool *certain)
     return ok;
 }
 
-static bool give_speeds(diagnose_rows *r, double tau_s)
+/* All rows' speeds; NULL: out of memory. */
+static double *true_speeds(const diagnose_rows *r, double tau_s)
 {
     const recording *rec = r->recording;
     double *true_speed = calloc(r->rows, sizeof *true_speed);
-    if (!true_speed) {
-        return false;
-    }
-    for (size_t s = 0; s < rec->stretches; s++) {
+    for (size_t s = 0; true_speed && s < rec->stretches; s++) {
         const stretch *st = &rec->stretch[s];
         late_speed_undo(rec->omega_e_rad_s + st->first, st->count, r->T_s, tau_s, true_speed + st->first);
     }
+    return true_speed;
+}
+
+/* By how much the column is off by that: a share of the fastest speed, rms. */
+static double share_of(const diagnose_rows *r, const double *true_speed)
+{
+    double square = 0.0;
+    double fastest = 0.0;
+    for (size_t k = 0; k < r->rows; k++) {
+        const double off = true_speed[k] - r->recording->omega_e_rad_s[k];
+        square += off * off / (double)r->rows;
+        fastest = fmax(fastest, fabs(true_speed[k]));
+    }
+    return fastest > 0.0 ? sqrt(square) / fastest : 0.0;
+}
+
+static bool give_speeds(diagnose_rows *r, const double *true_speed)
+{
     for (size_t k = 0; k < r->rows; k++) {
         cycle_row *row = &r->row[k];
         row->omega_rad_s = true_speed[k];
         row->cos_turn = cos(row->omega_rad_s * r->T_s);
         row->sin_turn = sin(row->omega_rad_s * r->T_s);
     }
-    free(true_speed);
     rows_correct_speed(r);
     return rows_place_nodes(r);
+}
+
+static bool give_known(diagnose_rows *r, double tau_s)
+{
+    double *known = true_speeds(r, tau_s);
+    const bool ok = known && give_speeds(r, known);
+    free(known);
+    return ok;
 }
 
 bool speed_lag_mend(diagnose_rows *r, const motor *file, bool search)
@@ -182,7 +207,7 @@ bool speed_lag_mend(diagnose_rows *r, const motor *file, bool search)
     const double known_s = file->ext.has[CAUSE_SPEED_LAG] ? file->ext.speed_lag_s : 0.0;
     row_mend found = {.cause = CAUSE_SPEED_LAG};
     bool certain = false;
-    if (known_s != 0.0 && !give_speeds(r, known_s)) {
+    if (known_s != 0.0 && !give_known(r, known_s)) {
         return false;
     }
     if (rec->omega_derived || !search || !find(rec, &found, &certain)) {
@@ -192,5 +217,9 @@ bool speed_lag_mend(diagnose_rows *r, const motor *file, bool search)
     if (!certain || !mended_is_news(&found, file)) {
         return true;
     }
-    return mended_keep(r, &found, file) && give_speeds(r, found.value[0]);
+    double *speeds = true_speeds(r, found.value[0]);
+    const bool ok = speeds && (share_of(r, speeds) < LEAST_ERROR ||
+                               (mended_keep(r, &found, file) && give_speeds(r, speeds)));
+    free(speeds);
+    return ok;
 }

@@ -64,6 +64,8 @@ static void hold_command(cycle_row *row)
 {
     row->u_V[0] = row[-1].u_V[0];
     memcpy(row->rise, row[-1].rise, sizeof row->rise);
+    memcpy(row->no_rise, row[-1].no_rise, sizeof row->no_rise);
+    memcpy(row->no_fall, row[-1].no_fall, sizeof row->no_fall);
     memcpy(row->edge_ripple_Wb, row[-1].edge_ripple_Wb, sizeof row->edge_ripple_Wb);
 }
 
