@@ -258,7 +258,6 @@ NAMED = [
     ("ripple and resistance", "clean", ripple(0.01, 300.0), {"R_ohm": 0.7},
      {"dc_link_ripple": {"share": (0.01, 4e-4)}, "resistance": {"R": (0.9, 5e-3)}}),
     ("ripple", "dead_time", ripple(0.02, 300.0), {}, {**DEAD, "dc_link_ripple": {"share": (0.02, 1e-3)}}),
-    ("loose contact", "clean", loose_contact(0.002, 0.3), {}, {"sensor_fault": {"phase": (1, 0)}}),
     ("loose contact, 2 A", "clean", loose_contact(0.001, 2.0), {}, {"sensor_fault": {"phase": (1, 0)}}),
     ("one slow run", "clean", only_runs(1), {}, {}),
     ("one fast run", "clean", only_runs(5), {}, {}),
@@ -271,6 +270,8 @@ NAMED = [
 UNKNOWN = [
     ("1 % of updates missed", "clean", missed_updates(0.01), {}, set()),
     ("0.2 % of updates missed", "clean", missed_updates(0.002), {}, set()),
+    # Less than the model errs by in a cycle: the sum shows that a sensor is at fault, and no prediction which.
+    ("loose contact, 0.3 A", "clean", loose_contact(0.002, 0.3), {}, set()),
     ("loose contact of two sensors", "clean", all_of(loose_contact(0.002, 0.3), without("i_c_A")), {}, set()),
 ]
 

@@ -299,8 +299,8 @@ class Recordings(unittest.TestCase):
         ahead = np.cumsum(turned, axis=0)
         self.assertLess(np.abs(ahead - 30.0 * T_s * (recorded[1:] - recorded[:1])).max(), 1e-2 * np.abs(ahead).max() + 1e-9)
         # The oracle's speeds are nearer to the true ones than the recorded ones are.
-        mended = averaged.true_speed(recorded, 30.0)
-        self.assertLess(averaged.rms(mended - true), 0.2 * averaged.rms(recorded - true))
+        mended, inner = averaged.true_speed(recorded, 30.0), slice(40, -40)
+        self.assertLess(averaged.rms((mended - true)[inner]), 0.2 * averaged.rms((recorded - true)[inner]))
 
     def test_a_loose_sensor_among_three_is_a_fault(self):
         self.assertEqual(effects.told_as("loose_sensor", True), ("sensor_fault", True))

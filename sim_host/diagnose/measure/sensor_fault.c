@@ -19,7 +19,7 @@ static const double INNER = 0.95; /* of the rows: these tell the deviation */
 /* So many rows at the least, so large a part at the most, and so many of them must say the same phase. */
 enum { LEAST_ROWS = 4 };
 static const double MOST_ROWS = 0.3;
-static const double AGREE = 0.8;
+static const double AGREE = 0.6;
 
 typedef struct fault {
     diagnose_rows *r;
