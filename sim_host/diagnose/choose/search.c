@@ -133,7 +133,8 @@ static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
 {
     hypothesis_set before = s->set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (!(s->set & HYPOTHESIS_BIT(h)) || hypothesis_size(h, s->z) >= of_least * hypothesis_table[h].least) {
+        if (!(s->set & HYPOTHESIS_BIT(h)) ||
+            hypothesis_size(h, s->z) >= of_least * hypothesis_table[h].least) {
             continue;
         }
         s->set &= ~HYPOTHESIS_BIT(h);

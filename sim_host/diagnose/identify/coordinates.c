@@ -42,7 +42,8 @@ static void find_reach(coordinate_frame *f, const diagnose_rows *r)
 
 coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
 {
-    coordinate_frame f = {.motor = m, .nominal = averaged_drive_of(m), .pole_pairs = m->pole_pairs, .of_least = 1.0};
+    coordinate_frame f = {
+        .motor = m, .nominal = averaged_drive_of(m), .pole_pairs = m->pole_pairs, .of_least = 1.0};
     const averaged_drive *d = &f.nominal;
     const double L = 0.5 * (d->L_d_H + d->L_q_H);
     const double I = motor_rated_peak_A(m);

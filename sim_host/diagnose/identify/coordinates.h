@@ -72,7 +72,8 @@ typedef struct coordinate_frame {
     double scale[SCALE_COUNT];
     double i_rated_peak_A;
     int pole_pairs;
-    double of_least; /* by which each hypothesis' `least` is multiplied: 1, or 0 where any size is worth a name */
+    double
+        of_least; /* by which each hypothesis' `least` is multiplied: 1, or 0 where any size is worth a name */
     /* The largest recorded currents in each direction of the rotor frame: up to there a flux map must be one that a
      * machine can have. */
     vec_dq reach_A[COORDINATE_DIRECTIONS];
