@@ -51,9 +51,9 @@ class Modulators(unittest.TestCase):
             self.assertEqual((off[1, 0], v[1, 0]), (True, 500.0 if current < 0.0 else 0.0))
 
     def test_dead_time_is_not_underestimated(self):
-        for n, name in enumerate(("dpwm_min",)):
+        for name in ("dpwm_min", "dpwm_1", "dpwm_2"):
             with self.subTest(name), tempfile.TemporaryDirectory() as folder:
-                drawn = self.draw(510 + n, name)
+                drawn = self.draw(510, name)
                 generate.write(drawn, folder)
                 found = blind.diagnose(folder, IQFOC)
                 self.assertEqual([c["id"] for c in found["causes"]], ["dead_time"])
