@@ -80,14 +80,18 @@ static bool fill(const diagnose_rows *r, const averaged_drive *drive, const aver
     double *scratch = calloc(n, sizeof *scratch);
     const bool ok = copy && wrong && scratch;
     if (ok) {
-        diagnose_rows more = *r;
-        more.row = copy;
+        /* Copies, which know nothing of the rows ahead of the piece: an iron's past is looked up there. */
+        diagnose_rows own = *r;
+        own.row = copy;
         memcpy(copy, r->row + p->first, n * sizeof *copy);
+        for (size_t j = 0; j < n; j++) {
+            copy[j].history = copy[j].history < j ? copy[j].history : j;
+        }
+        observer_one_cycle(&own, drive, nodes, 0, n, wrong);
         for (size_t j = 0; j < n; j++) {
             link_ripple_scale(&copy[j], 1.0 + STEP);
         }
-        observer_one_cycle(r, drive, nodes, p->first, n, wrong);
-        observer_one_cycle(&more, drive, nodes, 0, n, wrong + n);
+        observer_one_cycle(&own, drive, nodes, 0, n, wrong + n);
         const double wild_A = wild_of(wrong + 1, p->count, scratch);
         double turned = 0.0;
         p->slowest_rad_s = INFINITY;
