@@ -1,4 +1,5 @@
 /* iqfoc watch: trials of the firmware's watch on its model. */
+#include "base/confine.h"
 #include "base/json_file.h"
 #include "command.h"
 #include "drive_emulated.h"
@@ -230,6 +231,9 @@ int cmd_watch(int argc, char **argv)
                                    [OPT_IMAGE] = {.text = &r.emulated.image}};
     options o = options_begin(&about_watch, argc, argv);
     bool ok = options_read(&o, places, &e);
+    if (ok && r.emulated.target == NULL) {
+        confine(CONFINE_TO_FILES);
+    }
     if (ok && !o.helped) {
         ok = options_complete(&o, places, &e) &&
              (r.emulated.target == NULL || r.directory != NULL ||

@@ -46,7 +46,10 @@ def same_dump(program, folder):
     recordings = []
     for target in (None, TARGET):
         place = folder / str(target)
-        watch.noted(program, "winding", SEED, place, target)
+        outcome = watch.noted(program, "winding", SEED, place, target)
+        if outcome != "resistance":
+            check(False, f"{target or 'host'}: winding: {outcome}")
+            return
         recordings.append(columns_of(place / "rec.csv"))
     here, there = recordings
     shared = sorted((set(here) & set(there)) - {"t_s", "run"})
