@@ -356,11 +356,12 @@ static int64_t explained(const iqfoc_watch_t *watch, int32_t n)
     return iq24_asr64((int64_t)watch->xy_q6[n] * amount_of(watch, n), 16);
 }
 
-/* The length of two amounts in Q16. Range: within 128 in IQ24 each, so that the squares' sum is at most 32768 less a rounding; the root saturates. */
+/* The length of two amounts in Q16. Range: below 128 in IQ24 each, so that the squares' sum is below 32768 by more than
+ * a rounding; the root saturates. */
 static int32_t amount_of_both(const iqfoc_watch_t *watch, int32_t n)
 {
-    const iq24_t a = iq24_sat((int64_t)amount_of(watch, n) * 256);
-    const iq24_t b = iq24_sat((int64_t)amount_of(watch, n + 1) * 256);
+    const iq24_t a = iq24_abs_sat(iq24_sat((int64_t)amount_of(watch, n) * 256));
+    const iq24_t b = iq24_abs_sat(iq24_sat((int64_t)amount_of(watch, n + 1) * 256));
     return iq24_asr32(iq24_sqrt(iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(a, a), b, b))), 8);
 }
 

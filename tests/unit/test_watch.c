@@ -284,6 +284,23 @@ static void what_the_confidence_covers_is_no_change(void)
     }
 }
 
+/* Both parts of a sensor's gain as far below zero as can be: their squares together are one more than a sum can hold. */
+static void the_largest_amount_is_one(void)
+{
+    iqfoc_watch_t watch;
+    iqfoc_watch_reset(&watch);
+    watch.blocks = 1;
+    watch.naming = 1;
+    watch.i[0] = IQ24_ONE;
+    for (int32_t n = IQFOC_WATCH_SENSOR_GAIN; n < IQFOC_WATCH_SENSOR_GAIN + 2; n++) {
+        watch.xy_q6[n] = INT32_MIN;
+        watch.xx_q6[n] = 64;
+    }
+    TEST_ASSERT_TRUE(iqfoc_watch_block(&watch, &config, 0, 0));
+    TEST_ASSERT_EQUAL_INT32(IQFOC_WATCH_SENSOR_GAIN, watch.group);
+    TEST_ASSERT_INT32_WITHIN(65536, 11 * 65536, watch.amount_q16);
+}
+
 static void it_fits_its_memory(void)
 {
     TEST_ASSERT_TRUE(sizeof(iqfoc_watch_t) <= 256);
@@ -321,6 +338,7 @@ static void drives_in_the_plant_are_noted_and_named(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(the_largest_amount_is_one);
     RUN_TEST(it_fits_its_memory);
     RUN_TEST(each_change_is_taken_for_what_it_is);
     RUN_TEST(a_name_stays_until_the_reset);
