@@ -47,8 +47,8 @@ static iq24_t step_of(iq24_t gain, int64_t xy_q32, int64_t most_q32)
     while (iq24_asr64(most_q32, bits) > (INT64_C(1) << 30)) {
         bits += 4;
     }
-    return iq24_mul_round(gain,
-                          iq24_div(iq24_sat(iq24_asr64(xy_q32, bits)), (iq24_t)iq24_asr64(most_q32, bits)));
+    return iq24_mul_round(
+        gain, iq24_div(iq24_sat(iq24_asr64(xy_q32, bits)), iq24_wrap(iq24_asr64(most_q32, bits))));
 }
 
 static bool is_learnt_from(const iqfoc_watch_t *watch)

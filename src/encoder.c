@@ -22,7 +22,9 @@ iqfoc_error_t iqfoc_encoder_init(iqfoc_encoder_t *encoder, const iqfoc_encoder_c
 /* From one count on to another, forwards: 0 ... counts_per_turn - 1. */
 static uint32_t forwards(const iqfoc_encoder_t *encoder, uint32_t from, uint32_t to)
 {
-    return to >= from ? to - from : encoder->config->counts_per_turn - (from - to);
+    const uint32_t on = to >= from ? to - from : encoder->config->counts_per_turn - (from - to);
+    /*@ assert encoder: on < encoder->config->counts_per_turn; */
+    return on;
 }
 
 /*

@@ -95,8 +95,11 @@ int32_t iqfoc_finite_set_choose(const iqfoc_finite_set_t *set, iqfoc_ab_t i, int
     uint32_t visited = 0;
     int32_t k = 0;
     stack[0] = level_from(&p, 0, i_next, 0, state_now);
+    /*@ split p.last; */
+    /*@ dynamic_split k; */
     while (k >= 0) {
         level *l = &stack[k];
+        /*@ assert finite_set: 0 <= l->cost <= 1154610354467110912 && 0 <= l->state <= 8; */
         if (l->state == IQFOC_FINITE_SET_STATES) {
             k--;
             continue;

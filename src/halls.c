@@ -126,6 +126,7 @@ static void go_on(iqfoc_halls_t *halls)
         halls->theta = halls->config->border[halls->sector] + wide / 2;
         return;
     }
+    /*@ assert either: halls->since == 0 || halls->since >= 1; */
     const int32_t since = (int32_t)halls->since;
     int64_t moved = iq24_asr64(IQ24_MUL64(halls->turns_seen, since), 8);
     halls->turns = halls->turns_seen;

@@ -27,12 +27,18 @@ typedef struct row {
     cplx i, p, u;
 } row;
 
+static int32_t minus_sum(int32_t x, int32_t y)
+{
+    return iq24_sub_wrap(0, iq24_add_wrap(x, y));
+}
+
 /*
  * row M/n:  i' = -rho_s i - rho_r (i - p),   p' = (a - j phi)(i - p),   u' = i.
  *
  * Range: rho <= 0.5, a <= 0.1, phi <= 2.1: the rows' sums are within e^3.2/3.2 = 7.7 in size before the last
  * step, below Q28's 8; so are i - p, whose parts partly cancel: within 7.7 as a row of the same bound. Error:
- * the quotients are cut by 1 unit, products rounded by half a unit.
+ * the quotients are cut by 1 unit, products rounded by half a unit. Sums are spelt as such that wrap, as in
+ * predictor_salient.c.
  */
 static row times_generator(const row *r, const generator *m, int32_t n)
 {
@@ -40,12 +46,12 @@ static row times_generator(const row *r, const generator *m, int32_t n)
     const int32_t rho_r = m->rho_r / n;
     const int32_t a = m->a / n;
     const int32_t phi = m->phi / n;
-    const cplx over = {r->i.re - r->p.re, r->i.im - r->p.im};
+    const cplx over = {iq24_sub_wrap(r->i.re, r->p.re), iq24_sub_wrap(r->i.im, r->p.im)};
     const row product = {
-        .i = {-iq24_mul_shift(r->i.re, rho_s, 28) - iq24_mul_shift(over.re, rho_r, 28),
-              -iq24_mul_shift(r->i.im, rho_s, 28) - iq24_mul_shift(over.im, rho_r, 28)},
-        .p = {iq24_mul_shift(over.re, a, 28) + iq24_mul_shift(over.im, phi, 28),
-              iq24_mul_shift(over.im, a, 28) - iq24_mul_shift(over.re, phi, 28)},
+        .i = {minus_sum(iq24_mul_shift(r->i.re, rho_s, 28), iq24_mul_shift(over.re, rho_r, 28)),
+              minus_sum(iq24_mul_shift(r->i.im, rho_s, 28), iq24_mul_shift(over.im, rho_r, 28))},
+        .p = {iq24_add_wrap(iq24_mul_shift(over.re, a, 28), iq24_mul_shift(over.im, phi, 28)),
+              iq24_sub_wrap(iq24_mul_shift(over.im, a, 28), iq24_mul_shift(over.re, phi, 28))},
         .u = {r->i.re / n, r->i.im / n},
     };
     return product;
@@ -59,7 +65,8 @@ static int32_t terms_of(const generator *m)
 
 static iqfoc_induction_factor_t factor(cplx x)
 {
-    const iqfoc_induction_factor_t f = {iq24_asr32(x.re + 2, 2), iq24_asr32(x.im + 2, 2)};
+    const iqfoc_induction_factor_t f = {iq24_asr32(iq24_add_wrap(x.re, 2), 2),
+                                        iq24_asr32(iq24_add_wrap(x.im, 2), 2)};
     return f;
 }
 
@@ -80,8 +87,8 @@ static iqfoc_induction_row_t coefficients(const row *r, int32_t k_u_q26)
  */
 static iqfoc_induction_factor_t pulses(cplx x, int32_t k_u_q26)
 {
-    const iqfoc_induction_factor_t f = {-iq24_mul_shift(x.re, k_u_q26, 28) / 24,
-                                        -iq24_mul_shift(x.im, k_u_q26, 28) / 24};
+    const iqfoc_induction_factor_t f = {iq24_sub_wrap(0, iq24_mul_shift(x.re, k_u_q26, 28)) / 24,
+                                        iq24_sub_wrap(0, iq24_mul_shift(x.im, k_u_q26, 28)) / 24};
     return f;
 }
 
@@ -99,8 +106,8 @@ iqfoc_induction_t iqfoc_induction_at_speed(const iqfoc_induction_machine_t *mach
     for (int32_t k = terms_of(&m); k >= 1; k--) {
         i = times_generator(&i, &m, k + 1);
         p = times_generator(&p, &m, k + 1);
-        i.i.re += ONE_Q28;
-        p.p.re += ONE_Q28;
+        i.i.re = iq24_add_wrap(i.i.re, ONE_Q28);
+        p.p.re = iq24_add_wrap(p.p.re, ONE_Q28);
     }
     iqfoc_induction_t result;
     result.i_mean = coefficients(&i, k_u_q26);
@@ -109,8 +116,8 @@ iqfoc_induction_t iqfoc_induction_at_speed(const iqfoc_induction_machine_t *mach
     result.i_mean.of_ripple = pulses(i.i, k_u_q26);
     const iqfoc_induction_factor_t i_pulses = pulses(times_generator(&i, &m, 1).i, k_u_q26);
     const iqfoc_induction_factor_t flux_pulses = pulses(times_generator(&p, &m, 1).i, k_u_q26);
-    i.i.re += ONE_Q28;
-    p.p.re += ONE_Q28;
+    i.i.re = iq24_add_wrap(i.i.re, ONE_Q28);
+    p.p.re = iq24_add_wrap(p.p.re, ONE_Q28);
     result.i = coefficients(&i, k_u_q26);
     result.i.of_ripple = i_pulses;
     result.flux = coefficients(&p, k_u_q26);

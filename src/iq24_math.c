@@ -76,7 +76,9 @@ iq24_t iq24_sqrt(iq24_t x)
     s = (s + m / s) >> 1;
     s = (s + m / s) >> 1;
 
-    int32_t rest = (int32_t)((int64_t)m - (int64_t)s * s); /* fits */
+    const int64_t left = (int64_t)m - (int64_t)s * s;
+    /*@ assert sqrt_end: -131071 <= left <= 131071; */
+    int32_t rest = (int32_t)left;
     uint32_t root = (uint32_t)(((int64_t)s << 15) + rest * 16384 / (int32_t)s);
     return iq24_wrap((int64_t)((root + (UINT32_C(4) << k)) >> (k + 3)));
 }

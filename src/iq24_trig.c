@@ -36,6 +36,7 @@ iq24_t iq24_atan2(iq24_t y, iq24_t x)
     iq24_longdiv_step(&division);
     iq24_longdiv_step(&division);
     uint32_t ratio = division.quotient;
+    /*@ assert longdiv: ratio <= 16777216; */
 
     /* Nodes are 2^20 apart: the low 20 bits, as a signed number, are the distance to the nearest. */
     const int32_t *cubic = arctan_q32[(ratio + (UINT32_C(1) << 19)) >> 20];

@@ -19,6 +19,7 @@ iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max)
     iq24_longdiv_step(&division);
     iq24_longdiv_step(&division);
     iq24_longdiv_step(&division);
+    /*@ assert longdiv: division.quotient <= 16777216; */
     return (iq24_t)division.quotient;
 }
 

@@ -40,6 +40,7 @@ static void add(iqfoc_offset_sums_t *sums, iq24_t measured, bool first)
 static iq24_t root(int64_t x)
 {
     int64_t found = 0;
+    /*@ loop unroll 22; */
     for (int64_t bit = INT64_C(1) << 21; bit != 0; bit /= 2) {
         if ((found + bit) * (found + bit) <= x) {
             found += bit;

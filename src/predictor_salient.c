@@ -36,16 +36,18 @@ typedef struct row {
  * Range: |phi| <= 2.1, rho <= 1. In F the entries of i are within (e^3.1 - 1)/3.1 = 6.8 in size, for that
  * bounds the sum of the absolute terms, and those of u within half of it: all below the 8 of Q28. The sums of
  * two products stay below 2^63: 2 * 2^31 * 2^30. Error: the quotients of M are cut by 1 unit, products
- * rounded by half a unit.
+ * rounded by half a unit. Sums are spelt as such that wrap, which costs nothing: nothing is undefined then even
+ * for a machine outside its ranges.
  */
 static row times_generator(const row *r, const generator *m, int32_t n)
 {
     const int32_t phi = m->phi / n;
     const row product = {
-        .i_d = -iq24_mul_shift(r->i_d, m->rho_d / n, 28) - iq24_mul_shift(r->i_q, phi, 28),
-        .i_q = iq24_mul_shift(r->i_d, phi, 28) - iq24_mul_shift(r->i_q, m->rho_q / n, 28),
-        .u_d = r->i_d / n - iq24_mul_shift(r->u_q, phi, 28),
-        .u_q = r->i_q / n + iq24_mul_shift(r->u_d, phi, 28),
+        .i_d = iq24_sub_wrap(
+            0, iq24_add_wrap(iq24_mul_shift(r->i_d, m->rho_d / n, 28), iq24_mul_shift(r->i_q, phi, 28))),
+        .i_q = iq24_sub_wrap(iq24_mul_shift(r->i_d, phi, 28), iq24_mul_shift(r->i_q, m->rho_q / n, 28)),
+        .u_d = iq24_sub_wrap(r->i_d / n, iq24_mul_shift(r->u_q, phi, 28)),
+        .u_q = iq24_add_wrap(r->i_q / n, iq24_mul_shift(r->u_d, phi, 28)),
         .constant = r->i_q / n,
     };
     return product;
@@ -66,8 +68,8 @@ static void mean_rows(const generator *m, row *d, row *q)
     for (int32_t k = terms_of(m); k >= 1; k--) {
         *d = times_generator(d, m, k + 1);
         *q = times_generator(q, m, k + 1);
-        d->i_d += ONE_Q28;
-        q->i_q += ONE_Q28;
+        d->i_d = iq24_add_wrap(d->i_d, ONE_Q28);
+        q->i_q = iq24_add_wrap(q->i_q, ONE_Q28);
     }
 }
 
@@ -76,8 +78,8 @@ static void end_rows(const generator *m, row *d, row *q)
 {
     *d = times_generator(d, m, 1);
     *q = times_generator(q, m, 1);
-    d->i_d += ONE_Q28;
-    q->i_q += ONE_Q28;
+    d->i_d = iq24_add_wrap(d->i_d, ONE_Q28);
+    q->i_q = iq24_add_wrap(q->i_q, ONE_Q28);
 }
 
 /*
@@ -94,17 +96,18 @@ typedef struct axis {
  */
 static iqfoc_salient_row_t row_of(const row *r, const axis *a, int32_t i_d_q26, int32_t i_q_q26)
 {
-    const iqfoc_salient_row_t result = {.i_d_q26 = i_d_q26,
-                                        .i_q_q26 = i_q_q26,
-                                        .u_d_q26 = iq24_mul_shift(r->u_d, a->k_u_q26, 28),
-                                        .u_q_q26 = iq24_mul_shift(r->u_q, a->k_u_q26, 28),
-                                        .constant_q26 = -iq24_mul_shift(r->constant, a->k_psi_phi_q26, 28)};
+    const iqfoc_salient_row_t result = {
+        .i_d_q26 = i_d_q26,
+        .i_q_q26 = i_q_q26,
+        .u_d_q26 = iq24_mul_shift(r->u_d, a->k_u_q26, 28),
+        .u_q_q26 = iq24_mul_shift(r->u_q, a->k_u_q26, 28),
+        .constant_q26 = iq24_sub_wrap(0, iq24_mul_shift(r->constant, a->k_psi_phi_q26, 28))};
     return result;
 }
 
 static int32_t own(int32_t flux_q28)
 {
-    return iq24_asr32(flux_q28 + 2, 2);
+    return iq24_asr32(iq24_add_wrap(flux_q28, 2), 2);
 }
 
 static int32_t other(int32_t flux_q28, const axis *a)

@@ -33,8 +33,11 @@ iqfoc_error_t iqfoc_reference_check(const iqfoc_reference_config_t *config)
 static iq24_t most_torque_per_ampere(iq24_t saliency, iq24_t i_q)
 {
     const iq24_t x = iq24_mul_round(saliency, i_q);
+    /*@ assert reference: -184549377 <= x <= 184549377; */
     const iq24_t root = iq24_sqrt(IQ24_ONE + iq24_mul_round(x, x));
-    return -iq24_div(iq24_mul_round(x, i_q), IQ24_ONE + root);
+    const iq24_t i_d = iq24_div(iq24_mul_round(x, i_q), IQ24_ONE + root);
+    /*@ assert reference: -67276636 <= i_d <= 67276636; */
+    return -i_d;
 }
 
 /* |u|^2 less what it may be. Range: components within 1.5, so 0 ... 4.5; (1.125 * 1.5)^2 = 2.85. */

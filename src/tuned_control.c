@@ -6,11 +6,6 @@
 
 /* ---- The law at a speed ---- */
 
-static int32_t magnitude(int32_t x)
-{
-    return x < 0 ? -x : x;
-}
-
 /*
  * entry/det in IQ24, of Q26 and Q52: both are first moved up to 30 bits, so that the quotient keeps 23.
  *
@@ -19,7 +14,7 @@ static int32_t magnitude(int32_t x)
  */
 static iq24_t quotient(int32_t entry_q26, uint32_t entry_up, int32_t b, int32_t det_down)
 {
-    const int32_t a = (int32_t)(entry_q26 * (INT32_C(1) << entry_up));
+    const int32_t a = iq24_wrap((int64_t)entry_q26 * (INT32_C(1) << entry_up));
     const int64_t ratio = iq24_div(a, b);
     const int32_t up = 26 - det_down - (int32_t)entry_up;
     return up >= 0 ? iq24_sat(ratio * (INT64_C(1) << up)) : iq24_sat(iq24_asr64(ratio, (uint32_t)-up));
@@ -42,16 +37,16 @@ static void invert(const iqfoc_salient_t *end, iqfoc_tuned_t *tuned)
     while (iq24_asr64(det, (uint32_t)down) >= (INT64_C(1) << 30)) {
         down++;
     }
-    const int32_t b = (int32_t)iq24_asr64(det, (uint32_t)down);
+    const int32_t b = iq24_wrap(iq24_asr64(det, (uint32_t)down));
     const int32_t largest =
-        iq24_max(iq24_max(magnitude(dd), magnitude(dq)), iq24_max(magnitude(qd), magnitude(qq)));
+        iq24_max(iq24_max(iq24_abs_sat(dd), iq24_abs_sat(dq)), iq24_max(iq24_abs_sat(qd), iq24_abs_sat(qq)));
     uint32_t up = 0;
     while (up < 12 && largest < (INT32_C(1) << (29 - up))) {
         up++;
     }
     tuned->voltage_dd = quotient(qq, up, b, down);
-    tuned->voltage_dq = quotient(-dq, up, b, down);
-    tuned->voltage_qd = quotient(-qd, up, b, down);
+    tuned->voltage_dq = quotient(iq24_sub_wrap(0, dq), up, b, down);
+    tuned->voltage_qd = quotient(iq24_sub_wrap(0, qd), up, b, down);
     tuned->voltage_qq = quotient(dd, up, b, down);
 }
 

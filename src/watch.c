@@ -44,7 +44,7 @@ static iqfoc_dq_t across(iqfoc_dq_t v, iq24_t turns)
 
 static iqfoc_dq_t opposite(iqfoc_dq_t v)
 {
-    const iqfoc_dq_t y = {-v.d, -v.q};
+    const iqfoc_dq_t y = {iq24_sub_wrap(0, v.d), iq24_sub_wrap(0, v.q)};
     return y;
 }
 
@@ -85,7 +85,9 @@ static int32_t per_block_noise(const iqfoc_watch_config_t *config, iq24_sincos_t
     const iq24_t turned_away = iq24_asr32(iq24_mul_round(half.sin, half.sin), 3);
     const iq24_t square =
         iq24_add_wrap(iq24_mul_round(config->noise_least, ends), iq24_mul_round(turned_away, inside));
-    return iq24_div(IQ24_ONE, iq24_sqrt(square)) >> 8;
+    const iq24_t inverse = iq24_div(IQ24_ONE, iq24_sqrt(square));
+    /*@ assert watch_noise: inverse >= 0; */
+    return inverse >> 8;
 }
 
 /*
@@ -125,6 +127,7 @@ static frame frame_of(const iqfoc_watch_config_t *config, iq24_sincos_t half, iq
         const iq24_sincos_t half_block =
             iq24_sincos(iq24_wrap((int64_t)relative * (IQFOC_WATCH_BLOCK_CYCLES / 2)));
         f.share = iq24_div(half_block.sin, IQFOC_WATCH_BLOCK_CYCLES * half_relative.sin);
+        /*@ assert watch_share: -16777216 <= f.share <= 16777216; */
         const iq24_t square = iq24_mul_round(f.share, f.share);
         f.left = iq24_sub_wrap(IQ24_ONE, square);
         /* |1 - s e^(j block/2)|^2 at the ends; on average |1 + s e^(j ...)|^2 or s^2 between neighbours. */

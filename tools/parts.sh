@@ -190,6 +190,12 @@ check_fuzz() {
     tests/fuzz/run.py --build build/fuzz --seconds 20 --jobs "$JOBS"
 }
 
+# No undefined behaviour, and the error bounds: docs/proofs.md.
+check_prove() {
+    python3 -B tools/prove.py
+    python3 -B tools/bounds.py
+}
+
 # The program in one file, for this processor and another; what is in it of others stands in docs/licences.md.
 check_static() {
     local preset
@@ -234,6 +240,7 @@ source_lane() {
     run_part fuzz check_fuzz
     run_part consume tests/consume/run.py
     run_part coverage check_coverage
+    run_part prove check_prove
 }
 
 test_everything() {

@@ -4,75 +4,128 @@
 Each function prove_* in tests/prove calls library functions with every value of their documented range at once. An alarm is a
 place where a signed sum may overflow, a shift be beyond the width, an index out of bounds, a division be by zero, or a value be
 cut. What is left open stands in tests/prove/open.txt with its reason, and must be just that. The functions planted_* must alarm.
+An assertion in the library's source that the analysis takes without showing it must be shown elsewhere: tests/prove/shown.txt.
 
     tools/prove.py            proves, and compares with the table in docs/proofs.md
     tools/prove.py --write    writes the table
+    tools/prove.py NAME...    proves these functions alone, and shows their alarms
 """
+import collections
+import concurrent.futures
+import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "tests/prove"
 PAGE = ROOT / "docs/proofs.md"
 START, END = "<!-- proofs: begin -->", "<!-- proofs: end -->"
 TIME_LIMIT_S = 600
-# 32-bit int as on the targets; downcasts that cut count as alarms; the library's plain C in place of a target's instructions.
-EVA = ["frama-c", "-eva", "-machdep", "gcc_x86_32", "-eva-precision", "7", "-eva-domains", "symbolic-locations", "-warn-signed-downcast",
-       "-eva-no-show-progress", "-cpp-extra-args=-std=c99 -Iinclude -Isrc -Itests/prove -DIQFOC_TARGET_HEADER='<stdint.h>'"]
-FUNCTION = re.compile(r"^/\* (.*?) \*/\nvoid ((?:prove|planted)_\w+)\(void\)", re.MULTILINE | re.DOTALL)
+# What is parsed together: the functions of tests/prove, and a port where they are of one. In the order of the page.
+PROGRAMS = {
+    "library": (["numbers", "prediction", "models", "control", "around", "sensors", "recorder", "cycle", "interrupts", "planted"], []),
+    "port": (["ports"], ["port/stm32g4/hal_stm32g4.c"]),
+}
+# 32-bit int as on the targets; the library's plain C in place of a target's instructions.
+PARSE = ["-machdep", "gcc_x86_32",
+         "-cpp-extra-args=-std=c99 -Iinclude -Isrc -Itests/prove -Iport/stm32g4 -Iexamples/first_drive -Iexamples/corrected_drive"
+         " -Dvolatile= -DIQFOC_TARGET_HEADER='<stdint.h>' -DSTM32G4_BUS_HEADER='\"bus.h\"'"]
+# Downcasts that cut count as alarms.
+EVA = ["-eva", "-eva-precision", "7", "-eva-domains", "symbolic-locations", "-warn-signed-downcast", "-eva-no-show-progress"]
+FUNCTION = re.compile(r"^/\* ((?:(?!\*/).)*) \*/\nvoid ((?:prove|planted)_\w+)\(void\)", re.MULTILINE | re.DOTALL)
+ALARM = re.compile(r"\[eva:alarm\] (\S+): Warning: *\n? *(.*)")
+UNSHOWN = re.compile(r"assertion '(\w+)' got status (?:unknown|invalid)|(precondition '?\w*'?.*) got status (?:unknown|invalid)")
+
+Result = collections.namedtuple("Result", "function words alarms taken text")
 
 
 def functions():
-    """(source, function, its words) in the files' order."""
+    """(program, function, its words) in the page's order."""
     found = []
-    for source in ("numbers", "prediction", "around", "planted"):
-        path = FOLDER / f"{source}.c"
-        found += [(path, name, " ".join(words.split())) for words, name in FUNCTION.findall(path.read_text())]
+    for program, (sources, _) in PROGRAMS.items():
+        for source in sources:
+            found += [(program, name, " ".join(re.sub(r"\n ?\*", " ", words).split()))
+                      for words, name in FUNCTION.findall((FOLDER / f"{source}.c").read_text())]
     return found
 
 
-def alarms(source, function):
-    """Their number, and the text of the analysis. Ends the program where the analysis did not end well."""
-    library = sorted((ROOT / "src").glob("*.c"))
-    done = subprocess.run([*EVA, "-main", function, str(source), *map(str, library)], cwd=ROOT, text=True, capture_output=True,
-                          timeout=TIME_LIMIT_S, check=False)
-    count = re.search(r"^  (\d+|No) alarms? generated", done.stdout, re.MULTILINE)
-    reached = re.search(r"(\d+) functions? analyzed", done.stdout)
-    if done.returncode != 0 or count is None or reached is None or int(reached[1]) < 2:
-        sys.exit(f"{function}: the analysis failed\n{done.stdout[-3000:]}{done.stderr[-1000:]}")
-    return 0 if count[1] == "No" else int(count[1]), done.stdout
+def run(arguments, what):
+    done = subprocess.run(["frama-c", *arguments], cwd=ROOT, text=True, capture_output=True, timeout=TIME_LIMIT_S, check=False)
+    if done.returncode != 0:
+        sys.exit(f"{what}: Frama-C failed\n{done.stdout[-3000:]}{done.stderr[-1000:]}")
+    return done.stdout
 
 
-def left_open():
-    lines = [line for line in (FOLDER / "open.txt").read_text().split("\n") if line and not line.startswith("#")]
-    return {name: (int(count), reason) for name, count, reason in (line.split(" ", 2) for line in lines)}
+def parsed(program, folder):
+    """The program as a file that each analysis begins from."""
+    sources, port = PROGRAMS[program]
+    saved = f"{folder}/{program}.sav"
+    library = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "src").glob("*.c"))
+    run([*PARSE, *(f"tests/prove/{source}.c" for source in sources), *port, *library, "-save", saved], program)
+    return saved
+
+
+def analysed(saved, function, words):
+    """Its alarms; the assertions and preconditions that were taken without showing them."""
+    text = run(["-load", saved, *EVA, "-main", function], function)
+    count = re.search(r"^  (\d+|No) alarms? generated", text, re.MULTILINE)
+    reached = re.search(r"(\d+) functions? analyzed", text)
+    if count is None or reached is None or int(reached[1]) < 2:
+        sys.exit(f"{function}: the analysis failed\n{text[-3000:]}")
+    taken = sorted({name or other for name, other in UNSHOWN.findall(text)})
+    return Result(function, words, 0 if count[1] == "No" else int(count[1]), taken, text)
+
+
+def listed(name):
+    """The lines of a list: name and the rest."""
+    lines = [line for line in (FOLDER / name).read_text().split("\n") if line and not line.startswith("#")]
+    return dict(line.split(" ", 1) for line in lines)
+
+
+def verdict(result, allowed, shown):
+    """What the page says of it, and what is wrong with it."""
+    expected, reason = allowed.pop(result.function, "0 ").split(" ", 1)
+    wrong = []
+    if result.function.startswith("planted_"):
+        wrong += [] if result.alarms > 0 else [f"{result.function}: no alarm"]
+    elif result.alarms != int(expected):
+        wrong += [f"{result.function}: {result.alarms} alarms, {expected} expected"]
+        wrong += [f"    {place} {what}" for place, what in ALARM.findall(result.text)]
+    wrong += [f"{result.function}: nothing shows {name}" for name in result.taken if name not in shown]
+    says = "no alarm" if result.alarms == 0 else f"open, {result.alarms}: {reason}"
+    return says + "".join(f"; takes `{name}`" for name in result.taken), wrong
 
 
 def main():
-    allowed = left_open()
-    rows = ["| proved for | result |", "| --- | --- |"]
-    wrong = []
-    for source, function, words in functions():
-        count, text = alarms(source, function)
-        planted = function.startswith("planted_")
-        expected, reason = allowed.pop(function, (0, ""))
-        good = count > 0 if planted else count == expected
-        print(f"{'ok  ' if good else 'FAIL'}  {function}: {count} alarm{'s' if count != 1 else ''}", flush=True)
-        if not good:
-            places = re.findall(r"\[eva:alarm\] (\S+): Warning: *\n *(.*)", text)
-            wrong += [f"  {function}: {place} {what}" for place, what in places] or [f"  {function}: no alarm"]
-        if not planted:
-            rows.append(f"| {words} | {'no alarm' if count == 0 else f'open, {count}: {reason}'} |")
-    wrong += [f"  open.txt names {name}, which there is not" for name in allowed]
-    table = "\n".join(rows)
-    page = PAGE.read_text()
-    new = page[:page.index(START) + len(START)] + "\n" + table + "\n" + page[page.index(END):]
-    if "--write" in sys.argv[1:]:
-        PAGE.write_text(new)
-    elif new != page:
-        wrong.append("  the table in docs/proofs.md is another: tools/prove.py --write")
+    names = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
+    wanted = [f for f in functions() if not names or f[1] in names]
+    allowed, shown = listed("open.txt"), listed("shown.txt")
+    rows, wrong = ["| proved for | result |", "| --- | --- |"], []
+    with tempfile.TemporaryDirectory() as folder, \
+            concurrent.futures.ThreadPoolExecutor(int(os.environ.get("IQFOC_JOBS", os.cpu_count() or 1))) as pool:
+        used = {program for program, _, _ in wanted}
+        saved = dict(zip(used, pool.map(lambda program: parsed(program, folder), used)))
+        for result in pool.map(lambda f: analysed(saved[f[0]], f[1], f[2]), wanted):
+            says, found = verdict(result, allowed, shown)
+            print(f"{'FAIL' if found else 'ok  '}  {result.function}: {says.split(':')[0]}", flush=True)
+            wrong += found
+            if not result.function.startswith("planted_"):
+                words = result.words.replace("|", "\\|")
+                rows.append(f"| {words} | {says} |")
+    cpu_s = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(f"{cpu_s.ru_utime + cpu_s.ru_stime:.0f} s of processor")
+    if not names:
+        wrong += [f"open.txt names {name}, which there is not" for name in allowed]
+        page = PAGE.read_text()
+        new = page[:page.index(START) + len(START)] + "\n" + "\n".join(rows) + "\n" + page[page.index(END):]
+        if "--write" in sys.argv[1:]:
+            PAGE.write_text(new)
+        elif new != page:
+            wrong.append("the table in docs/proofs.md is another: tools/prove.py --write")
     print("\n".join(wrong))
     return 1 if wrong else 0
 

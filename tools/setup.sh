@@ -19,7 +19,7 @@ WEB_PACKAGES=(clang lld cmake ninja-build wasi-libc libc++-14-dev-wasm32 libclan
 SITE_PACKAGES=(git python3 python3-venv doxygen)
 
 # What `prove` needs.
-PROVE_PACKAGES=(python3 frama-c-base)
+PROVE_PACKAGES=(python3 frama-c-base gappa)
 
 # The packages among the arguments that are not installed, one a line.
 missing_packages() {

@@ -57,7 +57,8 @@ IQFOC_STEP bool iqfoc_wants_rotor(const iqfoc_methods_t m)
  * The rotor's movement: as it comes out of the polynomials; rounded where a method asks for it.
  *
  * EMF as iqfoc_predictor_emf, from turns s1 in Q30: |x s1| <= 0.276, times 2 pi in Q28 leaves phi s1 in Q26,
- * |phi s1| <= 1.74; times k_psi <= 8 within 2^54. Error of w: floors, 1 LSB + k_psi/4 LSB.
+ * |phi s1| <= 1.74; times k_psi <= 8 within 2^54. Error of w: floors, 0.25 LSB, and 0.35 LSB per unit of
+ * k_psi.
  */
 IQFOC_STEP void iqfoc_cycle_rotor(const iqfoc_methods_t m, iqfoc_cycle_t *cycle, iqfoc_valley_t *at,
                                   const iqfoc_sample_t *sample, iq24_t turns)

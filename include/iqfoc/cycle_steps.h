@@ -91,6 +91,7 @@ IQFOC_STEP void iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
         whole = iqfoc_cycle_odd_valley(cycle, sample, now);
         turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     }
+    /*@ assert guard_turns: -5592406 <= turns <= 5592405; */
     cycle->phase = IQFOC_CYCLE_DUE_PEAK;
     cycle->valley_time = sample->time;
     const iqfoc_ab_t expected = cycle->i_next;
@@ -127,7 +128,9 @@ static inline iq24_t iqfoc_cycle_inverse_followed(iq24_t r, iq24_t u)
 {
     const int32_t p_q27 = iq24_mul_high(u * 64, r * 32);
     const int32_t factor_q27 = iq24_max((INT32_C(2) << 27) - p_q27, INT32_C(1) << 26);
-    return iq24_asr32(iq24_mul_high(r * 32, factor_q27 * 8) + 4, 3);
+    const iq24_t next = iq24_asr32(iq24_mul_high(r * 32, factor_q27 * 8) + 4, 3);
+    /*@ assert newton: 8192000 <= next <= 33751040; */
+    return next;
 }
 
 /* What the controller is fed with, where that is not a mean that the valley has made. */
@@ -193,6 +196,8 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
         turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
         u_dc = iq24_clamp(u_dc, IQFOC_CYCLE_U_DC_MIN, IQFOC_CYCLE_U_DC_MAX);
     }
+    /*@ assert guard_turns: -5592406 <= turns <= 5592405; */
+    /*@ assert guard_u_dc: 8388607 <= u_dc <= 25165824; */
     cycle->phase = IQFOC_CYCLE_DUE_VALLEY;
     if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
         cycle->i_peak = i;

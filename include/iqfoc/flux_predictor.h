@@ -53,8 +53,8 @@ iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *predictor
  *
  * i: true current at the start, |i| <= 8 and |l i| <= 32. u: commanded voltage, |u| <= 2; the extension turns
  * it into what acts. start, end: sine and cosine of the true rotor angle at both ends of the cycle. Out: held
- * to +-32 a component in the rotor frame. Largest error against the formula in double with the same
- * constants: 8 + 2.5 (k_d + k_q) LSB, twice that with saturation.
+ * to +-32 a component in the rotor frame. Largest error of 200000 drawn, against the formula in double with
+ * the same constants: 8 + 2.5 (k_d + k_q) LSB, twice that with saturation.
  *
  * Range, of lengths, which no turn changes: |l i| <= 32 (four times the rated current for the largest l) and
  * psi <= 16, so the flux is within 48; the acting voltage adds 2 * 2 + 1/3, the drop of the mean of i and a

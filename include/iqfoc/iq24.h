@@ -224,6 +224,7 @@ static inline iq24_t iq24_sub_sat(iq24_t a, iq24_t b)
 /* -a; -IQ24_MIN saturates to IQ24_MAX. */
 static inline iq24_t iq24_neg_sat(iq24_t a)
 {
+    /*@ assert either: a == -2147483648 || a > -2147483648; */
     return -(a + (a == IQ24_MIN)); /* -(MIN + 1) = MAX; no branch on the targets */
 }
 

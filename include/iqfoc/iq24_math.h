@@ -35,8 +35,8 @@ iq24_sincos_t iq24_sincos(iq24_t turns);
  * Scaling and overflow: x and y in any scale, the same for both; every pair is valid, IQ24_MIN included.
  * iq24_atan2(0, 0) = 0.
  * Error: 0.64 LSB at most, by analysis 0.5 (rounding) + 0.08 (ratio) + 0.06 (cubic and truncations); 0.6342
- * found over 16 million vectors, on circles of all radii and at random. Exact on the axes and diagonals,
- * exactly odd in y (but for the half turn) and mirrored in x.
+ * found over 16 million vectors drawn, on circles of all radii and at random. Exact on the axes and
+ * diagonals, exactly odd in y (but for the half turn) and mirrored in x.
  * Instructions: 60; 12 for (0, 0).
  */
 iq24_t iq24_atan2(iq24_t y, iq24_t x);

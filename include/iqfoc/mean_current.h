@@ -95,7 +95,7 @@ static inline iqfoc_ab_t iqfoc_mean_current_from_prediction(const iqfoc_predicto
  *     i_dq = e^(-j theta_m) [ s1 (i + i_next)/2 - j s2 (i_next - i) ] - w s2
  *
  * i, i_next: |component| <= 21.3 and <= 51.2 (docs/units.md: what a sampled current within 15.9 gives). w:
- * iqfoc_predictor_emf. Out: dq. Largest error with i_next and w as given: 1.9 LSB.
+ * iqfoc_predictor_emf. Out: dq. Largest error with i_next and w as given: 1.92 LSB.
  *
  * Range: |i + i_next| and |i_next - i| <= 72.5 fit; in v |s1 (i + i_next)/2| <= 36.3 and |s2 delta| <= 11.4,
  * together within Park's 64; |w s2| <= 13.9 * 0.157 = 2.2.

@@ -52,8 +52,8 @@ iqfoc_mean_modulated_t iqfoc_mean_modulated_at_speed(const iqfoc_predictor_t *pr
  *
  * Largest error against the true mean of the switching-level drive, each motor of motors/ without saliency,
  * SFFR 6 and above, up to rated current (tests/unit/test_mean_modulated.c): 0.02 % of the rated current. What
- * is left out is of second order in R T/L. From the formula in double, all inputs rounded to IQ24, it departs
- * by at most 100 LSB (6e-6).
+ * is left out is of second order in R T/L. From the formula in double, all inputs rounded to IQ24, it
+ * departs by at most 100 LSB (6e-6) in the cycles drawn there.
  *
  * Range: |s1 (i + i_next)/2| <= 32, |s2 delta| <= 10.1, |bow delta| <= 5.4 and the ripple's 1.1 are within
  * Park's 64.

@@ -19,7 +19,8 @@ typedef struct iqfoc_duties {
 
 /*
  * The factor that makes a voltage fit whose phases are too far apart: a little below span_max/span, so that
- * phases multiplied by it and rounded down are not. 1 LSB <= span_max < span. Largest error 7 LSB, downwards.
+ * phases multiplied by it and rounded down are not. 1 LSB <= span_max < span; with span_max >= 1/2 the
+ * largest error is 7 LSB, downwards.
  */
 iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
 
@@ -31,8 +32,8 @@ iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
  * span_max: largest difference of two duties, 0 < span_max <= 1: below 1 it leaves room for sampling and dead
  * time. A voltage beyond the hexagon is shortened so that its angle stays, and scale says by how much: 1
  * means that nothing was taken. Duties lie in [0, 1] for every input in that range. Largest error against
- * double: a duty within the hexagon 3 LSB; shortened, 4 LSB + 1.5 LSB per unit of |u| u_dc_inverse; scale 7
- * LSB (it is rounded down, so that the duties fit).
+ * double: a duty within the hexagon 3 LSB; for span_max >= 1/2, of 400000 drawn: shortened, 4 LSB + 1.5 LSB
+ * per unit of |u| u_dc_inverse; scale 7 LSB (it is rounded down, so that the duties fit).
  *
  * Range: |u u_dc_inverse| <= 64, so |phase| <= 64.1 and span = max - min <= sqrt(3) 64 = 110.9: no sum wraps.
  * With 0 <= span <= 1, (1 - span)/2 >= 0 is the lowest duty and (1 - span)/2 + span <= 1 the highest,
@@ -52,15 +53,16 @@ static inline iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, i
     low = iq24_min(low, x.a);
     high = iq24_max(high, x.a);
     iq24_t scale = IQ24_ONE;
-    if (iq24_sub_wrap(high, low) > span_max) {
-        scale = iqfoc_modulation_scale(iq24_sub_wrap(high, low), span_max);
+    const iq24_t span = iq24_sub_wrap(high, low);
+    if (span > span_max) {
+        scale = iqfoc_modulation_scale(span, span_max);
         x.a = iq24_mul_trunc(x.a, scale);
         x.b = iq24_mul_trunc(x.b, scale);
         x.c = iq24_mul_trunc(x.c, scale);
         low = iq24_mul_trunc(low, scale);
         high = iq24_mul_trunc(high, scale);
     }
-    const iq24_t shift = iq24_sub_wrap(iq24_asr32(IQ24_ONE - iq24_sub_wrap(high, low), 1), low);
+    const iq24_t shift = iq24_sub_wrap(iq24_asr32(iq24_sub_wrap(IQ24_ONE, iq24_sub_wrap(high, low)), 1), low);
     const iqfoc_duties_t duties = {
         {iq24_add_wrap(x.a, shift), iq24_add_wrap(x.b, shift), iq24_add_wrap(x.c, shift)}, scale};
     return duties;
@@ -79,8 +81,8 @@ int32_t iqfoc_six_step_state(iq24_t angle);
 iqfoc_duties_t iqfoc_six_step_duties(int32_t state);
 
 /*
- * The voltage vector of a state 0 ... 5 for a DC link in per unit, |u_dc| <= 64: 0 for another state.
- * Error 0.7 LSB.
+ * The voltage vector of a state 0 ... 5 for a DC link in per unit, |u_dc| < 64: 0 for another state. Error
+ * 0.7 LSB.
  */
 iqfoc_ab_t iqfoc_six_step_voltage(int32_t state, iq24_t u_dc);
 

@@ -59,8 +59,8 @@ iqfoc_error_t iqfoc_offset_init(iqfoc_offset_t *offset, const iqfoc_offset_limit
 
 /*
  * One sample. measured: per unit, any; beyond 1/8 from the sensor's first sample it counts as noise. After
- * the verdict nothing changes any more. Largest error: offset 0.5 LSB of the exact mean; noise less
- * than 1 LSB below the exact root, and 0.14 LSB above it.
+ * the verdict nothing changes any more. Largest error: offset 0.5 LSB of the exact mean; noise less than 1
+ * LSB below the exact root, and 0.14 LSB above it (by src/offset.c; so found in 3000 runs drawn).
  */
 iqfoc_offset_verdict_t iqfoc_offset_step(iqfoc_offset_t *offset, iqfoc_abc_t measured);
 

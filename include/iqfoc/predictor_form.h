@@ -34,8 +34,8 @@ static inline iqfoc_exact_t iqfoc_form_of(const iqfoc_predictor_t *predictor, in
  * The standard prediction. iqfoc_exact_step with it and the angle at mid-cycle gives what
  * iqfoc_predictor_euler gives with the angle at the start.
  *
- * Ranges as in predictor.h. Largest difference of the two: 3 LSB where |k_psi phi| <= 1, 30 LSB where it is
- * 16.8, its most (tests/unit/test_deadbeat.c).
+ * Ranges as in predictor.h. Largest difference of the two, of 200000 drawn (tests/unit/test_deadbeat.c): 3
+ * LSB where |k_psi phi| <= 1, 30 LSB where it is 16.8, its most.
  */
 static inline iqfoc_exact_t iqfoc_form_euler(const iqfoc_predictor_t *predictor, const iqfoc_rotor_t *rotor)
 {

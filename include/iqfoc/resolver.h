@@ -39,8 +39,8 @@ typedef struct iqfoc_resolver_angle {
 iqfoc_error_t iqfoc_resolver_check(const iqfoc_resolver_t *resolver);
 
 /*
- * sin, cos: any. Largest error of theta: ratio times 0.64 LSB, and what a rounding of 0.5 LSB of x and y
- * turns the vector by; of the amplitudes' limits 1.3 LSB.
+ * sin, cos: any. Largest error of 400000 drawn: of theta ratio times 0.64 LSB, and what a rounding of 0.5
+ * LSB of x and y turns the vector by; of the amplitudes' limits 1.3 LSB.
  */
 iqfoc_resolver_angle_t iqfoc_resolver_read(const iqfoc_resolver_t *resolver, iq24_t sin, iq24_t cos);
 

@@ -76,8 +76,8 @@ iqfoc_error_t iqfoc_start_init(iqfoc_start_t *start, const iqfoc_start_config_t 
 
 /*
  * The next cycle. sensor_theta: the electrical angle that a sensor shows at this valley, with whatever offset,
- * turns; any if there is none, and the verdict is then of no use. Largest error: current 1 LSB, angle and
- * speed of the run-up 1 LSB per cycle.
+ * turns; any if there is none, and the verdict is then of no use. Largest error: current 0.5 LSB, and 0.5
+ * LSB per unit of i_align; angle and the speed of the run-up 1 LSB per cycle.
  */
 void iqfoc_start_step(iqfoc_start_t *start, iq24_t sensor_theta);
 

@@ -75,8 +75,9 @@ void iqfoc_tracker_restart(iqfoc_tracker_t *tracker);
  * it was measured, cycles after this valley, -1 ... 1 (0: with the currents); valid: false if nothing was
  * measured. The speed is held to +-1/3 turn per cycle, as everywhere.
  *
- * Largest error of one step against double arithmetic: 2 units of 2^-32 turns each; exact in the measurement.
- * An e below 2^-33/k3 turns does not move the acceleration any more: 10 LSB at 1/18 of 1/T in bandwidth.
+ * Largest error of one step against double arithmetic, of 400000 drawn: 2 units of 2^-32 turns each; exact
+ * in the measurement. An e below 2^-33/k3 turns does not move the acceleration any more: 10 LSB at 1/18 of
+ * 1/T in bandwidth.
  */
 void iqfoc_tracker_step(iqfoc_tracker_t *tracker, iq24_t theta, iq24_t at, bool valid);
 

@@ -95,9 +95,9 @@ typedef struct iqfoc_tuned_state {
  * The law at a speed.
  *
  * turns: IQ24 turns per control cycle, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one is taken as that limit.
- * Largest error: of G^-1 1e-7 of its largest entry and 1 LSB (a share as small as the sensors' noise by far),
- * keep_cos and keep_sin 1.6 LSB, bow 20 LSB. For a slower task: iqfoc_salient_at_speed and four
- * divisions.
+ * Largest error: keep_cos and keep_sin 1.1 LSB; of 100000 drawn: of G^-1 1e-7 of its largest entry and 1
+ * LSB (a share as small as the sensors' noise by far), bow 20 LSB. For a slower task:
+ * iqfoc_salient_at_speed and four divisions.
  */
 iqfoc_tuned_t iqfoc_tuned_at_speed(const iqfoc_tuned_law_t *law, iq24_t turns);
 
@@ -109,8 +109,9 @@ iqfoc_tuned_t iqfoc_tuned_at_speed(const iqfoc_tuned_law_t *law, iq24_t turns);
  * stationary frame, each component held to +-22.7 (a rotor-frame component to +-16); the modulator may have to
  * shorten it. Currents beyond +-8 count as +-8.
  *
- * Largest error against the five lines above in double with the same coefficients: 8 LSB with machines as in
- * motors/ (k 1 ... 3, k_psi <= 2, |i| <= 1); each rounding of a predicted current is multiplied by G^-1.
+ * Largest error of 100000 drawn, against the five lines above in double with the same coefficients: 8 LSB
+ * with machines as in motors/ (k 1 ... 3, k_psi <= 2, |i| <= 1); each rounding of a predicted current is
+ * multiplied by G^-1.
  *
  * Range: iqfoc_salient_step gives |121|, with the drift 125. |aim| <= 8 makes |valley| <= 11.7 + 3.7 + 1, and
  * keep (|8| + 16.4) sqrt 2 <= 34.6, so `want` is within 51.1; its difference to 125 saturates. |G^-1| <= 32

@@ -34,8 +34,8 @@ typedef struct {
 } iqfoc_valley_reference_t;
 
 /*
- * k_psi: psi_f/(L I_b), 0 ... 8. Largest error: gain 3.2 LSB where s1 is least, magnet 0.5 LSB + 3.2 LSB per
- * unit of k_psi (tests/unit/test_deadbeat.c finds 3.1).
+ * k_psi: psi_f/(L I_b), 0 ... 8. Largest error: gain 3.4 LSB where s1 is least, magnet 0.5 LSB + 3.4 LSB
+ * per unit of k_psi (tests/unit/test_deadbeat.c finds 3.1).
  *
  * Range: s1 >= 0.8269, so s1^2 >= 0.6838 and its inverse <= 1.4625.
  */

@@ -40,6 +40,7 @@ static inline uint32_t hal_stm32g4_since_valley(const iqfoc_hal_t *hal)
 static inline int32_t hal_stm32g4_counts_between(uint32_t from, uint32_t to, uint32_t per_turn)
 {
     const uint32_t forward = to >= from ? to - from : to + per_turn - from;
+    /*@ assert encoder: forward < per_turn; */
     return forward > per_turn / 2 ? (int32_t)forward - (int32_t)per_turn : (int32_t)forward;
 }
 

@@ -8,18 +8,28 @@
 #include "iqfoc/shunts.h"
 #include "iqfoc/start.h"
 
-/* Encoder and index: any configuration that is not refused, any count. */
-void prove_encoder(void)
+/* Counts in cases by powers of two: what a count is worth falls as their number grows. */
+static void encoder_of(uint32_t counts)
 {
-    const uint32_t counts = any_count(4, 65536);
     const iqfoc_encoder_config_t config = {counts, any_count(1, 64), any_count(0, 16384), any_bool(), any()};
     iqfoc_encoder_t e;
     if (iqfoc_encoder_init(&e, &config) == IQFOC_OK) {
         iqfoc_encoder_align(&e, any_count(0, counts - 1), any());
-        while (any_bool()) {
-            (void)iqfoc_encoder_index(&e, any_count(0, counts - 1));
-            (void)iqfoc_encoder_theta(&e, any_count(0, counts - 1));
-        }
+        e.indexed = any_bool();
+        e.index_count = any_count(0, counts - 1);
+        e.slips = any_count(0, UINT32_MAX);
+        (void)iqfoc_encoder_index(&e, any_count(0, counts - 1));
+        e.count_known = any_count(0, counts - 1);
+        (void)iqfoc_encoder_theta(&e, any_count(0, counts - 1));
+        (void)iqfoc_encoder_index_theta(&e);
+    }
+}
+
+/* Encoder and index: any configuration that is not refused, any count, from any state. */
+void prove_encoder(void)
+{
+    for (uint32_t least = 4; least <= 65536; least *= 2) {
+        encoder_of(any_count(least, least < 65536 ? 2 * least - 1 : least));
     }
 }
 
@@ -64,16 +74,22 @@ void prove_restart(void)
     }
 }
 
-/* Start: any configuration that is not refused, any sensor, and the handover. */
+/* Start: any configuration that is not refused, any sensor, from any state: a stage's count is below its 2^24; and the
+ * handover. */
 void prove_start(void)
 {
     const iqfoc_start_config_t config = {any(), any_count(1, 1 << 24), any_count(1, 1 << 24), any(),
                                          any_count(1, 1 << 24)};
     iqfoc_start_t s;
     if (iqfoc_start_init(&s, &config) == IQFOC_OK) {
-        while (any_bool()) {
-            iqfoc_start_step(&s, any());
-        }
+        s.stage = (iqfoc_start_stage_t)any_within(0, 6);
+        s.done = s.stage <= IQFOC_START_RUN_UP ? any_count(0, (1 << 24) - 1) : any_count(0, UINT32_MAX);
+        s.theta = any();
+        s.turns = any();
+        s.i_ref.d = any_within(0, IQ24(16.0));
+        s.sensor_before = any();
+        s.sensor_zero = any();
+        iqfoc_start_step(&s, any());
         (void)iqfoc_start_theta(&s, any_within(-IQ24_ONE, IQ24_ONE));
         (void)iqfoc_start_handover(&s, any());
     }

@@ -88,7 +88,7 @@ static void the_pole_and_the_bow_are_as_stated(void)
             worst_add(&bow, t.bow, (1.0 - s1 * s1) / (1.0 - cos(0.5 * phi)));
         }
     }
-    worst_check(&keep, 1.6);
+    worst_check(&keep, 1.1);
     worst_check(&bow, 20.0);
 }
 

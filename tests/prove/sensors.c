@@ -1,0 +1,167 @@
+/* Sensors and what watches over the drive. Where a function adds up over many calls, a state is any that its own counts
+ * leave possible, and one more call is proved. */
+#include "any_drive.h"
+
+#include "iqfoc/adapt.h"
+#include "iqfoc/halls.h"
+#include "iqfoc/offset.h"
+#include "iqfoc/supervision.h"
+#include "iqfoc/tracker.h"
+#include "iqfoc/watch.h"
+
+/* Offset calibration: any limits that are not refused, any samples; sums of all deviations but
+ * the last before each. */
+void prove_offset(void)
+{
+    const iqfoc_offset_limits_t whatever = {any_count(0, UINT32_MAX), any_count(0, UINT32_MAX), any(), any()};
+    iqfoc_offset_t o;
+    (void)iqfoc_offset_init(&o, &whatever);
+    for (uint32_t count_log2 = 2; count_log2 <= 16; count_log2++) {
+        const iqfoc_offset_limits_t limits = {any_count(0, UINT32_MAX), count_log2, any(), any()};
+        const int32_t before = (1 << count_log2) - 1;
+        if (iqfoc_offset_init(&o, &limits) == IQFOC_OK) {
+            const iqfoc_offset_sums_t sums = {
+                any(), (int64_t)any_within(-(1 << 21), 1 << 21) * before,
+                (int64_t)any_within(0, 1 << 21) * any_within(0, 1 << 21) * before, any_bool()};
+            o.seen = any_count(0, UINT32_MAX - 1);
+            o.a = sums;
+            o.b = sums;
+            o.c = sums;
+            (void)iqfoc_offset_step(&o, any_abc(IQ24_MIN, IQ24_MAX));
+            (void)iqfoc_offset_removed(&o, any_abc(IQ24_MIN, IQ24_MAX));
+        }
+    }
+}
+
+/* Halls: any configuration that is not refused, any bits, any capture, from any state. */
+void prove_halls(void)
+{
+    const iqfoc_halls_config_t config = {{any(), any(), any(), any(), any(), any()},
+                                         any_count(0, UINT32_MAX)};
+    iqfoc_halls_t h;
+    if (iqfoc_halls_init(&h, &config) == IQFOC_OK) {
+        h.theta = any();
+        h.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        h.sector = any_within(-1, 5);
+        h.way = any_within(-1, 1);
+        h.since = any_count(0, (1 << 28) + 255);
+        h.count = any_count(0, 6);
+        h.next = any_count(0, 5);
+        for (int32_t k = 0; k < IQFOC_HALLS_SECTORS; k++) {
+            h.span[k] = any_count(1, (1 << 28) + 255);
+        }
+        h.turns_seen = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        iqfoc_halls_step(&h, any_count(0, UINT32_MAX), any_count(0, UINT32_MAX));
+    }
+}
+
+/* Tracker: any configuration that is not refused, any measurement, from any state; its angle 8 cycles off. */
+void prove_tracker(void)
+{
+    const iqfoc_tracker_config_t config = {any(), any(), any(), any(), any_count(0, UINT32_MAX)};
+    iqfoc_tracker_t t;
+    if (iqfoc_tracker_init(&t, &config) == IQFOC_OK) {
+        t.theta_q32 = any();
+        t.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        t.acceleration_q32 = any_within(-(1 << 29), 1 << 29);
+        t.error = any();
+        t.missing = any_count(0, UINT32_MAX);
+        t.seen = any_count(0, 2);
+        t.lost = any_bool();
+        iqfoc_tracker_step(&t, any(), any_within(-IQ24_ONE, IQ24_ONE), any_bool());
+        (void)iqfoc_tracker_theta(&t, any_within(-8 * IQ24_ONE, 8 * IQ24_ONE));
+        (void)iqfoc_tracker_turns(&t);
+    }
+}
+
+/* Supervision: any configuration that is not refused, any currents; sums of at most 2^24 cycles before. */
+void prove_supervision(void)
+{
+    const iqfoc_supervision_config_t config = {
+        any(), any(), any_count(0, UINT32_MAX), any_count(0, UINT32_MAX), any(), any_count(0, UINT32_MAX)};
+    iqfoc_supervision_t s;
+    if (iqfoc_supervision_init(&s, &config) == IQFOC_OK) {
+        const int64_t most = (int64_t)((1 << 24) - 1) * INT32_MAX;
+        s.sum_a = any_bool() ? most : 0;
+        s.sum_b = any_bool() ? most : 0;
+        s.sum_c = any_bool() ? most : 0;
+        s.angle = (int64_t)any_within(-IQ24_ONE, IQ24_ONE) * ((1 << 24) - 1);
+        s.cycles = any_count(0, (1 << 24) - 1);
+        s.bad_windows = any_count(0, 1 << 20);
+        s.bad_sums = any_count(0, 1 << 20);
+        (void)iqfoc_supervision_step(&s, any_abc(IQ24_MIN, IQ24_MAX), any_within(-IQ24_ONE, IQ24_ONE),
+                                     any_bool());
+    }
+}
+
+static iqfoc_watch_config_t any_watch(void)
+{
+    iqfoc_watch_config_t config;
+    config.per_noise_q8 = any_within(10 * 256, 20000 * 256);
+    for (int32_t n = 0; n < IQFOC_WATCH_GROUPS; n++) {
+        config.size_q16[n] = any_within(0, 2048 * 65536 - 1);
+    }
+    config.noise_least = any_within(IQ24_ONE / 256, IQ24(0.04));
+    config.flux_d_q16 = any_within(65536 / 8, 2 * 65536);
+    config.flux_q_q16 = any_within(65536 / 8, 2 * 65536);
+    config.slack_q16[0] = any_within(0, 64 * 65536);
+    config.slack_q16[1] = any_within(0, 64 * 65536);
+    for (int32_t n = 0; n < IQFOC_WATCH_UNSURE; n++) {
+        config.unsure_q16[n] = any_within(0, 16 * 65536);
+    }
+    config.threshold_q16 = any_within(0, 1000 * 65536);
+    config.naming_blocks = any_within(1, 1024);
+    return config;
+}
+
+/* The watch's step: a block of at most 31 cycles before, any error, |i| <= 8, |u| <= 16. */
+void prove_watch_step(void)
+{
+    iqfoc_watch_t w;
+    iqfoc_watch_reset(&w);
+    for (int32_t n = 0; n < IQFOC_WATCH_BLOCK_CYCLES; n++) {
+        (void)iqfoc_watch_step(&w, any_ab(IQ24_MAX), any_dq(IQ24(8.0)), any_dq(IQ24(16.0)), any_sincos());
+    }
+}
+
+/* The watch's block: any configuration within watch.h, any block, from any state of its detectors. */
+void prove_watch_block(void)
+{
+    const iqfoc_watch_config_t config = any_watch();
+    iqfoc_watch_t w;
+    iqfoc_watch_reset(&w);
+    for (int32_t n = 0; n < IQFOC_WATCH_BLOCK_CYCLES; n++) {
+        (void)iqfoc_watch_step(&w, any_ab(IQ24_MAX), any_dq(IQ24(8.0)), any_dq(IQ24(16.0)), any_sincos());
+    }
+    w.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    w.naming = (int16_t)any_within(0, 1024);
+    for (int32_t n = 0; n < IQFOC_WATCH_SIGNATURES; n++) {
+        w.up_q16[n] = any_within(0, 16384 << 16);
+        w.down_q16[n] = any_within(0, 16384 << 16);
+        w.xy_q6[n] = any();
+        w.xx_q6[n] = any();
+    }
+    w.blocks = any_count(0, UINT32_MAX - 1);
+    w.since = any_count(0, UINT32_MAX);
+    (void)iqfoc_watch_block(&w, &config, any(), any());
+}
+
+/* Resistance and magnet followed: any bounds within adapt.h, any block, any speed; the law with them, any machine. */
+void prove_adapt(void)
+{
+    const iqfoc_watch_config_t config = any_watch();
+    const iqfoc_adapt_config_t bounds = {any_within(0, IQ24_ONE), any_within(-IQ24(0.5), 0),
+                                         any_within(0, IQ24_ONE), any_within(-IQ24(0.25), 0),
+                                         any_within(0, IQ24(0.25))};
+    iqfoc_watch_t w;
+    iqfoc_watch_reset(&w);
+    for (int32_t n = 0; n < IQFOC_WATCH_BLOCK_CYCLES; n++) {
+        (void)iqfoc_watch_step(&w, any_ab(IQ24_MAX), any_dq(IQ24(8.0)), any_dq(IQ24(16.0)), any_sincos());
+    }
+    w.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    w.blocks = any_count(1, UINT32_MAX);
+    iqfoc_adapt_t adapt = {any_within(-IQ24(0.5), IQ24_ONE), any_within(-IQ24(0.25), IQ24(0.25))};
+    iqfoc_adapt_block(&adapt, &bounds, &w, &config, any());
+    const iqfoc_tuned_law_t law = {any_salient(IQFOC_TUNED_K_LEAST_Q26), 0, 0, 0, 0};
+    (void)iqfoc_adapt_law(&law, &adapt);
+}
