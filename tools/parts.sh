@@ -224,6 +224,7 @@ program_lane() {
     run_part site python3 -B tools/site/build.py
     run_part target tests/target/run.sh
     run_part static check_static
+    run_part mutate python3 -B tools/mutate.py --check --jobs "$JOBS"
     run_part golden python3 tools/golden.py check
     run_part python python/test.sh
     run_part bench bench/run.sh --check

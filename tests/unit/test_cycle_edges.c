@@ -75,7 +75,45 @@ static void test_no_interval_after_clearing(void)
     }
     iqfoc_cycle_clear(&cycle);
     (void)peak();
-    TEST_ASSERT_TRUE((cycle.status & IQFOC_STATUS_NO_INTERVAL) != 0);
+    TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_NO_INTERVAL | IQFOC_STATUS_MISSED, cycle.status);
+}
+
+/* The guard looks where a limit is passed, below it one LSB later, and not before. */
+static void test_the_guards_limits(void)
+{
+    iqfoc_sample_t s = sample_at(0);
+    const iqfoc_ab_t none = {0, 0};
+    for (int off = -1; off <= 1; off++) {
+        s.u_dc = IQ24(1.5) + off;
+        TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, ticks) > INT32_MAX);
+        s.u_dc = IQ24(0.5) - 1 - off;
+        TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, ticks) > INT32_MAX);
+        s = sample_at(0);
+        s.turns = IQFOC_ROTOR_TURNS_MAX + off;
+        TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, ticks) > INT32_MAX);
+        s = sample_at(0);
+        const iqfoc_ab_t along = {config.current_limit + off, 0};
+        const iqfoc_ab_t across = {0, -config.current_limit - 1 - off};
+        TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, along, ticks) > INT32_MAX);
+        TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, across, ticks) > INT32_MAX);
+        const uint32_t now = ticks + config.stale_ticks + (uint32_t)off;
+        TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, now) > INT32_MAX);
+    }
+}
+
+/* Where the modulator shortens the voltage, u_ab is what its duties make. */
+static void test_voltage_is_what_the_duties_make(void)
+{
+    cycle.enabled = true;
+    for (int n = 0; n < 3; n++) {
+        cycle.i_ref.q = n == 0 ? IQ24(0.1) : IQ24(8.0);
+        valley();
+        const iqfoc_command_t command = peak();
+        const iqfoc_ab_t made = iqfoc_clarke3(command.duties.high);
+        TEST_ASSERT_EQUAL(n > 0, command.duties.scale < IQ24_ONE);
+        TEST_ASSERT_INT32_WITHIN(32, made.alpha, cycle.u_ab.alpha);
+        TEST_ASSERT_INT32_WITHIN(32, made.beta, cycle.u_ab.beta);
+    }
 }
 
 /* "No voltage, and nothing integrated." */
@@ -288,6 +326,8 @@ int main(void)
     RUN_TEST(test_a_fresh_cycle);
     RUN_TEST(test_clear);
     RUN_TEST(test_no_interval_after_clearing);
+    RUN_TEST(test_the_guards_limits);
+    RUN_TEST(test_voltage_is_what_the_duties_make);
     RUN_TEST(test_stopped);
     RUN_TEST(test_what_trips);
     RUN_TEST(test_each_fault_to_its_limit);

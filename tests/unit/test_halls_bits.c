@@ -56,7 +56,7 @@ static int64_t speed(const model *m, int count)
     }
     const int64_t angle =
         m->way < 0 ? between(m, entry(m), entry(m) + count) : between(m, entry(m) - count, entry(m));
-    const int64_t turns = bits_held((256 * angle + sum / 2) / sum, 0, IQFOC_ROTOR_TURNS_MAX);
+    const int64_t turns = bits_held((256 * angle + sum / 2) / (sum > 1 ? sum : 1), 0, IQFOC_ROTOR_TURNS_MAX);
     return m->way < 0 ? -turns : turns;
 }
 

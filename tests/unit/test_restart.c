@@ -1,9 +1,9 @@
 /*
  * Restart: which faults latch, how long it waits, how often it tries, and what counts anew.
  */
-#include "iqfoc/restart.h"
+#include "bits.h"
 
-#include "unity.h"
+#include "iqfoc/restart.h"
 
 #include <stddef.h>
 
@@ -127,9 +127,75 @@ static void test_limits(void)
     refused(1, (UINT32_C(1) << 31) + 1, IQFOC_ERROR_RESTART);
 }
 
+/* Any faults at any time, acknowledged now and then, beside the rules of the header. */
+static void test_any_faults(void)
+{
+    uint64_t seed = 1;
+    for (int run = 0; run < 300; run++) {
+        const iqfoc_restart_config_t c = {
+            (uint32_t)bits_random(&seed, 0, 7), (uint32_t)bits_random(&seed, 1, 6),
+            (uint32_t)bits_random(&seed, 0, 3), (uint32_t)bits_random(&seed, 1, 9)};
+        iqfoc_restart_action_t action = IQFOC_RESTART_RUN;
+        uint32_t all = 0;
+        uint32_t quiet = 0;
+        uint32_t tried = 0;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_restart_init(&r, &c));
+        TEST_ASSERT_EQUAL_UINT32(0, r.faults | r.quiet | r.tried);
+        for (int n = 0; n < 300; n++) {
+            const uint32_t faults = bits_random(&seed, 0, 5) == 0 ? (uint32_t)bits_random(&seed, 1, 7) : 0;
+            const bool running = action == IQFOC_RESTART_RUN || action == IQFOC_RESTART_TRY;
+            quiet = faults != 0 ? 0 : quiet + 1;
+            all |= faults;
+            if (faults != 0) {
+                const bool hard = (faults & ~c.may_restart) != 0 || (running && tried >= c.tries);
+                action = hard || action == IQFOC_RESTART_LATCHED ? IQFOC_RESTART_LATCHED : IQFOC_RESTART_WAIT;
+            } else if (running) {
+                tried = quiet >= c.forget_cycles ? 0 : tried;
+                action = IQFOC_RESTART_RUN;
+            } else if (action == IQFOC_RESTART_WAIT && quiet == c.wait_cycles) {
+                quiet = 0;
+                tried++;
+                action = IQFOC_RESTART_TRY;
+            }
+            TEST_ASSERT_EQUAL_INT(action, iqfoc_restart_step(&r, faults));
+            if (bits_random(&seed, 0, 20) == 0) {
+                const bool latched = action == IQFOC_RESTART_LATCHED;
+                iqfoc_restart_acknowledge(&r);
+                action = latched ? IQFOC_RESTART_WAIT : action;
+                all = latched ? 0 : all;
+                quiet = latched ? 0 : quiet;
+                tried = latched ? 0 : tried;
+            }
+            TEST_ASSERT_EQUAL_UINT32(all, r.faults);
+            TEST_ASSERT_EQUAL_UINT32(quiet, r.quiet);
+            TEST_ASSERT_EQUAL_UINT32(tried, r.tried);
+        }
+    }
+}
+
+/* Both counts stop at their ends. */
+static void test_counts_end(void)
+{
+    const iqfoc_restart_config_t c = {GENTLE, 1, UINT32_MAX, UINT32_C(1) << 31};
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_restart_init(&r, &c));
+    for (uint32_t off = 0; off < 2; off++) {
+        r.tried = 0;
+        expect(2, 1, IQFOC_RESTART_WAIT);
+        r.tried = UINT32_MAX - off;
+        expect(0, 1, IQFOC_RESTART_TRY);
+        TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, r.tried);
+    }
+    expect(2, 1, IQFOC_RESTART_LATCHED);
+    r.quiet = UINT32_MAX - 1;
+    expect(0, 3, IQFOC_RESTART_LATCHED);
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, r.quiet);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_any_faults);
+    RUN_TEST(test_counts_end);
     RUN_TEST(test_waits_and_tries);
     RUN_TEST(test_a_cause_that_stays_holds_the_try_back);
     RUN_TEST(test_tries_are_forgotten);

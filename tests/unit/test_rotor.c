@@ -122,10 +122,11 @@ static double s2_over_x_by_v(double v)
     return TWO_PI * sum;
 }
 
+/* Sines rounded from a wider format, so that their last bit is everywhere the same. */
 static double gain_by_v(double v)
 {
     const double h = TWO_PI / 2.0 * sqrt(v);
-    return sin(h) * tan(h) / (h * h);
+    return (double)sinl((long double)h) * (double)tanl((long double)h) / (h * h);
 }
 
 /*
@@ -144,8 +145,9 @@ static void interpolated(double (*function)(double), int terms, double scale, in
     for (int j = 0; j < terms; j++) {
         double sum = 0.0;
         for (int k = 0; k < terms; k++) {
-            const double node = cos(pi * (k + 0.5) / terms);
-            sum += function(v_max * (node + 1.0) / 2.0) * cos(j * pi * (k + 0.5) / terms);
+            const double node = (double)cosl((long double)(pi * (k + 0.5) / terms));
+            sum += function(v_max * (node + 1.0) / 2.0) *
+                   (double)cosl((long double)(j * pi * (k + 0.5) / terms));
         }
         const double c = sum * 2.0 / terms;
         double after[MOST_TERMS];

@@ -183,9 +183,11 @@ static void test_supervision(void)
         uint32_t status = 0;
         uint32_t phase = 0;
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_supervision_init(&s, &c));
+        TEST_ASSERT_TRUE((s.sum_a | s.sum_b | s.sum_c | s.angle) == 0);
+        TEST_ASSERT_EQUAL_UINT32(0, s.status | s.phase | s.cycles | s.bad_windows | s.bad_sums);
         for (int n = 0; n < 400; n++) {
             const bool running = bits_random(&seed, 0, 60) > 0;
-            const iq24_t turns = bits_random(&seed, -IQ24_ONE / 40, IQ24_ONE / 8);
+            const iq24_t turns = (run % 2 == 0 ? 1 : -1) * bits_random(&seed, -IQ24_ONE / 40, IQ24_ONE / 8);
             iq24_t i[3];
             for (int x = 0; x < 3; x++) {
                 i[x] = bits_random(&seed, -IQ24_ONE, IQ24_ONE) / (x == run % 4 ? 9 : 1) /
@@ -226,6 +228,10 @@ static void test_supervision(void)
                 status, iqfoc_supervision_step(&s, (iqfoc_abc_t){i[0], i[1], i[2]}, turns, running));
             TEST_ASSERT_EQUAL_UINT32(phase, s.phase);
             TEST_ASSERT_EQUAL_UINT32(cycles, s.cycles);
+            TEST_ASSERT_EQUAL_INT64(sum[0], s.sum_a);
+            TEST_ASSERT_EQUAL_INT64(sum[1], s.sum_b);
+            TEST_ASSERT_EQUAL_INT64(sum[2], s.sum_c);
+            TEST_ASSERT_EQUAL_INT64(angle, s.angle);
         }
     }
 }

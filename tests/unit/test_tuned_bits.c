@@ -288,11 +288,32 @@ static void deadbeat_with_and_without_a_drift(void)
     }
 }
 
+/* A miss of more than 32 counts as 32; the drift is held to 4. */
+static void what_is_learnt_is_held(void)
+{
+    uint64_t seed = 4;
+    for (int n = 0; n < 4 * DRAWS; n++) {
+        const iq24_t gain = random_iq24(&seed, 0.0, n % 4 == 0 ? 1.0 : 0.06);
+        const iqfoc_ab_t miss = any_ab(&seed, n % 2 == 0 ? 100.0 : 34.0);
+        const iq24_t theta = bits_random(&seed, INT32_MIN, INT32_MAX);
+        const iqfoc_ab_t within = {
+            (iq24_t)bits_held(miss.alpha, -32 * (int64_t)IQ24_ONE, 32 * (int64_t)IQ24_ONE),
+            (iq24_t)bits_held(miss.beta, -32 * (int64_t)IQ24_ONE, 32 * (int64_t)IQ24_ONE)};
+        const iqfoc_dq_t before = any_dq(&seed, 1.0);
+        const iqfoc_dq_t want =
+            held(plus(before, times(gain, iqfoc_park(within, iq24_sincos(theta))), 1), 4 * (int64_t)IQ24_ONE);
+        iqfoc_dq_t got = before;
+        iqfoc_deadbeat_learn(&got, gain, miss, theta);
+        TEST_ASSERT_EQUAL_MEMORY(&want, &got, sizeof got);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(the_law_at_a_speed);
     RUN_TEST(the_tuned_step);
+    RUN_TEST(what_is_learnt_is_held);
     RUN_TEST(deadbeat_with_and_without_a_drift);
     return UNITY_END();
 }

@@ -67,9 +67,11 @@ static void test_reference(void)
     uint64_t seed = 4;
     for (int n = 0; n < DRAWS; n++) {
         const double i_max = uniform(&seed, 0.1, 4.0);
-        const iqfoc_reference_config_t c = {n % 4 == 0 ? 0 : any(&seed, 10.9 / i_max), to_iq24(i_max),
-                                            random_iq24(&seed, -i_max, 0.0), random_iq24(&seed, 0.0, 8.0),
-                                            random_iq24(&seed, 0.5, 1.125)};
+        const iqfoc_reference_config_t c = {n % 4 == 0    ? 0
+                                            : n % 16 == 1 ? 1
+                                                          : any(&seed, 10.9 / i_max),
+                                            to_iq24(i_max), random_iq24(&seed, -i_max, 0.0),
+                                            random_iq24(&seed, 0.0, 8.0), random_iq24(&seed, 0.5, 1.125)};
         iqfoc_reference_t state = {bits_random(&seed, -4 * IQ24_ONE, 0) * (int64_t)IQ24_ONE,
                                    any(&seed, i_max)};
         const iqfoc_reference_t before = state;
@@ -106,6 +108,19 @@ static void test_reference(void)
         TEST_ASSERT_EQUAL_INT64(i_d, got.d);
         TEST_ASSERT_EQUAL_INT64(i_q, got.q);
         TEST_ASSERT_EQUAL_INT32(got.q, state.i_q);
+    }
+}
+
+/* The integrator is never above 0, not by its last bit. */
+static void test_weakening_ends_at_nothing(void)
+{
+    const iqfoc_reference_config_t c = {0, IQ24_ONE, -IQ24_ONE, 1, IQ24(0.5)};
+    const iqfoc_dq_t none = {0, 0};
+    iqfoc_reference_t state = {-1, 0};
+    for (int n = 0; n < 3; n++) {
+        /* (share u_limit)^2 = 2^-24: one unit of 2^-48 a step. */
+        (void)iqfoc_reference_step(&state, &c, 0, none, 8192);
+        TEST_ASSERT_EQUAL_INT64(0, state.weakening);
     }
 }
 
@@ -279,6 +294,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_reference);
+    RUN_TEST(test_weakening_ends_at_nothing);
     RUN_TEST(test_overmodulation);
     RUN_TEST(test_overmodulations_limit);
     RUN_TEST(test_modulations_scale);

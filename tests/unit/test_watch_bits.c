@@ -120,15 +120,14 @@ static int64_t mean_of(int64_t sum)
     return saturated(bits_floor(sum, INT64_C(1) << 29));
 }
 
-static void follow(iqfoc_watch_t *w, const iqfoc_watch_config_t *c, int n, pair x, pair y)
+static void follow(iqfoc_watch_t *w, int n, pair x, pair y, pair slack)
 {
     const int64_t four = INT64_C(4) << 16;
     const int64_t highest = INT64_C(16384) << 16;
     const int64_t xy = x.d * y.d + x.q * y.q;
     const int64_t xx = x.d * x.d + x.q * x.q;
-    const int64_t slack = c->slack_q16[n < 7 ? 0 : 1];
     const int64_t cost =
-        bits_floor(bits_floor(xx, 65536), 2) + bits_floor(slack * (size(x.d) + size(x.q)), 65536);
+        bits_floor(bits_floor(xx, 65536), 2) + bits_floor(slack.d * size(x.d) + slack.q * size(x.q), 65536);
     const int64_t ratio = bits_floor(xy, 65536);
     const int64_t up = ratio - cost < four ? ratio - cost : four;
     const int64_t down = -ratio - cost < four ? -ratio - cost : four;
@@ -159,6 +158,31 @@ static pair across(pair v, int64_t turns)
 {
     const pair p = {bits_product(turns, v.q), -bits_product(turns, v.d)};
     return p;
+}
+
+/* What the model's confidence leaves in each axis, of resistance, inductance and flux; with 256 nothing is noted. */
+static pair unsure(const iqfoc_watch_config_t *c, const pair *signature, int64_t per_noise, int64_t always)
+{
+    const int64_t most = INT64_C(256) << 16;
+    pair sum = {0, 0};
+    for (int n = 0; n < IQFOC_WATCH_UNSURE; n++) {
+        const int64_t each = over_noise(c->size_q16[n], per_noise);
+        sum.d += bits_floor(bits_floor(size(signature[n].d) * each, IQ24_ONE) * c->unsure_q16[n], 65536);
+        sum.q += bits_floor(bits_floor(size(signature[n].q) * each, IQ24_ONE) * c->unsure_q16[n], 65536);
+    }
+    const pair slack = {always + (sum.d < most ? sum.d : most), always + (sum.q < most ? sum.q : most)};
+    return slack;
+}
+
+/* In the other frames: of half the change of the speed, all of it in either axis. */
+static pair unsure_elsewhere(const iqfoc_watch_t *w, const iqfoc_watch_config_t *c, int64_t change,
+                             int64_t per_noise)
+{
+    const pair i = i_of(w);
+    const pair moves[3] = {{0, 0}, across(i, bits_floor(change, 2)), {0, -bits_floor(change, 2)}};
+    const pair axes = unsure(c, moves, per_noise, 0);
+    const pair both = {c->slack_q16[1] + axes.d + axes.q, c->slack_q16[1] + axes.d + axes.q};
+    return both;
 }
 
 static void follow_all(iqfoc_watch_t *w, const iqfoc_watch_config_t *c, int64_t at_end, int64_t theta)
@@ -195,23 +219,26 @@ static void follow_all(iqfoc_watch_t *w, const iqfoc_watch_config_t *c, int64_t 
         {-iq24_div((iq24_t)i.d, (iq24_t)length), -iq24_div((iq24_t)i.q, (iq24_t)length)},
         {-turns, 0},
         across(u, turns)};
+    const pair slack = unsure(c, of_rotor, per_noise, c->slack_q16[0]);
     for (int n = 0; n < 7; n++) {
-        follow(w, c, n, scaled(of_rotor[n], over_noise(c->size_q16[n], per_noise), 24), y_rotor);
+        follow(w, n, scaled(of_rotor[n], over_noise(c->size_q16[n], per_noise), 24), y_rotor, slack);
     }
     if (backward.seen) {
         const pair moved = across(i, turns);
         const pair mirrored[2] = {{moved.d, -moved.q}, {moved.q, moved.d}};
         const int64_t gain =
             over_noise(c->size_q16[IQFOC_WATCH_SENSOR_GAIN], bits_product(backward.per_noise, backward.left));
-        follow(w, c, 7, scaled(mirrored[0], gain, 24), y_back);
-        follow(w, c, 8, scaled(mirrored[1], gain, 24), y_back);
+        const pair there = unsure_elsewhere(w, c, change, backward.per_noise);
+        follow(w, 7, scaled(mirrored[0], gain, 24), y_back, there);
+        follow(w, 8, scaled(mirrored[1], gain, 24), y_back, there);
     }
     if (still.seen) {
         const pair axis[2] = {{IQ24_ONE, 0}, {0, IQ24_ONE}};
         const int64_t offset =
             over_noise(c->size_q16[IQFOC_WATCH_SENSOR_OFFSET], bits_product(still.per_noise, still.left));
-        follow(w, c, 9, scaled(axis[0], offset, 24), y_still);
-        follow(w, c, 10, scaled(axis[1], offset, 24), y_still);
+        const pair there = unsure_elsewhere(w, c, change, still.per_noise);
+        follow(w, 9, scaled(axis[0], offset, 24), y_still, there);
+        follow(w, 10, scaled(axis[1], offset, 24), y_still, there);
     }
 }
 
@@ -319,6 +346,7 @@ static void any_detectors(uint64_t *seed, iqfoc_watch_t *w, const iqfoc_watch_co
     if (bits_random(seed, 0, 50) == 0) {
         w->xy_q6[bits_random(seed, 0, 10)] = INT32_MAX;
         w->xx_q6[bits_random(seed, 0, 10)] = INT32_MAX;
+        w->blocks = w->blocks > 0 ? UINT32_MAX - 5 : 0;
     }
 }
 
@@ -331,6 +359,10 @@ static void any_config(uint64_t *seed, iqfoc_watch_config_t *c)
     c->slack_q16[0] = bits_random(seed, 0, 8 * 65536);
     c->slack_q16[1] = bits_random(seed, 0, 65536);
     c->naming_blocks = bits_random(seed, 1, 1024);
+    for (int n = 0; n < IQFOC_WATCH_UNSURE; n++) {
+        c->unsure_q16[n] =
+            bits_random(seed, 0, 3) == 0 ? bits_random(seed, 0, 16 * 65536) : bits_random(seed, 0, 1000);
+    }
     for (int n = 0; n < IQFOC_WATCH_GROUPS; n++) {
         c->size_q16[n] = bits_random(seed, 0, 400 * 65536);
     }
@@ -363,7 +395,7 @@ static void any_block(void)
         iqfoc_watch_reset(&want);
         const double fast = n % 3 == 0 ? 0.003 : n % 3 == 1 ? 0.05 : 0.33;
         want.turns = random_iq24(&seed, -fast, fast);
-        want.blocks = (uint32_t)bits_random(&seed, n % 40 == 0 ? 0 : 1, 2000);
+        want.blocks = n % 40 == 0 ? 0 : (uint32_t)bits_random(&seed, 1000, 2000); /* more than any age */
         want.naming = (int16_t)(n % 2 == 0 ? 0 : bits_random(&seed, 1, n % 4 == 1 ? 1 : 5));
         want.group = n % 50 == 0 ? IQFOC_WATCH_FLUX : IQFOC_WATCH_NONE;
         any_detectors(&seed, &want, &c);
@@ -397,10 +429,32 @@ static void the_least_current_and_speed(void)
     }
 }
 
+/* The threshold is reached by the highest detector, not passed. */
+static void the_threshold_itself(void)
+{
+    iqfoc_watch_config_t c = usual;
+    iqfoc_watch_t before;
+    iqfoc_watch_reset(&before);
+    before.blocks = 5;
+    before.i[0] = IQ24_ONE;
+    before.up_q16[2] = 9 << 16;
+    c.threshold_q16 = INT32_MAX;
+    iqfoc_watch_t after = before;
+    (void)iqfoc_watch_block(&after, &c, 0, 0);
+    TEST_ASSERT_TRUE(after.up_q16[2] > 0 && after.naming == 0);
+    for (int off = 0; off < 2; off++) {
+        iqfoc_watch_t w = before;
+        c.threshold_q16 = after.up_q16[2] + off;
+        (void)iqfoc_watch_block(&w, &c, 0, 0);
+        TEST_ASSERT_EQUAL_INT(off == 0 ? IQFOC_WATCH_NAMING : 0, w.naming);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(any_block);
     RUN_TEST(the_least_current_and_speed);
+    RUN_TEST(the_threshold_itself);
     return UNITY_END();
 }
