@@ -12,7 +12,7 @@
  * Rows of measurements pack to a third of their size, those of a drive that stands still to a thirtieth. What unpacks to far more was
  * made to: it is not to keep anyone waiting. Beyond what is read in a second anyway.
  */
-enum { RATIO_MOST = 100, UNPACKED_FREE = 32 * 1024 * 1024 };
+enum { RATIO_MOST = 100, UNPACKED_FREE = 16 * 1024 * 1024 };
 
 struct byte_source {
     gzFile file;
