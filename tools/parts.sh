@@ -95,6 +95,8 @@ run_lanes() {
 # Labels of tests that one build is enough for: exhaustive ones, and those that run none of the C code, or run it by the program
 # that the host preset built.
 ONCE='^(sweep|blind|tool)$'
+# The studies run the same parts for longer, which a sanitizer makes minutes of.
+NO_STUDY='^(sweep|blind|tool|study)$'
 # A second compiler and coverage are the library's and the parts', by their unit tests: the program as its user meets it adds nothing.
 UNIT_ONLY='^(sweep|blind|tool|cli|study)$'
 
@@ -236,7 +238,7 @@ program_lane() {
 # What needs none of that: other compilers, sanitizers, other people's builds, static analysis.
 source_lane() {
     run_part clang test_preset clang "$UNIT_ONLY"
-    run_part asan test_preset asan "$ONCE"
+    run_part asan test_preset asan "$NO_STUDY"
     static_checks
     run_part fuzz check_fuzz
     run_part consume tests/consume/run.py

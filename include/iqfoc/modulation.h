@@ -62,7 +62,9 @@ static inline iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, i
         low = iq24_mul_trunc(low, scale);
         high = iq24_mul_trunc(high, scale);
     }
-    const iq24_t shift = iq24_sub_wrap(iq24_asr32(iq24_sub_wrap(IQ24_ONE, iq24_sub_wrap(high, low)), 1), low);
+    const iq24_t used = iq24_sub_wrap(high, low);
+    /*@ assert duties_apart: used >= 0; */
+    const iq24_t shift = iq24_sub_wrap(iq24_asr32(IQ24_ONE - used, 1), low);
     const iqfoc_duties_t duties = {
         {iq24_add_wrap(x.a, shift), iq24_add_wrap(x.b, shift), iq24_add_wrap(x.c, shift)}, scale};
     return duties;
