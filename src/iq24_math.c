@@ -76,7 +76,7 @@ iq24_t iq24_sqrt(iq24_t x)
     s = (s + m / s) >> 1;
     s = (s + m / s) >> 1;
 
-    int32_t rest = iq24_from_bits(m - s * s); /* small: s is the root of m but for its last bits */
+    int32_t rest = iq24_from_bits((uint32_t)((int64_t)m - (int64_t)s * s)); /* small */
     /*@ assert sqrt_end: -131071 <= rest <= 131071; */
     uint32_t root = (uint32_t)(((int64_t)s << 15) + rest * 16384 / (int32_t)s);
     return iq24_wrap((int64_t)((root + (UINT32_C(4) << k)) >> (k + 3)));

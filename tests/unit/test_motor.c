@@ -193,6 +193,8 @@ static void test_written_is_read_back_to_the_same_bits(void)
     }
     m.ext.harmonic_order = 2.0;
     m.ext.voltage_delay_cycles = 1.0;
+    m.ext.fault_phase = 2.0;
+    m.ext.ripple_share = 0.02;
     for (int id = 0; id < CAUSE_COUNT; id++) {
         m.ext.has[id] =
             motor_is_extension((cause_id)id) && id != CAUSE_SATURATION; /* a map takes its place */
@@ -215,6 +217,8 @@ static void test_written_is_read_back_to_the_same_bits(void)
     }
     TEST_ASSERT_TRUE(back.ext.harmonic_order == 2.0);
     TEST_ASSERT_TRUE(back.ext.voltage_delay_cycles == 1.0);
+    TEST_ASSERT_TRUE(back.ext.fault_phase == 2.0);
+    TEST_ASSERT_TRUE(back.ext.ripple_share == 0.02);
     for (int id = 0; id < CAUSE_COUNT; id++) {
         TEST_ASSERT_EQUAL_MESSAGE(m.ext.has[id], back.ext.has[id], cause_table[id].id);
     }
