@@ -9,7 +9,7 @@ the currents asked for are given to it, and the bandwidth is its default, and on
 the voltage may be more, or turned, until the current leaves its place by a quarter of rated; of the plain PI and of motulator tried in the
 plant, of the tuned controllers by their loop's poles.
 
---write puts the table into docs/tune.md. Needs the package: pip install "./python[motulator]".
+--write puts the table into docs/tune.md. Needs the package with its extra: ./python[motulator].
 """
 
 import argparse

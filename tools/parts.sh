@@ -93,9 +93,7 @@ run_lanes() {
 }
 
 # Labels of tests that one build is enough for: exhaustive ones, and those that run none of the C code, or run it by the program
-# that the host preset built.
-ONCE='^(sweep|blind|tool)$'
-# The studies run the same parts for longer, which a sanitizer makes minutes of.
+# that the host preset built; studies, which run the same parts for longer, take a sanitizer minutes.
 NO_STUDY='^(sweep|blind|tool|study)$'
 # A second compiler and coverage are the library's and the parts', by their unit tests: the program as its user meets it adds nothing.
 UNIT_ONLY='^(sweep|blind|tool|cli|study)$'
