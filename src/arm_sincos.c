@@ -10,7 +10,7 @@
 #include "iqfoc/iq24_sincos.h"
 
 /* The polynomials below have these coefficients' halves as numbers; where they are others, this is no array. */
-typedef char iqfoc_arm_sincos_has_the_coefficients
+typedef int32_t iqfoc_arm_sincos_has_the_coefficients
     [IQ24_ROTATE_S1 == 1686629703 && IQ24_ROTATE_S3 == 41 * 65536 + 22067 && IQ24_ROTATE_C2 == 82792242 &&
              IQ24_ROTATE_C4 == 65536 + 957 && IQ24_SINE_CELLS == 64
          ? 1

@@ -61,8 +61,8 @@ void leg_voltages(const inverter_leg *leg, const plant_inverter *inverter, bool 
                   double *least_V, double *most_V);
 
 /* The DC link at a time since plant_init, and what of it is there to be measured. */
-double inverter_link(const plant_inverter *inverter, double t_s);
-double inverter_logged_link(const plant_inverter *inverter, double t_s);
+double inverter_link(const plant_inverter *v, double t_s);
+double inverter_logged_link(const plant_inverter *v, double t_s);
 
 /* Whether the link changes within a cycle. */
 static inline bool inverter_link_swings(const plant_inverter *inverter)

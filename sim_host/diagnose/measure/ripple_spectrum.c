@@ -147,7 +147,7 @@ bool ripple_spectra_make(ripple_spectra *s, const ripple_pieces *all, double T_s
     fourier *f = fourier_new();
     bool ok = f && allocate(s);
     for (size_t k = 0; ok && k < all->pieces; k++) {
-        ok = transform_piece(s, f, &all->piece[k], &s->of[k]);
+        ok = s->of[k].power && transform_piece(s, f, &all->piece[k], &s->of[k]);
         if (ok) {
             measure_noise(s, &all->piece[k], &s->of[k]);
         }
