@@ -60,18 +60,15 @@ static const uint32_t never[] = {
     SYS_fspick,
     SYS_unshare,
     SYS_setns,
-    SYS_setuid,
-    SYS_setgid,
-    SYS_setresuid,
-    SYS_setresgid,
-    SYS_setgroups,
     SYS_open_by_handle_at,
     SYS_io_uring_setup, /* would do most of the others unseen */
 };
 
-/* Beginning something, or getting hold of what runs. */
+/* Beginning something, getting hold of what runs, or being another user: gnuplot makes sure that it is the one who called it, and
+ * ends where it may not. */
 static const uint32_t starting[] = {
-    SYS_ptrace, SYS_kill,  SYS_rt_sigqueueinfo, SYS_pidfd_send_signal, SYS_execve, SYS_execveat,
+    SYS_ptrace, SYS_kill,   SYS_rt_sigqueueinfo, SYS_pidfd_send_signal, SYS_execve,    SYS_execveat,
+    SYS_setuid, SYS_setgid, SYS_setresuid,       SYS_setresgid,         SYS_setgroups,
 #ifdef SYS_fork
     SYS_fork,   SYS_vfork,
 #endif

@@ -3,9 +3,10 @@
  * it is not meant to, it can start no program and reach no network.
  *
  * On Linux (x86-64, arm64) the kernel then answers EPERM to whatever starts a program or a process, opens a socket, looks into or
- * signals another process, loads code into the kernel, mounts, or changes a name space or a user; and no program gets more rights
- * than we have. Files stay as open to it as to its user. Elsewhere, and where the kernel knows no filters (qemu-user), nothing
- * happens, and the program works all the same. Built with the address sanitizer it may start programs, which that needs.
+ * signals another process, loads code into the kernel, mounts, or changes a name space or a user (what may start programs may be
+ * another user, as gnuplot asks to be its caller); and no program gets more rights than we have. Files stay as open to it as to its
+ * user. Elsewhere, and where the kernel knows no filters (qemu-user), nothing happens, and the program works all the same. Built
+ * with the address sanitizer it may start programs, which that needs.
  */
 #ifndef SIM_HOST_BASE_CONFINE_H
 #define SIM_HOST_BASE_CONFINE_H

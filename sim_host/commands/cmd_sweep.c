@@ -1,4 +1,5 @@
 /* iqfoc sweep: the errors of each method over the ratio of switching to fundamental frequency. */
+#include "base/confine.h"
 #include "base/json_file.h"
 #include "base/number.h"
 #include "base/out_folder.h"
@@ -190,6 +191,9 @@ static bool sweep_map(const request *r, error *e)
 
 static bool run(const request *r, error *e)
 {
+    if (!r->map) {
+        confine(CONFINE_TO_FILES); /* only the map's picture is gnuplot's */
+    }
     return r->induction ? induction_table(r->json_path, e) : r->map ? sweep_map(r, e) : sweep(r, e);
 }
 

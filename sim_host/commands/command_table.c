@@ -18,7 +18,7 @@ const command command_table[COMMANDS] = {
     {&about_record, "what the firmware's recorder sends over a serial line, as a recording", cmd_record,
      CONFINE_MAY_CONNECT},
     {&about_sweep, "errors of each method over the switching-to-fundamental frequency ratio", cmd_sweep,
-     CONFINE_TO_FILES},
+     CONFINE_MAY_START},
     {&about_loops, "what better feedback and better prediction do to a closed loop", cmd_loops,
      CONFINE_TO_FILES},
     {&about_import, "a recording from the log of another program", cmd_import, CONFINE_TO_FILES},

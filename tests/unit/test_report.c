@@ -4,6 +4,7 @@
 /* POSIX: mkdtemp, open_memstream. */
 #define _POSIX_C_SOURCE 200809L
 
+#include "base/confine.h"
 #include "report/page.h"
 #include "report/svg_inline.h"
 
@@ -11,6 +12,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 static char *text;
@@ -95,6 +97,23 @@ static void test_page_holds_its_figure(void)
     TEST_ASSERT_EQUAL_INT(0, rmdir(directory));
 }
 
+/* gnuplot looks at whose rights it has before it begins, and a filter that is too narrow would end it there. */
+static void test_gnuplot_answers_a_confined_process(void)
+{
+    if (!plot_available()) {
+        TEST_IGNORE_MESSAGE("gnuplot is not installed");
+    }
+    const pid_t child = fork();
+    if (child == 0) {
+        confine(CONFINE_MAY_START);
+        _exit(plot_available() ? 0 : 1);
+    }
+    int status = 0;
+    TEST_ASSERT_EQUAL(child, waitpid(child, &status, 0));
+    TEST_ASSERT_TRUE(WIFEXITED(status));
+    TEST_ASSERT_EQUAL_INT(0, WEXITSTATUS(status));
+}
+
 static void test_gnuplot_that_fails_is_an_error(void)
 {
     plot drawing;
@@ -115,6 +134,7 @@ int main(void)
     RUN_TEST(test_colours_become_variables_and_ids_get_a_prefix);
     RUN_TEST(test_cut_off_colour_is_passed_on);
     RUN_TEST(test_page_holds_its_figure);
+    RUN_TEST(test_gnuplot_answers_a_confined_process);
     RUN_TEST(test_gnuplot_that_fails_is_an_error);
     return UNITY_END();
 }

@@ -6,7 +6,7 @@ COMMAND may have options; it stands in quotes then.
 
 FILE is the figure's id in the page. Its charts are drawn by gnuplot here; contour lines the program has drawn itself, beside the page.
 PATH is the folder as the document writes it. `write` copies the picture; `check` compares what it shows: every word, and every number to
-a hundredth of the drawing's unit, so that another version's last digit is no drift.
+a hundredth of the drawing's unit, so that another version's last digit is no drift, wherever it falls on a rounding's edge.
 """
 
 import pathlib
@@ -21,9 +21,13 @@ NUMBER = re.compile(r"-?\d+\.\d+")
 VERSION = re.compile(r"Produced by GNUPLOT [^<]*")
 
 
-def shown(text):
-    """What a picture shows, without the drawing program's version and the last digits."""
-    return NUMBER.sub(lambda match: f"{float(match.group(0)):.2f}", VERSION.sub("", text))
+def shows_the_same(one, other):
+    """Whether two pictures show the same, whatever the drawing program's version and the last digits."""
+    one, other = VERSION.sub("", one), VERSION.sub("", other)
+    if NUMBER.split(one) != NUMBER.split(other):
+        return False
+    numbers = zip(map(float, NUMBER.findall(one)), map(float, NUMBER.findall(other)))
+    return all(abs(here - there) <= 0.0101 for here, there in numbers)
 
 
 def drawn(folder, name):
@@ -50,6 +54,6 @@ def generate(program, arguments):
     if program.writes:
         kept.parent.mkdir(parents=True, exist_ok=True)
         kept.write_text(picture, encoding="utf-8")
-    elif not kept.exists() or shown(kept.read_text(encoding="utf-8")) != shown(picture):
+    elif not kept.exists() or not shows_the_same(kept.read_text(encoding="utf-8"), picture):
         raise ValueError(f"{kept.relative_to(program.root)} is not what `iqfoc {command}` draws; `./dev figures` draws it anew")
     return f"![{words}]({folder}/{name})"
