@@ -20,6 +20,7 @@
 #include "measure/lines.h"
 #include "measure/runs.h"
 #include "mending.h"
+#include "next/experiment.h"
 #include "tell/advice.h"
 #include "tell/known.h"
 #include "tell/mended_causes.h"
@@ -71,13 +72,9 @@ static void mention_decoys(const session *w, diagnosis *d)
     }
 }
 
-static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
+static void tabulate_hypotheses(const session *w, evidence_view *view, diagnosis *d,
+                                const hypothesis_id *member, hypothesis_set skipped)
 {
-    evidence_view *view = calloc(1, sizeof *view);
-    if (!view || !evidence_look(&w->fitted, &w->state, w->possible, view)) {
-        free(view);
-        return false;
-    }
     confusion_find(d, view, &w->state, member, w->possible, w->certainty.inflation);
     confusion_trades(d, view, &w->state, member, w->possible, w->certainty.inflation);
     known_tell(w, view, d);
@@ -111,8 +108,22 @@ static bool tabulate_hypotheses(session *w, diagnosis *d, const hypothesis_id *m
             row->beyond = fmax(own.cost - more.cost, 0.0);
         }
     }
+}
+
+/* What the sums at the state found say: of the hypotheses, and of what to record next. */
+static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
+{
+    evidence_view *view = calloc(1, sizeof *view);
+    bool ok = view != NULL && evidence_look(&w->fitted, &w->state, w->possible, view);
+    if (ok) {
+        tabulate_hypotheses(w, view, d, member, skipped);
+        ok = resistance_trade_tell(w, d);
+    }
+    if (ok) {
+        experiment_find(w, view, member, d);
+    }
     free(view);
-    return true;
+    return ok;
 }
 
 /* In noise floors. */
@@ -241,7 +252,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         return false;
     }
     bound_runs(d);
-    if (!tabulate_hypotheses(w, d, member, options->skip) || !resistance_trade_tell(w, d)) {
+    if (!tell_hypotheses(w, d, member, options->skip)) {
         return false;
     }
     mended_causes_tell(&w->rows, m, d);

@@ -7,6 +7,7 @@
 #include "data/motor.h"
 #include "data/recording.h"
 #include "model/averaged_drive.h"
+#include "plan/plan_pieces.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -120,6 +121,31 @@ typedef struct diagnosis_learned {
     diagnosis_learned_point point[DIAGNOSIS_LEARNED_POINTS];
 } diagnosis_learned;
 
+/* A number that is open: one of a confused pair's, or one that is not excited. */
+typedef struct diagnosis_open {
+    const char *name, *unit;
+    double value, half_width; /* by this recording, 95 % */
+} diagnosis_open;
+
+/* A piece, and what would be known once it was recorded beside this recording. */
+typedef struct diagnosis_candidate {
+    plan_piece piece;
+    double half_width[DIAGNOSIS_ESTIMATES];
+    double correlation; /* of a pair */
+    double open;        /* what they are ranked by, the least first */
+    bool enough;        /* nothing is open then */
+} diagnosis_candidate;
+
+typedef struct diagnosis_experiment {
+    size_t numbers; /* 0: nothing is open, or no piece could tell */
+    diagnosis_open number[DIAGNOSIS_ESTIMATES];
+    const char *tell[2]; /* the two causes; NULL where numbers are not excited */
+    double correlation;  /* of a pair, by this recording */
+    double seconds;      /* of each */
+    size_t candidates;
+    diagnosis_candidate candidate[PLAN_PIECES];
+} diagnosis_experiment;
+
 typedef struct diagnosis {
     const char *recording_path, *motor_path; /* borrowed; for what is told */
     diagnosis_verdict verdict;
@@ -134,7 +160,8 @@ typedef struct diagnosis {
     diagnosis_covariance covariance;
     diagnosis_structure structure;
     diagnosis_learned learned; /* where the verdict is partly or unexplained */
-    char next_experiment[512];
+    diagnosis_experiment experiment;
+    char next_experiment[640];
     char sentence[512]; /* what is wrong, how sure, what it gains */
     size_t hypotheses;
     diagnosis_hypothesis hypothesis[DIAGNOSIS_HYPOTHESES];

@@ -79,6 +79,7 @@ static bool write_body(page *p, const report_input *in, const evidence *v, const
     report_errors(p, d, firmware);
     page_heading(p, 2, "What to do next");
     report_next(p, d);
+    report_experiment(p, d);
     page_heading(
         p, 2, d->verdict == VERDICT_CLEAN ? "The model beside the recording" : "What the model gets wrong");
     if (!figure_time(p, v, e) || !pair(p, v, figure_current, figure_voltage, e)) {

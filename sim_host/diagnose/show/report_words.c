@@ -1,7 +1,10 @@
 /* Next steps, glossary and the motor's values (report_words.h). */
 #include "report_words.h"
 
+#include "diagnose/tell/experiment_words.h"
+
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- What to do next ---- */
@@ -50,6 +53,59 @@ void report_next(page *p, const diagnosis *d)
                   "found, with its intervals as the region it has to hold.");
     }
     page_terms_end(p);
+}
+
+/* ---- The computed experiment ---- */
+
+static void candidate_row(page *p, const diagnosis_experiment *x, size_t place)
+{
+    const diagnosis_candidate *c = &x->candidate[place];
+    char text[192];
+    page_row_begin(p);
+    page_cell(p, true, "%zu", place + 1);
+    experiment_piece_words(&c->piece, text, sizeof text);
+    page_cell(p, false, "%s", text);
+    for (size_t n = 0; n < x->numbers; n++) {
+        experiment_width_words(&x->number[n], c->half_width[n], text, sizeof text);
+        page_cell(p, true, "%s", text);
+    }
+    if (x->tell[0] != NULL) {
+        page_cell(p, true, "%.2f", c->correlation);
+    }
+    page_cell(p, false, "%s", c->enough ? "enough" : "not enough");
+    page_row_end(p);
+}
+
+void report_experiment(page *p, const diagnosis *d)
+{
+    enum { SHOWN = 5 };
+    const diagnosis_experiment *x = &d->experiment;
+    const char *heads[DIAGNOSIS_ESTIMATES + 4] = {"\tplace", "a run to record beside this"};
+    char head[DIAGNOSIS_ESTIMATES][24];
+    size_t n = 2;
+    if (x->numbers == 0) {
+        return;
+    }
+    for (size_t k = 0; k < x->numbers; k++) {
+        snprintf(head[k], sizeof head[k], "\t%s", x->number[k].name);
+        heads[n++] = head[k];
+    }
+    if (x->tell[0] != NULL) {
+        heads[n++] = "\tcorrelation";
+    }
+    heads[n++] = "";
+    page_table_begin(p, heads, n);
+    for (size_t k = 0; k < x->candidates && k < SHOWN; k++) {
+        candidate_row(p, x, k);
+    }
+    if (x->candidates > SHOWN) {
+        candidate_row(p, x, x->candidates - 1);
+    }
+    page_table_end(p);
+    page_note(p,
+              "What would be known of %s%s after %.3g s of each run, by the model that was found: 95 %% "
+              "intervals with all else free. The last row is the run that would tell least.",
+              x->tell[0] != NULL ? "both" : "what is not excited", x->numbers > 1 ? "" : " here", x->seconds);
 }
 
 /* ---- The motor's values ---- */

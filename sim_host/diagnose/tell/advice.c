@@ -1,6 +1,8 @@
 /* The next experiment (advice.h). */
 #include "advice.h"
 
+#include "experiment_words.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -41,6 +43,12 @@ void advice_tell(const session *w, diagnosis *d)
     };
     const diagnose_rows *r = &w->rows;
     d->next_experiment[0] = '\0';
+    char computed[sizeof d->next_experiment];
+    const bool found = experiment_words(&d->experiment, computed, sizeof computed);
+    if (found && d->experiment.tell[0] != NULL) {
+        memcpy(d->next_experiment, computed, sizeof computed);
+        return;
+    }
     for (size_t k = 0; k < d->causes; k++) {
         for (size_t j = 0; j < sizeof pair / sizeof *pair; j++) {
             if (is_pair(&d->cause[k], cause_table[pair[j].a].id, cause_table[pair[j].b].id)) {
@@ -70,6 +78,8 @@ void advice_tell(const session *w, diagnosis *d)
                  d->structure.words[0] ? d->structure.words : "see the residuals",
                  r->recording->u_dc_V ? "the shaft driven from outside at no current"
                                       : "the DC link voltage logged");
+    } else if (found) {
+        memcpy(d->next_experiment, computed, sizeof computed);
     } else if (d->verdict == VERDICT_EXPLAINED) {
         snprintf(d->next_experiment, sizeof d->next_experiment,
                  "Record again with the extended model's corrections in the drive: the diagnosis of that "

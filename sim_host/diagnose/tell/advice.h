@@ -7,7 +7,7 @@
 #include "diagnose/choose/session.h"
 #include "diagnose/result.h"
 
-/* Sets d->next_experiment. Needs d's causes with what they are confused with, its verdict and structure. */
+/* Sets d->next_experiment. Needs d's causes with what they are confused with, its verdict, structure and experiment. */
 void advice_tell(const session *w, diagnosis *d);
 
 #endif

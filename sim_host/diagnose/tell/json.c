@@ -1,6 +1,8 @@
 /* The diagnosis as JSON (json.h). */
 #include "json.h"
 
+#include <math.h>
+
 static json_t *cause_json(const diagnosis_cause *cause)
 {
     json_t *parameters = json_array();
@@ -87,6 +89,50 @@ static json_t *learned_json(const diagnosis_learned *l)
                      json_number(l->extended), "gain", json_number(l->gain));
 }
 
+static json_t *widths_json(const diagnosis_candidate *c, size_t numbers)
+{
+    json_t *list = json_array();
+    for (size_t n = 0; n < numbers; n++) {
+        json_array_append_new(list, json_number(c->half_width[n]));
+    }
+    return list;
+}
+
+static json_t *candidate_json(const diagnosis_candidate *c, const diagnosis_experiment *x)
+{
+    const plan_piece *p = &c->piece;
+    return json_pack("{s:s, s:[f, f], s:[f, f], s:[f, f], s:f, s:f, s:i, s:i, s:f, s:o, s:o, s:b}", "what",
+                     p->words, "rpm", p->rpm[0], p->rpm[1], "i_d_A", p->i_d_A[0], p->i_d_A[1], "i_q_A",
+                     p->i_q_A[0], p->i_q_A[1], "square_d_A", p->square_d_A, "square_q_A", p->square_q_A,
+                     "half_d_cycles", p->half_d_cycles, "half_q_cycles", p->half_q_cycles, "theta_e_rad",
+                     p->theta_e_rad, "half_width", widths_json(c, x->numbers), "correlation",
+                     json_number(x->tell[0] != NULL ? c->correlation : NAN), "enough", (int)c->enough);
+}
+
+static json_t *experiment_json(const diagnosis_experiment *x)
+{
+    if (x->numbers == 0) {
+        return json_null();
+    }
+    const bool pair = x->tell[0] != NULL;
+    json_t *tell = json_array();
+    json_t *numbers = json_array();
+    json_t *ranked = json_array();
+    for (size_t n = 0; n < 2 && pair; n++) {
+        json_array_append_new(tell, json_string(x->tell[n]));
+    }
+    for (size_t n = 0; n < x->numbers; n++) {
+        const diagnosis_open *open = &x->number[n];
+        json_array_append_new(numbers, json_pack("{s:s, s:s, s:o}", "name", open->name, "unit", open->unit,
+                                                 "half_width", json_number(open->half_width)));
+    }
+    for (size_t k = 0; k < x->candidates; k++) {
+        json_array_append_new(ranked, candidate_json(&x->candidate[k], x));
+    }
+    return json_pack("{s:o, s:o, s:o, s:f, s:o}", "to_tell", tell, "parameters", numbers, "correlation",
+                     json_number(pair ? x->correlation : NAN), "seconds", x->seconds, "ranked", ranked);
+}
+
 json_t *json_of_diagnosis(const diagnosis *d)
 {
     json_t *causes = json_array();
@@ -101,12 +147,12 @@ json_t *json_of_diagnosis(const diagnosis *d)
                   json_number(d->noise_floor), "sensor_noise_A", json_number(d->sensor_noise_A), "gain",
                   json_number(d->gain), "free_run_nominal", json_number(d->free_nominal_percent),
                   "free_run_extended", json_number(d->free_extended_percent));
-    return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o}",
+    return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o, s:o}",
                      "schema", 2, "recording", d->recording_path, "motor", d->motor_path, "rows",
                      (json_int_t)d->rows, "rows_used", (json_int_t)d->rows_used, "rows_held_out",
                      (json_int_t)d->rows_held_out, "verdict", diagnosis_verdict_id(d->verdict), "causes",
                      causes, "error", errors, "structure", json_string(d->structure.words), "next_experiment",
                      d->next_experiment, "summary", d->sentence, "runs", runs_json(d), "estimates",
                      estimates_json(d), "covariance", covariance_json(&d->covariance), "learned",
-                     learned_json(&d->learned));
+                     learned_json(&d->learned), "experiment", experiment_json(&d->experiment));
 }

@@ -8,13 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef struct wanted {
-    const char *name, *unit;
-    coordinate_id coordinate;
-    const char *told[2]; /* the names under which a cause may tell it */
-} wanted;
-
-static const wanted list[DIAGNOSIS_ESTIMATES] = {
+const known_number known_numbers[DIAGNOSIS_ESTIMATES] = {
     {"R", "ohm", P_R, {"R", NULL}},
     {"L_d", "H", P_L_D, {"L_d", "L"}},
     {"L_q", "H", P_L_Q, {"L_q", "L"}},
@@ -23,7 +17,7 @@ static const wanted list[DIAGNOSIS_ESTIMATES] = {
     {"voltage_delay", "1", P_U_DELAY_1, {"cycles", NULL}},
 };
 
-static const diagnosis_parameter *told_by_a_cause(const diagnosis *d, const wanted *what)
+static const diagnosis_parameter *told_by_a_cause(const diagnosis *d, const known_number *what)
 {
     for (size_t k = 0; k < d->causes; k++) {
         for (size_t n = 0; n < d->cause[k].parameters; n++) {
@@ -54,8 +48,8 @@ static void tell_estimates(const session *w, const evidence_view *view, diagnosi
 {
     for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
         diagnosis_estimate *out = &d->estimate[k];
-        const diagnosis_parameter *told = told_by_a_cause(d, &list[k]);
-        *out = (diagnosis_estimate){.name = list[k].name, .unit = list[k].unit};
+        const diagnosis_parameter *told = told_by_a_cause(d, &known_numbers[k]);
+        *out = (diagnosis_estimate){.name = known_numbers[k].name, .unit = known_numbers[k].unit};
         if (told) {
             out->excited = true;
             out->value = told->value;
@@ -64,12 +58,12 @@ static void tell_estimates(const session *w, const evidence_view *view, diagnosi
             continue;
         }
         const estimate e =
-            estimate_of(&w->fitted, view, &w->state, list[k].coordinate, w->certainty.inflation);
+            estimate_of(&w->fitted, view, &w->state, known_numbers[k].coordinate, w->certainty.inflation);
         out->excited = e.excited;
         if (e.excited) {
-            out->value = number_at(w, list[k].coordinate, e.z);
-            out->low = number_at(w, list[k].coordinate, e.z - e.half_width);
-            out->high = number_at(w, list[k].coordinate, e.z + e.half_width);
+            out->value = number_at(w, known_numbers[k].coordinate, e.z);
+            out->low = number_at(w, known_numbers[k].coordinate, e.z - e.half_width);
+            out->high = number_at(w, known_numbers[k].coordinate, e.z + e.half_width);
         }
     }
 }
