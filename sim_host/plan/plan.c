@@ -1,6 +1,8 @@
 /* Pieces chosen by their information (plan.h). */
 #include "plan.h"
 
+#include "base/progress.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -93,6 +95,7 @@ static bool inform(const motor *m, const plan_limits *limits, long cycles, long 
     if (info == NULL) {
         return error_failure(e, 0, "plan: out of memory");
     }
+    progress shown = progress_begin("plan", (double)c->pieces, "pieces");
     for (size_t k = 0; k < c->pieces; k++) {
         scenario_run run = plan_piece_run(&c->piece[k], m, limits, cycles);
         const scenario s = plan_scenario(limits, &run, 1);
@@ -101,7 +104,9 @@ static bool inform(const motor *m, const plan_limits *limits, long cycles, long 
             memcpy(c->information[kept], info->h, sizeof info->h);
             c->piece[kept++] = c->piece[k];
         }
+        progress_update(&shown, (double)(k + 1));
     }
+    progress_end(&shown);
     free(info);
     c->pieces = kept;
     return kept > 0 || error_input(e, m->path, 0, 0,

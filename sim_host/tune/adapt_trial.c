@@ -3,6 +3,8 @@
 
 #include "watch_duty.h"
 
+#include "base/progress.h"
+
 #include <math.h>
 
 /* What the firmware's model has of the drive's R and psi_f, less 1, in percent. */
@@ -49,10 +51,15 @@ bool adapt_trial_run(const tune_result *r, bool adapted, double warming_s, doubl
     const plant_machine begun = changed.machine;
     watch_duty_change(&changed, WATCH_WINDING, 0);
     watch_duty_change(&changed, WATCH_MAGNET, 0);
-    for (long n = 0; n < cycles; n++) {
+    progress shown =
+        progress_begin(adapted ? "watch: a drive that warms is followed" : "watch: a drive that warms",
+                       (double)cycles, "cycles");
+    bool ok = true;
+    for (long n = 0; n < cycles && ok; n++) {
         change_to(&w.loop.drive.config.machine, &begun, &changed.machine, fmin(1.0, (double)n / warming));
-        if (!watch_duty_cycle(&w, n, &row, e)) {
-            return false;
+        ok = watch_duty_cycle(&w, n, &row, e);
+        if (n % IQFOC_WATCH_BLOCK_CYCLES == 0) {
+            progress_update(&shown, (double)n);
         }
         if (n >= judged) {
             look(&w, out);
@@ -62,8 +69,9 @@ bool adapt_trial_run(const tune_result *r, bool adapted, double warming_s, doubl
             torque_square += torque * torque;
         }
     }
+    progress_end(&shown);
     out->alarm = (row.answer.status & TUNED_FIRMWARE_ALARM) != 0;
     out->error_percent = 100.0 * sqrt(error_square / (double)(cycles - judged));
     out->torque_percent = sqrt(torque_square / (double)(cycles - judged));
-    return true;
+    return ok;
 }

@@ -3,6 +3,8 @@
 
 #include "watch_duty.h"
 
+#include "base/progress.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,14 +61,27 @@ static bool one_trial(const tune_result *r, watch_change change, uint64_t seed, 
     return true;
 }
 
+/* A clock is read once in so many cycles. */
+enum { TOLD_EVERY = 256 };
+
+/* A firmware in an emulator takes minutes for a second. */
+static void tell_drive(progress *shown, const watch_duty *w, watch_change change, long n)
+{
+    if (n % TOLD_EVERY == 0) {
+        progress_say(shown, "watch: %s, %.2f s of the drive", watch_change_text[change],
+                     (double)n * w->loop.base.T_s);
+    }
+}
+
 /* Up to the alarm; *n: cycles so far. False with *e set if the firmware is gone. */
-static bool run_to_alarm(watch_duty *w, watch_change change, long *n, bool *alarm, error *e)
+static bool run_to_alarm(watch_duty *w, watch_change change, progress *shown, long *n, bool *alarm, error *e)
 {
     const double T_s = w->loop.base.T_s;
     const long clean = lround(WATCH_CLEAN_S / T_s);
     const long last = clean + lround(WATCH_CHANGED_S / T_s);
     for (*n = 0; *n < last && !*alarm; (*n)++) {
         drive_row row;
+        tell_drive(shown, w, change, *n);
         if (*n == clean) {
             watch_duty_change(&w->loop.drive.config, change, 0);
         }
@@ -78,15 +93,15 @@ static bool run_to_alarm(watch_duty *w, watch_change change, long *n, bool *alar
     return true;
 }
 
-bool watch_trial_dump(const tune_result *r, watch_change change, uint64_t seed, double seconds,
-                      const watch_target *target, watch_dump *dump, error *e)
+static bool dump_drive(const tune_result *r, watch_change change, uint64_t seed, double seconds,
+                       const watch_target *target, progress *shown, watch_dump *dump, error *e)
 {
     watch_duty w;
     long n = 0;
     memset(dump, 0, sizeof *dump);
     if (!watch_duty_begin(&w, r, seed, e) ||
         (target != NULL && !target->start(target->context, &w.firmware.config, &w.told, &w.calls, e)) ||
-        !run_to_alarm(&w, change, &n, &dump->noted, e)) {
+        !run_to_alarm(&w, change, shown, &n, &dump->noted, e)) {
         return false;
     }
     dump->told = w.told;
@@ -100,11 +115,21 @@ bool watch_trial_dump(const tune_result *r, watch_change change, uint64_t seed, 
     const drive_log log = drive_recording_log(&dump->rows);
     for (const long last = n + run.cycles; n < last && ok; n++) {
         drive_row row = {.run = 1};
+        tell_drive(shown, &w, change, n);
         ok = watch_duty_cycle(&w, n, &row, e) && log.row(log.context, &row, e);
     }
     dump->group = w.firmware.watch.group;
     return ok && (target == NULL || target->group(target->context, &dump->group, e)) &&
            (recording_find_stretches(&dump->rows.recording) || error_failure(e, 0, "watch: out of memory"));
+}
+
+bool watch_trial_dump(const tune_result *r, watch_change change, uint64_t seed, double seconds,
+                      const watch_target *target, watch_dump *dump, error *e)
+{
+    progress shown = progress_begin("watch", 0.0, "");
+    const bool ok = dump_drive(r, change, seed, seconds, target, &shown, dump, e);
+    progress_end(&shown);
+    return ok;
 }
 
 static int by_size(const void *a, const void *b)
@@ -124,8 +149,10 @@ bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint
     }
     const iqfoc_watch_group_t right = group_of_change[change];
     bool ok = true;
+    progress shown = progress_begin("watch", 0.0, "");
     for (int n = 0; n < trials && ok; n++) {
         outcome one;
+        progress_say(&shown, "watch: %s, drive %d of %d", watch_change_text[change], n + 1, trials);
         ok = one_trial(r, change, seed + (uint64_t)n, &one, e);
         if (ok && one.noted) {
             delay[out->noted++] = one.alarm_s;
@@ -136,6 +163,7 @@ bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint
         out->named[ok ? one.group : IQFOC_WATCH_NONE]++;
         out->early += ok && one.early ? 1 : 0;
     }
+    progress_end(&shown);
     if (ok && out->noted > 0) {
         qsort(delay, (size_t)out->noted, sizeof *delay, by_size);
         out->median_s = delay[out->noted / 2];
@@ -161,35 +189,40 @@ static double highest_of(const iqfoc_watch_t *watch)
 /* Runs of this many cycles, each with its own seed and way. */
 enum { CLEAN_RUN = 1000000 };
 
+static void look_at_block(iqfoc_watch_t *watch, double *before, watch_clean *out)
+{
+    const double now = highest_of(watch);
+    out->highest = fmax(out->highest, now);
+    for (int level = 1; level < WATCH_LEVELS; level++) {
+        out->passed[level] += *before < level && now >= level ? 1 : 0;
+    }
+    *before = now;
+    if (watch->naming > 0) {
+        out->alarms++;
+        iqfoc_watch_reset(watch);
+    }
+}
+
 bool watch_clean_run(const tune_result *r, double cycles, uint64_t seed, watch_clean *out, error *e)
 {
     watch_duty w;
     drive_row row;
     double before = 0.0;
+    bool ok = true;
+    progress shown = progress_begin("watch: nothing changes", cycles, "cycles");
     *out = (watch_clean){.cycles = 0.0};
-    while (out->cycles < cycles) {
+    while (ok && out->cycles < cycles) {
         const long of_run = (long)fmin((double)CLEAN_RUN, cycles - out->cycles);
-        if (!watch_duty_begin(&w, r, seed++, e)) {
-            return false;
-        }
-        for (long n = 0; n < of_run; n++) {
-            if (!watch_duty_cycle(&w, n, &row, e)) {
-                return false;
-            }
+        ok = watch_duty_begin(&w, r, seed++, e);
+        for (long n = 0; n < of_run && ok; n++) {
+            ok = watch_duty_cycle(&w, n, &row, e);
             if (w.firmware.watch.count == 0) {
-                const double now = highest_of(&w.firmware.watch);
-                out->highest = fmax(out->highest, now);
-                for (int level = 1; level < WATCH_LEVELS; level++) {
-                    out->passed[level] += before < level && now >= level ? 1 : 0;
-                }
-                before = now;
-            }
-            if (w.firmware.watch.naming > 0) {
-                out->alarms++;
-                iqfoc_watch_reset(&w.firmware.watch);
+                look_at_block(&w.firmware.watch, &before, out);
+                progress_update(&shown, out->cycles + (double)n);
             }
         }
         out->cycles += (double)of_run;
     }
-    return true;
+    progress_end(&shown);
+    return ok;
 }

@@ -161,6 +161,19 @@ class Help(unittest.TestCase):
         self.assertIn("\r\033[K", told.split("dead_time.csv.gz", maxsplit=1)[0])
         self.assertNotIn("\rdiagnose:", told.split("dead_time.csv.gz", maxsplit=1)[1])
 
+    def test_what_takes_seconds_says_how_far_it_is(self):
+        motor = ["--motor", "motors/compressor_salient.toml"]
+        for arguments, line in ((["watch", *motor, "--trials", "0", "--cycles", "1e5"], r"watch: nothing changes: +\d+ % of 100000 cycles"),
+                                (["plan", *motor, "--seconds", "4"], r"plan: +\d+ % of \d+ pieces")):
+            with self.subTest(arguments=arguments):
+                told = on_terminal(arguments)
+                shown, results = told.rsplit("\r\033[K", maxsplit=1)
+                self.assertRegex(shown, "\r" + line)
+                self.assertNotRegex(results, line)
+                piped = subprocess.run([program.PROGRAM, *arguments], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=True)
+                self.assertEqual("", piped.stderr)
+                self.assertEqual(piped.stdout, results.replace("\r\n", "\n"))
+
     def test_colour_on_a_terminal_alone(self):
         self.assertIn("\033[1m", on_terminal(["help"]))
         self.assertIn("\033[1;31miqfoc:\033[0m", on_terminal(["none"]))
