@@ -49,8 +49,7 @@ endif()
 
 option(IQFOC_STATIC "Link the program statically: one file that needs nothing of the machine it runs on" OFF)
 if(IQFOC_STATIC)
-    # The map says what of others is in it (tools/licences.py).
-    add_link_options(-static -s -Wl,-Map=${PROJECT_BINARY_DIR}/iqfoc.map)
+    add_link_options(-static)
 endif()
 
 find_program(IQFOC_CCACHE ccache)

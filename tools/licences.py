@@ -96,8 +96,10 @@ def page(used, others):
     for name, spdx, text in others:
         lines.append(f"| {name} | {spdx} | " + re.search(r"Copyright (?:\(c\)|\u00a9) (.*)", text).group(1) + " |")
     lines += ["", "The exception of GCC's libraries lets what they are linked into have any licence. The GNU C Library is the one part under a",
-              "licence that asks for more: who passes a static program on also passes on, or offers, what it takes to link it with another C library;",
-              "with this project's sources, which are that, nothing is missing. The program that is not static holds neither: it uses the machine's",
+              "licence that asks for more: who passes a static program on also passes on, or offers, what it takes to link it with a changed C library,",
+              "and that library's sources. `./dev static` packs the program with both said and done: `iqfoc.o` in the archive is all of the program but",
+              "the C library and GCC's own, `RELINK.txt` has the line that links it and the version whose sources Debian has. `./dev test` makes the",
+              "program so with a C library that was changed, for both processors. The program that is not static holds neither: it uses the machine's",
               "own. Eigen's files are used as they are: their sources are Debian's package `libeigen3-dev`, and the text of their licence is at\n<https://mozilla.org/MPL/2.0/>.", ""]
     for _, name, package, _, texts in PARTS:
         for text in texts:

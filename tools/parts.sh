@@ -196,14 +196,20 @@ check_prove() {
     python3 -B tools/bounds.py
 }
 
-# The program in one file, for this processor and another; what is in it of others stands in docs/licences.md.
-check_static() {
+# The program in one file, for this processor and another, and the object that links with another C library.
+build_static() {
     local preset
     for preset in static-x86-64 static-arm64; do
         cmake --preset "$preset"
-        cmake --build "build/$preset" -j "$JOBS" --target iqfoc_cli
+        cmake --build "build/$preset" -j "$JOBS" --target iqfoc_cli iqfoc_object
     done
+}
+
+# What is in the static programs of others stands in docs/licences.md.
+check_static() {
+    build_static
     python3 -B tests/cli/static.py build/host/iqfoc build/static-x86-64/iqfoc build/static-arm64/iqfoc
+    python3 -B tests/cli/relink.py build/static-x86-64 build/static-arm64
     python3 -B tools/licences.py build/static-x86-64
 }
 
