@@ -83,7 +83,8 @@ DRIVES = [
     Drive("saturation of a salient machine", ["saturation:L_0=0.0095,I_sat=20"], {}, {"saturation"},
           {"saturation": {"I_sat": (20.0, 0.5)}}),
     Drive("a flux map", ["saturation_dq:w_dqq=-2e-5,w_qqqq=-1.5e-6"], {}, {"saturation_dq"}),
-    Drive("current along d alone", [], {}, set(), {}, ONE_AXIS, ("psi_f",)),
+    Drive("current along d alone", [], {}, set(), {}, ONE_AXIS, ("L_q", "psi_f")),
+    Drive("current along d alone, both inductances off", [], {"L_d_H": 10, "L_q_H": 10}, {"inductance"}, {}, ONE_AXIS, ("L_q", "psi_f")),
 ]
 
 

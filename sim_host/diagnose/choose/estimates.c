@@ -9,6 +9,22 @@
 /* A half width is at least this share of `usual`: no recording is without systematic errors. */
 static const double LEAST_SHARE = 0.002;
 
+/*
+ * And it must be known better than what drives show anyhow (`usual`) from so many rows. More of them say more even where
+ * nothing excites it, as the control answers the sensors' own noise: with current along d alone, a second and a half tell
+ * L_q to 8 % by that.
+ */
+static const double ROWS_TO_TELL = 100.0;
+
+static double rows_of(const fit_data *d)
+{
+    double rows = 0.0;
+    for (size_t b = 0; b < d->blocks; b++) {
+        rows += (double)d->rows->block[d->block[b]].count;
+    }
+    return rows;
+}
+
 static bool moves_only(hypothesis_id h, coordinate_id id)
 {
     return hypothesis_table[h].columns == 1 && hypothesis_table[h].column[0] == (int)id;
@@ -76,8 +92,10 @@ estimate estimate_of(const fit_data *d, const evidence_view *view, const fit_sta
             variance += along[i] * inverse[i][j] * along[j];
         }
     }
-    const double half = 1.96 * sqrt(fmax(variance, 0.0) * inflation) + LEAST_SHARE * usual;
-    if (!isfinite(half) || half > 1.96 * usual) {
+    const double deviation = sqrt(fmax(variance, 0.0) * inflation);
+    const double half = 1.96 * deviation + LEAST_SHARE * usual;
+    const double from_few = deviation * sqrt(fmax(rows_of(d) / ROWS_TO_TELL, 1.0));
+    if (!isfinite(half) || half > 1.96 * usual || from_few > usual) {
         return unknown;
     }
     return (estimate){s->z[id] + (free_already ? 0.0 : step), half, true};

@@ -9,7 +9,7 @@
 
 typedef struct estimate {
     double z, half_width; /* 95 % */
-    bool excited;         /* it is known better than what drives show anyhow (`usual`) */
+    bool excited;         /* a hundred rows would tell it better than what drives show anyhow (`usual`) */
 } estimate;
 
 /* By the information in the sums of a view at the state: the members and the coordinate free, the others with the

@@ -50,15 +50,16 @@ static void tell_estimates(const session *w, const evidence_view *view, diagnosi
         diagnosis_estimate *out = &d->estimate[k];
         const diagnosis_parameter *told = told_by_a_cause(d, &known_numbers[k]);
         *out = (diagnosis_estimate){.name = known_numbers[k].name, .unit = known_numbers[k].unit};
-        if (told) {
+        const estimate e =
+            estimate_of(&w->fitted, view, &w->state, known_numbers[k].coordinate, w->certainty.inflation);
+        /* An inductance of both axes may have been seen in one of them alone. */
+        if (told && (e.excited || strcmp(told->name, known_numbers[k].name) == 0)) {
             out->excited = true;
             out->value = told->value;
             out->low = told->low;
             out->high = told->high;
             continue;
         }
-        const estimate e =
-            estimate_of(&w->fitted, view, &w->state, known_numbers[k].coordinate, w->certainty.inflation);
         out->excited = e.excited;
         if (e.excited) {
             out->value = number_at(w, known_numbers[k].coordinate, e.z);
