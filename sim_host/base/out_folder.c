@@ -1,5 +1,5 @@
 /* The stage of an output folder, and the folders on the way to it (out_folder.h). */
-#define _GNU_SOURCE /* asprintf; POSIX: lstat, mkdir, rmdir, strdup */
+#define _GNU_SOURCE /* asprintf; POSIX: lstat, mkdir, rmdir, strdup, strndup */
 
 #include "out_folder.h"
 
@@ -99,6 +99,35 @@ bool out_folder_open(out_folder *f, const char *path, error *e)
     return make_parents(f, e) && make_stage(f, e);
 }
 
+/* To be a file that a rename can replace: neither stdout nor a pipe, a device or a folder. */
+static bool to_be_plain(const char *path)
+{
+    struct stat status;
+    return path != NULL && strcmp(path, "-") != 0 && (stat(path, &status) != 0 || S_ISREG(status.st_mode));
+}
+
+bool out_folder_open_for(out_folder *f, const char *const paths[], size_t count, error *e)
+{
+    *f = (out_folder){0};
+    const char *first = NULL;
+    size_t named = 0;
+    for (size_t n = 0; n < count; n++) {
+        named += paths[n] != NULL;
+        first = first == NULL && to_be_plain(paths[n]) ? paths[n] : first;
+    }
+    if (named < 2 || first == NULL) {
+        return true;
+    }
+    const char *slash = strrchr(first, '/');
+    char *folder = slash != NULL ? strndup(first, (size_t)(slash - first)) : strdup(".");
+    if (folder == NULL) {
+        return error_failure(e, 0, "out of memory");
+    }
+    const bool ok = !is_folder(folder) || out_folder_open(f, folder, e);
+    free(folder);
+    return ok;
+}
+
 /* "./dir" is "dir". */
 static const char *without_dots(const char *path)
 {
@@ -108,17 +137,23 @@ static const char *without_dots(const char *path)
     return path;
 }
 
+/* The file's name if the path is one in this very folder, else NULL. */
+static const char *name_within(const char *folder, const char *path)
+{
+    const size_t length = strcmp(folder, ".") != 0 ? strlen(folder) + 1 : 0;
+    const bool within = length == 0 || (strncmp(path, folder, length - 1) == 0 && path[length - 1] == '/');
+    return within && strchr(path + length, '/') == NULL ? path + length : NULL;
+}
+
 const char *out_folder_place(out_folder *f, const char *path, error *e)
 {
-    const char *folder = f->path != NULL ? without_dots(f->path) : "";
-    const char *name = without_dots(path);
-    const size_t length = strlen(folder);
-    if (length == 0 || strncmp(name, folder, length) != 0 || name[length] != '/' ||
-        strchr(name + length + 1, '/') != NULL) {
+    const char *file = f->path != NULL ? name_within(without_dots(f->path), without_dots(path)) : NULL;
+    struct stat status;
+    if (file == NULL || (stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))) {
         return path;
     }
     free(f->placed);
-    if (asprintf(&f->placed, "%s%s", f->stage, name + length) < 0) {
+    if (asprintf(&f->placed, "%s/%s", f->stage, file) < 0) {
         f->placed = NULL;
         error_failure(e, 0, "out of memory");
     }

@@ -42,9 +42,16 @@ typedef struct out_folder {
 bool out_folder_open(out_folder *f, const char *path, error *e);
 
 /*
+ * The same for files that the user named one by one, each a path, "-" or NULL: the folder of the first that is to be
+ * a plain file, so that what is named in it appears together, and not at all if another cannot be written. Nothing is
+ * opened for one file alone, nor for a folder that there is not: who writes the file then says so.
+ */
+bool out_folder_open_for(out_folder *f, const char *const paths[], size_t count, error *e);
+
+/*
  * Where to write a file that the user named separately: in the stage if `path` lies in the folder, so that
- * `-o DIR --json DIR/x.json` goes with the others; else `path` itself, as when nothing is open. Valid until
- * the next call and until the folder is closed. NULL with *e set when memory runs out.
+ * `-o DIR --json DIR/x.json` goes with the others; else `path` itself, as when nothing is open, and for what is a
+ * pipe or a device. Valid until the next call and until the folder is closed. NULL with *e set when memory runs out.
  */
 const char *out_folder_place(out_folder *f, const char *path, error *e);
 

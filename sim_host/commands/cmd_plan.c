@@ -96,6 +96,24 @@ static bool look_against(const request *r, plan_report *p, error *e)
     return ok;
 }
 
+/* All that was asked for, in place together; nothing of it where a part cannot be written. */
+static bool write_all(const request *r, const plan_report *p, error *e)
+{
+    const char *const paths[] = {r->out_path, r->header_path, r->json_path};
+    out_folder f;
+    bool ok = out_folder_open_for(&f, paths, sizeof paths / sizeof paths[0], e);
+    if (ok && r->out_path != NULL) {
+        const char *path = out_folder_place(&f, r->out_path, e);
+        ok = path != NULL && plan_write_scenario(p, path, e);
+    }
+    if (ok && r->header_path != NULL) {
+        const char *path = out_folder_place(&f, r->header_path, e);
+        ok = path != NULL && plan_write_header(p, path, e);
+    }
+    ok = ok && json_file_place(&f, r->json_path, plan_json(p), e);
+    return out_folder_close(&f, ok, e);
+}
+
 static bool make(const request *r, error *e)
 {
     static motor m;
@@ -105,12 +123,8 @@ static bool make(const request *r, error *e)
     }
     p.motor = &m;
     p.limits = limits_of(r, &m);
-    out_folder none = {0};
     const bool ok = (r->against_path == NULL || look_against(r, &p, e)) &&
-                    plan_make(&m, &p.limits, r->seed, &p.plan, e) &&
-                    (r->out_path == NULL || plan_write_scenario(&p, r->out_path, e)) &&
-                    (r->header_path == NULL || plan_write_header(&p, r->header_path, e)) &&
-                    json_file_place(&none, r->json_path, plan_json(&p), e);
+                    plan_make(&m, &p.limits, r->seed, &p.plan, e) && write_all(r, &p, e);
     if (ok && !json_file_is_stdout(r->json_path) && !json_file_is_stdout(r->out_path)) {
         plan_print(&p, stdout);
     }

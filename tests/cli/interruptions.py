@@ -35,7 +35,8 @@ CALLS = {
     "import": (["import", "recording.csv", "--map", "map.toml", "-o", "out/rec.csv"], ALL, CONFINED),
     "sweep": (["sweep", *MOTOR, "--rpm", "1000", "-o", "out", "--json", "out/x.json"], ALL, CONFINED),
     "diagnose": (["diagnose", "recording.csv", *MOTOR, "-o", "out", "--json", "out/x.json"], 4, CONFINED),
-    "plan": (["plan", *MOTOR, "--seconds", "1.6", "-o", "out/plan.toml"], 1, CONFINED),
+    "plan": (["plan", *MOTOR, "--seconds", "1.6", "-o", "out/plan.toml", "--firmware", "out/plan.h", "--json", "out/x.json"], 1,
+             CONFINED),
     "tune": (["tune", *MOTOR, "--drives", "1", "-o", "out"], NONE, CONFINED),
     "watch": (["watch", *MOTOR, "--change", "magnet", "-o", "out"], 2, CONFINED),
     "reproduce": (["reproduce", "--paper", "2016", "-o", "out"], 4, STARTS),
@@ -170,6 +171,27 @@ class Interruptions(unittest.TestCase):
                 old = self.put_old(self.put_new(arguments))
                 done = self.run_it(arguments, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (256, 256)))
                 self.expect_failure(command, done, 1, b"cannot be written", old)
+
+    def test_files_named_one_by_one(self):
+        """The scenario, its header and the results: all of them or none, whichever cannot be written, and wherever they are."""
+        (self.folder / "folder").mkdir()
+        wanted = {"-o": "out/plan.toml", "--firmware": "out/plan.h", "--json": "out/x.json"}
+        for option in wanted:
+            for place in ("missing/x", "folder"):
+                with self.subTest(option=option, place=place):
+                    old = self.put_old(["plan.toml", "plan.h", "x.json"])
+                    named = [word for pair in {**wanted, option: place}.items() for word in pair]
+                    done = self.run_it(["plan", *MOTOR, "--seconds", "1.6", *named])
+                    self.expect_failure("plan", done, 2, place.encode(), old)
+        old = self.put_old(["plan.toml"])
+        with open("/dev/full", "wb") as full:
+            done = self.run_it(["plan", *MOTOR, "--seconds", "1.6", "-o", "out/plan.toml", "--json", "-"], capture_output=False, stdout=full,
+                               stderr=subprocess.PIPE)
+        self.expect_failure("plan", done, 1, b"No space left", old)
+        done = self.run_it(["plan", *MOTOR, "--seconds", "1.6", "-o", "plan.toml", "--json", "x.json", "--firmware", "/dev/null"])
+        self.assertEqual(0, done.returncode, done.stderr)
+        self.assertTrue((self.folder / "plan.toml").is_file() and (self.folder / "x.json").is_file())
+        self.assertFalse([path for path in self.folder.iterdir() if path.name.startswith(HIDDEN)])
 
     def test_a_folder_that_may_not_be_written(self):
         """As a user who is not root, to whom nothing is forbidden."""

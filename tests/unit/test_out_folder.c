@@ -214,6 +214,43 @@ static void test_a_file_named_separately_goes_with_the_others(void)
     TEST_ASSERT_EQUAL_PTR("out/x", out_folder_place(&f, "out/x", &e)); /* nothing is open */
 }
 
+/* The first that a rename can replace says where; one file alone needs no stage. */
+static void test_the_folder_of_files_named_one_by_one(void)
+{
+    make_folder("out");
+    char in_out[500];
+    char too[500];
+    snprintf(in_out, sizeof in_out, "%s", scratch_path("out/a"));
+    snprintf(too, sizeof too, "%s", scratch_path("out/b"));
+    const char *const together[] = {NULL, "-", "/dev/null", in_out, too, "c"};
+    TEST_ASSERT_TRUE_MESSAGE(out_folder_open_for(&f, together, 6, &e), e.text);
+    TEST_ASSERT_EQUAL_STRING(scratch_path("out"), f.path);
+    TEST_ASSERT_NOT_EQUAL(0, strcmp(too, out_folder_place(&f, too, &e)));
+    TEST_ASSERT_EQUAL_PTR(together[5], out_folder_place(&f, together[5], &e));
+    TEST_ASSERT_FALSE(out_folder_close(&f, false, &e));
+    const char *const alone[] = {NULL, in_out, NULL};
+    const char *const no_files[] = {"-", "/dev/null"};
+    const char *const nowhere[] = {"missing/x", in_out};
+    TEST_ASSERT_TRUE(out_folder_open_for(&f, alone, 3, &e) && f.path == NULL);
+    TEST_ASSERT_TRUE(out_folder_open_for(&f, no_files, 2, &e) && f.path == NULL);
+    TEST_ASSERT_TRUE(out_folder_open_for(&f, nowhere, 2, &e) && f.path == NULL);
+    remove_one("out");
+}
+
+/* A device is written as it comes, wherever it is; and a name without a folder is one in the folder ".". */
+static void test_places_of_devices_and_plain_names(void)
+{
+    out_folder here = {.path = (char[]){"."}, .stage = "stage"};
+    const char *device = "/dev/null";
+    out_folder devices = {.path = (char[]){"/dev"}, .stage = "stage"};
+    TEST_ASSERT_EQUAL_STRING("stage/plan.toml", out_folder_place(&here, "plan.toml", &e));
+    TEST_ASSERT_EQUAL_STRING("stage/plan.toml", out_folder_place(&here, "./plan.toml", &e));
+    TEST_ASSERT_EQUAL_STRING("none/plan.toml", out_folder_place(&here, "none/plan.toml", &e));
+    TEST_ASSERT_EQUAL_PTR(device, out_folder_place(&devices, device, &e));
+    free(here.placed);
+    free(devices.placed);
+}
+
 static void test_no_folder_is_no_failure(void)
 {
     TEST_ASSERT_TRUE(out_folder_open(&f, NULL, &e));
@@ -260,6 +297,8 @@ int main(void)
     RUN_TEST(test_a_folder_that_appeared_meanwhile_is_written_into);
     RUN_TEST(test_messages_name_the_users_folder);
     RUN_TEST(test_a_file_named_separately_goes_with_the_others);
+    RUN_TEST(test_the_folder_of_files_named_one_by_one);
+    RUN_TEST(test_places_of_devices_and_plain_names);
     RUN_TEST(test_no_folder_is_no_failure);
     RUN_TEST(test_what_cannot_be_opened_is_named);
     const int failed = UNITY_END();
