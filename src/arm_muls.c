@@ -20,33 +20,44 @@
  * 32 bits, within 2^32: the core's V flag says so, and m >> 16 is then that of the 32 bits with its upper half
  * turned over. high is that of the true product, within 2^30. tests/target runs iq24's tests through all four.
  */
+
+/* A factor's halves: the lower without a sign, the upper with it. `high` may be the factor itself. */
+#define HALVES(low, high, factor)                                                                            \
+    "uxth " low ", " factor "\n\t"                                                                           \
+    "asrs " high ", " factor ", #16\n\t"
+
+/* From the halves: m in al, its V in the flags, and ah bh in bh. bl and `spare` are used up. */
+#define FOUR_PRODUCTS(al, ah, bl, bh, spare)                                                                 \
+    "movs " spare ", " al "\n\t"                                                                             \
+    "muls " spare ", " bl "\n\t" /* al bl */                                                                 \
+    "muls " al ", " bh "\n\t"    /* al bh */                                                                 \
+    "lsrs " spare ", " spare ", #16\n\t"                                                                     \
+    "adds " al ", " al ", " spare "\n\t" /* t */                                                             \
+    "muls " bl ", " ah "\n\t"            /* ah bl */                                                         \
+    "muls " bh ", " ah "\n\t"            /* ah bh */                                                         \
+    "adds " al ", " al ", " bl "\n\t"    /* m */
+
+/* m >> 16 where m fits, and, its upper half turned over, where it does not. The last bit out stays in C. */
+#define MIDDLE(m) "asrs " m ", " m ", #16\n\t"
+#define MIDDLE_OVER(m, spare)                                                                                \
+    "movs " spare ", #1\n\t"                                                                                 \
+    "lsls " spare ", " spare ", #16\n\t"                                                                     \
+    "rsbs " spare ", " spare ", #0\n\t" MIDDLE(m) "eors " m ", " spare "\n\t"
+
 __attribute__((naked)) int64_t iqfoc_arm_mul64(__attribute__((unused)) int32_t a,
                                                __attribute__((unused)) int32_t b)
 {
     __asm volatile(".syntax unified\n\t"
-                   "push {r4, r5, lr}\n\t"
-                   "uxth r2, r0\n\t"      /* al */
-                   "asrs r3, r0, #16\n\t" /* ah */
-                   "muls r0, r1\n\t"      /* low */
-                   "uxth r4, r1\n\t"      /* bl */
-                   "asrs r1, r1, #16\n\t" /* bh */
-                   "movs r5, r2\n\t"
-                   "muls r5, r4\n\t" /* al bl */
-                   "muls r2, r1\n\t" /* al bh */
-                   "lsrs r5, r5, #16\n\t"
-                   "adds r2, r2, r5\n\t" /* t */
-                   "muls r4, r3\n\t"     /* ah bl */
-                   "muls r1, r3\n\t"     /* ah bh */
-                   "adds r2, r2, r4\n\t" /* m */
+                   "push {r4, r5, lr}\n\t" /* clang-format off */
+                   HALVES("r2", "r3", "r0")
+                   "muls r0, r1\n\t" /* low */
+                   HALVES("r4", "r1", "r1")
+                   FOUR_PRODUCTS("r2", "r3", "r4", "r1", "r5")
                    "bvs 1f\n\t"
-                   "asrs r2, r2, #16\n\t"
+                   MIDDLE("r2")
                    "adds r1, r1, r2\n\t"
                    "pop {r4, r5, pc}\n"
-                   "1:\tmovs r3, #1\n\t"
-                   "lsls r3, r3, #16\n\t"
-                   "rsbs r3, r3, #0\n\t" /* the upper half */
-                   "asrs r2, r2, #16\n\t"
-                   "eors r2, r3\n\t"
+                   "1:\t" MIDDLE_OVER("r2", "r3") /* clang-format on */
                    "adds r1, r1, r2\n\t"
                    "pop {r4, r5, pc}");
 }
@@ -57,94 +68,44 @@ __attribute__((naked)) int64_t iqfoc_arm_mac64(__attribute__((unused)) int64_t s
                                                __attribute__((unused)) int32_t b)
 {
     __asm volatile(".syntax unified\n\t"
-                   "push {r4, r5, r6, r7, lr}\n\t"
-                   "uxth r4, r2\n\t"      /* al */
-                   "asrs r5, r2, #16\n\t" /* ah */
-                   "muls r2, r3\n\t"      /* low */
-                   "uxth r6, r3\n\t"      /* bl */
-                   "asrs r3, r3, #16\n\t" /* bh */
-                   "movs r7, r4\n\t"
-                   "muls r7, r6\n\t" /* al bl */
-                   "muls r4, r3\n\t" /* al bh */
-                   "lsrs r7, r7, #16\n\t"
-                   "adds r4, r4, r7\n\t" /* t */
-                   "muls r6, r5\n\t"     /* ah bl */
-                   "muls r3, r5\n\t"     /* ah bh */
-                   "adds r4, r4, r6\n\t" /* m */
+                   "push {r4, r5, r6, r7, lr}\n\t" /* clang-format off */
+                   HALVES("r4", "r5", "r2")
+                   "muls r2, r3\n\t" /* low */
+                   HALVES("r6", "r3", "r3")
+                   FOUR_PRODUCTS("r4", "r5", "r6", "r3", "r7")
                    "bvs 1f\n\t"
-                   "asrs r4, r4, #16\n"
+                   MIDDLE("r4") /* clang-format on */
                    "2:\tadds r3, r3, r4\n\t"
                    "adds r0, r0, r2\n\t"
                    "adcs r1, r3\n\t"
                    "pop {r4, r5, r6, r7, pc}\n"
-                   "1:\tmovs r5, #1\n\t"
-                   "lsls r5, r5, #16\n\t"
-                   "rsbs r5, r5, #0\n\t"
-                   "asrs r4, r4, #16\n\t"
-                   "eors r4, r5\n\t"
+                   "1:\t" /* clang-format off */ MIDDLE_OVER("r4", "r5") /* clang-format on */
                    "b 2b");
 }
 
-/* The high word alone. */
+/*
+ * The high word alone, and to nearest: the last bit that m >> 16 drops is half of its unit, and `add` is then the
+ * sum that takes C with it.
+ */
+#define HIGH_WORD(add)                                                                                       \
+    ".syntax unified\n\t"                                                                                    \
+    "push {r4, lr}\n\t" HALVES("r2", "r1", "r1") HALVES("r3", "r0", "r0")                                    \
+        FOUR_PRODUCTS("r2", "r1", "r3", "r0", "r4") "bvs 1f\n\t" MIDDLE("r2") add                            \
+        " r0, r2\n\t"                                                                                        \
+        "pop {r4, pc}\n"                                                                                     \
+        "1:\t" MIDDLE_OVER("r2", "r3") add " r0, r2\n\t"                                                     \
+                                           "pop {r4, pc}"
+
 __attribute__((naked)) int32_t iqfoc_arm_high(__attribute__((unused)) int32_t a,
                                               __attribute__((unused)) int32_t b)
 {
-    __asm volatile(".syntax unified\n\t"
-                   "push {r4, lr}\n\t"
-                   "uxth r2, r0\n\t"      /* al */
-                   "asrs r0, r0, #16\n\t" /* ah */
-                   "uxth r3, r1\n\t"      /* bl */
-                   "asrs r1, r1, #16\n\t" /* bh */
-                   "movs r4, r2\n\t"
-                   "muls r4, r3\n\t" /* al bl */
-                   "muls r2, r1\n\t" /* al bh */
-                   "lsrs r4, r4, #16\n\t"
-                   "adds r2, r2, r4\n\t" /* t */
-                   "muls r3, r0\n\t"     /* ah bl */
-                   "muls r0, r1\n\t"     /* ah bh */
-                   "adds r2, r2, r3\n\t" /* m */
-                   "bvs 1f\n\t"
-                   "asrs r2, r2, #16\n\t"
-                   "adds r0, r0, r2\n\t"
-                   "pop {r4, pc}\n"
-                   "1:\tmovs r3, #1\n\t"
-                   "lsls r3, r3, #16\n\t"
-                   "rsbs r3, r3, #0\n\t"
-                   "asrs r2, r2, #16\n\t"
-                   "eors r2, r3\n\t"
-                   "adds r0, r0, r2\n\t"
-                   "pop {r4, pc}");
+    __asm volatile(HIGH_WORD("adds"));
 }
 
-/* The high word to nearest: the last bit that m >> 16 drops is half of its unit, and the shift leaves it in C. */
 __attribute__((naked)) int32_t iqfoc_arm_high_round(__attribute__((unused)) int32_t a,
                                                     __attribute__((unused)) int32_t b)
 {
-    __asm volatile(".syntax unified\n\t"
-                   "push {r4, lr}\n\t"
-                   "uxth r2, r0\n\t"      /* al */
-                   "asrs r0, r0, #16\n\t" /* ah */
-                   "uxth r3, r1\n\t"      /* bl */
-                   "asrs r1, r1, #16\n\t" /* bh */
-                   "movs r4, r2\n\t"
-                   "muls r4, r3\n\t" /* al bl */
-                   "muls r2, r1\n\t" /* al bh */
-                   "lsrs r4, r4, #16\n\t"
-                   "adds r2, r2, r4\n\t" /* t */
-                   "muls r3, r0\n\t"     /* ah bl */
-                   "muls r0, r1\n\t"     /* ah bh */
-                   "adds r2, r2, r3\n\t" /* m */
-                   "bvs 1f\n\t"
-                   "asrs r2, r2, #16\n\t"
-                   "adcs r0, r2\n\t"
-                   "pop {r4, pc}\n"
-                   "1:\tmovs r3, #1\n\t"
-                   "lsls r3, r3, #16\n\t"
-                   "rsbs r3, r3, #0\n\t"
-                   "asrs r2, r2, #16\n\t"
-                   "eors r2, r3\n\t"
-                   "adcs r0, r2\n\t"
-                   "pop {r4, pc}");
+    __asm volatile(HIGH_WORD("adcs"));
 }
 #else
 /* A source file may not be empty. */

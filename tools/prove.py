@@ -4,10 +4,11 @@
 Each function prove_* in tests/prove calls library functions with every value of their documented range at once. An alarm is a
 place where a signed sum may overflow, a shift be beyond the width, an index out of bounds, a division be by zero, or a value be
 cut. What is left open stands in tests/prove/open.txt with its reason, and must be just that. The functions planted_* must alarm.
-An assertion in the library's source that the analysis takes without showing it must be shown elsewhere: tests/prove/shown.txt.
+An assertion in the library's source that the analysis takes without showing it must be shown elsewhere: tests/prove/shown.txt. So must
+assembly, which it cannot read: tests/prove/assembly.txt names each file that has any.
 
-    tools/prove.py            proves, and compares with the table in docs/proofs.md
-    tools/prove.py --write    writes the table
+    tools/prove.py            proves, and compares with the tables in docs/proofs.md
+    tools/prove.py --write    writes the tables
     tools/prove.py NAME...    proves these functions alone, and shows their alarms
 """
 import collections
@@ -23,7 +24,6 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "tests/prove"
 PAGE = ROOT / "docs/proofs.md"
-START, END = "<!-- proofs: begin -->", "<!-- proofs: end -->"
 TIME_LIMIT_S = 600
 # What is parsed together: the functions of tests/prove, and a port where they are of one. In the order of the page.
 PROGRAMS = {
@@ -100,11 +100,31 @@ def verdict(result, allowed, shown):
     return says + "".join(f"; takes `{name}`" for name in result.taken), wrong
 
 
+def assembly():
+    """The table of what is not C, and what is wrong with the list."""
+    lines = [line.split(" :: ") for line in (FOLDER / "assembly.txt").read_text().splitlines() if line and not line.startswith("#")]
+    files = [path for folder in ("src", "include/iqfoc") for path in (ROOT / folder).rglob("*.[ch]")]
+    there = {str(path.relative_to(ROOT)) for path in files if "__asm" in path.read_text()}
+    listed_ones = {file for file, _, _ in lines}
+    wrong = [f"assembly.txt: {file} has no assembly" for file in sorted(listed_ones - there)]
+    wrong += [f"assembly.txt: nothing shows {file}" for file in sorted(there - listed_ones)]
+    wrong += [f"assembly.txt: there is no {test}" for _, _, tests in lines for test in tests.split() if not (ROOT / test).is_file()]
+    rows = [f"| `{file}` | {how} | {', '.join(f'[{pathlib.Path(test).stem}](../{test})' for test in tests.split())} |"
+            for file, how, tests in lines]
+    return ["| assembly | equal to the C by | test |", "| --- | --- | --- |", *rows], wrong
+
+
+def with_table(page, name, rows):
+    start, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    return page[:page.index(start) + len(start)] + "\n" + "\n".join(rows) + "\n" + page[page.index(end):]
+
+
 def main():
     names = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
     wanted = [f for f in functions() if not names or f[1] in names]
     allowed, shown = listed("open.txt"), listed("shown.txt")
-    rows, wrong = ["| proved for | result |", "| --- | --- |"], []
+    rows = ["| proved for | result |", "| --- | --- |"]
+    not_c, wrong = assembly()
     with tempfile.TemporaryDirectory() as folder, \
             concurrent.futures.ThreadPoolExecutor(int(os.environ.get("IQFOC_JOBS", os.cpu_count() or 1))) as pool:
         used = {program for program, _, _ in wanted}
@@ -121,11 +141,11 @@ def main():
     if not names:
         wrong += [f"open.txt names {name}, which there is not" for name in allowed]
         page = PAGE.read_text()
-        new = page[:page.index(START) + len(START)] + "\n" + "\n".join(rows) + "\n" + page[page.index(END):]
+        new = with_table(with_table(page, "proofs", rows), "assembly", not_c)
         if "--write" in sys.argv[1:]:
             PAGE.write_text(new)
         elif new != page:
-            wrong.append("the table in docs/proofs.md is another: tools/prove.py --write")
+            wrong.append("a table in docs/proofs.md is another: tools/prove.py --write")
     print("\n".join(wrong))
     return 1 if wrong else 0
 

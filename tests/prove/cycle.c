@@ -94,3 +94,16 @@ void prove_cycle_ready_made(void)
         }
     }
 }
+
+/* Another angle while it runs: any set that is not refused, any angles and speed, |phases| <= 15.9, |u_dq| <= 8. */
+void prove_cycle_hand_over(void)
+{
+    const iqfoc_cycle_config_t set = any_timed_set();
+    iqfoc_cycle_t cycle;
+    if (iqfoc_cycle_init(&cycle, &set) == IQFOC_OK) {
+        iqfoc_sample_t sample = any_sample();
+        sample.i = any_abc(-IQ24(15.9), IQ24(15.9));
+        cycle.u_dq = any_dq(IQ24(8.0));
+        iqfoc_cycle_hand_over(&cycle, any(), &sample);
+    }
+}
