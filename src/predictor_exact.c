@@ -135,26 +135,5 @@ iqfoc_exact_law_t iqfoc_exact_mean(const iqfoc_exact_winding_t *winding, iq24_t 
  */
 iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns)
 {
-    const iq24_t x = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    const int32_t x_q32 = x * 256;
-    const int32_t w_q32 = (int32_t)iq24_asr64(IQ24_MUL64(x_q32, x_q32), 30);
-    const int32_t *r = law->real_q25;
-    const int32_t *i = law->imag_q25;
-    int32_t real = iq24_mac_high_round(r[4], r[5], w_q32);
-    int32_t imag = iq24_mac_high_round(i[4], i[5], w_q32);
-    real = iq24_mac_high_round(r[3], real, w_q32);
-    imag = iq24_mac_high_round(i[3], imag, w_q32);
-    real = iq24_mac_high_round(r[2], real, w_q32);
-    imag = iq24_mac_high_round(i[2], imag, w_q32);
-    real = iq24_mac_high_round(r[1], real, w_q32);
-    imag = iq24_mac_high_round(i[1], imag, w_q32);
-    real = iq24_mac_high_round(r[0], real, w_q32);
-    imag = iq24_mac_high_round(i[0], imag, w_q32);
-    const iqfoc_exact_t exact = {
-        .stays_q26 = law->stays_q26,
-        .k_u_q26 = law->k_u_q26,
-        .w_real_q26 = x < 0 ? -iq24_mul_shift(-x, real, 23) : iq24_mul_shift(x, real, 23),
-        .w_imag_q26 = iq24_mul_shift(w_q32, imag, 31),
-    };
-    return exact;
+    return iqfoc_exact_at_speed_inline(law, iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
 }

@@ -30,8 +30,15 @@ typedef struct row {
     int32_t i_d, i_q, u_d, u_q, constant;
 } row;
 
+/* M/n, once for both rows. */
+static generator part_of(const generator *m, int32_t n)
+{
+    const generator part = {m->rho_d / n, m->rho_q / n, m->phi / n};
+    return part;
+}
+
 /*
- * row M/n.
+ * row M/n, of that part of M.
  *
  * Range: |phi| <= 2.1, rho <= 1. In F the entries of i are within (e^3.1 - 1)/3.1 = 6.8 in size, for that
  * bounds the sum of the absolute terms, and those of u within half of it: all below the 8 of Q28. The sums of
@@ -39,15 +46,14 @@ typedef struct row {
  * rounded by half a unit. Sums are spelt as such that wrap, which costs nothing: nothing is undefined then even
  * for a machine outside its ranges.
  */
-static row times_generator(const row *r, const generator *m, int32_t n)
+static row times_generator(const row *r, const generator *part, int32_t n)
 {
-    const int32_t phi = m->phi / n;
     const row product = {
         .i_d = iq24_sub_wrap(
-            0, iq24_add_wrap(iq24_mul_shift(r->i_d, m->rho_d / n, 28), iq24_mul_shift(r->i_q, phi, 28))),
-        .i_q = iq24_sub_wrap(iq24_mul_shift(r->i_d, phi, 28), iq24_mul_shift(r->i_q, m->rho_q / n, 28)),
-        .u_d = iq24_sub_wrap(r->i_d / n, iq24_mul_shift(r->u_q, phi, 28)),
-        .u_q = iq24_add_wrap(r->i_q / n, iq24_mul_shift(r->u_d, phi, 28)),
+            0, iq24_add_wrap(iq24_mul_shift(r->i_d, part->rho_d, 28), iq24_mul_shift(r->i_q, part->phi, 28))),
+        .i_q = iq24_sub_wrap(iq24_mul_shift(r->i_d, part->phi, 28), iq24_mul_shift(r->i_q, part->rho_q, 28)),
+        .u_d = iq24_sub_wrap(r->i_d / n, iq24_mul_shift(r->u_q, part->phi, 28)),
+        .u_q = iq24_add_wrap(r->i_q / n, iq24_mul_shift(r->u_d, part->phi, 28)),
         .constant = r->i_q / n,
     };
     return product;
@@ -66,8 +72,9 @@ static void mean_rows(const generator *m, row *d, row *q)
     *d = (row){.i_d = ONE_Q28};
     *q = (row){.i_q = ONE_Q28};
     for (int32_t k = terms_of(m); k >= 1; k--) {
-        *d = times_generator(d, m, k + 1);
-        *q = times_generator(q, m, k + 1);
+        const generator part = part_of(m, k + 1);
+        *d = times_generator(d, &part, k + 1);
+        *q = times_generator(q, &part, k + 1);
         d->i_d = iq24_add_wrap(d->i_d, ONE_Q28);
         q->i_q = iq24_add_wrap(q->i_q, ONE_Q28);
     }

@@ -95,9 +95,9 @@ typedef struct iqfoc_cycle {
     iqfoc_ab_t error;          /* last valley's sample less its prediction */
     iqfoc_dq_t i_corrected_dq; /* mean of the cycle that ended at the last valley, if `corrected` */
     iqfoc_ab_t i_peak;         /* sample of the last peak */
-    iqfoc_rotor_t rotor; /* of the last valley's speed: turns, s1, s2; the rest where a method needs it */
-    iq24_t theta_valley; /* angle of the last valley */
-    iq24_t u_dc_inverse; /* 1/u_dc, followed by a Newton step a cycle */
+    iqfoc_rotor_t rotor;       /* of the last valley's speed: turns; the rest where a method needs it */
+    iq24_t theta_valley;       /* angle of the last valley */
+    iq24_t u_dc_inverse;       /* 1/u_dc, followed by a Newton step a cycle */
     iqfoc_current_control_t control;
     iqfoc_dq_t drift;       /* learnt by deadbeat control */
     iqfoc_abc_t duties_now; /* mean under modulation: duties of the cycle that runs, and of the next */

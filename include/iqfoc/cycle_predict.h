@@ -17,13 +17,6 @@
 #include "predictor_salient.h"
 #include "transform.h"
 
-/* Inlined whatever its size: only then is a method that is a constant also one for the compiler. */
-#if defined(__GNUC__)
-#define IQFOC_STEP static inline __attribute__((always_inline))
-#else
-#define IQFOC_STEP static inline
-#endif
-
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -33,7 +26,7 @@ typedef struct iqfoc_valley {
     iqfoc_ab_t i;
     iq24_t theta;
     iq24_sincos_t q30; /* of the angle at mid-cycle, Q30 */
-    int32_t w_q26;     /* EMF of the quasi-discrete prediction */
+    int32_t w_q26;     /* EMF of the quasi-discrete prediction, where that is asked for */
     int32_t s1_q30;    /* of the speed */
     int32_t s2_q30;
     iqfoc_exact_t exact; /* deadbeat, and the exact model: the cycle's coefficients */
@@ -46,11 +39,28 @@ static inline iq24_sincos_t iqfoc_valley_sc_mid(const iqfoc_valley_t *at)
     return sc;
 }
 
-/* Methods that want the rotor's movement rounded, or all of it. */
+/* Methods that want all of the rotor's movement, those that want s1, and those that want s2 as well. */
 IQFOC_STEP bool iqfoc_wants_rotor(const iqfoc_methods_t m)
 {
-    return m.control != IQFOC_CONTROL_PI || m.feedback == IQFOC_FEEDBACK_MODULATED_MEAN ||
-           m.model == IQFOC_MODEL_EULER || m.extended;
+    return (m.control != IQFOC_CONTROL_PI && m.model != IQFOC_MODEL_EXACT) ||
+           m.feedback == IQFOC_FEEDBACK_MODULATED_MEAN || m.model == IQFOC_MODEL_EULER || m.extended;
+}
+
+IQFOC_STEP bool iqfoc_wants_s2(const iqfoc_methods_t m)
+{
+    return m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN || m.feedback == IQFOC_FEEDBACK_EXACT_MEAN;
+}
+
+IQFOC_STEP bool iqfoc_wants_s1(const iqfoc_methods_t m)
+{
+    return m.control != IQFOC_CONTROL_PI || iqfoc_wants_s2(m);
+}
+
+/* Methods that want the EMF of the quasi-discrete prediction. */
+IQFOC_STEP bool iqfoc_wants_emf(const iqfoc_methods_t m)
+{
+    return m.feedback == IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN ||
+           (m.model == IQFOC_MODEL_QUASI_DISCRETE && m.control == IQFOC_CONTROL_PI);
 }
 
 /*
@@ -63,7 +73,7 @@ IQFOC_STEP bool iqfoc_wants_rotor(const iqfoc_methods_t m)
 IQFOC_STEP void iqfoc_cycle_rotor(const iqfoc_methods_t m, iqfoc_cycle_t *cycle, iqfoc_valley_t *at,
                                   const iqfoc_sample_t *sample, iq24_t turns)
 {
-    if (iqfoc_wants_rotor(m)) {
+    if (iqfoc_wants_rotor(m) || m.control != IQFOC_CONTROL_PI) {
         turns = iq24_max(turns, -IQFOC_ROTOR_TURNS_MAX); /* the guard lets through one LSB more */
     }
     const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(turns);
@@ -72,15 +82,23 @@ IQFOC_STEP void iqfoc_cycle_rotor(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
     cycle->rotor.turns = turns;
     if (iqfoc_wants_rotor(m)) {
         cycle->rotor = iqfoc_rotor_of_shape(turns, &shape);
-    } else if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN || m.feedback == IQFOC_FEEDBACK_EXACT_MEAN) {
+    } else if (iqfoc_wants_s1(m)) {
         cycle->rotor.s1 = iqfoc_rotor_s1(&shape);
-        cycle->rotor.s2 = iqfoc_rotor_s2(&shape);
+        if (iqfoc_wants_s2(m)) {
+            cycle->rotor.s2 = iqfoc_rotor_s2(&shape);
+        }
     }
-    const int32_t x_s1_q30 = iq24_mul_high(shape.x_q32, shape.p1_q30);
-    const int32_t phi_s1_q26 = iq24_mul_high(x_s1_q30, IQFOC_Q28_2_PI);
-    at->w_q26 = iq24_shift_wrap(IQ24_MUL64(cycle->config->predictor.k_psi, phi_s1_q26), 24);
+    if (iqfoc_wants_emf(m)) {
+        const int32_t x_s1_q30 = iq24_mul_high(shape.x_q32, shape.p1_q30);
+        const int32_t phi_s1_q26 = iq24_mul_high(x_s1_q30, IQFOC_Q28_2_PI);
+        at->w_q26 = iq24_shift_wrap(IQ24_MUL64(cycle->config->predictor.k_psi, phi_s1_q26), 24);
+    }
     /* |at| <= 1, and the angle's sum wraps at 128 turns, which are whole. */
     at->theta = iq24_sub_wrap(sample->theta, iq24_mul_high(shape.x_q32, sample->at));
+    if (m.control ==
+        IQFOC_CONTROL_DEADBEAT_LEARNING) { /* here, as most is still in memory that has to be kept later */
+        iqfoc_deadbeat_learn(&cycle->drift, cycle->config->data.learning, cycle->error, at->theta);
+    }
     at->q30 = iq24_sincos_q30_inline(iq24_add_wrap(at->theta, iq24_asr32(turns, 1)));
     cycle->theta_valley = at->theta;
 }
@@ -103,13 +121,19 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_salient(const iqfoc_methods_t m, iqfoc
     return iqfoc_park_inverse(iqfoc_salient_step(data->salient, i_dq, u_dq), end);
 }
 
+/* An exact law at this speed. The guard lets through one LSB more. */
+IQFOC_STEP iqfoc_exact_t iqfoc_cycle_exact(const iqfoc_exact_law_t *law, const iqfoc_cycle_t *cycle)
+{
+    return iqfoc_exact_at_speed_inline(law, iq24_max(cycle->rotor.turns, -IQFOC_ROTOR_TURNS_MAX));
+}
+
 /* The machine without saliency at this speed and current, and its prediction. */
 IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_plain(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                                 iqfoc_valley_t *at, iqfoc_ab_t u)
 {
     const iqfoc_cycle_config_t *config = cycle->config;
     if (m.model == IQFOC_MODEL_EXACT) {
-        at->exact = iqfoc_exact_at_speed(config->data.exact, cycle->rotor.turns);
+        at->exact = iqfoc_cycle_exact(config->data.exact, cycle);
         return iqfoc_exact_step(&at->exact, at->i, u, iqfoc_valley_sc_mid(at));
     }
     iqfoc_predictor_t predictor = config->predictor;
@@ -132,7 +156,7 @@ IQFOC_STEP void iqfoc_cycle_mean(const iqfoc_methods_t m, iqfoc_cycle_t *cycle, 
     if (m.feedback == IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN) {
         cycle->i_dq = iqfoc_mean_current_seen_q30(at->i, i_next, at->w_q26, at->s1_q30, at->s2_q30, at->q30);
     } else if (m.feedback == IQFOC_FEEDBACK_EXACT_MEAN && m.model == IQFOC_MODEL_EXACT) {
-        const iqfoc_exact_t law = iqfoc_exact_at_speed(cycle->config->data.exact_mean, cycle->rotor.turns);
+        const iqfoc_exact_t law = iqfoc_cycle_exact(cycle->config->data.exact_mean, cycle);
         const iqfoc_ab_t mean = iqfoc_exact_step(&law, at->i, cycle->u_now, iqfoc_valley_sc_mid(at));
         const iqfoc_ab_t delta = {iq24_sub_wrap(i_next.alpha, at->i.alpha),
                                   iq24_sub_wrap(i_next.beta, at->i.beta)};
@@ -155,18 +179,18 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_deadbeat(const iqfoc_methods_t m, iqfoc_cycle_
 {
     const iqfoc_methods_data_t *data = &cycle->config->data;
     const iq24_t turns = cycle->rotor.turns;
+    iqfoc_dq_t drift = {0, 0};
+    if (m.control == IQFOC_CONTROL_DEADBEAT_LEARNING) {
+        drift = cycle->drift;
+        const iqfoc_ab_t moved =
+            iqfoc_park_inverse(drift, iq24_sincos_inline(iq24_add_wrap(at->theta, turns)));
+        i_next->alpha = iq24_add_wrap(i_next->alpha, moved.alpha);
+        i_next->beta = iq24_add_wrap(i_next->beta, moved.beta);
+    }
     const iqfoc_deadbeat_t deadbeat = {at->exact, data->k_u_inverse,
                                        iqfoc_valley_reference_at(&cycle->rotor, data->k_psi)};
-    iqfoc_dq_t aim = iqfoc_valley_reference(&deadbeat.reference, cycle->i_ref);
-    if (m.control == IQFOC_CONTROL_DEADBEAT_LEARNING) {
-        iqfoc_deadbeat_learn(&cycle->drift, data->learning, cycle->error, at->theta);
-        const iqfoc_ab_t drift =
-            iqfoc_park_inverse(cycle->drift, iq24_sincos_inline(iq24_add_wrap(at->theta, turns)));
-        i_next->alpha = iq24_add_wrap(i_next->alpha, drift.alpha);
-        i_next->beta = iq24_add_wrap(i_next->beta, drift.beta);
-        aim.d = iq24_sub_wrap(aim.d, cycle->drift.d);
-        aim.q = iq24_sub_wrap(aim.q, cycle->drift.q);
-    }
+    const iqfoc_dq_t valley = iqfoc_valley_reference(&deadbeat.reference, cycle->i_ref);
+    const iqfoc_dq_t aim = {iq24_sub_wrap(valley.d, drift.d), iq24_sub_wrap(valley.q, drift.q)};
     const iq24_t end = iq24_add_wrap(at->theta, 2 * turns);
     const iqfoc_ab_t target = iqfoc_park_inverse(aim, iq24_sincos_inline(end));
     const iq24_t mid = iq24_add_wrap(at->theta, iq24_asr32(turns, 1));
@@ -183,6 +207,7 @@ IQFOC_STEP void iqfoc_cycle_predict(const iqfoc_methods_t m, iqfoc_cycle_t *cycl
     iqfoc_valley_t at;
     at.i = i;
     at.exact = none;
+    at.w_q26 = 0;
     iqfoc_cycle_rotor(m, cycle, &at, sample, turns);
     iqfoc_ab_t i_next = m.model == IQFOC_MODEL_SALIENT || m.model == IQFOC_MODEL_FLUX
                             ? iqfoc_cycle_predict_salient(m, cycle, &at, u)

@@ -50,6 +50,20 @@ static inline iq24_t iqfoc_deadbeat_inverse(int32_t k_u_q26)
 }
 
 /*
+ * The voltage that moves a component of the current by so much in a cycle, held to +-16.
+ *
+ * Range: |change| <= 128 and an inverse of at most 128 make 2^62 in Q48, and half an LSB more. Its high word is
+ * Q15.16; held to 23 bits, +-64, it fits IQ24 when rounded, and what was beyond that is beyond 16 still.
+ */
+static inline iq24_t iqfoc_deadbeat_component(iq24_t change, iq24_t k_u_inverse)
+{
+    const iq24_acc_t sum = iq24_acc_mac(IQ24_ACC_HALF, change, k_u_inverse);
+    const int32_t high = IQ24_HOLD_BITS(iq24_wrap(iq24_asr64(sum, 32)), 23);
+    const iq24_t u = iq24_acc_trunc(iq24_acc_join(high, (uint32_t)((uint64_t)sum & UINT32_MAX)));
+    return IQ24_HOLD_POWER(u, 28); /* IQFOC_DEADBEAT_LIMIT */
+}
+
+/*
  * The voltage that brings the current from i to target over one cycle.
  *
  * i, target: per unit, |component| <= 32. sc_mid: of the rotor angle in the middle of that cycle. Out: each
@@ -57,18 +71,15 @@ static inline iq24_t iqfoc_deadbeat_inverse(int32_t k_u_q26)
  * most 1.5 LSB + 0.5 k_u (1 + |change|) LSB, change: what the voltage has to do to the current: 4 LSB where
  * both are about 1.5.
  *
- * Range: without voltage |i'| <= 32 + 16.8, so the difference is within 80.8 and does not wrap. The product
- * saturates; it is at most 80.8 * 128 = 10343 in per unit, within the accumulator's 32768.
+ * Range: without voltage |i'| <= 32 + 16.8, so the difference is within 80.8 and does not wrap.
  */
-static inline iqfoc_ab_t iqfoc_deadbeat_voltage(const iqfoc_deadbeat_t *deadbeat, iqfoc_ab_t i,
-                                                iqfoc_ab_t target, iq24_sincos_t sc_mid)
+IQFOC_STEP iqfoc_ab_t iqfoc_deadbeat_voltage(const iqfoc_deadbeat_t *deadbeat, iqfoc_ab_t i,
+                                             iqfoc_ab_t target, iq24_sincos_t sc_mid)
 {
-    const iqfoc_ab_t none = {0, 0};
-    const iqfoc_ab_t left_alone = iqfoc_exact_step(&deadbeat->model, i, none, sc_mid);
-    const iq24_t alpha = iq24_mul_sat(iq24_sub_wrap(target.alpha, left_alone.alpha), deadbeat->k_u_inverse);
-    const iq24_t beta = iq24_mul_sat(iq24_sub_wrap(target.beta, left_alone.beta), deadbeat->k_u_inverse);
-    const iqfoc_ab_t u = {iq24_clamp(alpha, -IQFOC_DEADBEAT_LIMIT, IQFOC_DEADBEAT_LIMIT),
-                          iq24_clamp(beta, -IQFOC_DEADBEAT_LIMIT, IQFOC_DEADBEAT_LIMIT)};
+    const iqfoc_ab_t alone = iqfoc_exact_left_alone(&deadbeat->model, i, sc_mid);
+    const iq24_t inverse = deadbeat->k_u_inverse;
+    const iqfoc_ab_t u = {iqfoc_deadbeat_component(iq24_sub_wrap(target.alpha, alone.alpha), inverse),
+                          iqfoc_deadbeat_component(iq24_sub_wrap(target.beta, alone.beta), inverse)};
     return u;
 }
 

@@ -40,13 +40,12 @@ typedef struct iqfoc_deadbeat_drift {
  */
 static inline void iqfoc_deadbeat_learn(iqfoc_dq_t *drift, iq24_t gain, iqfoc_ab_t miss, iq24_t theta)
 {
-    const iqfoc_ab_t held = {iq24_clamp(miss.alpha, IQ24(-32.0), IQ24(32.0)),
-                             iq24_clamp(miss.beta, IQ24(-32.0), IQ24(32.0))};
+    const iqfoc_ab_t held = {IQ24_HOLD_POWER(miss.alpha, 29), IQ24_HOLD_POWER(miss.beta, 29)};
     const iqfoc_dq_t seen = iqfoc_park(held, iq24_sincos_inline(theta));
-    drift->d = iq24_clamp(iq24_add_wrap(drift->d, iq24_mul_round(gain, seen.d)), -IQFOC_DEADBEAT_DRIFT_LIMIT,
-                          IQFOC_DEADBEAT_DRIFT_LIMIT);
-    drift->q = iq24_clamp(iq24_add_wrap(drift->q, iq24_mul_round(gain, seen.q)), -IQFOC_DEADBEAT_DRIFT_LIMIT,
-                          IQFOC_DEADBEAT_DRIFT_LIMIT);
+    const iq24_t d = iq24_add_wrap(drift->d, iq24_mul_round(gain, seen.d));
+    const iq24_t q = iq24_add_wrap(drift->q, iq24_mul_round(gain, seen.q));
+    drift->d = IQ24_HOLD_POWER(d, 26); /* IQFOC_DEADBEAT_DRIFT_LIMIT */
+    drift->q = IQ24_HOLD_POWER(q, 26);
 }
 
 /*

@@ -69,6 +69,16 @@ typedef char iq24_assume_compiled_without_fsingle_precision_constant[sizeof(0.1)
 extern "C" {
 #endif
 
+/*
+ * For the steps of a control cycle: inlined whatever their size. Only then is a method that is a constant also one for the
+ * compiler, and does a vector stay in registers from one step to the next.
+ */
+#if defined(__GNUC__)
+#define IQFOC_STEP static inline __attribute__((always_inline))
+#else
+#define IQFOC_STEP static inline
+#endif
+
 /* Hook: the exact 64-bit product of two int32_t. Every product of IQ24 goes through it. */
 #ifndef IQ24_MUL64
 #define IQ24_MUL64(a, b) ((int64_t)(a) * (int64_t)(b))
@@ -255,6 +265,13 @@ static inline iq24_t iq24_clamp(iq24_t x, iq24_t lo, iq24_t hi)
 {
     iq24_t floored = x < lo ? lo : x;
     return floored > hi ? hi : floored;
+}
+
+/* iq24_clamp(x, -2^bits, 2^bits), 1 <= bits <= 30: what fits bits + 1 bits, and one more where that is exceeded above. */
+#define IQ24_HOLD_POWER(x, bits) iq24_one_more_above(x, IQ24_HOLD_BITS(x, (bits) + 1))
+static inline iq24_t iq24_one_more_above(iq24_t x, iq24_t held)
+{
+    return x > held ? held + 1 : held;
 }
 
 /*

@@ -106,6 +106,48 @@ iqfoc_exact_law_t iqfoc_exact_mean(const iqfoc_exact_winding_t *winding, iq24_t 
 iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns);
 
 /*
+ * The same inline, for a cycle that makes them anew at each valley; |turns| <= IQFOC_ROTOR_TURNS_MAX.
+ *
+ * Range: w <= 4/9. Each bracket of the polynomials is within Q25's 64 (src/predictor_exact.c), the products rounded
+ * once. w_real is rounded to nearest, ties away from zero, as it is odd.
+ */
+static inline iqfoc_exact_t iqfoc_exact_at_speed_inline(const iqfoc_exact_law_t *law, iq24_t turns)
+{
+    const int32_t x_q32 = turns * 256;
+    const int32_t w_q32 = iq24_shift_wrap(IQ24_MUL64(x_q32, x_q32), 30);
+    const int32_t *r = law->real_q25;
+    const int32_t *i = law->imag_q25;
+    int32_t real = iq24_mac_high_round(r[4], r[5], w_q32);
+    int32_t imag = iq24_mac_high_round(i[4], i[5], w_q32);
+    real = iq24_mac_high_round(r[3], real, w_q32);
+    imag = iq24_mac_high_round(i[3], imag, w_q32);
+    real = iq24_mac_high_round(r[2], real, w_q32);
+    imag = iq24_mac_high_round(i[2], imag, w_q32);
+    real = iq24_mac_high_round(r[1], real, w_q32);
+    imag = iq24_mac_high_round(i[1], imag, w_q32);
+    real = iq24_mac_high_round(r[0], real, w_q32);
+    imag = iq24_mac_high_round(i[0], imag, w_q32);
+    const int64_t half = (INT64_C(1) << 22) + iq24_asr32(turns, 31);
+    const iqfoc_exact_t exact = {law->stays_q26, law->k_u_q26,
+                                 iq24_shift_wrap(IQ24_MAC64(half, turns, real), 23),
+                                 iq24_mul_shift(w_q32, imag, 31)};
+    return exact;
+}
+
+/* What flows on without a voltage, before it is rounded: Q50. Ranges as iqfoc_exact_step. */
+static inline void iqfoc_exact_unrounded(const iqfoc_exact_t *exact, iqfoc_ab_t i, iq24_sincos_t sc_mid,
+                                         int64_t *alpha, int64_t *beta)
+{
+    const int64_t half = INT64_C(1) << 25;
+    *alpha = IQ24_MAC64(half, i.alpha, exact->stays_q26);
+    *beta = IQ24_MAC64(half, i.beta, exact->stays_q26);
+    *alpha = IQ24_MAC64(*alpha, sc_mid.sin, exact->w_real_q26);
+    *beta = IQ24_MAC64(*beta, sc_mid.cos, -exact->w_real_q26);
+    *alpha = IQ24_MAC64(*alpha, sc_mid.cos, exact->w_imag_q26);
+    *beta = IQ24_MAC64(*beta, sc_mid.sin, exact->w_imag_q26);
+}
+
+/*
  * The current at the end of the span, or its mean over it, by the law that `exact` was made of.
  *
  * i: current at the start of the span, per unit, |component| <= 32. u: the voltage in the span, at most 2 a
@@ -121,15 +163,22 @@ iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns);
 static inline iqfoc_ab_t iqfoc_exact_step(const iqfoc_exact_t *exact, iqfoc_ab_t i, iqfoc_ab_t u,
                                           iq24_sincos_t sc_mid)
 {
-    const int64_t half = INT64_C(1) << 25;
-    int64_t alpha = IQ24_MAC64(half, i.alpha, exact->stays_q26);
-    int64_t beta = IQ24_MAC64(half, i.beta, exact->stays_q26);
+    int64_t alpha;
+    int64_t beta;
+    iqfoc_exact_unrounded(exact, i, sc_mid, &alpha, &beta);
     alpha = IQ24_MAC64(alpha, u.alpha, exact->k_u_q26);
     beta = IQ24_MAC64(beta, u.beta, exact->k_u_q26);
-    alpha = IQ24_MAC64(alpha, sc_mid.sin, exact->w_real_q26);
-    beta = IQ24_MAC64(beta, sc_mid.cos, -exact->w_real_q26);
-    alpha = IQ24_MAC64(alpha, sc_mid.cos, exact->w_imag_q26);
-    beta = IQ24_MAC64(beta, sc_mid.sin, exact->w_imag_q26);
+    const iqfoc_ab_t next = {iq24_shift_wrap(alpha, 26), iq24_shift_wrap(beta, 26)};
+    return next;
+}
+
+/* The same without a voltage, which is two products fewer than with one of 0. */
+static inline iqfoc_ab_t iqfoc_exact_left_alone(const iqfoc_exact_t *exact, iqfoc_ab_t i,
+                                                iq24_sincos_t sc_mid)
+{
+    int64_t alpha;
+    int64_t beta;
+    iqfoc_exact_unrounded(exact, i, sc_mid, &alpha, &beta);
     const iqfoc_ab_t next = {iq24_shift_wrap(alpha, 26), iq24_shift_wrap(beta, 26)};
     return next;
 }

@@ -34,12 +34,12 @@ static inline iq24_t iqfoc_third(iq24_t x)
 
 static inline iq24_t iqfoc_over_sqrt3(iq24_t x)
 {
-    return iq24_add_wrap(x, iq24_mul_high_round(x, INT32_C(-1815266772))); /* 2 Q31_1_SQRT3 - 2^32 */
+    return iq24_add_wrap(x, iq24_mul_high_round(x, -INT32_C(1815266772))); /* 2 Q31_1_SQRT3 - 2^32 */
 }
 
 static inline iq24_t iqfoc_half_sqrt3(iq24_t x)
 {
-    return iq24_add_wrap(x, iq24_mul_high_round(x, INT32_C(-575416510))); /* 2 Q31_SQRT3_2 - 2^32 */
+    return iq24_add_wrap(x, iq24_mul_high_round(x, -INT32_C(575416510))); /* 2 Q31_SQRT3_2 - 2^32 */
 }
 
 /*
