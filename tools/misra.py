@@ -6,7 +6,8 @@
     misra.py list      each place: file, line, guideline
 
 The guidelines are checked by cppcheck's addon, as for a Cortex-M4; tools/misra.txt has the class and the reason of each that is
-departed from. Complexity is lizard's (.cache/python/checks), size that of the Cortex-M4 build (build/cortex-m4).
+departed from. What the addon has not, the standard's later amendments, stands in tools/misra_2023.txt with how each is met, and what must
+not be in the code for it is looked for. Complexity is lizard's (.cache/python/checks), size that of the Cortex-M4 build (build/cortex-m4).
 """
 
 import csv
@@ -19,6 +20,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/misra.md"
 REASONS = ROOT / "tools/misra.txt"
+LATER = ROOT / "tools/misra_2023.txt"
 LIBRARY = ROOT / "build/cortex-m4/src/libiqfoc.a"
 LIZARD = ROOT / ".cache/python/checks/bin/lizard"
 # What gcc defines for a Cortex-M4, as far as the library's headers ask.
@@ -71,6 +73,26 @@ def misra_table(found):
     return "\n".join(lines)
 
 
+def code_of(file):
+    """Without comments, and without what stands in quotes."""
+    return re.sub(r'/\*.*?\*/|"(?:\\.|[^"\\\n])*"', lambda found: "\n" * found[0].count("\n"), file.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+def later_table():
+    """What the amendments brought; ends where the code has what is said to be absent."""
+    rows = [line.split(" :: ") for line in LATER.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+    code = {file: code_of(file) for folder in ("include", "src") for file in sorted((ROOT / folder).rglob("*.[ch]"))}
+    wrong = []
+    for guidelines, _, _, _, absent in rows:
+        for file, text in code.items() if absent != "-" else ():
+            wrong += [f"{file.relative_to(ROOT)}:{text.count(chr(10), 0, found.start()) + 1}: {guidelines}: {found[0]}"
+                      for found in re.finditer(absent, text)]
+    if wrong:
+        sys.exit("not absent, as tools/misra_2023.txt says:\n" + "\n".join(wrong))
+    lines = ["| guidelines | since | about | how they stand here |", "| --- | --- | --- | --- |"]
+    return "\n".join(lines + [f"| {' | '.join(row[:4])} |" for row in rows])
+
+
 def functions():
     """[(file, name, lines, complexity)] of each function with a body."""
     files = sorted(str(file.relative_to(ROOT)) for folder in ("include", "src") for file in (ROOT / folder).rglob("*.[ch]"))
@@ -103,8 +125,9 @@ def page():
     return f"""# MISRA C:2023, and the size of each function
 
 Made by `./dev misra`; `./dev test` fails where it is not what the sources give. Checked is the library, `include/` and `src/`, as a
-Cortex-M4 compiles it, by cppcheck's addon: its numbers are MISRA C:2012's, which MISRA C:2023 keeps. The addon needs no text of the
-standard, and none is given here. clang-tidy reads the same files in CI without a finding; what it looks for stands in
+Cortex-M4 compiles it, by cppcheck's addon, which knows MISRA C:2012 as it was published and a part of its first two amendments; MISRA
+C:2023, which is all of it with the amendments 1 to 4 and the corrigenda 1 and 2, keeps the numbers. What that adds and changes is a table
+of its own below. The addon needs no text of the standard, and none is given here. clang-tidy reads the same files in CI without a finding; what it looks for stands in
 [.clang-tidy](../.clang-tidy). That no behaviour is undefined, which many of the guidelines are for, is proved: [proofs.md](proofs.md).
 
 ## Departures
@@ -112,6 +135,14 @@ standard, and none is given here. clang-tidy reads the same files in CI without 
 {len(found)} places, {required} of them of required guidelines, none of a mandatory one. `tools/misra.py list` names each line.
 
 {misra_table(found)}
+
+## What MISRA C:2023 adds
+
+MISRA C:2023 has 221 guidelines: the 159 of 2013 and 62 that the amendments brought. Each of these, and each that a later amendment or
+corrigendum 2 changed, in our words and by what it is met; which there are and which changed is taken from what makers of checkers publish,
+for the text of the standard is not free. Where something is said to be absent, `tools/misra.py` looks for it in the code.
+
+{later_table()}
 
 ## Functions
 
