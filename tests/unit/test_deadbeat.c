@@ -57,6 +57,20 @@ static void each_form_predicts_as_its_predictor(void)
 
 /* ---- The valley's reference ---- */
 
+/* Every number of its range: the quotient itself, to nearest. Below it, that of its end. */
+static void the_gain_is_the_quotient(void)
+{
+    for (iq24_t d = IQ24(0.5); d <= IQ24_ONE; d += IQFOC_TEST_STRIDE) {
+        if (iqfoc_valley_gain(d) != iq24_div(IQ24_ONE, d)) {
+            TEST_ASSERT_EQUAL_INT32(iq24_div(IQ24_ONE, d), iqfoc_valley_gain(d));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(IQ24_ONE, iqfoc_valley_gain(IQ24_ONE));
+    TEST_ASSERT_EQUAL_INT32(IQ24(2.0), iqfoc_valley_gain(IQ24(0.5) - 1));
+    TEST_ASSERT_EQUAL_INT32(IQ24(2.0), iqfoc_valley_gain(0));
+    TEST_ASSERT_EQUAL_INT32(IQ24(2.0), iqfoc_valley_gain(IQ24_MIN));
+}
+
 static void the_valley_reference_is_rounded_as_stated(void)
 {
     uint64_t seed = 2;
@@ -304,6 +318,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(each_form_predicts_as_its_predictor);
+    RUN_TEST(the_gain_is_the_quotient);
     RUN_TEST(the_valley_reference_is_rounded_as_stated);
     RUN_TEST(the_mean_follows_from_the_valley);
     RUN_TEST(at_standstill_the_reference_is_the_mean);

@@ -326,6 +326,21 @@ static void clamp_limits_to_both_ends(void)
     }
 }
 
+/* As by two comparisons, at the bits that the library asks for and at the ends of what may be asked. */
+static void a_power_is_held_as_by_clamp(void)
+{
+    iq24_t extremes[IQ24_EXTREMES];
+    const int count = iq24_extremes(extremes);
+    for (int i = 0; i < count; i++) {
+        const iq24_t x = extremes[i];
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(x, -2, 2), IQ24_HOLD_POWER(x, 1));
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(x, IQ24(-4.0), IQ24(4.0)), IQ24_HOLD_POWER(x, 26));
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(x, IQ24(-16.0), IQ24(16.0)), IQ24_HOLD_POWER(x, 28));
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(x, IQ24(-32.0), IQ24(32.0)), IQ24_HOLD_POWER(x, 29));
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(x, IQ24(-64.0), IQ24(64.0)), IQ24_HOLD_POWER(x, 30));
+    }
+}
+
 static void right_shifts_are_floors(void)
 {
     iq24_t extremes[IQ24_EXTREMES];
@@ -499,6 +514,7 @@ int main(void)
     RUN_TEST(comparisons_at_every_extreme);
     RUN_TEST(products_of_other_formats_round_to_the_nearest);
     RUN_TEST(clamp_limits_to_both_ends);
+    RUN_TEST(a_power_is_held_as_by_clamp);
     RUN_TEST(right_shifts_are_floors);
     RUN_TEST(wrap_and_sat_of_64_bits);
     RUN_TEST(two_products_accumulate_exactly);
