@@ -1,0 +1,240 @@
+/*
+ * The decisions of the diagnosis (sim_host/diagnose/choose) on a few short recordings of diagnose_bench.h: as many as
+ * tell a wrong decision from a right one within some seconds. test_diagnose*.c go through the causes.
+ */
+#include "base/solve.h"
+#include "diagnose/choose/certainty.h"
+#include "diagnose/identify/fit.h"
+#include "diagnose/identify/gram.h"
+#include "diagnose/identify/last_digits.h"
+#include "diagnose_look.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unity.h>
+
+static bench good;
+
+void setUp(void)
+{
+    good = (bench){.m = bench_motor(), .noise_A = 0.017, .seed = 20261122};
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- How sure: certainty.h in another order of sums ---- */
+
+enum { MOST = 24 };
+
+typedef struct fitted {
+    motor m;
+    recording r;
+    diagnose_rows rows;
+    coordinate_frame frame;
+    fit_data data;
+    fit_state state;
+    certainty sure;
+} fitted;
+
+/* The bench fitted with a set, by all its rows that are not held out. */
+static void fit_it(fitted *f, hypothesis_set set)
+{
+    error e = {0};
+    f->m = bench_motor();
+    f->r = bench_record(&good);
+    TEST_ASSERT_TRUE_MESSAGE(rows_prepare(&f->rows, &f->r, &f->m, &e), e.text);
+    f->frame = coordinates_of(&f->m, &f->rows);
+    TEST_ASSERT_TRUE_MESSAGE(fit_data_make(&f->data, &f->rows, &f->frame, 100000, &e), e.text);
+    f->state = fit_of_nominal(&f->data);
+    f->state.set = set;
+    TEST_ASSERT_TRUE(fit_refine(&f->data, &f->state, 12));
+    TEST_ASSERT_TRUE(certainty_of(&f->data, &f->state, &f->sure));
+}
+
+static void fit_end(fitted *f)
+{
+    fit_data_free(&f->data);
+    rows_free(&f->rows);
+    recording_free(&f->r);
+}
+
+/* One of the inverse's rows times the sums of a block or of a group: the step that it alone asks for. */
+static double asked_by(double inverse[MOST][MOST], size_t row, const double g[COLUMN_COUNT], size_t n)
+{
+    double step = 0.0;
+    for (size_t j = 0; j < n; j++) {
+        step += inverse[row][j] * g[j];
+    }
+    return step;
+}
+
+/* Student's t of 97.5 %: of six operating points less one, and by its expansion about the normal quantile. */
+#define T_OF_5 2.571
+
+static double student_of_more_than_ten(double degrees)
+{
+    const double z = 1.959964;
+    TEST_ASSERT_TRUE(degrees > 10.0);
+    return z + (pow(z, 3.0) + z) / (4.0 * degrees) +
+           (5.0 * pow(z, 5.0) + 16.0 * pow(z, 3.0) + 3.0 * z) / (96.0 * degrees * degrees);
+}
+
+static void widths_are_of_the_steps_that_blocks_and_points_ask_for(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    good.m.psi_f_Wb *= 1.02;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_FLUX));
+    int column[COLUMN_COUNT];
+    double prior[COLUMN_COUNT] = {0.0};
+    const size_t members = gram_columns(&f.data, &f.state, f.state.set, column);
+    const size_t n = last_digits_append(&f.data, &f.state, members, column, prior);
+    TEST_ASSERT_TRUE(n <= MOST && n == f.sure.columns);
+    gram *grams = gram_blocks(&f.data, &f.state, column, n);
+    double information[MOST][MOST] = {{0.0}};
+    double inverse[MOST][MOST];
+    static double of_point[ROWS_MAX_GROUPS][COLUMN_COUNT];
+    memset(of_point, 0, sizeof of_point);
+    for (size_t i = 0; i < n; i++) {
+        information[i][i] = prior[i];
+        for (size_t b = 0; b < f.data.blocks; b++) {
+            of_point[grams[b].group][i] += grams[b].g[i];
+            for (size_t j = 0; j < n; j++) {
+                information[i][j] += grams[b].h[i][j];
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(solve_inverse(n, MOST, &information[0][0], &inverse[0][0]));
+    TEST_ASSERT_EQUAL_size_t(BENCH_RUNS, f.rows.groups);
+    const double blocks = (double)f.data.blocks;
+    const double t_blocks = student_of_more_than_ten(blocks - (double)members);
+    double ratio = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double by_blocks = 0.0;
+        double by_points = 0.0;
+        for (size_t b = 0; b < f.data.blocks; b++) {
+            const double step = asked_by(inverse, i, grams[b].g, n);
+            by_blocks += step * step;
+        }
+        for (size_t g = 0; g < BENCH_RUNS; g++) {
+            const double step = asked_by(inverse, i, of_point[g], n);
+            by_points += step * step;
+        }
+        for (size_t j = 0; j < n; j++) { /* and what is known beforehand */
+            by_blocks += prior[j] * inverse[i][j] * inverse[i][j];
+            by_points += prior[j] * inverse[i][j] * inverse[i][j];
+        }
+        by_blocks *= blocks / (blocks - (double)members);
+        by_points *= (double)BENCH_RUNS / (BENCH_RUNS - 1);
+        const double wanted =
+            fmax(1.96 * sqrt(inverse[i][i]), fmax(t_blocks * sqrt(by_blocks), T_OF_5 * sqrt(by_points)));
+        TEST_ASSERT_DOUBLE_WITHIN(0.001 * wanted, wanted, f.sure.half_width[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * by_blocks, by_blocks, f.sure.covariance[i][i]);
+        ratio += i < members ? by_blocks / inverse[i][i] / (double)members : 0.0;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * ratio, fmax(1.0, ratio), f.sure.inflation);
+    free(grams);
+    fit_end(&f);
+}
+
+/* Two columns that do the same: nothing is known of either. */
+static void what_cannot_be_told_apart_is_not_known(void)
+{
+    static fitted f;
+    good.two_sensors = true;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    TEST_ASSERT_TRUE(certainty_half_width(&f.sure, P_R) < 0.05);
+    f.state.set = HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_RESISTANCE_DRIFTS); /* its column twice */
+    TEST_ASSERT_TRUE(certainty_of(&f.data, &f.state, &f.sure));
+    TEST_ASSERT_TRUE(certainty_half_width(&f.sure, P_R) > 1e5);
+    f.state.set = 0;
+    TEST_ASSERT_TRUE(certainty_of(&f.data, &f.state, &f.sure)); /* of two sensors nothing is fitted then */
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, f.sure.inflation);
+    fit_end(&f);
+}
+
+/* ---- What is named ---- */
+
+static void a_clean_recording_has_no_cause(void)
+{
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(0, d.causes);
+    TEST_ASSERT_EQUAL_INT(VERDICT_CLEAN, d.verdict);
+    TEST_ASSERT_EQUAL_STRING("clean", diagnosis_verdict_id(d.verdict));
+    diagnosis_free(&d);
+    TEST_ASSERT_NULL(d.error_nominal);
+}
+
+static bool names(const diagnosis *d, const char *id)
+{
+    for (size_t k = 0; k < d->causes; k++) {
+        if (strcmp(d->cause[k].id, id) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void three_causes_of_unequal_size_are_found(void)
+{
+    good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
+    good.m.ext.voltage_delay_cycles = 0.5;
+    good.m.R_ohm *= 1.6;
+    good.m.L_d_H *= 0.9;
+    good.m.L_q_H *= 0.9;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(3, d.causes);
+    TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict);
+    TEST_ASSERT_TRUE(names(&d, "voltage_delay") && names(&d, "resistance") && names(&d, "inductance"));
+    for (size_t k = 0; k < d.causes; k++) {
+        TEST_ASSERT_TRUE(d.cause[k].probability > 0.99 && d.cause[k].certainty > 25.0);
+    }
+    diagnosis_free(&d);
+}
+
+/* What a dead time's law leaves near zero current is not given a name of its own. */
+static void a_dead_time_takes_nothing_with_it(void)
+{
+    good.m.ext.has[CAUSE_DEAD_TIME] = true;
+    good.m.ext.v_dead_V = 4.0;
+    good.m.ext.i_knee_A = 0.2;
+    good.m.R_ohm *= 1.08;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_STRING("dead_time", d.cause[0].id);
+    holds(&d.cause[0], "v_dead", 4.0);
+    TEST_ASSERT_TRUE(d.causes == 1 || (d.causes == 2 && names(&d, "resistance")));
+    diagnosis_free(&d);
+}
+
+/* An effect that no cause has: nothing is made up for it, alone or beside a flux that is named. */
+static void nothing_is_named_for_what_has_no_name(void)
+{
+    good.cogging_V = 1.0;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(0, d.causes);
+    TEST_ASSERT_EQUAL_INT(VERDICT_UNEXPLAINED, d.verdict);
+    TEST_ASSERT_EQUAL_STRING("unexplained", diagnosis_verdict_id(d.verdict));
+    diagnosis_free(&d);
+    good.m.psi_f_Wb *= 0.93;
+    d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(1, d.causes);
+    TEST_ASSERT_EQUAL_STRING("flux_linkage", d.cause[0].id);
+    TEST_ASSERT_EQUAL_INT(VERDICT_PARTLY, d.verdict);
+    TEST_ASSERT_EQUAL_STRING("partly", diagnosis_verdict_id(d.verdict));
+    diagnosis_free(&d);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(widths_are_of_the_steps_that_blocks_and_points_ask_for);
+    RUN_TEST(what_cannot_be_told_apart_is_not_known);
+    RUN_TEST(a_clean_recording_has_no_cause);
+    RUN_TEST(three_causes_of_unequal_size_are_found);
+    RUN_TEST(a_dead_time_takes_nothing_with_it);
+    RUN_TEST(nothing_is_named_for_what_has_no_name);
+    return UNITY_END();
+}
