@@ -127,8 +127,9 @@ def page():
 Made by `./dev misra`; `./dev test` fails where it is not what the sources give. Checked is the library, `include/` and `src/`, as a
 Cortex-M4 compiles it, by cppcheck's addon, which knows MISRA C:2012 as it was published and a part of its first two amendments; MISRA
 C:2023, which is all of it with the amendments 1 to 4 and the corrigenda 1 and 2, keeps the numbers. What that adds and changes is a table
-of its own below. The addon needs no text of the standard, and none is given here. clang-tidy reads the same files in CI without a finding; what it looks for stands in
-[.clang-tidy](../.clang-tidy). That no behaviour is undefined, which many of the guidelines are for, is proved: [proofs.md](proofs.md).
+of its own below. The addon needs no text of the standard, and none is given here. clang-tidy reads the same files in CI without a
+finding; what it looks for stands in [.clang-tidy](../.clang-tidy). That no behaviour is undefined, which many of the guidelines are for,
+is proved: [proofs.md](proofs.md).
 
 ## Departures
 
@@ -139,8 +140,8 @@ of its own below. The addon needs no text of the standard, and none is given her
 ## What MISRA C:2023 adds
 
 MISRA C:2023 has 221 guidelines: the 159 of 2013 and 62 that the amendments brought. Each of these, and each that a later amendment or
-corrigendum 2 changed, in our words and by what it is met; which there are and which changed is taken from what makers of checkers publish,
-for the text of the standard is not free. Where something is said to be absent, `tools/misra.py` looks for it in the code.
+corrigendum 2 changed, in our words and by what it is met; which there are and which changed is taken from what makers of checkers
+publish, for the text of the standard is not free. Where something is said to be absent, `tools/misra.py` looks for it in the code.
 
 {later_table()}
 
