@@ -1,6 +1,7 @@
 /* The best set of hypotheses, round by round (search.h). */
 #include "search.h"
 
+#include "fitted_sets.h"
 #include "map_choice.h"
 
 #include "diagnose/identify/branch_choice.h"
@@ -13,7 +14,6 @@
 #include <string.h>
 
 enum {
-    ROUNDS_MAX = 5,
     FULL_SIZE = 3,    /* all sets up to this size are compared */
     LARGEST_SIZE = 5, /* larger ones grow from the best */
     KEPT = 24,        /* sets that grow */
@@ -154,15 +154,16 @@ static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
 }
 
 /* An option fitted without linearisation, from where its quadratic form has its optimum. */
-static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_set allowed, fit_state *trial)
+static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
+                       fit_state *trial, double *alone)
 {
     trial->set = option->set;
     memcpy(trial->z, option->z, sizeof trial->z);
     coordinates_bound(d->frame, trial->z);
-    if (!fit_refine(d, trial, REFINE_STEPS)) {
+    if (!fit_refine_within(d, trial, REFINE_STEPS, most, alone)) {
         return false;
     }
-    while (drop_small(trial, allowed, d->frame->of_least)) {
+    while (*alone <= most && drop_small(trial, allowed, d->frame->of_least)) {
         if (!fit_refine(d, trial, REFINE_STEPS)) {
             return false;
         }
@@ -186,8 +187,20 @@ static void tell_option(const diagnose_teller *teller, int round, const evidence
     }
 }
 
+/*
+ * The objective that an option's own coordinates must reach beside the best so far. Whoever stays behind that by a quarter of
+ * what it takes off the motor file's, and ten times what its last digits took, does not make up for it by its own.
+ */
+static double most_of(const fit_state *start, const fit_state *best, double by_digits)
+{
+    if (start->set != 0 || best->set == 0) {
+        return INFINITY;
+    }
+    return best->objective + 0.25 * (start->objective - best->objective) + 10.0 * by_digits;
+}
+
 /* One round: the promising options fitted, *s the best. */
-static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round,
+static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, fitted_sets *fitted,
                         const diagnose_teller *teller)
 {
     const fit_state start = *s;
@@ -195,6 +208,8 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
     evidence_cost(e->view, &start, start.set, &own);
     const double own_cost = own.cost + evidence_penalty(e->view, start.set);
     double best_score = state_score(e->view, s);
+    double by_digits = 0.0;
+    _Static_assert((int)REFINED + (int)FULL_SIZE == (int)FITTED_A_ROUND, "room for a round");
     hypothesis_set tried[REFINED + FULL_SIZE] = {0};
     size_t n = 0;
     for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
@@ -202,7 +217,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
          * not theirs. */
         const evidence_option *option = k < FULL_SIZE ? &e->of_size[k] : &e->list[k - FULL_SIZE];
         bool known = option->set == 0 || (k >= FULL_SIZE && k - FULL_SIZE >= e->listed) ||
-                     (round > 0 && option->set == start.set);
+                     (round > 0 && (option->set == start.set || fitted_sets_have(fitted, option->set)));
         for (size_t j = 0; j < n; j++) {
             known = known || tried[j] == option->set;
         }
@@ -213,9 +228,14 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             continue;
         }
         tried[n++] = option->set;
+        if (round > 0) {
+            fitted->set[fitted->count++] = option->set;
+        }
         fit_state trial = start;
         tell_option(teller, round, option);
-        if (!fit_option(d, option, e->allowed, &trial)) {
+        const double most = most_of(&start, s, by_digits);
+        double alone;
+        if (!fit_option(d, option, e->allowed, most, &trial, &alone)) {
             return false;
         }
         double score = state_score(e->view, &trial);
@@ -223,11 +243,13 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             char words[256];
             fprintf(teller->trace, "  round %d: %-60s linear %10.1f  ", round,
                     evidence_words(option->set, words, sizeof words), option->score);
-            fprintf(teller->trace, "fitted %12.1f%s%s\n", score, trial.set != option->set ? " as " : "",
+            fprintf(teller->trace, "%s %12.1f%s%s\n", alone > most ? "given up" : "fitted", score,
+                    trial.set != option->set ? " as " : "",
                     trial.set != option->set ? evidence_words(trial.set, words, sizeof words) : "");
         }
-        if (score < best_score) {
+        if (alone <= most && score < best_score) {
             *s = trial;
+            by_digits = fmax(alone - trial.objective, 0.0);
             best_score = score;
         }
     }
@@ -239,14 +261,20 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
 {
     enumeration *e = calloc(1, sizeof *e);
     evidence_view *view = calloc(1, sizeof *view);
+    fitted_sets fitted = {.edge = s->edge};
+    edge_contest edges = {.apart = 0.0};
     bool ok = e && view;
     /* A state that holds causes is a fit already: what looks worse from there is not tried. */
-    for (int round = s->set ? 1 : 0; ok && round < ROUNDS_MAX; round++) {
+    for (int round = s->set ? 1 : 0; ok && round < SEARCH_ROUNDS; round++) {
         bool turned = false;
         ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) && branch_choose(d, s) &&
              revolution_align(d, s, d->frame->pole_pairs, &turned);
         if (ok && turned) {
             ok = fit_refine(d, s, REFINE_STEPS);
+        }
+        if (turned || s->edge != fitted.edge) {
+            fitted.count = 0;
+            fitted.edge = s->edge;
         }
         ok = ok && evidence_look(d, s, allowed, view);
         if (!ok) {
@@ -261,13 +289,11 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         enumerate(e, 0, 0, FULL_SIZE);
         grow(e);
         hypothesis_set before = s->set;
-        ok = try_options(d, s, e, round, teller) && map_choose(d, s, allowed, REFINE_STEPS);
+        ok = try_options(d, s, e, round, &fitted, teller) && map_choose(d, s, allowed, REFINE_STEPS);
         if (s->set == before && !turned) {
             break;
         }
-        if (ok && (s->set & HYPOTHESIS_BIT(H_DEAD_TIME))) {
-            ok = edge_revise(d, s, REFINE_STEPS);
-        }
+        ok = ok && (!hypothesis_in(s->set, H_DEAD_TIME) || edge_revise(d, s, REFINE_STEPS, &edges));
     }
     free(e);
     free(view);

@@ -42,9 +42,13 @@ bool edge_choose(fit_data *d, fit_state *s)
     return true;
 }
 
-bool edge_revise(fit_data *d, fit_state *s, int refine_steps)
+bool edge_revise(fit_data *d, fit_state *s, int refine_steps, edge_contest *last)
 {
     const edge_law law = s->edge;
+    if (4.0 * fabs(last->objective - s->objective) < last->apart) {
+        return true;
+    }
+    last->apart = INFINITY;
     for (int other = 0; other < (int)EDGE_LAWS; other++) {
         fit_state trial = *s;
         if ((edge_law)other == law) {
@@ -54,9 +58,11 @@ bool edge_revise(fit_data *d, fit_state *s, int refine_steps)
         if (!fit_refine(d, &trial, refine_steps)) {
             return false;
         }
+        last->apart = fmin(last->apart, fabs(trial.objective - s->objective));
         if (trial.objective < s->objective) {
             *s = trial;
         }
     }
+    last->objective = s->objective;
     return true;
 }

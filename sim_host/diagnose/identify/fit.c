@@ -239,13 +239,24 @@ static bool descend(fit_data *d, fit_state *s, int iterations, bool with_digits)
     return !failed;
 }
 
-bool fit_refine(fit_data *d, fit_state *s, int iterations)
+bool fit_refine_within(fit_data *d, fit_state *s, int iterations, double most, double *alone)
 {
     fit_noise(d, s);
     /* First the members alone: while they are far off, what is small would run after them. */
-    const bool ok = descend(d, s, iterations, false) && descend(d, s, JOINT_STEPS, true);
+    bool ok = descend(d, s, iterations, false);
+    *alone = s->objective;
+    if (ok && *alone > most) {
+        return true;
+    }
+    ok = ok && descend(d, s, JOINT_STEPS, true);
     for (int k = 0; k < GAIN_STEPS; k++) {
         fit_gain(d, s);
     }
     return ok;
+}
+
+bool fit_refine(fit_data *d, fit_state *s, int iterations)
+{
+    double alone;
+    return fit_refine_within(d, s, iterations, INFINITY, &alone);
 }

@@ -27,4 +27,10 @@ fit_state fit_of_nominal(fit_data *d);
  */
 bool fit_refine(fit_data *d, fit_state *s, int iterations);
 
+/*
+ * The same, given up where the set's own coordinates leave an objective above `most`, and nothing unnamed is moved then.
+ * *alone is what they leave.
+ */
+bool fit_refine_within(fit_data *d, fit_state *s, int iterations, double most, double *alone);
+
 #endif

@@ -34,10 +34,11 @@ static void confuse(diagnosis_cause *cause, const char *id)
 /* The same recording with the resistance in the set. The law of the edges may have stood in for it. */
 static bool free_resistance(const session *w, session *joint)
 {
+    edge_contest none = {0.0, 0.0};
     *joint = *w;
     joint->state.set |= HYPOTHESIS_BIT(H_RESISTANCE);
     return fit_refine(&joint->fitted, &joint->state, REFINE_STEPS) &&
-           edge_revise(&joint->fitted, &joint->state, REFINE_STEPS) &&
+           edge_revise(&joint->fitted, &joint->state, REFINE_STEPS, &none) &&
            certainty_of(&joint->fitted, &joint->state, &joint->certainty);
 }
 
