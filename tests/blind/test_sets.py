@@ -75,11 +75,17 @@ class Releases(unittest.TestCase):
         self.assertEqual(counts, [300, 200, 300, 150, 50])
         for kind in ["clean"] + effects.KNOWN + effects.UNNAMED:
             plants = [plant for _, k, plant in cases if k == kind]
+            if kind == "saturation_dq":  # only the second plant has such iron
+                self.assertEqual(set(plants), {"second"})
+                continue
             self.assertEqual(set(plants), {"main", "second"}, kind)
             self.assertLessEqual(abs(plants.count("main") - plants.count("second")), 2, kind)
         for _, kind, _ in cases:
             ids = kind.split("+")
             self.assertTrue(all(effects.compatible(a, b) for a in ids for b in ids if a != b), kind)
+
+    def test_a_plant_is_asked_only_for_what_it_knows(self):
+        self.assertFalse([kind for _, kind, plant in release.cases(3) if plant == "main" and "saturation_dq" in kind])
 
     def test_development_never_meets_a_release(self):
         first = release.cases(1)
