@@ -3,6 +3,7 @@
 
 #include "identify/modulator_choice.h"
 #include "identify/speed_lag.h"
+#include "measure/floor.h"
 #include "measure/link_ripple.h"
 #include "measure/missed.h"
 #include "measure/sensor_fault.h"
@@ -46,8 +47,13 @@ bool mending_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *t
     const averaged_drive first = session_drive(w, w->state.z);
     size_t missed = 0;
     size_t rippled = 0;
-    if ((!hypothesis_in(skip, H_MISSED_UPDATE) && !measure_missed(&w->rows, &first, file, &missed)) ||
-        (!hypothesis_in(skip, H_DC_LINK_RIPPLE) && !measure_link_ripple(&w->rows, &first, file, &rippled))) {
+    double noise_A = 0.0;
+    if (!hypothesis_in(skip, H_MISSED_UPDATE) && !measure_missed(&w->rows, &first, file, &missed)) {
+        return false;
+    }
+    const double floor_A = measure_floor(&w->rows, &w->state, &first, &noise_A);
+    if (!hypothesis_in(skip, H_DC_LINK_RIPPLE) &&
+        !measure_link_ripple(&w->rows, &first, floor_A, file, &rippled)) {
         return false;
     }
     say(trace, missed, "missed updates");

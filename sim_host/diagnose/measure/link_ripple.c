@@ -17,6 +17,8 @@ static const double STEP = 1e-3;      /* of the voltage, for its effect */
 static const double MOST_LATE = 0.15; /* cycles: of a later voltage it is another question whose link it is */
 static const double WILD = 6.0;       /* an error of so many deviations counts as that many */
 static const double LEAST_SHARE = 0.003;
+/* Of the square of what it leaves beyond the noise: less is a line of something else, which the voltage shares a part of. */
+static const double LEAST_OF_REST = 0.05;
 static const double SHARE_LOOSE = 0.03,
                     FREQUENCY_LOOSE = 5e-4; /* what the law leaves: intervals say no less */
 static const double MIDDLE_OF_SQUARE =
@@ -106,6 +108,7 @@ static bool fill(const diagnose_rows *r, const averaged_drive *drive, const aver
             all->along[k] = shorter * (does.alpha * e.alpha + does.beta * e.beta);
             all->across[k] = shorter * (does.alpha * e.beta - does.beta * e.alpha);
             all->weight[k] = does.alpha * does.alpha + does.beta * does.beta;
+            p->square_A2 += shorter * shorter * size * size;
             p->slowest_rad_s = fmin(p->slowest_rad_s, r->row[k].omega_rad_s);
             p->fastest_rad_s = fmax(p->fastest_rad_s, r->row[k].omega_rad_s);
             turned += fabs(r->row[k].omega_rad_s) * r->T_s;
@@ -185,7 +188,22 @@ static row_mend told(const ripple_found *f)
                       .high = {f->frequency_Hz + frequency_Hz, f->share + share}};
 }
 
-bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended)
+/* Fits each piece; whether what all take off is worth a name beside what they leave. */
+static bool is_worth_it(const diagnose_rows *r, ripple_pieces *all, const ripple_found *found, double floor_A)
+{
+    double off = 0.0;
+    double rest = 0.0;
+    for (size_t n = 0; n < all->pieces; n++) {
+        ripple_piece *p = &all->piece[n];
+        const double own = ripple_fit(all, p, r->T_s, found);
+        off += own;
+        rest += p->square_A2 - own - (double)p->count * floor_A * floor_A;
+    }
+    return off >= LEAST_OF_REST * rest;
+}
+
+bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double floor_A, const motor *file,
+                         size_t *mended)
 {
     ripple_pieces all = {0};
     ripple_found found = {0};
@@ -194,12 +212,9 @@ bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, const mo
         return true;
     }
     bool ok = look(r, drive, &all, &found);
-    if (ok && found.share >= LEAST_SHARE) {
+    if (ok && found.share >= LEAST_SHARE && is_worth_it(r, &all, &found, floor_A)) {
         const row_mend mended_of = told(&found);
         ok = mended_keep(r, &mended_of, file);
-        for (size_t n = 0; ok && n < all.pieces; n++) {
-            ripple_fit(&all, &all.piece[n], r->T_s, &found);
-        }
         *mended = ok ? mend(r, &all, &found) : 0;
     }
     free(all.piece);

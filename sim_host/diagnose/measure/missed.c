@@ -26,6 +26,7 @@ typedef struct count {
     double deviation_A[ROWS_MAX_GROUPS];
     double odds; /* log of share / (1 - share); NAN while rows are counted and not mended */
     size_t told, missed, opposite, mended;
+    size_t wild; /* rows that err by CLEAR, whatever their command does */
 } count;
 
 static int ascending(const void *x, const void *y)
@@ -105,6 +106,7 @@ static void look_at(count *c, size_t k, double deviation_A)
     const double near = NEAR * NEAR * deviation_A * deviation_A;
     const bool tells = square_of(does) > CLEAR * CLEAR * deviation_A * deviation_A;
     if (isnan(c->odds)) {
+        c->wild += square_of(e) > CLEAR * CLEAR * deviation_A * deviation_A;
         c->told += tells;
         c->missed += tells && square_of(held) < near;
         c->opposite += tells && square_of(opposite) < near;
@@ -163,7 +165,7 @@ bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *
         look_at_all(&c);
     }
     bool ok = true;
-    if (c.missed >= LEAST_ROWS && c.missed > TIMES_OPPOSITE * c.opposite) {
+    if (c.missed >= LEAST_ROWS && c.missed > TIMES_OPPOSITE * c.opposite && 2 * c.missed >= c.wild) {
         const row_mend found = share_of(&c);
         ok = mended_keep(r, &found, file);
         if (ok) {

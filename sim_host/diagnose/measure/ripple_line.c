@@ -151,6 +151,26 @@ static void refine(const ripple_spectra *s, size_t bin, double share, ripple_fou
                             .frequency_half_Hz = bend > 0.0 ? 1.959963984540054 / sqrt(bend) : step};
 }
 
+/* A piece that knows one flank of a line only, the other being an order of its speed, makes that the surer one: the line is where it
+ * is largest. */
+static size_t summit(const ripple_spectra *s, size_t bin)
+{
+    size_t best = bin;
+    double most = share_at(s, bin);
+    for (int side = -1; side <= 1; side += 2) {
+        for (size_t k = side < 0 ? bin - 1 : bin + 1; k > 1 && k + 1 < s->bins;
+             k = side < 0 ? k - 1 : k + 1) {
+            const double share = share_at(s, k);
+            if (!(share > most) || !is_the_link(s, k, share)) {
+                break;
+            }
+            most = share;
+            best = k;
+        }
+    }
+    return best;
+}
+
 static void find_line(ripple_spectra *s, ripple_found *found)
 {
     size_t best = 0;
@@ -166,6 +186,7 @@ static void find_line(ripple_spectra *s, ripple_found *found)
         }
     }
     if (best > 0) {
+        best = summit(s, best);
         refine(s, best, share_at(s, best), found);
     }
 }
@@ -185,7 +206,7 @@ bool ripple_find(const ripple_pieces *all, double T_s, ripple_found *found)
     return ok;
 }
 
-void ripple_fit(const ripple_pieces *all, ripple_piece *piece, double T_s, const ripple_found *found)
+double ripple_fit(const ripple_pieces *all, ripple_piece *piece, double T_s, const ripple_found *found)
 {
     double h[3] = {0.0, 0.0, 0.0};
     double g[2] = {0.0, 0.0};
@@ -206,4 +227,6 @@ void ripple_fit(const ripple_pieces *all, ripple_piece *piece, double T_s, const
     const double shorter = size > 2.0 * found->share ? 2.0 * found->share / size : 1.0;
     piece->cos_share *= shorter;
     piece->sin_share *= shorter;
+    /* What is shortened falls short of the best fit by the square of what it lacks. */
+    return (2.0 - shorter) * (piece->cos_share * g[0] + piece->sin_share * g[1]);
 }

@@ -12,6 +12,7 @@ typedef struct ripple_piece {
     double slowest_rad_s, fastest_rad_s; /* electrical */
     bool turns;                          /* by a turn or more */
     double cos_share, sin_share;         /* from its first row on; what ripple_fit finds */
+    double square_A2;                    /* of its errors, summed */
 } ripple_piece;
 
 typedef struct ripple_pieces {
@@ -30,7 +31,7 @@ typedef struct ripple_found {
 /* False: out of memory. */
 bool ripple_find(const ripple_pieces *all, double T_s, ripple_found *found);
 
-/* A piece's own size and phase at the frequency found; no more than twice the size. */
-void ripple_fit(const ripple_pieces *all, ripple_piece *piece, double T_s, const ripple_found *found);
+/* A piece's own size and phase at the frequency found; no more than twice the size. Returns what they take off its errors' square. */
+double ripple_fit(const ripple_pieces *all, ripple_piece *piece, double T_s, const ripple_found *found);
 
 #endif
