@@ -35,7 +35,8 @@ static diagnosis without_angles(recording *r)
 {
     static const cause_id turns[] = {CAUSE_ANGLE_OFFSET,  CAUSE_ANGLE_DELAY, CAUSE_ANGLE_HARMONIC,
                                      CAUSE_VOLTAGE_DELAY, CAUSE_SENSOR_LAG,  CAUSE_FREE_CURRENT,
-                                     CAUSE_LATE_SHARE,    CAUSE_IRON_LOSS,   CAUSE_SATURATION_DQ};
+                                     CAUSE_LATE_SHARE,    CAUSE_IRON_LOSS,   CAUSE_SATURATION_DQ,
+                                     CAUSE_SATURATION,    CAUSE_SALIENCY};
     const motor file = bench_motor();
     diagnose_options options = {0};
     diagnosis d;
