@@ -193,21 +193,52 @@ static int32_t held_sum(int64_t x)
     return (int32_t)(x < 0 ? 0 : x > MOST_Q16 ? MOST_Q16 : x);
 }
 
-/* Range: components within 128 in Q16 make products within 2^47 in Q32; 96 blocks of them 2^28 in Q6. A ratio held
- * from above keeps the bound: its mean only falls. slack: what y may have for good, Q16, 0 ... 576: 2^50 in Q32. */
-static void follow(iqfoc_watch_t *watch, int32_t n, pair x, pair y, pair slack)
+/* What y may have for good, of each axis, Q16: 0 ... 576. of_model: with what the model's confidence leaves. */
+typedef struct allowance {
+    int32_t d, q;
+    bool of_model;
+} allowance;
+
+/*
+ * What of a signature's component is laid on a change. A mean m of y makes X lose or win X (m - slack) - X^2/2 a
+ * block, the most at X = m - slack; m is that of a change of 2.5 stated sizes. What the slack hides in a block is
+ * so left out of it; laid as a whole, it would take away what other blocks have shown. At least a 64th is laid,
+ * so that a far larger change is seen there too, and at most the stated size: the bound holds for any X.
+ *
+ * Range: |x| <= 2^23.
+ */
+static int32_t laid_of(int32_t x, int32_t slack)
 {
-    const int64_t xy_q32 = (int64_t)x.d * y.d + (int64_t)x.q * y.q;
-    const int64_t xx_q32 = (int64_t)x.d * x.d + (int64_t)x.q * x.q;
-    const int64_t xy = iq24_asr64(xy_q32, 16);
-    const int64_t xx = iq24_asr64(xx_q32, 16);
+    const int32_t size = absolute(x);
+    const int32_t best = ((5 * size) >> 1) - slack;
+    const int32_t least_laid = size >> 6;
+    const int32_t laid = best > size ? size : best < least_laid ? least_laid : best;
+    return x < 0 ? -laid : laid;
+}
+
+static int64_t dot(pair x, pair y)
+{
+    return (int64_t)x.d * y.d + (int64_t)x.q * y.q;
+}
+
+/* Range: components within 128 in Q16 make products within 2^47 in Q32; 96 blocks of them 2^28 in Q6. A ratio held
+ * from above keeps the bound: its mean only falls. The slack's products: 2^50 in Q32. */
+static void follow(iqfoc_watch_t *watch, int32_t n, pair x, pair y, allowance slack)
+{
+    pair laid = x;
+    if (slack.of_model) {
+        laid.d = laid_of(x.d, slack.d);
+        laid.q = laid_of(x.q, slack.q);
+    }
+    const int64_t xy = iq24_asr64(dot(laid, y), 16);
     const int64_t cost =
-        (xx >> 1) + iq24_asr64((int64_t)slack.d * absolute(x.d) + (int64_t)slack.q * absolute(x.q), 16);
+        (iq24_asr64(dot(laid, laid), 16) >> 1) +
+        iq24_asr64((int64_t)slack.d * absolute(laid.d) + (int64_t)slack.q * absolute(laid.q), 16);
     watch->up_q16[n] = held_sum(watch->up_q16[n] + least(xy - cost, MOST_A_BLOCK_Q16));
     watch->down_q16[n] = held_sum(watch->down_q16[n] + least(-xy - cost, MOST_A_BLOCK_Q16));
     if (watch->naming > 0) {
-        watch->xy_q6[n] = iq24_sat(watch->xy_q6[n] + iq24_asr64(xy_q32 + ROUND_Q6, 26));
-        watch->xx_q6[n] = iq24_sat(watch->xx_q6[n] + iq24_asr64(xx_q32 + ROUND_Q6, 26));
+        watch->xy_q6[n] = iq24_sat(watch->xy_q6[n] + iq24_asr64(dot(x, y) + ROUND_Q6, 26));
+        watch->xx_q6[n] = iq24_sat(watch->xx_q6[n] + iq24_asr64(dot(x, x) + ROUND_Q6, 26));
     } else {
         watch->xy_q6[n] = watch->up_q16[n] > 0 ? iq24_add_sat(watch->xy_q6[n], 1) : 0;
         watch->xx_q6[n] = watch->down_q16[n] > 0 ? iq24_add_sat(watch->xx_q6[n], 1) : 0;
@@ -233,18 +264,19 @@ static bool is_unsure(const iqfoc_watch_config_t *config)
  * What y may have for good: `always`, and what resistance, inductances and flux may be off by within the model's
  * confidence, by their signatures; each axis by itself, as L_d and L_q may be off unalike.
  */
-static pair slack_of(const iqfoc_watch_config_t *config, int32_t always_q16, const iqfoc_dq_t *signature,
-                     int32_t per_noise)
+static allowance slack_of(const iqfoc_watch_config_t *config, int32_t always_q16, const iqfoc_dq_t *signature,
+                          int32_t per_noise)
 {
+    const bool of_model = is_unsure(config);
     int64_t d = 0;
     int64_t q = 0;
-    for (int32_t n = 0; n < IQFOC_WATCH_UNSURE && is_unsure(config); n++) {
+    for (int32_t n = 0; n < IQFOC_WATCH_UNSURE && of_model; n++) {
         const int32_t size = over_noise(config->size_q16[n], per_noise);
         d += moved_by(signature[n].d, size, config->unsure_q16[n]);
         q += moved_by(signature[n].q, size, config->unsure_q16[n]);
     }
-    const pair slack = {always_q16 + (int32_t)least(d, MOST_UNSURE_Q16),
-                        always_q16 + (int32_t)least(q, MOST_UNSURE_Q16)};
+    const allowance slack = {always_q16 + (int32_t)least(d, MOST_UNSURE_Q16),
+                             always_q16 + (int32_t)least(q, MOST_UNSURE_Q16), of_model};
     return slack;
 }
 
@@ -252,15 +284,15 @@ static pair slack_of(const iqfoc_watch_config_t *config, int32_t always_q16, con
  * The same in a frame that turns against the rotor's: of what stands still in the rotor's nothing is left, but where
  * the speed changes through the block, what is proportional to it does not stand still. Either axis may have all of it.
  */
-static pair slack_elsewhere(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t change,
-                            int32_t per_noise)
+static allowance slack_elsewhere(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
+                                 iq24_t change, int32_t per_noise)
 {
     const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
     const iq24_t half = iq24_asr32(change, 1);
     const iqfoc_dq_t moves[IQFOC_WATCH_UNSURE] = {{0, 0}, across(i, half), {0, -half}};
-    const pair by_axis = slack_of(config, 0, moves, per_noise);
+    const allowance by_axis = slack_of(config, 0, moves, per_noise);
     const int32_t slack = config->slack_q16[1] + by_axis.d + by_axis.q;
-    const pair both = {slack, slack};
+    const allowance both = {slack, slack, by_axis.of_model};
     return both;
 }
 
@@ -277,7 +309,7 @@ static void follow_rotor(iqfoc_watch_t *watch, const iqfoc_watch_config_t *confi
     const iqfoc_dq_t ahead = {0, -turns};
     const iqfoc_dq_t of_rotor[IQFOC_WATCH_SENSOR_GAIN] = {
         opposite(i), across(i, turns), ahead, u, opposite(direction(i)), along, across(u, turns)};
-    const pair slack = slack_of(config, config->slack_q16[0], of_rotor, per_noise);
+    const allowance slack = slack_of(config, config->slack_q16[0], of_rotor, per_noise);
     for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN; n++) {
         follow(watch, n, scaled_pair(of_rotor[n], over_noise(config->size_q16[n], per_noise), 24), y, slack);
     }
@@ -311,13 +343,13 @@ static void follow_all(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
         const iqfoc_dq_t mirrored = {moved.d, -moved.q};
         const iqfoc_dq_t mirrored_ahead = {moved.q, moved.d};
         const int32_t gain = seen_size(config, IQFOC_WATCH_SENSOR_GAIN, &backward);
-        const pair slack = slack_elsewhere(watch, config, change, backward.per_noise);
+        const allowance slack = slack_elsewhere(watch, config, change, backward.per_noise);
         follow(watch, 7, scaled_pair(mirrored, gain, 24), y.back, slack);
         follow(watch, 8, scaled_pair(mirrored_ahead, gain, 24), y.back, slack);
     }
     if (still.seen) {
         const int32_t offset = seen_size(config, IQFOC_WATCH_SENSOR_OFFSET, &still);
-        const pair slack = slack_elsewhere(watch, config, change, still.per_noise);
+        const allowance slack = slack_elsewhere(watch, config, change, still.per_noise);
         const iqfoc_dq_t alpha = {IQ24_ONE, 0};
         const iqfoc_dq_t beta = {0, IQ24_ONE};
         follow(watch, 9, scaled_pair(alpha, offset, 24), y.stationary, slack);
@@ -379,10 +411,29 @@ static iq24_t score_of(const iqfoc_watch_config_t *config, int64_t explained_q6,
     return iq24_sub_wrap(iq24_sqrt(iq24_sat(explained_q6 * 4)), iq24_mul_shift(slack_q16, blocks, 16));
 }
 
+/* Whether the detector that stands highest is one of the rotor's frame. */
+static bool rotor_leads(const iqfoc_watch_t *watch)
+{
+    int32_t highest = 0;
+    bool leads = false;
+    for (int32_t n = 0; n < IQFOC_WATCH_SIGNATURES; n++) {
+        const int32_t sum = watch->up_q16[n] > watch->down_q16[n] ? watch->up_q16[n] : watch->down_q16[n];
+        leads = sum > highest ? n < IQFOC_WATCH_SENSOR_GAIN : leads;
+        highest = sum > highest ? sum : highest;
+    }
+    return leads;
+}
+
+/*
+ * With a confidence the groups of that frame alone are weighed: the detectors lose next to nothing where the slack
+ * hides a change, so that they tell it better than a sum over blocks in which it is hidden.
+ */
 static void name(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config)
 {
+    const bool of_frame = is_unsure(config);
+    const bool of_rotor = rotor_leads(watch);
     iq24_t best = IQ24_MIN;
-    for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN; n++) {
+    for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN && (of_rotor || !of_frame); n++) {
         const iq24_t score = score_of(config, explained(watch, n), config->slack_q16[0]);
         if (score > best) {
             best = score;
@@ -390,7 +441,7 @@ static void name(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config)
             watch->amount_q16 = amount_of(watch, n);
         }
     }
-    for (int32_t n = IQFOC_WATCH_SENSOR_GAIN; n < IQFOC_WATCH_SIGNATURES; n += 2) {
+    for (int32_t n = IQFOC_WATCH_SENSOR_GAIN; n < IQFOC_WATCH_SIGNATURES && !(of_rotor && of_frame); n += 2) {
         const iq24_t score =
             score_of(config, explained(watch, n) + explained(watch, n + 1), config->slack_q16[1]);
         if (score > best) {

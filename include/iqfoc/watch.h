@@ -19,7 +19,9 @@
  *
  * y: the block's error over the bound of its noise (src/watch.c); X: the same of what a change of the stated
  * size would make of it; slack, of each axis: a constant, and for each of resistance, inductance and flux what the
- * model's confidence leaves: the X of the changes that it may be off by.
+ * model's confidence leaves: the X of the changes that it may be off by. A part of X that this slack would hide is
+ * held back: with a confidence each axis lays min(X, max(5/2 X - slack, X/64)), the most that a change of 2.5
+ * stated sizes is worth there.
  *
  * The bound. Let y be sub-Gaussian with at most that noise about a mean of length `slack` at most. Then
  * E e^(X y) <= e^(slack |X| + |X|^2/2), so that the ratios by which a run of blocks multiplies e^sum have a
@@ -139,7 +141,9 @@ typedef struct iqfoc_watch {
  * iqfoc_watch_config_t of physical values, in the order of its members. noise_pu: standard deviation of one
  * current sample, per unit of I_b, 5e-5 ... 0.1. IQFOC_WATCH_CONFIG is of a model that is taken for exact;
  * IQFOC_WATCH_CONFIG_KNOWN of one whose R, L and psi may be off by these shares, to 1.6, 0.8 and 0.32: changes
- * are then noted beyond them only, and the bound on false alarms holds for all machines within them.
+ * are then noted beyond them only, and the bound on false alarms holds for all machines within them. How soon: a
+ * change that moves y by m in a block lets the detector grow by (m - slack)^2/2 at the most, whatever is laid, and by
+ * 4; so an alarm takes threshold/that blocks, and where m is below the slack there is none (docs/watch.md).
  */
 #define IQFOC_WATCH_CONFIG(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V, noise_pu)                         \
     IQFOC_WATCH_CONFIG_KNOWN(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V, noise_pu, 0.0, 0.0, 0.0)
@@ -230,7 +234,7 @@ static inline bool iqfoc_watch_step(iqfoc_watch_t *watch, iqfoc_ab_t off, iqfoc_
  *
  * Each product is rounded down in Q16. X and y are held to +-128, which only makes an alarm later, and the amount
  * of so large a change too small; detectors end at 16384. Blocks with less than 0.15 of current are not judged,
- * for no law says what the legs lose about zero. Some 3100 instructions on a Cortex-M4, 450 more with a confidence; the step 49.
+ * for no law says what the legs lose about zero. Some 3100 instructions on a Cortex-M4, 700 more with a confidence; the step 49.
  * After a name nothing changes until iqfoc_watch_reset.
  */
 bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta);

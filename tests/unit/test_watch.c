@@ -90,13 +90,11 @@ static double complex cycle_error(const numbers *n, iqfoc_watch_group_t group, d
     return (e_mid + n->steady) * cexp(I * theta_mid);
 }
 
-/* One block; true when a group was named. times: of the stated size. speed: the largest. */
-static bool block_at(numbers *n, iqfoc_watch_group_t group, double times, double noise, double speed)
+/* One block of a current and a voltage, the speed to `end`; true when a group was named. times: of the stated size. */
+static bool block_of(numbers *n, iqfoc_watch_group_t group, double times, double noise, double end,
+                     double complex i, double complex u)
 {
     const double begin = n->x;
-    const double end = uniform(&n->seed, -speed, speed);
-    const double complex i = uniform(&n->seed, 0.3, 1.0) * cexp(I * uniform(&n->seed, 0.0, TWO_PI));
-    const double complex u = uniform(&n->seed, 0.05, 0.6) * cexp(I * uniform(&n->seed, 0.0, TWO_PI));
     const double E = exp(-R_OHM * T_S / (0.5 * (L_D_H + L_Q_H)));
     bool named = false;
     for (int k = 0; k < IQFOC_WATCH_BLOCK_CYCLES; k++) {
@@ -115,6 +113,15 @@ static bool block_at(numbers *n, iqfoc_watch_group_t group, double times, double
         }
     }
     return named;
+}
+
+/* The same of any current and voltage. speed: the largest. */
+static bool block_at(numbers *n, iqfoc_watch_group_t group, double times, double noise, double speed)
+{
+    const double end = uniform(&n->seed, -speed, speed);
+    const double complex i = uniform(&n->seed, 0.3, 1.0) * cexp(I * uniform(&n->seed, 0.0, TWO_PI));
+    const double complex u = uniform(&n->seed, 0.05, 0.6) * cexp(I * uniform(&n->seed, 0.0, TWO_PI));
+    return block_of(n, group, times, noise, end, i, u);
 }
 
 static bool block(numbers *n, iqfoc_watch_group_t group, double times, double noise)
@@ -284,6 +291,74 @@ static void what_the_confidence_covers_is_no_change(void)
     }
 }
 
+/* What four seconds of a planned recording leave open, with the noise of a vector of two sensors. */
+#define UNSURE_R   0.003
+#define UNSURE_L   0.003
+#define UNSURE_PSI 0.002
+static const iqfoc_watch_config_t diagnosed = IQFOC_WATCH_CONFIG_KNOWN(
+    R_OHM, L_D_H, L_Q_H, PSI, T_S, I_B, U_B, 1.291 * NOISE, UNSURE_R, UNSURE_L, UNSURE_PSI);
+
+/* Of one block with i_q alone: what a stated change of R makes of y, and what y may have for good. */
+typedef struct at_point {
+    double size, slack;
+} at_point;
+
+static at_point point_of(double i_q, double x)
+{
+    const double L = 0.5 * (L_D_H + L_Q_H);
+    const double rho = R_OHM * T_S / L;
+    const double turned = sin(0.5 * TWO_PI * x);
+    const double noise = 1.291 * NOISE * sqrt((4.0 / 32.0 + rho * rho) / 32.0 + turned * turned / 8.0);
+    const double flux = TWO_PI * x * PSI / (L * I_B) * UNSURE_PSI / noise;
+    const at_point p = {IQFOC_WATCH_SIZE_R * rho * i_q / noise,
+                        IQFOC_WATCH_SLACK_ROTOR + flux + UNSURE_R * rho * i_q / noise};
+    return p;
+}
+
+/* Blocks to the alarm of a change of R at an operating point that stays. */
+static int blocks_at_point(double times, double i_q, double x, int blocks)
+{
+    numbers n = {.seed = 5, .config = &diagnosed, .x = x};
+    iqfoc_watch_reset(&n.watch);
+    n.watch.turns = to_iq24(x);
+    int k = 0;
+    while (k < blocks && n.watch.naming == 0) {
+        (void)block_of(&n, IQFOC_WATCH_RESISTANCE, times, NOISE, x, I * i_q, 0.3 * I);
+        k++;
+    }
+    return k;
+}
+
+/*
+ * A winding 60 K warmer with the confidence of a diagnosis. The largest growth that any stake has against the bound is
+ * (m - slack)^2/2 a block, m what the change makes of y: nothing notes it sooner. The watch's own is as it is told in
+ * the header; below the current at which m is the slack there is no alarm, but far larger changes are one there too.
+ */
+static void a_warm_winding_is_noted_as_soon_as_its_growth_lets_it(void)
+{
+    static const double point[][2] = {{0.55, 0.0},  {0.7, 0.0},   {0.9, 0.0},
+                                      {0.7, 0.005}, {0.9, 0.012}, {1.0, 0.02}};
+    const double warm = 2.358;
+    for (size_t k = 0; k < sizeof point / sizeof *point; k++) {
+        const at_point p = point_of(point[k][0], point[k][1]);
+        const double mean = warm * p.size - p.slack;
+        const double laid = fmin(p.size, fmax(2.5 * p.size - p.slack, p.size / 64.0));
+        const double growth = fmin(4.0, laid * mean - 0.5 * laid * laid);
+        const double best = fmin(4.0, 0.5 * mean * mean);
+        const int blocks = blocks_at_point(warm, point[k][0], point[k][1], 2000);
+        printf("  i_q %.2f, %.3f turns a cycle: %d blocks; %.1f by its growth, %.1f by the largest\n",
+               point[k][0], point[k][1], blocks, IQFOC_WATCH_THRESHOLD / growth,
+               IQFOC_WATCH_THRESHOLD / best);
+        TEST_ASSERT_TRUE(mean > 0.0 && growth <= best);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0 + 0.25 * IQFOC_WATCH_THRESHOLD / growth, IQFOC_WATCH_THRESHOLD / growth,
+                                  blocks);
+    }
+    const at_point weak = point_of(0.3, 0.0);
+    TEST_ASSERT_TRUE(warm * weak.size < weak.slack);
+    TEST_ASSERT_EQUAL_INT(2000, blocks_at_point(warm, 0.3, 0.0, 2000));
+    TEST_ASSERT_TRUE(blocks_at_point(10.0, 0.3, 0.0, 2000) < 250);
+}
+
 /* Both parts of a sensor's gain as far below zero as can be: their squares together are one more than a sum can hold. */
 static void the_largest_amount_is_one(void)
 {
@@ -335,6 +410,29 @@ static void drives_in_the_plant_are_noted_and_named(void)
     TEST_ASSERT_TRUE(clean.passed[1] > 0);
 }
 
+/* The same confidence in the plant: at least 95 % of the windings within the second, and nothing before it. */
+static void a_warm_winding_is_noted_by_what_a_diagnosis_knows(void)
+{
+    static tune_result r = {.method = TUNE_PI, .disk_wanted = 0.5};
+    const tune_tolerances t = {UNSURE_R, UNSURE_L, UNSURE_PSI};
+    error e = {0};
+    watch_trial trial;
+    watch_clean clean;
+    TEST_ASSERT_TRUE_MESSAGE(motor_read("motors/compressor_salient.toml", &r.motor, &e), e.text);
+    r.motor.f_pwm_Hz = 8000.0;
+    tune_region_of_tolerances(&r.motor, &t, &r.region);
+    r.region.noise_A = NOISE * I_B;
+    TEST_ASSERT_TRUE_MESSAGE(tune_design_bandwidth(&r, &e), e.text);
+    TEST_ASSERT_TRUE_MESSAGE(watch_trial_run(&r, WATCH_WINDING, 20, 1, &trial, &e), e.text);
+    printf("  noted %d, right %d of %d, median %.3f s, latest %.3f s\n", trial.noted, trial.right,
+           trial.trials, trial.median_s, trial.latest_s);
+    TEST_ASSERT_EQUAL_INT(0, trial.early);
+    TEST_ASSERT_TRUE(trial.right >= 19);
+    TEST_ASSERT_TRUE(trial.median_s < 0.3);
+    TEST_ASSERT_TRUE_MESSAGE(watch_clean_run(&r, 60000.0, 100, &clean, &e), e.text);
+    TEST_ASSERT_EQUAL_INT(0, clean.alarms);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -347,5 +445,7 @@ int main(void)
     RUN_TEST(one_block_is_no_alarm);
     RUN_TEST(what_the_confidence_covers_is_no_change);
     RUN_TEST(drives_in_the_plant_are_noted_and_named);
+    RUN_TEST(a_warm_winding_is_noted_as_soon_as_its_growth_lets_it);
+    RUN_TEST(a_warm_winding_is_noted_by_what_a_diagnosis_knows);
     return UNITY_END();
 }

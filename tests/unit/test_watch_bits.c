@@ -120,15 +120,28 @@ static int64_t mean_of(int64_t sum)
     return saturated(bits_floor(sum, INT64_C(1) << 29));
 }
 
-static void follow(iqfoc_watch_t *w, int n, pair x, pair y, pair slack)
+static bool is_sure(const iqfoc_watch_config_t *c)
 {
+    return (c->unsure_q16[0] | c->unsure_q16[1] | c->unsure_q16[2]) == 0;
+}
+
+/* With a confidence: what a change of 2.5 sizes moves less the slack, within a 64th and the whole. */
+static int64_t laid_of(const iqfoc_watch_config_t *c, int64_t x, int64_t slack)
+{
+    const int64_t laid = bits_held(bits_floor(5 * size(x), 2) - slack, bits_floor(size(x), 64), size(x));
+    return is_sure(c) ? x : x < 0 ? -laid : laid;
+}
+
+static void follow(iqfoc_watch_t *w, const iqfoc_watch_config_t *c, int n, pair x, pair y, pair slack)
+{
+    const pair laid = {laid_of(c, x.d, slack.d), laid_of(c, x.q, slack.q)};
     const int64_t four = INT64_C(4) << 16;
     const int64_t highest = INT64_C(16384) << 16;
     const int64_t xy = x.d * y.d + x.q * y.q;
     const int64_t xx = x.d * x.d + x.q * x.q;
-    const int64_t cost =
-        bits_floor(bits_floor(xx, 65536), 2) + bits_floor(slack.d * size(x.d) + slack.q * size(x.q), 65536);
-    const int64_t ratio = bits_floor(xy, 65536);
+    const int64_t cost = bits_floor(bits_floor(laid.d * laid.d + laid.q * laid.q, 65536), 2) +
+                         bits_floor(slack.d * size(laid.d) + slack.q * size(laid.q), 65536);
+    const int64_t ratio = bits_floor(laid.d * y.d + laid.q * y.q, 65536);
     const int64_t up = ratio - cost < four ? ratio - cost : four;
     const int64_t down = -ratio - cost < four ? -ratio - cost : four;
     w->up_q16[n] = (int32_t)bits_held(w->up_q16[n] + up, 0, highest);
@@ -221,7 +234,7 @@ static void follow_all(iqfoc_watch_t *w, const iqfoc_watch_config_t *c, int64_t 
         across(u, turns)};
     const pair slack = unsure(c, of_rotor, per_noise, c->slack_q16[0]);
     for (int n = 0; n < 7; n++) {
-        follow(w, n, scaled(of_rotor[n], over_noise(c->size_q16[n], per_noise), 24), y_rotor, slack);
+        follow(w, c, n, scaled(of_rotor[n], over_noise(c->size_q16[n], per_noise), 24), y_rotor, slack);
     }
     if (backward.seen) {
         const pair moved = across(i, turns);
@@ -229,16 +242,16 @@ static void follow_all(iqfoc_watch_t *w, const iqfoc_watch_config_t *c, int64_t 
         const int64_t gain =
             over_noise(c->size_q16[IQFOC_WATCH_SENSOR_GAIN], bits_product(backward.per_noise, backward.left));
         const pair there = unsure_elsewhere(w, c, change, backward.per_noise);
-        follow(w, 7, scaled(mirrored[0], gain, 24), y_back, there);
-        follow(w, 8, scaled(mirrored[1], gain, 24), y_back, there);
+        follow(w, c, 7, scaled(mirrored[0], gain, 24), y_back, there);
+        follow(w, c, 8, scaled(mirrored[1], gain, 24), y_back, there);
     }
     if (still.seen) {
         const pair axis[2] = {{IQ24_ONE, 0}, {0, IQ24_ONE}};
         const int64_t offset =
             over_noise(c->size_q16[IQFOC_WATCH_SENSOR_OFFSET], bits_product(still.per_noise, still.left));
         const pair there = unsure_elsewhere(w, c, change, still.per_noise);
-        follow(w, 9, scaled(axis[0], offset, 24), y_still, there);
-        follow(w, 10, scaled(axis[1], offset, 24), y_still, there);
+        follow(w, c, 9, scaled(axis[0], offset, 24), y_still, there);
+        follow(w, c, 10, scaled(axis[1], offset, 24), y_still, there);
     }
 }
 
@@ -277,8 +290,18 @@ static void name(iqfoc_watch_t *w, const iqfoc_watch_config_t *c)
 {
     const int64_t root = iq24_sqrt(c->naming_blocks * 256);
     int64_t best = INT64_MIN;
+    /* With a confidence: those of the frame in which a detector stands highest, of two the first. */
+    int64_t rotor = 0;
+    int64_t other = 0;
+    for (int k = 0; k < 2 * IQFOC_WATCH_SIGNATURES; k++) {
+        int64_t *const frame_of_it = k / 2 < IQFOC_WATCH_SENSOR_GAIN ? &rotor : &other;
+        *frame_of_it = larger(*frame_of_it, k % 2 == 0 ? w->up_q16[k / 2] : w->down_q16[k / 2]);
+    }
     for (int g = 0; g < IQFOC_WATCH_GROUPS; g++) {
         const bool single = g < IQFOC_WATCH_SENSOR_GAIN;
+        if (!is_sure(c) && single != (rotor > 0 && rotor >= other)) {
+            continue;
+        }
         const int n = single ? g : IQFOC_WATCH_SENSOR_GAIN + 2 * (g - IQFOC_WATCH_SENSOR_GAIN);
         const int64_t off = explained(w, n) + (single ? 0 : explained(w, n + 1));
         const int64_t score =
@@ -359,7 +382,8 @@ static void any_config(uint64_t *seed, iqfoc_watch_config_t *c)
     c->slack_q16[0] = bits_random(seed, 0, 8 * 65536);
     c->slack_q16[1] = bits_random(seed, 0, 65536);
     c->naming_blocks = bits_random(seed, 1, 1024);
-    for (int n = 0; n < IQFOC_WATCH_UNSURE; n++) {
+    const bool sure = bits_random(seed, 0, 1) == 0;
+    for (int n = 0; n < IQFOC_WATCH_UNSURE && !sure; n++) {
         c->unsure_q16[n] =
             bits_random(seed, 0, 3) == 0 ? bits_random(seed, 0, 16 * 65536) : bits_random(seed, 0, 1000);
     }
