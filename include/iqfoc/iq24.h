@@ -99,6 +99,10 @@ extern "C" {
 #ifndef IQ24_HIGH_ADD
 #define IQ24_HIGH_ADD(c, a, b) iq24_add_wrap(c, IQ24_HIGH(a, b))
 #endif
+/* The high word added to c where the sum is known to fit: a plain sum but where the core has one instruction for both. */
+#ifndef IQ24_HIGH_PLUS
+#define IQ24_HIGH_PLUS(c, a, b) ((c) + IQ24_HIGH(a, b))
+#endif
 #ifndef IQ24_HIGH_ROUND
 #define IQ24_HIGH_ROUND(a, b) iq24_high_round_of(IQ24_MUL64(a, b))
 #endif

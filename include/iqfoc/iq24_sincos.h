@@ -57,8 +57,8 @@ static inline iq24_sincos_t iq24_sincos_q30_inline(iq24_t turns)
     int32_t rest = iq24_wrap((int64_t)turns * (INT32_C(1) << 14));
     int32_t square = iq24_mul_high(rest, rest);
     /* S1 - floor(square S3) is S1 + 1 + floor(-square S3), but for a square of 0, where one more changes no sin_d. */
-    int32_t sin_d = iq24_mul_high(rest, iq24_mac_high(IQ24_ROTATE_S1 + 1, square, -IQ24_ROTATE_S3));
-    int32_t minus_versin_d = iq24_mul_high(square, iq24_mac_high(-IQ24_ROTATE_C2, square, IQ24_ROTATE_C4));
+    int32_t sin_d = iq24_mul_high(rest, IQ24_HIGH_PLUS(IQ24_ROTATE_S1 + 1, square, -IQ24_ROTATE_S3));
+    int32_t minus_versin_d = iq24_mul_high(square, IQ24_HIGH_PLUS(-IQ24_ROTATE_C2, square, IQ24_ROTATE_C4));
 
     int64_t sin_change = IQ24_MAC64(IQ24_MUL64(c, sin_d), s, minus_versin_d);
     int64_t cos_change = IQ24_MAC64(IQ24_MUL64(s, -sin_d), c, minus_versin_d);

@@ -94,6 +94,7 @@ static inline int32_t iqfoc_arm_high_round_add(int32_t c, int32_t a, int32_t b)
 }
 
 #define IQ24_HIGH_ADD(c, a, b)       iqfoc_arm_high_add(c, a, b)
+#define IQ24_HIGH_PLUS(c, a, b)      iqfoc_arm_high_add(c, a, b)
 #define IQ24_HIGH_ROUND_ADD(c, a, b) iqfoc_arm_high_round_add(c, a, b)
 #endif
 #define IQ24_HIGH(a, b)       iqfoc_arm_high(a, b)
