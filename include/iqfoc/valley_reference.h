@@ -44,7 +44,7 @@ typedef struct {
  */
 static inline iq24_t iqfoc_valley_gain(iq24_t square)
 {
-    const iq24_t d = iq24_max(square, IQ24(0.5));
+    const iq24_t d = iq24_max(square, IQ24_ONE / 2);
     const int32_t q = (int32_t)(UINT32_MAX / ((uint32_t)d >> 8));
     const int32_t left = iq24_wrap((INT64_C(1) << 40) - (int64_t)d * q);
     const int32_t low = iq24_mac_high(256 * q, left, q);

@@ -294,7 +294,7 @@ bool question_ask(const question *q, const double more[COLUMN_COUNT][COLUMN_COUN
     for (size_t i = 0; i < q->columns; i++) {
         for (size_t j = 0; j < q->columns; j++) {
             c[i][j] = q->view->sums.h[q->column[i]][q->column[j]] + (i == j ? q->prior[i] : 0.0);
-            c[i][j] += cycles > 0.0 ? cycles * more[q->column[i]][q->column[j]] : 0.0;
+            c[i][j] += more != NULL ? cycles * more[q->column[i]][q->column[j]] : 0.0;
         }
     }
     *out = (answer){.apart = 0.0};
