@@ -30,15 +30,13 @@ as section 6 of that licence says.
 """
 
 
-def cached(folder, name):
-    """A value that CMake keeps."""
-    found = re.search(rf"^{name}:\w+=(.+)$", (folder / "CMakeCache.txt").read_text(encoding="utf-8"), re.MULTILINE)
-    return found[1] if found else sys.exit(f"{folder}: CMake was not told {name}; build it by a preset static-*")
-
-
 def compiler_of(folder):
-    """The build's own, by which the program is linked."""
-    return pathlib.Path(cached(folder, "CMAKE_CXX_COMPILER")).name
+    """The build's own, by which the program is linked, where CMake notes it whoever named it."""
+    for notes in folder.glob("CMakeFiles/*/CMakeCXXCompiler.cmake"):
+        found = re.search(r'^set\(CMAKE_CXX_COMPILER "(.+)"\)$', notes.read_text(encoding="utf-8"), re.MULTILINE)
+        if found:
+            return pathlib.Path(found[1]).name
+    return sys.exit(f"{folder}: no compiler is noted there; build it by a preset static-*")
 
 
 def c_library(compiler):

@@ -29,7 +29,7 @@ def told(command, status):
 
 def relinked(folder, work):
     """The archive unpacked in work, and the program that its line makes there."""
-    subprocess.run([ROOT / "tools/pack_static.py", folder, "-o", work], check=True, capture_output=True)
+    subprocess.run([ROOT / "tools/pack_static.py", folder, "-o", work], check=True, stdout=subprocess.DEVNULL)
     (archive,) = work.glob("*.tar.gz")
     with tarfile.open(archive) as tar:
         tar.extractall(work)
