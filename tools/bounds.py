@@ -22,10 +22,11 @@ import re
 import subprocess
 import sys
 
+from marked import with_table
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "tests/prove/bounds"
 PAGE = ROOT / "docs/proofs.md"
-START, END = "<!-- bounds: begin -->", "<!-- bounds: end -->"
 LIMIT_S, PLANTED_LIMIT_S = 60, 3
 CLAIM = re.compile(r"^# (\w+\.h): (.*)$", re.MULTILINE)
 STATED = re.compile(r"[0-9)] LSB|[0-9)] unit where")
@@ -151,7 +152,7 @@ def main():
     table = "\n".join(["| header | claim | shown by |", "| --- | --- | --- |",
                        *(f"| {header} | {words.replace('|', chr(92) + '|')} | {how} |" for header, words, how in rows)])
     page = PAGE.read_text()
-    new = page[:page.index(START) + len(START)] + "\n" + table + "\n" + page[page.index(END):]
+    new = with_table(page, "bounds", table)
     if "--write" in sys.argv[1:] and not wrong:
         PAGE.write_text(new)
     elif new != page:

@@ -14,10 +14,11 @@ import shutil
 import subprocess
 import sys
 
+from marked import with_table
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/golden.md"
 BUILD = ROOT / "build"
-BLOCK = re.compile(r"(<!-- golden: begin -->\n).*?(<!-- golden: end -->)", re.DOTALL)
 # Those that every run of the tests builds ahead of this.
 ALWAYS = 4
 MASK = 2**64 - 1
@@ -107,7 +108,7 @@ def table():
     """The header's name stands for the number; tools/site/build.py puts the number there."""
     lines = ["| place | hash | asked by | held by |", "| --- | --- | --- | --- |"]
     lines += [f"| {name} | `GOLDEN_HASH` | {how} | {test} |" for name, how, test, _ in PLACES]
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
 def main():
@@ -116,7 +117,7 @@ def main():
         print("expected write or check", file=sys.stderr)
         return 2
     page = PAGE.read_text(encoding="utf-8")
-    now = BLOCK.sub(lambda match: match[1] + table() + match[2], page)
+    now = with_table(page, "golden", table())
     if task == "write":
         PAGE.write_text(now, encoding="utf-8")
         return 0

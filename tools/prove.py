@@ -21,6 +21,8 @@ import subprocess
 import sys
 import tempfile
 
+from marked import with_table
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "tests/prove"
 PAGE = ROOT / "docs/proofs.md"
@@ -114,11 +116,6 @@ def assembly():
     return ["| assembly | equal to the C by | test |", "| --- | --- | --- |", *rows], wrong
 
 
-def with_table(page, name, rows):
-    start, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
-    return page[:page.index(start) + len(start)] + "\n" + "\n".join(rows) + "\n" + page[page.index(end):]
-
-
 def main():
     names = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
     wanted = [f for f in functions() if not names or f[1] in names]
@@ -141,7 +138,7 @@ def main():
     if not names:
         wrong += [f"open.txt names {name}, which there is not" for name in allowed]
         page = PAGE.read_text()
-        new = with_table(with_table(page, "proofs", rows), "assembly", not_c)
+        new = with_table(with_table(page, "proofs", "\n".join(rows)), "assembly", "\n".join(not_c))
         if "--write" in sys.argv[1:]:
             PAGE.write_text(new)
         elif new != page:

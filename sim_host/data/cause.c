@@ -1,6 +1,8 @@
 /* The catalogue's rows as a table (cause.h). */
 #include "cause.h"
 
+#include <string.h>
+
 const cause_row cause_table[CAUSE_COUNT] = {
 #define CAUSE(ID, id, firmware, words, law, noun) [CAUSE_##ID] = {id, true, firmware, words, law, noun},
 #define UNNAMED(ID, id, words)                    [CAUSE_##ID] = {id, false, FIRMWARE_LACKS, words, "", ""},
@@ -11,3 +13,13 @@ const char *const cause_meaning[CAUSE_COUNT] = {
 #define MEANING(ID, text) [CAUSE_##ID] = (text),
 #include "causes.def"
 };
+
+const cause_row *cause_find(const char *id)
+{
+    for (int n = 0; n < CAUSE_COUNT; n++) {
+        if (strcmp(cause_table[n].id, id) == 0) {
+            return &cause_table[n];
+        }
+    }
+    return NULL;
+}

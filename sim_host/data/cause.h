@@ -32,6 +32,9 @@ typedef struct cause_row {
 
 extern const cause_row cause_table[CAUSE_COUNT];
 
+/* The row of that id, NULL if there is none. */
+const cause_row *cause_find(const char *id);
+
 /* Some sentences on each, for a glossary; NULL where it has no name. */
 extern const char *const cause_meaning[CAUSE_COUNT];
 

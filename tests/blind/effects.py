@@ -57,6 +57,13 @@ RANGE = {
     "dc_link_ripple": (0.02, 0.12), "iron_loss": (0.02, 0.12), "glitch": (0.002, 0.03), "loose_sensor": (0.0005, 0.004),
     "speed_lag": (40.0, 160.0), "sensor_fault": (0.0005, 0.004), "loose_of_two": (0.0005, 0.004), "angle_order": (0.008, 0.1)}
 
+
+
+def plants_of(kind):
+    """The plants that know a kind. Iron of a flux map is drawn as an algebraic law: the main plant's is of the family that is fitted."""
+    return ("second",) if "saturation_dq" in kind else ("second", "main")
+
+
 # Of each group one effect contains another or can stand in for it (docs/diagnosis.md), so that a pair never has two of them.
 GROUPS = [{"inductance", "saliency", "saturation", "phase_inductance", "saturation_dq"}, {"resistance", "phase_asymmetry"},
           {"current_gain", "inductance"}, {"angle_delay", "sensor_lag"}, {"angle_delay", "speed_lag"}]

@@ -41,9 +41,8 @@ def cases(number, scale=1.0):
             # The plants take turns, shifted each time the kinds have been through, so that each kind meets both.
             turns = {"single": len(effects.KNOWN), "unknown": len(effects.UNNAMED)}.get(part, 1)
             shift = n // turns if turns % 2 == 0 else 0
-            # The iron of a flux map is drawn as an algebraic law, which only the second plant knows.
-            alone = "saturation_dq" in kind
-            out.append((seed, kind, "second" if alone else ("second", "main")[(n + shift) % 2]))
+            plants = effects.plants_of(kind)
+            out.append((seed, kind, plants[(n + shift) % len(plants)]))
     return out
 
 

@@ -74,8 +74,7 @@ def set_of(args):
     wanted = fixed_set(not args.ci, args.first)
     if args.kind:
         first = 50000 if args.first is None else args.first
-        # The main plant's flux map is of the family that the diagnosis fits, which no machine is: the second's alone is drawn.
-        plants = ("second",) if "saturation_dq" in args.kind else ("second", "main")
+        plants = effects.plants_of(args.kind)
         wanted = [(first + n, args.kind, plants[n % len(plants)]) for n in range(args.count)]
     if args.plant != "both":
         wanted = [(seed, kind, args.plant) for seed, kind, _ in wanted]

@@ -73,7 +73,7 @@ estimate estimate_of(const fit_data *d, const evidence_view *view, const fit_sta
             h[i][j] = view->sums.h[column[i]][column[j]] + (i == j ? prior[i] : 0.0);
         }
     }
-    const double usual = coordinate_table[id].usual > 0.0 ? coordinate_table[id].usual : 1.0;
+    const double usual = coordinate_usual(id);
     if (!(h[own][own] > 0.0) || !solve_inverse(n, COLUMN_COUNT, &h[0][0], &inverse[0][0])) {
         return unknown;
     }

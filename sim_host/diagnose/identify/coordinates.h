@@ -63,6 +63,12 @@ typedef struct coordinate {
 
 extern const coordinate coordinate_table[P_COUNT];
 
+/* What drives show of one; 1 where nothing is usual. */
+static inline double coordinate_usual(coordinate_id id)
+{
+    return coordinate_table[id].usual > 0.0 ? coordinate_table[id].usual : 1.0;
+}
+
 enum { COORDINATE_DIRECTIONS = 16 };
 
 /* A motor file with the sizes that its coordinates are measured in. */

@@ -103,22 +103,15 @@ static bool settle(const question *q, diagnosis *d)
     return out->numbers > 0;
 }
 
-static cause_id cause_named(const char *id)
-{
-    int n = 0;
-    while (n < CAUSE_COUNT - 1 && strcmp(cause_table[n].id, id) != 0) {
-        n++;
-    }
-    return (cause_id)n;
-}
-
 void experiment_find(const session *w, const evidence_view *view, const hypothesis_id *member, diagnosis *d)
 {
     question q;
     for (size_t k = 0; k < d->causes; k++) {
         for (size_t n = 0; n < d->cause[k].confused; n++) {
             const char *other = d->cause[k].confused_with[n];
-            if (question_of_pair(&q, w, view, member[k], cause_named(other)) && settle(&q, d)) {
+            const cause_row *row = cause_find(other);
+            if (row != NULL && question_of_pair(&q, w, view, member[k], (cause_id)(row - cause_table)) &&
+                settle(&q, d)) {
                 d->experiment.tell[0] = d->cause[k].id;
                 d->experiment.tell[1] = other;
                 return;

@@ -69,7 +69,7 @@ static void open_columns(question *q, hypothesis_set set)
 
 static void free_coordinate(question *q, coordinate_id id)
 {
-    const double usual = coordinate_table[id].usual > 0.0 ? coordinate_table[id].usual : 1.0;
+    const double usual = coordinate_usual(id);
     for (size_t k = 0; k < q->columns; k++) {
         if (q->column[k] == (int)id) {
             q->prior[k] = precision(usual);
@@ -220,7 +220,7 @@ static double usual_width(const question *q, const motor_value *v, coordinate_id
 {
     const double at = values_at(q->w, v, 0, 0.0);
     const double by = (values_at(q->w, v, (int)id, COORDINATE_STEP) - at) / COORDINATE_STEP;
-    const double usual = coordinate_table[id].usual > 0.0 ? coordinate_table[id].usual : 1.0;
+    const double usual = coordinate_usual(id);
     return fabs(by) * usual;
 }
 

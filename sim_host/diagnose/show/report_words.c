@@ -9,19 +9,9 @@
 
 /* ---- What to do next ---- */
 
-static const cause_row *row_of(const char *id)
-{
-    for (int n = 0; n < CAUSE_COUNT; n++) {
-        if (strcmp(cause_table[n].id, id) == 0) {
-            return &cause_table[n];
-        }
-    }
-    return NULL;
-}
-
 static void next_of_cause(page *p, const diagnosis_cause *cause)
 {
-    const cause_row *row = row_of(cause->id);
+    const cause_row *row = cause_find(cause->id);
     const cause_firmware has = row != NULL ? row->firmware : FIRMWARE_LACKS;
     if (has == FIRMWARE_HOLDS) {
         page_term(p, cause->id,
