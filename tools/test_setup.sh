@@ -104,5 +104,15 @@ Signed-By: /keys/debian.gpg'
 same "one-line entries" "$(tr -s ' ' <"$WORK/out/src.list" | sed 's/\[ /[/')" \
     'deb-src [signed-by=/keys/old.gpg] http://old.example/debian bookworm main'
 
+# What opens with #! is a program: ./dev and others start it by its name, and git keeps that it can be.
+while IFS=$'\t' read -r kept path; do
+    first=
+    [[ ! -f $ROOT/$path ]] || IFS= read -r -n 2 first <"$ROOT/$path" 2>/dev/null
+    case "${kept%% *}$first" in
+    '100644#!') printf 'FAIL %s opens with #! and cannot be run: chmod +x\n' "$path" && failures=$((failures + 1)) ;;
+    100755[!#]*) printf 'FAIL %s can be run and does not say by what\n' "$path" && failures=$((failures + 1)) ;;
+    esac
+done < <(git -C "$ROOT" ls-files -s)
+
 ((failures == 0)) && printf 'set-up: all as expected\n'
 exit $((failures != 0))
