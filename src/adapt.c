@@ -38,17 +38,20 @@ static components error_of(const iqfoc_watch_t *watch, const iqfoc_watch_config_
 }
 
 /*
- * gain (x y)/most. Range: most is 2^28 ... 2^48 + 2^28, shifted to 2^26 ... 2^30; x y is within 2^47 and may then be
- * above 2^31, where it saturates, as the quotient does at 128.
+ * gain unit (x y)/most. Range: |x| |y|/(|x|^2 + 2^28) is at most |y|/2^15, at |x| = 2^14, and |y| is below 2^23.5: within
+ * 362. most is 2^28 ... 2^48 + 2^28, shifted to 2^26 ... 2^30, and the quotient, over 256, is within 2; gain times quotient
+ * is within 2^49 in Q48, and in Q32 times the unit within 2^56.
  */
-static iq24_t step_of(iq24_t gain, int64_t xy_q32, int64_t most_q32)
+static iq24_t step_of(iq24_t gain, iq24_t unit, int64_t xy_q32, int64_t most_q32)
 {
     uint32_t bits = 0;
     while (iq24_asr64(most_q32, bits) > (INT64_C(1) << 30)) {
         bits += 4;
     }
-    return iq24_mul_round(
-        gain, iq24_div(iq24_sat(iq24_asr64(xy_q32, bits)), iq24_wrap(iq24_asr64(most_q32, bits))));
+    const iq24_t part =
+        iq24_div(iq24_sat(iq24_asr64(xy_q32, bits + 8)), iq24_wrap(iq24_asr64(most_q32, bits)));
+    const int64_t of_unit = iq24_asr64(IQ24_MUL64(gain, part), 16) * unit;
+    return iq24_sat(iq24_asr64(of_unit + (INT64_C(1) << 23), 24));
 }
 
 static bool is_learnt_from(const iqfoc_watch_t *watch)
@@ -73,12 +76,10 @@ void iqfoc_adapt_block(iqfoc_adapt_t *adapt, const iqfoc_adapt_config_t *config,
     const components x_psi = {0, held(-middle, size_psi, 25)};
     const components y = error_of(watch, watch_config, middle);
     const int64_t most = product_of(x_r, x_r) + product_of(x_psi, x_psi) + IQFOC_ADAPT_FLOOR_Q32;
-    const iq24_t r = step_of(config->gain, product_of(x_r, y), most);
-    const iq24_t psi = step_of(config->gain, product_of(x_psi, y), most);
-    adapt->r = iq24_clamp(iq24_add_wrap(adapt->r, iq24_mul_round(r, IQ24(IQFOC_ADAPT_R))), config->r_low,
-                          config->r_high);
-    adapt->psi = iq24_clamp(iq24_add_wrap(adapt->psi, iq24_mul_round(psi, IQ24(IQFOC_ADAPT_PSI))),
-                            config->psi_low, config->psi_high);
+    const iq24_t r = step_of(config->gain, IQ24(IQFOC_ADAPT_R), product_of(x_r, y), most);
+    const iq24_t psi = step_of(config->gain, IQ24(IQFOC_ADAPT_PSI), product_of(x_psi, y), most);
+    adapt->r = iq24_clamp(iq24_add_sat(adapt->r, r), config->r_low, config->r_high);
+    adapt->psi = iq24_clamp(iq24_add_sat(adapt->psi, psi), config->psi_low, config->psi_high);
 }
 
 /* x (1 + change), held to 2^30. Range: |change| <= 1. */

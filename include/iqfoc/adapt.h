@@ -64,7 +64,7 @@ typedef struct iqfoc_adapt {
  * IQFOC_ROTOR_TURNS_MAX (held to it). Not in the first block after a reset, nor below 0.15 of current, nor from the
  * watch's alarm on: what has changed is then to be recorded, and not to be made good.
  *
- * Largest error: 1e-4 of a unit per block, of 60000 drawn; 5e-4 by analysis, where x is a quarter of the noise (e is two
+ * Largest error: 2.2e-4 of a unit per block, of 60000 drawn; 5e-4 by analysis, where x is a quarter of the noise (e is two
  * roundings off in Q16 of it, x one). e and x are held to +-128 of the noise.
  */
 void iqfoc_adapt_block(iqfoc_adapt_t *adapt, const iqfoc_adapt_config_t *config, const iqfoc_watch_t *watch,
