@@ -56,9 +56,15 @@ static double swing(const averaged_drive *d, size_t n, vec_rotor at)
     return d->harmonic_cos_rad[n] * at.cos + d->harmonic_sin_rad[n] * at.sin;
 }
 
+/* Its derivative by n times the angle. */
+static double swing_slope(const averaged_drive *d, size_t n, vec_rotor at)
+{
+    return d->harmonic_sin_rad[n] * at.cos - d->harmonic_cos_rad[n] * at.sin;
+}
+
 /*
  * How far the recorded angle lies ahead of the true one. An error that repeats with the electrical turn moves the very
- * angle that it depends on: it is taken at the angle that is left, once more.
+ * angle that it depends on: two steps of Newton's leave the seventh power of order times amplitude.
  */
 static double angle_error(const averaged_drive *d, const cycle_row *row)
 {
@@ -73,7 +79,9 @@ static double angle_error(const averaged_drive *d, const cycle_row *row)
     double ahead = slow;
     for (int again = 0; again < 2; again++) {
         const vec_rotor r = further(recorded, (vec_rotor){cos(ahead), -sin(ahead)});
-        ahead = slow + swing(d, 2, r) + swing(d, 3, further(r, r));
+        const vec_rotor two = further(r, r);
+        const double steeper = swing_slope(d, 2, r) + 2.0 * swing_slope(d, 3, two);
+        ahead += (slow + swing(d, 2, r) + swing(d, 3, two) - ahead) / (1.0 + steeper);
     }
     return ahead;
 }

@@ -10,6 +10,7 @@
 #include "model/sensor_lag.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unity.h>
 
@@ -236,6 +237,45 @@ static vec_ab seen_by(double tau_s, const double fell[3], vec_ab i)
     return seen;
 }
 
+/* The current at the end of a cycle of 0.2 rad that is recorded as beginning at `recorded`. */
+static vec_ab after_cycle(const averaged_drive *d, double recorded)
+{
+    const double T = 1.25e-4;
+    const averaged_node node = averaged_node_at(d->R_ohm, d->L_d_H, d->L_q_H, T, 0.2 / T);
+    const cycle_row row = {.u_V[0] = {40.0, -25.0},
+                           .cos_theta = cos(recorded),
+                           .sin_theta = sin(recorded),
+                           .cos_turn = cos(0.2),
+                           .sin_turn = sin(0.2),
+                           .omega_rad_s = 0.2 / T,
+                           .u_dc_V = 565.0,
+                           .T_s = T};
+    return averaged_drive_advance(d, &node, &row, (vec_ab){3.0, -2.0});
+}
+
+/* An error once and twice an electrical turn depends on the true angle, and the recorded one is all that a row has. */
+static void an_error_of_the_electrical_turn_is_taken_at_the_true_angle(void)
+{
+    const motor m = bench_motor();
+    const averaged_drive right = averaged_drive_of(&m);
+    averaged_drive off = right;
+    off.harmonic_cos_rad[2] = 0.02;
+    off.harmonic_sin_rad[2] = -0.03;
+    off.harmonic_cos_rad[3] = 0.07;
+    off.harmonic_sin_rad[3] = 0.06;
+    double most = 0.0;
+    for (int k = 0; k < 100; k++) {
+        const double theta = 0.0628 * k;
+        const double ahead =
+            0.02 * cos(theta) - 0.03 * sin(theta) + 0.07 * cos(2.0 * theta) + 0.06 * sin(2.0 * theta);
+        const vec_ab want = after_cycle(&right, theta);
+        const vec_ab got = after_cycle(&off, theta + ahead);
+        most = fmax(most, hypot(got.alpha - want.alpha, got.beta - want.beta));
+    }
+    printf("  off by %.2g A at most\n", most);
+    TEST_ASSERT_TRUE(most < 1e-5);
+}
+
 /* While no leg is high the flux stands still and the rotor turns under it. */
 static void a_late_sample_sees_the_flux_with_the_rotor_further_on(void)
 {
@@ -344,6 +384,7 @@ int main(void)
     RUN_TEST(a_flux_map_goes_to_the_motor_file_and_back);
     RUN_TEST(a_flux_map_is_inverted);
     RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
+    RUN_TEST(an_error_of_the_electrical_turn_is_taken_at_the_true_angle);
     RUN_TEST(a_late_sample_sees_the_flux_with_the_rotor_further_on);
     RUN_TEST(a_filter_still_sees_the_last_edges);
     RUN_TEST(a_filtered_speed_is_put_right);
