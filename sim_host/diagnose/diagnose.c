@@ -258,6 +258,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     mended_causes_tell(&w->rows, m, d);
     advice_tell(w, d);
     sentence_tell(d);
+    d->rows_clipped = w->rows.clipped;
     for (size_t b = 0; b < w->rows.blocks; b++) {
         d->rows_used += w->rows.block[b].count;
         d->rows_held_out += w->rows.block[b].held_out ? w->rows.block[b].count : 0;

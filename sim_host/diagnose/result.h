@@ -150,6 +150,7 @@ typedef struct diagnosis {
     const char *recording_path, *motor_path; /* borrowed; for what is told */
     diagnosis_verdict verdict;
     size_t rows, rows_used, rows_held_out, outliers;
+    size_t rows_clipped; /* a current sensor stands at the end of its range there: not used */
     size_t causes;
     diagnosis_cause cause[DIAGNOSIS_CAUSES];
     double nominal, extended, noise_floor, gain; /* percent, percent, percent, 1 */

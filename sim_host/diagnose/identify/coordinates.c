@@ -30,12 +30,14 @@ static double scale_of(const coordinate_frame *f, coordinate_id id)
 
 static void find_reach(coordinate_frame *f, const diagnose_rows *r)
 {
-    for (size_t k = 0; k < r->rows; k++) {
-        const vec_dq i = vec_to_dq(r->row[k].i_A, (vec_rotor){r->row[k].cos_theta, r->row[k].sin_theta});
-        const double turn = atan2(i.q, i.d) / VEC_TWO_PI + 0.5;
-        vec_dq *most = &f->reach_A[(size_t)(turn * COORDINATE_DIRECTIONS) % COORDINATE_DIRECTIONS];
-        if (i.d * i.d + i.q * i.q > most->d * most->d + most->q * most->q) {
-            *most = i;
+    for (size_t b = 0; b < r->blocks; b++) {
+        for (size_t k = r->block[b].first; k < r->block[b].first + r->block[b].count; k++) {
+            const vec_dq i = vec_to_dq(r->row[k].i_A, (vec_rotor){r->row[k].cos_theta, r->row[k].sin_theta});
+            const double turn = atan2(i.q, i.d) / VEC_TWO_PI + 0.5;
+            vec_dq *most = &f->reach_A[(size_t)(turn * COORDINATE_DIRECTIONS) % COORDINATE_DIRECTIONS];
+            if (i.d * i.d + i.q * i.q > most->d * most->d + most->q * most->q) {
+                *most = i;
+            }
         }
     }
 }

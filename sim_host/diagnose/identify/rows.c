@@ -1,6 +1,7 @@
 /* A recording made ready: angles, voltages, edges, nodes, blocks (rows.h). */
 #include "rows.h"
 
+#include "row_clips.h"
 #include "row_edges.h"
 #include "row_speeds.h"
 
@@ -146,6 +147,17 @@ static bool warms(const recording *rec)
     return most - least >= WARMER_K;
 }
 
+/* Whether a sensor stands at the end of its range in a block: nothing can be learned from where it does. */
+static bool is_clipped(diagnose_rows *r, const row_block *b, double end_A)
+{
+    size_t rows = 0;
+    for (size_t k = b->first; k < b->first + b->count; k++) {
+        rows += row_clips_at(r->recording, k, end_A);
+    }
+    r->clipped += rows;
+    return rows > 0;
+}
+
 static bool cut_blocks(diagnose_rows *r)
 {
     const recording *rec = r->recording;
@@ -158,6 +170,7 @@ static bool cut_blocks(diagnose_rows *r)
     const bool by_run = distinct_runs(rec) >= GROUPS_WANTED && distinct_runs(rec) <= ROWS_MAX_GROUPS;
     const size_t wanted = total < 12 ? GROUPS_WANTED : 12;
     const size_t in_time = total < wanted ? total : wanted;
+    const double end_A = row_clips_end_A(rec);
     for (size_t s = 0; s < rec->stretches; s++) {
         const stretch *st = &rec->stretch[s];
         const size_t n = blocks_of(st, least);
@@ -167,6 +180,9 @@ static bool cut_blocks(diagnose_rows *r)
             b->first = st->first + ROWS_HISTORY + j * usable / n;
             b->count = st->first + ROWS_HISTORY + (j + 1) * usable / n - b->first;
             b->stretch = s;
+            if (is_clipped(r, b, end_A)) {
+                continue;
+            }
             if (by_run) {
                 const bool same = r->groups > 0 && r->group_run[r->groups - 1] == st->run;
                 b->group = same ? r->groups - 1 : r->groups;
@@ -203,6 +219,14 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     if (!rows_place_nodes(r) || !cut_blocks(r)) {
         rows_free(r);
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
+    }
+    if (r->blocks < 3 && r->clipped > 0) {
+        const size_t clipped = r->clipped;
+        rows_free(r);
+        return error_input(
+            e, rec->path, 0, 0,
+            "the current sensors stand at the end of their range in %zu of %zu rows: too few are left",
+            clipped, rec->rows);
     }
     if (r->blocks < 3) {
         rows_free(r);

@@ -54,6 +54,7 @@ typedef struct diagnose_rows {
     double *node_omega_rad_s;
     size_t blocks;
     row_block *block;
+    size_t clipped; /* rows at the end of a current sensor's range: no block holds one (row_clips.h) */
     size_t groups;
     long group_run[ROWS_MAX_GROUPS]; /* the `run` of each group */
     bool two_sensors;                /* only two currents were measured */

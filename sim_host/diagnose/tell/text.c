@@ -46,6 +46,12 @@ void text_print(FILE *out, const diagnosis *d)
         }
     }
     fputc('\n', out);
+    if (d->rows_clipped > 0) {
+        fprintf(out,
+                "\n  in %zu rows a current sensor stands at the end of its range: they and those about them "
+                "are not used\n",
+                d->rows_clipped);
+    }
     if (d->structure.words[0]) {
         fprintf(out, "\n  left over: %s\n", d->structure.words);
     }
