@@ -302,6 +302,34 @@ static void the_probability_is_a_share_of_the_evidence(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0 / (1.0 + cbrt(other)), probability[H_RESISTANCE]);
 }
 
+/* One that may well be there too: as probable as the set that holds both is beside the set that was chosen. */
+static void the_set_with_one_more_counts(void)
+{
+    double probability[H_COUNT];
+    parabola(P_R, 0.05, 600.0);
+    parabola(P_PSI, 0.02, 36.0);
+    state.set = BIT(H_RESISTANCE);
+    const double more = exp(-0.5 * (of(BIT(H_RESISTANCE) | BIT(H_FLUX)).score - of(BIT(H_RESISTANCE)).score));
+    TEST_ASSERT_TRUE(more > 0.3 && more < 1.0);
+    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, probability);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, more / (1.0 + more), probability[H_FLUX]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, probability[H_RESISTANCE]);
+}
+
+/* What was fitted stands, though the parabola about it has its optimum where one of two that trade is too small for a name. */
+static void the_set_that_was_fitted_counts_whatever_the_parabola_says(void)
+{
+    double probability[H_COUNT];
+    evidence_option option;
+    parabola(P_R, 0.9 * hypothesis_table[H_RESISTANCE].least, 600.0);
+    parabola(P_PSI, 0.05, 550.0);
+    state.set = BIT(H_RESISTANCE);
+    TEST_ASSERT_FALSE(evidence_cost(view, &state, state.set, &option));
+    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, probability);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, probability[H_RESISTANCE]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, probability[H_FLUX]);
+}
+
 static certainty of_two(void)
 {
     certainty c = {.columns = 2, .column = {P_R, P_PSI}, .half_width = {0.02, 0.03}};
@@ -384,6 +412,8 @@ int main(void)
     RUN_TEST(all_rivals_are_listed_once);
     RUN_TEST(two_that_trade_for_one);
     RUN_TEST(the_probability_is_a_share_of_the_evidence);
+    RUN_TEST(the_set_with_one_more_counts);
+    RUN_TEST(the_set_that_was_fitted_counts_whatever_the_parabola_says);
     RUN_TEST(what_is_asked_of_a_certainty);
     RUN_TEST(a_cause_of_two_columns_is_weighed_with_both);
     RUN_TEST(an_estimate_is_of_the_information);

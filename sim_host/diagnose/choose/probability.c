@@ -11,9 +11,14 @@ typedef struct tally {
     double of_cause[CAUSE_COUNT];
 } tally;
 
+/* The set that was fitted is one whatever the parabola about it says: the optimum of causes that trade may lie where one of
+ * them is too small for a name. */
 static double score_of(const tally *t, hypothesis_set set)
 {
     evidence_option option;
+    if (set == t->state->set) {
+        return t->best;
+    }
     return evidence_cost(t->view, t->state, set, &option) ? option.score : INFINITY;
 }
 
@@ -31,13 +36,12 @@ static void count(tally *t, hypothesis_set set)
     }
 }
 
-/* The set, and the set with one more. */
+/* The set, and the set with one more that is not the state's own again. */
 static void count_about(tally *t, hypothesis_set set, hypothesis_set possible)
 {
     count(t, set);
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(possible, h) && set != (t->state->set & ~HYPOTHESIS_BIT(h)) &&
-            hypothesis_joins(set, h)) {
+        if (hypothesis_in(possible, h) && !hypothesis_in(t->state->set, h) && hypothesis_joins(set, h)) {
             count(t, set | HYPOTHESIS_BIT(h));
         }
     }
