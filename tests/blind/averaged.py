@@ -22,7 +22,8 @@ def no_effect():
         alpha_R=0.0, alpha_psi=0.0, heating_K=0.0,
         order=1, amplitude_rad=0.0, phase_rad=0.0, t_delay_s=0.0, sensor_lag_s=0.0, speed_lag_s=0.0,
         delay_cycles=0, psi_5_Wb=0.0, psi_7_Wb=0.0, psi_11_Wb=0.0, psi_13_Wb=0.0, dR_ohm=np.zeros(3), dL_H=np.zeros(3), flux_map=None, R_iron_ohm=np.inf,
-        tau_iron_s=1e-4, u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0)
+        tau_iron_s=1e-4, u_ripple=0.0, u_ripple_Hz=300.0, glitch_rate=0.0, loose_rate=0.0, loose_phase=0, loose_factor=0.0,
+        hysteresis_A=0.0, hum_V=0.0, hum_Hz=50.0, hum_phase=0, flux_order=0, flux_share=0.0, flux_rad=0.0)
 
 
 def gains_on_vector(model):

@@ -99,11 +99,13 @@ def simulate(motor, bench, model, rows, rng_seed):
         u_dc_lsb_V=1.4 * u_file / 2 ** bench.bits, timer_counts=bench.timer_counts, modulator=getattr(bench, "modulator", "min_max" if bench.min_max else "sine"),
         omega_noise_rad_s=bench.omega_noise * motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs,
         R_share=np.zeros((bench.warm_up + rows, 1)), psi_share=np.zeros((bench.warm_up + rows, 1)),
-        drifts=bool(model.R_rate_ohm_s or model.psi_rate_Wb_s or model.g_rate_s.any() or model.o_rate_A_s.any()),
+        drifts=bool(model.R_rate_ohm_s or model.psi_rate_Wb_s or model.g_rate_s.any() or model.o_rate_A_s.any() or model.flux_share),
         clock_s=starts - middle_s, R_rate_ohm_s=model.R_rate_ohm_s, psi_rate_Wb_s=model.psi_rate_Wb_s,
         gain_rate_s=model.g_rate_s.reshape(3, 1), offset_rate_A_s=model.o_rate_A_s.reshape(3, 1),
         compensation_V=model.compensation_V, glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles,
-        sensor_lag_s=model.sensor_lag_s, speed_lag_s=model.speed_lag_s)
+        sensor_lag_s=model.sensor_lag_s, speed_lag_s=model.speed_lag_s, hysteresis_A=model.hysteresis_A, hum_V=model.hum_V,
+        hum_Hz=model.hum_Hz, hum_phase=model.hum_phase, flux_order=model.flux_order, flux_share=model.flux_share,
+        flux_rad=model.flux_rad)
     if model.heating_K:
         p.drifts = True
         p.warmer_K = warming(starts + T_s * np.arange(-bench.warm_up, rows).reshape(-1, 1), model, motor)

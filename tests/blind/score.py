@@ -168,7 +168,7 @@ def confusion(results):
         label = r["hidden"][0] if r["hidden"] else (r["unknown"][0] if r["unknown"] else "clean")
         rows.setdefault(label, []).append(r["named"])
     names = causes_met(results) + ["none"]
-    order = [x for x in dict.fromkeys(effects.KNOWN + ["clean"] + effects.UNKNOWN + effects.UNNAMED) if x in rows]
+    order = [x for x in dict.fromkeys(effects.KNOWN + ["clean"] + effects.UNKNOWN + effects.UNNAMED + effects.STRANGERS) if x in rows]
     matrix = [[float(np.mean([(c in named) if c != "none" else not named for named in rows[row]])) for c in names]
               for row in order]
     return order, names, matrix, [len(rows[row]) for row in order]

@@ -17,12 +17,13 @@ class CurrentSensors:
     """measured = gain * true + offset + noise, quantised; one phase may be loose (reads a part of the truth)."""
 
     def __init__(self, gain, offset_A, noise_A, lsb_A, full_scale_A, loose_phase, loose_rate, loose_factor,
-                 two_sensors, rng):
+                 two_sensors, rng, hysteresis_A=0.0):
         self.two_sensors = two_sensors
         self.gain, self.offset_A, self.noise_A = gain, offset_A, noise_A
         self.lsb_A, self.full_scale_A, self.rng = lsb_A, full_scale_A, rng
         self.loose_phase, self.loose_rate, self.loose_factor = loose_phase, loose_rate, loose_factor
         self.loose_left = np.zeros(lsb_A.shape, int)
+        self.hysteresis_A, self.held = hysteresis_A, None
 
     def contact(self):
         """Decides, once per cycle, which lanes' loose contact is open; it stays so for 1 to 12 cycles."""
@@ -37,6 +38,10 @@ class CurrentSensors:
 
     def read(self, i_abc):
         x = self.gain * i_abc + self.offset_A
+        if self.hysteresis_A:
+            # A core's play: what is shown follows once the current has turned by more than the width.
+            self.held = x if self.held is None else np.clip(self.held, x - self.hysteresis_A, x + self.hysteresis_A)
+            x = self.held.copy()
         if np.any(self.loose_rate):
             open_now = (self.loose_left > 0) & (np.arange(3).reshape(3, 1) == self.loose_phase)
             x = np.where(open_now, self.loose_factor * x, x)
@@ -140,7 +145,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
     lanes = inverter.T_s.shape[0]
     drive = Drive(machine, inverter, shaft, p.i_ref_dq[0] * np.exp(1j * shaft.theta(np.zeros(lanes))), p.sensor_lag_s)
     sensors = CurrentSensors(p.gain, p.offset_A, p.noise_A, p.lsb_A, p.full_scale_A, p.loose_phase, p.loose_rate,
-                             p.loose_factor, p.two_sensors, rng)
+                             p.loose_factor, p.two_sensors, rng, p.hysteresis_A)
     angle = AngleSensor(shaft, p.pole_pairs, p.encoder_counts, p.theta_0_rad, p.t_delay_s, p.order, p.amplitude_rad,
                         p.phase_rad)
     speed = SpeedColumn(shaft, p.speed_lag_s)
@@ -162,8 +167,9 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         if p.drifts:
             # From cycle to cycle: what moves over seconds does not move within one.
             clock_s = p.clock_s + (k - warm_up) * T
+            around = p.flux_share * np.cos(p.flux_order * shaft.theta(t) / p.pole_pairs + p.flux_rad)
             machine.drift_to(np.maximum(R_middle_ohm * (1.0 + p.R_share[k]) + p.R_rate_ohm_s * clock_s, 0.0),
-                             psi_middle_Wb * (1.0 + p.psi_share[k]) + p.psi_rate_Wb_s * clock_s)
+                             psi_middle_Wb * (1.0 + p.psi_share[k] + around) + p.psi_rate_Wb_s * clock_s)
             sensors.drift_to(p.gain + p.gain_rate_s * clock_s, p.offset_A + p.offset_rate_A_s * clock_s)
         slow = 1.0 + p.u_drift * np.sin(TURN * p.u_drift_Hz * t + 1.0)
         ripple = p.u_ripple * np.sin(TURN * p.u_ripple_Hz * (t + 0.5 * T))
@@ -180,6 +186,8 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         to_peak = before if p.delay_cycles % 1.0 else applied
         # A compensation of dead time and drops, as gate logic makes it: by the signs at the valley, unseen by the record.
         more = p.compensation_V / p.u_dc_V * np.sign(phases_from_vector(drive.current()))
+        if p.hum_V:
+            more = more + p.hum_V / p.u_dc_V * np.cos(TURN * p.hum_Hz * (p.clock_s + t)) * (np.arange(3).reshape(3, 1) == p.hum_phase)
         i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied + more, u_dc_true, to_peak + more)))
         if drive.late_valley is not None:
             i_valley = sensors.read(phases_from_vector(drive.late_valley))
