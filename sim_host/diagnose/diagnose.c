@@ -229,6 +229,9 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
             return false;
         }
     }
+    if (!causes_bear_out(w, &options->teller)) {
+        return false;
+    }
     d->nominal_drive = w->frame.nominal;
     d->extended_motor = *m;
     const diagnose_rows recorded = mended_rows(&w->rows, 0);

@@ -3,6 +3,7 @@
  * leaves, what it pays, how small a cause may be beside others, what could take its place, how probable it is, how
  * sure. No recording: a parabola along each coordinate says all that the rules ask of one.
  */
+#include "diagnose/choose/borne_out.h"
 #include "diagnose/choose/certainty.h"
 #include "diagnose/choose/confusion.h"
 #include "diagnose/choose/estimates.h"
@@ -330,6 +331,32 @@ static void the_set_that_was_fitted_counts_whatever_the_parabola_says(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, probability[H_FLUX]);
 }
 
+/* ---- Whether it explains as much as it leaves ---- */
+
+/* Sensor noise alone is (1 - gain) of each of two components' variance; a gain of a tenth is as good as none. */
+static void what_is_left_is_what_the_gain_says(void)
+{
+    const group_noise noise[] = {{.gain = 0.55, .rows = 1000.0}, {.gain = 0.1, .rows = 5000.0}};
+    SAME(2.0 * 1000.0 * log(2.0), borne_out_left(noise, 1));
+    SAME(2.0 * 1000.0 * log(2.0), borne_out_left(noise, 2));
+    const group_noise trusted = {.gain = 0.03, .rows = 1000.0};
+    SAME(0.0, borne_out_left(&trusted, 1));
+}
+
+static void a_set_explains_as_much_as_it_leaves(void)
+{
+    /* By the likelihood; of the power it takes next to nothing, and leaves 3. */
+    TEST_ASSERT_TRUE(borne_out(1000.0, 1000.0, 2.0, 2.0, 1.0));
+    TEST_ASSERT_FALSE(borne_out(999.0, 1000.0, 2.0, 2.0, 1.0));
+    /* By the power: 9 is 4 of noise, 2 left, 3 explained. */
+    TEST_ASSERT_TRUE(borne_out(1.0, 1000.0, 3.0, sqrt(6.0), 2.0));
+    TEST_ASSERT_FALSE(borne_out(1.0, 1000.0, 3.0, sqrt(6.6), 2.0));
+    /* A floor above the error leaves nothing. */
+    TEST_ASSERT_TRUE(borne_out(1.0, 1000.0, 3.0, 2.5, 2.6));
+    /* What makes the error worse explains nothing. */
+    TEST_ASSERT_FALSE(borne_out(1.0, 1000.0, 3.0, 3.1, 2.0));
+}
+
 static certainty of_two(void)
 {
     certainty c = {.columns = 2, .column = {P_R, P_PSI}, .half_width = {0.02, 0.03}};
@@ -414,6 +441,8 @@ int main(void)
     RUN_TEST(the_probability_is_a_share_of_the_evidence);
     RUN_TEST(the_set_with_one_more_counts);
     RUN_TEST(the_set_that_was_fitted_counts_whatever_the_parabola_says);
+    RUN_TEST(what_is_left_is_what_the_gain_says);
+    RUN_TEST(a_set_explains_as_much_as_it_leaves);
     RUN_TEST(what_is_asked_of_a_certainty);
     RUN_TEST(a_cause_of_two_columns_is_weighed_with_both);
     RUN_TEST(an_estimate_is_of_the_information);

@@ -1,6 +1,7 @@
 /* Search and prune in turn until all that stays is certain (causes.h). */
 #include "causes.h"
 
+#include "borne_out.h"
 #include "confusion.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/measure/errors.h"
@@ -245,9 +246,9 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
 
 /* What was dropped may have kept something better out: search and prune in turn until a search finds nothing
  * new. */
-bool causes_find(session *w, const diagnose_teller *teller)
+static bool find(session *w, const hypothesis_set possible, const diagnose_teller *teller)
 {
-    hypothesis_set allowed = w->possible;
+    hypothesis_set allowed = possible;
     hypothesis_set before = 0;
     double least = 0.0;
     evidence_view *view = calloc(1, sizeof *view);
@@ -260,7 +261,7 @@ bool causes_find(session *w, const diagnose_teller *teller)
             break;
         }
         ok = ok && prune(w, view, &allowed, &least, teller);
-        if (w->state.set == 0 && allowed == w->possible) {
+        if (w->state.set == 0 && allowed == possible) {
             break; /* nothing found, nothing dropped */
         }
     }
@@ -268,4 +269,46 @@ bool causes_find(session *w, const diagnose_teller *teller)
     ok = ok && certainty_of(&w->fitted, &w->state, &w->certainty);
     free(view);
     return ok;
+}
+
+bool causes_find(session *w, const diagnose_teller *teller)
+{
+    return find(w, w->possible, teller);
+}
+
+static hypothesis_set named_of(hypothesis_set set)
+{
+    hypothesis_set named = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        named |= hypothesis_in(set, h) && hypothesis_cause(h)->named ? HYPOTHESIS_BIT(h) : 0;
+    }
+    return named;
+}
+
+/* Whether the named members together explain as much as they leave. The floor, which structure raises, is no higher than
+ * what the model with all its members leaves. */
+static bool is_borne_out(const session *w)
+{
+    double noise = 0.0;
+    const averaged_drive drive = session_drive(w, w->state.z);
+    const double floor_A = measure_floor(&w->rows, &w->state, &drive, &noise);
+    const double all = measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
+    const double in_all = in_floors(w, floor_A, all);
+    return borne_out(w->nominal.objective - w->state.objective,
+                     borne_out_left(w->state.noise, w->rows.groups), named_error(w, 0),
+                     named_error(w, w->state.set), in_all > 1.0 ? all / in_all : all);
+}
+
+bool causes_bear_out(session *w, const diagnose_teller *teller)
+{
+    if (named_of(w->state.set) == 0 || is_borne_out(w)) {
+        return true;
+    }
+    if (teller->trace) {
+        char words[256];
+        fprintf(teller->trace, "  more is left than they explain, and none is named: %s\n",
+                evidence_words(w->state.set, words, sizeof words));
+    }
+    /* It was the best set there is: no other explains more, and no part of it. */
+    return find(w, w->possible & ~named_of(w->possible), teller);
 }
