@@ -72,6 +72,17 @@ static void mention_decoys(const session *w, diagnosis *d)
     }
 }
 
+/* That the best causes leave more than they explain is known structure, too, however small the error of a cycle is. */
+static void mention_more_left(const session *w, diagnosis *d)
+{
+    if (w->more_left) {
+        const size_t used = strlen(d->structure.words);
+        d->structure.certain = true;
+        snprintf(d->structure.words + used, sizeof d->structure.words - used,
+                 "%sthe causes that fit best leave more than they explain", used ? "; " : "");
+    }
+}
+
 static void tabulate_hypotheses(const session *w, evidence_view *view, diagnosis *d,
                                 const hypothesis_id *member, hypothesis_set skipped)
 {
@@ -250,6 +261,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         return false;
     }
     mention_decoys(w, d);
+    mention_more_left(w, d);
     decide(d, w->rows.mends > 0);
     if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && !learned_find(&w->rows, d)) {
         return false;

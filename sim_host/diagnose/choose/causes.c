@@ -309,6 +309,7 @@ bool causes_bear_out(session *w, const diagnose_teller *teller)
         fprintf(teller->trace, "  more is left than they explain, and none is named: %s\n",
                 evidence_words(w->state.set, words, sizeof words));
     }
+    w->more_left = true;
     /* It was the best set there is: no other explains more, and no part of it. */
     return find(w, w->possible & ~named_of(w->possible), teller);
 }
