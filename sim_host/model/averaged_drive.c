@@ -1,5 +1,6 @@
 /* The averaged drive's laws over a cycle, and its sensors (averaged_drive.h). */
 #include "averaged_drive.h"
+#include "found_edges.h"
 #include "iron_branch.h"
 
 #include "flux_map.h"
@@ -108,28 +109,36 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
                            vec_rotor r, double T_s)
 {
     const double drifted = d->R_rate_ohm_s * row->elapsed_s + d->R_ohm * d->alpha_R * row->temperature_K;
-    double first[3];
-    double last[3];
-    double lost[3];
-    double k[3];
-    vec_to_phases(i_start, first);
-    vec_to_phases(i_end, last);
-    inverse_inductance(d, d->edge_ripple, r, k);
+    found_currents i = {.T_s = T_s};
+    double lost[3] = {0.0};
+    vec_to_phases(i_start, i.first);
+    vec_to_phases(i_end, i.last);
+    inverse_inductance(d, d->edge_ripple, r, i.per_flux);
+    for (size_t x = 0; x < 3; x++) {
+        const vec_ab flux = row->edge_ripple_Wb[x];
+        const vec_ab i_ripple = {i.per_flux[0] * flux.alpha + i.per_flux[1] * flux.beta,
+                                 i.per_flux[1] * flux.alpha + i.per_flux[2] * flux.beta};
+        i.apart[x] = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (i.last[x] - i.first[x]);
+    }
+    const bool found = d->edge == EDGE_FOUND || d->edge == EDGE_OVER;
+    if (d->v_dead_V != 0.0 && found) {
+        found_edges_lost(d, row, &i, lost);
+    }
     double per_knee = 1.0 / d->i_knee_A;
     /* The drop lowers the end current, and with it its own mid-cycle value: a leg sees 2/3 of its loss, half
      * of that by mid-cycle. */
     double third = T_s / 3.0 * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
     for (size_t x = 0; x < 3; x++) {
-        double mid = 0.5 * (first[x] + last[x]);
-        vec_ab flux = row->edge_ripple_Wb[x];
-        vec_ab i_ripple = {k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
-        double apart = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (last[x] - first[x]);
+        const double mid = 0.5 * (i.first[x] + i.last[x]);
         const double more_ohm = d->dR_ohm[x] + drifted;
-        /* Of a full loss at one edge and none at the other: (1 + s) / 2 at the rise, (s - 1) / 2 at the fall. */
-        const double rise = averaged_drive_edge(d->edge, (mid + apart) * per_knee);
-        const double fall = averaged_drive_edge(d->edge, (mid - apart) * per_knee);
-        const double held = row->no_rise[x] * (1.0 + rise) - row->no_fall[x] * (1.0 - fall);
-        lost[x] = 0.5 * d->v_dead_V * (rise + fall - held) + more_ohm * mid / (1.0 + more_ohm * third);
+        if (d->v_dead_V != 0.0 && !found) {
+            /* Of a full loss at one edge and none at the other: (1 + s) / 2 at the rise, (s - 1) / 2 at the fall. */
+            const double rise = averaged_drive_edge(d->edge, (mid + i.apart[x]) * per_knee);
+            const double fall = averaged_drive_edge(d->edge, (mid - i.apart[x]) * per_knee);
+            const double held = row->no_rise[x] * (1.0 + rise) - row->no_fall[x] * (1.0 - fall);
+            lost[x] = 0.5 * d->v_dead_V * (rise + fall - held);
+        }
+        lost[x] += more_ohm * mid / (1.0 + more_ohm * third);
     }
     return vec_from_phases(lost);
 }

@@ -22,6 +22,8 @@
 typedef enum edge_law {
     EDGE_CHARGED, /* the current first charges the devices' capacitance: 1 - knee/(2|i|) */
     EDGE_CLIPPED, /* sat(i / knee): the law of interfaces.md and of the firmware */
+    EDGE_FOUND,   /* the same at each edge, of the current that it finds (found_edges.h) */
+    EDGE_OVER,    /* and behind a compensation, by the sign at the cycle's start, of more than is lost */
     EDGE_LAWS
 } edge_law;
 
@@ -35,6 +37,7 @@ typedef struct averaged_drive {
     edge_law edge;
     /* How much of the ripple each edge sees: 0, the mean current, to 1, all that the duties tell. */
     double edge_ripple;
+    double dead_share; /* EDGE_OVER: the dead time itself, of what it is over-compensated by */
     double k_u;
     double offset_ab_A[2]; /* current sensors, stationary frame */
     double offset_zero_A;  /* mean of the three sensors' offsets: shows only where all three are recorded */

@@ -64,6 +64,7 @@ bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evid
     }
     memset(view, 0, sizeof *view);
     view->rows = d->rows;
+    view->edge = s->edge;
     view->of_least = d->frame->of_least;
     for (size_t b = 0; b < d->blocks; b++) {
         view->sums.c += grams[b].c;
@@ -164,7 +165,7 @@ double evidence_penalty(const evidence_view *view, hypothesis_set set)
     double sum = 0.0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (set & HYPOTHESIS_BIT(h)) {
-            size_t parameters = hypothesis_table[h].columns + hypothesis_table[h].shapes;
+            size_t parameters = hypothesis_table[h].columns + hypothesis_shapes(h, view->edge);
             for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
                 parameters -= column_shows(hypothesis_table[h].column[k], view->rows) ? 0 : 1;
             }

@@ -10,6 +10,7 @@
 /* All columns' sums at a state, and what follows from them. */
 typedef struct evidence_view {
     const diagnose_rows *rows;
+    edge_law edge;
     double of_least;  /* as in coordinate_frame */
     double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
     double least;     /* what a named cause must explain at the least, by what is left; set by the search */

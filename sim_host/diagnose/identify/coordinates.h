@@ -56,9 +56,10 @@ typedef struct coordinate {
     double low, high;
     double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
     bool rate;      /* of another coordinate, per second */
-    bool third_sensor; /* there is no such number where two currents are measured */
-    double usual;      /* one standard deviation of what drives show, in z; 0: nothing is said */
-    double digits;     /* and of what a file's last digits leave open, unnamed; 0: it is as the file says */
+    bool third_sensor;    /* there is no such number where two currents are measured */
+    bool of_compensation; /* shapes the law of an over-compensated dead time alone */
+    double usual;         /* one standard deviation of what drives show, in z; 0: nothing is said */
+    double digits; /* and of what a file's last digits leave open, unnamed; 0: it is as the file says */
 } coordinate;
 
 extern const coordinate coordinate_table[P_COUNT];

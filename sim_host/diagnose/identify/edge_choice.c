@@ -12,6 +12,28 @@ static const double knee_share[] = {0.005, 0.02, 0.06, 0.15};
 enum { KNEES = sizeof knee_share / sizeof *knee_share };
 static const double RIPPLE_START = 0.7;
 
+/* Each edge's own current sees all of the ripple, and no knee but the filter's error and the dead time's length. */
+static const double FOUND_KNEE_SHARE = 0.01;
+static const double FOUND_RIPPLE = 1.0;
+/* A compensation of twice what is lost. */
+static const double DEAD_SHARE_START = 1.0;
+
+static bool is_found(edge_law law)
+{
+    return law == EDGE_FOUND || law == EDGE_OVER;
+}
+
+static void set_knee(const fit_data *d, fit_state *s, double share)
+{
+    s->z[P_KNEE] = log(share * d->frame->i_rated_peak_A / d->frame->nominal.i_knee_A);
+}
+
+/* Whether a dead time of this sign can follow a law: more is taken back than is lost, or something is lost. */
+static bool law_allows(edge_law law, double v_dead)
+{
+    return law == EDGE_OVER ? v_dead < 0.0 : (law != EDGE_FOUND || v_dead > 0.0);
+}
+
 bool edge_choose(fit_data *d, fit_state *s)
 {
     double best = 0.0;
@@ -20,8 +42,9 @@ bool edge_choose(fit_data *d, fit_state *s)
         fit_state trial = *s;
         const int column[] = {P_V_DEAD};
         trial.edge = (edge_law)(k / KNEES);
-        trial.z[P_RIPPLE] = RIPPLE_START;
-        trial.z[P_KNEE] = log(knee_share[k % KNEES] * d->frame->i_rated_peak_A / d->frame->nominal.i_knee_A);
+        trial.z[P_RIPPLE] = is_found(trial.edge) ? FOUND_RIPPLE : RIPPLE_START;
+        trial.z[P_DEAD_SHARE] = DEAD_SHARE_START;
+        set_knee(d, &trial, knee_share[k % KNEES]);
         gram *grams = gram_blocks(d, &trial, column, 1);
         if (!grams) {
             return false;
@@ -33,7 +56,7 @@ bool edge_choose(fit_data *d, fit_state *s)
             h += grams[b].h[0][0];
         }
         free(grams);
-        if (h > 0.0 && g * g / h > best) {
+        if (h > 0.0 && law_allows(trial.edge, -g / h) && g * g / h > best) {
             best = g * g / h;
             chosen = trial;
         }
@@ -42,24 +65,42 @@ bool edge_choose(fit_data *d, fit_state *s)
     return true;
 }
 
+/* The state under another law, from where that usually lies. */
+static fit_state under(const fit_data *d, const fit_state *s, edge_law law)
+{
+    fit_state trial = *s;
+    trial.edge = law;
+    if (is_found(law) && !is_found(s->edge)) {
+        trial.z[P_RIPPLE] = FOUND_RIPPLE;
+        trial.z[P_DEAD_SHARE] = DEAD_SHARE_START;
+        set_knee(d, &trial, FOUND_KNEE_SHARE);
+    }
+    return trial;
+}
+
 bool edge_revise(fit_data *d, fit_state *s, int refine_steps, edge_contest *last)
 {
-    const edge_law law = s->edge;
-    if (4.0 * fabs(last->objective - s->objective) < last->apart) {
+    const fit_state own = *s;
+    const bool allowed = law_allows(own.edge, own.z[P_V_DEAD]);
+    if (allowed && 4.0 * fabs(last->objective - own.objective) < last->apart) {
         return true;
     }
+    double best = allowed ? own.objective : INFINITY;
     last->apart = INFINITY;
     for (int other = 0; other < (int)EDGE_LAWS; other++) {
-        fit_state trial = *s;
-        if ((edge_law)other == law) {
+        fit_state trial = under(d, &own, (edge_law)other);
+        if (trial.edge == own.edge || !law_allows(trial.edge, own.z[P_V_DEAD])) {
             continue;
         }
-        trial.edge = (edge_law)other;
         if (!fit_refine(d, &trial, refine_steps)) {
             return false;
         }
-        last->apart = fmin(last->apart, fabs(trial.objective - s->objective));
-        if (trial.objective < s->objective) {
+        if (!law_allows(trial.edge, trial.z[P_V_DEAD])) {
+            continue;
+        }
+        last->apart = fmin(last->apart, fabs(trial.objective - own.objective));
+        if (trial.objective < best) {
+            best = trial.objective;
             *s = trial;
         }
     }

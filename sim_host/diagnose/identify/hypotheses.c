@@ -244,6 +244,15 @@ bool column_shows(int column, const diagnose_rows *r)
     return column >= P_COUNT || !coordinate_table[column].third_sensor || !r->two_sensors;
 }
 
+size_t hypothesis_shapes(hypothesis_id h, edge_law edge)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < hypothesis_table[h].shapes; k++) {
+        n += edge == EDGE_OVER || !coordinate_table[hypothesis_table[h].shape[k]].of_compensation ? 1 : 0;
+    }
+    return n;
+}
+
 const double hypothesis_nominal[P_COUNT] = {0.0};
 
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT])

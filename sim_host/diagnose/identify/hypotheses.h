@@ -22,7 +22,7 @@ enum {
     COLUMN_GAIN_BC,     /* gain of sensor b against c, their mean kept */
     COLUMN_COUNT,
     HYPOTHESIS_COLUMNS = 8,
-    HYPOTHESIS_SHAPES = 2
+    HYPOTHESIS_SHAPES = 3
 };
 
 typedef enum hypothesis_id {
@@ -147,6 +147,9 @@ void column_move(int column, double by, double z[P_COUNT]);
 
 /* Whether these rows can show a column at all. */
 bool column_shows(int column, const diagnose_rows *r);
+
+/* How many of its shapes, the first, a hypothesis has under a law of the edges. */
+size_t hypothesis_shapes(hypothesis_id h, edge_law edge);
 
 /* Whether it is a rate, per second, of another column's coordinate. */
 bool column_is_rate(int column);

@@ -56,6 +56,26 @@ static double lag_two(const diagnose_rows *r, const averaged_drive *drive)
     return n > 0.0 ? sum / n : 0.0;
 }
 
+/*
+ * An over-compensation goes by the sign of the current at the cycle's start. Where the recorded one has the other sign by
+ * noise of that variance, a perfect model errs by twice the compensation: the mean square over the rows.
+ */
+static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive, double variance)
+{
+    const double L = 0.5 * (drive->L_d_H + drive->L_q_H);
+    const double jump_A = 2.0 * (1.0 + drive->dead_share) * drive->v_dead_V * 2.0 / 3.0 * r->T_s / L;
+    const sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    double sum = 0.0;
+    for (size_t k = 0; k < r->rows; k++) {
+        const vec_ab i = sensor_map_unmeasure(&sensors, r->row[k].i_A);
+        for (int x = 0; x < 3; x++) {
+            const double wrong = 0.5 * erfc(fabs(vec_phase(i, x)) / sqrt(2.0 * variance));
+            sum += wrong * (1.0 - wrong);
+        }
+    }
+    return jump_A * jump_A * sum / (double)r->rows;
+}
+
 double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
                      double *sensor_rms_A)
 {
@@ -93,5 +113,9 @@ double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_
         }
     }
     more *= r->T_s * r->T_s / (L * L * (double)r->rows);
+    if (drive->edge == EDGE_OVER && drive->v_dead_V != 0.0 && variance > 0.0) {
+        /* A phase of a vector has half of its power. */
+        more += by_wrong_signs(r, drive, 0.5 * variance);
+    }
     return sqrt(variance * (1.0 + decay * decay) + more);
 }

@@ -33,7 +33,9 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
     size_t found = 0;
     size_t apart = 0;
     size_t between = 0;
-    for (size_t g = 0; nodes && square && innovation && seen && g < r->groups; g++) {
+    /* An over-compensation goes by a sign that noise decides near nought: what stands out then is no glitch. */
+    const bool signs = hypothesis_in(s->set, H_DEAD_TIME) && s->edge == EDGE_OVER;
+    for (size_t g = 0; !signs && nodes && square && innovation && seen && g < r->groups; g++) {
         size_t n = 0;
         for (size_t b = 0; b < r->blocks; b++) {
             if (r->block[b].group != g) {

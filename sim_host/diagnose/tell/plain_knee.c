@@ -21,6 +21,10 @@ double plain_knee_A(const averaged_drive *drive, const diagnose_rows *r, double 
             double x = (i + apart) / drive->i_knee_A;
             double y = (i - apart) / drive->i_knee_A;
             double is = 0.5 * (averaged_drive_edge(drive->edge, x) + averaged_drive_edge(drive->edge, y));
+            if (drive->edge == EDGE_OVER) {
+                const double start = averaged_drive_edge(drive->edge, i / drive->i_knee_A);
+                is = (1.0 + drive->dead_share) * start - drive->dead_share * is;
+            }
             double wrong = fmin(i / knee, 1.0) - is;
             sum += wrong * wrong;
         }

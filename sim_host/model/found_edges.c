@@ -1,0 +1,104 @@
+/* A cycle's edges one after the other (found_edges.h). */
+#include "found_edges.h"
+
+static double sat(double x)
+{
+    return x > 1.0 ? 1.0 : (x < -1.0 ? -1.0 : x);
+}
+
+static vec_ab through(const double k[3], vec_ab flux)
+{
+    return (vec_ab){k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
+}
+
+/* One volt on leg x alone. */
+static vec_ab volt_on(size_t x)
+{
+    return (vec_ab){2.0 / 3.0 * vec_phase_axis[x].alpha, 2.0 / 3.0 * vec_phase_axis[x].beta};
+}
+
+static void add(vec_ab *to, vec_ab more, double times)
+{
+    to->alpha += times * more.alpha;
+    to->beta += times * more.beta;
+}
+
+/* The legs in the order in which they rise; they fall in the opposite one. */
+static void order_of(const double rise[3], size_t order[3])
+{
+    for (size_t x = 0; x < 3; x++) {
+        size_t place = 0;
+        for (size_t y = 0; y < 3; y++) {
+            place += rise[y] < rise[x] || (rise[y] == rise[x] && y < x) ? 1 : 0;
+        }
+        order[place] = x;
+    }
+}
+
+typedef struct edges {
+    const averaged_drive *d;
+    const found_currents *i;
+    double v_late_V;   /* of dead time, both edges together */
+    double late_s;     /* that as a time */
+    double moved_V[3]; /* of the compensation, each edge */
+    double moved_s[3];
+    double low_A_s[3], high_A_s[3]; /* how fast leg x moves its own current about its edges, low and high */
+    vec_ab flux;                    /* what the edges before have changed */
+} edges;
+
+/* How fast each leg's current moves about its edges: the others stand at its fall as they did at its rise. */
+static void find_slopes(edges *e, const cycle_row *row, const size_t order[3])
+{
+    const found_currents *i = e->i;
+    vec_ab u = {0.0, 0.0};
+    for (size_t x = 0; x < 3; x++) {
+        add(&u, volt_on(x), -row->u_dc_V * (1.0 - 2.0 * row->rise[x]));
+    }
+    for (size_t n = 0; n < 3; n++) {
+        const size_t x = order[n];
+        e->low_A_s[x] = vec_phase(through(i->per_flux, u), (int)x) + (i->last[x] - i->first[x]) / i->T_s;
+        add(&u, volt_on(x), row->u_dc_V);
+        e->high_A_s[x] = vec_phase(through(i->per_flux, u), (int)x) + (i->last[x] - i->first[x]) / i->T_s;
+    }
+}
+
+/* The current that an edge finds, and of a full loss and none what it then takes: -1 to 1. */
+static double sign_found(const edges *e, size_t x, double i_A)
+{
+    const double others = vec_phase(through(e->i->per_flux, e->flux), (int)x);
+    const double held = 0.5 * (e->low_A_s[x] + e->high_A_s[x]) * e->late_s;
+    const double reach = 0.5 * (e->high_A_s[x] - e->low_A_s[x]) * e->late_s;
+    return sat((i_A + others + held) / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A));
+}
+
+void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3])
+{
+    const double v_late_V = d->edge == EDGE_OVER ? -d->dead_share * d->v_dead_V : d->v_dead_V;
+    edges e = {.d = d, .i = i, .v_late_V = v_late_V, .late_s = v_late_V / row->u_dc_V * i->T_s};
+    size_t order[3];
+    order_of(row->rise, order);
+    find_slopes(&e, row, order);
+    for (size_t x = 0; x < 3; x++) {
+        /* No edge moves beyond the valley or the peak. */
+        const double wanted = 0.5 * (v_late_V - d->v_dead_V) * sat(i->first[x] / d->i_knee_A);
+        e.moved_V[x] = fmin(fmax(wanted, (row->rise[x] - 0.5) * row->u_dc_V), row->rise[x] * row->u_dc_V);
+        e.moved_s[x] = e.moved_V[x] / row->u_dc_V * i->T_s;
+        lost[x] = -2.0 * e.moved_V[x];
+    }
+    for (size_t n = 0; n < 3; n++) {
+        const size_t x = order[n];
+        const double mid = 0.5 * (i->first[x] + i->last[x]);
+        const double found = sign_found(&e, x, mid + i->apart[x] - e.low_A_s[x] * e.moved_s[x]);
+        const double late = 0.5 * v_late_V * (1.0 + found) * (1.0 - row->no_rise[x]);
+        lost[x] += late;
+        add(&e.flux, volt_on(x), (e.moved_V[x] - late) * i->T_s);
+    }
+    for (size_t n = 3; n-- > 0;) {
+        const size_t x = order[n];
+        const double mid = 0.5 * (i->first[x] + i->last[x]);
+        const double found = sign_found(&e, x, mid - i->apart[x] + e.high_A_s[x] * e.moved_s[x]);
+        const double late = 0.5 * v_late_V * (1.0 - found) * (1.0 - row->no_fall[x]);
+        lost[x] -= late;
+        add(&e.flux, volt_on(x), (e.moved_V[x] + late) * i->T_s);
+    }
+}

@@ -1,0 +1,25 @@
+/*
+ * What dead time and its compensation take of a leg's voltage, each edge with the current that it finds.
+ *
+ * A compensation moves a leg's two edges by the sign of its current at the cycle's start. An edge then loses its dead time by the
+ * current that flows there: the cycle's mean slope, the ripple that the duties tell, and what the edges before it, moved
+ * or late, have already changed. A current that reaches nought within the dead time stays there and loses a share: sat of
+ * the current half a dead time on with the leg half way between the rails, over the knee.
+ */
+#ifndef SIM_HOST_MODEL_FOUND_EDGES_H
+#define SIM_HOST_MODEL_FOUND_EDGES_H
+
+#include "averaged_drive.h"
+
+/* The phases' currents over a row's cycle as if nothing were lost. */
+typedef struct found_currents {
+    double first[3], last[3];
+    double apart[3]; /* when leg x rises, above the mean of first and last; as much below it when x falls */
+    double per_flux[3]; /* 1/L in the stationary frame: aa, ab, bb */
+    double T_s;
+} found_currents;
+
+/* The mean voltage that each leg loses over the cycle: v_dead against a current that is far from nought. */
+void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3]);
+
+#endif
