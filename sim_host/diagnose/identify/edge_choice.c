@@ -65,6 +65,9 @@ bool edge_choose(fit_data *d, fit_state *s)
     return true;
 }
 
+/* A law that stays so far behind by what its cause moves does not make up for it by last digits: those stand already. */
+static const double BEHIND = 100.0;
+
 /* The state under another law, from where that usually lies. */
 static fit_state under(const fit_data *d, const fit_state *s, edge_law law)
 {
@@ -92,7 +95,8 @@ bool edge_revise(fit_data *d, fit_state *s, int refine_steps, edge_contest *last
         if (trial.edge == own.edge || !law_allows(trial.edge, own.z[P_V_DEAD])) {
             continue;
         }
-        if (!fit_refine(d, &trial, refine_steps)) {
+        double alone;
+        if (!fit_refine_within(d, &trial, refine_steps, best + BEHIND, &alone)) {
             return false;
         }
         if (!law_allows(trial.edge, trial.z[P_V_DEAD])) {
