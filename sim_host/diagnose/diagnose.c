@@ -150,10 +150,12 @@ static bool at_the_noise(const diagnosis *d, double percent)
            (d->within_digits <= tolerance && percent <= WITHIN_DIGITS * d->noise_floor);
 }
 
-/* Both as measured: a lost one is very large. */
+/* Both as measured: a lost one is very large. What goes by the sign of its own current near nought, as an over-compensation
+ * does, runs away from any recording at the first sign that noise decided. */
 static bool free_run_holds(const diagnosis *d)
 {
-    return d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
+    const bool by_sign = d->extended_drive.edge == EDGE_OVER && d->extended_drive.v_dead_V < 0.0;
+    return by_sign || d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
 }
 
 static void decide(diagnosis *d, bool mended)

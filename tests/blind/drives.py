@@ -69,6 +69,8 @@ DRIVES = [
           {"dead_time": {"v_dead": (5.72, 0.15)}}),
     Drive("a diode's drop unlike the switch's", ["dead_time:t_dead=2e-6,v_switch=1.8,v_diode=0.9"], {}, {"dead_time"},
           {"dead_time": {"v_dead": (5.87, 0.2)}}),
+    Drive("dead time that is compensated twice over", ["dead_time:t_dead=2e-6,compensation=9.04"], {}, {"dead_time"},
+          {"dead_time": {"v_dead": (-4.52, 0.06)}}),
     Drive("currents through a filter of 15 us", ["sensor_lag:tau=15e-6"], {}, {"sensor_lag"}, {"sensor_lag": {"tau": (15e-6, 5e-7)}}),
     Drive("samples 5 us late", ["sensor_lag:tau=-5e-6"], {}, {"angle_delay"}),
     Drive("a speed that is filtered", ["speed_lag:tau=0.01"], {}, {"speed_lag"}, {"speed_lag": {"tau": (0.01, 4e-4)}}),
