@@ -83,7 +83,7 @@ static void mention_more_left(const session *w, diagnosis *d)
     }
 }
 
-static void tabulate_hypotheses(const session *w, evidence_view *view, diagnosis *d,
+static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis *d,
                                 const hypothesis_id *member, hypothesis_set skipped)
 {
     confusion_find(d, view, &w->state, member, w->possible, w->certainty.inflation);
@@ -91,7 +91,9 @@ static void tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
     known_tell(w, view, d);
     double probability[H_COUNT];
     view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-    probability_of(view, &w->state, w->possible, w->certainty.inflation, probability);
+    if (!probability_of(view, &w->state, w->possible, w->certainty.inflation, probability)) {
+        return false;
+    }
     for (size_t k = 0; k < d->causes; k++) {
         d->cause[k].probability = probability[member[k]];
     }
@@ -119,6 +121,7 @@ static void tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
             row->beyond = fmax(own.cost - more.cost, 0.0);
         }
     }
+    return true;
 }
 
 /* What the sums at the state found say: of the hypotheses, and of what to record next. */
@@ -127,8 +130,7 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
     evidence_view *view = calloc(1, sizeof *view);
     bool ok = view != NULL && evidence_look(&w->fitted, &w->state, w->possible, view);
     if (ok) {
-        tabulate_hypotheses(w, view, d, member, skipped);
-        ok = resistance_trade_tell(w, d);
+        ok = tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
     }
     if (ok) {
         experiment_find(w, view, member, d);

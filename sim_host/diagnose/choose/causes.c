@@ -7,6 +7,7 @@
 #include "diagnose/measure/errors.h"
 #include "diagnose/measure/floor.h"
 #include "evidence.h"
+#include "probability.h"
 #include "search.h"
 
 #include <math.h>
@@ -14,12 +15,12 @@
 #include <string.h>
 
 /*
- * A cause is certain when its robust chi square exceeds this per parameter, and its strongest parameter
- * stands two 95 % half widths off nought: about one false cause in ten thousand recordings if all is as
- * assumed, which leaves room for what is not.
+ * A cause is named when its posterior is high: 0.99 against the set without it (here in -2 log of odds: what it takes off,
+ * by how much wider than white noise the scores scatter, less what it pays), and more likely than not among all sets about
+ * the one chosen (probability.h). And when the posterior that it exceeds its `least` is: 0.975, one half width of its size.
  */
-static const double CERTAIN_CHI_SQUARE = 25.0;
-static const double CERTAIN_HALF_WIDTHS = 2.0;
+static const double ODDS_OF_NAMED = 9.2;
+static const double LIKELY = 0.5;
 
 /* Beside structure that no hypothesis explains a cause may be a part of that: the least share of what is
  * left. */
@@ -28,28 +29,13 @@ static const double LEAST_SHARE_OF_REST = 0.05;
 /* A cause that takes off so many times what the effects without a name do is none of their parts. */
 static const double FAR_MORE = 4.0;
 
-/* The least share of what all causes explain, those of exact laws included: the recording's own errors, in the speed
- * within a cycle say, leave that much. */
-static const double LEAST_SHARE_OF_EXACT = 1.5e-4;
-
-static bool is_certain(const session *w, hypothesis_id h)
+/* Whether it is larger than its least size. What is not fitted has no size to doubt. */
+static bool is_large(const session *w, hypothesis_id h)
 {
     const hypothesis *hypo = &hypothesis_table[h];
-    if (hypo->fixed == hypo->columns) {
-        return true;
-    }
-    double strongest = 0.0;
-    const bool drifts = hypo->size == SIZE_RATES; /* then a rate must be certain by itself */
-    for (size_t k = hypo->fixed; k < hypo->columns; k++) {
-        if (drifts && !column_is_rate(hypo->column[k])) {
-            continue;
-        }
-        double half = certainty_half_width(&w->certainty, hypo->column[k]);
-        double z = column_value(hypo->column[k], w->state.z);
-        strongest = fmax(strongest, half > 0.0 ? fabs(z) / half : 0.0);
-    }
-    return certainty_chi_square(&w->certainty, &w->state, h) > CERTAIN_CHI_SQUARE * (double)hypo->columns &&
-           strongest > CERTAIN_HALF_WIDTHS;
+    return hypo->fixed == hypo->columns ||
+           hypothesis_size(h, w->state.z) - certainty_of_size(&w->certainty, &w->state, h) >=
+               w->frame.of_least * hypo->least;
 }
 
 /* Held-out error of the model that holds the named members of a set, at the fitted values. */
@@ -111,8 +97,8 @@ typedef struct weighing {
     const evidence_view *view;
     double floor_A, unexplained;
     double own_cost;         /* of the set as it is */
-    double inexact;          /* what those explain whose laws are not exact */
-    double all;              /* what all explain */
+    double against[H_COUNT]; /* the same with its own last digits held: what is beyond `least` is none */
+    double probability[H_COUNT];
     double without[H_COUNT]; /* what each takes off beside the others */
     hypothesis_set decoys;   /* members without a name */
     double of_decoys;        /* what these take off beside the named ones */
@@ -126,42 +112,55 @@ static double cost_of(const weighing *g, hypothesis_set set)
     return option.cost;
 }
 
-static weighing weigh(const session *w, const evidence_view *view, double floor_A, double unexplained)
+static bool weigh(const session *w, const evidence_view *view, hypothesis_set allowed, double floor_A,
+                  double unexplained, weighing *out)
 {
     weighing g = {.w = w, .view = view, .floor_A = floor_A, .unexplained = unexplained};
+    evidence_view *held = malloc(sizeof *held);
+    if (!held) {
+        return false;
+    }
     const hypothesis_set set = w->state.set;
-    /* A voltage that acts late is exactly that, as are an angle and a sensor that err: their laws leave next to
-     * nothing that another cause could be taken for. */
-    hypothesis_set exact = 0;
-    hypothesis_set delays = 0; /* without which nothing fits: no measure of what is explained */
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        exact |= hypothesis_table[h].exact ? HYPOTHESIS_BIT(h) : 0;
-        delays |= (hypothesis_table[h].role & DELAYS_VOLTAGE) != 0 ? HYPOTHESIS_BIT(h) : 0;
         g.decoys |= hypothesis_in(set, h) && !hypothesis_cause(h)->named ? HYPOTHESIS_BIT(h) : 0;
     }
     g.own_cost = cost_of(&g, set);
-    g.inexact = cost_of(&g, set & exact) - g.own_cost;
-    g.all = cost_of(&g, set & delays) - g.own_cost;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        g.without[h] = hypothesis_in(set, h) ? cost_of(&g, set & ~HYPOTHESIS_BIT(h)) - g.own_cost : 0.0;
+        if (hypothesis_in(set, h)) {
+            const hypothesis_set rest = set & ~HYPOTHESIS_BIT(h);
+            g.without[h] = cost_of(&g, rest) - g.own_cost;
+            evidence_hold(view, h, held);
+            g.view = held;
+            g.against[h] = cost_of(&g, rest) - cost_of(&g, set);
+            g.view = view;
+        }
     }
+    free(held);
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
     g.with_all = g.decoys || hypothesis_in(set, H_DEAD_TIME) ? named_error(w, set) : 0.0;
-    return g;
+    *out = g;
+    return probability_of(view, &w->state, allowed, w->certainty.inflation, out->probability);
 }
 
 /* The least that a member must take off, by what the others explain and what nothing does. */
 static double bar_of(const weighing *g, hypothesis_id h)
 {
     const hypothesis_set set = g->w->state.set;
-    const double bar = fmax(evidence_least(g->inexact, set, h), LEAST_SHARE_OF_EXACT * g->all);
     if (!hypothesis_cause(h)->named) {
-        return bar;
+        return 0.0;
     }
     /* What the effects without a name explain, alone or together with this cause: iron loss, say, looks so much like
      * a late angle that either takes most of what they share. */
     const double shared = g->decoys ? cost_of(g, set & ~g->decoys & ~HYPOTHESIS_BIT(h)) - g->own_cost : 0.0;
-    return fmax(bar, LEAST_SHARE_OF_REST * (g->unexplained + shared));
+    return LEAST_SHARE_OF_REST * (g->unexplained + shared);
+}
+
+/* Whether its posterior is high. */
+static bool is_probable(const weighing *g, hypothesis_id h)
+{
+    const hypothesis_set set = g->w->state.set;
+    const double pays = evidence_penalty(g->view, set) - evidence_penalty(g->view, set & ~HYPOTHESIS_BIT(h));
+    return g->against[h] / g->w->certainty.inflation - pays >= ODDS_OF_NAMED && g->probability[h] >= LIKELY;
 }
 
 /* Beside an unnamed effect that explains as much or nearly so, a cause is named only if it lowers the held-out error
@@ -173,37 +172,35 @@ static bool harms(const weighing *g, hypothesis_id h)
             is_open(g->w, g->view, g->own_cost, h));
 }
 
-/* What takes up what dead time's law leaves near zero current fits the rows that it was fitted to, with the last digits that were
- * fitted beside it, and makes others worse. */
+/* What takes up what dead time's law leaves near zero current fits the rows that it was fitted to, with the last digits that
+ * were fitted beside it, and makes others worse. */
 static bool takes_leftovers(const weighing *g, hypothesis_id h)
 {
-    return hypothesis_table[h].near_edge && hypothesis_cause(h)->named &&
-           hypothesis_in(g->w->state.set, H_DEAD_TIME) &&
+    return hypothesis_cause(h)->named && hypothesis_in(g->w->state.set, H_DEAD_TIME) &&
            named_error(g->w, g->w->state.set & ~HYPOTHESIS_BIT(h)) < g->with_all;
 }
 
 static bool is_worthy(const weighing *g, hypothesis_id h)
 {
     const bool stands_for_more = hypothesis_table[h].to_floor && g->unexplained > 0.0;
-    return is_certain(g->w, h) && !stands_for_more && g->without[h] >= bar_of(g, h) && !harms(g, h) &&
-           !takes_leftovers(g, h);
+    return is_probable(g, h) && is_large(g->w, h) && !stands_for_more && g->without[h] >= bar_of(g, h) &&
+           !harms(g, h) && !takes_leftovers(g, h);
 }
 
 /* The member that is least worth its name, H_COUNT if all are. */
-static hypothesis_id weakest(const session *w, const evidence_view *view, double floor_A, double unexplained)
+static hypothesis_id weakest(const session *w, const weighing *g)
 {
-    const weighing g = weigh(w, view, floor_A, unexplained);
     /* What dead time's law leaves near zero current looks like an effect without a name: where the named ones reach
      * the noise beside a dead time, that goes first. */
-    if (g.decoys && floor_A > 0.0 && hypothesis_in(w->state.set, H_DEAD_TIME) &&
-        in_floors(w, floor_A, g.with_all) <= DIAGNOSIS_FLOOR_TOLERANCE) {
-        return least_of(g.without, g.decoys);
+    if (g->decoys && g->floor_A > 0.0 && hypothesis_in(w->state.set, H_DEAD_TIME) &&
+        in_floors(w, g->floor_A, g->with_all) <= DIAGNOSIS_FLOOR_TOLERANCE) {
+        return least_of(g->without, g->decoys);
     }
     hypothesis_set unworthy = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        unworthy |= hypothesis_in(w->state.set, h) && !is_worthy(&g, h) ? HYPOTHESIS_BIT(h) : 0;
+        unworthy |= hypothesis_in(w->state.set, h) && !is_worthy(g, h) ? HYPOTHESIS_BIT(h) : 0;
     }
-    return least_of(g.without, unworthy);
+    return least_of(g->without, unworthy);
 }
 
 /* Takes a hypothesis out of a state. */
@@ -211,6 +208,19 @@ static void leave(fit_state *s, hypothesis_id h)
 {
     s->set &= ~HYPOTHESIS_BIT(h);
     last_digits_keep(h, s->z);
+}
+
+/* By what share each effect differs from one operating point to the next: what LAW_HOLDS is measured by. */
+static void tell_scatter(const evidence_view *view, hypothesis_set set, const diagnose_teller *teller)
+{
+    for (hypothesis_id h = 0; teller->trace && h < H_COUNT; h++) {
+        const double share = view->scatter[hypothesis_table[h].cause];
+        if (hypothesis_in(set, h) && share != 0.0) {
+            fprintf(teller->trace, "  between operating points %s differs by %.3g %%%s\n",
+                    hypothesis_cause(h)->id, 100.0 * fmax(share, 0.0),
+                    share < 0.0 ? " at the most that noise does" : "");
+        }
+    }
 }
 
 /* Fits the state's set and drops, one by one, what is not certain, until all that stays is. Raises `least` to what the
@@ -223,12 +233,18 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
             !evidence_look(&w->fitted, &w->state, w->possible, view)) {
             return false;
         }
+        view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
         double noise = 0.0;
         const averaged_drive drive = session_drive(w, w->state.z);
         const double floor_A = measure_floor(&w->rows, &w->state, &drive, &noise);
         const double unexplained = unexplained_of(w, view, floor_A);
-        hypothesis_id worst = weakest(w, view, floor_A, unexplained);
+        weighing g;
+        if (!weigh(w, view, *allowed, floor_A, unexplained, &g)) {
+            return false;
+        }
+        const hypothesis_id worst = weakest(w, &g);
         if (worst == H_COUNT) {
+            tell_scatter(view, w->state.set, teller);
             return true;
         }
         if (teller->trace) {

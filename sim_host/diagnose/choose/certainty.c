@@ -155,6 +155,27 @@ double certainty_correlation(const certainty *c, int column, int other)
     return c->covariance[i][j] / sqrt(c->covariance[i][i] * c->covariance[j][j]);
 }
 
+double certainty_of_size(const certainty *c, const fit_state *s, hypothesis_id h)
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    double change[HYPOTHESIS_COLUMNS] = {0.0}; /* of the size by each column's half width */
+    double square = 0.0;
+    for (size_t k = hypo->fixed; k < hypo->columns; k++) {
+        const double half = certainty_half_width(c, hypo->column[k]);
+        const double step = 1e-3 * half;
+        double z[P_COUNT];
+        memcpy(z, s->z, sizeof z);
+        column_move(hypo->column[k], step, z);
+        change[k] = step > 0.0 ? (hypothesis_size(h, z) - hypothesis_size(h, s->z)) / 1e-3 : 0.0;
+        for (size_t j = hypo->fixed; j <= k; j++) {
+            const double lean =
+                j == k ? 1.0 : 2.0 * certainty_correlation(c, hypo->column[j], hypo->column[k]);
+            square += lean * change[j] * change[k];
+        }
+    }
+    return sqrt(fmax(square, 0.0));
+}
+
 double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_id h)
 {
     const hypothesis *hypo = &hypothesis_table[h];

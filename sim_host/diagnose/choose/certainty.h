@@ -28,6 +28,9 @@ double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_i
 /* Half width along a column, 0 if it was not fitted. */
 double certainty_half_width(const certainty *c, int column);
 
+/* Half width of a hypothesis' size, in the measure of its `least`. */
+double certainty_of_size(const certainty *c, const fit_state *s, hypothesis_id h);
+
 /* How two columns lean on one another, -1 to 1; 0 if one was not fitted. */
 double certainty_correlation(const certainty *c, int column, int other);
 

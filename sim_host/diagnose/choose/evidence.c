@@ -2,6 +2,7 @@
 #include "evidence.h"
 
 #include "base/solve.h"
+#include "tolerance.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,19 +18,17 @@ static const double PENALTY = 12.0;
 static const double CAUSE_PENALTY = 25.0;
 
 /*
- * And in proportion: a small effect found beside large ones may be what their laws leave (shares of what all
- * of them explain). What dead time's law leaves near zero current looks like a voltage that is a little off,
- * in all the ways that follow.
+ * What a law leaves in proportion to its effect is marginalised (tolerance.h). Two shares of what all causes explain stay, as
+ * no error of an effect's size or shape leaves them. A dead time moves the edges that a sensor's filter still sees: a
+ * fiftieth of what it explains can look like one.
  */
-static const double LEAST_SHARE = 1e-4;
-static const double LEAST_SHARE_BESIDE_DEAD_TIME = 2e-4;
-/* A dead time moves the edges that a sensor's filter still sees: a fiftieth of what it explains can look like one. */
 static const double LEAST_SHARE_OF_EDGES = 3e-2;
 /* No map of a few terms is that of a machine to better than a part in a hundred of its flux. */
 static const double LEAST_SHARE_BESIDE_MAP = 1e-2;
 
-/* The columns of the allowed hypotheses, and the coordinates that these move. */
-static size_t columns_of(const fit_data *d, hypothesis_set allowed, int column[COLUMN_COUNT])
+/* The columns of the allowed hypotheses, the coordinates that these move, and what shapes the laws of those that stand. */
+static size_t columns_of(const fit_data *d, const fit_state *s, hypothesis_set allowed,
+                         int column[COLUMN_COUNT])
 {
     bool wanted[COLUMN_COUNT] = {[P_OFFSET_ZERO] = !d->rows->two_sensors};
     coordinate_id small[P_COUNT];
@@ -39,6 +38,9 @@ static size_t columns_of(const fit_data *d, hypothesis_set allowed, int column[C
         wanted[small[k]] = true;
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        for (size_t k = 0; hypothesis_in(s->set, h) && k < hypothesis_table[h].shapes; k++) {
+            wanted[hypothesis_table[h].shape[k]] = true;
+        }
         if (hypothesis_in(allowed, h)) {
             hypothesis_mark(h, wanted); /* the coordinates are the first of the columns */
             for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
@@ -57,27 +59,29 @@ static size_t columns_of(const fit_data *d, hypothesis_set allowed, int column[C
 bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view)
 {
     int column[COLUMN_COUNT];
-    const size_t n = columns_of(d, allowed | s->set, column);
-    gram *grams = gram_blocks(d, s, column, n);
-    if (!grams) {
-        return false;
-    }
+    const size_t n = columns_of(d, s, allowed | s->set, column);
+    gram *blocks = gram_blocks(d, s, column, n);
+    gram *sums = calloc(1, sizeof *sums);
     memset(view, 0, sizeof *view);
     view->rows = d->rows;
     view->edge = s->edge;
     view->of_least = d->frame->of_least;
-    for (size_t b = 0; b < d->blocks; b++) {
-        view->sums.c += grams[b].c;
-        for (size_t i = 0; i < n; i++) {
-            view->sums.g[column[i]] += grams[b].g[i];
-            for (size_t j = 0; j < n; j++) {
-                view->sums.h[column[i]][column[j]] += grams[b].h[i][j];
-            }
+    const bool ok =
+        blocks && sums && tolerance_sum(d, s, blocks, column, n, sums, &view->worth, view->scatter);
+    view->sums.c = ok ? sums->c : 0.0;
+    for (size_t i = 0; ok && i < n; i++) {
+        view->sums.g[column[i]] = sums->g[i];
+        for (size_t j = 0; j < n; j++) {
+            view->sums.h[column[i]][column[j]] = sums->h[i][j];
         }
     }
-    free(grams);
+    free(blocks);
+    free(sums);
+    if (!ok) {
+        return false;
+    }
     view->total = view->sums;
-    last_digits_deflate(d->rows, &view->total);
+    last_digits_deflate(d->rows, NULL, &view->total);
     for (size_t k = 0; k < P_COUNT; k++) {
         view->to_nominal[k] = -s->z[k];
     }
@@ -88,6 +92,15 @@ bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evid
         }
     }
     return true;
+}
+
+void evidence_hold(const evidence_view *view, hypothesis_id h, evidence_view *held)
+{
+    bool own[P_COUNT] = {false};
+    hypothesis_mark(h, own);
+    *held = *view;
+    held->total = held->sums;
+    last_digits_deflate(view->rows, own, &held->total);
 }
 
 bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set, evidence_option *option)
@@ -150,14 +163,13 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
 
 double evidence_least(double explained, hypothesis_set set, hypothesis_id h)
 {
-    const bool like = hypothesis_in(set, H_DEAD_TIME) && hypothesis_table[h].near_edge;
-    if (hypothesis_in(set, H_DEAD_TIME) && hypothesis_table[h].sees_edges) {
+    if (h == H_SENSOR_LAG && hypothesis_in(set, H_DEAD_TIME)) {
         return LEAST_SHARE_OF_EDGES * explained;
     }
     if (hypothesis_table[h].cause != CAUSE_SATURATION_DQ && (set & hypotheses_of(CAUSE_SATURATION_DQ)) != 0) {
         return LEAST_SHARE_BESIDE_MAP * explained;
     }
-    return (like ? LEAST_SHARE_BESIDE_DEAD_TIME : LEAST_SHARE) * explained;
+    return 0.0;
 }
 
 double evidence_penalty(const evidence_view *view, hypothesis_set set)

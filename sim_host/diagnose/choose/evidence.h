@@ -14,8 +14,11 @@ typedef struct evidence_view {
     double of_least;  /* as in coordinate_frame */
     double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
     double least;     /* what a named cause must explain at the least, by what is left; set by the search */
-    gram sums;        /* over the fit blocks */
-    gram total;       /* these, deflated by what may move unnamed */
+    double worth;     /* what the tolerances of the state's laws take off (tolerance.h) */
+    double scatter
+        [CAUSE_COUNT]; /* the share by which each effect of the state differs between operating points */
+    gram sums;         /* over the fit blocks, deflated by what the laws may err by */
+    gram total;        /* these, deflated by what may move unnamed */
     double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances
                                         excepted) */
 } evidence_view;
@@ -29,6 +32,12 @@ typedef struct evidence_option {
 
 /* For sets of the `allowed` hypotheses: what none of them moves is not looked at. False: out of memory. */
 bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view);
+
+/*
+ * The view without the last digits of what h moves: for sets that do without it. A value beyond `least` is no last digit, and
+ * what the prior of these would take of it (three deviations at the most) is not told apart here.
+ */
+void evidence_hold(const evidence_view *view, hypothesis_id h, evidence_view *held);
 
 /*
  * The cost of a set at the view, and where its optimum lies. False if the set is no choice: its optimum is not

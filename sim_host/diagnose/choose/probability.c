@@ -2,6 +2,7 @@
 #include "probability.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 typedef struct tally {
     const evidence_view *view;
@@ -20,6 +21,16 @@ static double score_of(const tally *t, hypothesis_set set)
         return t->best;
     }
     return evidence_cost(t->view, t->state, set, &option) ? option.score : INFINITY;
+}
+
+/* Counts from here on by this view. */
+static void look_by(tally *t, const evidence_view *view)
+{
+    const hypothesis_set set = t->state->set;
+    evidence_option own;
+    t->view = view;
+    evidence_cost(view, t->state, set, &own);
+    t->best = own.cost + evidence_penalty(view, set) + hypotheses_unusual(set, own.z);
 }
 
 static void count(tally *t, hypothesis_set set)
@@ -47,20 +58,24 @@ static void count_about(tally *t, hypothesis_set set, hypothesis_set possible)
     }
 }
 
-void probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
+bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
                     double probability[H_COUNT])
 {
-    tally t = {.view = view, .state = s, .inflation = inflation};
-    evidence_option own;
-    evidence_cost(view, s, s->set, &own);
-    t.best = own.cost + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, own.z);
+    tally t = {.state = s, .inflation = inflation};
+    evidence_view *held = malloc(sizeof *held);
+    look_by(&t, view);
     count_about(&t, s->set, possible);
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+    for (hypothesis_id h = 0; held && h < H_COUNT; h++) {
         if (hypothesis_in(s->set, h)) {
+            evidence_hold(view, h, held);
+            look_by(&t, held);
             count_about(&t, s->set & ~HYPOTHESIS_BIT(h), possible);
         }
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         probability[h] = t.all > 0.0 ? t.of_cause[hypothesis_table[h].cause] / t.all : 0.0;
     }
+    const bool ok = held != NULL;
+    free(held);
+    return ok;
 }

@@ -3,6 +3,7 @@
 
 #include "fitted_sets.h"
 #include "map_choice.h"
+#include "tolerance.h"
 
 #include "diagnose/identify/branch_choice.h"
 #include "diagnose/identify/edge_choice.h"
@@ -171,9 +172,10 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
     return true;
 }
 
-static double state_score(const evidence_view *view, const fit_state *s)
+/* `worth`: what the tolerances of its laws take off. */
+static double state_score(const evidence_view *view, const fit_state *s, double worth)
 {
-    return s->objective + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, s->z) +
+    return s->objective - worth + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, s->z) +
            last_digits_unusual(s->set, s->z);
 }
 
@@ -207,7 +209,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
     evidence_option own;
     evidence_cost(e->view, &start, start.set, &own);
     const double own_cost = own.cost + evidence_penalty(e->view, start.set);
-    double best_score = state_score(e->view, s);
+    double best_score = state_score(e->view, s, e->view->worth);
     double by_digits = 0.0;
     _Static_assert((int)REFINED + (int)FULL_SIZE == (int)FITTED_A_ROUND, "room for a round");
     hypothesis_set tried[REFINED + FULL_SIZE] = {0};
@@ -235,10 +237,12 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         tell_option(teller, round, option);
         const double most = most_of(&start, s, by_digits);
         double alone;
-        if (!fit_option(d, option, e->allowed, most, &trial, &alone)) {
+        double worth = 0.0;
+        if (!fit_option(d, option, e->allowed, most, &trial, &alone) ||
+            (alone <= most && !tolerance_of_state(d, &trial, &worth))) {
             return false;
         }
-        double score = state_score(e->view, &trial);
+        double score = state_score(e->view, &trial, worth);
         if (teller->trace) {
             char words[256];
             fprintf(teller->trace, "  round %d: %-60s linear %10.1f  ", round,

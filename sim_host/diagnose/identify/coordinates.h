@@ -55,6 +55,7 @@ typedef struct coordinate {
     coordinate_bound bound;
     double low, high;
     double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
+    double wanders; /* of what shapes a law: its standard deviation between operating points, in z */
     bool rate;      /* of another coordinate, per second */
     bool third_sensor;    /* there is no such number where two currents are measured */
     bool of_compensation; /* shapes the law of an over-compensated dead time alone */

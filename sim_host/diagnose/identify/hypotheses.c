@@ -13,6 +13,11 @@ const hypothesis hypothesis_table[H_COUNT] = {
 #include "data/causes.def"
 };
 
+const double law_holds_to[CAUSE_COUNT] = {
+#define LAW_HOLDS(ID, share) [CAUSE_##ID] = (share),
+#include "data/causes.def"
+};
+
 /* Of each line at most all but one may stand in a set: together they change nothing. */
 static const unsigned exclusive[][3] = {
     {DELAYS_VOLTAGE, DELAYS_A_SHARE},

@@ -88,8 +88,6 @@ typedef struct hypothesis {
     hypothesis_need needs;
     unsigned positive; /* SIGN_: the sum of these columns is positive, */
     double most;       /* and at most this; 0: no bound */
-    bool near_edge;    /* what a dead time's law leaves near zero current looks like it */
-    bool sees_edges;   /* tells by where the voltage's edges lie, which a dead time moves */
     bool one_vector;   /* the columns are the parts of one vector, whose length is its size */
     /* Coordinates that shape its law: fitted with it once it stands, they say nothing of their own, and keep their
      * values when it goes. */
@@ -98,10 +96,12 @@ typedef struct hypothesis {
     bool silent;   /* fits so much that where it wins nothing is said of it */
     bool to_floor; /* named only where nothing is left then: else it may stand for what has no name */
     double loose;  /* share of its value that its law may be off by: an interval says no less */
-    bool exact;    /* its law leaves nothing that another cause could be taken for */
 } hypothesis;
 
 extern const hypothesis hypothesis_table[H_COUNT];
+
+/* The share of its effect to which a cause's law holds at an operating point, one standard deviation. */
+extern const double law_holds_to[CAUSE_COUNT];
 
 static inline const cause_row *hypothesis_cause(hypothesis_id h)
 {

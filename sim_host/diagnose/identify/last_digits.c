@@ -26,14 +26,20 @@ size_t last_digits_list(const diagnose_rows *r, coordinate_id at[P_COUNT])
     return n;
 }
 
-void last_digits_deflate(const diagnose_rows *r, gram *sums)
+void last_digits_deflate(const diagnose_rows *r, const bool *held, gram *sums)
 {
     coordinate_id at[P_COUNT];
     double small[COLUMN_COUNT][COLUMN_COUNT];
     double inverse[COLUMN_COUNT][COLUMN_COUNT];
     double row[P_COUNT][COLUMN_COUNT + 1]; /* H of the small coordinates, and their g */
     double part[COLUMN_COUNT + 1];         /* a row of M times that */
-    const size_t count = last_digits_list(r, at);
+    size_t count = 0;
+    const size_t smalls = last_digits_list(r, at);
+    for (size_t k = 0; k < smalls; k++) {
+        if (!held || !held[at[k]]) {
+            at[count++] = at[k];
+        }
+    }
     for (size_t i = 0; i < count; i++) {
         memcpy(row[i], sums->h[at[i]], sizeof sums->h[at[i]]);
         row[i][COLUMN_COUNT] = sums->g[at[i]];

@@ -30,8 +30,11 @@ size_t last_digits_append(const fit_data *d, const fit_state *s, size_t members,
 /* What z holds beside the set's own directions. */
 void last_digits_rest(hypothesis_set set, const double z[P_COUNT], double rest[P_COUNT]);
 
-/* Deflates the sums of all columns. If they cannot be they stay as they are: then nothing moves unnamed. */
-void last_digits_deflate(const diagnose_rows *r, gram *sums);
+/*
+ * Deflates the sums of all columns by what may move unnamed, but for the coordinates that are `held` (may be NULL). If they
+ * cannot be they stay as they are: then nothing moves unnamed.
+ */
+void last_digits_deflate(const diagnose_rows *r, const bool *held, gram *sums);
 
 /* -2 log of the prior of what z moves beside the set's own directions, up to a constant. */
 double last_digits_unusual(hypothesis_set set, const double z[P_COUNT]);
