@@ -172,11 +172,11 @@ static bool harms(const weighing *g, hypothesis_id h)
             is_open(g->w, g->view, g->own_cost, h));
 }
 
-/* What takes up what dead time's law leaves near zero current fits the rows that it was fitted to, with the last digits that
- * were fitted beside it, and makes others worse. */
-static bool takes_leftovers(const weighing *g, hypothesis_id h)
+/* What takes up what a dead time's law leaves near zero current, or leans on an effect without a name, fits the rows that it was
+ * fitted to, with what was fitted beside it, and makes others worse. */
+static bool makes_worse(const weighing *g, hypothesis_id h)
 {
-    return hypothesis_cause(h)->named && hypothesis_in(g->w->state.set, H_DEAD_TIME) &&
+    return hypothesis_cause(h)->named && (g->decoys || hypothesis_in(g->w->state.set, H_DEAD_TIME)) &&
            named_error(g->w, g->w->state.set & ~HYPOTHESIS_BIT(h)) < g->with_all;
 }
 
@@ -184,7 +184,7 @@ static bool is_worthy(const weighing *g, hypothesis_id h)
 {
     const bool stands_for_more = hypothesis_table[h].to_floor && g->unexplained > 0.0;
     return is_probable(g, h) && is_large(g->w, h) && !stands_for_more && g->without[h] >= bar_of(g, h) &&
-           !harms(g, h) && !takes_leftovers(g, h);
+           !harms(g, h) && !makes_worse(g, h);
 }
 
 /* The member that is least worth its name, H_COUNT if all are. */
