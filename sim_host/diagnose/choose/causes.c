@@ -97,12 +97,12 @@ typedef struct weighing {
     const evidence_view *view;
     double floor_A, unexplained;
     double own_cost;         /* of the set as it is */
+    double without[H_COUNT]; /* what each takes off beside the others */
     double against[H_COUNT]; /* the same with its own last digits held: what is beyond `least` is none */
     double probability[H_COUNT];
-    double without[H_COUNT]; /* what each takes off beside the others */
-    hypothesis_set decoys;   /* members without a name */
-    double of_decoys;        /* what these take off beside the named ones */
-    double with_all;         /* held-out error of the named ones; where there are decoys, or a dead time */
+    hypothesis_set decoys; /* members without a name */
+    double of_decoys;      /* what these take off beside the named ones */
+    double with_all;       /* held-out error of the named ones; where there are decoys, or a dead time */
 } weighing;
 
 static double cost_of(const weighing *g, hypothesis_set set)
