@@ -38,7 +38,7 @@ static size_t columns_of(const fit_data *d, const fit_state *s, hypothesis_set a
         wanted[small[k]] = true;
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        for (size_t k = 0; hypothesis_in(s->set, h) && k < hypothesis_table[h].shapes; k++) {
+        for (size_t k = 0; hypothesis_in(s->set, h) && k < hypothesis_shapes(h, s->edge); k++) {
             wanted[hypothesis_table[h].shape[k]] = true;
         }
         if (hypothesis_in(allowed, h)) {
