@@ -434,8 +434,7 @@ static void a_size_is_as_sure_as_its_columns_together(void)
     const double a = 0.02 * 6.0 / sqrt(45.0);
     const double b = -0.03 * 3.0 / sqrt(45.0);
     const double expected = sqrt(a * a + b * b + 2.0 * 0.5 * a * b);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * expected, expected,
-                              certainty_of_size(&c, &state, H_ANGLE_HARMONIC_1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * expected, expected, certainty_of_size(&c, &state, H_ANGLE_HARMONIC_1));
 }
 
 /* One coordinate set free, by the information of the sums: its step, and 1.96 standard deviations with a floor. */
