@@ -94,8 +94,9 @@ Survived:
 
 ## The diagnosis' decisions
 
-What chooses the causes and gives the verdict, by its quick tests: `test_choose.c` has each rule on sums that are made by hand,
-`test_choose_looks.c` a few recordings. The blind recordings, which say how good the decisions are, take hours and are not asked.
+What chooses the causes and gives the verdict, by its quick tests: `test_choose.c` and `test_choose_tolerance.c` have each rule
+on sums that are made by hand, `test_choose_looks.c` a few recordings. The blind recordings, which say how good the decisions are, take
+hours and are not asked.
 
 {table(results["decisions"])}
 
