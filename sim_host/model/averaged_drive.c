@@ -120,7 +120,7 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
                                  i.per_flux[1] * flux.alpha + i.per_flux[2] * flux.beta};
         i.apart[x] = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (i.last[x] - i.first[x]);
     }
-    const bool found = d->edge == EDGE_FOUND || d->edge == EDGE_OVER;
+    const bool found = d->edge == EDGE_OVER;
     if (d->v_dead_V != 0.0 && found) {
         found_edges_lost(d, row, &i, lost);
     }

@@ -22,8 +22,7 @@
 typedef enum edge_law {
     EDGE_CHARGED, /* the current first charges the devices' capacitance: 1 - knee/(2|i|) */
     EDGE_CLIPPED, /* sat(i / knee): the law of interfaces.md and of the firmware */
-    EDGE_FOUND,   /* the same at each edge, of the current that it finds (found_edges.h) */
-    EDGE_OVER,    /* and behind a compensation, by the sign at the cycle's start, of more than is lost */
+    EDGE_OVER, /* of a compensation by the sign at the cycle's start, and of each edge's own current (found_edges.h) */
     EDGE_LAWS
 } edge_law;
 

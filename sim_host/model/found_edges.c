@@ -73,7 +73,7 @@ static double sign_found(const edges *e, size_t x, double i_A)
 
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3])
 {
-    const double v_late_V = d->edge == EDGE_OVER ? -d->dead_share * d->v_dead_V : d->v_dead_V;
+    const double v_late_V = -d->dead_share * d->v_dead_V;
     edges e = {.d = d, .i = i, .v_late_V = v_late_V, .late_s = v_late_V / row->u_dc_V * i->T_s};
     size_t order[3];
     order_of(row->rise, order);

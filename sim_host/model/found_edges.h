@@ -19,7 +19,7 @@ typedef struct found_currents {
     double T_s;
 } found_currents;
 
-/* The mean voltage that each leg loses over the cycle: v_dead against a current that is far from nought. */
+/* The mean voltage that each leg loses over the cycle under EDGE_OVER: v_dead against a current that is far from nought. */
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3]);
 
 #endif

@@ -18,21 +18,16 @@ static const double FOUND_RIPPLE = 1.0;
 /* A compensation of twice what is lost. */
 static const double DEAD_SHARE_START = 1.0;
 
-static bool is_found(edge_law law)
-{
-    return law == EDGE_FOUND || law == EDGE_OVER;
-}
-
 static void set_knee(const fit_data *d, fit_state *s, double share)
 {
     s->z[P_KNEE] = log(share * d->frame->i_rated_peak_A / d->frame->nominal.i_knee_A);
 }
 
 /* Whether a dead time of this sign can follow a law. Each edge's own current is followed behind an over-compensation alone:
- * without one it fits better, and lets a voltage gain with an inductance pass for a flux. */
+ * without one (a share of -1) it fits better, and lets a voltage gain with an inductance pass for a flux. */
 static bool law_allows(edge_law law, double v_dead)
 {
-    return law == EDGE_OVER ? v_dead < 0.0 : law != EDGE_FOUND;
+    return law != EDGE_OVER || v_dead < 0.0;
 }
 
 bool edge_choose(fit_data *d, fit_state *s)
@@ -43,7 +38,7 @@ bool edge_choose(fit_data *d, fit_state *s)
         fit_state trial = *s;
         const int column[] = {P_V_DEAD};
         trial.edge = (edge_law)(k / KNEES);
-        trial.z[P_RIPPLE] = is_found(trial.edge) ? FOUND_RIPPLE : RIPPLE_START;
+        trial.z[P_RIPPLE] = trial.edge == EDGE_OVER ? FOUND_RIPPLE : RIPPLE_START;
         trial.z[P_DEAD_SHARE] = DEAD_SHARE_START;
         set_knee(d, &trial, knee_share[k % KNEES]);
         gram *grams = gram_blocks(d, &trial, column, 1);
@@ -74,7 +69,7 @@ static fit_state under(const fit_data *d, const fit_state *s, edge_law law)
 {
     fit_state trial = *s;
     trial.edge = law;
-    if (is_found(law) && !is_found(s->edge)) {
+    if (law == EDGE_OVER && s->edge != EDGE_OVER) {
         trial.z[P_RIPPLE] = FOUND_RIPPLE;
         trial.z[P_DEAD_SHARE] = DEAD_SHARE_START;
         set_knee(d, &trial, FOUND_KNEE_SHARE);
