@@ -89,13 +89,13 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
     confusion_find(d, view, &w->state, member, w->possible, w->certainty.inflation);
     confusion_trades(d, view, &w->state, member, w->possible, w->certainty.inflation);
     known_tell(w, view, d);
-    double probability[H_COUNT];
+    standing of[H_COUNT];
     view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-    if (!probability_of(view, &w->state, w->possible, w->certainty.inflation, probability)) {
+    if (!probability_of(view, &w->state, w->possible, w->certainty.inflation, of)) {
         return false;
     }
     for (size_t k = 0; k < d->causes; k++) {
-        d->cause[k].probability = probability[member[k]];
+        d->cause[k].probability = of[member[k]].probability;
     }
     evidence_option own;
     evidence_option none;

@@ -282,7 +282,7 @@ static void two_that_trade_for_one(void)
 /* Two that explain nearly the same, one better by a little: both together gain nothing, and either stands for the other. */
 static void the_probability_is_a_share_of_the_evidence(void)
 {
-    double probability[H_COUNT];
+    standing of_all[H_COUNT];
     const hypothesis_set possible = BIT(H_ASYMMETRY_A) | BIT(H_INDUCTANCE_B) | BIT(H_DEAD_TIME);
     const double inflation = 1.5;
     parabola(P_DR_A, 0.05, 160.0);
@@ -292,24 +292,26 @@ static void the_probability_is_a_share_of_the_evidence(void)
     view->sums = view->total;
     parabola(P_V_DEAD, 0.05, 1.0);
     state.set = BIT(H_ASYMMETRY_A);
-    TEST_ASSERT_TRUE(probability_of(view, &state, possible, inflation, probability));
+    TEST_ASSERT_TRUE(probability_of(view, &state, possible, inflation, of_all));
     const double other =
         exp(-0.5 * (of(BIT(H_INDUCTANCE_B)).score - of(BIT(H_ASYMMETRY_A)).score) / inflation);
     TEST_ASSERT_TRUE(other > 0.1 && other < 1.0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.0 / (1.0 + other), probability[H_ASYMMETRY_A]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4, other / (1.0 + other), probability[H_INDUCTANCE_B]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.0, probability[H_DEAD_TIME]);
-    SAME(probability[H_ASYMMETRY_A], probability[H_ASYMMETRY_B]); /* a cause's are alike */
-    SAME(0.0, probability[H_VOLTAGE_GAIN]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.0 / (1.0 + other), of_all[H_ASYMMETRY_A].probability);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, other / (1.0 + other), of_all[H_INDUCTANCE_B].probability);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, other, of_all[H_ASYMMETRY_A].rival);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, of_all[H_INDUCTANCE_B].rival);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.0, of_all[H_DEAD_TIME].probability);
+    SAME(of_all[H_ASYMMETRY_A].probability, of_all[H_ASYMMETRY_B].probability); /* a cause's are alike */
+    SAME(0.0, of_all[H_VOLTAGE_GAIN].probability);
     /* Noisier scores say less. */
-    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 3.0 * inflation, probability));
-    TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0 / (1.0 + cbrt(other)), probability[H_ASYMMETRY_A]);
+    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 3.0 * inflation, of_all));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0 / (1.0 + cbrt(other)), of_all[H_ASYMMETRY_A].probability);
 }
 
 /* What the file's last digits could take of a resistance says nothing against it once it is beyond its least. */
 static void a_set_without_a_member_is_weighed_with_its_last_digits_held(void)
 {
-    double probability[H_COUNT];
+    standing of_all[H_COUNT];
     const double digits = coordinate_table[P_R].digits;
     const double curve = 100.0 / (digits * digits);
     TEST_ASSERT_TRUE(digits > 0.0);
@@ -324,36 +326,36 @@ static void a_set_without_a_member_is_weighed_with_its_last_digits_held(void)
     SAME(view->total.h[P_R][P_R], held->total.h[P_R][P_R]);
     free(held);
     state.set = BIT(H_RESISTANCE);
-    TEST_ASSERT_TRUE(probability_of(view, &state, BIT(H_RESISTANCE), 1.0, probability));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, probability[H_RESISTANCE]);
+    TEST_ASSERT_TRUE(probability_of(view, &state, BIT(H_RESISTANCE), 1.0, of_all));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, of_all[H_RESISTANCE].probability);
 }
 
 /* One that may well be there too: as probable as the set that holds both is beside the set that was chosen. */
 static void the_set_with_one_more_counts(void)
 {
-    double probability[H_COUNT];
+    standing of_all[H_COUNT];
     parabola(P_R, 0.05, 600.0);
     parabola(P_PSI, 0.02, 36.0);
     state.set = BIT(H_RESISTANCE);
     const double more = exp(-0.5 * (of(BIT(H_RESISTANCE) | BIT(H_FLUX)).score - of(BIT(H_RESISTANCE)).score));
     TEST_ASSERT_TRUE(more > 0.3 && more < 1.0);
-    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, probability);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, more / (1.0 + more), probability[H_FLUX]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, probability[H_RESISTANCE]);
+    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, of_all);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, more / (1.0 + more), of_all[H_FLUX].probability);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, of_all[H_RESISTANCE].probability);
 }
 
 /* What was fitted stands, though the parabola about it has its optimum where one of two that trade is too small for a name. */
 static void the_set_that_was_fitted_counts_whatever_the_parabola_says(void)
 {
-    double probability[H_COUNT];
+    standing of_all[H_COUNT];
     evidence_option option;
     parabola(P_R, 0.9 * hypothesis_table[H_RESISTANCE].least, 600.0);
     parabola(P_PSI, 0.05, 550.0);
     state.set = BIT(H_RESISTANCE);
     TEST_ASSERT_FALSE(evidence_cost(view, &state, state.set, &option));
-    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, probability);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, probability[H_RESISTANCE]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, probability[H_FLUX]);
+    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, of_all);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, of_all[H_RESISTANCE].probability);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, of_all[H_FLUX].probability);
 }
 
 /* ---- Whether it explains as much as it leaves ---- */

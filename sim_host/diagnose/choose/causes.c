@@ -17,7 +17,8 @@
 /*
  * A cause is named when its posterior is high: 0.99 against the set without it (here in -2 log of odds: what it takes off,
  * by how much wider than white noise the scores scatter, less what it pays), and more likely than not among all sets about
- * the one chosen (probability.h). And when the posterior that it exceeds its `least` is: 0.975, one half width of its size.
+ * the one chosen, or in the likeliest of these, as of causes that trade each may be less likely than not (probability.h).
+ * And when the posterior that it exceeds its `least` is: 0.975, one half width of its size.
  */
 static const double ODDS_OF_NAMED = 9.2;
 static const double LIKELY = 0.5;
@@ -99,7 +100,7 @@ typedef struct weighing {
     double own_cost;         /* of the set as it is */
     double without[H_COUNT]; /* what each takes off beside the others */
     double against[H_COUNT]; /* the same with its own last digits held: what is beyond `least` is none */
-    double probability[H_COUNT];
+    standing posterior[H_COUNT];
     hypothesis_set decoys; /* members without a name */
     double of_decoys;      /* what these take off beside the named ones */
     double with_all;       /* held-out error of the named ones; where there are decoys, or a dead time */
@@ -139,7 +140,7 @@ static bool weigh(const session *w, const evidence_view *view, hypothesis_set al
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
     g.with_all = g.decoys || hypothesis_in(set, H_DEAD_TIME) ? named_error(w, set) : 0.0;
     *out = g;
-    return probability_of(view, &w->state, allowed, w->certainty.inflation, out->probability);
+    return probability_of(view, &w->state, allowed, w->certainty.inflation, out->posterior);
 }
 
 /* The least that a member must take off, by what the others explain and what nothing does. */
@@ -160,7 +161,8 @@ static bool is_probable(const weighing *g, hypothesis_id h)
 {
     const hypothesis_set set = g->w->state.set;
     const double pays = evidence_penalty(g->view, set) - evidence_penalty(g->view, set & ~HYPOTHESIS_BIT(h));
-    return g->against[h] / g->w->certainty.inflation - pays >= ODDS_OF_NAMED && g->probability[h] >= LIKELY;
+    const bool likely = g->posterior[h].probability >= LIKELY || g->posterior[h].rival <= 1.0;
+    return likely && g->against[h] / g->w->certainty.inflation - pays >= ODDS_OF_NAMED;
 }
 
 /* Beside an unnamed effect that explains as much or nearly so, a cause is named only if it lowers the held-out error

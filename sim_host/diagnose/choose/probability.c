@@ -10,6 +10,7 @@ typedef struct tally {
     double best, inflation;
     double all;
     double of_cause[CAUSE_COUNT];
+    double without[CAUSE_COUNT]; /* the likeliest set without it */
 } tally;
 
 /* The set that was fitted is one whatever the parabola about it says: the optimum of causes that trade may lie where one of
@@ -36,13 +37,16 @@ static void look_by(tally *t, const evidence_view *view)
 static void count(tally *t, hypothesis_set set)
 {
     const double weight = exp(-0.5 * (score_of(t, set) - t->best) / t->inflation);
-    bool counted[CAUSE_COUNT] = {false};
+    bool held[CAUSE_COUNT] = {false};
     t->all += weight;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        const cause_id cause = hypothesis_table[h].cause;
-        if (hypothesis_in(set, h) && !counted[cause]) {
-            counted[cause] = true;
+        held[hypothesis_table[h].cause] |= hypothesis_in(set, h);
+    }
+    for (size_t cause = 0; cause < CAUSE_COUNT; cause++) {
+        if (held[cause]) {
             t->of_cause[cause] += weight;
+        } else {
+            t->without[cause] = fmax(t->without[cause], weight);
         }
     }
 }
@@ -59,7 +63,7 @@ static void count_about(tally *t, hypothesis_set set, hypothesis_set possible)
 }
 
 bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
-                    double probability[H_COUNT])
+                    standing of[H_COUNT])
 {
     tally t = {.state = s, .inflation = inflation};
     evidence_view *held = malloc(sizeof *held);
@@ -73,7 +77,9 @@ bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_se
         }
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        probability[h] = t.all > 0.0 ? t.of_cause[hypothesis_table[h].cause] / t.all : 0.0;
+        const cause_id cause = hypothesis_table[h].cause;
+        of[h].probability = t.all > 0.0 ? t.of_cause[cause] / t.all : 0.0;
+        of[h].rival = t.without[cause];
     }
     const bool ok = held != NULL;
     free(held);

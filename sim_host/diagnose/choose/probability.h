@@ -9,10 +9,16 @@
 /*
  * The set as it is, with one member less, with one more, and with one in place of another: each weighs
  * exp(-score/2), the score what the search compares, over how much wider than white noise the scores scatter. A
- * cause's probability is the share of the sets that hold one of its hypotheses. `probability` has one entry a
- * hypothesis; those of a cause are alike. Sets without a member are weighed with its last digits held. False: out of memory.
+ * cause's probability is the share of the sets that hold one of its hypotheses. Sets without a member are weighed with
+ * its last digits held.
  */
+typedef struct standing {
+    double probability;
+    double rival; /* the weight of the likeliest set without the cause, over that of the state's own */
+} standing;
+
+/* One entry a hypothesis; those of a cause are alike. False: out of memory. */
 bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
-                    double probability[H_COUNT]);
+                    standing of[H_COUNT]);
 
 #endif
