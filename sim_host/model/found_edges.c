@@ -29,7 +29,7 @@ static void order_of(const double rise[3], size_t order[3])
     for (size_t x = 0; x < 3; x++) {
         size_t place = 0;
         for (size_t y = 0; y < 3; y++) {
-            place += rise[y] < rise[x] || (rise[y] == rise[x] && y < x) ? 1 : 0;
+            place += rise[y] < rise[x] || (y < x && rise[y] == rise[x]) ? 1 : 0;
         }
         order[place] = x;
     }

@@ -319,7 +319,9 @@ static bool is_borne_out(const session *w)
 
 bool causes_bear_out(session *w, const diagnose_teller *teller)
 {
-    if (named_of(w->state.set) == 0 || is_borne_out(w)) {
+    /* What a file's own dead time leaves near no current, by the plain law that a file has, is no effect without a name. */
+    const bool plain_law = w->frame.nominal.v_dead_V != 0.0;
+    if (named_of(w->state.set) == 0 || plain_law || is_borne_out(w)) {
         return true;
     }
     if (teller->trace) {
