@@ -10,7 +10,7 @@ if(MUSL_SOURCE_DIR)
             sin cos tan sincos __sin __cos __tan __rem_pio2 __rem_pio2_large
             exp exp_data expm1 cosh __expo2 log log_data log10 pow pow_data
             __math_invalid __math_divzero __math_oflow __math_uflow __math_xflow
-            hypot atan atan2 ../complex/cabs ../complex/carg ../complex/cexp ../complex/__cexp)
+            hypot atan atan2 erf ../complex/cabs ../complex/carg ../complex/cexp ../complex/__cexp)
         list(APPEND musl_sources ${MUSL_SOURCE_DIR}/src/math/${file}.c)
     endforeach()
     # musl's own headers are not there, and glibc's declare some of its inner names as something else.
