@@ -9,6 +9,7 @@ fleet. What fails by itself is tried twice more; what cannot be used, or takes i
 """
 
 import argparse
+import itertools
 import json
 import os
 import pathlib
@@ -17,7 +18,8 @@ import sys
 import time
 
 import dask
-from dask.distributed import Client, LocalCluster, as_completed
+from dask.distributed import Client, LocalCluster, as_completed, wait
+from distributed.scheduler import KilledWorker
 
 import iqfoc
 import page
@@ -52,37 +54,43 @@ def diagnose(name, recording, motor):
             "estimates": {e["name"]: [e["value"], e["unit"], *(e["ci95"] or (None, None))] for e in found.data["estimates"] if e["excited"]}}
 
 
+def failed(name, why):
+    """The row of a drive that came back with an exception."""
+    return {"drive": name, "verdict": "failed", "words": f"{type(why).__name__}: {why}".splitlines()[0][:300], "causes": [], "estimates": {}}
+
+
 def run(client, files, task=diagnose, told=lambda row: None):
-    """A row for each of {name: (recording, motor)}, in the order of the names."""
+    """A row for each of {name: (recording, motor)}, in the order of the names. Who was on a worker as it died may have been beside
+    the one that it died of: those are tried again at the end, each alone."""
     room = AHEAD * max(1, sum(client.ncores().values()))
-    waiting = iter(files.items())
+    waiting = iter(files)
     names = {}
 
-    def submit():
-        item = next(waiting, None)
-        if item is None:
-            return None
-        name, (recording, motor) = item
+    def begin(name):
+        recording, motor = files[name]
         future = client.submit(task, name, str(recording), str(motor), retries=RETRIES, pure=False)
         names[future.key] = name
         return future
 
-    first = [f for f in (submit() for _ in range(room)) if f is not None]
-    under_way = as_completed(first)
-    rows = {}
+    under_way = as_completed([begin(name) for name in itertools.islice(waiting, room)])
+    rows, suspects = {}, []
     for future in under_way:
         name = names.pop(future.key)
-        if future.status == "finished":
-            rows[name] = future.result()
+        why = None if future.status == "finished" else future.exception()
+        if isinstance(why, KilledWorker):
+            suspects.append(name)
         else:
-            why = future.exception()
-            rows[name] = {"drive": name, "verdict": "failed", "words": f"{type(why).__name__}: {why}".splitlines()[0][:300], "causes": [],
-                          "estimates": {}}
+            rows[name] = future.result() if why is None else failed(name, why)
+            told(rows[name])
+        future.release()
+        for following in itertools.islice(waiting, 1):
+            under_way.add(begin(following))
+    for name in suspects:
+        future = begin(name)
+        wait(future)
+        rows[name] = future.result() if future.status == "finished" else failed(name, future.exception())
         told(rows[name])
         future.release()
-        following = submit()
-        if following is not None:
-            under_way.add(following)
     return [rows[name] for name in files]
 
 

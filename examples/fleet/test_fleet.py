@@ -85,6 +85,24 @@ def test_a_dead_worker_stops_nobody():
     assert set(failed) == {"kills", "raises"} and "each time" in failed["raises"]
 
 
+def unlucky(name, recording, motor):
+    """Takes its worker with it as often as a recording may, and not once more."""
+    deaths = pathlib.Path(recording)
+    if name == "beside" and len(deaths.read_text()) < 2:
+        deaths.write_text(deaths.read_text() + "x")
+        os._exit(1)
+    return {"drive": name}
+
+
+def test_who_was_beside_a_dead_worker_is_tried_alone(tmp_path):
+    fleet.careful()
+    deaths = tmp_path / "deaths"
+    deaths.write_text("")
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        rows = fleet.run(client, {n: (deaths, "") for n in ["a", "beside", "b"]}, task=unlucky)
+    assert rows == [{"drive": n} for n in ["a", "beside", "b"]] and deaths.read_text() == "xx"
+
+
 def test_a_drive_keeps_its_fault():
     for number in range(1, 50):
         first, second = make.drive_of(number, 1), make.drive_of(number, 2)
