@@ -52,6 +52,12 @@ if(IQFOC_STATIC)
     add_link_options(-static)
 endif()
 
+# What fits a recording takes the time that its user waits for.
+set(iqfoc_where_time_goes "")
+if(NOT IQFOC_SANITIZE AND NOT IQFOC_COVERAGE)
+    set(iqfoc_where_time_goes $<$<NOT:$<CONFIG:Debug>>:-O3>)
+endif()
+
 find_program(IQFOC_CCACHE ccache)
 if(IQFOC_CCACHE AND NOT DEFINED CMAKE_C_COMPILER_LAUNCHER)
     set(CMAKE_C_COMPILER_LAUNCHER ${IQFOC_CCACHE})

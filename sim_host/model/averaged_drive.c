@@ -99,45 +99,51 @@ static void inverse_inductance(const averaged_drive *d, double share, vec_rotor 
 }
 
 /*
- * Voltage lost in a cycle, stationary frame. A leg's dead time delays its rising edge if the current then
- * flows out, its falling edge if it flows in; each edge is half of v_dead. Between the two the current
- * differs by its ripple, which the duties tell: a clipped law of the mean current alone would take the
- * ripple's width for a knee and pass the rest on to the resistance. The unequal part of the resistances sees
- * the mean current.
+ * A leg's dead time delays its rising edge if the current then flows out, its falling edge if it flows in; each edge is
+ * half of v_dead. Between the two the current differs by its ripple, which the duties tell: a clipped law of the mean
+ * current alone would take the ripple's width for a knee and pass the rest on to the resistance.
  */
+static void dead_time_losses(const averaged_drive *d, const cycle_row *row, found_currents *i, vec_rotor r,
+                             double lost[3])
+{
+    inverse_inductance(d, d->edge_ripple, r, i->per_flux);
+    for (size_t x = 0; x < 3; x++) {
+        const vec_ab i_ripple = found_current(i, row->edge_ripple_Wb[x]);
+        i->apart[x] = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (i->last[x] - i->first[x]);
+    }
+    if (d->edge == EDGE_OVER) {
+        found_edges_lost(d, row, i, lost);
+        return;
+    }
+    const double per_knee = 1.0 / d->i_knee_A;
+    for (size_t x = 0; x < 3; x++) {
+        /* Of a full loss at one edge and none at the other: (1 + s) / 2 at the rise, (s - 1) / 2 at the fall. */
+        const double mid = 0.5 * (i->first[x] + i->last[x]);
+        const double rise = averaged_drive_edge(d->edge, (mid + i->apart[x]) * per_knee);
+        const double fall = averaged_drive_edge(d->edge, (mid - i->apart[x]) * per_knee);
+        const double held = row->no_rise[x] * (1.0 + rise) - row->no_fall[x] * (1.0 - fall);
+        lost[x] = 0.5 * d->v_dead_V * (rise + fall - held);
+    }
+}
+
+/* Voltage lost in a cycle, stationary frame. The unequal part of the resistances sees the mean current. */
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
                            vec_rotor r, double T_s)
 {
-    const double drifted = d->R_rate_ohm_s * row->elapsed_s + d->R_ohm * d->alpha_R * row->temperature_K;
     found_currents i = {.T_s = T_s};
     double lost[3] = {0.0};
     vec_to_phases(i_start, i.first);
     vec_to_phases(i_end, i.last);
-    inverse_inductance(d, d->edge_ripple, r, i.per_flux);
-    for (size_t x = 0; x < 3; x++) {
-        const vec_ab flux = row->edge_ripple_Wb[x];
-        const vec_ab i_ripple = {i.per_flux[0] * flux.alpha + i.per_flux[1] * flux.beta,
-                                 i.per_flux[1] * flux.alpha + i.per_flux[2] * flux.beta};
-        i.apart[x] = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (i.last[x] - i.first[x]);
+    if (d->v_dead_V != 0.0) {
+        dead_time_losses(d, row, &i, r, lost);
     }
-    const bool found = d->edge == EDGE_OVER;
-    if (d->v_dead_V != 0.0 && found) {
-        found_edges_lost(d, row, &i, lost);
-    }
-    double per_knee = 1.0 / d->i_knee_A;
+    const double drifted = d->R_rate_ohm_s * row->elapsed_s + d->R_ohm * d->alpha_R * row->temperature_K;
     /* The drop lowers the end current, and with it its own mid-cycle value: a leg sees 2/3 of its loss, half
      * of that by mid-cycle. */
-    double third = T_s / 3.0 * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
+    const double third = T_s / 3.0 * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
     for (size_t x = 0; x < 3; x++) {
         const double mid = 0.5 * (i.first[x] + i.last[x]);
         const double more_ohm = d->dR_ohm[x] + drifted;
-        if (d->v_dead_V != 0.0 && !found) {
-            /* Of a full loss at one edge and none at the other: (1 + s) / 2 at the rise, (s - 1) / 2 at the fall. */
-            const double rise = averaged_drive_edge(d->edge, (mid + i.apart[x]) * per_knee);
-            const double fall = averaged_drive_edge(d->edge, (mid - i.apart[x]) * per_knee);
-            const double held = row->no_rise[x] * (1.0 + rise) - row->no_fall[x] * (1.0 - fall);
-            lost[x] = 0.5 * d->v_dead_V * (rise + fall - held);
-        }
         lost[x] += more_ohm * mid / (1.0 + more_ohm * third);
     }
     return vec_from_phases(lost);
@@ -280,9 +286,11 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
                     m.push[1][0] * push.d + m.push[1][1] * push.q};
     if (d->v_dead_V != 0.0 || d->R_rate_ohm_s != 0.0 || d->alpha_R != 0.0 || d->dR_ohm[0] != 0.0 ||
         d->dR_ohm[1] != 0.0 || d->dR_ohm[2] != 0.0) {
-        /* The current of this cycle as if nothing were lost, in the stationary frame. */
-        vec_ab i_end = vec_to_ab(flux_map_current(d, y, i_dq), end);
-        vec_dq lost = vec_to_dq(phase_losses(d, row, vec_to_ab(i_dq, r), i_end, r, m.push[0][0]), r);
+        /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
+        const vec_dq to_flux = flux_map_current(d, y, i_dq);
+        const vec_dq all = {to_flux.d + total_dq.d - i_dq.d, to_flux.q + total_dq.q - i_dq.q};
+        vec_ab i_end = vec_to_ab(all, end);
+        vec_dq lost = vec_to_dq(phase_losses(d, row, vec_to_ab(total_dq, r), i_end, r, m.push[0][0]), r);
         y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
         y.q -= m.drive[1][0] * lost.d + m.drive[1][1] * lost.q;
     }

@@ -1,16 +1,6 @@
 /* A cycle's edges one after the other (found_edges.h). */
 #include "found_edges.h"
 
-static double sat(double x)
-{
-    return x > 1.0 ? 1.0 : (x < -1.0 ? -1.0 : x);
-}
-
-static vec_ab through(const double k[3], vec_ab flux)
-{
-    return (vec_ab){k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
-}
-
 /* One volt on leg x alone. */
 static vec_ab volt_on(size_t x)
 {
@@ -56,19 +46,20 @@ static void find_slopes(edges *e, const cycle_row *row, const size_t order[3])
     }
     for (size_t n = 0; n < 3; n++) {
         const size_t x = order[n];
-        e->low_A_s[x] = vec_phase(through(i->per_flux, u), (int)x) + (i->last[x] - i->first[x]) / i->T_s;
+        e->low_A_s[x] = vec_phase(found_current(i, u), (int)x) + (i->last[x] - i->first[x]) / i->T_s;
         add(&u, volt_on(x), row->u_dc_V);
-        e->high_A_s[x] = vec_phase(through(i->per_flux, u), (int)x) + (i->last[x] - i->first[x]) / i->T_s;
+        e->high_A_s[x] = vec_phase(found_current(i, u), (int)x) + (i->last[x] - i->first[x]) / i->T_s;
     }
 }
 
 /* The current that an edge finds, and of a full loss and none what it then takes: -1 to 1. */
 static double sign_found(const edges *e, size_t x, double i_A)
 {
-    const double others = vec_phase(through(e->i->per_flux, e->flux), (int)x);
+    const double others = vec_phase(found_current(e->i, e->flux), (int)x);
     const double held = 0.5 * (e->low_A_s[x] + e->high_A_s[x]) * e->late_s;
     const double reach = 0.5 * (e->high_A_s[x] - e->low_A_s[x]) * e->late_s;
-    return sat((i_A + others + held) / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A));
+    return averaged_drive_edge(EDGE_CLIPPED,
+                               (i_A + others + held) / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A));
 }
 
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3])
@@ -80,7 +71,8 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
     find_slopes(&e, row, order);
     for (size_t x = 0; x < 3; x++) {
         /* No edge moves beyond the valley or the peak. */
-        const double wanted = 0.5 * (v_late_V - d->v_dead_V) * sat(i->first[x] / d->i_knee_A);
+        const double wanted =
+            0.5 * (v_late_V - d->v_dead_V) * averaged_drive_edge(EDGE_CLIPPED, i->first[x] / d->i_knee_A);
         e.moved_V[x] = fmin(fmax(wanted, (row->rise[x] - 0.5) * row->u_dc_V), row->rise[x] * row->u_dc_V);
         e.moved_s[x] = e.moved_V[x] / row->u_dc_V * i->T_s;
         lost[x] = -2.0 * e.moved_V[x];

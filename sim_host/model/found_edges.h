@@ -19,6 +19,13 @@ typedef struct found_currents {
     double T_s;
 } found_currents;
 
+/* What a flux beside the machine's own adds to the current. */
+static inline vec_ab found_current(const found_currents *i, vec_ab flux)
+{
+    const double *k = i->per_flux;
+    return (vec_ab){k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
+}
+
 /* The mean voltage that each leg loses over the cycle under EDGE_OVER: v_dead against a current that is far from nought. */
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3]);
 

@@ -7,11 +7,14 @@
 static vec_ab volt_seconds(const averaged_drive *d, const cycle_row *row, double T_s)
 {
     const double tau = d->sensor_lag_s;
+    /* Beyond this a cycle's exponentials are none, and must not be divided by. */
+    const double cycle = fmin(T_s / fmax(tau, 1e-300), 700.0);
+    const double fade = exp(-cycle);
     double high_Vs[3];
     for (int x = 0; x < 3; x++) {
         if (tau > 0.0) {
-            const double a = row->fell[x] * T_s;
-            high_Vs[x] = tau * (exp(-a / tau) - exp((a - T_s) / tau)) / (1.0 - exp(-T_s / tau));
+            const double on = exp(-row->fell[x] * cycle);
+            high_Vs[x] = tau * (on - fade / on) / (1.0 - fade);
         } else {
             high_Vs[x] = -fmax(0.0, -tau - row->rise[x] * T_s);
         }

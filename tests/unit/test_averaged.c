@@ -276,6 +276,29 @@ static void an_error_of_the_electrical_turn_is_taken_at_the_true_angle(void)
     TEST_ASSERT_TRUE(most < 1e-5);
 }
 
+/* A resistance that all phases have more of is one of the winding, for the iron's current too. */
+static void what_the_phases_drop_they_drop_of_the_irons_current_too(void)
+{
+    const motor m = bench_motor();
+    averaged_drive whole = averaged_drive_of(&m);
+    whole.iron_S = 0.5 / ((0.2 / 1.25e-4) * m.psi_f_Wb); /* half an ampere */
+    averaged_drive parts = whole;
+    whole.R_ohm *= 1.3;
+    for (size_t x = 0; x < 3; x++) {
+        parts.dR_ohm[x] = 0.3 * parts.R_ohm;
+    }
+    double most = 0.0;
+    for (int k = 0; k < 100; k++) {
+        const vec_ab want = after_cycle(&whole, 0.0628 * k);
+        const vec_ab got = after_cycle(&parts, 0.0628 * k);
+        most = fmax(most, hypot(got.alpha - want.alpha, got.beta - want.beta));
+    }
+    /* What the iron's current drops over that resistance in a cycle, on the smaller inductance. */
+    const double drop_A = 0.3 * m.R_ohm * 0.5 * 1.25e-4 / fmin(m.L_d_H, m.L_q_H);
+    printf("  off by %.2g of %.2g A\n", most, drop_A);
+    TEST_ASSERT_TRUE(most < 0.2 * drop_A);
+}
+
 /* While no leg is high the flux stands still and the rotor turns under it. */
 static void a_late_sample_sees_the_flux_with_the_rotor_further_on(void)
 {
@@ -385,6 +408,7 @@ int main(void)
     RUN_TEST(a_flux_map_is_inverted);
     RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
     RUN_TEST(an_error_of_the_electrical_turn_is_taken_at_the_true_angle);
+    RUN_TEST(what_the_phases_drop_they_drop_of_the_irons_current_too);
     RUN_TEST(a_late_sample_sees_the_flux_with_the_rotor_further_on);
     RUN_TEST(a_filter_still_sees_the_last_edges);
     RUN_TEST(a_filtered_speed_is_put_right);
