@@ -10,6 +10,7 @@
 #include "choose/causes.h"
 #include "choose/confusion.h"
 #include "choose/probability.h"
+#include "choose/reconsider.h"
 #include "identify/fit.h"
 #include "identify/last_digits.h"
 #include "identify/mended.h"
@@ -217,8 +218,7 @@ static double error_with(const diagnose_rows *r, const averaged_drive *drive)
 /* From the motor file's values on. */
 static bool begin(session *w, const diagnose_teller *teller)
 {
-    w->nominal = fit_of_nominal(&w->fitted);
-    return causes_find(w, teller);
+    return fit_of_nominal(&w->fitted, &w->nominal) && causes_find(w, teller);
 }
 
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
@@ -239,12 +239,11 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         if (options->teller.trace) {
             fprintf(options->teller.trace, "  %zu glitches left out, searched again\n", d->outliers);
         }
-        fit_gain(&w->fitted, &w->nominal);
-        if (!causes_find(w, &options->teller)) {
+        if (!fit_gains(&w->fitted, &w->nominal) || !causes_find(w, &options->teller)) {
             return false;
         }
     }
-    if (!causes_bear_out(w, &options->teller)) {
+    if (!reconsider(w, &options->teller) || !causes_bear_out(w, &options->teller)) {
         return false;
     }
     d->nominal_drive = w->frame.nominal;

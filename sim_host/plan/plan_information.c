@@ -62,9 +62,10 @@ static bool look(const motor *m, const recording *rec, plan_information *info, e
     const coordinate_frame frame = coordinates_of(m, &rows);
     bool ok = fit_data_make(&fitted, &rows, &frame, rec->rows, e);
     if (ok) {
-        fit_state nominal = fit_of_nominal(&fitted);
+        fit_state nominal;
         info->possible = hypotheses_possible(&rows, &frame);
-        ok = evidence_look(&fitted, &nominal, info->possible, &info->view) ||
+        ok = (fit_of_nominal(&fitted, &nominal) &&
+              evidence_look(&fitted, &nominal, info->possible, &info->view)) ||
              error_failure(e, 0, "out of memory for a recording's information");
         fit_data_free(&fitted);
     }

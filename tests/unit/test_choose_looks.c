@@ -48,7 +48,7 @@ static void fit_it(fitted *f, hypothesis_set set)
     TEST_ASSERT_TRUE_MESSAGE(rows_prepare(&f->rows, &f->r, &f->m, &e), e.text);
     f->frame = coordinates_of(&f->m, &f->rows);
     TEST_ASSERT_TRUE_MESSAGE(fit_data_make(&f->data, &f->rows, &f->frame, 100000, &e), e.text);
-    f->state = fit_of_nominal(&f->data);
+    TEST_ASSERT_TRUE(fit_of_nominal(&f->data, &f->state));
     f->state.set = set;
     TEST_ASSERT_TRUE(fit_refine(&f->data, &f->state, 12));
     TEST_ASSERT_TRUE(certainty_of(&f->data, &f->state, &f->sure));
@@ -80,6 +80,74 @@ static double student_of_more_than_ten(double degrees)
     TEST_ASSERT_TRUE(degrees > 10.0);
     return z + (pow(z, 3.0) + z) / (4.0 * degrees) +
            (5.0 * pow(z, 5.0) + 16.0 * pow(z, 3.0) + 3.0 * z) / (96.0 * degrees * degrees);
+}
+
+/* Sums of the whitened squares of each block, with every gain moved by `more`. */
+static double squares_with(fitted *f, double more)
+{
+    fit_state moved = f->state;
+    for (size_t g = 0; g < f->rows.groups; g++) {
+        moved.noise[g].gain += more;
+    }
+    gram *grams = gram_blocks(&f->data, &moved, NULL, 0);
+    TEST_ASSERT_NOT_NULL(grams);
+    double sum = 0.0;
+    for (size_t b = 0; b < f->data.blocks; b++) {
+        sum += grams[b].c;
+    }
+    free(grams);
+    return sum;
+}
+
+static void a_gain_is_a_column_as_any_other(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    for (size_t g = 0; g < f.rows.groups; g++) {
+        f.state.noise[g].gain = 0.4; /* where there is a slope */
+    }
+    const int column[] = {P_R, COLUMN_GAIN};
+    gram *grams = gram_blocks(&f.data, &f.state, column, 2);
+    TEST_ASSERT_NOT_NULL(grams);
+    double slope = 0.0;
+    double curve = 0.0;
+    for (size_t b = 0; b < f.data.blocks; b++) {
+        slope += 2.0 * grams[b].g[1];
+        curve += grams[b].h[1][1];
+        TEST_ASSERT_EQUAL_DOUBLE(grams[b].h[0][1], grams[b].h[1][0]);
+    }
+    const double h = 0.01;
+    const double by_difference = (squares_with(&f, h) - squares_with(&f, -h)) / (2.0 * h);
+    TEST_ASSERT_TRUE(fabs(by_difference) > 100.0 && curve > 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(by_difference), by_difference, slope);
+    free(grams);
+    fit_end(&f);
+}
+
+/* From a file's values and gains of a half: no coordinate and no point's gain has a better place near by. */
+static void a_fit_ends_where_nothing_is_better(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    good.m.psi_f_Wb *= 1.02;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_FLUX));
+    for (int side = -1; side <= 1; side += 2) {
+        for (size_t g = 0; g < f.rows.groups; g++) {
+            fit_state trial = f.state;
+            trial.noise[g].gain = fmin(fmax(trial.noise[g].gain + side * 0.05, 0.03), 0.98);
+            fit_noise(&f.data, &trial);
+            TEST_ASSERT_TRUE(trial.objective > f.state.objective - 0.5);
+        }
+        const coordinate_id of[] = {P_R, P_PSI};
+        for (size_t k = 0; k < 2; k++) {
+            fit_state trial = f.state;
+            trial.z[of[k]] += side * 0.01;
+            fit_noise(&f.data, &trial);
+            TEST_ASSERT_TRUE(trial.objective > f.state.objective - 0.5);
+        }
+    }
+    fit_end(&f);
 }
 
 static void widths_are_of_the_steps_that_blocks_and_points_ask_for(void)
@@ -230,6 +298,8 @@ static void nothing_is_named_for_what_has_no_name(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(a_gain_is_a_column_as_any_other);
+    RUN_TEST(a_fit_ends_where_nothing_is_better);
     RUN_TEST(widths_are_of_the_steps_that_blocks_and_points_ask_for);
     RUN_TEST(what_cannot_be_told_apart_is_not_known);
     RUN_TEST(a_clean_recording_has_no_cause);

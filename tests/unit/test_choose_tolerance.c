@@ -147,6 +147,33 @@ static void what_shapes_a_law_may_differ_between_points(void)
     }
 }
 
+/* Laws of columns that do not touch: what all are worth together is the sum of what each is alone, up to sixteen of them. */
+static void laws_that_do_not_touch_are_worth_their_sum(void)
+{
+    const hypothesis_id law[] = {H_RESISTANCE,       H_FLUX,        H_VOLTAGE_GAIN, H_CURRENT_OFFSET,
+                                 H_ANGLE_OFFSET,     H_ANGLE_DELAY, H_SENSOR_LAG,   H_EMF_HARMONICS_11,
+                                 H_ANGLE_HARMONIC_1, H_ASYMMETRY_A, H_INDUCTANCE_B};
+    enum { LAWS = sizeof law / sizeof *law };
+    int columns[LAWS];
+    double wanted = 0.0;
+    memset(blocks, 0, POINTS * sizeof *blocks);
+    blocks[1].group = 1;
+    for (size_t k = 0; k < LAWS; k++) {
+        const double deviation = 0.1 * law_holds_to[hypothesis_table[law[k]].cause];
+        TEST_ASSERT_TRUE(deviation > 0.0);
+        columns[k] = hypothesis_table[law[k]].column[0];
+        state.set |= BIT(law[k]);
+        state.z[columns[k]] = 0.1;
+        blocks[0].h[k][k] = 1e8 * (double)(k + 1);
+        blocks[0].g[k] = 1e5;
+        const double stiff = blocks[0].h[k][k] + 1.0 / (deviation * deviation);
+        wanted += 1e10 / stiff - log(1.0 + blocks[0].h[k][k] * deviation * deviation);
+    }
+    double worth = 0.0;
+    TEST_ASSERT_TRUE(tolerance_sum(&data, &state, blocks, columns, LAWS, sums, &worth, NULL));
+    SAME(wanted, worth);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -154,5 +181,6 @@ int main(void)
     RUN_TEST(each_operating_point_may_err_by_its_share);
     RUN_TEST(what_takes_up_what_a_law_leaves_gains_nothing);
     RUN_TEST(what_shapes_a_law_may_differ_between_points);
+    RUN_TEST(laws_that_do_not_touch_are_worth_their_sum);
     return UNITY_END();
 }

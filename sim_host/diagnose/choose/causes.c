@@ -99,7 +99,6 @@ typedef struct weighing {
     double floor_A, unexplained;
     double own_cost;         /* of the set as it is */
     double without[H_COUNT]; /* what each takes off beside the others */
-    double against[H_COUNT]; /* the same with its own last digits held: what is beyond `least` is none */
     standing posterior[H_COUNT];
     hypothesis_set decoys; /* members without a name */
     double of_decoys;      /* what these take off beside the named ones */
@@ -117,26 +116,14 @@ static bool weigh(const session *w, const evidence_view *view, hypothesis_set al
                   double unexplained, weighing *out)
 {
     weighing g = {.w = w, .view = view, .floor_A = floor_A, .unexplained = unexplained};
-    evidence_view *held = malloc(sizeof *held);
-    if (!held) {
-        return false;
-    }
     const hypothesis_set set = w->state.set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         g.decoys |= hypothesis_in(set, h) && !hypothesis_cause(h)->named ? HYPOTHESIS_BIT(h) : 0;
     }
     g.own_cost = cost_of(&g, set);
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(set, h)) {
-            const hypothesis_set rest = set & ~HYPOTHESIS_BIT(h);
-            g.without[h] = cost_of(&g, rest) - g.own_cost;
-            evidence_hold(view, h, held);
-            g.view = held;
-            g.against[h] = cost_of(&g, rest) - cost_of(&g, set);
-            g.view = view;
-        }
+        g.without[h] = hypothesis_in(set, h) ? cost_of(&g, set & ~HYPOTHESIS_BIT(h)) - g.own_cost : 0.0;
     }
-    free(held);
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
     g.with_all = g.decoys || hypothesis_in(set, H_DEAD_TIME) ? named_error(w, set) : 0.0;
     *out = g;
@@ -162,31 +149,31 @@ static bool is_probable(const weighing *g, hypothesis_id h)
     const hypothesis_set set = g->w->state.set;
     const double pays = evidence_penalty(g->view, set) - evidence_penalty(g->view, set & ~HYPOTHESIS_BIT(h));
     const bool likely = g->posterior[h].probability >= LIKELY || g->posterior[h].rival <= 1.0;
-    return likely && g->against[h] / g->w->certainty.inflation - pays >= ODDS_OF_NAMED;
+    return likely && g->posterior[h].against / g->w->certainty.inflation - pays >= ODDS_OF_NAMED;
 }
 
-/* Beside an unnamed effect that explains as much or nearly so, a cause is named only if it lowers the held-out error
- * and nothing else fits as well. */
+/*
+ * What takes up what a dead time's law leaves near zero current, or leans on an effect without a name, fits the rows that it
+ * was fitted to, with what was fitted beside it, and makes others worse. Beside an unnamed effect that explains as much or
+ * nearly so, a cause is named only if it makes them better and nothing else fits as well.
+ */
 static bool harms(const weighing *g, hypothesis_id h)
 {
-    return hypothesis_cause(h)->named && g->without[h] < FAR_MORE * g->of_decoys &&
-           (named_error(g->w, g->w->state.set & ~HYPOTHESIS_BIT(h)) <= 1.005 * g->with_all ||
-            is_open(g->w, g->view, g->own_cost, h));
-}
-
-/* What takes up what a dead time's law leaves near zero current, or leans on an effect without a name, fits the rows that it was
- * fitted to, with what was fitted beside it, and makes others worse. */
-static bool makes_worse(const weighing *g, hypothesis_id h)
-{
-    return hypothesis_cause(h)->named && (g->decoys || hypothesis_in(g->w->state.set, H_DEAD_TIME)) &&
-           named_error(g->w, g->w->state.set & ~HYPOTHESIS_BIT(h)) < g->with_all;
+    const hypothesis_set set = g->w->state.set;
+    if (!hypothesis_cause(h)->named || !(g->decoys || hypothesis_in(set, H_DEAD_TIME))) {
+        return false;
+    }
+    const double without = named_error(g->w, set & ~HYPOTHESIS_BIT(h));
+    const bool in_doubt = g->without[h] < FAR_MORE * g->of_decoys;
+    return without < g->with_all ||
+           (in_doubt && (without <= 1.005 * g->with_all || is_open(g->w, g->view, g->own_cost, h)));
 }
 
 static bool is_worthy(const weighing *g, hypothesis_id h)
 {
     const bool stands_for_more = hypothesis_table[h].to_floor && g->unexplained > 0.0;
     return is_probable(g, h) && is_large(g->w, h) && !stands_for_more && g->without[h] >= bar_of(g, h) &&
-           !harms(g, h) && !makes_worse(g, h);
+           !harms(g, h);
 }
 
 /* The member that is least worth its name, H_COUNT if all are. */
@@ -262,24 +249,20 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
     }
 }
 
-/* What was dropped may have kept something better out: search and prune in turn until a search finds nothing
- * new. */
-static bool find(session *w, const hypothesis_set possible, const diagnose_teller *teller)
+bool causes_settle(session *w, const diagnose_teller *teller)
 {
-    hypothesis_set allowed = possible;
-    hypothesis_set before = 0;
+    const hypothesis_set possible = w->allowed;
     double least = 0.0;
     evidence_view *view = calloc(1, sizeof *view);
-    w->state = w->nominal;
     bool ok = view != NULL;
     for (bool first = true; ok; first = false) {
-        before = w->state.set;
-        ok = search_best(&w->fitted, &w->state, allowed, w->nominal.objective, least, teller);
+        const hypothesis_set before = w->state.set;
+        ok = search_best(&w->fitted, &w->state, w->allowed, w->nominal.objective, least, teller);
         if (ok && !first && w->state.set == before) {
             break;
         }
-        ok = ok && prune(w, view, &allowed, &least, teller);
-        if (w->state.set == 0 && allowed == possible) {
+        ok = ok && prune(w, view, &w->allowed, &least, teller);
+        if (w->state.set == 0 && w->allowed == possible) {
             break; /* nothing found, nothing dropped */
         }
     }
@@ -287,6 +270,13 @@ static bool find(session *w, const hypothesis_set possible, const diagnose_telle
     ok = ok && certainty_of(&w->fitted, &w->state, &w->certainty);
     free(view);
     return ok;
+}
+
+static bool find(session *w, const hypothesis_set possible, const diagnose_teller *teller)
+{
+    w->state = w->nominal;
+    w->allowed = possible;
+    return causes_settle(w, teller);
 }
 
 bool causes_find(session *w, const diagnose_teller *teller)

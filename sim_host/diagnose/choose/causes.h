@@ -11,6 +11,10 @@
  * Leaves the fit in w->state. False: out of memory. */
 bool causes_find(session *w, const diagnose_teller *teller);
 
+/* From w->state on, among w->allowed: what is dropped may have kept something better out, so that search and prune take turns
+ * until a search finds nothing new. What was dropped is no longer in w->allowed. False: out of memory. */
+bool causes_settle(session *w, const diagnose_teller *teller);
+
 /* What was found is left as it is if it explains as much as it leaves (borne_out.h), or the file has a dead time of its own;
  * if not, the search begins anew among the effects without a name. False: out of memory. */
 bool causes_bear_out(session *w, const diagnose_teller *teller);

@@ -20,7 +20,7 @@ static const double CAUSE_PENALTY = 25.0;
 /*
  * What a law leaves in proportion to its effect is marginalised (tolerance.h). Two shares of what all causes explain stay, as
  * no error of an effect's size or shape leaves them. A dead time moves the edges that a sensor's filter still sees: a
- * fiftieth of what it explains can look like one.
+ * fiftieth of what it explains can look like one, unless the law follows each edge's own current.
  */
 static const double LEAST_SHARE_OF_EDGES = 3e-2;
 /* No map of a few terms is that of a machine to better than a part in a hundred of its flux. */
@@ -161,9 +161,9 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
     return hypotheses_physical(set, option->z) && hypotheses_count(set, option->z, view->of_least);
 }
 
-double evidence_least(double explained, hypothesis_set set, hypothesis_id h)
+double evidence_least(edge_law edge, double explained, hypothesis_set set, hypothesis_id h)
 {
-    if (h == H_SENSOR_LAG && hypothesis_in(set, H_DEAD_TIME)) {
+    if (h == H_SENSOR_LAG && hypothesis_in(set, H_DEAD_TIME) && edge != EDGE_OVER) {
         return LEAST_SHARE_OF_EDGES * explained;
     }
     if (hypothesis_table[h].cause != CAUSE_SATURATION_DQ && (set & hypotheses_of(CAUSE_SATURATION_DQ)) != 0) {
@@ -181,9 +181,9 @@ double evidence_penalty(const evidence_view *view, hypothesis_set set)
             for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
                 parameters -= column_shows(hypothesis_table[h].column[k], view->rows) ? 0 : 1;
             }
-            sum +=
-                PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
-                fmax(evidence_least(view->explained, set, h), hypothesis_cause(h)->named ? view->least : 0.0);
+            sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
+                   fmax(evidence_least(view->edge, view->explained, set, h),
+                        hypothesis_cause(h)->named ? view->least : 0.0);
         }
     }
     return sum;

@@ -15,10 +15,9 @@ typedef struct evidence_view {
     double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
     double least;     /* what a named cause must explain at the least, by what is left; set by the search */
     double worth;     /* what the tolerances of the state's laws take off (tolerance.h) */
-    double scatter
-        [CAUSE_COUNT]; /* the share by which each effect of the state differs between operating points */
-    gram sums;         /* over the fit blocks, deflated by what the laws may err by */
-    gram total;        /* these, deflated by what may move unnamed */
+    double scatter[CAUSE_COUNT];     /* by what share effects differ between operating points (tolerance.h) */
+    gram sums;                       /* over the fit blocks, deflated by what the laws may err by */
+    gram total;                      /* these, deflated by what may move unnamed */
     double to_nominal[COLUMN_COUNT]; /* step that takes every unit column back to the motor file (nuisances
                                         excepted) */
 } evidence_view;
@@ -48,7 +47,7 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
                    evidence_option *option);
 
 /* The least that h must explain beside a set's other members, in the measure of what all of them explain. */
-double evidence_least(double explained, hypothesis_set set, hypothesis_id h);
+double evidence_least(edge_law edge, double explained, hypothesis_set set, hypothesis_id h);
 
 /* What a set pays for its causes, its parameters and their surprise, in chi square. With two sensors a gain
  * of the third is no parameter. */

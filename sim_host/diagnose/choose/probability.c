@@ -24,14 +24,15 @@ static double score_of(const tally *t, hypothesis_set set)
     return evidence_cost(t->view, t->state, set, &option) ? option.score : INFINITY;
 }
 
-/* Counts from here on by this view. */
-static void look_by(tally *t, const evidence_view *view)
+/* Counts from here on by this view; returns the cost of the state's own set there. */
+static double look_by(tally *t, const evidence_view *view)
 {
     const hypothesis_set set = t->state->set;
     evidence_option own;
     t->view = view;
     evidence_cost(view, t->state, set, &own);
     t->best = own.cost + evidence_penalty(view, set) + hypotheses_unusual(set, own.z);
+    return own.cost;
 }
 
 static void count(tally *t, hypothesis_set set)
@@ -70,10 +71,15 @@ bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_se
     look_by(&t, view);
     count_about(&t, s->set, possible);
     for (hypothesis_id h = 0; held && h < H_COUNT; h++) {
+        of[h].against = 0.0;
         if (hypothesis_in(s->set, h)) {
+            const hypothesis_set rest = s->set & ~HYPOTHESIS_BIT(h);
+            evidence_option without;
             evidence_hold(view, h, held);
-            look_by(&t, held);
-            count_about(&t, s->set & ~HYPOTHESIS_BIT(h), possible);
+            const double own_cost = look_by(&t, held);
+            evidence_cost(held, s, rest, &without);
+            of[h].against = without.cost - own_cost;
+            count_about(&t, rest, possible);
         }
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {

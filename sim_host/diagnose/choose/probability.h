@@ -10,9 +10,10 @@
  * The set as it is, with one member less, with one more, and with one in place of another: each weighs
  * exp(-score/2), the score what the search compares, over how much wider than white noise the scores scatter. A
  * cause's probability is the share of the sets that hold one of its hypotheses. Sets without a member are weighed with
- * its last digits held.
+ * its last digits held: what is beyond `least` is none.
  */
 typedef struct standing {
+    double against; /* what a member takes off -2 log likelihood, so held; 0 of others */
     double probability;
     double rival; /* the weight of the likeliest set without the cause, over that of the state's own */
 } standing;

@@ -161,7 +161,8 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
     trial->set = option->set;
     memcpy(trial->z, option->z, sizeof trial->z);
     coordinates_bound(d->frame, trial->z);
-    if (!fit_refine_within(d, trial, REFINE_STEPS, most, alone)) {
+    const fit_aim ranked = fit_ranked(most);
+    if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
         return false;
     }
     while (*alone <= most && drop_small(trial, allowed, d->frame->of_least)) {
@@ -177,6 +178,20 @@ static double state_score(const evidence_view *view, const fit_state *s, double 
 {
     return s->objective - worth + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, s->z) +
            last_digits_unusual(s->set, s->z);
+}
+
+bool search_score(fit_data *d, const fit_state *s, double *score)
+{
+    evidence_view *view = calloc(1, sizeof *view);
+    double worth = 0.0;
+    const bool ok = view && tolerance_of_state(d, s, &worth);
+    if (ok) {
+        view->rows = d->rows;
+        view->edge = s->edge;
+        *score = state_score(view, s, worth);
+    }
+    free(view);
+    return ok;
 }
 
 /* Fitting an option is what takes the time. */

@@ -17,4 +17,7 @@
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
                  const diagnose_teller *teller);
 
+/* What the sets of two states that were fitted are compared by. False: out of memory. */
+bool search_score(fit_data *d, const fit_state *s, double *score);
+
 #endif

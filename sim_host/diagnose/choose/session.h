@@ -14,7 +14,8 @@ typedef struct session {
     fit_state nominal;
     certainty certainty;
     hypothesis_set possible;
-    bool more_left; /* than the best causes explained: none of them is named */
+    hypothesis_set allowed; /* of these what was not dropped */
+    bool more_left;         /* than the best causes explained: none of them is named */
 } session;
 
 static inline averaged_drive session_drive(const session *w, const double z[P_COUNT])

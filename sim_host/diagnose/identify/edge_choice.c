@@ -92,7 +92,8 @@ bool edge_revise(fit_data *d, fit_state *s, int refine_steps, edge_contest *last
             continue;
         }
         double alone;
-        if (!fit_refine_within(d, &trial, refine_steps, best + BEHIND, &alone)) {
+        const fit_aim ranked = fit_ranked(best + BEHIND);
+        if (!fit_refine_within(d, &trial, refine_steps, &ranked, &alone)) {
             return false;
         }
         if (!law_allows(trial.edge, trial.z[P_V_DEAD])) {

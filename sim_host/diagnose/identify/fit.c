@@ -9,7 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GAIN_STEPS = 2, JOINT_STEPS = 3 };
+enum { GAIN_STEPS = 4, JOINT_STEPS = 3 };
+
+static const fit_aim FINE = {.enough = 0.3, .share = 0.0, .most = INFINITY};
+
+/* What a descent moves: gains alone, the set's own columns with them, or also what a motor file's last digits leave open. */
+typedef enum moved_by { GAINS, MEMBERS, ALL } moved_by;
 
 /*
  * A gain of nought would trust the model for ever. One part in thirty bounds its memory to thirty cycles: the
@@ -67,8 +72,6 @@ typedef struct sums_task {
     block_sums *sums;
 } sums_task;
 
-static const double GAIN_STEP = 1e-3;
-
 static void noise_of_block(void *context, size_t b, size_t worker)
 {
     const sums_task *t = context;
@@ -87,36 +90,12 @@ static void noise_of_block(void *context, size_t b, size_t worker)
     }
 }
 
-static void gain_of_block(void *context, size_t b, size_t worker)
-{
-    const sums_task *t = context;
-    fit_data *d = t->d;
-    const struct fit_work *work = &d->work[worker];
-    const row_block *block = &d->rows->block[d->block[b]];
-    const group_noise *n = &t->s->noise[block->group];
-    observer_block(d->rows, &t->drive, d->nodes, block, n->gain, 0.0, work->base, NULL);
-    observer_block(d->rows, &t->drive, d->nodes, block, n->gain + GAIN_STEP, 0.0, work->moved, NULL);
-    gram_whiten(n, block->count, work->base, work->base);
-    gram_whiten(n, block->count, work->moved, work->moved);
-    for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {
-        const double slope = (work->moved[j] - work->base[j]) / GAIN_STEP;
-        t->sums[b].down += slope * work->base[j];
-        t->sums[b].curve += slope * slope;
-    }
-}
-
-/* Each block's sums at the state. */
-static void sum_blocks(fit_data *d, const fit_state *s, void (*of_block)(void *, size_t, size_t))
+void fit_noise(fit_data *d, fit_state *s)
 {
     sums_task t = {.d = d, .s = s, .drive = fit_drive(d, s), .sums = d->sums};
     rows_nodes_fill(d->rows, &t.drive, d->nodes);
     memset(d->sums, 0, d->blocks * sizeof *d->sums);
-    parallel_for(d->blocks, of_block, &t);
-}
-
-void fit_noise(fit_data *d, fit_state *s)
-{
-    sum_blocks(d, s, noise_of_block);
+    parallel_for(d->blocks, noise_of_block, &t);
     for (size_t g = 0; g < d->rows->groups; g++) {
         group_noise *n = &s->noise[g];
         n->cov[0] = n->cov[1] = n->cov[2] = n->zero = n->rows = 0.0;
@@ -133,130 +112,180 @@ void fit_noise(fit_data *d, fit_state *s)
     finish_noise(d, s);
 }
 
-void fit_gain(fit_data *d, fit_state *s)
-{
-    double down[ROWS_MAX_GROUPS] = {0};
-    double curve[ROWS_MAX_GROUPS] = {0};
-    sum_blocks(d, s, gain_of_block);
-    for (size_t b = 0; b < d->blocks; b++) {
-        down[d->rows->block[d->block[b]].group] += d->sums[b].down;
-        curve[d->rows->block[d->block[b]].group] += d->sums[b].curve;
-    }
-    for (size_t g = 0; g < d->rows->groups; g++) {
-        if (curve[g] > 0.0) {
-            double step = -down[g] / curve[g];
-            double gain = s->noise[g].gain + fmin(fmax(step, -0.3), 0.3);
-            s->noise[g].gain = fmin(fmax(gain, GAIN_LEAST), GAIN_MOST);
-        }
-    }
-    fit_noise(d, s);
-}
-
-fit_state fit_of_nominal(fit_data *d)
-{
-    enum { GAIN_ROUNDS = 4 };
-    fit_state s = fit_nominal();
-    fit_noise(d, &s);
-    for (int k = 0; k < GAIN_ROUNDS; k++) {
-        fit_gain(d, &s);
-    }
-    return s;
-}
-
 /* What is made small: the objective, with the prior of what moves unnamed. */
 static double goal(const fit_state *s)
 {
     return s->objective + last_digits_unusual(s->set, s->z);
 }
 
-/* One Gauss-Newton step, halved until the objective falls. True while steps still matter. */
-static bool improve(fit_data *d, fit_state *s, bool with_digits, bool *failed)
-{
+/* What one group's sums say of its gain: its own slope and curvature, and how it leans on the columns. */
+typedef struct gain_line {
+    double down, curve, lean[COLUMN_COUNT];
+    bool held;
+} gain_line;
+
+/* Columns that move together, and where a step takes them and every group's gain. */
+typedef struct descent {
+    size_t n;
     int column[COLUMN_COUNT];
-    double prior[COLUMN_COUNT] = {0.0};
-    double rest[P_COUNT];
-    const size_t members = gram_columns(d, s, s->set, column);
-    const size_t n = with_digits ? last_digits_append(d, s, members, column, prior) : members;
-    if (n == 0) {
-        return false;
-    }
-    gram *grams = gram_blocks(d, s, column, n);
-    if (!grams) {
-        *failed = true;
-        return false;
-    }
-    gram *sum = calloc(1, sizeof *sum);
-    double step[COLUMN_COUNT] = {0};
-    for (size_t b = 0; sum && b < d->blocks; b++) {
-        gram_add(sum, &grams[b], n);
-    }
-    free(grams);
-    last_digits_rest(s->set, s->z, rest);
-    for (size_t i = 0; sum && i < n; i++) {
-        sum->g[i] = -sum->g[i];
-        if (i >= members) {
-            const double digits = coordinate_table[column[i]].digits;
-            sum->g[i] -= rest[column[i]] / (digits * digits);
-            sum->h[i][i] += prior[i];
+    double prior[COLUMN_COUNT];
+    double step[COLUMN_COUNT];
+    gain_line gain[ROWS_MAX_GROUPS];
+    gram sum;
+} descent;
+
+/* Sums over all blocks, with every gain that may move solved for: what is left to the columns. */
+static void sum_beside_gains(const fit_data *d, const fit_state *s, const gram *grams, descent *to)
+{
+    gram *sum = &to->sum;
+    for (size_t b = 0; b < d->blocks; b++) {
+        gain_line *own = &to->gain[grams[b].group];
+        gram_add(sum, &grams[b], to->n);
+        own->down -= grams[b].g[to->n];
+        own->curve += grams[b].h[to->n][to->n];
+        for (size_t i = 0; i < to->n; i++) {
+            own->lean[i] += grams[b].h[to->n][i];
         }
     }
-    bool solved = sum && solve_positive(n, COLUMN_COUNT, &sum->h[0][0], sum->g, step);
-    double expected = 0.0;
-    for (size_t i = 0; solved && i < n; i++) {
-        expected += step[i] * sum->g[i];
+    for (size_t g = 0; g < d->rows->groups; g++) {
+        gain_line *own = &to->gain[g];
+        const double gain = s->noise[g].gain;
+        own->held = !(own->curve > 0.0) || (gain <= GAIN_LEAST && own->down < 0.0) ||
+                    (gain >= GAIN_MOST && own->down > 0.0);
+        for (size_t i = 0; !own->held && i < to->n; i++) {
+            sum->g[i] += own->lean[i] * own->down / own->curve;
+            for (size_t j = 0; j < to->n; j++) {
+                sum->h[i][j] -= own->lean[i] * own->lean[j] / own->curve;
+            }
+        }
     }
-    free(sum);
-    if (!solved) {
+}
+
+/* How far a gain goes with the whole step. */
+static double gain_step(const gain_line *line, const descent *by)
+{
+    double down = line->down;
+    for (size_t i = 0; i < by->n; i++) {
+        down -= line->lean[i] * by->step[i];
+    }
+    return line->held ? 0.0 : fmin(fmax(down / line->curve, -0.3), 0.3);
+}
+
+/* Finds the step; *expected is what it promises. False: there is none. */
+static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, descent *by, double *expected)
+{
+    double rest[P_COUNT];
+    gram *sum = &by->sum;
+    sum_beside_gains(d, s, grams, by);
+    last_digits_rest(s->set, s->z, rest);
+    for (size_t i = 0; i < by->n; i++) {
+        sum->g[i] = -sum->g[i];
+        if (by->prior[i] > 0.0) {
+            const double digits = coordinate_table[by->column[i]].digits;
+            sum->g[i] -= rest[by->column[i]] / (digits * digits);
+            sum->h[i][i] += by->prior[i];
+        }
+    }
+    if (by->n > 0 && !solve_positive(by->n, COLUMN_COUNT, &sum->h[0][0], sum->g, by->step)) {
         return false;
     }
+    *expected = 0.0;
+    for (size_t i = 0; i < by->n; i++) {
+        *expected += by->step[i] * sum->g[i];
+    }
+    for (size_t g = 0; g < d->rows->groups; g++) {
+        *expected += by->gain[g].held ? 0.0 : by->gain[g].down * by->gain[g].down / by->gain[g].curve;
+    }
+    return true;
+}
+
+/* Goes a step, shortened until the objective falls. */
+static bool take_step(fit_data *d, fit_state *s, const descent *by)
+{
     for (double share = 1.0; share > 0.02; share *= 0.4) {
         fit_state trial = *s;
-        for (size_t i = 0; i < n; i++) {
-            column_move(column[i], share * step[i], trial.z);
+        for (size_t i = 0; i < by->n; i++) {
+            column_move(by->column[i], share * by->step[i], trial.z);
+        }
+        for (size_t g = 0; g < d->rows->groups; g++) {
+            const double gain = trial.noise[g].gain + share * gain_step(&by->gain[g], by);
+            trial.noise[g].gain = fmin(fmax(gain, GAIN_LEAST), GAIN_MOST);
         }
         coordinates_bound(d->frame, trial.z);
         fit_noise(d, &trial);
         if (goal(&trial) < goal(s)) {
             *s = trial;
-            return expected > 0.3;
+            return true;
         }
     }
     return false;
 }
 
-/* Steps until they do not matter; gains between them. */
-static bool descend(fit_data *d, fit_state *s, int iterations, bool with_digits)
+/* One Gauss-Newton step; *expected: what it promised, 0 if it led nowhere. False: out of memory. */
+static bool improve(fit_data *d, fit_state *s, moved_by what, double *expected)
 {
-    bool failed = false;
-    for (int k = 0; k < iterations; k++) {
-        bool more = improve(d, s, with_digits, &failed);
-        double before = s->objective;
-        fit_gain(d, s);
-        if (!more && fabs(s->objective - before) < 0.5) {
+    descent *by = calloc(1, sizeof *by);
+    gram *grams = NULL;
+    if (by) {
+        by->n = what == GAINS ? 0 : gram_columns(d, s, s->set, by->column);
+        by->n = what == ALL ? last_digits_append(d, s, by->n, by->column, by->prior) : by->n;
+        by->column[by->n] = COLUMN_GAIN;
+        grams = gram_blocks(d, s, by->column, by->n + 1);
+    }
+    const bool ok = grams != NULL;
+    if (ok && !(find_step(d, s, grams, by, expected) && take_step(d, s, by))) {
+        *expected = 0.0;
+    }
+    free(grams);
+    free(by);
+    return ok;
+}
+
+/*
+ * Steps until they do not matter: one promises or brings less than enough, or than a share of what all did so far. Given up
+ * where what is left, if each step brings two thirds of the one before, does not come down to the most allowed.
+ */
+static bool descend(fit_data *d, fit_state *s, int steps, moved_by what, const fit_aim *aim)
+{
+    const double start = goal(s);
+    for (int k = 0; k < steps; k++) {
+        const double before = goal(s);
+        double expected = 0.0;
+        if (!improve(d, s, what, &expected)) {
+            return false;
+        }
+        const double fell = before - goal(s);
+        if (fmin(expected, fell) <= fmax(aim->enough, aim->share * (start - goal(s))) ||
+            (k > 0 && goal(s) - 2.0 * fell > aim->most)) {
             break;
         }
     }
-    return !failed;
+    return true;
 }
 
-bool fit_refine_within(fit_data *d, fit_state *s, int iterations, double most, double *alone)
+bool fit_of_nominal(fit_data *d, fit_state *s)
+{
+    *s = fit_nominal();
+    return fit_gains(d, s);
+}
+
+bool fit_gains(fit_data *d, fit_state *s)
+{
+    fit_noise(d, s);
+    return descend(d, s, GAIN_STEPS, GAINS, &FINE);
+}
+
+bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone)
 {
     fit_noise(d, s);
     /* First the members alone: while they are far off, what is small would run after them. */
-    bool ok = descend(d, s, iterations, false);
+    const bool ok = descend(d, s, iterations, MEMBERS, aim);
     *alone = s->objective;
-    if (ok && *alone > most) {
-        return true;
-    }
-    ok = ok && descend(d, s, JOINT_STEPS, true);
-    for (int k = 0; k < GAIN_STEPS; k++) {
-        fit_gain(d, s);
-    }
-    return ok;
+    return ok && (*alone > aim->most || descend(d, s, JOINT_STEPS, ALL, aim));
 }
 
 bool fit_refine(fit_data *d, fit_state *s, int iterations)
 {
     double alone;
-    return fit_refine_within(d, s, iterations, INFINITY, &alone);
+    return fit_refine_within(d, s, iterations, &FINE, &alone);
 }

@@ -1,8 +1,9 @@
 /*
  * Fitting: Gauss-Newton on the likelihood of a set of hypotheses.
  *
- * The innovation's derivative by the gain is uncorrelated with that by the coordinates (one is made of past
- * noise, the other of the known voltages), so that the two are improved in turn.
+ * Each group's gain moves with the coordinates. Where the model is right the innovation's derivatives by the two are
+ * uncorrelated (one is made of past noise, the other of the known voltages); where it is not, a gain that follows the
+ * sensors hides what the coordinates are off by, and taken in turn the two would wait for one another.
  *
  * First the set's own coordinates move alone: while they are far off, the small ones that a motor file's last digits leave
  * open (last_digits.h) would run after them. Then a few joint steps move both, the small ones under their priors.
@@ -15,11 +16,11 @@
 /* Covariances at the state's z and gains; sets the objective. */
 void fit_noise(fit_data *d, fit_state *s);
 
-/* One improvement of every group's gain at fixed z, then fit_noise. */
-void fit_gain(fit_data *d, fit_state *s);
+/* Every group's gain improved at fixed z until it stands. False: out of memory. */
+bool fit_gains(fit_data *d, fit_state *s);
 
-/* The motor file's values with their noise: gains improved until they stand. */
-fit_state fit_of_nominal(fit_data *d);
+/* The motor file's values with their noise: gains improved until they stand. False: out of memory. */
+bool fit_of_nominal(fit_data *d, fit_state *s);
 
 /*
  * The maximum of the likelihood over the set's coordinates, from s->z, in at most `iterations` steps, and then of the
@@ -27,10 +28,20 @@ fit_state fit_of_nominal(fit_data *d);
  */
 bool fit_refine(fit_data *d, fit_state *s, int iterations);
 
-/*
- * The same, given up where the set's own coordinates leave an objective above `most`, and nothing unnamed is moved then.
- * *alone is what they leave.
- */
-bool fit_refine_within(fit_data *d, fit_state *s, int iterations, double most, double *alone);
+/* How far a fit goes. */
+typedef struct fit_aim {
+    double enough; /* it ends with a step that promises or brings less of the objective, */
+    double share;  /* or less than this share of what the steps brought so far */
+    double most;   /* given up where the set's own coordinates leave more than this */
+} fit_aim;
+
+/* To rank what is fitted, not to keep it: what one hypothesis pays is ten times as much as is left to find. */
+static inline fit_aim fit_ranked(double most)
+{
+    return (fit_aim){.enough = 3.0, .share = 0.02, .most = most};
+}
+
+/* The same to an aim. *alone: what the set's own coordinates leave; where that is above aim->most nothing unnamed is moved then. */
+bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone);
 
 #endif

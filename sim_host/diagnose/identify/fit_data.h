@@ -29,7 +29,6 @@ typedef struct fit_state {
 /* What a block adds to its group's sums; summed afterwards in the blocks' order, so that threads change nothing. */
 typedef struct block_sums {
     double cov[3], zero, rows;
-    double down, curve;
 } block_sums;
 
 typedef struct fit_data {

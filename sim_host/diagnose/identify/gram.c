@@ -62,6 +62,9 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
 /* Joint columns move gains or inductances. */
 static double column_step(int column)
 {
+    if (column == COLUMN_GAIN) {
+        return 1e-3;
+    }
     return coordinate_step(column < P_COUNT ? (coordinate_id)column : P_L_D);
 }
 
@@ -75,6 +78,7 @@ typedef struct gram_task {
     averaged_node
         *own[COLUMN_COUNT]; /* the nodes depend on R, L_d and L_q alone: only those bring their own */
     double step[COLUMN_COUNT];
+    double more_gain[COLUMN_COUNT];
     gram *grams;
 } gram_task;
 
@@ -94,7 +98,8 @@ static void one_block(void *context, size_t b, size_t worker)
     sum->c = dot(work->base, work->base, outputs);
     for (size_t c = 0; c < t->columns; c++) {
         double *column_c = work->columns + c * stride;
-        observer_block(d->rows, &t->moved[c], t->own[c], block, noise->gain, 0.0, work->moved, NULL);
+        observer_block(d->rows, &t->moved[c], t->own[c], block, noise->gain + t->more_gain[c], 0.0,
+                       work->moved, NULL);
         gram_whiten(noise, block->count, work->moved, column_c);
         for (size_t j = 0; j < outputs; j++) {
             column_c[j] = (column_c[j] - work->base[j]) / t->step[c];
@@ -115,7 +120,11 @@ gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
         double z[P_COUNT];
         memcpy(z, s->z, sizeof z);
         t.step[c] = column_step(column[c]);
-        column_move(column[c], t.step[c], z);
+        if (column[c] == COLUMN_GAIN) {
+            t.more_gain[c] = t.step[c];
+        } else {
+            column_move(column[c], t.step[c], z);
+        }
         const averaged_drive moved = coordinates_drive(d->frame, z, s->edge);
         t.moved[c] = moved;
         t.own[c] = d->nodes;

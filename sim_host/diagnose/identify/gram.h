@@ -7,6 +7,9 @@
 
 #include "fit_data.h"
 
+/* A column beside the hypotheses': the gain of the block's own group. */
+enum { COLUMN_GAIN = COLUMN_COUNT };
+
 /* What Gauss-Newton needs of one block: |e|^2, J'e, J'J over the columns asked for. */
 typedef struct gram {
     size_t group;
@@ -22,7 +25,7 @@ void gram_whiten(const group_noise *n, size_t rows, const double *innovation, do
  * shows. */
 size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, int column[COLUMN_COUNT]);
 
-/* Sums per fitted block at the state, over `n` columns (indices local to the list). NULL: out of memory. The
+/* Sums per fitted block at the state, over `n` columns, fewer than COLUMN_COUNT with COLUMN_GAIN (indices local to the list). NULL: out of memory. The
  * caller frees. */
 gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n);
 

@@ -12,10 +12,13 @@ static bool sensors_change(const averaged_drive *drive)
     return averaged_drive_sensors_drift(drive) || drive->sensor_lag_s != 0.0;
 }
 
-/* The sensors at a row, where they are not the same at all. */
-static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const cycle_row *row)
+/* The sensors at a row, where they are not the same at all; `steady` at the recording's beginning. */
+static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const sensor_map *steady,
+                             const cycle_row *row)
 {
-    const sensor_map map = averaged_drive_sensors(drive, r->two_sensors, row->elapsed_s);
+    const sensor_map map = averaged_drive_sensors_drift(drive)
+                               ? averaged_drive_sensors(drive, r->two_sensors, row->elapsed_s)
+                               : *steady;
     return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map);
 }
 
@@ -42,7 +45,8 @@ static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, vec_ab
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                     const row_block *block, double gain, double gate, double *innovation, unsigned char *seen)
 {
-    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    const sensor_map steady = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    sensor_map sensors = steady;
     const bool change = sensors_change(drive);
     vec_ab x = {0.0, 0.0};
     size_t age = 0; /* rows since the filter started */
@@ -54,7 +58,7 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
         size_t k = block->first + j;
         const cycle_row *row = &r->row[k];
         if (change) {
-            sensors = sensors_at(r, drive, row);
+            sensors = sensors_at(r, drive, &steady, row);
         }
         if (age == 0 || r->outlier[k]) {
             x = unshown(drive, &sensors, row->i_A);
@@ -95,17 +99,18 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
 void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                         size_t first, size_t count, vec_ab *wrong)
 {
-    sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    const sensor_map steady = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    sensor_map sensors = steady;
     const bool change = sensors_change(drive);
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
         const cycle_row *before = &r->row[first + j - 1];
         if (change) {
-            sensors = sensors_at(r, drive, before);
+            sensors = sensors_at(r, drive, &steady, before);
         }
         vec_ab x = unshown(drive, &sensors, before->i_A);
         if (change) {
-            sensors = sensors_at(r, drive, before + 1);
+            sensors = sensors_at(r, drive, &steady, before + 1);
         }
         double zero;
         vec_ab seen = shown(drive, &sensors, averaged_drive_advance(drive, nodes, before, x), &zero);
@@ -118,11 +123,12 @@ void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, cons
                        size_t first, size_t count, vec_ab *current)
 {
     const bool change = sensors_change(drive);
-    sensor_map sensors = sensors_at(r, drive, &r->row[first]);
+    const sensor_map steady = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    sensor_map sensors = sensors_at(r, drive, &steady, &r->row[first]);
     vec_ab x = unshown(drive, &sensors, r->row[first].i_A);
     for (size_t j = 0; j < count; j++) {
         if (change) {
-            sensors = sensors_at(r, drive, &r->row[first + j]);
+            sensors = sensors_at(r, drive, &steady, &r->row[first + j]);
         }
         double zero;
         current[j] = shown(drive, &sensors, x, &zero);

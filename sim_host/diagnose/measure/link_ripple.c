@@ -14,7 +14,7 @@
 enum { PIECE_ROWS_MOST = 4096, PIECE_ROWS_LEAST = 128, PIECES_SEARCHED = 32 };
 
 static const double STEP = 1e-3;      /* of the voltage, for its effect */
-static const double MOST_LATE = 0.15; /* cycles: of a later voltage it is another question whose link it is */
+static const double MOST_LATE = 0.15; /* cycles */
 static const double WILD = 6.0;       /* an error of so many deviations counts as that many */
 static const double LEAST_SHARE = 0.003;
 /* Of the square of what it leaves beyond the noise: less is a line of something else, which the voltage shares a part of. */
@@ -208,10 +208,15 @@ bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double f
     ripple_pieces all = {0};
     ripple_found found = {0};
     *mended = 0;
-    if (fabs(drive->u_delay[0]) > MOST_LATE || drive->u_delay[1] != 0.0) {
+    averaged_drive prompt = *drive;
+    if (drive->u_delay[0] >= 1.0 || drive->u_delay[1] != 0.0) {
         return true;
     }
-    bool ok = look(r, drive, &all, &found);
+    /* A link that swings between two cycles looks like a part of their voltage that acts late. */
+    if (fabs(drive->u_delay[0]) > MOST_LATE) {
+        prompt.u_delay[0] = 0.0;
+    }
+    bool ok = look(r, &prompt, &all, &found);
     if (ok && found.share >= LEAST_SHARE && is_worth_it(r, &all, &found, floor_A)) {
         const row_mend mended_of = told(&found);
         ok = mended_keep(r, &mended_of, file);

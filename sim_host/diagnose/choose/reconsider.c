@@ -1,0 +1,59 @@
+/* A second beginning, where the first left something (reconsider.h). */
+#include "reconsider.h"
+
+#include "causes.h"
+#include "search.h"
+
+#include "diagnose/identify/revolution.h"
+#include "diagnose/measure/errors.h"
+#include "diagnose/measure/floor.h"
+#include "diagnose/result.h"
+
+static bool leaves_something(const session *w)
+{
+    double noise = 0.0;
+    const averaged_drive drive = session_drive(w, w->state.z);
+    const double floor_A = measure_floor(&w->rows, &w->state, &drive, &noise);
+    const double left_A = 0.01 * measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true) *
+                          measure_current(&w->rows, MEASURE_ALL, true);
+    return floor_A > 0.0 && left_A > DIAGNOSIS_FLOOR_TOLERANCE * floor_A;
+}
+
+/* What the effects without a name in a set are called by. */
+static hypothesis_set unnamed_of(hypothesis_set set)
+{
+    hypothesis_set all = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(set, h) && !hypothesis_cause(h)->named) {
+            all |= hypotheses_of(hypothesis_table[h].cause);
+        }
+    }
+    return all;
+}
+
+bool reconsider(session *w, const diagnose_teller *teller)
+{
+    const hypothesis_set unnamed = unnamed_of(w->state.set);
+    const hypothesis_set again = w->allowed & ~unnamed;
+    if (again == w->possible || again == 0 || (unnamed == 0 && !leaves_something(w))) {
+        return true;
+    }
+    if (teller->trace) {
+        fprintf(teller->trace, "  something is left: once more without what did not stay\n");
+    }
+    const fit_state first = w->state;
+    double first_score;
+    double score;
+    w->state = w->nominal;
+    if (!search_best(&w->fitted, &w->state, again, w->nominal.objective, 0.0, teller) ||
+        !search_score(&w->fitted, &first, &first_score) || !search_score(&w->fitted, &w->state, &score)) {
+        return false;
+    }
+    if (score < first_score) {
+        return causes_settle(w, teller);
+    }
+    /* Back, with the stretches' revolutions as they stood under it. */
+    bool turned = false;
+    w->state = first;
+    return revolution_align(&w->fitted, &w->state, w->frame.pole_pairs, &turned);
+}

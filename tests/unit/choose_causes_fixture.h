@@ -1,0 +1,221 @@
+/*
+ * What the tests of what keeps its name share: a session, and what stands in for a recording. The program is linked so that
+ * search, fit, certainty and errors are what a test says they are. Each test program includes it once.
+ */
+#ifndef TESTS_UNIT_CHOOSE_CAUSES_FIXTURE_H
+#define TESTS_UNIT_CHOOSE_CAUSES_FIXTURE_H
+
+#include "choose_fixture.h"
+#include "diagnose/choose/causes.h"
+#include "diagnose/choose/search.h"
+#include "diagnose/identify/fit.h"
+#include "diagnose/measure/errors.h"
+#include "diagnose/measure/floor.h"
+#include "diagnose/result.h"
+
+#include <string.h>
+
+#define ZONE BIT(H_SENSOR_ZONE) /* has no name */
+
+/* What each coordinate would take off, and where; those of a crowd lean on one another by so much. */
+static double best[P_COUNT], less[P_COUNT];
+static bool crowd[P_COUNT];
+static double lean;
+/* One-cycle error in percent: of the motor file, and by what factor each coordinate that has left it changes that. */
+static double error_of_file, factor[P_COUNT];
+static double floor_A, current_A, inflation;
+static double half_width[P_COUNT], scatter[CAUSE_COUNT];
+static bool no_memory;
+
+/* What the search proposes, and what it was told each time. */
+enum { MOST_CALLS = 8 };
+static hypothesis_set proposed[MOST_CALLS];
+static size_t calls;
+static hypothesis_set allowed_at[MOST_CALLS];
+static double least_at[MOST_CALLS];
+/* The sets that were fitted, and where R stood before. */
+static size_t fits;
+static hypothesis_set fitted_set[MOST_CALLS];
+static double R_before[MOST_CALLS];
+
+static session w;
+
+static void prepare(void)
+{
+    w = (session){.possible = BIT(H_RESISTANCE) | BIT(H_FLUX) | BIT(H_DEAD_TIME) | ZONE,
+                  .state = fit_nominal()};
+    w.frame.of_least = 1.0;
+    w.frame.nominal = (averaged_drive){.R_ohm = 1.0, .psi_f_Wb = 1.0, .i_knee_A = 1.0, .fe_tau_s = 1.0};
+    for (size_t k = 0; k < SCALE_COUNT; k++) {
+        w.frame.scale[k] = 1.0;
+    }
+    w.nominal = w.state;
+    w.nominal.objective = WORST;
+    for (size_t k = 0; k < P_COUNT; k++) {
+        best[k] = less[k] = half_width[k] = 0.0;
+        factor[k] = 1.0;
+        crowd[k] = false;
+    }
+    lean = floor_A = 0.0;
+    error_of_file = current_A = inflation = 1.0;
+    no_memory = false;
+    calls = fits = 0;
+    memset(proposed, 0, sizeof proposed);
+    memset(scatter, 0, sizeof scatter);
+}
+
+static void takes(coordinate_id id, double at, double off)
+{
+    best[id] = at;
+    less[id] = off;
+}
+
+/* ---- What stands in for a recording ---- */
+
+bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective,
+                        double least, const diagnose_teller *teller);
+bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations);
+bool __wrap_certainty_of(fit_data *d, const fit_state *s, certainty *c);
+bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen);
+double __wrap_measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
+                            double *sensor_rms_A);
+double __wrap_measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
+                                bool held_out_only);
+double __wrap_measure_current(const diagnose_rows *r, size_t group, bool held_out_only);
+
+static void fit(fit_state *s)
+{
+    s->objective = WORST;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        for (size_t k = 0; hypothesis_in(s->set, h) && k < hypothesis_table[h].columns; k++) {
+            const int c = hypothesis_table[h].column[k];
+            if (c < P_COUNT) {
+                s->z[c] = best[c];
+                s->objective -= less[c];
+            }
+        }
+    }
+}
+
+bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective,
+                        double least, const diagnose_teller *teller)
+{
+    (void)d;
+    (void)teller;
+    TEST_ASSERT_TRUE(calls < MOST_CALLS);
+    TEST_ASSERT_EQUAL_DOUBLE(WORST, nominal_objective);
+    s->set = proposed[calls] & allowed;
+    fit(s);
+    least_at[calls] = least;
+    allowed_at[calls++] = allowed;
+    return true;
+}
+
+bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations)
+{
+    (void)d;
+    (void)iterations;
+    TEST_ASSERT_TRUE(fits < MOST_CALLS);
+    R_before[fits] = s->z[P_R];
+    fitted_set[fits++] = s->set;
+    fit(s);
+    return !no_memory;
+}
+
+bool __wrap_certainty_of(fit_data *d, const fit_state *s, certainty *c)
+{
+    (void)d;
+    (void)s;
+    memset(c, 0, sizeof *c);
+    c->inflation = inflation;
+    for (int k = 0; k < P_COUNT; k++) {
+        if (less[k] > 0.0) {
+            c->covariance[c->columns][c->columns] = 1.0;
+            c->half_width[c->columns] = half_width[k];
+            c->column[c->columns++] = k;
+        }
+    }
+    return true;
+}
+
+bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen)
+{
+    (void)d;
+    TEST_ASSERT_TRUE(allowed == w.possible);
+    *seen = (evidence_view){.rows = &rows, .edge = s->edge, .of_least = w.frame.of_least};
+    gram *t = &seen->sums;
+    t->c = WORST;
+    for (size_t k = 0; k < P_COUNT; k++) {
+        t->h[k][k] = less[k] > 0.0 ? less[k] / (best[k] * best[k]) : 0.0;
+        t->g[k] = -t->h[k][k] * best[k];
+        seen->to_nominal[k] = -s->z[k];
+    }
+    for (size_t k = 0; k < P_COUNT; k++) {
+        for (size_t j = 0; j < k; j++) {
+            t->h[k][j] = t->h[j][k] = crowd[k] && crowd[j] ? lean * sqrt(t->h[k][k] * t->h[j][j]) : 0.0;
+        }
+    }
+    double moved[P_COUNT];
+    for (size_t k = 0; k < P_COUNT; k++) {
+        moved[k] = 0.0;
+        for (size_t j = 0; j < P_COUNT; j++) {
+            moved[k] += t->h[k][j] * s->z[j];
+        }
+        t->c += s->z[k] * (2.0 * t->g[k] + moved[k]);
+    }
+    for (size_t k = 0; k < P_COUNT; k++) {
+        t->g[k] += moved[k];
+    }
+    seen->total = seen->sums;
+    memcpy(seen->scatter, scatter, sizeof scatter);
+    return true;
+}
+
+double __wrap_measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
+                            double *sensor_rms_A)
+{
+    (void)r;
+    (void)s;
+    (void)drive;
+    *sensor_rms_A = floor_A;
+    return floor_A;
+}
+
+double __wrap_measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
+                                bool held_out_only)
+{
+    (void)r;
+    TEST_ASSERT_TRUE(group == MEASURE_ALL && held_out_only);
+    double percent = error_of_file;
+    percent *= drive->R_ohm != w.frame.nominal.R_ohm ? factor[P_R] : 1.0;
+    percent *= drive->psi_f_Wb != w.frame.nominal.psi_f_Wb ? factor[P_PSI] : 1.0;
+    percent *= drive->v_dead_V != w.frame.nominal.v_dead_V ? factor[P_V_DEAD] : 1.0;
+    percent *= drive->zone_A != 0.0 ? factor[P_ZONE] : 1.0;
+    return percent;
+}
+
+double __wrap_measure_current(const diagnose_rows *r, size_t group, bool held_out_only)
+{
+    (void)r;
+    TEST_ASSERT_TRUE(group == MEASURE_ALL && held_out_only);
+    return current_A;
+}
+
+static const diagnose_teller nobody = {0};
+
+/* What is left of a set that the search proposes again and again. */
+static hypothesis_set kept_of(hypothesis_set set)
+{
+    calls = fits = 0;
+    w.state = w.nominal;
+    for (size_t k = 0; k < MOST_CALLS; k++) {
+        proposed[k] = set;
+    }
+    TEST_ASSERT_TRUE(causes_find(&w, &nobody));
+    return w.state.set;
+}
+
+#define KEPT(set)    TEST_ASSERT_TRUE(kept_of(set) == (set))
+#define DROPPED(set) TEST_ASSERT_TRUE(kept_of(set) == 0)
+
+#endif

@@ -1,0 +1,206 @@
+/*
+ * What of a found set keeps its name (sim_host/diagnose/choose/causes.h), on sums that are made by hand
+ * (choose_causes_fixture.h).
+ */
+#define _POSIX_C_SOURCE 200809L /* open_memstream */
+
+#include "choose_causes_fixture.h"
+
+/* ---- The loop ---- */
+
+static void nothing_found_is_searched_for_once(void)
+{
+    prepare();
+    KEPT(0);
+    TEST_ASSERT_EQUAL_size_t(1, calls);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, least_at[0]);
+}
+
+static void what_stands_is_searched_from_once_more(void)
+{
+    prepare();
+    takes(P_R, 0.05, 200.0);
+    KEPT(BIT(H_RESISTANCE));
+    TEST_ASSERT_EQUAL_size_t(2, calls);
+    TEST_ASSERT_EQUAL_size_t(1, fits);
+    TEST_ASSERT_TRUE(allowed_at[0] == w.possible && allowed_at[1] == w.possible);
+    SAME(0.05, w.state.z[P_R]);
+    SAME(inflation, w.certainty.inflation);
+    no_memory = true;
+    w.state = w.nominal;
+    calls = 0;
+    TEST_ASSERT_FALSE(causes_find(&w, &nobody));
+}
+
+/* The one that explains least goes first, keeps its last digits, and is not searched for again. */
+static void the_least_of_the_unworthy_goes_first(void)
+{
+    prepare();
+    takes(P_R, 0.05, 40.0);
+    takes(P_PSI, 0.05, 30.0);
+    takes(P_V_DEAD, 0.5, 300.0);
+    const hypothesis_set all = BIT(H_RESISTANCE) | BIT(H_FLUX) | BIT(H_DEAD_TIME);
+    TEST_ASSERT_TRUE(kept_of(all) == BIT(H_DEAD_TIME));
+    TEST_ASSERT_TRUE(fits >= 3);
+    TEST_ASSERT_TRUE(fitted_set[0] == all);
+    TEST_ASSERT_TRUE(fitted_set[1] == (BIT(H_RESISTANCE) | BIT(H_DEAD_TIME)));
+    TEST_ASSERT_TRUE(fitted_set[2] == BIT(H_DEAD_TIME));
+    SAME(3.0 * coordinate_table[P_R].digits, R_before[2]);
+    TEST_ASSERT_TRUE(allowed_at[calls - 1] == (w.possible & ~(BIT(H_RESISTANCE) | BIT(H_FLUX))));
+}
+
+/* A search that finds more is pruned again, and begins from the motor file's values. */
+static void what_is_found_later_is_weighed_too(void)
+{
+    prepare();
+    takes(P_R, 0.05, 200.0);
+    takes(P_PSI, 0.05, 200.0);
+    proposed[0] = BIT(H_RESISTANCE);
+    proposed[1] = proposed[2] = BIT(H_RESISTANCE) | BIT(H_FLUX);
+    w.nominal.edge = EDGE_CLIPPED;
+    TEST_ASSERT_TRUE(causes_find(&w, &nobody));
+    TEST_ASSERT_TRUE(w.state.set == proposed[1]);
+    TEST_ASSERT_EQUAL_size_t(3, calls);
+    TEST_ASSERT_EQUAL_size_t(2, fits);
+    TEST_ASSERT_EQUAL_INT(EDGE_CLIPPED, w.state.edge);
+}
+
+/* A map of the q axis, all of whose columns show. */
+static void takes_a_map(double off)
+{
+    takes(P_L_D, 0.05, 1.0);
+    takes(P_L_Q, 0.05, 1.0);
+    takes(P_W_DQQ, 0.05, 1.0);
+    takes(P_W_QQQQ, 0.1, off - 3.0);
+}
+
+/* Of a flux map no other form is searched for. */
+static void a_map_goes_with_all_its_forms(void)
+{
+    prepare();
+    const hypothesis_set maps = BIT(H_MAP_TERMS) | BIT(H_MAP_EVEN) | BIT(H_MAP_Q) | BIT(H_MAP);
+    w.possible |= maps;
+    takes_a_map(80.0);
+    DROPPED(BIT(H_MAP_Q));
+    TEST_ASSERT_TRUE(allowed_at[1] == (w.possible & ~maps));
+}
+
+/* Beside a map a name takes a hundredth of what all explain on top of what it pays. */
+static void a_name_beside_a_map_takes_more(void)
+{
+    prepare();
+    w.possible |= BIT(H_MAP_Q);
+    takes_a_map(900.0);
+    takes(P_R, 0.05, 54.0); /* of 37, 9.2 for the odds and 9.5 */
+    TEST_ASSERT_TRUE(kept_of(BIT(H_MAP_Q) | BIT(H_RESISTANCE)) == BIT(H_MAP_Q));
+    takes(P_R, 0.05, 57.0);
+    KEPT(BIT(H_MAP_Q) | BIT(H_RESISTANCE));
+}
+
+/* ---- Its posterior ---- */
+
+static void the_odds_of_a_name(void)
+{
+    prepare();
+    const double pays = 25.0 + 12.0;
+    takes(P_R, 0.05, pays + 9.19);
+    DROPPED(BIT(H_RESISTANCE));
+    takes(P_R, 0.05, pays + 9.21);
+    KEPT(BIT(H_RESISTANCE));
+    inflation = 2.0;
+    takes(P_R, 0.05, 2.0 * (pays + 9.19));
+    DROPPED(BIT(H_RESISTANCE));
+    takes(P_R, 0.05, 2.0 * (pays + 9.21));
+    KEPT(BIT(H_RESISTANCE));
+}
+
+/* Of some that take nearly the same one stands that is more likely than not, or in the likeliest set. */
+static void it_is_likely_or_in_the_likeliest_set(void)
+{
+    prepare();
+    w.possible = BIT(H_ASYMMETRY_A) | BIT(H_INDUCTANCE_B);
+    crowd[P_DR_A] = crowd[P_DL_B] = crowd[P_DL_C] = true;
+    lean = 0.999;
+    takes(P_DR_A, 0.05, 200.0);
+    takes(P_DL_B, 0.05, 202.0);
+    takes(P_DL_C, 0.05, 199.0);
+    DROPPED(BIT(H_ASYMMETRY_A));
+    takes(P_DL_B, 0.05, 199.0);
+    KEPT(BIT(H_ASYMMETRY_A));
+    w.possible |= BIT(H_INDUCTANCE_C);
+    KEPT(BIT(H_ASYMMETRY_A)); /* less likely than not, as one of three */
+    takes(P_DL_C, 0.05, 202.0);
+    DROPPED(BIT(H_ASYMMETRY_A));
+}
+
+static void it_is_larger_than_its_least(void)
+{
+    prepare();
+    takes(P_R, 0.05, 200.0);
+    half_width[P_R] = 0.0299;
+    KEPT(BIT(H_RESISTANCE));
+    half_width[P_R] = 0.0301;
+    DROPPED(BIT(H_RESISTANCE));
+    w.frame.of_least = 0.5;
+    half_width[P_R] = 0.0399;
+    KEPT(BIT(H_RESISTANCE));
+    half_width[P_R] = 0.0401;
+    DROPPED(BIT(H_RESISTANCE));
+}
+
+/* ---- What is told ---- */
+
+static void what_is_dropped_is_told(void)
+{
+    prepare();
+    char *text = NULL;
+    size_t size = 0;
+    const diagnose_teller teller = {.trace = open_memstream(&text, &size)};
+    TEST_ASSERT_NOT_NULL(teller.trace);
+    takes(P_R, 0.05, 40.0);
+    proposed[0] = BIT(H_RESISTANCE);
+    TEST_ASSERT_TRUE(causes_find(&w, &teller));
+    fclose(teller.trace);
+    TEST_ASSERT_EQUAL_STRING("  not certain, or too small a part: winding resistance\n", text);
+    free(text);
+}
+
+static void how_effects_differ_between_points_is_told(void)
+{
+    prepare();
+    char *text = NULL;
+    size_t size = 0;
+    const diagnose_teller teller = {.trace = open_memstream(&text, &size)};
+    TEST_ASSERT_NOT_NULL(teller.trace);
+    takes(P_R, 0.05, 200.0);
+    takes(P_PSI, 0.05, 200.0);
+    takes(P_V_DEAD, 0.5, 300.0);
+    proposed[0] = proposed[1] = BIT(H_RESISTANCE) | BIT(H_FLUX) | BIT(H_DEAD_TIME);
+    scatter[CAUSE_RESISTANCE] = 0.012;
+    scatter[CAUSE_DEAD_TIME] = -1.0;   /* no more than noise does; of the flux nothing is known, */
+    scatter[CAUSE_VOLTAGE_GAIN] = 0.5; /* and this does not stand */
+    TEST_ASSERT_TRUE(causes_find(&w, &teller));
+    fclose(teller.trace);
+    TEST_ASSERT_EQUAL_STRING(
+        "  between operating points resistance differs by 1.2 %\n"
+        "  between operating points dead_time differs by 0 % at the most that noise does\n",
+        text);
+    free(text);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(nothing_found_is_searched_for_once);
+    RUN_TEST(what_stands_is_searched_from_once_more);
+    RUN_TEST(the_least_of_the_unworthy_goes_first);
+    RUN_TEST(what_is_found_later_is_weighed_too);
+    RUN_TEST(a_map_goes_with_all_its_forms);
+    RUN_TEST(a_name_beside_a_map_takes_more);
+    RUN_TEST(the_odds_of_a_name);
+    RUN_TEST(it_is_likely_or_in_the_likeliest_set);
+    RUN_TEST(it_is_larger_than_its_least);
+    RUN_TEST(what_is_dropped_is_told);
+    RUN_TEST(how_effects_differ_between_points_is_told);
+    return UNITY_END();
+}
