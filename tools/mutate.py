@@ -8,7 +8,8 @@ has survived. A mutant that compiles to the same code is none. Those that change
 tools/mutate_equivalent.txt: each must still be there, and survive. Needs build/host with its tests.
 
     tools/mutate.py --sample 600         that many of src/, chosen by --seed; --file F: of one file, headers in include/iqfoc as well
-    tools/mutate.py --docs ...           writes docs/mutation.md: the sample, one of the headers, one of the diagnosis' decisions
+    tools/mutate.py --docs ...           writes docs/mutation.md: the sample, one of the headers, one of the diagnosis' decisions;
+                                         --part P: one of src, headers, decisions alone
     tools/mutate.py --check              what CI runs: mutants known to be killed are, one that nobody tests survives
 Results are kept in build/mutate, by the bytes of library and test. --seconds N: ends after so long; the next call goes on from there.
 """
@@ -136,6 +137,7 @@ def arguments():
     parser.add_argument("--seconds", type=float, metavar="N", help="end after so long; what is done is kept")
     parser.add_argument("--build", default="build/host", help="folder of the host preset's build")
     parser.add_argument("--docs", action="store_true", help="write docs/mutation.md")
+    parser.add_argument("--part", action="append", choices=list(mutate_page.HEADINGS), help="with --docs: these parts of it alone")
     parser.add_argument("--check", action="store_true", help="what CI runs")
     parser.add_argument("--list", action="store_true", help="name the mutants, run none")
     return parser.parse_args()
@@ -162,12 +164,13 @@ def main():
         headers = [str(path.relative_to(ROOT)) for path in sorted((ROOT / "include/iqfoc").glob("*.h"))]
         parts += [("decisions", sample(mutate_page.decisions(ROOT), mutate_page.DECISIONS, given.seed)),
                   ("headers", sample(headers, mutate_page.HEADERS, given.seed))]
+        parts = [(name, part) for name, part in parts if name in (given.part or mutate_page.HEADINGS)]
     until = None if given.seconds is None else time.monotonic() + given.seconds
     results, missing = {}, 0
     for name, part in parts:
         bench.prepare_for(part)
         results[name] = run(bench, part, given.jobs, until, lambda m, o: m.key in known or told(m, o))
-        missing += len(part) - len(results[name]) if name == "src" else 0
+        missing += len(part) - len(results[name]) if name == "src" or given.part else 0
         wrong += judged(results[name], known)
     for name, part in results.items():
         print(f"{name}: {mutate_page.summary(part)}")
@@ -177,7 +180,7 @@ def main():
         return 3
     if given.docs:
         mutate_page.write(ROOT / "docs/mutation.md", results, given.seed, known)
-    return 1 if wrong or mutate_page.score(results["src"]) < LEAST_PERCENT else 0
+    return 1 if wrong or mutate_page.score(results.get("src", [])) < LEAST_PERCENT else 0
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """docs/mutation.md, and what is counted for it: see mutate.py."""
 import collections
 import pathlib
+import re
 import subprocess
 
 HEADERS = 40
@@ -57,11 +58,46 @@ def listed(known):
     return "\n\n".join(f"{reason}\n\n```\n" + "\n".join(keys) + "\n```" for reason, keys in reasons.items())
 
 
-def write(path, results, seed, known):
-    commit = subprocess.run(["git", "log", "-1", "--format=%h"], cwd=path.parent, capture_output=True, text=True, check=False).stdout.strip()
-    path.write_text(f"""# Mutation testing
+HEADINGS = {"src": "The library's sources", "headers": "The library's headers", "decisions": "The diagnosis' decisions"}
+WHAT = {
+    "src": "",
+    "headers": """What is inline is compiled into the tests: for each mutant here the library and each test's own source are built anew, so that the sample
+is smaller, as many as the time given to the tool allowed. What the host's parts have of it inline stays as it is.
 
-Written by `./dev mutate --docs --seed {seed}` on the sources of {commit}. A mutant is the library with one small mistake in it: a
+""",
+    "decisions": """What chooses the causes and gives the verdict, by its quick tests: `test_choose.c` and its like have each rule on sums that are made by
+hand, `test_choose_looks.c` a few recordings. The blind recordings, which say how good the decisions are, take hours and are not asked.
+
+""",
+}
+
+
+def section(name, results, seed, commit):
+    return f"""{WHAT[name]}Seed {seed}, on the sources of {commit}:
+
+{table(results)}
+
+Survived:
+
+{survivors(results)}
+"""
+
+
+def sections(text):
+    """{heading: what stands below it}."""
+    parts = re.split(r"^## (.*)\n\n", text, flags=re.M)
+    return dict(zip(parts[1::2], (part.rstrip("\n") + "\n" for part in parts[2::2])))
+
+
+def write(path, results, seed, known):
+    """Parts without results stay as the page has them."""
+    commit = subprocess.run(["git", "log", "-1", "--format=%h"], cwd=path.parent, capture_output=True, text=True, check=False).stdout.strip()
+    below = sections(path.read_text(encoding="utf-8"))
+    below.update({HEADINGS[name]: section(name, part, seed, commit) for name, part in results.items()})
+    below["Equivalent mutants"] = listed(known) + "\n"
+    path.write_text("""# Mutation testing
+
+Written by `./dev mutate --docs --seed N`, a part of it with `--part`. A mutant is the library with one small mistake in it: a
 relation, an operator or a sign turned round, a constant one up or down, a rounding or a saturation left out, a condition negated, a
 statement left out, a member taken for its neighbour, another value returned. A test should fail on each; a mutant that no test fails on
 has survived, and says what the tests do not look at. Tried is a sample, the same one for the same seed. What survives in a sample is
@@ -72,39 +108,4 @@ compile, or compiles to the same code, is none. Some others change no result tha
 ([tools/mutate_equivalent.txt](../tools/mutate_equivalent.txt)), which is ours to get right: the tool checks that they are still there
 and that no test fails on one. CI tries a few mutants known to be killed, and one planted where nothing is tested, which must be seen to
 survive.
-
-## The library's sources
-
-{table(results["src"])}
-
-Survived:
-
-{survivors(results["src"])}
-
-## The library's headers
-
-What is inline is compiled into the tests: for each mutant here the library and each test's own source are built anew, so that the sample
-is smaller, as many as the time given to the tool allowed. What the host's parts have of it inline stays as it is.
-
-{table(results["headers"])}
-
-Survived:
-
-{survivors(results["headers"])}
-
-## The diagnosis' decisions
-
-What chooses the causes and gives the verdict, by its quick tests: `test_choose.c` and `test_choose_tolerance.c` have each rule
-on sums that are made by hand, `test_choose_looks.c` a few recordings. The blind recordings, which say how good the decisions are, take
-hours and are not asked.
-
-{table(results["decisions"])}
-
-Survived:
-
-{survivors(results["decisions"])}
-
-## Equivalent mutants
-
-{listed(known)}
-""", encoding="utf-8")
+""" + "".join(f"\n## {heading}\n\n{below[heading]}" for heading in (*HEADINGS.values(), "Equivalent mutants")), encoding="utf-8")

@@ -116,6 +116,21 @@ class Counting(unittest.TestCase):
         self.assertEqual("equivalent", results[0][1].state)
         self.assertEqual(1, len(wrong))
 
+    def test_a_part_of_the_page_is_written_alone(self):
+        """Twice the same, and the other parts stay to the letter."""
+        with tempfile.TemporaryDirectory() as folder:
+            page = pathlib.Path(folder) / "page.md"
+            page.write_text((mutate.ROOT / "docs/mutation.md").read_text(encoding="utf-8"), encoding="utf-8")
+            before = mutate_page.sections(page.read_text(encoding="utf-8"))
+            for _ in range(2):
+                mutate_page.write(page, {"decisions": self.results("killed", "survived")}, 7, mutate.equivalents())
+                after = mutate_page.sections(page.read_text(encoding="utf-8"))
+                self.assertEqual(list(before), list(after))
+                self.assertIn("Seed 7, on the sources of", after[mutate_page.HEADINGS["decisions"]])
+                self.assertIn("50.0 %", after[mutate_page.HEADINGS["decisions"]])
+                for name in ("src", "headers"):
+                    self.assertEqual(before[mutate_page.HEADINGS[name]], after[mutate_page.HEADINGS[name]])
+
     def test_list_of_equivalents(self):
         known = mutate.equivalents()
         self.assertEqual([], mutate.stale(known))

@@ -259,7 +259,7 @@ static void test_hand_over(void)
     iqfoc_sample_t s = sample_at(0);
     cycle.enabled = true;
     cycle.i_ref.d = IQ24(0.4);
-    cycle.drift.d = IQ24_ONE;
+    cycle.drift.d = cycle.drift.q = IQ24_ONE;
     valley();
     (void)peak();
     s.i.a = IQ24(0.3);
@@ -279,6 +279,7 @@ static void test_hand_over(void)
     TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.d, next.d);
     TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.q, next.q);
     TEST_ASSERT_EQUAL_INT32(0, cycle.drift.d);
+    TEST_ASSERT_EQUAL_INT32(0, cycle.drift.q);
 }
 
 static void test_dc_link_inverse_follows(void)

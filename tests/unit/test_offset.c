@@ -134,12 +134,16 @@ static void test_verdicts(void)
     o = calibrated(&usual, bottom, top);
     TEST_ASSERT_EQUAL_INT(IQFOC_OFFSET_OUT_OF_RANGE, o.verdict);
     const iqfoc_offset_limits_t wide = {0, 2, IQ24_ONE, IQ24(0.125)};
-    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_offset_init(&o, &wide));
-    for (uint32_t k = 0; k < 4; k++) {
-        (void)iqfoc_offset_step(&o, phases(0.0, 0.0, k == 0 ? -0.5 : 0.0));
+    for (uint32_t sensor = 0; sensor < 3; sensor++) {
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_offset_init(&o, &wide));
+        for (uint32_t k = 0; k < 4; k++) {
+            const double first = k == 0 ? -0.5 : 0.0;
+            (void)iqfoc_offset_step(
+                &o, phases(sensor == 0 ? first : 0.0, sensor == 1 ? first : 0.0, sensor == 2 ? first : 0.0));
+        }
+        TEST_ASSERT_EQUAL_INT(IQFOC_OFFSET_NOISY, o.verdict);
+        TEST_ASSERT_EQUAL_UINT32(UINT32_C(1) << sensor, o.faulty);
     }
-    TEST_ASSERT_EQUAL_INT(IQFOC_OFFSET_NOISY, o.verdict);
-    TEST_ASSERT_EQUAL_UINT32(4, o.faulty);
     TEST_ASSERT_EQUAL_INT32(IQ24(0.125), o.noise.c);
 }
 
