@@ -25,10 +25,11 @@ import sys
 import tempfile
 import time
 import typing
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor, as_completed, wait
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
+MADE_AHEAD = 20
 # One thread per process: numpy's pools would only fight over the two processes' cores.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, HERE)
@@ -110,13 +111,20 @@ def timed(folder, iqfoc, skip):
     return found, {"clock_s": time.monotonic() - clock, "cpu_s": cpu_s() - before}
 
 
+def folder_of(case, scratch):
+    name = f"{case.plant}-{case.kind}-{case.seed}" + ("-digits" if case.digits else "")
+    return os.path.join(case.keep or scratch, name)
+
+
+def judged(folder, case, truth):
+    found, taken = timed(folder, case.iqfoc, case.skip)
+    return {**score.judge(truth, found), **taken}
+
+
 def one_case(case):
     with tempfile.TemporaryDirectory(prefix="blind-") as scratch:
-        name = f"{case.plant}-{case.kind}-{case.seed}" + ("-digits" if case.digits else "")
-        folder = os.path.join(case.keep, name) if case.keep else scratch
-        truth = prepare(folder, case)
-        found, taken = timed(folder, case.iqfoc, case.skip)
-        return {**score.judge(truth, found), **taken}
+        folder = folder_of(case, scratch)
+        return judged(folder, case, prepare(folder, case))
 
 
 def run_cases(cases, jobs, minutes=None):
@@ -141,6 +149,30 @@ def run_cases(cases, jobs, minutes=None):
     if sys.stderr.isatty():
         print(file=sys.stderr)
     return [results[c] for c in cases if c in results], failures
+
+
+def run_alone(cases, jobs, minutes=None):
+    """The same, but each diagnosis has the machine for itself, as its user's has: recordings are made side by side, some
+    ahead, and diagnosed one after the other."""
+    results, failures, end = {}, [], time.monotonic() + 60.0 * (minutes or math.inf)
+    with ProcessPoolExecutor(jobs) as pool:
+        for first in range(0, len(cases), MADE_AHEAD):
+            if time.monotonic() > end:
+                break
+            with tempfile.TemporaryDirectory(prefix="blind-") as scratch:
+                batch = [(case, folder_of(case, scratch)) for case in cases[first:first + MADE_AHEAD]]
+                made = [pool.submit(prepare, folder, case) for case, folder in batch]
+                wait(made)
+                for (case, folder), truth in zip(batch, made):
+                    try:
+                        results[case] = judged(folder, case, truth.result())
+                    except Exception as problem:
+                        failures.append((case, f"{type(problem).__name__}: {problem}"))
+            if sys.stderr.isatty():
+                print(f"\r{len(results) + len(failures)}/{len(cases)} recordings", end="", file=sys.stderr)
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
+    return list(results.values()), failures
 
 
 def print_report(results, failures, s):
@@ -269,7 +301,8 @@ def main():
 
     cases = [Case(seed, kind, plant, args.digits, args.keep, args.iqfoc, args.skip) for seed, kind, plant in set_of(args)]
     print(f"{len(cases)} recordings, seeds {cases[0].seed} to {cases[-1].seed}" + (", last-digit errors" if args.digits else ""))
-    results, failures = run_cases(cases, args.jobs, args.minutes)
+    run_set = run_cases if args.release is None else run_alone
+    results, failures = run_set(cases, args.jobs, args.minutes)
     s = score.summary(results)
     print_report(results, failures, s)
     write_results(args, results, failures, s)
