@@ -9,9 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GAIN_STEPS = 4, JOINT_STEPS = 3 };
+/* Joint steps far more than a fit takes: one that is cut short before its end lets the next look small. */
+enum { GAIN_STEPS = 4, JOINT_STEPS = 8 };
 
-static const fit_aim FINE = {.enough = 0.3, .share = 0.0, .most = INFINITY};
+static const fit_aim FINE = {.enough = 0.3, .most = INFINITY};
 
 /* What a descent moves: gains alone, the set's own columns with them, or also what a motor file's last digits leave open. */
 typedef enum moved_by { GAINS, MEMBERS, ALL } moved_by;
@@ -242,12 +243,12 @@ static bool improve(fit_data *d, fit_state *s, moved_by what, double *expected)
 }
 
 /*
- * Steps until they do not matter: one promises or brings less than enough, or than a share of what all did so far. Given up
- * where what is left, if each step brings two thirds of the one before, does not come down to the most allowed.
+ * Steps until one promises less than enough. What it brings says less: a step that was cut short, or went beside a bend, brings
+ * little with much left to find. Given up where what is left, if each step brings two thirds of the one before, does not come
+ * down to the most allowed.
  */
 static bool descend(fit_data *d, fit_state *s, int steps, moved_by what, const fit_aim *aim)
 {
-    const double start = goal(s);
     for (int k = 0; k < steps; k++) {
         const double before = goal(s);
         double expected = 0.0;
@@ -255,8 +256,7 @@ static bool descend(fit_data *d, fit_state *s, int steps, moved_by what, const f
             return false;
         }
         const double fell = before - goal(s);
-        if (fmin(expected, fell) <= fmax(aim->enough, aim->share * (start - goal(s))) ||
-            (k > 0 && goal(s) - 2.0 * fell > aim->most)) {
+        if (expected <= aim->enough || (k > 0 && goal(s) - 2.0 * fell > aim->most)) {
             break;
         }
     }
