@@ -1,6 +1,7 @@
 /* Which mending comes when (mending.h). */
 #include "mending.h"
 
+#include "choose/reconsider.h"
 #include "identify/modulator_choice.h"
 #include "identify/speed_lag.h"
 #include "measure/floor.h"
@@ -33,7 +34,9 @@ bool mending_by_modulator(session *w, FILE *trace, bool *changed)
     if (!hypothesis_in(w->state.set, H_DEAD_TIME) && w->frame.nominal.v_dead_V == 0.0) {
         return true;
     }
-    if (!modulator_choose(&w->fitted, &w->state, changed)) {
+    /* Where wrong edges led the search astray, what it found bends to them: then by a dead time alone. */
+    if (!modulator_choose(&w->fitted, &w->state, changed) ||
+        (!*changed && session_leaves_something(w) && !modulator_choose(&w->fitted, &w->nominal, changed))) {
         return false;
     }
     if (*changed && trace) {

@@ -9,7 +9,7 @@
 #include "diagnose/measure/floor.h"
 #include "diagnose/result.h"
 
-static bool leaves_something(const session *w)
+bool session_leaves_something(const session *w)
 {
     double noise = 0.0;
     const averaged_drive drive = session_drive(w, w->state.z);
@@ -35,7 +35,7 @@ bool reconsider(session *w, const diagnose_teller *teller)
 {
     const hypothesis_set unnamed = unnamed_of(w->state.set);
     const hypothesis_set again = w->allowed & ~unnamed;
-    if (again == w->possible || again == 0 || (unnamed == 0 && !leaves_something(w))) {
+    if (again == w->possible || again == 0 || (unnamed == 0 && !session_leaves_something(w))) {
         return true;
     }
     if (teller->trace) {
