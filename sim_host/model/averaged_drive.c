@@ -126,6 +126,29 @@ static void dead_time_losses(const averaged_drive *d, const cycle_row *row, foun
     }
 }
 
+/* By how much the winding is above R, all phases alike. */
+static double drifted_ohm(const averaged_drive *d, const cycle_row *row)
+{
+    return d->R_rate_ohm_s * row->elapsed_s + d->R_ohm * d->alpha_R * row->temperature_K;
+}
+
+vec_ab averaged_drive_drop(const averaged_drive *d, const cycle_row *row, vec_ab i)
+{
+    const double all_ohm = d->R_ohm + drifted_ohm(d, row);
+    vec_ab drop = {all_ohm * i.alpha, all_ohm * i.beta};
+    if (d->dR_ohm[0] != 0.0 || d->dR_ohm[1] != 0.0 || d->dR_ohm[2] != 0.0) {
+        double more_V[3];
+        vec_to_phases(i, more_V);
+        for (size_t x = 0; x < 3; x++) {
+            more_V[x] *= d->dR_ohm[x];
+        }
+        const vec_ab more = vec_from_phases(more_V);
+        drop.alpha += more.alpha;
+        drop.beta += more.beta;
+    }
+    return drop;
+}
+
 /* Voltage lost in a cycle, stationary frame. The unequal part of the resistances sees the mean current. */
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
                            vec_rotor r, double T_s)
@@ -137,7 +160,7 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
     if (d->v_dead_V != 0.0) {
         dead_time_losses(d, row, &i, r, lost);
     }
-    const double drifted = d->R_rate_ohm_s * row->elapsed_s + d->R_ohm * d->alpha_R * row->temperature_K;
+    const double drifted = drifted_ohm(d, row);
     /* The drop lowers the end current, and with it its own mid-cycle value: a leg sees 2/3 of its loss, half
      * of that by mid-cycle. */
     const double third = T_s / 3.0 * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
@@ -237,6 +260,16 @@ static vec_ab voltage_of(const averaged_drive *d, const cycle_row *row, vec_roto
     return u;
 }
 
+/* By how much the iron's mean over a cycle is more than what it starts with, in the rotor frame. */
+static vec_dq iron_above(const averaged_drive *d, const iron_branch *branch, vec_ab i, vec_dq first,
+                         vec_rotor r, vec_rotor end)
+{
+    const vec_rotor middle = further(r, rotor_at(0.5 * branch->row->omega_rad_s * branch->row->T_s));
+    const vec_ab turned = vec_to_ab(vec_to_dq(i, r), end); /* as near as need be: it turns with the rotor */
+    const vec_dq mean = vec_to_dq(iron_branch_mean(d, branch, i, turned), middle);
+    return (vec_dq){mean.d - first.d, mean.q - first.q};
+}
+
 vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *nodes, const cycle_row *row,
                               vec_ab i_true)
 {
@@ -250,10 +283,14 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
 
     vec_ab u = voltage_of(d, row, end, m.push[0][0]);
     const vec_dq total_dq = vec_to_dq(i_true, r); /* what flows through the winding's resistance */
+    vec_dq mean_dq = total_dq; /* with the iron's mean over the cycle in it, not what it starts with */
     iron_branch branch = {.now = NULL};
     if (d->fe_S != 0.0) {
-        branch = iron_branch_of(d, row);
-        vec_ab taken = iron_branch_begin(d, &branch, i_true);
+        branch = iron_branch_of(d, row, i_true);
+        const vec_ab taken = iron_branch_begin(d, &branch);
+        const vec_dq more = iron_above(d, &branch, i_true, vec_to_dq(taken, r), r, end);
+        mean_dq.d += more.d;
+        mean_dq.q += more.q;
         i_true.alpha -= taken.alpha;
         i_true.beta -= taken.beta;
     }
@@ -278,7 +315,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     vec_dq x = flux_map_flux(d, i_dq);
 
     /* Constant forcing in the rotor frame: the magnet, and the drop over R that the matrices do not know. */
-    vec_dq push = {-d->R_ohm * (total_dq.d - x.d / d->L_d_H), -d->R_ohm * (total_dq.q - x.q / d->L_q_H)};
+    vec_dq push = {-d->R_ohm * (mean_dq.d - x.d / d->L_d_H), -d->R_ohm * (mean_dq.q - x.q / d->L_q_H)};
     push.q -= row->omega_rad_s * psi;
     vec_dq y = {m.decay[0][0] * x.d + m.decay[0][1] * x.q + m.drive[0][0] * u_dq.d + m.drive[0][1] * u_dq.q +
                     m.push[0][0] * push.d + m.push[0][1] * push.q,

@@ -94,6 +94,9 @@ motor averaged_drive_motor(const averaged_drive *drive, const motor *base);
 vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes, const cycle_row *row,
                               vec_ab i_true);
 
+/* The drop that a current causes over the phases' resistances, warm and unequal as they are. */
+vec_ab averaged_drive_drop(const averaged_drive *drive, const cycle_row *row, vec_ab i_A);
+
 /* The share of v_dead that an edge loses at x = i / knee. */
 double averaged_drive_edge(edge_law law, double x);
 

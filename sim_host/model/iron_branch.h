@@ -1,27 +1,36 @@
 /*
- * The iron's branch: the current beside the one that makes flux, R_fe i_fe + tau R_fe di_fe/dt = dpsi/dt = u - R i.
+ * The iron's branch: the current beside the one that makes flux, R_fe i_fe + tau R_fe di_fe/dt = dpsi/dt = u - drop, the drop
+ * being that over the phases' resistances, of the whole current.
  *
  * At a sampling instant it is what the pulses of the cycles before have left, each less by e^{-t/tau} of the time since.
  * A branch that is fast against the cycle sees the pulses apart (at the carrier's valley none is on), so that the last
- * cycles count by their edges; older ones by their means.
+ * cycles count by their edges, as a dead time moves them; older ones by their means. The drop goes from one sampled current's
+ * to the next one's.
  */
 #ifndef SIM_HOST_MODEL_IRON_BRANCH_H
 #define SIM_HOST_MODEL_IRON_BRANCH_H
 
 #include "averaged_drive.h"
 
-/* What a row's cycle finds: the same at its start and at its end, and the dear part of both. */
+/* What a row's cycle finds: the same at its start, over it and at its end, and the dear part of these. */
 typedef struct iron_branch {
-    const cycle_row *now; /* whose command acts */
-    double per_tau, fade; /* the cycle over the branch's time constant, and e to minus that */
-    vec_ab old;           /* what the cycles before have left, times R_fe, without the drop over R */
+    const cycle_row *row, *now; /* the cycle, and the one whose command acts in it */
+    double per_tau, fade;       /* the cycle over the branch's time constant, and e to minus that */
+    double of_start,
+        of_end; /* what a cycle leaves of the drop that it starts with, and of the one that it ends with */
+    vec_ab first, last; /* i_fe R_fe at either end, but for the drop that the end's own current causes */
 } iron_branch;
 
-/* Reads the rows before (cycle_row's history). */
-iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row);
+/* Beside the phase current i at the row's start, which it is a part of. Reads the rows before (cycle_row's history). */
+iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i);
 
-/* At the start of the row's cycle, and at its end, beside the phase current i, which it is a part of. */
-vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b, vec_ab i);
+/* At the start of the row's cycle. */
+vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b);
+
+/* Its mean over the cycle, beside a phase current that goes from one to the other. */
+vec_ab iron_branch_mean(const averaged_drive *d, const iron_branch *b, vec_ab i_start, vec_ab i_end);
+
+/* At the end, beside the current i that makes flux: the phase current is the sum. */
 vec_ab iron_branch_end(const averaged_drive *d, const iron_branch *b, vec_ab i);
 
 #endif
