@@ -35,7 +35,7 @@ static hypothesis_set allowed_at[MOST_CALLS];
 static double least_at[MOST_CALLS];
 /* The sets that were fitted, and where R stood before. */
 static size_t fits;
-static hypothesis_set fitted_set[MOST_CALLS];
+static hypothesis_set set_fitted[MOST_CALLS];
 static double R_before[MOST_CALLS];
 
 static session w;
@@ -73,7 +73,7 @@ static void takes(coordinate_id id, double at, double off)
 /* ---- What stands in for a recording ---- */
 
 bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective,
-                        double least, const diagnose_teller *teller);
+                        double least, fitted_sets *fitted, const diagnose_teller *teller);
 bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations);
 bool __wrap_certainty_of(fit_data *d, const fit_state *s, certainty *c);
 bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen);
@@ -98,9 +98,10 @@ static void fit(fit_state *s)
 }
 
 bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective,
-                        double least, const diagnose_teller *teller)
+                        double least, fitted_sets *fitted, const diagnose_teller *teller)
 {
     (void)d;
+    (void)fitted;
     (void)teller;
     TEST_ASSERT_TRUE(calls < MOST_CALLS);
     TEST_ASSERT_EQUAL_DOUBLE(WORST, nominal_objective);
@@ -117,7 +118,7 @@ bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations)
     (void)iterations;
     TEST_ASSERT_TRUE(fits < MOST_CALLS);
     R_before[fits] = s->z[P_R];
-    fitted_set[fits++] = s->set;
+    set_fitted[fits++] = s->set;
     fit(s);
     return !no_memory;
 }

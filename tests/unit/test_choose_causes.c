@@ -42,9 +42,9 @@ static void the_least_of_the_unworthy_goes_first(void)
     const hypothesis_set all = BIT(H_RESISTANCE) | BIT(H_FLUX) | BIT(H_DEAD_TIME);
     TEST_ASSERT_TRUE(kept_of(all) == BIT(H_DEAD_TIME));
     TEST_ASSERT_TRUE(fits >= 3);
-    TEST_ASSERT_TRUE(fitted_set[0] == all);
-    TEST_ASSERT_TRUE(fitted_set[1] == (BIT(H_RESISTANCE) | BIT(H_DEAD_TIME)));
-    TEST_ASSERT_TRUE(fitted_set[2] == BIT(H_DEAD_TIME));
+    TEST_ASSERT_TRUE(set_fitted[0] == all);
+    TEST_ASSERT_TRUE(set_fitted[1] == (BIT(H_RESISTANCE) | BIT(H_DEAD_TIME)));
+    TEST_ASSERT_TRUE(set_fitted[2] == BIT(H_DEAD_TIME));
     SAME(3.0 * coordinate_table[P_R].digits, R_before[2]);
     TEST_ASSERT_TRUE(allowed_at[calls - 1] == (w.possible & ~(BIT(H_RESISTANCE) | BIT(H_FLUX))));
 }

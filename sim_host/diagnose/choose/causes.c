@@ -254,10 +254,11 @@ bool causes_settle(session *w, const diagnose_teller *teller)
     const hypothesis_set possible = w->allowed;
     double least = 0.0;
     evidence_view *view = calloc(1, sizeof *view);
+    fitted_sets fitted = {0};
     bool ok = view != NULL;
     for (bool first = true; ok; first = false) {
         const hypothesis_set before = w->state.set;
-        ok = search_best(&w->fitted, &w->state, w->allowed, w->nominal.objective, least, teller);
+        ok = search_best(&w->fitted, &w->state, w->allowed, w->nominal.objective, least, &fitted, teller);
         if (ok && !first && w->state.set == before) {
             break;
         }
@@ -268,6 +269,7 @@ bool causes_settle(session *w, const diagnose_teller *teller)
     }
     /* The last search may have turned a stretch or moved the edge's law without changing the set. */
     ok = ok && certainty_of(&w->fitted, &w->state, &w->certainty);
+    fitted_sets_free(&fitted);
     free(view);
     return ok;
 }

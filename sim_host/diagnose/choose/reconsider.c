@@ -44,9 +44,13 @@ bool reconsider(session *w, const diagnose_teller *teller)
     const fit_state first = w->state;
     double first_score;
     double score;
+    fitted_sets fitted = {0};
     w->state = w->nominal;
-    if (!search_best(&w->fitted, &w->state, again, w->nominal.objective, 0.0, teller) ||
-        !search_score(&w->fitted, &first, &first_score) || !search_score(&w->fitted, &w->state, &score)) {
+    const bool ok = search_best(&w->fitted, &w->state, again, w->nominal.objective, 0.0, &fitted, teller) &&
+                    search_score(&w->fitted, &first, &first_score) &&
+                    search_score(&w->fitted, &w->state, &score);
+    fitted_sets_free(&fitted);
+    if (!ok) {
         return false;
     }
     if (score < first_score) {

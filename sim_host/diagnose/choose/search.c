@@ -15,6 +15,7 @@
 #include <string.h>
 
 enum {
+    SEARCH_ROUNDS = 5,
     FULL_SIZE = 3,    /* all sets up to this size are compared */
     LARGEST_SIZE = 5, /* larger ones grow from the best */
     KEPT = 24,        /* sets that grow */
@@ -154,9 +155,9 @@ static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
     return s->set != before;
 }
 
-/* An option fitted without linearisation, from where its quadratic form has its optimum. */
+/* An option fitted without linearisation, from where its quadratic form has its optimum. *worth: as in fitted_set. */
 static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
-                       fit_state *trial, double *alone)
+                       fit_state *trial, double *alone, double *worth)
 {
     trial->set = option->set;
     memcpy(trial->z, option->z, sizeof trial->z);
@@ -170,7 +171,7 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
             return false;
         }
     }
-    return true;
+    return *alone > most || tolerance_of_state(d, trial, worth);
 }
 
 /* `worth`: what the tolerances of its laws take off. */
@@ -226,7 +227,6 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
     const double own_cost = own.cost + evidence_penalty(e->view, start.set);
     double best_score = state_score(e->view, s, e->view->worth);
     double by_digits = 0.0;
-    _Static_assert((int)REFINED + (int)FULL_SIZE == (int)FITTED_A_ROUND, "room for a round");
     hypothesis_set tried[REFINED + FULL_SIZE] = {0};
     size_t n = 0;
     for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
@@ -234,7 +234,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
          * not theirs. */
         const evidence_option *option = k < FULL_SIZE ? &e->of_size[k] : &e->list[k - FULL_SIZE];
         bool known = option->set == 0 || (k >= FULL_SIZE && k - FULL_SIZE >= e->listed) ||
-                     (round > 0 && (option->set == start.set || fitted_sets_have(fitted, option->set)));
+                     (round > 0 && option->set == start.set);
         for (size_t j = 0; j < n; j++) {
             known = known || tried[j] == option->set;
         }
@@ -245,24 +245,27 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             continue;
         }
         tried[n++] = option->set;
-        if (round > 0) {
-            fitted->set[fitted->count++] = option->set;
-        }
-        fit_state trial = start;
-        tell_option(teller, round, option);
+        const fitted_set *before = round > 0 ? fitted_sets_find(fitted, option->set, e->allowed) : NULL;
+        fit_state trial = before ? before->state : start;
+        double worth = before ? before->worth : 0.0;
         const double most = most_of(&start, s, by_digits);
-        double alone;
-        double worth = 0.0;
-        if (!fit_option(d, option, e->allowed, most, &trial, &alone) ||
-            (alone <= most && !tolerance_of_state(d, &trial, &worth))) {
-            return false;
+        double alone = trial.objective;
+        if (!before) {
+            tell_option(teller, round, option);
+            if (!fit_option(d, option, e->allowed, most, &trial, &alone, &worth)) {
+                return false;
+            }
+            if (round > 0) {
+                fitted_sets_keep(fitted, option->set, &trial, worth);
+            }
         }
         double score = state_score(e->view, &trial, worth);
         if (teller->trace) {
             char words[256];
             fprintf(teller->trace, "  round %d: %-60s linear %10.1f  ", round,
                     evidence_words(option->set, words, sizeof words), option->score);
-            fprintf(teller->trace, "%s %12.1f%s%s\n", alone > most ? "given up" : "fitted", score,
+            fprintf(teller->trace, "%s %12.1f%s%s\n",
+                    before ? "known " : (alone > most ? "given up" : "fitted"), score,
                     trial.set != option->set ? " as " : "",
                     trial.set != option->set ? evidence_words(trial.set, words, sizeof words) : "");
         }
@@ -276,11 +279,10 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
 }
 
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
-                 const diagnose_teller *teller)
+                 fitted_sets *fitted, const diagnose_teller *teller)
 {
     enumeration *e = calloc(1, sizeof *e);
     evidence_view *view = calloc(1, sizeof *view);
-    fitted_sets fitted = {.edge = s->edge};
     edge_contest edges = {.apart = 0.0};
     bool ok = e && view;
     /* A state that holds causes is a fit already: what looks worse from there is not tried. */
@@ -291,9 +293,8 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         if (ok && turned) {
             ok = fit_refine(d, s, REFINE_STEPS);
         }
-        if (turned || s->edge != fitted.edge) {
-            fitted.count = 0;
-            fitted.edge = s->edge;
+        if (turned || s->edge != fitted->edge) {
+            fitted_sets_forget(fitted, s->edge);
         }
         ok = ok && evidence_look(d, s, allowed, view);
         if (!ok) {
@@ -308,7 +309,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         enumerate(e, 0, 0, FULL_SIZE);
         grow(e);
         hypothesis_set before = s->set;
-        ok = try_options(d, s, e, round, &fitted, teller) && map_choose(d, s, allowed, REFINE_STEPS);
+        ok = try_options(d, s, e, round, fitted, teller) && map_choose(d, s, allowed, REFINE_STEPS);
         if (s->set == before && !turned) {
             break;
         }

@@ -12,7 +12,10 @@
 /* Joint steps far more than a fit takes: one that is cut short before its end lets the next look small. */
 enum { GAIN_STEPS = 4, JOINT_STEPS = 8 };
 
-static const fit_aim FINE = {.enough = 0.3, .most = INFINITY};
+static const fit_aim FINE = {.enough = 0.3, .held = 0.03, .most = INFINITY};
+
+/* The members alone are only to come near: this many times as much is left to them. */
+static const double NEAR = 10.0;
 
 /* What a descent moves: gains alone, the set's own columns with them, or also what a motor file's last digits leave open. */
 typedef enum moved_by { GAINS, MEMBERS, ALL } moved_by;
@@ -243,8 +246,8 @@ static bool improve(fit_data *d, fit_state *s, moved_by what, double *expected)
 }
 
 /*
- * Steps until one promises less than enough. What it brings says less: a step that was cut short, or went beside a bend, brings
- * little with much left to find. Given up where what is left, if each step brings two thirds of the one before, does not come
+ * Steps until one promises less than enough, or brings what it promised, as where the parabola holds nothing is left. That a step
+ * brings little says less: one that was cut short, or went beside a bend, does with much left to find. Given up where what is left, if each step brings two thirds of the one before, does not come
  * down to the most allowed.
  */
 static bool descend(fit_data *d, fit_state *s, int steps, moved_by what, const fit_aim *aim)
@@ -256,7 +259,8 @@ static bool descend(fit_data *d, fit_state *s, int steps, moved_by what, const f
             return false;
         }
         const double fell = before - goal(s);
-        if (expected <= aim->enough || (k > 0 && goal(s) - 2.0 * fell > aim->most)) {
+        if (expected <= aim->enough || fabs(expected - fell) <= aim->held ||
+            (k > 0 && goal(s) - 2.0 * fell > aim->most)) {
             break;
         }
     }
@@ -279,7 +283,8 @@ bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim 
 {
     fit_noise(d, s);
     /* First the members alone: while they are far off, what is small would run after them. */
-    const bool ok = descend(d, s, iterations, MEMBERS, aim);
+    const fit_aim near = {.enough = NEAR * aim->enough, .held = NEAR * aim->held, .most = aim->most};
+    const bool ok = descend(d, s, iterations, MEMBERS, &near);
     *alone = s->objective;
     return ok && (*alone > aim->most || descend(d, s, JOINT_STEPS, ALL, aim));
 }

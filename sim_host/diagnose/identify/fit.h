@@ -30,14 +30,15 @@ bool fit_refine(fit_data *d, fit_state *s, int iterations);
 
 /* How far a fit goes. */
 typedef struct fit_aim {
-    double enough; /* it ends with a step that promises less of the objective, or finds no way down */
+    double enough; /* it ends with a step that promises less of the objective, or finds no way down, */
+    double held;   /* or brings what it promised to so much */
     double most;   /* given up where the set's own coordinates leave more than this */
 } fit_aim;
 
 /* To rank what is fitted, not to keep it: what one hypothesis pays is ten times as much as is left to find. */
 static inline fit_aim fit_ranked(double most)
 {
-    return (fit_aim){.enough = 3.0, .most = most};
+    return (fit_aim){.enough = 3.0, .held = 3.0, .most = most};
 }
 
 /* The same to an aim. *alone: what the set's own coordinates leave; where that is above aim->most nothing unnamed is moved then. */
