@@ -82,6 +82,7 @@ typedef struct cycle_row {
     size_t history;       /* rows of its stretch before it */
     double temperature_K; /* above the recording's mean; 0 without temp_C */
     vec_ab i_A;           /* recorded currents, Clarke (amplitude-invariant) */
+    bool two_sensors;     /* as in averaged_drive_sensors */
     double i_zero_A;      /* mean of the three recorded currents; 0 if only two were recorded */
 } cycle_row;
 

@@ -11,13 +11,13 @@ static const double ALL_FADED =
 
 /*
  * What a dead time takes of a leg at its rise and at its fall, as a cycle's mean voltages: all at the rise if the current flows
- * out, all at the fall (which then is later) if it flows in. By the mean of the recorded current and where it turns to.
+ * out, all at the fall (which then is later) if it flows in. By the mean of the current at its start and where that turns to.
  */
-static void lost_at_edges(const averaged_drive *d, const cycle_row *at, double rise_V[3], double fall_V[3])
+static void lost_at_edges(const averaged_drive *d, const cycle_row *at, vec_ab i, double rise_V[3],
+                          double fall_V[3])
 {
     const vec_rotor turn = {0.5 * (1.0 + at->cos_turn), 0.5 * at->sin_turn};
-    const vec_ab mid = {turn.cos * at->i_A.alpha - turn.sin * at->i_A.beta,
-                        turn.cos * at->i_A.beta + turn.sin * at->i_A.alpha};
+    const vec_ab mid = {turn.cos * i.alpha - turn.sin * i.beta, turn.cos * i.beta + turn.sin * i.alpha};
     for (int x = 0; x < 3; x++) {
         const double s = averaged_drive_edge(d->edge, vec_phase(mid, x) / d->i_knee_A);
         rise_V[x] = 0.5 * d->v_dead_V * (1.0 + s) * (1.0 - at->no_rise[x]);
@@ -32,31 +32,31 @@ static bool edges_lose(const averaged_drive *d)
 }
 
 /* What a cycle's pulses leave at its end, times R_fe: a leg that is on from rise T to (1 - rise) T. */
-static vec_ab pulses(const averaged_drive *d, const cycle_row *command, const cycle_row *at, double per_tau,
-                     double fade)
+static vec_ab pulses(const averaged_drive *d, const iron_branch *b, const cycle_row *command,
+                     const cycle_row *at, vec_ab i)
 {
     double leg[3];
     double rise_V[3] = {0.0};
     double fall_V[3] = {0.0};
     if (edges_lose(d)) {
-        lost_at_edges(d, at, rise_V, fall_V);
+        lost_at_edges(d, at, i, rise_V, fall_V);
     }
     for (size_t x = 0; x < 3; x++) {
-        const double on = exp(-command->rise[x] * per_tau);
-        leg[x] =
-            d->k_u * command->u_dc_V * (on - fade / on) - per_tau * (rise_V[x] * fade / on + fall_V[x] * on);
+        const double on = exp(-command->rise[x] * b->per_tau);
+        const double off = b->fade / on;
+        leg[x] = d->k_u * command->u_dc_V * (on - off) - b->per_tau * (rise_V[x] * off + fall_V[x] * on);
     }
     return vec_from_phases(leg);
 }
 
 /* The mean voltage of a cycle, without the drop over the phases. */
-static vec_ab mean_voltage(const averaged_drive *d, const cycle_row *command, const cycle_row *at)
+static vec_ab mean_voltage(const averaged_drive *d, const cycle_row *command, const cycle_row *at, vec_ab i)
 {
     vec_ab u = {d->k_u * command->u_V[0].alpha, d->k_u * command->u_V[0].beta};
     if (edges_lose(d)) {
         double rise_V[3];
         double fall_V[3];
-        lost_at_edges(d, at, rise_V, fall_V);
+        lost_at_edges(d, at, i, rise_V, fall_V);
         const vec_ab lost =
             vec_from_phases((double[]){rise_V[0] + fall_V[0], rise_V[1] + fall_V[1], rise_V[2] + fall_V[2]});
         u.alpha -= lost.alpha;
@@ -79,9 +79,13 @@ static void take(vec_ab *from, double share, vec_ab drop)
     from->beta -= share * drop.beta;
 }
 
-/* What all cycles before the row have left at its start, times R_fe; of the drop, by recorded currents, all but the row's own. */
+/*
+ * What all cycles before the row have left at its start, times R_fe; of the drop all but the row's own current's. Their currents
+ * are the recorded ones, less what the sensors do: an offset that went in here would hide a part of itself.
+ */
 static vec_ab before(const averaged_drive *d, const iron_branch *b)
 {
+    const sensor_map sensors = averaged_drive_sensors(d, b->row->two_sensors, b->row->elapsed_s);
     /* Of pulses that differ by little about half the cycle, as their means. */
     const double half = sqrt(b->fade);
     const double quarter = sqrt(half);
@@ -91,11 +95,11 @@ static vec_ab before(const averaged_drive *d, const iron_branch *b)
     for (size_t n = 1; n <= b->now->history && n <= CYCLES_MOST && left > LEAST; n++) {
         const cycle_row *at = b->row - n;
         const bool edges = n <= BY_EDGES;
-        const vec_ab u =
-            edges ? pulses(d, b->now - n, at, b->per_tau, b->fade) : mean_voltage(d, b->now - n, at);
+        const vec_ab i = sensor_map_unmeasure(&sensors, at->i_A);
+        const vec_ab u = edges ? pulses(d, b, b->now - n, at, i) : mean_voltage(d, b->now - n, at, i);
         sum.alpha += left * (edges ? 1.0 : by_mean) * u.alpha;
         sum.beta += left * (edges ? 1.0 : by_mean) * u.beta;
-        take(&sum, left * (b->of_start + b->of_end * b->fade), averaged_drive_drop(d, at, at->i_A));
+        take(&sum, left * (b->of_start + b->of_end * b->fade), averaged_drive_drop(d, at, i));
         left *= b->fade;
     }
     return sum;
@@ -116,7 +120,7 @@ iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab
     drop_left(&b);
     b.first = before(d, &b);
     take(&b.first, b.of_end, drop);
-    b.last = pulses(d, b.now, row, b.per_tau, b.fade);
+    b.last = pulses(d, &b, b.now, row, i);
     take(&b.last, -b.fade, b.first);
     take(&b.last, b.of_start, drop);
     return b;
@@ -131,7 +135,7 @@ vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b)
 vec_ab iron_branch_mean(const averaged_drive *d, const iron_branch *b, vec_ab i_start, vec_ab i_end)
 {
     const vec_ab end_drop = averaged_drive_drop(d, b->row, i_end);
-    vec_ab mean = mean_voltage(d, b->now, b->row);
+    vec_ab mean = mean_voltage(d, b->now, b->row, i_start);
     vec_ab last = b->last;
     take(&mean, 0.5, averaged_drive_drop(d, b->row, i_start));
     take(&mean, 0.5, end_drop);

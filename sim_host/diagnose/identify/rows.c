@@ -91,6 +91,7 @@ static void fill_electrical(diagnose_rows *r)
             row->u_V[1] = j > 0 ? row[-1].u_V[0] : row->u_V[0];
             row->u_V[2] = j > 0 ? row[-1].u_V[1] : row->u_V[0];
             row->i_A = recording_current(rec, k);
+            row->two_sensors = r->two_sensors;
             row->history = j;
             row->T_s = r->T_s;
             row->i_zero_A = (rec->i_A[0][k] + rec->i_A[1][k] + rec->i_A[2][k]) / 3.0;
