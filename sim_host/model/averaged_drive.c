@@ -90,8 +90,10 @@ static double angle_error(const averaged_drive *d, const cycle_row *row)
 /* A share of 1/L in the stationary frame (aa, ab, bb): a mean, and a part that turns with twice the angle. */
 static void inverse_inductance(const averaged_drive *d, double share, vec_rotor r, double k[3])
 {
-    const double even = share * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
-    const double odd = share * 0.5 * (1.0 / d->L_d_H - 1.0 / d->L_q_H);
+    const double per_d = 1.0 / d->L_d_H;
+    const double per_q = 1.0 / d->L_q_H;
+    const double even = share * 0.5 * (per_d + per_q);
+    const double odd = share * 0.5 * (per_d - per_q);
     const vec_rotor twice = further(r, r);
     k[0] = even + odd * twice.cos;
     k[1] = odd * twice.sin;
@@ -271,7 +273,7 @@ static vec_dq iron_above(const averaged_drive *d, const iron_branch *branch, vec
 }
 
 vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *nodes, const cycle_row *row,
-                              vec_ab i_true)
+                              vec_ab i_true, iron_memory *memory)
 {
     averaged_step m = averaged_node_step(&nodes[row->node], row->node_h);
     vec_rotor r = {row->cos_theta, row->sin_theta};
@@ -286,7 +288,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     vec_dq mean_dq = total_dq; /* with the iron's mean over the cycle in it, not what it starts with */
     iron_branch branch = {.now = NULL};
     if (d->fe_S != 0.0) {
-        branch = iron_branch_of(d, row, i_true);
+        branch = iron_branch_of(d, row, i_true, memory);
         const vec_ab taken = iron_branch_begin(d, &branch);
         const vec_dq more = iron_above(d, &branch, i_true, vec_to_dq(taken, r), r, end);
         mean_dq.d += more.d;
@@ -321,11 +323,12 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
                     m.push[0][0] * push.d + m.push[0][1] * push.q,
                 m.decay[1][0] * x.d + m.decay[1][1] * x.q + m.drive[1][0] * u_dq.d + m.drive[1][1] * u_dq.q +
                     m.push[1][0] * push.d + m.push[1][1] * push.q};
+    vec_dq near = i_dq; /* to the current that makes y */
     if (d->v_dead_V != 0.0 || d->R_rate_ohm_s != 0.0 || d->alpha_R != 0.0 || d->dR_ohm[0] != 0.0 ||
         d->dR_ohm[1] != 0.0 || d->dR_ohm[2] != 0.0) {
         /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
-        const vec_dq to_flux = flux_map_current(d, y, i_dq);
-        const vec_dq all = {to_flux.d + total_dq.d - i_dq.d, to_flux.q + total_dq.q - i_dq.q};
+        near = flux_map_current(d, y, near);
+        const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
         vec_ab i_end = vec_to_ab(all, end);
         vec_dq lost = vec_to_dq(phase_losses(d, row, vec_to_ab(total_dq, r), i_end, r, m.push[0][0]), r);
         y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
@@ -342,13 +345,14 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     if (d->dL_H[0] != 0.0 || d->dL_H[1] != 0.0 || d->dL_H[2] != 0.0) {
         vec_ab i_first = vec_to_ab(i_dq, r);
-        vec_ab i_last = vec_to_ab(flux_map_current(d, y, i_dq), end);
+        near = flux_map_current(d, y, near);
+        vec_ab i_last = vec_to_ab(near, end);
         vec_ab change = {i_last.alpha - i_first.alpha, i_last.beta - i_first.beta};
         vec_dq taken = vec_to_dq(phase_share(d, change, half_decay(&m), end), end);
         y.d -= taken.d;
         y.q -= taken.q;
     }
-    vec_dq i_end = flux_map_current(d, y, i_dq);
+    vec_dq i_end = flux_map_current(d, y, near);
     if (iron) {
         vec_dq taken = iron_share(d, row->omega_rad_s, (vec_dq){y.d + psi, y.q});
         i_end.d += taken.d;

@@ -91,9 +91,15 @@ averaged_drive averaged_drive_of(const motor *m);
 /* The motor file that says the same: extensions where an effect is there; names and ratings are `base`'s. */
 motor averaged_drive_motor(const averaged_drive *drive, const motor *base);
 
-/* True current at the end of the row's cycle. `nodes` is the table for this drive's R, L_d, L_q. */
+/* What the iron is carried on by from row to row (iron_branch.h). */
+typedef struct iron_memory iron_memory;
+
+/*
+ * True current at the end of the row's cycle. `nodes` is the table for this drive's R, L_d, L_q. `memory`: of a way from row to
+ * row with this drive, or NULL, where the rows before are looked up at each.
+ */
 vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes, const cycle_row *row,
-                              vec_ab i_true);
+                              vec_ab i_true, iron_memory *memory);
 
 /* The drop that a current causes over the phases' resistances, warm and unequal as they are. */
 vec_ab averaged_drive_drop(const averaged_drive *drive, const cycle_row *row, vec_ab i_A);

@@ -83,7 +83,8 @@ static vec_dq newton_step(const averaged_drive *d, vec_dq flux, vec_dq i)
         m = (flux_map_slope){d->L_d_H, 0.0, d->L_q_H};
         det = m.dd * m.qq;
     }
-    return (vec_dq){(m.qq * wrong.d - m.dq * wrong.q) / det, (m.dd * wrong.q - m.dq * wrong.d) / det};
+    const double per_det = 1.0 / det;
+    return (vec_dq){(m.qq * wrong.d - m.dq * wrong.q) * per_det, (m.dd * wrong.q - m.dq * wrong.d) * per_det};
 }
 
 vec_dq flux_map_current(const averaged_drive *d, vec_dq flux, vec_dq guess)
@@ -98,8 +99,8 @@ vec_dq flux_map_current(const averaged_drive *d, vec_dq flux, vec_dq guess)
         i.d += more.d;
         i.q += more.q;
         first = k == 0 ? i : first;
-        /* The next step would be this one's square. */
-        if (fabs(more.d) + fabs(more.q) < 1e-6 * (fabs(i.d) + fabs(i.q)) + 1e-12) {
+        /* The next step would be this one's square: 1e-10. */
+        if (fabs(more.d) + fabs(more.q) < 1e-5 * (fabs(i.d) + fabs(i.q)) + 1e-12) {
             return i;
         }
     }

@@ -33,22 +33,28 @@ typedef struct edges {
     double moved_V[3]; /* of the compensation, each edge */
     double moved_s[3];
     double low_A_s[3], high_A_s[3]; /* how fast leg x moves its own current about its edges, low and high */
-    vec_ab flux;                    /* what the edges before have changed */
+    double held_A[3],
+        per_reach[3]; /* what the dead time adds by its middle, and 1 over where the loss is whole */
+    vec_ab flux;      /* what the edges before have changed */
 } edges;
 
 /* How fast each leg's current moves about its edges: the others stand at its fall as they did at its rise. */
 static void find_slopes(edges *e, const cycle_row *row, const size_t order[3])
 {
     const found_currents *i = e->i;
+    const double per_T = 1.0 / i->T_s;
     vec_ab u = {0.0, 0.0};
     for (size_t x = 0; x < 3; x++) {
         add(&u, volt_on(x), -row->u_dc_V * (1.0 - 2.0 * row->rise[x]));
     }
     for (size_t n = 0; n < 3; n++) {
         const size_t x = order[n];
-        e->low_A_s[x] = vec_phase(found_current(i, u), (int)x) + (i->last[x] - i->first[x]) / i->T_s;
+        e->low_A_s[x] = vec_phase(found_current(i, u), (int)x) + (i->last[x] - i->first[x]) * per_T;
         add(&u, volt_on(x), row->u_dc_V);
-        e->high_A_s[x] = vec_phase(found_current(i, u), (int)x) + (i->last[x] - i->first[x]) / i->T_s;
+        e->high_A_s[x] = vec_phase(found_current(i, u), (int)x) + (i->last[x] - i->first[x]) * per_T;
+        e->held_A[x] = 0.5 * (e->low_A_s[x] + e->high_A_s[x]) * e->late_s;
+        const double reach = 0.5 * (e->high_A_s[x] - e->low_A_s[x]) * e->late_s;
+        e->per_reach[x] = 1.0 / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A);
     }
 }
 
@@ -56,16 +62,14 @@ static void find_slopes(edges *e, const cycle_row *row, const size_t order[3])
 static double sign_found(const edges *e, size_t x, double i_A)
 {
     const double others = vec_phase(found_current(e->i, e->flux), (int)x);
-    const double held = 0.5 * (e->low_A_s[x] + e->high_A_s[x]) * e->late_s;
-    const double reach = 0.5 * (e->high_A_s[x] - e->low_A_s[x]) * e->late_s;
-    return averaged_drive_edge(EDGE_CLIPPED,
-                               (i_A + others + held) / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A));
+    return averaged_drive_edge(EDGE_CLIPPED, (i_A + others + e->held_A[x]) * e->per_reach[x]);
 }
 
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3])
 {
     const double v_late_V = -d->dead_share * d->v_dead_V;
-    edges e = {.d = d, .i = i, .v_late_V = v_late_V, .late_s = v_late_V / row->u_dc_V * i->T_s};
+    const double s_per_V = i->T_s / row->u_dc_V;
+    edges e = {.d = d, .i = i, .v_late_V = v_late_V, .late_s = v_late_V * s_per_V};
     size_t order[3];
     order_of(row->rise, order);
     find_slopes(&e, row, order);
@@ -74,7 +78,7 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
         const double wanted =
             0.5 * (v_late_V - d->v_dead_V) * averaged_drive_edge(EDGE_CLIPPED, i->first[x] / d->i_knee_A);
         e.moved_V[x] = fmin(fmax(wanted, (row->rise[x] - 0.5) * row->u_dc_V), row->rise[x] * row->u_dc_V);
-        e.moved_s[x] = e.moved_V[x] / row->u_dc_V * i->T_s;
+        e.moved_s[x] = e.moved_V[x] * s_per_V;
         lost[x] = -2.0 * e.moved_V[x];
     }
     for (size_t n = 0; n < 3; n++) {

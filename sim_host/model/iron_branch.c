@@ -3,8 +3,9 @@
 
 #include <math.h>
 
-enum { BY_EDGES = 3, CYCLES_MOST = 24 };
-static const double LEAST = 1e-4; /* what has faded to less is left out */
+/* A beginning sums up so many cycles at most, and none of which less is left. */
+enum { CYCLES_MOST = 64 };
+static const double LEAST = 1e-4;
 
 static const double ALL_FADED =
     700.0; /* time constants in a cycle: more are no less, and the exponentials stay numbers */
@@ -31,9 +32,24 @@ static bool edges_lose(const averaged_drive *d)
     return d->v_dead_V != 0.0 && d->edge != EDGE_OVER;
 }
 
-/* What a cycle's pulses leave at its end, times R_fe: a leg that is on from rise T to (1 - rise) T. */
-static vec_ab pulses(const averaged_drive *d, const iron_branch *b, const cycle_row *command,
-                     const cycle_row *at, vec_ab i)
+/* What is left at a cycle's end of a short pulse at each leg's rise, and of one at its fall: it is on from rise T to (1 - rise) T. */
+typedef struct edges_left {
+    double rise[3], fall[3];
+} edges_left;
+
+static edges_left edges_of(const iron_memory *m, const cycle_row *command)
+{
+    edges_left left;
+    for (size_t x = 0; x < 3; x++) {
+        left.fall[x] = exp(-command->rise[x] * m->per_tau);
+        left.rise[x] = m->fade / left.fall[x];
+    }
+    return left;
+}
+
+/* What a cycle's pulses leave at its end, times R_fe. */
+static vec_ab pulses(const averaged_drive *d, const iron_memory *m, const edges_left *left,
+                     const cycle_row *command, const cycle_row *at, vec_ab i)
 {
     double leg[3];
     double rise_V[3] = {0.0};
@@ -42,9 +58,8 @@ static vec_ab pulses(const averaged_drive *d, const iron_branch *b, const cycle_
         lost_at_edges(d, at, i, rise_V, fall_V);
     }
     for (size_t x = 0; x < 3; x++) {
-        const double on = exp(-command->rise[x] * b->per_tau);
-        const double off = b->fade / on;
-        leg[x] = d->k_u * command->u_dc_V * (on - off) - b->per_tau * (rise_V[x] * off + fall_V[x] * on);
+        leg[x] = d->k_u * command->u_dc_V * (left->fall[x] - left->rise[x]) -
+                 m->per_tau * (rise_V[x] * left->rise[x] + fall_V[x] * left->fall[x]);
     }
     return vec_from_phases(leg);
 }
@@ -65,44 +80,10 @@ static vec_ab mean_voltage(const averaged_drive *d, const cycle_row *command, co
     return u;
 }
 
-/* What a drop that goes evenly from one value to another in a cycle leaves at its end: parts of the one and of the other. */
-static void drop_left(iron_branch *b)
-{
-    const double mean = (1.0 - b->fade) / b->per_tau;
-    b->of_end = 1.0 - mean;
-    b->of_start = mean - b->fade;
-}
-
 static void take(vec_ab *from, double share, vec_ab drop)
 {
     from->alpha -= share * drop.alpha;
     from->beta -= share * drop.beta;
-}
-
-/*
- * What all cycles before the row have left at its start, times R_fe; of the drop all but the row's own current's. Their currents
- * are the recorded ones, less what the sensors do: an offset that went in here would hide a part of itself.
- */
-static vec_ab before(const averaged_drive *d, const iron_branch *b)
-{
-    const sensor_map sensors = averaged_drive_sensors(d, b->row->two_sensors, b->row->elapsed_s);
-    /* Of pulses that differ by little about half the cycle, as their means. */
-    const double half = sqrt(b->fade);
-    const double quarter = sqrt(half);
-    const double by_mean = b->per_tau * half * 0.5 * (quarter + 1.0 / quarter); /* of cosh(per_tau / 4) */
-    vec_ab sum = {0.0, 0.0};
-    double left = 1.0;
-    for (size_t n = 1; n <= b->now->history && n <= CYCLES_MOST && left > LEAST; n++) {
-        const cycle_row *at = b->row - n;
-        const bool edges = n <= BY_EDGES;
-        const vec_ab i = sensor_map_unmeasure(&sensors, at->i_A);
-        const vec_ab u = edges ? pulses(d, b, b->now - n, at, i) : mean_voltage(d, b->now - n, at, i);
-        sum.alpha += left * (edges ? 1.0 : by_mean) * u.alpha;
-        sum.beta += left * (edges ? 1.0 : by_mean) * u.beta;
-        take(&sum, left * (b->of_start + b->of_end * b->fade), averaged_drive_drop(d, at, i));
-        left *= b->fade;
-    }
-    return sum;
 }
 
 /* The row whose command acts in this one's cycle: of a voltage that is late by whole cycles, one before. */
@@ -112,17 +93,63 @@ static const cycle_row *acting(const averaged_drive *d, const cycle_row *row)
     return late <= row->history ? row - late : row;
 }
 
-iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i)
+/*
+ * Goes on over the row's cycle. Its current is the recorded one, less what the sensors do: an offset that went in here would hide
+ * a part of itself.
+ */
+static void go_on(const averaged_drive *d, iron_memory *m, const edges_left *left, const cycle_row *command,
+                  const cycle_row *row)
 {
-    iron_branch b = {.row = row, .now = acting(d, row), .per_tau = fmin(row->T_s / d->fe_tau_s, ALL_FADED)};
+    if (!m->steady) {
+        m->sensors = averaged_drive_sensors(d, row->two_sensors, row->elapsed_s);
+    }
+    const vec_ab i = sensor_map_unmeasure(&m->sensors, row->i_A);
+    const vec_ab own = pulses(d, m, left, command, row, i);
+    m->left.alpha = m->fade * m->left.alpha + own.alpha;
+    m->left.beta = m->fade * m->left.beta + own.beta;
+    take(&m->left, m->of_start + m->of_end * m->fade, averaged_drive_drop(d, row, i));
+    m->row = row + 1;
+}
+
+/* The memory at the row's start: where it stands elsewhere, summed up over the cycles before. */
+static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
+{
+    if (m->row == row && row->history > 0) {
+        return;
+    }
+    *m = (iron_memory){.per_tau = fmin(row->T_s / d->fe_tau_s, ALL_FADED),
+                       .steady = !averaged_drive_sensors_drift(d),
+                       .sensors = averaged_drive_sensors(d, row->two_sensors, row->elapsed_s)};
+    m->fade = exp(-m->per_tau);
+    /* Of a drop that goes evenly from one value to another in a cycle. */
+    const double mean = (1.0 - m->fade) / m->per_tau;
+    m->of_end = 1.0 - mean;
+    m->of_start = mean - m->fade;
+    size_t n = 0;
+    for (double left = 1.0; n < row->history && n < CYCLES_MOST && left > LEAST; n++) {
+        left *= m->fade;
+    }
+    for (; n > 0; n--) {
+        const cycle_row *command = acting(d, row - n);
+        const edges_left left = edges_of(m, command);
+        go_on(d, m, &left, command, row - n);
+    }
+}
+
+iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory)
+{
+    iron_memory none = {.row = NULL};
+    iron_memory *m = memory ? memory : &none;
     const vec_ab drop = averaged_drive_drop(d, row, i);
-    b.fade = exp(-b.per_tau);
-    drop_left(&b);
-    b.first = before(d, &b);
-    take(&b.first, b.of_end, drop);
-    b.last = pulses(d, &b, b.now, row, i);
-    take(&b.last, -b.fade, b.first);
-    take(&b.last, b.of_start, drop);
+    reach(d, m, row);
+    iron_branch b = {
+        .row = row, .now = acting(d, row), .per_tau = m->per_tau, .of_end = m->of_end, .first = m->left};
+    const edges_left left = edges_of(m, b.now);
+    take(&b.first, m->of_end, drop);
+    b.last = pulses(d, m, &left, b.now, row, i);
+    take(&b.last, -m->fade, b.first);
+    take(&b.last, m->of_start, drop);
+    go_on(d, m, &left, b.now, row);
     return b;
 }
 

@@ -3,26 +3,37 @@
  * being that over the phases' resistances, of the whole current.
  *
  * At a sampling instant it is what the pulses of the cycles before have left, each less by e^{-t/tau} of the time since.
- * A branch that is fast against the cycle sees the pulses apart (at the carrier's valley none is on), so that the last
- * cycles count by their edges, as a dead time moves them; older ones by their means. The drop goes from one sampled current's
- * to the next one's.
+ * A branch that is fast against the cycle sees the pulses apart (at the carrier's valley none is on), so that cycles count by
+ * their edges, as a dead time moves them. The drop goes from one sampled current's to the next one's.
  */
 #ifndef SIM_HOST_MODEL_IRON_BRANCH_H
 #define SIM_HOST_MODEL_IRON_BRANCH_H
 
 #include "averaged_drive.h"
 
+/*
+ * What the cycles before a row have left, carried on from row to row. All nought at a way's beginning, where it is summed up from
+ * the rows before (cycle_row's history); a way that goes on at another row than the next sums up anew.
+ */
+struct iron_memory {
+    const cycle_row *row; /* at whose start it stands; NULL: nowhere yet */
+    double per_tau, fade; /* the cycle over the branch's time constant, and e to minus that */
+    double of_start,
+        of_end;  /* what a cycle leaves of the drop that it starts with, and of the one that it ends with */
+    bool steady; /* the sensors are the same at all rows: */
+    sensor_map sensors;
+    vec_ab left; /* times R_fe; of the drop all but the row's own current's */
+};
+
 /* What a row's cycle finds: the same at its start, over it and at its end, and the dear part of these. */
 typedef struct iron_branch {
     const cycle_row *row, *now; /* the cycle, and the one whose command acts in it */
-    double per_tau, fade;       /* the cycle over the branch's time constant, and e to minus that */
-    double of_start,
-        of_end; /* what a cycle leaves of the drop that it starts with, and of the one that it ends with */
+    double per_tau, of_end;     /* as in iron_memory */
     vec_ab first, last; /* i_fe R_fe at either end, but for the drop that the end's own current causes */
 } iron_branch;
 
-/* Beside the phase current i at the row's start, which it is a part of. Reads the rows before (cycle_row's history). */
-iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i);
+/* Beside the phase current i at the row's start, which it is a part of. The memory is left at the row after. */
+iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory);
 
 /* At the start of the row's cycle. */
 vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b);

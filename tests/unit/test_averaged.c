@@ -250,7 +250,7 @@ static vec_ab after_cycle(const averaged_drive *d, double recorded)
                            .omega_rad_s = 0.2 / T,
                            .u_dc_V = 565.0,
                            .T_s = T};
-    return averaged_drive_advance(d, &node, &row, (vec_ab){3.0, -2.0});
+    return averaged_drive_advance(d, &node, &row, (vec_ab){3.0, -2.0}, NULL);
 }
 
 /* An error once and twice an electrical turn depends on the true angle, and the recorded one is all that a row has. */

@@ -2,7 +2,7 @@
  * The iron's law in the averaged drive, against a circuit whose legs switch: a winding's resistance, a salient rotor's flux and,
  * beside what makes flux, a branch of R_fe with tau_fe R_fe, integrated in steps far below an edge's time.
  */
-#include "model/averaged_drive.h"
+#include "model/iron_branch.h"
 
 #include "unity.h"
 
@@ -144,6 +144,10 @@ static bool clear_of_nought(vec_ab i)
     return fabs(vec_phase(i, 0)) > 0.8 && fabs(vec_phase(i, 1)) > 0.8 && fabs(vec_phase(i, 2)) > 0.8;
 }
 
+/* Of all predictions: what one that carries the iron's past from row to row and one that looks it up at the row differ by, as a
+ * part of u / R_fe. */
+static double most_apart;
+
 /* Rms of what predicted currents are off by, as a part of what the iron takes of the voltage, u / R_fe. */
 static double off_by(const circuit *c, vec_dq i_dq)
 {
@@ -164,6 +168,7 @@ static double off_by(const circuit *c, vec_dq i_dq)
     const sensor_map sensors = averaged_drive_sensors(&d, false, 0.0);
     double wrong = 0.0;
     double iron = 0.0;
+    iron_memory memory = {.row = NULL};
     flow at = {.flux_Wb = {c->L_d_H * i_dq.d + c->psi_f_Wb, c->L_q_H * i_dq.q}};
     for (size_t x = 0; x < 3; x++) {
         d.dR_ohm[x] = c->dR_ohm[x];
@@ -182,7 +187,10 @@ static double off_by(const circuit *c, vec_dq i_dq)
         /* Near nought an edge's own current decides, which is another law's business (test_found_edges.c). */
         if (n >= SETTLE &&
             (c->v_dead_V == 0.0 || (clear_of_nought(i) && clear_of_nought(current(c, &at, theta + turn))))) {
-            const vec_ab told = averaged_drive_advance(&d, &node, &rows[n], i);
+            const vec_ab told = averaged_drive_advance(&d, &node, &rows[n], i, &memory);
+            const vec_ab anew = averaged_drive_advance(&d, &node, &rows[n], i, NULL);
+            const vec_ab apart = {told.alpha - anew.alpha, told.beta - anew.beta};
+            most_apart = fmax(most_apart, sqrt(size_of(apart) / size_of(u)) * c->R_fe_ohm);
             const vec_ab is = current(c, &at, theta + turn);
             wrong += size_of((vec_ab){told.alpha - is.alpha, told.beta - is.beta});
             iron += size_of(u) / (c->R_fe_ohm * c->R_fe_ohm);
@@ -244,9 +252,24 @@ static void what_the_sensors_do_is_not_remembered(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, sound, off_by(&c, flowing));
 }
 
+/* A look at the rows before leaves out what has faded to 1e-4. */
+static void what_is_carried_is_what_the_rows_before_left(void)
+{
+    most_apart = 0.0;
+    for (double tau_s = 2.5e-6; tau_s < 2e-3; tau_s *= 2.0) {
+        circuit c = usual;
+        c.tau_fe_s = tau_s;
+        c.v_dead_V = 2.0;
+        off_by(&c, flowing);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(2e-4, 0.0, most_apart);
+    TEST_ASSERT_TRUE(most_apart > 0.0);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(what_is_carried_is_what_the_rows_before_left);
     RUN_TEST(the_law_is_the_circuits);
     RUN_TEST(the_iron_sees_all_that_the_phases_drop);
     RUN_TEST(what_the_sensors_do_is_not_remembered);

@@ -1,11 +1,11 @@
 /* The averaged drive as an observer of a recording (observer.h). */
 #include "observer.h"
 
+#include "model/iron_branch.h"
 #include "model/sensor_bend.h"
 #include "model/sensor_lag.h"
 
-#include <math.h>
-#include <string.h>
+#include <stddef.h>
 
 static bool sensors_change(const averaged_drive *drive)
 {
@@ -42,57 +42,117 @@ static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, vec_ab
     return sensor_map_unmeasure(map, bent ? sensor_bend_undo(drive, recorded) : recorded);
 }
 
+/* A drive on its way through a block. */
+typedef struct walker {
+    diagnose_rows *r;
+    const averaged_drive *drive;
+    double gain;
+    bool change; /* the sensors, from row to row */
+    sensor_map steady;
+    vec_ab x;   /* the true current by all rows so far */
+    size_t age; /* rows since it started */
+} walker;
+
+static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double gain)
+{
+    return (walker){.r = r,
+                    .drive = drive,
+                    .gain = gain,
+                    .change = sensors_change(drive),
+                    .steady = averaged_drive_sensors(drive, r->two_sensors, 0.0)};
+}
+
+/* Takes in what the sensors show at row k: innovations into `out`, zeros where it starts anew. Whether there are any. */
+static bool take_in(walker *w, size_t k, double gate, double *out)
+{
+    const cycle_row *row = &w->r->row[k];
+    const bool start = w->age == 0 || w->r->outlier[k];
+    sensor_map changed;
+    const sensor_map *sensors = &w->steady;
+    out[0] = out[1] = out[2] = 0.0;
+    if (w->change) {
+        changed = sensors_at(w->r, w->drive, &w->steady, row);
+        sensors = &changed;
+    }
+    double zero;
+    const vec_ab seen_A = shown(w->drive, sensors, w->x, &zero);
+    const vec_ab wrong = {row->i_A.alpha - seen_A.alpha, row->i_A.beta - seen_A.beta};
+    const bool seen = !start && w->age >= OBSERVER_START;
+    const bool out_of_gate =
+        gate > 0.0 && seen && wrong.alpha * wrong.alpha + wrong.beta * wrong.beta > gate * gate;
+    if (start || out_of_gate) {
+        w->r->outlier[k] = out_of_gate ? 1 : w->r->outlier[k];
+        w->x = unshown(w->drive, sensors, row->i_A);
+        w->age = 1;
+        return false;
+    }
+    if (seen) {
+        out[0] = wrong.alpha;
+        out[1] = wrong.beta;
+        out[2] = w->r->two_sensors ? 0.0 : row->i_zero_A - zero;
+    }
+    /* As if every sample so far counted alike, until the steady gain is reached. */
+    const double share = 1.0 / (double)(w->age + 1);
+    const double g = share > w->gain ? share : w->gain;
+    w->x.alpha += g * (sensors->back[0][0] * wrong.alpha + sensors->back[0][1] * wrong.beta);
+    w->x.beta += g * (sensors->back[1][0] * wrong.alpha + sensors->back[1][1] * wrong.beta);
+    w->age++;
+    return seen;
+}
+
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                     const row_block *block, double gain, double gate, double *innovation, unsigned char *seen)
 {
-    const sensor_map steady = averaged_drive_sensors(drive, r->two_sensors, 0.0);
-    sensor_map sensors = steady;
-    const bool change = sensors_change(drive);
-    vec_ab x = {0.0, 0.0};
-    size_t age = 0; /* rows since the filter started */
-    memset(innovation, 0, OBSERVER_OUTPUTS * block->count * sizeof *innovation);
-    if (seen != NULL) {
-        memset(seen, 0, block->count);
-    }
+    walker w = walker_of(r, drive, gain);
+    iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < block->count; j++) {
-        size_t k = block->first + j;
-        const cycle_row *row = &r->row[k];
-        if (change) {
-            sensors = sensors_at(r, drive, &steady, row);
+        const bool is = take_in(&w, block->first + j, gate, innovation + OBSERVER_OUTPUTS * j);
+        if (seen != NULL) {
+            seen[j] = is ? 1 : 0;
         }
-        if (age == 0 || r->outlier[k]) {
-            x = unshown(drive, &sensors, row->i_A);
-            age = 1;
-        } else {
-            double zero;
-            vec_ab seen_A = shown(drive, &sensors, x, &zero);
-            vec_ab wrong = {row->i_A.alpha - seen_A.alpha, row->i_A.beta - seen_A.beta};
-            if (gate > 0.0 && age >= OBSERVER_START &&
-                wrong.alpha * wrong.alpha + wrong.beta * wrong.beta > gate * gate) {
-                r->outlier[k] = 1;
-                x = unshown(drive, &sensors, row->i_A);
-                age = 1;
-            } else {
-                if (age >= OBSERVER_START) {
-                    double *out = innovation + OBSERVER_OUTPUTS * j;
-                    if (seen != NULL) {
-                        seen[j] = 1;
-                    }
-                    out[0] = wrong.alpha;
-                    out[1] = wrong.beta;
-                    if (!r->two_sensors) {
-                        out[2] = row->i_zero_A - zero;
-                    }
-                }
-                /* As if every sample so far counted alike, until the steady gain is reached. */
-                double share = 1.0 / (double)(age + 1);
-                double g = share > gain ? share : gain;
-                x.alpha += g * (sensors.back[0][0] * wrong.alpha + sensors.back[0][1] * wrong.beta);
-                x.beta += g * (sensors.back[1][0] * wrong.alpha + sensors.back[1][1] * wrong.beta);
-                age++;
-            }
-        }
-        x = averaged_drive_advance(drive, nodes, row, x);
+        w.x = averaged_drive_advance(drive, nodes, &r->row[block->first + j], w.x, &memory);
+    }
+}
+
+/* How far a drive goes from one side of a current, per ampere. */
+static vec_ab slope(const averaged_drive *drive, const averaged_node *nodes, const cycle_row *row,
+                    const observer_step *s, vec_ab aside, const iron_memory *before)
+{
+    iron_memory memory = *before;
+    const vec_ab from = {s->from_A.alpha + aside.alpha, s->from_A.beta + aside.beta};
+    const vec_ab to = averaged_drive_advance(drive, nodes, row, from, &memory);
+    const double by = aside.alpha + aside.beta;
+    return (vec_ab){(to.alpha - s->to_A.alpha) / by, (to.beta - s->to_A.beta) / by};
+}
+
+void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
+                  const row_block *block, double gain, double *innovation, observer_step *way)
+{
+    const double aside = 1e-5 * r->i_peak_A;
+    walker w = walker_of(r, drive, gain);
+    iron_memory memory = {.row = NULL};
+    for (size_t j = 0; j < block->count; j++) {
+        const cycle_row *row = &r->row[block->first + j];
+        observer_step *s = &way[j];
+        const iron_memory before = memory;
+        take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
+        s->from_A = w.x;
+        s->to_A = w.x = averaged_drive_advance(drive, nodes, row, w.x, &memory);
+        s->by_alpha = slope(drive, nodes, row, s, (vec_ab){aside, 0.0}, &before);
+        s->by_beta = slope(drive, nodes, row, s, (vec_ab){0.0, aside}, &before);
+    }
+}
+
+void observer_beside(diagnose_rows *r, const averaged_drive *drive, const row_block *block, double gain,
+                     const observer_step *way, double *innovation)
+{
+    walker w = walker_of(r, drive, gain);
+    for (size_t j = 0; j < block->count; j++) {
+        const observer_step *s = &way[j];
+        take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
+        const vec_ab beside = {w.x.alpha - s->from_A.alpha, w.x.beta - s->from_A.beta};
+        w.x.alpha = s->to_A.alpha + s->by_alpha.alpha * beside.alpha + s->by_beta.alpha * beside.beta;
+        w.x.beta = s->to_A.beta + s->by_alpha.beta * beside.alpha + s->by_beta.beta * beside.beta;
     }
 }
 
@@ -102,6 +162,7 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
     const sensor_map steady = averaged_drive_sensors(drive, r->two_sensors, 0.0);
     sensor_map sensors = steady;
     const bool change = sensors_change(drive);
+    iron_memory memory = {.row = NULL};
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
         const cycle_row *before = &r->row[first + j - 1];
@@ -113,7 +174,8 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
             sensors = sensors_at(r, drive, &steady, before + 1);
         }
         double zero;
-        vec_ab seen = shown(drive, &sensors, averaged_drive_advance(drive, nodes, before, x), &zero);
+        x = averaged_drive_advance(drive, nodes, before, x, &memory);
+        vec_ab seen = shown(drive, &sensors, x, &zero);
         wrong[j].alpha = before[1].i_A.alpha - seen.alpha;
         wrong[j].beta = before[1].i_A.beta - seen.beta;
     }
@@ -126,12 +188,13 @@ void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, cons
     const sensor_map steady = averaged_drive_sensors(drive, r->two_sensors, 0.0);
     sensor_map sensors = sensors_at(r, drive, &steady, &r->row[first]);
     vec_ab x = unshown(drive, &sensors, r->row[first].i_A);
+    iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < count; j++) {
         if (change) {
             sensors = sensors_at(r, drive, &steady, &r->row[first + j]);
         }
         double zero;
         current[j] = shown(drive, &sensors, x, &zero);
-        x = averaged_drive_advance(drive, nodes, &r->row[first + j], x);
+        x = averaged_drive_advance(drive, nodes, &r->row[first + j], x, &memory);
     }
 }

@@ -28,6 +28,23 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
                     const row_block *block, double gain, double gate, double *innovation,
                     unsigned char *seen);
 
+/* Where a drive went in one row's cycle, and how far it would have gone from beside: d to / d from, columns by alpha and beta. */
+typedef struct observer_step {
+    vec_ab from_A, to_A;
+    vec_ab by_alpha, by_beta;
+} observer_step;
+
+/* The same without a gate, and the way: one step a row. */
+void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
+                  const row_block *block, double gain, double *innovation, observer_step *way);
+
+/*
+ * The same of a drive that differs from the way's by a little, and by its sensors or its gain alone: it goes beside that one. (That
+ * the iron remembers true currents by these sensors is left out: up to 0.4 % of a column.)
+ */
+void observer_beside(diagnose_rows *r, const averaged_drive *drive, const row_block *block, double gain,
+                     const observer_step *way, double *innovation);
+
 /* Error of the one-cycle prediction into each row from the recorded row before it (gain 1), two numbers per
  * row; zero for the first. */
 void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,

@@ -99,7 +99,7 @@ static vec_ab command(const runner *t, cycle_row *row, vec_ab i, vec_dq wanted)
     const double(*by)[2] = t->node.value.drive; /* flux at the end, by the voltage at the beginning */
     row->u_V[0] = (vec_ab){0.0, 0.0};
     const vec_dq now = vec_to_dq(i, begin);
-    const vec_dq left = vec_to_dq(averaged_drive_advance(&t->drive, &t->node, row, i), end);
+    const vec_dq left = vec_to_dq(averaged_drive_advance(&t->drive, &t->node, row, i, NULL), end);
     const vec_dq flux = {t->drive.L_d_H * (now.d + FOLLOWS * (wanted.d - now.d) - left.d),
                          t->drive.L_q_H * (now.q + FOLLOWS * (wanted.q - now.q) - left.q)};
     const double det = by[0][0] * by[1][1] - by[0][1] * by[1][0];
@@ -149,7 +149,7 @@ static void run_window(runner *t, const plan_piece *p, double share, double omeg
         row.sin_theta = sin(theta);
         row.u_V[0] = command(t, &row, row.i_A, reference_at(p, share, first + j));
         write_row(t, &row, theta, u_dc_V);
-        row.i_A = averaged_drive_advance(&t->drive, &t->node, &row, row.i_A);
+        row.i_A = averaged_drive_advance(&t->drive, &t->node, &row, row.i_A, NULL);
         theta += turn;
     }
     t->windows++;
