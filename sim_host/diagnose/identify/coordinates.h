@@ -56,6 +56,7 @@ typedef struct coordinate {
     double low, high;
     double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
     double wanders; /* of what shapes a law: its standard deviation between operating points, in z */
+    bool senses;    /* moves what the sensors show, and not the drive */
     bool rate;      /* of another coordinate, per second */
     bool third_sensor;    /* there is no such number where two currents are measured */
     bool of_compensation; /* shapes the law of an over-compensated dead time alone */
@@ -95,6 +96,9 @@ averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COU
 /* The step for differences. */
 #define COORDINATE_STEP 1e-4
 double coordinate_step(coordinate_id id);
+
+/* Between which z a coordinate is physical by itself; infinite where nothing bounds it. */
+void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, double *high);
 
 /* Pulls z back to what is physical: R, L, psi > 0, a knee well below the rated current, gains of 0.6 to 1.6, a flux that
  * rises with the recorded currents. */

@@ -1,8 +1,6 @@
 /* What a fit works on (fit_data.h). */
 #include "fit_data.h"
 
-#include "observer.h"
-
 #include <stdlib.h>
 
 static const double GAIN_START = 0.5;
@@ -35,8 +33,9 @@ bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, siz
         w->base = calloc(outputs, sizeof *w->base);
         w->moved = calloc(outputs, sizeof *w->moved);
         w->columns = calloc(outputs * COLUMN_COUNT, sizeof *w->columns);
+        w->way = calloc(d->longest + 1, sizeof *w->way);
         w->seen = calloc(d->longest + 1, sizeof *w->seen);
-        complete = complete && w->base && w->moved && w->columns && w->seen;
+        complete = complete && w->base && w->moved && w->columns && w->way && w->seen;
     }
     if (!complete) {
         fit_data_free(d);
@@ -54,6 +53,7 @@ void fit_data_free(fit_data *d)
         free(d->work[k].base);
         free(d->work[k].moved);
         free(d->work[k].columns);
+        free(d->work[k].way);
         free(d->work[k].seen);
     }
     *d = (fit_data){0};

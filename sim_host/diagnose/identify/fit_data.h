@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "hypotheses.h"
+#include "observer.h"
 
 #include <stdbool.h>
 
@@ -44,6 +45,7 @@ typedef struct fit_data {
         double *base, *moved; /* innovations */
         unsigned char *seen;  /* which of its rows have one */
         double *columns;      /* whitened derivatives: [column][3 rows] */
+        observer_step *way;   /* of the state's own drive */
     } work[PARALLEL_MOST];
 } fit_data;
 

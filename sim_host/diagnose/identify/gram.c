@@ -1,8 +1,6 @@
 /* Sums over blocks (gram.h). */
 #include "gram.h"
 
-#include "observer.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,6 +77,8 @@ typedef struct gram_task {
         *own[COLUMN_COUNT]; /* the nodes depend on R, L_d and L_q alone: only those bring their own */
     double step[COLUMN_COUNT];
     double more_gain[COLUMN_COUNT];
+    bool beside[COLUMN_COUNT]; /* moves the sensors or the gain alone, and goes beside the state's own way */
+    bool any_beside;
     gram *grams;
 } gram_task;
 
@@ -92,14 +92,22 @@ static void one_block(void *context, size_t b, size_t worker)
     const size_t outputs = OBSERVER_OUTPUTS * block->count;
     const size_t stride = OBSERVER_OUTPUTS * d->longest;
     gram *sum = &t->grams[b];
-    observer_block(d->rows, &t->drive, d->nodes, block, noise->gain, 0.0, work->base, NULL);
+    if (t->any_beside) {
+        observer_way(d->rows, &t->drive, d->nodes, block, noise->gain, work->base, work->way);
+    } else {
+        observer_block(d->rows, &t->drive, d->nodes, block, noise->gain, 0.0, work->base, NULL);
+    }
     gram_whiten(noise, block->count, work->base, work->base);
     sum->group = block->group;
     sum->c = dot(work->base, work->base, outputs);
     for (size_t c = 0; c < t->columns; c++) {
         double *column_c = work->columns + c * stride;
-        observer_block(d->rows, &t->moved[c], t->own[c], block, noise->gain + t->more_gain[c], 0.0,
-                       work->moved, NULL);
+        const double gain = noise->gain + t->more_gain[c];
+        if (t->beside[c]) {
+            observer_beside(d->rows, &t->moved[c], block, gain, work->way, work->moved);
+        } else {
+            observer_block(d->rows, &t->moved[c], t->own[c], block, gain, 0.0, work->moved, NULL);
+        }
         gram_whiten(noise, block->count, work->moved, column_c);
         for (size_t j = 0; j < outputs; j++) {
             column_c[j] = (column_c[j] - work->base[j]) / t->step[c];
@@ -111,11 +119,27 @@ static void one_block(void *context, size_t b, size_t worker)
     }
 }
 
+/* Which columns go beside the state's own way: what it costs to find that, two more ways, must be less than what it saves. */
+static void find_beside(gram_task *t, const int *column)
+{
+    size_t count = 0;
+    for (size_t c = 0; c < t->columns; c++) {
+        t->beside[c] =
+            column[c] == COLUMN_GAIN || (column[c] < P_COUNT && coordinate_table[column[c]].senses);
+        count += t->beside[c] ? 1 : 0;
+    }
+    t->any_beside = count > 2;
+    for (size_t c = 0; c < t->columns; c++) {
+        t->beside[c] = t->beside[c] && t->any_beside;
+    }
+}
+
 gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
 {
     gram_task t = {.d = d, .s = s, .columns = n, .drive = fit_drive(d, s)};
     bool complete = true;
     rows_nodes_fill(d->rows, &t.drive, d->nodes);
+    find_beside(&t, column);
     for (size_t c = 0; c < n; c++) {
         double z[P_COUNT];
         memcpy(z, s->z, sizeof z);
