@@ -20,6 +20,13 @@ enum { SOLVE_ORDER_MOST = 64, SOLVE_GENERAL_MOST = 16 };
  */
 bool solve_positive(size_t order, size_t stride, const double *h, const double *b, double *x);
 
+/*
+ * Of the same system, written as the lowest point of x h x / 2 - b x: that within low <= x <= high, either infinite where nothing
+ * bounds it (solve_within.c). False as above, for what is not at an edge.
+ */
+bool solve_within(size_t order, size_t stride, const double *h, const double *b, const double *low,
+                  const double *high, double *x);
+
 /* The inverse of such a matrix, with the same stride. */
 bool solve_inverse(size_t order, size_t stride, const double *h, double *out);
 

@@ -71,6 +71,57 @@ static void test_positive_systems_of_every_order(void)
     }
 }
 
+/* Inside its edges, and what holds one at an edge is that it would go on: nothing else is a lowest point of a parabola. */
+static void lowest(size_t n, const double *h, const double *b, const double *low, const double *high,
+                   const double *x)
+{
+    for (size_t i = 0; i < n; i++) {
+        double up = b[i];
+        for (size_t j = 0; j < n; j++) {
+            up -= h[i * STRIDE + j] * x[j];
+        }
+        TEST_ASSERT_TRUE(x[i] >= low[i] && x[i] <= high[i]);
+        if (x[i] > low[i]) {
+            TEST_ASSERT_TRUE(up > -1e-8);
+        }
+        if (x[i] < high[i]) {
+            TEST_ASSERT_TRUE(up < 1e-8);
+        }
+    }
+}
+
+static void test_the_lowest_point_within_edges(void)
+{
+    static double h[SOLVE_ORDER_MOST * STRIDE];
+    size_t at_edges = 0;
+    for (unsigned k = 0; k < 2000; k++) {
+        const size_t n = 1 + k % 24;
+        unsigned seed = 777u + k;
+        double b[SOLVE_ORDER_MOST];
+        double low[SOLVE_ORDER_MOST];
+        double high[SOLVE_ORDER_MOST];
+        double x[SOLVE_ORDER_MOST];
+        double free_x[SOLVE_ORDER_MOST];
+        positive(n, k, h);
+        for (size_t i = 0; i < n; i++) {
+            b[i] = 10.0 * draw(&seed);
+            low[i] = draw(&seed) < -0.5 ? -INFINITY : 0.5 * (draw(&seed) - 1.0);
+            high[i] = draw(&seed) < -0.5 ? INFINITY : 0.5 * (draw(&seed) + 1.0);
+        }
+        TEST_ASSERT_TRUE(solve_within(n, STRIDE, h, b, low, high, x));
+        lowest(n, h, b, low, high, x);
+        for (size_t i = 0; i < n; i++) {
+            at_edges += x[i] == low[i] || x[i] == high[i] ? 1 : 0;
+            low[i] = -INFINITY;
+            high[i] = INFINITY;
+        }
+        TEST_ASSERT_TRUE(solve_within(n, STRIDE, h, b, low, high, x));
+        TEST_ASSERT_TRUE(solve_positive(n, STRIDE, h, b, free_x));
+        TEST_ASSERT_EQUAL_DOUBLE_ARRAY(free_x, x, n);
+    }
+    TEST_ASSERT_TRUE(at_edges > 5000);
+}
+
 static void test_what_is_not_positive_is_refused(void)
 {
     double x[2];
@@ -229,6 +280,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_positive_systems_of_every_order);
+    RUN_TEST(test_the_lowest_point_within_edges);
     RUN_TEST(test_what_is_not_positive_is_refused);
     RUN_TEST(test_general_systems);
     RUN_TEST(test_eigenvalues_of_a_known_polynomial);

@@ -155,20 +155,24 @@ static void bound_map(const coordinate_frame *f, double z[P_COUNT])
     }
 }
 
+void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, double *high)
+{
+    const coordinate *c = &coordinate_table[id];
+    *low = c->bound == BOUND_NONE ? -INFINITY : c->low;
+    *high = c->bound == BOUND_NONE ? INFINITY : c->high;
+    if (c->bound == BOUND_OF_RATED || c->bound == BOUND_OF_NOMINAL) {
+        const double of = c->bound == BOUND_OF_RATED ? f->i_rated_peak_A : value_of(&f->nominal, id);
+        *low = z_of(f, id, *low * of);
+        *high = isinf(*high) ? INFINITY : z_of(f, id, *high * of);
+    }
+}
+
 void coordinates_bound(const coordinate_frame *f, double z[P_COUNT])
 {
     for (coordinate_id id = 0; id < P_COUNT; id++) {
-        const coordinate *c = &coordinate_table[id];
-        double low = c->low;
-        double high = c->high;
-        if (c->bound == BOUND_NONE) {
-            continue;
-        }
-        if (c->bound != BOUND_OF_Z) {
-            const double of = c->bound == BOUND_OF_RATED ? f->i_rated_peak_A : value_of(&f->nominal, id);
-            low = z_of(f, id, low * of);
-            high = isinf(high) ? INFINITY : z_of(f, id, high * of);
-        }
+        double low;
+        double high;
+        coordinate_range(f, id, &low, &high);
         z[id] = fmin(fmax(z[id], low), high);
     }
     bound_map(f, z);

@@ -3,7 +3,6 @@
 
 #include "base/solve.h"
 #include "last_digits.h"
-#include "observer.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -175,10 +174,27 @@ static double gain_step(const gain_line *line, const descent *by)
     return line->held ? 0.0 : fmin(fmax(down / line->curve, -0.3), 0.3);
 }
 
+/* How far each column may go down and up; one that moves several coordinates goes where it will. */
+static void find_room(const fit_data *d, const fit_state *s, const descent *by, double *low, double *high)
+{
+    for (size_t i = 0; i < by->n; i++) {
+        low[i] = -INFINITY;
+        high[i] = INFINITY;
+        if (by->column[i] < P_COUNT) {
+            const coordinate_id id = (coordinate_id)by->column[i];
+            coordinate_range(d->frame, id, &low[i], &high[i]);
+            low[i] -= s->z[id];
+            high[i] -= s->z[id];
+        }
+    }
+}
+
 /* Finds the step; *expected is what it promises. False: there is none. */
 static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, descent *by, double *expected)
 {
     double rest[P_COUNT];
+    double low[COLUMN_COUNT];
+    double high[COLUMN_COUNT];
     gram *sum = &by->sum;
     sum_beside_gains(d, s, grams, by);
     last_digits_rest(s->set, s->z, rest);
@@ -190,17 +206,22 @@ static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, 
             sum->h[i][i] += by->prior[i];
         }
     }
-    if (by->n > 0 && !solve_positive(by->n, COLUMN_COUNT, &sum->h[0][0], sum->g, by->step)) {
+    /* Clipped afterwards, the others would make room for what is never gone. */
+    find_room(d, s, by, low, high);
+    if (!solve_within(by->n, COLUMN_COUNT, &sum->h[0][0], sum->g, low, high, by->step)) {
         return false;
     }
     *expected = 0.0;
     for (size_t i = 0; i < by->n; i++) {
-        *expected += by->step[i] * sum->g[i];
+        *expected += 2.0 * by->step[i] * sum->g[i];
+        for (size_t j = 0; j < by->n; j++) {
+            *expected -= by->step[i] * sum->h[i][j] * by->step[j];
+        }
     }
     for (size_t g = 0; g < d->rows->groups; g++) {
         *expected += by->gain[g].held ? 0.0 : by->gain[g].down * by->gain[g].down / by->gain[g].curve;
     }
-    return true;
+    return *expected > 0.0;
 }
 
 /* Goes a step, shortened until the objective falls. */
