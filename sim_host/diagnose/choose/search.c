@@ -167,7 +167,7 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
         return false;
     }
     while (*alone <= most && drop_small(trial, allowed, d->frame->of_least)) {
-        if (!fit_refine(d, trial, REFINE_STEPS)) {
+        if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
             return false;
         }
     }
@@ -209,17 +209,17 @@ static void tell_option(const diagnose_teller *teller, int round, const evidence
  * The objective that an option's own coordinates must reach beside the best so far. Whoever stays behind that by a quarter of
  * what it takes off the motor file's, and ten times what its last digits took, does not make up for it by its own.
  */
-static double most_of(const fit_state *start, const fit_state *best, double by_digits)
+static double most_of(double nominal, const fit_state *best, double by_digits)
 {
-    if (start->set != 0 || best->set == 0) {
+    if (best->set == 0) {
         return INFINITY;
     }
-    return best->objective + 0.25 * (start->objective - best->objective) + 10.0 * by_digits;
+    return best->objective + 0.25 * (nominal - best->objective) + 10.0 * by_digits;
 }
 
 /* One round: the promising options fitted, *s the best. */
-static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, fitted_sets *fitted,
-                        const diagnose_teller *teller)
+static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, double nominal,
+                        fitted_sets *fitted, const diagnose_teller *teller)
 {
     const fit_state start = *s;
     evidence_option own;
@@ -248,14 +248,14 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
         const fitted_set *before = round > 0 ? fitted_sets_find(fitted, option->set, e->allowed) : NULL;
         fit_state trial = before ? before->state : start;
         double worth = before ? before->worth : 0.0;
-        const double most = most_of(&start, s, by_digits);
+        const double most = most_of(nominal, s, by_digits);
         double alone = trial.objective;
         if (!before) {
             tell_option(teller, round, option);
             if (!fit_option(d, option, e->allowed, most, &trial, &alone, &worth)) {
                 return false;
             }
-            if (round > 0) {
+            if (round > 0 && alone <= most) {
                 fitted_sets_keep(fitted, option->set, &trial, worth);
             }
         }
@@ -309,7 +309,8 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         enumerate(e, 0, 0, FULL_SIZE);
         grow(e);
         hypothesis_set before = s->set;
-        ok = try_options(d, s, e, round, fitted, teller) && map_choose(d, s, allowed, REFINE_STEPS);
+        ok = try_options(d, s, e, round, nominal_objective, fitted, teller) &&
+             map_choose(d, s, allowed, REFINE_STEPS);
         if (s->set == before && !turned) {
             break;
         }
