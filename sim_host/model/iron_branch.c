@@ -12,24 +12,22 @@ static const double ALL_FADED =
 
 /*
  * What a dead time takes of a leg at its rise and at its fall, as a cycle's mean voltages: all at the rise if the current flows
- * out, all at the fall (which then is later) if it flows in. By the mean of the current at its start and where that turns to.
+ * out, all at the fall (which then is later) if it flows in. By the mean of the current at its start and where that turns to. A
+ * compensation has moved both edges, by the same sign.
  */
 static void lost_at_edges(const averaged_drive *d, const cycle_row *at, vec_ab i, double rise_V[3],
                           double fall_V[3])
 {
+    const bool over = d->edge == EDGE_OVER;
+    const double v_late_V = over ? -d->dead_share * d->v_dead_V : d->v_dead_V;
+    const double moved_V = over ? 0.5 * (v_late_V - d->v_dead_V) : 0.0;
     const vec_rotor turn = {0.5 * (1.0 + at->cos_turn), 0.5 * at->sin_turn};
     const vec_ab mid = {turn.cos * i.alpha - turn.sin * i.beta, turn.cos * i.beta + turn.sin * i.alpha};
     for (int x = 0; x < 3; x++) {
         const double s = averaged_drive_edge(d->edge, vec_phase(mid, x) / d->i_knee_A);
-        rise_V[x] = 0.5 * d->v_dead_V * (1.0 + s) * (1.0 - at->no_rise[x]);
-        fall_V[x] = 0.5 * d->v_dead_V * (s - 1.0) * (1.0 - at->no_fall[x]);
+        rise_V[x] = 0.5 * v_late_V * (1.0 + s) * (1.0 - at->no_rise[x]) - moved_V * s;
+        fall_V[x] = 0.5 * v_late_V * (s - 1.0) * (1.0 - at->no_fall[x]) - moved_V * s;
     }
-}
-
-/* Whether the dead time's law is one that the iron can be told of: an over-compensated one has its own edges. */
-static bool edges_lose(const averaged_drive *d)
-{
-    return d->v_dead_V != 0.0 && d->edge != EDGE_OVER;
 }
 
 /* What is left at a cycle's end of a short pulse at each leg's rise, and of one at its fall: it is on from rise T to (1 - rise) T. */
@@ -54,7 +52,7 @@ static vec_ab pulses(const averaged_drive *d, const iron_memory *m, const edges_
     double leg[3];
     double rise_V[3] = {0.0};
     double fall_V[3] = {0.0};
-    if (edges_lose(d)) {
+    if (d->v_dead_V != 0.0) {
         lost_at_edges(d, at, i, rise_V, fall_V);
     }
     for (size_t x = 0; x < 3; x++) {
@@ -68,7 +66,7 @@ static vec_ab pulses(const averaged_drive *d, const iron_memory *m, const edges_
 static vec_ab mean_voltage(const averaged_drive *d, const cycle_row *command, const cycle_row *at, vec_ab i)
 {
     vec_ab u = {d->k_u * command->u_V[0].alpha, d->k_u * command->u_V[0].beta};
-    if (edges_lose(d)) {
+    if (d->v_dead_V != 0.0) {
         double rise_V[3];
         double fall_V[3];
         lost_at_edges(d, at, i, rise_V, fall_V);
