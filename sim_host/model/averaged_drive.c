@@ -63,26 +63,51 @@ static double swing_slope(const averaged_drive *d, size_t n, vec_rotor at)
     return d->harmonic_sin_rad[n] * at.cos - d->harmonic_cos_rad[n] * at.sin;
 }
 
+static vec_rotor turned_back(vec_rotor r, double angle_rad)
+{
+    return further(r, (vec_rotor){cos(angle_rad), -sin(angle_rad)});
+}
+
+static bool swings(const averaged_drive *d, size_t n)
+{
+    return d->harmonic_cos_rad[n] != 0.0 || d->harmonic_sin_rad[n] != 0.0;
+}
+
 /*
- * How far the recorded angle lies ahead of the true one. An error that repeats with the electrical turn moves the very
- * angle that it depends on: two steps of Newton's leave the seventh power of order times amplitude.
+ * How far the recorded angle lies ahead of the true one. An error that repeats with the turn moves the very angle that it depends
+ * on, the electrical one and the mechanical one of the same sensor: two steps of Newton's leave the seventh power of order times
+ * amplitude.
  */
 static double angle_error(const averaged_drive *d, const cycle_row *row)
 {
     const vec_rotor mech = {row->cos_mech, row->sin_mech};
     const vec_rotor recorded = {row->cos_theta, row->sin_theta};
-    const double slow = d->theta_0_rad + d->t_delay_s * row->omega_rad_s + swing(d, 0, mech) +
-                        swing(d, 1, further(mech, mech));
-    if (d->harmonic_cos_rad[2] == 0.0 && d->harmonic_sin_rad[2] == 0.0 && d->harmonic_cos_rad[3] == 0.0 &&
-        d->harmonic_sin_rad[3] == 0.0) {
-        return slow;
+    const bool by_turn = swings(d, 0) || swings(d, 1);
+    const bool by_electrical = swings(d, 2) || swings(d, 3);
+    const double still = d->theta_0_rad + d->t_delay_s * row->omega_rad_s;
+    double ahead = still;
+    if (by_turn) {
+        ahead += swing(d, 0, mech) + swing(d, 1, further(mech, mech));
     }
-    double ahead = slow;
+    if (!by_electrical && (!by_turn || row->mech_moves == 0.0)) {
+        return ahead;
+    }
     for (int again = 0; again < 2; again++) {
-        const vec_rotor r = further(recorded, (vec_rotor){cos(ahead), -sin(ahead)});
-        const vec_rotor two = further(r, r);
-        const double steeper = swing_slope(d, 2, r) + 2.0 * swing_slope(d, 3, two);
-        ahead += (slow + swing(d, 2, r) + swing(d, 3, two) - ahead) / (1.0 + steeper);
+        double is = still;
+        double steeper = 0.0;
+        if (by_turn) {
+            const vec_rotor r = turned_back(mech, row->mech_moves * ahead);
+            const vec_rotor two = further(r, r);
+            is += swing(d, 0, r) + swing(d, 1, two);
+            steeper += row->mech_moves * (swing_slope(d, 0, r) + 2.0 * swing_slope(d, 1, two));
+        }
+        if (by_electrical) {
+            const vec_rotor r = turned_back(recorded, ahead);
+            const vec_rotor two = further(r, r);
+            is += swing(d, 2, r) + swing(d, 3, two);
+            steeper += swing_slope(d, 2, r) + 2.0 * swing_slope(d, 3, two);
+        }
+        ahead += (is - ahead) / (1.0 + steeper);
     }
     return ahead;
 }
@@ -279,7 +304,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     vec_rotor r = {row->cos_theta, row->sin_theta};
     double ahead = angle_error(d, row);
     if (ahead != 0.0) {
-        r = further(r, (vec_rotor){cos(ahead), -sin(ahead)});
+        r = turned_back(r, ahead);
     }
     vec_rotor end = further(r, (vec_rotor){row->cos_turn, row->sin_turn});
 

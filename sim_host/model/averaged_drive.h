@@ -68,6 +68,8 @@ typedef struct cycle_row {
     double cos_turn, sin_turn; /* of omega T */
     double omega_rad_s;
     double cos_mech, sin_mech;
+    /* How far an error of the recorded angle moves this one with it: 1 / pole pairs where both are one sensor's, else 0. */
+    double mech_moves;
     double rise[3]; /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
     double no_rise[3],
         no_fall[3]; /* edges less than a pulse's one: 1 of a leg that is held at a rail; the edge to or from

@@ -26,6 +26,10 @@ enum {
 /* How much worse than the present set a set may look under linearisation and still be tried. */
 static const double SLACK = 30.0;
 
+/* What another round of the same set, with stretches turned, must have brought to be followed by one more: where the turns of two
+ * orders do alike they go back and forth. */
+static const double TURN_BRINGS = 10.0;
+
 static int by_score(const void *x, const void *y)
 {
     const evidence_option *a = x;
@@ -287,6 +291,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
     bool ok = e && view;
     /* A state that holds causes is a fit already: what looks worse from there is not tried. */
     for (int round = s->set ? 1 : 0; ok && round < SEARCH_ROUNDS; round++) {
+        const double entered = s->objective;
         bool turned = false;
         ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) && branch_choose(d, s) &&
              revolution_align(d, s, d->frame->pole_pairs, &turned);
@@ -311,7 +316,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         hypothesis_set before = s->set;
         ok = try_options(d, s, e, round, nominal_objective, fitted, teller) &&
              map_choose(d, s, allowed, REFINE_STEPS);
-        if (s->set == before && !turned) {
+        if (s->set == before && !(turned && s->objective < entered - TURN_BRINGS)) {
             break;
         }
         ok = ok && (!hypothesis_in(s->set, H_DEAD_TIME) || edge_revise(d, s, REFINE_STEPS, &edges));

@@ -28,9 +28,27 @@ static bool angle_is_wrapped(const recording *rec)
     return true;
 }
 
+/* Two sensors' angles that stay so near each other, rms, are one sensor's: an error that is named is half as much again. */
+static const double ONE_SENSOR_RAD = 2e-3;
+
+/* Whether the mechanical angle has the errors of the electrical one: always where it is counted from that. */
+static bool one_sensor(const recording *rec, int pole_pairs)
+{
+    double along = 0.0;
+    double across = 0.0;
+    for (size_t k = 0; rec->theta_mech_rad && k < rec->rows; k++) {
+        const double apart = pole_pairs * rec->theta_mech_rad[k] - rec->theta_e_rad[k];
+        along += cos(apart) / (double)rec->rows;
+        across += sin(apart) / (double)rec->rows;
+    }
+    /* Of small angles about their mean: 1 less half their mean square is left. */
+    return !rec->theta_mech_rad || 1.0 - hypot(along, across) < 0.5 * ONE_SENSOR_RAD * ONE_SENSOR_RAD;
+}
+
 static void fill_angles(diagnose_rows *r, const motor *m)
 {
     const recording *rec = r->recording;
+    const double mech_moves = one_sensor(rec, m->pole_pairs) ? 1.0 / m->pole_pairs : 0.0;
     for (size_t n = 0; n < rec->stretches; n++) {
         const stretch *s = &rec->stretch[n];
         double turns = 0.0;
@@ -50,6 +68,7 @@ static void fill_angles(diagnose_rows *r, const motor *m)
             double mech = rec->theta_mech_rad ? rec->theta_mech_rad[k] : (theta + turns) / m->pole_pairs;
             row->cos_mech = cos(mech);
             row->sin_mech = sin(mech);
+            row->mech_moves = mech_moves;
             r->omega_max_rad_s = fmax(r->omega_max_rad_s, fabs(row->omega_rad_s));
         }
     }
