@@ -112,8 +112,8 @@ static double angle_error(const averaged_drive *d, const cycle_row *row)
     return ahead;
 }
 
-/* A share of 1/L in the stationary frame (aa, ab, bb): a mean, and a part that turns with twice the angle. */
-static void inverse_inductance(const averaged_drive *d, double share, vec_rotor r, double k[3])
+/* A mean, and a part that turns with twice the angle. */
+void averaged_drive_per_H(const averaged_drive *d, double share, vec_rotor r, double k[3])
 {
     const double per_d = 1.0 / d->L_d_H;
     const double per_q = 1.0 / d->L_q_H;
@@ -133,11 +133,7 @@ static void inverse_inductance(const averaged_drive *d, double share, vec_rotor 
 static void dead_time_losses(const averaged_drive *d, const cycle_row *row, found_currents *i, vec_rotor r,
                              double lost[3])
 {
-    inverse_inductance(d, d->edge_ripple, r, i->per_flux);
-    for (size_t x = 0; x < 3; x++) {
-        const vec_ab i_ripple = found_current(i, row->edge_ripple_Wb[x]);
-        i->apart[x] = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (i->last[x] - i->first[x]);
-    }
+    found_currents_apart(d, row, r, i);
     if (d->edge == EDGE_OVER) {
         found_edges_lost(d, row, i, lost);
         return;
@@ -225,7 +221,7 @@ static vec_ab phase_flux(const averaged_drive *d, vec_ab i)
 static vec_ab phase_share(const averaged_drive *d, vec_ab free, double half, vec_rotor r)
 {
     double k[3];
-    inverse_inductance(d, half, r, k);
+    averaged_drive_per_H(d, half, r, k);
     const vec_ab one = phase_flux(d, (vec_ab){1.0, 0.0});
     const vec_ab two = phase_flux(d, (vec_ab){0.0, 1.0});
     const double a11 = 1.0 + k[0] * one.alpha + k[1] * one.beta;
@@ -276,7 +272,7 @@ static vec_ab voltage_of(const averaged_drive *d, const cycle_row *row, vec_roto
         const double behind[3] = {0.5 * a, 0.5 * (a + b - 1.0), 0.5 * (b - 1.0)}; /* the middle, in cycles */
         vec_ab moment = {0.0, 0.0};
         double k[3];
-        inverse_inductance(d, d->R_ohm * T_s, end, k);
+        averaged_drive_per_H(d, d->R_ohm * T_s, end, k);
         for (size_t n = 0; n < 3; n++) {
             moment.alpha += behind[n] * share[n] * row->u_V[n].alpha;
             moment.beta += behind[n] * share[n] * row->u_V[n].beta;

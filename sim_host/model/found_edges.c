@@ -1,6 +1,15 @@
 /* A cycle's edges one after the other (found_edges.h). */
 #include "found_edges.h"
 
+void found_currents_apart(const averaged_drive *d, const cycle_row *row, vec_rotor r, found_currents *i)
+{
+    averaged_drive_per_H(d, d->edge_ripple, r, i->per_flux);
+    for (size_t x = 0; x < 3; x++) {
+        const vec_ab i_ripple = found_current(i, row->edge_ripple_Wb[x]);
+        i->apart[x] = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (i->last[x] - i->first[x]);
+    }
+}
+
 /* One volt on leg x alone. */
 static vec_ab volt_on(size_t x)
 {

@@ -26,6 +26,9 @@ static inline vec_ab found_current(const found_currents *i, vec_ab flux)
     return (vec_ab){k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
 }
 
+/* Finds per_flux and apart of first and last, the rotor at r: by as much of the ripple as edge_ripple says. */
+void found_currents_apart(const averaged_drive *d, const cycle_row *row, vec_rotor r, found_currents *i);
+
 /* The mean voltage that each leg loses over the cycle under EDGE_OVER: v_dead against a current that is far from nought. */
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3]);
 

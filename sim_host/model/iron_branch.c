@@ -1,6 +1,8 @@
 /* The current in the iron at the sampling instants (iron_branch.h). */
 #include "iron_branch.h"
 
+#include "found_edges.h"
+
 #include <math.h>
 
 /* A beginning sums up so many cycles at most, and none of which less is left. */
@@ -12,8 +14,8 @@ static const double ALL_FADED =
 
 /*
  * What a dead time takes of a leg at its rise and at its fall, as a cycle's mean voltages: all at the rise if the current flows
- * out, all at the fall (which then is later) if it flows in. By the mean of the current at its start and where that turns to. A
- * compensation has moved both edges, by the same sign.
+ * out, all at the fall (which then is later) if it flows in. By the current that each edge finds, between that at the start and
+ * where it turns to. A compensation has moved both edges, by the sign at the start.
  */
 static void lost_at_edges(const averaged_drive *d, const cycle_row *at, vec_ab i, double rise_V[3],
                           double fall_V[3])
@@ -21,12 +23,20 @@ static void lost_at_edges(const averaged_drive *d, const cycle_row *at, vec_ab i
     const bool over = d->edge == EDGE_OVER;
     const double v_late_V = over ? -d->dead_share * d->v_dead_V : d->v_dead_V;
     const double moved_V = over ? 0.5 * (v_late_V - d->v_dead_V) : 0.0;
-    const vec_rotor turn = {0.5 * (1.0 + at->cos_turn), 0.5 * at->sin_turn};
-    const vec_ab mid = {turn.cos * i.alpha - turn.sin * i.beta, turn.cos * i.beta + turn.sin * i.alpha};
-    for (int x = 0; x < 3; x++) {
-        const double s = averaged_drive_edge(d->edge, vec_phase(mid, x) / d->i_knee_A);
-        rise_V[x] = 0.5 * v_late_V * (1.0 + s) * (1.0 - at->no_rise[x]) - moved_V * s;
-        fall_V[x] = 0.5 * v_late_V * (s - 1.0) * (1.0 - at->no_fall[x]) - moved_V * s;
+    const double per_knee = 1.0 / d->i_knee_A;
+    found_currents edges = {.T_s = at->T_s};
+    vec_to_phases(i, edges.first);
+    vec_to_phases((vec_ab){at->cos_turn * i.alpha - at->sin_turn * i.beta,
+                           at->cos_turn * i.beta + at->sin_turn * i.alpha},
+                  edges.last);
+    found_currents_apart(d, at, (vec_rotor){at->cos_theta, at->sin_theta}, &edges);
+    for (size_t x = 0; x < 3; x++) {
+        const double mid = 0.5 * (edges.first[x] + edges.last[x]);
+        const double at_rise = averaged_drive_edge(d->edge, (mid + edges.apart[x]) * per_knee);
+        const double at_fall = averaged_drive_edge(d->edge, (mid - edges.apart[x]) * per_knee);
+        const double moved = moved_V * averaged_drive_edge(d->edge, edges.first[x] * per_knee);
+        rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - at->no_rise[x]) - moved;
+        fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - at->no_fall[x]) - moved;
     }
 }
 
