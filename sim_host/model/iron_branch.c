@@ -122,7 +122,7 @@ static void go_on(const averaged_drive *d, iron_memory *m, const edges_left *lef
 /* The memory at the row's start: where it stands elsewhere, summed up over the cycles before. */
 static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
 {
-    if (m->row == row && row->history > 0) {
+    if (m->row && m->row == row && row->history > 0) {
         return;
     }
     *m = (iron_memory){.per_tau = fmin(row->T_s / d->fe_tau_s, ALL_FADED),

@@ -89,7 +89,8 @@ static void all_apart_by_less_than(const double z[P_COUNT], double most)
 /* By running: 1e-4. */
 static void what_the_sensors_change_beside_a_way_is_what_it_changes(void)
 {
-    const double z[P_COUNT] = {[P_SATURATION] = 0.1, [P_THETA_0] = 0.05, [P_GAIN_A] = 0.02, [P_SENSOR_LAG] = 0.03};
+    const double z[P_COUNT] = {
+        [P_SATURATION] = 0.1, [P_THETA_0] = 0.05, [P_GAIN_A] = 0.02, [P_SENSOR_LAG] = 0.03};
     all_apart_by_less_than(z, 5e-4);
 }
 
