@@ -307,7 +307,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     vec_ab u = voltage_of(d, row, end, m.push[0][0]);
     const vec_dq total_dq = vec_to_dq(i_true, r); /* what flows through the winding's resistance */
     vec_dq mean_dq = total_dq; /* with the iron's mean over the cycle in it, not what it starts with */
-    iron_branch branch = {.now = NULL};
+    iron_branch branch = {.row = NULL};
     if (d->fe_S != 0.0) {
         branch = iron_branch_of(d, row, i_true, memory);
         const vec_ab taken = iron_branch_begin(d, &branch);

@@ -25,13 +25,12 @@ static void add(vec_ab *to, vec_ab more, double times)
 /* The legs in the order in which they rise; they fall in the opposite one. */
 static void order_of(const double rise[3], size_t order[3])
 {
-    for (size_t x = 0; x < 3; x++) {
-        size_t place = 0;
-        for (size_t y = 0; y < 3; y++) {
-            place += rise[y] < rise[x] || (y < x && rise[y] == rise[x]) ? 1 : 0;
-        }
-        order[place] = x;
-    }
+    const size_t one = rise[1] < rise[0] ? 1 : 0; /* ahead of the first */
+    const size_t two = rise[2] < rise[0] ? 1 : 0;
+    const size_t last = rise[2] < rise[1] ? 1 : 0; /* the last ahead of the second */
+    order[one + two] = 0;
+    order[1 - one + last] = 1;
+    order[2 - two - last] = 2;
 }
 
 typedef struct edges {

@@ -55,37 +55,34 @@ static edges_left edges_of(const iron_memory *m, const cycle_row *command)
     return left;
 }
 
-/* What a cycle's pulses leave at its end, times R_fe. */
-static vec_ab pulses(const averaged_drive *d, const iron_memory *m, const edges_left *left,
-                     const cycle_row *command, const cycle_row *at, vec_ab i)
-{
-    double leg[3];
-    double rise_V[3] = {0.0};
-    double fall_V[3] = {0.0};
-    if (d->v_dead_V != 0.0) {
-        lost_at_edges(d, at, i, rise_V, fall_V);
-    }
-    for (size_t x = 0; x < 3; x++) {
-        leg[x] = d->k_u * command->u_dc_V * (left->fall[x] - left->rise[x]) -
-                 m->per_tau * (rise_V[x] * left->rise[x] + fall_V[x] * left->fall[x]);
-    }
-    return vec_from_phases(leg);
-}
+/* What a cycle's pulses leave at its end, times R_fe, and what its dead times take of its mean voltage. */
+typedef struct cycle_pulses {
+    vec_ab left, lost_V;
+} cycle_pulses;
 
-/* The mean voltage of a cycle, without the drop over the phases. */
-static vec_ab mean_voltage(const averaged_drive *d, const cycle_row *command, const cycle_row *at, vec_ab i)
+/* Of the cycle `at` with the pulses of `command`. */
+static cycle_pulses pulses_of(const averaged_drive *d, const iron_memory *m, const cycle_row *command,
+                              const cycle_row *at, vec_ab i)
 {
-    vec_ab u = {d->k_u * command->u_V[0].alpha, d->k_u * command->u_V[0].beta};
+    const edges_left left = edges_of(m, command);
+    double leg[3];
+    cycle_pulses p = {.lost_V = {0.0, 0.0}};
+    for (size_t x = 0; x < 3; x++) {
+        leg[x] = d->k_u * command->u_dc_V * (left.fall[x] - left.rise[x]);
+    }
     if (d->v_dead_V != 0.0) {
         double rise_V[3];
         double fall_V[3];
+        double lost_V[3];
         lost_at_edges(d, at, i, rise_V, fall_V);
-        const vec_ab lost =
-            vec_from_phases((double[]){rise_V[0] + fall_V[0], rise_V[1] + fall_V[1], rise_V[2] + fall_V[2]});
-        u.alpha -= lost.alpha;
-        u.beta -= lost.beta;
+        for (size_t x = 0; x < 3; x++) {
+            leg[x] -= m->per_tau * (rise_V[x] * left.rise[x] + fall_V[x] * left.fall[x]);
+            lost_V[x] = rise_V[x] + fall_V[x];
+        }
+        p.lost_V = vec_from_phases(lost_V);
     }
-    return u;
+    p.left = vec_from_phases(leg);
+    return p;
 }
 
 static void take(vec_ab *from, double share, vec_ab drop)
@@ -102,21 +99,22 @@ static const cycle_row *acting(const averaged_drive *d, const cycle_row *row)
 }
 
 /*
- * Goes on over the row's cycle. Its current is the recorded one, less what the sensors do: an offset that went in here would hide
- * a part of itself.
+ * Goes on over the row's cycle. Its current, by which its edges lose as well, is the recorded one, less what the sensors do: an
+ * offset that went in here would hide a part of itself.
  */
-static void go_on(const averaged_drive *d, iron_memory *m, const edges_left *left, const cycle_row *command,
-                  const cycle_row *row)
+static cycle_pulses go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command,
+                          const cycle_row *row)
 {
     if (!m->steady) {
         m->sensors = averaged_drive_sensors(d, row->two_sensors, row->elapsed_s);
     }
     const vec_ab i = sensor_map_unmeasure(&m->sensors, row->i_A);
-    const vec_ab own = pulses(d, m, left, command, row, i);
-    m->left.alpha = m->fade * m->left.alpha + own.alpha;
-    m->left.beta = m->fade * m->left.beta + own.beta;
+    const cycle_pulses own = pulses_of(d, m, command, row, i);
+    m->left.alpha = m->fade * m->left.alpha + own.left.alpha;
+    m->left.beta = m->fade * m->left.beta + own.left.beta;
     take(&m->left, m->of_start + m->of_end * m->fade, averaged_drive_drop(d, row, i));
     m->row = row + 1;
+    return own;
 }
 
 /* The memory at the row's start: where it stands elsewhere, summed up over the cycles before. */
@@ -138,9 +136,7 @@ static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
         left *= m->fade;
     }
     for (; n > 0; n--) {
-        const cycle_row *command = acting(d, row - n);
-        const edges_left left = edges_of(m, command);
-        go_on(d, m, &left, command, row - n);
+        go_on(d, m, acting(d, row - n), row - n);
     }
 }
 
@@ -149,15 +145,18 @@ iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab
     iron_memory none = {.row = NULL};
     iron_memory *m = memory ? memory : &none;
     const vec_ab drop = averaged_drive_drop(d, row, i);
+    const cycle_row *now = acting(d, row);
     reach(d, m, row);
-    iron_branch b = {
-        .row = row, .now = acting(d, row), .per_tau = m->per_tau, .of_end = m->of_end, .first = m->left};
-    const edges_left left = edges_of(m, b.now);
-    take(&b.first, m->of_end, drop);
-    b.last = pulses(d, m, &left, b.now, row, i);
-    take(&b.last, -m->fade, b.first);
-    take(&b.last, m->of_start, drop);
-    go_on(d, m, &left, b.now, row);
+    iron_branch b = {.row = row, .per_tau = m->per_tau, .of_end = m->of_end, .first = m->left};
+    const double fade = m->fade;
+    const double of_start = m->of_start;
+    const cycle_pulses own = go_on(d, m, now, row);
+    take(&b.first, b.of_end, drop);
+    b.last = own.left;
+    take(&b.last, -fade, b.first);
+    take(&b.last, of_start, drop);
+    b.mean_V =
+        (vec_ab){d->k_u * now->u_V[0].alpha - own.lost_V.alpha, d->k_u * now->u_V[0].beta - own.lost_V.beta};
     return b;
 }
 
@@ -170,7 +169,7 @@ vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b)
 vec_ab iron_branch_mean(const averaged_drive *d, const iron_branch *b, vec_ab i_start, vec_ab i_end)
 {
     const vec_ab end_drop = averaged_drive_drop(d, b->row, i_end);
-    vec_ab mean = mean_voltage(d, b->now, b->row, i_start);
+    vec_ab mean = b->mean_V;
     vec_ab last = b->last;
     take(&mean, 0.5, averaged_drive_drop(d, b->row, i_start));
     take(&mean, 0.5, end_drop);

@@ -27,9 +27,10 @@ struct iron_memory {
 
 /* What a row's cycle finds: the same at its start, over it and at its end, and the dear part of these. */
 typedef struct iron_branch {
-    const cycle_row *row, *now; /* the cycle, and the one whose command acts in it */
-    double per_tau, of_end;     /* as in iron_memory */
-    vec_ab first, last; /* i_fe R_fe at either end, but for the drop that the end's own current causes */
+    const cycle_row *row;
+    double per_tau, of_end; /* as in iron_memory */
+    vec_ab first, last;     /* i_fe R_fe at either end, but for the drop that the end's own current causes */
+    vec_ab mean_V;          /* over the cycle, ahead of the phases' drop */
 } iron_branch;
 
 /* Beside the phase current i at the row's start, which it is a part of. The memory is left at the row after. */

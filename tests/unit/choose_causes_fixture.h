@@ -73,7 +73,8 @@ static void takes(coordinate_id id, double at, double off)
 /* ---- What stands in for a recording ---- */
 
 bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective,
-                        double least, fitted_sets *fitted, const diagnose_teller *teller);
+                        double least, fitted_sets *fitted, evidence_view *seen,
+                        const diagnose_teller *teller);
 bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations);
 bool __wrap_certainty_of(fit_data *d, const fit_state *s, certainty *c);
 bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen);
@@ -98,9 +99,11 @@ static void fit(fit_state *s)
 }
 
 bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective,
-                        double least, fitted_sets *fitted, const diagnose_teller *teller)
+                        double least, fitted_sets *fitted, evidence_view *seen,
+                        const diagnose_teller *teller)
 {
     (void)d;
+    (void)seen;
     (void)fitted;
     (void)teller;
     TEST_ASSERT_TRUE(calls < MOST_CALLS);

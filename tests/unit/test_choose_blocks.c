@@ -295,8 +295,38 @@ static void a_view_holds_the_blocks_sums_and_the_way_back(void)
     SAME(0.0, view->to_nominal[P_OFFSET_ZERO]);
     SAME(0.0, view->to_nominal[COLUMN_L]);
     SAME(0.0, view->explained);
+}
+
+/* For fewer hypotheses, of the same state, nothing is summed again. */
+static void a_view_that_stands_is_not_made_again(void)
+{
+    fit_data d = blocks_of(4, 2);
+    const hypothesis_set both = BIT(H_RESISTANCE) | BIT(H_INDUCTANCE);
+    curved[P_R][P_R] = 5.0;
+    view->stands = false;
+    TEST_ASSERT_TRUE(evidence_look(&d, &state, both, view));
+    view->explained = view->least = 7.0;
     no_memory = true;
-    TEST_ASSERT_FALSE(evidence_look(&d, &state, BIT(H_RESISTANCE), view));
+    TEST_ASSERT_TRUE(evidence_look(&d, &state, BIT(H_RESISTANCE), view));
+    SAME(20.0, view->sums.h[P_R][P_R]);
+    SAME(0.0, view->explained + view->least); /* what a search has set */
+    no_memory = false;
+    for (int change = 0; change < 6; change++) {
+        TEST_ASSERT_TRUE(evidence_look(&d, &state, both, view));
+        const fit_state before = state;
+        hypothesis_set allowed = both;
+        state.z[P_PSI] += change == 0 ? 1e-9 : 0.0;
+        state.noise[1].gain += change == 1 ? 1e-9 : 0.0;
+        state.edge = change == 2 ? (state.edge == EDGE_OVER ? EDGE_CLIPPED : EDGE_OVER) : state.edge;
+        state.set ^= change == 3 ? BIT(H_INDUCTANCE) : 0;
+        allowed |= change == 4 ? BIT(H_DEAD_TIME) : 0;
+        view->stands = change != 5; /* rows have changed */
+        no_memory = true;
+        TEST_ASSERT_FALSE(evidence_look(&d, &state, allowed, view));
+        TEST_ASSERT_FALSE(view->stands);
+        no_memory = false;
+        state = before;
+    }
 }
 
 /* What a state's laws may err by, of its own columns alone. */
@@ -331,6 +361,7 @@ int main(void)
     RUN_TEST(what_cannot_be_told_apart_or_is_not_asked);
     RUN_TEST(a_view_looks_at_what_is_allowed_and_at_what_stands);
     RUN_TEST(a_view_holds_the_blocks_sums_and_the_way_back);
+    RUN_TEST(a_view_that_stands_is_not_made_again);
     RUN_TEST(a_states_worth_is_that_of_its_points);
     return UNITY_END();
 }

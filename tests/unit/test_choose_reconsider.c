@@ -88,6 +88,23 @@ static void what_was_dropped_is_left_out_where_something_is_left(void)
     TEST_ASSERT_TRUE(allowed_at[0] == (w.possible & ~BIT(H_DEAD_TIME)));
 }
 
+/* The last of the first searches began with nothing, and without what was dropped. */
+static void where_nothing_stood_nothing_is_searched_for(void)
+{
+    prepare();
+    floor_A = 1.0;
+    takes(P_PSI, 0.05, 500.0);
+    error_of_file = 200.0;
+    kept_of(0);
+    w.allowed &= ~BIT(H_DEAD_TIME);
+    TEST_ASSERT_TRUE(session_leaves_something(&w));
+    calls = 0;
+    proposed[0] = BIT(H_FLUX);
+    TEST_ASSERT_TRUE(reconsider(&w, &nobody));
+    TEST_ASSERT_EQUAL_size_t(0, calls);
+    TEST_ASSERT_TRUE(w.state.set == 0);
+}
+
 static void at_the_noise_nothing_is_searched_for(void)
 {
     prepare();
@@ -114,6 +131,7 @@ int main(void)
     RUN_TEST(what_has_no_name_is_left_out_once);
     RUN_TEST(what_is_found_then_is_weighed);
     RUN_TEST(what_was_dropped_is_left_out_where_something_is_left);
+    RUN_TEST(where_nothing_stood_nothing_is_searched_for);
     RUN_TEST(at_the_noise_nothing_is_searched_for);
     return UNITY_END();
 }

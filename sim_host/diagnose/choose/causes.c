@@ -258,7 +258,8 @@ bool causes_settle(session *w, const diagnose_teller *teller)
     bool ok = view != NULL;
     for (bool first = true; ok; first = false) {
         const hypothesis_set before = w->state.set;
-        ok = search_best(&w->fitted, &w->state, w->allowed, w->nominal.objective, least, &fitted, teller);
+        ok = search_best(&w->fitted, &w->state, w->allowed, w->nominal.objective, least, &fitted, view,
+                         teller);
         if (ok && !first && w->state.set == before) {
             break;
         }

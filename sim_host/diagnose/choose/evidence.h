@@ -9,6 +9,9 @@
 
 /* All columns' sums at a state, and what follows from them. */
 typedef struct evidence_view {
+    bool stands; /* of this state, for sets of these hypotheses; the caller takes that back where rows have changed */
+    fit_state of;
+    hypothesis_set allowed;
     const diagnose_rows *rows;
     edge_law edge;
     double of_least;  /* as in coordinate_frame */
@@ -29,7 +32,10 @@ typedef struct evidence_option {
     double z[P_COUNT];
 } evidence_option;
 
-/* For sets of the `allowed` hypotheses: what none of them moves is not looked at. False: out of memory. */
+/*
+ * For sets of the `allowed` hypotheses: what none of them moves is not looked at. A view that stands, of the same state and for
+ * these hypotheses at the least, is not made again. False: out of memory, and it stands no more.
+ */
 bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view);
 
 /*

@@ -9,6 +9,8 @@
 #include "diagnose/measure/floor.h"
 #include "diagnose/result.h"
 
+#include <stdlib.h>
+
 bool session_leaves_something(const session *w)
 {
     double noise = 0.0;
@@ -35,7 +37,9 @@ bool reconsider(session *w, const diagnose_teller *teller)
 {
     const hypothesis_set unnamed = unnamed_of(w->state.set);
     const hypothesis_set again = w->allowed & ~unnamed;
-    if (again == w->possible || again == 0 || (unnamed == 0 && !session_leaves_something(w))) {
+    /* Where nothing stood, the last search has begun without what was dropped already. */
+    if (w->state.set == 0 || again == w->possible || again == 0 ||
+        (unnamed == 0 && !session_leaves_something(w))) {
         return true;
     }
     if (teller->trace) {
@@ -45,10 +49,12 @@ bool reconsider(session *w, const diagnose_teller *teller)
     double first_score;
     double score;
     fitted_sets fitted = {0};
+    evidence_view *view = calloc(1, sizeof *view);
     w->state = w->nominal;
-    const bool ok = search_best(&w->fitted, &w->state, again, w->nominal.objective, 0.0, &fitted, teller) &&
-                    search_score(&w->fitted, &first, &first_score) &&
-                    search_score(&w->fitted, &w->state, &score);
+    const bool ok =
+        view && search_best(&w->fitted, &w->state, again, w->nominal.objective, 0.0, &fitted, view, teller) &&
+        search_score(&w->fitted, &first, &first_score) && search_score(&w->fitted, &w->state, &score);
+    free(view);
     fitted_sets_free(&fitted);
     if (!ok) {
         return false;

@@ -283,18 +283,18 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
 }
 
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
-                 fitted_sets *fitted, const diagnose_teller *teller)
+                 fitted_sets *fitted, evidence_view *view, const diagnose_teller *teller)
 {
     enumeration *e = calloc(1, sizeof *e);
-    evidence_view *view = calloc(1, sizeof *view);
     edge_contest edges = {.apart = 0.0};
-    bool ok = e && view;
+    bool ok = e != NULL;
     /* A state that holds causes is a fit already: what looks worse from there is not tried. */
     for (int round = s->set ? 1 : 0; ok && round < SEARCH_ROUNDS; round++) {
         const double entered = s->objective;
         bool turned = false;
         ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) && branch_choose(d, s) &&
              revolution_align(d, s, d->frame->pole_pairs, &turned);
+        view->stands = view->stands && !turned;
         if (ok && turned) {
             ok = fit_refine(d, s, REFINE_STEPS);
         }
@@ -322,6 +322,5 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         ok = ok && (!hypothesis_in(s->set, H_DEAD_TIME) || edge_revise(d, s, REFINE_STEPS, &edges));
     }
     free(e);
-    free(view);
     return ok;
 }
