@@ -4,33 +4,36 @@
 #include "gram.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Of a cycle: from what sees single pulses to what follows several cycles. */
 static const double cycles[] = {0.1, 0.35, 1.0, 3.5};
-enum { CYCLES = sizeof cycles / sizeof *cycles };
 static const double NOMINAL_CYCLES = 0.5;
 
 bool branch_choose(fit_data *d, fit_state *s)
 {
-    if (s->z[P_FE] != 0.0) {
-        return true;
-    }
-    fit_state trial[CYCLES];
-    double g[CYCLES];
-    double h[CYCLES];
-    for (size_t k = 0; k < CYCLES; k++) {
-        trial[k] = *s;
-        trial[k].z[P_TAU_FE] = log(cycles[k] / NOMINAL_CYCLES);
-    }
-    if (!gram_of_each(d, s, trial, CYCLES, P_FE, g, h)) {
-        return false;
-    }
     double best = 0.0;
-    for (size_t k = 0; k < CYCLES; k++) {
-        if (h[k] > 0.0 && g[k] < 0.0 && g[k] * g[k] / h[k] > best) {
-            best = g[k] * g[k] / h[k];
-            *s = trial[k];
+    fit_state chosen = *s;
+    for (size_t k = 0; k < sizeof cycles / sizeof *cycles && s->z[P_FE] == 0.0; k++) {
+        fit_state trial = *s;
+        const int column[] = {P_FE};
+        trial.z[P_TAU_FE] = log(cycles[k] / NOMINAL_CYCLES);
+        gram *grams = gram_blocks(d, &trial, column, 1);
+        if (!grams) {
+            return false;
+        }
+        double g = 0.0;
+        double h = 0.0;
+        for (size_t b = 0; b < d->blocks; b++) {
+            g += grams[b].g[0];
+            h += grams[b].h[0][0];
+        }
+        free(grams);
+        if (h > 0.0 && g < 0.0 && g * g / h > best) {
+            best = g * g / h;
+            chosen = trial;
         }
     }
+    *s = chosen;
     return true;
 }

@@ -5,10 +5,11 @@
 #include "gram.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Shares of the rated peak current: an ideal switch, a usual one, a slow one. */
 static const double knee_share[] = {0.005, 0.02, 0.06, 0.15};
-enum { KNEES = sizeof knee_share / sizeof *knee_share, TRIALS = KNEES * EDGE_LAWS };
+enum { KNEES = sizeof knee_share / sizeof *knee_share };
 static const double RIPPLE_START = 0.7;
 
 /* Each edge's own current sees all of the ripple, and no knee but the filter's error and the dead time's length. */
@@ -31,26 +32,32 @@ static bool law_allows(edge_law law, double v_dead)
 
 bool edge_choose(fit_data *d, fit_state *s)
 {
-    fit_state trial[TRIALS];
-    double g[TRIALS];
-    double h[TRIALS];
-    for (size_t k = 0; k < TRIALS; k++) {
-        trial[k] = *s;
-        trial[k].edge = (edge_law)(k / KNEES);
-        trial[k].z[P_RIPPLE] = trial[k].edge == EDGE_OVER ? FOUND_RIPPLE : RIPPLE_START;
-        trial[k].z[P_DEAD_SHARE] = DEAD_SHARE_START;
-        set_knee(d, &trial[k], knee_share[k % KNEES]);
-    }
-    if (!gram_of_each(d, s, trial, TRIALS, P_V_DEAD, g, h)) {
-        return false;
-    }
     double best = 0.0;
-    for (size_t k = 0; k < TRIALS; k++) {
-        if (h[k] > 0.0 && law_allows(trial[k].edge, -g[k] / h[k]) && g[k] * g[k] / h[k] > best) {
-            best = g[k] * g[k] / h[k];
-            *s = trial[k];
+    fit_state chosen = *s;
+    for (size_t k = 0; k < KNEES * EDGE_LAWS; k++) {
+        fit_state trial = *s;
+        const int column[] = {P_V_DEAD};
+        trial.edge = (edge_law)(k / KNEES);
+        trial.z[P_RIPPLE] = trial.edge == EDGE_OVER ? FOUND_RIPPLE : RIPPLE_START;
+        trial.z[P_DEAD_SHARE] = DEAD_SHARE_START;
+        set_knee(d, &trial, knee_share[k % KNEES]);
+        gram *grams = gram_blocks(d, &trial, column, 1);
+        if (!grams) {
+            return false;
+        }
+        double g = 0.0;
+        double h = 0.0;
+        for (size_t b = 0; b < d->blocks; b++) {
+            g += grams[b].g[0];
+            h += grams[b].h[0][0];
+        }
+        free(grams);
+        if (h > 0.0 && law_allows(trial.edge, -g / h) && g * g / h > best) {
+            best = g * g / h;
+            chosen = trial;
         }
     }
+    *s = chosen;
     return true;
 }
 

@@ -134,72 +134,39 @@ static void find_beside(gram_task *t, const int *column)
     }
 }
 
-/* A column of a state that predicts as the task's does. False: out of memory. */
-static bool set_column(gram_task *t, size_t c, const fit_state *of, int column)
-{
-    double z[P_COUNT];
-    memcpy(z, of->z, sizeof z);
-    t->step[c] = column_step(column);
-    if (column == COLUMN_GAIN) {
-        t->more_gain[c] = t->step[c];
-    } else {
-        column_move(column, t->step[c], z);
-    }
-    const averaged_drive *still = &t->drive;
-    const averaged_drive moved = coordinates_drive(t->d->frame, z, of->edge);
-    t->moved[c] = moved;
-    t->own[c] = t->d->nodes;
-    if (moved.R_ohm != still->R_ohm || moved.L_d_H != still->L_d_H || moved.L_q_H != still->L_q_H) {
-        t->own[c] = rows_nodes(t->d->rows, &moved);
-    }
-    return t->own[c] != NULL;
-}
-
-static gram *sum_blocks(gram_task *t, bool complete)
-{
-    fit_data *d = t->d;
-    rows_nodes_fill(d->rows, &t->drive, d->nodes);
-    t->grams = complete ? calloc(d->blocks + 1, sizeof *t->grams) : NULL;
-    if (t->grams) {
-        parallel_for(d->blocks, one_block, t);
-    }
-    for (size_t c = 0; c < t->columns; c++) {
-        if (t->own[c] != d->nodes) {
-            free(t->own[c]);
-        }
-    }
-    return t->grams;
-}
-
 gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
 {
     gram_task t = {.d = d, .s = s, .columns = n, .drive = fit_drive(d, s)};
     bool complete = true;
+    rows_nodes_fill(d->rows, &t.drive, d->nodes);
     find_beside(&t, column);
     for (size_t c = 0; c < n; c++) {
-        complete = set_column(&t, c, s, column[c]) && complete;
-    }
-    return sum_blocks(&t, complete);
-}
-
-bool gram_of_each(fit_data *d, const fit_state *s, const fit_state *like, size_t n, int column, double *g,
-                  double *h)
-{
-    gram_task t = {.d = d, .s = s, .columns = n, .drive = fit_drive(d, s)};
-    bool complete = true;
-    for (size_t c = 0; c < n; c++) {
-        complete = set_column(&t, c, &like[c], column) && complete;
-        g[c] = h[c] = 0.0;
-    }
-    gram *grams = sum_blocks(&t, complete);
-    for (size_t b = 0; grams && b < d->blocks; b++) {
-        for (size_t c = 0; c < n; c++) {
-            g[c] += grams[b].g[c];
-            h[c] += grams[b].h[c][c];
+        double z[P_COUNT];
+        memcpy(z, s->z, sizeof z);
+        t.step[c] = column_step(column[c]);
+        if (column[c] == COLUMN_GAIN) {
+            t.more_gain[c] = t.step[c];
+        } else {
+            column_move(column[c], t.step[c], z);
+        }
+        const averaged_drive moved = coordinates_drive(d->frame, z, s->edge);
+        t.moved[c] = moved;
+        t.own[c] = d->nodes;
+        if (moved.R_ohm != t.drive.R_ohm || moved.L_d_H != t.drive.L_d_H || moved.L_q_H != t.drive.L_q_H) {
+            t.own[c] = rows_nodes(d->rows, &moved);
+            complete = complete && t.own[c];
         }
     }
-    free(grams);
-    return grams != NULL;
+    t.grams = complete ? calloc(d->blocks + 1, sizeof *t.grams) : NULL;
+    if (t.grams) {
+        parallel_for(d->blocks, one_block, &t);
+    }
+    for (size_t c = 0; c < n; c++) {
+        if (t.own[c] != d->nodes) {
+            free(t.own[c]);
+        }
+    }
+    return t.grams;
 }
 
 void gram_add(gram *to, const gram *from, size_t n)
