@@ -65,6 +65,27 @@ static void what_is_found_later_is_weighed_too(void)
     TEST_ASSERT_EQUAL_INT(EDGE_CLIPPED, w.state.edge);
 }
 
+static void after_enough_no_search_begins_but_all_is_weighed(void)
+{
+    prepare();
+    takes(P_R, 0.05, 40.0);
+    takes(P_PSI, 0.05, 30.0);
+    takes(P_V_DEAD, 0.5, 300.0);
+    const hypothesis_set all = BIT(H_RESISTANCE) | BIT(H_FLUX) | BIT(H_DEAD_TIME);
+    search_takes = 1.0;
+    TEST_ASSERT_TRUE(kept_of(all) == BIT(H_DEAD_TIME));
+    TEST_ASSERT_TRUE(calls > 1);
+    search_takes = 1e9;
+    TEST_ASSERT_TRUE(kept_of(all) == BIT(H_DEAD_TIME));
+    TEST_ASSERT_EQUAL_size_t(1, calls);
+    TEST_ASSERT_EQUAL_size_t(3, fits);
+    TEST_ASSERT_TRUE(w.allowed == (w.possible & ~(BIT(H_RESISTANCE) | BIT(H_FLUX))));
+    /* Another beginning may take as much. */
+    search_takes = 1.0;
+    TEST_ASSERT_TRUE(kept_of(all) == BIT(H_DEAD_TIME));
+    TEST_ASSERT_TRUE(calls > 1);
+}
+
 /* A map of the q axis, all of whose columns show. */
 static void takes_a_map(double off)
 {
@@ -195,6 +216,7 @@ int main(void)
     RUN_TEST(what_stands_is_searched_from_once_more);
     RUN_TEST(the_least_of_the_unworthy_goes_first);
     RUN_TEST(what_is_found_later_is_weighed_too);
+    RUN_TEST(after_enough_no_search_begins_but_all_is_weighed);
     RUN_TEST(a_map_goes_with_all_its_forms);
     RUN_TEST(a_name_beside_a_map_takes_more);
     RUN_TEST(the_odds_of_a_name);

@@ -125,6 +125,41 @@ static void a_gain_is_a_column_as_any_other(void)
     fit_end(&f);
 }
 
+/* Rows times ways, with what a law takes beside. */
+static void what_a_fit_spends_is_counted(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    fit_it(&f, 0);
+    double rows = 0.0;
+    for (size_t b = 0; b < f.data.blocks; b++) {
+        rows += (double)f.rows.block[f.data.block[b]].count;
+    }
+    const int column[] = {P_R, P_PSI};
+    f.data.effort = 0.0;
+    free(gram_blocks(&f.data, &f.state, column, 2));
+    TEST_ASSERT_EQUAL_DOUBLE(3.0 * rows, f.data.effort);
+    fit_noise(&f.data, &f.state);
+    TEST_ASSERT_EQUAL_DOUBLE(4.0 * rows, f.data.effort);
+    TEST_ASSERT_FALSE(fit_has_spent(&f.data));
+    averaged_drive dear = f.frame.nominal;
+    dear.edge = EDGE_OVER;
+    dear.v_dead_V = -1.0;
+    dear.fe_S = 0.01;
+    dear.saturation = 1e-3;
+    f.data.effort = 0.0;
+    fit_spend(&f.data, &dear, 2);
+    TEST_ASSERT_EQUAL_DOUBLE(7.0 * rows, f.data.effort);
+    dear = f.frame.nominal;
+    dear.edge = EDGE_OVER; /* no dead time by it */
+    dear.w_dqq = 1e-6;
+    fit_spend(&f.data, &dear, 1);
+    TEST_ASSERT_EQUAL_DOUBLE(8.5 * rows, f.data.effort);
+    f.data.effort = 1e9;
+    TEST_ASSERT_TRUE(fit_has_spent(&f.data));
+    fit_end(&f);
+}
+
 /* From a file's values and gains of a half: no coordinate and no point's gain has a better place near by. */
 static void a_fit_ends_where_nothing_is_better(void)
 {
@@ -299,6 +334,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_gain_is_a_column_as_any_other);
+    RUN_TEST(what_a_fit_spends_is_counted);
     RUN_TEST(a_fit_ends_where_nothing_is_better);
     RUN_TEST(widths_are_of_the_steps_that_blocks_and_points_ask_for);
     RUN_TEST(what_cannot_be_told_apart_is_not_known);

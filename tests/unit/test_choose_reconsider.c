@@ -83,6 +83,10 @@ static void what_was_dropped_is_left_out_where_something_is_left(void)
     TEST_ASSERT_TRUE(found_after(BIT(H_RESISTANCE), BIT(H_FLUX)) == BIT(H_RESISTANCE));
     TEST_ASSERT_EQUAL_size_t(0, calls); /* nothing was dropped: the same would be found */
     w.allowed &= ~BIT(H_DEAD_TIME);
+    w.fitted.effort = 1e9;
+    TEST_ASSERT_TRUE(reconsider(&w, &nobody));
+    TEST_ASSERT_EQUAL_size_t(0, calls);
+    w.fitted.effort = 0.0;
     TEST_ASSERT_TRUE(reconsider(&w, &nobody));
     TEST_ASSERT_TRUE(w.state.set == BIT(H_FLUX));
     TEST_ASSERT_TRUE(allowed_at[0] == (w.possible & ~BIT(H_DEAD_TIME)));

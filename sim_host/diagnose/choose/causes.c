@@ -249,6 +249,14 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
     }
 }
 
+static void tell_spent(const diagnose_teller *teller)
+{
+    if (teller->trace) {
+        fprintf(teller->trace,
+                "  so much was tried that nothing is searched for in place of what was dropped\n");
+    }
+}
+
 bool causes_settle(session *w, const diagnose_teller *teller)
 {
     const hypothesis_set possible = w->allowed;
@@ -267,6 +275,10 @@ bool causes_settle(session *w, const diagnose_teller *teller)
         if (w->state.set == 0 && w->allowed == possible) {
             break; /* nothing found, nothing dropped */
         }
+        if (fit_has_spent(&w->fitted)) {
+            tell_spent(teller);
+            break;
+        }
     }
     /* The last search may have turned a stretch or moved the edge's law without changing the set. */
     ok = ok && certainty_of(&w->fitted, &w->state, &w->certainty);
@@ -279,6 +291,7 @@ static bool find(session *w, const hypothesis_set possible, const diagnose_telle
 {
     w->state = w->nominal;
     w->allowed = possible;
+    w->fitted.effort = 0.0;
     return causes_settle(w, teller);
 }
 

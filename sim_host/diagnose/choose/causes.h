@@ -12,7 +12,8 @@
 bool causes_find(session *w, const diagnose_teller *teller);
 
 /* From w->state on, among w->allowed: what is dropped may have kept something better out, so that search and prune take turns
- * until a search finds nothing new. What was dropped is no longer in w->allowed. False: out of memory. */
+ * until a search finds nothing new, or so much was tried that none begins any more (fit_has_spent). What was dropped is no longer
+ * in w->allowed. False: out of memory. */
 bool causes_settle(session *w, const diagnose_teller *teller);
 
 /* What was found is left as it is if it explains as much as it leaves (borne_out.h), or the file has a dead time of its own;

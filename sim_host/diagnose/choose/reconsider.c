@@ -38,7 +38,7 @@ bool reconsider(session *w, const diagnose_teller *teller)
     const hypothesis_set unnamed = unnamed_of(w->state.set);
     const hypothesis_set again = w->allowed & ~unnamed;
     /* Where nothing stood, the last search has begun without what was dropped already. */
-    if (w->state.set == 0 || again == w->possible || again == 0 ||
+    if (w->state.set == 0 || again == w->possible || again == 0 || fit_has_spent(&w->fitted) ||
         (unnamed == 0 && !session_leaves_something(w))) {
         return true;
     }

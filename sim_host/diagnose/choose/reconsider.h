@@ -16,7 +16,8 @@ bool session_leaves_something(const session *w);
 /*
  * Where what was found holds an effect without a name, or leaves more than the verdict allows: searches once more from the motor
  * file, without what was dropped and without that effect. The better of the two states stands, and what it names is weighed as
- * the first was. Where nothing was found, the first search has ended that way already. False: out of memory.
+ * the first was. Where nothing was found, the first search has ended that way already; after as much as fit_has_spent says
+ * none begins. False: out of memory.
  */
 bool reconsider(session *w, const diagnose_teller *teller);
 

@@ -289,7 +289,8 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
     edge_contest edges = {.apart = 0.0};
     bool ok = e != NULL;
     /* A state that holds causes is a fit already: what looks worse from there is not tried. */
-    for (int round = s->set ? 1 : 0; ok && round < SEARCH_ROUNDS; round++) {
+    for (int round = s->set ? 1 : 0; ok && round < SEARCH_ROUNDS && (round < 2 || !fit_has_spent(d));
+         round++) {
         const double entered = s->objective;
         bool turned = false;
         ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) && branch_choose(d, s) &&

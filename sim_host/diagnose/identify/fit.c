@@ -97,6 +97,7 @@ void fit_noise(fit_data *d, fit_state *s)
 {
     sums_task t = {.d = d, .s = s, .drive = fit_drive(d, s), .sums = d->sums};
     rows_nodes_fill(d->rows, &t.drive, d->nodes);
+    fit_spend(d, &t.drive, 1);
     memset(d->sums, 0, d->blocks * sizeof *d->sums);
     parallel_for(d->blocks, noise_of_block, &t);
     for (size_t g = 0; g < d->rows->groups; g++) {
@@ -268,8 +269,8 @@ static bool improve(fit_data *d, fit_state *s, moved_by what, double *expected)
 
 /*
  * Steps until one promises less than enough, or brings what it promised, as where the parabola holds nothing is left. That a step
- * brings little says less: one that was cut short, or went beside a bend, does with much left to find. Given up where what is left, if each step brings two thirds of the one before, does not come
- * down to the most allowed.
+ * brings little says less: one that was cut short, or went beside a bend, does with much left to find. Given up where what is
+ * left, if each step brings two thirds of the one before, does not come down to the most allowed.
  */
 static bool descend(fit_data *d, fit_state *s, int steps, moved_by what, const fit_aim *aim)
 {

@@ -38,6 +38,8 @@ typedef struct fit_data {
     size_t *block; /* indices of the blocks that are fitted */
     size_t blocks;
     size_t longest; /* rows of the longest block */
+    size_t rows_all;
+    double effort; /* spent since a search began: fit_spend */
     averaged_node *nodes;
     block_sums *sums; /* one a block */
     /* For one block, by each worker of base/parallel.h. */
@@ -55,6 +57,13 @@ void fit_data_free(fit_data *d);
 
 /* A start: the motor file's values, every gain one half. */
 fit_state fit_nominal(void);
+
+/* Ways of a drive through all blocks: in rows of a plain one, to which a dear law adds about its own time. */
+void fit_spend(fit_data *d, const averaged_drive *drive, size_t ways);
+
+/* So much that no search begins that may be left out, nor another round of one. What has begun is ended, and what is named is
+ * weighed, as ever. */
+bool fit_has_spent(const fit_data *d);
 
 static inline averaged_drive fit_drive(const fit_data *d, const fit_state *s)
 {

@@ -139,6 +139,7 @@ gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
     gram_task t = {.d = d, .s = s, .columns = n, .drive = fit_drive(d, s)};
     bool complete = true;
     rows_nodes_fill(d->rows, &t.drive, d->nodes);
+    fit_spend(d, &t.drive, n + 1);
     find_beside(&t, column);
     for (size_t c = 0; c < n; c++) {
         double z[P_COUNT];

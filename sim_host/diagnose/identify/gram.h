@@ -25,8 +25,8 @@ void gram_whiten(const group_noise *n, size_t rows, const double *innovation, do
  * shows. */
 size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, int column[COLUMN_COUNT]);
 
-/* Sums per fitted block at the state, over `n` columns, fewer than COLUMN_COUNT with COLUMN_GAIN (indices local to the list). NULL: out of memory. The
- * caller frees. */
+/* Sums per fitted block at the state, over `n` columns, fewer than COLUMN_COUNT with COLUMN_GAIN (indices local to the list).
+ * NULL: out of memory. The caller frees. */
 gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n);
 
 /* Adds g and h of the first n columns. */
