@@ -129,8 +129,9 @@ bool recording_make(recording *r, const char *path, size_t rows, size_t count, c
     if (recording_columns_grow(r, room, rows)) {
         fill(r, &in);
         if (recording_find_stretches(r)) {
-            if (r->omega_derived) {
-                speed_from_angle(r);
+            if (r->omega_derived && !speed_from_angle(r, path, e)) {
+                recording_free(r);
+                return false;
             }
             return true;
         }

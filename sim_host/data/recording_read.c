@@ -283,9 +283,7 @@ bool recording_read(const char *path, recording *r, error *e)
         trim(r);
         ok = recording_find_stretches(r) || out_of_memory(in);
         r->omega_derived = !in->have[COL_OMEGA];
-        if (ok && r->omega_derived) {
-            speed_from_angle(r);
-        }
+        ok = ok && (!r->omega_derived || speed_from_angle(r, path, e));
     }
     csv_file_free(&in->csv);
     free(in);

@@ -1,6 +1,7 @@
 #include "speed_from_angle.h"
 
 #include "../base/vector.h"
+#include "recording_columns.h"
 
 #include <math.h>
 
@@ -40,8 +41,9 @@ static double slope_at(const double *y, size_t n, double at)
     return line / line_norm + curvature;
 }
 
-void speed_from_angle(recording *r)
+bool speed_from_angle(recording *r, const char *path, error *e)
 {
+    const double most = recording_column_most(COL_OMEGA);
     for (size_t s = 0; s < r->stretches; s++) {
         const stretch *all = &r->stretch[s];
         const size_t n = all->count < ROWS_AROUND ? all->count : ROWS_AROUND;
@@ -50,7 +52,16 @@ void speed_from_angle(recording *r)
             size_t begin = j > n / 2 ? j - n / 2 : 0;
             begin = begin + n > all->count ? all->count - n : begin;
             unwrap(r, all->first + begin, n, theta);
-            r->omega_e_rad_s[all->first + j] = n < 2 ? 0.0 : slope_at(theta, n, (double)(j - begin)) / r->T_s;
+            const double omega = n < 2 ? 0.0 : slope_at(theta, n, (double)(j - begin)) / r->T_s;
+            if (!(fabs(omega) <= most)) {
+                return error_input(
+                    e, path, 0, 0,
+                    "theta_e_rad turns at %.3g rad/s in row %zu, where a cycle is %.3g s; expected at most "
+                    "%g rad/s: is t_s in seconds?",
+                    omega, all->first + j + 1, r->T_s, most);
+            }
+            r->omega_e_rad_s[all->first + j] = omega;
         }
     }
+    return true;
 }

@@ -11,8 +11,9 @@
  * the unwrapped angle of the 17 rows around it, fewer in a short stretch. A rotor turns by less than half an
  * electrical turn a cycle, so that the nearest way round is the way it went. Stretches and T_s are there.
  *
- * An angle's noise s leaves 0.05 s/T in the speed; an acceleration leaves nothing.
+ * An angle's noise s leaves 0.05 s/T in the speed; an acceleration leaves nothing. False: beyond what a recording may hold, as of
+ * time stamps in another unit; `path` is the file's.
  */
-void speed_from_angle(recording *r);
+bool speed_from_angle(recording *r, const char *path, error *e);
 
 #endif

@@ -21,8 +21,9 @@ static bool put_angle(const conversion *v)
         r->theta_e_rad[k] = theta != NULL ? theta[k] : v->map->theta_e_rad;
         r->omega_e_rad_s[k] = omega != NULL ? omega[k] : v->map->omega_e_rad_s;
     }
-    if (omega == NULL && !v->map->has_fixed_omega && theta != NULL) {
-        speed_from_angle(r);
+    if (omega == NULL && !v->map->has_fixed_omega && theta != NULL &&
+        !speed_from_angle(r, v->t->path, v->e)) {
+        return false;
     }
     if (theta != NULL && v->map->column[QUANTITY_THETA].mechanical &&
         v->c.value[QUANTITY_THETA_MECH] == NULL) {

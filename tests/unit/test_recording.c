@@ -318,6 +318,25 @@ static void test_speed_from_the_angle(void)
     TEST_ASSERT_TRUE(r.omega_e_rad_s[1] == 4.0);
 }
 
+/* Found by fuzz_recording: a speed that no recording may hold was derived, and not written again. */
+static void test_a_speed_beyond_any_is_not_derived(void)
+{
+    error e = {0};
+    const char *path = scratch_text("r.csv", "t_s,i_a_A,i_b_A,theta_e_rad,u_a_V,u_b_V,u_c_V\n"
+                                             "0,1,2,0,5,6,7\n1e-7,1,2,0.5,5,6,7\n2e-7,1,2,1,5,6,7\n");
+    recording_free(&r);
+    TEST_ASSERT_FALSE(recording_read(path, &r, &e));
+    TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
+    char told[500];
+    snprintf(
+        told, sizeof told,
+        "%s: theta_e_rad turns at 5e+06 rad/s in row 1, where a cycle is 1e-07 s; expected at most 1e+06 "
+        "rad/s: is t_s in seconds?",
+        path);
+    TEST_ASSERT_EQUAL_STRING(told, e.text);
+    TEST_ASSERT_NULL(r.t_s);
+}
+
 static void test_gaps_and_runs_end_stretches(void)
 {
     char text[4000];
@@ -439,6 +458,7 @@ int main(void)
     RUN_TEST(test_files_without_rows);
     RUN_TEST(test_bytes_at_random);
     RUN_TEST(test_speed_from_the_angle);
+    RUN_TEST(test_a_speed_beyond_any_is_not_derived);
     RUN_TEST(test_gaps_and_runs_end_stretches);
     RUN_TEST(test_gzip);
     RUN_TEST(test_written_is_read_back_to_the_same_bits);
