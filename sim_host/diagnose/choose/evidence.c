@@ -56,11 +56,28 @@ static size_t columns_of(const fit_data *d, const fit_state *s, hypothesis_set a
     return n;
 }
 
+/* To the last bit: of two states beside one another the sums differ. */
+static bool is_same_point(const fit_state *a, const fit_state *b)
+{
+    bool same = a->edge == b->edge;
+    for (size_t k = 0; same && k < P_COUNT; k++) {
+        same = a->z[k] == b->z[k];
+    }
+    for (size_t g = 0; same && g < ROWS_MAX_GROUPS; g++) {
+        const group_noise *m = &a->noise[g];
+        const group_noise *n = &b->noise[g];
+        same = m->gain == n->gain && m->white_zero == n->white_zero;
+        for (size_t k = 0; same && k < 3; k++) {
+            same = m->white[k] == n->white[k];
+        }
+    }
+    return same;
+}
+
 static bool is_of(const evidence_view *view, const fit_state *s, hypothesis_set allowed)
 {
-    const fit_state *of = &view->of;
-    return view->stands && (allowed & ~view->allowed) == 0 && of->set == s->set && of->edge == s->edge &&
-           memcmp(of->z, s->z, sizeof of->z) == 0 && memcmp(of->noise, s->noise, sizeof of->noise) == 0;
+    return view->stands && (allowed & ~view->allowed) == 0 && view->of.set == s->set &&
+           is_same_point(&view->of, s);
 }
 
 bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view)

@@ -9,7 +9,8 @@
 
 /* All columns' sums at a state, and what follows from them. */
 typedef struct evidence_view {
-    bool stands; /* of this state, for sets of these hypotheses; the caller takes that back where rows have changed */
+    bool
+        stands; /* of this state, for sets of these hypotheses; the caller takes that back where rows have changed */
     fit_state of;
     hypothesis_set allowed;
     const diagnose_rows *rows;
