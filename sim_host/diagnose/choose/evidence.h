@@ -9,8 +9,8 @@
 
 /* All columns' sums at a state, and what follows from them. */
 typedef struct evidence_view {
-    bool
-        stands; /* of this state, for sets of these hypotheses; the caller takes that back where rows have changed */
+    /* It is of this state, for sets of these hypotheses; where rows have changed the caller takes that back. */
+    bool stands;
     fit_state of;
     hypothesis_set allowed;
     const diagnose_rows *rows;
