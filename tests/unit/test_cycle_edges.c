@@ -116,6 +116,23 @@ static void test_voltage_is_what_the_duties_make(void)
     }
 }
 
+/* "Their sum is held to that": up to six-step, the integrators at their end and as much again by the decoupling. */
+static void test_asked_is_held_to_eight(void)
+{
+    const iqfoc_methods_t over = {.modulation = IQFOC_MODULATION_OVER};
+    config.gains.x_d = config.gains.x_q = IQ24(96.0);
+    config.gains.emf = 0;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        cycle.control.integral_d = cycle.control.integral_q = sign * (INT64_C(15) << 47); /* 7.5 */
+        cycle.i_ref.d = sign * IQ24(2.0);
+        cycle.i_ref.q = -sign * IQ24(2.0);
+        cycle.i_dq = cycle.i_ref;
+        const iqfoc_dq_t asked = iqfoc_cycle_asked(over, &cycle, &config, IQ24(0.25));
+        TEST_ASSERT_EQUAL_INT32(sign * IQ24(8.0), asked.d);
+        TEST_ASSERT_EQUAL_INT32(sign * IQ24(8.0), asked.q);
+    }
+}
+
 /* "No voltage, and nothing integrated." */
 static void test_stopped(void)
 {
@@ -328,6 +345,7 @@ int main(void)
     RUN_TEST(test_no_interval_after_clearing);
     RUN_TEST(test_the_guards_limits);
     RUN_TEST(test_voltage_is_what_the_duties_make);
+    RUN_TEST(test_asked_is_held_to_eight);
     RUN_TEST(test_stopped);
     RUN_TEST(test_what_trips);
     RUN_TEST(test_each_fault_to_its_limit);

@@ -77,6 +77,7 @@ static void the_valley_reference_is_rounded_as_stated(void)
     worst gain = {"1/s1^2", 0.0};
     worst magnet = {"k_psi (1/s1^2 - 1), k_psi <= 2", 0.0};
     worst magnet_far = {"k_psi (1/s1^2 - 1), k_psi <= 8", 0.0};
+    worst product = {"k_psi (gain - 1)", 0.0};
     for (int n = 0; n < TRIES; n++) {
         const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
@@ -87,10 +88,12 @@ static void the_valley_reference_is_rounded_as_stated(void)
         worst_add(&gain, r.gain, 1.0 / (s1 * s1));
         worst_add(to_double(k_psi) <= 2.0 ? &magnet : &magnet_far, r.magnet_pu,
                   to_double(k_psi) * (1.0 / (s1 * s1) - 1.0));
+        worst_add(&product, r.magnet_pu, to_double(k_psi) * (to_double(r.gain) - 1.0));
     }
     worst_check(&gain, 3.2);
     worst_check(&magnet, 6.4);
     worst_check(&magnet_far, 25.0);
+    worst_check(&product, 0.5);
 }
 
 /* A machine without resistance, turning steadily, whose valley current is what the reference says: its mean,

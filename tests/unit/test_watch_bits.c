@@ -382,10 +382,12 @@ static void any_config(uint64_t *seed, iqfoc_watch_config_t *c)
     c->slack_q16[0] = bits_random(seed, 0, 8 * 65536);
     c->slack_q16[1] = bits_random(seed, 0, 65536);
     c->naming_blocks = bits_random(seed, 1, 1024);
-    const bool sure = bits_random(seed, 0, 1) == 0;
-    for (int n = 0; n < IQFOC_WATCH_UNSURE && !sure; n++) {
-        c->unsure_q16[n] =
-            bits_random(seed, 0, 3) == 0 ? bits_random(seed, 0, 16 * 65536) : bits_random(seed, 0, 1000);
+    const int unsure = bits_random(seed, 0, 1) * bits_random(seed, 0, 7); /* each alone, or some, or none */
+    for (int n = 0; n < IQFOC_WATCH_UNSURE; n++) {
+        if (unsure & (1 << n)) {
+            c->unsure_q16[n] =
+                bits_random(seed, 0, 3) == 0 ? bits_random(seed, 0, 16 * 65536) : bits_random(seed, 0, 1000);
+        }
     }
     for (int n = 0; n < IQFOC_WATCH_GROUPS; n++) {
         c->size_q16[n] = bits_random(seed, 0, 400 * 65536);
@@ -453,6 +455,25 @@ static void the_least_current_and_speed(void)
     }
 }
 
+/* The least sum that is not nought is one, and ages: of the flux nothing is added to it or taken off at standstill. */
+static void the_least_sum(void)
+{
+    for (int sum = 0; sum <= 2; sum++) {
+        iqfoc_watch_t want;
+        iqfoc_watch_reset(&want);
+        want.blocks = 5;
+        want.i[0] = IQ24(0.2);
+        for (int n = 0; n < IQFOC_WATCH_SIGNATURES; n++) {
+            want.up_q16[n] = want.down_q16[n] = sum;
+        }
+        iqfoc_watch_t got = want;
+        TEST_ASSERT_FALSE(block(&want, &usual, 0, 0));
+        TEST_ASSERT_FALSE(iqfoc_watch_block(&got, &usual, 0, 0));
+        TEST_ASSERT_EQUAL_INT32(sum > 0, got.xx_q6[IQFOC_WATCH_FLUX]);
+        expect_same(&want, &got);
+    }
+}
+
 /* The threshold is reached by the highest detector, not passed. */
 static void the_threshold_itself(void)
 {
@@ -479,6 +500,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(any_block);
     RUN_TEST(the_least_current_and_speed);
+    RUN_TEST(the_least_sum);
     RUN_TEST(the_threshold_itself);
     return UNITY_END();
 }
