@@ -160,6 +160,22 @@ static void what_a_fit_spends_is_counted(void)
     fit_end(&f);
 }
 
+/* What begins anew has half of the bound at least, and all that is left of it. */
+static void a_new_beginning_has_half(void)
+{
+    fit_data d = {.effort = 1e9};
+    fit_grant(&d);
+    TEST_ASSERT_FALSE(fit_has_spent(&d));
+    const double half = d.effort;
+    d.effort = 1.999 * half;
+    TEST_ASSERT_FALSE(fit_has_spent(&d));
+    d.effort = 2.001 * half;
+    TEST_ASSERT_TRUE(fit_has_spent(&d));
+    d.effort = 0.3 * half;
+    fit_grant(&d);
+    TEST_ASSERT_EQUAL_DOUBLE(0.3 * half, d.effort);
+}
+
 /* From a file's values and gains of a half: no coordinate and no point's gain has a better place near by. */
 static void a_fit_ends_where_nothing_is_better(void)
 {
@@ -335,6 +351,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(a_gain_is_a_column_as_any_other);
     RUN_TEST(what_a_fit_spends_is_counted);
+    RUN_TEST(a_new_beginning_has_half);
     RUN_TEST(a_fit_ends_where_nothing_is_better);
     RUN_TEST(widths_are_of_the_steps_that_blocks_and_points_ask_for);
     RUN_TEST(what_cannot_be_told_apart_is_not_known);

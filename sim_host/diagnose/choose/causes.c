@@ -291,7 +291,7 @@ static bool find(session *w, const hypothesis_set possible, const diagnose_telle
 {
     w->state = w->nominal;
     w->allowed = possible;
-    w->fitted.effort = 0.0;
+    fit_grant(&w->fitted);
     return causes_settle(w, teller);
 }
 

@@ -3,6 +3,7 @@
 
 #include "model/flux_map.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static const double GAIN_START = 0.5;
@@ -80,6 +81,11 @@ void fit_spend(fit_data *d, const averaged_drive *drive, size_t ways)
 bool fit_has_spent(const fit_data *d)
 {
     return d->effort > ENOUGH;
+}
+
+void fit_grant(fit_data *d)
+{
+    d->effort = fmin(d->effort, 0.5 * ENOUGH);
 }
 
 fit_state fit_nominal(void)

@@ -39,7 +39,7 @@ typedef struct fit_data {
     size_t blocks;
     size_t longest; /* rows of the longest block */
     size_t rows_all;
-    double effort; /* spent since a search began: fit_spend */
+    double effort; /* spent: fit_spend */
     averaged_node *nodes;
     block_sums *sums; /* one a block */
     /* For one block, by each worker of base/parallel.h. */
@@ -64,6 +64,9 @@ void fit_spend(fit_data *d, const averaged_drive *drive, size_t ways);
 /* So much that no search begins that may be left out, nor another round of one. What has begun is ended, and what is named is
  * weighed, as ever. */
 bool fit_has_spent(const fit_data *d);
+
+/* For a search that must begin anew, as what it searches in has changed: half of all that at least. */
+void fit_grant(fit_data *d);
 
 static inline averaged_drive fit_drive(const fit_data *d, const fit_state *s)
 {
