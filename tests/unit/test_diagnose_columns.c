@@ -122,6 +122,23 @@ static void a_sensor_at_fault_is_named(void)
     diagnosis_free(&d);
 }
 
+/* A file that errs by as much as the sensor does in most of these rows. */
+static void a_sensor_at_fault_is_named_beside_a_late_voltage(void)
+{
+    good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
+    good.m.ext.voltage_delay_cycles = 1.0;
+    good.fault_share = 0.01;
+    good.fault_A = -0.4;
+    for (good.fault_phase = 0; good.fault_phase < 3; good.fault_phase++) {
+        diagnosis d = look(&good, NULL);
+        TEST_ASSERT_EQUAL_size_t(2, d.causes);
+        TEST_ASSERT_EQUAL_STRING("voltage_delay", d.cause[0].id);
+        TEST_ASSERT_EQUAL_STRING("sensor_fault", d.cause[1].id);
+        holds(&d.cause[1], "phase", 1.0 + good.fault_phase);
+        diagnosis_free(&d);
+    }
+}
+
 /* Of two sensors none can be told from a current that flows. */
 static void two_sensors_tell_no_fault(void)
 {
@@ -143,6 +160,7 @@ int main(void)
     RUN_TEST(a_speed_that_lags_is_named);
     RUN_TEST(a_speed_that_follows_is_not);
     RUN_TEST(a_sensor_at_fault_is_named);
+    RUN_TEST(a_sensor_at_fault_is_named_beside_a_late_voltage);
     RUN_TEST(two_sensors_tell_no_fault);
     return UNITY_END();
 }
