@@ -116,7 +116,7 @@ static void test_voltage_is_what_the_duties_make(void)
     }
 }
 
-/* "Their sum is held to that": up to six-step, the integrators at their end and as much again by the decoupling. */
+/* "Their sum is held to that": up to six-step, the integrators at 7.5 and the decoupling held to 8. */
 static void test_asked_is_held_to_eight(void)
 {
     const iqfoc_methods_t over = {.modulation = IQFOC_MODULATION_OVER};

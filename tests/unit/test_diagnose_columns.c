@@ -122,7 +122,7 @@ static void a_sensor_at_fault_is_named(void)
     diagnosis_free(&d);
 }
 
-/* A file that errs by as much as the sensor does in most of these rows. */
+/* By a file that knows nothing of the delay. */
 static void a_sensor_at_fault_is_named_beside_a_late_voltage(void)
 {
     good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;

@@ -382,7 +382,9 @@ static void any_config(uint64_t *seed, iqfoc_watch_config_t *c)
     c->slack_q16[0] = bits_random(seed, 0, 8 * 65536);
     c->slack_q16[1] = bits_random(seed, 0, 65536);
     c->naming_blocks = bits_random(seed, 1, 1024);
-    const int unsure = bits_random(seed, 0, 1) * bits_random(seed, 0, 7); /* each alone, or some, or none */
+    /* Each alone, or some, or none. */
+    const bool sure = bits_random(seed, 0, 1) == 0;
+    const int unsure = sure ? 0 : bits_random(seed, 0, (1 << IQFOC_WATCH_UNSURE) - 1);
     for (int n = 0; n < IQFOC_WATCH_UNSURE; n++) {
         if (unsure & (1 << n)) {
             c->unsure_q16[n] =
