@@ -1,4 +1,4 @@
-/* The averaged drive's laws over a cycle, and its sensors (averaged_drive.h). */
+/* The averaged drive's laws over a cycle (averaged_drive.h). */
 #include "averaged_drive.h"
 #include "found_edges.h"
 #include "iron_branch.h"
@@ -10,27 +10,6 @@
 static vec_rotor further(vec_rotor r, vec_rotor by)
 {
     return (vec_rotor){r.cos * by.cos - r.sin * by.sin, r.cos * by.sin + r.sin * by.cos};
-}
-
-static double saturated(double x)
-{
-    return x > 1.0 ? 1.0 : (x < -1.0 ? -1.0 : x);
-}
-
-/*
- * After a leg is switched off the current must charge its devices' capacitance before the voltage has
- * changed: with knee = 2 C u_dc / t_dead the edge loses 1 - knee / (2 |i|) of its dead time, and below the
- * knee, where the charge is never complete, |i| / (2 knee).
- */
-static double charged(double x)
-{
-    double size = fabs(x);
-    return size < 1.0 ? 0.5 * x : (x > 0.0 ? 1.0 : -1.0) * (1.0 - 0.5 / size);
-}
-
-double averaged_drive_edge(edge_law law, double x)
-{
-    return law == EDGE_CHARGED ? charged(x) : saturated(x);
 }
 
 /* Magnet flux harmonics as a stationary vector: the 5th and 11th run backwards, the 7th and 13th forwards. */
@@ -389,50 +368,4 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     i_next.alpha += eddy.alpha;
     i_next.beta += eddy.beta;
     return i_next;
-}
-
-bool averaged_drive_sensors_drift(const averaged_drive *d)
-{
-    return d->offset_rate_ab_A_s[0] != 0.0 || d->offset_rate_ab_A_s[1] != 0.0 || d->g_rate_s[0] != 0.0 ||
-           d->g_rate_s[1] != 0.0 || d->g_rate_s[2] != 0.0;
-}
-
-sensor_map averaged_drive_sensors(const averaged_drive *d, bool two_sensors, double elapsed_s)
-{
-    sensor_map map = {.offset = {d->offset_ab_A[0] + d->offset_rate_ab_A_s[0] * elapsed_s,
-                                 d->offset_ab_A[1] + d->offset_rate_ab_A_s[1] * elapsed_s},
-                      .zero_offset_A = d->offset_zero_A};
-    for (size_t column = 0; column < 2; column++) {
-        double i[3];
-        vec_to_phases((vec_ab){column == 0 ? 1.0 : 0.0, column == 1 ? 1.0 : 0.0}, i);
-        for (size_t x = 0; x < 3; x++) {
-            i[x] *= d->g[x] + d->g_rate_s[x] * elapsed_s;
-        }
-        map.zero[column] = (i[0] + i[1] + i[2]) / 3.0;
-        if (two_sensors) {
-            i[2] = -i[0] - i[1];
-        }
-        vec_ab v = vec_from_phases(i);
-        map.forward[0][column] = v.alpha;
-        map.forward[1][column] = v.beta;
-    }
-    double det = map.forward[0][0] * map.forward[1][1] - map.forward[0][1] * map.forward[1][0];
-    map.back[0][0] = map.forward[1][1] / det;
-    map.back[0][1] = -map.forward[0][1] / det;
-    map.back[1][0] = -map.forward[1][0] / det;
-    map.back[1][1] = map.forward[0][0] / det;
-    return map;
-}
-
-vec_ab sensor_map_measure(const sensor_map *m, vec_ab i)
-{
-    return (vec_ab){m->forward[0][0] * i.alpha + m->forward[0][1] * i.beta + m->offset.alpha,
-                    m->forward[1][0] * i.alpha + m->forward[1][1] * i.beta + m->offset.beta};
-}
-
-vec_ab sensor_map_unmeasure(const sensor_map *m, vec_ab i)
-{
-    double a = i.alpha - m->offset.alpha;
-    double b = i.beta - m->offset.beta;
-    return (vec_ab){m->back[0][0] * a + m->back[0][1] * b, m->back[1][0] * a + m->back[1][1] * b};
 }

@@ -1,7 +1,7 @@
 /*
  * The averaged drive: the exact averaged machine (averaged.h) with every effect that the diagnosis knows, as
- * laws of interfaces.md. It maps the true current at the start of a cycle to the true current at its end, and
- * true currents to what the sensors record.
+ * laws of interfaces.md. It maps the true current at the start of a cycle to the true current at its end; what
+ * sensors show of these is in sensor_chain.h, sensor_lag.h and sensor_bend.h.
  *
  * The machine's own step is exact. The effects are small additions to it and enter to second order in the
  * cycle: the current that dead time and unequal resistances see is that at mid-cycle, the drop over R that
@@ -109,23 +109,21 @@ vec_ab averaged_drive_drop(const averaged_drive *drive, const cycle_row *row, ve
 /* A share of 1/L in the stationary frame, the rotor at r: aa, ab, bb. */
 void averaged_drive_per_H(const averaged_drive *drive, double share, vec_rotor r, double k[3]);
 
-/* The share of v_dead that an edge loses at x = i / knee. */
-double averaged_drive_edge(edge_law law, double x);
-
-/* The sensor chain as matrices: recorded = forward true + offset, and back; what the three's mean shows. */
-typedef struct sensor_map {
-    double forward[2][2], back[2][2];
-    vec_ab offset;
-    double zero[2]; /* mean of the three recorded currents = zero . true + zero_offset_A */
-    double zero_offset_A;
-} sensor_map;
-
-/* `two_sensors`: phase C was not measured, and -a-b of the recorded ones stands for it. elapsed_s: as in cycle_row. */
-sensor_map averaged_drive_sensors(const averaged_drive *drive, bool two_sensors, double elapsed_s);
-
-/* Whether another row has another map. */
-bool averaged_drive_sensors_drift(const averaged_drive *drive);
-vec_ab sensor_map_measure(const sensor_map *map, vec_ab i_true);
-vec_ab sensor_map_unmeasure(const sensor_map *map, vec_ab i_recorded);
+/*
+ * The share of v_dead that an edge loses at x = i / knee.
+ *
+ * After a leg is switched off the current must charge its devices' capacitance before the voltage has
+ * changed: with knee = 2 C u_dc / t_dead the edge loses 1 - knee / (2 |i|) of its dead time, and below the
+ * knee, where the charge is never complete, |i| / (2 knee).
+ */
+static inline double averaged_drive_edge(edge_law law, double x)
+{
+    const double sign = x > 0.0 ? 1.0 : -1.0;
+    const double size = x * sign;
+    if (law == EDGE_CHARGED) {
+        return size < 1.0 ? 0.5 * x : sign * (1.0 - 0.5 / size);
+    }
+    return size < 1.0 ? x : sign;
+}
 
 #endif

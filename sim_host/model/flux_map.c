@@ -10,55 +10,53 @@ bool flux_map_has_terms(const averaged_drive *d)
     return d->w_ddd != 0.0 || d->w_dqq != 0.0 || d->w_dddd != 0.0 || d->w_ddqq != 0.0 || d->w_qqqq != 0.0;
 }
 
-/* i^2 by the energy that the current stores unsaturated. */
-static double energy_square(const averaged_drive *d, vec_dq i)
-{
-    return 2.0 * (d->L_d_H * i.d * i.d + d->L_q_H * i.q * i.q) / (d->L_d_H + d->L_q_H);
-}
+/* A map at one current. */
+typedef struct map_point {
+    vec_dq flux;
+    flux_map_slope slope;
+} map_point;
 
 /* What the terms beyond the second order add. */
-static vec_dq flux_of_terms(const averaged_drive *d, vec_dq i)
+static inline void add_terms(const averaged_drive *d, vec_dq i, map_point *to)
 {
     const double dd = i.d * i.d;
     const double qq = i.q * i.q;
-    return (vec_dq){3.0 * d->w_ddd * dd + d->w_dqq * qq + i.d * (4.0 * d->w_dddd * dd + 2.0 * d->w_ddqq * qq),
-                    i.q * (2.0 * d->w_dqq * i.d + 2.0 * d->w_ddqq * dd + 4.0 * d->w_qqqq * qq)};
+    to->flux.d += 3.0 * d->w_ddd * dd + d->w_dqq * qq + i.d * (4.0 * d->w_dddd * dd + 2.0 * d->w_ddqq * qq);
+    to->flux.q += i.q * (2.0 * d->w_dqq * i.d + 2.0 * d->w_ddqq * dd + 4.0 * d->w_qqqq * qq);
+    to->slope.dd += 6.0 * d->w_ddd * i.d + 12.0 * d->w_dddd * dd + 2.0 * d->w_ddqq * qq;
+    to->slope.dq += i.q * (2.0 * d->w_dqq + 4.0 * d->w_ddqq * i.d);
+    to->slope.qq += 2.0 * d->w_dqq * i.d + 2.0 * d->w_ddqq * dd + 12.0 * d->w_qqqq * qq;
+}
+
+/* Both at once, as most of it is common; inlined, where one is not asked for it is not computed. */
+static inline map_point map_at(const averaged_drive *d, bool terms, vec_dq i)
+{
+    map_point at = {{d->L_d_H * i.d, d->L_q_H * i.q}, {d->L_d_H, 0.0, d->L_q_H}};
+    if (d->saturation != 0.0) {
+        /* (i/I_sat)^2 by the energy that the current stores unsaturated */
+        const double per_energy = 2.0 * d->saturation / (d->L_d_H + d->L_q_H);
+        const double fall = 1.0 / (1.0 + per_energy * (at.flux.d * i.d + at.flux.q * i.q));
+        const double down = 2.0 * per_energy * fall * fall;
+        at.slope.dd = d->L_d_H * fall - down * at.flux.d * at.flux.d;
+        at.slope.dq = -down * at.flux.d * at.flux.q;
+        at.slope.qq = d->L_q_H * fall - down * at.flux.q * at.flux.q;
+        at.flux.d *= fall;
+        at.flux.q *= fall;
+    }
+    if (terms) {
+        add_terms(d, i, &at);
+    }
+    return at;
 }
 
 vec_dq flux_map_flux(const averaged_drive *d, vec_dq i)
 {
-    vec_dq flux = {d->L_d_H * i.d, d->L_q_H * i.q};
-    if (d->saturation != 0.0) {
-        const double fall = 1.0 / (1.0 + d->saturation * energy_square(d, i));
-        flux.d *= fall;
-        flux.q *= fall;
-    }
-    if (flux_map_has_terms(d)) {
-        const vec_dq more = flux_of_terms(d, i);
-        flux.d += more.d;
-        flux.q += more.q;
-    }
-    return flux;
+    return map_at(d, flux_map_has_terms(d), i).flux;
 }
 
 flux_map_slope flux_map_incremental(const averaged_drive *d, vec_dq i)
 {
-    flux_map_slope m = {d->L_d_H, 0.0, d->L_q_H};
-    if (d->saturation != 0.0) {
-        const double fall = 1.0 / (1.0 + d->saturation * energy_square(d, i));
-        const double down = 4.0 * d->saturation * fall * fall / (d->L_d_H + d->L_q_H);
-        m.dd = d->L_d_H * (fall - down * d->L_d_H * i.d * i.d);
-        m.dq = -down * d->L_d_H * d->L_q_H * i.d * i.q;
-        m.qq = d->L_q_H * (fall - down * d->L_q_H * i.q * i.q);
-    }
-    if (flux_map_has_terms(d)) {
-        const double dd = i.d * i.d;
-        const double qq = i.q * i.q;
-        m.dd += 6.0 * d->w_ddd * i.d + 12.0 * d->w_dddd * dd + 2.0 * d->w_ddqq * qq;
-        m.dq += i.q * (2.0 * d->w_dqq + 4.0 * d->w_ddqq * i.d);
-        m.qq += 2.0 * d->w_dqq * i.d + 2.0 * d->w_ddqq * dd + 12.0 * d->w_qqqq * qq;
-    }
-    return m;
+    return map_at(d, flux_map_has_terms(d), i).slope;
 }
 
 bool flux_map_is_physical(const averaged_drive *d, vec_dq i, double share)
@@ -71,13 +69,13 @@ bool flux_map_is_physical(const averaged_drive *d, vec_dq i, double share)
 }
 
 /* The step towards a flux by the incremental inductance at i. Close to where the flux turns: as if unsaturated. */
-static vec_dq newton_step(const averaged_drive *d, vec_dq flux, vec_dq i)
+static inline vec_dq newton_step(const averaged_drive *d, bool terms, vec_dq flux, vec_dq i)
 {
     /* The plain law has no iron beyond a tenth of its inductances; of a map both may be less. */
-    const double least = flux_map_has_terms(d) ? 0.002 : 0.05;
-    const vec_dq has = flux_map_flux(d, i);
-    const vec_dq wrong = {flux.d - has.d, flux.q - has.q};
-    flux_map_slope m = flux_map_incremental(d, i);
+    const double least = terms ? 0.002 : 0.05;
+    const map_point at = map_at(d, terms, i);
+    const vec_dq wrong = {flux.d - at.flux.d, flux.q - at.flux.q};
+    flux_map_slope m = at.slope;
     double det = m.dd * m.qq - m.dq * m.dq;
     if (!(det > least * d->L_d_H * d->L_q_H && m.dd > 0.0)) {
         m = (flux_map_slope){d->L_d_H, 0.0, d->L_q_H};
@@ -89,13 +87,14 @@ static vec_dq newton_step(const averaged_drive *d, vec_dq flux, vec_dq i)
 
 vec_dq flux_map_current(const averaged_drive *d, vec_dq flux, vec_dq guess)
 {
-    if (d->saturation == 0.0 && !flux_map_has_terms(d)) {
+    const bool terms = flux_map_has_terms(d);
+    if (d->saturation == 0.0 && !terms) {
         return (vec_dq){flux.d / d->L_d_H, flux.q / d->L_q_H};
     }
     vec_dq i = guess;
     vec_dq first = guess;
     for (int k = 0; k < NEWTON_STEPS; k++) {
-        const vec_dq more = newton_step(d, flux, i);
+        const vec_dq more = newton_step(d, terms, flux, i);
         i.d += more.d;
         i.q += more.q;
         first = k == 0 ? i : first;
@@ -104,5 +103,5 @@ vec_dq flux_map_current(const averaged_drive *d, vec_dq flux, vec_dq guess)
             return i;
         }
     }
-    return flux_map_has_terms(d) ? first : i;
+    return terms ? first : i;
 }

@@ -105,10 +105,8 @@ static const cycle_row *acting(const averaged_drive *d, const cycle_row *row)
 static cycle_pulses go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command,
                           const cycle_row *row)
 {
-    if (!m->steady) {
-        m->sensors = averaged_drive_sensors(d, row->two_sensors, row->elapsed_s);
-    }
-    const vec_ab i = sensor_map_unmeasure(&m->sensors, row->i_A);
+    const sensor_map sensors = sensor_course_at(&m->sensors, row->elapsed_s);
+    const vec_ab i = sensor_map_unmeasure(&sensors, row->i_A);
     const cycle_pulses own = pulses_of(d, m, command, row, i);
     m->left.alpha = m->fade * m->left.alpha + own.left.alpha;
     m->left.beta = m->fade * m->left.beta + own.left.beta;
@@ -124,8 +122,7 @@ static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
         return;
     }
     *m = (iron_memory){.per_tau = fmin(row->T_s / d->fe_tau_s, ALL_FADED),
-                       .steady = !averaged_drive_sensors_drift(d),
-                       .sensors = averaged_drive_sensors(d, row->two_sensors, row->elapsed_s)};
+                       .sensors = sensor_course_of(d, row->two_sensors)};
     m->fade = exp(-m->per_tau);
     /* Of a drop that goes evenly from one value to another in a cycle. */
     const double mean = (1.0 - m->fade) / m->per_tau;

@@ -9,7 +9,7 @@
 #ifndef SIM_HOST_MODEL_IRON_BRANCH_H
 #define SIM_HOST_MODEL_IRON_BRANCH_H
 
-#include "averaged_drive.h"
+#include "sensor_chain.h"
 
 /*
  * What the cycles before a row have left, carried on from row to row. All nought at a way's beginning, where it is summed up from
@@ -19,9 +19,8 @@ struct iron_memory {
     const cycle_row *row; /* at whose start it stands; NULL: nowhere yet */
     double per_tau, fade; /* the cycle over the branch's time constant, and e to minus that */
     double of_start,
-        of_end;  /* what a cycle leaves of the drop that it starts with, and of the one that it ends with */
-    bool steady; /* the sensors are the same at all rows: */
-    sensor_map sensors;
+        of_end; /* what a cycle leaves of the drop that it starts with, and of the one that it ends with */
+    sensor_course sensors;
     vec_ab left; /* times R_fe; of the drop all but the row's own current's */
 };
 

@@ -16,7 +16,7 @@
 #ifndef SIM_HOST_MODEL_SENSOR_LAG_H
 #define SIM_HOST_MODEL_SENSOR_LAG_H
 
-#include "averaged_drive.h"
+#include "sensor_chain.h"
 
 /* The map of sensors at a row that see the current so late. T_s: the cycle. */
 sensor_map sensor_lag_map(const averaged_drive *drive, const cycle_row *row, double T_s,

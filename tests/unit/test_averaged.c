@@ -7,7 +7,6 @@
 #include "model/flux_map.h"
 #include "model/late_speed.h"
 #include "model/link_ripple.h"
-#include "model/sensor_lag.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -90,22 +89,6 @@ static void a_node_serves_its_neighbourhood(void)
             TEST_ASSERT_DOUBLE_WITHIN(1e-7 * T, (&exact.push[0][0])[k], (&near.push[0][0])[k]);
         }
     }
-}
-
-static void sensors_invert(void)
-{
-    averaged_drive d = {.L_d_H = 1.0, .L_q_H = 1.0, .g = {0.95, 1.04, 1.01}, .offset_ab_A = {0.3, -0.2}};
-    const vec_ab i = {3.0, -4.0};
-    for (int two = 0; two < 2; two++) {
-        sensor_map map = averaged_drive_sensors(&d, two == 1, 0.0);
-        vec_ab shown = sensor_map_measure(&map, i);
-        vec_ab back = sensor_map_unmeasure(&map, shown);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.alpha, back.alpha);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.beta, back.beta);
-    }
-    /* Phase A alone reads g_a i_a + (2 o_a - o_b - o_c)/3 when two sensors make the vector. */
-    sensor_map two = averaged_drive_sensors(&d, true, 0.0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.95 * 3.0 + 0.3, sensor_map_measure(&two, i).alpha);
 }
 
 static void an_edge_loses_its_share(void)
@@ -214,29 +197,6 @@ static void a_flux_beyond_the_map_has_a_current_of_its_size(void)
     TEST_ASSERT_TRUE(i.q > 3.0 && i.q < 40.0 && fabs(i.d) < 40.0);
 }
 
-/* Seen by sensors of this lag, a machine without resistance at theta = 0.7. */
-static vec_ab seen_by(double tau_s, const double fell[3], vec_ab i)
-{
-    motor m = bench_motor();
-    m.ext.has[CAUSE_SENSOR_LAG] = true;
-    m.ext.sensor_lag_s = tau_s;
-    averaged_drive d = averaged_drive_of(&m);
-    d.R_ohm = 0.0;
-    const cycle_row row = {.cos_theta = cos(0.7),
-                           .sin_theta = sin(0.7),
-                           .omega_rad_s = 900.0,
-                           .rise = {0.2, 0.2, 0.2},
-                           .fell = {fell[0], fell[1], fell[2]},
-                           .u_dc_V = 565.0};
-    const sensor_map plain = averaged_drive_sensors(&d, false, 0.0);
-    const sensor_map map = sensor_lag_map(&d, &row, 250e-6, &plain);
-    const vec_ab seen = sensor_map_measure(&map, i);
-    const vec_ab back = sensor_map_unmeasure(&map, seen);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.alpha, back.alpha);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.beta, back.beta);
-    return seen;
-}
-
 /* The current at the end of a cycle of 0.2 rad that is recorded as beginning at `recorded`, mechanically at `mech`. */
 static vec_ab after_cycle_at(const averaged_drive *d, double recorded, double mech, double mech_moves)
 {
@@ -335,52 +295,6 @@ static void what_the_phases_drop_they_drop_of_the_irons_current_too(void)
     TEST_ASSERT_TRUE(most < 0.2 * drop_A);
 }
 
-/* While no leg is high the flux stands still and the rotor turns under it. */
-static void a_late_sample_sees_the_flux_with_the_rotor_further_on(void)
-{
-    static const double fell[3] = {0.2, 0.2, 0.2};
-    const motor m = bench_motor();
-    const vec_ab i = {3.0, -2.0};
-    const vec_rotor then = {cos(0.7), sin(0.7)};
-    const vec_rotor now = {cos(0.7 + 900.0 * 4e-6), sin(0.7 + 900.0 * 4e-6)};
-    const vec_dq i_dq = vec_to_dq(i, then);
-    const vec_ab flux = vec_to_ab((vec_dq){m.L_d_H * i_dq.d + m.psi_f_Wb, m.L_q_H * i_dq.q}, then);
-    const vec_dq flux_dq = vec_to_dq(flux, now);
-    const vec_ab late = vec_to_ab((vec_dq){(flux_dq.d - m.psi_f_Wb) / m.L_d_H, flux_dq.q / m.L_q_H}, now);
-    const vec_ab seen = seen_by(-4e-6, fell, i);
-    const double moved = hypot(late.alpha - i.alpha, late.beta - i.beta);
-    TEST_ASSERT_TRUE(moved > 0.05);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * moved, late.alpha, seen.alpha);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * moved, late.beta, seen.beta);
-}
-
-/* An edge close to the sample: what the filter still holds of it, added up step by step. */
-static void a_filter_still_sees_the_last_edges(void)
-{
-    static const double early[3] = {0.04, 0.2, 0.2};
-    static const double same[3] = {0.2, 0.2, 0.2};
-    const motor m = bench_motor();
-    const double T_s = 250e-6;
-    const double tau_s = 15e-6;
-    const double step_s = 2e-8;
-    const vec_ab i = {3.0, -2.0};
-    double more_Vs = 0.0; /* of leg a, which is high for longer */
-    for (double s = 0.5 * step_s; s < 40.0 * tau_s; s += step_s) {
-        const double at = fmod(s, T_s) / T_s;
-        const bool wide = at > 0.04 && at < 0.96;
-        const bool narrow = at > 0.2 && at < 0.8;
-        more_Vs += (wide != narrow ? 565.0 : 0.0) * exp(-s / tau_s) * step_s;
-    }
-    const vec_rotor r = {cos(0.7), sin(0.7)};
-    const vec_dq push = vec_to_dq((vec_ab){2.0 / 3.0 * more_Vs, 0.0}, r);
-    const vec_ab less = vec_to_ab((vec_dq){push.d / m.L_d_H, push.q / m.L_q_H}, r);
-    const vec_ab one = seen_by(tau_s, early, i);
-    const vec_ab two = seen_by(tau_s, same, i);
-    TEST_ASSERT_TRUE(fabs(less.alpha) > 0.1);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * fabs(less.alpha), -less.alpha, one.alpha - two.alpha);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * fabs(less.alpha), -less.beta, one.beta - two.beta);
-}
-
 /* Of a speed that climbs evenly and settled behind its filter, and of one that turns round within many tau. */
 static void a_filtered_speed_is_put_right(void)
 {
@@ -437,7 +351,6 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(the_step_is_the_exact_solution);
     RUN_TEST(a_node_serves_its_neighbourhood);
-    RUN_TEST(sensors_invert);
     RUN_TEST(an_edge_loses_its_share);
     RUN_TEST(the_extended_motor_file_says_the_same_drive);
     RUN_TEST(a_flux_map_goes_to_the_motor_file_and_back);
@@ -446,8 +359,6 @@ int main(void)
     RUN_TEST(an_error_of_the_electrical_turn_is_taken_at_the_true_angle);
     RUN_TEST(an_error_of_the_turn_moves_the_angle_that_it_depends_on);
     RUN_TEST(what_the_phases_drop_they_drop_of_the_irons_current_too);
-    RUN_TEST(a_late_sample_sees_the_flux_with_the_rotor_further_on);
-    RUN_TEST(a_filter_still_sees_the_last_edges);
     RUN_TEST(a_filtered_speed_is_put_right);
     RUN_TEST(a_row_under_another_link);
     return UNITY_END();

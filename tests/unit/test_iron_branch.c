@@ -181,7 +181,7 @@ static double off_by(const circuit *c, vec_dq i_dq)
                         .k_u = 1.0,
                         .g = {c->g[0], c->g[1], c->g[2]},
                         .offset_ab_A = {c->offset_A[0], c->offset_A[1]}};
-    const sensor_map sensors = averaged_drive_sensors(&d, false, 0.0);
+    const sensor_map sensors = sensor_map_of(&d, false, 0.0);
     double wrong = 0.0;
     double iron = 0.0;
     iron_memory memory = {.row = NULL};

@@ -3,22 +3,21 @@
 
 #include "model/iron_branch.h"
 #include "model/sensor_bend.h"
+#include "model/sensor_chain.h"
 #include "model/sensor_lag.h"
 
 #include <stddef.h>
 
-static bool sensors_change(const averaged_drive *drive)
+static bool sensors_change(const averaged_drive *drive, const sensor_course *course)
 {
-    return averaged_drive_sensors_drift(drive) || drive->sensor_lag_s != 0.0;
+    return course->drifts || drive->sensor_lag_s != 0.0;
 }
 
-/* The sensors at a row, where they are not the same at all; `steady` at the recording's beginning. */
-static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const sensor_map *steady,
+/* The sensors at a row, where they are not the same at all. */
+static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const sensor_course *course,
                              const cycle_row *row)
 {
-    const sensor_map map = averaged_drive_sensors_drift(drive)
-                               ? averaged_drive_sensors(drive, r->two_sensors, row->elapsed_s)
-                               : *steady;
+    const sensor_map map = sensor_course_at(course, row->elapsed_s);
     return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map);
 }
 
@@ -47,19 +46,17 @@ typedef struct walker {
     diagnose_rows *r;
     const averaged_drive *drive;
     double gain;
+    sensor_course course;
     bool change; /* the sensors, from row to row */
-    sensor_map steady;
-    vec_ab x;   /* the true current by all rows so far */
-    size_t age; /* rows since it started */
+    vec_ab x;    /* the true current by all rows so far */
+    size_t age;  /* rows since it started */
 } walker;
 
 static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double gain)
 {
-    return (walker){.r = r,
-                    .drive = drive,
-                    .gain = gain,
-                    .change = sensors_change(drive),
-                    .steady = averaged_drive_sensors(drive, r->two_sensors, 0.0)};
+    walker w = {.r = r, .drive = drive, .gain = gain, .course = sensor_course_of(drive, r->two_sensors)};
+    w.change = sensors_change(drive, &w.course);
+    return w;
 }
 
 /* Takes in what the sensors show at row k: innovations into `out`, zeros where it starts anew. Whether there are any. */
@@ -68,10 +65,10 @@ static bool take_in(walker *w, size_t k, double gate, double *out)
     const cycle_row *row = &w->r->row[k];
     const bool start = w->age == 0 || w->r->outlier[k];
     sensor_map changed;
-    const sensor_map *sensors = &w->steady;
+    const sensor_map *sensors = &w->course.middle;
     out[0] = out[1] = out[2] = 0.0;
     if (w->change) {
-        changed = sensors_at(w->r, w->drive, &w->steady, row);
+        changed = sensors_at(w->r, w->drive, &w->course, row);
         sensors = &changed;
     }
     double zero;
@@ -159,19 +156,19 @@ void observer_beside(diagnose_rows *r, const averaged_drive *drive, const row_bl
 void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                         size_t first, size_t count, vec_ab *wrong)
 {
-    const sensor_map steady = averaged_drive_sensors(drive, r->two_sensors, 0.0);
-    sensor_map sensors = steady;
-    const bool change = sensors_change(drive);
+    const sensor_course course = sensor_course_of(drive, r->two_sensors);
+    const bool change = sensors_change(drive, &course);
+    sensor_map sensors = course.middle;
     iron_memory memory = {.row = NULL};
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
         const cycle_row *before = &r->row[first + j - 1];
         if (change) {
-            sensors = sensors_at(r, drive, &steady, before);
+            sensors = sensors_at(r, drive, &course, before);
         }
         vec_ab x = unshown(drive, &sensors, before->i_A);
         if (change) {
-            sensors = sensors_at(r, drive, &steady, before + 1);
+            sensors = sensors_at(r, drive, &course, before + 1);
         }
         double zero;
         x = averaged_drive_advance(drive, nodes, before, x, &memory);
@@ -184,14 +181,14 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
 void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                        size_t first, size_t count, vec_ab *current)
 {
-    const bool change = sensors_change(drive);
-    const sensor_map steady = averaged_drive_sensors(drive, r->two_sensors, 0.0);
-    sensor_map sensors = sensors_at(r, drive, &steady, &r->row[first]);
+    const sensor_course course = sensor_course_of(drive, r->two_sensors);
+    const bool change = sensors_change(drive, &course);
+    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first]);
     vec_ab x = unshown(drive, &sensors, r->row[first].i_A);
     iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < count; j++) {
         if (change) {
-            sensors = sensors_at(r, drive, &steady, &r->row[first + j]);
+            sensors = sensors_at(r, drive, &course, &r->row[first + j]);
         }
         double zero;
         current[j] = shown(drive, &sensors, x, &zero);

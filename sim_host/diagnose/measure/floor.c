@@ -2,6 +2,7 @@
 #include "floor.h"
 
 #include "diagnose/identify/observer.h"
+#include "model/sensor_chain.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -64,7 +65,7 @@ static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive
 {
     const double L = 0.5 * (drive->L_d_H + drive->L_q_H);
     const double jump_A = 2.0 * (1.0 + drive->dead_share) * drive->v_dead_V * 2.0 / 3.0 * r->T_s / L;
-    const sensor_map sensors = averaged_drive_sensors(drive, r->two_sensors, 0.0);
+    const sensor_map sensors = sensor_map_of(drive, r->two_sensors, 0.0);
     double sum = 0.0;
     for (size_t k = 0; k < r->rows; k++) {
         const vec_ab i = sensor_map_unmeasure(&sensors, r->row[k].i_A);

@@ -4,6 +4,7 @@
 #include "diagnose/identify/mended.h"
 #include "diagnose/identify/observer.h"
 #include "errors.h"
+#include "model/sensor_chain.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -16,8 +17,7 @@
  */
 static double method_error(const diagnose_rows *r, const averaged_drive *d, bool quasi_discrete)
 {
-    const bool drift = averaged_drive_sensors_drift(d);
-    sensor_map sensors = averaged_drive_sensors(d, r->two_sensors, 0.0);
+    const sensor_course course = sensor_course_of(d, r->two_sensors);
     double L = 0.5 * (d->L_d_H + d->L_q_H);
     double sum = 0.0;
     double n = 0.0;
@@ -25,9 +25,7 @@ static double method_error(const diagnose_rows *r, const averaged_drive *d, bool
         const row_block *block = &r->block[b];
         for (size_t j = 0; block->held_out && j + 1 < block->count; j++) {
             const cycle_row *row = &r->row[block->first + j];
-            if (drift) {
-                sensors = averaged_drive_sensors(d, r->two_sensors, row->elapsed_s);
-            }
+            const sensor_map sensors = sensor_course_at(&course, row->elapsed_s);
             vec_ab i = sensor_map_unmeasure(&sensors, row->i_A);
             double phi = row->omega_rad_s * r->T_s;
             double theta =

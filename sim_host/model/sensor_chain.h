@@ -1,0 +1,32 @@
+/* Current sensors with gains and offsets, which may drift: true currents to recorded ones, and back. */
+#ifndef SIM_HOST_MODEL_SENSOR_CHAIN_H
+#define SIM_HOST_MODEL_SENSOR_CHAIN_H
+
+#include "averaged_drive.h"
+
+/* The sensor chain as matrices: recorded = forward true + offset, and back; what the three's mean shows. */
+typedef struct sensor_map {
+    double forward[2][2], back[2][2];
+    vec_ab offset;
+    double zero[2]; /* mean of the three recorded currents = zero . true + zero_offset_A */
+    double zero_offset_A;
+} sensor_map;
+
+/* Over a recording: all but the inverse goes evenly from the map at its middle. */
+typedef struct sensor_course {
+    bool drifts; /* or the map is the same at all rows */
+    sensor_map middle;
+    double forward_rate[2][2], zero_rate[2]; /* per second */
+    vec_ab offset_rate;
+} sensor_course;
+
+/* `two_sensors`: phase C was not measured, and -a-b of the recorded ones stands for it. */
+sensor_course sensor_course_of(const averaged_drive *drive, bool two_sensors);
+/* elapsed_s: as in cycle_row. */
+sensor_map sensor_course_at(const sensor_course *course, double elapsed_s);
+/* Of one row alone. */
+sensor_map sensor_map_of(const averaged_drive *drive, bool two_sensors, double elapsed_s);
+vec_ab sensor_map_measure(const sensor_map *map, vec_ab i_true);
+vec_ab sensor_map_unmeasure(const sensor_map *map, vec_ab i_recorded);
+
+#endif
