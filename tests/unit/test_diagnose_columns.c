@@ -139,6 +139,24 @@ static void a_sensor_at_fault_is_named_beside_a_late_voltage(void)
     }
 }
 
+/* Rows that stand out of the sum, now by one sensor and now by another: neither is named. */
+static void sensors_by_turns_are_none(void)
+{
+    recording r = bench_record(&good);
+    for (size_t k = 50; k < r.rows; k += 101) {
+        r.i_A[k % 2 == 0 ? 0 : 2][k] -= 1.5;
+    }
+    diagnosis d;
+    error e = {0};
+    const diagnose_options options = {0};
+    TEST_ASSERT_TRUE(diagnose(&d, &r, &good.m, &options, &e));
+    for (size_t n = 0; n < d.causes; n++) {
+        TEST_ASSERT_NOT_EQUAL_INT(0, strcmp(d.cause[n].id, "sensor_fault"));
+    }
+    diagnosis_free(&d);
+    recording_free(&r);
+}
+
 /* Of two sensors none can be told from a current that flows. */
 static void two_sensors_tell_no_fault(void)
 {
@@ -161,6 +179,7 @@ int main(void)
     RUN_TEST(a_speed_that_follows_is_not);
     RUN_TEST(a_sensor_at_fault_is_named);
     RUN_TEST(a_sensor_at_fault_is_named_beside_a_late_voltage);
+    RUN_TEST(sensors_by_turns_are_none);
     RUN_TEST(two_sensors_tell_no_fault);
     return UNITY_END();
 }

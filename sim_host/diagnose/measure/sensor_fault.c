@@ -16,10 +16,15 @@ static const double TOLD = 8.0;
 static const double MENDED = 5.0;
 static const double LEFT_OUT = 4.0;
 static const double INNER = 0.95; /* of the rows: these tell the deviation */
-/* So many rows at the least, so large a part at the most, and so many of them must say the same phase. */
+/* So many rows at the least, so large a part at the most. */
 enum { LEAST_ROWS = 4 };
 static const double MOST_ROWS = 0.3;
-static const double AGREE = 0.6;
+/* Log of the odds of a phase against the next best, and the part of what the rows cost beyond sound ones that may stay with it. */
+static const double CERTAIN = 10.0;
+static const double STAYS = 0.5;
+
+/* The three phases, and none of them: the rows as they were recorded. */
+enum { AS_RECORDED = 3, SUSPECTS };
 
 typedef struct fault {
     diagnose_rows *r;
@@ -126,7 +131,7 @@ static void take_from(const fault *f, cycle_row *row, size_t x)
     }
 }
 
-/* Squares of the one-cycle errors into each row, into f->scratch: the rows that stand out with phase x mended, or none. */
+/* Squares of the one-cycle errors into each row, into f->scratch: the rows that stand out with phase x mended. */
 static bool errors_with(const fault *f, const averaged_drive *drive, const averaged_node *nodes, size_t x,
                         vec_ab *wrong)
 {
@@ -138,7 +143,7 @@ static bool errors_with(const fault *f, const averaged_drive *drive, const avera
     }
     memcpy(other.row, r->row, r->rows * sizeof *other.row);
     for (size_t k = 0; k < r->rows; k++) {
-        if (x < 3 && stands_out(f, k, TOLD)) {
+        if (x != AS_RECORDED && stands_out(f, k, TOLD)) {
             take_from(f, &other.row[k], x);
         }
     }
@@ -153,42 +158,86 @@ static bool errors_with(const fault *f, const averaged_drive *drive, const avera
     return true;
 }
 
-/* The phase that most of the told rows say, 3 if they do not agree. */
-static bool find_phase(const fault *f, const averaged_drive *drive, size_t *phase)
+/* How badly the rows are predicted that a disturbed one takes part in, as minus the log of a likelihood; and as many sound ones. */
+typedef struct predicted {
+    double cost[SUSPECTS], as_sound;
+} predicted;
+
+static bool takes_part(const fault *f, size_t k)
 {
-    enum { AS_RECORDED = 3 };
+    return stands_out(f, k, TOLD) || stands_out(f, k - 1, TOLD);
+}
+
+/*
+ * Minus the log of the likelihood of the errors in f->scratch, by Student's law of two components with two degrees of freedom: its width
+ * is that of the sound rows of the same stretch, and no row can outweigh all others.
+ */
+static void add_stretch(const fault *f, const stretch *st, double *cost, predicted *p)
+{
+    double sum_A2 = 0.0;
+    size_t rows = 0;
+    for (size_t k = st->first; k < st->first + st->count; k++) {
+        if (f->r->row[k].history > 0 && !takes_part(f, k)) {
+            sum_A2 += f->scratch[k];
+            rows++;
+        }
+    }
+    if (rows == 0 || sum_A2 <= 0.0) {
+        return;
+    }
+    const double width_A2 = sum_A2 / (double)rows;
+    double sound = 0.0;
+    size_t touched = 0;
+    for (size_t k = st->first; k < st->first + st->count; k++) {
+        if (f->r->row[k].history == 0) {
+            continue;
+        }
+        const double one = 2.0 * log1p(f->scratch[k] / width_A2);
+        if (takes_part(f, k)) {
+            *cost += one;
+            touched++;
+        } else {
+            sound += one;
+        }
+    }
+    p->as_sound += sound * (double)touched / (double)rows;
+}
+
+static bool predict_all(const fault *f, const averaged_drive *drive, predicted *p)
+{
     const diagnose_rows *r = f->r;
     averaged_node *nodes = rows_nodes(r, drive);
     vec_ab *wrong = calloc(r->rows + 1, sizeof *wrong);
-    double *least = calloc(r->rows, sizeof *least);
-    unsigned char *best = calloc(r->rows, 1);
-    bool ok = nodes && wrong && least && best;
-    for (size_t x = 0; ok && x <= AS_RECORDED; x++) {
+    bool ok = nodes && wrong;
+    *p = (predicted){.as_sound = 0.0};
+    for (size_t x = 0; ok && x < SUSPECTS; x++) {
         ok = errors_with(f, drive, nodes, x, wrong);
-        for (size_t k = 0; ok && k < r->rows; k++) {
-            if (x == 0 || f->scratch[k] < least[k]) {
-                least[k] = f->scratch[k];
-                best[k] = (unsigned char)x;
-            }
+        p->as_sound = 0.0;
+        for (size_t n = 0; ok && n < r->recording->stretches; n++) {
+            add_stretch(f, &r->recording->stretch[n], &p->cost[x], p);
         }
-    }
-    size_t votes[4] = {0};
-    size_t told = 0;
-    for (size_t k = 0; ok && k < r->rows; k++) {
-        if (stands_out(f, k, TOLD) && r->row[k].history > 0) {
-            votes[best[k]]++;
-            told++;
-        }
-    }
-    *phase = AS_RECORDED;
-    for (size_t x = 0; x < 3; x++) {
-        *phase = told >= LEAST_ROWS && (double)votes[x] >= AGREE * (double)told ? x : *phase;
     }
     free(nodes);
     free(wrong);
-    free(least);
-    free(best);
     return ok;
+}
+
+/*
+ * The phase that by far the likeliest was disturbed, AS_RECORDED if none. The drive may be rough: with the right phase these rows are
+ * predicted as badly as all others, with a wrong one worse than as recorded.
+ */
+static size_t likeliest(const predicted *p)
+{
+    size_t best = AS_RECORDED;
+    for (size_t x = 0; x < AS_RECORDED; x++) {
+        best = p->cost[x] < p->cost[best] ? x : best;
+    }
+    for (size_t x = 0; x < SUSPECTS; x++) {
+        if (x != best && p->cost[x] - p->cost[best] < CERTAIN) {
+            return AS_RECORDED;
+        }
+    }
+    return p->cost[best] - p->as_sound < STAYS * (p->cost[AS_RECORDED] - p->as_sound) ? best : AS_RECORDED;
 }
 
 static size_t count_told(const fault *f)
@@ -203,16 +252,17 @@ static size_t count_told(const fault *f)
 static bool look(fault *f, const averaged_drive *drive, const motor *file, size_t *mended)
 {
     diagnose_rows *r = f->r;
-    size_t phase = 3;
+    predicted p;
     fit_sound(f);
     const size_t told = count_told(f);
     if (told < LEAST_ROWS || (double)told > MOST_ROWS * (double)r->rows) {
         return true;
     }
-    if (!find_phase(f, drive, &phase)) {
+    if (!predict_all(f, drive, &p)) {
         return false;
     }
-    if (phase == 3) {
+    const size_t phase = likeliest(&p);
+    if (phase == AS_RECORDED) {
         return true;
     }
     const double number = (double)phase + 1.0;

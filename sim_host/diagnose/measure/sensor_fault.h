@@ -3,8 +3,8 @@
  * else.
  *
  * What linear or bent sensors, offsets and noise leave of the sum is fitted over all rows; rows that stand far out of that are
- * told. Whose sensor it was shows in the prediction: with its current taken from the other two a row is predicted better than
- * as it was recorded, and with another's worse.
+ * told. Whose sensor it was shows in the prediction: with its current taken from the other two they are predicted as well as all other
+ * rows, and with another's worse than as they were recorded.
  */
 #ifndef SIM_HOST_DIAGNOSE_MEASURE_SENSOR_FAULT_H
 #define SIM_HOST_DIAGNOSE_MEASURE_SENSOR_FAULT_H
