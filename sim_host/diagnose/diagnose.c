@@ -14,6 +14,7 @@
 #include "identify/fit.h"
 #include "identify/last_digits.h"
 #include "identify/mended.h"
+#include "identify/revolution.h"
 #include "learn/learned.h"
 #include "measure/errors.h"
 #include "measure/floor.h"
@@ -218,7 +219,11 @@ static double error_with(const diagnose_rows *r, const averaged_drive *drive)
 /* From the motor file's values on. */
 static bool begin(session *w, const diagnose_teller *teller)
 {
-    return fit_of_nominal(&w->fitted, &w->nominal) && causes_find(w, teller);
+    bool turned = false;
+    return fit_of_nominal(&w->fitted, &w->nominal) &&
+           (!revolution_in_file(&w->fitted) ||
+            revolution_align(&w->fitted, &w->nominal, w->frame.pole_pairs, &turned)) &&
+           (!turned || fit_of_nominal(&w->fitted, &w->nominal)) && causes_find(w, teller);
 }
 
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)

@@ -14,7 +14,8 @@ bool branch_choose(fit_data *d, fit_state *s)
 {
     double best = 0.0;
     fit_state chosen = *s;
-    for (size_t k = 0; k < sizeof cycles / sizeof *cycles && s->z[P_FE] == 0.0; k++) {
+    const bool none = d->frame->nominal.fe_S == 0.0 && s->z[P_FE] == 0.0;
+    for (size_t k = 0; none && k < sizeof cycles / sizeof *cycles; k++) {
         fit_state trial = *s;
         const int column[] = {P_FE};
         trial.z[P_TAU_FE] = log(cycles[k] / NOMINAL_CYCLES);

@@ -6,8 +6,8 @@
 
 #include "fit_data.h"
 
-/* While none is fitted the time constant with which one would pay most is found by trial and left in *s. False: out of
- * memory. */
+/* While none is fitted, nor known to the motor file, the time constant with which one would pay most is found by trial and left
+ * in *s. False: out of memory. */
 bool branch_choose(fit_data *d, fit_state *s);
 
 #endif

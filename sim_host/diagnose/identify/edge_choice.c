@@ -34,6 +34,10 @@ bool edge_choose(fit_data *d, fit_state *s)
 {
     double best = 0.0;
     fit_state chosen = *s;
+    if (d->frame->nominal.v_dead_V != 0.0) {
+        s->edge = d->frame->nominal.edge;
+        return true;
+    }
     for (size_t k = 0; k < KNEES * EDGE_LAWS; k++) {
         fit_state trial = *s;
         const int column[] = {P_V_DEAD};

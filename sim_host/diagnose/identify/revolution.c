@@ -66,11 +66,33 @@ static double turn_of(double ahead, size_t order, int pole_pairs)
     return best;
 }
 
+static bool has_order(const averaged_drive *drive, size_t order)
+{
+    return drive->harmonic_cos_rad[order - 1] != 0.0 || drive->harmonic_sin_rad[order - 1] != 0.0;
+}
+
+bool revolution_in_file(const fit_data *d)
+{
+    return has_order(&d->frame->nominal, 1) || has_order(&d->frame->nominal, 2);
+}
+
+/* The order of the model's harmonic, one that is fitted ahead of the motor file's; if there is none, `shown`. */
+static size_t order_in(hypothesis_set set, const averaged_drive *drive, size_t shown)
+{
+    if (hypothesis_in(set, H_ANGLE_HARMONIC_1)) {
+        return 1;
+    }
+    if (hypothesis_in(set, H_ANGLE_HARMONIC_2)) {
+        return 2;
+    }
+    return has_order(drive, 1) ? 1 : has_order(drive, 2) ? 2 : shown;
+}
+
 bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bool *turned)
 {
     *turned = false;
-    size_t stretches = d->rows->recording->stretches;
-    if (d->rows->mech_known || stretches < 2) {
+    const size_t stretches = d->rows->recording->stretches;
+    if (d->rows->mech_known || (stretches < 2 && !revolution_in_file(d))) {
         return true;
     }
     gram *grams = gram_blocks(d, s, column, COLUMNS);
@@ -100,13 +122,10 @@ bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bool *tur
     }
     /* With a harmonic in the model its phasor is what the stretches are held against, and each shows its
      * difference from it. */
-    size_t order = (s->set & HYPOTHESIS_BIT(H_ANGLE_HARMONIC_1))   ? 1
-                   : (s->set & HYPOTHESIS_BIT(H_ANGLE_HARMONIC_2)) ? 2
-                   : evidence[2] > evidence[1]                     ? 2
-                                                                   : 1;
-    phasor fitted = {s->z[order == 1 ? P_HARMONIC_1C : P_HARMONIC_2C],
-                     s->z[order == 1 ? P_HARMONIC_1S : P_HARMONIC_2S], 0.0};
-    bool held = fitted.c != 0.0 || fitted.s != 0.0;
+    const averaged_drive drive = fit_drive(d, s);
+    const size_t order = order_in(s->set, &drive, evidence[2] > evidence[1] ? 2 : 1);
+    const phasor fitted = {drive.harmonic_cos_rad[order - 1], drive.harmonic_sin_rad[order - 1], 0.0};
+    const bool held = fitted.c != 0.0 || fitted.s != 0.0;
     phasor reference = held ? fitted : phasor_of(&sum[strongest[order]], order);
     bool worth = held || reference.chi_square > WORTH_TURNING;
     for (size_t n = 0; n < stretches && worth; n++) {
