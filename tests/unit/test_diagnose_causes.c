@@ -166,6 +166,24 @@ static void an_angle_delay_beside_iron_loss_is_still_named(void)
     diagnosis_free(&d);
 }
 
+/* What stands for the iron while the delay is not known must not choose its time constant. */
+static void iron_loss_beside_a_late_voltage_is_named(void)
+{
+    static const double tau_cycles[] = {0.5, 4.0};
+    for (size_t k = 0; k < 2; k++) {
+        good.R_iron_ohm = 300.0;
+        good.tau_iron_s = tau_cycles[k] / good.m.f_pwm_Hz;
+        good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
+        good.m.ext.voltage_delay_cycles = 1.0;
+        diagnosis d = look(&good, NULL);
+        TEST_ASSERT_EQUAL_size_t(2, d.causes);
+        TEST_ASSERT_EQUAL_STRING("voltage_delay", d.cause[0].id);
+        TEST_ASSERT_EQUAL_STRING("iron_loss", d.cause[1].id);
+        TEST_ASSERT_DOUBLE_WITHIN(15.0, 300.0, d.cause[1].parameter[0].value);
+        diagnosis_free(&d);
+    }
+}
+
 /* R and psi_f of the file are those at the recording's mean temperature: symmetric about it on this bench. */
 static void what_follows_the_temperature_is_named(void)
 {
@@ -202,6 +220,7 @@ int main(void)
     RUN_TEST(an_angle_error_of_the_electrical_turn_is_named);
     RUN_TEST(iron_loss_is_named);
     RUN_TEST(an_angle_delay_beside_iron_loss_is_still_named);
+    RUN_TEST(iron_loss_beside_a_late_voltage_is_named);
     RUN_TEST(what_follows_the_temperature_is_named);
     return UNITY_END();
 }

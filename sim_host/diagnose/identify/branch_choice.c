@@ -10,13 +10,25 @@
 static const double cycles[] = {0.1, 0.35, 1.0, 3.5};
 static const double NOMINAL_CYCLES = 0.5;
 
+/* The state without what else stands for the iron: beside that a time constant would be chosen for what it leaves. */
+static fit_state without_stand_ins(const fit_state *s)
+{
+    fit_state out = *s;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (h != H_IRON_LOSS && (hypothesis_table[h].holds & hypothesis_table[H_IRON_LOSS].holds) != 0) {
+            hypothesis_copy(h, hypothesis_nominal, out.z);
+        }
+    }
+    return out;
+}
+
 bool branch_choose(fit_data *d, fit_state *s)
 {
-    double best = 0.0;
-    fit_state chosen = *s;
     const bool none = d->frame->nominal.fe_S == 0.0 && s->z[P_FE] == 0.0;
+    double best = 0.0;
+    double chosen = s->z[P_TAU_FE];
     for (size_t k = 0; none && k < sizeof cycles / sizeof *cycles; k++) {
-        fit_state trial = *s;
+        fit_state trial = without_stand_ins(s);
         const int column[] = {P_FE};
         trial.z[P_TAU_FE] = log(cycles[k] / NOMINAL_CYCLES);
         gram *grams = gram_blocks(d, &trial, column, 1);
@@ -32,9 +44,9 @@ bool branch_choose(fit_data *d, fit_state *s)
         free(grams);
         if (h > 0.0 && g < 0.0 && g * g / h > best) {
             best = g * g / h;
-            chosen = trial;
+            chosen = trial.z[P_TAU_FE];
         }
     }
-    *s = chosen;
+    s->z[P_TAU_FE] = chosen;
     return true;
 }

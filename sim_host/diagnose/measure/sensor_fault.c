@@ -192,7 +192,7 @@ static void add_stretch(const fault *f, const stretch *st, double *cost, predict
         if (f->r->row[k].history == 0) {
             continue;
         }
-        const double one = 2.0 * log1p(f->scratch[k] / width_A2);
+        const double one = 2.0 * log(1.0 + f->scratch[k] / width_A2);
         if (takes_part(f, k)) {
             *cost += one;
             touched++;
