@@ -226,16 +226,26 @@ static bool begin(session *w, const diagnose_teller *teller)
            (!turned || fit_of_nominal(&w->fitted, &w->nominal)) && causes_find(w, teller);
 }
 
+/* What the rows were mended of may have hidden more: a ripple of the link hides the updates that were missed. */
+static bool mend_rows(session *w, const motor *m, const diagnose_options *options)
+{
+    size_t mended = 1;
+    for (int again = 0; mended > 0 && again < 2; again++) {
+        if (!mending_by_rows(w, m, options->skip, options->teller.trace, &mended) ||
+            (mended > 0 && !begin(w, &options->teller))) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     bool changed = false;
-    size_t mended = 0;
     if (!begin(w, &options->teller) || !mending_by_modulator(w, options->teller.trace, &changed) ||
-        (changed && !begin(w, &options->teller)) ||
-        !mending_by_rows(w, m, options->skip, options->teller.trace, &mended) ||
-        (mended > 0 && !begin(w, &options->teller))) {
+        (changed && !begin(w, &options->teller)) || !mend_rows(w, m, options)) {
         return false;
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);

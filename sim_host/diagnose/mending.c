@@ -51,12 +51,15 @@ bool mending_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *t
     size_t missed = 0;
     size_t rippled = 0;
     double noise_A = 0.0;
-    if (!hypothesis_in(skip, H_MISSED_UPDATE) && !measure_missed(&w->rows, &first, file, &missed)) {
+    const bool look_for_missed =
+        !hypothesis_in(skip, H_MISSED_UPDATE) && !mending_of(&w->rows, CAUSE_MISSED_UPDATE);
+    const bool look_for_ripple =
+        !hypothesis_in(skip, H_DC_LINK_RIPPLE) && !mending_of(&w->rows, CAUSE_DC_LINK_RIPPLE);
+    if (look_for_missed && !measure_missed(&w->rows, &first, file, &missed)) {
         return false;
     }
     const double floor_A = measure_floor(&w->rows, &w->state, &first, &noise_A);
-    if (!hypothesis_in(skip, H_DC_LINK_RIPPLE) &&
-        !measure_link_ripple(&w->rows, &first, floor_A, file, &rippled)) {
+    if (look_for_ripple && !measure_link_ripple(&w->rows, &first, floor_A, file, &rippled)) {
         return false;
     }
     say(trace, missed, "missed updates");

@@ -15,8 +15,8 @@ bool mending_by_columns(session *w, const motor *file, hypothesis_set skip, FILE
  * *changed: all is to be searched again. False: out of memory. */
 bool mending_by_modulator(session *w, FILE *trace, bool *changed);
 
-/* What the rows tell one by one beside the drive that the session has found. *mended: how many rows; then all is to be
- * searched again. False: out of memory. */
+/* What the rows tell one by one beside the drive that the session has found, but for what they were mended of before. *mended:
+ * how many rows; then all is to be searched again. False: out of memory. */
 bool mending_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *trace, size_t *mended);
 
 /* Whether the rows were mended of a cause. */

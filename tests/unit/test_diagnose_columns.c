@@ -67,6 +67,29 @@ static void a_ripple_of_the_link_is_named(void)
     diagnosis_free(&d);
 }
 
+/* Neither hides the other, whichever is found first. */
+static void missed_updates_are_counted_beside_a_ripple(void)
+{
+    static const double ripple[] = {0.02, 0.05};
+    good.missed_share = 0.01;
+    for (size_t k = 0; k < 2; k++) {
+        good.unlogged_ripple = ripple[k];
+        diagnosis d = look(&good, NULL);
+        TEST_ASSERT_EQUAL_size_t(2, d.causes);
+        TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict);
+        for (size_t n = 0; n < 2; n++) {
+            const bool missed = strcmp(d.cause[n].id, "missed_update") == 0;
+            TEST_ASSERT_TRUE(missed || strcmp(d.cause[n].id, "dc_link_ripple") == 0);
+            if (missed) {
+                TEST_ASSERT_DOUBLE_WITHIN(0.005, 0.01, d.cause[n].parameter[0].value);
+            } else {
+                holds(&d.cause[n], "share", ripple[k]);
+            }
+        }
+        diagnosis_free(&d);
+    }
+}
+
 /* A harmonic of the back-EMF is a line too, at a fixed order and not at a fixed frequency. */
 static void a_harmonic_is_no_ripple(void)
 {
@@ -174,6 +197,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(missed_updates_are_counted_and_mended);
     RUN_TEST(a_ripple_of_the_link_is_named);
+    RUN_TEST(missed_updates_are_counted_beside_a_ripple);
     RUN_TEST(a_harmonic_is_no_ripple);
     RUN_TEST(a_speed_that_lags_is_named);
     RUN_TEST(a_speed_that_follows_is_not);
