@@ -22,7 +22,8 @@ import unittest
 import numpy as np
 
 import edited
-from edited import all_of, angle, gain, load, loose_contact, motor_text, offset, only_runs, ripple, voltage_scale, voltages_only
+from edited import (all_of, angle, gain, load, loose_contact, motor_text, offset, only_runs, ripple, voltage_scale, voltages_only,
+                    without)
 
 AXIS = np.exp(2j * np.pi / 3.0 * np.arange(3))
 T_S = 1.0 / 4000.0
@@ -177,7 +178,10 @@ LAWS = [
     Row("11th harmonic of 1 %", "clean", emf_harmonic(11, 0.002), {}, {"emf_harmonics"}),
     Row("13th harmonic of 1 %", "clean", emf_harmonic(13, 0.002), {}, {"emf_harmonics"}),
     Row("5th harmonic of 2 %", "clean", emf_harmonic(5, 0.004), {}, {"emf_harmonics"}, {"emf_harmonics": {"psi_5": (0.004, 3e-4)}}),
-    Row("inductance twice as large, a loose contact", "clean", loose_contact(0.001, 2.0), off(L=100), {"inductance"}, {}, ("partly",)),
+    Row("inductance twice as large, a loose contact", "clean", loose_contact(0.001, 2.0), off(L=100), {"inductance", "sensor_fault"},
+        {"sensor_fault": {"phase": (1, 0)}}),
+    Row("inductance twice as large, a loose contact of two", "clean", all_of(loose_contact(0.001, 2.0), without("i_c_A")), off(L=100),
+        {"inductance"}, {}, ("partly",)),
     Row("inductance twice as large, a ripple", "clean", ripple(0.02, 300.0), off(L=100), {"inductance", "dc_link_ripple"}, {},
         ("partly", "explained")),
     Row("one operating point, angle", "clean", all_of(angle(lambda c: c["theta_e_rad"] + 0.05), only_runs(5)), {}, {"angle_offset"},
