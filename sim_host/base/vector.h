@@ -68,4 +68,13 @@ static inline vec_ab vec_from_phases(const double abc[3])
     return v;
 }
 
+/* Each phase of a vector times a factor of its own. */
+static inline vec_ab vec_times_phases(vec_ab v, const double by[3])
+{
+    const double across = 0.5 * VEC_1_SQRT3 * (by[2] - by[1]);
+    vec_ab w = {(4.0 * by[0] + by[1] + by[2]) / 6.0 * v.alpha + across * v.beta,
+                across * v.alpha + 0.5 * (by[1] + by[2]) * v.beta};
+    return w;
+}
+
 #endif

@@ -91,6 +91,18 @@ static double angle_error(const averaged_drive *d, const cycle_row *row)
     return ahead;
 }
 
+vec_rotor averaged_drive_rotor(const averaged_drive *d, const cycle_row *row)
+{
+    const vec_rotor recorded = {row->cos_theta, row->sin_theta};
+    const double ahead = angle_error(d, row);
+    return ahead != 0.0 ? turned_back(recorded, ahead) : recorded;
+}
+
+double averaged_drive_magnet(const averaged_drive *d, const cycle_row *row)
+{
+    return d->psi_f_Wb * (1.0 + d->alpha_psi * row->temperature_K) + d->psi_rate_Wb_s * row->elapsed_s;
+}
+
 /* A mean, and a part that turns with twice the angle. */
 void averaged_drive_per_H(const averaged_drive *d, double share, vec_rotor r, double k[3])
 {
@@ -139,12 +151,7 @@ vec_ab averaged_drive_drop(const averaged_drive *d, const cycle_row *row, vec_ab
     const double all_ohm = d->R_ohm + drifted_ohm(d, row);
     vec_ab drop = {all_ohm * i.alpha, all_ohm * i.beta};
     if (d->dR_ohm[0] != 0.0 || d->dR_ohm[1] != 0.0 || d->dR_ohm[2] != 0.0) {
-        double more_V[3];
-        vec_to_phases(i, more_V);
-        for (size_t x = 0; x < 3; x++) {
-            more_V[x] *= d->dR_ohm[x];
-        }
-        const vec_ab more = vec_from_phases(more_V);
+        const vec_ab more = vec_times_phases(i, d->dR_ohm);
         drop.alpha += more.alpha;
         drop.beta += more.beta;
     }
@@ -181,17 +188,6 @@ static double half_decay(const averaged_step *m)
     return sqrt(sqrt(m->decay[0][0] * m->decay[1][1] - m->decay[0][1] * m->decay[1][0]));
 }
 
-/* Flux linkage of the unequal part of the phases' inductances. */
-static vec_ab phase_flux(const averaged_drive *d, vec_ab i)
-{
-    double flux[3];
-    vec_to_phases(i, flux);
-    for (size_t x = 0; x < 3; x++) {
-        flux[x] *= d->dL_H[x];
-    }
-    return vec_from_phases(flux);
-}
-
 /*
  * What that part takes of the flux left for the rest by the end of a cycle, whose current without it would
  * have changed by `free`. With M its matrix, of whose flux `half` has not decayed by then, and K the inverse
@@ -201,8 +197,8 @@ static vec_ab phase_share(const averaged_drive *d, vec_ab free, double half, vec
 {
     double k[3];
     averaged_drive_per_H(d, half, r, k);
-    const vec_ab one = phase_flux(d, (vec_ab){1.0, 0.0});
-    const vec_ab two = phase_flux(d, (vec_ab){0.0, 1.0});
+    const vec_ab one = vec_times_phases((vec_ab){1.0, 0.0}, d->dL_H);
+    const vec_ab two = vec_times_phases((vec_ab){0.0, 1.0}, d->dL_H);
     const double a11 = 1.0 + k[0] * one.alpha + k[1] * one.beta;
     const double a12 = k[0] * two.alpha + k[1] * two.beta;
     const double a21 = k[1] * one.alpha + k[2] * one.beta;
@@ -210,7 +206,7 @@ static vec_ab phase_share(const averaged_drive *d, vec_ab free, double half, vec
     const double det = a11 * a22 - a12 * a21;
     const vec_ab change = {(a22 * free.alpha - a12 * free.beta) / det,
                            (a11 * free.beta - a21 * free.alpha) / det};
-    const vec_ab flux = phase_flux(d, change);
+    const vec_ab flux = vec_times_phases(change, d->dL_H);
     return (vec_ab){half * flux.alpha, half * flux.beta};
 }
 
@@ -276,11 +272,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
                               vec_ab i_true, iron_memory *memory)
 {
     averaged_step m = averaged_node_step(&nodes[row->node], row->node_h);
-    vec_rotor r = {row->cos_theta, row->sin_theta};
-    double ahead = angle_error(d, row);
-    if (ahead != 0.0) {
-        r = turned_back(r, ahead);
-    }
+    const vec_rotor r = averaged_drive_rotor(d, row);
     vec_rotor end = further(r, (vec_rotor){row->cos_turn, row->sin_turn});
 
     vec_ab u = voltage_of(d, row, end, m.push[0][0]);
@@ -305,7 +297,7 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     vec_dq u_dq = vec_to_dq(u, r);
     vec_dq i_dq = vec_to_dq(i_true, r);
-    double psi = d->psi_f_Wb * (1.0 + d->alpha_psi * row->temperature_K) + d->psi_rate_Wb_s * row->elapsed_s;
+    const double psi = averaged_drive_magnet(d, row);
     bool iron = d->iron_S != 0.0 || d->iron_s_S != 0.0;
     if (iron) {
         /* The current that makes flux is what the iron leaves. */

@@ -106,6 +106,10 @@ vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *
 /* The drop that a current causes over the phases' resistances, warm and unequal as they are. */
 vec_ab averaged_drive_drop(const averaged_drive *drive, const cycle_row *row, vec_ab i_A);
 
+/* Where the rotor truly is at the start of the row's cycle, and the flux of its magnet then. */
+vec_rotor averaged_drive_rotor(const averaged_drive *drive, const cycle_row *row);
+double averaged_drive_magnet(const averaged_drive *drive, const cycle_row *row);
+
 /* A share of 1/L in the stationary frame, the rotor at r: aa, ab, bb. */
 void averaged_drive_per_H(const averaged_drive *drive, double share, vec_rotor r, double k[3]);
 

@@ -106,3 +106,26 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
         add(&e.flux, volt_on(x), (e.moved_V[x] + late) * i->T_s);
     }
 }
+
+void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, double rise_V[3],
+                      double fall_V[3])
+{
+    const bool over = d->edge == EDGE_OVER;
+    const double v_late_V = over ? -d->dead_share * d->v_dead_V : d->v_dead_V;
+    const double moved_V = over ? 0.5 * (v_late_V - d->v_dead_V) : 0.0;
+    const double per_knee = 1.0 / d->i_knee_A;
+    found_currents at = {.T_s = row->T_s};
+    vec_to_phases(i, at.first);
+    vec_to_phases((vec_ab){row->cos_turn * i.alpha - row->sin_turn * i.beta,
+                           row->cos_turn * i.beta + row->sin_turn * i.alpha},
+                  at.last);
+    found_currents_apart(d, row, (vec_rotor){row->cos_theta, row->sin_theta}, &at);
+    for (size_t x = 0; x < 3; x++) {
+        const double mid = 0.5 * (at.first[x] + at.last[x]);
+        const double at_rise = averaged_drive_edge(d->edge, (mid + at.apart[x]) * per_knee);
+        const double at_fall = averaged_drive_edge(d->edge, (mid - at.apart[x]) * per_knee);
+        const double moved = moved_V * averaged_drive_edge(d->edge, at.first[x] * per_knee);
+        rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
+        fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;
+    }
+}

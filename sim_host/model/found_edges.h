@@ -32,4 +32,12 @@ void found_currents_apart(const averaged_drive *d, const cycle_row *row, vec_rot
 /* The mean voltage that each leg loses over the cycle under EDGE_OVER: v_dead against a current that is far from nought. */
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3]);
 
+/*
+ * What a dead time takes of each leg at its rise and at its fall, as the cycle's mean voltages: all at the rise if the current
+ * flows out, all at the fall (which then is later) if it flows in. By the current that each edge finds, between that at the start and
+ * where it turns to. A compensation has moved both edges, by the sign at the start.
+ */
+void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, double rise_V[3],
+                      double fall_V[3]);
+
 #endif

@@ -12,34 +12,6 @@ static const double LEAST = 1e-4;
 static const double ALL_FADED =
     700.0; /* time constants in a cycle: more are no less, and the exponentials stay numbers */
 
-/*
- * What a dead time takes of a leg at its rise and at its fall, as a cycle's mean voltages: all at the rise if the current flows
- * out, all at the fall (which then is later) if it flows in. By the current that each edge finds, between that at the start and
- * where it turns to. A compensation has moved both edges, by the sign at the start.
- */
-static void lost_at_edges(const averaged_drive *d, const cycle_row *at, vec_ab i, double rise_V[3],
-                          double fall_V[3])
-{
-    const bool over = d->edge == EDGE_OVER;
-    const double v_late_V = over ? -d->dead_share * d->v_dead_V : d->v_dead_V;
-    const double moved_V = over ? 0.5 * (v_late_V - d->v_dead_V) : 0.0;
-    const double per_knee = 1.0 / d->i_knee_A;
-    found_currents edges = {.T_s = at->T_s};
-    vec_to_phases(i, edges.first);
-    vec_to_phases((vec_ab){at->cos_turn * i.alpha - at->sin_turn * i.beta,
-                           at->cos_turn * i.beta + at->sin_turn * i.alpha},
-                  edges.last);
-    found_currents_apart(d, at, (vec_rotor){at->cos_theta, at->sin_theta}, &edges);
-    for (size_t x = 0; x < 3; x++) {
-        const double mid = 0.5 * (edges.first[x] + edges.last[x]);
-        const double at_rise = averaged_drive_edge(d->edge, (mid + edges.apart[x]) * per_knee);
-        const double at_fall = averaged_drive_edge(d->edge, (mid - edges.apart[x]) * per_knee);
-        const double moved = moved_V * averaged_drive_edge(d->edge, edges.first[x] * per_knee);
-        rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - at->no_rise[x]) - moved;
-        fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - at->no_fall[x]) - moved;
-    }
-}
-
 /* What is left at a cycle's end of a short pulse at each leg's rise, and of one at its fall: it is on from rise T to (1 - rise) T. */
 typedef struct edges_left {
     double rise[3], fall[3];
@@ -74,7 +46,7 @@ static cycle_pulses pulses_of(const averaged_drive *d, const iron_memory *m, con
         double rise_V[3];
         double fall_V[3];
         double lost_V[3];
-        lost_at_edges(d, at, i, rise_V, fall_V);
+        found_edges_each(d, at, i, rise_V, fall_V);
         for (size_t x = 0; x < 3; x++) {
             leg[x] -= m->per_tau * (rise_V[x] * left.rise[x] + fall_V[x] * left.fall[x]);
             lost_V[x] = rise_V[x] + fall_V[x];

@@ -12,14 +12,26 @@
  * While no leg is high (W = 0) the flux stands still, and but for R this is the current of that flux with the rotor
  * where it was tau ago: an angle read late by tau. It is the edges that a filter still sees that tell the two apart.
  * The map is linear in the current, and so a part of the map from true to recorded currents.
+ *
+ * An iron's branch (iron_branch.h) carries a part of the current that is behind no inductance: the voltage through a pole of its own,
+ * tau_fe, and what a filter shows of that is the voltage through two,
+ *
+ *     seen = (tau_fe i(tau_fe) - tau i(tau)) / (tau_fe - tau)
+ *
+ * i(x) being the branch's current if its time constant were x. In a late sample it has faded meanwhile.
  */
 #ifndef SIM_HOST_MODEL_SENSOR_LAG_H
 #define SIM_HOST_MODEL_SENSOR_LAG_H
 
-#include "sensor_chain.h"
+#include "iron_branch.h"
+
+/* The iron's current from row to row, its own and by the filter's time constant. All nought at a way's beginning. */
+typedef struct lag_memory {
+    iron_memory own, by_filter;
+} lag_memory;
 
 /* The map of sensors at a row that see the current so late. T_s: the cycle. */
 sensor_map sensor_lag_map(const averaged_drive *drive, const cycle_row *row, double T_s,
-                          const sensor_map *map);
+                          const sensor_map *map, lag_memory *memory);
 
 #endif

@@ -15,10 +15,10 @@ static bool sensors_change(const averaged_drive *drive, const sensor_course *cou
 
 /* The sensors at a row, where they are not the same at all. */
 static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const sensor_course *course,
-                             const cycle_row *row)
+                             const cycle_row *row, lag_memory *memory)
 {
     const sensor_map map = sensor_course_at(course, row->elapsed_s);
-    return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map);
+    return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map, memory);
 }
 
 /* What the sensors show of a true current; *zero: the mean of the three. */
@@ -48,8 +48,9 @@ typedef struct walker {
     double gain;
     sensor_course course;
     bool change; /* the sensors, from row to row */
-    vec_ab x;    /* the true current by all rows so far */
-    size_t age;  /* rows since it started */
+    lag_memory memory;
+    vec_ab x;   /* the true current by all rows so far */
+    size_t age; /* rows since it started */
 } walker;
 
 static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double gain)
@@ -68,7 +69,7 @@ static bool take_in(walker *w, size_t k, double gate, double *out)
     const sensor_map *sensors = &w->course.middle;
     out[0] = out[1] = out[2] = 0.0;
     if (w->change) {
-        changed = sensors_at(w->r, w->drive, &w->course, row);
+        changed = sensors_at(w->r, w->drive, &w->course, row, &w->memory);
         sensors = &changed;
     }
     double zero;
@@ -158,17 +159,15 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
 {
     const sensor_course course = sensor_course_of(drive, r->two_sensors);
     const bool change = sensors_change(drive, &course);
-    sensor_map sensors = course.middle;
+    lag_memory lag = {.own = {.row = NULL}};
+    sensor_map sensors = change ? sensors_at(r, drive, &course, &r->row[first], &lag) : course.middle;
     iron_memory memory = {.row = NULL};
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
         const cycle_row *before = &r->row[first + j - 1];
-        if (change) {
-            sensors = sensors_at(r, drive, &course, before);
-        }
         vec_ab x = unshown(drive, &sensors, before->i_A);
         if (change) {
-            sensors = sensors_at(r, drive, &course, before + 1);
+            sensors = sensors_at(r, drive, &course, before + 1, &lag);
         }
         double zero;
         x = averaged_drive_advance(drive, nodes, before, x, &memory);
@@ -183,12 +182,13 @@ void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, cons
 {
     const sensor_course course = sensor_course_of(drive, r->two_sensors);
     const bool change = sensors_change(drive, &course);
-    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first]);
+    lag_memory lag = {.own = {.row = NULL}};
+    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], &lag);
     vec_ab x = unshown(drive, &sensors, r->row[first].i_A);
     iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < count; j++) {
-        if (change) {
-            sensors = sensors_at(r, drive, &course, &r->row[first + j]);
+        if (change && j > 0) {
+            sensors = sensors_at(r, drive, &course, &r->row[first + j], &lag);
         }
         double zero;
         current[j] = shown(drive, &sensors, x, &zero);
