@@ -130,6 +130,8 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
 static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
     evidence_view *view = calloc(1, sizeof *view);
+    /* What is told is what holds about the state, not what a search sees from there. */
+    w->fitted.searches = false;
     bool ok = view != NULL && evidence_look(&w->fitted, &w->state, w->possible, view);
     if (ok) {
         ok = tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
@@ -239,11 +241,27 @@ static bool mend_rows(session *w, const motor *m, const diagnose_options *option
     return true;
 }
 
+/* What names that did not bear out had taken up may be what rows can be mended of: beside those it did not show. */
+static bool mend_what_is_left(session *w, const motor *m, const diagnose_options *options)
+{
+    size_t mended = 0;
+    if (!mending_by_rows(w, m, options->skip, options->teller.trace, &mended)) {
+        return false;
+    }
+    if (mended == 0) {
+        return true;
+    }
+    w->more_left = false;
+    return begin(w, &options->teller) && reconsider(w, &options->teller) &&
+           causes_bear_out(w, &options->teller);
+}
+
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     bool changed = false;
+    w->fitted.searches = true;
     if (!begin(w, &options->teller) || !mending_by_modulator(w, options->teller.trace, &changed) ||
         (changed && !begin(w, &options->teller)) || !mend_rows(w, m, options)) {
         return false;
@@ -258,7 +276,8 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
             return false;
         }
     }
-    if (!reconsider(w, &options->teller) || !causes_bear_out(w, &options->teller)) {
+    if (!reconsider(w, &options->teller) || !causes_bear_out(w, &options->teller) ||
+        (w->more_left && !mend_what_is_left(w, m, options))) {
         return false;
     }
     d->nominal_drive = w->frame.nominal;

@@ -28,16 +28,31 @@ bool mending_by_columns(session *w, const motor *file, hypothesis_set skip, FILE
     return true;
 }
 
+/* What tells the edges apart and stands, in the set or in the motor file. */
+static unsigned seen_by(const session *w)
+{
+    const averaged_drive *file = &w->frame.nominal;
+    unsigned by = 0;
+    by |= hypothesis_in(w->state.set, H_DEAD_TIME) || file->v_dead_V != 0.0 ? EDGES_BY_DEAD_TIME : 0;
+    by |= hypothesis_in(w->state.set, H_SENSOR_LAG) || file->sensor_lag_s != 0.0 ? EDGES_BY_SENSOR_LAG : 0;
+    by |= hypothesis_in(w->state.set, H_IRON_LOSS) || file->fe_S != 0.0 ? EDGES_BY_IRON : 0;
+    return by;
+}
+
 bool mending_by_modulator(session *w, FILE *trace, bool *changed)
 {
+    const unsigned by = seen_by(w);
     *changed = false;
-    if (!hypothesis_in(w->state.set, H_DEAD_TIME) && w->frame.nominal.v_dead_V == 0.0) {
-        return true;
-    }
-    /* Where wrong edges led the search astray, what it found bends to them: then by a dead time alone. */
-    if (!modulator_choose(&w->fitted, &w->state, changed) ||
-        (!*changed && session_leaves_something(w) && !modulator_choose(&w->fitted, &w->nominal, changed))) {
+    if (by != 0 && !modulator_choose(&w->fitted, &w->state, by, changed)) {
         return false;
+    }
+    /* Where wrong edges led the search astray, what it found bends to them: then without the rest, or with what may be missing. */
+    if (!*changed && (session_leaves_something(w) || session_holds_unnamed(w))) {
+        const unsigned missing = EDGES_BY_SENSOR_LAG | EDGES_BY_IRON;
+        if (!modulator_choose(&w->fitted, &w->nominal, by != 0 ? by : missing, changed) ||
+            (!*changed && !modulator_choose(&w->fitted, &w->state, by | missing, changed))) {
+            return false;
+        }
     }
     if (*changed && trace) {
         fprintf(trace, "  edges by another modulator: %s\n", modulator_words[w->rows.modulator]);
@@ -48,13 +63,19 @@ bool mending_by_modulator(session *w, FILE *trace, bool *changed)
 bool mending_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *trace, size_t *mended)
 {
     const averaged_drive first = session_drive(w, w->state.z);
+    size_t faulty = 0;
     size_t missed = 0;
     size_t rippled = 0;
     double noise_A = 0.0;
+    const bool look_for_fault =
+        !hypothesis_in(skip, H_SENSOR_FAULT) && !mending_of(&w->rows, CAUSE_SENSOR_FAULT);
     const bool look_for_missed =
         !hypothesis_in(skip, H_MISSED_UPDATE) && !mending_of(&w->rows, CAUSE_MISSED_UPDATE);
     const bool look_for_ripple =
         !hypothesis_in(skip, H_DC_LINK_RIPPLE) && !mending_of(&w->rows, CAUSE_DC_LINK_RIPPLE);
+    if (look_for_fault && !measure_sensor_fault(&w->rows, &first, file, &faulty)) {
+        return false;
+    }
     if (look_for_missed && !measure_missed(&w->rows, &first, file, &missed)) {
         return false;
     }
@@ -62,9 +83,10 @@ bool mending_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *t
     if (look_for_ripple && !measure_link_ripple(&w->rows, &first, floor_A, file, &rippled)) {
         return false;
     }
+    say(trace, faulty, "a sensor's fault");
     say(trace, missed, "missed updates");
     say(trace, rippled, "a ripple of the link");
-    *mended = missed + rippled;
+    *mended = faulty + missed + rippled;
     return true;
 }
 

@@ -82,8 +82,7 @@ bool __wrap_certainty_of(fit_data *d, const fit_state *s, certainty *c);
 bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen);
 double __wrap_measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
                             double *sensor_rms_A);
-double __wrap_measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
-                                bool held_out_only);
+double __wrap_measure_without_glitches(const diagnose_rows *r, const averaged_drive *drive);
 double __wrap_measure_current(const diagnose_rows *r, size_t group, bool held_out_only);
 
 static void fit(fit_state *s)
@@ -186,11 +185,9 @@ double __wrap_measure_floor(const diagnose_rows *r, const fit_state *s, const av
     return floor_A;
 }
 
-double __wrap_measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
-                                bool held_out_only)
+double __wrap_measure_without_glitches(const diagnose_rows *r, const averaged_drive *drive)
 {
     (void)r;
-    TEST_ASSERT_TRUE(group == MEASURE_ALL && held_out_only);
     double percent = error_of_file;
     percent *= drive->R_ohm != w.frame.nominal.R_ohm ? factor[P_R] : 1.0;
     percent *= drive->psi_f_Wb != w.frame.nominal.psi_f_Wb ? factor[P_PSI] : 1.0;

@@ -128,7 +128,7 @@ static void a_set_pays_for_causes_parameters_and_surprise(void)
 static void the_least_beside_what_leaves_more_than_a_tolerance(void)
 {
     SAME(0.0, evidence_least(EDGE_CLIPPED, 1.0, BIT(H_RESISTANCE) | BIT(H_DEAD_TIME), H_RESISTANCE));
-    SAME(3e-2, evidence_least(EDGE_CLIPPED, 1.0, BIT(H_SENSOR_LAG) | BIT(H_DEAD_TIME), H_SENSOR_LAG));
+    SAME(3e-3, evidence_least(EDGE_CLIPPED, 1.0, BIT(H_SENSOR_LAG) | BIT(H_DEAD_TIME), H_SENSOR_LAG));
     SAME(0.0, evidence_least(EDGE_CLIPPED, 1.0, BIT(H_SENSOR_LAG), H_SENSOR_LAG));
     /* A law that follows each edge leaves none of it. */
     SAME(0.0, evidence_least(EDGE_OVER, 1.0, BIT(H_SENSOR_LAG) | BIT(H_DEAD_TIME), H_SENSOR_LAG));

@@ -169,6 +169,41 @@ static void it_is_larger_than_its_least(void)
     DROPPED(BIT(H_RESISTANCE));
 }
 
+static hypothesis_set first_then(hypothesis_set first, hypothesis_set then)
+{
+    calls = fits = 0;
+    w.state = w.nominal;
+    proposed[0] = first;
+    for (size_t k = 1; k < MOST_CALLS; k++) {
+        proposed[k] = then;
+    }
+    TEST_ASSERT_TRUE(causes_find(&w, &nobody));
+    return w.state.set;
+}
+
+/* A part of a cycle that is not worth a name is left of a delay that is: that of whole cycles. */
+static void of_a_part_that_goes_whole_cycles_stay(void)
+{
+    const hypothesis_set all = BIT(H_VOLTAGE_DELAY_1) | BIT(H_VOLTAGE_DELAY_2) | BIT(H_VOLTAGE_DELAY_PART) |
+                               BIT(H_VOLTAGE_DELAY_MORE);
+    prepare();
+    w.possible |= all;
+    takes(P_U_DELAY_1, 1.0, 500.0);
+    takes(P_U_DELAY_2, 0.12, 60.0);
+    half_width[P_U_DELAY_2] = 0.05;
+    TEST_ASSERT_TRUE(first_then(BIT(H_VOLTAGE_DELAY_MORE), BIT(H_VOLTAGE_DELAY_1)) == BIT(H_VOLTAGE_DELAY_1));
+    TEST_ASSERT_EQUAL_size_t(2, fits); /* with the part, and without: weighed at once */
+    TEST_ASSERT_TRUE(set_fitted[1] == BIT(H_VOLTAGE_DELAY_1));
+    half_width[P_U_DELAY_2] = 0.01;
+    takes(P_U_DELAY_2, 0.4, 60.0);
+    KEPT(BIT(H_VOLTAGE_DELAY_MORE));
+    prepare();
+    w.possible |= all;
+    takes(P_U_DELAY_1, 0.12, 500.0);
+    half_width[P_U_DELAY_1] = 0.05;
+    DROPPED(BIT(H_VOLTAGE_DELAY_PART)); /* no whole cycle is nothing */
+}
+
 /* ---- What is told ---- */
 
 static void what_is_dropped_is_told(void)
@@ -222,6 +257,7 @@ int main(void)
     RUN_TEST(the_odds_of_a_name);
     RUN_TEST(it_is_likely_or_in_the_likeliest_set);
     RUN_TEST(it_is_larger_than_its_least);
+    RUN_TEST(of_a_part_that_goes_whole_cycles_stay);
     RUN_TEST(what_is_dropped_is_told);
     RUN_TEST(how_effects_differ_between_points_is_told);
     return UNITY_END();

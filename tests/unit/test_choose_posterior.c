@@ -171,6 +171,40 @@ static void a_size_is_as_sure_as_its_columns_together(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4 * expected, expected, certainty_of_size(&c, &state, H_ANGLE_HARMONIC_1));
 }
 
+/*
+ * A vector's length is certain where no shorter one lies in the ellipse. Along its own line two columns that trade may be as wide as
+ * it is long: half widths of 4 each, leaning by 0.98, leave 0.57 across, and a point of length 1 is some 7 half widths away.
+ */
+static void a_length_is_certain_by_the_shortest_that_fits(void)
+{
+    certainty c = {.columns = 2, .column = {P_HARMONIC_1C, P_HARMONIC_1S}, .half_width = {4.0, 4.0}};
+    c.covariance[0][0] = c.covariance[1][1] = 1.0;
+    c.covariance[0][1] = c.covariance[1][0] = 0.98;
+    state.z[P_HARMONIC_1C] = 7.0;
+    state.z[P_HARMONIC_1S] = -1.0;
+    TEST_ASSERT_TRUE(hypothesis_size(H_ANGLE_HARMONIC_1, state.z) -
+                         certainty_of_size(&c, &state, H_ANGLE_HARMONIC_1) <
+                     4.5);
+    TEST_ASSERT_TRUE(certainty_exceeds(&c, &state, H_ANGLE_HARMONIC_1, 4.5));
+    /* The nearest point of a length, looked for on its circle. */
+    for (double least = 4.6; least < 7.0; least += 0.1) {
+        double nearest = INFINITY;
+        for (double at = 0.0; at < 6.2831853; at += 1e-4) {
+            const double x = least * cos(at) - 7.0;
+            const double y = least * sin(at) + 1.0;
+            nearest = fmin(nearest, (x * x - 2.0 * 0.98 * x * y + y * y) / (16.0 * (1.0 - 0.98 * 0.98)));
+        }
+        TEST_ASSERT_TRUE(fabs(nearest - 1.0) < 0.02 ||
+                         certainty_exceeds(&c, &state, H_ANGLE_HARMONIC_1, least) == (nearest > 1.0));
+    }
+    TEST_ASSERT_FALSE(certainty_exceeds(&c, &state, H_ANGLE_HARMONIC_1, 7.2)); /* more than it is */
+    /* One column has no way round. */
+    certainty one = of_two();
+    state.z[P_R] = 0.05;
+    TEST_ASSERT_TRUE(certainty_exceeds(&one, &state, H_RESISTANCE, 0.0299));
+    TEST_ASSERT_FALSE(certainty_exceeds(&one, &state, H_RESISTANCE, 0.0301));
+}
+
 /* One coordinate set free, by the information of the sums: its step, and 1.96 standard deviations with a floor. */
 static void an_estimate_is_of_the_information(void)
 {
@@ -237,6 +271,7 @@ int main(void)
     RUN_TEST(what_is_asked_of_a_certainty);
     RUN_TEST(a_cause_of_two_columns_is_weighed_with_both);
     RUN_TEST(a_size_is_as_sure_as_its_columns_together);
+    RUN_TEST(a_length_is_certain_by_the_shortest_that_fits);
     RUN_TEST(an_estimate_is_of_the_information);
     RUN_TEST(what_leans_on_an_estimate_moves_within_its_digits);
     return UNITY_END();

@@ -35,8 +35,7 @@ static bool is_large(const session *w, hypothesis_id h)
 {
     const hypothesis *hypo = &hypothesis_table[h];
     return hypo->fixed == hypo->columns ||
-           hypothesis_size(h, w->state.z) - certainty_of_size(&w->certainty, &w->state, h) >=
-               w->frame.of_least * hypo->least;
+           certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypo->least);
 }
 
 /* Held-out error of the model that holds the named members of a set, at the fitted values. */
@@ -49,7 +48,7 @@ static double named_error(const session *w, hypothesis_set set)
         }
     }
     averaged_drive drive = session_drive(w, z);
-    return measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
+    return measure_without_glitches(&w->rows, &drive);
 }
 
 /* How many noise floors an error of so many percent of the current is; 0 if there is no noise to measure it by. */
@@ -75,7 +74,7 @@ static double unexplained_of(const session *w, const evidence_view *view, double
 {
     evidence_option own;
     const averaged_drive drive = session_drive(w, w->state.z);
-    const double floors = in_floors(w, floor_A, measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true));
+    const double floors = in_floors(w, floor_A, measure_without_glitches(&w->rows, &drive));
     evidence_cost(view, &w->state, w->state.set, &own);
     return floors > DIAGNOSIS_FLOOR_TOLERANCE ? (floors * floors - 1.0) * own.cost : 0.0;
 }
@@ -192,11 +191,44 @@ static hypothesis_id weakest(const session *w, const weighing *g)
     return least_of(g->without, unworthy);
 }
 
-/* Takes a hypothesis out of a state. */
-static void leave(fit_state *s, hypothesis_id h)
+/* Takes a hypothesis out of a state. Of one that holds an inductance worth a name that stays, to be weighed by itself. */
+static void leave(fit_state *s, hypothesis_id h, hypothesis_set allowed, double of_least)
 {
+    const double mean = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
     s->set &= ~HYPOTHESIS_BIT(h);
+    if (h != H_INDUCTANCE && hypothesis_in(allowed, H_INDUCTANCE) &&
+        (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0 &&
+        fabs(mean) >= of_least * hypothesis_table[H_INDUCTANCE].least) {
+        hypothesis_leave_mean(h, s->z);
+        s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
+        return;
+    }
     last_digits_keep(h, s->z);
+}
+
+/* A delay whose part of a cycle is not worth a name may still be one of whole cycles: that one, H_COUNT if there is none. */
+static hypothesis_id whole_of(const fit_state *s, hypothesis_id h)
+{
+    const hypothesis *part = &hypothesis_table[h];
+    const size_t whole = part->size == SIZE_FROM_WHOLE
+                             ? part->fixed + (size_t)lround(fmax(s->z[part->column[part->columns - 1]], 0.0))
+                             : 0;
+    for (hypothesis_id other = 0; whole > 0 && other < H_COUNT; other++) {
+        const hypothesis *o = &hypothesis_table[other];
+        if (o->cause == part->cause && o->fixed == o->columns && o->fixed == whole) {
+            return other;
+        }
+    }
+    return H_COUNT;
+}
+
+/* A hypothesis that is not fitted joins a state: it is, or is not. */
+static void join_whole(fit_state *s, hypothesis_id h)
+{
+    s->set |= HYPOTHESIS_BIT(h);
+    for (size_t k = 0; k < hypothesis_table[h].fixed; k++) {
+        s->z[hypothesis_table[h].column[k]] = 1.0;
+    }
 }
 
 /* By what share each effect differs from one operating point to the next: what LAW_HOLDS is measured by. */
@@ -243,7 +275,11 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
         *allowed &= ~(hypothesis_table[worst].cause == CAUSE_SATURATION_DQ
                           ? hypotheses_of_cause(hypothesis_cause(worst)->id)
                           : HYPOTHESIS_BIT(worst));
-        leave(&w->state, worst);
+        const hypothesis_id whole = whole_of(&w->state, worst);
+        leave(&w->state, worst, *allowed, w->frame.of_least);
+        if (whole != H_COUNT && hypothesis_in(*allowed, whole) && hypothesis_joins(w->state.set, whole)) {
+            join_whole(&w->state, whole);
+        }
         /* Half, as another set may leave less. */
         *least = fmax(*least, 0.5 * LEAST_SHARE_OF_REST * unexplained);
     }
@@ -316,7 +352,7 @@ static bool is_borne_out(const session *w)
     double noise = 0.0;
     const averaged_drive drive = session_drive(w, w->state.z);
     const double floor_A = measure_floor(&w->rows, &w->state, &drive, &noise);
-    const double all = measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
+    const double all = measure_without_glitches(&w->rows, &drive);
     const double in_all = in_floors(w, floor_A, all);
     return borne_out(w->nominal.objective - w->state.objective,
                      borne_out_left(w->state.noise, w->rows.groups), named_error(w, 0),

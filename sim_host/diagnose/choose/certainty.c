@@ -155,25 +155,103 @@ double certainty_correlation(const certainty *c, int column, int other)
     return c->covariance[i][j] / sqrt(c->covariance[i][i] * c->covariance[j][j]);
 }
 
+/* Covariance, scaled to the half widths, of some columns; those not fitted have none. */
+static void widths_together(const certainty *c, const int *column, size_t n, double *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        const double half = certainty_half_width(c, column[i]);
+        for (size_t j = 0; j < n; j++) {
+            const double lean = i == j ? 1.0 : certainty_correlation(c, column[i], column[j]);
+            out[i * n + j] = lean * half * certainty_half_width(c, column[j]);
+        }
+    }
+}
+
 double certainty_of_size(const certainty *c, const fit_state *s, hypothesis_id h)
 {
     const hypothesis *hypo = &hypothesis_table[h];
-    double change[HYPOTHESIS_COLUMNS] = {0.0}; /* of the size by each column's half width */
+    const int *column = hypo->column + hypo->fixed;
+    const size_t n = hypo->columns - hypo->fixed;
+    double along[HYPOTHESIS_COLUMNS] = {0.0}; /* the size's slope */
+    double width[HYPOTHESIS_COLUMNS * HYPOTHESIS_COLUMNS];
     double square = 0.0;
-    for (size_t k = hypo->fixed; k < hypo->columns; k++) {
-        const double half = certainty_half_width(c, hypo->column[k]);
-        const double step = 1e-3 * half;
+    widths_together(c, column, n, width);
+    for (size_t k = 0; k < n; k++) {
+        const double step = 1e-3 * sqrt(width[k * n + k]);
         double z[P_COUNT];
         memcpy(z, s->z, sizeof z);
-        column_move(hypo->column[k], step, z);
-        change[k] = step > 0.0 ? (hypothesis_size(h, z) - hypothesis_size(h, s->z)) / 1e-3 : 0.0;
-        for (size_t j = hypo->fixed; j <= k; j++) {
-            const double lean =
-                j == k ? 1.0 : 2.0 * certainty_correlation(c, hypo->column[j], hypo->column[k]);
-            square += lean * change[j] * change[k];
+        column_move(column[k], step, z);
+        along[k] = step > 0.0 ? (hypothesis_size(h, z) - hypothesis_size(h, s->z)) / step : 0.0;
+    }
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            square += along[i] * width[i * n + j] * along[j];
         }
     }
     return sqrt(fmax(square, 0.0));
+}
+
+/* The half widths as an ellipsoid about z, along its own axes. */
+typedef struct ellipsoid {
+    size_t n;
+    double square[HYPOTHESIS_COLUMNS]; /* of each half axis, */
+    double z[HYPOTHESIS_COLUMNS];      /* and z along it */
+} ellipsoid;
+
+/* Of the points nearest to z, each of its length, one for each `pull`, 0 to infinity: the length rises with it. */
+static double length_at(const ellipsoid *e, double pull)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < e->n; k++) {
+        const double x = pull * e->z[k] / (e->square[k] + pull);
+        sum += x * x;
+    }
+    return sqrt(sum);
+}
+
+static double distance_at(const ellipsoid *e, double pull)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < e->n; k++) {
+        const double off = e->z[k] / (e->square[k] + pull);
+        sum += e->square[k] * off * off;
+    }
+    return sqrt(sum);
+}
+
+/* The distance from z to the ball of points no longer than `length`; z lies outside. None, where no point of it is in reach. */
+static double distance_to_ball(const ellipsoid *e, double length)
+{
+    double low = 1e-300;
+    double high = 1e300;
+    for (int n = 0; n < 100; n++) {
+        const double middle = sqrt(low) * sqrt(high);
+        if (length_at(e, middle) > length) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    return length_at(e, low) > length ? INFINITY : distance_at(e, low);
+}
+
+bool certainty_exceeds(const certainty *c, const fit_state *s, hypothesis_id h, double least)
+{
+    int column[HYPOTHESIS_COLUMNS];
+    double axes[HYPOTHESIS_COLUMNS * HYPOTHESIS_COLUMNS];
+    ellipsoid e = {.n = hypothesis_length(h, column)};
+    const double size = hypothesis_size(h, s->z);
+    widths_together(c, column, e.n, axes);
+    if (e.n < 2 || size <= least || !solve_symmetric(e.n, axes, e.square)) {
+        return size - certainty_of_size(c, s, h) >= least;
+    }
+    for (size_t k = 0; k < e.n; k++) {
+        e.square[k] = fmax(e.square[k], 0.0);
+        for (size_t i = 0; i < e.n; i++) {
+            e.z[k] += axes[i * e.n + k] * column_value(column[i], s->z);
+        }
+    }
+    return distance_to_ball(&e, least) >= 1.0;
 }
 
 double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_id h)

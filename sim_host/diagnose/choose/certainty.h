@@ -31,6 +31,13 @@ double certainty_half_width(const certainty *c, int column);
 /* Half width of a hypothesis' size, in the measure of its `least`. */
 double certainty_of_size(const certainty *c, const fit_state *s, hypothesis_id h);
 
+/*
+ * Whether a hypothesis is larger than `least`, with its interval: a number by its half width, a vector whose length is its size if no
+ * point as short lies in the ellipsoid that the half widths span. Terms of a flux map that trade each leave the length's own half
+ * width as wide as it is, where no map as small fits at all.
+ */
+bool certainty_exceeds(const certainty *c, const fit_state *s, hypothesis_id h, double least);
+
 /* How two columns lean on one another, -1 to 1; 0 if one was not fitted. */
 double certainty_correlation(const certainty *c, int column, int other);
 

@@ -19,10 +19,10 @@ static const double CAUSE_PENALTY = 25.0;
 
 /*
  * What a law leaves in proportion to its effect is marginalised (tolerance.h). Two shares of what all causes explain stay, as
- * no error of an effect's size or shape leaves them. A dead time moves the edges that a sensor's filter still sees: a
- * fiftieth of what it explains can look like one, unless the law follows each edge's own current.
+ * no error of an effect's size or shape leaves them. A dead time moves the edges that a sensor's filter still sees, by each edge's
+ * own current: unless its law follows that, a few thousandths of what it explains can look like a filter.
  */
-static const double LEAST_SHARE_OF_EDGES = 3e-2;
+static const double LEAST_SHARE_OF_EDGES = 3e-3;
 /* No map of a few terms is that of a machine to better than a part in a hundred of its flux. */
 static const double LEAST_SHARE_BESIDE_MAP = 1e-2;
 

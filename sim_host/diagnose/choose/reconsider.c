@@ -16,9 +16,19 @@ bool session_leaves_something(const session *w)
     double noise = 0.0;
     const averaged_drive drive = session_drive(w, w->state.z);
     const double floor_A = measure_floor(&w->rows, &w->state, &drive, &noise);
-    const double left_A = 0.01 * measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true) *
-                          measure_current(&w->rows, MEASURE_ALL, true);
+    const double left_A =
+        0.01 * measure_without_glitches(&w->rows, &drive) * measure_current(&w->rows, MEASURE_ALL, true);
     return floor_A > 0.0 && left_A > DIAGNOSIS_FLOOR_TOLERANCE * floor_A;
+}
+
+bool session_holds_unnamed(const session *w)
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(w->state.set, h) && !hypothesis_cause(h)->named) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* What the effects without a name in a set are called by. */

@@ -13,6 +13,9 @@
 /* Whether the state's one-cycle error is more than the verdict allows. */
 bool session_leaves_something(const session *w);
 
+/* Whether its set holds an effect without a name. */
+bool session_holds_unnamed(const session *w);
+
 /*
  * Where what was found holds an effect without a name, or leaves more than the verdict allows: searches once more from the motor
  * file, without what was dropped and without that effect. The better of the two states stands, and what it names is weighed as

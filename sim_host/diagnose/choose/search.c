@@ -145,9 +145,7 @@ static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
         }
         s->set &= ~HYPOTHESIS_BIT(h);
         if (h != H_INDUCTANCE && (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0) {
-            const double mean = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
-            hypothesis_copy(h, hypothesis_nominal, s->z);
-            s->z[P_L_D] = s->z[P_L_Q] = mean;
+            hypothesis_leave_mean(h, s->z);
             if ((allowed & HYPOTHESIS_BIT(H_INDUCTANCE)) &&
                 fabs(s->z[P_L_D]) >= of_least * hypothesis_table[H_INDUCTANCE].least) {
                 s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
@@ -221,16 +219,104 @@ static double most_of(double nominal, const fit_state *best, double by_digits)
     return best->objective + 0.25 * (nominal - best->objective) + 10.0 * by_digits;
 }
 
+/* A round's options against the best of them so far. */
+typedef struct contest {
+    const enumeration *e;
+    fit_state start; /* from which they are fitted */
+    int round;
+    double nominal, score, by_digits; /* of the best so far */
+    fitted_sets *fitted;
+    const diagnose_teller *teller;
+} contest;
+
+static void trace_option(const contest *c, const evidence_option *option, const fit_state *trial,
+                         const char *how, double score)
+{
+    char words[256];
+    if (c->teller->trace) {
+        fprintf(c->teller->trace, "  round %d: %-60s ", c->round,
+                evidence_words(option->set, words, sizeof words));
+        if (isnan(option->score)) {
+            fprintf(c->teller->trace, "%-19s", "in its place");
+        } else {
+            fprintf(c->teller->trace, "linear %10.1f  ", option->score);
+        }
+        fprintf(c->teller->trace, "%s %12.1f%s%s\n", how, score, trial->set != option->set ? " as " : "",
+                trial->set != option->set ? evidence_words(trial->set, words, sizeof words) : "");
+    }
+}
+
+/* An option fitted; *s, if it is better. */
+static bool try_option(fit_data *d, fit_state *s, const evidence_option *option, contest *c)
+{
+    const fitted_set *before = c->round > 0 ? fitted_sets_find(c->fitted, option->set, c->e->allowed) : NULL;
+    fit_state trial = before ? before->state : c->start;
+    double worth = before ? before->worth : 0.0;
+    const double most = most_of(c->nominal, s, c->by_digits);
+    double alone = trial.objective;
+    if (!before) {
+        tell_option(c->teller, c->round, option);
+        if (!fit_option(d, option, c->e->allowed, most, &trial, &alone, &worth)) {
+            return false;
+        }
+        if (c->round > 0 && alone <= most) {
+            fitted_sets_keep(c->fitted, option->set, &trial, worth);
+        }
+    }
+    const double score = state_score(c->e->view, &trial, worth);
+    trace_option(c, option, &trial, before ? "known " : (alone > most ? "given up" : "fitted"), score);
+    if (alone <= most && score < c->score) {
+        *s = trial;
+        c->by_digits = fmax(alone - trial.objective, 0.0);
+        c->score = score;
+    }
+    return true;
+}
+
+/*
+ * An effect without a name that won beside others may hold the place of a cause that does the same: with its freedom it looks better
+ * from afar, where no law's shape is fitted yet. That cause is tried in its place.
+ */
+static bool try_named(fit_data *d, fit_state *s, contest *c)
+{
+    const fit_state best = *s;
+    c->start = best;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const hypothesis *decoy = &hypothesis_table[h];
+        if (!hypothesis_in(best.set, h) || hypothesis_cause(h)->named || decoy->holds == 0) {
+            continue;
+        }
+        for (hypothesis_id other = 0; other < H_COUNT; other++) {
+            const hypothesis_set rest = best.set & ~HYPOTHESIS_BIT(h);
+            if (hypothesis_in(c->e->allowed, other) && hypothesis_cause(other)->named &&
+                (hypothesis_table[other].holds & decoy->holds) != 0 && hypothesis_joins(rest, other)) {
+                evidence_option named = {.set = rest | HYPOTHESIS_BIT(other), .score = NAN};
+                memcpy(named.z, best.z, sizeof named.z);
+                hypothesis_copy(h, hypothesis_nominal, named.z);
+                if (!try_option(d, s, &named, c)) {
+                    return false;
+                }
+            }
+        }
+    }
+    return true;
+}
+
 /* One round: the promising options fitted, *s the best. */
 static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, double nominal,
                         fitted_sets *fitted, const diagnose_teller *teller)
 {
     const fit_state start = *s;
+    contest c = {.e = e,
+                 .start = start,
+                 .round = round,
+                 .nominal = nominal,
+                 .score = state_score(e->view, s, e->view->worth),
+                 .fitted = fitted,
+                 .teller = teller};
     evidence_option own;
     evidence_cost(e->view, &start, start.set, &own);
     const double own_cost = own.cost + evidence_penalty(e->view, start.set);
-    double best_score = state_score(e->view, s, e->view->worth);
-    double by_digits = 0.0;
     hypothesis_set tried[REFINED + FULL_SIZE] = {0};
     size_t n = 0;
     for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
@@ -249,37 +335,11 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             continue;
         }
         tried[n++] = option->set;
-        const fitted_set *before = round > 0 ? fitted_sets_find(fitted, option->set, e->allowed) : NULL;
-        fit_state trial = before ? before->state : start;
-        double worth = before ? before->worth : 0.0;
-        const double most = most_of(nominal, s, by_digits);
-        double alone = trial.objective;
-        if (!before) {
-            tell_option(teller, round, option);
-            if (!fit_option(d, option, e->allowed, most, &trial, &alone, &worth)) {
-                return false;
-            }
-            if (round > 0 && alone <= most) {
-                fitted_sets_keep(fitted, option->set, &trial, worth);
-            }
-        }
-        double score = state_score(e->view, &trial, worth);
-        if (teller->trace) {
-            char words[256];
-            fprintf(teller->trace, "  round %d: %-60s linear %10.1f  ", round,
-                    evidence_words(option->set, words, sizeof words), option->score);
-            fprintf(teller->trace, "%s %12.1f%s%s\n",
-                    before ? "known " : (alone > most ? "given up" : "fitted"), score,
-                    trial.set != option->set ? " as " : "",
-                    trial.set != option->set ? evidence_words(trial.set, words, sizeof words) : "");
-        }
-        if (alone <= most && score < best_score) {
-            *s = trial;
-            by_digits = fmax(alone - trial.objective, 0.0);
-            best_score = score;
+        if (!try_option(d, s, option, &c)) {
+            return false;
         }
     }
-    return true;
+    return try_named(d, s, &c);
 }
 
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,

@@ -101,6 +101,12 @@ double coordinate_step(coordinate_id id)
     return coordinate_table[id].step > 0.0 ? coordinate_table[id].step : COORDINATE_STEP;
 }
 
+double coordinate_look(coordinate_id id, double z)
+{
+    const double first = coordinate_table[id].first_step;
+    return z == 0.0 && first > 0.0 ? first : coordinate_step(id);
+}
+
 /* Where in z a value lies. */
 static double z_of(const coordinate_frame *f, coordinate_id id, double value)
 {

@@ -52,6 +52,8 @@ typedef struct coordinate {
     bool logarithmic; /* value = nominal e^z; else nominal + scale z */
     coordinate_scale scale;
     double step; /* for differences, in z; 0: the usual one */
+    /* By which a search looks from nought, where the slope says nothing of where it goes; 0: the same. */
+    double first_step;
     coordinate_bound bound;
     double low, high;
     double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
@@ -93,9 +95,10 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r);
 /* The drive at z. `edge`: the law of a dead time that is fitted; one that the file states is the plain law. */
 averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COUNT], edge_law edge);
 
-/* The step for differences. */
+/* The step for differences, and for those by which a search looks where to go from z. */
 #define COORDINATE_STEP 1e-4
 double coordinate_step(coordinate_id id);
+double coordinate_look(coordinate_id id, double z);
 
 /* Between which z a coordinate is physical by itself; infinite where nothing bounds it. */
 void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, double *high);

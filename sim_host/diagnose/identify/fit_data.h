@@ -40,6 +40,8 @@ typedef struct fit_data {
     size_t longest; /* rows of the longest block */
     size_t rows_all;
     double effort; /* spent: fit_spend */
+    /* Sums are of the steps by which a search looks (coordinate_look), not of slopes where a state stands. */
+    bool searches;
     averaged_node *nodes;
     block_sums *sums; /* one a block */
     /* For one block, by each worker of base/parallel.h. */

@@ -58,12 +58,13 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
 }
 
 /* Joint columns move gains or inductances. */
-static double column_step(int column)
+static double column_step(const fit_data *d, int column, const double z[P_COUNT])
 {
     if (column == COLUMN_GAIN) {
         return 1e-3;
     }
-    return coordinate_step(column < P_COUNT ? (coordinate_id)column : P_L_D);
+    const coordinate_id id = column < P_COUNT ? (coordinate_id)column : P_L_D;
+    return d->searches ? coordinate_look(id, z[id]) : coordinate_step(id);
 }
 
 /* What the blocks of one call share. */
@@ -144,7 +145,7 @@ gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
     for (size_t c = 0; c < n; c++) {
         double z[P_COUNT];
         memcpy(z, s->z, sizeof z);
-        t.step[c] = column_step(column[c]);
+        t.step[c] = column_step(d, column[c], z);
         if (column[c] == COLUMN_GAIN) {
             t.more_gain[c] = t.step[c];
         } else {

@@ -152,6 +152,20 @@ double hypothesis_size(hypothesis_id h, const double z[P_COUNT])
     }
 }
 
+size_t hypothesis_length(hypothesis_id h, int column[HYPOTHESIS_COLUMNS])
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    const bool is_length = hypo->size == SIZE_LENGTH || hypo->size == SIZE_BENDS || hypo->size == SIZE_RATES;
+    size_t n = 0;
+    for (size_t k = hypo->size == SIZE_BENDS ? 2 : 0; is_length && hypo->fixed == 0 && k < hypo->columns;
+         k++) {
+        if (hypo->size != SIZE_RATES || column_is_rate(hypo->column[k])) {
+            column[n++] = hypo->column[k];
+        }
+    }
+    return n;
+}
+
 bool hypotheses_count(hypothesis_set set, const double z[P_COUNT], double of_least)
 {
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
@@ -271,6 +285,13 @@ void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_CO
         const int column = hypothesis_table[h].column[k];
         column_move(column, column_value(column, from), to);
     }
+}
+
+void hypothesis_leave_mean(hypothesis_id h, double z[P_COUNT])
+{
+    const double mean = 0.5 * (z[P_L_D] + z[P_L_Q]);
+    hypothesis_copy(h, hypothesis_nominal, z);
+    z[P_L_D] = z[P_L_Q] = mean;
 }
 
 void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT])

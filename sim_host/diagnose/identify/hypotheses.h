@@ -130,6 +130,9 @@ bool hypothesis_contains(hypothesis_id a, hypothesis_id b);
 /* How far z stands from the motor file along a hypothesis, in the measure of `least`. */
 double hypothesis_size(hypothesis_id h, const double z[P_COUNT]);
 
+/* The columns of which its size is the length; none, where that is another measure or not all of them are fitted. */
+size_t hypothesis_length(hypothesis_id h, int column[HYPOTHESIS_COLUMNS]);
+
 /* Whether every member of the set is large enough to be worth a name; of_least: as in coordinate_frame. */
 bool hypotheses_count(hypothesis_set set, const double z[P_COUNT], double of_least);
 
@@ -161,6 +164,9 @@ double column_value(int column, const double z[P_COUNT]);
  * them; from a z of nought, takes them back to the motor file's. */
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT]);
 extern const double hypothesis_nominal[P_COUNT];
+
+/* Takes back to the motor file's what a hypothesis moves, but for the mean of both inductances. */
+void hypothesis_leave_mean(hypothesis_id h, double z[P_COUNT]);
 
 /* Marks the coordinates that a hypothesis moves; leaves the other marks as they are. */
 void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT]);

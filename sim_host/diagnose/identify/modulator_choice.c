@@ -1,41 +1,80 @@
 /* The modulator by likelihood (modulator_choice.h). */
 #include "modulator_choice.h"
 
+#include "base/solve.h"
 #include "edge_choice.h"
 #include "gram.h"
 #include "row_edges.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* Chi square by which another modulator must be the better one. */
 static const double CLEAR = 100.0;
 
-/* What a dead time that moves alone leaves under the rows' edges, in the state's deviations. */
-static bool left_under(fit_data *d, const fit_state *s, double *left)
+/* In cycles: a filter that holds nothing has no edges to see, and begins in the middle of what is usual. */
+static const double LAG_BEGINS = 0.1;
+
+/* The columns of what tells the edges, each moved to where its slope by them is something. */
+static bool begin(fit_data *d, fit_state *s, unsigned by, int column[], size_t *columns)
 {
-    const int column[] = {P_V_DEAD};
-    fit_state trial = *s;
-    if (s->z[P_V_DEAD] == 0.0 && !edge_choose(d, &trial)) {
-        return false;
+    *columns = 0;
+    if ((by & EDGES_BY_DEAD_TIME) != 0) {
+        column[(*columns)++] = P_V_DEAD;
+        if (s->z[P_V_DEAD] == 0.0 && !edge_choose(d, s)) {
+            return false;
+        }
     }
-    gram *grams = gram_blocks(d, &trial, column, 1);
-    if (!grams) {
-        return false;
+    if ((by & EDGES_BY_SENSOR_LAG) != 0) {
+        column[(*columns)++] = P_SENSOR_LAG;
+        const bool none = s->z[P_SENSOR_LAG] == 0.0 && d->frame->nominal.sensor_lag_s == 0.0;
+        s->z[P_SENSOR_LAG] = none ? LAG_BEGINS : s->z[P_SENSOR_LAG];
     }
-    double c = 0.0;
-    double g = 0.0;
-    double h = 0.0;
-    for (size_t b = 0; b < d->blocks; b++) {
-        c += grams[b].c;
-        g += grams[b].g[0];
-        h += grams[b].h[0][0];
+    if ((by & EDGES_BY_IRON) != 0) {
+        column[(*columns)++] = P_FE;
     }
-    free(grams);
-    *left = h > 0.0 ? c - g * g / h : c;
     return true;
 }
 
-bool modulator_choose(fit_data *d, const fit_state *s, bool *changed)
+/* What these leave when they move alone, under the rows' edges, in the state's deviations. */
+static bool left_under(fit_data *d, const fit_state *s, unsigned by, double *left)
+{
+    int column[3];
+    size_t n = 0;
+    fit_state trial = *s;
+    gram *grams = begin(d, &trial, by, column, &n) ? gram_blocks(d, &trial, column, n) : NULL;
+    if (!grams) {
+        return false;
+    }
+    gram sum = {.c = 0.0};
+    double step[3];
+    for (size_t b = 0; b < d->blocks; b++) {
+        gram_add(&sum, &grams[b], n);
+        sum.c += grams[b].c;
+    }
+    free(grams);
+    *left = sum.c;
+    if (solve_positive(n, COLUMN_COUNT, &sum.h[0][0], sum.g, step)) {
+        for (size_t k = 0; k < n; k++) {
+            *left -= sum.g[k] * step[k];
+        }
+    }
+    return true;
+}
+
+/* What the state leaves as it is. */
+static bool left_as_it_is(fit_data *d, const fit_state *s, double *left)
+{
+    gram *grams = gram_blocks(d, s, NULL, 0);
+    *left = 0.0;
+    for (size_t b = 0; grams && b < d->blocks; b++) {
+        *left += grams[b].c;
+    }
+    free(grams);
+    return grams != NULL;
+}
+
+bool modulator_choose(fit_data *d, const fit_state *s, unsigned by, bool *changed)
 {
     diagnose_rows *r = d->rows;
     const modulator own = r->modulator;
@@ -45,14 +84,19 @@ bool modulator_choose(fit_data *d, const fit_state *s, bool *changed)
     if (r->recording->duty[0]) {
         return true;
     }
+    double bar;
+    if (!left_as_it_is(d, s, &bar)) {
+        return false;
+    }
     for (int which = 0; which < (int)MODULATORS; which++) {
         rows_fill_edges(r, d->frame->motor, (modulator)which);
-        if (!left_under(d, s, &left[which])) {
+        if (!left_under(d, s, by, &left[which])) {
             return false;
         }
     }
+    bar = fmin(bar, left[own]) - CLEAR;
     for (int which = 0; which < (int)MODULATORS; which++) {
-        if (left[which] < left[own] - CLEAR && left[which] < left[best]) {
+        if (left[which] < bar && left[which] < left[best]) {
             best = (modulator)which;
         }
     }

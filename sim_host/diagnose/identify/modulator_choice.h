@@ -1,16 +1,19 @@
 /*
- * Which modulator made the duties of a recording that has voltages only, by likelihood: it says which legs do not switch, and
- * so have no dead time.
+ * Which modulator made the duties of a recording that has voltages only, by likelihood: it says when the legs switch, and which do
+ * not, and so have no dead time.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_MODULATOR_CHOICE_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_MODULATOR_CHOICE_H
 
 #include "fit_data.h"
 
+/* What tells one edge from another: a dead time, a filter of the sensors that still sees the last ones, iron that is fast. */
+enum { EDGES_BY_DEAD_TIME = 1, EDGES_BY_SENSOR_LAG = 2, EDGES_BY_IRON = 4 };
+
 /*
- * Gives the rows the edges of the modulator under which a dead time, as it stands in *s or as it would begin, leaves least;
- * *changed: another one than they had. False: out of memory.
+ * Gives the rows the edges of the modulator under which those effects together (EDGES_BY_, one at least), as they stand in *s or
+ * as they would begin, leave least, and clearly less than *s does; *changed: another one than they had. False: out of memory.
  */
-bool modulator_choose(fit_data *d, const fit_state *s, bool *changed);
+bool modulator_choose(fit_data *d, const fit_state *s, unsigned by, bool *changed);
 
 #endif

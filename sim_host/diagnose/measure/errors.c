@@ -25,8 +25,18 @@ double measure_current(const diagnose_rows *r, size_t group, bool held_out_only)
     return n > 0.0 ? sqrt(sum / n) : 0.0;
 }
 
-double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
-                         bool held_out_only)
+typedef struct wanted {
+    size_t group;
+    bool held_out_only, glitches;
+} wanted;
+
+/* Whether the prediction into row k begins or ends at one that stands out. */
+static bool is_glitch(const diagnose_rows *r, size_t k)
+{
+    return r->outlier[k - 1] || r->outlier[k];
+}
+
+static double measure(const diagnose_rows *r, const averaged_drive *drive, wanted which)
 {
     size_t longest = 1;
     for (size_t b = 0; b < r->blocks; b++) {
@@ -38,17 +48,31 @@ double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, si
     double n = 0.0;
     for (size_t b = 0; nodes && wrong && b < r->blocks; b++) {
         const row_block *block = &r->block[b];
-        if (!counts(block, group, held_out_only)) {
+        if (!counts(block, which.group, which.held_out_only)) {
             continue;
         }
         observer_one_cycle(r, drive, nodes, block->first, block->count, wrong);
         for (size_t j = 1; j < block->count; j++) {
+            if (!which.glitches && is_glitch(r, block->first + j)) {
+                continue;
+            }
             sum += wrong[j].alpha * wrong[j].alpha + wrong[j].beta * wrong[j].beta;
             n += 1.0;
         }
     }
     free(nodes);
     free(wrong);
-    double current = measure_current(r, group, held_out_only);
+    double current = measure_current(r, which.group, which.held_out_only);
     return n > 0.0 && current > 0.0 ? 100.0 * sqrt(sum / n) / current : NAN;
+}
+
+double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
+                         bool held_out_only)
+{
+    return measure(r, drive, (wanted){.group = group, .held_out_only = held_out_only, .glitches = true});
+}
+
+double measure_without_glitches(const diagnose_rows *r, const averaged_drive *drive)
+{
+    return measure(r, drive, (wanted){.group = MEASURE_ALL, .held_out_only = true});
 }

@@ -14,6 +14,9 @@
 double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
                          bool held_out_only);
 
+/* The same over the held-out rows of all groups that no glitch takes part in: what a fit, which has left these out, can answer for. */
+double measure_without_glitches(const diagnose_rows *r, const averaged_drive *drive);
+
 /* Current's rms over the same rows (A, vector). */
 double measure_current(const diagnose_rows *r, size_t group, bool held_out_only);
 

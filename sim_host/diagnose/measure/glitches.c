@@ -30,12 +30,17 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
     double *square = calloc(r->rows + 1, sizeof *square);
     double *innovation = calloc(OBSERVER_OUTPUTS * r->rows + 1, sizeof *innovation);
     unsigned char *seen = calloc(r->rows + 1, sizeof *seen);
+    unsigned char *before = calloc(r->rows + 1, sizeof *before); /* what stood out already */
     size_t found = 0;
     size_t apart = 0;
     size_t between = 0;
     /* An over-compensation goes by a sign that noise decides near nought: what stands out then is no glitch. */
     const bool signs = hypothesis_in(s->set, H_DEAD_TIME) && s->edge == EDGE_OVER;
-    for (size_t g = 0; !signs && nodes && square && innovation && seen && g < r->groups; g++) {
+    for (size_t k = 0; before && k < r->rows; k++) {
+        before[k] = r->outlier[k];
+        apart += before[k];
+    }
+    for (size_t g = 0; !signs && nodes && square && innovation && seen && before && g < r->groups; g++) {
         size_t n = 0;
         for (size_t b = 0; b < r->blocks; b++) {
             if (r->block[b].group != g) {
@@ -69,15 +74,17 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
     for (size_t k = 0; k < r->rows; k++) {
         found += r->outlier[k];
     }
-    if ((double)found > GLITCH_SHARE * (double)r->rows || between > apart) {
-        for (size_t k = 0; k < r->rows; k++) {
-            r->outlier[k] = 0;
-        }
+    if (before && ((double)found > GLITCH_SHARE * (double)r->rows || between > apart)) {
         found = 0;
+        for (size_t k = 0; k < r->rows; k++) {
+            r->outlier[k] = before[k];
+            found += before[k];
+        }
     }
     free(nodes);
     free(square);
     free(innovation);
     free(seen);
+    free(before);
     return found;
 }

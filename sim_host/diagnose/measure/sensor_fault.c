@@ -19,6 +19,8 @@ static const double INNER = 0.95; /* of the rows: these tell the deviation */
 /* So many rows at the least, so large a part at the most. */
 enum { LEAST_ROWS = 4 };
 static const double MOST_ROWS = 0.3;
+/* More rows than this part are not left out of a fit: hardly any would stay. */
+static const double MOST_LEFT_OUT = 0.03;
 /* Log of the odds of a phase against the next best, and the part of what the rows cost beyond sound ones that may stay with it. */
 static const double CERTAIN = 10.0;
 static const double STAYS = 0.5;
@@ -249,6 +251,16 @@ static size_t count_told(const fault *f)
     return told;
 }
 
+/* A row at fault, and the next, which a model would predict from it: left out of what is fitted, or let in again. */
+static void leave_out(const fault *f, bool out)
+{
+    for (size_t k = 1; k < f->r->rows; k++) {
+        if (takes_part(f, k)) {
+            f->r->outlier[k] = out ? 1 : 0;
+        }
+    }
+}
+
 static bool look(fault *f, const averaged_drive *drive, const motor *file, size_t *mended)
 {
     diagnose_rows *r = f->r;
@@ -263,8 +275,10 @@ static bool look(fault *f, const averaged_drive *drive, const motor *file, size_
     }
     const size_t phase = likeliest(&p);
     if (phase == AS_RECORDED) {
+        leave_out(f, (double)told <= MOST_LEFT_OUT * (double)r->rows);
         return true;
     }
+    leave_out(f, false);
     const double number = (double)phase + 1.0;
     const row_mend found = {
         .cause = CAUSE_SENSOR_FAULT, .value = {number}, .low = {number}, .high = {number}};
