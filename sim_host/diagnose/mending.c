@@ -43,11 +43,14 @@ bool mending_by_modulator(session *w, FILE *trace, bool *changed)
 {
     const unsigned by = seen_by(w);
     *changed = false;
+    if (w->rows.recording->duty[0]) {
+        return true;
+    }
     if (by != 0 && !modulator_choose(&w->fitted, &w->state, by, changed)) {
         return false;
     }
     /* Where wrong edges led the search astray, what it found bends to them: then without the rest, or with what may be missing. */
-    if (!*changed && (session_leaves_something(w) || session_holds_unnamed(w))) {
+    if (!*changed && (session_holds_unnamed(w) || session_leaves_something(w))) {
         const unsigned missing = EDGES_BY_SENSOR_LAG | EDGES_BY_IRON;
         if (!modulator_choose(&w->fitted, &w->nominal, by != 0 ? by : missing, changed) ||
             (!*changed && !modulator_choose(&w->fitted, &w->state, by | missing, changed))) {

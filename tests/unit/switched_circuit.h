@@ -9,6 +9,7 @@
 #include "model/averaged_drive.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { STEPS = 2000 };
 
@@ -179,6 +180,31 @@ static cycle_row row_of(const circuit *c, size_t n, vec_ab u, vec_ab i)
         row.edge_ripple_Wb[x] = vec_from_phases(ahead);
     }
     return row;
+}
+
+/* The drive that knows all of the circuit. */
+static averaged_drive drive_of(const circuit *c)
+{
+    const bool over = c->v_moved_V > 0.0;
+    averaged_drive d = {.R_ohm = c->R_ohm,
+                        .L_d_H = c->L_d_H,
+                        .L_q_H = c->L_q_H,
+                        .psi_f_Wb = c->psi_f_Wb,
+                        .saturation = c->per_I_sat2,
+                        .fe_S = isfinite(c->R_fe_ohm) ? 1.0 / c->R_fe_ohm : 0.0,
+                        .fe_tau_s = c->tau_fe_s,
+                        .v_dead_V = c->v_dead_V - 2.0 * c->v_moved_V,
+                        .i_knee_A = 1e-3,
+                        .edge = over ? EDGE_OVER : EDGE_CLIPPED,
+                        .edge_ripple = 1.0,
+                        .dead_share = over ? c->v_dead_V / (2.0 * c->v_moved_V - c->v_dead_V) : 0.0,
+                        .k_u = 1.0,
+                        .g = {c->g[0], c->g[1], c->g[2]},
+                        .offset_ab_A = {c->offset_A[0], c->offset_A[1]},
+                        .sensor_lag_s = c->lag_s};
+    memcpy(d.dR_ohm, c->dR_ohm, sizeof d.dR_ohm);
+    memcpy(d.dL_H, c->dL_H, sizeof d.dL_H);
+    return d;
 }
 
 #endif

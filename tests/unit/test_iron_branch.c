@@ -30,29 +30,12 @@ static double off_by(const circuit *c, vec_dq i_dq)
 {
     static cycle_row rows[SETTLE + CYCLES];
     const averaged_node node = averaged_node_at(c->R_ohm, c->L_d_H, c->L_q_H, T_S, c->omega_rad_s);
-    averaged_drive d = {.R_ohm = c->R_ohm,
-                        .L_d_H = c->L_d_H,
-                        .L_q_H = c->L_q_H,
-                        .psi_f_Wb = c->psi_f_Wb,
-                        .fe_S = 1.0 / c->R_fe_ohm,
-                        .fe_tau_s = c->tau_fe_s,
-                        .v_dead_V = c->v_dead_V - 2.0 * c->v_moved_V,
-                        .i_knee_A = 1e-3,
-                        .edge = c->v_moved_V > 0.0 ? EDGE_OVER : EDGE_CLIPPED,
-                        .edge_ripple = 1.0,
-                        .dead_share =
-                            c->v_moved_V > 0.0 ? c->v_dead_V / (2.0 * c->v_moved_V - c->v_dead_V) : 0.0,
-                        .k_u = 1.0,
-                        .g = {c->g[0], c->g[1], c->g[2]},
-                        .offset_ab_A = {c->offset_A[0], c->offset_A[1]}};
+    const averaged_drive d = drive_of(c);
     const sensor_map sensors = sensor_map_of(&d, false, 0.0);
     double wrong = 0.0;
     double iron = 0.0;
     iron_memory memory = {.row = NULL};
     flow at = {.flux_Wb = {c->L_d_H * i_dq.d + c->psi_f_Wb, c->L_q_H * i_dq.q}};
-    for (size_t x = 0; x < 3; x++) {
-        d.dR_ohm[x] = c->dR_ohm[x];
-    }
     for (size_t n = 0; n < SETTLE + CYCLES; n++) {
         const double turn = c->omega_rad_s * T_S;
         const double theta = turn * (double)n;

@@ -25,30 +25,6 @@ typedef struct recorder {
 
 static const recorder true_one = {.late = 0};
 
-static averaged_drive model_of(const circuit *c, const recorder *by)
-{
-    averaged_drive d = {.R_ohm = c->R_ohm,
-                        .L_d_H = c->L_d_H,
-                        .L_q_H = c->L_q_H,
-                        .psi_f_Wb = c->psi_f_Wb,
-                        .saturation = c->per_I_sat2,
-                        .fe_S = isfinite(c->R_fe_ohm) ? 1.0 / c->R_fe_ohm : 0.0,
-                        .fe_tau_s = c->tau_fe_s,
-                        .v_dead_V = c->v_dead_V,
-                        .i_knee_A = 1e-3,
-                        .edge = EDGE_CLIPPED,
-                        .edge_ripple = 1.0,
-                        .k_u = 1.0,
-                        .g = {c->g[0], c->g[1], c->g[2]},
-                        .offset_ab_A = {c->offset_A[0], c->offset_A[1]},
-                        .theta_0_rad = by->theta_0_rad,
-                        .sensor_lag_s = c->lag_s,
-                        .u_delay = {(double)by->late}};
-    memcpy(d.dR_ohm, c->dR_ohm, sizeof d.dR_ohm);
-    memcpy(d.dL_H, c->dL_H, sizeof d.dL_H);
-    return d;
-}
-
 static void record_angle(cycle_row *row, double theta)
 {
     const vec_rotor r = rotor_at(theta);
@@ -60,7 +36,9 @@ static void record_angle(cycle_row *row, double theta)
 static double off_by(const circuit *c, const recorder *by, vec_dq i_dq)
 {
     static cycle_row rows[SETTLE + CYCLES];
-    const averaged_drive d = model_of(c, by);
+    averaged_drive d = drive_of(c);
+    d.theta_0_rad = by->theta_0_rad;
+    d.u_delay[0] = (double)by->late;
     const sensor_map plain = sensor_map_of(&d, false, 0.0);
     const double w = c->omega_rad_s;
     const double turn = w * T_S;

@@ -21,16 +21,6 @@ bool session_leaves_something(const session *w)
     return floor_A > 0.0 && left_A > DIAGNOSIS_FLOOR_TOLERANCE * floor_A;
 }
 
-bool session_holds_unnamed(const session *w)
-{
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(w->state.set, h) && !hypothesis_cause(h)->named) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* What the effects without a name in a set are called by. */
 static hypothesis_set unnamed_of(hypothesis_set set)
 {
@@ -41,6 +31,11 @@ static hypothesis_set unnamed_of(hypothesis_set set)
         }
     }
     return all;
+}
+
+bool session_holds_unnamed(const session *w)
+{
+    return unnamed_of(w->state.set) != 0;
 }
 
 bool reconsider(session *w, const diagnose_teller *teller)

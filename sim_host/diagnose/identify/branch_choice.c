@@ -27,8 +27,8 @@ bool branch_choose(fit_data *d, fit_state *s)
     const bool none = d->frame->nominal.fe_S == 0.0 && s->z[P_FE] == 0.0;
     double best = 0.0;
     double chosen = s->z[P_TAU_FE];
+    fit_state trial = without_stand_ins(s);
     for (size_t k = 0; none && k < sizeof cycles / sizeof *cycles; k++) {
-        fit_state trial = without_stand_ins(s);
         const int column[] = {P_FE};
         trial.z[P_TAU_FE] = log(cycles[k] / NOMINAL_CYCLES);
         gram *grams = gram_blocks(d, &trial, column, 1);

@@ -80,11 +80,8 @@ bool modulator_choose(fit_data *d, const fit_state *s, unsigned by, bool *change
     const modulator own = r->modulator;
     double left[MODULATORS];
     modulator best = own;
-    *changed = false;
-    if (r->recording->duty[0]) {
-        return true;
-    }
     double bar;
+    *changed = false;
     if (!left_as_it_is(d, s, &bar)) {
         return false;
     }
