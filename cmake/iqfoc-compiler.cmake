@@ -52,10 +52,11 @@ if(IQFOC_STATIC)
     add_link_options(-static)
 endif()
 
-# What fits a recording takes the time that its user waits for.
+# What fits a recording takes the time that its user waits for. Two scalars of a drive packed into one vector are read back before
+# both are written: without that it is 5 to 10 % faster, and not a digit else.
 set(iqfoc_where_time_goes "")
 if(NOT IQFOC_SANITIZE AND NOT IQFOC_COVERAGE)
-    set(iqfoc_where_time_goes $<$<NOT:$<CONFIG:Debug>>:-O3>)
+    set(iqfoc_where_time_goes $<$<NOT:$<CONFIG:Debug>>:-O3 -fno-tree-slp-vectorize>)
 endif()
 
 find_program(IQFOC_CCACHE ccache)

@@ -280,6 +280,9 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         (w->more_left && !mend_what_is_left(w, m, options))) {
         return false;
     }
+    if (options->teller.trace) {
+        fprintf(options->teller.trace, "  rows predicted: %.2g\n", w->fitted.effort);
+    }
     d->nominal_drive = w->frame.nominal;
     d->extended_motor = *m;
     const diagnose_rows recorded = mended_rows(&w->rows, 0);

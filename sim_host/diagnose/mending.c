@@ -28,6 +28,9 @@ bool mending_by_columns(session *w, const motor *file, hypothesis_set skip, FILE
     return true;
 }
 
+/* What another modulator must take off by what does not stand. */
+static const double GUESSED = 0.05;
+
 /* What tells the edges apart and stands, in the set or in the motor file. */
 static unsigned seen_by(const session *w)
 {
@@ -46,14 +49,15 @@ bool mending_by_modulator(session *w, FILE *trace, bool *changed)
     if (w->rows.recording->duty[0]) {
         return true;
     }
-    if (by != 0 && !modulator_choose(&w->fitted, &w->state, by, changed)) {
+    if (by != 0 && !modulator_choose(&w->fitted, &w->state, by, 0.0, changed)) {
         return false;
     }
     /* Where wrong edges led the search astray, what it found bends to them: then without the rest, or with what may be missing. */
     if (!*changed && (session_holds_unnamed(w) || session_leaves_something(w))) {
         const unsigned missing = EDGES_BY_SENSOR_LAG | EDGES_BY_IRON;
-        if (!modulator_choose(&w->fitted, &w->nominal, by != 0 ? by : missing, changed) ||
-            (!*changed && !modulator_choose(&w->fitted, &w->state, by | missing, changed))) {
+        if (!modulator_choose(&w->fitted, &w->nominal, by != 0 ? by : missing, by != 0 ? 0.0 : GUESSED,
+                              changed) ||
+            (!*changed && !modulator_choose(&w->fitted, &w->state, by | missing, GUESSED, changed))) {
             return false;
         }
     }

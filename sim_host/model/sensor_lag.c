@@ -80,68 +80,88 @@ static square inverse_of(square a)
         {{a.m[1][1] * per_det, -a.m[0][1] * per_det}, {-a.m[1][0] * per_det, a.m[0][0] * per_det}}};
 }
 
-/* That multiplies by d + j q. */
-static square turning(double d, double q)
-{
-    return (square){{{d, -q}, {q, d}}};
-}
-
 static vec_ab times(square a, vec_ab x)
 {
     return (vec_ab){a.m[0][0] * x.alpha + a.m[0][1] * x.beta, a.m[1][0] * x.alpha + a.m[1][1] * x.beta};
 }
 
-/* Of a law in the stationary frame, the rotor at r. */
-static square in_rotor(vec_rotor r, vec_ab of_alpha, vec_ab of_beta)
+/* A number p + j q, as a vector's factor. */
+typedef struct turning {
+    double p, q;
+} turning;
+
+static vec_ab turned(turning t, vec_ab x)
 {
-    const square back = turning(r.cos, -r.sin);
-    const square law = {{{of_alpha.alpha, of_beta.alpha}, {of_alpha.beta, of_beta.beta}}};
-    return product(product(back, law), turning(r.cos, r.sin));
+    return (vec_ab){t.p * x.alpha - t.q * x.beta, t.q * x.alpha + t.p * x.beta};
+}
+
+static square turned_after(turning t, square a)
+{
+    return (square){{{t.p * a.m[0][0] - t.q * a.m[1][0], t.p * a.m[0][1] - t.q * a.m[1][1]},
+                     {t.q * a.m[0][0] + t.p * a.m[1][0], t.q * a.m[0][1] + t.p * a.m[1][1]}}};
+}
+
+/* The incremental inductance as the stationary frame sees it. */
+static square inductance_of(flux_map_slope slope, vec_rotor r)
+{
+    const double mean = 0.5 * (slope.dd + slope.qq);
+    const double apart = 0.5 * (slope.dd - slope.qq);
+    const double cos_2 = r.cos * r.cos - r.sin * r.sin;
+    const double sin_2 = 2.0 * r.cos * r.sin;
+    const double even = apart * cos_2 - slope.dq * sin_2;
+    const double odd = apart * sin_2 + slope.dq * cos_2;
+    return (square){{{mean + even, odd}, {odd, mean - even}}};
 }
 
 static const vec_ab ALONG_ALPHA = {1.0, 0.0};
 static const vec_ab ALONG_BETA = {0.0, 1.0};
 
-/* By how much the reading stays behind a current: still + by i, stationary. */
+/* A law's matrix, from what it does along either axis. */
+static square of_axes(vec_ab of_alpha, vec_ab of_beta)
+{
+    return (square){{{of_alpha.alpha, of_beta.alpha}, {of_alpha.beta, of_beta.beta}}};
+}
+
+/* By how much the reading stays behind a current: still + by i. */
 typedef struct lag_line {
     vec_ab still;
     square by;
 } lag_line;
 
-/* The machine about the row's current, along whose line its flux is taken. */
+/*
+ * The machine about the row's current, along whose line its flux is taken. All in the stationary frame: what turns there by j omega
+ * does so in the rotor's, and only the inductance has to be turned over.
+ */
 static lag_line line_of(const averaged_drive *d, const cycle_row *row, vec_ab high_Vs, vec_ab i_ab)
 {
     const double tau = d->sensor_lag_s;
     const double w = row->omega_rad_s;
     const vec_rotor r = averaged_drive_rotor(d, row);
-    const square late = turning(tau, -w * tau * tau * (tau > 0.0 ? 1.0 : 0.5));
+    const turning late = {tau, -w * tau * tau * (tau > 0.0 ? 1.0 : 0.5)};
+    const turning late_j_w = {-w * late.q, w * late.p};
     const vec_dq i = vec_to_dq(i_ab, r);
     const flux_map_slope slope = flux_map_incremental(d, i);
-    const square L = {{{slope.dd, slope.dq}, {slope.dq, slope.qq}}};
-    const square turned = turning(0.0, w);
+    const vec_dq whole = flux_map_flux(d, i);
+    const vec_dq rest = {whole.d + averaged_drive_magnet(d, row) - slope.dd * i.d - slope.dq * i.q,
+                         whole.q - slope.dq * i.d - slope.qq * i.q};
+    const square L = inductance_of(slope, r);
     square all = L;
-    square u =
-        sum(in_rotor(r, averaged_drive_drop(d, row, ALONG_ALPHA), averaged_drive_drop(d, row, ALONG_BETA)),
-            product(turned, L));
+    square u = sum(of_axes(averaged_drive_drop(d, row, ALONG_ALPHA), averaged_drive_drop(d, row, ALONG_BETA)),
+                   turned_after((turning){0.0, w}, L));
     if (d->dL_H[0] != 0.0 || d->dL_H[1] != 0.0 || d->dL_H[2] != 0.0) {
-        const square apart =
-            in_rotor(r, vec_times_phases(ALONG_ALPHA, d->dL_H), vec_times_phases(ALONG_BETA, d->dL_H));
-        all = sum(all, apart);
-        u = sum(u, product(apart, turned));
+        /* Standing still, they see the current turn. */
+        const vec_ab turned_alpha = {0.0, w};
+        const vec_ab turned_beta = {-w, 0.0};
+        all =
+            sum(all, of_axes(vec_times_phases(ALONG_ALPHA, d->dL_H), vec_times_phases(ALONG_BETA, d->dL_H)));
+        u = sum(u, of_axes(vec_times_phases(turned_alpha, d->dL_H), vec_times_phases(turned_beta, d->dL_H)));
     }
     const square per_H = inverse_of(all);
-    const vec_dq whole = flux_map_flux(d, i);
-    const vec_dq flux = {whole.d + averaged_drive_magnet(d, row) - slope.dd * i.d - slope.dq * i.q,
-                         whole.q - slope.dq * i.d - slope.qq * i.q};
-    const vec_ab emf = times(product(late, turned), (vec_ab){flux.d, flux.q});
-    const vec_dq high = vec_to_dq(high_Vs, r);
-    const vec_ab still = times(per_H, (vec_ab){high.d - emf.alpha, high.q - emf.beta});
-    const square less = product(product(per_H, late), u);
-    const square more = product(late, turned);
-    const square by = {{{more.m[0][0] - less.m[0][0], more.m[0][1] - less.m[0][1]},
-                        {more.m[1][0] - less.m[1][0], more.m[1][1] - less.m[1][1]}}};
-    return (lag_line){.still = vec_to_ab((vec_dq){still.alpha, still.beta}, r),
-                      .by = product(product(turning(r.cos, r.sin), by), turning(r.cos, -r.sin))};
+    const vec_ab emf = turned(late_j_w, vec_to_ab(rest, r));
+    const square lost = product(per_H, turned_after(late, u));
+    return (lag_line){.still = times(per_H, (vec_ab){high_Vs.alpha - emf.alpha, high_Vs.beta - emf.beta}),
+                      .by = {{{late_j_w.p - lost.m[0][0], -late_j_w.q - lost.m[0][1]},
+                              {late_j_w.q - lost.m[1][0], late_j_w.p - lost.m[1][1]}}}};
 }
 
 /* Of the branch, if its time constant were tau. */

@@ -80,7 +80,7 @@ static void after_enough_no_search_begins_but_all_is_weighed(void)
     TEST_ASSERT_EQUAL_size_t(1, calls);
     TEST_ASSERT_EQUAL_size_t(3, fits);
     TEST_ASSERT_TRUE(w.allowed == (w.possible & ~(BIT(H_RESISTANCE) | BIT(H_FLUX))));
-    /* Another beginning may take as much. */
+    /* Another beginning may take half as much. */
     search_takes = 1.0;
     TEST_ASSERT_TRUE(kept_of(all) == BIT(H_DEAD_TIME));
     TEST_ASSERT_TRUE(calls > 1);

@@ -155,25 +155,46 @@ static void what_a_fit_spends_is_counted(void)
     dear.w_dqq = 1e-6;
     fit_spend(&f.data, &dear, 1);
     TEST_ASSERT_EQUAL_DOUBLE(8.5 * rows, f.data.effort);
+    dear = f.frame.nominal;
+    dear.sensor_lag_s = -1e-5;
+    fit_spend(&f.data, &dear, 1);
+    TEST_ASSERT_EQUAL_DOUBLE(10.5 * rows, f.data.effort);
     f.data.effort = 1e9;
     TEST_ASSERT_TRUE(fit_has_spent(&f.data));
     fit_end(&f);
 }
 
-/* What begins anew has half of the bound at least, and all that is left of it. */
+/* How much a search may spend that begins now. */
+static double left_to_spend(const fit_data *d)
+{
+    fit_data spent = *d;
+    double low = 0.0;
+    double high = 1e9;
+    for (int k = 0; k < 60; k++) {
+        const double middle = 0.5 * (low + high);
+        spent.effort = d->effort + middle;
+        *(fit_has_spent(&spent) ? &high : &low) = middle;
+    }
+    return low;
+}
+
+/* What begins anew has half of what the one before it had, or what that left, if it is more. */
 static void a_new_beginning_has_half(void)
 {
-    fit_data d = {.effort = 1e9};
+    fit_data d = {.effort = 0.0};
     fit_grant(&d);
-    TEST_ASSERT_FALSE(fit_has_spent(&d));
-    const double half = d.effort;
-    d.effort = 1.999 * half;
-    TEST_ASSERT_FALSE(fit_has_spent(&d));
-    d.effort = 2.001 * half;
+    const double first = left_to_spend(&d);
+    TEST_ASSERT_TRUE(first > 1e6);
+    d.effort = 1.5 * first;
     TEST_ASSERT_TRUE(fit_has_spent(&d));
-    d.effort = 0.3 * half;
     fit_grant(&d);
-    TEST_ASSERT_EQUAL_DOUBLE(0.3 * half, d.effort);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * first, 0.5 * first, left_to_spend(&d));
+    d.effort += 0.1 * first;
+    fit_grant(&d);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * first, 0.4 * first, left_to_spend(&d));
+    d.effort += first;
+    fit_grant(&d);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * first, 0.125 * first, left_to_spend(&d));
 }
 
 /* From a file's values and gains of a half: no coordinate and no point's gain has a better place near by. */

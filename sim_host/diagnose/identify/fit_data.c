@@ -74,18 +74,22 @@ void fit_spend(fit_data *d, const averaged_drive *drive, size_t ways)
 {
     const bool found_edges = drive->v_dead_V != 0.0 && drive->edge == EDGE_OVER;
     const bool map = drive->saturation != 0.0 || flux_map_has_terms(drive);
-    const double dear = (found_edges ? 1.0 : 0.0) + (drive->fe_S != 0.0 ? 1.0 : 0.0) + (map ? 0.5 : 0.0);
+    const double dear = (found_edges ? 1.0 : 0.0) + (drive->fe_S != 0.0 ? 1.0 : 0.0) +
+                        (drive->sensor_lag_s != 0.0 ? 1.0 : 0.0) + (map ? 0.5 : 0.0);
     d->effort += (1.0 + dear) * (double)ways * (double)d->rows_all;
 }
 
 bool fit_has_spent(const fit_data *d)
 {
-    return d->effort > ENOUGH;
+    return d->effort > ENOUGH + d->granted;
 }
 
 void fit_grant(fit_data *d)
 {
-    d->effort = fmin(d->effort, 0.5 * ENOUGH);
+    /* All of it to the first, a half of that to the second, a quarter to the third. */
+    const double share = ldexp(1.0, -(int)d->beginnings);
+    d->granted = fmax(d->granted, d->effort + (share - 1.0) * ENOUGH);
+    d->beginnings++;
 }
 
 fit_state fit_nominal(void)

@@ -39,7 +39,9 @@ typedef struct fit_data {
     size_t blocks;
     size_t longest; /* rows of the longest block */
     size_t rows_all;
-    double effort; /* spent: fit_spend */
+    double effort;       /* spent: fit_spend */
+    double granted;      /* beyond what one search may spend: fit_grant */
+    unsigned beginnings; /* so many searches had a grant */
     /* Sums are of the steps by which a search looks (coordinate_look), not of slopes where a state stands. */
     bool searches;
     averaged_node *nodes;
@@ -67,7 +69,8 @@ void fit_spend(fit_data *d, const averaged_drive *drive, size_t ways);
  * weighed, as ever. */
 bool fit_has_spent(const fit_data *d);
 
-/* For a search that must begin anew, as what it searches in has changed: half of all that at least. */
+/* For a search that must begin anew, as what it searches in has changed: what is left, and half as much at least as the one before
+ * it was granted. However often all begins anew, that is no more than twice what the first may spend. */
 void fit_grant(fit_data *d);
 
 static inline averaged_drive fit_drive(const fit_data *d, const fit_state *s)

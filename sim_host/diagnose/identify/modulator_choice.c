@@ -74,7 +74,7 @@ static bool left_as_it_is(fit_data *d, const fit_state *s, double *left)
     return grams != NULL;
 }
 
-bool modulator_choose(fit_data *d, const fit_state *s, unsigned by, bool *changed)
+bool modulator_choose(fit_data *d, const fit_state *s, unsigned by, double least, bool *changed)
 {
     diagnose_rows *r = d->rows;
     const modulator own = r->modulator;
@@ -91,7 +91,8 @@ bool modulator_choose(fit_data *d, const fit_state *s, unsigned by, bool *change
             return false;
         }
     }
-    bar = fmin(bar, left[own]) - CLEAR;
+    bar = fmin(bar, left[own]);
+    bar -= fmax(CLEAR, least * bar);
     for (int which = 0; which < (int)MODULATORS; which++) {
         if (left[which] < bar && left[which] < left[best]) {
             best = (modulator)which;

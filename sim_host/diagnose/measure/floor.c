@@ -25,16 +25,31 @@ static double fast_variance(const recording *rec, const double *x, double wrap)
     return n > 0.0 ? sum / (20.0 * n) : 0.0;
 }
 
+/* What the one-cycle errors of a drive say of the sensors' noise, as variances of a sample's vector. */
+typedef struct error_sums {
+    double lag_two;  /* 0: they say nothing */
+    double quietest; /* no more than this; INFINITY where no operating point has rows */
+} error_sums;
+
+/* Of white noise an operating point's sums over n rows scatter by about sqrt(1.5/n): three times that, and some more. */
+static double at_most(double square, double rows)
+{
+    return square / rows * (1.0 + 4.0 / sqrt(rows));
+}
+
 /*
- * Sensor noise where the filter's gain says little, because structure is left: the one-cycle error of white
- * sensor noise is a difference, v(k+1) - v(k), and the lag-two autocovariance of the differenced error is its
- * variance; white disturbances and slow ones leave it alone.
+ * Two measures that structure disturbs less than it does the filter's gain. The one-cycle error of white sensor noise is a
+ * difference, v(k+1) - v(k), and the lag-two autocovariance of the differenced error is its variance; white disturbances and slow
+ * ones leave it alone. And sensors are as noisy at one operating point as at another: where the error is smallest it is noise at
+ * the most, whatever fast structure others have.
  */
-static double lag_two(const diagnose_rows *r, const averaged_drive *drive)
+static error_sums sum_errors(const diagnose_rows *r, const averaged_drive *drive, double per_variance)
 {
     averaged_node *nodes = rows_nodes(r, drive);
-    double sum = 0.0;
+    double lagged = 0.0;
     double n = 0.0;
+    double square[ROWS_MAX_GROUPS] = {0};
+    double rows[ROWS_MAX_GROUPS] = {0};
     for (size_t b = 0; nodes && b < r->blocks; b++) {
         const row_block *block = &r->block[b];
         vec_ab *e = calloc(block->count, sizeof *e);
@@ -47,14 +62,22 @@ static double lag_two(const diagnose_rows *r, const averaged_drive *drive)
             if (bad[0] || bad[-1] || bad[-2] || bad[-3]) {
                 continue;
             }
-            sum += (e[j].alpha - e[j - 1].alpha) * (e[j - 2].alpha - e[j - 3].alpha) +
-                   (e[j].beta - e[j - 1].beta) * (e[j - 2].beta - e[j - 3].beta);
+            lagged += (e[j].alpha - e[j - 1].alpha) * (e[j - 2].alpha - e[j - 3].alpha) +
+                      (e[j].beta - e[j - 1].beta) * (e[j - 2].beta - e[j - 3].beta);
             n += 1.0;
+            square[block->group] += e[j].alpha * e[j].alpha + e[j].beta * e[j].beta;
+            rows[block->group] += 1.0;
         }
         free(e);
     }
     free(nodes);
-    return n > 0.0 ? sum / n : 0.0;
+    error_sums sums = {.lag_two = n > 0.0 ? lagged / n : 0.0, .quietest = INFINITY};
+    for (size_t g = 0; g < r->groups; g++) {
+        if (rows[g] > 0.0) {
+            sums.quietest = fmin(sums.quietest, at_most(square[g], rows[g]) / per_variance);
+        }
+    }
+    return sums;
 }
 
 /*
@@ -77,6 +100,9 @@ static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive
     return jump_A * jump_A * sum / (double)r->rows;
 }
 
+/* A gain above which the filter does not trust the model, and says little of the noise. */
+static const double UNTRUSTED = 0.6;
+
 double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
                      double *sensor_rms_A)
 {
@@ -93,14 +119,15 @@ double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_
         rows += n->rows;
     }
     double variance = trust > 0.0 ? noise / trust : 0.0; /* of a sample's noise vector */
-    if (rows > 0.0 && gain / rows > 0.6) {
-        double other = lag_two(r, drive);
-        variance = other > 0.0 ? other : variance;
+    double L = 0.5 * (drive->L_d_H + drive->L_q_H);
+    double decay = exp(-drive->R_ohm * r->T_s / L);
+    const double per_variance = 1.0 + decay * decay;
+    if (rows > 0.0 && gain / rows > UNTRUSTED) {
+        const error_sums sums = sum_errors(r, drive, per_variance);
+        variance = fmin(sums.lag_two > 0.0 ? sums.lag_two : variance, sums.quietest);
     }
     /* Three sensors: a vector carries 4/3 of one's variance. Two: alpha has 1, beta 5/3. */
     *sensor_rms_A = sqrt(variance / (r->two_sensors ? 8.0 / 3.0 : 4.0 / 3.0));
-    double L = 0.5 * (drive->L_d_H + drive->L_q_H);
-    double decay = exp(-drive->R_ohm * r->T_s / L);
     double angle = fast_variance(r->recording, r->recording->theta_e_rad, VEC_TWO_PI);
     double link = r->recording->u_dc_V ? fast_variance(r->recording, r->recording->u_dc_V, 0.0) : 0.0;
     double more = 0.0;
@@ -118,5 +145,5 @@ double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_
         /* A phase of a vector has half of its power. */
         more += by_wrong_signs(r, drive, 0.5 * variance);
     }
-    return sqrt(variance * (1.0 + decay * decay) + more);
+    return sqrt(variance * per_variance + more);
 }
