@@ -385,9 +385,9 @@ recording bench_record(const bench *b)
                 before[2][x] = before[1][x];
                 before[1][x] = before[0][x];
                 before[0][x] = u_ab[x];
+                applied[1][x] = k_u * ripple * held[x];
                 held[x] = misses ? held[x] : before[whole][x];
                 applied[0][x] = k_u * ripple * held[x];
-                applied[1][x] = k_u * ripple * before[whole + 1][x];
             }
             cycle(&now, state, &theta, omega, r.T_s, applied[1], lround(STEPS * (late - (double)whole)),
                   applied[0]);

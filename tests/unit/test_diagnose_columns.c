@@ -56,6 +56,25 @@ static void missed_updates_are_counted_and_mended(void)
     diagnosis_free(&d);
 }
 
+/* Which command is missed is another question then: by whole cycles late, or by half of one, where the one before acts at first. */
+static void missed_updates_are_counted_beside_late_voltages(void)
+{
+    static const double cycles[] = {1.0, 0.5};
+    good.missed_share = 0.02;
+    good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
+    for (size_t k = 0; k < 2; k++) {
+        good.m.ext.voltage_delay_cycles = cycles[k];
+        diagnosis d = look(&good, NULL);
+        TEST_ASSERT_EQUAL_size_t(2, d.causes);
+        TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict);
+        TEST_ASSERT_EQUAL_STRING("voltage_delay", d.cause[0].id);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, cycles[k], d.cause[0].parameter[0].value);
+        TEST_ASSERT_EQUAL_STRING("missed_update", d.cause[1].id);
+        holds(&d.cause[1], "share", 0.02);
+        diagnosis_free(&d);
+    }
+}
+
 static void a_ripple_of_the_link_is_named(void)
 {
     good.unlogged_ripple = 0.02;
@@ -196,6 +215,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(missed_updates_are_counted_and_mended);
+    RUN_TEST(missed_updates_are_counted_beside_late_voltages);
     RUN_TEST(a_ripple_of_the_link_is_named);
     RUN_TEST(missed_updates_are_counted_beside_a_ripple);
     RUN_TEST(a_harmonic_is_no_ripple);

@@ -13,8 +13,8 @@ static const double CLEAR = 8.0;
 static const double NEAR = 4.0;
 /* What is counted must be this many rows at the least, and so many times those that err the opposite way. */
 enum { LEAST_ROWS = 4, TIMES_OPPOSITE = 5 };
-/* A share late by more is a voltage delay: then which command is missed is another question. */
-static const double MOST_LATE = 0.15;
+/* Commands that are late by less than this share of a cycle short of a whole one are late by the whole one. */
+static const double NEARLY = 0.15;
 
 /* The middle of a normal square in two dimensions is 2 ln 2 of one component's variance. */
 static const double MEDIAN_OF_SQUARE = 1.386294361119891;
@@ -23,6 +23,7 @@ typedef struct count {
     diagnose_rows *r;
     const averaged_drive *drive;
     const averaged_node *nodes;
+    size_t late; /* whole cycles by which the newest command that acts in a cycle is */
     double deviation_A[ROWS_MAX_GROUPS];
     double odds; /* log of share / (1 - share); NAN while rows are counted and not mended */
     size_t told, missed, opposite, mended;
@@ -60,22 +61,27 @@ static bool find_deviations(count *c)
     return ok;
 }
 
-/* The cycle of a row under the command of the row before it. */
-static void hold_command(cycle_row *row)
+/* The cycle of a row without its newest command, which is `late` cycles old: the one before acts on. */
+static void hold_command(cycle_row *row, size_t late)
 {
-    row->u_V[0] = row[-1].u_V[0];
-    memcpy(row->rise, row[-1].rise, sizeof row->rise);
-    memcpy(row->no_rise, row[-1].no_rise, sizeof row->no_rise);
-    memcpy(row->no_fall, row[-1].no_fall, sizeof row->no_fall);
-    memcpy(row->edge_ripple_Wb, row[-1].edge_ripple_Wb, sizeof row->edge_ripple_Wb);
+    row->u_V[late] = row[-1].u_V[late];
+    if (late == 0) {
+        memcpy(row->rise, row[-1].rise, sizeof row->rise);
+        memcpy(row->no_rise, row[-1].no_rise, sizeof row->no_rise);
+        memcpy(row->no_fall, row[-1].no_fall, sizeof row->no_fall);
+        memcpy(row->edge_ripple_Wb, row[-1].edge_ripple_Wb, sizeof row->edge_ripple_Wb);
+    }
 }
 
-/* What the rows after it know of it. */
-static void tell_next(cycle_row *next)
+/* What the row after it knows of what acted. Newer commands wait for their turn. */
+static void tell_next(cycle_row *next, size_t late)
 {
-    next->u_V[1] = next[-1].u_V[0];
-    next->u_V[2] = next[-1].u_V[1];
-    memcpy(next->fell, next[-1].rise, sizeof next->fell);
+    for (size_t n = late; n < 2; n++) {
+        next->u_V[n + 1] = next[-1].u_V[n];
+    }
+    if (late == 0) {
+        memcpy(next->fell, next[-1].rise, sizeof next->fell);
+    }
 }
 
 static double square_of(vec_ab a)
@@ -97,8 +103,8 @@ static void look_at(count *c, size_t k, double deviation_A)
     const cycle_row own = *row;
     const cycle_row next = row[1];
     const vec_ab e = error_of(c, k);
-    hold_command(row);
-    tell_next(row + 1);
+    hold_command(row, c->late);
+    tell_next(row + 1, c->late);
     const vec_ab held = error_of(c, k);
     /* Twice its own error less that of the held command: the error if the opposite had been done. */
     const vec_ab opposite = {2.0 * e.alpha - held.alpha, 2.0 * e.beta - held.beta};
@@ -108,8 +114,11 @@ static void look_at(count *c, size_t k, double deviation_A)
     if (isnan(c->odds)) {
         c->wild += square_of(e) > CLEAR * CLEAR * deviation_A * deviation_A;
         c->told += tells;
-        c->missed += tells && square_of(held) < near;
         c->opposite += tells && square_of(opposite) < near;
+        if (tells && square_of(held) < near) {
+            c->missed++; /* and the next row is looked at beside it: a command that is half a cycle late acts in both */
+            return;
+        }
     } else if (0.5 * (square_of(e) - square_of(held)) + c->odds * deviation_A * deviation_A > 0.0) {
         c->mended++;
         return;
@@ -140,6 +149,21 @@ static void look_at_all(count *c)
     }
 }
 
+/* The rows stay as they are. */
+static bool count_all(count *c)
+{
+    const size_t bytes = c->r->rows * sizeof *c->r->row;
+    cycle_row *before = malloc(bytes);
+    if (!before) {
+        return false;
+    }
+    memcpy(before, c->r->row, bytes);
+    look_at_all(c);
+    memcpy(c->r->row, before, bytes);
+    free(before);
+    return true;
+}
+
 /* Wilson's interval of a share. */
 static row_mend share_of(const count *c)
 {
@@ -155,17 +179,11 @@ static row_mend share_of(const count *c)
 bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended)
 {
     averaged_node *nodes = rows_nodes(r, drive);
-    count c = {.r = r, .drive = drive, .nodes = nodes, .odds = NAN};
+    const double late = fmin(fmax(drive->u_delay[0] + drive->u_delay[1], 0.0), 2.0);
+    count c = {.r = r, .drive = drive, .nodes = nodes, .late = (size_t)floor(late + NEARLY), .odds = NAN};
     *mended = 0;
-    if (!nodes || !find_deviations(&c)) {
-        free(nodes);
-        return false;
-    }
-    if (fabs(drive->u_delay[0]) < MOST_LATE && drive->u_delay[1] == 0.0) {
-        look_at_all(&c);
-    }
-    bool ok = true;
-    if (c.missed >= LEAST_ROWS && c.missed > TIMES_OPPOSITE * c.opposite && 2 * c.missed >= c.wild) {
+    bool ok = nodes && find_deviations(&c) && count_all(&c);
+    if (ok && c.missed >= LEAST_ROWS && c.missed > TIMES_OPPOSITE * c.opposite && 2 * c.missed >= c.wild) {
         const row_mend found = share_of(&c);
         ok = mended_keep(r, &found, file);
         if (ok) {

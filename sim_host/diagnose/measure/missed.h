@@ -14,8 +14,9 @@
 #include "diagnose/identify/rows.h"
 
 /*
- * Counts them by a drive that predicts the recording else. If there are any, the rows get the voltage that acted, and what they
- * were is kept where the motor file does not know that share. *mended: how many rows. False: out of memory.
+ * Counts them by a drive that predicts the recording else, commands that are late among it. If there are any, the rows get the
+ * voltage that acted, and what they were is kept where the motor file does not know that share. *mended: how many rows. False: out of
+ * memory.
  */
 bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended);
 
