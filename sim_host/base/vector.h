@@ -24,6 +24,7 @@ typedef struct vec_rotor {
 
 #define VEC_HALF_SQRT3 0.86602540378443864676
 #define VEC_1_SQRT3    0.57735026918962576451
+#define VEC_THIRD      0.33333333333333333333
 #define VEC_PI         3.14159265358979323846
 #define VEC_TWO_PI     6.28318530717958647693
 
@@ -64,7 +65,7 @@ static inline void vec_to_phases(vec_ab v, double abc[3])
 /* Clarke, amplitude invariant; what the three have in common drops out. */
 static inline vec_ab vec_from_phases(const double abc[3])
 {
-    vec_ab v = {(2.0 * abc[0] - abc[1] - abc[2]) / 3.0, (abc[1] - abc[2]) * VEC_1_SQRT3};
+    vec_ab v = {(2.0 * abc[0] - abc[1] - abc[2]) * VEC_THIRD, (abc[1] - abc[2]) * VEC_1_SQRT3};
     return v;
 }
 

@@ -158,27 +158,47 @@ vec_ab averaged_drive_drop(const averaged_drive *d, const cycle_row *row, vec_ab
     return drop;
 }
 
-/* Voltage lost in a cycle, stationary frame. The unequal part of the resistances sees the mean current. */
-static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
-                           vec_rotor r, double T_s)
+/* What the unequal part of the resistances, warm as they are, takes of a cycle's voltage: it sees the mean current. */
+static vec_ab unequal_losses(const averaged_drive *d, const cycle_row *row, vec_ab mid, double T_s)
 {
-    found_currents i = {.T_s = T_s};
-    double lost[3] = {0.0};
-    vec_to_phases(i_start, i.first);
-    vec_to_phases(i_end, i.last);
-    if (d->v_dead_V != 0.0) {
-        dead_time_losses(d, row, &i, r, lost);
-    }
     const double drifted = drifted_ohm(d, row);
     /* The drop lowers the end current, and with it its own mid-cycle value: a leg sees 2/3 of its loss, half
      * of that by mid-cycle. */
     const double third = T_s / 3.0 * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
+    double by[3];
     for (size_t x = 0; x < 3; x++) {
-        const double mid = 0.5 * (i.first[x] + i.last[x]);
         const double more_ohm = d->dR_ohm[x] + drifted;
-        lost[x] += more_ohm * mid / (1.0 + more_ohm * third);
+        by[x] = more_ohm / (1.0 + more_ohm * third);
     }
-    return vec_from_phases(lost);
+    return vec_times_phases(mid, by);
+}
+
+static bool unequal(const averaged_drive *d)
+{
+    return d->R_rate_ohm_s != 0.0 || d->alpha_R != 0.0 || d->dR_ohm[0] != 0.0 || d->dR_ohm[1] != 0.0 ||
+           d->dR_ohm[2] != 0.0;
+}
+
+/* Voltage lost in a cycle, stationary frame. */
+static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
+                           vec_rotor r, double T_s)
+{
+    vec_ab all = {0.0, 0.0};
+    if (d->v_dead_V != 0.0) {
+        found_currents i = {.T_s = T_s};
+        double lost[3];
+        vec_to_phases(i_start, i.first);
+        vec_to_phases(i_end, i.last);
+        dead_time_losses(d, row, &i, r, lost);
+        all = vec_from_phases(lost);
+    }
+    if (unequal(d)) {
+        const vec_ab mid = {0.5 * (i_start.alpha + i_end.alpha), 0.5 * (i_start.beta + i_end.beta)};
+        const vec_ab more = unequal_losses(d, row, mid, T_s);
+        all.alpha += more.alpha;
+        all.beta += more.beta;
+    }
+    return all;
 }
 
 /* Flux that is induced evenly over the cycle decays on average for half a cycle: e^{-a T/2}, as det decay is
@@ -268,14 +288,40 @@ static vec_dq iron_above(const averaged_drive *d, const iron_branch *branch, vec
     return (vec_dq){mean.d - first.d, mean.q - first.q};
 }
 
-vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *nodes, const cycle_row *row,
-                              vec_ab i_true, iron_memory *memory)
+/* The current that carries a flux; from a guess where the inductances are not constant. */
+static inline vec_dq current_of(const averaged_drive *d, bool bends, vec_dq per_H, vec_dq flux, vec_dq guess)
 {
-    averaged_step m = averaged_node_step(&nodes[row->node], row->node_h);
-    const vec_rotor r = averaged_drive_rotor(d, row);
-    vec_rotor end = further(r, (vec_rotor){row->cos_turn, row->sin_turn});
+    return bends ? flux_map_current(d, flux, guess) : (vec_dq){flux.d * per_H.d, flux.q * per_H.q};
+}
 
-    vec_ab u = voltage_of(d, row, end, m.push[0][0]);
+averaged_cycle averaged_drive_cycle(const averaged_drive *d, const averaged_node *nodes, const cycle_row *row)
+{
+    averaged_cycle c = {.step = averaged_node_step(&nodes[row->node], row->node_h),
+                        .start = averaged_drive_rotor(d, row)};
+    c.end = further(c.start, (vec_rotor){row->cos_turn, row->sin_turn});
+    c.u_V = voltage_of(d, row, c.end, c.step.push[0][0]);
+    return c;
+}
+
+bool averaged_drive_cycles_alike(const averaged_drive *a, const averaged_drive *b)
+{
+    bool alike = a->R_ohm == b->R_ohm && a->L_d_H == b->L_d_H && a->L_q_H == b->L_q_H && a->k_u == b->k_u &&
+                 a->u_delay[0] == b->u_delay[0] && a->u_delay[1] == b->u_delay[1] &&
+                 a->theta_0_rad == b->theta_0_rad && a->t_delay_s == b->t_delay_s;
+    for (size_t n = 0; n < ANGLE_ORDERS; n++) {
+        alike = alike && a->harmonic_cos_rad[n] == b->harmonic_cos_rad[n] &&
+                a->harmonic_sin_rad[n] == b->harmonic_sin_rad[n];
+    }
+    return alike;
+}
+
+vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle, const cycle_row *row,
+                           vec_ab i_true, iron_memory *memory)
+{
+    const averaged_step m = cycle->step;
+    const vec_rotor r = cycle->start;
+    const vec_rotor end = cycle->end;
+    const vec_ab u = cycle->u_V;
     const vec_dq total_dq = vec_to_dq(i_true, r); /* what flows through the winding's resistance */
     vec_dq mean_dq = total_dq; /* with the iron's mean over the cycle in it, not what it starts with */
     iron_branch branch = {.row = NULL};
@@ -306,20 +352,25 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
         i_dq.d -= taken.d;
         i_dq.q -= taken.q;
     }
-    vec_dq x = flux_map_flux(d, i_dq);
+    const bool bends = d->saturation != 0.0 || flux_map_has_terms(d);
+    const vec_dq per_H = {1.0 / d->L_d_H, 1.0 / d->L_q_H};
+    const flux_map_point at = flux_map_at(d, i_dq);
+    const vec_dq x = at.flux;
 
     /* Constant forcing in the rotor frame: the magnet, and the drop over R that the matrices do not know. */
-    vec_dq push = {-d->R_ohm * (mean_dq.d - x.d / d->L_d_H), -d->R_ohm * (mean_dq.q - x.q / d->L_q_H)};
+    vec_dq push = {-d->R_ohm * (mean_dq.d - x.d * per_H.d), -d->R_ohm * (mean_dq.q - x.q * per_H.q)};
     push.q -= row->omega_rad_s * psi;
     vec_dq y = {m.decay[0][0] * x.d + m.decay[0][1] * x.q + m.drive[0][0] * u_dq.d + m.drive[0][1] * u_dq.q +
                     m.push[0][0] * push.d + m.push[0][1] * push.q,
                 m.decay[1][0] * x.d + m.decay[1][1] * x.q + m.drive[1][0] * u_dq.d + m.drive[1][1] * u_dq.q +
                     m.push[1][0] * push.d + m.push[1][1] * push.q};
     vec_dq near = i_dq; /* to the current that makes y */
-    if (d->v_dead_V != 0.0 || d->R_rate_ohm_s != 0.0 || d->alpha_R != 0.0 || d->dR_ohm[0] != 0.0 ||
-        d->dR_ohm[1] != 0.0 || d->dR_ohm[2] != 0.0) {
+    if (bends) {
+        near = flux_map_guess(d, y, i_dq, &at);
+    }
+    if (d->v_dead_V != 0.0 || unequal(d)) {
         /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
-        near = flux_map_current(d, y, near);
+        near = current_of(d, bends, per_H, y, near);
         const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
         vec_ab i_end = vec_to_ab(all, end);
         vec_dq lost = vec_to_dq(phase_losses(d, row, vec_to_ab(total_dq, r), i_end, r, m.push[0][0]), r);
@@ -337,14 +388,14 @@ vec_ab averaged_drive_advance(const averaged_drive *d, const averaged_node *node
     }
     if (d->dL_H[0] != 0.0 || d->dL_H[1] != 0.0 || d->dL_H[2] != 0.0) {
         vec_ab i_first = vec_to_ab(i_dq, r);
-        near = flux_map_current(d, y, near);
+        near = current_of(d, bends, per_H, y, near);
         vec_ab i_last = vec_to_ab(near, end);
         vec_ab change = {i_last.alpha - i_first.alpha, i_last.beta - i_first.beta};
         vec_dq taken = vec_to_dq(phase_share(d, change, half_decay(&m), end), end);
         y.d -= taken.d;
         y.q -= taken.q;
     }
-    vec_dq i_end = flux_map_current(d, y, near);
+    vec_dq i_end = current_of(d, bends, per_H, y, near);
     if (iron) {
         vec_dq taken = iron_share(d, row->omega_rad_s, (vec_dq){y.d + psi, y.q});
         i_end.d += taken.d;

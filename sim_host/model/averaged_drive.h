@@ -96,12 +96,34 @@ motor averaged_drive_motor(const averaged_drive *drive, const motor *base);
 /* What the iron is carried on by from row to row (iron_branch.h). */
 typedef struct iron_memory iron_memory;
 
+/* What a row's cycle is before a current goes through it: the machine's step, the rotor at its start and end, the voltage. */
+typedef struct averaged_cycle {
+    averaged_step step;
+    vec_rotor start, end;
+    vec_ab u_V;
+} averaged_cycle;
+
+/* `nodes` is the table for this drive's R, L_d, L_q. */
+averaged_cycle averaged_drive_cycle(const averaged_drive *drive, const averaged_node *nodes,
+                                    const cycle_row *row);
+
+/* Whether every row's cycle is the same for both. */
+bool averaged_drive_cycles_alike(const averaged_drive *one, const averaged_drive *other);
+
 /*
- * True current at the end of the row's cycle. `nodes` is the table for this drive's R, L_d, L_q. `memory`: of a way from row to
- * row with this drive, or NULL, where the rows before are looked up at each.
+ * True current at the end of the row's cycle. `memory`: of a way from row to row with this drive, or NULL, where the rows before
+ * are looked up at each.
  */
-vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes, const cycle_row *row,
-                              vec_ab i_true, iron_memory *memory);
+vec_ab averaged_drive_pass(const averaged_drive *drive, const averaged_cycle *cycle, const cycle_row *row,
+                           vec_ab i_true, iron_memory *memory);
+
+/* The same of a row whose cycle is passed once. */
+static inline vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes,
+                                            const cycle_row *row, vec_ab i_true, iron_memory *memory)
+{
+    const averaged_cycle cycle = averaged_drive_cycle(drive, nodes, row);
+    return averaged_drive_pass(drive, &cycle, row, i_true, memory);
+}
 
 /* The drop that a current causes over the phases' resistances, warm and unequal as they are. */
 vec_ab averaged_drive_drop(const averaged_drive *drive, const cycle_row *row, vec_ab i_A);

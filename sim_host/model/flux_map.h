@@ -15,22 +15,32 @@
 
 bool flux_map_has_terms(const averaged_drive *drive);
 
+/* dflux/di: dd, dq (= qd), qq. */
+typedef struct flux_map_slope {
+    double dd, dq, qq;
+} flux_map_slope;
+
+/* A map at one current. */
+typedef struct flux_map_point {
+    vec_dq flux;
+    flux_map_slope slope;
+} flux_map_point;
+
+flux_map_point flux_map_at(const averaged_drive *drive, vec_dq i);
+
+/* The flux alone. */
 vec_dq flux_map_flux(const averaged_drive *drive, vec_dq i);
 
 /*
- * The current that carries a flux, by Newton's method from a guess, to about 1e-12 of it. Where the incremental
+ * The current that carries a flux, by Newton's method from a guess, to about 1e-10 of it. Where the incremental
  * inductance is not that of a machine (the flux falls as the current rises) the step is that without
  * saturation, and after a few of these the last value stands; a flux that lies beyond all that a map can carry
  * has the current of the first step, by the inductance at the guess.
  */
 vec_dq flux_map_current(const averaged_drive *drive, vec_dq flux, vec_dq guess);
 
-/* dflux/di: dd, dq (= qd), qq. */
-typedef struct flux_map_slope {
-    double dd, dq, qq;
-} flux_map_slope;
-
-flux_map_slope flux_map_incremental(const averaged_drive *drive, vec_dq i);
+/* A guess at that: Newton's first step from a current whose point on the map is known. */
+vec_dq flux_map_guess(const averaged_drive *drive, vec_dq flux, vec_dq i, const flux_map_point *at);
 
 /* Whether a machine can have it: both of its principal values at least `share` of the lesser unsaturated one. */
 bool flux_map_is_physical(const averaged_drive *drive, vec_dq i, double share);

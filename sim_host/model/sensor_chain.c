@@ -70,16 +70,3 @@ sensor_map sensor_map_of(const averaged_drive *d, bool two_sensors, double elaps
     const sensor_course c = sensor_course_of(d, two_sensors);
     return sensor_course_at(&c, elapsed_s);
 }
-
-vec_ab sensor_map_measure(const sensor_map *m, vec_ab i)
-{
-    return (vec_ab){m->forward[0][0] * i.alpha + m->forward[0][1] * i.beta + m->offset.alpha,
-                    m->forward[1][0] * i.alpha + m->forward[1][1] * i.beta + m->offset.beta};
-}
-
-vec_ab sensor_map_unmeasure(const sensor_map *m, vec_ab i)
-{
-    double a = i.alpha - m->offset.alpha;
-    double b = i.beta - m->offset.beta;
-    return (vec_ab){m->back[0][0] * a + m->back[0][1] * b, m->back[1][0] * a + m->back[1][1] * b};
-}

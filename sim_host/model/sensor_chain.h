@@ -26,7 +26,18 @@ sensor_course sensor_course_of(const averaged_drive *drive, bool two_sensors);
 sensor_map sensor_course_at(const sensor_course *course, double elapsed_s);
 /* Of one row alone. */
 sensor_map sensor_map_of(const averaged_drive *drive, bool two_sensors, double elapsed_s);
-vec_ab sensor_map_measure(const sensor_map *map, vec_ab i_true);
-vec_ab sensor_map_unmeasure(const sensor_map *map, vec_ab i_recorded);
+
+static inline vec_ab sensor_map_measure(const sensor_map *map, vec_ab i_true)
+{
+    return (vec_ab){map->forward[0][0] * i_true.alpha + map->forward[0][1] * i_true.beta + map->offset.alpha,
+                    map->forward[1][0] * i_true.alpha + map->forward[1][1] * i_true.beta + map->offset.beta};
+}
+
+static inline vec_ab sensor_map_unmeasure(const sensor_map *map, vec_ab i_recorded)
+{
+    const double a = i_recorded.alpha - map->offset.alpha;
+    const double b = i_recorded.beta - map->offset.beta;
+    return (vec_ab){map->back[0][0] * a + map->back[0][1] * b, map->back[1][0] * a + map->back[1][1] * b};
+}
 
 #endif

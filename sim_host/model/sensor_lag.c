@@ -32,7 +32,7 @@ static vec_ab filtered_Vs(const averaged_drive *d, const cycle_row *row, double 
         found_edges_each(d, before, sensor_map_unmeasure(map, before->i_A), rise_V, fall_V);
     }
     for (int x = 0; x < 3; x++) {
-        const double at_fall = exp(-command->fell[x] * cycle);
+        const double at_fall = exp(-fmin(command->fell[x] * cycle, ALL_FADED));
         const double at_rise = fade / at_fall;
         high_Vs[x] = (d->k_u * row->u_dc_V * tau * (at_fall - at_rise) -
                       T_s * (rise_V[x] * at_rise + fall_V[x] * at_fall)) /
@@ -140,8 +140,9 @@ static lag_line line_of(const averaged_drive *d, const cycle_row *row, vec_ab hi
     const turning late = {tau, -w * tau * tau * (tau > 0.0 ? 1.0 : 0.5)};
     const turning late_j_w = {-w * late.q, w * late.p};
     const vec_dq i = vec_to_dq(i_ab, r);
-    const flux_map_slope slope = flux_map_incremental(d, i);
-    const vec_dq whole = flux_map_flux(d, i);
+    const flux_map_point at = flux_map_at(d, i);
+    const flux_map_slope slope = at.slope;
+    const vec_dq whole = at.flux;
     const vec_dq rest = {whole.d + averaged_drive_magnet(d, row) - slope.dd * i.d - slope.dq * i.q,
                          whole.q - slope.dq * i.d - slope.qq * i.q};
     const square L = inductance_of(slope, r);
@@ -164,13 +165,10 @@ static lag_line line_of(const averaged_drive *d, const cycle_row *row, vec_ab hi
                               {late_j_w.q - lost.m[1][0], late_j_w.p - lost.m[1][1]}}}};
 }
 
-/* Of the branch, if its time constant were tau. */
-static vec_ab iron_by(const averaged_drive *d, double tau_s, const cycle_row *row, vec_ab i, iron_memory *m)
+static vec_ab iron_at(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *m)
 {
-    averaged_drive other = *d;
-    other.fe_tau_s = tau_s;
-    const iron_branch b = iron_branch_of(&other, row, i, m);
-    return iron_branch_begin(&other, &b);
+    const iron_branch b = iron_branch_of(d, row, i, m);
+    return iron_branch_begin(d, &b);
 }
 
 /* Time constants that differ by less than this share are told apart by it: the quotient would lose its digits. */
@@ -181,7 +179,9 @@ static vec_ab filtered_iron(const averaged_drive *d, const cycle_row *row, vec_a
 {
     const double tau = d->fe_tau_s;
     const double lag = fabs(d->sensor_lag_s - tau) < APART * tau ? (1.0 + APART) * tau : d->sensor_lag_s;
-    const vec_ab by_lag = iron_by(d, lag, row, i, m);
+    averaged_drive other = *d;
+    other.fe_tau_s = lag;
+    const vec_ab by_lag = iron_at(&other, row, i, m);
     return (vec_ab){(tau * own.alpha - lag * by_lag.alpha) / (tau - lag),
                     (tau * own.beta - lag * by_lag.beta) / (tau - lag)};
 }
@@ -205,7 +205,7 @@ static vec_ab later_iron(const averaged_drive *d, const cycle_row *row, double T
 static vec_ab iron_shown(const averaged_drive *d, const cycle_row *row, double T_s, vec_ab i,
                          lag_memory *memory, vec_ab *own)
 {
-    *own = iron_by(d, d->fe_tau_s, row, i, &memory->own);
+    *own = iron_at(d, row, i, &memory->own);
     return d->sensor_lag_s > 0.0 ? filtered_iron(d, row, i, *own, &memory->by_filter)
                                  : later_iron(d, row, T_s, i, *own);
 }

@@ -174,7 +174,7 @@ static void a_flux_map_is_inverted(void)
         const vec_dq flux = flux_map_flux(&d, i);
         const vec_dq on_d = flux_map_flux(&d, (vec_dq){i.d + h, i.q});
         const vec_dq on_q = flux_map_flux(&d, (vec_dq){i.d, i.q + h});
-        const flux_map_slope m = flux_map_incremental(&d, i);
+        const flux_map_slope m = flux_map_at(&d, i).slope;
         TEST_ASSERT_DOUBLE_WITHIN(1e-7, m.dd, (on_d.d - flux.d) / h);
         TEST_ASSERT_DOUBLE_WITHIN(1e-7, m.dq, (on_d.q - flux.q) / h);
         TEST_ASSERT_DOUBLE_WITHIN(1e-7, m.dq, (on_q.d - flux.d) / h);
@@ -184,6 +184,28 @@ static void a_flux_map_is_inverted(void)
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.d, back.d);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.q, back.q);
     }
+}
+
+/* A guess is as far off as the square of the way to it, and exact where the inductances are constant. */
+static void a_flux_is_guessed_from_a_current_nearby(void)
+{
+    averaged_drive d = with_map();
+    const vec_dq i = {-3.0, 5.0};
+    const flux_map_point at = flux_map_at(&d, i);
+    double off[2];
+    for (int n = 0; n < 2; n++) {
+        const double by = n == 0 ? 0.2 : 0.1;
+        const vec_dq to = {i.d + by, i.q - by};
+        const vec_dq guess = flux_map_guess(&d, flux_map_flux(&d, to), i, &at);
+        off[n] = hypot(guess.d - to.d, guess.q - to.q);
+    }
+    TEST_ASSERT_TRUE(off[1] > 0.0 && off[0] < 0.02);
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 4.0, off[0] / off[1]);
+    d = (averaged_drive){.L_d_H = 0.009, .L_q_H = 0.013};
+    const flux_map_point plain = flux_map_at(&d, i);
+    const vec_dq guess = flux_map_guess(&d, (vec_dq){0.09, 0.13}, i, &plain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 10.0, guess.d);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 10.0, guess.q);
 }
 
 /* A flux beyond what the map carries: no current makes it, and what comes out is no runaway. */
@@ -355,6 +377,7 @@ int main(void)
     RUN_TEST(the_extended_motor_file_says_the_same_drive);
     RUN_TEST(a_flux_map_goes_to_the_motor_file_and_back);
     RUN_TEST(a_flux_map_is_inverted);
+    RUN_TEST(a_flux_is_guessed_from_a_current_nearby);
     RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
     RUN_TEST(an_error_of_the_electrical_turn_is_taken_at_the_true_angle);
     RUN_TEST(an_error_of_the_turn_moves_the_angle_that_it_depends_on);

@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unity.h>
 
 static motor m;
@@ -16,6 +17,7 @@ static diagnose_rows rows;
 static coordinate_frame frame;
 static averaged_node *nodes;
 static observer_step *way;
+static averaged_cycle *cycle;
 static double *base, *own, *beside;
 
 void setUp(void)
@@ -28,16 +30,18 @@ void setUp(void)
     frame = coordinates_of(&m, &rows);
     nodes = calloc(rows.nodes, sizeof *nodes);
     way = calloc(rows.rows, sizeof *way);
+    cycle = calloc(rows.rows, sizeof *cycle);
     base = calloc(OBSERVER_OUTPUTS * rows.rows, sizeof *base);
     own = calloc(OBSERVER_OUTPUTS * rows.rows, sizeof *own);
     beside = calloc(OBSERVER_OUTPUTS * rows.rows, sizeof *beside);
-    TEST_ASSERT_TRUE(nodes && way && base && own && beside);
+    TEST_ASSERT_TRUE(nodes && way && cycle && base && own && beside);
 }
 
 void tearDown(void)
 {
     free(nodes);
     free(way);
+    free(cycle);
     free(base);
     free(own);
     free(beside);
@@ -59,7 +63,8 @@ static double apart(const double z[P_COUNT], coordinate_id moved, double more_ga
     rows_nodes_fill(&rows, &d, nodes);
     for (size_t b = 0; b < rows.blocks; b++) {
         const row_block *block = &rows.block[b];
-        observer_way(&rows, &d, nodes, block, 0.3, base, way);
+        observer_cycles(&rows, &d, nodes, block, cycle);
+        observer_way(&rows, &d, cycle, block, 0.3, base, way);
         observer_block(&rows, &d, nodes, block, 0.3, 0.0, own, NULL);
         TEST_ASSERT_EQUAL_DOUBLE_ARRAY(own, base, OBSERVER_OUTPUTS * block->count);
         observer_block(&rows, &other, nodes, block, 0.3 + more_gain, 0.0, own, NULL);
@@ -108,9 +113,48 @@ static void beside_iron_a_small_part_is_left_out(void)
     all_apart_by_less_than(z, 0.006);
 }
 
+/* Whether a drive goes the same way through the cycles of another, bit by bit. */
+static bool goes_through(const averaged_drive *drive, const averaged_drive *of)
+{
+    bool same = true;
+    averaged_node *by_its_own = rows_nodes(&rows, drive);
+    TEST_ASSERT_NOT_NULL(by_its_own);
+    rows_nodes_fill(&rows, of, nodes);
+    for (size_t b = 0; b < rows.blocks; b++) {
+        const row_block *block = &rows.block[b];
+        observer_cycles(&rows, of, nodes, block, cycle);
+        observer_through(&rows, drive, cycle, block, 0.3, beside);
+        observer_block(&rows, drive, by_its_own, block, 0.3, 0.0, own, NULL);
+        same = same && memcmp(own, beside, OBSERVER_OUTPUTS * block->count * sizeof *own) == 0;
+    }
+    free(by_its_own);
+    return same;
+}
+
+/* Of every coordinate: either it leaves the cycles as they are, and is said to, or it does not. */
+static void whose_cycles_are_alike_goes_through_the_same(void)
+{
+    const double z[P_COUNT] = {[P_SATURATION] = 0.1, [P_V_DEAD] = 1.0, [P_FE] = 1.0, [P_THETA_0] = 0.05};
+    const averaged_drive d = coordinates_drive(&frame, z, EDGE_CLIPPED);
+    size_t alike = 0;
+    size_t apart_ones = 0;
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        double to[P_COUNT];
+        memcpy(to, z, sizeof to);
+        to[id] += coordinate_step(id);
+        const averaged_drive other = coordinates_drive(&frame, to, EDGE_CLIPPED);
+        const bool said = averaged_drive_cycles_alike(&other, &d);
+        TEST_ASSERT_EQUAL_MESSAGE(said, goes_through(&other, &d), "a coordinate's cycles");
+        alike += said ? 1 : 0;
+        apart_ones += said ? 0 : 1;
+    }
+    TEST_ASSERT_TRUE(alike > 20 && apart_ones > 8);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(whose_cycles_are_alike_goes_through_the_same);
     RUN_TEST(what_the_sensors_change_beside_a_way_is_what_it_changes);
     RUN_TEST(beside_a_clipped_dead_time_it_is_nearly);
     RUN_TEST(beside_iron_a_small_part_is_left_out);

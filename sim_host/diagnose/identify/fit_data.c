@@ -42,11 +42,11 @@ bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, siz
     for (size_t k = 0; k < parallel_workers(); k++) {
         struct fit_work *w = &d->work[k];
         w->base = calloc(outputs, sizeof *w->base);
-        w->moved = calloc(outputs, sizeof *w->moved);
         w->columns = calloc(outputs * COLUMN_COUNT, sizeof *w->columns);
         w->way = calloc(d->longest + 1, sizeof *w->way);
+        w->cycle = calloc(d->longest + 1, sizeof *w->cycle);
         w->seen = calloc(d->longest + 1, sizeof *w->seen);
-        complete = complete && w->base && w->moved && w->columns && w->way && w->seen;
+        complete = complete && w->base && w->columns && w->way && w->cycle && w->seen;
     }
     if (!complete) {
         fit_data_free(d);
@@ -62,9 +62,9 @@ void fit_data_free(fit_data *d)
     free(d->sums);
     for (size_t k = 0; k < PARALLEL_MOST; k++) {
         free(d->work[k].base);
-        free(d->work[k].moved);
         free(d->work[k].columns);
         free(d->work[k].way);
+        free(d->work[k].cycle);
         free(d->work[k].seen);
     }
     *d = (fit_data){0};

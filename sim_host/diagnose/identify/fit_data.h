@@ -48,10 +48,11 @@ typedef struct fit_data {
     block_sums *sums; /* one a block */
     /* For one block, by each worker of base/parallel.h. */
     struct fit_work {
-        double *base, *moved; /* innovations */
-        unsigned char *seen;  /* which of its rows have one */
-        double *columns;      /* whitened derivatives: [column][3 rows] */
-        observer_step *way;   /* of the state's own drive */
+        double *base;        /* innovations */
+        unsigned char *seen; /* which of its rows have one */
+        double *columns;     /* whitened derivatives: [column][3 rows] */
+        observer_step *way;  /* of the state's own drive */
+        averaged_cycle *cycle;
     } work[PARALLEL_MOST];
 } fit_data;
 

@@ -80,8 +80,30 @@ typedef struct gram_task {
     double more_gain[COLUMN_COUNT];
     bool beside[COLUMN_COUNT]; /* moves the sensors or the gain alone, and goes beside the state's own way */
     bool any_beside;
+    bool alike[COLUMN_COUNT]; /* its cycles are the state's */
     gram *grams;
 } gram_task;
+
+/* How the innovations move with each column, from the state's own in work->base: to work->columns. */
+static void find_slopes(const gram_task *t, const row_block *block, const struct fit_work *work,
+                        size_t stride)
+{
+    const double own_gain = t->s->noise[block->group].gain;
+    for (size_t c = 0; c < t->columns; c++) {
+        double *slope = work->columns + c * stride;
+        const double gain = own_gain + t->more_gain[c];
+        if (t->beside[c]) {
+            observer_beside(t->d->rows, &t->moved[c], block, gain, work->way, slope);
+        } else if (t->alike[c]) {
+            observer_through(t->d->rows, &t->moved[c], work->cycle, block, gain, slope);
+        } else {
+            observer_block(t->d->rows, &t->moved[c], t->own[c], block, gain, 0.0, slope, NULL);
+        }
+        for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {
+            slope[j] = (slope[j] - work->base[j]) / t->step[c];
+        }
+    }
+}
 
 static void one_block(void *context, size_t b, size_t worker)
 {
@@ -93,26 +115,19 @@ static void one_block(void *context, size_t b, size_t worker)
     const size_t outputs = OBSERVER_OUTPUTS * block->count;
     const size_t stride = OBSERVER_OUTPUTS * d->longest;
     gram *sum = &t->grams[b];
+    observer_cycles(d->rows, &t->drive, d->nodes, block, work->cycle);
     if (t->any_beside) {
-        observer_way(d->rows, &t->drive, d->nodes, block, noise->gain, work->base, work->way);
+        observer_way(d->rows, &t->drive, work->cycle, block, noise->gain, work->base, work->way);
     } else {
-        observer_block(d->rows, &t->drive, d->nodes, block, noise->gain, 0.0, work->base, NULL);
+        observer_through(d->rows, &t->drive, work->cycle, block, noise->gain, work->base);
     }
+    find_slopes(t, block, work, stride);
     gram_whiten(noise, block->count, work->base, work->base);
     sum->group = block->group;
     sum->c = dot(work->base, work->base, outputs);
     for (size_t c = 0; c < t->columns; c++) {
         double *column_c = work->columns + c * stride;
-        const double gain = noise->gain + t->more_gain[c];
-        if (t->beside[c]) {
-            observer_beside(d->rows, &t->moved[c], block, gain, work->way, work->moved);
-        } else {
-            observer_block(d->rows, &t->moved[c], t->own[c], block, gain, 0.0, work->moved, NULL);
-        }
-        gram_whiten(noise, block->count, work->moved, column_c);
-        for (size_t j = 0; j < outputs; j++) {
-            column_c[j] = (column_c[j] - work->base[j]) / t->step[c];
-        }
+        gram_whiten(noise, block->count, column_c, column_c);
         sum->g[c] = dot(column_c, work->base, outputs);
         for (size_t a = 0; a <= c; a++) {
             sum->h[a][c] = sum->h[c][a] = dot(column_c, work->columns + a * stride, outputs);
@@ -135,31 +150,39 @@ static void find_beside(gram_task *t, const int *column)
     }
 }
 
+/* Each column's drive, and nodes where it moves what these depend on. False: out of memory. */
+static bool move_columns(gram_task *t, const int *column)
+{
+    fit_data *d = t->d;
+    bool complete = true;
+    find_beside(t, column);
+    for (size_t c = 0; c < t->columns; c++) {
+        double z[P_COUNT];
+        memcpy(z, t->s->z, sizeof z);
+        t->step[c] = column_step(d, column[c], z);
+        if (column[c] == COLUMN_GAIN) {
+            t->more_gain[c] = t->step[c];
+        } else {
+            column_move(column[c], t->step[c], z);
+        }
+        const averaged_drive moved = coordinates_drive(d->frame, z, t->s->edge);
+        t->moved[c] = moved;
+        t->alike[c] = averaged_drive_cycles_alike(&moved, &t->drive);
+        t->own[c] = d->nodes;
+        if (moved.R_ohm != t->drive.R_ohm || moved.L_d_H != t->drive.L_d_H || moved.L_q_H != t->drive.L_q_H) {
+            t->own[c] = rows_nodes(d->rows, &moved);
+            complete = complete && t->own[c];
+        }
+    }
+    return complete;
+}
+
 gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n)
 {
     gram_task t = {.d = d, .s = s, .columns = n, .drive = fit_drive(d, s)};
-    bool complete = true;
     rows_nodes_fill(d->rows, &t.drive, d->nodes);
     fit_spend(d, &t.drive, n + 1);
-    find_beside(&t, column);
-    for (size_t c = 0; c < n; c++) {
-        double z[P_COUNT];
-        memcpy(z, s->z, sizeof z);
-        t.step[c] = column_step(d, column[c], z);
-        if (column[c] == COLUMN_GAIN) {
-            t.more_gain[c] = t.step[c];
-        } else {
-            column_move(column[c], t.step[c], z);
-        }
-        const averaged_drive moved = coordinates_drive(d->frame, z, s->edge);
-        t.moved[c] = moved;
-        t.own[c] = d->nodes;
-        if (moved.R_ohm != t.drive.R_ohm || moved.L_d_H != t.drive.L_d_H || moved.L_q_H != t.drive.L_q_H) {
-            t.own[c] = rows_nodes(d->rows, &moved);
-            complete = complete && t.own[c];
-        }
-    }
-    t.grams = complete ? calloc(d->blocks + 1, sizeof *t.grams) : NULL;
+    t.grams = move_columns(&t, column) ? calloc(d->blocks + 1, sizeof *t.grams) : NULL;
     if (t.grams) {
         parallel_for(d->blocks, one_block, &t);
     }

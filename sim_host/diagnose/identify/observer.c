@@ -112,18 +112,37 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
     }
 }
 
+void observer_cycles(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
+                     const row_block *block, averaged_cycle *cycle)
+{
+    for (size_t j = 0; j < block->count; j++) {
+        cycle[j] = averaged_drive_cycle(drive, nodes, &r->row[block->first + j]);
+    }
+}
+
+void observer_through(diagnose_rows *r, const averaged_drive *drive, const averaged_cycle *cycle,
+                      const row_block *block, double gain, double *innovation)
+{
+    walker w = walker_of(r, drive, gain);
+    iron_memory memory = {.row = NULL};
+    for (size_t j = 0; j < block->count; j++) {
+        take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
+        w.x = averaged_drive_pass(drive, &cycle[j], &r->row[block->first + j], w.x, &memory);
+    }
+}
+
 /* How far a drive goes from one side of a current, per ampere. */
-static vec_ab slope(const averaged_drive *drive, const averaged_node *nodes, const cycle_row *row,
+static vec_ab slope(const averaged_drive *drive, const averaged_cycle *cycle, const cycle_row *row,
                     const observer_step *s, vec_ab aside, const iron_memory *before)
 {
     iron_memory memory = *before;
     const vec_ab from = {s->from_A.alpha + aside.alpha, s->from_A.beta + aside.beta};
-    const vec_ab to = averaged_drive_advance(drive, nodes, row, from, &memory);
+    const vec_ab to = averaged_drive_pass(drive, cycle, row, from, &memory);
     const double by = aside.alpha + aside.beta;
     return (vec_ab){(to.alpha - s->to_A.alpha) / by, (to.beta - s->to_A.beta) / by};
 }
 
-void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
+void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_cycle *cycle,
                   const row_block *block, double gain, double *innovation, observer_step *way)
 {
     const double aside = 1e-5 * r->i_peak_A;
@@ -135,9 +154,9 @@ void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_
         const iron_memory before = memory;
         take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
         s->from_A = w.x;
-        s->to_A = w.x = averaged_drive_advance(drive, nodes, row, w.x, &memory);
-        s->by_alpha = slope(drive, nodes, row, s, (vec_ab){aside, 0.0}, &before);
-        s->by_beta = slope(drive, nodes, row, s, (vec_ab){0.0, aside}, &before);
+        s->to_A = w.x = averaged_drive_pass(drive, &cycle[j], row, w.x, &memory);
+        s->by_alpha = slope(drive, &cycle[j], row, s, (vec_ab){aside, 0.0}, &before);
+        s->by_beta = slope(drive, &cycle[j], row, s, (vec_ab){0.0, aside}, &before);
     }
 }
 

@@ -34,8 +34,16 @@ typedef struct observer_step {
     vec_ab by_alpha, by_beta;
 } observer_step;
 
-/* The same without a gate, and the way: one step a row. */
-void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
+/* The cycles of a block's rows: one a row. */
+void observer_cycles(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
+                     const row_block *block, averaged_cycle *cycle);
+
+/* The innovations without a gate, through cycles that are there: of this drive or of one whose cycles are alike. */
+void observer_through(diagnose_rows *r, const averaged_drive *drive, const averaged_cycle *cycle,
+                      const row_block *block, double gain, double *innovation);
+
+/* The same, and the way: one step a row. */
+void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_cycle *cycle,
                   const row_block *block, double gain, double *innovation, observer_step *way);
 
 /*
