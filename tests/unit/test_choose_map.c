@@ -17,18 +17,20 @@ static coordinate_frame frame;
 static fit_data data;
 static size_t fits;
 static fit_state tried;
-static double gained, fall;
+static double gained, fall, given_up;
 static bool no_memory;
 
-bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations);
+bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone);
 
-bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations)
+bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone)
 {
     TEST_ASSERT_TRUE(d == &data);
     TEST_ASSERT_EQUAL_INT(5, iterations);
+    SAME(1000.0, aim->most);
     fits++;
     tried = *s;
     s->objective -= gained;
+    *alone = s->objective + given_up;
     s->z[P_SATURATION] = fall;
     return !no_memory;
 }
@@ -55,6 +57,7 @@ static void prepare(hypothesis_set set)
     fits = 0;
     gained = 60.1;
     fall = 0.4;
+    given_up = 0.0;
     no_memory = false;
 }
 
@@ -113,6 +116,9 @@ static void it_is_worth_its_parameters_and_physical(void)
     gained = 60.0;
     TEST_ASSERT_FALSE(becomes_whole(BIT(H_MAP)));
     gained = 200.0;
+    given_up = 201.0; /* its own coordinates were still behind the state */
+    TEST_ASSERT_FALSE(becomes_whole(BIT(H_MAP)));
+    given_up = 0.0;
     fall = -0.1; /* iron does not rise */
     TEST_ASSERT_FALSE(becomes_whole(BIT(H_MAP)));
     no_memory = true;

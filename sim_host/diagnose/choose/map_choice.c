@@ -36,10 +36,13 @@ bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_st
     trial.set = (s->set & ~terms) | HYPOTHESIS_BIT(H_MAP);
     begin_fall(d, &trial);
     coordinates_bound(d->frame, trial.z);
-    if (!fit_refine(d, &trial, refine_steps)) {
+    double alone;
+    const fit_aim aim = {.enough = 0.3, .held = 0.03, .most = s->objective};
+    if (!fit_refine_within(d, &trial, refine_steps, &aim, &alone)) {
         return false;
     }
-    if (trial.objective < s->objective - WORTH_IT && hypotheses_physical(trial.set, trial.z)) {
+    if (alone <= aim.most && trial.objective < s->objective - WORTH_IT &&
+        hypotheses_physical(trial.set, trial.z)) {
         *s = trial;
     }
     return true;
