@@ -192,6 +192,7 @@ double __wrap_measure_without_glitches(const diagnose_rows *r, const averaged_dr
     percent *= drive->R_ohm != w.frame.nominal.R_ohm ? factor[P_R] : 1.0;
     percent *= drive->psi_f_Wb != w.frame.nominal.psi_f_Wb ? factor[P_PSI] : 1.0;
     percent *= drive->v_dead_V != w.frame.nominal.v_dead_V ? factor[P_V_DEAD] : 1.0;
+    percent *= drive->w_dqq != 0.0 ? factor[P_W_DQQ] : 1.0;
     percent *= drive->zone_A != 0.0 ? factor[P_ZONE] : 1.0;
     return percent;
 }

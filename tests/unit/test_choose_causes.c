@@ -106,6 +106,27 @@ static void a_map_goes_with_all_its_forms(void)
     TEST_ASSERT_TRUE(allowed_at[1] == (w.possible & ~maps));
 }
 
+/* One that differs between operating points keeps its name only where it leaves less than half of the error. */
+static void a_map_that_differs_between_points_must_leave_little(void)
+{
+    prepare();
+    w.possible |= BIT(H_MAP_Q);
+    takes_a_map(900.0);
+    factor[P_W_DQQ] = 0.6;
+    scatter[CAUSE_SATURATION_DQ] = 0.29;
+    KEPT(BIT(H_MAP_Q));
+    scatter[CAUSE_SATURATION_DQ] = 0.31;
+    DROPPED(BIT(H_MAP_Q));
+    factor[P_W_DQQ] = 0.51;
+    DROPPED(BIT(H_MAP_Q));
+    factor[P_W_DQQ] = 0.49;
+    KEPT(BIT(H_MAP_Q));
+    /* Other laws have one shape. */
+    takes(P_R, 0.05, 200.0);
+    scatter[CAUSE_RESISTANCE] = 0.31;
+    KEPT(BIT(H_RESISTANCE));
+}
+
 /* Beside a map a name takes a hundredth of what all explain on top of what it pays. */
 static void a_name_beside_a_map_takes_more(void)
 {
@@ -253,6 +274,7 @@ int main(void)
     RUN_TEST(what_is_found_later_is_weighed_too);
     RUN_TEST(after_enough_no_search_begins_but_all_is_weighed);
     RUN_TEST(a_map_goes_with_all_its_forms);
+    RUN_TEST(a_map_that_differs_between_points_must_leave_little);
     RUN_TEST(a_name_beside_a_map_takes_more);
     RUN_TEST(the_odds_of_a_name);
     RUN_TEST(it_is_likely_or_in_the_likeliest_set);
