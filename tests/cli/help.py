@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Help, version, man pages, completions and suggestions: all from the commands' tables, so that none knows less than another."""
 
+import gzip
 import os
 import pathlib
 import pty
@@ -44,6 +45,18 @@ def on_terminal(arguments, **variables):
     child.wait()
     os.close(main)
     return text.decode()
+
+
+def many_times(recording, times, path):
+    """A recording so many times, one after the other, as runs of their own: long enough for a machine to take half a second."""
+    with gzip.open(recording, "rt") as lines:
+        head, *rows = lines
+    with path.open("w", encoding="utf-8") as out:
+        out.write(head)
+        for k in range(times):
+            for row in rows:
+                run, rest = row.split(",", 1)
+                out.write(f"{int(run) + 100 * k},{rest}")
 
 
 def commands():
@@ -155,11 +168,14 @@ class Help(unittest.TestCase):
                 self.assertIn(meant, refused(*arguments))
 
     def test_who_waits_at_a_terminal_is_told_what_goes_on(self):
-        told = on_terminal(["diagnose", "recordings/dead_time.csv.gz", "--motor", "recordings/dead_time.toml"])
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "long.csv")
+            many_times("recordings/dead_time.csv.gz", 15, path)
+            told = on_terminal(["diagnose", str(path), "--motor", "recordings/dead_time.toml"], IQFOC_JOBS="1")
         self.assertRegex(told, r"\rdiagnose: round 1, trying \w")
         # The line is gone before the words come.
-        self.assertIn("\r\033[K", told.split("dead_time.csv.gz", maxsplit=1)[0])
-        self.assertNotIn("\rdiagnose:", told.split("dead_time.csv.gz", maxsplit=1)[1])
+        self.assertIn("\r\033[K", told.split("long.csv", maxsplit=1)[0])
+        self.assertNotIn("\rdiagnose:", told.split("long.csv", maxsplit=1)[1])
 
     def test_what_takes_seconds_says_how_far_it_is(self):
         motor = ["--motor", "motors/compressor_salient.toml"]

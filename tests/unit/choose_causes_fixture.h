@@ -37,6 +37,7 @@ static double least_at[MOST_CALLS];
 static size_t fits;
 static hypothesis_set set_fitted[MOST_CALLS];
 static double R_before[MOST_CALLS];
+static bool rough[MOST_CALLS];
 /* What a search takes (fit_data's effort). */
 static double search_takes;
 
@@ -78,6 +79,7 @@ bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, doubl
                         double least, fitted_sets *fitted, evidence_view *seen,
                         const diagnose_teller *teller);
 bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations);
+bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone);
 bool __wrap_certainty_of(fit_data *d, const fit_state *s, certainty *c);
 bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen);
 double __wrap_measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
@@ -121,9 +123,20 @@ bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations)
     (void)iterations;
     TEST_ASSERT_TRUE(fits < MOST_CALLS);
     R_before[fits] = s->z[P_R];
+    rough[fits] = false;
     set_fitted[fits++] = s->set;
     fit(s);
     return !no_memory;
+}
+
+/* Where so much was tried that a rough fit must do. */
+bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone)
+{
+    TEST_ASSERT_TRUE(fit_has_spent(d) && aim->enough > 1.0);
+    const bool ok = __wrap_fit_refine(d, s, iterations);
+    rough[fits - 1] = true;
+    *alone = s->objective;
+    return ok;
 }
 
 bool __wrap_certainty_of(fit_data *d, const fit_state *s, certainty *c)

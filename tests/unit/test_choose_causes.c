@@ -78,7 +78,10 @@ static void after_enough_no_search_begins_but_all_is_weighed(void)
     search_takes = 1e9;
     TEST_ASSERT_TRUE(kept_of(all) == BIT(H_DEAD_TIME));
     TEST_ASSERT_EQUAL_size_t(1, calls);
-    TEST_ASSERT_EQUAL_size_t(3, fits);
+    /* Roughly while one after the other goes, and what is left as ever. */
+    TEST_ASSERT_EQUAL_size_t(4, fits);
+    TEST_ASSERT_TRUE(rough[0] && rough[1] && rough[2] && !rough[3]);
+    TEST_ASSERT_TRUE(set_fitted[2] == BIT(H_DEAD_TIME) && set_fitted[3] == BIT(H_DEAD_TIME));
     TEST_ASSERT_TRUE(w.allowed == (w.possible & ~(BIT(H_RESISTANCE) | BIT(H_FLUX))));
     /* Another beginning may take half as much. */
     search_takes = 1.0;

@@ -222,6 +222,23 @@ static void a_fit_ends_where_nothing_is_better(void)
     fit_end(&f);
 }
 
+/* A map that bends back before the current that flows: no step leads out of there. */
+static void without_a_number_nothing_is_moved(void)
+{
+    static fitted f;
+    fit_it(&f, HYPOTHESIS_BIT(H_MAP_TERMS));
+    f.state.z[P_W_DQQ] = 1e3;
+    f.state.z[P_W_DDD] = -1e3;
+    f.state.z[P_W_DDDD] = -1e6;
+    const fit_state before = f.state;
+    const fit_aim ranked = fit_ranked(INFINITY);
+    double alone = 0.0;
+    TEST_ASSERT_TRUE(fit_refine_within(&f.data, &f.state, 12, &ranked, &alone));
+    TEST_ASSERT_TRUE(isnan(alone) && !isfinite(f.state.objective));
+    TEST_ASSERT_EQUAL_MEMORY(before.z, f.state.z, sizeof before.z);
+    fit_end(&f);
+}
+
 static void widths_are_of_the_steps_that_blocks_and_points_ask_for(void)
 {
     static fitted f;
@@ -374,6 +391,7 @@ int main(void)
     RUN_TEST(what_a_fit_spends_is_counted);
     RUN_TEST(a_new_beginning_has_half);
     RUN_TEST(a_fit_ends_where_nothing_is_better);
+    RUN_TEST(without_a_number_nothing_is_moved);
     RUN_TEST(widths_are_of_the_steps_that_blocks_and_points_ask_for);
     RUN_TEST(what_cannot_be_told_apart_is_not_known);
     RUN_TEST(a_clean_recording_has_no_cause);

@@ -38,6 +38,8 @@ static const double FAR_MORE = 4.0;
 static const double ONE_MAP = 0.3;
 static const double MOST_LEFT = 0.5;
 
+enum { PRUNE_STEPS = 12, ROUGH_STEPS = 5 };
+
 /* Whether it is larger than its least size. What is not fitted has no size to doubt. */
 static bool is_large(const session *w, hypothesis_id h)
 {
@@ -238,15 +240,6 @@ static hypothesis_id whole_of(const fit_state *s, hypothesis_id h)
     return H_COUNT;
 }
 
-/* A hypothesis that is not fitted joins a state: it is, or is not. */
-static void join_whole(fit_state *s, hypothesis_id h)
-{
-    s->set |= HYPOTHESIS_BIT(h);
-    for (size_t k = 0; k < hypothesis_table[h].fixed; k++) {
-        s->z[hypothesis_table[h].column[k]] = 1.0;
-    }
-}
-
 /* By what share each effect differs from one operating point to the next: what LAW_HOLDS is measured by. */
 static void tell_scatter(const evidence_view *view, hypothesis_set set, const diagnose_teller *teller)
 {
@@ -260,13 +253,22 @@ static void tell_scatter(const evidence_view *view, hypothesis_set set, const di
     }
 }
 
+/* Fits the set to be weighed. Roughly is as well as a search ranks by: once so much was tried, to tell who goes. */
+static bool refine(session *w, bool roughly)
+{
+    double alone;
+    const fit_aim rough = fit_ranked(INFINITY);
+    return roughly ? fit_refine_within(&w->fitted, &w->state, ROUGH_STEPS, &rough, &alone)
+                   : fit_refine(&w->fitted, &w->state, PRUNE_STEPS);
+}
+
 /* Fits the state's set and drops, one by one, what is not certain, until all that stays is. Raises `least` to what the
  * next search's causes must explain to stand here. */
 static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, double *least,
                   const diagnose_teller *teller)
 {
-    for (;;) {
-        if (!fit_refine(&w->fitted, &w->state, 12) || !certainty_of(&w->fitted, &w->state, &w->certainty) ||
+    for (bool roughly = fit_has_spent(&w->fitted);;) {
+        if (!refine(w, roughly) || !certainty_of(&w->fitted, &w->state, &w->certainty) ||
             !evidence_look(&w->fitted, &w->state, w->possible, view)) {
             return false;
         }
@@ -280,6 +282,10 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
             return false;
         }
         const hypothesis_id worst = weakest(w, &g);
+        if (worst == H_COUNT && roughly) {
+            roughly = false;
+            continue;
+        }
         if (worst == H_COUNT) {
             tell_scatter(view, w->state.set, teller);
             return true;
@@ -294,7 +300,8 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
         const hypothesis_id whole = whole_of(&w->state, worst);
         leave(&w->state, worst, *allowed, w->frame.of_least);
         if (whole != H_COUNT && hypothesis_in(*allowed, whole) && hypothesis_joins(w->state.set, whole)) {
-            join_whole(&w->state, whole);
+            w->state.set |= HYPOTHESIS_BIT(whole);
+            hypothesis_fix(whole, w->state.z);
         }
         /* Half, as another set may leave less. */
         *least = fmax(*least, 0.5 * LEAST_SHARE_OF_REST * unexplained);

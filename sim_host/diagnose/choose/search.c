@@ -26,6 +26,9 @@ enum {
 /* How much worse than the present set a set may look under linearisation and still be tried. */
 static const double SLACK = 30.0;
 
+/* How near to where it was seen from a fit of an option begins at the most. */
+static const double LEAST_SHARE = 0.1;
+
 /* What another round of the same set, with stretches turned, must have brought to be followed by one more: where the turns of two
  * orders do alike they go back and forth. */
 static const double TURN_BRINGS = 10.0;
@@ -157,23 +160,51 @@ static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
     return s->set != before;
 }
 
-/* An option fitted without linearisation, from where its quadratic form has its optimum. *worth: as in fitted_set. */
+/* Puts what an option moves so much of the way to where its quadratic form has its optimum; the rest is there at once. */
+static void go_towards(const evidence_option *option, const fit_state *from, double share, double z[P_COUNT])
+{
+    bool moved[P_COUNT] = {false};
+    memcpy(z, option->z, sizeof option->z);
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(option->set, h)) {
+            hypothesis_mark(h, moved);
+        }
+    }
+    for (size_t k = 0; share < 1.0 && k < P_COUNT; k++) {
+        z[k] = moved[k] ? from->z[k] + share * (z[k] - from->z[k]) : z[k];
+    }
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(option->set, h)) {
+            hypothesis_fix(h, z);
+        }
+    }
+}
+
+/*
+ * An option fitted without linearisation, from where its quadratic form has its optimum, or from the way there if the model gives no
+ * number at its end, as where a flux map bends back. *worth: as in fitted_set.
+ */
 static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
                        fit_state *trial, double *alone, double *worth)
 {
-    trial->set = option->set;
-    memcpy(trial->z, option->z, sizeof trial->z);
-    coordinates_bound(d->frame, trial->z);
     const fit_aim ranked = fit_ranked(most);
-    if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
-        return false;
+    const fit_state from = *trial;
+    *alone = NAN;
+    for (double share = 1.0; isnan(*alone) && share > LEAST_SHARE; share *= 0.5) {
+        *trial = from;
+        trial->set = option->set;
+        go_towards(option, &from, share, trial->z);
+        coordinates_bound(d->frame, trial->z);
+        if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
+            return false;
+        }
     }
     while (*alone <= most && drop_small(trial, allowed, d->frame->of_least)) {
         if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
             return false;
         }
     }
-    return *alone > most || tolerance_of_state(d, trial, worth);
+    return !(*alone <= most) || tolerance_of_state(d, trial, worth);
 }
 
 /* `worth`: what the tolerances of its laws take off. */
@@ -264,7 +295,7 @@ static bool try_option(fit_data *d, fit_state *s, const evidence_option *option,
         }
     }
     const double score = state_score(c->e->view, &trial, worth);
-    trace_option(c, option, &trial, before ? "known " : (alone > most ? "given up" : "fitted"), score);
+    trace_option(c, option, &trial, before ? "known " : (alone <= most ? "fitted" : "given up"), score);
     if (alone <= most && score < c->score) {
         *s = trial;
         c->by_digits = fmax(alone - trial.objective, 0.0);
@@ -334,12 +365,16 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             (round > 0 && option->cost + evidence_penalty(e->view, option->set) > own_cost + SLACK)) {
             continue;
         }
+        /* So much was tried that the best of each size must do. */
+        if (k >= FULL_SIZE && fit_has_spent(d)) {
+            break;
+        }
         tried[n++] = option->set;
         if (!try_option(d, s, option, &c)) {
             return false;
         }
     }
-    return try_named(d, s, &c);
+    return fit_has_spent(d) || try_named(d, s, &c);
 }
 
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,

@@ -304,6 +304,10 @@ bool fit_gains(fit_data *d, fit_state *s)
 bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone)
 {
     fit_noise(d, s);
+    if (!isfinite(s->objective)) {
+        *alone = NAN;
+        return true;
+    }
     /* First the members alone: while they are far off, what is small would run after them. */
     const fit_aim near = {.enough = NEAR * aim->enough, .held = NEAR * aim->held, .most = aim->most};
     const bool ok = descend(d, s, iterations, MEMBERS, &near);

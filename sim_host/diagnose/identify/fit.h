@@ -41,7 +41,10 @@ static inline fit_aim fit_ranked(double most)
     return (fit_aim){.enough = 3.0, .held = 3.0, .most = most};
 }
 
-/* The same to an aim. *alone: what the set's own coordinates leave; where that is above aim->most nothing unnamed is moved then. */
+/*
+ * The same to an aim. *alone: what the set's own coordinates leave; where that is above aim->most nothing unnamed is moved then. NAN,
+ * and nothing is moved, where the model gives no number to begin with.
+ */
 bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone);
 
 #endif
