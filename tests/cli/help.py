@@ -179,8 +179,8 @@ class Help(unittest.TestCase):
 
     def test_what_takes_seconds_says_how_far_it_is(self):
         motor = ["--motor", "motors/compressor_salient.toml"]
-        for arguments, line in ((["watch", *motor, "--trials", "0", "--cycles", "1e5"], r"watch: nothing changes: +\d+ % of 100000 cycles"),
-                                (["plan", *motor, "--seconds", "4"], r"plan: +\d+ % of \d+ pieces")):
+        for arguments, line in ((["watch", *motor, "--trials", "0", "--cycles", "3e5"], r"watch: nothing changes: +\d+ % of 300000 cycles"),
+                                (["plan", *motor, "--seconds", "40"], r"plan: +\d+ % of \d+ pieces")):
             with self.subTest(arguments=arguments):
                 told = on_terminal(arguments)
                 shown, results = told.rsplit("\r\033[K", maxsplit=1)
