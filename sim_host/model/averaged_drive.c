@@ -352,7 +352,7 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
         i_dq.d -= taken.d;
         i_dq.q -= taken.q;
     }
-    const bool bends = d->saturation != 0.0 || flux_map_has_terms(d);
+    const bool bends = flux_map_bends(d);
     const vec_dq per_H = {1.0 / d->L_d_H, 1.0 / d->L_q_H};
     const flux_map_point at = flux_map_at(d, i_dq);
     const vec_dq x = at.flux;

@@ -10,6 +10,11 @@ bool flux_map_has_terms(const averaged_drive *d)
     return d->w_ddd != 0.0 || d->w_dqq != 0.0 || d->w_dddd != 0.0 || d->w_ddqq != 0.0 || d->w_qqqq != 0.0;
 }
 
+bool flux_map_bends(const averaged_drive *d)
+{
+    return d->saturation != 0.0 || flux_map_has_terms(d);
+}
+
 /* What the terms beyond the second order add. */
 static inline void add_terms(const averaged_drive *d, vec_dq i, flux_map_point *to)
 {
@@ -87,7 +92,7 @@ vec_dq flux_map_guess(const averaged_drive *d, vec_dq flux, vec_dq i, const flux
 vec_dq flux_map_current(const averaged_drive *d, vec_dq flux, vec_dq guess)
 {
     const bool terms = flux_map_has_terms(d);
-    if (d->saturation == 0.0 && !terms) {
+    if (!flux_map_bends(d)) {
         return (vec_dq){flux.d / d->L_d_H, flux.q / d->L_q_H};
     }
     vec_dq i = guess;

@@ -15,6 +15,9 @@
 
 bool flux_map_has_terms(const averaged_drive *drive);
 
+/* Whether the flux is not in proportion to the current: a fall with it, or terms. */
+bool flux_map_bends(const averaged_drive *drive);
+
 /* dflux/di: dd, dq (= qd), qq. */
 typedef struct flux_map_slope {
     double dd, dq, qq;

@@ -5,7 +5,7 @@
 #ifndef TESTS_UNIT_CHOOSE_CAUSES_FIXTURE_H
 #define TESTS_UNIT_CHOOSE_CAUSES_FIXTURE_H
 
-#include "choose_fixture.h"
+#include "choose_parabolas.h"
 #include "diagnose/choose/causes.h"
 #include "diagnose/choose/search.h"
 #include "diagnose/identify/fit.h"
@@ -17,10 +17,6 @@
 
 #define ZONE BIT(H_SENSOR_ZONE) /* has no name */
 
-/* What each coordinate would take off, and where; those of a crowd lean on one another by so much. */
-static double best[P_COUNT], less[P_COUNT];
-static bool crowd[P_COUNT];
-static double lean;
 /* One-cycle error in percent: of the motor file, and by what factor each coordinate that has left it changes that. */
 static double error_of_file, factor[P_COUNT];
 static double floor_A, current_A, inflation;
@@ -55,22 +51,16 @@ static void prepare(void)
     w.nominal = w.state;
     w.nominal.objective = WORST;
     for (size_t k = 0; k < P_COUNT; k++) {
-        best[k] = less[k] = half_width[k] = 0.0;
+        half_width[k] = 0.0;
         factor[k] = 1.0;
-        crowd[k] = false;
     }
-    lean = floor_A = search_takes = 0.0;
+    parabolas_none();
+    floor_A = search_takes = 0.0;
     error_of_file = current_A = inflation = 1.0;
     no_memory = false;
     calls = fits = 0;
     memset(proposed, 0, sizeof proposed);
     memset(scatter, 0, sizeof scatter);
-}
-
-static void takes(coordinate_id id, double at, double off)
-{
-    best[id] = at;
-    less[id] = off;
 }
 
 /* ---- What stands in for a recording ---- */
@@ -87,20 +77,6 @@ double __wrap_measure_floor(const diagnose_rows *r, const fit_state *s, const av
 double __wrap_measure_without_glitches(const diagnose_rows *r, const averaged_drive *drive);
 double __wrap_measure_current(const diagnose_rows *r, size_t group, bool held_out_only);
 
-static void fit(fit_state *s)
-{
-    s->objective = WORST;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        for (size_t k = 0; hypothesis_in(s->set, h) && k < hypothesis_table[h].columns; k++) {
-            const int c = hypothesis_table[h].column[k];
-            if (c < P_COUNT) {
-                s->z[c] = best[c];
-                s->objective -= less[c];
-            }
-        }
-    }
-}
-
 bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective,
                         double least, fitted_sets *fitted, evidence_view *seen, const diagnose_teller *teller)
 {
@@ -110,7 +86,7 @@ bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, doubl
     TEST_ASSERT_TRUE(calls < MOST_CALLS);
     TEST_ASSERT_EQUAL_DOUBLE(WORST, nominal_objective);
     s->set = proposed[calls] & allowed;
-    fit(s);
+    to_bottom(s);
     d->effort += search_takes;
     least_at[calls] = least;
     allowed_at[calls++] = allowed;
@@ -125,7 +101,7 @@ bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations)
     R_before[fits] = s->z[P_R];
     rough[fits] = false;
     set_fitted[fits++] = s->set;
-    fit(s);
+    to_bottom(s);
     return !no_memory;
 }
 
@@ -160,30 +136,7 @@ bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowe
     (void)d;
     TEST_ASSERT_TRUE(allowed == w.possible);
     *seen = (evidence_view){.rows = &rows, .edge = s->edge, .of_least = w.frame.of_least};
-    gram *t = &seen->sums;
-    t->c = WORST;
-    for (size_t k = 0; k < P_COUNT; k++) {
-        t->h[k][k] = less[k] > 0.0 ? less[k] / (best[k] * best[k]) : 0.0;
-        t->g[k] = -t->h[k][k] * best[k];
-        seen->to_nominal[k] = -s->z[k];
-    }
-    for (size_t k = 0; k < P_COUNT; k++) {
-        for (size_t j = 0; j < k; j++) {
-            t->h[k][j] = t->h[j][k] = crowd[k] && crowd[j] ? lean * sqrt(t->h[k][k] * t->h[j][j]) : 0.0;
-        }
-    }
-    double moved[P_COUNT];
-    for (size_t k = 0; k < P_COUNT; k++) {
-        moved[k] = 0.0;
-        for (size_t j = 0; j < P_COUNT; j++) {
-            moved[k] += t->h[k][j] * s->z[j];
-        }
-        t->c += s->z[k] * (2.0 * t->g[k] + moved[k]);
-    }
-    for (size_t k = 0; k < P_COUNT; k++) {
-        t->g[k] += moved[k];
-    }
-    seen->total = seen->sums;
+    parabolas_seen(s, seen);
     memcpy(seen->scatter, scatter, sizeof scatter);
     return true;
 }

@@ -2,9 +2,8 @@
  * Which options of a round are fitted, and from where (sim_host/diagnose/choose/search.h). The program is linked so that looks are
  * parabolas made by hand, and a fit finds their bottom wherever the model gives a number.
  */
-#include "choose_fixture.h"
+#include "choose_parabolas.h"
 #include "diagnose/choose/fitted_sets.h"
-#include "diagnose/choose/map_choice.h"
 #include "diagnose/choose/search.h"
 #include "diagnose/choose/tolerance.h"
 #include "diagnose/identify/branch_choice.h"
@@ -12,11 +11,8 @@
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/revolution.h"
 
-#include <string.h>
-
 enum { MOST_FITS = 64 };
 
-static double best[P_COUNT], less[P_COUNT];
 static double R_without_number; /* from there on the model gives none */
 static fit_data data;
 static coordinate_frame frame;
@@ -41,14 +37,7 @@ bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const f
         *alone = s->objective = NAN;
         return true;
     }
-    s->objective = WORST;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        for (size_t k = 0; hypothesis_in(s->set, h) && k < hypothesis_table[h].columns; k++) {
-            const int c = hypothesis_table[h].column[k];
-            s->z[c] = best[c];
-            s->objective -= less[c];
-        }
-    }
+    to_bottom(s);
     *alone = s->objective;
     return true;
 }
@@ -58,17 +47,7 @@ bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowe
     (void)d;
     (void)allowed;
     *seen = (evidence_view){.rows = &rows, .edge = s->edge, .of_least = 1.0};
-    gram *t = &seen->sums;
-    t->c = WORST;
-    for (size_t k = 0; k < P_COUNT; k++) {
-        const double curve = less[k] > 0.0 ? less[k] / (best[k] * best[k]) : 0.0;
-        const double away = s->z[k] - best[k];
-        t->h[k][k] = curve;
-        t->g[k] = curve * away;
-        t->c += curve * away * away - less[k];
-        seen->to_nominal[k] = -s->z[k];
-    }
-    seen->total = seen->sums;
+    parabolas_seen(s, seen);
     return true;
 }
 
@@ -105,8 +84,7 @@ bool __wrap_revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bo
 
 static void prepare(void)
 {
-    memset(best, 0, sizeof best);
-    memset(less, 0, sizeof less);
+    parabolas_none();
     frame = (coordinate_frame){.of_least = 1.0, .i_rated_peak_A = 10.0};
     frame.nominal = (averaged_drive){.R_ohm = 1.0,
                                      .L_d_H = 1e-3,
@@ -122,12 +100,6 @@ static void prepare(void)
     R_without_number = INFINITY;
     state = fit_nominal();
     state.objective = WORST;
-}
-
-static void takes(coordinate_id id, double at, double off)
-{
-    best[id] = at;
-    less[id] = off;
 }
 
 /* The set that a search ends with. */

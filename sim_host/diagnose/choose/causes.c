@@ -111,7 +111,7 @@ typedef struct weighing {
     standing posterior[H_COUNT];
     hypothesis_set decoys; /* members without a name */
     double of_decoys;      /* what these take off beside the named ones */
-    double with_all;       /* held-out error of the named ones; where there are decoys, or a dead time */
+    double with_all;       /* held-out error of the named ones */
 } weighing;
 
 static double cost_of(const weighing *g, hypothesis_set set)
@@ -134,7 +134,7 @@ static bool weigh(const session *w, const evidence_view *view, hypothesis_set al
         g.without[h] = hypothesis_in(set, h) ? cost_of(&g, set & ~HYPOTHESIS_BIT(h)) - g.own_cost : 0.0;
     }
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
-    g.with_all = g.decoys || hypothesis_in(set, H_DEAD_TIME) ? named_error(w, set) : 0.0;
+    g.with_all = named_error(w, set);
     *out = g;
     return probability_of(view, &w->state, allowed, w->certainty.inflation, out->posterior);
 }
@@ -183,7 +183,7 @@ static bool is_one_map(const weighing *g, hypothesis_id h)
     const hypothesis_set set = g->w->state.set;
     return hypothesis_table[h].cause != CAUSE_SATURATION_DQ ||
            g->view->scatter[CAUSE_SATURATION_DQ] <= ONE_MAP ||
-           named_error(g->w, set) < MOST_LEFT * named_error(g->w, set & ~HYPOTHESIS_BIT(h));
+           g->with_all < MOST_LEFT * named_error(g->w, set & ~HYPOTHESIS_BIT(h));
 }
 
 static bool is_worthy(const weighing *g, hypothesis_id h)
@@ -238,6 +238,15 @@ static hypothesis_id whole_of(const fit_state *s, hypothesis_id h)
         }
     }
     return H_COUNT;
+}
+
+/* A hypothesis that is not fitted joins a state: it is, or is not. */
+static void join_whole(fit_state *s, hypothesis_id h)
+{
+    s->set |= HYPOTHESIS_BIT(h);
+    for (size_t k = 0; k < hypothesis_table[h].fixed; k++) {
+        s->z[hypothesis_table[h].column[k]] = 1.0;
+    }
 }
 
 /* By what share each effect differs from one operating point to the next: what LAW_HOLDS is measured by. */
@@ -300,8 +309,7 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
         const hypothesis_id whole = whole_of(&w->state, worst);
         leave(&w->state, worst, *allowed, w->frame.of_least);
         if (whole != H_COUNT && hypothesis_in(*allowed, whole) && hypothesis_joins(w->state.set, whole)) {
-            w->state.set |= HYPOTHESIS_BIT(whole);
-            hypothesis_fix(whole, w->state.z);
+            join_whole(&w->state, whole);
         }
         /* Half, as another set may leave less. */
         *least = fmax(*least, 0.5 * LEAST_SHARE_OF_REST * unexplained);

@@ -37,7 +37,7 @@ bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_st
     begin_fall(d, &trial);
     coordinates_bound(d->frame, trial.z);
     double alone;
-    const fit_aim aim = {.enough = 0.3, .held = 0.03, .most = s->objective};
+    const fit_aim aim = fit_kept(s->objective);
     if (!fit_refine_within(d, &trial, refine_steps, &aim, &alone)) {
         return false;
     }

@@ -160,23 +160,21 @@ static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
     return s->set != before;
 }
 
-/* Puts what an option moves so much of the way to where its quadratic form has its optimum; the rest is there at once. */
+/* Puts what an option fits so much of the way to where its quadratic form has its optimum; the rest is there at once. */
 static void go_towards(const evidence_option *option, const fit_state *from, double share, double z[P_COUNT])
 {
-    bool moved[P_COUNT] = {false};
+    bool fitted[P_COUNT] = {false};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(option->set, h)) {
+            hypothesis_mark(h, fitted);
+        }
+        for (size_t k = 0; hypothesis_in(option->set, h) && k < hypothesis_table[h].fixed; k++) {
+            fitted[hypothesis_table[h].column[k]] = false;
+        }
+    }
     memcpy(z, option->z, sizeof option->z);
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(option->set, h)) {
-            hypothesis_mark(h, moved);
-        }
-    }
     for (size_t k = 0; share < 1.0 && k < P_COUNT; k++) {
-        z[k] = moved[k] ? from->z[k] + share * (z[k] - from->z[k]) : z[k];
-    }
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(option->set, h)) {
-            hypothesis_fix(h, z);
-        }
+        z[k] = fitted[k] ? from->z[k] + share * (z[k] - from->z[k]) : z[k];
     }
 }
 

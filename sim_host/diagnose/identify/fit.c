@@ -11,8 +11,6 @@
 /* Joint steps far more than a fit takes: one that is cut short before its end lets the next look small. */
 enum { GAIN_STEPS = 4, JOINT_STEPS = 8 };
 
-static const fit_aim FINE = {.enough = 0.3, .held = 0.03, .most = INFINITY};
-
 /* The members alone are only to come near: this many times as much is left to them. */
 static const double NEAR = 10.0;
 
@@ -298,7 +296,8 @@ bool fit_of_nominal(fit_data *d, fit_state *s)
 bool fit_gains(fit_data *d, fit_state *s)
 {
     fit_noise(d, s);
-    return descend(d, s, GAIN_STEPS, GAINS, &FINE);
+    const fit_aim kept = fit_kept(INFINITY);
+    return descend(d, s, GAIN_STEPS, GAINS, &kept);
 }
 
 bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone)
@@ -318,5 +317,6 @@ bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim 
 bool fit_refine(fit_data *d, fit_state *s, int iterations)
 {
     double alone;
-    return fit_refine_within(d, s, iterations, &FINE, &alone);
+    const fit_aim kept = fit_kept(INFINITY);
+    return fit_refine_within(d, s, iterations, &kept, &alone);
 }

@@ -41,6 +41,12 @@ static inline fit_aim fit_ranked(double most)
     return (fit_aim){.enough = 3.0, .held = 3.0, .most = most};
 }
 
+/* To keep what is fitted. */
+static inline fit_aim fit_kept(double most)
+{
+    return (fit_aim){.enough = 0.3, .held = 0.03, .most = most};
+}
+
 /*
  * The same to an aim. *alone: what the set's own coordinates leave; where that is above aim->most nothing unnamed is moved then. NAN,
  * and nothing is moved, where the model gives no number to begin with.

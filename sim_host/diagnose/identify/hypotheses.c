@@ -287,13 +287,6 @@ void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_CO
     }
 }
 
-void hypothesis_fix(hypothesis_id h, double z[P_COUNT])
-{
-    for (size_t k = 0; k < hypothesis_table[h].fixed; k++) {
-        z[hypothesis_table[h].column[k]] = 1.0;
-    }
-}
-
 void hypothesis_leave_mean(hypothesis_id h, double z[P_COUNT])
 {
     const double mean = 0.5 * (z[P_L_D] + z[P_L_Q]);

@@ -165,9 +165,6 @@ double column_value(int column, const double z[P_COUNT]);
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT]);
 extern const double hypothesis_nominal[P_COUNT];
 
-/* Sets what is not fitted of a hypothesis: it is, or is not. */
-void hypothesis_fix(hypothesis_id h, double z[P_COUNT]);
-
 /* Takes back to the motor file's what a hypothesis moves, but for the mean of both inductances. */
 void hypothesis_leave_mean(hypothesis_id h, double z[P_COUNT]);
 
