@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """
-Counts the benchmark, or a kernel of one's own, for one core and with any compiler flags.
+Counts instructions for one core with any compiler flags: the benchmark, or your own kernel.
 
     ./dev bench --core m4 --cflags "-O3" --kernel mine.c --json counts.json
 
-A kernel is a C file with `void bench_kernel(const bench_input_t *input)` (bench/inputs.h); it is counted over the 4,096 inputs.
-The flags given are the flags used; without any, -O2.
+A kernel is a C file with `void bench_kernel(const bench_input_t *input)` (bench/inputs.h); it is counted over the 4,096 inputs. --cflags
+gives all compiler flags (default -O2).
 """
 import argparse
 import json
@@ -18,14 +18,14 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 INPUTS = 4096
-TIME_LIMIT_S = 300
+TIME_LIMIT_S = 3600
 
 ARM_QEMU = ["qemu-system-arm", "-M", "mps2-an386", "-semihosting-config", "enable=on,target=native", "-icount", "shift=10"]
 RV_QEMU = ["qemu-system-riscv32", "-M", "virt", "-bios", "none", "-icount", "shift=0"]
 
 
 def arm(cpu):
-    """Code for an Arm core: the emulated Cortex-M4 runs what Cortex-M0 to M7 and the M33's integer code are made of."""
+    """Code for an Arm core. The emulated Cortex-M4 has every integer instruction of Cortex-M0 to M7 and M33."""
     return {"compiler": "arm-none-eabi-gcc", "always": [f"-mcpu={cpu}", "-mthumb", "-mfloat-abi=soft"], "port": "cortex-m4",
             "harness": ["startup.c", "console.c", "semihost_call.c"], "link": ["-nostartfiles", "--specs=nano.specs"],
             "compile": [], "qemu": ARM_QEMU}
@@ -47,11 +47,11 @@ def refuse(text):
 
 
 def build(core, flags, kernel, folder):
-    """The image; a kernel that does not compile is the user's: the compiler's words, and exit status 2."""
+    """The image. If a source does not compile: the compiler's message and exit status 2."""
     port = ROOT / "port" / core["port"]
     emulated = ROOT / "port/emulated"
     program = [HERE / name for name in ("inputs.c", "kernel_main.c")] + [kernel] if kernel else [
-        HERE / name for name in ("main.c", "beside.c", "inputs.c", "kernels.c", "drives.c", "handler.c")] + [
+        HERE / name for name in ("main.c", "services.c", "inputs.c", "kernels.c", "drives.c", "handler.c")] + [
         ROOT / "port/stm32g4/hal_stm32g4.c"]
     sources = program + sorted((ROOT / "src").glob("*.c")) + [port / name for name in core["harness"]] + [
         emulated / "console.c", emulated / "semihost.c"]
@@ -80,11 +80,19 @@ def count(core, image):
         raise SystemExit(f"no end after {TIME_LIMIT_S} s")
     lines = done.stdout.decode(errors="replace").replace("\r", "").split("\n")
     if done.returncode != 0 or "end" not in lines:
-        raise SystemExit(f"the emulator ended with status {done.returncode}: the image uses what it does not have\n"
+        raise SystemExit(f"the emulator ended with status {done.returncode}: the image uses a device that it does not have\n"
                          + "\n".join(lines[-5:]))
     rows = [line.split() for line in lines]
     return [{"function": r[0], "min": int(r[1]), "mean": round(int(r[2]) / INPUTS, 2), "max": int(r[3])}
             for r in rows if len(r) == 4]
+
+
+def means(name, functions):
+    """{function: mean instructions} on a core at -O2."""
+    core = CORES[name]
+    with tempfile.TemporaryDirectory(prefix="iqfoc-bench-") as folder:
+        rows = count(core, build(core, ["-O2"], None, pathlib.Path(folder)))
+    return {row["function"]: row["mean"] for row in rows if row["function"] in functions}
 
 
 def main():

@@ -1,5 +1,5 @@
 /*
- * How a function is counted: for the benchmark's own sources.
+ * Counting of one function, for the benchmark's own sources.
  */
 #ifndef BENCH_COUNT_H
 #define BENCH_COUNT_H

@@ -9,9 +9,9 @@
 
 #define DRIVE(name, model, feedback, control, modulation, extended)                                          \
     static const iqfoc_methods_t name##_methods = {model, feedback, control, modulation, extended};          \
-    BENCH_APART void bench_##name##_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now) \
+    BENCH_APART bool bench_##name##_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now) \
     {                                                                                                        \
-        iqfoc_cycle_valley_by(name##_methods, cycle, sample, now);                                           \
+        return iqfoc_cycle_valley_by(name##_methods, cycle, sample, now);                                    \
     }                                                                                                        \
     BENCH_APART iqfoc_command_t bench_##name##_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample,      \
                                                     iq24_t output_mid, uint32_t now)                         \

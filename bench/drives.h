@@ -1,6 +1,6 @@
 /*
- * The control cycle with methods chosen when it is compiled, as a drive's interrupts run it: a pair of functions
- * for each of the configurations that docs/bench.md tells of. Nothing here is but the library's own steps.
+ * The control cycle with methods chosen at compile time, as a drive's interrupts run it: a pair of functions for each configuration of
+ * docs/bench.md. They call the library's own steps and nothing else.
  */
 #ifndef BENCH_DRIVES_H
 #define BENCH_DRIVES_H
@@ -25,7 +25,7 @@
     X(isr_deadbeat_learning)
 
 #define BENCH_DRIVE_DECLARED(name)                                                                           \
-    void bench_##name##_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);            \
+    bool bench_##name##_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);            \
     iqfoc_command_t bench_##name##_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample,                  \
                                         iq24_t output_mid, uint32_t now);
 BENCH_DRIVES(BENCH_DRIVE_DECLARED)

@@ -1,4 +1,4 @@
-"""Reads what the benchmark needs of a 32-bit little-endian ELF file: sections, symbols, relocations."""
+"""Reads sections, symbols and relocations of a 32-bit little-endian ELF file."""
 import struct
 from dataclasses import dataclass, field
 

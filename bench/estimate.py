@@ -1,10 +1,9 @@
 """
-An estimate of Cortex-M4 clock cycles, from the instructions that a short run executes.
+Estimates Cortex-M4 clock cycles from the instructions that a short run executes.
 
-The sum of the documented instruction timings (Arm DDI 0439, Cortex-M4 Technical Reference Manual, table 3-1), each
-taken at its slow end: a division 12 cycles, a taken branch with a pipeline refill of 3, no load pipelined with its
-neighbour, IT never folded, memory without wait states. Called an estimate because it is one: on a chip, build the
-benchmark with -DIQFOC_BENCH_DWT=ON, which reads the core's own counter.
+The estimate is the sum of the documented instruction timings (Arm DDI 0439, Cortex-M4 Technical Reference Manual, table 3-1), each at its
+slow end: a division 12 cycles, a pipeline refill of 3 after a taken branch, no pipelined loads, no folded IT, memory without wait states.
+On a chip, build the benchmark with -DIQFOC_BENCH_DWT=ON, which reads the core's own counter.
 """
 import re
 import subprocess
@@ -63,7 +62,7 @@ def _executed(image, command):
     """The addresses of all executed instructions, in order."""
     with tempfile.NamedTemporaryFile("r", prefix="iqfoc-trace-") as log:
         subprocess.run(command + ["-kernel", str(image), "-singlestep", "-d", "exec,nochain", "-D", log.name],
-                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, timeout=120, check=True)
+                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, timeout=3600, check=True)
         for line in log:
             at = re.match(r"Trace \d+: \S+ \[[0-9a-f]+/([0-9a-f]+)/", line)
             if at:

@@ -1,10 +1,10 @@
 """
-What a function costs besides time: bytes of code and constants that it brings into an image, and its worst stack.
+Memory of a function: bytes of code and constants that it adds to an image, and its worst-case stack.
 
-Bytes: every function and constant lies in a section of its own (-ffunction-sections, -fdata-sections). From a
-function's section the relocations lead to all that it needs; the sizes are those of the linked image.
-Stack: frames and calls as the compiler wrote them (-fcallgraph-info=su). Recursion, an indirect call, a frame of
-unknown size or a call that leaves the known objects is refused.
+Bytes: every function and constant has its own section (-ffunction-sections, -fdata-sections). Relocations lead from a function's section
+to all that it needs; the sizes are those of the linked image.
+Stack: frames and calls from the compiler (-fcallgraph-info=su). Recursion, an indirect call, a frame of unknown size or a call to an
+unknown object is an error.
 """
 import pathlib
 import re

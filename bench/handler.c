@@ -1,5 +1,5 @@
 /*
- * The STM32G4 example's interrupt on a chip that is memory (bench/handler.h).
+ * The STM32G4 example's interrupt, with memory in place of the chip's registers (bench/handler.h).
  */
 #include "handler.h"
 

@@ -1,5 +1,5 @@
 /*
- * The STM32G4 example's interrupt as it ships, port and all, on a chip that is memory.
+ * The STM32G4 example's interrupt with its port, unchanged. Memory replaces the chip's registers.
  */
 #ifndef BENCH_HANDLER_H
 #define BENCH_HANDLER_H

@@ -41,7 +41,7 @@ const iqfoc_salient_machine_t bench_salient =
     IQFOC_SALIENT_MACHINE(R_OHM, L_H, 1.5 * L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
 
 const iqfoc_watch_config_t bench_watch =
-    IQFOC_WATCH_CONFIG(R_OHM, L_H, 1.5 * L_H, PSI_WB, T_S, I_BASE_A, U_DC_V, 0.003);
+    IQFOC_WATCH_CONFIG(R_OHM, L_H, 1.5 * L_H, PSI_WB, 3, T_S, I_BASE_A, U_DC_V, 0.003);
 
 const iqfoc_induction_machine_t bench_induction =
     IQFOC_INDUCTION_MACHINE(0.1, 0.06, 2.5e-3, 26e-3, 2.0e-3, 311.0, 1500.0);

@@ -29,7 +29,7 @@ typedef struct bench_input {
     iq24_sincos_t sc;
     iqfoc_sample_t sample; /* of a valley or a peak at that current and speed; nothing wrong with it */
 
-    /* Beside sample: a drive at an operating point, for the compositions. */
+    /* In addition to sample: a drive at an operating point, for the compositions. */
     iqfoc_dq_t u_steady;  /* voltage that holds the current at the speed of the rotor */
     iqfoc_dq_t u_winding; /* the part of it that the resistance takes */
     iq24_t u_dc_inverse;  /* 1/sample.u_dc */
@@ -41,7 +41,7 @@ void bench_input_draw(bench_input_t *input);
 /* Back to the first input. */
 void bench_input_restart(void);
 
-/* The drive of the 2019 paper (motors/jarzebowicz2019.toml) at 5 kHz and 750 V. */
+/* The drive of the 2019 paper (data/motors/jarzebowicz2019.toml) at 5 kHz and 750 V. */
 extern const iqfoc_cycle_config_t bench_config;
 extern const iqfoc_exact_winding_t bench_winding;
 extern const iqfoc_flux_predictor_t bench_flux;

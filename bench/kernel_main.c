@@ -1,5 +1,5 @@
 /*
- * Counts a kernel of a user's own (bench/kernel.h), entry through return.
+ * Counts the instructions of a user's kernel (bench/kernel.h), from entry to return.
  */
 #include "console.h"
 #include "counter_qemu.h"

@@ -1,5 +1,5 @@
 /*
- * What is counted beyond single library functions: compositions of them, and inlined ones in a straight line.
+ * Benchmark code other than single library functions: compositions, and inlined functions in a straight line.
  */
 #ifndef BENCH_KERNELS_H
 #define BENCH_KERNELS_H
@@ -7,7 +7,7 @@
 #include "iqfoc/cycle.h"
 
 /*
- * Kept as written: neither inlined, cloned nor merged with a twin, so that what is counted is what is called.
+ * The compiler neither inlines, clones nor merges these functions: the called code is the counted code.
  */
 #define BENCH_APART __attribute__((noipa))
 
@@ -44,7 +44,7 @@ void bench_park_line(const volatile iq24_t *from, volatile iq24_t *to);
 void bench_park_inverse_line(const volatile iq24_t *from, volatile iq24_t *to);
 void bench_clarke_line(const volatile iq24_t *from, volatile iq24_t *to);
 
-/* The same reads and writes without the transform: what is to be taken off. */
+/* The same reads and writes without the transform: subtract its count. */
 void bench_four_to_two_line(const volatile iq24_t *from, volatile iq24_t *to);
 void bench_two_to_two_line(const volatile iq24_t *from, volatile iq24_t *to);
 

@@ -1,9 +1,8 @@
 /*
- * Counts what each function executes, entry through return, over the inputs of bench/inputs.h.
+ * Counts the instructions of each function, from entry to return, over the inputs of bench/inputs.h.
  *
- * Every function is called from one place through a pointer, once as it is and once as a bare return; the
- * difference, plus the one instruction of that return, is the function's own count. One line per function
- * goes out: its name, then least, mean times 4096, and greatest count.
+ * One place calls each function through a pointer, and then a bare return. The difference plus the one instruction of the return is the
+ * function's count. The output has one line for each function: name, smallest count, mean times 4096, largest count.
  */
 #include "iqfoc/deadbeat_drift.h"
 #include "iqfoc/finite_set.h"
@@ -14,13 +13,13 @@
 #include "iqfoc/predictor_exact.h"
 #include "iqfoc/predictor_salient.h"
 
-#include "beside.h"
 #include "console.h"
 #include "count.h"
 #include "drives.h"
 #include "handler.h"
 #include "inputs.h"
 #include "kernels.h"
+#include "services.h"
 
 /* The state that the functions with memory work on; twice, as the bare call must not disturb it. */
 static bench_drive_t drive;
@@ -116,14 +115,14 @@ COUNT(current_control, void, bench_current_control, (bench_drive_t *, iq24_t, iq
       (&drive, in->sample.i.a, in->sample.i.b, in->sample.theta, duties.scale))
 COUNT(cycle, void, bench_cycle, (bench_drive_t *, iq24_t, iq24_t, iq24_t, iqfoc_duties_t *),
       (&drive, in->sample.i.a, in->sample.i.b, in->sample.theta, &duties))
-COUNT(isr_cycle_looked_up_valley, void, iqfoc_cycle_valley,
+COUNT(isr_cycle_looked_up_valley, bool, iqfoc_cycle_valley,
       (iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t), (&cycle, &in->sample, in->sample.time))
 COUNT(isr_cycle_looked_up_peak, iqfoc_command_t, iqfoc_cycle_peak,
       (iqfoc_cycle_t *, const iqfoc_sample_t *, iq24_t, uint32_t),
       (&cycle, &in->sample, IQ24(1.5), in->sample.time))
 
 #define COUNT_DRIVE(name)                                                                                    \
-    COUNT(name##_valley, void, bench_##name##_valley, (iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t),   \
+    COUNT(name##_valley, bool, bench_##name##_valley, (iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t),   \
           (&cycle, &in->sample, in->sample.time))                                                            \
     COUNT(name##_peak, iqfoc_command_t, bench_##name##_peak,                                                 \
           (iqfoc_cycle_t *, const iqfoc_sample_t *, iq24_t, uint32_t),                                       \
@@ -301,7 +300,7 @@ int main(void)
     BENCH_DRIVES(REPORT_DRIVE)
     REPORT_DRIVE(isr_cycle_looked_up)
     REPORT_DRIVE(sample_to_duty)
-    bench_beside();
+    bench_services();
     bench_handler_start(&bench_config);
     bench_report("handler_stm32g4", count_handler_stm32g4);
     status |= bench_handler_status();

@@ -1,16 +1,18 @@
 #!/usr/bin/env bash
-# Builds the benchmark images of both targets, runs them in QEMU and evaluates them. Arguments: bench/bench.py --help.
-# IQFOC_BUILD names another folder for the builds than build/.
+# Builds the benchmark images of both targets and runs them in QEMU. Arguments: bench/bench.py --help. IQFOC_BUILD is the folder for the
+# builds (default build/).
 set -euo pipefail
 
 ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 BUILD=${IQFOC_BUILD:-$ROOT/build}
-# One core, with any flags: no build folder.
+# --core: one core, with any flags, without a build folder.
 for argument in "$@"; do
     [[ $argument != --core* ]] || exec python3 "$ROOT/bench/core.py" "$@"
 done
+TARGETS=(cortex-m4 rv32)
+[[ " $* " != *" --quick "* ]] || TARGETS=(cortex-m4)
 mkdir -p "$BUILD"
-for target in cortex-m4 rv32; do
+for target in "${TARGETS[@]}"; do
     {
         cmake -G Ninja -S "$ROOT" -B "$BUILD/$target" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DBUILD_TESTING=OFF \
             -DCMAKE_TOOLCHAIN_FILE="$ROOT/cmake/toolchain-$target.cmake" &&

@@ -1,12 +1,12 @@
 /*
- * One drive, its methods named when it is compiled, with what it calls at its start and beside its interrupts, and
- * no port: what is in this image is what such a drive takes of the library (bench/size.py).
+ * One drive with its methods chosen at compile time, the calls of its start and of its slower task, and no port. The image's size is the
+ * memory that such a drive takes of the library (bench/size.py).
  */
 #include "inputs.h"
 
 #include "iqfoc/cycle_steps.h"
 
-/* Where a drive's definitions say nothing: the mid-point sample, PI, PWM. */
+/* Defaults: mid-point sample, PI, PWM. */
 #ifndef SIZE_FEEDBACK
 #define SIZE_FEEDBACK MIDPOINT
 #endif

@@ -1,7 +1,12 @@
-"""The benchmark's tables: for the terminal, and for docs/bench.md beside what peers need."""
+"""The benchmark's tables: for the terminal, docs/bench.md and docs/porting.md."""
+import pathlib
+
 import size
 
-# What the row is, the peers' instructions on the same core and by the same method, and this project's bound.
+DOCS = pathlib.Path(__file__).resolve().parent.parent / "docs"
+BENCH, PORTING = DOCS / "bench.md", DOCS / "porting.md"
+
+# Each row's name, the peers' instructions on the same core by the same method, and this project's bound.
 ROWS = {
     "sincos": ("sine and cosine", "TI 115, CMSIS q31 124, CMSIS f32 (FPU) 63", 45),
     "park": ("Park, inlined", "CMSIS q31 19", 14),
@@ -17,67 +22,72 @@ ROWS = {
     "prediction_quasi_discrete": ("quasi-discrete prediction, 2019 (12)", "-", 45),
     "prediction_exact": ("exact prediction, non-salient", "-", 53),
     "exact_at_speed": ("exact prediction's coefficients at a speed", "-", None),
-    "exact_set_up": ("exact prediction's law of a winding", "-", None),
+    "exact_set_up": ("exact prediction's coefficients of a winding", "-", None),
     "prediction_salient": ("exact prediction, salient", "-", 60),
     "salient_at_speed": ("salient prediction's and mean's coefficients at a speed", "-", None),
     "mean_modulated": ("mean under modulation", "-", None),
-    "modulated_at_speed": ("its coefficients at a speed", "-", None),
-    "ripple": ("the ripple's part of the mean, salient", "-", None),
+    "modulated_at_speed": ("coefficients of the mean under modulation at a speed", "-", None),
+    "ripple": ("ripple's part of the mean, salient", "-", None),
     "prediction_induction": ("exact prediction and flux, induction machine", "-", None),
-    "induction_at_speed": ("its coefficients at a speed", "-", None),
-    "deadbeat": ("deadbeat control of a cycle, any predictor", "-", None),
-    "deadbeat_drift": ("the same with a learnt drift", "-", None),
+    "induction_at_speed": ("induction machine's coefficients at a speed", "-", None),
+    "deadbeat": ("deadbeat control, any predictor", "-", None),
+    "deadbeat_drift": ("deadbeat control with disturbance observer", "-", None),
     "finite_set_1": ("finite control set, horizon 1", "-", None),
-    "finite_set_3": ("the same, horizon 3", "-", None),
+    "finite_set_3": ("finite control set, horizon 3", "-", None),
     "control_step": ("two PI with limits and anti-windup state", "CMSIS q31 2 x 20 (no limits)", None),
     "modulation": ("modulation with limiting", "-", None),
     "current_control": ("current control", "CMSIS f32 (FPU) 123, CMSIS q31 208, TI 226", 123),
     "cycle": ("the whole cycle, straight calls", "CMSIS q31 242 without correction and prediction", 242),
-    "isr_cycle": ("valley and peak, all checks: quasi-discrete mean, PI, PWM", "-", 400),
-    "isr_midpoint": ("the same fed by the mid-point sample", "-", None),
-    "isr_corrected_mean": ("fed by the corrected mean", "-", None),
-    "isr_exact": ("by exact prediction, fed by its mean", "-", None),
-    "isr_salient": ("by exact prediction of a salient machine, fed by its mean", "-", None),
-    "isr_flux": ("by flux linkage: salient and saturating; mid-point sample", "-", None),
-    "isr_mean_modulated": ("fed by the mean under modulation", "-", None),
-    "isr_six_step": ("quasi-discrete mean, PI, six-step", "-", None),
-    "isr_extended": ("quasi-discrete mean, PI, PWM, with all that a diagnosis puts right", "-", None),
-    "isr_deadbeat": ("deadbeat control by quasi-discrete prediction", "-", 650),
-    "isr_deadbeat_exact": ("deadbeat control by exact prediction", "-", None),
-    "isr_deadbeat_learning": ("the same with a learnt drift", "-", None),
-    "isr_cycle_looked_up": ("the ready-made cycle, its methods looked up: the first of these", "-", None),
-    "sample_to_duty": ("of the first, the peak: from the last sample to the duties", "-", 170),
+    "isr_cycle": ("valley and peak with all checks: quasi-discrete mean, PI, PWM", "-", 400),
+    "isr_midpoint": ("valley and peak: mid-point sample", "-", None),
+    "isr_corrected_mean": ("valley and peak: corrected mean", "-", None),
+    "isr_exact": ("valley and peak: exact prediction and its mean", "-", None),
+    "isr_salient": ("valley and peak: exact salient prediction and its mean", "-", None),
+    "isr_flux": ("valley and peak: flux predictor (salient, saturating), mid-point sample", "-", None),
+    "isr_mean_modulated": ("valley and peak: mean under modulation", "-", None),
+    "isr_six_step": ("valley and peak: quasi-discrete mean, PI, six-step", "-", None),
+    "isr_extended": ("valley and peak: quasi-discrete mean, PI, PWM, all corrections of a diagnosis", "-", None),
+    "isr_deadbeat": ("valley and peak: deadbeat, quasi-discrete prediction", "-", 650),
+    "isr_deadbeat_exact": ("valley and peak: deadbeat, exact prediction", "-", None),
+    "isr_deadbeat_learning": ("valley and peak: deadbeat with disturbance observer, exact prediction", "-", None),
+    "isr_cycle_looked_up": ("valley and peak: the ready-made cycle, which selects its methods at run time", "-", None),
+    "sample_to_duty": ("the peak of `isr_cycle`: from the last sample to the duties", "-", 170),
     "overmodulation": ("modulation up to six-step", "-", None),
     "reference": ("torque to current: MTPA and field weakening", "-", None),
-    "six_step_by_timer": ("six-step by a timer: one switching, all checks", "-", None),
+    "six_step_by_timer": ("six-step by a timer: one switching with all checks", "-", None),
     "tuned_at_speed": ("tuned control's coefficients at a speed", "-", None),
-    "tuned_step": ("tuned control of a cycle", "-", None),
-    "watch_step": ("the watch on the model, each cycle", "-", None),
-    "watch_block": ("the watch, each 32 cycles", "-", None),
-    "adapt_block": ("resistance and magnet followed, each 32 cycles", "-", None),
-    "adapt_law": ("and handed to the law", "-", None),
-    "encoder": ("angle of an encoder's count", "-", None),
-    "resolver": ("angle of a resolver", "-", None),
-    "halls": ("angle and speed of three Halls", "-", None),
-    "tracker": ("the angle's tracker", "-", None),
-    "shunts": ("currents of low-side shunts", "-", None),
+    "tuned_step": ("tuned control, a cycle", "-", None),
+    "watch_step": ("watch, each cycle", "-", None),
+    "watch_block": ("watch, each 32 cycles", "-", None),
+    "adapt_block": ("adaptation of resistance and magnet flux, each 32 cycles", "-", None),
+    "adapt_law": ("adapted values into the predictor", "-", None),
+    "encoder": ("angle from an encoder's count", "-", None),
+    "resolver": ("angle from a resolver", "-", None),
+    "halls": ("angle and speed from three Hall sensors", "-", None),
+    "tracker": ("angle tracker", "-", None),
+    "observer": ("angle and speed without a sensor, locked", "-", None),
+    "sensorless": ("the valley's angle from the observer, with its step", "-", None),
+    "shunts": ("currents from low-side shunts", "-", None),
     "offset": ("offset calibration, a sample", "-", None),
     "start": ("alignment and open-loop angle", "-", None),
-    "supervision": ("lost phase and lost sensor", "-", None),
+    "supervision": ("detection of a lost phase and a lost sensor", "-", None),
     "restart": ("break latch and restart", "-", None),
-    "handler_stm32g4": ("the STM32G4 example's two interrupts of a period, port and all", "-", 640),
+    "handler_stm32g4": ("the STM32G4 example's two interrupts of a period, with its port", "-", 640),
 }
-# What is linked, nothing left out.
+# All objects of a group, whether called or not.
 PARTS = {
-    "core": "the library linked: numbers, transforms, corrections, prediction, control, modulation, cycle",
-    "all": "with all the rest: exact and salient prediction, mean under modulation, deadbeat, finite-set and tuned control, "
-           "overmodulation, reference, induction machine, corrections from a diagnosis, watch, recorder, and what stands around a first "
-           "drive",
+    "core": "the library's core: numbers, transforms, corrections, prediction, control, modulation, cycle",
+    "all": "the whole library, with all optional modules and drive services",
 }
 START = "<!-- bench: begin -->"
 END = "<!-- bench: end -->"
 SIZE_START = "<!-- size: begin -->"
 SIZE_END = "<!-- size: end -->"
+CORES_START = "<!-- cores: begin -->"
+CORES_END = "<!-- cores: end -->"
+FIRMWARE_START = "<!-- firmware: begin -->"
+FIRMWARE_END = "<!-- firmware: end -->"
+CORES = {"m0plus": "Cortex-M0+", "m3": "Cortex-M3", "m7": "Cortex-M7", "m33": "Cortex-M33"}
 
 
 def plain(result):
@@ -125,8 +135,8 @@ def markdown(result):
 
 
 def size_markdown(result):
-    """What each drive of bench/size.py takes, and of which parts of the library."""
-    lines = ["| drive | Cortex-M4: text | data | bss | RV32IM: text | data | bss | of the library, linked |",
+    """Memory of each drive of bench/size.py, and the library's sources in it."""
+    lines = ["| drive | Cortex-M4: text | data | bss | RV32IM: text | data | bss | linked sources of `src/` |",
              "| --- | ---: | ---: | ---: | ---: | ---: | ---: | --- |"]
     for arm, riscv in zip(result["size"]["cortex-m4"], result["size"]["rv32"]):
         numbers = [drive[key] for drive in (arm, riscv) for key in ("text", "data", "bss")]
@@ -134,26 +144,45 @@ def size_markdown(result):
     return "\n".join(lines) + "\n"
 
 
+def cores_markdown(result):
+    """Means of the pair and of a whole interrupt on other cores."""
+    lines = ["| core | valley and peak, `isr_cycle` | STM32G4 example's two interrupts, `handler_stm32g4` |", "| --- | ---: | ---: |"]
+    for core, name in CORES.items():
+        counts = result["cores"][core]
+        lines.append(f"| {name} | {counts['isr_cycle']:.0f} | {counts['handler_stm32g4']:.0f} |")
+    return "\n".join(lines) + "\n"
+
+
+def firmware_markdown(result):
+    """Memory of the STM32G474 firmware images, for docs/porting.md."""
+    lines = ["| firmware for the STM32G474 | flash, KiB | RAM besides the stack, bytes |", "| --- | ---: | ---: |"]
+    for row in result["firmware"]:
+        lines.append(f"| `examples/{row['image']}` | {(row['text'] + row['data']) / 1024:.1f} | {row['data'] + row['bss']} |")
+    return "\n".join(lines) + "\n"
+
+
 def _blocks(result):
-    """The document's tables, by the marks that they stand between."""
-    return {(START, END): markdown(result), (SIZE_START, SIZE_END): size_markdown(result)}
+    """(document, start, end, text) of each table."""
+    return ((BENCH, START, END, markdown(result)), (BENCH, SIZE_START, SIZE_END, size_markdown(result)),
+            (BENCH, CORES_START, CORES_END, cores_markdown(result)), (PORTING, FIRMWARE_START, FIRMWARE_END, firmware_markdown(result)))
 
 
 def _split(path, start, end):
     """The document before, between and after a table's marks."""
     text = path.read_text()
     if text.count(start) != 1 or text.count(end) != 1:
-        raise SystemExit(f"{path}: the marks {start} and {end} must each stand in it once")
+        raise SystemExit(f"{path}: {start} and {end} must each occur once")
     head, rest = text.split(start)
     return head, *rest.split(end)
 
 
-def rewrite(path, result):
-    """Puts the tables between their marks in a document."""
-    for (start, end), text in _blocks(result).items():
+def rewrite(result):
+    """Writes the tables into the documents."""
+    for path, start, end, text in _blocks(result):
         head, _, tail = _split(path, start, end)
         path.write_text(head + start + "\n" + text + end + tail)
 
 
-def stand_in(path, result):
-    return all(_split(path, start, end)[1] == "\n" + text for (start, end), text in _blocks(result).items())
+def differing(result):
+    """The documents' tables that are not these: (document, mark)."""
+    return [(path, start) for path, start, end, text in _blocks(result) if _split(path, start, end)[1] != "\n" + text]

@@ -1,4 +1,4 @@
-# Writes OUTPUT, a C source with VERSION and the commit that SOURCE is at; leaves it alone where nothing changed. Run by each build (-P).
+# Writes OUTPUT, a C source with VERSION and the commit of SOURCE, if the content changed. Each build runs it (-P).
 set(commit "")
 find_program(git git)
 if(git AND EXISTS ${SOURCE}/.git)

@@ -1,6 +1,5 @@
-# The libraries that the host program stands on, each as one target `dep::NAME` (and, where it brings a .pc file, as
-# PkgConfig::NAME): headers alone, but for zlib, so that they go to every processor with the program's own sources. All that
-# is missing is named at once, by its Debian package.
+# The libraries of the host program, each as a target `dep::NAME` (with a .pc file also as PkgConfig::NAME). All except zlib are headers
+# only, so they compile for every processor. One message names all missing Debian packages.
 find_package(PkgConfig REQUIRED)
 
 set(missing_packages "")
@@ -69,7 +68,7 @@ elseif(IQFOC_ZLIB)
 endif()
 
 # The independent integrator is a witness in tests, no part of the program.
-if(BUILD_TESTING)
+if(BUILD_TESTING AND IQFOC_TESTS STREQUAL all)
     iqfoc_dependency_by_file(cvode libsundials-dev cvode/cvode.h
         sundials_cvode sundials_nvecserial sundials_sunmatrixdense sundials_sunlinsoldense)
 endif()

@@ -1,6 +1,6 @@
-# Files as C arrays, so that the program needs none of them where it runs:
+# Embeds files as C arrays, so that the program needs no other file at run time:
 #   iqfoc_embed(TARGET source-to-write.c name=file...)
-# gives the target `const unsigned char NAME[]`, closed by a nought, for each; declared by hand in a header of the target's.
+# gives the target `const unsigned char NAME[]`, ended by a 0, for each. A header of the target declares them by hand.
 # Run as a script (-P) it writes the source.
 if(CMAKE_SCRIPT_MODE_FILE)
     set(text "/* Written by the build from the files named below. */\n")

@@ -1,5 +1,5 @@
-# `cmake --install`: library, headers, and what find_package(iqfoc CONFIG) and pkg-config read. Everything stays valid where
-# the installed folder is moved as a whole. Included by src/CMakeLists.txt.
+# `cmake --install`: library, headers, and the files for find_package(iqfoc CONFIG) and pkg-config. The installed folder may be moved as a
+# whole. Included by src/CMakeLists.txt.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 

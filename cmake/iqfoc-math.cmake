@@ -1,11 +1,17 @@
-# dep::math: sine, exponential and their like. The C standard leaves their last bits to each C library (and glibc chooses among its own by
-# the processor it runs on); a diagnosis shows them in its last digits. From musl's sources in MUSL_SOURCE_DIR they are the same code
-# everywhere, that of wasi-libc in the browser too; without them they are this machine's, and so are those digits.
+# dep::math: sine, exponential and similar functions. The C standard leaves their last bits to each C library, and glibc selects among its own
+# versions by processor. A diagnosis shows the difference in its 17 digits. musl's sources in MUSL_SOURCE_DIR are the same code everywhere,
+# also that of wasi-libc in the browser. Without them the functions are this machine's.
 set(MUSL_SOURCE_DIR "$ENV{MUSL_SOURCE_DIR}" CACHE PATH "musl's sources, for results that are the same on every machine")
 add_library(dep_math INTERFACE)
 add_library(dep::math ALIAS dep_math)
 if(MUSL_SOURCE_DIR)
-    # What the host's rooms call, and what that calls. Whatever IEEE 754 defines to the last bit stays the compiler's.
+    # Results take their last digits from these files: no other version is compiled.
+    include(${CMAKE_CURRENT_LIST_DIR}/iqfoc-pins.cmake)
+    iqfoc_pinned(${MUSL_SOURCE_DIR} ${CMAKE_CURRENT_LIST_DIR}/../packages/musl.sha256 musl_wrong)
+    if(musl_wrong)
+        message(FATAL_ERROR "${MUSL_SOURCE_DIR}/${musl_wrong} is not the file that packages/musl.sha256 pins")
+    endif()
+    # The functions that the host's modules call, and the functions that these call. Whatever IEEE 754 defines to the last bit stays the compiler's.
     foreach(file IN ITEMS
             sin cos tan sincos __sin __cos __tan __rem_pio2 __rem_pio2_large
             exp exp_data expm1 cosh __expo2 log log_data log10 pow pow_data
@@ -30,7 +36,7 @@ if(MUSL_SOURCE_DIR)
     target_compile_options(musl_math PRIVATE -w -fno-sanitize=all -fno-builtin -U__FP_FAST_FMA
         "SHELL:-include ${CMAKE_BINARY_DIR}/musl_names.h")
     target_compile_definitions(musl_math PRIVATE _GNU_SOURCE)
-    # Neither may a compiler put a constant's sine where the call stands: it has its own idea of the last bit.
+    # The compiler may not replace the sine of a constant by a number either: its last bit may differ.
     add_compile_options(-fno-builtin-sin -fno-builtin-cos -fno-builtin-tan -fno-builtin-exp -fno-builtin-expm1 -fno-builtin-cosh
         -fno-builtin-log -fno-builtin-log10 -fno-builtin-pow -fno-builtin-hypot -fno-builtin-atan -fno-builtin-atan2
         -fno-builtin-cabs -fno-builtin-carg -fno-builtin-cexp)

@@ -1,4 +1,4 @@
-# dep::zlib from its sources in ZLIB_SOURCE_DIR: what reading needs, and what that links.
+# dep::zlib from its sources in ZLIB_SOURCE_DIR: the files for reading, and those that they link.
 foreach(file IN ITEMS adler32 crc32 deflate gzclose gzlib gzread gzwrite inffast inflate inftrees trees zutil)
     list(APPEND zlib_sources ${ZLIB_SOURCE_DIR}/${file}.c)
 endforeach()

@@ -1,4 +1,4 @@
-# Cortex-M0+ (Armv6-M): no long multiply. The emulated board of the Cortex-M4 runs its code as well.
+# Cortex-M0+ (Armv6-M): no long multiply. The emulated Cortex-M4 board also runs this code.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR armv6-m)
 set(IQFOC_TARGET cortex-m4)

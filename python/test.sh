@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The Python package as its users get it: a wheel is built, holds all that it needs, installs into a fresh environment, passes its
+# Tests the Python package as users get it: a wheel is built, holds all that it needs, installs into a fresh environment, passes its
 # tests there and diagnoses a recording. The environment .cache/python/wheel, which ./dev sets up, has what builds it and the extras.
 #     python/test.sh [PROGRAM]      PROGRAM: build/host/iqfoc, whose digits are to be met
 set -euo pipefail
@@ -16,13 +16,19 @@ say() {
     printf '\n== %s\n' "$*"
 }
 
-say "the wheel"
+say "a tree without ./dev's uPlot: pip brings another"
 rm -rf "$work"
-mkdir -p "$work"
-"$tools/pip" wheel --quiet --no-build-isolation --no-deps --wheel-dir "$work/built" ./python
+mkdir -p "$work/plain"
+git ls-files -z -co --exclude-standard | xargs -0 cp --parents -t "$work/plain"
+(cd "$work/plain/python" && env -u UPLOT_DIR "$tools/python" -c 'import build_backend as b; assert any("uplot" in r for r in b.get_requires_for_build_wheel())')
+env -u UPLOT_DIR cmake -S "$work/plain" -B "$work/plain/build" -DIQFOC_PYTHON=ON -DIQFOC_INSTALL=OFF -DPython3_EXECUTABLE="$tools/python" --log-level=WARNING
+grep -q "^UPLOT_DIR:PATH=$work/plain/build/uplot$" "$work/plain/build/CMakeCache.txt"
+
+say "the wheel"
+"$tools/python" -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir "$work/built" ./python
 "$tools/auditwheel" repair --wheel-dir "$work" "$work"/built/iqfoc-*.whl
 wheel=$(echo "$work"/iqfoc-*.whl)
-# What auditwheel had to add stands in iqfoc.libs: nobody else's library goes out with ours.
+# auditwheel puts foreign libraries into iqfoc.libs; the wheel must have none.
 held=$("$tools/python" -m zipfile -l "$wheel")
 if grep -F iqfoc.libs/ <<<"$held"; then
     echo "the wheel brings libraries of others (above)" >&2
@@ -37,19 +43,19 @@ done
 
 say "a fresh environment: $wheel"
 /usr/bin/python3 -m venv "$work/fresh"
-"$work/fresh/bin/pip" install --quiet --no-compile --require-hashes -r tools/python/wheel-run.txt
+"$work/fresh/bin/pip" install --quiet --no-compile --require-hashes -r packages/python/wheel-run.txt
 "$work/fresh/bin/pip" install --quiet --no-index --no-deps "$wheel"
 "$work/fresh/bin/python" -m pytest -q -p no:cacheprovider python/tests
 "$work/fresh/bin/python" - <<'END'
 import iqfoc
 
-found = iqfoc.diagnose("recordings/dead_time.csv.gz", "recordings/dead_time.toml")
+found = iqfoc.diagnose("data/recordings/dead_time.csv.gz", "data/recordings/dead_time.toml")
 print(found)
 assert [c.id for c in found.causes] == ["dead_time"], found
 END
 
 say "with the extras"
-"$tools/pip" install --quiet --no-index --no-deps --force-reinstall "$wheel"
+"$tools/python" -m pip install --quiet --no-index --no-deps --force-reinstall "$wheel"
 "$tools/python" -m pytest -q -p no:cacheprovider python/tests
 
 say "a small fleet"

@@ -1,4 +1,4 @@
-/* Resistance and magnet followed (include/iqfoc/adapt.h). */
+/* Adaptation of resistance and magnet flux (include/iqfoc/adapt.h). */
 #include "iqfoc/adapt.h"
 
 #include "iqfoc/iq24_math.h"
@@ -24,7 +24,7 @@ static int64_t product_of(components a, components b)
     return (int64_t)a.d * b.d + (int64_t)a.q * b.q;
 }
 
-/* The block's mean error at mid-cycle as the watch's first signatures see it: in flux. Sums of 32 in Q48. */
+/* The block's mean error at mid-cycle in flux, as in the change detector's first signatures. Sums of 32 in Q48. */
 static components error_of(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns)
 {
     const uint32_t bits = IQ24_FRACTION_BITS + IQFOC_WATCH_BLOCK_BITS;

@@ -30,7 +30,7 @@ typedef int32_t iqfoc_arm_sincos_has_the_coefficients
  * 49151 < 2^31. A quarter of that and 2^12 3 25735 are below 2^30. b = h - C2 has bh >= -1264, and qh bl < 2^30.
  *
  * The rotation has signed low halves, |x| <= 2^15, dh <= 12866 of sin_d and |mh| <= 318 of minus_versin_d. No
- * entry of the table has the low half -2^15 (tests/unit/test_iq24_math.c), so that cl dl + sl ml is at most
+ * entry of the table has the low half -2^15 (tests/unit/library/test_iq24_math.c), so that cl dl + sl ml is at most
  * 2^16 32767 in size. The middle products: 32767 12866 + 2^15 (|ch| + |sh| <= 2^14.5 + 1) + 32767 318 + 2^16 <
  * 2^31.
  */

@@ -1,6 +1,6 @@
 /*
- * The control cycle (include/iqfoc/cycle.h). What it computes is in the modules it calls; what is here is
- * order, time and the guarding of both.
+ * The control cycle (include/iqfoc/cycle.h): the order of the steps, the checks of time and data, and the safe state.
+ * The computations are in the modules that it calls.
  */
 #include "iqfoc/cycle.h"
 
@@ -27,21 +27,27 @@ static bool gains_valid(const iqfoc_current_control_gains_t *g)
            iq24_within(g->x_q, 0, IQ24(96.0)) && iq24_within(g->emf, 0, IQ24(96.0));
 }
 
-static bool choices_valid(const iqfoc_cycle_config_t *c)
+static bool safe_state_valid(iqfoc_safe_state_t s)
+{
+    return s == IQFOC_SAFE_GATES_OFF || s == IQFOC_SAFE_SHORT_CIRCUIT;
+}
+
+/* Methods of the ready-made cycle. */
+static bool methods_valid(const iqfoc_cycle_config_t *c)
 {
     return (c->feedback == IQFOC_FEEDBACK_MIDPOINT || c->feedback == IQFOC_FEEDBACK_CORRECTED_MEAN ||
             c->feedback == IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN) &&
-           (c->modulation == IQFOC_MODULATION_PWM || c->modulation == IQFOC_MODULATION_SIX_STEP) &&
-           (c->safe_state == IQFOC_SAFE_GATES_OFF || c->safe_state == IQFOC_SAFE_SHORT_CIRCUIT);
+           (c->modulation == IQFOC_MODULATION_PWM || c->modulation == IQFOC_MODULATION_SIX_STEP);
 }
 
-/* The sum is a limit of the guard's, which takes one from 2^31 on as past. */
+/* period + tolerance is a time limit of the guard, which treats a time from 2^31 ticks on as already over. */
 static bool times_valid(const iqfoc_cycle_config_t *c)
 {
-    return c->period_ticks <= INT32_MAX && c->tolerance_ticks <= INT32_MAX - c->period_ticks;
+    return (c->period_ticks == 0) == c->time_unchecked && c->period_ticks <= INT32_MAX &&
+           c->tolerance_ticks <= INT32_MAX - c->period_ticks;
 }
 
-/* What every drive needs, whatever its methods. */
+/* Checks that every drive needs, whatever its methods. */
 static iqfoc_error_t checked(const iqfoc_cycle_config_t *config)
 {
     if (!predictor_valid(&config->predictor)) {
@@ -56,13 +62,13 @@ static iqfoc_error_t checked(const iqfoc_cycle_config_t *config)
     if (!iq24_within(config->current_limit, 1, IQ24(16.0))) {
         return IQFOC_ERROR_CURRENT_LIMIT;
     }
-    if (!choices_valid(config)) {
+    if (!safe_state_valid(config->safe_state)) {
         return IQFOC_ERROR_CHOICE;
     }
     return times_valid(config) ? IQFOC_OK : IQFOC_ERROR_TIMES;
 }
 
-iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config)
+iqfoc_error_t iqfoc_cycle_init_named(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config)
 {
     if (cycle == NULL || config == NULL) {
         return IQFOC_ERROR_NULL;
@@ -80,9 +86,11 @@ iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t 
     return refused;
 }
 
-/* The store of a pointer is one, so that an interrupt sees the one set or the other. What the set holds must be
- * in memory before it. */
-iqfoc_error_t iqfoc_cycle_offer(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config)
+/*
+ * A pointer is stored in one access, so that an interrupt reads either the old set or the new one. The contents of
+ * the set must be in memory before that store.
+ */
+iqfoc_error_t iqfoc_cycle_offer_named(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config)
 {
     if (cycle == NULL || config == NULL) {
         return IQFOC_ERROR_NULL;
@@ -97,6 +105,18 @@ iqfoc_error_t iqfoc_cycle_offer(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t
     return refused;
 }
 
+iqfoc_error_t iqfoc_cycle_init(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config)
+{
+    return cycle != NULL && config != NULL && !methods_valid(config) ? IQFOC_ERROR_CHOICE
+                                                                     : iqfoc_cycle_init_named(cycle, config);
+}
+
+iqfoc_error_t iqfoc_cycle_offer(iqfoc_cycle_t *cycle, const iqfoc_cycle_config_t *config)
+{
+    return cycle != NULL && config != NULL && !methods_valid(config) ? IQFOC_ERROR_CHOICE
+                                                                     : iqfoc_cycle_offer_named(cycle, config);
+}
+
 bool iqfoc_cycle_taken(const iqfoc_cycle_t *cycle)
 {
     return cycle->config == cycle->offered && cycle->next == cycle->offered;
@@ -107,14 +127,32 @@ uint32_t iqfoc_cycle_next_ticks(const iqfoc_cycle_t *cycle)
     return cycle->next->period_ticks;
 }
 
+/*
+ * An interrupt may come at any instruction. Each store that matters is one access, in this order:
+ *
+ * - `raised` becomes 0, and from then on holds each bit that an interrupt sets.
+ * - `tripped` becomes false: a later fault sets it again, and no later store clears it.
+ * - `status` becomes the bits that were raised. If `tripped` is still false, its bits that trip belong to a fault
+ *   ahead of the second store and are dropped. The loop ends once no interrupt came between its load and its store.
+ */
 void iqfoc_cycle_clear(iqfoc_cycle_t *cycle)
 {
     const iqfoc_current_control_t no_control = {0, 0};
-    cycle->status = 0;
-    cycle->tripped = false;
-    cycle->phase = IQFOC_CYCLE_DUE_NOTHING;
-    cycle->corrected = false;
-    cycle->control = no_control;
+    volatile uint32_t *const raised = &cycle->raised;
+    volatile bool *const tripped = &cycle->tripped;
+    volatile uint32_t *const status = &cycle->status;
+    if (!cycle->enabled || cycle->tripped) {
+        cycle->phase = IQFOC_CYCLE_DUE_NOTHING;
+        cycle->corrected = false;
+        cycle->control = no_control;
+    }
+    *raised = 0;
+    *tripped = false;
+    uint32_t seen;
+    do {
+        seen = *raised;
+        *status = *tripped ? seen : seen & ~cycle->config->trips;
+    } while (*raised != seen);
 }
 
 /* Range: the phases leave components of the current within 21.3 and the vector within 32; u_dq is within 8, its
@@ -141,10 +179,11 @@ iqfoc_command_t iqfoc_cycle_safe(const iqfoc_cycle_config_t *config)
 void iqfoc_cycle_set_status(iqfoc_cycle_t *cycle, uint32_t bits)
 {
     cycle->status |= bits;
+    cycle->raised |= bits;
     cycle->tripped = cycle->tripped || (bits & cycle->config->trips) != 0;
 }
 
-/* What a sample shows of its own, as status bits, and its age when the call began. */
+/* Faults of one sample as status bits: values, and age when the call began. */
 static uint32_t faults(const iqfoc_cycle_config_t *config, const iqfoc_sample_t *sample, iqfoc_ab_t i,
                        uint32_t now)
 {
@@ -164,7 +203,7 @@ static uint32_t faults(const iqfoc_cycle_config_t *config, const iqfoc_sample_t 
     return bits;
 }
 
-bool iqfoc_cycle_odd_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
+bool iqfoc_cycle_report_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
 {
     const iqfoc_cycle_config_t *config = cycle->config;
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
@@ -183,18 +222,19 @@ bool iqfoc_cycle_odd_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, 
     return whole;
 }
 
-void iqfoc_cycle_odd_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
+void iqfoc_cycle_report_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
 {
     iqfoc_cycle_set_status(cycle, faults(cycle->config, sample, iqfoc_clarke3(sample->i), now));
 }
 
-void iqfoc_cycle_odd_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
+bool iqfoc_cycle_report_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
 {
-    iqfoc_cycle_odd_sample(cycle, sample, now);
-    if (cycle->phase != IQFOC_CYCLE_DUE_PEAK) {
+    iqfoc_cycle_report_sample(cycle, sample, now);
+    if (cycle->phase == IQFOC_CYCLE_DUE_VALLEY) {
         cycle->corrected = false;
         iqfoc_cycle_set_status(cycle, IQFOC_STATUS_MISSED);
     }
+    return cycle->phase != IQFOC_CYCLE_DUE_NOTHING;
 }
 
 iqfoc_command_t iqfoc_cycle_stopped(iqfoc_cycle_t *cycle)
@@ -212,12 +252,12 @@ iqfoc_command_t iqfoc_cycle_stopped(iqfoc_cycle_t *cycle)
 }
 
 /*
- * Half a cycle of the present length is left after the peak; all that output_mid has beyond it lies in cycles of
- * the next length.
+ * Half a cycle of the present length is left after the peak. The part of output_mid beyond it lies in cycles of the
+ * next length.
  *
  * Range: the quotient of two lengths saturates at 128, and so does its product with at most 7 cycles.
  */
-iq24_t iqfoc_cycle_stretched(const iqfoc_cycle_t *cycle, iq24_t output_mid)
+iq24_t iqfoc_cycle_output_mid_scaled(const iqfoc_cycle_t *cycle, iq24_t output_mid)
 {
     const uint32_t old = cycle->config->period_ticks;
     const uint32_t new = cycle->next->period_ticks;
@@ -258,9 +298,9 @@ static inline iqfoc_methods_t of_papers(const iqfoc_cycle_config_t *config)
     return methods;
 }
 
-void iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
+bool iqfoc_cycle_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now)
 {
-    iqfoc_cycle_valley_by(of_papers(cycle->config), cycle, sample, now);
+    return iqfoc_cycle_valley_by(of_papers(cycle->config), cycle, sample, now);
 }
 
 iqfoc_command_t iqfoc_cycle_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iq24_t output_mid,

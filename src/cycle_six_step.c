@@ -10,7 +10,7 @@
 #define SECTOR_MOST  INT32_C(5592405) /* 1/3: two sectors, where the angle was just taken back */
 #define TWO_OVER_PI  INT32_C(10680707)
 
-/* An angle's turn, -1/2 ... 1/2. */
+/* The angle without whole turns, -1/2 ... 1/2. */
 static iq24_t within_turn(iq24_t angle)
 {
     const int32_t part = (int32_t)((uint32_t)angle & UINT32_C(0x00FFFFFF));
@@ -23,7 +23,7 @@ static bool fit(const iqfoc_six_step_config_t *c)
            c->angle_min < c->angle_max && c->angle_max <= IQ24_ONE / 2;
 }
 
-/* To a number of turns of the configuration's angles. */
+/* The angle held to the configuration's limits. */
 static iq24_acc_t held(const iqfoc_six_step_config_t *c, iq24_acc_t angle)
 {
     const iq24_acc_t least = iq24_acc_mul(c->angle_min, IQ24_ONE);
@@ -38,11 +38,12 @@ static iqfoc_six_step_command_t safe(iqfoc_cycle_t *cycle, uint32_t ticks)
 }
 
 /*
- * How long the state stands, and what it is.
+ * The command of the present state, and how long it lasts.
  *
  * Range: the state's far border is (2 state + 1)/12 or (2 state - 1)/12 of a turn, 5 + 1/2 sixths at most; angles
- * wrap at 128 turns, which are whole. turns/|speed| saturates at 128 cycles, and a period is below 2^31 ticks:
- * the product below 2^62.
+ * wrap at 128 turns, which are whole. turns/|speed| saturates at 128 cycles, and a period is below 2^31 ticks: the
+ * product is below 2^62.
+ *
  */
 static iqfoc_six_step_command_t standing(iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, iq24_t theta,
                                          iq24_t turns)
@@ -96,8 +97,8 @@ iq24_t iqfoc_cycle_voltage_angle(const iqfoc_cycle_t *cycle)
 }
 
 /*
- * Range: a phase within 15.9 leaves components within 21.2, their change within 42.4: within what the correction
- * takes. Held to a third of a turn, what was covered is in its range too. |i_ref| <= 32 and |mean| <= 64, so the
+ * Range: a phase within 15.9 leaves components within 21.2, their change within 42.4: within the range of the
+ * correction. Held to a third of a turn, what was covered is in its range too. |i_ref| <= 32 and |mean| <= 64, so the
  * error is within 96 and gain error + angle within 97, below the accumulator's 2^15.
  */
 static void control(iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, iqfoc_ab_t i)
@@ -120,7 +121,7 @@ iqfoc_six_step_command_t iqfoc_cycle_six_step_switch(iqfoc_six_step_t *six, iqfo
 {
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     if (iqfoc_guard_sample(cycle->config, sample, i, now) > INT32_MAX) {
-        iqfoc_cycle_odd_sample(cycle, sample, now);
+        iqfoc_cycle_report_sample(cycle, sample, now);
     }
     const bool runs = cycle->enabled && !cycle->tripped;
     if (!sample->has_mean) {

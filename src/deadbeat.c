@@ -1,6 +1,6 @@
 /*
- * One cycle of deadbeat control (include/iqfoc/deadbeat.h): three angles, of which the middle of this cycle
- * and of the next belong to the model and the end of the next to the reference.
+ * One cycle of deadbeat control (include/iqfoc/deadbeat.h). It uses three angles: the middles of this cycle and of
+ * the next for the model, and the end of the next cycle for the reference.
  */
 #include "iqfoc/deadbeat.h"
 

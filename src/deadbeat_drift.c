@@ -1,4 +1,4 @@
-/* Deadbeat control with a learnt drift (include/iqfoc/deadbeat_drift.h). */
+/* Deadbeat control with disturbance observer (include/iqfoc/deadbeat_drift.h). */
 #include "iqfoc/deadbeat_drift.h"
 
 static iqfoc_ab_t plus(iqfoc_ab_t a, iqfoc_ab_t b)
@@ -8,8 +8,8 @@ static iqfoc_ab_t plus(iqfoc_ab_t a, iqfoc_ab_t b)
 }
 
 /*
- * As iqfoc_deadbeat_step. The drift of the second cycle is taken off the target ahead: a i + k_u u + m
- * must reach what is left.
+ * As iqfoc_deadbeat_step. The disturbance of the second cycle is subtracted from the target in advance: a i + k_u u +
+ * m must reach the rest.
  */
 iqfoc_ab_t iqfoc_deadbeat_drift_step(iqfoc_deadbeat_drift_t *drift, const iqfoc_deadbeat_t *deadbeat,
                                      iq24_t gain, iqfoc_ab_t i, iqfoc_ab_t u_now, iqfoc_dq_t i_ref,

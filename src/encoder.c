@@ -19,7 +19,7 @@ iqfoc_error_t iqfoc_encoder_init(iqfoc_encoder_t *encoder, const iqfoc_encoder_c
     return IQFOC_OK;
 }
 
-/* From one count on to another, forwards: 0 ... counts_per_turn - 1. */
+/* Forward distance from one count to another: 0 ... counts_per_turn - 1. */
 static uint32_t forwards(const iqfoc_encoder_t *encoder, uint32_t from, uint32_t to)
 {
     const uint32_t on = to >= from ? to - from : encoder->config->counts_per_turn - (from - to);
@@ -28,9 +28,9 @@ static uint32_t forwards(const iqfoc_encoder_t *encoder, uint32_t from, uint32_t
 }
 
 /*
- * Range: counts < 2^16 and turns_per_count <= 64 2^48/counts_per_turn: the product is below 2^54, and with
- * half an LSB (2^23) too. Shifted by 24 it is below 2^30, 64 turns. turns_per_count is short by less than
- * 2^-48, the angle by less than 2^-32 of a turn: 0.004 LSB beside the rounding's 0.5.
+ * Range: counts < 2^16 and turns_per_count <= 64 2^48/counts_per_turn: the product is below 2^54, and with half an
+ * LSB (2^23) too. Shifted by 24 it is below 2^30, 64 turns. turns_per_count is short by less than 2^-48, the angle by
+ * less than 2^-32 of a turn: 0.004 LSB in addition to the rounding's 0.5.
  */
 iq24_t iqfoc_encoder_theta(const iqfoc_encoder_t *encoder, uint32_t count)
 {

@@ -1,4 +1,4 @@
-/* The corrections that a diagnosis asks for (include/iqfoc/extension.h). */
+/* Corrections by the results of a diagnosis (include/iqfoc/extension.h). */
 #include "iqfoc/extension.h"
 
 #include "iqfoc/extension_params.h"
@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-/* What the cycle takes as a phase current. */
+/* Limit of a phase current for the cycle. */
 #define CURRENT_MAX IQ24(15.9)
 
 static bool all_within(iqfoc_abc_t x, iq24_t low, iq24_t high)

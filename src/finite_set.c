@@ -1,8 +1,8 @@
 /*
  * The search of finite-control-set control (include/iqfoc/finite_set.h).
  *
- * What a state's voltage adds to the current is the same in every interval, and what the EMF adds the same in
- * every branch: both are made ahead of the search, whose every node is then two additions.
+ * A state's voltage adds the same to the current in every interval, and the EMF the same in every branch. Both are
+ * computed before the search, so that each node needs two additions.
  */
 #include "iqfoc/finite_set.h"
 
@@ -33,12 +33,12 @@ iqfoc_ab_t iqfoc_finite_set_voltage(int32_t state, iq24_t u_dc)
     return u;
 }
 
-/* What is the same in all branches: per interval of the horizon, per state, and in all. */
+/* Values that are the same in all branches: per interval of the horizon, per state, and in all. */
 typedef struct plan {
     const iqfoc_finite_set_t *set;
-    iqfoc_ab_t target[IQFOC_FINITE_SET_HORIZON]; /* at the interval's end */
+    iqfoc_ab_t target[IQFOC_FINITE_SET_HORIZON]; /* target current at the interval's end */
     iq24_sincos_t sc_mid[IQFOC_FINITE_SET_HORIZON];
-    iqfoc_ab_t moved[IQFOC_FINITE_SET_STATES]; /* by the state's voltage */
+    iqfoc_ab_t moved[IQFOC_FINITE_SET_STATES]; /* change of the current by the state's voltage */
     int32_t last;                              /* interval of the horizon */
 } plan;
 

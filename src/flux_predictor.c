@@ -7,8 +7,7 @@
 
 #include <stddef.h>
 
-/* Beyond it a predicted current is held: far outside what any sensor measures, well inside what the transforms
- * take. */
+/* Limit of a predicted current: above any sensor's range, within the range of the transforms. */
 #define CURRENT_MAX IQ24(32.0)
 
 static bool reciprocal(iq24_t l, iq24_t k)
@@ -18,7 +17,7 @@ static bool reciprocal(iq24_t l, iq24_t k)
            iq24_within(iq24_mul_round(l, k), IQ24(0.9990234375), IQ24(1.0009765625));
 }
 
-/* Whether skew is (l_d - l_q)/(l_d + l_q); the sum is at most 16. Nought stands for what does not saturate. */
+/* True if skew is (l_d - l_q)/(l_d + l_q), or 0 (allowed without saturation). The sum is at most 16. */
 static bool skewed(const iqfoc_flux_predictor_t *p)
 {
     const iq24_t off = iq24_sub_wrap(iq24_mul_round(p->skew, p->l_d + p->l_q), p->l_d - p->l_q);

@@ -43,7 +43,7 @@ static iq24_t between(const iqfoc_halls_config_t *config, int32_t from, int32_t 
     return on == 0 ? IQ24_ONE : on;
 }
 
-/* The border where the shaft came into its sector, and the width of that sector. */
+/* The border at which the shaft entered its sector, and the width of that sector. */
 static int32_t entry(const iqfoc_halls_t *halls)
 {
     return halls->way < 0 ? around(halls->sector + 1) : halls->sector;
@@ -55,7 +55,7 @@ static iq24_t width(const iqfoc_halls_t *halls)
 }
 
 /*
- * The speed over the last `count` spans, in the way they were passed.
+ * The speed over the last `count` spans, with the direction of their passage.
  *
  * Range: each span is at most 2^28 (stall) and the sum of six below 2^31. angle <= 2^24, times 2^8 is 2^32 in
  * 64 bits. The sum is not below 1 - a span of 0 counts as 1 -, and the quotient is held to 1/3 turn.
@@ -76,7 +76,7 @@ static iq24_t speed(const iqfoc_halls_t *halls, uint32_t count)
     return halls->way < 0 ? -held : held;
 }
 
-/* In the middle of the sector, without a speed: nothing more is known. */
+/* The middle of the sector, without a speed: all that is known. */
 static void forget(iqfoc_halls_t *halls)
 {
     halls->count = 0;
@@ -112,11 +112,11 @@ static void pass_border(iqfoc_halls_t *halls, int32_t sector, uint32_t since)
 }
 
 /*
- * Angle and speed from the last border on: as far as the speed goes, but not beyond the sector; then the
- * speed is no more than what would bring the shaft to the border just now.
+ * Angle and speed since the last border. The angle follows the speed but stays within the sector. At the sector's end
+ * the speed is limited to the value at which the shaft would reach the border now.
  *
- * Range: |turns| < 2^22.5 and since <= 2^28 + 256: the product is below 2^51. width <= 2^24: its 2^8 fit 32
- * bits unsigned. since >= 1 where it divides, as moved > width > 0 asks for.
+ * Range: |turns| < 2^22.5 and since <= 2^28 + 256: the product is below 2^51. width <= 2^24: its 2^8 fit 32 bits
+ * unsigned. since >= 1 where it divides, because moved > width > 0.
  */
 static void go_on(iqfoc_halls_t *halls)
 {
@@ -144,7 +144,7 @@ void iqfoc_halls_step(iqfoc_halls_t *halls, uint32_t bits, uint32_t since_q8)
     const uint32_t stall = halls->config->stall_cycles * CYCLE_Q8;
     halls->since += halls->since < stall ? CYCLE_Q8 : 0;
     if (halls->since >= stall) {
-        halls->way = 0; /* the span that ends with the next border says nothing of the speed */
+        halls->way = 0; /* the span that ends with the next border does not show the speed */
         forget(halls);
     }
     if (sector < 0) {

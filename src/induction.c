@@ -10,7 +10,6 @@
  */
 #include "iqfoc/induction.h"
 
-#include "angle.h"
 #include "series.h"
 
 /* Complex, Q28. */
@@ -99,7 +98,7 @@ iqfoc_induction_t iqfoc_induction_at_speed(const iqfoc_induction_machine_t *mach
     const generator m = {.rho_s = iq24_mul_shift(machine->rho_s_q30, span, 26),
                          .rho_r = iq24_mul_shift(machine->rho_r_q30, span, 26),
                          .a = iq24_mul_shift(machine->a_q30, span, 26),
-                         .phi = iq24_mul_shift(iq24_mul_shift(x * 64, TWO_PI_Q28, 30), span, 24)};
+                         .phi = iq24_mul_shift(iq24_mul_shift(x * 64, IQFOC_Q28_2_PI, 30), span, 24)};
     const int32_t k_u_q26 = iq24_mul_shift(machine->k_u_q26, span, 24);
     row i = {.i = {ONE_Q28, 0}};
     row p = {.p = {ONE_Q28, 0}};

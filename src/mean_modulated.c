@@ -2,7 +2,7 @@
 #include "iqfoc/mean_modulated.h"
 
 /*
- * s2/phi = 1/12 - h2/120 + h2^2/3360 - h2^3/181440, h2 = (phi/2)^2: where s2 divides out, its series serves.
+ * s2/phi = 1/12 - h2/120 + h2^2/3360 - h2^3/181440, h2 = (phi/2)^2: its series, which needs no division.
  *
  * Range: 0 <= h2 <= 1.097. Error: the next term is below 1.5e-7 at the limit of the speed.
  */

@@ -67,7 +67,7 @@ static void evaluate(const iqfoc_offset_sums_t *sums, uint32_t count_log2, iq24_
     *noise = sums->far ? FAR : root(iq24_asr64(spread, count_log2));
 }
 
-/* A bit for each sensor whose value is beyond the limit. */
+/* One bit for each sensor with a value above the limit. */
 static uint32_t beyond(iqfoc_abc_t x, iq24_t limit)
 {
     return (iq24_abs_sat(x.a) > limit ? UINT32_C(1) : 0) | (iq24_abs_sat(x.b) > limit ? UINT32_C(2) : 0) |

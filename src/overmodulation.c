@@ -4,7 +4,7 @@
 #define PI_Q29     INT32_C(1686629713)
 #define ONE_PI_Q31 INT32_C(683565276)
 
-/* Where the length's own value begins to count less than its mean, and how far a mean may differ. */
+/* Width below the circle over which the length filter fades in, its gain, and its largest correction. */
 #define FADE_WIDTH (IQ24_ONE / 8)
 #define FOLLOW     3 /* 2^-3 of the difference a cycle */
 #define DEVIATION  (IQ24_ONE / 16)
@@ -62,7 +62,7 @@ static iq24_t shortness(iq24_t m)
 }
 
 /*
- * The length to make: what is asked for, its harmonics' part taken off.
+ * The length to make: the requested length without its harmonics' part.
  *
  * Range: asked and slow are 0 ... 8, so their difference is within 8; weights are 0 ... 1; the correction is
  * within 1/16.

@@ -16,12 +16,11 @@
  */
 #include "iqfoc/predictor_exact.h"
 
-#include "angle.h"
 #include "series.h"
 
 /*
- * Moments 0 ... 2 TERMS are wanted. The recursion starts at MOMENT_START with 0 in place of at most 2/21;
- * each step down divides that error by 2 n or more: below 1e-9 at moment 13.
+ * Moments 0 ... 2 TERMS are needed. The recursion starts at MOMENT_START with 0 in place of at most 2/21; each step
+ * down divides that error by 2 n or more: below 1e-9 at moment 13.
  */
 enum { MOMENTS = 2 * IQFOC_EXACT_TERMS + 1, MOMENT_START = 20, EXPONENTIAL_TERMS = 13 };
 
@@ -86,7 +85,7 @@ static void series(iqfoc_exact_law_t *law, const int32_t moment_q29[], int32_t k
     const int32_t span_q30 = span * 64;
     const int32_t square = iq24_mul_shift(span_q30, span_q30, 30);
     const int32_t reach_q29 = iq24_mul_shift(HALF_PI_SQUARED_Q29, square, 30);
-    int32_t even_q25 = iq24_mul_shift(iq24_mul_shift(k_psi_q27, TWO_PI_Q28, 30), span_q30, 30);
+    int32_t even_q25 = iq24_mul_shift(iq24_mul_shift(k_psi_q27, IQFOC_Q28_2_PI, 30), span_q30, 30);
     int32_t odd_q25 = iq24_mul_shift(even_q25, iq24_mul_shift(QUARTER_PI_Q31, span_q30, 30), 31);
     for (int32_t k = 0; k < IQFOC_EXACT_TERMS; k++) {
         law->real_q25[k] = iq24_mul_shift(even_q25, moment_q29[2 * k], 30);
@@ -96,7 +95,7 @@ static void series(iqfoc_exact_law_t *law, const int32_t moment_q29[], int32_t k
     }
 }
 
-/* What both laws start from: rho and k_u of the span. Range: the span is at most 1. */
+/* Common values of both laws: rho and k_u of the span. Range: the span is at most 1. */
 static int32_t over_span(int32_t per_cycle, iq24_t span)
 {
     return iq24_mul_shift(per_cycle, span, 24);

@@ -13,11 +13,10 @@
  *
  *     F <- e + F M/(k+1),    k = N ... 1,
  *
- * and those of the end are e + F M. Two rows are wanted, those of the fluxes.
+ * and those of the end are e + F M. Two rows are needed, those of the fluxes.
  */
 #include "iqfoc/predictor_salient.h"
 
-#include "angle.h"
 #include "series.h"
 
 /* M over one span, Q28. */
@@ -138,7 +137,7 @@ void iqfoc_salient_at_speed(const iqfoc_salient_machine_t *machine, iq24_t turns
     const iq24_t x = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     const generator m = {.rho_d = iq24_mul_shift(machine->rho_d_q30, span, 26),
                          .rho_q = iq24_mul_shift(machine->rho_q_q30, span, 26),
-                         .phi = iq24_mul_shift(iq24_mul_shift(x * 64, TWO_PI_Q28, 30), span, 24)};
+                         .phi = iq24_mul_shift(iq24_mul_shift(x * 64, IQFOC_Q28_2_PI, 30), span, 24)};
     const axis of_d = {.k_u_q26 = iq24_mul_shift(machine->k_d_q26, span, 24),
                        .k_psi_phi_q26 = iq24_mul_shift(machine->k_psi_d_q27, m.phi, 29),
                        .cross_q27 = machine->q_to_d_q27};

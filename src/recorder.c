@@ -108,7 +108,7 @@ static uint32_t slot_after(const iqfoc_recorder_t *recorder, uint32_t slot)
 
 /* ---- The writer ---- */
 
-/* A bit counts when it comes up, a level when it is crossed: what was so before is no event. */
+/* A trigger is a bit that becomes 1, or a level that is crossed. A bit that was 1 before is no event. */
 static bool triggered(iqfoc_recorder_t *recorder, uint32_t status)
 {
     const iqfoc_recorder_config_t *config = recorder->config;

@@ -7,6 +7,9 @@
 
 #define U_MAX        IQ24(1.5)
 #define LEAST_TORQUE IQ24(0.25) /* per i_q, over that at i_d = 0 */
+#define LOW_RISES    7          /* shift: a cycle's share of the distance */
+#define LINK_GAIN    IQ24(64.0)
+#define Z_LOWEST     IQ24(-12.0)
 
 iqfoc_error_t iqfoc_reference_check(const iqfoc_reference_config_t *config)
 {
@@ -40,8 +43,8 @@ static iq24_t most_torque_per_ampere(iq24_t saliency, iq24_t i_q)
     return -i_d;
 }
 
-/* |u|^2 less what it may be. Range: components within 1.5, so 0 ... 4.5; (1.125 * 1.5)^2 = 2.85. */
-static iq24_t voltage_left(iqfoc_dq_t u, iq24_t u_max)
+/* (share u_limit)^2 - |u|^2. Range: components within 1.5, so 0 ... 4.5; (1.125 * 1.5)^2 = 2.85. */
+static inline iq24_t voltage_left(iqfoc_dq_t u, iq24_t u_max)
 {
     const iq24_t d = iq24_clamp(u.d, -U_MAX, U_MAX);
     const iq24_t q = iq24_clamp(u.q, -U_MAX, U_MAX);
@@ -82,4 +85,26 @@ iqfoc_dq_t iqfoc_reference_step(iqfoc_reference_t *reference, const iqfoc_refere
     i.q = iq24_clamp(i.q, -most, most);
     reference->i_q = i.q;
     return i;
+}
+
+/* Range: squares within 2.85, so |g change| <= 183 and |z| <= 12: 2^56 in the accumulator. */
+iq24_t iqfoc_reference_link(iqfoc_reference_t *reference, iqfoc_reference_link_t *link,
+                            const iqfoc_reference_config_t *config, iqfoc_dq_t u, iq24_t u_limit)
+{
+    const iq24_t before = link->low;
+    const bool lower = before == 0 || u_limit < before;
+    const iq24_t low = lower ? u_limit : before + iq24_asr32(u_limit - before, LOW_RISES);
+    link->low = low;
+    if (before == 0) {
+        return low;
+    }
+    const iq24_t u_before = iq24_mul_round(config->share, before);
+    const iq24_t u_now = iq24_mul_round(config->share, low);
+    const iq24_t left = voltage_left(u, u_now);
+    const iq24_t change = iq24_mul_round(u_now, u_now) - iq24_mul_round(u_before, u_before);
+    const iq24_t jump = change < 0 ? iq24_clamp(left, change, 0) : iq24_clamp(left, 0, change);
+    const iq24_acc_t sum = iq24_acc_mac(reference->weakening, iq24_clamp(link->gain, 0, LINK_GAIN), jump);
+    const iq24_acc_t least = iq24_acc_mul(Z_LOWEST, IQ24_ONE);
+    reference->weakening = sum > 0 ? 0 : sum < least ? least : sum;
+    return low;
 }

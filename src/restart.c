@@ -19,7 +19,7 @@ iqfoc_error_t iqfoc_restart_init(iqfoc_restart_t *restart, const iqfoc_restart_c
     return IQFOC_OK;
 }
 
-/* A fault, in any state: `quiet` starts again, so that a cause that stays holds the try back. */
+/* A fault, in any state: `quiet` restarts, so that a cause that persists delays the try. */
 static iqfoc_restart_action_t after_fault(iqfoc_restart_t *restart, uint32_t faults)
 {
     const bool running = restart->action == IQFOC_RESTART_RUN || restart->action == IQFOC_RESTART_TRY;

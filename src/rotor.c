@@ -2,8 +2,8 @@
 #include "iqfoc/rotor.h"
 
 /*
- * Of s1 and s2/x, Q30 in v = x^2; Chebyshev interpolation on v in [0, 1/9]: tools/derive_rotor.py, which CI
- * compares with these.
+ * Polynomials of s1 and s2/x, Q30 in v = x^2; Chebyshev interpolation on v in [0, 1/9]: tools/derive_rotor.py, which
+ * CI compares with these.
  */
 const int32_t iqfoc_rotor_poly[5][2] = {{1073741824, 562209904},
                                         {-1766234468, -554878930},

@@ -1,4 +1,4 @@
-/* What the coefficients of the exact predictors share: how far a power series is summed. */
+/* Number of terms of a power series, for the coefficients of the exact predictors. */
 #ifndef IQFOC_SRC_SERIES_H
 #define IQFOC_SRC_SERIES_H
 

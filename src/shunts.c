@@ -1,4 +1,4 @@
-/* Which low-side shunts to believe (include/iqfoc/shunts.h). */
+/* Selection of usable low-side shunts (include/iqfoc/shunts.h). */
 #include "iqfoc/shunts.h"
 
 #include <stddef.h>

@@ -35,8 +35,8 @@ static iq24_t part(iq24_t whole, uint32_t done, uint32_t all)
 }
 
 /*
- * What the sensor's way says. Its difference is brought to -1/2 ... 1/2 turn first: whole turns drop out in
- * the shift left, in 64 bits, and the wrap.
+ * Verdict from the sensor's travel. Its difference is brought to -1/2 ... 1/2 turn first: whole turns drop out in the
+ * shift left, in 64 bits, and the wrap.
  */
 static iqfoc_start_verdict_t judge(iq24_t before, iq24_t after)
 {
@@ -62,7 +62,7 @@ static void go_on(iqfoc_start_t *start, uint32_t all, iqfoc_start_stage_t next)
     }
 }
 
-/* Where the angle is to be after `done` cycles of TURN, made a speed for the cycle that leads there. */
+/* Sets the speed that leads within one cycle to the angle after `done` cycles of TURN. */
 static void turn_back(iqfoc_start_t *start)
 {
     const iq24_t to = QUARTER - part(QUARTER, start->done, start->config->ramp_cycles);

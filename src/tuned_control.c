@@ -1,4 +1,4 @@
-/* The current controller that a design by `iqfoc tune` runs in (include/iqfoc/tuned_control.h). */
+/* The current controller of a design by `iqfoc tune` (include/iqfoc/tuned_control.h). */
 #include "iqfoc/tuned_control.h"
 
 #define DRIFT_LIMIT  IQ24(4.0)
@@ -51,8 +51,9 @@ static void invert(const iqfoc_salient_t *end, iqfoc_tuned_t *tuned)
 }
 
 /*
- * (1 - s1^2)/(1 - cos h), h = phi/2: what the bow of the current in a cycle is in its mean, if it is the magnet
- * turning away under flux that runs straight; a power series in h^2. Range: h^2 <= 1.097.
+ * (1 - s1^2)/(1 - cos h), h = phi/2: the correction coefficient of the mean. The current bends within a cycle because
+ * the magnet turns away under a flux that changes linearly; the coefficient is the bend's share in the mean. A power
+ * series in h^2. Range: h^2 <= 1.097.
  */
 static iq24_t bow_of(const iqfoc_rotor_t *rotor)
 {
@@ -101,7 +102,7 @@ static iqfoc_dq_t held(iqfoc_dq_t x, iq24_t limit)
     return within;
 }
 
-/* sum + gain error, held. Range: gain <= 1, |error| <= 34 and |sum| <= limit <= 4. */
+/* sum + gain error, held. Range: gain <= 1, |error| <= 43 and |sum| <= limit <= 4. */
 static iqfoc_dq_t learnt(iqfoc_dq_t sum, iq24_t gain, iqfoc_dq_t error, iq24_t limit)
 {
     const iqfoc_dq_t step = {iq24_mul_round(gain, error.d), iq24_mul_round(gain, error.q)};
@@ -109,18 +110,19 @@ static iqfoc_dq_t learnt(iqfoc_dq_t sum, iq24_t gain, iqfoc_dq_t error, iq24_t l
 }
 
 /*
- * What the valleys' mean was away from what the model makes of the cycle's mean.
+ * The offset in one cycle: mean of the currents at its two valleys minus the model's valley current for the cycle's
+ * mean, ripple included.
  *
- * Range: |ends| <= 8 and |i_mid| held to 8 make |bow| <= 16, so |mean| <= 18.7 and |valley| <= 31.1.
+ * Range: |ends| <= 8 and |i_mid| held to 8 make |bow| <= 16, so |mean| <= 20.7 and |valley| <= 34.
  */
 static iqfoc_dq_t offset_seen(const iqfoc_tuned_state_t *state, const iqfoc_tuned_t *tuned, iqfoc_dq_t i)
 {
     const iqfoc_dq_t both = plus(state->i, i);
     const iqfoc_dq_t ends = {iq24_asr32(both.d, 1), iq24_asr32(both.q, 1)};
     const iqfoc_dq_t away = minus(held(state->i_mid, IQFOC_TUNED_CURRENT_LIMIT), ends);
-    const iqfoc_dq_t mean = {iq24_add_wrap(ends.d, iq24_mul_round(tuned->bow, away.d)),
-                             iq24_add_wrap(ends.q, iq24_mul_round(tuned->bow, away.q))};
-    return minus(ends, iqfoc_valley_reference(&tuned->reference, mean));
+    const iqfoc_dq_t smooth = {iq24_add_wrap(ends.d, iq24_mul_round(tuned->bow, away.d)),
+                               iq24_add_wrap(ends.q, iq24_mul_round(tuned->bow, away.q))};
+    return minus(ends, iqfoc_valley_reference(&tuned->reference, plus(smooth, state->ripple)));
 }
 
 static void learn(iqfoc_tuned_state_t *state, const iqfoc_tuned_t *tuned, iqfoc_dq_t i)
@@ -139,7 +141,7 @@ static void learn(iqfoc_tuned_state_t *state, const iqfoc_tuned_t *tuned, iqfoc_
     }
 }
 
-/* The valley current of an aim, with what was learnt of it. */
+/* The valley current of a target, with the estimated offset. */
 static iqfoc_dq_t valley_of(const iqfoc_tuned_t *tuned, iqfoc_dq_t aim, iqfoc_dq_t offset)
 {
     return plus(iqfoc_valley_reference(&tuned->reference, aim), offset);
@@ -165,7 +167,7 @@ iqfoc_ab_t iqfoc_tuned_step(iqfoc_tuned_state_t *state, const iqfoc_tuned_t *tun
     const iqfoc_dq_t next = plus(iqfoc_salient_step(&tuned->end, i, iqfoc_park(u_now, sc)), state->drift);
     state->i_next = held(next, IQFOC_TUNED_CURRENT_LIMIT);
     const iqfoc_dq_t left_alone = plus(iqfoc_salient_step(&tuned->end, state->i_next, none), state->drift);
-    /* At the start nothing was expected yet: the first voltage goes all the way to the reference. */
+    /* At the start there is no earlier target: the first voltage aims at the whole reference. */
     state->aim = state->predicted ? state->aim : i_ref;
     const iqfoc_dq_t expected = valley_of(tuned, state->aim, state->offset);
     const iqfoc_dq_t off = state->predicted ? minus(state->i_next, expected) : none;

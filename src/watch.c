@@ -1,12 +1,13 @@
-/* The watch on the drive's model: what is done once a block (include/iqfoc/watch.h). */
+/* The change detector of the drive's model: its step per block (include/iqfoc/watch.h). */
 #include "iqfoc/watch.h"
 
 #define HELD_BITS 24                 /* +-128 in Q16 */
 #define ROUND_Q6  (INT64_C(1) << 25) /* half a unit, of Q32 */
 #define MOST_Q16  (INT32_C(16384) << 16)
-/* A sum grows by this at most in a block: whatever one block shows, an alarm takes six. */
+/* Largest growth of a sum in one block: an alarm takes six blocks at least. */
 #define MOST_A_BLOCK_Q16 (INT32_C(4) << 16)
-#define LEAST_CURRENT    IQ24(0.15) /* below it no law says what the legs lose */
+#define LEAST_CURRENT    IQ24(0.15) /* below it the loss of the legs has no model */
+#define ECCENTRICITY     13         /* the first of its two signatures */
 
 /* Two components in Q16. */
 typedef struct pair {
@@ -73,11 +74,11 @@ static iq24_t mean_of(int64_t sum)
 }
 
 /*
- * One over the noise of a block's error, in that of a sample: Q16, at most 37. With E near 1 a sample is in the
- * errors of two cycles, in the second with the opposite sign and turned by phi: what is left of it is
- * |1 - e^(j phi)|^2 of its square in a mean of 32; at both ends of the block a sample stands alone, once more in
- * the block beside, in which the signature may have the other sign: 4/32^2 in all. The least is noise_least,
- * which has R T/L in it. ends, inside: by how much the window of a frame changes the two.
+ * 1 over the noise of a block's error, as a multiple of the noise of one sample: Q16, at most 37. With E near 1 a
+ * sample is in the errors of two cycles, in the second one with the opposite sign and turned by phi. It leaves |1 -
+ * e^(j phi)|^2 of its square in a mean of 32. At each end of the block a sample counts alone. It counts again in the
+ * adjacent block, in which the signature may have the other sign: 4/32^2 in all. The minimum is noise_least, which
+ * contains R T/L. ends, inside: factors of the frame's window on the two terms.
  */
 static int32_t per_block_noise(const iqfoc_watch_config_t *config, iq24_sincos_t half, iq24_t ends,
                                iq24_t inside)
@@ -93,10 +94,10 @@ static int32_t per_block_noise(const iqfoc_watch_config_t *config, iq24_sincos_t
 /*
  * A frame that turns against the rotor's: the stationary one, and the one that turns backwards.
  *
- * An error that stands still in the rotor's frame, e, is there s e^(j a) e in the block's mean, s = mean of the
- * angle's unit vectors and a the angle at the block's middle. That much is taken away, so that no error of the
- * rotor's frame is seen here, however slow the rotor; of what does stand still in this frame 1 - s^2 is left.
- * The window of the sum is then 1 - s e^(j ...), which is what the noise is reckoned with.
+ * An error e that is constant in the rotor's frame appears here as s e^(j a) e in the block's mean. s is the mean of
+ * the angle's unit vectors and a the angle at the block's middle. That term is subtracted, so that no error of the
+ * rotor's frame is seen here, however slow the rotor. An error that is constant in this frame keeps 1 - s^2. The
+ * window of the sum is then 1 - s e^(j ...), from which the noise follows.
  */
 typedef struct frame {
     bool seen;         /* the block turns far enough: 1 - s^2 > 1/16 */
@@ -106,7 +107,7 @@ typedef struct frame {
     int32_t per_noise; /* Q16 */
 } frame;
 
-/* Of a block that turns by this per cycle, s^2 = 15/16. */
+/* At this speed, s^2 = 15/16. */
 #define LEAST_TURNS IQ24(0.0044)
 
 /*
@@ -139,13 +140,13 @@ static frame frame_of(const iqfoc_watch_config_t *config, iq24_sincos_t half, iq
     return f;
 }
 
-/* A factor of the configuration times that, held to 2^31 - 1. */
+/* A factor of the configuration times 1 over the noise, held to 2^31 - 1. */
 static int32_t over_noise(int32_t factor, int32_t per_noise_q16)
 {
     return iq24_sat(iq24_asr64((int64_t)factor * per_noise_q16, 16));
 }
 
-/* What an error leaves in a frame that does not hold an error e of the rotor's frame. */
+/* The error in a frame, without the part of the rotor-frame error e. */
 static iqfoc_dq_t without(iqfoc_dq_t error, iqfoc_dq_t e, const frame *f)
 {
     const iqfoc_dq_t seen = turned(e, iq24_sincos(f->middle));
@@ -164,7 +165,7 @@ static errors errors_of(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *
                              mean_of(watch->beta_cos + watch->alpha_sin)};
     const iqfoc_dq_t stationary = {iq24_asr32(watch->e_ab[0], IQFOC_WATCH_BLOCK_BITS),
                                    iq24_asr32(watch->e_ab[1], IQFOC_WATCH_BLOCK_BITS)};
-    /* From the end of the cycle to its middle; what turns backwards is there the other way round. */
+    /* From the end of the cycle to its middle; the backward frame needs the opposite sign. */
     const iqfoc_dq_t e_mid = turned(e, half);
     const iqfoc_dq_t in_flux = {iq24_mul_shift(e_mid.d, config->flux_d_q16, 16),
                                 iq24_mul_shift(e_mid.q, config->flux_q_q16, 16)};
@@ -193,17 +194,17 @@ static int32_t held_sum(int64_t x)
     return (int32_t)(x < 0 ? 0 : x > MOST_Q16 ? MOST_Q16 : x);
 }
 
-/* What y may have for good, of each axis, Q16: 0 ... 576. of_model: with what the model's confidence leaves. */
+/* Allowance of y, each axis, Q16: 0 ... 576. of_model: it contains the model's initial uncertainty. */
 typedef struct allowance {
     int32_t d, q;
     bool of_model;
 } allowance;
 
 /*
- * What of a signature's component is laid on a change. A mean m of y makes X lose or win X (m - slack) - X^2/2 a
- * block, the most at X = m - slack; m is that of a change of 2.5 stated sizes. What the slack hides in a block is
- * so left out of it; laid as a whole, it would take away what other blocks have shown. At least a 64th is laid,
- * so that a far larger change is seen there too, and at most the stated size: the bound holds for any X.
+ * The shift that the detector assumes for a signature's component. With a mean m of y the assumed X changes the sum
+ * by X (m - slack) - X^2/2 per block, the most at X = m - slack. m is that of a change of 2.5 stated sizes. The part
+ * of X that the allowance hides is left out: with it the sum would lose what other blocks have shown. At least a 64th
+ * is assumed, so that a far larger change is seen there too, and at most the stated size. The bound holds for any X.
  *
  * Range: |x| <= 2^23.
  */
@@ -221,8 +222,10 @@ static int64_t dot(pair x, pair y)
     return (int64_t)x.d * y.d + (int64_t)x.q * y.q;
 }
 
-/* Range: components within 128 in Q16 make products within 2^47 in Q32; 96 blocks of them 2^28 in Q6. A ratio held
- * from above keeps the bound: its mean only falls. The slack's products: 2^50 in Q32. */
+/*
+ * Range: components within 128 in Q16 make products within 2^47 in Q32; 96 blocks of them 2^28 in Q6. A ratio held
+ * from above keeps the bound, because its mean only falls. Products with the allowance: 2^50 in Q32.
+ */
 static void follow(iqfoc_watch_t *watch, int32_t n, pair x, pair y, allowance slack)
 {
     pair laid = x;
@@ -245,11 +248,13 @@ static void follow(iqfoc_watch_t *watch, int32_t n, pair x, pair y, allowance sl
     }
 }
 
-/* Twice what y is held to: with it nothing is noted. */
+/* Twice the limit of y: with it no change is detected. */
 #define MOST_UNSURE_Q16 (INT32_C(256) << 16)
 
-/* By how much these signatures, components within 16, move y for each of `unsure`. Range: 2^28 times below 2^31 is
- * 2^35 in Q16, and times 16 2^55 in Q32. */
+/*
+ * Shift of y by a signature's component (within 16) for one value of `unsure`. Range: 2^28 times below 2^31 is 2^35
+ * in Q16, and times 16 2^55 in Q32.
+ */
 static int64_t moved_by(iq24_t component, int32_t size, int32_t unsure_q16)
 {
     return iq24_asr64(iq24_asr64((int64_t)absolute(component) * size, 24) * unsure_q16, 16);
@@ -261,8 +266,8 @@ static bool is_unsure(const iqfoc_watch_config_t *config)
 }
 
 /*
- * What y may have for good: `always`, and what resistance, inductances and flux may be off by within the model's
- * confidence, by their signatures; each axis by itself, as L_d and L_q may be off unalike.
+ * Allowance of y: `always`, plus the shift by the initial uncertainty of resistance, inductances and flux, from their
+ * signatures. Each axis separately, because L_d and L_q may have different errors.
  */
 static allowance slack_of(const iqfoc_watch_config_t *config, int32_t always_q16, const iqfoc_dq_t *signature,
                           int32_t per_noise)
@@ -281,8 +286,9 @@ static allowance slack_of(const iqfoc_watch_config_t *config, int32_t always_q16
 }
 
 /*
- * The same in a frame that turns against the rotor's: of what stands still in the rotor's nothing is left, but where
- * the speed changes through the block, what is proportional to it does not stand still. Either axis may have all of it.
+ * The same in a frame that turns against the rotor's. Nothing is left of errors that are constant in the rotor's
+ * frame. If the speed changes through the block, errors proportional to the speed are not constant. Either axis may
+ * have all of their shift.
  */
 static allowance slack_elsewhere(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
                                  iq24_t change, int32_t per_noise)
@@ -296,8 +302,38 @@ static allowance slack_elsewhere(const iqfoc_watch_t *watch, const iqfoc_watch_c
     return both;
 }
 
-/* The signatures of the current's own frame. */
-static void follow_rotor(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns,
+#define PI           IQ24(3.14159265358979)
+#define SHARE_IS_ONE IQ24(1.0 / 64.0) /* of a revolution in a block: the share below is 1 to 4e-4 */
+
+/*
+ * An error that varies with the mechanical angle keeps the share sin(pi z)/(pi z) in the block's mean, z the part of a
+ * revolution that the block covers. Range: |turns| <= 1/3, so that 32 turns are within 11; z within 1/2, pi z within 1.6.
+ */
+static void follow_eccentricity(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns,
+                                iq24_t shaft, int32_t per_noise, pair y, allowance slack)
+{
+    const iq24_t z = iq24_mul_round(config->mechanical, IQFOC_WATCH_BLOCK_CYCLES * iq24_max(turns, -turns));
+    if (config->mechanical == 0 || z > IQ24(0.5)) {
+        return;
+    }
+    const iq24_t share =
+        z < SHARE_IS_ONE ? IQ24_ONE : iq24_div(iq24_sincos(iq24_asr32(z, 1)).sin, iq24_mul_round(PI, z));
+    const iq24_t length = -iq24_mul_round(turns, share);
+    const iq24_sincos_t at = iq24_sincos(shaft);
+    const iqfoc_dq_t by_cos = {0, iq24_mul_round(length, at.cos)};
+    const iqfoc_dq_t by_sin = {0, iq24_mul_round(length, at.sin)};
+    const int32_t size = over_noise(config->size_q16[IQFOC_WATCH_ECCENTRICITY], per_noise);
+    const pair x_cos = scaled_pair(by_cos, size, 24);
+    const pair x_sin = scaled_pair(by_sin, size, 24);
+    follow(watch, ECCENTRICITY, x_cos, y, slack);
+    follow(watch, ECCENTRICITY + 1, x_sin, y, slack);
+    if (watch->naming > 0) {
+        watch->across_q6 = iq24_sat(watch->across_q6 + iq24_asr64(dot(x_cos, x_sin) + ROUND_Q6, 26));
+    }
+}
+
+/* The signatures of the current's own frame. shaft: mechanical angle at the block's middle. */
+static void follow_rotor(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t shaft,
                          int32_t per_noise, pair y)
 {
     const iq24_sincos_t half = iq24_sincos(iq24_asr32(turns, 1));
@@ -313,9 +349,10 @@ static void follow_rotor(iqfoc_watch_t *watch, const iqfoc_watch_config_t *confi
     for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN; n++) {
         follow(watch, n, scaled_pair(of_rotor[n], over_noise(config->size_q16[n], per_noise), 24), y, slack);
     }
+    follow_eccentricity(watch, config, turns, shaft, per_noise, y, slack);
 }
 
-/* One over a frame's noise, times what it leaves of its signatures, times a group's size. */
+/* 1 over a frame's noise, times the share 1 - s^2 of its signatures, times a group's size. */
 static int32_t seen_size(const iqfoc_watch_config_t *config, iqfoc_watch_group_t group, const frame *f)
 {
     return over_noise(config->size_q16[group], iq24_mul_round(f->per_noise, f->left));
@@ -329,23 +366,30 @@ static void follow_all(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
      */
     const iq24_t change = iq24_sub_wrap(at_end, watch->turns);
     const iq24_t turns = iq24_sub_wrap(at_end, iq24_asr32(change, 1));
-    const iq24_t middle = iq24_wrap((int64_t)theta - 15 * (int64_t)at_end - iq24_asr32(at_end, 1) +
-                                    iq24_mul_round(IQ24(162.75 / 32.0), change));
+    const iq24_t since_middle =
+        15 * at_end + iq24_asr32(at_end, 1) - iq24_mul_round(IQ24(162.75 / 32.0), change);
+    const iq24_t middle = iq24_sub_wrap(theta, since_middle);
+    const iq24_t shaft = iq24_sub_wrap(watch->mechanical, iq24_mul_round(since_middle, config->mechanical));
     const iq24_sincos_t half = iq24_sincos(iq24_asr32(turns, 1));
     const int32_t per_noise = per_block_noise(config, half, IQ24_ONE, IQ24_ONE);
     const frame still = frame_of(config, half, turns, middle, 1);
     const frame backward = frame_of(config, half, turns, middle, 2);
     const errors y = errors_of(watch, config, half, per_noise, &still, &backward);
-    follow_rotor(watch, config, turns, per_noise, y.rotor);
+    follow_rotor(watch, config, turns, shaft, per_noise, y.rotor);
     if (backward.seen) {
         const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
         const iqfoc_dq_t moved = across(i, turns);
         const iqfoc_dq_t mirrored = {moved.d, -moved.q};
         const iqfoc_dq_t mirrored_ahead = {moved.q, moved.d};
+        const iqfoc_dq_t dropped = {iq24_sub_wrap(0, i.d), i.q};
+        const iqfoc_dq_t dropped_ahead = {iq24_sub_wrap(0, i.q), iq24_sub_wrap(0, i.d)};
         const int32_t gain = seen_size(config, IQFOC_WATCH_SENSOR_GAIN, &backward);
+        const int32_t phase = seen_size(config, IQFOC_WATCH_PHASE_RESISTANCE, &backward);
         const allowance slack = slack_elsewhere(watch, config, change, backward.per_noise);
         follow(watch, 7, scaled_pair(mirrored, gain, 24), y.back, slack);
         follow(watch, 8, scaled_pair(mirrored_ahead, gain, 24), y.back, slack);
+        follow(watch, 11, scaled_pair(dropped, phase, 24), y.back, slack);
+        follow(watch, 12, scaled_pair(dropped_ahead, phase, 24), y.back, slack);
     }
     if (still.seen) {
         const int32_t offset = seen_size(config, IQFOC_WATCH_SENSOR_OFFSET, &still);
@@ -360,15 +404,20 @@ static void follow_all(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
 /* ---- Alarm and name ---- */
 
 /* (sum X y)/(sum |X|^2) in Q16: the change in stated sizes, held to 128. Range: xx is taken as 1 at least. */
+static int32_t amount_by(int32_t xy_q6, int32_t xx_q6)
+{
+    return iq24_asr32(iq24_div(xy_q6, iq24_max(xx_q6, 64)), 8);
+}
+
 static int32_t amount_of(const iqfoc_watch_t *watch, int32_t n)
 {
-    return iq24_asr32(iq24_div(watch->xy_q6[n], iq24_max(watch->xx_q6[n], 64)), 8);
+    return amount_by(watch->xy_q6[n], watch->xx_q6[n]);
 }
 
 static void look_for_alarm(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config)
 {
     int32_t highest = 0;
-    int32_t age = 0; /* of the detector that stands highest: blocks since it was at 0 */
+    int32_t age = 0; /* of the highest detector: blocks since it was at 0 */
     for (int32_t n = 0; n < IQFOC_WATCH_SIGNATURES; n++) {
         age = watch->up_q16[n] > highest ? watch->xy_q6[n] : age;
         highest = watch->up_q16[n] > highest ? watch->up_q16[n] : highest;
@@ -382,13 +431,31 @@ static void look_for_alarm(iqfoc_watch_t *watch, const iqfoc_watch_config_t *con
             watch->xy_q6[n] = 0;
             watch->xx_q6[n] = 0;
         }
+        watch->across_q6 = 0;
     }
 }
 
-/* (sum X y)^2/(sum |X|^2): what the signature takes off the errors' squares. */
-static int64_t explained(const iqfoc_watch_t *watch, int32_t n)
+/* (sum X y)^2/(sum |X|^2): reduction of the sum of squared errors by the signature. */
+static int64_t explained(const iqfoc_watch_t *watch, int32_t n, int32_t xx_q6)
 {
-    return iq24_asr64((int64_t)watch->xy_q6[n] * amount_of(watch, n), 16);
+    return iq24_asr64((int64_t)watch->xy_q6[n] * amount_by(watch->xy_q6[n], xx_q6), 16);
+}
+
+/*
+ * The same of a group with two signatures. The X of an eccentricity have one direction, so that they are orthogonal
+ * over whole revolutions only. There the sums |X|^2 are replaced by a bound of the largest eigenvalue of the 2 x 2
+ * matrix of the sums of products, which gives a reduction that both have at least.
+ */
+static int64_t explained_by_both(const iqfoc_watch_t *watch, int32_t n)
+{
+    int32_t xx[2] = {watch->xx_q6[n], watch->xx_q6[n + 1]};
+    if (n == ECCENTRICITY) {
+        const int64_t apart = (int64_t)xx[0] - xx[1];
+        const int64_t twice = (int64_t)xx[0] + xx[1] + (apart < 0 ? -apart : apart) +
+                              2 * (int64_t)iq24_abs_sat(watch->across_q6);
+        xx[0] = xx[1] = iq24_sat(iq24_asr64(twice, 1));
+    }
+    return explained(watch, n, xx[0]) + explained(watch, n + 1, xx[1]);
 }
 
 /* The length of two amounts in Q16. Range: below 128 in IQ24 each, so that the squares' sum is below 32768 by more than
@@ -401,9 +468,9 @@ static int32_t amount_of_both(const iqfoc_watch_t *watch, int32_t n)
 }
 
 /*
- * How far out of the noise a signature stands, over 256: the root of what it takes off the errors' squares, less
- * what the slack may have brought about. Range: sums of 1024 blocks saturate, so that explained is below 2^37 in
- * Q6; over 2^16 in IQ24 that saturates at 128.
+ * Score of a signature, over 256: the root of its reduction of the squared errors, minus the effect that the
+ * allowance may have. Range: sums of 1024 blocks saturate, so that explained is below 2^37 in Q6; over 2^16 in IQ24
+ * that saturates at 128.
  */
 static iq24_t score_of(const iqfoc_watch_config_t *config, int64_t explained_q6, int32_t slack_q16)
 {
@@ -411,42 +478,47 @@ static iq24_t score_of(const iqfoc_watch_config_t *config, int64_t explained_q6,
     return iq24_sub_wrap(iq24_sqrt(iq24_sat(explained_q6 * 4)), iq24_mul_shift(slack_q16, blocks, 16));
 }
 
-/* Whether the detector that stands highest is one of the rotor's frame. */
+/* True if no detector is higher than the highest one of the rotor's frame. */
 static bool rotor_leads(const iqfoc_watch_t *watch)
 {
-    int32_t highest = 0;
-    bool leads = false;
+    int32_t rotor = 0;
+    int32_t other = 0;
     for (int32_t n = 0; n < IQFOC_WATCH_SIGNATURES; n++) {
-        const int32_t sum = watch->up_q16[n] > watch->down_q16[n] ? watch->up_q16[n] : watch->down_q16[n];
-        leads = sum > highest ? n < IQFOC_WATCH_SENSOR_GAIN : leads;
-        highest = sum > highest ? sum : highest;
+        const int32_t sum = iq24_max(watch->up_q16[n], watch->down_q16[n]);
+        if (n < IQFOC_WATCH_SENSOR_GAIN || n >= ECCENTRICITY) {
+            rotor = iq24_max(rotor, sum);
+        } else {
+            other = iq24_max(other, sum);
+        }
     }
-    return leads;
+    return rotor > 0 && rotor >= other;
 }
 
 /*
- * With a confidence the groups of that frame alone are weighed: the detectors lose next to nothing where the slack
- * hides a change, so that they tell it better than a sum over blocks in which it is hidden.
+ * Names the group with the highest score. With an initial uncertainty a leading detector of the rotor's frame excludes
+ * the groups of the other frames: in blocks in which the allowance hides the change, the detectors lose almost nothing, and so they
+ * identify the frame better than a sum over these blocks. The opposite does not hold. The allowance of the other
+ * frames is smaller, and a step of the current within a block brings a small error of the rotor's frame there.
  */
 static void name(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config)
 {
-    const bool of_frame = is_unsure(config);
-    const bool of_rotor = rotor_leads(watch);
+    const bool of_rotor = is_unsure(config) && rotor_leads(watch);
     iq24_t best = IQ24_MIN;
-    for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN && (of_rotor || !of_frame); n++) {
-        const iq24_t score = score_of(config, explained(watch, n), config->slack_q16[0]);
+    for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN; n++) {
+        const iq24_t score = score_of(config, explained(watch, n, watch->xx_q6[n]), config->slack_q16[0]);
         if (score > best) {
             best = score;
             watch->group = (iqfoc_watch_group_t)n;
             watch->amount_q16 = amount_of(watch, n);
         }
     }
-    for (int32_t n = IQFOC_WATCH_SENSOR_GAIN; n < IQFOC_WATCH_SIGNATURES && !(of_rotor && of_frame); n += 2) {
+    for (int32_t n = IQFOC_WATCH_SENSOR_GAIN; n < IQFOC_WATCH_SIGNATURES; n += 2) {
+        const bool in_rotor = n == ECCENTRICITY;
         const iq24_t score =
-            score_of(config, explained(watch, n) + explained(watch, n + 1), config->slack_q16[1]);
-        if (score > best) {
+            score_of(config, explained_by_both(watch, n), config->slack_q16[in_rotor ? 0 : 1]);
+        if (score > best && (in_rotor || !of_rotor)) {
             best = score;
-            watch->group = n == IQFOC_WATCH_SENSOR_GAIN ? IQFOC_WATCH_SENSOR_GAIN : IQFOC_WATCH_SENSOR_OFFSET;
+            watch->group = (iqfoc_watch_group_t)(IQFOC_WATCH_SENSOR_GAIN + (n - IQFOC_WATCH_SENSOR_GAIN) / 2);
             watch->amount_q16 = amount_of_both(watch, n);
         }
     }
@@ -459,7 +531,7 @@ static void begin_block(iqfoc_watch_t *watch)
     watch->count = 0;
 }
 
-/* True if the naming has ended with this block. */
+/* One block: true if a group has just been named. */
 static bool judge(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta)
 {
     const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
@@ -480,12 +552,24 @@ static bool judge(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24
     return false;
 }
 
+/* The angle of the shaft at this block's end: by the angle, and by the speed for the number of turns. */
+static void turn_shaft(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t at_end, iq24_t theta)
+{
+    const iq24_t change = iq24_sub_wrap(at_end, watch->turns);
+    const iq24_t expected = IQFOC_WATCH_BLOCK_CYCLES * iq24_sub_wrap(at_end, iq24_asr32(change, 1));
+    const int64_t rest = (int64_t)theta - watch->theta - expected;
+    const iq24_t turned_by = iq24_add_wrap(expected, iq24_asr32(iq24_wrap(rest * 256), 8)); /* +-1/2 turn */
+    watch->mechanical = iq24_add_wrap(watch->mechanical, iq24_mul_round(turned_by, config->mechanical));
+    watch->theta = theta;
+}
+
 bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta)
 {
     const iq24_t held = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     bool named = false;
     watch->blocks++;
-    /* The first block's speed at its beginning is not known. */
+    turn_shaft(watch, config, held, theta);
+    /* The speed at the start of the first block is not known. */
     if (watch->group == IQFOC_WATCH_NONE && watch->blocks > 1) {
         named = judge(watch, config, held, theta);
     }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Certifies the error bounds that the public headers state in LSB, and holds the table in docs/proofs.md to them.
+"""Certifies the error bounds in LSB that the public headers state, and compares the table in docs/proofs.md with them.
 
 A claim is shown in one of three ways:
 
@@ -81,9 +81,9 @@ def rows_and_mistakes():
         if how == "drawn":
             if "drawn" not in words:
                 wrong.append(f"{header} does not say that this is only drawn: {words}")
-            source = (ROOT / f"tests/unit/test_{test}.c").read_text()
+            source = (ROOT / f"tests/unit/library/test_{test}.c").read_text()
             if not re.search(rf"\b{more}\b", source):
-                wrong.append(f"shown.txt: {header}: tests/unit/test_{test}.c does not draw {more}")
+                wrong.append(f"shown.txt: {header}: tests/unit/library/test_{test}.c does not draw {more}")
             rows.append((header, words, f"{confidence(int(more))} (`{test}`)"))
         elif how in ("enumeration", "by definition", "argument"):
             rows.append((header, words, f"{how}: {more}" + (f" (`{test}`)" if test != "-" else "")))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that a static library needs nothing of a C library but memcpy and memset, and no floating point.
+"""Checks that a static library needs only memcpy and memset of a C library, and no floating point.
 
     check_freestanding.py NM LIBRARY.a
 

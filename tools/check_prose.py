@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""One line width for the prose of README.md and docs/: no line is longer than 138 characters.
+"""Checks the line width of README.md and docs/: no line of prose is longer than 138 characters.
 
     check_prose.py          names each line that is; exit status 1 if there is one
 
 Tables, code, console output, comments and the blocks that programs write (<!-- figures: ... -->, <!-- blind: ... -->, <!-- bench: ... -->)
-are as wide as what they hold.
+may have any width.
 """
 
 import pathlib

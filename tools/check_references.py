@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What README.md and docs/ refer to is there: files, links, and names of the C code.
+"""Checks the references of README.md and docs/: files, links, and names of the C code must exist.
 
-    check_references.py     names each reference that leads nowhere; exit status 1 if there is one
+    check_references.py     names each broken reference; exit status 1 if there is one
 
 Checked are relative links; in `code spans` the paths and the names of sources (`src/cycle.c`, `rows.h`, `sim_host/model/averaged*`);
 and everywhere the identifiers that begin with iqfoc_, IQFOC_ or IQ24_. Files that a user has or a program writes are no sources.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Coefficients of the rotor-movement polynomials in src/rotor.c.
+"""Computes the coefficients of the rotor-movement polynomials in src/rotor.c.
 
     s1(phi) = sin(phi/2)/(phi/2)                          = P1(v)
     s2(phi) = (2 sin(phi/2) - phi cos(phi/2))/phi^2       = x P2(v)

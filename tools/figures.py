@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Keeps the figures in README.md and docs/ equal to what the program computes.
+"""Keeps the figures in README.md and docs/ equal to the program's results.
 
-    figures.py check        say which blocks differ from the program's output; exit status 1 if any does
+    figures.py check        prints the blocks that differ from the program's output; exit status 1 if any does
     figures.py write        rewrite them
 
-A block of a Markdown file that stands between
+A block of a Markdown file between
 
     <!-- figures: NAME ARGUMENTS... -->
     <!-- end -->
 
-holds what the generator of that name makes of those arguments, and nothing else. Generators are in tools/generators/.
+holds the output of that generator for these arguments, and nothing else. Generators are in tools/generators/.
 A block inside a code fence is an example and is left alone.
 """
 
@@ -126,7 +126,7 @@ def run(mode, root, program, out=sys.stdout):
             file.write_text(filled, encoding="utf-8")
             print(f"{name}: rewritten", file=out)
         else:
-            out.writelines(difflib.unified_diff(text.splitlines(True), filled.splitlines(True), f"{name} as it stands",
+            out.writelines(difflib.unified_diff(text.splitlines(True), filled.splitlines(True), f"{name} as it is",
                                                 f"{name} by the program", n=1))
             status = 1
     if status and mode == "check":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One set of golden vectors, one hash, wherever the library runs: docs/golden.md.
+"""Compares the hash over all golden vectors in each place that is built: docs/golden.md.
 
     golden.py check     asks each place that is built; exit status 1 where one shows another hash
     golden.py write     writes the page's table of places
@@ -63,7 +63,7 @@ def printed(*command):
 
 
 def listed(name):
-    """The same for a place whose digests stand in build/same_bits."""
+    """The same for a place whose digests are in build/same_bits."""
     def ask():
         file = BUILD / "same_bits" / f"{name}.txt"
         return hash_of(file.read_text(encoding="utf-8")) if file.exists() else None
@@ -100,7 +100,7 @@ PLACES = (
      printed(BUILD / "wheel/fresh/bin/python", "-c", "import iqfoc; print('golden', iqfoc.golden())")),
     ("WebAssembly", "the page's button", "`tests/browser/web_page.py`", written("web/golden.txt")),
     ("FMU", "its variable `golden_hash`, by FMPy", "`tests/cli/fmu.py`",
-     printed(ROOT / ".cache/python/fmpy/bin/python", "-B", "-c", OF_FMU, BUILD / "host/iqfoc", ROOT / "motors/jarzebowicz2019.toml")),
+     printed(ROOT / ".cache/python/fmpy/bin/python", "-B", "-c", OF_FMU, BUILD / "host/iqfoc", ROOT / "data/motors/jarzebowicz2019.toml")),
 )
 
 

@@ -1,24 +1,32 @@
 #!/usr/bin/env python3
-"""MISRA C:2023 over include/ and src/, and a size and complexity for each function: docs/misra.md.
+"""MISRA C:2023 over include/ and src/, and lines, complexity and bytes of each function.
 
-    misra.py write     writes the page
-    misra.py check     exit status 1 where the page is not what the sources give
+    misra.py write     writes the page with every place and function to build/misra.md, the counts to tools/misra.txt, and the
+                       summary to docs/misra.md
+    misra.py page      writes build/misra.md alone
+    misra.py check     exit status 1 if the counts or the summary are not those of the sources
     misra.py list      each place: file, line, guideline
 
-The guidelines are checked by cppcheck's addon, as for a Cortex-M4; tools/misra.txt has the class and the reason of each that is
-departed from. What the addon has not, the standard's later amendments, stands in tools/misra_2023.txt with how each is met, and what must
-not be in the code for it is looked for. Complexity is lizard's (.cache/python/checks), size that of the Cortex-M4 build (build/cortex-m4).
+cppcheck's addon checks the guidelines, as for a Cortex-M4. tools/misra.txt is the budget: class, places and reason of each guideline
+that is departed from. tools/misra_2023.txt lists the later amendments, which the addon does not know, and how each is met; a construct
+that it calls absent is searched for in the code. lizard (.cache/python/checks) gives lines and complexity, the Cortex-M4 build
+(build/cortex-m4) gives bytes.
 """
 
 import csv
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
+
+from marked import with_table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/misra.md"
+WHOLE = ROOT / "build/misra.md"
 REASONS = ROOT / "tools/misra.txt"
 LATER = ROOT / "tools/misra_2023.txt"
 LIBRARY = ROOT / "build/cortex-m4/src/libiqfoc.a"
@@ -27,35 +35,38 @@ LIZARD = ROOT / ".cache/python/checks/bin/lizard"
 TARGET = ["-DDBL_MANT_DIG=53", "-D__STDC_VERSION__=199901L", "-D__GNUC__=12", "-D__arm__", "-D__ARM_ARCH=7", "-D__ARM_FEATURE_DSP=1",
           "-UIQFOC_TARGET_HEADER"]
 FOUND = re.compile(r"^([^:\n]+):(\d+):\d+: .*\[misra-c2012-([0-9.]+)\]$", re.MULTILINE)
-# The functions that a reader should look at: above what is usual.
+# Cyclomatic complexity above which a function is named in the summary.
 COMPLEX = 15
-# How far a function's size may be off: another release of the compiler lays code out otherwise.
-SIZE_MARGIN = 0.05
 
 
 def findings():
     """[(file, line, guideline)], each place once."""
     command = ["cppcheck", "--quiet", "--addon=misra", "--enable=style", "--std=c99", "-I", "include", *TARGET,
                f"-j{os.cpu_count()}", "src"]
-    done = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
+    # cppcheck writes next to each source, which others may be copying.
+    with tempfile.TemporaryDirectory() as copy:
+        for folder in ("src", "include"):
+            shutil.copytree(ROOT / folder, pathlib.Path(copy, folder))
+        done = subprocess.run(command, cwd=copy, check=True, capture_output=True, text=True)
     broken = [line for line in done.stderr.split("\n") if "preprocessorErrorDirective" in line or "syntaxError" in line]
     if broken:
         sys.exit("cppcheck cannot read the sources:\n" + "\n".join(broken))
     return sorted({(file, int(line), rule) for file, line, rule in FOUND.findall(done.stderr)})
 
 
-def reasons():
-    """{guideline: (class, reason)}."""
-    lines = [line.split(" ", 2) for line in REASONS.read_text(encoding="utf-8").split("\n") if line and not line.startswith("#")]
-    return {rule: (kind, reason) for rule, kind, reason in lines}
+def budget():
+    """{guideline: (class, places, reason)}."""
+    lines = [line.split(" ", 3) for line in REASONS.read_text(encoding="utf-8").split("\n") if line and not line.startswith("#")]
+    return {rule: (kind, int(places), reason) for rule, kind, places, reason in lines}
 
 
 def order(rule):
     return [int(part) for part in rule.split(".")]
 
 
-def misra_table(found):
-    known = reasons()
+def counts(found):
+    """{guideline: places}, in the order of the guidelines; ends if the budget has no reason for one, or a reason without a place."""
+    known = budget()
     rules = sorted({rule for _, _, rule in found}, key=order)
     unknown = [rule for rule in rules if rule not in known]
     if unknown:
@@ -63,23 +74,33 @@ def misra_table(found):
         sys.exit("tools/misra.txt gives no reason for\n" + "\n".join(places))
     stale = sorted(set(known) - set(rules), key=order)
     if stale:
-        sys.exit(f"tools/misra.txt gives reasons for what is no longer departed from: {', '.join(stale)}")
+        sys.exit(f"tools/misra.txt gives reasons for guidelines that the library meets: {', '.join(stale)}")
+    return {rule: sum(other == rule for _, _, other in found) for rule in rules}
+
+
+def with_counts(text, seen):
+    """The budget's text with these numbers of places."""
+    return re.sub(r"^([\d.]+ \w+) \d+ ", lambda line: f"{line[1]} {seen[line[1].split()[0]]} ", text, flags=re.MULTILINE)
+
+
+def misra_table(found):
     lines = ["| guideline | class | places | where | why |", "| --- | --- | ---: | --- | --- |"]
-    for rule in rules:
+    for rule, places in counts(found).items():
+        kind, _, reason = budget()[rule]
         files = [file for file, _, other in found if other == rule]
         where = ", ".join(f"{pathlib.PurePath(file).name}{f' ({files.count(file)})' if files.count(file) > 1 else ''}"
                           for file in dict.fromkeys(files))
-        lines.append(f"| {rule} | {known[rule][0]} | {len(files)} | {where} | {known[rule][1]} |")
+        lines.append(f"| {rule} | {kind} | {places} | {where} | {reason} |")
     return "\n".join(lines)
 
 
 def code_of(file):
-    """Without comments, and without what stands in quotes."""
+    """The code without comments and string literals."""
     return re.sub(r'/\*.*?\*/|"(?:\\.|[^"\\\n])*"', lambda found: "\n" * found[0].count("\n"), file.read_text(encoding="utf-8"), flags=re.DOTALL)
 
 
 def later_table():
-    """What the amendments brought; ends where the code has what is said to be absent."""
+    """The amendments' guidelines; ends if the code has a construct that the list calls absent."""
     rows = [line.split(" :: ") for line in LATER.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
     code = {file: code_of(file) for folder in ("include", "src") for file in sorted((ROOT / folder).rglob("*.[ch]"))}
     wrong = []
@@ -88,8 +109,8 @@ def later_table():
             wrong += [f"{file.relative_to(ROOT)}:{text.count(chr(10), 0, found.start()) + 1}: {guidelines}: {found[0]}"
                       for found in re.finditer(absent, text)]
     if wrong:
-        sys.exit("not absent, as tools/misra_2023.txt says:\n" + "\n".join(wrong))
-    lines = ["| guidelines | since | about | how they stand here |", "| --- | --- | --- | --- |"]
+        sys.exit("tools/misra_2023.txt calls absent:\n" + "\n".join(wrong))
+    lines = ["| guidelines | since | about | how they are met |", "| --- | --- | --- | --- |"]
     return "\n".join(lines + [f"| {' | '.join(row[:4])} |" for row in rows])
 
 
@@ -108,87 +129,84 @@ def sizes():
     return {(f"src/{source}", name): int(size, 16) for source, name, size in found}
 
 
-def function_table():
+def function_table(listed):
     size = sizes()
     lines = ["| function | file | lines | complexity | bytes |", "| --- | --- | ---: | ---: | ---: |"]
-    for file, name, length, complexity in functions():
+    for file, name, length, complexity in listed:
         lines.append(f"| `{name}` | {file} | {length} | {complexity} | {size.get((file, name), 'inlined')} |")
     return "\n".join(lines)
 
 
-def page():
-    found = findings()
-    known = reasons()
-    table = function_table()
-    complexities = [int(row.split("|")[4]) for row in table.split("\n")[2:]]
-    required = sum(known[rule][0] == "required" for _, _, rule in found)
-    return f"""# MISRA C:2023, and the size of each function
+def summary(seen, listed):
+    """The table of docs/misra.md."""
+    classes = {rule: kind for rule, (kind, _, _) in budget().items()}
+    lines = ["| class | guidelines departed from | places |", "| --- | ---: | ---: |"]
+    for kind in ("mandatory", "required", "advisory"):
+        places = [number for rule, number in seen.items() if classes[rule] == kind]
+        lines.append(f"| {kind} | {len(places)} | {sum(places)} |")
+    high = sorted(((complexity, name) for _, name, _, complexity in listed if complexity > COMPLEX), reverse=True)
+    return "\n".join(lines + ["", f"{len(listed)} functions; cyclomatic complexity above {COMPLEX}: "
+                              + (", ".join(f"`{name}` ({complexity})" for complexity, name in high) or "none") + "."])
 
-Made by `./dev misra`; `./dev test` fails where it is not what the sources give. Checked is the library, `include/` and `src/`, as a
-Cortex-M4 compiles it, by cppcheck's addon, which knows MISRA C:2012 as it was published and a part of its first two amendments; MISRA
-C:2023, which is all of it with the amendments 1 to 4 and the corrigenda 1 and 2, keeps the numbers. What that adds and changes is a table
-of its own below. The addon needs no text of the standard, and none is given here. clang-tidy reads the same files in CI without a
-finding; what it looks for stands in [.clang-tidy](../.clang-tidy). That no behaviour is undefined, which many of the guidelines are for,
-is proved: [proofs.md](proofs.md).
+
+def whole_page(found, listed):
+    """The page with every place and function."""
+    return f"""# MISRA C:2023: every departure and every function
+
+For readers who assess the library: each guideline that the library departs from, with the files and the reason, then each function with
+its size. `./dev misra` writes this page. [MISRA C:2023](misra.md) says how it is checked and what is not covered.
 
 ## Departures
 
-{len(found)} places, {required} of them of required guidelines, none of a mandatory one. `tools/misra.py list` names each line.
+{len(found)} places. `tools/misra.py list` prints file and line of each.
 
 {misra_table(found)}
 
-## What MISRA C:2023 adds
+## Guidelines of the amendments
 
-MISRA C:2023 has 221 guidelines: the 159 of 2013 and 62 that the amendments brought. Each of these, and each that a later amendment or
-corrigendum 2 changed, in our words and by what it is met; which there are and which changed is taken from what makers of checkers
-publish, for the text of the standard is not free. Where something is said to be absent, `tools/misra.py` looks for it in the code.
+cppcheck does not know the guidelines that amendments 1 to 4 and corrigendum 2 added or changed. The table gives each in our words, and
+how the library meets it. `tools/misra.py` searches the code for every construct that the table calls absent.
 
 {later_table()}
 
 ## Functions
 
-Lines and cyclomatic complexity by lizard, bytes of code at `-O2` for a Cortex-M4 (inlined: no code of its own). Of {len(complexities)}
-functions {sum(c > COMPLEX for c in complexities)} have a complexity above {COMPLEX}; the greatest is {max(complexities)}.
+Lines and cyclomatic complexity are lizard's. Bytes are those of the code at `-O2` for a Cortex-M4. *Inlined*: the function has no code
+of its own.
 
-{table}
+{function_table(listed)}
 """
-
-
-def differences(there, made):
-    """Lines of the page that differ, sizes within the margin apart."""
-    def row(line):
-        return re.fullmatch(r"(\| `.*) (\d+) \|", line)
-
-    old, new = there.split("\n"), made.split("\n")
-    if len(old) != len(new):
-        return [f"{len(new)} lines, the page has {len(old)}: " + line for line in sorted(set(new) ^ set(old))[:20]]
-    wrong = []
-    for before, now in zip(old, new):
-        a, b = row(before), row(now)
-        if a and b and a[1] == b[1] and abs(int(a[2]) - int(b[2])) <= max(8, SIZE_MARGIN * int(a[2])):
-            continue
-        if before != now:
-            wrong.append(f"{before}\n  is now\n{now}")
-    return wrong
 
 
 def main():
     task = sys.argv[1] if len(sys.argv) == 2 else ""
-    if task == "list":
-        for file, line, rule in findings():
-            print(f"{file}:{line}: {rule}")
-        return 0
-    if task not in ("write", "check"):
-        print("expected write, check or list", file=sys.stderr)
+    if task not in ("write", "page", "check", "list"):
+        print("expected write, page, check or list", file=sys.stderr)
         return 2
-    made = page()
-    if task == "write":
-        PAGE.write_text(made, encoding="utf-8")
+    found = findings()
+    if task == "list":
+        print("\n".join(f"{file}:{line}: {rule}" for file, line, rule in found))
         return 0
-    wrong = differences(PAGE.read_text(encoding="utf-8"), made)
-    print("\n".join(wrong) or "docs/misra.md is as the sources are")
+    seen, listed = counts(found), functions()
+    if task != "check":
+        WHOLE.write_text(whole_page(found, listed), encoding="utf-8")
+        print(f"{WHOLE.relative_to(ROOT)}: every departure and every function")
+    if task == "page":
+        return 0
+    later_table()
+    made = {REASONS: with_counts(REASONS.read_text(encoding="utf-8"), seen),
+            PAGE: with_table(PAGE.read_text(encoding="utf-8"), "misra", summary(seen, listed))}
+    if task == "write":
+        for file, text in made.items():
+            file.write_text(text, encoding="utf-8")
+        return 0
+    known = budget()
+    wrong = [f"{rule}: {places} places, the budget has {known[rule][1]}" for rule, places in seen.items() if places != known[rule][1]]
+    if made[PAGE] != PAGE.read_text(encoding="utf-8"):
+        wrong.append("docs/misra.md: the summary differs")
+    print("\n".join(wrong) or f"{len(found)} places, as tools/misra.txt and docs/misra.md have them")
     if wrong:
-        print("./dev misra writes docs/misra.md anew")
+        print("`tools/misra.py list` names the places; `./dev misra` writes the new counts")
     return 1 if wrong else 0
 
 

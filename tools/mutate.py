@@ -1,17 +1,18 @@
 #!/usr/bin/env python3
-"""Mutation testing of the library: each of many small mistakes, made on purpose, should fail a unit test.
+"""Mutation testing: makes small mistakes in the code; a unit test should fail on each.
 
-A mistake (tools/mutators.py) is made in one file, what includes it is compiled as the host preset does, and linked with the objects of
-all other sources to a shared library. The unit tests are linked against that library once; those that call the changed function run
-with the mutant's, the fastest first, until one fails, or is not ended by several times its usual processor time. What no test notices
-has survived. A mutant that compiles to the same code is none. Those that change no result, and why, stand in
-tools/mutate_equivalent.txt: each must still be there, and survive. Needs build/host with its tests.
+tools/mutators.py makes a mistake in one file. The tool compiles that file and its includers as the host preset does, and links them with
+the objects of all other sources to a shared library. The unit tests are linked against that library once. Tests that call the changed
+function run with the mutant's library, the fastest first, until one fails or exceeds several times its usual processor time. A mutant
+survives if no test fails on it. A mutant that compiles to the same code does not count. tools/mutate_equivalent.txt lists those that
+change no result, with the reason: each must still exist and survive. Needs build/host with its tests.
 
-    tools/mutate.py --sample 600         that many of src/, chosen by --seed; --file F: of one file, headers in include/iqfoc as well
-    tools/mutate.py --docs ...           writes docs/mutation.md: the sample, one of the headers, one of the diagnosis' decisions;
-                                         --part P: one of src, headers, decisions alone
-    tools/mutate.py --check              what CI runs: mutants known to be killed are, one that nobody tests survives
-Results are kept in build/mutate, by the bytes of library and test. --seconds N: ends after so long; the next call goes on from there.
+    tools/mutate.py --sample 600         that many mutants of src/, chosen by --seed; --file F: of one file, headers in include/iqfoc too
+    tools/mutate.py --docs ...           updates tools/mutate_results.json and the summary in docs/mutation.md with the sample, one of the
+                                         headers, and one of the diagnosis' decisions; --part P: one of src, headers, decisions alone
+    tools/mutate.py --page               writes build/mutation.md from these results; runs no mutant
+    tools/mutate.py --check              what CI runs: known mutants are killed, one in untested code survives
+Results are kept in build/mutate, by the bytes of library and test. --seconds N: ends after N seconds; the next call continues.
 """
 import argparse
 import concurrent.futures
@@ -28,6 +29,9 @@ import mutators
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 EQUIVALENT = ROOT / "tools/mutate_equivalent.txt"
 KNOWN = ROOT / "tools/mutate_known.txt"
+RESULTS = ROOT / "tools/mutate_results.json"
+PAGE = ROOT / "docs/mutation.md"
+WHOLE = ROOT / "build/mutation.md"
 LEAST_PERCENT = 95.0
 FEWEST = 5  # of each file in a sample
 PLANTED = "\nint32_t iqfoc_planted(int32_t x);\nint32_t iqfoc_planted(int32_t x)\n{\n    return x > 3 ? 2 * x : x;\n}\n"
@@ -128,6 +132,21 @@ def check(bench, jobs):
     return 1 if wrong else 0
 
 
+def write_page():
+    """build/mutation.md: every file, survivor and equivalent mutant."""
+    WHOLE.parent.mkdir(exist_ok=True)
+    WHOLE.write_text(mutate_page.whole_page(mutate_page.read(RESULTS), equivalents()), encoding="utf-8")
+    print(f"{WHOLE.relative_to(ROOT)}: every file, survivor and equivalent mutant")
+    return 0
+
+
+def keep(results, seed):
+    """The parts that were run, in the file of results and in the page's summary. Other parts stay as they are."""
+    records = mutate_page.updated(mutate_page.read(RESULTS), results, seed, mutate_page.commit_of(ROOT))
+    RESULTS.write_text(mutate_page.text_of(records), encoding="utf-8")
+    PAGE.write_text(mutate_page.with_summary(PAGE.read_text(encoding="utf-8"), records), encoding="utf-8")
+
+
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--sample", type=int, metavar="N", help="so many mutants (all, if not given with --file)")
@@ -136,7 +155,8 @@ def arguments():
     parser.add_argument("--jobs", "-j", type=int, default=2)
     parser.add_argument("--seconds", type=float, metavar="N", help="end after so long; what is done is kept")
     parser.add_argument("--build", default="build/host", help="folder of the host preset's build")
-    parser.add_argument("--docs", action="store_true", help="write docs/mutation.md")
+    parser.add_argument("--docs", action="store_true", help="update tools/mutate_results.json and docs/mutation.md")
+    parser.add_argument("--page", action="store_true", help="write build/mutation.md from tools/mutate_results.json")
     parser.add_argument("--part", action="append", choices=list(mutate_page.HEADINGS), help="with --docs: these parts of it alone")
     parser.add_argument("--check", action="store_true", help="what CI runs")
     parser.add_argument("--list", action="store_true", help="name the mutants, run none")
@@ -145,6 +165,8 @@ def arguments():
 
 def main():
     given = arguments()
+    if given.page:
+        return write_page()
     library = [str(path.relative_to(ROOT)) for path in sorted((ROOT / "src").glob("*.[ch]"))]
     files = given.file or library
     for file in files:
@@ -179,7 +201,7 @@ def main():
         print(f"{missing} not yet tried; the same command goes on from here")
         return 3
     if given.docs:
-        mutate_page.write(ROOT / "docs/mutation.md", results, given.seed, known)
+        keep(results, given.seed)
     return 1 if wrong or mutate_page.score(results.get("src", [])) < LEAST_PERCENT else 0
 
 

@@ -1,4 +1,4 @@
-"""Where mutants are built and the tests are run on them: see mutate.py."""
+"""Builds mutants and runs the tests on them: see mutate.py."""
 import dataclasses
 import hashlib
 import json
@@ -13,7 +13,7 @@ import time
 
 LIBRARY = "src/libiqfoc.a"
 NAME = "libiqfoc_mutant.so"
-# Of the diagnosis' tests, the other ones of which take a minute a mutant.
+# The quick tests of the diagnosis; the others take a minute for each mutant.
 QUICK = re.compile(r"choose(_\w+)?")
 # A test that runs long, or is no test of C code: not one of the unit tests.
 NOT_UNIT = {"sweep", "blind", "tool", "cli", "study"}
@@ -43,7 +43,7 @@ class Bench:
         if not (build / "compile_commands.json").is_file():
             raise SystemExit(f"{build} is not built: cmake --preset host -DBUILD_TESTING=ON && cmake --build build/host")
         work.mkdir(parents=True, exist_ok=True)
-        self.compile = {}  # the library's own compilation of a file stands ahead of any test's
+        self.compile = {}  # the library's own compilation of a file comes before any test's
         for entry in json.loads((build / "compile_commands.json").read_text()):
             path = pathlib.Path(entry["file"]).resolve()
             if path.is_relative_to(root):
@@ -81,7 +81,8 @@ class Bench:
         found = {}
         for test in tests:
             labels = [p["value"] for p in test.get("properties", []) if p["name"] == "LABELS"]
-            if len(test.get("command", [])) == 1:
+            # A test of C code is a program without arguments; its limit of processor time is before it.
+            if test.get("command", [])[-1:] == [str(self.build / "tests" / f"test_{test['name']}")]:
                 found[test["name"]] = set(labels[0] if labels else [])
         return found
 
@@ -138,7 +139,7 @@ class Bench:
         return self.plain[file]
 
     def test_program(self, name):
-        """The test, linked to the shared library; made anew where what it is made of is younger."""
+        """The test, linked to the shared library; rebuilt if an input is newer."""
         out = self.work / "tests" / name
         out.parent.mkdir(exist_ok=True)
         command = self.links[name].replace(f" {LIBRARY}", f" {self.work / 'base' / NAME}").replace(f" -o tests/test_{name} ",
@@ -288,7 +289,7 @@ class Bench:
             shutil.rmtree(folder, ignore_errors=True)
 
     def _compiled(self, files, folder, root, options=()):
-        """{file: object} of the files as they stand under that root, or None where one does not compile."""
+        """{file: object} of the files under that root, or None if one does not compile."""
         objects = {}
         for file in files:
             objects[file] = folder / (file.replace("/", "_") + ".o")
@@ -327,7 +328,7 @@ class Bench:
         return Outcome("survived", "no test calls it" if not names else "")
 
     def _try_header(self, mutant, folder):
-        """All that includes it is compiled anew: the library's sources and the test's own. (What the host's parts have inline stays.)"""
+        """Every includer is recompiled: the library's sources and the test's own. (What the host's parts have inline stays.)"""
         self._copied(mutant, folder)
         wanted = self._including(mutant.file)
         made = self._compiled(sorted(wanted & set(self.sources)), folder, folder, ("-O1",))
@@ -360,7 +361,7 @@ class Bench:
                 return Outcome("killed", name)
         return Outcome("survived", "no test calls it" if not names else "")
 
-    # ---- The host's parts: the changed object stands ahead of the archive that holds it ----
+    # ---- The host's parts: the changed object comes before its archive ----
 
     def _try_host(self, mutant, folder):
         source = folder / pathlib.Path(mutant.file).name

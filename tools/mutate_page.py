@@ -1,11 +1,16 @@
-"""docs/mutation.md, and what is counted for it: see mutate.py."""
+"""The results of mutation testing: tools/mutate_results.json, the summary in docs/mutation.md, and build/mutation.md. See mutate.py."""
 import collections
+import json
 import pathlib
 import re
 import subprocess
 
+from marked import with_table
+
 HEADERS = 40
 DECISIONS = 100
+HEADINGS = {"src": "The library's sources", "headers": "The library's headers", "decisions": "The diagnosis' decisions"}
+COLUMNS = ("no code", "equivalent", "killed", "survived")
 
 
 def decisions(root):
@@ -19,10 +24,13 @@ def counts(results):
 
 
 def score(results):
-    """Percent of the mutants that are none of equivalent, same code and no code."""
+    """Percent killed of the mutants that are neither equivalent, nor the same code, nor without code."""
     seen = counts(results)
-    real = seen["killed"] + seen["survived"]
-    return 100.0 * seen["killed"] / real if real else 100.0
+    return percent(seen["killed"], seen["survived"])
+
+
+def percent(killed, survived):
+    return 100.0 * killed / (killed + survived) if killed + survived else 100.0
 
 
 def summary(results):
@@ -31,24 +39,60 @@ def summary(results):
             f"{seen['same code']} with the same code, {seen['no code']} that do not compile; {score(results):.1f} % killed")
 
 
-def table(results):
-    if not results:
-        return "None tried."
-    lines = ["| file | mutants | no code, or the same | equivalent | killed | survived | killed of those that count |",
-             "| --- | ---: | ---: | ---: | ---: | ---: | ---: |"]
+def record(results, seed, commit):
+    """The results of one part, as the file keeps them."""
     files = collections.defaultdict(list)
     for mutant, outcome in results:
-        files[mutant.file].append((mutant, outcome))
-    for name, part in [*sorted(files.items()), ("all", results)]:
+        files[pathlib.PurePath(mutant.file).name].append((mutant, outcome))
+    rows = {}
+    for name, part in sorted(files.items()):
         seen = counts(part)
-        lines.append(f"| {pathlib.PurePath(name).name} | {len(part)} | {seen['no code'] + seen['same code']} | {seen['equivalent']} "
-                     f"| {seen['killed']} | {seen['survived']} | {score(part):.1f} % |")
-    return "\n".join(lines)
+        rows[name] = {"no code": seen["no code"] + seen["same code"], **{key: seen[key] for key in COLUMNS[1:]}}
+    return {"seed": seed, "commit": commit, "files": rows,
+            "survived": [mutant.key for mutant, outcome in results if outcome.state == "survived"]}
 
 
-def survivors(results):
-    found = [f"{mutant.key}" for mutant, outcome in results if outcome.state == "survived"]
-    return "```\n" + "\n".join(found) + "\n```" if found else "None."
+def text_of(records):
+    """The file's text: one line for each source file and each survivor."""
+    def lines(opening, items, closing):
+        return opening + "\n" + ",\n".join("   " + item for item in items) + closing if items else opening + closing
+
+    parts = []
+    for name, part in records.items():
+        files = lines("{", [f"{json.dumps(key)}: {json.dumps(row)}" for key, row in part["files"].items()], "}")
+        survived = lines("[", [json.dumps(key) for key in part["survived"]], "]")
+        parts.append(f' {json.dumps(name)}: {{"seed": {part["seed"]}, "commit": {json.dumps(part["commit"])},\n'
+                     f'  "files": {files},\n  "survived": {survived}}}')
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def read(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def row_of(name, cells):
+    total = sum(cells.values())
+    return (f"| {name} | {total} | {cells['no code']} | {cells['equivalent']} | {cells['killed']} | {cells['survived']} "
+            f"| {percent(cells['killed'], cells['survived']):.1f} % |")
+
+
+def total_of(part):
+    return {key: sum(row[key] for row in part["files"].values()) for key in COLUMNS}
+
+
+def table(part):
+    """A row for each file of a part, and their sum."""
+    lines = ["| file | mutants | no code, or the same | equivalent | killed | survived | killed of those that count |",
+             "| --- | ---: | ---: | ---: | ---: | ---: | ---: |"]
+    return "\n".join(lines + [row_of(name, cells) for name, cells in part["files"].items()] + [row_of("all", total_of(part))])
+
+
+def summary_table(records):
+    """The table of docs/mutation.md: a row for each part."""
+    lines = ["| part | mutants | no code, or the same | equivalent | killed | survived | killed of those that count | seed, sources |",
+             "| --- | ---: | ---: | ---: | ---: | ---: | ---: | --- |"]
+    return "\n".join(lines + [f"{row_of(HEADINGS[name], total_of(part))} {part['seed']}, {part['commit']} |"
+                              for name, part in records.items()])
 
 
 def listed(known):
@@ -58,54 +102,35 @@ def listed(known):
     return "\n\n".join(f"{reason}\n\n```\n" + "\n".join(keys) + "\n```" for reason, keys in reasons.items())
 
 
-HEADINGS = {"src": "The library's sources", "headers": "The library's headers", "decisions": "The diagnosis' decisions"}
-WHAT = {
-    "src": "",
-    "headers": """What is inline is compiled into the tests: for each mutant here the library and each test's own source are built anew, so that the sample
-is smaller, as many as the time given to the tool allowed. What the host's parts have of it inline stays as it is.
+def whole_page(records, known):
+    """The page with each file, each survivor and each equivalent mutant."""
+    text = """# Mutation testing: every file, survivor and equivalent mutant
 
-""",
-    "decisions": """What chooses the causes and gives the verdict, by its quick tests: `test_choose.c` and its like have each rule on sums that are made by
-hand, `test_choose_looks.c` a few recordings. The blind recordings, which say how good the decisions are, take hours and are not asked.
-
-""",
-}
-
-
-def section(name, results, seed, commit):
-    return f"""{WHAT[name]}Seed {seed}, on the sources of {commit}:
-
-{table(results)}
-
-Survived:
-
-{survivors(results)}
+For developers who improve the tests: the results for each file, the mutants that no test fails on, and the mutants that change no result.
+`./dev mutate --page` writes this page. [Mutation testing](mutation.md) says how it is done and what is not covered.
 """
+    for name, part in records.items():
+        survived = "```\n" + "\n".join(part["survived"]) + "\n```" if part["survived"] else "None."
+        text += f"\n## {HEADINGS[name]}\n\nSeed {part['seed']}, sources of commit {part['commit']}.\n\n{table(part)}\n\nSurvived:\n\n{survived}\n"
+    return text + f"\n## Equivalent mutants\n\n{listed(known)}\n"
+
+
+def commit_of(root):
+    return subprocess.run(["git", "log", "-1", "--format=%h"], cwd=root, capture_output=True, text=True, check=False).stdout.strip()
+
+
+def updated(records, results, seed, commit):
+    """The records with these parts replaced, in the order of HEADINGS."""
+    merged = {**records, **{name: record(part, seed, commit) for name, part in results.items()}}
+    return {name: merged[name] for name in HEADINGS if name in merged}
+
+
+def with_summary(page, records):
+    """The page's text with the table of these records."""
+    return with_table(page, "mutation", summary_table(records))
 
 
 def sections(text):
-    """{heading: what stands below it}."""
+    """{heading: text below it}."""
     parts = re.split(r"^## (.*)\n\n", text, flags=re.M)
-    return dict(zip(parts[1::2], (part.rstrip("\n") + "\n" for part in parts[2::2])))
-
-
-def write(path, results, seed, known):
-    """Parts without results stay as the page has them."""
-    commit = subprocess.run(["git", "log", "-1", "--format=%h"], cwd=path.parent, capture_output=True, text=True, check=False).stdout.strip()
-    below = sections(path.read_text(encoding="utf-8"))
-    below.update({HEADINGS[name]: section(name, part, seed, commit) for name, part in results.items()})
-    below["Equivalent mutants"] = listed(known) + "\n"
-    path.write_text("""# Mutation testing
-
-Written by `./dev mutate --docs --seed N`, a part of it with `--part`. A mutant is the library with one small mistake in it: a
-relation, an operator or a sign turned round, a constant one up or down, a rounding or a saturation left out, a condition negated, a
-statement left out, a member taken for its neighbour, another value returned. A test should fail on each; a mutant that no test fails on
-has survived, and says what the tests do not look at. Tried is a sample, the same one for the same seed. What survives in a sample is
-what the tests are then mended by: another seed will show others.
-
-The tests are the unit tests alone: not the golden vectors, exhaustive sweeps, blind recordings or the program. A mutant that does not
-compile, or compiles to the same code, is none. Some others change no result that a caller can see; they are listed with the reason
-([tools/mutate_equivalent.txt](../tools/mutate_equivalent.txt)), which is ours to get right: the tool checks that they are still there
-and that no test fails on one. CI tries a few mutants known to be killed, and one planted where nothing is tested, which must be seen to
-survive.
-""" + "".join(f"\n## {heading}\n\n{below[heading]}" for heading in (*HEADINGS.values(), "Equivalent mutants")), encoding="utf-8")
+    return dict(zip(parts[1::2], parts[2::2]))

@@ -1,7 +1,7 @@
-"""The mutants of a C file: small changes of its arithmetic and its decisions, each of which a test should notice.
+"""The mutants of a C file: small changes of its arithmetic and its decisions. A test should notice each.
 
-The file is read as tokens. It is formatted by clang-format, so that blanks around an operator say that it is a binary one. What does
-not compile afterwards is no mutant; whoever builds it finds out.
+The file is read as tokens. clang-format puts blanks around binary operators, which identifies them. A change that does not compile is no
+mutant; the build finds these.
 """
 import dataclasses
 import re

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Packs statically linked programs with what their licences ask for: docs/licences.md, and the object that links with another C library.
+"""Packs statically linked programs with the texts of all licences and the object that links with another C library (docs/licences.md).
 
     pack_static.py [-o DIR] build/static-x86-64 ...     writes DIR/iqfoc-VERSION-linux-x86-64.tar.gz ...; DIR is build/static by default
 
@@ -15,12 +15,13 @@ import subprocess
 import sys
 import tarfile
 
+import licences
 from package import version
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RELINK = """iqfoc is linked statically with the GNU C Library, {library}, which is under the GNU Lesser General Public
-License 2.1 or later; licences.md lists what else is in it. iqfoc.o is all of the program but that library and GCC's own. It makes the
-program anew with a C library that you have changed, whose libc.a is in FOLDER:
+License 2.1 or later; licences.md lists what else is in it. iqfoc.o is all of the program but that library and GCC's own. This command links the program
+with your changed C library, whose libc.a is in FOLDER:
 
     {compiler} -static -L FOLDER iqfoc.o -o iqfoc
 
@@ -50,8 +51,9 @@ def packed(folder):
     """The archive's bytes."""
     compiler = compiler_of(folder)
     relink = RELINK.format(library=c_library(compiler)[1], compiler=compiler).encode()
+    texts = licences.whole_page({variable: licences.place_of(folder, variable) for _, variable, *_ in licences.UNPACKED})
     members = {"iqfoc": (folder / "iqfoc").read_bytes(), "iqfoc.o": (folder / "iqfoc.o").read_bytes(),
-               "LICENSE": (ROOT / "LICENSE").read_bytes(), "licences.md": (ROOT / "docs/licences.md").read_bytes(), "RELINK.txt": relink}
+               "LICENSE": (ROOT / "LICENSE").read_bytes(), "licences.md": texts.encode(), "RELINK.txt": relink}
     stream = io.BytesIO()
     with tarfile.open(fileobj=stream, mode="w", format=tarfile.USTAR_FORMAT) as tar:
         for name, data in members.items():

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Packs the library for tools that want an archive of a shape of its own.
+"""Packs the library as Arduino library and as CMSIS pack.
 
-    package.py [--url URL] [--day YYYY-MM-DD] [-o DIR] [arduino] [cmsis]
+    package.py --url URL [--day YYYY-MM-DD] [-o DIR] [arduino] [cmsis]
 
-writes DIR/iqfoc-arduino-VERSION.zip (the Arduino IDE's "Add .ZIP Library") and DIR/iqfoc.iqfoc.VERSION.pack (CMSIS), both if none
-is named, by default into build/packages. The version is the header's, the day that of the last commit, and the same tree gives the
-same bytes. URL is where the package's maker publishes it; both formats ask for one.
+writes DIR/iqfoc-arduino-VERSION.zip (the Arduino IDE's "Add .ZIP Library") and DIR/iqfoc.iqfoc.VERSION.pack (CMSIS), by default both, into
+build/packages. URL is the address where you publish the package: both formats require one, and this tree has none. The version is the
+header's, the day that of the last commit. The same tree, URL and day give the same bytes.
 
-PlatformIO, ESP-IDF and Zephyr take the tree as it is: library.json, idf_component.yml, zephyr/.
+PlatformIO, ESP-IDF and Zephyr take the tree unchanged: library.json, idf_component.yml, zephyr/.
 """
 
 import argparse
@@ -18,7 +18,6 @@ import sys
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-URL = "https://iqfoc.example/"
 
 
 def version():
@@ -31,13 +30,13 @@ def day():
 
 
 def filled(template, **values):
-    """A template's text with each @NAME@ replaced."""
+    """The text of a template with each @NAME@ replaced."""
     text = (ROOT / "packages" / template).read_text(encoding="utf-8")
     for name, value in values.items():
         text = text.replace(f"@{name}@", value)
     left = re.search(r"@[A-Z]+@", text)
     if left:
-        sys.exit(f"packages/{template}: nothing is known of {left[0]}")
+        sys.exit(f"packages/{template}: no value for {left[0]}")
     return text
 
 
@@ -91,11 +90,13 @@ KINDS = {"arduino": arduino, "cmsis": cmsis}
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("kinds", nargs="*", metavar="arduino|cmsis", help="what to pack; both if none is named")
-    parser.add_argument("--url", default=URL, help="where the package is published")
+    parser.add_argument("kinds", nargs="*", metavar="arduino|cmsis", help="formats; default both")
+    parser.add_argument("--url", required=True, help="address where you publish the package, http:// or https://")
     parser.add_argument("--day", help="of the release; the last commit's if not given")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=ROOT / "build/packages")
     options = parser.parse_args()
+    if not re.fullmatch(r"https?://\S+", options.url):
+        parser.error(f"--url {options.url}: expected http:// or https:// and an address")
     for kind in options.kinds:
         if kind not in KINDS:
             parser.error(f"unknown package '{kind}'; there are {', '.join(KINDS)}")

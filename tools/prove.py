@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Proves by Frama-C's EVA that the library has no undefined behaviour, for all inputs that its headers allow.
 
-Each function prove_* in tests/prove calls library functions with every value of their documented range at once. An alarm is a
-place where a signed sum may overflow, a shift be beyond the width, an index out of bounds, a division be by zero, or a value be
-cut. What is left open stands in tests/prove/open.txt with its reason, and must be just that. The functions planted_* must alarm.
-An assertion in the library's source that the analysis takes without showing it must be shown elsewhere: tests/prove/shown.txt. So must
-assembly, which it cannot read: tests/prove/assembly.txt names each file that has any.
+Each function prove_* in tests/prove calls library functions with every value of their documented range at once. An alarm is a place where
+a signed sum may overflow, a shift may exceed the width, an index may be out of bounds, a divisor may be 0, or a conversion may lose bits.
+tests/prove/open.txt lists every remaining alarm with its reason. The functions planted_* must raise an alarm. tests/prove/shown.txt names
+the script or test that shows each assertion in the library's source, which the analysis only assumes. tests/prove/assembly.txt names each
+file with assembly, which the analysis cannot read, and its test.
 
     tools/prove.py            proves, and compares with the tables in docs/proofs.md
     tools/prove.py --write    writes the tables
@@ -26,7 +26,7 @@ from marked import with_table
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "tests/prove"
 PAGE = ROOT / "docs/proofs.md"
-TIME_LIMIT_S = 600
+TIME_LIMIT_S = 3600
 # What is parsed together: the functions of tests/prove, and a port where they are of one. In the order of the page.
 PROGRAMS = {
     "library": (["numbers", "prediction", "models", "control", "around", "sensors", "recorder", "cycle", "interrupts", "planted"], []),
@@ -36,8 +36,9 @@ PROGRAMS = {
 PARSE = ["-machdep", "gcc_x86_32",
          "-cpp-extra-args=-std=c99 -Iinclude -Isrc -Itests/prove -Iport/stm32g4 -Iexamples/first_drive -Iexamples/corrected_drive"
          " -Dvolatile= -DIQFOC_TARGET_HEADER='<stdint.h>' -DSTM32G4_BUS_HEADER='\"bus.h\"'"]
-# Downcasts that cut count as alarms.
-EVA = ["-eva", "-eva-precision", "7", "-eva-domains", "symbolic-locations", "-warn-signed-downcast", "-eva-no-show-progress"]
+# Downcasts that cut count as alarms. A set that was refused and one that was taken stay apart after the call that checks it.
+EVA = ["-eva", "-eva-precision", "7", "-eva-split-return-function", "iqfoc_cycle_init_named:0", "-eva-domains", "symbolic-locations",
+       "-warn-signed-downcast", "-eva-no-show-progress"]
 FUNCTION = re.compile(r"^/\* ((?:(?!\*/).)*) \*/\nvoid ((?:prove|planted)_\w+)\(void\)", re.MULTILINE | re.DOTALL)
 ALARM = re.compile(r"\[eva:alarm\] (\S+): Warning: *\n? *(.*)")
 UNSHOWN = re.compile(r"assertion '(\w+)' got status (?:unknown|invalid)|(precondition '?\w*'?.*) got status (?:unknown|invalid)")

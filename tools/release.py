@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""What a release consists of, from the last commit alone: the same commit gives the same bytes.
+"""Makes the files of a release from the last commit: the same commit gives the same bytes.
 
-    release.py [-o DIR]     DIR is build/release by default
+    release.py [--url URL] [-o DIR]     DIR is build/release by default
 
-    iqfoc-VERSION.tar.gz       the tree as git has it
+URL is the address where you publish the packages. Without it no packages are made.
+
+    iqfoc-VERSION.tar.gz       the tree of the commit
     iqfoc-arduino-VERSION.zip, iqfoc.iqfoc.VERSION.pack     packages (tools/package.py)
     iqfoc-VERSION.spdx.json    the SBOM: the archive, what the program is linked with, and each tool that ./dev fetches, with its hash
     SHA256SUMS, tag-notes.txt  sums of the above, and notes for `git tag -s` out of CHANGELOG.md
@@ -22,6 +24,9 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import uuid
+
+from urllib.parse import quote
 
 from spdx_tools.spdx.model import (Actor, ActorType, Checksum, ChecksumAlgorithm, CreationInfo, Document, ExternalPackageRef,
                                    ExternalPackageRefCategory, Package, PackagePurpose, Relationship, RelationshipType,
@@ -67,25 +72,37 @@ def linked_packages(setup):
     return [(name, LINKED[name]) for name in names]
 
 
+def debian_version(package):
+    """The version that this machine has, as the program that is built here is linked with it."""
+    done = subprocess.run(["dpkg-query", "-W", "-f=${Version}\n", package], capture_output=True, text=True, check=False)
+    version = done.stdout.split("\n")[0]
+    return version or sys.exit(f"release.py: {package} is not installed, so that the SBOM has no version of it (./dev build installs it)")
+
+
+def musl_version(tree):
+    """The version of the pinned sources."""
+    return re.match(r"# musl ([\d.]+):", (tree / "packages/musl.sha256").read_text(encoding="utf-8"))[1]
+
+
 def fetched(tree):
     """{(registry, name, version): sha256} of each package that ./dev fetches, by the pins in the tree."""
     found = {}
-    for file in sorted((tree / "tools/python").glob("*.txt")):
+    for file in sorted((tree / "packages/python").glob("*.txt")):
         for name, version, digests in re.findall(r"^([\w.-]+)==(\S+)((?:\s*\\\s*--hash=sha256:[0-9a-f]{64})+)",
                                                  file.read_text(encoding="utf-8"), re.MULTILINE):
             found[("pypi", name, version)] = re.findall(r"sha256:([0-9a-f]{64})", digests)
     for name, version in re.findall(r"set_up_npm ([\w-]+)@([\d.]+)", (tree / "tools/setup.sh").read_text(encoding="utf-8")):
-        sums = (tree / f"tools/{name}.sha256").read_text(encoding="utf-8")
+        sums = (tree / f"packages/{name}.sha256").read_text(encoding="utf-8")
         found[("npm", name, version)] = [line.split()[0] for line in sums.split("\n") if line]
     return found
 
 
 class Bom:
-    """An SPDX document whose packages stand in a stated relationship to iqfoc."""
+    """An SPDX document; each package has a stated relationship to iqfoc."""
 
     def __init__(self, name, version, created, digest):
         self.info = CreationInfo(spdx_version="SPDX-2.3", spdx_id="SPDXRef-DOCUMENT", name=f"{name}-{version}",
-                                 data_license="CC0-1.0", document_namespace=f"https://iqfoc.example/spdx/{name}-{version}-{digest[:16]}",
+                                 data_license="CC0-1.0", document_namespace=uuid.uuid5(uuid.NAMESPACE_OID, f"{name}-{version}-{digest}").urn,
                                  creators=[Actor(ActorType.ORGANIZATION, "The iqfoc authors")], created=created)
         self.packages, self.relations = [], []
 
@@ -120,11 +137,13 @@ def write_bom(path, tree, version, created, digest):
                     "the others are tools and tests.")
     setup = (tree / "tools/setup.sh").read_text(encoding="utf-8")
     for name, licence in linked_packages(setup):
-        bom.add(f"SPDXRef-debian-{name}", RelationshipType.DEPENDS_ON, name, None, licence, purl=f"pkg:deb/debian/{name}-dev",
-                comment="Of the Debian release that builds it, under apt's signatures.")
+        version_ = debian_version(f"{name}-dev")
+        bom.add(f"SPDXRef-debian-{name}", RelationshipType.DEPENDS_ON, name, version_, licence,
+                purl=f"pkg:deb/debian/{name}-dev@{quote(version_)}", comment="Of the Debian release that builds it, under apt's signatures.")
     for name, licence in COMPILED.items():
-        bom.add(f"SPDXRef-debian-{name}", RelationshipType.DEPENDS_ON, name, None, licence, purl=f"pkg:deb/debian/{name}?arch=source",
-                comment="Its mathematics, of the Debian release that builds it, under apt's signatures.")
+        version_ = musl_version(tree)
+        bom.add(f"SPDXRef-debian-{name}", RelationshipType.DEPENDS_ON, name, version_, licence, purl=f"pkg:deb/debian/{name}@{version_}?arch=source",
+                comment="Its mathematics; packages/musl.sha256 pins each file.")
     for (registry, name, version_), digests in sorted(fetched(tree).items()):
         ref = re.sub(r"[^A-Za-z0-9.-]", "-", f"SPDXRef-{registry}-{name}-{version_}")
         relation = RelationshipType.DEPENDS_ON if name in EMBEDDED else RelationshipType.DEV_DEPENDENCY_OF
@@ -148,8 +167,10 @@ def tag_notes(tree, version, sums):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--url", help="address where you publish the packages; without it no packages are made")
     parser.add_argument("-o", "--output", type=pathlib.Path, default=ROOT / "build/release")
-    out = parser.parse_args().output
+    options = parser.parse_args()
+    out = options.output
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         tree = pathlib.Path(folder)
@@ -159,12 +180,15 @@ def main():
         packed = out / f"iqfoc-{version}.tar.gz"
         packed.write_bytes(gzipped(archive(f"iqfoc-{version}/")))
         day = git("log", "-1", "--format=%cs").strip()
-        subprocess.run([sys.executable, "-B", tree / "tools/package.py", "--day", day, "-o", out.absolute()], check=True,
-                       stdout=subprocess.DEVNULL)
+        if options.url:
+            subprocess.run([sys.executable, "-B", tree / "tools/package.py", "--url", options.url, "--day", day, "-o", out.absolute()],
+                           check=True, stdout=subprocess.DEVNULL)
         created = datetime.datetime.fromtimestamp(int(git("log", "-1", "--format=%ct")), datetime.timezone.utc).replace(tzinfo=None)
         digest = hashlib.sha256(packed.read_bytes()).hexdigest()
         write_bom(out / f"iqfoc-{version}.spdx.json", tree, version, created, digest)
-        names = [packed.name, f"iqfoc-arduino-{version}.zip", f"iqfoc.iqfoc.{version}.pack", f"iqfoc-{version}.spdx.json"]
+        names = [packed.name, f"iqfoc-{version}.spdx.json"]
+        if options.url:
+            names += [f"iqfoc-arduino-{version}.zip", f"iqfoc.iqfoc.{version}.pack"]
         sums = "".join(f"{hashlib.sha256((out / name).read_bytes()).hexdigest()}  {name}\n" for name in sorted(names))
         (out / "SHA256SUMS").write_text(sums, encoding="utf-8")
         (out / "tag-notes.txt").write_text(tag_notes(tree, version, sums), encoding="utf-8")

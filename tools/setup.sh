@@ -1,15 +1,16 @@
-# Sourced by ./dev: makes a fresh Debian machine ready. Installs only what is missing, asks nothing.
+# Sourced by ./dev: makes a fresh Debian machine ready. Installs missing packages only, without questions.
 # shellcheck shell=bash disable=SC2034 # its lists are used by ./dev
 
 # What `build` and `demo` need.
 BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-dev libeigen3-dev libkissfft-dev
     nlohmann-json3-dev zlib1g-dev libminizip-dev gnuplot-nox)
-# What `test`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the targets' compilers and
-# emulators (and those of targets that only compile the library), the independent integrator, coverage, and Python's numerics for the second plant of the blind tests.
-TEST_PACKAGES=(git python3 python3-numpy python3-scipy python3-venv xz-utils libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
-    cppcheck shellcheck gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf
-    picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make chromium chromium-driver libxml2-utils
-    g++-aarch64-linux-gnu qemu-user-static file zsh fish)
+# What `test` needs on top: the recordings' numerics, the compiler and emulator of Cortex-M4.
+QUICK_PACKAGES=(git python3 python3-numpy xz-utils gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
+# What `test --all`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the other targets' compilers and
+# emulators, the independent integrator, coverage, a browser, and numerics of the blind tests.
+TEST_PACKAGES=("${QUICK_PACKAGES[@]}" python3-scipy python3-venv libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
+    cppcheck shellcheck gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make
+    chromium chromium-driver libxml2-utils g++-aarch64-linux-gnu qemu-user-static file zsh fish)
 
 # What `web` needs.
 WEB_PACKAGES=(clang lld cmake ninja-build wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32 libtomlplusplus-dev libeigen3-dev
@@ -58,12 +59,44 @@ install_packages() {
 
     say "installing ${#missing[@]} Debian packages: ${missing[*]}"
     mkdir -p "$ROOT/.cache"
-    if ! as_root apt-get update -q -o Acquire::Retries=3 >"$log" 2>&1 </dev/null ||
-        ! as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends \
-            -o Acquire::Retries=3 -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 "${missing[@]}" >>"$log" 2>&1 </dev/null; then
+    : >"$log"
+    if ! run_apt "$log" update || ! run_apt "$log" install -y --no-install-recommends "${missing[@]}"; then
         tail -n 20 "$log" >&2
         die "apt-get failed (above; all of it in $log). Needed: ${missing[*]}"
     fi
+}
+
+# How long apt-get waits for another apt, and how long it stays away from a mirror that failed.
+APT_WAIT_S=1800
+APT_PAUSE_S=${IQFOC_APT_PAUSE_S:-10}
+
+# Runs apt-get with the arguments $2..., its output in the log $1. Waits for another apt, and tries a broken fetch twice more, each said
+# in one line. (`update` takes the lists' lock, which no option of apt-get waits for.)
+run_apt() {
+    local log=$1 try said waited=0 start
+    shift
+    for try in 1 2 3; do
+        while :; do
+            start=$(wc -c <"$log")
+            if as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -o Acquire::Retries=3 -o "DPkg::Lock::Timeout=$APT_WAIT_S" \
+                -o Dpkg::Use-Pty=0 "$@" >>"$log" 2>&1 </dev/null; then
+                # (`update` succeeds without the lists that it could not fetch.)
+                said=$(tail -c "+$((start + 1))" "$log")
+                [[ $1 != update || $said != *"Some index files failed to download"* ]] && return 0
+                break
+            fi
+            said=$(tail -c "+$((start + 1))" "$log")
+            [[ $said == *"Could not get lock"* || $said == *"Unable to lock"* ]] || break
+            ((waited < APT_WAIT_S)) || break
+            ((waited)) || say "another apt is running; waiting for it, $((APT_WAIT_S / 60)) minutes at most"
+            sleep "$APT_PAUSE_S"
+            waited=$((waited + APT_PAUSE_S + 1))
+        done
+        [[ $said == *"Failed to fetch"* || $said == *"Some index files failed"* ]] || return 1
+        ((try < 3)) || return 1
+        say "apt-get $1 could not fetch everything; trying again"
+        sleep "$APT_PAUSE_S"
+    done
 }
 
 # The machine's own Debian sources as deb-src entries of the release's main part, in the deb822 form where the machine has it.
@@ -125,42 +158,42 @@ fetch_unity() {
     tar -C "$work/unity" --no-same-owner --strip-components=3 --wildcards -xf "$tarball" \
         '*/tests/unity/unity.c' '*/tests/unity/unity.h' '*/tests/unity/unity_internals.h' ||
         die "no Unity inside $tarball. Set UNITY_DIR to a folder with unity.c, unity.h and unity_internals.h"
-    unity_is_pinned "$work/unity" || die "Unity in $tarball is not the pinned one (tools/unity.sha256)"
+    unity_is_pinned "$work/unity" || die "Unity in $tarball is not the pinned one (packages/unity.sha256)"
     rm -rf "$target"
     mv "$work/unity" "$target"
     rm -rf "$work"
 }
 
-# The Python programs of tools/python/$1.txt, each pinned by hash, in an environment of their own: .cache/python/$1.
-# What they need is in the file too; `./dev lock` writes it from the .in beside it.
+# The Python programs of packages/python/$1.txt, each pinned by hash, in an environment of their own: .cache/python/$1.
+# What they need is in the file too; `./dev lock` writes it from the .in in the same folder.
 set_up_python() {
     local name=$1 place=$ROOT/.cache/python/$1 log=$ROOT/.cache/pip.log
-    local pins=$ROOT/tools/python/$name.txt
-    [[ -r $pins ]] || die "there are no tools '$name': tools/python/$name.txt is missing"
+    local pins=$ROOT/packages/python/$name.txt
+    [[ -r $pins ]] || die "there are no tools '$name': packages/python/$name.txt is missing"
     cmp -s "$pins" "$place/pins.txt" && return 0
-    say "installing tools/python/$name.txt from PyPI into .cache/python/$name"
+    say "installing packages/python/$name.txt from PyPI into .cache/python/$name"
     rm -rf "$place"
     mkdir -p "${place%/*}"
     if ! /usr/bin/python3 -m venv "$place" >"$log" 2>&1 ||
         ! "$place/bin/pip" install --quiet --disable-pip-version-check --require-hashes --only-binary :all: -r "$pins" \
             >>"$log" 2>&1; then
         tail -n 10 "$log" >&2
-        die "tools/python/$name.txt could not be installed (above; all of it in $log)"
+        die "packages/python/$name.txt could not be installed (above; all of it in $log)"
     fi
     cp "$pins" "$place/pins.txt" # whole
 }
 
-# Writes tools/python/*.txt anew: the versions that the .in files name and what they need, with the hash of each of their files.
+# Updates packages/python/*.txt: the versions that the .in files name and what they need, with the hash of each of their files.
 lock_python() {
     local file
     set_up_python lock
-    for file in tools/python/*.in; do
-        (cd tools/python && ../../.cache/python/lock/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras \
+    for file in packages/python/*.in; do
+        (cd packages/python && ../../.cache/python/lock/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras \
             --no-header --no-emit-find-links --output-file "$(basename "$file" .in).txt" "$(basename "$file")")
     done
 }
 
-# npm's package $1 (NAME@VERSION) in .cache/NAME, held to the hashes of tools/NAME.sha256.
+# npm's package $1 (NAME@VERSION) in .cache/NAME, held to the hashes of packages/NAME.sha256.
 set_up_npm() {
     local name=${1%@*} place=$ROOT/.cache/${1%@*} work=$ROOT/.cache/${1%@*}-fetch
     npm_is_pinned "$name" "$place" && return 0
@@ -172,13 +205,13 @@ set_up_npm() {
         tail -n 10 "$work/log" >&2
         die "$1 could not be fetched (above). Unpack its package from npm as .cache/$name"
     fi
-    npm_is_pinned "$name" "$work/package" || die "$1 as npm has it is not the pinned one (tools/$name.sha256)"
+    npm_is_pinned "$name" "$work/package" || die "$1 as npm has it is not the pinned one (packages/$name.sha256)"
     mv "$work/package" "$place"
     rm -rf "$work"
 }
 
 npm_is_pinned() {
-    [[ -d $2 ]] && (cd "$2" && sha256sum --status --strict -c "$ROOT/tools/$1.sha256" 2>/dev/null)
+    [[ -d $2 ]] && (cd "$2" && sha256sum --status --strict -c "$ROOT/packages/$1.sha256" 2>/dev/null)
 }
 
 # uPlot, which draws the report pages' curves, where CMake looks for it (cmake/iqfoc-uplot.cmake). UPLOT_DIR may name another folder.
@@ -212,18 +245,24 @@ set_up_zlib() {
     export ZLIB_SOURCE_DIR=${ZLIB_SOURCE_DIR:-$ROOT/.cache/zlib}
 }
 
-# Sets and exports MUSL_SOURCE_DIR: the caller's, or musl's sources, of which the program takes sine, exponential and their like, so that
-# its results are the same to the last digit everywhere. Without them it builds as well, with this machine's.
+musl_is_pinned() {
+    [[ -d $1 ]] && (cd "$1" && sha256sum --status --strict -c "$ROOT/packages/musl.sha256" 2>/dev/null)
+}
+
+# Sets and exports MUSL_SOURCE_DIR: the caller's, or musl's sources. The program takes sine, exponential and similar functions
+# from them, so that its results have the same bits everywhere. Without them it builds with this machine's functions.
 set_up_math() {
     if [[ -z ${MUSL_SOURCE_DIR:-} ]] && ! set_up_source musl src/math/sin.c; then
-        say "musl's sources could not be fetched (above): results may differ in their last digits from another machine's"
+        say "musl's sources could not be fetched (above): the last decimals of results may differ from another machine's"
         return 0
     fi
     export MUSL_SOURCE_DIR=${MUSL_SOURCE_DIR:-$ROOT/.cache/musl}
+    musl_is_pinned "$MUSL_SOURCE_DIR" ||
+        die "musl in $MUSL_SOURCE_DIR is not the pinned one (packages/musl.sha256): results would have other digits"
 }
 
 unity_is_pinned() {
-    [[ -d $1 ]] && (cd "$1" && sha256sum --status --strict -c "$ROOT/tools/unity.sha256" 2>/dev/null)
+    [[ -d $1 ]] && (cd "$1" && sha256sum --status --strict -c "$ROOT/packages/unity.sha256" 2>/dev/null)
 }
 
 # Sets and exports UNITY_DIR: the caller's, the one fetched before, an installed one, Debian 13's package, Debian 12's sources.

@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 sys.dont_write_bytecode = True
 
 import figures  # noqa: E402
-from generators import markdown, papers  # noqa: E402
+from generators import markdown, papers, thresholds  # noqa: E402
 
 
 class OneRow:
@@ -90,6 +90,20 @@ class Numbers(unittest.TestCase):
         for value, text in [(None, "-"), (0, "0"), (0.05296, "0.053"), (22.44, "22.4"), (1.05296, "1.053"), (12345.0, "12340"),
                             (9.5e-6, "9.50e-6"), (-1234567.0, "-1.235e6"), (9.9999e-5, "1.000e-4")]:
             self.assertEqual(markdown.number(value), text)
+
+
+class Thresholds(unittest.TestCase):
+    def test_smallest_of_a_cause_and_of_its_drift(self):
+        text = ('CAUSE(A, "a", FIRMWARE_HOLDS, "words")\n/* HYPOTHESIS(H_0, A, "x", (P), .least = 0.001) */\n'
+                'HYPOTHESIS(H_1, A, "x", (P), .least = 0.02)\nHYPOTHESIS(H_2, A, "x",\n           (P, Q), .least = 0.01, .in_whole = true)\n'
+                'HYPOTHESIS(H_3, A, "x", (P), .least = 0.04, .size = SIZE_RATES)\nCAUSE_END\n'
+                'UNNAMED(B, "b", "words")\nHYPOTHESIS(H_4, B, "x", (P), .least = 0.3)\nCAUSE_END\n'
+                'CAUSE(C, "c", FIRMWARE_LACKS, "words")\nHYPOTHESIS(H_5, C, "x", (P), .needs = NEEDS_A_COUNT)\nCAUSE_END\n')
+        self.assertEqual({"a": [0.01, 0.04]}, thresholds.read(text))
+
+    def test_every_cause_has_a_unit(self):
+        text = (pathlib.Path(figures.ROOT) / thresholds.CATALOGUE).read_text(encoding="utf-8")
+        self.assertEqual(set(thresholds.UNITS), set(thresholds.read(text)))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of tools/mutate.py: which mistakes are made, that each is told apart on a small library of its own, and what is counted."""
+"""Tests of tools/mutate.py: the mistakes, the outcome of each on a small library, and the counts."""
 import pathlib
 import subprocess
 import sys
@@ -116,20 +116,34 @@ class Counting(unittest.TestCase):
         self.assertEqual("equivalent", results[0][1].state)
         self.assertEqual(1, len(wrong))
 
-    def test_a_part_of_the_page_is_written_alone(self):
-        """Twice the same, and the other parts stay to the letter."""
-        with tempfile.TemporaryDirectory() as folder:
-            page = pathlib.Path(folder) / "page.md"
-            page.write_text((mutate.ROOT / "docs/mutation.md").read_text(encoding="utf-8"), encoding="utf-8")
-            before = mutate_page.sections(page.read_text(encoding="utf-8"))
-            for _ in range(2):
-                mutate_page.write(page, {"decisions": self.results("killed", "survived")}, 7, mutate.equivalents())
-                after = mutate_page.sections(page.read_text(encoding="utf-8"))
-                self.assertEqual(list(before), list(after))
-                self.assertIn("Seed 7, on the sources of", after[mutate_page.HEADINGS["decisions"]])
-                self.assertIn("50.0 %", after[mutate_page.HEADINGS["decisions"]])
-                for name in ("src", "headers"):
-                    self.assertEqual(before[mutate_page.HEADINGS[name]], after[mutate_page.HEADINGS[name]])
+    def test_a_part_is_updated_alone(self):
+        """The same results twice give the same text; other parts do not change."""
+        before = mutate_page.read(mutate.RESULTS)
+        once = mutate_page.updated(before, {"decisions": self.results("killed", "survived")}, 7, "abc1234")
+        self.assertEqual(once, mutate_page.updated(once, {"decisions": self.results("killed", "survived")}, 7, "abc1234"))
+        self.assertEqual(list(mutate_page.HEADINGS), list(once))
+        self.assertEqual({"seed": 7, "commit": "abc1234", "survived": [self.mutants[1].key],
+                          "files": {"f.c": {"no code": 0, "equivalent": 0, "killed": 1, "survived": 1}}}, once["decisions"])
+        for name in ("src", "headers"):
+            self.assertEqual(before[name], once[name])
+        self.assertIn("| The diagnosis' decisions | 2 | 0 | 0 | 1 | 1 | 50.0 % | 7, abc1234 |", mutate_page.summary_table(once))
+
+    def test_results_are_kept_as_text(self):
+        records = mutate_page.read(mutate.RESULTS)
+        self.assertEqual(mutate.RESULTS.read_text(encoding="utf-8"), mutate_page.text_of(records))
+        for part in records.values():
+            self.assertEqual(len(part["survived"]), mutate_page.total_of(part)["survived"])
+
+    def test_the_page_has_the_kept_results(self):
+        page = mutate.PAGE.read_text(encoding="utf-8")
+        self.assertEqual(page, mutate_page.with_summary(page, mutate_page.read(mutate.RESULTS)))
+
+    def test_the_whole_page_names_all(self):
+        records, known = mutate_page.read(mutate.RESULTS), mutate.equivalents()
+        whole = mutate_page.whole_page(records, known)
+        self.assertEqual([*mutate_page.HEADINGS.values(), "Equivalent mutants"], list(mutate_page.sections(whole)))
+        for key in [*known, *(key for part in records.values() for key in part["survived"])]:
+            self.assertIn("\n" + key + "\n", whole)
 
     def test_list_of_equivalents(self):
         known = mutate.equivalents()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whatever the tree fetches, but for Debian's packages, which apt's signatures hold, is held to a hash that stands in the tree."""
+"""Every download of the tree has a hash in the tree, except Debian's packages, which apt's signatures protect."""
 
 import pathlib
 import re
@@ -8,7 +8,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HASH = re.compile(r"[0-9a-f]{64}")
-# What may fetch something, and what may stand there at most.
+# The files that may fetch something, and the allowed commands.
 SCRIPTS = re.compile(r"(^|/)(dev|run|CMakeLists\.txt|[^/]+\.(sh|py|cmake))$")
 FETCHES = re.compile(r"pip\"? +(install|download|wheel) (?!iqfoc)|npm +(install|ci|exec)|npx |\bcurl |\bwget |git clone|GIT_REPOSITORY|"
                      r"file\(DOWNLOAD|ExternalProject_Add|urlretrieve|requests\.get")
@@ -40,7 +40,7 @@ class Pins(unittest.TestCase):
             self.assertEqual([line], unpinned(line), line)
 
     def test_python(self):
-        files = sorted((ROOT / "tools/python").glob("*.txt"))
+        files = sorted((ROOT / "packages/python").glob("*.txt"))
         self.assertGreater(len(files), 3)
         for file in files:
             text = file.read_text(encoding="utf-8").replace("\\\n", " ")
@@ -53,7 +53,7 @@ class Pins(unittest.TestCase):
         packages = re.findall(r"set_up_npm ([\w-]+)@", setup)
         self.assertGreater(len(packages), 1)
         for name in [*packages, "unity"]:
-            lines = (ROOT / f"tools/{name}.sha256").read_text(encoding="utf-8").split("\n")
+            lines = (ROOT / f"packages/{name}.sha256").read_text(encoding="utf-8").split("\n")
             self.assertTrue(all(HASH.match(line) for line in lines if line), name)
 
 

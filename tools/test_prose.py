@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""check_prose.py: what it finds and what it leaves alone; and the documents as they are."""
+"""Tests of check_prose.py, and the check of the documents."""
 
 import io
 import pathlib

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tests of ./dev's set-up on machines that it cannot set up: one line says what to install, and nothing hangs or is installed.
-# The machine is played by a folder of stand-ins as the only PATH.
+# A folder of substitutes as the only PATH simulates the machine.
 set -uo pipefail
 
 ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -13,7 +13,7 @@ machine() {
     rm -rf "${WORK:?}/bin"
     mkdir "$WORK/bin"
     local tool stand_in
-    for tool in bash env dirname nproc head mkdir grep tail id cat true; do
+    for tool in bash env dirname nproc head mkdir grep tail id cat true wc sleep touch; do
         ln -s "$(type -P "$tool")" "$WORK/bin/$tool"
     done
     for stand_in in "$@"; do
@@ -53,13 +53,30 @@ machine "$ABSENT"
 expect "no apt-get" 1 "Install these packages: gnuplot-nox" 'install_packages gcc gnuplot-nox'
 machine
 expect "no Debian" 1 "not a Debian machine" 'install_packages gcc gnuplot-nox'
-expect "no Debian, told so" 0 "" 'install_packages gcc gnuplot-nox' IQFOC_NO_INSTALL=1
+expect "no Debian, reported" 0 "" 'install_packages gcc gnuplot-nox' IQFOC_NO_INSTALL=1
 machine "$ABSENT" 'apt-get=exit 99'
 expect "no root, no sudo" 1 "Run: apt-get install gnuplot-nox" 'install_packages gcc gnuplot-nox' PLAIN_USER=1
 machine "$ABSENT" 'apt-get=exit 99' 'sudo=exit 1'
 expect "sudo wants a password" 1 "Run: apt-get install gnuplot-nox" 'install_packages gcc gnuplot-nox' PLAIN_USER=1
 machine "$ABSENT" 'apt-get=echo "E: no such package"; exit 100' 'sudo=shift; exec "$@"'
 expect "apt-get fails" 1 "E: no such package" 'install_packages gcc gnuplot-nox' PLAIN_USER=1
+# Another apt holds the lock once, then a mirror fails once: each is said in one line, and apt-get is run again.
+# shellcheck disable=SC2016 # for the stand-in's shell
+once='case "$*" in *update*) exit 0;; esac; [ -e "$HOME/tried" ] && exit 0; touch "$HOME/tried"'
+machine "$ABSENT" "apt-get=$once; echo 'E: Could not get lock /var/lib/dpkg/lock-frontend'; exit 100" 'sudo=shift; exec "$@"'
+rm -f "$WORK/tried"
+expect "another apt" 0 "another apt is running; waiting for it" 'install_packages gcc gnuplot-nox' PLAIN_USER=1 IQFOC_APT_PAUSE_S=0
+machine "$ABSENT" "apt-get=$once; echo 'E: Failed to fetch http://mirror.example/x.deb'; exit 100" 'sudo=shift; exec "$@"'
+rm -f "$WORK/tried"
+expect "a broken fetch" 0 "could not fetch everything; trying again" 'install_packages gcc gnuplot-nox' PLAIN_USER=1 IQFOC_APT_PAUSE_S=0
+machine "$ABSENT" "apt-get=echo 'E: Failed to fetch http://mirror.example/x.deb'; exit 100" 'sudo=shift; exec "$@"'
+expect "a fetch that stays broken" 1 "E: Failed to fetch" 'install_packages gcc gnuplot-nox' PLAIN_USER=1 IQFOC_APT_PAUSE_S=0
+# musl decides the last decimals of results.
+machine
+mkdir -p "$WORK/packages" "$WORK/musl"
+ln -s "$(type -P sha256sum)" "$WORK/bin/sha256sum"
+ln -sf "$ROOT/packages/musl.sha256" "$WORK/packages/musl.sha256"
+expect "another musl" 1 "not the pinned one" 'set_up_math' "MUSL_SOURCE_DIR=$WORK/musl"
 machine
 expect "UNITY_DIR is wrong" 1 "there is no unity.c in it" 'set_up_unity' UNITY_DIR=/nowhere
 expect "no Unity, no apt-get" 1 "Set UNITY_DIR" 'set_up_unity'

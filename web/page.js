@@ -136,7 +136,7 @@
     });
 
     /* ---- Sliders ---- */
-    const sliders = {}; // id: how its value is told and used
+    const sliders = {}; // id: how its value is shown and used
     for (const input of document.querySelectorAll("input[type=range]")) {
         const log = input.dataset.log === "1";
         sliders[input.id] = () => (log ? 10 ** Number(input.value) : Number(input.value)) * Number(input.dataset.scale || 1);

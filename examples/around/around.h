@@ -1,5 +1,5 @@
 /*
- * What stands around the cycle, a small example for each part: a handler in place of those of iqfoc/hal.h. A whole drive
+ * The drive services, a small example for each: a handler in place of those of iqfoc/hal.h. A whole drive
  * that uses most of them together is examples/template-stm32f405.
  */
 #ifndef EXAMPLES_AROUND_H

@@ -3,7 +3,7 @@
 
     fleet.py FOLDER -o OUT [--before OLD/batch.json] [--workers N | --scheduler tcp://...]
 
-A recording is a drive; its motor file is NAME.toml beside it, else FOLDER/motor.toml. OUT gets batch.json, a row a drive, and fleet.html.
+Each recording is a drive; its motor file is NAME.toml in the same folder, else FOLDER/motor.toml. OUT gets batch.json, a row a drive, and fleet.html.
 Only as many recordings are under way as the workers can use, and only a row of each comes back, so that memory does not grow with the
 fleet. What fails by itself is tried twice more; what cannot be used, or takes its worker with it, is a row that says so.
 """
@@ -60,8 +60,8 @@ def failed(name, why):
 
 
 def run(client, files, task=diagnose, told=lambda row: None):
-    """A row for each of {name: (recording, motor)}, in the order of the names. Who was on a worker as it died may have been beside
-    the one that it died of: those are tried again at the end, each alone."""
+    """A row for each of {name: (recording, motor)}, in the order of the names. A worker that ends abnormally may have had several
+    recordings, and any of them may be the reason: each of those is tried again at the end, alone."""
     room = AHEAD * max(1, sum(client.ncores().values()))
     waiting = iter(files)
     names = {}
@@ -95,7 +95,7 @@ def run(client, files, task=diagnose, told=lambda row: None):
 
 
 def careful():
-    """A worker that a recording kills is started anew and the recording tried once more; no other waits on a worker, to die with it."""
+    """A worker that a recording ends is restarted, and the recording is tried once more. No other recording waits on that worker."""
     dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.scheduler.worker-saturation": 1.0})
 
 
@@ -121,6 +121,10 @@ def main():
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--scheduler", help="the address of a cluster that runs already")
     args = parser.parse_args()
+    if not args.folder.is_dir():
+        sys.exit(f"{args.folder}: no such folder")
+    if args.before and not args.before.is_file():
+        sys.exit(f"{args.before}: no such file")
     before = json.loads(args.before.read_text(encoding="utf-8")) if args.before else None
     files = {name: (path, motor_file(path, name)) for name, path in recordings(args.folder.resolve()).items()}
     if not files:

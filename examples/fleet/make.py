@@ -19,7 +19,7 @@ import numpy as np
 
 import iqfoc
 
-MOTOR = pathlib.Path(__file__).resolve().parents[2] / "motors" / "jarzebowicz2019.toml"
+MOTOR = pathlib.Path(__file__).resolve().parents[2] / "data" / "motors" / "jarzebowicz2019.toml"
 SCENARIO = {
     "sensors": {"current_bits": 12, "current_full_scale_A": 25.0, "current_noise_A": 0.025, "u_dc_noise_V": 0.2},
     "log": {"duties": True},

@@ -4,8 +4,8 @@ from collections import Counter, defaultdict
 from html import escape
 from statistics import median
 
-FAR = 5.0  # robust standard deviations at which a drive stands apart
-FEWEST = 8  # drives that a spread is told from
+FAR = 5.0  # robust standard deviations from the fleet that make a drive an outlier
+FEWEST = 8  # drives needed to estimate a spread
 
 STYLE = """
 :root { color-scheme: light dark; }
@@ -53,7 +53,7 @@ def causes(rows):
 
 
 def outliers(rows):
-    """Drives of which a parameter of the machine lies far from the others' median, whether a cause is named or not."""
+    """Drives with a machine parameter far from the others' median, named as a cause or not."""
     table = []
     for name in dict.fromkeys(n for row in rows for n in row["estimates"]):
         have = [(row["drive"], row["estimates"][name]) for row in rows if name in row["estimates"] and row["estimates"][name][0] is not None]
@@ -101,7 +101,7 @@ def _moved(row, was):
 
 
 def page(batch, before=None):
-    """The page of a batch, beside the one before it."""
+    """The page of a batch, with the changes since the batch before."""
     rows = batch["rows"]
     verdicts = Counter(row["verdict"] for row in rows)
     bad = [row for row in rows if row["verdict"] in ("unusable", "failed")]
@@ -114,7 +114,7 @@ def page(batch, before=None):
         changed = changes(rows, before["rows"])
         parts += [f"<h2>Changed since {escape(before['folder'])}: {len(changed)}</h2>", _table(("drive", "what", "now"), changed)]
     parts += ["<h2>Causes</h2>", _table(("cause", "drives", "", "least … median … most", "which"), causes(rows)),
-              "<h2>Outliers</h2><p>Drives of which a parameter lies far from the fleet's median, in standard deviations of fleet and "
+              "<h2>Outliers</h2><p>Drives with a parameter far from the fleet's median, in standard deviations of fleet and "
               "measurement, named as a cause or not.</p>",
               _table(("drive", "parameter", "value", "unit", "fleet's median", "far by"), outliers(rows)),
               "<h2>Not explained</h2>", _table(("drive", "verdict", "error left in %", "floor in %", "what"),

@@ -88,7 +88,7 @@ def test_a_dead_worker_stops_nobody():
 def unlucky(name, recording, motor):
     """Takes its worker with it as often as a recording may, and not once more."""
     deaths = pathlib.Path(recording)
-    if name == "beside" and len(deaths.read_text()) < 2:
+    if name == "neighbour" and len(deaths.read_text()) < 2:
         deaths.write_text(deaths.read_text() + "x")
         os._exit(1)
     return {"drive": name}
@@ -99,11 +99,19 @@ def test_who_was_beside_a_dead_worker_is_tried_alone(tmp_path):
     deaths = tmp_path / "deaths"
     deaths.write_text("")
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
-        rows = fleet.run(client, {n: (deaths, "") for n in ["a", "beside", "b"]}, task=unlucky)
-    assert rows == [{"drive": n} for n in ["a", "beside", "b"]] and deaths.read_text() == "xx"
+        rows = fleet.run(client, {n: (deaths, "") for n in ["a", "neighbour", "b"]}, task=unlucky)
+    assert rows == [{"drive": n} for n in ["a", "neighbour", "b"]] and deaths.read_text() == "xx"
 
 
 def test_a_drive_keeps_its_fault():
     for number in range(1, 50):
         first, second = make.drive_of(number, 1), make.drive_of(number, 2)
         assert first == second or (first[1] is None and number % 7 == 4)
+
+
+@pytest.mark.parametrize("arguments", [["nowhere"], [".", "--before", "nowhere.json"]])
+def test_a_missing_folder_is_one_line(tmp_path, arguments):
+    done = subprocess.run([sys.executable, HERE / "fleet.py", *arguments, "-o", "out"], cwd=tmp_path,
+                          capture_output=True, text=True)
+    assert done.returncode == 1 and done.stderr.endswith("no such folder\n" if arguments[0] == "nowhere" else "no such file\n")
+    assert done.stderr.count("\n") == 1

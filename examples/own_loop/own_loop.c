@@ -110,6 +110,7 @@ static bool restart(void)
     config.span_max = IQ24_ONE;
     config.current_limit = IQ24(2.0);
     config.trips = IQFOC_STATUS_OVERCURRENT;
+    config.time_unchecked = true; /* this program has no timer */
     if (iqfoc_cycle_init(&cycle, &config) != IQFOC_OK) {
         return false;
     }

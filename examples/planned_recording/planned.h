@@ -1,6 +1,5 @@
 /*
- * A planned recording on the target: the references of the scenario that `iqfoc plan` wrote, cycle by cycle, from the
- * header that it wrote beside it (--firmware). They are those of `iqfoc simulate` to the last bit, so that the
+ * A planned recording on the target: the references of the scenario that `iqfoc plan` wrote, cycle by cycle, from the header that it wrote with the plan (--firmware). They are those of `iqfoc simulate` to the last bit, so that the
  * recording of a bench and the simulated one can be laid side by side.
  *
  *     #include "iqfoc_plan.h"
@@ -34,7 +33,7 @@ typedef struct planned_run {
     int32_t cycles;
     iq24_t turns_begin; /* electrical speed, turns per cycle; changes evenly */
     iq24_t turns_end;
-    iq24_t theta; /* electrical, where a locked rotor stands; turns */
+    iq24_t theta; /* electrical, of a locked rotor; turns */
     planned_course_t d, q;
 } planned_run_t;
 
@@ -50,7 +49,7 @@ bool planned_over(const planned_t *p);
 /* The cycle that comes is one of those to record. */
 bool planned_logs(const planned_t *p);
 
-/* Of the cycle that comes, per unit; nought when it is over. */
+/* Of the next cycle, per unit; 0 after the end. */
 iqfoc_dq_t planned_reference(const planned_t *p);
 iq24_t planned_turns(const planned_t *p);
 

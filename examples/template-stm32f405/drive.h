@@ -40,11 +40,11 @@ typedef enum drive_state {
     DRIVE_CALIBRATES, /* offsets of the current sensors, outputs off */
     DRIVE_ALIGNS,     /* the rotor on phase A, the encoder's angle from it */
     DRIVE_RUNS,
-    DRIVE_WAITS, /* after a fault that may go by itself */
+    DRIVE_WAITS, /* after a fault that may clear by itself */
     DRIVE_IS_OFF /* why: drive.why */
 } drive_state_t;
 
-/* Bits of `why` beside those of iqfoc/cycle.h and iqfoc/supervision.h. */
+/* Bits of `why` in addition to those of iqfoc/cycle.h and iqfoc/supervision.h. */
 #define DRIVE_OFFSET_BAD    UINT32_C(0x01000000) /* see drive.offset */
 #define DRIVE_ALIGNMENT_BAD UINT32_C(0x02000000) /* see drive.start.verdict */
 

@@ -29,13 +29,12 @@ struct iqfoc_hal {
     const hal_board_t *board;
     iqfoc_encoder_t encoder;
     iqfoc_tracker_t tracker;
-    iqfoc_abc_t i_offset; /* subtracted: 0 until it is calibrated */
-    iqfoc_abc_t
-        i_predicted; /* stands in where shunts cannot be read: the cycle's prediction for the next valley */
-    iqfoc_abc_t written;   /* duties that act from the next valley on */
-    iqfoc_abc_t in_force;  /* and those that act in the cycle that runs */
-    uint32_t count;        /* the encoder's, at the last read */
-    iqfoc_sample_t sample; /* of the last valley */
+    iqfoc_abc_t i_offset;    /* subtracted: 0 until it is calibrated */
+    iqfoc_abc_t i_predicted; /* for shunts that cannot be read: the cycle's prediction for the next valley */
+    iqfoc_abc_t written;     /* duties that act from the next valley on */
+    iqfoc_abc_t in_force;    /* and those that act in the cycle that runs */
+    uint32_t count;          /* the encoder's, at the last read */
+    iqfoc_sample_t sample;   /* of the last valley */
 };
 
 /* False if the board's values do not fit. */

@@ -12,7 +12,7 @@ void port_set_predicted(iqfoc_hal_t *hal, iqfoc_abc_t current)
     hal->i_predicted = current;
 }
 
-/* The tracker begins anew: all its angles are other ones from here on. */
+/* Restarts the tracker: all its angles change. */
 void port_align(iqfoc_hal_t *hal, iq24_t theta)
 {
     iqfoc_encoder_align(&hal->encoder, hal->count, theta);

@@ -1,5 +1,5 @@
 /*
- * Registers of the STM32F405 that this port uses: RM0090 revision 11; its sections stand beside them. Pins: data
+ * Registers of the STM32F405 that this port uses: RM0090 revision 11; comments give its sections. Pins: data
  * sheet DS8626, table "Alternate function mapping"; check them against your package.
  */
 #ifndef STM32F405_H

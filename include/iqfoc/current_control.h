@@ -5,8 +5,9 @@
  *     u += ( -x x_q i_q,  x (x_d i_d + emf) )                            x = speed in turns per cycle
  *     I += k_aw (scale - 1) u                                            where the modulator made scale * u
  *
- * The frame in which u acts is the caller's: the cycle turns it back with the rotor angle at the middle of
- * the span in which the voltage will stand.
+ * The caller chooses the frame in which u acts: the cycle turns u back by the rotor angle at the middle of the time
+ * in which the voltage acts. Each function changes only `control`: call them in one context, the interrupt that
+ * controls the current.
  */
 #ifndef IQFOC_CURRENT_CONTROL_H
 #define IQFOC_CURRENT_CONTROL_H
@@ -21,13 +22,14 @@ extern "C" {
 /* Per unit, IQ24 (iqfoc/params.h makes them). All >= 0. */
 typedef struct iqfoc_current_control_gains {
     iq24_t kp_d; /* voltage per current, <= 32 */
-    iq24_t kp_q; /* the same for q; differs where L_q != L_d */
+    iq24_t kp_q; /* the same for q; differs if L_q != L_d */
     iq24_t ki_d; /* voltage per current and cycle, <= 32 */
     iq24_t ki_q;
-    iq24_t anti_windup; /* k_aw: share of the missing voltage taken back per cycle, <= 1 */
-    iq24_t x_d;         /* 2 pi L_d I_b / (T U_b): reactance at one turn per cycle, <= 96; 0: no decoupling */
-    iq24_t x_q;         /* 2 pi L_q I_b / (T U_b) */
-    iq24_t emf;         /* 2 pi psi_f / (T U_b): EMF at one turn per cycle, <= 96 */
+    iq24_t
+        anti_windup; /* k_aw: share of the shortened voltage subtracted from the integrators per cycle, <= 1 */
+    iq24_t x_d;      /* 2 pi L_d I_b / (T U_b): reactance at one turn per cycle, <= 96; 0: no decoupling */
+    iq24_t x_q;      /* 2 pi L_q I_b / (T U_b) */
+    iq24_t emf;      /* 2 pi psi_f / (T U_b): EMF at one turn per cycle, <= 96 */
 } iqfoc_current_control_gains_t;
 
 /*
@@ -40,12 +42,10 @@ typedef struct iqfoc_current_control {
 } iqfoc_current_control_t;
 
 /*
- * A sum held to -8 <= result < 8: neither an integrator nor a result leaves that, eight times what the DC
- * link can make.
+ * A sum held to -8 <= result < 8, the limit of integrators and results: eight times the DC-link voltage.
  *
- * The high word of Q15.48 is Q15.16, and 8 is 2^19 there. It alone is held, to 20 bits; the low word stays
- * as it is. So a sum outside becomes a number within 2^-16 of the limit that it passed, and none inside is
- * changed.
+ * The high word of Q15.48 is Q15.16, and 8 is 2^19 there. Only that word is held, to 20 bits; the low word does not
+ * change. A sum outside becomes a number within 2^-16 of its limit, and a sum inside does not change.
  */
 static inline iq24_acc_t iqfoc_current_control_hold(iq24_acc_t sum)
 {
@@ -78,7 +78,7 @@ static inline iqfoc_dq_t iqfoc_current_control_step(iqfoc_current_control_t *con
 }
 
 /*
- * The voltage that keeps the axes apart and meets the EMF, to be added to the controllers'.
+ * The decoupling: the voltage that cancels the coupling of the axes and the EMF, added to the controllers' voltage.
  *
  * i: per unit, |component| <= 32. turns: speed, |turns| <= 1/3 turn per cycle. Out: per unit voltage, each
  * component held to +-8. Largest error: 0.5 LSB + 0.5 LSB per unit of i (the rounded reactance), rounded
@@ -100,8 +100,7 @@ static inline iqfoc_dq_t iqfoc_current_control_decoupling(const iqfoc_current_co
 }
 
 /*
- * Both in one, which is what a cycle wants: the controllers' voltage and the decoupling in one sum, held and
- * rounded once.
+ * The sum of the controllers' voltage and the decoupling, held and rounded once.
  *
  * Ranges as above, |turns| by 1 LSB more. Out: per unit voltage, each component held to +-8. Largest error
  * against double: 1 LSB (rounded down) and 1 LSB per unit of i (the reactance, rounded down); of the
@@ -132,10 +131,10 @@ static inline iqfoc_dq_t iqfoc_current_control_voltage(iqfoc_current_control_t *
 }
 
 /*
- * Back-calculation: to be called after a step of which the modulator could only make scale < 1.
+ * Back-calculation: call it after a step whose voltage the modulator shortened by scale < 1.
  *
- * u: the voltage asked for, |component| <= 16. scale: 0 ... 1, as iqfoc_modulate gives it; 1 leaves the
- * integrators as they are.
+ * u: the requested voltage, |component| <= 16. scale: 0 ... 1, as iqfoc_modulate gives it; 1 leaves the integrators
+ * as they are.
  *
  * Range: |k_aw (scale - 1)| <= 1 and |u| <= 16 in per unit, so the product is at most 2^52 in the
  * accumulator; |I| <= 2^51.
@@ -152,8 +151,8 @@ static inline void iqfoc_current_control_limited(iqfoc_current_control_t *contro
 }
 
 /*
- * Integrators that go on with a voltage as it is: what is left of u beside the decoupling at i and `turns`, so that
- * without an error the next step asks for u.
+ * Sets the integrators to u minus the decoupling at i and `turns`. Without an error the next step then requests u: a
+ * change of controller without a voltage step.
  *
  * u: |component| <= 8; i and turns as iqfoc_current_control_decoupling takes them. Largest error of the voltage that
  * iqfoc_current_control_voltage then asks for: 3 LSB where |i| <= 2. An integrator beyond +-8 is held to it.

@@ -1,11 +1,12 @@
 /*
- * Whether a set of parameters has what a drive's methods need, before the cycle starts with it or is offered it:
+ * Checks that a set of parameters has the data of a drive's methods, before the cycle starts with it or it is
+ * offered:
  *
- *     iqfoc_cycle_init_by(methods, &cycle, &config)      where the drive starts
- *     iqfoc_cycle_offer_by(methods, &cycle, &config)     for a drive that runs
+ *     iqfoc_cycle_init_by(methods, &cycle, &config)      when the drive starts
+ *     iqfoc_cycle_offer_by(methods, &cycle, &config)     while the drive runs
  *
- * With `methods` a constant only the checks of what is named are compiled. The ready-made cycle needs none of
- * them: iqfoc_cycle_init and iqfoc_cycle_offer.
+ * If `methods` is a constant, only the checks of the named methods are compiled. The ready-made cycle needs none of
+ * these checks: iqfoc_cycle_init and iqfoc_cycle_offer.
  */
 #ifndef IQFOC_CYCLE_CHECK_H
 #define IQFOC_CYCLE_CHECK_H
@@ -17,7 +18,7 @@
 extern "C" {
 #endif
 
-/* Methods that go together, each of its enumeration. */
+/* True if each method is of its enumeration and all can be combined. */
 IQFOC_STEP bool iqfoc_methods_agree(const iqfoc_methods_t m)
 {
     const bool plain =
@@ -35,7 +36,7 @@ IQFOC_STEP bool iqfoc_methods_agree(const iqfoc_methods_t m)
             m.modulation == IQFOC_MODULATION_OVER);
 }
 
-/* What the methods point to is there. */
+/* True if all data that the methods need are present. */
 IQFOC_STEP bool iqfoc_methods_have(const iqfoc_methods_t m, const iqfoc_methods_data_t *data)
 {
     const bool mean = m.feedback == IQFOC_FEEDBACK_EXACT_MEAN;
@@ -45,16 +46,31 @@ IQFOC_STEP bool iqfoc_methods_have(const iqfoc_methods_t m, const iqfoc_methods_
            (!m.extended || data->extension != 0);
 }
 
+/* True if the configuration's own fields name no other method: they are 0 or the same. */
+IQFOC_STEP bool iqfoc_methods_named_once(const iqfoc_methods_t m, const iqfoc_cycle_config_t *config)
+{
+    return (config->feedback == IQFOC_FEEDBACK_MIDPOINT || config->feedback == m.feedback) &&
+           (config->modulation == IQFOC_MODULATION_PWM || config->modulation == m.modulation);
+}
+
 /*
- * IQFOC_OK, or what is unfit: IQFOC_ERROR_METHODS where they do not go together or a number that deadbeat control
- * needs is outside the range of iqfoc_methods_data_t, IQFOC_ERROR_NULL where a pointer is missing, and what
- * iqfoc_flux_predictor_check and iqfoc_extension_check say of theirs. config: not NULL.
+ * Returns IQFOC_OK or the first error. config: not NULL.
+ *
+ * - IQFOC_ERROR_METHODS: methods that cannot be combined, or a number for deadbeat control outside the range of
+ *   iqfoc_methods_data_t
+ * - IQFOC_ERROR_CHOICE: `feedback` or `modulation` of the configuration names another method
+ * - IQFOC_ERROR_NULL: a pointer is missing
+ * - the errors of iqfoc_flux_predictor_check and iqfoc_extension_check
+ *
  */
 IQFOC_STEP iqfoc_error_t iqfoc_cycle_check(const iqfoc_methods_t m, const iqfoc_cycle_config_t *config)
 {
     const iqfoc_methods_data_t *data = &config->data;
     if (!iqfoc_methods_agree(m)) {
         return IQFOC_ERROR_METHODS;
+    }
+    if (!iqfoc_methods_named_once(m, config)) {
+        return IQFOC_ERROR_CHOICE;
     }
     if (!iqfoc_methods_have(m, data)) {
         return IQFOC_ERROR_NULL;
@@ -78,20 +94,23 @@ IQFOC_STEP iqfoc_error_t iqfoc_cycle_check(const iqfoc_methods_t m, const iqfoc_
     return IQFOC_OK;
 }
 
-/* iqfoc_cycle_init for these methods; the object is untouched where they or the set are refused. */
+/*
+ * iqfoc_cycle_init for these methods. The object is unchanged if methods or set are refused. Ahead of the first
+ * interrupt only.
+ */
 IQFOC_STEP iqfoc_error_t iqfoc_cycle_init_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                              const iqfoc_cycle_config_t *config)
 {
     const iqfoc_error_t unfit = config != 0 ? iqfoc_cycle_check(m, config) : IQFOC_ERROR_NULL;
-    return unfit != IQFOC_OK ? unfit : iqfoc_cycle_init(cycle, config);
+    return unfit != IQFOC_OK ? unfit : iqfoc_cycle_init_named(cycle, config);
 }
 
-/* iqfoc_cycle_offer for these methods, refused likewise. */
+/* iqfoc_cycle_offer for these methods; the cycle is unchanged on an error. From any task. */
 IQFOC_STEP iqfoc_error_t iqfoc_cycle_offer_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                               const iqfoc_cycle_config_t *config)
 {
     const iqfoc_error_t unfit = config != 0 ? iqfoc_cycle_check(m, config) : IQFOC_ERROR_NULL;
-    return unfit != IQFOC_OK ? unfit : iqfoc_cycle_offer(cycle, config);
+    return unfit != IQFOC_OK ? unfit : iqfoc_cycle_offer_named(cycle, config);
 }
 
 #ifdef __cplusplus

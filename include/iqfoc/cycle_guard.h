@@ -1,9 +1,9 @@
 /*
- * What the control cycle asks of each sample and of the time, all at once.
+ * The checks of each sample and of its time in the control cycle, combined into one test.
  *
- * Each question is a number whose top bit says no; they are joined, and one test of that bit is all that a
- * healthy cycle spends. Which of them it was is found out where it fires (src/cycle.c). A limit of time above
- * 2^31 ticks only makes it fire more often.
+ * Each check is a number whose top bit means "wrong". The numbers are joined by OR, so that a healthy cycle tests one
+ * bit. If that bit is set, src/cycle.c finds which check failed. A time limit above 2^31 ticks only makes its check
+ * fail more often.
  */
 #ifndef IQFOC_CYCLE_GUARD_H
 #define IQFOC_CYCLE_GUARD_H
@@ -17,14 +17,14 @@ extern "C" {
 #define IQFOC_CYCLE_U_DC_MIN IQ24(0.5)
 #define IQFOC_CYCLE_U_DC_MAX IQ24(1.5)
 
-/* Ticks from one time to a later one. They wrap: the difference modulo 2^32 is right across the wrap. */
+/* Ticks from one time to a later one, modulo 2^32: correct across the timer's wrap. */
 static inline uint32_t iqfoc_ticks_since(uint32_t then, uint32_t now)
 {
     return (uint32_t)((UINT64_C(0x100000000) + now - then) & UINT32_MAX);
 }
 
 /*
- * Top bit set where |x| > limit >= 0; -limit - 1 is still let through.
+ * Top bit set if |x| > limit >= 0; -limit - 1 still passes.
  *
  * Range: x ^ (x >> 31) is x or -x - 1, 0 ... 2^31 - 1, so the difference of two such numbers cannot overflow.
  */
@@ -33,13 +33,13 @@ static inline uint32_t iqfoc_guard_beyond(iq24_t x, iq24_t limit)
     return (uint32_t)(limit - (x ^ iq24_asr32(x, 31)));
 }
 
-/* Top bit set where `age` is more than `limit`, or so much that the time must have run backwards. */
+/* Top bit set if `age` is more than `limit`, or more than 2^31 - 1 (time ran backwards). */
 static inline uint32_t iqfoc_guard_older(uint32_t age, uint32_t limit)
 {
     return age | iqfoc_ticks_since(age, limit);
 }
 
-/* The values of a sample, of its currents' vector and of its age. */
+/* All checks of a sample: its values, its current vector and its age. */
 static inline uint32_t iqfoc_guard_sample(const iqfoc_cycle_config_t *set, const iqfoc_sample_t *sample,
                                           iqfoc_ab_t i, uint32_t now)
 {
@@ -50,30 +50,45 @@ static inline uint32_t iqfoc_guard_sample(const iqfoc_cycle_config_t *set, const
            (uint32_t)sample->clipped << 31;
 }
 
-/* True where no look at the deadline is needed: the quick half of iqfoc_cycle_in_time. time: of the sample. */
+/* True if the deadline is kept: the fast path of iqfoc_cycle_in_time. time: the sample's. From the peak's interrupt. */
 static inline bool iqfoc_cycle_in_time_inline(const iqfoc_cycle_t *cycle, uint32_t time, uint32_t now)
 {
     return iqfoc_guard_older(iqfoc_ticks_since(time, now), cycle->config->deadline_ticks) <= INT32_MAX;
 }
 
-/* Something was wrong with a valley's sample, or it is the first: sets what it was. i_next becomes i where the
- * cycle before it was not whole, so that it shows no error. Returns whether it was whole. */
-bool iqfoc_cycle_odd_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
+/*
+ * Finds what is wrong with a valley's sample and sets its status bits; also called at the first valley. If the cycle
+ * before it was not complete, i_next becomes i, so that the prediction error is zero. Returns whether that cycle was
+ * complete. From the valley's interrupt only.
+ */
+bool iqfoc_cycle_report_valley(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
 
-/* The same for a sample of which no order is asked. */
-void iqfoc_cycle_odd_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
+/*
+ * The same for a sample of six-step by a timer, without a check of the order of valleys and peaks. From the cycle's
+ * interrupts only.
+ */
+void iqfoc_cycle_report_sample(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
 
-/* The same for a peak's. */
-void iqfoc_cycle_odd_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
+/*
+ * The same for a peak's sample. Returns false ahead of the first valley, when the output stays safe. From the peak's
+ * interrupt only.
+ */
+bool iqfoc_cycle_report_peak(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, uint32_t now);
 
-/* Sets sticky bits, and trips where the configuration says so. */
+/* Sets sticky status bits, and trips on those of config->trips. From the cycle's interrupts only. */
 void iqfoc_cycle_set_status(iqfoc_cycle_t *cycle, uint32_t bits);
 
-/* No voltage, and nothing integrated. Returns the safe command. */
+/* Sets voltage and integrators to zero. Returns the safe command. From the cycle's interrupts only. */
 iqfoc_command_t iqfoc_cycle_stopped(iqfoc_cycle_t *cycle);
 
-/* The middle of the output where the next cycle's length differs from this one's. */
-iq24_t iqfoc_cycle_stretched(const iqfoc_cycle_t *cycle, iq24_t output_mid);
+/* output_mid for a next cycle whose length differs from that of the present one. From the peak's interrupt only. */
+iq24_t iqfoc_cycle_output_mid_scaled(const iqfoc_cycle_t *cycle, iq24_t output_mid);
+
+/* Deprecated names of version 0.1. The next version has only the names above. */
+#define iqfoc_cycle_odd_valley iqfoc_cycle_report_valley
+#define iqfoc_cycle_odd_sample iqfoc_cycle_report_sample
+#define iqfoc_cycle_odd_peak   iqfoc_cycle_report_peak
+#define iqfoc_cycle_stretched  iqfoc_cycle_output_mid_scaled
 
 #ifdef __cplusplus
 }

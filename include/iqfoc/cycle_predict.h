@@ -1,6 +1,6 @@
 /*
- * The second half of the valley's step (iqfoc/cycle_steps.h): prediction of the cycle that begins, its mean,
- * and deadbeat control, which needs nothing later. For the step alone.
+ * The second half of the valley's step (iqfoc/cycle_steps.h): prediction of the cycle that begins, its mean, and
+ * deadbeat control, which needs no later sample. Only iqfoc_cycle_valley_by calls it.
  */
 #ifndef IQFOC_CYCLE_PREDICT_H
 #define IQFOC_CYCLE_PREDICT_H
@@ -21,12 +21,12 @@
 extern "C" {
 #endif
 
-/* What the methods share at a valley. */
+/* Values that several methods use at a valley. */
 typedef struct iqfoc_valley {
     iqfoc_ab_t i;
     iq24_t theta;
     iq24_sincos_t q30; /* of the angle at mid-cycle, Q30 */
-    int32_t w_q26;     /* EMF of the quasi-discrete prediction, where that is asked for */
+    int32_t w_q26;     /* EMF of the quasi-discrete prediction, if a method needs it */
     int32_t s1_q30;    /* of the speed */
     int32_t s2_q30;
     iqfoc_exact_t exact; /* deadbeat, and the exact model: the cycle's coefficients */
@@ -39,7 +39,7 @@ static inline iq24_sincos_t iqfoc_valley_sc_mid(const iqfoc_valley_t *at)
     return sc;
 }
 
-/* Methods that want all of the rotor's movement, those that want s1, and those that want s2 as well. */
+/* Methods that need all values of the rotor's movement, those that need s1, and those that need s2 as well. */
 IQFOC_STEP bool iqfoc_wants_rotor(const iqfoc_methods_t m)
 {
     return (m.control != IQFOC_CONTROL_PI && m.model != IQFOC_MODEL_EXACT) ||
@@ -56,7 +56,7 @@ IQFOC_STEP bool iqfoc_wants_s1(const iqfoc_methods_t m)
     return m.control != IQFOC_CONTROL_PI || iqfoc_wants_s2(m);
 }
 
-/* Methods that want the EMF of the quasi-discrete prediction. */
+/* Methods that need the EMF of the quasi-discrete prediction. */
 IQFOC_STEP bool iqfoc_wants_emf(const iqfoc_methods_t m)
 {
     return m.feedback == IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN ||
@@ -64,7 +64,7 @@ IQFOC_STEP bool iqfoc_wants_emf(const iqfoc_methods_t m)
 }
 
 /*
- * The rotor's movement: as it comes out of the polynomials; rounded where a method asks for it.
+ * The rotor's movement from the polynomials; rounded to IQ24 if a method needs it.
  *
  * EMF as iqfoc_predictor_emf, from turns s1 in Q30: |x s1| <= 0.276, times 2 pi in Q28 leaves phi s1 in Q26,
  * |phi s1| <= 1.74; times k_psi <= 8 within 2^54. Error of w: floors, 0.25 LSB, and 0.35 LSB per unit of
@@ -74,7 +74,7 @@ IQFOC_STEP void iqfoc_cycle_rotor(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                   const iqfoc_sample_t *sample, iq24_t turns)
 {
     if (iqfoc_wants_rotor(m) || m.control != IQFOC_CONTROL_PI) {
-        turns = iq24_max(turns, -IQFOC_ROTOR_TURNS_MAX); /* the guard lets through one LSB more */
+        turns = iq24_max(turns, -IQFOC_ROTOR_TURNS_MAX); /* the guard lets one LSB more pass */
     }
     const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(turns);
     at->s1_q30 = shape.p1_q30;
@@ -95,15 +95,14 @@ IQFOC_STEP void iqfoc_cycle_rotor(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
     }
     /* |at| <= 1, and the angle's sum wraps at 128 turns, which are whole. */
     at->theta = iq24_sub_wrap(sample->theta, iq24_mul_high(shape.x_q32, sample->at));
-    if (m.control ==
-        IQFOC_CONTROL_DEADBEAT_LEARNING) { /* here, as most is still in memory that has to be kept later */
+    if (m.control == IQFOC_CONTROL_DEADBEAT_LEARNING) { /* here, where fewest values are held in registers */
         iqfoc_deadbeat_learn(&cycle->drift, cycle->config->data.learning, cycle->error, at->theta);
     }
     at->q30 = iq24_sincos_q30_inline(iq24_add_wrap(at->theta, iq24_asr32(turns, 1)));
     cycle->theta_valley = at->theta;
 }
 
-/* Predictors that want the rotor frame or the flux, with angles of their own. Sets i_dq for the salient mean. */
+/* Predictors in the rotor frame or by flux linkage, with their own angles. Sets i_dq for the salient mean. */
 IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_salient(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                                   const iqfoc_valley_t *at, iqfoc_ab_t u)
 {
@@ -121,13 +120,13 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_salient(const iqfoc_methods_t m, iqfoc
     return iqfoc_park_inverse(iqfoc_salient_step(data->salient, i_dq, u_dq), end);
 }
 
-/* An exact law at this speed. The guard lets through one LSB more. */
+/* Coefficients of an exact law at this speed. The guard lets one LSB more pass. */
 IQFOC_STEP iqfoc_exact_t iqfoc_cycle_exact(const iqfoc_exact_law_t *law, const iqfoc_cycle_t *cycle)
 {
     return iqfoc_exact_at_speed_inline(law, iq24_max(cycle->rotor.turns, -IQFOC_ROTOR_TURNS_MAX));
 }
 
-/* The machine without saliency at this speed and current, and its prediction. */
+/* Prediction for a machine without saliency, at this speed and current. */
 IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_plain(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                                 iqfoc_valley_t *at, iqfoc_ab_t u)
 {
@@ -172,7 +171,8 @@ IQFOC_STEP void iqfoc_cycle_mean(const iqfoc_methods_t m, iqfoc_cycle_t *cycle, 
 /*
  * Deadbeat control as in deadbeat.h and deadbeat_drift.h: the voltage of the cycle after this one.
  *
- * The drift that was learnt moves both cycles: the prediction by itself, the target of the second cycle back.
+ * The disturbance estimate shifts both cycles: it is added to the prediction and subtracted from the second cycle's
+ * target.
  */
 IQFOC_STEP iqfoc_ab_t iqfoc_cycle_deadbeat(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                            const iqfoc_valley_t *at, iqfoc_ab_t *i_next)
@@ -197,12 +197,14 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_deadbeat(const iqfoc_methods_t m, iqfoc_cycle_
     return iqfoc_deadbeat_voltage(&deadbeat, *i_next, target, iq24_sincos_inline(iq24_add_wrap(mid, turns)));
 }
 
-/* All of it. turns: held to its limit. */
+/* Prediction, mean and deadbeat control of a valley. turns: held to its limit. */
 IQFOC_STEP void iqfoc_cycle_predict(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                     const iqfoc_sample_t *sample, iqfoc_ab_t i, iqfoc_ab_t u, iq24_t turns)
 {
-    /* Deadbeat control has a plain model (cycle_check.h), which sets it; a compiler to which methods are a variable
-     * does not see that. */
+    /*
+     * Deadbeat control has a model without saliency (cycle_check.h), which sets at.exact. A compiler that gets the
+     * methods in a variable does not see that.
+     */
     const iqfoc_exact_t none = {0, 0, 0, 0};
     iqfoc_valley_t at;
     at.i = i;

@@ -3,14 +3,13 @@
  *
  *     static const iqfoc_methods_t methods = {...};                          iqfoc/methods.h
  *     iqfoc_cycle_valley_by(methods, &cycle, &sample, now);                  in the valley's interrupt
- *     command = iqfoc_cycle_peak_by(methods, &cycle, &sample, mid, now);     in the peak's
+ *     command = iqfoc_cycle_peak_by(methods, &cycle, &sample, mid, now);     in the peak's interrupt
  *
- * `methods` is a constant, so that each question for a method is answered when the drive is compiled, and what
- * is not asked for is neither compiled nor linked. Given a variable, the same code asks while it runs: that is
- * how a simulator has all methods in one program.
+ * `methods` is a constant, so the compiler decides each question about a method and leaves out the code of all other
+ * methods. Given a variable, the same code decides at run time: a simulator then has all methods in one program.
  *
- * The valley: guard, error, mean of the cycle that ended | prediction | mean of the cycle that begins |
- * deadbeat. The peak: guard, 1/u_dc | feedback | PI | angle | modulation.
+ * The valley: guard, prediction error, mean of the cycle that ended | prediction | mean of the cycle that begins |
+ * deadbeat control. The peak: guard, 1/u_dc | feedback | PI | angle | modulation.
  */
 #ifndef IQFOC_CYCLE_STEPS_H
 #define IQFOC_CYCLE_STEPS_H
@@ -28,8 +27,9 @@ extern "C" {
 #endif
 
 /*
- * Mean over the cycle that ends at this valley: its ends are the two valleys' samples, and the sample at its
- * middle is the mean of a current that changes linearly; a port that averages gives a better one.
+ * Mean current over the cycle that ends at this valley, from the samples of both valleys and the mean of the phase
+ * currents. A port that averages gives that mean; otherwise it is the sample at mid-cycle, which is exact for a
+ * current that changes linearly.
  */
 static inline iqfoc_dq_t iqfoc_cycle_corrected_mean(const iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample,
                                                     iqfoc_ab_t i)
@@ -42,8 +42,8 @@ static inline iqfoc_dq_t iqfoc_cycle_corrected_mean(const iqfoc_cycle_t *cycle, 
 }
 
 /*
- * A mean of the cycle that begins is known at its valley, and so is the voltage that it asks for: what is then
- * left to the peak is the angle and the modulation, which keeps the way from the last sample to the duties short.
+ * True if the mean of the cycle that begins is known at its valley, and with it the voltage that PI requests. The
+ * peak then computes only angle and modulation, which shortens the time from the last sample to the duties.
  */
 IQFOC_STEP bool iqfoc_cycle_controls_early(const iqfoc_methods_t m)
 {
@@ -52,13 +52,13 @@ IQFOC_STEP bool iqfoc_cycle_controls_early(const iqfoc_methods_t m)
 }
 
 /*
- * What PI asks for. Up to six-step the axes are kept apart by the current asked for: the one fed back has
- * six-step's harmonics, which would be turned, enlarged by the reactance and sent back as voltage.
+ * The voltage of the PI controller and its decoupling. In overmodulation the decoupling uses the reference: the
+ * feedback has the harmonics of six-step, which the decoupling would multiply by the reactance and return as voltage.
  *
- * Range: both parts are within 8; their sum is held to that, as that of the other way is.
+ * Range: both parts are within 8, and their sum is held to 8, as in the other branch.
  */
-IQFOC_STEP iqfoc_dq_t iqfoc_cycle_asked(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
-                                        const iqfoc_cycle_config_t *config, iq24_t turns)
+IQFOC_STEP iqfoc_dq_t iqfoc_cycle_pi_voltage(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+                                             const iqfoc_cycle_config_t *config, iq24_t turns)
 {
     if (m.modulation == IQFOC_MODULATION_OVER) {
         const iqfoc_dq_t u =
@@ -71,8 +71,11 @@ IQFOC_STEP iqfoc_dq_t iqfoc_cycle_asked(const iqfoc_methods_t m, iqfoc_cycle_t *
     return iqfoc_current_control_voltage(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq, turns);
 }
 
-/* At the carrier valley; see iqfoc_cycle_valley. */
-IQFOC_STEP void iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
+/* Deprecated name of version 0.1. The next version has only the name above. */
+#define iqfoc_cycle_asked iqfoc_cycle_pi_voltage
+
+/* At the carrier valley; see iqfoc_cycle_valley. From the valley's interrupt only. */
+IQFOC_STEP bool iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                       const iqfoc_sample_t *sample, uint32_t now)
 {
     iqfoc_sample_t corrected;
@@ -88,7 +91,7 @@ IQFOC_STEP void iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     if ((iqfoc_guard_sample(ended, sample, i, now) | cycle->phase |
          iqfoc_guard_older(iqfoc_ticks_since(cycle->valley_time, sample->time),
                            ended->period_ticks + ended->tolerance_ticks)) > INT32_MAX) {
-        whole = iqfoc_cycle_odd_valley(cycle, sample, now);
+        whole = iqfoc_cycle_report_valley(cycle, sample, now);
         turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     }
     /*@ assert guard_turns: -5592406 <= turns <= 5592405; */
@@ -111,8 +114,9 @@ IQFOC_STEP void iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     cycle->i_valley = i;
     iqfoc_cycle_predict(m, cycle, sample, i, u_now, turns);
     if (iqfoc_cycle_controls_early(m)) {
-        cycle->u_dq = iqfoc_cycle_asked(m, cycle, config, turns);
+        cycle->u_dq = iqfoc_cycle_pi_voltage(m, cycle, config, turns);
     }
+    return cycle->tripped;
 }
 
 /*
@@ -133,7 +137,7 @@ static inline iq24_t iqfoc_cycle_inverse_followed(iq24_t r, iq24_t u)
     return next;
 }
 
-/* What the controller is fed with, where that is not a mean that the valley has made. */
+/* The controller's feedback at the peak, for methods whose mean is not computed at the valley. */
 IQFOC_STEP iqfoc_dq_t iqfoc_cycle_feedback(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                            const iqfoc_sample_t *sample, iqfoc_ab_t i)
 {
@@ -146,7 +150,7 @@ IQFOC_STEP iqfoc_dq_t iqfoc_cycle_feedback(const iqfoc_methods_t m, iqfoc_cycle_
     return iqfoc_park(i, iq24_sincos_inline(sample->theta));
 }
 
-/* Duties for u, and in u what they really make of it. */
+/* Duties for u; on return u is the voltage that they produce. */
 IQFOC_STEP iqfoc_duties_t iqfoc_cycle_modulated(const iqfoc_methods_t m, iq24_t u_dc_inverse, iq24_t span_max,
                                                 iqfoc_ab_t *u, iq24_t u_dc)
 {
@@ -164,7 +168,7 @@ IQFOC_STEP iqfoc_duties_t iqfoc_cycle_modulated(const iqfoc_methods_t m, iq24_t 
     return duties;
 }
 
-/* Duties up to six-step, and in u what they really make. */
+/* Duties up to six-step; on return u is the voltage that they produce. */
 IQFOC_STEP iqfoc_duties_t iqfoc_cycle_overmodulated(iqfoc_cycle_t *cycle, iq24_t u_dc_inverse, iqfoc_ab_t *u,
                                                     iq24_t u_dc)
 {
@@ -175,7 +179,7 @@ IQFOC_STEP iqfoc_duties_t iqfoc_cycle_overmodulated(iqfoc_cycle_t *cycle, iq24_t
     return duties;
 }
 
-/* At the carrier peak; see iqfoc_cycle_peak. */
+/* At the carrier peak; see iqfoc_cycle_peak. From the peak's interrupt only. */
 IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
                                                const iqfoc_sample_t *sample, iq24_t output_mid, uint32_t now)
 {
@@ -189,10 +193,12 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     iq24_t turns = sample->turns;
     iq24_t u_dc = sample->u_dc;
-    /* The phase's next bit to the top; the top one is to fall out, which the wider shift says. */
+    /* Shift bit 30 ("no peak due") into bit 31; computed in 64 bits so that dropping bit 31 is well defined. */
     const uint32_t no_peak_due = (uint32_t)((uint64_t)cycle->phase << 1);
     if ((iqfoc_guard_sample(config, sample, i, now) | no_peak_due) > INT32_MAX) {
-        iqfoc_cycle_odd_peak(cycle, sample, now);
+        if (!iqfoc_cycle_report_peak(cycle, sample, now)) {
+            return iqfoc_cycle_stopped(cycle);
+        }
         turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
         u_dc = iq24_clamp(u_dc, IQFOC_CYCLE_U_DC_MIN, IQFOC_CYCLE_U_DC_MAX);
     }
@@ -207,19 +213,19 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
     if (m.control == IQFOC_CONTROL_PI && !iqfoc_cycle_controls_early(m)) {
         cycle->i_dq = iqfoc_cycle_feedback(m, cycle, sample, i);
     }
-    if (cycle->enabled <= cycle->tripped) { /* not enabled, or tripped: one comparison of the two */
+    if (cycle->enabled <= cycle->tripped) { /* not enabled, or tripped: one comparison for both */
         return iqfoc_cycle_stopped(cycle);
     }
     iqfoc_ab_t u = cycle->u_ab;
     if (m.control == IQFOC_CONTROL_PI) {
         if (!iqfoc_cycle_controls_early(m)) {
-            cycle->u_dq = iqfoc_cycle_asked(m, cycle, config, turns);
+            cycle->u_dq = iqfoc_cycle_pi_voltage(m, cycle, config, turns);
         }
         if (cycle->next != config) {
-            output_mid = iqfoc_cycle_stretched(cycle, output_mid);
+            output_mid = iqfoc_cycle_output_mid_scaled(cycle, output_mid);
         }
         /* Range: |turns| <= 1/3 and |cycles| <= 9 give at most 3 turns; the sum wraps at 128, which are whole. */
-        const iq24_t ahead = iq24_mul_high(256 * turns, output_mid - sample->at);
+        const iq24_t ahead = iq24_mul_high(256 * turns, iq24_sub_wrap(output_mid, sample->at));
         u = iqfoc_park_inverse_q30(cycle->u_dq, iq24_sincos_q30_inline(iq24_add_wrap(sample->theta, ahead)));
     }
     iqfoc_command_t command;
@@ -234,7 +240,7 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
             iqfoc_current_control_limited(&cycle->control, &config->gains, cycle->u_dq, command.duties.scale);
         }
         if ((config->trips & IQFOC_STATUS_VOLTAGE_LIMIT) != 0) {
-            cycle->tripped = true;
+            iqfoc_cycle_set_status(cycle, IQFOC_STATUS_VOLTAGE_LIMIT);
             return iqfoc_cycle_stopped(cycle);
         }
     }

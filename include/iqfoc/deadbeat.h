@@ -1,22 +1,22 @@
 /*
- * Deadbeat predictive current control with compensation of the computation's delay.
+ * Deadbeat predictive current control with compensation of the computation delay.
  *
- * At valley k the voltage of the cycle that begins is decided already; what is computed now acts from valley
- * k + 1. So the current is predicted to valley k + 1, and the voltage sought that brings it to the reference
- * at valley k + 2:
+ * At valley k the voltage of the cycle that begins is already decided, and the voltage computed now acts from valley
+ * k + 1. The controller predicts the current at valley k + 1. It then solves for the voltage that brings the current
+ * to the reference at valley k + 2:
  *
  *     i_(k+1) = a i_k + k_u u_k + m_k,        u_(k+1) = (i_ref,(k+2) - a i_(k+1) - m_(k+1))/k_u
  *
- * a, k_u and m (the EMF's part, turned by the angle at mid-cycle) are one predictor's: exact, quasi-discrete
- * or standard, as the caller fills `model` (predictor_exact.h, predictor_form.h). There is no integrator:
- * what the model gets wrong, the current gets wrong.
+ * a, k_u and m (the EMF's part, turned by the angle at mid-cycle) come from one predictor: exact, quasi-discrete or
+ * standard. The caller puts it into `model` (predictor_exact.h, predictor_form.h). There is no integrator: a model
+ * error becomes a current error.
  *
  * In use, with `rotor` of the speed:
  *
  *     iqfoc_deadbeat_t deadbeat = {
- *         .model = iqfoc_exact_at_speed(&law, rotor.turns),                  where the speed changes
+ *         .model = iqfoc_exact_at_speed(&law, rotor.turns),                  when the speed changes
  *         .k_u_inverse = iqfoc_deadbeat_inverse(law.k_u_q26),                once
- *         .reference = iqfoc_valley_reference_at(&rotor, k_psi)};            where the speed changes
+ *         .reference = iqfoc_valley_reference_at(&rotor, k_psi)};            when the speed changes
  *     u = iqfoc_deadbeat_step(&deadbeat, i, u_now, i_ref, theta, rotor.turns);     at each valley
  *     duties = iqfoc_modulate(u, u_dc_inverse, span_max);    u_now of the next valley: u times duties.scale
  */
@@ -32,15 +32,12 @@ extern "C" {
 #endif
 
 typedef struct iqfoc_deadbeat {
-    iqfoc_exact_t model; /* over one whole cycle, of the present speed; 1/64 <= k_u <= 16 */
+    iqfoc_exact_t model; /* over one whole cycle, at the present speed; 1/64 <= k_u <= 16 */
     iq24_t k_u_inverse;  /* 1/k_u: per-unit voltage that moves the current by 1 in a cycle; 1/16 ... 64 */
     iqfoc_valley_reference_t reference; /* gain 1 and magnet 0 to control the valleys' current itself */
 } iqfoc_deadbeat_t;
 
-/*
- * A component of the voltage is held to this: beyond what any DC link makes, within what
- * iqfoc_modulate takes.
- */
+/* Limit of a voltage component: above any DC-link voltage, within the range of iqfoc_modulate. */
 #define IQFOC_DEADBEAT_LIMIT IQ24(16.0)
 
 /* 1/k_u to 0.5 LSB. 1/64 <= k_u <= 16; below that it saturates at 128. */
@@ -53,7 +50,7 @@ static inline iq24_t iqfoc_deadbeat_inverse(int32_t k_u_q26)
  * The voltage that moves a component of the current by so much in a cycle, held to +-16.
  *
  * Range: |change| <= 128 and an inverse of at most 128 make 2^62 in Q48, and half an LSB more. Its high word is
- * Q15.16; held to 23 bits, +-64, it fits IQ24 when rounded, and what was beyond that is beyond 16 still.
+ * Q15.16; held to 23 bits, +-64, it fits IQ24 when rounded, and a value above that limit is still above 16.
  */
 static inline iq24_t iqfoc_deadbeat_component(iq24_t change, iq24_t k_u_inverse)
 {
@@ -84,10 +81,11 @@ IQFOC_STEP iqfoc_ab_t iqfoc_deadbeat_voltage(const iqfoc_deadbeat_t *deadbeat, i
 }
 
 /*
- * One control cycle: the voltage for the cycle after the one that begins now.
+ * One control cycle: the voltage for the cycle after the one that begins now. The firmware calls it in the valley's
+ * interrupt if it does not use the control cycle (cycle.h), which has these steps itself.
  *
- * i: sample at this valley, |component| <= 15, u_now: the voltage of the cycle that begins, |component| <= 1.
- * i_ref: mean current wanted, rotor frame, |component| <= 20. theta: at this valley, turns: of the speed that
+ * i: sample at this valley, |component| <= 15, u_now: the voltage of the cycle that begins, |component| <= 1. i_ref:
+ * reference of the mean current, rotor frame, |component| <= 20. theta: at this valley, turns: of the speed that
  * `deadbeat` was made for. Out: per unit, each component held to +-16; the modulator may have to shorten it.
  *
  * Range: |i_next| <= 15 + 16 + 20.8 with k_u |u| <= 16 and |w| <= 20.8 (both parts); the caller's current

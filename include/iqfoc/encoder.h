@@ -1,12 +1,14 @@
 /*
- * An incremental encoder's count to the electrical angle, with its index.
+ * Electrical angle from the count of an incremental encoder with index.
  *
  *     theta = theta_known + pole_pairs (count - count_known)/counts_per_turn        turns
  *
- * A count says how far the shaft went, not where it is: the angle at one count must be known first, from an
- * alignment (iqfoc/start.h) or from the index, whose electrical angle a drive can keep from then on
- * (iqfoc_encoder_index_theta). After that every index pulse shows whether counts were lost or added, and puts
- * the angle right.
+ * A count shows how far the shaft turned, not its angle. The angle at one count must be known first: from an
+ * alignment (iqfoc/start.h) or from the index. A drive can store the electrical angle of the index for later starts
+ * (iqfoc_encoder_index_theta). Each later index pulse shows whether counts were lost or added, and corrects the
+ * angle.
+ *
+ * All functions change or read one state: call them from one interrupt, or lock them against each other.
  */
 #ifndef IQFOC_ENCODER_H
 #define IQFOC_ENCODER_H
@@ -21,25 +23,28 @@ extern "C" {
 typedef struct iqfoc_encoder_config {
     uint32_t counts_per_turn; /* edges in a turn of the shaft; the counter runs modulo it: 4 ... 65536 */
     uint32_t pole_pairs;      /* 1 ... 64 */
-    uint32_t slip_max;        /* counts that an index may be off: its pulse is so wide; 0 ... counts/4 */
-    bool index_known;         /* index_theta is known from an earlier alignment */
-    iq24_t index_theta;       /* electrical angle at the index, turns */
+    uint32_t slip_max; /* largest count error of an index pulse, which has a width: 0 ... counts_per_turn/4 */
+    bool index_known;  /* index_theta is known from an earlier alignment */
+    iq24_t index_theta; /* electrical angle at the index, turns */
 } iqfoc_encoder_config_t;
 
-/* Read what you like. */
+/* The state. All fields may be read. */
 typedef struct iqfoc_encoder {
     const iqfoc_encoder_config_t *config;
     uint64_t turns_per_count_q48; /* electrical, rounded down */
     uint32_t count_known;
     iq24_t theta_known;   /* electrical angle there */
-    bool referenced;      /* theta_known is true: the angle may be used */
+    bool referenced;      /* theta_known is valid: the angle may be used */
     bool indexed;         /* the index was seen */
-    uint32_t index_count; /* where */
-    int32_t slip;         /* of the last index pulse: counts too many (positive) or too few */
-    uint32_t slips;       /* index pulses that were off by more than slip_max; stops at its end */
+    uint32_t index_count; /* count at the index */
+    int32_t slip;         /* at the last index pulse: counts too many (positive) or too few (negative) */
+    uint32_t slips;       /* index pulses with an error above slip_max; saturates */
 } iqfoc_encoder_t;
 
-/* Begins, without a reference. config must outlive it. IQFOC_ERROR_ENCODER: a field out of its range. */
+/*
+ * Initialises the state, without a reference. config must outlive it. Ahead of the first interrupt.
+ * IQFOC_ERROR_ENCODER: a field out of its range.
+ */
 iqfoc_error_t iqfoc_encoder_init(iqfoc_encoder_t *encoder, const iqfoc_encoder_config_t *config);
 
 /*
@@ -52,13 +57,16 @@ iq24_t iqfoc_encoder_theta(const iqfoc_encoder_t *encoder, uint32_t count);
 void iqfoc_encoder_align(iqfoc_encoder_t *encoder, uint32_t count, iq24_t theta);
 
 /*
- * The index pulse came at this count (below counts_per_turn), as the counter's capture says. The first is the
- * reference, if config->index_known. A later one further off than slip_max moves the reference along and is
- * counted in `slips`. True if it was in its place or the first.
+ * The index pulse came at this count (below counts_per_turn), as the counter's capture shows. The first one is the
+ * reference if config->index_known. A later one with an error above slip_max moves the reference and counts in
+ * `slips`. Returns true for the first one, and for a later one within slip_max.
  */
 bool iqfoc_encoder_index(iqfoc_encoder_t *encoder, uint32_t count);
 
-/* Electrical angle at the index, to be kept for the next start; 0 before both alignment and index were. */
+/*
+ * Electrical angle at the index; 0 before both alignment and index. The firmware stores it after the first alignment,
+ * for index_theta of the next start.
+ */
 iq24_t iqfoc_encoder_index_theta(const iqfoc_encoder_t *encoder);
 
 #ifdef __cplusplus

@@ -1,22 +1,23 @@
 /*
- * What a set-up function says: one enumeration for the whole library, so that a firmware has one type to
- * store and every number has one meaning. 0, or negative: refused, the object untouched.
+ * Errors of all set-up functions: one enumeration for the whole library, so that a firmware stores one type and each
+ * number has one meaning. 0: success. Negative: refused, and the object is unchanged.
  */
 #ifndef IQFOC_ERROR_H
 #define IQFOC_ERROR_H
 
 typedef enum iqfoc_error {
     IQFOC_OK = 0,
-    IQFOC_ERROR_NULL = -1, /* a pointer that must not be */
+    IQFOC_ERROR_NULL = -1, /* a pointer is NULL that must not be */
     /* iqfoc_cycle_init */
     IQFOC_ERROR_PREDICTOR = -2,     /* a coefficient outside the range stated in predictor.h */
     IQFOC_ERROR_GAINS = -3,         /* a gain outside the range stated in current_control.h */
     IQFOC_ERROR_SPAN = -4,          /* span_max not in (0, 1] */
     IQFOC_ERROR_CURRENT_LIMIT = -5, /* not in (0, 16] */
-    IQFOC_ERROR_CHOICE = -6,        /* feedback, modulation or safe_state is none of its enumeration */
+    IQFOC_ERROR_CHOICE = -6,        /* feedback, modulation or safe_state is not of its enumeration */
     IQFOC_ERROR_TIMES = -7,         /* period_ticks and tolerance_ticks together above 2^31 - 1 */
     /* iqfoc_cycle_init_by */
-    IQFOC_ERROR_METHODS = -8, /* methods that do not go together, or a number that deadbeat control needs */
+    IQFOC_ERROR_METHODS =
+        -8, /* methods that cannot be combined, or a number for deadbeat control out of range */
     /* iqfoc_extension_check: a value outside the range stated in extension.h */
     IQFOC_ERROR_CURRENT_SENSOR = -10, /* i_offset or i_gain_inverse */
     IQFOC_ERROR_ANGLE = -11,          /* theta_0 or theta_delay */
@@ -35,7 +36,7 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_MEMORY = -31,   /* room for less than two rows */
     IQFOC_ERROR_PERIOD = -32,   /* period or decimation */
     IQFOC_ERROR_TRIGGER = -33,  /* no such trigger or channel, or a share outside [0, 1) */
-    /* What stands around the cycle: a field outside the range stated in its header */
+    /* Drive services and sensors: a field outside the range stated in the header */
     IQFOC_ERROR_OFFSET_LIMITS = -40, /* offset.h */
     IQFOC_ERROR_START = -41,         /* start.h */
     IQFOC_ERROR_TRACKER = -42,       /* tracker.h */
@@ -44,7 +45,8 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_HALLS = -45,         /* halls.h */
     IQFOC_ERROR_SHUNTS = -46,        /* shunts.h */
     IQFOC_ERROR_RESTART = -47,       /* restart.h */
-    IQFOC_ERROR_SUPERVISION = -48    /* supervision.h */
+    IQFOC_ERROR_SUPERVISION = -48,   /* supervision.h */
+    IQFOC_ERROR_OBSERVER = -49       /* observer.h */
 } iqfoc_error_t;
 
 #endif

@@ -1,22 +1,21 @@
 /*
- * What a diagnosis found, put right in the drive: sensors, angle, DC link and the voltage that dead time
- * takes.
+ * Corrects samples and voltages of a drive by the results of a diagnosis: current sensors, angle, DC link, and the voltage that a dead
+ * time takes.
  *
  *     i     = (measured - o) / g                                   each phase
  *     theta = recorded - theta_0 - delay * turns                   turns, cycles, turns per cycle
  *     u_dc  = k_u * measured
  *     lost  = v_dead * sat(i / i_knee)                             each leg; sat(x) is x held to +-1
  *
- * Signs and laws are those of the recording's interface: a fitted value goes in as it is. The control cycle does
- * it all where its methods say `extended` (iqfoc/methods.h): samples are corrected first, duties compensated
- * last, at the current predicted for the valley from which they act.
+ * Signs and equations are those of docs/interfaces.md: a fitted value is used unchanged. The control cycle applies all corrections if its
+ * methods have `extended` (iqfoc/methods.h). It corrects the samples first. It compensates the duties last, at the current predicted for
+ * the valley from which they act.
  *
- * With the legs' losses made good, the voltage that the cycle commands is the voltage that acts, and its
- * predictor needs no correction. Where the compensation is not wanted, iqfoc_extension_acting says what acts.
- * Resistance, inductance and flux are parameters of the predictor (iqfoc/params.h); saturation and unequal
- * inductances have iqfoc/flux_predictor.h.
+ * With the legs' losses compensated, the commanded voltage acts, and the predictor needs no correction. Without the compensation,
+ * iqfoc_extension_acting gives the voltage that acts. Resistance, inductance and flux linkage are parameters of the predictor
+ * (iqfoc/params.h). Unequal inductances need iqfoc/predictor_salient.h or iqfoc/flux_predictor.h, saturation needs the latter.
  *
- * What is not called is not linked: nothing else in the library refers to this.
+ * The linker leaves these functions out of a drive whose methods do not have `extended`.
  */
 #ifndef IQFOC_EXTENSION_H
 #define IQFOC_EXTENSION_H
@@ -31,19 +30,22 @@
 extern "C" {
 #endif
 
-/* Per unit, IQ24 (iqfoc/extension_params.h makes them). Values in brackets: nothing to put right. */
+/* Per unit, IQ24 (iqfoc/extension_params.h makes them). Values in brackets: no correction. */
 typedef struct iqfoc_extension {
     iqfoc_abc_t i_offset;       /* o: -1 ... 1 of the rated peak current (0) */
     iqfoc_abc_t i_gain_inverse; /* 1/g: 0.5 ... 2 (1) */
     iq24_t theta_0;             /* recorded - true angle, turns: -0.5 ... 0.5 (0) */
-    iq24_t theta_delay;         /* the angle is read so many cycles after the currents: -8 ... 8 (0) */
-    iq24_t k_u;                 /* true over measured DC link: 0.5 ... 2 (1) */
-    iq24_t v_dead;              /* of the nominal DC link: -0.25 ... 0.25 (0) */
-    iq24_t knee_inverse; /* rated peak current over i_knee: 0 ... 127; a knee below 0.8 % is taken as that */
+    iq24_t theta_delay; /* angle delay: the angle is read this many cycles after the currents, -8 ... 8 (0) */
+    iq24_t k_u;         /* true over measured DC link: 0.5 ... 2 (1) */
+    iq24_t v_dead;      /* voltage lost by each leg, per unit of the nominal DC link: -0.25 ... 0.25 (0) */
+    iq24_t knee_inverse; /* rated peak current over i_knee: 0 ... 127; a knee below 0.8 % counts as 0.8 % */
     iq24_t saturation;   /* (rated peak current / I_sat)^2: 0 ... 4 (0) */
 } iqfoc_extension_t;
 
-/* Are all values within their ranges? Once, before the drive runs: the functions below rely on it. */
+/*
+ * Checks that all values are within their ranges. Call it once before the drive runs: the functions below rely on it.
+ * They only read the extension, so an interrupt may call them.
+ */
 iqfoc_error_t iqfoc_extension_check(const iqfoc_extension_t *extension);
 
 /*
@@ -61,7 +63,7 @@ iqfoc_abc_t iqfoc_extension_current(const iqfoc_extension_t *extension, iqfoc_ab
  */
 iq24_t iqfoc_extension_angle(const iqfoc_extension_t *extension, iq24_t theta, iq24_t turns);
 
-/* A sample before the cycle sees it: currents (and their means, where a port has them), angle, DC link. */
+/* Corrects a sample before the cycle reads it: currents (and their means, if a port has them), angle, DC link. */
 void iqfoc_extension_sample(const iqfoc_extension_t *extension, iqfoc_sample_t *sample);
 
 /*
@@ -71,9 +73,9 @@ void iqfoc_extension_sample(const iqfoc_extension_t *extension, iqfoc_sample_t *
 iqfoc_abc_t iqfoc_extension_lost(const iqfoc_extension_t *extension, iqfoc_abc_t i);
 
 /*
- * The voltage that acts where u was commanded on the measured DC link: k_u u less what the legs lose, without
- * what they have in common, which the star point takes. In: |u| <= 16 a component, i: |component| <= 64.
- * Largest error with the phases of i as iqfoc_clarke_inverse gives them: 2.1 LSB (of 300000 drawn 1.6).
+ * The voltage that acts if u is commanded on the measured DC link: k_u u minus the legs' lost voltage without its
+ * zero sequence, which the star point takes. In: |u| <= 16 a component, i: |component| <= 64. Largest error with the
+ * phases of i as iqfoc_clarke_inverse gives them: 2.1 LSB (of 300000 drawn 1.6).
  *
  * Range: |k_u u| <= 32, and the lost vector is within 1/3: no wrap.
  */
@@ -91,11 +93,11 @@ void iqfoc_extension_compensate(const iqfoc_extension_t *extension, iqfoc_duties
                                 iq24_t u_dc_inverse);
 
 /*
- * The coefficients of iqfoc/predictor.h for the inductance at current i, L(|i|) = L_0/(1 + (|i|/I_sat)^2):
- * k_u, k_r and k_psi of L_0, times 1 + (|i|/I_sat)^2. Division free, but no part of the fast path: the
- * current's size changes slowly. Held at the ends of the predictor's ranges, and at |i| = I_sat, beyond which
- * the law has no current. |component of i| <= 5. Largest error: 2.5 LSB per unit of the coefficient, and
- * 0.5 LSB.
+ * The coefficients of iqfoc/predictor.h for the inductance at current i, L(|i|) = L_0/(1 + (|i|/I_sat)^2): k_u, k_r
+ * and k_psi of L_0, times 1 + (|i|/I_sat)^2. It needs no division, but is not made for every cycle: the length of the
+ * current changes slowly. The coefficients are held to the predictor's ranges, and to those at |i| = I_sat, beyond
+ * which the model has no solution. |component of i| <= 5. Largest error: 2.5 LSB per unit of the coefficient, and 0.5
+ * LSB.
  *
  * Range: |i|^2 <= 50 and 50 * 4 = 200 would not fit: the product saturates, then the factor is held to 2; 16
  * * 2 fits.

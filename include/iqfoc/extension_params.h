@@ -1,14 +1,14 @@
 /*
- * Physical values of a diagnosis to the per-unit constants of extension.h and flux_predictor.h: macros of
- * floating constants that fold at compile time, as in params.h, whose bases hold here too. A value out of its
- * range does not compile.
+ * Converts physical values of a diagnosis to the per-unit constants of extension.h and flux_predictor.h. The macros
+ * of floating constants fold at compile time, as in params.h, and use the same bases. A value outside its range does
+ * not compile.
  */
 #ifndef IQFOC_EXTENSION_PARAMS_H
 #define IQFOC_EXTENSION_PARAMS_H
 
 #include "params.h"
 
-/* ---- The formulas in double, limits beside them. ---- */
+/* ---- The formulas in double, with their limits. ---- */
 #define IQFOC_RAW_EXT_OFFSET(o_A, I_b_A)  ((o_A) / (I_b_A))
 #define IQFOC_MAX_EXT_OFFSET              1.0
 #define IQFOC_RAW_EXT_GAIN_INVERSE(g)     (1.0 / (g))
@@ -21,7 +21,7 @@
 #define IQFOC_RAW_EXT_VOLTAGE(v_V, U_b_V) ((v_V) / (U_b_V))
 #define IQFOC_MAX_EXT_VOLTAGE             0.25
 #define IQFOC_MAX_EXT_KNEE_INVERSE        127.0
-/* A knee of nothing, or below what the constant holds, is taken as the least knee. */
+/* A knee of 0, or one too small for the constant, becomes the smallest knee. */
 #define IQFOC_RAW_EXT_KNEE_INVERSE(knee_A, I_b_A)                                                            \
     ((knee_A)*IQFOC_MAX_EXT_KNEE_INVERSE > (I_b_A) ? (I_b_A) / (knee_A) : IQFOC_MAX_EXT_KNEE_INVERSE)
 #define IQFOC_RAW_EXT_SATURATION(I_sat_A, I_b_A) ((I_b_A) / (I_sat_A) * ((I_b_A) / (I_sat_A)))
@@ -75,7 +75,7 @@
     }
 
 /*
- * iqfoc_extension_t that puts nothing right: i_offset, i_gain_inverse, theta_0, theta_delay, k_u, v_dead,
+ * iqfoc_extension_t without any correction: i_offset, i_gain_inverse, theta_0, theta_delay, k_u, v_dead,
  * knee_inverse, saturation.
  */
 #define IQFOC_EXTENSION_NONE                                                                                 \

@@ -1,25 +1,23 @@
 /*
- * One-cycle current prediction by flux linkage: for machines with L_d != L_q, with saturation, and for the
- * voltage that really acts.
+ * One-cycle current prediction by flux linkage: for machines with L_d != L_q, for saturation, and for the voltage
+ * that really acts.
  *
- * In the stationary frame Faraday's law needs no model of the rotor at all, and so nothing is approximated
- * but the drop over R:
+ * In the stationary frame Faraday's law needs no model of the rotor, so that only the drop over R is approximated:
  *
  *     psi(T) = psi(0) + integral of (u - R i),     psi = e^(j theta) (L_d i_d + psi_f, L_q i_q)
  *
- * The current is turned into flux at the angle of the cycle's start and back at the angle of its end;
- * saliency, EMF and the rotor's movement are exact at any speed. R and dead time see the current's mean over
- * the cycle, (i(0) + i(T))/2, from a first pass that has i(0) in its place. With R T/L = 0.02 what is left is
- * 0.006 % of the rated current at 0.1 rad a cycle, 0.13 % at 0.5 and 0.45 % at 1
- * (tests/unit/test_flux_predictor.c).
+ * The current is converted to flux at the angle of the cycle's start and back at the angle of its end. Saliency, EMF
+ * and the rotor's movement are exact at any speed. R and dead time act on the mean current of the cycle, (i(0) +
+ * i(T))/2, from a first pass that uses i(0) instead. With R T/L = 0.02 the residual error is 0.006 % of the rated
+ * current at 0.1 rad a cycle, 0.13 % at 0.5 and 0.45 % at 1 (tests/unit/library/test_flux_predictor.c).
  *
- * Saturation, L_0/(1 + (i/I_sat)^2) on both axes, i^2 = 2 (L_d i_d^2 + L_q i_q^2)/(L_d + L_q), which is |i|^2
- * where the axes are alike; otherwise by the energy, or the flux would be no gradient. With y the current that an
- * unsaturated machine would have at the same flux, i = y (1 + s i^2) has the solution
- * i = y * 2/(1 + sqrt(1 - 4 s y^2)), s = (I_b/I_sat)^2 and y^2 in the same measure, no iteration.
+ * Saturation is L_0/(1 + (i/I_sat)^2) on both axes with i^2 = 2 (L_d i_d^2 + L_q i_q^2)/(L_d + L_q). For L_d = L_q
+ * this is |i|^2; otherwise it follows from the energy, because the flux must be a gradient. Let y be the current that
+ * an unsaturated machine would have at the same flux. Then i = y (1 + s i^2) has the solution i = y * 2/(1 + sqrt(1 -
+ * 4 s y^2)) without iteration, s = (I_b/I_sat)^2 and y^2 in the same measure.
  *
- * A drive whose duties are compensated and whose DC link is corrected (extension.h) makes the voltage that it
- * commands: it gives this predictor an extension that puts nothing right but the saturation.
+ * With compensated duties and a corrected DC link (extension.h) the commanded voltage acts. Then give this predictor
+ * an extension that corrects only the saturation.
  */
 #ifndef IQFOC_FLUX_PREDICTOR_H
 #define IQFOC_FLUX_PREDICTOR_H
@@ -39,17 +37,18 @@ typedef struct iqfoc_flux_predictor {
     iq24_t k_q;  /* 1/l_q */
     iq24_t r;    /* R I_b / U_b: 0 ... 1 */
     iq24_t psi;  /* psi_f / (U_b T): 0 ... 16 */
-    iq24_t skew; /* (l_d - l_q)/(l_d + l_q), between -1 and 1; of use to saturation alone, else 0 will do */
+    iq24_t skew; /* (l_d - l_q)/(l_d + l_q), between -1 and 1; needed for saturation only, otherwise 0 */
 } iqfoc_flux_predictor_t;
 
 /*
- * Are all values within their ranges, and k_d, k_q the reciprocals of l_d, l_q (to 2^-10), and skew nought or
- * theirs (its product with their sum to 2^-10; an error of skew is one of l_q)? The error names the value.
+ * Checks that all values are within their ranges; that k_d, k_q are the reciprocals of l_d, l_q (to 2^-10); and that
+ * skew is 0 or matches l_d and l_q (its product with their sum to 2^-10; an error of skew is one of l_q). The error
+ * names the value. Call it once, before the drive runs.
  */
 iqfoc_error_t iqfoc_flux_predictor_check(const iqfoc_flux_predictor_t *predictor);
 
 /*
- * The current at the start of the next cycle.
+ * The current at the start of the next cycle. It only reads its arguments: any context.
  *
  * i: true current at the start, |i| <= 8 and |l i| <= 32. u: commanded voltage, |u| <= 2; the extension turns
  * it into what acts. start, end: sine and cosine of the true rotor angle at both ends of the cycle. Out: held

@@ -1,14 +1,13 @@
 /*
- * The hardware abstraction layer: what a port implements, all of it.
+ * The hardware abstraction layer: the four functions and the one struct that a port implements.
  *
- * Four functions and one struct of the port's own. They are resolved by the linker, not by pointers, so that
- * the compiler sees every call and the worst stack can be counted. The host's port is the simulator
- * (port/host); docs/porting.md walks through a new one.
+ * The linker resolves them, not pointers, so that the compiler sees every call and the worst stack can be counted.
+ * The host's port is the simulator (port/host); docs/porting.md leads through a new one.
  *
- * Timing a port must provide (2019, Figs 3 to 5):
- * - the carrier's valley starts a cycle, its peak is the middle; legs are high around the peak;
- * - currents are sampled at both instants by hardware trigger, not when the interrupt gets round to it;
- * - a command written after the peak acts from the next valley (shadow registers), all three legs at once.
+ * Timing that a port must provide (2019, Figs 3 to 5):
+ * - The carrier's valley starts a cycle, its peak is the middle; legs are high around the peak.
+ * - Currents are sampled at both instants by hardware trigger, not when the interrupt starts.
+ * - A command written after the peak acts from the next valley (shadow registers), on all three legs at once.
  */
 #ifndef IQFOC_HAL_H
 #define IQFOC_HAL_H
@@ -23,15 +22,18 @@ extern "C" {
 /* The port's own state: registers, calibration, a simulated drive. Opaque here. */
 typedef struct iqfoc_hal iqfoc_hal_t;
 
-/* Fills in the sample of the valley that caused the call. Units and ranges: iqfoc_sample_t. */
+/*
+ * Fills in the sample of the valley that caused the call. From the valley's interrupt. Units and ranges:
+ * iqfoc_sample_t.
+ */
 void iqfoc_hal_read_valley(iqfoc_hal_t *hal, iqfoc_sample_t *sample);
 
-/* The same for the peak. */
+/* The same for the peak, from the peak's interrupt. */
 void iqfoc_hal_read_peak(iqfoc_hal_t *hal, iqfoc_sample_t *sample);
 
 /*
- * Hands the command to the inverter's shadow registers; it acts from the next valley. gates == false
- * acts at once.
+ * Writes the command to the inverter's shadow registers; it acts from the next valley. gates == false acts at once.
+ * From the valley's and the peak's interrupt.
  */
 void iqfoc_hal_write(iqfoc_hal_t *hal, const iqfoc_command_t *command);
 
@@ -42,17 +44,27 @@ uint32_t iqfoc_hal_now(iqfoc_hal_t *hal);
 #define IQFOC_HAL_OUTPUT_MID IQ24(1.5)
 
 /*
- * What the interrupts call: read, compute, write. A port's handler is one of these lines and the clearing
- * of its flag. Inline, so that the library itself asks nothing of a port, and a shared one links without.
+ * The interrupts' handlers: read, compute, write. A port's handler is one of these lines and the clearing of its
+ * flag. They are inline, so that the library itself needs no port, and a shared library links without one. If the
+ * valley or the peak trips, they write the safe command at once.
  *
  * For the methods that the drive names, a constant (iqfoc/cycle_steps.h):
  */
+/* For a valley that trips: writes the safe command at once, not half a cycle later. */
+static inline void iqfoc_isr_stop(const iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
+{
+    const iqfoc_command_t safe = iqfoc_cycle_safe(cycle->config);
+    iqfoc_hal_write(hal, &safe);
+}
+
 IQFOC_STEP void iqfoc_isr_valley_by(const iqfoc_methods_t methods, iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
 {
     iqfoc_sample_t sample;
     const uint32_t now = iqfoc_hal_now(hal);
     iqfoc_hal_read_valley(hal, &sample);
-    iqfoc_cycle_valley_by(methods, cycle, &sample, now);
+    if (iqfoc_cycle_valley_by(methods, cycle, &sample, now)) {
+        iqfoc_isr_stop(cycle, hal);
+    }
 }
 
 IQFOC_STEP void iqfoc_isr_peak_by(const iqfoc_methods_t methods, iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
@@ -73,7 +85,9 @@ static inline void iqfoc_isr_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
     iqfoc_sample_t sample;
     const uint32_t now = iqfoc_hal_now(hal);
     iqfoc_hal_read_valley(hal, &sample);
-    iqfoc_cycle_valley(cycle, &sample, now);
+    if (iqfoc_cycle_valley(cycle, &sample, now)) {
+        iqfoc_isr_stop(cycle, hal);
+    }
 }
 
 static inline void iqfoc_isr_peak(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)

@@ -1,6 +1,6 @@
 /*
- * Exact current and flux prediction of an induction machine in the stationary frame: the rotor flux in the
- * place of the magnet.
+ * Exact current and flux prediction of an induction machine in the stationary frame, with the rotor flux in place of
+ * the magnet.
  *
  * The inverse-gamma circuit, per unit and cycle (docs/induction.md):
  *
@@ -11,11 +11,11 @@
  * complex products each. The coefficients follow the speed; the library makes them in a slower task as for
  * salient machines. No division by speed or resistance.
  *
- * The flux that a step returns is that of the current model: fed with measured currents, its error dies away
- * with the rotor's time constant, so that iqfoc_induction_step is predictor and flux observer in one.
+ * A step returns the flux of the current model. With measured currents its error decays with the rotor's time
+ * constant, so that iqfoc_induction_step is predictor and flux observer in one.
  *
- * predictor.h serves too: with k_psi = |p| and the flux's angle and speed in the place of the rotor's, its
- * formulas are those of an induction machine in field orientation.
+ * predictor.h is an alternative: with k_psi = |p|, and the flux's angle and speed in place of the rotor's, its
+ * formulas hold for an induction machine in field orientation.
  */
 #ifndef IQFOC_INDUCTION_H
 #define IQFOC_INDUCTION_H
@@ -55,7 +55,7 @@ typedef struct iqfoc_induction_factor {
     int32_t im_q26;
 } iqfoc_induction_factor_t;
 
-/* What one result is made of. */
+/* Coefficients of one result. */
 typedef struct iqfoc_induction_row {
     iqfoc_induction_factor_t of_i;
     iqfoc_induction_factor_t of_flux;
@@ -112,7 +112,7 @@ static inline iqfoc_ab_t iqfoc_induction_result(const iqfoc_induction_row_t *row
  * x: at its start, per unit, |i| <= 8 and |flux| <= 16, vectors' lengths. u: the voltage in the span, |u|
  * <= 2. Out: per unit, |i| <= 81, |flux| <= 24: no overflow in that range, beyond it the result wraps.
  * Largest error against the exact solution for the physical machine, the integers x, u and speed as given
- * (tests/unit/test_induction.c), of 200000 drawn: 3 LSB, mean 2 LSB, where rho <= 0.1, k_u <= 4, |i| <= 1.5
+ * (tests/unit/library/test_induction.c), of 200000 drawn: 3 LSB, mean 2 LSB, where rho <= 0.1, k_u <= 4, |i| <= 1.5
  * and |flux| <= 4; 12 and 7 LSB over the whole range.
  *
  * Range: |dp/ds| <= |i|/2 + 2.1 |p| bounds what flows from flux to current: |i'| <= 8 + 38 + 32 and a little;
@@ -134,13 +134,13 @@ static inline iqfoc_ab_t iqfoc_induction_mean(const iqfoc_induction_t *induction
 }
 
 /*
- * A result of the functions above with what PWM's pulses add to it. They leave the mean voltage's prediction
- * up to 1 % off, most of it by way of the flux: the ripple flows in the rotor too, and the observer sums it
- * up.
+ * A result of the functions above plus the effect of PWM's pulses. Without this term the prediction by the mean
+ * voltage has an error of up to 1 %, most of it in the flux: the ripple flows in the rotor too, and the observer sums
+ * it up.
  *
  * row: of the result, over a whole cycle. even: the result. v: iqfoc_ripple_vector of the cycle's duties,
  * square 0. To the second moment of the pulses: at most 5 % of what this adds is left
- * (tests/unit/test_induction_table.c). Rounding: 1 LSB more.
+ * (tests/unit/library/test_induction_table.c). Rounding: 1 LSB more.
  */
 static inline iqfoc_ab_t iqfoc_induction_with_ripple(const iqfoc_induction_row_t *row, iqfoc_ab_t even,
                                                      iqfoc_ab_t v)

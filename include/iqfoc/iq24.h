@@ -5,20 +5,19 @@
  * steps of 2^-24 = 5.96e-8, called one LSB here and in every error bound of the library. Angles are in turns,
  * so that one turn is 2^24 and a wrap is a mask.
  *
- * Names tell what happens out of range: _wrap keeps the low 32 bits (two's complement), _sat stops at
- * IQ24_MAX or IQ24_MIN. No function here has undefined behaviour for any argument within its stated
- * precondition; without a stated precondition, for any argument at all.
+ * Suffixes say what happens out of range: _wrap keeps the low 32 bits (two's complement), _sat stops at IQ24_MAX or
+ * IQ24_MIN. No function here has undefined behaviour for any argument within its stated precondition; without a
+ * stated precondition, for any argument at all.
  *
  * Wrapping is done by computing the exact value in 64 bits and cutting it in iq24_wrap(), never by letting a
  * 32-bit operation overflow. Compilers for 32-bit cores reduce that to the one 32-bit instruction, and
  * clang -fsanitize=undefined,integer has nothing to report.
  *
- * C99 leaves two things to the compiler: what shifts into a negative number from the left, and what a value
- * becomes that does not fit a signed type. Nothing here depends on either. iq24_asr32, iq24_asr64 and
- * iq24_wrap spell out what is wanted, each the only place of its kind, and it costs nothing: with gcc 12.2
- * (-O1, -O2, -Os, -O3) and clang 14 (-O2) for Cortex-M4 and RV32IM, every function of IQ24 has as many
- * instructions as with a plain >> and a plain cast. Exact-width types are two's complement by definition, so
- * that ^ and ~ are safe on them.
+ * C99 leaves two things to the compiler: the bits that shift into a negative number from the left, and the result of
+ * converting a value that does not fit a signed type. Nothing here depends on either. Only iq24_asr32, iq24_asr64 and
+ * iq24_wrap do these operations, in well-defined steps, at no cost: with gcc 12.2 (-O1, -O2, -Os, -O3) and clang 14
+ * (-O2) for Cortex-M4 and RV32IM, every function of IQ24 has as many instructions as with a plain >> and a plain
+ * cast. Exact-width types are two's complement by definition, so that ^ and ~ are safe on them.
  */
 #ifndef IQFOC_IQ24_H
 #define IQFOC_IQ24_H
@@ -28,9 +27,9 @@
 #include <stdint.h>
 
 /*
- * The target's own way of the hooks below: the compiler says what it targets, and iqfoc/target/ has a
- * header for it. A header of your own instead: -DIQFOC_TARGET_HEADER='"my_dsp.h"'; that defines the hooks
- * it has and leaves the others.
+ * The target's own implementation of the hooks below: the compiler says what it targets, and iqfoc/target/ has a
+ * header for it. A header of your own instead: -DIQFOC_TARGET_HEADER='"my_dsp.h"'; that defines the hooks it has and
+ * leaves the others.
  */
 #ifdef IQFOC_TARGET_HEADER
 #include IQFOC_TARGET_HEADER
@@ -39,8 +38,8 @@
 #endif
 
 /*
- * IQ24() folds constants of type double. Where they have the 24-bit mantissa of a float, every constant
- * would silently be another: that is refused here.
+ * IQ24() folds constants of type double. If double has only the 24-bit mantissa of a float, every constant would
+ * silently change: such a compiler is refused here.
  */
 #if DBL_MANT_DIG < 53
 #error                                                                                                       \
@@ -54,7 +53,7 @@ static_assert(sizeof(0.1) > sizeof(0.1F), IQ24_ASSUME_TEXT_);
 #elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
 _Static_assert(sizeof(0.1) > sizeof(0.1F), IQ24_ASSUME_TEXT_);
 #else
-/* C99 has no way to say it but the name of an array that cannot be. */
+/* C99 has no static assertion but an array of invalid size. */
 typedef char iq24_assume_compiled_without_fsingle_precision_constant[sizeof(0.1) > sizeof(0.1F) ? 1 : -1];
 #endif
 
@@ -110,7 +109,7 @@ extern "C" {
 #define IQ24_HIGH_ROUND_ADD(c, a, b) iq24_add_wrap(c, IQ24_HIGH_ROUND(a, b))
 #endif
 
-/* Hook: x held to what a signed number of so many bits can be, bits a constant from 1 to 31. */
+/* Hook: x held to the range of a signed number of `bits` bits, a constant from 1 to 31. */
 #ifndef IQ24_HOLD_BITS
 #define IQ24_HOLD_BITS(x, bits) iq24_clamp(x, -(INT32_C(1) << ((bits)-1)), (INT32_C(1) << ((bits)-1)) - 1)
 #endif
@@ -124,10 +123,10 @@ typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before roundi
 #define IQ24_MIN           INT32_MIN /* -128 */
 
 /*
- * IQ24(x): the iq24_t nearest to the constant x, ties away from zero. x is a constant floating expression
- * with -128 - 2^-25 < x < 128 - 2^-25; it is evaluated more than once, and folds at compile time. gcc and
- * clang warn of a constant out of range, so that -Werror refuses it. What truncation leaves is exact, unlike
- * x * 2^24 + 0.5, which is itself rounded before it is truncated.
+ * IQ24(x): the iq24_t nearest to the constant x, ties away from zero. x is a constant floating expression with -128 -
+ * 2^-25 < x < 128 - 2^-25; it is evaluated more than once, and folds at compile time. gcc and clang warn of a
+ * constant out of range, so that -Werror refuses it. The remainder of the truncation is exact, unlike x * 2^24 + 0.5,
+ * which is itself rounded before it is truncated.
  */
 #define IQ24(x)                                                                                              \
     IQ24_CAST_(iq24_t, IQ24_CUT_(x) + (IQ24_SCALED_(x) - IQ24_CUT_(x) >= 0.5) -                              \
@@ -163,7 +162,7 @@ static inline iq24_t iq24_from_bits(uint32_t bits)
 static inline iq24_t iq24_wrap(int64_t x)
 {
 #ifdef __FRAMAC__
-    /* The same value, told so that a proof over ranges can follow it (docs/proofs.md); no build has this. */
+    /* The same value in a form that a proof over ranges can follow (docs/proofs.md); no build has this. */
     if (x >= INT32_MIN && x <= INT32_MAX) {
         return (iq24_t)x;
     }

@@ -1,13 +1,13 @@
 /*
  * Divide, square root, sine with cosine, and atan2 on IQ24 (numbers: iq24.h). All are pure functions.
  *
- * 1 LSB = 2^-24. Errors are against the exact function of the integer arguments; how each was found stands
- * with it, and tests/unit/test_iq24_math.c enforces every sentence below.
+ * 1 LSB = 2^-24. Errors are against the exact function of the integer arguments; each says how it was found.
+ * tests/unit/library/test_iq24_math.c enforces every sentence below.
  *
- * Instructions are those of a call on a Cortex-M4, entry through return, gcc 12.2 -O2 with the target header
- * in port/cortex-m4; they do not depend on the arguments but as stated. All but the sine rest on the core's
- * unsigned 32-bit divide, whose cycles (2 to 12 there) do; where a core has no divide instruction, each of
- * those is a library call.
+ * Instructions are those of a call on a Cortex-M4, entry through return, gcc 12.2 -O2 with the target header in
+ * port/cortex-m4; they do not depend on the arguments but as stated. All but the sine use the core's unsigned 32-bit
+ * divide, whose cycles (2 to 12 there) depend on them. On a core without a divide instruction, each divide is a
+ * library call.
  */
 #ifndef IQFOC_IQ24_MATH_H
 #define IQFOC_IQ24_MATH_H

@@ -1,6 +1,4 @@
-/*
- * The whole library in one line. What is not called is not linked, and macros cost nothing.
- */
+/* Includes the whole library. Functions that are not called are not linked, and macros cost nothing. */
 #ifndef IQFOC_IQFOC_H
 #define IQFOC_IQFOC_H
 
@@ -30,6 +28,7 @@
 #include "mean_modulated.h"
 #include "methods.h"
 #include "modulation.h"
+#include "observer.h"
 #include "offset.h"
 #include "overmodulation.h"
 #include "params.h"
@@ -44,6 +43,7 @@
 #include "ripple.h"
 #include "rotor.h"
 #include "sample.h"
+#include "sensorless.h"
 #include "shunts.h"
 #include "start.h"
 #include "supervision.h"

@@ -1,10 +1,10 @@
 /*
- * SI values to a set of parameters while the drive runs: what iqfoc/params.h does with constants, for values
- * that are read from a memory, identified, or follow a temperature or a carrier frequency.
+ * Converts SI values to a set of parameters while the drive runs: iqfoc/params.h for values that are not constants
+ * but are read from a memory, identified, or follow a temperature or a carrier frequency.
  *
- * Optional, and the one header of the library that computes in floating point (double): for a slower task,
- * never for an interrupt. A firmware that does not include it links none. The results are those of the macros
- * to the last bit. A value that does not fit is named, and the set left as it was:
+ * This optional header is the only one of the library that computes in floating point (double). Call it from a slower
+ * task, never from an interrupt. A firmware that does not include it links none of it. The results equal those of the
+ * macros to the last bit. A value that does not fit is named, and the set does not change:
  *
  *     const char *refused = iqfoc_si_parameters(&drive, &spare);
  *     if (refused == NULL && iqfoc_cycle_offer(&cycle, &spare) == IQFOC_OK) ...
@@ -24,7 +24,10 @@
 extern "C" {
 #endif
 
-/* A machine, its inverter and its control. The resistance is of one phase, peak values where nothing is said. */
+/*
+ * A machine, its inverter and its control. The resistance is that of one phase; values without another name are peak
+ * values.
+ */
 typedef struct iqfoc_si_drive {
     double R_ohm;
     double L_d_H;
@@ -40,7 +43,7 @@ typedef struct iqfoc_si_drive {
 /*
  * x in Q(bits), to nearest, ties up, 0 <= x and x 2^bits < 2^31 - 1: as IQ24() and IQFOC_EXACT_Q().
  *
- * What the truncation leaves is exact, unlike x 2^bits + 0.5.
+ * The remainder of the truncation is exact, unlike x 2^bits + 0.5.
  */
 static inline int32_t iqfoc_si_q(double x, uint32_t bits)
 {
@@ -49,7 +52,7 @@ static inline int32_t iqfoc_si_q(double x, uint32_t bits)
     return scaled - cut >= 0.5 ? cut + 1 : cut;
 }
 
-/* A value, its range, and what to say if it is not within (which a value that is no number is not either). */
+/* A value, its range, and the message if it is outside; a NaN is outside every range. */
 typedef struct iqfoc_si_check {
     double value;
     double low;
@@ -67,7 +70,7 @@ static inline const char *iqfoc_si_first_refused(const iqfoc_si_check_t *checks,
     return NULL;
 }
 
-/* What is divided by; the rest follows from the coefficients. */
+/* The divisors; the coefficients show any other wrong value. */
 static inline const char *iqfoc_si_refused_base(const iqfoc_si_drive_t *d)
 {
     const double least = 1e-12;
@@ -84,8 +87,8 @@ static inline const char *iqfoc_si_refused_base(const iqfoc_si_drive_t *d)
 }
 
 /*
- * Fills in predictor (by the mean of the two inductances), gains and, if ticks_per_s is given, period_ticks;
- * all else in the set stays. NULL, or what was refused, the set untouched.
+ * Fills in predictor (by the mean of the two inductances), gains and, if ticks_per_s is given, period_ticks; the
+ * other fields do not change. Returns NULL, or the refused value's message with the set unchanged. From a task.
  */
 static inline const char *iqfoc_si_parameters(const iqfoc_si_drive_t *d, iqfoc_cycle_config_t *set)
 {
@@ -132,7 +135,10 @@ static inline const char *iqfoc_si_parameters(const iqfoc_si_drive_t *d, iqfoc_c
     return refused;
 }
 
-/* The same for the exact predictor's winding (predictor_exact.h), by the mean of the two inductances. */
+/*
+ * The same for the exact predictor's winding (predictor_exact.h), by the mean of the two inductances. A firmware with
+ * IQFOC_MODEL_EXACT or deadbeat control calls it in the task that changes its parameters.
+ */
 static inline const char *iqfoc_si_winding(const iqfoc_si_drive_t *d, iqfoc_exact_winding_t *winding)
 {
     iqfoc_cycle_config_t set;

@@ -1,17 +1,20 @@
 /*
- * Mean current over a control cycle: what a controller of mean dq currents should be fed.
+ * Mean current over a control cycle: the feedback of a controller of mean dq currents.
  *
- * Averaging phase currents and transforming the mean with one angle (the middle's) is wrong when the rotor
- * turns far within the cycle: 5.3 % of the current in six-step. 2016 derives the correction; in this form
+ * Usual practice averages the phase currents and transforms the mean with one angle, that of the middle. This is
+ * wrong if the rotor turns far within the cycle: by 5.3 % of the current in six-step. 2016 derives the correction. In
+ * the form
  *
  *     i_dq = e^(-j theta_m) [ s1 i_mean - j s2 (i(T) - i(0)) ]
  *
- * it needs no normalisation of modulus and angle, no division and no arc tangent. 2019 derives the mean of
- * the phase currents themselves from the sample at the start of the cycle:
+ * it needs no normalisation of modulus and angle, no division and no arc tangent. 2019 derives the mean of the phase
+ * currents themselves from the sample at the start of the cycle:
  *
  *     i_mean = i + (T/2L)(u - R i) - (psi phi/L) e^(j theta_m) [ s2 + (j/2) s1 ]
  *
- * In this form it holds at standstill too (the paper's divides by the speed).
+ * In this form it holds at standstill too (the paper's form divides by the speed).
+ *
+ * All functions only read their arguments: any context may call them.
  */
 #ifndef IQFOC_MEAN_CURRENT_H
 #define IQFOC_MEAN_CURRENT_H
@@ -65,8 +68,8 @@ static inline iqfoc_dq_t iqfoc_mean_current_correct_steady(iqfoc_ab_t i_mean, iq
 }
 
 /*
- * Quasi-discrete mean of the phase currents over the cycle that begins now, 2019 (10), from the
- * quasi-discrete prediction of its end, which holds all but one term of it:
+ * Quasi-discrete mean of the phase currents over the cycle that begins now, 2019 (10). The quasi-discrete prediction
+ * of the cycle's end contains all but one of its terms:
  *
  *     i_mean = (i + i_next)/2 - (psi phi/L) s2 e^(j theta_m)
  *
@@ -88,19 +91,20 @@ static inline iqfoc_ab_t iqfoc_mean_current_from_prediction(const iqfoc_predicto
 }
 
 /*
- * The same mean as seen from the turning rotor: 2019 (10) and 2016 (10) in one. The term in s2 of the former
- * lies on the d axis at every angle; there it is s1 (psi phi/L) s2, and (psi phi/L) s1 is the EMF w that the
- * prediction was made with, so that of both corrections little is left to do:
+ * The same mean as seen from the turning rotor: 2019 (10) and 2016 (10) in one. The s2 term of 2019 (10) lies on the
+ * d axis at every angle and is s1 (psi phi/L) s2 there. (psi phi/L) s1 is the EMF w of the prediction, so that both
+ * corrections become
  *
  *     i_dq = e^(-j theta_m) [ s1 (i + i_next)/2 - j s2 (i_next - i) ] - w s2
+ *
+ * A firmware without the control cycle calls this function; the cycle itself calls the next one.
  *
  * i, i_next: |component| <= 21.3 and <= 51.2 (docs/units.md: what a sampled current within 15.9 gives). w:
  * iqfoc_predictor_emf. Out: dq. Largest error with i_next and w as given: 1.92 LSB.
  *
- * Range: |i + i_next| and |i_next - i| <= 72.5 fit; in v |s1 (i + i_next)/2| <= 36.3 and |s2 delta| <= 11.4,
- * together within Park's 64; |w s2| <= 13.9 * 0.157 = 2.2.
- * Error: v is twice too large until it is rounded down, by less than 1 LSB a component; Park's sum and w s2
- * are rounded together.
+ * Range: |i + i_next| and |i_next - i| <= 72.5 fit; in v |s1 (i + i_next)/2| <= 36.3 and |s2 delta| <= 11.4, together
+ * within Park's 64; |w s2| <= 13.9 * 0.157 = 2.2. Error: v is computed twice as large until it is rounded down, by
+ * less than 1 LSB a component; Park's sum and w s2 are rounded together.
  */
 static inline iqfoc_dq_t iqfoc_mean_current_seen(iqfoc_ab_t i, iqfoc_ab_t i_next, iq24_t w,
                                                  const iqfoc_rotor_t *rotor, iq24_sincos_t sc_mid)
@@ -142,7 +146,7 @@ static inline iqfoc_dq_t iqfoc_mean_current_seen_q30(iqfoc_ab_t i, iqfoc_ab_t i_
 }
 
 /*
- * The same from the start alone: 2019 (10), its third term mended (docs/equations.md, errata).
+ * The same from the sample at the start only: 2019 (10) with its third term corrected (docs/equations.md, errata).
  *
  * i: current at the start of the cycle, |component| <= 32; u: the voltage that acts during it, |component| <=
  * 2; sc_mid: of the angle at mid-cycle. Out: stationary frame, |component| <= 59. Largest error against the

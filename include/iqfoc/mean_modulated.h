@@ -1,18 +1,17 @@
 /*
- * Mean dq current over a PWM cycle as seen from the turning rotor, ripple included: from the samples at both
- * ends of the cycle, its duties and the speed, for machines without saliency. What 2016 leaves to future
- * work.
+ * Mean dq current over a PWM cycle as seen from the turning rotor, ripple included, for machines without saliency. It
+ * needs the samples at both ends of the cycle, its duties and the speed. 2016 leaves it to future work.
  *
  *     i_dq = e^(-j theta_m) [   s1 (i + i_next)/2 + (rho s2/phi - j s2)(i_next - i)
  *                             + (rho - j phi)(k_u u_dc/24) V ]
  *            - k_psi (1 - s1^2)
  *
- * The first two terms are the smooth current's, straight but for the bow that the resistance gives it; the
- * third is the ripple's (ripple.h); the last, on the d axis at every angle, is the bow that the EMF gives.
- * Derivation and the map of where less is enough: docs/mean-under-modulation.md.
+ * The first two terms are those of the smooth current, which is straight but for the bend by the resistance. The
+ * third is the ripple's (ripple.h). The last one, on the d axis at every angle, is the bend by the EMF. Derivation,
+ * and a map of where a simpler mean is enough: docs/mean-under-modulation.md.
  *
- * The second sample may be the one at the next valley, for the cycle that ended, or its prediction, for the
- * cycle that begins.
+ * The second sample may be the one at the next valley, for the cycle that ended, or its prediction, for the cycle
+ * that begins.
  */
 #ifndef IQFOC_MEAN_MODULATED_H
 #define IQFOC_MEAN_MODULATED_H
@@ -27,11 +26,11 @@
 extern "C" {
 #endif
 
-/* At a speed; IQ24. */
+/* Coefficients at one speed; IQ24. */
 typedef struct {
     iq24_t half_s1; /* s1/2 */
     iq24_t s2;
-    iq24_t bow;    /* rho s2/phi: 0 ... 0.084 */
+    iq24_t bow;    /* correction coefficient of the resistance, rho s2/phi: 0 ... 0.084 */
     iq24_t emf;    /* k_psi (1 - s1^2): 0 ... 2.6 */
     iq24_t square; /* phi^2/80 */
     iq24_t along;  /* k_u rho/24 */
@@ -50,10 +49,10 @@ iqfoc_mean_modulated_t iqfoc_mean_modulated_at_speed(const iqfoc_predictor_t *pr
  * duties that acted, 0 ... 1. u_dc: the DC link, per unit of nominal, 0 ... 2. sc_mid: of the rotor angle at
  * mid-cycle. Out: dq, no overflow in that range.
  *
- * Largest error against the true mean of the switching-level drive, each motor of motors/ without saliency,
- * SFFR 6 and above, up to rated current (tests/unit/test_mean_modulated.c): 0.02 % of the rated current. What
- * is left out is of second order in R T/L. From the formula in double, all inputs rounded to IQ24, it
- * departs by at most 100 LSB (6e-6) in the cycles drawn there.
+ * Largest error against the true mean of the switching-level drive, each motor of data/motors/ without saliency, SFFR
+ * 6 and above, up to rated current (tests/unit/library/test_mean_modulated.c): 0.02 % of the rated current. The
+ * neglected terms are of second order in R T/L. From the formula in double, all inputs rounded to IQ24, it departs by
+ * at most 100 LSB (6e-6) in the cycles drawn there.
  *
  * Range: |s1 (i + i_next)/2| <= 32, |s2 delta| <= 10.1, |bow delta| <= 5.4 and the ripple's 1.1 are within
  * Park's 64.

@@ -1,5 +1,6 @@
 /*
- * From a voltage vector to the three half-bridges: PWM with min/max zero sequence, and six-step.
+ * Duties of the three half-bridges for a voltage vector: PWM with min/max zero sequence, and six-step. All functions
+ * only read their arguments: any context may call them.
  */
 #ifndef IQFOC_MODULATION_H
 #define IQFOC_MODULATION_H
@@ -11,16 +12,16 @@
 extern "C" {
 #endif
 
-/* What a modulator asks of the inverter. */
+/* The modulator's result for the inverter. */
 typedef struct iqfoc_duties {
     iqfoc_abc_t high; /* high-side duty cycle of each leg: IQ24, 0 ... 1 */
-    iq24_t scale;     /* 1, or < 1: the factor by which the voltage had to be shortened */
+    iq24_t scale;     /* 1, or < 1: the factor by which the modulator shortened the voltage */
 } iqfoc_duties_t;
 
 /*
- * The factor that makes a voltage fit whose phases are too far apart: a little below span_max/span, so that
- * phases multiplied by it and rounded down are not. 1 LSB <= span_max < span; with span_max >= 1/2 the
- * largest error is 7 LSB, downwards.
+ * The factor that scales a voltage whose phases differ by too much: a little below span_max/span, so that phases
+ * multiplied by it and rounded down are not. 1 LSB <= span_max < span; with span_max >= 1/2 the largest error is 7
+ * LSB, downwards.
  */
 iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
 
@@ -28,12 +29,12 @@ iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
  * Centre-aligned PWM with the zero sequence -(max + min)/2 of the three phase voltages, which uses the DC
  * link as fully as space-vector modulation and gives the same switching instants.
  *
- * u: stationary voltage, per unit, |u| <= 32. u_dc_inverse: 1/u_dc in per unit, 0 < u_dc_inverse <= 2.
- * span_max: largest difference of two duties, 0 < span_max <= 1: below 1 it leaves room for sampling and dead
- * time. A voltage beyond the hexagon is shortened so that its angle stays, and scale says by how much: 1
- * means that nothing was taken. Duties lie in [0, 1] for every input in that range. Largest error against
- * double: a duty within the hexagon 3 LSB; for span_max >= 1/2, of 400000 drawn: shortened, 4 LSB + 1.5 LSB
- * per unit of |u| u_dc_inverse; scale 7 LSB (it is rounded down, so that the duties fit).
+ * u: stationary voltage, per unit, |u| <= 32. u_dc_inverse: 1/u_dc in per unit, 0 < u_dc_inverse <= 2. span_max:
+ * largest difference of two duties, 0 < span_max <= 1: below 1 it leaves room for sampling and dead time. A voltage
+ * beyond the hexagon is shortened at the same angle by the factor scale; 1 means that it was not shortened. Duties
+ * lie in [0, 1] for every input in that range. Largest error against double: a duty within the hexagon 3 LSB; for
+ * span_max >= 1/2, of 400000 drawn: shortened, 4 LSB + 1.5 LSB per unit of |u| u_dc_inverse; scale 7 LSB (it is
+ * rounded down, so that the duties fit).
  *
  * Range: |u u_dc_inverse| <= 64, so |phase| <= 64.1 and span = max - min <= sqrt(3) 64 = 110.9: no sum wraps.
  * With 0 <= span <= 1, (1 - span)/2 >= 0 is the lowest duty and (1 - span)/2 + span <= 1 the highest,
@@ -89,9 +90,9 @@ iqfoc_duties_t iqfoc_six_step_duties(int32_t state);
 iqfoc_ab_t iqfoc_six_step_voltage(int32_t state, iq24_t u_dc);
 
 /*
- * Angle that a turning reference has still to cover before the next state is nearest: IQ24 turns, 0 < result
- * <= 1/6 forward, and the same backward for turns_per_cycle < 0. A port divides it by the speed to set its
- * timer. 1/6 turn is no whole number of LSB: exact to 1 LSB.
+ * Angle that a turning reference still has to cover before the next state is nearest: IQ24 turns, 0 < result <= 1/6
+ * forward, and the same backward for turns_per_cycle < 0. A port divides it by the speed to set its timer. 1/6 turn
+ * is no whole number of LSB: exact to 1 LSB.
  */
 iq24_t iqfoc_six_step_remaining(iq24_t angle, iq24_t turns_per_cycle);
 

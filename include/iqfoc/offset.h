@@ -1,12 +1,15 @@
 /*
- * Offsets of the current sensors, measured while no current flows: once at the start, gates off, ahead of the
- * first command. The mean of many samples resolves what a single converter step does not.
+ * Offsets of the current sensors, measured while no current flows: once at the start, gates off, before the first
+ * command. The mean of many samples resolves less than one step of the converter.
  *
  *     offset = mean(measured)           noise = sqrt(mean((measured - offset)^2))
  *
- * One call a carrier period with what the HAL delivers, until the verdict is no longer BUSY; from then on
- * iqfoc_offset_removed gives the current. The same numbers may go to iqfoc_extension_t.i_offset instead. A
- * port with two sensors passes the third current that it makes of them: its offset follows.
+ * Call iqfoc_offset_step once per carrier period with the HAL's currents until the verdict is no longer BUSY. From
+ * then on iqfoc_offset_removed gives the current. The same numbers may go to iqfoc_extension_t.i_offset instead. A
+ * port with two sensors passes the third current that it computes from them; its offset follows.
+ *
+ * All functions share one state: call them from the interrupt that samples, iqfoc_offset_removed also from others
+ * once the verdict is GOOD.
  */
 #ifndef IQFOC_OFFSET_H
 #define IQFOC_OFFSET_H
@@ -18,16 +21,16 @@
 extern "C" {
 #endif
 
-/* What is tolerated. Per unit of the rated peak current, IQ24. */
+/* Limits. Per unit of the rated peak current, IQ24. */
 typedef struct iqfoc_offset_limits {
-    uint32_t settle; /* samples passed over first, while amplifiers and filters come to rest; any number */
+    uint32_t settle;     /* samples skipped first, while amplifiers and filters settle; any number */
     uint32_t count_log2; /* then 2^count_log2 samples are averaged: 2 ... 16 */
     iq24_t offset_max;   /* |offset| beyond it is a fault: 0 < x <= 1 */
     iq24_t noise_max;    /* rms noise beyond it is a fault: 0 < x <= 1/8 */
 } iqfoc_offset_limits_t;
 
 typedef enum iqfoc_offset_verdict {
-    IQFOC_OFFSET_BUSY,         /* more samples are wanted */
+    IQFOC_OFFSET_BUSY,         /* needs more samples */
     IQFOC_OFFSET_GOOD,         /* the offsets may be used */
     IQFOC_OFFSET_OUT_OF_RANGE, /* a sensor torn off, its supply missing, or a current that flows */
     IQFOC_OFFSET_NOISY         /* a loose contact, interference, or a current that changes */
@@ -44,11 +47,11 @@ typedef struct iqfoc_offset_sums {
 /* Read verdict, faulty, offset and noise. */
 typedef struct iqfoc_offset {
     const iqfoc_offset_limits_t *limits;
-    iqfoc_offset_verdict_t verdict; /* the worse of both faults if there are both: out of range */
+    iqfoc_offset_verdict_t verdict; /* of two faults the worse one: out of range */
     uint32_t faulty;                /* bit 0, 1, 2: the verdict's fault is sensor A's, B's, C's */
     iqfoc_abc_t offset;             /* 0 while busy */
-    iqfoc_abc_t noise;              /* rms, 0 while busy; 1/8 if a sample was further off than that */
-    uint32_t seen;                  /* samples, those passed over included */
+    iqfoc_abc_t noise;              /* rms, 0 while busy; 1/8 if a sample deviated by more than that */
+    uint32_t seen;                  /* number of samples, skipped ones included */
     iqfoc_offset_sums_t a;
     iqfoc_offset_sums_t b;
     iqfoc_offset_sums_t c;

@@ -1,29 +1,27 @@
 /*
- * Beyond the linear range: a voltage vector that the hexagon of the inverter's states has no room for, taken
- * to it in one of three ways, up to six-step.
+ * Overmodulation: three ways to limit a voltage vector beyond the hexagon of the inverter's states, up to six-step.
  *
- *     iqfoc_modulate              keeps the angle: least error of phase (modulation.h)
- *     iqfoc_modulate_nearest      the nearest point of the hexagon: least error of the vector
- *     iqfoc_overmodulate          the length that makes the fundamental asked for, then the nearest point:
- *                                 a drive goes from linear modulation to six-step and back without a bump
+ *     iqfoc_modulate              keeps the angle: smallest error of phase (modulation.h)
+ *     iqfoc_modulate_nearest      the nearest point of the hexagon: smallest error of the vector
+ *     iqfoc_overmodulate          the length that makes the requested fundamental, then the nearest point:
+ *                                 smooth transition from linear modulation to six-step and back
  *
- * The nearest point of a hexagon's side is met by taking as much off the highest leg as is added to the
- * lowest; beyond the side's ends it is a corner, where the vector is held. With duties counted from the
- * middle between highest and lowest leg, all of that is: cut at 0 and at 1. A vector of length M (of the DC
- * link) that turns with even speed makes the fundamental
+ * The nearest point on a side of the hexagon lowers the highest leg as much as it raises the lowest. Beyond the
+ * side's ends the nearest point is a corner, where the vector is held. With duties counted from the middle between
+ * highest and lowest leg, both mean: cut at 0 and at 1. A vector of length M (of the DC link) that turns at even
+ * speed makes the fundamental
  *
  *     U(M) = M [1 - (3/pi)(d - sin(2 d)/2)],   cos d = 1/(sqrt(3) M)      1/sqrt(3) <= M <= 2/3
  *     U(M) = (d/sin d + cos d)/pi,             sin d = 1/(3 M)            2/3 <= M
  *
- * which is 2/pi, six-step, where M is without bound. iqfoc_overmodulate inverts it, so that a controller's
- * gain is 1 throughout. The vector is held at a corner but for 2 d in each sixth of a turn, in which one leg
- * moves from one end to the other. It may do so within one control cycle, not faster: with sin d = sin(phi/2)
- * the leg's duty in that cycle is the mean of a six-step edge that falls into it, so that the edge's
- * volt-seconds are right although the carrier knows nothing of the fundamental. That is the largest voltage,
- * iqfoc_overmodulation_limit. A vector without bound would put each edge at the nearest valley instead, and
- * its current would wander with the beat of both frequencies.
+ * which tends to 2/pi, six-step, for large M. iqfoc_overmodulate inverts it, so that a controller's gain is 1
+ * throughout. The vector is held at a corner except for 2 d in each sixth of a turn, in which one leg moves from one
+ * end to the other. The leg may move within one control cycle, not faster. With sin d = sin(phi/2) the leg's duty in
+ * that cycle is the mean of a six-step edge in it. The edge's volt-seconds are then right although the carrier is not
+ * synchronous to the fundamental. That is the largest voltage, iqfoc_overmodulation_limit. A longer vector would put
+ * each edge at the nearest valley, and its current would beat with the difference of both frequencies.
  *
- * There is no switching over and no hysteresis: each step depends continuously on what is asked for.
+ * There is no switching over and no hysteresis: each step depends continuously on the requested voltage.
  */
 #ifndef IQFOC_OVERMODULATION_H
 #define IQFOC_OVERMODULATION_H
@@ -36,9 +34,11 @@ extern "C" {
 #endif
 
 /* Lengths and fundamentals over the DC link. */
-#define IQFOC_OVERMODULATION_CIRCLE INT32_C(9686330)  /* 1/sqrt(3): within the hexagon at every angle */
-#define IQFOC_OVERMODULATION_SIDES  INT32_C(10217287) /* U(2/3): from here on nothing is within it */
-#define IQFOC_OVERMODULATION_MOST   INT32_C(10677616) /* U(8): 0.9997 of six-step, the highest limit */
+#define IQFOC_OVERMODULATION_CIRCLE                                                                          \
+    INT32_C(9686330) /* 1/sqrt(3): a vector of this length is within the hexagon at every angle */
+#define IQFOC_OVERMODULATION_SIDES                                                                           \
+    INT32_C(10217287) /* U(2/3): a longer vector leaves the hexagon at every angle */
+#define IQFOC_OVERMODULATION_MOST INT32_C(10677616) /* U(8): 0.9997 of six-step, the highest limit */
 
 /*
  * The legs nearest to a voltage: its nearest point on the hexagon, or itself within it.
@@ -61,8 +61,8 @@ static inline iqfoc_abc_t iqfoc_overmodulation_legs(iqfoc_ab_t v)
 }
 
 /*
- * Centre-aligned PWM that takes a voltage beyond the hexagon to its nearest point: what deadbeat control
- * wants, whose next current is then as near as it can be. No state, no division but for scale.
+ * Centre-aligned PWM that moves a voltage beyond the hexagon to its nearest point. For deadbeat control: its next
+ * current is then as near to its target as possible. No state, no division except for scale. Any context.
  *
  * u: stationary voltage, per unit, |u| <= 32. u_dc_inverse: 0 < u_dc_inverse <= 2. Duties: iqfoc_modulate's,
  * bit by bit, within the hexagon; in [0, 1] for every input; largest error 3 LSB + 1 LSB per unit of
@@ -85,33 +85,35 @@ iqfoc_ab_t iqfoc_modulated_voltage(iqfoc_abc_t high, iq24_t u_dc);
  */
 iq24_t iqfoc_overmodulation_limit(const iqfoc_rotor_t *rotor);
 
-/* The modulator's memory; zeroed, it is as after a time in the linear range. */
+/* The modulator's state; zero is the state after a time in the linear range. */
 typedef struct iqfoc_overmodulation {
-    iq24_t length; /* of the voltage asked for over u_dc, followed by an eighth a cycle; see below */
+    iq24_t
+        length; /* filtered length of the requested voltage over u_dc: moves by an eighth of the difference per cycle; see below */
 } iqfoc_overmodulation_t;
 
-/* The part of iqfoc_overmodulate for what is beyond the circle. v: |v| <= 64; square: |v|^2 in Q48. */
+/* The part of iqfoc_overmodulate for a voltage beyond the circle. v: |v| <= 64; square: |v|^2 in Q48. */
 iqfoc_duties_t iqfoc_overmodulate_beyond(iqfoc_overmodulation_t *state, iqfoc_ab_t v, iq24_acc_t square,
                                          iq24_t limit);
 
 /*
- * Centre-aligned PWM whose fundamental is what was asked for, from 0 to six-step.
+ * Centre-aligned PWM whose fundamental is the requested one, from 0 to six-step. From the interrupt that owns
+ * `state`.
  *
  * u: stationary voltage, per unit, |u| <= 32. u_dc_inverse: 0 < u_dc_inverse <= 2. limit: what
- * iqfoc_overmodulation_limit gives, or less, down to IQFOC_OVERMODULATION_CIRCLE. Duties: within the circle
- * those of iqfoc_modulate, bit by bit; in [0, 1] for every input. Beyond it, for a length that the voltage
- * has had for some cycles, the fundamental is the one asked for within 0.0003 u_dc. Largest error of a
- * duty, of 400000 drawn: 20 LSB, and what 4 LSB of the length make of it.
+ * iqfoc_overmodulation_limit gives, or less, down to IQFOC_OVERMODULATION_CIRCLE. Duties: within the circle those of
+ * iqfoc_modulate, bit by bit; in [0, 1] for every input. Beyond it, after some cycles of constant length, the
+ * fundamental is the requested one within 0.0003 u_dc. Largest error of a duty, of 400000 drawn: 20 LSB, and what 4
+ * LSB of the length make of it.
  *
- * In overmodulation the current has harmonics of six times the fundamental, and a controller answers them.
- * The angle of its voltage is taken as it is; its length is followed by an eighth of the difference a cycle,
- * so that the harmonics do not reach the limit and cost voltage. How much of that is done grows from none at
- * the circle to all of it 1/32 beyond; a difference of more than 1/16 of u_dc is no harmonic's, and what
- * there is more of it is taken at once. docs/run-up.md shows what comes of it.
+ * In overmodulation the current has harmonics of six times the fundamental, and a controller reacts to them. The
+ * angle of its voltage is used unchanged. Its length is filtered by an eighth of the difference per cycle, so that
+ * the harmonics do not reach the limit and cost voltage. The filter's effect grows from none at the circle to full
+ * 1/32 beyond it. A difference of more than 1/16 of u_dc is not a harmonic, and its excess acts at once.
+ * docs/run-up.md shows the result.
  *
- * scale: 1 while the voltage asked for is at most 33/32 of the limit, else 33/32 limit over its length (over
- * 8, if it is longer), for the integrators' anti-windup: harmonics that just touch the limit shall not wind
- * anything back.
+ * scale: 1 while the requested voltage is at most 33/32 of the limit, else 33/32 limit over its length (over 8, if it
+ * is longer). It is for the integrators' anti-windup: harmonics that just touch the limit must not change the
+ * integrators.
  */
 static inline iqfoc_duties_t iqfoc_overmodulate(iqfoc_overmodulation_t *state, iqfoc_ab_t u,
                                                 iq24_t u_dc_inverse, iq24_t limit)

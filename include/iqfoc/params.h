@@ -1,15 +1,16 @@
 /*
- * Physical values to per unit, in one place: macros of floating constants that fold at compile time, so
- * that no floating instruction reaches the target. The host evaluates them with its motor file's values.
+ * Converts physical values to per unit: macros of floating constants that fold at compile time, so that no
+ * floating-point instruction reaches the target. The host evaluates them with the values of its motor file.
  *
- * Bases (docs/units.md): current I_b = sqrt(2) I_rated_rms, voltage U_b = nominal DC link, angle one
- * turn, time one control cycle T. In a firmware:
+ * Bases (docs/units.md): current I_b = sqrt(2) I_rated_rms, voltage U_b = nominal DC link, angle one turn, time one
+ * control cycle T. In a firmware:
  *
  *     static const iqfoc_predictor_t predictor =
  *         IQFOC_PREDICTOR(R_OHM, L_H, PSI_WB, T_S, IQFOC_I_BASE(I_RATED_A), U_DC_V);
  *
- * A value out of its range does not compile: the error stands inside the macro that bears the
- * coefficient's name. The host refuses the same values by the same names.
+ * A value out of its range does not compile: the compiler lists the macros that it expanded, and one of them has the
+ * coefficient, its range and the remedy as its name (IQFOC_K_PSI_IS_0_TO_8_ELSE_A_LARGER_I_BASE). The host refuses the
+ * same values by the same names.
  */
 #ifndef IQFOC_PARAMS_H
 #define IQFOC_PARAMS_H
@@ -17,8 +18,8 @@
 #include "iq24.h"
 
 /*
- * 1 where x lies within low ... high; else it does not compile, for in C a division by 0 is no constant,
- * and in C++ the template has no such member.
+ * 1 if x lies within low ... high. Otherwise it does not compile: in C a division by 0 is no constant, and in C++ the
+ * template has no such member.
  */
 #ifdef __cplusplus
 extern "C++" {
@@ -44,7 +45,7 @@ template <> struct iqfoc_range_check_<true> {
 /* ---- The formulas in double, one per coefficient of predictor.h and current_control.h, with limits. ---- */
 #define IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V) ((T_s) * (U_b_V) / ((L_H) * (I_b_A)))
 #define IQFOC_MAX_K_U                         16.0
-/* Half an LSB of IQ24: below it a machine would not answer to its voltage. */
+/* Half an LSB of IQ24: below it the current would not depend on the voltage. */
 #define IQFOC_MIN_K_U                       6e-8
 #define IQFOC_RAW_K_R(R_ohm, L_H, T_s)      ((R_ohm) * (T_s) / (L_H))
 #define IQFOC_MAX_K_R                       1.0
@@ -65,26 +66,36 @@ template <> struct iqfoc_range_check_<true> {
 #define IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s) ((n_rpm) / 60.0 * (pole_pairs) * (T_s))
 #define IQFOC_MAX_TURNS                         (1.0 / 3.0)
 
-/* ---- The same as checked IQ24 constants. ---- */
+/* ---- The same as checked IQ24 constants. A compiler's error message shows the names of the ranges. ---- */
+#define IQFOC_K_U_IS_6E_8_TO_16_ELSE_ANOTHER_I_BASE_OR_T(x) IQFOC_CHECKED(x, IQFOC_MIN_K_U, IQFOC_MAX_K_U)
+#define IQFOC_K_R_IS_0_TO_1_ELSE_A_SHORTER_T(x)             IQFOC_CHECKED(x, 0.0, IQFOC_MAX_K_R)
+#define IQFOC_K_PSI_IS_0_TO_8_ELSE_A_LARGER_I_BASE(x)       IQFOC_CHECKED(x, 0.0, IQFOC_MAX_K_PSI)
+#define IQFOC_X_AND_EMF_ARE_0_TO_96_ELSE_A_LARGER_U_DC(x)   IQFOC_CHECKED(x, 0.0, IQFOC_MAX_X)
+#define IQFOC_GAIN_IS_0_TO_32_ELSE_A_LOWER_BANDWIDTH(x)     IQFOC_CHECKED(x, 0.0, IQFOC_MAX_GAIN)
+#define IQFOC_W_T_IS_0_TO_1_ELSE_A_LOWER_BANDWIDTH(x)       IQFOC_CHECKED(x, 0.0, IQFOC_MAX_ANTI_WINDUP)
+#define IQFOC_TURNS_IS_AT_MOST_A_THIRD_ELSE_A_SHORTER_T(x)  IQFOC_CHECKED(x, -IQFOC_MAX_TURNS, IQFOC_MAX_TURNS)
+
 #define IQFOC_K_U(L_H, T_s, I_b_A, U_b_V)                                                                    \
-    IQFOC_CHECKED(IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V), IQFOC_MIN_K_U, IQFOC_MAX_K_U)
-#define IQFOC_K_R(R_ohm, L_H, T_s) IQFOC_CHECKED(IQFOC_RAW_K_R(R_ohm, L_H, T_s), 0.0, IQFOC_MAX_K_R)
+    IQFOC_K_U_IS_6E_8_TO_16_ELSE_ANOTHER_I_BASE_OR_T(IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V))
+#define IQFOC_K_R(R_ohm, L_H, T_s) IQFOC_K_R_IS_0_TO_1_ELSE_A_SHORTER_T(IQFOC_RAW_K_R(R_ohm, L_H, T_s))
 #define IQFOC_K_PSI(psi_Wb, L_H, I_b_A)                                                                      \
-    IQFOC_CHECKED(IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A), 0.0, IQFOC_MAX_K_PSI)
-#define IQFOC_X(L_H, T_s, I_b_A, U_b_V) IQFOC_CHECKED(IQFOC_RAW_X(L_H, T_s, I_b_A, U_b_V), 0.0, IQFOC_MAX_X)
-#define IQFOC_EMF(psi_Wb, T_s, U_b_V)   IQFOC_CHECKED(IQFOC_RAW_EMF(psi_Wb, T_s, U_b_V), 0.0, IQFOC_MAX_X)
+    IQFOC_K_PSI_IS_0_TO_8_ELSE_A_LARGER_I_BASE(IQFOC_RAW_K_PSI(psi_Wb, L_H, I_b_A))
+#define IQFOC_X(L_H, T_s, I_b_A, U_b_V)                                                                      \
+    IQFOC_X_AND_EMF_ARE_0_TO_96_ELSE_A_LARGER_U_DC(IQFOC_RAW_X(L_H, T_s, I_b_A, U_b_V))
+#define IQFOC_EMF(psi_Wb, T_s, U_b_V)                                                                        \
+    IQFOC_X_AND_EMF_ARE_0_TO_96_ELSE_A_LARGER_U_DC(IQFOC_RAW_EMF(psi_Wb, T_s, U_b_V))
 #define IQFOC_KP(w_rad_s, L_H, I_b_A, U_b_V)                                                                 \
-    IQFOC_CHECKED(IQFOC_RAW_KP(w_rad_s, L_H, I_b_A, U_b_V), 0.0, IQFOC_MAX_GAIN)
+    IQFOC_GAIN_IS_0_TO_32_ELSE_A_LOWER_BANDWIDTH(IQFOC_RAW_KP(w_rad_s, L_H, I_b_A, U_b_V))
 #define IQFOC_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V)                                                          \
-    IQFOC_CHECKED(IQFOC_RAW_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V), 0.0, IQFOC_MAX_GAIN)
+    IQFOC_GAIN_IS_0_TO_32_ELSE_A_LOWER_BANDWIDTH(IQFOC_RAW_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V))
 #define IQFOC_ANTI_WINDUP(w_rad_s, T_s)                                                                      \
-    IQFOC_CHECKED(IQFOC_RAW_ANTI_WINDUP(w_rad_s, T_s), 0.0, IQFOC_MAX_ANTI_WINDUP)
+    IQFOC_W_T_IS_0_TO_1_ELSE_A_LOWER_BANDWIDTH(IQFOC_RAW_ANTI_WINDUP(w_rad_s, T_s))
 #define IQFOC_TURNS(n_rpm, pole_pairs, T_s)                                                                  \
-    IQFOC_CHECKED(IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s), -IQFOC_MAX_TURNS, IQFOC_MAX_TURNS)
+    IQFOC_TURNS_IS_AT_MOST_A_THIRD_ELSE_A_SHORTER_T(IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s))
 
 /*
  * ---- Initialisers of whole structs ----
- * Values in the order of the struct's members, because C++17 knows no other; tests/unit/test_initialisers.c
+ * Values in the order of the struct's members, because C++17 knows no other; tests/unit/library/test_initialisers.c
  * holds them to it.
  */
 

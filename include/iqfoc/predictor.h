@@ -1,14 +1,14 @@
 /*
- * One-cycle current prediction of a non-salient machine in the stationary frame, both axes (all phases) at
- * once.
+ * One-cycle current prediction of a non-salient machine in the stationary frame, both axes (all phases) at once. All
+ * functions only read their arguments: any context may call them.
  *
  *     standard (forward Euler), 2019 (3):  i + (T/L)(u - R i) - j (psi phi/L) e^(j theta)
  *     quasi-discrete, 2019 (12):           i + (T/L)(u - R i) - j (psi phi/L) s1 e^(j theta_m)
  *
- * with theta the rotor angle at the start of the cycle, theta_m = theta + phi/2 at its middle, and u constant
- * over the cycle (the mean voltage that the PWM applies). The second lets the EMF turn with the rotor; that
- * is all the difference, and it costs one multiplication by s1. Exact prediction is in predictor_exact.h,
- * for salient machines in predictor_salient.h.
+ * with theta the rotor angle at the start of the cycle, theta_m = theta + phi/2 at its middle, and u constant over
+ * the cycle (the mean voltage that the PWM applies). In the second the EMF turns with the rotor. This is the only
+ * difference, and it costs one multiplication by s1. Exact prediction is in predictor_exact.h, for salient machines
+ * in predictor_salient.h.
  */
 #ifndef IQFOC_PREDICTOR_H
 #define IQFOC_PREDICTOR_H
@@ -22,8 +22,8 @@ extern "C" {
 #endif
 
 /*
- * The machine as the predictor sees it: per unit, IQ24, made by iqfoc/params.h (firmware) or the host's
- * parameter conversion. I_b, U_b: the current and voltage base. Each coefficient is rounded to 0.5 LSB.
+ * The machine's coefficients: per unit, IQ24, made by iqfoc/params.h (firmware) or the host's parameter conversion.
+ * I_b, U_b: the current and voltage base. Each coefficient is rounded to 0.5 LSB.
  */
 typedef struct iqfoc_predictor {
     iq24_t k_u;   /* T U_b / (L I_b): per-unit current per per-unit voltage and cycle; 0 < k_u <= 16 */
@@ -32,7 +32,7 @@ typedef struct iqfoc_predictor {
 } iqfoc_predictor_t;
 
 /*
- * The EMF of a cycle as the quasi-discrete prediction has it, w = (psi phi/L) s1: current per cycle.
+ * The EMF of a cycle in the quasi-discrete prediction, w = (psi phi/L) s1: current per cycle.
  *
  * Range: |k_psi phi s1| <= 8 * 1.7321 = 13.9. Error: 0.5 LSB.
  */
@@ -42,7 +42,7 @@ static inline iq24_t iqfoc_predictor_emf(const iqfoc_predictor_t *predictor, con
 }
 
 /*
- * i + k_u u - k_r i - j w (cos + j sin), that is alpha + w sin and beta - w cos: what both predictions share.
+ * i + k_u u - k_r i - j w (cos + j sin), that is alpha + w sin and beta - w cos: the common step of both predictions.
  *
  * Range: |(1 - k_r) i| <= 32, |k_u u| <= 32 and |w| <= 8 * 2.0944 = 16.8 in per unit: the sum is below 80.8
  * in size, so it fits, and in the accumulator below 2^55. Error: one rounding, 0.5 LSB. -w is exact: |w| <
@@ -86,13 +86,13 @@ static inline iqfoc_ab_t iqfoc_predictor_quasi_discrete(const iqfoc_predictor_t 
 }
 
 /*
- * The same in the formats that cost a cycle least: w in Q26, sine and cosine in Q30 (iq24_sincos_q30_inline),
- * two floors in place of one rounding.
+ * The same in the formats that need the fewest instructions in a cycle: w in Q26, sine and cosine in Q30
+ * (iq24_sincos_q30_inline), two floors in place of one rounding.
  *
  * i, u: per unit, |component| <= 32 and <= 2; |w| <= 13.9, below 2^30 in Q26. Largest error against the formula
  * in double with the same coefficients, w and sine: 2 LSB.
  *
- * Range: what the first two terms come to is below 64, the EMF's high word below 13.9.
+ * Range: the sum of the first two terms is below 64, the EMF's high word below 13.9.
  */
 static inline iqfoc_ab_t iqfoc_predictor_step_q30(const iqfoc_predictor_t *p, iqfoc_ab_t i, iqfoc_ab_t u,
                                                   int32_t w_q26, iq24_sincos_t sc_q30)

@@ -1,27 +1,27 @@
 /*
- * Exact prediction and exact mean of the current of a non-salient machine, both axes (all phases) at once,
- * over a whole control cycle or any part of one.
+ * Exact prediction and exact mean of the current of a non-salient machine, both axes (all phases) at once, over a
+ * whole control cycle or any part of one.
  *
- * With the resistance left in the differential equation, where the quasi-discrete model freezes R i at its
- * first value (docs/exact-prediction.md):
+ * The resistance stays in the differential equation, while the quasi-discrete model keeps R i at its first value
+ * (docs/exact-prediction.md):
  *
  *     i' = E i + (1 - E)/rho k_u u - j k_psi phi G e^(j theta_m)
  *     rho = R t/L,   E = e^-rho,   z = rho + j phi,   G = e^(-rho/2) sinh(z/2)/(z/2)
  *
- * t is the span, phi the angle covered in it and theta_m the rotor at its middle; u is constant over the
- * span. The mean has the same shape with other coefficients, so that one step serves both. Neither the form
- * nor its coefficients divide by R or by the speed: an ideal winding and a standing rotor are ordinary
- * arguments.
+ * t is the duration of the span, phi the angle covered in it and theta_m the rotor angle at its middle; u is constant
+ * over the span. The mean has the same form with other coefficients, so that one step serves both. Neither the form
+ * nor its coefficients divide by R or by the speed: R = 0 and standstill are ordinary arguments.
  *
- * Three stages, each as seldom as it may be:
+ * Three stages, each computed as seldom as possible:
  *
  *     static const iqfoc_exact_winding_t winding = IQFOC_EXACT_WINDING(R, L, PSI, T, I_B, U_DC);
  *     law = iqfoc_exact_prediction(&winding, IQ24_ONE);                      once, or when R changes
- *     exact = iqfoc_exact_at_speed(&law, turns);                             where the speed changes
+ *     exact = iqfoc_exact_at_speed(&law, turns);                             when the speed changes
  *     i_next = iqfoc_exact_step(&exact, i, u, iq24_sincos(theta_mid));       every cycle
  *
- * Laws of other spans: IQ24(0.5) and the sample at the carrier's peak predict the next valley; the
- * computation delay as a share of the cycle predicts the current that a result will meet.
+ * Other spans: IQ24(0.5) and the sample at the carrier's peak predict the next valley; the computation delay as a
+ * share of the cycle predicts the current at which a result acts. All functions only read their arguments: any
+ * context may call them.
  */
 #ifndef IQFOC_PREDICTOR_EXACT_H
 #define IQFOC_PREDICTOR_EXACT_H
@@ -50,7 +50,7 @@ typedef struct iqfoc_exact_winding {
 
 /* x in Q(bits), to nearest, as a constant; x >= 0. */
 #define IQFOC_EXACT_Q(x, bits) IQ24_CAST_(int32_t, IQ24_RAISED_(x, bits) + 0.5)
-/* The same, or no constant at all if x is outside low ... high (params.h). */
+/* The same; it does not compile if x is outside low ... high (params.h). */
 #define IQFOC_EXACT_CHECKED(x, bits, low, high) (IQFOC_EXACT_Q(x, bits) / IQFOC_WITHIN_(x, low, high))
 
 /* iqfoc_exact_winding_t of physical values, checked: rho, k_u, k_psi. */
@@ -64,7 +64,7 @@ typedef struct iqfoc_exact_winding {
 #define IQFOC_EXACT_TERMS 6
 
 /*
- * What a span makes of the winding at every speed. With x in turns per cycle and w = (2 x)^2,
+ * The coefficients of a winding and a span for every speed. With x in turns per cycle and w = (2 x)^2,
  *
  *     k_psi phi Re G = x real(w),     k_psi phi Im G = w imag(w),
  *
@@ -77,7 +77,7 @@ typedef struct iqfoc_exact_law {
     int32_t imag_q25[IQFOC_EXACT_TERMS];
 } iqfoc_exact_law_t;
 
-/* The law at a speed: all that a step needs. Q26 holds them to a quarter of IQ24's rounding, and +-32. */
+/* The coefficients at one speed, for a step. Q26 holds them to a quarter of IQ24's rounding, and +-32. */
 typedef struct iqfoc_exact {
     int32_t stays_q26;
     int32_t k_u_q26;
@@ -106,7 +106,7 @@ iqfoc_exact_law_t iqfoc_exact_mean(const iqfoc_exact_winding_t *winding, iq24_t 
 iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns);
 
 /*
- * The same inline, for a cycle that makes them anew at each valley; |turns| <= IQFOC_ROTOR_TURNS_MAX.
+ * The same inline, for a cycle that computes them at each valley; |turns| <= IQFOC_ROTOR_TURNS_MAX.
  *
  * Range: w <= 4/9. Each bracket of the polynomials is within Q25's 64 (src/predictor_exact.c), the products rounded
  * once. w_real is rounded to nearest, ties away from zero, as it is odd.
@@ -134,7 +134,7 @@ static inline iqfoc_exact_t iqfoc_exact_at_speed_inline(const iqfoc_exact_law_t 
     return exact;
 }
 
-/* What flows on without a voltage, before it is rounded: Q50. Ranges as iqfoc_exact_step. */
+/* The current at the end without a voltage, before it is rounded: Q50. Ranges as iqfoc_exact_step. */
 static inline void iqfoc_exact_unrounded(const iqfoc_exact_t *exact, iqfoc_ab_t i, iq24_sincos_t sc_mid,
                                          int64_t *alpha, int64_t *beta)
 {
@@ -148,14 +148,14 @@ static inline void iqfoc_exact_unrounded(const iqfoc_exact_t *exact, iqfoc_ab_t 
 }
 
 /*
- * The current at the end of the span, or its mean over it, by the law that `exact` was made of.
+ * The current at the end of the span, or its mean over it, by the law from which `exact` was computed.
  *
  * i: current at the start of the span, per unit, |component| <= 32. u: the voltage in the span, at most 2 a
  * component. sc_mid: of the rotor angle at the middle of the span. Out: |component| <= 81: no overflow in
  * that range, beyond it the result wraps. Largest error against the exact solution for the physical machine,
- * the integers i, u, angle and speed as given (tests/unit/test_predictor_exact.c), of 300000 drawn: 3.5 LSB
+ * the integers i, u, angle and speed as given (tests/unit/library/test_predictor_exact.c), of 300000 drawn: 3.5 LSB
  * at the end and 2.7 for the mean where rho <= 0.1, k_u <= 3, k_psi <= 3 and |i| <= 1.5; 12 and 10 LSB over
- * the whole range. With the motors of motors/: 1.5 LSB at SFFR 3 to 200.
+ * the whole range. With the motors of data/motors/: 1.5 LSB at SFFR 3 to 200.
  *
  * Range: |E i| <= 32, |k_u u| <= 32 and |w| <= 16.8 together are below 80.8; in Q50 that is below 2^57.
  * Error: one rounding, 0.5 LSB; the sine's 0.51 LSB times |w|; an eighth of an LSB per unit of current.
@@ -172,7 +172,7 @@ static inline iqfoc_ab_t iqfoc_exact_step(const iqfoc_exact_t *exact, iqfoc_ab_t
     return next;
 }
 
-/* The same without a voltage, which is two products fewer than with one of 0. */
+/* The same without a voltage: two products fewer than with u = 0. */
 static inline iqfoc_ab_t iqfoc_exact_left_alone(const iqfoc_exact_t *exact, iqfoc_ab_t i,
                                                 iq24_sincos_t sc_mid)
 {

@@ -1,22 +1,24 @@
 /*
- * Exact prediction and exact mean of the dq current of a salient machine (L_d != L_q), over a whole control
- * cycle or any part of one; a non-salient one is a special case.
+ * Exact prediction and exact mean of the dq current of a salient machine (L_d != L_q), over a whole control cycle or
+ * any part of one. A non-salient machine is a special case.
  *
- * Seen from the rotor, current, voltage and a constant form a linear system with constant coefficients, the
- * voltage turning backwards because it stands still in the stationary frame (docs/exact-prediction.md):
+ * In the rotor's frame, current, voltage and a constant form a linear system with constant coefficients. The voltage
+ * turns backwards there, because it is constant in the stationary frame (docs/exact-prediction.md):
  *
  *     x = [i_d, i_q, u_d, u_q, 1],   x' = M x,   x(1) = e^M x(0),   mean of x = (e^M - 1)/M x(0)
  *
- * so that each component of the current at the end, and of its mean, is a sum of five: ten coefficients in
- * all. They follow the speed; the library makes them from the machine's constants in a slower task. No
- * division by resistance, speed or L_d - L_q.
+ * Each component of the current at the end, and of its mean, is a sum of five terms: ten coefficients in all. They
+ * depend on the speed; a slower task computes them from the machine's constants. No division by resistance, speed or
+ * L_d - L_q.
  *
  *     static const iqfoc_salient_machine_t machine = IQFOC_SALIENT_MACHINE(R, L_D, L_Q, PSI, T, I_B, U_DC);
- *     iqfoc_salient_at_speed(&machine, turns, IQ24_ONE, &end, &mean);              where the speed changes
+ *     iqfoc_salient_at_speed(&machine, turns, IQ24_ONE, &end, &mean);              when the speed changes
  *     i_next_dq = iqfoc_salient_step(&end, i_dq, u_dq);                            every cycle
  *
- * Frames: i_dq and u_dq are seen from the rotor at the start of the span (one sine serves both), the end from
- * the rotor at the end; the mean is that of the current as seen from the turning rotor.
+ * Frames: i_dq and u_dq are in the rotor frame at the start of the span (one sine serves both), the end in the rotor
+ * frame at the end. The mean is that of the current as seen from the turning rotor. All functions only read their
+ * arguments: any context may call them. A task must not write coefficients that an interrupt reads: it fills a second
+ * set and offers it (iqfoc_cycle_offer).
  */
 #ifndef IQFOC_PREDICTOR_SALIENT_H
 #define IQFOC_PREDICTOR_SALIENT_H
@@ -60,7 +62,7 @@ typedef struct iqfoc_salient_machine {
             IQFOC_EXACT_CHECKED((L_d_H) / (L_q_H), 27, 1.0 / IQFOC_MAX_SALIENCY, IQFOC_MAX_SALIENCY)         \
     }
 
-/* What one component of the result is made of, Q26. */
+/* Coefficients of one component of the result, Q26. */
 typedef struct iqfoc_salient_row {
     int32_t i_d_q26;
     int32_t i_q_q26;
@@ -103,9 +105,9 @@ static inline iq24_t iqfoc_salient_component(const iqfoc_salient_row_t *row, iqf
  * i: dq current at the start, per unit, |component| <= 8; u: dq voltage at the start, |u| <= 2. Out:
  * |component| <= 121: no overflow in that range, beyond it the result wraps.
  * Largest error against the exact solution for the physical machine, the integers i, u and speed as given
- * (tests/unit/test_predictor_salient.c), of 200000 drawn: 2.2 LSB at the end and 1.4 for the mean where rho
+ * (tests/unit/library/test_predictor_salient.c), of 200000 drawn: 2.2 LSB at the end and 1.4 for the mean where rho
  * <= 0.1, k <= 3, k_psi <= 3, L_q/L_d 0.5 ... 3 and |i| <= 1.5; 18 and 9 LSB over the whole range. With the
- * motors of motors/: 1.4 LSB at SFFR 3 to 200.
+ * motors of data/motors/: 1.4 LSB at SFFR 3 to 200.
  *
  * Range: |i| 8 + 8 L_q/L_d <= 72, |k u| <= 32 and the magnet's 16.8 together are below 121; in Q50 below
  * 2^57.

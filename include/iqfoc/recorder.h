@@ -1,14 +1,13 @@
 /*
- * The recorder: chosen variables, cycle by cycle, into a ring in the caller's memory, and out over a serial
- * line.
+ * The recorder writes chosen variables, cycle by cycle, into a ring in the caller's memory, and sends them over a
+ * serial line.
  *
- * iqfoc_recorder_take is called in an interrupt, after the cycle; iqfoc_recorder_octet in the background,
- * whenever the line is free. Between the two there is one writer and one reader and no lock. What the line is
- * too slow for is lost, but never unseen: each row carries the number of its cycle, and lost rows are counted
- * on the wire.
+ * Call iqfoc_recorder_take in an interrupt, after the cycle, and iqfoc_recorder_octet in the background, whenever the
+ * line is free. There is one writer, one reader and no lock. A line that is too slow loses rows, but the loss is
+ * visible: each row carries the number of its cycle, and lost rows are counted on the wire.
  *
- * A CRC-32 ends each frame, of 4512 bits at most. Any three wrong bits of a frame's words are found, and any
- * burst of up to 32; of all other damage one frame in 2^32 (4.3e9) is taken for whole.
+ * A CRC-32 ends each frame, of 4512 bits at most. It detects any three wrong bits of a frame's words, and any burst
+ * of up to 32 bits. Of all other errors it misses one frame in 2^32 (4.3e9).
  *
  * docs/recorder-format.md is the format on the wire; `iqfoc record` makes a recording of it.
  */
@@ -27,12 +26,15 @@ extern "C" {
 
 #define IQFOC_RECORDER_CHANNELS_MAX 16
 
-/* What a channel is, as the wire numbers it; never renumbered. Host units: A, rad, rad/s, V, 1, degrees C. */
+/*
+ * Meaning of a channel, by its number on the wire; the numbers never change. Host units: A, rad, rad/s, V, 1, degrees
+ * C.
+ */
 typedef enum iqfoc_recorder_column {
     IQFOC_RECORDER_I_A = 1, /* sampled at the valley */
     IQFOC_RECORDER_I_B = 2,
     IQFOC_RECORDER_I_C = 3,
-    IQFOC_RECORDER_I_ALPHA = 4, /* the same as a vector: two channels in place of three */
+    IQFOC_RECORDER_I_ALPHA = 4, /* the same as a vector: two channels instead of three */
     IQFOC_RECORDER_I_BETA = 5,
     IQFOC_RECORDER_THETA_E = 6,
     IQFOC_RECORDER_OMEGA_E = 7,
@@ -61,8 +63,8 @@ typedef struct iqfoc_recorder_channel {
 } iqfoc_recorder_channel_t;
 
 /*
- * Initialiser of a channel (source, column, mantissa, shift) that holds an iq24_t of which 1.0 is `unit`
- * in host units. bits: as many as keep |unit| 2^bits below 2^31, for the finest scale.
+ * Initialiser of a channel (source, column, mantissa, shift) of an iq24_t. 1.0 of that variable is `unit` in host
+ * units. bits: the largest number with |unit| 2^bits below 2^31, for the finest scale.
  */
 #define IQFOC_RECORDER_IQ24(variable, what, unit, bits)                                                      \
     {                                                                                                        \
@@ -70,8 +72,8 @@ typedef struct iqfoc_recorder_channel {
     }
 
 typedef enum iqfoc_recorder_trigger {
-    IQFOC_RECORDER_NOW,    /* records from the start until it is stopped */
-    IQFOC_RECORDER_STATUS, /* one memory full, around the moment when one of `status_bits` comes up */
+    IQFOC_RECORDER_NOW,    /* records from the start until iqfoc_recorder_stop */
+    IQFOC_RECORDER_STATUS, /* one full memory, around the moment when one of `status_bits` is set */
     IQFOC_RECORDER_RISES,  /* the same, around the moment when channel `channel` goes from below to above
                               `level` */
     IQFOC_RECORDER_FALLS   /* from above to below */
@@ -87,28 +89,28 @@ typedef struct iqfoc_recorder_config {
     uint32_t status_bits;
     uint32_t channel;
     int32_t level;    /* in the variable's own scale */
-    iq24_t pre_share; /* of the memory, kept for what was before the trigger: 0 ... 1, exclusive of 1 */
+    iq24_t pre_share; /* share of the memory for rows before the trigger: 0 ... 1, exclusive of 1 */
 } iqfoc_recorder_config_t;
 
-/* The state is the module's own. */
+/* The state: read and write it only through the functions below. */
 typedef struct iqfoc_recorder {
     const iqfoc_recorder_config_t *config;
     volatile int32_t *memory;
     uint32_t row_words; /* number of the cycle, then the channels */
     uint32_t capacity;  /* rows */
     uint32_t pre_rows;
-    uint32_t stream; /* how often it was armed */
+    uint32_t stream; /* number of times that it was armed */
     volatile uint32_t phase;
     /* The writer's. */
     volatile uint32_t written; /* rows, ever; wraps */
     uint32_t write_slot;
     uint32_t cycle;         /* calls since it was armed */
     uint32_t until_next;    /* cycles to the next row */
-    uint32_t still_to_take; /* rows, after a trigger */
+    uint32_t still_to_take; /* rows still to record after a trigger */
     uint32_t last_status;
     int32_t last_level;
     bool before_known;
-    volatile uint32_t lost; /* rows for which there was no room */
+    volatile uint32_t lost; /* rows lost because the ring was full */
     /* The reader's. */
     volatile uint32_t read; /* rows, ever; wraps */
     uint32_t read_slot;
@@ -127,23 +129,32 @@ typedef struct iqfoc_recorder {
     bool end_sent;
 } iqfoc_recorder_t;
 
-/* words: length of memory. config and memory must outlive the recorder. It starts idle. */
+/*
+ * words: length of memory. config and memory must outlive the recorder. It starts idle. Ahead of the first interrupt
+ * that calls iqfoc_recorder_take.
+ */
 iqfoc_error_t iqfoc_recorder_init(iqfoc_recorder_t *recorder, const iqfoc_recorder_config_t *config,
                                   int32_t *memory, uint32_t words);
 
-/* Begins anew: forgets rows not yet sent. Not while an interrupt may call iqfoc_recorder_take. */
+/*
+ * Restarts the recording and drops rows that are not sent yet. From the background, not while an interrupt may call
+ * iqfoc_recorder_take.
+ */
 void iqfoc_recorder_arm(iqfoc_recorder_t *recorder);
 
-/* No more rows; what is in memory still goes out, then the end frame. */
+/* Ends the recording: the rows in memory are still sent, then the end frame. From the background. */
 void iqfoc_recorder_stop(iqfoc_recorder_t *recorder);
 
-/* One cycle. status: the cycle's status bits. */
+/* Records one cycle. status: the cycle's status bits. From the cycle's interrupt only. */
 void iqfoc_recorder_take(iqfoc_recorder_t *recorder, uint32_t status);
 
-/* The next octet for the line, 0 ... 255, or -1: nothing to send now. */
+/*
+ * The next octet for the line, 0 ... 255, or -1: nothing to send now. From the background only, or from the line's
+ * interrupt only.
+ */
 int32_t iqfoc_recorder_octet(iqfoc_recorder_t *recorder);
 
-/* True once everything, the end frame included, has gone out. */
+/* True once all rows and the end frame are sent. From the background. */
 bool iqfoc_recorder_finished(const iqfoc_recorder_t *recorder);
 
 #ifdef __cplusplus

@@ -1,12 +1,12 @@
 /*
- * A resolver's (or a sine/cosine encoder's) two voltages to the electrical angle, and whether they can be
- * believed.
+ * Electrical angle from the two voltages of a resolver or a sine/cosine encoder, and a check of their amplitude.
  *
  *     x = gain_cos (cos - offset_cos),   y = gain_sin (sin - offset_sin)
  *     theta = ratio atan2(y, x) - theta_0                                                          turns
  *
- * Both voltages are those of one instant, taken at the excitation's peak. A broken wire, a short circuit or a
- * lost excitation changes x^2 + y^2, which is 1 where everything is well.
+ * Sample both voltages at the same instant, at the excitation's peak. A broken wire, a short circuit or a lost
+ * excitation changes x^2 + y^2, which is 1 in a healthy sensor. The functions only read their arguments: any context
+ * may call them.
  */
 #ifndef IQFOC_RESOLVER_H
 #define IQFOC_RESOLVER_H
@@ -24,15 +24,15 @@ typedef struct iqfoc_resolver {
     iq24_t offset_cos;
     iq24_t gain_sin; /* 1/16 ... 16 */
     iq24_t gain_cos;
-    iq24_t amplitude_min; /* sqrt(x^2 + y^2) below it is a fault: 0 < min < max */
-    iq24_t amplitude_max; /* and above it: <= 2 */
+    iq24_t amplitude_min; /* sqrt(x^2 + y^2) below this value is a fault: 0 < min < max */
+    iq24_t amplitude_max; /* sqrt(x^2 + y^2) above this value is a fault: <= 2 */
     iq24_t ratio;         /* electrical turns in a turn of the signals: whole, 1 ... 64; no fraction bits */
-    iq24_t theta_0;       /* what the first line gives at electrical angle 0, turns: -1 ... 1 */
+    iq24_t theta_0;       /* ratio atan2(y, x) at electrical angle 0, turns: -1 ... 1 */
 } iqfoc_resolver_t;
 
 typedef struct iqfoc_resolver_angle {
     iq24_t theta; /* electrical, turns: -33 ... 33 */
-    bool valid;   /* the amplitude is as it should be */
+    bool valid;   /* the amplitude is within its limits */
 } iqfoc_resolver_angle_t;
 
 /* IQFOC_ERROR_RESOLVER: a field out of its range. Once; iqfoc_resolver_read relies on it. */

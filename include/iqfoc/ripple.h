@@ -1,16 +1,17 @@
 /*
- * What PWM's ripple adds to the mean current as seen from the turning rotor.
+ * Contribution of PWM's ripple to the mean current as seen from the turning rotor.
  *
- * The ripple of centre-aligned PWM is odd about the middle of the cycle: samples at valley and peak do not
- * see it and its mean vanishes, but a rotor that turns meets its two halves at different angles. What is left
- * follows from the duties in closed form (docs/mean-under-modulation.md); to the second order in the rotor's
+ * The ripple of centre-aligned PWM is odd about the middle of the cycle: samples at valley and peak do not contain it
+ * and its mean is zero. A turning rotor sees the two halves of the ripple at different angles, and their sum is not
+ * zero. It follows from the duties in closed form (docs/mean-under-modulation.md); to the second order in the rotor's
  * angle phi
  *
  *     V        = Clarke{ d (1 - d^2) [1 - (phi^2/80)(1 + d^2)] }
  *     i_ripple = (rho - j phi) (k_u u_dc/24) e^(-j theta_m) V
  *
- * with rho = R T/L. Each axis of a salient machine has its own k_u and rho. Add it to a mean that knows the
- * voltage only by its mean, such as that of predictor_salient.h; mean_modulated.h has it built in.
+ * with rho = R T/L. Each axis of a salient machine has its own k_u and rho. Add i_ripple to a mean that is computed
+ * from the mean voltage only, such as that of predictor_salient.h; mean_modulated.h includes it. All functions only
+ * read their arguments: any context.
  */
 #ifndef IQFOC_RIPPLE_H
 #define IQFOC_RIPPLE_H
@@ -69,7 +70,7 @@ iqfoc_ripple_t iqfoc_ripple_at_speed(const iqfoc_salient_machine_t *machine, con
  *
  * high: the cycle's duties. u_dc: per unit, 0 ... 2. sc_mid: of the rotor angle at mid-cycle.
  * Out: |component| <= 1.1. Together with the mean of predictor_salient.h within 0.02 % of the rated current
- * of the drive's true mean, each motor of motors/ at SFFR 6 and above; 0.06 % where R T/L is 0.27 (motor 3 of
+ * of the drive's true mean, each motor of data/motors/ at SFFR 6 and above; 0.06 % where R T/L is 0.27 (motor 3 of
  * 2016), for resistance counts to first order.
  */
 static inline iqfoc_dq_t iqfoc_ripple_seen(const iqfoc_ripple_t *ripple, iqfoc_abc_t high, iq24_t u_dc,
@@ -85,15 +86,16 @@ static inline iqfoc_dq_t iqfoc_ripple_seen(const iqfoc_ripple_t *ripple, iqfoc_a
 
 /*
  * ---- Two updates a carrier period ----
- * Over half a period the ripple of a leg is a triangle, zero at both ends and so unseen by their samples, and
- * its mean does not vanish: it is negative from the valley to the peak and positive from there on. With phi
- * and rho of the half, to the second order in phi and the first in rho,
+ * Over half a period the ripple of a leg is a triangle, zero at both ends, so that their samples do not contain it.
+ * Its mean is not zero: it is negative from the valley to the peak and positive after the peak. With phi and rho of
+ * the half, to the second order in phi and the first in rho,
  *
  *     b = d (1 - d),   i_ripple = k_u u_dc e^(-j theta_m) { -+(1 - rho/2) Clarke[b (1 - (phi^2/24)(1 - 2 b))]/2
  *                                                          + (j phi - rho) Clarke[b (1 - 2 d)]/12 }
  *
- * Add it to a mean that knows the voltage only by its mean, or take it off a measured one, whose controller
- * would else answer the carrier.
+ * Add it to a mean that is computed from the mean voltage only, or subtract it from a measured one; otherwise the
+ * controller reacts to the carrier. A firmware with a control cycle of half a carrier period calls the two functions
+ * below: the first in its slower task, the second once per cycle.
  */
 typedef struct iqfoc_ripple_half {
     iq24_t square;   /* phi^2/24: 0 ... 0.19 */

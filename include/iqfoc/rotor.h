@@ -1,18 +1,18 @@
 /*
- * Rotor movement within one control cycle: the two functions that serve both papers.
+ * Rotor movement within one control cycle: the two functions that both papers use.
  *
  * With phi the electrical angle covered in one cycle,
  *
  *     s1(phi) = sin(phi/2) / (phi/2)                         even, 1 at standstill
  *     s2(phi) = (2 sin(phi/2) - phi cos(phi/2)) / phi^2      odd, phi/12 near standstill
  *
- * s1 is how much of a stationary vector's length is left of its mean as seen from the turning rotor, s2 how
- * much of its change leaks across. Both are polynomials in phi^2: no division, right at standstill and in
+ * s1 is the factor on the mean of a stationary vector as seen from the turning rotor. s2 is the factor by which the
+ * vector's change appears on the other axis. Both are polynomials in phi^2: no division, correct at standstill and in
  * reverse.
  *
- * The library's measure of speed is x = phi/(2 pi): IQ24, turns per control cycle. 1/x is the ratio of
- * switching to fundamental frequency (SFFR). Valid for |x| <= 1/3 (SFFR 3, phi = 2 pi/3);
- * IQFOC_ROTOR_TURNS_MAX.
+ * The library's measure of speed is x = phi/(2 pi): IQ24, turns per control cycle. 1/x is the ratio of switching to
+ * fundamental frequency (SFFR). Valid for |x| <= 1/3 (SFFR 3, phi = 2 pi/3); IQFOC_ROTOR_TURNS_MAX. All functions
+ * only read their arguments: any context.
  */
 #ifndef IQFOC_ROTOR_H
 #define IQFOC_ROTOR_H
@@ -23,10 +23,13 @@
 extern "C" {
 #endif
 
-/* Largest |x| in turns per cycle: floor(2^24/3). The cycle holds the measured speed to it and says so. */
+/*
+ * Largest |x| in turns per cycle: floor(2^24/3). The cycle holds the measured speed to it and sets
+ * IQFOC_STATUS_OVERSPEED.
+ */
 #define IQFOC_ROTOR_TURNS_MAX INT32_C(5592405)
 
-/* What the algorithms need of the speed: made where the speed changes, which need not be every cycle. */
+/* Values of one speed for the algorithms. Compute them when the speed changes, not in every cycle. */
 typedef struct iqfoc_rotor {
     iq24_t turns;  /* x, turns per cycle */
     iq24_t phi;    /* 2 pi x, rad: -2.0944 ... 2.0944 */
@@ -62,7 +65,7 @@ static inline iqfoc_rotor_shape_t iqfoc_rotor_shape(iq24_t turns)
     const int32_t(*c)[2] = iqfoc_rotor_poly;
     const int32_t x = turns * 256;
     const int32_t v = iq24_mul_high(x, x);
-#ifdef IQFOC_ROTOR_POLYNOMIALS /* a target's own way, to the bit: P2 2^32 + P1 */
+#ifdef IQFOC_ROTOR_POLYNOMIALS /* a target's own implementation, to the bit: P2 2^32 + P1 */
     const int64_t both = IQFOC_ROTOR_POLYNOMIALS(turns, &c[0][0]);
     const int32_t p1 = iq24_wrap(both);
     const int32_t p2 = iq24_wrap(iq24_asr64(both, 32));
@@ -94,14 +97,13 @@ static inline iq24_t iqfoc_rotor_s2(const iqfoc_rotor_shape_t *shape)
 #define IQFOC_Q28_2_PI INT32_C(1686629713)
 
 /*
- * All that the algorithms need, of a shape whose |turns| <= IQFOC_ROTOR_TURNS_MAX: iqfoc_rotor_from_turns where the
- * shape is there already.
+ * The values for the algorithms from a shape with |turns| <= IQFOC_ROTOR_TURNS_MAX: iqfoc_rotor_from_turns for a
+ * shape that is already computed.
  *
- * Range: P1 in Q30 lies in [0.826, 1] and P2 in [0.469, 0.524]. 2 pi P1 and 2 pi P2 are at most 6.284 in Q28,
- * 2^30.7; |x| <= 2^22.5, so that x times either is below 2^54. |phi| <= 2.1, |phi s1| <= 1.74, v 2 pi P2 <=
- * 0.33.
- * Error: phi_s1 and phi_s2 carry what the floors of P1 2 pi and P2 2 pi lose, 2^-28 times x or v, and the
- * polynomials'. phi: the floor of a floor is the floor of the whole, so it is rounded once.
+ * Range: P1 in Q30 lies in [0.826, 1] and P2 in [0.469, 0.524]. 2 pi P1 and 2 pi P2 are at most 6.284 in Q28, 2^30.7;
+ * |x| <= 2^22.5, so that x times either is below 2^54. |phi| <= 2.1, |phi s1| <= 1.74, v 2 pi P2 <= 0.33. Error:
+ * phi_s1 and phi_s2 contain the rounding of P1 2 pi and P2 2 pi, 2^-28 times x or v, and the polynomials' error. phi:
+ * the floor of a floor is the floor of the whole, so it is rounded once.
  */
 static inline iqfoc_rotor_t iqfoc_rotor_of_shape(iq24_t turns, const iqfoc_rotor_shape_t *shape)
 {
@@ -120,7 +122,7 @@ static inline iqfoc_rotor_t iqfoc_rotor_of_shape(iq24_t turns, const iqfoc_rotor
  * s1 and s2 of a speed, and their products with phi.
  *
  * turns: IQ24 turns per control cycle, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one is taken as that limit.
- * Largest error (all 11 184 811 arguments, tests/unit/test_rotor.c): s1, s2 0.51 LSB, phi 0.51 LSB, phi_s1
+ * Largest error (all 11 184 811 arguments, tests/unit/library/test_rotor.c): s1, s2 0.51 LSB, phi 0.51 LSB, phi_s1
  * 0.55 LSB, phi_s2 0.6 LSB. Odd ones: f(-x) = -f(x) to 1 LSB. To the bit: s1 and s2/x are polynomials in x^2
  * through the functions at the Chebyshev nodes (tools/derive_rotor.py), products in between are rounded down and
  * each result once to nearest; likewise the steady state's gain below.

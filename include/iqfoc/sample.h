@@ -1,6 +1,4 @@
-/*
- * What goes into a control cycle and what comes out of it: a set of measurements, and a command.
- */
+/* Input and output of a control cycle: a set of measurements, and a command. */
 #ifndef IQFOC_SAMPLE_H
 #define IQFOC_SAMPLE_H
 
@@ -17,17 +15,18 @@ extern "C" {
 /* One set of measurements. Per unit and turns are IQ24. */
 typedef struct iqfoc_sample {
     iqfoc_abc_t i; /* phase currents, per unit, into the motor; the port's scaling keeps each within +-15.9 */
-    iqfoc_abc_t i_mean; /* valley only: their means over the cycle that ends; read if has_mean */
-    iq24_t theta;       /* electrical angle at the sampling instant, turns */
-    iq24_t turns;       /* electrical speed, turns per control cycle */
-    iq24_t u_dc;        /* DC-link voltage, per unit of nominal */
+    iqfoc_abc_t
+        i_mean;    /* valley only: means of the phase currents over the cycle that ends; read if has_mean */
+    iq24_t theta;  /* electrical angle at the sampling instant, turns */
+    iq24_t turns;  /* electrical speed, turns per control cycle */
+    iq24_t u_dc;   /* DC-link voltage, per unit of nominal */
     iq24_t at;     /* the sampling instant, cycles after the valley: 0 there, 0.5 at the peak; -0.25 ... 1 */
-    uint32_t time; /* the port's free-running timer at the sampling instant, ticks; wraps */
-    bool has_mean; /* valley only: the port averages (oversampling); else the peak's sample stands for it */
+    uint32_t time; /* the port's timer at the sampling instant, ticks; wraps */
+    bool has_mean; /* valley only: i_mean is valid (oversampling); otherwise the peak's sample is used */
     bool clipped;  /* a converter was at the end of its range */
 } iqfoc_sample_t;
 
-/* What the inverter is to do from the next valley on. */
+/* The inverter's state from the next valley on. */
 typedef struct iqfoc_command {
     iqfoc_duties_t duties; /* IQ24, 0 ... 1 */
     bool gates;            /* false: all switches off, whatever the duties say */

@@ -1,17 +1,19 @@
 /*
- * From an angle that is measured once a cycle to angle and speed at any instant: an observer of a shaft whose
- * acceleration stays as it is.
+ * Observer of angle and speed: from an angle that is measured once a cycle it gives angle and speed at any instant.
+ * The model is a shaft with constant acceleration.
  *
  *     theta += turns + acceleration/2,   turns += acceleration                          one cycle on
  *     e = measured - (theta + at turns)                                                 -1/2 ... 1/2 turn
  *     theta += k1 e,   turns += k2 e,   acceleration += k3 e
  *
- * IQFOC_TRACKER_GAINS puts all three poles at one place p: noise and quantisation are filtered with that
- * bandwidth, and neither a steady speed nor a steady acceleration leaves an error. With k3 = 0
- * (IQFOC_TRACKER_GAINS_2) an acceleration a leaves about a/k2 of error and the noise of the speed is less.
+ * IQFOC_TRACKER_GAINS puts all three poles at one place p. It filters noise and quantisation with that bandwidth, and
+ * neither a constant speed nor a constant acceleration leaves an error. With k3 = 0 (IQFOC_TRACKER_GAINS_2) an
+ * acceleration a leaves an error of about a/k2, and the speed has less noise.
  *
- * A measurement that is missing or off by more than far_max is left out: the tracker then runs on as it was.
- * More than lost_max in a row, and the sensor is lost.
+ * A measurement that is missing or differs by more than far_max is not used: the tracker then extrapolates. After
+ * more than lost_max such measurements in a row the sensor is lost.
+ *
+ * All functions share one state: call them from the cycle's interrupts.
  */
 #ifndef IQFOC_TRACKER_H
 #define IQFOC_TRACKER_H
@@ -48,8 +50,8 @@ typedef struct iqfoc_tracker_config {
     iq24_t k1;         /* 0 < k1 <= 1 */
     iq24_t k2;         /* 0 < k2 <= 1 */
     iq24_t k3;         /* 0 ... 1 */
-    iq24_t far_max;    /* |e| beyond it is no measurement: 0 < x <= 1/2 turn */
-    uint32_t lost_max; /* this many in a row are tolerated; UINT32_MAX: any number */
+    iq24_t far_max;    /* a measurement with |e| above this value is not used: 0 < x <= 1/2 turn */
+    uint32_t lost_max; /* this many missing measurements in a row are tolerated; UINT32_MAX: any number */
 } iqfoc_tracker_config_t;
 
 /* Angles in Q32: a turn is 2^32, and a wrap of the number is a whole turn. */
@@ -59,21 +61,21 @@ typedef struct iqfoc_tracker {
     int32_t turns_q32;        /* per cycle */
     int32_t acceleration_q32; /* per cycle^2 */
     iq24_t error;             /* e of the last step with a measurement */
-    uint32_t missing;         /* measurements in a row that were none */
-    uint32_t seen;            /* measurements taken, up to 2 */
-    bool lost;                /* sticky: iqfoc_tracker_restart ends it */
+    uint32_t missing;         /* missing measurements in a row */
+    uint32_t seen;            /* measurements used, up to 2 */
+    bool lost;                /* sticky: iqfoc_tracker_restart resets it */
 } iqfoc_tracker_t;
 
 /* config must outlive it. IQFOC_ERROR_TRACKER: a field out of its range. */
 iqfoc_error_t iqfoc_tracker_init(iqfoc_tracker_t *tracker, const iqfoc_tracker_config_t *config);
 
-/* Forgets everything: the next measurement is taken as the angle, the next two as the speed. */
+/* Clears the state: the next measurement sets the angle, the next two set the speed. */
 void iqfoc_tracker_restart(iqfoc_tracker_t *tracker);
 
 /*
- * Once a cycle, at its valley. theta: the measured electrical angle, turns, any number of whole ones; at: when
- * it was measured, cycles after this valley, -1 ... 1 (0: with the currents); valid: false if nothing was
- * measured. The speed is held to +-1/3 turn per cycle, as everywhere.
+ * Once a cycle, in its valley's interrupt. theta: the measured electrical angle, turns, with any number of whole
+ * turns; at: when it was measured, cycles after this valley, -1 ... 1 (0: with the currents); valid: false if nothing
+ * was measured. The speed is held to +-1/3 turn per cycle, as everywhere.
  *
  * Largest error of one step against double arithmetic, of 400000 drawn: 2 units of 2^-32 turns each; exact
  * in the measurement. An e below 2^-33/k3 turns does not move the acceleration any more: 10 LSB at 1/18 of

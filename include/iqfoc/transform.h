@@ -1,10 +1,10 @@
 /*
  * Clarke and Park transforms and their inverses: 2016 (2) and (3), amplitude invariant.
  *
- * All are inline: a transform is shorter than its call. Phase and vector components are IQ24 in per unit,
- * within +-32 unless a function says otherwise: thirty times the rated current is beyond any sensor. Outside
- * that range the result wraps; it is never undefined. Errors are those of the function alone, its inputs
- * taken as exact.
+ * All are inline, because a transform is shorter than its call, and may be called from any context. Phase and vector
+ * components are IQ24 in per unit, within +-32 unless a function says otherwise: thirty times the rated current is
+ * beyond any sensor. Outside that range the result wraps; it is never undefined. Errors are those of the function
+ * alone, its inputs taken as exact.
  */
 #ifndef IQFOC_TRANSFORM_H
 #define IQFOC_TRANSFORM_H
@@ -58,7 +58,7 @@ static inline iqfoc_ab_t iqfoc_clarke2(iq24_t a, iq24_t b)
 }
 
 /*
- * Clarke transform from three phase currents; what the three have in common (zero sequence) is dropped.
+ * Clarke transform from three phase currents; their zero sequence drops out.
  *
  *     alpha = (2 a - b - c)/3,   beta = (b - c)/sqrt(3)
  *

@@ -1,11 +1,11 @@
 /*
- * What the current must be at the valleys for its mean over each cycle, seen from the turning rotor, to be
- * the reference.
+ * Sampling-instant set-point: the current at the valleys whose mean over each cycle, as seen from the turning rotor,
+ * is the reference.
  *
- * Torque follows the mean, a predictive controller aims at the instants between two voltages, and at a low
- * switching-to-fundamental ratio the two are far apart. But for R i, flux linkage runs straight in the
- * stationary frame while a voltage stands: from psi_v at one valley to psi_v e^(j phi) at the next. Its mean,
- * seen from the rotor (2016 (10)), is
+ * Torque follows the mean current, but a predictive controller sets the current at the instants between two voltages.
+ * At a low switching-to-fundamental ratio the two differ much. Without R i, the flux linkage changes linearly in the
+ * stationary frame while a voltage acts: from psi_v at one valley to psi_v e^(j phi) at the next. Its mean, seen from
+ * the rotor (2016 (10)), is
  *
  *     e^(-j phi/2) [ s1 (1 + e^(j phi))/2 - j s2 (e^(j phi) - 1) ] psi_v = s1^2 psi_v,
  *
@@ -13,8 +13,8 @@
  *
  *     i_d = (mean_d + k_psi)/s1^2 - k_psi,      i_q = mean_q/s1^2.
  *
- * Exact in steady state for R = 0; docs/loops.md has the error with R. k_psi = 3 at a ratio of 5: the valley
- * current is 43 % of the rated one away from the mean.
+ * Exact in steady state for R = 0; docs/loops.md has the error with R. For k_psi = 3 at a ratio of 5 the valley
+ * current differs from the mean by 43 % of the rated current. All functions only read their arguments: any context.
  */
 #ifndef IQFOC_VALLEY_REFERENCE_H
 #define IQFOC_VALLEY_REFERENCE_H
@@ -27,7 +27,7 @@
 extern "C" {
 #endif
 
-/* Made where the speed changes. */
+/* Compute it when the speed changes. */
 typedef struct {
     iq24_t gain;      /* 1/s1^2: 1 ... 1.4625 */
     iq24_t magnet_pu; /* k_psi (1/s1^2 - 1): 0 ... 3.7 */
@@ -37,9 +37,9 @@ typedef struct {
  * 1/d to nearest, 1/2 <= d <= 1; a smaller d is taken as 1/2. As iq24_div(IQ24_ONE, d), by one division of the core's
  * in place of four.
  *
- * Range: with d = 2^8 n + f, 2^15 <= n <= 2^16, q is 2^32/n rounded down, below 2^17; what it leaves, 2^40 - d q,
- * lies in -2^25 ... 2^24, so that the low word is all of it. q/2^40 in the place of 1/d makes too little of that, by
- * 1/32 at most, and it is rounded down: `low` is short by 1 1/32 at most, and what it leaves lies in 0 ... 1.04 d. The
+ * Range: with d = 2^8 n + f, 2^15 <= n <= 2^16, q is 2^32/n rounded down, below 2^17; its remainder, 2^40 - d q, lies
+ * in -2^25 ... 2^24, so that the low word is all of it. q/2^40 instead of 1/d makes the correction too small, by 1/32
+ * at most, and it is rounded down: `low` is too small by 1 1/32 at most, and its remainder lies in 0 ... 1.04 d. The
  * nearest is `low` or one more. There is no tie: 2^49 is no odd multiple of d.
  */
 static inline iq24_t iqfoc_valley_gain(iq24_t square)
@@ -54,7 +54,7 @@ static inline iq24_t iqfoc_valley_gain(iq24_t square)
 
 /*
  * k_psi: psi_f/(L I_b), 0 ... 8. Largest error: gain 3.4 LSB where s1 is least, magnet 0.5 LSB + 3.4 LSB
- * per unit of k_psi (tests/unit/test_deadbeat.c finds 3.1).
+ * per unit of k_psi (tests/unit/library/test_deadbeat.c finds 3.1).
  *
  * Range: s1 >= 0.8269, so s1^2 >= 0.6838 and its inverse <= 1.4625.
  */

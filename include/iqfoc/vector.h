@@ -1,10 +1,10 @@
 /*
- * The small vectors that the library passes by value. All components are IQ24 in per unit (docs/units.md):
- * currents of the peak rated current, voltages of the nominal DC-link voltage.
+ * Small vectors that the library passes by value. All components are IQ24 in per unit (docs/units.md): currents per
+ * peak rated current, voltages per nominal DC-link voltage.
  *
- * Frames: `abc` phases; `ab` stationary, alpha on the axis of phase A, beta 90 electrical degrees ahead;
- * `dq` rotor, d on the magnet's flux. The Clarke transform is amplitude invariant: a balanced set of
- * peak I is a vector of length I.
+ * Frames: `abc` phases; `ab` stationary, alpha on the axis of phase A, beta 90 electrical degrees ahead; `dq` rotor,
+ * d on the magnet's flux. The Clarke transform is amplitude invariant: a balanced set of peak I is a vector of length
+ * I.
  */
 #ifndef IQFOC_VECTOR_H
 #define IQFOC_VECTOR_H

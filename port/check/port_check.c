@@ -43,6 +43,38 @@ static iqfoc_sample_t peak(const port_rig *rig, double late)
     return sample;
 }
 
+/* "B and C" if those two being exchanged explains all sets of readings, each over its difference to the third; else NULL. */
+static const char *exchanged(const double (*got)[3], const double (*want)[3], int sets, double tolerance)
+{
+    static const char *const pair[3] = {"B and C", "C and A", "A and B"};
+    for (int stays = 0; stays < 3; stays++) {
+        const int one = (stays + 1) % 3;
+        const int other = (stays + 2) % 3;
+        bool fits = true;
+        for (int k = 0; k < sets && fits; k++) {
+            fits = fabs(got[k][one] - got[k][stays] - want[k][other] + want[k][stays]) <= tolerance &&
+                   fabs(got[k][other] - got[k][stays] - want[k][one] + want[k][stays]) <= tolerance;
+        }
+        if (fits) {
+            return pair[stays];
+        }
+    }
+    return NULL;
+}
+
+/* A mean that is said to be there is that of the interval: of a constant current, the current. */
+static const char *mean_off(const iqfoc_sample_t *sample, const double i_pu[3], double step)
+{
+    const double got[3] = {pu(sample->i_mean.a), pu(sample->i_mean.b), pu(sample->i_mean.c)};
+    for (int x = 0; x < 3 && sample->has_mean; x++) {
+        if (!(fabs(got[x] - i_pu[x]) <= 2.0 * step)) {
+            return wrong("has_mean is true, but the mean of phase %c reads %.4f, true %.4f", "ABC"[x], got[x],
+                         i_pu[x]);
+        }
+    }
+    return NULL;
+}
+
 static const char *currents_off(const iqfoc_sample_t *sample, const double i_pu[3], double step,
                                 const char *where)
 {
@@ -56,17 +88,36 @@ static const char *currents_off(const iqfoc_sample_t *sample, const double i_pu[
     return NULL;
 }
 
+enum { CURRENT_SETS = 5 };
+
 static const char *current_scaling_signs_and_order(port_rig_start *start)
 {
-    static const double sets[5][3] = {
+    static const double sets[CURRENT_SETS][3] = {
         {0.6, -0.3, -0.3}, {-0.3, 0.6, -0.3}, {-0.3, -0.3, 0.6}, {-0.8, 0.5, 0.3}, {0.0, 0.0, 0.0}};
     const port_rig *rig = start();
-    for (int k = 0; k < 5; k++) {
+    double got[CURRENT_SETS][3];
+    for (int k = 0; k < CURRENT_SETS; k++) {
         rig->set_current(sets[k]);
-        const iqfoc_sample_t at_valley = valley(rig, 0.01);
+        const iqfoc_sample_t sample = valley(rig, 0.01);
+        (void)peak(rig, 0.01);
+        got[k][0] = pu(sample.i.a);
+        got[k][1] = pu(sample.i.b);
+        got[k][2] = pu(sample.i.c);
+    }
+    const char *legs = exchanged((const double(*)[3])got, sets, CURRENT_SETS, 4.0 * rig->current_step_pu);
+    if (legs != NULL) {
+        return wrong("the currents of phases %s are exchanged", legs);
+    }
+    for (int k = 0; k < CURRENT_SETS; k++) {
+        rig->set_current(sets[k]);
+        (void)valley(rig, 0.01);
+        (void)peak(rig, 0.01);
+        const iqfoc_sample_t at_valley = valley(rig, 0.01); /* after a whole interval of this current */
         const iqfoc_sample_t at_peak = peak(rig, 0.01);
         const char *off = currents_off(&at_valley, sets[k], rig->current_step_pu, "valley");
         off = off == NULL ? currents_off(&at_peak, sets[k], rig->current_step_pu, "peak") : off;
+        off = off == NULL ? mean_off(&at_valley, sets[k], rig->current_step_pu) : off;
+        off = off == NULL ? mean_off(&at_peak, sets[k], rig->current_step_pu) : off;
         if (off != NULL) {
             return off;
         }
@@ -216,24 +267,33 @@ static const char *update_instant(port_rig_start *start)
     return rig->leg_high(0) ? NULL : wrong("a late command acts in the middle of a period");
 }
 
+enum { DUTY_SETS = 4 };
+
 /* What the legs have in common may be moved, as low-side shunts ask for: differences are compared. */
 static const char *duties_and_order(port_rig_start *start)
 {
-    static const double sets[4][3] = {{0.1, 0.5, 0.9}, {0.7, 0.3, 0.0}, {1.0, 0.25, 0.0}, {0.0, 0.0, 0.0}};
+    static const double sets[DUTY_SETS][3] = {
+        {0.1, 0.5, 0.9}, {0.7, 0.3, 0.0}, {1.0, 0.25, 0.0}, {0.0, 0.0, 0.0}};
     const port_rig *rig = start();
-    for (int k = 0; k < 4; k++) {
+    double share[DUTY_SETS][3];
+    for (int k = 0; k < DUTY_SETS; k++) {
         const iqfoc_command_t command = command_of(sets[k][0], sets[k][1], sets[k][2]);
-        double share[3];
         rig->go_to(0.6);
         iqfoc_hal_write(rig->hal, &command);
         rig->go_to(0.99);
-        watch_period(rig, share);
+        watch_period(rig, share[k]);
+    }
+    const char *legs = exchanged((const double(*)[3])share, sets, DUTY_SETS, 0.004);
+    if (legs != NULL) {
+        return wrong("legs %s are exchanged", legs);
+    }
+    for (int k = 0; k < DUTY_SETS; k++) {
         for (int leg = 0; leg < 3; leg++) {
-            const double got = share[leg] - share[2];
+            const double got = share[k][leg] - share[k][2];
             const double want = sets[k][leg] - sets[k][2];
-            if (!(fabs(got - want) <= 0.002) || share[leg] > sets[k][leg] + 0.002) {
+            if (!(fabs(got - want) <= 0.002) || share[k][leg] > sets[k][leg] + 0.002) {
                 return wrong("leg %c is high for %.3f of the period, asked for %.3f: scaling, sense or order",
-                             "ABC"[leg], share[leg], sets[k][leg]);
+                             "ABC"[leg], share[k][leg], sets[k][leg]);
             }
         }
     }

@@ -44,7 +44,7 @@ typedef struct port_rig {
     bool one_trigger;
 } port_rig;
 
-/* The hardware as it is after start-up, outputs off, angle known; each call begins anew. */
+/* The hardware as it is after start-up, outputs off, angle known; each call starts again. */
 typedef const port_rig *port_rig_start(void);
 
 /* A line of the checklist. */

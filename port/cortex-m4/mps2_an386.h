@@ -39,7 +39,7 @@ typedef struct mps2_timer {
 #define MPS2_TIMER0_IRQ           8
 #define MPS2_TIMER1_IRQ           9
 
-/* CMSDK dual timer, its first half: a 32-bit down-counter that runs freely. */
+/* CMSDK dual timer, its first half: a free-running counter, 32 bits, downwards. */
 typedef struct mps2_dual_timer {
     volatile uint32_t load;
     volatile uint32_t value;

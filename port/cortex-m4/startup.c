@@ -37,7 +37,7 @@ static const vector_table_t vectors __attribute__((section(".vectors"), used)) =
         {[0] = unexpected_handler, [1] = unexpected_handler, [8] = timer0_handler, [9] = timer1_handler},
 };
 
-/* Exit status of a fault: told apart from a test's own failures. */
+/* Exit status of a fault: distinct from a test's own failures. */
 #define STATUS_FAULT 99
 
 void unexpected_handler(void)

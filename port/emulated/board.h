@@ -1,12 +1,12 @@
 /*
- * What the two emulated boards offer the drive: a free-running clock, and the carrier's two interrupts.
+ * The services of both emulated boards for the drive: a free-running clock, and the carrier's two interrupts.
  */
 #ifndef PORT_EMULATED_BOARD_H
 #define PORT_EMULATED_BOARD_H
 
 #include <stdint.h>
 
-/* Free-running, wraps at 2^32. BOARD_HZ ticks a second (port/<target>/board_clock.h). */
+/* A free-running clock, wraps at 2^32. BOARD_HZ ticks a second (port/<target>/board_clock.h). */
 uint32_t board_ticks(void);
 
 /*

@@ -3,7 +3,7 @@
  *
  * As on a chip, what is sampled at valley and peak does not wait for the interrupt: the drive's state is
  * brought up to the board's clock whenever the HAL is called, half a period at a time, and each instant's
- * sample replaces the one before it. A command stands in the shadow registers until the next valley.
+ * sample replaces the one before it. A command stays in the shadow registers until the next valley.
  */
 #ifndef PORT_EMULATED_HAL_EMULATED_H
 #define PORT_EMULATED_HAL_EMULATED_H

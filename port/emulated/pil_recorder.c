@@ -27,7 +27,7 @@ static void channel_add(const int32_t *source, iqfoc_recorder_column_t column, i
     config.channels[config.channel_count++] = channel;
 }
 
-/* A variable of which 1.0 is a duty of 1. */
+/* A variable whose 1.0 is a duty of 1. */
 static void channel_add_share(const int32_t *source, iqfoc_recorder_column_t column)
 {
     channel_add(source, column, 1, 0);

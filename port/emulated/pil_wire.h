@@ -16,7 +16,7 @@
 #define PIL_SYNC 0x5A
 
 /* Types of frames. */
-#define PIL_START   1 /* to the image: a configuration; the drive begins anew */
+#define PIL_START   1 /* to the image: a configuration; the drive starts again */
 #define PIL_CYCLE   2 /* to the image: reference, valley's sample, peak's sample */
 #define PIL_STARTED 3 /* from the image: iqfoc_error_t of the configuration */
 #define PIL_COMMAND 4 /* from the image: the command, and the status */
@@ -30,7 +30,7 @@
 
 #define PIL_CONFIG_WORDS 21
 #define PIL_SAMPLE_WORDS 11
-#define PIL_TUNE_WORDS   52
+#define PIL_TUNE_WORDS   55
 #define PIL_WORDS_MAX    PIL_TUNE_WORDS
 /* Bytes of the longest frame. */
 #define PIL_FRAME_MAX (1 + 1 + 4 * PIL_WORDS_MAX + 4)

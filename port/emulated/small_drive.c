@@ -27,7 +27,7 @@ const iqfoc_cycle_config_t small_drive_config = {
 };
 
 /*
- * The machine that stands there is not quite the one that the firmware was told: 20 % more resistance,
+ * The machine differs from the firmware's parameters: 20 % more resistance,
  * 5 % less inductance. Coefficients of half a cycle.
  */
 static const iqfoc_predictor_t machine =

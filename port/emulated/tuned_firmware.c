@@ -2,6 +2,7 @@
 #include "tuned_firmware.h"
 
 #include "iqfoc/modulation.h"
+#include "iqfoc/ripple.h"
 
 void tuned_firmware_start(tuned_firmware_t *t, const tuned_firmware_config_t *config)
 {
@@ -41,15 +42,28 @@ void tuned_firmware_valley(tuned_firmware_t *t, iqfoc_dq_t i_ref, const iqfoc_sa
 {
     const iqfoc_tuned_t tuned = iqfoc_tuned_at_speed(&t->law, sample->turns);
     const iq24_t u_dc_inverse = iq24_div(IQ24_ONE, sample->u_dc);
+    if (t->sample.u_dc > 0) {
+        /* Of the cycle that ends here: its duties, the link at its first valley. */
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(sample->turns);
+        const iqfoc_ripple_t ripple = iqfoc_ripple_at_speed(&t->law.machine, &rotor);
+        const iq24_t theta_mid = iq24_sub_wrap(sample->theta, iq24_asr32(sample->turns, 1));
+        iqfoc_tuned_ripple(&t->state,
+                           iqfoc_ripple_seen(&ripple, t->high_now, t->sample.u_dc, iq24_sincos(theta_mid)));
+    }
     t->sample = *sample;
     t->high_now = t->command.duties.high;
-    t->u_now = t->u_next;
+    /* The mean link of the cycle that begins, if it goes on as in the last one. */
+    const iq24_t before = t->link_before > 0 ? t->link_before : sample->u_dc;
+    const iq24_t u_dc = iq24_add_sat(sample->u_dc, iq24_asr32(iq24_sub_wrap(sample->u_dc, before), 1));
+    t->u_now.alpha = iq24_mul_round(t->share_next.alpha, u_dc);
+    t->u_now.beta = iq24_mul_round(t->share_next.beta, u_dc);
+    t->link_before = sample->u_dc;
     const iqfoc_ab_t u =
         iqfoc_tuned_step(&t->state, &tuned, iqfoc_clarke3(sample->i), t->u_now, i_ref, sample->theta);
     t->command.duties = iqfoc_modulate(u, u_dc_inverse, IQ24_ONE);
     t->command.gates = true;
-    t->u_next.alpha = iq24_mul_round(u.alpha, t->command.duties.scale);
-    t->u_next.beta = iq24_mul_round(u.beta, t->command.duties.scale);
+    /* Without the correction of dead time, which the legs lose again. */
+    t->share_next = iqfoc_clarke3(t->command.duties.high);
     if (t->config.extended != 0) {
         compensate(t, sample, u_dc_inverse);
     }

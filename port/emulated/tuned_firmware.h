@@ -10,7 +10,7 @@
 #include "iqfoc/tuned_control.h"
 #include "iqfoc/watch.h"
 
-/* What it is told of the drive; 32-bit words throughout, as they go over the wire (pil_wire.h). */
+/* The firmware's data of the drive; 32-bit words throughout, as they go over the wire (pil_wire.h). */
 typedef struct tuned_firmware_config {
     iqfoc_tuned_law_t law;
     int32_t extended; /* not 0: duties make good what the legs lose by `extension` */
@@ -28,13 +28,16 @@ typedef struct tuned_firmware {
     tuned_firmware_config_t config;
     iqfoc_tuned_law_t law; /* in force */
     iqfoc_tuned_state_t state;
-    iqfoc_ab_t u_now, u_next; /* of the cycle that runs and of the next */
-    iqfoc_sample_t sample;    /* of the last valley */
-    iqfoc_abc_t high_now;     /* duties of the cycle that runs */
-    iqfoc_command_t command;  /* of the next */
+    /* The cycle that runs: duties times the DC link measured at its first valley. */
+    iqfoc_ab_t u_now;
+    iqfoc_ab_t share_next;   /* of the next cycle: its duties, over the DC link */
+    iqfoc_sample_t sample;   /* of the last valley */
+    iqfoc_abc_t high_now;    /* duties of the cycle that runs */
+    iqfoc_command_t command; /* of the next */
     iqfoc_watch_t watch;
     iqfoc_adapt_t adapt;
     iqfoc_dq_t i_start, u_start; /* of the cycle that runs, seen from the rotor at its start */
+    iq24_t link_before;          /* at the valley before; 0: none */
     uint32_t status;
 } tuned_firmware_t;
 

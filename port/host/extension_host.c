@@ -56,3 +56,32 @@ bool flux_predictor_from_motor(const motor *m, iqfoc_flux_predictor_t *predictor
     *predictor = made;
     return true;
 }
+
+bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error *e)
+{
+    static const double least_share = 0.05; /* of the top speed */
+    static const double loop_rad = 0.16;    /* bandwidth of the phase-locked loop times the cycle */
+    const double T_s = per_unit_of(m).T_s;
+    const double pole = IQFOC_RAW_TRACKER_POLE(loop_rad / T_s, T_s);
+    const double least = least_share * motor_speed_rad_s(m, m->n_max_rpm) * T_s / VEC_TWO_PI;
+    iqfoc_extension_t extension;
+    iqfoc_observer_config_t c = {.gain_max = IQ24(0.5),
+                                 .k1 = iq24_from_double(IQFOC_RAW_TRACKER_K1_2(pole)),
+                                 .k2 = iq24_from_double(IQFOC_RAW_TRACKER_K2_2(pole)),
+                                 .turns_min = iq24_min(iq24_from_double(least), IQFOC_ROTOR_TURNS_MAX),
+                                 .angle_max = IQ24(0.02),
+                                 .lock_cycles = 8,
+                                 .lost_cycles = 50,
+                                 .slow_cycles = 2000};
+    if (!extension_from_motor(m, &extension, e) || !flux_predictor_from_motor(m, &c.machine, e)) {
+        return false;
+    }
+    c.saturation = extension.saturation;
+    c.flux_max = c.machine.psi / 8;
+    *config = c;
+    return iqfoc_observer_check(config) == IQFOC_OK ||
+           motor_refuse(m->path, "psi_f_Wb", e,
+                        "the observer needs a magnet, psi_f/(T U_b) of 1/64 or more (here %g), and "
+                        "|L_d - L_q| I_b/(T U_b) of 4 or less (here %g)",
+                        iq24_to_double(c.machine.psi), iq24_to_double(c.machine.l_d - c.machine.l_q));
+}

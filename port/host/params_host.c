@@ -5,6 +5,7 @@
 
 #include "iqfoc/params.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* Four times the rated current: above what any scenario asks for, below what the converter's scaling holds. */
@@ -14,10 +15,15 @@ bool constant_from_motor(const motor *m, const char *key, const char *name, doub
                          double high, int bits, int32_t *out, error *e)
 {
     if (!(value >= low && value <= high)) {
+        char remedy[120] = "";
+        if (value > high && strstr(name, "L I_b)") != NULL) {
+            (void)snprintf(remedy, sizeof remedy, "; I_rated_A_rms = %.3g, a larger current base, would fit",
+                           1.01 * m->I_rated_A_rms * value / high);
+        }
         return motor_refuse(
             m->path, key, e,
-            "%s gives the per-unit constant %s = %.6g; the fixed-point library holds %.3g to %.3g", key, name,
-            value, low, high);
+            "%s gives the per-unit constant %s = %.6g; the fixed-point library holds %.3g to %.3g%s", key,
+            name, value, low, high, remedy);
     }
     *out = (int32_t)nearbyint(ldexp(value, bits));
     return true;
@@ -134,6 +140,13 @@ static bool speed_fits(const motor *m, error *e)
                turns);
 }
 
+double control_bandwidth_Hz(const motor *m, const scenario_control *control)
+{
+    /* A corrected mean is a cycle old when it is used: a third of the bandwidth keeps the phase margin. */
+    const double usual_Hz = m->f_pwm_Hz / (control->feedback == FEEDBACK_CORRECTED_MEAN ? 60.0 : 20.0);
+    return control->bandwidth_Hz > 0.0 ? control->bandwidth_Hz : usual_Hz;
+}
+
 bool config_from_motor(const motor *m, const scenario_control *control, iqfoc_cycle_config_t *config,
                        error *e)
 {
@@ -142,9 +155,7 @@ bool config_from_motor(const motor *m, const scenario_control *control, iqfoc_cy
         [FEEDBACK_CORRECTED_MEAN] = IQFOC_FEEDBACK_CORRECTED_MEAN,
         [FEEDBACK_QUASI_DISCRETE_MEAN] = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
     };
-    /* A corrected mean is a cycle old when it is used: a third of the bandwidth keeps the phase margin. */
-    const double usual_Hz = m->f_pwm_Hz / (control->feedback == FEEDBACK_CORRECTED_MEAN ? 60.0 : 20.0);
-    const double bandwidth_Hz = control->bandwidth_Hz > 0.0 ? control->bandwidth_Hz : usual_Hz;
+    const double bandwidth_Hz = control_bandwidth_Hz(m, control);
     iqfoc_cycle_config_t made;
     memset(&made, 0, sizeof made);
     if (!speed_fits(m, e) || !predictor_from_motor(m, &made.predictor, e) ||

@@ -1,8 +1,6 @@
 /*
- * Physical motor data to the library's per-unit constants, at run time: the host's counterpart of
- * iqfoc/params.h, whose formulas it evaluates. The only place on the host, with extension_host.h beside it,
- * where ohms, henries and webers become fixed point. Inductances are those at zero current
- * (motor_inductances).
+ * Converts physical motor data to the library's per-unit constants at run time, by the formulas of iqfoc/params.h. On the host only this
+ * file and extension_host.h convert ohm, henry and weber to fixed point. Inductances are those at zero current (motor_inductances).
  */
 #ifndef PORT_HOST_PARAMS_HOST_H
 #define PORT_HOST_PARAMS_HOST_H
@@ -34,6 +32,9 @@ bool salient_from_motor(const motor *m, iqfoc_salient_machine_t *machine, error 
 
 /* And the gains of a closed loop of bandwidth_Hz. */
 bool gains_from_motor(const motor *m, double bandwidth_Hz, iqfoc_current_control_gains_t *gains, error *e);
+
+/* The scenario's bandwidth; without one f_pwm_Hz/20, and f_pwm_Hz/60 with the corrected mean. */
+double control_bandwidth_Hz(const motor *m, const scenario_control *control);
 
 /*
  * A whole configuration: the above, the scenario's choices, and the host's ticks (hal_host.h). The motor's

@@ -6,7 +6,7 @@
 #include "console.h"
 #include "virt.h"
 
-/* Exit status of a fault: told apart from a test's own failures. */
+/* Exit status of a fault: distinct from a test's own failures. */
 #define STATUS_FAULT 99
 
 static void unexpected(uint32_t cause)

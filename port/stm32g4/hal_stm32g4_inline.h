@@ -151,7 +151,10 @@ IQFOC_STEP void hal_stm32g4_interrupt(const iqfoc_methods_t methods, iqfoc_cycle
     const uint32_t now = hal_stm32g4_now(hal);
     if (hal_stm32g4_at_valley(hal)) {
         hal_stm32g4_read_valley(hal, &sample);
-        iqfoc_cycle_valley_by(methods, cycle, &sample, now);
+        if (iqfoc_cycle_valley_by(methods, cycle, &sample, now)) {
+            const iqfoc_command_t safe = iqfoc_cycle_safe(cycle->config);
+            iqfoc_hal_write(hal, &safe); /* out of line: a trip is rare */
+        }
         return;
     }
     hal_stm32g4_read_peak(hal, &sample);

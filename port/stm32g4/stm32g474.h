@@ -1,7 +1,7 @@
 /*
  * Registers of the STM32G474 that this port uses.
  *
- * The numbers beside them are sections of the reference manual RM0440, revision 9. Those of the
+ * The numbers in the comments are sections of the reference manual RM0440, revision 9. Those of the
  * advanced-control timers (29) were compared with the manual register by register; for the other peripherals
  * the chapter's register section is given, and offsets and bits are those that the manual has had since
  * revision 1. The mapping of pins to alternate functions is the data sheet's (DS12288, table "Alternate

@@ -1,8 +1,7 @@
 /* The control cycle, step by step, with the methods that Python names. */
 #include "data/motor.h"
-#include "drive/firmware.h"
 #include "extension_host.h"
-#include "interface.h"
+#include "handles.h"
 
 #include "iqfoc/cycle_steps.h"
 
@@ -10,6 +9,7 @@
 #include <string.h>
 
 struct py_cycle {
+    py_firmware firmware;
     iqfoc_cycle_t cycle;
     iqfoc_cycle_config_t config;
     iqfoc_methods_t methods;
@@ -25,7 +25,7 @@ static bool configure(py_cycle *c, const motor *m, const py_methods *how, error 
         : how->feedback == IQFOC_FEEDBACK_MIDPOINT     ? FEEDBACK_MIDPOINT
                                                        : FEEDBACK_QUASI_DISCRETE_MEAN,
         how->modulation == IQFOC_MODULATION_SIX_STEP ? MODULATION_SIX_STEP : MODULATION_PWM,
-        how->bandwidth_Hz, 1};
+        how->bandwidth_Hz, 1, ANGLE_MEASURED};
     iqfoc_exact_winding_t winding;
     if (!config_from_motor(m, &control, &c->config, e) || !winding_from_motor(m, &winding, e) ||
         (how->extended && !extension_from_motor(m, &c->extension, e))) {
@@ -36,11 +36,41 @@ static bool configure(py_cycle *c, const motor *m, const py_methods *how, error 
     c->config.data.exact = &c->exact;
     c->config.data.exact_mean = &c->exact_mean;
     c->config.data.extension = how->extended ? &c->extension : NULL;
-    c->methods = (iqfoc_methods_t){(iqfoc_model_t)how->model, (iqfoc_feedback_t)how->feedback,
-                                   IQFOC_CONTROL_PI, (iqfoc_modulation_t)how->modulation, how->extended};
+    if (how->control != IQFOC_CONTROL_PI) {
+        c->config.data.k_u_inverse = iqfoc_deadbeat_inverse(
+            how->model == IQFOC_MODEL_EXACT ? c->exact.k_u_q26 : c->config.predictor.k_u * 4);
+        c->config.data.k_psi = c->config.predictor.k_psi;
+        c->config.data.learning = iq24_from_double(how->observer_gain);
+    }
+    c->methods =
+        (iqfoc_methods_t){(iqfoc_model_t)how->model, (iqfoc_feedback_t)how->feedback,
+                          (iqfoc_control_t)how->control, (iqfoc_modulation_t)how->modulation, how->extended};
+    c->config.feedback = c->methods.feedback;
+    c->config.modulation = c->methods.modulation;
     const iqfoc_error_t refused = iqfoc_cycle_init_by(c->methods, &c->cycle, &c->config);
     return refused == IQFOC_OK ||
            error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
+}
+
+static bool valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
+{
+    py_cycle *c = context;
+    (void)e;
+    c->cycle.i_ref = i_ref;
+    (void)iqfoc_cycle_valley_by(c->methods, &c->cycle, sample, sample->time);
+    return true;
+}
+
+static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, drive_answer *answer,
+                 error *e)
+{
+    py_cycle *c = context;
+    (void)e;
+    c->cycle.i_ref = i_ref;
+    answer->command =
+        iqfoc_cycle_peak_by(c->methods, &c->cycle, sample, c->firmware.output_mid, sample->time);
+    answer->status = c->cycle.status;
+    return true;
 }
 
 py_cycle *py_cycle_new(const motor *m, const py_methods *how, error *e)
@@ -54,6 +84,7 @@ py_cycle *py_cycle_new(const motor *m, const py_methods *how, error *e)
         free(c);
         return NULL;
     }
+    py_firmware_begin(&c->firmware, (drive_firmware){c, NULL, valley, peak});
     return c;
 }
 
@@ -62,48 +93,24 @@ void py_cycle_free(py_cycle *c)
     free(c);
 }
 
+py_firmware *py_cycle_firmware(py_cycle *c)
+{
+    return &c->firmware;
+}
+
 void py_cycle_enable(py_cycle *c, bool enabled)
 {
     c->cycle.enabled = enabled;
+    c->firmware.answer.command.gates = enabled && !c->cycle.tripped;
 }
 
 void py_cycle_clear(py_cycle *c)
 {
     iqfoc_cycle_clear(&c->cycle);
-}
-
-void py_cycle_reference(py_cycle *c, int32_t d, int32_t q)
-{
-    const iqfoc_dq_t i_ref = {d, q};
-    c->cycle.i_ref = i_ref;
-}
-
-static iqfoc_sample_t sample_of(const py_sample *s)
-{
-    const iqfoc_sample_t sample = {.i = {s->i[0], s->i[1], s->i[2]},
-                                   .i_mean = {s->i_mean[0], s->i_mean[1], s->i_mean[2]},
-                                   .theta = s->theta,
-                                   .turns = s->turns,
-                                   .u_dc = s->u_dc,
-                                   .at = s->at,
-                                   .time = s->time,
-                                   .has_mean = s->has_mean,
-                                   .clipped = s->clipped};
-    return sample;
-}
-
-void py_cycle_valley(py_cycle *c, const py_sample *sample)
-{
-    const iqfoc_sample_t s = sample_of(sample);
-    iqfoc_cycle_valley_by(c->methods, &c->cycle, &s, s.time);
-}
-
-void py_cycle_peak(py_cycle *c, const py_sample *sample, int32_t output_mid, py_command *command)
-{
-    const iqfoc_sample_t s = sample_of(sample);
-    const iqfoc_command_t answer = iqfoc_cycle_peak_by(c->methods, &c->cycle, &s, output_mid, s.time);
-    const iqfoc_abc_t high = answer.duties.high;
-    *command = (py_command){{high.a, high.b, high.c}, answer.duties.scale, answer.gates};
+    const iqfoc_dq_t i_ref = c->firmware.i_ref;
+    py_firmware_begin(&c->firmware, c->firmware.calls);
+    c->firmware.i_ref = i_ref;
+    c->firmware.answer.command.gates = c->cycle.enabled;
 }
 
 void py_cycle_state(const py_cycle *c, py_state *state)
@@ -113,7 +120,7 @@ void py_cycle_state(const py_cycle *c, py_state *state)
                         .enabled = x->enabled,
                         .tripped = x->tripped,
                         .corrected = x->corrected,
-                        .i_ref_dq = {x->i_ref.d, x->i_ref.q},
+                        .i_ref_dq = {c->firmware.i_ref.d, c->firmware.i_ref.q},
                         .i_dq = {x->i_dq.d, x->i_dq.q},
                         .u_dq = {x->u_dq.d, x->u_dq.q},
                         .u_ab = {x->u_ab.alpha, x->u_ab.beta},

@@ -1,8 +1,8 @@
 /*
- * What the Python package calls: the library and the host's rooms behind plain C functions.
+ * What the Python package calls: the library and the host's modules behind plain C functions.
  *
  * Two read this file: the C compiler, and Python, which gives it to cffi without the lines that begin with a #. So the two
- * cannot disagree on a signature; but what stands here must be what cffi can parse.
+ * cannot disagree on a signature; but cffi must be able to parse this file.
  *
  * Handles are made here and given back to py_..._free. A function that can fail takes an error * and returns NULL or false.
  */
@@ -15,9 +15,13 @@
 typedef struct error error;
 typedef struct motor motor;
 typedef struct recording recording;
-typedef struct plant plant;
+typedef struct py_plant py_plant;
+typedef struct py_firmware py_firmware;
 typedef struct py_machine py_machine;
+typedef struct py_observer py_observer;
 typedef struct py_cycle py_cycle;
+typedef struct tune_report py_design;
+typedef struct py_tuned py_tuned;
 typedef struct py_diagnosis py_diagnosis;
 
 /* ---- what went wrong: status 0 nothing, 1 the program, 2 the input ---- */
@@ -54,7 +58,16 @@ bool py_machine_predict(const py_machine *p, const char *method, size_t n, const
 /* The constants: predictor's k_u, k_r, k_psi. */
 void py_machine_constants(const py_machine *p, int32_t *three);
 
-/* ---- the control cycle ---- */
+/* ---- angle and speed without a sensor ---- */
+py_observer *py_observer_new(const motor *m, error *e);
+void py_observer_free(py_observer *p);
+void py_observer_start(py_observer *p, const int32_t *i_ab, int32_t theta, int32_t turns, bool known);
+/* One cycle a row. in: alpha and beta of u, i_mean, i. out: theta, turns, locked. */
+void py_observer_steps(py_observer *p, size_t n, const int32_t *const *in, int32_t *const *out);
+/* IQFOC_OBSERVER_LOST_... since the start. */
+uint32_t py_observer_lost(const py_observer *p);
+
+/* ---- controllers ---- */
 typedef struct py_sample {
     int32_t i[3];
     int32_t theta;
@@ -62,8 +75,6 @@ typedef struct py_sample {
     int32_t u_dc;
     int32_t at;
     uint32_t time;
-    int32_t i_mean[3];
-    bool has_mean;
     bool clipped;
 } py_sample;
 typedef struct py_command {
@@ -89,19 +100,57 @@ typedef struct py_methods {
     int model;
     int feedback;
     int modulation;
+    int control;
     double bandwidth_Hz;
+    double observer_gain;
     bool extended;
 } py_methods;
 py_cycle *py_cycle_new(const motor *m, const py_methods *how, error *e);
 void py_cycle_free(py_cycle *c);
 void py_cycle_enable(py_cycle *c, bool enabled);
 void py_cycle_clear(py_cycle *c);
-void py_cycle_reference(py_cycle *c, int32_t d, int32_t q);
-void py_cycle_valley(py_cycle *c, const py_sample *sample);
-void py_cycle_peak(py_cycle *c, const py_sample *sample, int32_t output_mid, py_command *command);
+/* Owned by the cycle. */
+py_firmware *py_cycle_firmware(py_cycle *c);
 void py_cycle_state(const py_cycle *c, py_state *state);
+void py_firmware_reference(py_firmware *f, int32_t d, int32_t q);
+void py_firmware_valley(py_firmware *f, const py_sample *sample);
+void py_firmware_peak(py_firmware *f, const py_sample *sample, int32_t output_mid, py_command *command);
 /* "MISSED | STALE" of status bits. */
 void py_status_text(uint32_t status, char *text, size_t size);
+
+/* ---- the design of a controller, and that controller ---- */
+typedef struct py_tune_choice {
+    double ratio; /* SFFR at n_max; 0: the motor file's f_pwm_Hz */
+    bool deadbeat;
+    double margin;
+    double tolerance[3]; /* of R, L and psi_f, shares */
+    long drives;
+    long seed;
+    bool compares;
+} py_tune_choice;
+typedef struct py_watched {
+    bool alarm;
+    const char *group; /* NULL: none named */
+    double amount;     /* in the sizes of iqfoc/watch.h */
+    double since;      /* cycles of the detector until the change; with a group */
+    double cycles;     /* that the detector saw */
+    int32_t i_dq[2];
+    int32_t drift_dq[2];
+} py_watched;
+/* diagnosis_path: the JSON of a diagnosis, or NULL. */
+py_design *py_tune(const motor *m, const py_tune_choice *choice, const char *diagnosis_path, error *e);
+void py_design_free(py_design *d);
+bool py_design_json(const py_design *d, const char *path, error *e);
+bool py_design_text(const py_design *d, const char *path, error *e);
+/* What `iqfoc tune -o` writes; of a design that compares. */
+bool py_design_report(const py_design *d, const char *directory, error *e);
+/* The motor that was designed for. */
+motor *py_design_motor(const py_design *d);
+/* noise_A: of one current sample; 0: the diagnosis'. The controller does not need the design afterwards. */
+py_tuned *py_tuned_new(const py_design *d, bool watched, double noise_A, error *e);
+void py_tuned_free(py_tuned *t);
+py_firmware *py_tuned_firmware(py_tuned *t);
+void py_tuned_state(const py_tuned *t, py_watched *state);
 
 /* ---- the plant ---- */
 typedef struct py_reading {
@@ -127,14 +176,19 @@ typedef struct py_now {
     double i_dq_A[2];
     double torque_Nm;
 } py_now;
-/* J_kgm2 0: the shaft turns as it is told. */
-plant *py_plant_new(const motor *m, size_t effects, const char *const *effect, long seed, double J_kgm2,
-                    double friction_Nms, error *e);
-void py_plant_free(plant *p);
-void py_plant_set_speed(plant *p, double omega_e_rad_s, double accel_e_rad_s2);
-void py_plant_set_load(plant *p, double T_load_Nm);
-void py_plant_cycle(plant *p, const double *duty, py_reading *valley, py_reading *peak, py_means *means);
-void py_plant_state(const plant *p, py_now *now);
+/* J_kgm2 0: the shaft follows the prescribed speed. */
+py_plant *py_plant_new(const motor *m, size_t effects, const char *const *effect, long seed, double J_kgm2,
+                       double friction_Nms, error *e);
+void py_plant_free(py_plant *p);
+void py_plant_set_speed(py_plant *p, double omega_e_rad_s, double accel_e_rad_s2);
+void py_plant_set_load(py_plant *p, double T_load_Nm);
+void py_plant_cycle(py_plant *p, const double *duty, py_reading *valley, py_reading *peak, py_means *means);
+void py_plant_state(const py_plant *p, py_now *now);
+
+/* Names of a run's columns, from 0; NULL beyond the last. */
+const char *py_run_column_name(size_t column);
+/* So many cycles of firmware and plant, a row of each column for each. False: the firmware stopped the drive. */
+bool py_run(py_firmware *f, py_plant *p, size_t cycles, double *const *column, error *e);
 
 /* ---- recordings ---- */
 recording *py_recording_read(const char *path, error *e);

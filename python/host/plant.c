@@ -1,14 +1,14 @@
 /* The switching-level drive, cycle by cycle, under whatever controller Python has. */
 #include "plant/plant.h"
 
-#include "interface.h"
+#include "handles.h"
 #include "plant/plant_effect.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-plant *py_plant_new(const motor *m, size_t effects, const char *const *effect, long seed, double J_kgm2,
-                    double friction_Nms, error *e)
+py_plant *py_plant_new(const motor *m, size_t effects, const char *const *effect, long seed, double J_kgm2,
+                       double friction_Nms, error *e)
 {
     plant_config c = plant_config_from_motor(m);
     c.seed = (uint64_t)seed;
@@ -23,28 +23,28 @@ plant *py_plant_new(const motor *m, size_t effects, const char *const *effect, l
     if (!plant_config_check(&c, e)) {
         return NULL;
     }
-    plant *p = malloc(sizeof *p);
+    py_plant *p = malloc(sizeof *p);
     if (p == NULL) {
         error_failure(e, 0, "out of memory");
         return NULL;
     }
-    plant_init(p, &c);
+    drive_loop_begin(&p->loop, m, &c, NULL);
     return p;
 }
 
-void py_plant_free(plant *p)
+void py_plant_free(py_plant *p)
 {
     free(p);
 }
 
-void py_plant_set_speed(plant *p, double omega_e_rad_s, double accel_e_rad_s2)
+void py_plant_set_speed(py_plant *p, double omega_e_rad_s, double accel_e_rad_s2)
 {
-    plant_set_speed(p, omega_e_rad_s, accel_e_rad_s2);
+    plant_set_speed(&p->loop.drive, omega_e_rad_s, accel_e_rad_s2);
 }
 
-void py_plant_set_load(plant *p, double T_load_Nm)
+void py_plant_set_load(py_plant *p, double T_load_Nm)
 {
-    plant_set_load(p, T_load_Nm);
+    plant_set_load(&p->loop.drive, T_load_Nm);
 }
 
 static py_reading reading_of(const plant_samples *s)
@@ -59,12 +59,12 @@ static py_reading reading_of(const plant_samples *s)
     return r;
 }
 
-void py_plant_cycle(plant *p, const double *duty, py_reading *valley, py_reading *peak, py_means *means)
+void py_plant_cycle(py_plant *p, const double *duty, py_reading *valley, py_reading *peak, py_means *means)
 {
     plant_samples at_valley;
     plant_samples at_peak;
     plant_means m;
-    plant_cycle(p, duty, &at_valley, &at_peak, &m);
+    plant_cycle(&p->loop.drive, duty, &at_valley, &at_peak, &m);
     *valley = reading_of(&at_valley);
     *peak = reading_of(&at_peak);
     *means = (py_means){.duration_s = m.duration_s, .i_dq_A = {m.i_dq_A.d, m.i_dq_A.q}};
@@ -72,9 +72,9 @@ void py_plant_cycle(plant *p, const double *duty, py_reading *valley, py_reading
     memcpy(means->u_V, m.u_V, sizeof means->u_V);
 }
 
-void py_plant_state(const plant *p, py_now *now)
+void py_plant_state(const py_plant *p, py_now *now)
 {
-    const plant_point at = plant_now(p);
+    const plant_point at = plant_now(&p->loop.drive);
     *now = (py_now){.t_s = at.t_s,
                     .theta_e_rad = at.theta_e_rad,
                     .omega_e_rad_s = at.omega_e_rad_s,

@@ -143,7 +143,7 @@ recording *py_recording_import(const char *log, const char *map_path, const char
     log_table t;
     const char *called = r->path;
     const bool open = count > 0 ? log_table_hold(&t, called, count, name, value, rows, e)
-                                : log_table_open(&t, called, &map.format, e);
+                                : map_open_log(&map, &t, called, e);
     const bool ok = open && convert_log(&t, &map, m, r, e);
     log_table_close(&t);
     return finish(r, called, ok);

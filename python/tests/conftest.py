@@ -34,7 +34,7 @@ def program():
 
 @pytest.fixture(scope="session")
 def motor(root):
-    return iqfoc.Motor(root / "motors" / "jarzebowicz2019.toml")
+    return iqfoc.Motor(root / "data" / "motors" / "jarzebowicz2019.toml")
 
 
 @pytest.fixture(scope="session")

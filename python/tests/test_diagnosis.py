@@ -1,6 +1,7 @@
 """The diagnosis: the program's, to the last digit, as Python objects."""
 
 import json
+import pickle
 import subprocess
 
 import numpy as np
@@ -16,6 +17,14 @@ def test_names_the_cause(diagnosis):
     low, high = cause["R"].ci95
     assert cause["R"].nominal == 0.75 and low <= 0.95 <= high
     assert diagnosis.error.extended < diagnosis.error.nominal
+
+
+def test_pickled_and_compared(diagnosis, recording, motor):
+    again = pickle.loads(pickle.dumps(diagnosis))
+    assert again == diagnosis and hash(again) == hash(diagnosis) and again is not diagnosis
+    assert iqfoc.diagnose(recording, motor, skip="resistance") != diagnosis
+    with pytest.raises(KeyError, match="resistance has no L; it has R"):
+        diagnosis.causes[0]["L"]
 
 
 def test_json_is_the_programs(program, diagnosis, recording, motor, tmp_path):
@@ -48,10 +57,11 @@ def test_shown(diagnosis):
     assert json.loads(diagnosis.json) == diagnosis.data
 
 
-def test_figures(diagnosis, tmp_path):
+def test_plot(diagnosis):
     pytest.importorskip("matplotlib")
-    diagnosis.figures["errors"].savefig(tmp_path / "f.png")
-    assert (tmp_path / "f.png").stat().st_size > 1000
+    in_time, by_run = diagnosis.plot().axes
+    assert [line.get_label() for line in in_time.lines] == ["nominal", "extended"]
+    assert list(by_run.lines[0].get_ydata()) == [r["nominal"] for r in diagnosis.data["runs"]]
 
 
 def test_skip_and_refusals(recording, motor):

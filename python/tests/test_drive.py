@@ -9,8 +9,8 @@ import iqfoc
 
 
 def test_run_is_the_programs(program, root, tmp_path, motor):
-    scenario = root / "scenarios" / "jarzebowicz2019_8000rpm.toml"
-    subprocess.run([program, "simulate", "--motor", root / "motors" / "jarzebowicz2019.toml", "--scenario", scenario, "--effect",
+    scenario = root / "data" / "scenarios" / "jarzebowicz2019_8000rpm.toml"
+    subprocess.run([program, "simulate", "--motor", root / "data" / "motors" / "jarzebowicz2019.toml", "--scenario", scenario, "--effect",
                     "dead_time:t_dead=1e-6", "--seed", "5", "-o", tmp_path / "p.csv"], check=True, capture_output=True)
     run = iqfoc.Drive(motor, "dead_time:t_dead=1e-6", seed=5).run(scenario)
     run.write(tmp_path / "r.csv")
@@ -53,6 +53,121 @@ def test_cycle_regulates_its_mean(motor):
             duties = cycle.peak(peak).duties
         means[feedback] = abs(complex(*mean.i_dq_A) - 10.0j)
     assert means["quasi_discrete_mean"] < 0.15 * means["midpoint"] and means["exact_mean"] < 0.15 * means["midpoint"]
+
+
+def _held(motor, firmware, cycles=1500, i_q_A=5.0):
+    """Mean i_q of the last 200 cycles at a reference."""
+    plant = iqfoc.Drive(motor).plant()
+    plant.set_speed(2500.0)
+    firmware.reference(0.0, i_q_A)
+    return firmware.run(plant, cycles)["i_q_mean_A"][-200:].mean()
+
+
+def test_run_is_the_steps(motor):
+    """Cycle.run in C and the steps from Python make the same rows, bit for bit, whichever comes first."""
+    rows = {}
+    for steps_first in (True, False):
+        plant, cycle = iqfoc.Drive(motor, seed=3).plant(), iqfoc.Cycle(motor, feedback="quasi_discrete_mean")
+        plant.set_speed(1500.0)
+        cycle.reference(-1.0, 6.0)
+        command, seen = (0.5, 0.5, 0.5), []
+        if not steps_first:
+            first = cycle.run(plant, 30)
+            seen = list(zip(*(first[n] for n in ("i_a_A", "i_b_mid_A", "d_c")), strict=True))
+        else:
+            for _ in range(30):
+                valley, peak, _ = plant.cycle(command)
+                cycle.valley(valley)
+                seen.append((valley.i_A[0], peak.i_A[1], command.duties[2] if isinstance(command, iqfoc.Command) else command[2]))
+                command = cycle.peak(peak)
+        last = cycle.run(plant, 30)
+        rows[steps_first] = seen + list(zip(*(last[n] for n in ("i_a_A", "i_b_mid_A", "d_c")), strict=True))
+    assert rows[True] == rows[False]
+
+
+@pytest.mark.parametrize("choice", [dict(control="deadbeat", model="exact"), dict(control="deadbeat_observer", model="exact"),
+                                    dict(feedback="exact_mean", model="exact"), dict(modulation="over")])
+def test_controllers_hold_their_current(motor, choice):
+    assert _held(motor, iqfoc.Cycle(motor, **choice)) == pytest.approx(5.0, abs=0.15)
+
+
+def test_six_step_turns_the_drive(motor):
+    """Six-step has one voltage; its current is near the reference only on average over the states."""
+    plant, cycle = iqfoc.Drive(motor).plant(), iqfoc.Cycle(motor, modulation="six_step")
+    plant.set_speed(2500.0)
+    cycle.reference(0.0, 5.0)
+    rows = cycle.run(plant, 300)
+    duties = np.array([rows[n] for n in ("d_a", "d_b", "d_c")])
+    assert set(np.unique(duties[:, 5:])) == {0.0, 1.0}
+
+
+def test_tuned_control_and_its_watch(motor):
+    design = iqfoc.tune(motor, drives=1)
+    assert _held(motor, design.control()) == pytest.approx(5.0, abs=0.02)
+    # The magnet of the drive is weaker than the design's: the change detector reports the flux.
+    control = iqfoc.tune(motor, drives=1, tolerance=(0.1, 0.1, 0.02)).control(watched=True, noise_A=0.03)
+    plant = iqfoc.Drive(motor.replace(psi_f_Wb=0.9 * motor.psi_f_Wb)).plant()
+    plant.set_speed(2500.0)
+    control.reference(0.0, 5.0)
+    control.run(plant, 6000)
+    assert control.state["alarm"] and control.state["group"] == "flux"
+    assert iqfoc.Recording(control.run(plant, 100)).rows == 100
+    assert str(design).startswith(design.motor.name) and len(design.points) == 17
+    with pytest.raises(iqfoc.InputError, match="noise of the current sensors is unknown"):
+        design.control(watched=True)
+    with pytest.raises(ValueError, match="compare"):
+        design.page("nowhere")
+
+
+def test_tune_is_the_programs(program, root, tmp_path, motor, diagnosis):
+    diagnosis_path = tmp_path / "d.json"
+    diagnosis_path.write_text(diagnosis.json)
+    for arguments, options in (({"drives": 3}, []), ({"drives": 3, "diagnosis": diagnosis}, ["--diagnosis", diagnosis_path])):
+        text = subprocess.run([program, "tune", "--motor", root / "data" / "motors" / "jarzebowicz2019.toml", "--drives", "3", *options],
+                              check=True, capture_output=True, text=True).stdout
+        assert str(iqfoc.tune(motor, **arguments)) == text
+
+
+def test_tune_plot(motor):
+    pytest.importorskip("matplotlib")
+    margins, step = iqfoc.tune(motor, drives=1).plot().axes
+    assert margins.lines[0].get_ydata().min() > 0.49
+    assert step.lines[1].get_ydata()[-1] == pytest.approx(step.lines[0].get_ydata()[-1], rel=0.05)
+
+
+@pytest.mark.parametrize("duties", [(8388608, 8388608, 8388608), (0.5, 0.5, 2), (-1, 0, 0), (float("nan"), 0, 0), (0.5, 0.5), "abc", 0.5, None])
+def test_duties_are_shares(motor, duties):
+    with pytest.raises(ValueError, match="expected three numbers from 0 to 1, or a Command"):
+        iqfoc.Drive(motor).plant().cycle(duties)
+
+
+def test_a_command_goes_back_into_the_plant(motor):
+    """5 A asked are 5 A: by the command, and by its shares; its integers are refused."""
+    for taken in (lambda c: c, lambda c: c.duties):
+        plant, cycle = iqfoc.Drive(motor).plant(), iqfoc.Cycle(motor)
+        cycle.reference(0.0, 5.0)
+        duties = (0.5, 0.5, 0.5)
+        for _ in range(300):
+            valley, peak, mean = plant.cycle(duties)
+            cycle.valley(valley)
+            command = cycle.peak(peak)
+            duties = taken(command)
+        assert mean.i_dq_A[1] == pytest.approx(5.0, abs=0.05)
+    with pytest.raises(ValueError, match="Command.duties has the shares"):
+        plant.cycle(command.duty)
+
+
+def test_run_refuses(motor):
+    cycle, plant = iqfoc.Cycle(motor), iqfoc.Drive(motor).plant()
+    cycle.enable(False)
+    with pytest.raises(iqfoc.Error, match="not enabled"):
+        cycle.run(plant, 10)
+    with pytest.raises(ValueError, match="the plant's is"):
+        iqfoc.Cycle(motor.replace(f_pwm_Hz=2.0 * motor.f_pwm_Hz)).run(plant, 10)
+    with pytest.raises(ValueError, match="expected 0 or more"):
+        cycle.run(plant, -1)
+    with pytest.raises(ValueError, match="omega_e_rad_s"):
+        plant.set_speed(float("nan"))
 
 
 def test_a_trip_stops_the_drive(motor):

@@ -32,8 +32,10 @@ def test_bad_motor_is_refused(motor, values, words):
 
 
 def test_motor_without_a_file():
-    with pytest.raises(iqfoc.InputError, match="nowhere.toml"):
-        iqfoc.Motor("nowhere.toml")
+    for read in (iqfoc.Motor, iqfoc.Recording):
+        with pytest.raises(FileNotFoundError, match="nowhere.toml") as missing:
+            read("nowhere.toml")
+        assert isinstance(missing.value, iqfoc.InputError)
     with pytest.raises(TypeError):
         iqfoc.Motor()
 
@@ -46,6 +48,17 @@ def test_recording_goes_round(recording, tmp_path):
     rows = np.rec.fromarrays(list(recording.values()), names=list(recording))
     assert (iqfoc.Recording(rows)["t_s"] == recording["t_s"]).all()
     assert "t_s" in recording._repr_html_()
+
+
+def test_a_recording_is_a_dict_that_stays_as_it_is(recording):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(recording)
+    assert list(frame.columns) == list(recording) and len(frame) == recording.rows
+    assert iqfoc.Recording(frame) == recording
+    for change in (lambda: recording.update(t_s=0), lambda: recording.pop("t_s"), recording.clear):
+        with pytest.raises(TypeError, match="cannot be changed"):
+            change()
+    assert iqfoc.Recording(changed(recording, u_dc_V=recording["u_dc_V"] + 1.0)) != recording
 
 
 def changed(recording, **columns):

@@ -63,25 +63,25 @@ def test_their_controller_on_our_plant(motor):
         drive_plant(control, plant, 1)
 
 
-def test_the_table_beside_theirs_is_what_it_was(root):
+def test_the_table_in_the_docs_is_unchanged(root):
     """docs/tune.md: a row of theirs that holds, one that trips, and the plain PI's, which the program measured by its own loop."""
-    spec = importlib.util.spec_from_file_location("beside_motulator", root / "python" / "beside_motulator.py")
-    beside = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(beside)
-    table = beside.DOCUMENT.read_text(encoding="utf-8").partition(beside.BEGIN)[2].partition(beside.END)[0]
+    spec = importlib.util.spec_from_file_location("compare_motulator", root / "python" / "compare_motulator.py")
+    compared = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(compared)
+    table = importlib.import_module("marked").table_in(compared.DOCUMENT.read_text(encoding="utf-8"), "motulator")
     rows = {tuple(cells[:2]): cells[2:5] for cells in ([cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines())
             if len(cells) > 5}
     rpm = float(re.search(r"All turn at (\S+) rpm", table)[1])
 
     def measured(ratio, run):
-        motor = beside.motor_at(ratio, rpm, 1.0)
-        return beside.cells(beside.step(lambda inverter, asked, cycles: run(inverter, motor, asked, cycles), motor, rpm, ratio))
+        motor = compared.motor_at(ratio, rpm, 1.0)
+        return compared.cells(compared.step(lambda inverter, asked, cycles: run(inverter, motor, asked, cycles), motor, rpm, ratio))
 
     def theirs(inverter, motor, asked, cycles):
-        return beside.under_motulator(inverter, motor, beside.THEIR_BANDWIDTH, asked, cycles)
+        return compared.under_motulator(inverter, motor, compared.THEIR_BANDWIDTH, asked, cycles)
 
-    name = f"motulator, {beside.THEIR_BANDWIDTH:.0f} rad/s"
+    name = f"motulator, {compared.THEIR_BANDWIDTH:.0f} rad/s"
     assert measured(20, theirs) == rows["20", name]
     assert measured(10, theirs) == rows["10", name] == ["trips", "-", "-"]
-    assert measured(20, lambda inverter, motor, asked, cycles: beside.under_firmware(inverter, motor, "midpoint", asked, cycles)) == rows[
+    assert measured(20, lambda inverter, motor, asked, cycles: compared.under_firmware(inverter, motor, "midpoint", asked, cycles)) == rows[
         "20", "PI, mid-point sample"]

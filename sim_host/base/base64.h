@@ -1,4 +1,4 @@
-/* Base64 (RFC 4648) as a stream: bytes in, text out. */
+/* Base64 (RFC 4648) as a stream: takes bytes, writes text. */
 #ifndef SIM_HOST_BASE_BASE64_H
 #define SIM_HOST_BASE_BASE64_H
 

@@ -1,4 +1,4 @@
-/* Which program this is, as the build wrote it down. */
+/* Version and commit of this program, written by the build. */
 #ifndef SIM_HOST_BASE_BUILD_H
 #define SIM_HOST_BASE_BUILD_H
 

@@ -2,10 +2,12 @@
 // knows a tree by. Nothing here throws but for want of memory.
 #include "json.h"
 
+#include "inputs.h"
 #include "number.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -262,4 +264,78 @@ static void put_value(FILE *out, const tree &value, int depth)
 void json_print(FILE *out, const json_t *value)
 {
     put_value(out, *of(value), 0);
+}
+
+// ---- Read ----
+
+static const size_t LARGEST_FILE = size_t{64} << 20;
+
+// nlohmann's maker of a tree, but for its way with a mistake.
+class reader : public nlohmann::detail::json_sax_dom_parser<tree>
+{
+  public:
+    reader(tree &made, const std::string &text, json_complaint &complaint)
+        : json_sax_dom_parser(made, false), text_(text), wrong_(complaint)
+    {
+    }
+    bool parse_error(std::size_t position, const std::string & /*token*/,
+                     const nlohmann::detail::exception &complaint)
+    {
+        const size_t end = position < text_.size() ? position : text_.size();
+        wrong_.line = 1;
+        for (size_t k = 0; k + 1 < end; k++) {
+            wrong_.line += text_[k] == '\n' ? 1 : 0;
+        }
+        // Its own number and the place stand ahead of the words.
+        const char *words = complaint.what();
+        const char *colon = std::strstr(words, ": ");
+        std::snprintf(wrong_.text, sizeof wrong_.text, "%s", colon != nullptr ? colon + 2 : words);
+        return false;
+    }
+
+  private:
+    const std::string &text_;
+    json_complaint &wrong_;
+};
+
+static bool read_text(const char *path, std::string &text, json_complaint &wrong)
+{
+    FILE *in = std::fopen(path, "rb");
+    if (in == nullptr) {
+        std::snprintf(wrong.text, sizeof wrong.text, "cannot be read: %s", std::strerror(errno));
+        return false;
+    }
+    error unnoted = {};
+    if (!inputs_note(fileno(in), path, &unnoted)) {
+        std::snprintf(wrong.text, sizeof wrong.text, "out of memory");
+        std::fclose(in);
+        return false;
+    }
+    char block[4096];
+    size_t got = std::fread(block, 1, sizeof block, in);
+    while (got > 0 && text.size() <= LARGEST_FILE) {
+        text.append(block, got);
+        got = std::fread(block, 1, sizeof block, in);
+    }
+    const bool failed = std::ferror(in) != 0;
+    const int why = errno;
+    std::fclose(in);
+    if (failed) {
+        std::snprintf(wrong.text, sizeof wrong.text, "cannot be read: %s", std::strerror(why));
+    } else if (text.size() > LARGEST_FILE) {
+        std::snprintf(wrong.text, sizeof wrong.text, "the file is larger than 64 MiB");
+    }
+    return wrong.text[0] == '\0';
+}
+
+json_t *json_read(const char *path, json_complaint *wrong)
+{
+    std::string text;
+    tree value;
+    *wrong = json_complaint{};
+    if (!read_text(path, text, *wrong)) {
+        return nullptr;
+    }
+    reader makes(value, text, *wrong);
+    return tree::sax_parse(text, &makes) ? made(std::move(value)) : nullptr;
 }

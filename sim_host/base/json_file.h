@@ -9,12 +9,12 @@
 bool json_file_write(const char *path, const json_t *value, error *e);
 
 /*
- * The same for a file that the user named beside an output folder (out_folder_place). A path of NULL: nothing
+ * The same for a file that is given in addition to an output folder (out_folder_place). A path of NULL: nothing
  * is to be written. Frees the value.
  */
 bool json_file_place(out_folder *f, const char *path, json_t *value, error *e);
 
-/* Is the JSON to stand on stdout, and so nothing else? The path may be NULL. */
+/* True if the JSON goes to stdout, which then holds nothing else. The path may be NULL. */
 bool json_file_is_stdout(const char *path);
 
 #endif

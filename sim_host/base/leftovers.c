@@ -28,13 +28,18 @@ enum { WATCHED = sizeof watched / sizeof watched[0] };
 
 static sigset_t mask_before;
 
-static void remove_and_die(int signal_number)
+void leftovers_remove(void)
 {
     for (const leftover *l = newest; l != NULL; l = l->next) {
         if (unlink(l->path) != 0) {
             rmdir(l->path);
         }
     }
+}
+
+static void remove_and_die(int signal_number)
+{
+    leftovers_remove();
     /* Delivered when this handler returns: the caller sees that a signal ended the process. */
     signal(signal_number, SIG_DFL);
     raise(signal_number);

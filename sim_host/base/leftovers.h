@@ -1,14 +1,14 @@
 /*
- * What has to go if a signal ends the process before its work is done: temporary files and folders.
- *
- * A user who stops a long simulation by Ctrl-C must not find its remains. The first path that is added makes
- * the process watch for SIGINT, SIGTERM, SIGHUP and SIGPIPE; a signal that somebody else handles or ignores
- * stays theirs. The process still dies of the signal, so that its caller sees that.
+ * Temporary files and folders that are removed if a signal ends the process, such as Ctrl-C during a long simulation. The first added path installs handlers for SIGINT, SIGTERM, SIGHUP and SIGPIPE; a signal that is already handled or ignored keeps its handler. The process still dies of the signal, so its caller sees the cause.
  */
 #ifndef SIM_HOST_BASE_LEFTOVERS_H
 #define SIM_HOST_BASE_LEFTOVERS_H
 
 #include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /*
  * From now on a signal removes this path, which need not exist: a file, or a folder that is empty by then.
@@ -25,8 +25,15 @@ void leftovers_forget(const char *path);
 /* Is this file in a stage? */
 bool leftovers_hold_stage_of(const char *path);
 
+/* Removes all that was added, for a process that ends without unwinding; may be called from a signal's handler. */
+void leftovers_remove(void);
+
 /* No signal comes through between the two; one that arrives meanwhile is delivered by the second. */
 void leftovers_signals_wait(void);
 void leftovers_signals_go_on(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

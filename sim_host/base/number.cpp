@@ -20,6 +20,16 @@ extern "C" const char *number_or_dash(double value, int digits, char text[NUMBER
     return text;
 }
 
+extern "C" const char *number_percent(double percent, char text[NUMBER_TEXT_SIZE])
+{
+    if (std::isfinite(percent)) {
+        std::snprintf(text, NUMBER_TEXT_SIZE, "%.3g %%", percent);
+    } else {
+        std::strcpy(text, "not measured");
+    }
+    return text;
+}
+
 extern "C" size_t number_text(double value, char text[NUMBER_TEXT_SIZE])
 {
     const std::to_chars_result done = std::to_chars(text, text + NUMBER_TEXT_SIZE - 1, value);

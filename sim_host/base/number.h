@@ -2,7 +2,7 @@
  * Numbers as text, both ways exact: the shortest decimal form that reads back to the same double, and strict
  * reading with a dot as the decimal mark whatever the locale.
  *
- * Implemented over C++17's std::to_chars and std::from_chars (number.cpp), which do just this, correctly
+ * Implemented with C++17's std::to_chars and std::from_chars (number.cpp), which do just this, correctly
  * rounded, at about 50 ns a number; printf("%.17g") and strtod cost five to ten times that, follow the
  * locale, and print 0.1 as 0.10000000000000001.
  */
@@ -29,6 +29,9 @@ typedef enum number_result {
 
 /* Of a value in so many digits, for people, or "-" where it is none: standstill has no ratio of frequencies. Returns `text`. */
 const char *number_or_dash(double value, int digits, char text[NUMBER_TEXT_SIZE]);
+
+/* "3.1 %", or "not measured" where the value is no number. Returns `text`. */
+const char *number_percent(double percent, char text[NUMBER_TEXT_SIZE]);
 
 /* Writes the shortest text of a value, 0-terminated, and returns its length: also "nan", "inf", "-inf". */
 size_t number_text(double value, char text[NUMBER_TEXT_SIZE]);

@@ -1,8 +1,9 @@
-/* Writing beside the old file, and the rename over it (out_file.h). */
+/* Writing a hidden file, and its rename over the old file (out_file.h). */
 #define _GNU_SOURCE /* F_DUPFD_CLOEXEC; POSIX: fsync, fchmod, realpath */
 
 #include "out_file.h"
 
+#include "inputs.h"
 #include "leftovers.h"
 
 #include <errno.h>
@@ -79,6 +80,9 @@ bool out_file_open(out_file *f, const char *path, error *e)
     if (exists && access(path, W_OK) != 0) {
         return error_input(e, path, 0, 0, "cannot be written: %s", strerror(errno));
     }
+    if (!inputs_spare(path, e)) {
+        return false;
+    }
     const bool in_place = strcmp(path, "-") == 0 || (exists && !S_ISREG(status.st_mode));
 
     /* Through a symbolic link the file it names is replaced, not the link. */
@@ -132,7 +136,12 @@ bool out_file_commit(out_file *f, error *e)
         why = errno;
     }
     f->stream = NULL;
+    /* An input may have been opened since the output was. */
     if (why == 0 && f->temporary.path != NULL) {
+        if (!inputs_spare(f->path, e)) {
+            out_file_abandon(f);
+            return false;
+        }
         why = put_in_place(f);
     }
     if (why != 0) {

@@ -1,7 +1,6 @@
 /*
  * Output files that appear whole or not at all: written under a hidden name in the same directory
- * (out_unfinished.h), flushed, and renamed over the old file only when everything was written. What the user
- * had stays until then. Several files that belong together: out_folder.h.
+ * (out_unfinished.h), flushed, and renamed over the old file only when everything was written. The old file stays until then. Several files that belong together: out_folder.h.
  */
 #ifndef SIM_HOST_BASE_OUT_FILE_H
 #define SIM_HOST_BASE_OUT_FILE_H

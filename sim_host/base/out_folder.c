@@ -59,7 +59,7 @@ static bool make_parents(out_folder *f, error *e)
     return ok;
 }
 
-/* In the folder itself if it exists, as its parent may be locked or another file system; else beside it. */
+/* In the folder itself if it exists, as its parent may be locked or another file system; else next to it. */
 static bool make_stage(out_folder *f, error *e)
 {
     char *beside;
@@ -162,7 +162,7 @@ const char *out_folder_place(out_folder *f, const char *path, error *e)
 
 /* ---- Closing ---- */
 
-/* The parents that were made: no leftovers any more, and removed if nothing came to stand in them. */
+/* The parents that were made: no leftovers any more, and removed if they stay empty. */
 static void settle_parents(out_folder *f, bool stay)
 {
     for (char *slash = strrchr(f->path, '/'); slash != NULL && (size_t)(slash - f->path) > f->there;

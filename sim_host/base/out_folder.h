@@ -56,8 +56,7 @@ bool out_folder_open_for(out_folder *f, const char *const paths[], size_t count,
 const char *out_folder_place(out_folder *f, const char *path, error *e);
 
 /*
- * Puts the files in place if `ok`, else removes them and everything that was made; in *e the user's path then
- * stands where the stage's stood. Returns whether the files are in place, and `ok` itself if nothing is open,
+ * Puts the files in place if `ok`, else removes them and everything that was made; *e then names the user's path instead of the stage's. Returns whether the files are in place, and `ok` itself if nothing is open,
  * as after an opening that failed. Nothing is open afterwards.
  */
 bool out_folder_close(out_folder *f, bool ok, error *e);

@@ -3,6 +3,7 @@
 
 #include "out_folder_files.h"
 
+#include "inputs.h"
 #include "leftovers.h"
 
 #include <dirent.h>
@@ -15,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* One file on its way: "stage/name" -> "path/name", what stood there -> "stage/.was.name". */
+/* One file on its way: "stage/name" -> "path/name", the old file -> "stage/.was.name". */
 typedef struct mover {
     char *staged, *place, *was;
     bool replaces; /* there is something at its place */
@@ -113,6 +114,9 @@ static bool look_at_place(mover *m, error *e)
     }
     if (S_ISDIR(status.st_mode)) {
         return error_input(e, m->place, 0, 0, "is a directory; a file of this name is to be written");
+    }
+    if (!inputs_spare(m->place, e)) {
+        return false;
     }
     if (!S_ISLNK(status.st_mode) && access(m->place, W_OK) != 0) {
         return error_input(e, m->place, 0, 0, "cannot be written: %s", strerror(errno));

@@ -1,9 +1,5 @@
 /*
- * Hidden names for what is not finished yet: `.iqfoc.PID-N` in the directory that it is to stand in.
- *
- * Whoever writes under such a name holds a lock on it, which the system takes from him when he ends, whatever ended him. A name
- * without a lock is thus what a process that was killed (kill -9) has left, and whoever makes the next one in that directory
- * removes it. Where a file system knows no locks nothing is removed.
+ * Hidden names for unfinished files and folders: `.iqfoc.PID-N` in the directory of the finished one. The writing process holds a lock on the name; the system releases the lock when the process ends for any reason. A name without a lock was left by a killed process (kill -9), and the next process that writes in that directory removes it. Where a file system knows no locks nothing is removed.
  */
 #ifndef SIM_HOST_BASE_OUT_UNFINISHED_H
 #define SIM_HOST_BASE_OUT_UNFINISHED_H
@@ -20,7 +16,7 @@ typedef struct out_unfinished {
 } out_unfinished;
 
 /*
- * Makes an empty file (mode 0600) or a folder beside `path`, in the directory that its text up to the last slash names; removes
+ * Makes an empty file (mode 0600) or a folder next to `path`, in the directory that its text up to the last slash names; removes
  * what was left there. Returns 0 or an errno, with `path` NULL then.
  */
 int out_unfinished_make(out_unfinished *u, const char *path, bool folder);

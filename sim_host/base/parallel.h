@@ -1,5 +1,5 @@
 /*
- * Independent pieces of work on all cores.
+ * Runs independent tasks on all cores.
  */
 #ifndef SIM_HOST_BASE_PARALLEL_H
 #define SIM_HOST_BASE_PARALLEL_H

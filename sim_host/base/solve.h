@@ -1,6 +1,6 @@
 /*
- * Small dense systems of equations, by Eigen (solve.cpp). Matrices are row by row. Nothing is vectorised and nothing fused,
- * so that every processor gives the same bits.
+ * Small dense systems of equations, most of them by Eigen (solve*.cpp). Matrices are row by row. Nothing is vectorised
+ * and nothing fused, so that every processor gives the same bits.
  */
 #ifndef SIM_HOST_BASE_SOLVE_H
 #define SIM_HOST_BASE_SOLVE_H
@@ -42,11 +42,20 @@ bool solve_factor(size_t order, double *a);
 /* Solves a x = b of `order` <= SOLVE_GENERAL_MOST; x takes the place of b. False if a is singular. */
 bool solve_linear(size_t order, const double *a, double *b);
 
-/* The same for complex numbers, each a pair of real and imaginary part, and two right-hand sides side by side. */
+/*
+ * The same for complex numbers, each a pair of real and imaginary part, and two right-hand sides side by side. In time with order^3, for a
+ * Hessenberg matrix with order^2.
+ */
 bool solve_complex_pair(size_t order, const double *a, double *b);
 
 /* The eigenvalues of a of `order` <= SOLVE_GENERAL_MOST, in no order. False if a is not finite. */
 bool solve_eigenvalues(size_t order, const double *a, double *re, double *im);
+
+/*
+ * Writes a = q h q^T with h a Hessenberg matrix (zero below the first subdiagonal), which takes the place of a, and q orthogonal;
+ * `order` <= SOLVE_GENERAL_MOST. False if a is not finite.
+ */
+bool solve_hessenberg(size_t order, double *a, double *q);
 
 /*
  * Eigenvalues, rising, of a symmetric a of `order` <= SOLVE_GENERAL_MOST; only its lower half is read. The eigenvectors, of

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* Solves for what is free, beside what is held where it stands. */
+/* Solves for the free variables; the others keep their values. */
 static bool solve_free(size_t order, size_t stride, const double *h, const double *b, const bool *held,
                        double *x)
 {

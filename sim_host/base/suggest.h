@@ -1,4 +1,4 @@
-/* The word that somebody who mistyped most likely meant. */
+/* The known word closest to a mistyped one, for "did you mean". */
 #ifndef SIM_HOST_BASE_SUGGEST_H
 #define SIM_HOST_BASE_SUGGEST_H
 

@@ -1,6 +1,5 @@
 /*
- * Emphasis where somebody looks: on a terminal, unless NO_COLOR is set (no-color.org) or the terminal is a "dumb" one. All are
- * the empty text elsewhere, so that files and pipes hold plain text.
+ * Bold text on a terminal, unless NO_COLOR is set (no-color.org) or the terminal is "dumb". Elsewhere the functions return empty text, so that files and pipes hold plain text.
  */
 #ifndef SIM_HOST_BASE_TERMINAL_H
 #define SIM_HOST_BASE_TERMINAL_H

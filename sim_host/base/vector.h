@@ -1,8 +1,7 @@
 /*
  * The host's vectors in double: two components with their frame in the type, so that a rotor-frame vector
  * cannot be added to a stationary one by mistake. Amplitude-invariant Clarke; theta_e is the angle of the d
- * axis from phase A. Arithmetic only: truth (plant) and model share it as they share sin and cos, and no law
- * of a drive stands here.
+ * axis from phase A. Arithmetic only, used by plant and model; it contains no model of a drive.
  */
 #ifndef SIM_HOST_BASE_VECTOR_H
 #define SIM_HOST_BASE_VECTOR_H

@@ -1,6 +1,5 @@
 /*
- * Vectors as complex numbers, for what is written as the papers write it: stationary frame, rotor frame where
- * a name ends in _dq. Beside vector.h, whose types and constants these share.
+ * Vectors as complex numbers, for formulas in the papers' notation: stationary frame, rotor frame if a name ends in _dq. Types and constants are those of vector.h.
  */
 #ifndef SIM_HOST_BASE_VECTOR_COMPLEX_H
 #define SIM_HOST_BASE_VECTOR_COMPLEX_H

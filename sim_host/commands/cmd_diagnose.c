@@ -1,4 +1,4 @@
-/* iqfoc diagnose: what a recording shows the model to get wrong, why, and what mending it gains. */
+/* iqfoc diagnose: the causes of the model error in a recording, the extended model, and its error reduction. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "base/progress.h"
@@ -14,29 +14,33 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_MOTOR, OPT_DIR, OPT_JSON, OPT_SKIP, OPT_ANY_SIZE, OPT_TRACE };
+enum { OPT_MOTOR, OPT_DIR, OPT_JSON, OPT_SKIP, OPT_ANY_SIZE, OPT_TRACE, OPT_EXIT_VERDICT };
 
 static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file, as you have it"},
+    {"motor", 'm', "M.toml", "the motor file"},
     {"output", 'o', "DIR",
      "write report.html, motor_extended.toml, iqfoc_extension.h and diagnosis.json into DIR"},
     {"json", 0, "F", "write the diagnosis to file F; - is stdout, without the text"},
-    {"skip", 0, "ID[,ID...]", "leave these causes out of the search"},
-    {"any-size", 0, NULL, "name what is certain, too small to matter or not"},
-    {"trace", 0, NULL, "tell on stderr how the search went"},
+    {"skip", 0, "ID[,ID...]", "search without these causes"},
+    {"any-size", 0, NULL, "name every certain cause, even below its reporting threshold"},
+    {"trace", 0, NULL, "print the steps of the search on stderr"},
+    {"exit-verdict", 0, NULL, "exit status by verdict: 0 clean, 10 explained, 11 partly, 12 unexplained"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_diagnose = {
-    "diagnose", "REC.csv --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]]",
-    "Compares a recording with the averaged model, cycle by cycle; names the effects that account for\n"
-    "the difference, with 95 % intervals; and measures on rows that were not fitted what the extended\n"
-    "model gains. The exit status is 0 whatever the verdict, 2 if the recording cannot be used.",
+    "diagnose", "REC.csv... --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]] [--exit-verdict]",
+    "Compares a recording with the averaged model, cycle by cycle. Names the causes of the difference,\n"
+    "with 95 % intervals. Measures the error of the nominal and the extended model on held-out rows.\n"
+    "Of several recordings it prints one line each: verdict, error before and after, causes.\n"
+    "Exit status: 0 after a diagnosis, or by verdict with --exit-verdict; 2 if the recording is unusable.",
     specs};
 
 typedef struct request {
-    const char *recording_path, *motor_path, *directory, *json_path;
+    char **recordings;
+    int count;
+    const char *motor_path, *directory, *json_path;
     diagnose_options options;
-    bool traced;
+    bool traced, exit_verdict;
     int argc;
     char **argv;
 } request;
@@ -46,17 +50,17 @@ static bool refuse_cause(const char *given, error *e)
     const char *ids[CAUSE_COUNT];
     size_t count = 0;
     for (int k = 0; k < CAUSE_COUNT; k++) {
-        if (cause_table[k].named) {
+        if (cause_table[k].named && (int)cause_table[k].of == k) {
             ids[count++] = cause_table[k].id;
         }
     }
     const char *meant = suggest(given, ids, count);
     return meant != NULL
-               ? error_input(e, NULL, 0, 0, "diagnose: --skip: '%s' is no cause id; did you mean %s?", given,
+               ? error_input(e, NULL, 0, 0, "diagnose: --skip: unknown cause '%s'; did you mean %s?", given,
                              meant)
                : error_input(
                      e, NULL, 0, 0,
-                     "diagnose: --skip: '%s' is no cause id; `iqfoc simulate --list-effects` has them",
+                     "diagnose: --skip: unknown cause '%s'; `iqfoc simulate --list-effects` lists them",
                      given);
 }
 
@@ -77,37 +81,52 @@ static bool take_skip(const options *o, void *context, error *e)
     return true;
 }
 
-/* One recording, and the motor that it is of. */
+/* The recordings and their motor file. */
 static bool combination(const options *o, request *r, error *e)
 {
     if (r->motor_path == NULL) {
         return options_missing(o, OPT_MOTOR, e);
     }
-    const int given = o->argc - o->first;
-    char **recordings = &o->argv[o->first];
-    if (given == 0) {
-        return error_input(e, NULL, 0, 0, "diagnose: which recording? Usage: iqfoc diagnose %s",
+    r->recordings = &o->argv[o->first];
+    r->count = o->argc - o->first;
+    if (r->count == 0) {
+        return error_input(e, NULL, 0, 0, "diagnose: no recording is given. Usage: iqfoc diagnose %s",
                            about_diagnose.usage);
     }
-    r->recording_path = recordings[0];
-    return given == 1 ||
-           error_input(e, NULL, 0, 0,
-                       "diagnose: one recording at a time; \"%s\" is a second one. Usage: iqfoc diagnose %s",
-                       recordings[1], about_diagnose.usage);
+    return r->count == 1 || (r->directory == NULL && r->json_path == NULL) ||
+           error_input(e, NULL, 0, 0, "diagnose: -o and --json take one recording; \"%s\" is a second one",
+                       r->recordings[1]);
 }
 
-/* Files first, words last: what is printed has been written. */
+/* Of one recording among several. */
+static void print_line(const diagnosis *d)
+{
+    printf("%s: %s, one-cycle error %.3g %%", d->recording_path, diagnosis_verdict_id(d->verdict),
+           d->nominal);
+    if (d->causes > 0) {
+        printf(" to %.3g %%:", d->extended);
+    }
+    for (size_t k = 0; k < d->causes; k++) {
+        printf("%s %s", k == 0 ? "" : ",", d->cause[k].id);
+    }
+    putchar('\n');
+    (void)fflush(stdout);
+}
+
+/* Files first, text last: printed results have been written. */
 static bool deliver(const request *r, out_folder *f, const report_input *in, error *e)
 {
     json_t *json = json_of_diagnosis(in->d);
     if (r->directory != NULL || r->json_path != NULL) {
         report_firmware(in, json);
     }
-    /* Everything that is to be in DIR goes into its stage first. */
+    /* All files for DIR go into its stage first. */
     bool ok = f->stage == NULL || report_write(in, f->stage, json, e);
     ok = json_file_place(f, ok ? r->json_path : NULL, json, e) && ok;
     ok = out_folder_close(f, ok, e);
-    if (ok && !json_file_is_stdout(r->json_path)) {
+    if (ok && r->count > 1) {
+        print_line(in->d);
+    } else if (ok && !json_file_is_stdout(r->json_path)) {
         text_print(stdout, in->d);
         if (r->directory != NULL) {
             printf("\n  report: %s/report.html\n", r->directory);
@@ -116,38 +135,69 @@ static bool deliver(const request *r, out_folder *f, const report_input *in, err
     return ok;
 }
 
-static bool run(const request *r, error *e)
+/* STATUS_FAILED and STATUS_UNUSABLE keep their meaning. */
+static int status_of(diagnosis_verdict v)
 {
-    motor m;
+    static const int status[] = {[VERDICT_CLEAN] = STATUS_DONE,
+                                 [VERDICT_EXPLAINED] = 10,
+                                 [VERDICT_PARTLY] = 11,
+                                 [VERDICT_UNEXPLAINED] = 12};
+    return status[v];
+}
+
+/* *status: the highest by verdict so far, if that is asked for. */
+static bool run(const request *r, const motor *m, const char *path, int *status, error *e)
+{
     recording rec;
     diagnosis d;
     out_folder f = {0};
-    if (!motor_read(r->motor_path, &m, e) || !recording_read(r->recording_path, &rec, e)) {
+    if (!recording_read(path, &rec, e)) {
         return false;
     }
     if (rec.omega_derived) {
-        fprintf(stderr, "iqfoc: note: %s has no omega_e_rad_s; the speed is the slope of theta_e_rad\n",
-                r->recording_path);
+        fprintf(stderr,
+                "iqfoc: note: %s has no omega_e_rad_s; speed is computed as the slope of theta_e_rad\n",
+                path);
     }
     diagnose_options how = r->options;
     progress shown = progress_begin("diagnose", 0.0, "");
     how.teller = (diagnose_teller){.trace = r->traced ? stderr : NULL, .shown = r->traced ? NULL : &shown};
-    /* The files need the diagnosis' series, row by row. */
+    /* The files need the series of the diagnosis, one value per row. */
     how.series = r->directory != NULL || r->json_path != NULL;
-    bool ok = out_folder_open(&f, r->directory, e) && diagnose(&d, &rec, &m, &how, e);
+    bool ok = out_folder_open(&f, r->directory, e) && diagnose(&d, &rec, m, &how, e);
     progress_end(&shown);
     if (ok) {
-        const provenance from = {.argc = r->argc,
-                                 .argv = r->argv,
-                                 .file = {{"recording", r->recording_path}, {"motor file", r->motor_path}}};
-        const report_input in = {&rec, &m, &d, &from};
+        const provenance from = {
+            .argc = r->argc, .argv = r->argv, .file = {{"recording", path}, {"motor file", r->motor_path}}};
+        const report_input in = {&rec, m, &d, &from};
         ok = deliver(r, &f, &in, e);
+        const int found = r->exit_verdict ? status_of(d.verdict) : STATUS_DONE;
+        *status = found > *status ? found : *status;
         diagnosis_free(&d);
     } else {
         out_folder_close(&f, false, e);
     }
     recording_free(&rec);
     return ok;
+}
+
+/* All recordings. One that cannot be used does not stop the others; its message is printed, and the status is its. */
+static int run_all(const request *r)
+{
+    motor m;
+    error unread = {0};
+    int status = STATUS_DONE;
+    int failed = STATUS_DONE;
+    if (!motor_read(r->motor_path, &m, &unread)) {
+        return error_print(&unread);
+    }
+    for (int n = 0; n < r->count; n++) {
+        error e = {0};
+        if (!run(r, &m, r->recordings[n], &status, &e)) {
+            failed = error_print(&e);
+        }
+    }
+    return failed != STATUS_DONE ? failed : status;
 }
 
 int cmd_diagnose(int argc, char **argv)
@@ -159,8 +209,11 @@ int cmd_diagnose(int argc, char **argv)
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_SKIP] = {.take = take_skip, .context = &r.options.skip},
                                    [OPT_ANY_SIZE] = {.flag = &r.options.any_size},
-                                   [OPT_TRACE] = {.flag = &r.traced}};
+                                   [OPT_TRACE] = {.flag = &r.traced},
+                                   [OPT_EXIT_VERDICT] = {.flag = &r.exit_verdict}};
     options o = options_begin(&about_diagnose, argc, argv);
-    const bool ok = options_read(&o, places, &e) && (o.helped || (combination(&o, &r, &e) && run(&r, &e)));
-    return ok ? STATUS_DONE : error_print(&e);
+    if (!options_read(&o, places, &e) || (!o.helped && !combination(&o, &r, &e))) {
+        return error_print(&e);
+    }
+    return o.helped ? STATUS_DONE : run_all(&r);
 }

@@ -1,4 +1,4 @@
-/* iqfoc export-fmu: the plant, or controller and plant, as a model in the user's simulator. */
+/* iqfoc export-fmu: the plant, or controller and plant, as an FMU for another simulator. */
 #include "command.h"
 #include "options.h"
 
@@ -10,18 +10,18 @@
 enum { OPT_MOTOR, OPT_OUT, OPT_KIND, OPT_SCENARIO, OPT_RUN, OPT_EFFECT, OPT_SEED };
 
 static const option_spec specs[] = {
-    [OPT_MOTOR] = {"motor", 0, "M.toml",
-                   "the motor file: machine and inverter, and what the firmware is told"},
+    [OPT_MOTOR] = {"motor", 0, "M.toml", "the motor file: machine, inverter, and the firmware's parameters"},
     [OPT_OUT] = {"output", 'o', "F.fmu", "the FMU"},
-    [OPT_KIND] = {"kind", 0, "plant|drive",
-                  "plant: inverter, machine, shaft and sensors, for duties from outside;\n"
-                  "drive (default): the firmware's control cycle around it, for currents from outside"},
+    [OPT_KIND] =
+        {"kind", 0, "plant|drive",
+         "plant: inverter, machine, shaft and sensors; the inputs are duties;\n"
+         "drive (default): the same with the firmware's control cycle; the inputs are current references"},
     [OPT_SCENARIO] = {"scenario", 0, "S.toml",
-                      "takes sensors and control from it, and lets the drive follow one of its runs"},
-    [OPT_RUN] = {"run", 0, "N", "of the scenario (default 1)"},
+                      "sensors and control from this scenario; the drive follows one of its runs"},
+    [OPT_RUN] = {"run", 0, "N", "run of the scenario (default 1)"},
     [OPT_EFFECT] = {"effect", 0, "id[:key=value,...]",
-                    "makes the true drive differ from its file; may be given more than once"},
-    [OPT_SEED] = {"seed", 0, "N", "of the sensors' noise and of random effects (default 1)"},
+                    "effect that the true drive has and its file has not; repeatable"},
+    [OPT_SEED] = {"seed", 0, "N", "seed of sensor noise and random effects (default 1)"},
     {NULL, 0, NULL, NULL},
 };
 
@@ -31,7 +31,8 @@ const command_about about_export_fmu = {
     "id[:key=value,...]]... "
     "[--seed N]",
     "Writes an FMU (Functional Mock-up Unit, FMI 3.0, co-simulation) of the switching-level drive, for this\n"
-    "kind of machine. In steps of a control cycle its currents are those of `iqfoc simulate` (docs/fmu.md).",
+    "processor and operating system. With steps of one control cycle it gives the currents of\n"
+    "`iqfoc simulate` (docs/fmu.md).",
     specs,
 };
 
@@ -68,7 +69,8 @@ int cmd_export_fmu(int argc, char **argv)
     r.effect = effects.of;
     r.effects = effects.count;
     if (run > 1 && r.scenario_path == NULL) {
-        error_input(&e, NULL, 0, 0, "export-fmu: --run needs the --scenario that it is a run of");
+        error_input(&e, NULL, 0, 0,
+                    "export-fmu: --run %ld selects a run of a scenario; add --scenario S.toml", run);
         return error_print(&e);
     }
     return fmu_export(&r, &e) ? STATUS_DONE : error_print(&e);

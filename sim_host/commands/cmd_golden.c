@@ -1,4 +1,4 @@
-/* iqfoc golden: whether this build of the library computes what every other does, to the last bit. */
+/* iqfoc golden: check that this build of the library gives the same bits as every other build. */
 #include "command.h"
 #include "golden_hash.h"
 #include "options.h"
@@ -8,16 +8,17 @@
 
 enum { OPT_LIST };
 
-static const option_spec specs[] = {{"list", 0, NULL, "print each function's digest too"},
+static const option_spec specs[] = {{"list", 0, NULL, "also print the hash of each function"},
                                     {NULL, 0, NULL, NULL}};
 
-const command_about about_golden = {"golden", "[--list]",
-                                    "Runs every function of the library, and every configuration of its "
-                                    "cycle, over 100,000 inputs each, and\n"
-                                    "prints one hash of all that came out. It is the same on every processor "
-                                    "and by every compiler; the exit\n"
-                                    "status is 1 where it is not the one that this version is meant to have.",
-                                    specs};
+const command_about about_golden = {
+    "golden", "[--list]",
+    "Runs every function of the library and every configuration of its control "
+    "cycle on 100,000 inputs each.\n"
+    "Prints one hash of all outputs. The hash is the same for every processor and "
+    "compiler. Exit status 1: it\n"
+    "differs from the expected hash of this version.",
+    specs};
 
 static void print_one(const char *name, uint64_t digest)
 {
@@ -39,8 +40,7 @@ int cmd_golden(int argc, char **argv)
     const uint64_t hash = golden_hash(list ? print_one : NULL);
     print_one("golden", hash);
     if (hash != GOLDEN_HASH) {
-        error_failure(&e, 0,
-                      "golden: %016" PRIx64 " is expected: this build of the library computes something else",
+        error_failure(&e, 0, "golden: expected %016" PRIx64 ": this build of the library gives other results",
                       GOLDEN_HASH);
     }
     return e.status == STATUS_DONE ? STATUS_DONE : error_print(&e);

@@ -1,4 +1,5 @@
 /* iqfoc help: the list of commands, one command's help, man pages and completions. */
+#include "base/build.h"
 #include "base/terminal.h"
 #include "help.h"
 
@@ -8,15 +9,21 @@
 enum { OPT_MAN, OPT_COMPLETION };
 
 static const option_spec specs[] = {
-    {"man", 0, NULL, "print the page of manual in place of the help: iqfoc help --man diagnose | man -l -"},
+    {"man", 0, NULL, "print the manual page instead of the help: iqfoc help --man diagnose | man -l -"},
     {"completion", 0, "bash|zsh|fish", "print the completion script for that shell"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_help = {
     "help", "[COMMAND] [--man | --completion bash|zsh|fish]",
-    "Lists the commands, or explains one. Man pages and the shells' completions are made\n"
-    "from the same tables that the commands read their options by.",
+    "Lists the commands, or explains one. Prints manual pages and shell completions,\n"
+    "made from the tables that define the options.",
     specs};
+
+void help_version(void)
+{
+    const bool known = build_commit[0] != '\0';
+    printf("iqfoc %s%s%s%s\n", build_version, known ? " (commit " : "", build_commit, known ? ")" : "");
+}
 
 void help_overview(void)
 {
@@ -25,9 +32,8 @@ void help_overview(void)
         printf("  %s%-12s%s%s\n", terminal_bold(stdout), command_table[n].about->name, terminal_plain(stdout),
                command_table[n].summary);
     }
-    printf("\n`iqfoc help <command>` explains each. `iqfoc --version` prints the version.\n"
-           "Exit status: 0 done, 2 for input or usage that cannot be used, 1 for a failure of the program "
-           "itself.\n");
+    printf("\n`iqfoc help <command>` explains a command.\n"
+           "Exit status: 0 done, 2 unusable input or command line, 1 failure of the program itself.\n");
 }
 
 static bool print_completion(const char *shell, error *e)

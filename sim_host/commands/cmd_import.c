@@ -1,5 +1,5 @@
 /*
- * iqfoc import: a recording from the log of another program.
+ * iqfoc import: convert the log of another program to a recording.
  */
 #include "command.h"
 #include "import/arrange_map.h"
@@ -11,49 +11,51 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_MAP, OPT_OUTPUT, OPT_MOTOR, OPT_PRESET, OPT_CHECK };
+enum { OPT_MAP, OPT_OUTPUT, OPT_MOTOR, OPT_PRESET, OPT_CHECK, OPT_SKIP_BAD };
 
 static const option_spec specs[] = {
-    {"map", 0, "MAP.toml", "which column is what; without it one is proposed"},
+    {"map", 0, "MAP.toml", "meaning of each column; without it a map is proposed"},
     {"output", 'o', "REC.csv", "the recording; - is stdout"},
-    {"motor", 'm', "M.toml", "the motor file: pole pairs for mechanical angles and speeds, and --check"},
+    {"motor", 'm', "M.toml", "the motor file; needed for mechanical angles and speeds, and for --check"},
     {"preset", 0, "NAME",
      "print the map for a tool's log, or with -o use it: vesc, odrive, moteus, simplefoc,\n"
      "ti-datalog, freemaster, motulator"},
     {"check", 0, NULL,
-     "try signs, order, direction, inverted counts, shift and the angle's zero, and print what\n"
-     "fits best, by how much, and the map's lines for it; nothing is written"},
+     "try signs, order, direction, inverted counts, shift and angle zero; print the best\n"
+     "combination, its error, and the lines of the map for it; write nothing"},
+    {"skip-bad", 0, NULL,
+     "leave out rows that cannot be read, and print their number; each leaves a gap in time"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_import = {
     "import", "LOG [--map MAP.toml | --preset NAME] [--motor M.toml] [-o REC.csv | --check]",
-    "Makes a recording for `iqfoc diagnose` from a table that another program wrote, as a map says: which\n"
-    "column is what, in which unit, frame and sign. Delimiter, decimal mark, encoding and header are found.\n"
-    "Without a map, prints one that is proposed from the names in the header, to be saved and checked.",
+    "Makes a recording for `iqfoc diagnose` from the table of another program. A map gives the quantity,\n"
+    "unit, frame and sign of each column. Delimiter, decimal mark, encoding and header are detected.\n"
+    "Without a map, prints a map proposed from the header; save it and check it.",
     specs};
 
 typedef struct request {
     const char *log_path, *map_path, *recording_path, *motor_path, *preset_name;
-    bool check, helped;
+    bool check, skip_bad, helped;
 } request;
 
 static bool parse(int argc, char **argv, request *r, error *e)
 {
     options o = options_begin(&about_import, argc, argv);
-    const option_place places[] = {[OPT_MAP] = {.text = &r->map_path},
-                                   [OPT_OUTPUT] = {.text = &r->recording_path},
-                                   [OPT_MOTOR] = {.text = &r->motor_path},
-                                   [OPT_PRESET] = {.text = &r->preset_name},
-                                   [OPT_CHECK] = {.flag = &r->check}};
+    const option_place places[] = {
+        [OPT_MAP] = {.text = &r->map_path},     [OPT_OUTPUT] = {.text = &r->recording_path},
+        [OPT_MOTOR] = {.text = &r->motor_path}, [OPT_PRESET] = {.text = &r->preset_name},
+        [OPT_CHECK] = {.flag = &r->check},      [OPT_SKIP_BAD] = {.flag = &r->skip_bad}};
     if (!options_read(&o, places, e) || o.helped) {
         r->helped = o.helped;
         return o.helped;
     }
     if (r->map_path != NULL && r->preset_name != NULL) {
-        return error_input(e, NULL, 0, 0, "import: --map or --preset, not both");
+        return error_input(e, NULL, 0, 0, "import: --map and --preset exclude each other; give one");
     }
     if (o.first >= argc && r->preset_name == NULL) {
-        return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about_import.usage);
+        return error_input(e, NULL, 0, 0, "import: no log is given. Usage: iqfoc import %s",
+                           about_import.usage);
     }
     r->log_path = o.first < argc ? argv[o.first] : NULL;
     if (!options_at_most(&o, 1, e)) {
@@ -65,10 +67,11 @@ static bool parse(int argc, char **argv, request *r, error *e)
                            "import: --map MAP.toml is missing; `iqfoc import LOG > MAP.toml` proposes one");
     }
     if (r->recording_path != NULL && r->log_path == NULL) {
-        return error_input(e, NULL, 0, 0, "import: which log? Usage: iqfoc import %s", about_import.usage);
+        return error_input(e, NULL, 0, 0, "import: no log is given. Usage: iqfoc import %s",
+                           about_import.usage);
     }
     if (r->check && r->recording_path != NULL) {
-        return error_input(e, NULL, 0, 0, "import: --check writes nothing; leave -o out");
+        return error_input(e, NULL, 0, 0, "import: --check writes nothing; remove -o");
     }
     if (r->check && !has_map) {
         return options_missing(&o, OPT_MAP, e);
@@ -96,7 +99,7 @@ static bool propose(const request *r, error *e)
     return ok;
 }
 
-/* What was changed on the way, for who reads the recording later. */
+/* The comment of the recording: source, map, shift. */
 static void describe(const log_table *t, const import_map *map, char *text, size_t size)
 {
     snprintf(text, size, "imported from %s by %s; shift_cycles = %g%s", t->path, map->path, map->shift_cycles,
@@ -112,8 +115,17 @@ static bool convert(const request *r, const import_map *map, error *e)
     if (r->motor_path != NULL && !motor_read(r->motor_path, &m, e)) {
         return false;
     }
-    bool ok = log_table_open(&t, r->log_path, &map->format, e) &&
-              convert_log(&t, map, r->motor_path != NULL ? &m : NULL, &rec, e);
+    if (r->skip_bad && !map->column[QUANTITY_T].there) {
+        return error_input(e, map->path, 0, 0,
+                           "--skip-bad needs t_s: without it a row that is left out shifts all later ones");
+    }
+    bool ok = map_open_log(map, &t, r->log_path, e);
+    t.skip_bad = r->skip_bad;
+    ok = ok && convert_log(&t, map, r->motor_path != NULL ? &m : NULL, &rec, e);
+    if (ok && t.skipped > 0) {
+        fprintf(stderr, "iqfoc: note: %zu row%s left out; the first: %s\n", t.skipped,
+                t.skipped == 1 ? "" : "s", t.first_skipped.text);
+    }
     if (ok && r->check) {
         const arrange_freedom freedom = arrange_freedom_of(map);
         const arrange_result found = arrange_find(&rec, &freedom);

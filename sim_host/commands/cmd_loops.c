@@ -1,4 +1,4 @@
-/* iqfoc loops: what better feedback and better prediction do to a closed loop. */
+/* iqfoc loops: closed loops with different feedback, predictors and controllers. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "command.h"
@@ -13,24 +13,25 @@ enum { OPT_MOTOR, OPT_EXTENDED, OPT_EFFECT, OPT_JSON, OPT_OUTPUT };
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "with --extended: the motor file"},
-    {"extended", 0, "X.toml", "instead: control by M.toml and by this file, as a diagnosis writes it"},
-    {"effect", 0, "id[:key=value,...]", "with --extended: how the drive differs from M.toml; repeatable"},
+    {"extended", 0, "X.toml", "instead: compare control by M.toml with control by this extended file"},
+    {"effect", 0, "id[:key=value,...]",
+     "with --extended: effect that the drive has and M.toml has not; repeatable"},
     {"json", 0, "F", "write the results to file F; - is stdout, without the tables"},
     {"output", 'o', "DIR",
-     "where the report page goes; default: report-loops,\nor no page if --json is given without -o"},
+     "folder of the report page; default: report-loops,\nor no page if --json is given without -o"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_loops = {
     "loops",
     "[--json F] [-o DIR]\n"
     "       iqfoc loops --motor M.toml --extended X.toml [--effect id[:key=value,...]]... [--json F]",
-    "Runs the firmware's controllers against the switching-level drive of the 2019 paper:\n"
-    "six-step torque control with discrete-angle and with corrected feedback; PI control with angle\n"
-    "advance and deadbeat control with the Euler, the quasi-discrete and the exact predictor, over\n"
-    "the ratio of switching to fundamental frequency and over errors of the parameters; control by\n"
-    "a finite set of states over horizons of 1 to 3. DIR/index.html has the plots.\n"
-    "--extended compares control by the motor file with control by the extended file that a\n"
-    "diagnosis wrote, of a drive that differs from the first.",
+    "Runs the firmware's controllers on the simulated drive of the 2019 paper:\n"
+    "- six-step torque control with discrete-angle and with corrected feedback;\n"
+    "- PI control with angle advance, and deadbeat control with the Euler, quasi-discrete and exact\n"
+    "  predictor, over the switching-to-fundamental frequency ratio and over parameter errors;\n"
+    "- finite-set control with horizons of 1 to 3.\n"
+    "DIR/index.html has the plots. --extended compares control by the motor file with control by the\n"
+    "extended file of a diagnosis, on a drive that differs from the motor file.",
     specs};
 
 typedef struct request {
@@ -50,8 +51,7 @@ static bool combination(const options *o, const request *r, error *e)
     if (r->extended_path == NULL) {
         return options_missing(o, OPT_EXTENDED, e);
     }
-    return r->directory == NULL ||
-           error_input(e, NULL, 0, 0, "loops: --extended draws no page: expected no -o");
+    return r->directory == NULL || error_input(e, NULL, 0, 0, "loops: --extended draws no page; remove -o");
 }
 
 static bool compare_extended(const request *r, error *e)
@@ -92,7 +92,7 @@ static bool loops(const request *r, error *e)
     if (ok && !json_file_is_stdout(r->json_path)) {
         loops_study_print(&s, stdout);
         if (directory != NULL) {
-            printf("\nThe figures: %s/index.html\n", directory);
+            printf("\nPlots: %s/index.html\n", directory);
         }
     }
     return ok;

@@ -1,4 +1,4 @@
-/* iqfoc plan: the recording to make, from a motor file and limits. */
+/* iqfoc plan: designs a test recording, from a motor file and limits. */
 #include "base/json_file.h"
 #include "command.h"
 #include "drive/drive_scenario.h"
@@ -26,28 +26,28 @@ enum {
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file"},
-    {"current", 0, "A", "peak of the current, at the most; default: the rated peak"},
-    {"speed", 0, "RPM", "at the most, either way; default: n_max_rpm"},
-    {"u-dc", 0, "V", "the DC link; default: the motor file's"},
-    {"seconds", 0, "S", "of all that is run, settling included; default: 4, or --against's"},
+    {"current", 0, "A", "largest peak current; default: the rated peak"},
+    {"speed", 0, "RPM", "highest speed, both directions; default: n_max_rpm"},
+    {"u-dc", 0, "V", "voltage of the DC link; default: the motor file's"},
+    {"seconds", 0, "S", "duration of all runs, settling included; default: 4, or that of --against"},
     {"noise", 0, "A", "standard deviation of a current sample; default: 0.3 % of the rated peak"},
-    {"bits", 0, "N", "of the current's converter; default: 12; 0: not quantised"},
-    {"full-scale", 0, "A", "its range, either way; default: three times the rated peak"},
-    {"against", 0, "S.toml", "a scenario to compare with, in its time and with its sensors"},
-    {"seed", 0, "N", "of the sensors' noise; default: 1"},
+    {"bits", 0, "N", "bits of the current's converter; default: 12; 0: not quantised"},
+    {"full-scale", 0, "A", "range of the converter, both signs; default: three times the rated peak"},
+    {"against", 0, "S.toml", "a scenario to compare with, with the same time and sensors"},
+    {"seed", 0, "N", "seed of the sensors' noise; default: 1"},
     {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
-    {"output", 'o', "PLAN.toml", "the scenario, for iqfoc simulate and for a bench"},
-    {"firmware", 0, "F.h", "the same as constants for a firmware (examples/planned_recording)"},
+    {"output", 'o', "PLAN.toml", "the scenario, for iqfoc simulate and for a test bench"},
+    {"firmware", 0, "F.h", "the runs as constants for a firmware (examples/planned_recording)"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_plan = {
     "plan",
     "--motor M.toml [--current A] [--speed RPM] [--u-dc V] [--seconds S] [--against S.toml] -o "
     "PLAN.toml\n[--firmware F.h]",
-    "Plans a recording for iqfoc diagnose: pulses and steps at standstill, steps at speeds of both\n"
-    "directions, run-ups and currents through zero, chosen by the information matrix so that the\n"
-    "causes are told apart best in the time. Says what will be known and how well, what cannot be\n"
-    "told from what, and how large a cause must be to be named.",
+    "Designs a test recording for iqfoc diagnose that separates the possible causes. It chooses pulses\n"
+    "and steps at standstill, steps at speeds of both directions, run-ups and currents through zero,\n"
+    "by the information matrix. Prints the expected intervals, the smallest reported size of each\n"
+    "cause, and the cause's closest alternative.",
     specs};
 
 typedef struct request {
@@ -56,7 +56,7 @@ typedef struct request {
     long bits, seed;
 } request;
 
-static double or_else(double given, double usual)
+static double or_default(double given, double usual)
 {
     return given < 0.0 ? usual : given;
 }
@@ -64,30 +64,30 @@ static double or_else(double given, double usual)
 static plan_limits limits_of(const request *r, const motor *m)
 {
     const double peak = motor_rated_peak_A(m);
-    const plan_limits l = {.current_A = or_else(r->current, peak),
-                           .speed_rpm = or_else(r->speed, m->n_max_rpm),
-                           .u_dc_V = or_else(r->u_dc, m->u_dc_V),
-                           .seconds = or_else(r->seconds, 4.0),
-                           .noise_A = or_else(r->noise, 0.003 * peak),
+    const plan_limits l = {.current_A = or_default(r->current, peak),
+                           .speed_rpm = or_default(r->speed, m->n_max_rpm),
+                           .u_dc_V = or_default(r->u_dc, m->u_dc_V),
+                           .seconds = or_default(r->seconds, 4.0),
+                           .noise_A = or_default(r->noise, 0.003 * peak),
                            .bits = (int)r->bits,
-                           .full_scale_A = or_else(r->full_scale, ceil(3.0 * peak))};
+                           .full_scale_A = or_default(r->full_scale, ceil(3.0 * peak))};
     return l;
 }
 
-/* The scenario's own time, unless another is asked for, and its sensors. */
+/* The scenario's time, unless --seconds is given, and its sensors. */
 static bool look_against(const request *r, plan_report *p, error *e)
 {
     scenario s;
     if (!scenario_read(r->against_path, &s, e)) {
         return false;
     }
-    if (!drive_scenario_whole_periods(&s, r->against_path, e)) {
+    if (!drive_scenario_plain(&s, r->against_path, e)) {
         scenario_free(&s);
         return false;
     }
     p->against_path = r->against_path;
     p->against_seconds = plan_cycles_of(p->motor, &s) / p->motor->f_pwm_Hz;
-    p->limits.seconds = or_else(r->seconds, p->against_seconds);
+    p->limits.seconds = or_default(r->seconds, p->against_seconds);
     p->limits.noise_A = s.sensors.current_noise_A;
     p->limits.bits = s.sensors.current_bits;
     p->limits.full_scale_A = s.sensors.current_full_scale_A;
@@ -96,7 +96,7 @@ static bool look_against(const request *r, plan_report *p, error *e)
     return ok;
 }
 
-/* All that was asked for, in place together; nothing of it where a part cannot be written. */
+/* All outputs together, or none if a part cannot be written. */
 static bool write_all(const request *r, const plan_report *p, error *e)
 {
     const char *const paths[] = {r->out_path, r->header_path, r->json_path};

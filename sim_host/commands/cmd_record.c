@@ -1,6 +1,7 @@
-/* iqfoc record: the target's recorder on a serial line (docs/recorder-format.md), made a recording. */
+/* iqfoc record: read the target's recorder from a serial line (docs/recorder-format.md) and write a recording. */
 #define _POSIX_C_SOURCE 200809L /* sigaction */
 #include "base/confine.h"
+#include "base/inputs.h"
 #include "base/progress.h"
 #include "command.h"
 #include "line.h"
@@ -13,19 +14,19 @@
 enum { OPT_PORT, OPT_OUT, OPT_BAUD, OPT_SECONDS };
 
 static const option_spec specs[] = {
-    [OPT_PORT] = {"port", 'p', "DEV|PTY|SOCKET|FILE", "where the octets come from"},
+    [OPT_PORT] = {"port", 'p', "DEV|PTY|SOCKET|FILE", "source of the bytes"},
     [OPT_OUT] = {"output", 'o', "REC.csv", "the recording; - is standard output"},
     [OPT_BAUD] = {"baud", 'b', "N", "speed of a serial device (default 1000000)"},
     [OPT_SECONDS] = {"seconds", 0, "X",
-                     "stops after this time; else at the stream's end frame, the line's end or Ctrl-C"},
+                     "stop after this time; default: at the end frame, end of file or Ctrl-C"},
     {NULL, 0, NULL, NULL},
 };
 
 const command_about about_record = {
     "record",
     "--port DEV|PTY|SOCKET|FILE -o REC.csv [--baud N] [--seconds X]",
-    "Reads what the firmware's recorder sends and writes it as a recording. Lost and damaged frames are\n"
-    "counted, and a stretch ends where a row is missing: the next one has another `run`.",
+    "Reads the stream of the firmware's recorder and writes a recording. Counts lost and damaged frames.\n"
+    "A missing row ends a stretch: the next stretch has another `run`.",
     specs,
 };
 
@@ -47,7 +48,7 @@ static void on_interrupt(int number)
 static bool receive(const request *r, line *l, wire_reader *reader, record_rows *rows, error *e)
 {
     const double end_s = progress_clock_s() + r->seconds;
-    /* How much will come is not known in advance: the line counts rows and damage. */
+    /* The total is not known in advance: the progress line counts rows and damage. */
     progress p = progress_begin("record", 0.0, "");
     bool closed = false;
     while (!closed && !interrupted && (!reader->ended || l->size > 0) &&
@@ -62,8 +63,7 @@ static bool receive(const request *r, line *l, wire_reader *reader, record_rows 
             return false;
         }
         if (reader->version != 0) {
-            return error_input(e, r->port, 0, 0,
-                               "the target speaks version %u of the format; expected version 1",
+            return error_input(e, r->port, 0, 0, "the stream has format version %u; expected version 1",
                                (unsigned)reader->version);
         }
         const wire_counts *c = &reader->counts;
@@ -75,7 +75,7 @@ static bool receive(const request *r, line *l, wire_reader *reader, record_rows 
     return true;
 }
 
-/* How much came and how much was lost; on stderr, so that stdout holds the recording alone with `-o -`. */
+/* Rows received and lost; on stderr, because stdout holds the recording with `-o -`. */
 static void summarise(const record_rows *rows, const wire_reader *reader)
 {
     const wire_counts *c = &reader->counts;
@@ -87,17 +87,13 @@ static void summarise(const record_rows *rows, const wire_reader *reader)
     if (c->headless_rows > 0) {
         fprintf(stderr, "; %lu rows before the first header", c->headless_rows);
     }
-    fprintf(stderr, "%s\n", reader->ended ? "" : "; the stream's end did not come");
+    fprintf(stderr, "%s\n", reader->ended ? "" : "; the stream had no end frame");
 }
 
 static bool write_out(const request *r, record_rows *rows, const wire_reader *reader, error *e)
 {
     char comment[256];
     const wire_counts *c = &reader->counts;
-    if (rows->recording.rows == 0) {
-        return error_input(e, r->port, 0, 0, "no row came: %lu frames, %lu damaged, %lu lost", c->frames,
-                           c->damaged, c->lost_frames);
-    }
     (void)snprintf(
         comment, sizeof comment,
         "iqfoc record: %lu frames, %lu damaged, %lu lost, %lu rows lost on the target, %lu missing in all",
@@ -124,9 +120,14 @@ int cmd_record(int argc, char **argv)
     static wire_reader reader;
     static record_rows rows;
     line l;
-    bool good = line_open(&l, r.port, r.baud, &e);
-    confine(CONFINE_TO_FILES); /* ahead of the first octet */
+    bool good = line_open(&l, r.port, r.baud, &e) && inputs_spare(r.out_path, &e);
+    confine(CONFINE_TO_FILES); /* before the first byte is read */
     good = good && receive(&r, &l, &reader, &rows, &e);
+    if (good && rows.recording.rows == 0) {
+        const wire_counts *c = &reader.counts;
+        good = error_input(&e, r.port, 0, 0, "no row received: %lu frames, %lu damaged, %lu lost", c->frames,
+                           c->damaged, c->lost_frames);
+    }
     if (good) {
         summarise(&rows, &reader);
         good = write_out(&r, &rows, &reader, &e);

@@ -1,4 +1,4 @@
-/* iqfoc reproduce: both papers' tables beside this project's values, and their figures. */
+/* iqfoc reproduce: both papers' tables with this project's values, and their figures. */
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "command.h"
@@ -16,16 +16,16 @@ static const option_spec specs[] = {
     {"paper", 0, "2016|2019", "only this paper; default: both"},
     {"json", 0, "F", "write the rows to file F; - is stdout, without the tables"},
     {"output", 'o', "DIR",
-     "where the report page goes; default: report-reproduce,\nor no page if --json is given without -o"},
+     "folder of the report page; default: report-reproduce,\nor no page if --json is given without -o"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_reproduce = {
     "reproduce", "[--paper 2016|2019] [--json F] [-o DIR]",
-    "Computes the tables and figures of\n"
+    "Computes the tables and figures of two papers:\n"
     "  2016: L. Jarzebowicz, Applied Mathematical Modelling 42, pp. 576-590\n"
     "  2019: L. Jarzebowicz, IET Power Electronics 12(12), pp. 3280-3285\n"
-    "and puts each of their figures beside the formula in double precision, evaluated on the\n"
-    "simulated drive, and beside the firmware's IQ24 functions. DIR/index.html has the plots.",
+    "and compares each of their figures with the formula in double precision, evaluated on the\n"
+    "simulated drive, and with the firmware's IQ24 functions. DIR/index.html has the plots.",
     specs};
 
 typedef struct request {
@@ -42,7 +42,7 @@ static bool take_paper(const options *o, void *context, error *e)
            error_input(e, NULL, 0, 0, "reproduce: --paper %s: expected 2016 or 2019", o->argument);
 }
 
-/* Files first, words last: what is printed has been written. */
+/* Files first, text last: printed results have been written. */
 static bool reproduce(const request *r, comparison *c, error *e)
 {
     const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "report-reproduce";
@@ -55,7 +55,7 @@ static bool reproduce(const request *r, comparison *c, error *e)
     if (ok && !json_file_is_stdout(r->json_path)) {
         comparison_print(c, stdout);
         if (directory != NULL) {
-            printf("\nThe figures: %s/index.html\n", directory);
+            printf("\nPlots: %s/index.html\n", directory);
         }
     }
     return ok;

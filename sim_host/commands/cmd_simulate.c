@@ -1,4 +1,4 @@
-/* iqfoc simulate: the firmware code against the switching-level drive, closed loop, to a recording. */
+/* iqfoc simulate: run the firmware code in closed loop with the switching-level drive and write a recording. */
 #include "base/confine.h"
 #include "command.h"
 #include "options.h"
@@ -14,20 +14,18 @@
 enum { OPT_MOTOR, OPT_SCENARIO, OPT_OUT, OPT_EFFECT, OPT_SEED, OPT_TARGET, OPT_IMAGE, OPT_UART, OPT_LIST };
 
 static const option_spec specs[] = {
-    [OPT_MOTOR] = {"motor", 0, "M.toml",
-                   "the motor file: machine and inverter, and what the firmware is told"},
-    [OPT_SCENARIO] = {"scenario", 0, "S.toml", "what the drive does (docs/scenario.md)"},
+    [OPT_MOTOR] = {"motor", 0, "M.toml", "the motor file: machine, inverter, and the firmware's parameters"},
+    [OPT_SCENARIO] = {"scenario", 0, "S.toml", "speeds, currents and sensors over time (docs/scenario.md)"},
     [OPT_OUT] = {"output", 'o', "REC.csv", "the recording; - is standard output"},
     [OPT_EFFECT] = {"effect", 0, "id[:key=value,...]",
-                    "makes the true drive differ from its file; may be given more than once"},
-    [OPT_SEED] = {"seed", 0, "N", "of the sensors' noise and of random effects (default 1)"},
+                    "effect that the true drive has and its file has not; repeatable"},
+    [OPT_SEED] = {"seed", 0, "N", "seed of sensor noise and random effects (default 1)"},
     [OPT_TARGET] = {"target", 0, "T",
-                    "runs the firmware in QEMU instead: cortex-m4 or rv32; the recording is the same"},
-    [OPT_IMAGE] = {"image", 0, "F.elf",
-                   "the image for --target (default: the one built beside this program)"},
+                    "run the firmware in QEMU: cortex-m4 or rv32; the recording is the same"},
+    [OPT_IMAGE] = {"image", 0, "F.elf", "image for --target (default: the one built with this program)"},
     [OPT_UART] = {"uart", 0, "F",
-                  "with --target: the image records every cycle over its UART, into file F (iqfoc record)"},
-    [OPT_LIST] = {"list-effects", 0, NULL, "prints the effects with their keys"},
+                  "with --target: the image sends every cycle over its UART into file F (iqfoc record)"},
+    [OPT_LIST] = {"list-effects", 0, NULL, "print the effects with their keys and default sizes"},
     {NULL, 0, NULL, NULL},
 };
 
@@ -35,10 +33,9 @@ const command_about about_simulate = {
     "simulate",
     "--motor M.toml --scenario S.toml -o REC.csv [--effect id[:key=value,...]]... [--seed N] "
     "[--target T]",
-    "Runs the firmware's code against the switching-level drive, closed loop, and writes what its sensors\n"
-    "and its controller saw as a recording. The firmware knows the motor file; the drive differs from it by "
-    "the\n"
-    "effects given.",
+    "Runs the firmware code in closed loop with the switching-level drive. Writes the sensor values and the\n"
+    "commands of the controller as a recording. The firmware uses the motor file; the drive differs from it\n"
+    "by the given effects.",
     specs,
 };
 
@@ -65,7 +62,7 @@ static bool run_all(const request *r, const motor *m, const scenario *s, const p
     return drive_scenario_run(&all, out, e);
 }
 
-/* The firmware of this program, or that of a target in its emulator. */
+/* The firmware compiled into this program, or a target's image in its emulator. */
 static bool run_firmware(const request *r, const motor *m, const scenario *s, const plant_config *drive,
                          drive_recording *out, error *e)
 {
@@ -73,7 +70,8 @@ static bool run_firmware(const request *r, const motor *m, const scenario *s, co
     static drive_emulated emulated;
     if (r->emulated.target == NULL) {
         const drive_firmware firmware = drive_firmware_host(&host, NULL);
-        return run_all(r, m, s, drive, &firmware, out, e);
+        return (s->control.angle == ANGLE_MEASURED || drive_host_observe(&host, m, e)) &&
+               run_all(r, m, s, drive, &firmware, out, e);
     }
     const drive_firmware firmware = drive_firmware_emulated(&emulated);
     const bool good = drive_emulated_start(&emulated, &r->emulated, m, e) &&
@@ -82,7 +80,7 @@ static bool run_firmware(const request *r, const motor *m, const scenario *s, co
     return good;
 }
 
-static bool simulate(const request *r, const motor *told, const motor *m, const scenario *s, error *e)
+static bool simulate(const request *r, const motor *known, const motor *m, const scenario *s, error *e)
 {
     plant_config drive = drive_scenario_plant(m, s);
     for (int k = 0; k < r->effects.count; k++) {
@@ -99,8 +97,8 @@ static bool simulate(const request *r, const motor *told, const motor *m, const 
         const size_t used = strlen(comment);
         (void)snprintf(comment + used, sizeof comment - used, " %s", r->effects.of[k]);
     }
-    bool good =
-        run_firmware(r, told, s, &drive, &out, e) && recording_write(r->out_path, &out.recording, comment, e);
+    bool good = run_firmware(r, known, s, &drive, &out, e) &&
+                recording_write(r->out_path, &out.recording, comment, e);
     recording_free(&out.recording);
     return good;
 }
@@ -135,9 +133,9 @@ int cmd_simulate(int argc, char **argv)
         !scenario_read(r.scenario_path, &s, &e)) {
         return error_print(&e);
     }
-    const motor told = drive_scenario_motor(&m, &s);
-    const bool good = (r.emulated.target == NULL || drive_scenario_whole_periods(&s, r.scenario_path, &e)) &&
-                      simulate(&r, &told, &m, &s, &e);
+    const motor known = drive_scenario_motor(&m, &s);
+    const bool good = (r.emulated.target == NULL || drive_scenario_plain(&s, r.scenario_path, &e)) &&
+                      simulate(&r, &known, &m, &s, &e);
     scenario_free(&s);
     return good ? STATUS_DONE : error_print(&e);
 }

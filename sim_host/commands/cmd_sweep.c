@@ -23,9 +23,9 @@ static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file"},
     {"rpm", 0, "N[,N...]", "mechanical speeds in rpm; negative: reverse"},
     {"current-rms", 0, "A", "phase current in A rms; default: the motor file's rated current"},
-    {"id-ratio", 0, "X", "i_d as a share of the current, -1 to 1; default 0"},
+    {"id-ratio", 0, "X", "i_d divided by the current, -1 to 1; default 0"},
     {"json", 0, "F", "write the points to file F; - is stdout, without the table"},
-    {"map", 0, NULL, "instead: which mean current is enough where"},
+    {"map", 0, NULL, "instead: the cheapest sufficient mean current, as a map"},
     {"output", 'o', "DIR", "the folder for a page with the picture; with --map sweep-map if not given"},
     {"induction", 0, NULL, "instead: the errors for a traction induction machine at 500 Hz switching"},
     {NULL, 0, NULL, NULL}};
@@ -41,9 +41,8 @@ const command_about about_sweep = {
     "2019 (10)) and current at the next cycle's start (standard: Euler, 2019 (3); quasi-discrete:\n"
     "2019 (12)), each also by the exact solution. In JSON also through the firmware's IQ24\n"
     "functions, under \"iq24\".\n"
-    "All but the exact are for machines without saliency; of a salient motor they get\n"
-    "L = (L_d + L_q)/2.\n"
-    "Where the DC link cannot hold a point, it is raised for that point, and this is said.\n"
+    "Only the exact solution handles saliency; the others use L = (L_d + L_q)/2.\n"
+    "If the DC link is too low for a point, it is raised for that point, and the line says so.\n"
     "--map compares four means of the dq current over SFFR 3 to 100, modulation index and load.",
     specs};
 
@@ -57,18 +56,18 @@ typedef struct request {
     bool map, induction;
 } request;
 
-/* What is missing or does not go together. */
+/* Refuses missing options and options that exclude each other. */
 static bool combination(const options *o, const request *r, error *e)
 {
     if (r->induction && (r->motor_path != NULL || r->map || r->speeds > 0)) {
         return error_input(e, NULL, 0, 0,
-                           "sweep: --induction brings its own machine; expected no --motor, --rpm or --map");
+                           "sweep: --induction has its own machine; remove --motor, --rpm and --map");
     }
     if (r->motor_path == NULL && !r->induction) {
         return options_missing(o, OPT_MOTOR, e);
     }
     if (r->map && r->speeds > 0) {
-        return error_input(e, NULL, 0, 0, "sweep: --map takes no --rpm; expected one of the two");
+        return error_input(e, NULL, 0, 0, "sweep: --map and --rpm exclude each other; give one");
     }
     if (r->speeds == 0 && !r->map && !r->induction) {
         return options_missing(o, OPT_RPM, e);
@@ -96,7 +95,7 @@ static void print_head(const motor *m, double current_A_rms, double id_ratio)
     printf("%s: %g A rms, i_d = %g of it; errors in percent of the rms phase current\n", m->name,
            current_A_rms, id_ratio);
     if (m->L_d_H != m->L_q_H) {
-        printf("The machine is salient; standard and quasi-discrete get L = (L_d + L_q)/2 = %g H.\n",
+        printf("The machine is salient; standard and quasi-discrete use L = (L_d + L_q)/2 = %g H.\n",
                0.5 * (m->L_d_H + m->L_q_H));
     }
     static const char *const columns[2] = {"mean", "prediction"};
@@ -117,7 +116,7 @@ static json_t *points_json(const request *r, const motor *m, double current_A_rm
     for (size_t n = 0; n < r->speeds; n++) {
         if (json_array_append_new(list, sweep_point_json(&points[n])) != 0) {
             json_free(list);
-            return NULL; /* out of memory, which the writer says */
+            return NULL; /* out of memory; the writer reports it */
         }
     }
     return json_pack("{s:s, s:f, s:f, s:f, s:o}", "motor", m->name, "current_A_rms", current_A_rms,
@@ -184,7 +183,7 @@ static bool sweep_map(const request *r, error *e)
     }
     ok = out_folder_close(&f, ok, e);
     if (ok && directory != NULL && !json_file_is_stdout(r->json_path)) {
-        printf("The map: %s/index.html, %s/mean-map.svg\n", directory, directory);
+        printf("Map: %s/index.html, %s/mean-map.svg\n", directory, directory);
     }
     return ok;
 }
@@ -192,7 +191,7 @@ static bool sweep_map(const request *r, error *e)
 static bool run(const request *r, error *e)
 {
     if (!r->map) {
-        confine(CONFINE_TO_FILES); /* only the map's picture is gnuplot's */
+        confine(CONFINE_TO_FILES); /* only the map needs gnuplot */
     }
     return r->induction ? induction_table(r->json_path, e) : r->map ? sweep_map(r, e) : sweep(r, e);
 }

@@ -1,4 +1,4 @@
-/* iqfoc watch: trials of the firmware's watch on its model. */
+/* iqfoc watch: trials of the firmware's change detector. */
 #include "base/confine.h"
 #include "base/json_file.h"
 #include "command.h"
@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What a recorder holds after the alarm. */
+/* Rows of a recorder after the alarm. */
 static const double RECORDED_S = 1.0;
 
 enum {
@@ -20,6 +20,7 @@ enum {
     OPT_RATE,
     OPT_TRIALS,
     OPT_CYCLES,
+    OPT_CONDITION,
     OPT_SEED,
     OPT_JSON,
     OPT_CHANGE,
@@ -31,34 +32,39 @@ enum {
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file"},
     {"diagnosis", 0, "D.json",
-     "what `iqfoc diagnose --json` wrote: the firmware's model, and the watch's noise and confidence"},
+     "output of `iqfoc diagnose --json`: the firmware's model, and the detector's noise and uncertainty"},
     {"rate", 0, "HZ", "switching frequency; default: 8000"},
-    {"trials", 0, "N", "drives for each change; default: 20; 0: only the one in which nothing changes"},
-    {"cycles", 0, "N", "of a drive in which nothing changes; default: 1e6"},
-    {"seed", 0, "N", "of the first drive; default: 1"},
+    {"trials", 0, "N", "drives for each change; default: 20; 0: only the drive without a change"},
+    {"cycles", 0, "N", "cycles of the drive without a change, of each condition; default: 2e5"},
+    {"condition", 0, "constant|ripple_1|ripple_3|temperature|saturation_3|saturation_10|load_steps|all",
+     "operating condition of the drive without a change; default: all"},
+    {"seed", 0, "N", "seed of the first drive; default: 1"},
     {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
-    {"change", 0, "magnet|winding|sensor|dead_time", "with -o: what changes in the drive that is recorded"},
+    {"change", 0, "magnet|winding|sensor|dead_time|phase|rotor", "with -o: the change of the recorded drive"},
     {"output", 'o', "DIR",
-     "no trials, but one drive: what the alarm lets be recorded, rec.csv, and motor.toml"},
+     "instead of trials: one drive's recording from the alarm on, rec.csv, and motor.toml"},
     {"target", 0, "T",
-     "with -o: the firmware runs in QEMU, cortex-m4 or rv32; what its recorder sends is rec.uart,\nfor iqfoc "
+     "with -o: the firmware runs in QEMU, cortex-m4 or rv32; its recorder writes rec.uart,\nfor iqfoc "
      "record"},
-    {"image", 0, "F.elf", "the image for --target (default: the one built beside this program)"},
+    {"image", 0, "F.elf", "the image for --target (default: the one built with this program)"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_watch = {
     "watch",
     "--motor M.toml [--diagnosis D.json] [--rate HZ] [--trials N] [--cycles N] [--json F] | --change C "
     "[--target T] -o DIR",
-    "Tries the watch of iqfoc/watch.h: drives with dead time and noise under the tuned controller run\n"
-    "varied duty in the switching-level plant, and after half a second the magnet weakens by 5 %,\n"
-    "the winding warms by 60 K, a current sensor's gain grows by 2 %, or the dead time doubles. Says\n"
-    "how soon that is noted and what it is taken for, and how high the detectors get when nothing\n"
-    "changes. With -o one drive is recorded from its alarm on, for iqfoc diagnose.",
+    "Tries the change detector of iqfoc/watch.h. Drives with dead time and noise under the tuned\n"
+    "controller run a varied duty in the switching-level plant. After half a second the magnet weakens\n"
+    "by 5 %, the winding warms by 60 K, a current sensor's gain grows by 2 %, the dead time doubles, one\n"
+    "phase's resistance grows by 50 %, or the rotor becomes eccentric (5 % of flux).\n"
+    "Prints the time to the alarm, the named group, and the false alarms without a change: with constant\n"
+    "conditions, ripple of the DC link, temperature swings (R and psi_f adapted), saturation (the fall of\n"
+    "L stated to the detector), and load steps.\n"
+    "With -o one drive is recorded from its alarm on, for iqfoc diagnose.",
     specs};
 
 typedef struct request {
-    const char *motor_path, *diagnosis_path, *json_path, *change, *directory;
+    const char *motor_path, *diagnosis_path, *json_path, *change, *condition, *directory;
     drive_emulated_choice emulated; /* no target: the firmware in this program */
     double rate, cycles;
     long trials, seed;
@@ -72,7 +78,8 @@ static bool take_change(const request *r, watch_change *change, error *e)
             return true;
         }
     }
-    return error_input(e, NULL, 0, 0, "watch: -o needs --change magnet, winding, sensor or dead_time");
+    return error_input(e, NULL, 0, 0,
+                       "watch: -o needs --change magnet, winding, sensor, dead_time, phase or rotor");
 }
 
 /* ---- The firmware in an emulator ---- */
@@ -82,12 +89,12 @@ typedef struct emulated_firmware {
     drive_emulated_choice choice;
 } emulated_firmware;
 
-static bool start_emulated(void *context, const tuned_firmware_config_t *config, const motor *told,
+static bool start_emulated(void *context, const tuned_firmware_config_t *config, const motor *model,
                            drive_firmware *calls, error *e)
 {
     emulated_firmware *f = context;
     *calls = drive_firmware_emulated(&f->machine);
-    return drive_emulated_start(&f->machine, &f->choice, told, e) &&
+    return drive_emulated_start(&f->machine, &f->choice, model, e) &&
            drive_emulated_tune(&f->machine, config, e);
 }
 
@@ -102,7 +109,7 @@ static bool group_emulated(void *context, iqfoc_watch_group_t *group, error *e)
     return true;
 }
 
-/* ---- One drive up to its alarm, and what is recorded from there on ---- */
+/* ---- One drive up to its alarm, and the recording from there on ---- */
 
 static bool run_dump(const request *r, const tune_result *design, watch_change change, const char *uart,
                      watch_dump *dump, error *e)
@@ -126,17 +133,16 @@ static bool write_dump(const request *r, const char *stage, const watch_dump *du
 {
     char path[1100];
     (void)snprintf(path, sizeof path, "%s/rec.csv", stage);
-    const bool ok =
-        r->emulated.target != NULL ||
-        recording_write(path, &dump->rows.recording, "iqfoc watch: recorded from its alarm on", e);
+    const bool ok = r->emulated.target != NULL ||
+                    recording_write(path, &dump->rows.recording, "iqfoc watch: recorded from the alarm", e);
     (void)snprintf(path, sizeof path, "%s/motor.toml", stage);
-    return ok && motor_write(path, &dump->told, "what the firmware knew at the alarm", e);
+    return ok && motor_write(path, &dump->model, "the firmware's model at the alarm", e);
 }
 
 static void print_dump(const request *r, watch_change change, const watch_dump *dump)
 {
-    printf("%s: taken for %s, %.3f s after it\n", watch_change_text[change], watch_group_text[dump->group],
-           dump->alarm_s);
+    printf("%s: named %s, %.3f s after the change\n", watch_change_text[change],
+           watch_group_text[dump->group], dump->alarm_s);
     if (r->emulated.target != NULL) {
         printf("  iqfoc record --port %s/rec.uart -o %s/rec.csv\n", r->directory, r->directory);
     }
@@ -155,7 +161,7 @@ static bool record(const request *r, const tune_result *design, error *e)
         ok = run_dump(r, design, change, uart, &dump, e) &&
              (dump.noted ||
               error_input(e, NULL, 0, 0,
-                          "watch: %s was not noted within %g s; another --seed runs another duty",
+                          "watch: no alarm for %s within %g s; try another --seed for another duty",
                           watch_change_text[change], WATCH_CHANGED_S)) &&
              write_dump(r, f.stage, &dump, e);
     }
@@ -167,12 +173,31 @@ static bool record(const request *r, const tune_result *design, error *e)
     return ok;
 }
 
+static bool take_conditions(const request *r, bool ran[WATCH_CONDITIONS], error *e)
+{
+    bool any = false;
+    for (int n = 0; n < WATCH_CONDITIONS; n++) {
+        ran[n] = r->condition == NULL || strcmp(r->condition, "all") == 0 ||
+                 strcmp(r->condition, watch_condition_key[n]) == 0;
+        any = any || ran[n];
+    }
+    return any || error_input(e, NULL, 0, 0,
+                              "watch: --condition %s: expected constant, ripple_1, ripple_3, temperature, "
+                              "saturation_3, saturation_10, load_steps or all",
+                              r->condition);
+}
+
 static bool try_all(const request *r, const tune_result *design, error *e)
 {
     static watch_results all;
     const uint64_t seed = (uint64_t)r->seed;
     all.tried = r->trials > 0;
-    bool ok = watch_clean_run(design, r->cycles, seed + 1000000, &all.clean, e);
+    all.fall = tune_watch_fall(&design->motor);
+    bool ok = take_conditions(r, all.ran, e);
+    for (int n = 0; n < WATCH_CONDITIONS && ok; n++) {
+        ok = !all.ran[n] ||
+             watch_clean_run(design, (watch_condition)n, r->cycles, seed + 1000000, &all.clean[n], e);
+    }
     for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES && ok && all.tried; n++) {
         ok = watch_trial_run(design, (watch_change)n, (int)r->trials, seed, &all.of[n], e);
     }
@@ -187,7 +212,7 @@ static bool try_all(const request *r, const tune_result *design, error *e)
     return ok;
 }
 
-/* The machines that the model may be of, and with a diagnosis what the watch may take for granted. */
+/* The uncertainty set of the model, and with a diagnosis the detector's noise and uncertainty. */
 static bool take_region(const request *r, tune_result *design, error *e)
 {
     const tune_tolerances t = {TUNE_TOLERANCE_R, TUNE_TOLERANCE_L, TUNE_TOLERANCE_PSI_F};
@@ -200,7 +225,8 @@ static bool take_region(const request *r, tune_result *design, error *e)
         return false;
     }
     const tune_watch known = tune_watch_of(design);
-    return known.none == NULL || error_input(e, r->diagnosis_path, 0, 0, "no watch by this: %s", known.none);
+    return known.none == NULL ||
+           error_input(e, r->diagnosis_path, 0, 0, "no change detector by this: %s", known.none);
 }
 
 static bool watch(const request *r, error *e)
@@ -216,13 +242,14 @@ static bool watch(const request *r, error *e)
 
 int cmd_watch(int argc, char **argv)
 {
-    request r = {.rate = 8000.0, .cycles = 1e6, .trials = 20, .seed = 1};
+    request r = {.rate = 8000.0, .cycles = 2e5, .trials = 20, .seed = 1};
     error e = {0};
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
                                    [OPT_DIAGNOSIS] = {.text = &r.diagnosis_path},
                                    [OPT_RATE] = {.number = &r.rate, .low = 100.0, .high = 1e6},
                                    [OPT_TRIALS] = {.integer = &r.trials, .low = 0, .high = 100000},
                                    [OPT_CYCLES] = {.number = &r.cycles, .low = 1e3, .high = 1e12},
+                                   [OPT_CONDITION] = {.text = &r.condition},
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
                                    [OPT_JSON] = {.text = &r.json_path},
                                    [OPT_CHANGE] = {.text = &r.change},

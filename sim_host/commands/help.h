@@ -1,16 +1,19 @@
-/* What the program says of itself, all of it from the commands' tables (command_table.h). */
+/* Help text, manual pages and shell completions, made from the commands' tables (command_table.h). */
 #ifndef SIM_HOST_COMMANDS_HELP_H
 #define SIM_HOST_COMMANDS_HELP_H
 
 #include "command_table.h"
 
+/* Version and commit, on stdout. */
+void help_version(void);
+
 /* The list of commands, on stdout. */
 void help_overview(void);
 
-/* A page of manual (section 1) in man's macros: of the program, or of one command. */
+/* A manual page (section 1): of the program, or of one command. */
 void help_man(const command *of);
 
-/* A script that completes commands, options and what has a list of values. */
+/* A script that completes commands, options, and values that are a list. */
 typedef void help_completion(void);
 help_completion help_bash, help_zsh, help_fish;
 

@@ -10,7 +10,7 @@
 static void add_causes(help_words *words)
 {
     for (int k = 0; k < CAUSE_COUNT && words->count < HELP_WORDS_MAX; k++) {
-        if (cause_table[k].named) {
+        if (cause_table[k].named && (int)cause_table[k].of == k) {
             words->of[words->count++] = cause_table[k].id;
         }
     }

@@ -1,13 +1,14 @@
 /*
- * iqfoc: finds the command and hands over. The command line is described in interfaces.md; each command
- * documents its own options under --help.
+ * iqfoc: the main program; it runs the command named by the first argument. docs/interfaces.md describes the command line,
+ * --help of each command its options.
  *
- * The process never calls setlocale: it runs in the "C" locale, so that no number ever has a decimal comma.
+ * The process never calls setlocale: it runs in the "C" locale, so numbers never have a decimal comma.
  */
 #define _XOPEN_SOURCE 700 /* POSIX: open; SIGXFSZ */
 
-#include "base/build.h"
 #include "base/confine.h"
+#include "base/inputs.h"
+#include "base/memory.h"
 #include "command_table.h"
 #include "help.h"
 
@@ -19,8 +20,8 @@
 #include <unistd.h>
 
 /*
- * A caller who closed stdout or stderr would have its number given to the first file that is opened, and words for him written into
- * that. And a file that outgrows what its user may write is a failure that is told, as a full disk is, not a death.
+ * If stdout or stderr is closed, the first opened file would get its number, and messages would be written into that file:
+ * open /dev/null for them. A file above the size limit is reported as an error, as a full disk is; it does not kill the process.
  */
 static void prepare(void)
 {
@@ -47,12 +48,11 @@ static int run(int argc, char **argv)
         return STATUS_DONE;
     }
     if (argc > 1 && is(argv[1], "-V", "--version")) {
-        const bool known = build_commit[0] != '\0';
-        printf("iqfoc %s%s%s%s\n", build_version, known ? " (commit " : "", build_commit, known ? ")" : "");
+        help_version();
         return STATUS_DONE;
     }
     if (argc > 1 && argv[1][0] == '-') {
-        error_input(&e, NULL, 0, 0, "unknown option %s ahead of the command; expected --help or --version",
+        error_input(&e, NULL, 0, 0, "unknown option %s before the command; expected --help or --version",
                     argv[1]);
         return error_print(&e);
     }
@@ -61,15 +61,17 @@ static int run(int argc, char **argv)
         return error_print(&e);
     }
     confine(chosen->needs);
+    inputs_watch();
     return chosen->run(argc - 1, argv + 1);
 }
 
 int main(int argc, char **argv)
 {
     prepare();
+    memory_end_when_out();
     const int status = run(argc, argv);
-    /* A full disk behind `iqfoc ... > file` shows only here. */
-    if (status == STATUS_DONE && (fflush(stdout) != 0 || ferror(stdout))) {
+    /* A full disk behind `iqfoc ... > file` is seen only here. */
+    if (status != STATUS_FAILED && status != STATUS_UNUSABLE && (fflush(stdout) != 0 || ferror(stdout))) {
         error e = {0};
         error_failure(&e, errno, "stdout: cannot be written");
         return error_print(&e);

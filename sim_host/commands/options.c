@@ -1,4 +1,4 @@
-/* Command lines: the options of a command, its help text and the lines of bad news (options.h). */
+/* Options of a command: parsing, help text and error messages (options.h). */
 #define _GNU_SOURCE /* getopt_long */
 
 #include "options.h"
@@ -16,7 +16,7 @@
 
 enum {
     OPTIONS_MAX = 32,
-    HELP_COLUMN = 28,           /* where the explanations start */
+    HELP_COLUMN = 28,           /* column of the explanations */
     OPTION_BASE = UCHAR_MAX + 1 /* getopt_long's values for specs[i]: beyond all letters */
 };
 
@@ -53,7 +53,7 @@ static void print_option(const option_spec *spec)
     }
 }
 
-const option_spec options_help = {"help", 'h', NULL, "this text"};
+const option_spec options_help = {"help", 'h', NULL, "print this text"};
 
 void options_print_help(const command_about *about)
 {
@@ -69,8 +69,8 @@ void options_print_help(const command_about *about)
 
 options options_begin(const command_about *about, int argc, char **argv)
 {
-    optind = 0; /* glibc: start anew, and forget what was parsed before */
-    opterr = 0; /* the error lines are ours */
+    optind = 0; /* glibc: restart the parser */
+    opterr = 0; /* error messages are printed here */
     return (options){.about = about, .argc = argc, .argv = argv, .current = -1};
 }
 
@@ -119,10 +119,18 @@ static int refuse_without_value(const options *o, error *e)
     return OPTIONS_ERROR;
 }
 
+/* The value of a short option written as -m=FILE: FILE. The value of -m =FILE stays. */
+static const char *without_equals(const options *o, int got, const char *value)
+{
+    const char *given = o->argv[optind - 1];
+    const bool attached = value != NULL && got < OPTION_BASE && value == given + 2;
+    return attached && value[0] == '=' ? value + 1 : value;
+}
+
 int options_next(options *o, error *e)
 {
     struct option longs[OPTIONS_MAX + 2] = {0};
-    char letters[2 * OPTIONS_MAX + 4] = ":h"; /* the colon: tell a missing value from an unknown option */
+    char letters[2 * OPTIONS_MAX + 4] = ":h"; /* the colon: report a missing value as ':', not as '?' */
     size_t at = strlen(letters);
     const int count = spec_count(o->about);
     for (int i = 0; i < count && i < OPTIONS_MAX; i++) {
@@ -140,7 +148,7 @@ int options_next(options *o, error *e)
     longs[count] = (struct option){"help", no_argument, NULL, 'h'};
 
     const int got = getopt_long(o->argc, o->argv, letters, longs, NULL);
-    o->argument = optarg;
+    o->argument = without_equals(o, got, optarg);
     o->first = optind;
     if (got == -1) {
         return OPTIONS_END;
@@ -197,7 +205,7 @@ bool options_numbers(const options *o, double low, double high, double *values, 
     for (const char *text = o->argument; text != NULL;) {
         const size_t length = strcspn(text, ",");
         if (*count == max || !number_within(text, length, low, high, &values[*count])) {
-            return refuse_value(o, e, "1 to %zu numbers from %g to %g, split by commas", max, low, high);
+            return refuse_value(o, e, "1 to %zu numbers from %g to %g, separated by commas", max, low, high);
         }
         *count += 1;
         text = text[length] == ',' ? text + length + 1 : NULL;
@@ -219,7 +227,7 @@ bool options_integer(const options *o, long min, long max, long *value, error *e
 bool options_missing(const options *o, int which, error *e)
 {
     const option_spec *spec = &o->about->specs[which];
-    return error_input(e, NULL, 0, 0, "%s: --%s %s is missing; `iqfoc %s --help` explains", o->about->name,
+    return error_input(e, NULL, 0, 0, "%s: --%s %s is missing; see `iqfoc %s --help`", o->about->name,
                        spec->name, spec->argument != NULL ? spec->argument : "", o->about->name);
 }
 
@@ -237,8 +245,8 @@ bool options_at_most(const options *o, int most, error *e)
 static bool take_text(const options *o, option_texts *texts, error *e)
 {
     if (texts->count == OPTION_TEXTS_MAX) {
-        return error_input(e, NULL, 0, 0, "%s: more than %d %ss", o->about->name, OPTION_TEXTS_MAX,
-                           o->about->specs[o->current].name);
+        return error_input(e, NULL, 0, 0, "%s: --%s is given more than %d times", o->about->name,
+                           o->about->specs[o->current].name, OPTION_TEXTS_MAX);
     }
     texts->of[texts->count++] = o->argument;
     return true;

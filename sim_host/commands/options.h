@@ -1,6 +1,6 @@
 /*
- * The options of a command: one table from which getopt_long, the help text and the error lines are made, and
- * a second one that says where each value goes.
+ * The options of a command. One table has their names and help texts, for parsing, help and error messages; a second one has
+ * the variable of each value.
  *
  *     const option_place places[] = {[OPT_MOTOR] = {.text = &motor_path, .needed = true}, ...};
  *     options o = options_begin(&about, argc, argv);
@@ -18,14 +18,14 @@
 typedef struct option_spec {
     const char *name;     /* "motor" for --motor; NULL ends the table */
     char letter;          /* 'o' for -o, or 0 */
-    const char *argument; /* what follows, as the help shows it: "M.toml"; NULL for a switch */
-    const char *help;     /* one or more lines, split by \n */
+    const char *argument; /* the value, as the help shows it: "M.toml"; NULL for a switch */
+    const char *help;     /* one or more lines, separated by \n */
 } option_spec;
 
 typedef struct command_about {
     const char *name;         /* "simulate" */
-    const char *usage;        /* what follows "iqfoc simulate " */
-    const char *description;  /* a paragraph, lines split by \n */
+    const char *usage;        /* the text after "iqfoc simulate " */
+    const char *description;  /* a paragraph, lines separated by \n */
     const option_spec *specs; /* --help need not be listed */
 } command_about;
 
@@ -41,31 +41,31 @@ typedef struct options {
 
 enum { OPTION_TEXTS_MAX = 32 };
 
-/* What a repeatable option was given. */
+/* All values of a repeatable option. */
 typedef struct option_texts {
     const char *of[OPTION_TEXTS_MAX];
     int count;
 } option_texts;
 
-/* Where the value of one option goes: one of the pointers is set. */
+/* The variable of one option: one of the pointers is set. */
 typedef struct option_place {
     const char **text;
     option_texts *texts;
     bool *flag;
     long *integer;  /* from low to high */
     double *number; /* from low to high */
-    size_t *count;  /* set: `number` is an array of `most`, split by commas */
+    size_t *count;  /* set: `number` is an array of `most`, separated by commas */
     size_t most;
     double low, high;
-    bool (*take)(const options *o, void *context, error *e); /* for everything else */
+    bool (*take)(const options *o, void *context, error *e); /* for all other kinds */
     void *context;
-    bool needed; /* options_complete refuses its absence; with `text` alone */
+    bool needed; /* options_complete reports it as missing; only with `text` */
 } option_place;
 
 /* --help itself, as the help shows it. */
 extern const option_spec options_help;
 
-/* What --help prints. */
+/* Prints the text of --help. */
 void options_print_help(const command_about *about);
 
 enum {
@@ -82,10 +82,10 @@ int options_next(options *o, error *e);
 /* Reads all options into places[i] for specs[i]. True, too, after --help: o->helped. */
 bool options_read(options *o, const option_place *places, error *e);
 
-/* False with *e set if an argument is left that is no option, or an option is missing that is needed. */
+/* False with *e set if an argument is left over, or a needed option is missing. */
 bool options_complete(const options *o, const option_place *places, error *e);
 
-/* The current option's argument as a number from min to max; with *e set if it is none. */
+/* The current option's argument as a number from min to max; false with *e set otherwise. */
 bool options_number(const options *o, double min, double max, double *value, error *e);
 bool options_integer(const options *o, long min, long max, long *value, error *e);
 
@@ -96,7 +96,7 @@ bool options_numbers(const options *o, double low, double high, double *values, 
 /* Sets "simulate: --motor M.toml is missing". Returns false. */
 bool options_missing(const options *o, int which, error *e);
 
-/* Sets an error if there are arguments left beyond `most`. */
+/* False with *e set if there are more than `most` other arguments. */
 bool options_at_most(const options *o, int most, error *e);
 
 #endif

@@ -1,6 +1,5 @@
 /*
- * The bytes of a file, unpacked where it is gzip (recognised by its first bytes): by zlib (byte_source_gzip.c), or, in a build
- * without zlib, plain files only (byte_source_plain.c). The option IQFOC_ZLIB chooses.
+ * The bytes of a file, unpacked if it is gzip (recognised by its first bytes). byte_source_gzip.c uses zlib; byte_source_plain.c reads plain files only, for a build without zlib. The option IQFOC_ZLIB chooses.
  */
 #ifndef SIM_HOST_DATA_BYTE_SOURCE_H
 #define SIM_HOST_DATA_BYTE_SOURCE_H
@@ -18,7 +17,7 @@ byte_source *byte_source_open(int descriptor);
 /* At most BYTE_SOURCE_BLOCK bytes; 0 at the end or on damage. */
 size_t byte_source_read(byte_source *s, char *to, size_t most);
 
-/* What is wrong from the first byte on that could not be read; false if nothing is. */
+/* The reason why reading stopped; false if there was no error. */
 bool byte_source_complaint(byte_source *s, char words[BYTE_SOURCE_COMPLAINT]);
 
 /* NULL is allowed. */

@@ -9,8 +9,7 @@
 #include <zlib.h>
 
 /*
- * Rows of measurements pack to a third of their size, those of a drive that stands still to a thirtieth. What unpacks to far more was
- * made to: it is not to keep anyone waiting. Beyond what is read in a second anyway.
+ * Measured rows pack to a third of their size, rows at standstill to a thirtieth. A file that unpacks to more is a decompression bomb, and is refused after the first megabytes.
  */
 enum { RATIO_MOST = 100, UNPACKED_FREE = 16 * 1024 * 1024 };
 

@@ -4,8 +4,11 @@
 #include <string.h>
 
 const cause_row cause_table[CAUSE_COUNT] = {
-#define CAUSE(ID, id, firmware, words, law, noun) [CAUSE_##ID] = {id, true, firmware, words, law, noun},
-#define UNNAMED(ID, id, words)                    [CAUSE_##ID] = {id, false, FIRMWARE_LACKS, words, "", ""},
+#define CAUSE(ID, id, firmware, words, law, noun)                                                            \
+    [CAUSE_##ID] = {id, true, firmware, words, law, noun, CAUSE_##ID},
+#define CAUSE_MORE(ID, OF, id, firmware, words, law, noun)                                                   \
+    [CAUSE_##ID] = {id, true, firmware, words, law, noun, CAUSE_##OF},
+#define UNNAMED(ID, id, words) [CAUSE_##ID] = {id, false, FIRMWARE_LACKS, words, "", "", CAUSE_##ID},
 #include "causes.def"
 };
 

@@ -124,6 +124,9 @@ static bool is_ahead(csv_file *f)
         lines->length -= 3;
     }
     const char first = lines->length > 0 ? lines->line[0] : '\n';
+    if (first == '#' && f->on_comment != NULL && !is_stopped(f)) {
+        f->on_comment(f->context, lines->line, lines->length, lines->number);
+    }
     return first == '#' || first == '\r' || first == '\n';
 }
 
@@ -142,14 +145,14 @@ static size_t line_length(const line_source *lines)
     return length > 0 && lines->line[length - 1] == '\r' ? length - 1 : length;
 }
 
-/* Whether all of a record stands in the line as it is: nothing quoted, and no line end within it. */
+/* Whether the line is a complete record as it is: nothing quoted, and no line end within it. */
 static bool is_plain(const csv_file *f, size_t length)
 {
     const char *line = f->lines.line;
     return f->record_length == 0 && memchr(line, '"', length) == NULL && memchr(line, '\r', length) == NULL;
 }
 
-/* The fields of a plain line: what stands between its commas, without the spaces around it. */
+/* The fields of a plain line: the text between its commas, without the spaces around it. */
 static void part_line(csv_file *f, size_t length)
 {
     const char *at = f->lines.line;
@@ -215,7 +218,7 @@ static void feed_line(csv_file *f, csv_quoted *quoted)
         break;
     case CSV_QUOTED_STRAY:
         csv_file_refuse(f, f->field,
-                        "a quote stands within a field or text after its end; expected RFC 4180");
+                        "a quote inside an unquoted field, or text after a closing quote; expected RFC 4180");
         break;
     case CSV_QUOTED_NO_MEMORY:
         out_of_memory(f);

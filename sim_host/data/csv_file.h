@@ -1,8 +1,7 @@
 /*
  * A CSV file (RFC 4180) as records of fields, with the line and column of every field.
  *
- * Read line by line, so that the line is always known; the column of a field is looked for only when there is something to
- * complain about. A line in which nothing is quoted is parted at its commas at once; recordings have no other lines. A byte
+ * It reads line by line, so the line is always known; the column is computed only for an error. A line without quotes is split at its commas directly; recordings have no other lines. A byte
  * order mark, and comments (#) and blank lines ahead of the first record, are skipped.
  */
 #ifndef SIM_HOST_DATA_CSV_FILE_H
@@ -21,9 +20,13 @@ typedef void csv_field_fn(void *context, size_t index, const char *text, size_t 
 /* The end of a record of so many fields. */
 typedef void csv_record_fn(void *context, size_t fields);
 
+/* A comment line ahead of the first record, with its '#'; number: of the line. */
+typedef void csv_comment_fn(void *context, const char *text, size_t length, long number);
+
 typedef struct csv_file {
     csv_field_fn *on_field;
     csv_record_fn *on_record;
+    csv_comment_fn *on_comment; /* or NULL */
     void *context;
     error *e; /* set by anyone: reading stops, and no callback is called any more */
 

@@ -1,4 +1,4 @@
-/* What a character means depends on where in a field it stands (csv_quoted.h). */
+/* The meaning of a character depends on its position in a field (csv_quoted.h). */
 #include "csv_quoted.h"
 
 #include <stdlib.h>

@@ -127,6 +127,37 @@ static const known names[] = {
     {"drehzahl", {"omega_e_rad_s", "rpm", true}},
     {"temp", {"temp_C", NULL, false}},
     {"tempmotor", {"temp_C", NULL, false}},
+    /* German and French; letters with accents are left out of a name before it is compared. */
+    {"stroma", {"i_a_A", NULL, false}},
+    {"stromb", {"i_b_A", NULL, false}},
+    {"stromc", {"i_c_A", NULL, false}},
+    {"couranta", {"i_a_A", NULL, false}},
+    {"courantb", {"i_b_A", NULL, false}},
+    {"courantc", {"i_c_A", NULL, false}},
+    {"spannunga", {"u_a_V", NULL, false}},
+    {"spannungb", {"u_b_V", NULL, false}},
+    {"spannungc", {"u_c_V", NULL, false}},
+    {"tensiona", {"u_a_V", NULL, false}},
+    {"tensionb", {"u_b_V", NULL, false}},
+    {"tensionc", {"u_c_V", NULL, false}},
+    {"tastgrada", {"d_a", NULL, false}},
+    {"tastgradb", {"d_b", NULL, false}},
+    {"tastgradc", {"d_c", NULL, false}},
+    {"rapportcycliquea", {"d_a", NULL, false}},
+    {"rapportcycliqueb", {"d_b", NULL, false}},
+    {"rapportcycliquec", {"d_c", NULL, false}},
+    {"uzk", {"u_dc_V", NULL, false}},
+    {"zwischenkreisspannung", {"u_dc_V", NULL, false}},
+    {"tensionbus", {"u_dc_V", NULL, false}},
+    {"winkel", {"theta_e_rad", NULL, false}},
+    {"elektrischerwinkel", {"theta_e_rad", NULL, false}},
+    {"anglelectrique", {"theta_e_rad", NULL, false}},
+    {"angleelectrique", {"theta_e_rad", NULL, false}},
+    {"rotorwinkel", {"theta_e_rad", NULL, true}},
+    {"anglerotor", {"theta_e_rad", NULL, true}},
+    {"vitesse", {"omega_e_rad_s", "rpm", true}},
+    {"temps", {"t_s", NULL, false}},
+    {"temperatur", {"temp_C", NULL, false}},
     /* VESC Tool */
     {"mstoday", {"t_s", "ms", false}},
     {"daxiscurrent", {"i_d_A", NULL, false}},
@@ -172,12 +203,13 @@ static const known names[] = {
 static const struct {
     const char *spelt, *word;
 } units[] = {
-    {"s", "s"},       {"ms", "ms"},       {"us", "us"},        {"\xC2\xB5s", "us"}, {"ns", "ns"},
-    {"A", "A"},       {"mA", "mA"},       {"kA", "kA"},        {"V", "V"},          {"mV", "mV"},
-    {"kV", "kV"},     {"rad", "rad"},     {"deg", "deg"},      {"\xC2\xB0", "deg"}, {"turn", "turn"},
-    {"rev", "turn"},  {"count", "count"}, {"counts", "count"}, {"rad/s", "rad/s"},  {"rpm", "rpm"},
-    {"RPM", "rpm"},   {"1/min", "rpm"},   {"min-1", "rpm"},    {"Hz", "Hz"},        {"deg/s", "deg/s"},
-    {"%", "percent"}, {"C", "C"},         {"degC", "C"},       {"\302\260C", "C"},
+    {"s", "s"},         {"ms", "ms"},       {"us", "us"},        {"\xC2\xB5s", "us"}, {"ns", "ns"},
+    {"A", "A"},         {"mA", "mA"},       {"kA", "kA"},        {"V", "V"},          {"mV", "mV"},
+    {"kV", "kV"},       {"rad", "rad"},     {"deg", "deg"},      {"\xC2\xB0", "deg"}, {"turn", "turn"},
+    {"rev", "turn"},    {"count", "count"}, {"counts", "count"}, {"rad/s", "rad/s"},  {"rpm", "rpm"},
+    {"RPM", "rpm"},     {"1/min", "rpm"},   {"min-1", "rpm"},    {"U/min", "rpm"},    {"tr/min", "rpm"},
+    {"Hz", "Hz"},       {"deg/s", "deg/s"}, {"%", "percent"},    {"C", "C"},          {"degC", "C"},
+    {"\302\260C", "C"},
 };
 
 const char *foreign_unit_find(const char *word, size_t length)
@@ -224,7 +256,7 @@ static foreign_name look_up(const char *name, size_t length)
     return (foreign_name){NULL, NULL, false};
 }
 
-/* Whole, then without what stands ahead of its last point ("axis0.motor.foc.Iq_measured"). */
+/* First the whole name, then the part after its last point ("axis0.motor.foc.Iq_measured"). */
 static foreign_name look_up_path(const char *name, size_t length)
 {
     foreign_name found = look_up(name, length);
@@ -237,7 +269,7 @@ static foreign_name look_up_path(const char *name, size_t length)
     return found;
 }
 
-/* Without a unit that stands at its end, behind one of these characters. */
+/* Without the unit at its end, after one of these characters. */
 static foreign_name look_up_with_unit(const char *name, size_t length, const char *marks)
 {
     for (size_t k = 1; k < length; k++) {

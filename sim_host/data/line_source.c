@@ -3,6 +3,7 @@
 
 #include "line_source.h"
 
+#include "../base/inputs.h"
 #include "byte_source.h"
 
 #include <errno.h>
@@ -29,6 +30,10 @@ bool line_source_open(line_source *s, const char *path, error *e)
     if (fstat(descriptor, &status) == 0 && S_ISDIR(status.st_mode)) {
         close(descriptor);
         return error_input(e, path, 0, 0, "is a directory; expected a file");
+    }
+    if (!inputs_note(descriptor, s->path, e)) {
+        close(descriptor);
+        return false;
     }
     s->buffer = malloc(BUFFER_SIZE);
     s->bytes_of = byte_source_open(descriptor);

@@ -1,5 +1,5 @@
 /*
- * Lines of a text file, plain or gzip (recognised by its first bytes), or of stdin ("-"). Numbered from 1.
+ * Reads the lines of a text file, plain or gzip (recognised by its first bytes), or of stdin ("-"). Lines are numbered from 1.
  */
 #ifndef SIM_HOST_DATA_LINE_SOURCE_H
 #define SIM_HOST_DATA_LINE_SOURCE_H
@@ -18,7 +18,7 @@ enum {
 typedef struct line_source {
     const char *path; /* for messages: "stdin" for "-" */
     struct byte_source *bytes_of;
-    char *buffer; /* bytes that were read: those from at to end stand ahead of the next line */
+    char *buffer; /* bytes that were read: those from at to end precede the next line */
     size_t at, end;
     bool is_end;      /* there is no more to read */
     const char *line; /* the current line with its newline, if it has one; may hold zeros */
@@ -37,7 +37,7 @@ bool line_source_open(line_source *s, const char *path, error *e);
 bool line_source_next(line_source *s, error *e);
 
 /*
- * For who finds lines himself: the next bytes as they come, valid until the next call. Not to be mixed with
+ * For callers that split lines themselves: the next bytes as they come, valid until the next call. Not to be mixed with
  * line_source_next. False at the end, or with *e set on damage.
  */
 bool line_source_block(line_source *s, char **bytes, size_t *length, error *e);

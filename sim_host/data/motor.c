@@ -43,7 +43,7 @@ static double least_inductance(const motor *m)
     return fmin(L_d_H, L_q_H);
 }
 
-/* What a value may be; it may depend on what stands in [motor]. */
+/* The range of a value; it may depend on values of [motor]. */
 static toml_range range_of(const motor_value *v, const motor *m)
 {
 #define ANY          TOML_ANY
@@ -83,9 +83,18 @@ void motor_note_extension(motor *m, cause_id cause)
     }
 }
 
+bool motor_has_first(const motor *m, cause_id id)
+{
+    bool first = m->ext.has[id];
+    for (int other = 0; other < (int)id; other++) {
+        first = first && !(m->ext.has[other] && cause_table[other].of == cause_table[id].of);
+    }
+    return first;
+}
+
 motor motor_blank(void)
 {
-    motor m = {0};
+    motor m = {.pwm = pwm_updates_plain()};
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
         if (!v->of_machine && !isnan(v->absent)) {
             *place_of(&m, v) = v->absent;
@@ -107,13 +116,26 @@ void motor_inductances(const motor *m, double *L_d_H, double *L_q_H)
     }
 }
 
-size_t motor_angle_order(const motor *m)
+size_t motor_angle_order(const motor *m, double order)
 {
     size_t n = 0;
-    while (n < ANGLE_ORDERS && m->ext.harmonic_order != motor_order_of(m, n)) {
+    while (n < ANGLE_ORDERS && order != motor_order_of(m, n)) {
         n++;
     }
     return n;
+}
+
+motor_harmonic motor_harmonic_of(motor_extension *x, size_t n)
+{
+    const motor_harmonic entry[ANGLE_ORDERS] = {
+        {CAUSE_ANGLE_HARMONIC, &x->harmonic_order, &x->harmonic_amplitude_rad, &x->harmonic_phase_rad},
+        {CAUSE_ANGLE_HARMONIC_2, &x->harmonic_2_order, &x->harmonic_2_amplitude_rad,
+         &x->harmonic_2_phase_rad},
+        {CAUSE_ANGLE_HARMONIC_P, &x->harmonic_p_order, &x->harmonic_p_amplitude_rad,
+         &x->harmonic_p_phase_rad},
+        {CAUSE_ANGLE_HARMONIC_2P, &x->harmonic_2p_order, &x->harmonic_2p_amplitude_rad,
+         &x->harmonic_2p_phase_rad}};
+    return entry[n];
 }
 
 double motor_order_of(const motor *m, size_t n)
@@ -153,9 +175,6 @@ static void read_value(toml_table *t, const motor_value *v, motor *m)
     const toml_range range = range_of(v, m);
     if (v->kind == VALUE_WHOLE) {
         *value = (double)toml_integer(t, v->key, (long)range.min, (long)range.max);
-        if (v->offset == offsetof(motor, ext.harmonic_order) && motor_angle_order(m) == ANGLE_ORDERS) {
-            toml_refuse(t, v->key, "order = %g, expected 1, 2, or once or twice pole_pairs", *value);
-        }
     } else {
         *value = v->needed ? toml_number(t, v->key, range) : toml_number_or(t, v->key, range, *value);
         /* Generous: a fit that ran away is written here too, and must be read. */
@@ -163,17 +182,65 @@ static void read_value(toml_table *t, const motor_value *v, motor *m)
     }
 }
 
-static void read_extension(toml_table *all, cause_id id, motor *m)
+/* The values of one entry. */
+static void read_entry(toml_table *t, cause_id id, motor *m)
 {
-    toml_table *t = toml_table_inner_or_null(all, cause_table[id].id);
-    if (t == NULL) {
-        return;
-    }
     m->ext.has[id] = true;
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
         if (v->cause == id && !v->of_machine) {
             read_value(t, v, m);
         }
+    }
+}
+
+/* The order of an angle error says which entry it is. */
+static void read_harmonic(toml_table *t, motor *m)
+{
+    motor_extension *x = &m->ext;
+    const motor_harmonic first = motor_harmonic_of(x, 0);
+    const double held[3] = {*first.order, *first.amplitude_rad, *first.phase_rad};
+    const bool has = x->has[first.cause];
+    read_entry(t, first.cause, m);
+    const double order = *first.order;
+    const size_t n = motor_angle_order(m, order);
+    if (n == ANGLE_ORDERS) {
+        toml_refuse(t, "order", "order = %g, expected 1, 2, or once or twice pole_pairs", order);
+        return;
+    }
+    const motor_harmonic at = motor_harmonic_of(x, n);
+    if (n == 0 ? has : x->has[at.cause]) {
+        toml_refuse(t, "order", "order = %g is given twice; expected one entry an order", order);
+        return;
+    }
+    if (n > 0) {
+        *at.order = order;
+        *at.amplitude_rad = *first.amplitude_rad;
+        *at.phase_rad = *first.phase_rad;
+        x->has[at.cause] = true;
+        *first.order = held[0];
+        *first.amplitude_rad = held[1];
+        *first.phase_rad = held[2];
+        x->has[first.cause] = has;
+    }
+}
+
+/* [extension.<id>], or [[extension.<id>]] of a cause that may be there more than once. */
+static void read_extension(toml_table *all, cause_id id, motor *m)
+{
+    const char *key = cause_table[id].id;
+    if (cause_table[id].of != id || !toml_has(all, key)) {
+        return;
+    }
+    if (id != CAUSE_ANGLE_HARMONIC) {
+        read_entry(toml_table_inner(all, key), id, m);
+        return;
+    }
+    if (toml_is_table(all, key)) {
+        read_harmonic(toml_table_inner(all, key), m);
+        return;
+    }
+    for (size_t n = 0; n < toml_table_count(all, key); n++) {
+        read_harmonic(toml_table_at(all, key, n), m);
     }
 }
 
@@ -220,6 +287,9 @@ bool motor_read(const char *path, motor *m, error *e)
     t = toml_table_inner(root, "inverter");
     read.f_pwm_Hz = bounded(t, "f_pwm_Hz", toml_number(t, "f_pwm_Hz", TOML_POSITIVE), 1e-3, 1e9);
     read.u_dc_V = bounded(t, "u_dc_V", toml_number(t, "u_dc_V", TOML_POSITIVE), 1e-3, 1e6);
+
+    read.pwm =
+        pwm_updates_read(toml_table_inner_or_null(root, "pwm"), toml_table_inner_or_null(root, "sensors"));
 
     t = toml_table_inner_or_null(root, "extension");
     for (int id = 0; id < CAUSE_COUNT; id++) {
@@ -296,9 +366,19 @@ static void put_comment(FILE *out, const char *comment)
     }
 }
 
+/* How many entries of its cause the motor has. */
+static int entries_of(cause_id id, const motor *m)
+{
+    int n = 0;
+    for (int other = 0; other < CAUSE_COUNT; other++) {
+        n += m->ext.has[other] && cause_table[other].of == cause_table[id].of ? 1 : 0;
+    }
+    return n;
+}
+
 static void put_extension(FILE *out, cause_id id, const motor *m)
 {
-    fprintf(out, "\n[extension.%s]\n", cause_table[id].id);
+    fprintf(out, entries_of(id, m) > 1 ? "\n[[extension.%s]]\n" : "\n[extension.%s]\n", cause_table[id].id);
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
         if (v->cause == id && !v->of_machine && (!motor_value_is_extra(v) || motor_value_of(m, v) != 0.0)) {
             put_number(out, v->key, motor_value_of(m, v));
@@ -342,6 +422,7 @@ bool motor_write(const char *path, const motor *m, const char *comment, error *e
     fputs("\n[inverter]\n", out);
     put_number(out, "f_pwm_Hz", m->f_pwm_Hz);
     put_number(out, "u_dc_V", m->u_dc_V);
+    pwm_updates_print(out, &m->pwm);
 
     for (int id = 0; id < CAUSE_COUNT; id++) {
         if (m->ext.has[id] && motor_is_extension((cause_id)id)) {

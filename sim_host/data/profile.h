@@ -6,7 +6,7 @@
  *     i_q_A = { at_s = [0.0, 0.5], ramp = [-8.0, 8.0] }
  *     i_q_A = { value = 5.0, square = { amplitude = 1.0, period_s = 0.01 } }
  *
- * Ahead of the first point the first value holds, after the last point the last.
+ * Before the first point the first value holds, after the last point the last.
  */
 #ifndef SIM_HOST_DATA_PROFILE_H
 #define SIM_HOST_DATA_PROFILE_H

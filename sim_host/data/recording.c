@@ -1,5 +1,6 @@
 /* A recording's stretches, and its current and voltage in a row (recording.h). */
 #include "recording.h"
+#include "base/sort.h"
 
 #include "recording_columns.h"
 #include "time_stamps.h"
@@ -68,13 +69,6 @@ static bool is_same_run(const recording *r, size_t k)
     return r->run == NULL || r->run[k] == r->run[k - 1];
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Median step of t_s within runs, of the steps not longer than `longest`; 0 if there is none. */
 static double median_step(const recording *r, double longest, double *steps)
 {
@@ -88,11 +82,11 @@ static double median_step(const recording *r, double longest, double *steps)
     if (count == 0) {
         return 0.0;
     }
-    qsort(steps, count, sizeof *steps, compare_doubles);
+    sort_ascending(steps, count);
     return count % 2 == 1 ? steps[count / 2] : 0.5 * (steps[count / 2 - 1] + steps[count / 2]);
 }
 
-/* Marks the rows ahead of which there is a gap or another run; how many there are. */
+/* Marks the first row after each gap or change of run; returns their number. */
 static size_t mark_starts(const recording *r, unsigned char *starts)
 {
     size_t count = 0;

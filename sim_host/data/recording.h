@@ -9,6 +9,7 @@
 
 #include "../base/error.h"
 #include "../base/vector.h"
+#include "pwm_updates.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,6 +37,8 @@ typedef struct recording {
     long *line;         /* the line in the file of each row, for messages */
     bool i_c_measured;  /* false: i_A[2] was filled in */
     bool omega_derived; /* omega_e_rad_s was filled in */
+    bool pwm_told;      /* the comments say how commands reach the PWM: pwm */
+    pwm_updates pwm;
     size_t stretches;
     stretch *stretch;
     double T_s; /* control cycle: median step of t_s within stretches; of stamps of few decimals, the mean */
@@ -48,7 +51,7 @@ typedef struct recording {
  * its line.
  *
  * Unknown columns are ignored, and so is an optional group that is not whole: mid-point currents of one
- * phase, two duties beside three voltages, duties without u_dc_V beside voltages. On failure *r is empty.
+ * phase, two duties in addition to three voltages, duties without u_dc_V in addition to voltages. On failure *r is empty.
  */
 bool recording_read(const char *path, recording *r, error *e);
 

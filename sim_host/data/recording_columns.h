@@ -31,7 +31,7 @@ typedef enum column_id {
 /* "t_s", "i_a_A" ... */
 const char *recording_column_name(column_id id);
 
-/* The largest magnitude that a value of the column may have; and the smallest beside 0, which is alike for all. */
+/* The largest magnitude that a value of the column may have; and the smallest except 0, the same for all columns. */
 double recording_column_most(column_id id);
 #define RECORDING_LEAST 1e-100
 

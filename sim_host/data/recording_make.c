@@ -31,7 +31,7 @@ static bool take_names(source *in, size_t count, const char *const *name, const 
             continue;
         }
         if (in->have[id]) {
-            return error_input(e, in->path, 0, 0, "column %s stands there twice", name[n]);
+            return error_input(e, in->path, 0, 0, "column %s is there twice; remove one", name[n]);
         }
         in->have[id] = true;
         in->of[id] = value[n];

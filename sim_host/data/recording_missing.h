@@ -1,6 +1,5 @@
 /*
- * What a recording's header lacks, all at once, and how its columns would stand in a map if they look like
- * another program's.
+ * The columns missing in a recording's header, all in one message, with a proposed map if the names look like another program's.
  */
 #ifndef SIM_HOST_DATA_RECORDING_MISSING_H
 #define SIM_HOST_DATA_RECORDING_MISSING_H
@@ -16,10 +15,10 @@ typedef struct recording_missing {
 /* A column that a recording does not have. */
 void recording_missing_note(recording_missing *m, const char *name, size_t length);
 
-/* What columns it should have beside those that it has. */
+/* Finds the required columns that are missing. */
 void recording_missing_find(recording_missing *m, const bool have[COL_COUNT]);
 
-/* "missing columns: t_s, i_a_A", and what stands there instead, cut to `length`, with a hint how a map would read it. */
+/* "missing columns: t_s, i_a_A", and the header found instead, cut to `length`, with a hint how a map would read it. */
 void recording_missing_words(const recording_missing *m, const char *found, size_t length, char *text,
                              size_t size);
 

@@ -54,7 +54,8 @@ static void header_field(reader *in, size_t index, const char *text, size_t leng
         return;
     }
     if (in->have[id]) {
-        csv_file_refuse(&in->csv, index, "column %s stands twice in the header", recording_column_name(id));
+        csv_file_refuse(&in->csv, index, "column %s is twice in the header; remove one",
+                        recording_column_name(id));
         return;
     }
     in->have[id] = true;
@@ -130,7 +131,7 @@ static void refuse_number(reader *in, size_t index, const char *text, size_t len
 {
     const char *name = recording_column_name(in->target[index]);
     if (length == strlen(name) && memcmp(text, name, length) == 0) {
-        csv_file_refuse(&in->csv, index, "the header stands here again; a recording has one header");
+        csv_file_refuse(&in->csv, index, "the header is repeated here; a recording has one header");
     } else if (length == 0) {
         csv_file_refuse(&in->csv, index, "%s is empty; expected a number", name);
     } else {
@@ -268,6 +269,20 @@ static void trim(recording *r)
     }
 }
 
+static void on_comment(void *context, const char *text, size_t length, long number)
+{
+    reader *in = context;
+    bool taken = false;
+    if (!pwm_updates_take_comment(&in->r->pwm, text, length, &taken)) {
+        error_input(in->csv.e, in->csv.lines.path, number, 0,
+                    "expected # [pwm] periods_per_cycle = 1 to %d, held = \"stator\" or \"rotor\", "
+                    "delay_cycles = 0 to 1; or # "
+                    "[sensors] shunts = \"three\" or \"two_lowest\"",
+                    PWM_UPDATES_MOST);
+    }
+    in->r->pwm_told = in->r->pwm_told || taken;
+}
+
 bool recording_read(const char *path, recording *r, error *e)
 {
     *r = (recording){0};
@@ -276,7 +291,8 @@ bool recording_read(const char *path, recording *r, error *e)
         return error_failure(e, 0, "%s: out of memory", path);
     }
     in->r = r;
-    in->csv = (csv_file){.on_field = on_field, .on_record = on_record, .context = in, .e = e};
+    in->csv = (csv_file){
+        .on_field = on_field, .on_record = on_record, .on_comment = on_comment, .context = in, .e = e};
     bool ok = csv_file_read(&in->csv, path) && has_rows(in);
     if (ok) {
         r->i_c_measured = in->have[COL_I_C];

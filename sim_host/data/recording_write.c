@@ -15,12 +15,22 @@ static bool is_written(const recording *r, column_id id, const double *column)
     return id == COL_RUN ? r->run != NULL : column != NULL && (id != COL_I_C || r->i_c_measured);
 }
 
-static void put_header(FILE *out, const column_id *ids, size_t count, const char *comment)
+static void put_header(FILE *out, const column_id *ids, size_t count, const char *comment,
+                       const pwm_updates *pwm)
 {
     while (comment != NULL && *comment != '\0') {
         const size_t length = strcspn(comment, "\n");
         fprintf(out, "# %.*s\n", (int)length, comment);
         comment += length + (comment[length] == '\n' ? 1 : 0);
+    }
+    char told[200] = "";
+    if (pwm != NULL) {
+        pwm_updates_comment(pwm, told, sizeof told);
+    }
+    for (const char *line = told; *line != '\0';) {
+        const size_t length = strcspn(line, "\n") + 1;
+        fprintf(out, "# %.*s", (int)length, line);
+        line += length;
     }
     for (size_t c = 0; c < count; c++) {
         fprintf(out, "%s%s", c == 0 ? "" : ",", recording_column_name(ids[c]));
@@ -82,7 +92,7 @@ bool recording_write(const char *path, const recording *r, const char *comment, 
     if (!check_values(r, ids, columns, count, path, e) || !out_file_open(&f, path, e)) {
         return false;
     }
-    put_header(f.stream, ids, count, comment);
+    put_header(f.stream, ids, count, comment, r->pwm_told ? &r->pwm : NULL);
     for (size_t k = 0; k < r->rows; k++) {
         put_row(f.stream, r, k, ids, columns, count);
     }

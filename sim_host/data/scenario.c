@@ -18,7 +18,9 @@ static void read_control(toml_table *t, scenario_control *control)
 {
     static const char *const feedbacks[] = {"midpoint", "corrected_mean", "quasi_discrete_mean"};
     static const char *const modulations[] = {"pwm", "six_step"};
+    static const char *const angles[] = {"measured", "observed"};
 
+    control->angle = (scenario_angle)toml_choice_or(t, "angle", angles, 2, ANGLE_MEASURED);
     control->feedback = (scenario_feedback)toml_choice_or(t, "feedback", feedbacks, 3, FEEDBACK_MIDPOINT);
     control->modulation =
         (scenario_modulation)toml_choice_or(t, "modulation", modulations, 2, MODULATION_PWM);
@@ -30,6 +32,10 @@ static void read_control(toml_table *t, scenario_control *control)
             t, "updates",
             "updates = 2 needs feedback = \"quasi_discrete_mean\" and modulation = \"pwm\": half a carrier "
             "period has no sample in its middle");
+    }
+    if (control->angle == ANGLE_OBSERVED &&
+        (control->updates == 2 || control->modulation != MODULATION_PWM)) {
+        toml_refuse(t, "angle", "angle = \"observed\" needs updates = 1 and modulation = \"pwm\"");
     }
 }
 
@@ -52,6 +58,22 @@ static void read_sensors(toml_table *t, scenario_sensors *sensors)
         toml_refuse(t, "current_bits",
                     "current_bits needs current_full_scale_A, the current at the end of the ADC's range");
     }
+}
+
+/* The plant puts a command out at the start of a PWM period. */
+static pwm_updates read_pwm(toml_table *root, const scenario_control *control)
+{
+    toml_table *t = toml_table_inner_or_null(root, "pwm");
+    const pwm_updates p = pwm_updates_read(t, toml_table_inner_or_null(root, "sensors"));
+    const double periods_late = p.delay_cycles * (double)p.periods;
+    if (!pwm_updates_is_plain(&p) && (control->updates == 2 || control->modulation != MODULATION_PWM)) {
+        toml_refuse(root, "pwm", "[pwm] and shunts need updates = 1 and modulation = \"pwm\"");
+    } else if (fabs(periods_late - round(periods_late)) > 1e-9) {
+        toml_refuse(t, "delay_cycles",
+                    "delay_cycles = %g, expected a whole number of PWM periods in a simulation: n / %d",
+                    p.delay_cycles, p.periods);
+    }
+    return p;
 }
 
 static void read_log(toml_table *t, const scenario_control *control, scenario_log *log)
@@ -130,6 +152,7 @@ bool scenario_read(const char *path, scenario *s, error *e)
     read_control(toml_table_inner_or_null(root, "control"), &s->control);
     read_sensors(toml_table_inner_or_null(root, "sensors"), &s->sensors);
     read_log(toml_table_inner_or_null(root, "log"), &s->control, &s->log);
+    s->pwm = read_pwm(root, &s->control);
 
     const size_t runs = toml_table_count(root, "run");
     if (runs == 0) {
@@ -140,6 +163,7 @@ bool scenario_read(const char *path, scenario *s, error *e)
     for (size_t i = 0; s->run != NULL && i < runs; i++) {
         s->run[i] = read_run(toml_table_at(root, "run", i));
         s->run[i].halves = s->control.updates == 2;
+        s->run[i].pwm = s->pwm;
         s->runs = i + 1;
     }
     if (!toml_file_close(file)) {

@@ -1,14 +1,12 @@
 /*
- * The scenario file (docs/scenario.md) as a struct: what `iqfoc simulate` lets the drive do. Physical units.
- *
- * What the drive is stands in the motor file; what it does, how it is controlled, and with which sensors it
- * is looked at stands here.
+ * The scenario file (docs/scenario.md) as a struct: speeds, currents, control and sensors of a simulation. Physical units. The motor file has the drive itself.
  */
 #ifndef SIM_HOST_DATA_SCENARIO_H
 #define SIM_HOST_DATA_SCENARIO_H
 
 #include "../base/error.h"
 #include "profile.h"
+#include "pwm_updates.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,11 +22,17 @@ typedef enum scenario_modulation {
     MODULATION_SIX_STEP /* one inverter state per control cycle: the nearest active vector */
 } scenario_modulation;
 
+typedef enum scenario_angle {
+    ANGLE_MEASURED,
+    ANGLE_OBSERVED /* the observer's, from the first cycles of settling on (iqfoc/sensorless.h) */
+} scenario_angle;
+
 typedef struct scenario_control {
     scenario_feedback feedback;
     scenario_modulation modulation;
     double bandwidth_Hz; /* of the current control; 0: the firmware's own choice */
     int updates;         /* a carrier period: 2 - a control cycle is half of it -, else 1 */
+    scenario_angle angle;
 } scenario_control;
 
 /* Of the measurement that the firmware and the recording see. All 0 is perfect. */
@@ -68,6 +72,7 @@ typedef struct scenario_run {
     profile i_d_A, i_q_A; /* references, peak */
     double u_dc_V;        /* true DC link; 0: the motor file's */
     bool halves;          /* of [control]: a control cycle is half a carrier period */
+    pwm_updates pwm;      /* of [pwm] and [sensors] */
     double theta_mech_start_rad;
     scenario_shaft shaft;
     double J_kgm2;       /* > 0 with SHAFT_INERTIA */
@@ -80,7 +85,9 @@ typedef struct scenario {
     scenario_control control;
     scenario_sensors sensors;
     scenario_log log;
-    size_t runs;       /* >= 1 */
+    pwm_updates
+        pwm;     /* [pwm], and shunts of [sensors]: of the drive, and written into the recording's comments */
+    size_t runs; /* >= 1 */
     scenario_run *run; /* run[i] gets the recording's run number i + 1 */
 } scenario;
 

@@ -1,5 +1,5 @@
 /*
- * The speed of a recording that has none: the slope of its angle.
+ * Computes the speed of a recording without a speed column, as the slope of its angle.
  */
 #ifndef SIM_HOST_DATA_SPEED_FROM_ANGLE_H
 #define SIM_HOST_DATA_SPEED_FROM_ANGLE_H

@@ -1,7 +1,8 @@
 #include "time_stamps.h"
 
+#include "base/sort.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -21,7 +22,7 @@ static bool is_new_run(const recording *r, size_t k)
     return k == 0 || (r->run != NULL && r->run[k] != r->run[k - 1]);
 }
 
-/* The power of ten of which all stamps are multiples; 0 if there is none above `least`. */
+/* The largest power of ten that divides all stamps; 0 if it is below `least`. */
 static double quantum_of(const recording *r, double least)
 {
     double per_second = 1.0;
@@ -50,13 +51,6 @@ static bool steps_are_even(const recording *r, double step, double quantum)
     return 50 * uneven < r->rows;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /*
  * Mean over windows of the mean step, of windows that rounding alone may part from their median: gaps spoil a
  * few, and those are left out.
@@ -75,7 +69,7 @@ static double guess(const recording *r, double quantum, double *means)
     if (count == 0) {
         return 0.0;
     }
-    qsort(means, count, sizeof *means, ascending);
+    sort_ascending(means, count);
     const double median = means[count / 2];
     double sum = 0.0;
     double used = 0.0;
@@ -98,7 +92,7 @@ static size_t gap_before(const recording *r, size_t k, size_t first)
 }
 
 typedef struct ladder {
-    size_t first;     /* row on which it stands */
+    size_t first;     /* row of its first stamp */
     double low, high; /* how far rows lie from it, at the least and at the most */
 } ladder;
 
@@ -175,7 +169,7 @@ double time_stamps_ladder(const recording *r, double step, unsigned char *starts
     }
     double T = guess(r, quantum, scratch);
     if (T < quantum) {
-        return 0.0; /* the rows of a quantum cannot be told apart */
+        return 0.0; /* several rows have the same stamp */
     }
     size_t memory = WINDOW;
     for (int pass = 0; pass < PASSES; pass++) {

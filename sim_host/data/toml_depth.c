@@ -12,7 +12,7 @@ static size_t comment_end(const char *text, size_t length, size_t at)
     return at;
 }
 
-/* Whether a quote stands three times: a string that may hold line breaks. */
+/* Whether a quote is tripled: a string that may hold line breaks. */
 static bool is_tripled(const char *text, size_t length, size_t at)
 {
     return length - at >= 3 && text[at + 1] == text[at] && text[at + 2] == text[at];

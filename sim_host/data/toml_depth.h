@@ -1,6 +1,5 @@
 /*
- * How deep the keys of a TOML text go, looked at ahead of the parser: toml++ makes a table of each part of a dotted key and ends
- * each table within the one around it, so that a key of 50,000 parts takes more stack than there is.
+ * Limits the depth of dotted TOML keys before parsing: toml++ recurses once for each part, so a key of 50,000 parts would overflow the stack.
  */
 #ifndef SIM_HOST_DATA_TOML_DEPTH_H
 #define SIM_HOST_DATA_TOML_DEPTH_H

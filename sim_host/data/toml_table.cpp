@@ -1,12 +1,17 @@
-// toml++ behind the C interface of toml_table.h. A parse error becomes a line of bad news; memory running out on a page of
-// text may end the program.
+// toml++ behind the C interface of toml_table.h. A parse error becomes a line of bad news. std::bad_alloc leaves these
+// functions: it ends the program (base/memory.h), and is an error of an FMU (fmu/fmu_guarded.h).
 #include "toml_table.h"
 
+#include "../base/inputs.h"
 #include "../base/suggest.h"
 #include "toml_depth.h"
 
-// The parser gives its complaint back; WebAssembly has no exceptions.
+// Without exceptions, as in WebAssembly, the parser gives its complaint back; but then std::bad_alloc ends the process in it.
+#ifdef __cpp_exceptions
+#define TOML_EXCEPTIONS 1
+#else
 #define TOML_EXCEPTIONS 0
+#endif
 // Its assertions hold for no file whatever ("[ =" breaks one ahead of the words for it), and as clang's assumptions they would be
 // undefined behaviour: without them the parser says what is wrong.
 #undef NDEBUG
@@ -88,7 +93,7 @@ std::string whole_words(long min, long max)
     return "a whole number from " + std::to_string(min) + " to " + std::to_string(max);
 }
 
-// What stands there, short enough for one line: "text \"abc\"", "1.5", "an array".
+// The value found, short enough for one line: "text \"abc\"", "1.5", "an array".
 std::string value_words(const toml::node &node)
 {
     if (const auto *text = node.as_string()) {
@@ -179,7 +184,7 @@ std::string inner_name(const toml_table &table, const char *key)
     return table.name.empty() ? key : table.name + "." + key;
 }
 
-// "; did you mean psi_f_Wb?", or the list of what may stand there.
+// "; did you mean psi_f_Wb?", or the list of allowed keys.
 std::string suggestion(const toml_table &table, const std::string &key)
 {
     std::vector<const char *> known;
@@ -217,6 +222,9 @@ void refuse_unknown_keys(const toml_file &file)
 bool read_text(const char *path, std::string &text, error *e)
 {
     const std::unique_ptr<FILE, int (*)(FILE *)> stream(std::fopen(path, "rb"), &std::fclose);
+    if (stream != nullptr && !inputs_note(fileno(stream.get()), path, e)) {
+        return false;
+    }
     if (stream != nullptr) {
         // One byte more than allowed is asked for: getting it shows that there is too much.
         text.resize(largest_file + 1);
@@ -236,6 +244,33 @@ bool read_text(const char *path, std::string &text, error *e)
                        static_cast<int>(TOML_KEY_PARTS_MAX));
 }
 
+bool refuse_text(const toml::parse_error &problem, const char *path, error *e)
+{
+    const toml::source_position &at = problem.source().begin;
+    return error_input(e, path, static_cast<long>(at.line), static_cast<long>(at.column), "not TOML: %s",
+                       std::string(problem.description()).c_str());
+}
+
+// The parser does not get the path: it would allocate its copy where nothing may be thrown.
+bool parse(const std::string &text, const char *path, toml::table &root, error *e)
+{
+#if TOML_EXCEPTIONS
+    try {
+        root = toml::parse(text);
+        return true;
+    } catch (const toml::parse_error &problem) {
+        return refuse_text(problem, path, e);
+    }
+#else
+    toml::parse_result parsed = toml::parse(text);
+    if (!parsed) {
+        return refuse_text(parsed.error(), path, e);
+    }
+    root = std::move(parsed).table();
+    return true;
+#endif
+}
+
 } // namespace
 
 extern "C" toml_file *toml_file_open(const char *path, error *e)
@@ -244,15 +279,11 @@ extern "C" toml_file *toml_file_open(const char *path, error *e)
     if (!read_text(path, text, e)) {
         return nullptr;
     }
-    toml::parse_result root = toml::parse(text, std::string(path));
-    if (!root) {
-        const toml::parse_error &problem = root.error();
-        const toml::source_position &at = problem.source().begin;
-        error_input(e, path, static_cast<long>(at.line), static_cast<long>(at.column), "not TOML: %s",
-                    std::string(problem.description()).c_str());
+    toml::table root;
+    if (!parse(text, path, root, e)) {
         return nullptr;
     }
-    auto *file = new toml_file{path, e, std::move(root).table(), {}};
+    auto *file = new toml_file{path, e, std::move(root), {}};
     add_table(file, &file->root, "");
     return file;
 }
@@ -391,6 +422,52 @@ extern "C" size_t toml_numbers(toml_table *table, const char *key, toml_range ra
         }
     }
     return array->size();
+}
+
+extern "C" size_t toml_pairs(toml_table *table, const char *key)
+{
+    const toml::node *node = find(table, key);
+    if (node == nullptr) {
+        return 0;
+    }
+    const toml::array *array = node->as_array();
+    if (array == nullptr || !array->is_homogeneous(toml::node_type::array)) {
+        refuse_value(*table, key, *node, "an array of pairs");
+        return 0;
+    }
+    return array->size();
+}
+
+extern "C" size_t toml_pair_at(toml_table *table, const char *key, size_t index, char *text, size_t size,
+                               const char *const *words, size_t count)
+{
+    text[0] = '\0';
+    if (index >= toml_pairs(table, key)) {
+        return 0;
+    }
+    const toml::array *pair = table->node->get(key)->as_array()->get(index)->as_array();
+    std::string all;
+    for (size_t i = 0; i < count; i++) {
+        all += std::string(i == 0 ? "\"" : i + 1 == count ? " or \"" : ", \"") + words[i] + "\"";
+    }
+    const auto *name = pair->size() == 2 ? pair->get(0)->as_string() : nullptr;
+    const auto *word = pair->size() == 2 ? pair->get(1)->as_string() : nullptr;
+    if (name == nullptr || word == nullptr || name->get().empty() || name->get().size() >= size) {
+        refuse_at(*table->file, pair->source().begin,
+                  std::string(key) + " must hold pairs of a name and " + all + "; pair " +
+                      std::to_string(index + 1) + " is none");
+        return 0;
+    }
+    std::memcpy(text, name->get().c_str(), name->get().size() + 1);
+    for (size_t i = 0; i < count; i++) {
+        if (word->get() == words[i]) {
+            return i;
+        }
+    }
+    refuse_at(*table->file, pair->source().begin,
+              std::string(key) + ": \"" + name->get() + "\" is of type \"" + word->get() + "\", expected " +
+                  all);
+    return 0;
 }
 
 extern "C" bool toml_flag_or(toml_table *table, const char *key, bool absent)

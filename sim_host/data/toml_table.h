@@ -1,5 +1,5 @@
 /*
- * TOML files read through one C interface, so that no bad value gets past its line and column.
+ * Reads TOML files through a C interface; every error has line and column.
  *
  * A reader asks for every key it knows; each question carries the range that makes sense. The first thing
  * found wrong goes into the file's `error` and stays (error.h), later questions answer their default, so that
@@ -54,7 +54,7 @@ toml_table *toml_table_at(toml_table *table, const char *key, size_t index);
 bool toml_has(toml_table *table, const char *key);
 bool toml_is_table(toml_table *table, const char *key);
 
-/* Numbers; an integer may stand where a real is meant. The _or forms return `absent` when the key is. */
+/* Numbers; an integer is accepted as a real. The _or forms return `absent` when the key is. */
 double toml_number(toml_table *table, const char *key, toml_range range);
 double toml_number_or(toml_table *table, const char *key, toml_range range, double absent);
 long toml_integer(toml_table *table, const char *key, long min, long max);
@@ -62,6 +62,12 @@ long toml_integer_or(toml_table *table, const char *key, long min, long max, lon
 
 /* An array of numbers, or one number; returns how many came into values[max], 0 when the key is absent. */
 size_t toml_numbers(toml_table *table, const char *key, toml_range range, double *values, size_t max);
+
+/* An array of pairs of a name and one of `count` words: how many there are, 0 if none; and each, its name in text[size] and the
+ * index of its word. */
+size_t toml_pairs(toml_table *table, const char *key);
+size_t toml_pair_at(toml_table *table, const char *key, size_t index, char *text, size_t size,
+                    const char *const *words, size_t count);
 
 bool toml_flag_or(toml_table *table, const char *key, bool absent);
 
@@ -72,7 +78,7 @@ void toml_text_or_keep(toml_table *table, const char *key, char *text, size_t si
 size_t toml_choice_or(toml_table *table, const char *key, const char *const *words, size_t count,
                       size_t absent);
 
-/* Where a key's value stands; false if it is absent. */
+/* Line and column of a key's value; false if it is absent. */
 bool toml_position(toml_table *table, const char *key, long *line, long *column);
 
 /* An error at a key's value, or its table if it is absent: for checks of several keys. Returns false. */

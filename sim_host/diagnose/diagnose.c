@@ -1,6 +1,7 @@
 /* The page on top: a recording's way through check, identify, measure, choose and tell (diagnose.h). */
 #include "diagnose.h"
 
+#include "base/number.h"
 #include "check/columns.h"
 #include "check/current_sum.h"
 #include "check/motor_file.h"
@@ -9,8 +10,10 @@
 #include "check/wiring.h"
 #include "choose/causes.h"
 #include "choose/confusion.h"
+#include "choose/likely_drive.h"
 #include "choose/probability.h"
-#include "choose/reconsider.h"
+#include "choose/whole_drive.h"
+#include "corrections.h"
 #include "identify/fit.h"
 #include "identify/last_digits.h"
 #include "identify/mended.h"
@@ -21,39 +24,38 @@
 #include "measure/glitches.h"
 #include "measure/lines.h"
 #include "measure/runs.h"
-#include "mending.h"
+#include "measure/sum_line.h"
 #include "next/experiment.h"
 #include "tell/advice.h"
+#include "tell/corrected_causes.h"
 #include "tell/known.h"
-#include "tell/mended_causes.h"
 #include "tell/named.h"
 #include "tell/resistance_trade.h"
 #include "tell/sentence.h"
+#include "tell/visible.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Of more rows evenly spread blocks are searched: the others would cost time and gain nothing. */
+/* Of a longer recording, evenly spread blocks are searched: more rows cost time and do not change the result. */
 enum { SEARCH_ROWS = 12000 };
 
 _Static_assert((int)H_COUNT <= (int)DIAGNOSIS_HYPOTHESES, "a row of the table for each hypothesis");
 _Static_assert(H_COUNT <= 8 * sizeof(hypothesis_set), "a bit for each hypothesis");
 
-/* Structure that takes less of the one-cycle error's power does no harm and is not reported. */
+/* Residual structure with a smaller share of the error's power is not reported. */
 static const double STRUCTURE_SHARE = 0.05;
 
-/* An extended error of this many noise floors raises the question whether the columns are what they say. */
+/* An extended error of this many noise floors starts the check of the wiring. */
 static const double SUSPECT = 2.0;
-/* And one of this many percent, whether the motor is the one of the file. Glitches and loose sensors stay
- * below. */
+/* An error of this many percent also starts the check for a wrong motor file. Glitches and loose sensors stay below. */
 static const double FAR_OFF = 15.0;
 
-/* A free run that errs by this many percent of the current does not follow it any more. */
+/* An open-loop simulation with this error in percent has diverged. */
 static const double LOST = 1e4;
 
-/* A decoy that was chosen is structure, known to be there but without a name in the list of causes, if it
- * matters. */
+/* An unnamed hypothesis that was chosen is reported as residual structure if its share is large enough. */
 static void mention_decoys(const session *w, diagnosis *d)
 {
     averaged_drive all = session_drive(w, w->state.z);
@@ -64,24 +66,23 @@ static void mention_decoys(const session *w, diagnosis *d)
             size_t used = strlen(d->structure.words);
             d->structure.certain = true;
             if (!hypothesis_table[h].silent) {
-                snprintf(d->structure.words + used, sizeof d->structure.words - used, "%sit looks like %s",
+                snprintf(d->structure.words + used, sizeof d->structure.words - used, "%sit resembles %s",
                          used ? "; " : "", hypothesis_table[h].words);
             } else if (used == 0) {
-                snprintf(d->structure.words, sizeof d->structure.words,
-                         "no cause of the list accounts for it");
+                snprintf(d->structure.words, sizeof d->structure.words, "no cause of the list explains it");
             }
         }
     }
 }
 
-/* That the best causes leave more than they explain is known structure, too, however small the error of a cycle is. */
+/* If the best causes leave more than they explain, that is residual structure as well. */
 static void mention_more_left(const session *w, diagnosis *d)
 {
     if (w->more_left) {
         const size_t used = strlen(d->structure.words);
         d->structure.certain = true;
         snprintf(d->structure.words + used, sizeof d->structure.words - used,
-                 "%sthe causes that fit best leave more than they explain", used ? "; " : "");
+                 "%sthe best set of causes leaves more than it explains", used ? "; " : "");
     }
 }
 
@@ -111,7 +112,7 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
             .id = hypothesis_cause(h)->id,
             .words = hypothesis_table[h].words,
             .named = ((w->state.set & HYPOTHESIS_BIT(h)) && hypothesis_cause(h)->named) ||
-                     mending_of(&w->rows, hypothesis_table[h].cause),
+                     corrections_of(&w->rows, hypothesis_table[h].cause),
             .possible = (w->possible & HYPOTHESIS_BIT(h)) != 0,
             .skipped = (skipped & HYPOTHESIS_BIT(h)) != 0};
         evidence_cost(view, &w->state, HYPOTHESIS_BIT(h), &alone);
@@ -126,18 +127,43 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
     return true;
 }
 
-/* What the sums at the state found say: of the hypotheses, and of what to record next. */
+/* Several causes explain the recording alike: which, and the recording that separates them, at the state with the one that was fitted. */
+static bool tell_undecided(session *w, evidence_view *view, diagnosis *d)
+{
+    session *open = malloc(sizeof *open);
+    bool ok = open != NULL;
+    if (ok) {
+        *open = *w;
+        open->state = w->open;
+        ok = evidence_look(&open->fitted, &open->state, w->possible, view);
+    }
+    if (ok) {
+        explanations_tell(open, view, hypotheses_named(w->open.set) & ~w->undecided, d);
+        experiment_of_explanations(open, view, w->undecided, d);
+    }
+    free(open);
+    return ok;
+}
+
+/* Tabulates hypotheses and the next recording from the sums at the found state. */
 static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
     evidence_view *view = calloc(1, sizeof *view);
-    /* What is told is what holds about the state, not what a search sees from there. */
+    /* The table describes the state itself, without a search from there. */
     w->fitted.searches = false;
     bool ok = view != NULL && evidence_look(&w->fitted, &w->state, w->possible, view);
     if (ok) {
         ok = tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
     }
     if (ok) {
-        experiment_find(w, view, member, d);
+        visible_tell(w, view, d);
+        d->reliable = d->verdict == VERDICT_CLEAN || d->verdict == VERDICT_EXPLAINED;
+        known_widen(d);
+        ok = w->undecided == 0 || tell_undecided(w, view, d);
+        if (ok && d->experiment.numbers == 0) {
+            ok = evidence_look(&w->fitted, &w->state, w->possible, view);
+            experiment_find(w, view, member, d);
+        }
     }
     free(view);
     return ok;
@@ -145,10 +171,10 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
 
 /* In noise floors. */
 static const double WITHIN_DIGITS = 2.0;
-/* A free run this much worse than the motor file's, beyond the noise, is no explanation. */
+/* If the open-loop simulation gets worse by this factor, beyond the noise, the recording is not explained. */
 static const double FREE_RUN_WORSE = 1.1;
 
-/* What the file's last digits leave unnamed is no structure, as long as it is of the noise's size. */
+/* An error within the parameter tolerance of the motor file is no structure, as long as it is of the noise's size. */
 static bool at_the_noise(const diagnosis *d, double percent)
 {
     const double tolerance = DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
@@ -156,33 +182,43 @@ static bool at_the_noise(const diagnosis *d, double percent)
            (d->within_digits <= tolerance && percent <= WITHIN_DIGITS * d->noise_floor);
 }
 
-/* Both as measured: a lost one is very large. What goes by the sign of its own current near nought, as an over-compensation
- * does, runs away from any recording at the first sign that noise decided. */
+/* Both values as measured; a diverged simulation has a very large one. With an over-compensated dead time the sign of a current
+ * near zero is decided by noise, and the open-loop simulation diverges: it does not count then. */
 static bool free_run_holds(const diagnosis *d)
 {
-    const bool by_sign = d->extended_drive.edge == EDGE_OVER && d->extended_drive.v_dead_V < 0.0;
+    const bool by_sign = d->extended_drive.compensation_V != 0.0 && d->extended_drive.v_dead_V < 0.0;
     return by_sign || d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
 }
 
-static void decide(diagnosis *d, bool mended)
+/* Percent of the current: a model that errs by more predicts little of it, however large the noise is. */
+static const double LITTLE_PREDICTED = 50.0;
+
+static void decide(diagnosis *d, bool corrected)
 {
-    if (d->causes == 0 && !mended) {
+    if (d->causes == 0 && !corrected) {
         d->verdict =
             at_the_noise(d, d->nominal) && !d->structure.certain ? VERDICT_CLEAN : VERDICT_UNEXPLAINED;
         return;
     }
     const bool holds = free_run_holds(d);
     d->verdict =
-        at_the_noise(d, d->extended) && !d->structure.certain && holds ? VERDICT_EXPLAINED : VERDICT_PARTLY;
+        at_the_noise(d, d->extended) && !d->structure.certain && holds && d->extended < LITTLE_PREDICTED
+            ? VERDICT_EXPLAINED
+            : VERDICT_PARTLY;
     if (!holds) {
+        char nominal[NUMBER_TEXT_SIZE];
+        char extended[NUMBER_TEXT_SIZE];
         const size_t used = strlen(d->structure.words);
         snprintf(d->structure.words + used, sizeof d->structure.words - used,
-                 "%sthe model that runs freely got worse, %.3g %% to %.3g %%", used ? "; " : "",
-                 d->free_nominal_percent, d->free_extended_percent);
+                 isnan(d->free_nominal_percent) || isnan(d->free_extended_percent)
+                     ? "%sopen-loop error: nominal model %s, extended model %s"
+                     : "%sthe open-loop error grew from %s to %s",
+                 used ? "; " : "", number_percent(d->free_nominal_percent, nominal),
+                 number_percent(d->free_extended_percent, extended));
     }
 }
 
-/* A free run that left the current behind tells nothing by its size. */
+/* The size of a diverged open-loop error has no meaning. */
 static double told_free_run(double percent)
 {
     return percent < LOST ? percent : NAN;
@@ -198,7 +234,7 @@ static void bound_runs(diagnosis *d)
     }
 }
 
-/* The error of the named causes with what may move unnamed beside them: effects without a name are left out. */
+/* The error of the named causes, with all parameters free within their tolerance and without unnamed effects. */
 static double error_within_digits(const session *w)
 {
     double z[P_COUNT];
@@ -218,7 +254,23 @@ static double error_with(const diagnose_rows *r, const averaged_drive *drive)
     return measure_one_cycle(r, drive, MEASURE_ALL, true);
 }
 
-/* From the motor file's values on. */
+/* A fit of the whole drive that raises the open-loop error of an operating point stands in for an effect without a name. Then no cause is
+ * named. */
+static bool leave_what_raises_open_loop(session *w, FILE *trace)
+{
+    if (hypotheses_named(w->state.set) == 0 || !session_raises_open_loop(w)) {
+        return true;
+    }
+    if (trace) {
+        fprintf(trace, "  the causes raise the open-loop error of an operating point, and none is named\n");
+    }
+    w->state = w->nominal;
+    w->minor = 0;
+    w->more_left = true;
+    return certainty_of(&w->fitted, &w->state, &w->certainty);
+}
+
+/* Starts from the motor file's values. */
 static bool begin(session *w, const diagnose_teller *teller)
 {
     bool turned = false;
@@ -228,32 +280,61 @@ static bool begin(session *w, const diagnose_teller *teller)
            (!turned || fit_of_nominal(&w->fitted, &w->nominal)) && causes_find(w, teller);
 }
 
-/* What the rows were mended of may have hidden more: a ripple of the link hides the updates that were missed. */
-static bool mend_rows(session *w, const motor *m, const diagnose_options *options)
+/* Largest error of a sparse set, in noise floors; above it the drive has more causes. */
+static const double LEAVES_MORE = 1.05;
+/* This many causes are rare on a drive that the model otherwise describes exactly. */
+enum { MANY = 3 };
+
+/* Fits the whole drive if the search leaves a residual, or found an unnamed effect or many causes. */
+static bool consider_whole(session *w, const diagnose_options *options, bool *whole)
 {
-    size_t mended = 1;
-    for (int again = 0; mended > 0 && again < 2; again++) {
-        if (!mending_by_rows(w, m, options->skip, options->teller.trace, &mended) ||
-            (mended > 0 && !begin(w, &options->teller))) {
+    bool better = false;
+    size_t members = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        members += hypothesis_in(w->state.set, h) ? 1 : 0;
+    }
+    if (!*whole && members < MANY && !session_leaves(w, LEAVES_MORE) && !session_holds_unnamed(w)) {
+        return true;
+    }
+    const bool ok = whole_drive_consider(w, *whole, &better, &options->teller);
+    *whole = *whole || better;
+    return ok;
+}
+
+/* After a correction of rows: a set of the whole drive is fitted again from its state, a sparse search restarts. */
+static bool go_on(session *w, const diagnose_options *options, bool *whole)
+{
+    if (*whole) {
+        return fit_of_nominal(&w->fitted, &w->nominal) && consider_whole(w, options, whole);
+    }
+    return begin(w, &options->teller) && consider_whole(w, options, whole);
+}
+
+/* A correction may uncover more: DC-link ripple hides missed updates. */
+static bool correct_rows(session *w, const motor *m, const diagnose_options *options, bool *whole)
+{
+    size_t corrected = 1;
+    for (int again = 0; corrected > 0 && again < 2; again++) {
+        if (!corrections_by_rows(w, m, options->skip, options->teller.trace, &corrected) ||
+            (corrected > 0 && !go_on(w, options, whole))) {
             return false;
         }
     }
     return true;
 }
 
-/* What names that did not bear out had taken up may be what rows can be mended of: beside those it did not show. */
-static bool mend_what_is_left(session *w, const motor *m, const diagnose_options *options)
+/* Causes that were rejected may have hidden an effect that rows can be corrected for. */
+static bool correct_remaining_rows(session *w, const motor *m, const diagnose_options *options)
 {
-    size_t mended = 0;
-    if (!mending_by_rows(w, m, options->skip, options->teller.trace, &mended)) {
+    size_t corrected = 0;
+    if (!corrections_by_rows(w, m, options->skip, options->teller.trace, &corrected)) {
         return false;
     }
-    if (mended == 0) {
+    if (corrected == 0) {
         return true;
     }
     w->more_left = false;
-    return begin(w, &options->teller) && reconsider(w, &options->teller) &&
-           causes_bear_out(w, &options->teller);
+    return begin(w, &options->teller) && causes_bear_out(w, &options->teller);
 }
 
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
@@ -261,27 +342,42 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     bool changed = false;
+    bool whole = false;
     w->fitted.searches = true;
-    if (!begin(w, &options->teller) || !mending_by_modulator(w, options->teller.trace, &changed) ||
-        (changed && !begin(w, &options->teller)) || !mend_rows(w, m, options)) {
+    if (!begin(w, &options->teller) || !corrections_by_modulator(w, options->teller.trace, &changed) ||
+        (changed && !begin(w, &options->teller)) || !consider_whole(w, options, &whole) ||
+        !correct_rows(w, m, options, &whole)) {
         return false;
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);
     if (d->outliers > 0) {
-        /* Glitches pull on every estimate: once more without them. */
+        /* Glitches disturb every estimate: search again without them. */
         if (options->teller.trace) {
-            fprintf(options->teller.trace, "  %zu glitches left out, searched again\n", d->outliers);
+            fprintf(options->teller.trace, "  %zu glitches left out, search repeated\n", d->outliers);
         }
-        if (!fit_gains(&w->fitted, &w->nominal) || !causes_find(w, &options->teller)) {
+        if (!fit_gains(&w->fitted, &w->nominal) || (!whole && !causes_find(w, &options->teller)) ||
+            !consider_whole(w, options, &whole)) {
             return false;
         }
     }
-    if (!reconsider(w, &options->teller) || !causes_bear_out(w, &options->teller) ||
-        (w->more_left && !mend_what_is_left(w, m, options))) {
+    if (!whole &&
+        (!causes_bear_out(w, &options->teller) || (w->more_left && !correct_remaining_rows(w, m, options)) ||
+         !causes_reject_harmful(w, &options->teller))) {
+        return false;
+    }
+    if (whole) {
+        whole_drive_divide(w);
+    }
+    bool likely = false;
+    if (!likely_drive_fit(w, whole, &likely, &options->teller) ||
+        (!whole && !likely && !causes_leave_undecided(w, &options->teller))) {
+        return false;
+    }
+    if (whole && !leave_what_raises_open_loop(w, options->teller.trace)) {
         return false;
     }
     if (options->teller.trace) {
-        fprintf(options->teller.trace, "  rows predicted: %.2g\n", w->fitted.effort);
+        fprintf(options->teller.trace, "  rows predicted in the search: %.2g\n", w->fitted.effort);
     }
     d->nominal_drive = w->frame.nominal;
     d->extended_motor = *m;
@@ -302,6 +398,9 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     mention_decoys(w, d);
     mention_more_left(w, d);
+    if (!sum_line_tell(&w->rows, &d->extended_drive, d->sensor_noise_A, &d->structure)) {
+        return false;
+    }
     decide(d, w->rows.mends > 0);
     if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && !learned_find(&w->rows, d)) {
         return false;
@@ -310,7 +409,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!tell_hypotheses(w, d, member, options->skip)) {
         return false;
     }
-    mended_causes_tell(&w->rows, m, d);
+    corrected_causes_tell(&w->rows, m, d);
     advice_tell(w, d);
     sentence_tell(d);
     d->rows_clipped = w->rows.clipped;
@@ -335,26 +434,27 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
               check_current_sum(rec, e) && check_polarity(rec, e) && rows_prepare(&w->rows, rec, m, e);
     if (ok && measure_current(&w->rows, MEASURE_ALL, true) == 0.0) {
         ok = error_input(e, rec->path, 0, 0,
-                         "no current flows in the rows that are held out: errors are told in percent of it");
+                         "no current flows in the held-out rows, and errors are in percent of the current; "
+                         "record with current in every run");
     }
     if (ok) {
+        w->rows.no_memory = &w->no_memory;
         w->frame = coordinates_of(m, &w->rows);
         w->frame.of_least = options->any_size ? 0.0 : 1.0;
-        ok = (mending_by_columns(w, m, options->skip, options->teller.trace) ||
+        ok = (corrections_by_columns(w, m, options->skip, options->teller.trace) ||
               error_failure(e, 0, "out of memory for %zu rows", w->rows.rows)) &&
              fit_data_make(&w->fitted, &w->rows, &w->frame, SEARCH_ROWS, e);
     }
-    if (ok && !work(w, d, m, options)) {
+    if (ok && (!work(w, d, m, options) || w->no_memory)) {
         ok = error_failure(e, 0, "out of memory in the diagnosis of %zu rows", rec->rows);
     }
     if (ok && !isfinite(d->nominal + d->extended + d->noise_floor)) {
         ok = error_input(e, rec->path, 0, 0,
-                         "no error can be measured on the rows that are held out: with the motor file's "
-                         "values the model gives no number there");
+                         "the model error cannot be computed on the held-out rows: the model with the motor "
+                         "file's values diverges there; check the motor file");
     }
-    /* Causes that explain the recording are believed; otherwise the wiring is suspected before the physics.
-     */
-    if (ok && d->extended > SUSPECT * d->noise_floor) {
+    /* If no cause explains the recording, check the wiring. */
+    if (ok && d->explanations == 0 && d->extended > SUSPECT * d->noise_floor) {
         ok = check_wiring(rec, m, d->extended > FAR_OFF, e);
     }
     ok = ok && check_motor_file(&d->extended_drive, &d->nominal_drive, rec, e);

@@ -1,10 +1,5 @@
 /*
- * The diagnosis: from a recording and a motor file to what the model gets wrong, why, and what mending it
- * gains.
- *
- * In order, each a folder: check that the recording can be used; identify, on fitted blocks, what a set of
- * hypotheses would move; measure errors on held-out ones; choose the set of causes; tell what was found. What is
- * shown beside it (pictures, the firmware's header, the plant as a witness) is made of the result (show/).
+ * The diagnosis: finds the causes of the model error in a recording, and the extended model. Its steps, a folder each: check that the recording is usable; identify the parameters of a set of hypotheses on fitted blocks; measure errors on held-out blocks; choose the set of causes; tell the result. show/ makes the report page, the firmware header and the forward validation from the result.
  */
 #ifndef SIM_HOST_DIAGNOSE_DIAGNOSE_H
 #define SIM_HOST_DIAGNOSE_DIAGNOSE_H
@@ -16,8 +11,8 @@
 
 typedef struct diagnose_options {
     hypothesis_set skip;    /* hypotheses that are left out */
-    diagnose_teller teller; /* of the search; zeros: nobody is told */
-    bool any_size;          /* name what is certain however small it is, below each hypothesis' `least` too */
+    diagnose_teller teller; /* trace and progress of the search; zeros: none */
+    bool any_size;          /* name every certain cause, also below its reporting threshold (`least`) */
     bool series;            /* fill the series (the report needs them) */
 } diagnose_options;
 

@@ -1,19 +1,22 @@
 /*
- * What a diagnosis found: everything that the terminal, the JSON file and the report show, as plain numbers.
+ * The result of a diagnosis as plain numbers: all that terminal, JSON file and report page show.
  */
 #ifndef SIM_HOST_DIAGNOSE_RESULT_H
 #define SIM_HOST_DIAGNOSE_RESULT_H
 
 #include "data/motor.h"
+#include "data/plan_pieces.h"
 #include "data/recording.h"
 #include "model/averaged_drive.h"
-#include "plan/plan_pieces.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
 enum {
-    DIAGNOSIS_CAUSES = 6,
+    DIAGNOSIS_CAUSES = 12,
+    DIAGNOSIS_MINORS = 16,
+    DIAGNOSIS_DIRECTIONS = 4,
+    DIAGNOSIS_EXPLANATIONS = 5,
     DIAGNOSIS_PARAMETERS = 8,
     DIAGNOSIS_CONFUSED = 6,
     DIAGNOSIS_TRADES = 3,
@@ -25,7 +28,7 @@ enum {
     DIAGNOSIS_LEARNED_POINTS = 72
 };
 
-/* The verdict's tolerance over the noise floor, as interfaces.md defines it. */
+/* The verdict's tolerance over the noise floor, as diagnosis_reference.md defines it. */
 #define DIAGNOSIS_FLOOR_TOLERANCE 1.25
 
 typedef enum diagnosis_verdict {
@@ -48,32 +51,32 @@ typedef struct diagnosis_cause {
     double gain;      /* error before it was added / after, held-out rows, causes in this order */
     double certainty; /* robust chi square of leaving it out */
     double probability;
-    size_t trades; /* what together does the same to this recording: two or three causes, or none */
+    size_t trades; /* causes that together have the same effect: two or three, or none */
     const char *trade[DIAGNOSIS_TRADES];
     size_t confused;
     const char *confused_with[DIAGNOSIS_CONFUSED];
 } diagnosis_cause;
 
-/* What the recording says of a parameter, named or not. Where it is not excited the numbers say nothing. */
+/* Estimate of a parameter, named as a cause or not. If it is not excited the numbers have no meaning. */
 typedef struct diagnosis_estimate {
     const char *name, *unit;
     bool excited;
     double value, low, high; /* 95 % */
 } diagnosis_estimate;
 
-/* The machine's parameters and those of the causes, with what is known of them together. */
+/* Covariance of the machine's parameters and those of the causes. */
 typedef struct diagnosis_covariance {
     size_t count;
     char name[DIAGNOSIS_FITTED][16], unit[DIAGNOSIS_FITTED][8];
     double value[DIAGNOSIS_FITTED][DIAGNOSIS_FITTED];
 } diagnosis_covariance;
 
-/* A row of the table of hypotheses: what each would do, alone and on top of what was named. */
+/* A row of the table of hypotheses: effect of each, alone and in addition to the named causes. */
 typedef struct diagnosis_hypothesis {
     const char *id, *words;
     bool named, possible, skipped;
-    double alone;  /* share of the nominal model's excess chi square that it takes off by itself, 0 ... 1 */
-    double beyond; /* chi square it would still take off the extended model */
+    double alone;  /* share of the nominal model's excess chi square that it removes by itself, 0 ... 1 */
+    double beyond; /* chi square that it would still remove from the extended model */
 } diagnosis_hypothesis;
 
 /* One operating point. Errors in percent of its current's rms. */
@@ -82,7 +85,7 @@ typedef struct diagnosis_run {
     size_t rows;
     double omega_rad_s, i_rms_A, u_rms_V, i_d_A, i_q_A;
     double nominal, extended, noise_floor; /* one cycle, held-out rows */
-    double free_nominal, free_extended;    /* free run from the start of each stretch, all rows */
+    double free_nominal, free_extended;    /* open-loop simulation from the start of each stretch, all rows */
 } diagnosis_run;
 
 /* One-cycle error by method with the same parameters, percent, held-out rows. */
@@ -93,7 +96,7 @@ typedef struct diagnosis_method {
 typedef struct diagnosis_structure {
     bool certain;
     double share;    /* of the extended model's innovation power */
-    char words[256]; /* which order or frequency, which runs, how many glitches; empty if nothing */
+    char words[512]; /* which order or frequency, which runs, how many glitches; empty if nothing */
 } diagnosis_structure;
 
 typedef struct diagnosis_learned_term {
@@ -101,16 +104,16 @@ typedef struct diagnosis_learned_term {
     double value;
 } diagnosis_learned_term;
 
-/* Means over held-out rows: the voltage that the extended model leaves, and what the terms say of it. */
+/* Means over held-out rows: residual voltage of the extended model, and the fitted terms. */
 typedef struct diagnosis_learned_point {
     double x, left, learned;
     double weight;
     size_t rows;
 } diagnosis_learned_point;
 
-/* What is left, as a few terms of a dictionary. Nothing is named by it. */
+/* The residual as a few terms of a dictionary. They name no cause. */
 typedef struct diagnosis_learned {
-    size_t terms; /* 0: nothing was learned */
+    size_t terms; /* 0: none was fitted */
     diagnosis_learned_term term[DIAGNOSIS_LEARNED];
     double nominal, extended,
         gain;        /* percent, percent, 1: one cycle, held-out rows, without the terms and with */
@@ -121,49 +124,70 @@ typedef struct diagnosis_learned {
     diagnosis_learned_point point[DIAGNOSIS_LEARNED_POINTS];
 } diagnosis_learned;
 
-/* A number that is open: one of a confused pair's, or one that is not excited. */
+/* A number to determine: of a pair that is not distinguishable, or one that is not excited. */
 typedef struct diagnosis_open {
     const char *name, *unit;
     double value, half_width; /* by this recording, 95 % */
 } diagnosis_open;
 
-/* A piece, and what would be known once it was recorded beside this recording. */
+/* A test segment, and the uncertainty after recording it in addition to this recording. */
 typedef struct diagnosis_candidate {
     plan_piece piece;
     double half_width[DIAGNOSIS_ESTIMATES];
     double correlation; /* of a pair */
-    double open;        /* what they are ranked by, the least first */
-    bool enough;        /* nothing is open then */
+    double open;        /* rank: the smallest is the best */
+    bool enough;        /* nothing is left to determine then */
 } diagnosis_candidate;
 
 typedef struct diagnosis_experiment {
-    size_t numbers; /* 0: nothing is open, or no piece could tell */
+    size_t numbers; /* 0: nothing to determine, or no segment could */
     diagnosis_open number[DIAGNOSIS_ESTIMATES];
-    const char *tell[2]; /* the two causes; NULL where numbers are not excited */
+    const char *tell[2]; /* the two causes; NULL if it is about numbers that are not excited */
     double correlation;  /* of a pair, by this recording */
     double seconds;      /* of each */
     size_t candidates;
     diagnosis_candidate candidate[PLAN_PIECES];
 } diagnosis_experiment;
 
+/* A direction of the machine's parameters that the recording does not determine: shares of the file's values, the largest 1. */
+typedef struct diagnosis_direction {
+    size_t count;
+    const char *name[DIAGNOSIS_DIRECTIONS];
+    double share[DIAGNOSIS_DIRECTIONS];
+    char words[200];
+} diagnosis_direction;
+
+/* One of several causes that explain the recording alike. */
+typedef struct diagnosis_explanation {
+    const char *id;
+    double probability; /* among these */
+} diagnosis_explanation;
+
 typedef struct diagnosis {
-    const char *recording_path, *motor_path; /* borrowed; for what is told */
+    const char *recording_path, *motor_path; /* borrowed; for messages */
     diagnosis_verdict verdict;
     size_t rows, rows_used, rows_held_out, outliers;
-    size_t rows_clipped; /* a current sensor stands at the end of its range there: not used */
+    size_t rows_clipped; /* a current sensor is at the end of its range: not used */
     size_t causes;
     diagnosis_cause cause[DIAGNOSIS_CAUSES];
+    size_t minors; /* fitted and certain, but small in size or share: in the extended model, no cause */
+    diagnosis_cause minor[DIAGNOSIS_MINORS];
     double nominal, extended, noise_floor, gain; /* percent, percent, percent, 1 */
     double sensor_noise_A;                       /* rms per phase */
-    double within_digits; /* percent: the extended model with what may move unnamed as well */
-    double free_nominal_percent, free_extended_percent; /* free run of all rows; NAN where it was lost */
+    double within_digits; /* percent: the extended model with all parameters free within their tolerance */
+    double free_nominal_percent, free_extended_percent; /* open-loop error of all rows; NAN if it diverged */
     diagnosis_estimate estimate[DIAGNOSIS_ESTIMATES];
+    bool reliable; /* the model is complete: estimates are as certain as they say */
+    size_t directions;
+    diagnosis_direction not_visible[DIAGNOSIS_DIRECTIONS];
+    size_t explanations; /* 0: none, or one is named */
+    diagnosis_explanation explanation[DIAGNOSIS_EXPLANATIONS];
     diagnosis_covariance covariance;
     diagnosis_structure structure;
     diagnosis_learned learned; /* where the verdict is partly or unexplained */
     diagnosis_experiment experiment;
     char next_experiment[640];
-    char sentence[512]; /* what is wrong, how sure, what it gains */
+    char sentence[512]; /* causes, error before and after, noise floor */
     size_t hypotheses;
     diagnosis_hypothesis hypothesis[DIAGNOSIS_HYPOTHESES];
     size_t runs;
@@ -173,7 +197,7 @@ typedef struct diagnosis {
     averaged_drive nominal_drive, extended_drive;
     /* Series, one entry per row of the recording; NAN where there is no prediction. */
     vec_ab *error_nominal, *error_extended; /* A, one cycle */
-    vec_ab *free_nominal, *free_extended;   /* A, free-running current */
+    vec_ab *free_nominal, *free_extended;   /* A, current of the open-loop simulation */
     unsigned char *held_out;                /* 1: the row was not fitted */
 } diagnosis;
 

@@ -1,11 +1,16 @@
 /* The one loop of firmware and drive (drive_loop.h). */
 #include "drive_loop.h"
 
+#include <math.h>
 #include <string.h>
 
 void drive_loop_begin(drive_loop *l, const motor *m, const plant_config *c, const drive_firmware *firmware)
 {
-    *l = (drive_loop){.firmware = firmware, .base = per_unit_of(m), .duty = {0.5, 0.5, 0.5}};
+    *l = (drive_loop){.firmware = firmware,
+                      .base = per_unit_of(m),
+                      .duty = {0.5, 0.5, 0.5},
+                      .updates = pwm_updates_plain(),
+                      .duty_before = {0.5, 0.5, 0.5}};
     plant_init(&l->drive, c);
 }
 
@@ -92,8 +97,94 @@ void drive_loop_close(drive_loop *l, drive_row *row)
     drive_loop_put(l, &row->answer);
 }
 
+void drive_loop_update(drive_loop *l, const pwm_updates *updates)
+{
+    plant_config c = l->drive.config;
+    l->updates = *updates;
+    if (updates->periods > 1) {
+        c.T_s /= updates->periods;
+        plant_set_config(&l->drive, &c);
+    }
+}
+
+/* The legs' duties for a command that is turned on, both zero vectors alike. */
+static void turn(const double duty[3], double angle_rad, double turned[3])
+{
+    const vec_ab command = vec_from_phases(duty);
+    const double c = cos(angle_rad);
+    const double s = sin(angle_rad);
+    vec_to_phases((vec_ab){c * command.alpha - s * command.beta, s * command.alpha + c * command.beta},
+                  turned);
+    const double highest = fmax(turned[0], fmax(turned[1], turned[2]));
+    const double lowest = fmin(turned[0], fmin(turned[1], turned[2]));
+    for (int x = 0; x < 3; x++) {
+        turned[x] += 0.5 - 0.5 * (highest + lowest);
+    }
+}
+
+/* The shunt of the leg with the highest duty has no time: its current is what the other two leave. */
+static void sample_shunts(drive_loop *l, plant_samples *sample)
+{
+    plant_sample(&l->drive, sample);
+    if (l->updates.two_lowest) {
+        int highest = 0;
+        for (int x = 1; x < 3; x++) {
+            highest = l->in_force[x] > l->in_force[highest] ? x : highest;
+        }
+        sample->i_A[highest] = -sample->i_A[(highest + 1) % 3] - sample->i_A[(highest + 2) % 3];
+    }
+}
+
+/* What the gates get in period j of a control cycle. */
+static void duties_of_period(const drive_loop *l, const drive_row *row, int j, double duty[3])
+{
+    const pwm_updates *u = &l->updates;
+    const double at = (double)j / u->periods;
+    const bool late = at < u->delay_cycles - 1e-9;
+    const double turned_rad =
+        u->turned ? row->valley.omega_e_rad_s * l->base.T_s * (late ? 1.0 + at : at) : 0.0;
+    turn(late ? l->duty_before : row->duty, turned_rad, duty);
+}
+
+/* A control cycle of several PWM periods: samples at its start and in its middle. */
+static bool span_of_periods(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
+{
+    const drive_firmware *f = l->firmware;
+    const int periods = l->updates.periods;
+    memcpy(row->duty, l->duty, sizeof row->duty);
+    row->answer = (drive_answer){.status = 0};
+    plant_advance_to(&l->drive, l->drive.duration_s);
+    sample_shunts(l, &row->valley);
+    const iqfoc_sample_t valley = hal_host_sample(&row->valley, &l->drive.config.sensors, &l->base, 0);
+    if (!f->valley(f->context, i_ref, &valley, e)) {
+        return false;
+    }
+    for (int j = 0; j < periods; j++) {
+        double duty[3];
+        duties_of_period(l, row, j, duty);
+        plant_begin_cycle(&l->drive, duty);
+        memcpy(l->in_force, duty, sizeof duty);
+        if (j == periods / 2) {
+            plant_advance_to(&l->drive, periods % 2 == 0 ? 0.0 : 0.5 * l->drive.duration_s);
+            sample_shunts(l, &row->peak);
+            const iqfoc_sample_t peak =
+                hal_host_sample(&row->peak, &l->drive.config.sensors, &l->base, IQ24(0.5));
+            if (!f->peak(f->context, i_ref, &peak, &row->answer, e)) {
+                return false;
+            }
+        }
+        plant_advance_to(&l->drive, l->drive.duration_s);
+    }
+    memcpy(l->duty_before, row->duty, sizeof row->duty);
+    drive_loop_close(l, row);
+    return true;
+}
+
 bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
 {
+    if (l->interval_s == 0.0 && !l->halves && !pwm_updates_is_plain(&l->updates)) {
+        return span_of_periods(l, i_ref, row, e);
+    }
     const bool interval = l->interval_s > 0.0;
     const int least = interval ? 1 : 2;
     const int parts = l->watch.points > least ? l->watch.points : least;

@@ -45,12 +45,18 @@ typedef struct drive_loop {
     double duty[3];    /* in force from the next span on */
     double interval_s; /* of that span; 0: a control cycle, or a half */
     bool halves; /* control cycles are halves of a carrier period: the motor's f_pwm is twice the carrier's */
-    bool falling; /* the next half begins at the peak */
+    bool falling;          /* the next half begins at the peak */
+    pwm_updates updates;   /* of a control cycle of several PWM periods (drive_loop_update) */
+    double duty_before[3]; /* the command of the span before */
+    double in_force[3];    /* what the gates got last */
     drive_watch watch;
 } drive_loop;
 
 /* c must have passed plant_config_check. The first span is a control cycle without voltage. */
 void drive_loop_begin(drive_loop *l, const motor *m, const plant_config *c, const drive_firmware *firmware);
+
+/* A control cycle is so many PWM periods from now on, each puts the command out again, and the currents are measured that way. */
+void drive_loop_update(drive_loop *l, const pwm_updates *updates);
 
 /* What the next span is to be. */
 void drive_loop_put(drive_loop *l, const drive_answer *answer);
@@ -60,7 +66,7 @@ bool drive_loop_span(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e);
 
 /*
  * The same in its parts, for who advances l->drive himself: the span's start; its sample, which a control cycle takes at
- * its middle and an interval at its end; its end, where l->drive stands when `close` is called.
+ * its middle and an interval at its end; its end, the state of l->drive when `close` is called.
  */
 bool drive_loop_open(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e);
 bool drive_loop_sample(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e);

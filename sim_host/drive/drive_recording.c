@@ -19,11 +19,13 @@ static bool columns(double **out, int count, bool wanted, size_t rows)
     return true;
 }
 
-static bool allocate(recording *r, const scenario_log *log, size_t rows)
+static bool allocate(recording *r, const scenario_log *log, const pwm_updates *pwm, size_t rows)
 {
     const int sensors = log->third_current ? 3 : 2;
     r->run = calloc(rows, sizeof *r->run);
     r->i_c_measured = log->third_current;
+    r->pwm = *pwm;
+    r->pwm_told = !pwm_updates_is_plain(pwm);
     return r->run != NULL && columns(&r->t_s, 1, true, rows) && columns(&r->theta_e_rad, 1, true, rows) &&
            columns(&r->omega_e_rad_s, 1, true, rows) && columns(r->i_A, sensors, true, rows) &&
            columns(r->u_V, 3, log->voltages, rows) && columns(r->duty, 3, log->duties, rows) &&
@@ -40,9 +42,9 @@ bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, er
     }
     r->capacity = rows;
     r->T_s = T_s;
-    if (!allocate(&r->recording, &s->log, rows)) {
+    if (!allocate(&r->recording, &s->log, &s->pwm, rows)) {
         recording_free(&r->recording);
-        return error_failure(e, 0, "no memory for a recording of %zu rows", rows);
+        return error_failure(e, 0, "out of memory for a recording of %zu rows", rows);
     }
     return true;
 }

@@ -1,6 +1,5 @@
 /*
- * The rows of a simulated drive as a recording (interfaces.md): what its sensors delivered and its firmware
- * commanded, with the columns that the scenario asks for. The truth stays behind.
+ * The rows of a simulated drive as a recording (interfaces.md): sensor values and firmware commands, in the columns that the scenario selects. It holds no true values.
  */
 #ifndef SIM_HOST_DRIVE_DRIVE_RECORDING_H
 #define SIM_HOST_DRIVE_DRIVE_RECORDING_H
@@ -24,7 +23,7 @@ bool drive_recording_begin(drive_recording *r, const scenario *s, double T_s, er
 /* When the first row of the next run will stand. */
 double drive_recording_next_s(const drive_recording *r);
 
-/* When the first row of run n (from 0) of a scenario stands, but for rounding. */
+/* Time of the first row of run n (from 0) of a scenario, up to rounding. */
 double drive_recording_run_s(const scenario *s, size_t n, double T_s);
 
 /* A log for drive_run. */

@@ -49,6 +49,7 @@ bool drive_run_begin(drive_loop *l, const motor *m, const plant_config *drive, c
     }
     drive_loop_begin(l, m, &c, firmware);
     l->halves = run->halves;
+    drive_loop_update(l, &run->pwm);
     return true;
 }
 

@@ -2,6 +2,7 @@
 #include "drive_scenario.h"
 
 #include "base/progress.h"
+#include "corrected_mean.h"
 
 motor drive_scenario_motor(const motor *m, const scenario *s)
 {
@@ -10,12 +11,17 @@ motor drive_scenario_motor(const motor *m, const scenario *s)
     return told;
 }
 
-bool drive_scenario_whole_periods(const scenario *s, const char *path, error *e)
+bool drive_scenario_plain(const scenario *s, const char *path, error *e)
 {
-    return s->control.updates != 2 ||
+    if (s->control.updates == 2) {
+        return error_input(
+            e, path, 0, 0,
+            "updates = 2: only `iqfoc simulate` without --target runs two updates a carrier period");
+    }
+    return s->control.angle == ANGLE_MEASURED ||
            error_input(
                e, path, 0, 0,
-               "updates = 2: only `iqfoc simulate` without --target runs two updates a carrier period");
+               "angle = \"observed\": only `iqfoc simulate` without --target runs on the observed angle");
 }
 
 plant_config drive_scenario_plant(const motor *m, const scenario *s)
@@ -67,7 +73,8 @@ bool drive_scenario_run(const drive_scenario *all, drive_recording *out, error *
     logged.log.temperature = all->plant->machine.heating_K != 0.0;
     *out = (drive_recording){.run = 0};
     bool good = drive_recording_begin(out, &logged, all->plant->T_s, e) &&
-                config_from_motor(all->motor, &all->scenario->control, &config, e);
+                config_from_motor(all->motor, &all->scenario->control, &config, e) &&
+                corrected_mean_fits(all->motor, all->scenario, e);
     progress p = progress_begin("simulate", (double)all->scenario->runs, "runs");
     for (size_t k = 0; good && k < all->scenario->runs; k++) {
         good = run_one(all, k, &config, out, e);

@@ -1,6 +1,5 @@
 /*
- * The calls behind which a firmware stands, so that one loop drives the library linked into this program, an
- * image on an emulated processor, or a study's controller.
+ * The interface of a firmware: one loop runs the library linked into this program, an image on an emulated processor, or the controller of a study.
  */
 #ifndef SIM_HOST_DRIVE_FIRMWARE_H
 #define SIM_HOST_DRIVE_FIRMWARE_H

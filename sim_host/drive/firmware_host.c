@@ -1,6 +1,8 @@
 /* The firmware linked into this program (firmware_host.h), and the names of its status bits. */
 #include "firmware_host.h"
 
+#include "extension_host.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -19,6 +21,11 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
         return error_failure(e, 0, "the library refused its configuration: iqfoc_error_t %d", (int)refused);
     }
     host->cycle.enabled = true;
+    if (host->observed) {
+        (void)iqfoc_sensorless_init(&host->sensorless, &host->observer, NULL,
+                                    &host->acting); /* checked before */
+        iqfoc_sensorless_use(&host->sensorless, true);
+    }
     return true;
 }
 
@@ -34,6 +41,9 @@ static bool valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample
     drive_host *host = context;
     (void)e;
     interrupt(host, i_ref, sample);
+    if (host->observed) {
+        iqfoc_sensorless_valley(&host->sensorless, &host->cycle, &host->hal.sample);
+    }
     iqfoc_isr_valley_by(host->methods, &host->cycle, &host->hal);
     return true;
 }
@@ -44,6 +54,9 @@ static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, 
     drive_host *host = context;
     (void)e;
     interrupt(host, i_ref, sample);
+    if (host->observed) {
+        iqfoc_sensorless_peak(&host->sensorless, &host->hal.sample);
+    }
     iqfoc_isr_peak_by(host->methods, &host->cycle, &host->hal);
     answer->command = host->hal.command;
     answer->status = host->cycle.status;
@@ -62,7 +75,14 @@ drive_firmware drive_firmware_by(drive_host *host, iqfoc_methods_t methods)
     host->methods = methods;
     host->of_papers = false;
     host->extension = NULL;
+    host->observed = false;
     return firmware;
+}
+
+bool drive_host_observe(drive_host *host, const motor *m, error *e)
+{
+    host->observed = true;
+    return extension_from_motor(m, &host->acting, e) && observer_from_motor(m, &host->observer, e);
 }
 
 drive_firmware drive_firmware_host(drive_host *host, const iqfoc_extension_t *extension)
@@ -90,6 +110,7 @@ const char *drive_status_text(uint32_t status, char *text, size_t size)
         {IQFOC_STATUS_VOLTAGE_LIMIT, "VOLTAGE_LIMIT"},
         {IQFOC_STATUS_DC_LINK, "DC_LINK"},
         {IQFOC_STATUS_NO_INTERVAL, "NO_INTERVAL"},
+        {IQFOC_STATUS_ANGLE_LOST, "ANGLE_LOST"},
     };
     size_t used = 0;
     (void)snprintf(text, size, "none");

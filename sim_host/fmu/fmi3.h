@@ -1,7 +1,7 @@
 /*
  * The C interface of FMI 3.0 (Functional Mock-up Interface, fmi-standard.org), in the standard's own names: the calls that
  * all FMUs have and those of co-simulation; and those of the two other kinds, as simulators look for them in any FMU.
- * tests/cli/fmu.py compiles this beside the standard's own headers, so that a signature that differs does not pass.
+ * tests/cli/fmu.py compiles this together with the standard's headers, so that a signature that differs does not pass.
  */
 #ifndef SIM_HOST_FMU_FMI3_H
 #define SIM_HOST_FMU_FMI3_H

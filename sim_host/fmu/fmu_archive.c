@@ -1,6 +1,7 @@
 /* Minizip over an output file that is already open (fmu_archive.h). */
 #include "fmu_archive.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <string.h>
 #include <zip.h>
@@ -73,7 +74,7 @@ bool fmu_archive_open(fmu_archive *a, const char *path, error *e)
     a->zip = zipOpen2_64(path, APPEND_STATUS_CREATE, NULL, &calls);
     if (a->zip == NULL) {
         out_file_abandon(&a->file);
-        return error_failure(e, 0, "%s: the archive cannot be begun", path);
+        return error_failure(e, ENOMEM, "%s: the archive cannot be begun", path);
     }
     return true;
 }
@@ -82,12 +83,13 @@ bool fmu_archive_add(fmu_archive *a, const char *name, const void *bytes, size_t
 {
     /* The first day that ZIP knows, so that the same input makes the same archive. */
     const zip_fileinfo about = {.tmz_date = {.tm_mday = 1, .tm_year = 1980}};
+    errno = 0;
     const bool good = length <= UINT_MAX &&
                       zipOpenNewFileInZip(a->zip, name, &about, NULL, 0, NULL, 0, NULL, Z_DEFLATED,
                                           Z_DEFAULT_COMPRESSION) == ZIP_OK &&
                       zipWriteInFileInZip(a->zip, bytes, (unsigned)length) == ZIP_OK &&
                       zipCloseFileInZip(a->zip) == ZIP_OK;
-    return good || error_failure(e, 0, "%s: cannot be written into the archive", name);
+    return good || error_failure(e, errno, "%s: cannot be written into the archive", name);
 }
 
 bool fmu_archive_close(fmu_archive *a, bool ok, error *e)
@@ -95,10 +97,11 @@ bool fmu_archive_close(fmu_archive *a, bool ok, error *e)
     if (a->zip == NULL) {
         return false;
     }
+    errno = 0;
     const bool closed = zipClose(a->zip, NULL) == ZIP_OK;
     a->zip = NULL;
     if (ok && !closed) {
-        error_failure(e, 0, "the archive cannot be finished");
+        error_failure(e, errno, "the archive cannot be finished");
     }
     if (!ok || !closed) {
         out_file_abandon(&a->file);

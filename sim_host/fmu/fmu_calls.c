@@ -2,6 +2,7 @@
 #include "fmu_instance.h"
 #include "golden_hash.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,10 +24,10 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t cat
                                const fmi3String categories[])
 {
     (void)instance, (void)on, (void)category_count, (void)categories;
-    return fmi3OK; /* errors are always told, and there is nothing else to tell */
+    return fmi3OK; /* errors are always reported; there are no other messages */
 }
 
-/* The model, from the files beside the binary; made for the description that the simulator has read. */
+/* The model, from the files next to the binary; made for the description that the simulator has read. */
 static bool load(fmu_model *m, const char *folder, const char *token, error *e)
 {
     fmu_setup s;
@@ -86,6 +87,9 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
 {
     fmu_instance *own = instance;
     (void)tolerance_defined, (void)tolerance, (void)stop_time_defined, (void)stop_time;
+    if (!isfinite(start_time)) {
+        return fmu_say(own, "the start time must be a finite number");
+    }
     own->phase = FMU_INITIALISING;
     own->start_s = own->now_s = start_time;
     return fmi3OK;
@@ -231,7 +235,7 @@ fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state)
     const fmu_instance *own = instance;
     fmu_instance *copy = *state != NULL ? *state : malloc(sizeof *copy);
     if (copy == NULL) {
-        return fmu_say(own, "no memory for a copy of the state");
+        return fmu_say(own, "out of memory for a copy of the state");
     }
     *copy = *own;
     *state = copy;
@@ -272,6 +276,9 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     }
     if (!(step >= 0.0)) {
         return fmu_say(own, "a step must not go backwards");
+    }
+    if (!isfinite(time) || !isfinite(step) || !fmu_model_reaches(&own->model, time + step)) {
+        return fmu_say(own, "a step must end within ten million control cycles");
     }
     if (!fmu_model_advance(&own->model, time + step, &e)) {
         own->phase = FMU_ENDED;

@@ -1,4 +1,4 @@
-/* modelDescription.xml: what a simulator knows of the FMU before it loads it. */
+/* Writes modelDescription.xml: variables, units and start values, read by a simulator before loading. */
 #ifndef SIM_HOST_FMU_FMU_DESCRIPTION_H
 #define SIM_HOST_FMU_FMU_DESCRIPTION_H
 

@@ -1,8 +1,8 @@
 /* The parts of an FMU, put together (fmu_export.h). */
-#define _POSIX_C_SOURCE 200809L /* open_memstream */
 
 #include "fmu_export.h"
 
+#include "base/text_out.h"
 #include "fmu_archive.h"
 #include "fmu_binary.h"
 #include "fmu_description.h"
@@ -22,28 +22,27 @@
 #error "FMI 3.0 names the machines that it knows in section 2.5.1.4.3; add this one"
 #endif
 
-typedef struct text {
-    char *bytes; /* to be freed */
-    size_t length;
-} text;
-
 /* What was just read as a motor or scenario, once more as it is. */
-static bool read_text(const char *path, text *t, error *e)
+static bool read_text(const char *path, text_out *t, error *e)
 {
     FILE *in = fopen(path, "rb");
-    FILE *out = open_memstream(&t->bytes, &t->length);
+    if (in == NULL) {
+        return error_failure(e, errno, "%s", path);
+    }
     char part[4096];
     size_t got = 0;
-    while (in != NULL && out != NULL && (got = fread(part, 1, sizeof part, in)) > 0) {
-        (void)fwrite(part, 1, got, out);
+    const bool opened = text_out_open(t);
+    while (opened && (got = fread(part, 1, sizeof part, in)) > 0) {
+        (void)fwrite(part, 1, got, t->stream);
     }
-    const bool read = in != NULL && ferror(in) == 0;
+    const bool read = ferror(in) == 0;
     const int why = errno;
-    const bool kept = out != NULL && fclose(out) == 0;
-    if (in != NULL) {
-        (void)fclose(in);
+    const bool kept = text_out_close(t);
+    (void)fclose(in);
+    if (!kept) {
+        return error_failure(e, 0, "out of memory for %s", path);
     }
-    if (!read || !kept) {
+    if (!read) {
         return error_failure(e, why, "%s", path);
     }
     return t->length > 0 || error_input(e, path, 0, 0, "expected a file that can be read twice");
@@ -75,13 +74,12 @@ static bool take(const fmu_request *r, fmu_setup *s, error *e)
 }
 
 /* A text that a call of write makes. */
-static bool print(text *t, void (*write)(FILE *out, const fmu_model *m), const fmu_model *m, error *e)
+static bool print(text_out *t, void (*write)(FILE *out, const fmu_model *m), const fmu_model *m, error *e)
 {
-    FILE *out = open_memstream(&t->bytes, &t->length);
-    if (out != NULL) {
-        write(out, m);
+    if (text_out_open(t)) {
+        write(t->stream, m);
     }
-    return (out != NULL && fclose(out) == 0) || error_failure(e, errno, "no memory for the FMU's files");
+    return text_out_close(t) || error_failure(e, 0, "out of memory for the FMU's files");
 }
 
 /* The effects have been applied, so that nothing in them needs an escape. */
@@ -99,13 +97,13 @@ static void write_setup(FILE *out, const fmu_model *m)
 }
 
 typedef struct parts {
-    text motor, scenario, setup, description;
+    text_out motor, scenario, setup, description;
 } parts;
 
 /* The token follows from all that makes the FMU differ from another. */
 static void make_token(fmu_setup *s, const parts *p)
 {
-    const text *of[] = {&p->motor, &p->scenario, &p->setup};
+    const text_out *of[] = {&p->motor, &p->scenario, &p->setup};
     uLong sum = crc32(0, fmu_library, (uInt)fmu_library_size());
     uLong other = adler32(0, NULL, 0);
     for (int k = 0; k < 3; k++) {
@@ -147,11 +145,11 @@ static bool pack(const fmu_request *r, const parts *p, error *e)
 bool fmu_export(const fmu_request *r, error *e)
 {
     fmu_setup s;
-    parts p = {{NULL, 0}, {NULL, 0}, {NULL, 0}, {NULL, 0}};
+    parts p = {0};
     iqfoc_cycle_config_t unused;
     fmu_model *m = calloc(1, sizeof *m);
     if (m == NULL) {
-        return error_failure(e, 0, "no memory for the FMU");
+        return error_failure(e, 0, "out of memory for the FMU");
     }
     if (!take(r, &s, e)) {
         free(m);

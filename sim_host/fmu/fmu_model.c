@@ -12,7 +12,7 @@
 
 enum { SETTLE_CYCLES = 200 };
 
-/* The plant alone: nothing stands behind the samples. */
+/* The plant alone: no firmware uses the samples. */
 static bool no_start(void *context, const iqfoc_cycle_config_t *config, error *e)
 {
     (void)context, (void)config, (void)e;
@@ -117,6 +117,9 @@ static bool value_fits(const fmu_model *m, fmu_id id, double value, error *e)
     if ((id == FMU_settle_cycles || id == FMU_seed) && value < 0.0) {
         return error_input(e, NULL, 0, 0, "%s must not be negative", name);
     }
+    if (id == FMU_settle_cycles && value > (double)FMU_CYCLES_MOST) {
+        return error_input(e, NULL, 0, 0, "%s must be at most ten million", name);
+    }
     return id != FMU_follow_scenario || value == 0.0 || m->setup.has_scenario ||
            error_input(e, NULL, 0, 0, "%s: this FMU was exported without a scenario", name);
 }
@@ -138,7 +141,7 @@ bool fmu_model_set(fmu_model *m, fmu_id id, double value, error *e)
     return true;
 }
 
-/* The course of one cycle from the inputs: the speed is a ramp over it, everything else stands. */
+/* The course of one cycle from the inputs: the speed is a ramp over it, all other inputs are constant. */
 static void take_inputs(fmu_model *m)
 {
     const double *v = m->value;
@@ -275,6 +278,11 @@ static bool pass(fmu_model *m, error *e)
         note_cycle(m);
         return true;
     }
+}
+
+bool fmu_model_reaches(const fmu_model *m, double t_s)
+{
+    return (t_s - m->start_s) / m->value[FMU_cycle_s] - (double)m->k <= (double)FMU_CYCLES_MOST;
 }
 
 bool fmu_model_advance(fmu_model *m, double t_s, error *e)

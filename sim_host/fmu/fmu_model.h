@@ -2,7 +2,7 @@
  * What an FMU computes: the plant, or the library's control cycle around it, cycle by cycle as `iqfoc simulate` runs them
  * (drive/), but at the pace of a simulator that may stop anywhere in between.
  *
- * Inputs and tunable parameters are taken over at each carrier valley and stand until the next. Where the simulator steps by
+ * Inputs and tunable parameters are taken over at each carrier valley and held until the next. Where the simulator steps by
  * whole control cycles, the currents are those of `iqfoc simulate` bit for bit; a stop within a cycle splits the exact
  * solution there, and moves them by rounding.
  */
@@ -14,7 +14,10 @@
 #include "drive/drive_run.h"
 #include "drive/firmware_host.h"
 
-/* Where in a control cycle the drive stands. */
+/* The longest step and the longest settling, in control cycles: a call must return. */
+enum { FMU_CYCLES_MOST = 10000000 };
+
+/* The drive's position within a control cycle. */
 typedef enum fmu_stage {
     FMU_AT_VALLEY, /* between two cycles: the next has not begun */
     FMU_TO_PEAK,
@@ -44,7 +47,7 @@ bool fmu_model_load(fmu_model *m, const fmu_setup *setup, error *e);
 
 void fmu_model_free(fmu_model *m);
 
-/* Back to where it stood when it was loaded. */
+/* Back to the state after loading. */
 void fmu_model_reset(fmu_model *m);
 
 /*
@@ -55,6 +58,9 @@ bool fmu_model_set(fmu_model *m, fmu_id id, double value, error *e);
 
 /* The settling cycles, with the parameters and the inputs' first values. The simulator's clock then shows start_s. */
 bool fmu_model_begin(fmu_model *m, double start_s, error *e);
+
+/* Whether the simulator's time t_s is near enough for one step. */
+bool fmu_model_reaches(const fmu_model *m, double t_s);
 
 /* To the simulator's time t_s, not before the present one. False with *e set if the firmware stopped the drive. */
 bool fmu_model_advance(fmu_model *m, double t_s, error *e);

@@ -91,7 +91,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *need_upd
     return refuse(instance, "fmi3UpdateDiscreteStates: there are no events");
 }
 
-/* No structural parameters, no derivatives, no dependencies told, no state as bytes. */
+/* No structural parameters, no derivatives, no dependencies reported, no state as bytes. */
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance)
 {
     return refuse(instance, "fmi3EnterConfigurationMode: there are no structural parameters");
@@ -106,7 +106,7 @@ fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueR
                                                size_t *count)
 {
     (void)reference, (void)count;
-    return refuse(instance, "fmi3GetNumberOfVariableDependencies: not told");
+    return refuse(instance, "fmi3GetNumberOfVariableDependencies: not provided");
 }
 
 fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
@@ -116,7 +116,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference
 {
     (void)dependent, (void)dependent_elements, (void)independents, (void)independent_elements;
     (void)kinds, (void)count;
-    return refuse(instance, "fmi3GetVariableDependencies: not told");
+    return refuse(instance, "fmi3GetVariableDependencies: not provided");
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size)

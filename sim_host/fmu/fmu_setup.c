@@ -1,6 +1,8 @@
 /* The files in an FMU's folder `resources`, read (fmu_setup.h). */
 #include "fmu_setup.h"
 
+#include "fmu_guarded.h"
+
 #include "data/toml_table.h"
 #include "drive/drive_scenario.h"
 
@@ -15,7 +17,7 @@ bool fmu_setup_read_files(fmu_setup *s, const char *motor_path, const char *scen
     s->scenario = (scenario){.runs = 0};
     const bool good = motor_read(motor_path, &s->motor, e) &&
                       (!s->has_scenario || (scenario_read(scenario_path, &s->scenario, e) &&
-                                            drive_scenario_whole_periods(&s->scenario, scenario_path, e)));
+                                            drive_scenario_plain(&s->scenario, scenario_path, e)));
     /* The name is the caller's; a message about a value names the key. */
     s->motor.path = NULL;
     return good;
@@ -51,8 +53,15 @@ static bool read_setup(fmu_setup *s, const char *path, bool *with_scenario, erro
     return toml_file_close(file);
 }
 
-bool fmu_setup_read(fmu_setup *s, const char *folder, error *e)
+typedef struct reading {
+    fmu_setup *setup;
+    const char *folder;
+} reading;
+
+static bool read_folder(void *context, error *e)
 {
+    fmu_setup *s = ((const reading *)context)->setup;
+    const char *folder = ((const reading *)context)->folder;
     char setup_path[PATH_SIZE];
     char motor_path[PATH_SIZE];
     char scenario_path[PATH_SIZE];
@@ -70,6 +79,12 @@ bool fmu_setup_read(fmu_setup *s, const char *folder, error *e)
                            s->run + 1);
     }
     return true;
+}
+
+bool fmu_setup_read(fmu_setup *s, const char *folder, error *e)
+{
+    reading r = {s, folder};
+    return fmu_guarded(read_folder, &r, e);
 }
 
 void fmu_setup_free(fmu_setup *s)

@@ -31,7 +31,7 @@ typedef struct fmu_setup {
 /* Motor and scenario (NULL: none) from their files; the caller sets the rest. On failure nothing is to be freed. */
 bool fmu_setup_read_files(fmu_setup *s, const char *motor_path, const char *scenario_path, error *e);
 
-/* All of it from a folder `resources`. */
+/* All of it from a folder `resources`. Out of memory is an error here. */
 bool fmu_setup_read(fmu_setup *s, const char *folder, error *e);
 
 void fmu_setup_free(fmu_setup *s);

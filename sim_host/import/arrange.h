@@ -1,5 +1,5 @@
 /*
- * How a log's columns may have been meant: polarity of the currents and of each phase, order of the phases, the
+ * Finds the meaning of a log's columns: polarity of the currents and of each phase, order of the phases, the
  * angle's direction and zero, inverted commands, the shift between command and current. All of it is tried by
  * the plain voltage equation; of what fits about as well as the best, the one with the fewest changes is taken.
  */

@@ -168,7 +168,15 @@ void arrange_print(FILE *out, const import_map *map, const motor *m, const arran
         return;
     }
     if (b->changes == 0) {
-        fprintf(out, "of %zu arrangements none with fewer doubts fits better: the map stands\n", r->tried);
+        fprintf(out, "of %zu arrangements none with fewer doubts fits better: keep the map\n", r->tried);
+        return;
+    }
+    if (!r->as_mapped.negative && b->left >= r->as_mapped.left) {
+        fprintf(
+            out,
+            "of %zu arrangements none fits better (best: %.3g %%): keep the map, and look for another unit, "
+            "a scaling or another drive\n",
+            r->tried, 100.0 * sqrt(b->left));
         return;
     }
     fprintf(out, "best of %zu arrangements: %.3g %%\n", r->tried, 100.0 * sqrt(b->left));

@@ -37,7 +37,7 @@ static bool is_enough(const conversion *v)
         strcat(text, ", the DC link of the duties (u_dc_V, or [fixed] u_dc_V)");
     }
     if (!m->column[QUANTITY_THETA].there && !m->has_fixed_theta) {
-        strcat(text, ", the angle (theta_e_rad, or [fixed] theta_e_rad for a rotor that stands)");
+        strcat(text, ", the angle (theta_e_rad, or [fixed] theta_e_rad for a rotor at standstill)");
     }
     return text[0] == '\0' || error_input(v->e, m->path, 0, 0, "[columns] lacks %s", text + 2);
 }
@@ -112,7 +112,7 @@ static bool put_time(const conversion *v)
             if (!fresh && t[k] == t[k - 1]) {
                 return error_input(
                     v->e, v->t->path, v->t->line[k], 0,
-                    "the time %.9g s stands twice: stamps too coarse for a cycle need [timing] "
+                    "the time %.9g s is there twice: for stamps coarser than a cycle, set [timing] "
                     "rate_Hz",
                     t[k]);
             }
@@ -151,6 +151,8 @@ static bool put_all(const conversion *v)
     if (!shift_commands(r, lround(2.0 * v->map->shift_cycles))) {
         return conversion_out_of_memory(v);
     }
+    r->pwm_told = v->map->updates_told;
+    r->pwm = v->map->updates;
     return r->rows > 0 ||
            error_input(v->e, v->t->path, 0, 0, "no row has the command that acts in its cycle");
 }

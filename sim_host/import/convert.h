@@ -1,5 +1,5 @@
 /*
- * A foreign log as a recording: units, signs, frames, angle, speed, duties and the shift between command and
+ * Converts a foreign log to a recording: units, signs, frames, angle, speed, duties and the shift between command and
  * current, as its map says.
  */
 #ifndef SIM_HOST_IMPORT_CONVERT_H

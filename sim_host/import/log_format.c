@@ -190,7 +190,7 @@ static bool is_units(const finder *f, size_t k)
     return units > 0;
 }
 
-/* The header is the last line ahead of the rows with as many fields; a unit row may stand between. */
+/* The header is the last line ahead of the rows with as many fields; a unit row may follow it. */
 static void find_header(const finder *f)
 {
     log_head *head = f->head;

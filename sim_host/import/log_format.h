@@ -1,6 +1,5 @@
 /*
- * How a foreign table is written: delimiter, decimal mark, where its header stands, found from its first lines
- * or said by the map. A delimiter and a decimal mark are right if they make numbers of most fields.
+ * Format of a foreign table: delimiter, decimal mark and header line, detected from its first lines or given by the map. A delimiter and a decimal mark are right if they make numbers of most fields.
  */
 #ifndef SIM_HOST_IMPORT_LOG_FORMAT_H
 #define SIM_HOST_IMPORT_LOG_FORMAT_H

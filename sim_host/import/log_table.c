@@ -194,6 +194,22 @@ static bool take_row(row_reader *r, const char *line, size_t length, long number
     return true;
 }
 
+/* Also true for a row that may be left out. */
+static bool take_row_or_skip(row_reader *r, const char *line, size_t length, long number)
+{
+    if (take_row(r, line, length, number)) {
+        return true;
+    }
+    if (!r->t->skip_bad || r->e->status != STATUS_UNUSABLE) {
+        return false;
+    }
+    if (r->t->skipped++ == 0) {
+        r->t->first_skipped = *r->e;
+    }
+    *r->e = (error){0};
+    return true;
+}
+
 /* The columns are there; that their numbers are finite is still to be asked, of those that are wanted. */
 static bool check_held(const log_table *t, const bool *wanted, error *e)
 {
@@ -254,10 +270,10 @@ bool log_table_read(log_table *t, const bool *wanted, error *e)
     }
     bool ok = true;
     for (size_t k = t->head.first_row; ok && k < t->head.lines; k++) {
-        ok = take_row(r, t->head.line[k], t->head.length[k], (long)k + 1);
+        ok = take_row_or_skip(r, t->head.line[k], t->head.length[k], (long)k + 1);
     }
     while (ok && log_text_next(&t->text, e)) {
-        ok = take_row(r, t->text.line, t->text.length, t->text.number);
+        ok = take_row_or_skip(r, t->text.line, t->text.length, t->text.number);
     }
     free(r->copy);
     free(r);
@@ -266,7 +282,7 @@ bool log_table_read(log_table *t, const bool *wanted, error *e)
 
 void log_table_close(log_table *t)
 {
-    for (size_t n = 0; n < t->columns; n++) {
+    for (size_t n = 0; t->name != NULL && n < t->columns; n++) {
         free(t->name[n]);
         free(t->value != NULL ? t->value[n] : NULL);
     }

@@ -18,6 +18,10 @@ typedef struct log_table {
     double **value; /* [column], NULL if it was not asked for */
     long *line;     /* of each row */
     bool held;      /* its columns are the caller's, in memory */
+    bool
+        skip_bad; /* set by the caller before log_table_read: rows that cannot be read are left out and counted */
+    size_t skipped;
+    error first_skipped; /* why the first of them was */
 } log_table;
 
 /* Reads the first lines. `said` may be unknown; `path` must outlive the struct, "-" is stdin. */
@@ -31,7 +35,8 @@ bool log_table_hold(log_table *t, const char *path, size_t columns, const char *
 /* The index of a name, or ->columns. */
 size_t log_table_find(const log_table *t, const char *name);
 
-/* Reads all rows; of each column with wanted[] true, every field must be a number. */
+/* Reads all rows; of each column with wanted[] true, every field must be a number, or else the row is left
+ * out if skip_bad is set. */
 bool log_table_read(log_table *t, const bool *wanted, error *e);
 
 /* Safe on a zeroed struct. */

@@ -92,7 +92,7 @@ static bool read_block(log_text *t, error *e)
     return true;
 }
 
-/* A mark is taken off; it wins over what was said, since it cannot be there by chance. */
+/* A byte order mark is skipped; it overrides the map, since it cannot be there by chance. */
 static void find_mark(log_text *t)
 {
     static const struct {

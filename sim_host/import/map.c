@@ -32,8 +32,47 @@ void map_put(import_map *m, quantity q, const char *from, const char *unit_word)
 
 /* ---- reading ---- */
 
-static void read_format(toml_table *t, log_format *f)
+/* fields = [["t", "u32"], ["i_a", "f32"], ...] */
+static void read_fields(toml_table *t, binary_format *b)
 {
+    const size_t fields = toml_pairs(t, "fields");
+    if (fields == 0 || fields > BINARY_FIELDS_MOST) {
+        toml_refuse(t, "fields",
+                    "fields must list 1 to %d pairs of a name and a type, such as [[\"t\", \"u32\"], "
+                    "[\"i_a\", \"f32\"]]",
+                    BINARY_FIELDS_MOST);
+        return;
+    }
+    for (size_t n = 0; n < fields; n++) {
+        b->field[n].kind = (binary_kind)toml_pair_at(
+            t, "fields", n, b->field[n].name, sizeof b->field[n].name, binary_kind_words, BINARY_KINDS);
+        for (size_t other = 0; other < n; other++) {
+            if (strcmp(b->field[other].name, b->field[n].name) == 0) {
+                toml_refuse(t, "fields", "fields: \"%s\" is there twice; expected a name for each",
+                            b->field[n].name);
+            }
+        }
+    }
+    b->fields = fields;
+}
+
+static void read_binary(toml_table *t, binary_format *b)
+{
+    static const char *const frames[] = {"fixed", "slip"};
+    static const char *const orders[] = {"little", "big"};
+    b->slip = toml_choice_or(t, "frame", frames, 2, 0) == 1;
+    b->big_endian = toml_choice_or(t, "endian", orders, 2, 0) == 1;
+    b->skip = toml_integer_or(t, "skip", 0, 1000000000, 0);
+    read_fields(t, b);
+}
+
+static void read_format(toml_table *t, log_format *f, binary_format *b)
+{
+    static const char *const types[] = {"text", "binary"};
+    if (toml_choice_or(t, "type", types, 2, 0) == 1) {
+        read_binary(t, b);
+        return;
+    }
     const size_t delimiters = sizeof delimiter_marks;
     const size_t d = toml_choice_or(t, "delimiter", delimiter_words, delimiters, delimiters);
     const size_t mark = toml_choice_or(t, "decimal", decimal_words, 2, 2);
@@ -97,7 +136,7 @@ static void read_pwm(toml_table *t, map_pwm *p)
     if (t == NULL) {
         return;
     }
-    p->there = true;
+    p->there = toml_has(t, "frame") || toml_has(t, "centre") || toml_has(t, "inverted");
     p->frame = toml_number_or(t, "frame", TOML_POSITIVE, 1.0);
     p->centre = toml_number_or(t, "centre", TOML_ANY, 0.5 * p->frame);
     p->inverted = toml_flag_or(t, "inverted", false);
@@ -132,14 +171,24 @@ bool map_read(const char *path, import_map *m, error *e)
     toml_file *file = toml_file_open(path, e);
     toml_table *root = toml_file_root(file);
     toml_table *columns = toml_table_inner(root, "columns");
-    read_format(toml_table_inner_or_null(root, "format"), &m->format);
+    toml_table *pwm = toml_table_inner_or_null(root, "pwm");
+    toml_table *sensors = toml_table_inner_or_null(root, "sensors");
+    read_format(toml_table_inner_or_null(root, "format"), &m->format, &m->binary);
     for (int q = 0; q < QUANTITY_COUNT; q++) {
         read_column(columns, (quantity)q, &m->column[q]);
     }
-    read_pwm(toml_table_inner_or_null(root, "pwm"), &m->pwm);
+    read_pwm(pwm, &m->pwm);
+    m->updates = pwm_updates_read(pwm, sensors);
+    m->updates_told = !pwm_updates_is_plain(&m->updates);
     read_timing(toml_table_inner_or_null(root, "timing"), m);
     read_fixed(toml_table_inner_or_null(root, "fixed"), m);
     return toml_file_close(file);
+}
+
+bool map_open_log(const import_map *m, log_table *t, const char *path, error *e)
+{
+    return m->binary.fields > 0 ? log_binary_open(t, path, &m->binary, e)
+                                : log_table_open(t, path, &m->format, e);
 }
 
 /* ---- printing ---- */

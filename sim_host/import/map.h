@@ -5,7 +5,8 @@
 #ifndef SIM_HOST_IMPORT_MAP_H
 #define SIM_HOST_IMPORT_MAP_H
 
-#include "log_format.h"
+#include "data/pwm_updates.h"
+#include "log_binary.h"
 #include "quantity.h"
 
 #include <stdio.h>
@@ -24,11 +25,11 @@ typedef struct map_column {
     double per_turn, zero;
     bool mechanical; /* angle and speed: to be multiplied by the pole pairs */
     double ahead;    /* u_d_V, u_q_V: cycles by which the angle they are turned with is ahead of theta_e */
-    long line, at;   /* where it stands in the map's file; 0 if it was made here */
+    long line, at;   /* its line in the map's file; 0 if it was made here */
 } map_column;
 
 typedef struct map_pwm {
-    bool there;
+    bool there;           /* of duties in counts */
     double frame, centre; /* counts of a duty from 0 to 1; the count of a duty of 0.5 */
     bool inverted;
 } map_pwm;
@@ -36,8 +37,11 @@ typedef struct map_pwm {
 typedef struct import_map {
     const char *path; /* for messages; NULL if it was made here */
     log_format format;
+    binary_format binary; /* type = "binary" */
     map_column column[QUANTITY_COUNT];
     map_pwm pwm;
+    bool updates_told; /* [pwm] or [sensors] say how commands reach the PWM */
+    pwm_updates updates;
     double rate_Hz; /* of control cycles; 0: from t_s */
     long decimation, decimation_line;
     double shift_cycles; /* the command in row k acts from cycle k + shift_cycles on */
@@ -50,6 +54,9 @@ import_map map_blank(void);
 
 /* A column as if written `key = "from"`. `from` is cut to what fits. */
 void map_put(import_map *m, quantity q, const char *from, const char *unit_word);
+
+/* Opens a log as the map says: text, or packed binary rows. */
+bool map_open_log(const import_map *m, log_table *t, const char *path, error *e);
 
 /* Reads and checks; on failure *e holds file, line, column and what was expected. */
 bool map_read(const char *path, import_map *m, error *e);

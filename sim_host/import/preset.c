@@ -67,7 +67,7 @@ static const preset presets[] = {
      "# voltage q and d [V], current q and d [mA], velocity, angle [rad, of the shaft]. It has no time: say\n"
      "# rate_Hz, and take care that no row is left out (monitor_downsample, and a serial line that is fast "
      "enough).\n"
-     "# The shaft's angle must be nought where theta_e is: zero = sensor's zero_electric_angle / pole "
+     "# The shaft's angle must be zero where theta_e is zero: zero = sensor's zero_electric_angle / pole "
      "pairs.\n",
      '\t',
      {{QUANTITY_U_Q, "2", "V", false, 0.0},

@@ -61,7 +61,7 @@ void propose_map(const log_table *t, proposal *p)
     }
     double counts = 0.0;
     for (int q = QUANTITY_D_A; q <= QUANTITY_D_C; q++) {
-        if (p->map.column[q].there) {
+        if (p->map.column[q].there && p->map.column[q].unit->factor == 1.0) {
             counts = fmax(counts, largest(t, log_table_find(t, p->map.column[q].from)));
         }
     }
@@ -99,11 +99,28 @@ static void print_missing(FILE *out, const proposal *p)
         fprintf(out, "# missing: u_dc_V, which the duties need; or a fixed one:\n# [fixed]\n# u_dc_V = 48\n");
     }
     if (!have(p, QUANTITY_THETA, 1, 1)) {
-        fprintf(out, "# missing: theta_e_rad; or, of a rotor that stands:\n# [fixed]\n# theta_e_rad = 0\n");
+        fprintf(out,
+                "# missing: theta_e_rad; or, for a rotor at standstill:\n# [fixed]\n# theta_e_rad = 0\n");
     }
     if (!have(p, QUANTITY_OMEGA, 1, 1)) {
         fprintf(out, "# omega_e_rad_s is not in the log: it will be the slope of the angle\n");
     }
+}
+
+static void print_unused(FILE *out, const log_table *t, const import_map *map)
+{
+    const char *before = "# columns that are not used: ";
+    for (size_t n = 0; n < t->columns; n++) {
+        bool used = false;
+        for (int q = 0; q < QUANTITY_COUNT; q++) {
+            used = used || (map->column[q].there && strcmp(map->column[q].from, t->name[n]) == 0);
+        }
+        if (!used) {
+            fprintf(out, "%s\"%s\"", before, t->name[n]);
+            before = ", ";
+        }
+    }
+    fputs(before[0] == ',' ? "\n" : "", out);
 }
 
 void propose_print(FILE *out, const log_table *t, const proposal *p)
@@ -127,6 +144,9 @@ void propose_print(FILE *out, const log_table *t, const proposal *p)
         fprintf(out, "# [pwm] frame is the largest count of the first rows; say that of the whole period\n");
     }
     print_missing(out, p);
+    if (t->head.has_header) {
+        print_unused(out, t, &p->map);
+    }
     if (!t->head.has_header) {
         fprintf(out, "# the log has no header: its columns are called \"1\" to \"%zu\"\n", t->columns);
     }

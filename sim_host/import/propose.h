@@ -1,5 +1,5 @@
 /*
- * A map for a log, from the names in its header.
+ * Proposes a map for a log from the names in its header.
  */
 #ifndef SIM_HOST_IMPORT_PROPOSE_H
 #define SIM_HOST_IMPORT_PROPOSE_H

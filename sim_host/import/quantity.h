@@ -1,5 +1,5 @@
 /*
- * What a column of a foreign log can hold: the keys of a map's [columns], and the units each may have.
+ * The quantities that a column of a foreign log can have: the keys of a map's [columns], and the units each may have.
  */
 #ifndef SIM_HOST_IMPORT_QUANTITY_H
 #define SIM_HOST_IMPORT_QUANTITY_H

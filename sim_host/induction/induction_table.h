@@ -2,9 +2,9 @@
  * The 2019 paper's Table 1 for an induction machine: errors of mean and predicted current of a traction drive
  * that switches at 500 Hz, standard, quasi-discrete with the rotor flux for the magnet, and exact.
  *
- * The machine has values usual for a 300 kW traction motor at 1500 V; it is no particular one. Field
- * oriented, rated current, flux weakened where the DC link calls for it. The flux is not measured: an
- * observer started without flux has long settled when the record begins, and every method gets what it says.
+ * The machine has values usual for a 300 kW traction motor at 1500 V; it is no particular one. Field oriented, rated
+ * current, flux weakened as far as the DC link requires. The flux is not measured: an observer that started without
+ * flux has settled when the record begins, and every method uses its flux.
  */
 #ifndef SIM_HOST_INDUCTION_INDUCTION_TABLE_H
 #define SIM_HOST_INDUCTION_INDUCTION_TABLE_H

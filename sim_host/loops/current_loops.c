@@ -12,7 +12,7 @@ const char *const loop_model_text[LOOP_MODELS] = {"Euler", "quasi-discrete", "ex
 
 const char *const loop_method_text[LOOP_METHODS] = {
     "PI, mid-point sample", "PI, quasi-discrete mean", "deadbeat, Euler",          "deadbeat, quasi-discrete",
-    "deadbeat, exact",      "learning, Euler",         "learning, quasi-discrete", "learning, exact"};
+    "deadbeat, exact",      "observer, Euler",         "observer, quasi-discrete", "observer, exact"};
 const char *const loop_method_key[LOOP_METHODS] = {
     "pi_midpoint",    "pi_mean",        "deadbeat_euler",          "deadbeat_quasi_discrete",
     "deadbeat_exact", "learning_euler", "learning_quasi_discrete", "learning_exact"};

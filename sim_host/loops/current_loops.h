@@ -1,9 +1,9 @@
 /*
  * The study of current loops: PI with angle advance (the library's cycle), and deadbeat control with each
- * predictor, over the switching-to-fundamental ratio and over errors of the parameters.
+ * predictor, over the SFFR and over errors of the parameters.
  *
- * Drive: that of the 2019 paper at 5000 rpm (250 Hz), whose switching frequency is varied: 1250 Hz to 12.5
- * kHz. The torque current steps from 30 % to 70 % of rated, which the DC link allows at each ratio.
+ * Drive: that of the 2019 paper at 5000 rpm (250 Hz), with a switching frequency from 1.25 to 12.5 kHz. The torque
+ * current steps from 30 % to 70 % of rated, which the DC link allows at each ratio.
  */
 #ifndef SIM_HOST_LOOPS_CURRENT_LOOPS_H
 #define SIM_HOST_LOOPS_CURRENT_LOOPS_H
@@ -18,7 +18,7 @@ typedef enum loop_method {
     LOOP_DEADBEAT_EULER, /* from here on in the order of loop_models */
     LOOP_DEADBEAT_QUASI_DISCRETE,
     LOOP_DEADBEAT_EXACT,
-    LOOP_LEARNING_EULER, /* the same with a learnt drift */
+    LOOP_LEARNING_EULER, /* the same with a disturbance observer */
     LOOP_LEARNING_QUASI_DISCRETE,
     LOOP_LEARNING_EXACT,
     LOOP_METHODS
@@ -32,7 +32,7 @@ extern const char *const loop_model_text[LOOP_MODELS];
 extern const char *const loop_method_text[LOOP_METHODS];
 extern const char *const loop_method_key[LOOP_METHODS];
 
-/* What the firmware believes, as a multiple of what is true. */
+/* The firmware's parameters, as multiples of the true ones. */
 typedef struct loop_belief {
     const char *text, *key;
     double L, psi, R;
@@ -46,11 +46,11 @@ typedef struct current_loops {
     loop_result at[LOOP_RATIOS][LOOP_BELIEFS][LOOP_METHODS];
     /* Right parameters, noise of LOOP_NOISE of the rated peak. */
     loop_result noisy[LOOP_RATIOS][LOOP_METHODS];
-    /* Largest belief of L/true L, up to LOOP_L_MOST, with which the loop neither wanders nor trips. */
+    /* Largest ratio of the model's L to the true L, up to LOOP_L_MOST, at which the loop is stable. */
     double L_most[LOOP_RATIOS][LOOP_METHODS];
 } current_loops;
 
-/* Gain of the drift: ten cycles' memory. */
+/* Observer gain: ten cycles' memory. */
 #define LOOP_LEARNING 0.1
 #define LOOP_NOISE    0.005
 #define LOOP_SEED     UINT64_C(5)
@@ -64,8 +64,8 @@ motor loop_motor_at(double ratio);
 loop_case current_loop_case(double ratio, double noise);
 
 /*
- * The library's cycle in the loop, PI as `iqfoc simulate` runs it; extension: NULL, or what is put right
- * around it. Its own trips are off, as the study has one of its own for all methods.
+ * The library's cycle in the loop, PI as `iqfoc simulate` runs it; extension: NULL, or the corrections around it. Its
+ * own trips are off: the study has one trip limit for all methods.
  */
 bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_control *control,
                     const iqfoc_extension_t *extension, loop_result *result, error *e);
@@ -74,7 +74,7 @@ bool cycle_loop_run(const loop_case *c, const motor *assumed, const scenario_con
 bool deadbeat_loop_run(const loop_case *c, const motor *assumed, iqfoc_model_t model, double learning,
                        bool extended, loop_result *result, error *e);
 
-/* A method in the loop, at the usual bandwidth if it has one; assumed: the motor as the firmware believes it to be. */
+/* A method in the loop, at the usual bandwidth if it has one; assumed: the firmware's motor. */
 bool loop_method_run(const loop_case *c, const motor *assumed, loop_method how, loop_result *result,
                      error *e);
 

@@ -41,7 +41,7 @@ static int32_t raised(int32_t x, iq24_t factor)
     return product < (INT64_C(1) << 30) ? (int32_t)product : INT32_C(1) << 30;
 }
 
-/* The slower task: a set at the inductance that the valley's current leaves, offered once the last is in force. */
+/* The slower task: parameters for the inductance at the valley's current, offered once the last ones are in force. */
 static void follow_saturation(deadbeat_drive *d)
 {
     iqfoc_cycle_t *const cycle = &d->host.cycle;

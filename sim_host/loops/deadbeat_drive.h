@@ -1,6 +1,6 @@
 /*
- * The library's cycle with deadbeat control as firmware: the constants that its methods need, from a motor file, and
- * the slower task that a machine with saturation asks for.
+ * The library's control cycle with deadbeat control as firmware: constants from a motor file, and the slower task for
+ * a machine that saturates.
  */
 #ifndef SIM_HOST_LOOPS_DEADBEAT_DRIVE_H
 #define SIM_HOST_LOOPS_DEADBEAT_DRIVE_H
@@ -22,9 +22,9 @@ typedef struct deadbeat_drive {
 } deadbeat_drive;
 
 /*
- * assumed: the motor as the firmware believes it to be. model: Euler, quasi-discrete or exact. learning: gain of the
- * drift, or 0 for plain deadbeat control. extended: what the file's extensions put right: samples and dead time, and
- * for the exact model the inductance too. False with *e set where it does not fit the library's ranges.
+ * assumed: the firmware's motor. model: Euler, quasi-discrete or exact. learning: observer gain, or 0 for plain
+ * deadbeat control. extended: use the file's corrections of samples and dead time, and of the inductance with the
+ * exact model. False with *e set if a value does not fit the library's ranges.
  */
 bool deadbeat_drive_init(deadbeat_drive *d, const motor *assumed, iqfoc_model_t model, double learning,
                          bool extended, error *e);

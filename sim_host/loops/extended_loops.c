@@ -8,7 +8,7 @@
 
 static const double speed_shares[EXTENDED_SPEEDS] = {0.02, 0.1, 0.5};
 static const char *const method_text[EXTENDED_METHODS] = {"PI, mid-point sample", "deadbeat, exact",
-                                                          "learning, exact"};
+                                                          "observer, exact"};
 static const char *const belief_text[EXTENDED_BELIEFS] = {"nominal", "extended"};
 
 static bool run(const loop_case *c, extended_method how, const motor *belief, loop_result *result, error *e)
@@ -49,11 +49,10 @@ bool extended_loops_run(const motor *const belief[EXTENDED_BELIEFS], const plant
 
 void extended_loops_print(const extended_loops *all, FILE *stream)
 {
-    fprintf(
-        stream,
-        "The drive as it is, controlled by what the firmware believes; error in percent of the rated peak,\n"
-        "torque in percent of what was asked for\n  %8s  %-24s%-10s%10s%10s%14s%14s\n",
-        "rpm", "loop", "belief", "outcome", "rms", "torque error", "torque ripple");
+    fprintf(stream,
+            "The true drive under firmware with either motor file; error in percent of the rated peak,\n"
+            "torque in percent of what was asked for\n  %8s  %-24s%-10s%10s%10s%14s%14s\n",
+            "rpm", "loop", "belief", "outcome", "rms", "torque error", "torque ripple");
     for (int s = 0; s < EXTENDED_SPEEDS; s++) {
         for (int n = 0; n < EXTENDED_METHODS; n++) {
             for (int b = 0; b < EXTENDED_BELIEFS; b++) {

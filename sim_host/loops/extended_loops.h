@@ -1,7 +1,7 @@
 /*
- * Control with nominal and with diagnosed parameters: the same firmware in the loop with a drive that differs
- * from its motor file, once configured from that file, once from the extended file that `iqfoc diagnose`
- * wrote, with what the library can put right (iqfoc/extension.h).
+ * Control with nominal and with diagnosed parameters. The drive differs from its motor file. The same firmware is
+ * configured from that file, and from the extended file of `iqfoc diagnose` with the library's corrections
+ * (iqfoc/extension.h).
  */
 #ifndef SIM_HOST_LOOPS_EXTENDED_LOOPS_H
 #define SIM_HOST_LOOPS_EXTENDED_LOOPS_H
@@ -16,7 +16,7 @@ enum { EXTENDED_SPEEDS = 3, EXTENDED_BELIEFS = 2 };
 typedef enum extended_method {
     EXTENDED_PI,       /* the library's cycle, mid-point sample */
     EXTENDED_DEADBEAT, /* exact predictor */
-    EXTENDED_LEARNING, /* the same with a learnt drift */
+    EXTENDED_LEARNING, /* the same with a disturbance observer */
     EXTENDED_METHODS
 } extended_method;
 
@@ -25,7 +25,7 @@ typedef struct extended_loops {
     loop_result at[EXTENDED_SPEEDS][EXTENDED_METHODS][EXTENDED_BELIEFS]; /* nominal, extended */
 } extended_loops;
 
-/* belief: the nominal motor, and the extended one. drive: what the drive truly is. */
+/* belief: the nominal motor, and the extended one. drive: the true drive. */
 bool extended_loops_run(const motor *const belief[EXTENDED_BELIEFS], const plant_config *drive,
                         extended_loops *all, error *e);
 

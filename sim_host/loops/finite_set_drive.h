@@ -1,7 +1,6 @@
 /*
- * Firmware with finite-set control behind the same calls as the control cycle. The cycle has a modulator and no such
- * control: this one is a composition of the library's parts (iqfoc/finite_set.h, with any of the three predictors),
- * all of it fixed point.
+ * Firmware with finite-set control, with the same calls as the control cycle. The control cycle has a modulator and
+ * no finite-set control. This firmware combines iqfoc/finite_set.h with any of the three predictors, all in IQ24.
  */
 #ifndef SIM_HOST_LOOPS_FINITE_SET_DRIVE_H
 #define SIM_HOST_LOOPS_FINITE_SET_DRIVE_H
@@ -26,7 +25,7 @@ typedef struct finite_set_drive {
     uint32_t decisions;
 } finite_set_drive;
 
-/* assumed: the motor as the firmware believes it to be. False where it does not fit the library's ranges. */
+/* assumed: the firmware's motor. False if it does not fit the library's ranges. */
 bool finite_set_drive_init(finite_set_drive *p, const motor *assumed, iqfoc_model_t model, error *e);
 
 drive_firmware finite_set_drive_firmware(finite_set_drive *p);

@@ -1,7 +1,6 @@
 /*
- * The study of finite-control-set control: horizons 1 to 3 with each predictor over the ratio of control
- * intervals to fundamental, and what switching costs against distortion. Drive and step as in
- * current_loops.h.
+ * The study of finite-control-set control: horizons 1 to 3 with each predictor, over the control intervals per
+ * fundamental period, and switching against distortion. Drive and step as in current_loops.h.
  */
 #ifndef SIM_HOST_LOOPS_FINITE_SET_LOOPS_H
 #define SIM_HOST_LOOPS_FINITE_SET_LOOPS_H
@@ -26,8 +25,10 @@ typedef struct finite_set_point {
 typedef struct finite_set_loops {
     finite_set_point at[FINITE_SET_RATIOS][FINITE_SET_PREDICTORS][IQFOC_FINITE_SET_HORIZON];
     finite_set_point trade[IQFOC_FINITE_SET_HORIZON][FINITE_SET_WEIGHTS]; /* exact predictor */
-    /* Deadbeat with PWM at the switching frequency of horizon 1's trade, that rounded to a whole ratio; 0
-     * where the ratio is below 5, and there is no such loop. */
+    /*
+     * Deadbeat with PWM at horizon 1's switching frequency, rounded to a whole SFFR; 0 if that is below 5: no loop
+     * then.
+     */
     loop_result pwm[FINITE_SET_WEIGHTS];
     double pwm_ratio[FINITE_SET_WEIGHTS];
 } finite_set_loops;

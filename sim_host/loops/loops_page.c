@@ -33,11 +33,10 @@ static bool six_step_figure(page *p, const loops_study *s, error *e)
                     0.0, false},
                    {"true, corrected mean fed back", &corrected, 1, CHART_BLUE, CHART_LINE, CHART_ALWAYS, 0.0,
                     false}}};
-    const bool ok =
-        page_chart(p, &drawn, "loops-six-step",
-                   "Six-step torque control: the true mean of i_q over each inverter state. Both controllers "
-                   "believe that they hold the reference.",
-                   e);
+    const bool ok = page_chart(p, &drawn, "loops-six-step",
+                               "Six-step torque control: the true mean of i_q over each inverter state. In "
+                               "both controllers the feedback equals the reference.",
+                               e);
     chart_data_free(&discrete);
     chart_data_free(&corrected);
     return ok;
@@ -48,12 +47,9 @@ static bool six_step_part(page *p, const loops_study *s, error *e)
     static const char *const heads[] = {"feedback",    "\tfed back, A", "\ttrue i_q, A",
                                         "\texcess, %", "\ttorque, Nm",  "\tasked for, Nm"};
     page_heading(p, 2, "Six-step torque control");
-    page_lead(
-        p,
-        "Fed by the discrete angle the drive carries %.2f %% more current than was asked for, corrected "
-        "%.2f %%.",
-        six_step_excess_percent(&s->six_step[SIX_STEP_DISCRETE]),
-        six_step_excess_percent(&s->six_step[SIX_STEP_CORRECTED]));
+    page_lead(p, "Excess of the true current: %.2f %% with the discrete angle, %.2f %% corrected.",
+              six_step_excess_percent(&s->six_step[SIX_STEP_DISCRETE]),
+              six_step_excess_percent(&s->six_step[SIX_STEP_CORRECTED]));
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (int n = 0; n < SIX_STEP_LOOPS; n++) {
         const six_step_loop *l = &s->six_step[n];
@@ -105,7 +101,7 @@ typedef struct method_figure {
 
 static bool draw_methods(page *p, const loops_study *s, const method_figure *f, error *e)
 {
-    /* A predictor has the same colour with and without learning; the plainest loop is faint. */
+    /* A predictor has the same colour with and without observer; PI with the mid-point sample is faint. */
     static const chart_colour colours[] = {CHART_FAINT, CHART_BLUE, CHART_ORANGE, CHART_GREEN, CHART_PURPLE};
     chart_data d = chart_data_of(1 + (size_t)f->count);
     chart drawn = f->axes;
@@ -129,7 +125,7 @@ static bool draw_methods(page *p, const loops_study *s, const method_figure *f, 
 
 static bool method_figures(page *p, const loops_study *s, error *e)
 {
-    /* Those that learn are in steady state what the exact predictor is. */
+    /* Loops with observer have the exact predictor's steady state. */
     static const loop_method steady[] = {LOOP_PI_MIDPOINT, LOOP_PI_MEAN, LOOP_DEADBEAT_EULER,
                                          LOOP_DEADBEAT_QUASI_DISCRETE, LOOP_DEADBEAT_EXACT};
     static const loop_method starting[] = {LOOP_PI_MEAN, LOOP_LEARNING_EULER, LOOP_LEARNING_QUASI_DISCRETE,
@@ -145,16 +141,15 @@ static bool method_figures(page *p, const loops_study *s, error *e)
           .y = {.logarithmic = true},
           .height = 380},
          "loops-error",
-         "Steady error of the true mean current, right parameters. The part that all share is the beat of "
-         "the PWM's ripple with the turning rotor."},
+         "Steady error of the true mean current, correct parameters. All loops share the beat of the PWM's "
+         "ripple with the rotor."},
         {curve_step,
          LOOP_TRACE_CYCLES,
          steady,
          5,
          {.x_label = "cycles after the step of the reference", .y_label = "i_q over rated", .height = 360},
          "loops-step",
-         "Step of i_q from 0.3 to 0.7 of rated at a ratio of 10, right parameters: the true mean of each "
-         "cycle."},
+         "Step of i_q from 0.3 to 0.7 of rated at SFFR 10, correct parameters: the true mean of each cycle."},
         {curve_start,
          LOOP_TRACE_CYCLES,
          starting,
@@ -164,8 +159,8 @@ static bool method_figures(page *p, const loops_study *s, error *e)
           .y = {.logarithmic = true},
           .height = 360},
          "loops-start",
-         "Switched on at full speed, at a ratio of 10: what has to be learnt first is missing first. In the "
-         "first cycle the terminals are shorted, for every loop alike."}};
+         "Switched on at full speed, at SFFR 10. The disturbance estimate starts at zero. In the first cycle "
+         "the terminals are shorted in every loop."}};
     bool ok = true;
     for (size_t n = 0; n < sizeof figures / sizeof figures[0] && ok; n++) {
         ok = draw_methods(p, s, &figures[n], e);
@@ -203,9 +198,9 @@ static void belief_table(page *p, const loops_study *s)
         }
     }
     page_table_end(p);
-    page_note(p, "rms error in percent of the rated peak; what the firmware believes against the truth, in "
-                 "percent; noise of 0.5 %% of the rated peak on each sample, right parameters. *: unstable, "
-                 "wandering by more than 5 %%. trips: beyond three times rated.");
+    page_note(p, "rms error in percent of the rated peak. Columns: error of the firmware's parameter in "
+                 "percent. noise: 0.5 %% of the rated peak on each sample, correct parameters. *: unstable, "
+                 "varies by more than 5 %%. trips: beyond three times rated.");
 }
 
 static bool current_part(page *p, const loops_study *s, error *e)
@@ -213,9 +208,8 @@ static bool current_part(page *p, const loops_study *s, error *e)
     const loop_result *at = s->current.at[0][LOOP_NOMINAL];
     page_heading(p, 2, "Deadbeat control with each predictor, against PI");
     page_lead(p,
-              "At a ratio of %g, plain deadbeat control misses its reference by %.3g %% of the rated current "
-              "with "
-              "the Euler predictor, by %.3g %% with the quasi-discrete and by %.3g %% with the exact one.",
+              "Error of plain deadbeat control at SFFR %g, in percent of rated: Euler predictor %.3g %%, "
+              "quasi-discrete %.3g %%, exact %.3g %%.",
               loop_ratios[0], at[LOOP_DEADBEAT_EULER].rms_percent,
               at[LOOP_DEADBEAT_QUASI_DISCRETE].rms_percent, at[LOOP_DEADBEAT_EXACT].rms_percent);
     if (!method_figures(p, s, e)) {
@@ -250,7 +244,7 @@ static bool trade_figure(page *p, const loops_study *s, error *e)
     const finite_set_loops *all = &s->finite_set;
     chart_data d[CURVES];
     chart drawn = {.x_label = "pulses per leg and second", .y_label = "THD of the current, %", .height = 360};
-    page_heading(p, 2, "A finite set of states");
+    page_heading(p, 2, "Finite-set control");
     for (int n = 0; n < CURVES; n++) {
         d[n] = chart_data_of(2);
         for (int w = 0; w < FINITE_SET_WEIGHTS; w++) {
@@ -266,11 +260,10 @@ static bool trade_figure(page *p, const loops_study *s, error *e)
         drawn.series[n] =
             (chart_series){labels[n], &d[n], 1, colours[n], CHART_LINE_POINTS, CHART_ALWAYS, 0.0, false};
     }
-    const bool ok =
-        page_chart(p, &drawn, "loops-finite-set",
-                   "Distortion over switching as the weight on switching is raised, exact predictor, 100 "
-                   "control intervals a period.",
-                   e);
+    const bool ok = page_chart(p, &drawn, "loops-finite-set",
+                               "Distortion over switching for rising weights on switching, exact predictor, "
+                               "100 control intervals per period.",
+                               e);
     for (int n = 0; n < CURVES; n++) {
         chart_data_free(&d[n]);
     }
@@ -280,14 +273,15 @@ static bool trade_figure(page *p, const loops_study *s, error *e)
 bool loops_study_page(const loops_study *s, const char *directory, error *e)
 {
     page p;
-    if (!page_begin(&p, directory, "In the loop",
-                    "What better feedback and better prediction do to a drive: the firmware's controllers in "
-                    "IQ24 against the switching-level drive of the 2019 paper.",
+    if (!page_begin(&p, directory, "Closed-loop study",
+                    "Error, settling and stability of the firmware's controllers in IQ24 with the "
+                    "switching-level drive of the 2019 paper.",
                     e)) {
         return false;
     }
     const bool ok = six_step_part(&p, s, e) && current_part(&p, s, e) && trade_figure(&p, s, e) &&
                     run_ups_part(&p, s->run_ups, e);
+    corrected_loops_part(&p, &s->corrected);
     update_loops_part(&p, &s->updates);
     return page_finish(&p, ok, e);
 }

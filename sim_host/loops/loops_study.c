@@ -12,7 +12,8 @@ bool loops_study_run(loops_study *s, error *e)
     return six_step_loop_run(false, &s->six_step[SIX_STEP_DISCRETE], e) &&
            six_step_loop_run(true, &s->six_step[SIX_STEP_CORRECTED], e) &&
            current_loops_run(&s->current, e) && finite_set_loops_run(&s->finite_set, e) &&
-           run_ups_run(s->run_ups, e) && update_loops_run(&s->updates, e);
+           run_ups_run(s->run_ups, e) && update_loops_run(&s->updates, e) &&
+           corrected_loops_run(&s->corrected, e);
 }
 
 static void print_six_step(const loops_study *s, FILE *f)
@@ -42,7 +43,7 @@ static void print_current(const loops_study *s, FILE *f)
         f,
         "\nCurrent loops at %g rpm, step of i_q from 30 %% to 70 %% of rated, right parameters; percent of "
         "the rated peak\n  %5s  %-26s%-10s%10s%10s%10s%10s%10s%10s%10s\n",
-        LOOP_RPM, "SFFR", "loop", "outcome", "rms", "wander", "start", "overshoot", "settling", "THD",
+        LOOP_RPM, "SFFR", "loop", "outcome", "rms", "rest", "start", "overshoot", "settling", "THD",
         "L up to");
     for (int k = 0; k < LOOP_RATIOS; k++) {
         for (int n = 0; n < LOOP_METHODS; n++) {
@@ -74,7 +75,7 @@ static void print_current(const loops_study *s, FILE *f)
             fprintf(f, "%9.2f \n", s->current.noisy[k][n].rms_percent);
         }
     }
-    fprintf(f, "  *: unstable, wandering by more than %g %%. trips: beyond %g times rated.\n",
+    fprintf(f, "  *: unstable, varies by more than %g %%. trips: beyond %g times rated.\n",
             100.0 * LOOP_WANDER_LIMIT, LOOP_TRIP_LIMIT);
 }
 
@@ -117,6 +118,7 @@ void loops_study_print(const loops_study *s, FILE *stream)
     print_six_step(s, stream);
     print_current(s, stream);
     print_finite_set(s, stream);
+    corrected_loops_print(&s->corrected, stream);
     update_loops_print(&s->updates, stream);
     run_ups_print(s->run_ups, stream);
     fprintf(stream, "Seed of the noise: %llu.\n", (unsigned long long)LOOP_SEED);

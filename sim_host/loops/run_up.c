@@ -10,7 +10,7 @@
 
 #define BANDWIDTH_HZ    250.0
 #define WEAKENING_PER_S 120.0
-#define REVERSAL_S      0.07 /* around the top left out of the steps: that step is asked for */
+#define REVERSAL_S      0.07 /* around the top, left out: the reversal steps the set-point */
 #define TOP_RPM         7900.0
 #define TIMER_HZ        30.0
 #define TO_TIMER        0.13 /* of the rated current, weakening */
@@ -28,9 +28,12 @@ const run_up_case run_up_cases[RUN_UP_CASES] = {
     {"to six-step, mid-point sample", "midpoint", IQFOC_MODULATION_OVER, true, 1.0, 0.0, 0.0, false},
     {"to six-step by a timer", "timer", IQFOC_MODULATION_OVER, false, 1.0, 0.0, 0.0, true},
     {"by a timer, link +-1 % at 300 Hz", "timer_300", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 300.0, true},
-    {"by a timer, link +-1 % at 100 Hz", "timer_100", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 100.0, true}};
+    {"by a timer, link +-1 % at 100 Hz", "timer_100", IQFOC_MODULATION_OVER, false, 1.0, 0.01, 100.0, true},
+    {"to six-step, link +-2 % at 300 Hz", "ripple_2", IQFOC_MODULATION_OVER, false, 1.0, 0.02, 300.0, false},
+    {"to six-step, link +-3 % at 300 Hz", "ripple_3", IQFOC_MODULATION_OVER, false, 1.0, 0.03, 300.0, false},
+    {"to six-step, link +-5 % at 300 Hz", "ripple_5", IQFOC_MODULATION_OVER, false, 1.0, 0.05, 300.0, false}};
 
-/* What is kept of each cycle, and of each state of a timer's. */
+/* A record of each cycle, and of each state by a timer. */
 typedef struct cycle_row {
     double t_s, duration_s, rpm, i_d, i_q, asked, voltage;
     int switched_on; /* legs */
@@ -123,7 +126,7 @@ static run_up_point smoothed(const history *h, long k)
     return p;
 }
 
-/* The speed on the way up from which the voltage is beyond `voltage` for good. */
+/* The speed on the way up above which the voltage stays above `voltage`. */
 static double reached_at_rpm(const history *h, double voltage)
 {
     double rpm = NAN;
@@ -230,7 +233,7 @@ bool run_up_run(const run_up_case *c, run_up *result, error *e)
     history h = {.capacity = 40000, .T_s = loop.base.T_s};
     h.row = malloc((size_t)h.capacity * sizeof *h.row);
     if (h.row == NULL) {
-        return error_failure(e, 0, "no memory for the run-up");
+        return error_failure(e, 0, "out of memory for the run-up");
     }
     const bool ok = drive_up_and_down(c, &m, &loop, &d, &h, e);
     if (ok) {

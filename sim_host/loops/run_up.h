@@ -1,23 +1,23 @@
 /*
- * The run-up: the drive of the 2019 paper at 565 V from standstill to 8000 rpm and down again at its rated
- * torque, through overmodulation into six-step with field weakening, against the switching-level plant.
+ * The run-up: the drive of the 2019 paper at 565 V, from standstill to 8000 rpm and down again at rated torque. It
+ * goes through overmodulation into six-step with field weakening, in the switching-level plant.
  *
- * Torque: the true mean of each cycle, smoothed by a bell of RUN_UP_BELL cycles, as the ripple of a cycle is
- * of the PWM and of six-step themselves. Its step is the largest deviation from what was asked for anywhere
- * above RUN_UP_FROM_RPM, which is below where the linear range ends, but around the reversal at the top.
+ * Torque is the true mean of each cycle, smoothed by a bell of RUN_UP_BELL cycles, since a cycle's ripple is that of
+ * PWM and six-step. Its step is the largest deviation from the set-point above RUN_UP_FROM_RPM, except around the
+ * reversal at the top. The linear range ends above that speed.
  */
 #ifndef SIM_HOST_LOOPS_RUN_UP_H
 #define SIM_HOST_LOOPS_RUN_UP_H
 
 #include "torque_drive.h"
 
-enum { RUN_UP_CASES = 9, RUN_UP_POINTS = 600, RUN_UP_BELL = 64 };
+enum { RUN_UP_CASES = 12, RUN_UP_POINTS = 600, RUN_UP_BELL = 64 };
 
 #define RUN_UP_RPM      8000.0
 #define RUN_UP_U_DC     565.0
 #define RUN_UP_J_KGM2   0.02
 #define RUN_UP_FROM_RPM 5500.0
-#define RUN_UP_STEP     2.0 /* percent of the rated torque: what a transition may cost */
+#define RUN_UP_STEP     2.0 /* percent of the rated torque: limit of a transition's step */
 
 typedef struct run_up_case {
     const char *text, *key;
@@ -26,7 +26,7 @@ typedef struct run_up_case {
     double share;  /* of the largest voltage */
     double ripple; /* of the DC link, amplitude over its mean */
     double ripple_Hz;
-    bool by_timer; /* six-step proper where it is reached: cycle_six_step.h */
+    bool by_timer; /* six-step by a timer once it is reached: cycle_six_step.h */
 } run_up_case;
 
 extern const run_up_case run_up_cases[RUN_UP_CASES];
@@ -55,7 +55,7 @@ typedef struct run_up {
     double pulses_top; /* per leg and electrical turn, above 7900 rpm; of six-step by a timer 1 */
 } run_up;
 
-/* One case; false with *e set if the firmware is gone or the drive never got to the top. */
+/* One case; false with *e set if the firmware stopped or the drive never reached the top. */
 bool run_up_run(const run_up_case *c, run_up *result, error *e);
 
 /* All of them. */

@@ -122,14 +122,14 @@ static bool draw_run_ups(page *p, const chart_data *lin, const chart_data *six, 
 static bool run_up_figure(page *p, const run_up all[RUN_UP_CASES], error *e)
 {
     char caption[384];
-    (void)snprintf(caption, sizeof caption,
-                   "From standstill to %g rpm and down again at rated torque, %g V: means over a bell of %d "
-                   "cycles. The voltage leaves the linear range at %.0f rpm and is six-step's from %.0f rpm "
-                   "on. By a timer: "
-                   "the carrier is left at %.0f rpm, and taken again at %.0f rpm on the way down.",
-                   RUN_UP_RPM, RUN_UP_U_DC, (int)RUN_UP_BELL, all[SHOWN_SIX_STEP].linear_to_rpm,
-                   all[SHOWN_SIX_STEP].six_step_from_rpm, all[SHOWN_TIMER].to_timer_rpm,
-                   all[SHOWN_TIMER].to_carrier_rpm);
+    (void)snprintf(
+        caption, sizeof caption,
+        "From standstill to %g rpm and down again at rated torque, %g V: means over a bell of %d "
+        "cycles. The voltage leaves the linear range at %.0f rpm, and six-step begins at %.0f rpm. By a "
+        "timer: six-step begins at %.0f rpm, and the carrier resumes at %.0f rpm on the way down.",
+        RUN_UP_RPM, RUN_UP_U_DC, (int)RUN_UP_BELL, all[SHOWN_SIX_STEP].linear_to_rpm,
+        all[SHOWN_SIX_STEP].six_step_from_rpm, all[SHOWN_TIMER].to_timer_rpm,
+        all[SHOWN_TIMER].to_carrier_rpm);
     chart_data lin = points_of(&all[SHOWN_LINEAR]);
     chart_data six = points_of(&all[SHOWN_SIX_STEP]);
     chart_data timed = points_of(&all[SHOWN_TIMER]);
@@ -145,10 +145,8 @@ bool run_ups_part(page *p, const run_up all[RUN_UP_CASES], error *e)
     static const char *const heads[] = {"modulation",  "\tmore torque, %", "\tless, %",
                                         "\tleast i_d", "\tvoltage",        "\tpulses a turn"};
     page_heading(p, 2, "Run-up into six-step");
-    page_lead(
-        p,
-        "Through overmodulation into six-step and back the torque leaves its reference by %.1f %% of rated.",
-        run_up_step_percent(&all[SHOWN_SIX_STEP]));
+    page_lead(p, "Largest torque deviation on the way to six-step and back: %.1f %% of rated.",
+              run_up_step_percent(&all[SHOWN_SIX_STEP]));
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (int n = 0; n < RUN_UP_CASES; n++) {
         const run_up *r = &all[n];
@@ -162,11 +160,10 @@ bool run_ups_part(page *p, const run_up all[RUN_UP_CASES], error *e)
         page_row_end(p);
     }
     page_table_end(p);
-    page_note(
-        p,
-        "Largest deviations of the torque, smoothed over %d cycles, above %g rpm, but around the reversal; "
-        "percent of rated. i_d over the rated peak. Voltage: fundamental over u_dc. Pulses per leg and "
-        "electrical turn at the top.",
-        (int)RUN_UP_BELL, RUN_UP_FROM_RPM);
+    page_note(p,
+              "Largest deviations of the torque in percent of rated, smoothed over %d cycles, above %g rpm, "
+              "without the reversal. i_d: over the rated peak. Voltage: fundamental over u_dc. Pulses: per "
+              "leg and electrical turn at the top.",
+              (int)RUN_UP_BELL, RUN_UP_FROM_RPM);
     return run_up_figure(p, all, e);
 }

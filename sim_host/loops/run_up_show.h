@@ -1,4 +1,4 @@
-/* How the run-ups are told: printed, as JSON, and as a part of the report page. */
+/* Output of the run-ups: text, JSON, and a part of the report page. */
 #ifndef SIM_HOST_LOOPS_RUN_UP_SHOW_H
 #define SIM_HOST_LOOPS_RUN_UP_SHOW_H
 

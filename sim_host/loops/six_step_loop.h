@@ -1,13 +1,12 @@
 /*
- * Torque control in six-step operation: the amplitude of the voltage is the DC link's, its angle to the rotor
- * is set by a controller of i_q that is fed, once per inverter state, with the mean phase currents of that
- * state's interval.
+ * Torque control in six-step operation. The DC link sets the voltage's amplitude, a controller of i_q its angle to
+ * the rotor. Once per inverter state the controller's input is the mean of the phase currents over that state.
  *
- * Discrete angle: the mean is turned by the angle at the middle of the interval, 2016 (3), the practice.
- * Corrected: 2016 (10). At a sixth of a turn per interval the first is the second over 1.0530: a controller
- * that believes it drives the true current 5.3 % beyond its reference, and the torque with it.
+ * Discrete angle: the mean is turned by the angle at the middle of the interval, 2016 (3), the usual practice.
+ * Corrected: 2016 (10). At a sixth of a turn per interval the first is the second over 1.0530. The controller then
+ * drives the true current and the torque 5.3 % beyond the reference.
  *
- * What runs at each switching instant is the library's IQ24; the drive is the switching-level plant.
+ * The library's IQ24 code runs at each switching instant; the drive is the switching-level plant.
  */
 #ifndef SIM_HOST_LOOPS_SIX_STEP_LOOP_H
 #define SIM_HOST_LOOPS_SIX_STEP_LOOP_H
@@ -29,7 +28,7 @@ typedef struct six_step_loop {
     double trace_t_s[SIX_STEP_INTERVALS]; /* of its end */
 } six_step_loop;
 
-/* The drive of the 2019 paper at 8000 rpm, with a DC link at which six-step is what it takes. */
+/* The drive of the 2019 paper at 8000 rpm, with a DC link that needs six-step there. */
 #define SIX_STEP_RPM  8000.0
 #define SIX_STEP_U_DC 540.0
 

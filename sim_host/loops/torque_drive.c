@@ -9,24 +9,26 @@
 #include <math.h>
 #include <string.h>
 
-#define FILTER_CYCLES 64 /* of the voltage's share ahead of six-step */
+#define FILTER_CYCLES 64 /* of the voltage's share before six-step */
 #define FILTER_STATES 8  /* of i_d in six-step */
-/* The carrier is taken again where i_q has been this near for so many states: not in the middle of a reversal. */
+/* The carrier resumes after i_q has been this near for so many states: not during a reversal. */
 #define SETTLED        IQ24(0.05)
 #define SETTLED_STATES 24
 
 static bool reference_from_motor(const motor *m, const torque_limits *limits, iqfoc_reference_config_t *c,
-                                 error *e)
+                                 iqfoc_reference_link_t *link, error *e)
 {
     const per_unit base = per_unit_of(m);
     const double omega_rad_s = motor_speed_rad_s(m, m->n_max_rpm);
-    const double gain = IQFOC_RAW_REFERENCE_GAIN(limits->weakening_per_s, m->L_d_H, base.T_s, base.I_A,
-                                                 base.U_V, omega_rad_s, 2.0 / VEC_PI * limits->u_dc_V);
+    const double link_gain = IQFOC_RAW_REFERENCE_LINK_GAIN(m->L_d_H, base.I_A, base.U_V, omega_rad_s,
+                                                           2.0 / VEC_PI * limits->u_dc_V);
+    const double gain = limits->weakening_per_s * base.T_s * link_gain;
     c->saliency = iq24_from_double(IQFOC_RAW_REFERENCE_SALIENCY(m->L_d_H, m->L_q_H, m->psi_f_Wb, base.I_A));
     c->i_max = iq24_from_double(limits->i_max_A / base.I_A);
     c->i_d_min = iq24_from_double(limits->i_d_min_A / base.I_A);
     c->gain = iq24_from_double(gain);
     c->share = iq24_from_double(limits->share);
+    link->gain = iq24_from_double(link_gain);
     const iqfoc_error_t refused = iqfoc_reference_check(c);
     return refused == IQFOC_OK ||
            error_input(e, m->path, 0, 0, "the reference refuses its parameters: %d", (int)refused);
@@ -51,16 +53,15 @@ static void timer_from_motor(torque_drive *d, const motor *m, const torque_limit
 bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *limits, iqfoc_methods_t methods,
                        error *e)
 {
-    /* The methods below stand in for these two. */
-    const scenario_control control = {.feedback = FEEDBACK_QUASI_DISCRETE_MEAN,
-                                      .modulation = MODULATION_PWM,
-                                      .bandwidth_Hz = limits->bandwidth_Hz};
+    /* The methods name feedback and modulation: the configuration leaves both at 0. */
+    const scenario_control control = {
+        .feedback = FEEDBACK_MIDPOINT, .modulation = MODULATION_PWM, .bandwidth_Hz = limits->bandwidth_Hz};
     iqfoc_cycle_config_t config;
     memset(d, 0, sizeof *d);
     d->methods = methods;
     d->cycle = drive_firmware_by(&d->host, methods);
     timer_from_motor(d, m, limits);
-    return reference_from_motor(m, limits, &d->reference_config, e) &&
+    return reference_from_motor(m, limits, &d->reference_config, &d->link, e) &&
            config_from_motor(m, &control, &config, e) && d->cycle.start(d->cycle.context, &config, e);
 }
 
@@ -77,15 +78,16 @@ static iq24_t voltage_limit(const torque_drive *d, const iqfoc_sample_t *sample)
 static bool at_valley(void *context, iqfoc_dq_t torque, const iqfoc_sample_t *sample, error *e)
 {
     torque_drive *d = context;
-    const iqfoc_dq_t i_ref = iqfoc_reference_step(&d->reference, &d->reference_config, torque.q,
-                                                  d->host.cycle.u_dq, voltage_limit(d, sample));
+    const iqfoc_dq_t u = d->host.cycle.u_dq;
+    const iq24_t u_limit =
+        iqfoc_reference_link(&d->reference, &d->link, &d->reference_config, u, voltage_limit(d, sample));
+    const iqfoc_dq_t i_ref = iqfoc_reference_step(&d->reference, &d->reference_config, torque.q, u, u_limit);
     return d->cycle.valley(d->cycle.context, i_ref, sample, e);
 }
 
 /*
- * The angle at which six-step, a little longer than what the carrier makes, leaves i_q as it is: the voltage's d
- * component, which i_q takes, stays. A DC link's ripple, which both parts of that share of six-step have, is
- * filtered out of it.
+ * The angle at which six-step keeps i_q. Its voltage is a little longer than the carrier's, and the d component,
+ * which i_q needs, stays the same. A filter removes the DC link's ripple, which is in both parts of that share.
  */
 static void follow_share(torque_drive *d, const iqfoc_sample_t *sample)
 {
@@ -112,7 +114,7 @@ static void to_timer(torque_drive *d, const iqfoc_sample_t *sample, drive_answer
     d->i_d = cycle->i_ref.d;
 }
 
-/* Weakening for what the carrier lacks of six-step's voltage: over the d axis' reactance. */
+/* Weakening for the voltage that the carrier lacks against six-step: over the d axis' reactance. */
 static iq24_t carrier_weakening(const torque_drive *d, const iqfoc_sample_t *sample)
 {
     const iq24_t lacks = iq24_mul_round(IQ24(2.0 / VEC_PI), sample->u_dc) - voltage_limit(d, sample);
@@ -121,8 +123,8 @@ static iq24_t carrier_weakening(const torque_drive *d, const iqfoc_sample_t *sam
 }
 
 /*
- * The end of a state. Where the carrier begins anew, the state that begins stands for its first cycle, which is
- * shorter than a sixth of a turn: as duties of 0 and 1, while the first command is made.
+ * The end of a state. When the carrier resumes, the new state serves as its first cycle, with duties of 0 and 1,
+ * while the first command is calculated. That cycle is shorter than a sixth of a turn.
  */
 static bool at_switching(torque_drive *d, iq24_t i_q, const iqfoc_sample_t *sample, drive_answer *answer,
                          error *e)

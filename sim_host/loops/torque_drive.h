@@ -1,10 +1,9 @@
 /*
- * Firmware that turns a torque into duties over the whole range of the inverter: the reference (torque to
- * current, field weakening) ahead of the library's cycle, PI and the modulator up to six-step.
+ * Firmware from torque to duties over the whole range of the inverter. iqfoc/reference.h (torque to current, field
+ * weakening) runs before the library's control cycle with PI, and the modulator goes up to six-step.
  *
- * By a timer, if wanted: where the weakening has come to i_d_to_timer_A the carrier is left for six-step at the
- * voltage's very angle, in which i_d falls out of the speed, and where that is back at i_d_to_carrier_A the
- * carrier begins anew.
+ * Six-step by a timer is optional. At a weakening of i_d_to_timer_A six-step replaces the carrier at the voltage's
+ * exact angle, and i_d follows from the speed. The carrier resumes when i_d is back at i_d_to_carrier_A.
  */
 #ifndef SIM_HOST_LOOPS_TORQUE_DRIVE_H
 #define SIM_HOST_LOOPS_TORQUE_DRIVE_H
@@ -22,16 +21,17 @@ typedef struct torque_drive {
     iqfoc_methods_t methods;
     iqfoc_reference_config_t reference_config;
     iqfoc_reference_t reference;
+    iqfoc_reference_link_t link;
     bool may_use_timer, timer_runs;
     iq24_t i_d_to_timer, i_d_to_carrier;
     double d_share; /* of the voltage: its d component over six-step's length, filtered */
     iq24_t i_d;     /* of six-step, filtered over some states */
-    int may_go;     /* for so many states the carrier might have been taken again */
+    int may_go;     /* states for which the carrier could have resumed */
     iqfoc_six_step_config_t six_config;
     iqfoc_six_step_t six;
 } torque_drive;
 
-/* What the reference may ask for, beside the motor's data. */
+/* Limits and bandwidths of the reference, in addition to the motor's data. */
 typedef struct torque_limits {
     double i_max_A, i_d_min_A;
     double share;           /* of the voltage limit */
@@ -43,8 +43,8 @@ typedef struct torque_limits {
 } torque_limits;
 
 /*
- * methods: what the cycle does by PI; with IQFOC_MODULATION_PWM the voltage stays in the linear range. False where
- * a value does not fit the library's ranges.
+ * methods: the control cycle's, with PI; with IQFOC_MODULATION_PWM the voltage stays in the linear range. False if a
+ * value does not fit the library's ranges.
  */
 bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *limits, iqfoc_methods_t methods,
                        error *e);

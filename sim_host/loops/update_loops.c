@@ -1,4 +1,4 @@
-/* Two updates a carrier period beside one (update_loops.h). */
+/* Two updates per carrier period against one (update_loops.h). */
 #include "update_loops.h"
 
 #include "base/json_file.h"
@@ -46,10 +46,10 @@ static const char *settling_text(const loop_result *r, int update, char text[16]
 void update_loops_print(const update_loops *all, FILE *f)
 {
     fprintf(f,
-            "\nOne and two updates a carrier period, step of i_q from 30 %% to 70 %% of rated; percent of "
+            "\nOne and two updates per carrier period, step of i_q from 30 %% to 70 %% of rated; percent of "
             "the rated "
             "peak\n  %5s  %-26s%8s  %-10s%10s%10s%10s%10s%10s\n",
-            "ratio", "loop", "updates", "outcome", "constant", "wanders", "start", "overshoot", "settling");
+            "SFFR", "loop", "updates", "outcome", "constant", "rest", "start", "overshoot", "settling");
     for (int k = 0; k < UPDATE_RATIOS; k++) {
         for (int n = 0; n < UPDATE_METHODS; n++) {
             for (int u = 0; u < UPDATES; u++) {
@@ -90,9 +90,9 @@ json_t *update_loops_json(const update_loops *all)
 void update_loops_part(page *p, const update_loops *all)
 {
     static const char *const heads[] = {
-        "\tratio",    "loop",           "\tupdates",          "", "\tconstant error, %", "\twanders, %",
+        "\tSFFR",     "loop",           "\tupdates",          "", "\tconstant error, %", "\tnot constant, %",
         "\tstart, %", "\tovershoot, %", "\tsettling, periods"};
-    page_heading(p, 2, "Two updates a carrier period");
+    page_heading(p, 2, "Two updates per carrier period");
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (int k = 0; k < UPDATE_RATIOS; k++) {
         for (int n = 0; n < UPDATE_METHODS; n++) {
@@ -114,5 +114,6 @@ void update_loops_part(page *p, const update_loops *all)
         }
     }
     page_table_end(p);
-    page_note(p, "The same carrier and so the same switching. Errors are of the mean over a carrier period.");
+    page_note(
+        p, "The carrier and the switching are the same. Errors are those of the mean over a carrier period.");
 }

@@ -1,7 +1,7 @@
 /*
- * The study of two updates a carrier period beside one, at low ratios and with the same switching: the drive and
- * the step of current_loops.h. With two, valley and peak are both the start of a control cycle, half as long:
- * samples there are as free of ripple, the delay is halved, and so is the angle that a cycle covers.
+ * The study of one and two updates per carrier period, at low SFFR and with the same switching, with the drive and
+ * the step of current_loops.h. With two, valley and peak both start a control cycle of half the length. Samples there
+ * are as free of ripple. The delay and the angle of a cycle are halved.
  */
 #ifndef SIM_HOST_LOOPS_UPDATE_LOOPS_H
 #define SIM_HOST_LOOPS_UPDATE_LOOPS_H

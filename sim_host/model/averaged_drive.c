@@ -125,18 +125,20 @@ static void dead_time_losses(const averaged_drive *d, const cycle_row *row, foun
                              double lost[3])
 {
     found_currents_apart(d, row, r, i);
-    if (d->edge == EDGE_OVER) {
+    if (d->edge == EDGE_FOUND) {
         found_edges_lost(d, row, i, lost);
         return;
     }
     const double per_knee = 1.0 / d->i_knee_A;
+    const double takes_V = d->v_dead_V + d->compensation_V;
     for (size_t x = 0; x < 3; x++) {
         /* Of a full loss at one edge and none at the other: (1 + s) / 2 at the rise, (s - 1) / 2 at the fall. */
         const double mid = 0.5 * (i->first[x] + i->last[x]);
         const double rise = averaged_drive_edge(d->edge, (mid + i->apart[x]) * per_knee);
         const double fall = averaged_drive_edge(d->edge, (mid - i->apart[x]) * per_knee);
         const double held = row->no_rise[x] * (1.0 + rise) - row->no_fall[x] * (1.0 - fall);
-        lost[x] = 0.5 * d->v_dead_V * (rise + fall - held);
+        lost[x] = 0.5 * takes_V * (rise + fall - held);
+        lost[x] -= averaged_drive_compensation(d, i->first[x]);
     }
 }
 
@@ -184,7 +186,7 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
                            vec_rotor r, double T_s)
 {
     vec_ab all = {0.0, 0.0};
-    if (d->v_dead_V != 0.0) {
+    if (averaged_drive_loses(d)) {
         found_currents i = {.T_s = T_s};
         double lost[3];
         vec_to_phases(i_start, i.first);
@@ -238,7 +240,7 @@ static vec_dq iron_share(const averaged_drive *d, double omega_rad_s, vec_dq flu
     return (vec_dq){along * flux.d - across * flux.q, along * flux.q + across * flux.d};
 }
 
-/* The eddy current beside the current i, from the last cycle's voltage u[0] and the one's before it. */
+/* The eddy current in addition to the current i, from the last cycle's voltage u[0] and the one's before it. */
 static vec_ab eddy_current(const averaged_drive *d, const vec_ab *u, vec_ab i)
 {
     double drop = (d->eddy_S[0] + d->eddy_S[1]) * d->R_ohm;
@@ -368,7 +370,7 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     if (bends) {
         near = flux_map_guess(d, y, i_dq, &at);
     }
-    if (d->v_dead_V != 0.0 || unequal(d)) {
+    if (averaged_drive_loses(d) || unequal(d)) {
         /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
         near = current_of(d, bends, per_H, y, near);
         const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};

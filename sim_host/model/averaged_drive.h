@@ -1,6 +1,5 @@
 /*
- * The averaged drive: the exact averaged machine (averaged.h) with every effect that the diagnosis knows, as
- * laws of interfaces.md. It maps the true current at the start of a cycle to the true current at its end; what
+ * The averaged drive: the exact averaged machine (averaged.h) with every effect that the diagnosis knows, in the models of docs/interfaces.md. It maps the true current at the start of a cycle to the true current at its end; what
  * sensors show of these is in sensor_chain.h, sensor_lag.h and sensor_bend.h.
  *
  * The machine's own step is exact. The effects are small additions to it and enter to second order in the
@@ -22,7 +21,7 @@
 typedef enum edge_law {
     EDGE_CHARGED, /* the current first charges the devices' capacitance: 1 - knee/(2|i|) */
     EDGE_CLIPPED, /* sat(i / knee): the law of interfaces.md and of the firmware */
-    EDGE_OVER, /* of a compensation by the sign at the cycle's start, and of each edge's own current (found_edges.h) */
+    EDGE_FOUND,   /* each edge by the current that it finds, which a compensation has moved (found_edges.h) */
     EDGE_LAWS
 } edge_law;
 
@@ -32,11 +31,15 @@ typedef struct averaged_drive {
     double saturation;             /* 1/I_sat^2 (1/A^2); L_d_H and L_q_H then are those at zero current */
     double w_ddd, w_dqq;           /* flux map (flux_map.h), Wb/A^2; L_d_H and L_q_H as with saturation */
     double w_dddd, w_ddqq, w_qqqq; /* Wb/A^3 */
+    /*
+     * v_dead: what a leg loses far from zero current. A compensation has added compensation_V by the current at the cycle's start,
+     * sat(i / compensation_knee_A), so that dead time and drops themselves take their sum.
+     */
     double v_dead_V, i_knee_A;
+    double compensation_V, compensation_knee_A;
     edge_law edge;
     /* How much of the ripple each edge sees: 0, the mean current, to 1, all that the duties tell. */
     double edge_ripple;
-    double dead_share; /* EDGE_OVER: the dead time itself, of what it is over-compensated by */
     double k_u;
     double offset_ab_A[2]; /* current sensors, stationary frame */
     double offset_zero_A;  /* mean of the three sensors' offsets: shows only where all three are recorded */
@@ -54,7 +57,7 @@ typedef struct averaged_drive {
     double alpha_R, alpha_psi; /* by which R and psi_f grow per kelvin above the mean of temp_C */
     double fe_S, fe_tau_s; /* iron: 1 / R_fe of its branch, and the branch's time constant (iron_branch.h) */
     /* Effects that the diagnosis does not name; fitted to see that no named effect is taken for them. */
-    double iron_S;   /* 1 / resistance of a current beside the flux-producing current */
+    double iron_S;   /* 1 / resistance of an eddy current in addition to the flux-producing current */
     double iron_s_S; /* that times the time by which the iron's current comes late */
     /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
@@ -135,6 +138,12 @@ double averaged_drive_magnet(const averaged_drive *drive, const cycle_row *row);
 /* A share of 1/L in the stationary frame, the rotor at r: aa, ab, bb. */
 void averaged_drive_per_H(const averaged_drive *drive, double share, vec_rotor r, double k[3]);
 
+/* Whether the legs lose anything to dead time, or get it back. */
+static inline bool averaged_drive_loses(const averaged_drive *d)
+{
+    return d->v_dead_V != 0.0 || d->compensation_V != 0.0;
+}
+
 /*
  * The share of v_dead that an edge loses at x = i / knee.
  *
@@ -150,6 +159,14 @@ static inline double averaged_drive_edge(edge_law law, double x)
         return size < 1.0 ? 0.5 * x : sign * (1.0 - 0.5 / size);
     }
     return size < 1.0 ? x : sign;
+}
+
+/* What a compensation adds to a leg with this current at the cycle's start. */
+static inline double averaged_drive_compensation(const averaged_drive *d, double i_A)
+{
+    return d->compensation_V != 0.0
+               ? d->compensation_V * averaged_drive_edge(EDGE_CLIPPED, i_A / d->compensation_knee_A)
+               : 0.0;
 }
 
 #endif

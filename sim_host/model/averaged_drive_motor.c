@@ -8,12 +8,16 @@ static const double NEVER = 1e6; /* of the rated peak */
 
 static void take_laws(averaged_drive *d, const motor *m)
 {
-    const motor_extension *x = &m->ext;
+    motor_extension read = m->ext;
+    const motor_extension *x = &read;
     if (x->has[CAUSE_SATURATION]) {
         d->saturation = 1.0 / (x->I_sat_A * x->I_sat_A);
     }
     if (x->has[CAUSE_SATURATION_DQ] && x->I_sat_dq_A > 0.0) {
         d->saturation = 1.0 / (x->I_sat_dq_A * x->I_sat_dq_A);
+    }
+    if (x->has[CAUSE_DEAD_TIME] && x->compensation_knee_A > 0.0) {
+        d->compensation_knee_A = x->compensation_knee_A;
     }
     if (x->has[CAUSE_IRON_LOSS]) {
         d->fe_S = 1.0 / x->R_fe_ohm;
@@ -28,10 +32,13 @@ static void take_laws(averaged_drive *d, const motor *m)
         d->offset_rate_ab_A_s[1] = rate.beta;
         d->offset_zero_A = (x->o_A[0] + x->o_A[1] + x->o_A[2]) / 3.0;
     }
-    if (x->has[CAUSE_ANGLE_HARMONIC]) {
-        const size_t n = motor_angle_order(m);
-        d->harmonic_cos_rad[n] = x->harmonic_amplitude_rad * cos(x->harmonic_phase_rad);
-        d->harmonic_sin_rad[n] = -x->harmonic_amplitude_rad * sin(x->harmonic_phase_rad);
+    for (size_t k = 0; k < ANGLE_ORDERS; k++) {
+        const motor_harmonic entry = motor_harmonic_of(&read, k);
+        if (x->has[entry.cause]) {
+            const size_t n = motor_angle_order(m, *entry.order);
+            d->harmonic_cos_rad[n] = *entry.amplitude_rad * cos(*entry.phase_rad);
+            d->harmonic_sin_rad[n] = -*entry.amplitude_rad * sin(*entry.phase_rad);
+        }
     }
     if (x->has[CAUSE_VOLTAGE_DELAY]) {
         d->u_delay[0] = fmin(x->voltage_delay_cycles, 1.0);
@@ -44,6 +51,7 @@ averaged_drive averaged_drive_of(const motor *m)
     averaged_drive d = {.R_ohm = m->R_ohm,
                         .psi_f_Wb = m->psi_f_Wb,
                         .i_knee_A = 0.02 * m->I_rated_A_rms,
+                        .compensation_knee_A = 0.02 * m->I_rated_A_rms,
                         .edge = m->ext.has[CAUSE_DEAD_TIME] ? EDGE_CLIPPED : EDGE_CHARGED,
                         .k_u = 1.0,
                         .fe_tau_s = 0.5 / m->f_pwm_Hz,
@@ -68,24 +76,25 @@ static void put_laws(motor *m, const averaged_drive *d)
     x->L_0_H = 0.5 * (d->L_d_H + d->L_q_H);
     x->L_d0_H = d->L_d_H;
     x->L_q0_H = d->L_q_H;
-    /* Beside terms of a map the fall with current is a part of it. */
+    /* With terms of a flux map, saturation with the current is a part of the map. */
     x->I_sat_dq_A = d->saturation > 0.0 && flux_map_has_terms(d) ? 1.0 / sqrt(d->saturation) : 0.0;
     x->I_sat_A = d->saturation > 0.0 ? 1.0 / sqrt(d->saturation) : NEVER * I_A;
     x->R_fe_ohm = d->fe_S > 0.0 ? 1.0 / d->fe_S : NEVER * m->u_dc_V / I_A;
     x->tau_fe_s = d->fe_tau_s;
-    /* Only the two-phase information of the offsets counts: their common part is left out. */
     vec_to_phases((vec_ab){d->offset_ab_A[0], d->offset_ab_A[1]}, x->o_A);
-    vec_to_phases((vec_ab){d->offset_rate_ab_A_s[0], d->offset_rate_ab_A_s[1]}, x->o_rate_A_s);
-    size_t n = 0;
-    for (size_t k = 1; k < ANGLE_ORDERS; k++) {
-        if (swing_rad(d, k) > swing_rad(d, n)) {
-            n = k;
-        }
+    /* The model's currents see nothing of what the offsets have in common: by itself it is no effect. */
+    const bool has_offsets = x->o_A[0] != 0.0 || x->o_A[1] != 0.0 || x->o_A[2] != 0.0;
+    for (int phase = 0; has_offsets && phase < 3; phase++) {
+        x->o_A[phase] += d->offset_zero_A;
     }
-    const bool swings = swing_rad(d, n) > 0.0;
-    x->harmonic_order = swings ? motor_order_of(m, n) : 0.0;
-    x->harmonic_amplitude_rad = swing_rad(d, n);
-    x->harmonic_phase_rad = swings ? atan2(-d->harmonic_sin_rad[n], d->harmonic_cos_rad[n]) : 0.0;
+    vec_to_phases((vec_ab){d->offset_rate_ab_A_s[0], d->offset_rate_ab_A_s[1]}, x->o_rate_A_s);
+    for (size_t n = 0; n < ANGLE_ORDERS; n++) {
+        const motor_harmonic entry = motor_harmonic_of(x, n);
+        const bool swings = swing_rad(d, n) > 0.0;
+        *entry.order = swings ? motor_order_of(m, n) : 0.0;
+        *entry.amplitude_rad = swing_rad(d, n);
+        *entry.phase_rad = swings ? atan2(-d->harmonic_sin_rad[n], d->harmonic_cos_rad[n]) : 0.0;
+    }
     x->voltage_delay_cycles = d->u_delay[0] + d->u_delay[1];
 }
 
@@ -99,7 +108,8 @@ motor averaged_drive_motor(const averaged_drive *d, const motor *base)
 #define MODEL(ID, field, member) m.ext.field = d->member;
 #include "../data/causes.def"
     put_laws(&m, d);
-    m.ext.i_knee_A = d->v_dead_V != 0.0 ? d->i_knee_A : 0.0;
+    m.ext.i_knee_A = averaged_drive_loses(d) ? d->i_knee_A : 0.0;
+    m.ext.compensation_knee_A = d->compensation_V != 0.0 ? d->compensation_knee_A : 0.0;
     for (int id = 0; id < CAUSE_COUNT; id++) {
         motor_note_extension(&m, (cause_id)id);
     }

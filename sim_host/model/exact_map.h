@@ -1,6 +1,6 @@
 /*
  * The one exact model of a salient machine over a span of constant speed and of a voltage that stands still
- * in the stationary frame: exact.h and the diagnosis' averaged model (averaged.h) stand on it. Rotor frame,
+ * in the stationary frame: exact.h and the diagnosis' averaged model (averaged.h) use it. Rotor frame,
  * the current's flux x = (L_d i_d, L_q i_q) as state:
  *
  *     dx/dt = A x + u_dq(t) - (0, omega psi_f)     A = [-R/L_d  omega; -omega  -R/L_q]

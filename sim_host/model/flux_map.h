@@ -6,7 +6,7 @@
  *     saturation      L / (1 + (i/I_sat)^2) in both axes, i^2 = 2 (L_d d^2 + L_q q^2)/(L_d + L_q)
  *     saturation_dq   the same, of L_d0 and L_q0 and without I_sat constant, and the terms
  *                     w_ddd d^3 + w_dqq d q^2 + w_dddd d^4 + w_ddqq d^2 q^2 + w_qqqq q^4 of W
- * The terms alone turn back soon beyond the currents that they were fitted to; beside the fall they are small.
+ * The terms alone turn back soon beyond the currents that they were fitted to; they are small compared with the saturation.
  */
 #ifndef SIM_HOST_MODEL_FLUX_MAP_H
 #define SIM_HOST_MODEL_FLUX_MAP_H
@@ -37,7 +37,7 @@ vec_dq flux_map_flux(const averaged_drive *drive, vec_dq i);
 /*
  * The current that carries a flux, by Newton's method from a guess, to about 1e-10 of it. Where the incremental
  * inductance is not that of a machine (the flux falls as the current rises) the step is that without
- * saturation, and after a few of these the last value stands; a flux that lies beyond all that a map can carry
+ * saturation, and after a few of these the last value is kept; a flux that lies beyond all that a map can carry
  * has the current of the first step, by the inductance at the guess.
  */
 vec_dq flux_map_current(const averaged_drive *drive, vec_dq flux, vec_dq guess);

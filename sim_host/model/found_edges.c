@@ -46,7 +46,7 @@ typedef struct edges {
     vec_ab flux;      /* what the edges before have changed */
 } edges;
 
-/* How fast each leg's current moves about its edges: the others stand at its fall as they did at its rise. */
+/* How fast each leg's current moves about its edges: the others have the same state at its fall as at its rise. */
 static void find_slopes(edges *e, const cycle_row *row, const size_t order[3])
 {
     const found_currents *i = e->i;
@@ -75,7 +75,7 @@ static double sign_found(const edges *e, size_t x, double i_A)
 
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3])
 {
-    const double v_late_V = -d->dead_share * d->v_dead_V;
+    const double v_late_V = d->v_dead_V + d->compensation_V;
     const double s_per_V = i->T_s / row->u_dc_V;
     edges e = {.d = d, .i = i, .v_late_V = v_late_V, .late_s = v_late_V * s_per_V};
     size_t order[3];
@@ -83,8 +83,7 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
     find_slopes(&e, row, order);
     for (size_t x = 0; x < 3; x++) {
         /* No edge moves beyond the valley or the peak. */
-        const double wanted =
-            0.5 * (v_late_V - d->v_dead_V) * averaged_drive_edge(EDGE_CLIPPED, i->first[x] / d->i_knee_A);
+        const double wanted = 0.5 * averaged_drive_compensation(d, i->first[x]);
         e.moved_V[x] = fmin(fmax(wanted, (row->rise[x] - 0.5) * row->u_dc_V), row->rise[x] * row->u_dc_V);
         e.moved_s[x] = e.moved_V[x] * s_per_V;
         lost[x] = -2.0 * e.moved_V[x];
@@ -110,9 +109,7 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
 void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, double rise_V[3],
                       double fall_V[3])
 {
-    const bool over = d->edge == EDGE_OVER;
-    const double v_late_V = over ? -d->dead_share * d->v_dead_V : d->v_dead_V;
-    const double moved_V = over ? 0.5 * (v_late_V - d->v_dead_V) : 0.0;
+    const double v_late_V = d->v_dead_V + d->compensation_V;
     const double per_knee = 1.0 / d->i_knee_A;
     found_currents at = {.T_s = row->T_s};
     vec_to_phases(i, at.first);
@@ -124,7 +121,7 @@ void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, d
         const double mid = 0.5 * (at.first[x] + at.last[x]);
         const double at_rise = averaged_drive_edge(d->edge, (mid + at.apart[x]) * per_knee);
         const double at_fall = averaged_drive_edge(d->edge, (mid - at.apart[x]) * per_knee);
-        const double moved = moved_V * averaged_drive_edge(d->edge, at.first[x] * per_knee);
+        const double moved = 0.5 * averaged_drive_compensation(d, at.first[x]);
         rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
         fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;
     }

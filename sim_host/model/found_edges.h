@@ -3,7 +3,7 @@
  *
  * A compensation moves a leg's two edges by the sign of its current at the cycle's start. An edge then loses its dead time by the
  * current that flows there: the cycle's mean slope, the ripple that the duties tell, and what the edges before it, moved
- * or late, have already changed. A current that reaches nought within the dead time stays there and loses a share: sat of
+ * or late, have already changed. A current that reaches zero within the dead time stays there and loses a share: sat of
  * the current half a dead time on with the leg half way between the rails, over the knee.
  */
 #ifndef SIM_HOST_MODEL_FOUND_EDGES_H
@@ -19,7 +19,7 @@ typedef struct found_currents {
     double T_s;
 } found_currents;
 
-/* What a flux beside the machine's own adds to the current. */
+/* The current added by a flux in addition to the machine's own. */
 static inline vec_ab found_current(const found_currents *i, vec_ab flux)
 {
     const double *k = i->per_flux;
@@ -29,7 +29,7 @@ static inline vec_ab found_current(const found_currents *i, vec_ab flux)
 /* Finds per_flux and apart of first and last, the rotor at r: by as much of the ripple as edge_ripple says. */
 void found_currents_apart(const averaged_drive *d, const cycle_row *row, vec_rotor r, found_currents *i);
 
-/* The mean voltage that each leg loses over the cycle under EDGE_OVER: v_dead against a current that is far from nought. */
+/* The mean voltage that each leg loses over the cycle under EDGE_FOUND: v_dead against a current far from zero. */
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3]);
 
 /*

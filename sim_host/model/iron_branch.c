@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* A beginning sums up so many cycles at most, and none of which less is left. */
+/* The initial sum covers at most so many cycles, and only those with a larger remainder. */
 enum { CYCLES_MOST = 64 };
 static const double LEAST = 1e-4;
 
@@ -42,7 +42,7 @@ static cycle_pulses pulses_of(const averaged_drive *d, const iron_memory *m, con
     for (size_t x = 0; x < 3; x++) {
         leg[x] = d->k_u * command->u_dc_V * (left.fall[x] - left.rise[x]);
     }
-    if (d->v_dead_V != 0.0) {
+    if (averaged_drive_loses(d)) {
         double rise_V[3];
         double fall_V[3];
         double lost_V[3];
@@ -87,7 +87,7 @@ static cycle_pulses go_on(const averaged_drive *d, iron_memory *m, const cycle_r
     return own;
 }
 
-/* The memory at the row's start: where it stands elsewhere, summed up over the cycles before. */
+/* The memory at the row's start: summed over the cycles before if the memory is of another row. */
 static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
 {
     if (m->row && m->row == row && row->history > 0) {

@@ -1,5 +1,5 @@
 /*
- * The iron's branch: the current beside the one that makes flux, R_fe i_fe + tau R_fe di_fe/dt = dpsi/dt = u - drop, the drop
+ * The iron-loss branch: the current in addition to the flux-producing one, R_fe i_fe + tau R_fe di_fe/dt = dpsi/dt = u - drop, the drop
  * being that over the phases' resistances, of the whole current.
  *
  * At a sampling instant it is what the pulses of the cycles before have left, each less by e^{-t/tau} of the time since.
@@ -12,11 +12,11 @@
 #include "sensor_chain.h"
 
 /*
- * What the cycles before a row have left, carried on from row to row. All nought at a way's beginning, where it is summed up from
- * the rows before (cycle_row's history); a way that goes on at another row than the next sums up anew.
+ * What the cycles before a row have left, carried from row to row. All zero at the start of a pass, where it is summed from
+ * the rows before (cycle_row's history); a pass that continues at another row than the next sums again.
  */
 struct iron_memory {
-    const cycle_row *row; /* at whose start it stands; NULL: nowhere yet */
+    const cycle_row *row; /* at whose start it is valid; NULL: none yet */
     double per_tau, fade; /* the cycle over the branch's time constant, and e to minus that */
     double of_start,
         of_end; /* what a cycle leaves of the drop that it starts with, and of the one that it ends with */
@@ -32,16 +32,16 @@ typedef struct iron_branch {
     vec_ab mean_V;          /* over the cycle, ahead of the phases' drop */
 } iron_branch;
 
-/* Beside the phase current i at the row's start, which it is a part of. The memory is left at the row after. */
+/* For the phase current i at the row's start, which it is a part of. The memory is left at the row after. */
 iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory);
 
 /* At the start of the row's cycle. */
 vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b);
 
-/* Its mean over the cycle, beside a phase current that goes from one to the other. */
+/* Its mean over the cycle, for a phase current that changes from one value to the other. */
 vec_ab iron_branch_mean(const averaged_drive *d, const iron_branch *b, vec_ab i_start, vec_ab i_end);
 
-/* At the end, beside the current i that makes flux: the phase current is the sum. */
+/* At the end, for the flux-producing current i: the phase current is the sum. */
 vec_ab iron_branch_end(const averaged_drive *d, const iron_branch *b, vec_ab i);
 
 #endif

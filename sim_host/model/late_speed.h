@@ -1,5 +1,5 @@
 /*
- * A speed column behind a first-order filter of time constant tau, or late by it:
+ * A speed column that is filtered (first order, time constant tau) or delayed by tau:
  *
  *     tau d(recorded)/dt + recorded = true
  *

@@ -1,5 +1,5 @@
 /*
- * A DC link that swings while its column stands still, u_dc (1 + share sin(2 pi frequency t + phase)): the legs' voltages swing
+ * A DC-link voltage with a ripple that its column does not show, u_dc (1 + share sin(2 pi frequency t + phase)): the legs' voltages swing
  * with it, and with them the cycle's mean. Far slower than the carrier, it is the same throughout a cycle.
  */
 #ifndef SIM_HOST_MODEL_LINK_RIPPLE_H

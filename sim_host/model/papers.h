@@ -1,5 +1,5 @@
 /*
- * The formulas of both papers in double precision: the reference that the IQ24 firmware is held against.
+ * The formulas of both papers in double precision: the reference for the IQ24 firmware.
  *
  * "2016": L. Jarzebowicz, Applied Mathematical Modelling 42, pp. 576-590. "2019": L. Jarzebowicz, IET Power
  * Electronics 12(12), pp. 3280-3285. Derivations and errata: docs/equations.md.
@@ -77,7 +77,7 @@ double complex papers_predict_euler(const papers_machine *m, double complex i_A,
 double complex papers_predict_quasi_discrete(const papers_machine *m, double complex i_A, double complex u_V,
                                              double theta_rad, double omega_rad_s);
 
-/* (10), quasi-discrete, its third term mended. */
+/* (10), quasi-discrete, its third term corrected. */
 double complex papers_mean_quasi_discrete(const papers_machine *m, double complex i_A, double complex u_V,
                                           double theta_rad, double omega_rad_s);
 

@@ -1,9 +1,9 @@
 /*
- * Current sensors that are not linear: beyond what a linear sensor would show of phase x, y_x, they show
+ * Nonlinear current sensors: beyond what a linear sensor would show of phase x, y_x, they show
  *
  *     cubic_x y_x^3 - zone sat(y_x / zone)
  *
- * sat(x) = x clipped to +-1: a transformer or an amplifier that bends, and a dead zone about nought. The diagnosis has no
+ * sat(x) = x clipped to +-1: a nonlinear transformer or amplifier, and a dead zone at zero. The diagnosis has no
  * name for either; what they do to a current is like a flux map or a dead time, but no machine moves the sum of three
  * currents, and these do.
  */

@@ -27,7 +27,7 @@ static vec_ab filtered_Vs(const averaged_drive *d, const cycle_row *row, double 
     double rise_V[3] = {0.0};
     double fall_V[3] = {0.0};
     double high_Vs[3];
-    if (d->v_dead_V != 0.0) {
+    if (averaged_drive_loses(d)) {
         const cycle_row *before = row->history > 0 ? row - 1 : row;
         found_edges_each(d, before, sensor_map_unmeasure(map, before->i_A), rise_V, fall_V);
     }
@@ -171,7 +171,7 @@ static vec_ab iron_at(const averaged_drive *d, const cycle_row *row, vec_ab i, i
     return iron_branch_begin(d, &b);
 }
 
-/* Time constants that differ by less than this share are told apart by it: the quotient would lose its digits. */
+/* Time constants that differ by less than this share are moved apart by it: the quotient would lose its digits. */
 static const double APART = 0.01;
 
 static vec_ab filtered_iron(const averaged_drive *d, const cycle_row *row, vec_ab i, vec_ab own,

@@ -1,5 +1,5 @@
 /*
- * Current sensors that see the current late, through a first-order filter of time constant tau, or that are sampled
+ * Current sensors with a first-order filter of time constant tau, or that are sampled
  * late against the carrier (tau < 0: by -tau).
  *
  * Around the valley no leg is high: the current falls against the back-EMF alone, whatever the cycle's mean voltage
@@ -25,7 +25,7 @@
 
 #include "iron_branch.h"
 
-/* The iron's current from row to row, its own and by the filter's time constant. All nought at a way's beginning. */
+/* The iron's current from row to row, its own and by the filter's time constant. All zero at the start of a pass. */
 typedef struct lag_memory {
     iron_memory own, by_filter;
 } lag_memory;

@@ -20,7 +20,7 @@ typedef struct drive_emulated {
 
 typedef struct drive_emulated_choice {
     const char *target; /* "cortex-m4" or "rv32" */
-    /* The ELF file; NULL: the one built beside this program, build/TARGET/iqfoc_pil.elf. */
+    /* The ELF file; NULL: the one built with this program, build/TARGET/iqfoc_pil.elf. */
     const char *image;
     /* NULL; or a file for the octets of the UART over which the image records each cycle, or, with `at_alarm`, what
      * follows the alarm of the tuned firmware's watch. */
@@ -34,7 +34,7 @@ bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice
 drive_firmware drive_firmware_emulated(drive_emulated *d);
 
 /*
- * The tuned firmware in place of the cycle, started anew; drive_firmware_emulated's calls are then its. False with *e set:
+ * The tuned firmware in place of the cycle, restarted; drive_firmware_emulated's calls are then its. False with *e set:
  * refused.
  */
 bool drive_emulated_tune(drive_emulated *d, const tuned_firmware_config_t *config, error *e);

@@ -1,8 +1,7 @@
 /*
- * An emulator as a child process, spoken to over its serial line.
+ * Runs an emulator as a child process and talks to it over its serial line.
  *
- * Whatever happens to either side, the child does not outlive this process (it is told to die with its
- * parent), and no wait is longer than the time limit.
+ * Whatever happens to either side, the child does not outlive this process (the kernel kills it with its parent), and no wait is longer than the time limit.
  */
 #ifndef SIM_HOST_PIL_EMULATOR_H
 #define SIM_HOST_PIL_EMULATOR_H

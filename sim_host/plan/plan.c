@@ -1,4 +1,4 @@
-/* Pieces chosen by their information (plan.h). */
+/* Choice of test segments by their information (plan.h). */
 #include "plan.h"
 
 #include "base/progress.h"
@@ -36,7 +36,7 @@ static size_t runs_of(const choice *c)
     return runs;
 }
 
-/* The slot whose coming leaves least unknown; what is left then. */
+/* The slot that leaves the smallest uncertainty, and that uncertainty. */
 static size_t best_slot(choice *c, double *left)
 {
     size_t best = 0;
@@ -56,7 +56,7 @@ static size_t best_slot(choice *c, double *left)
     return best;
 }
 
-/* One slot for another wherever that helps; true if any did. */
+/* Exchanges slots if that helps; true if any exchange did. */
 static bool exchange(choice *c)
 {
     bool any = false;
@@ -86,36 +86,39 @@ static void choose(choice *c)
     }
 }
 
-/* Leaves out the pieces that the drive does not follow. */
+/* Leaves out the segments that the drive does not follow. */
 static bool inform(const motor *m, const plan_limits *limits, long cycles, long seed, choice *c, error *e)
 {
-    plan_information *info = malloc(sizeof *info);
+    plan_information *info = calloc(1, sizeof *info);
     size_t kept = 0;
     error last = {0};
     if (info == NULL) {
         return error_failure(e, 0, "plan: out of memory");
     }
     progress shown = progress_begin("plan", (double)c->pieces, "pieces");
-    for (size_t k = 0; k < c->pieces; k++) {
+    bool ok = true;
+    for (size_t k = 0; ok && k < c->pieces; k++) {
         scenario_run run = plan_piece_run(&c->piece[k], m, limits, cycles);
         const scenario s = plan_scenario(limits, &run, 1);
         last = (error){0};
         if (plan_information_of(m, &s, seed, info, &last)) {
             memcpy(c->information[kept], info->h, sizeof info->h);
             c->piece[kept++] = c->piece[k];
+        } else if (last.status == STATUS_FAILED) {
+            *e = last;
+            ok = false;
         }
         progress_update(&shown, (double)(k + 1));
     }
     progress_end(&shown);
     free(info);
     c->pieces = kept;
-    return kept > 0 || error_input(e, m->path, 0, 0,
-                                   "within these limits the drive follows nothing that a recording could be "
-                                   "made of: %s",
-                                   last.text);
+    return ok &&
+           (kept > 0 || error_input(e, m->path, 0, 0,
+                                    "within these limits the drive follows no test segment: %s", last.text));
 }
 
-/* The chosen pieces as runs that fill the time. */
+/* The chosen segments as runs that fill the time. */
 static void settle(const choice *c, const motor *m, const plan_limits *limits, double cycles, plan *p)
 {
     p->tried = c->pieces;

@@ -39,7 +39,7 @@ double plan_cycles_of(const motor *m, const scenario *s)
     return cycles;
 }
 
-/* What a step of 1 in z is; of a logarithmic coordinate that share of the nominal value. */
+/* The size of a step of 1 in z; of a logarithmic coordinate that share of the nominal value. */
 static double unit_of(const coordinate_frame *f, int column)
 {
     if (column >= P_COUNT) {
@@ -48,7 +48,7 @@ static double unit_of(const coordinate_frame *f, int column)
     const coordinate *c = &coordinate_table[column];
     double nominal;
     memcpy(&nominal, (const unsigned char *)&f->nominal + c->offset, sizeof nominal);
-    /* 1/I_sat^2 is told as what is lost at the rated current. */
+    /* 1/I_sat^2 is reported as the share of L lost at the rated current. */
     return c->logarithmic ? nominal : c->scale == SCALE_PER_SQUARE ? 1.0 : f->scale[c->scale];
 }
 
@@ -61,6 +61,7 @@ static bool look(const motor *m, const recording *rec, plan_information *info, e
     }
     const coordinate_frame frame = coordinates_of(m, &rows);
     bool ok = fit_data_make(&fitted, &rows, &frame, rec->rows, e);
+    info->view.stands = false; /* evidence of another recording is none of this one's */
     if (ok) {
         fit_state nominal;
         info->possible = hypotheses_possible(&rows, &frame);

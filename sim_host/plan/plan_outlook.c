@@ -1,20 +1,22 @@
-/* What an information lets be known (plan.h). */
+/* The outlook of an information matrix (plan.h). */
 #include "plan.h"
 
+#include "base/normal.h"
 #include "base/solve.h"
+#include "base/sort.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* What nobody knows: a parameter off by so many times what is worth a name. It keeps matrices regular. */
+/* The prior: deviation of a parameter, in units of the reporting threshold. It keeps matrices regular. */
 static const double UNKNOWN = 100.0;
-/* An interval of half of that says nothing. */
+/* An interval of half of that determines nothing. */
 static const double TELLS = 0.5;
 /* The worst pair counts so many times as much as another. */
 static const double WORST_COUNTS = 10.0;
 
-/* The covariance of h and the prior, in units of what is worth a name. False if it is none. */
+/* The covariance of h and the prior, in units of the reporting thresholds. False if it is none. */
 static bool covariance_of(double h[PLAN_ASKED][PLAN_ASKED], double c[PLAN_ASKED][PLAN_ASKED])
 {
     for (size_t i = 0; i < PLAN_ASKED; i++) {
@@ -27,7 +29,7 @@ static bool covariance_of(double h[PLAN_ASKED][PLAN_ASKED], double c[PLAN_ASKED]
     return solve_covariance(PLAN_ASKED, PLAN_ASKED, &c[0][0], &c[0][0]);
 }
 
-/* The largest correlation of two that are told. */
+/* The largest correlation of two determined parameters. */
 static double worst_pair(double c[PLAN_ASKED][PLAN_ASKED], int worst[2])
 {
     const double tells = TELLS * UNKNOWN;
@@ -60,13 +62,6 @@ double plan_unknown(double h[PLAN_ASKED][PLAN_ASKED])
     return sum - WORST_COUNTS * log(1.0 - r * r);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void tell_asked(double h[PLAN_ASKED][PLAN_ASKED], const double unit[PLAN_ASKED], plan_outlook *out)
 {
     double c[PLAN_ASKED][PLAN_ASKED];
@@ -75,22 +70,22 @@ static void tell_asked(double h[PLAN_ASKED][PLAN_ASKED], const double unit[PLAN_
         return;
     }
     for (size_t i = 0; i < PLAN_ASKED; i++) {
-        out->over_least[i] = 1.96 * sqrt(c[i][i]);
+        out->over_least[i] = NORMAL_95 * sqrt(c[i][i]);
         out->half_width[i] =
             out->over_least[i] * hypothesis_table[plan_asked_list[i].hypothesis].least * unit[i];
-        out->told[i] = out->over_least[i] < TELLS * 1.96 * UNKNOWN;
+        out->told[i] = out->over_least[i] < TELLS * NORMAL_95 * UNKNOWN;
         sorted[i] = out->over_least[i];
     }
     out->worst_correlation = worst_pair(c, out->worst);
-    qsort(sorted, PLAN_ASKED, sizeof *sorted, by_size);
+    sort_ascending(sorted, PLAN_ASKED);
     out->median_over_least = sorted[PLAN_ASKED / 2];
 }
 
-/* ---- What is named, and from how large on ---- */
+/* ---- Reported causes, and their smallest sizes ---- */
 
-/* A column that is another's to one part in so many is held regular by that. */
+/* Keeps nearly equal columns regular: relative size of the added diagonal. */
 static const double REGULAR = 1e-6;
-/* Less than this share left of what a cause shows: a rival does the same. */
+/* If a smaller share of a cause's effect remains, a rival has the same effect. */
 static const double SAME = 1e-4;
 
 typedef double square_of[HYPOTHESIS_COLUMNS][HYPOTHESIS_COLUMNS];
@@ -107,7 +102,7 @@ static size_t columns_in(const evidence_view *view, hypothesis_id h, int column[
     return n;
 }
 
-/* What h's columns tell when those of a rival are free too: H - C R^-1 C'. rival H_COUNT: none. */
+/* The information of h's columns when those of a rival are free too: H - C R^-1 C'. rival H_COUNT: none. */
 static size_t left_of(const evidence_view *view, hypothesis_id h, hypothesis_id rival, square_of left)
 {
     int own[HYPOTHESIS_COLUMNS];
@@ -142,7 +137,7 @@ static size_t left_of(const evidence_view *view, hypothesis_id h, hypothesis_id 
     return n;
 }
 
-/* The largest size, over `least`, that explains only `needed`, over the directions of what is left. */
+/* The largest size, over `least`, that explains only `needed`, over the directions of the remaining information. */
 static double size_of(const evidence_view *view, hypothesis_id h, size_t n, square_of left, double needed)
 {
     int column[HYPOTHESIS_COLUMNS] = {0};
@@ -196,7 +191,7 @@ static void tell_limits(const evidence_view *view, hypothesis_set possible, plan
         double most = alone;
         out->rival[h] = H_COUNT;
         for (hypothesis_id r = 0; r < H_COUNT; r++) {
-            if (!is_asked(view, possible, r) || hypothesis_table[r].cause == hypothesis_table[h].cause ||
+            if (!is_asked(view, possible, r) || hypothesis_cause(r)->of == hypothesis_cause(h)->of ||
                 hypothesis_contains(r, h)) {
                 continue;
             }
@@ -223,7 +218,7 @@ void plan_outlook_of(const plan_information *info, plan_outlook *out)
 
 bool plan_look(const motor *m, const scenario *s, long seed, plan_outlook *out, error *e)
 {
-    plan_information *info = malloc(sizeof *info);
+    plan_information *info = calloc(1, sizeof *info);
     if (info == NULL) {
         return error_failure(e, 0, "plan: out of memory");
     }

@@ -1,16 +1,16 @@
-/* A plan in words and as JSON (plan_tell.h). */
+/* A plan as text and JSON (plan_tell.h). */
 #include "plan_tell.h"
 
 #include "base/json_file.h"
 
 #include <math.h>
 
-/* Of the hypotheses of a cause the one that is seen best: what a person asks is whether the cause is. */
+/* The most visible hypothesis of a cause: a reader asks for the cause. */
 static hypothesis_id best_of(const plan_outlook *o, int cause)
 {
     hypothesis_id best = H_COUNT;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if ((int)hypothesis_table[h].cause == cause && o->limit[h] > 0.0 &&
+        if ((int)hypothesis_cause(h)->of == cause && o->limit[h] > 0.0 &&
             (best == H_COUNT || (o->never[best] && !o->never[h]) ||
              (o->never[best] == o->never[h] && o->limit[h] < o->limit[best]))) {
             best = h;
@@ -38,19 +38,19 @@ static void print_asked(const plan_report *r, FILE *out)
 {
     const plan_outlook *o = &r->plan.outlook;
     fprintf(out, "\n95 %% intervals with all others unknown, +-\n  %-20s%14s  %-8s%18s", "", "", "",
-            "worth a name = 1");
-    fprintf(out, "%s\n", r->against_path != NULL ? "    beside it" : "");
+            "over threshold");
+    fprintf(out, "%s\n", r->against_path != NULL ? " scenario" : "");
     for (int n = 0; n < PLAN_ASKED; n++) {
         fprintf(out, "  %-20s", plan_asked_list[n].name);
         if (o->told[n]) {
             fprintf(out, "%14.3g  %-8.8s%18.2f", o->half_width[n], plan_asked_list[n].unit, o->over_least[n]);
         } else {
-            fprintf(out, "%14s  %-8.8s%18s", "not told", "", "-");
+            fprintf(out, "%14s  %-8.8s%18s", "unknown", "", "-");
         }
         if (r->against_path != NULL && r->against.told[n]) {
             fprintf(out, "%13.2f", r->against.over_least[n]);
         } else if (r->against_path != NULL) {
-            fprintf(out, "%13s", "not told");
+            fprintf(out, "%13s", "unknown");
         }
         fputc('\n', out);
     }
@@ -65,8 +65,7 @@ static void print_worst(const char *what, double seconds, const plan_outlook *o,
 
 static void print_limits(const plan_outlook *o, FILE *out)
 {
-    fprintf(out,
-            "\nNamed from this size on (1: all that is worth a name), and whom it is hardest to tell from\n");
+    fprintf(out, "\nSmallest reported size over the reporting threshold, and the closest alternative\n");
     for (int cause = 0; cause < CAUSE_COUNT; cause++) {
         const hypothesis_id h = best_of(o, cause);
         if (h == H_COUNT) {
@@ -83,8 +82,8 @@ static void print_limits(const plan_outlook *o, FILE *out)
 void plan_print(const plan_report *r, FILE *out)
 {
     const plan *p = &r->plan;
-    fprintf(out, "%s, %g Hz: %zu runs of %zu pieces, %.3g s\n", r->motor->name, r->motor->f_pwm_Hz, p->pieces,
-            p->tried, p->seconds);
+    fprintf(out, "%s, %g Hz: %zu of %zu test segments, %.3g s\n", r->motor->name, r->motor->f_pwm_Hz,
+            p->pieces, p->tried, p->seconds);
     print_runs(p, out);
     print_asked(r, out);
     fputc('\n', out);

@@ -1,5 +1,5 @@
 /*
- * A plan told: the scenario file, the firmware's header, the JSON, and words.
+ * Output of a plan: the scenario file, the firmware's header, JSON and text.
  */
 #ifndef SIM_HOST_PLAN_PLAN_TELL_H
 #define SIM_HOST_PLAN_PLAN_TELL_H
@@ -9,7 +9,7 @@
 #include "base/json.h"
 #include <stdio.h>
 
-/* A plan beside a scenario in the same time. */
+/* A plan, and a scenario of the same time to compare with. */
 typedef struct plan_report {
     const motor *motor;
     plan_limits limits;

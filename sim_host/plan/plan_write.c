@@ -18,7 +18,7 @@ static void put_key(FILE *out, const char *key, double value)
     fputc('\n', out);
 }
 
-/* A course in the shortest of the forms that it may have; none where nothing flows or turns. */
+/* A course in its shortest form; none without current or speed. */
 static void put_course(FILE *out, const char *key, const profile *p)
 {
     if (p->points == 1 && p->value[0] == 0.0 && p->excitation == EXCITATION_NONE) {
@@ -87,7 +87,7 @@ bool plan_write_scenario(const plan_report *r, const char *path, error *e)
     fprintf(out,
             "# Written by iqfoc plan: up to %.6g A and %.6g rpm, %.6g s at %.6g Hz, settling included. At "
             "standstill\n"
-            "# the rotor is locked where theta_mech_start_rad says; elsewhere the bench holds the speed.\n"
+            "# the rotor is locked at theta_mech_start_rad; in other runs the test bench holds the speed.\n"
             "name = \"%s\"\n",
             r->limits.current_A, r->limits.speed_rpm, r->plan.seconds, r->motor->f_pwm_Hz,
             r->plan.scenario.name);

@@ -19,12 +19,13 @@ static bool is_linear(const plant_config *c)
     const bool steady =
         m->R_rate_ohm_s == 0.0 && m->psi_rate_Wb_s == 0.0 && m->alpha_R == 0.0 && m->alpha_psi == 0.0;
     const bool plain_machine = steady && equal_phases && m->I_sat_A == 0.0 && !plant_flux_has_map(m) &&
-                               m->R_fe_ohm == 0.0 && m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0 &&
+                               m->R_fe_ohm == 0.0 && m->short_turns == 0.0 && m->weak_pole == 0.0 &&
+                               m->eccentricity == 0.0 && m->psi_5_Wb == 0.0 && m->psi_7_Wb == 0.0 &&
                                m->psi_11_Wb == 0.0 && m->psi_13_Wb == 0.0;
     const bool ideal_legs =
         v->t_dead_s == 0.0 && v->v_switch_V == 0.0 && v->v_diode_V == 0.0 && !inverter_link_swings(v);
     const bool constant_speed = c->shaft.mode == PLANT_SHAFT_GIVEN && c->shaft.accel_e_rad_s2 == 0.0;
-    return plain_machine && ideal_legs && constant_speed && plant_current_filter(&c->sensors) == 0.0;
+    return plain_machine && ideal_legs && constant_speed;
 }
 
 void plant_init(plant *p, const plant_config *c)
@@ -47,8 +48,9 @@ void plant_init(plant *p, const plant_config *c)
 void plant_set_current(plant *p, vec_dq i_dq_A)
 {
     const vec_ab i = vec_to_ab(i_dq_A, rotor_at(p->state.y[STATE_THETA_E]));
-    p->state.y[STATE_I_ALPHA] = p->state.y[STATE_SEEN_ALPHA] = i.alpha;
-    p->state.y[STATE_I_BETA] = p->state.y[STATE_SEEN_BETA] = i.beta;
+    p->state.y[STATE_I_ALPHA] = i.alpha;
+    p->state.y[STATE_I_BETA] = i.beta;
+    p->state.seen_A = i;
 }
 
 void plant_set_config(plant *p, const plant_config *c)
@@ -78,7 +80,7 @@ static void trace_point(plant *p)
     }
 }
 
-/* Finishes what ran, and starts counting time and integrals anew. */
+/* Finishes the running cycle, and resets time and integrals. */
 static void begin(plant *p, double duration_s)
 {
     plant_advance_to(p, p->duration_s);
@@ -128,7 +130,10 @@ static void compensate(plant *p)
     const plant_inverter *v = &p->config.inverter;
     const vec_ab i = {p->state.y[STATE_I_ALPHA], p->state.y[STATE_I_BETA]};
     for (int x = 0; x < 3 && v->compensation_V != 0.0; x++) {
-        const double more = copysign(v->compensation_V / v->u_dc_V, vec_phase(i, x));
+        const double i_A = vec_phase(i, x);
+        const double sat =
+            fabs(i_A) < v->compensation_knee_A ? i_A / v->compensation_knee_A : copysign(1.0, i_A);
+        const double more = sat * v->compensation_V / v->u_dc_V;
         p->duty_to_gate[0][x] += more;
         p->duty_to_gate[1][x] += more;
     }
@@ -188,7 +193,15 @@ static void advance_linear(plant *p, double dt_s, vec_rotor *r)
     const vec_ab i = {y[STATE_I_ALPHA], y[STATE_I_BETA]};
     const vec_rotor start = *r;
     electrical_state x = {vec_to_dq(i, start), {y[STATE_INT_I_D], y[STATE_INT_I_Q]}, {0.0, 0.0}};
-    electrical_advance(&machine, dt_s, vec_to_dq(u, start), &x);
+    const double bandwidth_rad_s = plant_current_filter(&p->config.sensors);
+    if (bandwidth_rad_s > 0.0) {
+        const vec_dq before = vec_to_dq(p->state.seen_A, start);
+        vec_ab seen = {before.d, before.q};
+        electrical_advance_seen(&machine, dt_s, vec_to_dq(u, start), &x, bandwidth_rad_s, &seen);
+        p->state.seen_A = vec_to_ab((vec_dq){seen.alpha, seen.beta}, start);
+    } else {
+        electrical_advance(&machine, dt_s, vec_to_dq(u, start), &x);
+    }
     y[STATE_THETA_E] += y[STATE_OMEGA_E] * dt_s;
     y[STATE_CLOCK] += dt_s;
     *r = rotor_at(y[STATE_THETA_E]);
@@ -235,15 +248,17 @@ void plant_advance_to(plant *p, double t_s)
 static vec_ab seen_current(const plant *p)
 {
     const plant_sensors *s = &p->config.sensors;
-    const bool filtered = plant_current_filter(s) > 0.0;
-    plant ahead = *p;
-    if (s->current_lag_s < 0.0) {
+    const double late_s = fmax(-s->current_lag_s, 0.0);
+    const plant_state *state = &p->state;
+    plant ahead;
+    if (late_s > 0.0) {
+        ahead = *p;
         ahead.trace = NULL;
-        plant_advance_to(&ahead, p->t_cycle_s - s->current_lag_s);
+        plant_advance_to(&ahead, p->t_cycle_s + late_s);
+        state = &ahead.state;
     }
-    const double *y = ahead.state.y;
-    return (vec_ab){y[filtered ? STATE_SEEN_ALPHA : STATE_I_ALPHA],
-                    y[filtered ? STATE_SEEN_BETA : STATE_I_BETA]};
+    return plant_current_filter(s) > 0.0 ? state->seen_A
+                                         : (vec_ab){state->y[STATE_I_ALPHA], state->y[STATE_I_BETA]};
 }
 
 void plant_sample(plant *p, plant_samples *s)
@@ -258,6 +273,8 @@ void plant_sample(plant *p, plant_samples *s)
                           .accel_e_rad_s2 = given ? p->config.shaft.accel_e_rad_s2 : 0.0};
     for (int x = 0; x < 3; x++) {
         truth.i_A[x] = vec_phase(i, x);
+        truth.edge_age_s[x] = p->leg[x].edged ? p->t_cycle_s - p->leg[x].edge_s : INFINITY;
+        truth.edge_sign[x] = p->leg[x].high ? 1.0 : -1.0;
     }
     truth.u_dc_V = inverter_logged_link(&p->config.inverter, truth.t_s);
     sensor_read(&p->config, &p->sensors, &truth, s);
@@ -298,7 +315,7 @@ plant_point plant_now(const plant *p)
         k.off[x] = leg_off(&leg[x], p->t_span_s);
     }
     conduction_bounds(&k, &p->config.inverter, point.t_s);
-    conduction_settle(&k, &t, SOLVER_ZERO_CURRENT * p->config.I_scale_A, &state);
+    (void)conduction_settle(&k, &t, SOLVER_ZERO_CURRENT * p->config.I_scale_A, &state);
     const vec_ab u = conduction_voltage(&k, &t);
     for (int x = 0; x < 3; x++) {
         point.i_A[x] = vec_phase(t.i_A, x);

@@ -1,5 +1,5 @@
 /*
- * The drive as it truly is, at switching level: inverter, machine, shaft and sensors.
+ * The simulated true drive at switching level: inverter, machine, shaft and sensors.
  *
  * A control cycle runs from one carrier valley (t = 0) over the peak (t = T/2) to the next valley (t = T). A
  * leg with duty d is high from T (1 - d)/2 to T (1 + d)/2, around the peak. Use:

@@ -119,9 +119,9 @@ static void set_phase_zero(plant_state *s, int x)
     s->y[STATE_I_BETA] -= vec_phase_axis[x].beta * i_x;
 }
 
-void conduction_settle(conduction *k, const machine_terms *t, double zero_A, plant_state *s)
+bool conduction_settle(conduction *k, const machine_terms *t, double zero_A, plant_state *s)
 {
-    int undecided = 0; /* legs that stand at no current and could be held there */
+    int undecided = 0; /* legs at zero current that could be held there */
     for (int x = 0; x < 3; x++) {
         const double i = vec_phase(t->i_A, x);
         if (one_voltage(k, x)) {
@@ -142,7 +142,7 @@ void conduction_settle(conduction *k, const machine_terms *t, double zero_A, pla
             for (int x = 0; x < 3; x++) {
                 k->leg[x].flow = LEG_FLOW_NONE;
             }
-            return;
+            return true;
         }
         k->leg[out].flow = LEG_FLOW_OUT;
         k->leg[in].flow = LEG_FLOW_IN;
@@ -157,4 +157,5 @@ void conduction_settle(conduction *k, const machine_terms *t, double zero_A, pla
             }
         }
     }
+    return undecided > 0;
 }

@@ -1,7 +1,7 @@
 /*
  * Which device of each leg conducts, and the voltages that follow.
  *
- * Where a leg can stand at more than one voltage (plant_inverter.h: dead time, device drops), the sign of its
+ * If a leg can have more than one voltage (plant_inverter.h: dead time, device drops), the sign of its
  * phase current decides; a current that reaches zero stays there while the voltage that keeps it there lies
  * within what the leg can hold. "Flow" is that three-way state; it changes only at instants which the solver
  * finds as zeros of conduction_margin.
@@ -34,9 +34,9 @@ double conduction_margin(const conduction *k, const machine_terms *t, int x, dou
                          double u_scale_V);
 
 /*
- * Sets every flow anew at an instant where something changed. Currents below the given size are zero, and are
- * set to zero in the state. Call machine_linearise afterwards.
+ * Sets every flow again after a change. Currents below the given size are zero, and are
+ * set to zero in the state: then it returns true, and machine_linearise must be called again.
  */
-void conduction_settle(conduction *k, const machine_terms *t, double zero_A, plant_state *s);
+bool conduction_settle(conduction *k, const machine_terms *t, double zero_A, plant_state *s);
 
 #endif

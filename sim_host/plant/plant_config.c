@@ -21,7 +21,9 @@ plant_config plant_config_from_motor(const motor *m)
         c.sensors.current_gain[x] = 1.0;
     }
     c.sensors.loose_samples = 1.0;
-    c.sensors.harmonic_order = 1.0;
+    for (int n = 0; n < PLANT_HARMONICS; n++) {
+        c.sensors.harmonic[n].order = 1.0;
+    }
     c.shaft.mode = PLANT_SHAFT_GIVEN;
     c.T_s = 1.0 / m->f_pwm_Hz;
     c.I_scale_A = motor_rated_peak_A(m);
@@ -29,11 +31,30 @@ plant_config plant_config_from_motor(const motor *m)
     return c;
 }
 
+void plant_config_extend(plant_config *c, const motor *m, cause_id cause)
+{
+#define PLANT(ID, field, member)                                                                             \
+    c->member = cause == CAUSE_##ID && m->ext.has[CAUSE_##ID] ? m->ext.field : c->member;
+#include "data/causes.def"
+}
+
 typedef struct range {
     const char *name;
     double value;
     double least, above, most; /* least <= value <= most, and value > above */
 } range;
+
+/* The current of a shorter time constant follows its voltage at once, and solving it step by step would not end. */
+static bool check_time_constant(const plant_config *c, error *e)
+{
+    const double CYCLES_LEAST = 1e-3;
+    const double L_H = fmin(c->machine.L_d_H, c->machine.L_q_H);
+    return L_H >= CYCLES_LEAST * c->machine.R_ohm * c->T_s ||
+           error_input(
+               e, NULL, 0, 0,
+               "drive: L is %g H, expected at least %.3g H: a time constant L/R of 0.001 control cycles", L_H,
+               CYCLES_LEAST * c->machine.R_ohm * c->T_s);
+}
 
 /* A flux that falls from a tenth of the rated current on is not that of a machine. */
 static bool check_map(const plant_config *c, error *e)
@@ -89,6 +110,12 @@ bool plant_config_check(const plant_config *c, error *e)
         {"w_ddqq", m->w_ddqq, none, none, big},
         {"w_qqqq", m->w_qqqq, none, none, big},
         {"R_fe", m->R_fe_ohm, 0.0, none, big},
+        {"shorted turns", m->short_turns, 0.0, none, 1.0},
+        {"shorted phase", m->short_phase, 0.0, m->short_turns > 0.0 ? 0.0 : none, 3.0},
+        {"resistance of the short", m->short_ohm, 0.0, none, big},
+        {"time constant of the short", m->short_s, 0.0, m->short_turns > 0.0 ? 0.0 : none, big},
+        {"weak pole", m->weak_pole, 0.0, none, 1.0},
+        {"eccentricity", m->eccentricity, 0.0, none, 1.0},
         {"tau_fe", m->tau_fe_s, 0.0, m->R_fe_ohm > 0.0 ? 0.0 : none, big},
         {"u_dc", v->u_dc_V, 0.0, 0.0, big},
         {"k_u", v->k_u, 0.0, 0.0, big},
@@ -101,6 +128,7 @@ bool plant_config_check(const plant_config *c, error *e)
         {"v_diode", v->v_diode_V, 0.0, none, v->u_dc_V},
         {"r_on", v->r_on_ohm, 0.0, none, big},
         {"compensation", v->compensation_V, none, none, v->u_dc_V},
+        {"compensation's knee", v->compensation_knee_A, 0.0, none, big},
         {"delay cycles", v->delay_cycles, 0.0, none, PLANT_VOLTAGE_DELAY_MAX},
         {"glitch probability", v->glitch_probability, 0.0, none, 1.0},
         {"J", h->J_kgm2, 0.0, inertia ? 0.0 : none, big},
@@ -128,9 +156,18 @@ bool plant_config_check(const plant_config *c, error *e)
         {"current offset's rate c", s->current_offset_rate_A_s[2], none, none, big},
         {"clock", c->clock_s, none, none, big},
         {"theta_0", s->theta_0_rad, none, none, big},
-        {"angle harmonic's order", s->harmonic_order, 1.0, none, 100.0},
-        {"angle harmonic's amplitude", s->harmonic_amplitude_rad, none, none, big},
-        {"angle harmonic's phase", s->harmonic_phase_rad, none, none, big},
+        {"angle harmonic's order", s->harmonic[0].order, 1.0, none, 1e5},
+        {"angle harmonic's amplitude", s->harmonic[0].amplitude_rad, none, none, big},
+        {"angle harmonic's phase", s->harmonic[0].phase_rad, none, none, big},
+        {"angle harmonic's order", s->harmonic[1].order, 1.0, none, 1e5},
+        {"angle harmonic's amplitude", s->harmonic[1].amplitude_rad, none, none, big},
+        {"angle harmonic's phase", s->harmonic[1].phase_rad, none, none, big},
+        {"angle harmonic's order", s->harmonic[2].order, 1.0, none, 1e5},
+        {"angle harmonic's amplitude", s->harmonic[2].amplitude_rad, none, none, big},
+        {"angle harmonic's phase", s->harmonic[2].phase_rad, none, none, big},
+        {"angle harmonic's order", s->harmonic[3].order, 1.0, none, 1e5},
+        {"angle harmonic's amplitude", s->harmonic[3].amplitude_rad, none, none, big},
+        {"angle harmonic's phase", s->harmonic[3].phase_rad, none, none, big},
         {"t_delay", s->t_delay_s, none, none, big},
         {"angle noise", s->angle_noise_rad, 0.0, none, big},
         {"speed noise", s->omega_noise_rad_s, 0.0, none, big},
@@ -140,6 +177,14 @@ bool plant_config_check(const plant_config *c, error *e)
         {"faulty phase", s->fault_phase, 0.0, none, 3.0},
         {"loose probability", s->loose_probability, 0.0, none, 1.0},
         {"loose samples", s->loose_samples, 1.0, none, 1e9},
+        {"hysteresis", s->hysteresis_A, 0.0, none, big},
+        {"crosstalk", s->crosstalk, none, none, 1.0},
+        {"hum", s->hum_A, 0.0, none, big},
+        {"hum's frequency", s->hum_Hz, 0.0, none, big},
+        {"hum's channel", s->hum_channel, 0.0, none, 3.0},
+        {"switching noise", s->edge_A, none, none, big},
+        {"switching noise's time constant", s->edge_s, 0.0, s->edge_A != 0.0 ? 0.0 : none, big},
+        {"switching noise's coupling", s->edge_coupling, none, none, 1.0},
         {"control cycle", c->T_s, 0.0, 0.0, big},
         {"rated current", c->I_scale_A, 0.0, 0.0, big},
     };
@@ -163,8 +208,15 @@ bool plant_config_check(const plant_config *c, error *e)
         return error_input(e, NULL, 0, 0, "drive: delay cycles is %g, expected a multiple of 0.5",
                            v->delay_cycles);
     }
+    if (m->short_phase != floor(m->short_phase)) {
+        return error_input(e, NULL, 0, 0, "drive: shorted phase is %g, expected 1, 2 or 3", m->short_phase);
+    }
+    if (m->short_turns > 0.0 && m->R_fe_ohm > 0.0) {
+        return error_input(e, NULL, 0, 0,
+                           "drive: shorted turns and an iron loss at once, expected one of them");
+    }
     if (s->fault_phase != floor(s->fault_phase)) {
         return error_input(e, NULL, 0, 0, "drive: faulty phase is %g, expected 1, 2 or 3", s->fault_phase);
     }
-    return check_map(c, e);
+    return check_time_constant(c, e) && check_map(c, e);
 }

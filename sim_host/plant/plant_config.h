@@ -1,8 +1,8 @@
 /*
- * What the drive truly is: the values that the firmware and the diagnosis do not see. Physical units.
+ * The true parameters of the simulated drive, which firmware and diagnosis do not see. Physical units.
  *
  * plant_config_from_motor gives the ideal drive of a motor file; the scenario sets sensors and shaft,
- * plant_effect_apply (plant_effect.h) makes it differ from the file.
+ * plant_config_extend adds the effects of the file, and plant_effect_apply (plant_effect.h) makes it differ from the file.
  */
 #ifndef SIM_HOST_PLANT_PLANT_CONFIG_H
 #define SIM_HOST_PLANT_PLANT_CONFIG_H
@@ -36,8 +36,15 @@ typedef struct plant_machine {
     double w_dddd, w_ddqq, w_qqqq; /* Wb/A^3 */
     double
         map_reach_A[PLANT_MAP_DIRECTIONS]; /* how far the map holds in each direction; plant_init finds it */
-    double R_fe_ohm; /* iron loss: branch beside the flux, R_fe with tau_fe * R_fe in series; 0: none */
+    double map_least_A;                    /* the least of them */
+    double
+        R_fe_ohm; /* iron loss: branch in parallel with the flux, R_fe with tau_fe * R_fe in series; 0: none */
     double tau_fe_s;
+    /* A short circuit of a share of one phase's turns through short_ohm; its current follows within short_s. */
+    double short_turns, short_phase; /* 0: none; phase 1, 2 or 3 */
+    double short_ohm, short_s;
+    double weak_pole;    /* share of its flux that one pole pair has lost where it is weakest; 0: none */
+    double eccentricity; /* the magnet's flux varies by this share once per mechanical revolution */
 } plant_machine;
 
 typedef struct plant_inverter {
@@ -54,7 +61,8 @@ typedef struct plant_inverter {
     double r_on_ohm;       /* of either */
     double delay_cycles;   /* duties act this much late; a half: registers that load at the peak */
     double compensation_V; /* added to each leg by the sign of its current at the valley; not in the record */
-    double glitch_probability; /* of a cycle that keeps the last cycle's duties: a PWM update missed */
+    double compensation_knee_A; /* below it in proportion to the current */
+    double glitch_probability;  /* of a cycle that keeps the last cycle's duties: a PWM update missed */
 } plant_inverter;
 
 typedef enum plant_shaft_mode {
@@ -72,6 +80,12 @@ typedef struct plant_shaft {
     double T_load_Nm; /* against positive rotation; may be changed between cycles */
 } plant_shaft;
 
+/* Of the angle sensor's error: how often it repeats in a mechanical revolution. */
+#define PLANT_HARMONICS 4
+typedef struct plant_harmonic {
+    double order, amplitude_rad, phase_rad;
+} plant_harmonic;
+
 typedef struct plant_sensors {
     int current_bits; /* of the ADC over -full_scale .. +full_scale; 0: not quantised */
     double current_full_scale_A;
@@ -81,8 +95,9 @@ typedef struct plant_sensors {
     double current_gain_rate_s[3], current_offset_rate_A_s[3]; /* by which both grow with the clock */
     double current_lag_s;        /* the low-pass by its time constant; negative: sampled so late */
     double current_bandwidth_Hz; /* first-order low-pass of all channels; 0: none */
-    double theta_0_rad; /* reading = true(t + t_delay) + theta_0 + amplitude cos(order theta_mech + phase) */
-    double harmonic_order, harmonic_amplitude_rad, harmonic_phase_rad;
+    double
+        theta_0_rad; /* reading = true(t + t_delay) + theta_0 + sum of amplitude cos(order theta_mech + phase) */
+    plant_harmonic harmonic[PLANT_HARMONICS];
     double t_delay_s;
     double angle_noise_rad; /* standard deviation, electrical */
     double omega_noise_rad_s;
@@ -94,6 +109,15 @@ typedef struct plant_sensors {
     double loose_samples;     /* mean length of a dropout, samples, >= 1 */
     double loose_gain;        /* during a dropout the channel reads gain * value + step */
     double loose_step_A;
+    double hysteresis_A; /* a channel stands still until its current has turned by twice that */
+    double crosstalk;    /* channel b reads a share of channel a as well, channel c one of b */
+    double hum_A;        /* a sine picked up by channel hum_channel (1, 2, 3), or by all three alike (0) */
+    double hum_Hz;
+    int hum_channel;
+    double
+        edge_A; /* after an edge of its leg a channel reads so much more (falling: less), which dies with edge_s */
+    double edge_s;
+    double edge_coupling; /* share of it in the other two channels */
 } plant_sensors;
 
 /* Of the currents' low-pass, rad/s; 0: none. */
@@ -119,6 +143,9 @@ typedef struct plant_config {
  * are those at zero current, as everywhere (motor_inductances).
  */
 plant_config plant_config_from_motor(const motor *m);
+
+/* What the motor file's [extension] says of a cause, as the plant's own physics; nothing if it has none of it. */
+void plant_config_extend(plant_config *c, const motor *m, cause_id cause);
 
 /* Refuses, by the field's name, what no machine can have. */
 bool plant_config_check(const plant_config *c, error *e);

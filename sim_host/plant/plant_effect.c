@@ -179,8 +179,23 @@ static bool refuse_id(const char *text, size_t length, error *e)
     return error_input(e, NULL, 0, 0,
                        meant != NULL
                            ? "effect \"%s\": unknown id \"%s\"; did you mean %s?"
-                           : "effect \"%s\": unknown id \"%s\"; `iqfoc simulate --list-effects` names them",
+                           : "effect \"%s\": unknown id \"%s\"; `iqfoc simulate --list-effects` lists them",
                        text, id, meant);
+}
+
+/* An angle's error that is given again is another one: what was given so far makes room for it. */
+static void make_room(plant_config *c, const effect *f)
+{
+    plant_harmonic *h = c->sensors.harmonic;
+    if (f->key[0].offset != offsetof(plant_config, sensors.harmonic[0].order) || h[0].amplitude_rad == 0.0) {
+        return;
+    }
+    int last = PLANT_HARMONICS - 1;
+    while (last > 1 && h[last - 1].amplitude_rad == 0.0) {
+        last--;
+    }
+    memmove(h + 1, h, (size_t)last * sizeof *h);
+    h[0] = (plant_harmonic){.order = 1.0};
 }
 
 bool plant_effect_apply(plant_config *c, const char *text, error *e)
@@ -194,6 +209,7 @@ bool plant_effect_apply(plant_config *c, const char *text, error *e)
     if (f->key[0].offset == offsetof(plant_config, inverter.ripple_V)) {
         changed.inverter.ripple_logged = false;
     }
+    make_room(&changed, f);
     if (text[id_length] == '\0') {
         for (int k = 0; k < key_count(f); k++) {
             (void)set_key(&changed, &f->key[k], typical_value(c, &f->key[k]));
@@ -219,11 +235,37 @@ bool plant_effect_apply(plant_config *c, const char *text, error *e)
     return true;
 }
 
+/* "R = 1.3 times the drive's, ...": the sizes of an effect without keys; those of zero are left out. */
+static void list_defaults(FILE *stream, const effect *f)
+{
+    static const char *const times[] = {[ABSOLUTE] = "",
+                                        [OF_ITSELF] = " times the drive's",
+                                        [OF_RATED] = " times the rated peak current",
+                                        [OF_CYCLE] = " control cycles",
+                                        [OF_LINK] = " times u_dc",
+                                        [OF_MAGNET] = " times psi_f",
+                                        [OF_RESISTANCE] = " times R",
+                                        [OF_INDUCTANCE] = " times L",
+                                        [OF_MAP_THIRD] = " times L / rated peak current",
+                                        [OF_MAP_FOURTH] = " times L / rated peak current^2"};
+    bool first = true;
+    for (int k = 0; k < key_count(f); k++) {
+        const effect_key *key = &f->key[k];
+        if (key->typical != 0.0) {
+            (void)fprintf(stream, "%s%s = %g%s", first ? "                        default: " : ", ",
+                          key->name, key->typical, times[key->of]);
+            first = false;
+        }
+    }
+    (void)fputs(first ? "" : "\n", stream);
+}
+
 void plant_effect_list(FILE *stream)
 {
     for (int k = 0; k < effect_table_length; k++) {
         char keys[200];
         name_keys(&effect_table[k], keys, sizeof keys);
         (void)fprintf(stream, "  %-21s %s: %s\n", effect_table[k].id, effect_table[k].does, keys);
+        list_defaults(stream, &effect_table[k]);
     }
 }

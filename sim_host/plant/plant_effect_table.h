@@ -1,6 +1,5 @@
 /*
- * The effects as data: ids, keys with their units, where each lives in the configuration, and its typical
- * size. For plant_effect.c; everybody else goes by plant_effect.h.
+ * The effects as data: ids, keys with units, their members in the configuration, and typical sizes. Only plant_effect.c includes it; other files use plant_effect.h.
  */
 #ifndef SIM_HOST_PLANT_PLANT_EFFECT_TABLE_H
 #define SIM_HOST_PLANT_PLANT_EFFECT_TABLE_H
@@ -10,10 +9,10 @@
 
 #define EFFECT_KEYS_MAX 8
 
-/* What a key's typical value is a multiple of. */
+/* The quantity that a typical value is a multiple of. */
 typedef enum relative_to {
     ABSOLUTE,
-    OF_ITSELF, /* of the value that stands there */
+    OF_ITSELF, /* of the present value */
     OF_RATED,  /* rated peak current */
     OF_CYCLE,
     OF_LINK,

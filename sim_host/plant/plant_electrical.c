@@ -1,6 +1,10 @@
 /* The linear machine's exponential by its power series (plant_electrical.h). */
 #include "plant_electrical.h"
 
+#include "plant_low_pass.h"
+
+#include <stddef.h>
+
 /*
  * Terms of the series: the n-th is at most rho^n / n! of the largest, rho = dt * (fastest rate). Spans are
  * halved until rho <= RHO_MAX = 1, so 18 terms leave less than 1/19! = 8e-18, below half a unit of the last
@@ -30,8 +34,10 @@ static double rate_bound(const electrical_linear *m)
  *   turn   e^{j omega s},
  *   still  i * turn, the current in the frame of the start: for equal inductances from its own equation,
  *          L dy/ds = u(0) - R y - j omega psi_f e^{j omega s}; else the product of the two series.
+ * *seen passes the low-pass with these weights; NULL: there is none.
  */
-static void span(const electrical_linear *m, double dt, double rho, vec_dq u, electrical_state *x)
+static void span(const electrical_linear *m, double dt, double rho, vec_dq u, electrical_state *x,
+                 const double *weight, vec_ab *seen)
 {
     const double omega = m->omega_e_rad_s;
     const double per_L_d = 1.0 / m->L_d_H;
@@ -48,6 +54,10 @@ static void span(const electrical_linear *m, double dt, double rho, vec_dq u, el
     vec_dq mean_still = i[0];
     const vec_dq u_start = u;
     double bound = 1.0;
+    if (seen != NULL) {
+        *seen = (vec_ab){(1.0 - weight[0]) * seen->alpha + weight[0] * still.d,
+                         (1.0 - weight[0]) * seen->beta + weight[0] * still.q};
+    }
     for (int n = 0; n + 2 <= TERMS_MAX && bound > TERM_LEAST; n++) {
         const double h = dt * reciprocal[n + 1];
         const double first = n == 0 ? 1.0 : 0.0; /* what is constant acts in the first term only */
@@ -73,6 +83,10 @@ static void span(const electrical_linear *m, double dt, double rho, vec_dq u, el
         }
         mean_still.d += still.d * share;
         mean_still.q += still.q * share;
+        if (seen != NULL) {
+            seen->alpha += weight[n + 1] * still.d;
+            seen->beta += weight[n + 1] * still.q;
+        }
         bound *= rho * reciprocal[n + 1];
     }
     x->i_dq_A = sum;
@@ -81,24 +95,44 @@ static void span(const electrical_linear *m, double dt, double rho, vec_dq u, el
     x->integral_start_As = (vec_ab){mean_still.d * dt, mean_still.q * dt};
 }
 
-void electrical_advance(const electrical_linear *m, double dt_s, vec_dq u_dq_V, electrical_state *x)
+void electrical_advance_seen(const electrical_linear *m, double dt_s, vec_dq u_dq_V, electrical_state *x,
+                             double bandwidth_rad_s, vec_ab *seen)
 {
     const double rate = rate_bound(m);
-    if (rate * dt_s <= RHO_MAX) {
-        span(m, dt_s, rate * dt_s, u_dq_V, x);
+    const long pieces = rate * dt_s <= RHO_MAX ? 1 : lround(ceil(rate * dt_s / RHO_MAX));
+    const double dt = dt_s / (double)pieces;
+    double weight[TERMS_MAX + 1];
+    if (seen != NULL) {
+        low_pass_weights(bandwidth_rad_s * dt, TERMS_MAX + 1, weight);
+    }
+    if (pieces == 1) {
+        span(m, dt_s, rate * dt_s, u_dq_V, x, weight, seen);
         return;
     }
-    const long pieces = lround(ceil(rate * dt_s / RHO_MAX));
-    const double dt = dt_s / (double)pieces;
     vec_ab integral = {0.0, 0.0};
     for (long k = 0; k < pieces; k++) {
         vec_rotor turned = rotor_at(m->omega_e_rad_s * dt * (double)k); /* the rotor since the start */
         vec_ab u_start = {u_dq_V.d, u_dq_V.q};
-        span(m, dt, rate * dt, vec_to_dq(u_start, turned), x);
+        vec_ab *seen_here = NULL;
+        vec_ab seen_turned;
+        if (seen != NULL) {
+            const vec_dq in_piece = vec_to_dq(*seen, turned);
+            seen_turned = (vec_ab){in_piece.d, in_piece.q};
+            seen_here = &seen_turned;
+        }
+        span(m, dt, rate * dt, vec_to_dq(u_start, turned), x, weight, seen_here);
+        if (seen != NULL) {
+            *seen = vec_to_ab((vec_dq){seen_turned.alpha, seen_turned.beta}, turned);
+        }
         vec_dq piece = {x->integral_start_As.alpha, x->integral_start_As.beta};
         vec_ab back = vec_to_ab(piece, turned);
         integral.alpha += back.alpha;
         integral.beta += back.beta;
     }
     x->integral_start_As = integral;
+}
+
+void electrical_advance(const electrical_linear *m, double dt_s, vec_dq u_dq_V, electrical_state *x)
+{
+    electrical_advance_seen(m, dt_s, u_dq_V, x, 0.0, NULL);
 }

@@ -92,6 +92,9 @@ static vec_dq turned(vec_dq e, double by)
 /* Energy c (x - reach)^3 for x, the current along a direction, beyond the reach: convex, whatever the map does. */
 static void add_walls(const plant_machine *m, vec_dq i, plant_flux *f)
 {
+    if (i.d * i.d + i.q * i.q < m->map_least_A * m->map_least_A) {
+        return;
+    }
     const double L = m->L_d_H > m->L_q_H ? m->L_d_H : m->L_q_H;
     for (int n = 0; n < PLANT_MAP_DIRECTIONS; n++) {
         const vec_dq e = direction(n);
@@ -125,7 +128,10 @@ double plant_flux_find_reach(plant_machine *m, double I_scale_A)
 {
     enum { RAYS = 8, STEPS = 256 }; /* within a direction's share of the turn; of the current */
     const double most_A = 4.0 * I_scale_A;
-    double least_A = most_A;
+    if (!plant_flux_has_map(m)) {
+        return most_A;
+    }
+    m->map_least_A = most_A;
     for (int n = 0; n < PLANT_MAP_DIRECTIONS; n++) {
         double reach = most_A;
         for (int ray = 0; ray <= RAYS; ray++) {
@@ -141,14 +147,18 @@ double plant_flux_find_reach(plant_machine *m, double I_scale_A)
             }
         }
         m->map_reach_A[n] = reach;
-        least_A = fmin(least_A, reach);
+        m->map_least_A = fmin(m->map_least_A, reach);
     }
-    return least_A;
+    return m->map_least_A;
 }
 
 void plant_flux_at(const plant_machine *m, vec_dq i, plant_flux *f)
 {
     const bool map = plant_flux_has_map(m);
+    if (!map && m->I_sat_A <= 0.0) {
+        *f = (plant_flux){{m->L_d_H * i.d, m->L_q_H * i.q}, m->L_d_H, 0.0, m->L_q_H};
+        return;
+    }
     falling(m, i, map, f);
     if (map) {
         add_terms(m, i, f);

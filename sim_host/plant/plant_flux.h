@@ -31,12 +31,12 @@ bool plant_flux_has_map(const plant_machine *m);
 
 /*
  * Finds how far the map is one that iron can have, both principal inductances at least a tenth of the lesser
- * one at no current: map_reach_A, at most four times I_scale_A. Returns the least of all directions.
+ * one at no current: map_reach_A, at most four times I_scale_A. Returns the least of all directions; without a map that limit.
  */
 double plant_flux_find_reach(plant_machine *m, double I_scale_A);
 
 /*
- * A map's terms stand beside the fall of both axes, which then is the plain law at any current. Beyond the planes
+ * A map's terms add to the saturation of both axes, which then follows the plain model at any current. Beyond the planes
  * that a map's reach spans, the flux rises steeply: a polynomial would turn back there, and iron
  * does not. map_reach_A must be set.
  */

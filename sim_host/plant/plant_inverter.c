@@ -9,6 +9,8 @@ void leg_command(inverter_leg *leg, bool high, double t_s, double t_dead_s)
     if (high != leg->high) {
         leg->high = high;
         leg->on_at_s = t_s + t_dead_s;
+        leg->edged = true;
+        leg->edge_s = t_s;
     }
 }
 
@@ -51,6 +53,7 @@ void leg_pass(inverter_leg *leg, double t_s, double t_dead_s)
 void leg_rebase(inverter_leg *leg, double duration_s)
 {
     leg->on_at_s -= duration_s;
+    leg->edge_s -= duration_s;
 }
 
 void leg_voltages(const inverter_leg *leg, const plant_inverter *inverter, bool off, double u_dc_V,

@@ -29,6 +29,8 @@ typedef struct inverter_leg {
     double rise_s;  /* next commanded edges; INFINITY: none left */
     double fall_s;
     leg_flow flow; /* which way its current flows; the numerical path keeps it */
+    bool edged;    /* there has been an edge, */
+    double edge_s; /* the last one in the cycle's time */
 } inverter_leg;
 
 /* Commands the leg at a time of the cycle; a change starts the dead time. */

@@ -6,13 +6,18 @@
 #include <math.h>
 
 static const double ROOM_C = 25.0;
-enum { STREAM_CURRENT = 1, STREAM_ANGLE, STREAM_LOOSE };
+enum { STREAM_CURRENT = 1, STREAM_ANGLE, STREAM_LOOSE, STREAM_EDGE };
+
+/* By how much the size of what an edge leaves varies from edge to edge. */
+static const double EDGE_VARIES = 0.3;
 
 void sensor_init(sensor_memory *m, uint64_t seed)
 {
     plant_random_seed(&m->current, seed, STREAM_CURRENT);
     plant_random_seed(&m->angle, seed, STREAM_ANGLE);
     plant_random_seed(&m->loose, seed, STREAM_LOOSE);
+    plant_random_seed(&m->edge, seed, STREAM_EDGE);
+    m->held_begun = false;
     m->loose_left = 0;
     m->dropouts = 0;
     m->speed_begun = false;
@@ -88,16 +93,63 @@ static double filtered_speed(double tau_s, sensor_memory *m, double t_s, double 
     return m->speed_seen_rad_s;
 }
 
+/* A core's play: what is shown follows once the current has turned by twice the width. */
+static double held(const plant_sensors *s, sensor_memory *m, int x, double i_A)
+{
+    if (s->hysteresis_A == 0.0) {
+        return i_A;
+    }
+    m->held_A[x] =
+        m->held_begun ? fmin(fmax(m->held_A[x], i_A - s->hysteresis_A), i_A + s->hysteresis_A) : i_A;
+    return m->held_A[x];
+}
+
+/* What the last edge of each leg leaves in channel x. */
+static double edges(const plant_sensors *s, const double size[3], int x)
+{
+    double sum = 0.0;
+    for (int leg = 0; leg < 3; leg++) {
+        sum += size[leg] * (leg == x ? 1.0 : s->edge_coupling);
+    }
+    return sum;
+}
+
+static double hum(const plant_sensors *s, const sensor_truth *truth, int x)
+{
+    const bool here = s->hum_A != 0.0 && (s->hum_channel == 0 || s->hum_channel == x + 1);
+    return here ? s->hum_A * sin(2.0 * VEC_PI * s->hum_Hz * truth->t_s) : 0.0;
+}
+
+/* What the three channels show of the true currents before noise and dropouts. */
+static void channels(const plant_sensors *s, sensor_memory *m, const sensor_truth *truth, double i_A[3])
+{
+    double shown[3];
+    double size[3] = {0.0, 0.0, 0.0};
+    for (int x = 0; x < 3; x++) {
+        const double gain = s->current_gain[x] + s->current_gain_rate_s[x] * truth->clock_s;
+        const double offset_A = s->current_offset_A[x] + s->current_offset_rate_A_s[x] * truth->clock_s;
+        shown[x] = held(s, m, x, gain * truth->i_A[x] + offset_A);
+        if (s->edge_A != 0.0) {
+            size[x] = s->edge_A * truth->edge_sign[x] * exp(-truth->edge_age_s[x] / s->edge_s) *
+                      (1.0 + EDGE_VARIES * plant_random_normal(&m->edge));
+        }
+    }
+    m->held_begun = true;
+    for (int x = 0; x < 3; x++) {
+        const double crossed = x > 0 ? s->crosstalk * shown[x - 1] : 0.0;
+        i_A[x] = shown[x] + crossed + edges(s, size, x) + hum(s, truth, x);
+    }
+}
+
 void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *truth, plant_samples *s)
 {
     const plant_sensors *sensors = &c->sensors;
     const bool loose = loose_now(sensors, m);
+    double shown_A[3];
     s->t_s = truth->t_s;
+    channels(sensors, m, truth, shown_A);
     for (int x = 0; x < 3; x++) {
-        const double gain = sensors->current_gain[x] + sensors->current_gain_rate_s[x] * truth->clock_s;
-        const double offset_A =
-            sensors->current_offset_A[x] + sensors->current_offset_rate_A_s[x] * truth->clock_s;
-        double i = gain * truth->i_A[x] + offset_A;
+        double i = shown_A[x];
         if (loose && x == loose_channel(sensors)) {
             i = sensors->loose_gain * i + sensors->loose_step_A;
         }
@@ -108,8 +160,10 @@ void sensor_read(const plant_config *c, sensor_memory *m, const sensor_truth *tr
     const double late_s = sensors->t_delay_s;
     double wrong_rad = truth->omega_e_rad_s * late_s + 0.5 * truth->accel_e_rad_s2 * late_s * late_s;
     wrong_rad += sensors->theta_0_rad + noise(&m->angle, sensors->angle_noise_rad);
-    wrong_rad += sensors->harmonic_amplitude_rad *
-                 cos(sensors->harmonic_order * truth->theta_mech_rad + sensors->harmonic_phase_rad);
+    for (int n = 0; n < PLANT_HARMONICS; n++) {
+        const plant_harmonic *h = &sensors->harmonic[n];
+        wrong_rad += h->amplitude_rad * cos(h->order * truth->theta_mech_rad + h->phase_rad);
+    }
     s->theta_e_rad = wrap(pole_pairs * truth->theta_mech_rad + wrong_rad);
     s->theta_mech_rad = wrap(truth->theta_mech_rad + wrong_rad / pole_pairs);
     s->omega_e_rad_s = filtered_speed(sensors->speed_lag_s, m, truth->t_s, truth->omega_e_rad_s) +

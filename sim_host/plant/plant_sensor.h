@@ -1,7 +1,7 @@
 /*
- * Sensors: what the firmware and the recording see. Channel x reads, at its sampling instant,
- *     ADC( gain_x * (low-passed current) + offset_x + noise ),
- * the angle sensor true(t + t_delay) + theta_0 + amplitude cos(order theta_mech + phase) + noise, the speed behind its filter.
+ * Sensors: the values that the firmware and the recording get. Channel x reads, at its sampling instant,
+ *     ADC( play(gain_x * (low-passed current) + offset_x) + crosstalk + edges + hum + noise ),
+ * the angle sensor true(t + t_delay) + theta_0 + sum of amplitude cos(order theta_mech + phase) + noise, the speed behind its filter.
  */
 #ifndef SIM_HOST_PLANT_PLANT_SENSOR_H
 #define SIM_HOST_PLANT_PLANT_SENSOR_H
@@ -22,11 +22,13 @@ typedef struct plant_samples {
 } plant_samples;
 
 typedef struct sensor_memory {
-    plant_random current, angle, loose; /* streams apart: one sensor's noise does not move another's */
-    long loose_left;                    /* samples of this dropout still to come */
+    plant_random current, angle, loose, edge; /* streams apart: one sensor's noise does not move another's */
+    long loose_left;                          /* samples of this dropout still to come */
     long dropouts;
     bool speed_begun;                                      /* the speed's filter has seen a sample, */
     double speed_at_s, speed_true_rad_s, speed_seen_rad_s; /* when, what it was, and what came through */
+    bool held_begun;
+    double held_A[3]; /* what channels with hysteresis show */
 } sensor_memory;
 
 /* What is true at the sampling instant. */
@@ -36,6 +38,8 @@ typedef struct sensor_truth {
     double i_A[3];  /* behind the low-pass, if there is one */
     double theta_mech_rad, omega_e_rad_s, accel_e_rad_s2;
     double u_dc_V;
+    double edge_age_s[3]; /* since the last switching edge of each leg; INFINITY: none yet */
+    double edge_sign[3];  /* 1: it rose */
 } sensor_truth;
 
 void sensor_init(sensor_memory *m, uint64_t seed);

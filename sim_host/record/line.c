@@ -2,6 +2,8 @@
 #define _DEFAULT_SOURCE /* cfmakeraw, B230400 and faster */
 #include "line.h"
 
+#include "../base/inputs.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -83,6 +85,9 @@ bool line_open(line *l, const char *name, long baud, error *e)
     l->file = open(name, O_RDONLY | O_NOCTTY | O_NONBLOCK);
     if (l->file < 0) {
         return error_input(e, name, 0, 0, "cannot be opened: %s", strerror(errno));
+    }
+    if (!inputs_note(l->file, name, e)) {
+        return false;
     }
     l->size = S_ISREG(about.st_mode) ? (long)about.st_size : 0;
     return isatty(l->file) == 0 || terminal_set(l, baud, e);

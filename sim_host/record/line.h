@@ -1,4 +1,4 @@
-/* Where the recorder's octets come from: a serial device, a pseudo-terminal, a socket, a pipe or a file. */
+/* Source of the recorder's bytes: a serial device, a pseudo-terminal, a socket, a pipe or a file. */
 #ifndef SIM_HOST_RECORD_LINE_H
 #define SIM_HOST_RECORD_LINE_H
 

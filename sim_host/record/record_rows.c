@@ -5,7 +5,7 @@
 
 #define COLUMNS 22 /* numbers of the wire, 0 unused */
 
-/* Where each channel of the header stands; -1: not recorded. */
+/* Place of each channel in the header; -1: not recorded. */
 typedef struct channel_map {
     int at[COLUMNS];
 } channel_map;
@@ -104,7 +104,7 @@ static bool grow(record_rows *r)
     }
     const size_t capacity = r->capacity == 0 ? 4096 : 2 * r->capacity;
     if (!recording_columns_grow(&r->recording, r->have, capacity)) {
-        return error_failure(&r->e, 0, "record: no memory for %zu rows", capacity);
+        return error_failure(&r->e, 0, "record: out of memory for %zu rows", capacity);
     }
     r->capacity = capacity;
     return true;

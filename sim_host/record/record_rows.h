@@ -1,5 +1,5 @@
 /*
- * Rows from the recorder's line, made a recording (interfaces.md): vectors become phases, each stretch gets
+ * Converts the recorder's rows to a recording (docs/interfaces.md): vectors become phases, each stretch gets
  * its own run.
  */
 #ifndef SIM_HOST_RECORD_RECORD_ROWS_H

@@ -80,7 +80,7 @@ static void missing_rows_count(wire_reader *r, unsigned long rows)
     r->stream_missing += rows;
 }
 
-/* The row before this one stood `cycles` ahead of it: how many are missing between the two. */
+/* The row before this one is `cycles` earlier: the number of missing rows between them. */
 static unsigned long rows_between(const wire_reader *r, uint32_t cycles)
 {
     return cycles < r->header.decimation ? 0 : cycles / r->header.decimation - 1;
@@ -120,7 +120,7 @@ static bool rows_read(wire_reader *r, size_t words, wire_take_row *take, void *c
     return true;
 }
 
-/* How many rows there were, of which the missing ones at both ends have not been counted yet. */
+/* Number of rows; the missing ones at both ends are not counted yet. */
 static void end_read(wire_reader *r)
 {
     lost_rows_count(r, word_at(r, 2));

@@ -1,9 +1,7 @@
 /*
- * Reads the recorder's line (docs/recorder-format.md) octet by octet: frames that are whole, and a count of
- * what was not.
+ * Reads the recorder's stream (docs/recorder-format.md) byte by byte: returns complete frames and counts damaged ones.
  *
- * Nothing is guessed: a frame whose CRC is wrong, whose length does not fit its type, or that stands before
- * any header gives no rows. What is between frames - boot messages, a burst of noise - is counted as damage
+ * Nothing is guessed: a frame whose CRC is wrong, whose length does not fit its type, or that precedes any header gives no rows. What is between frames - boot messages, a burst of noise - is counted as damage
  * and passed over.
  */
 #ifndef SIM_HOST_RECORD_WIRE_READER_H

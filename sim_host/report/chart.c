@@ -112,9 +112,14 @@ static void put_axis(FILE *out, const char *key, const char *label, const chart_
     fputc('}', out);
 }
 
+const char *chart_colour_name(chart_colour colour)
+{
+    static const char *const names[] = {"blue", "orange", "green", "purple", "faint"};
+    return names[colour];
+}
+
 static void put_series(FILE *out, const chart_series *s, column_list *list)
 {
-    static const char *const colours[] = {"blue", "orange", "green", "purple", "faint"};
     static const char *const marks[] = {"line", "points", "linepoints", "steps", "bars"};
     static const char *const roles[] = {"", "nominal", "extended"};
     const size_t x = place_of(list, s->data, 0);
@@ -122,7 +127,8 @@ static void put_series(FILE *out, const chart_series *s, column_list *list)
     fprintf(
         out,
         "{\"x\":%zu,\"y\":%zu,\"colour\":\"%s\",\"mark\":\"%s\",\"role\":\"%s\",\"width\":%g,\"dashed\":%s",
-        x, y, colours[s->colour], marks[s->mark], roles[s->role], s->width, s->dashed ? "true" : "false");
+        x, y, chart_colour_name(s->colour), marks[s->mark], roles[s->role], s->width,
+        s->dashed ? "true" : "false");
     put_text(out, "label", s->label);
     fputc('}', out);
 }

@@ -33,6 +33,8 @@ void chart_data_free(chart_data *d);
 
 /* In colours that stay apart for every common kind of colour vision, each in a light and a dark variant. */
 typedef enum chart_colour { CHART_BLUE, CHART_ORANGE, CHART_GREEN, CHART_PURPLE, CHART_FAINT } chart_colour;
+/* As the style sheet calls it: "blue". */
+const char *chart_colour_name(chart_colour colour);
 typedef enum chart_mark { CHART_LINE, CHART_POINTS, CHART_LINE_POINTS, CHART_STEPS, CHART_BARS } chart_mark;
 /* Which of the page's two switches shows and hides it. */
 typedef enum chart_role { CHART_ALWAYS, CHART_NOMINAL, CHART_EXTENDED } chart_role;

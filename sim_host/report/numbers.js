@@ -59,7 +59,8 @@ const iqfocNumbers = (() => {
     }
 
     /* [x, y...] between two x as uPlot takes it: every row where there are few; else, of each bucket of rows, the least and the
-     * greatest value of each curve in their order, so that no peak is lost. */
+     * greatest value of each curve in their order, so that no peak is lost. A row without any value separates curves, and divides
+     * its bucket. */
     function seenOf(tables, low, high, width, log) {
         const x = tables[0];
         const from = Math.max(indexOf(x, low) - 1, 0);
@@ -70,9 +71,8 @@ const iqfocNumbers = (() => {
         }
         const size = (to - from) / buckets;
         const seen = tables.map(() => []);
-        for (let b = 0; b < buckets; b++) {
-            const first = from + Math.floor(b * size);
-            const end = from + Math.floor((b + 1) * size);
+        const isGap = (n) => tables.every((t, k) => k === 0 || t[n] == null || t[n] !== t[n]);
+        const put = (first, end) => {
             seen[0].push(x[first], x[end - 1]);
             for (let k = 1; k < tables.length; k++) {
                 const y = tables[k];
@@ -90,6 +90,25 @@ const iqfocNumbers = (() => {
                 } else {
                     seen[k].push(y[Math.min(least, most)], y[Math.max(least, most)]);
                 }
+            }
+        };
+        for (let b = 0; b < buckets; b++) {
+            let first = from + Math.floor(b * size);
+            const end = from + Math.floor((b + 1) * size);
+            for (let n = first; n < end; n++) {
+                if (isGap(n)) {
+                    if (n > first) {
+                        put(first, n);
+                    }
+                    put(n, n + 1);
+                    while (n + 1 < end && isGap(n + 1)) {
+                        n++;
+                    }
+                    first = n + 1;
+                }
+            }
+            if (first < end) {
+                put(first, end);
             }
         }
         return seen;

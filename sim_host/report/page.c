@@ -17,11 +17,13 @@ bool page_begin_as(page *p, const char *directory, const char *name, const char 
                    error *e)
 {
     *p = (page){.figures = 0};
-    char path[sizeof p->directory + 80];
+    char path[sizeof p->directory + 256];
     if ((size_t)snprintf(p->directory, sizeof p->directory, "%s", directory) >= sizeof p->directory) {
         return error_input(e, directory, 0, 0, "too long a name for a directory");
     }
-    snprintf(path, sizeof path, "%s/%s", directory, name);
+    if ((size_t)snprintf(path, sizeof path, "%s/%s", directory, name) >= sizeof path) {
+        return error_input(e, name, 0, 0, "too long a name for a file");
+    }
     if (!out_file_open(&p->file, path, e)) {
         return false;
     }
@@ -96,6 +98,70 @@ void page_paragraph(page *p, const char *class_name, const char *format, ...)
     fputs("</p>\n", p->file.stream);
 }
 
+void page_first_begin(page *p)
+{
+    fputs("<div class=\"first\">\n", p->file.stream);
+}
+
+void page_first_figure(page *p)
+{
+    fputs("<div class=\"proof\">\n", p->file.stream);
+}
+
+void page_first_beside(page *p)
+{
+    fputs("</div><div class=\"steps\">\n", p->file.stream);
+}
+
+void page_first_end(page *p)
+{
+    fputs("</div></div>\n", p->file.stream);
+}
+
+void page_verdict(page *p, const char *verdict, const char *sentence)
+{
+    FILE *out = p->file.stream;
+    fprintf(out, "<p class=\"lead\"><strong class=\"badge %s\">%s</strong> ", verdict, verdict);
+    html_text(out, sentence);
+    fputs("</p>\n", out);
+}
+
+void page_meters_begin(page *p, const char *title)
+{
+    fputs("<div class=\"meters\"><p>", p->file.stream);
+    html_text(p->file.stream, title);
+    fputs("</p><dl>\n", p->file.stream);
+}
+
+void page_meter(page *p, const char *name, double value, const char *unit, double full_scale,
+                chart_colour colour)
+{
+    const double share = full_scale > 0.0 ? value / full_scale : 0.0;
+    FILE *out = p->file.stream;
+    fputs("<dt>", out);
+    html_text(out, name);
+    fprintf(out, "</dt><dd><i style=\"width:%.1f%%;background:var(--%s)\"></i><b>%.3g%s%s</b></dd>\n",
+            60.0 * (share < 1.0 ? share : 1.0), chart_colour_name(colour), value, unit[0] != '\0' ? " " : "",
+            unit);
+}
+
+void page_meters_end(page *p)
+{
+    fputs("</dl></div>\n", p->file.stream);
+}
+
+void page_details_begin(page *p, const char *summary)
+{
+    fputs("<details><summary>", p->file.stream);
+    html_text(p->file.stream, summary);
+    fputs("</summary>\n", p->file.stream);
+}
+
+void page_details_end(page *p)
+{
+    fputs("</details>\n", p->file.stream);
+}
+
 void page_pair_begin(page *p)
 {
     fputs("<div class=\"pair\"><div>\n", p->file.stream);
@@ -152,6 +218,21 @@ bool page_figure(page *p, plot *drawing, const char *id, const char *caption, er
     return true;
 }
 
+/* For readers who cannot see it: "phase current, A against time, s: measured, nominal model". */
+static void put_chart_label(FILE *out, const chart *c)
+{
+    const char *const name = c->y_label != NULL ? c->y_label : c->title != NULL ? c->title : "chart";
+    html_text(out, name);
+    if (c->x_label != NULL) {
+        fputs(" against ", out);
+        html_text(out, c->x_label);
+    }
+    for (size_t n = 0; n < CHART_SERIES && c->series[n].label != NULL; n++) {
+        fputs(n == 0 ? ": " : ", ", out);
+        html_text(out, c->series[n].label);
+    }
+}
+
 bool page_charts(page *p, const chart *charts, size_t count, const char *id, const char *caption, error *e)
 {
     FILE *out = p->file.stream;
@@ -159,7 +240,9 @@ bool page_charts(page *p, const chart *charts, size_t count, const char *id, con
     fprintf(out, "<figure id=\"%s\" class=\"charts%s\">\n<div class=\"panels%s\">\n", id,
             wide || count > 1 ? " wide" : "", !wide && count > 1 ? " tiled" : "");
     for (size_t n = 0; n < count; n++) {
-        fputs("<div class=\"chart\"></div>\n", out);
+        fputs("<div class=\"chart\" role=\"group\" aria-label=\"", out);
+        put_chart_label(out, &charts[n]);
+        fputs("\"></div>\n", out);
     }
     fputs("</div>\n<script type=\"application/json\">\n", out);
     const bool whole = chart_write(out, charts, count);
@@ -200,7 +283,8 @@ void page_terms_end(page *p)
 
 void page_table_begin(page *p, const char *const *heads, size_t columns)
 {
-    fputs("<div class=\"table\"><table>\n<tr>", p->file.stream);
+    fputs("<div class=\"table\" role=\"region\" aria-label=\"table\" tabindex=\"0\"><table>\n<tr>",
+          p->file.stream);
     for (size_t n = 0; n < columns; n++) {
         /* A head that starts with a tab is that of a column of numbers. */
         const bool number = heads[n][0] == '\t';

@@ -1,9 +1,6 @@
 /*
  * A report page: one HTML file that opens from disk and asks for nothing else, with its charts and the program that
- * draws them in it. Readable on a phone, on a wide screen and on paper, in light and dark. What gnuplot draws, contour
- * lines, is also written beside the page as <id>.svg.
- *
- * What the text functions take is plain text; what HTML holds special is escaped.
+ * draws them in it. Readable on a phone, on a wide screen and on paper, in light and dark. Contour lines are drawn by gnuplot and also written as <id>.svg next to the page. Text functions take plain text and escape it for HTML.
  */
 #ifndef SIM_HOST_REPORT_PAGE_H
 #define SIM_HOST_REPORT_PAGE_H
@@ -28,7 +25,7 @@ bool page_begin_as(page *p, const char *directory, const char *name, const char 
 bool page_end(page *p, error *e);
 /* Ends the page if all went well, else gives it up. */
 bool page_finish(page *p, bool ok, error *e);
-/* Gives up; what stood at the path before stays. */
+/* Gives up; an old file at the path stays. */
 void page_abandon(page *p);
 
 /* level 2 ... 4. */
@@ -41,6 +38,28 @@ void page_paragraph(page *p, const char *class_name, const char *format, ...) ER
 #define page_lead(p, ...) page_paragraph(p, "lead", __VA_ARGS__)
 /* In smaller type: a remark below a table. */
 #define page_note(p, ...) page_paragraph(p, "note", __VA_ARGS__)
+
+/*
+ * The first screen: what is written after page_first_begin spans its width; then come two blocks, next to one another
+ * in a wide window and below one another in a narrow one.
+ */
+void page_first_begin(page *p);
+void page_first_figure(page *p);
+void page_first_beside(page *p);
+void page_first_end(page *p);
+
+/* The verdict: its word on a coloured badge (page.css has a colour for each verdict), and a sentence. */
+void page_verdict(page *p, const char *verdict, const char *sentence);
+
+/* Horizontal bars on one scale from zero. full_scale: the value of a bar of full length. */
+void page_meters_begin(page *p, const char *title);
+void page_meter(page *p, const char *name, double value, const char *unit, double full_scale,
+                chart_colour colour);
+void page_meters_end(page *p);
+
+/* What follows is hidden until the reader opens it. */
+void page_details_begin(page *p, const char *summary);
+void page_details_end(page *p);
 
 /* Two things side by side where the window is wide enough, else one below the other: what is written after
  * page_pair_begin, and what is written after page_pair_beside. */

@@ -126,6 +126,7 @@
             height: chart.height || USUAL_HEIGHT,
             scales: {x: {time: false, distr: chart.x.log ? 3 : 1, range: (u, low, high) => [low, high]}, y: {distr: chart.y.log ? 3 : 1, range: rangeOf(chart.y, chart.series.some((s) => s.mark === "bars"))}},
             axes: [x, y],
+            legend: {markers: {width: 0, fill: (u, n) => colour(chart.series[n - 1].colour)}},
             series: [{label: chart.x.label, value: (u, value) => (chart.names ? nameOf(chart, value) : short(value))},
                 ...chart.series.map((s, n) => curveOf(p, s, n))],
             cursor: {
@@ -142,8 +143,96 @@
                         u.setSelect({left: 0, top: 0, width: 0, height: 0}, false);
                     }
                 }],
+                draw: chart.group || chart.names ? [] : [(u) => nameCurves(u, chart)],
             },
         };
+    }
+
+    /* ---- Names on the curves ---- */
+
+    /* The places where a name may stand: above and below its curve. */
+    function placesOf(u, n, height) {
+        const {left, top, width, height: full} = u.bbox;
+        const places = [];
+        u.data[n].forEach((value, k) => {
+            if (value == null) {
+                return;
+            }
+            const x = u.valToPos(u.data[0][k], "x", true);
+            const y = u.valToPos(value, u.series[n].scale, true);
+            for (const lines of [-1, 1, -2, 2, -3, 3]) {
+                const at = y + lines * height;
+                if (x > left && x < left + width && at - 0.6 * height > top && at + 0.6 * height < top + full) {
+                    places.push({x, y: at, lines});
+                }
+            }
+        });
+        return places;
+    }
+
+    /* A curve as points in the canvas; a line has more of them between its samples. */
+    function pointsOf(u, n, joined) {
+        const points = [];
+        let before = null;
+        u.data[n].forEach((value, k) => {
+            const here = value == null ? null : {x: u.valToPos(u.data[0][k], "x", true), y: u.valToPos(value, u.series[n].scale, true), n};
+            if (here && before && joined) {
+                const steps = Math.min(Math.ceil(Math.hypot(here.x - before.x, here.y - before.y) / (8 * devicePixelRatio)), 60);
+                for (let j = 1; j < steps; j++) {
+                    points.push({x: before.x + (here.x - before.x) * j / steps, y: before.y + (here.y - before.y) * j / steps, n});
+                }
+            }
+            if (here) {
+                points.push(here);
+            }
+            before = here;
+        });
+        return points;
+    }
+
+    /* Each name is written next to its own curve, as far as possible from the other curves and names. */
+    function nameCurves(u, chart) {
+        const shown = u.series.map((s, n) => n).filter((n) => n > 0 && u.series[n].show);
+        if (shown.length < 2 || u.data[0].length > 400) {
+            return;
+        }
+        const ratio = devicePixelRatio;
+        const height = 14 * ratio;
+        const {left, width} = u.bbox;
+        const points = shown.flatMap((n) => pointsOf(u, n, chart.series[n - 1].mark !== "points"));
+        const names = [];
+        u.ctx.save();
+        u.ctx.font = `600 ${12 * ratio}px system-ui, sans-serif`;
+        u.ctx.textAlign = "center";
+        u.ctx.textBaseline = "middle";
+        for (const n of shown) {
+            const half = 0.5 * u.ctx.measureText(u.series[n].label).width;
+            let best = null;
+            for (const {x, y, lines} of placesOf(u, n, height)) {
+                const middle = Math.min(Math.max(x, left + half + 2), left + width - half - 2);
+                const room = (q, extra) => Math.hypot(Math.max(Math.abs(q.x - middle) - half - extra, 0), Math.abs(q.y - y));
+                const other = Math.min(...points.filter((q) => q.n !== n).map((q) => room(q, 0)), ...names.map((m) => room(m, m.half)));
+                const own = Math.min(...points.filter((q) => q.n === n).map((q) => room(q, 0)));
+                const free = 10 * Math.min(own, other, 0.9 * height) + Math.min(other, 6 * height) - 3 * height * Math.abs(lines);
+                if (!best || free > best.free) {
+                    best = {x: middle, y, half, free, n};
+                }
+            }
+            if (best) {
+                names.push(best);
+            }
+        }
+        for (const {x, y, n} of names) {
+            const text = u.series[n].label;
+            u.ctx.lineWidth = 4 * ratio;
+            u.ctx.lineJoin = "round";
+            u.ctx.strokeStyle = colour("paper");
+            u.ctx.strokeText(text, x, y);
+            u.ctx.fillStyle = colour("ink");
+            u.ctx.fillStyle = `color-mix(in srgb, ${colour(chart.series[n - 1].colour)} 65%, ${colour("ink")})`;
+            u.ctx.fillText(text, x, y);
+        }
+        u.ctx.restore();
     }
 
     /* What the charts of a group hear of one another: zoom() sees to the rest. */
@@ -222,7 +311,7 @@
         if (p.chart.view) {
             button("first view", "back to what was shown first", () => zoom(p, p.chart.view));
         }
-        bar.append("or draw the mouse over a curve; a double click shows all.");
+        bar.append("or drag over a curve to zoom; a double click shows all.");
         figure.querySelector(".panels").before(bar);
     }
 
@@ -276,7 +365,7 @@
         const roles = new Set(panels.flatMap((p) => p.chart.series.map((s) => s.role)));
         bar.className = "bar";
         if (roles.has("nominal") && roles.has("extended")) {
-            bar.append(switchOf("nominal", "as it was", "orange"), switchOf("extended", "extended", "blue"));
+            bar.append(switchOf("nominal", "nominal model", "orange"), switchOf("extended", "extended model", "blue"));
         }
         bar.append(themeChoice());
         document.querySelector(".subtitle").after(bar);

@@ -14,7 +14,7 @@ static const char *text_of(const unsigned char *asset)
     return (const char *)asset;
 }
 
-/* As a policy names a script: by the hash of what stands between its tags. */
+/* A policy names a script by the hash of the text between its tags. */
 static void put_hash(FILE *out, const char *script)
 {
     unsigned char digest[SHA256_BYTES];

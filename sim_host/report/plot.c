@@ -3,6 +3,8 @@
 
 #include "plot.h"
 
+#include "../base/text_out.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <spawn.h>
@@ -76,22 +78,20 @@ void plot_abandon(plot *p)
 /* All that a stream holds, as text. NULL when memory runs out. */
 static char *read_all(FILE *stream)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *all = open_memstream(&text, &size);
-    if (all == NULL) {
+    text_out all;
+    if (!text_out_open(&all)) {
+        (void)text_out_close(&all);
         return NULL;
     }
     char block[65536];
     size_t got;
     while ((got = fread(block, 1, sizeof block, stream)) > 0) {
-        fwrite(block, 1, got, all);
+        fwrite(block, 1, got, all.stream);
     }
-    if (fclose(all) != 0) {
-        free(text);
+    if (!text_out_close(&all)) {
         return NULL;
     }
-    return text;
+    return all.bytes;
 }
 
 /* The script as a file without a name, which is gone with the last who has it open, whatever ends him. */

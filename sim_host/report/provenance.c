@@ -1,11 +1,13 @@
 /* The section on where a page comes from (provenance.h). */
-/* POSIX: gmtime_r, open_memstream. */
+/* POSIX: gmtime_r. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "provenance.h"
 
 #include "../base/build.h"
+#include "../base/memory.h"
 #include "../base/sha256.h"
+#include "../base/text_out.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -55,21 +57,19 @@ static void put_word(FILE *out, const char *word)
 
 static void tell_command(page *p, const provenance *from)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL) {
-        return;
+    text_out text;
+    if (text_out_open(&text)) {
+        fputs("iqfoc", text.stream);
+        for (int n = 0; n < from->argc; n++) {
+            fputc(' ', text.stream);
+            put_word(text.stream, from->argv[n]);
+        }
     }
-    fputs("iqfoc", out);
-    for (int n = 0; n < from->argc; n++) {
-        fputc(' ', out);
-        put_word(out, from->argv[n]);
+    if (!text_out_close(&text)) {
+        memory_out();
     }
-    if (fclose(out) == 0) {
-        page_term(p, "command", "%s", text);
-    }
-    free(text);
+    page_term(p, "command", "%s", text.bytes);
+    free(text.bytes);
 }
 
 void provenance_tell(page *p, const provenance *from)
@@ -84,10 +84,13 @@ void provenance_tell(page *p, const provenance *from)
     }
     for (size_t n = 0; n < PROVENANCE_FILES && from->file[n].what != NULL; n++) {
         char hash[SHA256_TEXT];
+        errno = 0;
         if (from->file[n].path == NULL) {
             page_term(p, from->file[n].what, "no file: given by the program that called");
         } else if (sha256_of_file(from->file[n].path, hash)) {
             page_term(p, from->file[n].what, "%s, sha256 %s", from->file[n].path, hash);
+        } else if (errno == ENOMEM) {
+            memory_out();
         } else {
             page_term(p, from->file[n].what, "%s, which cannot be read twice", from->file[n].path);
         }

@@ -1,5 +1,5 @@
 /*
- * The papers' figures, drawn from this project's computation, and the page that shows them beside the rows.
+ * The papers' figures, drawn from this project's computation, and the page with them and the rows.
  */
 #ifndef SIM_HOST_REPRODUCE_FIGURES_H
 #define SIM_HOST_REPRODUCE_FIGURES_H

@@ -58,7 +58,7 @@ static bool figures_8_and_9(page *p, const comparison *c, error *e)
          16, "%.0f", 0, -0.6, 0, 0.6, gain_percent},
         {"(b) phase error, mrad", "change of modulus, p.u.", "change of angle, rad", -0.6, 0.6, -0.6, 0.6,
          -100, 10, 100, "%.0f", -0.6, 0, 0.6, 0, phase_mrad}};
-    page_heading(p, 3, "What the discrete angle gets wrong");
+    page_heading(p, 3, "The error of the discrete angle");
     plot drawing;
     page_pair_begin(p);
     if (!contour_pair(&drawing, figure_8, e) ||

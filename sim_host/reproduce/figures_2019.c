@@ -84,7 +84,8 @@ static bool figure_3(page *p, const motor *m, const steady_drive *d, error *e)
     const bool ok = page_charts(
         p, drawn, 3, "2019-figure-3",
         "Figure 3. PWM signals, voltage and current of phase A at 8000 rpm (12.5 switching periods a "
-        "fundamental period). The mid-point sample misses the cycle's mean by what the current bends.",
+        "fundamental period). The mid-point sample differs from the cycle's mean by the curvature of the "
+        "current.",
         e);
     for (int x = 0; x < 3; x++) {
         chart_data_free(&leg[x]);

@@ -196,8 +196,8 @@ bool figure_2019_9(page *p, const comparison *c, const motor *m, const method_ma
     chart_data measured = measured_of(m);
     page_heading(p, 3, "In place of the laboratory");
     page_text(p,
-              "What the laboratory's noise and parameter errors were, the paper does not say. %d drives "
-              "are drawn (seed %d) whose controllers know R to ±10 %%, L to ±5 %%, ψ to ±2 %%, the "
+              "The paper does not give the laboratory's noise and parameter errors. %d drives are drawn "
+              "(seed %d) whose controllers have R within ±10 %%, L to ±5 %%, ψ to ±2 %%, the "
               "voltage to ±1 %% and the angle to ±1° (each uniform), with 0.5 %% of the rated peak as "
               "noise on each current sample. Nothing is fitted to the measured points.",
               LAB_DRAWS, (int)LAB_SEED);

@@ -1,11 +1,11 @@
 /* The stand-in for the 2019 paper's laboratory (lab_drives.h). */
 #include "lab_drives.h"
+#include "base/sort.h"
 
 #include "per_unit.h"
 #include "plant/plant_random.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 const lab_uncertainty lab_uncertainty_assumed = {.R = 0.10,
                                                  .L = 0.05,
@@ -14,7 +14,7 @@ const lab_uncertainty lab_uncertainty_assumed = {.R = 0.10,
                                                  .angle_rad = VEC_PI / 180.0,
                                                  .current_noise = 0.005};
 
-/* One drive that might stand there, as its controller knows it. */
+/* One possible drive of the laboratory, with its controller's parameters. */
 typedef struct lab_drive {
     method_machine machine;
     double voltage_gain, angle_offset_rad, noise_A;
@@ -71,13 +71,6 @@ static void run(const lab_drive *drive, const steady_drive *d, method which, pla
     percent[1] = 100.0 * sqrt(sum_iq24 / sum_current);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double quantile(const double sorted[LAB_DRAWS], double at)
 {
     const double position = at * (LAB_DRAWS - 1);
@@ -105,8 +98,8 @@ bool lab_spread_of(const motor *m, const steady_drive *d, method which, lab_spre
         percent[n] = both[0];
         percent_iq24[n] = both[1];
     }
-    qsort(percent, LAB_DRAWS, sizeof percent[0], by_size);
-    qsort(percent_iq24, LAB_DRAWS, sizeof percent_iq24[0], by_size);
+    sort_ascending(percent, LAB_DRAWS);
+    sort_ascending(percent_iq24, LAB_DRAWS);
     *spread = (lab_spread){quantile(percent, 0.5), quantile(percent, 0.05), quantile(percent, 0.95),
                            quantile(percent_iq24, 0.5)};
     return true;

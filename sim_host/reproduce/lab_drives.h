@@ -1,10 +1,10 @@
 /*
- * A stand-in for the 2019 paper's laboratory (Section 9, Table 3, Fig. 9): the same drive, met by a
- * controller whose parameters are uncertain and whose sensors are noisy.
+ * A stand-in for the 2019 paper's laboratory (Section 9, Table 3, Fig. 9): the same drive with a controller of
+ * uncertain parameters and noisy sensors.
  *
- * What the laboratory's errors were is unknown, so none is fitted: each draw is one drive that might stand
- * there, with errors uniform within what such a drive is ordinarily known to, and the result is the spread of
- * one-cycle prediction errors over many draws.
+ * The laboratory's errors are unknown, and none is fitted. Each draw is one possible drive, with errors uniform
+ * within the usual uncertainty of such a drive. The result is the spread of one-cycle prediction errors over many
+ * draws.
  */
 #ifndef SIM_HOST_REPRODUCE_LAB_DRIVES_H
 #define SIM_HOST_REPRODUCE_LAB_DRIVES_H

@@ -1,4 +1,4 @@
-/* Which mean of the dq current is enough where (mean_map.h). */
+/* The cheapest sufficient mean of the dq current (mean_map.h). */
 #include "mean_map.h"
 
 #include "model/modulated_mean.h"

@@ -1,7 +1,6 @@
 /*
- * Which mean of the dq current is enough where: a map over the ratio of switching to fundamental frequency
- * (SFFR), the modulation index and the load. Steady state on the switching-level drive; the truth is its mean
- * seen from the turning rotor, over each cycle.
+ * The cheapest sufficient mean of the dq current: a map over SFFR, modulation index and load. Steady state on the
+ * switching-level drive; the truth is its mean seen from the turning rotor, over each cycle.
  *
  * The speed sets the SFFR at the motor file's switching frequency. The modulation index, voltage over the
  * highest of linear modulation, is set by the DC link, which this takes as free: at low SFFR some of it lies

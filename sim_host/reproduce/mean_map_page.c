@@ -1,4 +1,4 @@
-/* The map of mean_map.h as a page and a picture to pin up. */
+/* The map of mean_map.h as a page and a picture. */
 #include "mean_map.h"
 
 #include "../report/page.h"
@@ -44,7 +44,7 @@ static void say_panel(plot *p, const mean_map *map, int load, int limit)
              load, limit);
 }
 
-/* The key as a panel of its own below: a box of each colour and what it stands for. */
+/* The key as a panel below: a box of each colour and its meaning. */
 static void say_key(plot *p)
 {
     static const double left[MEAN_METHODS + 1] = {0.05, 0.235, 0.42, 0.62, 0.84};
@@ -131,13 +131,13 @@ bool mean_map_page(const char *directory, const motor *m, const mean_map *map, e
 {
     page p;
     if (!page_begin(
-            &p, directory, "Which mean current is enough",
+            &p, directory, "Which mean current to use",
             "Mean dq current over a PWM cycle, seen from the turning rotor: what a controller regulates.",
             e)) {
         return false;
     }
     const bool ok = draw(&p, m, map, e);
-    page_text(&p, "The SFFR from which on a method is within the limit at every modulation index:");
+    page_text(&p, "The lowest SFFR from which a method is within the limit at every modulation index:");
     say_table(&p, map);
     return page_finish(&p, ok, e);
 }

@@ -1,4 +1,4 @@
-/* The 2016 paper's tables beside what is computed (paper_2016.h). */
+/* The 2016 paper's tables with the computed values (paper_2016.h). */
 #include "paper_2016.h"
 
 #include "discrete_angle.h"
@@ -14,9 +14,9 @@ const paper_2016_motor paper_2016_motors[PAPER_2016_MOTORS] = {
     {"motor 1", 30.1e-3, 97e-3}, {"motor 2", 1.9e-3, 35e-3}, {"motor 3", 4.6e-3, 770e-3}};
 
 /*
- * The paper gives neither the speed nor the instant of the step. 105 Hz and 58 % of an interval are inferred
- * from its Table 2: with them all 18 transient figures come out within 10 %. Where in the interval the step
- * falls sets the peaks; the speed sets T/tau and thereby the differences between analysis and simulation.
+ * The paper gives neither the speed nor the instant of the step. 105 Hz and 58 % of an interval are inferred from its
+ * Table 2: with them all 18 transient figures agree within 10 %. The instant within the interval sets the peaks; the
+ * speed sets T/tau, and so the differences between analysis and simulation.
  */
 static const double fundamental_Hz = 105.0;
 static const double step_at = 0.58;
@@ -71,7 +71,7 @@ typedef struct motor_summaries {
 
 static const double slower_Hz = 100.0;
 
-/* Why the rows of Table 2 that are off are off. */
+/* The reasons of the rows of Table 2 that differ. */
 static void table_2_note(int row, int which, const motor_summaries all[PAPER_2016_MOTORS], char *note,
                          size_t size)
 {

@@ -5,8 +5,8 @@ bool reproduce_page(const char *directory, const comparison *c, bool with_2016, 
 {
     page p;
     if (!page_begin(&p, directory, "Both papers, reproduced",
-                    "The tables and figures of L. Jarzebowicz 2016 and 2019 beside this project's "
-                    "values: the formula in double precision on the simulated drive, and the firmware's "
+                    "The tables and figures of L. Jarzebowicz 2016 and 2019 with this project's values: the "
+                    "formula in double precision on the simulated drive, and the firmware's "
                     "IQ24 functions.",
                     e)) {
         return false;

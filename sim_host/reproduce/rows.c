@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where the texts of a row stand. */
+/* The places of a row's texts. */
 enum { TEXTS = 7 };
 
 static void texts_of(comparison_row *row, const char **text[TEXTS])

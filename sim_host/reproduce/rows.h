@@ -1,6 +1,6 @@
 /*
- * The rows of the comparison: a figure of a paper beside this project's value, in double precision and from
- * the IQ24 firmware. Printed as aligned tables and written as JSON.
+ * The rows of the comparison: a figure of a paper and this project's values, in double precision and from the IQ24
+ * firmware. Printed as aligned tables and written as JSON.
  */
 #ifndef SIM_HOST_REPRODUCE_ROWS_H
 #define SIM_HOST_REPRODUCE_ROWS_H
@@ -20,7 +20,7 @@ typedef struct comparison_row {
     const char *unit;      /* "%" */
     double paper_value;    /* NAN: the paper gives none */
     double value;          /* the formula in double precision on the simulated drive's truth */
-    double value_iq24;     /* the same through the firmware's functions; NAN: none has a part in it */
+    double value_iq24;     /* the same by the firmware's functions; NAN: no function computes it */
     const char *note;
 } comparison_row;
 

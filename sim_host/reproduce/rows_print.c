@@ -14,7 +14,7 @@ static const char *const heads[COLUMNS] = {"quantity", "method", "condition", "u
                                            "paper",    "double", "IQ24",      "ratio"};
 static const bool is_number[COLUMNS] = {false, false, false, false, true, true, true, true};
 
-/* What the paper prints has two or three digits; one more shows on which side ours lies. */
+/* The paper's figures have two or three digits; one more shows the side of the difference. */
 static void put_number(char cell[CELL], double value)
 {
     if (!isfinite(value)) {
@@ -57,7 +57,7 @@ static void widen(int width[COLUMNS], const text_row *t)
     }
 }
 
-/* The ratio stands in a column of its own width, so that a note behind it does not move the numbers. */
+/* The ratio has a column of its own, so that a note after it does not move the numbers. */
 static void print_line(FILE *out, const text_row *t, const int width[COLUMNS])
 {
     fputs("  ", out);

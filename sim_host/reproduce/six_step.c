@@ -37,7 +37,7 @@ static void solve_interval(const six_step_run *run, six_step_interval *at)
 }
 
 /*
- * Angles of the sectors: active vector n is the nearest while the reference stands within pi/6 of it. With
+ * Angles of the sectors: active vector n is the nearest while the reference is within pi/6 of it. With
  * the reference at angle r in the rotor frame that is theta in n pi/3 - pi/6 - r ... n pi/3 + pi/6 - r.
  */
 static double sector_end_rad(int vector, double reference_rad)

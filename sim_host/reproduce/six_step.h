@@ -2,9 +2,9 @@
  * The drive of the 2016 paper's Section 5: an inverter in six-step mode on a three-phase RL load, solved
  * exactly.
  *
- * The controller applies, of the six active vectors (2/3) u_dc e^{j n pi/3}, the one nearest to a reference
- * that stands at a given angle in the rotor frame, while the rotor turns at constant speed. The reference
- * angle steps once. Within an interval (one inverter state)
+ * The controller applies, of the six active vectors (2/3) u_dc e^{j n pi/3}, the one nearest to a reference at a
+ * given angle in the rotor frame, while the rotor turns at constant speed. The reference angle steps once. Within an
+ * interval (one inverter state)
  *
  *     i(t) = u/R + (i(0) - u/R) e^{-t/tau},     tau = L/R,
  *

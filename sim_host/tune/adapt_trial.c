@@ -1,4 +1,4 @@
-/* The adaptation tried (adapt_trial.h). */
+/* Trial of the adaptation (adapt_trial.h). */
 #include "adapt_trial.h"
 
 #include "watch_duty.h"
@@ -7,15 +7,18 @@
 
 #include <math.h>
 
-/* What the firmware's model has of the drive's R and psi_f, less 1, in percent. */
+/* Relative error of the firmware's R and psi_f, in percent. */
 static void look(const watch_duty *w, adapt_trial *out)
 {
     const plant_machine *truth = &w->loop.drive.config.machine;
-    const iqfoc_salient_machine_t *told = &w->firmware.config.law.machine;
+    const iqfoc_salient_machine_t *model = &w->firmware.config.law.machine;
     const iqfoc_salient_machine_t *has = &w->firmware.law.machine;
-    const double r = (double)has->rho_q_q30 / (double)told->rho_q_q30 * w->told.R_ohm / truth->R_ohm - 1.0;
-    const double psi =
-        (double)has->k_psi_q_q27 / (double)told->k_psi_q_q27 * w->told.psi_f_Wb / truth->psi_f_Wb - 1.0;
+    const double r = (double)has->rho_q_q30 / (double)model->rho_q_q30 * w->model.R_ohm / truth->R_ohm - 1.0;
+    /* A reluctance machine has no flux to be wrong about. */
+    const double psi = truth->psi_f_Wb > 0.0 ? (double)has->k_psi_q_q27 / (double)model->k_psi_q_q27 *
+                                                       w->model.psi_f_Wb / truth->psi_f_Wb -
+                                                   1.0
+                                             : 0.0;
     out->r_percent = 100.0 * r;
     out->psi_percent = 100.0 * psi;
     out->r_most_percent = fmax(out->r_most_percent, fabs(out->r_percent));
@@ -42,7 +45,7 @@ bool adapt_trial_run(const tune_result *r, bool adapted, double warming_s, doubl
     double error_square = 0.0;
     double torque_square = 0.0;
     *out = (adapt_trial){.alarm = false};
-    if (!watch_duty_begin(&w, r, seed, e)) {
+    if (!watch_duty_begin(&w, r, WATCH_CONSTANT, seed, e)) {
         return false;
     }
     w.firmware.config.adapted = adapted ? 1 : 0;
@@ -51,9 +54,8 @@ bool adapt_trial_run(const tune_result *r, bool adapted, double warming_s, doubl
     const plant_machine begun = changed.machine;
     watch_duty_change(&changed, WATCH_WINDING, 0);
     watch_duty_change(&changed, WATCH_MAGNET, 0);
-    progress shown =
-        progress_begin(adapted ? "watch: a drive that warms is followed" : "watch: a drive that warms",
-                       (double)cycles, "cycles");
+    progress shown = progress_begin(adapted ? "watch: warming drive, adapted" : "watch: warming drive",
+                                    (double)cycles, "cycles");
     bool ok = true;
     for (long n = 0; n < cycles && ok; n++) {
         change_to(&w.loop.drive.config.machine, &begun, &changed.machine, fmin(1.0, (double)n / warming));

@@ -8,7 +8,7 @@
 
 const char *const tune_method_text[2] = {"pi", "deadbeat"};
 
-/* The valley's offset is learnt over twenty cycles, and never faster than a quarter of the drift. */
+/* The valley's offset is estimated over twenty cycles, and at most with a quarter of the observer gain. */
 #define LEARN_OFFSET 0.05
 
 #define FASTEST VEC_PI
@@ -27,7 +27,7 @@ tune_design tune_design_of(tune_method method, const tune_machine *machine, doub
     return d;
 }
 
-/* A speed and a machine of the region. */
+/* A speed and a machine of the uncertainty set. */
 typedef struct place {
     int speed, point;
 } place;
@@ -73,7 +73,10 @@ static bool holds_at(const tune_result *r, const place_list *list, double w_T)
     return true;
 }
 
-/* The highest bandwidth, up to `most`, that the listed places bear: downwards in steps of a tenth, then halved. */
+/*
+ * The highest bandwidth, up to `most`, that reaches the margin at the listed places: down in steps of a tenth, then
+ * bisected.
+ */
 static double highest(const tune_result *r, const place_list *list, double most)
 {
     double lost = most;
@@ -96,7 +99,7 @@ static double highest(const tune_result *r, const place_list *list, double most)
     return held;
 }
 
-/* The best that the listed places have at any bandwidth: an upper bound of what all places have. */
+/* The best margin of the listed places at any bandwidth: an upper bound for all places. */
 static bool nothing_holds(const tune_result *r, const place_list *list, error *e)
 {
     double best = 0.0;
@@ -115,9 +118,21 @@ static bool nothing_holds(const tune_result *r, const place_list *list, error *e
     }
     return error_input(
         e, NULL, 0, 0,
-        "tune: no bandwidth holds a disk margin of %g over the region: the best has %.2f, at %.0f rpm "
-        "with %s; expected --margin below that, a narrower region or a higher f_pwm_Hz",
+        "tune: no bandwidth reaches a disk margin of %g over the uncertainty set: the best is %.2f, at %.0f "
+        "rpm with %s; expected --margin below that, a smaller uncertainty or a higher f_pwm_Hz",
         r->disk_wanted, best, r->at[worst_of_best.speed].rpm, r->region.point[worst_of_best.point].text);
+}
+
+/* The search's result in words: what keeps the bandwidth from being higher. */
+static void say_limit(tune_result *r, bool by_sampling, double disk, place worst)
+{
+    if (by_sampling) {
+        (void)snprintf(r->limited_by, sizeof r->limited_by,
+                       "sampling: the margin still holds at pi/T, the highest bandwidth");
+    } else {
+        (void)snprintf(r->limited_by, sizeof r->limited_by, "disk margin %.2f at %.0f rpm with %s", disk,
+                       r->at[worst.speed].rpm, r->region.point[worst.point].text);
+    }
 }
 
 static bool find_bandwidth(tune_result *r, double *w_T, error *e)
@@ -125,12 +140,12 @@ static bool find_bandwidth(tune_result *r, double *w_T, error *e)
     place_list list = {.count = 0};
     place worst = {0, 0};
     *w_T = FASTEST;
-    (void)snprintf(r->limited_by, sizeof r->limited_by,
-                   "sampling: at pi/T the margins still hold, and nothing faster makes sense");
     for (;;) {
         const tune_design d = tune_design_of(r->method, &r->region.centre, 1.0 / r->motor.f_pwm_Hz, *w_T);
         const double disk = disk_everywhere(r, &d, &worst);
-        if (disk >= r->disk_wanted * 0.999 || list.count == (int)(sizeof list.at / sizeof list.at[0])) {
+        if (disk >= r->disk_wanted * TUNE_DISK_ACCEPTED ||
+            list.count == (int)(sizeof list.at / sizeof list.at[0])) {
+            say_limit(r, list.count == 0, disk, worst);
             return true;
         }
         list.at[list.count++] = worst;
@@ -138,8 +153,6 @@ static bool find_bandwidth(tune_result *r, double *w_T, error *e)
         if (!(*w_T > 0.0)) {
             return nothing_holds(r, &list, e);
         }
-        (void)snprintf(r->limited_by, sizeof r->limited_by, "disk margin %g at %.0f rpm with %s",
-                       r->disk_wanted, r->at[worst.speed].rpm, r->region.point[worst.point].text);
     }
 }
 
@@ -191,5 +204,6 @@ bool tune_design_find(tune_result *r, error *e)
     for (int s = 0; s < TUNE_SPEEDS; s++) {
         measure(r, s);
     }
+    r->design.learn_offset = r->halves ? 0.0 : r->design.learn_offset;
     return true;
 }

@@ -1,15 +1,16 @@
-/* The firmware's header of a design, and the design in words (tune_report.h). */
+/* The firmware's header of a design, and the design as text (tune_report.h). */
 #include "tune_report.h"
 
 #include "tune_watch.h"
 
 #include "base/number.h"
 #include "base/out_file.h"
+#include "base/text_out.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A double as a C constant: with a point or an exponent, so that no integer arithmetic creeps in. */
+/* A double as a C constant: with a point or an exponent, so that it is no integer. */
 static void define(FILE *out, const char *macro, double value, const char *comment)
 {
     char text[NUMBER_TEXT_SIZE];
@@ -18,43 +19,36 @@ static void define(FILE *out, const char *macro, double value, const char *comme
             comment);
 }
 
-/* Text inside a comment: nothing in it may end the comment or the line. */
-static void put_comment_text(FILE *out, const char *text)
-{
-    for (; *text != '\0'; text++) {
-        const unsigned char c = (unsigned char)*text;
-        fputc(c < 0x20 || c == '*' || c == 0x5c ? '_' : c, out);
-    }
-}
-
-/* The watch's constants, or why there are none. */
+/* The change detector's constants, or the reason why there are none. */
 static void put_watch(FILE *out, const tune_result *r)
 {
     const tune_watch w = tune_watch_of(r);
     if (w.none != NULL) {
-        fprintf(out, "\n/* No watch (iqfoc/watch.h): %s. */\n", w.none);
+        fprintf(out, "\n/* No change detector (iqfoc/watch.h): %s. */\n", w.none);
         return;
     }
     const tune_noted from = tune_noted_from(&w);
     fprintf(out,
-            "\n/*\n * The watch of iqfoc/watch.h: iqfoc_watch_config_t. With these its bound on false alarms "
-            "holds for every "
-            "machine of\n * the region; at best it notes R from %.2g %%, L from %.2g %% and psi_f from %.2g "
-            "%% off on.\n */\n",
+            "\n/*\n * The change detector of iqfoc/watch.h: iqfoc_watch_config_t. Its bound on false alarms "
+            "holds for every machine\n * of the uncertainty set. Smallest detected changes: R %.2g %%, L "
+            "%.2g %%, psi_f %.2g %%.\n */\n",
             100.0 * from.R, 100.0 * from.L, 100.0 * from.psi);
+    fprintf(out, "#define IQFOC_TUNED_POLE_PAIRS %d\n", r->motor.pole_pairs);
     define(out, "IQFOC_TUNED_NOISE_PU", w.noise_pu, "of a current sample, per unit");
-    define(out, "IQFOC_TUNED_UNSURE_R", w.R, "share by which R may be off");
-    define(out, "IQFOC_TUNED_UNSURE_L", w.L, "L_d and L_q");
+    define(out, "IQFOC_TUNED_UNSURE_R", w.R, "uncertainty of R, share");
+    define(out, "IQFOC_TUNED_UNSURE_L", w.L,
+           w.fall >= w.L && w.fall > 0.0
+               ? "L_d and L_q: fall by the motor file's saturation, up to the rated peak"
+               : "L_d and L_q");
     define(out, "IQFOC_TUNED_UNSURE_PSI", w.psi, "psi_f");
-    fputs(
-        "#define IQFOC_TUNED_WATCH \\\n"
-        "    IQFOC_WATCH_CONFIG_KNOWN(IQFOC_TUNED_R_OHM, IQFOC_TUNED_L_D_H, IQFOC_TUNED_L_Q_H, "
-        "IQFOC_TUNED_PSI_WB, \\\n"
-        "                             IQFOC_TUNED_T_S, IQFOC_I_BASE(IQFOC_TUNED_I_RATED_A), "
-        "IQFOC_TUNED_U_DC_V, \\\n"
-        "                             IQFOC_TUNED_NOISE_PU, IQFOC_TUNED_UNSURE_R, IQFOC_TUNED_UNSURE_L, \\\n"
-        "                             IQFOC_TUNED_UNSURE_PSI)\n",
-        out);
+    fputs("#define IQFOC_TUNED_WATCH \\\n"
+          "    IQFOC_WATCH_CONFIG_KNOWN(IQFOC_TUNED_R_OHM, IQFOC_TUNED_L_D_H, IQFOC_TUNED_L_Q_H, "
+          "IQFOC_TUNED_PSI_WB, \\\n"
+          "                             IQFOC_TUNED_POLE_PAIRS, IQFOC_TUNED_T_S, "
+          "IQFOC_I_BASE(IQFOC_TUNED_I_RATED_A), \\\n"
+          "                             IQFOC_TUNED_U_DC_V, IQFOC_TUNED_NOISE_PU, IQFOC_TUNED_UNSURE_R, \\\n"
+          "                             IQFOC_TUNED_UNSURE_L, IQFOC_TUNED_UNSURE_PSI)\n",
+          out);
 }
 
 bool tune_report_header(const tune_report *t, const char *directory, error *e)
@@ -69,14 +63,20 @@ bool tune_report_header(const tune_report *t, const char *directory, error *e)
     }
     FILE *out = f.stream;
     fputs("/*\n * Written by iqfoc tune for ", out);
-    put_comment_text(out, r->motor.name);
+    text_out_comment(out, r->motor.name);
     fprintf(out, ": method %s, bandwidth %.0f rad/s.\n * Limited by ", tune_method_text[r->method],
             r->bandwidth_rad_s);
-    put_comment_text(out, r->limited_by);
-    fputs(".\n * Region: ", out);
-    put_comment_text(out, r->region.source);
-    fputs(".\n *\n *     static const iqfoc_tuned_law_t law = IQFOC_TUNED_LAW;\n *\n * How it is used: "
-          "iqfoc/tuned_control.h. A value that the library cannot hold does not compile.\n */\n"
+    text_out_comment(out, r->limited_by);
+    fputs(".\n * Uncertainty set:  ", out);
+    text_out_comment(out, r->region.source);
+    if (r->halves) {
+        fputs(".\n *\n * Two updates a carrier period: call iqfoc_tuned_step at each valley and at each "
+              "peak, and neither "
+              "iqfoc_tuned_peak\n * nor iqfoc_tuned_ripple. A control cycle is half a carrier period",
+              out);
+    }
+    fputs(".\n *\n *     static const iqfoc_tuned_law_t law = IQFOC_TUNED_LAW;\n *\n * Use: "
+          "iqfoc/tuned_control.h. A value outside the library's range does not compile.\n */\n"
           "#ifndef IQFOC_TUNED_LAW_H\n#define IQFOC_TUNED_LAW_H\n\n#include "
           "\"iqfoc/tuned_control.h\"\n#include "
           "\"iqfoc/watch.h\"\n\n",
@@ -88,10 +88,10 @@ bool tune_report_header(const tune_report *t, const char *directory, error *e)
     define(out, "IQFOC_TUNED_L_D_H", d->machine.L_d_H, "H");
     define(out, "IQFOC_TUNED_L_Q_H", d->machine.L_q_H, "H");
     define(out, "IQFOC_TUNED_PSI_WB", d->machine.psi_f_Wb, "Wb");
-    define(out, "IQFOC_TUNED_KEEP", d->keep, "share of an error that a cycle leaves");
-    define(out, "IQFOC_TUNED_FOLLOW", d->follow, "the same of the reference's filter");
-    define(out, "IQFOC_TUNED_LEARN", d->learn, "of a prediction error, into the drift");
-    define(out, "IQFOC_TUNED_LEARN_OFFSET", d->learn_offset, "of the valley's offset");
+    define(out, "IQFOC_TUNED_KEEP", d->keep, "pole radius: share of an error after one cycle");
+    define(out, "IQFOC_TUNED_FOLLOW", d->follow, "reference-filter pole");
+    define(out, "IQFOC_TUNED_LEARN", d->learn, "observer gain");
+    define(out, "IQFOC_TUNED_LEARN_OFFSET", d->learn_offset, "gain of the valley offset's estimate");
     fputs("\n/* iqfoc_tuned_law_t: machine, keep, follow, learn, learn_offset. */\n"
           "#define IQFOC_TUNED_LAW \\\n"
           "    {IQFOC_SALIENT_MACHINE(IQFOC_TUNED_R_OHM, IQFOC_TUNED_L_D_H, IQFOC_TUNED_L_Q_H, "
@@ -120,22 +120,34 @@ static void print_margins(const tune_result *r, FILE *stream)
     }
 }
 
+static void print_fall(const tune_region *region, FILE *stream)
+{
+    if (region->fall_source != NULL) {
+        fprintf(stream, "  L_d down to %.3g %%, L_q to %.3g %% at least: %s\n", -100.0 * region->fall_d,
+                -100.0 * region->fall_q, region->fall_source);
+    }
+    fputc('\n', stream);
+}
+
 void tune_report_print(const tune_report *t, FILE *stream)
 {
     const tune_result *r = &t->result;
     const tune_trial *trial = &t->trial;
-    fprintf(stream, "%s, %g Hz: %s, bandwidth %.0f rad/s\n  limited by %s\n  region: %s (%d machines)\n\n",
-            r->motor.name, r->motor.f_pwm_Hz, tune_method_text[r->method], r->bandwidth_rad_s, r->limited_by,
-            r->region.source, r->region.points);
-    fprintf(stream, "The worst of each margin over the region\n");
+    fprintf(stream,
+            "%s, %g Hz%s: %s, bandwidth %.0f rad/s\n  limited by %s\n  uncertainty set: %s (%d machines)\n",
+            r->motor.name, r->motor.f_pwm_Hz, r->halves ? " control, two updates a carrier period" : "",
+            tune_method_text[r->method], r->bandwidth_rad_s, r->limited_by, r->region.source,
+            r->region.points);
+    print_fall(&r->region, stream);
+    fprintf(stream, "Smallest margins over the uncertainty set\n");
     print_margins(r, stream);
     fprintf(stream,
-            "\n%d drives of the region in the plant, each at a speed of its own up to %.0f rpm: %d unstable\n"
-            "  step of i_q, promised of the worst: overshoot %.1f %%, settling %.0f cycles; found: %.1f %%, "
-            "%.0f cycles\n"
-            "  later than promised by more than a tenth and a cycle: %d; higher by more than a tenth of the "
-            "step: %d\n",
+            "\nStep of i_q in the plant: %d drives of the uncertainty set, each at its own speed up to %.0f "
+            "rpm\n  unstable drives: %d\n  largest overshoot: predicted %.1f %%, simulated %.1f %%\n  "
+            "longest settling: predicted %.0f cycles, simulated %.0f cycles\n  drives that settle later than "
+            "predicted, by more than a tenth and a cycle: %d\n  drives that overshoot by a tenth of the step "
+            "more than predicted: %d\n",
             trial->drives, trial->rpm_most, trial->unstable, trial->promised.overshoot_percent,
-            trial->promised.settling_cycles, trial->found.overshoot_percent, trial->found.settling_cycles,
+            trial->found.overshoot_percent, trial->promised.settling_cycles, trial->found.settling_cycles,
             trial->late, trial->high);
 }

@@ -100,14 +100,17 @@ json_t *tune_report_json(const tune_report *t)
 {
     const tune_result *r = &t->result;
     const tune_design *d = &r->design;
-    return json_pack("{s:i, s:s, s:s, s:f, s:f, s:f, s:s, s:{s:s, s:i}, s:{s:f, s:f, s:f, s:f}, "
-                     "s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:o}",
-                     "schema", 1, "motor", r->motor.name, "method", tune_method_text[r->method], "f_pwm_Hz",
-                     r->motor.f_pwm_Hz, "disk_margin_wanted", r->disk_wanted, "bandwidth_rad_s",
-                     r->bandwidth_rad_s, "limited_by", r->limited_by, "region", "source", r->region.source,
-                     "machines", r->region.points, "machine", "R_ohm", d->machine.R_ohm, "L_d_H",
-                     d->machine.L_d_H, "L_q_H", d->machine.L_q_H, "psi_f_Wb", d->machine.psi_f_Wb,
-                     "controller", "keep", d->keep, "follow", d->follow, "learn", d->learn, "learn_offset",
-                     d->learn_offset, "points", points_json(r), "trial", trial_json(&t->trial), "comparison",
-                     comparison_json(&t->comparison));
+    return json_pack(
+        "{s:i, s:s, s:i, s:s, s:f, s:f, s:f, s:s, s:{s:s, s:i, s:f, s:f, s:s}, s:{s:f, s:f, s:f, s:f}, "
+        "s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:o}",
+        "schema", 1, "motor", r->motor.name, "updates", r->halves ? 2 : 1, "method",
+        tune_method_text[r->method], "f_pwm_Hz", r->motor.f_pwm_Hz, "disk_margin_wanted", r->disk_wanted,
+        "bandwidth_rad_s", r->bandwidth_rad_s, "limited_by", r->limited_by, "region", "source",
+        r->region.source, "machines", r->region.points, "L_d_fall_percent", 100.0 * r->region.fall_d,
+        "L_q_fall_percent", 100.0 * r->region.fall_q, "fall_source",
+        r->region.fall_source != NULL ? r->region.fall_source : "stated tolerances", "machine", "R_ohm",
+        d->machine.R_ohm, "L_d_H", d->machine.L_d_H, "L_q_H", d->machine.L_q_H, "psi_f_Wb",
+        d->machine.psi_f_Wb, "controller", "keep", d->keep, "follow", d->follow, "learn", d->learn,
+        "learn_offset", d->learn_offset, "points", points_json(r), "trial", trial_json(&t->trial),
+        "comparison", comparison_json(&t->comparison));
 }

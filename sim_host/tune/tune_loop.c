@@ -53,7 +53,7 @@ typedef struct span_parts {
     matrix i, v, last;
 } span_parts;
 
-/* The old voltage stands until `delay`, the new one from then on. t and delay: shares of the cycle. */
+/* The old voltage acts until `delay`, the new one afterwards. t and delay: shares of the cycle. */
 static void parts_at(const tune_machine *m, double phi, double T_s, const tune_fault *fault, double t,
                      span_parts *out)
 {
@@ -106,7 +106,7 @@ static void add_rows(double a[][TUNE_ORDER], int to, double share, matrix m, int
     }
 }
 
-/* Where the machine goes, and what the next valley will have seen of the mean's offset from the valleys. */
+/* The machine's next state, and the mean's offset from the valleys that the next valley measures. */
 static void machine_rows(const tune_machine *truth, double phi, double T_s, const tune_fault *fault,
                          tune_loop *loop)
 {

@@ -2,10 +2,9 @@
  * The closed current loop of a tuned controller (iqfoc/tuned_control.h) and a machine, as one linear system
  * from valley to valley at constant speed, in the rotor's frame: exact in machine, sampling, hold and delay.
  *
- * The machine is exact_map.h's, its voltage seen at the start of the cycle that it stands in. The controller
- * believes the design's machine, the loop turns with another: what it believes wrongly is in the matrix, and
- * so is whatever gain, angle or delay the voltage gets on its way. Deviations only: the magnet and the
- * reference's constant part drop out.
+ * The machine is exact_map.h's, its voltage seen at the start of the cycle in which it acts. The controller uses the
+ * design's machine, the loop has another. The matrix contains that difference, and any error of the voltage's gain,
+ * angle or delay. It is for deviations only: the magnet and the reference's constant part drop out.
  */
 #ifndef SIM_HOST_TUNE_TUNE_LOOP_H
 #define SIM_HOST_TUNE_TUNE_LOOP_H
@@ -18,7 +17,7 @@ typedef struct tune_machine {
 
 /* The controller: shares per cycle, as iqfoc_tuned_law_t has them. */
 typedef struct tune_design {
-    tune_machine machine; /* as the controller believes it */
+    tune_machine machine; /* the controller's model */
     double T_s;
     double keep, follow, learn, learn_offset;
 } tune_design;
@@ -27,15 +26,17 @@ typedef struct tune_design {
 typedef struct tune_fault {
     double gain;      /* 1: nothing */
     double angle_rad; /* turned ahead by so much; 0: nothing */
-    double delay;     /* cycles, 0 ... 1, beyond the one that the controller counts on */
+    double delay;     /* cycles, 0 ... 1, in addition to the controller's own one */
 } tune_fault;
 
 extern const tune_fault tune_no_fault;
 
 enum {
     TUNE_ORDER = 14,
-    /* Where each pair of states stands: the current, the voltage of the cycle that begins, the predicted
-     * current, the drift, the valley's offset learnt and the one last seen, the voltage of the cycle before. */
+    /*
+     * Index of each pair of states: current, voltage of the beginning cycle, predicted current, disturbance estimate,
+     * valley's offset (estimated, and last measured), voltage of the cycle before.
+     */
     TUNE_I = 0,
     TUNE_V = 2,
     TUNE_P = 4,
@@ -49,7 +50,7 @@ typedef struct tune_loop {
     int order; /* TUNE_LAST without a delay, else TUNE_ORDER */
     double a[TUNE_ORDER][TUNE_ORDER];
     double push[TUNE_ORDER][2]; /* of a voltage added behind the controller */
-    double aim[TUNE_ORDER][2];  /* of want - keep e^(-j phi) expected, both at the valleys */
+    double aim[TUNE_ORDER][2];  /* of set-point - keep e^(-j phi) predicted current, both at the valleys */
     double mean[2][TUNE_ORDER]; /* the current's mean over the cycle that begins; without a fault only */
     double voltage_of_mean;     /* 1/s1^2: valley over mean */
     double keep_re, keep_im;    /* of keep e^(-j phi) */

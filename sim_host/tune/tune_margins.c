@@ -43,19 +43,48 @@ static double largest_singular(double complex m[2][2])
     return sqrt(0.5 * (sum + sqrt(fmax(sum * sum - 4.0 * det * det, 0.0))));
 }
 
+/* The loop from an added voltage to the controller's, in coordinates in which its matrix is a Hessenberg matrix. */
+typedef struct response {
+    int order;
+    double a[TUNE_ORDER * TUNE_ORDER]; /* Q^T a Q */
+    double push[TUNE_ORDER * 2];       /* Q^T push */
+    double q[TUNE_ORDER * TUNE_ORDER];
+} response;
+
+static bool response_of(const tune_loop *loop, response *r)
+{
+    const int order = r->order = loop->order;
+    for (int n = 0; n < order; n++) {
+        memcpy(&r->a[n * order], loop->a[n], (size_t)order * sizeof r->a[0]);
+    }
+    if (!solve_hessenberg((size_t)order, r->a, r->q)) {
+        return false;
+    }
+    for (int n = 0; n < order; n++) {
+        for (int k = 0; k < 2; k++) {
+            r->push[n * 2 + k] = 0.0;
+            for (int m = 0; m < order; m++) {
+                r->push[n * 2 + k] += r->q[m * order + n] * loop->push[m][k];
+            }
+        }
+    }
+    return true;
+}
+
 /* S less `shift` at a frequency: what acts is the controller's voltage plus what is added. */
-static double sensitivity(const tune_loop *loop, double rad_per_cycle, double shift)
+static double sensitivity(const response *r, double rad_per_cycle, double shift)
 {
     double complex a[TUNE_ORDER * TUNE_ORDER];
     double complex x[TUNE_ORDER * 2];
-    const int order = loop->order;
+    const int order = r->order;
     const double complex z = cexp(I * rad_per_cycle);
+    for (int n = 0; n < order * order; n++) {
+        a[n] = -r->a[n];
+    }
     for (int n = 0; n < order; n++) {
-        for (int k = 0; k < order; k++) {
-            a[n * order + k] = (n == k ? z : 0.0) - loop->a[n][k];
-        }
-        x[n * 2] = loop->push[n][0];
-        x[n * 2 + 1] = loop->push[n][1];
+        a[n * order + n] += z;
+        x[n * 2] = r->push[n * 2];
+        x[n * 2 + 1] = r->push[n * 2 + 1];
     }
     if (!solve_complex_pair((size_t)order, (const double *)a, (double *)x)) {
         return INFINITY;
@@ -63,7 +92,10 @@ static double sensitivity(const tune_loop *loop, double rad_per_cycle, double sh
     double complex s[2][2];
     for (int n = 0; n < 2; n++) {
         for (int k = 0; k < 2; k++) {
-            s[n][k] = (n == k ? 1.0 - shift : 0.0) + x[(TUNE_V + n) * 2 + k];
+            s[n][k] = n == k ? 1.0 - shift : 0.0;
+            for (int m = 0; m < order; m++) {
+                s[n][k] += r->q[(TUNE_V + n) * order + m] * x[m * 2 + k];
+            }
         }
     }
     return largest_singular(s);
@@ -71,7 +103,8 @@ static double sensitivity(const tune_loop *loop, double rad_per_cycle, double sh
 
 double tune_sensitivity(const tune_loop *loop, double rad_per_cycle)
 {
-    return sensitivity(loop, rad_per_cycle, 0.0);
+    response r;
+    return response_of(loop, &r) ? sensitivity(&r, rad_per_cycle, 0.0) : INFINITY;
 }
 
 /* Points over half a turn per cycle, and as many again below the first of them, on a logarithmic scale. */
@@ -86,13 +119,14 @@ static double frequency(int n)
 
 double tune_disk_margin(const tune_loop *loop)
 {
-    if (tune_poles(loop, NULL) >= 1.0) {
+    response r;
+    if (tune_poles(loop, NULL) >= 1.0 || !response_of(loop, &r)) {
         return 0.0;
     }
     int at = 0;
     double most = 0.0;
     for (int n = 0; n < LINEAR + LOGARITHMIC; n++) {
-        const double s = sensitivity(loop, frequency(n), 0.5);
+        const double s = sensitivity(&r, frequency(n), 0.5);
         if (s > most) {
             most = s;
             at = n;
@@ -102,17 +136,25 @@ double tune_disk_margin(const tune_loop *loop)
     const double golden = 0.5 * (sqrt(5.0) - 1.0);
     double low = at > 0 ? frequency(at - 1) : 0.0;
     double high = at < LINEAR + LOGARITHMIC - 1 ? frequency(at + 1) : VEC_PI;
+    double left = high - golden * (high - low);
+    double right = low + golden * (high - low);
+    double s_left = sensitivity(&r, left, 0.5);
+    double s_right = sensitivity(&r, right, 0.5);
     for (int n = 0; n < BISECTIONS; n++) {
-        const double left = high - golden * (high - low);
-        const double right = low + golden * (high - low);
-        const double s_left = sensitivity(loop, left, 0.5);
-        const double s_right = sensitivity(loop, right, 0.5);
-        most = fmax(most, fmax(s_left, s_right));
         if (s_left > s_right) {
             high = right;
+            right = left;
+            s_right = s_left;
+            left = high - golden * (high - low);
+            s_left = sensitivity(&r, left, 0.5);
         } else {
             low = left;
+            left = right;
+            s_left = s_right;
+            right = low + golden * (high - low);
+            s_right = sensitivity(&r, right, 0.5);
         }
+        most = fmax(most, fmax(s_left, s_right));
     }
     return 1.0 / most;
 }

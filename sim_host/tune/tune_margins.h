@@ -1,5 +1,5 @@
 /*
- * Margins of a closed loop, from the loop itself: how far its voltage may go wrong before it is unstable.
+ * Stability margins of a closed loop: the largest errors of its voltage's gain, angle and delay.
  */
 #ifndef SIM_HOST_TUNE_TUNE_MARGINS_H
 #define SIM_HOST_TUNE_TUNE_MARGINS_H
@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-/* The farthest that is looked for. */
+/* Upper limits of the search. */
 #define TUNE_GAIN_MOST_DB   40.0
 #define TUNE_PHASE_MOST_DEG 180.0
 #define TUNE_DELAY_MOST     1.0
@@ -17,7 +17,7 @@ typedef struct tune_margins {
     double disk;         /* see tune_disk_margin */
     double gain_dB;      /* up or down, both axes alike, whichever is nearer */
     double phase_deg;    /* turned ahead or back, whichever is nearer */
-    double delay_cycles; /* on top of the one that the controller counts on */
+    double delay_cycles; /* in addition to the controller's own one */
 } tune_margins;
 
 typedef struct tune_pole {
@@ -39,10 +39,10 @@ double tune_disk_margin(const tune_loop *loop);
 /* The sensitivity's largest singular value at a frequency, rad per cycle. */
 double tune_sensitivity(const tune_loop *loop, double rad_per_cycle);
 
-/* All of them, for a controller and a machine at a speed. */
+/* All margins, for a controller and a machine at a speed. */
 tune_margins tune_margins_of(const tune_design *design, const tune_machine *truth, double phi_rad);
 
-/* The least of both, each. */
+/* The smaller of both, for each margin. */
 tune_margins tune_margins_worst(tune_margins a, tune_margins b);
 
 #endif

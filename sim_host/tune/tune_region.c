@@ -1,4 +1,4 @@
-/* The machines that a controller must bear: boundary points and draws (tune_region.h). */
+/* The uncertainty set: boundary points and draws (tune_region.h). */
 #include "tune_region.h"
 
 #include "tune_region_points.h"
@@ -100,6 +100,16 @@ void tune_region_add_points(tune_region *region)
     }
 }
 
+double tune_region_L_off(const tune_region *region)
+{
+    double off = 0.0;
+    for (int n = 0; n < region->points; n++) {
+        off = fmax(off, fabs(region->point[n].machine.L_d_H / region->centre.L_d_H - 1.0));
+        off = fmax(off, fabs(region->point[n].machine.L_q_H / region->centre.L_q_H - 1.0));
+    }
+    return off;
+}
+
 tune_machine tune_region_draw(const tune_region *region, plant_random *r)
 {
     double z[TUNE_AXES] = {0.0};
@@ -148,4 +158,5 @@ void tune_region_of_tolerances(const motor *m, const tune_tolerances *t, tune_re
                    "stated tolerances: R within %g %%, %s within %g %%, psi_f within %g %%", 100.0 * t->R,
                    region->alike ? "L" : "L_d and L_q each", 100.0 * t->L, 100.0 * t->psi_f);
     tune_region_add_points(region);
+    region->L_off = tune_region_L_off(region);
 }

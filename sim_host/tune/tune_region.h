@@ -1,10 +1,9 @@
 /*
- * The machines that a controller must bear: around the nominal one, the 95 % region of a diagnosis'
- * covariance, its intervals, or stated tolerances.
+ * The uncertainty set: the machines for which a controller must keep its margin. Around the nominal machine it is the
+ * 95 % set of a diagnosis' covariance, its intervals, or stated tolerances.
  *
- * R, L_d and L_q that the diagnosis knows with a covariance lie in an ellipsoid, those that it knows by an
- * interval, and those that it does not know, in a box. psi_f is no part of the loop's poles; it has an
- * interval of its own, for drives drawn from the region.
+ * R, L_d and L_q with a covariance are in an ellipsoid; with an interval, or without either, in a box. psi_f does not
+ * change the loop's poles. It has its own interval, for drives drawn from the set.
  */
 #ifndef SIM_HOST_TUNE_TUNE_REGION_H
 #define SIM_HOST_TUNE_TUNE_REGION_H
@@ -14,7 +13,7 @@
 #include "data/motor.h"
 #include "plant/plant_random.h"
 
-/* Shares of the nominal value, where nothing else is known. */
+/* Shares of the nominal value, for values without a diagnosis. */
 typedef struct tune_tolerances {
     double R, L, psi_f;
 } tune_tolerances;
@@ -24,7 +23,7 @@ typedef struct tune_tolerances {
 #define TUNE_TOLERANCE_L     0.3
 #define TUNE_TOLERANCE_PSI_F 0.05
 
-enum { TUNE_AXES = 3, TUNE_POINTS_MOST = 64 };
+enum { TUNE_AXES = 3, TUNE_POINTS_MOST = 128 };
 
 typedef struct tune_point {
     tune_machine machine;
@@ -33,16 +32,20 @@ typedef struct tune_point {
 
 typedef struct tune_region {
     tune_machine centre;
-    double root[TUNE_AXES][TUNE_AXES];      /* of the covariance of R, L_d, L_q; `known` columns */
-    int known;                              /* dimensions of the ellipsoid */
-    double radius;                          /* sqrt of chi squared's 95 % point for them */
-    double low[TUNE_AXES], high[TUNE_AXES]; /* of the box, off the centre; 0 where the ellipsoid knows */
-    double psi_low, psi_high;               /* off the centre */
-    double noise_A;                         /* of one phase's current sample; 0: not known */
-    bool alike;                             /* the box moves both inductances alike */
-    tune_point point[TUNE_POINTS_MOST];     /* the centre, then the region's boundary */
+    double root[TUNE_AXES][TUNE_AXES]; /* of the covariance of R, L_d, L_q; `known` columns */
+    int known;                         /* dimensions of the ellipsoid */
+    double radius;                     /* sqrt of chi squared's 95 % point for them */
+    double low[TUNE_AXES],
+        high[TUNE_AXES];      /* of the box, relative to the centre; 0 on the ellipsoid's axes */
+    double psi_low, psi_high; /* relative to the centre */
+    double L_off;             /* share that L may be off by at the diagnosed currents: without the fall */
+    double fall_d, fall_q;    /* of L with the current: the share that the set reaches down to at least */
+    const char *fall_source;  /* NULL: stated tolerances alone */
+    double noise_A;           /* of one phase's current sample; 0: unknown */
+    bool alike;               /* the box moves both inductances alike */
+    tune_point point[TUNE_POINTS_MOST]; /* the centre, then the boundary */
     int points;
-    char source[160]; /* what it was made of, in words */
+    char source[160]; /* its origin, in words */
 } tune_region;
 
 /* The motor's own machine, at zero current. */
@@ -52,13 +55,15 @@ tune_machine tune_machine_of_motor(const motor *m);
 void tune_region_of_tolerances(const motor *m, const tune_tolerances *t, tune_region *region);
 
 /*
- * The diagnosis' values as the centre, and its covariance or intervals. What it does not know has the
- * tolerances. False with *e set where the file is no diagnosis.
+ * Centre: the diagnosis' values. Size: its covariance or intervals, and the tolerances for values without either.
+ * A diagnosis states L for the currents of its recording. The set reaches down to the fall of the incremental L up to
+ * the rated peak: by the motor file's saturation or flux map, or by the tolerance of L if the file has neither.
+ * False with *e set if the file is no diagnosis.
  */
 bool tune_region_of_diagnosis(const motor *m, const char *path, const tune_tolerances *t, tune_region *region,
                               error *e);
 
-/* A machine from within it, uniformly in ellipsoid and box. */
+/* A machine drawn from the set, uniformly in ellipsoid and box. */
 tune_machine tune_region_draw(const tune_region *region, plant_random *r);
 
 #endif

@@ -1,8 +1,9 @@
-/* The region that a diagnosis knows the machine to (tune_region.h). */
+/* The uncertainty set of a diagnosis (tune_region.h). */
 #include "tune_region_points.h"
 
 #include "base/json.h"
 #include "base/solve.h"
+#include "model/flux_map.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -134,7 +135,7 @@ static bool take_covariance(const json_t *covariance, tune_region *region, doubl
     return true;
 }
 
-/* Where the ellipsoid is silent, the diagnosis' intervals; the tolerances stay where it has none. */
+/* Off the ellipsoid's axes: the diagnosis' intervals, or the tolerances without one. */
 static int take_intervals(tune_region *region, const double low[AXES_NAMED], const double high[AXES_NAMED])
 {
     int taken = 0;
@@ -154,6 +155,42 @@ static int take_intervals(tune_region *region, const double low[AXES_NAMED], con
         }
     }
     return taken;
+}
+
+/* ---- Fall of L with the current ---- */
+
+enum { FALL_DIRECTIONS = 24, FALL_STEPS = 10 };
+
+/* Of the incremental inductances, the lowest over those without current, up to the rated peak in every direction. */
+static void fall_of_map(const averaged_drive *drive, double I_A, double *fall_d, double *fall_q)
+{
+    const flux_map_point none = flux_map_at(drive, (vec_dq){0.0, 0.0});
+    for (int n = 0; n < FALL_DIRECTIONS * FALL_STEPS; n++) {
+        const double angle = VEC_TWO_PI * (n % FALL_DIRECTIONS) / FALL_DIRECTIONS;
+        const double size_A = I_A * (n / FALL_DIRECTIONS + 1) / FALL_STEPS;
+        const flux_map_point at = flux_map_at(drive, (vec_dq){size_A * cos(angle), size_A * sin(angle)});
+        *fall_d = fmax(*fall_d, 1.0 - at.slope.dd / none.slope.dd);
+        *fall_q = fmax(*fall_q, 1.0 - at.slope.qq / none.slope.qq);
+    }
+}
+
+/* A map that turns back is none of iron: a tenth of L is left, as in a flux that saturates fully. */
+static const double FALL_MOST = 0.9;
+
+static void add_fall(const motor *m, const tune_tolerances *t, tune_region *region)
+{
+    const averaged_drive drive = averaged_drive_of(m);
+    const bool known = flux_map_bends(&drive);
+    region->fall_d = region->fall_q = known ? 0.0 : t->L;
+    region->fall_source = known ? "the motor file's saturation, up to the rated peak"
+                                : "the tolerance of L, since the motor file has no saturation";
+    if (known) {
+        fall_of_map(&drive, motor_rated_peak_A(m), &region->fall_d, &region->fall_q);
+    }
+    region->fall_d = fmin(region->fall_d, FALL_MOST);
+    region->fall_q = fmin(region->fall_q, FALL_MOST);
+    region->low[AXIS_D] = fmin(region->low[AXIS_D], -region->fall_d * region->centre.L_d_H);
+    region->low[AXIS_Q] = fmin(region->low[AXIS_Q], -region->fall_q * region->centre.L_q_H);
 }
 
 bool tune_region_of_diagnosis(const motor *m, const char *path, const tune_tolerances *t, tune_region *region,
@@ -190,10 +227,13 @@ bool tune_region_of_diagnosis(const motor *m, const char *path, const tune_toler
                         region->high[AXIS_Q] > region->low[AXIS_Q];
         (void)snprintf(
             region->source, sizeof region->source, "%s",
-            region->known > 0 ? "the 95 % region of the diagnosis' covariance"
+            region->known > 0 ? "the 95 % ellipsoid of the diagnosis' covariance"
             : intervals > 0
                 ? "the diagnosis' 95 % intervals, taken as independent: it has no covariance of R and L"
                 : "stated tolerances: the diagnosis has neither covariance nor intervals of R and L");
+        tune_region_add_points(region);
+        region->L_off = tune_region_L_off(region);
+        add_fall(m, t, region);
         tune_region_add_points(region);
     }
     json_free(root);

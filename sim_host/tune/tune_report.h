@@ -1,4 +1,4 @@
-/* A design with its trial and comparison, as text, JSON, page and firmware's header. */
+/* A design with its trial and comparison, and its output: text, JSON, page, and the firmware's header. */
 #ifndef SIM_HOST_TUNE_TUNE_REPORT_H
 #define SIM_HOST_TUNE_TUNE_REPORT_H
 
@@ -14,6 +14,20 @@ typedef struct tune_report {
     const char *diagnosis_path; /* NULL: none */
 } tune_report;
 
+typedef struct tune_choice {
+    const char *diagnosis_path; /* NULL: none */
+    double ratio;               /* SFFR at n_max; 0: the motor file's f_pwm_Hz */
+    tune_method method;
+    long updates; /* a carrier period: 1 or 2 */
+    double margin;
+    tune_tolerances tolerances;
+    long drives, seed;
+    bool compares; /* with the library's other controllers; not with two updates */
+} tune_choice;
+
+/* Designs, simulates and compares. False with *e set: no design, or an input that cannot be used. */
+bool tune_report_make(tune_report *t, const motor *m, const tune_choice *choice, error *e);
+
 void tune_report_print(const tune_report *t, FILE *stream);
 
 /* NULL when memory runs out. */
@@ -21,7 +35,7 @@ json_t *tune_report_json(const tune_report *t);
 
 bool tune_report_page(const tune_report *t, const char *directory, error *e);
 
-/* DIRECTORY/iqfoc_tuned.h: the law of iqfoc/tuned_control.h in constants. */
+/* DIRECTORY/iqfoc_tuned.h: the constants of iqfoc/tuned_control.h. */
 bool tune_report_header(const tune_report *t, const char *directory, error *e);
 
 #endif

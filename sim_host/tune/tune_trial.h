@@ -1,12 +1,12 @@
 /*
- * What a design promised, tried: the firmware's fixed point against the switching-level drive.
+ * Trial of a design: the firmware's IQ24 code in the switching-level plant, compared with the linear loop's
+ * prediction.
  *
- * Trial: drives drawn from the region, each at a speed of its own, take a step of i_q from 30 % to 70 % of the
- * rated peak. The linear loop of that very drive says ahead what overshoot and settling will be.
+ * Trial: drives drawn from the uncertainty set, each at its own speed, take a step of i_q from 30 % to 70 % of the
+ * rated peak. The linear loop of the same drive predicts overshoot and settling.
  *
  * Comparison: the motor at several switching-to-fundamental ratios, under the library's other controllers and
- * under designs of both methods for that ratio, with the nominal machine and with its inductance at the
- * region's ends.
+ * under designs of both methods for that ratio, with the nominal machine and with its lowest and highest inductance.
  */
 #ifndef SIM_HOST_TUNE_TUNE_TRIAL_H
 #define SIM_HOST_TUNE_TUNE_TRIAL_H
@@ -25,14 +25,15 @@ tune_promise tune_promise_of(const tune_design *design, const tune_machine *trut
 
 typedef struct tune_trial {
     int drives;
-    int unstable;          /* wander or trip */
-    int late;              /* settle later than promised by more than a tenth and a cycle */
-    int high;              /* overshoot by more than promised and a tenth of the step */
-    double rpm_most;       /* speeds up to this, where the voltage suffices for the step */
+    int unstable;          /* the current varies or trips */
+    int late;              /* settle later than predicted, by more than a tenth and a cycle */
+    int high;              /* overshoot by a tenth of the step more than predicted */
+    double rpm_most;       /* highest speed: the voltage suffices for the step up to it */
     tune_promise promised; /* worst of those drawn */
     tune_promise found;
-    double overshoot_off, settling_off; /* largest difference of one drive, either way */
-    double rms_percent;                 /* largest steady error */
+    double overshoot_off,
+        settling_off;   /* largest difference between prediction and simulation of one drive */
+    double rms_percent; /* largest steady error */
 } tune_trial;
 
 bool tune_trial_run(const tune_result *r, int drives, uint64_t seed, tune_trial *trial, error *e);
@@ -41,12 +42,12 @@ enum { TUNE_RATIOS = 5, TUNE_CONTROLLERS = 6, TUNE_TRUTHS = 3 };
 extern const double tune_ratios[TUNE_RATIOS]; /* 5, 8, 10, 20, 50 */
 extern const char *const tune_controller_text[TUNE_CONTROLLERS];
 extern const char *const tune_controller_key[TUNE_CONTROLLERS];
-extern const char *const tune_truth_text[TUNE_TRUTHS]; /* true inductance against the one believed */
+extern const char *const tune_truth_text[TUNE_TRUTHS]; /* true inductance against the model's */
 
 typedef struct tune_comparison {
     double rpm;
-    double L_share;         /* of the truths that are not nominal: L (1 -+ this) */
-    bool held[TUNE_RATIOS]; /* false: the library or the margin does not hold this ratio's drive */
+    double L_share;         /* the other truths have L (1 -+ this) */
+    bool held[TUNE_RATIOS]; /* false: no design for this SFFR */
     loop_result at[TUNE_RATIOS][TUNE_CONTROLLERS][TUNE_TRUTHS];
     double bandwidth_rad_s[TUNE_RATIOS][2]; /* of the designs, by method */
 } tune_comparison;

@@ -1,7 +1,9 @@
-/* What the watch takes from a diagnosis (tune_watch.h). */
+/* Constants of the change detector from a diagnosis (tune_watch.h). */
 #include "tune_watch.h"
 
 #include "per_unit.h"
+
+#include "model/flux_map.h"
 
 #include "iqfoc/watch.h"
 
@@ -14,7 +16,7 @@ static const double SIZE_MOST = 2048.0;
 static const double NOISE_LEAST = 5e-5;
 static const double NOISE_MOST = 0.1;
 
-/* The greatest of the sizes that IQFOC_WATCH_CONFIG divides by the noise: the same nine. */
+/* The greatest of the sizes that IQFOC_WATCH_CONFIG divides by the noise: the same eleven. */
 static double greatest_size(const tune_result *r)
 {
     const tune_machine *m = &r->design.machine;
@@ -29,6 +31,25 @@ static double greatest_size(const tune_result *r)
     return fmax(fmax(of_flux, of_voltage), of_current);
 }
 
+enum { DIRECTIONS = 24, STEPS = 10 };
+
+double tune_watch_fall(const motor *m)
+{
+    const averaged_drive drive = averaged_drive_of(m);
+    const flux_map_slope none = flux_map_at(&drive, (vec_dq){0.0, 0.0}).slope;
+    const double I_A = motor_rated_peak_A(m);
+    double fall = 0.0;
+    for (int n = 0; n < DIRECTIONS * STEPS && flux_map_bends(&drive); n++) {
+        const double angle = VEC_TWO_PI * (n % DIRECTIONS) / DIRECTIONS;
+        const double size_A = I_A * (n / DIRECTIONS + 1) / STEPS;
+        const vec_dq i_A = {size_A * cos(angle), size_A * sin(angle)};
+        const vec_dq straight = {none.dd * i_A.d, none.qq * i_A.q};
+        const vec_dq flux = flux_map_flux(&drive, i_A);
+        fall = fmax(fall, hypot(straight.d - flux.d, straight.q - flux.q) / hypot(straight.d, straight.q));
+    }
+    return fall;
+}
+
 tune_watch tune_watch_of(const tune_result *r)
 {
     const tune_region *region = &r->region;
@@ -38,24 +59,24 @@ tune_watch tune_watch_of(const tune_result *r)
     for (int n = 0; n < region->points; n++) {
         const tune_machine *m = &region->point[n].machine;
         w.R = centre->R_ohm > 0.0 ? fmax(w.R, fabs(m->R_ohm / centre->R_ohm - 1.0)) : 0.0;
-        w.L = fmax(w.L, fabs(m->L_d_H / centre->L_d_H - 1.0));
-        w.L = fmax(w.L, fabs(m->L_q_H / centre->L_q_H - 1.0));
     }
+    w.fall = tune_watch_fall(&r->motor);
+    w.L = fmax(region->L_off, w.fall);
     const double noise = VECTOR_OVER_SENSOR * region->noise_A / motor_rated_peak_A(&r->motor);
-    /* A last digit of room for the constant's rounding. */
+    /* A margin for the constant's rounding. */
     w.noise_pu = fmax(noise, fmax(NOISE_LEAST, 1.001 * greatest_size(r) / SIZE_MOST));
     if (!(region->noise_A > 0.0)) {
-        w.none = "the noise of the current sensors is not known; a diagnosis says it (--diagnosis)";
+        w.none = "the noise of the current sensors is unknown; a diagnosis measures it (--diagnosis)";
     } else if (w.noise_pu > NOISE_MOST) {
         w.none = "the noise is above a tenth of the rated peak";
     } else if (w.R > 16.0 * IQFOC_WATCH_SIZE_R || w.L > 16.0 * IQFOC_WATCH_SIZE_L ||
                w.psi > 16.0 * IQFOC_WATCH_SIZE_PSI) {
-        w.none = "the machine is not known well enough";
+        w.none = "the machine's uncertainty is too large";
     }
     return w;
 }
 
-/* A change of `times` stated sizes makes X y = times |X|^2, which must be above |X|^2/2 and what is unsure of it. */
+/* A change of `times` assumed changes makes X y = times |X|^2, which must exceed |X|^2/2 and its uncertainty. */
 static double noted_from(double size, double unsure)
 {
     return 0.5 * size + unsure;

@@ -1,6 +1,6 @@
 /*
- * What the watch of a design (iqfoc/watch.h) takes from what is known of the drive: the noise that its errors are
- * measured by, and by how much the model may be off without having changed.
+ * Constants of a design's change detector (iqfoc/watch.h): the noise of the currents, and the uncertainty of the
+ * model.
  */
 #ifndef SIM_HOST_TUNE_TUNE_WATCH_H
 #define SIM_HOST_TUNE_TUNE_WATCH_H
@@ -10,16 +10,24 @@
 typedef struct tune_watch {
     double noise_pu;  /* of a sample of the current's vector, either component */
     double R, L, psi; /* shares of the design's machine */
-    const char *none; /* NULL; or why there is no watch, in words */
+    double fall; /* share that L falls by up to the rated peak, by the motor file's saturation; 0: none */
+    const char *none; /* NULL, or the reason why there is no change detector */
 } tune_watch;
 
 /*
- * Of a diagnosis: the shares are those of its region. noise_pu is for any number of sensors: where two make the third
- * current, a component has 1.29 of one's noise. A noise that is less than the watch's constants hold becomes the least.
+ * From a diagnosis: the shares are those of its uncertainty set. noise_pu covers any number of sensors: with two
+ * sensors a component has 1.29 times one sensor's noise. A noise below the range of the detector's constants becomes
+ * the smallest of that range. L is at least the fall by saturation: the model has the inductances at zero current.
  */
 tune_watch tune_watch_of(const tune_result *r);
 
-/* The change of R, of L, of psi_f from which the watch notes it, as shares, were there no noise. */
+/*
+ * The share by which the current's flux falls short of L i, at most, at currents up to the rated peak in every
+ * direction: by the motor file's saturation or flux map. 0 without either.
+ */
+double tune_watch_fall(const motor *m);
+
+/* The smallest change of R, L and psi_f that is detected without noise, as shares. */
 typedef struct tune_noted {
     double R, L, psi;
 } tune_noted;

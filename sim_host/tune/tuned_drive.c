@@ -33,8 +33,7 @@ bool tuned_law_of(const motor *m, const tune_design *design, iqfoc_tuned_law_t *
     if (least < IQFOC_TUNED_K_LEAST_Q26) {
         return motor_refuse(
             m->path, "f_pwm_Hz", e,
-            "f_pwm_Hz gives T U_b/(L I_b) = %.3g; the tuned controller holds 1/16 to 16, which "
-            "f_pwm_Hz = %.6g would give",
+            "f_pwm_Hz gives T U_b/(L I_b) = %.3g; expected 1/16 to 16, which needs f_pwm_Hz = %.6g",
             ldexp(least, -26), m->f_pwm_Hz * ldexp(least, -26) * 16.0);
     }
     *law = made;
@@ -63,8 +62,9 @@ void tuned_drive_watch(tuned_firmware_t *t, const motor *m, const tune_machine *
     /* No term of it divides by 0: tune_watch_of holds the noise to what the constants take. */
     const iqfoc_watch_config_t config =
         /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero) */
-        IQFOC_WATCH_CONFIG_KNOWN(machine->R_ohm, machine->L_d_H, machine->L_q_H, machine->psi_f_Wb, base.T_s,
-                                 base.I_A, base.U_V, known->noise_pu, known->R, known->L, known->psi);
+        IQFOC_WATCH_CONFIG_KNOWN(machine->R_ohm, machine->L_d_H, machine->L_q_H, machine->psi_f_Wb,
+                                 m->pole_pairs, base.T_s, base.I_A, base.U_V, known->noise_pu, known->R,
+                                 known->L, known->psi);
     t->config.watch = config;
     t->config.watched = 1;
 }

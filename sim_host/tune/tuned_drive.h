@@ -12,22 +12,22 @@
 
 #include "tuned_firmware.h"
 
-/* A motor with the machine of a region in place of its own, and without extensions. */
+/* A motor with another machine in place of its own, and without extensions. */
 motor tuned_motor(const motor *m, const tune_machine *machine);
 
 /*
- * The law of a design for a motor's bases. False where a value does not fit the library's ranges; *e then
- * names the motor file and the key.
+ * The controller's constants of a design for a motor's bases. False if a value does not fit the library's ranges; *e
+ * then names the motor file and the key.
  */
 bool tuned_law_of(const motor *m, const tune_design *design, iqfoc_tuned_law_t *law, error *e);
 
-/* Started; it is extended and watched by the calls below, before it runs. */
+/* Starts the firmware. Add corrections and the change detector by the calls below, before it runs. */
 bool tuned_drive_init(tuned_firmware_t *t, const motor *m, const tune_design *design, error *e);
 
-/* Corrections of dead time as the motor file has them. */
+/* The motor file's corrections of dead time. */
 bool tuned_drive_extend(tuned_firmware_t *t, const motor *m, error *e);
 
-/* A watch for the machine of the design, once tuned_drive_init took it. known->none is NULL. */
+/* A change detector for the machine of the design, after tuned_drive_init succeeded. known->none is NULL. */
 void tuned_drive_watch(tuned_firmware_t *t, const motor *m, const tune_machine *machine,
                        const tune_watch *known);
 

@@ -1,4 +1,4 @@
-/* The trials' results told (watch_results.h). */
+/* The trials' results as text and JSON (watch_results.h). */
 #include "watch_results.h"
 
 #include "base/json_file.h"
@@ -34,26 +34,52 @@ static json_t *warming_json(const watch_results *r)
                                  adapt_json(&r->plain), "adapted", adapt_json(&r->adapted));
 }
 
+static double per_million(const watch_clean *c)
+{
+    return 1e6 * (double)c->alarms / c->cycles;
+}
+
+static json_t *clean_json(const watch_clean *c)
+{
+    json_t *passed = json_array();
+    for (int n = 1; n < WATCH_LEVELS && passed != NULL; n++) {
+        if (json_array_append_new(passed, json_integer(c->passed[n])) != 0) {
+            json_free(passed);
+            return NULL;
+        }
+    }
+    return json_pack("{s:f, s:i, s:f, s:f, s:o}", "cycles", c->cycles, "alarms", (int)c->alarms,
+                     "alarms_per_million", per_million(c), "highest", c->highest, "passed", passed);
+}
+
+/* One object for each condition, by its key. */
+static json_t *conditions_json(const watch_results *r)
+{
+    json_t *all = json_object();
+    for (int n = 0; n < WATCH_CONDITIONS && all != NULL; n++) {
+        if (r->ran[n] && json_object_set_new(all, watch_condition_key[n], clean_json(&r->clean[n])) != 0) {
+            json_free(all);
+            return NULL;
+        }
+    }
+    return all;
+}
+
 json_t *watch_results_json(const motor *m, const watch_results *r)
 {
     json_t *trials = json_array();
-    json_t *passed = json_array();
-    bool ok = trials != NULL && passed != NULL;
+    bool ok = trials != NULL;
     for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES && ok && r->tried; n++) {
         ok = json_array_append_new(trials, trial_json((watch_change)n, &r->of[n])) == 0;
     }
-    for (int n = 1; n < WATCH_LEVELS && ok; n++) {
-        ok = json_array_append_new(passed, json_integer(r->clean.passed[n])) == 0;
-    }
     if (!ok) {
         json_free(trials);
-        json_free(passed);
         return NULL;
     }
-    return json_pack("{s:i, s:s, s:f, s:f, s:o, s:{s:f, s:i, s:f, s:o}, s:o}", "schema", 1, "motor", m->name,
-                     "f_pwm_Hz", m->f_pwm_Hz, "noise_pu", WATCH_NOISE, "trials", trials, "clean", "cycles",
-                     r->clean.cycles, "alarms", (int)r->clean.alarms, "highest", r->clean.highest, "passed",
-                     passed, "warming", warming_json(r));
+    return json_pack("{s:i, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:o}", "schema", 1, "motor", m->name,
+                     "f_pwm_Hz", m->f_pwm_Hz, "noise_pu", WATCH_NOISE, "L_fall", r->fall, "trials", trials,
+                     "clean", r->ran[WATCH_CONSTANT] ? clean_json(&r->clean[WATCH_CONSTANT]) : json_null(),
+                     "conditions", conditions_json(r), "warming", warming_json(r));
 }
 
 static void print_trials(const watch_results *r, FILE *out)
@@ -67,11 +93,25 @@ static void print_trials(const watch_results *r, FILE *out)
     }
 }
 
+static void print_clean(const watch_results *r, FILE *out)
+{
+    fprintf(out, "  %-38s%10s%10s%22s%14s\n", "no change", "cycles", "alarms", "alarms per 10^6",
+            "highest sum");
+    for (int n = 0; n < WATCH_CONDITIONS; n++) {
+        const watch_clean *c = &r->clean[n];
+        if (r->ran[n]) {
+            fprintf(out, "  %-38s%10.3g%10ld%22.3g%14.2f\n", watch_condition_text[n], c->cycles, c->alarms,
+                    per_million(c), c->highest);
+        }
+    }
+    fprintf(out, "an alarm needs a sum of %.2f\n", IQFOC_WATCH_THRESHOLD);
+}
+
 static void print_adapted(const char *how, const adapt_trial *t, FILE *out)
 {
     fprintf(out,
-            "winding and magnet warm, %s: R %+.1f %%, psi_f %+.2f %% off at the end, prediction error %.3f "
-            "%%%s\n",
+            "winding and magnet warm, %s: error of R %+.1f %%, of psi_f %+.2f %% at the end, prediction "
+            "error %.3f %%%s\n",
             how, t->r_percent, t->psi_percent, t->error_percent, t->alarm ? ", alarm" : "");
 }
 
@@ -79,13 +119,19 @@ void watch_results_print(const motor *m, const watch_results *r, FILE *out)
 {
     fprintf(out, "%s at %g Hz, noise %g %% of the rated peak a sample\n", m->name, m->f_pwm_Hz,
             100.0 * WATCH_NOISE);
+    if (r->fall > 0.0) {
+        fprintf(
+            out,
+            "L falls by up to %.3g %% at currents up to the rated peak (the motor file's saturation); the "
+            "detector allows for it\n",
+            100.0 * r->fall);
+    }
     if (r->tried) {
         print_trials(r, out);
     }
-    fprintf(out, "nothing, %.3g cycles: %ld alarms, the highest detector at %.2f of %.2f\n", r->clean.cycles,
-            r->clean.alarms, r->clean.highest, IQFOC_WATCH_THRESHOLD);
+    print_clean(r, out);
     if (r->tried) {
-        print_adapted("as the firmware was told", &r->plain, out);
-        print_adapted("followed (iqfoc/adapt.h)", &r->adapted, out);
+        print_adapted("fixed model", &r->plain, out);
+        print_adapted("adapted model (iqfoc/adapt.h)", &r->adapted, out);
     }
 }

@@ -1,4 +1,4 @@
-/* What the trials of the watch and of the adaptation came to, as JSON and as text. */
+/* Results of the trials of change detector and adaptation, as JSON and as text. */
 #ifndef SIM_HOST_TUNE_WATCH_RESULTS_H
 #define SIM_HOST_TUNE_WATCH_RESULTS_H
 
@@ -8,14 +8,16 @@
 
 #include <stdio.h>
 
-/* A winding and a magnet that warm in the first, of the second. */
+/* Winding and magnet warm in the first time, out of the second. */
 #define WATCH_WARMING_S 12.0
 #define WATCH_ADAPTED_S 16.0
 
 typedef struct watch_results {
-    bool tried; /* else there is nothing but `clean` */
+    bool tried; /* else only the runs without a change are valid */
     watch_trial of[WATCH_CHANGES];
-    watch_clean clean;
+    double fall; /* of L by the motor file's saturation, as the detector has it */
+    bool ran[WATCH_CONDITIONS];
+    watch_clean clean[WATCH_CONDITIONS];
     adapt_trial plain, adapted;
 } watch_results;
 

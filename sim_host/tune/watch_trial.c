@@ -1,24 +1,42 @@
-/* The watch tried (watch_trial.h). */
+/* Trials of the change detector (watch_trial.h). */
 #include "watch_trial.h"
 
 #include "watch_duty.h"
 
 #include "base/progress.h"
+#include "base/sort.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char *const watch_change_text[WATCH_CHANGES] = {"nothing", "magnet 5 % weaker", "winding 60 K warmer",
-                                                      "sensor's gain 2 % higher", "dead time doubled"};
-const char *const watch_change_key[WATCH_CHANGES] = {"nothing", "magnet", "winding", "sensor", "dead_time"};
+const char *const watch_change_text[WATCH_CHANGES] = {"nothing",
+                                                      "magnet 5 % weaker",
+                                                      "winding 60 K warmer",
+                                                      "sensor's gain 2 % higher",
+                                                      "dead time doubled",
+                                                      "one phase's R 50 % higher",
+                                                      "eccentric rotor, 5 % of flux"};
+const char *const watch_change_key[WATCH_CHANGES] = {"nothing",   "magnet", "winding", "sensor",
+                                                     "dead_time", "phase",  "rotor"};
+const char *const watch_condition_text[WATCH_CONDITIONS] = {"nothing changes",
+                                                            "link +-1 % at 300 Hz",
+                                                            "link +-3 % at 300 Hz",
+                                                            "winding +-10 K, magnet +-5 K, adapted",
+                                                            "L -3 % at rated current, stated",
+                                                            "L -10 % at rated current, stated",
+                                                            "load steps"};
+const char *const watch_condition_key[WATCH_CONDITIONS] = {
+    "constant", "ripple_1", "ripple_3", "temperature", "saturation_3", "saturation_10", "load_steps"};
 const char *const watch_group_text[IQFOC_WATCH_GROUPS + 1] = {
-    "resistance", "inductance",   "flux",        "voltage gain",  "dead time",
-    "angle",      "voltage late", "sensor gain", "sensor offset", "none"};
+    "resistance",   "inductance",  "flux",          "voltage gain",     "dead time",    "angle",
+    "voltage late", "sensor gain", "sensor offset", "phase resistance", "eccentricity", "none"};
 
 static const iqfoc_watch_group_t group_of_change[WATCH_CHANGES] = {
-    IQFOC_WATCH_NONE, IQFOC_WATCH_FLUX, IQFOC_WATCH_RESISTANCE, IQFOC_WATCH_SENSOR_GAIN,
-    IQFOC_WATCH_DEAD_TIME};
+    IQFOC_WATCH_NONE,        IQFOC_WATCH_FLUX,      IQFOC_WATCH_RESISTANCE,
+    IQFOC_WATCH_SENSOR_GAIN, IQFOC_WATCH_DEAD_TIME, IQFOC_WATCH_PHASE_RESISTANCE,
+    IQFOC_WATCH_ECCENTRICITY};
 
 /* ---- Changes ---- */
 
@@ -37,7 +55,7 @@ static bool one_trial(const tune_result *r, watch_change change, uint64_t seed, 
     const long clean = lround(WATCH_CLEAN_S / T_s);
     const long cycles = clean + lround((WATCH_CHANGED_S + WATCH_NAMED_S) / T_s);
     *out = (outcome){.group = IQFOC_WATCH_NONE};
-    if (!watch_duty_begin(&w, r, seed, e)) {
+    if (!watch_duty_begin(&w, r, WATCH_CONSTANT, seed, e)) {
         return false;
     }
     const iqfoc_watch_t *watch = &w.firmware.watch;
@@ -73,7 +91,7 @@ static void tell_drive(progress *shown, const watch_duty *w, watch_change change
     }
 }
 
-/* Up to the alarm; *n: cycles so far. False with *e set if the firmware is gone. */
+/* Up to the alarm; *n: cycles so far. False with *e set if the firmware stopped. */
 static bool run_to_alarm(watch_duty *w, watch_change change, progress *shown, long *n, bool *alarm, error *e)
 {
     const double T_s = w->loop.base.T_s;
@@ -99,12 +117,12 @@ static bool dump_drive(const tune_result *r, watch_change change, uint64_t seed,
     watch_duty w;
     long n = 0;
     memset(dump, 0, sizeof *dump);
-    if (!watch_duty_begin(&w, r, seed, e) ||
-        (target != NULL && !target->start(target->context, &w.firmware.config, &w.told, &w.calls, e)) ||
+    if (!watch_duty_begin(&w, r, WATCH_CONSTANT, seed, e) ||
+        (target != NULL && !target->start(target->context, &w.firmware.config, &w.model, &w.calls, e)) ||
         !run_to_alarm(&w, change, shown, &n, &dump->noted, e)) {
         return false;
     }
-    dump->told = w.told;
+    dump->model = w.model;
     dump->alarm_s = (double)n * w.loop.base.T_s - WATCH_CLEAN_S;
     if (!dump->noted) {
         return true;
@@ -130,13 +148,6 @@ bool watch_trial_dump(const tune_result *r, watch_change change, uint64_t seed, 
     const bool ok = dump_drive(r, change, seed, seconds, target, &shown, dump, e);
     progress_end(&shown);
     return ok;
-}
-
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint64_t seed, watch_trial *out,
@@ -165,7 +176,7 @@ bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint
     }
     progress_end(&shown);
     if (ok && out->noted > 0) {
-        qsort(delay, (size_t)out->noted, sizeof *delay, by_size);
+        sort_ascending(delay, (size_t)out->noted);
         out->median_s = delay[out->noted / 2];
         out->latest_s = delay[out->noted - 1];
     }
@@ -174,7 +185,7 @@ bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint
     return ok;
 }
 
-/* ---- Nothing ---- */
+/* ---- No change ---- */
 
 static double highest_of(const iqfoc_watch_t *watch)
 {
@@ -186,7 +197,7 @@ static double highest_of(const iqfoc_watch_t *watch)
     return ldexp(highest, -16);
 }
 
-/* Runs of this many cycles, each with its own seed and way. */
+/* Runs of this many cycles, each with its own seed and duty. */
 enum { CLEAN_RUN = 1000000 };
 
 static void look_at_block(iqfoc_watch_t *watch, double *before, watch_clean *out)
@@ -203,17 +214,20 @@ static void look_at_block(iqfoc_watch_t *watch, double *before, watch_clean *out
     }
 }
 
-bool watch_clean_run(const tune_result *r, double cycles, uint64_t seed, watch_clean *out, error *e)
+bool watch_clean_run(const tune_result *r, watch_condition condition, double cycles, uint64_t seed,
+                     watch_clean *out, error *e)
 {
     watch_duty w;
     drive_row row;
     double before = 0.0;
     bool ok = true;
-    progress shown = progress_begin("watch: nothing changes", cycles, "cycles");
+    char task[64];
+    (void)snprintf(task, sizeof task, "watch: %s", watch_condition_text[condition]);
+    progress shown = progress_begin(task, cycles, "cycles");
     *out = (watch_clean){.cycles = 0.0};
     while (ok && out->cycles < cycles) {
         const long of_run = (long)fmin((double)CLEAN_RUN, cycles - out->cycles);
-        ok = watch_duty_begin(&w, r, seed++, e);
+        ok = watch_duty_begin(&w, r, condition, seed++, e);
         for (long n = 0; n < of_run && ok; n++) {
             ok = watch_duty_cycle(&w, n, &row, e);
             if (w.firmware.watch.count == 0) {

@@ -1,9 +1,10 @@
 /*
- * The watch (iqfoc/watch.h) tried: drives under the tuned controller run varied duty (speeds through both
- * directions, steps of both currents); after half a second something about the drive changes.
+ * Trials of the change detector (iqfoc/watch.h). Drives under the tuned controller run a varied duty (speeds in both
+ * directions, steps of both currents). After half a second the drive changes.
  *
- * The drive is the motor file's, the firmware's model the centre of the design's region. Where a diagnosis made that, the
- * watch has its noise and confidence; else it takes the model for exact, and knows the trials' own noise.
+ * The drive is the motor file's, the firmware's model the centre of the design's uncertainty set. With a diagnosis
+ * the detector has its noise and 95 % uncertainty. Without one it takes the model as exact, with the trials' own
+ * noise.
  */
 #ifndef SIM_HOST_TUNE_WATCH_TRIAL_H
 #define SIM_HOST_TUNE_WATCH_TRIAL_H
@@ -20,8 +21,28 @@ typedef enum watch_change {
     WATCH_WINDING, /* 60 K warmer: R 23.6 % higher */
     WATCH_SENSOR,  /* one phase's current sensor reads 2 % more */
     WATCH_LEGS,    /* dead time doubled */
+    WATCH_PHASE,   /* resistance of one phase 50 % higher */
+    WATCH_ROTOR,   /* eccentric: the magnet's flux varies by 5 % once per mechanical revolution */
     WATCH_CHANGES
 } watch_change;
+
+/* Operating conditions of the runs without a change. */
+typedef enum watch_condition {
+    WATCH_CONSTANT,      /* link, temperatures and inductances */
+    WATCH_RIPPLE_1,      /* of the DC link: +-1 % at 300 Hz */
+    WATCH_RIPPLE_3,      /* +-3 % */
+    WATCH_TEMPERATURE,   /* the winding swings by WATCH_SWING_K, the magnet by half of that */
+    WATCH_SATURATION_3,  /* L is 3 % lower at rated current */
+    WATCH_SATURATION_10, /* 10 % */
+    WATCH_LOAD_STEPS,    /* torque reversals each 3 to 20 ms, with short ramps of the speed */
+    WATCH_CONDITIONS
+} watch_condition;
+
+#define WATCH_SWING_K 10.0 /* amplitude */
+#define WATCH_SWING_S 20.0 /* period */
+
+extern const char *const watch_condition_text[WATCH_CONDITIONS];
+extern const char *const watch_condition_key[WATCH_CONDITIONS];
 
 extern const char *const watch_change_text[WATCH_CHANGES];
 extern const char *const watch_change_key[WATCH_CHANGES];
@@ -39,10 +60,10 @@ typedef struct watch_trial {
     int noted;       /* an alarm within WATCH_CHANGED_S, and a name */
     int right;       /* and the right group */
     int early;       /* an alarm before the change */
-    double median_s; /* from the change to the alarm; NAN if none was noted */
+    double median_s; /* from the change to the alarm; NAN without an alarm */
     double latest_s;
     double amount;    /* mean of those with the right group, in the sizes of iqfoc/watch.h */
-    int since_within; /* of those noted: the change's time is told to 0.1 s */
+    int since_within; /* of the detected: the change's time is reported to 0.1 s */
     int named[IQFOC_WATCH_GROUPS + 1];
 } watch_trial;
 
@@ -51,22 +72,22 @@ bool watch_trial_run(const tune_result *r, watch_change change, int trials, uint
                      error *e);
 
 /*
- * What a recorder holds that the alarm triggers: the rows of the seconds after it as sensors and firmware had
- * them, and the motor as the firmware knows it. The change of a current sensor is phase A's.
+ * The recording triggered by the alarm: rows of sensors and firmware after it, and the firmware's motor. A changed
+ * current sensor is phase A's.
  */
 typedef struct watch_dump {
-    bool noted;     /* within WATCH_CHANGED_S; else there are no rows */
+    bool noted;     /* within WATCH_CHANGED_S; without it there are no rows */
     double alarm_s; /* from the change to the alarm */
     iqfoc_watch_group_t group;
     drive_recording rows; /* freed with recording_free(&rows.recording), also after a failure */
-    motor told;
+    motor model;
 } watch_dump;
 
-/* A firmware that runs elsewhere than in this program. */
+/* A firmware outside this program. */
 typedef struct watch_target {
     void *context;
-    /* *calls: its valley and peak. told: whose bases its recorder speaks in. */
-    bool (*start)(void *context, const tuned_firmware_config_t *config, const motor *told,
+    /* *calls: its valley and peak. model: the bases of its recorder's values. */
+    bool (*start)(void *context, const tuned_firmware_config_t *config, const motor *model,
                   drive_firmware *calls, error *e);
     bool (*group)(void *context, iqfoc_watch_group_t *group, error *e);
 } watch_target;
@@ -76,8 +97,8 @@ bool watch_trial_dump(const tune_result *r, watch_change change, uint64_t seed, 
                       const watch_target *target, watch_dump *dump, error *e);
 
 /*
- * Cycles without a change, in runs of `cycles`/32 blocks each with a seed of its own: how often the highest
- * detector has passed 1, 2, ... WATCH_LEVELS - 1 in each block of those runs, and the alarms.
+ * Cycles without a change, in runs of `cycles`/32 blocks with their own seeds. Counts how often the highest detector
+ * passes 1, 2, ... WATCH_LEVELS - 1, and the alarms.
  */
 enum { WATCH_LEVELS = 24 };
 
@@ -88,6 +109,7 @@ typedef struct watch_clean {
     double highest;
 } watch_clean;
 
-bool watch_clean_run(const tune_result *r, double cycles, uint64_t seed, watch_clean *out, error *e);
+bool watch_clean_run(const tune_result *r, watch_condition condition, double cycles, uint64_t seed,
+                     watch_clean *out, error *e);
 
 #endif

@@ -11,11 +11,11 @@ import digits
 import effects
 import motors
 import second_drive
-from second_plant import TURN, Inverter, Machine, Shaft
+from second_plant import TURN, Inverter, Machine, RampedShaft, Shaft
 
 
 def draw_group(rng, causes, count):
-    """So many of the causes, none of which contains another or can stand in for it."""
+    """So many of the causes; none contains another or is equivalent to it."""
     while True:
         ids = [str(x) for x in rng.choice(causes, count, replace=False)]
         if all(effects.compatible(a, b) for a, b in itertools.combinations(ids, 2)):
@@ -72,11 +72,14 @@ def simulate(motor, bench, model, rows, rng_seed):
     omega = np.array([w for w, _ in bench.points])
     machine = Machine(lanes, model.R_ohm, model.L_d_H, model.L_q_H, model.psi_f_Wb, model.psi_5_Wb, model.psi_7_Wb,
                       model.I_sat_A, model.dR_ohm, model.R_iron_ohm, model.tau_iron_s, model.dL_H,
-                      model.psi_11_Wb, model.psi_13_Wb, model.flux_map)
+                      model.psi_11_Wb, model.psi_13_Wb, model.flux_map, model.weak_pole, motor.pole_pairs, model.short)
     inverter = Inverter(lanes, T_s, model.t_dead_s, model.V_switch_V, model.V_diode_V)
     # At standstill the rotor is locked: the swing is a share of the speed.
     shaft = Shaft(rng.uniform(0.0, TURN * motor.pole_pairs, lanes), omega, omega * np.array(bench.swing),
                   np.array(bench.swing_Hz), rng.uniform(0.0, TURN, lanes))
+    if hasattr(bench, "ramp_rad_s"):
+        begin, end = bench.ramp_rad_s
+        shaft = RampedShaft(shaft.theta_start_rad, omega, (end - begin) / (T_s * max(bench.rows)), T_s * bench.warm_up)
     steps = np.array([motors.excitation(rng, bench.warm_up + max(bench.rows), bench.excitation * I_pk)
                       for _ in range(lanes)]).T
     ones, three = np.ones(lanes), np.ones((3, lanes))
@@ -105,7 +108,7 @@ def simulate(motor, bench, model, rows, rng_seed):
         compensation_V=model.compensation_V, glitch_rate=model.glitch_rate, delay_cycles=model.delay_cycles,
         sensor_lag_s=model.sensor_lag_s, speed_lag_s=model.speed_lag_s, hysteresis_A=model.hysteresis_A, hum_V=model.hum_V,
         hum_Hz=model.hum_Hz, hum_phase=model.hum_phase, flux_order=model.flux_order, flux_share=model.flux_share,
-        flux_rad=model.flux_rad)
+        flux_rad=model.flux_rad, pick_up=model.pick_up)
     if model.heating_K:
         p.drifts = True
         p.warmer_K = warming(starts + T_s * np.arange(-bench.warm_up, rows).reshape(-1, 1), model, motor)
@@ -163,7 +166,7 @@ def draw_case(seed, kind, bench_kind="usual", with_digits=False):
     rng = np.random.default_rng([seed, 20190])
     ids = draw_effects(rng, kind)
     salient = bool(rng.random() < 0.5) and "saturation" not in ids or "saturation_dq" in ids
-    motor = motors.draw_motor(rng, salient)
+    motor = motors.draw_motor(rng, salient, *([motors.CYCLES_PER_TURN] if bench_kind in motors.ONE_RUN else []))
     bench = motors.draw_bench(rng, motor, bench_kind)
     if "speed_lag" in ids:
         # It shows while the speed changes: by more than the bench's own swing, and no faster than before at the most.

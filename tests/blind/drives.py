@@ -21,8 +21,8 @@ import unittest
 import edited
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MOTOR = ROOT / "motors" / "compressor_salient.toml"
-SCENARIO = ROOT / "scenarios" / "identification.toml"
+MOTOR = ROOT / "data" / "motors" / "compressor_salient.toml"
+SCENARIO = ROOT / "data" / "scenarios" / "identification.toml"
 
 
 def motor_text(**percent):
@@ -71,15 +71,22 @@ DRIVES = [
           {"dead_time": {"v_dead": (5.87, 0.2)}}),
     Drive("dead time that is compensated twice over", ["dead_time:t_dead=2e-6,compensation=9.04"], {}, {"dead_time"},
           {"dead_time": {"v_dead": (-4.52, 0.06)}}),
+    Drive("dead time that is compensated by half", ["dead_time:t_dead=2e-6,compensation=2.26"], {}, {"dead_time"},
+          {"dead_time": {"v_dead": (2.26, 0.1), "compensation": (2.26, 0.15)}}),
+    Drive("dead time that is compensated", ["dead_time:t_dead=2e-6,compensation=4.52"], {}, {"dead_time"},
+          {"dead_time": {"v_dead": (0.0, 0.1), "compensation": (4.52, 0.25)}}),
     Drive("currents through a filter of 15 us", ["sensor_lag:tau=15e-6"], {}, {"sensor_lag"}, {"sensor_lag": {"tau": (15e-6, 5e-7)}}),
-    Drive("a filter of 15 us beside a dead time", ["sensor_lag:tau=15e-6", "dead_time:t_dead=2e-6"], {}, {"sensor_lag", "dead_time"},
+    Drive("a filter of 15 us with a dead time", ["sensor_lag:tau=15e-6", "dead_time:t_dead=2e-6"], {}, {"sensor_lag", "dead_time"},
           {"sensor_lag": {"tau": (15e-6, 8e-7)}, "dead_time": {"v_dead": (4.52, 0.1)}}),
-    Drive("a filter of 15 us beside iron", ["sensor_lag:tau=15e-6", "iron_loss:R_fe=200,tau_fe=1e-4"], {}, {"sensor_lag", "iron_loss"},
+    Drive("a filter of 15 us with iron loss", ["sensor_lag:tau=15e-6", "iron_loss:R_fe=200,tau_fe=1e-4"], {}, {"sensor_lag", "iron_loss"},
           {"sensor_lag": {"tau": (15e-6, 8e-7)}, "iron_loss": {"R_fe": (200.0, 12.0)}}),
     Drive("a filter of 15 us, the voltage a cycle late", ["sensor_lag:tau=15e-6", "voltage_delay:cycles=1"], {},
           {"sensor_lag", "voltage_delay"}, {"sensor_lag": {"tau": (15e-6, 8e-7)}, "voltage_delay": {"cycles": (1.0, 0.0)}}),
     Drive("samples 5 us late", ["sensor_lag:tau=-5e-6"], {}, {"angle_delay"}),
     Drive("a speed that is filtered", ["speed_lag:tau=0.01"], {}, {"speed_lag"}, {"speed_lag": {"tau": (0.01, 4e-4)}}),
+    # The vector shows two thirds of it; the sum of the three currents shows the rest.
+    Drive("offset of one of three sensors", ["current_offset:o_a=1.0"], {}, {"current_offset"},
+          {"current_offset": {"o_a": (1.0, 6e-3), "o_b": (0.0, 6e-3), "o_c": (0.0, 6e-3)}}),
     Drive("inductance of one phase", ["phase_inductance:dL_a=5e-4"], {}, {"phase_inductance"},
           {"phase_inductance": {"dL_a": (5e-4, 5e-5)}}),
     Drive("updates that are missed", ["missed_update:share=0.01"], {}, {"missed_update"}, {"missed_update": {"share": (0.01, 3e-3)}}),
@@ -93,6 +100,39 @@ DRIVES = [
     Drive("a flux map", ["saturation_dq:w_dqq=-2e-5,w_qqqq=-1.5e-6"], {}, {"saturation_dq"}),
     Drive("current along d alone", [], {}, set(), {}, ONE_AXIS, ("L_q", "psi_f")),
     Drive("current along d alone, both inductances off", [], {"L_d_H": 10, "L_q_H": 10}, {"inductance"}, {}, ONE_AXIS, ("L_q", "psi_f")),
+]
+
+
+# A speed that swings at 60 Hz, so that a late speed column leaves a line there.
+SWINGING = """
+name = "a speed that swings"
+[sensors]
+current_bits = 12
+current_full_scale_A = 25
+current_noise_A = 0.025
+[log]
+duties = true
+[[run]]
+duration_s = 1.0
+speed_rpm = { value = 1500, square = { amplitude = 40, period_s = 0.016667 } }
+i_q_A = { value = 5.0, square = { amplitude = 1.0, period_s = 0.023 } }
+[[run]]
+duration_s = 1.0
+speed_rpm = { value = 2500, square = { amplitude = 40, period_s = 0.016667 } }
+i_q_A = { value = 4.0, square = { amplitude = 1.0, period_s = 0.023 } }
+"""
+
+
+class Sum(typing.NamedTuple):
+    title: str
+    effect: str
+    words: str  # of the residual structure
+
+
+# What the sum of the three currents shows and their vector does not: no cause, and not clean.
+SUMS = [
+    Sum("hum in all three channels", "hum:amplitude=0.2,frequency=50", "sum of the three currents, which is 0 in the machine, swings at 50"),
+    Sum("crosstalk between the channels", "crosstalk:share=0.03", "sum of the three currents, which is 0 in the machine, follows them by 3 %"),
 ]
 
 
@@ -110,6 +150,19 @@ class Drives(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads((folder / "out.json").read_text(encoding="utf-8"))
 
+    def test_what_the_sum_shows(self):
+        for drive in SUMS:
+            with self.subTest(drive.title), tempfile.TemporaryDirectory() as name:
+                result = self.diagnose(Drive(drive.title, [drive.effect], {}, set()), pathlib.Path(name))
+                self.assertIn(result["verdict"], ("unexplained", "partly"))
+                self.assertIn(drive.words, result["structure"])
+
+    def test_a_late_speed_is_no_ripple_of_the_link(self):
+        with tempfile.TemporaryDirectory() as name:
+            drive = Drive("late speed", ["speed_lag:tau=0.003"], {}, set(), {}, SWINGING)
+            result = self.diagnose(drive, pathlib.Path(name))
+            self.assertEqual([cause["id"] for cause in result["causes"]], ["speed_lag"])
+
     def test_each_gets_its_name(self):
         for drive in DRIVES:
             with self.subTest(drive.title), tempfile.TemporaryDirectory() as name:
@@ -122,6 +175,49 @@ class Drives(unittest.TestCase):
                 for cause, parameters in drive.values.items():
                     for parameter, (value, tolerance) in parameters.items():
                         self.assertLessEqual(abs(found[cause][parameter] - value), tolerance, f"{cause} {parameter}")
+
+    def test_a_bench_shows_what_is_large_and_what_is_small(self):
+        """Everything a little off and the flux by 6 %: each value is found, and nothing is named that the drive does not have."""
+        bench = Drive("bench", ["dead_time:t_dead=1e-6,compensation=2.1", "current_gain:g_a=1.003,g_b=0.998",
+                                "angle_harmonic:order=1,amplitude=0.0035", "iron_loss:R_fe=600,tau_fe=1e-4",
+                                "dc_link_ripple:frequency=300,share=0.005"], {"R_ohm": -4.4, "psi_f_Wb": -6}, set())
+        with tempfile.TemporaryDirectory() as name:
+            result = self.diagnose(bench, pathlib.Path(name))
+        named = {cause["id"] for cause in result["causes"]}
+        self.assertIn("flux_linkage", named)
+        self.assertLessEqual(named, {"flux_linkage", "resistance", "dead_time", "current_gain", "angle_harmonic", "iron_loss", "dc_link_ripple"})
+        found = {cause["id"]: {p["name"]: p["value"] for p in cause["parameters"]} for cause in result["causes"] + result["minor"]}
+        for cause, parameter, value, tolerance in (("flux_linkage", "psi_f", 0.2, 0.001), ("resistance", "R", 0.9, 0.015),
+                                                   ("dead_time", "compensation", 2.1, 0.3), ("current_gain", "g_a", 1.003, 0.001),
+                                                   ("angle_harmonic", "amplitude", 0.0035, 0.0004)):
+            self.assertLessEqual(abs(found[cause][parameter] - value), tolerance, f"{cause} {parameter}")
+        self.assertLess(result["error"]["extended"], 1.1 * result["error"]["noise_floor"])
+
+    def test_one_speed_leaves_resistance_and_flux_open(self):
+        """One speed and one current: an error of the resistance is one of the flux as well, and neither is accused."""
+        steady = """name = "steady"
+[control]
+feedback = "midpoint"
+[log]
+duties = true
+[[run]]
+duration_s = 0.4
+speed_rpm = 7000
+i_q_A = 8
+"""
+        motor = MOTOR.with_name("jarzebowicz2019.toml")
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "steady.toml").write_text(steady, encoding="utf-8")
+            for command in (["simulate", "--motor", str(motor), "--scenario", "steady.toml", "-o", "rec.csv", "--effect", "resistance:R=1.0",
+                             "--effect", "current_noise:sigma=0.03"],
+                            ["diagnose", "rec.csv", "--motor", str(motor), "--json", "out.json"]):
+                done = subprocess.run([str(edited.IQFOC), *command], cwd=folder, check=False, capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stderr)
+            result = json.loads((folder / "out.json").read_text(encoding="utf-8"))
+        self.assertEqual((result["verdict"], result["causes"]), ("unexplained", []))
+        self.assertIn({"R", "psi_f"}, [set(x["directions"]) for x in result["not_visible"]])
+        self.assertIn(["resistance"], [x["causes"] for x in result["candidates"]])
 
 
 if __name__ == "__main__":

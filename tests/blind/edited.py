@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Diagnoses recordings of a drive that is not ours, as they are and with known errors written into them.
 
-The recordings in recordings/ come from a plant that shares no code with this project. An error of a sensor, of the voltage's scale or
+The recordings in data/recordings/ come from a plant that shares no code with this project. An error of a sensor, of the voltage's scale or
 timing, or of the motor file can be written into such a recording exactly: the physics stays that of the other plant, and the truth is
 known.
 What disturbs the drive (a ripple of the DC link that is not logged, updates that are missed, a loose contact) is written in as well: it
@@ -32,7 +32,7 @@ SEED = 20261121
 
 def load(name):
     """Header and columns of a recording."""
-    with gzip.open(ROOT / "recordings" / f"{name}.csv.gz", "rt", encoding="utf-8") as file:
+    with gzip.open(ROOT / "data" / "recordings" / f"{name}.csv.gz", "rt", encoding="utf-8") as file:
         rows = csv.reader(line for line in file if not line.startswith("#"))
         header = next(rows)
         values = np.array([[float(field) for field in row] for row in rows])
@@ -41,7 +41,7 @@ def load(name):
 
 def motor_text(name, changed):
     """The recording's motor file with some values of [motor] changed."""
-    with open(ROOT / "recordings" / f"{name}.toml", "rb") as file:
+    with open(ROOT / "data" / "recordings" / f"{name}.toml", "rb") as file:
         motor = tomllib.load(file)
     motor["motor"].update(changed)
     lines = [f'name = "{motor["name"]}"']
@@ -190,6 +190,14 @@ def milliamperes(_header, c):
         c[f"i_{phase}_A"] *= 1000.0
 
 
+def mechanical_columns(_header, c):
+    """Angle and speed of the shaft, of a motor with three pole pairs."""
+    for run in np.unique(c["run"]):
+        rows = np.where(c["run"] == run)[0]
+        c["theta_e_rad"][rows] = np.mod(np.unwrap(c["theta_e_rad"][rows]) / 3.0, 2.0 * math.pi)
+    c["omega_e_rad_s"] /= 3.0
+
+
 def no_current(_header, c):
     for phase in PHASES:
         c[f"i_{phase}_A"] *= 0.0
@@ -281,7 +289,9 @@ REFUSED = [
     ("currents of the other sign", negative_currents, {}, ("sign",)),
     ("angle in the other direction", other_direction, {}, ("direction",)),
     ("currents in mA", milliamperes, {}, ("milliamperes",)),
-    ("inductance in mH", None, {"L_d_H": 8.0, "L_q_H": 11.0}, ("L_d_H", "unit", "mH", "1000")),
+    ("inductance in mH", None, {"L_d_H": 8.0, "L_q_H": 11.0}, ("millihenries",)),
+    ("inductance of one axis in mH", None, {"L_q_H": 11.0}, ("millihenries",)),
+    ("angle and speed mechanical", mechanical_columns, {}, ("mechanical",)),
     ("no current", no_current, {}, ("zero", "current", "excitation")),
     ("another motor's file", None, {"R_ohm": 0.1, "L_d_H": 5e-4, "L_q_H": 5e-4, "psi_f_Wb": 0.03}, ("motor",)),
 ]

@@ -39,9 +39,13 @@ UNNAMED = ["loose_of_two", "angle_order"]
 # More of them, which no set holds: by name only, to see that no rule was made for the above alone. A sensor that lags behind
 # itself where the current turns, the mains in the voltage, a magnet whose flux differs around the rotor.
 STRANGERS = ["sensor_hysteresis", "mains_hum", "flux_order"]
-DRAWN_BY_NAME = KNOWN + UNKNOWN + UNNAMED + STRANGERS
+# A dead time that its compensation leaves a share of: for the benches in groups.py, and by name.
+OF_BENCHES = ["dead_time_compensated"]
+# Of the group "outside" in groups.py: what no cause stands for.
+OUTSIDE = ["turn_short", "weak_pole", "hum", "common_hum", "switching_noise", "crosstalk", "encoder_interpolation", "sensor_hysteresis"]
+DRAWN_BY_NAME = KNOWN + UNKNOWN + UNNAMED + STRANGERS + OF_BENCHES + OUTSIDE[:-1]
 # The averaged model does not know them, or not in which cycles.
-NOT_AVERAGED = UNNAMED + STRANGERS + ["glitch", "dc_link_ripple", "sensor_fault", "loose_sensor"]
+NOT_AVERAGED = UNNAMED + STRANGERS + OUTSIDE + ["glitch", "dc_link_ripple", "sensor_fault", "loose_sensor"]
 
 # Least and largest size: what a bench plausibly shows. Relative to the file's value, the rated peak current, a cycle
 # (dead time, delay) or radians.
@@ -53,6 +57,9 @@ RANGE = {
     "emf_harmonics": (0.005, 0.08), "phase_asymmetry": (0.1, 1.2), "phase_inductance": (0.02, 0.35),
     "saturation_dq": (0.1, 0.5),
     "voltage_delay_half": (1.0, 1.0), "dead_time_over": (0.002, 0.03),
+    "dead_time_compensated": (0.002, 0.03),
+    "turn_short": (0.005, 0.04), "weak_pole": (0.02, 0.3), "hum": (0.003, 0.03), "common_hum": (0.003, 0.03),
+    "switching_noise": (0.02, 0.3), "crosstalk": (0.005, 0.05), "encoder_interpolation": (0.003, 0.03),
     # What drifts: its change over the recording.
     "resistance_drift": (0.12, 0.6), "flux_linkage_drift": (0.02, 0.12), "current_offset_drift": (0.015, 0.08),
     "current_gain_drift": (0.02, 0.1), "emf_harmonics_high": (0.004, 0.03), "angle_harmonic_electrical": (0.008, 0.1),
@@ -76,7 +83,7 @@ WITHOUT_SIZE = {"voltage_delay", "voltage_delay_half"}
 
 def cause_of(effect):
     """The cause's id: of a variant, such as a value that drifts or a delay that is no whole number, it is that cause's."""
-    for variant in ("_drift", "_half", "_high", "_electrical", "_over"):
+    for variant in ("_drift", "_half", "_high", "_electrical", "_over", "_compensated"):
         effect = effect.removesuffix(variant)
     return {"glitch": "missed_update"}.get(effect, effect)
 
@@ -85,7 +92,7 @@ def told_as(effect, has_i_c):
     """Its id in a truth file, and whether a diagnosis has a name for it."""
     if effect == "loose_sensor" and has_i_c:
         return "sensor_fault", True
-    return cause_of(effect), effect in KNOWN
+    return cause_of(effect), effect in KNOWN + OF_BENCHES
 
 
 def compatible(a, b):
@@ -120,6 +127,8 @@ def draw_direction(rng, effect, has_i_c):
         d["drop"] = float(rng.choice([0.0, 0.0, 0.4]))
     if effect == "dead_time_over":
         d["over"] = float(rng.uniform(1.5, 2.5))
+    if effect == "dead_time_compensated":
+        d["left"] = float(rng.choice([-1.0, 1.0, 1.0]) * rng.uniform(0.3, 0.8))
     if effect == "voltage_delay_half":
         d["cycles"] = float(rng.choice([0.5, 0.5, 1.5]))
     if effect == "saturation":
@@ -132,6 +141,14 @@ def draw_direction(rng, effect, has_i_c):
         d["Hz"] = float(rng.choice([100.0, 300.0, 360.0]))
     if effect == "mains_hum":
         d["Hz"] = float(rng.choice([50.0, 60.0]))
+    if effect in ("hum", "common_hum"):
+        d["Hz"] = float(rng.choice([50.0, 60.0]))
+    if effect == "switching_noise":
+        d["tau"], d["coupling"] = float(rng.uniform(0.05, 0.3)), float(rng.choice([0.0, 0.3]))
+    if effect == "turn_short":
+        d["turns"], d["tau"] = float(rng.uniform(0.03, 0.15)), float(rng.uniform(0.2, 0.6))
+    if effect == "encoder_interpolation":
+        d["order"] = int(rng.choice([32, 64, 128, 256, 512]) * rng.integers(1, 3))
     if effect == "flux_order":
         d["order"] = int(rng.choice([1, 2, 4]))
     if effect in ("loose_sensor", "loose_of_two", "sensor_fault"):
@@ -183,7 +200,7 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "inductance":
         model.L_d_H, model.L_q_H = motor.L_d_H * factor(size, d["sign"]), motor.L_q_H * factor(size, d["sign"])
         return [truth("L", "H", 0.5 * (model.L_d_H + model.L_q_H), motor.L_d_H == motor.L_q_H)]
-    # What drifts begins at the file's value; told is what it is at the recording's middle, and its rate.
+    # What drifts begins at the file's value; the truth holds its value at the recording's middle, and its rate.
     if effect == "resistance_drift":
         change = motor.R_ohm * size * d["sign"]
         model.R_ohm, model.R_rate_ohm_s = motor.R_ohm + 0.5 * change, change / motor.span_s
@@ -227,6 +244,11 @@ def apply(model, motor, effect, size, d, has_i_c):
         model.t_dead_s = size * T_s
         model.compensation_V = d["over"] * size * motor.u_dc_V
         model.v_dead_V = size * motor.u_dc_V * (1.0 - d["over"])
+        return [truth("v_dead", "V", model.v_dead_V), truth("i_knee", "A", 0.0, False)]
+    if effect == "dead_time_compensated":
+        model.t_dead_s = size * T_s
+        model.compensation_V = (1.0 - d["left"]) * size * motor.u_dc_V
+        model.v_dead_V = d["left"] * size * motor.u_dc_V
         return [truth("v_dead", "V", model.v_dead_V), truth("i_knee", "A", 0.0, False)]
     if effect == "voltage_gain":
         model.k_u = factor(size, d["sign"])
@@ -302,6 +324,28 @@ def apply(model, motor, effect, size, d, has_i_c):
     if effect == "flux_order":
         model.flux_order, model.flux_share, model.flux_rad = d["order"], size, d["angle"]
         return [truth("share", "1", size, False)]
+    if effect == "turn_short":
+        # The fault's current shows at the terminals by so much of the rated one at top speed.
+        emf_V = motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs * motor.psi_f_Wb
+        fault_ohm = max(2.0 / 3.0 * d["turns"] ** 2 * emf_V / (size * I_pk) - d["turns"] * motor.R_ohm, 0.0)
+        model.short = (d["turns"], fault_ohm, d["tau"] * T_s, d["phase"])
+        return [truth("turns", "1", d["turns"], False)]
+    if effect == "weak_pole":
+        model.weak_pole = size
+        return [truth("share", "1", size, False)]
+    if effect in ("hum", "common_hum"):
+        model.pick_up = {"hum_A": size * I_pk, "hum_Hz": d["Hz"], "hum_channel": None if effect == "common_hum" else d["phase"]}
+        return [truth("amplitude", "A", size * I_pk, False)]
+    if effect == "switching_noise":
+        model.pick_up = {"edge_A": size * I_pk, "edge_s": d["tau"] * T_s, "edge_coupling": d["coupling"]}
+        return [truth("amplitude", "A", size * I_pk, False)]
+    if effect == "crosstalk":
+        model.pick_up = {"crosstalk": size * d["sign"]}
+        return [truth("share", "1", size * d["sign"], False)]
+    if effect == "encoder_interpolation":
+        # Sine and cosine of unlike size or offset: once or twice a line.
+        model.order, model.amplitude_rad, model.phase_rad = d["order"], size, d["angle"]
+        return [truth("amplitude", "rad", size, False)]
     if effect == "iron_loss":
         omega_max = motor.n_max_rpm * np.pi / 30.0 * motor.pole_pairs
         model.R_iron_ohm, model.tau_iron_s = omega_max * motor.psi_f_Wb / (size * I_pk), 0.5 * T_s

@@ -4,21 +4,26 @@ import os
 import re
 import subprocess
 
+import group_score
 import score
 
 DOCS = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "docs")
 
 
-def fill_page(name, text):
-    """Puts a table between <!-- blind: NAME --> and <!-- end --> of docs/blind_tests.md."""
-    path = os.path.join(DOCS, "blind_tests.md")
+PAGE = "blind_tests.md"
+RELEASES = "release-sets.md"
+
+
+def fill_page(name, text, page=PAGE):
+    """Puts a table between <!-- blind: NAME --> and <!-- end --> of a page of docs/."""
+    path = os.path.join(DOCS, page)
     with open(path, encoding="utf-8") as file:
-        page = file.read()
+        before = file.read()
     block = re.compile(rf"(<!-- blind: {name} -->\n).*?(<!-- end -->)", re.DOTALL)
-    if not block.search(page):
+    if not block.search(before):
         raise ValueError(f"{path} has no block <!-- blind: {name} -->")
     with open(path, "w", encoding="utf-8") as file:
-        file.write(block.sub(lambda m: m.group(1) + text + m.group(2), page))
+        file.write(block.sub(lambda m: m.group(1) + text + m.group(2), before))
 
 
 def percent(x):
@@ -46,7 +51,7 @@ def rate_rows(s, asked):
 
 
 def rates_markdown(s, asked):
-    """The rates beside what is asked of them."""
+    """The rates and the requirements."""
     lines = ["| what | of | measured | asked |", "|---|---|---|---|"]
     lines += [f"| {what} | {count} | {percent(value)} | {want} |" for what, count, value, want, _ in rate_rows(s, asked)]
     second, main = s["by_plant"]["second"], s["by_plant"]["main"]
@@ -68,11 +73,35 @@ def release_markdown(number, commit, s, failed):
     return "\n".join(lines) + "\n"
 
 
+OUTCOMES = {"right": "right", "partly": "partly right", "held back": "the right causes are candidates, none is named",
+            "missed": "missed", "false": "a false cause"}
+
+
+def group_markdown(results, commit):
+    """What became of a group's recordings, each rate with its 95 % confidence interval."""
+    s, seeds = group_score.summary(results), [r["seed"] for r in results]
+
+    def rate(what, hits, count):
+        low, high = score.confidence(hits, count) if count else (0.0, 1.0)
+        return f"| {what} | {hits} of {count} | {100.0 * low:.0f} to {100.0 * high:.0f} % |"
+    lines = [f"{len(results)} recordings of `{results[0]['group']}`, seeds {min(seeds)} to {max(seeds)}, commit {commit}:", "",
+             "| what | measured | 95 % confidence |", "|---|---|---|"]
+    lines += [rate(words, s["outcomes"][outcome], len(results)) for outcome, words in OUTCOMES.items() if s["outcomes"][outcome]]
+    inside, values = (sum(pair[k] for pair in s["intervals"].values()) for k in (0, 1))
+    said = [real for low, _, count, _, mean in s["reliability"] if low >= 0.99 for real in [(count, round(count * mean))]]
+    lines += [rate("true values inside their 95 % interval", inside, values)] if values else []
+    lines += [rate("named with a probability of 0.99 or more: the drive has it", sum(hits for _, hits in said),
+                   sum(count for count, _ in said))] if said else []
+    if s["open_loop_share"]["median"] is not None:
+        lines += [f"| open-loop error reduction, share of the oracle's, median | {s['open_loop_share']['median']:.2f} | - |"]
+    return "\n".join(lines) + "\n"
+
+
 def release_block():
-    with open(os.path.join(DOCS, "blind_tests.md"), encoding="utf-8") as file:
+    with open(os.path.join(DOCS, RELEASES), encoding="utf-8") as file:
         found = re.search(r"<!-- blind: releases -->\n(.*?)<!-- end -->", file.read(), re.DOTALL)
     if not found:
-        raise ValueError("docs/blind_tests.md has no block <!-- blind: releases -->")
+        raise ValueError(f"docs/{RELEASES} has no block <!-- blind: releases -->")
     return found.group(1)
 
 
@@ -81,10 +110,10 @@ def is_published(number):
 
 
 def publish(number, commit, s, failed):
-    """Adds a release set below those that stand on the page: none is ever taken away."""
+    """Adds a release set below those on the page: none is ever removed."""
     before = release_block()
     between = "\n" if before.startswith("Release set") else ""
-    fill_page("releases", (before + between if between else "") + release_markdown(number, commit, s, failed))
+    fill_page("releases", (before + between if between else "") + release_markdown(number, commit, s, failed), RELEASES)
 
 
 def markdown(results):

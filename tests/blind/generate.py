@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Writes one blind recording: DIR/rec.csv and DIR/motor.toml (what the user has) and DIR/truth.json (what is hidden).
 
+    /usr/bin/python3 tests/blind/generate.py --seed 7              into build/blind/7; the seed draws the kind, too
     /usr/bin/python3 tests/blind/generate.py --seed 7 --kind single -o DIR
     kinds: clean, single, pair, triple, unknown, or cause ids joined by + (dead_time, resistance+angle_offset)
 
@@ -22,6 +23,9 @@ import motors
 from second_plant import TURN
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+# One of these where nobody asks for a kind.
+KINDS = ("clean", "single", "single", "pair", "triple", "unknown")
 
 
 def decimals(step):
@@ -119,15 +123,17 @@ def make(seed, kind, plant, folder, iqfoc, bench_kind="usual", with_digits=False
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--kind", required=True)
-    parser.add_argument("-o", "--output", required=True, metavar="DIR")
+    parser.add_argument("--kind", help="what is hidden; drawn from the seed if not given")
+    parser.add_argument("-o", "--output", metavar="DIR", help="build/blind/SEED if not given")
     parser.add_argument("--plant", choices=["second", "main"], default="second")
     parser.add_argument("--bench", choices=motors.BENCHES, default="usual")
     parser.add_argument("--digits", action="store_true", help="with last-digit errors in the motor file (digits.py)")
     parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"), help="for --plant main")
     args = parser.parse_args()
+    kind = args.kind or KINDS[int(np.random.default_rng([args.seed, 9]).integers(len(KINDS)))]
+    folder = args.output or os.path.join(ROOT, "build", "blind", str(args.seed))
     try:
-        make(args.seed, args.kind, args.plant, args.output, args.iqfoc, args.bench, args.digits)
+        make(args.seed, kind, args.plant, folder, args.iqfoc, args.bench, args.digits)
     except ValueError as problem:
         parser.error(str(problem))
 

@@ -1,8 +1,8 @@
 """Detection limits: for each cause, the size that is found, and found alone, in 95 % of cases.
 
 For each seed the size is bisected (on a logarithmic scale) between "largest plausible" and 1/300 of it; the limit of
-the cause is the 95th percentile over the seeds of the smallest size found. With --any-size no size is too small for a name
-(`least` of sim_host/data/causes.def at nought): what the recordings allow, instead of what is worth a name.
+the cause is the 95th percentile over the seeds of the smallest size found. With --any-size the reporting threshold
+(`least` of sim_host/data/causes.def) is zero: what the recordings allow.
 """
 
 import json

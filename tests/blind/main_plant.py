@@ -67,9 +67,11 @@ def effect_arguments(case, model):
     sets = {
         "resistance": lambda: {"R": model.R_ohm}, "flux_linkage": lambda: {"psi_f": model.psi_f_Wb},
         "saliency": lambda: {"L_d": model.L_d_H, "L_q": model.L_q_H},
-        "saturation": lambda: {"L_0": model.L_q_H, "I_sat": model.I_sat_A},
+        # "L_0" there is the mean of the two axes.
+        "saturation": lambda: {"L_0": 0.5 * (model.L_d_H + model.L_q_H), "I_sat": model.I_sat_A},
         "dead_time": lambda: {"t_dead": model.t_dead_s, "v_switch": model.V_switch_V, "v_diode": model.V_diode_V},
         "dead_time_over": lambda: {"t_dead": model.t_dead_s, "compensation": model.compensation_V},
+        "dead_time_compensated": lambda: sets["dead_time_over"](),
         "voltage_gain": lambda: {"k_u": model.k_u},
         "current_offset": lambda: dict(zip(("o_a", "o_b", "o_c"), model.o_A)),
         "current_gain": lambda: dict(zip(("g_a", "g_b", "g_c"), model.g)),
@@ -94,6 +96,16 @@ def effect_arguments(case, model):
         "temperature": lambda: {
             "alpha_R": model.alpha_R, "alpha_psi": model.alpha_psi, "heating": model.heating_K,
             "tau": case.motor.span_s / 3.0, "reference": model.heating_K * (1.0 - (1.0 - np.exp(-3.0)) / 3.0)},
+        "turn_short": lambda: dict(zip(("turns", "R", "tau", "phase"), (*model.short[:3], model.short[3] + 1))),
+        "weak_pole": lambda: {"share": model.weak_pole},
+        "hum": lambda: {"amplitude": model.pick_up["hum_A"], "frequency": model.pick_up["hum_Hz"],
+                        "channel": 0 if model.pick_up["hum_channel"] is None else model.pick_up["hum_channel"] + 1},
+        "common_hum": lambda: sets["hum"](),
+        "switching_noise": lambda: {"amplitude": model.pick_up["edge_A"], "tau": model.pick_up["edge_s"],
+                                    "coupling": model.pick_up["edge_coupling"]},
+        "crosstalk": lambda: {"share": model.pick_up["crosstalk"]},
+        "sensor_hysteresis": lambda: {"width": model.hysteresis_A},
+        "encoder_interpolation": lambda: sets["angle_harmonic"](),
         "iron_loss": lambda: {"R_fe": model.R_iron_ohm, "tau_fe": model.tau_iron_s},
         "glitch": lambda: {"probability": model.glitch_rate},
         # Two samples a cycle there, one decision a cycle here; bursts of 1 to 12 cycles.
@@ -106,7 +118,8 @@ def effect_arguments(case, model):
     for name in case.ids:
         # "inductance" there makes both axes equal; a salient motor's two are set one by one.
         settings = sets["saliency" if name == "inductance" else name]()
-        program_id = {"inductance": "saliency", "glitch": "glitch", "loose_of_two": "loose_sensor", "angle_order": "angle_harmonic"}.get(name, effects.cause_of(name))
+        program_id = {"inductance": "saliency", "glitch": "glitch", "loose_of_two": "loose_sensor", "angle_order": "angle_harmonic",
+                      "encoder_interpolation": "angle_harmonic", "common_hum": "hum"}.get(name, effects.cause_of(name))
         out += ["--effect", program_id + ":" + ",".join(f"{k}={v:.12g}" for k, v in settings.items())]
     return out
 
@@ -121,7 +134,7 @@ def for_the_diagnosis(lines, has_mech):
     return [",".join(row[:at] + row[at + 1:]) + "\n" for row in split]
 
 
-# The firmware does not know of a late voltage: beyond one cycle in so many per turn its control loop would not run.
+# The firmware does not know of a voltage delay: beyond one cycle in so many per turn its control loop would not run.
 SFFR_WITH_LATE_VOLTAGE = 45.0
 
 
@@ -129,6 +142,12 @@ def make(seed, kind, folder, iqfoc, sizes=None, bench_kind="usual", with_digits=
     """Writes rec.csv, motor.toml and truth.json of a case simulated by `iqfoc simulate`."""
     case = draw.draw_case(seed, kind, bench_kind, with_digits)
     sizes = draw.draw_sizes(case) if sizes is None else sizes
+    model, parameters, columns = simulate(case, sizes, folder, iqfoc)
+    generate.write_truth(draw.truth_of(case, sizes, model, parameters, columns, "main"), folder)
+
+
+def simulate(case, sizes, folder, iqfoc):
+    """Writes rec.csv and motor.toml; returns the true model, the effects' parameters and the columns."""
     # Here the runs are of one length and follow one another after pauses of ten cycles.
     case.motor.span_s = (case.bench.runs * int(np.mean(case.bench.rows)) + (case.bench.runs - 1) * 9) / case.motor.f_pwm_Hz
     model, parameters = draw.true_model(case.motor, case.ids, sizes, case.directions, case.bench.has_i_c)
@@ -146,9 +165,10 @@ def make(seed, kind, folder, iqfoc, sizes=None, bench_kind="usual", with_digits=
         generate.write_text(scratch, "true.toml", generate.motor_text(case.motor))
         with open(scenario, "w", encoding="utf-8") as file:
             file.write(scenario_text(case, cycles))
-        command = [iqfoc, "simulate", "--motor", os.path.join(scratch, "true.toml"), "--scenario", scenario, "-o", raw, "--seed", str(seed)]
+        command = [iqfoc, "simulate", "--motor", os.path.join(scratch, "true.toml"), "--scenario", scenario, "-o", raw,
+                   "--seed", str(case.seed)]
         command += effect_arguments(case, model)
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=3600)
         if done.returncode != 0:
             raise RuntimeError(f"iqfoc simulate, exit {done.returncode}: {done.stderr.strip()}")
         with open(raw, encoding="utf-8", newline="") as source:
@@ -157,4 +177,4 @@ def make(seed, kind, folder, iqfoc, sizes=None, bench_kind="usual", with_digits=
             file.writelines(lines)
         runs = reading.read_columns(raw, case.motor.pole_pairs)
     columns = {name: np.concatenate([r[name] for r in runs], axis=-1) for name in runs[0]}
-    generate.write_truth(draw.truth_of(case, sizes, model, parameters, columns, "main"), folder)
+    return model, parameters, columns

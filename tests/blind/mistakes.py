@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Mistakes as real logs and real motor files have them, each written into a good recording, and the name it must get.
 
-Beside edited.py, whose errors are large and alone, stand here the ones that have led a diagnosis astray: a real error beside last-digit
-ones, what changes while it is recorded, sensors that are not linear, delays of a part of a cycle, recordings that are short or do not
+The errors of edited.py are large and alone. Those here have led a diagnosis astray: a real error with deviations of the whole motor
+file, what changes while it is recorded, sensors that are not linear, delays of a part of a cycle, recordings that are short or do not
 excite. What would need another drive is written into the voltages: u + dR i is what a drive with dR less would have been given for the
 same currents.
 
@@ -133,7 +133,7 @@ def off(**percent):
 R, PSI = {"resistance": {"R": (0.9, 0.006)}}, {"flux_linkage": {"psi_f": (0.2, 6e-4)}}
 TURNED = math.radians(1.5)
 
-# One real error beside last-digit ones of the rest.
+# One real error, with the rest of the file within its tolerance.
 GAUGE = [
     Row("L 10 % too large, psi_f by 0.03 %", "clean", None, off(L=10, psi=0.03), {"inductance"}),
     Row("L 10 % too small, psi_f by 0.1 %, R by -0.5 %", "clean", None, off(L=-10, psi=0.1, R=-0.5), {"inductance"}),
@@ -147,8 +147,8 @@ GAUGE = [
     Row("angle, psi_f by 0.05 %, L by -0.2 %", "clean", angle(lambda c: c["theta_e_rad"] + TURNED), off(psi=0.05, L=-0.2),
         {"angle_offset"}, {"angle_offset": {"theta_0": (TURNED, 1.5e-3)}}),
     Row("offsets, psi_f by 0.05 %, L by -0.2 %", "clean", offset(0.08, -0.05, -0.03), off(psi=0.05, L=-0.2), {"current_offset"}),
-    Row("last digits alone", "clean", None, off(psi=0.05, L=-0.2, R=0.4), set(), {}, ("clean",)),
-    Row("last digits alone, the other way", "clean", None, off(psi=-0.08, L=0.15, R=-0.5), set(), {}, ("clean",)),
+    Row("file within its tolerance", "clean", None, off(psi=0.05, L=-0.2, R=0.4), set(), {}, ("clean",)),
+    Row("file within its tolerance, the other way", "clean", None, off(psi=-0.08, L=0.15, R=-0.5), set(), {}, ("clean",)),
     Row("dead time, psi_f by 0.05 %, L by 0.2 %", "dead_time", None, off(psi=0.05, L=0.2), {"dead_time"},
         {"dead_time": {"v_dead": (3.39, 0.15)}}),
     Row("gains of the sensors, psi_f by 0.05 %", "sensor_gain", None, off(psi=0.05), {"current_gain"},
@@ -228,7 +228,7 @@ class Mistakes(unittest.TestCase):
                 self.assertIsNone(re.search(row.unsaid, done.stdout), done.stdout)
                 self.assertLessEqual(result["error"]["noise_floor"], 1.1 * result["error"]["nominal"])
 
-    def test_one_error_beside_last_digits(self):
+    def test_one_error_within_the_tolerance_of_the_rest(self):
         self.holds(GAUGE)
 
     def test_what_drifts(self):

@@ -14,14 +14,17 @@ def three_digits(x):
     return float(f"{x:.3g}")
 
 
-def draw_motor(rng, salient):
-    """A motor of 0.4 to 120 kW on a matching inverter, sized in per-unit so that it can be run to its top speed."""
+def draw_motor(rng, salient, cycles_per_turn=(8.0, 120.0)):
+    """A motor of 0.4 to 120 kW on a matching inverter, sized in per-unit so that it can be run to its top speed.
+
+    cycles_per_turn: control cycles per electrical turn at top speed, least and most.
+    """
     power_W = log_uniform(rng, 400.0, 120e3)
     u_dc_V = float(rng.choice([325.0, 565.0, 600.0, 750.0] if power_W > 1500.0 else [48.0, 96.0, 325.0, 565.0]))
     v_base_V = u_dc_V / np.sqrt(3.0)
     I_pk_A = power_W / (1.5 * 0.7 * v_base_V)
     f_pwm_Hz = float(rng.choice([2000, 2500, 4000] if power_W > 40e3 else [4000, 5000, 8000, 10000, 16000]))
-    sffr_min = log_uniform(rng, 8.0, 120.0)
+    sffr_min = log_uniform(rng, *cycles_per_turn)
     pole_pairs = int(rng.choice([1, 2, 3, 3, 4, 4, 5, 7]))
     f_max_Hz = min(f_pwm_Hz / sffr_min, 1200.0)
     omega_max = 2.0 * np.pi * f_max_Hz
@@ -80,7 +83,11 @@ def excitation(rng, cycles, amplitude_A):
     return x + 0.3 * amplitude_A * (np.sin(turn) + 1j * np.cos(0.7 * turn))
 
 
-BENCHES = ["usual", "standstill", "one_point", "discontinuous"]
+# Benches of one run without a search for speeds: at one speed, or from one to another.
+ONE_RUN = ["steady", "ramp"]
+BENCHES = ["usual", "standstill", "one_point", "discontinuous"] + ONE_RUN
+CYCLES_PER_TURN = (5.0, 40.0)  # of a motor in them, at top speed
+ROWS_MOST = 8000  # the second plant takes a minute for them
 DISCONTINUOUS = ["dpwm_min", "dpwm_max", "dpwm_1", "dpwm_0", "dpwm_2", "dpwm_3"]
 
 
@@ -92,7 +99,7 @@ def draw_bench(rng, motor, kind="usual"):
     and logs no duties.
     """
     I_pk = motor.I_rated_A_rms * np.sqrt(2.0)
-    runs = 1 if kind == "one_point" else int(rng.integers(6, 13))
+    runs = 1 if kind in ["one_point"] + ONE_RUN else int(rng.integers(6, 13))
     bench = SimpleNamespace(
         runs=runs, rows=[int(rng.integers(1100, 1500)) * 10 // max(runs, 4) for _ in range(runs)], warm_up=150,
         points=draw_operating_points(rng, motor, runs, kind), excitation=rng.uniform(0.04, 0.12),
@@ -106,6 +113,32 @@ def draw_bench(rng, motor, kind="usual"):
         has_run=bool(rng.random() < 0.8), has_i_c=bool(rng.random() < 0.7), wrap=str(rng.choice(["2pi", "pi", "no"])),
         has_mech=bool(rng.random() < 0.4), comments=bool(rng.random() < 0.5), shuffle=bool(rng.random() < 0.3),
         extra=bool(rng.random() < 0.4), crlf=bool(rng.random() < 0.2))
+    if kind in ONE_RUN:
+        make_one_run(rng, motor, bench, kind)
     if kind == "discontinuous":
         bench.modulator, bench.columns = str(rng.choice(DISCONTINUOUS)), "u"
     return bench
+
+
+def make_one_run(rng, motor, bench, kind):
+    """One run of 0.3 to 2 s as most logs are: references that mostly stand still, at one speed, or on a ramp up or down."""
+    bench.rows = [int(min(rng.uniform(0.3, 2.0) * motor.f_pwm_Hz, ROWS_MOST))]
+    if rng.random() < 0.7:
+        bench.excitation = 0.0
+    omega_max = motor.n_max_rpm * 2.0 * np.pi / 60.0 * motor.pole_pairs
+    I_pk, v_max = motor.I_rated_A_rms * np.sqrt(2.0), 0.84 * motor.u_dc_V / np.sqrt(3.0)
+    least = 2.0 * np.pi * motor.f_pwm_Hz / 50.0 / omega_max  # of top speed: 50 cycles per turn
+    i_d = rng.choice([0.0, 0.0, -0.3, 0.2])
+    i = rng.uniform(0.2, 0.9) * I_pk * (i_d + 1j * np.sqrt(1.0 - i_d ** 2) * rng.choice([-1.0, 1.0, 1.0]))
+    omega = omega_max * rng.uniform(min(max(0.4, least), 1.0), 1.0)
+    while abs(motor.R_ohm * i + 1j * omega * (motor.psi_f_Wb + motor.L_d_H * i.real + 1j * motor.L_q_H * i.imag)) > v_max:
+        omega *= 0.97
+    bench.swing = [rng.uniform(0.0, 0.003)]
+    direction = rng.choice([-1.0, 1.0, 1.0])
+    bench.points = [(float(omega * direction), i if direction > 0.0 else i.real - 1j * i.imag)]
+    if kind == "ramp":
+        low = float(rng.uniform(0.03, 0.2) * omega * direction)
+        high = bench.points[0][0]
+        bench.ramp_rad_s = (low, high) if rng.random() < 0.5 else (high, low)
+        bench.points = [(bench.ramp_rad_s[0], bench.points[0][1])]
+        bench.swing = [1.0 - bench.ramp_rad_s[1] / bench.ramp_rad_s[0]]

@@ -1,7 +1,7 @@
-"""Release sets: 1,000 recordings drawn anew for a release, used once, and never developed on.
+"""Release sets: 1,000 recordings drawn for one release, used once, and never developed on.
 
 Development has all seeds below FIRST_SEED, a release set has its own thousand beyond. What is found there is published with the set's
-number and the commit, as it falls (docs/blind_tests.md); a set that stands there is used up. A smaller set to try the machinery with
+number and the commit, as it falls (docs/release-sets.md); a set on that page is used up. A smaller set to try the machinery with
 (--scale) is drawn from development seeds.
 """
 
@@ -53,7 +53,7 @@ def shuffled(cases, number):
 
 
 def commit():
-    """The commit that the tree stands at, or None where the tree is not as committed."""
+    """The commit of the tree, or None if the tree has changes."""
     def git(*words):
         here = os.path.dirname(os.path.abspath(__file__))
         return subprocess.run(["git", *words], cwd=here, capture_output=True, text=True, check=True).stdout.strip()

@@ -1,15 +1,17 @@
 #!/usr/bin/python3
 """The blind tests: draws recordings, has `iqfoc diagnose` look at them, and compares with what was hidden.
 
-    tests/blind/run.py              300 recordings; fails below the thresholds of score.py
+    tests/blind/run.py              320 recordings; fails below the thresholds of score.py
     tests/blind/run.py --digits     the same with last-digit errors in every motor file (digits.py)
     tests/blind/run.py --ci         a fixed set of 52, half of them by the second plant
+    tests/blind/run.py --quick      twelve of them; each must be right
     tests/blind/run.py --release 3  release set 3: 1,000 recordings that nothing was developed on; once only (release.py)
     tests/blind/run.py --release 3 --minutes 30     as much of it as begins within 30 minutes, in an order drawn beforehand
     tests/blind/run.py --kind phase_inductance --count 40    recordings of one kind (generate.py lists them)
-    tests/blind/run.py --skip-check for each cause: told to skip its hypothesis, the diagnosis must fail this test
+    tests/blind/run.py --skip-check for each cause: without its hypothesis, the diagnosis must fail this test
+    tests/blind/run.py --group bench --count 24    recordings that look like a bench (groups.py: bench, bench_half, steady, ramp, outside)
     tests/blind/run.py --limits     the size of each effect that is found in 95 % of cases (limits.py)
-    tests/blind/run.py --limits --any-size     the same with the least size of a name at nought
+    tests/blind/run.py --limits --any-size     the same without the reporting threshold
 
 Recordings are the same on every machine: a seed is all there is. --keep DIR leaves them (and reuses those there).
 Needs Debian's python3-numpy and python3-scipy, and gnuplot for --figure.
@@ -30,6 +32,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed, wait
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 MADE_AHEAD = 20
+QUICK, QUICK_CAUSES = 12, 10
 # One thread per process: numpy's pools would only fight over the two processes' cores.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, HERE)
@@ -38,6 +41,8 @@ try:
     import effects
     import figure
     import generate
+    import group_score
+    import groups
     import release
     import score
 except ImportError as missing:
@@ -72,6 +77,8 @@ def set_of(args):
     if args.release is not None:
         cases = release.cases(args.release, args.scale)
         return release.shuffled(cases, args.release) if args.minutes else cases
+    if args.group:
+        return [case for case in groups.cases(args.group, args.count, args.first) if args.plant in ("both", case[2])]
     wanted = fixed_set(not args.ci, args.first)
     if args.kind:
         first = 50000 if args.first is None else args.first
@@ -84,7 +91,11 @@ def set_of(args):
 
 def prepare(folder, case):
     """Makes the recording unless the folder holds it already."""
-    if not os.path.exists(os.path.join(folder, "truth.json")):
+    if os.path.exists(os.path.join(folder, "truth.json")):
+        pass
+    elif case.kind in groups.GROUPS:
+        groups.make(case.seed, case.kind, case.plant, folder, case.iqfoc)
+    else:
         generate.make(case.seed, case.kind, case.plant, folder, case.iqfoc, "usual", case.digits)
     with open(os.path.join(folder, "truth.json"), encoding="utf-8") as file:
         return json.load(file)
@@ -95,7 +106,7 @@ def diagnose(folder, iqfoc, skip=None, motor="motor.toml", more=()):
     command = [iqfoc, "diagnose", "rec.csv", "--motor", motor, "--json", "-", *more]
     if skip:
         command += ["--skip", skip]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=3600)
     if done.returncode != 0:
         raise RuntimeError(f"exit {done.returncode}: {done.stderr.strip()}")
     return json.loads(done.stdout)
@@ -118,7 +129,8 @@ def folder_of(case, scratch):
 
 def judged(folder, case, truth):
     found, taken = timed(folder, case.iqfoc, case.skip)
-    return {**score.judge(truth, found), **taken}
+    judge = group_score.judge if case.kind in groups.GROUPS else score.judge
+    return {**judge(truth, found), **taken}
 
 
 def one_case(case):
@@ -203,7 +215,7 @@ def skip_check(args):
     passed_anyway = [r["kind"] for r in skipped if r["exact"]]
     for r, without in zip(found, skipped):
         print(f"{r['kind']}: named {'+'.join(r['named']) or 'nothing'}; "
-              f"told to skip it: {'+'.join(without['named']) or 'nothing'} ({without['verdict']})")
+              f"without its hypothesis: {'+'.join(without['named']) or 'nothing'} ({without['verdict']})")
     missed = [r["kind"] for r in found if not r["exact"]]
     if missed:
         print(f"not found even when allowed: {', '.join(missed)}")
@@ -212,28 +224,48 @@ def skip_check(args):
     return 1 if passed_anyway or missed or failures or more else 0
 
 
+def quick(args):
+    """Each cause of a dozen alone, or none: right or failed, one line each."""
+    kinds = effects.CAUSES[:QUICK_CAUSES] + ["clean"] * (QUICK - QUICK_CAUSES)
+    cases = [Case(8000 + n, kind, "second", False, args.keep, args.iqfoc, None) for n, kind in enumerate(kinds)]
+    results, failures = run_cases(cases, args.jobs)
+    wrong = 0
+    for r in results:
+        wrong += not r["exact"]
+        print(f"{'ok   ' if r['exact'] else 'WRONG'} seed {r['seed']}: hidden {'+'.join(r['hidden']) or 'nothing'}, "
+              f"named {'+'.join(r['named']) or 'nothing'} ({r['verdict']})")
+    for case, words in failures:
+        print(f"failed: seed {case.seed} kind {case.kind}: {words}")
+    bad = wrong + len(failures)
+    print(f"{100 * (len(cases) - bad) // len(cases)}% tests passed, {bad} tests failed out of {len(cases)}")
+    return 1 if bad else 0
+
+
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--ci", action="store_true", help="the fixed small set")
+    parser.add_argument("--quick", action="store_true", help="twelve recordings of the second plant; each must be right")
     parser.add_argument("--digits", action="store_true", help="with last-digit errors in every motor file (digits.py)")
     parser.add_argument("--release", type=int, metavar="N", help="release set N, with --digits; once only")
     parser.add_argument("--scale", type=float, default=1.0, help="try --release with this share of it, on development seeds")
     parser.add_argument("--minutes", type=float, help="with --release: begin no recording after so long")
     parser.add_argument("--first", type=int, metavar="SEED", help="another set of the same kind: its first seed")
     parser.add_argument("--kind", help="recordings of this kind only: single, dead_time, resistance+angle_offset, ...")
-    parser.add_argument("--count", type=int, default=40, help="how many of --kind (default 40)")
+    parser.add_argument("--group", choices=groups.GROUPS, help="recordings of this group only")
+    parser.add_argument("--count", type=int, default=40, help="how many of --kind or --group (default 40)")
     parser.add_argument("--skip-check", action="store_true", help="check that skipping a hypothesis fails the test")
     parser.add_argument("--limits", action="store_true", help="detection limits instead of rates")
     parser.add_argument("--any-size", action="store_true", help="for --limits: name what is certain, however small it is")
     parser.add_argument("--seeds", type=int, default=20, help="seeds per cause for --limits")
     parser.add_argument("--causes", default=",".join(effects.CAUSES), help="causes for --limits, by commas")
-    parser.add_argument("--plant", choices=["both", "second", "main"], default="both", help="one plant only")
+    parser.add_argument("--plant", choices=["both", "second", "main", "third"], default="both", help="one plant only")
     parser.add_argument("--skip", help="pass on to the diagnosis: hypotheses to leave out")
     parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="recordings side by side (default: all cores)")
     parser.add_argument("--keep", metavar="DIR", help="leave the recordings here, and reuse those that are")
     parser.add_argument("--json", metavar="F", help="all results as JSON")
-    parser.add_argument("--docs", action="store_true", help="write the results into docs/blind_tests.md and its figure")
+    parser.add_argument("--docs", action="store_true", help="write the results into docs/blind_tests.md and its figure (a group: its table), or a release set into "
+                        "docs/release-sets.md")
     parser.add_argument("--figure", metavar="F.svg", help="the confusion matrix as a figure")
     parser.add_argument("--table", metavar="F.md", help="the confusion matrix as a table")
     args = parser.parse_args()
@@ -267,7 +299,7 @@ def check_release(parser, args):
     if args.keep:
         parser.error("--keep: a release set is not kept")
     if figure.is_published(args.release):
-        parser.error(f"release set {args.release} is used up (docs/blind_tests.md); take the next number")
+        parser.error(f"release set {args.release} is used up (docs/release-sets.md); take the next number")
     if args.commit is None:
         parser.error("the tree is not as committed; a release set is published with its commit")
 
@@ -291,6 +323,28 @@ def write_results(args, results, failures, s):
         figure.write_svg(results, os.path.join(figure.DOCS, "figures", "confusion.svg"))
 
 
+def built_from(iqfoc):
+    """The commit that the program says it was built from."""
+    said = subprocess.run([iqfoc, "version"], capture_output=True, text=True, check=True).stdout
+    return said.split("commit ")[-1].rstrip(")\n")
+
+
+def report_group(args, results, failures):
+    """Prints what became of a group; fails where a recording could not be diagnosed."""
+    for line in group_score.report(results, failures):
+        print(line)
+    if args.json:
+        with open(args.json, "w", encoding="utf-8") as file:
+            json.dump({"summary": group_score.summary(results), "failures": [[list(c[:3]), w] for c, w in failures],
+                       "recordings": results}, file, indent=1)
+    if args.docs and results:
+        figure.fill_page(args.group, figure.group_markdown(results, built_from(args.iqfoc)))
+    problems = group_score.below_asked(results) if len(results) >= group_score.LEAST else []
+    for problem in problems:
+        print(f"below: {problem}")
+    return 1 if failures or not results or problems else 0
+
+
 def main():
     args = arguments()
     if args.skip_check:
@@ -299,10 +353,23 @@ def main():
         import limits
         return limits.run(args)
 
+    if args.quick:
+        return quick(args)
+    if args.ci:
+        # Of each group a few: they must run. How many are right is measured on whole groups.
+        few = [Case(*case, True, args.keep, args.iqfoc, args.skip) for group, n in groups.FEW.items() for case in groups.cases(group, n)]
+        _, broken = run_cases(few, args.jobs)
+        for case, words in broken:
+            print(f"failed: seed {case.seed} group {case.kind} plant {case.plant}: {words}")
+        if broken:
+            return 1
+
     cases = [Case(seed, kind, plant, args.digits, args.keep, args.iqfoc, args.skip) for seed, kind, plant in set_of(args)]
     print(f"{len(cases)} recordings, seeds {cases[0].seed} to {cases[-1].seed}" + (", last-digit errors" if args.digits else ""))
     run_set = run_cases if args.release is None else run_alone
     results, failures = run_set(cases, args.jobs, args.minutes)
+    if args.group:
+        return report_group(args, results, failures)
     s = score.summary(results)
     print_report(results, failures, s)
     write_results(args, results, failures, s)

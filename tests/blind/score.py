@@ -4,7 +4,6 @@ import math
 from fractions import Fraction
 
 import numpy as np
-from scipy.stats import beta
 
 import effects
 
@@ -115,7 +114,9 @@ def times(seconds):
 
 
 def confidence(hits, count):
-    """The exact (Clopper and Pearson) 95 % interval of a rate of which `count` recordings show `hits`."""
+    """The exact (Clopper and Pearson) 95 % interval of a rate: `hits` of `count` recordings."""
+    from scipy.stats import beta  # not needed by the quick set
+
     low = 0.0 if hits == 0 else float(beta.ppf(0.025, hits, count - hits + 1))
     high = 1.0 if hits == count else float(beta.ppf(0.975, hits + 1, count - hits))
     return low, high

@@ -17,13 +17,16 @@ class CurrentSensors:
     """measured = gain * true + offset + noise, quantised; one phase may be loose (reads a part of the truth)."""
 
     def __init__(self, gain, offset_A, noise_A, lsb_A, full_scale_A, loose_phase, loose_rate, loose_factor,
-                 two_sensors, rng, hysteresis_A=0.0):
+                 two_sensors, rng, hysteresis_A=0.0, crosstalk=0.0, hum_A=0.0, hum_Hz=50.0, hum_channel=None, edge_A=0.0, edge_s=1.0,
+                 edge_coupling=0.0):
         self.two_sensors = two_sensors
         self.gain, self.offset_A, self.noise_A = gain, offset_A, noise_A
         self.lsb_A, self.full_scale_A, self.rng = lsb_A, full_scale_A, rng
         self.loose_phase, self.loose_rate, self.loose_factor = loose_phase, loose_rate, loose_factor
         self.loose_left = np.zeros(lsb_A.shape, int)
         self.hysteresis_A, self.held = hysteresis_A, None
+        self.crosstalk, self.hum_A, self.hum_Hz, self.hum_channel = crosstalk, hum_A, hum_Hz, hum_channel
+        self.edge_A, self.edge_s, self.edge_coupling = edge_A, edge_s, edge_coupling
 
     def contact(self):
         """Decides, once per cycle, which lanes' loose contact is open; it stays so for 1 to 12 cycles."""
@@ -36,12 +39,22 @@ class CurrentSensors:
     def drift_to(self, gain, offset_A):
         self.gain, self.offset_A = gain, offset_A
 
-    def read(self, i_abc):
+    def read(self, i_abc, t_s=0.0, edge_age_s=np.inf, edge_sign=1.0):
+        """edge_age_s, edge_sign: since the last switching edge of each leg, and whether it rose (1) or fell (-1)."""
         x = self.gain * i_abc + self.offset_A
         if self.hysteresis_A:
             # A core's play: what is shown follows once the current has turned by more than the width.
             self.held = x if self.held is None else np.clip(self.held, x - self.hysteresis_A, x + self.hysteresis_A)
             x = self.held.copy()
+        if self.crosstalk:
+            x = x + self.crosstalk * np.stack([np.zeros_like(x[0]), x[0], x[1]])
+        if self.edge_A:
+            left = self.edge_A * edge_sign * np.exp(-edge_age_s / self.edge_s) * (1.0 + 0.3 * self.rng.standard_normal(x.shape))
+            x = x + left + self.edge_coupling * (left.sum(axis=0) - left)
+        if self.hum_A:
+            # In one channel, or in all alike.
+            here = np.ones((3, 1)) if self.hum_channel is None else np.arange(3).reshape(3, 1) == self.hum_channel
+            x = x + self.hum_A * np.sin(TURN * self.hum_Hz * t_s) * here
         if np.any(self.loose_rate):
             open_now = (self.loose_left > 0) & (np.arange(3).reshape(3, 1) == self.loose_phase)
             x = np.where(open_now, self.loose_factor * x, x)
@@ -145,7 +158,7 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
     lanes = inverter.T_s.shape[0]
     drive = Drive(machine, inverter, shaft, p.i_ref_dq[0] * np.exp(1j * shaft.theta(np.zeros(lanes))), p.sensor_lag_s)
     sensors = CurrentSensors(p.gain, p.offset_A, p.noise_A, p.lsb_A, p.full_scale_A, p.loose_phase, p.loose_rate,
-                             p.loose_factor, p.two_sensors, rng, p.hysteresis_A)
+                             p.loose_factor, p.two_sensors, rng, p.hysteresis_A, **p.pick_up)
     angle = AngleSensor(shaft, p.pole_pairs, p.encoder_counts, p.theta_0_rad, p.t_delay_s, p.order, p.amplitude_rad,
                         p.phase_rad)
     speed = SpeedColumn(shaft, p.speed_lag_s)
@@ -176,7 +189,9 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         u_dc_true = p.u_dc_V * (slow + ripple)
         u_dc_meas = quantise(p.u_dc_V * slow / p.k_u + p.u_dc_noise_V * rng.standard_normal(lanes), p.u_dc_lsb_V)
         sensors.contact()
-        i_valley = sensors.read(phases_from_vector(drive.seen()))
+        # The last edge before the valley fell with the last cycle's duty, the last before the peak rises with this one's.
+        fell_s = np.where((applied > 0.0) & (applied < 1.0), 0.5 * T * (1.0 - applied), np.inf)
+        i_valley = sensors.read(phases_from_vector(drive.seen()), p.clock_s + t, fell_s, -1.0)
         theta = angle.read(t)
         omega = speed.read(t, T) + p.omega_noise_rad_s * rng.standard_normal(lanes)
         missed = rng.random(lanes) < p.glitch_rate if np.any(p.glitch_rate) else np.zeros(lanes, bool)
@@ -188,7 +203,9 @@ def record(p, machine, inverter, shaft, cycles, warm_up, rng):
         more = p.compensation_V / p.u_dc_V * np.sign(phases_from_vector(drive.current()))
         if p.hum_V:
             more = more + p.hum_V / p.u_dc_V * np.cos(TURN * p.hum_Hz * (p.clock_s + t)) * (np.arange(3).reshape(3, 1) == p.hum_phase)
-        i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied + more, u_dc_true, to_peak + more)))
+        rose_s = np.where((to_peak > 0.0) & (to_peak < 1.0), 0.5 * T * to_peak, np.inf)
+        i_mid = sensors.read(phases_from_vector(drive.advance_cycle(applied + more, u_dc_true, to_peak + more)), p.clock_s + t + 0.5 * T,
+                             rose_s, 1.0)
         if drive.late_valley is not None:
             i_valley = sensors.read(phases_from_vector(drive.late_valley))
         if k >= warm_up:

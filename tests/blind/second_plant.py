@@ -86,7 +86,7 @@ class Machine:
 
     def __init__(self, lanes, R_ohm, L_d_H, L_q_H, psi_f_Wb, psi_5_Wb=0.0, psi_7_Wb=0.0, I_sat_A=np.inf,
                  dR_ohm=(0.0, 0.0, 0.0), R_iron_ohm=np.inf, tau_iron_s=1e-4,
-                 dL_H=(0.0, 0.0, 0.0), psi_11_Wb=0.0, psi_13_Wb=0.0, flux_map=None):
+                 dL_H=(0.0, 0.0, 0.0), psi_11_Wb=0.0, psi_13_Wb=0.0, flux_map=None, weak_pole=0.0, pole_pairs=1, short=None):
         def spread(x):
             return np.broadcast_to(np.asarray(x, float), (lanes,)).copy()
 
@@ -107,6 +107,14 @@ class Machine:
         self.has_iron = bool(np.isfinite(self.R_iron_ohm).any())
         # Takes the place of the inductances, of saturation and of the magnet's fundamental.
         self.flux_map = flux_map
+        # By how much the flux dips over one pole pair.
+        self.weak_pole, self.pole_pairs = weak_pole, pole_pairs
+        # (share of the turns, ohms of the fault, its current's time constant, phase): in place of the iron.
+        self.short = short
+        if short is not None:
+            if self.has_iron:
+                raise ValueError("a short between turns and an iron loss at once")
+            self.has_iron = True
 
     def drift_to(self, R_ohm, psi_f_Wb):
         """R and psi_f from now on. The flux linkage stays: a magnet that weakens is answered by the current."""
@@ -115,6 +123,11 @@ class Machine:
 
     def magnet_flux_dq(self, theta_rad):
         """Flux of the magnet in the rotor frame; the 5th turns backwards at 5, the 7th forwards at 7 times theta, and so on."""
+        if self.weak_pole:
+            # Half a cosine squared where the first pole pair passes.
+            turn = TURN * self.pole_pairs
+            around = np.mod(theta_rad + 0.5 * turn, turn) - 0.5 * turn
+            return self.psi_f_Wb * (1.0 - np.where(np.abs(around) < np.pi, self.weak_pole * np.cos(0.5 * around) ** 2, 0.0))
         if not self.has_harmonics:
             return self.psi_f_Wb
         sixth = np.exp(6j * theta_rad)
@@ -200,8 +213,24 @@ class Machine:
         i = self.current(psi, theta_rad)
         if not self.has_iron:
             return u - self.resistive_drop(i), 0.0
+        if self.short is not None:
+            return self._shorted(i, i_iron, u)
         d_psi = u - self.resistive_drop(i + i_iron)
         return d_psi, (d_psi / self.R_iron_ohm - i_iron) / self.tau_iron_s
+
+    def _shorted(self, i, extra, u):
+        """The same with a share of a phase's turns around a fault: its current i_f adds 2/3 share i_f along the phase's axis.
+
+        The faulted turns see their share of the phase's voltage, R of its current and what changes the flux; the magnetising
+        current alone makes the flux, so that it alone drops R there.
+        """
+        share, fault_ohm, tau_s, phase = self.short
+        axis = AXIS[phase]
+        d_psi = u - self.resistive_drop(i)
+        around = fault_ohm + share * self.R_ohm
+        i_fault = 1.5 / share * (extra * axis.conj()).real
+        drive = share * (self.R_ohm * ((i + extra) * axis.conj()).real + (d_psi * axis.conj()).real)
+        return d_psi, 2.0 / 3.0 * share * axis * (drive / around - i_fault) / tau_s
 
     def inverse_inductance(self, theta_rad):
         """1/L along each phase's axis, shape (3, lanes): how fast a leg's voltage moves its own current."""
@@ -226,6 +255,20 @@ class Shaft:
 
     def omega(self, t_s):
         return self.omega_mean_rad_s + self.swing_rad_s * np.sin(self.rate_rad_s * t_s + self.phase_rad)
+
+
+class RampedShaft:
+    """A speed forced from outside that goes in a straight line: so much at begin_s, so much more each second."""
+
+    def __init__(self, theta_start_rad, omega_rad_s, slope_rad_s2, begin_s):
+        self.theta_start_rad, self.slope_rad_s2 = theta_start_rad, slope_rad_s2
+        self.omega_start_rad_s = omega_rad_s - slope_rad_s2 * begin_s
+
+    def theta(self, t_s):
+        return self.theta_start_rad + self.omega_start_rad_s * t_s + 0.5 * self.slope_rad_s2 * t_s ** 2
+
+    def omega(self, t_s):
+        return self.omega_start_rad_s + self.slope_rad_s2 * t_s
 
 
 class Inverter:
@@ -283,8 +326,8 @@ class Inverter:
 class Drive:
     """Machine and inverter, advanced by whole PWM cycles.
 
-    lag_s: the current is seen through a first-order filter of that time constant; or, below nought, so late, and what a
-    sample at the valley sees is known only after the cycle, in late_valley.
+    lag_s: the current is seen through a first-order filter of that time constant; or, if negative, sampled late by
+    that time. What a late sample at the valley sees is known only after the cycle, in late_valley.
     """
 
     def __init__(self, machine, inverter, shaft, i_start=0.0, lag_s=0.0):
@@ -296,7 +339,7 @@ class Drive:
         self.was_high = False
 
     def seen(self):
-        """What stands before the sensors now; of late samples see late_valley."""
+        """The current at the sensors now; for late samples see late_valley."""
         return self.filtered if self.lag_s > 0.0 else self.current()
 
     def _filter(self, h_s, i_before):

@@ -42,7 +42,7 @@ class Digits(unittest.TestCase):
                 self.assertLess(abs(off - case.file_errors[key]), 5e-5)  # five digits
             self.assertEqual(case.file.L_d_H == case.file.L_q_H, case.motor.L_d_H == case.motor.L_q_H)
 
-    def test_what_is_hidden_has_no_error_beside_it(self):
+    def test_what_is_hidden_has_no_other_error(self):
         for kind, keys in (("resistance", ["R_ohm"]), ("inductance", ["L_d_H", "L_q_H"]), ("flux_linkage", ["psi_f_Wb"]),
                            ("saliency+resistance", ["R_ohm", "L_d_H", "L_q_H"]), ("dead_time", [])):
             errors = draw.draw_case(3, kind, "usual", True).file_errors
@@ -122,7 +122,7 @@ class Releases(unittest.TestCase):
         docs = figure.DOCS
         with tempfile.TemporaryDirectory() as figure.DOCS:
             try:
-                with open(os.path.join(figure.DOCS, "blind_tests.md"), "w", encoding="utf-8") as file:
+                with open(os.path.join(figure.DOCS, figure.RELEASES), "w", encoding="utf-8") as file:
                     file.write("before\n<!-- blind: releases -->\nNone yet.\n<!-- end -->\nafter\n")
                 self.assertFalse(figure.is_published(1))
                 figure.publish(1, "0123456789ab", self.summary(), 0)

@@ -49,7 +49,7 @@ CI = [("ipmsm", "clean"), ("spmsm", "clean"), ("ipmsm", "angle_offset"), ("spmsm
 
 
 def cases(only):
-    """Every recording as third_plant.py is told of it."""
+    """Every recording in the form that third_plant.py takes."""
     every = [{"machine": m, "kind": k, "seed": FIRST_SEED + n} for n, (m, k) in enumerate(SET)]
     if not only:
         return every
@@ -57,7 +57,7 @@ def cases(only):
 
 
 def version():
-    """Of what makes a recording: with any change in it the kept ones are made anew."""
+    """Hash of the code that makes a recording: if it changes, kept recordings are made again."""
     text = b""
     for name in ("third_plant.py", "generate.py"):
         with open(os.path.join(HERE, name), "rb") as file:
@@ -73,7 +73,7 @@ def prepare(case, kept):
             made = os.path.join(scratch, "made")
             one_thread = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1"}
             done = subprocess.run([PYTHON, os.path.join(HERE, "third_plant.py"), made], input=json.dumps(case), text=True,
-                                  capture_output=True, env=one_thread, timeout=600)
+                                  capture_output=True, env=one_thread, timeout=3600)
             if done.returncode != 0:
                 raise RuntimeError(f"third_plant.py: {done.stderr.strip()[-400:]}")
             shutil.rmtree(folder, ignore_errors=True)
@@ -82,7 +82,7 @@ def prepare(case, kept):
 
 
 def write_digits(folder, truth):
-    """The motor file with last-digit errors in what is not hidden, beside the one without."""
+    """A second motor file, with deviations within the tolerance in what is not hidden."""
     with open(os.path.join(folder, "motor.toml"), "rb") as file:
         tables = tomllib.load(file)
     motor = SimpleNamespace(name=tables["name"], **tables["motor"], **tables["inverter"])

@@ -32,7 +32,7 @@ STEP_MOST = 0.25  # of half a carrier period: how long a step of the integration
 class Baldor:
     """Current of a 5.6 kW PM synchronous reluctance machine: Lelli, Hinkkanen and Giulii Capponi, ICEM 2024, fitted to its measured map.
 
-    Self and cross saturation of both axes, and an iron bridge beside the magnet that saturates with both.
+    Self and cross saturation of both axes, and an iron bridge next to the magnet that saturates with both.
     """
 
     def __call__(self, psi):
@@ -55,7 +55,7 @@ class Syrm:
         return in_d * d + 1j * in_q * q
 
 
-# What the motor file says of each where nothing is hidden, and beside it the flux map of those that have one. f_Hz: the top speed.
+# What the motor file says of each where nothing is hidden, and next to it the flux map of those that have one. f_Hz: the top speed.
 MACHINES = {
     "ipmsm": SimpleNamespace(name="IPMSM 2.2 kW", pole_pairs=3, R_ohm=3.6, L_d_H=0.036, L_q_H=0.051, psi_f_Wb=0.545, I_A=4.3, f_Hz=75.0,
                              u_dc_V=540.0, f_pwm_Hz=4000.0, map=None, plane=(-0.5, 0.2)),

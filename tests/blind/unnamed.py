@@ -10,7 +10,7 @@ import sys
 
 import run
 
-# An angle's error of the third order called a flux map, twice; a sensor with hysteresis called a late voltage and sensors' gains;
+# An angle's error of the third order called a flux map, twice; a sensor with hysteresis called a voltage delay and sensors' gains;
 # mains in the voltage called a flux map.
 CASES = [(83007, "angle_order", "main"), (98003, "angle_order", "main"), (96002, "sensor_hysteresis", "second"),
          (96102, "mains_hum", "second")]

@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-MOTOR = "motors/compressor_salient.toml"
+MOTOR = "data/motors/compressor_salient.toml"
 # What the watch calls it, what the diagnosis does, the parameter, and what the drive really has.
 CHANGES = {
     "magnet": ("flux", "flux_linkage", "psi_f", 0.95 * 0.2, 0.05 * 0.2),
@@ -26,7 +26,7 @@ CHANGES = {
 
 
 def value_of(cause, name):
-    """A parameter; of a sensor's gains how far the first stands from the two others."""
+    """A parameter; of a sensor's gains the first less the mean of the two others."""
     values = {parameter["name"]: parameter["value"] for parameter in cause["parameters"]}
     return values[name] if name else values["g_a"] - 0.5 * (values["g_b"] + values["g_c"])
 
@@ -40,7 +40,7 @@ def noted(program, change, seed, folder, target=None):
     if target:
         subprocess.run([program, "record", "--port", folder / "rec.uart", "-o", folder / "rec.csv"], cwd=ROOT, capture_output=True,
                        check=True)
-    return done.stdout.splitlines()[0].partition(": taken for ")[2].partition(",")[0]
+    return done.stdout.splitlines()[0].partition(": named ")[2].partition(",")[0]
 
 
 def trial(program, change, seed, folder, target=None):
@@ -48,7 +48,7 @@ def trial(program, change, seed, folder, target=None):
     group, cause, name, truth, size = CHANGES[change]
     taken = noted(program, change, seed, folder, target)
     if taken != group:
-        return f"taken for {taken}"
+        return f"named {taken}"
     result = folder / "diagnosis.json"
     subprocess.run([program, "diagnose", folder / "rec.csv", "--motor", folder / "motor.toml", "--json", result], cwd=ROOT,
                    capture_output=True, check=True)

@@ -3,7 +3,7 @@
 
 No script fails and nothing is asked of a network; all curves are drawn; zoom, linked cursors and the switches of the two models work; at
 400 px nothing is wider than the page; dark and print have their colours; names of the user's stay text; and a million rows are zoomed
-into without losing a peak.
+into without losing a peak or a gap.
 
     report_page.py PROGRAM
 """
@@ -40,6 +40,7 @@ i_d_A = {{ value = -1, square = {{ amplitude = 1, period_s = 0.013 }} }}
 """ for rpm in (300, -900, 2500))
 MILLION = 1000000
 SPIKE = 654321
+GAP = 345678
 
 # How many points of each canvas have a colour other than the paper's, within a curve's hue.
 PAINTED = """
@@ -56,6 +57,7 @@ return [...document.querySelectorAll("canvas")].map((canvas) => {
 LIGHT = {"blue": (0, 114, 178), "orange": (213, 94, 0), "green": (0, 158, 115), "purple": (170, 68, 153), "faint": (140, 140, 140)}
 DARK = {"blue": (90, 180, 236), "orange": (255, 143, 74), "green": (60, 207, 158), "purple": (224, 138, 210), "faint": (133, 137, 142)}
 SCALES = "return iqfocReport.panels.filter((p) => p.chart.group).map((p) => [p.plot.scales.x.min, p.plot.scales.x.max]);"
+LINKED = "const linked = iqfocReport.panels.filter((p) => p.chart.group);"
 FULL = "return iqfocReport.panels.find((p) => p.chart.group).full;"
 
 
@@ -74,12 +76,15 @@ def packed(kind, numbers):
 
 
 def with_a_million_rows(page, folder):
-    """The page with its first figure's numbers replaced: a slow wave, and one sample that is out."""
+    """The page with the numbers of its plot over time replaced: a slow wave with one sample far off and one row without values."""
     wave = [int(20000 * math.sin(n * 2e-5)) for n in range(MILLION)]
     wave[SPIKE] = 32767
+    wave[GAP] = -32768
     column = f'{{"i2":"{packed("h", wave)}","middle":0,"step":0.001}}'
     columns = ",".join([f'{{"pieces":[[0,0.0001,{MILLION}]]}}', *[column] * 8])
-    text = re.sub(r'"columns":\[.*?\]\}\n</script>', lambda _: f'"columns":[{columns}]}}\n</script>', page.read_text(), count=1, flags=re.DOTALL)
+    before, figure = page.read_text().split('<figure id="waveform"')
+    figure = re.sub(r'"columns":\[.*?\]\}\n</script>', lambda _: f'"columns":[{columns}]}}\n</script>', figure, count=1, flags=re.DOTALL)
+    text = f'{before}<figure id="waveform"{figure}'
     text = re.sub(r'"view":\[[^]]*\],', "", text)
     (folder / "million.html").write_text(text)
     return folder / "million.html"
@@ -116,8 +121,8 @@ class ReportPage(unittest.TestCase):
             time.sleep(0.05)
 
     def first_plot(self):
-        """Where the first chart's plot is in the window, scrolled into it."""
-        return self.browser.run("""const over = document.querySelector(".u-over");
+        """Where the plot of the first of the linked charts is in the window, scrolled into it."""
+        return self.browser.run("""const over = iqfocReport.panels.find((p) => p.chart.group).plot.over;
             over.scrollIntoView({block: "center"});
             const box = over.getBoundingClientRect();
             return {x: box.x, y: box.y, width: box.width, height: box.height};""")
@@ -143,19 +148,20 @@ class ReportPage(unittest.TestCase):
         self.assertAlmostEqual(before[0][0] + 0.25 * size, after[0][0], delta=0.01 * size)
         self.assertAlmostEqual(before[0][0] + 0.5 * size, after[0][1], delta=0.01 * size)
         self.assertEqual([after[0]] * 4, after)
-        self.assertGreater(min(self.browser.run(PAINTED, list(LIGHT.values()))[:4]), 20)
-        self.browser.run("[...document.querySelectorAll('.zoom button')].find((b) => b.textContent === 'all').click()")
+        self.assertGreater(min(self.browser.run(PAINTED, list(LIGHT.values()))), 20)
+        self.browser.run("[...document.querySelectorAll('figure.wide .zoom button')].find((b) => b.textContent === 'all').click()")
         self.assertEqual([self.browser.run(FULL)] * 4, self.browser.run(SCALES))
-        self.browser.run("document.querySelector('.zoom button').click()")
+        self.browser.run("document.querySelector('figure.wide .zoom button').click()")
         self.assertLess(self.browser.run(SCALES)[3][1] - self.browser.run(SCALES)[3][0], 0.5 * self.browser.run(FULL)[1])
 
     def test_cursors_are_linked(self):
         at = self.first_plot()
         self.browser.point(at["x"] + 0.4 * at["width"], at["y"] + 0.5 * at["height"])
-        self.wait_for("return iqfocReport.panels[2].plot.cursor.left > 0", "no cursor in the third chart")
-        lefts = self.browser.run("return iqfocReport.panels.slice(0, 4).map((p) => p.plot.cursor.left)")
+        self.wait_for(f"{LINKED} return linked[2].plot.cursor.left > 0", "no cursor in the third chart")
+        lefts = self.browser.run(f"{LINKED} return linked.map((p) => p.plot.cursor.left)")
+        self.assertEqual(4, len(lefts))
         self.assertLess(max(lefts) - min(lefts), 2)
-        values = self.browser.run("return [...document.querySelectorAll('.u-legend')].slice(0, 4).map((l) => l.textContent)")
+        values = self.browser.run(f"{LINKED} return linked.map((p) => p.box.querySelector('.u-legend').textContent)")
         for text in values:
             self.assertRegex(text, r"\d\.\d")
 
@@ -213,14 +219,16 @@ class ReportPage(unittest.TestCase):
 
     def test_a_million_rows(self):
         self.browser.open(with_a_million_rows(self.page, self.folder))
-        told = self.browser.run("""const p = iqfocReport.panels[0];
+        told = self.browser.run("""const p = iqfocReport.panels.find((q) => q.chart.group);
             const before = performance.now();
             iqfocReport.zoom(p, p.full);
-            return {points: p.plot.data[0].length, most: Math.max(...p.plot.data[1]), took: performance.now() - before};""")
+            return {points: p.plot.data[0].length, most: Math.max(...p.plot.data[1]),
+                    gaps: p.plot.data[0].filter((x, n) => p.plot.data.every((t, k) => k === 0 || t[n] === null)), took: performance.now() - before};""")
         self.assertLess(told["points"], 10000)
         self.assertAlmostEqual(32.767, told["most"], places=6)
+        self.assertEqual([GAP], [round(x / 1e-4) for x in sorted(set(told["gaps"]))])
         self.assertLess(told["took"], 3000)
-        told = self.browser.run(f"""const p = iqfocReport.panels[0];
+        told = self.browser.run(f"""const p = iqfocReport.panels.find((q) => q.chart.group);
             iqfocReport.zoom(p, [{(SPIKE - 20) * 1e-4}, {(SPIKE + 20) * 1e-4}]);
             return {{x: p.plot.data[0], y: p.plot.data[1]}};""")
         self.assertLess(len(told["x"]), 50)

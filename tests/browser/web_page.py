@@ -1,9 +1,10 @@
-"""The page in the browser (./dev web), opened from disk: the same diagnosis as the program's, curves that follow the sliders.
+"""Tests the page for the browser (./dev web), opened from disk: its diagnosis is the program's, its curves follow the sliders.
 
     web_page.py IQFOC PAGE.html [FOLDER for pictures]"""
 
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -15,7 +16,7 @@ import browser
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM, PAGE = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
 PICTURES = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
-RECORDINGS = [path.name[:-len(".csv.gz")] for path in sorted((ROOT / "recordings").glob("*.csv.gz"))]
+RECORDINGS = [path.name[:-len(".csv.gz")] for path in sorted((ROOT / "data" / "recordings").glob("*.csv.gz"))]
 
 
 class Page(unittest.TestCase):
@@ -59,14 +60,14 @@ class Page(unittest.TestCase):
                          name, value)
         end = time.monotonic() + 120
         while self.browser.run("return window.iqfoc.draws") == before:
-            self.assertLess(time.monotonic(), end, "the curves were not drawn anew")
+            self.assertLess(time.monotonic(), end, "the curves were not drawn again")
             time.sleep(0.05)
         self.idle()
         return self.browser.run("return window.iqfoc.last")
 
     def test_the_diagnosis_is_the_programs(self):
         for name in RECORDINGS:
-            files = [ROOT / "recordings" / (name + ending) for ending in (".csv.gz", ".toml")]
+            files = [ROOT / "data" / "recordings" / (name + ending) for ending in (".csv.gz", ".toml")]
             written = self.folder / "diagnosis.json"
             told = subprocess.run([PROGRAM, "diagnose", files[0].name, "--motor", files[1].name, "--json", written],
                                   cwd=files[0].parent, capture_output=True, text=True, check=True)
@@ -80,9 +81,13 @@ class Page(unittest.TestCase):
             self.assertEqual(self.browser.run("return document.getElementById('verdict').textContent"), json.loads(mine)["verdict"])
         self.picture("diagnosis.png")
 
+    def test_the_size_is_the_documented_one(self):
+        stated = float(re.search(r"one file of ([\d.]+) MB", (ROOT / "docs/web.md").read_text(encoding="utf-8"))[1])
+        self.assertAlmostEqual(PAGE.stat().st_size / 1e6, stated, delta=0.03 * stated)
+
     def test_a_file_that_cannot_be_used_is_named(self):
         self.browser.open(PAGE)
-        self.give(ROOT / "recordings/dead_time.csv.gz", ROOT / "scenarios/standstill.toml")
+        self.give(ROOT / "data/recordings/dead_time.csv.gz", ROOT / "data/scenarios/standstill.toml")
         said = self.browser.run("return document.getElementById('state').textContent")
         self.assertTrue(said.startswith("iqfoc: standstill.toml:"), said)
         self.assertFalse(self.browser.run("return window.iqfoc.json"))
@@ -93,7 +98,7 @@ class Page(unittest.TestCase):
         last = self.slide("speed", 8000)
         # The 2019 paper's Table 1 at 8000 rpm and 5 kHz lies between two of the points; the program is asked for one itself.
         point = last["points"][7]
-        motor = (ROOT / "motors/jarzebowicz2019.toml").read_text()
+        motor = (ROOT / "data/motors/jarzebowicz2019.toml").read_text()
         path = self.folder / "at.toml"
         # (The slider's millihenry are multiplied, which rounds once more than the file's text.)
         path.write_text(motor.replace("f_pwm_Hz = 5000", f"f_pwm_Hz = {last['f_pwm_Hz'][7]!r}").replace("5.2e-3", repr(5.2 * 1e-3)))

@@ -1,7 +1,7 @@
 """Bad input gives one clear line, exit status 2, and leaves no file behind: interfaces.md, "The command line".
 
 A row of MOTOR_ROWS, SCENARIO_ROWS or RECORDING_ROWS spoils one good file and is tried with every command that reads it; a row of
-USAGE_ROWS is a call as it stands. Add rows here when a command learns to refuse something else.
+USAGE_ROWS is a whole call. Add rows here when a command learns to refuse something else.
 """
 
 import gzip
@@ -15,18 +15,18 @@ import program
 
 
 def replaced(text, old, new):
-    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times"
+    assert text.count(old) == 1, f"{old!r} occurs {text.count(old)} times"
     return text.replace(old, new)
 
 
 def position(text, fragment):
-    """line:column of a fragment that stands once in a text."""
-    assert text.count(fragment) == 1, f"{fragment!r} stands {text.count(fragment)} times"
+    """line:column of a fragment that occurs once in a text."""
+    assert text.count(fragment) == 1, f"{fragment!r} occurs {text.count(fragment)} times"
     at = text.index(fragment)
     return f"{text.count(chr(10), 0, at) + 1}:{at - (text.rfind(chr(10), 0, at) + 1) + 1}"
 
 
-# (old text, new text, where the complaint points, words of the complaint). Where: a fragment that stands once in the
+# (old text, new text, where the complaint points, words of the complaint). Where: a fragment that occurs once in the
 # new file, or (line, column).
 MOTOR_ROWS = [
     ("L_d_H = 0.008", "L_d_H = -0.008", "-0.008", "L_d_H must be a number > 0, not -0.008"),
@@ -58,12 +58,14 @@ SCENARIO_ROWS = [
     ("current_noise_A = 0.01", "current_noise_A = nan", "nan", "current_noise_A must be"),
     ("feedback = \"midpoint\"", "feedback = \"midpoint\"\nupdates = 2", (4, 11), "updates = 2 needs feedback ="),
     ("feedback = \"midpoint\"", "updates = 3", (3, 11), "updates must be a whole number"),
+    ("feedback = \"midpoint\"", "modulation = \"six_step\"\nangle = \"observed\"", (4, 9), "needs updates = 1"),
+    ("feedback = \"midpoint\"", "angle = \"seen\"", (3, 9), "angle must be \"measured\" or \"observed\""),
 ]
 
 RECORDING_ROWS = [
     ("theta_e_rad,", "", (2, 1), "missing column: theta_e_rad; found t_s,i_a_A"),
     ("u_b_V", "u_x_V", (2, 1), "missing columns: u_a_V, u_b_V, u_c_V (or d_a"),
-    ("i_b_A", "i_a_A", (2, 11), "column i_a_A stands twice"),
+    ("i_b_A", "i_a_A", (2, 11), "column i_a_A is twice in the header"),
     ("1.1,", "1.1A,", "1.1A", "i_a_A \"1.1A\" is not a number"),
     ("1.1,", "nan,", "nan", "i_a_A \"nan\" is not finite"),
     ("1.1,", "inf,", "inf", "i_a_A \"inf\" is not finite"),
@@ -101,6 +103,7 @@ USAGE_ROWS = [
     (["--motor"], "unknown option --motor"),
     (["simulate", "--motr", "motor.toml"], "did you mean --motor?"),
     (["simulate", "--scenario", "scenario.toml", "-o", "out.csv"], "--motor M.toml is missing"),
+    (["record", "--port", "motor.toml", "-o", "out.csv"], "motor.toml: no row received: 0 frames"),
     (["simulate", "--motor", "motor.toml", "-o", "out.csv"], "--scenario S.toml is missing"),
     (["simulate", "--motor"], "--motor needs a value"),
     (["simulate", "--motor", "motor.toml", "--scenario", "scenario.toml", "-o", "out.csv", "more"], "\"more\""),
@@ -118,8 +121,8 @@ USAGE_ROWS = [
     (["sweep", "--motor", "motor.toml", "--json", "out.json"], "--rpm N[,N...] is missing"),
     (["sweep", "--motor", "motor.toml", "--rpm", "1e99", "--json", "out.json"], "--rpm must be"),
     (["sweep", "--motor", "motor.toml", "--rpm", "500", "--current-rms", "-1", "--json", "out.json"], "--current-rms"),
-    (["sweep", "--motor", "motor.toml", "--rpm", "500", "--map", "--json", "out.json"], "--map takes no --rpm"),
-    (["sweep", "--motor", "motor.toml", "--induction", "--json", "out.json"], "--induction brings its own machine"),
+    (["sweep", "--motor", "motor.toml", "--rpm", "500", "--map", "--json", "out.json"], "--map and --rpm exclude each other"),
+    (["sweep", "--motor", "motor.toml", "--induction", "--json", "out.json"], "--induction has its own machine"),
     (["sweep", "--motor", "motor.toml", "--rpm", "500", "--json", "."], "is a directory"),
     (["reproduce", "--paper", "2017"], "--paper"),
     (["reproduce", "--paper"], "--paper needs a value"),
@@ -134,8 +137,7 @@ USAGE_ROWS = [
     (["loops", "--motor", "motor.toml", "--extended", "none.toml"], "none.toml: cannot be read"),
     (["diagnose", "recording.csv"], "--motor"),
     (["diagnose", "--motor", "motor.toml"], "iqfoc: diagnose: "),
-    (["diagnose", "recording.csv", "other.csv", "--motor", "motor.toml"], "one recording at a time; \"other.csv\" is a second one"),
-    (["diagnose", "recording.csv", "other.csv", "--motor", "motor.toml", "-o", "out"], "one recording at a time"),
+    (["diagnose", "recording.csv", "other.csv", "--motor", "motor.toml", "-o", "out"], "one recording; \"other.csv\" is a second one"),
     (["diagnose", "recording.csv", "--motor", "motor.toml", "-o", ""], "an output directory needs a name"),
     (["diagnose", "recording.csv", "--motor", "motor.toml", "-o", "motor.toml"], "motor.toml: is not a directory"),
 ]
@@ -145,7 +147,7 @@ class BadInput(unittest.TestCase):
     commands = program.commands_there()
 
     def refused(self, arguments, changed, start, words):
-        """Runs once into an empty place and once over files that stand there already."""
+        """Runs once into an empty place and once over files that exist already."""
         for precious in (False, True):
             with tempfile.TemporaryDirectory() as name:
                 folder = pathlib.Path(name)
@@ -205,7 +207,7 @@ class BadInput(unittest.TestCase):
         def two_runs():
             return b"".join(row % (run, k) for run in (1, 2) for k in range(100)) * 2000
 
-        # Pieces of a file, or how many noughts it holds; the words of the complaint.
+        # Pieces of a file, or how many zero bytes it holds; the words of the complaint.
         large = {"a line of 1 GB": (1 << 30, b"recording.csv:1: the line is longer"),
                  "10,000,000 columns": (lambda: (b"a," * 10_000 for _ in range(1000)), b"recording.csv:1: the line is longer"),
                  "5,000 columns": (lambda: [b"a," * 5_000], b"recording.csv:1:2049: more than 1024 columns"),
@@ -221,12 +223,12 @@ class BadInput(unittest.TestCase):
                 with open(folder / "recording.csv", "wb") as file:
                     file.writelines([] if isinstance(content, int) else content())
                     file.truncate(content if isinstance(content, int) else None)
-                with open(folder / "told", "wb") as told:
+                with open(folder / "messages", "wb") as messages:
                     child = subprocess.Popen([program.PROGRAM, "diagnose", "recording.csv", "--motor", "motor.toml"], cwd=folder,
-                                             stdout=subprocess.DEVNULL, stderr=told)
+                                             stdout=subprocess.DEVNULL, stderr=messages)
                     _, status, used = os.wait4(child.pid, 0)
                     child.returncode = os.waitstatus_to_exitcode(status)
-                error = (folder / "told").read_bytes()
+                error = (folder / "messages").read_bytes()
                 self.assertEqual(2, child.returncode, error)
                 self.assertIn(words, error)
                 self.assertEqual(1, error.count(b"\n"), error)
@@ -240,6 +242,14 @@ class BadInput(unittest.TestCase):
             with self.subTest(arguments=arguments):
                 self.refused(arguments, {}, "", words)
 
+    def test_a_motor_whose_current_follows_at_once(self):
+        """Its time constant is a nanosecond: solved step by step a plan would not end."""
+        motor = replaced(program.MOTOR, "L_d_H = 0.008", "L_d_H = 1e-9")
+        for command in (["plan", "--motor", "motor.toml", "--seconds", "2", "-o", "plan.toml"],
+                        ["simulate", "--motor", "motor.toml", "--scenario", "scenario.toml", "-o", "out.csv"]):
+            with self.subTest(command=command):
+                self.refused(command, {"motor.toml": motor}, "", "drive: L is 1e-09 H, expected at least 2.25e-07 H")
+
     def test_a_motor_that_does_not_fit_the_number_format(self):
         """R of 1 Gohm at 10 A and 565 V is far beyond what IQ24 holds per unit: refused by name, not clipped."""
         text = replaced(program.MOTOR, "R_ohm = 0.9", "R_ohm = 1e9")
@@ -248,6 +258,16 @@ class BadInput(unittest.TestCase):
                 with self.subTest(command=command):
                     self.refused([command, *program.CALLS[command]["arguments"]], {"motor.toml": text},
                                  "motor.toml:" + position(text, "1e9") + ":", "R_ohm")
+
+    def test_a_corrected_mean_that_would_trip(self):
+        """Below an SFFR of some 7.5 no bandwidth is stable; above, the message has the highest that is."""
+        scenario = replaced(program.SCENARIO, "feedback = \"midpoint\"", "feedback = \"corrected_mean\"")
+        scenario = replaced(scenario, "speed_rpm = 1000", "speed_rpm = -6000")
+        arguments = ["simulate", *program.CALLS["simulate"]["arguments"]]
+        files = {"motor.toml": replaced(program.MOTOR, "f_pwm_Hz = 4000", "f_pwm_Hz = 1500"), "scenario.toml": scenario}
+        self.refused(arguments, files, "", "at 6000 rpm (SFFR 5) with any bandwidth")
+        files = {"scenario.toml": replaced(scenario, "corrected_mean\"", "corrected_mean\"\nbandwidth_Hz = 500")}
+        self.refused(arguments, files, "", "expected bandwidth_Hz of at most ")
 
 
 if __name__ == "__main__":

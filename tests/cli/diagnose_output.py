@@ -48,7 +48,7 @@ int main(void)
 
 def diagnose(recording, motor, *more):
     done = subprocess.run([PROGRAM, "diagnose", recording, "--motor", motor, *map(str, more)], cwd=ROOT, capture_output=True,
-                          timeout=120, check=False, text=True)
+                          timeout=3600, check=False, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -90,10 +90,10 @@ def check_header(folder, result):
 
 def check_page(folder, result):
     page = (folder / "report.html").read_text()
-    assert sorted(file.name for file in folder.glob("*.svg")) == [], "the page needs no pictures beside it"
+    assert sorted(file.name for file in folder.glob("*.svg")) == [], "the page needs no other pictures"
     assert page.count('class="charts') >= 8, page.count('class="charts')
     ids = re.findall(r'<figure id="([^"]+)"', page)
-    assert len(set(ids)) == page.count("<figure"), "a figure's id stands twice"
+    assert len(set(ids)) == page.count("<figure"), "a figure's id occurs twice"
     assert not re.search(r"(src|href)=", page[:page.index("<body>")]) and "<img" not in page, "the page needs another file"
     assert not re.search(r">-?nan<", page), "a cell that is no number"
     for data in re.findall(r'<script type="application/json">(.*?)</script>', page, re.DOTALL):
@@ -107,6 +107,23 @@ def check_page(folder, result):
     assert f"<td class=\"n\">{result['causes'][0]['probability']:.3g}</td>" in page if result["causes"] else True
     for row in re.findall(r'^CAUSE\(\w+, "(\w+)"', (ROOT / "sim_host/data/causes.def").read_text(), re.MULTILINE):
         assert f"<dt>{row}</dt>" in page, f"{row} is not in the glossary"
+
+
+def keys_of(value):
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return set(value if isinstance(value, dict) else ()).union(*map(keys_of, inner))
+
+
+def check_reference(result):
+    """The page has every key of the JSON, every cause and every option."""
+    page = (ROOT / "docs/diagnosis_reference.md").read_text()
+    code = "\n".join(re.findall(r"```json.*?```|`[^`\n]+`", page, re.DOTALL))
+    helped = subprocess.run([PROGRAM, "diagnose", "--help"], capture_output=True, check=True, text=True).stdout
+    options = set(re.findall(r"--[a-z-]+", helped)) - {"--help"}
+    causes = set(re.findall(r'^CAUSE\(\w+, "(\w+)"', (ROOT / "sim_host/data/causes.def").read_text(), re.MULTILINE))
+    assert len(options) >= 7 and len(causes) >= 24, (options, causes)
+    missing = {name for name in options | causes | keys_of(result) if not re.search(rf"(?<![\w-]){name}(?![\w-])", code)}
+    assert not missing, f"docs/diagnosis_reference.md does not have {sorted(missing)}"
 
 
 def check_plant(result):
@@ -124,8 +141,8 @@ def check_plant(result):
 def check_fixed_date(folder):
     """The page is the same for the same input but for the date, which SOURCE_DATE_EPOCH sets; and text of the user's stays text."""
     evil = "<img src=x onerror=alert(1)>'\"&.csv"
-    shutil.copy(ROOT / "recordings/clean.csv.gz", folder / evil)
-    motor = (ROOT / "recordings/clean.toml").read_text()
+    shutil.copy(ROOT / "data/recordings/clean.csv.gz", folder / evil)
+    motor = (ROOT / "data/recordings/clean.toml").read_text()
     (folder / "motor.toml").write_text(re.sub(r'^name = .*', "name = '</script><script>alert(2)</script>'", motor, flags=re.MULTILINE))
     pages = []
     for n in range(2):
@@ -141,14 +158,15 @@ def check_fixed_date(folder):
 
 
 def check(name, folder):
-    recording = pathlib.Path("recordings", f"{name}.csv.gz")
-    motor = pathlib.Path("recordings", f"{name}.toml")
+    recording = pathlib.Path("data", "recordings", f"{name}.csv.gz")
+    motor = pathlib.Path("data", "recordings", f"{name}.toml")
     diagnose(recording, motor, "-o", folder)
     result = json.loads((folder / "diagnosis.json").read_text())
     firmware, error = result["firmware"], result["error"]
     # IQ24 has no noise of its own to speak of; its predictor's formula and its plain law of dead time cost a little.
     assert firmware["gain"] > 0.9 * error["gain"], (firmware, error)
     assert firmware["extended"] < 1.1 * error["extended"] + 0.01, (firmware, error)
+    check_reference(result)
     check_plant(result)
     check_header(folder, result)
     check_page(folder, result)

@@ -252,7 +252,7 @@ class Fmu(unittest.TestCase):
         self.assertEqual(*ends)
         fmu.fmu.freeFMUState(state)
 
-    def test_a_reset_starts_anew(self):
+    def test_a_reset_starts_from_the_beginning(self):
         fmu = self.open("a.fmu", "--scenario", "scenario.toml")
         ends = []
         for _ in range(2):
@@ -277,6 +277,21 @@ class Fmu(unittest.TestCase):
         fmu.step()
         fmu.set(i_q_ref_A=1e3, u_dc_V=5e4)
         self.refused(fmu, lambda: [fmu.step() for _ in range(200)], "the firmware stopped the drive")
+
+    def test_a_call_that_would_not_return_is_refused(self):
+        fmu = self.open("e.fmu")
+        endless = (float("inf"), float("nan"), 1e300, 1e9 * CYCLE_S)
+        for start in endless[:2]:
+            self.refused(fmu, lambda at=start: fmu.fmu.enterInitializationMode(startTime=at), "the start time must be a finite number")
+        self.refused(fmu, lambda: fmu.set(settle_cycles=20000000), "settle_cycles must be at most ten million")
+        fmu.begin(i_q_ref_A=3.0)
+        fmu.step()
+        for step in endless:
+            self.refused(fmu, lambda by=step: fmu.fmu.doStep(fmu.time, by), "a step must")
+            self.refused(fmu, lambda at=step: fmu.fmu.doStep(at, CYCLE_S), "a step must")
+        before = fmu.get("i_a_A")
+        fmu.step()
+        self.assertNotEqual(before, fmu.get("i_a_A"))
 
     def test_another_fmus_token_is_refused(self):
         path = self.export("t.fmu")
@@ -306,7 +321,7 @@ class Fmu(unittest.TestCase):
         for arguments, said in (
                 (["--kind", "bus", "-o", "z.fmu"], "--kind expects plant or drive"),
                 (["--scenario", "scenario.toml", "--run", "3", "-o", "z.fmu"], "there is no run 3; the last is 2"),
-                (["--run", "2", "-o", "z.fmu"], "--run needs the --scenario"),
+                (["--run", "2", "-o", "z.fmu"], "--run 2 selects a run of a scenario"),
                 (["--effect", "dead_tim", "-o", "z.fmu"], "dead_tim"),
                 (["-o", "/dev/stdout"], "written out of order")):
             done = program.run(["export-fmu", "--motor", "motor.toml", *arguments], self.folder)

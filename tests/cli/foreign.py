@@ -26,7 +26,7 @@ def whole(rec):
 
 
 def without_common(rec, names):
-    """Columns free of what the three have in common, so that what is turned comes back to the last digits."""
+    """Columns free of what the three have in common, so that what is turned comes back but for rounding."""
     for row, values in enumerate(zip(*(rec[n] for n in names))):
         for n, value in zip(names, values):
             rec[n][row] = value - sum(values) / 3

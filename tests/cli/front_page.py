@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """
-front_page.py IQFOC: every command of docs/index.md does what the page says, in a folder that looks like a fresh clone.
+front_page.py IQFOC: every command of the front page and of the tutorials does what the page says, in a folder like a fresh clone.
 
 A console block's lines that begin with `$ ` are run in a row by the shell; where lines follow them, they are what the last one
 prints. Blocks that the figures fill are compared by tools/figures.py.
@@ -13,6 +13,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGES = ("docs/index.md", "docs/first-drive.md", "docs/own-log.md")
 
 
 def blocks(page):
@@ -23,8 +24,15 @@ def blocks(page):
         yield [line[2:] for line in lines if line.startswith("$ ")], [line for line in lines if not line.startswith("$ ")]
 
 
+def blocks_of(page):
+    found = list(blocks((ROOT / page).read_text(encoding="utf-8")))
+    if not found:
+        sys.exit(f"{page} has lost its commands")
+    return found
+
+
 def main(program):
-    page = (ROOT / "docs/index.md").read_text(encoding="utf-8")
+    found = [block for page in PAGES for block in blocks_of(page)]
     failed = 0
     with tempfile.TemporaryDirectory(prefix="iqfoc-front-") as folder:
         here = pathlib.Path(folder)
@@ -33,9 +41,6 @@ def main(program):
                 (here / entry.name).symlink_to(entry)
         (here / "build/host").mkdir(parents=True)
         (here / "build/host/iqfoc").symlink_to(pathlib.Path(program).resolve())
-        found = list(blocks(page))
-        if len(found) < 2:
-            sys.exit("docs/index.md has lost its commands")
         for commands, expected in found:
             printed = ""
             for command in commands:

@@ -68,8 +68,11 @@ class GoodInput(unittest.TestCase):
         self.simulate("recording.csv")
         self.done(["diagnose", "recording.csv", "--motor", "motor.toml", "--json", "out.json"])
         verdict = json.loads((self.folder / "out.json").read_text())
-        self.assertEqual(2, verdict["schema"])
+        self.assertEqual(3, verdict["schema"])
         self.assertEqual(400, verdict["rows"])
+        status = {"clean": 0, "explained": 10, "partly": 11, "unexplained": 12}[verdict["verdict"]]
+        done = program.run(["diagnose", "recording.csv", "-m=motor.toml", "--exit-verdict"], self.folder)
+        self.assertEqual(status, done.returncode, done.stderr)
 
     def test_sweep(self):
         self.need("sweep")

@@ -80,6 +80,7 @@ class Help(unittest.TestCase):
     def test_version_with_commit(self):
         self.assertRegex(out("-V"), r"^iqfoc \d+\.\d+\.\d+( \(commit [0-9a-f]{10}\+?\))?\n$")
         self.assertEqual(out("-V"), out("--version"))
+        self.assertEqual(out("version"), out("--version"))
 
     def test_man_pages_have_every_option(self):
         for command in commands():
@@ -156,9 +157,9 @@ class Help(unittest.TestCase):
                 (["help", "swep"], "did you mean sweep?"),
                 (["diagnose", "--moter", "m"], "did you mean --motor?"),
                 (["diagnose", "--skip", "ded_time"], "did you mean dead_time?"),
-                (["simulate", "--motor", "recordings/clean.toml", "--scenario", "scenarios/standstill.toml", "-o", "/dev/null",
+                (["simulate", "--motor", "data/recordings/clean.toml", "--scenario", "data/scenarios/standstill.toml", "-o", "/dev/null",
                   "--effect", "dead_tme"], "did you mean dead_time?"),
-                (["simulate", "--motor", "recordings/clean.toml", "--scenario", "scenarios/standstill.toml", "-o", "/dev/null",
+                (["simulate", "--motor", "data/recordings/clean.toml", "--scenario", "data/scenarios/standstill.toml", "-o", "/dev/null",
                   "--effect", "dead_time:td=1"], "expected one of"),
                 (["import", "--preset", "odrve"], "did you mean odrive?"),
                 (["help", "--completion", "csh"], "expected bash, zsh or fish"),
@@ -167,20 +168,21 @@ class Help(unittest.TestCase):
             with self.subTest(arguments=arguments):
                 self.assertIn(meant, refused(*arguments))
 
-    def test_who_waits_at_a_terminal_is_told_what_goes_on(self):
+    def test_progress_is_shown_at_a_terminal(self):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "long.csv")
-            many_times("recordings/dead_time.csv.gz", 15, path)
-            told = on_terminal(["diagnose", str(path), "--motor", "recordings/dead_time.toml"], IQFOC_JOBS="1")
+            many_times("data/recordings/dead_time.csv.gz", 4, path)
+            told = on_terminal(["diagnose", str(path), "--motor", "data/recordings/dead_time.toml"], IQFOC_JOBS="1")
         self.assertRegex(told, r"\rdiagnose: round 1, trying \w")
         # The line is gone before the words come.
         self.assertIn("\r\033[K", told.split("long.csv", maxsplit=1)[0])
         self.assertNotIn("\rdiagnose:", told.split("long.csv", maxsplit=1)[1])
 
     def test_what_takes_seconds_says_how_far_it_is(self):
-        motor = ["--motor", "motors/compressor_salient.toml"]
-        for arguments, line in ((["watch", *motor, "--trials", "0", "--cycles", "3e5"], r"watch: nothing changes: +\d+ % of 300000 cycles"),
-                                (["plan", *motor, "--seconds", "40"], r"plan: +\d+ % of \d+ pieces")):
+        motor = ["--motor", "data/motors/compressor_salient.toml"]
+        for arguments, line in ((["watch", *motor, "--condition", "constant", "--trials", "0", "--cycles", "3e5"],
+                                 r"watch: nothing changes: +\d+ % of 300000 cycles"),
+                                (["plan", *motor, "--seconds", "20"], r"plan: +\d+ % of \d+ pieces")):
             with self.subTest(arguments=arguments):
                 told = on_terminal(arguments)
                 shown, results = told.rsplit("\r\033[K", maxsplit=1)

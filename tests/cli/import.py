@@ -10,7 +10,7 @@ import unittest
 import foreign
 import program
 
-RECORDINGS = program.ROOT / "recordings"
+RECORDINGS = program.ROOT / "data" / "recordings"
 PAIRS = 3
 
 
@@ -133,6 +133,26 @@ frame = 5000
             self.assertEqual(causes(own), causes(other))
             self.assertEqual(causes(own), [name])
 
+    def test_heads_in_german_and_french(self):
+        """Units in brackets; a duty in percent is no count; a column that no quantity takes is listed."""
+        heads = {
+            "Zeit [ms];Strom A [A];Strom B [A];Tastgrad A [%];Tastgrad B [%];Tastgrad C [%];Uzk [V];Rotorwinkel [deg];Drehzahl [U/min];Gang":
+                ("Tastgrad A [%]", "Uzk [V]", "Rotorwinkel [deg]", "Drehzahl [U/min]", "Gang"),
+            "temps [ms];courant A [A];courant B [A];rapport cyclique A [%];rapport cyclique B [%];rapport cyclique C [%];tension bus [V];"
+            "angle rotor [deg];vitesse [tr/min];marche":
+                ("rapport cyclique A [%]", "tension bus [V]", "angle rotor [deg]", "vitesse [tr/min]", "marche"),
+        }
+        for head, (duty, link, angle, speed, unused) in heads.items():
+            self.write("log.csv", head + "\n" + "".join(f"{k};1;2;50;40;60;24;{k};300;3\n" for k in range(4)))
+            text = self.run_ok("import", "log.csv").stdout.decode()
+            for line in (f'd_a = {{ from = "{duty}", unit = "percent" }}', f'u_dc_V = {{ from = "{link}" }}',
+                         f'theta_e_rad = {{ from = "{angle}", unit = "deg", mechanical = true }}',
+                         f'omega_e_rad_s = {{ from = "{speed}", unit = "rpm", mechanical = true }}',
+                         f'# columns that are not used: "{unused}"'):
+                self.assertIn(line + "\n", text)
+            self.assertNotIn("[pwm]", text)
+            self.assertNotIn("missing", text)
+
     def test_the_proposal_is_nearly_the_map(self):
         rec = foreign.without_common(foreign.read_recording(RECORDINGS / "dead_time.csv.gz", 300), foreign.I_ABC)
         self.write("log.csv", self.foreign_log(rec).encode("latin-1"))
@@ -144,7 +164,7 @@ frame = 5000
                      "omega_e_rad_s is not in the log"):
             self.assertIn(line, text)
         self.assertNotIn("missing", text)
-        # It is a map: with the two guesses mended it makes the recording.
+        # It is a map: with the two guesses corrected it makes the recording.
         self.write("map.toml", text.replace("per_turn = 4096", "per_turn = 16384, zero = 100").replace(
             text[text.index("frame = "):text.index("inverted")], "frame = 5000\n"))
         self.run_ok("import", "log.csv", "--map", "map.toml", "--motor", RECORDINGS / "dead_time.toml", "-o", "rec.csv")
@@ -306,7 +326,7 @@ class RoundTrips(Folder):
 
     def test_rounded_stamps_go_onto_the_grid(self):
         columns = self.columns(t_s=[round(t, 3) for t in self.rec["t_s"]])
-        self.refused("stands twice", *self.prepare(columns, PLAIN))
+        self.refused("is there twice", *self.prepare(columns, PLAIN))
         got = self.convert(foreign.table(self.columns(t_s=[round(t, 4) for t in self.rec["t_s"]])),
                            PLAIN + "[timing]\nrate_Hz = 4000\n")
         self.assert_columns(got, self.rec, ("t_s",))
@@ -400,7 +420,7 @@ REFUSED = [
     (LOG.replace("0.2,5", "1e999,5"), MAP, 'theta_e_rad "1e999" is no finite number'),
     (LOG.replace("0.3,5,-2,-3,1.5\n", "0.3,5,"), MAP, "log.txt:4:1: the row has 6 fields, the header has 8; is the file cut off?"),
     (LOG.replace("0.2,5", '"0.2,5'), MAP, "log.txt:3: a quoted field has no end on its line"),
-    (LOG.replace("0.00025", "0"), MAP, "log.txt:3: the time 0 s stands twice"),
+    (LOG.replace("0.00025", "0"), MAP, "log.txt:3: the time 0 s is there twice"),
     (LOG.replace("0.0005,", "0.0001,"), MAP, "log.txt:4: the time 0.0001 s does not rise"),
     ("", MAP, "log.txt: the log is empty"),
     ("t_s,i_a_A\n", MAP, "no rows of numbers"),
@@ -418,6 +438,17 @@ class Refusals(Folder):
         self.convert(LOG, MAP)
         self.convert(LOG.replace("1.5", "1"), DUTIES + "[fixed]\nu_dc_V = 48\n")
         self.convert(LOG, MAP + "[timing]\nrate_Hz = 4000\ndecimation = 1\nshift_cycles = 0.5\n")
+
+    def test_bad_rows_are_left_out_on_request(self):
+        self.write("log.txt", LOG.replace("0.2,5", "x,5") + "".join(f"{k * 0.00025},1,2,0.4,5,-2,-3,1\n" for k in range(3, 9)) + "0.00225\n")
+        self.write("map.toml", MAP)
+        self.refused("log.txt:3:13", *self.CALL)
+        done = self.run_ok(*self.CALL, "--skip-bad")
+        self.assertIn('2 rows left out; the first: log.txt:3:13: theta_e_rad "x"', done.stderr.decode())
+        self.assertEqual(len(foreign.read_recording(self.folder / "rec.csv")["t_s"]), 8)
+        self.write("map.toml", MAP.replace('t_s = "t_s"\n', "") + "[timing]\nrate_Hz = 4000\n")
+        (self.folder / "rec.csv").unlink()
+        self.refused("--skip-bad needs t_s", *self.CALL, "--skip-bad")
 
     def test_each(self):
         for log, text, words in REFUSED:
@@ -437,9 +468,9 @@ class Refusals(Folder):
     def test_usage(self):
         self.write("log.txt", LOG)
         self.write("map.toml", MAP)
-        for words, arguments in (("which log?", ()), ("`iqfoc import LOG > MAP.toml` proposes one", ("log.txt", "-o", "r.csv")),
+        for words, arguments in (("no log is given", ()), ("`iqfoc import LOG > MAP.toml` proposes one", ("log.txt", "-o", "r.csv")),
                                  ("--output REC.csv is missing", ("log.txt", "--map", "map.toml")),
-                                 ("not both", ("log.txt", "--map", "map.toml", "--preset", "vesc")),
+                                 ("exclude each other", ("log.txt", "--map", "map.toml", "--preset", "vesc")),
                                  ('no preset "odrve"; did you mean odrive?', ("log.txt", "--preset", "odrve")),
                                  ("there are vesc, odrive", ("log.txt", "--preset", "none of them")),
                                  ("absent.txt: cannot be read", ("absent.txt",)),

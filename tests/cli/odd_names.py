@@ -34,7 +34,7 @@ class OddNames(unittest.TestCase):
         self.temporary.cleanup()
 
     def run_in(self, folder, *arguments):
-        return subprocess.run([program.PROGRAM, *arguments], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, timeout=120,
+        return subprocess.run([program.PROGRAM, *arguments], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, timeout=3600,
                               check=False)
 
     def test_files_of_such_names(self):
@@ -75,7 +75,7 @@ class OddNames(unittest.TestCase):
         arguments = ["diagnose", "recording.csv", "--motor", "motor.toml", "-o", "out"]
         runs = [subprocess.Popen([program.PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                  stdin=subprocess.DEVNULL) for _ in range(4)]
-        said = [run.communicate(timeout=120)[1] for run in runs]
+        said = [run.communicate(timeout=3600)[1] for run in runs]
         self.assertIn(0, [run.returncode for run in runs], said)
         self.assertTrue(all(run.returncode in (0, 1, 2) for run in runs), said)
         json.loads((self.folder / "out" / "diagnosis.json").read_text())
@@ -100,7 +100,7 @@ class OddNames(unittest.TestCase):
                 self.assertEqual(names, seen())
                 json.loads((self.folder / "out" / "diagnosis.json").read_text())
                 self.assertTrue((self.folder / "out" / "report.html").read_text().rstrip().endswith("</html>"))
-        # What a run that was killed has left beside the folder, the next one does not mind.
+        # Leftovers of a killed run next to the folder do not disturb the next one.
         self.assertEqual(0, self.run_in(self.folder, *arguments).returncode)
 
 
@@ -117,6 +117,8 @@ WRITERS = (
     ["import", "./{}.log", "--map", "{}.map", "-o", "{}.out/rec.csv"],
     ["sweep", "--motor", "{}.toml", "--rpm", "1000", "-o", "{}.out", "--json", "{}.out/x.json"],
     ["diagnose", "./{}.csv", "--motor", "{}.toml", "-o", "{}.out", "--json", "{}.out/x.json"],
+    ["patterns", "--motor", "{}.toml", "-o", "{}.out", "--json", "{}.out/x.json"],
+    ["observe", "./{}.csv", "--motor", "{}.toml", "-o", "{}.out", "--json", "{}.out/x.json"],
     ["tune", "--motor", "{}.toml", "--drives", "1", "-o", "{}.out", "--json", "{}.out/x.json"],
     ["plan", "--motor", "{}.toml", "--seconds", "1.6", "-o", "{}.out/plan.toml", "--json", "{}.out/x.json"],
     ["watch", "--motor", "{}.toml", "--change", "magnet", "-o", "{}.out"],
@@ -208,7 +210,7 @@ class WordsOfStrangers(unittest.TestCase):
         out = place / f"{path}.out"
         out.mkdir()
         done = subprocess.run([program.PROGRAM, *(word.replace("{}", path) for word in call)], cwd=place,
-                              capture_output=True, stdin=subprocess.DEVNULL, timeout=120, check=False, env=environment)
+                              capture_output=True, stdin=subprocess.DEVNULL, timeout=3600, check=False, env=environment)
         self.assertEqual(0, done.returncode, done.stderr)
         self.assertFalse([file for file in place.rglob("ran")])
         self.assertNotIn(b"\x1b[31m", done.stderr)

@@ -1,8 +1,10 @@
 """What the tests of the command line share: the binary, a folder of good input files, and the commands that read them."""
 
 import pathlib
+import struct
 import subprocess
 import sys
+import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else ROOT / "build/host/iqfoc"
@@ -70,11 +72,54 @@ CALLS = {
     },
 }
 
+MAP = "[columns]\n" + "".join(f'{name} = "{name}"\n' for name in (
+    "run", "t_s", "i_a_A", "i_b_A", "i_c_A", "theta_e_rad", "omega_e_rad_s", "u_a_V", "u_b_V", "u_c_V"))
+
+# One small call of every command in a folder of write_small_inputs; what it writes is below out.
+MOTOR_FILE = ["--motor", "motor.toml"]
+SMALL = {
+    "reproduce": ["reproduce", "--paper", "2016", "-o", "out", "--json", "out/x.json"],
+    "simulate": ["simulate", *MOTOR_FILE, "--scenario", "scenario.toml", "-o", "out/rec.csv"],
+    "export-fmu": ["export-fmu", *MOTOR_FILE, "--scenario", "scenario.toml", "-o", "out/drive.fmu"],
+    "record": ["record", "--port", "line.uart", "-o", "out/rec.csv"],
+    "sweep": ["sweep", *MOTOR_FILE, "--rpm", "1000", "-o", "out", "--json", "out/x.json"],
+    "loops": ["loops", *MOTOR_FILE, "--extended", "motor.toml", "--json", "out/x.json"],
+    "import": ["import", "recording.csv", "--map", "map.toml", "-o", "out/rec.csv"],
+    "diagnose": ["diagnose", "recording.csv", *MOTOR_FILE, "-o", "out", "--json", "out/x.json"],
+    "plan": ["plan", *MOTOR_FILE, "--seconds", "1.6", "-o", "out/plan.toml", "--firmware", "out/plan.h", "--json", "out/x.json"],
+    "tune": ["tune", *MOTOR_FILE, "--drives", "1", "-o", "out", "--json", "out/x.json"],
+    "observe": ["observe", "recording.csv", *MOTOR_FILE, "-o", "out", "--json", "out/x.json"],
+    "motor": ["motor", "--pole-pairs", "3", "--resistance", "1", "--inductance", "0.01", "--flux", "0.1", "--current", "6", "--u-dc", "500",
+              "--f-pwm", "4000", "-o", "out/m.toml"],
+    "info": ["info", "recording.csv", *MOTOR_FILE],
+    "plot": ["plot", "recording.csv", *MOTOR_FILE, "-o", "out/page.html"],
+    "patterns": ["patterns", *MOTOR_FILE, "-o", "out", "--json", "out/x.json"],
+    "watch": ["watch", *MOTOR_FILE, "--change", "magnet", "-o", "out"],
+    "golden": ["golden"],
+    "version": ["version"],
+    "help": ["help", "diagnose"],
+}
+
 
 def run(arguments, folder, stdin=None):
     """Runs the program in a folder; a call that hangs is a failure of the test."""
     return subprocess.run([str(PROGRAM), *map(str, arguments)], cwd=folder, input=stdin, capture_output=True,
-                          timeout=120, check=False)
+                          timeout=3600, check=False)
+
+
+def recorder_line():
+    """What the firmware's recorder sends (docs/recorder-format.md): a header, rows, an end."""
+    def frame(kind, sequence, *words):
+        octets = struct.pack(f"<{1 + len(words)}I", 1 | kind << 8 | sequence << 16, *words)
+        octets += struct.pack("<I", zlib.crc32(octets))
+        return b"\xc0" + octets.replace(b"\xdb", b"\xdb\xdd").replace(b"\xc0", b"\xdb\xdc") + b"\xc0"
+
+    columns = (4, 5, 6, 7, 11, 12)
+    channels = [word for column in columns for word in (column, 1 << 30, 54)]
+    stream = frame(1, 0, 7, 1759218604, 43, 1, len(columns), *channels)
+    for cycle in range(300):
+        stream += frame(2, 1 + cycle, 7, 0, 1, cycle, *(cycle * (k + 1) for k in range(len(columns))))
+    return stream + frame(3, 301, 7, 0, 300)
 
 
 def commands_there():
@@ -88,3 +133,13 @@ def write_files(folder, changed=None):
     for name, content in {**FILES, **(changed or {})}.items():
         if content is not None:
             (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def write_small_inputs(folder):
+    """What the calls of SMALL read, and their folder out."""
+    write_files(folder)
+    made = run(["simulate", *MOTOR_FILE, "--scenario", "scenario.toml", "-o", "recording.csv"], folder)
+    assert made.returncode == 0, made.stderr
+    (folder / "map.toml").write_text(MAP)
+    (folder / "line.uart").write_bytes(recorder_line())
+    (folder / "out").mkdir()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What the archives of the static programs hold makes the program anew with another C library, by the line that RELINK.txt says.
+"""What the archives of the static programs hold links the program again with another C library, by the line that RELINK.txt says.
 
-    tests/cli/relink.py build/static-x86-64 ...     run by ./dev test
+    tests/cli/relink.py build/static-x86-64 ...     run by ./dev test --all
 
 The other C library is the machine's, changed: what it calls a file that is not there.
 """
@@ -50,7 +50,7 @@ def main():
     for folder in folders:
         with tempfile.TemporaryDirectory() as name:
             before, after = relinked(folder, pathlib.Path(name))
-            missing = ["diagnose", "none.csv", "--motor", ROOT / "motors/compressor_salient.toml"]
+            missing = ["diagnose", "none.csv", "--motor", ROOT / "data/motors/compressor_salient.toml"]
             assert TEXT.decode() in told([*runner(before), *missing], 2)
             assert CHANGED.decode() in told([*runner(after), *missing], 2)
             assert told([*runner(after), "golden"], 0) == told([*runner(before), "golden"], 0)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The statically linked programs: they are that, have the golden vectors, and diagnose as the machine's own program to the last digit.
 
-    tests/cli/static.py NATIVE STATIC...        run by ./dev test; those for another processor under qemu-user
+    tests/cli/static.py NATIVE STATIC...        run by ./dev test --all; those for another processor under qemu-user
 """
 
 import gzip
@@ -27,7 +27,7 @@ def done(command):
 def diagnosis(command, folder):
     """The JSON, with the recording's packed half read by the program's own zlib."""
     out = folder / "diagnosis.json"
-    done([*command, "diagnose", folder / "short.csv.gz", "--motor", "recordings/sensor_gain.toml", "--json", out])
+    done([*command, "diagnose", folder / "short.csv.gz", "--motor", "data/recordings/sensor_gain.toml", "--json", out])
     return out.read_text()
 
 
@@ -36,7 +36,7 @@ def main():
     assert programs, __doc__
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        with gzip.open(ROOT / "recordings/sensor_gain.csv.gz", "rt") as whole, gzip.open(folder / "short.csv.gz", "wt") as short:
+        with gzip.open(ROOT / "data/recordings/sensor_gain.csv.gz", "rt") as whole, gzip.open(folder / "short.csv.gz", "wt") as short:
             for _, line in zip(range(ROWS), whole):
                 short.write(line)
         expected = diagnosis([native], folder)

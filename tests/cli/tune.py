@@ -107,11 +107,11 @@ class Tune(unittest.TestCase):
         done = program.run(["watch", "--motor", "motor.toml", "--diagnosis", "d.json", "--trials", "1", "--cycles", "1e3"], self.folder)
         self.assertEqual(0, done.returncode, done.stderr.decode())
         program.run(["tune", "--motor", "motor.toml", "--drives", "1", "-o", "untold"], self.folder)
-        self.assertIn("No watch", (self.folder / "untold" / "iqfoc_tuned.h").read_text())
+        self.assertIn("No change detector", (self.folder / "untold" / "iqfoc_tuned.h").read_text())
         (self.folder / "mute.json").write_text('{"verdict": "clean", "causes": []}')
         done = program.run(["watch", "--motor", "motor.toml", "--diagnosis", "mute.json"], self.folder)
         self.assertEqual((2, 1), (done.returncode, len(done.stderr.decode().splitlines())))
-        self.assertIn("noise of the current sensors is not known", done.stderr.decode())
+        self.assertIn("noise of the current sensors is unknown", done.stderr.decode())
 
     def test_a_diagnosis_without_a_covariance_is_named_so(self):
         (self.folder / "d.json").write_text('{"verdict": "clean", "causes": []}')
@@ -122,12 +122,12 @@ class Tune(unittest.TestCase):
     def test_what_cannot_be_had_is_said_with_the_number(self):
         slow = program.MOTOR.replace("f_pwm_Hz = 4000", "f_pwm_Hz = 850")
         (self.folder / "slow.toml").write_text(slow)
-        self.assertIn("needs f_pwm_Hz = 900", self.refused("--motor", "slow.toml"))
-        self.assertRegex(self.refused("--motor", "motor.toml", "--ratio", "4", "--tolerance", "30,60,5"), r"the best has 0\.\d\d")
+        self.assertIn("at least 3 are needed: f_pwm_Hz = 900", self.refused("--motor", "slow.toml"))
+        self.assertRegex(self.refused("--motor", "motor.toml", "--ratio", "4", "--tolerance", "30,60,5"), r"the best is 0\.\d\d")
 
     def test_bad_usage(self):
         self.assertIn("expected pi or deadbeat", self.refused("--motor", "motor.toml", "--method", "fast"))
-        self.assertIn("expected three numbers", self.refused("--motor", "motor.toml", "--tolerance", "30,30"))
+        self.assertIn("needs three numbers, for R, L and psi_f; it has 2", self.refused("--motor", "motor.toml", "--tolerance", "30,30"))
         self.assertIn("motor.toml", self.refused("--motor", "motor.toml", "--diagnosis", "motor.toml"))
 
 

@@ -66,7 +66,7 @@ static void add_duties(iqfoc_duties_t x)
     add(x.scale);
 }
 
-/* A port in a few lines: a drive that stands in the middle of a turn, whatever it is told. */
+/* A port in a few lines: a drive at half a turn that ignores its commands. */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -122,6 +122,7 @@ static void set_up(void)
     config.span_max = IQ24(0.96);
     config.current_limit = IQ24(2.0);
     config.trips = IQFOC_STATUS_OVERCURRENT;
+    config.time_unchecked = true; /* there is no timer here */
     recorder_config.channels[0] = channel;
     recorder_config.channel_count = 1;
     recorder_config.decimation = 1;

@@ -12,15 +12,17 @@ import zipfile
 
 from common import HERE, INCLUDE, PROGRAM, ROOT, SOURCES, WARNINGS, cmake, expect, run, version_of_the_header
 
-# The ecosystems' own tools, in the environment that `./dev` makes of tools/python/packages.txt.
+# The ecosystems' own tools, in the environment that `./dev` makes of packages/python/packages.txt.
 TOOLS = ROOT / ".cache/python/packages/bin"
+# The address that a package's maker gives.
+URL = "https://packages.test/iqfoc"
 INSTALL_PAGE = ROOT / "docs/install.md"
 RECIPE_LINES = 10
 
 
 def tool(name):
     path = TOOLS / name
-    expect(path.exists(), f"no {path}: `./dev test` installs it, or `./dev tools packages` alone")
+    expect(path.exists(), f"no {path}: `./dev test --all` installs it, or `./dev tools packages` alone")
     return path
 
 
@@ -119,7 +121,7 @@ def arduino_rules(library):
     expect(not about["maintainer"].lower().startswith("arduino"), "maintainer")
     expect(about["category"] in {"Display", "Communication", "Signal Input/Output", "Sensors", "Device Control", "Timing",
                                  "Data Storage", "Data Processing", "Other"}, "category")
-    expect(re.fullmatch(r"https?://\S+", about["url"]), "url")
+    expect(about["url"] == URL, "url")
     expect("avr" not in about["architectures"].split(","), "a double of 32 bits is refused by the headers")
     expect(not about["paragraph"].startswith(about["sentence"]), "paragraph: repeats the sentence")
     for header in about["includes"].split(","):
@@ -135,7 +137,7 @@ def arduino_rules(library):
 
 def arduino(folder):
     """Unpacked as the IDE does; src/ is compiled file by file with nothing else on the include path, and each example runs."""
-    run([ROOT / "tools/package.py", "arduino", "-o", folder])
+    run([ROOT / "tools/package.py", "arduino", "--url", URL, "-o", folder])
     with zipfile.ZipFile(folder / f"iqfoc-arduino-{version_of_the_header()}.zip") as packed:
         packed.extractall(folder)
     library = folder / "iqfoc"
@@ -204,7 +206,7 @@ def zephyr(folder):
     common = [f"-DMODULE_CMAKE_DIR={ROOT}/{cmake_folder}", "-DCONFIG_IQFOC=y"]
     cmake(HERE / "zephyr_app", folder / "build", *common)
     run([folder / "build/consumer"])
-    header = HERE.parent / "unit/iq24_narrow_multiply.h"
+    header = HERE.parent / "unit/library/iq24_narrow_multiply.h"
     cmake(HERE / "zephyr_app", folder / "own", *common, f"-DCONFIG_IQFOC_TARGET_HEADER={header}")
     run([folder / "own/consumer"])
     # Left out, nothing of it is there: the consumer asks in vain for its headers.
@@ -219,7 +221,7 @@ def cmsis_pack(folder):
     The pack by packChk's rules: the description's schema, its names, and that each file it lists is in it. Arm's pack manager
     reads it. A program is built from the listed files alone.
     """
-    run([ROOT / "tools/package.py", "cmsis", "-o", folder])
+    run([ROOT / "tools/package.py", "cmsis", "--url", URL, "-o", folder])
     version = version_of_the_header()
     with zipfile.ZipFile(folder / f"iqfoc.iqfoc.{version}.pack") as packed:
         packed.extractall(folder / "pack")
@@ -244,9 +246,16 @@ def cmsis_pack(folder):
     run([folder / "consumer"])
 
 
+def a_package_has_its_makers_address(folder):
+    """No address is invented: without one, or with a malformed one, nothing is packed."""
+    for words in ([], ["--url", "iqfoc"]):
+        run([ROOT / "tools/package.py", *words, "-o", folder / "none"], status=2)
+        expect(not (folder / "none").exists(), "packed without an address")
+
+
 def packages_are_the_same_twice(folder):
     for turn in ("first", "second"):
-        run([ROOT / "tools/package.py", "-o", folder / turn])
+        run([ROOT / "tools/package.py", "--url", URL, "-o", folder / turn])
     for first in (folder / "first").iterdir():
         expect(first.read_bytes() == (folder / "second" / first.name).read_bytes(), f"{first.name} differs")
 
@@ -256,7 +265,7 @@ def a_release_is_the_same_twice(folder):
     python = ROOT / ".cache/python/checks/bin/python"
     expect(python.exists(), f"no {python}: `./dev tools checks` installs it")
     for turn in ("first", "second"):
-        run([python, "-B", ROOT / "tools/release.py", "-o", folder / turn])
+        run([python, "-B", ROOT / "tools/release.py", "--url", URL, "-o", folder / turn])
     names = {file.name for file in (folder / "first").iterdir()}
     version = version_of_the_header()
     expect({"SHA256SUMS", "tag-notes.txt", f"iqfoc-{version}.tar.gz", f"iqfoc-{version}.spdx.json"} <= names, f"{names}")
@@ -272,5 +281,5 @@ def a_release_is_the_same_twice(folder):
     run([folder / "consumer"])
 
 
-CHECKS = [one_version_everywhere, recipes_are_short, platformio, arduino, esp_idf, zephyr, cmsis_pack, packages_are_the_same_twice,
-          a_release_is_the_same_twice]
+CHECKS = [one_version_everywhere, recipes_are_short, platformio, arduino, esp_idf, zephyr, cmsis_pack, a_package_has_its_makers_address,
+          packages_are_the_same_twice, a_release_is_the_same_twice]

@@ -2,7 +2,7 @@
 """
 Uses the library as others do: from projects that know nothing of this tree but include/, src/ and what is installed.
 
-Each check below is one test; the last line counts them in ctest's words. Called by `./dev test`.
+Each check below is one test; the last line counts them in ctest's words. Called by `./dev test --all`.
 """
 import argparse
 import json
@@ -101,7 +101,7 @@ def find_package_refuses_another_version(folder):
 # ---- The template of a board of one's own ----
 
 def template(folder):
-    """Copied out of the tree, against installed libraries: the firmware links, and its checklist is ticked off on the host."""
+    """Copied out of the tree, with installed libraries: the firmware links, all lines of its checklist pass, its size is the documented one."""
     here = folder / "my_drive"
     shutil.copytree(ROOT / "examples/template-stm32f405", here)
     host = installed(folder)
@@ -121,6 +121,9 @@ def template(folder):
         symbols = run(["arm-none-eabi-nm", here / f"firmware{first_run}/first_drive.elf"])
         expect(" T adc_handler" in symbols and "__aeabi_d" not in symbols and "__aeabi_f" not in symbols,
                "no handler, or floating point, in the firmware")
+    text, data, _ = map(int, run(["arm-none-eabi-size", here / "firmware1/first_drive.elf"]).split("\n")[1].split()[:3])
+    stated = float(re.search(r"`first_drive.elf`, ([\d.]+) KiB of flash", (ROOT / "docs/porting.md").read_text(encoding="utf-8"))[1])
+    expect(abs((text + data) / 1024 - stated) <= 0.05 * stated, f"docs/porting.md states {stated} KiB of flash, it is {(text + data) / 1024:.1f}")
 
 
 # ---- pkg-config ----
@@ -146,10 +149,10 @@ def drop_in(folder, cpu, *flags):
     shutil.copytree(ROOT / "src", work / "iqfoc/src")
     shutil.copy(HERE / "dropin/Makefile", work)
     port = ROOT / "port/cortex-m4"
-    program = [ROOT / "bench" / name for name in ("main.c", "beside.c", "inputs.c", "kernels.c", "drives.c", "handler.c")]
+    program = [ROOT / "bench" / name for name in ("main.c", "services.c", "inputs.c", "kernels.c", "drives.c", "handler.c")]
     program.append(ROOT / "port/stm32g4/hal_stm32g4.c")
     harness = [port / "startup.c", port / "console.c", port / "semihost_call.c", ROOT / "port/emulated/semihost.c"]
-    # Both folders have a console.c: the second goes by another name.
+    # Both folders have a console.c: the second gets another name.
     shutil.copy(ROOT / "port/emulated/console.c", work / "console_emulated.c")
     harness.append(work / "console_emulated.c")
     more = f"-I{ROOT}/bench -I{ROOT}/port/stm32g4 -I{port} -I{ROOT}/port/emulated " + " ".join(flags)

@@ -1,4 +1,4 @@
-/* What the fuzzers share (fuzz.h). */
+/* Common parts of the fuzzers (fuzz.h). */
 #include "fuzz.h"
 
 #include <stdlib.h>
@@ -77,7 +77,7 @@ static bool has_word(const char *text, const char *word)
 
 void fuzz_expect_numbers(const char *text)
 {
-    fuzz_expect(!has_word(text, "nan") && !has_word(text, "inf"), "neither nan nor inf is told");
+    fuzz_expect(!has_word(text, "nan") && !has_word(text, "inf"), "neither nan nor inf is reported");
 }
 
 uint32_t fuzz_take(fuzz_bytes *b, size_t bytes)

@@ -1,8 +1,8 @@
 /*
- * What the fuzzers share: their input as a file, and what the program promises for any input whatever.
+ * Common parts of the fuzzers: their input as a file, and the program's promises for any input.
  *
- * libFuzzer looks for what the sanitizers see; a promise that is not kept ends the process as well (fuzz_expect), with a line that
- * says which.
+ * libFuzzer looks for the sanitizers' findings. A broken promise ends the process too (fuzz_expect), with a line that
+ * names it.
  */
 #ifndef TESTS_FUZZ_FUZZ_H
 #define TESTS_FUZZ_FUZZ_H
@@ -27,10 +27,10 @@ void fuzz_expect(bool kept, const char *promise);
 /* A refusal is one clear line and says that the input cannot be used. */
 void fuzz_expect_refusal(const error *e);
 
-/* Neither nan nor inf is ever told. */
+/* Neither nan nor inf is ever reported. */
 void fuzz_expect_numbers(const char *text);
 
-/* The next bytes of an input that is read as a list of choices; noughts where it has ended. */
+/* The next bytes of an input that is read as a list of choices; zeros after its end. */
 typedef struct fuzz_bytes {
     const uint8_t *data;
     size_t left;

@@ -1,6 +1,6 @@
 /*
- * Whole diagnoses: a recording of a real run with values of it changed, and a motor file with values of it changed, both within what
- * their readers accept. The diagnosis comes to an end, and tells neither nan nor inf.
+ * Whole diagnoses: a recording of a real run with values of it changed, and a motor file with values of it changed,
+ * both within what their readers accept. The diagnosis ends, and reports neither nan nor inf.
  */
 #include "data/motor.h"
 #include "data/recording.h"
@@ -25,8 +25,8 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     (void)argv;
     error e = {0};
     setenv("IQFOC_JOBS", "1", 1); /* the same threads every time */
-    fuzz_expect(recording_read(FUZZ_ROOT "/recordings/dead_time.csv.gz", &whole, &e) &&
-                    motor_read(FUZZ_ROOT "/recordings/dead_time.toml", &nominal, &e),
+    fuzz_expect(recording_read(FUZZ_ROOT "/data/recordings/dead_time.csv.gz", &whole, &e) &&
+                    motor_read(FUZZ_ROOT "/data/recordings/dead_time.toml", &nominal, &e),
                 "the fuzzer itself: the recording to begin with");
     return 0;
 }

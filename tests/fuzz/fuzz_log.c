@@ -1,4 +1,4 @@
-/* Foreign logs: a map is proposed for any text, and what that map makes of it is a recording or a refusal. */
+/* Foreign logs: a map is proposed for any text, and the text with that map gives a recording or a refusal. */
 #include "fuzz.h"
 #include "import/convert.h"
 #include "import/propose.h"

@@ -1,4 +1,4 @@
-/* Maps of foreign logs: what is accepted, printed and read again prints the same. */
+/* Maps of foreign logs: an accepted map that is printed and read again prints the same. */
 #include "fuzz.h"
 #include "import/map.h"
 

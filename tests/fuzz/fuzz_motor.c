@@ -1,4 +1,4 @@
-/* Motor files: what is accepted is finite and comes back the same when it is written and read. */
+/* Motor files: an accepted file is finite and the same after writing and reading. */
 #include "data/motor.h"
 #include "fuzz.h"
 

@@ -1,4 +1,4 @@
-/* Recordings, plain or gzip: what is accepted is finite and comes back the same when it is written and read. */
+/* Recordings, plain or gzip: an accepted recording is finite and the same after writing and reading. */
 #include "data/recording.h"
 #include "fuzz.h"
 

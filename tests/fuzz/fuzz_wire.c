@@ -1,8 +1,8 @@
 /*
- * The recorder's line: no stream whatever does harm or yields a row that no whole frame held.
+ * The recorder's line: no stream does harm or gives a row that is in no whole frame.
  *
- * A first byte that is odd: octets as they come. Even: a list of frames whose CRC and escapes are made right here, since chance
- * alone would hardly get past a CRC of 32 bits.
+ * A first byte that is odd: octets as they come. Even: a list of frames with correct CRC and escapes, since random
+ * bytes hardly pass a CRC of 32 bits.
  */
 #include "fuzz.h"
 #include "record/wire_reader.h"
@@ -77,6 +77,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
     }
     wire_close(&reader);
-    fuzz_expect(seen.rows <= 8 * reader.counts.frames, "every row stands in a whole frame");
+    fuzz_expect(seen.rows <= 8 * reader.counts.frames, "every row is in a whole frame");
     return 0;
 }

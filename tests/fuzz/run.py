@@ -49,13 +49,13 @@ def head(path, lines):
 def seeds_of(name):
     """What the tree holds of a kind, short."""
     if name in ("recording", "log"):
-        texts = [head(path, 30) for path in sorted((ROOT / "recordings").glob("*.csv.gz"))]
+        texts = [head(path, 30) for path in sorted((ROOT / "data" / "recordings").glob("*.csv.gz"))]
         return texts + ([gzip.compress(texts[0], mtime=0)] if name == "recording" else
                         [texts[0].replace(b",", b";").replace(b".", b","), texts[0].replace(b",", b"\t")])
     if name == "motor":
-        return [path.read_bytes() for folder in ("motors", "recordings") for path in sorted((ROOT / folder).glob("*.toml"))]
+        return [path.read_bytes() for folder in ("motors", "recordings") for path in sorted((ROOT / "data" / folder).glob("*.toml"))]
     if name == "scenario":
-        return [path.read_bytes() for path in sorted((ROOT / "scenarios").glob("*.toml"))]
+        return [path.read_bytes() for path in sorted((ROOT / "data" / "scenarios").glob("*.toml"))]
     if name == "map":
         text = (ROOT / "docs" / "interfaces.md").read_text(encoding="utf-8")
         return [block.encode() for block in re.findall(r"```\w*\n(.*?)```", text, re.S) if "[columns]" in block]

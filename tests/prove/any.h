@@ -1,6 +1,6 @@
 /*
- * Values of which only the range is known: what a function's documented precondition leaves open. Frama-C's EVA takes
- * each for all numbers of it at once.
+ * Values with a known range only: the numbers that a function's documented precondition allows. Frama-C's EVA
+ * computes with all of them at once.
  */
 #ifndef TESTS_PROVE_ANY_H
 #define TESTS_PROVE_ANY_H

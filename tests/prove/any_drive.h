@@ -17,7 +17,7 @@ static inline iqfoc_salient_machine_t any_salient(int32_t k_least_q26)
     return machine;
 }
 
-/* Coefficients within Q26's 32, of which those that a step adds up are within its range: predictor_salient.h. */
+/* Coefficients within Q26's 32; the sums that a step forms of them are within its range: predictor_salient.h. */
 static inline iqfoc_salient_row_t any_salient_row(void)
 {
     const iqfoc_salient_row_t row = {any_within(-(1 << 29), 1 << 29), any_within(-(1 << 29), 1 << 29),

@@ -1,4 +1,4 @@
-/* What stands around the cycle: any inputs, after set-up with any configuration that is not refused. */
+/* Drive services and sensors: any inputs, after set-up with any configuration that is not refused. */
 #include "any.h"
 
 #include "iqfoc/encoder.h"

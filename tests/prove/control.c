@@ -1,4 +1,4 @@
-/* Controllers and modulators beyond the papers', and what gives them their reference. */
+/* Controllers and modulators beyond the papers', and their current reference. */
 #include "any_drive.h"
 
 #include "iqfoc/cycle_six_step.h"
@@ -15,6 +15,8 @@ void prove_reference(void)
                                        any_within(-IQ24(4.0), IQ24(4.0))};
         (void)iqfoc_reference_step(&reference, &config, any_within(-IQ24(8.0), IQ24(8.0)), any_dq(IQ24_MAX),
                                    any_within(0, IQ24(1.5)));
+        iqfoc_reference_link_t link = {any(), any_within(0, IQ24(1.5))};
+        (void)iqfoc_reference_link(&reference, &link, &config, any_dq(IQ24_MAX), any_within(0, IQ24(1.5)));
     }
 }
 
@@ -59,6 +61,7 @@ void prove_tuned_step(void)
     state.drift = any_dq(IQ24(4.0));
     state.offset = any_dq(IQ24_ONE);
     state.aim = any_dq(IQ24(8.0));
+    iqfoc_tuned_ripple(&state, any_dq(IQ24_MAX));
     state.i = any_dq(IQ24(8.0));
     state.i_mid = any_dq(IQ24_MAX);
     state.i_next = any_dq(IQ24(8.0));

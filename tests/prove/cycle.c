@@ -1,7 +1,8 @@
-/* The control cycle as a whole, and what the ports make of it. */
+/* The control cycle as a whole, and its use by the ports. */
 #include "any_drive.h"
 
 #include "iqfoc/cycle_steps.h"
+#include "iqfoc/sensorless.h"
 
 #include "corrected_drive.h"
 #include "first_drive.h"
@@ -41,7 +42,7 @@ static void run(const iqfoc_methods_t methods, const iqfoc_cycle_config_t *set,
 static iqfoc_cycle_config_t any_timed_set(void)
 {
     iqfoc_cycle_config_t set = any_set();
-    set.period_ticks = any_count(0, INT32_MAX);
+    set.period_ticks = any_count(1, INT32_MAX);
     return set;
 }
 
@@ -105,5 +106,42 @@ void prove_cycle_hand_over(void)
         sample.i = any_abc(-IQ24(15.9), IQ24(15.9));
         cycle.u_dq = any_dq(IQ24(8.0));
         iqfoc_cycle_hand_over(&cycle, any(), &sample);
+    }
+}
+
+/* A drive without an angle sensor: any source, stage and sample, |u_now| <= 2; the observer is one of its own proof. */
+void prove_sensorless(void)
+{
+    static const iqfoc_observer_config_t observer =
+        IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 5e-3, 0.12, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.005));
+    const iqfoc_start_config_t start = {
+        any_within(1, IQ24(16.0)), any_count(1, 1U << 24), any_count(1, 1U << 24),
+        any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX), any_count(1, 1U << 24)};
+    const iqfoc_extension_t x = any_extension();
+    const iqfoc_cycle_config_t set = any_timed_set();
+    iqfoc_cycle_t cycle;
+    iqfoc_sensorless_t s;
+    if (iqfoc_cycle_init(&cycle, &set) != IQFOC_OK || iqfoc_extension_check(&x) != IQFOC_OK ||
+        iqfoc_sensorless_init(&s, &observer, &start, any_bool() ? &x : NULL) != IQFOC_OK) {
+        return;
+    }
+    if (any_bool()) {
+        iqfoc_sensorless_start(&s);
+    } else if (any_bool()) {
+        iqfoc_sensorless_catch(&s, any());
+    } else {
+        iqfoc_sensorless_use(&s, any_bool());
+    }
+    while (any_bool()) {
+        iqfoc_sample_t valley = any_sample();
+        iqfoc_sample_t peak = any_sample();
+        cycle.enabled = any_bool();
+        cycle.tripped = any_bool();
+        cycle.u_now = any_ab(IQ24(2.0));
+        cycle.u_dq = any_dq(IQ24(8.0));
+        cycle.i_valley = any_ab(IQ24_MAX);
+        s.start.done = any_count(0, 1U << 24);
+        iqfoc_sensorless_valley(&s, &cycle, &valley);
+        iqfoc_sensorless_peak(&s, &peak);
     }
 }

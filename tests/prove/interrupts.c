@@ -1,4 +1,4 @@
-/* What interrupts call: the bodies of hal.h, with a port that gives any sample whatever. */
+/* Interrupt handlers: the bodies of hal.h, with a port that gives any sample. */
 #include "any_drive.h"
 
 #include "iqfoc/hal.h"

@@ -1,4 +1,4 @@
-/* Predictors beyond the papers', their means, and what controls by them: predictor_exact.h to finite_set.h. */
+/* Predictors beyond the papers', their means, and their controllers: predictor_exact.h to finite_set.h. */
 #include "any_drive.h"
 
 #include "iqfoc/deadbeat_drift.h"
@@ -121,7 +121,7 @@ void prove_flux_predictor(void)
     }
 }
 
-/* Deadbeat control, with and without a learnt drift: any model, any speed; |i| <= 15, |u| <= 1, |i_ref| <= 20. */
+/* Deadbeat control, with and without disturbance observer: any model, any speed; |i| <= 15, |u| <= 1, |i_ref| <= 20. */
 void prove_deadbeat(void)
 {
     const iqfoc_exact_t model = any_model();

@@ -10,7 +10,7 @@ void prove_sums_and_products(void)
     (void)iq24_sub_wrap(any(), any());
     (void)iq24_add_sat(any(), any());
     (void)iq24_sub_sat(any(), any());
-    /* In two parts that together are all numbers: the sum inside goes by which of them it is. */
+    /* In two parts that together are all numbers: the sum inside depends on the part. */
     (void)iq24_neg_sat(IQ24_MIN);
     (void)iq24_neg_sat(any_within(IQ24_MIN + 1, IQ24_MAX));
     (void)iq24_mul_trunc(any(), any());

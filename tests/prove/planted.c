@@ -1,4 +1,4 @@
-/* The proof itself: what is planted here must alarm, each of the three. */
+/* The proof itself: each of the three mistakes planted here must raise an alarm. */
 #include "any.h"
 
 static const int32_t table[6] = {1, 2, 3, 4, 5, 6};

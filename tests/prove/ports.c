@@ -1,5 +1,7 @@
-/* What interrupts call: the bodies of hal.h with a port that gives any sample whatever, and the STM32G474's port with
- * registers that read anything that they can hold. */
+/*
+ * Interrupt handlers: the bodies of hal.h with a port that gives any sample, and the STM32G474's port with registers
+ * that read any possible value.
+ */
 #include "any_drive.h"
 
 #include "first_drive.h"

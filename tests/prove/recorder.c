@@ -1,4 +1,4 @@
-/* The recorder: its writer and its reader, for memories of a few sizes. Its state is any that its own counts leave. */
+/* The recorder: its writer and its reader, for memories of a few sizes. Its state is any that its own counts allow. */
 #include "any.h"
 
 #include "iqfoc/recorder.h"

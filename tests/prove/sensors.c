@@ -1,9 +1,12 @@
-/* Sensors and what watches over the drive. Where a function adds up over many calls, a state is any that its own counts
- * leave possible, and one more call is proved. */
+/*
+ * Sensors and supervision of the drive. For functions that sum over many calls, the state is any that their own
+ * counts allow, and one more call is proved.
+ */
 #include "any_drive.h"
 
 #include "iqfoc/adapt.h"
 #include "iqfoc/halls.h"
+#include "iqfoc/observer.h"
 #include "iqfoc/offset.h"
 #include "iqfoc/supervision.h"
 #include "iqfoc/tracker.h"
@@ -74,6 +77,39 @@ void prove_tracker(void)
     }
 }
 
+/* Observer: any configuration within observer.h, |u| <= 2 and |i| <= 15.9 a component, from any state. */
+void prove_observer(void)
+{
+    const iq24_t l_min = IQ24(0.0625);
+    const iqfoc_observer_config_t config = {{any_within(l_min, IQ24(8.0)), any_within(l_min, IQ24(8.0)),
+                                             any(), any(), any_within(0, IQ24_ONE), any_within(0, IQ24(16.0)),
+                                             any()},
+                                            any_within(0, IQ24(4.0)),
+                                            any_within(IQ24(0.125), IQ24_ONE),
+                                            any_within(1, IQ24_ONE),
+                                            any_within(1, IQ24(0.25)),
+                                            any_within(0, IQFOC_ROTOR_TURNS_MAX),
+                                            any_within(1, IQ24(0.5)),
+                                            any_within(1, IQ24(8.0) - 1),
+                                            any_count(1, UINT32_MAX),
+                                            any_count(0, UINT32_MAX),
+                                            any_count(0, UINT32_MAX)};
+    iqfoc_observer_t o;
+    if (iqfoc_observer_init(&o, &config) == IQFOC_OK) {
+        iqfoc_observer_start(&o, any_ab(IQ24(15.9)), any(), any(), any_bool());
+        o.psi = any_ab(IQ24(32.0));
+        o.theta_q32 = any();
+        o.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        o.count = any_count(0, UINT32_MAX);
+        o.slow = any_count(0, UINT32_MAX);
+        o.locked = any_bool();
+        iqfoc_observer_step(&o, any_ab(IQ24(2.0)), any_ab(IQ24(15.9)), any_ab(IQ24(15.9)));
+        (void)iqfoc_observer_mean(any_ab(IQ24(15.9)), any_ab(IQ24(15.9)), any_ab(IQ24(15.9)));
+        (void)iqfoc_observer_theta(&o, any_within(-8 * IQ24_ONE, 8 * IQ24_ONE));
+        (void)iqfoc_observer_turns(&o);
+    }
+}
+
 /* Supervision: any configuration that is not refused, any currents; sums of at most 2^24 cycles before. */
 void prove_supervision(void)
 {
@@ -101,6 +137,7 @@ static iqfoc_watch_config_t any_watch(void)
     for (int32_t n = 0; n < IQFOC_WATCH_GROUPS; n++) {
         config.size_q16[n] = any_within(0, 2048 * 65536 - 1);
     }
+    config.mechanical = any_within(0, IQ24_ONE);
     config.noise_least = any_within(IQ24_ONE / 256, IQ24(0.04));
     config.flux_d_q16 = any_within(65536 / 8, 2 * 65536);
     config.flux_q_q16 = any_within(65536 / 8, 2 * 65536);
@@ -134,6 +171,9 @@ void prove_watch_block(void)
         (void)iqfoc_watch_step(&w, any_ab(IQ24_MAX), any_dq(IQ24(8.0)), any_dq(IQ24(16.0)), any_sincos());
     }
     w.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    w.theta = any();
+    w.mechanical = any();
+    w.across_q6 = any();
     w.naming = (int16_t)any_within(0, 1024);
     for (int32_t n = 0; n < IQFOC_WATCH_SIGNATURES; n++) {
         w.up_q16[n] = any_within(0, 16384 << 16);

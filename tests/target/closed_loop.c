@@ -1,6 +1,6 @@
 /*
- * Closed loop with the stand-in drive (closed_loop.h). The board's clock is a variable here: the run depends
- * on no timer and is the same everywhere.
+ * Closed loop with the small emulated drive (closed_loop.h). The board's clock is a variable here: the run depends on
+ * no timer and is the same everywhere.
  */
 #include "closed_loop.h"
 

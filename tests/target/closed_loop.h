@@ -1,6 +1,4 @@
-/*
- * A closed loop of the firmware with the stand-in drive: every command of a run, as one digest.
- */
+/* A closed loop of the firmware with the small emulated drive (small_drive.h): one digest of all commands of a run. */
 #ifndef TESTS_TARGET_CLOSED_LOOP_H
 #define TESTS_TARGET_CLOSED_LOOP_H
 

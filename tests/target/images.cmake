@@ -15,6 +15,15 @@ target_link_libraries(emulated_drive PUBLIC iqfoc port)
 iqfoc_add_image(test_interrupts test_interrupts.c)
 target_link_libraries(test_interrupts PRIVATE emulated_drive unity)
 
+# A clear interrupted at each of its instructions, as three optimisations write them.
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL arm)
+    foreach(level O0 Os O2)
+        iqfoc_add_image(test_clear_${level} test_clear_boundaries.c ${PROJECT_SOURCE_DIR}/src/cycle.c)
+        target_compile_options(test_clear_${level} PRIVATE -${level})
+        target_link_libraries(test_clear_${level} PRIVATE unity)
+    endforeach()
+endif()
+
 # The run has a clock of its own in place of the board's.
 add_subdirectory(golden)
 iqfoc_add_image(same_bits same_bits.c closed_loop.c ${EMULATED}/hal_emulated.c ${EMULATED}/small_drive.c)
@@ -24,7 +33,7 @@ target_compile_definitions(same_bits PRIVATE IQFOC_ON_TARGET)
 # The library's own unit tests. Sweeps are thinned: double precision is emulated twice here. Fewer draws than these, and a
 # test no longer sees errors as large as its two-sided bounds want.
 function(add_unit_image name stride)
-    iqfoc_add_image(unit_${name} ../unit/test_${name}.c ${IQFOC_TARGET_SYSCALLS})
+    iqfoc_add_image(unit_${name} ../unit/library/test_${name}.c ${IQFOC_TARGET_SYSCALLS})
     target_compile_definitions(unit_${name} PRIVATE IQFOC_TEST_STRIDE=${stride})
     target_link_libraries(unit_${name} PRIVATE unity m)
 endfunction()

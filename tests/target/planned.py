@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """
-A planned recording by the firmware: the header of `iqfoc plan` in examples/planned_recording is what the program writes, and the image
-that follows it on an emulated Cortex-M4 records what `iqfoc simulate` does of the scenario beside it, byte for byte.
+Test of a planned recording by the firmware. The header in examples/planned_recording is the one that `iqfoc plan` writes. The image that
+follows it on an emulated Cortex-M4 makes the same recording as `iqfoc simulate` with the scenario next to it, byte for byte.
 
 Called by tests/target/run.sh.
 """
@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-MOTOR = ROOT / "motors" / "jarzebowicz2019.toml"
+MOTOR = ROOT / "data" / "motors" / "jarzebowicz2019.toml"
 HEADER = ROOT / "examples" / "planned_recording" / "iqfoc_plan.h"
 SECONDS = "1.5"
 

@@ -21,8 +21,8 @@ import time
 import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-MOTOR = ROOT / "motors" / "jarzebowicz2019.toml"
-SCENARIO = ROOT / "scenarios" / "identification.toml"
+MOTOR = ROOT / "data" / "motors" / "jarzebowicz2019.toml"
+SCENARIO = ROOT / "data" / "scenarios" / "identification.toml"
 # What the drive has and its file does not say, and the cause that the diagnosis is to name.
 HIDDEN = {"cortex-m4": ("dead_time:t_dead=1e-6,v_switch=1.5,v_diode=1.2", "dead_time"),
           "rv32": ("inductance:L=4.4e-3", "inductance")}
@@ -38,7 +38,7 @@ def check(good, what):
 
 
 def run(*command):
-    return subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=300, check=False)
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=3600, check=False)
 
 
 def rows_of(path):
@@ -68,7 +68,7 @@ def record_from(program, folder, name, feed):
     thread = threading.Thread(target=serve, daemon=True)
     thread.start()
     done = run(program, "record", "--port", port, "-o", out, "--seconds", "60")
-    thread.join(timeout=10)
+    thread.join(timeout=3600)
     return done, rows_of(out) if out.exists() else []
 
 
@@ -151,7 +151,7 @@ def refused(program, folder):
     words = b"\x02\x03\x00\x00" + bytes(12)
     future.write_bytes(b"\xc0" + words + zlib.crc32(words).to_bytes(4, "little") + b"\xc0")
     for arguments, words in ((("--port", folder / "missing"), "cannot be opened"), (("--port", folder), "is a directory"),
-                             (("--port", text), "no row came"), (("--port", future), "version 2"),
+                             (("--port", text), "no row received"), (("--port", future), "version 2"),
                              (("--port", text, "--baud", "x"), "--baud")):
         done = run(program, "record", *arguments, "-o", folder / "refused.csv")
         check(done.returncode == 2 and words in done.stderr and not (folder / "refused.csv").exists(),

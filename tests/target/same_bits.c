@@ -44,9 +44,10 @@ int main(void)
     console_text("\nworst_error ");
     console_unsigned((uint32_t)run.worst_error);
     console_text("\n");
-    /* The run must have been one: nothing tripped or missed, some voltage shortened, the current where it was
-     * told to be: within 2 % of the rated one (seen: see the test's log; the converters' step alone is 0.2
-     * %). */
+    /*
+     * The run must have been one: nothing tripped or missed, some voltage shortened, the current at its reference:
+     * within 2 % of the rated one (seen: see the test's log; the converters' step alone is 0.2 %).
+     */
     const bool good = (run.status & ~IQFOC_STATUS_VOLTAGE_LIMIT) == 0 && run.limited > 100 &&
                       run.worst_error < IQ24(0.02) && run.worst_error > 0;
     console_text(good ? "end\n" : "the closed loop did not control\n");

@@ -1,13 +1,13 @@
 /*
  * The library's assembly for cores that multiply to 32 bits (src/arm_*.c) against its C, to the bit: sine and cosine
- * of all angles, the rotor's polynomials of all speeds, products of the extremes with one another and of numbers
- * drawn. The assembly is what a Cortex-M0+ runs; the C beside it is compiled for the board's own core and by plain
- * products (IQFOC_TARGET_HEADER), so that nothing is held against itself.
+ * of all angles, the rotor's polynomials of all speeds, products of the extremes with one another and of random
+ * numbers. A Cortex-M0+ runs the assembly. The C is compiled for the board's own core with plain products
+ * (IQFOC_TARGET_HEADER), so that the reference is independent.
  */
 #include "iqfoc/iq24_sincos.h"
 #include "iqfoc/rotor.h"
 
-#include "../unit/iq24_samples.h"
+#include "../unit/library/iq24_samples.h"
 #include "unity.h"
 
 #ifdef IQ24_SINCOS_Q30

@@ -95,10 +95,68 @@ static void test_planted_mistakes_fail(void)
     }
 }
 
+/* ---- Two phases exchanged, by name; a mean that is not there ---- */
+
+static int stays; /* the phase that is right */
+
+static int other_phase(int x)
+{
+    return x == stays ? x : 3 - stays - x;
+}
+
+static bool exchanged_pair_of_legs(int leg)
+{
+    return rig_stm32g4()->leg_high(other_phase(leg));
+}
+
+static void exchanged_pair_of_currents(const double i_pu[3])
+{
+    const double other[3] = {i_pu[other_phase(0)], i_pu[other_phase(1)], i_pu[other_phase(2)]};
+    rig_stm32g4()->set_current(other);
+}
+
+static const port_rig *start_exchanged(void)
+{
+    planted = *rig_stm32g4_start();
+    planted.set_current = exchanged_pair_of_currents;
+    planted.leg_high = exchanged_pair_of_legs;
+    return &planted;
+}
+
+static void test_exchanged_phases_are_named(void)
+{
+    static const char *const names[3] = {"B and C", "C and A", "A and B"};
+    for (stays = 0; stays < 3; stays++) {
+        TEST_ASSERT_NOT_NULL(strstr(port_check_items[0].run(start_exchanged), names[stays]));
+        TEST_ASSERT_NOT_NULL(strstr(port_check_items[5].run(start_exchanged), names[stays]));
+    }
+}
+
+static bool says_mean;
+
+/* port_check.c calls this one in place of the port's. */
+void planted_read_valley(iqfoc_hal_t *hal, iqfoc_sample_t *sample);
+void planted_read_valley(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
+{
+    iqfoc_hal_read_valley(hal, sample);
+    sample->has_mean = sample->has_mean || says_mean;
+}
+
+static void test_mean_that_is_not_there(void)
+{
+    says_mean = true;
+    const char *what = port_check_items[0].run(rig_stm32g4_start);
+    says_mean = false;
+    TEST_ASSERT_NOT_NULL(what);
+    TEST_ASSERT_NOT_NULL(strstr(what, "has_mean is true"));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_line);
     RUN_TEST(test_planted_mistakes_fail);
+    RUN_TEST(test_exchanged_phases_are_named);
+    RUN_TEST(test_mean_that_is_not_there);
     return UNITY_END();
 }

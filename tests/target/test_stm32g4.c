@@ -122,7 +122,7 @@ static void test_carrier(void)
 {
     stm32g4_tim_t *tim = &fake_bank.tim1;
     TEST_ASSERT_EQUAL(STM32G4_OK, stm32g4_carrier_start(&fake_chip, HALF, 1000));
-    TEST_ASSERT_FALSE_MESSAGE(fake_ever_set(&tim->CR1, TIM_CR1_CEN), "runs before it was told to");
+    TEST_ASSERT_FALSE_MESSAGE(fake_ever_set(&tim->CR1, TIM_CR1_CEN), "runs before its start");
     TEST_ASSERT_FALSE_MESSAGE(fake_ever_set(&tim->BDTR, TIM_BDTR_MOE), "outputs on by set-up");
     stm32g4_run(&fake_chip);
     const int32_t start = fake_first_write(&tim->CR1, TIM_CR1_CEN, TIM_CR1_CEN);

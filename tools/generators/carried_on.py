@@ -1,9 +1,9 @@
 """carried_on RECORDING MOTOR PART: what follows a diagnosis of a recording in the tree.
 
-    <!-- figures: carried_on recordings/dead_time.csv.gz recordings/dead_time.toml again -->
+    <!-- figures: carried_on data/recordings/dead_time.csv.gz data/recordings/dead_time.toml again -->
 
 PART is `again` (the same recording with the extended motor file, as on the terminal), `header` (the diagnosed lines of the firmware's
-header), `firmware` (the gain in IQ24 code) or `plant` (the plant with the effect beside the machine).
+header), `firmware` (the gain in IQ24 code) or `plant` (the plant with the effect, compared with the machine).
 """
 
 import json
@@ -34,7 +34,7 @@ def header(folder):
 
 def firmware(result):
     rows = [("exact model, double", result["error"]), ("flux predictor, IQ24", result["firmware"])]
-    table = ["| one-cycle error, held-out rows | as it was | extended | gain |", "| --- | --- | --- | --- |"]
+    table = ["| one-cycle error, held-out rows | nominal | extended | error reduction |", "| --- | --- | --- | --- |"]
     table += [f"| {name} | {e['nominal']:.2f} % | {e['extended']:.2f} % | {e['gain']:.1f} |" for name, e in rows]
     return "\n".join(table)
 

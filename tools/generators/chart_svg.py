@@ -14,7 +14,7 @@ WIDTH = 720
 
 
 class Figure(html.parser.HTMLParser):
-    """What stands in the script of the figure of that id, and its caption's length."""
+    """The content of the script of the figure of that id, and its caption's length."""
 
     def __init__(self, name):
         super().__init__()

@@ -7,7 +7,8 @@
     <!-- figures: loops trade -->
     <!-- figures: loops run_up -->
     <!-- figures: loops updates 5 8 12 -->
-    <!-- figures: loops extended motors/jarzebowicz2019.toml scenarios/identification.toml dead_time saturation resistance:R=1.0 -->
+    <!-- figures: loops corrected_mean -->
+    <!-- figures: loops extended data/motors/jarzebowicz2019.toml data/scenarios/identification.toml dead_time saturation resistance:R=1.0 -->
 
 `extended` records a drive with these effects, diagnoses it, and compares control by both motor files.
 """
@@ -24,21 +25,21 @@ LOOPS = {
     "deadbeat_euler": "deadbeat, Euler",
     "deadbeat_quasi_discrete": "deadbeat, quasi-discrete",
     "deadbeat_exact": "deadbeat, exact",
-    "learning_euler": "learning, Euler",
-    "learning_quasi_discrete": "learning, quasi-discrete",
-    "learning_exact": "learning, exact",
+    "learning_euler": "observer, Euler",
+    "learning_quasi_discrete": "observer, quasi-discrete",
+    "learning_exact": "observer, exact",
 }
 BELIEFS = {"right": "right", "L+30": "L +30 %", "L-30": "L -30 %", "psi+10": "psi +10 %", "psi-10": "psi -10 %",
            "R+50": "R +50 %", "R-50": "R -50 %", "noise": "noise"}
 
 
 def short(value):
-    """Two digits are what a closed loop repeats to on another machine."""
+    """Three digits: further ones may differ between machines."""
     return "-" if value is None else number(float(f"{value:.3g}"))
 
 
 def six_step(result, _ratios):
-    heads = ["feedback", "asked for, A", "fed back, A", "true i_q, A", "excess, %", "torque, Nm", "asked for, Nm"]
+    heads = ["feedback", "set-point, A", "fed back, A", "true i_q, A", "excess, %", "torque, Nm", "of the set-point, Nm"]
     rows = [[loop["feedback"], *(f"{loop[key]:.3f}" for key in ("i_q_reference_A", "i_q_fed_back_A", "i_q_A")),
              f"{loop['excess_percent']:.2f}", f"{loop['torque_Nm']:.3f}", f"{loop['torque_reference_Nm']:.3f}"]
             for loop in result["six_step"]]
@@ -46,7 +47,7 @@ def six_step(result, _ratios):
 
 
 def ratios(result, wanted):
-    heads = ["SFFR", "loop", "", "rms error, %", "of it constant, %", "start, %", "overshoot, %", "settling, cycles", "THD, %",
+    heads = ["SFFR", "loop", "", "rms error, %", "constant part, %", "start, %", "overshoot, %", "settling, cycles", "THD, %",
              "stable up to L"]
     rows = []
     for point in result["current"]:
@@ -79,7 +80,7 @@ def finite_set_rows(points):
              f"{point['switching_Hz']:.0f}", f"{point['nodes']:.0f}" if point["horizon"] else "-"] for point in points]
 
 
-FINITE_SET_HEADS = ["intervals a period", "predictor", "horizon", "weight", "rms error, %", "of it constant, %", "THD, %",
+FINITE_SET_HEADS = ["intervals per period", "predictor", "horizon", "weight", "rms error, %", "constant part, %", "THD, %",
                     "pulses per leg and second", "currents predicted per decision"]
 
 
@@ -94,7 +95,7 @@ def trade(result, _ratios):
 
 
 def updates(result, wanted):
-    heads = ["ratio", "loop", "updates", "constant error, %", "wanders, %", "start, %", "overshoot, %", "settling, periods"]
+    heads = ["SFFR", "loop", "updates", "constant error, %", "not constant, %", "start, %", "overshoot, %", "settling, periods"]
     rows = [[f"{point['sffr']:g}", LOOPS[point["loop"]], point["updates"],
              *(short(point[key]) for key in ("offset_percent", "wander_percent", "start_percent", "overshoot_percent")),
              "-" if point["settling_periods"] is None else f"{point['settling_periods']:g}"]
@@ -102,8 +103,16 @@ def updates(result, wanted):
     return table(heads, rows, right=[head for head in heads if head != "loop"])
 
 
+def corrected_mean(result, _ratios):
+    heads = ["SFFR", "highest stable bandwidth, Hz", "default, Hz", "default in the plant", "80 % of the highest in the plant"]
+    rows = [[f"{loop['sffr']:g}", f"{loop['bandwidth_most_Hz']:.3g}" if loop["bandwidth_most_Hz"] else "none",
+             f"{loop['bandwidth_default_Hz']:.3g}", loop["outcome_default"], loop["outcome_below"] or "-"]
+            for loop in result["corrected_mean"]]
+    return table(heads, rows, right=heads[:3])
+
+
 def run_up(result, _ratios):
-    heads = ["modulation", "more torque, %", "less, %", "least i_d", "voltage over u_dc", "pulses a turn"]
+    heads = ["modulation", "more torque, %", "less, %", "lowest i_d", "voltage over u_dc", "pulses per turn"]
     rows = [[run["text"], *(f"{abs(run[key]):.1f}" for key in ("more_percent", "less_percent")), f"{run['i_d_least']:.2f}",
              f"{run['voltage_most']:.3f}", f"{run['pulses_per_turn']:.1f}"] for run in result["run_up"]]
     return table(heads, rows, right=heads[1:])
@@ -125,7 +134,7 @@ def extended(program, motor, scenario, *effects):
 
 
 PARTS = {"six_step": six_step, "ratios": ratios, "beliefs": beliefs, "finite_set": finite_set, "trade": trade,
-         "run_up": run_up, "updates": updates}
+         "run_up": run_up, "updates": updates, "corrected_mean": corrected_mean}
 
 
 def generate(program, arguments):

@@ -1,6 +1,6 @@
 """mean_map MOTOR: from which frequency ratio on which mean of the dq current is enough, by `iqfoc sweep --map`.
 
-    <!-- figures: mean_map motors/jarzebowicz2019.toml -->
+    <!-- figures: mean_map data/motors/jarzebowicz2019.toml -->
 """
 
 from .markdown import table

@@ -1,10 +1,10 @@
 """picture COMMAND FILE.svg PATH "words": a figure of the page that `iqfoc COMMAND -o DIR` writes, kept in the tree as docs/figures/FILE.svg.
 
-COMMAND may have options; it stands in quotes then.
+COMMAND may have options; put it in quotes then.
 
     <!-- figures: picture reproduce 2019-figure-7.svg docs/figures "Errors over the ratio" -->
 
-FILE is the figure's id in the page. Its charts are drawn by gnuplot here; contour lines the program has drawn itself, beside the page.
+FILE is the figure's id in the page. Its charts are drawn by gnuplot here; the program draws contour lines itself, into a file next to the page.
 PATH is the folder as the document writes it. `write` copies the picture; `check` compares what it shows: every word, and every number to
 a hundredth of the drawing's unit, so that another version's last digit is no drift, wherever it falls on a rounding's edge.
 """
@@ -22,7 +22,7 @@ VERSION = re.compile(r"Produced by GNUPLOT [^<]*")
 
 
 def shows_the_same(one, other):
-    """Whether two pictures show the same, whatever the drawing program's version and the last digits."""
+    """Whether two pictures show the same, whatever the drawing program's version and rounding."""
     one, other = VERSION.sub("", one), VERSION.sub("", other)
     if NUMBER.split(one) != NUMBER.split(other):
         return False
@@ -31,7 +31,7 @@ def shows_the_same(one, other):
 
 
 def drawn(folder, name):
-    """The picture, from beside the page or from the page's charts; None if there is none."""
+    """The picture, from the file next to the page or from the page's charts; None if there is none."""
     if (folder / name).exists():
         return (folder / name).read_text(encoding="utf-8")
     for page in sorted(folder.glob("*.html")):
@@ -55,5 +55,5 @@ def generate(program, arguments):
         kept.parent.mkdir(parents=True, exist_ok=True)
         kept.write_text(picture, encoding="utf-8")
     elif not kept.exists() or not shows_the_same(kept.read_text(encoding="utf-8"), picture):
-        raise ValueError(f"{kept.relative_to(program.root)} is not what `iqfoc {command}` draws; `./dev figures` draws it anew")
+        raise ValueError(f"{kept.relative_to(program.root)} is not what `iqfoc {command}` draws; `./dev figures` draws it again")
     return f"![{words}]({folder}/{name})"

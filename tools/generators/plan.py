@@ -1,24 +1,24 @@
 """plan WHAT MOTOR SCENARIO: tables of `iqfoc plan --against`.
 
-    <!-- figures: plan beside motors/compressor_salient.toml scenarios/identification.toml -->
-    <!-- figures: plan limits motors/compressor_salient.toml scenarios/identification.toml -->
-    <!-- figures: plan runs motors/compressor_salient.toml scenarios/identification.toml -->
+    <!-- figures: plan comparison data/motors/compressor_salient.toml data/scenarios/identification.toml -->
+    <!-- figures: plan limits data/motors/compressor_salient.toml data/scenarios/identification.toml -->
+    <!-- figures: plan runs data/motors/compressor_salient.toml data/scenarios/identification.toml -->
 """
 
 from .markdown import table
 
 
 def short(value):
-    """Two digits are what the choice among equals leaves on another machine."""
-    return "not told" if value is None else f"{value:.2g}"
+    """Two digits: another machine may choose another of equal segments."""
+    return "unknown" if value is None else f"{value:.2g}"
 
 
-def beside(result):
+def comparison(result):
     plan, against = result["plan"], result["against"]
     heads = ["", "planned", "scenario"]
-    rows = [["s, settling included", f"{plan['seconds']:.3g}", f"{against['seconds']:.3g}"],
+    rows = [["duration with settling, s", f"{plan['seconds']:.3g}", f"{against['seconds']:.3g}"],
             ["worst correlation", f"{plan['worst_correlation']:.2f}", f"{against['worst_correlation']:.2f}"],
-            ["of", " and ".join(plan["worst_pair"]), " and ".join(against["worst_pair"])],
+            ["between", " and ".join(plan["worst_pair"]), " and ".join(against["worst_pair"])],
             ["median interval", short(plan["median_over_least"]), short(against["median_over_least"])]]
     for ours, theirs in zip(plan["parameters"], against["parameters"]):
         rows.append([ours["name"], short(ours["over_least"]), short(theirs["over_least"])])
@@ -26,7 +26,7 @@ def beside(result):
 
 
 def limits(result):
-    heads = ["cause", "planned", "hardest to tell from", "scenario", "hardest to tell from there"]
+    heads = ["cause", "planned", "closest alternative", "scenario", "closest alternative there"]
     theirs = {cause["cause"]: cause for cause in result["against"]["causes"]}
     rows = []
     for ours in result["plan"]["causes"]:
@@ -49,7 +49,7 @@ def runs(result):
     return table(heads, rows, right=["cycles", "rpm", "i_d, A", "i_q, A"])
 
 
-PARTS = {"beside": beside, "limits": limits, "runs": runs}
+PARTS = {"comparison": comparison, "limits": limits, "runs": runs}
 
 
 def generate(program, arguments):

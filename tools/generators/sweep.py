@@ -1,6 +1,6 @@
 """sweep MOTOR RPM,RPM,... [OPTION VALUE]...: the errors of each method over speed, by `iqfoc sweep`.
 
-    <!-- figures: sweep motors/jarzebowicz2019.toml 0,5000,8000 --id-ratio -0.7 -->
+    <!-- figures: sweep data/motors/jarzebowicz2019.toml 0,5000,8000 --id-ratio -0.7 -->
 """
 
 from .markdown import number, table
@@ -10,7 +10,7 @@ LEAST = 1e-3
 
 
 def percent(value):
-    """An error in percent; what is smaller than anyone needs to know is not told to the last digit."""
+    """An error in percent; below LEAST only the bound is given."""
     return number(value) if value >= LEAST else f"< {LEAST}"
 
 

@@ -1,8 +1,9 @@
 """tune WHAT MOTOR [OPTION VALUE]...: tables of `iqfoc tune`.
 
-    <!-- figures: tune margins motors/jarzebowicz2019.toml --ratio 5 -->
-    <!-- figures: tune trial motors/jarzebowicz2019.toml --ratio 5 --drives 200 -->
-    <!-- figures: tune comparison motors/jarzebowicz2019.toml --ratio 5 -->
+    <!-- figures: tune margins data/motors/jarzebowicz2019.toml --ratio 5 -->
+    <!-- figures: tune trial data/motors/jarzebowicz2019.toml --ratio 5 --drives 200 -->
+    <!-- figures: tune comparison data/motors/jarzebowicz2019.toml --ratio 5 -->
+    <!-- figures: tune steady data/motors/jarzebowicz2019.toml --ratio 5 -->
 """
 
 from .markdown import number, table
@@ -13,13 +14,13 @@ CONTROLLERS = {
     "deadbeat_exact": "deadbeat, exact",
     "tuned_pi": "tuned PI",
     "tuned_deadbeat": "tuned deadbeat",
-    "deadbeat_true": "deadbeat, exact, of the true machine",
+    "deadbeat_true": "deadbeat, exact, true machine",
 }
 TRUTHS = ("nominal", "L low", "L high")
 
 
 def short(value):
-    """Two to three digits are what a closed loop repeats to on another machine."""
+    """Three digits: further ones may differ between machines."""
     return "-" if value is None else number(float(f"{value:.3g}"))
 
 
@@ -33,13 +34,13 @@ def margins(result):
 
 def trial(result):
     found = result["trial"]
-    heads = ["", "promised", "found"]
+    heads = ["", "predicted", "simulated"]
     rows = [["largest overshoot, % of the step", f"{found['promised']['overshoot_percent']:.0f}",
              f"{found['found']['overshoot_percent']:.0f}"],
             ["longest settling, cycles", f"{found['promised']['settling_cycles']:.0f}", f"{found['found']['settling_cycles']:.0f}"],
-            ["unstable", "0", found["unstable"]],
-            ["settled later than promised by more than a tenth and a cycle", "0", found["late"]],
-            ["overshot by more than promised and a tenth of the step", "0", found["high"]]]
+            ["unstable drives", "0", found["unstable"]],
+            ["drives that settle later than predicted, by more than a tenth and a cycle", "0", found["late"]],
+            ["drives that overshoot by a tenth of the step more than predicted", "0", found["high"]]]
     return f"{found['drives']} drives, up to {found['rpm_most']:.0f} rpm.\n\n" + table(heads, rows, right=heads[1:])
 
 
@@ -65,7 +66,19 @@ def comparison(result):
     return table(heads, rows, right=[head for head in heads if head != "controller"])
 
 
-PARTS = {"margins": margins, "trial": trial, "comparison": comparison}
+def steady(result):
+    """The tuned controllers' steady error over that of deadbeat control that knows the true machine, least and largest of the truths."""
+    errors = {(loop["sffr"], loop["controller"], loop["truth"]): loop["rms_percent"] for loop in result["comparison"]["loops"]}
+    heads = ["SFFR", "least ratio of the steady errors", "largest"]
+    rows = []
+    for sffr in sorted({key[0] for key in errors}):
+        ratios = [errors[sffr, controller, truth] / errors[sffr, "deadbeat_true", truth]
+                  for controller in ("tuned_pi", "tuned_deadbeat") for truth in TRUTHS]
+        rows.append([f"{sffr:g}", f"{min(ratios):.2f}", f"{max(ratios):.2f}"])
+    return table(heads, rows, right=heads)
+
+
+PARTS = {"steady": steady, "margins": margins, "trial": trial, "comparison": comparison}
 
 
 def generate(program, arguments):

@@ -1,12 +1,13 @@
 """watch WHAT MOTOR [OPTION VALUE]...: tables of `iqfoc watch`.
 
     <!-- figures: watch trials tests/blind/watch_trials.json -->
-    <!-- figures: watch clean motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
-    <!-- figures: watch warming motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
+    <!-- figures: watch clean data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
+    <!-- figures: watch warming data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
+    <!-- figures: watch conditions data/motors/compressor_salient.toml --trials 0 --cycles 1e5 -->
     <!-- figures: watch long tests/blind/watch_clean.jsonl -->
 
-The first is what `iqfoc watch --trials 200 --json tests/blind/watch_trials.json` wrote, the last the sum of what
-`tests/blind/watch_clean.py` ran: both take longer than a check may.
+`trials` reads what `iqfoc watch --trials 200 --json tests/blind/watch_trials.json` wrote, `long` what `tests/blind/watch_clean.py`
+ran. Both take too long for a check.
 """
 
 import json
@@ -16,11 +17,14 @@ import pathlib
 from .markdown import table
 
 CHANGES = {"magnet": "magnet 5 % weaker", "winding": "winding 60 K warmer", "sensor": "a sensor's gain 2 % higher",
-           "dead_time": "dead time doubled"}
+           "dead_time": "dead time doubled", "phase": "resistance of one phase 50 % higher", "rotor": "rotor eccentric, 5 % of flux"}
+CONDITIONS = {"constant": "constant link, temperatures and inductances", "ripple_1": "link +-1 % at 300 Hz", "ripple_3": "link +-3 % at 300 Hz",
+              "temperature": "winding +-10 K, magnet +-5 K, in 20 s, adapted", "saturation_3": "L 3 % lower at rated current, stated",
+              "saturation_10": "L 10 % lower at rated current, stated", "load_steps": "torque reversed each 3 to 20 ms"}
 
 
 def least_share(good, of):
-    """The lower end of the 95 % interval of a share (Clopper and Pearson, 1934): at which so many or more are had in 2.5 %."""
+    """The lower end of the 95 % interval of a share (Clopper and Pearson, 1934)."""
     low, high = 0.0, good / of
     for _ in range(50):
         p = 0.5 * (low + high)
@@ -30,7 +34,7 @@ def least_share(good, of):
 
 
 def trials(result):
-    heads = ["change", "drives", "noted within 1 s", "right group", "share of right, 95 %", "alarm before it", "median, s", "latest, s",
+    heads = ["change", "drives", "detected within 1 s", "right group", "share of right, 95 %", "alarm before the change", "median, s", "latest, s",
              "amount", "since"]
     rows = [[CHANGES[t["change"]], t["trials"], t["noted"], t["right"],
              f"above {100.0 * least_share(t['right'], t['trials']):.1f} %", t["early"], f"{t['median_s']:.3f}", f"{t['latest_s']:.2f}",
@@ -39,8 +43,8 @@ def trials(result):
 
 
 def levels(found):
-    heads = ["level", "passed", "the bound"]
-    rows = [[level, found["passed"][level - 1], f"{found['cycles'] / 32 * 22 / 2.718281828459045 ** level:.3g}"]
+    heads = ["level", "times passed", "bound"]
+    rows = [[level, found["passed"][level - 1], f"{found['cycles'] / 32 * 30 / 2.718281828459045 ** level:.3g}"]
             for level in (2, 4, 6, 8, 10, 12)]
     return f"{found['cycles']:.3g} cycles, {found['alarms']} alarms.\n\n" + table(heads, rows, right=heads)
 
@@ -53,22 +57,29 @@ def long(path):
     """Chunks of clean cycles, each a line, summed up."""
     chunks = [json.loads(line) for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines()]
     if len({chunk["seed"] for chunk in chunks}) != len(chunks):
-        raise ValueError(f"{path}: a seed stands twice")
+        raise ValueError(f"{path}: a seed occurs twice")
     return levels({"cycles": sum(chunk["cycles"] for chunk in chunks), "alarms": sum(chunk["alarms"] for chunk in chunks),
                    "passed": [sum(of_level) for of_level in zip(*(chunk["passed"] for chunk in chunks))]})
 
 
 def warming(result):
-    told = result["warming"]
-    heads = ["", "R off at the end, %", "psi_f off, %", "at the worst, R, %", "psi_f, %", "prediction error, %", "torque by the model off, %",
+    found = result["warming"]
+    heads = ["", "error of R at the end, %", "of psi_f, %", "largest error of R, %", "of psi_f, %", "prediction error, %", "error of the model's torque, %",
              "alarm"]
     rows = [[words, f"{t['R_off_percent']:+.1f}", f"{t['psi_off_percent']:+.2f}", f"{t['R_most_percent']:.1f}",
              f"{t['psi_most_percent']:.2f}", f"{t['error_percent']:.2f}", f"{t['torque_percent']:.2f}", "yes" if t["alarm"] else "none"]
-            for words, t in (("as told", told["plain"]), ("followed", told["adapted"]))]
+            for words, t in (("fixed model", found["plain"]), ("adapted model", found["adapted"]))]
     return table(heads, rows, right=heads[1:])
 
 
-PARTS = {"clean": clean, "warming": warming}
+def conditions(result):
+    heads = ["no change", "cycles", "alarms", "alarms per 10^6 cycles", "highest sum"]
+    rows = [[CONDITIONS[key], f"{c['cycles']:.3g}", c["alarms"], f"{c['alarms_per_million']:.3g}", f"{c['highest']:.1f}"]
+            for key, c in result["conditions"].items()]
+    return table(heads, rows, right=heads[1:])
+
+
+PARTS = {"clean": clean, "conditions": conditions, "warming": warming}
 
 
 def generate(program, arguments):

@@ -1,4 +1,4 @@
-"""The library's headers as Markdown: a page a header, its declarations by doxygen, the words by the comments above them.
+"""Writes the library's headers as Markdown, a page for each header: declarations by doxygen, text by the comments above them.
 
 Doxygen says what is declared, where, with which fields and values. The comments are taken from the source as they stand, since
 their formulas are laid out by hand: lines indented by four become code.
@@ -28,6 +28,8 @@ FILTER_PATTERNS = *.h="sed -E 's#^( +[^/]*[^ /].*[^ ]) +/[*] #\\1 /**< #'"
 """
 # What a paragraph or a sentence of a comment tells of: set in bold, so that it is found at a glance.
 LABEL = re.compile(r"(?:^|(?<=[.;] ))((?:Range|Error|Errors|In|Out|Returns|Overflow|Precondition|Source)(?: [a-z]+)?:|Largest error:?)")
+# A search finds the documents ahead of the functions: "dead time" begins the names of the deadbeat controllers.
+BEHIND_DOCUMENTS = "---\nsearch:\n  boost: 0.3\n---\n\n"
 KNOWN = re.compile(r"\b(?:iqfoc|iq24|IQFOC|IQ24)(?:\\_|\w)*\w(?!\.h)")
 FILE = re.compile(r"(?:iqfoc/)?\b([a-z0-9]+(?:\\_[a-z0-9]+)*\.h)\b")
 
@@ -45,9 +47,10 @@ def comment_above(lines, line):
     if last < 0 or not lines[last].rstrip().endswith("*/"):
         return []
     first = last
-    while not lines[first].lstrip().startswith("/*"):
+    while "/*" not in lines[first]:
         first -= 1
-    # One that stands behind a declaration is that declaration's.
+    if not lines[first].lstrip().startswith("/*"):
+        return []  # It is behind a declaration, and that declaration's.
     text = lines[first:last + 1]
     text[-1] = re.sub(r"\s*\*/\s*$", "", text[-1])
     text[0] = re.sub(r"^\s*/\* ?", "", text[0])
@@ -57,6 +60,19 @@ def comment_above(lines, line):
     while text and not text[-1].strip():
         text.pop()
     return text
+
+
+def comment_behind(lines, line):
+    """The text of the comment behind the one-line definition at this line (counted from 1), as a list of one line or none."""
+    begin = re.search(r"\S\s*/\*(.*)$", lines[line - 1])
+    if not begin or lines[line - 1].endswith("\\"):
+        return []
+    text, last = begin[1], line
+    while "*/" not in text:
+        text += " " + lines[last].strip().lstrip("* ")
+        last += 1
+    text = text[:text.index("*/")].strip()
+    return [text[:1].upper() + text[1:]] if text else []
 
 
 def words(element):
@@ -78,7 +94,7 @@ def head_of_function(lines, line):
 def head_of_macro(lines, line, member):
     """The definition where it is one line, else its name and parameters."""
     if not lines[line - 1].endswith("\\"):
-        return re.sub(r"\s*/\*.*\*/\s*$", "", re.sub(r"  +", " ", lines[line - 1]))
+        return re.sub(r"\s*/\*.*$", "", re.sub(r"  +", " ", lines[line - 1]))
     parameters = [p.findtext("defname") for p in member.findall("param")]
     return f"#define {member.findtext('name')}" + (f"({', '.join(p for p in parameters if p)})" if any(parameters) else "")
 
@@ -132,7 +148,9 @@ class Header:
                 rows.append((value.findtext("name"), given, words(value.find("detaileddescription"))))
             self.items.append(Item(kind, (name or "") + "_t", line, None, comment, rows))
         elif kind == "define" and not name.endswith(("_H", "_")):
-            self.items.append(Item(kind, name, line, head_of_macro(self.lines, line, member), comment))
+            behind = comment_behind(self.lines, line)
+            self.items.append(Item(kind, name, line, head_of_macro(self.lines, line, member),
+                                   [*comment, "", *behind] if comment and behind else comment or behind))
         elif kind == "typedef" and not re.search(r"\b(struct|enum|union)\b", member.findtext("definition")):
             self.items.append(Item(kind, name, line, member.findtext("definition") + (member.findtext("argsstring") or "") + ";", comment))
 
@@ -239,7 +257,7 @@ class Pages:
     def index(self):
         """The table of all headers, by the first sentence of each."""
         lines = ["# The library's functions", "One header a concept; `iqfoc/iqfoc.h` includes all. Each function says what it computes, its "
-                 "units and formats, the range it takes and gives, what happens beyond, and its largest error in last digits.",
+                 "units and formats, the range it takes and gives, its overflow behaviour, and its largest error in LSB.",
                  "| header | for | functions |\n| --- | --- | ---: |"]
         for header in self.headers:
             first = re.split(r"(?<=[.:])(?: |$)", " ".join(text for text in header.opening if text.strip()))[0].rstrip(":")
@@ -255,6 +273,6 @@ def write_pages(include, pages_folder, work):
     for header in headers:
         page = pages_folder / f"{header.name[:-2]}.md"
         page.parent.mkdir(parents=True, exist_ok=True)
-        page.write_text(pages.page(header), encoding="utf-8")
+        page.write_text(BEHIND_DOCUMENTS + pages.page(header), encoding="utf-8")
     (pages_folder / "index.md").write_text(pages.index(), encoding="utf-8")
     return headers

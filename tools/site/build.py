@@ -3,8 +3,9 @@
 
     build.py [-o DIR]
 
-Pages are docs/, one a header of the library (api.py), and each file or folder of the tree that a document leads to. A link or an
-anchor that leads nowhere ends it. Needs doxygen, mkdocs in .cache/python/site and iframe-worker in .cache/iframe-worker (`./dev site`).
+The pages are docs/, one for each header of the library (api.py), each file or folder that a document links to, and the lists that tools
+write: MISRA, mutation testing, licences. A broken link or anchor, or a comment that api.py has read wrongly, is an error. Needs
+doxygen, mkdocs in .cache/python/site, iframe-worker in .cache/iframe-worker, cppcheck, lizard in .cache/python/checks and the library in build/cortex-m4 (`./dev site` sets all up).
 """
 
 import argparse
@@ -21,6 +22,10 @@ import urllib.parse
 import api
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+# Pages that a tool writes into build/: place in the site, the file, the command.
+WRITTEN = (("misra-list.md", "build/misra.md", ("tools/misra.py", "page")),
+           ("mutation-list.md", "build/mutation.md", ("tools/mutate.py", "--page")),
+           ("licences-texts.md", "build/licences.md", ("tools/licences.py", "--texts", "build/licences.md")))
 HERE = pathlib.Path(__file__).resolve().parent
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
 LANGUAGES = {".c": "c", ".h": "c", ".cpp": "cpp", ".py": "python", ".sh": "bash", ".toml": "toml", ".json": "json", ".yml": "yaml"}
@@ -65,15 +70,25 @@ class Stage:
         return "source/" + path.replace("/.", "/").lstrip(".") + ".md"
 
     def document(self, text, path, place):
-        """A document's text for the site, where it stood at `path` of the tree and stands at `place` of the site."""
+        """A document's text for the site: `path` in the tree becomes `place` in the site."""
         in_fence = False
-        lines = []
+        lines, prose = [], []
+
+        def end_prose():
+            # A link's words may go over a line's end.
+            if prose:
+                lines.append(LINK.sub(lambda match: self.link(match, path, place), "\n".join(prose)))
+                prose.clear()
+
         for line in text.split("\n"):
-            if line.startswith("```"):
-                in_fence = not in_fence
-            if not in_fence and not line.startswith("    "):
-                line = LINK.sub(lambda match: self.link(match, path, place), line)
-            lines.append(line)
+            fence = line.startswith("```")
+            if fence or in_fence or line.startswith("    "):
+                end_prose()
+                lines.append(line)
+                in_fence ^= fence
+            else:
+                prose.append(line)
+        end_prose()
         return "\n".join(lines)
 
     def link(self, match, path, place):
@@ -82,7 +97,7 @@ class Stage:
             return match[0]
         there = posixpath.normpath(posixpath.join(posixpath.dirname(path), target))
         if not (ROOT / there).exists():
-            return match[0]  # mkdocs says where it stands
+            return match[0]  # mkdocs reports the place
         if words == posixpath.basename(there) and there.startswith("docs/"):
             words = title(there)
         return f"[{words}]({posixpath.relpath(self.place_of(there), posixpath.dirname(place) or '.')}{fragment})"
@@ -114,6 +129,15 @@ class Stage:
         return file.suffix not in (".gz", ".svg", ".png") and file.stat().st_size < LONGEST_FILE
 
 
+def write_lists(site):
+    """The pages that tools write."""
+    for place, file, command in WRITTEN:
+        done = subprocess.run([sys.executable, "-B", *command], cwd=ROOT, check=False, stdout=subprocess.DEVNULL)
+        if done.returncode:
+            sys.exit(f"{' '.join(command)}: exit status {done.returncode}; ./dev site sets up all that it needs")
+        site.write(place, site.document((ROOT / file).read_text(encoding="utf-8"), f"docs/{place}", place))
+
+
 def stage(folder, work):
     site = Stage(folder)
     shutil.rmtree(folder, ignore_errors=True)
@@ -123,6 +147,7 @@ def stage(folder, work):
         if file.name == "golden.md":
             text = text.replace("`GOLDEN_HASH`", f"`{golden_hash()}`")
         site.write(file.name, site.document(text, f"docs/{file.name}", file.name))
+    write_lists(site)
     shutil.copy(HERE / "style.css", folder)
     api.write_pages(ROOT / "include", folder / "api", work)
     done = set()
@@ -167,6 +192,15 @@ def broken_links(site):
                 yield f"{page.relative_to(site)}: {target} has no such anchor"
 
 
+def marks_of_comments(site):
+    """A sentence for each page of a header whose words hold a mark of a C comment: there a comment was not read as its author set it."""
+    for page in sorted((site / "api").rglob("*.html")):
+        text = re.sub(r"<(code|pre|script)\b.*?</\1>", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+        for line in re.sub(r"<[^>]*>", "", text).split("\n"):
+            if "*/" in line or "/*" in line:
+                yield f"{page.relative_to(site)}: a comment's mark in: {line.strip()[:120]}"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("-o", "--output", type=pathlib.Path, default=ROOT / "build/site")
@@ -189,7 +223,7 @@ def main():
                           env={**os.environ, "NO_MKDOCS_2_WARNING": "1"})
     if done.returncode:
         return 1
-    broken = list(broken_links(output))
+    broken = [*broken_links(output), *marks_of_comments(output)]
     print("\n".join(broken) or f"{len(list(output.rglob('*.html')))} pages: {output}/index.html")
     return 1 if broken else 0
 

@@ -50,9 +50,10 @@ static inline int64_t iqfoc_arm_mac64(int64_t sum, int32_t a, int32_t b)
 #define IQ24_MAC64(sum, a, b) iqfoc_arm_mac64(sum, a, b)
 
 /*
- * The high word of a product, of which Armv7E-M (M4, M7, M33 with its DSP instructions) has one instruction
- * each: alone, added to a sum, rounded. They are not volatile: what nobody reads is left out. On Cortex-M3 the
- * long product and its high half.
+ * The high word of a product: alone, added to a sum, rounded. Armv7E-M (M4, M7, M33 with its DSP instructions) has
+ * one instruction for each; Cortex-M3 uses the long product and its high half. They are not volatile: the compiler
+ * may drop an unused result.
+ *
  */
 static inline int32_t iqfoc_arm_high(int32_t a, int32_t b)
 {

@@ -1,6 +1,4 @@
-/*
- * What the compiler targets, by its own architecture macros: 1 or 0 for each header of this folder.
- */
+/* The compiler's target, from its own architecture macros: 1 or 0 for each header of this folder. */
 #ifndef IQFOC_TARGET_DETECT_H
 #define IQFOC_TARGET_DETECT_H
 

@@ -1,5 +1,5 @@
 // What one control cycle ahead looks like at 6,000 rpm with four pole pairs and 5 kHz, 12.5 cycles to a turn: the current in
-// the stationary frame, predicted by forward Euler and with the EMF turning beside the rotor. Prints both once a second, in
+// the stationary frame, predicted by forward Euler and with the EMF turning with the rotor. Prints both once a second, in
 // thousandths of the base. No drive needs to be connected.
 #include <iqfoc.h>
 

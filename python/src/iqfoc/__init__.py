@@ -2,7 +2,9 @@
 
     iqfoc.functions       the library's functions over arrays, to the bit
     iqfoc.Machine         a motor file's predictions in the firmware's arithmetic
-    iqfoc.Cycle           the control cycle, step by step
+    iqfoc.Observer        angle and speed without a sensor
+    iqfoc.Cycle           the control cycle on a plant: PI, deadbeat, six-step
+    iqfoc.tune            a current controller with margins; its change detector
     iqfoc.Drive           the firmware against the switching-level plant; Drive.plant() for a controller of one's own
     iqfoc.diagnose        what a recording shows the model to get wrong
     iqfoc.read_log        logs of other programs as recordings
@@ -11,7 +13,7 @@
 from importlib.metadata import version as _version
 
 from . import functions
-from ._host import Error, InputError
+from ._host import Error, InputError, MissingFileError
 from .cycle import Command, Cycle, Sample
 from .diagnosis import Cause, Diagnosis, Errors, Parameter, diagnose
 from .drive import Drive, Means, Plant
@@ -19,9 +21,16 @@ from .functions import from_float, golden, to_float
 from .logs import read_log
 from .machine import Machine
 from .motor import Motor
+from .observer import Observer
 from .recording import Recording
+from .tuning import Tune, TunedControl, tune
 
 __version__ = _version("iqfoc")
 
-__all__ = ["Cause", "Command", "Cycle", "Diagnosis", "Drive", "Error", "Errors", "InputError", "Machine", "Means", "Motor", "Parameter", "Plant",
-           "Recording", "Sample", "diagnose", "from_float", "functions", "golden", "read_log", "to_float"]
+__all__ = ["Cause", "Command", "Cycle", "Diagnosis", "Drive", "Error", "Errors", "InputError", "Machine", "Means", "MissingFileError",
+           "Motor", "Observer", "Parameter", "Plant", "Recording", "Sample", "Tune", "TunedControl", "diagnose", "from_float",
+           "functions", "golden", "read_log", "to_float", "tune"]
+
+
+def __dir__():
+    return __all__

@@ -1,11 +1,15 @@
-"""The C interface: python/host/interface.h, read by cffi, over the library that was built beside this file."""
+"""The C interface: python/host/interface.h, read by cffi, for the library in this file's folder."""
 
+import errno
+import os
 import pathlib
+import tempfile
 
 import cffi
 import numpy as np
 
 _HERE = pathlib.Path(__file__).parent
+_NO_FILE = os.strerror(errno.ENOENT)  # how the C library ends its message
 
 ffi = cffi.FFI()
 ffi.cdef("".join(line for line in (_HERE / "interface.h").open(encoding="utf-8") if not line.startswith("#")))
@@ -18,6 +22,10 @@ class Error(Exception):
 
 class InputError(Error, ValueError):
     """Input that cannot be used: where, and what was expected."""
+
+
+class MissingFileError(InputError, FileNotFoundError):
+    """A file that is not there."""
 
 
 class Trouble:
@@ -34,6 +42,8 @@ class Trouble:
         words = text(lib.py_error_text(self.c))
         for old, new in self._replace:
             words = words.replace(old, new)
+        if words.endswith(_NO_FILE):
+            raise MissingFileError(words)
         raise (InputError if lib.py_error_status(self.c) == 2 else Error)(words)
 
 
@@ -45,6 +55,14 @@ def text(c_text):
 def path_bytes(path):
     """A path, or a label, for C."""
     return str(path).encode("utf-8", "surrogateescape")
+
+
+def written(write, handle):
+    """The text that a C function writes into a file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path, trouble = pathlib.Path(folder, "text"), Trouble()
+        trouble.check(write(handle, path_bytes(path), trouble.c))
+        return path.read_text(encoding="utf-8")
 
 
 def strings(words):

@@ -1,24 +1,36 @@
-"""The control cycle of the firmware, step by step."""
+"""Controllers of the firmware, step by step or for many cycles with a plant."""
 
 from __future__ import annotations
 
 import math
 import os
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from ._host import Trouble, ffi, lib, text
+import numpy as np
+from numpy.typing import NDArray
+
+from ._host import Trouble, _pointers, ffi, lib, text
 from .functions import ONE, from_float
 from .motor import Motor, motor_of
 
+if TYPE_CHECKING:
+    from .drive import Plant
+
 MODELS = ("quasi_discrete", "exact", None, None, "euler")
 FEEDBACKS = ("midpoint", "corrected_mean", "quasi_discrete_mean", "exact_mean")
+CONTROLS = ("pi", "deadbeat", "deadbeat_observer")
 MODULATIONS = ("pwm", "six_step", "over")
 TICKS_PER_S = 100_000_000
 
 
 @dataclass(frozen=True)
 class Sample:
-    """What the converters deliver at a valley or a peak. Physical values; `Cycle` makes the firmware's integers of them."""
+    """What the converters deliver at a valley or a peak. Physical values; `Cycle` makes the firmware's integers of them.
+
+    >>> iqfoc.Sample(i_A=(1.0, -0.5, -0.5), theta_e_rad=0.0, omega_e_rad_s=2500.0, u_dc_V=24.0, t_s=0.0).i_A
+    (1.0, -0.5, -0.5)
+    """
 
     i_A: tuple[float, float, float]
     theta_e_rad: float
@@ -29,7 +41,14 @@ class Sample:
 
 @dataclass(frozen=True)
 class Command:
-    """What the inverter is to do from the next valley on. Q7.24: duties 0 to 1 of the high sides; scale, what the voltage was cut by."""
+    """What the inverter does from the next valley on. `Plant.cycle` takes it.
+
+    duty: of the high sides, integers in Q7.24; duties: the same as floats, 0 to 1. scale: Q7.24 factor by which the modulator shortened
+    the voltage.
+
+    >>> iqfoc.Command((8388608, 4194304, 0), 16777216, True).duties
+    (0.5, 0.25, 0.0)
+    """
 
     duty: tuple[int, int, int]
     scale: int
@@ -41,29 +60,90 @@ class Command:
         return tuple(d / ONE for d in self.duty)
 
 
-class Cycle:
+class Firmware:
+    """What `Cycle` and `TunedControl` have in common: the reference, both steps, and `run`."""
+
+    motor: Motor
+
+    def _begin(self, motor, firmware):
+        self.motor, self._f = motor, firmware
+        self._command = ffi.new("py_command *")
+
+    def reference(self, i_d_A: float, i_q_A: float) -> None:
+        """Sets the reference of the current: rotor frame, peak A."""
+        d, q = from_float([i_d_A / self.motor.I_base_A, i_q_A / self.motor.I_base_A])
+        lib.py_firmware_reference(self._f, int(d), int(q))
+
+    def valley(self, sample: Sample) -> None:
+        """At the carrier's valley: the prediction's error, the next prediction, the mean."""
+        lib.py_firmware_valley(self._f, self._integers(sample, 0))
+
+    def peak(self, sample: Sample, output_mid: float = 1.5) -> Command:
+        """At the carrier's peak: control and modulation. output_mid: the middle of the time in which the command acts, cycles after the
+        valley; of a Cycle only."""
+        lib.py_firmware_peak(self._f, self._integers(sample, ONE // 2), int(from_float(output_mid)), self._command)
+        c = self._command
+        return Command(tuple(c.duty), c.scale, c.gates)
+
+    def run(self, plant: Plant, cycles: int) -> dict[str, NDArray[np.float64]]:
+        """So many control cycles with a plant, in C: columns of one number a cycle.
+
+        Names and units are those of a recording, so that `Recording(...)` takes them. In addition: the true means `i_d_mean_A` and
+        `i_q_mean_A`, and `torque_Nm` at the cycle's end. Raises Error if the firmware stops the drive.
+        """
+        if plant.motor.T_s != self.motor.T_s:
+            raise ValueError(f"the controller's cycle is {self.motor.T_s:g} s, the plant's is {plant.motor.T_s:g} s")
+        if cycles < 0:
+            raise ValueError(f"cycles = {cycles}; expected 0 or more")
+        columns = {name: np.empty(cycles) for name in _run_columns()}
+        trouble = Trouble()
+        trouble.check(lib.py_run(self._f, plant._c, cycles, _pointers(columns.values(), "double"), trouble.c))
+        return columns
+
+    def _integers(self, s, at):
+        m = self.motor
+        numbers = from_float([*(x / m.I_base_A for x in s.i_A), math.remainder(s.theta_e_rad / math.tau, 1.0),
+                              s.omega_e_rad_s * m.T_s / math.tau, s.u_dc_V / m.u_dc_V])
+        i, (theta, turns, u_dc) = [int(x) for x in numbers[:3]], [int(x) for x in numbers[3:]]
+        return ffi.new("py_sample *", {"i": i, "theta": theta, "turns": turns, "u_dc": u_dc, "at": at,
+                                       "time": round(s.t_s * TICKS_PER_S) % 2 ** 32,
+                                       "clipped": max(abs(x) for x in s.i_A) > 15.9 * m.I_base_A})
+
+
+class Cycle(Firmware):
     """The library's control cycle as a port's interrupts call it: `valley(sample)`, then `peak(sample)`, which gives the command.
 
-    motor: a Motor or its file. feedback: `midpoint`, `corrected_mean` (2016 (10)), `quasi_discrete_mean` (2019 (10)) or `exact_mean`
-    (which needs the exact model). model: `quasi_discrete` (2019 (12)), `exact`, `euler`. modulation: `pwm`, `six_step`, `over`.
-    bandwidth_Hz: of the current control; 0 is the firmware's own choice. extended: put right what the motor file's extensions say.
+    motor: a Motor or its file. control: `pi`, `deadbeat` (from the model's prediction; feedback and bandwidth are not used) or
+    `deadbeat_observer` (with a disturbance observer of `observer_gain`, 0 to 1). feedback: `midpoint`, `corrected_mean` (2016 (10)),
+    `quasi_discrete_mean` (2019 (10)) or `exact_mean` (which needs the exact model). model: `quasi_discrete` (2019 (12)), `exact`, `euler`.
+    modulation: `pwm`, `six_step`, `over`. bandwidth_Hz: of the PI control; 0 is the firmware's own choice. extended: correct what the
+    motor file's extensions state.
 
-    `reference(i_d_A, i_q_A)` sets what is asked for; `state` is the firmware's state, integers in Q7.24.
+    >>> drive = iqfoc.Drive(iqfoc.Motor("data/motors/jarzebowicz2019.toml"))
+    >>> plant, cycle = drive.plant(), iqfoc.Cycle(drive.motor, control="deadbeat", model="exact")
+    >>> plant.set_speed(2500.0)
+    >>> cycle.reference(0.0, 5.0)
+    >>> rows = cycle.run(plant, 200)
+    >>> round(float(rows["i_q_mean_A"][-1]), 1)
+    5.0
     """
 
     def __init__(self, motor: Motor | str | os.PathLike, feedback: str = "midpoint", model: str = "quasi_discrete", modulation: str = "pwm",
-                 bandwidth_Hz: float = 0.0, extended: bool = False):
-        self.motor = motor_of(motor)
+                 bandwidth_Hz: float = 0.0, extended: bool = False, control: str = "pi", observer_gain: float = 0.1):
+        motor = motor_of(motor)
         if feedback == "exact_mean" and model != "exact":
             raise ValueError("feedback exact_mean is the exact model's; give model='exact'")
         if bandwidth_Hz < 0.0 or not math.isfinite(bandwidth_Hz):
             raise ValueError(f"bandwidth_Hz = {bandwidth_Hz}; expected a number >= 0")
+        if not 0.0 <= observer_gain <= 1.0:
+            raise ValueError(f"observer_gain = {observer_gain}; expected 0 to 1")
         how = ffi.new("py_methods *", {"model": _index(MODELS, "model", model), "feedback": _index(FEEDBACKS, "feedback", feedback),
-                                       "modulation": _index(MODULATIONS, "modulation", modulation), "bandwidth_Hz": bandwidth_Hz,
-                                       "extended": extended})
+                                       "modulation": _index(MODULATIONS, "modulation", modulation),
+                                       "control": _index(CONTROLS, "control", control), "bandwidth_Hz": bandwidth_Hz,
+                                       "observer_gain": observer_gain, "extended": extended})
         trouble = Trouble()
-        self._c = ffi.gc(trouble.check(lib.py_cycle_new(self.motor._c, how, trouble.c)), lib.py_cycle_free)
-        self._command = ffi.new("py_command *")
+        self._c = ffi.gc(trouble.check(lib.py_cycle_new(motor._c, how, trouble.c)), lib.py_cycle_free)
+        self._begin(motor, lib.py_cycle_firmware(self._c))
         lib.py_cycle_enable(self._c, True)
 
     def enable(self, enabled: bool = True) -> None:
@@ -73,22 +153,6 @@ class Cycle:
     def clear(self) -> None:
         """Ends a trip: status bits, integrators and the memory of earlier samples."""
         lib.py_cycle_clear(self._c)
-
-    def reference(self, i_d_A: float, i_q_A: float) -> None:
-        """The current asked for, rotor frame, peak A."""
-        d, q = from_float([i_d_A / self.motor.I_base_A, i_q_A / self.motor.I_base_A])
-        lib.py_cycle_reference(self._c, int(d), int(q))
-
-    def valley(self, sample: Sample) -> None:
-        """At the carrier's valley: the prediction's error, the next prediction, the mean."""
-        lib.py_cycle_valley(self._c, self._integers(sample, 0))
-
-    def peak(self, sample: Sample, output_mid: float = 1.5) -> Command:
-        """At the carrier's peak: control and modulation. output_mid: the middle of the span in which the command acts, cycles after the
-        valley."""
-        lib.py_cycle_peak(self._c, self._integers(sample, ONE // 2), int(from_float(output_mid)), self._command)
-        c = self._command
-        return Command(tuple(c.duty), c.scale, c.gates)
 
     @property
     def state(self) -> dict:
@@ -101,14 +165,12 @@ class Cycle:
         return {"status": text(words), "enabled": s.enabled, "tripped": s.tripped, "corrected": s.corrected,
                 **{v: tuple(getattr(s, v)) for v in vectors}}
 
-    def _integers(self, s, at):
-        m = self.motor
-        numbers = from_float([*(x / m.I_base_A for x in s.i_A), math.remainder(s.theta_e_rad / math.tau, 1.0),
-                              s.omega_e_rad_s * m.T_s / math.tau, s.u_dc_V / m.u_dc_V])
-        i, (theta, turns, u_dc) = [int(x) for x in numbers[:3]], [int(x) for x in numbers[3:]]
-        return ffi.new("py_sample *", {"i": i, "theta": theta, "turns": turns, "u_dc": u_dc, "at": at,
-                                       "time": round(s.t_s * TICKS_PER_S) % 2 ** 32,
-                                       "clipped": max(abs(x) for x in s.i_A) > 15.9 * m.I_base_A})
+
+def _run_columns():
+    names = []
+    while (name := lib.py_run_column_name(len(names))) != ffi.NULL:
+        names.append(text(name))
+    return names
 
 
 def _index(words, what, word):

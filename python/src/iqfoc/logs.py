@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ._host import InputError, Trouble, doubles, ffi, lib, path_bytes
+from ._host import InputError, MissingFileError, Trouble, doubles, ffi, lib, path_bytes
 from .motor import Motor, motor_of, text_file, toml_value
-from .recording import Recording
+from .recording import Recording, columns_of
 
 
 def read_log(log: str | os.PathLike | Mapping, map: str | os.PathLike | Mapping | None = None, preset: str | None = None,
@@ -19,14 +19,22 @@ def read_log(log: str | os.PathLike | Mapping, map: str | os.PathLike | Mapping 
     """A recording of another program's log.
 
     log: a file, by its ending: .mat (scipy), .parquet or .feather (pyarrow), .h5 or .hdf5 (h5py), .mf4, .mdf or .dat (asammdf), anything
-    else a text table as `iqfoc import` reads it; or a mapping of columns. map: the map's file (docs/own-log.md) or a mapping of its tables;
+    else a text table as `iqfoc import` reads it; or a mapping of columns, or a data frame. map: the map's file (docs/own-log.md) or a mapping of its tables;
     or preset: the name of one. motor: the motor file, where something is mechanical. Raises InputError with what was expected.
+
+    >>> run = iqfoc.Drive("data/motors/jarzebowicz2019.toml").run({"run": [{"cycles": 50, "speed_rpm": 500.0}]})
+    >>> log = {"time": run["t_s"], "angle": run["theta_e_rad"], "Ia": 1e3 * run["i_a_A"], "Ib": 1e3 * run["i_b_A"],
+    ...        "Ua": run["u_a_V"], "Ub": run["u_b_V"], "Uc": run["u_c_V"]}
+    >>> columns = {"t_s": "time", "theta_e_rad": "angle", "i_a_A": {"from": "Ia", "scale": 1e-3}, "i_b_A": {"from": "Ib", "scale": 1e-3},
+    ...            "u_a_V": "Ua", "u_b_V": "Ub", "u_c_V": "Uc"}
+    >>> iqfoc.read_log(log, map={"columns": columns}).rows
+    50
     """
     if (map is None) == (preset is None):
         raise TypeError("read_log: expected a map or a preset")
     motor = None if motor is None else motor_of(motor)
-    if isinstance(log, Mapping):
-        label, columns = "log", dict(log)
+    if not isinstance(log, (str, os.PathLike)):
+        label, columns = "log", columns_of(log)
     else:
         label = str(log)
         read = READERS.get(pathlib.Path(log).suffix.lower())
@@ -54,7 +62,7 @@ def _import(label, columns, map, preset, motor, replace):
 
 def _read(read, path):
     if not os.path.exists(path):
-        raise InputError(f"{path}: there is no such file")
+        raise MissingFileError(f"{path}: there is no such file")
     try:
         return read(path)
     except (InputError, ImportError):
@@ -119,7 +127,7 @@ def _hdf5(path):
 
 
 def _mdf(path):
-    """The channels of the group with the most, beside its "t_s"; those of others at its times, each holding its last value."""
+    """The channels of the largest group with its "t_s", and those of other groups at its times, each with its last value."""
     asammdf = _library("asammdf", "mdf")
     with asammdf.MDF(path) as file:
         groups = []

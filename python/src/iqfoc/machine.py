@@ -17,6 +17,11 @@ class Machine:
     """The per-unit constants of a motor file, as the host's port makes them for a firmware, and the predictions by them.
 
     `k_u`, `k_r`, `k_psi` are the predictor's constants, Q7.24 (docs/units.md).
+
+    >>> machine = iqfoc.Machine("data/motors/jarzebowicz2019.toml")
+    >>> numbers = iqfoc.from_float([0.5, 0.0, 0.1, 0.0, 0.0, 0.02])
+    >>> iqfoc.to_float(machine.predict(*numbers, method="exact")).round(4).tolist()
+    [0.6908, -0.2144]
     """
 
     def __init__(self, motor: Motor | str | os.PathLike):
@@ -34,7 +39,7 @@ class Machine:
         i: at the cycle's start, |i| <= 8; u: the mean voltage that acts in the cycle, <= 2; theta: at its start, turns; turns: speed,
         turns per cycle, held to a third. method: `euler` 2019 (3), `quasi_discrete` 2019 (12), `exact` predictor_exact.h, `salient`
         predictor_salient.h, `flux` flux_predictor.h (which takes the motor file's extensions); `quasi_discrete_mean` 2019 (10),
-        `exact_mean`, `salient_mean`: the mean over the cycle. Errors are in those headers: 0.5 to 4 LSB for the motors of motors/.
+        `exact_mean`, `salient_mean`: the mean over the cycle. Errors are in those headers: 0.5 to 4 LSB for the motors of data/motors/.
         """
         if method not in METHODS:
             raise ValueError(f"no method {method!r}; there are {', '.join(METHODS)}")

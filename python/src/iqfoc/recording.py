@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +11,16 @@ from numpy.typing import NDArray
 from ._host import InputError, Trouble, doubles, ffi, lib, path_bytes, text
 
 
-class Recording(Mapping):
-    """Columns by name, each a float64 array of one number a control cycle; units stand in the names.
+class Recording(dict):
+    """Columns by name, each a float64 array of one number a control cycle; names have the units.
 
     `Recording("REC.csv")` reads a file (gzip too), `Recording(columns)` takes a mapping of columns or a data frame. What a recording
     needs is checked as the command checks it, and refused by an InputError with the line, or the row, and what was expected. Columns
-    that are no recording's are ignored.
+    that are no recording's are ignored. It is a dict, so that pandas.DataFrame(recording) has its columns, but cannot be changed.
+
+    >>> recording = iqfoc.Recording("data/recordings/dead_time.csv.gz")
+    >>> recording.rows, recording["i_a_A"].shape
+    (14880, (14880,))
     """
 
     def __init__(self, source: str | os.PathLike | Mapping, label: str = "recording"):
@@ -24,7 +28,7 @@ class Recording(Mapping):
         if isinstance(source, (str, os.PathLike)):
             handle, label = trouble.check(lib.py_recording_read(path_bytes(source), trouble.c)), str(source)
         else:
-            names, values, rows, kept = doubles(_columns_of(source))
+            names, values, rows, kept = doubles(columns_of(source))
             handle = trouble.check(lib.py_recording_make(path_bytes(label), rows, len(names), names, values, trouble.c))
             del kept
         self._take(handle, label)
@@ -41,27 +45,36 @@ class Recording(Mapping):
         self.rows: int = lib.py_recording_rows(self._c)
         self.T_s: float = lib.py_recording_T_s(self._c)
         self.notes: list[str] = []
-        self.columns: dict[str, NDArray[np.float64]] = {}
         column = 0
         while (name := lib.py_recording_column_name(column)) != ffi.NULL:
             values = np.empty(self.rows)
             if lib.py_recording_column(self._c, column, ffi.cast("double *", values.ctypes.data)):
                 values.flags.writeable = False
-                self.columns[text(name)] = values
+                super().__setitem__(text(name), values)
             column += 1
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
-        return self.columns[name]
+    def _unchangeable(self, *_, **__):
+        raise TypeError("a recording cannot be changed; to_dict() is a dict of its columns, Recording(columns) makes another")
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.columns)
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _unchangeable
 
-    def __len__(self) -> int:
-        return len(self.columns)
+    @property
+    def columns(self) -> dict[str, NDArray[np.float64]]:
+        """The columns as a dict."""
+        return dict(self)
+
+    def __eq__(self, other):
+        return list(self) == list(other) and all(np.array_equal(self[n], other[n], equal_nan=True) for n in self) if isinstance(
+            other, Recording) else NotImplemented
+
+    def __ne__(self, other):
+        return not self == other
+
+    __hash__ = None
 
     def to_dict(self) -> dict[str, NDArray[np.float64]]:
         """The columns; pandas.DataFrame and polars.DataFrame take it as it is."""
-        return dict(self.columns)
+        return dict(self)
 
     def write(self, path: str | os.PathLike, comment: str | None = None) -> None:
         """Writes the CSV, with enough digits that reading gives the same numbers."""
@@ -69,17 +82,17 @@ class Recording(Mapping):
         trouble.check(lib.py_recording_write(self._c, path_bytes(path), ffi.NULL if comment is None else path_bytes(comment), trouble.c))
 
     def __reduce__(self):
-        return (Recording, (self.columns, self.label))
+        return (Recording, (dict(self), self.label))
 
     def __repr__(self):
-        return f"<Recording {self.label!r}: {self.rows} rows of {self.T_s:g} s, columns {', '.join(self.columns)}>"
+        return f"<Recording {self.label!r}: {self.rows} rows of {self.T_s:g} s, columns {', '.join(self)}>"
 
     def _repr_html_(self):
         from ._html import table
-        return table(("column", "least", "mean", "most"), [(n, c.min(), c.mean(), c.max()) for n, c in self.columns.items()])
+        return table(("column", "least", "mean", "most"), [(n, c.min(), c.mean(), c.max()) for n, c in self.items()])
 
 
-def _columns_of(source):
+def columns_of(source):
     """Of a mapping, a data frame (its columns) or a structured array."""
     names = getattr(getattr(source, "dtype", None), "names", None)
     if names:
@@ -88,7 +101,7 @@ def _columns_of(source):
         return source
     if hasattr(source, "columns"):
         return {str(n): np.asarray(source[n]) for n in source.columns}
-    raise InputError(f"a recording is a file, a mapping of columns or a data frame, not {type(source).__name__}")
+    raise InputError(f"expected a file, a mapping of columns or a data frame, not {type(source).__name__}")
 
 
 def recording_of(x) -> Recording:

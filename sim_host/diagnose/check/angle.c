@@ -1,17 +1,11 @@
-/* What the angle and the speed column look like beside each other (angle.h). */
+/* Compares the angle and the speed column (angle.h). */
 #include "angle.h"
 
+#include "base/sort.h"
 #include "base/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-static int ascending(const void *x, const void *y)
-{
-    double a = *(const double *)x;
-    double b = *(const double *)y;
-    return a < b ? -1 : a > b;
-}
 
 /* Median of (step of theta, unwrapped by `turn`) / (omega T), over rows that move; 0 if hardly any does. */
 static double growth(const recording *rec, double turn)
@@ -35,7 +29,7 @@ static double growth(const recording *rec, double turn)
         }
     }
     if (n > 50) {
-        qsort(ratio, n, sizeof *ratio, ascending);
+        sort_ascending(ratio, n);
         median = ratio[n / 2];
     }
     free(ratio);
@@ -64,15 +58,15 @@ bool check_angle(const recording *rec, const motor *m, error *e)
         }
     }
     if (jump > 300.0 && jump <= 360.5 && highest - lowest <= 360.5) {
-        return error_input(e, rec->path, 0, 0,
-                           "theta_e_rad runs from %.4g to %.4g and wraps by 360: it looks like degrees, "
-                           "radians are expected",
-                           lowest, highest);
+        return error_input(
+            e, rec->path, 0, 0,
+            "theta_e_rad runs from %.4g to %.4g and wraps by 360: it looks like degrees; expected radians",
+            lowest, highest);
     }
     if (jump > 0.5 && highest - lowest <= 1.001 && moves > 1e-3 && moves < 0.45) {
         return error_input(
             e, rec->path, 0, 0,
-            "theta_e_rad runs from %.4g to %.4g and wraps by 1: it looks like turns, radians are expected",
+            "theta_e_rad runs from %.4g to %.4g and wraps by 1: it looks like turns; expected radians",
             lowest, highest);
     }
     double ratio = growth(rec, VEC_TWO_PI);
@@ -80,21 +74,22 @@ bool check_angle(const recording *rec, const motor *m, error *e)
     if (ratio == 0.0 || (ratio > 0.7 && ratio < 1.4)) {
         return true;
     }
-    const char *why = "theta_e_rad and omega_e_rad_s do not belong together";
+    const char *why = "theta_e_rad and omega_e_rad_s do not match";
     if (near(ratio, -1.0)) {
-        why = "omega_e_rad_s has the opposite sign of what theta_e_rad does: one of them counts backwards";
+        why = "omega_e_rad_s and the slope of theta_e_rad have opposite signs: one of them counts backwards";
     } else if (near(ratio, VEC_TWO_PI / 60.0) || near(ratio, pairs * VEC_TWO_PI / 60.0)) {
-        why = "omega_e_rad_s looks like revolutions per minute; electrical rad/s are expected";
+        why = "omega_e_rad_s looks like revolutions per minute; expected electrical rad/s";
     } else if (near(ratio, VEC_TWO_PI)) {
-        why = "omega_e_rad_s looks like hertz; rad/s are expected";
+        why = "omega_e_rad_s looks like hertz; expected rad/s";
     } else if (m->pole_pairs > 1 && near(ratio, pairs)) {
-        why = "omega_e_rad_s looks mechanical; electrical rad/s are expected";
+        why = "omega_e_rad_s looks mechanical; expected electrical rad/s";
     } else if (m->pole_pairs > 1 && near(ratio, 1.0 / pairs)) {
-        why = "theta_e_rad looks mechanical; the electrical angle is expected";
+        why = "theta_e_rad looks mechanical; expected the electrical angle";
     } else if (near(ratio, 1000.0) || near(ratio, 0.001)) {
         why = "omega_e_rad_s is wrong by a factor of 1000";
     } else if (near(ratio, 57.2957795) || near(ratio, 0.01745329)) {
         why = "one of theta_e_rad and omega_e_rad_s looks like degrees";
     }
-    return error_input(e, rec->path, 0, 0, "%s (the angle grows by %.3g times omega T)", why, ratio);
+    return error_input(e, rec->path, 0, 0, "%s (the angle changes by %.3g times omega T per cycle)", why,
+                       ratio);
 }

@@ -1,5 +1,5 @@
 /*
- * Angle and speed against each other: degrees, turns, rpm, mechanical for electrical, and opposite signs.
+ * Checks angle and speed against each other: degrees, turns, rpm, mechanical instead of electrical, opposite signs.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_ANGLE_H
 #define SIM_HOST_DIAGNOSE_CHECK_ANGLE_H

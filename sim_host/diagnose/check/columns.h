@@ -1,6 +1,5 @@
 /*
- * Whether a recording can be diagnosed at all, as it shows before any model is fitted: too short, nothing
- * flows, units, angle against speed. What is wrong is said in words that lead to the cable or the column.
+ * Checks that a recording is usable before any model is fitted: length, cycle time, currents, units, angle and speed. Messages name the column or the cable to check.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_COLUMNS_H
 #define SIM_HOST_DIAGNOSE_CHECK_COLUMNS_H

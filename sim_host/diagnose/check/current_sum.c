@@ -8,18 +8,18 @@
 
 /* A share of the three currents' power that no sensor's noise reaches in their sum. */
 static const double SUM_SHARE = 0.02;
-/* What a single column at fault leaves of the sum's power once it is put right: the others' gains may err too. */
+/* The share of the sum's power that is left after correcting a single column: the other gains may be wrong as well. */
 static const double LEFT_SHARE = 0.05;
-/* Gains of 0.6 to 1.6 are the cause `current_gain`, and one of 1.6 beside two of 0.6 shows as 2.67. Beyond that a column is
+/* Gains of 0.6 to 1.6 are the cause `current_gain`, and one of 1.6 with two of 0.6 appears as 2.67. Beyond that a column is
  * in another unit. */
 static const double GAIN_LEAST = 0.34;
 static const double GAIN_MOST = 2.9;
-/* A sign is told from a scale by a gain this near to -1. */
+/* A gain this near to -1 is a sign error. */
 static const double SIGN_WIDTH = 0.25;
 /* A column with less than this share of a usual column's power is still. */
 static const double STILL = 1e-4;
 static const double NOTHING = 1e-12;
-/* Two currents with a correlation beyond this lie on one line, and a third may rightly be nought. */
+/* Two currents with a correlation beyond this lie on one line, and the third may be zero. */
 static const double ON_ONE_LINE = 0.95;
 
 /* Products of the three currents about their means: offsets, which are causes, fall out. */
@@ -47,7 +47,8 @@ static spread spread_of(const recording *rec, bool turning_only)
     for (int pass = 0; pass < 2; pass++) {
         for (size_t n = 0; n < rec->stretches; n++) {
             const stretch *s = &rec->stretch[n];
-            for (size_t k = s->first; (!turning_only || turns(rec, s)) && k < s->first + s->count; k++) {
+            const size_t count = !turning_only || turns(rec, s) ? s->count : 0;
+            for (size_t k = s->first; k < s->first + count; k++) {
                 all.rows += pass == 0 ? 1.0 : 0.0;
                 for (size_t x = 0; x < 3; x++) {
                     mean[x] += pass == 0 ? rec->i_A[x][k] : 0.0;
@@ -75,21 +76,20 @@ static double usual(const spread *s)
 
 static bool refuse_still(const recording *rec, size_t x, error *e)
 {
-    return error_input(
-        e, rec->path, 0, 0,
-        "the current column of phase %c looks dead: it stays at %.3g A while others move (its sensor, or the "
-        "log, is to be looked at)",
-        phase_name[x], rec->i_A[x][0]);
+    return error_input(e, rec->path, 0, 0,
+                       "the current column of phase %c looks dead: it stays at %.3g A while others move "
+                       "(check its sensor and the log)",
+                       phase_name[x], rec->i_A[x][0]);
 }
 
-/* Still beside the others, or beside one of them as only a column without any signal is. */
+/* Still compared with the others, or so small that it has no signal at all. */
 static bool is_still(const spread *s, size_t x)
 {
     const double most = fmax(s->of[0][0], fmax(s->of[1][1], s->of[2][2]));
     return s->of[x][x] < STILL * usual(s) || s->of[x][x] < NOTHING * most;
 }
 
-/* A still column: of a rotor that turns, or of three that were measured and do not sum to nought. */
+/* A still column: of a rotor that turns, or of three measured ones whose sum is not zero. */
 static bool check_still(const recording *rec, const spread *s, error *e)
 {
     const spread turning = spread_of(rec, true);
@@ -139,15 +139,15 @@ static bool refuse_column(const recording *rec, const bool suspect[3], double ga
         }
     }
     if (is_sign(gain)) {
-        return error_input(e, rec->path, 0, 0,
-                           "the current column of phase %s looks negated: the three then sum to nought",
-                           phases);
+        return error_input(
+            e, rec->path, 0, 0,
+            "the current column of phase %s looks negated: with its sign changed, the three sum to zero",
+            phases);
     }
-    return error_input(
-        e, rec->path, 0, 0,
-        "the current column of phase %s looks scaled by %.3g: divided by that, the three sum to "
-        "nought (is it in the unit of the others?)",
-        phases, gain);
+    return error_input(e, rec->path, 0, 0,
+                       "the current column of phase %s looks scaled by %.3g: divided by that, the three sum "
+                       "to zero (check its unit)",
+                       phases, gain);
 }
 
 bool check_current_sum(const recording *rec, error *e)

@@ -1,10 +1,5 @@
 /*
- * Three measured currents sum to nought in a machine with a floating star point. What their sum does instead tells,
- * without any model of the motor, which column is not what it says: one that is negated, scaled by a wrong unit or
- * dead.
- *
- * A column x that shows g times its current is known by y + z = -x / g: the other two tell g. A sensor gain that is
- * merely wrong is a cause for the diagnosis to name, and is left to it.
+ * Checks that three measured currents sum to zero, as a floating star point requires. The sum shows, without a motor model, which column is negated, scaled by a wrong unit, or dead. If column x shows g times its current, y + z = -x / g gives g. A moderate gain error is a cause, current_gain, and is left to the diagnosis.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_CURRENT_SUM_H
 #define SIM_HOST_DIAGNOSE_CHECK_CURRENT_SUM_H

@@ -18,10 +18,10 @@ bool check_motor_file(const averaged_drive *fitted, const averaged_drive *file, 
     if (far < 2) {
         return true;
     }
-    return error_input(e, rec->path, 0, 0,
-                       "this is another motor's recording: it fits R = %.3g ohm, L_d = %.3g H, L_q = %.3g H, "
-                       "psi_f = %.3g Wb, and the motor file "
-                       "says %.3g ohm, %.3g H, %.3g H, %.3g Wb",
-                       fitted->R_ohm / ki, fitted->L_d_H / ki, fitted->L_q_H / ki, fitted->psi_f_Wb / k,
-                       file->R_ohm, file->L_d_H, file->L_q_H, file->psi_f_Wb);
+    return error_input(
+        e, rec->path, 0, 0,
+        "the recording is of another motor: it fits R = %.3g ohm, L_d = %.3g H, L_q = %.3g H, "
+        "psi_f = %.3g Wb, the motor file has %.3g ohm, %.3g H, %.3g H, %.3g Wb; give the file of this motor",
+        fitted->R_ohm / ki, fitted->L_d_H / ki, fitted->L_q_H / ki, fitted->psi_f_Wb / k, file->R_ohm,
+        file->L_d_H, file->L_q_H, file->psi_f_Wb);
 }

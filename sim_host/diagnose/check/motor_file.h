@@ -1,5 +1,5 @@
 /*
- * Whether the fitted values are so far from the file's that the recording is another motor's.
+ * Checks that the fitted values are close enough to the motor file to be of the same motor.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_MOTOR_FILE_H
 #define SIM_HOST_DIAGNOSE_CHECK_MOTOR_FILE_H

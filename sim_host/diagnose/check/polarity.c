@@ -21,14 +21,14 @@ enum {
         5 /* cycles summed to one equation: the noise of di/dt, which is large in one cycle, is that of their ends */
 };
 
-/* As recorded the equation must miss this share of the voltage's power or more ... */
+/* As recorded, the residual must be at least this share of the voltage's power ... */
 static const double BAD = 2e-3;
-/* ... with the mistake undone a sixth of that or less, and no more than this: else it is not known to hold. */
+/* ... and with the mistake undone at most a sixth of that, and at most this share. */
 static const double BETTER = 6.0;
 static const double HOLDS = 0.15;
-/* Arrangements that leave so little more than the best one cannot be told from it. */
+/* Arrangements with a residual up to this factor above the best one are not distinguishable from it. */
 static const double ALIKE = 1.3;
-/* Below this rms speed, rad/s, a rotor stands. */
+/* Below this rms speed, rad/s, the rotor is at standstill. */
 static const double STANDSTILL = 1.0;
 /* Angle offsets that are tried, in steps, either way: up to a radian. */
 enum { OFFSETS = 5 };
@@ -318,9 +318,9 @@ bool check_polarity(const recording *rec, error *e)
         other = one && !other && left[k] <= alike ? mistakes[k].words : other;
         one = !one && left[k] <= alike ? mistakes[k].words : one;
     }
-    return error_input(
-        e, rec->path, 0, 0,
-        "%s%s%s: with that undone the voltage equation misses %.2g %% of the voltage, as recorded "
-        "%.2g %%",
-        one, other ? ", or " : "", other ? other : "", 100.0 * sqrt(left[best]), 100.0 * sqrt(own));
+    return error_input(e, rec->path, 0, 0,
+                       "%s%s%s: with this corrected, the residual of the voltage equation is %.2g %% of the "
+                       "voltage, as recorded %.2g %%",
+                       one, other ? ", or " : "", other ? other : "", 100.0 * sqrt(left[best]),
+                       100.0 * sqrt(own));
 }

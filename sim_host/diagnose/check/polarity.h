@@ -1,16 +1,12 @@
 /*
- * Columns that are negated, exchanged, inverted or counted backwards, looked for before any cause is: a search
- * for causes would bend the model around them, for a long time and to no use.
+ * Checks for columns that are negated, exchanged, inverted or counted backwards, before the search for causes, which would fit wrong causes to them.
  *
  * The voltage equation in the middle of each cycle,
  *
  *     u_dq = R i_dq + (L_d di_d/dt - omega L_q i_q, L_q di_q/dt + omega L_d i_d) + omega (-psi_q, psi_d)
  *            + v_dead (sat(i_x / i_knee) of the phases, in dq)
  *
- * is fitted to the recording as it is and with each mistake undone, with R, L_d, L_q, psi_d and v_dead free but not
- * negative, as no machine's are, and psi_q free. The motor file is not asked: it may be wrong. An arrangement other
- * than the recorded one is named where it leaves a small part of what the recorded one does. Those that a recording
- * cannot tell apart (at standstill reversed currents are inverted voltages) are named together.
+ * is fitted to the recording as it is and with each mistake undone. R, L_d, L_q, psi_d and v_dead are free but not negative, psi_q is free. The motor file is not used, because it may be wrong. Another arrangement is reported if its residual is a small part of the recorded one's. Arrangements that are not distinguishable (at standstill, reversed currents and inverted voltages) are reported together.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_POLARITY_H
 #define SIM_HOST_DIAGNOSE_CHECK_POLARITY_H

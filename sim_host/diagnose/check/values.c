@@ -1,5 +1,6 @@
 #include "values.h"
 
+#include "base/sort.h"
 #include "base/vector.h"
 
 #include <math.h>
@@ -10,15 +11,8 @@ static const double LINK_LEAST = 0.01;
 static const double LINK_MOST = 10.0;
 /* Duties of overmodulation, computed but not yet clipped, and noise of an ADC that measured them. */
 static const double DUTY_ROOM = 0.25;
-/* So many rows beside that are glitches, which a diagnosis leaves out. */
+/* Up to this share of rows outside are glitches, which a diagnosis leaves out. */
 static const double DUTY_ROWS = 0.01;
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static double median_of(const double *x, size_t n)
 {
@@ -28,7 +22,7 @@ static double median_of(const double *x, size_t n)
         sorted[k] = x[k];
     }
     if (sorted) {
-        qsort(sorted, n, sizeof *sorted, ascending);
+        sort_ascending(sorted, n);
         median = sorted[n / 2];
     }
     free(sorted);
@@ -50,8 +44,8 @@ static bool check_link(const recording *rec, error *e)
         }
         if (median > 0.0 && (u[k] < LINK_LEAST * median || u[k] > LINK_MOST * median)) {
             return error_input(e, rec->path, rec->line ? rec->line[k] : 0, 0,
-                               "u_dc_V = %g beside a median of %g V; expected %g to %g times that", u[k],
-                               median, LINK_LEAST, LINK_MOST);
+                               "u_dc_V = %g, but the median is %g V; expected %g to %g times the median",
+                               u[k], median, LINK_LEAST, LINK_MOST);
         }
     }
     return true;
@@ -77,7 +71,7 @@ static bool check_duties(const recording *rec, error *e)
                       : highest > 1.5                    ? "they look like percent"
                                                          : "they look centred on 0";
     return error_input(e, rec->path, 0, 0,
-                       "d_a, d_b and d_c run from %.4g to %.4g: %s; duties from 0 to 1 are expected", lowest,
+                       "d_a, d_b and d_c run from %.4g to %.4g: %s; expected duties from 0 to 1", lowest,
                        highest, why);
 }
 
@@ -86,11 +80,10 @@ bool check_speed(const recording *rec, error *e)
     for (size_t k = 0; k < rec->rows; k++) {
         const double turn = fabs(rec->omega_e_rad_s[k]) * rec->T_s / VEC_TWO_PI;
         if (turn > 0.5) {
-            return error_input(
-                e, rec->path, rec->line ? rec->line[k] : 0, 0,
-                "omega_e_rad_s = %g is %.3g electrical turns in a control cycle of %g s; expected half a "
-                "turn at most",
-                rec->omega_e_rad_s[k], turn, rec->T_s);
+            return error_input(e, rec->path, rec->line ? rec->line[k] : 0, 0,
+                               "omega_e_rad_s = %g is %.3g electrical periods in a control cycle of %g s; "
+                               "expected half a period at most",
+                               rec->omega_e_rad_s[k], turn, rec->T_s);
         }
     }
     return true;

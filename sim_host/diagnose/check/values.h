@@ -1,6 +1,5 @@
 /*
- * Values that are finite, and may be what a drive has, but not in this recording: a DC link of 0 V, or of a hundred
- * times the usual, in a row that is believed; duties that are percent or compare counts.
+ * Checks for values that no drive has in a usable recording: a DC link of 0 V or of ten times its median, duties in percent or compare counts, a speed above half an electrical period per cycle.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_VALUES_H
 #define SIM_HOST_DIAGNOSE_CHECK_VALUES_H
@@ -10,7 +9,7 @@
 /* False with one line in *e that names the column, and the line of the file if it is a single row. */
 bool check_values(const recording *rec, error *e);
 
-/* The same for a speed at which the angle of the next cycle says nothing; after its unit has been checked. */
+/* The same for a speed above half an electrical period per control cycle; its unit is checked before. */
 bool check_speed(const recording *rec, error *e);
 
 #endif

@@ -1,5 +1,5 @@
 /*
- * The voltage equation as a plain regression to a recording, as it is or with its columns rearranged:
+ * Fits the voltage equation by plain regression to a recording, as it is or with rearranged columns:
  *
  *     u_dq = R i_dq + (L_d di_d/dt - omega L_q i_q, L_q di_q/dt + omega L_d i_d) + omega (-psi_q, psi_d)
  *
@@ -18,8 +18,9 @@ typedef struct voltage_arrangement {
     int i_from[3], u_from[3]; /* phase x is read from column ... */
     double i_sign[3];         /* of each column */
     int i_derived;            /* the column that is minus the sum of the others, or VOLTAGE_NONE_DERIVED */
-    double angle_sign, angle_zero; /* angle = angle_sign * recorded - angle_zero */
-    int late_halves;               /* the command of a row acts so many half cycles after the row, >= 0 */
+    double angle_sign,
+        angle_zero;  /* angle = angle_sign * recorded - angle_zero; +-1, or pole pairs for a mechanical one */
+    int late_halves; /* the command of a row acts so many half cycles after the row, >= 0 */
 } voltage_arrangement;
 
 extern const voltage_arrangement voltage_as_recorded;

@@ -8,8 +8,7 @@
 
 enum { ROWS_MOST = 20000 };
 
-/* A rearrangement must leave this share of the voltage's power or more as it is, and this factor less when
- * undone. */
+/* As recorded, the residual must be at least this share of the voltage's power, and smaller by this factor with the exchange undone. */
 static const double BAD = 5e-4;
 static const double BETTER = 8.0;
 
@@ -62,11 +61,19 @@ bool check_wiring(const recording *rec, const motor *m, bool far_off, error *e)
             words = exchanged[k].words;
         }
     }
+    voltage_arrangement mechanical = voltage_as_recorded;
+    mechanical.angle_sign = (double)m->pole_pairs;
+    const voltage_fit turned = voltage_equation_fit(rec, &mechanical, ROWS_MOST);
+    if (m->pole_pairs > 1 && turned.left < best.left && turned.x[1] > 0.0 && turned.x[2] > 0.0) {
+        best = turned;
+        words = "theta_e_rad and omega_e_rad_s look mechanical: the electrical ones are expected, pole_pairs "
+                "times as large";
+    }
     if (words && own.left > BAD && own.left > BETTER * best.left) {
-        return error_input(
-            e, rec->path, 0, 0,
-            "%s: with that undone the voltage equation misses %.2g %% of the voltage, as recorded %.2g %%",
-            words, 100.0 * sqrt(best.left), 100.0 * sqrt(own.left));
+        return error_input(e, rec->path, 0, 0,
+                           "%s: with this corrected, the residual of the voltage equation is %.2g %% of the "
+                           "voltage, as recorded %.2g %%",
+                           words, 100.0 * sqrt(best.left), 100.0 * sqrt(own.left));
     }
     bool holds = own.left < 0.1;
     if (holds && own.x[1] < 0.0 && own.x[2] < 0.0) {
@@ -80,20 +87,20 @@ bool check_wiring(const recording *rec, const motor *m, bool far_off, error *e)
     double angle = atan2(own.x[4], own.x[3]);
     if (holds && own.x[1] > 0.0 && own.x[2] > 0.0 && flux > 0.0 && fabs(angle) > 1.2) {
         return error_input(e, rec->path, 0, 0,
-                           "the magnet shows %.0f degrees from the recorded d axis: theta_e = 0 must be "
-                           "where its flux lies on phase A's "
-                           "axis (check zero, direction and the phases' order)",
+                           "the magnet is %.0f degrees from the recorded d axis: theta_e = 0 must be where "
+                           "its flux is on the axis of phase A (check zero, direction and phase order)",
                            angle * 57.29577951308232);
     }
     if (far_off && holds && own.x[1] > 0.0 && own.x[2] > 0.0 &&
         (ratio(own.x[0], m->R_ohm) > 20.0 ||
          ratio(sqrt(own.x[1] * own.x[2]), sqrt(m->L_d_H * m->L_q_H)) > 5.0 ||
          ratio(flux, m->psi_f_Wb) > 3.0)) {
-        return error_input(e, rec->path, 0, 0,
-                           "the motor file is another motor's, or its units are wrong: the voltage equation "
-                           "holds with about R = %.2g ohm, "
-                           "L_d = %.2g H, L_q = %.2g H, psi_f = %.2g Wb",
-                           own.x[0], own.x[1], own.x[2], flux);
+        return error_input(
+            e, rec->path, 0, 0,
+            "the motor file is for another motor, or its units are wrong: the voltage equation "
+            "holds with about R = %.2g ohm, "
+            "L_d = %.2g H, L_q = %.2g H, psi_f = %.2g Wb",
+            own.x[0], own.x[1], own.x[2], flux);
     }
     return true;
 }

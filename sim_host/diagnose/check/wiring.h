@@ -1,8 +1,5 @@
 /*
- * Swapped phases, signs and directions, and a motor file of another motor. They are looked for only when no
- * set of known effects brings the error near the noise: then the voltage equation is fitted as a plain
- * regression (voltage_equation.h) to the recording as it is and with its columns exchanged, and what holds far
- * better is named. It need not be accurate: an exchange changes what it leaves by factors.
+ * Checks for swapped phases, wrong signs or directions, and a motor file of another motor. It runs only if no set of causes brings the error near the noise floor. The voltage equation is fitted by plain regression (voltage_equation.h) to the recording as it is and with exchanged columns. An exchange that fits far better is reported.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_WIRING_H
 #define SIM_HOST_DIAGNOSE_CHECK_WIRING_H

@@ -6,7 +6,7 @@
  * the lesser part is a guess. Two measures of one question; neither needs to know what the effect is:
  *
  *     -2 log likelihood    the named ones' gain on the motor file's     what the filter's gain says there is still to gain
- *     power, held out      what of the one-cycle error they take off    what of it they leave beyond the noise floor
+ *     power, held out      by what they reduce the one-cycle error    what of it they leave beyond the noise floor
  *
  * The first sees what one cycle hardly shows; the second counts where sensors have next to no noise, and a filter has no reason
  * to trust any model. Names stay if either has it that more is explained than left.
@@ -16,7 +16,7 @@
 
 #include "session.h"
 
-/* What sensor noise alone would leave less, as -2 log likelihood: white innovations of which a filter trusts (1 - gain). */
+/* What sensor noise alone would leave less, as -2 log likelihood: white innovations, a share (1 - gain) trusted by the filter. */
 double borne_out_left(const group_noise *noise, size_t groups);
 
 /* One-cycle errors and the floor in one unit; gained and left as -2 log likelihood. */

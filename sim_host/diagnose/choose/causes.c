@@ -5,7 +5,6 @@
 #include "confusion.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/measure/errors.h"
-#include "diagnose/measure/floor.h"
 #include "evidence.h"
 #include "probability.h"
 #include "search.h"
@@ -15,7 +14,7 @@
 #include <string.h>
 
 /*
- * A cause is named when its posterior is high: 0.99 against the set without it (here in -2 log of odds: what it takes off,
+ * A cause is named when its posterior is high: 0.99 against the set without it (here in -2 log of odds: by what it reduces the cost,
  * by how much wider than white noise the scores scatter, less what it pays), and more likely than not among all sets about
  * the one chosen, or in the likeliest of these, as of causes that trade each may be less likely than not (probability.h).
  * And when the posterior that it exceeds its `least` is: 0.975, one half width of its size.
@@ -23,11 +22,11 @@
 static const double ODDS_OF_NAMED = 9.2;
 static const double LIKELY = 0.5;
 
-/* Beside structure that no hypothesis explains a cause may be a part of that: the least share of what is
+/* If no hypothesis explains the residual structure, a cause may be a part of that: the least share of what is
  * left. */
 static const double LEAST_SHARE_OF_REST = 0.05;
 
-/* A cause that takes off so many times what the effects without a name do is none of their parts. */
+/* A cause that reduces the cost so many times as much as the effects without a name is none of their parts. */
 static const double FAR_MORE = 4.0;
 
 /*
@@ -48,23 +47,10 @@ static bool is_large(const session *w, hypothesis_id h)
            certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypo->least);
 }
 
-/* Held-out error of the model that holds the named members of a set, at the fitted values. */
-static double named_error(const session *w, hypothesis_set set)
+/* An error in noise floors; 0 if there is no noise to measure it by. */
+static double in_floors(double floor, double percent)
 {
-    double z[P_COUNT] = {0};
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if ((set & HYPOTHESIS_BIT(h)) && hypothesis_cause(h)->named) {
-            session_adopt(w, h, z);
-        }
-    }
-    averaged_drive drive = session_drive(w, z);
-    return measure_without_glitches(&w->rows, &drive);
-}
-
-/* How many noise floors an error of so many percent of the current is; 0 if there is no noise to measure it by. */
-static double in_floors(const session *w, double floor_A, double percent)
-{
-    return floor_A > 0.0 ? 0.01 * percent * measure_current(&w->rows, MEASURE_ALL, true) / floor_A : 0.0;
+    return floor > 0.0 ? percent / floor : 0.0;
 }
 
 /* Whether another cause would do as well in h's place. */
@@ -80,11 +66,11 @@ static bool is_open(const session *w, const evidence_view *view, double own_cost
 }
 
 /* What the set leaves unexplained, if that is more than the verdict allows, as chi square. */
-static double unexplained_of(const session *w, const evidence_view *view, double floor_A)
+static double unexplained_of(const session *w, const evidence_view *view, double floor)
 {
     evidence_option own;
     const averaged_drive drive = session_drive(w, w->state.z);
-    const double floors = in_floors(w, floor_A, measure_without_glitches(&w->rows, &drive));
+    const double floors = in_floors(floor, measure_without_glitches(&w->rows, &drive));
     evidence_cost(view, &w->state, w->state.set, &own);
     return floors > DIAGNOSIS_FLOOR_TOLERANCE ? (floors * floors - 1.0) * own.cost : 0.0;
 }
@@ -101,16 +87,16 @@ static hypothesis_id least_of(const double cost_without[H_COUNT], hypothesis_set
     return least;
 }
 
-/* What the members of the state's set take off, one by one and together, in chi square. */
+/* By what the members of the state's set reduce the cost, one by one and together, in chi square. */
 typedef struct weighing {
     const session *w;
     const evidence_view *view;
-    double floor_A, unexplained;
+    double floor, unexplained;
     double own_cost;         /* of the set as it is */
-    double without[H_COUNT]; /* what each takes off beside the others */
+    double without[H_COUNT]; /* reduction by each, given the others */
     standing posterior[H_COUNT];
     hypothesis_set decoys; /* members without a name */
-    double of_decoys;      /* what these take off beside the named ones */
+    double of_decoys;      /* reduction by these, given the named ones */
     double with_all;       /* held-out error of the named ones */
 } weighing;
 
@@ -121,10 +107,10 @@ static double cost_of(const weighing *g, hypothesis_set set)
     return option.cost;
 }
 
-static bool weigh(const session *w, const evidence_view *view, hypothesis_set allowed, double floor_A,
+static bool weigh(const session *w, const evidence_view *view, hypothesis_set allowed, double floor,
                   double unexplained, weighing *out)
 {
-    weighing g = {.w = w, .view = view, .floor_A = floor_A, .unexplained = unexplained};
+    weighing g = {.w = w, .view = view, .floor = floor, .unexplained = unexplained};
     const hypothesis_set set = w->state.set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         g.decoys |= hypothesis_in(set, h) && !hypothesis_cause(h)->named ? HYPOTHESIS_BIT(h) : 0;
@@ -134,20 +120,20 @@ static bool weigh(const session *w, const evidence_view *view, hypothesis_set al
         g.without[h] = hypothesis_in(set, h) ? cost_of(&g, set & ~HYPOTHESIS_BIT(h)) - g.own_cost : 0.0;
     }
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
-    g.with_all = named_error(w, set);
+    g.with_all = session_named_error(w, set);
     *out = g;
     return probability_of(view, &w->state, allowed, w->certainty.inflation, out->posterior);
 }
 
-/* The least that a member must take off, by what the others explain and what nothing does. */
+/* The least reduction by a member, from what the others explain and what nothing does. */
 static double bar_of(const weighing *g, hypothesis_id h)
 {
     const hypothesis_set set = g->w->state.set;
     if (!hypothesis_cause(h)->named) {
         return 0.0;
     }
-    /* What the effects without a name explain, alone or together with this cause: iron loss, say, looks so much like
-     * a late angle that either takes most of what they share. */
+    /* What the effects without a name explain, alone or together with this cause: iron loss, say, looks so much like an angle
+     * delay that either takes most of what they share. */
     const double shared = g->decoys ? cost_of(g, set & ~g->decoys & ~HYPOTHESIS_BIT(h)) - g->own_cost : 0.0;
     return LEAST_SHARE_OF_REST * (g->unexplained + shared);
 }
@@ -157,22 +143,22 @@ static bool is_probable(const weighing *g, hypothesis_id h)
 {
     const hypothesis_set set = g->w->state.set;
     const double pays = evidence_penalty(g->view, set) - evidence_penalty(g->view, set & ~HYPOTHESIS_BIT(h));
-    const bool likely = g->posterior[h].probability >= LIKELY || g->posterior[h].rival <= 1.0;
+    const bool likely = g->posterior[h].alone >= LIKELY || g->posterior[h].rival <= 1.0;
     return likely && g->posterior[h].against / g->w->certainty.inflation - pays >= ODDS_OF_NAMED;
 }
 
 /*
- * What takes up what a dead time's law leaves near zero current, or leans on an effect without a name, fits the rows that it
- * was fitted to, with what was fitted beside it, and makes others worse. Beside an unnamed effect that explains as much or
- * nearly so, a cause is named only if it makes them better and nothing else fits as well.
+ * A cause that only absorbs the model error of a dead time, or of an unnamed effect, lowers the error of the fitted rows and raises that
+ * of the others. Together with an unnamed effect that explains nearly as much, a cause is named only if it lowers the held-out error and
+ * nothing else fits as well.
  */
 static bool harms(const weighing *g, hypothesis_id h)
 {
     const hypothesis_set set = g->w->state.set;
-    if (!hypothesis_cause(h)->named || !(g->decoys || hypothesis_in(set, H_DEAD_TIME))) {
+    if (!hypothesis_cause(h)->named || !(g->decoys || hypotheses_hold(set, CAUSE_DEAD_TIME))) {
         return false;
     }
-    const double without = named_error(g->w, set & ~HYPOTHESIS_BIT(h));
+    const double without = session_named_error(g->w, set & ~HYPOTHESIS_BIT(h));
     const bool in_doubt = g->without[h] < FAR_MORE * g->of_decoys;
     return without < g->with_all ||
            (in_doubt && (without <= 1.005 * g->with_all || is_open(g->w, g->view, g->own_cost, h)));
@@ -183,23 +169,22 @@ static bool is_one_map(const weighing *g, hypothesis_id h)
     const hypothesis_set set = g->w->state.set;
     return hypothesis_table[h].cause != CAUSE_SATURATION_DQ ||
            g->view->scatter[CAUSE_SATURATION_DQ] <= ONE_MAP ||
-           g->with_all < MOST_LEFT * named_error(g->w, set & ~HYPOTHESIS_BIT(h));
+           g->with_all < MOST_LEFT * session_named_error(g->w, set & ~HYPOTHESIS_BIT(h));
 }
 
 static bool is_worthy(const weighing *g, hypothesis_id h)
 {
-    const bool stands_for_more = hypothesis_table[h].to_floor && g->unexplained > 0.0;
-    return is_probable(g, h) && is_large(g->w, h) && !stands_for_more && is_one_map(g, h) &&
-           g->without[h] >= bar_of(g, h) && !harms(g, h);
+    return is_probable(g, h) && is_large(g->w, h) && is_one_map(g, h) && g->without[h] >= bar_of(g, h) &&
+           !harms(g, h);
 }
 
 /* The member that is least worth its name, H_COUNT if all are. */
 static hypothesis_id weakest(const session *w, const weighing *g)
 {
-    /* What dead time's law leaves near zero current looks like an effect without a name: where the named ones reach
-     * the noise beside a dead time, that goes first. */
-    if (g->decoys && g->floor_A > 0.0 && hypothesis_in(w->state.set, H_DEAD_TIME) &&
-        in_floors(w, g->floor_A, g->with_all) <= DIAGNOSIS_FLOOR_TOLERANCE) {
+    /* What dead time's law leaves near zero current looks like an effect without a name: if the named ones reach the noise, one
+     * of them a dead time, that goes first. */
+    if (g->decoys && g->floor > 0.0 && hypotheses_hold(w->state.set, CAUSE_DEAD_TIME) &&
+        in_floors(g->floor, g->with_all) <= DIAGNOSIS_FLOOR_TOLERANCE) {
         return least_of(g->without, g->decoys);
     }
     hypothesis_set unworthy = 0;
@@ -209,7 +194,8 @@ static hypothesis_id weakest(const session *w, const weighing *g)
     return least_of(g->without, unworthy);
 }
 
-/* Takes a hypothesis out of a state. Of one that holds an inductance worth a name that stays, to be weighed by itself. */
+/* Takes a hypothesis out of a state. If it holds an inductance above the reporting threshold, that inductance stays, to be
+ * weighed by itself. */
 static void leave(fit_state *s, hypothesis_id h, hypothesis_set allowed, double of_least)
 {
     const double mean = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
@@ -224,7 +210,7 @@ static void leave(fit_state *s, hypothesis_id h, hypothesis_set allowed, double 
     last_digits_keep(h, s->z);
 }
 
-/* A delay whose part of a cycle is not worth a name may still be one of whole cycles: that one, H_COUNT if there is none. */
+/* A delay whose part of a cycle is below the reporting threshold may still be one of whole cycles: that one, H_COUNT if there is none. */
 static hypothesis_id whole_of(const fit_state *s, hypothesis_id h)
 {
     const hypothesis *part = &hypothesis_table[h];
@@ -272,7 +258,7 @@ static bool refine(session *w, bool roughly)
 }
 
 /* Fits the state's set and drops, one by one, what is not certain, until all that stays is. Raises `least` to what the
- * next search's causes must explain to stand here. */
+ * next search's causes must explain to stay here. */
 static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, double *least,
                   const diagnose_teller *teller)
 {
@@ -282,12 +268,10 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
             return false;
         }
         view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-        double noise = 0.0;
-        const averaged_drive drive = session_drive(w, w->state.z);
-        const double floor_A = measure_floor(&w->rows, &w->state, &drive, &noise);
-        const double unexplained = unexplained_of(w, view, floor_A);
+        const double floor = session_floor(w, &w->state);
+        const double unexplained = unexplained_of(w, view, floor);
         weighing g;
-        if (!weigh(w, view, *allowed, floor_A, unexplained, &g)) {
+        if (!weigh(w, view, *allowed, floor, unexplained, &g)) {
             return false;
         }
         const hypothesis_id worst = weakest(w, &g);
@@ -367,34 +351,23 @@ bool causes_find(session *w, const diagnose_teller *teller)
     return find(w, w->possible, teller);
 }
 
-static hypothesis_set named_of(hypothesis_set set)
-{
-    hypothesis_set named = 0;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        named |= hypothesis_in(set, h) && hypothesis_cause(h)->named ? HYPOTHESIS_BIT(h) : 0;
-    }
-    return named;
-}
-
 /* Whether the named members together explain as much as they leave. The floor, which structure raises, is no higher than
  * what the model with all its members leaves. */
 static bool is_borne_out(const session *w)
 {
-    double noise = 0.0;
     const averaged_drive drive = session_drive(w, w->state.z);
-    const double floor_A = measure_floor(&w->rows, &w->state, &drive, &noise);
     const double all = measure_without_glitches(&w->rows, &drive);
-    const double in_all = in_floors(w, floor_A, all);
+    const double in_all = in_floors(session_floor(w, &w->state), all);
     return borne_out(w->nominal.objective - w->state.objective,
-                     borne_out_left(w->state.noise, w->rows.groups), named_error(w, 0),
-                     named_error(w, w->state.set), in_all > 1.0 ? all / in_all : all);
+                     borne_out_left(w->state.noise, w->rows.groups), session_named_error(w, 0),
+                     session_named_error(w, w->state.set), in_all > 1.0 ? all / in_all : all);
 }
 
 bool causes_bear_out(session *w, const diagnose_teller *teller)
 {
     /* What a file's own dead time leaves near no current, by the plain law that a file has, is no effect without a name. */
-    const bool plain_law = w->frame.nominal.v_dead_V != 0.0;
-    if (named_of(w->state.set) == 0 || plain_law || is_borne_out(w)) {
+    const bool plain_law = averaged_drive_loses(&w->frame.nominal);
+    if (hypotheses_named(w->state.set) == 0 || plain_law || is_borne_out(w)) {
         return true;
     }
     if (teller->trace) {
@@ -404,5 +377,83 @@ bool causes_bear_out(session *w, const diagnose_teller *teller)
     }
     w->more_left = true;
     /* It was the best set there is: no other explains more, and no part of it. */
-    return find(w, w->possible & ~named_of(w->possible), teller);
+    return find(w, w->possible & ~hypotheses_named(w->possible), teller);
+}
+
+/* By less than this share chance decides, as where an effect hardly shows in one cycle. */
+static const double HARM = 0.97;
+
+bool causes_reject_harmful(session *w, const diagnose_teller *teller)
+{
+    for (;;) {
+        const double with_all = session_named_error(w, w->state.set);
+        hypothesis_id worst = H_COUNT;
+        double least = HARM * with_all;
+        for (hypothesis_id h = 0; h < H_COUNT; h++) {
+            const double without = hypothesis_in(w->state.set, h) && hypothesis_cause(h)->named
+                                       ? session_named_error(w, w->state.set & ~HYPOTHESIS_BIT(h))
+                                       : INFINITY;
+            if (without < least) {
+                least = without;
+                worst = h;
+            }
+        }
+        if (worst == H_COUNT) {
+            return true;
+        }
+        if (teller->trace) {
+            fprintf(teller->trace, "  raises the held-out error: %s\n", hypothesis_table[worst].words);
+        }
+        w->allowed &= ~HYPOTHESIS_BIT(worst);
+        leave(&w->state, worst, w->allowed, w->frame.of_least);
+        if (!refine(w, false) || !certainty_of(&w->fitted, &w->state, &w->certainty)) {
+            return false;
+        }
+    }
+}
+
+/* A cause is named if its probability among all sets about the one chosen is this, as in ODDS_OF_NAMED. */
+static const double DECIDED = 0.99;
+
+/* The named member of the lowest probability below that; H_COUNT if all are decided. */
+static bool find_undecided(session *w, evidence_view *view, hypothesis_id *least)
+{
+    standing of[H_COUNT];
+    double lowest = DECIDED;
+    *least = H_COUNT;
+    if (!evidence_look(&w->fitted, &w->state, w->possible, view) ||
+        !probability_of(view, &w->state, w->possible, w->certainty.inflation, of)) {
+        return false;
+    }
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(hypotheses_named(w->state.set), h) && of[h].probability < lowest) {
+            lowest = of[h].probability;
+            *least = h;
+        }
+    }
+    return true;
+}
+
+bool causes_leave_undecided(session *w, const diagnose_teller *teller)
+{
+    evidence_view *view = calloc(1, sizeof *view);
+    bool ok = view != NULL;
+    w->undecided = 0;
+    w->open = w->state;
+    while (ok) {
+        hypothesis_id h;
+        view->stands = false;
+        ok = find_undecided(w, view, &h);
+        if (!ok || h == H_COUNT) {
+            break;
+        }
+        if (teller->trace) {
+            fprintf(teller->trace, "  one of several explanations: %s\n", hypothesis_table[h].words);
+        }
+        w->undecided |= HYPOTHESIS_BIT(h);
+        leave(&w->state, h, 0, w->frame.of_least);
+        ok = refine(w, false) && certainty_of(&w->fitted, &w->state, &w->certainty);
+    }
+    free(view);
+    return ok;
 }

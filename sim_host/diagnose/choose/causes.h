@@ -16,8 +16,20 @@ bool causes_find(session *w, const diagnose_teller *teller);
  * in w->allowed. False: out of memory. */
 bool causes_settle(session *w, const diagnose_teller *teller);
 
+/*
+ * Takes out the members that raise the held-out error: what is named must make the model better on rows that were not fitted. False:
+ * out of memory.
+ */
+bool causes_reject_harmful(session *w, const diagnose_teller *teller);
+
+/*
+ * Takes out the named members whose probability is below 0.99: the recording does not show which of several causes it is. Notes them
+ * in w->undecided, and the state with them in w->open. False: out of memory.
+ */
+bool causes_leave_undecided(session *w, const diagnose_teller *teller);
+
 /* What was found is left as it is if it explains as much as it leaves (borne_out.h), or the file has a dead time of its own;
- * if not, the search begins anew among the effects without a name. False: out of memory. */
+ * if not, a search begins among the effects without a name. False: out of memory. */
 bool causes_bear_out(session *w, const diagnose_teller *teller);
 
 #endif

@@ -1,6 +1,7 @@
 /* Covariances that stay honest, and intervals from them (certainty.h). */
 #include "certainty.h"
 
+#include "base/normal.h"
 #include "base/solve.h"
 #include "diagnose/identify/gram.h"
 #include "diagnose/identify/last_digits.h"
@@ -55,17 +56,32 @@ static void add_square(size_t n, const double *g, double meat[][COLUMN_COUNT])
     }
 }
 
+/* A shape (knee, share of the ripple) that the rows do not show is known to its order of magnitude. The cause is certain all the same. */
+static void hold_shapes(hypothesis_set set, const int *column, size_t members, double *prior)
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        for (size_t k = 0; hypothesis_in(set, h) && k < hypothesis_table[h].shapes; k++) {
+            for (size_t i = 0; i < members; i++) {
+                prior[i] = column[i] == (int)hypothesis_table[h].shape[k] ? 1.0 : prior[i];
+            }
+        }
+    }
+}
+
 bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
 {
     memset(c, 0, sizeof *c);
     c->inflation = 1.0;
     const size_t members = gram_columns(d, s, s->set, c->column);
     double prior[COLUMN_COUNT] = {0.0};
-    const size_t n = last_digits_append(d, s, members, c->column, prior);
-    c->columns = n;
-    if (members == 0) {
-        return true;
-    }
+    c->columns = last_digits_append(d, s, members, c->column, prior);
+    hold_shapes(s->set, c->column, members, prior);
+    return members == 0 || certainty_under(d, s, prior, members, c);
+}
+
+bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_t members, certainty *c)
+{
+    const size_t n = c->columns;
     gram *grams = gram_blocks(d, s, c->column, n);
     double(*work)[COLUMN_COUNT][COLUMN_COUNT] = calloc(5, sizeof *work);
     double(*score)[COLUMN_COUNT] = calloc(ROWS_MAX_GROUPS, sizeof *score);
@@ -94,8 +110,10 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
         for (size_t g = 0; g < groups; g++) {
             add_square(n, score[g], by_group);
         }
-        if (!solve_inverse(n, COLUMN_COUNT, &sum[0][0], &bread[0][0])) {
-            /* Columns that cannot be told apart here: nothing is certain. */
+        const bool solved = members < n ? solve_inverse(n, COLUMN_COUNT, &sum[0][0], &bread[0][0])
+                                        : solve_covariance(n, COLUMN_COUNT, &sum[0][0], &bread[0][0]);
+        if (!solved) {
+            /* Columns that are not distinguishable here: nothing is certain. */
             for (size_t i = 0; i < n; i++) {
                 c->covariance[i][i] = UNKNOWN * UNKNOWN;
                 c->half_width[i] = UNKNOWN;
@@ -114,7 +132,7 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
                 for (size_t j = 0; j < n; j++) {
                     c->covariance[i][j] *= few_blocks;
                 }
-                double plain = 1.96 * sqrt(bread[i][i]);
+                double plain = NORMAL_95 * sqrt(bread[i][i]);
                 double block = t_blocks * sqrt(c->covariance[i][i]);
                 double group = groups > 3 ? t_groups * sqrt(few_groups * group_covariance[i][i]) : 0.0;
                 c->half_width[i] = fmax(plain, fmax(block, group));
@@ -139,20 +157,53 @@ static size_t place_of(const certainty *c, int column)
     return k;
 }
 
+/* What a column's value takes of each that was fitted: one of itself, or of the coordinates that move jointly. */
+static bool parts_of(const certainty *c, int column, double part[COLUMN_COUNT])
+{
+    const size_t own = place_of(c, column);
+    bool any = own < c->columns;
+    for (size_t k = 0; k < c->columns; k++) {
+        part[k] = k == own ? 1.0 : 0.0;
+        if (own == c->columns && column >= P_COUNT && c->column[k] < P_COUNT) {
+            double unit[P_COUNT] = {0.0};
+            unit[c->column[k]] = 1.0;
+            part[k] = column_value(column, unit);
+            any = any || part[k] != 0.0;
+        }
+    }
+    return any;
+}
+
+/* Covariance of two columns' values, in half widths. */
+static double widths_of(const certainty *c, const double *one, const double *other)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < c->columns; i++) {
+        for (size_t j = 0; one[i] != 0.0 && j < c->columns; j++) {
+            if (other[j] != 0.0) {
+                const double lean =
+                    i == j ? 1.0 : c->covariance[i][j] / sqrt(c->covariance[i][i] * c->covariance[j][j]);
+                sum += one[i] * other[j] * lean * c->half_width[i] * c->half_width[j];
+            }
+        }
+    }
+    return sum;
+}
+
 double certainty_half_width(const certainty *c, int column)
 {
-    const size_t k = place_of(c, column);
-    return k < c->columns ? c->half_width[k] : 0.0;
+    double part[COLUMN_COUNT];
+    return parts_of(c, column, part) ? sqrt(fmax(widths_of(c, part, part), 0.0)) : 0.0;
 }
 
 double certainty_correlation(const certainty *c, int column, int other)
 {
-    const size_t i = place_of(c, column);
-    const size_t j = place_of(c, other);
-    if (i == c->columns || j == c->columns) {
+    double one[COLUMN_COUNT];
+    double two[COLUMN_COUNT];
+    if (!parts_of(c, column, one) || !parts_of(c, other, two)) {
         return 0.0;
     }
-    return c->covariance[i][j] / sqrt(c->covariance[i][i] * c->covariance[j][j]);
+    return widths_of(c, one, two) / sqrt(widths_of(c, one, one) * widths_of(c, two, two));
 }
 
 /* Covariance, scaled to the half widths, of some columns; those not fitted have none. */

@@ -1,7 +1,7 @@
 /*
  * How sure: covariance of the fitted parameters that stays honest when the innovations are not white.
  *
- * Beside the textbook inverse of J'J two sandwich estimates are made, (J'J)^-1 (sum of g g') (J'J)^-1, with
+ * In addition to the textbook inverse of J'J two sandwich estimates are made, (J'J)^-1 (sum of g g') (J'J)^-1, with
  * the scores g summed per block and per operating point. Small errors of the model are alike within a block,
  * or within an operating point, and differ between them: then the scatter of the scores is larger than the
  * noise would make it, and the interval grows. The widest of the three counts.
@@ -19,10 +19,14 @@ typedef struct certainty {
     double inflation; /* how much wider than white noise would have it, in variance, >= 1 */
 } certainty;
 
-/* At a fitted state. Where two columns cannot be told apart every width is huge. False: out of memory. */
+/* At a fitted state. If two columns are not distinguishable, every width is huge. False: out of memory. */
 bool certainty_of(fit_data *d, const fit_state *s, certainty *c);
 
-/* Chi square of a hypothesis' parameters being nought, robust. */
+/* The same of the columns in *c under the precisions `prior`, one a column; the first `members` count for the inflation. All else of
+ * *c is zero before, but the inflation, which is 1. */
+bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_t members, certainty *c);
+
+/* Chi square of a hypothesis' parameters being zero, robust. */
 double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_id h);
 
 /* Half width along a column, 0 if it was not fitted. */

@@ -1,6 +1,7 @@
 /* One coordinate set free (estimates.h). */
 #include "estimates.h"
 
+#include "base/normal.h"
 #include "base/solve.h"
 
 #include <math.h>
@@ -93,9 +94,9 @@ estimate estimate_of(const fit_data *d, const evidence_view *view, const fit_sta
         }
     }
     const double deviation = sqrt(fmax(variance, 0.0) * inflation);
-    const double half = 1.96 * deviation + LEAST_SHARE * usual;
+    const double half = NORMAL_95 * deviation + LEAST_SHARE * usual;
     const double from_few = deviation * sqrt(fmax(rows_of(d) / ROWS_TO_TELL, 1.0));
-    if (!isfinite(half) || half > 1.96 * usual || from_few > usual) {
+    if (!isfinite(half) || half > NORMAL_95 * usual || from_few > usual) {
         return unknown;
     }
     return (estimate){s->z[id] + (free_already ? 0.0 : step), half, true};

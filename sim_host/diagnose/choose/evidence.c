@@ -38,7 +38,7 @@ static size_t columns_of(const fit_data *d, const fit_state *s, hypothesis_set a
         wanted[small[k]] = true;
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        for (size_t k = 0; hypothesis_in(s->set, h) && k < hypothesis_shapes(h, s->edge); k++) {
+        for (size_t k = 0; hypothesis_in(s->set, h) && k < hypothesis_table[h].shapes; k++) {
             wanted[hypothesis_table[h].shape[k]] = true;
         }
         if (hypothesis_in(allowed, h)) {
@@ -56,7 +56,7 @@ static size_t columns_of(const fit_data *d, const fit_state *s, hypothesis_set a
     return n;
 }
 
-/* To the last bit: of two states beside one another the sums differ. */
+/* To the last bit: the sums of two neighbouring states differ. */
 static bool is_same_point(const fit_state *a, const fit_state *b)
 {
     bool same = a->edge == b->edge;
@@ -182,7 +182,7 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
         option->z[k] += away[k];
     }
     if (!solve_positive(n, COLUMN_COUNT, &small[0][0], right, step)) {
-        return false; /* what stands is the option without a step, and no score */
+        return false; /* the option is the one without a step, and no score */
     }
     for (size_t i = 0; i < n; i++) {
         option->cost -= step[i] * right[i];
@@ -194,7 +194,7 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
 
 double evidence_least(edge_law edge, double explained, hypothesis_set set, hypothesis_id h)
 {
-    if (h == H_SENSOR_LAG && hypothesis_in(set, H_DEAD_TIME) && edge != EDGE_OVER) {
+    if (h == H_SENSOR_LAG && hypothesis_in(set, H_DEAD_TIME) && edge != EDGE_FOUND) {
         return LEAST_SHARE_OF_EDGES * explained;
     }
     if (hypothesis_table[h].cause != CAUSE_SATURATION_DQ && (set & hypotheses_of(CAUSE_SATURATION_DQ)) != 0) {
@@ -208,7 +208,7 @@ double evidence_penalty(const evidence_view *view, hypothesis_set set)
     double sum = 0.0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (set & HYPOTHESIS_BIT(h)) {
-            size_t parameters = hypothesis_table[h].columns + hypothesis_shapes(h, view->edge);
+            size_t parameters = hypothesis_table[h].columns + hypothesis_table[h].shapes;
             for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
                 parameters -= column_shows(hypothesis_table[h].column[k], view->rows) ? 0 : 1;
             }

@@ -16,9 +16,9 @@ typedef struct evidence_view {
     const diagnose_rows *rows;
     edge_law edge;
     double of_least;  /* as in coordinate_frame */
-    double explained; /* what the state takes off the motor file's -2 log likelihood; set by the search */
+    double explained; /* by what the state reduces the motor file's -2 log likelihood; set by the search */
     double least;     /* what a named cause must explain at the least, by what is left; set by the search */
-    double worth;     /* what the tolerances of the state's laws take off (tolerance.h) */
+    double worth;     /* reduction by the tolerances of the state's laws (tolerance.h) */
     double scatter[CAUSE_COUNT];     /* by what share effects differ between operating points (tolerance.h) */
     gram sums;                       /* over the fit blocks, deflated by what the laws may err by */
     gram total;                      /* these, deflated by what may move unnamed */
@@ -34,26 +34,26 @@ typedef struct evidence_option {
 } evidence_option;
 
 /*
- * For sets of the `allowed` hypotheses: what none of them moves is not looked at. A view that stands, of the same state and for
- * these hypotheses at the least, is not made again. False: out of memory, and it stands no more.
+ * For sets of the `allowed` hypotheses: what none of them moves is not looked at. A valid view, of the same state and for
+ * these hypotheses at the least, is not made again. False: out of memory, and it is no longer valid.
  */
 bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view);
 
 /*
- * The view without the last digits of what h moves: for sets that do without it. A value beyond `least` is no last digit, and
- * what the prior of these would take of it (three deviations at the most) is not told apart here.
+ * The view without the tolerance of what h moves: for sets that do without it. A value beyond `least` is no last digit, and
+ * what the prior of these would take of it (three deviations at the most) is not distinguished here.
  */
 void evidence_hold(const evidence_view *view, hypothesis_id h, evidence_view *held);
 
 /*
  * The cost of a set at the view, and where its optimum lies. False if the set is no choice: its optimum is not
- * physical (a negative dead time) or too small for a name, or two of its columns cannot be told apart; in that
+ * physical (a negative dead time) or too small for a name, or two of its columns are not distinguishable; in that
  * last case the option is the one without a step, its score infinite.
  */
 bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set,
                    evidence_option *option);
 
-/* The least that h must explain beside a set's other members, in the measure of what all of them explain. */
+/* The least that h must explain in addition to a set's other members, in the measure of what all of them explain. */
 double evidence_least(edge_law edge, double explained, hypothesis_set set, hypothesis_id h);
 
 /* What a set pays for its causes, its parameters and their surprise, in chi square. With two sensors a gain

@@ -9,11 +9,11 @@
 
 typedef struct fitted_set {
     hypothesis_set asked; /* state.set has less where a member turned out too small */
-    double worth;         /* what the tolerances of its laws take off (tolerance.h) */
+    double worth;         /* reduction by the tolerances of its laws (tolerance.h) */
     fit_state state;
 } fitted_set;
 
-/* All nought: none yet. */
+/* All zero: none yet. */
 typedef struct fitted_sets {
     fitted_set *one;
     size_t count, room;

@@ -1,9 +1,9 @@
-/* The fall of both axes beside the terms of a flux map, by trial (map_choice.h). */
+/* The fall of both axes in addition to the terms of a flux map, by trial (map_choice.h). */
 #include "map_choice.h"
 
 #include "diagnose/identify/fit.h"
 
-/* What the fall must take off the likelihood: more than its own and the odd terms' parameters cost. */
+/* By what the fall must reduce -2 log likelihood: more than its own and the odd terms' parameters cost. */
 static const double WORTH_IT = 60.0;
 
 /* Where the trial begins, in (rated peak / I_sat)^2: iron at work falls by about a third at the rated current. */

@@ -1,8 +1,8 @@
 /*
  * The whole flux map, grown from its terms.
  *
- * Where nothing falls yet, the fall of both axes with I_sat moves the flux as terms of fourth order do: the two
- * cannot be told apart by derivatives, and no quadratic form proposes the fall. It is tried.
+ * Where nothing falls yet, the fall of both axes with I_sat moves the flux as terms of fourth order do: derivatives do not
+ * distinguish the two, and no quadratic form proposes the fall. It is tried.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_MAP_CHOICE_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_MAP_CHOICE_H

@@ -10,7 +10,8 @@ typedef struct tally {
     double best, inflation;
     double all;
     double of_cause[CAUSE_COUNT];
-    double without[CAUSE_COUNT]; /* the likeliest set without it */
+    double contained[CAUSE_COUNT]; /* by another that contains it */
+    double without[CAUSE_COUNT];   /* the likeliest set without it */
 } tally;
 
 /* The set that was fitted is one whatever the parabola about it says: the optimum of causes that trade may lie where one of
@@ -35,20 +36,32 @@ static double look_by(tally *t, const evidence_view *view)
     return own.cost;
 }
 
+/* A set whose flux map holds a member's saliency is no other explanation of it. */
+static bool contains_one_of(const tally *t, hypothesis_set set, cause_id cause)
+{
+    for (hypothesis_id member = 0; member < H_COUNT; member++) {
+        for (hypothesis_id h = 0;
+             hypothesis_in(t->state->set, member) && hypothesis_table[member].cause == cause && h < H_COUNT;
+             h++) {
+            if (hypothesis_in(set, h) && hypothesis_contains(h, member)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 static void count(tally *t, hypothesis_set set)
 {
     const double weight = exp(-0.5 * (score_of(t, set) - t->best) / t->inflation);
-    bool held[CAUSE_COUNT] = {false};
     t->all += weight;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        held[hypothesis_table[h].cause] |= hypothesis_in(set, h);
-    }
-    for (size_t cause = 0; cause < CAUSE_COUNT; cause++) {
-        if (held[cause]) {
+    for (cause_id cause = 0; cause < CAUSE_COUNT; cause++) {
+        if (hypotheses_hold(set, cause)) {
             t->of_cause[cause] += weight;
-        } else {
-            t->without[cause] = fmax(t->without[cause], weight);
+            continue;
         }
+        t->without[cause] = fmax(t->without[cause], weight);
+        t->contained[cause] += contains_one_of(t, set, cause) ? weight : 0.0;
     }
 }
 
@@ -84,7 +97,8 @@ bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_se
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         const cause_id cause = hypothesis_table[h].cause;
-        of[h].probability = t.all > 0.0 ? t.of_cause[cause] / t.all : 0.0;
+        of[h].alone = t.all > 0.0 ? t.of_cause[cause] / t.all : 0.0;
+        of[h].probability = t.all > 0.0 ? (t.of_cause[cause] + t.contained[cause]) / t.all : 0.0;
         of[h].rival = t.without[cause];
     }
     const bool ok = held != NULL;

@@ -9,12 +9,13 @@
 /*
  * The set as it is, with one member less, with one more, and with one in place of another: each weighs
  * exp(-score/2), the score what the search compares, over how much wider than white noise the scores scatter. A
- * cause's probability is the share of the sets that hold one of its hypotheses. Sets without a member are weighed with
- * its last digits held: what is beyond `least` is none.
+ * cause's probability is the share of the sets that hold one of its hypotheses, or one that contains a member's. Sets without a member are weighed with its
+ * tolerance held: what is beyond `least` is none.
  */
 typedef struct standing {
-    double against; /* what a member takes off -2 log likelihood, so held; 0 of others */
+    double against; /* by what a member reduces -2 log likelihood, so held; 0 of others */
     double probability;
+    double alone; /* the same without what is contained: of this hypothesis rather than a larger one */
     double rival; /* the weight of the likeliest set without the cause, over that of the state's own */
 } standing;
 

@@ -29,8 +29,8 @@ static const double SLACK = 30.0;
 /* How near to where it was seen from a fit of an option begins at the most. */
 static const double LEAST_SHARE = 0.1;
 
-/* What another round of the same set, with stretches turned, must have brought to be followed by one more: where the turns of two
- * orders do alike they go back and forth. */
+/* What another round of the same set, with stretches turned, must have brought to be followed by one more: if the turns of two
+ * orders have the same effect, they alternate. */
 static const double TURN_BRINGS = 10.0;
 
 static int by_score(const void *x, const void *y)
@@ -68,6 +68,8 @@ typedef struct enumeration {
     evidence_option list[KEPT + 1];
     size_t listed;
     evidence_option of_size[FULL_SIZE]; /* the best of one, two, three; set 0 if there is none */
+    /* The best of one in addition to a compensation, whose two numbers fit much else where one current is recorded alone. */
+    evidence_option plainest;
 } enumeration;
 
 /* Keeps the best options in a sorted list of at most KEPT. */
@@ -78,6 +80,10 @@ static void keep(enumeration *e, const evidence_option *option)
     size_t size = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         size += (option->set >> h) & 1;
+    }
+    if (size == 1 && !hypothesis_in(option->set, H_COMPENSATED) &&
+        (e->plainest.set == 0 || by_score(option, &e->plainest) < 0)) {
+        e->plainest = *option;
     }
     if (size >= 1 && size <= FULL_SIZE) {
         evidence_option *best = &e->of_size[size - 1];
@@ -136,10 +142,11 @@ static void grow(enumeration *e)
 
 /*
  * Leaves out the members that turned out too small for a name; of a saliency without difference or a
- * saturation without fall an inductance stays. True if anything was left out.
+ * saturation without fall an inductance stays, of a dead time without a compensation the dead time. True if anything was left out.
  */
-static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
+static bool drop_small(const fit_data *d, fit_state *s, hypothesis_set allowed)
 {
+    const double of_least = d->frame->of_least;
     hypothesis_set before = s->set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (!(s->set & HYPOTHESIS_BIT(h)) ||
@@ -147,6 +154,12 @@ static bool drop_small(fit_state *s, hypothesis_set allowed, double of_least)
             continue;
         }
         s->set &= ~HYPOTHESIS_BIT(h);
+        if (h == H_COMPENSATED && hypothesis_in(allowed, H_DEAD_TIME) &&
+            fabs(s->z[P_V_DEAD]) >= of_least * hypothesis_table[H_DEAD_TIME].least) {
+            s->set |= HYPOTHESIS_BIT(H_DEAD_TIME);
+            edge_of_set(d, s);
+            continue;
+        }
         if (h != H_INDUCTANCE && (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0) {
             hypothesis_leave_mean(h, s->z);
             if ((allowed & HYPOTHESIS_BIT(H_INDUCTANCE)) &&
@@ -192,12 +205,13 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
         *trial = from;
         trial->set = option->set;
         go_towards(option, &from, share, trial->z);
+        edge_of_set(d, trial);
         coordinates_bound(d->frame, trial->z);
         if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
             return false;
         }
     }
-    while (*alone <= most && drop_small(trial, allowed, d->frame->of_least)) {
+    while (*alone <= most && drop_small(d, trial, allowed)) {
         if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
             return false;
         }
@@ -205,7 +219,7 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
     return !(*alone <= most) || tolerance_of_state(d, trial, worth);
 }
 
-/* `worth`: what the tolerances of its laws take off. */
+/* `worth`: reduction by the tolerances of its laws. */
 static double state_score(const evidence_view *view, const fit_state *s, double worth)
 {
     return s->objective - worth + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, s->z) +
@@ -237,8 +251,8 @@ static void tell_option(const diagnose_teller *teller, int round, const evidence
 }
 
 /*
- * The objective that an option's own coordinates must reach beside the best so far. Whoever stays behind that by a quarter of
- * what it takes off the motor file's, and ten times what its last digits took, does not make up for it by its own.
+ * The objective that an option's own coordinates must reach, compared with the best so far. Whoever stays behind that by a
+ * quarter of its reduction of the motor file's, and ten times the reduction by its tolerance, does not make up for it by its own.
  */
 static double most_of(double nominal, const fit_state *best, double by_digits)
 {
@@ -303,7 +317,7 @@ static bool try_option(fit_data *d, fit_state *s, const evidence_option *option,
 }
 
 /*
- * An effect without a name that won beside others may hold the place of a cause that does the same: with its freedom it looks better
+ * An effect without a name that won together with others may hold the place of a cause that does the same: with its freedom it looks better
  * from afar, where no law's shape is fitted yet. That cause is tried in its place.
  */
 static bool try_named(fit_data *d, fit_state *s, contest *c)
@@ -346,13 +360,17 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
     evidence_option own;
     evidence_cost(e->view, &start, start.set, &own);
     const double own_cost = own.cost + evidence_penalty(e->view, start.set);
-    hypothesis_set tried[REFINED + FULL_SIZE] = {0};
+    enum { FIRST = FULL_SIZE + 1 };
+    hypothesis_set tried[REFINED + FIRST] = {0};
     size_t n = 0;
-    for (size_t k = 0; k < REFINED + FULL_SIZE; k++) {
+    for (size_t k = 0; k < REFINED + FIRST; k++) {
         /* First the best of each size: while the state is a bad fit, larger sets win by soaking up what is
          * not theirs. */
-        const evidence_option *option = k < FULL_SIZE ? &e->of_size[k] : &e->list[k - FULL_SIZE];
-        bool known = option->set == 0 || (k >= FULL_SIZE && k - FULL_SIZE >= e->listed) ||
+        const evidence_option *option = k < FULL_SIZE ? &e->of_size[k]
+                                        : k < FIRST   ? &e->plainest
+                                                      : &e->list[k - FIRST];
+        bool known = option->set == 0 || (k >= FIRST && k - FIRST >= e->listed) ||
+                     (k == FULL_SIZE && e->of_size[0].set != HYPOTHESIS_BIT(H_COMPENSATED)) ||
                      (round > 0 && option->set == start.set);
         for (size_t j = 0; j < n; j++) {
             known = known || tried[j] == option->set;
@@ -364,7 +382,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             continue;
         }
         /* So much was tried that the best of each size must do. */
-        if (k >= FULL_SIZE && fit_has_spent(d)) {
+        if (k >= FIRST && fit_has_spent(d)) {
             break;
         }
         tried[n++] = option->set;
@@ -386,8 +404,8 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
          round++) {
         const double entered = s->objective;
         bool turned = false;
-        ok = (s->z[P_V_DEAD] != 0.0 || edge_choose(d, s)) && branch_choose(d, s) &&
-             revolution_align(d, s, d->frame->pole_pairs, &turned);
+        ok =
+            edge_choose(d, s) && branch_choose(d, s) && revolution_align(d, s, d->frame->pole_pairs, &turned);
         view->stands = view->stands && !turned;
         if (ok && turned) {
             ok = fit_refine(d, s, REFINE_STEPS);

@@ -14,8 +14,8 @@
 #include "teller.h"
 
 /* From s to the best allowed set. `nominal_objective` is that of the motor file's values. `least`: chi square below
- * which no named cause will stand. `fitted`: what earlier searches of the same rows have fitted; this one adds its own. `view`: all
- * nought, or one of the same rows, which may be that of s; left as the last that was looked at. False: out of memory. */
+ * which no named cause will stand. `fitted`: what earlier searches of the same rows have fitted; this one adds its own. `view`:
+ * all zero, or one of the same rows, which may be that of s; left as the last that was looked at. False: out of memory. */
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
                  fitted_sets *fitted, evidence_view *view, const diagnose_teller *teller);
 

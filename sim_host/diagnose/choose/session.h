@@ -14,8 +14,12 @@ typedef struct session {
     fit_state nominal;
     certainty certainty;
     hypothesis_set possible;
-    hypothesis_set allowed; /* of these what was not dropped */
-    bool more_left;         /* than the best causes explained: none of them is named */
+    hypothesis_set allowed;   /* of these what was not dropped */
+    hypothesis_set minor;     /* members of the state's set that are certain, but small */
+    hypothesis_set undecided; /* taken out at the end, as the recording does not show which cause it is */
+    fit_state open;           /* the state with these */
+    bool more_left;           /* than the best causes explained: none of them is named */
+    bool no_memory;           /* memory ran out in a measure (rows.no_memory) */
 } session;
 
 static inline averaged_drive session_drive(const session *w, const double z[P_COUNT])
@@ -32,5 +36,27 @@ static inline void session_adopt(const session *w, hypothesis_id h, double z[P_C
         z[hypo->shape[k]] = w->state.z[hypo->shape[k]];
     }
 }
+
+/* Errors are in percent of the current, on held-out rows without glitches. The noise floor at a state. */
+double session_floor(const session *w, const fit_state *s);
+
+/* Of the model that holds the named members of a set at the fitted values; of the motor file for an empty set. */
+double session_named_error(const session *w, hypothesis_set set);
+
+/* Whether the set of w->state holds an effect without a name. */
+bool session_holds_unnamed(const session *w);
+
+/* Whether the error of w->state exceeds so many noise floors. */
+bool session_leaves(const session *w, double floors);
+
+/*
+ * Whether the named members of w->state raise the open-loop error of an operating point beyond the noise. A true cause seldom does; one
+ * that stands in for an effect without a name fits some operating points at the cost of others. An operating point at which either
+ * simulation diverges does not count.
+ */
+bool session_raises_open_loop(const session *w);
+
+/* Whether a state whose error is so many percent explains most of the nominal model's error above the noise floor. */
+bool session_explains_most(const session *w, const fit_state *s, double percent);
 
 #endif

@@ -70,7 +70,7 @@ static void directions_of(const fit_state *s, const int *column, size_t n, direc
             }
         }
         add(list, &own);
-        for (size_t k = 0; k < hypothesis_shapes(h, s->edge); k++) {
+        for (size_t k = 0; k < hypo->shapes; k++) {
             add_column(list, hypo->cause, column, n, (int)hypo->shape[k],
                        coordinate_table[hypo->shape[k]].wanders);
         }

@@ -90,7 +90,7 @@ averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COU
         }
     }
     /* A dead time that the file states is that of the plain law; one that is fitted chooses. */
-    if (f->nominal.v_dead_V == 0.0 || z[P_V_DEAD] != 0.0) {
+    if (!averaged_drive_loses(&f->nominal) || z[P_V_DEAD] != 0.0 || z[P_COMPENSATION] != 0.0) {
         d.edge = edge;
     }
     return d;
@@ -115,6 +115,22 @@ static double z_of(const coordinate_frame *f, coordinate_id id, double value)
         return log(value / nominal);
     }
     return (value - nominal) / scale_of(f, id);
+}
+
+void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUNT])
+{
+    static const coordinate_id with[] = {P_R,     P_R_RATE, P_L_D,    P_L_Q,    P_PSI,    P_PSI_RATE,
+                                         P_W_DDD, P_W_DQQ,  P_W_DDDD, P_W_DDQQ, P_W_QQQQ, P_V_DEAD,
+                                         P_K_U,   P_PSI_5,  P_PSI_7,  P_PSI_11, P_PSI_13, P_DR_A,
+                                         P_DR_B,  P_DR_C,   P_DL_A,   P_DL_B,   P_DL_C,   P_COMPENSATION};
+    static const coordinate_id against[] = {P_FE, P_IRON, P_IRON_LATE, P_EDDY, P_EDDY_LATER};
+    const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
+    for (size_t k = 0; k < sizeof with / sizeof *with; k++) {
+        z[with[k]] = z_of(f, with[k], factor * value_of(&d, with[k]));
+    }
+    for (size_t k = 0; k < sizeof against / sizeof *against; k++) {
+        z[against[k]] = z_of(f, against[k], value_of(&d, against[k]) / factor);
+    }
 }
 
 /* The least principal inductance of a flux map within the recorded currents, of the lesser one at none. */
@@ -170,6 +186,9 @@ void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, 
         const double of = c->bound == BOUND_OF_RATED ? f->i_rated_peak_A : value_of(&f->nominal, id);
         *low = z_of(f, id, *low * of);
         *high = isinf(*high) ? INFINITY : z_of(f, id, *high * of);
+    }
+    if (c->not_negative) {
+        *low = fmax(*low, z_of(f, id, 0.0));
     }
 }
 

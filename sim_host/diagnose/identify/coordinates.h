@@ -56,14 +56,14 @@ typedef struct coordinate {
     double first_step;
     coordinate_bound bound;
     double low, high;
+    bool not_negative; /* nor is the value, whatever the file says */
     double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
     double wanders; /* of what shapes a law: its standard deviation between operating points, in z */
     bool senses;    /* moves what the sensors show, and not the drive */
     bool rate;      /* of another coordinate, per second */
-    bool third_sensor;    /* there is no such number where two currents are measured */
-    bool of_compensation; /* shapes the law of an over-compensated dead time alone */
-    double usual;         /* one standard deviation of what drives show, in z; 0: nothing is said */
-    double digits; /* and of what a file's last digits leave open, unnamed; 0: it is as the file says */
+    bool third_sensor; /* there is no such number where two currents are measured */
+    double usual;      /* one standard deviation of what drives show, in z; 0: nothing is said */
+    double digits;     /* and of what a file's last digits leave open, unnamed; 0: it is as the file says */
 } coordinate;
 
 extern const coordinate coordinate_table[P_COUNT];
@@ -102,6 +102,12 @@ double coordinate_look(coordinate_id id, double z);
 
 /* Between which z a coordinate is physical by itself; infinite where nothing bounds it. */
 void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, double *high);
+
+/*
+ * All of R, L, psi_f, the voltages and what is measured by them scaled by a factor, iron's conductance by its inverse: nothing that a
+ * recording shows changes but the ripple of the duties.
+ */
+void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUNT]);
 
 /* Pulls z back to what is physical: R, L, psi > 0, a knee well below the rated current, gains of 0.6 to 1.6, a flux that
  * rises with the recorded currents. */

@@ -15,49 +15,104 @@ static const double RIPPLE_START = 0.7;
 /* Each edge's own current sees all of the ripple, and no knee but the filter's error and the dead time's length. */
 static const double FOUND_KNEE_SHARE = 0.01;
 static const double FOUND_RIPPLE = 1.0;
-/* A compensation of twice what is lost. */
-static const double DEAD_SHARE_START = 1.0;
 
-static void set_knee(const fit_data *d, fit_state *s, double share)
+/* What a second number must take off, to be looked at. */
+static const double SECOND_NUMBER = 25.0;
+
+static void set_knee(const fit_data *d, fit_state *s, coordinate_id knee, double share)
 {
-    s->z[P_KNEE] = log(share * d->frame->i_rated_peak_A / d->frame->nominal.i_knee_A);
+    const double nominal_A =
+        knee == P_KNEE ? d->frame->nominal.i_knee_A : d->frame->nominal.compensation_knee_A;
+    s->z[knee] = log(share * d->frame->i_rated_peak_A / nominal_A);
 }
 
-/* Whether a dead time of this sign can follow a law. Each edge's own current is followed behind an over-compensation alone:
- * without one (a share of -1) it fits better, and lets a voltage gain with an inductance pass for a flux. */
-static bool law_allows(edge_law law, double v_dead)
+/* The sums over all blocks for one column or two. False: out of memory. */
+static bool sum_of(fit_data *d, const fit_state *s, size_t n, double g[2], double h[3])
 {
-    return law != EDGE_OVER || v_dead < 0.0;
+    static const int column[] = {P_V_DEAD, P_COMPENSATION};
+    gram *grams = gram_blocks(d, s, column, n);
+    for (size_t b = 0; grams && b < d->blocks; b++) {
+        g[0] += grams[b].g[0];
+        h[0] += grams[b].h[0][0];
+        g[1] += n > 1 ? grams[b].g[1] : 0.0;
+        h[1] += n > 1 ? grams[b].h[0][1] : 0.0;
+        h[2] += n > 1 ? grams[b].h[1][1] : 0.0;
+    }
+    const bool ok = grams != NULL;
+    free(grams);
+    return ok;
+}
+
+/* What a plain dead time would take off under this state's law. */
+static bool plain_gain(fit_data *d, const fit_state *s, double *gain)
+{
+    double g[2] = {0.0};
+    double h[3] = {0.0};
+    const bool ok = sum_of(d, s, 1, g, h);
+    *gain = h[0] > 0.0 ? g[0] * g[0] / h[0] : 0.0;
+    return ok;
+}
+
+/* And a dead time with its compensation; nothing where one of the two is negative. */
+static bool compensated_gain(fit_data *d, const fit_state *s, double *gain)
+{
+    double g[2] = {0.0};
+    double h[3] = {0.0};
+    const bool ok = sum_of(d, s, 2, g, h);
+    const double det = h[0] * h[2] - h[1] * h[1];
+    *gain = 0.0;
+    if (ok && det > 1e-9 * h[0] * h[2]) {
+        const double left = (h[1] * g[1] - h[2] * g[0]) / det;
+        const double taken_back = (h[1] * g[0] - h[0] * g[1]) / det;
+        *gain = taken_back > 0.0 && left + taken_back > 0.0 ? -(g[0] * left + g[1] * taken_back) : 0.0;
+    }
+    return ok;
+}
+
+static fit_state under_found_edges(const fit_data *d, const fit_state *s, double share)
+{
+    fit_state trial = *s;
+    trial.edge = EDGE_FOUND;
+    trial.z[P_RIPPLE] = FOUND_RIPPLE;
+    set_knee(d, &trial, P_KNEE, FOUND_KNEE_SHARE);
+    set_knee(d, &trial, P_COMPENSATION_KNEE, share);
+    return trial;
 }
 
 bool edge_choose(fit_data *d, fit_state *s)
 {
     double best = 0.0;
     fit_state chosen = *s;
-    if (d->frame->nominal.v_dead_V != 0.0) {
+    if (s->z[P_V_DEAD] != 0.0 || s->z[P_COMPENSATION] != 0.0) {
+        return true;
+    }
+    if (averaged_drive_loses(&d->frame->nominal)) {
         s->edge = d->frame->nominal.edge;
         return true;
     }
-    for (size_t k = 0; k < KNEES * EDGE_LAWS; k++) {
+    for (size_t k = 0; k < 2 * KNEES; k++) {
         fit_state trial = *s;
-        const int column[] = {P_V_DEAD};
-        trial.edge = (edge_law)(k / KNEES);
-        trial.z[P_RIPPLE] = trial.edge == EDGE_OVER ? FOUND_RIPPLE : RIPPLE_START;
-        trial.z[P_DEAD_SHARE] = DEAD_SHARE_START;
-        set_knee(d, &trial, knee_share[k % KNEES]);
-        gram *grams = gram_blocks(d, &trial, column, 1);
-        if (!grams) {
+        double gain;
+        trial.edge = k < KNEES ? EDGE_CHARGED : EDGE_CLIPPED;
+        trial.z[P_RIPPLE] = RIPPLE_START;
+        set_knee(d, &trial, P_KNEE, knee_share[k % KNEES]);
+        if (!plain_gain(d, &trial, &gain)) {
             return false;
         }
-        double g = 0.0;
-        double h = 0.0;
-        for (size_t b = 0; b < d->blocks; b++) {
-            g += grams[b].g[0];
-            h += grams[b].h[0][0];
+        if (gain > best) {
+            best = gain;
+            chosen = trial;
         }
-        free(grams);
-        if (h > 0.0 && law_allows(trial.edge, -g / h) && g * g / h > best) {
-            best = g * g / h;
+    }
+    const double plain = best;
+    for (size_t k = 0; k < KNEES - 1; k++) {
+        const fit_state trial = under_found_edges(d, s, knee_share[k]);
+        double gain;
+        if (!compensated_gain(d, &trial, &gain)) {
+            return false;
+        }
+        if (gain > plain + SECOND_NUMBER && gain > best) {
+            best = gain;
             chosen = trial;
         }
     }
@@ -65,49 +120,36 @@ bool edge_choose(fit_data *d, fit_state *s)
     return true;
 }
 
+void edge_of_set(const fit_data *d, fit_state *s)
+{
+    if (hypothesis_in(s->set, H_COMPENSATED) && s->edge != EDGE_FOUND) {
+        *s = under_found_edges(d, s, knee_share[0]);
+    } else if (!hypothesis_in(s->set, H_COMPENSATED) && s->edge == EDGE_FOUND) {
+        s->edge = averaged_drive_loses(&d->frame->nominal) ? d->frame->nominal.edge : EDGE_CHARGED;
+        s->z[P_RIPPLE] = RIPPLE_START;
+        s->z[P_COMPENSATION] = 0.0;
+    }
+}
+
 /* A law that stays so far behind by what its cause moves does not make up for it by last digits: those stand already. */
 static const double BEHIND = 100.0;
-
-/* The state under another law, from where that usually lies. */
-static fit_state under(const fit_data *d, const fit_state *s, edge_law law)
-{
-    fit_state trial = *s;
-    trial.edge = law;
-    if (law == EDGE_OVER && s->edge != EDGE_OVER) {
-        trial.z[P_RIPPLE] = FOUND_RIPPLE;
-        trial.z[P_DEAD_SHARE] = DEAD_SHARE_START;
-        set_knee(d, &trial, FOUND_KNEE_SHARE);
-    }
-    return trial;
-}
 
 bool edge_revise(fit_data *d, fit_state *s, int refine_steps, edge_contest *last)
 {
     const fit_state own = *s;
-    const bool allowed = law_allows(own.edge, own.z[P_V_DEAD]);
-    if (allowed && 4.0 * fabs(last->objective - own.objective) < last->apart) {
+    if (4.0 * fabs(last->objective - own.objective) < last->apart) {
         return true;
     }
-    double best = allowed ? own.objective : INFINITY;
-    last->apart = INFINITY;
-    for (int other = 0; other < (int)EDGE_LAWS; other++) {
-        fit_state trial = under(d, &own, (edge_law)other);
-        if (trial.edge == own.edge || !law_allows(trial.edge, own.z[P_V_DEAD])) {
-            continue;
-        }
-        double alone;
-        const fit_aim ranked = fit_ranked(best + BEHIND);
-        if (!fit_refine_within(d, &trial, refine_steps, &ranked, &alone)) {
-            return false;
-        }
-        if (!law_allows(trial.edge, trial.z[P_V_DEAD])) {
-            continue;
-        }
-        last->apart = fmin(last->apart, fabs(trial.objective - own.objective));
-        if (trial.objective < best) {
-            best = trial.objective;
-            *s = trial;
-        }
+    double alone;
+    const fit_aim ranked = fit_ranked(own.objective + BEHIND);
+    fit_state trial = own;
+    trial.edge = own.edge == EDGE_CHARGED ? EDGE_CLIPPED : EDGE_CHARGED;
+    if (!fit_refine_within(d, &trial, refine_steps, &ranked, &alone)) {
+        return false;
+    }
+    last->apart = fabs(trial.objective - own.objective);
+    if (trial.objective < own.objective) {
+        *s = trial;
     }
     last->objective = s->objective;
     return true;

@@ -2,6 +2,7 @@
 #include "fit.h"
 
 #include "base/solve.h"
+#include "fit_step.h"
 #include "last_digits.h"
 
 #include <math.h>
@@ -41,7 +42,7 @@ static void finish_noise(const fit_data *d, fit_state *s)
     s->objective = 0.0;
     for (size_t g = 0; g < d->rows->groups; g++) {
         /* A group of a few rows leans on all the others. */
-        const double lean = 20.0;
+        const double lean = d->pooled ? 1e6 : 20.0;
         group_noise *n = &s->noise[g];
         double count = n->rows + lean;
         double tiny = 1e-14 * d->frame->i_rated_peak_A * d->frame->i_rated_peak_A;
@@ -120,12 +121,6 @@ static double goal(const fit_state *s)
     return s->objective + last_digits_unusual(s->set, s->z);
 }
 
-/* What one group's sums say of its gain: its own slope and curvature, and how it leans on the columns. */
-typedef struct gain_line {
-    double down, curve, lean[COLUMN_COUNT];
-    bool held;
-} gain_line;
-
 /* Columns that move together, and where a step takes them and every group's gain. */
 typedef struct descent {
     size_t n;
@@ -136,27 +131,26 @@ typedef struct descent {
     gram sum;
 } descent;
 
-/* Sums over all blocks, with every gain that may move solved for: what is left to the columns. */
-static void sum_beside_gains(const fit_data *d, const fit_state *s, const gram *grams, descent *to)
+void fit_step_sums(const fit_data *d, const fit_state *s, const gram *grams, size_t n, gain_line *line,
+                   gram *sum)
 {
-    gram *sum = &to->sum;
     for (size_t b = 0; b < d->blocks; b++) {
-        gain_line *own = &to->gain[grams[b].group];
-        gram_add(sum, &grams[b], to->n);
-        own->down -= grams[b].g[to->n];
-        own->curve += grams[b].h[to->n][to->n];
-        for (size_t i = 0; i < to->n; i++) {
-            own->lean[i] += grams[b].h[to->n][i];
+        gain_line *own = &line[grams[b].group];
+        gram_add(sum, &grams[b], n);
+        own->down -= grams[b].g[n];
+        own->curve += grams[b].h[n][n];
+        for (size_t i = 0; i < n; i++) {
+            own->lean[i] += grams[b].h[n][i];
         }
     }
     for (size_t g = 0; g < d->rows->groups; g++) {
-        gain_line *own = &to->gain[g];
+        gain_line *own = &line[g];
         const double gain = s->noise[g].gain;
         own->held = !(own->curve > 0.0) || (gain <= GAIN_LEAST && own->down < 0.0) ||
                     (gain >= GAIN_MOST && own->down > 0.0);
-        for (size_t i = 0; !own->held && i < to->n; i++) {
+        for (size_t i = 0; !own->held && i < n; i++) {
             sum->g[i] += own->lean[i] * own->down / own->curve;
-            for (size_t j = 0; j < to->n; j++) {
+            for (size_t j = 0; j < n; j++) {
                 sum->h[i][j] -= own->lean[i] * own->lean[j] / own->curve;
             }
         }
@@ -164,23 +158,23 @@ static void sum_beside_gains(const fit_data *d, const fit_state *s, const gram *
 }
 
 /* How far a gain goes with the whole step. */
-static double gain_step(const gain_line *line, const descent *by)
+static double gain_step(const gain_line *line, size_t n, const double *step)
 {
     double down = line->down;
-    for (size_t i = 0; i < by->n; i++) {
-        down -= line->lean[i] * by->step[i];
+    for (size_t i = 0; i < n; i++) {
+        down -= line->lean[i] * step[i];
     }
     return line->held ? 0.0 : fmin(fmax(down / line->curve, -0.3), 0.3);
 }
 
-/* How far each column may go down and up; one that moves several coordinates goes where it will. */
-static void find_room(const fit_data *d, const fit_state *s, const descent *by, double *low, double *high)
+void fit_step_room(const fit_data *d, const fit_state *s, const int *column, size_t n, double *low,
+                   double *high)
 {
-    for (size_t i = 0; i < by->n; i++) {
+    for (size_t i = 0; i < n; i++) {
         low[i] = -INFINITY;
         high[i] = INFINITY;
-        if (by->column[i] < P_COUNT) {
-            const coordinate_id id = (coordinate_id)by->column[i];
+        if (column[i] < P_COUNT) {
+            const coordinate_id id = (coordinate_id)column[i];
             coordinate_range(d->frame, id, &low[i], &high[i]);
             low[i] -= s->z[id];
             high[i] -= s->z[id];
@@ -195,7 +189,7 @@ static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, 
     double low[COLUMN_COUNT];
     double high[COLUMN_COUNT];
     gram *sum = &by->sum;
-    sum_beside_gains(d, s, grams, by);
+    fit_step_sums(d, s, grams, by->n, by->gain, sum);
     last_digits_rest(s->set, s->z, rest);
     for (size_t i = 0; i < by->n; i++) {
         sum->g[i] = -sum->g[i];
@@ -206,7 +200,7 @@ static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, 
         }
     }
     /* Clipped afterwards, the others would make room for what is never gone. */
-    find_room(d, s, by, low, high);
+    fit_step_room(d, s, by->column, by->n, low, high);
     if (!solve_within(by->n, COLUMN_COUNT, &sum->h[0][0], sum->g, low, high, by->step)) {
         return false;
     }
@@ -223,20 +217,27 @@ static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, 
     return *expected > 0.0;
 }
 
+fit_state fit_step_taken(fit_data *d, const fit_state *s, const int *column, const double *step, size_t n,
+                         const gain_line *line, double share)
+{
+    fit_state trial = *s;
+    for (size_t i = 0; i < n; i++) {
+        column_move(column[i], share * step[i], trial.z);
+    }
+    for (size_t g = 0; g < d->rows->groups; g++) {
+        const double gain = trial.noise[g].gain + share * gain_step(&line[g], n, step);
+        trial.noise[g].gain = fmin(fmax(gain, GAIN_LEAST), GAIN_MOST);
+    }
+    coordinates_bound(d->frame, trial.z);
+    fit_noise(d, &trial);
+    return trial;
+}
+
 /* Goes a step, shortened until the objective falls. */
 static bool take_step(fit_data *d, fit_state *s, const descent *by)
 {
     for (double share = 1.0; share > 0.02; share *= 0.4) {
-        fit_state trial = *s;
-        for (size_t i = 0; i < by->n; i++) {
-            column_move(by->column[i], share * by->step[i], trial.z);
-        }
-        for (size_t g = 0; g < d->rows->groups; g++) {
-            const double gain = trial.noise[g].gain + share * gain_step(&by->gain[g], by);
-            trial.noise[g].gain = fmin(fmax(gain, GAIN_LEAST), GAIN_MOST);
-        }
-        coordinates_bound(d->frame, trial.z);
-        fit_noise(d, &trial);
+        const fit_state trial = fit_step_taken(d, s, by->column, by->step, by->n, by->gain, share);
         if (goal(&trial) < goal(s)) {
             *s = trial;
             return true;
@@ -319,4 +320,10 @@ bool fit_refine(fit_data *d, fit_state *s, int iterations)
     double alone;
     const fit_aim kept = fit_kept(INFINITY);
     return fit_refine_within(d, s, iterations, &kept, &alone);
+}
+
+bool fit_members(fit_data *d, fit_state *s, int iterations, const fit_aim *aim)
+{
+    fit_noise(d, s);
+    return !isfinite(s->objective) || descend(d, s, iterations, MEMBERS, aim);
 }

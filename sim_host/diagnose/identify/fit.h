@@ -53,4 +53,7 @@ static inline fit_aim fit_kept(double most)
  */
 bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone);
 
+/* The set's own coordinates alone, from s->z: nothing unnamed is moved. False: out of memory. */
+bool fit_members(fit_data *d, fit_state *s, int iterations, const fit_aim *aim);
+
 #endif

@@ -44,6 +44,8 @@ typedef struct fit_data {
     unsigned beginnings; /* so many searches had a grant */
     /* Sums are of the steps by which a search looks (coordinate_look), not of slopes where a state stands. */
     bool searches;
+    /* All groups have one noise: what a model that lacks much leaves in each is no measure of how well it is known. */
+    bool pooled;
     averaged_node *nodes;
     block_sums *sums; /* one a block */
     /* For one block, by each worker of base/parallel.h. */

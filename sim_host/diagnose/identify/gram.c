@@ -46,8 +46,7 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
                 column[n++] = hypo->column[k];
             }
         }
-        const size_t shapes = hypothesis_shapes(h, s->edge);
-        for (size_t k = 0; shapes > 0 && s->z[hypo->column[0]] != 0.0 && k < shapes; k++) {
+        for (size_t k = 0; k < hypo->shapes && s->z[hypo->column[0]] != 0.0; k++) {
             column[n++] = (int)hypo->shape[k];
         }
     }

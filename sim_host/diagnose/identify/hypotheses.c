@@ -263,15 +263,6 @@ bool column_shows(int column, const diagnose_rows *r)
     return column >= P_COUNT || !coordinate_table[column].third_sensor || !r->two_sensors;
 }
 
-size_t hypothesis_shapes(hypothesis_id h, edge_law edge)
-{
-    size_t n = 0;
-    for (size_t k = 0; k < hypothesis_table[h].shapes; k++) {
-        n += edge == EDGE_OVER || !coordinate_table[hypothesis_table[h].shape[k]].of_compensation ? 1 : 0;
-    }
-    return n;
-}
-
 const double hypothesis_nominal[P_COUNT] = {0.0};
 
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT])
@@ -292,6 +283,20 @@ void hypothesis_leave_mean(hypothesis_id h, double z[P_COUNT])
     const double mean = 0.5 * (z[P_L_D] + z[P_L_Q]);
     hypothesis_copy(h, hypothesis_nominal, z);
     z[P_L_D] = z[P_L_Q] = mean;
+}
+
+bool hypothesis_at_bound(const coordinate_frame *f, hypothesis_id h, const double z[P_COUNT])
+{
+    bool moved[P_COUNT] = {false};
+    bool at = false;
+    hypothesis_mark(h, moved);
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        double low;
+        double high;
+        coordinate_range(f, id, &low, &high);
+        at = at || (moved[id] && z[id] != 0.0 && (z[id] <= low || z[id] >= high));
+    }
+    return at;
 }
 
 void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT])
@@ -332,6 +337,20 @@ hypothesis_set hypotheses_of(cause_id cause)
         set |= hypothesis_table[h].cause == cause ? HYPOTHESIS_BIT(h) : 0;
     }
     return set;
+}
+
+bool hypotheses_hold(hypothesis_set set, cause_id cause)
+{
+    return (set & hypotheses_of(cause)) != 0;
+}
+
+hypothesis_set hypotheses_named(hypothesis_set set)
+{
+    hypothesis_set named = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        named |= hypothesis_in(set, h) && hypothesis_cause(h)->named ? HYPOTHESIS_BIT(h) : 0;
+    }
+    return named;
 }
 
 hypothesis_set hypotheses_of_cause(const char *cause)

@@ -94,7 +94,7 @@ typedef struct hypothesis {
     size_t shapes;
     coordinate_id shape[HYPOTHESIS_SHAPES];
     bool silent;   /* fits so much that where it wins nothing is said of it */
-    bool to_floor; /* named only where nothing is left then: else it may stand for what has no name */
+    bool in_whole; /* fitted with the whole drive (whole_fit.h) */
     double loose;  /* share of its value that its law may be off by: an interval says no less */
 } hypothesis;
 
@@ -151,9 +151,6 @@ void column_move(int column, double by, double z[P_COUNT]);
 /* Whether these rows can show a column at all. */
 bool column_shows(int column, const diagnose_rows *r);
 
-/* How many of its shapes, the first, a hypothesis has under a law of the edges. */
-size_t hypothesis_shapes(hypothesis_id h, edge_law edge);
-
 /* Whether it is a rate, per second, of another column's coordinate. */
 bool column_is_rate(int column);
 
@@ -168,16 +165,23 @@ extern const double hypothesis_nominal[P_COUNT];
 /* Takes back to the motor file's what a hypothesis moves, but for the mean of both inductances. */
 void hypothesis_leave_mean(hypothesis_id h, double z[P_COUNT]);
 
+/* Whether one of its coordinates stands at a physical bound (coordinate_range). */
+bool hypothesis_at_bound(const coordinate_frame *f, hypothesis_id h, const double z[P_COUNT]);
+
 /* Marks the coordinates that a hypothesis moves; leaves the other marks as they are. */
 void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT]);
 
 /* Which hypotheses this recording allows (needs temperature, a moving rotor, three sensors ...). */
 hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_frame *f);
 
-/* The set of all entries of a cause. */
+/* The set of all entries of a cause, and whether a set holds one of them. */
 hypothesis_set hypotheses_of(cause_id cause);
+bool hypotheses_hold(hypothesis_set set, cause_id cause);
 
-/* The same of a cause id; 0 if there is none of that name. */
+/* Those of a set whose cause has a name in interfaces.md. */
+hypothesis_set hypotheses_named(hypothesis_set set);
+
+/* The hypotheses of a cause id; 0 if there is none of that name. */
 hypothesis_set hypotheses_of_cause(const char *cause);
 
 #endif

@@ -40,6 +40,6 @@ bool mended_keep(diagnose_rows *r, const row_mend *found, const motor *file)
 diagnose_rows mended_rows(const diagnose_rows *r, size_t n)
 {
     diagnose_rows plain = *r;
-    plain.row = n < r->mends ? r->mend[n].before : r->row;
+    plain.row = n < r->mends ? r->mend[n].before : (r->rough && n == 0 ? r->rough : r->row);
     return plain;
 }

@@ -37,6 +37,7 @@ void rows_fill_edges(diagnose_rows *r, const motor *m, modulator which)
 {
     const recording *rec = r->recording;
     double before[3] = {0.0};
+    const double period_s = r->T_s / (r->pwm.periods > 1 ? r->pwm.periods : 1);
     r->modulator = which;
     for (size_t k = 0; k < r->rows; k++) {
         cycle_row *row = &r->row[k];
@@ -53,7 +54,7 @@ void rows_fill_edges(diagnose_rows *r, const motor *m, modulator which)
             row->rise[x] = rise;
             row->fell[x] = k > 0 ? row[-1].rise[x] : rise;
             row->u_dc_V = u_dc;
-            row->edge_ripple_Wb[x] = (vec_ab){u_dc * r->T_s * ahead.alpha, u_dc * r->T_s * ahead.beta};
+            row->edge_ripple_Wb[x] = (vec_ab){u_dc * period_s * ahead.alpha, u_dc * period_s * ahead.beta};
             count_edges(duty[x], row->history > 0 ? before[x] : duty[x], &row->no_rise[x], &row->no_fall[x]);
             before[x] = duty[x];
         }

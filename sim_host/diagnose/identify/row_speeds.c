@@ -41,18 +41,21 @@ void rows_correct_speed(diagnose_rows *r)
     }
 }
 
-/* The rows as they are, and as they were before each mend. */
+/* The rows as they are, as they were before each mend, and before their angle was smoothed; NULL: there are no such. */
 static cycle_row *rows_of(const diagnose_rows *r, size_t n)
 {
-    return n < r->mends ? r->mend[n].before : r->row;
+    if (n < r->mends) {
+        return r->mend[n].before;
+    }
+    return n == r->mends ? r->row : r->rough;
 }
 
 static void find_range(const diagnose_rows *r, double step, long *lowest, long *highest)
 {
     *lowest = *highest = lround(r->row[0].omega_rad_s / step);
-    for (size_t m = 0; m <= r->mends; m++) {
+    for (size_t m = 0; m <= r->mends + 1; m++) {
         const cycle_row *row = rows_of(r, m);
-        for (size_t k = 0; k < r->rows; k++) {
+        for (size_t k = 0; row && k < r->rows; k++) {
             const long n = lround(row[k].omega_rad_s / step);
             *lowest = n < *lowest ? n : *lowest;
             *highest = n > *highest ? n : *highest;
@@ -75,9 +78,9 @@ bool rows_place_nodes(diagnose_rows *r)
         free(index);
         return false;
     }
-    for (size_t m = 0; m <= r->mends; m++) {
+    for (size_t m = 0; m <= r->mends + 1; m++) {
         cycle_row *row = rows_of(r, m);
-        for (size_t k = 0; k < r->rows; k++) {
+        for (size_t k = 0; row && k < r->rows; k++) {
             const double exact = row[k].omega_rad_s / step;
             const long n = lround(exact);
             size_t *slot = &index[n - lowest];

@@ -101,12 +101,19 @@ static void fill_electrical(diagnose_rows *r)
     }
     for (size_t n = 0; n < rec->stretches; n++) {
         const stretch *s = &rec->stretch[n];
+        vec_ab command = {0.0, 0.0};
+        vec_ab before = {0.0, 0.0};
         for (size_t j = 0; j < s->count; j++) {
             size_t k = s->first + j;
             cycle_row *row = &r->row[k];
             double u[3];
             recording_voltage(rec, k, u);
-            row->u_V[0] = vec_from_phases(u);
+            command = vec_from_phases(u);
+            before = j > 0 ? before : command;
+            row->u_V[0] = pwm_updates_is_plain(&r->pwm)
+                              ? command
+                              : pwm_updates_mean(&r->pwm, command, before, row->omega_rad_s * r->T_s);
+            before = command;
             row->u_V[1] = j > 0 ? row[-1].u_V[0] : row->u_V[0];
             row->u_V[2] = j > 0 ? row[-1].u_V[1] : row->u_V[0];
             row->i_A = recording_current(rec, k);
@@ -229,6 +236,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
     }
     r->two_sensors = !recording_three_sensors(rec);
+    r->pwm = rec->pwm_told ? rec->pwm : m->pwm;
     r->mech_known = rec->theta_mech_rad != NULL || !angle_is_wrapped(rec) || m->pole_pairs == 1;
     r->temperature_known = warms(rec);
     fill_times(r);
@@ -263,6 +271,7 @@ void rows_free(diagnose_rows *r)
     for (size_t n = 0; n < r->mends; n++) {
         free(r->mend[n].before);
     }
+    free(r->rough);
     free(r->outlier);
     free(r->node_omega_rad_s);
     free(r->block);

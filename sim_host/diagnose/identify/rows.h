@@ -50,6 +50,9 @@ typedef struct diagnose_rows {
         modulator; /* that made the edges; of a recording without duties, as chosen (modulator_choice.h) */
     size_t mends;
     row_mend mend[ROWS_MENDS]; /* in their order */
+    /* The rows with the angle as recorded, where it was smoothed (angle_smooth.h), and over how many rows to either side; or NULL. */
+    cycle_row *rough;
+    size_t smooth_half;
     size_t nodes;
     double *node_omega_rad_s;
     size_t blocks;
@@ -58,12 +61,23 @@ typedef struct diagnose_rows {
     size_t groups;
     long group_run[ROWS_MAX_GROUPS]; /* the `run` of each group */
     bool two_sensors;                /* only two currents were measured */
+    pwm_updates pwm;                 /* how commands reach the PWM, and which currents are measured */
     bool mech_known;                 /* the revolution is known across stretches */
     bool temperature_known;
     double span_s; /* from the recording's first row to its last */
     double omega_max_rad_s, i_peak_A, u_rms_V;
     double u_resolution_V;
+    bool *
+        no_memory; /* set by a measure for which memory ran out: what it returned is no result. NULL: not asked */
 } diagnose_rows;
+
+/* Notes that memory ran out in a measure. */
+static inline void rows_note_no_memory(const diagnose_rows *r)
+{
+    if (r->no_memory) {
+        *r->no_memory = true;
+    }
+}
 
 /* False with *e set if memory runs out or no block can be cut. */
 bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error *e);

@@ -1,5 +1,5 @@
 /*
- * What a voltage that no cause accounts for may depend on: the stated dictionary of docs/diagnosis.md, evaluated for
+ * What a voltage that no cause accounts for may depend on: the stated dictionary of docs/diagnosis_reference.md, evaluated for
  * one control cycle. An entry is a number; a term is an entry times a fitted value, as a voltage along d or q.
  */
 #ifndef SIM_HOST_DIAGNOSE_LEARN_DICTIONARY_H

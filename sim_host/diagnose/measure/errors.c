@@ -46,6 +46,9 @@ static double measure(const diagnose_rows *r, const averaged_drive *drive, wante
     vec_ab *wrong = calloc(longest, sizeof *wrong);
     double sum = 0.0;
     double n = 0.0;
+    if (!nodes || !wrong) {
+        rows_note_no_memory(r);
+    }
     for (size_t b = 0; nodes && wrong && b < r->blocks; b++) {
         const row_block *block = &r->block[b];
         if (!counts(block, which.group, which.held_out_only)) {

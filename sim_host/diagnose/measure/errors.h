@@ -10,7 +10,7 @@
 #define MEASURE_ALL ((size_t)-1)
 
 /* rms of the one-cycle error vector over rms of the current vector, percent, over held-out (or all) blocks of
- * one group or MEASURE_ALL. NAN where there is no such row, or no current. */
+ * one group or MEASURE_ALL. NAN where there is no such row, or no current; and where memory runs out, which r->no_memory says. */
 double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, size_t group,
                          bool held_out_only);
 

@@ -46,16 +46,20 @@ static double at_most(double square, double rows)
 static error_sums sum_errors(const diagnose_rows *r, const averaged_drive *drive, double per_variance)
 {
     averaged_node *nodes = rows_nodes(r, drive);
+    size_t longest = 1;
+    for (size_t b = 0; b < r->blocks; b++) {
+        longest = r->block[b].count > longest ? r->block[b].count : longest;
+    }
+    vec_ab *e = calloc(longest, sizeof *e);
+    if (!nodes || !e) {
+        rows_note_no_memory(r);
+    }
     double lagged = 0.0;
     double n = 0.0;
     double square[ROWS_MAX_GROUPS] = {0};
     double rows[ROWS_MAX_GROUPS] = {0};
-    for (size_t b = 0; nodes && b < r->blocks; b++) {
+    for (size_t b = 0; nodes && e && b < r->blocks; b++) {
         const row_block *block = &r->block[b];
-        vec_ab *e = calloc(block->count, sizeof *e);
-        if (!e) {
-            break;
-        }
         observer_one_cycle(r, drive, nodes, block->first, block->count, e);
         for (size_t j = 4; j < block->count; j++) {
             const unsigned char *bad = r->outlier + block->first + j;
@@ -68,8 +72,8 @@ static error_sums sum_errors(const diagnose_rows *r, const averaged_drive *drive
             square[block->group] += e[j].alpha * e[j].alpha + e[j].beta * e[j].beta;
             rows[block->group] += 1.0;
         }
-        free(e);
     }
+    free(e);
     free(nodes);
     error_sums sums = {.lag_two = n > 0.0 ? lagged / n : 0.0, .quietest = INFINITY};
     for (size_t g = 0; g < r->groups; g++) {
@@ -81,13 +85,14 @@ static error_sums sum_errors(const diagnose_rows *r, const averaged_drive *drive
 }
 
 /*
- * An over-compensation goes by the sign of the current at the cycle's start. Where the recorded one has the other sign by
+ * A compensation goes by the sign of the current at the cycle's start. Where the recorded one has the other sign by
  * noise of that variance, a perfect model errs by twice the compensation: the mean square over the rows.
  */
 static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive, double variance)
 {
     const double L = 0.5 * (drive->L_d_H + drive->L_q_H);
-    const double jump_A = 2.0 * (1.0 + drive->dead_share) * drive->v_dead_V * 2.0 / 3.0 * r->T_s / L;
+    const double whole = fmin(1.0, sqrt(variance) / drive->compensation_knee_A);
+    const double jump_A = 2.0 * whole * drive->compensation_V * 2.0 / 3.0 * r->T_s / L;
     const sensor_map sensors = sensor_map_of(drive, r->two_sensors, 0.0);
     double sum = 0.0;
     for (size_t k = 0; k < r->rows; k++) {
@@ -141,7 +146,7 @@ double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_
         }
     }
     more *= r->T_s * r->T_s / (L * L * (double)r->rows);
-    if (drive->edge == EDGE_OVER && drive->v_dead_V != 0.0 && variance > 0.0) {
+    if (drive->compensation_V != 0.0 && variance > 0.0) {
         /* A phase of a vector has half of its power. */
         more += by_wrong_signs(r, drive, 0.5 * variance);
     }

@@ -11,7 +11,7 @@
 
 #include "diagnose/identify/fit_data.h"
 
-/* A rms of the error vector. *sensor_rms_A: of one phase's sensor. */
+/* A rms of the error vector. *sensor_rms_A: of one phase's sensor. No result where memory runs out, which r->no_memory says. */
 double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
                      double *sensor_rms_A);
 

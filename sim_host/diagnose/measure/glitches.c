@@ -1,6 +1,8 @@
 /* Rows that stand out (glitches.h). */
 #include "glitches.h"
 
+#include "base/normal.h"
+#include "base/sort.h"
 #include "diagnose/identify/observer.h"
 
 #include <math.h>
@@ -15,13 +17,6 @@ static const double TAIL = 4.5;
 /* More glitches than this share of the rows are no glitches, but a model that does not fit. */
 static const double GLITCH_SHARE = 0.03;
 
-static int ascending(const void *x, const void *y)
-{
-    double a = *(const double *)x;
-    double b = *(const double *)y;
-    return a < b ? -1 : a > b;
-}
-
 size_t measure_glitches(fit_data *d, const fit_state *s)
 {
     diagnose_rows *r = d->rows;
@@ -34,8 +29,11 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
     size_t found = 0;
     size_t apart = 0;
     size_t between = 0;
-    /* An over-compensation goes by a sign that noise decides near nought: what stands out then is no glitch. */
-    const bool signs = hypothesis_in(s->set, H_DEAD_TIME) && s->edge == EDGE_OVER;
+    /* A compensation goes by a sign that noise decides near nought: what stands out then is no glitch. */
+    const bool signs = hypothesis_in(s->set, H_COMPENSATED);
+    if (!nodes || !square || !innovation || !seen || !before) {
+        rows_note_no_memory(r);
+    }
     for (size_t k = 0; before && k < r->rows; k++) {
         before[k] = r->outlier[k];
         apart += before[k];
@@ -56,9 +54,8 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
         if (n < 20) {
             continue;
         }
-        qsort(square, n, sizeof *square, ascending);
-        /* The median of a two-dimensional normal square is 2 ln 2 of one component's variance. */
-        double deviation = sqrt(square[n / 2] / 1.386294361119891);
+        sort_ascending(square, n);
+        double deviation = sqrt(square[n / 2] / NORMAL_MEDIAN_SQUARE);
         for (size_t k = 0; k < n; k++) {
             double size = sqrt(square[k]) / deviation;
             apart += size > GLITCH;

@@ -6,7 +6,7 @@
 
 #include "diagnose/identify/fit_data.h"
 
-/* Marks them in d->rows->outlier. Returns how many. */
+/* Marks them in d->rows->outlier. Returns how many: no result where memory runs out, which d->rows->no_memory says. */
 size_t measure_glitches(fit_data *d, const fit_state *s);
 
 #endif

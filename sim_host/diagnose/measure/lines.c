@@ -62,7 +62,9 @@ static void lines_of(fit_data *d, fourier *transform, const fit_state *s, const 
     row_block block = {.first = st->first + ROWS_HISTORY, .count = n + OBSERVER_START, .group = group};
     double *e = calloc(OBSERVER_OUTPUTS * block.count, sizeof *e);
     fourier_number *rotor = calloc(2 * n, sizeof *rotor);
-    if (e && rotor) {
+    if (!e || !rotor) {
+        rows_note_no_memory(r);
+    } else {
         fourier_number *x = rotor + n;
         const group_noise *noise = &s->noise[group];
         double total = 0.0;

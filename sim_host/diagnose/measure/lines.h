@@ -9,7 +9,7 @@
 #include "diagnose/identify/fit_data.h"
 #include "diagnose/result.h"
 
-/* excess: the extended error over the noise floor. False: out of memory. */
+/* excess: the extended error over the noise floor. False, or rows->no_memory set: out of memory. */
 bool measure_lines(fit_data *d, const fit_state *s, double excess, diagnosis_structure *found);
 
 #endif

@@ -3,6 +3,8 @@
 
 #include "ripple_line.h"
 
+#include "base/normal.h"
+#include "base/sort.h"
 #include "diagnose/identify/mended.h"
 #include "diagnose/identify/observer.h"
 #include "model/link_ripple.h"
@@ -21,8 +23,6 @@ static const double LEAST_SHARE = 0.003;
 static const double LEAST_OF_REST = 0.05;
 static const double SHARE_LOOSE = 0.03,
                     FREQUENCY_LOOSE = 5e-4; /* what the law leaves: intervals say no less */
-static const double MIDDLE_OF_SQUARE =
-    1.386294361119891; /* of a normal square in two dimensions, by a variance */
 
 static size_t pieces_of(const stretch *s)
 {
@@ -55,21 +55,14 @@ static bool cut(const diagnose_rows *r, ripple_pieces *all)
     return all->piece && all->along && all->across && all->weight;
 }
 
-static int ascending(const void *x, const void *y)
-{
-    const double a = *(const double *)x;
-    const double b = *(const double *)y;
-    return (a > b) - (a < b);
-}
-
 /* Length beyond which an error is shortened to it. */
 static double wild_of(const vec_ab *wrong, size_t n, double *scratch)
 {
     for (size_t k = 0; k < n; k++) {
         scratch[k] = wrong[k].alpha * wrong[k].alpha + wrong[k].beta * wrong[k].beta;
     }
-    qsort(scratch, n, sizeof *scratch, ascending);
-    return WILD * sqrt(scratch[n / 2] / MIDDLE_OF_SQUARE);
+    sort_ascending(scratch, n);
+    return WILD * sqrt(scratch[n / 2] / NORMAL_MEDIAN_SQUARE);
 }
 
 /* The series of one piece: of its cycle k, whose error shows in the row after it. */
@@ -202,6 +195,34 @@ static bool is_worth_it(const diagnose_rows *r, ripple_pieces *all, const ripple
     return off >= LEAST_OF_REST * rest;
 }
 
+/* A speed that swings by this part of the line's share can make the line itself, if its column is a little late or small. */
+static const double SPEED_MAKES = 0.5;
+
+/* The swing of the recorded speed at that frequency, as a share of the fastest speed: rms over the pieces. */
+static double speed_swing(const diagnose_rows *r, const ripple_pieces *all, double frequency_Hz)
+{
+    double square = 0.0;
+    double fastest = 0.0;
+    for (size_t n = 0; n < all->pieces; n++) {
+        const ripple_piece *p = &all->piece[n];
+        double mean = 0.0;
+        double re = 0.0;
+        double im = 0.0;
+        for (size_t j = 0; j < p->count; j++) {
+            mean += r->row[p->first + j].omega_rad_s / (double)p->count;
+        }
+        for (size_t j = 0; j < p->count; j++) {
+            const double at = VEC_TWO_PI * frequency_Hz * r->T_s * (double)j;
+            const double off = r->row[p->first + j].omega_rad_s - mean;
+            re += 2.0 * off * cos(at) / (double)p->count;
+            im += 2.0 * off * sin(at) / (double)p->count;
+        }
+        square += (re * re + im * im) / (double)all->pieces;
+        fastest = fmax(fastest, fabs(mean));
+    }
+    return fastest > 0.0 ? sqrt(square) / fastest : 0.0;
+}
+
 bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double floor_A, const motor *file,
                          size_t *mended)
 {
@@ -217,7 +238,9 @@ bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double f
         prompt.u_delay[0] = 0.0;
     }
     bool ok = look(r, &prompt, &all, &found);
-    if (ok && found.share >= LEAST_SHARE && is_worth_it(r, &all, &found, floor_A)) {
+    if (ok && found.share >= LEAST_SHARE &&
+        speed_swing(r, &all, found.frequency_Hz) < SPEED_MAKES * found.share &&
+        is_worth_it(r, &all, &found, floor_A)) {
         const row_mend mended_of = told(&found);
         ok = mended_keep(r, &mended_of, file);
         *mended = ok ? mend(r, &all, &found) : 0;

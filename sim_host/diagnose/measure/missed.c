@@ -1,6 +1,8 @@
 /* Cycles under the command of the cycle before (missed.h). */
 #include "missed.h"
 
+#include "base/normal.h"
+#include "base/sort.h"
 #include "diagnose/identify/mended.h"
 #include "diagnose/identify/observer.h"
 
@@ -16,9 +18,6 @@ enum { LEAST_ROWS = 4, TIMES_OPPOSITE = 5 };
 /* Commands that are late by less than this share of a cycle short of a whole one are late by the whole one. */
 static const double NEARLY = 0.15;
 
-/* The middle of a normal square in two dimensions is 2 ln 2 of one component's variance. */
-static const double MEDIAN_OF_SQUARE = 1.386294361119891;
-
 typedef struct count {
     diagnose_rows *r;
     const averaged_drive *drive;
@@ -29,13 +28,6 @@ typedef struct count {
     size_t told, missed, opposite, mended;
     size_t wild; /* rows that err by CLEAR, whatever their command does */
 } count;
-
-static int ascending(const void *x, const void *y)
-{
-    const double a = *(const double *)x;
-    const double b = *(const double *)y;
-    return (a > b) - (a < b);
-}
 
 static bool find_deviations(count *c)
 {
@@ -52,8 +44,8 @@ static bool find_deviations(count *c)
                 square[n++] = wrong[j].alpha * wrong[j].alpha + wrong[j].beta * wrong[j].beta;
             }
         }
-        qsort(square, n, sizeof *square, ascending);
-        c->deviation_A[g] = n > 0 ? sqrt(square[n / 2] / MEDIAN_OF_SQUARE) : 0.0;
+        sort_ascending(square, n);
+        c->deviation_A[g] = n > 0 ? sqrt(square[n / 2] / NORMAL_MEDIAN_SQUARE) : 0.0;
     }
     const bool ok = square && wrong;
     free(square);

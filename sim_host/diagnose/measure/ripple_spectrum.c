@@ -2,6 +2,7 @@
 #include "ripple_spectrum.h"
 
 #include "base/fourier.h"
+#include "base/sort.h"
 #include "base/vector.h"
 
 #include <math.h>
@@ -16,13 +17,6 @@ enum {
 };
 
 static const double HIGHEST = 0.45; /* of the cycles' frequency */
-
-static int ascending(const void *x, const void *y)
-{
-    const double a = *(const double *)x;
-    const double b = *(const double *)y;
-    return (a > b) - (a < b);
-}
 
 double ripple_window(size_t j, size_t n)
 {
@@ -66,7 +60,7 @@ static double noise_at(const double *power, size_t bins, size_t at, size_t bin)
             scratch[n++] = power[at + k * bin];
         }
     }
-    qsort(scratch, n, sizeof *scratch, ascending);
+    sort_ascending(scratch, n);
     return n > 0 ? scratch[n / 2] / 0.6931471805599453 : 0.0;
 }
 

@@ -94,6 +94,17 @@ static double free_run(const diagnose_rows *r, const averaged_drive *drive, cons
     return all_current > 0.0 ? 100.0 * sqrt(all_wrong / all_current) : NAN;
 }
 
+double measure_open_loop(const diagnose_rows *r, const averaged_drive *drive, double run[ROWS_MAX_GROUPS])
+{
+    double percent[ROWS_MAX_GROUPS];
+    averaged_node *nodes = rows_nodes(r, drive);
+    vec_ab *scratch = calloc(r->rows + 1, sizeof *scratch);
+    const double all = nodes && scratch ? free_run(r, drive, nodes, run ? run : percent, scratch, NULL) : NAN;
+    free(nodes);
+    free(scratch);
+    return isfinite(all) ? all : NAN;
+}
+
 static void one_cycle_series(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                              vec_ab *series)
 {

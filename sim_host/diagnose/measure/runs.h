@@ -11,4 +11,8 @@
  * memory. */
 bool measure_runs(const diagnose_rows *r, diagnosis *d, bool series);
 
+/* The open-loop error of all rows, percent of the current; NAN where the simulation gives no number or memory runs out. `run` may be
+ * NULL; else it receives the error of each operating point. */
+double measure_open_loop(const diagnose_rows *r, const averaged_drive *drive, double run[ROWS_MAX_GROUPS]);
+
 #endif

@@ -2,6 +2,7 @@
 #include "sensor_fault.h"
 
 #include "base/solve.h"
+#include "base/sort.h"
 #include "diagnose/identify/mended.h"
 #include "diagnose/identify/observer.h"
 
@@ -60,13 +61,6 @@ static double sound(const fault *f, vec_ab i)
     return sum;
 }
 
-static int ascending(const void *x, const void *y)
-{
-    const double a = *(const double *)x;
-    const double b = *(const double *)y;
-    return (a > b) - (a < b);
-}
-
 /* Of the inner rows, by what they would have of a normal noise: rounding to a coarse step leaves no middle that tells. */
 static void measure_deviation(fault *f)
 {
@@ -74,7 +68,7 @@ static void measure_deviation(fault *f)
     for (size_t k = 0; k < rows; k++) {
         f->scratch[k] = fabs(f->left_A[k]);
     }
-    qsort(f->scratch, rows, sizeof *f->scratch, ascending);
+    sort_ascending(f->scratch, rows);
     const size_t inner = (size_t)(INNER * (double)rows);
     double square = 0.0;
     for (size_t k = 0; k < inner; k++) {

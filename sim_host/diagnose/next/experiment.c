@@ -103,17 +103,40 @@ static bool settle(const question *q, diagnosis *d)
     return out->numbers > 0;
 }
 
+/* Asks about a member of w->state and another cause. False if there is nothing to say. */
+static bool tell_apart(const session *w, const evidence_view *view, hypothesis_id member, const char *other,
+                       diagnosis *d)
+{
+    question q;
+    const cause_row *row = cause_find(other);
+    if (row == NULL || !question_of_pair(&q, w, view, member, (cause_id)(row - cause_table)) ||
+        !settle(&q, d)) {
+        return false;
+    }
+    d->experiment.tell[0] = hypothesis_cause(member)->id;
+    d->experiment.tell[1] = other;
+    return true;
+}
+
+void experiment_of_explanations(const session *w, const evidence_view *view, hypothesis_set undecided,
+                                diagnosis *d)
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        for (size_t k = 0; hypothesis_in(undecided, h) && k < d->explanations; k++) {
+            const char *other = d->explanation[k].id;
+            if (strcmp(other, hypothesis_cause(h)->id) != 0 && tell_apart(w, view, h, other, d)) {
+                return;
+            }
+        }
+    }
+}
+
 void experiment_find(const session *w, const evidence_view *view, const hypothesis_id *member, diagnosis *d)
 {
     question q;
     for (size_t k = 0; k < d->causes; k++) {
         for (size_t n = 0; n < d->cause[k].confused; n++) {
-            const char *other = d->cause[k].confused_with[n];
-            const cause_row *row = cause_find(other);
-            if (row != NULL && question_of_pair(&q, w, view, member[k], (cause_id)(row - cause_table)) &&
-                settle(&q, d)) {
-                d->experiment.tell[0] = d->cause[k].id;
-                d->experiment.tell[1] = other;
+            if (tell_apart(w, view, member[k], d->cause[k].confused_with[n], d)) {
                 return;
             }
         }

@@ -1,6 +1,7 @@
 /* Questions to a recording (question.h). */
 #include "question.h"
 
+#include "base/normal.h"
 #include "base/solve.h"
 #include "diagnose/identify/gram.h"
 #include "diagnose/tell/known.h"
@@ -9,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Nothing is known beforehand of a number that may be off by so many times what is worth a name. */
+/* Nothing is known beforehand of a number that may be off by so many reporting thresholds. */
 static const double UNKNOWN = 100.0;
 /* Of `usual`: a half width of this is a value. */
 static const double A_VALUE = 0.1;
@@ -40,7 +41,7 @@ static double precision(double width)
     return 1.0 / (width * width);
 }
 
-/* The columns of a set, free, and those that move within their last digits. */
+/* The columns of a set, free, and those that move within their tolerance. */
 static void open_columns(question *q, hypothesis_set set)
 {
     int column[COLUMN_COUNT];
@@ -90,7 +91,7 @@ static void add_number(question *q, const motor_value *v)
     q->number[q->numbers++] = v;
 }
 
-/* Whether pieces can show it, beside what the others move. */
+/* Whether test segments can show it, in addition to the effect of the others. */
 static bool can_stand_beside(hypothesis_set set, hypothesis_id h)
 {
     bool taken[P_COUNT] = {false};
@@ -119,7 +120,7 @@ static hypothesis_id rival_of(const session *w, const evidence_view *view, hypot
     double least = INFINITY;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         evidence_option option;
-        if (hypothesis_table[h].cause != other || !hypothesis_in(w->possible, h) ||
+        if (hypothesis_cause(h)->of != other || !hypothesis_in(w->possible, h) ||
             !can_stand_beside(w->state.set, h)) {
             continue;
         }
@@ -235,9 +236,9 @@ bool question_of_estimates(question *q, const session *w, const evidence_view *v
     }
     for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
         const coordinate_id id = known_numbers[k].coordinate;
-        const motor_value *v = d->estimate[k].excited ? NULL : value_named(known_numbers[k].told[0]);
+        const motor_value *v = d->estimate[k].excited ? NULL : value_named(known_numbers[k].parameter[0]);
         if (v != NULL) {
-            q->enough[q->numbers] = 1.96 * A_VALUE * usual_width(q, v, id);
+            q->enough[q->numbers] = NORMAL_95 * A_VALUE * usual_width(q, v, id);
             add_number(q, v);
         }
     }
@@ -304,7 +305,7 @@ bool question_ask(const question *q, const double more[COLUMN_COUNT][COLUMN_COUN
     bool known = true;
     for (size_t n = 0; n < q->numbers; n++) {
         const double variance = product(q, n, n, c);
-        out->half_width[n] = 1.96 * sqrt(variance * q->w->certainty.inflation);
+        out->half_width[n] = NORMAL_95 * sqrt(variance * q->w->certainty.inflation);
         known = known && variance > 0.0 && isfinite(variance);
     }
     if (known && q->pair[0] != H_COUNT) {

@@ -1,5 +1,5 @@
 /*
- * What a recording is asked: numbers, and the columns that are free beside them.
+ * The open numbers of a recording, and the columns that are free in addition.
  */
 #ifndef SIM_HOST_DIAGNOSE_NEXT_QUESTION_H
 #define SIM_HOST_DIAGNOSE_NEXT_QUESTION_H
@@ -13,31 +13,30 @@ typedef struct question {
     const evidence_view *view;
     size_t columns;
     int column[COLUMN_COUNT];
-    double prior[COLUMN_COUNT]; /* the precision of what is known beforehand */
+    double prior[COLUMN_COUNT]; /* the precision known beforehand */
     size_t numbers;
     const motor_value *number[DIAGNOSIS_ESTIMATES];
-    double by[DIAGNOSIS_ESTIMATES][COLUMN_COUNT]; /* what a step of 1 along each column changes of it */
-    double enough[DIAGNOSIS_ESTIMATES]; /* of what is not excited: the half width that would be one */
-    hypothesis_id pair[2];              /* the two that are confused; H_COUNT: numbers are asked */
-    double at[2][HYPOTHESIS_COLUMNS];   /* where each would lie, were it the true one */
+    double by[DIAGNOSIS_ESTIMATES][COLUMN_COUNT]; /* its change for a step of 1 along each column */
+    double enough[DIAGNOSIS_ESTIMATES];           /* half width that counts as excited */
+    hypothesis_id pair[2];            /* the pair that is not distinguishable; H_COUNT: numbers are open */
+    double at[2][HYPOTHESIS_COLUMNS]; /* the place of each if it were the true one */
 } question;
 
-/* What is known of the numbers. */
+/* Uncertainty of the numbers. */
 typedef struct answer {
     double half_width[DIAGNOSIS_ESTIMATES]; /* 95 %, in their units */
     double correlation;                     /* of a pair's */
-    double apart; /* chi square by which the one of a pair would lose the other's place that loses less */
+    double apart; /* chi square that separates the pair, the smaller of both directions */
 } answer;
 
-/* A named cause and one that could take its place. False if no experiment of pieces could tell these two apart: one
- * contains the other, or they follow time or temperature. */
+/* A named cause and one that could take its place. False if no segment could separate them: one contains the other, or they depend on time or temperature. */
 bool question_of_pair(question *q, const session *w, const evidence_view *view, hypothesis_id member,
                       cause_id other);
 
 /* The numbers that are not excited. False if there are none. */
 bool question_of_estimates(question *q, const session *w, const evidence_view *view, const diagnosis *d);
 
-/* What this recording and so many cycles of another tell, each of the information `more`. False if that cannot be said. */
+/* The uncertainty after this recording and `cycles` cycles of another, each with the information `more`. False if it is singular. */
 bool question_ask(const question *q, const double more[COLUMN_COUNT][COLUMN_COUNT], double cycles,
                   answer *out);
 

@@ -39,7 +39,7 @@ static bool prepare(diagnose_rows *rows, const recording *rec, const session *w)
         rows_fill_edges(rows, w->frame.motor, w->rows.modulator);
     }
     for (size_t k = 0; k < rows->rows; k++) {
-        rows->row[k].elapsed_s = 0.0; /* what drifts stands where it is told */
+        rows->row[k].elapsed_s = 0.0; /* a drifting parameter has its reported value */
     }
     for (size_t b = 0; b < rows->blocks; b++) {
         rows->block[b].held_out = false;

@@ -1,16 +1,11 @@
 /*
- * Pieces that a next recording could be made of, run in the averaged model of what was found: what a cycle of each
- * would tell, as the information that the diagnosis would have of it.
- *
- * Of each piece a few windows are run, evenly spread over its course, with a current that follows its reference as
- * behind a current control: what a window tells stands for its share of the piece, however long that is. Limits are
- * those that the recording itself kept: its largest current and speed, its DC link.
+ * Test segments for the next recording, simulated in the averaged extended model: the information matrix of one cycle of each. A few windows of each segment are simulated, evenly spread, with a current that follows its reference as in closed loop. A window represents its share of the segment. The limits are those of the recording: its largest current and speed, its DC link.
  */
 #ifndef SIM_HOST_DIAGNOSE_NEXT_TRIAL_H
 #define SIM_HOST_DIAGNOSE_NEXT_TRIAL_H
 
+#include "data/plan_pieces.h"
 #include "diagnose/choose/session.h"
-#include "plan/plan_pieces.h"
 
 typedef struct trial {
     plan_limits limits;
@@ -19,7 +14,7 @@ typedef struct trial {
     double (*h)[COLUMN_COUNT][COLUMN_COUNT]; /* of one cycle of each, in the columns' places */
 } trial;
 
-/* The limits that the recording kept. A rotor that stood may turn with a quarter of the file's largest speed. */
+/* The limits that the recording kept. After a recording at standstill, a quarter of the file's largest speed is allowed. */
 plan_limits trial_limits(const session *w);
 
 /*

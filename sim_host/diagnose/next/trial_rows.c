@@ -23,7 +23,7 @@ static const char *const column_name[TRIAL_COLUMNS] = {
     "t_s",   "run",    "i_a_A",       "i_b_A",         "u_a_V",         "u_b_V",
     "u_c_V", "u_dc_V", "theta_e_rad", "omega_e_rad_s", "theta_mech_rad"};
 
-/* A current control's reach: the share of what is wrong that a cycle mends. */
+/* A current control's reach: the share of an error that a cycle corrects. */
 static const double FOLLOWS = 0.25;
 /* Of the link's largest vector. */
 static const double VOLTAGE_SHARE = 0.95;

@@ -1,11 +1,11 @@
 /*
- * The rows of trial.h: windows of pieces, as a recording of the averaged model.
+ * The rows of trial.h: windows of test segments, as a recording of the averaged model.
  */
 #ifndef SIM_HOST_DIAGNOSE_NEXT_TRIAL_ROWS_H
 #define SIM_HOST_DIAGNOSE_NEXT_TRIAL_ROWS_H
 
+#include "data/plan_pieces.h"
 #include "diagnose/choose/session.h"
-#include "plan/plan_pieces.h"
 
 enum {
     TRIAL_WINDOW = 64,      /* cycles: both squares change within them */

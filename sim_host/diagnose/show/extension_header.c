@@ -3,6 +3,7 @@
 
 #include "base/number.h"
 #include "base/out_file.h"
+#include "base/text_out.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -21,15 +22,6 @@ static void put_value(FILE *out, double x)
     }
 }
 
-/* Text inside a comment: nothing in it may end the comment or the line. */
-static void put_comment_text(FILE *out, const char *text)
-{
-    for (; *text != '\0'; text++) {
-        const unsigned char c = (unsigned char)*text;
-        fputc(c < 0x20 || c == '*' || c == 0x5c ? '_' : c, out);
-    }
-}
-
 static const diagnosis_parameter *found(const diagnosis *d, const char *name)
 {
     for (size_t k = 0; k < d->causes; k++) {
@@ -42,7 +34,7 @@ static const diagnosis_parameter *found(const diagnosis *d, const char *name)
     return NULL;
 }
 
-/* One macro; behind it what the diagnosis knows of the parameter `name` of interfaces.md. */
+/* One macro; behind it the diagnosed interval of the parameter `name` of interfaces.md. */
 static void define(FILE *out, const diagnosis *d, const char *macro, double value, const char *unit,
                    const char *name, const char *otherwise)
 {
@@ -51,9 +43,9 @@ static void define(FILE *out, const diagnosis *d, const char *macro, double valu
     put_value(out, value);
     fprintf(out, " /* %s", unit);
     if (p != NULL && p->high > p->low) {
-        fprintf(out, "; diagnosed, 95 %%: %.6g to %.6g; the file says %.6g", p->low, p->high, p->nominal);
+        fprintf(out, "; diagnosed, 95 %%: %.6g to %.6g; motor file %.6g", p->low, p->high, p->nominal);
     } else if (p != NULL) {
-        fprintf(out, "; diagnosed; the file says %.6g", p->nominal);
+        fprintf(out, "; diagnosed; motor file %.6g", p->nominal);
     } else {
         fprintf(out, "; %s", otherwise);
     }
@@ -99,7 +91,7 @@ static void define_corrections(FILE *out, const diagnosis *d)
           out);
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
         const bool there = m->ext.has[v->cause];
-        /* The inductances are above; I_sat stands only if the iron saturates. */
+        /* The inductances are above; I_sat is there only if the iron saturates. */
         const bool beyond = isnan(v->absent);
         char macro[64];
         /* A rate is that of one recording: no constant of a firmware follows it. */
@@ -136,7 +128,7 @@ static void put_initialisers(FILE *out, bool saturates)
             "     %s}\n\n",
             saturates ? "IQFOC_EXT_SATURATION(IQFOC_DIAGNOSED_I_SAT_A, IQFOC_DIAGNOSED_I_BASE_A)" : "0");
     fputs(
-        "/* iqfoc_predictor_t, for a machine with L_d = L_q: their mean stands for both. */\n"
+        "/* iqfoc_predictor_t, for a machine with L_d = L_q: it uses their mean. */\n"
         "#define IQFOC_DIAGNOSED_PREDICTOR \\\n"
         "    IQFOC_PREDICTOR(IQFOC_DIAGNOSED_R_OHM, 0.5 * (IQFOC_DIAGNOSED_L_D_H + IQFOC_DIAGNOSED_L_Q_H), "
         "\\\n"
@@ -159,9 +151,9 @@ static void put_initialisers(FILE *out, bool saturates)
 static void put_rest(FILE *out, const diagnosis *d)
 {
     for (int id = 0; id < CAUSE_COUNT; id++) {
-        if (d->extended_motor.ext.has[id] && cause_table[id].firmware != FIRMWARE_HOLDS) {
+        if (motor_has_first(&d->extended_motor, (cause_id)id) && cause_table[id].firmware != FIRMWARE_HOLDS) {
             fprintf(out,
-                    "/* Not here, because the library has no correction for it: %s. See motor_extended.toml. "
+                    "/* Not in this header: the library has no correction for %s. See motor_extended.toml. "
                     "*/\n",
                     cause_table[id].id);
         }
@@ -176,15 +168,15 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
     }
     FILE *out = f.stream;
     fputs("/*\n * Written by iqfoc diagnose from ", out);
-    put_comment_text(out, d->recording_path);
+    text_out_comment(out, d->recording_path);
     fputs(" with ", out);
-    put_comment_text(out, d->motor_path);
+    text_out_comment(out, d->motor_path);
     fputs(".\n * ", out);
-    put_comment_text(out, d->sentence);
+    text_out_comment(out, d->sentence);
     fputs("\n *\n *     static const iqfoc_extension_t extension = IQFOC_DIAGNOSED_EXTENSION;\n"
           " *     static const iqfoc_flux_predictor_t predictor = IQFOC_DIAGNOSED_FLUX_PREDICTOR;\n"
-          " *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h. A value that the library "
-          "cannot hold does not compile.\n"
+          " *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h. A value outside the "
+          "library's range does not compile.\n"
           " */\n#ifndef IQFOC_DIAGNOSED_EXTENSION_H\n#define IQFOC_DIAGNOSED_EXTENSION_H\n\n"
           "#include \"iqfoc/current_control.h\"\n#include \"iqfoc/extension_params.h\"\n#include "
           "\"iqfoc/flux_predictor.h\"\n\n",

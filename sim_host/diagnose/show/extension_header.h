@@ -1,6 +1,5 @@
 /*
- * The firmware's header: what a diagnosis found as constants of the library, each with its physical value,
- * unit and 95 % interval.
+ * Writes iqfoc_extension.h: the values of a diagnosis as constants of the library, each with its physical value, unit and 95 % interval.
  */
 #ifndef SIM_HOST_DIAGNOSE_SHOW_EXTENSION_HEADER_H
 #define SIM_HOST_DIAGNOSE_SHOW_EXTENSION_HEADER_H
@@ -8,8 +7,7 @@
 #include "base/error.h"
 #include "diagnose/result.h"
 
-/* Compiles as C99 without warnings against include/; a value that the library cannot hold is refused there,
- * by its name. */
+/* Compiles as C99 without warnings against include/; a value outside the library's range gives a compile error with its name. */
 bool extension_header_write(const char *path, const diagnosis *d, error *e);
 
 #endif

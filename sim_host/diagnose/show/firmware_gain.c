@@ -1,4 +1,4 @@
-/* The recording predicted by the firmware's own code (firmware_gain.h). */
+/* Prediction of the recording by the firmware code (firmware_gain.h). */
 #include "firmware_gain.h"
 
 #include "base/vector.h"
@@ -24,7 +24,7 @@ static bool firmware_of(const motor *m, firmware *f, error *e)
     f->base = per_unit_of(m);
     f->late = m->ext.has[CAUSE_VOLTAGE_DELAY] ? m->ext.voltage_delay_cycles : 0.0;
     motor unnamed = *m;
-    unnamed.path = NULL; /* the reason is told without a file */
+    unnamed.path = NULL; /* messages then name no file */
     return extension_from_motor(&unnamed, &f->extension, e) &&
            flux_predictor_from_motor(&unnamed, &f->predictor, e);
 }
@@ -90,7 +90,7 @@ static double error_percent(const firmware *f, const recording *rec, const unsig
     double current = 0.0;
     for (size_t n = 0; n < rec->stretches; n++) {
         const stretch *s = &rec->stretch[n];
-        /* From the third row on, so that every model is measured on the same rows, a late voltage or not. */
+        /* From the third row on, so that every model is measured on the same rows, with or without a voltage delay. */
         for (size_t k = s->first + 2; k + 1 < s->first + s->count; k++) {
             if (!held_out[k] || !held_out[k + 1]) {
                 continue;

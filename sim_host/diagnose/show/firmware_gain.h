@@ -1,13 +1,9 @@
 /*
- * What the extension gains in the firmware's own code: the fixed-point flux predictor over a recording's
- * held-out rows, with the motor file as it was and with what the diagnosis made of it.
+ * Measures the error reduction in the firmware code: the fixed-point flux predictor over a recording's held-out rows, with the motor file and with the extended motor file.
  *
  *     next = step(correct(sample), acting(u)),     error = sensed(sample(k+1)) - sensed(next)
  *
- * The error is that of the recorded currents, so that it stands beside the double figures: a corrected
- * prediction goes back through the sensor's law, in double, as a test bench would. Effects that the firmware
- * has no constant for stay in the error, but for a voltage that acts late: the row whose voltage acts is
- * taken, as a firmware would that keeps its last commands.
+ * The error is that of the recorded currents, so that it compares with the double-precision one: a corrected prediction is converted back by the sensor model, in double. Effects without a firmware constant stay in the error. For a voltage delay, the row whose voltage acts is used, as in a firmware that stores its commands.
  */
 #ifndef SIM_HOST_DIAGNOSE_SHOW_FIRMWARE_GAIN_H
 #define SIM_HOST_DIAGNOSE_SHOW_FIRMWARE_GAIN_H
@@ -20,7 +16,7 @@
 typedef struct firmware_gain {
     bool measured;
     double nominal, extended, gain; /* percent of the current's rms, percent, 1 */
-    char reason[512];               /* why not, if it was not measured */
+    char reason[512];               /* reason, if it was not measured */
 } firmware_gain;
 
 /* held_out: one flag per row. */

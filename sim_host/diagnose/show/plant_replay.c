@@ -12,7 +12,7 @@
 
 enum {
     RUNS_MAX = 48,
-    CYCLES_MAX = 24000,  /* simulated in all: what the diagnosis of it searches, too */
+    CYCLES_MAX = 24000,  /* simulated in total */
     SETTLE_CYCLES = 400, /* 20 time constants of a current control of f_pwm/20 */
     NOISE_SEED = 20160215
 };
@@ -40,10 +40,11 @@ static void tell(char *text, size_t size, const char *format, ...)
     va_end(args);
 }
 
-/* Each leg is late once a period: v_dead = u_dc t_dead f_pwm. A gain of voltage is a device no inverter has. */
+/* Each leg is late once a period: v_dead + compensation = u_dc t_dead f_pwm. A voltage gain has no physics in an inverter. */
 static void laws_of_plant(plant_config *c, const motor *m, double u_dc_V)
 {
-    c->inverter.t_dead_s = m->ext.has[CAUSE_DEAD_TIME] ? fmax(m->ext.v_dead_V, 0.0) * c->T_s / u_dc_V : 0.0;
+    const double takes_V = m->ext.has[CAUSE_DEAD_TIME] ? m->ext.v_dead_V + m->ext.compensation_V : 0.0;
+    c->inverter.t_dead_s = fmax(takes_V, 0.0) * c->T_s / u_dc_V;
     /* Its registers load at the valley or at the peak. */
     c->inverter.delay_cycles =
         m->ext.has[CAUSE_VOLTAGE_DELAY] ? 0.5 * round(2.0 * m->ext.voltage_delay_cycles) : 0.0;
@@ -52,8 +53,9 @@ static void laws_of_plant(plant_config *c, const motor *m, double u_dc_V)
 /* The named effects as the plant's own physics. */
 static void physics(plant_config *c, const motor *m, double u_dc_V)
 {
-#define PLANT(ID, field, member) c->member = m->ext.has[CAUSE_##ID] ? m->ext.field : c->member;
-#include "data/causes.def"
+    for (cause_id id = 0; id < CAUSE_COUNT; id++) {
+        plant_config_extend(c, m, id);
+    }
     laws_of_plant(c, m, u_dc_V);
 }
 
@@ -72,11 +74,11 @@ static bool in_plant(const motor_value *v)
     return found;
 }
 
-/* "a dead time (v_dead = 3.39 V); windings (R = 0.8 ohm)": what the plant has and the file does not say. */
+/* "a dead time (v_dead = 3.39 V); windings (R = 0.8 ohm)": effects of the plant that the motor file has not. */
 static void describe(const motor *file, const motor *is, char *text, size_t size)
 {
     motor was = *file;
-    motor_inductances(file, &was.L_d_H, &was.L_q_H); /* as the extended motor says them */
+    motor_inductances(file, &was.L_d_H, &was.L_q_H); /* in the extended motor's form */
     for (int id = 0; id < CAUSE_COUNT; id++) {
         char values[200] = "";
         bool differ = is->ext.has[id] && !was.ext.has[id];
@@ -91,7 +93,7 @@ static void describe(const motor *file, const motor *is, char *text, size_t size
                      motor_value_of(is, v), strcmp(v->unit, "1") == 0 ? "" : " ",
                      strcmp(v->unit, "1") == 0 ? "" : v->unit);
         }
-        /* Both inductances alike are said as such, or as two. */
+        /* L or L_d and L_q, not both. */
         const bool salient = differs(is->L_d_H, is->L_q_H);
         if (differ && values[0] != '\0' && !(id == CAUSE_INDUCTANCE && salient) &&
             !(id == CAUSE_SALIENCY && !salient)) {
@@ -172,7 +174,7 @@ static size_t choose_stretches(const recording *rec, stretch chosen[RUNS_MAX])
     return runs;
 }
 
-/* When the middle of all runs' rows is: there the values of what drifts hold. */
+/* Time of the middle of all runs: drifting parameters have their values there. */
 static double middle_of(const scenario *s, double T_s)
 {
     double rows = 0.0;
@@ -216,7 +218,7 @@ bool plant_replay(const recording *rec, const motor *nominal, const motor *exten
     motor is = *extended;
     memset(out, 0, sizeof *out);
     effect[0] = '\0';
-    told.path = NULL; /* a copy, of which no file says what does not fit */
+    told.path = NULL; /* a copy: messages name no file */
     told.f_pwm_Hz = is.f_pwm_Hz = 1.0 / rec->T_s;
     s.runs = choose_stretches(rec, chosen);
     s.run = calloc(s.runs + 1, sizeof *s.run);

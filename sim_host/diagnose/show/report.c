@@ -1,14 +1,15 @@
-/* The report page from its parts (report.h). */
+/* The report page and the files around it (report.h). */
 #include "report.h"
 
 #include "base/json_file.h"
 #include "extension_header.h"
 #include "figures.h"
 #include "firmware_gain.h"
+#include "report_first.h"
+#include "report_hypotheses.h"
 #include "report_tables.h"
 #include "report_words.h"
 
-#include <math.h>
 #include <string.h>
 
 static firmware_gain firmware_of(const report_input *in)
@@ -21,7 +22,7 @@ void report_firmware(const report_input *in, json_t *json)
     firmware_gain_tell(json, in->rec, in->d->held_out, in->nominal, &in->d->extended_motor);
 }
 
-static json_t *plant_json(const diagnosis *d, const plant_witness *w)
+static json_t *plant_json(const diagnosis *d, const forward_validation *w)
 {
     if (!w->simulated) {
         return json_pack("{s:b, s:s}", "simulated", 0, "reason", w->reason);
@@ -32,7 +33,7 @@ static json_t *plant_json(const diagnosis *d, const plant_witness *w)
         json_array_append_new(causes, json_string(w->found.cause[k].id));
     }
     for (size_t k = 0; k < d->runs; k++) {
-        const diagnosis_run *run = plant_witness_run(w, d, k);
+        const diagnosis_run *run = forward_validation_run(w, d, k);
         if (run != NULL) {
             json_array_append_new(runs, json_pack("{s:I, s:o, s:o}", "run", (json_int_t)run->run,
                                                   "nominal_on_machine", json_number(d->run[k].nominal),
@@ -44,121 +45,135 @@ static json_t *plant_json(const diagnosis *d, const plant_witness *w)
                      "beyond_noise_plant_over_machine", json_number(w->size), "causes", causes, "runs", runs);
 }
 
-/* Two figures side by side where there is room. */
-typedef bool (*figure)(page *p, const evidence *v, error *e);
-
-static bool pair(page *p, const evidence *v, figure first, figure second, error *e)
+/* Draws a figure unless the first screen has it. */
+static bool draw(page *p, const report_context *c, figure f, error *e)
 {
+    return f == report_first_figure(c) || f(p, c, e);
+}
+
+/* Two figures, next to one another in a wide window; one alone if the first screen has the other. */
+static bool pair(page *p, const report_context *c, figure first, figure second, error *e)
+{
+    const figure shown = report_first_figure(c);
+    if (first == shown || second == shown) {
+        return draw(p, c, first, e) && draw(p, c, second, e);
+    }
     page_twins_begin(p);
-    if (!first(p, v, e)) {
+    if (!first(p, c, e)) {
         return false;
     }
     page_pair_beside(p);
-    if (!second(p, v, e)) {
+    if (!second(p, c, e)) {
         return false;
     }
     page_pair_end(p);
     return true;
 }
 
-static bool write_plant(page *p, const evidence *v, error *e)
+static bool write_plant(page *p, const report_context *c, error *e)
 {
-    page_heading(p, 2, "Does a plant with this effect err as the machine did?");
-    report_plant(p, v->d, v->witness);
-    return !v->witness->simulated || pair(p, v, figure_plant_runs, figure_plant_current, e);
+    page_heading(p, 2, "Forward validation: does a simulated drive with these causes show the same error?");
+    report_plant(p, c->d, c->validation);
+    return !c->validation->simulated || pair(p, c, figure_plant_runs, figure_plant_current, e);
 }
 
-static bool write_body(page *p, const report_input *in, const evidence *v, const firmware_gain *firmware,
-                       error *e)
+static bool write_residuals(page *p, const report_context *c, error *e)
+{
+    page_heading(p, 2, "Residuals: where the model and the recording differ");
+    if (!figure_time(p, c, e) || !pair(p, c, figure_current, figure_voltage, e)) {
+        return false;
+    }
+    if (c->turns) {
+        return pair(p, c, figure_speed, figure_angle, e) && pair(p, c, figure_orders, figure_methods, e);
+    }
+    page_note(p, "The rotor does not turn in this recording: there are no plots over speed, angle or order.");
+    return figure_methods(p, c, e);
+}
+
+static bool write_learned(page *p, const report_context *c, error *e)
+{
+    if (c->d->learned.terms == 0) {
+        return true;
+    }
+    page_heading(p, 2, "The residual depends on");
+    report_learned(p, c->d);
+    return c->d->learned.points <= 1 || draw(p, c, figure_learned, e);
+}
+
+static bool write_body(page *p, const report_input *in, const report_context *c,
+                       const firmware_gain *firmware, error *e)
 {
     const diagnosis *d = in->d;
-    report_lead(p, d);
+    if (!report_first(p, c, e)) {
+        return false;
+    }
+    page_heading(p, 2, d->causes > 0 ? "Causes and errors" : "Errors");
     if (d->causes > 0) {
         report_causes(p, d);
     }
     report_errors(p, d, firmware);
-    page_heading(p, 2, "What to do next");
-    report_next(p, d);
     report_experiment(p, d);
-    page_heading(
-        p, 2, d->verdict == VERDICT_CLEAN ? "The model beside the recording" : "What the model gets wrong");
-    if (!figure_time(p, v, e) || !pair(p, v, figure_current, figure_voltage, e)) {
+    if (!write_residuals(p, c, e) || !write_learned(p, c, e)) {
         return false;
     }
-    if (v->turns) {
-        if (!pair(p, v, figure_speed, figure_angle, e) || !pair(p, v, figure_orders, figure_methods, e)) {
-            return false;
-        }
-    } else {
-        page_note(
-            p, "The rotor does not turn in this recording: nothing is shown against speed, angle or order.");
-        if (!figure_methods(p, v, e)) {
-            return false;
-        }
-    }
-    if (d->learned.terms > 0) {
-        page_heading(p, 2, "What is left depends on");
-        report_learned(p, d);
-        if (d->learned.points > 1 && !figure_learned(p, v, e)) {
-            return false;
-        }
-    }
-    page_heading(p, 2, d->causes > 0 ? "What it gains, run by run" : "Run by run");
-    if (!pair(p, v, figure_runs, figure_free_runs, e)) {
+    page_heading(p, 2, "Run by run");
+    if (!pair(p, c, figure_runs, figure_free_runs, e)) {
         return false;
     }
-    report_runs(p, d, v->witness);
-    if (d->causes > 0 && !write_plant(p, v, e)) {
+    report_runs(p, d, c->validation);
+    if (d->causes > 0 && !write_plant(p, c, e)) {
         return false;
     }
-    page_heading(p, 2, "What else was considered");
+    page_heading(p, 2, "Other hypotheses");
     report_hypotheses(p, d);
-    page_heading(p, 2, "The machine's values");
+    page_heading(p, 2, "Motor parameters");
     report_estimates(p, d);
     report_motor(p, in->nominal, d);
     page_heading(p, 2, "Glossary");
     report_glossary(p);
     provenance_tell(p, in->from);
-    page_heading(p, 2, "Files beside this page");
-    page_text(p, "motor_extended.toml: the motor file with what was found; every command takes it. "
-                 "iqfoc_extension.h: the "
-                 "same as constants of the firmware. diagnosis.json: the figures of this page.");
+    page_heading(p, 2, "Files in this folder");
+    page_text(p,
+              "motor_extended.toml: the motor file with the causes found; every command reads it. "
+              "iqfoc_extension.h: the same values as constants for the firmware. diagnosis.json: the numbers "
+              "of this page.");
     return true;
 }
 
-static bool write_page(const report_input *in, const evidence *v, const firmware_gain *firmware,
+static bool write_page(const report_input *in, const report_context *c, const firmware_gain *firmware,
                        const char *directory, error *e)
 {
     page p;
     char subtitle[900];
     const char *slash = strrchr(in->d->recording_path, '/');
-    snprintf(subtitle, sizeof subtitle, "%s with %s (%s): verdict %s", in->d->recording_path,
-             in->d->motor_path, in->nominal->name, diagnosis_verdict_id(in->d->verdict));
+    snprintf(subtitle, sizeof subtitle, "Recording %s, motor file %s (%s)", in->d->recording_path,
+             in->d->motor_path, in->nominal->name);
     char title[300];
     snprintf(title, sizeof title, "Diagnosis of %s", slash != NULL ? slash + 1 : in->d->recording_path);
     if (!page_begin_as(&p, directory, "report.html", title, subtitle, e)) {
         return false;
     }
-    if (!write_body(&p, in, v, firmware, e)) {
+    if (!write_body(&p, in, c, firmware, e)) {
         page_abandon(&p);
         return false;
     }
     return page_end(&p, e);
 }
 
-static bool write_all(const report_input *in, const plant_witness *witness, const char *directory,
+static bool write_all(const report_input *in, const forward_validation *validation, const char *directory,
                       json_t *json, error *e)
 {
     const firmware_gain firmware = firmware_of(in);
-    const evidence v = evidence_of(in->rec, in->nominal, in->d, witness);
+    const report_context c = report_context_of(in->rec, in->nominal, in->d, validation);
     char path[4096];
     snprintf(path, sizeof path, "%s/motor_extended.toml", directory);
     if (!motor_write(path, &in->d->extended_motor,
-                     "Written by iqfoc diagnose: the motor file with what the recording showed.", e)) {
+                     "Written by iqfoc diagnose: the motor file with the causes that the recording showed.",
+                     e)) {
         return false;
     }
     snprintf(path, sizeof path, "%s/iqfoc_extension.h", directory);
-    if (!extension_header_write(path, in->d, e) || !write_page(in, &v, &firmware, directory, e)) {
+    if (!extension_header_write(path, in->d, e) || !write_page(in, &c, &firmware, directory, e)) {
         return false;
     }
     snprintf(path, sizeof path, "%s/diagnosis.json", directory);
@@ -167,10 +182,10 @@ static bool write_all(const report_input *in, const plant_witness *witness, cons
 
 bool report_write(const report_input *in, const char *directory, json_t *json, error *e)
 {
-    plant_witness witness;
-    plant_witness_call(&witness, in->rec, in->nominal, in->d);
-    json_object_set_new(json, "plant", plant_json(in->d, &witness));
-    const bool good = write_all(in, &witness, directory, json, e);
-    plant_witness_free(&witness);
+    forward_validation validation;
+    forward_validation_call(&validation, in->rec, in->nominal, in->d);
+    json_object_set_new(json, "plant", plant_json(in->d, &validation));
+    const bool good = write_all(in, &validation, directory, json, e);
+    forward_validation_free(&validation);
     return good;
 }

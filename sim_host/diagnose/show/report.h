@@ -1,6 +1,5 @@
 /*
- * What comes after a diagnosis: the gain in firmware code, the plant as a witness, the firmware's header, the
- * page.
+ * Writes the files of a diagnosis: report page, firmware header, extended motor file, JSON with forward validation and firmware error.
  */
 #ifndef SIM_HOST_DIAGNOSE_SHOW_REPORT_H
 #define SIM_HOST_DIAGNOSE_SHOW_REPORT_H

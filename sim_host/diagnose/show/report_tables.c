@@ -1,5 +1,7 @@
-/* The report's words and tables (report_tables.h). */
+/* The report's tables (report_tables.h). */
 #include "report_tables.h"
+
+#include "diagnose/tell/dead_time.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,14 +10,6 @@
 static const char *unit_of(const diagnosis_parameter *p)
 {
     return strcmp(p->unit, "1") == 0 ? "" : p->unit;
-}
-
-void report_lead(page *p, const diagnosis *d)
-{
-    page_lead(p, "%s", d->sentence);
-    if (d->causes == 0 && d->structure.words[0] != '\0') {
-        page_text(p, "What is seen: %s.", d->structure.words);
-    }
 }
 
 /* "a, b", or `none`. */
@@ -51,8 +45,8 @@ static void cause_rows(page *p, const diagnosis_cause *cause)
         if (n == 0) {
             page_cell(p, true, "%.2f", cause->gain);
             page_cell(p, true, "%.3g", cause->probability);
-            list_cell(p, cause->confused_with, cause->confused, ", ", "nothing");
-            list_cell(p, cause->trade, cause->trades, " + ", "nothing");
+            list_cell(p, cause->confused_with, cause->confused, ", ", "none");
+            list_cell(p, cause->trade, cause->trades, " + ", "none");
         }
         for (int empty = 0; n > 0 && empty < 4; empty++) {
             page_cell(p, false, " ");
@@ -63,9 +57,10 @@ static void cause_rows(page *p, const diagnosis_cause *cause)
 
 void report_causes(page *p, const diagnosis *d)
 {
-    static const char *const heads[] = {"cause",         "parameter",     "\tvalue",
-                                        "\t95 %",        "\tfile says",   "\tgain",
-                                        "\tprobability", "confused with", "trades with"};
+    static const char *const heads[] = {
+        "cause",        "parameter",         "\tvalue",       "\t95 %",
+        "\tmotor file", "\terror reduction", "\tprobability", "not distinguishable from",
+        "equivalent to"};
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (size_t k = 0; k < d->causes; k++) {
         cause_rows(p, &d->cause[k]);
@@ -73,12 +68,20 @@ void report_causes(page *p, const diagnosis *d)
     page_table_end(p);
     page_note(
         p,
-        "Gain: one-cycle error before the cause was added over the error after, causes in this order, rows "
-        "that "
-        "were not fitted. Probability: its share of the evidence of all sets of causes about the one chosen. "
-        "Confused with: what this recording cannot tell from it. Trades with: what together would do exactly "
-        "the "
-        "same; the fewer causes win. What the causes are: the glossary below.");
+        "Error reduction: one-cycle error before the cause was added, divided by the error after it, on "
+        "held-out rows, causes in this order. Probability: the cause's share of the evidence among all sets "
+        "of causes near the chosen set. Not distinguishable from: this recording cannot separate the two. "
+        "Equivalent to: these causes together have exactly the same effect, and the smaller set is chosen.");
+    for (size_t k = 0; k < d->causes; k++) {
+        const diagnosis_parameter *dead = dead_time_of(&d->cause[k]);
+        if (dead != NULL) {
+            char time[64];
+            dead_time_words(&d->extended_motor, dead->value, time, sizeof time);
+            page_note(p,
+                      "v_dead is %.3g V, or %s (v_dead = u_dc t_dead f_pwm, constant device drops included).",
+                      dead->value, time);
+        }
+    }
 }
 
 void report_estimates(page *p, const diagnosis *d)
@@ -97,12 +100,13 @@ void report_estimates(page *p, const diagnosis *d)
             page_cell(p, true, " ");
         }
         page_cell(p, false, "%s", strcmp(q->unit, "1") == 0 ? "" : q->unit);
-        page_cell(p, false, "%s", q->excited ? "" : "the recording does not show it");
+        page_cell(p, false, "%s", q->excited ? "" : "not excited by this recording");
         page_row_end(p);
     }
     page_table_end(p);
-    page_note(p, "What the recording says of these whether a cause was named for them or not; voltage_delay "
-                 "in cycles.");
+    page_note(p,
+              "Estimates of this recording, whether a cause was named for them or not. voltage_delay is in "
+              "control cycles.");
 }
 
 static void error_row(page *p, const char *what, double nominal, double extended, double floor, double gain)
@@ -122,31 +126,28 @@ static void error_row(page *p, const char *what, double nominal, double extended
 
 void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware)
 {
-    static const char *const heads[] = {"one-cycle error, %", "\tas it was", "\textended", "\tnoise alone",
-                                        "\tgain"};
+    static const char *const heads[] = {"one-cycle error, %", "\tnominal model", "\textended model",
+                                        "\tnoise floor", "\terror reduction"};
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     error_row(p, "exact model, double", d->nominal, d->extended, d->noise_floor, d->gain);
     if (firmware->measured) {
         error_row(p, "firmware, IQ24", firmware->nominal, firmware->extended, NAN, firmware->gain);
     }
     page_table_end(p);
-    page_note(p,
-              "%zu rows held out of %zu used; the error vector's rms over the current vector's. Sensor "
-              "noise, as estimated from this "
-              "recording: %.3g A rms per phase.%s",
-              d->rows_held_out, d->rows_used, d->sensor_noise_A,
-              d->outliers > 0 ? " Glitches were left out of the fit." : "");
+    page_note(
+        p,
+        "Rms of the error vector divided by rms of the current vector, on %zu held-out rows of %zu. Sensor "
+        "noise, estimated from this recording: %.3g A rms per phase.%s",
+        d->rows_held_out, d->rows_used, d->sensor_noise_A,
+        d->outliers > 0 ? " The fit ignores glitches." : "");
     for (int id = 0; id < CAUSE_COUNT; id++) {
-        if (d->extended_motor.ext.has[id] && cause_table[id].firmware == FIRMWARE_LACKS) {
-            page_note(p, "The firmware has no correction for %s: in its row that effect stays.",
+        if (motor_has_first(&d->extended_motor, (cause_id)id) && cause_table[id].firmware == FIRMWARE_LACKS) {
+            page_note(p, "The firmware has no correction for %s: its row keeps that error.",
                       cause_table[id].id);
         }
     }
     if (!firmware->measured) {
-        page_note(p, "Not measured in firmware code: %s.", firmware->reason);
-    }
-    if (d->structure.words[0] != '\0' && d->causes > 0) {
-        page_text(p, "Left over: %s.", d->structure.words);
+        page_note(p, "No measurement with firmware code: %s.", firmware->reason);
     }
 }
 
@@ -154,10 +155,11 @@ void report_learned(page *p, const diagnosis *d)
 {
     static const char *const heads[] = {"term", "\tvalue", "unit"};
     const diagnosis_learned *l = &d->learned;
-    page_text(p,
-              "Learned, not named: %s. With these terms the one-cycle error of the rows that were not fitted "
-              "falls from %.3g %% to %.3g %% (gain %.2f). They say where to look, not what it is.",
-              l->words, l->nominal, l->extended, l->gain);
+    page_text(
+        p,
+        "Fitted terms without a named cause: %s. They reduce the held-out one-cycle error from %.3g %% to "
+        "%.3g %% (factor %.2f). They show where to look; they name no cause.",
+        l->words, l->nominal, l->extended, l->gain);
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     for (size_t k = 0; k < l->terms; k++) {
         page_row_begin(p);
@@ -167,45 +169,12 @@ void report_learned(page *p, const diagnosis *d)
         page_row_end(p);
     }
     page_table_end(p);
-    page_note(
-        p, "The voltage along d or q that the model lacks is the sum of the value times the term; omega in "
-           "electrical rad/s, currents in A, angles of the rotor.");
+    page_note(p, "The residual voltage in d or q is the sum of value times term. omega in electrical rad/s, "
+                 "currents in "
+                 "A, rotor angles.");
 }
 
-void report_hypotheses(page *p, const diagnosis *d)
-{
-    static const char *const heads[] = {"hypothesis", "what it is", "\talone explains", "\twould add", ""};
-    page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
-    for (size_t k = 0; k < d->hypotheses; k++) {
-        const diagnosis_hypothesis *h = &d->hypothesis[k];
-        page_row_begin(p);
-        page_cell(p, false, "%s", h->id);
-        page_cell(p, false, "%s", strcmp(h->id, h->words) == 0 ? "" : h->words);
-        if (h->possible && d->causes > 0) {
-            page_cell(p, true, "%.0f %%", 100.0 * h->alone);
-        } else {
-            page_cell(p, true, " ");
-        }
-        if (h->possible && !h->named) {
-            page_cell(p, true, "%.3g", h->beyond);
-        } else {
-            page_cell(p, true, " ");
-        }
-        page_cell(p, false, "%s",
-                  h->named
-                      ? "named"
-                      : (h->skipped ? "left out by request" : (h->possible ? "" : "cannot be seen here")));
-        page_row_end(p);
-    }
-    page_table_end(p);
-    page_note(p, "Alone: share of what all named causes together explain (in likelihood) that this one would "
-                 "explain by itself. "
-                 "Would add: chi square that it would still take off the extended model, linearised there. "
-                 "What is not named is not "
-                 "certain, or too small beside the named to be more than what their laws leave.");
-}
-
-/* Rounded, and no minus sign at nought. */
+/* Rounded, and never -0. */
 static double rounded(double x, double step)
 {
     return step * nearbyint(x / step) + 0.0;
@@ -221,8 +190,8 @@ static void error_cell(page *p, double percent)
     }
 }
 
-/* None where the free run lost the current. */
-static void free_run_cell(page *p, double percent)
+/* A dash if the open-loop simulation diverged. */
+static void open_loop_cell(page *p, double percent)
 {
     if (isfinite(percent)) {
         page_cell(p, true, "%.2f", percent);
@@ -231,12 +200,20 @@ static void free_run_cell(page *p, double percent)
     }
 }
 
-void report_runs(page *p, const diagnosis *d, const plant_witness *witness)
+void report_runs(page *p, const diagnosis *d, const forward_validation *validation)
 {
-    static const char *const heads[] = {"\trun",          "\trad/s",       "\tA rms",       "\ti_d, A",
-                                        "\ti_q, A",       "\tas it was",   "\textended",    "\tnoise alone",
-                                        "\tfree run was", "\tfree run is", "\ton the plant"};
-    page_table_begin(p, heads, sizeof heads / sizeof heads[0] - (witness->simulated ? 0 : 1));
+    static const char *const heads[] = {"\trun",
+                                        "\trad/s",
+                                        "\tA rms",
+                                        "\ti_d, A",
+                                        "\ti_q, A",
+                                        "\tnominal",
+                                        "\textended",
+                                        "\tnoise floor",
+                                        "\topen loop, nominal",
+                                        "\topen loop, extended",
+                                        "\tnominal, simulated drive"};
+    page_table_begin(p, heads, sizeof heads / sizeof heads[0] - (validation->simulated ? 0 : 1));
     for (size_t k = 0; k < d->runs; k++) {
         const diagnosis_run *run = &d->run[k];
         page_row_begin(p);
@@ -248,36 +225,38 @@ void report_runs(page *p, const diagnosis *d, const plant_witness *witness)
         error_cell(p, run->nominal);
         error_cell(p, run->extended);
         error_cell(p, run->noise_floor);
-        free_run_cell(p, run->free_nominal);
-        free_run_cell(p, run->free_extended);
-        if (witness->simulated) {
-            const diagnosis_run *simulated = plant_witness_run(witness, d, k);
+        open_loop_cell(p, run->free_nominal);
+        open_loop_cell(p, run->free_extended);
+        if (validation->simulated) {
+            const diagnosis_run *simulated = forward_validation_run(validation, d, k);
             error_cell(p, simulated != NULL ? simulated->nominal : 0.0);
         }
         page_row_end(p);
     }
     page_table_end(p);
-    page_note(p, "Errors in percent of the run's current. Currents d and q are means over the run, so that "
-                 "steps of both signs cancel.");
+    page_note(
+        p, "Errors in percent of the run's rms current: one cycle, and open-loop simulation over each whole "
+           "stretch. i_d and i_q are means over the run; steps of both signs cancel.");
 }
 
-void report_plant(page *p, const diagnosis *d, const plant_witness *witness)
+void report_plant(page *p, const diagnosis *d, const forward_validation *validation)
 {
-    if (!witness->simulated) {
-        page_text(p, "Not simulated: %s.", witness->reason);
+    if (!validation->simulated) {
+        page_text(p, "No simulation: %s.", validation->reason);
         return;
     }
     char named[256] = "";
-    for (size_t k = 0; k < witness->found.causes; k++) {
+    for (size_t k = 0; k < validation->found.causes; k++) {
         const size_t used = strlen(named);
-        snprintf(named + used, sizeof named - used, "%s%s", k > 0 ? ", " : "", witness->found.cause[k].id);
+        snprintf(named + used, sizeof named - used, "%s%s", k > 0 ? ", " : "", validation->found.cause[k].id);
     }
-    page_text(p,
-              "The drive at switching level, with %s, was driven by the firmware's code through the %zu "
-              "operating points of the recording. On "
-              "it the model as it was errs by %.3g %% (on the machine: %.3g %%). Beyond the noise, run by "
-              "run, that is %.0f %% of the machine's. "
-              "Diagnosed with the same motor file, the plant's recording shows: %s.",
-              witness->effect, witness->found.runs, witness->found.nominal, d->nominal, 100.0 * witness->size,
-              witness->found.causes > 0 ? named : "no cause");
+    page_text(
+        p,
+        "A switching-level simulation of the drive with %s ran the firmware code through the %zu operating "
+        "points of the recording. The nominal model's error is %.3g %% on the simulated drive and %.3g %% on "
+        "the recorded one. Without noise, run by run, the simulated error is %.0f %% of the recorded one. "
+        "Diagnosis "
+        "of the simulated recording with the same motor file: %s.",
+        validation->effect, validation->found.runs, validation->found.nominal, d->nominal,
+        100.0 * validation->size, validation->found.causes > 0 ? named : "no cause");
 }

@@ -9,38 +9,41 @@
 
 /* ---- What to do next ---- */
 
-static void next_of_cause(page *p, const diagnosis_cause *cause)
+/* One step for all causes that the firmware treats alike. */
+static void next_of_causes(page *p, const diagnosis *d, cause_firmware has, const char *step)
 {
-    const cause_row *row = cause_find(cause->id);
-    const cause_firmware has = row != NULL ? row->firmware : FIRMWARE_LACKS;
-    if (has == FIRMWARE_HOLDS) {
-        page_term(p, cause->id,
-                  "Mend it at its source, or let the firmware correct it: include iqfoc_extension.h of this "
-                  "folder and take "
-                  "its constants (IQFOC_DIAGNOSED_...).");
-    } else if (has == FIRMWARE_KEEPS_COMMANDS) {
-        page_term(p, cause->id,
-                  "Let the firmware keep its last commands and predict from the one that acts, or load the "
-                  "PWM registers earlier.");
-    } else {
-        page_term(p, cause->id,
-                  "The firmware has no correction for it: mend it at its source. A simulation by "
-                  "motor_extended.toml has it.");
+    char causes[256] = "";
+    for (size_t k = 0; k < d->causes; k++) {
+        const cause_row *row = cause_find(d->cause[k].id);
+        const size_t used = strlen(causes);
+        if ((row != NULL ? row->firmware : FIRMWARE_LACKS) == has) {
+            snprintf(causes + used, sizeof causes - used, "%s%s", used > 0 ? ", " : "", d->cause[k].id);
+        }
+    }
+    if (causes[0] != '\0') {
+        page_term(p, causes, "%s", step);
     }
 }
 
 void report_next(page *p, const diagnosis *d)
 {
     page_terms_begin(p);
-    for (size_t k = 0; k < d->causes; k++) {
-        next_of_cause(p, &d->cause[k]);
-    }
+    next_of_causes(
+        p, d, FIRMWARE_HOLDS,
+        "Fix it in the hardware, or let the firmware correct it: include iqfoc_extension.h from this "
+        "folder and use its constants (IQFOC_DIAGNOSED_...).");
+    next_of_causes(p, d, FIRMWARE_KEEPS_COMMANDS,
+                   "Predict in the firmware with the stored command that acts in the cycle, or load the PWM "
+                   "registers earlier.");
+    next_of_causes(p, d, FIRMWARE_LACKS,
+                   "Fix it in the hardware: the firmware has no correction for it. Simulations with "
+                   "motor_extended.toml include it.");
     page_term(p, "next recording", "%s", d->next_experiment);
     if (d->causes > 0) {
-        page_term(p, "controller",
-                  "iqfoc tune --motor motor_extended.toml --diagnosis diagnosis.json designs one for the "
-                  "machine that was "
-                  "found, with its intervals as the region it has to hold.");
+        page_term(
+            p, "controller",
+            "iqfoc tune --motor motor_extended.toml --diagnosis diagnosis.json designs a current controller "
+            "for these values and their 95 %% uncertainty.");
     }
     page_terms_end(p);
 }
@@ -70,7 +73,7 @@ void report_experiment(page *p, const diagnosis *d)
 {
     enum { SHOWN = 5 };
     const diagnosis_experiment *x = &d->experiment;
-    const char *heads[DIAGNOSIS_ESTIMATES + 4] = {"\tplace", "a run to record beside this"};
+    const char *heads[DIAGNOSIS_ESTIMATES + 4] = {"\trank", "additional run"};
     char head[DIAGNOSIS_ESTIMATES][24];
     size_t n = 2;
     if (x->numbers == 0) {
@@ -92,10 +95,11 @@ void report_experiment(page *p, const diagnosis *d)
         candidate_row(p, x, x->candidates - 1);
     }
     page_table_end(p);
-    page_note(p,
-              "What would be known of %s%s after %.3g s of each run, by the model that was found: 95 %% "
-              "intervals with all else free. The last row is the run that would tell least.",
-              x->tell[0] != NULL ? "both" : "what is not excited", x->numbers > 1 ? "" : " here", x->seconds);
+    page_note(
+        p,
+        "Candidates for the next recording: 95 %% uncertainty of %s after %.3g s of each run, predicted by "
+        "the extended model with all other parameters free. The last row is the least useful run.",
+        x->tell[0] != NULL ? "both parameters" : "each parameter that is not excited here", x->seconds);
 }
 
 /* ---- The motor's values ---- */
@@ -115,7 +119,7 @@ static void value_row(page *p, const char *key, double file, double found)
 
 void report_motor(page *p, const motor *nominal, const diagnosis *d)
 {
-    static const char *const heads[] = {"key", "\tmotor file", "\textended"};
+    static const char *const heads[] = {"key", "\tmotor file", "\textended model"};
     const motor *found = &d->extended_motor;
     page_table_begin(p, heads, sizeof heads / sizeof heads[0]);
     value_row(p, "pole_pairs", nominal->pole_pairs, found->pole_pairs);
@@ -137,8 +141,11 @@ void report_motor(page *p, const motor *nominal, const diagnosis *d)
         }
     }
     page_table_end(p);
-    page_note(p, "%s. Extended: as motor_extended.toml has it; a name with a point is a key of [extension].",
-              nominal->name);
+    page_note(
+        p,
+        "%s. Extended model: the values of motor_extended.toml. A key with a point belongs to the section "
+        "[extension].",
+        nominal->name);
 }
 
 /* ---- Glossary ---- */
@@ -148,22 +155,25 @@ void report_glossary(page *p)
     static const struct {
         const char *term, *text;
     } words[] = {
-        {"one-cycle error",
-         "From the currents measured at a cycle's beginning, its voltages and its angle the model says the "
-         "currents at its end. The rms length of what it says wrong, over that of the current."},
-        {"free run", "The model is started once from measured currents and then fed with voltages and angles "
-                     "only: what it "
-                     "gets wrong adds up."},
-        {"missing voltage",
-         "The one-cycle error as the voltage that would have made it. It is the unit in which causes can "
-         "be compared: a resistance is a slope over the current, a dead time a step."},
-        {"held out", "Rows that took no part in fitting. All errors of this page but those of free runs are "
-                     "measured on them."},
-        {"noise alone",
-         "What a perfect model would still err by, from this recording's own sensor noise and rounding."},
-        {"gain", "An error before over the same error after."},
-        {"as it was, extended",
-         "The model by the motor file, and that model with the causes that were found."},
+        {"one-cycle error", "The model predicts the currents at the end of a control cycle from the "
+                            "currents, angle and voltages at "
+                            "its start. The error is measured minus predicted: rms of the error vector "
+                            "divided by rms of the current "
+                            "vector."},
+        {"residual voltage",
+         "The one-cycle error as a voltage: L (measured - predicted) / T. Causes compare in this unit: a "
+         "resistance is a slope over the current, a dead time a step."},
+        {"open-loop simulation", "The model starts once from measured currents and then gets only recorded "
+                                 "voltages and angles. Its errors "
+                                 "accumulate over the stretch."},
+        {"held-out rows",
+         "Rows that took no part in the fit. All errors on this page use them, except those of the open-loop "
+         "simulation."},
+        {"noise floor", "The one-cycle error that a perfect model would leave, from this recording's sensor "
+                        "noise and rounding."},
+        {"error reduction", "An error before a change divided by the same error after it."},
+        {"nominal model", "The model with the values of the motor file."},
+        {"extended model", "The nominal model with the causes found."},
     };
     page_terms_begin(p);
     for (size_t n = 0; n < sizeof words / sizeof words[0]; n++) {

@@ -1,6 +1,5 @@
 /*
- * What a diagnosis' page says to someone who has not read the documents: what to do next, what its words and causes
- * mean, which values the motor has.
+ * The explanations of a report page: next steps, next recording, motor values, glossary.
  */
 #ifndef SIM_HOST_DIAGNOSE_SHOW_REPORT_WORDS_H
 #define SIM_HOST_DIAGNOSE_SHOW_REPORT_WORDS_H
@@ -8,11 +7,11 @@
 #include "diagnose/result.h"
 #include "report/page.h"
 
-/* By verdict and by what the firmware has against each cause; then the next experiment. */
+/* One step for each cause, by the correction that the firmware has for it; then the next recording. */
 void report_next(page *p, const diagnosis *d);
-/* What the computed experiment would tell, beside others; nothing where none was computed. */
+/* The candidates of the next recording with the uncertainty each would reach; nothing if none was computed. */
 void report_experiment(page *p, const diagnosis *d);
-/* The motor file's values beside the extended file's. */
+/* The values of the motor file and of the extended file. */
 void report_motor(page *p, const motor *nominal, const diagnosis *d);
 void report_glossary(page *p);
 

@@ -1,9 +1,9 @@
 /*
- * Residuals as what they mean: the voltage that the model lacks in each cycle,
+ * Residual voltages: the one-cycle error as a voltage,
  *
  *     v = L (measured - predicted) / T,     L = (L_d, L_q) in the rotor frame,
  *
- * with what it may depend on, and its spectrum in orders of the rotor's electrical angle.
+ * with the variables it may depend on, and its spectrum in orders of the electrical angle.
  */
 #ifndef SIM_HOST_DIAGNOSE_SHOW_RESIDUAL_H
 #define SIM_HOST_DIAGNOSE_SHOW_RESIDUAL_H

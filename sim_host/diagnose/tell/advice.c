@@ -1,4 +1,4 @@
-/* The next experiment (advice.h). */
+/* The next recording in words (advice.h). */
 #include "advice.h"
 
 #include "experiment_words.h"
@@ -17,7 +17,7 @@ static bool is_pair(const diagnosis_cause *cause, const char *a, const char *b)
     return false;
 }
 
-/* What shows an effect that has no name in the list of causes; NULL for a set without such. */
+/* The experiment that shows an effect without a name in the list of causes; NULL if the set has none. */
 static const char *advice_for_unnamed(hypothesis_set set)
 {
     static const char *const advice[CAUSE_COUNT] = {
@@ -59,35 +59,34 @@ void advice_tell(const session *w, diagnosis *d)
     }
     for (size_t k = 0; k < d->causes; k++) {
         if (d->cause[k].confused > 0) {
-            snprintf(d->next_experiment, sizeof d->next_experiment,
-                     "To tell %s from %s: record more operating points - both directions, standstill and two "
-                     "speeds far apart, each at two current levels, with steps in i_d and i_q.",
-                     d->cause[k].id, d->cause[k].confused_with[0]);
+            snprintf(
+                d->next_experiment, sizeof d->next_experiment,
+                "To separate %s from %s, record more operating points: both directions, standstill and two "
+                "speeds far apart, each at two current levels, with steps in i_d and i_q.",
+                d->cause[k].id, d->cause[k].confused_with[0]);
             return;
         }
     }
     const bool left = d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED;
     const char *advice = advice_for_unnamed(w->state.set);
     if (left && advice) {
-        snprintf(d->next_experiment, sizeof d->next_experiment, "Structure is left (%s). %s",
-                 d->structure.words, advice);
+        snprintf(d->next_experiment, sizeof d->next_experiment, "%s", advice);
     } else if (left) {
         snprintf(d->next_experiment, sizeof d->next_experiment,
-                 "Structure is left (%s). Record the same operating point twice, once with %s, and compare "
-                 "where the residual goes.",
-                 d->structure.words[0] ? d->structure.words : "see the residuals",
-                 r->recording->u_dc_V ? "the shaft driven from outside at no current"
-                                      : "the DC link voltage logged");
+                 "Record the same operating point twice, once with %s, and compare the residuals of both.",
+                 r->recording->u_dc_V ? "the shaft driven externally at zero current"
+                                      : "the DC-link voltage logged");
     } else if (found) {
         memcpy(d->next_experiment, computed, sizeof computed);
     } else if (d->verdict == VERDICT_EXPLAINED) {
         snprintf(d->next_experiment, sizeof d->next_experiment,
-                 "Record again with the extended model's corrections in the drive: the diagnosis of that "
+                 "Record again with the corrections of the extended model in the drive: the verdict of that "
                  "recording should be clean.");
     } else {
-        snprintf(d->next_experiment, sizeof d->next_experiment,
-                 "None is needed for this model. To test it further, record higher speed and current than "
-                 "the %.0f rad/s and %.3g A seen here.",
-                 r->omega_max_rad_s, r->i_peak_A);
+        snprintf(
+            d->next_experiment, sizeof d->next_experiment,
+            "No other recording is needed for this model. To test it further, record a higher speed than "
+            "%.0f rad/s (electrical) and a higher current than %.3g A.",
+            r->omega_max_rad_s, r->i_peak_A);
     }
 }

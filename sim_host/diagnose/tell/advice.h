@@ -1,5 +1,6 @@
 /*
- * The next experiment: one or two sentences on what would separate what is confused, or show what is unexplained.
+ * The next recording in one or two sentences: it separates causes that this recording cannot distinguish, or shows the cause of
+ * an unexplained residual.
  */
 #ifndef SIM_HOST_DIAGNOSE_TELL_ADVICE_H
 #define SIM_HOST_DIAGNOSE_TELL_ADVICE_H
@@ -7,7 +8,7 @@
 #include "diagnose/choose/session.h"
 #include "diagnose/result.h"
 
-/* Sets d->next_experiment. Needs d's causes with what they are confused with, its verdict, structure and experiment. */
+/* Sets d->next_experiment. Needs d's causes with `confused_with`, verdict, structure and experiment. */
 void advice_tell(const session *w, diagnosis *d);
 
 #endif

@@ -1,4 +1,4 @@
-/* The computed experiment in words (experiment_words.h). */
+/* The computed next recording in words (experiment_words.h). */
 #include "experiment_words.h"
 
 #include <math.h>
@@ -75,10 +75,10 @@ static void put_number(line *l, const diagnosis_open *number, double half_width)
 static void put_pair(line *l, const diagnosis_experiment *x)
 {
     const diagnosis_candidate *best = &x->candidate[0];
-    put(l, " By the model the correlation of %s and %s then goes from %.2f to %.2f", x->number[0].name,
-        x->number[1].name, x->correlation, best->correlation);
+    put(l, " Predicted by the model: the correlation of %s and %s changes from %.2f to %.2f",
+        x->number[0].name, x->number[1].name, x->correlation, best->correlation);
     for (size_t n = 0; n < 2; n++) {
-        put(l, "%s the interval of %s from ", n == 0 ? "," : " and", x->number[n].name);
+        put(l, "%s the 95 %% uncertainty of %s from ", n == 0 ? "," : " and", x->number[n].name);
         put_number(l, &x->number[n], x->number[n].half_width);
         put(l, " to ");
         put_number(l, &x->number[n], best->half_width[n]);
@@ -88,9 +88,9 @@ static void put_pair(line *l, const diagnosis_experiment *x)
 
 static void put_estimates(line *l, const diagnosis_experiment *x)
 {
-    put(l, " By the model");
+    put(l, " Predicted 95 %% uncertainty:");
     for (size_t n = 0; n < x->numbers; n++) {
-        put(l, "%s %s is then known to ", n > 0 ? "," : "", x->number[n].name);
+        put(l, "%s %s ", n > 0 ? "," : "", x->number[n].name);
         put_number(l, &x->number[n], x->candidate[0].half_width[n]);
     }
     put(l, ".");
@@ -105,14 +105,14 @@ bool experiment_words(const diagnosis_experiment *x, char *text, size_t size)
     }
     experiment_piece_words(&x->candidate[0].piece, piece, sizeof piece);
     if (x->tell[0] != NULL) {
-        put(&l, "To tell %s from %s, record", x->tell[0], x->tell[1]);
+        put(&l, "To separate %s from %s, record", x->tell[0], x->tell[1]);
     } else {
         for (size_t n = 0; n < x->numbers; n++) {
             put(&l, "%s%s", n > 0 ? " and " : "", x->number[n].name);
         }
-        put(&l, " %s not excited here. Record", x->numbers > 1 ? "are" : "is");
+        put(&l, " %s not excited by this recording. Record", x->numbers > 1 ? "are" : "is");
     }
-    put(&l, " beside this, as a run of its own, %.3g s of this: %s.", x->seconds, piece);
+    put(&l, " an additional run of %.3g s: %s.", x->seconds, piece);
     if (x->tell[0] != NULL) {
         put_pair(&l, x);
     } else {

@@ -50,11 +50,37 @@ static json_t *estimates_json(const diagnosis *d)
         json_t *value = e->excited ? json_number(e->value) : json_null();
         json_t *interval =
             e->excited ? json_pack("[o, o]", json_number(e->low), json_number(e->high)) : json_null();
-        json_array_append_new(estimates,
-                              json_pack("{s:s, s:s, s:o, s:o, s:b}", "name", e->name, "unit", e->unit,
-                                        "value", value, "ci95", interval, "excited", (int)e->excited));
+        json_array_append_new(estimates, json_pack("{s:s, s:s, s:o, s:o, s:b, s:b}", "name", e->name, "unit",
+                                                   e->unit, "value", value, "ci95", interval, "excited",
+                                                   (int)e->excited, "reliable", (int)d->reliable));
     }
     return estimates;
+}
+
+static json_t *not_visible_json(const diagnosis *d)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < d->directions; k++) {
+        const diagnosis_direction *x = &d->not_visible[k];
+        json_t *shares = json_object();
+        for (size_t n = 0; n < x->count; n++) {
+            json_object_set_new(shares, x->name[n], json_number(x->share[n]));
+        }
+        json_array_append_new(list, json_pack("{s:o, s:s}", "directions", shares, "words", x->words));
+    }
+    return list;
+}
+
+static json_t *candidates_json(const diagnosis *d)
+{
+    json_t *list = d->explanations > 0 ? json_array() : json_null();
+    for (size_t k = 0; k < d->explanations; k++) {
+        json_t *causes = json_array();
+        json_array_append_new(causes, json_string(d->explanation[k].id));
+        json_array_append_new(list, json_pack("{s:o, s:o}", "causes", causes, "probability",
+                                              json_number(d->explanation[k].probability)));
+    }
+    return list;
 }
 
 static json_t *covariance_json(const diagnosis_covariance *c)
@@ -139,6 +165,10 @@ json_t *json_of_diagnosis(const diagnosis *d)
     for (size_t k = 0; k < d->causes; k++) {
         json_array_append_new(causes, cause_json(&d->cause[k]));
     }
+    json_t *minors = json_array();
+    for (size_t k = 0; k < d->minors; k++) {
+        json_array_append_new(minors, cause_json(&d->minor[k]));
+    }
     json_t *errors =
         json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "metric",
                   "one-cycle current prediction, rms of the error vector / rms of the current vector, "
@@ -147,12 +177,14 @@ json_t *json_of_diagnosis(const diagnosis *d)
                   json_number(d->noise_floor), "sensor_noise_A", json_number(d->sensor_noise_A), "gain",
                   json_number(d->gain), "free_run_nominal", json_number(d->free_nominal_percent),
                   "free_run_extended", json_number(d->free_extended_percent));
-    return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o, s:o}",
-                     "schema", 2, "recording", d->recording_path, "motor", d->motor_path, "rows",
+    return json_pack("{s:i, s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:s, s:o, s:o, "
+                     "s:o, s:o, s:o}",
+                     "schema", 3, "recording", d->recording_path, "motor", d->motor_path, "rows",
                      (json_int_t)d->rows, "rows_used", (json_int_t)d->rows_used, "rows_held_out",
                      (json_int_t)d->rows_held_out, "verdict", diagnosis_verdict_id(d->verdict), "causes",
-                     causes, "error", errors, "structure", json_string(d->structure.words), "next_experiment",
-                     d->next_experiment, "summary", d->sentence, "runs", runs_json(d), "estimates",
-                     estimates_json(d), "covariance", covariance_json(&d->covariance), "learned",
+                     causes, "minor", minors, "candidates", candidates_json(d), "not_visible",
+                     not_visible_json(d), "error", errors, "structure", json_string(d->structure.words),
+                     "next_experiment", d->next_experiment, "summary", d->sentence, "runs", runs_json(d),
+                     "estimates", estimates_json(d), "covariance", covariance_json(&d->covariance), "learned",
                      learned_json(&d->learned), "experiment", experiment_json(&d->experiment));
 }

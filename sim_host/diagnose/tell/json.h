@@ -1,5 +1,5 @@
 /*
- * The diagnosis as the JSON of interfaces.md.
+ * The diagnosis as JSON: the keys of docs/diagnosis_reference.md.
  */
 #ifndef SIM_HOST_DIAGNOSE_TELL_JSON_H
 #define SIM_HOST_DIAGNOSE_TELL_JSON_H

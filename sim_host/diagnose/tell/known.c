@@ -1,6 +1,7 @@
 /* Estimates and covariance (known.h). */
 #include "known.h"
 
+#include "base/normal.h"
 #include "diagnose/choose/estimates.h"
 #include "values.h"
 
@@ -10,20 +11,21 @@
 
 const known_number known_numbers[DIAGNOSIS_ESTIMATES] = {
     {"R", "ohm", P_R, {"R", NULL}},
-    {"L_d", "H", P_L_D, {"L_d", "L"}},
-    {"L_q", "H", P_L_Q, {"L_q", "L"}},
+    {"L_d", "H", P_L_D, {"L_d", NULL}},
+    {"L_q", "H", P_L_Q, {"L_q", NULL}},
     {"psi_f", "Wb", P_PSI, {"psi_f", NULL}},
     {"v_dead", "V", P_V_DEAD, {"v_dead", NULL}},
     {"voltage_delay", "1", P_U_DELAY_1, {"cycles", NULL}},
 };
 
-static const diagnosis_parameter *told_by_a_cause(const diagnosis *d, const known_number *what)
+static const diagnosis_parameter *parameter_of_cause(const diagnosis *d, const known_number *what)
 {
-    for (size_t k = 0; k < d->causes; k++) {
-        for (size_t n = 0; n < d->cause[k].parameters; n++) {
-            const diagnosis_parameter *p = &d->cause[k].parameter[n];
+    for (size_t k = 0; k < d->causes + d->minors; k++) {
+        const diagnosis_cause *cause = k < d->causes ? &d->cause[k] : &d->minor[k - d->causes];
+        for (size_t n = 0; n < cause->parameters; n++) {
+            const diagnosis_parameter *p = &cause->parameter[n];
             for (size_t t = 0; t < 2; t++) {
-                if (what->told[t] && strcmp(p->name, what->told[t]) == 0) {
+                if (what->parameter[t] && strcmp(p->name, what->parameter[t]) == 0) {
                     return p;
                 }
             }
@@ -32,60 +34,75 @@ static const diagnosis_parameter *told_by_a_cause(const diagnosis *d, const know
     return NULL;
 }
 
-/* The number that a coordinate moves, with that coordinate at z. */
+/* The number that a coordinate moves. */
+static double number_of(const averaged_drive *drive, coordinate_id id)
+{
+    double value;
+    memcpy(&value, (const unsigned char *)drive + coordinate_table[id].offset, sizeof value);
+    return value;
+}
+
+/* The same with that coordinate at z. */
 static double number_at(const session *w, coordinate_id id, double z_of_it)
 {
     double z[P_COUNT];
-    double value;
     memcpy(z, w->state.z, sizeof z);
     z[id] = z_of_it;
     const averaged_drive drive = session_drive(w, z);
-    memcpy(&value, (const unsigned char *)&drive + coordinate_table[id].offset, sizeof value);
-    return value;
+    return number_of(&drive, id);
 }
 
 static void tell_estimates(const session *w, const evidence_view *view, diagnosis *d)
 {
+    bool moved[P_COUNT] = {false};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(w->state.set, h) && hypothesis_cause(h)->named) {
+            hypothesis_mark(h, moved);
+        }
+    }
     for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
         diagnosis_estimate *out = &d->estimate[k];
-        const diagnosis_parameter *told = told_by_a_cause(d, &known_numbers[k]);
+        const diagnosis_parameter *cause = parameter_of_cause(d, &known_numbers[k]);
         *out = (diagnosis_estimate){.name = known_numbers[k].name, .unit = known_numbers[k].unit};
         const estimate e =
             estimate_of(&w->fitted, view, &w->state, known_numbers[k].coordinate, w->certainty.inflation);
-        /* An inductance of both axes may have been seen in one of them alone. */
-        if (told && (e.excited || strcmp(told->name, known_numbers[k].name) == 0)) {
+        /* L of both axes may be excited in one axis only. */
+        if (cause && (e.excited || strcmp(cause->name, known_numbers[k].name) == 0)) {
             out->excited = true;
-            out->value = told->value;
-            out->low = told->low;
-            out->high = told->high;
+            out->value = cause->value;
+            out->low = cause->low;
+            out->high = cause->high;
             continue;
         }
         out->excited = e.excited;
         if (e.excited) {
-            out->value = number_at(w, known_numbers[k].coordinate, e.z);
-            out->low = number_at(w, known_numbers[k].coordinate, e.z - e.half_width);
-            out->high = number_at(w, known_numbers[k].coordinate, e.z + e.half_width);
+            /* A number that a member moves is the extended motor file's. */
+            const coordinate_id id = known_numbers[k].coordinate;
+            const double at = moved[id] ? w->state.z[id] : e.z;
+            out->value = moved[id] ? number_of(&d->extended_drive, id) : number_at(w, id, at);
+            out->low = number_at(w, id, at - e.half_width);
+            out->high = number_at(w, id, at + e.half_width);
         }
     }
 }
 
-/* The values whose covariance is told: the machine's, and the real ones of the causes. */
+/* The values of the covariance: the motor's, and the causes' real-valued parameters. */
 static size_t fitted_values(const diagnosis *d, const motor_value *fitted[DIAGNOSIS_FITTED])
 {
     size_t n = 0;
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
-        bool told = v->of_machine && v->kind == VALUE_REAL;
+        bool listed = v->of_machine && v->kind == VALUE_REAL;
         for (size_t k = 0; k < d->causes; k++) {
             const diagnosis_cause *cause = &d->cause[k];
             for (size_t j = 0; j < cause->parameters && !v->of_machine && v->kind != VALUE_WHOLE; j++) {
-                told = told || (strcmp(cause->id, cause_table[v->cause].id) == 0 &&
-                                strcmp(cause->parameter[j].name, v->name) == 0);
+                listed = listed || (strcmp(cause->id, cause_table[v->cause].id) == 0 &&
+                                    strcmp(cause->parameter[j].name, v->name) == 0);
             }
         }
         for (size_t k = 0; k < n; k++) {
-            told = told && strcmp(fitted[k]->name, v->name) != 0;
+            listed = listed && strcmp(fitted[k]->name, v->name) != 0;
         }
-        if (told && n < DIAGNOSIS_FITTED) {
+        if (listed && n < DIAGNOSIS_FITTED) {
             fitted[n++] = v;
         }
     }
@@ -96,8 +113,8 @@ static void tell_covariance(const session *w, diagnosis *d)
 {
     const certainty *c = &w->certainty;
     const motor_value *fitted[DIAGNOSIS_FITTED];
-    double by[DIAGNOSIS_FITTED]
-             [COLUMN_COUNT]; /* a value's change by a column, times what makes its width honest */
+    /* A value's change along a column, times the widening of that column's interval. */
+    double by[DIAGNOSIS_FITTED][COLUMN_COUNT];
     diagnosis_covariance *out = &d->covariance;
     const size_t count = fitted_values(d, fitted);
     out->count = count;
@@ -112,7 +129,7 @@ static void tell_covariance(const session *w, diagnosis *d)
                 change = remainder(change, VEC_TWO_PI);
             }
             const double own = sqrt(c->covariance[k][k]);
-            by[i][k] = change / step * (own > 0.0 ? fmax(c->half_width[k] / (1.96 * own), 1.0) : 1.0);
+            by[i][k] = change / step * (own > 0.0 ? fmax(c->half_width[k] / (NORMAL_95 * own), 1.0) : 1.0);
         }
     }
     for (size_t i = 0; i < count; i++) {
@@ -132,4 +149,17 @@ void known_tell(const session *w, const evidence_view *view, diagnosis *d)
 {
     tell_estimates(w, view, d);
     tell_covariance(w, d);
+}
+
+/* At the least, where something is left. */
+static const double LEAST_WIDENING = 2.0;
+
+void known_widen(diagnosis *d)
+{
+    const double by = fmax(LEAST_WIDENING, d->noise_floor > 0.0 ? d->extended / d->noise_floor : 1.0);
+    for (size_t k = 0; k < DIAGNOSIS_ESTIMATES && !d->reliable; k++) {
+        diagnosis_estimate *e = &d->estimate[k];
+        e->low = e->value - by * (e->value - e->low);
+        e->high = e->value + by * (e->high - e->value);
+    }
 }

@@ -1,6 +1,6 @@
 /*
- * What is known of the machine whether a cause was named or not: estimates, and one covariance of the machine's
- * parameters and the causes'.
+ * Estimates of R, L_d, L_q, psi_f, dead time and voltage delay, named as a cause or not, and one covariance of these and the
+ * causes' parameters.
  */
 #ifndef SIM_HOST_DIAGNOSE_TELL_KNOWN_H
 #define SIM_HOST_DIAGNOSE_TELL_KNOWN_H
@@ -9,16 +9,19 @@
 #include "diagnose/choose/session.h"
 #include "diagnose/result.h"
 
-/* The numbers that are estimated, in the order of d->estimate. */
+/* The estimated numbers, in the order of d->estimate. */
 typedef struct known_number {
     const char *name, *unit;
     coordinate_id coordinate;
-    const char *told[2]; /* the names under which a cause may tell it */
+    const char *parameter[2]; /* the names that a cause has for it */
 } known_number;
 
 extern const known_number known_numbers[DIAGNOSIS_ESTIMATES];
 
 /* Fills d->estimate and d->covariance; d->cause is there. The view is one at w->state. */
 void known_tell(const session *w, const evidence_view *view, diagnosis *d);
+
+/* Where the model is incomplete its errors are no noise: estimates are as much less certain as it errs beyond the noise. */
+void known_widen(diagnosis *d);
 
 #endif

@@ -31,14 +31,15 @@ static void confuse(diagnosis_cause *cause, const char *id)
     }
 }
 
-/* The same recording with the resistance in the set. The law of the edges may have stood in for it. */
+/* The same recording with the resistance in the set. The model of the edges may have absorbed it. */
 static bool free_resistance(const session *w, session *joint)
 {
     edge_contest none = {0.0, 0.0};
     *joint = *w;
     joint->state.set |= HYPOTHESIS_BIT(H_RESISTANCE);
     return fit_refine(&joint->fitted, &joint->state, REFINE_STEPS) &&
-           edge_revise(&joint->fitted, &joint->state, REFINE_STEPS, &none) &&
+           (!hypothesis_in(joint->state.set, H_DEAD_TIME) ||
+            edge_revise(&joint->fitted, &joint->state, REFINE_STEPS, &none)) &&
            certainty_of(&joint->fitted, &joint->state, &joint->certainty);
 }
 
@@ -59,7 +60,7 @@ bool resistance_trade_tell(session *w, diagnosis *d)
         return false;
     }
     diagnosis_cause other;
-    values_tell(joint, H_DEAD_TIME, &other);
+    values_tell(joint, hypothesis_in(w->state.set, H_DEAD_TIME) ? H_DEAD_TIME : H_COMPENSATED, &other);
     widen(dead_time, &other);
     const double off = hypothesis_size(H_RESISTANCE, joint->state.z);
     if (off >= resistance->least && off > certainty_half_width(&joint->certainty, P_R)) {

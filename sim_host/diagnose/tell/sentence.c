@@ -1,11 +1,13 @@
 /* The verdict's sentence (sentence.h). */
 #include "sentence.h"
 
+#include "base/number.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* The parameter that is farthest from the file for its interval: the one that speaks. */
+/* The parameter that is farthest from the motor file, in widths of its interval; a phase alone says nothing. */
 static const diagnosis_parameter *telling(const diagnosis_cause *cause)
 {
     const diagnosis_parameter *best = &cause->parameter[0];
@@ -14,7 +16,7 @@ static const diagnosis_parameter *telling(const diagnosis_cause *cause)
         const diagnosis_parameter *p = &cause->parameter[k];
         const double width = p->high - p->low;
         const double away = width > 0.0 ? fabs(p->value - p->nominal) / width : 0.0;
-        if (away > most) {
+        if (away > most && strcmp(p->name, "phase") != 0) {
             most = away;
             best = p;
         }
@@ -22,7 +24,7 @@ static const diagnosis_parameter *telling(const diagnosis_cause *cause)
     return best;
 }
 
-/* The value that stands for a cause in a sentence: "v_dead = 3.39 V (3.35 to 3.43)". */
+/* The value that describes a cause in a sentence: "v_dead = 3.39 V". */
 static int value_text(char *out, size_t size, const diagnosis_parameter *p)
 {
     const char *unit = strcmp(p->unit, "1") == 0 ? "" : p->unit;
@@ -33,13 +35,33 @@ void sentence_tell(diagnosis *d)
 {
     char *out = d->sentence;
     size_t size = sizeof d->sentence;
+    char nominal[NUMBER_TEXT_SIZE];
+    char extended[NUMBER_TEXT_SIZE];
+    char floor[NUMBER_TEXT_SIZE];
+    (void)number_percent(d->nominal, nominal);
+    (void)number_percent(d->noise_floor, floor);
+    if (d->causes == 0 && d->explanations > 0) {
+        size_t used = (size_t)snprintf(
+            out, size, "The error of the nominal model is %s, the noise floor %s. ", nominal, floor);
+        for (size_t k = 0; k < d->explanations && used < size; k++) {
+            const int n =
+                snprintf(out + used, size - used, "%s%s", k > 0 ? " or " : "", d->explanation[k].id);
+            used += n > 0 ? (size_t)n : 0;
+        }
+        if (used < size) {
+            snprintf(out + used, size - used,
+                     " explains the difference: this recording does not show which.");
+        }
+        return;
+    }
     if (d->causes == 0) {
         snprintf(out, size,
-                 d->verdict == VERDICT_CLEAN ? "The model with the motor file's values already predicts this "
-                                               "recording to its noise: error %.3g %%, floor %.3g %%."
-                                             : "The model errs by %.3g %% where noise would leave %.3g %%, "
-                                               "and no known effect accounts for it.",
-                 d->nominal, d->noise_floor);
+                 d->verdict == VERDICT_CLEAN
+                     ? "The nominal model predicts this recording to the noise: error %s, noise floor "
+                       "%s."
+                     : "The error of the nominal model is %s, the noise floor %s. No known effect "
+                       "explains the difference.",
+                 nominal, floor);
         return;
     }
     size_t used = 0;
@@ -51,13 +73,10 @@ void sentence_tell(diagnosis *d)
         used += n > 0 ? (size_t)n : 0;
     }
     if (used < size) {
-        snprintf(out + used, size - used,
-                 "%s: the error falls from %.3g %% to %.3g %% (noise floor %.3g %%).",
+        snprintf(out + used, size - used, "%s the model error: %s before, %s after, noise floor %s.",
                  d->verdict == VERDICT_EXPLAINED
-                     ? (d->causes > 1 ? " explain what the model gets wrong"
-                                      : " explains what the model gets wrong")
-                     : (d->causes > 1 ? " explain a part of what the model gets wrong"
-                                      : " explains a part of what the model gets wrong"),
-                 d->nominal, d->extended, d->noise_floor);
+                     ? (d->causes > 1 ? " explain" : " explains")
+                     : (d->causes > 1 ? " explain a part of" : " explains a part of"),
+                 nominal, number_percent(d->extended, extended), floor);
     }
 }

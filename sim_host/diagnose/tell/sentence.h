@@ -1,5 +1,5 @@
 /*
- * The verdict in one sentence, as every output says it.
+ * The verdict in one sentence: causes, model error before and after, noise floor. Terminal, JSON, report and header use it.
  */
 #ifndef SIM_HOST_DIAGNOSE_TELL_SENTENCE_H
 #define SIM_HOST_DIAGNOSE_TELL_SENTENCE_H

@@ -1,5 +1,5 @@
 /*
- * The diagnosis as the terminal shows it.
+ * The diagnosis as text for the terminal: verdict, causes with intervals, estimates, errors, next recording.
  */
 #ifndef SIM_HOST_DIAGNOSE_TELL_TEXT_H
 #define SIM_HOST_DIAGNOSE_TELL_TEXT_H

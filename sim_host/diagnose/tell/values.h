@@ -1,6 +1,6 @@
 /*
- * A named cause in the parameters and units of interfaces.md, with 95 % intervals: the rows of data/causes.def,
- * read off the motor file that would say what was fitted.
+ * The parameters of a named cause with 95 % intervals, in the names and units of docs/interfaces.md. They are read from the
+ * motor file that describes the fit.
  */
 #ifndef SIM_HOST_DIAGNOSE_TELL_VALUES_H
 #define SIM_HOST_DIAGNOSE_TELL_VALUES_H
@@ -8,8 +8,14 @@
 #include "diagnose/choose/session.h"
 #include "diagnose/result.h"
 
-/* Values and intervals of a cause; and what the fit says of a parameter at its z moved along a column. */
+/* values_at: a parameter of the fit, moved by `by` along a column. values_tell: all values and intervals of a cause. */
 double values_at(const session *w, const motor_value *v, int column, double by);
 void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause);
+
+/*
+ * The interval of a saturation current; a value of 0 means no saturation. Without saturation the current lies beyond all
+ * others: the interval goes up to never_A, a current that no drive reaches. A value of 0 lies at its lower end.
+ */
+void values_bound_saturation(double never_A, diagnosis_parameter *p);
 
 #endif

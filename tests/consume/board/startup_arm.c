@@ -1,6 +1,6 @@
 /*
- * A user's start-up for any Cortex-M that QEMU's mps2 boards run: vector table, variables, main; then main's result to
- * whoever runs the emulator. What a C library would bring, memcpy and memset, stands at the end.
+ * A user's start-up for any Cortex-M that QEMU's mps2 boards run: vector table, variables, main; then main's result
+ * to whoever runs the emulator. memcpy and memset, which a C library would bring, are at the end.
  */
 #include <stddef.h>
 #include <stdint.h>

@@ -39,8 +39,10 @@ limit = near((inverse + s1 - phi_s2) * 683565276b-31);
 # start.h: 0.51 LSB per unit of the current, and 0.5
 /\ |handover - current * Sc - current * (sc - Sc)| * 1b24 <= 0.5
 # tracker.h: Largest error 1 LSB of the tracker's own
+# observer.h: Largest error 1 LSB of the observer's own
 /\ |tracked - theta32 - turns32 * at8| * 1b24 <= 1.004
 # tracker.h: Error 0.5 LSB of the tracker's own
+# observer.h: Error 0.5 LSB of the observer's own
 /\ |tracked_turns - turns32| * 1b24 <= 0.5
 # offset.h: offset 0.5 LSB of the exact mean
 /\ |mean - Mean| * 1b24 <= 0.5

@@ -1,6 +1,6 @@
 /*
- * Digests of what stands around the cycle (golden_vectors.h). The parts with memory keep it from input to
- * input, and are begun anew every thousand.
+ * Digests of the drive services and sensors (golden_vectors.h). Functions with a state keep it from input to input,
+ * and are initialised again every thousand inputs.
  */
 #include "golden_around.h"
 
@@ -8,6 +8,7 @@
 
 #include "iqfoc/encoder.h"
 #include "iqfoc/halls.h"
+#include "iqfoc/observer.h"
 #include "iqfoc/offset.h"
 #include "iqfoc/resolver.h"
 #include "iqfoc/restart.h"
@@ -93,6 +94,32 @@ static void add_tracker(golden_inputs_t *inputs, uint64_t *digest, iqfoc_resolve
     digest_add(digest, tracker.lost ? 1 : 0);
 }
 
+/* Every other thousand with saturation. */
+static void add_observer(golden_inputs_t *inputs, uint64_t *digest)
+{
+    static const iqfoc_observer_config_t configs[2] = {
+        IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 5e-3, 0.12, 2e-4, 10.0, 300.0, 800.0, IQ24(0.005)),
+        {IQFOC_FLUX_PREDICTOR(0.5, 4e-3, 4e-3, 0.12, 2e-4, 10.0, 300.0), IQ24(0.3), IQ24(0.75), IQ24(0.4),
+         IQ24(0.05), IQ24(0.01), IQ24(0.1), IQ24(0.5), 2, 3, 9}};
+    static iqfoc_observer_t observer;
+    const iqfoc_ab_t i = golden_ab(inputs, IQ24(2.0));
+    if (inputs->number % AGAIN == 1) {
+        (void)iqfoc_observer_init(&observer, &configs[inputs->number / AGAIN % 2]);
+        const iq24_t theta = golden_within(inputs, IQ24_MAX);
+        iqfoc_observer_start(&observer, i, theta, golden_within(inputs, IQ24(0.33)), true);
+    }
+    const iqfoc_ab_t u = golden_ab(inputs, IQ24(0.6));
+    iqfoc_observer_step(&observer, u, iqfoc_observer_mean(i, u, i), i);
+    digest_ab(digest, observer.psi);
+    digest_add(digest, observer.theta_q32);
+    digest_add(digest, observer.turns_q32);
+    digest_add(digest, observer.flux_error);
+    digest_add(digest, iqfoc_observer_theta(&observer, golden_within(inputs, IQ24(8.0))));
+    digest_add(digest, iqfoc_observer_turns(&observer));
+    digest_add(digest, (int32_t)observer.status);
+    digest_add(digest, observer.locked ? 1 : 0);
+}
+
 /* The resolver draws a pair, which counts the input. */
 void golden_angle_sensors(golden_inputs_t *inputs, uint64_t *digest)
 {
@@ -102,6 +129,7 @@ void golden_angle_sensors(golden_inputs_t *inputs, uint64_t *digest)
     add_encoder(inputs, digest);
     add_halls(inputs, digest);
     add_tracker(inputs, digest, angle);
+    add_observer(inputs, digest);
 }
 
 static void add_offset(golden_inputs_t *inputs, uint64_t *digest)

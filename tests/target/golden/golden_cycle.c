@@ -1,8 +1,9 @@
 /*
  * Digests of the control cycle (golden_cycle.h).
  *
- * The current of a sample is the one predicted, a little off: so the loop is closed by the predictor itself, and the
- * state stays where a drive's is. One sample in 32 is a fault, and the set of parameters changes in flight.
+ * The current of a sample is the predicted one with a small error. The predictor thus closes the loop, and the state
+ * stays in the range of a real drive. One sample in 32 is a fault, and the set of parameters changes while the cycle
+ * runs.
  */
 #include "golden_cycle.h"
 

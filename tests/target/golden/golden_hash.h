@@ -1,13 +1,11 @@
-/*
- * One hash over all golden vectors: two programs that show the same one compute alike to the last bit.
- */
+/* One hash over all golden vectors: two programs with the same hash compute the same to the last bit. */
 #ifndef TESTS_TARGET_GOLDEN_HASH_H
 #define TESTS_TARGET_GOLDEN_HASH_H
 
 #include "golden_vectors.h"
 
 /* Over the names and digests of golden.txt's functions and configurations; a test holds it to that file. */
-#define GOLDEN_HASH UINT64_C(0x703bb5fd194cacb8)
+#define GOLDEN_HASH UINT64_C(0xe22219a1fe9d1ab8)
 
 #define GOLDEN_HASH_START UINT64_C(0xCBF29CE484222325)
 

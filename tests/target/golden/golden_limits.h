@@ -1,6 +1,6 @@
 /*
- * Golden vectors of what takes a drive to its limits: overmodulation, the current's reference, and the ripple
- * of half a carrier period; part of golden_vectors.h.
+ * Golden vectors of overmodulation, the current reference, and the ripple of half a carrier period; part of
+ * golden_vectors.h.
  */
 #ifndef TESTS_TARGET_GOLDEN_LIMITS_H
 #define TESTS_TARGET_GOLDEN_LIMITS_H

@@ -148,7 +148,7 @@ void golden_induction(golden_inputs_t *inputs, uint64_t *digest)
     digest_ab(digest, iqfoc_induction_with_ripple(&c.i, next.i, v));
 }
 
-/* The three predictors in turn, deadbeat with and without a learnt drift, and a search of two intervals. */
+/* The three predictors in turn, deadbeat with and without disturbance observer, and a search of two intervals. */
 void golden_predictive_control(golden_inputs_t *inputs, uint64_t *digest)
 {
     iqfoc_predictor_t machine;

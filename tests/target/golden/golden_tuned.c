@@ -1,6 +1,7 @@
 /*
- * Digest of the tuned controller with the watch behind it (golden_vectors.h): a rotor that turns evenly, currents
- * near what was predicted, and errors that grow through a thousand inputs, so that the watch alarms and names.
+ * Digest of the tuned controller with the change detector (golden_vectors.h): a rotor at constant speed, currents
+ * near their prediction, and errors that grow through a thousand inputs, so that the detector raises an alarm and
+ * names a group.
  */
 #include "golden_tuned.h"
 
@@ -9,9 +10,9 @@
 #include "iqfoc/tuned_control.h"
 #include "iqfoc/watch.h"
 
-#define AGAIN 4000 /* inputs until all begins anew: 125 blocks */
+#define AGAIN 4000 /* inputs until all states are initialised again: 125 blocks */
 
-/* The compressor of motors/ at 8 kHz. */
+/* The compressor of data/motors/ at 8 kHz. */
 #define R_OHM    0.9
 #define L_D_H    8e-3
 #define L_Q_H    11e-3
@@ -24,7 +25,7 @@ static const iqfoc_tuned_law_t law = {
     IQFOC_SALIENT_MACHINE(R_OHM, L_D_H, L_Q_H, PSI_WB, T_S, I_BASE_A, U_DC_V), IQ24(0.55), IQ24(0.5),
     IQ24(0.2), IQ24(0.05)};
 static const iqfoc_watch_config_t config =
-    IQFOC_WATCH_CONFIG(R_OHM, L_D_H, L_Q_H, PSI_WB, T_S, I_BASE_A, U_DC_V, 0.003);
+    IQFOC_WATCH_CONFIG(R_OHM, L_D_H, L_Q_H, PSI_WB, 3, T_S, I_BASE_A, U_DC_V, 0.003);
 
 static iqfoc_tuned_t tuned;
 static iqfoc_tuned_state_t state;

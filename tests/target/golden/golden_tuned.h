@@ -1,6 +1,4 @@
-/*
- * Golden vector of the tuned controller and the watch behind it; part of golden_vectors.h.
- */
+/* Golden vector of the tuned controller and the change detector; part of golden_vectors.h. */
 #ifndef TESTS_TARGET_GOLDEN_TUNED_H
 #define TESTS_TARGET_GOLDEN_TUNED_H
 

@@ -1,0 +1,219 @@
+/*
+ * Counts the optional modules and the drive services (bench/services.h): overmodulation, reference, tuned control, watch, angle
+ * sensors, start, shunts, supervision. Each is called once a cycle and keeps its state from call to call.
+ */
+#include "services.h"
+
+#include "iqfoc/adapt.h"
+#include "iqfoc/cycle_six_step.h"
+#include "iqfoc/encoder.h"
+#include "iqfoc/halls.h"
+#include "iqfoc/offset.h"
+#include "iqfoc/overmodulation.h"
+#include "iqfoc/reference.h"
+#include "iqfoc/resolver.h"
+#include "iqfoc/restart.h"
+#include "iqfoc/sensorless.h"
+#include "iqfoc/shunts.h"
+#include "iqfoc/start.h"
+#include "iqfoc/supervision.h"
+#include "iqfoc/tracker.h"
+#include "iqfoc/tuned_control.h"
+#include "iqfoc/watch.h"
+
+#include "count.h"
+
+static iqfoc_overmodulation_t over;
+static iq24_t over_limit;
+static const iqfoc_reference_config_t reference_config = {IQ24(0.1), IQ24(1.5), IQ24(-1.0), IQ24(0.01),
+                                                          IQ24(0.98)};
+static iqfoc_reference_t reference;
+static const iqfoc_six_step_config_t six_step_config = {IQ24(0.001), 0, IQ24(0.5), false};
+static iqfoc_six_step_t six_step;
+static iqfoc_cycle_t cycle;
+static iqfoc_tuned_law_t tuned_law;
+static iqfoc_tuned_t tuned;
+static iqfoc_tuned_state_t tuned_state;
+static iqfoc_watch_t watch;
+static const iqfoc_adapt_config_t adapt_config = IQFOC_ADAPT_CONFIG;
+static iqfoc_adapt_t adapt;
+static const iqfoc_encoder_config_t encoder_config = {
+    .counts_per_turn = 4096, .pole_pairs = 3, .index_known = true, .index_theta = 0};
+static iqfoc_encoder_t encoder;
+static const iqfoc_resolver_t resolver = {0, 0, IQ24_ONE, IQ24_ONE, IQ24(0.5), IQ24(1.5), 3, 0};
+static const iqfoc_halls_config_t halls_config = IQFOC_HALLS(300);
+static iqfoc_halls_t halls;
+static const iqfoc_tracker_config_t tracker_config = IQFOC_TRACKER_GAINS(600.0, 2e-4, IQ24(0.5), UINT32_MAX);
+static iqfoc_tracker_t tracker;
+static iqfoc_observer_config_t observer_config =
+    IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 5e-3, 0.12, 2e-4, 10.0, 300.0, 800.0, IQ24(0.005));
+static iqfoc_observer_t observer;
+static iqfoc_sensorless_t sensorless;
+static iqfoc_sample_t sample;
+static const iqfoc_shunts_t shunts = {IQ24(0.9)};
+static const iqfoc_offset_limits_t offset_limits = {
+    .settle = 1, .count_log2 = 14, .offset_max = IQ24(0.2), .noise_max = IQ24(0.1)};
+static iqfoc_offset_t offset;
+static const iqfoc_start_config_t start_config = {.i_align = IQ24(0.4),
+                                                  .ramp_cycles = 500,
+                                                  .hold_cycles = 500,
+                                                  .turns_end = IQ24(0.02),
+                                                  .run_up_cycles = 1000};
+static iqfoc_start_t start;
+static const iqfoc_supervision_config_t supervision_config = {IQ24(0.05), IQ24(0.125), 12, 5, IQ24(0.3), 10};
+static iqfoc_supervision_t supervision;
+static const iqfoc_restart_config_t restart_config = {1, 5, 3, 20};
+static iqfoc_restart_t restart;
+
+/* The Halls' bits of a sector, from the top bits of the angle. */
+static uint32_t bits_of(iq24_t theta)
+{
+    static const uint32_t bits[8] = {1, 3, 2, 2, 6, 4, 5, 5};
+    return bits[(uint32_t)theta >> 21 & 7];
+}
+
+static iqfoc_abc_t duties_of(const bench_input_t *in)
+{
+    const iqfoc_abc_t duties = {iq24_abs_sat(in->u.alpha), iq24_abs_sat(in->u.beta),
+                                iq24_abs_sat(in->u.alpha + in->u.beta) / 2};
+    return duties;
+}
+
+COUNT(overmodulation, iqfoc_duties_t, iqfoc_overmodulate,
+      (iqfoc_overmodulation_t *, iqfoc_ab_t, iq24_t, iq24_t), (&over, in->u, in->u_dc_inverse, over_limit))
+COUNT(reference, iqfoc_dq_t, iqfoc_reference_step,
+      (iqfoc_reference_t *, const iqfoc_reference_config_t *, iq24_t, iqfoc_dq_t, iq24_t),
+      (&reference, &reference_config, in->i_ref.q, in->u_steady, in->sample.u_dc / 2))
+COUNT(six_step_by_timer, iqfoc_six_step_command_t, iqfoc_cycle_six_step_switch,
+      (iqfoc_six_step_t *, iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t),
+      (&six_step, &cycle, &in->sample, in->sample.time))
+COUNT(tuned_at_speed, iqfoc_tuned_t, iqfoc_tuned_at_speed, (const iqfoc_tuned_law_t *, iq24_t),
+      (&tuned_law, in->sample.turns))
+COUNT(tuned_step, iqfoc_ab_t, iqfoc_tuned_step,
+      (iqfoc_tuned_state_t *, const iqfoc_tuned_t *, iqfoc_ab_t, iqfoc_ab_t, iqfoc_dq_t, iq24_t),
+      (&tuned_state, &tuned, in->i, in->u, in->i_ref, in->sample.theta))
+COUNT(watch_step, bool, iqfoc_watch_step,
+      (iqfoc_watch_t *, iqfoc_ab_t, iqfoc_dq_t, iqfoc_dq_t, iq24_sincos_t),
+      (&watch, in->i, in->i_ref, in->i_ref, in->sc))
+COUNT(watch_block, bool, iqfoc_watch_block, (iqfoc_watch_t *, const iqfoc_watch_config_t *, iq24_t, iq24_t),
+      (&watch, &bench_watch, in->sample.turns, in->sample.theta))
+COUNT(adapt_block, void, iqfoc_adapt_block,
+      (iqfoc_adapt_t *, const iqfoc_adapt_config_t *, const iqfoc_watch_t *, const iqfoc_watch_config_t *,
+       iq24_t),
+      (&adapt, &adapt_config, &watch, &bench_watch, in->sample.turns))
+COUNT(adapt_law, iqfoc_tuned_law_t, iqfoc_adapt_law, (const iqfoc_tuned_law_t *, const iqfoc_adapt_t *),
+      (&tuned_law, &adapt))
+COUNT(encoder, iq24_t, iqfoc_encoder_theta, (const iqfoc_encoder_t *, uint32_t),
+      (&encoder, (uint32_t)in->sample.theta & 4095))
+COUNT(resolver, iqfoc_resolver_angle_t, iqfoc_resolver_read, (const iqfoc_resolver_t *, iq24_t, iq24_t),
+      (&resolver, in->sc.sin, in->sc.cos))
+COUNT(halls, void, iqfoc_halls_step, (iqfoc_halls_t *, uint32_t, uint32_t),
+      (&halls, bits_of(in->sample.theta), 100))
+COUNT(tracker, void, iqfoc_tracker_step, (iqfoc_tracker_t *, iq24_t, iq24_t, bool),
+      (&tracker, in->sample.theta, IQ24(0.1), true))
+COUNT(observer, void, iqfoc_observer_step, (iqfoc_observer_t *, iqfoc_ab_t, iqfoc_ab_t, iqfoc_ab_t),
+      (&observer, in->u, in->i, in->i))
+COUNT(shunts, iqfoc_shunts_currents_t, iqfoc_shunts_read,
+      (const iqfoc_shunts_t *, iqfoc_abc_t, iqfoc_abc_t, iqfoc_abc_t),
+      (&shunts, in->sample.i, duties_of(in), in->sample.i_mean))
+COUNT(offset, iqfoc_offset_verdict_t, iqfoc_offset_step, (iqfoc_offset_t *, iqfoc_abc_t),
+      (&offset, in->sample.i))
+COUNT(start, void, iqfoc_start_step, (iqfoc_start_t *, iq24_t), (&start, in->sample.theta))
+COUNT(supervision, uint32_t, iqfoc_supervision_step, (iqfoc_supervision_t *, iqfoc_abc_t, iq24_t, bool),
+      (&supervision, in->sample.i, in->sample.turns, true))
+COUNT(restart, iqfoc_restart_action_t, iqfoc_restart_step, (iqfoc_restart_t *, uint32_t),
+      (&restart, (uint32_t)in->sample.theta >> 27 & 1))
+
+COUNT(sensorless, void, iqfoc_sensorless_valley, (iqfoc_sensorless_t *, iqfoc_cycle_t *, iqfoc_sample_t *),
+      (&sensorless, &cycle, &sample))
+
+/* Locked and within its limits, as in a drive that runs. */
+static uint32_t count_observer_locked(const bench_input_t *in)
+{
+    iqfoc_observer_start(&observer, in->i, in->sample.theta, in->sample.turns, true);
+    return count_observer(in);
+}
+
+static uint32_t count_sensorless_locked(const bench_input_t *in)
+{
+    sample = in->sample;
+    sensorless.on = 3;
+    sensorless.source = IQFOC_ANGLE_OBSERVED;
+    sensorless.wanted = IQFOC_ANGLE_OBSERVED;
+    iqfoc_observer_start(&sensorless.observer, in->i, sample.theta, sample.turns, true);
+    return count_sensorless(in);
+}
+
+/* The sums of a block of a drive whose model fits, so that no alarm ends the work: errors of some thousandths. */
+static void sum_block(const bench_input_t *in)
+{
+    const iqfoc_ab_t off = {in->delta.alpha / 256, in->delta.beta / 256};
+    iqfoc_watch_reset(&watch);
+    watch.blocks = 1; /* the first is not judged */
+    watch.turns = in->sample.turns;
+    for (uint32_t k = 0; k < IQFOC_WATCH_BLOCK_CYCLES; k++) {
+        (void)iqfoc_watch_step(&watch, off, in->i_ref, in->u_steady, in->sc);
+    }
+}
+
+static uint32_t count_watch_block_of_drive(const bench_input_t *in)
+{
+    sum_block(in);
+    return count_watch_block(in);
+}
+
+static uint32_t count_adapt_block_of_drive(const bench_input_t *in)
+{
+    sum_block(in);
+    return count_adapt_block(in);
+}
+
+static void begin(void)
+{
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(IQ24(0.08));
+    const iqfoc_sample_t still = {.turns = IQ24(0.08), .u_dc = IQ24_ONE};
+    over_limit = iqfoc_overmodulation_limit(&rotor);
+    tuned_law = (iqfoc_tuned_law_t){bench_salient, IQ24(0.5), IQ24(0.5), IQ24(0.25), IQ24(0.05)};
+    tuned = iqfoc_tuned_at_speed(&tuned_law, IQ24(0.08));
+    iqfoc_watch_reset(&watch);
+    (void)iqfoc_cycle_init(&cycle, &bench_config);
+    cycle.enabled = true;
+    (void)iqfoc_cycle_six_step_begin(&six_step, &cycle, &six_step_config, IQ24(0.25), &still);
+    (void)iqfoc_encoder_init(&encoder, &encoder_config);
+    (void)iqfoc_halls_init(&halls, &halls_config);
+    (void)iqfoc_tracker_init(&tracker, &tracker_config);
+    observer_config.angle_max = IQ24(0.5);
+    observer_config.flux_max = IQ24(7.9);
+    observer_config.turns_min = 0;
+    (void)iqfoc_observer_init(&observer, &observer_config);
+    (void)iqfoc_sensorless_init(&sensorless, &observer_config, NULL, NULL);
+    (void)iqfoc_offset_init(&offset, &offset_limits);
+    (void)iqfoc_start_init(&start, &start_config);
+    (void)iqfoc_supervision_init(&supervision, &supervision_config);
+    (void)iqfoc_restart_init(&restart, &restart_config);
+}
+
+void bench_services(void)
+{
+    begin();
+    bench_report("overmodulation", count_overmodulation);
+    bench_report("reference", count_reference);
+    bench_report("six_step_by_timer", count_six_step_by_timer);
+    bench_report("tuned_at_speed", count_tuned_at_speed);
+    bench_report("tuned_step", count_tuned_step);
+    bench_report("watch_step", count_watch_step);
+    bench_report("watch_block", count_watch_block_of_drive);
+    bench_report("adapt_block", count_adapt_block_of_drive);
+    bench_report("adapt_law", count_adapt_law);
+    bench_report("encoder", count_encoder);
+    bench_report("resolver", count_resolver);
+    bench_report("halls", count_halls);
+    bench_report("tracker", count_tracker);
+    bench_report("observer", count_observer_locked);
+    bench_report("sensorless", count_sensorless_locked);
+    bench_report("shunts", count_shunts);
+    bench_report("offset", count_offset);
+    bench_report("start", count_start);
+    bench_report("supervision", count_supervision);
+    bench_report("restart", count_restart);
+}

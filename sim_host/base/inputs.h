@@ -1,0 +1,33 @@
+/*
+ * The files that this run of the program reads, so that none of them is overwritten.
+ *
+ * Every reader notes what it opens. Every writer asks, once before it begins and once before its file takes the name.
+ * Two names are one file if device and inode are the same: a path written differently, a symbolic link or a second
+ * hard link does not hide an input. The program's main function switches this on; a library in somebody else's
+ * process (Python, a browser, an FMU) reads and writes the same file in two calls as its caller likes.
+ */
+#ifndef SIM_HOST_BASE_INPUTS_H
+#define SIM_HOST_BASE_INPUTS_H
+
+#include "error.h"
+
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* From now on inputs are noted. */
+void inputs_watch(void);
+
+/* Notes an open file that is being read; `path` for the message. False with *e set when memory runs out. */
+bool inputs_note(int descriptor, const char *path, error *e);
+
+/* False with *e set where `path` names a file that has been noted. A path that names nothing is free. */
+bool inputs_spare(const char *path, error *e);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

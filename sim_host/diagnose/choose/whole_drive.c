@@ -1,0 +1,204 @@
+/* A set from the fit of the whole drive (whole_drive.h). */
+#include "whole_drive.h"
+
+#include "diagnose/identify/edge_choice.h"
+#include "diagnose/identify/fit.h"
+#include "diagnose/identify/whole_fit.h"
+#include "evidence.h"
+#include "search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a member must bring of all that is beyond the reporting thresholds, to be a cause. */
+static const double SHARE_OF_CAUSE = 0.01;
+/* What is certainly larger than this share of its reporting threshold is there. */
+static const double SHARE_OF_MINOR = 0.15;
+/* In chi square, a member and each of its numbers: odds of 0.99 against chance, as of a cause. */
+static const double PAYS = 9.2;
+static const double PAYS_A_NUMBER = 3.0;
+/* And what a member must be worth where only several together are certain: without it the others would be wrong. */
+static const double PAYS_TOGETHER = 60.0;
+
+/* What is fitted: one hypothesis or more a cause, and what was found already. */
+static hypothesis_set parts_of(const session *w, hypothesis_set found)
+{
+    const bool map = hypotheses_hold(found, CAUSE_SATURATION_DQ);
+    hypothesis_set parts = found;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        parts |= (hypothesis_in(w->possible, h) || (h == H_FALL && !map)) && hypothesis_table[h].in_whole
+                     ? HYPOTHESIS_BIT(h)
+                     : 0;
+    }
+    return parts;
+}
+
+/* The search's state without effects that have no name, and ready for a compensation. */
+static fit_state start_of(const session *w, hypothesis_set found)
+{
+    fit_state s = w->state;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(s.set, h) && !hypothesis_in(found, h)) {
+            hypothesis_copy(h, hypothesis_nominal, s.z);
+        }
+    }
+    s.set = found;
+    if (!hypotheses_hold(found, CAUSE_DEAD_TIME) && hypothesis_in(w->possible, H_COMPENSATED)) {
+        s.set |= HYPOTHESIS_BIT(H_COMPENSATED);
+        edge_of_set(&w->fitted, &s);
+        s.set = found;
+    }
+    return s;
+}
+
+static double pays(hypothesis_id h)
+{
+    return PAYS + PAYS_A_NUMBER * (double)hypothesis_table[h].columns + hypothesis_table[h].surprise;
+}
+
+/* Whether it is there: certain by itself, or in what is certain of several together. */
+static bool is_there(const whole_fit *f, hypothesis_id h)
+{
+    const bool large = hypothesis_size(h, f->state.z) > SHARE_OF_MINOR * hypothesis_table[h].least;
+    return large && (whole_fit_certain(f, h) > pays(h) || whole_fit_needed(f, h) > PAYS_TOGETHER);
+}
+
+/* The simplest hypothesis of both axes' inductance that holds what is there: a map, two inductances, or one. */
+static hypothesis_set inductances_of(const session *w, const whole_fit *f, hypothesis_set found)
+{
+    if (hypotheses_hold(found, CAUSE_SATURATION_DQ)) {
+        return found & hypotheses_of(CAUSE_SATURATION_DQ);
+    }
+    hypothesis_set set = 0;
+    const double apart = hypothesis_size(H_SALIENCY, f->state.z);
+    const bool salient =
+        apart > hypothesis_table[H_SALIENCY].least && apart > 0.5 * hypothesis_size(H_BOTH_AXES, f->state.z);
+    if (salient && hypothesis_in(w->possible, H_SALIENCY) && is_there(f, H_SALIENCY)) {
+        set |= HYPOTHESIS_BIT(H_SALIENCY);
+    } else if (hypothesis_in(w->possible, H_INDUCTANCE) && is_there(f, H_BOTH_AXES)) {
+        set |= HYPOTHESIS_BIT(H_BOTH_AXES);
+    }
+    if (hypothesis_in(w->possible, H_SATURATION) && is_there(f, H_FALL) && f->state.z[P_SATURATION] > 0.0) {
+        set |= HYPOTHESIS_BIT(H_FALL);
+    }
+    return set;
+}
+
+/* Of each cause the hypothesis that was found, or the most needed one of those that are there. */
+static hypothesis_set members_there(const session *w, const whole_fit *f, hypothesis_set found)
+{
+    hypothesis_set set = inductances_of(w, f, found);
+    for (cause_id cause = 0; cause < CAUSE_COUNT; cause++) {
+        hypothesis_id best = H_COUNT;
+        double most = 0.0;
+        for (hypothesis_id h = 0; h < H_COUNT; h++) {
+            const hypothesis *hypo = &hypothesis_table[h];
+            const bool of_both = (hypo->holds & HOLDS_INDUCTANCE) != 0 && h != H_INDUCTANCES;
+            if (hypo->cause != cause || of_both || h == H_FALL || !hypothesis_in(w->possible, h)) {
+                continue;
+            }
+            const bool own = hypothesis_in(found, h);
+            const bool fixed = hypo->fixed == hypo->columns;
+            const double need = own ? INFINITY : whole_fit_needed(f, h);
+            if ((own || hypo->in_whole) && need > most && ((own && fixed) || is_there(f, h))) {
+                most = need;
+                best = h;
+            }
+        }
+        set |= best < H_COUNT ? HYPOTHESIS_BIT(best) : 0;
+    }
+    return set;
+}
+
+/* How sure the whole drive's numbers are. */
+static bool find_certainty(session *w, const whole_fit *f)
+{
+    certainty *c = &w->certainty;
+    double prior[COLUMN_COUNT];
+    memset(c, 0, sizeof *c);
+    c->inflation = 1.0;
+    c->columns = f->columns;
+    for (size_t k = 0; k < f->columns; k++) {
+        c->column[k] = f->column[k];
+        prior[k] = f->pull[k] * f->inflation;
+    }
+    return certainty_under(&w->fitted, &w->state, prior, f->columns, c);
+}
+
+bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller)
+{
+    const hypothesis_set found = hypotheses_named(w->state.set);
+    const fit_state first = w->state;
+    const certainty first_certainty = w->certainty;
+    const fit_state start = start_of(w, found);
+    const double first_error = session_named_error(w, first.set);
+    double first_score = 0.0;
+    double score = 0.0;
+    char words[256];
+    whole_fit *f = malloc(sizeof *f);
+    *better = false;
+    bool ok =
+        f && whole_fit_find(&w->fitted, &start, parts_of(w, found), w->certainty.inflation, f, teller->trace);
+    if (ok) {
+        w->state = f->state;
+        w->state.set = members_there(w, f, found);
+        ok = find_certainty(w, f) && search_score(&w->fitted, &first, &first_score) &&
+             search_score(&w->fitted, &w->state, &score);
+    }
+    if (ok) {
+        const double percent = session_named_error(w, w->state.set);
+        *better = score < first_score && (again || (w->state.set != first.set && percent < first_error)) &&
+                  session_explains_most(w, &w->state, percent);
+        if (teller->trace) {
+            fprintf(teller->trace, "  whole drive: %s, score %.1f (search %.1f), error %.4g %% (%.4g): %s\n",
+                    evidence_words(w->state.set, words, sizeof words), score, first_score, percent,
+                    first_error, *better ? "kept" : "not better");
+        }
+    }
+    if (!*better) {
+        w->state = first;
+        w->certainty = first_certainty;
+    }
+    free(f);
+    return ok;
+}
+
+/* The objective at fixed gains with a set's members cut to their reporting thresholds. */
+static double cut_objective(session *w, hypothesis_set cut)
+{
+    fit_state s = w->state;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const double size = hypothesis_size(h, s.z);
+        const double least = w->frame.of_least * hypothesis_table[h].least;
+        if (hypothesis_in(cut, h) && size > least) {
+            double z[P_COUNT] = {0.0};
+            hypothesis_copy(h, s.z, z);
+            for (size_t k = 0; k < P_COUNT; k++) {
+                s.z[k] -= (1.0 - least / size) * z[k];
+            }
+        }
+    }
+    fit_noise(&w->fitted, &s);
+    return isfinite(s.objective) ? s.objective : INFINITY;
+}
+
+void whole_drive_divide(session *w)
+{
+    const hypothesis_set named = hypotheses_named(w->state.set);
+    const double full = w->state.objective;
+    const double all = cut_objective(w, named) - full;
+    w->minor = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const hypothesis *hypo = &hypothesis_table[h];
+        if (!hypothesis_in(named, h)) {
+            continue;
+        }
+        const bool large = hypo->fixed == hypo->columns ||
+                           certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypo->least);
+        const double brings = cut_objective(w, HYPOTHESIS_BIT(h)) - full;
+        if (!large || !(brings >= SHARE_OF_CAUSE * all)) {
+            w->minor |= HYPOTHESIS_BIT(h);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+/* Corrections of rows in their order (corrections.h). */
+#include "corrections.h"
+
+#include "identify/modulator_choice.h"
+#include "identify/speed_lag.h"
+#include "measure/floor.h"
+#include "measure/link_ripple.h"
+#include "measure/missed.h"
+#include "measure/sensor_fault.h"
+#include "result.h"
+
+static void say(FILE *trace, size_t rows, const char *what)
+{
+    if (rows > 0 && trace) {
+        fprintf(trace, "  %zu rows corrected for %s\n", rows, what);
+    }
+}
+
+bool corrections_by_columns(session *w, const motor *file, hypothesis_set skip, FILE *trace)
+{
+    size_t rows = 0;
+    if (!speed_lag_mend(&w->rows, file, !hypothesis_in(skip, H_SPEED_LAG)) ||
+        (!hypothesis_in(skip, H_SENSOR_FAULT) &&
+         !measure_sensor_fault(&w->rows, &w->frame.nominal, file, &rows))) {
+        return false;
+    }
+    say(trace, rows, "sensor faults");
+    return true;
+}
+
+/* The share of the error that another modulator must remove if the edges' effect is only assumed. */
+static const double GUESSED = 0.05;
+
+/* The effects, in the set or in the motor file, that depend on the instants of the edges. */
+static unsigned seen_by(const session *w)
+{
+    const averaged_drive *file = &w->frame.nominal;
+    unsigned by = 0;
+    by |=
+        hypotheses_hold(w->state.set, CAUSE_DEAD_TIME) || averaged_drive_loses(file) ? EDGES_BY_DEAD_TIME : 0;
+    by |= hypothesis_in(w->state.set, H_SENSOR_LAG) || file->sensor_lag_s != 0.0 ? EDGES_BY_SENSOR_LAG : 0;
+    by |= hypothesis_in(w->state.set, H_IRON_LOSS) || file->fe_S != 0.0 ? EDGES_BY_IRON : 0;
+    return by;
+}
+
+bool corrections_by_modulator(session *w, FILE *trace, bool *changed)
+{
+    const unsigned by = seen_by(w);
+    *changed = false;
+    if (w->rows.recording->duty[0]) {
+        return true;
+    }
+    if (by != 0 && !modulator_choose(&w->fitted, &w->state, by, 0.0, changed)) {
+        return false;
+    }
+    /* Wrong edges may have misled the search: try without the other causes, or with an effect that may be missing. */
+    if (!*changed && (session_holds_unnamed(w) || session_leaves(w, DIAGNOSIS_FLOOR_TOLERANCE))) {
+        const unsigned missing = EDGES_BY_SENSOR_LAG | EDGES_BY_IRON;
+        if (!modulator_choose(&w->fitted, &w->nominal, by != 0 ? by : missing, by != 0 ? 0.0 : GUESSED,
+                              changed) ||
+            (!*changed && !modulator_choose(&w->fitted, &w->state, by | missing, GUESSED, changed))) {
+            return false;
+        }
+    }
+    if (*changed && trace) {
+        fprintf(trace, "  modulator changed to: %s\n", modulator_words[w->rows.modulator]);
+    }
+    return true;
+}
+
+bool corrections_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *trace, size_t *corrected)
+{
+    const averaged_drive first = session_drive(w, w->state.z);
+    size_t faulty = 0;
+    size_t missed = 0;
+    size_t rippled = 0;
+    double noise_A = 0.0;
+    const bool look_for_fault =
+        !hypothesis_in(skip, H_SENSOR_FAULT) && !corrections_of(&w->rows, CAUSE_SENSOR_FAULT);
+    const bool look_for_missed =
+        !hypothesis_in(skip, H_MISSED_UPDATE) && !corrections_of(&w->rows, CAUSE_MISSED_UPDATE);
+    const bool look_for_ripple =
+        !hypothesis_in(skip, H_DC_LINK_RIPPLE) && !corrections_of(&w->rows, CAUSE_DC_LINK_RIPPLE);
+    if (look_for_fault && !measure_sensor_fault(&w->rows, &first, file, &faulty)) {
+        return false;
+    }
+    if (look_for_missed && !measure_missed(&w->rows, &first, file, &missed)) {
+        return false;
+    }
+    const double floor_A = measure_floor(&w->rows, &w->state, &first, &noise_A);
+    if (look_for_ripple && !measure_link_ripple(&w->rows, &first, floor_A, file, &rippled)) {
+        return false;
+    }
+    say(trace, faulty, "sensor faults");
+    say(trace, missed, "missed updates");
+    say(trace, rippled, "DC-link ripple");
+    *corrected = faulty + missed + rippled;
+    return true;
+}
+
+bool corrections_of(const diagnose_rows *r, cause_id cause)
+{
+    for (size_t n = 0; n < r->mends; n++) {
+        if (r->mend[n].cause == cause) {
+            return true;
+        }
+    }
+    return false;
+}

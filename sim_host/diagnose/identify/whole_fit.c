@@ -1,0 +1,444 @@
+/* Gauss-Newton under heavy-tailed priors (whole_fit.h). */
+#include "whole_fit.h"
+
+#include "base/solve.h"
+#include "base/sort.h"
+#include "fit.h"
+#include "fit_step.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STEPS = 5, REWEIGHTED = 12, LINKS = 3 };
+
+static const double DEGREES = 2.0; /* of Student's t */
+/* The tolerance of a number for which the catalogue states none, of the least that is reported. */
+static const double SHARE_OF_LEAST = 0.3;
+static const double roughness_tried[] = {1.0, 2.0, 4.0, 8.0};
+/* A knee lies within a factor e of where it began, one standard deviation; and moves by no more in a step. */
+static const double SHAPE_WIDTH = 1.0;
+static const double SHAPE_STEP = 0.7;
+/* A step that lowers -2 log posterior by less is the last. */
+static const double LITTLE = 20.0;
+/* Of its own curvature: what makes the step solvable where only a prior holds a direction. */
+static const double DAMPING = 5e-6;
+
+/* Three numbers whose mean is another number of the drive: a resistance, an inductance, the scale of everything. */
+static const struct {
+    coordinate_id of[3];
+    double width;
+} links[LINKS] = {{{P_GAIN_A, P_GAIN_B, P_GAIN_C}, 0.002},
+                  {{P_DR_A, P_DR_B, P_DR_C}, 1e-3},
+                  {{P_DL_A, P_DL_B, P_DL_C}, 2e-4}};
+
+typedef struct whole {
+    size_t n;
+    int column[COLUMN_COUNT];
+    double width[COLUMN_COUNT]; /* of the prior at roughness 1 */
+    double about[COLUMN_COUNT];
+    bool shape[COLUMN_COUNT];
+    bool positive[COLUMN_COUNT];
+    size_t link[LINKS][3]; /* places; n where there is none */
+    double inflation;
+    gram sum;
+    double a[COLUMN_COUNT][COLUMN_COUNT];
+    double low[COLUMN_COUNT], high[COLUMN_COUNT];
+    double block[COLUMN_COUNT]; /* scatter of the blocks' scores */
+    gain_line line[ROWS_MAX_GROUPS];
+} whole;
+
+static void add_column(whole *w, int column, double width, double about, bool shape)
+{
+    for (size_t k = 0; k < w->n; k++) {
+        if (w->column[k] == column) {
+            w->width[k] = fmin(w->width[k], width);
+            return;
+        }
+    }
+    if (w->n < SOLVE_ORDER_MOST) {
+        w->column[w->n] = column;
+        w->width[w->n] = width;
+        w->about[w->n] = about;
+        w->shape[w->n] = shape;
+        w->positive[w->n++] = column == P_FE || column == P_COMPENSATION;
+    }
+}
+
+static void choose_columns(whole *w, const fit_data *d, const fit_state *s, hypothesis_set parts)
+{
+    w->n = 0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const hypothesis *hypo = &hypothesis_table[h];
+        bool moved[P_COUNT] = {false};
+        bool acts = false;
+        if (!hypothesis_in(parts, h)) {
+            continue;
+        }
+        hypothesis_mark(h, moved);
+        for (size_t k = 0; k < hypo->fixed; k++) {
+            moved[hypo->column[k]] = false;
+        }
+        for (int k = 0; k < P_COUNT; k++) {
+            if (moved[k] && column_shows(k, d->rows)) {
+                const double digits = coordinate_table[k].digits;
+                add_column(w, k, digits > 0.0 ? digits : SHARE_OF_LEAST * hypo->least, 0.0, false);
+            }
+            acts = acts || (moved[k] && s->z[k] != 0.0);
+        }
+        for (size_t k = 0; acts && k < hypo->shapes; k++) {
+            add_column(w, (int)hypo->shape[k], SHAPE_WIDTH, s->z[hypo->shape[k]], true);
+        }
+    }
+    if (!d->rows->two_sensors) {
+        add_column(w, P_OFFSET_ZERO, 1.0, 0.0, true);
+    }
+    for (size_t l = 0; l < LINKS; l++) {
+        for (size_t k = 0; k < 3; k++) {
+            size_t at = 0;
+            while (at < w->n && w->column[at] != (int)links[l].of[k]) {
+                at++;
+            }
+            w->link[l][k] = at;
+        }
+    }
+}
+
+static bool link_holds(const whole *w, size_t l)
+{
+    return w->link[l][0] < w->n && w->link[l][1] < w->n && w->link[l][2] < w->n;
+}
+
+/* How far a number lies from the middle of its prior, a step on. */
+static double off(const whole *w, const fit_state *s, const double *step, size_t k)
+{
+    return s->z[w->column[k]] + (step ? step[k] : 0.0) - w->about[k];
+}
+
+static double link_off(const whole *w, const fit_state *s, const double *step, size_t l)
+{
+    return (off(w, s, step, w->link[l][0]) + off(w, s, step, w->link[l][1]) +
+            off(w, s, step, w->link[l][2])) /
+           3.0;
+}
+
+/* -2 log prior, with what depends on the roughness. */
+static double prior_of(const whole *w, const fit_state *s, const double *step, double roughness)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < w->n; k++) {
+        const double x = off(w, s, step, k) / w->width[k];
+        sum += w->shape[k] ? x * x
+                           : (DEGREES + 1.0) * log1p(x * x / (DEGREES * roughness * roughness)) +
+                                 2.0 * log(roughness);
+    }
+    for (size_t l = 0; l < LINKS; l++) {
+        const double x = link_holds(w, l) ? link_off(w, s, step, l) / links[l].width : 0.0;
+        sum += x * x;
+    }
+    return sum;
+}
+
+/* The precision by which the prior pulls at a number. */
+static double pull(const whole *w, const fit_state *s, const double *step, size_t k, double roughness)
+{
+    const double x = off(w, s, step, k);
+    const double width = roughness * w->width[k];
+    return w->shape[k] ? 1.0 / (w->width[k] * w->width[k])
+                       : (DEGREES + 1.0) / (DEGREES * width * width + x * x);
+}
+
+/* The sums with the prior at a step, in the data's measure: a, and the right-hand side of what is left to go from s. */
+static void with_prior(whole *w, const fit_state *s, const double *step, double roughness, double *right)
+{
+    for (size_t i = 0; i < w->n; i++) {
+        const double by = w->inflation * pull(w, s, step, i, roughness);
+        memcpy(w->a[i], w->sum.h[i], sizeof w->a[i]);
+        w->a[i][i] += by;
+        right[i] = -w->sum.g[i] - by * off(w, s, NULL, i);
+    }
+    for (size_t l = 0; l < LINKS; l++) {
+        const double by = w->inflation / (9.0 * links[l].width * links[l].width);
+        for (size_t i = 0; link_holds(w, l) && i < 3; i++) {
+            right[w->link[l][i]] -= 3.0 * by * link_off(w, s, NULL, l);
+            for (size_t j = 0; j < 3; j++) {
+                w->a[w->link[l][i]][w->link[l][j]] += by;
+            }
+        }
+    }
+}
+
+/* The log of the determinant of a over the inflation. */
+static double log_determinant(const whole *w)
+{
+    double l[SOLVE_ORDER_MOST][SOLVE_ORDER_MOST];
+    double sum = 0.0;
+    for (size_t i = 0; i < w->n; i++) {
+        for (size_t j = 0; j <= i; j++) {
+            double x = w->a[i][j] / w->inflation;
+            for (size_t k = 0; k < j; k++) {
+                x -= l[i][k] * l[j][k];
+            }
+            l[i][j] = i == j ? sqrt(fmax(x, 1e-12 * w->a[i][i] / w->inflation)) : x / l[j][j];
+        }
+        sum += 2.0 * log(l[i][i]);
+    }
+    return sum;
+}
+
+/* What the sums promise of -2 log posterior after a step. */
+static double promised(const whole *w, const fit_state *s, const double *step, double roughness)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < w->n; i++) {
+        double row = 2.0 * w->sum.g[i];
+        for (size_t j = 0; j < w->n; j++) {
+            row += w->sum.h[i][j] * step[j];
+        }
+        sum += step[i] * row;
+    }
+    return sum / w->inflation + prior_of(w, s, step, roughness);
+}
+
+/* The step to the posterior's peak on the sums, from the step given. False: it cannot be solved. */
+static bool find_step(whole *w, const fit_state *s, double roughness, double *step)
+{
+    double right[COLUMN_COUNT];
+    for (int round = 0; round < REWEIGHTED; round++) {
+        double before[COLUMN_COUNT];
+        memcpy(before, step, sizeof before);
+        with_prior(w, s, step, roughness, right);
+        for (size_t i = 0; i < w->n; i++) {
+            w->a[i][i] *= 1.0 + DAMPING;
+        }
+        if (!solve_within(w->n, COLUMN_COUNT, &w->a[0][0], right, w->low, w->high, step)) {
+            return false;
+        }
+        double moved = 0.0;
+        for (size_t i = 0; i < w->n; i++) {
+            moved = fmax(moved, fabs(step[i] - before[i]) / w->width[i]);
+        }
+        if (moved < 0.02) {
+            break;
+        }
+    }
+    return true;
+}
+
+/* The roughness of the most evidence, and the step under it. */
+static bool choose_step(whole *w, const fit_state *s, double *roughness, double *step)
+{
+    double best = INFINITY;
+    double trial[COLUMN_COUNT] = {0.0};
+    for (size_t r = 0; r < sizeof roughness_tried / sizeof *roughness_tried; r++) {
+        double right[COLUMN_COUNT];
+        if (!find_step(w, s, roughness_tried[r], trial)) {
+            continue;
+        }
+        with_prior(w, s, trial, roughness_tried[r], right);
+        const double evidence = promised(w, s, trial, roughness_tried[r]) + log_determinant(w);
+        if (evidence < best) {
+            best = evidence;
+            *roughness = roughness_tried[r];
+            memcpy(step, trial, sizeof trial);
+        }
+    }
+    return isfinite(best);
+}
+
+/* How much wider than white noise the blocks' scores scatter where the step ends: the median over the numbers. */
+static double scatter_of(const whole *w, const fit_data *d, const gram *grams, const double *step)
+{
+    double ratio[COLUMN_COUNT] = {0.0};
+    for (size_t b = 0; b < d->blocks; b++) {
+        for (size_t i = 0; i < w->n; i++) {
+            double score = grams[b].g[i];
+            for (size_t j = 0; j < w->n; j++) {
+                score += grams[b].h[i][j] * step[j];
+            }
+            ratio[i] += w->sum.h[i][i] > 0.0 ? score * score / w->sum.h[i][i] : 0.0;
+        }
+    }
+    sort_ascending(ratio, w->n);
+    return fmax(1.0, ratio[w->n / 2]);
+}
+
+static void bound_step(whole *w, const fit_data *d, const fit_state *s)
+{
+    fit_step_room(d, s, w->column, w->n, w->low, w->high);
+    for (size_t k = 0; k < w->n; k++) {
+        if (w->positive[k]) {
+            w->low[k] = fmax(w->low[k], -s->z[w->column[k]]);
+        }
+        if (w->shape[k] && w->column[k] != P_OFFSET_ZERO) {
+            w->low[k] = fmax(w->low[k], -SHAPE_STEP);
+            w->high[k] = fmin(w->high[k], SHAPE_STEP);
+        }
+    }
+}
+
+static double goal_of(const whole *w, const fit_state *s, double roughness)
+{
+    return s->objective / w->inflation + prior_of(w, s, NULL, roughness);
+}
+
+/*
+ * The scale of R, L, psi_f and all voltages together is the prior's alone: to where one of the four is as in the file, if that is
+ * more likely. Steps go there slowly, as heavy tails have many peaks.
+ */
+static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
+{
+    const averaged_drive *file = &d->frame->nominal;
+    const averaged_drive is = fit_drive(d, &out->state);
+    const double factor[] = {file->k_u / is.k_u, file->R_ohm / is.R_ohm,
+                             (file->L_d_H + file->L_q_H) / (is.L_d_H + is.L_q_H),
+                             file->psi_f_Wb / is.psi_f_Wb};
+    fit_state best = out->state;
+    double least = prior_of(w, &out->state, NULL, out->roughness);
+    for (size_t k = 0; k < sizeof factor / sizeof *factor; k++) {
+        fit_state trial = out->state;
+        if (factor[k] > 0.3 && factor[k] < 3.0 && fabs(factor[k] - 1.0) > 1e-4) {
+            coordinates_scale(d->frame, factor[k], trial.z);
+            const double prior = prior_of(w, &trial, NULL, out->roughness);
+            if (prior < least) {
+                least = prior;
+                best = trial;
+            }
+        }
+    }
+    fit_noise(d, &best);
+    if (goal_of(w, &best, out->roughness) < goal_of(w, &out->state, out->roughness)) {
+        out->state = best;
+    }
+}
+
+/* The posterior about the fit, by the sums of the last step. */
+static void tell_covariance(whole *w, whole_fit *out)
+{
+    for (size_t i = 0; i < w->n; i++) {
+        for (size_t j = 0; j < w->n; j++) {
+            w->a[i][j] /= w->inflation;
+        }
+        out->column[i] = w->column[i];
+        out->pull[i] = pull(w, &out->state, NULL, i, out->roughness);
+        memcpy(out->precision[i], w->a[i], sizeof w->a[i]);
+    }
+    out->columns = solve_covariance(w->n, COLUMN_COUNT, &w->a[0][0], &out->covariance[0][0]) ? w->n : 0;
+}
+
+/* One step; *fell: by how much the goal fell. False: out of memory. */
+static bool improve(whole *w, fit_data *d, hypothesis_set parts, whole_fit *out, double *fell)
+{
+    fit_state *s = &out->state;
+    double step[COLUMN_COUNT] = {0.0};
+    *fell = 0.0;
+    choose_columns(w, d, s, parts);
+    w->column[w->n] = COLUMN_GAIN;
+    gram *grams = gram_blocks(d, s, w->column, w->n + 1);
+    if (!grams) {
+        return false;
+    }
+    memset(&w->sum, 0, sizeof w->sum);
+    memset(w->line, 0, sizeof w->line);
+    fit_step_sums(d, s, grams, w->n, w->line, &w->sum);
+    bound_step(w, d, s);
+    if (choose_step(w, s, &out->roughness, step)) {
+        w->inflation = scatter_of(w, d, grams, step);
+        const double before = goal_of(w, s, out->roughness);
+        for (double share = 1.0; share > 0.02; share *= 0.4) {
+            const fit_state trial = fit_step_taken(d, s, w->column, step, w->n, w->line, share);
+            const double after = goal_of(w, &trial, out->roughness);
+            if (after < before) {
+                *fell = before - after;
+                *s = trial;
+                break;
+            }
+        }
+    }
+    choose_scale(w, d, out);
+    out->inflation = w->inflation;
+    out->goal = goal_of(w, s, out->roughness);
+    double right[COLUMN_COUNT];
+    with_prior(w, s, NULL, out->roughness, right);
+    tell_covariance(w, out);
+    free(grams);
+    return true;
+}
+
+bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, double inflation,
+                    whole_fit *out, FILE *trace)
+{
+    whole *w = calloc(1, sizeof *w);
+    bool ok = w != NULL;
+    *out = (whole_fit){.state = *start, .roughness = 1.0};
+    fit_noise(d, &out->state);
+    if (ok) {
+        w->inflation = inflation;
+    }
+    for (int k = 0; ok && k < STEPS; k++) {
+        double fell;
+        ok = improve(w, d, parts, out, &fell);
+        if (trace && ok) {
+            fprintf(trace,
+                    "  whole drive, step %d: roughness %g, scatter %.2g, objective %.1f, posterior %.1f "
+                    "(-%.1f)\n",
+                    k, out->roughness, out->inflation, out->state.objective, out->goal, fell);
+        }
+        if (fell < LITTLE) {
+            break;
+        }
+    }
+    free(w);
+    return ok;
+}
+
+/* Where a hypothesis' numbers are in the fit; returns how many. */
+static size_t places_of(const whole_fit *f, hypothesis_id h, size_t at[HYPOTHESIS_COLUMNS])
+{
+    bool moved[P_COUNT] = {false};
+    size_t n = 0;
+    hypothesis_mark(h, moved);
+    for (size_t k = 0; k < f->columns; k++) {
+        if (f->column[k] < P_COUNT && moved[f->column[k]] && n < HYPOTHESIS_COLUMNS) {
+            at[n++] = k;
+        }
+    }
+    return n;
+}
+
+double whole_fit_certain(const whole_fit *f, hypothesis_id h)
+{
+    size_t at[HYPOTHESIS_COLUMNS];
+    double part[HYPOTHESIS_COLUMNS][HYPOTHESIS_COLUMNS];
+    double z[HYPOTHESIS_COLUMNS];
+    double x[HYPOTHESIS_COLUMNS];
+    double sum = 0.0;
+    const size_t n = places_of(f, h, at);
+    for (size_t i = 0; i < n; i++) {
+        z[i] = f->state.z[f->column[at[i]]];
+        for (size_t j = 0; j < n; j++) {
+            part[i][j] = f->covariance[at[i]][at[j]];
+        }
+        part[i][i] *= 1.0 + 1e-5;
+    }
+    if (n == 0 || !solve_positive(n, HYPOTHESIS_COLUMNS, &part[0][0], z, x)) {
+        return 0.0;
+    }
+    for (size_t i = 0; i < n; i++) {
+        sum += z[i] * x[i];
+    }
+    return sum;
+}
+
+double whole_fit_needed(const whole_fit *f, hypothesis_id h)
+{
+    size_t at[HYPOTHESIS_COLUMNS];
+    double sum = 0.0;
+    const size_t n = places_of(f, h, at);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            sum += f->state.z[f->column[at[i]]] * f->precision[at[i]][at[j]] * f->state.z[f->column[at[j]]];
+        }
+    }
+    return sum;
+}

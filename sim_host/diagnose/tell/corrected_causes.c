@@ -1,0 +1,52 @@
+/* Corrections of rows as causes (corrected_causes.h). */
+#include "corrected_causes.h"
+
+#include "diagnose/identify/mended.h"
+#include "diagnose/measure/errors.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static double error_with(const diagnose_rows *r, size_t mends, const diagnosis *d)
+{
+    const diagnose_rows rows = mended_rows(r, mends);
+    return measure_one_cycle(&rows, &d->extended_drive, MEASURE_ALL, true);
+}
+
+static void put(motor *m, const motor_value *v, double value)
+{
+    memcpy((unsigned char *)m + v->offset, &value, sizeof value);
+}
+
+static void tell(const row_mend *found, const motor *file, diagnosis *d, diagnosis_cause *cause)
+{
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
+        if (v->cause != found->cause || cause->parameters == MEND_VALUES) {
+            continue;
+        }
+        const size_t n = cause->parameters++;
+        diagnosis_parameter *p = &cause->parameter[n];
+        *p = (diagnosis_parameter){.nominal = file->ext.has[v->cause] ? motor_value_of(file, v) : v->absent,
+                                   .value = found->value[n],
+                                   .low = found->low[n],
+                                   .high = found->high[n]};
+        snprintf(p->name, sizeof p->name, "%s", v->name);
+        snprintf(p->unit, sizeof p->unit, "%s", v->unit);
+        put(&d->extended_motor, v, found->value[n]);
+    }
+    motor_note_extension(&d->extended_motor, found->cause);
+}
+
+void corrected_causes_tell(const diagnose_rows *r, const motor *file, diagnosis *d)
+{
+    for (size_t n = 0; n < r->mends && d->causes < DIAGNOSIS_CAUSES; n++) {
+        const cause_id id = r->mend[n].cause;
+        const double after = error_with(r, n + 1, d);
+        diagnosis_cause *cause = &d->cause[d->causes++];
+        *cause = (diagnosis_cause){.id = cause_table[id].id,
+                                   .words = cause_table[id].words,
+                                   .gain = after > 0.0 ? error_with(r, n, d) / after : 1.0,
+                                   .probability = 1.0};
+        tell(&r->mend[n], file, d, cause);
+    }
+}

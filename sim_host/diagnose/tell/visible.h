@@ -1,0 +1,22 @@
+/*
+ * What the recording does not show: directions of R, L_d, L_q and psi_f in which it says hardly more than is usual of drives
+ * anyhow, and the causes that it cannot tell apart where it errs by more than noise.
+ */
+#ifndef SIM_HOST_DIAGNOSE_TELL_VISIBLE_H
+#define SIM_HOST_DIAGNOSE_TELL_VISIBLE_H
+
+#include "diagnose/choose/evidence.h"
+#include "diagnose/choose/session.h"
+#include "diagnose/result.h"
+
+/* Fills d->explanation: each cause that, with the named ones, explains about as much as the best of them. The view is one at w->state. */
+void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named, diagnosis *d);
+
+/*
+ * Fills d->not_visible, and takes a verdict `clean` back to `unexplained` where the error is above the noise and lies along a direction
+ * that the recording does not show: then it fills d->explanation too. A verdict with undecided causes is `partly` or `unexplained`. The
+ * view is one at w->state.
+ */
+void visible_tell(const session *w, const evidence_view *view, diagnosis *d);
+
+#endif

@@ -1,0 +1,165 @@
+/* The angle of a drive without a sensor (include/iqfoc/sensorless.h). */
+#include "iqfoc/sensorless.h"
+
+#include "iqfoc/cycle_guard.h"
+#include "iqfoc/transform.h"
+
+#include <stddef.h>
+
+/* Enabled at a valley, the peak's command acts from the next valley to the one after it. */
+#define ON_CYCLES UINT32_C(3)
+
+iqfoc_error_t iqfoc_sensorless_init(iqfoc_sensorless_t *s, const iqfoc_observer_config_t *observer,
+                                    const iqfoc_start_config_t *start, const iqfoc_extension_t *acting)
+{
+    const iqfoc_ab_t none = {0, 0};
+    if (s == NULL) {
+        return IQFOC_ERROR_NULL;
+    }
+    iqfoc_error_t error = iqfoc_observer_check(observer);
+    if (error == IQFOC_OK && start != NULL) {
+        error = iqfoc_start_init(&s->start, start);
+    }
+    if (error == IQFOC_OK) {
+        error = iqfoc_observer_init(&s->observer, observer);
+        s->start_config = start;
+        s->acting = acting;
+        s->source = IQFOC_ANGLE_MEASURED;
+        s->wanted = IQFOC_ANGLE_MEASURED;
+        s->i_peak = none;
+        s->on = 0;
+        s->difference = 0;
+    }
+    return error;
+}
+
+void iqfoc_sensorless_start(iqfoc_sensorless_t *s)
+{
+    (void)iqfoc_start_init(&s->start, s->start_config); /* checked before */
+    s->source = IQFOC_ANGLE_START;
+    s->wanted = IQFOC_ANGLE_OBSERVED;
+}
+
+void iqfoc_sensorless_catch(iqfoc_sensorless_t *s, iq24_t turns)
+{
+    const iqfoc_ab_t none = {0, 0};
+    iqfoc_observer_start(&s->observer, none, 0, turns, false);
+    s->source = IQFOC_ANGLE_CATCH;
+    s->wanted = IQFOC_ANGLE_OBSERVED;
+}
+
+/* Range: clarke3 of phases within 15.9 is within 21.2. */
+static iqfoc_ab_t held_current(const iqfoc_sample_t *sample)
+{
+    const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
+    const iqfoc_ab_t held = {IQ24_HOLD_BITS(i.alpha, 28), IQ24_HOLD_BITS(i.beta, 28)};
+    return held;
+}
+
+/* Half the voltage that acts in a half of the cycle with these currents at its ends. */
+static iqfoc_ab_t half_acting(const iqfoc_sensorless_t *s, iqfoc_ab_t u, iqfoc_ab_t begin, iqfoc_ab_t end)
+{
+    const iqfoc_ab_t mean = {iq24_asr32(begin.alpha + end.alpha, 1), iq24_asr32(begin.beta + end.beta, 1)};
+    const iqfoc_ab_t acting = s->acting != NULL ? iqfoc_extension_acting(s->acting, u, mean) : u;
+    const iqfoc_ab_t half = {iq24_asr32(acting.alpha, 1), iq24_asr32(acting.beta, 1)};
+    return half;
+}
+
+static void step_observer(iqfoc_sensorless_t *s, const iqfoc_cycle_t *cycle, iqfoc_ab_t i)
+{
+    const iqfoc_ab_t begin = {IQ24_HOLD_BITS(cycle->i_valley.alpha, 28),
+                              IQ24_HOLD_BITS(cycle->i_valley.beta, 28)};
+    const iqfoc_ab_t first = half_acting(s, cycle->u_now, begin, s->i_peak);
+    const iqfoc_ab_t second = half_acting(s, cycle->u_now, s->i_peak, i);
+    const iqfoc_ab_t u = {first.alpha + second.alpha, first.beta + second.beta};
+    iqfoc_observer_step(&s->observer, u, iqfoc_observer_mean(begin, s->i_peak, i), i);
+}
+
+/* No voltage is known, or none that shows the angle: the observer begins at the best angle there is. */
+static void restart_observer(iqfoc_sensorless_t *s, const iqfoc_sample_t *sample, iqfoc_ab_t i)
+{
+    iqfoc_observer_t *o = &s->observer;
+    if (s->source == IQFOC_ANGLE_MEASURED) {
+        iqfoc_observer_start(o, i, sample->theta, sample->turns, true);
+    } else if (s->source == IQFOC_ANGLE_START) {
+        iqfoc_observer_start(o, i, s->start.theta, s->start.turns, false);
+    } else {
+        iqfoc_observer_start(o, i, iqfoc_observer_theta(o, IQ24_ONE), iqfoc_observer_turns(o), false);
+    }
+}
+
+static bool start_is_slow(const iqfoc_sensorless_t *s)
+{
+    const iq24_t turns_min = s->observer.config->turns_min;
+    return s->source == IQFOC_ANGLE_START && iq24_within(s->start.turns, -turns_min, turns_min);
+}
+
+/* Angle and speed of the present source. */
+static void put_angle(const iqfoc_sensorless_t *s, iqfoc_sample_t *sample)
+{
+    if (s->source == IQFOC_ANGLE_START) {
+        sample->theta = iqfoc_start_theta(&s->start, sample->at);
+        sample->turns = s->start.turns;
+    } else if (s->source == IQFOC_ANGLE_CATCH) {
+        sample->theta = 0;
+        sample->turns = 0;
+    } else if (s->source == IQFOC_ANGLE_OBSERVED) {
+        sample->theta = iqfoc_observer_theta(&s->observer, sample->at);
+        sample->turns = iqfoc_observer_turns(&s->observer);
+    } else {
+        /* the sensor's, as they are */
+    }
+}
+
+static void change_source(iqfoc_sensorless_t *s, iqfoc_cycle_t *cycle, const iqfoc_sample_t *measured)
+{
+    const bool ready = s->wanted == IQFOC_ANGLE_MEASURED ||
+                       (s->observer.locked && s->on >= ON_CYCLES &&
+                        (s->source != IQFOC_ANGLE_START || s->start.stage == IQFOC_START_OPEN_LOOP));
+    if (s->source != s->wanted && ready) {
+        const bool other_frame = s->source == IQFOC_ANGLE_START || s->source == IQFOC_ANGLE_CATCH;
+        iqfoc_sample_t before = *measured;
+        iqfoc_sample_t after = *measured;
+        put_angle(s, &before);
+        s->source = s->wanted;
+        put_angle(s, &after);
+        if (other_frame) {
+            iqfoc_cycle_hand_over(cycle, before.theta, &after);
+        }
+    }
+}
+
+void iqfoc_sensorless_valley(iqfoc_sensorless_t *s, iqfoc_cycle_t *cycle, iqfoc_sample_t *sample)
+{
+    const iqfoc_dq_t none = {0, 0};
+    const iqfoc_ab_t i = held_current(sample);
+    s->on = cycle->enabled && !cycle->tripped ? s->on + (s->on < ON_CYCLES ? 1U : 0U) : 0;
+    if (s->source == IQFOC_ANGLE_OBSERVED && s->on == 0) {
+        s->source = IQFOC_ANGLE_CATCH;
+    }
+    if (s->source == IQFOC_ANGLE_START && s->on > 0) {
+        iqfoc_start_step(&s->start, sample->theta);
+        cycle->i_ref = s->start.i_ref;
+    }
+    if (s->on < ON_CYCLES || start_is_slow(s)) {
+        restart_observer(s, sample, i);
+    } else {
+        step_observer(s, cycle, i);
+    }
+    s->difference =
+        iq24_asr32(iq24_wrap(((int64_t)iqfoc_observer_theta(&s->observer, 0) - sample->theta) * 256), 8);
+    change_source(s, cycle, sample);
+    if (s->source == IQFOC_ANGLE_CATCH) {
+        cycle->i_ref = none;
+    }
+    if (s->source == IQFOC_ANGLE_OBSERVED && !s->observer.locked) {
+        iqfoc_cycle_set_status(cycle, IQFOC_STATUS_ANGLE_LOST);
+    }
+    put_angle(s, sample);
+}
+
+void iqfoc_sensorless_peak(iqfoc_sensorless_t *s, iqfoc_sample_t *sample)
+{
+    s->i_peak = held_current(sample);
+    put_angle(s, sample);
+}

@@ -1,0 +1,402 @@
+/*
+ * The decisions of the diagnosis (sim_host/diagnose/choose) on a few short recordings of diagnose_bench.h: as many as
+ * tell a wrong decision from a right one within some seconds. test_diagnose*.c go through the causes.
+ */
+#include "base/solve.h"
+#include "diagnose/choose/certainty.h"
+#include "diagnose/identify/fit.h"
+#include "diagnose/identify/gram.h"
+#include "diagnose/identify/last_digits.h"
+#include "diagnose_look.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unity.h>
+
+static bench good;
+
+void setUp(void)
+{
+    good = (bench){.m = bench_motor(), .noise_A = 0.017, .seed = 20261122};
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- How sure: certainty.h in another order of sums ---- */
+
+enum { MOST = 24 };
+
+typedef struct fitted {
+    motor m;
+    recording r;
+    diagnose_rows rows;
+    coordinate_frame frame;
+    fit_data data;
+    fit_state state;
+    certainty sure;
+} fitted;
+
+/* The bench fitted with a set, by all its rows that are not held out. */
+static void fit_it(fitted *f, hypothesis_set set)
+{
+    error e = {0};
+    f->m = bench_motor();
+    f->r = bench_record(&good);
+    TEST_ASSERT_TRUE_MESSAGE(rows_prepare(&f->rows, &f->r, &f->m, &e), e.text);
+    f->frame = coordinates_of(&f->m, &f->rows);
+    TEST_ASSERT_TRUE_MESSAGE(fit_data_make(&f->data, &f->rows, &f->frame, 100000, &e), e.text);
+    TEST_ASSERT_TRUE(fit_of_nominal(&f->data, &f->state));
+    f->state.set = set;
+    TEST_ASSERT_TRUE(fit_refine(&f->data, &f->state, 12));
+    TEST_ASSERT_TRUE(certainty_of(&f->data, &f->state, &f->sure));
+}
+
+static void fit_end(fitted *f)
+{
+    fit_data_free(&f->data);
+    rows_free(&f->rows);
+    recording_free(&f->r);
+}
+
+/* One of the inverse's rows times the sums of a block or of a group: the step that it alone asks for. */
+static double asked_by(double inverse[MOST][MOST], size_t row, const double g[COLUMN_COUNT], size_t n)
+{
+    double step = 0.0;
+    for (size_t j = 0; j < n; j++) {
+        step += inverse[row][j] * g[j];
+    }
+    return step;
+}
+
+/* Student's t of 97.5 %: of six operating points less one, and by its expansion about the normal quantile. */
+#define T_OF_5 2.571
+
+static double student_of_more_than_ten(double degrees)
+{
+    const double z = 1.959964;
+    TEST_ASSERT_TRUE(degrees > 10.0);
+    return z + (pow(z, 3.0) + z) / (4.0 * degrees) +
+           (5.0 * pow(z, 5.0) + 16.0 * pow(z, 3.0) + 3.0 * z) / (96.0 * degrees * degrees);
+}
+
+/* Sums of the whitened squares of each block, with every gain moved by `more`. */
+static double squares_with(fitted *f, double more)
+{
+    fit_state moved = f->state;
+    for (size_t g = 0; g < f->rows.groups; g++) {
+        moved.noise[g].gain += more;
+    }
+    gram *grams = gram_blocks(&f->data, &moved, NULL, 0);
+    TEST_ASSERT_NOT_NULL(grams);
+    double sum = 0.0;
+    for (size_t b = 0; b < f->data.blocks; b++) {
+        sum += grams[b].c;
+    }
+    free(grams);
+    return sum;
+}
+
+static void a_gain_is_a_column_as_any_other(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    for (size_t g = 0; g < f.rows.groups; g++) {
+        f.state.noise[g].gain = 0.4; /* where there is a slope */
+    }
+    const int column[] = {P_R, COLUMN_GAIN};
+    gram *grams = gram_blocks(&f.data, &f.state, column, 2);
+    TEST_ASSERT_NOT_NULL(grams);
+    double slope = 0.0;
+    double curve = 0.0;
+    for (size_t b = 0; b < f.data.blocks; b++) {
+        slope += 2.0 * grams[b].g[1];
+        curve += grams[b].h[1][1];
+        TEST_ASSERT_EQUAL_DOUBLE(grams[b].h[0][1], grams[b].h[1][0]);
+    }
+    const double h = 0.01;
+    const double by_difference = (squares_with(&f, h) - squares_with(&f, -h)) / (2.0 * h);
+    TEST_ASSERT_TRUE(fabs(by_difference) > 100.0 && curve > 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(by_difference), by_difference, slope);
+    free(grams);
+    fit_end(&f);
+}
+
+/* Rows times ways, with the additional cost of a law. */
+static void what_a_fit_spends_is_counted(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    fit_it(&f, 0);
+    double rows = 0.0;
+    for (size_t b = 0; b < f.data.blocks; b++) {
+        rows += (double)f.rows.block[f.data.block[b]].count;
+    }
+    const int column[] = {P_R, P_PSI};
+    f.data.effort = 0.0;
+    free(gram_blocks(&f.data, &f.state, column, 2));
+    TEST_ASSERT_EQUAL_DOUBLE(3.0 * rows, f.data.effort);
+    fit_noise(&f.data, &f.state);
+    TEST_ASSERT_EQUAL_DOUBLE(4.0 * rows, f.data.effort);
+    TEST_ASSERT_FALSE(fit_has_spent(&f.data));
+    averaged_drive dear = f.frame.nominal;
+    dear.edge = EDGE_FOUND;
+    dear.v_dead_V = -1.0;
+    dear.fe_S = 0.01;
+    dear.saturation = 1e-3;
+    f.data.effort = 0.0;
+    fit_spend(&f.data, &dear, 2);
+    TEST_ASSERT_EQUAL_DOUBLE(7.0 * rows, f.data.effort);
+    dear = f.frame.nominal;
+    dear.edge = EDGE_FOUND; /* no dead time by it */
+    dear.w_dqq = 1e-6;
+    fit_spend(&f.data, &dear, 1);
+    TEST_ASSERT_EQUAL_DOUBLE(8.5 * rows, f.data.effort);
+    dear = f.frame.nominal;
+    dear.sensor_lag_s = -1e-5;
+    fit_spend(&f.data, &dear, 1);
+    TEST_ASSERT_EQUAL_DOUBLE(10.5 * rows, f.data.effort);
+    f.data.effort = 1e9;
+    TEST_ASSERT_TRUE(fit_has_spent(&f.data));
+    fit_end(&f);
+}
+
+/* How much a search may spend that begins now. */
+static double left_to_spend(const fit_data *d)
+{
+    fit_data spent = *d;
+    double low = 0.0;
+    double high = 1e9;
+    for (int k = 0; k < 60; k++) {
+        const double middle = 0.5 * (low + high);
+        spent.effort = d->effort + middle;
+        *(fit_has_spent(&spent) ? &high : &low) = middle;
+    }
+    return low;
+}
+
+/* A repeated search has half of the effort of the one before it, or the rest of that, if it is more. */
+static void a_new_beginning_has_half(void)
+{
+    fit_data d = {.effort = 0.0};
+    fit_grant(&d);
+    const double first = left_to_spend(&d);
+    TEST_ASSERT_TRUE(first > 1e6);
+    d.effort = 1.5 * first;
+    TEST_ASSERT_TRUE(fit_has_spent(&d));
+    fit_grant(&d);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * first, 0.5 * first, left_to_spend(&d));
+    d.effort += 0.1 * first;
+    fit_grant(&d);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * first, 0.4 * first, left_to_spend(&d));
+    d.effort += first;
+    fit_grant(&d);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * first, 0.125 * first, left_to_spend(&d));
+}
+
+/* From a file's values and gains of a half: no coordinate and no point's gain has a better place near by. */
+static void a_fit_ends_where_nothing_is_better(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    good.m.psi_f_Wb *= 1.02;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_FLUX));
+    for (int side = -1; side <= 1; side += 2) {
+        for (size_t g = 0; g < f.rows.groups; g++) {
+            fit_state trial = f.state;
+            trial.noise[g].gain = fmin(fmax(trial.noise[g].gain + side * 0.05, 0.03), 0.98);
+            fit_noise(&f.data, &trial);
+            TEST_ASSERT_TRUE(trial.objective > f.state.objective - 0.5);
+        }
+        const coordinate_id of[] = {P_R, P_PSI};
+        for (size_t k = 0; k < 2; k++) {
+            fit_state trial = f.state;
+            trial.z[of[k]] += side * 0.01;
+            fit_noise(&f.data, &trial);
+            TEST_ASSERT_TRUE(trial.objective > f.state.objective - 0.5);
+        }
+    }
+    fit_end(&f);
+}
+
+/* A map that bends back before the current that flows: no step leads out of there. */
+static void without_a_number_nothing_is_moved(void)
+{
+    static fitted f;
+    fit_it(&f, HYPOTHESIS_BIT(H_MAP_TERMS));
+    f.state.z[P_W_DQQ] = 1e3;
+    f.state.z[P_W_DDD] = -1e3;
+    f.state.z[P_W_DDDD] = -1e6;
+    const fit_state before = f.state;
+    const fit_aim ranked = fit_ranked(INFINITY);
+    double alone = 0.0;
+    TEST_ASSERT_TRUE(fit_refine_within(&f.data, &f.state, 12, &ranked, &alone));
+    TEST_ASSERT_TRUE(isnan(alone) && !isfinite(f.state.objective));
+    TEST_ASSERT_EQUAL_MEMORY(before.z, f.state.z, sizeof before.z);
+    fit_end(&f);
+}
+
+static void widths_are_of_the_steps_that_blocks_and_points_ask_for(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    good.m.psi_f_Wb *= 1.02;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_FLUX));
+    int column[COLUMN_COUNT];
+    double prior[COLUMN_COUNT] = {0.0};
+    const size_t members = gram_columns(&f.data, &f.state, f.state.set, column);
+    const size_t n = last_digits_append(&f.data, &f.state, members, column, prior);
+    TEST_ASSERT_TRUE(n <= MOST && n == f.sure.columns);
+    gram *grams = gram_blocks(&f.data, &f.state, column, n);
+    double information[MOST][MOST] = {{0.0}};
+    double inverse[MOST][MOST];
+    static double of_point[ROWS_MAX_GROUPS][COLUMN_COUNT];
+    memset(of_point, 0, sizeof of_point);
+    for (size_t i = 0; i < n; i++) {
+        information[i][i] = prior[i];
+        for (size_t b = 0; b < f.data.blocks; b++) {
+            of_point[grams[b].group][i] += grams[b].g[i];
+            for (size_t j = 0; j < n; j++) {
+                information[i][j] += grams[b].h[i][j];
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(solve_inverse(n, MOST, &information[0][0], &inverse[0][0]));
+    TEST_ASSERT_EQUAL_size_t(BENCH_RUNS, f.rows.groups);
+    const double blocks = (double)f.data.blocks;
+    const double t_blocks = student_of_more_than_ten(blocks - (double)members);
+    double ratio = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double by_blocks = 0.0;
+        double by_points = 0.0;
+        for (size_t b = 0; b < f.data.blocks; b++) {
+            const double step = asked_by(inverse, i, grams[b].g, n);
+            by_blocks += step * step;
+        }
+        for (size_t g = 0; g < BENCH_RUNS; g++) {
+            const double step = asked_by(inverse, i, of_point[g], n);
+            by_points += step * step;
+        }
+        for (size_t j = 0; j < n; j++) { /* and what is known beforehand */
+            by_blocks += prior[j] * inverse[i][j] * inverse[i][j];
+            by_points += prior[j] * inverse[i][j] * inverse[i][j];
+        }
+        by_blocks *= blocks / (blocks - (double)members);
+        by_points *= (double)BENCH_RUNS / (BENCH_RUNS - 1);
+        const double wanted =
+            fmax(1.96 * sqrt(inverse[i][i]), fmax(t_blocks * sqrt(by_blocks), T_OF_5 * sqrt(by_points)));
+        TEST_ASSERT_DOUBLE_WITHIN(0.001 * wanted, wanted, f.sure.half_width[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * by_blocks, by_blocks, f.sure.covariance[i][i]);
+        ratio += i < members ? by_blocks / inverse[i][i] / (double)members : 0.0;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * ratio, fmax(1.0, ratio), f.sure.inflation);
+    free(grams);
+    fit_end(&f);
+}
+
+/* Two columns that do the same: nothing is known of either. */
+static void indistinguishable_columns_are_not_known(void)
+{
+    static fitted f;
+    good.two_sensors = true;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    TEST_ASSERT_TRUE(certainty_half_width(&f.sure, P_R) < 0.05);
+    f.state.set = HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_RESISTANCE_DRIFTS); /* its column twice */
+    TEST_ASSERT_TRUE(certainty_of(&f.data, &f.state, &f.sure));
+    TEST_ASSERT_TRUE(certainty_half_width(&f.sure, P_R) > 1e5);
+    f.state.set = 0;
+    TEST_ASSERT_TRUE(certainty_of(&f.data, &f.state, &f.sure)); /* of two sensors nothing is fitted then */
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, f.sure.inflation);
+    fit_end(&f);
+}
+
+/* ---- What is named ---- */
+
+static void a_clean_recording_has_no_cause(void)
+{
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(0, d.causes);
+    TEST_ASSERT_EQUAL_INT(VERDICT_CLEAN, d.verdict);
+    TEST_ASSERT_EQUAL_STRING("clean", diagnosis_verdict_id(d.verdict));
+    diagnosis_free(&d);
+    TEST_ASSERT_NULL(d.error_nominal);
+}
+
+static bool names(const diagnosis *d, const char *id)
+{
+    for (size_t k = 0; k < d->causes; k++) {
+        if (strcmp(d->cause[k].id, id) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void three_causes_of_unequal_size_are_found(void)
+{
+    good.m.ext.has[CAUSE_VOLTAGE_DELAY] = true;
+    good.m.ext.voltage_delay_cycles = 0.5;
+    good.m.R_ohm *= 1.6;
+    good.m.L_d_H *= 0.9;
+    good.m.L_q_H *= 0.9;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(3, d.causes);
+    TEST_ASSERT_EQUAL_INT(VERDICT_EXPLAINED, d.verdict);
+    TEST_ASSERT_TRUE(names(&d, "voltage_delay") && names(&d, "resistance") && names(&d, "inductance"));
+    for (size_t k = 0; k < d.causes; k++) {
+        TEST_ASSERT_TRUE(d.cause[k].probability > 0.99 && d.cause[k].certainty > 25.0);
+    }
+    diagnosis_free(&d);
+}
+
+/* What a dead time's law leaves near zero current is not given a name of its own. */
+static void a_dead_time_takes_nothing_with_it(void)
+{
+    good.m.ext.has[CAUSE_DEAD_TIME] = true;
+    good.m.ext.v_dead_V = 4.0;
+    good.m.ext.i_knee_A = 0.2;
+    good.m.R_ohm *= 1.08;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_STRING("dead_time", d.cause[0].id);
+    holds(&d.cause[0], "v_dead", 4.0);
+    TEST_ASSERT_TRUE(d.causes == 1 || (d.causes == 2 && names(&d, "resistance")));
+    diagnosis_free(&d);
+}
+
+/* An effect that no cause has: nothing is made up for it, alone or next to a flux that is named. */
+static void nothing_is_named_for_what_has_no_name(void)
+{
+    good.cogging_V = 1.0;
+    diagnosis d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(0, d.causes);
+    TEST_ASSERT_EQUAL_INT(VERDICT_UNEXPLAINED, d.verdict);
+    TEST_ASSERT_EQUAL_STRING("unexplained", diagnosis_verdict_id(d.verdict));
+    diagnosis_free(&d);
+    good.m.psi_f_Wb *= 0.93;
+    d = look(&good, NULL);
+    TEST_ASSERT_EQUAL_size_t(1, d.causes);
+    TEST_ASSERT_EQUAL_STRING("flux_linkage", d.cause[0].id);
+    TEST_ASSERT_EQUAL_INT(VERDICT_PARTLY, d.verdict);
+    TEST_ASSERT_EQUAL_STRING("partly", diagnosis_verdict_id(d.verdict));
+    diagnosis_free(&d);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_gain_is_a_column_as_any_other);
+    RUN_TEST(what_a_fit_spends_is_counted);
+    RUN_TEST(a_new_beginning_has_half);
+    RUN_TEST(a_fit_ends_where_nothing_is_better);
+    RUN_TEST(without_a_number_nothing_is_moved);
+    RUN_TEST(widths_are_of_the_steps_that_blocks_and_points_ask_for);
+    RUN_TEST(indistinguishable_columns_are_not_known);
+    RUN_TEST(a_clean_recording_has_no_cause);
+    RUN_TEST(three_causes_of_unequal_size_are_found);
+    RUN_TEST(a_dead_time_takes_nothing_with_it);
+    RUN_TEST(nothing_is_named_for_what_has_no_name);
+    return UNITY_END();
+}

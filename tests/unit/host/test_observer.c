@@ -1,0 +1,162 @@
+/*
+ * The observer of the diagnosis (sim_host/diagnose/identify/observer.h): the parameters that move only the
+ * sensors, by their slopes and by a run of their own.
+ */
+#include "diagnose/identify/coordinates.h"
+#include "diagnose/identify/observer.h"
+#include "diagnose_bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unity.h>
+
+static motor m;
+static recording r;
+static diagnose_rows rows;
+static coordinate_frame frame;
+static averaged_node *nodes;
+static observer_step *way;
+static averaged_cycle *cycle;
+static double *base, *own, *beside;
+
+void setUp(void)
+{
+    const bench good = {.m = bench_motor(), .noise_A = 0.017, .seed = 20261123};
+    error e = {0};
+    m = bench_motor();
+    r = bench_record(&good);
+    TEST_ASSERT_TRUE_MESSAGE(rows_prepare(&rows, &r, &m, &e), e.text);
+    frame = coordinates_of(&m, &rows);
+    nodes = calloc(rows.nodes, sizeof *nodes);
+    way = calloc(rows.rows, sizeof *way);
+    cycle = calloc(rows.rows, sizeof *cycle);
+    base = calloc(OBSERVER_OUTPUTS * rows.rows, sizeof *base);
+    own = calloc(OBSERVER_OUTPUTS * rows.rows, sizeof *own);
+    beside = calloc(OBSERVER_OUTPUTS * rows.rows, sizeof *beside);
+    TEST_ASSERT_TRUE(nodes && way && cycle && base && own && beside);
+}
+
+void tearDown(void)
+{
+    free(nodes);
+    free(way);
+    free(cycle);
+    free(base);
+    free(own);
+    free(beside);
+    rows_free(&rows);
+    recording_free(&r);
+}
+
+/* What a step of one coordinate, or of the gain, changes in all blocks: how far apart the two ways of finding it are, as a part. */
+static double apart(const double z[P_COUNT], coordinate_id moved, double more_gain)
+{
+    double to[P_COUNT];
+    double wrong = 0.0;
+    double size = 0.0;
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        to[id] = z[id] + (id == moved && more_gain == 0.0 ? coordinate_step(id) : 0.0);
+    }
+    const averaged_drive d = coordinates_drive(&frame, z, EDGE_CLIPPED);
+    const averaged_drive other = coordinates_drive(&frame, to, EDGE_CLIPPED);
+    rows_nodes_fill(&rows, &d, nodes);
+    for (size_t b = 0; b < rows.blocks; b++) {
+        const row_block *block = &rows.block[b];
+        observer_cycles(&rows, &d, nodes, block, cycle);
+        observer_way(&rows, &d, cycle, block, 0.3, base, way);
+        observer_block(&rows, &d, nodes, block, 0.3, 0.0, own, NULL);
+        TEST_ASSERT_EQUAL_DOUBLE_ARRAY(own, base, OBSERVER_OUTPUTS * block->count);
+        observer_block(&rows, &other, nodes, block, 0.3 + more_gain, 0.0, own, NULL);
+        observer_beside(&rows, &other, block, 0.3 + more_gain, way, beside);
+        for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {
+            wrong += (own[j] - beside[j]) * (own[j] - beside[j]);
+            size += (own[j] - base[j]) * (own[j] - base[j]);
+        }
+    }
+    TEST_ASSERT_TRUE(size > 0.0);
+    return sqrt(wrong / size);
+}
+
+static void all_apart_by_less_than(const double z[P_COUNT], double most)
+{
+    size_t seen = 0;
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        if (coordinate_table[id].senses) {
+            TEST_ASSERT_DOUBLE_WITHIN(most, 0.0, apart(z, id, 0.0));
+            seen++;
+        }
+    }
+    TEST_ASSERT_EQUAL_size_t(16, seen);
+    TEST_ASSERT_DOUBLE_WITHIN(most, 0.0, apart(z, P_R, 1e-3));
+}
+
+/* By running: 1e-4. */
+static void what_moves_only_the_sensors_agrees_with_a_run_of_its_own(void)
+{
+    const double z[P_COUNT] = {
+        [P_SATURATION] = 0.1, [P_THETA_0] = 0.05, [P_GAIN_A] = 0.02, [P_SENSOR_LAG] = 0.03};
+    all_apart_by_less_than(z, 5e-4);
+}
+
+/* By running: 0.04. A law with corners has no slope there: a step of a coordinate meets other ones than a step of the current. */
+static void with_a_clipped_dead_time_it_is_nearly(void)
+{
+    const double z[P_COUNT] = {[P_V_DEAD] = 1.0};
+    all_apart_by_less_than(z, 0.06);
+}
+
+/* By running: 0.0035. What a drive's iron remembers by the sensors is left out. */
+static void with_iron_a_small_part_is_left_out(void)
+{
+    const double z[P_COUNT] = {[P_FE] = 1.0};
+    all_apart_by_less_than(z, 0.006);
+}
+
+/* Whether a drive goes the same way through the cycles of another, bit by bit. */
+static bool goes_through(const averaged_drive *drive, const averaged_drive *of)
+{
+    bool same = true;
+    averaged_node *by_its_own = rows_nodes(&rows, drive);
+    TEST_ASSERT_NOT_NULL(by_its_own);
+    rows_nodes_fill(&rows, of, nodes);
+    for (size_t b = 0; b < rows.blocks; b++) {
+        const row_block *block = &rows.block[b];
+        observer_cycles(&rows, of, nodes, block, cycle);
+        observer_through(&rows, drive, cycle, block, 0.3, beside);
+        observer_block(&rows, drive, by_its_own, block, 0.3, 0.0, own, NULL);
+        same = same && memcmp(own, beside, OBSERVER_OUTPUTS * block->count * sizeof *own) == 0;
+    }
+    free(by_its_own);
+    return same;
+}
+
+/* Of every coordinate: either it leaves the cycles as they are, and is said to, or it does not. */
+static void whose_cycles_are_alike_goes_through_the_same(void)
+{
+    const double z[P_COUNT] = {[P_SATURATION] = 0.1, [P_V_DEAD] = 1.0, [P_FE] = 1.0, [P_THETA_0] = 0.05};
+    const averaged_drive d = coordinates_drive(&frame, z, EDGE_CLIPPED);
+    size_t alike = 0;
+    size_t apart_ones = 0;
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        double to[P_COUNT];
+        memcpy(to, z, sizeof to);
+        to[id] += coordinate_step(id);
+        const averaged_drive other = coordinates_drive(&frame, to, EDGE_CLIPPED);
+        const bool said = averaged_drive_cycles_alike(&other, &d);
+        TEST_ASSERT_EQUAL_MESSAGE(said, goes_through(&other, &d), "a coordinate's cycles");
+        alike += said ? 1 : 0;
+        apart_ones += said ? 0 : 1;
+    }
+    TEST_ASSERT_TRUE(alike > 20 && apart_ones > 8);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(whose_cycles_are_alike_goes_through_the_same);
+    RUN_TEST(what_moves_only_the_sensors_agrees_with_a_run_of_its_own);
+    RUN_TEST(with_a_clipped_dead_time_it_is_nearly);
+    RUN_TEST(with_iron_a_small_part_is_left_out);
+    return UNITY_END();
+}

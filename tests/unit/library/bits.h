@@ -1,0 +1,77 @@
+/*
+ * Fixed-point arithmetic by division that rounds down: an independent reference for tests to the last bit. Exact in
+ * 64 bits wherever the library's own products are.
+ */
+#ifndef TESTS_UNIT_BITS_H
+#define TESTS_UNIT_BITS_H
+
+#include "reference.h"
+
+/* floor(x / by), by > 0. */
+static inline int64_t bits_floor(int64_t x, int64_t by)
+{
+    return x / by - (x % by < 0 ? 1 : 0);
+}
+
+/* x / 2^bits to nearest, ties up. */
+static inline int64_t bits_nearest(int64_t x, int bits)
+{
+    const int64_t unit = INT64_C(1) << bits;
+    return bits_floor(x + unit / 2, unit);
+}
+
+/* A product of two numbers to nearest: IQ24 of IQ24, or of other formats by their bits. */
+static inline int64_t bits_product(int64_t x, int64_t y)
+{
+    return bits_nearest(x * y, 24);
+}
+
+static inline int64_t bits_product_of(int64_t x, int64_t y, int bits)
+{
+    return bits_nearest(x * y, bits);
+}
+
+/* floor(x y / 2^32): the high word of a product. */
+static inline int64_t bits_high(int64_t x, int64_t y)
+{
+    return bits_floor(x * y, INT64_C(1) << 32);
+}
+
+static inline int64_t bits_held(int64_t x, int64_t low, int64_t high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/* A quotient to nearest, ties away from zero, in IQ24; the divisor is not 0 and the quotient within IQ24. */
+static inline int64_t bits_quotient(int64_t n, int64_t d)
+{
+    const int64_t size = 2 * (n < 0 ? -n : n) * IQ24_ONE;
+    const int64_t by = d < 0 ? -d : d;
+    const int64_t quotient = (size + by) / (2 * by);
+    return (n < 0) != (d < 0) ? -quotient : quotient;
+}
+
+/*
+ * n/d in Q24 for 0 <= n <= d <= 2^31 by three digits in base 256, as src/iq24_longdiv.h divides: exact where d has less
+ * than 25 bits, else by digits of d/256 rounded up, so that the last one may be 1 too small.
+ */
+static inline int64_t bits_long_division(int64_t n, int64_t d)
+{
+    const int64_t trial = d < IQ24_ONE ? d : d / 256 + 1;
+    int64_t quotient = 0;
+    for (int k = 0; k < 3; k++) {
+        const int64_t digit = d < IQ24_ONE ? 256 * n / trial : n / trial;
+        n = 256 * n - digit * d;
+        quotient = 256 * quotient + digit;
+    }
+    return quotient;
+}
+
+/* An integer in [low, high]. */
+static inline int32_t bits_random(uint64_t *seed, int64_t low, int64_t high)
+{
+    const uint64_t span = (uint64_t)(high - low) + 1;
+    return (int32_t)(low + (int64_t)(random_bits(seed) % span));
+}
+
+#endif

@@ -1,0 +1,20 @@
+"""patterns: the distortion of `iqfoc patterns` and of space vectors, a row for each number of pulses, a column for each index.
+
+    <!-- figures: patterns MOTOR.toml PULSES,... INDEX,... -->
+"""
+
+from .markdown import table
+
+
+def percent(value):
+    return "-" if value is None else f"{100 * value:.1f}"
+
+
+def generate(program, arguments):
+    motor, pulses, indices = arguments
+    heads = ["pulses", *(f"{index}: {of}" for index in indices.split(",") for of in ("pattern", "space vectors"))]
+    rows = []
+    for pattern in program.json("patterns", "--motor", motor, "--pulses", pulses)["patterns"]:
+        found = {f"{row['index']:.2f}": row for row in pattern["rows"]}
+        rows.append([pattern["pulses"], *(percent(found[index][of]) for index in indices.split(",") for of in ("distortion", "space_vectors"))])
+    return table(heads, rows, right=heads)
