@@ -28,7 +28,7 @@ EMULATORS = {
     "rv32": ["qemu-system-riscv32", "-M", "virt", "-bios", "none", "-icount", "shift=0"],
 }
 SERIAL = ["-display", "none", "-monitor", "none", "-serial", "stdio"]
-TIME_LIMIT_S = 3600  # by the clock: a loaded machine is slow
+TIME_LIMIT_S = 1200  # by the clock: a loaded machine is slow
 
 # The configurations of bench/drives.h.
 DRIVES = ("isr_cycle", "isr_midpoint", "isr_corrected_mean", "isr_exact", "isr_salient", "isr_flux", "isr_mean_modulated",

@@ -18,7 +18,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 INPUTS = 4096
-TIME_LIMIT_S = 3600
+TIME_LIMIT_S = 1200
 
 ARM_QEMU = ["qemu-system-arm", "-M", "mps2-an386", "-semihosting-config", "enable=on,target=native", "-icount", "shift=10"]
 RV_QEMU = ["qemu-system-riscv32", "-M", "virt", "-bios", "none", "-icount", "shift=0"]

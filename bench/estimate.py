@@ -62,7 +62,7 @@ def _executed(image, command):
     """The addresses of all executed instructions, in order."""
     with tempfile.NamedTemporaryFile("r", prefix="iqfoc-trace-") as log:
         subprocess.run(command + ["-kernel", str(image), "-singlestep", "-d", "exec,nochain", "-D", log.name],
-                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, timeout=3600, check=True)
+                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, timeout=1200, check=True)
         for line in log:
             at = re.match(r"Trace \d+: \S+ \[[0-9a-f]+/([0-9a-f]+)/", line)
             if at:

@@ -2,7 +2,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 # By the clock, for a test that waits for ever. What it may compute is limited in processor time (iqfoc-unit-test.cmake).
-set(DART_TESTING_TIMEOUT 7200 CACHE STRING "Seconds after which ctest ends a test")
+set(DART_TESTING_TIMEOUT 1500 CACHE STRING "Seconds after which ctest ends a test")
 include(CTest)
 
 # An emulated target: its port, images and examples.

@@ -26,7 +26,7 @@ from marked import with_table
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "tests/prove"
 PAGE = ROOT / "docs/proofs.md"
-TIME_LIMIT_S = 3600
+TIME_LIMIT_S = 1200
 # What is parsed together: the functions of tests/prove, and a port where they are of one. In the order of the page.
 PROGRAMS = {
     "library": (["numbers", "prediction", "models", "control", "around", "sensors", "recorder", "cycle", "interrupts", "planted"], []),

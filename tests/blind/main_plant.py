@@ -168,7 +168,7 @@ def simulate(case, sizes, folder, iqfoc):
         command = [iqfoc, "simulate", "--motor", os.path.join(scratch, "true.toml"), "--scenario", scenario, "-o", raw,
                    "--seed", str(case.seed)]
         command += effect_arguments(case, model)
-        done = subprocess.run(command, capture_output=True, text=True, timeout=3600)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=1200)
         if done.returncode != 0:
             raise RuntimeError(f"iqfoc simulate, exit {done.returncode}: {done.stderr.strip()}")
         with open(raw, encoding="utf-8", newline="") as source:

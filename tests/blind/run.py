@@ -106,7 +106,7 @@ def diagnose(folder, iqfoc, skip=None, motor="motor.toml", more=()):
     command = [iqfoc, "diagnose", "rec.csv", "--motor", motor, "--json", "-", *more]
     if skip:
         command += ["--skip", skip]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=3600)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=1200)
     if done.returncode != 0:
         raise RuntimeError(f"exit {done.returncode}: {done.stderr.strip()}")
     return json.loads(done.stdout)

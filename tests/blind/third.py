@@ -73,7 +73,7 @@ def prepare(case, kept):
             made = os.path.join(scratch, "made")
             one_thread = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1"}
             done = subprocess.run([PYTHON, os.path.join(HERE, "third_plant.py"), made], input=json.dumps(case), text=True,
-                                  capture_output=True, env=one_thread, timeout=3600)
+                                  capture_output=True, env=one_thread, timeout=1200)
             if done.returncode != 0:
                 raise RuntimeError(f"third_plant.py: {done.stderr.strip()[-400:]}")
             shutil.rmtree(folder, ignore_errors=True)

@@ -67,7 +67,7 @@ class Browser:
         request = urllib.request.Request(self.base + path, data=data, method=method or ("POST" if data else "GET"),
                                          headers={"Content-Type": "application/json"})
         try:
-            with urllib.request.urlopen(request, timeout=3600) as answer:
+            with urllib.request.urlopen(request, timeout=1200) as answer:
                 return json.load(answer)["value"]
         except urllib.error.HTTPError as problem:
             raise RuntimeError(problem.read().decode()[:2000]) from None

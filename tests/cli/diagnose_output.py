@@ -48,7 +48,7 @@ int main(void)
 
 def diagnose(recording, motor, *more):
     done = subprocess.run([PROGRAM, "diagnose", recording, "--motor", motor, *map(str, more)], cwd=ROOT, capture_output=True,
-                          timeout=3600, check=False, text=True)
+                          timeout=1200, check=False, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

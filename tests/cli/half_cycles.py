@@ -28,7 +28,7 @@ def check(good, what):
 
 
 def run(program, *words):
-    return subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False, timeout=3600)
+    return subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False, timeout=1200)
 
 
 def refuses(done, words, what):

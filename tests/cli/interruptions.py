@@ -66,7 +66,7 @@ class Interruptions(unittest.TestCase):
     def run_it(self, arguments, binary=program.PROGRAM, environment=None, **how):
         """The same bytes each time: the page's date is fixed, and gnuplot, which not every machine has, is not there."""
         known = {**os.environ, "SOURCE_DATE_EPOCH": "1700000000", "PATH": "/nonexistent", **(environment or {})}
-        return subprocess.run([str(binary), *arguments], cwd=self.folder, env=known, timeout=3600, check=False,
+        return subprocess.run([str(binary), *arguments], cwd=self.folder, env=known, timeout=1200, check=False,
                               **{"stdin": subprocess.DEVNULL, "capture_output": True, **how})
 
     def content(self):

@@ -34,7 +34,7 @@ class OddNames(unittest.TestCase):
         self.temporary.cleanup()
 
     def run_in(self, folder, *arguments):
-        return subprocess.run([program.PROGRAM, *arguments], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, timeout=3600,
+        return subprocess.run([program.PROGRAM, *arguments], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, timeout=1200,
                               check=False)
 
     def test_files_of_such_names(self):
@@ -75,7 +75,7 @@ class OddNames(unittest.TestCase):
         arguments = ["diagnose", "recording.csv", "--motor", "motor.toml", "-o", "out"]
         runs = [subprocess.Popen([program.PROGRAM, *arguments], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                  stdin=subprocess.DEVNULL) for _ in range(4)]
-        said = [run.communicate(timeout=3600)[1] for run in runs]
+        said = [run.communicate(timeout=1200)[1] for run in runs]
         self.assertIn(0, [run.returncode for run in runs], said)
         self.assertTrue(all(run.returncode in (0, 1, 2) for run in runs), said)
         json.loads((self.folder / "out" / "diagnosis.json").read_text())
@@ -210,7 +210,7 @@ class WordsOfStrangers(unittest.TestCase):
         out = place / f"{path}.out"
         out.mkdir()
         done = subprocess.run([program.PROGRAM, *(word.replace("{}", path) for word in call)], cwd=place,
-                              capture_output=True, stdin=subprocess.DEVNULL, timeout=3600, check=False, env=environment)
+                              capture_output=True, stdin=subprocess.DEVNULL, timeout=1200, check=False, env=environment)
         self.assertEqual(0, done.returncode, done.stderr)
         self.assertFalse([file for file in place.rglob("ran")])
         self.assertNotIn(b"\x1b[31m", done.stderr)

@@ -54,7 +54,7 @@ class OutOfMemory(unittest.TestCase):
             shutil.copytree(self.input, folder)
             known = {**os.environ, "SOURCE_DATE_EPOCH": "1700000000", "PATH": "/nonexistent", "IQFOC_JOBS": "1",
                      "LD_PRELOAD": str(FAIL_AT), **environment}
-            done = subprocess.run([str(program.PROGRAM), *arguments], cwd=folder, env=known, timeout=3600, check=False,
+            done = subprocess.run([str(program.PROGRAM), *arguments], cwd=folder, env=known, timeout=1200, check=False,
                                   stdin=subprocess.DEVNULL, capture_output=True)
             return done.returncode, done.stdout, done.stderr, content(folder / "out")
 

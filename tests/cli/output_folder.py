@@ -66,7 +66,7 @@ class OutputFolder(unittest.TestCase):
         return {**os.environ, "PATH": str(tools)}
 
     def call(self, arguments, environment=None, **how):
-        return subprocess.run([str(program.PROGRAM), *arguments], cwd=self.folder, env=environment, capture_output=True, timeout=3600,
+        return subprocess.run([str(program.PROGRAM), *arguments], cwd=self.folder, env=environment, capture_output=True, timeout=1200,
                               check=False, **how)
 
     def content(self, folder=None):
@@ -185,7 +185,7 @@ class OutputFolder(unittest.TestCase):
             self.folder.chmod(0o555)
         try:
             for target in ("out", "new"):
-                result = subprocess.run([str(own), *SWEEP, "-o", target], cwd=self.folder, capture_output=True, timeout=3600,
+                result = subprocess.run([str(own), *SWEEP, "-o", target], cwd=self.folder, capture_output=True, timeout=1200,
                                         check=False, **how)
                 self.assertEqual((2, f"iqfoc: {target}: cannot be written: Permission denied\n"),
                                  (result.returncode, result.stderr.decode()))
@@ -215,7 +215,7 @@ class OutputFolder(unittest.TestCase):
 
     def wait_for_pictures(self, count):
         counter = self.folder / "tools/gnuplot.count"
-        end = time.monotonic() + 3600
+        end = time.monotonic() + 1200
         while not counter.exists() or counter.read_text().count("x") < count:
             self.assertLess(time.monotonic(), end, "no picture was asked for")
             time.sleep(0.01)
@@ -232,7 +232,7 @@ class OutputFolder(unittest.TestCase):
             calls = [subprocess.Popen([str(program.PROGRAM), *DRAWS, "-o", "out"], cwd=self.folder, env=environment,
                                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) for environment in environments]
             for process in calls:
-                _, error = process.communicate(timeout=3600)
+                _, error = process.communicate(timeout=1200)
                 self.assertEqual((0, b""), (process.returncode, error))
             content = self.content()
             self.assertLessEqual(set(CALLS["reproduce"][1]), set(content))

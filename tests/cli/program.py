@@ -104,7 +104,7 @@ SMALL = {
 def run(arguments, folder, stdin=None):
     """Runs the program in a folder; a call that hangs is a failure of the test."""
     return subprocess.run([str(PROGRAM), *map(str, arguments)], cwd=folder, input=stdin, capture_output=True,
-                          timeout=3600, check=False)
+                          timeout=1200, check=False)
 
 
 def recorder_line():

@@ -14,7 +14,7 @@ QEMU_ARM = ["qemu-system-arm", "-M", "mps2-an386", "-semihosting-config", "enabl
 QEMU_RV32 = ["qemu-system-riscv32", "-M", "virt", "-bios", "none", "-display", "none", "-monitor", "none", "-serial", "stdio"]
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wundef", "-Werror"]
 BARE = ["-ffreestanding", "-ffunction-sections", "-fdata-sections", "-O2"]
-TIME_LIMIT_S = 3600
+TIME_LIMIT_S = 1200
 
 
 class Failed(Exception):

@@ -51,7 +51,7 @@ def cpu_s():
 def simulate(program, out, *more, env=None):
     command = [str(program), "simulate", "--motor", str(MOTOR), "--scenario", str(SCENARIO), "-o", str(out), *more]
     start = time.monotonic()
-    done = subprocess.run(command, capture_output=True, text=True, timeout=3600, env=env, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=1200, env=env, check=False)
     return done, time.monotonic() - start
 
 
@@ -113,7 +113,7 @@ def killed(program, folder, image, victim):
     time.sleep(0.5)
     start = time.monotonic()
     os.kill(emulators[0] if victim == "emulator" else child.pid, signal.SIGKILL)
-    text = child.communicate(timeout=3600)[1].strip()
+    text = child.communicate(timeout=1200)[1].strip()
     seconds = time.monotonic() - start
     time.sleep(0.3)
     left = processes_with(str(image))

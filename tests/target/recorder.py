@@ -12,12 +12,13 @@ import os
 import pathlib
 import pty
 import random
+import select
 import socket
 import subprocess
 import sys
 import tempfile
 import threading
-import time
+import tty
 import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -27,6 +28,7 @@ SCENARIO = ROOT / "data" / "scenarios" / "identification.toml"
 HIDDEN = {"cortex-m4": ("dead_time:t_dead=1e-6,v_switch=1.5,v_diode=1.2", "dead_time"),
           "rv32": ("inductance:L=4.4e-3", "inductance")}
 SEED = 20130611
+END_FRAME = b"\x01\x03"  # version and type, docs/recorder-format.md
 
 failures = []
 
@@ -38,7 +40,7 @@ def check(good, what):
 
 
 def run(*command):
-    return subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=3600, check=False)
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=1200, check=False)
 
 
 def rows_of(path):
@@ -64,33 +66,38 @@ def chain(program, folder, target):
 def record_from(program, folder, name, feed):
     """Runs `iqfoc record` on a line that `feed` serves; returns what it did and the rows."""
     out = folder / f"{name}.csv"
-    port, serve = feed()
+    ended = threading.Event()
+    port, serve = feed(ended)
     thread = threading.Thread(target=serve, daemon=True)
     thread.start()
-    done = run(program, "record", "--port", port, "-o", out, "--seconds", "60")
-    thread.join(timeout=3600)
+    done = run(program, "record", "--port", port, "-o", out, "--seconds", "600")
+    ended.set()
+    thread.join(timeout=10)
     return done, rows_of(out) if out.exists() else []
 
 
 def over_pty(octets):
-    def feed():
+    """A pseudo-terminal with all octets; it does not translate, even before the reader says so."""
+    def feed(ended):
         master, slave = pty.openpty()
-        port = os.ttyname(slave)
+        tty.setraw(slave)
+        os.set_blocking(master, False)
 
         def serve():
-            # The slave's raw mode is set by the reader; until then the line would translate.
-            time.sleep(0.5)
-            for at in range(0, len(octets), 512):
-                os.write(master, octets[at:at + 512])
-            time.sleep(0.5)
+            left = octets
+            while left and not ended.is_set():
+                if select.select([], [master], [], 0.1)[1]:
+                    left = left[os.write(master, left[:512]):]
+            # A line stays open until the recorder has seen the stream's end.
+            ended.wait()
             os.close(slave)
             os.close(master)
-        return port, serve
+        return os.ttyname(slave), serve
     return feed
 
 
 def over_socket(folder, octets):
-    def feed():
+    def feed(_):
         path = folder / "line.socket"
         server = socket.socket(socket.AF_UNIX)
         server.bind(str(path))
@@ -109,13 +116,23 @@ def over_socket(folder, octets):
     return feed
 
 
+def first_stream(octets):
+    """What the file holds up to its first end frame, at which the recorder stops on a line."""
+    at = 0
+    for frame in octets.split(b"\xc0"):
+        at += len(frame) + 1
+        if frame[:2] == END_FRAME:
+            return octets[:at]
+    raise ValueError("no end frame")
+
+
 def kinds_of_line(program, folder, octets, rows):
     """The first stream over a pseudo-terminal and a socket: the same rows as from the file."""
+    octets = first_stream(octets)
     first = [row for row in rows if row[0] == "1"]
     for name, feed in (("pseudo-terminal", over_pty(octets)), ("socket", over_socket(folder, octets))):
         done, got = record_from(program, folder, name, feed)
-        same = got[:len(first)] == first
-        check(done.returncode == 0 and same, f"{name}: {len(got)} rows, those of the file {done.stderr.strip()}")
+        check(done.returncode == 0 and got == first, f"{name}: {len(got)} rows, those of the file {done.stderr.strip()}")
 
 
 def damaged(program, folder, octets, rows):

@@ -18,7 +18,7 @@ EMULATORS = {
     "rv32": ["qemu-system-riscv32", "-M", "virt", "-bios", "none"],
 }
 COMMON = ["-icount", "shift=3", "-display", "none", "-monitor", "none", "-serial", "stdio", "-kernel"]
-TIME_LIMIT_S = 3600  # by the clock: a loaded machine is slow
+TIME_LIMIT_S = 1200  # by the clock: a loaded machine is slow
 HERE = pathlib.Path(__file__).resolve().parent
 # Tests of the program with the images.
 SCRIPTS = ("c28x.py", "pil.py", "planned.py", "recorder.py", "watched.py", "wire.py")

@@ -18,7 +18,7 @@ START, CYCLE, STARTED, COMMAND = 1, 2, 3, 4
 WORDS = {STARTED: 1, COMMAND: 6}
 OK, PREDICTOR, TIMES = 0, -2, -7
 STATUS_GARBLED = 3  # what the image ends with where it is sent what it cannot use
-TIME_LIMIT_S = 3600
+TIME_LIMIT_S = 1200
 ONE = 1 << 24
 
 # The words of a configuration, in the order of pil_start_frame.
