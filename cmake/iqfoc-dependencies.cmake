@@ -59,12 +59,10 @@ if(TARGET dep_json)
 endif()
 option(IQFOC_ZLIB "Read packed recordings (.csv.gz) and export FMUs; without it both are refused" ON)
 set(ZLIB_SOURCE_DIR "$ENV{ZLIB_SOURCE_DIR}" CACHE PATH "zlib's sources, for another processor or a static program")
-# An FMU holds a library of this machine, so that a program for another one has no use for minizip.
 if(IQFOC_ZLIB AND ZLIB_SOURCE_DIR AND (CMAKE_CROSSCOMPILING OR IQFOC_STATIC))
     include(${CMAKE_CURRENT_LIST_DIR}/iqfoc-zlib.cmake)
 elseif(IQFOC_ZLIB)
     iqfoc_dependency(zlib zlib zlib1g-dev)
-    iqfoc_dependency(minizip minizip libminizip-dev)
 endif()
 
 # The independent integrator is a witness in tests, no part of the program.

@@ -38,7 +38,7 @@ from license_expression import get_spdx_licensing
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Debian's libraries that the program is linked with, and their licences; each -dev package of BUILD_PACKAGES must be here.
 LINKED = {"libc6": "LGPL-2.1-or-later", "libtomlplusplus": "MIT", "libeigen3": "MPL-2.0", "libkissfft": "BSD-3-Clause",
-          "nlohmann-json3": "MIT", "zlib1g": "Zlib", "libminizip": "Zlib"}
+          "nlohmann-json3": "MIT", "zlib1g": "Zlib"}
 # Debian's source packages that the program takes files of.
 COMPILED = {"musl": "MIT"}
 EMBEDDED = {"uplot": "MIT"}

@@ -3,7 +3,7 @@
 
 # What `build` and `demo` need.
 BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-dev libeigen3-dev libkissfft-dev
-    nlohmann-json3-dev zlib1g-dev libminizip-dev gnuplot-nox)
+    nlohmann-json3-dev zlib1g-dev gnuplot-nox)
 # What `test` needs on top: the recordings' numerics, the compiler and emulator of Cortex-M4.
 QUICK_PACKAGES=(git python3 python3-numpy xz-utils gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
 # What `test --all`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the other targets' compilers and

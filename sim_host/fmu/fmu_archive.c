@@ -1,55 +1,95 @@
-/* Minizip over an output file that is already open (fmu_archive.h). */
+/*
+ * ZIP over an output file that is already open (fmu_archive.h): PKWARE's APPNOTE.TXT 6.3, sections 4.3.7 (a file's head), 4.3.12 (its
+ * entry in the directory) and 4.3.16 (the end). zlib compresses; every allocation is checked.
+ */
+#define ZLIB_CONST /* its input is not written to */
+
 #include "fmu_archive.h"
 
-#include <errno.h>
 #include <limits.h>
+#include <stdlib.h>
 #include <string.h>
-#include <zip.h>
+#include <zlib.h>
 
-/* Minizip's view of a file: `opaque` is the stream, which stays open behind it. */
-static voidpf stream_open(voidpf opaque, const void *name, int mode)
+enum {
+    FILE_HEAD = 0x04034b50,
+    DIRECTORY_ENTRY = 0x02014b50,
+    END = 0x06054b50,
+    FILE_HEAD_SIZE = 30,
+    VERSION = 20,           /* 2.0, the first that knows folders and deflate */
+    FIRST_DAY = 1 << 5 | 1, /* 1980-01-01, so that the same input makes the same archive */
+    LARGEST = INT_MAX / 4,  /* of a file: all sizes and places in the archive are below 2^32 */
+    MEMORY_LEVEL = 8        /* zlib's own default, which deflateInit2 has no name for */
+};
+
+typedef struct entry {
+    const char *name;
+    uint32_t checksum, packed, length;
+} entry;
+
+/* As many octets of a number, the lowest first. */
+static void put(FILE *out, uint32_t number, int octets)
 {
-    (void)name, (void)mode;
-    return opaque;
+    for (int k = 0; k < octets; k++) {
+        fputc((int)(number >> (8 * k) & 0xff), out);
+    }
 }
 
-static uLong stream_read(voidpf opaque, voidpf stream, void *bytes, uLong size)
+/* What a file's head and its entry in the directory share: from the version needed to the length of the extra field. */
+static void put_about(FILE *out, const entry *f)
 {
-    (void)opaque;
-    return (uLong)fread(bytes, 1, size, stream);
+    put(out, VERSION, 2);
+    put(out, 0, 2); /* flags */
+    put(out, Z_DEFLATED, 2);
+    put(out, 0, 2); /* time */
+    put(out, FIRST_DAY, 2);
+    put(out, f->checksum, 4);
+    put(out, f->packed, 4);
+    put(out, f->length, 4);
+    put(out, (uint32_t)strlen(f->name), 2);
+    put(out, 0, 2); /* no extra field */
 }
 
-static uLong stream_write(voidpf opaque, voidpf stream, const void *bytes, uLong size)
+static void put_file(FILE *out, const entry *f, const void *packed)
 {
-    (void)opaque;
-    return (uLong)fwrite(bytes, 1, size, stream);
+    put(out, FILE_HEAD, 4);
+    put_about(out, f);
+    fputs(f->name, out);
+    fwrite(packed, 1, f->packed, out);
 }
 
-static ZPOS64_T stream_tell(voidpf opaque, voidpf stream)
+static void put_entry(FILE *out, const entry *f, uint32_t at)
 {
-    (void)opaque;
-    return (ZPOS64_T)ftell(stream);
+    put(out, DIRECTORY_ENTRY, 4);
+    put(out, 0, 2); /* made by: MS-DOS, without attributes */
+    put_about(out, f);
+    put(out, 0, 2); /* no comment */
+    put(out, 0, 2); /* disk */
+    put(out, 0, 2); /* attributes */
+    put(out, 0, 4);
+    put(out, at, 4);
+    fputs(f->name, out);
 }
 
-static long stream_seek(voidpf opaque, voidpf stream, ZPOS64_T offset, int origin)
+/* Packs into a block to be freed; NULL when out of memory. */
+static void *pack(const void *bytes, size_t length, uint32_t *packed)
 {
-    (void)opaque;
-    const int whence = origin == ZLIB_FILEFUNC_SEEK_END   ? SEEK_END
-                       : origin == ZLIB_FILEFUNC_SEEK_CUR ? SEEK_CUR
-                                                          : SEEK_SET;
-    return fseek(stream, (long)offset, whence);
-}
-
-static int stream_close(voidpf opaque, voidpf stream)
-{
-    (void)opaque, (void)stream;
-    return 0;
-}
-
-static int stream_error(voidpf opaque, voidpf stream)
-{
-    (void)opaque;
-    return ferror((FILE *)stream);
+    z_stream z = {.next_in = bytes, .avail_in = (uInt)length};
+    if (deflateInit2(&z, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, MEMORY_LEVEL, Z_DEFAULT_STRATEGY) !=
+        Z_OK) {
+        return NULL;
+    }
+    const uLong room = deflateBound(&z, (uLong)length);
+    void *out = malloc(room);
+    z.next_out = out;
+    z.avail_out = (uInt)room;
+    if (out != NULL && deflate(&z, Z_FINISH) != Z_STREAM_END) {
+        free(out);
+        out = NULL;
+    }
+    *packed = (uint32_t)z.total_out;
+    (void)deflateEnd(&z);
+    return out;
 }
 
 bool fmu_archive_open(fmu_archive *a, const char *path, error *e)
@@ -58,52 +98,59 @@ bool fmu_archive_open(fmu_archive *a, const char *path, error *e)
     if (!out_file_open(&a->file, path, e)) {
         return false;
     }
-    if (fseek(a->file.stream, 0, SEEK_SET) != 0) {
+    if (!text_out_open(&a->directory)) {
+        (void)text_out_close(&a->directory);
         out_file_abandon(&a->file);
-        return error_input(e, path, 0, 0,
-                           "expected a file that can be written out of order, as an archive is");
-    }
-    zlib_filefunc64_def calls = {.zopen64_file = stream_open,
-                                 .zread_file = stream_read,
-                                 .zwrite_file = stream_write,
-                                 .ztell64_file = stream_tell,
-                                 .zseek64_file = stream_seek,
-                                 .zclose_file = stream_close,
-                                 .zerror_file = stream_error,
-                                 .opaque = a->file.stream};
-    a->zip = zipOpen2_64(path, APPEND_STATUS_CREATE, NULL, &calls);
-    if (a->zip == NULL) {
-        out_file_abandon(&a->file);
-        return error_failure(e, ENOMEM, "%s: the archive cannot be begun", path);
+        return error_failure(e, 0, "%s: out of memory for the archive", path);
     }
     return true;
 }
 
 bool fmu_archive_add(fmu_archive *a, const char *name, const void *bytes, size_t length, error *e)
 {
-    /* The first day that ZIP knows, so that the same input makes the same archive. */
-    const zip_fileinfo about = {.tmz_date = {.tm_mday = 1, .tm_year = 1980}};
-    errno = 0;
-    const bool good = length <= UINT_MAX &&
-                      zipOpenNewFileInZip(a->zip, name, &about, NULL, 0, NULL, 0, NULL, Z_DEFLATED,
-                                          Z_DEFAULT_COMPRESSION) == ZIP_OK &&
-                      zipWriteInFileInZip(a->zip, bytes, (unsigned)length) == ZIP_OK &&
-                      zipCloseFileInZip(a->zip) == ZIP_OK;
-    return good || error_failure(e, errno, "%s: cannot be written into the archive", name);
+    if (length > LARGEST) {
+        return error_failure(e, 0, "%s: too large for the archive", name);
+    }
+    entry f = {.name = name, .length = (uint32_t)length};
+    f.checksum = (uint32_t)crc32(0, bytes, (uInt)length);
+    void *packed = pack(bytes, length, &f.packed);
+    if (packed == NULL) {
+        return error_failure(e, 0, "%s: out of memory to pack it", name);
+    }
+    put_file(a->file.stream, &f, packed);
+    put_entry(a->directory.stream, &f, a->at);
+    a->at += FILE_HEAD_SIZE + (uint32_t)strlen(name) + f.packed;
+    a->files++;
+    free(packed);
+    return true;
+}
+
+/* The directory and the end. */
+static void put_end(const fmu_archive *a)
+{
+    FILE *out = a->file.stream;
+    fwrite(a->directory.bytes, 1, a->directory.length, out);
+    put(out, END, 4);
+    put(out, 0, 2); /* this disk, and that of the directory */
+    put(out, 0, 2);
+    put(out, a->files, 2); /* on this disk, and in all */
+    put(out, a->files, 2);
+    put(out, (uint32_t)a->directory.length, 4);
+    put(out, a->at, 4);
+    put(out, 0, 2); /* no comment */
 }
 
 bool fmu_archive_close(fmu_archive *a, bool ok, error *e)
 {
-    if (a->zip == NULL) {
-        return false;
+    const bool listed = text_out_close(&a->directory);
+    if (ok && listed) {
+        put_end(a);
     }
-    errno = 0;
-    const bool closed = zipClose(a->zip, NULL) == ZIP_OK;
-    a->zip = NULL;
-    if (ok && !closed) {
-        error_failure(e, errno, "the archive cannot be finished");
+    free(a->directory.bytes);
+    if (ok && !listed) {
+        error_failure(e, 0, "out of memory for the archive");
     }
-    if (!ok || !closed) {
+    if (!ok || !listed) {
         out_file_abandon(&a->file);
         return false;
     }
