@@ -56,14 +56,14 @@ static inline iq24_t hal_stm32g4_turns_of(const iqfoc_hal_t *hal, int32_t counts
  */
 static inline void hal_stm32g4_speed_follow(iqfoc_hal_t *hal, uint32_t count)
 {
+    uint32_t *const oldest = &hal->counts[hal->next];
     if (hal->seen == HAL_SPEED_SPAN) {
-        const int32_t moved =
-            hal_stm32g4_counts_between(hal->counts[hal->next], count, hal->board->counts_per_turn);
+        const int32_t moved = hal_stm32g4_counts_between(*oldest, count, hal->board->counts_per_turn);
         hal->turns = hal_stm32g4_turns_of(hal, moved) / HAL_SPEED_SPAN;
     } else {
         hal->seen++;
     }
-    hal->counts[hal->next] = count;
+    *oldest = count;
     hal->next = (hal->next + 1) % HAL_SPEED_SPAN;
 }
 
