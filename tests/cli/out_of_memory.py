@@ -3,8 +3,8 @@
 
     out_of_memory.py PROGRAM FAIL_AT [--all] [COMMAND ...]
 
-FAIL_AT is the library made of fail_at.c, which is preloaded into the program. Without --all as many allocations of each command are
-picked as PICKED says, evenly, and the first ones. The property: exit status 0 only with the output of an undisturbed run; else 1 or 2
+FAIL_AT is the library made of fail_at.c, which is preloaded into the program. Without --all as many allocations of each command that
+`iqfoc help` lists are picked as PICKED says, evenly. The property: exit status 0 only with the output of an undisturbed run; else 1 or 2
 with one line on stderr that says out of memory, and no file.
 """
 
@@ -24,8 +24,9 @@ FAIL_AT = pathlib.Path(sys.argv[2]).resolve()
 ALL = "--all" in sys.argv
 ONLY = [word for word in sys.argv[3:] if not word.startswith("-")]
 # Of each command's allocations so many fail where not all do: few of those that compute for seconds.
-PICKED = {"import": 60, "simulate": 60, "sweep": 60, "export-fmu": 40, "record": 20, "diagnose": 40, "observe": 40, "patterns": 40, "plot": 40,
-          "plan": 12, "watch": 12, "tune": 4, "loops": 4}
+PICKED = {"export-fmu": 40, "record": 20, "diagnose": 40, "observe": 40, "patterns": 40, "plot": 40, "plan": 12, "watch": 12, "tune": 4,
+          "loops": 4}
+OTHERWISE = 60
 SAID = (b"out of memory", b"Cannot allocate memory")
 
 
@@ -70,16 +71,16 @@ class OutOfMemory(unittest.TestCase):
         return f"left {sorted(files)}" if files else None
 
     def test_each_allocation(self):
-        for command, picked in PICKED.items():
+        listed = program.commands_there()
+        self.assertEqual(set(listed) - set(program.SMALL), set(), "no small call of these")
+        for command in ONLY or listed:
             arguments = program.SMALL[command]
-            if command not in program.commands_there() or ONLY and command not in ONLY:
-                continue
             count = pathlib.Path(self.temporary.name) / f"count-{command}"
             good = self.run_it(arguments, FAIL_COUNT=str(count))
             self.assertEqual(0, good[0], good[2])
             allocations = int(count.read_text())
-            self.assertGreater(allocations, 10)
-            step = 1 if ALL else max(1, allocations // picked)
+            self.assertGreater(allocations, 0)
+            step = 1 if ALL else max(1, allocations // PICKED.get(command, OTHERWISE))
             tried = range(1 + step // 2, allocations + 1, step)
             results = collections.Counter()
             with concurrent.futures.ThreadPoolExecutor(2) as pool:
@@ -89,7 +90,8 @@ class OutOfMemory(unittest.TestCase):
                     with self.subTest(command=command, at=at, of=allocations):
                         self.assertIsNone(self.fault_of(command, done, good))
             print(f"{command}: {len(tried)} of {allocations} allocations fail; exit status {dict(results)}", flush=True)
-            self.assertGreater(results[1] + results[2], 0)
+            # The C library writes without its buffer, the only allocation of some commands.
+            self.assertGreater(results[1] + results[2] + (allocations == 1), 0)
 
 
 if __name__ == "__main__":
