@@ -127,7 +127,7 @@ static bool convert(const request *r, const import_map *map, error *e)
                 t.skipped == 1 ? "" : "s", t.first_skipped.text);
     }
     if (ok && r->check) {
-        const arrange_freedom freedom = arrange_freedom_of(map);
+        const arrange_freedom freedom = arrange_freedom_of(map, &m);
         const arrange_result found = arrange_find(&rec, &freedom);
         arrange_print(stdout, map, &m, &found);
         recording_free(&rec);

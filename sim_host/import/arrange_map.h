@@ -11,7 +11,7 @@
 #include <stdio.h>
 
 /* What the map leaves to be tried. */
-arrange_freedom arrange_freedom_of(const import_map *map);
+arrange_freedom arrange_freedom_of(const import_map *map, const motor *m);
 
 /* What fits best, by how much, and the lines of the map for it. */
 void arrange_print(FILE *out, const import_map *map, const motor *m, const arrange_result *r);

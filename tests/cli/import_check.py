@@ -148,6 +148,56 @@ class Check(unittest.TestCase):
         mended = text.replace(next(x for x in text.splitlines() if x.startswith("theta_e_rad")), line)
         self.assertIn("keep the map", self.check({"theta_e_rad": counts}, text=mended), line)
 
+    def test_mechanical_angle(self):
+        theta = [math.remainder(th / 3, 2 * math.pi) for th in self.unwrapped()]
+        omega = [w / 3 for w in self.rec["omega_e_rad_s"]]
+        out = self.check({"theta_e_rad": theta, "omega_e_rad_s": omega})
+        self.assertIn("the angle is the rotor's mechanical one", out)
+        self.assertIn('theta_e_rad = { from = "theta_e_rad", mechanical = true }', out)
+        self.assertIn('omega_e_rad_s = { from = "omega_e_rad_s", mechanical = true }', out)
+        mended = MAP
+        for line in self.lines(out)[1]:
+            if "mechanical" in line:
+                mended = mended.replace(next(x for x in MAP.splitlines() if x.startswith(line.split()[0])), line)
+        self.assertIn("keep the map", self.check({"theta_e_rad": theta, "omega_e_rad_s": omega}, text=mended))
+
+    def test_zero_of_the_converter(self):
+        """Counts of a 12-bit converter, its middle left in; the printed lines correct it, whichever else is wrong."""
+        ampere = 0.01
+        counts = {n: [round(2048 + 5 * k + i / ampere) for i in self.rec[n]] for k, n in enumerate(foreign.I_ABC)}
+        text = MAP
+        for n in foreign.I_ABC:
+            text = text.replace(f'{n} = "{n}"', f'{n} = {{ from = "{n}", scale = {ampere} }}')
+        for sign in (1, -1):
+            changed = counts if sign > 0 else {n: [4096 - c for c in v] for n, v in counts.items()}
+            out = self.check(changed, text=text)
+            self.assertIn("reads 20.", out)
+            self.assertEqual(sign < 0, "wrong sign" in out, out)
+            mended = text
+            for line in self.lines(out)[1]:
+                if line.startswith("i_"):
+                    mended = mended.replace(next(x for x in text.splitlines() if x.startswith(line.split()[0])), line)
+            self.assertIn("keep the map", self.check(changed, text=mended), mended)
+
+    def test_power_invariant_values(self):
+        """In d and q, sqrt(3/2) times the amplitude: currents alone, and both."""
+        i = foreign.dq(self.rec, foreign.I_ABC)
+        rec = {n: v for n, v in self.rec.items() if n not in foreign.I_ABC}
+        text = re.sub(r"i_._A = .*\n", "", MAP) + 'i_d_A = "d"\ni_q_A = "q"\n'
+        rec.update(d=[x for x, _ in i], q=[y for _, y in i])
+        self.assertNotIn("power-invariant", self.check(rec=rec, text=text))
+        rec.update(d=[math.sqrt(1.5) * x for x, _ in i], q=[math.sqrt(1.5) * y for _, y in i])
+        out = self.check(rec=rec, text=text)
+        self.assertIn("the currents are 1.22 times too large: a power-invariant transform? Then scale = 0.816497", out)
+
+    def unwrapped(self):
+        turns, out = 0, []
+        for th in self.rec["theta_e_rad"]:
+            while out and th + 2 * math.pi * turns < out[-1] - math.pi:
+                turns += 1
+            out.append(th + 2 * math.pi * turns)
+        return out
+
     def test_inverted_counts(self):
         flipped = {n: [1 - d for d in self.rec[n]] for n in ("d_a", "d_b", "d_c")}
         self.only("the commands are inverted", "inverted = true", flipped)
