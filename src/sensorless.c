@@ -56,23 +56,28 @@ static iqfoc_ab_t held_current(const iqfoc_sample_t *sample)
     return held;
 }
 
-/* Half the voltage that acts in a half of the cycle with these currents at its ends. */
-static iqfoc_ab_t half_acting(const iqfoc_sensorless_t *s, iqfoc_ab_t u, iqfoc_ab_t begin, iqfoc_ab_t end)
+static iqfoc_ab_t mean_of(iqfoc_ab_t x, iqfoc_ab_t y)
 {
-    const iqfoc_ab_t mean = {iq24_asr32(begin.alpha + end.alpha, 1), iq24_asr32(begin.beta + end.beta, 1)};
-    const iqfoc_ab_t acting = s->acting != NULL ? iqfoc_extension_acting(s->acting, u, mean) : u;
-    const iqfoc_ab_t half = {iq24_asr32(acting.alpha, 1), iq24_asr32(acting.beta, 1)};
-    return half;
+    const iqfoc_ab_t mean = {iq24_asr32(x.alpha + y.alpha, 1), iq24_asr32(x.beta + y.beta, 1)};
+    return mean;
+}
+
+iqfoc_ab_t iqfoc_sensorless_acting(const iqfoc_extension_t *acting, iqfoc_ab_t u, iqfoc_ab_t start,
+                                   iqfoc_ab_t middle, iqfoc_ab_t end)
+{
+    if (acting == NULL) {
+        return u;
+    }
+    const iqfoc_ab_t first = iqfoc_extension_acting(acting, u, mean_of(start, middle));
+    return mean_of(first, iqfoc_extension_acting(acting, u, mean_of(middle, end)));
 }
 
 static void step_observer(iqfoc_sensorless_t *s, const iqfoc_cycle_t *cycle, iqfoc_ab_t i)
 {
-    const iqfoc_ab_t begin = {IQ24_HOLD_BITS(cycle->i_valley.alpha, 28),
+    const iqfoc_ab_t start = {IQ24_HOLD_BITS(cycle->i_valley.alpha, 28),
                               IQ24_HOLD_BITS(cycle->i_valley.beta, 28)};
-    const iqfoc_ab_t first = half_acting(s, cycle->u_now, begin, s->i_peak);
-    const iqfoc_ab_t second = half_acting(s, cycle->u_now, s->i_peak, i);
-    const iqfoc_ab_t u = {first.alpha + second.alpha, first.beta + second.beta};
-    iqfoc_observer_step(&s->observer, u, iqfoc_observer_mean(begin, s->i_peak, i), i);
+    const iqfoc_ab_t u = iqfoc_sensorless_acting(s->acting, cycle->u_now, start, s->i_peak, i);
+    iqfoc_observer_step(&s->observer, u, iqfoc_observer_mean(start, s->i_peak, i), i);
 }
 
 /* No voltage is known, or none that shows the angle: the observer begins at the best angle there is. */

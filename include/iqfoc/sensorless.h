@@ -63,6 +63,18 @@ typedef struct iqfoc_sensorless {
 } iqfoc_sensorless_t;
 
 /*
+ * The voltage that acts in a cycle with the samples of the current at its start, middle and end: the mean of
+ * iqfoc_extension_acting at the mean current of each half. Stationary frame, per unit. acting: checked by
+ * iqfoc_extension_check, or NULL: the result is u. u: commanded, |component| <= 16; |component of a sample| <= 16.
+ * Largest error: 2.6 LSB, and |v_dead knee_inverse| LSB of the mean currents. The valley and `iqfoc observe` use this
+ * function. It has no state, so any context may call it.
+ *
+ * Range: the sum of two samples is within 32, and the sum of two voltages, 32.4 each, within 64.8.
+ */
+iqfoc_ab_t iqfoc_sensorless_acting(const iqfoc_extension_t *acting, iqfoc_ab_t u, iqfoc_ab_t start,
+                                   iqfoc_ab_t middle, iqfoc_ab_t end);
+
+/*
  * Checks the configurations, which must outlive the object; then the source is MEASURED. acting: checked by
  * iqfoc_extension_check, or NULL. start: NULL if iqfoc_sensorless_start is never called. Errors: those of
  * iqfoc_observer_init and iqfoc_start_init. Ahead of the first interrupt.

@@ -3,7 +3,7 @@
 
 #include "extension_host.h"
 
-#include "iqfoc/observer.h"
+#include "iqfoc/sensorless.h"
 #include "iqfoc/transform.h"
 
 #include <math.h>
@@ -104,13 +104,6 @@ static double complex voltage_of(const replay *p, const stretch *s, size_t k)
     return late + (delay - whole) * (later - late);
 }
 
-/* As the firmware has it (iqfoc_sensorless_valley): the loss of the legs in each half of the cycle. */
-static iqfoc_ab_t acting(const replay *p, iqfoc_ab_t u, iqfoc_ab_t start, iqfoc_ab_t middle, iqfoc_ab_t end)
-{
-    const iqfoc_ab_t first = iqfoc_extension_acting(&p->extension, u, middle_of(start, middle));
-    return middle_of(first, iqfoc_extension_acting(&p->extension, u, middle_of(middle, end)));
-}
-
 static void step(replay *p, const stretch *s, size_t k)
 {
     const bool has_middle = p->r->i_mid_A[0] != NULL;
@@ -121,7 +114,8 @@ static void step(replay *p, const stretch *s, size_t k)
     const double complex u = voltage_of(p, s, k);
     const iqfoc_ab_t u_pu =
         ab_from_complex(cabs(u) > p->base.U_V ? u * p->base.U_V / cabs(u) : u, p->base.U_V);
-    iqfoc_observer_step(&p->observer, acting(p, u_pu, start, middle, end), mean, end);
+    iqfoc_observer_step(&p->observer, iqfoc_sensorless_acting(&p->extension, u_pu, start, middle, end), mean,
+                        end);
 }
 
 /* Lock and its loss, since the last row. */

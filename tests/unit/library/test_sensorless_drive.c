@@ -273,6 +273,46 @@ static void test_refuses_what_its_parts_refuse(void)
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_sensorless_init(&drive, &observer_config, NULL, NULL));
 }
 
+static double lost_of(const iqfoc_extension_t *x, double i)
+{
+    return to_double(x->v_dead) * fmax(-1.0, fmin(1.0, i * to_double(x->knee_inverse)));
+}
+
+static double complex acting_of(const iqfoc_extension_t *x, double complex u, double complex i)
+{
+    double lost[3];
+    for (int k = 0; k < 3; k++) {
+        lost[k] = lost_of(x, phase_of(i, k));
+    }
+    return to_double(x->k_u) * u - vector_of(lost);
+}
+
+/* The mean of both halves, and the bound that sensorless.h states, in LSB. */
+static void test_voltage_that_acts(void)
+{
+    uint64_t seed = 31;
+    for (int n = 0; n < 300000; n++) {
+        const double reach = n % 2 == 0 ? 15.9 : 0.5;
+        const iqfoc_extension_t x = {.k_u = random_iq24(&seed, 0.5, 2.0),
+                                     .v_dead = random_iq24(&seed, -0.25, 0.25),
+                                     .knee_inverse = random_iq24(&seed, 0.0, 127.0)};
+        const iqfoc_ab_t u = random_ab_in_square(&seed, n % 3 == 0 ? 16.0 : 1.0);
+        iqfoc_ab_t i[3];
+        double complex exact[3];
+        for (int k = 0; k < 3; k++) {
+            i[k] = random_ab_in_square(&seed, reach);
+            exact[k] = complex_of_ab(i[k]);
+        }
+        const double complex mean = 0.5 * (acting_of(&x, complex_of_ab(u), 0.5 * (exact[0] + exact[1])) +
+                                           acting_of(&x, complex_of_ab(u), 0.5 * (exact[1] + exact[2])));
+        const double complex wrong = complex_of_ab(iqfoc_sensorless_acting(&x, u, i[0], i[1], i[2])) - mean;
+        const double slope = fabs(to_double(x.v_dead)) * to_double(x.knee_inverse);
+        TEST_ASSERT_DOUBLE_WITHIN((2.6 + slope) / 16777216.0, 0.0,
+                                  fmax(fabs(creal(wrong)), fabs(cimag(wrong))));
+        TEST_ASSERT_EQUAL_INT32(u.beta, iqfoc_sensorless_acting(NULL, u, i[0], i[1], i[2]).beta);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -281,6 +321,7 @@ int main(void)
     RUN_TEST(test_catches_a_turning_machine);
     RUN_TEST(test_lost_lock_sets_the_status);
     RUN_TEST(test_waits_while_the_gates_are_off);
+    RUN_TEST(test_voltage_that_acts);
     RUN_TEST(test_refuses_what_its_parts_refuse);
     return UNITY_END();
 }
