@@ -6,8 +6,8 @@ raises ValueError for arguments that it cannot use. Figures are rounded to what 
 machines.
 """
 
-from . import (bench, carried_on, diagnosis, front, induction, instructions, loops, mean_map, papers, patterns, picture, plan, run,
-               sensorless, sweep, thresholds, tune, watch)
+from . import (bench, carried_on, diagnosis, front, induction, instructions, loops, mean_map, observers, papers, patterns, picture, plan,
+               run, sensorless, sweep, thresholds, tune, watch)
 
 GENERATORS = {
     "bench": bench.generate,
@@ -18,6 +18,7 @@ GENERATORS = {
     "induction": induction.generate,
     "instructions": instructions.generate,
     "mean_map": mean_map.generate,
+    "observers": observers.generate,
     "papers": papers.generate,
     "patterns": patterns.generate,
     "picture": picture.generate,
