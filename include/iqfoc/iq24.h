@@ -124,15 +124,17 @@ typedef int64_t iq24_acc_t; /* Q15.48: a sum of products of iq24_t before roundi
 
 /*
  * IQ24(x): the iq24_t nearest to the constant x, ties away from zero. x is a constant floating expression with -128 -
- * 2^-25 < x < 128 - 2^-25; it is evaluated more than once, and folds at compile time. gcc and clang warn of a
- * constant out of range, so that -Werror refuses it. The remainder of the truncation is exact, unlike x * 2^24 + 0.5,
- * which is itself rounded before it is truncated.
+ * 2^-25 < x < 128 - 2^-25; it is evaluated more than once, and folds at compile time. A constant out of range is a
+ * division by zero: an error where a constant is needed, elsewhere a warning, which -Werror makes one. The remainder
+ * of the truncation is exact, unlike x * 2^24 + 0.5, which is itself rounded before it is truncated.
  */
-#define IQ24(x)                                                                                              \
+#define IQ24(x) (IQ24_NEAREST_(x) / IQ24_IS_IN_RANGE_(x))
+#define IQ24_NEAREST_(x)                                                                                     \
     IQ24_CAST_(iq24_t, IQ24_CUT_(x) + (IQ24_SCALED_(x) - IQ24_CUT_(x) >= 0.5) -                              \
                            (IQ24_SCALED_(x) - IQ24_CUT_(x) <= -0.5))
-#define IQ24_SCALED_(x) ((x)*16777216.0)
-#define IQ24_CUT_(x)    IQ24_CAST_(iq24_t, IQ24_SCALED_(x))
+#define IQ24_IS_IN_RANGE_(x) (((IQ24_SCALED_(x) > -2147483648.5) && (IQ24_SCALED_(x) < 2147483647.5)) ? 1 : 0)
+#define IQ24_SCALED_(x)      ((x)*16777216.0)
+#define IQ24_CUT_(x)         IQ24_CAST_(iq24_t, IQ24_SCALED_(x))
 
 /*
  * x 2^bits of constants, 0 <= bits <= 62, for numbers in other formats: like IQ24() nothing that the target

@@ -35,7 +35,7 @@ template <> struct iqfoc_range_check_<true> {
 #endif
 
 /* The IQ24 constant of x, or no constant at all if x is outside low ... high. */
-#define IQFOC_CHECKED(x, low, high) (IQ24(x) / IQFOC_WITHIN_(x, low, high))
+#define IQFOC_CHECKED(x, low, high) (IQ24_NEAREST_(x) / IQFOC_WITHIN_(x, low, high))
 
 /* Current base in A from the rated phase current in A rms. */
 #define IQFOC_I_BASE(I_rated_A_rms) (1.4142135623730951 * (I_rated_A_rms))

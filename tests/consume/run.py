@@ -367,6 +367,14 @@ def refuses_a_value_out_of_its_range(folder):
             file.write_text('#include "iqfoc/iqfoc.h"\nextern const iqfoc_predictor_t p;\n'
                             f"const iqfoc_predictor_t p = IQFOC_PREDICTOR({resistance}, 5.2e-3, 0.134, 2e-4, 14.8, 750.0);\n")
             run([*language, f"-I{INCLUDE}", "-Werror", "-c", file, "-o", folder / "range.o"], status=status)
+        for constant, status in (("-128.0", value), ("127.99999994", value), ("128.0", None), ("200.0", None), ("-128.1", None)):
+            file.write_text('#include "iqfoc/iq24.h"\n#define X ' + constant + """
+                            extern const iq24_t at_file_scope[1];
+                            const iq24_t at_file_scope[1] = {IQ24(X)};
+                            iq24_t in_a_function(void);
+                            iq24_t in_a_function(void) { return IQ24(X); }
+                            """)
+            run([*language, f"-I{INCLUDE}", "-Werror", "-c", file, "-o", folder / "range.o"], status=status)
 
 
 CHECKS = [
