@@ -1,5 +1,6 @@
 /* iqfoc watch: trials of the firmware's change detector. */
 #include "base/confine.h"
+#include "base/inputs.h"
 #include "base/json_file.h"
 #include "command.h"
 #include "drive_emulated.h"
@@ -193,7 +194,8 @@ static bool try_all(const request *r, const tune_result *design, error *e)
     const uint64_t seed = (uint64_t)r->seed;
     all.tried = r->trials > 0;
     all.fall = tune_watch_fall(&design->motor);
-    bool ok = take_conditions(r, all.ran, e);
+    /* The trials take their time: the JSON's place is asked for before them. */
+    bool ok = take_conditions(r, all.ran, e) && (r->json_path == NULL || inputs_spare(r->json_path, e));
     for (int n = 0; n < WATCH_CONDITIONS && ok; n++) {
         ok = !all.ran[n] ||
              watch_clean_run(design, (watch_condition)n, r->cycles, seed + 1000000, &all.clean[n], e);

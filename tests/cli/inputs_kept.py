@@ -59,20 +59,28 @@ def main():
         extended = result / "motor_extended.toml"
         cases = []
         for kind in NAMES:
-            # A diagnosis is long: it has the plain name and the link that hides it best.
+            # A diagnosis and a design are long: they have the plain name and the link that hides it best.
             cases += [
                 (recording, ["diagnose", recording, "--motor", motor, "--json", other_name(recording, kind)]),
                 (motor, ["diagnose", recording, "--motor", motor, "--json", other_name(motor, kind)]),
+                (diagnosis, ["tune", "--motor", motor, "--diagnosis", diagnosis, "--drives", "1", "--json", other_name(diagnosis, kind)]),
             ] if kind in ("same", "hard") else []
             cases += [
                 (log, ["import", log, "--map", trace, "-o", other_name(log, kind)]),
                 (trace, ["import", log, "--map", trace, "-o", other_name(trace, kind)]),
                 (motor, ["simulate", "--motor", motor, "--scenario", scenario, "-o", other_name(motor, kind)]),
                 (scenario, ["simulate", "--motor", motor, "--scenario", scenario, "-o", other_name(scenario, kind)]),
-                (diagnosis, ["tune", "--motor", motor, "--diagnosis", diagnosis, "--drives", "1", "--json", other_name(diagnosis, kind)]),
                 (motor, ["export-fmu", "--motor", motor, "-o", other_name(motor, kind)]),
                 (log, ["record", "--port", log, "-o", other_name(log, kind)]),
+                (recording, ["plot", recording, "--motor", motor, "-o", other_name(recording, kind)]),
+                (motor, ["plot", recording, "--motor", motor, "-o", other_name(motor, kind)]),
+                (recording, ["observe", recording, "--motor", motor, "--json", other_name(recording, kind)]),
+                (motor, ["plan", "--motor", motor, "-o", other_name(motor, kind)]),
+                (motor, ["plan", "--motor", motor, "-o", "plan.toml", "--firmware", other_name(motor, kind)]),
+                (motor, ["loops", "--motor", motor, "--extended", extended, "--json", other_name(motor, kind)]),
             ]
+            cases += [(motor, [*command, "--motor", motor, "--json", other_name(motor, kind)])
+                      for command in (["sweep", "--rpm", "1000"], ["patterns"], ["watch"])]
         cases.append((extended, ["diagnose", recording, "--motor", extended, "-o", result]))
         for kept, arguments in cases:
             if arguments[0] not in there:
