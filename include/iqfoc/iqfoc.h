@@ -29,6 +29,7 @@
 #include "methods.h"
 #include "modulation.h"
 #include "observer.h"
+#include "observer_inductance.h"
 #include "offset.h"
 #include "overmodulation.h"
 #include "params.h"

@@ -86,7 +86,7 @@ typedef struct iqfoc_observer_config {
 
 /* Angles in Q32: a turn is 2^32, and a wrap of the number is a whole turn. */
 typedef struct iqfoc_observer {
-    /* Between two steps another set may be put here that iqfoc_observer_check accepts: adapted R and flux. */
+    /* Between two steps another set may be put here that iqfoc_observer_check accepts: adapted R, flux, L_q. */
     const iqfoc_observer_config_t *config;
     iqfoc_ab_t psi;    /* flux linkage at the last step, stationary frame: each component within +-32 */
     int32_t theta_q32; /* at the last step */

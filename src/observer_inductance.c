@@ -1,0 +1,69 @@
+/* L_q of the observer from steps of the current (include/iqfoc/observer_inductance.h). */
+#include "iqfoc/observer_inductance.h"
+
+#include "iqfoc/iq24_math.h"
+#include "iqfoc/transform.h"
+
+#include <stddef.h>
+
+#define TWO_PI IQ24(6.283185307179586)
+
+iqfoc_error_t iqfoc_observer_inductance_init(iqfoc_observer_inductance_t *a,
+                                             const iqfoc_observer_inductance_config_t *config,
+                                             const iqfoc_observer_config_t *nominal)
+{
+    if (a == NULL || config == NULL) {
+        return IQFOC_ERROR_NULL;
+    }
+    const iqfoc_error_t error = iqfoc_observer_check(nominal);
+    if (error != IQFOC_OK) {
+        return error;
+    }
+    const iq24_t l_d = nominal->machine.l_d;
+    const bool good = iq24_within(config->gain, 1, IQ24_ONE) &&
+                      iq24_within(config->least, IQ24(0.0625), IQ24_ONE) &&
+                      iq24_within(config->low, 1, nominal->machine.l_q) &&
+                      iq24_within(config->high, nominal->machine.l_q, IQ24(8.0)) &&
+                      iq24_within(l_d - config->low, IQ24(-4.0), IQ24(4.0)) &&
+                      iq24_within(l_d - config->high, IQ24(-4.0), IQ24(4.0));
+    if (!good) {
+        return IQFOC_ERROR_OBSERVER;
+    }
+    a->config = config;
+    a->adapted = *nominal;
+    a->level = 0;
+    a->slope = 0;
+    a->follows = false;
+    return IQFOC_OK;
+}
+
+/* x of this cycle. Range: the header's. */
+static iq24_t filtered(iqfoc_observer_inductance_t *a, iq24_t i_q)
+{
+    const iq24_t expected = a->level + a->slope;
+    const iq24_t x = IQ24_HOLD_BITS(i_q - expected, 28);
+    a->level = IQ24_HOLD_BITS(expected + iq24_mul_trunc(a->adapted.k1, x), 29);
+    a->slope = IQ24_HOLD_BITS(a->slope + iq24_mul_trunc(a->adapted.k2, x), 28);
+    return x;
+}
+
+void iqfoc_observer_inductance_step(iqfoc_observer_inductance_t *a, const iqfoc_observer_t *o, iqfoc_ab_t i)
+{
+    const iqfoc_observer_inductance_config_t *c = a->config;
+    const iq24_t i_q = IQ24_HOLD_BITS(iqfoc_park(i, iq24_sincos(iqfoc_observer_theta(o, 0))).q, 27);
+    if (!o->locked || !a->follows) {
+        a->level = i_q;
+        a->slope = 0;
+        a->follows = o->locked;
+        return;
+    }
+    const iq24_t x = filtered(a, i_q);
+    if (iq24_within(x, 1 - c->least, c->least - 1)) {
+        return;
+    }
+    const iq24_t squares = iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(x, x), c->least, c->least));
+    const iq24_t turned = iq24_mul_sat(TWO_PI, o->error);
+    const iq24_t across = IQ24_HOLD_BITS(iq24_mul_sat(a->adapted.machine.psi, turned), 28);
+    const iq24_t step = iq24_mul_round(c->gain, iq24_mul_round(across, iq24_div(x, squares)));
+    a->adapted.machine.l_q = iq24_clamp(a->adapted.machine.l_q + step, c->low, c->high);
+}
