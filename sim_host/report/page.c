@@ -69,6 +69,11 @@ void page_heading(page *p, int level, const char *text)
     fprintf(p->file.stream, "</h%d>\n", level);
 }
 
+void page_markup(page *p, const char *html)
+{
+    fputs(html, p->file.stream);
+}
+
 static void put_formatted(FILE *out, const char *format, va_list args)
 {
     char usual[2048];
@@ -98,26 +103,6 @@ void page_paragraph(page *p, const char *class_name, const char *format, ...)
     fputs("</p>\n", p->file.stream);
 }
 
-void page_first_begin(page *p)
-{
-    fputs("<div class=\"first\">\n", p->file.stream);
-}
-
-void page_first_figure(page *p)
-{
-    fputs("<div class=\"proof\">\n", p->file.stream);
-}
-
-void page_first_beside(page *p)
-{
-    fputs("</div><div class=\"steps\">\n", p->file.stream);
-}
-
-void page_first_end(page *p)
-{
-    fputs("</div></div>\n", p->file.stream);
-}
-
 void page_verdict(page *p, const char *verdict, const char *sentence)
 {
     FILE *out = p->file.stream;
@@ -145,41 +130,11 @@ void page_meter(page *p, const char *name, double value, const char *unit, doubl
             unit);
 }
 
-void page_meters_end(page *p)
-{
-    fputs("</dl></div>\n", p->file.stream);
-}
-
 void page_details_begin(page *p, const char *summary)
 {
     fputs("<details><summary>", p->file.stream);
     html_text(p->file.stream, summary);
     fputs("</summary>\n", p->file.stream);
-}
-
-void page_details_end(page *p)
-{
-    fputs("</details>\n", p->file.stream);
-}
-
-void page_pair_begin(page *p)
-{
-    fputs("<div class=\"pair\"><div>\n", p->file.stream);
-}
-
-void page_twins_begin(page *p)
-{
-    fputs("<div class=\"pair twins\"><div>\n", p->file.stream);
-}
-
-void page_pair_beside(page *p)
-{
-    fputs("</div><div>\n", p->file.stream);
-}
-
-void page_pair_end(page *p)
-{
-    fputs("</div></div>\n", p->file.stream);
 }
 
 static bool write_side_file(const page *p, const char *id, const char *svg, error *e)
@@ -259,11 +214,6 @@ bool page_chart(page *p, const chart *drawn, const char *id, const char *caption
     return page_charts(p, drawn, 1, id, caption, e);
 }
 
-void page_terms_begin(page *p)
-{
-    fputs("<dl>\n", p->file.stream);
-}
-
 void page_term(page *p, const char *term, const char *format, ...)
 {
     va_list args;
@@ -274,11 +224,6 @@ void page_term(page *p, const char *term, const char *format, ...)
     put_formatted(p->file.stream, format, args);
     va_end(args);
     fputs("</dd>\n", p->file.stream);
-}
-
-void page_terms_end(page *p)
-{
-    fputs("</dl>\n", p->file.stream);
 }
 
 void page_table_begin(page *p, const char *const *heads, size_t columns)
@@ -295,11 +240,6 @@ void page_table_begin(page *p, const char *const *heads, size_t columns)
     fputs("</tr>\n", p->file.stream);
 }
 
-void page_row_begin(page *p)
-{
-    fputs("<tr>", p->file.stream);
-}
-
 void page_cell(page *p, bool number, const char *format, ...)
 {
     va_list args;
@@ -308,14 +248,4 @@ void page_cell(page *p, bool number, const char *format, ...)
     put_formatted(p->file.stream, format, args);
     va_end(args);
     fputs("</td>", p->file.stream);
-}
-
-void page_row_end(page *p)
-{
-    fputs("</tr>\n", p->file.stream);
-}
-
-void page_table_end(page *p)
-{
-    fputs("</table></div>\n", p->file.stream);
 }

@@ -39,14 +39,17 @@ void page_paragraph(page *p, const char *class_name, const char *format, ...) ER
 /* In smaller type: a remark below a table. */
 #define page_note(p, ...) page_paragraph(p, "note", __VA_ARGS__)
 
+/* Writes HTML as it is. */
+void page_markup(page *p, const char *html);
+
 /*
  * The first screen: what is written after page_first_begin spans its width; then come two blocks, next to one another
  * in a wide window and below one another in a narrow one.
  */
-void page_first_begin(page *p);
-void page_first_figure(page *p);
-void page_first_beside(page *p);
-void page_first_end(page *p);
+#define page_first_begin(p)  page_markup(p, "<div class=\"first\">\n")
+#define page_first_figure(p) page_markup(p, "<div class=\"proof\">\n")
+#define page_first_beside(p) page_markup(p, "</div><div class=\"steps\">\n")
+#define page_first_end(p)    page_markup(p, "</div></div>\n")
 
 /* The verdict: its word on a coloured badge (page.css has a colour for each verdict), and a sentence. */
 void page_verdict(page *p, const char *verdict, const char *sentence);
@@ -55,19 +58,19 @@ void page_verdict(page *p, const char *verdict, const char *sentence);
 void page_meters_begin(page *p, const char *title);
 void page_meter(page *p, const char *name, double value, const char *unit, double full_scale,
                 chart_colour colour);
-void page_meters_end(page *p);
+#define page_meters_end(p) page_markup(p, "</dl></div>\n")
 
 /* What follows is hidden until the reader opens it. */
 void page_details_begin(page *p, const char *summary);
-void page_details_end(page *p);
+#define page_details_end(p) page_markup(p, "</details>\n")
 
 /* Two things side by side where the window is wide enough, else one below the other: what is written after
  * page_pair_begin, and what is written after page_pair_beside. */
-void page_pair_begin(page *p);
+#define page_pair_begin(p) page_markup(p, "<div class=\"pair\"><div>\n")
 /* The same in two columns of equal width, for two figures. */
-void page_twins_begin(page *p);
-void page_pair_beside(page *p);
-void page_pair_end(page *p);
+#define page_twins_begin(p) page_markup(p, "<div class=\"pair twins\"><div>\n")
+#define page_pair_beside(p) page_markup(p, "</div><div>\n")
+#define page_pair_end(p)    page_markup(p, "</div></div>\n")
 
 /*
  * Draws a plot by gnuplot into the page: what no chart can show, contour lines. id: also the file's name. Without
@@ -83,15 +86,15 @@ bool page_charts(page *p, const chart *charts, size_t count, const char *id, con
 bool page_chart(page *p, const chart *drawn, const char *id, const char *caption, error *e);
 
 /* Terms, each with what is said of it. */
-void page_terms_begin(page *p);
+#define page_terms_begin(p) page_markup(p, "<dl>\n")
 void page_term(page *p, const char *term, const char *format, ...) ERROR_PRINTF(3, 4);
-void page_terms_end(page *p);
+#define page_terms_end(p) page_markup(p, "</dl>\n")
 
 /* A table, cell by cell; numbers are aligned right, and so are heads that begin with a tab. */
 void page_table_begin(page *p, const char *const *heads, size_t columns);
-void page_row_begin(page *p);
+#define page_row_begin(p) page_markup(p, "<tr>")
 void page_cell(page *p, bool number, const char *format, ...) ERROR_PRINTF(3, 4);
-void page_row_end(page *p);
-void page_table_end(page *p);
+#define page_row_end(p)   page_markup(p, "</tr>\n")
+#define page_table_end(p) page_markup(p, "</table></div>\n")
 
 #endif
