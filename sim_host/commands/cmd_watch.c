@@ -193,7 +193,7 @@ static bool try_all(const request *r, const tune_result *design, error *e)
     static watch_results all;
     const uint64_t seed = (uint64_t)r->seed;
     all.tried = r->trials > 0;
-    all.fall = tune_watch_fall(&design->motor);
+    all.fall = tune_fall_of(&design->motor).flux;
     /* The trials take their time: the JSON's place is asked for before them. */
     bool ok = take_conditions(r, all.ran, e) && (r->json_path == NULL || inputs_spare(r->json_path, e));
     for (int n = 0; n < WATCH_CONDITIONS && ok; n++) {

@@ -51,6 +51,18 @@ typedef struct tune_region {
 /* The motor's own machine, at zero current. */
 tune_machine tune_machine_of_motor(const motor *m);
 
+/*
+ * Fall of the inductances with the current, by the motor file's saturation or flux map: the largest share at currents
+ * up to the rated peak in every direction. All 0 without either.
+ */
+typedef struct tune_fall {
+    double d, q; /* of the incremental inductances */
+    double flux; /* of the current's flux, relative to L i */
+    bool known;  /* the motor file has a saturation or a flux map */
+} tune_fall;
+
+tune_fall tune_fall_of(const motor *m);
+
 /* The nominal machine is the motor's. Tolerances: shares, 0 <= x < 1. */
 void tune_region_of_tolerances(const motor *m, const tune_tolerances *t, tune_region *region);
 

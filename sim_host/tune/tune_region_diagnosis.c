@@ -161,17 +161,24 @@ static int take_intervals(tune_region *region, const double low[AXES_NAMED], con
 
 enum { FALL_DIRECTIONS = 24, FALL_STEPS = 10 };
 
-/* Of the incremental inductances, the lowest over those without current, up to the rated peak in every direction. */
-static void fall_of_map(const averaged_drive *drive, double I_A, double *fall_d, double *fall_q)
+tune_fall tune_fall_of(const motor *m)
 {
-    const flux_map_point none = flux_map_at(drive, (vec_dq){0.0, 0.0});
-    for (int n = 0; n < FALL_DIRECTIONS * FALL_STEPS; n++) {
+    const averaged_drive drive = averaged_drive_of(m);
+    const flux_map_slope none = flux_map_at(&drive, (vec_dq){0.0, 0.0}).slope;
+    const double I_A = motor_rated_peak_A(m);
+    tune_fall fall = {.known = flux_map_bends(&drive)};
+    for (int n = 0; n < FALL_DIRECTIONS * FALL_STEPS && fall.known; n++) {
         const double angle = VEC_TWO_PI * (n % FALL_DIRECTIONS) / FALL_DIRECTIONS;
         const double size_A = I_A * (n / FALL_DIRECTIONS + 1) / FALL_STEPS;
-        const flux_map_point at = flux_map_at(drive, (vec_dq){size_A * cos(angle), size_A * sin(angle)});
-        *fall_d = fmax(*fall_d, 1.0 - at.slope.dd / none.slope.dd);
-        *fall_q = fmax(*fall_q, 1.0 - at.slope.qq / none.slope.qq);
+        const vec_dq i_A = {size_A * cos(angle), size_A * sin(angle)};
+        const vec_dq straight = {none.dd * i_A.d, none.qq * i_A.q};
+        const flux_map_point at = flux_map_at(&drive, i_A);
+        fall.d = fmax(fall.d, 1.0 - at.slope.dd / none.dd);
+        fall.q = fmax(fall.q, 1.0 - at.slope.qq / none.qq);
+        fall.flux = fmax(fall.flux, hypot(straight.d - at.flux.d, straight.q - at.flux.q) /
+                                        hypot(straight.d, straight.q));
     }
+    return fall;
 }
 
 /* A map that turns back is none of iron: a tenth of L is left, as in a flux that saturates fully. */
@@ -179,16 +186,11 @@ static const double FALL_MOST = 0.9;
 
 static void add_fall(const motor *m, const tune_tolerances *t, tune_region *region)
 {
-    const averaged_drive drive = averaged_drive_of(m);
-    const bool known = flux_map_bends(&drive);
-    region->fall_d = region->fall_q = known ? 0.0 : t->L;
-    region->fall_source = known ? "the motor file's saturation, up to the rated peak"
-                                : "the tolerance of L, since the motor file has no saturation";
-    if (known) {
-        fall_of_map(&drive, motor_rated_peak_A(m), &region->fall_d, &region->fall_q);
-    }
-    region->fall_d = fmin(region->fall_d, FALL_MOST);
-    region->fall_q = fmin(region->fall_q, FALL_MOST);
+    const tune_fall fall = tune_fall_of(m);
+    region->fall_source = fall.known ? "the motor file's saturation, up to the rated peak"
+                                     : "the tolerance of L, since the motor file has no saturation";
+    region->fall_d = fmin(fall.known ? fall.d : t->L, FALL_MOST);
+    region->fall_q = fmin(fall.known ? fall.q : t->L, FALL_MOST);
     region->low[AXIS_D] = fmin(region->low[AXIS_D], -region->fall_d * region->centre.L_d_H);
     region->low[AXIS_Q] = fmin(region->low[AXIS_Q], -region->fall_q * region->centre.L_q_H);
 }

@@ -3,8 +3,6 @@
 
 #include "per_unit.h"
 
-#include "model/flux_map.h"
-
 #include "iqfoc/watch.h"
 
 #include <math.h>
@@ -31,25 +29,6 @@ static double greatest_size(const tune_result *r)
     return fmax(fmax(of_flux, of_voltage), of_current);
 }
 
-enum { DIRECTIONS = 24, STEPS = 10 };
-
-double tune_watch_fall(const motor *m)
-{
-    const averaged_drive drive = averaged_drive_of(m);
-    const flux_map_slope none = flux_map_at(&drive, (vec_dq){0.0, 0.0}).slope;
-    const double I_A = motor_rated_peak_A(m);
-    double fall = 0.0;
-    for (int n = 0; n < DIRECTIONS * STEPS && flux_map_bends(&drive); n++) {
-        const double angle = VEC_TWO_PI * (n % DIRECTIONS) / DIRECTIONS;
-        const double size_A = I_A * (n / DIRECTIONS + 1) / STEPS;
-        const vec_dq i_A = {size_A * cos(angle), size_A * sin(angle)};
-        const vec_dq straight = {none.dd * i_A.d, none.qq * i_A.q};
-        const vec_dq flux = flux_map_flux(&drive, i_A);
-        fall = fmax(fall, hypot(straight.d - flux.d, straight.q - flux.q) / hypot(straight.d, straight.q));
-    }
-    return fall;
-}
-
 tune_watch tune_watch_of(const tune_result *r)
 {
     const tune_region *region = &r->region;
@@ -60,7 +39,7 @@ tune_watch tune_watch_of(const tune_result *r)
         const tune_machine *m = &region->point[n].machine;
         w.R = centre->R_ohm > 0.0 ? fmax(w.R, fabs(m->R_ohm / centre->R_ohm - 1.0)) : 0.0;
     }
-    w.fall = tune_watch_fall(&r->motor);
+    w.fall = tune_fall_of(&r->motor).flux;
     w.L = fmax(region->L_off, w.fall);
     const double noise = VECTOR_OVER_SENSOR * region->noise_A / motor_rated_peak_A(&r->motor);
     /* A margin for the constant's rounding. */

@@ -21,12 +21,6 @@ typedef struct tune_watch {
  */
 tune_watch tune_watch_of(const tune_result *r);
 
-/*
- * The share by which the current's flux falls short of L i, at most, at currents up to the rated peak in every
- * direction: by the motor file's saturation or flux map. 0 without either.
- */
-double tune_watch_fall(const motor *m);
-
 /* The smallest change of R, L and psi_f that is detected without noise, as shares. */
 typedef struct tune_noted {
     double R, L, psi;

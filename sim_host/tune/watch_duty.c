@@ -118,7 +118,7 @@ bool watch_duty_begin(watch_duty *w, const tune_result *r, watch_condition condi
         !tuned_drive_extend(&w->firmware, m, e)) {
         return false;
     }
-    const tune_watch sure = {.noise_pu = WATCH_NOISE, .L = tune_watch_fall(&r->motor)};
+    const tune_watch sure = {.noise_pu = WATCH_NOISE, .L = tune_fall_of(&r->motor).flux};
     tune_watch known = r->region.noise_A > 0.0 ? tune_watch_of(r) : sure;
     known.L = fmax(known.L, saturation_of(condition));
     tuned_drive_watch(&w->firmware, m, &r->design.machine, &known);

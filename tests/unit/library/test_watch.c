@@ -634,12 +634,12 @@ static void a_saturation_in_the_motor_file_is_no_change(void)
     watch_clean clean;
     TEST_ASSERT_TRUE_MESSAGE(motor_read("data/motors/compressor_salient.toml", &r.motor, &e), e.text);
     r.motor.f_pwm_Hz = 8000.0;
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, tune_watch_fall(&r.motor));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, tune_fall_of(&r.motor).flux);
     r.motor.ext.has[CAUSE_SATURATION] = true;
     r.motor.ext.L_0_H = L_H;
     r.motor.ext.I_sat_A = 3.0 * I_B;
     tune_region_of_tolerances(&r.motor, &t, &r.region);
-    const double fall = tune_watch_fall(&r.motor);
+    const double fall = tune_fall_of(&r.motor).flux;
     printf("  L falls by %.2f %%\n", 100.0 * fall);
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.10, fall);
     TEST_ASSERT_TRUE_MESSAGE(tune_design_bandwidth(&r, &e), e.text);
