@@ -46,7 +46,8 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_SHUNTS = -46,        /* shunts.h */
     IQFOC_ERROR_RESTART = -47,       /* restart.h */
     IQFOC_ERROR_SUPERVISION = -48,   /* supervision.h */
-    IQFOC_ERROR_OBSERVER = -49       /* observer.h */
+    IQFOC_ERROR_OBSERVER = -49,      /* observer.h */
+    IQFOC_ERROR_PATTERN = -50        /* pattern.h: the table or the least time */
 } iqfoc_error_t;
 
 #endif

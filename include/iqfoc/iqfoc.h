@@ -33,6 +33,7 @@
 #include "offset.h"
 #include "overmodulation.h"
 #include "params.h"
+#include "pattern.h"
 #include "predictor.h"
 #include "predictor_exact.h"
 #include "predictor_form.h"

@@ -18,6 +18,7 @@
 
 enum {
     PATTERNS_ROWS = 70,
+    PATTERNS_ROWS_PER_INDEX = 100,
     PATTERNS_PULSES_LEAST = 3,
     PATTERNS_PULSES_MOST = 2 * PATTERN_ANGLES_MOST + 1,
     PATTERNS_RESULTS_MOST = PATTERN_ANGLES_MOST /* one for each number of pulses */
@@ -62,7 +63,7 @@ json_t *patterns_json(const patterns_result *r, size_t count);
 
 void patterns_print(const patterns_result *r, size_t count, FILE *out);
 
-/* DIRECTORY/iqfoc_pattern.h: the angles in IQ24. */
+/* DIRECTORY/iqfoc_pattern.h: the tables for iqfoc/pattern.h. */
 bool patterns_header(const patterns_result *r, size_t count, const char *directory, error *e);
 
 /* DIRECTORY/index.html. */

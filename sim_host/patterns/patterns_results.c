@@ -122,30 +122,19 @@ static long iq24(double x)
 static void put_table(const patterns_result *r, FILE *out)
 {
     const int pulses = r->asked.pulses;
-    const int angles = (pulses - 1) / 2;
-    fprintf(out,
-            "\nenum {\n    IQFOC_PATTERN_%d_ANGLES = %d,\n    IQFOC_PATTERN_%d_ROWS = %d,\n"
-            "    IQFOC_PATTERN_%d_INDEX_LOW = %ld, /* IQ24: row 0 */\n"
-            "    IQFOC_PATTERN_%d_INDEX_HIGH = %ld /* IQ24: the last row */\n};\n\n",
-            pulses, angles, pulses, r->rows, pulses, iq24(patterns_index(0)), pulses,
-            iq24(patterns_index(r->rows - 1)));
-    fprintf(out,
-            "typedef struct iqfoc_pattern_%d_row {\n"
-            "    int32_t start;  /* level of the leg after angle 0: 1 high, -1 low */\n"
-            "    int32_t joined; /* 1: interpolate to the next row; 0: the angles jump */\n"
-            "    int32_t angle[IQFOC_PATTERN_%d_ANGLES]; /* turns in IQ24, rising, 0 to 1/4 */\n"
-            "} iqfoc_pattern_%d_row;\n\n"
-            "static const iqfoc_pattern_%d_row iqfoc_pattern_%d[IQFOC_PATTERN_%d_ROWS] = {\n",
-            pulses, pulses, pulses, pulses, pulses, pulses);
+    fprintf(out, "\nstatic const iqfoc_pattern_row_t iqfoc_pattern_%d_rows[%d] = {\n", pulses, r->rows);
     for (int n = 0; n < r->rows; n++) {
         const patterns_row *row = &r->row[n];
         fprintf(out, "    {%d, %d, {", row->shape.start, row->joined);
-        for (int k = 0; k < angles; k++) {
+        for (int k = 0; k < row->shape.angles; k++) {
             fprintf(out, "%s%ld", k > 0 ? ", " : "", iq24(row->shape.angle[k] / VEC_TWO_PI));
         }
         fprintf(out, "}}, /* %.2f */\n", patterns_index(n));
     }
-    fputs("};\n", out);
+    fprintf(
+        out,
+        "};\n\nstatic const iqfoc_pattern_t iqfoc_pattern_%d = {iqfoc_pattern_%d_rows, %d, %d, %ld, %ld};\n",
+        pulses, pulses, r->rows, (pulses - 1) / 2, iq24(patterns_index(0)), iq24(PATTERNS_ROWS_PER_INDEX));
 }
 
 bool patterns_header(const patterns_result *r, size_t count, const char *directory, error *e)
@@ -162,16 +151,9 @@ bool patterns_header(const patterns_result *r, size_t count, const char *directo
         fputs(" for ", out);
         text_out_comment(out, r->asked.m->name);
     }
-    fputs(": optimal pulse patterns. iqfoc_pattern_N has N pulses a turn.\n *\n"
-          " * A row has the switching angles of leg a in the first quarter of a turn, at one modulation "
-          "index: the\n"
-          " * amplitude of the fundamental over that of six-step (2/pi of the DC link). The rows are "
-          "evenly spaced.\n"
-          " * The level of the leg changes at each angle, at 0 and at 1/2; u(1/2 - x) = u(x), u(1/2 + x) = "
-          "-u(x).\n"
-          " * The fundamental of the leg is the sine of the angle. Legs b and c are 1/3 and 2/3 of a turn "
-          "later.\n */\n"
-          "#ifndef IQFOC_PATTERN_H\n#define IQFOC_PATTERN_H\n\n#include <stdint.h>\n",
+    fputs(": optimal pulse patterns for iqfoc/pattern.h, which says what the numbers\n"
+          " * are. iqfoc_pattern_N has N pulses a turn.\n */\n"
+          "#ifndef IQFOC_PATTERN_TABLES_H\n#define IQFOC_PATTERN_TABLES_H\n\n#include \"iqfoc/pattern.h\"\n",
           out);
     for (size_t n = 0; n < count; n++) {
         put_table(&r[n], out);

@@ -104,9 +104,9 @@ def write(folder):
     check([line[:2] for line in table] == [[row["start"], row["joined"]] for row in rows]
           and all(abs(x / 2**24 * 360 - angle) <= 180 / 2**24 + 1e-9 for line, row in zip(table, rows) for x, angle in zip(line[2:], row["angles_deg"])),
           "the header has the JSON's angles")
-    (folder / "out/firmware.c").write_text('#include "iqfoc_pattern.h"\nint main(void) { return iqfoc_pattern_7[IQFOC_PATTERN_7_ROWS - 1].joined; }\n')
+    (folder / "out/firmware.c").write_text('#include "iqfoc_pattern.h"\nint main(void) { return iqfoc_pattern_7.row[iqfoc_pattern_7.rows - 1].joined; }\n')
     for compiler in filter(shutil.which, ("gcc", "clang")):
-        made = subprocess.run([compiler, "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "firmware.c", "-o", "firmware"],
+        made = subprocess.run([compiler, "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-I", str(program.ROOT / "include"), "firmware.c", "-o", "firmware"],
                               cwd=folder / "out", capture_output=True, check=False)
         check(made.returncode == 0 and subprocess.run(["./firmware"], cwd=folder / "out", check=False).returncode == 0, f"{compiler} {made.stderr.decode()}")
 
@@ -117,7 +117,7 @@ def several(folder):
     both = json.loads((folder / "both/x.json").read_text())["patterns"]
     check([one["pulses"] for one in both] == [3, 5] and both[1]["rows"] == result(folder, "--pulses", 5)["rows"], "each as by itself")
     header = (folder / "both/iqfoc_pattern.h").read_text()
-    check("iqfoc_pattern_3[IQFOC_PATTERN_3_ROWS]" in header and "iqfoc_pattern_5[IQFOC_PATTERN_5_ROWS]" in header, "a table for each")
+    check("iqfoc_pattern_3 = {iqfoc_pattern_3_rows, 70, 1," in header and "iqfoc_pattern_5 = {iqfoc_pattern_5_rows, 70, 2," in header, "a table for each")
 
 
 def refuse(folder):

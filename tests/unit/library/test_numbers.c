@@ -48,6 +48,7 @@ static void test_errors(void)
         {IQFOC_ERROR_RESOLVER, -44},
         {IQFOC_ERROR_HALLS, -45},
         {IQFOC_ERROR_SHUNTS, -46},
+        {IQFOC_ERROR_PATTERN, -50},
         {IQFOC_ERROR_RESTART, -47},
         {IQFOC_ERROR_SUPERVISION, -48},
     };

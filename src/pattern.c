@@ -1,0 +1,185 @@
+/* Modulator by pulse pattern (include/iqfoc/pattern.h). */
+#include "iqfoc/pattern.h"
+
+#include "iqfoc/iq24_math.h"
+
+#include <stddef.h>
+
+#define HALF_TURN    INT32_C(8388608)
+#define QUARTER_TURN INT32_C(4194304)
+#define THIRD_TURN   INT32_C(5592405)
+
+/* ---- The table ---- */
+
+static bool row_fits(const iqfoc_pattern_t *table, const iqfoc_pattern_row_t *row)
+{
+    iq24_t lowest = 0;
+    for (int32_t k = 0; k < table->angles; k++) {
+        if (!iq24_within(row->angle[k], lowest, QUARTER_TURN)) {
+            return false;
+        }
+        lowest = row->angle[k];
+    }
+    return (row->start == 1 || row->start == -1) && iq24_within(row->joined, 0, 1);
+}
+
+static bool table_fits(const iqfoc_pattern_t *table)
+{
+    if (!iq24_within(table->rows, 1, IQFOC_PATTERN_ROWS_MAX) ||
+        !iq24_within(table->angles, 1, IQFOC_PATTERN_ANGLES_MAX) ||
+        !iq24_within(table->index_low, 0, IQ24_ONE) ||
+        !iq24_within(table->rows_per_index, IQ24_ONE, IQ24(100.0))) {
+        return false;
+    }
+    const int32_t last = table->rows - 1;
+    for (int32_t n = 0; n <= last; n++) {
+        const iqfoc_pattern_row_t *row = &table->row[n];
+        if (!row_fits(table, row) || (row->joined != 0 && (n == last || row[1].start != row->start))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+iqfoc_error_t iqfoc_pattern_init(iqfoc_pattern_modulator_t *modulator, const iqfoc_pattern_t *table,
+                                 iq24_t least)
+{
+    if (modulator == NULL || table == NULL || table->row == NULL) {
+        return IQFOC_ERROR_NULL;
+    }
+    if (!table_fits(table) || !iq24_within(least, 0, IQFOC_PATTERN_TIME_MAX)) {
+        return IQFOC_ERROR_PATTERN;
+    }
+    const iqfoc_pattern_leg_t low = {-1, IQFOC_PATTERN_TIME_MAX};
+    const iqfoc_pattern_modulator_t made = {table, least, 0, {low, low, low}};
+    *modulator = made;
+    return IQFOC_OK;
+}
+
+/*
+ * Range: index less index_low is within 0 ... 1, so that the place is within 0 ... 100; its whole part is held to the
+ * last row. floor(a + part (b - a)) for whole a: it keeps the order of angles, as a line between ordered ends does.
+ */
+iqfoc_pattern_shape_t iqfoc_pattern_shape(iqfoc_pattern_modulator_t *modulator, iq24_t index)
+{
+    const iqfoc_pattern_t *table = modulator->table;
+    const iq24_t above = iq24_clamp(index, table->index_low, IQ24_ONE) - table->index_low;
+    const iq24_t place = iq24_min(iq24_mul_round(above, table->rows_per_index), (table->rows - 1) * IQ24_ONE);
+    int32_t n = iq24_asr32(place, IQ24_FRACTION_BITS);
+    iq24_t part = place - n * IQ24_ONE;
+    if (table->row[n].joined == 0 && part != 0) {
+        const iq24_t change = modulator->row <= n ? IQ24(0.75) : IQ24(0.25);
+        n += part >= change ? 1 : 0;
+        part = 0;
+    }
+    modulator->row = n;
+    const iqfoc_pattern_row_t *row = &table->row[n];
+    iqfoc_pattern_shape_t shape = {row->start, {0}};
+    for (int32_t k = 0; k < table->angles; k++) {
+        const iq24_t rise = part != 0 ? iq24_mul_trunc(part, row[1].angle[k] - row->angle[k]) : 0;
+        shape.angle[k] = row->angle[k] + rise;
+    }
+    return shape;
+}
+
+/* ---- The edges of a turn, numbered from angle 0: 2 angles + 1 in each half ---- */
+
+static iq24_t edge_angle(const iqfoc_pattern_shape_t *shape, int32_t angles, int32_t edge)
+{
+    const int32_t in_half = 2 * angles + 1;
+    const iq24_t half = edge >= in_half ? HALF_TURN : 0;
+    const int32_t k = edge >= in_half ? edge - in_half : edge;
+    iq24_t in_first = 0;
+    if (k > angles) {
+        in_first = HALF_TURN - shape->angle[2 * angles - k];
+    } else if (k > 0) {
+        in_first = shape->angle[k - 1];
+    }
+    return half + in_first;
+}
+
+/* The last edge at or before x, 0 <= x < 1. */
+static int32_t edge_before(const iqfoc_pattern_shape_t *shape, int32_t angles, iq24_t x)
+{
+    const int32_t first = x >= HALF_TURN ? 2 * angles + 1 : 0;
+    const iq24_t y = x >= HALF_TURN ? x - HALF_TURN : x;
+    int32_t passed = 0;
+    for (int32_t k = 0; k < angles; k++) {
+        passed += shape->angle[k] <= y ? 1 : 0;
+        passed += HALF_TURN - shape->angle[k] <= y ? 1 : 0;
+    }
+    return first + passed;
+}
+
+/* ---- One leg ---- */
+
+typedef struct {
+    iqfoc_pattern_edges_t *out;
+    iq24_t least;
+    int32_t wanted; /* the pattern's level */
+    iq24_t since;   /* the time of its last change: cycles */
+    int32_t level;  /* the output's */
+    iq24_t last;    /* the time of its last edge: negative in an earlier cycle */
+} leg_t;
+
+/* The output follows the pattern's level, if that is possible before the time `end`. */
+static void follow(leg_t *leg, iq24_t end)
+{
+    const iq24_t at = iq24_max(leg->since, leg->last + leg->least);
+    if (leg->level != leg->wanted && at < end) {
+        leg->out->at[leg->out->edges] = at;
+        leg->out->edges++;
+        leg->out->high += leg->wanted > 0 ? IQ24_ONE - at : at - IQ24_ONE;
+        leg->level = leg->wanted;
+        leg->last = at;
+    }
+}
+
+static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *shape, int32_t angles,
+                     iq24_t least, iq24_t x, iq24_t turns, iqfoc_pattern_edges_t *out)
+{
+    const int32_t most = 4 * angles + 1;
+    const iq24_t movement = turns < 0 ? -turns : turns;
+    int32_t edge = edge_before(shape, angles, x);
+    out->level = state->level;
+    out->edges = 0;
+    out->high = state->level > 0 ? IQ24_ONE : 0;
+    /* Even edges have the level of the start. */
+    leg_t leg = {out, least, edge % 2 == 0 ? shape->start : -shape->start, 0, state->level, -state->since};
+    while (true) {
+        /* Forward, the next edge is passed; backward, the last one. */
+        const int32_t next = edge == most ? 0 : edge + 1;
+        const iq24_t passed = edge_angle(shape, angles, turns < 0 ? edge : next);
+        const iq24_t distance = (turns < 0 ? x - passed : passed - x) & (IQ24_ONE - 1);
+        if (distance >= movement) {
+            break;
+        }
+        const iq24_t at = iq24_div(distance, movement);
+        follow(&leg, at);
+        leg.wanted = -leg.wanted;
+        leg.since = at;
+        if (turns < 0) {
+            edge = edge == 0 ? most : edge - 1;
+        } else {
+            edge = next;
+        }
+    }
+    follow(&leg, IQ24_ONE);
+    state->level = leg.level;
+    state->since = iq24_min(IQ24_ONE - leg.last, IQFOC_PATTERN_TIME_MAX);
+}
+
+void iqfoc_pattern_step(iqfoc_pattern_modulator_t *modulator, iq24_t angle, iq24_t turns, iq24_t index,
+                        iqfoc_pattern_edges_t edges[3])
+{
+    const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape(modulator, index);
+    const int32_t angles = modulator->table->angles;
+    const iq24_t movement = iq24_clamp(turns, -IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
+    /* The fundamental is a sine of the pattern's angle; the voltage's angle is that of a cosine. */
+    const iq24_t a = (angle & (IQ24_ONE - 1)) + QUARTER_TURN;
+    const iq24_t x[3] = {a, a - THIRD_TURN, a + THIRD_TURN};
+    for (int32_t k = 0; k < 3; k++) {
+        step_leg(&modulator->leg[k], &shape, angles, modulator->least, x[k] & (IQ24_ONE - 1), movement,
+                 &edges[k]);
+    }
+}
