@@ -24,8 +24,8 @@ typedef struct learn_model {
     int pole_pairs;
 } learn_model;
 
-/* The cycles that end in rows 1 ... count - 1 of a block, the same as the one-cycle error is told of; `wrong` has room
- * for count + 1 of them. Returns their number. */
+/* The cycles that end in rows 1 ... count - 1 of a block: those of the one-cycle error. `wrong` has room for count + 1 of
+ * them. Returns their number. */
 size_t cycles_of(const learn_model *m, const row_block *block, vec_ab *wrong, learn_left *out);
 
 /* The one-cycle error that a voltage would have made in this cycle. */

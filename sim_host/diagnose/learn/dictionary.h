@@ -40,7 +40,7 @@ typedef enum dictionary_entry {
     ENTRIES = ENTRY_SPEED_ANGLE + 2 * DICTIONARY_ORDERS
 } dictionary_entry;
 
-/* One cycle, seen from the rotor as it stands in its middle. */
+/* One cycle, in the frame of the rotor at mid-cycle. */
 typedef struct learn_cycle {
     vec_rotor middle;     /* electrical angle */
     vec_rotor mechanical; /* the same instant; known only if mech_known */

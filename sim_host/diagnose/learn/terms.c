@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* What a term takes off its axis' square, at least: less is no part of what anything depends on. */
+/* Smallest share by which a term reduces its axis' square; a term that reduces it by less is left out. */
 static const double WORTH = 0.01;
 
 void terms_add(terms_sums *s, const double entry[ENTRIES], vec_dq v_V)

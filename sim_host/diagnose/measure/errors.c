@@ -30,7 +30,7 @@ typedef struct wanted {
     bool held_out_only, glitches;
 } wanted;
 
-/* Whether the prediction into row k begins or ends at one that stands out. */
+/* Whether the prediction into row k begins or ends at a glitch. */
 static bool is_glitch(const diagnose_rows *r, size_t k)
 {
     return r->outlier[k - 1] || r->outlier[k];

@@ -85,8 +85,8 @@ static error_sums sum_errors(const diagnose_rows *r, const averaged_drive *drive
 }
 
 /*
- * A compensation goes by the sign of the current at the cycle's start. Where the recorded one has the other sign by
- * noise of that variance, a perfect model errs by twice the compensation: the mean square over the rows.
+ * A compensation uses the sign of the current at the cycle's start. If noise of that variance changes the sign of the
+ * recorded current, a perfect model errs by twice the compensation: the mean square over the rows.
  */
 static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive, double variance)
 {

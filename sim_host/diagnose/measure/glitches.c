@@ -8,11 +8,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* An innovation longer than this many (robust) standard deviations stands out; by chance once in 1e10 rows.
- */
+/* An innovation longer than this many (robust) standard deviations is an outlier; by chance once in 1e10 rows. */
 static const double GLITCH = 7.0;
-/* A glitch stands apart. Where more rows lie between these many deviations and GLITCH than beyond it, the
- * tail is a law that does not quite fit (dead time near zero current), and nothing is left out. */
+/* Glitches are isolated. If more rows lie between this many deviations and GLITCH than beyond GLITCH, the tail is a
+ * model error (dead time near zero current), and no row is left out. */
 static const double TAIL = 4.5;
 /* More glitches than this share of the rows are no glitches, but a model that does not fit. */
 static const double GLITCH_SHARE = 0.03;
@@ -25,11 +24,11 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
     double *square = calloc(r->rows + 1, sizeof *square);
     double *innovation = calloc(OBSERVER_OUTPUTS * r->rows + 1, sizeof *innovation);
     unsigned char *seen = calloc(r->rows + 1, sizeof *seen);
-    unsigned char *before = calloc(r->rows + 1, sizeof *before); /* what stood out already */
+    unsigned char *before = calloc(r->rows + 1, sizeof *before); /* the outliers found before */
     size_t found = 0;
     size_t apart = 0;
     size_t between = 0;
-    /* A compensation goes by a sign that noise decides near nought: what stands out then is no glitch. */
+    /* A compensation uses a sign that noise decides near zero current: such an outlier is no glitch. */
     const bool signs = hypothesis_in(s->set, H_COMPENSATED);
     if (!nodes || !square || !innovation || !seen || !before) {
         rows_note_no_memory(r);

@@ -181,7 +181,7 @@ static row_mend told(const ripple_found *f)
                       .high = {f->frequency_Hz + frequency_Hz, f->share + share}};
 }
 
-/* Fits each piece; whether what all take off is worth a name beside what they leave. */
+/* Fits each piece. True if the fits reduce the squared error by at least LEAST_OF_REST of the residual beyond the noise. */
 static bool is_worth_it(const diagnose_rows *r, ripple_pieces *all, const ripple_found *found, double floor_A)
 {
     double off = 0.0;

@@ -24,7 +24,7 @@ typedef struct count {
     const averaged_node *nodes;
     size_t late; /* whole cycles by which the newest command that acts in a cycle is */
     double deviation_A[ROWS_MAX_GROUPS];
-    double odds; /* log of share / (1 - share); NAN while rows are counted and not mended */
+    double odds; /* log of share / (1 - share); NAN while rows are counted and not corrected */
     size_t told, missed, opposite, mended;
     size_t wild; /* rows that err by CLEAR, whatever their command does */
 } count;
@@ -81,7 +81,7 @@ static double square_of(vec_ab a)
     return a.alpha * a.alpha + a.beta * a.beta;
 }
 
-/* One-cycle error of a pair of rows with the first as it stands. */
+/* One-cycle error of a pair of rows with the first unchanged. */
 static vec_ab error_of(const count *c, size_t k)
 {
     vec_ab wrong[2];
@@ -108,7 +108,7 @@ static void look_at(count *c, size_t k, double deviation_A)
         c->told += tells;
         c->opposite += tells && square_of(opposite) < near;
         if (tells && square_of(held) < near) {
-            c->missed++; /* and the next row is looked at beside it: a command that is half a cycle late acts in both */
+            c->missed++; /* the next row is checked too: a command that is half a cycle late acts in both */
             return;
         }
     } else if (0.5 * (square_of(e) - square_of(held)) + c->odds * deviation_A * deviation_A > 0.0) {

@@ -13,7 +13,7 @@ static const double CHANCE =
     60.0;                         /* -log of the chance that noise alone makes such a line at one frequency */
 static const double BESIDE = 0.2; /* the most across, of the power along */
 static const double SHOULD_SHOW =
-    9.0;                        /* times the noise: a piece in which a ripple of that size stands out */
+    9.0;                        /* times the noise: a piece in which a ripple of that size is visible */
 static const double SEEN = 0.5; /* of those pieces it is */
 
 /* How unlikely noise alone makes what all pieces show at a bin: -log of the chance. */

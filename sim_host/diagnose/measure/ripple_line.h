@@ -31,7 +31,8 @@ typedef struct ripple_found {
 /* False: out of memory. */
 bool ripple_find(const ripple_pieces *all, double T_s, ripple_found *found);
 
-/* A piece's own size and phase at the frequency found; no more than twice the size. Returns what they take off its errors' square. */
+/* A piece's own size and phase at the frequency found; no more than twice the size. Returns the reduction of its
+ * squared errors. */
 double ripple_fit(const ripple_pieces *all, ripple_piece *piece, double T_s, const ripple_found *found);
 
 #endif

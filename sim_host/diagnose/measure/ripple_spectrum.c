@@ -47,7 +47,7 @@ static bool is_order(const ripple_spectra *s, const ripple_piece *p, double freq
     return false;
 }
 
-/* The middle of the power at both sides of a line that may stand there, one bin of the piece's length after another, as a mean. */
+/* The middle of the power at both sides of a possible line, one bin of the piece's length after another, as a mean. */
 static double noise_at(const double *power, size_t bins, size_t at, size_t bin)
 {
     double scratch[2 * NOISE_BINS];

@@ -13,7 +13,7 @@
 
 /*
  * The two papers' predictors with the same parameters (2019, eqs. 3 and 12) as they would run on these rows;
- * they know one inductance, so that a salient machine's mean stands in.
+ * they know one inductance, so that a salient machine has its mean inductance.
  */
 static double method_error(const diagnose_rows *r, const averaged_drive *d, bool quasi_discrete)
 {
@@ -48,7 +48,7 @@ static double method_error(const diagnose_rows *r, const averaged_drive *d, bool
     return n > 0.0 && current > 0.0 ? 100.0 * sqrt(sum / n) / current : NAN;
 }
 
-/* Free-run error of each group and (returned) of all, percent of the current; optionally keeps the series. */
+/* Open-loop simulation error of each group and (returned) of all, percent of the current; optionally keeps the series. */
 static double free_run(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                        double *percent, vec_ab *scratch, vec_ab *keep)
 {

@@ -12,7 +12,8 @@
 
 /* What three sound sensors leave of their sum: an offset, gains, a cubic of each. */
 enum { TERMS = 6, FITS = 4 };
-/* Of the rows' deviation: beyond it a row is told, or, once the sensor is known, mended; and what is left out of a fit. */
+/* Multiples of the rows' deviation: beyond the first a row is reported and left out of a fit; beyond the second it is
+ * corrected, once the sensor is known. */
 static const double TOLD = 8.0;
 static const double MENDED = 5.0;
 static const double LEFT_OUT = 4.0;
@@ -100,7 +101,7 @@ static void fit_sound(fault *f)
         }
         memset(f->term, 0, sizeof f->term);
         if (!solve_positive(TERMS, TERMS, h, g, f->term)) {
-            /* Currents along one line: an offset is all that can be told. */
+            /* Currents along one line: only an offset can be found. */
             memset(f->term, 0, sizeof f->term);
             f->term[0] = h[0] > 0.0 ? g[0] / h[0] : 0.0;
         }
@@ -116,7 +117,7 @@ static bool stands_out(const fault *f, size_t k, double deviations)
     return fabs(f->left_A[k]) > deviations * f->deviation_A;
 }
 
-/* The row with what stands out of its sum taken from phase x: then the sum is what sound sensors show. */
+/* Subtracts the excess of the row's sum from phase x: the sum is then that of sound sensors. */
 static void take_from(const fault *f, cycle_row *row, size_t x)
 {
     for (int again = 0; again < 3; again++) {
@@ -127,7 +128,7 @@ static void take_from(const fault *f, cycle_row *row, size_t x)
     }
 }
 
-/* Squares of the one-cycle errors into each row, into f->scratch: the rows that stand out with phase x mended. */
+/* Squares of the one-cycle errors into each row, into f->scratch, with phase x corrected in the outlying rows. */
 static bool errors_with(const fault *f, const averaged_drive *drive, const averaged_node *nodes, size_t x,
                         vec_ab *wrong)
 {
