@@ -83,6 +83,7 @@ ROOTS = {
     "halls": ["iqfoc_halls_step"],
     "tracker": ["iqfoc_tracker_step"],
     "observer": ["iqfoc_observer_step"],
+    "observer_inductance": ["iqfoc_observer_inductance_step"],
     "sensorless": ["iqfoc_sensorless_valley"],
     "shunts": ["iqfoc_shunts_read"],
     "offset": ["iqfoc_offset_step"],

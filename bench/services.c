@@ -8,6 +8,7 @@
 #include "iqfoc/cycle_six_step.h"
 #include "iqfoc/encoder.h"
 #include "iqfoc/halls.h"
+#include "iqfoc/observer_inductance.h"
 #include "iqfoc/offset.h"
 #include "iqfoc/overmodulation.h"
 #include "iqfoc/reference.h"
@@ -48,6 +49,8 @@ static iqfoc_tracker_t tracker;
 static iqfoc_observer_config_t observer_config =
     IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 5e-3, 0.12, 2e-4, 10.0, 300.0, 800.0, IQ24(0.005));
 static iqfoc_observer_t observer;
+static iqfoc_observer_inductance_config_t inductance_config = {IQ24(0.05), IQ24(0.0625), 1, 0};
+static iqfoc_observer_inductance_t inductance;
 static iqfoc_sensorless_t sensorless;
 static iqfoc_sample_t sample;
 static const iqfoc_shunts_t shunts = {IQ24(0.9)};
@@ -113,6 +116,8 @@ COUNT(tracker, void, iqfoc_tracker_step, (iqfoc_tracker_t *, iq24_t, iq24_t, boo
       (&tracker, in->sample.theta, IQ24(0.1), true))
 COUNT(observer, void, iqfoc_observer_step, (iqfoc_observer_t *, iqfoc_ab_t, iqfoc_ab_t, iqfoc_ab_t),
       (&observer, in->u, in->i, in->i))
+COUNT(observer_inductance, void, iqfoc_observer_inductance_step,
+      (iqfoc_observer_inductance_t *, const iqfoc_observer_t *, iqfoc_ab_t), (&inductance, &observer, in->i))
 COUNT(shunts, iqfoc_shunts_currents_t, iqfoc_shunts_read,
       (const iqfoc_shunts_t *, iqfoc_abc_t, iqfoc_abc_t, iqfoc_abc_t),
       (&shunts, in->sample.i, duties_of(in), in->sample.i_mean))
@@ -132,6 +137,15 @@ static uint32_t count_observer_locked(const bench_input_t *in)
 {
     iqfoc_observer_start(&observer, in->i, in->sample.theta, in->sample.turns, true);
     return count_observer(in);
+}
+
+/* After a step of the current, so that l_q is adapted. */
+static uint32_t count_inductance_adapted(const bench_input_t *in)
+{
+    observer.locked = true;
+    inductance.follows = true;
+    inductance.level = IQ24(-8.0);
+    return count_observer_inductance(in);
 }
 
 static uint32_t count_sensorless_locked(const bench_input_t *in)
@@ -186,6 +200,8 @@ static void begin(void)
     observer_config.flux_max = IQ24(7.9);
     observer_config.turns_min = 0;
     (void)iqfoc_observer_init(&observer, &observer_config);
+    inductance_config.high = observer_config.machine.l_q;
+    (void)iqfoc_observer_inductance_init(&inductance, &inductance_config, &observer_config);
     (void)iqfoc_sensorless_init(&sensorless, &observer_config, NULL, NULL);
     (void)iqfoc_offset_init(&offset, &offset_limits);
     (void)iqfoc_start_init(&start, &start_config);
@@ -210,6 +226,7 @@ void bench_services(void)
     bench_report("halls", count_halls);
     bench_report("tracker", count_tracker);
     bench_report("observer", count_observer_locked);
+    bench_report("observer_inductance", count_inductance_adapted);
     bench_report("sensorless", count_sensorless_locked);
     bench_report("shunts", count_shunts);
     bench_report("offset", count_offset);

@@ -66,6 +66,7 @@ ROWS = {
     "halls": ("angle and speed from three Hall sensors", "-", None),
     "tracker": ("angle tracker", "-", None),
     "observer": ("angle and speed without a sensor, locked", "-", None),
+    "observer_inductance": ("L_q of the observer from a step of the current", "-", None),
     "sensorless": ("the valley's angle from the observer, with its step", "-", None),
     "shunts": ("currents from low-side shunts", "-", None),
     "offset": ("offset calibration, a sample", "-", None),
