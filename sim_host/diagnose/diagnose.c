@@ -12,6 +12,7 @@
 #include "choose/confusion.h"
 #include "choose/likely_drive.h"
 #include "choose/probability.h"
+#include "choose/undecided.h"
 #include "choose/whole_drive.h"
 #include "corrections.h"
 #include "identify/fit.h"
@@ -370,7 +371,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     bool likely = false;
     if (!likely_drive_fit(w, whole, &likely, &options->teller) ||
-        (!whole && !likely && !causes_leave_undecided(w, &options->teller))) {
+        (!whole && !likely && !undecided_take_out(w, &options->teller))) {
         return false;
     }
     if (whole && !leave_what_raises_open_loop(w, options->teller.trace)) {

@@ -194,9 +194,7 @@ static hypothesis_id weakest(const session *w, const weighing *g)
     return least_of(g->without, unworthy);
 }
 
-/* Takes a hypothesis out of a state. If it holds an inductance above the reporting threshold, that inductance stays, to be
- * weighed by itself. */
-static void leave(fit_state *s, hypothesis_id h, hypothesis_set allowed, double of_least)
+void causes_take_out(fit_state *s, hypothesis_id h, hypothesis_set allowed, double of_least)
 {
     const double mean = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
     s->set &= ~HYPOTHESIS_BIT(h);
@@ -291,7 +289,7 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
                           ? hypotheses_of_cause(hypothesis_cause(worst)->id)
                           : HYPOTHESIS_BIT(worst));
         const hypothesis_id whole = whole_of(&w->state, worst);
-        leave(&w->state, worst, *allowed, w->frame.of_least);
+        causes_take_out(&w->state, worst, *allowed, w->frame.of_least);
         if (whole != H_COUNT && hypothesis_in(*allowed, whole) && hypothesis_joins(w->state.set, whole)) {
             join_whole(&w->state, whole);
         }
@@ -405,55 +403,9 @@ bool causes_reject_harmful(session *w, const diagnose_teller *teller)
             fprintf(teller->trace, "  raises the held-out error: %s\n", hypothesis_table[worst].words);
         }
         w->allowed &= ~HYPOTHESIS_BIT(worst);
-        leave(&w->state, worst, w->allowed, w->frame.of_least);
+        causes_take_out(&w->state, worst, w->allowed, w->frame.of_least);
         if (!refine(w, false) || !certainty_of(&w->fitted, &w->state, &w->certainty)) {
             return false;
         }
     }
-}
-
-/* A cause is named if its probability among all sets about the one chosen is this, as in ODDS_OF_NAMED. */
-static const double DECIDED = 0.99;
-
-/* The named member of the lowest probability below that; H_COUNT if all are decided. */
-static bool find_undecided(session *w, evidence_view *view, hypothesis_id *least)
-{
-    standing of[H_COUNT];
-    double lowest = DECIDED;
-    *least = H_COUNT;
-    if (!evidence_look(&w->fitted, &w->state, w->possible, view) ||
-        !probability_of(view, &w->state, w->possible, w->certainty.inflation, of)) {
-        return false;
-    }
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(hypotheses_named(w->state.set), h) && of[h].probability < lowest) {
-            lowest = of[h].probability;
-            *least = h;
-        }
-    }
-    return true;
-}
-
-bool causes_leave_undecided(session *w, const diagnose_teller *teller)
-{
-    evidence_view *view = calloc(1, sizeof *view);
-    bool ok = view != NULL;
-    w->undecided = 0;
-    w->open = w->state;
-    while (ok) {
-        hypothesis_id h;
-        view->stands = false;
-        ok = find_undecided(w, view, &h);
-        if (!ok || h == H_COUNT) {
-            break;
-        }
-        if (teller->trace) {
-            fprintf(teller->trace, "  one of several explanations: %s\n", hypothesis_table[h].words);
-        }
-        w->undecided |= HYPOTHESIS_BIT(h);
-        leave(&w->state, h, 0, w->frame.of_least);
-        ok = refine(w, false) && certainty_of(&w->fitted, &w->state, &w->certainty);
-    }
-    free(view);
-    return ok;
 }

@@ -5,6 +5,7 @@
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
 
 #include "choose_causes_fixture.h"
+#include "diagnose/choose/undecided.h"
 
 /* ---- The loop ---- */
 
@@ -190,7 +191,7 @@ static void what_another_explains_as_well_is_left_open(void)
     takes(P_R, 0.05, 200.0);
     const hypothesis_set both = BIT(H_ASYMMETRY_A) | BIT(H_RESISTANCE);
     KEPT(both);
-    TEST_ASSERT_TRUE(causes_leave_undecided(&w, &nobody));
+    TEST_ASSERT_TRUE(undecided_take_out(&w, &nobody));
     TEST_ASSERT_TRUE(w.state.set == BIT(H_RESISTANCE) && w.undecided == BIT(H_ASYMMETRY_A));
     TEST_ASSERT_TRUE(w.open.set == both);
     SAME(0.05, w.open.z[P_DR_A]);
@@ -198,7 +199,7 @@ static void what_another_explains_as_well_is_left_open(void)
     /* One that explains less by the odds of 0.99 leaves nothing open. */
     takes(P_DL_B, 0.05, 180.0);
     KEPT(both);
-    TEST_ASSERT_TRUE(causes_leave_undecided(&w, &nobody));
+    TEST_ASSERT_TRUE(undecided_take_out(&w, &nobody));
     TEST_ASSERT_TRUE(w.state.set == both && w.undecided == 0);
 }
 
