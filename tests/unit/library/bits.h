@@ -7,8 +7,6 @@
 
 #include "reference.h"
 
-#include <inttypes.h>
-
 /* floor(x / by), by > 0. */
 static inline int64_t bits_floor(int64_t x, int64_t by)
 {
@@ -67,14 +65,6 @@ static inline int64_t bits_long_division(int64_t n, int64_t d)
         quotient = 256 * quotient + digit;
     }
     return quotient;
-}
-
-/* A hash of results (tests/target/golden/digest.h) against the stored one; the message has the new one. */
-static inline void bits_golden(uint64_t want, uint64_t got)
-{
-    char message[40];
-    (void)snprintf(message, sizeof message, "the hash is %016" PRIx64, got);
-    TEST_ASSERT_TRUE_MESSAGE(want == got, message);
 }
 
 /* An integer in [low, high]. */

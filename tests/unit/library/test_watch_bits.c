@@ -3,7 +3,7 @@
  * test_watch.c checks them against effects in double precision.
  */
 #include "bits.h"
-#include "digest.h"
+#include "hash.h"
 
 #include "iqfoc/watch.h"
 
