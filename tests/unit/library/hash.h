@@ -21,6 +21,12 @@ static inline void bits_add(uint64_t *digest, const void *numbers, size_t size)
     }
 }
 
+static inline void bits_add64(uint64_t *digest, int64_t number)
+{
+    digest_add(digest, (int32_t)(uint32_t)(uint64_t)number);
+    digest_add(digest, (int32_t)((uint64_t)number >> 32));
+}
+
 /* The hash of all results against the stored one; the message has the new one. */
 static inline void bits_golden(uint64_t want, uint64_t got)
 {
