@@ -1,4 +1,4 @@
-/* Causes that the recording cannot tell from others (undecided.h). */
+/* Takes out causes that the recording cannot separate from others (undecided.h). */
 #include "undecided.h"
 
 #include "causes.h"
@@ -7,12 +7,12 @@
 
 #include <stdlib.h>
 
-/* A cause is named if its probability among all sets about the one chosen is this. */
+/* A cause is named if its probability, among all sets near the chosen one, is at least this. */
 static const double DECIDED = 0.99;
 
 enum { STEPS = 12 };
 
-/* The named member of the lowest probability below that; H_COUNT if all are decided. */
+/* The named member of the lowest probability below DECIDED; H_COUNT if there is none. False: out of memory. */
 static bool find_undecided(session *w, evidence_view *view, hypothesis_id *least)
 {
     standing of[H_COUNT];

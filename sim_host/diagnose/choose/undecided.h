@@ -1,5 +1,6 @@
 /*
- * Causes that the recording cannot tell from others.
+ * Takes out causes that the recording cannot separate from others. They become candidates (docs/diagnosis.md) instead of named
+ * causes.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_UNDECIDED_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_UNDECIDED_H
@@ -8,8 +9,8 @@
 #include "teller.h"
 
 /*
- * Takes out the named members whose probability is below 0.99, the least probable first, and fits the others again each time. Notes them
- * in w->undecided, and the state with them in w->open. False: out of memory.
+ * Takes out the named members whose probability is below 0.99, the least probable first, and fits the others again each time.
+ * w->undecided gets the members that were taken out, and w->open the state before. False: out of memory.
  */
 bool undecided_take_out(session *w, const diagnose_teller *teller);
 

@@ -1,4 +1,4 @@
-/* The rotor's angle between its sensor's steps and noise (angle_smooth.h). */
+/* Smooths the recorded rotor angle (angle_smooth.h). */
 #include "angle_smooth.h"
 
 #include "row_speeds.h"
@@ -7,7 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Least squares of a parabola over the rows first ... last about row `at`: value there, and slope and bow per row. */
+/*
+ * Least squares of a parabola over the rows first ... last. fit: value at row `at` less its angle, slope per row, and coefficient of
+ * rows^2.
+ */
 static void parabola(const double *angle, size_t first, size_t last, size_t at, double fit[3])
 {
     double m[5] = {0.0}; /* moments of the rows */
@@ -35,7 +38,7 @@ static void parabola(const double *angle, size_t first, size_t last, size_t at, 
     }
 }
 
-/* The true angle of each row of a stretch by the model, without jumps. */
+/* The true angle of each row of a stretch by the model, without jumps by a turn. */
 static void true_angles(const cycle_row *row, size_t count, const averaged_drive *drive, double *angle)
 {
     for (size_t j = 0; j < count; j++) {

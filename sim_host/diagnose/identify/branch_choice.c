@@ -1,4 +1,4 @@
-/* The iron's time constant, by likelihood (branch_choice.h). */
+/* Start value of the iron's time constant, by likelihood (branch_choice.h). */
 #include "branch_choice.h"
 
 #include "gram.h"
@@ -6,11 +6,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Of a cycle: from what sees single pulses to what follows several cycles. */
+/* Time constants that are tried, in cycles: the shortest follows single pulses, the longest lasts several cycles. */
 static const double cycles[] = {0.1, 0.35, 1.0, 3.5};
 static const double NOMINAL_CYCLES = 0.5;
 
-/* The state without what else stands for the iron: beside that a time constant would be chosen for what it leaves. */
+/* The state without the other hypotheses of iron loss. With them, the time constant would be chosen for their residual. */
 static fit_state without_stand_ins(const fit_state *s)
 {
     fit_state out = *s;

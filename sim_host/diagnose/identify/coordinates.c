@@ -50,7 +50,7 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
     const double L = 0.5 * (d->L_d_H + d->L_q_H);
     const double I = motor_rated_peak_A(m);
     const double psi = d->psi_f_Wb > 0.0 ? d->psi_f_Wb : L * I;
-    /* A file may say R = 0: then what counts as much is a hundredth of L/T. */
+    /* The motor file may have R = 0: the unit is at least 1 % of L/T. */
     const double R = fmax(d->R_ohm, 0.01 * L / r->T_s);
     const double iron = 0.01 * I / (fmax(r->omega_max_rad_s, 1.0) * psi);
     const double fe = 0.01 * I / fmax(fmax(r->omega_max_rad_s * psi, r->u_rms_V), 1e-3 * m->u_dc_V);
@@ -89,7 +89,7 @@ averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COU
                                                        : nominal + z[id] * scale_of(f, id));
         }
     }
-    /* A dead time that the file states is that of the plain law; one that is fitted chooses. */
+    /* A dead time that only the motor file states keeps the file's edge model. */
     if (!averaged_drive_loses(&f->nominal) || z[P_V_DEAD] != 0.0 || z[P_COMPENSATION] != 0.0) {
         d.edge = edge;
     }
@@ -107,7 +107,7 @@ double coordinate_look(coordinate_id id, double z)
     return z == 0.0 && first > 0.0 ? first : coordinate_step(id);
 }
 
-/* Where in z a value lies. */
+/* The z of a value. */
 static double z_of(const coordinate_frame *f, coordinate_id id, double value)
 {
     const double nominal = value_of(&f->nominal, id);
@@ -133,7 +133,7 @@ void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUN
     }
 }
 
-/* The least principal inductance of a flux map within the recorded currents, of the lesser one at none. */
+/* Least incremental inductance of a flux map at the recorded currents, as a share of the smaller inductance at zero current. */
 static const double LEAST_INCREMENTAL = 0.02;
 
 static bool map_is_physical(const coordinate_frame *f, const double z[P_COUNT])
@@ -148,7 +148,7 @@ static bool map_is_physical(const coordinate_frame *f, const double z[P_COUNT])
     return physical;
 }
 
-/* The terms of a flux map, taken back by as little as makes it physical: with none of them it is. */
+/* Reduces the terms of a flux map, by as little as possible, until it is physical. Without them it is. */
 static void bound_map(const coordinate_frame *f, double z[P_COUNT])
 {
     static const coordinate_id term[] = {P_W_DDD, P_W_DQQ, P_W_DDDD, P_W_DDQQ, P_W_QQQQ, P_SATURATION};

@@ -1,7 +1,6 @@
 /*
- * The numbers that a fit can move, as dimensionless coordinates z around the motor file: z = 0 is what the
- * file says, and a step of 1 is a large change (100 % of R, a radian, the rated current). The rows stand in
- * data/causes.def, each with its cause.
+ * The parameters that a fit can move, as dimensionless coordinates z about the motor file. z = 0 is the value of the motor file, and
+ * a step of 1 is a large change (100 % of R, a radian, the rated current). Their rows are in data/causes.def, each with its cause.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_COORDINATES_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_COORDINATES_H
@@ -15,23 +14,23 @@ typedef enum coordinate_id {
     P_COUNT
 } coordinate_id;
 
-/* What a step of 1 in z is, in the coordinate's own unit. */
+/* The unit of z: the change of the parameter for a step of 1. */
 typedef enum coordinate_scale {
     SCALE_ONE,
-    SCALE_R,          /* the file's resistance */
-    SCALE_L,          /* the mean of its inductances */
-    SCALE_PSI,        /* its magnet's flux */
+    SCALE_R,          /* resistance of the motor file */
+    SCALE_L,          /* mean of its inductances */
+    SCALE_PSI,        /* flux linkage of its magnet */
     SCALE_CURRENT,    /* the rated peak current */
     SCALE_PER_SQUARE, /* 1 / rated peak current^2 */
-    SCALE_MAP_THIRD,  /* a term of third order of the flux map that doubles the flux at the rated current, */
-    SCALE_MAP_FOURTH, /* and one of fourth */
+    SCALE_MAP_THIRD,  /* third-order term of the flux map that doubles the flux at the rated current */
+    SCALE_MAP_FOURTH, /* fourth-order term that does so */
     SCALE_LINK,       /* 1 % of the DC link */
     SCALE_CYCLE,      /* a control cycle */
-    SCALE_IRON,       /* an iron loss that takes 1 % of the rated current at the highest speed */
-    SCALE_FE,         /* an iron's branch that takes that at the recording's voltages */
-    SCALE_IRON_LATE,  /* that times a cycle */
+    SCALE_IRON,       /* iron loss with 1 % of the rated current at the highest speed */
+    SCALE_FE,         /* iron branch with that current at the recording's voltages */
+    SCALE_IRON_LATE,  /* SCALE_IRON times a cycle */
     SCALE_PERCENT,
-    /* A change of 1 of these through the recording. */
+    /* Rates: a change by one such unit over the length of the recording. */
     SCALE_RATE,
     SCALE_R_RATE,
     SCALE_PSI_RATE,
@@ -39,7 +38,7 @@ typedef enum coordinate_scale {
     SCALE_COUNT
 } coordinate_scale;
 
-/* What `low` and `high` of a coordinate bound. */
+/* What `low` and `high` of a coordinate limit. */
 typedef enum coordinate_bound {
     BOUND_NONE,
     BOUND_OF_Z,
@@ -48,27 +47,27 @@ typedef enum coordinate_bound {
 } coordinate_bound;
 
 typedef struct coordinate {
-    size_t offset;    /* of the double within averaged_drive */
+    size_t offset;    /* of its member in averaged_drive */
     bool logarithmic; /* value = nominal e^z; else nominal + scale z */
     coordinate_scale scale;
-    double step; /* for differences, in z; 0: the usual one */
-    /* By which a search looks from nought, where the slope says nothing of where it goes; 0: the same. */
+    double step; /* in z, for difference quotients; 0: COORDINATE_STEP */
+    /* Step of a search from z = 0, for an effect whose slope there is misleading; 0: `step`. */
     double first_step;
     coordinate_bound bound;
     double low, high;
-    bool not_negative; /* nor is the value, whatever the file says */
-    double summary; /* what its interval must allow for where a plainer law stands for the fitted one, in z */
-    double wanders; /* of what shapes a law: its standard deviation between operating points, in z */
-    bool senses;    /* moves what the sensors show, and not the drive */
-    bool rate;      /* of another coordinate, per second */
-    bool third_sensor; /* there is no such number where two currents are measured */
-    double usual;      /* one standard deviation of what drives show, in z; 0: nothing is said */
-    double digits;     /* and of what a file's last digits leave open, unnamed; 0: it is as the file says */
+    bool not_negative; /* the parameter is at least 0, whatever the motor file has */
+    double summary;    /* added to its interval, as the report has a simpler model than the fit; in z */
+    double wanders;    /* of a shape parameter: standard deviation between operating points, in z */
+    bool senses;       /* changes the measured current only, not the drive */
+    bool rate;         /* is the rate of another coordinate, per second */
+    bool third_sensor; /* exists only if three currents are measured */
+    double usual;      /* usual deviation of drives, one standard deviation, in z; 0: not known */
+    double digits;     /* parameter tolerance, one standard deviation, in z; 0: none */
 } coordinate;
 
 extern const coordinate coordinate_table[P_COUNT];
 
-/* What drives show of one; 1 where nothing is usual. */
+/* Usual deviation of drives, in z; 1 if it is not known. */
 static inline double coordinate_usual(coordinate_id id)
 {
     return coordinate_table[id].usual > 0.0 ? coordinate_table[id].usual : 1.0;
@@ -76,41 +75,44 @@ static inline double coordinate_usual(coordinate_id id)
 
 enum { COORDINATE_DIRECTIONS = 16 };
 
-/* A motor file with the sizes that its coordinates are measured in. */
+/* The motor file, and the units of its coordinates. */
 typedef struct coordinate_frame {
     const motor *motor;
     averaged_drive nominal;
     double scale[SCALE_COUNT];
     double i_rated_peak_A;
     int pole_pairs;
-    double
-        of_least; /* by which each hypothesis' `least` is multiplied: 1, or 0 where any size is worth a name */
-    /* The largest recorded currents in each direction of the rotor frame: up to there a flux map must be one that a
-     * machine can have. */
+    double of_least; /* factor of all reporting thresholds: 1, or 0 to report any size */
+    /* The largest recorded current in each direction of the rotor frame. Up to these currents a flux map must be physical. */
     vec_dq reach_A[COORDINATE_DIRECTIONS];
 } coordinate_frame;
 
 coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r);
 
-/* The drive at z. `edge`: the law of a dead time that is fitted; one that the file states is the plain law. */
+/*
+ * The drive at z. `edge`: edge model of a dead time that is fitted. A dead time that only the motor file states keeps the file's edge
+ * model.
+ */
 averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COUNT], edge_law edge);
 
-/* The step for differences, and for those by which a search looks where to go from z. */
+/* Step in z for difference quotients, and for those of a search that starts from z. */
 #define COORDINATE_STEP 1e-4
 double coordinate_step(coordinate_id id);
 double coordinate_look(coordinate_id id, double z);
 
-/* Between which z a coordinate is physical by itself; infinite where nothing bounds it. */
+/* Limits of z between which a coordinate by itself is physical; infinite if it has none. */
 void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, double *high);
 
 /*
- * All of R, L, psi_f, the voltages and what is measured by them scaled by a factor, iron's conductance by its inverse: nothing that a
- * recording shows changes but the ripple of the duties.
+ * Multiplies R, L, psi_f and all voltages, with their differences and harmonics, by a factor, and the parameters of iron loss and
+ * eddy currents by its inverse. A recording does not show such a change, except in the current ripple of the duties.
  */
 void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUNT]);
 
-/* Pulls z back to what is physical: R, L, psi > 0, a knee well below the rated current, gains of 0.6 to 1.6, a flux that
- * rises with the recorded currents. */
+/*
+ * Limits z to physical values: R, L, psi_f > 0, a knee current well below the rated current, sensor gains of 0.6 to 1.6, and a flux
+ * that rises with the current up to the recorded currents.
+ */
 void coordinates_bound(const coordinate_frame *f, double z[P_COUNT]);
 
 #endif

@@ -1,4 +1,4 @@
-/* The law of a dead time near zero current, by likelihood (edge_choice.h). */
+/* Edge model of a dead time, by likelihood (edge_choice.h). */
 #include "edge_choice.h"
 
 #include "fit.h"
@@ -7,16 +7,19 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Shares of the rated peak current: an ideal switch, a usual one, a slow one. */
+/* Knee currents that are tried, as shares of the rated peak current: from an ideal switch to a slow one. */
 static const double knee_share[] = {0.005, 0.02, 0.06, 0.15};
 enum { KNEES = sizeof knee_share / sizeof *knee_share };
 static const double RIPPLE_START = 0.7;
 
-/* Each edge's own current sees all of the ripple, and no knee but the filter's error and the dead time's length. */
+/*
+ * With EDGE_FOUND the loss follows the current at the edge, which has all of the ripple. Its knee is small: it covers the error of
+ * the sensor filter and the length of the dead time.
+ */
 static const double FOUND_KNEE_SHARE = 0.01;
 static const double FOUND_RIPPLE = 1.0;
 
-/* What a second number must take off, to be looked at. */
+/* Chi square that the second parameter, the compensation, must reduce to be considered. */
 static const double SECOND_NUMBER = 25.0;
 
 static void set_knee(const fit_data *d, fit_state *s, coordinate_id knee, double share)
@@ -26,7 +29,7 @@ static void set_knee(const fit_data *d, fit_state *s, coordinate_id knee, double
     s->z[knee] = log(share * d->frame->i_rated_peak_A / nominal_A);
 }
 
-/* The sums over all blocks for one column or two. False: out of memory. */
+/* Sums g and h over all blocks, for a dead time (n = 1) or with its compensation (n = 2). False: out of memory. */
 static bool sum_of(fit_data *d, const fit_state *s, size_t n, double g[2], double h[3])
 {
     static const int column[] = {P_V_DEAD, P_COMPENSATION};
@@ -43,7 +46,7 @@ static bool sum_of(fit_data *d, const fit_state *s, size_t n, double g[2], doubl
     return ok;
 }
 
-/* What a plain dead time would take off under this state's law. */
+/* Reduction in chi square by a plain dead time under the state's edge model. */
 static bool plain_gain(fit_data *d, const fit_state *s, double *gain)
 {
     double g[2] = {0.0};
@@ -53,7 +56,7 @@ static bool plain_gain(fit_data *d, const fit_state *s, double *gain)
     return ok;
 }
 
-/* And a dead time with its compensation; nothing where one of the two is negative. */
+/* The same by a dead time with its compensation; 0 if one of the two would be negative. */
 static bool compensated_gain(fit_data *d, const fit_state *s, double *gain)
 {
     double g[2] = {0.0};
@@ -131,7 +134,10 @@ void edge_of_set(const fit_data *d, fit_state *s)
     }
 }
 
-/* A law that stays so far behind by what its cause moves does not make up for it by last digits: those stand already. */
+/*
+ * Gives up an edge model whose own parameters leave an objective that is higher by this. The parameter tolerances are fitted already
+ * and do not make up for it.
+ */
 static const double BEHIND = 100.0;
 
 bool edge_revise(fit_data *d, fit_state *s, int refine_steps, edge_contest *last)

@@ -1,6 +1,7 @@
 /*
- * Which law a dead time follows near zero current, in this recording, found by likelihood: charged or clipped edges of a plain one;
- * with a compensation each edge goes by the current that it finds.
+ * Chooses the edge model of a dead time for this recording, by likelihood. The edge model (edge_law) describes how the voltage loss
+ * depends on a current near zero. A plain dead time has charged or clipped edges. With a compensation, the loss depends on the
+ * current at each edge.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_EDGE_CHOICE_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_EDGE_CHOICE_H
@@ -8,22 +9,26 @@
 #include "fit_data.h"
 
 /*
- * While no dead time is fitted its derivative by a knee is nothing; the knees and the law under which it would pay most are then
- * found by trial and left in *s. One that is fitted already stays. False: out of memory.
+ * If no dead time is fitted, its derivative by the knee current is zero. Then tries knee currents and edge models and leaves in *s
+ * those with which a dead time would reduce the error most. A dead time that is fitted or in the motor file keeps its model. False:
+ * out of memory.
  */
 bool edge_choose(fit_data *d, fit_state *s);
 
-/* The law that the state's set asks for: that of a compensation for its own hypothesis, a plain one for any other. */
+/* Sets the edge model that the state's set needs: EDGE_FOUND for the hypothesis of a compensation, a plain one for others. */
 void edge_of_set(const fit_data *d, fit_state *s);
 
-/* The last contest of the laws: how far apart they were, and where the better one lay; noughts: there was none. */
+/*
+ * The last comparison of the two plain edge models: the difference of their objectives, and the smaller objective. Zeros: none so
+ * far.
+ */
 typedef struct edge_contest {
     double apart, objective;
 } edge_contest;
 
 /*
- * The other law for a plain dead time that is in the model, fitted; the better one stays. Again only where what has joined
- * since the last contest reduces the objective by a quarter of the laws' distance: less changes no order.
+ * Fits the other edge model to a plain dead time of the state and keeps the better one. Does so again only if the objective has
+ * changed by a quarter of the last difference: a smaller change cannot exchange the models. False: out of memory.
  */
 bool edge_revise(fit_data *d, fit_state *s, int refine_steps, edge_contest *last);
 

@@ -1,4 +1,4 @@
-/* Gauss-Newton and the observer's gains (fit.h). */
+/* Gauss-Newton steps and the observer's gains (fit.h). */
 #include "fit.h"
 
 #include "base/solve.h"
@@ -9,24 +9,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Joint steps far more than a fit takes: one that is cut short before its end lets the next look small. */
+/* A fit takes far fewer joint steps than this limit: it should end by its aim. */
 enum { GAIN_STEPS = 4, JOINT_STEPS = 8 };
 
-/* The members alone are only to come near: this many times as much is left to them. */
+/* The members alone need only come near: their limits are those of the aim times this. */
 static const double NEAR = 10.0;
 
-/* What a descent moves: gains alone, the set's own columns with them, or also what a motor file's last digits leave open. */
+/* What a descent moves: gains only, gains and the set's own columns, or also the parameter tolerances. */
 typedef enum moved_by { GAINS, MEMBERS, ALL } moved_by;
 
 /*
- * A gain of nought would trust the model for ever. One part in thirty bounds its memory to thirty cycles: the
- * estimates lose little (the regressor's noise variance is 3 % of the sensor's), and a small slow error of
- * the model is not summed up.
+ * Limits of the observer gain. A gain of 0 would never correct the model. 0.03 limits the observer's memory to thirty cycles. The
+ * estimates lose little by that (the regressor's noise variance is 3 % of the sensor's), and a small slow error of the model does not
+ * accumulate.
  */
 static const double GAIN_LEAST = 0.03;
 static const double GAIN_MOST = 0.98;
 
-/* Turns summed squares into covariances, whitening and the objective. */
+/* Computes covariances, whitening and the objective from the sums of squares. */
 static void finish_noise(const fit_data *d, fit_state *s)
 {
     double pool[4] = {0};
@@ -41,7 +41,7 @@ static void finish_noise(const fit_data *d, fit_state *s)
     }
     s->objective = 0.0;
     for (size_t g = 0; g < d->rows->groups; g++) {
-        /* A group of a few rows leans on all the others. */
+        /* Weight of the mean over all groups, in rows: a group of a few rows has no reliable covariance of its own. */
         const double lean = d->pooled ? 1e6 : 20.0;
         group_noise *n = &s->noise[g];
         double count = n->rows + lean;
@@ -115,13 +115,13 @@ void fit_noise(fit_data *d, fit_state *s)
     finish_noise(d, s);
 }
 
-/* What is made small: the objective, with the prior of what moves unnamed. */
+/* The function that a descent minimises: the objective, with the priors of the parameter tolerances. */
 static double goal(const fit_state *s)
 {
     return s->objective + last_digits_unusual(s->set, s->z);
 }
 
-/* Columns that move together, and where a step takes them and every group's gain. */
+/* Columns that move together, their step, and how every group's gain follows. */
 typedef struct descent {
     size_t n;
     int column[COLUMN_COUNT];
@@ -157,7 +157,7 @@ void fit_step_sums(const fit_data *d, const fit_state *s, const gram *grams, siz
     }
 }
 
-/* How far a gain goes with the whole step. */
+/* The step of a group's gain that belongs to a step of the columns. */
 static double gain_step(const gain_line *line, size_t n, const double *step)
 {
     double down = line->down;
@@ -182,7 +182,7 @@ void fit_step_room(const fit_data *d, const fit_state *s, const int *column, siz
     }
 }
 
-/* Finds the step; *expected is what it promises. False: there is none. */
+/* Finds the step; *expected: the reduction that it predicts. False: there is none. */
 static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, descent *by, double *expected)
 {
     double rest[P_COUNT];
@@ -199,7 +199,7 @@ static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, 
             sum->h[i][i] += by->prior[i];
         }
     }
-    /* Clipped afterwards, the others would make room for what is never gone. */
+    /* With bounds: if a step is clipped afterwards, the other columns compensate for a movement that does not take place. */
     fit_step_room(d, s, by->column, by->n, low, high);
     if (!solve_within(by->n, COLUMN_COUNT, &sum->h[0][0], sum->g, low, high, by->step)) {
         return false;
@@ -233,7 +233,7 @@ fit_state fit_step_taken(fit_data *d, const fit_state *s, const int *column, con
     return trial;
 }
 
-/* Goes a step, shortened until the objective falls. */
+/* Takes a step, shortened until the objective falls. False: it never does. */
 static bool take_step(fit_data *d, fit_state *s, const descent *by)
 {
     for (double share = 1.0; share > 0.02; share *= 0.4) {
@@ -246,7 +246,7 @@ static bool take_step(fit_data *d, fit_state *s, const descent *by)
     return false;
 }
 
-/* One Gauss-Newton step; *expected: what it promised, 0 if it led nowhere. False: out of memory. */
+/* One Gauss-Newton step; *expected: the reduction that it predicted, 0 if there was none. False: out of memory. */
 static bool improve(fit_data *d, fit_state *s, moved_by what, double *expected)
 {
     descent *by = calloc(1, sizeof *by);
@@ -267,9 +267,9 @@ static bool improve(fit_data *d, fit_state *s, moved_by what, double *expected)
 }
 
 /*
- * Steps until one promises less than enough, or brings what it promised, as where the parabola holds nothing is left. That a step
- * brings little says less: one that was cut short, or went beside a bend, does with much left to find. Given up where what is
- * left, if each step brings two thirds of the one before, does not come down to the most allowed.
+ * Takes steps until one predicts a reduction of at most aim->enough. It also ends if the reduction is the predicted one: the parabola
+ * holds there, so nothing is left to find. A small reduction alone is no sign of the end: a shortened step, or a step past a bend,
+ * may leave much. Gives up if aim->most is out of reach even though each step brings two thirds of the one before.
  */
 static bool descend(fit_data *d, fit_state *s, int steps, moved_by what, const fit_aim *aim)
 {
@@ -308,7 +308,7 @@ bool fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim 
         *alone = NAN;
         return true;
     }
-    /* First the members alone: while they are far off, what is small would run after them. */
+    /* First the members alone: while they are far off, the tolerances would move to compensate for them. */
     const fit_aim near = {.enough = NEAR * aim->enough, .held = NEAR * aim->held, .most = aim->most};
     const bool ok = descend(d, s, iterations, MEMBERS, &near);
     *alone = s->objective;

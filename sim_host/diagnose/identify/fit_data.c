@@ -1,4 +1,4 @@
-/* What a fit works on (fit_data.h). */
+/* The data of a fit, its effort and its start (fit_data.h). */
 #include "fit_data.h"
 
 #include "model/flux_map.h"
@@ -9,9 +9,9 @@
 static const double GAIN_START = 0.5;
 
 /*
- * About 1,800 ways through a recording of 12,500 rows, of which 8,800 are fitted: five seconds on two cores hold that, what has
- * begun, and the weighing. Of 220 development recordings with two and three effects as many are right as with twice as much, and
- * two less with three quarters.
+ * The effort limit. It allows about 1,800 runs through a recording of 12,500 rows, if 8,800 are fitted. On two cores that, the round
+ * that has begun and the weighing take at most five seconds. Of 220 development recordings with two and three effects, twice the
+ * limit gets as many right, and three quarters of it two fewer.
  */
 static const double ENOUGH = 1.6e7;
 
@@ -85,7 +85,7 @@ bool fit_has_spent(const fit_data *d)
 
 void fit_grant(fit_data *d)
 {
-    /* All of it to the first, a half of that to the second, a quarter to the third. */
+    /* The whole limit for the first search, half for the second, a quarter for the third. */
     const double share = ldexp(1.0, -(int)d->beginnings);
     d->granted = fmax(d->granted, d->effort + (share - 1.0) * ENOUGH);
     d->beginnings++;

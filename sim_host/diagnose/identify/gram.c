@@ -9,7 +9,7 @@ void gram_whiten(const group_noise *n, size_t rows, const double *innovation, do
     for (size_t j = 0; j < rows; j++) {
         const double *e = innovation + OBSERVER_OUTPUTS * j;
         double *w = out + OBSERVER_OUTPUTS * j;
-        /* Ahead of w[0], as `out` may be the innovations themselves. */
+        /* Computed before w[0] is written, because `out` may be the innovations themselves. */
         const double second = n->white[1] * e[0] + n->white[2] * e[1];
         w[0] = n->white[0] * e[0];
         w[1] = second;
@@ -56,7 +56,7 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
     return n;
 }
 
-/* Joint columns move gains or inductances. */
+/* Step of a column for difference quotients. Joint columns move gains or inductances and have the step of P_L_D. */
 static double column_step(const fit_data *d, int column, const double z[P_COUNT])
 {
     if (column == COLUMN_GAIN) {
@@ -74,16 +74,16 @@ typedef struct gram_task {
     averaged_drive drive;
     averaged_drive moved[COLUMN_COUNT];
     averaged_node
-        *own[COLUMN_COUNT]; /* the nodes depend on R, L_d and L_q alone: only those bring their own */
+        *own[COLUMN_COUNT]; /* nodes depend on R, L_d and L_q only: columns that move these have their own */
     double step[COLUMN_COUNT];
     double more_gain[COLUMN_COUNT];
-    bool beside[COLUMN_COUNT]; /* moves the sensors or the gain alone, and goes beside the state's own way */
+    bool beside[COLUMN_COUNT]; /* moves only the sensors or the gain: linearised about the state's own run */
     bool any_beside;
-    bool alike[COLUMN_COUNT]; /* its cycles are the state's */
+    bool alike[COLUMN_COUNT]; /* its cycles are those of the state */
     gram *grams;
 } gram_task;
 
-/* How the innovations move with each column, from the state's own in work->base: to work->columns. */
+/* Derivatives of the innovations by each column: differences from the state's own in work->base, written to work->columns. */
 static void find_slopes(const gram_task *t, const row_block *block, const struct fit_work *work,
                         size_t stride)
 {
@@ -134,7 +134,10 @@ static void one_block(void *context, size_t b, size_t worker)
     }
 }
 
-/* Which columns go beside the state's own way: what it costs to find that, two more ways, must be less than what it saves. */
+/*
+ * Marks the columns that are linearised about the state's own run. Finding the derivatives of that run costs two more runs, so there
+ * must be more than two such columns.
+ */
 static void find_beside(gram_task *t, const int *column)
 {
     size_t count = 0;
@@ -149,7 +152,7 @@ static void find_beside(gram_task *t, const int *column)
     }
 }
 
-/* Each column's drive, and nodes where it moves what these depend on. False: out of memory. */
+/* Sets each column's drive, and its nodes if the column moves R, L_d or L_q. False: out of memory. */
 static bool move_columns(gram_task *t, const int *column)
 {
     fit_data *d = t->d;

@@ -1,16 +1,16 @@
 /*
- * Sums over blocks: whitened innovations, their derivatives by the columns of hypotheses, and all products of
- * these. Whatever is asked of a fit afterwards is algebra on them.
+ * Sums over blocks: of the whitened innovations, their derivatives by the columns of hypotheses, and all products of these (Gram
+ * matrices). All later questions to a fit are algebra on these sums.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_GRAM_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_GRAM_H
 
 #include "fit_data.h"
 
-/* A column beside the hypotheses': the gain of the block's own group. */
+/* One column in addition to those of the hypotheses: the gain of the block's own group. */
 enum { COLUMN_GAIN = COLUMN_COUNT };
 
-/* What Gauss-Newton needs of one block: |e|^2, J'e, J'J over the columns asked for. */
+/* Sums of one block, for Gauss-Newton over the columns asked for: c = |e|^2, g = J'e, h = J'J. */
 typedef struct gram {
     size_t group;
     double c;
@@ -18,15 +18,16 @@ typedef struct gram {
     double h[COLUMN_COUNT][COLUMN_COUNT];
 } gram;
 
-/* One block's innovations times the group's inverse Cholesky factor; `out` may be `innovation`. */
+/* Whitens one block's innovations: multiplies them by the group's inverse Cholesky factor. `out` may be `innovation`. */
 void gram_whiten(const group_noise *n, size_t rows, const double *innovation, double *out);
 
-/* The columns that a set of hypotheses fits, in order; returns how many. With the mean sensor offset where it
- * shows. */
+/* The columns that a set of hypotheses fits, in order, and the mean sensor offset if three sensors show it. Returns how many. */
 size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, int column[COLUMN_COUNT]);
 
-/* Sums per fitted block at the state, over `n` columns, fewer than COLUMN_COUNT with COLUMN_GAIN (indices local to the list).
- * NULL: out of memory. The caller frees. */
+/*
+ * Sums of each fitted block at the state, over `n` columns; with COLUMN_GAIN there must be fewer than COLUMN_COUNT. The sums' indices
+ * are those of the list. NULL: out of memory. The caller frees.
+ */
 gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n);
 
 /* Adds g and h of the first n columns. */

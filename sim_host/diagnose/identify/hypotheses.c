@@ -18,7 +18,7 @@ const double law_holds_to[CAUSE_COUNT] = {
 #include "data/causes.def"
 };
 
-/* Of each line at most all but one may stand in a set: together they change nothing. */
+/* All roles of a line together can change without any change of the recording: a set must lack at least one of them. */
 static const unsigned exclusive[][3] = {
     {DELAYS_VOLTAGE, DELAYS_A_SHARE},
     {SCALES_VOLTAGE, SCALES_FLUX, SCALES_INDUCTANCE},
@@ -50,7 +50,7 @@ bool hypothesis_joins(hypothesis_set set, hypothesis_id id)
     return true;
 }
 
-/* Whether all that b moves a moves too, each by itself. */
+/* Whether a moves each coordinate that b moves. */
 static bool moves_all_of(hypothesis_id a, hypothesis_id b)
 {
     bool outer[P_COUNT] = {false};
@@ -69,19 +69,19 @@ bool hypothesis_contains(hypothesis_id a, hypothesis_id b)
 {
     const hypothesis *inner = &hypothesis_table[b];
     if (hypothesis_table[a].size == SIZE_BENDS) {
-        /* A flux map's terms are those of a fall with the current, to fourth order. */
+        /* The terms of a flux map include, to fourth order, an inductance that falls with the current. */
         return moves_all_of(a, b) || inner->cause == CAUSE_SATURATION;
     }
     return inner->columns == 1 && hypothesis_table[a].columns > 1 &&
            (hypothesis_table[a].holds & inner->holds) != 0;
 }
 
-/* Of two gains, as a share of both: the least difference that makes them a mismatch. */
+/* Least difference of two gains that makes a mismatch, as a share of their root sum square. */
 static const double LEAST_DIFFERENCE = 0.05;
 
 /*
- * A mismatch: one gain common to all sensors is R and L seen through another scale. Two sensors have no third
- * that could stand out, so that what they share counts, but only beside a difference.
+ * Size of a mismatch of two sensors; 0 if they are nearly equal. One gain common to all sensors is no mismatch: it is an R and an L
+ * in another scale. Two sensors have no third to compare with, so the common part counts, but only if they differ.
  */
 static double size_of_two(double a, double b)
 {
@@ -89,7 +89,7 @@ static double size_of_two(double a, double b)
     return fabs(a - b) >= LEAST_DIFFERENCE * all ? all : 0.0;
 }
 
-/* How far three values are apart: root sum square about their mean. */
+/* Distance of three values from one another: root sum square about their mean. */
 static double spread(const double x[3])
 {
     const double mean = (x[0] + x[1] + x[2]) / 3.0;
@@ -204,7 +204,7 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
         }
     }
     if (hypothesis_in(set, H_INDUCTANCE) || hypothesis_in(set, H_SATURATION)) {
-        moved[P_L_Q] = 0.0; /* of both inductances alike one counts */
+        moved[P_L_Q] = 0.0; /* both inductances move by the same amount: counted once */
     }
     double sum = 0.0;
     for (size_t id = 0; id < P_COUNT; id++) {
@@ -212,14 +212,14 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
         sum += usual > 0.0 ? moved[id] * moved[id] / (usual * usual) : 0.0;
     }
     if (moved[P_GAIN_C] != 0.0) {
-        /* Three sensors that err alike are rarer than an R and an L that do. */
+        /* An error common to three sensors is rarer than one common to R and L. */
         double mean = (moved[P_GAIN_A] + moved[P_GAIN_B] + moved[P_GAIN_C]) / 3.0;
         sum += mean * mean / (USUAL_GAIN_OF_ALL * USUAL_GAIN_OF_ALL);
     }
     return sum;
 }
 
-/* What a step along a column does: the coordinates it moves, and by how much. The last of a list has share 0. */
+/* A coordinate that a column moves, and its share of the step. The last of a list has share 0. */
 typedef struct column_part {
     coordinate_id coordinate;
     double share;

@@ -1,4 +1,4 @@
-/* Small unnamed moves, marginalised (last_digits.h). */
+/* Parameter tolerances, marginalised (last_digits.h). */
 #include "last_digits.h"
 
 #include "base/solve.h"
@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* No unnamed move is larger than this many standard deviations: beyond, it is worth a name. */
+/* Largest deviation without a name, in standard deviations of its tolerance. */
 static const double MOST = 3.0;
 
 static double precision(coordinate_id id)
@@ -31,8 +31,8 @@ void last_digits_deflate(const diagnose_rows *r, const bool *held, gram *sums)
     coordinate_id at[P_COUNT];
     double small[COLUMN_COUNT][COLUMN_COUNT];
     double inverse[COLUMN_COUNT][COLUMN_COUNT];
-    double row[P_COUNT][COLUMN_COUNT + 1]; /* H of the small coordinates, and their g */
-    double part[COLUMN_COUNT + 1];         /* a row of M times that */
+    double row[P_COUNT][COLUMN_COUNT + 1]; /* H of the tolerances' coordinates, and their g */
+    double part[COLUMN_COUNT + 1];         /* a row of M times `row` */
     size_t count = 0;
     const size_t smalls = last_digits_list(r, at);
     for (size_t k = 0; k < smalls; k++) {
@@ -91,7 +91,9 @@ size_t last_digits_append(const fit_data *d, const fit_state *s, size_t members,
         size_t left = hypothesis_table[h].columns;
         for (size_t k = P_COUNT; k-- > 0;) {
             if (moved[k]) {
-                /* Moving one of k coordinates that share m directions moves 1/k of what these leave free. */
+                /*
+                 * k coordinates that share m directions have k - m free ones: each keeps the share 1 - m/k of its prior's precision.
+                 */
                 share[k] = 1.0 - (double)hypothesis_table[h].columns / coordinates;
                 taken[k] = taken[k] || left > 0;
                 left -= left > 0 ? 1 : 0;

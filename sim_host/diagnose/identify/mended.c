@@ -1,4 +1,4 @@
-/* Rows before and after they were mended (mended.h). */
+/* Rows before and after each correction (the header explains them). */
 #include "mended.h"
 
 #include <math.h>

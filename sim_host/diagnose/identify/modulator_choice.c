@@ -1,4 +1,4 @@
-/* The modulator by likelihood (modulator_choice.h). */
+/* Chooses the modulator by likelihood (modulator_choice.h). */
 #include "modulator_choice.h"
 
 #include "base/solve.h"
@@ -9,13 +9,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Chi square by which another modulator must be the better one. */
+/* Chi square by which another modulator must at least be better. */
 static const double CLEAR = 100.0;
 
-/* In cycles: a filter that holds nothing has no edges to see, and begins in the middle of what is usual. */
+/* Start value of the sensor filter, in cycles: the middle of the usual range. Without a filter no edge is seen. */
 static const double LAG_BEGINS = 0.1;
 
-/* The columns of what tells the edges, each moved to where its slope by them is something. */
+/* Lists the columns of the effects, and moves each effect to where its derivative is not zero. False: out of memory. */
 static bool begin(fit_data *d, fit_state *s, unsigned by, int column[], size_t *columns)
 {
     *columns = 0;
@@ -36,7 +36,7 @@ static bool begin(fit_data *d, fit_state *s, unsigned by, int column[], size_t *
     return true;
 }
 
-/* What these leave when they move alone, under the rows' edges, in the state's deviations. */
+/* Residual in chi square if only these effects move, under the rows' edges and the state's noise. False: out of memory. */
 static bool left_under(fit_data *d, const fit_state *s, unsigned by, double *left)
 {
     int column[3];
@@ -62,7 +62,7 @@ static bool left_under(fit_data *d, const fit_state *s, unsigned by, double *lef
     return true;
 }
 
-/* What the state leaves as it is. */
+/* Residual of the state itself, in chi square. False: out of memory. */
 static bool left_as_it_is(fit_data *d, const fit_state *s, double *left)
 {
     gram *grams = gram_blocks(d, s, NULL, 0);

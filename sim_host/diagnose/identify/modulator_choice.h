@@ -1,21 +1,25 @@
 /*
- * Which modulator made the duties of a recording that has voltages only, by likelihood: it says when the legs switch, and which do
- * not, and so have no dead time.
+ * Chooses the modulator of a recording that has voltages but no duties, by likelihood. The modulator determines when the legs switch.
+ * It also determines which legs do not switch and so have no dead time.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_MODULATOR_CHOICE_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_MODULATOR_CHOICE_H
 
 #include "fit_data.h"
 
-/* What tells one edge from another: a dead time, a filter of the sensors that still sees the last ones, iron that is fast. */
+/*
+ * Effects that depend on the switching edges: a dead time, a filter of the sensors that still shows the last edges, and a fast iron
+ * loss.
+ */
 enum { EDGES_BY_DEAD_TIME = 1, EDGES_BY_SENSOR_LAG = 2, EDGES_BY_IRON = 4 };
 
 /*
- * Gives the rows of a recording without duties the edges of the modulator under which those effects together (EDGES_BY_, one at
- * least), as they stand in *s or as they would begin, leave least, and clearly less than *s does; *changed: another one than they
- * had. False: out of memory.
- * `least`: the share of what is left that another modulator must take off. Where those effects do not stand yet, structure that is no
- * edge makes one look better by a part in fifty; the right one takes a tenth.
+ * Gives the rows the edges of the best modulator; *changed: it is not the one that they had. For recordings without duties.
+ *
+ * `by`: the effects (EDGES_BY_, at least one) that are fitted under each modulator, from *s or from their start values. Another
+ * modulator is taken only if its residual is clearly smaller than that of *s and of the present modulator: by the share `least`, and
+ * by 100 in chi square. If the effects are not in *s yet, a residual that has nothing to do with edges makes some modulator look
+ * better by 2 %. The right one reduces the residual by 10 %. False: out of memory.
  */
 bool modulator_choose(fit_data *d, const fit_state *s, unsigned by, double least, bool *changed);
 

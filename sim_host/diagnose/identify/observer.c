@@ -1,4 +1,4 @@
-/* The averaged drive as an observer of a recording (observer.h). */
+/* Runs the averaged drive as an observer along a recording (observer.h). */
 #include "observer.h"
 
 #include "model/iron_branch.h"
@@ -13,7 +13,7 @@ static bool sensors_change(const averaged_drive *drive, const sensor_course *cou
     return course->drifts || drive->sensor_lag_s != 0.0;
 }
 
-/* The sensors at a row, where they are not the same at all. */
+/* The sensors at a row, if they change from row to row. */
 static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const sensor_course *course,
                              const cycle_row *row, lag_memory *memory)
 {
@@ -21,7 +21,7 @@ static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive
     return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map, memory);
 }
 
-/* What the sensors show of a true current; *zero: the mean of the three. */
+/* The measured current of a true current; *zero: mean of the three sensors. */
 static vec_ab shown(const averaged_drive *drive, const sensor_map *map, vec_ab x, double *zero)
 {
     vec_ab y = sensor_map_measure(map, x);
@@ -41,16 +41,16 @@ static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, vec_ab
     return sensor_map_unmeasure(map, bent ? sensor_bend_undo(drive, recorded) : recorded);
 }
 
-/* A drive on its way through a block. */
+/* A drive's run through a block. */
 typedef struct walker {
     diagnose_rows *r;
     const averaged_drive *drive;
     double gain;
     sensor_course course;
-    bool change; /* the sensors, from row to row */
+    bool change; /* the sensors change from row to row */
     lag_memory memory;
-    vec_ab x;   /* the true current by all rows so far */
-    size_t age; /* rows since it started */
+    vec_ab x;   /* true current, estimated from all rows so far */
+    size_t age; /* rows since the start */
 } walker;
 
 static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double gain)
@@ -60,7 +60,10 @@ static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double ga
     return w;
 }
 
-/* Takes in what the sensors show at row k: innovations into `out`, zeros where it starts anew. Whether there are any. */
+/*
+ * Corrects the run by the measured current of row k. Writes the innovations to `out`, zeros if the run starts again. Returns whether
+ * there are any.
+ */
 static bool take_in(walker *w, size_t k, double gate, double *out)
 {
     const cycle_row *row = &w->r->row[k];
@@ -89,7 +92,7 @@ static bool take_in(walker *w, size_t k, double gate, double *out)
         out[1] = wrong.beta;
         out[2] = w->r->two_sensors ? 0.0 : row->i_zero_A - zero;
     }
-    /* As if every sample so far counted alike, until the steady gain is reached. */
+    /* After a start all samples so far have equal weight, until the steady gain is reached. */
     const double share = 1.0 / (double)(w->age + 1);
     const double g = share > w->gain ? share : w->gain;
     w->x.alpha += g * (sensors->back[0][0] * wrong.alpha + sensors->back[0][1] * wrong.beta);
@@ -131,7 +134,7 @@ void observer_through(diagnose_rows *r, const averaged_drive *drive, const avera
     }
 }
 
-/* How far a drive goes from one side of a current, per ampere. */
+/* Derivative of a cycle's end by its start, in the direction of `aside`. */
 static vec_ab slope(const averaged_drive *drive, const averaged_cycle *cycle, const cycle_row *row,
                     const observer_step *s, vec_ab aside, const iron_memory *before)
 {

@@ -1,4 +1,4 @@
-/* Which revolution each stretch began in (revolution.h). */
+/* Finds in which revolution each stretch began (revolution.h). */
 #include "revolution.h"
 
 #include "base/solve.h"
@@ -7,11 +7,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Below this chi square of the strongest stretch its phase would be chance. */
+/* Least chi square of the strongest stretch; below it, its phase is chance. */
 static const double WORTH_TURNING = 20.0;
 
-/* With the phasor: what a constant angle error, another flux, or another voltage would do, so that these are
- * not taken for a part of it. */
+/*
+ * The phasors of both orders, and a constant angle error and another flux or voltage: without these their effect would be taken for a
+ * part of the phasor.
+ */
 static const int column[] = {P_HARMONIC_1C, P_HARMONIC_1S, P_HARMONIC_2C, P_HARMONIC_2S, P_THETA_0, P_PSI};
 enum { COLUMNS = sizeof column / sizeof *column };
 
@@ -20,8 +22,7 @@ typedef struct phasor {
     double chi_square;
 } phasor;
 
-/* The phasor of an order in one stretch's sums: fitted with the constant columns, its own pair's chi square.
- */
+/* The phasor of an order in one stretch, fitted with the constant columns, and the chi square of its two parts. */
 static phasor phasor_of(const gram *sum, size_t order)
 {
     const size_t at[4] = {2 * (order - 1), 2 * (order - 1) + 1, 4, 5};
@@ -50,7 +51,7 @@ static phasor phasor_of(const gram *sum, size_t order)
     return p;
 }
 
-/* The multiple of the electrical revolution whose phasor of this order lies nearest. */
+/* The multiple of 2 pi/pole pairs whose phasor of this order is nearest to the phase `ahead`. */
 static double turn_of(double ahead, size_t order, int pole_pairs)
 {
     double best = 0.0;
@@ -76,7 +77,7 @@ bool revolution_in_file(const fit_data *d)
     return has_order(&d->frame->nominal, 1) || has_order(&d->frame->nominal, 2);
 }
 
-/* The order of the model's harmonic, one that is fitted ahead of the motor file's; if there is none, `shown`. */
+/* The order of the model's harmonic: first a fitted one, then the motor file's, else `shown`. */
 static size_t order_in(hypothesis_set set, const averaged_drive *drive, size_t shown)
 {
     if (hypothesis_in(set, H_ANGLE_HARMONIC_1)) {
@@ -120,8 +121,10 @@ bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bool *tur
             }
         }
     }
-    /* With a harmonic in the model its phasor is what the stretches are held against, and each shows its
-     * difference from it. */
+    /*
+     * If the model has a harmonic, the stretches are compared with its phasor. The phasor of each stretch is then its difference from
+     * the model.
+     */
     const averaged_drive drive = fit_drive(d, s);
     const size_t order = order_in(s->set, &drive, evidence[2] > evidence[1] ? 2 : 1);
     const phasor fitted = {drive.harmonic_cos_rad[order - 1], drive.harmonic_sin_rad[order - 1], 0.0};
@@ -135,8 +138,9 @@ bool revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bool *tur
         }
         p.c += fitted.c;
         p.s += fitted.s;
-        /* c cos(n x) + s sin(n x) is the real part of (c - js) e^{jnx}: an angle too small by b shows the
-         * phasor turned by n b. */
+        /*
+         * c cos(n x) + s sin(n x) is the real part of (c - js) e^{jnx}: if the angle is too small by b, the phasor is turned by n b.
+         */
         double ahead = atan2(-p.s, p.c) - atan2(-reference.s, reference.c);
         double angle = turn_of(ahead, order, pole_pairs);
         rows_turn_mechanical(d->rows, n, angle);

@@ -3,12 +3,12 @@
 
 #include <math.h>
 
-/* At the end, and just below it, as shares of it: a converter's two ends differ by one step. */
+/* The ranges "at the end" and "just below", as shares of the end. The two ends of a converter differ by one step. */
 static const double AT_END = 0.999;
 static const double BELOW = 0.98;
-/* So many rows at the end by each of two phases or signs, and so many times those below it. */
+/* Least number of rows at the end, for each of two phases or signs, and least ratio of the rows at the end to those just below it. */
 enum { LEAST_ROWS = 4, TIMES_BELOW = 3 };
-/* Of a current that is cut the three do not add up: so many times what their sum is elsewhere, rms. */
+/* If a current is cut, the sum of the three is larger: least ratio of its rms there to that elsewhere. */
 static const double TIMES_SUM = 5.0;
 
 typedef struct tally {

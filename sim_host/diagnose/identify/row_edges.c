@@ -1,9 +1,9 @@
-/* Edges of recorded or guessed duties (row_edges.h). */
+/* Switching edges from recorded or assumed duties (row_edges.h). */
 #include "row_edges.h"
 
 #include <math.h>
 
-/* A timer's step is more: what lies nearer to a rail stays there. */
+/* A duty this near to 0 or 1 is at a rail. A timer's step is larger. */
 static const double AT_RAIL = 1e-5;
 
 static void duties_of(const diagnose_rows *r, const motor *m, size_t k, modulator which, double duty[3])
@@ -20,7 +20,7 @@ static void duties_of(const diagnose_rows *r, const motor *m, size_t k, modulato
     modulator_duties(which, u, rec->u_dc_V ? rec->u_dc_V[k] : m->u_dc_V, duty);
 }
 
-/* A leg that is held at a rail has no edges; one that goes there or comes back has one at the valley between. */
+/* A leg that stays at a rail has no edges; one that goes to a rail or leaves it has one edge, at the valley between. */
 static void count_edges(double duty, double before, double *no_rise, double *no_fall)
 {
     const bool high = duty > 1.0 - AT_RAIL;
@@ -30,9 +30,7 @@ static void count_edges(double duty, double before, double *no_rise, double *no_
     *no_fall = 1.0 - (pulse ? 1.0 : 0.0) - (!high && was_high ? 1.0 : 0.0);
 }
 
-/*
- * The ripple is the integral of a leg's voltage from the carrier valley, less the share of the mean.
- */
+/* The ripple is the integral of a leg's voltage from the carrier valley, minus that of its mean. */
 void rows_fill_edges(diagnose_rows *r, const motor *m, modulator which)
 {
     const recording *rec = r->recording;
@@ -46,7 +44,7 @@ void rows_fill_edges(diagnose_rows *r, const motor *m, modulator which)
         duties_of(r, m, k, which, duty);
         for (size_t x = 0; x < 3; x++) {
             double rise = 0.5 * (1.0 - duty[x]);
-            double high[3]; /* what each leg's flux is ahead of its mean when leg x rises */
+            double high[3]; /* flux of each leg above its mean when leg x rises; 1: u_dc times the period */
             for (size_t y = 0; y < 3; y++) {
                 high[y] = fmax(0.0, rise - 0.5 * (1.0 - duty[y])) - rise * duty[y];
             }

@@ -1,10 +1,10 @@
-/* The rows' speeds (row_speeds.h). */
+/* The speeds of the rows (row_speeds.h). */
 #include "row_speeds.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { CORRECT_ROWS_MIN = 200 /* fewer rows say less about the speed than the column does */ };
+enum { CORRECT_ROWS_MIN = 200 /* fewer rows determine the speed worse than its column does */ };
 
 void rows_correct_speed(diagnose_rows *r)
 {
@@ -41,7 +41,10 @@ void rows_correct_speed(diagnose_rows *r)
     }
 }
 
-/* The rows as they are, as they were before each mend, and before their angle was smoothed; NULL: there are no such. */
+/*
+ * The rows before correction n, the present rows (n is the number of corrections), or those before their angle was smoothed; NULL:
+ * there are no such rows.
+ */
 static cycle_row *rows_of(const diagnose_rows *r, size_t n)
 {
     if (n < r->mends) {

@@ -1,4 +1,4 @@
-/* A recording made ready: angles, voltages, edges, nodes, blocks (rows.h). */
+/* Prepares a recording: angles, voltages, edges, nodes, blocks (rows.h). */
 #include "rows.h"
 
 #include "row_clips.h"
@@ -10,10 +10,10 @@
 
 enum {
     BLOCK_ROWS_MIN = 80,   /* the observer's start costs a few rows of each block */
-    BLOCK_ROWS_SHORT = 40, /* where no block could be held out otherwise */
-    BLOCK_ROWS_MAX = 300,  /* long enough for effects that show over L/R, short enough for many blocks */
+    BLOCK_ROWS_SHORT = 40, /* if no block could be held out otherwise */
+    BLOCK_ROWS_MAX = 300,  /* long enough for effects that act over L/R, short enough for many blocks */
     BLOCKS_PER_STRETCH = 8,
-    GROUPS_WANTED = 6 /* a recording of fewer runs is cut in time, or robust intervals had nothing to count */
+    GROUPS_WANTED = 6 /* a recording of fewer runs is cut in time: robust intervals need groups */
 };
 
 static const double WARMER_K = 5.0;
@@ -28,10 +28,13 @@ static bool angle_is_wrapped(const recording *rec)
     return true;
 }
 
-/* Two sensors' angles that stay so near each other, rms, are one sensor's: an error that is named is half as much again. */
+/*
+ * Two angles that differ by less than this, rms, come from one sensor. The reporting threshold of an angle error is 1.5 times as
+ * large.
+ */
 static const double ONE_SENSOR_RAD = 2e-3;
 
-/* Whether the mechanical angle has the errors of the electrical one: always where it is counted from that. */
+/* Whether the mechanical angle has the errors of the electrical one. True if it is counted from the electrical angle. */
 static bool one_sensor(const recording *rec, int pole_pairs)
 {
     double along = 0.0;
@@ -41,7 +44,7 @@ static bool one_sensor(const recording *rec, int pole_pairs)
         along += cos(apart) / (double)rec->rows;
         across += sin(apart) / (double)rec->rows;
     }
-    /* Of small angles about their mean: 1 less half their mean square is left. */
+    /* For small angles about their mean, the length of the mean vector is 1 - (mean square)/2. */
     return !rec->theta_mech_rad || 1.0 - hypot(along, across) < 0.5 * ONE_SENSOR_RAD * ONE_SENSOR_RAD;
 }
 
@@ -74,7 +77,7 @@ static void fill_angles(diagnose_rows *r, const motor *m)
     }
 }
 
-/* When each row was taken, from the rows' mean: there what drifts has the value that is told. */
+/* The time of each row, from the mean of all. A value that drifts is reported for that mean time. */
 static void fill_times(diagnose_rows *r)
 {
     const recording *rec = r->recording;
@@ -162,7 +165,7 @@ static size_t distinct_runs(const recording *rec)
     return n;
 }
 
-/* Whether the temperature moves by enough to tell what follows it: 2 % of a copper winding's resistance. */
+/* Whether the temperature changes by enough to show its effects: by 2 % of a copper winding's resistance. */
 static bool warms(const recording *rec)
 {
     double least = INFINITY;
@@ -174,7 +177,7 @@ static bool warms(const recording *rec)
     return most - least >= WARMER_K;
 }
 
-/* Whether a sensor stands at the end of its range in a block: nothing can be learned from where it does. */
+/* Whether a sensor is at the end of its range in a block, which makes the block useless. Counts such rows. */
 static bool is_clipped(diagnose_rows *r, const row_block *b, double end_A)
 {
     size_t rows = 0;
@@ -253,8 +256,8 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
         rows_free(r);
         return error_input(
             e, rec->path, 0, 0,
-            "the current sensors stand at the end of their range in %zu of %zu rows: too few are left",
-            clipped, rec->rows);
+            "the current sensors are at the end of their range in %zu of %zu rows: too few are left", clipped,
+            rec->rows);
     }
     if (r->blocks < 3) {
         rows_free(r);

@@ -1,12 +1,9 @@
 /*
- * A recording made ready for the averaged drive: one cycle_row per row, cut into blocks that are fitted or
- * held out.
+ * Prepares a recording for the averaged drive: one cycle_row per row, cut into blocks that are fitted or held out.
  *
- * A block lies inside one stretch. Its filter starts anew, so that nothing of a held-out block reaches a
- * fitted one. Three blocks of ten are held out, and one of three at least, spread so that each operating point lies in
- * both parts. A
- * group is an operating point (a run): noise and weight belong to it, and it is the unit that the robust
- * intervals count.
+ * A block is inside one stretch. Its observer starts again, so that nothing of a held-out block affects a fitted one. Three of ten
+ * blocks are held out, and at least one of three, spread so that each operating point is in both parts. A group is an operating point
+ * (a run). Noise and weight belong to a group, and robust intervals count groups.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_ROWS_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_ROWS_H
@@ -20,7 +17,7 @@
 #include <stddef.h>
 
 enum {
-    ROWS_HISTORY = 2, /* rows at the start of a stretch that only feed the delayed voltages */
+    ROWS_HISTORY = 2, /* first rows of a stretch, which only feed the delayed voltages */
     ROWS_MAX_GROUPS = 48,
     ROWS_MENDS = 4,
     MEND_VALUES = 2
@@ -33,11 +30,11 @@ typedef struct row_block {
     bool held_out;
 } row_block;
 
-/* A cause that the columns tell by themselves, or the rows one by one, and that the rows were mended of (mended.h). */
+/* A cause that the columns or single rows show without a fit, and the rows before they were corrected for it. */
 typedef struct row_mend {
     cause_id cause;
-    double value[MEND_VALUES], low[MEND_VALUES], high[MEND_VALUES]; /* 95 %; in the order of causes.def */
-    cycle_row *before;                                              /* the rows as they were */
+    double value[MEND_VALUES], low[MEND_VALUES], high[MEND_VALUES]; /* 95 %, in the order of causes.def */
+    cycle_row *before;                                              /* the rows before the correction */
 } row_mend;
 
 typedef struct diagnose_rows {
@@ -45,12 +42,11 @@ typedef struct diagnose_rows {
     double T_s;
     size_t rows;
     cycle_row *row;
-    unsigned char *outlier; /* set by the fit: a glitch that would drag every estimate */
-    modulator
-        modulator; /* that made the edges; of a recording without duties, as chosen (modulator_choice.h) */
+    unsigned char *outlier; /* set by the fit: a glitch that would disturb every estimate */
+    modulator modulator;    /* of the edges; without duties, as chosen (modulator_choice.h) */
     size_t mends;
-    row_mend mend[ROWS_MENDS]; /* in their order */
-    /* The rows with the angle as recorded, where it was smoothed (angle_smooth.h), and over how many rows to either side; or NULL. */
+    row_mend mend[ROWS_MENDS]; /* in the order of correction */
+    /* The rows before their angle was smoothed (angle_smooth.h), or NULL; and over how many rows to either side it was. */
     cycle_row *rough;
     size_t smooth_half;
     size_t nodes;
@@ -67,8 +63,7 @@ typedef struct diagnose_rows {
     double span_s; /* from the recording's first row to its last */
     double omega_max_rad_s, i_peak_A, u_rms_V;
     double u_resolution_V;
-    bool *
-        no_memory; /* set by a measure for which memory ran out: what it returned is no result. NULL: not asked */
+    bool *no_memory; /* set if a measure runs out of memory: its result is invalid. NULL: not used */
 } diagnose_rows;
 
 /* Notes that memory ran out in a measure. */
@@ -89,7 +84,7 @@ averaged_node *rows_nodes(const diagnose_rows *r, const averaged_drive *drive);
 /* Fills a table of r->nodes entries. */
 void rows_nodes_fill(const diagnose_rows *r, const averaged_drive *drive, averaged_node *nodes);
 
-/* Turns the mechanical angle of one stretch by `revolutions` of the electrical angle / pole pairs. */
+/* Turns the mechanical angle of one stretch by an angle. */
 void rows_turn_mechanical(diagnose_rows *r, size_t stretch, double angle_rad);
 
 #endif

@@ -1,4 +1,4 @@
-/* A speed that is late against the angle (speed_lag.h). */
+/* Finds and corrects a speed that lags the angle (speed_lag.h). */
 #include "speed_lag.h"
 
 #include "mended.h"
@@ -10,20 +10,21 @@
 #include <string.h>
 
 /*
- * A stretch is cut into parts, in each of which the difference of angle and integrated speed may begin anywhere: what adds up
- * over longer is another matter. Means of some rows stand for them, so that the column's noise is small against its change.
+ * A stretch is cut into parts. In each part the difference between the angle and the integrated speed begins at any value, because
+ * what adds up over longer times has other causes. A point is the mean of some rows, so that the column's noise is small against its
+ * change.
  */
 enum { PARTS = 8, PART_ROWS_LEAST = 64, PART_ROWS_MOST = 400, POINTS = 16, PARTS_LEAST = 6 };
 
-static const double LEAST_CYCLES = 1.5;  /* a late angle is less */
-static const double MOST_S = 1.0;        /* slower than that no speed is of use */
+static const double LEAST_CYCLES = 1.5;  /* an angle delay is shorter */
+static const double MOST_S = 1.0;        /* a slower speed column is of no use */
 static const double CERTAIN = 8.0;       /* in standard deviations */
-static const double LEAST_SIGNAL = 0.75; /* of the speed's variance, else its noise would shorten tau */
+static const double LEAST_SIGNAL = 0.75; /* of the speed's variance: with less, the noise would shorten tau */
 static const double LEAST_ERROR =
-    0.005; /* of the fastest speed, rms: less is an EMF that is right for practical purposes */
-static const double MORE = 0.02; /* what the law leaves: an interval says no less, of tau */
+    0.005; /* of the fastest speed, rms: with less, the EMF is right for practical purposes */
+static const double MORE = 0.02; /* model error of tau, as a share: part of each interval */
 
-/* By part: the integrated difference against what may make it: the time, the angle turned, the speed. */
+/* The columns of a point: possible causes of the integrated difference (time, angle turned, speed), and that difference. */
 enum { TIME, TURNED, SPEED, DIFFERENCE, COLUMNS };
 
 typedef struct points {
@@ -31,7 +32,7 @@ typedef struct points {
     double (*at)[COLUMNS]; /* about the part's mean */
     size_t *part;
     size_t parts;
-    double noise; /* sum over the points of the variance that the column's noise has in their speeds */
+    double noise; /* sum over the points: variance of their speeds by the column's noise */
 } points;
 
 static void add_part(const recording *rec, size_t first, size_t rows, points *p)
@@ -100,7 +101,7 @@ static double product(const points *p, size_t a, size_t b)
     return sum;
 }
 
-/* Takes out of column n what column `by` makes of it, everywhere by the same factor. */
+/* Removes from column n its regression on column `by`, with one factor for all points. */
 static void clear_of(points *p, size_t n, size_t by, double own)
 {
     const double norm = product(p, by, by);
@@ -110,10 +111,10 @@ static void clear_of(points *p, size_t n, size_t by, double own)
     }
 }
 
-/* tau and its standard deviation by the parts' scores. False: the speed hardly changes, or is not late for certain. */
+/* tau and its interval, by the scores of the parts. False: the speed hardly changes, or a lag is not certain. */
 static bool slope_of(points *p, double T_s, row_mend *found)
 {
-    /* A speed column with an offset or in another scale: as much of the difference as that can make is not tau's. */
+    /* Removes what an offset or a scale error of the speed column can make of the difference. */
     const double turned = product(p, TURNED, TURNED);
     clear_of(p, TURNED, TIME, 0.0);
     clear_of(p, SPEED, TIME, 0.0);
@@ -156,7 +157,7 @@ static bool find(const recording *rec, row_mend *found, bool *certain)
     return ok;
 }
 
-/* All rows' speeds; NULL: out of memory. */
+/* The true speeds of all rows; NULL: out of memory. */
 static double *true_speeds(const diagnose_rows *r, double tau_s)
 {
     const recording *rec = r->recording;
@@ -168,7 +169,7 @@ static double *true_speeds(const diagnose_rows *r, double tau_s)
     return true_speed;
 }
 
-/* By how much the column is off by that: a share of the fastest speed, rms. */
+/* The rms error of the speed column, as a share of the fastest speed. */
 static double share_of(const diagnose_rows *r, const double *true_speed)
 {
     double square = 0.0;
@@ -213,7 +214,7 @@ bool speed_lag_mend(diagnose_rows *r, const motor *file, bool search)
     if (rec->omega_derived || !search || !find(rec, &found, &certain)) {
         return rec->omega_derived || !search;
     }
-    /* What the file knows stands. */
+    /* A lag that the motor file has already is kept. */
     if (!certain || !mended_is_news(&found, file)) {
         return true;
     }

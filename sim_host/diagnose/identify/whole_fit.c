@@ -1,4 +1,4 @@
-/* Gauss-Newton under heavy-tailed priors (whole_fit.h). */
+/* Gauss-Newton steps under heavy-tailed priors (whole_fit.h). */
 #include "whole_fit.h"
 
 #include "base/solve.h"
@@ -13,18 +13,21 @@
 enum { STEPS = 5, REWEIGHTED = 12, LINKS = 3 };
 
 static const double DEGREES = 2.0; /* of Student's t */
-/* The tolerance of a number for which the catalogue states none, of the least that is reported. */
+/* Tolerance of a parameter for which the catalogue has none, as a share of its reporting threshold. */
 static const double SHARE_OF_LEAST = 0.3;
 static const double roughness_tried[] = {1.0, 2.0, 4.0, 8.0};
-/* A knee lies within a factor e of where it began, one standard deviation; and moves by no more in a step. */
+/* Prior of a shape parameter such as a knee current: its standard deviation is a factor e. And the largest change in a step. */
 static const double SHAPE_WIDTH = 1.0;
 static const double SHAPE_STEP = 0.7;
-/* A step that lowers -2 log posterior by less is the last. */
+/* A step that reduces -2 log posterior by less than this is the last one. */
 static const double LITTLE = 20.0;
-/* Of its own curvature: what makes the step solvable where only a prior holds a direction. */
+/* Added to the diagonal, as a share of it, so that a step can be solved if only a prior determines a direction. */
 static const double DAMPING = 5e-6;
 
-/* Three numbers whose mean is another number of the drive: a resistance, an inductance, the scale of everything. */
+/*
+ * Three parameters whose mean is equivalent to other parameters of the drive: the scale of everything, a resistance, an inductance.
+ * The mean has a prior of this width.
+ */
 static const struct {
     coordinate_id of[3];
     double width;
@@ -39,7 +42,7 @@ typedef struct whole {
     double about[COLUMN_COUNT];
     bool shape[COLUMN_COUNT];
     bool positive[COLUMN_COUNT];
-    size_t link[LINKS][3]; /* places; n where there is none */
+    size_t link[LINKS][3]; /* places in `column`; n if there is none */
     double inflation;
     gram sum;
     double a[COLUMN_COUNT][COLUMN_COUNT];
@@ -109,7 +112,7 @@ static bool link_holds(const whole *w, size_t l)
     return w->link[l][0] < w->n && w->link[l][1] < w->n && w->link[l][2] < w->n;
 }
 
-/* How far a number lies from the middle of its prior, a step on. */
+/* Distance of a parameter from the middle of its prior, after a step. */
 static double off(const whole *w, const fit_state *s, const double *step, size_t k)
 {
     return s->z[w->column[k]] + (step ? step[k] : 0.0) - w->about[k];
@@ -122,7 +125,7 @@ static double link_off(const whole *w, const fit_state *s, const double *step, s
            3.0;
 }
 
-/* -2 log prior, with what depends on the roughness. */
+/* -2 log prior after a step, with the terms that depend on the roughness. */
 static double prior_of(const whole *w, const fit_state *s, const double *step, double roughness)
 {
     double sum = 0.0;
@@ -139,7 +142,7 @@ static double prior_of(const whole *w, const fit_state *s, const double *step, d
     return sum;
 }
 
-/* The precision by which the prior pulls at a number. */
+/* The precision of a parameter's prior in the reweighted least squares, after a step. */
 static double pull(const whole *w, const fit_state *s, const double *step, size_t k, double roughness)
 {
     const double x = off(w, s, step, k);
@@ -148,7 +151,10 @@ static double pull(const whole *w, const fit_state *s, const double *step, size_
                        : (DEGREES + 1.0) / (DEGREES * width * width + x * x);
 }
 
-/* The sums with the prior at a step, in the data's measure: a, and the right-hand side of what is left to go from s. */
+/*
+ * Adds the prior to the sums, in the scale of the data: to w->a, and to the right-hand side for the way from s. Weighted at the step
+ * given.
+ */
 static void with_prior(whole *w, const fit_state *s, const double *step, double roughness, double *right)
 {
     for (size_t i = 0; i < w->n; i++) {
@@ -168,7 +174,7 @@ static void with_prior(whole *w, const fit_state *s, const double *step, double 
     }
 }
 
-/* The log of the determinant of a over the inflation. */
+/* The log of the determinant of w->a over the inflation. */
 static double log_determinant(const whole *w)
 {
     double l[SOLVE_ORDER_MOST][SOLVE_ORDER_MOST];
@@ -186,7 +192,7 @@ static double log_determinant(const whole *w)
     return sum;
 }
 
-/* What the sums promise of -2 log posterior after a step. */
+/* -2 log posterior after a step, as the sums predict it, up to a constant. */
 static double promised(const whole *w, const fit_state *s, const double *step, double roughness)
 {
     double sum = 0.0;
@@ -200,7 +206,7 @@ static double promised(const whole *w, const fit_state *s, const double *step, d
     return sum / w->inflation + prior_of(w, s, step, roughness);
 }
 
-/* The step to the posterior's peak on the sums, from the step given. False: it cannot be solved. */
+/* The step to the maximum of the posterior on the sums, improved from the step given. False: it cannot be solved. */
 static bool find_step(whole *w, const fit_state *s, double roughness, double *step)
 {
     double right[COLUMN_COUNT];
@@ -225,7 +231,7 @@ static bool find_step(whole *w, const fit_state *s, double roughness, double *st
     return true;
 }
 
-/* The roughness of the most evidence, and the step under it. */
+/* The roughness with the most evidence, and its step. False: no step can be solved. */
 static bool choose_step(whole *w, const fit_state *s, double *roughness, double *step)
 {
     double best = INFINITY;
@@ -246,7 +252,7 @@ static bool choose_step(whole *w, const fit_state *s, double *roughness, double 
     return isfinite(best);
 }
 
-/* How much wider than white noise the blocks' scores scatter where the step ends: the median over the numbers. */
+/* Variance of the blocks' scores at the end of the step over that of white noise: the median over the parameters, at least 1. */
 static double scatter_of(const whole *w, const fit_data *d, const gram *grams, const double *step)
 {
     double ratio[COLUMN_COUNT] = {0.0};
@@ -283,8 +289,8 @@ static double goal_of(const whole *w, const fit_state *s, double roughness)
 }
 
 /*
- * The scale of R, L, psi_f and all voltages together is the prior's alone: to where one of the four is as in the file, if that is
- * more likely. Steps go there slowly, as heavy tails have many peaks.
+ * Only the prior determines the common scale of R, L, psi_f and all voltages. Tries the scales at which one of the four has the motor
+ * file's value, and takes the most likely one. Steps would be slow here, as heavy tails have many maxima.
  */
 static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
 {
@@ -312,7 +318,7 @@ static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
     }
 }
 
-/* The posterior about the fit, by the sums of the last step. */
+/* Writes the posterior about the fit, from the sums of the last step. */
 static void tell_covariance(whole *w, whole_fit *out)
 {
     for (size_t i = 0; i < w->n; i++) {
@@ -326,7 +332,7 @@ static void tell_covariance(whole *w, whole_fit *out)
     out->columns = solve_covariance(w->n, COLUMN_COUNT, &w->a[0][0], &out->covariance[0][0]) ? w->n : 0;
 }
 
-/* One step; *fell: by how much the goal fell. False: out of memory. */
+/* One step; *fell: the reduction of the goal. False: out of memory. */
 static bool improve(whole *w, fit_data *d, hypothesis_set parts, whole_fit *out, double *fell)
 {
     fit_state *s = &out->state;
@@ -392,7 +398,7 @@ bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, d
     return ok;
 }
 
-/* Where a hypothesis' numbers are in the fit; returns how many. */
+/* The places of a hypothesis' parameters in the fit; returns how many. */
 static size_t places_of(const whole_fit *f, hypothesis_id h, size_t at[HYPOTHESIS_COLUMNS])
 {
     bool moved[P_COUNT] = {false};
