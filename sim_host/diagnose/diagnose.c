@@ -76,14 +76,14 @@ static void mention_decoys(const session *w, diagnosis *d)
     }
 }
 
-/* If the best causes explain too little, the rest is residual structure as well. */
+/* If the best causes leave more than they explain, that is residual structure as well. */
 static void mention_more_left(const session *w, diagnosis *d)
 {
     if (w->more_left) {
         const size_t used = strlen(d->structure.words);
         d->structure.certain = true;
         snprintf(d->structure.words + used, sizeof d->structure.words - used,
-                 "%sthe best set of causes explains too little of the error", used ? "; " : "");
+                 "%sthe best set of causes leaves more than it explains", used ? "; " : "");
     }
 }
 
@@ -255,16 +255,15 @@ static double error_with(const diagnose_rows *r, const averaged_drive *drive)
     return measure_one_cycle(r, drive, MEASURE_ALL, true);
 }
 
-/* Causes that do not explain most of the open-loop error stand in for an effect without a name, as does a fit of the whole drive that
- * raises the error of an operating point. Then no cause is named. */
-static bool leave_what_fails_open_loop(session *w, bool whole, FILE *trace)
+/* A fit of the whole drive that raises the open-loop error of an operating point stands in for an effect without a name. Then no cause is
+ * named. */
+static bool leave_what_raises_open_loop(session *w, FILE *trace)
 {
-    if (hypotheses_named(w->state.set) == 0 ||
-        (session_explains_open_loop(w) && !(whole && session_raises_open_loop(w)))) {
+    if (hypotheses_named(w->state.set) == 0 || !session_raises_open_loop(w)) {
         return true;
     }
     if (trace) {
-        fprintf(trace, "  the causes do not explain the open-loop error, and none is named\n");
+        fprintf(trace, "  the causes raise the open-loop error of an operating point, and none is named\n");
     }
     w->state = w->nominal;
     w->minor = 0;
@@ -372,8 +371,10 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     bool likely = false;
     if (!likely_drive_fit(w, whole, &likely, &options->teller) ||
-        !leave_what_fails_open_loop(w, whole, options->teller.trace) ||
         (!whole && !likely && !undecided_take_out(w, &options->teller))) {
+        return false;
+    }
+    if (whole && !leave_what_raises_open_loop(w, options->teller.trace)) {
         return false;
     }
     if (options->teller.trace) {

@@ -37,37 +37,20 @@ static const double WORSE = 1.1;
 /* Percent; above it the simulation has diverged. */
 static const double DIVERGED = 1e4;
 
-/* Open-loop errors, percent of the current: of each operating point, and of all rows. */
-typedef struct open_loop {
-    double run[ROWS_MAX_GROUPS];
-    double all;
-} open_loop;
-
-/* Of the motor file's model, and of the one with the named members. False if the two cannot be compared: one gives no number, or the
- * sign of a current near zero decides, as with an over-compensated dead time. */
-static bool compare_open_loop(const session *w, open_loop *before, open_loop *after)
-{
-    const averaged_drive drive = named_drive(w, w->state.set);
-    const bool by_sign = drive.compensation_V != 0.0 && drive.v_dead_V < 0.0;
-    if (by_sign) {
-        return false;
-    }
-    before->all = measure_open_loop(&w->rows, &w->frame.nominal, before->run);
-    after->all = measure_open_loop(&w->rows, &drive, after->run);
-    return !isnan(before->all) && !isnan(after->all);
-}
-
 bool session_raises_open_loop(const session *w)
 {
-    open_loop before;
-    open_loop after;
-    if (!compare_open_loop(w, &before, &after)) {
+    double before[ROWS_MAX_GROUPS] = {0};
+    double after[ROWS_MAX_GROUPS] = {0};
+    const averaged_drive drive = named_drive(w, w->state.set);
+    const double floor_A = 0.01 * session_floor(w, &w->state) * measure_current(&w->rows, MEASURE_ALL, true);
+    const bool by_sign = drive.compensation_V != 0.0 && drive.v_dead_V < 0.0;
+    if (by_sign || isnan(measure_open_loop(&w->rows, &w->frame.nominal, before)) ||
+        isnan(measure_open_loop(&w->rows, &drive, after))) {
         return false;
     }
-    const double floor_A = 0.01 * session_floor(w, &w->state) * measure_current(&w->rows, MEASURE_ALL, true);
     for (size_t g = 0; g < w->rows.groups; g++) {
         const double floor = 100.0 * floor_A / measure_current(&w->rows, g, false);
-        if (after.run[g] > WORSE * before.run[g] + floor && after.run[g] < DIVERGED) {
+        if (after[g] > WORSE * before[g] + floor && after[g] < DIVERGED) {
             return true;
         }
     }
@@ -89,24 +72,9 @@ bool session_leaves(const session *w, double floors)
 /* So much of the nominal model's error, as power above the noise floor, may be left. */
 static const double LEFT_MOST = 0.25;
 
-static bool explains_most(double nominal, double percent, double floor)
-{
-    const double noise = fmin(floor, percent);
-    return percent * percent - noise * noise <= LEFT_MOST * (nominal * nominal - noise * noise);
-}
-
 bool session_explains_most(const session *w, const fit_state *s, double percent)
 {
-    return explains_most(session_named_error(w, 0), percent, session_floor(w, s));
-}
-
-bool session_explains_open_loop(const session *w)
-{
-    open_loop before;
-    open_loop after;
-    if (!compare_open_loop(w, &before, &after) || before.all > DIVERGED || after.all > DIVERGED) {
-        return true;
-    }
-    const double floor = session_floor(w, &w->state);
-    return after.all <= floor || explains_most(before.all, after.all, floor);
+    const double floor = fmin(session_floor(w, s), percent);
+    const double nominal = session_named_error(w, 0);
+    return percent * percent - floor * floor <= LEFT_MOST * (nominal * nominal - floor * floor);
 }

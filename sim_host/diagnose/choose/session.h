@@ -18,7 +18,7 @@ typedef struct session {
     hypothesis_set minor;     /* members of the state's set that are certain, but small */
     hypothesis_set undecided; /* taken out at the end, as the recording does not show which cause it is */
     fit_state open;           /* the state with these */
-    bool more_left;           /* than the best causes may leave: none of them is named */
+    bool more_left;           /* than the best causes explained: none of them is named */
     bool no_memory;           /* memory ran out in a measure (rows.no_memory) */
 } session;
 
@@ -56,15 +56,7 @@ bool session_leaves(const session *w, double floors);
  */
 bool session_raises_open_loop(const session *w);
 
-/* Whether a state whose error is so many percent explains most of the nominal model's error: three quarters of its power above the noise
- * floor. */
+/* Whether a state whose error is so many percent explains most of the nominal model's error above the noise floor. */
 bool session_explains_most(const session *w, const fit_state *s, double percent);
-
-/*
- * Whether the named members of w->state explain as much of the open-loop error, or leave no more than the noise floor. An effect without a
- * name can look like a cause within one cycle; over many cycles the difference adds up. True if a simulation diverges, or if the sign of
- * a current near zero decides.
- */
-bool session_explains_open_loop(const session *w);
 
 #endif
