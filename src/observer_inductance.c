@@ -8,11 +8,11 @@
 
 #define TWO_PI IQ24(6.283185307179586)
 
-iqfoc_error_t iqfoc_observer_inductance_init(iqfoc_observer_inductance_t *a,
+iqfoc_error_t iqfoc_observer_inductance_init(iqfoc_observer_inductance_t *inductance,
                                              const iqfoc_observer_inductance_config_t *config,
                                              const iqfoc_observer_config_t *nominal)
 {
-    if (a == NULL || config == NULL) {
+    if (inductance == NULL || config == NULL) {
         return IQFOC_ERROR_NULL;
     }
     const iqfoc_error_t error = iqfoc_observer_check(nominal);
@@ -29,41 +29,42 @@ iqfoc_error_t iqfoc_observer_inductance_init(iqfoc_observer_inductance_t *a,
     if (!good) {
         return IQFOC_ERROR_OBSERVER;
     }
-    a->config = config;
-    a->adapted = *nominal;
-    a->level = 0;
-    a->slope = 0;
-    a->follows = false;
+    inductance->config = config;
+    inductance->adapted = *nominal;
+    inductance->level = 0;
+    inductance->slope = 0;
+    inductance->follows = false;
     return IQFOC_OK;
 }
 
 /* x of this cycle. Range: the header's. */
-static iq24_t filtered(iqfoc_observer_inductance_t *a, iq24_t i_q)
+static iq24_t filtered(iqfoc_observer_inductance_t *inductance, iq24_t i_q)
 {
-    const iq24_t expected = a->level + a->slope;
+    const iq24_t expected = inductance->level + inductance->slope;
     const iq24_t x = IQ24_HOLD_BITS(i_q - expected, 28);
-    a->level = IQ24_HOLD_BITS(expected + iq24_mul_trunc(a->adapted.k1, x), 29);
-    a->slope = IQ24_HOLD_BITS(a->slope + iq24_mul_trunc(a->adapted.k2, x), 28);
+    inductance->level = IQ24_HOLD_BITS(expected + iq24_mul_trunc(inductance->adapted.k1, x), 29);
+    inductance->slope = IQ24_HOLD_BITS(inductance->slope + iq24_mul_trunc(inductance->adapted.k2, x), 28);
     return x;
 }
 
-void iqfoc_observer_inductance_step(iqfoc_observer_inductance_t *a, const iqfoc_observer_t *o, iqfoc_ab_t i)
+void iqfoc_observer_inductance_step(iqfoc_observer_inductance_t *inductance, const iqfoc_observer_t *observer,
+                                    iqfoc_ab_t i)
 {
-    const iqfoc_observer_inductance_config_t *c = a->config;
-    const iq24_t i_q = IQ24_HOLD_BITS(iqfoc_park(i, iq24_sincos(iqfoc_observer_theta(o, 0))).q, 27);
-    if (!o->locked || !a->follows) {
-        a->level = i_q;
-        a->slope = 0;
-        a->follows = o->locked;
+    const iqfoc_observer_inductance_config_t *c = inductance->config;
+    const iq24_t i_q = IQ24_HOLD_BITS(iqfoc_park(i, iq24_sincos(iqfoc_observer_theta(observer, 0))).q, 27);
+    if (!observer->locked || !inductance->follows) {
+        inductance->level = i_q;
+        inductance->slope = 0;
+        inductance->follows = observer->locked;
         return;
     }
-    const iq24_t x = filtered(a, i_q);
+    const iq24_t x = filtered(inductance, i_q);
     if (iq24_within(x, 1 - c->least, c->least - 1)) {
         return;
     }
     const iq24_t squares = iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(x, x), c->least, c->least));
-    const iq24_t turned = iq24_mul_sat(TWO_PI, o->error);
-    const iq24_t across = IQ24_HOLD_BITS(iq24_mul_sat(a->adapted.machine.psi, turned), 28);
+    const iq24_t turned = iq24_mul_sat(TWO_PI, observer->error);
+    const iq24_t across = IQ24_HOLD_BITS(iq24_mul_sat(inductance->adapted.machine.psi, turned), 28);
     const iq24_t step = iq24_mul_round(c->gain, iq24_mul_round(across, iq24_div(x, squares)));
-    a->adapted.machine.l_q = iq24_clamp(a->adapted.machine.l_q + step, c->low, c->high);
+    inductance->adapted.machine.l_q = iq24_clamp(inductance->adapted.machine.l_q + step, c->low, c->high);
 }

@@ -497,7 +497,7 @@ static void constants_fold_to_the_nearest(void)
     for (int32_t i = 0; i < RANDOM_PAIRS / 10; i++) {
         double x = (double)iq24_random_any(&random) / IQ24_ONE + (double)iq24_random_any(&random) * 0x1p-58;
         if (fabs(x) < 127.9999) {
-            TEST_ASSERT_EQUAL_INT32(llround(x * IQ24_ONE), IQ24(x));
+            TEST_ASSERT_EQUAL_INT32(llround(x * IQ24_ONE), IQ24_NEAREST_(x));
         }
     }
 }
