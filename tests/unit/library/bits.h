@@ -51,22 +51,6 @@ static inline int64_t bits_quotient(int64_t n, int64_t d)
     return (n < 0) != (d < 0) ? -quotient : quotient;
 }
 
-/*
- * n/d in Q24 for 0 <= n <= d <= 2^31 by three digits in base 256, as src/iq24_longdiv.h divides: exact where d has less
- * than 25 bits, else by digits of d/256 rounded up, so that the last one may be 1 too small.
- */
-static inline int64_t bits_long_division(int64_t n, int64_t d)
-{
-    const int64_t trial = d < IQ24_ONE ? d : d / 256 + 1;
-    int64_t quotient = 0;
-    for (int k = 0; k < 3; k++) {
-        const int64_t digit = d < IQ24_ONE ? 256 * n / trial : n / trial;
-        n = 256 * n - digit * d;
-        quotient = 256 * quotient + digit;
-    }
-    return quotient;
-}
-
 /* An integer in [low, high]. */
 static inline int32_t bits_random(uint64_t *seed, int64_t low, int64_t high)
 {
