@@ -60,7 +60,7 @@ iqfoc_error_t iqfoc_pattern_init(iqfoc_pattern_modulator_t *modulator, const iqf
  * Range: index less index_low is within 0 ... 1, so that the place is within 0 ... 100; its whole part is held to the
  * last row. floor(a + part (b - a)) for whole a: it keeps the order of angles, as a line between ordered ends does.
  */
-iqfoc_pattern_shape_t iqfoc_pattern_shape(iqfoc_pattern_modulator_t *modulator, iq24_t index)
+iqfoc_pattern_shape_t iqfoc_pattern_shape_at(iqfoc_pattern_modulator_t *modulator, iq24_t index)
 {
     const iqfoc_pattern_t *table = modulator->table;
     const iq24_t above = iq24_clamp(index, table->index_low, IQ24_ONE) - table->index_low;
@@ -172,7 +172,7 @@ static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *sh
 void iqfoc_pattern_step(iqfoc_pattern_modulator_t *modulator, iq24_t angle, iq24_t turns, iq24_t index,
                         iqfoc_pattern_edges_t edges[3])
 {
-    const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape(modulator, index);
+    const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape_at(modulator, index);
     const int32_t angles = modulator->table->angles;
     const iq24_t movement = iq24_clamp(turns, -IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
     /* The fundamental is a sine of the pattern's angle; the voltage's angle is that of a cosine. */

@@ -107,7 +107,7 @@ static inline iq24_t iqfoc_pattern_index(iq24_t u, iq24_t u_dc_inverse)
  * are not joined, it takes the row on the side of the last call, until the index is within a quarter of the distance to the other
  * row. Rounded down, so that angles stay in order. index: any. Largest error against the line between the rows: 1.2 LSB.
  */
-iqfoc_pattern_shape_t iqfoc_pattern_shape(iqfoc_pattern_modulator_t *modulator, iq24_t index);
+iqfoc_pattern_shape_t iqfoc_pattern_shape_at(iqfoc_pattern_modulator_t *modulator, iq24_t index);
 
 /*
  * The edges of a cycle, for each leg.

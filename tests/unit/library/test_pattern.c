@@ -376,13 +376,14 @@ static void test_rows_that_jump_are_not_mixed(void)
     } walk[] = {{20.0, 20}, {20.7, 20}, {20.8, 21}, {20.3, 21}, {20.2, 20},
                 {20.5, 20}, {21.0, 21}, {20.5, 21}, {-5.0, 0}};
     for (size_t k = 0; k < sizeof walk / sizeof walk[0]; k++) {
-        const iqfoc_pattern_shape_t got = iqfoc_pattern_shape(&m, to_iq24(0.3 + 0.01 * walk[k].place + 1e-6));
+        const iqfoc_pattern_shape_t got =
+            iqfoc_pattern_shape_at(&m, to_iq24(0.3 + 0.01 * walk[k].place + 1e-6));
         TEST_ASSERT_EQUAL_INT32(rows[walk[k].row].start, got.start);
         TEST_ASSERT_INT32_WITHIN(walk[k].row == 0 ? 0 : 200, rows[walk[k].row].angle[0], got.angle[0]);
     }
-    const iqfoc_pattern_shape_t top = iqfoc_pattern_shape(&m, IQ24_MAX);
+    const iqfoc_pattern_shape_t top = iqfoc_pattern_shape_at(&m, IQ24_MAX);
     TEST_ASSERT_EQUAL_INT32(rows[ROWS - 1].angle[0], top.angle[0]);
-    const iqfoc_pattern_shape_t bottom = iqfoc_pattern_shape(&m, IQ24_MIN);
+    const iqfoc_pattern_shape_t bottom = iqfoc_pattern_shape_at(&m, IQ24_MIN);
     TEST_ASSERT_EQUAL_INT32(rows[0].angle[0], bottom.angle[0]);
 }
 
