@@ -19,7 +19,7 @@ static void say(FILE *trace, size_t rows, const char *what)
 bool corrections_by_columns(session *w, const motor *file, hypothesis_set skip, FILE *trace)
 {
     size_t rows = 0;
-    if (!speed_lag_mend(&w->rows, file, !hypothesis_in(skip, H_SPEED_LAG)) ||
+    if (!speed_lag_correct(&w->rows, file, !hypothesis_in(skip, H_SPEED_LAG)) ||
         (!hypothesis_in(skip, H_SENSOR_FAULT) &&
          !measure_sensor_fault(&w->rows, &w->frame.nominal, file, &rows))) {
         return false;
@@ -100,8 +100,8 @@ bool corrections_by_rows(session *w, const motor *file, hypothesis_set skip, FIL
 
 bool corrections_of(const diagnose_rows *r, cause_id cause)
 {
-    for (size_t n = 0; n < r->mends; n++) {
-        if (r->mend[n].cause == cause) {
+    for (size_t n = 0; n < r->corrections; n++) {
+        if (r->correction[n].cause == cause) {
             return true;
         }
     }

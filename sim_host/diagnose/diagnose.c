@@ -15,9 +15,9 @@
 #include "choose/undecided.h"
 #include "choose/whole_drive.h"
 #include "corrections.h"
+#include "identify/corrected_rows.h"
 #include "identify/fit.h"
 #include "identify/last_digits.h"
-#include "identify/mended.h"
 #include "identify/revolution.h"
 #include "learn/learned.h"
 #include "measure/errors.h"
@@ -382,7 +382,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     d->nominal_drive = w->frame.nominal;
     d->extended_motor = *m;
-    const diagnose_rows recorded = mended_rows(&w->rows, 0);
+    const diagnose_rows recorded = corrected_rows_before(&w->rows, 0);
     d->nominal = error_with(&recorded, &d->nominal_drive);
     named_tell(w, d, member);
     d->extended = error_with(&w->rows, &d->extended_drive);
@@ -402,7 +402,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!sum_line_tell(&w->rows, &d->extended_drive, d->sensor_noise_A, &d->structure)) {
         return false;
     }
-    decide(d, w->rows.mends > 0);
+    decide(d, w->rows.corrections > 0);
     if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && !learned_find(&w->rows, d)) {
         return false;
     }

@@ -47,16 +47,16 @@ void rows_correct_speed(diagnose_rows *r)
  */
 static cycle_row *rows_of(const diagnose_rows *r, size_t n)
 {
-    if (n < r->mends) {
-        return r->mend[n].before;
+    if (n < r->corrections) {
+        return r->correction[n].before;
     }
-    return n == r->mends ? r->row : r->rough;
+    return n == r->corrections ? r->row : r->rough;
 }
 
 static void find_range(const diagnose_rows *r, double step, long *lowest, long *highest)
 {
     *lowest = *highest = lround(r->row[0].omega_rad_s / step);
-    for (size_t m = 0; m <= r->mends + 1; m++) {
+    for (size_t m = 0; m <= r->corrections + 1; m++) {
         const cycle_row *row = rows_of(r, m);
         for (size_t k = 0; row && k < r->rows; k++) {
             const long n = lround(row[k].omega_rad_s / step);
@@ -81,7 +81,7 @@ bool rows_place_nodes(diagnose_rows *r)
         free(index);
         return false;
     }
-    for (size_t m = 0; m <= r->mends + 1; m++) {
+    for (size_t m = 0; m <= r->corrections + 1; m++) {
         cycle_row *row = rows_of(r, m);
         for (size_t k = 0; row && k < r->rows; k++) {
             const double exact = row[k].omega_rad_s / step;

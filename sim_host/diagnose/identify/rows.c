@@ -271,8 +271,8 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
 void rows_free(diagnose_rows *r)
 {
     free(r->row);
-    for (size_t n = 0; n < r->mends; n++) {
-        free(r->mend[n].before);
+    for (size_t n = 0; n < r->corrections; n++) {
+        free(r->correction[n].before);
     }
     free(r->rough);
     free(r->outlier);

@@ -19,8 +19,8 @@
 enum {
     ROWS_HISTORY = 2, /* first rows of a stretch, which only feed the delayed voltages */
     ROWS_MAX_GROUPS = 48,
-    ROWS_MENDS = 4,
-    MEND_VALUES = 2
+    ROWS_CORRECTIONS = 4,
+    CORRECTION_VALUES = 2
 };
 
 typedef struct row_block {
@@ -31,11 +31,12 @@ typedef struct row_block {
 } row_block;
 
 /* A cause that the columns or single rows show without a fit, and the rows before they were corrected for it. */
-typedef struct row_mend {
+typedef struct row_correction {
     cause_id cause;
-    double value[MEND_VALUES], low[MEND_VALUES], high[MEND_VALUES]; /* 95 %, in the order of causes.def */
-    cycle_row *before;                                              /* the rows before the correction */
-} row_mend;
+    double value[CORRECTION_VALUES], low[CORRECTION_VALUES],
+        high[CORRECTION_VALUES]; /* 95 %, in the order of causes.def */
+    cycle_row *before;           /* the rows before the correction */
+} row_correction;
 
 typedef struct diagnose_rows {
     const recording *recording;
@@ -44,8 +45,8 @@ typedef struct diagnose_rows {
     cycle_row *row;
     unsigned char *outlier; /* set by the fit: a glitch that would disturb every estimate */
     modulator modulator;    /* of the edges; without duties, as chosen (modulator_choice.h) */
-    size_t mends;
-    row_mend mend[ROWS_MENDS]; /* in the order of correction */
+    size_t corrections;
+    row_correction correction[ROWS_CORRECTIONS]; /* in the order of correction */
     /* The rows before their angle was smoothed (angle_smooth.h), or NULL; and over how many rows to either side it was. */
     cycle_row *rough;
     size_t smooth_half;

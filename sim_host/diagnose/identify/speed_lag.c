@@ -1,7 +1,7 @@
 /* Finds and corrects a speed that lags the angle (speed_lag.h). */
 #include "speed_lag.h"
 
-#include "mended.h"
+#include "corrected_rows.h"
 #include "model/late_speed.h"
 #include "row_speeds.h"
 
@@ -112,7 +112,7 @@ static void clear_of(points *p, size_t n, size_t by, double own)
 }
 
 /* tau and its interval, by the scores of the parts. False: the speed hardly changes, or a lag is not certain. */
-static bool slope_of(points *p, double T_s, row_mend *found)
+static bool slope_of(points *p, double T_s, row_correction *found)
 {
     /* Removes what an offset or a scale error of the speed column can make of the difference. */
     const double turned = product(p, TURNED, TURNED);
@@ -139,12 +139,12 @@ static bool slope_of(points *p, double T_s, row_mend *found)
     const double parts = (double)p->parts;
     const double deviation_s = sqrt(scores * parts / (parts - 3.0)) / signal;
     const double half_s = 1.959963984540054 * deviation_s + MORE * fabs(tau_s);
-    *found = (row_mend){
+    *found = (row_correction){
         .cause = CAUSE_SPEED_LAG, .value = {tau_s}, .low = {tau_s - half_s}, .high = {tau_s + half_s}};
     return tau_s > CERTAIN * deviation_s && tau_s - half_s > LEAST_CYCLES * T_s && tau_s < MOST_S;
 }
 
-static bool find(const recording *rec, row_mend *found, bool *certain)
+static bool find(const recording *rec, row_correction *found, bool *certain)
 {
     points p = {.at = calloc(rec->rows + 1, sizeof *p.at), .part = calloc(rec->rows + 1, sizeof *p.part)};
     const bool ok = p.at && p.part;
@@ -202,11 +202,11 @@ static bool give_known(diagnose_rows *r, double tau_s)
     return ok;
 }
 
-bool speed_lag_mend(diagnose_rows *r, const motor *file, bool search)
+bool speed_lag_correct(diagnose_rows *r, const motor *file, bool search)
 {
     const recording *rec = r->recording;
     const double known_s = file->ext.has[CAUSE_SPEED_LAG] ? file->ext.speed_lag_s : 0.0;
-    row_mend found = {.cause = CAUSE_SPEED_LAG};
+    row_correction found = {.cause = CAUSE_SPEED_LAG};
     bool certain = false;
     if (known_s != 0.0 && !give_known(r, known_s)) {
         return false;
@@ -215,12 +215,12 @@ bool speed_lag_mend(diagnose_rows *r, const motor *file, bool search)
         return rec->omega_derived || !search;
     }
     /* A lag that the motor file has already is kept. */
-    if (!certain || !mended_is_news(&found, file)) {
+    if (!certain || !corrected_rows_are_news(&found, file)) {
         return true;
     }
     double *speeds = true_speeds(r, found.value[0]);
     const bool ok = speeds && (share_of(r, speeds) < LEAST_ERROR ||
-                               (mended_keep(r, &found, file) && give_speeds(r, speeds)));
+                               (corrected_rows_keep(r, &found, file) && give_speeds(r, speeds)));
     free(speeds);
     return ok;
 }

@@ -11,6 +11,6 @@
  * Corrects the rows' speeds by the lag that the motor file has and, with `search`, by the one that the columns show. False: out of
  * memory.
  */
-bool speed_lag_mend(diagnose_rows *r, const motor *file, bool search);
+bool speed_lag_correct(diagnose_rows *r, const motor *file, bool search);
 
 #endif

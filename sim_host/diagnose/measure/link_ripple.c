@@ -5,7 +5,7 @@
 
 #include "base/normal.h"
 #include "base/sort.h"
-#include "diagnose/identify/mended.h"
+#include "diagnose/identify/corrected_rows.h"
 #include "diagnose/identify/observer.h"
 #include "model/link_ripple.h"
 
@@ -125,7 +125,7 @@ static size_t thinned(const ripple_pieces *all, ripple_piece *some)
 }
 
 /* Each row of a piece, and what lies between it and the next one, under the link that its own size and phase give. */
-static size_t mend(diagnose_rows *r, const ripple_pieces *all, const ripple_found *found)
+static size_t correct(diagnose_rows *r, const ripple_pieces *all, const ripple_found *found)
 {
     const recording *rec = r->recording;
     size_t own = 0;
@@ -171,14 +171,14 @@ static bool look(diagnose_rows *r, const averaged_drive *drive, ripple_pieces *a
     return ok;
 }
 
-static row_mend told(const ripple_found *f)
+static row_correction told(const ripple_found *f)
 {
     const double frequency_Hz = f->frequency_half_Hz + FREQUENCY_LOOSE * f->frequency_Hz;
     const double share = f->share_half + SHARE_LOOSE * f->share;
-    return (row_mend){.cause = CAUSE_DC_LINK_RIPPLE,
-                      .value = {f->frequency_Hz, f->share},
-                      .low = {f->frequency_Hz - frequency_Hz, f->share - share},
-                      .high = {f->frequency_Hz + frequency_Hz, f->share + share}};
+    return (row_correction){.cause = CAUSE_DC_LINK_RIPPLE,
+                            .value = {f->frequency_Hz, f->share},
+                            .low = {f->frequency_Hz - frequency_Hz, f->share - share},
+                            .high = {f->frequency_Hz + frequency_Hz, f->share + share}};
 }
 
 /* Fits each piece. True if the fits reduce the squared error by at least LEAST_OF_REST of the residual beyond the noise. */
@@ -224,11 +224,11 @@ static double speed_swing(const diagnose_rows *r, const ripple_pieces *all, doub
 }
 
 bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double floor_A, const motor *file,
-                         size_t *mended)
+                         size_t *corrected)
 {
     ripple_pieces all = {0};
     ripple_found found = {0};
-    *mended = 0;
+    *corrected = 0;
     averaged_drive prompt = *drive;
     if (drive->u_delay[0] >= 1.0 || drive->u_delay[1] != 0.0) {
         return true;
@@ -241,9 +241,9 @@ bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double f
     if (ok && found.share >= LEAST_SHARE &&
         speed_swing(r, &all, found.frequency_Hz) < SPEED_MAKES * found.share &&
         is_worth_it(r, &all, &found, floor_A)) {
-        const row_mend mended_of = told(&found);
-        ok = mended_keep(r, &mended_of, file);
-        *mended = ok ? mend(r, &all, &found) : 0;
+        const row_correction correction = told(&found);
+        ok = corrected_rows_keep(r, &correction, file);
+        *corrected = ok ? correct(r, &all, &found) : 0;
     }
     free(all.piece);
     free(all.along);

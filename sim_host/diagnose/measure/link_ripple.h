@@ -18,6 +18,6 @@
  * corrected rows. False: out of memory.
  */
 bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double floor_A, const motor *file,
-                         size_t *mended);
+                         size_t *corrected);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include "base/normal.h"
 #include "base/sort.h"
-#include "diagnose/identify/mended.h"
+#include "diagnose/identify/corrected_rows.h"
 #include "diagnose/identify/observer.h"
 
 #include <math.h>
@@ -25,7 +25,7 @@ typedef struct count {
     size_t late; /* whole cycles by which the newest command that acts in a cycle is */
     double deviation_A[ROWS_MAX_GROUPS];
     double odds; /* log of share / (1 - share); NAN while rows are counted and not corrected */
-    size_t told, missed, opposite, mended;
+    size_t told, missed, opposite, corrected;
     size_t wild; /* rows that err by CLEAR, whatever their command does */
 } count;
 
@@ -112,7 +112,7 @@ static void look_at(count *c, size_t k, double deviation_A)
             return;
         }
     } else if (0.5 * (square_of(e) - square_of(held)) + c->odds * deviation_A * deviation_A > 0.0) {
-        c->mended++;
+        c->corrected++;
         return;
     }
     row[0] = own;
@@ -157,31 +157,31 @@ static bool count_all(count *c)
 }
 
 /* Wilson's interval of a share. */
-static row_mend share_of(const count *c)
+static row_correction share_of(const count *c)
 {
     const double z = 1.959963984540054;
     const double n = (double)c->told;
     const double p = (double)c->missed / n;
     const double middle = (p + 0.5 * z * z / n) / (1.0 + z * z / n);
     const double half = z / (1.0 + z * z / n) * sqrt(p * (1.0 - p) / n + 0.25 * z * z / (n * n));
-    return (row_mend){
+    return (row_correction){
         .cause = CAUSE_MISSED_UPDATE, .value = {p}, .low = {middle - half}, .high = {middle + half}};
 }
 
-bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended)
+bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *corrected)
 {
     averaged_node *nodes = rows_nodes(r, drive);
     const double late = fmin(fmax(drive->u_delay[0] + drive->u_delay[1], 0.0), 2.0);
     count c = {.r = r, .drive = drive, .nodes = nodes, .late = (size_t)floor(late + NEARLY), .odds = NAN};
-    *mended = 0;
+    *corrected = 0;
     bool ok = nodes && find_deviations(&c) && count_all(&c);
     if (ok && c.missed >= LEAST_ROWS && c.missed > TIMES_OPPOSITE * c.opposite && 2 * c.missed >= c.wild) {
-        const row_mend found = share_of(&c);
-        ok = mended_keep(r, &found, file);
+        const row_correction found = share_of(&c);
+        ok = corrected_rows_keep(r, &found, file);
         if (ok) {
             c.odds = log(found.value[0] / (1.0 - fmin(found.value[0], 0.5)));
             look_at_all(&c);
-            *mended = c.mended;
+            *corrected = c.corrected;
         }
     }
     free(nodes);

@@ -18,6 +18,6 @@
  * voltage that acted, and what they were is kept where the motor file does not know that share. The last argument: number of
  * corrected rows. False: out of memory.
  */
-bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended);
+bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *corrected);
 
 #endif

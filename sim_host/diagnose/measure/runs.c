@@ -1,7 +1,7 @@
 /* Figures per operating point and per method, and the series (runs.h). */
 #include "runs.h"
 
-#include "diagnose/identify/mended.h"
+#include "diagnose/identify/corrected_rows.h"
 #include "diagnose/identify/observer.h"
 #include "errors.h"
 #include "model/sensor_chain.h"
@@ -163,7 +163,7 @@ static void describe_run(const diagnose_rows *r, size_t group, diagnosis_run *ru
 
 bool measure_runs(const diagnose_rows *r, diagnosis *d, bool series)
 {
-    const diagnose_rows recorded = mended_rows(r, 0);
+    const diagnose_rows recorded = corrected_rows_before(r, 0);
     averaged_node *nominal = rows_nodes(r, &d->nominal_drive);
     averaged_node *extended = rows_nodes(r, &d->extended_drive);
     vec_ab *scratch = calloc(r->rows + 1, sizeof *scratch);

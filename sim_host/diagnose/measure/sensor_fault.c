@@ -3,7 +3,7 @@
 
 #include "base/solve.h"
 #include "base/sort.h"
-#include "diagnose/identify/mended.h"
+#include "diagnose/identify/corrected_rows.h"
 #include "diagnose/identify/observer.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ enum { TERMS = 6, FITS = 4 };
 /* Multiples of the rows' deviation: beyond the first a row is reported and left out of a fit; beyond the second it is
  * corrected, once the sensor is known. */
 static const double TOLD = 8.0;
-static const double MENDED = 5.0;
+static const double CORRECTED = 5.0;
 static const double LEFT_OUT = 4.0;
 static const double INNER = 0.95; /* of the rows: these tell the deviation */
 /* So many rows at the least, so large a part at the most. */
@@ -256,7 +256,7 @@ static void leave_out(const fault *f, bool out)
     }
 }
 
-static bool look(fault *f, const averaged_drive *drive, const motor *file, size_t *mended)
+static bool look(fault *f, const averaged_drive *drive, const motor *file, size_t *corrected)
 {
     diagnose_rows *r = f->r;
     predicted p;
@@ -275,29 +275,29 @@ static bool look(fault *f, const averaged_drive *drive, const motor *file, size_
     }
     leave_out(f, false);
     const double number = (double)phase + 1.0;
-    const row_mend found = {
+    const row_correction found = {
         .cause = CAUSE_SENSOR_FAULT, .value = {number}, .low = {number}, .high = {number}};
-    if (!mended_keep(r, &found, file)) {
+    if (!corrected_rows_keep(r, &found, file)) {
         return false;
     }
     for (size_t k = 0; k < r->rows; k++) {
-        if (stands_out(f, k, MENDED)) {
+        if (stands_out(f, k, CORRECTED)) {
             take_from(f, &r->row[k], phase);
-            ++*mended;
+            ++*corrected;
         }
     }
     return true;
 }
 
-bool measure_sensor_fault(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended)
+bool measure_sensor_fault(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *corrected)
 {
-    *mended = 0;
+    *corrected = 0;
     if (r->two_sensors) {
         return true;
     }
     fault f = {
         .r = r, .left_A = calloc(r->rows, sizeof *f.left_A), .scratch = calloc(r->rows, sizeof *f.scratch)};
-    const bool ok = f.left_A && f.scratch && look(&f, drive, file, mended);
+    const bool ok = f.left_A && f.scratch && look(&f, drive, file, corrected);
     free(f.left_A);
     free(f.scratch);
     return ok;

@@ -16,6 +16,7 @@
  * two say; what they were is kept where the motor file does not know it. The last argument: number of
  * corrected rows. False: out of memory.
  */
-bool measure_sensor_fault(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *mended);
+bool measure_sensor_fault(diagnose_rows *r, const averaged_drive *drive, const motor *file,
+                          size_t *corrected);
 
 #endif

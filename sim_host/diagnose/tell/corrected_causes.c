@@ -1,15 +1,15 @@
 /* Corrections of rows as causes (corrected_causes.h). */
 #include "corrected_causes.h"
 
-#include "diagnose/identify/mended.h"
+#include "diagnose/identify/corrected_rows.h"
 #include "diagnose/measure/errors.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static double error_with(const diagnose_rows *r, size_t mends, const diagnosis *d)
+static double error_with(const diagnose_rows *r, size_t corrections, const diagnosis *d)
 {
-    const diagnose_rows rows = mended_rows(r, mends);
+    const diagnose_rows rows = corrected_rows_before(r, corrections);
     return measure_one_cycle(&rows, &d->extended_drive, MEASURE_ALL, true);
 }
 
@@ -18,10 +18,10 @@ static void put(motor *m, const motor_value *v, double value)
     memcpy((unsigned char *)m + v->offset, &value, sizeof value);
 }
 
-static void tell(const row_mend *found, const motor *file, diagnosis *d, diagnosis_cause *cause)
+static void tell(const row_correction *found, const motor *file, diagnosis *d, diagnosis_cause *cause)
 {
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
-        if (v->cause != found->cause || cause->parameters == MEND_VALUES) {
+        if (v->cause != found->cause || cause->parameters == CORRECTION_VALUES) {
             continue;
         }
         const size_t n = cause->parameters++;
@@ -39,14 +39,14 @@ static void tell(const row_mend *found, const motor *file, diagnosis *d, diagnos
 
 void corrected_causes_tell(const diagnose_rows *r, const motor *file, diagnosis *d)
 {
-    for (size_t n = 0; n < r->mends && d->causes < DIAGNOSIS_CAUSES; n++) {
-        const cause_id id = r->mend[n].cause;
+    for (size_t n = 0; n < r->corrections && d->causes < DIAGNOSIS_CAUSES; n++) {
+        const cause_id id = r->correction[n].cause;
         const double after = error_with(r, n + 1, d);
         diagnosis_cause *cause = &d->cause[d->causes++];
         *cause = (diagnosis_cause){.id = cause_table[id].id,
                                    .words = cause_table[id].words,
                                    .gain = after > 0.0 ? error_with(r, n, d) / after : 1.0,
                                    .probability = 1.0};
-        tell(&r->mend[n], file, d, cause);
+        tell(&r->correction[n], file, d, cause);
     }
 }

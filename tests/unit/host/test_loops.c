@@ -108,7 +108,7 @@ static void stability_is_the_inductances_alone(void)
     }
 }
 
-static void learning_mends_the_steady_state_only(void)
+static void learning_corrects_the_steady_state_only(void)
 {
     const loop_result euler = run(10.0, LOOP_LEARNING_EULER, 1.0);
     const loop_result exact = run(10.0, LOOP_LEARNING_EXACT, 1.0);
@@ -200,7 +200,7 @@ int main(void)
     RUN_TEST(euler_misses_by_what_it_predicts_wrong);
     RUN_TEST(the_exact_predictor_holds);
     RUN_TEST(stability_is_the_inductances_alone);
-    RUN_TEST(learning_mends_the_steady_state_only);
+    RUN_TEST(learning_corrects_the_steady_state_only);
     RUN_TEST(a_finite_set_follows_with_the_states_alone);
     RUN_TEST(saturation_keeps_the_finer_constants);
     RUN_TEST(the_corrected_mean_is_stable_up_to_the_stated_bandwidth);

@@ -163,14 +163,14 @@ static double emf_of_phase_a(void)
 
 static void test_erratum_2019_4_sign_of_the_emf(void)
 {
-    const double complex mended = omega * machine.psi_f_Wb * vec_turn(theta - 0.5 * pi);
+    const double complex corrected = omega * machine.psi_f_Wb * vec_turn(theta - 0.5 * pi);
     const double complex printed = omega * machine.psi_f_Wb * vec_turn(theta + 0.5 * pi);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-10, emf_of_phase_a(), creal(mended));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-10, emf_of_phase_a(), creal(corrected));
     TEST_ASSERT_DOUBLE_WITHIN(1e-10, -emf_of_phase_a(), creal(printed));
     /* Euler with "+ e", (1) and (3), is what papers_predict_euler computes with the corrected form only. */
     const double complex euler = papers_predict_euler(&machine, current, voltage, theta, omega);
     const double per_step = machine.T_s / machine.L_H;
-    assert_vector(1e-12, current + per_step * (voltage - machine.R_ohm * current + mended), euler);
+    assert_vector(1e-12, current + per_step * (voltage - machine.R_ohm * current + corrected), euler);
     TEST_ASSERT_TRUE(10.0 < cabs(current + per_step * (voltage - machine.R_ohm * current + printed) - euler));
 }
 

@@ -1,14 +1,14 @@
 /* Rows before and after each correction (the header explains them). */
-#include "mended.h"
+#include "corrected_rows.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-bool mended_is_news(const row_mend *found, const motor *file)
+bool corrected_rows_are_news(const row_correction *found, const motor *file)
 {
     size_t n = 0;
-    for (const motor_value *v = motor_values; v < motor_values + motor_values_length && n < MEND_VALUES;
+    for (const motor_value *v = motor_values; v < motor_values + motor_values_length && n < CORRECTION_VALUES;
          v++) {
         if (v->cause != found->cause) {
             continue;
@@ -22,24 +22,24 @@ bool mended_is_news(const row_mend *found, const motor *file)
     return false;
 }
 
-bool mended_keep(diagnose_rows *r, const row_mend *found, const motor *file)
+bool corrected_rows_keep(diagnose_rows *r, const row_correction *found, const motor *file)
 {
-    if (!mended_is_news(found, file) || r->mends == ROWS_MENDS) {
+    if (!corrected_rows_are_news(found, file) || r->corrections == ROWS_CORRECTIONS) {
         return true;
     }
-    row_mend kept = *found;
+    row_correction kept = *found;
     kept.before = malloc(r->rows * sizeof *kept.before);
     if (!kept.before) {
         return false;
     }
     memcpy(kept.before, r->row, r->rows * sizeof *kept.before);
-    r->mend[r->mends++] = kept;
+    r->correction[r->corrections++] = kept;
     return true;
 }
 
-diagnose_rows mended_rows(const diagnose_rows *r, size_t n)
+diagnose_rows corrected_rows_before(const diagnose_rows *r, size_t n)
 {
     diagnose_rows plain = *r;
-    plain.row = n < r->mends ? r->mend[n].before : (r->rough && n == 0 ? r->rough : r->row);
+    plain.row = n < r->corrections ? r->correction[n].before : (r->rough && n == 0 ? r->rough : r->row);
     return plain;
 }
