@@ -148,19 +148,16 @@ void iqfoc_observer_step(iqfoc_observer_t *observer, iqfoc_ab_t u, iqfoc_ab_t i_
 /*
  * The electrical angle `at` cycles after the last step, -8 ... 8: turns, -1/2 <= theta < 1/2. Largest error 1 LSB of
  * the observer's own.
- *
- * Range: |turns at| <= 8/3 turns is 2^33.5 in Q32; the sum wraps by whole turns.
  */
 static inline iq24_t iqfoc_observer_theta(const iqfoc_observer_t *observer, iq24_t at)
 {
-    const int64_t moved = iq24_asr64(IQ24_MUL64(observer->turns_q32, at), 24);
-    return iq24_asr32(iq24_wrap(observer->theta_q32 + moved), 8);
+    return iqfoc_rotor_theta_of_q32(observer->theta_q32, observer->turns_q32, at);
 }
 
 /* The speed, turns per cycle: |turns| <= IQFOC_ROTOR_TURNS_MAX. Error 0.5 LSB of the observer's own. */
 static inline iq24_t iqfoc_observer_turns(const iqfoc_observer_t *observer)
 {
-    return iq24_asr32(observer->turns_q32 + 128, 8);
+    return iqfoc_rotor_turns_of_q32(observer->turns_q32);
 }
 
 #ifdef __cplusplus

@@ -137,6 +137,22 @@ iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns);
  */
 iq24_t iqfoc_rotor_steady_gain(iq24_t turns);
 
+/*
+ * An angle in Q32 turns, `at` cycles later, -8 ... 8, at a speed in Q32 turns per cycle within +-1/3: IQ24 turns, -1/2 <= theta <
+ * 1/2, rounded down. Range: |turns at| <= 8/3 turns is 2^33.5 in Q32; the sum wraps by whole turns. Any context.
+ */
+static inline iq24_t iqfoc_rotor_theta_of_q32(int32_t theta_q32, int32_t turns_q32, iq24_t at)
+{
+    const int64_t moved = iq24_asr64(IQ24_MUL64(turns_q32, at), 24);
+    return iq24_asr32(iq24_wrap(theta_q32 + moved), 8);
+}
+
+/* A speed in Q32 turns per cycle within +-1/3, to the nearest IQ24. Any context. */
+static inline iq24_t iqfoc_rotor_turns_of_q32(int32_t turns_q32)
+{
+    return iq24_asr32(turns_q32 + 128, 8);
+}
+
 #ifdef __cplusplus
 }
 #endif

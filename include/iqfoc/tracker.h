@@ -86,19 +86,16 @@ void iqfoc_tracker_step(iqfoc_tracker_t *tracker, iq24_t theta, iq24_t at, bool 
 /*
  * The electrical angle `at` cycles after the last valley, -8 ... 8: turns, -1/2 <= theta < 1/2. Largest
  * error 1 LSB of the tracker's own.
- *
- * Range: |turns at| <= 8/3 turns is 2^33.5 in Q32; the sum wraps by whole turns.
  */
 static inline iq24_t iqfoc_tracker_theta(const iqfoc_tracker_t *tracker, iq24_t at)
 {
-    const int64_t moved = iq24_asr64(IQ24_MUL64(tracker->turns_q32, at), 24);
-    return iq24_asr32(iq24_wrap(tracker->theta_q32 + moved), 8);
+    return iqfoc_rotor_theta_of_q32(tracker->theta_q32, tracker->turns_q32, at);
 }
 
 /* The filtered speed, turns per cycle: |turns| <= IQFOC_ROTOR_TURNS_MAX. Error 0.5 LSB of the tracker's own. */
 static inline iq24_t iqfoc_tracker_turns(const iqfoc_tracker_t *tracker)
 {
-    return iq24_asr32(tracker->turns_q32 + 128, 8);
+    return iqfoc_rotor_turns_of_q32(tracker->turns_q32);
 }
 
 #ifdef __cplusplus
