@@ -53,7 +53,8 @@ typedef struct iqfoc_observer_inductance {
 
 /*
  * Checks both configurations and copies `nominal` to `adapted`. The filter of the current starts with the first step. config must
- * outlive the object. Errors: those of iqfoc_observer_check, IQFOC_ERROR_OBSERVER. Call it before the first interrupt.
+ * outlive the object. Errors: IQFOC_ERROR_NULL, a pointer is missing; those of iqfoc_observer_check; IQFOC_ERROR_OBSERVER, a value of
+ * config is out of its range. Call it before the first interrupt.
  */
 iqfoc_error_t iqfoc_observer_inductance_init(iqfoc_observer_inductance_t *inductance,
                                              const iqfoc_observer_inductance_config_t *config,

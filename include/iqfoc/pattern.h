@@ -85,9 +85,9 @@ typedef struct iqfoc_pattern_edges {
 } iqfoc_pattern_edges_t;
 
 /*
- * Checks a table and a least time, and sets all legs low without a recent edge. IQFOC_ERROR_PATTERN: a value is out of its range, the
- * angles of a row fall, or the starts of two joined rows differ. The modulator keeps the table's address. Call it once, before the
- * drive runs.
+ * Checks a table and a least time, and sets all legs low without a recent edge. IQFOC_ERROR_NULL: a pointer is missing, the
+ * table's row included. IQFOC_ERROR_PATTERN: a value is out of its range, the angles of a row fall, or the starts of two joined rows
+ * differ. The modulator keeps the table's address. Call it once, before the drive runs.
  */
 iqfoc_error_t iqfoc_pattern_init(iqfoc_pattern_modulator_t *modulator, const iqfoc_pattern_t *table,
                                  iq24_t least);

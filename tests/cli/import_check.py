@@ -85,6 +85,13 @@ class Check(unittest.TestCase):
         head, tail = out.split("In the map:")
         return [line.strip(" -") for line in head.splitlines() if line.startswith("  - ")], tail.split("\n")
 
+    def corrected(self, text, out):
+        """The map with the lines that the check printed for its columns."""
+        for line in self.lines(out)[1]:
+            old = [x for x in text.splitlines() if line and x.startswith(line.split()[0] + " =")]
+            text = text.replace(old[0], line) if old else text
+        return text
+
     def only(self, words, line, changed=None, **more):
         out = self.check(changed, **more)
         wrong, tail = self.lines(out)
@@ -144,22 +151,17 @@ class Check(unittest.TestCase):
                 .replace('omega_e_rad_s = "omega_e_rad_s"\n', ""))
         # An encoder that counts backwards, with a zero of its own: the printed line corrects both.
         out = self.check({"theta_e_rad": counts}, text=text)
-        line = next(x for x in out.splitlines() if x.startswith("theta_e_rad"))
-        mended = text.replace(next(x for x in text.splitlines() if x.startswith("theta_e_rad")), line)
-        self.assertIn("keep the map", self.check({"theta_e_rad": counts}, text=mended), line)
+        self.assertIn("keep the map", self.check({"theta_e_rad": counts}, text=self.corrected(text, out)), out)
 
     def test_mechanical_angle(self):
         theta = [math.remainder(th / 3, 2 * math.pi) for th in self.unwrapped()]
         omega = [w / 3 for w in self.rec["omega_e_rad_s"]]
-        out = self.check({"theta_e_rad": theta, "omega_e_rad_s": omega})
+        changed = {"theta_e_rad": theta, "omega_e_rad_s": omega}
+        out = self.check(changed)
         self.assertIn("the angle is the rotor's mechanical one", out)
         self.assertIn('theta_e_rad = { from = "theta_e_rad", mechanical = true }', out)
         self.assertIn('omega_e_rad_s = { from = "omega_e_rad_s", mechanical = true }', out)
-        mended = MAP
-        for line in self.lines(out)[1]:
-            if "mechanical" in line:
-                mended = mended.replace(next(x for x in MAP.splitlines() if x.startswith(line.split()[0])), line)
-        self.assertIn("keep the map", self.check({"theta_e_rad": theta, "omega_e_rad_s": omega}, text=mended))
+        self.assertIn("keep the map", self.check(changed, text=self.corrected(MAP, out)))
 
     def test_zero_of_the_converter(self):
         """Counts of a 12-bit converter, its middle left in; the printed lines correct it, whichever else is wrong."""
@@ -173,14 +175,10 @@ class Check(unittest.TestCase):
             out = self.check(changed, text=text)
             self.assertIn("reads 20.", out)
             self.assertEqual(sign < 0, "wrong sign" in out, out)
-            mended = text
-            for line in self.lines(out)[1]:
-                if line.startswith("i_"):
-                    mended = mended.replace(next(x for x in text.splitlines() if x.startswith(line.split()[0])), line)
-            self.assertIn("keep the map", self.check(changed, text=mended), mended)
+            self.assertIn("keep the map", self.check(changed, text=self.corrected(text, out)), out)
 
     def test_power_invariant_values(self):
-        """In d and q, sqrt(3/2) times the amplitude: currents alone, and both."""
+        """In d and q, sqrt(3/2) times the amplitude: currents alone, then voltages too."""
         i = foreign.dq(self.rec, foreign.I_ABC)
         rec = {n: v for n, v in self.rec.items() if n not in foreign.I_ABC}
         text = re.sub(r"i_._A = .*\n", "", MAP) + 'i_d_A = "d"\ni_q_A = "q"\n'
@@ -189,6 +187,10 @@ class Check(unittest.TestCase):
         rec.update(d=[math.sqrt(1.5) * x for x, _ in i], q=[math.sqrt(1.5) * y for _, y in i])
         out = self.check(rec=rec, text=text)
         self.assertIn("the currents are 1.22 times too large: a power-invariant transform? Then scale = 0.816497", out)
+        u = foreign.dq(rec, ("d_a", "d_b", "d_c"))
+        rec.update(u_d=[math.sqrt(1.5) * U_DC * x for x, _ in u], u_q=[math.sqrt(1.5) * U_DC * y for _, y in u])
+        text = re.sub(r"(?m)^d_. = .*\n", "", text) + 'u_d_V = "u_d"\nu_q_V = "u_q"\n'
+        self.assertIn("currents and voltages are 1.22 times too large", self.check(rec=rec, text=text))
 
     def unwrapped(self):
         turns, out = 0, []
