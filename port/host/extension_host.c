@@ -57,17 +57,20 @@ bool flux_predictor_from_motor(const motor *m, iqfoc_flux_predictor_t *predictor
     return true;
 }
 
+void observer_set_loop(iqfoc_observer_config_t *config, double bandwidth_rad)
+{
+    const double pole = IQFOC_RAW_TRACKER_POLE(bandwidth_rad, 1.0);
+    config->k1 = iq24_from_double(IQFOC_RAW_TRACKER_K1_2(pole));
+    config->k2 = iq24_from_double(IQFOC_RAW_TRACKER_K2_2(pole));
+}
+
 bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error *e)
 {
     static const double least_share = 0.05; /* of the top speed */
-    static const double loop_rad = 0.16;    /* bandwidth of the phase-locked loop times the cycle */
     const double T_s = per_unit_of(m).T_s;
-    const double pole = IQFOC_RAW_TRACKER_POLE(loop_rad / T_s, T_s);
     const double least = least_share * motor_speed_rad_s(m, m->n_max_rpm) * T_s / VEC_TWO_PI;
     iqfoc_extension_t extension;
     iqfoc_observer_config_t c = {.gain_max = IQ24(0.5),
-                                 .k1 = iq24_from_double(IQFOC_RAW_TRACKER_K1_2(pole)),
-                                 .k2 = iq24_from_double(IQFOC_RAW_TRACKER_K2_2(pole)),
                                  .turns_min = iq24_min(iq24_from_double(least), IQFOC_ROTOR_TURNS_MAX),
                                  .angle_max = IQ24(0.02),
                                  .lock_cycles = 8,
@@ -76,6 +79,7 @@ bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error 
     if (!extension_from_motor(m, &extension, e) || !flux_predictor_from_motor(m, &c.machine, e)) {
         return false;
     }
+    observer_set_loop(&c, OBSERVER_LOOP_RAD);
     c.saturation = extension.saturation;
     c.flux_max = c.machine.psi / 8;
     *config = c;

@@ -18,9 +18,16 @@
  */
 bool extension_from_motor(const motor *m, iqfoc_extension_t *extension, error *e);
 
+/* Usual bandwidth of the observer's phase-locked loop times the cycle, and the range that its gains allow. */
+#define OBSERVER_LOOP_RAD      0.16
+#define OBSERVER_LOOP_RAD_MOST 1.0
+
+/* k1 and k2 for this bandwidth times the cycle: 0 < bandwidth_rad <= OBSERVER_LOOP_RAD_MOST. */
+void observer_set_loop(iqfoc_observer_config_t *config, double bandwidth_rad);
+
 /*
- * The observer of a motor file: gain and limits of IQFOC_OBSERVER_CONFIG, a bandwidth of 0.16/T, and a twentieth of the
- * top speed as the least speed.
+ * The observer of a motor file: gain and limits of IQFOC_OBSERVER_CONFIG, a bandwidth of OBSERVER_LOOP_RAD/T, and a
+ * twentieth of the top speed as the least speed.
  */
 bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error *e);
 

@@ -7,23 +7,26 @@
 
 #include <stdio.h>
 
-enum { OPT_MOTOR, OPT_DIR, OPT_JSON };
+enum { OPT_MOTOR, OPT_BANDWIDTH, OPT_DIR, OPT_JSON };
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file"},
+    {"bandwidth", 0, "W", "of the phase-locked loop, rad/s, up to 1/T; default: 0.16/T"},
     {"output", 'o', "DIR", "write index.html into DIR: speed and angle error over time, tables"},
     {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
     {NULL, 0, NULL, NULL}};
 
 const command_about about_observe = {
-    "observe", "REC.csv --motor M.toml [-o DIR] [--json F]",
+    "observe", "REC.csv --motor M.toml [--bandwidth W] [-o DIR] [--json F]",
     "Runs the firmware's observer of iqfoc/observer.h over the currents and voltages of a recording, and\n"
     "compares its angle with the recorded one: over speed and over current. Corrections of the motor\n"
-    "file ([extension...]) are in force. Each run begins half a turn off.",
+    "file ([extension...]) are in force, those of the recorded angle included. Each run begins half a\n"
+    "turn off.",
     specs};
 
 typedef struct request {
     const char *recording_path, *motor_path, *directory, *json_path;
+    double bandwidth_rad_s;
 } request;
 
 static bool take_recording(const options *o, request *r, error *e)
@@ -49,10 +52,11 @@ static bool observe(const request *r, error *e)
     }
     out_folder f = {0};
     chart_data series = chart_data_of(OBSERVE_COLUMNS);
-    bool ok = out_folder_open(&f, r->directory, e) &&
-              observe_recording(&rec, &m, &result, r->directory != NULL ? &series : NULL, e) &&
-              (r->directory == NULL || observe_page(f.stage, &m, &result, &series, e)) &&
-              json_file_place(&f, r->json_path, observe_json(&m, &result), e);
+    bool ok =
+        out_folder_open(&f, r->directory, e) &&
+        observe_recording(&rec, &m, r->bandwidth_rad_s, &result, r->directory != NULL ? &series : NULL, e) &&
+        (r->directory == NULL || observe_page(f.stage, &m, &result, &series, e)) &&
+        json_file_place(&f, r->json_path, observe_json(&m, &result), e);
     ok = out_folder_close(&f, ok, e);
     chart_data_free(&series);
     recording_free(&rec);
@@ -67,9 +71,10 @@ static bool observe(const request *r, error *e)
 
 int cmd_observe(int argc, char **argv)
 {
-    request r = {NULL, NULL, NULL, NULL};
+    request r = {0};
     error e = {0};
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
+                                   [OPT_BANDWIDTH] = {.number = &r.bandwidth_rad_s, .low = 1e-3, .high = 1e6},
                                    [OPT_DIR] = {.text = &r.directory},
                                    [OPT_JSON] = {.text = &r.json_path}};
     options o = options_begin(&about_observe, argc, argv);

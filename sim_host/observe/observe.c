@@ -1,12 +1,16 @@
 /* Replay of the firmware's observer (observe.h). */
 #include "observe.h"
 
+#include "sensor_error.h"
+
+#include "base/vector_complex.h"
 #include "extension_host.h"
 
 #include "iqfoc/sensorless.h"
 #include "iqfoc/transform.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 const double observe_speed_share[OBSERVE_SPEEDS + 1] = {0.0, 0.1, 0.25, 0.5, 0.75, INFINITY};
 const double observe_current_share[OBSERVE_CURRENTS + 1] = {0.0, 0.25, 0.5, 0.75, INFINITY};
@@ -15,6 +19,8 @@ typedef struct replay {
     const recording *r;
     const motor *m; /* with the recording's cycle */
     per_unit base;
+    pwm_updates pwm;
+    sensor_error encoder;
     iqfoc_extension_t extension;
     iqfoc_observer_config_t config;
     iqfoc_observer_t observer;
@@ -22,6 +28,9 @@ typedef struct replay {
     long seeking;    /* rows */
     double speed_squares;
     chart_data *series; /* or NULL */
+    double *off_rad;    /* of the rows of a stretch: observed minus recorded angle, NAN if not settled */
+    double *turns;      /* the same: observed speed, per cycle */
+    double *theta_mech_rad;
 } replay;
 
 /* Sums, until `closed` makes the figures of them. */
@@ -52,10 +61,23 @@ static int part_of(const double *share, int parts, double x)
     return n;
 }
 
-static bool configure(replay *p, error *e)
+static bool configure(replay *p, double bandwidth_rad_s, error *e)
 {
-    return extension_from_motor(p->m, &p->extension, e) && observer_from_motor(p->m, &p->config, e) &&
-           iqfoc_observer_init(&p->observer, &p->config) == IQFOC_OK;
+    if (!extension_from_motor(p->m, &p->extension, e) || !observer_from_motor(p->m, &p->config, e)) {
+        return false;
+    }
+    if (bandwidth_rad_s > 0.0) {
+        const double most_rad_s = OBSERVER_LOOP_RAD_MOST / p->base.T_s;
+        if (bandwidth_rad_s > most_rad_s) {
+            return error_input(
+                e, NULL, 0, 0,
+                "observe: --bandwidth %g is above 1/T of this recording; expected at most %.6g",
+                bandwidth_rad_s, most_rad_s);
+        }
+        observer_set_loop(&p->config, bandwidth_rad_s * p->base.T_s);
+    }
+    (void)iqfoc_observer_init(&p->observer, &p->config); /* checked before */
+    return true;
 }
 
 /* A row's currents, angle and speed as the firmware corrects them. `mid`: the currents at the cycle's middle. */
@@ -92,6 +114,20 @@ static double complex commanded(const replay *p, size_t k)
     return (2.0 * u_V[0] - u_V[1] - u_V[2]) / 3.0 + I * (u_V[1] - u_V[2]) * VEC_1_SQRT3;
 }
 
+/*
+ * The mean voltage of a cycle as its PWM puts out the commands. A row holds the command of its cycle; the drive turns it
+ * on by the recorded speed.
+ */
+static double complex put_out(const replay *p, const stretch *s, size_t k)
+{
+    const double complex now = commanded(p, k);
+    const double complex before = k > s->first ? commanded(p, k - 1) : now;
+    return pwm_updates_is_plain(&p->pwm)
+               ? now
+               : vec_complex_ab(pwm_updates_mean(&p->pwm, vec_ab_of(now), vec_ab_of(before),
+                                                 p->r->omega_e_rad_s[k] * p->base.T_s));
+}
+
 /* The voltage of the cycle that begins with row k: with a voltage delay, commands of rows before it. */
 static double complex voltage_of(const replay *p, const stretch *s, size_t k)
 {
@@ -99,8 +135,8 @@ static double complex voltage_of(const replay *p, const stretch *s, size_t k)
     const double whole = floor(delay);
     const size_t back = (size_t)whole;
     const size_t room = k - s->first;
-    const double complex late = commanded(p, k - (back < room ? back : room));
-    const double complex later = commanded(p, k - (back + 1 < room ? back + 1 : room));
+    const double complex late = put_out(p, s, k - (back < room ? back : room));
+    const double complex later = put_out(p, s, k - (back + 1 < room ? back + 1 : room));
     return late + (delay - whole) * (later - late);
 }
 
@@ -144,79 +180,126 @@ static double rpm_of(const motor *m, double turns)
     return turns * m->f_pwm_Hz * 60.0 / m->pole_pairs;
 }
 
-/* The error at a settled row, degrees; NAN at another. */
-static double note_error(replay *p, observe_result *result, size_t k, const iqfoc_sample_t *s)
+/* A row's observed minus recorded angle, rad; NAN if it is not settled. */
+static double off_of(const replay *p, const iqfoc_sample_t *s)
 {
     if (p->since_lock <= OBSERVE_SETTLED_ROWS || iq24_abs_sat(s->turns) < p->config.turns_min) {
         return NAN;
     }
     const double off = iq24_to_double(iqfoc_observer_theta(&p->observer, 0)) - iq24_to_double(s->theta);
-    const double degrees = 360.0 * remainder(off, 1.0);
-    const double top = motor_speed_rad_s(p->m, p->m->n_max_rpm);
-    const double current = cabs(complex_from_ab(iqfoc_clarke3(s->i), 1.0));
-    const int speed_part = part_of(observe_speed_share, OBSERVE_SPEEDS, fabs(p->r->omega_e_rad_s[k]) / top);
-    add(&result->all, degrees);
-    add(&result->by_speed[speed_part], degrees);
-    add(&result->by_current[part_of(observe_current_share, OBSERVE_CURRENTS, current)], degrees);
-    const double turns_off = iq24_to_double(iqfoc_observer_turns(&p->observer) - s->turns);
-    p->speed_squares += turns_off * turns_off;
-    return degrees;
+    return VEC_TWO_PI * remainder(off, 1.0);
 }
 
-static void note_row(replay *p, observe_result *result, size_t k)
+static void note_error(replay *p, observe_result *result, size_t k, const iqfoc_sample_t *s, double degrees,
+                       double turns)
 {
-    const iqfoc_sample_t s = sample_of(p, k, false);
-    note_lock(p, result);
-    const double degrees = note_error(p, result, k, &s);
+    const double top = motor_speed_rad_s(p->m, p->m->n_max_rpm);
+    const double current = cabs(complex_from_ab(iqfoc_clarke3(s->i), 1.0));
+    const double speed = fabs(p->r->omega_e_rad_s[k]) / top;
+    add(&result->all, degrees);
+    if (speed >= observe_speed_share[1]) {
+        add(&result->fast, degrees);
+    }
+    add(&result->by_speed[part_of(observe_speed_share, OBSERVE_SPEEDS, speed)], degrees);
+    add(&result->by_current[part_of(observe_current_share, OBSERVE_CURRENTS, current)], degrees);
+    const double turns_off = turns - iq24_to_double(s->turns);
+    p->speed_squares += turns_off * turns_off;
+}
+
+/* Row j of a stretch, once its mechanical angle is known. rows: those of the stretches before, and this one. */
+static void note_row(replay *p, observe_result *result, const stretch *at, size_t j, long rows)
+{
+    const iqfoc_sample_t s = sample_of(p, at->first + j, false);
+    double degrees = NAN;
+    if (!isnan(p->off_rad[j])) {
+        const double encoder = sensor_error_at(&p->encoder, p->theta_mech_rad[j]);
+        degrees = remainder(360.0 / VEC_TWO_PI * (p->off_rad[j] + encoder), 360.0);
+        note_error(p, result, at->first + j, &s, degrees, p->turns[j]);
+    }
     if (p->series != NULL) {
-        const double observed = rpm_of(p->m, iq24_to_double(iqfoc_observer_turns(&p->observer)));
-        chart_data_add(p->series,
-                       (double[OBSERVE_COLUMNS]){(double)result->rows * p->base.T_s,
-                                                 rpm_of(p->m, iq24_to_double(s.turns)), observed, degrees});
+        chart_data_add(p->series, (double[OBSERVE_COLUMNS]){(double)rows * p->base.T_s,
+                                                            rpm_of(p->m, iq24_to_double(s.turns)),
+                                                            rpm_of(p->m, p->turns[j]), degrees});
     }
 }
 
 static void replay_stretch(replay *p, const stretch *s, observe_result *result)
 {
     const iqfoc_sample_t first = sample_of(p, s->first, false);
+    const long rows = result->rows;
     iqfoc_observer_start(&p->observer, current_of(p, s->first, false), iq24_add_wrap(first.theta, IQ24(0.5)),
                          first.turns, false);
     p->since_lock = 0;
     p->seeking = 0;
-    for (size_t k = s->first; k + 1 < s->first + s->count; k++) {
-        step(p, s, k);
-        note_row(p, result, k + 1);
+    p->off_rad[0] = NAN;
+    for (size_t j = 1; j < s->count; j++) {
+        step(p, s, s->first + j - 1);
+        note_lock(p, result);
+        const iqfoc_sample_t sample = sample_of(p, s->first + j, false);
+        p->off_rad[j] = off_of(p, &sample);
+        p->turns[j] = iq24_to_double(iqfoc_observer_turns(&p->observer));
+    }
+    const int turned = sensor_error_turned(&p->encoder, p->r, s, p->off_rad, p->theta_mech_rad);
+    sensor_error_angles(p->r, s, p->m->pole_pairs, turned, p->theta_mech_rad);
+    for (size_t j = 1; j < s->count; j++) {
+        note_row(p, result, s, j, rows + (long)j);
     }
 }
 
-bool observe_recording(const recording *r, const motor *m, observe_result *result, chart_data *series,
-                       error *e)
+static void close_all(observe_result *result)
 {
-    motor own = *m;
-    *result = (observe_result){.pull_in = -1};
-    const bool plain = pwm_updates_is_plain(r->pwm_told ? &r->pwm : &m->pwm);
-    if (!(r->T_s > 0.0) || !plain) {
-        return error_input(e, r->path, 0, 0,
-                           plain ? "observe: no two rows are consecutive"
-                                 : "observe: only with one command a control cycle, put out at its start");
-    }
-    own.f_pwm_Hz = 1.0 / r->T_s;
-    replay p = {.r = r, .m = &own, .base = per_unit_of(&own), .series = series};
-    if (!configure(&p, e)) {
-        return false;
-    }
-    for (size_t n = 0; n < r->stretches; n++) {
-        replay_stretch(&p, &r->stretch[n], result);
-    }
-    result->least_rpm = rpm_of(&own, iq24_to_double(p.config.turns_min));
-    result->speed_rms_rpm =
-        result->all.rows > 0 ? rpm_of(&own, sqrt(p.speed_squares / (double)result->all.rows)) : NAN;
     closed(&result->all);
+    closed(&result->fast);
     for (int n = 0; n < OBSERVE_SPEEDS; n++) {
         closed(&result->by_speed[n]);
     }
     for (int n = 0; n < OBSERVE_CURRENTS; n++) {
         closed(&result->by_current[n]);
     }
+}
+
+static bool replay_all(replay *p, observe_result *result, error *e)
+{
+    size_t longest = 1;
+    for (size_t n = 0; n < p->r->stretches; n++) {
+        longest = p->r->stretch[n].count > longest ? p->r->stretch[n].count : longest;
+    }
+    double *room = calloc(3 * longest, sizeof *room);
+    if (room == NULL) {
+        return error_failure(e, 0, "observe: out of memory");
+    }
+    p->off_rad = room;
+    p->turns = room + longest;
+    p->theta_mech_rad = room + 2 * longest;
+    for (size_t n = 0; n < p->r->stretches; n++) {
+        replay_stretch(p, &p->r->stretch[n], result);
+    }
+    free(room);
+    return true;
+}
+
+bool observe_recording(const recording *r, const motor *m, double bandwidth_rad_s, observe_result *result,
+                       chart_data *series, error *e)
+{
+    motor own = *m;
+    *result = (observe_result){.pull_in = -1};
+    if (!(r->T_s > 0.0)) {
+        return error_input(e, r->path, 0, 0, "observe: no two rows are consecutive");
+    }
+    own.f_pwm_Hz = 1.0 / r->T_s;
+    replay p = {.r = r,
+                .m = &own,
+                .base = per_unit_of(&own),
+                .pwm = r->pwm_told ? r->pwm : m->pwm,
+                .encoder = sensor_error_of(&own),
+                .series = series};
+    if (!configure(&p, bandwidth_rad_s, e) || !replay_all(&p, result, e)) {
+        return false;
+    }
+    result->bandwidth_rad_s = bandwidth_rad_s > 0.0 ? bandwidth_rad_s : OBSERVER_LOOP_RAD / p.base.T_s;
+    result->least_rpm = rpm_of(&own, iq24_to_double(p.config.turns_min));
+    result->speed_rms_rpm =
+        result->all.rows > 0 ? rpm_of(&own, sqrt(p.speed_squares / (double)result->all.rows)) : NAN;
+    close_all(result);
     return true;
 }

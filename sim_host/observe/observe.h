@@ -30,7 +30,9 @@ typedef struct observe_result {
     long pull_in;               /* rows until the lock, the longest; -1: never locked */
     double least_rpm;           /* the least speed */
     double speed_rms_rpm;       /* observed minus recorded speed, settled rows; NAN without rows */
+    double bandwidth_rad_s;     /* of the phase-locked loop */
     observe_error all;
+    observe_error fast;                         /* from observe_speed_share[1] of the top speed on */
     observe_error by_speed[OBSERVE_SPEEDS];     /* observe_speed_share[n] ... [n + 1] of the top speed */
     observe_error by_current[OBSERVE_CURRENTS]; /* observe_current_share[n] ... [n + 1] of the rated peak */
 } observe_result;
@@ -41,15 +43,19 @@ extern const double observe_current_share[OBSERVE_CURRENTS + 1];
 
 /*
  * Replays the rows: current, voltage or duties, DC link, and the currents at the middle where they are recorded. The
- * motor file's extensions that the firmware corrects are in force. False: a motor whose values the observer refuses, or
- * a recording without two rows in a row.
+ * motor file's extensions that the firmware corrects are in force, and the errors of the recorded angle that
+ * repeat with the revolution are removed from it. A command that the PWM puts out several times a cycle, turned or late
+ * (pwm_updates.h of the recording, else of the motor file), acts as its mean over the cycle. False: a motor whose values
+ * the observer refuses, or a recording without two rows in a row.
+ *
+ * bandwidth_rad_s: of the phase-locked loop, up to 1/T; 0: OBSERVER_LOOP_RAD/T.
  *
  * series: of OBSERVE_COLUMNS, or NULL; each row adds the number of rows so far in seconds, recorded and observed speed
  * in rpm, and in settled rows the angle's error in degrees.
  */
 enum { OBSERVE_COLUMNS = 4 };
-bool observe_recording(const recording *r, const motor *m, observe_result *result, chart_data *series,
-                       error *e);
+bool observe_recording(const recording *r, const motor *m, double bandwidth_rad_s, observe_result *result,
+                       chart_data *series, error *e);
 
 /* A new reference; NULL: out of memory. */
 json_t *observe_json(const motor *m, const observe_result *result);

@@ -28,10 +28,12 @@ static json_t *parts_json(const observe_error *part, const double *share, int pa
 json_t *observe_json(const motor *m, const observe_result *r)
 {
     return json_pack(
-        "{s:i, s:s, s:i, s:i, s:{s:i, s:i, s:i}, s:i, s:f, s:o, s:o, s:o, s:o}", "schema", 1, "motor",
-        m->name, "rows", (int)r->rows, "locked", (int)r->locked, "lost", "angle", (int)r->lost[0], "flux",
-        (int)r->lost[1], "slow", (int)r->lost[2], "pull_in_rows", (int)r->pull_in, "least_rpm", r->least_rpm,
-        "speed_rms_rpm", json_number(r->speed_rms_rpm), "error", error_json(&r->all), "by_speed",
+        "{s:i, s:s, s:i, s:i, s:{s:i, s:i, s:i}, s:i, s:f, s:f, s:o, s:o, s:f, s:o, s:o, s:o}", "schema", 1,
+        "motor", m->name, "rows", (int)r->rows, "locked", (int)r->locked, "lost", "angle", (int)r->lost[0],
+        "flux", (int)r->lost[1], "slow", (int)r->lost[2], "pull_in_rows", (int)r->pull_in, "bandwidth_rad_s",
+        r->bandwidth_rad_s, "least_rpm", r->least_rpm, "speed_rms_rpm", json_number(r->speed_rms_rpm),
+        "error", error_json(&r->all), "fast_rpm", observe_speed_share[1] * m->n_max_rpm, "fast",
+        error_json(&r->fast), "by_speed",
         parts_json(r->by_speed, observe_speed_share, OBSERVE_SPEEDS, m->n_max_rpm, "low_rpm", "high_rpm"),
         "by_current",
         parts_json(r->by_current, observe_current_share, OBSERVE_CURRENTS, motor_rated_peak_A(m), "low_A",
@@ -50,6 +52,12 @@ static void print_parts(const observe_error *part, const double *share, int part
     }
 }
 
+static void print_error(const char *what, double rpm, const observe_error *x, FILE *out)
+{
+    fprintf(out, "  %sabove %.4g rpm: bias %.2f, rms %.2f, at most %.2f degrees\n", what, rpm, x->bias,
+            x->rms, x->most);
+}
+
 void observe_print(const motor *m, const observe_result *r, FILE *out)
 {
     fprintf(out,
@@ -62,9 +70,10 @@ void observe_print(const motor *m, const observe_result *r, FILE *out)
         fprintf(out, "  no settled row above %.4g rpm: no error to show\n", r->least_rpm);
         return;
     }
-    fprintf(out,
-            "  angle, observed minus recorded, above %.4g rpm: bias %.2f, rms %.2f, at most %.2f degrees\n",
-            r->least_rpm, r->all.bias, r->all.rms, r->all.most);
+    print_error("angle, observed minus recorded, ", r->least_rpm, &r->all, out);
+    if (r->fast.rows > 0) {
+        print_error("", observe_speed_share[1] * m->n_max_rpm, &r->fast, out);
+    }
     fprintf(out, "  speed: rms %.4g rpm\n", r->speed_rms_rpm);
     print_parts(r->by_speed, observe_speed_share, OBSERVE_SPEEDS, m->n_max_rpm, "speed, rpm", out);
     print_parts(r->by_current, observe_current_share, OBSERVE_CURRENTS, motor_rated_peak_A(m), "current, A",

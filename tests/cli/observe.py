@@ -1,5 +1,6 @@
 """iqfoc observe: the observer over recordings of the simulated drive, its errors, and what it refuses. observe.py IQFOC"""
 import json
+import math
 import pathlib
 import sys
 import tempfile
@@ -83,6 +84,88 @@ def measure_slow(folder):
     check(done.returncode == 0 and b"no settled row above 300 rpm" in done.stdout, done.stdout.decode())
 
 
+OUTRUNNER = """name = "outrunner"
+[motor]
+pole_pairs = 7
+R_ohm = 0.05
+L_d_H = 40e-6
+L_q_H = 40e-6
+psi_f_Wb = 0.003
+I_rated_A_rms = 20
+n_max_rpm = 6000
+[inverter]
+f_pwm_Hz = 5000
+u_dc_V = 24
+"""
+HARMONICS = """[extension.angle_offset]
+theta_0_rad = -0.2
+[[extension.angle_harmonic]]
+order = 1
+amplitude_rad = 0.05
+phase_rad = 1.0
+[[extension.angle_harmonic]]
+order = 2
+amplitude_rad = 0.06
+phase_rad = 0.5
+"""
+OUTRUNNER_SCENARIO = """name = "outrunner"
+[control]
+feedback = "midpoint"
+bandwidth_Hz = 150
+[pwm]
+periods_per_cycle = 8
+held = "{held}"
+[sensors]
+current_noise_A = 0.08
+[log]
+mechanical_angle = {mechanical}
+mid_currents = false
+""" + "".join(f"""[[run]]
+cycles = 1500
+speed_rpm = {{{{ at_s = [0, 0.3], ramp = [{first}, {last}] }}}}
+i_q_A = {{{{ value = 6, square = {{{{ amplitude = 3, period_s = 0.06 }}}} }}}}
+""" for first, last in ((1500, 3000), (3000, 2000), (-2500, -2500)))
+
+
+def measure_outrunner(folder):
+    """Eight PWM periods a cycle that turn the command on or hold it, and an eccentric angle sensor: the motor file contains all of it."""
+    (folder / "o.toml").write_text(OUTRUNNER)
+    (folder / "known.toml").write_text(OUTRUNNER + HARMONICS)
+    effects = ["--effect", "angle_offset:theta_0=-0.2", "--effect", "angle_harmonic:order=1,amplitude=0.05,phase=1.0",
+               "--effect", "angle_harmonic:order=2,amplitude=0.06,phase=0.5"]
+    for held, mechanical in (("rotor", "true"), ("rotor", "false"), ("stator", "true")):
+        (folder / "s.toml").write_text(OUTRUNNER_SCENARIO.format(held=held, mechanical=mechanical))
+        done = program.run(["simulate", "--motor", "o.toml", "--scenario", "s.toml", *effects, "-o", "r.csv"], folder)
+        assert done.returncode == 0, done.stderr
+        plain, known = observed("o.toml", folder)["error"], observed("known.toml", folder)["error"]
+        what = f"command held by the {held}, mechanical angle {mechanical}"
+        check(abs(plain["bias_deg"] - math.degrees(0.2)) < 0.5 and plain["rms_deg"] > 2.9, f"{what}: the sensor's error: {plain}")
+        check(abs(known["bias_deg"]) < 0.2 and known["rms_deg"] < 0.6, f"{what}: removed by its tables: {known}")
+    text = (folder / "r.csv").read_text()
+    (folder / "r.csv").write_text(text.replace('held = "stator"', 'held = "rotor"'))
+    wrong = observed("known.toml", folder)["error"]
+    check(abs(wrong["bias_deg"]) > 1, f"a command that does not turn, taken as one that does: {wrong}")
+
+
+def choose_bandwidth(folder):
+    """On a ramp the error before a step is the acceleration over k2 = (1 - p)^2; the step leaves 1 - k1 = p^2 of it."""
+    motor = MOTORS["jarzebowicz2019"]
+    (folder / "s.toml").write_text(SCENARIO.format(speed="{ at_s = [0, 0.6], ramp = [2000, 6000] }"))
+    done = program.run(["simulate", "--motor", motor, "--scenario", "s.toml", "-o", "r.csv"], folder)
+    assert done.returncode == 0, done.stderr
+    accelerated = 4000 / 60 * 3 / 0.6 / 5000**2  # turns per cycle^2
+    for bandwidth in (None, 1500.0):
+        options = [] if bandwidth is None else ["--bandwidth", str(bandwidth)]
+        done = program.run(["observe", "r.csv", "--motor", motor, *options, "--json", "-"], folder)
+        got = json.loads(done.stdout)
+        w_T = 0.16 if bandwidth is None else bandwidth / 5000
+        lag = 360 * accelerated / w_T**2  # p^2/(1 - p)^2 with p = 1/(1 + w T)
+        check(abs(got["bandwidth_rad_s"] - 5000 * w_T) < 1e-6 and abs(-got["error"]["bias_deg"] - lag) < 0.02,
+              f"bandwidth {got['bandwidth_rad_s']:g} rad/s lags {-got['error']['bias_deg']:.3f} degrees, by the formula {lag:.3f}")
+        check(got["fast_rpm"] == 800 and got["fast"] == got["error"], f"all rows are above a tenth of the top speed: {got['fast']}")
+    refuses(["observe", "r.csv", "--motor", motor, "--bandwidth", "6000"], "--bandwidth 6000 is above 1/T", folder, "too high a bandwidth")
+
+
 def show(folder):
     simulated(MOTORS["jarzebowicz2019"], 5000, folder)
     done = program.run(["observe", "r.csv", "--motor", MOTORS["jarzebowicz2019"]], folder)
@@ -108,8 +191,6 @@ def refuse(folder):
     (folder / "magnetless.toml").write_text(program.MOTOR.replace("psi_f_Wb = 0.2", "psi_f_Wb = 0"))
     simulated("motor.toml", 1000, folder)
     refuses(["observe", "r.csv", "--motor", "magnetless.toml"], "the observer needs a magnet", folder, "no magnet")
-    (folder / "twice.toml").write_text(program.MOTOR + "[pwm]\nperiods_per_cycle = 2\n")
-    refuses(["observe", "r.csv", "--motor", "twice.toml"], "only with one command a control cycle", folder, "two commands a cycle")
     rows = [line for line in (folder / "r.csv").read_text().split("\n") if not line.startswith("#")]
     (folder / "one.csv").write_text("\n".join(rows[:2]) + "\n")
     refuses(["observe", "one.csv", *motor], "no two rows are consecutive", folder, "a single row")
@@ -118,7 +199,7 @@ def refuse(folder):
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for part in (measure, measure_wrong, measure_slow, show, refuse):
+        for part in (measure, measure_wrong, measure_slow, measure_outrunner, choose_bandwidth, show, refuse):
             part(folder)
     print(f"{len(failures)} failures")
     return 1 if failures else 0
