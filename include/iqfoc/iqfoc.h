@@ -30,6 +30,7 @@
 #include "modulation.h"
 #include "observer.h"
 #include "observer_inductance.h"
+#include "observer_resistance.h"
 #include "offset.h"
 #include "overmodulation.h"
 #include "params.h"
