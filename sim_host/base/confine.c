@@ -100,33 +100,28 @@ static void put_load(program *p, size_t offset)
     put(p, BPF_LD | BPF_W | BPF_ABS, 0, 0, (uint32_t)offset);
 }
 
-static void put_answer(program *p, uint32_t answer)
+/* If the comparison of what was loaded with `number` holds: this answer. */
+static void put_case(program *p, uint16_t comparison, uint32_t number, uint32_t answer)
 {
+    put(p, BPF_JMP | comparison | BPF_K, 0, 1, number);
     put(p, BPF_RET | BPF_K, 0, 0, answer);
-}
-
-/* If what was loaded is `number`: this answer. */
-static void put_case(program *p, uint32_t number, uint32_t answer)
-{
-    put(p, BPF_JMP | BPF_JEQ | BPF_K, 0, 1, number);
-    put_answer(p, answer);
 }
 
 static void put_refusals(program *p, const uint32_t *numbers, size_t count)
 {
     for (size_t k = 0; k < count; k++) {
-        put_case(p, numbers[k], SECCOMP_RET_ERRNO | EPERM);
+        put_case(p, BPF_JEQ, numbers[k], SECCOMP_RET_ERRNO | EPERM);
     }
 }
 
 /* Threads are begun by the same call as processes; its newer form hides which, and the C library does without where it is missing. */
 static void put_threads_only(program *p)
 {
-    put_case(p, SYS_clone3, SECCOMP_RET_ERRNO | ENOSYS);
+    put_case(p, BPF_JEQ, SYS_clone3, SECCOMP_RET_ERRNO | ENOSYS);
     put(p, BPF_JMP | BPF_JEQ | BPF_K, 0, 3, SYS_clone);
     put_load(p, offsetof(struct seccomp_data, args[0])); /* the low half: both processors are little-endian */
     put(p, BPF_JMP | BPF_JSET | BPF_K, 1, 0, CLONE_THREAD);
-    put_answer(p, SECCOMP_RET_ERRNO | EPERM);
+    put(p, BPF_RET | BPF_K, 0, 0, SECCOMP_RET_ERRNO | EPERM);
 }
 
 void confine(unsigned needed)
@@ -137,10 +132,9 @@ void confine(unsigned needed)
     program p = {.length = 0};
     put_load(&p, offsetof(struct seccomp_data, arch));
     put(&p, BPF_JMP | BPF_JEQ | BPF_K, 1, 0, OWN_ARCH);
-    put_answer(&p, SECCOMP_RET_ERRNO | EPERM);
+    put(&p, BPF_RET | BPF_K, 0, 0, SECCOMP_RET_ERRNO | EPERM);
     put_load(&p, offsetof(struct seccomp_data, nr));
-    put(&p, BPF_JMP | BPF_JGE | BPF_K, 0, 1, FOREIGN_ABI);
-    put_answer(&p, SECCOMP_RET_ERRNO | EPERM);
+    put_case(&p, BPF_JGE, FOREIGN_ABI, SECCOMP_RET_ERRNO | EPERM);
     put_refusals(&p, never, NEVER);
     if (!(needed & CONFINE_MAY_CONNECT)) {
         put_refusals(&p, connecting, CONNECTING);
@@ -149,7 +143,7 @@ void confine(unsigned needed)
         put_refusals(&p, starting, STARTING);
         put_threads_only(&p);
     }
-    put_answer(&p, SECCOMP_RET_ALLOW);
+    put(&p, BPF_RET | BPF_K, 0, 0, SECCOMP_RET_ALLOW);
 
     const struct sock_fprog whole = {p.length, p.code};
     /* Where either is refused we are as we were. */

@@ -5,6 +5,7 @@
 
 #include <signal.h>
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,6 @@
 
 typedef struct leftover {
     struct leftover *next;
-    bool stage;
     char path[];
 } leftover;
 
@@ -67,7 +67,7 @@ static void watch_signals(void)
     }
 }
 
-static void add(const char *path, bool stage)
+void leftovers_add(const char *path)
 {
     const size_t size = strlen(path) + 1;
     leftover *l = malloc(sizeof *l + size);
@@ -76,21 +76,10 @@ static void add(const char *path, bool stage)
     }
     watch_signals();
     memcpy(l->path, path, size);
-    l->stage = stage;
     l->next = newest;
     atomic_signal_fence(memory_order_seq_cst);
     newest = l;
     atomic_signal_fence(memory_order_seq_cst);
-}
-
-void leftovers_add(const char *path)
-{
-    add(path, false);
-}
-
-void leftovers_add_stage(const char *path)
-{
-    add(path, true);
 }
 
 static bool is_in(const char *path, const char *folder)
@@ -116,18 +105,6 @@ void leftovers_forget(const char *path)
         atomic_signal_fence(memory_order_seq_cst);
         free(l);
     }
-}
-
-bool leftovers_hold_stage_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    const size_t length = slash != NULL ? (size_t)(slash - path) : 0;
-    for (const leftover *l = newest; length > 0 && l != NULL; l = l->next) {
-        if (l->stage && strlen(l->path) == length && strncmp(l->path, path, length) == 0) {
-            return true;
-        }
-    }
-    return false;
 }
 
 void leftovers_signals_wait(void)

@@ -1,10 +1,10 @@
 /*
- * Temporary files and folders that are removed if a signal ends the process, such as Ctrl-C during a long simulation. The first added path installs handlers for SIGINT, SIGTERM, SIGHUP and SIGPIPE; a signal that is already handled or ignored keeps its handler. The process still dies of the signal, so its caller sees the cause.
+ * Temporary files and folders that are removed if a signal ends the process, such as Ctrl-C during a long simulation. The first
+ * added path installs handlers for SIGINT, SIGTERM, SIGHUP and SIGPIPE; a signal that is already handled or ignored keeps its
+ * handler. The process still dies of the signal, so its caller sees the cause.
  */
 #ifndef SIM_HOST_BASE_LEFTOVERS_H
 #define SIM_HOST_BASE_LEFTOVERS_H
-
-#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,14 +16,9 @@ extern "C" {
  * Without memory for that the path is merely not removed.
  */
 void leftovers_add(const char *path);
-/* The same for a folder whose finished files are to go with it (out_file.h adds them). */
-void leftovers_add_stage(const char *path);
 
 /* The path and what is in it stay, or are gone already. Nothing happens if none of them was added. */
 void leftovers_forget(const char *path);
-
-/* Is this file in a stage? */
-bool leftovers_hold_stage_of(const char *path);
 
 /* Removes all that was added, for a process that ends without unwinding; may be called from a signal's handler. */
 void leftovers_remove(void);

@@ -1,5 +1,5 @@
 /* Writing a hidden file, and its rename over the old file (out_file.h). */
-#define _GNU_SOURCE /* F_DUPFD_CLOEXEC; POSIX: fsync, fchmod, realpath */
+#define _GNU_SOURCE /* POSIX: fsync, fchmod, realpath */
 
 #include "out_file.h"
 
@@ -7,61 +7,42 @@
 #include "leftovers.h"
 
 #include <errno.h>
-#include <fcntl.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The mode of a file that did not exist before: what fopen would have given it. */
-static mode_t new_file_mode(void)
+_Static_assert(OUT_PATH >= PATH_MAX, "realpath writes so many bytes");
+
+static bool is_stdout(const char *path)
 {
-    const mode_t mask = umask(0);
-    umask(mask);
-    return (mode_t)(0666 & ~mask);
+    return strcmp(path, "-") == 0;
 }
 
-static void out_file_release(out_file *f)
+/* The file gets the mode of the one that it replaces (`old`), and until then nobody else may read it. */
+static bool open_temporary(out_file *f, const struct stat *old, error *e)
 {
-    if (f->temporary.path != NULL) {
-        leftovers_forget(f->temporary.path);
-    }
-    out_unfinished_end(&f->temporary);
-    free(f->path);
-    *f = (out_file){0};
-}
-
-/* A pipe, a terminal or /dev/null cannot be replaced by a rename and is written as it comes. */
-static bool open_in_place(out_file *f, const char *path, error *e)
-{
-    f->stream = strcmp(path, "-") == 0 ? stdout : fopen(path, "w");
-    if (f->stream == NULL) {
-        return error_input(e, path, 0, 0, "cannot be written: %s", strerror(errno));
-    }
-    return true;
-}
-
-/* The stream has a descriptor of its own: closing it leaves the lock until the file has its name. */
-static bool open_temporary(out_file *f, mode_t mode, error *e)
-{
-    const int why = out_unfinished_make(&f->temporary, f->path, false);
+    const int why = out_unfinished_make(&f->temporary, f->path, old != NULL ? 0600 : 0666);
     if (why != 0) {
         return error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(why));
     }
-    leftovers_add(f->temporary.path);
-    const int descriptor = fcntl(f->temporary.descriptor, F_DUPFD_CLOEXEC, 0);
-    f->stream = descriptor >= 0 ? fdopen(descriptor, "w") : NULL;
-    if (f->stream == NULL || fchmod(descriptor, mode) != 0) {
-        error_failure(e, errno, "%s: cannot be written", f->path);
-        if (f->stream != NULL) {
-            fclose(f->stream);
-        } else if (descriptor >= 0) {
-            close(descriptor);
-        }
-        unlink(f->temporary.path);
-        return false;
+    f->stream = fdopen(f->temporary.descriptor, "w");
+    if (f->stream == NULL || (old != NULL && fchmod(fileno(f->stream), old->st_mode & 07777) != 0)) {
+        return error_failure(e, errno, "%s: cannot be written", f->path);
     }
+    f->temporary.descriptor = -1; /* the stream's */
     return true;
+}
+
+/* A pipe, a terminal or /dev/null cannot be replaced by a rename and is written as it comes, as is a file in a stage. */
+static bool open_in_place(out_file *f, error *e)
+{
+    if (out_unfinished_holds(f->path)) {
+        leftovers_add(f->path);
+    }
+    f->stream = is_stdout(f->path) ? stdout : fopen(f->path, "w");
+    return f->stream != NULL || error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(errno));
 }
 
 bool out_file_open(out_file *f, const char *path, error *e)
@@ -70,9 +51,8 @@ bool out_file_open(out_file *f, const char *path, error *e)
     if (path[0] == '\0') {
         return error_input(e, NULL, 0, 0, "an output file needs a name, not an empty text");
     }
-
     struct stat status;
-    const bool exists = strcmp(path, "-") != 0 && stat(path, &status) == 0;
+    const bool exists = !is_stdout(path) && stat(path, &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) {
         return error_input(e, path, 0, 0, "is a directory; expected the name of a file to write");
     }
@@ -83,39 +63,31 @@ bool out_file_open(out_file *f, const char *path, error *e)
     if (!inputs_spare(path, e)) {
         return false;
     }
-    const bool in_place = strcmp(path, "-") == 0 || (exists && !S_ISREG(status.st_mode));
-
+    const bool in_place =
+        is_stdout(path) || (exists && !S_ISREG(status.st_mode)) || out_unfinished_holds(path);
     /* Through a symbolic link the file it names is replaced, not the link. */
-    f->path = exists && !in_place ? realpath(path, NULL) : strdup(path);
-    bool ok;
-    if (f->path == NULL) {
-        ok = error_failure(e, errno, "%s", path);
-    } else if (in_place) {
-        ok = open_in_place(f, path, e);
-    } else {
-        ok = open_temporary(f, exists ? status.st_mode & 07777 : new_file_mode(), e);
+    errno = ENAMETOOLONG;
+    if (exists && !in_place ? realpath(path, f->path) == NULL
+                            : snprintf(f->path, sizeof f->path, "%s", path) >= (int)sizeof f->path) {
+        return error_input(e, path, 0, 0, "cannot be written: %s", strerror(errno));
     }
-    if (!ok) {
-        out_file_release(f);
+    if (in_place ? open_in_place(f, e) : open_temporary(f, exists ? &status : NULL, e)) {
+        return true;
     }
-    return ok;
+    out_file_abandon(f);
+    return false;
 }
 
-/* The errno of what went wrong, or 0. A file in a stage (out_folder.h) goes with the stage on a signal. */
-static int put_in_place(const out_file *f)
+/* The errno of the first write that failed, or 0. */
+static int flush(FILE *stream, bool to_disk)
 {
-    const bool staged = leftovers_hold_stage_of(f->path);
-    if (staged) {
-        leftovers_add(f->path);
+    if (fflush(stream) != 0) {
+        return errno;
     }
-    if (rename(f->temporary.path, f->path) == 0) {
-        return 0;
+    if (ferror(stream)) {
+        return EIO; /* an earlier write failed and its errno is gone */
     }
-    const int why = errno;
-    if (staged) {
-        leftovers_forget(f->path);
-    }
-    return why;
+    return to_disk && fsync(fileno(stream)) != 0 ? errno : 0;
 }
 
 bool out_file_commit(out_file *f, error *e)
@@ -123,43 +95,39 @@ bool out_file_commit(out_file *f, error *e)
     if (f->stream == NULL) {
         return error_failure(e, 0, "nothing is open for writing");
     }
-    int why = 0;
-    if (fflush(f->stream) != 0) {
-        why = errno;
-    } else if (ferror(f->stream)) {
-        why = EIO; /* an earlier write failed and its errno is gone */
-    }
-    if (why == 0 && f->temporary.path != NULL && fsync(fileno(f->stream)) != 0) {
-        why = errno;
-    }
-    if (f->stream != stdout && fclose(f->stream) != 0 && why == 0) {
-        why = errno;
-    }
-    f->stream = NULL;
+    const bool renames = f->temporary.path[0] != '\0';
+    int why = flush(f->stream, renames || out_unfinished_holds(f->path));
     /* An input may have been opened since the output was. */
-    if (why == 0 && f->temporary.path != NULL) {
-        if (!inputs_spare(f->path, e)) {
-            out_file_abandon(f);
-            return false;
-        }
-        why = put_in_place(f);
+    if (why == 0 && !inputs_spare(f->path, e)) {
+        out_file_abandon(f);
+        return false;
+    }
+    if (why == 0 && renames && rename(f->temporary.path, f->path) != 0) {
+        why = errno;
+    }
+    if (why == 0) {
+        why = f->stream != stdout && fclose(f->stream) != 0 ? errno : 0;
+        f->stream = NULL;
     }
     if (why != 0) {
         error_failure(e, why, "%s: cannot be written", f->path);
         out_file_abandon(f);
         return false;
     }
-    out_file_release(f);
+    out_unfinished_end(&f->temporary, false);
+    *f = (out_file){0};
     return true;
 }
 
 void out_file_abandon(out_file *f)
 {
+    out_unfinished_end(&f->temporary, true);
+    if (out_unfinished_holds(f->path)) {
+        unlink(f->path);
+        leftovers_forget(f->path);
+    }
     if (f->stream != NULL && f->stream != stdout) {
         fclose(f->stream);
     }
-    if (f->temporary.path != NULL) {
-        unlink(f->temporary.path);
-    }
-    out_file_release(f);
+    *f = (out_file){0};
 }

@@ -1,6 +1,7 @@
 /*
- * Output files that appear whole or not at all: written under a hidden name in the same directory
- * (out_unfinished.h), flushed, and renamed over the old file only when everything was written. The old file stays until then. Several files that belong together: out_folder.h.
+ * Output files that appear whole or not at all: written under a hidden name in the same directory (out_unfinished.h), flushed, and
+ * renamed over the old file only when everything was written. The old file stays until then. A file in the stage of an output folder
+ * has its name at once and appears with the others (out_folder.h).
  */
 #ifndef SIM_HOST_BASE_OUT_FILE_H
 #define SIM_HOST_BASE_OUT_FILE_H
@@ -11,9 +12,10 @@
 #include <stdio.h>
 
 typedef struct out_file {
-    FILE *stream;             /* NULL when nothing is open */
-    char *path;               /* the final name */
-    out_unfinished temporary; /* the name while it is written */
+    FILE *stream;        /* NULL when nothing is open */
+    char path[OUT_PATH]; /* the final name */
+    out_unfinished
+        temporary; /* the name while it is written; none for stdout, devices and files in a stage */
 } out_file;
 
 /* Opens for writing. "-" is stdout. False with *e set when the directory is missing or not writable. */

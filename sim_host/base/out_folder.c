@@ -1,5 +1,5 @@
-/* The stage of an output folder, and the folders on the way to it (out_folder.h). */
-#define _GNU_SOURCE /* asprintf; POSIX: lstat, mkdir, rmdir, strdup, strndup */
+/* The stage of an output folder, and the names that belong into it (out_folder.h). */
+#define _XOPEN_SOURCE 700 /* POSIX: lstat, mkdir, rmdir */
 
 #include "out_folder.h"
 
@@ -8,12 +8,9 @@
 
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* ---- Opening ---- */
 
 static bool is_folder(const char *path)
 {
@@ -21,58 +18,38 @@ static bool is_folder(const char *path)
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-static bool exists(const char *path)
+/* ---- Opening ---- */
+
+/* Finds f->there; false if the next name is taken by something else. */
+static bool find_there(out_folder *f, error *e)
 {
     struct stat status;
-    return lstat(path, &status) == 0;
-}
-
-/* "dir//" -> "dir", "/" stays. */
-static char *without_last_slashes(const char *path)
-{
-    char *copy = strdup(path);
-    for (size_t n = copy != NULL ? strlen(copy) : 0; n > 1 && copy[n - 1] == '/'; n--) {
-        copy[n - 1] = '\0';
-    }
-    return copy;
-}
-
-/* Makes each folder on the way to f->path that is missing, as mkdir -p; not the last one. */
-static bool make_parents(out_folder *f, error *e)
-{
     bool ok = true;
-    bool made = false;
-    for (char *slash = strchr(f->path + 1, '/'); ok && slash != NULL; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        if (mkdir(f->path, 0777) == 0) {
-            leftovers_add(f->path);
-            made = true;
-        } else if (is_folder(f->path)) {
-            f->there = made ? f->there : strlen(f->path);
-        } else {
-            ok = errno == EEXIST
-                     ? error_input(e, f->path, 0, 0, "is not a directory")
-                     : error_input(e, f->path, 0, 0, "the directory cannot be made: %s", strerror(errno));
+    bool there = true;
+    for (size_t n = 1, length = strlen(f->path); there && n <= length; n++) {
+        const char after = f->path[n];
+        if (after == '/' || after == '\0') {
+            f->path[n] = '\0';
+            there = is_folder(f->path);
+            f->there = there ? n : f->there;
+            ok = there || lstat(f->path, &status) != 0 || error_input(e, f->path, 0, 0, "is not a directory");
+            f->path[n] = after;
         }
-        *slash = '/';
     }
     return ok;
 }
 
-/* In the folder itself if it exists, as its parent may be locked or another file system; else next to it. */
+/* In the folder itself if it exists, as its parent may be locked or another file system; else where its first missing parent will be. */
 static bool make_stage(out_folder *f, error *e)
 {
-    char *beside;
-    if (asprintf(&beside, "%s%s", f->path, is_folder(f->path) ? "/" : "") < 0) {
-        return error_failure(e, 0, "out of memory");
-    }
-    const int why = out_unfinished_make(&f->own, beside, true);
-    free(beside);
+    char next[OUT_FOLDER_LONGEST + 2];
+    snprintf(next, sizeof next, "%.*s%s", (int)f->there, f->path,
+             f->there > 0 || f->path[0] == '/' ? "/" : "");
+    const int why = out_unfinished_make(&f->own, next, S_IFDIR | 0777);
     if (why != 0) {
         return error_input(e, f->path, 0, 0, "cannot be written: %s", strerror(why));
     }
     f->stage = f->own.path;
-    leftovers_add_stage(f->stage);
     return true;
 }
 
@@ -85,18 +62,17 @@ bool out_folder_open(out_folder *f, const char *path, error *e)
     if (path[0] == '\0') {
         return error_input(e, NULL, 0, 0, "an output directory needs a name, not an empty text");
     }
-    if (strlen(path) > OUT_FOLDER_LONGEST) {
+    size_t length = strlen(path);
+    if (length > OUT_FOLDER_LONGEST) {
         return error_input(e, NULL, 0, 0, "an output directory's path may have %d characters, not %zu",
-                           OUT_FOLDER_LONGEST, strlen(path));
+                           OUT_FOLDER_LONGEST, length);
     }
-    f->path = without_last_slashes(path);
-    if (f->path == NULL) {
-        return error_failure(e, 0, "out of memory");
+    /* "dir//" -> "dir", "/" stays. */
+    while (length > 1 && path[length - 1] == '/') {
+        length--;
     }
-    if (!is_folder(f->path) && exists(f->path)) {
-        return error_input(e, f->path, 0, 0, "is not a directory");
-    }
-    return make_parents(f, e) && make_stage(f, e);
+    memcpy(f->path, path, length);
+    return find_there(f, e) && make_stage(f, e);
 }
 
 /* To be a file that a rename can replace: neither stdout nor a pipe, a device or a folder. */
@@ -119,13 +95,10 @@ bool out_folder_open_for(out_folder *f, const char *const paths[], size_t count,
         return true;
     }
     const char *slash = strrchr(first, '/');
-    char *folder = slash != NULL ? strndup(first, (size_t)(slash - first)) : strdup(".");
-    if (folder == NULL) {
-        return error_failure(e, 0, "out of memory");
-    }
-    const bool ok = !is_folder(folder) || out_folder_open(f, folder, e);
-    free(folder);
-    return ok;
+    char folder[OUT_PATH];
+    const int length = snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - first) : 1,
+                                slash != NULL ? first : ".");
+    return length >= (int)sizeof folder || !is_folder(folder) || out_folder_open(f, folder, e);
 }
 
 /* "./dir" is "dir". */
@@ -147,63 +120,79 @@ static const char *name_within(const char *folder, const char *path)
 
 const char *out_folder_place(out_folder *f, const char *path, error *e)
 {
-    const char *file = f->path != NULL ? name_within(without_dots(f->path), without_dots(path)) : NULL;
+    const char *file = f->path[0] != '\0' ? name_within(without_dots(f->path), without_dots(path)) : NULL;
     struct stat status;
     if (file == NULL || (stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))) {
         return path;
     }
-    free(f->placed);
-    if (asprintf(&f->placed, "%s/%s", f->stage, file) < 0) {
-        f->placed = NULL;
-        error_failure(e, 0, "out of memory");
+    if (snprintf(f->placed, sizeof f->placed, "%s/%s", f->stage, file) >= (int)sizeof f->placed) {
+        error_input(e, path, 0, 0, "cannot be written: %s", strerror(ENAMETOOLONG));
+        return NULL;
     }
     return f->placed;
 }
 
 /* ---- Closing ---- */
 
-/* The parents that were made: no leftovers any more, and removed if they stay empty. */
-static void settle_parents(out_folder *f, bool stay)
+/* Makes each folder on the way to f->path that is missing, as mkdir -p, or removes those that stayed empty; not the last one. */
+static void make_parents(out_folder *f, bool remove)
 {
-    for (char *slash = strrchr(f->path, '/'); slash != NULL && (size_t)(slash - f->path) > f->there;
-         slash = strrchr(f->path, '/')) {
-        *slash = '\0';
-        leftovers_forget(f->path);
-        if (!stay) {
-            rmdir(f->path); /* not if another program has written there meanwhile */
+    for (size_t n = f->there + 1, length = strlen(f->path); n < length; n++) {
+        const size_t cut = remove ? length + f->there - n : n;
+        if (f->path[cut] == '/') {
+            f->path[cut] = '\0';
+            (void)(remove ? rmdir(f->path) : mkdir(f->path, 0777));
+            f->path[cut] = '/';
         }
     }
+}
+
+/*
+ * A rename takes an empty folder's place too; what has files in it, made by another program since the stage
+ * was, is a folder like any that existed before.
+ */
+static bool put(out_folder *f, error *e)
+{
+    if (is_folder(f->path)) {
+        return out_folder_replace_files(&f->own, f->path, e);
+    }
+    make_parents(f, false);
+    if (rename(f->stage, f->path) == 0) {
+        return true;
+    }
+    if (errno == ENOTEMPTY || errno == EEXIST) {
+        return out_folder_replace_files(&f->own, f->path, e);
+    }
+    error_failure(e, errno, "%s: cannot be written", f->path);
+    make_parents(f, true);
+    return false;
 }
 
 /* Messages of what wrote into the stage name its files; the user knows them by another folder. */
 static void name_users_path(const out_folder *f, error *e)
 {
-    const char *stage = f->own.path;
-    const size_t length = strlen(stage);
-    const size_t wanted = strlen(f->path);
-    for (char *at = strstr(e->text, stage); at != NULL && length >= wanted; at = strstr(at, stage)) {
-        memmove(at + wanted, at + length, strlen(at + length) + 1);
-        memcpy(at, f->path, wanted);
-        at += wanted;
+    size_t done = 0;
+    for (const char *at; done < strlen(e->text) && (at = strstr(e->text + done, f->stage)) != NULL;) {
+        const error before = *e;
+        done = (size_t)(at - e->text);
+        (void)snprintf(e->text + done, sizeof e->text - done, "%s%s", f->path,
+                       before.text + done + strlen(f->stage));
+        done += strlen(f->path);
     }
 }
 
 bool out_folder_close(out_folder *f, bool ok, error *e)
 {
-    if (f->path == NULL) {
+    if (f->path[0] == '\0') {
         return ok;
     }
     leftovers_signals_wait();
-    ok = ok && f->stage != NULL && out_folder_put(&f->own, f->path, e);
+    ok = ok && f->stage != NULL && put(f, e);
     if (f->stage != NULL) {
-        out_folder_remove(f->own.path);
         name_users_path(f, e);
     }
-    out_unfinished_end(&f->own);
-    settle_parents(f, ok);
+    out_unfinished_end(&f->own, true);
     leftovers_signals_go_on();
-    free(f->path);
-    free(f->placed);
     *f = (out_folder){0};
     return ok;
 }

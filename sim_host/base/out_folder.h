@@ -28,16 +28,17 @@ enum {
 };
 
 typedef struct out_folder {
-    char *path;        /* as the user named it, without a slash at its end; NULL: nothing is open */
-    const char *stage; /* the folder to write into; for no message and no page */
-    char *placed;      /* what out_folder_place gave last */
-    size_t there;      /* length of the part of `path` that existed before; the parents beyond it were made */
-    out_unfinished own; /* the stage's name and lock */
+    char path[OUT_FOLDER_LONGEST +
+              1];          /* as the user named it, without a slash at its end; "": nothing is open */
+    const char *stage;     /* the folder to write into; for no message and no page */
+    char placed[OUT_PATH]; /* what out_folder_place gave last */
+    size_t there;          /* length of the part of `path` that existed before */
+    out_unfinished own;    /* the stage's name and lock */
 } out_folder;
 
 /*
- * Makes the stage, and the parents of the folder where they are missing. False with *e set when the path is
- * no directory or nothing can be written there. True with a path of NULL, which opens nothing.
+ * Makes the stage. False with *e set when the path is no directory or nothing can be written there. True with a path of NULL, which
+ * opens nothing.
  */
 bool out_folder_open(out_folder *f, const char *path, error *e);
 
@@ -51,13 +52,14 @@ bool out_folder_open_for(out_folder *f, const char *const paths[], size_t count,
 /*
  * Where to write a file that the user named separately: in the stage if `path` lies in the folder, so that
  * `-o DIR --json DIR/x.json` goes with the others; else `path` itself, as when nothing is open, and for what is a
- * pipe or a device. Valid until the next call and until the folder is closed. NULL with *e set when memory runs out.
+ * pipe or a device. Valid until the next call and until the folder is closed. NULL with *e set when the path is too long.
  */
 const char *out_folder_place(out_folder *f, const char *path, error *e);
 
 /*
- * Puts the files in place if `ok`, else removes them and everything that was made; *e then names the user's path instead of the stage's. Returns whether the files are in place, and `ok` itself if nothing is open,
- * as after an opening that failed. Nothing is open afterwards.
+ * Puts the files in place if `ok`, with the parents of the folder where they are missing; else removes them, and *e then names the
+ * user's path instead of the stage's. Returns whether the files are in place, and `ok` itself if nothing is open, as after an opening
+ * that failed. Nothing is open afterwards.
  */
 bool out_folder_close(out_folder *f, bool ok, error *e);
 

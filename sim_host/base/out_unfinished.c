@@ -1,13 +1,14 @@
 /* Hidden names, their locks, and what killed processes have left (out_unfinished.h). */
-#define _GNU_SOURCE /* asprintf, flock; POSIX: openat, fdopendir, unlinkat */
+#define _GNU_SOURCE /* flock; POSIX: openat, fdopendir, unlinkat */
 
 #include "out_unfinished.h"
+
+#include "leftovers.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -15,25 +16,32 @@
 
 #define PREFIX ".iqfoc."
 
-/* What follows a number's digits; NULL if there are none. */
-static const char *after_digits(const char *text)
+enum { NAME_LONGEST = 64 /* of a hidden name, with a suffix */ };
+
+/* What follows ".iqfoc.123-0" in a text that begins so; else NULL. */
+static const char *after_hidden_name(const char *text)
 {
-    const size_t digits = text != NULL ? strspn(text, "0123456789") : 0;
-    return digits > 0 ? text + digits : NULL;
+    int length = 0;
+    (void)sscanf(text, PREFIX "%*[0-9]-%*[0-9]%n", &length);
+    return length > 0 ? text + length : NULL;
 }
 
-/* ".iqfoc.123-0" and the suffix. */
-static bool is_ours(const char *name, const char *suffix)
+bool out_unfinished_holds(const char *path)
 {
-    const bool begins = strncmp(name, PREFIX, strlen(PREFIX)) == 0;
-    const char *after = after_digits(begins ? name + strlen(PREFIX) : NULL);
-    after = after_digits(after != NULL && *after == '-' ? after + 1 : NULL);
-    return after != NULL && strcmp(after, suffix) == 0;
+    const char *file = strrchr(path, '/');
+    const char *folder = file;
+    while (folder != NULL && folder > path && folder[-1] != '/') {
+        folder--;
+    }
+    return file != NULL && after_hidden_name(folder) == file;
 }
 
-/* The lock of an entry that nobody holds; -1 if somebody does, or it is another user's or no plain file or folder. */
-static int take_over(int directory, const char *name)
+int out_unfinished_left(int directory, const char *name, const char *suffix)
 {
+    const char *after = after_hidden_name(name);
+    if (after == NULL || strcmp(after, suffix) != 0) {
+        return -1;
+    }
     struct stat status;
     /* (Not to wait for the writer of a pipe.) */
     const int descriptor = openat(directory, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -47,128 +55,93 @@ static int take_over(int directory, const char *name)
     return -1;
 }
 
-static bool is_folder(int descriptor)
+void out_unfinished_remove(int directory, const char *name)
 {
-    struct stat status;
-    return fstat(descriptor, &status) == 0 && S_ISDIR(status.st_mode);
-}
-
-int out_unfinished_left(int directory, const char *name, const char *suffix)
-{
-    const int descriptor = is_ours(name, suffix) ? take_over(directory, name) : -1;
-    if (descriptor >= 0 && !is_folder(descriptor)) {
-        close(descriptor);
-        return -1;
-    }
-    return descriptor;
-}
-
-void out_unfinished_empty(int folder)
-{
-    DIR *open = fdopendir(folder);
+    const int folder = openat(directory, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    DIR *open = folder >= 0 ? fdopendir(folder) : NULL;
     for (struct dirent *d; open != NULL && (d = readdir(open)) != NULL;) {
         unlinkat(folder, d->d_name, 0); /* which leaves "." and ".." */
     }
     if (open != NULL) {
         closedir(open);
-    } else {
+    } else if (folder >= 0) {
         close(folder);
     }
+    unlinkat(directory, name, folder >= 0 ? AT_REMOVEDIR : 0);
 }
 
-static void remove_one(int directory, const char *name)
+static void remove_left(const char *directory)
 {
-    const int descriptor = take_over(directory, name);
-    if (descriptor < 0) {
-        return;
-    }
-    if (!is_folder(descriptor)) {
-        unlinkat(directory, name, 0);
-        close(descriptor);
-        return;
-    }
-    /* The lock is held until the folder is gone. */
-    const int inside = dup(descriptor);
-    if (inside >= 0) {
-        out_unfinished_empty(inside);
-    }
-    unlinkat(directory, name, AT_REMOVEDIR);
-    close(descriptor);
-}
-
-/* `length` characters of `path` name the directory, with a slash at the end; 0: the one we are in. */
-static void remove_left(const char *path, int length)
-{
-    char *name;
-    if (asprintf(&name, "%.*s", length > 0 ? length : 1, length > 0 ? path : ".") < 0) {
-        return;
-    }
-    DIR *open = opendir(name);
+    DIR *open = opendir(directory);
     for (struct dirent *d; open != NULL && (d = readdir(open)) != NULL;) {
-        if (is_ours(d->d_name, "")) {
-            remove_one(dirfd(open), d->d_name);
+        const int left = out_unfinished_left(dirfd(open), d->d_name, "");
+        if (left >= 0) {
+            out_unfinished_remove(dirfd(open), d->d_name);
+            close(left);
         }
     }
     if (open != NULL) {
         closedir(open);
     }
-    free(name);
 }
 
-/* Between its making and its lock another process may have taken it for one that was left: then it wants another name. */
-static bool is_lost(int descriptor)
+/* Between its making and its lock another process may have taken it for one that was left: then EEXIST, for another name. */
+static int make_one(out_unfinished *u, mode_t mode)
 {
-    struct stat status;
-    return (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) ||
-           (fstat(descriptor, &status) == 0 && status.st_nlink == 0);
-}
-
-static int make_one(out_unfinished *u, bool folder)
-{
-    if (folder && mkdir(u->path, 0777) != 0) {
+    const bool folder = S_ISDIR(mode);
+    if (folder && mkdir(u->path, mode & 0777) != 0) {
         return errno;
     }
     u->descriptor = folder ? open(u->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC)
-                           : open(u->path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (u->descriptor >= 0) {
-        if (!is_lost(u->descriptor)) {
-            return 0;
-        }
+                           : open(u->path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (u->descriptor < 0) {
+        /* A folder that its maker may not read works without a lock: nobody else may either. */
+        return !folder ? errno : errno == ENOENT ? EEXIST : 0;
+    }
+    struct stat status;
+    if ((flock(u->descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) ||
+        (fstat(u->descriptor, &status) == 0 && status.st_nlink == 0)) {
         close(u->descriptor);
-        u->descriptor = -1;
         return EEXIST;
     }
-    /* A folder that its maker may not read works without a lock: nobody else may either. */
-    return !folder ? errno : errno == ENOENT ? EEXIST : 0;
+    return 0;
 }
 
-int out_unfinished_make(out_unfinished *u, const char *path, bool folder)
+int out_unfinished_make(out_unfinished *u, const char *path, mode_t mode)
 {
     const char *slash = strrchr(path, '/');
-    const int length = slash != NULL ? (int)(slash - path) + 1 : 0;
-    *u = (out_unfinished){NULL, -1};
-    remove_left(path, length);
+    const size_t length = slash != NULL ? (size_t)(slash - path) + 1 : 0;
     int why = EEXIST;
-    for (int n = 0; why == EEXIST && n < 1000; n++) {
-        free(u->path);
-        if (asprintf(&u->path, "%.*s" PREFIX "%ld-%d", length, path, (long)getpid(), n) < 0) {
-            u->path = NULL;
-            return ENOMEM;
-        }
-        why = make_one(u, folder);
+    if (length + NAME_LONGEST > sizeof u->path) {
+        why = ENAMETOOLONG;
+    } else {
+        memcpy(u->path, path, length);
+        u->path[length] = '\0';
+        remove_left(length > 0 ? u->path : ".");
     }
-    if (why != 0) {
-        free(u->path);
-        u->path = NULL;
+    for (int n = 0; why == EEXIST && n < 1000; n++) {
+        snprintf(u->path + length, NAME_LONGEST, PREFIX "%ld-%d", (long)getpid(), n);
+        why = make_one(u, mode);
+    }
+    if (why == 0) {
+        leftovers_add(u->path);
+    } else {
+        *u = (out_unfinished){"", -1};
     }
     return why;
 }
 
-void out_unfinished_end(out_unfinished *u)
+void out_unfinished_end(out_unfinished *u, bool remove)
 {
-    if (u->path != NULL && u->descriptor >= 0) {
+    if (u->path[0] == '\0') {
+        return;
+    }
+    if (remove) {
+        out_unfinished_remove(AT_FDCWD, u->path);
+    }
+    leftovers_forget(u->path);
+    if (u->descriptor >= 0) {
         close(u->descriptor);
     }
-    free(u->path);
-    *u = (out_unfinished){NULL, -1};
+    *u = (out_unfinished){"", -1};
 }

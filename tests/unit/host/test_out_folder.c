@@ -184,17 +184,22 @@ static void test_a_folder_that_appeared_meanwhile_is_written_into(void)
     remove_one("out");
 }
 
-static void test_messages_name_the_users_folder(void)
+static void expect_users_folder_named(const char *name)
 {
-    open_out();
-    char path[500];
-    snprintf(path, sizeof path, "%s/none/x", f.stage);
-    error_failure(&e, 0, "%s: no; %s: neither", path, path);
+    e = (error){0};
+    TEST_ASSERT_TRUE_MESSAGE(out_folder_open(&f, scratch_path(name), &e), e.text);
+    error_failure(&e, 0, "%s/x: no; %s/y: neither", f.stage, f.stage);
     TEST_ASSERT_FALSE(out_folder_close(&f, false, &e));
     char expected[900];
-    snprintf(expected, sizeof expected, "%s: no; %s: neither", scratch_path("out/none/x"),
-             scratch_path("out/none/x"));
+    const char *path = scratch_path(name);
+    snprintf(expected, sizeof expected, "%s/x: no; %s/y: neither", path, path);
     TEST_ASSERT_EQUAL_STRING(expected, e.text);
+}
+
+static void test_messages_name_the_users_folder(void)
+{
+    expect_users_folder_named("out");
+    expect_users_folder_named("a-name-that-is-longer-than-the-one-of-the-stage/below/it");
 }
 
 static void test_a_file_named_separately_goes_with_the_others(void)
@@ -231,24 +236,22 @@ static void test_the_folder_of_files_named_one_by_one(void)
     const char *const alone[] = {NULL, in_out, NULL};
     const char *const no_files[] = {"-", "/dev/null"};
     const char *const nowhere[] = {"missing/x", in_out};
-    TEST_ASSERT_TRUE(out_folder_open_for(&f, alone, 3, &e) && f.path == NULL);
-    TEST_ASSERT_TRUE(out_folder_open_for(&f, no_files, 2, &e) && f.path == NULL);
-    TEST_ASSERT_TRUE(out_folder_open_for(&f, nowhere, 2, &e) && f.path == NULL);
+    TEST_ASSERT_TRUE(out_folder_open_for(&f, alone, 3, &e) && f.path[0] == '\0');
+    TEST_ASSERT_TRUE(out_folder_open_for(&f, no_files, 2, &e) && f.path[0] == '\0');
+    TEST_ASSERT_TRUE(out_folder_open_for(&f, nowhere, 2, &e) && f.path[0] == '\0');
     remove_one("out");
 }
 
 /* A device is written as it comes, wherever it is; and a name without a folder is one in the folder ".". */
 static void test_places_of_devices_and_plain_names(void)
 {
-    out_folder here = {.path = (char[]){"."}, .stage = "stage"};
+    out_folder here = {.path = ".", .stage = "stage"};
     const char *device = "/dev/null";
-    out_folder devices = {.path = (char[]){"/dev"}, .stage = "stage"};
+    out_folder devices = {.path = "/dev", .stage = "stage"};
     TEST_ASSERT_EQUAL_STRING("stage/plan.toml", out_folder_place(&here, "plan.toml", &e));
     TEST_ASSERT_EQUAL_STRING("stage/plan.toml", out_folder_place(&here, "./plan.toml", &e));
     TEST_ASSERT_EQUAL_STRING("none/plan.toml", out_folder_place(&here, "none/plan.toml", &e));
     TEST_ASSERT_EQUAL_PTR(device, out_folder_place(&devices, device, &e));
-    free(here.placed);
-    free(devices.placed);
 }
 
 static void test_no_folder_is_no_failure(void)

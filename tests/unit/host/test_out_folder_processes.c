@@ -124,8 +124,8 @@ static void test_what_a_living_process_writes_stays(void)
         close(go[1]);
         open_out();
         stage("others", "whole");
-        const bool told = write(ready[1], &nothing, 1) == 1 && read(go[0], &nothing, 1) == 0;
-        _exit(told && out_folder_close(&f, true, &e) ? 0 : 99);
+        const bool went = write(ready[1], &nothing, 1) == 1 && read(go[0], &nothing, 1) == 0;
+        _exit(went && out_folder_close(&f, true, &e) ? 0 : 99);
     }
     char nothing;
     close(go[0]);
