@@ -1,39 +1,13 @@
 /*
  * Start-up of the STM32G474: vector table, initialised data, main.
  */
-#include <stddef.h>
-#include <stdint.h>
+#include "cortex_m_start.h"
 
-/* From link.ld; only their addresses mean something. */
-extern uint32_t link_stack_top;
-extern uint32_t link_data_load;
-extern uint32_t link_data_start;
-extern uint32_t link_data_end;
-extern uint32_t link_bss_start;
-extern uint32_t link_bss_end;
-
-int main(void);
-void reset_handler(void);
-void unexpected_handler(void);
 void adc1_2_handler(void);
 
-/* 102 interrupts (RM0440 14.3); the position is the number. Those left out are never enabled. */
-typedef struct vector_table {
-    uint32_t *stack_top;
-    void (*exception[15])(void); /* Reset ... SysTick */
-    void (*interrupt[102])(void);
-} vector_table_t;
+CORTEX_M_VECTORS(102, [18] = adc1_2_handler); /* RM0440 14.3 */
 
-static const vector_table_t vectors __attribute__((section(".vectors"), used)) = {
-    .stack_top = &link_stack_top,
-    .exception = {reset_handler, unexpected_handler, unexpected_handler, unexpected_handler,
-                  unexpected_handler, unexpected_handler, unexpected_handler, unexpected_handler,
-                  unexpected_handler, unexpected_handler, unexpected_handler, unexpected_handler,
-                  unexpected_handler, unexpected_handler, unexpected_handler},
-    .interrupt = {[18] = adc1_2_handler},
-};
-
-/* TIM1 BDTR at 0x40012C44: outputs off before anything else, then stay here. */
+/* TIM1 BDTR: outputs off before anything else, then stay here. */
 void unexpected_handler(void)
 {
     volatile uint32_t *const bdtr = (volatile uint32_t *)0x40012C44;
@@ -44,13 +18,7 @@ void unexpected_handler(void)
 
 void reset_handler(void)
 {
-    const uint32_t *from = &link_data_load;
-    for (uint32_t *to = &link_data_start; to < &link_data_end;) {
-        *to++ = *from++;
-    }
-    for (uint32_t *to = &link_bss_start; to < &link_bss_end;) {
-        *to++ = 0;
-    }
+    cortex_m_start_memory();
     (void)main();
     unexpected_handler();
 }
