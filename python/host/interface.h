@@ -123,6 +123,7 @@ typedef struct py_tune_choice {
     double ratio; /* SFFR at n_max; 0: the motor file's f_pwm_Hz */
     bool deadbeat;
     double margin;
+    double run_up_s;     /* from standstill to n_max, for the observer */
     double tolerance[3]; /* of R, L and psi_f, shares */
     long drives;
     long seed;

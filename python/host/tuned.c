@@ -26,6 +26,7 @@ py_design *py_tune(const motor *m, const py_tune_choice *choice, const char *dia
                            .method = choice->deadbeat ? TUNE_DEADBEAT : TUNE_PI,
                            .updates = 1,
                            .margin = choice->margin,
+                           .run_up_s = choice->run_up_s,
                            .tolerances = {choice->tolerance[0], choice->tolerance[1], choice->tolerance[2]},
                            .drives = choice->drives,
                            .seed = choice->seed,

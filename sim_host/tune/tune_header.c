@@ -51,6 +51,44 @@ static void put_watch(FILE *out, const tune_result *r)
           out);
 }
 
+/* The observer's constants, or the reason why there are none. */
+static void put_observer(FILE *out, const tune_report *t)
+{
+    const tune_observer *o = &t->observer;
+    if (o->none != NULL) {
+        fprintf(out, "\n/* No observer (iqfoc/observer.h): %s. */\n", o->none);
+        return;
+    }
+    const tune_observer_speed *worst = &o->at[o->disk_worst];
+    fprintf(out,
+            "\n/*\n * The observer of iqfoc/observer.h, for a drive without an angle sensor: "
+            "iqfoc_observer_config_t.\n * Worst disk margin %.2f at %.0f rpm with %s.\n"
+            " * Largest steady angle error %.1f degrees, at %.0f rpm.\n */\n",
+            worst->disk, worst->rpm, worst->disk_worst, o->at[o->angle_worst].angle_deg,
+            o->at[o->angle_worst].rpm);
+    define(out, "IQFOC_TUNED_OBSERVER_W", o->bandwidth_rad_s, "rad/s, bandwidth of the phase-locked loop");
+    define(out, "IQFOC_TUNED_OBSERVER_GAIN", o->gain_max, "largest gain of the radial correction");
+    define(out, "IQFOC_TUNED_OBSERVER_TURNS", o->turns_min, "turns per cycle: least speed");
+    define(out, "IQFOC_TUNED_OBSERVER_FLUX", o->flux_max, "limit of the flux' error, share of psi_f");
+    define(out, "IQFOC_TUNED_OBSERVER_SATURATION", iq24_to_double(o->config.saturation), "(I_b/I_sat)^2");
+    fputs("#define IQFOC_TUNED_OBSERVER \\\n"
+          "    {IQFOC_FLUX_PREDICTOR(IQFOC_TUNED_R_OHM, IQFOC_TUNED_L_D_H, IQFOC_TUNED_L_Q_H, "
+          "IQFOC_TUNED_PSI_WB, \\\n"
+          "                          IQFOC_TUNED_T_S, IQFOC_I_BASE(IQFOC_TUNED_I_RATED_A), "
+          "IQFOC_TUNED_U_DC_V), \\\n"
+          "     IQ24(IQFOC_TUNED_OBSERVER_SATURATION), IQFOC_CHECKED(IQFOC_TUNED_OBSERVER_GAIN, 0.125, 1.0), "
+          "\\\n"
+          "     IQ24(IQFOC_RAW_TRACKER_K1_2(IQFOC_RAW_TRACKER_POLE(IQFOC_TUNED_OBSERVER_W, "
+          "IQFOC_TUNED_T_S))), \\\n"
+          "     IQ24(IQFOC_RAW_TRACKER_K2_2(IQFOC_RAW_TRACKER_POLE(IQFOC_TUNED_OBSERVER_W, "
+          "IQFOC_TUNED_T_S))), \\\n"
+          "     IQ24(IQFOC_TUNED_OBSERVER_TURNS), IQ24(0.02), \\\n"
+          "     IQFOC_FLUX_PSI(IQFOC_TUNED_OBSERVER_FLUX * IQFOC_TUNED_PSI_WB, IQFOC_TUNED_T_S, "
+          "IQFOC_TUNED_U_DC_V), \\\n"
+          "     8, 50, 2000}\n",
+          out);
+}
+
 bool tune_report_header(const tune_report *t, const char *directory, error *e)
 {
     const tune_result *r = &t->result;
@@ -79,7 +117,7 @@ bool tune_report_header(const tune_report *t, const char *directory, error *e)
           "iqfoc/tuned_control.h. A value outside the library's range does not compile.\n */\n"
           "#ifndef IQFOC_TUNED_LAW_H\n#define IQFOC_TUNED_LAW_H\n\n#include "
           "\"iqfoc/tuned_control.h\"\n#include "
-          "\"iqfoc/watch.h\"\n\n",
+          "\"iqfoc/observer.h\"\n#include \"iqfoc/watch.h\"\n\n",
           out);
     define(out, "IQFOC_TUNED_T_S", d->T_s, "s, control cycle");
     define(out, "IQFOC_TUNED_I_RATED_A", r->motor.I_rated_A_rms, "A rms");
@@ -103,6 +141,7 @@ bool tune_report_header(const tune_report *t, const char *directory, error *e)
           "1.0)}\n",
           out);
     put_watch(out, r);
+    put_observer(out, t);
     fputs("\n#endif\n", out);
     return out_file_commit(&f, e);
 }
@@ -129,6 +168,39 @@ static void print_fall(const tune_region *region, FILE *stream)
     fputc('\n', stream);
 }
 
+static void print_observer(const tune_report *t, FILE *stream)
+{
+    const tune_observer *o = &t->observer;
+    if (o->none != NULL) {
+        fprintf(stream, "\nWithout an angle sensor: no observer, as %s\n", o->none);
+        return;
+    }
+    const tune_observer_speed *disk = &o->at[o->disk_worst];
+    const tune_observer_speed *angle = &o->at[o->angle_worst];
+    const tune_observer_trial *trial = &t->observer_trial;
+    fprintf(stream,
+            "\nWithout an angle sensor: bandwidth of the observer's loop %.0f rad/s%s, largest gain %g\n"
+            "  run-up in %g s; noise of a current sensor %.3g A (%s)\n"
+            "  worst disk margin %.3f at %.0f rpm with %s\n"
+            "  largest steady angle error %.1f degrees at %.0f rpm with %s\n"
+            "  %8s%8s%13s%13s%15s%15s\n",
+            o->bandwidth_rad_s, o->fastest ? ", the highest" : "", o->gain_max, o->run_up_s, o->noise_A,
+            o->noise_measured ? "by the diagnosis" : "assumed", disk->disk, disk->rpm, disk->disk_worst,
+            angle->angle_deg, angle->rpm, angle->angle_worst, "rpm", "SFFR", "disk margin", "nominal",
+            "angle, deg", "noise, deg");
+    for (int s = 1; s < TUNE_OBSERVER_SPEEDS; s += 2) {
+        const tune_observer_speed *at = &o->at[s];
+        fprintf(stream, "  %8.0f%8.3g%13.3f%13.3f%15.1f%15.3f\n", at->rpm, at->sffr, at->disk,
+                at->disk_nominal, at->angle_deg, at->noise_deg);
+    }
+    fprintf(
+        stream,
+        "  simulated: %d drives; unstable %d, lost lock %d; largest angle error predicted %.1f, simulated "
+        "%.1f degrees, largest difference %.2f\n",
+        trial->drives, trial->unstable, trial->lost, trial->predicted_deg, trial->simulated_deg,
+        trial->off_deg);
+}
+
 void tune_report_print(const tune_report *t, FILE *stream)
 {
     const tune_result *r = &t->result;
@@ -150,4 +222,5 @@ void tune_report_print(const tune_report *t, FILE *stream)
             trial->drives, trial->rpm_most, trial->unstable, trial->promised.overshoot_percent,
             trial->found.overshoot_percent, trial->promised.settling_cycles, trial->found.settling_cycles,
             trial->late, trial->high);
+    print_observer(t, stream);
 }

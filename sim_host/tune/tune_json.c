@@ -96,13 +96,64 @@ static json_t *comparison_json(const tune_comparison *c)
     return json_pack("{s:f, s:f, s:o}", "rpm", c->rpm, "L_share", c->L_share, "loops", list);
 }
 
+static json_t *observer_points_json(const tune_observer *o)
+{
+    json_t *list = json_array();
+    for (int s = 0; s < TUNE_OBSERVER_SPEEDS && list != NULL; s++) {
+        const tune_observer_speed *at = &o->at[s];
+        json_t *one =
+            json_pack("{s:f, s:f, s:f, s:f, s:s, s:o, s:s, s:o, s:o}", "rpm", at->rpm, "sffr", at->sffr,
+                      "disk_margin", at->disk, "disk_margin_nominal", at->disk_nominal, "worst_machine",
+                      at->disk_worst, "angle_error_deg", json_number(at->angle_deg), "angle_worst_machine",
+                      at->angle_worst, "angle_noise_deg", json_number(at->noise_deg), "speed_noise_percent",
+                      json_number(at->speed_noise_percent));
+        if (json_array_append_new(list, one) != 0) {
+            json_free(list);
+            return NULL;
+        }
+    }
+    return list;
+}
+
+static json_t *observer_choices_json(const tune_observer *o)
+{
+    json_t *list = json_array();
+    for (int n = 0; n < TUNE_OBSERVER_CHOICES && list != NULL; n++) {
+        const tune_observer_choice *c = &o->choice[n];
+        json_t *one =
+            json_pack("{s:f, s:f, s:o, s:f}", "bandwidth_rad_s", c->bandwidth_rad_s, "run_up_s", c->run_up_s,
+                      "angle_noise_deg", json_number(c->noise_deg), "disk_margin", c->disk);
+        if (json_array_append_new(list, one) != 0) {
+            json_free(list);
+            return NULL;
+        }
+    }
+    return list;
+}
+
+static json_t *observer_json(const tune_report *t)
+{
+    const tune_observer *o = &t->observer;
+    const tune_observer_trial *trial = &t->observer_trial;
+    if (o->none != NULL) {
+        return json_null();
+    }
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:b, s:o, s:o, s:{s:i, s:i, s:i, s:f, s:f, s:f}}",
+                     "bandwidth_rad_s", o->bandwidth_rad_s, "gain_max", o->gain_max, "turns_min",
+                     o->turns_min, "flux_max", o->flux_max, "run_up_s", o->run_up_s, "noise_A", o->noise_A,
+                     "noise_measured", (int)o->noise_measured, "points", observer_points_json(o), "choices",
+                     observer_choices_json(o), "trial", "drives", trial->drives, "unstable", trial->unstable,
+                     "lost", trial->lost, "predicted_deg", trial->predicted_deg, "simulated_deg",
+                     trial->simulated_deg, "off_deg", trial->off_deg);
+}
+
 json_t *tune_report_json(const tune_report *t)
 {
     const tune_result *r = &t->result;
     const tune_design *d = &r->design;
     return json_pack(
         "{s:i, s:s, s:i, s:s, s:f, s:f, s:f, s:s, s:{s:s, s:i, s:f, s:f, s:s}, s:{s:f, s:f, s:f, s:f}, "
-        "s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:o}",
+        "s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:o, s:o}",
         "schema", 1, "motor", r->motor.name, "updates", r->halves ? 2 : 1, "method",
         tune_method_text[r->method], "f_pwm_Hz", r->motor.f_pwm_Hz, "disk_margin_wanted", r->disk_wanted,
         "bandwidth_rad_s", r->bandwidth_rad_s, "limited_by", r->limited_by, "region", "source",
@@ -111,6 +162,6 @@ json_t *tune_report_json(const tune_report *t)
         r->region.fall_source != NULL ? r->region.fall_source : "stated tolerances", "machine", "R_ohm",
         d->machine.R_ohm, "L_d_H", d->machine.L_d_H, "L_q_H", d->machine.L_q_H, "psi_f_Wb",
         d->machine.psi_f_Wb, "controller", "keep", d->keep, "follow", d->follow, "learn", d->learn,
-        "learn_offset", d->learn_offset, "points", points_json(r), "trial", trial_json(&t->trial),
-        "comparison", comparison_json(&t->comparison));
+        "learn_offset", d->learn_offset, "points", points_json(r), "trial", trial_json(&t->trial), "observer",
+        observer_json(t), "comparison", comparison_json(&t->comparison));
 }

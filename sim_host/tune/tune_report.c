@@ -33,8 +33,14 @@ bool tune_report_make(tune_report *t, const motor *m, const tune_choice *choice,
                                          &result->region, e)) {
         return false;
     }
-    return tune_design_find(result, e) &&
-           tune_trial_run(result, (int)choice->drives, (uint64_t)choice->seed, &t->trial, e) &&
+    if (!tune_design_find(result, e)) {
+        return false;
+    }
+    tune_observer_find(result, choice->run_up_s, &t->observer);
+    return tune_trial_run(result, (int)choice->drives, (uint64_t)choice->seed, &t->trial, e) &&
+           (t->observer.none != NULL ||
+            tune_observer_trial_run(result, &t->observer, (int)choice->drives, (uint64_t)choice->seed,
+                                    &t->observer_trial, e)) &&
            (!choice->compares || result->halves ||
             tune_compare(result, &choice->tolerances, &t->comparison, e));
 }

@@ -10,6 +10,8 @@
 typedef struct tune_report {
     tune_result result;
     tune_trial trial;
+    tune_observer observer;
+    tune_observer_trial observer_trial; /* not set if there is no observer */
     tune_comparison comparison;
     const char *diagnosis_path; /* NULL: none */
 } tune_report;
@@ -20,6 +22,7 @@ typedef struct tune_choice {
     tune_method method;
     long updates; /* a carrier period: 1 or 2 */
     double margin;
+    double run_up_s; /* from standstill to n_max, for the observer */
     tune_tolerances tolerances;
     long drives, seed;
     bool compares; /* with the library's other controllers; not with two updates */

@@ -3,7 +3,7 @@
 
 #include "base/progress.h"
 #include "loops/current_loops.h"
-#include "tuned_drive.h"
+#include "sensorless_drive.h"
 
 #include <math.h>
 
@@ -151,6 +151,71 @@ bool tune_trial_run(const tune_result *r, int drives, uint64_t seed, tune_trial 
     }
     progress_end(&shown);
     return true;
+}
+
+/* ---- The trial without a sensor ---- */
+
+/* The steady angle error of a drive after the step, by the linear loop, degrees; INFINITY: no steady state. */
+static double angle_promised(const tune_result *r, const tune_observer *o, const tune_machine *truth,
+                             double phi_rad)
+{
+    const tune_sensorless s = tune_sensorless_of(r, o->bandwidth_rad_s * r->design.T_s, o->gain_max);
+    const tune_operating_point at = {.truth = *truth,
+                                     .voltage_gain = 1.0,
+                                     .phi_rad = phi_rad,
+                                     .i_q_A = STEP_TO * motor_rated_peak_A(&r->motor)};
+    tune_loop loop;
+    tune_sensorless_error off;
+    return tune_sensorless_make(&s, &at, 0.0, &loop, &off) ? 360.0 / VEC_TWO_PI * off.angle_rad : INFINITY;
+}
+
+static void judge_angle(double promised_deg, const sensorless_drive *drive, const loop_result *found,
+                        bool halves, tune_observer_trial *t)
+{
+    const bool beats = halves && found->wander_percent < BEAT_PERCENT;
+    if ((found->outcome == LOOP_UNSTABLE && !beats) || found->outcome == LOOP_TRIPS) {
+        t->unstable++;
+    } else if (drive->lost || !isfinite(promised_deg)) {
+        t->lost++;
+    } else {
+        const double simulated_deg = sensorless_drive_bias_deg(drive);
+        t->predicted_deg = fmax(t->predicted_deg, fabs(promised_deg));
+        t->simulated_deg = fmax(t->simulated_deg, fabs(simulated_deg));
+        t->off_deg = fmax(t->off_deg, fabs(simulated_deg - promised_deg));
+    }
+}
+
+bool tune_observer_trial_run(const tune_result *r, const tune_observer *o, int drives, uint64_t seed,
+                             tune_observer_trial *trial, error *e)
+{
+    plant_random random;
+    const double rpm_most = speed_with_voltage(r);
+    const double rpm_least = fmin(r->at[1].rpm, rpm_most);
+    plant_random_seed(&random, seed, 1);
+    *trial = (tune_observer_trial){.drives = drives};
+    progress shown = progress_begin("tune", (double)drives, "drives without a sensor");
+    bool ok = true;
+    for (int n = 0; n < drives && ok; n++) {
+        const tune_machine machine = tune_region_draw(&r->region, &random);
+        const double rpm = rpm_least + (rpm_most - rpm_least) * plant_random_uniform(&random);
+        const motor truth = tuned_motor(&r->motor, &machine);
+        loop_case c = case_of(r, &truth, rpm);
+        sensorless_drive drive;
+        loop_result found;
+        c.noise_A = o->noise_A;
+        ok = sensorless_drive_init(&drive, &r->motor, &r->design, &o->config,
+                                   LOOP_SETTLE_CYCLES + LOOP_TRANSIENT_CYCLES, e);
+        drive.halves = r->halves;
+        const drive_firmware firmware = sensorless_drive_firmware(&drive);
+        ok = ok && closed_loop_run(&c, &firmware, &found, e);
+        if (ok) {
+            const double phi_rad = c.omega_e_rad_s / r->motor.f_pwm_Hz;
+            judge_angle(angle_promised(r, o, &machine, phi_rad), &drive, &found, r->halves, trial);
+        }
+        progress_update(&shown, (double)(n + 1));
+    }
+    progress_end(&shown);
+    return ok;
 }
 
 /* ---- The comparison ---- */

@@ -11,7 +11,7 @@
 #ifndef SIM_HOST_TUNE_TUNE_TRIAL_H
 #define SIM_HOST_TUNE_TUNE_TRIAL_H
 
-#include "tune_design.h"
+#include "tune_observer.h"
 
 #include "loops/closed_loop.h"
 
@@ -37,6 +37,20 @@ typedef struct tune_trial {
 } tune_trial;
 
 bool tune_trial_run(const tune_result *r, int drives, uint64_t seed, tune_trial *trial, error *e);
+
+/* The same drives, and a step of i_q, on the observed angle. */
+typedef struct tune_observer_trial {
+    int drives;
+    int unstable; /* the current varies or trips */
+    int lost;     /* the observer lost its lock, or the drive has no steady state by the linear loop */
+    double predicted_deg; /* largest steady angle error */
+    double simulated_deg;
+    double off_deg; /* largest difference of both in one drive */
+} tune_observer_trial;
+
+/* o: designed. The currents have its noise. */
+bool tune_observer_trial_run(const tune_result *r, const tune_observer *o, int drives, uint64_t seed,
+                             tune_observer_trial *trial, error *e);
 
 enum { TUNE_RATIOS = 5, TUNE_CONTROLLERS = 6, TUNE_TRUTHS = 3 };
 extern const double tune_ratios[TUNE_RATIOS]; /* 5, 8, 10, 20, 50 */

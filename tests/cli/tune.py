@@ -15,10 +15,13 @@ WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werr
 FIRMWARE = """#include "iqfoc_tuned.h"
 #include <stdio.h>
 static const iqfoc_tuned_law_t law = IQFOC_TUNED_LAW;
+static const iqfoc_observer_config_t observer = IQFOC_TUNED_OBSERVER;
 int main(void)
 {
     printf("%d %d %d %d %d %d", (int)law.machine.k_d_q26, (int)law.machine.q_to_d_q27, (int)law.keep, (int)law.follow,
            (int)law.learn, (int)law.learn_offset);
+    printf(" %d %d %d %d %d", (int)observer.k1, (int)observer.k2, (int)observer.gain_max, (int)observer.turns_min,
+           (int)observer.flux_max);
     return 0;
 }
 """
@@ -65,11 +68,32 @@ class Tune(unittest.TestCase):
             self.assertGreaterEqual(point["disk_margin"], 0.499)
             self.assertTrue(all(re * re + im * im < 1.0 for re, im in point["poles"]))
         self.assertEqual(0, result["trial"]["unstable"])
+        self.check_observer(result)
         self.check_header(tuned, result)
         page = (tuned / "index.html").read_text()
         for text in (re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL), done.stdout.decode()):
             self.assertNotRegex(text, r"(?<![a-z.])(nan|inf)(?![a-z])")
-        self.assertEqual(3, page.count('class="charts'))
+        self.assertEqual(4, page.count('class="charts'))
+
+    def check_observer(self, result):
+        """The bandwidth is that of the run-up's lag; a lower one has the larger margin and less noise; the plant has the same angle error."""
+        observer = result["observer"]
+        turns = max(point["rpm"] for point in result["points"]) / 60 * 3 / result["f_pwm_Hz"]
+        acceleration = turns / (observer["run_up_s"] * result["f_pwm_Hz"])
+        self.assertAlmostEqual(2 / 360, acceleration / (observer["bandwidth_rad_s"] / result["f_pwm_Hz"]) ** 2, places=6)
+        self.assertEqual(16, len(observer["points"]))
+        for point in observer["points"]:
+            self.assertLess(point["disk_margin"], point["disk_margin_nominal"])
+            self.assertGreater(point["angle_noise_deg"], 0)
+            self.assertRegex(point["worst_machine"], "R .*psi_f .*voltage [+-]2 %")
+        noise = [choice["angle_noise_deg"] for choice in observer["choices"]]
+        self.assertEqual(sorted(noise), noise)
+        run_up = [choice["run_up_s"] * choice["bandwidth_rad_s"] ** 2 for choice in observer["choices"]]
+        self.assertLess(max(run_up) / min(run_up), 1 + 1e-9)
+        trial = observer["trial"]
+        self.assertEqual((4, 0, 0), (trial["drives"], trial["unstable"], trial["lost"]))
+        self.assertLess(trial["off_deg"], 0.3)
+        self.assertGreater(trial["predicted_deg"], 0.3)
 
     def check_header(self, folder, result):
         (folder / "firmware.c").write_text(FIRMWARE)
@@ -84,8 +108,23 @@ class Tune(unittest.TestCase):
         k_d = 565.0 / 4000.0 / (machine["L_d_H"] * 6.0 * 2.0 ** 0.5)
         want = [k_d * 2 ** 26, machine["L_q_H"] / machine["L_d_H"] * 2 ** 27,
                 *(controller[key] * 2 ** 24 for key in ("keep", "follow", "learn", "learn_offset"))]
+        observer = result["observer"]
+        pole = 1 / (1 + observer["bandwidth_rad_s"] / 4000.0)
+        psi = machine["psi_f_Wb"] * 4000.0 / 565.0
+        want += [value * 2 ** 24 for value in (1 - pole ** 2, (1 - pole) ** 2, observer["gain_max"], observer["turns_min"],
+                                               observer["flux_max"] * psi)]
+        self.assertEqual(len(want), len(held))
         for got, value in zip(held, want):
             self.assertAlmostEqual(value, got, delta=1.0)
+
+    def test_no_magnet_no_observer(self):
+        (self.folder / "weak.toml").write_text(program.MOTOR.replace("psi_f_Wb = 0.2", "psi_f_Wb = 0.001"))
+        done = program.run(["tune", "--motor", "weak.toml", "--drives", "1", "-o", "weak", "--json", "weak/t.json"], self.folder)
+        self.assertEqual(0, done.returncode, done.stderr.decode())
+        self.assertIn("no observer, as the magnet's flux is too small", done.stdout.decode())
+        self.assertIsNone(json.loads((self.folder / "weak/t.json").read_text())["observer"])
+        self.assertIn("No observer (iqfoc/observer.h)", (self.folder / "weak/iqfoc_tuned.h").read_text())
+        self.assertIn("No observer", (self.folder / "weak/index.html").read_text())
 
     def test_a_diagnosis_brings_the_watch(self):
         """Noise and region of the diagnosis are the watch's constants in the header; without them it says why it has none."""

@@ -3,6 +3,8 @@
     <!-- figures: tune margins data/motors/jarzebowicz2019.toml --ratio 5 -->
     <!-- figures: tune trial data/motors/jarzebowicz2019.toml --ratio 5 --drives 200 -->
     <!-- figures: tune comparison data/motors/jarzebowicz2019.toml --ratio 5 -->
+    <!-- figures: tune observer data/motors/jarzebowicz2019.toml --ratio 5 -->
+    <!-- figures: tune choices data/motors/jarzebowicz2019.toml --ratio 5 -->
     <!-- figures: tune steady data/motors/jarzebowicz2019.toml --ratio 5 -->
 """
 
@@ -78,7 +80,28 @@ def steady(result):
     return table(heads, rows, right=heads)
 
 
-PARTS = {"steady": steady, "margins": margins, "trial": trial, "comparison": comparison}
+def observer(result):
+    found, trial = result["observer"], result["observer"]["trial"]
+    worst = min(found["points"], key=lambda point: point["disk_margin"])
+    heads = ["rpm", "SFFR", "disk margin", "nominal", "angle error, degrees", "noise of the angle, degrees rms", "of the speed, %"]
+    rows = [[f"{point['rpm']:.0f}", f"{point['sffr']:.3g}", f"{point['disk_margin']:.2f}", f"{point['disk_margin_nominal']:.2f}",
+             f"{point['angle_error_deg']:.1f}", f"{point['angle_noise_deg']:.3f}", f"{point['speed_noise_percent']:.3f}"]
+            for point in found["points"][1::2]]
+    return (f"Bandwidth {found['bandwidth_rad_s']:.0f} rad/s, largest gain {found['gain_max']:g}. Worst disk margin: {worst['disk_margin']:.2f} at "
+            f"{worst['rpm']:.0f} rpm with\n{worst['worst_machine']}.\n\n" + table(heads, rows, right=heads) +
+            f"\n\n{trial['drives']} drives in the plant: unstable {trial['unstable']}, lock lost {trial['lost']}. Largest steady angle error: "
+            f"predicted {trial['predicted_deg']:.1f} degrees,\nsimulated {trial['simulated_deg']:.1f}; largest difference in one drive "
+            f"{trial['off_deg']:.2f}.\n")
+
+
+def choices(result):
+    heads = ["bandwidth, rad/s", "run-up, s", "noise of the angle, degrees rms", "worst disk margin"]
+    rows = [[f"{one['bandwidth_rad_s']:.0f}", f"{one['run_up_s']:.2g}", f"{one['angle_noise_deg']:.3f}", f"{one['disk_margin']:.2f}"]
+            for one in result["observer"]["choices"]]
+    return table(heads, rows, right=heads)
+
+
+PARTS = {"observer": observer, "choices": choices, "steady": steady, "margins": margins, "trial": trial, "comparison": comparison}
 
 
 def generate(program, arguments):

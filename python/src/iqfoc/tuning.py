@@ -66,6 +66,7 @@ class Tune:
         self.motor = Motor._from_handle(lib.py_design_motor(self._c), self.data["motor"])
         self.bandwidth_rad_s: float = self.data["bandwidth_rad_s"]
         self.points: list[dict] = self.data["points"]
+        self.observer: dict | None = self.data["observer"]
 
     def control(self, watched: bool = False, noise_A: float = 0.0) -> TunedControl:
         """The controller. watched: with the change detector, for the noise of one current sample, A; 0: the diagnosis' noise."""
@@ -118,15 +119,19 @@ class Tune:
 
 
 def tune(motor: Motor | str | os.PathLike, diagnosis: Diagnosis | str | os.PathLike | None = None, method: str = "pi", margin: float = 0.5,
-         ratio: float = 0.0, tolerance: Sequence[float] = (0.3, 0.3, 0.05), drives: int = 50, seed: int = 1, compare: bool = False) -> Tune:
+         ratio: float = 0.0, tolerance: Sequence[float] = (0.3, 0.3, 0.05), drives: int = 50, seed: int = 1, compare: bool = False,
+         run_up_s: float = 1.0) -> Tune:
     """Designs the controller of iqfoc/tuned_control.h with the highest bandwidth that keeps a disk margin, as `iqfoc tune`.
 
     diagnosis: a Diagnosis or its JSON file, for the machine with its uncertainty. method: `pi` or `deadbeat`. ratio: SFFR at n_max to
     design for; 0: the motor's f_pwm_Hz. tolerance: of R, L and psi_f, shares, without a diagnosis. drives: of the uncertainty set, to
-    simulate. compare: with the library's other controllers, which takes a few seconds and which the page needs.
+    simulate. compare: with the library's other controllers, which takes a few seconds and which the page needs. run_up_s: fastest run-up
+    from standstill to n_max, which sets the bandwidth of the observer.
 
     >>> design = iqfoc.tune("data/motors/jarzebowicz2019.toml", drives=5)
     >>> design.data["trial"]["unstable"]
+    0
+    >>> design.observer["trial"]["lost"]
     0
     >>> plant, control = iqfoc.Drive(design.motor).plant(), design.control()
     >>> plant.set_speed(2500.0)
@@ -137,7 +142,7 @@ def tune(motor: Motor | str | os.PathLike, diagnosis: Diagnosis | str | os.PathL
     if method not in METHODS:
         raise ValueError(f"no method {method!r}; there are {', '.join(METHODS)}")
     shares = [float(x) for x in tolerance]
-    for name, x, low, high in (("margin", margin, 0.05, 1.5), ("drives", drives, 1, 100000), *(("tolerance", x, 0.0, 0.9) for x in shares)):
+    for name, x, low, high in (("margin", margin, 0.05, 1.5), ("run_up_s", run_up_s, 1e-4, 1e6), ("drives", drives, 1, 100000), *(("tolerance", x, 0.0, 0.9) for x in shares)):
         if not low <= x <= high:
             raise ValueError(f"{name} = {x}; expected {low} to {high}")
     if len(shares) != 3:
@@ -146,12 +151,12 @@ def tune(motor: Motor | str | os.PathLike, diagnosis: Diagnosis | str | os.PathL
         raise ValueError(f"ratio = {ratio}; expected 3 to 1000, or 0")
     if isinstance(diagnosis, Diagnosis):
         with text_file(diagnosis.json, ".json") as path:
-            return _tune(motor_of(motor), path, [(path, "diagnosis")], method, margin, ratio, shares, drives, seed, compare)
-    return _tune(motor_of(motor), diagnosis, [], method, margin, ratio, shares, drives, seed, compare)
+            return _tune(motor_of(motor), path, [(path, "diagnosis")], method, margin, ratio, shares, drives, seed, compare, run_up_s)
+    return _tune(motor_of(motor), diagnosis, [], method, margin, ratio, shares, drives, seed, compare, run_up_s)
 
 
-def _tune(motor, path, replace, method, margin, ratio, shares, drives, seed, compare):
+def _tune(motor, path, replace, method, margin, ratio, shares, drives, seed, compare, run_up_s):
     trouble = Trouble(replace)
     choice = ffi.new("py_tune_choice *", {"ratio": ratio, "deadbeat": method == "deadbeat", "margin": margin, "tolerance": shares,
-                                          "drives": drives, "seed": seed, "compares": compare})
+                                          "drives": drives, "seed": seed, "compares": compare, "run_up_s": run_up_s})
     return Tune(trouble.check(lib.py_tune(motor._c, choice, ffi.NULL if path is None else path_bytes(path), trouble.c)))
