@@ -2,7 +2,7 @@
 """Compares the tree with docs/DESIGN.md: the table of folders, and the modules with their includes.
 
 The folders are the table between <!-- folders --> and <!-- end -->. Each folder at the top of the tree has a row, and each path with a
-slash at its end in that table exists.
+slash at its end in that table exists. Each folder at the top begins with a README.md, or an index.md.
 
 The modules are the block between <!-- modules --> and <!-- end -->: one line for each,
 
@@ -72,7 +72,9 @@ def wrong_folders(text, root, files):
         sys.exit(f"{PAGE}: no block between <!-- folders --> and <!-- end -->")
     named = set(re.findall(r"`([^`\s]+/)`", block.group(1)))
     there = {f.split("/")[0] + "/" for f in files if "/" in f and not f.startswith(".")}
+    opened = {f"{folder}/" for folder, name in (f.rsplit("/", 1) for f in files if "/" in f) if name in ("README.md", "index.md")}
     return [f"{folder} has no row in the table of folders" for folder in sorted(there - named)] + [
+        f"{folder} has no README.md" for folder in sorted(there - opened)] + [
         f"{folder} is in the table of folders, but not in the tree" for folder in sorted(named) if not os.path.isdir(os.path.join(root, folder))]
 
 

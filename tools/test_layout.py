@@ -73,10 +73,12 @@ class Layout(unittest.TestCase):
         text = "<!-- folders -->\n| `host/` | `host/base/` | x |\n<!-- end -->"
         with tempfile.TemporaryDirectory() as root:
             os.makedirs(os.path.join(root, "host/base"))
-            self.assertEqual([], layout.wrong_folders(text, root, ["host/base/a.c", "README.md", ".ci/run"]))
-            self.assertEqual(["attic/ has no row in the table of folders"], layout.wrong_folders(text, root, ["attic/a.c", "host/a.c"]))
+            self.assertEqual([], layout.wrong_folders(text, root, ["host/README.md", "host/base/a.c", "README.md", ".ci/run"]))
+            self.assertEqual(["attic/ has no row in the table of folders"], layout.wrong_folders(text, root, ["attic/index.md", "host/README.md"]))
             os.rmdir(os.path.join(root, "host/base"))
-            self.assertEqual(["host/base/ is in the table of folders, but not in the tree"], layout.wrong_folders(text, root, ["host/a.c"]))
+            self.assertEqual(["host/base/ is in the table of folders, but not in the tree"], layout.wrong_folders(text, root, ["host/README.md"]))
+            os.makedirs(os.path.join(root, "host/base"))
+            self.assertEqual(["host/ has no README.md"], layout.wrong_folders(text, root, ["host/base/README.md"]))
 
 
 if __name__ == "__main__":
