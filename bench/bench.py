@@ -87,6 +87,7 @@ ROOTS = {
     "sensorless": ["iqfoc_sensorless_valley"],
     "shunts": ["iqfoc_shunts_read"],
     "offset": ["iqfoc_offset_step"],
+    "speed_control": ["iqfoc_speed_control_step"],
     "start": ["iqfoc_start_step"],
     "supervision": ["iqfoc_supervision_step"],
     "restart": ["iqfoc_restart_step"],

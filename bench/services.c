@@ -16,6 +16,7 @@
 #include "iqfoc/restart.h"
 #include "iqfoc/sensorless.h"
 #include "iqfoc/shunts.h"
+#include "iqfoc/speed_control.h"
 #include "iqfoc/start.h"
 #include "iqfoc/supervision.h"
 #include "iqfoc/tracker.h"
@@ -63,6 +64,9 @@ static const iqfoc_start_config_t start_config = {.i_align = IQ24(0.4),
                                                   .turns_end = IQ24(0.02),
                                                   .run_up_cycles = 1000};
 static iqfoc_start_t start;
+static const iqfoc_speed_control_config_t speed_control_config =
+    IQFOC_SPEED_CONTROL(40.0, 2e-3, 3, 0.134, 2e-4, 15.0, 4000.0, 20.0, 1);
+static iqfoc_speed_control_t speed_control;
 static const iqfoc_supervision_config_t supervision_config = {IQ24(0.05), IQ24(0.125), 12, 5, IQ24(0.3), 10};
 static iqfoc_supervision_t supervision;
 static const iqfoc_restart_config_t restart_config = {1, 5, 3, 20};
@@ -121,6 +125,8 @@ COUNT(observer_inductance, void, iqfoc_observer_inductance_step,
 COUNT(shunts, iqfoc_shunts_currents_t, iqfoc_shunts_read,
       (const iqfoc_shunts_t *, iqfoc_abc_t, iqfoc_abc_t, iqfoc_abc_t),
       (&shunts, in->sample.i, duties_of(in), in->sample.i_mean))
+COUNT(speed_control, iq24_t, iqfoc_speed_control_step, (iqfoc_speed_control_t *, iq24_t, iq24_t, iq24_t),
+      (&speed_control, IQ24(0.1), in->sample.turns, IQ24(1.0)))
 COUNT(offset, iqfoc_offset_verdict_t, iqfoc_offset_step, (iqfoc_offset_t *, iqfoc_abc_t),
       (&offset, in->sample.i))
 COUNT(start, void, iqfoc_start_step, (iqfoc_start_t *, iq24_t), (&start, in->sample.theta))
@@ -204,6 +210,7 @@ static void begin(void)
     (void)iqfoc_observer_inductance_init(&inductance, &inductance_config, &observer_config);
     (void)iqfoc_sensorless_init(&sensorless, &observer_config, NULL, NULL);
     (void)iqfoc_offset_init(&offset, &offset_limits);
+    (void)iqfoc_speed_control_init(&speed_control, &speed_control_config);
     (void)iqfoc_start_init(&start, &start_config);
     (void)iqfoc_supervision_init(&supervision, &supervision_config);
     (void)iqfoc_restart_init(&restart, &restart_config);
@@ -230,6 +237,7 @@ void bench_services(void)
     bench_report("sensorless", count_sensorless_locked);
     bench_report("shunts", count_shunts);
     bench_report("offset", count_offset);
+    bench_report("speed_control", count_speed_control);
     bench_report("start", count_start);
     bench_report("supervision", count_supervision);
     bench_report("restart", count_restart);

@@ -70,6 +70,7 @@ ROWS = {
     "sensorless": ("the valley's angle from the observer, with its step", "-", None),
     "shunts": ("currents from low-side shunts", "-", None),
     "offset": ("offset calibration, a sample", "-", None),
+    "speed_control": ("speed control, a step", "-", None),
     "start": ("alignment and open-loop angle", "-", None),
     "supervision": ("detection of a lost phase and a lost sensor", "-", None),
     "restart": ("break latch and restart", "-", None),

@@ -47,7 +47,8 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_RESTART = -47,       /* restart.h */
     IQFOC_ERROR_SUPERVISION = -48,   /* supervision.h */
     IQFOC_ERROR_OBSERVER = -49,      /* observer.h */
-    IQFOC_ERROR_PATTERN = -50        /* pattern.h: the table or the least time */
+    IQFOC_ERROR_PATTERN = -50,       /* pattern.h: the table or the least time */
+    IQFOC_ERROR_SPEED_CONTROL = -51  /* speed_control.h */
 } iqfoc_error_t;
 
 #endif

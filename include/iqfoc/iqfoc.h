@@ -48,6 +48,7 @@
 #include "sample.h"
 #include "sensorless.h"
 #include "shunts.h"
+#include "speed_control.h"
 #include "start.h"
 #include "supervision.h"
 #include "tracker.h"

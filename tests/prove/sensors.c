@@ -8,6 +8,7 @@
 #include "iqfoc/halls.h"
 #include "iqfoc/observer.h"
 #include "iqfoc/offset.h"
+#include "iqfoc/speed_control.h"
 #include "iqfoc/supervision.h"
 #include "iqfoc/tracker.h"
 #include "iqfoc/watch.h"
@@ -107,6 +108,20 @@ void prove_observer(void)
         (void)iqfoc_observer_mean(any_ab(IQ24(15.9)), any_ab(IQ24(15.9)), any_ab(IQ24(15.9)));
         (void)iqfoc_observer_theta(&o, any_within(-8 * IQ24_ONE, 8 * IQ24_ONE));
         (void)iqfoc_observer_turns(&o);
+    }
+}
+
+/* Speed control: any configuration that is not refused, any speeds and limit, from any state of the header. */
+void prove_speed_control(void)
+{
+    const iqfoc_speed_control_config_t config = {any(), any(), any(), any(), any(), any_count(0, UINT32_MAX)};
+    iqfoc_speed_control_t c;
+    if (iqfoc_speed_control_init(&c, &config) == IQFOC_OK) {
+        iqfoc_speed_control_start(&c, any(), any());
+        c.integral = iq24_acc_mul(any_within(-IQ24(8.0) - 1, IQ24(8.0)), IQ24_ONE) + any_within(0, IQ24_ONE);
+        c.set_point_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        c.wait = any_count(0, UINT32_MAX);
+        (void)iqfoc_speed_control_step(&c, any(), any(), any());
     }
 }
 

@@ -13,6 +13,7 @@
 #include "iqfoc/resolver.h"
 #include "iqfoc/restart.h"
 #include "iqfoc/shunts.h"
+#include "iqfoc/speed_control.h"
 #include "iqfoc/start.h"
 #include "iqfoc/supervision.h"
 #include "iqfoc/tracker.h"
@@ -120,6 +121,26 @@ static void add_observer(golden_inputs_t *inputs, uint64_t *digest)
     digest_add(digest, observer.locked ? 1 : 0);
 }
 
+/* Around the set-point, so that now the error decides, now the limit. */
+static void add_speed_control(golden_inputs_t *inputs, uint64_t *digest)
+{
+    static const iqfoc_speed_control_config_t config =
+        IQFOC_SPEED_CONTROL(40.0, 2e-3, 3, 0.134, 2e-4, 15.0, 4000.0, 20.0, 2);
+    static iqfoc_speed_control_t control;
+    if (inputs->number % AGAIN == 1) {
+        (void)iqfoc_speed_control_init(&control, &config);
+        const iq24_t turns = golden_within(inputs, IQ24(0.4));
+        iqfoc_speed_control_start(&control, turns, golden_within(inputs, IQ24(2.0)));
+    }
+    const iq24_t near = iq24_asr32(control.set_point_q32, 8);
+    const iq24_t target = near + golden_within(inputs, IQ24(0.001));
+    const iq24_t turns = near + golden_within(inputs, IQ24(0.02));
+    digest_add(digest, iqfoc_speed_control_step(&control, target, turns, golden_positive(inputs, IQ24(2.0))));
+    digest_add(digest, control.set_point_q32);
+    digest_add(digest, iq24_acc_trunc(control.integral));
+    digest_add(digest, iq24_wrap(control.integral));
+}
+
 /* The resolver draws a pair, which counts the input. */
 void golden_angle_sensors(golden_inputs_t *inputs, uint64_t *digest)
 {
@@ -130,6 +151,7 @@ void golden_angle_sensors(golden_inputs_t *inputs, uint64_t *digest)
     add_halls(inputs, digest);
     add_tracker(inputs, digest, angle);
     add_observer(inputs, digest);
+    add_speed_control(inputs, digest);
 }
 
 static void add_offset(golden_inputs_t *inputs, uint64_t *digest)

@@ -51,6 +51,7 @@ static void test_errors(void)
         {IQFOC_ERROR_PATTERN, -50},
         {IQFOC_ERROR_RESTART, -47},
         {IQFOC_ERROR_SUPERVISION, -48},
+        {IQFOC_ERROR_SPEED_CONTROL, -51},
     };
     for (size_t k = 0; k < sizeof wanted / sizeof *wanted; k++) {
         TEST_ASSERT_EQUAL_INT(wanted[k][1], wanted[k][0]);
