@@ -123,7 +123,8 @@ typedef struct py_tune_choice {
     double ratio; /* SFFR at n_max; 0: the motor file's f_pwm_Hz */
     bool deadbeat;
     double margin;
-    double run_up_s;     /* from standstill to n_max, for the observer */
+    double run_up_s;     /* from standstill to n_max, for observer and speed control */
+    double inertia_kgm2; /* of the shaft; 0: no speed control */
     double tolerance[3]; /* of R, L and psi_f, shares */
     long drives;
     long seed;

@@ -27,6 +27,7 @@ py_design *py_tune(const motor *m, const py_tune_choice *choice, const char *dia
                            .updates = 1,
                            .margin = choice->margin,
                            .run_up_s = choice->run_up_s,
+                           .J_kgm2 = choice->inertia_kgm2,
                            .tolerances = {choice->tolerance[0], choice->tolerance[1], choice->tolerance[2]},
                            .drives = choice->drives,
                            .seed = choice->seed,

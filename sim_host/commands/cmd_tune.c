@@ -18,6 +18,7 @@ enum {
     OPT_MARGIN,
     OPT_TOLERANCE,
     OPT_RUN_UP,
+    OPT_INERTIA,
     OPT_DRIVES,
     OPT_SEED,
     OPT_JSON,
@@ -33,7 +34,9 @@ static const option_spec specs[] = {
      "updates a carrier period; 2: f_pwm_Hz is the carrier's, a control cycle is half of it"},
     {"margin", 0, "D", "required disk margin; default: 0.5"},
     {"tolerance", 0, "R,L,PSI", "percent, for values without a diagnosis; default: 30,30,5"},
-    {"run-up", 0, "S", "fastest run-up from standstill to n_max, s, for the observer; default: 1"},
+    {"run-up", 0, "S",
+     "fastest run-up from standstill to n_max, s, for observer and speed control; default: 1"},
+    {"inertia", 0, "J", "inertia of rotor and load, kg m2: designs the speed control too"},
     {"drives", 0, "N", "drives of the uncertainty set to simulate; default: 50"},
     {"seed", 0, "N", "seed of the drawn drives; default: 1"},
     {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
@@ -46,7 +49,8 @@ const command_about about_tune = {
     "margin reaches the requirement, at every speed to n_max and for every machine of the uncertainty\n"
     "set. Prints the margins and the limiting machine, simulates drives of the set with the\n"
     "switching-level plant, and compares with the library's other controllers. Also designs the observer\n"
-    "of iqfoc/observer.h, with the margins without an angle sensor.",
+    "of iqfoc/observer.h, with the margins without an angle sensor, and with --inertia the speed control\n"
+    "of iqfoc/speed_control.h.",
     specs};
 
 typedef struct request {
@@ -125,6 +129,7 @@ int cmd_tune(int argc, char **argv)
                                                       .low = 0.0,
                                                       .high = 90.0},
                                    [OPT_RUN_UP] = {.number = &c->run_up_s, .low = 1e-4, .high = 1e6},
+                                   [OPT_INERTIA] = {.number = &c->J_kgm2, .low = 1e-9, .high = 1e9},
                                    [OPT_DRIVES] = {.integer = &c->drives, .low = 1, .high = 100000},
                                    [OPT_SEED] = {.integer = &c->seed, .low = 0, .high = 1000000000},
                                    [OPT_JSON] = {.text = &r.json_path},

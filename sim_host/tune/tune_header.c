@@ -1,6 +1,7 @@
 /* The firmware's header of a design, and the design as text (tune_report.h). */
 #include "tune_report.h"
 
+#include "drive/firmware.h"
 #include "tune_watch.h"
 
 #include "base/number.h"
@@ -89,6 +90,34 @@ static void put_observer(FILE *out, const tune_report *t)
           out);
 }
 
+/* The speed control's constants, if an inertia was stated. */
+static void put_speed(FILE *out, const tune_report *t)
+{
+    const tune_speed *s = &t->speed;
+    if (s->J_kgm2 == 0.0) {
+        return;
+    }
+    fprintf(out,
+            "\n/*\n * The speed control of iqfoc/speed_control.h, and the tracker of iqfoc/tracker.h that it "
+            "needs. "
+            "Worst disk margin %.2f,\n * with an inertia %.0f %% lower or higher.\n */\n",
+            s->disk, 100.0 * TUNE_INERTIA_OFF);
+    fprintf(out, "#define IQFOC_TUNED_SPEED_CYCLES %d\n", s->cycles);
+    define(out, "IQFOC_TUNED_SPEED_W", s->bandwidth_rad_s, "rad/s, bandwidth");
+    define(out, "IQFOC_TUNED_INERTIA_KGM2", s->J_kgm2, "kg m2, rotor and load");
+    define(out, "IQFOC_TUNED_RAMP_RPM_S", s->ramp_rpm_s, "rpm per second");
+    define(out, "IQFOC_TUNED_TRACKER_W", s->tracker_rad_s, "rad/s, bandwidth of the tracker");
+    fprintf(out,
+            "#define IQFOC_TUNED_SPEED \\\n"
+            "    IQFOC_SPEED_CONTROL(IQFOC_TUNED_SPEED_W, IQFOC_TUNED_INERTIA_KGM2, %d, IQFOC_TUNED_PSI_WB, "
+            "IQFOC_TUNED_T_S, \\\n"
+            "                        IQFOC_I_BASE(IQFOC_TUNED_I_RATED_A), IQFOC_TUNED_RAMP_RPM_S, \\\n"
+            "                        IQFOC_I_BASE(IQFOC_TUNED_I_RATED_A), IQFOC_TUNED_SPEED_CYCLES)\n"
+            "#define IQFOC_TUNED_TRACKER IQFOC_TRACKER_GAINS(IQFOC_TUNED_TRACKER_W, IQFOC_TUNED_T_S, "
+            "IQ24(0.1), 50)\n",
+            t->result.motor.pole_pairs);
+}
+
 bool tune_report_header(const tune_report *t, const char *directory, error *e)
 {
     const tune_result *r = &t->result;
@@ -117,7 +146,8 @@ bool tune_report_header(const tune_report *t, const char *directory, error *e)
           "iqfoc/tuned_control.h. A value outside the library's range does not compile.\n */\n"
           "#ifndef IQFOC_TUNED_LAW_H\n#define IQFOC_TUNED_LAW_H\n\n#include "
           "\"iqfoc/tuned_control.h\"\n#include "
-          "\"iqfoc/observer.h\"\n#include \"iqfoc/watch.h\"\n\n",
+          "\"iqfoc/observer.h\"\n#include \"iqfoc/speed_control.h\"\n#include \"iqfoc/tracker.h\"\n#include "
+          "\"iqfoc/watch.h\"\n\n",
           out);
     define(out, "IQFOC_TUNED_T_S", d->T_s, "s, control cycle");
     define(out, "IQFOC_TUNED_I_RATED_A", r->motor.I_rated_A_rms, "A rms");
@@ -142,6 +172,7 @@ bool tune_report_header(const tune_report *t, const char *directory, error *e)
           out);
     put_watch(out, r);
     put_observer(out, t);
+    put_speed(out, t);
     fputs("\n#endif\n", out);
     return out_file_commit(&f, e);
 }
@@ -201,6 +232,30 @@ static void print_observer(const tune_report *t, FILE *stream)
         trial->off_deg);
 }
 
+static void print_speed(const tune_speed *s, FILE *stream)
+{
+    static const char *const shaft[TUNE_SHAFTS] = {"inertia high", "as stated", "inertia low"};
+    fprintf(stream,
+            "\nSpeed control for %g kg m2: bandwidth %.3g rad/s, a step every %d cycles, tracker %.3g rad/s\n"
+            "  worst disk margin %.3f with an inertia %.0f %% lower or higher; as stated %.3f\n"
+            "  ramp %.4g rpm/s%s; load of %.3g %% of the rated torque: predicted dip %.3g rpm\n"
+            "  simulated up to %.0f rpm   overshoot, rpm   dip, rpm   back within a tenth of the dip, ms\n",
+            s->J_kgm2, s->bandwidth_rad_s, s->cycles, s->tracker_rad_s, s->disk, 100.0 * TUNE_INERTIA_OFF,
+            s->disk_nominal, s->ramp_rpm_s, s->ramp_limited ? ", limited by the rated current" : "",
+            100.0 * s->load, s->dip_rpm, s->rpm);
+    for (int n = 0; n < TUNE_SHAFTS; n++) {
+        char text[200];
+        fprintf(stream, "  %-26s %14.3g %10.3g %35.3g", shaft[n], s->overshoot_rpm[n], s->found_dip_rpm[n],
+                1e3 * s->settled_s[n]);
+        if (s->lost[n]) {
+            fputs("   lost: the speed ran away", stream);
+        } else if (s->status[n] != 0) {
+            fprintf(stream, "   status: %s", drive_status_text(s->status[n], text, sizeof text));
+        }
+        fputc('\n', stream);
+    }
+}
+
 void tune_report_print(const tune_report *t, FILE *stream)
 {
     const tune_result *r = &t->result;
@@ -223,4 +278,7 @@ void tune_report_print(const tune_report *t, FILE *stream)
             trial->found.overshoot_percent, trial->promised.settling_cycles, trial->found.settling_cycles,
             trial->late, trial->high);
     print_observer(t, stream);
+    if (t->speed.J_kgm2 > 0.0) {
+        print_speed(&t->speed, stream);
+    }
 }

@@ -147,13 +147,36 @@ static json_t *observer_json(const tune_report *t)
                      trial->simulated_deg, "off_deg", trial->off_deg);
 }
 
+static json_t *speed_json(const tune_speed *s)
+{
+    if (s->J_kgm2 == 0.0) {
+        return json_null();
+    }
+    json_t *list = json_array();
+    for (int n = 0; n < TUNE_SHAFTS && list != NULL; n++) {
+        json_t *one =
+            json_pack("{s:f, s:f, s:f, s:f, s:i, s:b}", "J_kgm2", tune_shafts[n] * s->J_kgm2, "overshoot_rpm",
+                      s->overshoot_rpm[n], "dip_rpm", s->found_dip_rpm[n], "settled_s", s->settled_s[n],
+                      "status", (int)s->status[n], "lost", (int)s->lost[n]);
+        if (json_array_append_new(list, one) != 0) {
+            json_free(list);
+            return NULL;
+        }
+    }
+    return json_pack("{s:f, s:f, s:f, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "J_kgm2", s->J_kgm2,
+                     "bandwidth_rad_s", s->bandwidth_rad_s, "tracker_rad_s", s->tracker_rad_s, "cycles",
+                     s->cycles, "ramp_rpm_s", s->ramp_rpm_s, "disk_margin", s->disk, "disk_margin_nominal",
+                     s->disk_nominal, "dip_rpm", s->dip_rpm, "load_share", s->load, "rpm", s->rpm, "trial",
+                     list);
+}
+
 json_t *tune_report_json(const tune_report *t)
 {
     const tune_result *r = &t->result;
     const tune_design *d = &r->design;
     return json_pack(
         "{s:i, s:s, s:i, s:s, s:f, s:f, s:f, s:s, s:{s:s, s:i, s:f, s:f, s:s}, s:{s:f, s:f, s:f, s:f}, "
-        "s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:o, s:o}",
+        "s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o}",
         "schema", 1, "motor", r->motor.name, "updates", r->halves ? 2 : 1, "method",
         tune_method_text[r->method], "f_pwm_Hz", r->motor.f_pwm_Hz, "disk_margin_wanted", r->disk_wanted,
         "bandwidth_rad_s", r->bandwidth_rad_s, "limited_by", r->limited_by, "region", "source",
@@ -163,5 +186,5 @@ json_t *tune_report_json(const tune_report *t)
         d->machine.R_ohm, "L_d_H", d->machine.L_d_H, "L_q_H", d->machine.L_q_H, "psi_f_Wb",
         d->machine.psi_f_Wb, "controller", "keep", d->keep, "follow", d->follow, "learn", d->learn,
         "learn_offset", d->learn_offset, "points", points_json(r), "trial", trial_json(&t->trial), "observer",
-        observer_json(t), "comparison", comparison_json(&t->comparison));
+        observer_json(t), "speed", speed_json(&t->speed), "comparison", comparison_json(&t->comparison));
 }

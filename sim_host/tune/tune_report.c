@@ -41,6 +41,9 @@ bool tune_report_make(tune_report *t, const motor *m, const tune_choice *choice,
            (t->observer.none != NULL ||
             tune_observer_trial_run(result, &t->observer, (int)choice->drives, (uint64_t)choice->seed,
                                     &t->observer_trial, e)) &&
+           (choice->J_kgm2 == 0.0 ||
+            (tune_speed_find(result, choice->J_kgm2, choice->run_up_s, &t->speed, e) &&
+             tune_speed_trial(result, &t->speed, e))) &&
            (!choice->compares || result->halves ||
             tune_compare(result, &choice->tolerances, &t->comparison, e));
 }

@@ -3,6 +3,7 @@
 #define SIM_HOST_TUNE_TUNE_REPORT_H
 
 #include "base/json.h"
+#include "tune_speed.h"
 #include "tune_trial.h"
 
 #include <stdio.h>
@@ -12,6 +13,7 @@ typedef struct tune_report {
     tune_trial trial;
     tune_observer observer;
     tune_observer_trial observer_trial; /* not set if there is no observer */
+    tune_speed speed;
     tune_comparison comparison;
     const char *diagnosis_path; /* NULL: none */
 } tune_report;
@@ -22,7 +24,8 @@ typedef struct tune_choice {
     tune_method method;
     long updates; /* a carrier period: 1 or 2 */
     double margin;
-    double run_up_s; /* from standstill to n_max, for the observer */
+    double run_up_s; /* from standstill to n_max, for observer and speed control */
+    double J_kgm2;   /* of the shaft; 0: no speed control */
     tune_tolerances tolerances;
     long drives, seed;
     bool compares; /* with the library's other controllers; not with two updates */

@@ -1,6 +1,7 @@
 """What `iqfoc tune` writes: the JSON's keys, the firmware's header through compilers, the page; and what it refuses, with the number."""
 
 import json
+import math
 import pathlib
 import re
 import shutil
@@ -16,12 +17,16 @@ FIRMWARE = """#include "iqfoc_tuned.h"
 #include <stdio.h>
 static const iqfoc_tuned_law_t law = IQFOC_TUNED_LAW;
 static const iqfoc_observer_config_t observer = IQFOC_TUNED_OBSERVER;
+static const iqfoc_speed_control_config_t speed = IQFOC_TUNED_SPEED;
+static const iqfoc_tracker_config_t tracker = IQFOC_TUNED_TRACKER;
 int main(void)
 {
     printf("%d %d %d %d %d %d", (int)law.machine.k_d_q26, (int)law.machine.q_to_d_q27, (int)law.keep, (int)law.follow,
            (int)law.learn, (int)law.learn_offset);
     printf(" %d %d %d %d %d", (int)observer.k1, (int)observer.k2, (int)observer.gain_max, (int)observer.turns_min,
            (int)observer.flux_max);
+    printf(" %d %d %d %d %d %d", (int)speed.kp_q16, (int)speed.share, (int)speed.ramp_q32, (int)speed.i_ramp, (int)speed.cycles,
+           (int)tracker.k1);
     return 0;
 }
 """
@@ -54,7 +59,7 @@ class Tune(unittest.TestCase):
         return lines[0]
 
     def test_what_it_writes(self):
-        done = program.run(["tune", "--motor", "motor.toml", "--method", "deadbeat", "--drives", "4", "-o", "tuned", "--json",
+        done = program.run(["tune", "--motor", "motor.toml", "--method", "deadbeat", "--drives", "4", "--inertia", "1e-3", "-o", "tuned", "--json",
                             "tuned/tune.json"], self.folder)
         self.assertEqual(0, done.returncode, done.stderr.decode())
         tuned = self.folder / "tuned"
@@ -69,6 +74,7 @@ class Tune(unittest.TestCase):
             self.assertTrue(all(re * re + im * im < 1.0 for re, im in point["poles"]))
         self.assertEqual(0, result["trial"]["unstable"])
         self.check_observer(result)
+        self.check_speed(result["speed"])
         self.check_header(tuned, result)
         page = (tuned / "index.html").read_text()
         for text in (re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL), done.stdout.decode()):
@@ -95,6 +101,12 @@ class Tune(unittest.TestCase):
         self.assertLess(trial["off_deg"], 0.3)
         self.assertGreater(trial["predicted_deg"], 0.3)
 
+    def check_speed(self, speed):
+        """The margin is the wanted one, and the plant has the predicted dip."""
+        self.assertAlmostEqual(0.5, speed["disk_margin"], places=3)
+        self.assertAlmostEqual(1.0, speed["trial"][1]["dip_rpm"] / speed["dip_rpm"], delta=0.05)
+        self.assertEqual([(0, False)] * 3, [(one["status"], one["lost"]) for one in speed["trial"]])
+
     def check_header(self, folder, result):
         (folder / "firmware.c").write_text(FIRMWARE)
         compilers = [name for name in ("gcc", "clang", "cc") if shutil.which(name)]
@@ -113,6 +125,12 @@ class Tune(unittest.TestCase):
         psi = machine["psi_f_Wb"] * 4000.0 / 565.0
         want += [value * 2 ** 24 for value in (1 - pole ** 2, (1 - pole) ** 2, observer["gain_max"], observer["turns_min"],
                                                observer["flux_max"] * psi)]
+        speed = result["speed"]
+        pole = 1 / (1 + speed["bandwidth_rad_s"] * speed["cycles"] / 4000.0)
+        a = 1.5 * 9 * machine["psi_f_Wb"] * 6.0 * 2.0 ** 0.5 / (2 * math.pi * 1e-3) / 4000.0 ** 2
+        ramp = speed["ramp_rpm_s"] / 60 * 3 / 4000.0 ** 2
+        want += [2 * (1 - pole) / (a * speed["cycles"]) * 2 ** 16, (1 - pole) / 2 * 2 ** 24, ramp * speed["cycles"] * 2 ** 32,
+                 ramp / a * 2 ** 24, speed["cycles"], (1 - 1 / (1 + speed["tracker_rad_s"] / 4000.0) ** 3) * 2 ** 24]
         self.assertEqual(len(want), len(held))
         for got, value in zip(held, want):
             self.assertAlmostEqual(value, got, delta=1.0)

@@ -5,6 +5,7 @@
     <!-- figures: tune comparison data/motors/jarzebowicz2019.toml --ratio 5 -->
     <!-- figures: tune observer data/motors/jarzebowicz2019.toml --ratio 5 -->
     <!-- figures: tune choices data/motors/jarzebowicz2019.toml --ratio 5 -->
+    <!-- figures: tune speed data/motors/jarzebowicz2019.toml --ratio 5 --inertia 1e-3 -->
     <!-- figures: tune steady data/motors/jarzebowicz2019.toml --ratio 5 -->
 """
 
@@ -94,6 +95,17 @@ def observer(result):
             f"{trial['off_deg']:.2f}.\n")
 
 
+def speed(result):
+    found = result["speed"]
+    heads = ["inertia, kg m2", "overshoot of the run-up, rpm", "dip, rpm", "back within a tenth of the predicted dip, ms"]
+    rows = [[short(one["J_kgm2"]), f"{one['overshoot_rpm']:.0f}", f"{one['dip_rpm']:.0f}", f"{1000 * one['settled_s']:.0f}"]
+            for one in found["trial"]]
+    return (f"Bandwidth {found['bandwidth_rad_s']:.0f} rad/s, a step every {found['cycles']} cycles, disk margin {found['disk_margin']:.2f} "
+            f"(stated inertia: {found['disk_margin_nominal']:.2f}).\nRamp {found['ramp_rpm_s']:.0f} rpm/s; a load of "
+            f"{100 * found['load_share']:.0f} % of the rated torque, predicted dip {found['dip_rpm']:.0f} rpm.\n\n" +
+            table(heads, rows, right=heads) + "\n")
+
+
 def choices(result):
     heads = ["bandwidth, rad/s", "run-up, s", "noise of the angle, degrees rms", "worst disk margin"]
     rows = [[f"{one['bandwidth_rad_s']:.0f}", f"{one['run_up_s']:.2g}", f"{one['angle_noise_deg']:.3f}", f"{one['disk_margin']:.2f}"]
@@ -101,7 +113,7 @@ def choices(result):
     return table(heads, rows, right=heads)
 
 
-PARTS = {"observer": observer, "choices": choices, "steady": steady, "margins": margins, "trial": trial, "comparison": comparison}
+PARTS = {"speed": speed, "observer": observer, "choices": choices, "steady": steady, "margins": margins, "trial": trial, "comparison": comparison}
 
 
 def generate(program, arguments):

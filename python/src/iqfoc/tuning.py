@@ -67,6 +67,7 @@ class Tune:
         self.bandwidth_rad_s: float = self.data["bandwidth_rad_s"]
         self.points: list[dict] = self.data["points"]
         self.observer: dict | None = self.data["observer"]
+        self.speed: dict | None = self.data["speed"]
 
     def control(self, watched: bool = False, noise_A: float = 0.0) -> TunedControl:
         """The controller. watched: with the change detector, for the noise of one current sample, A; 0: the diagnosis' noise."""
@@ -120,19 +121,21 @@ class Tune:
 
 def tune(motor: Motor | str | os.PathLike, diagnosis: Diagnosis | str | os.PathLike | None = None, method: str = "pi", margin: float = 0.5,
          ratio: float = 0.0, tolerance: Sequence[float] = (0.3, 0.3, 0.05), drives: int = 50, seed: int = 1, compare: bool = False,
-         run_up_s: float = 1.0) -> Tune:
+         run_up_s: float = 1.0, inertia_kgm2: float = 0.0) -> Tune:
     """Designs the controller of iqfoc/tuned_control.h with the highest bandwidth that keeps a disk margin, as `iqfoc tune`.
 
     diagnosis: a Diagnosis or its JSON file, for the machine with its uncertainty. method: `pi` or `deadbeat`. ratio: SFFR at n_max to
     design for; 0: the motor's f_pwm_Hz. tolerance: of R, L and psi_f, shares, without a diagnosis. drives: of the uncertainty set, to
     simulate. compare: with the library's other controllers, which takes a few seconds and which the page needs. run_up_s: fastest run-up
-    from standstill to n_max, which sets the bandwidth of the observer.
+    from standstill to n_max, which sets the bandwidth of the observer. inertia_kgm2: of rotor and load, for the speed control; 0: none.
 
     >>> design = iqfoc.tune("data/motors/jarzebowicz2019.toml", drives=5)
     >>> design.data["trial"]["unstable"]
     0
     >>> design.observer["trial"]["lost"]
     0
+    >>> iqfoc.tune("data/motors/jarzebowicz2019.toml", drives=1, inertia_kgm2=1e-3).speed["trial"][1]["lost"]
+    False
     >>> plant, control = iqfoc.Drive(design.motor).plant(), design.control()
     >>> plant.set_speed(2500.0)
     >>> control.reference(0.0, 5.0)
@@ -145,18 +148,20 @@ def tune(motor: Motor | str | os.PathLike, diagnosis: Diagnosis | str | os.PathL
     for name, x, low, high in (("margin", margin, 0.05, 1.5), ("run_up_s", run_up_s, 1e-4, 1e6), ("drives", drives, 1, 100000), *(("tolerance", x, 0.0, 0.9) for x in shares)):
         if not low <= x <= high:
             raise ValueError(f"{name} = {x}; expected {low} to {high}")
+    if inertia_kgm2 != 0.0 and not 1e-9 <= inertia_kgm2 <= 1e9:
+        raise ValueError(f"inertia_kgm2 = {inertia_kgm2}; expected 1e-9 to 1e9, or 0")
     if len(shares) != 3:
         raise ValueError(f"tolerance: expected three shares, of R, L and psi_f, not {len(shares)}")
     if ratio != 0.0 and not 3.0 <= ratio <= 1000.0:
         raise ValueError(f"ratio = {ratio}; expected 3 to 1000, or 0")
     if isinstance(diagnosis, Diagnosis):
         with text_file(diagnosis.json, ".json") as path:
-            return _tune(motor_of(motor), path, [(path, "diagnosis")], method, margin, ratio, shares, drives, seed, compare, run_up_s)
-    return _tune(motor_of(motor), diagnosis, [], method, margin, ratio, shares, drives, seed, compare, run_up_s)
+            return _tune(motor_of(motor), path, [(path, "diagnosis")], method, margin, ratio, shares, drives, seed, compare, run_up_s, inertia_kgm2)
+    return _tune(motor_of(motor), diagnosis, [], method, margin, ratio, shares, drives, seed, compare, run_up_s, inertia_kgm2)
 
 
-def _tune(motor, path, replace, method, margin, ratio, shares, drives, seed, compare, run_up_s):
+def _tune(motor, path, replace, method, margin, ratio, shares, drives, seed, compare, run_up_s, inertia_kgm2):
     trouble = Trouble(replace)
     choice = ffi.new("py_tune_choice *", {"ratio": ratio, "deadbeat": method == "deadbeat", "margin": margin, "tolerance": shares,
-                                          "drives": drives, "seed": seed, "compares": compare, "run_up_s": run_up_s})
+                                          "drives": drives, "seed": seed, "compares": compare, "run_up_s": run_up_s, "inertia_kgm2": inertia_kgm2})
     return Tune(trouble.check(lib.py_tune(motor._c, choice, ffi.NULL if path is None else path_bytes(path), trouble.c)))
