@@ -1,8 +1,10 @@
 /* The control cycle, step by step, with the methods that Python names. */
 #include "data/motor.h"
+#include "drive/firmware_host.h"
 #include "extension_host.h"
 #include "handles.h"
 
+#include "iqfoc/cycle_six_step.h"
 #include "iqfoc/cycle_steps.h"
 
 #include <stdlib.h>
@@ -15,6 +17,10 @@ struct py_cycle {
     iqfoc_methods_t methods;
     iqfoc_extension_t extension;
     iqfoc_exact_law_t exact, exact_mean;
+    bool timer; /* six-step by a timer */
+    iqfoc_six_step_t six;
+    iqfoc_six_step_config_t six_config;
+    iq24_t turns; /* of the timer's last sample */
 };
 
 static bool configure(py_cycle *c, const motor *m, const py_methods *how, error *e)
@@ -57,7 +63,9 @@ static bool valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample
     py_cycle *c = context;
     (void)e;
     c->cycle.i_ref = i_ref;
-    (void)iqfoc_cycle_valley_by(c->methods, &c->cycle, sample, sample->time);
+    if (!c->timer) { /* an interval has no valley */
+        (void)iqfoc_cycle_valley_by(c->methods, &c->cycle, sample, sample->time);
+    }
     return true;
 }
 
@@ -67,6 +75,14 @@ static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, 
     py_cycle *c = context;
     (void)e;
     c->cycle.i_ref = i_ref;
+    if (c->timer) {
+        const iqfoc_six_step_command_t next =
+            iqfoc_cycle_six_step_switch(&c->six, &c->cycle, sample, sample->time);
+        c->turns = sample->turns;
+        *answer = drive_answer_of_state(&c->cycle, &next);
+        return true;
+    }
+    answer->interval_s = 0.0;
     answer->command =
         iqfoc_cycle_peak_by(c->methods, &c->cycle, sample, c->firmware.output_mid, sample->time);
     answer->status = c->cycle.status;
@@ -96,6 +112,47 @@ void py_cycle_free(py_cycle *c)
 py_firmware *py_cycle_firmware(py_cycle *c)
 {
     return &c->firmware;
+}
+
+bool py_cycle_to_timer(py_cycle *c, const py_sample *sample, const double *gain_and_limits, double angle,
+                       bool any_angle, py_command *command, error *e)
+{
+    const iqfoc_sample_t s = py_sample_of(sample);
+    c->six_config = (iqfoc_six_step_config_t){.gain = iq24_from_double(gain_and_limits[0]),
+                                              .angle_min = iq24_from_double(gain_and_limits[1]),
+                                              .angle_max = iq24_from_double(gain_and_limits[2])};
+    const iq24_t begin = any_angle ? iqfoc_cycle_voltage_angle(&c->cycle) : iq24_from_double(angle);
+    const iqfoc_six_step_command_t next =
+        iqfoc_cycle_six_step_begin(&c->six, &c->cycle, &c->six_config, begin, &s);
+    if (c->six.config == NULL) {
+        return error_failure(e, 0, "the library refused the configuration of six-step");
+    }
+    c->timer = true;
+    c->turns = s.turns;
+    c->firmware.answer = drive_answer_of_state(&c->cycle, &next);
+    *command = py_command_of(&c->firmware.answer);
+    return true;
+}
+
+bool py_cycle_to_carrier(py_cycle *c, py_command *command, error *e)
+{
+    if (!c->timer) {
+        return error_input(e, NULL, 0, 0, "the cycle does not run by the timer");
+    }
+    if (c->methods.control != IQFOC_CONTROL_PI || c->methods.modulation != IQFOC_MODULATION_OVER) {
+        return error_input(e, NULL, 0, 0, "six-step goes over to PI control with modulation \"over\" only");
+    }
+    iqfoc_cycle_six_step_end(&c->six, &c->cycle, c->turns);
+    c->timer = false;
+    c->firmware.answer.interval_s = 0.0;
+    *command = py_command_of(&c->firmware.answer);
+    return true;
+}
+
+bool py_cycle_timer(const py_cycle *c, double *angle)
+{
+    *angle = c->timer ? iq24_to_double(iq24_acc_round(c->six.angle)) : 0.0;
+    return c->timer;
 }
 
 void py_cycle_enable(py_cycle *c, bool enabled)

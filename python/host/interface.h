@@ -20,6 +20,8 @@ typedef struct py_firmware py_firmware;
 typedef struct py_machine py_machine;
 typedef struct py_observer py_observer;
 typedef struct py_cycle py_cycle;
+typedef struct py_recorder py_recorder;
+typedef struct py_pattern py_pattern;
 typedef struct tune_report py_design;
 typedef struct py_tuned py_tuned;
 typedef struct py_diagnosis py_diagnosis;
@@ -76,11 +78,14 @@ typedef struct py_sample {
     int32_t at;
     uint32_t time;
     bool clipped;
+    bool has_mean; /* i_mean: means of the phases over an interval of six-step */
+    int32_t i_mean[3];
 } py_sample;
 typedef struct py_command {
     int32_t duty[3];
     int32_t scale;
     bool gates;
+    double interval_s; /* 0: duties of a PWM period; else an inverter state of six-step for so long */
 } py_command;
 typedef struct py_state {
     uint32_t status;
@@ -111,6 +116,14 @@ void py_cycle_enable(py_cycle *c, bool enabled);
 void py_cycle_clear(py_cycle *c);
 /* Owned by the cycle. */
 py_firmware *py_cycle_firmware(py_cycle *c);
+/* Six-step by a timer, from the instant of this sample on; gain, angle and limits of the angle as in iqfoc/cycle_six_step.h.
+ * any_angle: `angle` is not given, but that of the last requested voltage. */
+bool py_cycle_to_timer(py_cycle *c, const py_sample *sample, const double *gain_and_limits, double angle,
+                       bool any_angle, py_command *command, error *e);
+/* Back to PWM: the state goes on as the first PWM period. */
+bool py_cycle_to_carrier(py_cycle *c, py_command *command, error *e);
+/* True: six-step by a timer; *angle: of its voltage ahead of the d axis, turns. */
+bool py_cycle_timer(const py_cycle *c, double *angle);
 void py_cycle_state(const py_cycle *c, py_state *state);
 void py_firmware_reference(py_firmware *f, int32_t d, int32_t q);
 void py_firmware_valley(py_firmware *f, const py_sample *sample);
@@ -185,12 +198,63 @@ void py_plant_free(py_plant *p);
 void py_plant_set_speed(py_plant *p, double omega_e_rad_s, double accel_e_rad_s2);
 void py_plant_set_load(py_plant *p, double T_load_Nm);
 void py_plant_cycle(py_plant *p, const double *duty, py_reading *valley, py_reading *peak, py_means *means);
+/* An inverter state, duties 0 or 1, for any time; sampled at its start and its end. */
+void py_plant_interval(py_plant *p, const double *duty, double interval_s, py_reading *start, py_reading *end,
+                       py_means *means);
+/* Sensors between two cycles. */
+void py_plant_sample(py_plant *p, py_reading *now);
 void py_plant_state(const py_plant *p, py_now *now);
 
 /* Names of a run's columns, from 0; NULL beyond the last. */
 const char *py_run_column_name(size_t column);
-/* So many cycles of firmware and plant, a row of each column for each. False: the firmware stopped the drive. */
-bool py_run(py_firmware *f, py_plant *p, size_t cycles, double *const *column, error *e);
+/* So many cycles of firmware and plant, a row of each column for each. False: the firmware stopped the drive.
+ * Six-step by a timer: so many inverter states; the columns of the peak stay as they are. recorder: NULL or one that takes each cycle. */
+bool py_run(py_firmware *f, py_plant *p, py_recorder *recorder, size_t cycles, double *const *column,
+            error *e);
+
+/* ---- the recorder, and a recording of its stream ---- */
+typedef struct py_recorder_choice {
+    size_t columns;
+    uint32_t column[16]; /* IQFOC_RECORDER_... of iqfoc/recorder.h */
+    uint32_t rows;       /* that the memory holds */
+    uint32_t decimation;
+    uint32_t trigger; /* iqfoc_recorder_trigger_t */
+    uint32_t status_bits;
+    uint32_t trigger_column; /* index of `column` */
+    double level;            /* in its unit */
+    double pre_share;
+    uint32_t octets_per_cycle; /* of the line; 0: all that wait */
+} py_recorder_choice;
+py_recorder *py_recorder_new(const motor *m, const py_recorder_choice *choice, error *e);
+void py_recorder_free(py_recorder *r);
+void py_recorder_arm(py_recorder *r);
+/* Ends the recording; the line gets the rest. */
+void py_recorder_stop(py_recorder *r);
+bool py_recorder_finished(const py_recorder *r);
+uint32_t py_recorder_lost(const py_recorder *r);
+/* All octets of the line so far; valid until the next call. */
+const uint8_t *py_recorder_stream(const py_recorder *r, size_t *count);
+/* The number of a recorder's column by its name in a recording; 0: none. */
+uint32_t py_recorder_column(const char *name);
+/* The bit of a status by its name, ALARM of the change detector included; 0: none. */
+uint32_t py_status_bit(const char *name);
+/* note: one line of counts. */
+recording *py_recording_stream(const char *label, const uint8_t *octets, size_t count, char *note,
+                               size_t size, error *e);
+
+/* ---- pulse patterns ---- */
+py_pattern *py_pattern_new(const motor *m, int pulses, double on_time_s, double dead_time_s, error *e);
+void py_pattern_free(py_pattern *p);
+/* Lowest and highest index of the table. */
+void py_pattern_range(const py_pattern *p, double *low, double *high);
+/* All legs low without a recent edge. */
+void py_pattern_clear(py_pattern *p);
+/* One cycle a row. in: angle, turns, index. Of each row, for legs a, b, c: level and number of edges, 16 times, share high. */
+void py_pattern_steps(py_pattern *p, size_t n, const int32_t *const *in, int32_t *level, int32_t *edges,
+                      int32_t *at, int32_t *high);
+/* So many cycles on a plant: index, and the voltage's angle ahead of the d axis, turns. Columns as py_run's; those of the peak stay. */
+void py_pattern_run(py_pattern *p, py_plant *on, double index, double ahead, size_t cycles,
+                    double *const *column);
 
 /* ---- recordings ---- */
 recording *py_recording_read(const char *path, error *e);

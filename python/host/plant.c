@@ -59,6 +59,14 @@ static py_reading reading_of(const plant_samples *s)
     return r;
 }
 
+static py_means means_of(const plant_means *m)
+{
+    py_means means = {.duration_s = m->duration_s, .i_dq_A = {m->i_dq_A.d, m->i_dq_A.q}};
+    memcpy(means.i_A, m->i_A, sizeof means.i_A);
+    memcpy(means.u_V, m->u_V, sizeof means.u_V);
+    return means;
+}
+
 void py_plant_cycle(py_plant *p, const double *duty, py_reading *valley, py_reading *peak, py_means *means)
 {
     plant_samples at_valley;
@@ -67,9 +75,28 @@ void py_plant_cycle(py_plant *p, const double *duty, py_reading *valley, py_read
     plant_cycle(&p->loop.drive, duty, &at_valley, &at_peak, &m);
     *valley = reading_of(&at_valley);
     *peak = reading_of(&at_peak);
-    *means = (py_means){.duration_s = m.duration_s, .i_dq_A = {m.i_dq_A.d, m.i_dq_A.q}};
-    memcpy(means->i_A, m.i_A, sizeof means->i_A);
-    memcpy(means->u_V, m.u_V, sizeof means->u_V);
+    *means = means_of(&m);
+}
+
+void py_plant_interval(py_plant *p, const double *duty, double interval_s, py_reading *start, py_reading *end,
+                       py_means *means)
+{
+    plant *const drive = &p->loop.drive;
+    const bool high[3] = {duty[0] > 0.5, duty[1] > 0.5, duty[2] > 0.5};
+    py_plant_sample(p, start);
+    plant_begin_interval(drive, high, interval_s);
+    plant_advance_to(drive, interval_s);
+    py_plant_sample(p, end);
+    const plant_means m = plant_mean(drive);
+    *means = means_of(&m);
+}
+
+void py_plant_sample(py_plant *p, py_reading *now)
+{
+    plant_samples s;
+    plant_advance_to(&p->loop.drive, p->loop.drive.duration_s);
+    plant_sample(&p->loop.drive, &s);
+    *now = reading_of(&s);
 }
 
 void py_plant_state(const py_plant *p, py_now *now)

@@ -50,6 +50,19 @@ void py_recording_free(recording *r)
     }
 }
 
+recording *py_recording_keep(recording *made, const char *label, bool ok, error *e)
+{
+    recording *r = ok ? begin(label, e) : NULL;
+    if (r == NULL) {
+        recording_free(made);
+        return NULL;
+    }
+    const char *called = r->path;
+    *r = *made;
+    r->path = called;
+    return r;
+}
+
 recording *py_recording_read(const char *path, error *e)
 {
     recording *r = begin(path, e);

@@ -101,6 +101,72 @@ def test_six_step_turns_the_drive(motor):
     assert set(np.unique(duties[:, 5:])) == {0.0, 1.0}
 
 
+U_SIX_STEP_V = 540.0  # at 2513 rad/s this link needs six-step (sim_host/loops/six_step_loop.h)
+
+
+def test_six_step_by_a_timer(motor):
+    """The mean of i_q is the reference, states last a sixth of a turn, and steps from here are the run in C, bit for bit."""
+    motor = motor.replace(u_dc_V=U_SIX_STEP_V)
+    rows = {}
+    for steps in (True, False):
+        plant, cycle = iqfoc.Drive(motor, seed=2).plant(), iqfoc.Cycle(motor)
+        plant.set_speed(2513.0)
+        command = cycle.to_timer(plant.sample())
+        assert command.interval_s > 0.0 and set(command.duties) <= {0.0, 1.0}
+        cycle.reference(0.0, 7.0)
+        if steps:
+            seen = []
+            for _ in range(300):
+                start, end, _ = plant.cycle(command)
+                seen.append((start.t_s, start.i_A[0], *command.duties))
+                command = cycle.peak(end)
+            rows[steps] = np.array(seen).T
+        else:
+            run = cycle.run(plant, 300)
+            assert "i_a_mid_A" not in run
+            rows[steps] = np.array([run[n] for n in ("t_s", "i_a_A", "d_a", "d_b", "d_c")])
+    assert (rows[True] == rows[False]).all()
+    last = cycle.run(plant, 2400)
+    assert last["i_q_mean_A"][-600:].mean() == pytest.approx(7.0, abs=0.05)
+    assert last["duration_s"][-600:].mean() == pytest.approx(2.0 * np.pi / 2513.0 / 6.0, rel=1e-3)
+    assert 0.0 < cycle.state["timer_angle_turns"] < 0.5 and cycle.state["status"] == "none"
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_from_pwm_to_the_timer_and_back(motor, sign):
+    motor = motor.replace(u_dc_V=U_SIX_STEP_V)
+    plant, cycle = iqfoc.Drive(motor).plant(), iqfoc.Cycle(motor, modulation="over")
+    plant.set_speed(sign * 2200.0)
+    cycle.reference(-2.0, sign * 4.0)
+    cycle.run(plant, 1500)
+    cycle.to_timer(plant.sample())
+    assert sign * cycle.state["timer_angle_turns"] > 0.0
+    in_six_step = cycle.run(plant, 3000)
+    assert set(np.unique([in_six_step[n] for n in ("d_a", "d_b", "d_c")])) == {0.0, 1.0}
+    assert in_six_step["i_q_mean_A"][-600:].mean() == pytest.approx(sign * 4.0, abs=0.1)
+    cycle.reference(-4.0, sign * 4.0)
+    cycle.to_carrier()
+    after = cycle.run(plant, 3000)
+    assert cycle.state["timer_angle_turns"] is None
+    assert after["i_q_mean_A"][-300:].mean() == pytest.approx(sign * 4.0, abs=0.1)
+    assert np.allclose(after["duration_s"] if "duration_s" in after else motor.T_s, motor.T_s)
+
+
+def test_the_timer_refuses(motor):
+    cycle, plant = iqfoc.Cycle(motor), iqfoc.Drive(motor).plant()
+    with pytest.raises(iqfoc.InputError, match="does not run by the timer"):
+        cycle.to_carrier()
+    for choice, words in ((dict(bandwidth_Hz=0.0), "a number > 0"), (dict(bandwidth_Hz=1e6), "expected at most"),
+                          (dict(limits_turns=(0.2, 0.1)), "two rising numbers")):
+        with pytest.raises(ValueError, match=words):
+            cycle.to_timer(plant.sample(), **choice)
+    cycle.to_timer(plant.sample())
+    with pytest.raises(iqfoc.InputError, match='modulation "over" only'):
+        cycle.to_carrier()
+    with pytest.raises(ValueError, match="takes PWM cycles"):
+        cycle.run(plant, 1, iqfoc.Recorder(motor))
+
+
 def test_tuned_control_and_its_watch(motor):
     design = iqfoc.tune(motor, drives=1)
     assert _held(motor, design.control()) == pytest.approx(5.0, abs=0.02)

@@ -106,8 +106,15 @@ class Plant:
         """Load torque, against positive rotation; of a shaft with inertia."""
         lib.py_plant_set_load(self._c, _finite("T_load_Nm", T_load_Nm))
 
+    def sample(self) -> Sample:
+        """What the sensors deliver between two cycles; noise is drawn each time."""
+        lib.py_plant_sample(self._c, self._valley)
+        return _sample(self._valley)
+
     def cycle(self, duties: Command | Sequence[float]) -> tuple[Sample, Sample, Means]:
         """Duties of the high sides, 0 to 1, or a Command, from this valley to the next: (sample at the valley, at the peak, true means).
+
+        A Command of six-step by a timer is a state for its `interval_s`: (sample at its start, at its end with `i_mean_A`, true means).
 
         >>> plant = iqfoc.Drive(iqfoc.Motor("data/motors/jarzebowicz2019.toml")).plant()
         >>> valley, peak, mean = plant.cycle((0.5, 0.5, 0.5))
@@ -115,9 +122,14 @@ class Plant:
         Traceback (most recent call last):
         ValueError: duties (0.5, 0.5, 2): expected three numbers from 0 to 1, or a Command
         """
-        lib.py_plant_cycle(self._c, ffi.new("double[3]", _duties(duties)), self._valley, self._peak, self._means)
-        m = self._means
-        return _sample(self._valley), _sample(self._peak), Means(m.duration_s, tuple(m.i_A), tuple(m.i_dq_A), tuple(m.u_V))
+        numbers, m = ffi.new("double[3]", _duties(duties)), self._means
+        if isinstance(duties, Command) and duties.interval_s > 0.0:
+            lib.py_plant_interval(self._c, numbers, duties.interval_s, self._valley, self._peak, m)
+            end = _sample(self._peak, tuple(m.i_A))
+        else:
+            lib.py_plant_cycle(self._c, numbers, self._valley, self._peak, m)
+            end = _sample(self._peak)
+        return _sample(self._valley), end, Means(m.duration_s, tuple(m.i_A), tuple(m.i_dq_A), tuple(m.u_V))
 
     @property
     def now(self) -> dict:
@@ -146,5 +158,5 @@ def _finite(name, x):
     return x
 
 
-def _sample(r):
-    return Sample(tuple(r.i_A), r.theta_e_rad, r.omega_e_rad_s, r.u_dc_V, r.t_s)
+def _sample(r, i_mean_A=None):
+    return Sample(tuple(r.i_A), r.theta_e_rad, r.omega_e_rad_s, r.u_dc_V, r.t_s, i_mean_A)
