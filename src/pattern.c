@@ -3,11 +3,9 @@
 
 #include "iqfoc/iq24_math.h"
 
-#include <stddef.h>
+#include "pattern_leg.h"
 
-#define HALF_TURN    INT32_C(8388608)
-#define QUARTER_TURN INT32_C(4194304)
-#define THIRD_TURN   INT32_C(5592405)
+#include <stddef.h>
 
 /* ---- The table ---- */
 
@@ -15,7 +13,7 @@ static bool row_fits(const iqfoc_pattern_t *table, const iqfoc_pattern_row_t *ro
 {
     iq24_t lowest = 0;
     for (int32_t k = 0; k < table->angles; k++) {
-        if (!iq24_within(row->angle[k], lowest, QUARTER_TURN)) {
+        if (!iq24_within(row->angle[k], lowest, PATTERN_QUARTER_TURN)) {
             return false;
         }
         lowest = row->angle[k];
@@ -87,11 +85,11 @@ iqfoc_pattern_shape_t iqfoc_pattern_shape_at(iqfoc_pattern_modulator_t *modulato
 static iq24_t edge_angle(const iqfoc_pattern_shape_t *shape, int32_t angles, int32_t edge)
 {
     const int32_t in_half = 2 * angles + 1;
-    const iq24_t half = edge >= in_half ? HALF_TURN : 0;
+    const iq24_t half = edge >= in_half ? PATTERN_HALF_TURN : 0;
     const int32_t k = edge >= in_half ? edge - in_half : edge;
     iq24_t in_first = 0;
     if (k > angles) {
-        in_first = HALF_TURN - shape->angle[2 * angles - k];
+        in_first = PATTERN_HALF_TURN - shape->angle[2 * angles - k];
     } else if (k > 0) {
         in_first = shape->angle[k - 1];
     }
@@ -101,39 +99,17 @@ static iq24_t edge_angle(const iqfoc_pattern_shape_t *shape, int32_t angles, int
 /* The last edge at or before x, 0 <= x < 1. */
 static int32_t edge_before(const iqfoc_pattern_shape_t *shape, int32_t angles, iq24_t x)
 {
-    const int32_t first = x >= HALF_TURN ? 2 * angles + 1 : 0;
-    const iq24_t y = x >= HALF_TURN ? x - HALF_TURN : x;
+    const int32_t first = x >= PATTERN_HALF_TURN ? 2 * angles + 1 : 0;
+    const iq24_t y = x >= PATTERN_HALF_TURN ? x - PATTERN_HALF_TURN : x;
     int32_t passed = 0;
     for (int32_t k = 0; k < angles; k++) {
         passed += shape->angle[k] <= y ? 1 : 0;
-        passed += HALF_TURN - shape->angle[k] <= y ? 1 : 0;
+        passed += PATTERN_HALF_TURN - shape->angle[k] <= y ? 1 : 0;
     }
     return first + passed;
 }
 
 /* ---- One leg ---- */
-
-typedef struct {
-    iqfoc_pattern_edges_t *out;
-    iq24_t least;
-    int32_t wanted; /* the pattern's level */
-    iq24_t since;   /* the time of its last change: cycles */
-    int32_t level;  /* the output's */
-    iq24_t last;    /* the time of its last edge: negative in an earlier cycle */
-} leg_t;
-
-/* The output follows the pattern's level, if that is possible before the time `end`. */
-static void follow(leg_t *leg, iq24_t end)
-{
-    const iq24_t at = iq24_max(leg->since, leg->last + leg->least);
-    if (leg->level != leg->wanted && at < end) {
-        leg->out->at[leg->out->edges] = at;
-        leg->out->edges++;
-        leg->out->high += leg->wanted > 0 ? IQ24_ONE - at : at - IQ24_ONE;
-        leg->level = leg->wanted;
-        leg->last = at;
-    }
-}
 
 static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *shape, int32_t angles,
                      iq24_t least, iq24_t x, iq24_t turns, iqfoc_pattern_edges_t *out)
@@ -141,11 +117,8 @@ static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *sh
     const int32_t most = 4 * angles + 1;
     const iq24_t movement = turns < 0 ? -turns : turns;
     int32_t edge = edge_before(shape, angles, x);
-    out->level = state->level;
-    out->edges = 0;
-    out->high = state->level > 0 ? IQ24_ONE : 0;
     /* Even edges have the level of the start. */
-    leg_t leg = {out, least, edge % 2 == 0 ? shape->start : -shape->start, 0, state->level, -state->since};
+    pattern_leg_t leg = pattern_leg_begin(state, least, edge % 2 == 0 ? shape->start : -shape->start, out);
     while (true) {
         /* Forward, the next edge is passed; backward, the last one. */
         const int32_t next = edge == most ? 0 : edge + 1;
@@ -155,7 +128,7 @@ static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *sh
             break;
         }
         const iq24_t at = iq24_div(distance, movement);
-        follow(&leg, at);
+        pattern_leg_follow(&leg, at);
         leg.wanted = -leg.wanted;
         leg.since = at;
         if (turns < 0) {
@@ -164,9 +137,7 @@ static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *sh
             edge = next;
         }
     }
-    follow(&leg, IQ24_ONE);
-    state->level = leg.level;
-    state->since = iq24_min(IQ24_ONE - leg.last, IQFOC_PATTERN_TIME_MAX);
+    pattern_leg_end(&leg, state);
 }
 
 void iqfoc_pattern_step(iqfoc_pattern_modulator_t *modulator, iq24_t angle, iq24_t turns, iq24_t index,
@@ -176,8 +147,8 @@ void iqfoc_pattern_step(iqfoc_pattern_modulator_t *modulator, iq24_t angle, iq24
     const int32_t angles = modulator->table->angles;
     const iq24_t movement = iq24_clamp(turns, -IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
     /* The fundamental is a sine of the pattern's angle; the voltage's angle is that of a cosine. */
-    const iq24_t a = (angle & (IQ24_ONE - 1)) + QUARTER_TURN;
-    const iq24_t x[3] = {a, a - THIRD_TURN, a + THIRD_TURN};
+    const iq24_t a = (angle & (IQ24_ONE - 1)) + PATTERN_QUARTER_TURN;
+    const iq24_t x[3] = {a, a - PATTERN_THIRD_TURN, a + PATTERN_THIRD_TURN};
     for (int32_t k = 0; k < 3; k++) {
         step_leg(&modulator->leg[k], &shape, angles, modulator->least, x[k] & (IQ24_ONE - 1), movement,
                  &edges[k]);

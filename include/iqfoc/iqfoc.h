@@ -35,6 +35,7 @@
 #include "overmodulation.h"
 #include "params.h"
 #include "pattern.h"
+#include "pattern_control.h"
 #include "predictor.h"
 #include "predictor_exact.h"
 #include "predictor_form.h"

@@ -1,0 +1,140 @@
+/*
+ * Control of a pulse pattern by its flux trajectory, for drives with 3 to 15 pulses per electrical period (docs/patterns.md): the current
+ * settles within a millisecond, where a pattern in open loop takes several time constants L/R. For non-salient machines.
+ *
+ * The integral of a pattern's voltage is a trajectory of the stator flux. The flux error at the start of a cycle moves the next
+ * edges of each leg:
+ *
+ *     psi* = integral of the pattern's voltage + j (R i_ref + v)/omega                 omega: electrical speed
+ *     e = psi* - (L i + psi_f e^(j theta))
+ *     a rising edge is earlier by e_leg/u_dc, a falling one later                      e_leg: e on the axis of the leg
+ *
+ * An edge moves at most to the places of its neighbours. The flux that remains is an error of the next cycle.
+ *
+ * i is the current at the start of the next cycle. The exact step of predictor_exact.h predicts it from the edges that were
+ * commanded. The share `correction` of the prediction error corrects i. The share `disturbance` adds to the disturbance voltage v,
+ * which is constant in the rotor frame: it brings the mean current to its reference if R, L or psi_f is wrong. With a small
+ * `correction`, the harmonics of i follow from the voltage by the same L as those of psi*. A wrong L then moves no edges.
+ *
+ *     at each peak:    iqfoc_pattern_control_aim(&control, i_ref, turns);
+ *     at each valley:  iqfoc_pattern_control_step(&control, i, theta, u_dc, edges);
+ *
+ * The edges act in the cycle that begins at the next valley. The peak computes all that does not depend on the sample.
+ *
+ * The caller owns the state; one context at a time may call its functions.
+ */
+#ifndef IQFOC_PATTERN_CONTROL_H
+#define IQFOC_PATTERN_CONTROL_H
+
+#include "pattern.h"
+#include "predictor_exact.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Lowest speed: 1/128 turn per cycle. Below it, the pattern is that of this speed. */
+#define IQFOC_PATTERN_CONTROL_TURNS_MIN INT32_C(131072)
+
+/* The machine and the two gains. */
+typedef struct iqfoc_pattern_control_config {
+    iqfoc_exact_winding_t
+        winding;        /* IQFOC_EXACT_WINDING with T the control cycle; 1/8 <= k_u, psi_f/(U_b T) <= 16 */
+    iq24_t correction;  /* share of the prediction error per cycle that corrects i: 0 ... 1; tested: 0.1 */
+    iq24_t disturbance; /* share of it that adds to v: 0 ... 1/4; tested: 0.005, half of correction^2 */
+} iqfoc_pattern_control_config_t;
+
+#define IQFOC_PATTERN_EDGES_HALF (2 * IQFOC_PATTERN_ANGLES_MAX + 1)
+
+/* The trajectory of the next cycles, from iqfoc_pattern_control_aim. */
+typedef struct iqfoc_pattern_trajectory {
+    iq24_t turns;   /* movement of the rotor in a cycle: 1/128 ... 1/8, with its sign */
+    iq24_t u_angle; /* of the voltage ahead of the d axis: turns */
+    iq24_t speed;   /* |turns| */
+    iq24_t l;       /* flux per current, over the link */
+    iqfoc_dq_t
+        steady; /* (j (R i_ref + v)/omega - psi_f)/u_dc: flux in addition to the pattern's, less the magnet's */
+    iqfoc_ab_t u_share; /* voltage of the commanded cycle over the link */
+    iqfoc_dq_t drift;   /* current that EMF and disturbance make in a cycle, at the cycle's end */
+    int32_t cycles_q22; /* per turn, Q22: 8 ... 128 */
+    int32_t start;      /* level of a leg after angle 0: 1 or -1; 0: no row yet */
+    int32_t edges;      /* of a leg in half a turn */
+    iq24_t angle[IQFOC_PATTERN_EDGES_HALF + 2]; /* of those, and of the next two: turns */
+    iq24_t flux[IQFOC_PATTERN_EDGES_HALF]; /* integral of the leg's level, 1 or -1, from 1/4 turn to them */
+} iqfoc_pattern_trajectory_t;
+
+/* A leg at the end of the commanded cycle. Edges have their numbers in half a turn: 0 ... edges - 1, from angle 0 or 1/2. */
+typedef struct iqfoc_pattern_control_leg {
+    int32_t place; /* the last edge at or before the leg's angle at the start of that cycle */
+    int32_t edge;  /* the last edge that was moved into a cycle */
+    int32_t level; /* after it: 1 or -1; 0: the pattern's */
+} iqfoc_pattern_control_leg_t;
+
+/* The state. All fields may be read. */
+typedef struct iqfoc_pattern_control {
+    iqfoc_pattern_modulator_t modulator; /* table, least time, levels at the end of the commanded cycle */
+    iqfoc_exact_law_t law;
+    iq24_t l;   /* L I_b/(U_b T), flux in U_b T per current: 1/16 ... 8 */
+    iq24_t r;   /* R I_b/U_b: 0 ... 8 */
+    iq24_t psi; /* psi_f/(U_b T): 0 ... 16 */
+    iq24_t correction;
+    iq24_t disturbance_l; /* disturbance l: voltage per current in error */
+    iqfoc_pattern_trajectory_t trajectory;
+    iqfoc_pattern_control_leg_t leg[3]; /* a, b, c */
+    bool predicted;                     /* i_next is a prediction for the next step */
+    iqfoc_abc_t high;                   /* share of the commanded cycle that each leg is high */
+    iqfoc_ab_t i_next;   /* estimated current at the start of the commanded cycle, held to +-8 */
+    iqfoc_ab_t miss;     /* prediction error of the last sample */
+    iq24_sincos_t sc;    /* of the rotor angle at the start of the commanded cycle */
+    iqfoc_dq_t v;        /* disturbance voltage, held to +-1/2 */
+    iq24_t u_dc;         /* of the last sample */
+    iq24_t u_mean;       /* mean of the link: moves by 1/64 of the difference per cycle */
+    iq24_t u_dc_inverse; /* 1/u_mean */
+    iqfoc_ab_t
+        error; /* flux error at the start of the commanded cycle over the mean link: cycles, held to +-16 */
+} iqfoc_pattern_control_t;
+
+/*
+ * Checks table, least time, machine and gains, and sets the state: all legs low without a recent edge, no disturbance.
+ * IQFOC_ERROR_NULL and IQFOC_ERROR_PATTERN as iqfoc_pattern_init; IQFOC_ERROR_PREDICTOR: the winding is out of its range;
+ * IQFOC_ERROR_GAINS: a gain is. The state keeps the table's address. Call it before the control runs.
+ *
+ * To take over from another modulator at a valley, set modulator.leg[] to the levels and the times since the last edges, and high to
+ * the duties of the present cycle. Then call iqfoc_pattern_control_aim and iqfoc_pattern_control_step.
+ */
+iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
+                                         const iqfoc_pattern_control_config_t *config,
+                                         const iqfoc_pattern_t *table, iq24_t least);
+
+/*
+ * Changes the table, for another number of pulses. The next edges correct the difference of the harmonic flux. Call it just ahead of
+ * iqfoc_pattern_control_aim. table: one that iqfoc_pattern_init accepts.
+ */
+void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table);
+
+/*
+ * At the peak of each cycle, or just ahead of iqfoc_pattern_control_step: voltage, index and trajectory of the reference; mean of the link;
+ * disturbance voltage from the last prediction error.
+ *
+ * i_ref: |component| <= 8. turns: the rotor's movement in a cycle, held to 1/128 ... 1/8 of either sign. R i_ref + v is held to 1 and
+ * the voltage to 4 a component.
+ */
+void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_ref, iq24_t turns);
+
+/*
+ * At the valley of each cycle: the edges of the next cycle.
+ *
+ * i: sample at this valley, stationary frame, |component| <= 8. theta: rotor angle at this valley, any. u_dc: 0.5 ... 1.5. edges:
+ * legs a, b, c; no time between two edges is below the modulator's `least`. At the first call i is the prediction, too.
+ *
+ * Largest error of 200000 cycles drawn, against the formulas in double, for tables whose angles move by at most 0.2 turns over an index
+ * of 1: of i_next 4 LSB times 1 + k_u; of the flux error 10 LSB and of an edge's time 8 LSB over the movement in turns.
+ */
+void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,
+                                iqfoc_pattern_edges_t edges[3]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,491 @@
+/*
+ * Control of a pulse pattern against its formulas in double: prediction by the exact solution, flux by integrating the pattern's level
+ * edge by edge, moved edges from the sorted list of the pattern's edges. An argument is the number of cycles of the test of
+ * least times.
+ */
+#include "pattern_reference.h"
+
+#include "iqfoc/pattern_control.h"
+
+#include <complex.h>
+
+#define SEED UINT64_C(27182818)
+
+enum { DRAWS = 200000, CYCLES = 100000 };
+
+static long cycles_drawn = CYCLES / IQFOC_TEST_STRIDE;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* The drive of the 2019 paper at 10 kHz and 565 V. */
+static const iqfoc_pattern_control_config_t drive = {
+    IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), IQ24(0.1), IQ24(0.005)};
+
+static iqfoc_pattern_control_t control_of(const iqfoc_pattern_control_config_t *config, double least)
+{
+    iqfoc_pattern_control_t c;
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_control_init(&c, config, &table, to_iq24(least)));
+    return c;
+}
+
+static double complex of_dq(iqfoc_dq_t x)
+{
+    return to_double(x.d) + I * to_double(x.q);
+}
+
+static double complex of_ab(iqfoc_ab_t x)
+{
+    return to_double(x.alpha) + I * to_double(x.beta);
+}
+
+static iqfoc_ab_t drawn_ab(uint64_t *seed, double most)
+{
+    const iqfoc_ab_t x = {random_iq24(seed, -most, most), random_iq24(seed, -most, most)};
+    return x;
+}
+
+/* ---- One cycle in double ---- */
+
+typedef struct cycle {
+    iqfoc_pattern_control_config_t config;
+    iqfoc_dq_t i_ref;
+    iqfoc_ab_t i;
+    iq24_t theta, turns, u_dc;
+} cycle;
+
+/* Current at the end of a cycle, in per unit, by the exact solution. */
+static double complex predicted(const cycle *y, double complex i, double complex u, double theta)
+{
+    const double rho = ldexp(y->config.winding.rho_q30, -30);
+    const double k_u = ldexp(y->config.winding.k_u_q26, -26);
+    const double k_psi = ldexp(y->config.winding.k_psi_q27, -27);
+    const double phi = TWO_PI * to_double(y->turns);
+    const double complex z = 0.5 * (rho + I * phi);
+    const double share = rho > 0.0 ? -expm1(-rho) / rho : 1.0;
+    return exp(-rho) * i + share * k_u * u -
+           I * k_psi * phi * exp(-0.5 * rho) * csinh(z) / z * cexp(I * (theta + 0.5 * phi));
+}
+
+/* Integral of a leg's level from 1/4 turn to x: from edge to edge. */
+static double integral_to(const pattern *p, double x)
+{
+    double distance[EDGES];
+    const double to = fraction(x - 0.25);
+    const int all = distances(p, 0.25, 1.0, distance);
+    double sum = 0.0;
+    double from = 0.0;
+    for (int k = 0; k <= all; k++) {
+        const double end = fmin(k < all ? distance[k] : 1.0, to);
+        sum += level_at(p, 0.25 + 0.5 * (from + end)) * (end - from);
+        from = end;
+    }
+    return sum;
+}
+
+/* The voltage of the reference, in the rotor frame; without its part that is induced if `drop`. */
+static double complex reference_voltage(const cycle *y, const iqfoc_pattern_control_t *c,
+                                        double complex *drop)
+{
+    const double l = ldexp(1.0, 26) / y->config.winding.k_u_q26;
+    const double r = ldexp(y->config.winding.rho_q30, -30) * l;
+    const double psi = ldexp(y->config.winding.k_psi_q27, -27) * l;
+    const double complex i = of_dq(y->i_ref);
+    *drop = r * i - of_dq(c->v);
+    return *drop + I * TWO_PI * to_double(y->turns) * (l * i + psi);
+}
+
+/* Places of the legs, in the sense in which time goes forward. */
+static void places(const cycle *y, double complex u, double x[3])
+{
+    const double a = to_double(y->theta) + to_double(y->turns) + carg(u) / TWO_PI + 0.25;
+    for (int leg = 0; leg < 3; leg++) {
+        x[leg] = a - leg / 3.0;
+        x[leg] = fraction(y->turns < 0 ? 0.5 - x[leg] : x[leg]);
+    }
+}
+
+/* Flux error over the link, from the estimated current at the cycle's end. */
+static double complex flux_error(const cycle *y, const pattern *p, const double x[3], double complex drop,
+                                 double complex i_next)
+{
+    const double l = ldexp(1.0, 26) / y->config.winding.k_u_q26;
+    const double psi = ldexp(y->config.winding.k_psi_q27, -27) * l;
+    const double phi = TWO_PI * to_double(y->turns);
+    const double complex rotor = cexp(I * TWO_PI * (to_double(y->theta) + to_double(y->turns)));
+    double complex sum = 0.0;
+    for (int leg = 0; leg < 3; leg++) {
+        sum += 2.0 / 3.0 * integral_to(p, x[leg]) * cexp(I * TWO_PI / 3.0 * leg);
+    }
+    return 0.5 * sum / fabs(to_double(y->turns)) +
+           ((I * drop / phi - psi) * rotor - l * i_next) / to_double(y->u_dc);
+}
+
+/* The edges of a leg whose level is the pattern's, moved by its flux error: their times. */
+static int moved_edges(const pattern *p, double x, double speed, double error,
+                       double at[IQFOC_PATTERN_EDGES_MAX])
+{
+    double distance[EDGES];
+    const int all = distances(p, x, 1.0, distance);
+    int level = level_at(p, x + 1e-9);
+    int count = 0;
+    double last = 0.0;
+    while (count < IQFOC_PATTERN_EDGES_MAX - 1) {
+        const double nominal = distance[count % all] / speed;
+        const double next = (distance[(count + 1) % all] + (count + 1 >= all)) / speed;
+        const double before = count > 0 ? distance[count - 1] / speed : 0.0;
+        const double t = fmax(fmin(nominal + level * error, next), fmax(last, before));
+        if (t >= 1.0) {
+            break;
+        }
+        at[count] = last = t;
+        count++;
+        level = -level;
+        error += level * (t - nominal);
+    }
+    return count;
+}
+
+/* ---- Tests ---- */
+
+/* Rows of any angles that move by at most 0.2 turns over an index of 1, as those of computed patterns. */
+static void smooth_table(uint64_t *seed)
+{
+    drawn_table(seed);
+    const int32_t start = random_bits(seed) % 2 != 0 ? 1 : -1;
+    for (int n = 0; n < ROWS; n++) {
+        rows[n].start = start;
+        rows[n].joined = n + 1 < ROWS;
+        for (int k = 0; k < table.angles && n > 0; k++) {
+            const iq24_t lowest = k > 0 ? rows[n].angle[k - 1] : 0;
+            rows[n].angle[k] =
+                iq24_clamp(rows[n - 1].angle[k] + random_iq24(seed, -0.002, 0.002), lowest, IQ24(0.25));
+        }
+    }
+}
+
+static cycle drawn_cycle(uint64_t *seed)
+{
+    cycle y = {.config = drive};
+    const double l = exp(uniform(seed, log(0.1), log(7.9)));
+    y.config.winding.rho_q30 = (int32_t)ldexp(uniform(seed, 0.0, fmin(0.2, 0.4 / l)), 30);
+    y.config.winding.k_u_q26 = (int32_t)ldexp(1.0 / l, 26);
+    y.config.winding.k_psi_q27 = (int32_t)ldexp(uniform(seed, 0.0, fmin(4.0, 15.9 / l)), 27);
+    const double turns = exp(uniform(seed, log(1.0 / 127.0), log(0.125)));
+    y.turns = to_iq24(random_bits(seed) % 2 != 0 ? turns : -turns);
+    y.theta = random_iq24(seed, 0.0, 1.0);
+    y.u_dc = random_iq24(seed, 0.5, 1.5);
+    y.i = drawn_ab(seed, 1.5);
+    y.i_ref.d = random_iq24(seed, -1.5, 1.5);
+    y.i_ref.q = random_iq24(seed, -1.5, 1.5);
+    return y;
+}
+
+/* A control with any estimate and any commanded duties; the mean of the link is the link. */
+static iqfoc_pattern_control_t drawn_control(uint64_t *seed, const cycle *y)
+{
+    iqfoc_pattern_control_t c = control_of(&y->config, 0.0);
+    c.predicted = true;
+    c.i_next = drawn_ab(seed, 1.5);
+    c.v.d = random_iq24(seed, -0.1, 0.1);
+    c.v.q = random_iq24(seed, -0.1, 0.1);
+    c.high.a = random_iq24(seed, 0.0, 1.0);
+    c.high.b = random_iq24(seed, 0.0, 1.0);
+    c.high.c = random_iq24(seed, 0.0, 1.0);
+    c.u_dc = c.u_mean = y->u_dc;
+    c.u_dc_inverse = iq24_div(IQ24_ONE, y->u_dc);
+    return c;
+}
+
+/* Compares the edges of a leg; false if one is too near to the cycle's end, or to another one, to say which is first. */
+static bool edges_compared(const pattern *p, double x, double speed, double error,
+                           const iqfoc_pattern_edges_t *got, worst *time)
+{
+    double at[IQFOC_PATTERN_EDGES_MAX + 1];
+    double distance[EDGES];
+    const double unsure = 3.0 / 16777216.0;
+    const int all = distances(p, x, 1.0, distance);
+    if (distance[0] < unsure || distance[all - 1] > 1.0 - unsure) {
+        return false;
+    }
+    const int count = moved_edges(p, x, speed, error, at);
+    at[count] = 1.0;
+    for (int k = 0; k <= count; k++) {
+        if (at[k] - (k > 0 ? at[k - 1] : 0.0) < 1e-4) {
+            return false;
+        }
+    }
+    double near[IQFOC_PATTERN_EDGES_MAX + 1];
+    if (moved_edges(p, x, speed, error + 2e-5, near) != count ||
+        moved_edges(p, x, speed, error - 2e-5, near) != count) {
+        return false;
+    }
+    TEST_ASSERT_EQUAL_INT32(count, got->edges);
+    for (int k = 0; k < count; k++) {
+        time->lsb = fmax(time->lsb, speed * fabs(got->at[k] - 16777216.0 * at[k]));
+    }
+    return true;
+}
+
+static void test_cycle_is_that_of_the_formulas(void)
+{
+    uint64_t seed = SEED;
+    worst current = {"estimated current over 1 + k_u", 0.0};
+    worst flux = {"flux error times the movement in turns", 0.0};
+    worst time = {"time of an edge times the movement in turns", 0.0};
+    int legs = 0;
+    int edges = 0;
+    for (int n = 0; n < DRAWS / IQFOC_TEST_STRIDE; n++) {
+        if (n % 100 == 0) {
+            smooth_table(&seed);
+        }
+        const cycle y = drawn_cycle(&seed);
+        iqfoc_pattern_control_t c = drawn_control(&seed, &y);
+        const double theta = TWO_PI * to_double(y.theta);
+        const double complex mid = cexp(I * (theta + 0.5 * TWO_PI * to_double(y.turns)));
+        const double complex legs_u = to_double(c.high.a) + to_double(c.high.b) * cexp(I * TWO_PI / 3.0) +
+                                      to_double(c.high.c) * cexp(-I * TWO_PI / 3.0);
+        const double complex i =
+            of_ab(c.i_next) + to_double(y.config.correction) * (of_ab(y.i) - of_ab(c.i_next));
+        const double complex i_next =
+            predicted(&y, i, 2.0 / 3.0 * to_double(y.u_dc) * legs_u + of_dq(c.v) * mid, theta);
+        double complex drop;
+        const double complex u = reference_voltage(&y, &c, &drop);
+        pattern p;
+        double x[3];
+        iqfoc_pattern_edges_t got[3];
+        places(&y, u, x);
+        const double index = cabs(u) * TWO_PI / 4.0 / to_double(y.u_dc);
+        const bool in_table = index > 0.3 && index < 0.99 && pattern_at(index, &p);
+        if (fmax(fabs(creal(i_next)), fabs(cimag(i_next))) > 7.9 || !in_table) {
+            continue;
+        }
+        for (int leg = 0; leg < 3; leg++) {
+            c.modulator.leg[leg].level = level_at(&p, x[leg] + 1e-9);
+        }
+        iqfoc_pattern_control_aim(&c, y.i_ref, y.turns);
+        iqfoc_pattern_control_step(&c, y.i, y.theta, y.u_dc, got);
+        const double k_u = ldexp(y.config.winding.k_u_q26, -26);
+        current.lsb = fmax(current.lsb, 16777216.0 * cabs(i_next - of_ab(c.i_next)) / (1.0 + k_u));
+        const double complex e = flux_error(&y, &p, x, drop, i_next);
+        if (fmax(fabs(creal(e)), fabs(cimag(e))) > 15.9) {
+            continue;
+        }
+        const double speed = fabs(to_double(y.turns));
+        flux.lsb = fmax(flux.lsb, 16777216.0 * speed * cabs(e - of_ab(c.error)));
+        for (int leg = 0; leg < 3; leg++) {
+            const double error = creal(e * cexp(-I * TWO_PI / 3.0 * leg));
+            if (edges_compared(&p, x[leg], speed, error, &got[leg], &time)) {
+                legs++;
+                edges += got[leg].edges;
+            }
+        }
+    }
+    printf("%s: %.2f LSB; %s: %.2f LSB; %s: %.2f LSB, of %d legs and %d edges\n", current.what, current.lsb,
+           flux.what, flux.lsb, time.what, time.lsb, legs, edges);
+    TEST_ASSERT_TRUE(legs > DRAWS / IQFOC_TEST_STRIDE / 4 && edges > legs / 8);
+    TEST_ASSERT_TRUE(current.lsb <= 4.0);
+    TEST_ASSERT_TRUE(flux.lsb <= 10.0);
+    TEST_ASSERT_TRUE(time.lsb <= 8.0);
+}
+
+/* The share `correction` of a prediction error moves the estimate; the share `disturbance` adds to v, in the rotor frame. */
+static void test_prediction_error_is_learnt(void)
+{
+    uint64_t seed = SEED;
+    smooth_table(&seed);
+    iqfoc_pattern_control_t c = control_of(&drive, 0.05);
+    const iqfoc_dq_t i_ref = {0, IQ24(0.5)};
+    iqfoc_pattern_edges_t edges[3];
+    iqfoc_ab_t i = {0, IQ24(0.5)};
+    const iq24_t turns = IQ24(0.025);
+    iqfoc_pattern_control_aim(&c, i_ref, turns);
+    iqfoc_pattern_control_step(&c, i, 0, IQ24_ONE, edges);
+    TEST_ASSERT_TRUE(c.predicted && c.miss.alpha == 0 && c.miss.beta == 0);
+    const iqfoc_pattern_control_t before = c;
+    i.alpha = before.i_next.alpha + IQ24(0.1);
+    i.beta = before.i_next.beta - IQ24(0.2);
+    iqfoc_pattern_control_aim(&c, i_ref, turns);
+    TEST_ASSERT_EQUAL_INT32(0, c.v.d);
+    iqfoc_pattern_control_step(&c, i, turns, IQ24_ONE, edges);
+    iqfoc_pattern_control_t same = before;
+    iqfoc_pattern_control_aim(&same, i_ref, turns);
+    iqfoc_pattern_control_step(&same, before.i_next, turns, IQ24_ONE, edges);
+    const double stays = exp(-0.75e-4 / 5.2e-3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.01 * stays, to_double(c.i_next.alpha - same.i_next.alpha));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, -0.02 * stays, to_double(c.i_next.beta - same.i_next.beta));
+    iqfoc_pattern_control_aim(&c, i_ref, turns);
+    const double l = 5.2e-3 * 14.849 / (1e-4 * 565.0);
+    const double complex v = 0.005 * l * (0.1 - I * 0.2) * cexp(-I * TWO_PI * 0.05);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, creal(v), to_double(c.v.d));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, cimag(v), to_double(c.v.q));
+    for (int n = 0; n < 1000; n++) {
+        i.alpha = i.beta = IQ24(8.0);
+        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_step(&c, i, n * turns, IQ24_ONE, edges);
+        TEST_ASSERT_TRUE(iq24_within(c.v.d, IQ24(-0.5), IQ24(0.5)) &&
+                         iq24_within(c.v.q, IQ24(-0.5), IQ24(0.5)));
+        TEST_ASSERT_TRUE(iq24_within(c.i_next.alpha, IQ24(-8.0), IQ24(8.0)));
+    }
+}
+
+/* The mean of the link moves by 1/64 of the difference per cycle, and its inverse follows. */
+static void test_mean_of_the_link(void)
+{
+    uint64_t seed = SEED;
+    smooth_table(&seed);
+    iqfoc_pattern_control_t c = control_of(&drive, 0.05);
+    const iqfoc_dq_t i_ref = {0, IQ24(0.5)};
+    const iqfoc_ab_t i = {0, 0};
+    iqfoc_pattern_edges_t edges[3];
+    double mean = 0.5;
+    iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.025));
+    iqfoc_pattern_control_step(&c, i, 0, IQ24(0.5), edges);
+    for (int n = 0; n < 2000; n++) {
+        const double u_dc = n < 1000 ? 1.5 : 0.5;
+        iqfoc_pattern_control_step(&c, i, 0, to_iq24(u_dc), edges);
+        iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.025));
+        mean += (u_dc - mean) / 64.0;
+        TEST_ASSERT_DOUBLE_WITHIN(4e-6, mean, to_double(c.u_mean));
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3 / mean, 1.0 / mean, to_double(c.u_dc_inverse));
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 2.0, to_double(c.u_dc_inverse));
+}
+
+/*
+ * Angle, speed, reference, current, link and table jump: no time between two edges is below the least one, the levels are continuous,
+ * and what is stated as held is held.
+ */
+static void test_no_time_is_below_the_least(void)
+{
+    uint64_t seed = SEED;
+    static iqfoc_pattern_row_t other_rows[ROWS];
+    iqfoc_pattern_t other = table;
+    smooth_table(&seed);
+    memcpy(other_rows, rows, sizeof rows);
+    other = table;
+    other.row = other_rows;
+    drawn_table(&seed);
+    int64_t last[3] = {INT64_MIN / 2, INT64_MIN / 2, INT64_MIN / 2};
+    int64_t shortest = INT64_MAX;
+    int64_t edges = 0;
+    int32_t level[3] = {-1, -1, -1};
+    const iq24_t least = IQ24(0.06);
+    iqfoc_pattern_control_t c = control_of(&drive, 0.06);
+    iqfoc_dq_t i_ref = {0, IQ24_ONE};
+    iqfoc_ab_t i = {0, 0};
+    iq24_t theta = 0;
+    iq24_t turns = IQ24(0.03);
+    iq24_t u_dc = IQ24_ONE;
+    double far = 0.1;
+    for (long n = 0; n < cycles_drawn; n++) {
+        const uint64_t event = random_bits(&seed) % 64;
+        if (event == 0) {
+            turns = random_iq24(&seed, -0.2, 0.2);
+        } else if (event == 1) {
+            theta = random_iq24(&seed, -2.0, 2.0);
+        } else if (event == 2) {
+            i_ref.d = random_iq24(&seed, -8.0, 8.0);
+            i_ref.q = random_iq24(&seed, -8.0, 8.0);
+        } else if (event == 3) {
+            u_dc = random_iq24(&seed, 0.5, 1.5);
+        } else if (event == 4) {
+            iqfoc_pattern_control_change(&c, c.modulator.table == &table ? &other : &table);
+        } else if (event == 5) {
+            far = exp(uniform(&seed, log(1e-3), log(8.0)));
+        }
+        i.alpha = iq24_clamp(c.i_next.alpha + random_iq24(&seed, -far, far), IQ24(-8.0), IQ24(8.0));
+        i.beta = iq24_clamp(c.i_next.beta + random_iq24(&seed, -far, far), IQ24(-8.0), IQ24(8.0));
+        iqfoc_pattern_edges_t got[3];
+        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_step(&c, i, theta, u_dc, got);
+        theta = iq24_add_wrap(theta, turns);
+        for (int leg = 0; leg < 3; leg++) {
+            TEST_ASSERT_EQUAL_INT32(level[leg], got[leg].level);
+            TEST_ASSERT_TRUE(got[leg].edges <= IQFOC_PATTERN_EDGES_MAX);
+            TEST_ASSERT_TRUE(iq24_within(got[leg].high, 0, IQ24_ONE));
+            for (int k = 0; k < got[leg].edges; k++) {
+                TEST_ASSERT_TRUE(iq24_within(got[leg].at[k], 0, IQ24_ONE - 1));
+                const int64_t at = n * (int64_t)IQ24_ONE + got[leg].at[k];
+                shortest = at - last[leg] < shortest ? at - last[leg] : shortest;
+                last[leg] = at;
+                level[leg] = -level[leg];
+            }
+            edges += got[leg].edges;
+        }
+        TEST_ASSERT_TRUE(iq24_within(c.error.alpha, IQ24(-16.0), IQ24(16.0)));
+        TEST_ASSERT_TRUE(iq24_within(c.error.beta, IQ24(-16.0), IQ24(16.0)));
+    }
+    printf("shortest time: %.0f LSB above the least, in %ld cycles and %.0f edges\n",
+           (double)(shortest - least), cycles_drawn, (double)edges);
+    TEST_ASSERT_TRUE(shortest >= least);
+    TEST_ASSERT_TRUE(edges > cycles_drawn / 4);
+}
+
+/* ---- Set-up ---- */
+
+static void refused(const iqfoc_pattern_control_config_t *config, iqfoc_error_t error)
+{
+    iqfoc_pattern_control_t c = {.u_dc = 7};
+    TEST_ASSERT_EQUAL_INT(error, iqfoc_pattern_control_init(&c, config, &table, 0));
+    TEST_ASSERT_EQUAL_INT32(7, c.u_dc);
+}
+
+#define REFUSED(field, bad, good, error)                                                                     \
+    do {                                                                                                     \
+        iqfoc_pattern_control_config_t config_ = drive;                                                      \
+        config_.field = (bad);                                                                               \
+        refused(&config_, error);                                                                            \
+        config_.field = (good);                                                                              \
+        (void)control_of(&config_, 0.0);                                                                     \
+    } while (0)
+
+static void test_bad_configurations_are_refused(void)
+{
+    iqfoc_pattern_control_t c;
+    three_pulses(1);
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_pattern_control_init(NULL, &drive, &table, 0));
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_pattern_control_init(&c, NULL, &table, 0));
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_pattern_control_init(&c, &drive, NULL, 0));
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_PATTERN, iqfoc_pattern_control_init(&c, &drive, &table, -1));
+    const int32_t q30 = INT32_C(1) << 30;
+    REFUSED(winding.rho_q30, -1, 0, IQFOC_ERROR_PREDICTOR);
+    REFUSED(winding.rho_q30, q30 + 1, q30, IQFOC_ERROR_PREDICTOR);
+    REFUSED(winding.k_u_q26, q30 / 128 - 1, q30 / 128, IQFOC_ERROR_PREDICTOR);
+    REFUSED(winding.k_u_q26, q30 + 1, q30, IQFOC_ERROR_PREDICTOR);
+    REFUSED(winding.k_psi_q27, -1, 0, IQFOC_ERROR_PREDICTOR);
+    REFUSED(winding.k_psi_q27, q30 + 1, INT32_C(1) << 27, IQFOC_ERROR_PREDICTOR);
+    REFUSED(correction, -1, 0, IQFOC_ERROR_GAINS);
+    REFUSED(correction, IQ24_ONE + 1, IQ24_ONE, IQFOC_ERROR_GAINS);
+    REFUSED(disturbance, -1, 0, IQFOC_ERROR_GAINS);
+    REFUSED(disturbance, IQ24(0.25) + 1, IQ24(0.25), IQFOC_ERROR_GAINS);
+    iqfoc_pattern_control_config_t config = drive;
+    config.winding.k_u_q26 = q30 / 128; /* l = 8 */
+    config.winding.k_psi_q27 = q30 / 4; /* 2 */
+    (void)control_of(&config, 0.0);
+    config.winding.k_psi_q27 += 1;
+    refused(&config, IQFOC_ERROR_PREDICTOR); /* psi above 16 */
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1) {
+        cycles_drawn = strtol(argv[1], NULL, 10);
+        if (cycles_drawn < 100 || cycles_drawn > 1000000000) {
+            fprintf(stderr, "%s: the number of cycles must be 100 ... 1000000000\n", argv[0]);
+            return 2;
+        }
+    }
+    UNITY_BEGIN();
+    RUN_TEST(test_cycle_is_that_of_the_formulas);
+    RUN_TEST(test_prediction_error_is_learnt);
+    RUN_TEST(test_mean_of_the_link);
+    RUN_TEST(test_no_time_is_below_the_least);
+    RUN_TEST(test_bad_configurations_are_refused);
+    return UNITY_END();
+}
