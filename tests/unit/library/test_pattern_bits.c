@@ -1,0 +1,115 @@
+/*
+ * The modulator by pulse pattern and its control to the last bit: hashes over edges, states and trajectories of drawn tables, forward and
+ * backward, with jumps of every input. test_pattern.c and test_pattern_control.c have the references in double.
+ */
+#include "bits.h"
+#include "hash.h"
+#include "pattern_reference.h"
+
+#include "iqfoc/pattern_control.h"
+
+#define CYCLES 20000
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void add_edges(uint64_t *digest, const iqfoc_pattern_edges_t edges[3])
+{
+    for (int k = 0; k < 3; k++) {
+        digest_add(digest, edges[k].level);
+        digest_add(digest, edges[k].edges);
+        digest_add(digest, edges[k].high);
+        bits_add(digest, edges[k].at, (size_t)edges[k].edges * sizeof edges[k].at[0]);
+    }
+}
+
+static void the_modulator(void)
+{
+    uint64_t seed = 3;
+    uint64_t digest = DIGEST_START;
+    iqfoc_pattern_modulator_t m;
+    for (int n = 0; n < CYCLES; n++) {
+        if (n % 100 == 0) {
+            drawn_table(&seed);
+            TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_init(&m, &table, random_iq24(&seed, 0.0, 0.2)));
+        }
+        const iq24_t angle = bits_random(&seed, INT32_MIN, INT32_MAX);
+        const iq24_t turns = random_iq24(&seed, -0.15, 0.15);
+        const iq24_t u = random_iq24(&seed, 0.0, 1.0);
+        iqfoc_pattern_edges_t edges[3];
+        iqfoc_pattern_step(&m, angle, turns, iqfoc_pattern_index(u, random_iq24(&seed, 0.7, 2.0)), edges);
+        add_edges(&digest, edges);
+        bits_add(&digest, m.leg, sizeof m.leg);
+    }
+    bits_golden(UINT64_C(0xfe738ac9a4dbbd44), digest);
+}
+
+static iqfoc_pattern_control_config_t any_machine(uint64_t *seed)
+{
+    iqfoc_pattern_control_config_t config;
+    config.winding.rho_q30 = bits_random(seed, 0, 1 << 27);
+    config.winding.k_u_q26 = bits_random(seed, 1 << 25, 1 << 28);
+    config.winding.k_psi_q27 = bits_random(seed, 0, 1 << 28);
+    config.correction = random_iq24(seed, 0.0, 1.0);
+    config.disturbance = random_iq24(seed, 0.0, 0.25);
+    return config;
+}
+
+static void the_control(void)
+{
+    uint64_t seed = 4;
+    uint64_t digest = DIGEST_START;
+    iqfoc_pattern_control_t c;
+    iq24_t theta = 0;
+    iq24_t turns = 0;
+    iqfoc_dq_t i_ref = {0, 0};
+    double far = 0.0;
+    for (int n = 0; n < CYCLES; n++) {
+        if (n % 200 == 0) {
+            drawn_table(&seed);
+            const iqfoc_pattern_control_config_t config = any_machine(&seed);
+            TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_control_init(&c, &config, &table, IQ24(0.02)));
+            digest_add(&digest, c.l);
+            digest_add(&digest, c.r);
+            digest_add(&digest, c.psi);
+            digest_add(&digest, c.disturbance_l);
+        }
+        if (n % 20 == 0) {
+            turns = random_iq24(&seed, -0.13, 0.13);
+            i_ref.d = random_iq24(&seed, -1.5, 1.5);
+            i_ref.q = random_iq24(&seed, -1.5, 1.5);
+            far = n % 3 == 0 ? 0.01 : 1.0;
+        }
+        iqfoc_ab_t i = c.i_next;
+        i.alpha = iq24_clamp(i.alpha + random_iq24(&seed, -far, far), IQ24(-8.0), IQ24(8.0));
+        i.beta = iq24_clamp(i.beta + random_iq24(&seed, -far, far), IQ24(-8.0), IQ24(8.0));
+        iqfoc_pattern_edges_t edges[3];
+        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_step(&c, i, theta, random_iq24(&seed, 0.5, 1.5), edges);
+        theta = iq24_add_wrap(theta, turns);
+        add_edges(&digest, edges);
+        digest_add(&digest, c.trajectory.u_angle);
+        bits_add(&digest, &c.trajectory.steady, sizeof c.trajectory.steady);
+        bits_add(&digest, &c.trajectory.drift, sizeof c.trajectory.drift);
+        bits_add(&digest, c.leg, sizeof c.leg);
+        bits_add(&digest, &c.i_next, sizeof c.i_next);
+        bits_add(&digest, &c.v, sizeof c.v);
+        bits_add(&digest, &c.error, sizeof c.error);
+        digest_add(&digest, c.u_mean);
+        digest_add(&digest, c.u_dc_inverse);
+    }
+    bits_golden(UINT64_C(0x7b9987d23cb4a51c), digest);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_modulator);
+    RUN_TEST(the_control);
+    return UNITY_END();
+}
