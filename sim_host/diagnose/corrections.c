@@ -9,6 +9,9 @@
 #include "measure/sensor_fault.h"
 #include "result.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 static void say(FILE *trace, size_t rows, const char *what)
 {
     if (rows > 0 && trace) {
@@ -95,6 +98,23 @@ bool corrections_by_rows(session *w, const motor *file, hypothesis_set skip, FIL
     say(trace, missed, "missed updates");
     say(trace, rippled, "DC-link ripple");
     *corrected = faulty + missed + rippled;
+    return true;
+}
+
+bool corrections_take_back(diagnose_rows *r)
+{
+    size_t kept = 0;
+    while (kept < r->corrections && r->correction[kept].cause != CAUSE_MISSED_UPDATE &&
+           r->correction[kept].cause != CAUSE_DC_LINK_RIPPLE) {
+        kept++;
+    }
+    if (kept == r->corrections) {
+        return false;
+    }
+    memcpy(r->row, r->correction[kept].before, r->rows * sizeof *r->row);
+    while (r->corrections > kept) {
+        free(r->correction[--r->corrections].before);
+    }
     return true;
 }
 

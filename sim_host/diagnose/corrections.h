@@ -17,6 +17,9 @@ bool corrections_by_modulator(session *w, FILE *trace, bool *changed);
 /* Corrections of rows that the drive found so far shows, except those made before. *corrected: number of rows; if any, the search must be repeated. False: out of memory. */
 bool corrections_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *trace, size_t *corrected);
 
+/* Takes back the corrections that the model's error led to: missed updates and DC-link ripple. False: there is none. */
+bool corrections_take_back(diagnose_rows *r);
+
 /* Whether the rows were corrected for a cause. */
 bool corrections_of(const diagnose_rows *r, cause_id cause);
 

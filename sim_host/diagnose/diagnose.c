@@ -99,7 +99,7 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
         return false;
     }
     for (size_t k = 0; k < d->causes; k++) {
-        d->cause[k].probability = of[member[k]].probability;
+        d->cause[k].probability = w->borne_out * of[member[k]].probability;
     }
     evidence_option own;
     evidence_option none;
@@ -129,17 +129,18 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
 }
 
 /* Several causes explain the recording alike: which, and the recording that separates them, at the state with the one that was fitted. */
-static bool tell_undecided(session *w, evidence_view *view, diagnosis *d)
+static bool tell_undecided(session *w, evidence_view *view, const hypothesis_id *member, diagnosis *d)
 {
     session *open = malloc(sizeof *open);
     bool ok = open != NULL;
     if (ok) {
         *open = *w;
         open->state = w->open;
-        ok = evidence_look(&open->fitted, &open->state, w->possible, view);
+        ok = certainty_of(&open->fitted, &open->state, &open->certainty) &&
+             evidence_look(&open->fitted, &open->state, w->possible, view);
     }
     if (ok) {
-        explanations_tell(open, view, hypotheses_named(w->open.set) & ~w->undecided, d);
+        explanations_tell(open, view, hypotheses_named(w->open.set) & ~w->undecided, member, d);
         experiment_of_explanations(open, view, w->undecided, d);
     }
     free(open);
@@ -157,10 +158,10 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
         ok = tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
     }
     if (ok) {
-        visible_tell(w, view, d);
+        visible_tell(w, view, member, d);
         d->reliable = d->verdict == VERDICT_CLEAN || d->verdict == VERDICT_EXPLAINED;
         known_widen(d);
-        ok = w->undecided == 0 || tell_undecided(w, view, d);
+        ok = w->undecided == 0 || tell_undecided(w, view, member, d);
         if (ok && d->experiment.numbers == 0) {
             ok = evidence_look(&w->fitted, &w->state, w->possible, view);
             experiment_find(w, view, member, d);
@@ -255,15 +256,27 @@ static double error_with(const diagnose_rows *r, const averaged_drive *drive)
     return measure_one_cycle(r, drive, MEASURE_ALL, true);
 }
 
-/* A fit of the whole drive that raises the open-loop error of an operating point stands in for an effect without a name. Then no cause is
- * named. */
-static bool leave_what_raises_open_loop(session *w, FILE *trace)
+/* Causes that leave more than all effects of the catalogue would are not named. */
+static const double LIKELY = 0.5;
+
+static bool leave_unlikely(session *w, FILE *trace)
 {
-    if (hypotheses_named(w->state.set) == 0 || !session_raises_open_loop(w)) {
+    const bool plain_law = averaged_drive_loses(&w->frame.nominal);
+    const diagnose_rows recorded = corrected_rows_before(&w->rows, 0);
+    w->borne_out = session_borne_out(w, &w->rows);
+    w->corrections_borne_out = session_borne_out(w, &recorded);
+    if (trace) {
+        fprintf(trace, "  probability of the catalogue: %.4f, with the corrections of rows %.4f\n",
+                w->borne_out, w->corrections_borne_out);
+    }
+    const bool drops = !plain_law && w->borne_out < LIKELY &&
+                       (hypotheses_named(w->state.set) != 0 || w->rows.corrections > 0);
+    const bool taken_back = drops && w->corrections_borne_out < LIKELY && corrections_take_back(&w->rows);
+    if (!taken_back && (!drops || hypotheses_named(w->state.set) == 0)) {
         return true;
     }
-    if (trace) {
-        fprintf(trace, "  the causes raise the open-loop error of an operating point, and none is named\n");
+    if (taken_back && !fit_of_nominal(&w->fitted, &w->nominal)) {
+        return false;
     }
     w->state = w->nominal;
     w->minor = 0;
@@ -370,11 +383,11 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         whole_drive_divide(w);
     }
     bool likely = false;
-    if (!likely_drive_fit(w, whole, &likely, &options->teller) ||
-        (!whole && !likely && !undecided_take_out(w, &options->teller))) {
+    if (!likely_drive_fit(w, whole, &likely, &options->teller)) {
         return false;
     }
-    if (whole && !leave_what_raises_open_loop(w, options->teller.trace)) {
+    w->open = w->state;
+    if (!leave_unlikely(w, options->teller.trace) || (!likely && !undecided_take_out(w, &options->teller))) {
         return false;
     }
     if (options->teller.trace) {
@@ -410,7 +423,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!tell_hypotheses(w, d, member, options->skip)) {
         return false;
     }
-    corrected_causes_tell(&w->rows, m, d);
+    corrected_causes_tell(&w->rows, m, w->corrections_borne_out, d);
     advice_tell(w, d);
     sentence_tell(d);
     d->rows_clipped = w->rows.clipped;
@@ -458,7 +471,10 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
     if (ok && d->explanations == 0 && d->extended > SUSPECT * d->noise_floor) {
         ok = check_wiring(rec, m, d->extended > FAR_OFF, e);
     }
-    ok = ok && check_motor_file(&d->extended_drive, &d->nominal_drive, rec, e);
+    if (ok) {
+        const averaged_drive fitted = coordinates_drive(&w->frame, w->open.z, w->open.edge);
+        ok = check_motor_file(&fitted, &w->frame.nominal, rec, e);
+    }
     fit_data_free(&w->fitted);
     rows_free(&w->rows);
     free(w);

@@ -157,9 +157,11 @@ typedef struct diagnosis_direction {
     char words[200];
 } diagnosis_direction;
 
-/* One of several causes that explain the recording alike. */
+/* One of several sets of causes that explain the recording alike. */
 typedef struct diagnosis_explanation {
-    const char *id;
+    size_t count;
+    const char *id[DIAGNOSIS_TRADES];
+    char words[80];     /* the ids, joined by " + " */
     double probability; /* among these */
 } diagnosis_explanation;
 

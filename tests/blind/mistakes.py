@@ -231,6 +231,28 @@ class Mistakes(unittest.TestCase):
     def test_one_error_within_the_tolerance_of_the_rest(self):
         self.holds(GAUGE)
 
+    def test_a_common_factor_that_no_current_shows(self):
+        """psi -3 %, L -5 %, R +20 % and a dead time: the factor of R, L, psi_f and all voltages is not seen. The answers are candidates,
+        the true one among them, and each interval holds the truth."""
+        row = Row("a common factor", "dead_time", None, off(psi=3.09, L=5.26, R=-16.7), set())
+        with tempfile.TemporaryDirectory() as name:
+            done, result = self.diagnose(row, pathlib.Path(name))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = {cause["id"]: {p["name"]: p["ci95"] for p in cause["parameters"]} for cause in result["causes"]}
+        self.assertEqual(set(found), {"dead_time", "resistance"})
+        candidates = [set(one["causes"]) for one in result["candidates"]]
+        self.assertIn({"inductance", "flux_linkage"}, candidates)
+        self.assertIn({"voltage_gain", "flux_linkage"}, candidates)
+        self.assertAlmostEqual(sum(one["probability"] for one in result["candidates"]), 1.0, places=6)
+        for value, (low, high) in ((GOOD["R_ohm"], found["resistance"]["R"]), (3.39, found["dead_time"]["v_dead"])):
+            self.assertLessEqual(low, value)
+            self.assertGreaterEqual(high, value)
+        estimates = {one["name"]: one["ci95"] for one in result["estimates"]}
+        for key, value in GOOD.items():
+            low, high = estimates[key.rsplit("_", 1)[0]]
+            self.assertLessEqual(low, value, key)
+            self.assertGreaterEqual(high, value, key)
+
     def test_what_drifts(self):
         self.holds(DRIFT)
 

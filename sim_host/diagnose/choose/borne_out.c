@@ -1,23 +1,24 @@
-/* More explained than left (borne_out.h). */
+/* Whether the catalogue explains the error (borne_out.h). */
 #include "borne_out.h"
+
+#include "diagnose/result.h"
 
 #include <math.h>
 
-/* Up to this the filter trusts the model: counted angles, duties and a link that is measured leave as much. */
-static const double TRUSTED = 0.1;
+static const double LEFT_INSIDE = 0.05;
+static const double ODDS_INSIDE = 10.0;
 
-double borne_out_left(const group_noise *noise, size_t groups)
+double borne_out_left(double nominal, double extended, double floor)
 {
-    double left = 0.0;
-    for (size_t g = 0; g < groups; g++) {
-        /* Two components, each with (1 - gain) of its variance. */
-        left -= 2.0 * noise[g].rows * log((1.0 - noise[g].gain) / (1.0 - TRUSTED));
+    const double noise = DIAGNOSIS_FLOOR_TOLERANCE * floor;
+    if (!(nominal > noise) || isnan(extended)) {
+        return NAN;
     }
-    return fmax(left, 0.0);
+    return fmax(extended * extended - noise * noise, 0.0) / (nominal * nominal - noise * noise);
 }
 
-bool borne_out(double gained, double left, double file, double named, double floor)
+double borne_out_probability(double left)
 {
-    const double noise = fmin(floor, named);
-    return gained >= left || file * file - named * named >= named * named - noise * noise;
+    const double odds = isnan(left) ? ODDS_INSIDE : ODDS_INSIDE * exp(-left / LEFT_INSIDE) / LEFT_INSIDE;
+    return odds / (1.0 + odds);
 }

@@ -1,25 +1,28 @@
 /*
- * Whether the causes that were found, all together, explain as much as they leave.
+ * The probability that the named effects are the ones that act.
  *
- * What has no name in the list is taken in part by causes that have one: six terms of a flux map, say, take a fifth of what an
- * angle's error of the third order does, and each of them is certain. What is left then is the most of it, and a name for
- * the lesser part is a guess. Two measures of one question; neither needs to know what the effect is:
+ * An effect outside the catalogue is taken in part by causes of the catalogue: six terms of a flux map, for example, take a fifth of an
+ * angle's error of the third order, and each term is certain. The probabilities of the causes compare them with each other only. So the
+ * share of the error that is left is weighed as well. All effects of the catalogue together leave little. An effect outside it can leave
+ * any share:
  *
- *     -2 log likelihood    the named ones' gain on the motor file's     what the filter's gain says there is still to gain
- *     power, held out      by what they reduce the one-cycle error    what of it they leave beyond the noise floor
+ *     left         share of the nominal model's error that is left, as power above the noise
+ *     inside       left is exponential of mean 0.05
+ *     outside      left is uniform from 0 to 1
+ *     odds         ten drives of the catalogue for each one that is not
  *
- * The first sees what one cycle hardly shows; the second counts where sensors have next to no noise, and a filter has no reason
- * to trust any model. Names stay if either has it that more is explained than left.
+ * The causes are named if the catalogue is the likelier one. Then the share left is at most 0.26.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_BORNE_OUT_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_BORNE_OUT_H
 
-#include "session.h"
+/*
+ * The share left, 0 to 1, and more if the error rises; errors in one unit. Up to 1.25 noise floors an error counts as noise. NAN if the
+ * nominal error is that small, as it says nothing about its parts, or if a simulation diverged (an error of NAN).
+ */
+double borne_out_left(double nominal, double extended, double floor);
 
-/* What sensor noise alone would leave less, as -2 log likelihood: white innovations, a share (1 - gain) trusted by the filter. */
-double borne_out_left(const group_noise *noise, size_t groups);
-
-/* One-cycle errors and the floor in one unit; gained and left as -2 log likelihood. */
-bool borne_out(double gained, double left, double file, double named, double floor);
+/* The probability of the catalogue, given the share that is left; of the one before all for NAN. */
+double borne_out_probability(double left);
 
 #endif

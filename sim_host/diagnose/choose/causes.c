@@ -1,7 +1,6 @@
 /* Search and prune in turn until all that stays is certain (causes.h). */
 #include "causes.h"
 
-#include "borne_out.h"
 #include "confusion.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/measure/errors.h"
@@ -349,23 +348,11 @@ bool causes_find(session *w, const diagnose_teller *teller)
     return find(w, w->possible, teller);
 }
 
-/* Whether the named members together explain as much as they leave. The floor, which structure raises, is no higher than
- * what the model with all its members leaves. */
-static bool is_borne_out(const session *w)
-{
-    const averaged_drive drive = session_drive(w, w->state.z);
-    const double all = measure_without_glitches(&w->rows, &drive);
-    const double in_all = in_floors(session_floor(w, &w->state), all);
-    return borne_out(w->nominal.objective - w->state.objective,
-                     borne_out_left(w->state.noise, w->rows.groups), session_named_error(w, 0),
-                     session_named_error(w, w->state.set), in_all > 1.0 ? all / in_all : all);
-}
-
 bool causes_bear_out(session *w, const diagnose_teller *teller)
 {
     /* What a file's own dead time leaves near no current, by the plain law that a file has, is no effect without a name. */
     const bool plain_law = averaged_drive_loses(&w->frame.nominal);
-    if (hypotheses_named(w->state.set) == 0 || plain_law || is_borne_out(w)) {
+    if (hypotheses_named(w->state.set) == 0 || plain_law || session_borne_out(w, &w->rows) >= LIKELY) {
         return true;
     }
     if (teller->trace) {

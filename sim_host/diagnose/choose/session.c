@@ -1,6 +1,7 @@
 /* Errors of the state, and what they leave (session.h). */
 #include "session.h"
 
+#include "borne_out.h"
 #include "diagnose/measure/errors.h"
 #include "diagnose/measure/floor.h"
 #include "diagnose/measure/runs.h"
@@ -32,29 +33,18 @@ double session_named_error(const session *w, hypothesis_set set)
     return measure_without_glitches(&w->rows, &drive);
 }
 
-/* An open-loop error may grow by this factor, in addition to the noise floor. */
-static const double WORSE = 1.1;
-/* Percent; above it the simulation has diverged. */
-static const double DIVERGED = 1e4;
-
-bool session_raises_open_loop(const session *w)
+double session_borne_out(const session *w, const diagnose_rows *from)
 {
-    double before[ROWS_MAX_GROUPS] = {0};
-    double after[ROWS_MAX_GROUPS] = {0};
+    const averaged_drive all = session_drive(w, w->state.z);
     const averaged_drive drive = named_drive(w, w->state.set);
-    const double floor_A = 0.01 * session_floor(w, &w->state) * measure_current(&w->rows, MEASURE_ALL, true);
+    const double floor = fmin(session_floor(w, &w->state), measure_without_glitches(&w->rows, &all));
+    const double one_cycle = borne_out_left(measure_without_glitches(from, &w->frame.nominal),
+                                            measure_without_glitches(&w->rows, &drive), floor);
+    const double open_loop = borne_out_left(measure_open_loop(from, &w->frame.nominal, NULL),
+                                            measure_open_loop(&w->rows, &drive, NULL), floor);
     const bool by_sign = drive.compensation_V != 0.0 && drive.v_dead_V < 0.0;
-    if (by_sign || isnan(measure_open_loop(&w->rows, &w->frame.nominal, before)) ||
-        isnan(measure_open_loop(&w->rows, &drive, after))) {
-        return false;
-    }
-    for (size_t g = 0; g < w->rows.groups; g++) {
-        const double floor = 100.0 * floor_A / measure_current(&w->rows, g, false);
-        if (after[g] > WORSE * before[g] + floor && after[g] < DIVERGED) {
-            return true;
-        }
-    }
-    return false;
+    const bool rises = open_loop > 1.0 && !by_sign;
+    return borne_out_probability(rises ? open_loop : fmin(one_cycle, open_loop));
 }
 
 bool session_holds_unnamed(const session *w)

@@ -18,8 +18,9 @@ typedef struct session {
     hypothesis_set minor;     /* members of the state's set that are certain, but small */
     hypothesis_set undecided; /* taken out at the end, as the recording does not show which cause it is */
     fit_state open;           /* the state with these */
-    bool more_left;           /* than the best causes explained: none of them is named */
-    bool no_memory;           /* memory ran out in a measure (rows.no_memory) */
+    double borne_out, corrections_borne_out; /* probability of the members, of these and the corrections */
+    bool more_left;                          /* than the best causes explained: none of them is named */
+    bool no_memory;                          /* memory ran out in a measure (rows.no_memory) */
 } session;
 
 static inline averaged_drive session_drive(const session *w, const double z[P_COUNT])
@@ -50,11 +51,13 @@ bool session_holds_unnamed(const session *w);
 bool session_leaves(const session *w, double floors);
 
 /*
- * Whether the named members of w->state raise the open-loop error of an operating point beyond the noise. A true cause seldom does; one
- * that stands in for an effect without a name fits some operating points at the cost of others. An operating point at which either
- * simulation diverges does not count.
+ * The probability that the named members of w->state are the effects that act (borne_out.h), against the nominal model on some rows: the
+ * corrected ones, or those before the corrections, to weigh these as well. Of the one-cycle
+ * error and the open-loop error the one counts that is explained better: one cycle hardly shows a current's offset or gain, and a
+ * dead time that is compensated makes the open-loop simulation depend on the noise of a current near zero. An open-loop error that rises
+ * counts, unless the dead time is over-compensated.
  */
-bool session_raises_open_loop(const session *w);
+double session_borne_out(const session *w, const diagnose_rows *from);
 
 /* Whether a state whose error is so many percent explains most of the nominal model's error above the noise floor. */
 bool session_explains_most(const session *w, const fit_state *s, double percent);

@@ -123,9 +123,11 @@ void experiment_of_explanations(const session *w, const evidence_view *view, hyp
 {
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         for (size_t k = 0; hypothesis_in(undecided, h) && k < d->explanations; k++) {
-            const char *other = d->explanation[k].id;
-            if (strcmp(other, hypothesis_cause(h)->id) != 0 && tell_apart(w, view, h, other, d)) {
-                return;
+            const diagnosis_explanation *e = &d->explanation[k];
+            for (size_t n = 0; n < e->count; n++) {
+                if (strcmp(e->id[n], hypothesis_cause(h)->id) != 0 && tell_apart(w, view, h, e->id[n], d)) {
+                    return;
+                }
             }
         }
     }

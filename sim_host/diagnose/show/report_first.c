@@ -52,7 +52,7 @@ static void put_remarks(page *p, const diagnosis *d)
     size_t used = 0;
     for (size_t k = 0; k < d->explanations && used < sizeof text; k++) {
         const int n = snprintf(text + used, sizeof text - used, "%s%s (probability %.2g)",
-                               k > 0 ? " or " : "", d->explanation[k].id, d->explanation[k].probability);
+                               k > 0 ? " or " : "", d->explanation[k].words, d->explanation[k].probability);
         used += n > 0 ? (size_t)n : 0;
     }
     if (d->explanations > 0) {

@@ -37,7 +37,7 @@ static void tell(const row_correction *found, const motor *file, diagnosis *d, d
     motor_note_extension(&d->extended_motor, found->cause);
 }
 
-void corrected_causes_tell(const diagnose_rows *r, const motor *file, diagnosis *d)
+void corrected_causes_tell(const diagnose_rows *r, const motor *file, double probability, diagnosis *d)
 {
     for (size_t n = 0; n < r->corrections && d->causes < DIAGNOSIS_CAUSES; n++) {
         const cause_id id = r->correction[n].cause;
@@ -46,7 +46,7 @@ void corrected_causes_tell(const diagnose_rows *r, const motor *file, diagnosis 
         *cause = (diagnosis_cause){.id = cause_table[id].id,
                                    .words = cause_table[id].words,
                                    .gain = after > 0.0 ? error_with(r, n, d) / after : 1.0,
-                                   .probability = 1.0};
+                                   .probability = probability};
         tell(&r->correction[n], file, d, cause);
     }
 }

@@ -76,7 +76,9 @@ static json_t *candidates_json(const diagnosis *d)
     json_t *list = d->explanations > 0 ? json_array() : json_null();
     for (size_t k = 0; k < d->explanations; k++) {
         json_t *causes = json_array();
-        json_array_append_new(causes, json_string(d->explanation[k].id));
+        for (size_t n = 0; n < d->explanation[k].count; n++) {
+            json_array_append_new(causes, json_string(d->explanation[k].id[n]));
+        }
         json_array_append_new(list, json_pack("{s:o, s:o}", "causes", causes, "probability",
                                               json_number(d->explanation[k].probability)));
     }

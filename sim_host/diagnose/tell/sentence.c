@@ -45,7 +45,7 @@ void sentence_tell(diagnosis *d)
             out, size, "The error of the nominal model is %s, the noise floor %s. ", nominal, floor);
         for (size_t k = 0; k < d->explanations && used < size; k++) {
             const int n =
-                snprintf(out + used, size - used, "%s%s", k > 0 ? " or " : "", d->explanation[k].id);
+                snprintf(out + used, size - used, "%s%s", k > 0 ? " or " : "", d->explanation[k].words);
             used += n > 0 ? (size_t)n : 0;
         }
         if (used < size) {

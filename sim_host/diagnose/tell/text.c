@@ -32,7 +32,7 @@ static void print_minor(FILE *out, const diagnosis *d)
     for (size_t k = 0; k < d->explanations; k++) {
         fprintf(out, "%s%s (%.2f)",
                 k == 0 ? "\n  one of these, and this recording does not tell which: " : ", ",
-                d->explanation[k].id, d->explanation[k].probability);
+                d->explanation[k].words, d->explanation[k].probability);
     }
     fputs(d->explanations > 0 ? "\n" : "", out);
 }

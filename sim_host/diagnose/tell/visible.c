@@ -2,9 +2,12 @@
 #include "visible.h"
 
 #include "base/solve.h"
+#include "values.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 enum { NUMBERS = 4 };
 
@@ -19,6 +22,8 @@ static const double SHOWN = 4.0;
 static const double PART = 0.1;
 /* In -2 log of odds: explanations this far behind the best count, and the best must reduce the error by as much. */
 static const double ALIKE = 12.0;
+/* The most causes of one explanation, if several are undecided. */
+enum { MEMBERS = 2 };
 
 /* The information about the numbers in addition to the prior of usual sizes; the others are unchanged. */
 static void information(const session *w, const evidence_view *view, double a[NUMBERS * NUMBERS])
@@ -79,44 +84,121 @@ static void tell_directions(const session *w, const evidence_view *view, diagnos
     }
 }
 
-void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named, diagnosis *d)
+/* The explanations that were found, the best first. */
+typedef struct explanation_list {
+    size_t count, most; /* most: the members of one */
+    evidence_option option[DIAGNOSIS_EXPLANATIONS];
+} explanation_list;
+
+static void keep_explanation(explanation_list *list, const evidence_option *option)
 {
-    double score[DIAGNOSIS_EXPLANATIONS] = {0};
-    evidence_option none;
-    double sum = 0.0;
-    evidence_cost(view, &w->state, named, &none);
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        evidence_option option;
-        if (!hypothesis_in(w->possible, h) || !hypothesis_cause(h)->named || !hypothesis_joins(named, h) ||
-            (hypothesis_table[h].columns > 1 && !hypothesis_in(w->undecided, h)) ||
-            !evidence_cost(view, &w->state, named | HYPOTHESIS_BIT(h), &option) ||
-            none.cost - option.cost < ALIKE * w->certainty.inflation) {
-            continue;
-        }
-        size_t at = d->explanations < DIAGNOSIS_EXPLANATIONS ? d->explanations++ : DIAGNOSIS_EXPLANATIONS;
-        for (; at > 0 && option.score < score[at - 1]; at--) {
-            if (at < DIAGNOSIS_EXPLANATIONS) {
-                score[at] = score[at - 1];
-                d->explanation[at] = d->explanation[at - 1];
-            }
-        }
+    size_t at = list->count < DIAGNOSIS_EXPLANATIONS ? list->count++ : DIAGNOSIS_EXPLANATIONS;
+    for (; at > 0 && option->score < list->option[at - 1].score; at--) {
         if (at < DIAGNOSIS_EXPLANATIONS) {
-            score[at] = option.score;
-            d->explanation[at].id = hypothesis_cause(h)->id;
+            list->option[at] = list->option[at - 1];
         }
     }
-    size_t n = 0;
-    for (; n < d->explanations && score[n] - score[0] < ALIKE * w->certainty.inflation; n++) {
-        d->explanation[n].probability = exp(-0.5 * (score[n] - score[0]) / w->certainty.inflation);
-        sum += d->explanation[n].probability;
-    }
-    d->explanations = n > 1 ? n : 0;
-    for (size_t k = 0; k < d->explanations; k++) {
-        d->explanation[k].probability /= sum;
+    if (at < DIAGNOSIS_EXPLANATIONS) {
+        list->option[at] = *option;
     }
 }
 
-void visible_tell(const session *w, const evidence_view *view, diagnosis *d)
+/* Adds the sets with one member more, from `first` on, to a set of this cost, and those with more. */
+static void add_explanations(const session *w, const evidence_view *view, hypothesis_set set, double cost,
+                             hypothesis_id first, size_t more, explanation_list *list)
+{
+    const double alike = ALIKE * w->certainty.inflation;
+    for (hypothesis_id h = first; more > 0 && h < H_COUNT; h++) {
+        evidence_option option;
+        evidence_option without;
+        const hypothesis_set with = set | HYPOTHESIS_BIT(h);
+        if (!hypothesis_in(w->possible, h) || !hypothesis_cause(h)->named || !hypothesis_joins(set, h) ||
+            (hypothesis_table[h].columns > 1 && !hypothesis_in(w->undecided, h))) {
+            continue;
+        }
+        const bool is_choice = evidence_cost(view, &w->state, with, &option);
+        bool needed = is_choice && cost - option.cost >= alike;
+        for (hypothesis_id other = 0; needed && other < first; other++) {
+            if (hypothesis_in(set & ~w->state.set, other) || hypothesis_in(set & w->undecided, other)) {
+                evidence_cost(view, &w->state, with & ~HYPOTHESIS_BIT(other), &without);
+                needed = without.cost - option.cost >= alike;
+            }
+        }
+        if (needed) {
+            keep_explanation(list, &option);
+        }
+        add_explanations(w, view, with, option.cost, h + 1, more - 1, list);
+    }
+}
+
+static void put_explanation(hypothesis_set set, double probability, diagnosis *d)
+{
+    diagnosis_explanation *out = &d->explanation[d->explanations++];
+    size_t used = 0;
+    *out = (diagnosis_explanation){.probability = probability};
+    for (hypothesis_id h = 0; h < H_COUNT && out->count < DIAGNOSIS_TRADES; h++) {
+        if (hypothesis_in(set, h) && used < sizeof out->words) {
+            const char *id = hypothesis_cause(h)->id;
+            const int n = snprintf(out->words + used, sizeof out->words - used, "%s%s",
+                                   out->count > 0 ? " + " : "", id);
+            used += n > 0 ? (size_t)n : 0;
+            out->id[out->count++] = id;
+        }
+    }
+}
+
+/* Another explanation moves the values of the named causes: their intervals reach as far. */
+static void widen_named(const session *w, const evidence_option *option, const hypothesis_id *member,
+                        diagnosis *d)
+{
+    session *other = malloc(sizeof *other);
+    if (!other) {
+        rows_note_no_memory(&w->rows);
+        return;
+    }
+    *other = *w;
+    memcpy(other->state.z, option->z, sizeof other->state.z);
+    for (size_t k = 0; k < d->causes; k++) {
+        diagnosis_cause *cause = &d->cause[k];
+        diagnosis_cause there = *cause;
+        values_tell(other, member[k], &there);
+        for (size_t n = 0; n < cause->parameters; n++) {
+            cause->parameter[n].low = fmin(cause->parameter[n].low, there.parameter[n].low);
+            cause->parameter[n].high = fmax(cause->parameter[n].high, there.parameter[n].high);
+        }
+    }
+    free(other);
+}
+
+void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named,
+                       const hypothesis_id *member, diagnosis *d)
+{
+    explanation_list list = {.most = 1};
+    evidence_option none;
+    double weight[DIAGNOSIS_EXPLANATIONS] = {0.0};
+    double sum = 0.0;
+    size_t n = 0;
+    for (hypothesis_id h = 0, members = 0; h < H_COUNT; h++) {
+        members += hypothesis_in(w->undecided, h) ? 1 : 0;
+        list.most = members > 1 ? MEMBERS : 1;
+    }
+    evidence_cost(view, &w->state, named, &none);
+    add_explanations(w, view, named, none.cost, 0, list.most, &list);
+    for (; n < list.count; n++) {
+        const double behind = list.option[n].score - list.option[0].score;
+        if (behind >= ALIKE * w->certainty.inflation) {
+            break;
+        }
+        weight[n] = exp(-0.5 * behind / w->certainty.inflation);
+        sum += weight[n];
+    }
+    for (size_t k = 0; n > 1 && k < n; k++) {
+        put_explanation(list.option[k].set & ~named, weight[k] / sum, d);
+        widen_named(w, &list.option[k], member, d);
+    }
+}
+
+void visible_tell(const session *w, const evidence_view *view, const hypothesis_id *member, diagnosis *d)
 {
     tell_directions(w, view, d);
     const bool errs = d->nominal > DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
@@ -125,6 +207,6 @@ void visible_tell(const session *w, const evidence_view *view, diagnosis *d)
         d->verdict = d->causes > 0 ? VERDICT_PARTLY : VERDICT_UNEXPLAINED;
     }
     if (hidden) {
-        explanations_tell(w, view, hypotheses_named(w->state.set), d);
+        explanations_tell(w, view, hypotheses_named(w->state.set), member, d);
     }
 }

@@ -189,6 +189,7 @@ static void what_another_explains_as_well_is_left_open(void)
     takes(P_DR_A, 0.05, 200.0);
     takes(P_DL_B, 0.05, 199.0);
     takes(P_R, 0.05, 200.0);
+    factor[P_R] = 0.5;
     const hypothesis_set both = BIT(H_ASYMMETRY_A) | BIT(H_RESISTANCE);
     KEPT(both);
     TEST_ASSERT_TRUE(undecided_take_out(&w, &nobody));
@@ -196,7 +197,12 @@ static void what_another_explains_as_well_is_left_open(void)
     TEST_ASSERT_TRUE(w.open.set == both);
     SAME(0.05, w.open.z[P_DR_A]);
     SAME(0.0, w.state.z[P_DR_A]);
-    /* One that explains less by the odds of 0.99 leaves nothing open. */
+    /* What fits only together with it is open as well. */
+    factor[P_R] = 1.0;
+    KEPT(both);
+    TEST_ASSERT_TRUE(undecided_take_out(&w, &nobody));
+    TEST_ASSERT_TRUE(w.state.set == 0 && w.undecided == both && w.open.set == both);
+    /* One that explains less by the odds of 0.95 leaves nothing open. */
     takes(P_DL_B, 0.05, 180.0);
     KEPT(both);
     TEST_ASSERT_TRUE(undecided_take_out(&w, &nobody));

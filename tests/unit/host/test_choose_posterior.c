@@ -90,30 +90,30 @@ static void the_set_that_was_fitted_counts_whatever_the_parabola_says(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, of_all[H_FLUX].probability);
 }
 
-/* ---- Whether it explains as much as it leaves ---- */
+/* ---- The probability of the catalogue ---- */
 
-/* Sensor noise alone is (1 - gain) of each of two components' variance; a gain of a tenth is as good as none. */
-static void what_is_left_is_what_the_gain_says(void)
+static void what_is_left_is_a_share_of_the_power_above_the_noise(void)
 {
-    const group_noise noise[] = {{.gain = 0.55, .rows = 1000.0}, {.gain = 0.1, .rows = 5000.0}};
-    SAME(2.0 * 1000.0 * log(2.0), borne_out_left(noise, 1));
-    SAME(2.0 * 1000.0 * log(2.0), borne_out_left(noise, 2));
-    const group_noise trusted = {.gain = 0.03, .rows = 1000.0};
-    SAME(0.0, borne_out_left(&trusted, 1));
+    /* Up to 1.25 floors is noise: 9 is 1 of noise and 8. */
+    SAME(3.0 / 8.0, borne_out_left(3.0, 2.0, 0.8));
+    SAME(0.0, borne_out_left(3.0, 1.0, 0.8));
+    SAME(0.0, borne_out_left(3.0, 0.5, 0.8));
+    SAME(15.0 / 8.0, borne_out_left(3.0, 4.0, 0.8));
+    SAME(4.0 / 9.0, borne_out_left(3.0, 2.0, 0.0));
+    /* An error within the noise, or none, shows nothing. */
+    TEST_ASSERT_TRUE(isnan(borne_out_left(1.0, 0.5, 0.8)));
+    TEST_ASSERT_TRUE(isnan(borne_out_left(NAN, 0.5, 0.8)));
+    TEST_ASSERT_TRUE(isnan(borne_out_left(3.0, NAN, 0.8)));
 }
 
-static void a_set_explains_as_much_as_it_leaves(void)
+static void a_share_left_has_odds(void)
 {
-    /* By the likelihood; of the power it takes next to nothing, and leaves 3. */
-    TEST_ASSERT_TRUE(borne_out(1000.0, 1000.0, 2.0, 2.0, 1.0));
-    TEST_ASSERT_FALSE(borne_out(999.0, 1000.0, 2.0, 2.0, 1.0));
-    /* By the power: 9 is 4 of noise, 2 left, 3 explained. */
-    TEST_ASSERT_TRUE(borne_out(1.0, 1000.0, 3.0, sqrt(6.0), 2.0));
-    TEST_ASSERT_FALSE(borne_out(1.0, 1000.0, 3.0, sqrt(6.6), 2.0));
-    /* A floor above the error leaves nothing. */
-    TEST_ASSERT_TRUE(borne_out(1.0, 1000.0, 3.0, 2.5, 2.6));
-    /* What makes the error worse explains nothing. */
-    TEST_ASSERT_FALSE(borne_out(1.0, 1000.0, 3.0, 3.1, 2.0));
+    SAME(10.0 / 11.0, borne_out_probability(NAN));
+    SAME(200.0 / 201.0, borne_out_probability(0.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.5, borne_out_probability(0.05 * log(200.0)));
+    const double odds = 200.0 * exp(-4.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, odds / (1.0 + odds), borne_out_probability(0.2));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, borne_out_probability(1.0));
 }
 
 static certainty of_two(void)
@@ -282,8 +282,8 @@ int main(void)
     RUN_TEST(a_set_without_a_member_is_weighed_with_its_last_digits_held);
     RUN_TEST(the_set_with_one_more_counts);
     RUN_TEST(the_set_that_was_fitted_counts_whatever_the_parabola_says);
-    RUN_TEST(what_is_left_is_what_the_gain_says);
-    RUN_TEST(a_set_explains_as_much_as_it_leaves);
+    RUN_TEST(what_is_left_is_a_share_of_the_power_above_the_noise);
+    RUN_TEST(a_share_left_has_odds);
     RUN_TEST(what_is_asked_of_a_certainty);
     RUN_TEST(a_cause_of_two_columns_is_weighed_with_both);
     RUN_TEST(a_size_is_as_sure_as_its_columns_together);

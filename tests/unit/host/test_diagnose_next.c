@@ -66,7 +66,7 @@ static bool explains(const diagnosis *d, const char *id)
 {
     bool found = false;
     for (size_t k = 0; k < d->explanations; k++) {
-        found = found || strcmp(d->explanation[k].id, id) == 0;
+        found = found || strcmp(d->explanation[k].words, id) == 0;
     }
     return found;
 }
