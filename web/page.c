@@ -1,9 +1,10 @@
 /*
  * What the page in the browser calls: the diagnosis of a recording, the errors of mean and prediction over the frequency ratio,
- * and the loop's step. The same C as the program's; each call prints its JSON on stdout, what is to be said on stderr, and
+ * the loop's step, and the observer's angle error. The same C as the program's; each call prints its JSON on stdout, what is to be said on stderr, and
  * returns the program's exit status. Files are those that the page put into memory.
  */
 #include "base/json.h"
+#include "base/vector.h"
 #include "data/recording.h"
 #include "diagnose/diagnose.h"
 #include "diagnose/show/firmware_gain.h"
@@ -13,6 +14,11 @@
 #include "loops/current_loops.h"
 #include "reproduce/paper_2019.h"
 #include "reproduce/sweep.h"
+#include "tune/tune_design.h"
+#include "tune/tune_margins.h"
+#include "tune/tune_sensorless.h"
+
+#include "iqfoc/tracker.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -135,6 +141,89 @@ PAGE_CALL(page_step)(double rpm, double ratio, double R_ohm, double L_H, double 
                   json_pack("{s:f, s:f, s:i, s:o}", "cycle_s", 1.0 / c.truth.f_pwm_Hz, "reference_after", 0.7,
                             "cycles_before", (int)LOOP_TRACE_BEFORE, "methods", all),
                   &e);
+}
+
+/* The true machine over the model: shares. */
+typedef struct page_wrong {
+    double R, L, psi_f, voltage;
+} page_wrong;
+
+enum { WRONG_KINDS = 5 };
+static const char *const wrong_keys[WRONG_KINDS] = {"all", "R", "L", "psi_f", "voltage"};
+
+/* One of the errors alone; 0: all together. */
+static page_wrong only(const page_wrong *all, int kind)
+{
+    const page_wrong w = {kind == 0 || kind == 1 ? all->R : 1.0, kind == 0 || kind == 2 ? all->L : 1.0,
+                          kind == 0 || kind == 3 ? all->psi_f : 1.0,
+                          kind == 0 || kind == 4 ? all->voltage : 1.0};
+    return w;
+}
+
+static tune_operating_point point_of(const motor *m, const tune_sensorless *s, const page_wrong *wrong,
+                                     double ratio)
+{
+    tune_operating_point at = {.truth = s->control.machine,
+                               .voltage_gain = wrong->voltage,
+                               .phi_rad = VEC_TWO_PI / ratio,
+                               .i_q_A = motor_rated_peak_A(m)};
+    at.truth.R_ohm *= wrong->R;
+    at.truth.L_d_H *= wrong->L;
+    at.truth.L_q_H *= wrong->L;
+    at.truth.psi_f_Wb *= wrong->psi_f;
+    return at;
+}
+
+/* One ratio: the steady angle error of each kind, and noise and margins with all together. */
+static json_t *observer_json(const motor *m, const tune_sensorless *s, const page_wrong *all, double ratio)
+{
+    const double degrees = 360.0 / VEC_TWO_PI;
+    json_t *angles = json_object();
+    tune_loop loop;
+    tune_sensorless_error off = {NAN, NAN, NAN, NAN};
+    for (int kind = WRONG_KINDS - 1; kind >= 0; kind--) {
+        const page_wrong wrong = only(all, kind);
+        const tune_operating_point at = point_of(m, s, &wrong, ratio);
+        const bool steady = tune_sensorless_make(s, &at, 0.005 * motor_rated_peak_A(m), &loop, &off);
+        off.angle_rad = steady ? off.angle_rad : NAN;
+        off.angle_rms_rad = steady ? off.angle_rms_rad : NAN;
+        json_object_set_new(angles, wrong_keys[kind], json_number(degrees * off.angle_rad));
+    }
+    const double disk =
+        isnan(off.angle_rad) ? 0.0 : tune_disk_margin(&loop); /* the last one is all together */
+    const tune_operating_point at = point_of(m, s, all, ratio);
+    tune_loop measured;
+    tune_loop_make(&s->control, &at.truth, at.phi_rad, &tune_no_fault, &measured);
+    return json_pack("{s:f, s:o, s:o, s:f, s:f}", "sffr", ratio, "angle_deg", angles, "noise_deg",
+                     json_number(degrees * off.angle_rms_rad), "disk_observed", disk, "disk_measured",
+                     tune_disk_margin(&measured));
+}
+
+/*
+ * The tuned controller with a bandwidth of 0.6/T on the observed angle, at the rated current, over `count` ratios.
+ * The true machine is the sliders' one times the shares; controller and observer take it for the sliders' one. w_T: bandwidth
+ * of the observer's loop times the cycle.
+ */
+PAGE_CALL(page_observer)
+(double rpm, double R_ohm, double L_H, double psi_f_Wb, double share_R, double share_L, double share_psi,
+ double share_voltage, double w_T, double low, double high, int count)
+{
+    error e = {0};
+    json_t *points = json_array();
+    const page_wrong wrong = {share_R, share_L, share_psi, share_voltage};
+    const bool ok = count >= 2 && count <= RATIOS_MAX && w_T > 0.0;
+    for (int k = 0; k < count && ok; k++) {
+        const double ratio = low * pow(high / low, (double)k / (count - 1));
+        const motor m = machine_at(rpm, ratio, R_ohm, L_H, psi_f_Wb);
+        const tune_machine machine = {R_ohm, L_H, L_H, psi_f_Wb};
+        const double pole = IQFOC_RAW_TRACKER_POLE(w_T, 1.0);
+        const tune_sensorless s = {.control = tune_design_of(TUNE_PI, &machine, 1.0 / m.f_pwm_Hz, 0.6),
+                                   .k1 = IQFOC_RAW_TRACKER_K1_2(pole),
+                                   .k2 = IQFOC_RAW_TRACKER_K2_2(pole),
+                                   .gain_max = 0.5};
+        json_array_append_new(points, observer_json(&m, &s, &wrong, ratio));
+    }
+    return finish(ok, json_pack("{s:o}", "points", points), &e);
 }
 
 /* The line of `iqfoc golden`: that the library computes here what it does everywhere. */

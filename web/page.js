@@ -170,6 +170,10 @@
         }, data, box);
     }
 
+    const WRONG = [["all", "all together", "--purple"], ["R", "R", "--orange"], ["L", "L", "--blue"], ["psi_f", "psi", "--green"],
+        ["voltage", "voltage", "--soft"]];
+    const MARGINS = [["disk_measured", "measured angle", "--green"], ["disk_observed", "observed angle", "--purple"]];
+    const OBSERVER_LOW = 3.5;
     const RATIO_LOW = 5, RATIO_HIGH = 100, POINTS = 20;
     const common = () => ["R", "L", "psi"].map(value);
     let last = null;
@@ -178,23 +182,24 @@
         if (last === null) {
             return;
         }
-        const {points, step} = last;
+        const {points, step, observer} = last;
         const ratio = value("ratio");
+        const atRatio = (u) => {
+            const x = u.valToPos(ratio, "x", true);
+            u.ctx.save();
+            u.ctx.strokeStyle = colour("--soft");
+            u.ctx.setLineDash([4, 4]);
+            u.ctx.beginPath();
+            u.ctx.moveTo(x, u.bbox.top);
+            u.ctx.lineTo(x, u.bbox.top + u.bbox.height);
+            u.ctx.stroke();
+            u.ctx.restore();
+        };
         for (const kind of ["mean", "prediction"]) {
             draw("chart-" + kind, [points.map((p) => p.sffr), ...METHODS.map(([key]) => points.map((p) => p[kind][key]))],
                 METHODS.map(([key, name]) => ({label: key.replace("_", "-"), stroke: colour(name), width: 2})),
                 ["switching periods a revolution", "error, % of the current"],
-                {x: {time: false, distr: 3}, y: {distr: 3}}, (u) => {
-                    const x = u.valToPos(ratio, "x", true);
-                    u.ctx.save();
-                    u.ctx.strokeStyle = colour("--soft");
-                    u.ctx.setLineDash([4, 4]);
-                    u.ctx.beginPath();
-                    u.ctx.moveTo(x, u.bbox.top);
-                    u.ctx.lineTo(x, u.bbox.top + u.bbox.height);
-                    u.ctx.stroke();
-                    u.ctx.restore();
-                });
+                {x: {time: false, distr: 3}, y: {distr: 3}}, atRatio);
         }
         const cycles = step.methods[0].trace.map((_, k) => k - step.cycles_before);
         draw("chart-step", [cycles, ...step.methods.map((m) => m.trace)],
@@ -202,6 +207,16 @@
             ["control cycles since the step", "i_q over rated"],
             {x: {time: false}, y: {range: (u, low, high) => [Math.max(-0.5, Math.min(0.2, low)), Math.min(1.6, Math.max(0.9, high))]}});
         $("outcomes").textContent = step.methods.map((m) => `${m.method}: ${m.outcome}`).join("; ");
+        const ratios = observer.points.map((p) => p.sffr);
+        draw("chart-angle", [ratios, ...WRONG.map(([key]) => observer.points.map((p) => p.angle_deg[key]))],
+            WRONG.map(([key, words, name]) => ({label: words, stroke: colour(name), width: key === "all" ? 3 : 1.5})),
+            ["switching periods a revolution", "angle error, degrees"], {x: {time: false, distr: 3}}, atRatio);
+        draw("chart-margin", [ratios, ...MARGINS.map(([key]) => observer.points.map((p) => p[key]))],
+            MARGINS.map(([, words, name]) => ({label: words, stroke: colour(name), width: 2})),
+            ["switching periods a revolution", "disk margin"],
+            {x: {time: false, distr: 3}, y: {range: (u, low, high) => [0, Math.max(1, high)]}}, atRatio);
+        const nearest = observer.points.reduce((a, b) => (Math.abs(Math.log(b.sffr / ratio)) < Math.abs(Math.log(a.sffr / ratio)) ? b : a));
+        $("angle-noise").textContent = nearest.noise_deg === null ? "none, as the loop is not stable" : `${short(nearest.noise_deg)} degrees rms`;
         window.iqfoc.draws++;
     }
 
@@ -216,13 +231,15 @@
         while (wanted) {
             wanted = false;
             const rpm = value("speed");
-            const [errors, step] = await Promise.all([
+            const [errors, step, observer] = await Promise.all([
                 ask("page_errors", {numbers: [rpm, ...common(), RATIO_LOW, RATIO_HIGH, POINTS]}),
-                ask("page_step", {numbers: [rpm, value("ratio"), ...common(), value("belief")]})]);
-            const bad = errors.status !== 0 ? errors.said : step.status !== 0 ? step.said : "";
+                ask("page_step", {numbers: [rpm, value("ratio"), ...common(), value("belief")]}),
+                ask("page_observer", {numbers: [rpm, ...common(), ...["off-R", "off-L", "off-psi", "off-u", "loop"].map(value), OBSERVER_LOW,
+                    RATIO_HIGH, POINTS]})]);
+            const bad = [errors, step, observer].filter((done) => done.status !== 0).map((done) => done.said).join(" ");
             $("no-curves").textContent = bad.trim();
             if (bad === "") {
-                last = {...JSON.parse(errors.out), step: JSON.parse(step.out)};
+                last = {...JSON.parse(errors.out), step: JSON.parse(step.out), observer: JSON.parse(observer.out)};
                 window.iqfoc.last = last;
                 redraw();
             }

@@ -3,6 +3,7 @@
     web_page.py IQFOC PAGE.html [FOLDER for pictures]"""
 
 import json
+import math
 import pathlib
 import re
 import subprocess
@@ -111,15 +112,38 @@ class Page(unittest.TestCase):
         self.browser.open(PAGE)
         self.idle()
         before = self.browser.run("return window.iqfoc.last")
-        for name, value in (("speed", 3000), ("R", 2), ("L", 12), ("psi", 0.2), ("ratio", 1.5), ("belief", 1.6)):
+        for name, value in (("speed", 3000), ("R", 2), ("L", 12), ("psi", 0.2), ("ratio", 1.5), ("belief", 1.6), ("off-R", 0.8),
+                            ("off-L", 0.9), ("off-psi", 1.04), ("off-u", 0.98), ("loop", -1.2)):
             after = self.slide(name, value)
             self.assertNotEqual(after, before, name)
             before = after
-        self.assertEqual(self.browser.run("return document.querySelectorAll('.chart canvas').length"), 3)
+        self.assertEqual(self.browser.run("return document.querySelectorAll('.chart canvas').length"), 5)
         # Deadbeat control that takes L for 1.6 times what it is overshoots.
         deadbeat = next(m for m in before["step"]["methods"] if m["method"] == "deadbeat, exact")
         self.assertGreater(max(deadbeat["trace"]), 0.75)
         self.picture("sliders.png")
+
+    def test_the_observers_error(self):
+        """With true values there is none; a wrong L_q turns the angle by about dL i_q/psi_f, whatever the ratio; a fast loop has more noise."""
+        self.browser.open(PAGE)
+        self.idle()
+        for name in ("off-R", "off-psi", "off-u"):
+            self.slide(name, 1)
+        points = self.slide("off-L", 1)["observer"]["points"]
+        self.assertEqual(20, len(points))
+        for point in points:
+            self.assertLess(max(abs(x) for x in point["angle_deg"].values()), 0.05)
+            self.assertLess(point["disk_observed"], point["disk_measured"])
+        wrong = self.slide("off-L", 1.1)["observer"]["points"]
+        of_flux = math.degrees(0.1 * 5.2e-3 * 10.5 * math.sqrt(2) / 0.134)
+        for point in wrong:
+            self.assertEqual(point["angle_deg"]["all"], point["angle_deg"]["L"])
+            half = math.pi / point["sffr"]
+            at_valley = of_flux / (math.sin(half) / half) ** 2  # the current at the valleys is the mean over this square
+            self.assertTrue(0.9 * at_valley < point["angle_deg"]["L"] < 1.2 * at_valley, (point, at_valley))
+        for slow, fast in zip(self.slide("loop", -1.4)["observer"]["points"], self.slide("loop", -0.4)["observer"]["points"]):
+            self.assertLess(slow["noise_deg"], fast["noise_deg"])
+        self.picture("observer.png")
 
     def test_the_golden_hash(self):
         self.browser.open(PAGE)
