@@ -29,7 +29,8 @@ const command_about about_loops = {
     "- six-step torque control with discrete-angle and with corrected feedback;\n"
     "- PI control with angle advance, and deadbeat control with the Euler, quasi-discrete and exact\n"
     "  predictor, over the switching-to-fundamental frequency ratio and over parameter errors;\n"
-    "- finite-set control with horizons of 1 to 3.\n"
+    "- finite-set control with horizons of 1 to 3;\n"
+    "- PI control on the observed angle, without an angle sensor.\n"
     "DIR/index.html has the plots. --extended compares control by the motor file with control by the\n"
     "extended file of a diagnosis, on a drive that differs from the motor file.",
     specs};

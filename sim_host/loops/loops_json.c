@@ -101,10 +101,11 @@ static bool add_trade(json_t *list, const finite_set_loops *all)
 
 json_t *loops_study_json(const loops_study *s)
 {
-    json_t *root = json_pack("{s:I, s:[], s:[], s:[], s:[], s:o*, s:o*, s:o*}", "seed", (json_int_t)LOOP_SEED,
-                             "six_step", "current", "finite_set", "finite_set_trade", "run_up",
-                             run_ups_json(s->run_ups), "updates", update_loops_json(&s->updates),
-                             "corrected_mean", corrected_loops_json(&s->corrected));
+    json_t *root =
+        json_pack("{s:I, s:[], s:[], s:[], s:[], s:o*, s:o*, s:o*, s:o*}", "seed", (json_int_t)LOOP_SEED,
+                  "six_step", "current", "finite_set", "finite_set_trade", "run_up", run_ups_json(s->run_ups),
+                  "updates", update_loops_json(&s->updates), "corrected_mean",
+                  corrected_loops_json(&s->corrected), "sensorless", sensorless_loops_json(&s->sensorless));
     if (root == NULL || !add_six_step(json_object_get(root, "six_step"), s) ||
         !add_current(json_object_get(root, "current"), &s->current) ||
         !add_finite_set(json_object_get(root, "finite_set"), &s->finite_set) ||

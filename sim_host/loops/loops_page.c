@@ -283,5 +283,6 @@ bool loops_study_page(const loops_study *s, const char *directory, error *e)
                     run_ups_part(&p, s->run_ups, e);
     corrected_loops_part(&p, &s->corrected);
     update_loops_part(&p, &s->updates);
+    sensorless_loops_part(&p, &s->sensorless);
     return page_finish(&p, ok, e);
 }

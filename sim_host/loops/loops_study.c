@@ -13,7 +13,7 @@ bool loops_study_run(loops_study *s, error *e)
            six_step_loop_run(true, &s->six_step[SIX_STEP_CORRECTED], e) &&
            current_loops_run(&s->current, e) && finite_set_loops_run(&s->finite_set, e) &&
            run_ups_run(s->run_ups, e) && update_loops_run(&s->updates, e) &&
-           corrected_loops_run(&s->corrected, e);
+           corrected_loops_run(&s->corrected, e) && sensorless_loops_run(&s->sensorless, e);
 }
 
 static void print_six_step(const loops_study *s, FILE *f)
@@ -120,6 +120,7 @@ void loops_study_print(const loops_study *s, FILE *stream)
     print_finite_set(s, stream);
     corrected_loops_print(&s->corrected, stream);
     update_loops_print(&s->updates, stream);
+    sensorless_loops_print(&s->sensorless, stream);
     run_ups_print(s->run_ups, stream);
     fprintf(stream, "Seed of the noise: %llu.\n", (unsigned long long)LOOP_SEED);
 }

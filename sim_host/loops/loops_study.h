@@ -6,6 +6,7 @@
 #include "corrected_loops.h"
 #include "finite_set_loops.h"
 #include "run_up.h"
+#include "sensorless_loops.h"
 #include "six_step_loop.h"
 #include "update_loops.h"
 
@@ -20,6 +21,7 @@ typedef struct loops_study {
     run_up run_ups[RUN_UP_CASES];
     update_loops updates;
     corrected_loops corrected;
+    sensorless_loops sensorless;
 } loops_study;
 
 extern const char *const six_step_loop_text[SIX_STEP_LOOPS];

@@ -8,6 +8,7 @@
     <!-- figures: loops run_up -->
     <!-- figures: loops updates 5 8 12 -->
     <!-- figures: loops corrected_mean -->
+    <!-- figures: loops sensorless -->
     <!-- figures: loops extended data/motors/jarzebowicz2019.toml data/scenarios/identification.toml dead_time saturation resistance:R=1.0 -->
 
 `extended` records a drive with these effects, diagnoses it, and compares control by both motor files.
@@ -111,6 +112,19 @@ def corrected_mean(result, _ratios):
     return table(heads, rows, right=heads[:3])
 
 
+def sensorless(result, _ratios):
+    """One row for each ratio and load; what belongs to the step is in the row of the full load."""
+    keys = ("overshoot_measured_percent", "overshoot_observed_percent", "step_difference_percent")
+    heads = ["SFFR", "load, %", "angle: bias, degrees", "rms", "speed: rms, %", "overshoot, measured angle, %", "observed angle",
+             "largest difference, %"]
+    rows = [[f"{loop['sffr']:g}", f"{100 * loop['load']:.0f}", f"{round(loop['bias_deg'], 2) + 0.0:.2f}", f"{loop['rms_deg']:.2f}",
+             f"{loop['speed_rms_percent']:.3f}", *("" if loop[key] is None else f"{loop[key]:.1f}" for key in keys)]
+            for loop in result["sensorless"]]
+    if not all(loop["locked"] for loop in result["sensorless"]):
+        raise ValueError("a drive on the observed angle lost its lock")
+    return table(heads, rows, right=heads)
+
+
 def run_up(result, _ratios):
     heads = ["modulation", "more torque, %", "less, %", "lowest i_d", "voltage over u_dc", "pulses per turn"]
     rows = [[run["text"], *(f"{abs(run[key]):.1f}" for key in ("more_percent", "less_percent")), f"{run['i_d_least']:.2f}",
@@ -134,7 +148,7 @@ def extended(program, motor, scenario, *effects):
 
 
 PARTS = {"six_step": six_step, "ratios": ratios, "beliefs": beliefs, "finite_set": finite_set, "trade": trade,
-         "run_up": run_up, "updates": updates, "corrected_mean": corrected_mean}
+         "run_up": run_up, "updates": updates, "corrected_mean": corrected_mean, "sensorless": sensorless}
 
 
 def generate(program, arguments):
