@@ -1,10 +1,11 @@
 /* A list of devices and inodes (inputs.h). */
-#define _POSIX_C_SOURCE 200809L /* fstat */
+#define _POSIX_C_SOURCE 200809L /* fstat, strdup */
 
 #include "inputs.h"
 
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 
 typedef struct identity {
@@ -15,10 +16,49 @@ typedef struct identity {
 static bool watched;
 static identity *noted;
 static size_t count;
+static char **reserved;
+static size_t reserved_count;
 
 void inputs_watch(void)
 {
     watched = true;
+}
+
+bool inputs_reserve(const char *path, error *e)
+{
+    if (!watched || strcmp(path, "-") == 0) {
+        return true;
+    }
+    char **grown = realloc(reserved, (reserved_count + 1) * sizeof *grown);
+    char *copy = strdup(path);
+    reserved = grown != NULL ? grown : reserved;
+    if (grown == NULL || copy == NULL) {
+        free(copy);
+        return error_failure(e, 0, "%s: out of memory", path);
+    }
+    reserved[reserved_count++] = copy;
+    return true;
+}
+
+static bool same(identity input, const struct stat *output)
+{
+    return input.device == output->st_dev && input.inode == output->st_ino;
+}
+
+static bool refuse(const char *path, error *e)
+{
+    return error_input(e, path, 0, 0, "is read by this command; expected another name for the output");
+}
+
+static bool not_reserved(identity input, error *e)
+{
+    struct stat status;
+    for (size_t n = 0; n < reserved_count; n++) {
+        if (stat(reserved[n], &status) == 0 && same(input, &status)) {
+            return refuse(reserved[n], e);
+        }
+    }
+    return true;
 }
 
 bool inputs_note(int descriptor, const char *path, error *e)
@@ -27,12 +67,16 @@ bool inputs_note(int descriptor, const char *path, error *e)
     if (!watched || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
         return true;
     }
+    const identity input = {status.st_dev, status.st_ino};
+    if (!not_reserved(input, e)) {
+        return false;
+    }
     identity *grown = realloc(noted, (count + 1) * sizeof *grown);
     if (grown == NULL) {
         return error_failure(e, 0, "%s: out of memory", path);
     }
     noted = grown;
-    noted[count++] = (identity){status.st_dev, status.st_ino};
+    noted[count++] = input;
     return true;
 }
 
@@ -43,9 +87,8 @@ bool inputs_spare(const char *path, error *e)
         return true;
     }
     for (size_t n = 0; n < count; n++) {
-        if (noted[n].device == status.st_dev && noted[n].inode == status.st_ino) {
-            return error_input(e, path, 0, 0,
-                               "is read by this command; expected another name for the output");
+        if (same(noted[n], &status)) {
+            return refuse(path, e);
         }
     }
     return true;

@@ -305,9 +305,7 @@ static bool read_text(const char *path, std::string &text, json_complaint &wrong
         std::snprintf(wrong.text, sizeof wrong.text, "cannot be read: %s", std::strerror(errno));
         return false;
     }
-    error unnoted = {};
-    if (!inputs_note(fileno(in), path, &unnoted)) {
-        std::snprintf(wrong.text, sizeof wrong.text, "out of memory");
+    if (!inputs_note(fileno(in), path, &wrong.file)) {
         std::fclose(in);
         return false;
     }

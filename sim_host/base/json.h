@@ -11,6 +11,8 @@
 #ifndef SIM_HOST_BASE_JSON_H
 #define SIM_HOST_BASE_JSON_H
 
+#include "error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -62,6 +64,7 @@ void json_free(json_t *value);
 typedef struct json_complaint {
     long line; /* 0: of no line */
     char text[200];
+    error file; /* set if the file was refused (inputs.h) or memory ran out: the whole message, in place of `text` */
 } json_complaint;
 
 /* A file of at most 64 MiB. NULL with the complaint. */

@@ -1,4 +1,5 @@
 /* iqfoc diagnose: the causes of the model error in a recording, the extended model, and its error reduction. */
+#include "base/inputs.h"
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "base/progress.h"
@@ -96,6 +97,17 @@ static bool combination(const options *o, request *r, error *e)
     return r->count == 1 || (r->directory == NULL && r->json_path == NULL) ||
            error_input(e, NULL, 0, 0, "diagnose: -o and --json take one recording; \"%s\" is a second one",
                        r->recordings[1]);
+}
+
+/* Of the files that -o writes, the one that is a motor file may be an input too. */
+static bool reserve_extended(const request *r, error *e)
+{
+    char path[OUT_FOLDER_LONGEST + 32];
+    if (r->directory == NULL) {
+        return true;
+    }
+    snprintf(path, sizeof path, "%s/motor_extended.toml", r->directory);
+    return inputs_reserve(path, e);
 }
 
 /* Of one recording among several. */
@@ -206,13 +218,14 @@ int cmd_diagnose(int argc, char **argv)
     request r = {.argc = argc, .argv = argv};
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
                                    [OPT_DIR] = {.text = &r.directory},
-                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
                                    [OPT_SKIP] = {.take = take_skip, .context = &r.options.skip},
                                    [OPT_ANY_SIZE] = {.flag = &r.options.any_size},
                                    [OPT_TRACE] = {.flag = &r.traced},
                                    [OPT_EXIT_VERDICT] = {.flag = &r.exit_verdict}};
     options o = options_begin(&about_diagnose, argc, argv);
-    if (!options_read(&o, places, &e) || (!o.helped && !combination(&o, &r, &e))) {
+    if (!options_read(&o, places, &e) ||
+        (!o.helped && !(combination(&o, &r, &e) && reserve_extended(&r, &e)))) {
         return error_print(&e);
     }
     return o.helped ? STATUS_DONE : run_all(&r);

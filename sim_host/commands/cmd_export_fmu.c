@@ -55,7 +55,7 @@ int cmd_export_fmu(int argc, char **argv)
     option_texts effects = {.count = 0};
     long run = 1;
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
-                                   [OPT_OUT] = {.text = &r.out_path, .needed = true},
+                                   [OPT_OUT] = {.text = &r.out_path, .needed = true, .written = true},
                                    [OPT_KIND] = {.take = take_kind, .context = &r.kind},
                                    [OPT_SCENARIO] = {.text = &r.scenario_path},
                                    [OPT_RUN] = {.integer = &run, .low = 1, .high = 100000000},

@@ -43,7 +43,7 @@ static bool parse(int argc, char **argv, request *r, error *e)
 {
     options o = options_begin(&about_import, argc, argv);
     const option_place places[] = {
-        [OPT_MAP] = {.text = &r->map_path},     [OPT_OUTPUT] = {.text = &r->recording_path},
+        [OPT_MAP] = {.text = &r->map_path},     [OPT_OUTPUT] = {.text = &r->recording_path, .written = true},
         [OPT_MOTOR] = {.text = &r->motor_path}, [OPT_PRESET] = {.text = &r->preset_name},
         [OPT_CHECK] = {.flag = &r->check},      [OPT_SKIP_BAD] = {.flag = &r->skip_bad}};
     if (!options_read(&o, places, e) || o.helped) {

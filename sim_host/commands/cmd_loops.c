@@ -106,7 +106,7 @@ int cmd_loops(int argc, char **argv)
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
                                    [OPT_EXTENDED] = {.text = &r.extended_path},
                                    [OPT_EFFECT] = {.texts = &r.effects},
-                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
                                    [OPT_OUTPUT] = {.text = &r.directory}};
     options o = options_begin(&about_loops, argc, argv);
     bool ok = options_read(&o, places, &e);

@@ -76,7 +76,7 @@ int cmd_observe(int argc, char **argv)
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
                                    [OPT_BANDWIDTH] = {.number = &r.bandwidth_rad_s, .low = 1e-3, .high = 1e6},
                                    [OPT_DIR] = {.text = &r.directory},
-                                   [OPT_JSON] = {.text = &r.json_path}};
+                                   [OPT_JSON] = {.text = &r.json_path, .written = true}};
     options o = options_begin(&about_observe, argc, argv);
     const bool ok =
         options_read(&o, places, &e) && (o.helped || (take_recording(&o, &r, &e) && observe(&r, &e)));

@@ -103,7 +103,7 @@ int cmd_patterns(int argc, char **argv)
                                    [OPT_DEAD_TIME] = {.number = &r.dead_time_us, .low = 0.0, .high = 1000.0},
                                    [OPT_FREQUENCY] = {.number = &r.frequency_Hz, .low = 0.1, .high = 1e5},
                                    [OPT_DIR] = {.text = &r.directory},
-                                   [OPT_JSON] = {.text = &r.json_path}};
+                                   [OPT_JSON] = {.text = &r.json_path, .written = true}};
     options o = options_begin(&about_patterns, argc, argv);
     const bool ok = options_read(&o, places, &e) && (o.helped || (usable(&o, &r, &e) && find(&r, &e)));
     return ok ? STATUS_DONE : error_print(&e);

@@ -152,9 +152,9 @@ int cmd_plan(int argc, char **argv)
                                    [OPT_SCALE] = {.number = &r.full_scale, .low = 1e-3, .high = 1e6},
                                    [OPT_AGAINST] = {.text = &r.against_path},
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
-                                   [OPT_JSON] = {.text = &r.json_path},
-                                   [OPT_OUTPUT] = {.text = &r.out_path},
-                                   [OPT_FIRMWARE] = {.text = &r.header_path}};
+                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
+                                   [OPT_OUTPUT] = {.text = &r.out_path, .written = true},
+                                   [OPT_FIRMWARE] = {.text = &r.header_path, .written = true}};
     options o = options_begin(&about_plan, argc, argv);
     bool ok = options_read(&o, places, &e);
     if (ok && !o.helped) {

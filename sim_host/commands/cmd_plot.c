@@ -136,7 +136,8 @@ int cmd_plot(int argc, char **argv)
     const char *motor_path = NULL;
     const char *output = NULL;
     error e = {0};
-    const option_place places[] = {[OPT_OUTPUT] = {.text = &output}, [OPT_MOTOR] = {.text = &motor_path}};
+    const option_place places[] = {
+        [OPT_OUTPUT] = {.text = &output, .written = true}, [OPT_MOTOR] = {.text = &motor_path}};
     options o = options_begin(&about_plot, argc, argv);
     bool ok =
         options_read(&o, places, &e) && (o.helped || output != NULL || options_missing(&o, OPT_OUTPUT, &e));

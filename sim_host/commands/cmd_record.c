@@ -1,7 +1,6 @@
 /* iqfoc record: read the target's recorder from a serial line (docs/recorder-format.md) and write a recording. */
 #define _POSIX_C_SOURCE 200809L /* sigaction */
 #include "base/confine.h"
-#include "base/inputs.h"
 #include "base/progress.h"
 #include "command.h"
 #include "line.h"
@@ -106,7 +105,7 @@ int cmd_record(int argc, char **argv)
     error e = {0, ""};
     request r = {.baud = 1000000};
     const option_place places[] = {[OPT_PORT] = {.text = &r.port, .needed = true},
-                                   [OPT_OUT] = {.text = &r.out_path, .needed = true},
+                                   [OPT_OUT] = {.text = &r.out_path, .needed = true, .written = true},
                                    [OPT_BAUD] = {.integer = &r.baud, .low = 1, .high = 10000000},
                                    [OPT_SECONDS] = {.number = &r.seconds, .low = 1e-3, .high = 1e6}};
     options o = options_begin(&about_record, argc, argv);
@@ -120,7 +119,7 @@ int cmd_record(int argc, char **argv)
     static wire_reader reader;
     static record_rows rows;
     line l;
-    bool good = line_open(&l, r.port, r.baud, &e) && inputs_spare(r.out_path, &e);
+    bool good = line_open(&l, r.port, r.baud, &e);
     confine(CONFINE_TO_FILES); /* before the first byte is read */
     good = good && receive(&r, &l, &reader, &rows, &e);
     if (good && rows.recording.rows == 0) {

@@ -67,7 +67,7 @@ int cmd_reproduce(int argc, char **argv)
     comparison c = {0};
     error e = {0};
     const option_place places[] = {[OPT_PAPER] = {.take = take_paper, .context = &r},
-                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
                                    [OPT_OUTPUT] = {.text = &r.directory}};
     options o = options_begin(&about_reproduce, argc, argv);
     const bool ok = options_read(&o, places, &e) &&

@@ -109,7 +109,7 @@ int cmd_simulate(int argc, char **argv)
     request r = {.seed = 1};
     const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
                                    [OPT_SCENARIO] = {.text = &r.scenario_path, .needed = true},
-                                   [OPT_OUT] = {.text = &r.out_path, .needed = true},
+                                   [OPT_OUT] = {.text = &r.out_path, .needed = true, .written = true},
                                    [OPT_EFFECT] = {.texts = &r.effects},
                                    [OPT_SEED] = {.integer = &r.seed, .high = 2147483647},
                                    [OPT_TARGET] = {.text = &r.emulated.target},

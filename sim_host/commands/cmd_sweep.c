@@ -205,7 +205,7 @@ int cmd_sweep(int argc, char **argv)
         [OPT_RPM] = {.number = r.rpm, .count = &r.speeds, .most = SPEEDS_MAX, .low = -1e6, .high = 1e6},
         [OPT_CURRENT] = {.number = &r.current_A_rms, .low = 1e-3, .high = 1e6},
         [OPT_ID_RATIO] = {.number = &r.id_ratio, .low = -1.0, .high = 1.0},
-        [OPT_JSON] = {.text = &r.json_path},
+        [OPT_JSON] = {.text = &r.json_path, .written = true},
         [OPT_MAP] = {.flag = &r.map},
         [OPT_OUTPUT] = {.text = &r.directory},
         [OPT_INDUCTION] = {.flag = &r.induction}};

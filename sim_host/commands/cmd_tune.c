@@ -1,5 +1,4 @@
 /* iqfoc tune: designs a current controller with margins, from a motor file and a diagnosis. */
-#include "base/inputs.h"
 #include "base/json_file.h"
 #include "base/out_folder.h"
 #include "command.h"
@@ -82,12 +81,10 @@ static bool take_tolerances(request *r, error *e)
                        r->tolerances);
 }
 
-/* Asks for the JSON's place too, as the design takes its time. */
 static bool design(const request *r, tune_report *t, error *e)
 {
     motor m;
-    return motor_read(r->motor_path, &m, e) && (r->json_path == NULL || inputs_spare(r->json_path, e)) &&
-           tune_report_make(t, &m, &r->choice, e);
+    return motor_read(r->motor_path, &m, e) && tune_report_make(t, &m, &r->choice, e);
 }
 
 static bool tune(const request *r, error *e)
@@ -132,7 +129,7 @@ int cmd_tune(int argc, char **argv)
                                    [OPT_INERTIA] = {.number = &c->J_kgm2, .low = 1e-9, .high = 1e9},
                                    [OPT_DRIVES] = {.integer = &c->drives, .low = 1, .high = 100000},
                                    [OPT_SEED] = {.integer = &c->seed, .low = 0, .high = 1000000000},
-                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
                                    [OPT_OUTPUT] = {.text = &r.directory}};
     options o = options_begin(&about_tune, argc, argv);
     bool ok = options_read(&o, places, &e);

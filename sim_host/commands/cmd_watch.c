@@ -1,6 +1,5 @@
 /* iqfoc watch: trials of the firmware's change detector. */
 #include "base/confine.h"
-#include "base/inputs.h"
 #include "base/json_file.h"
 #include "command.h"
 #include "drive_emulated.h"
@@ -194,8 +193,7 @@ static bool try_all(const request *r, const tune_result *design, error *e)
     const uint64_t seed = (uint64_t)r->seed;
     all.tried = r->trials > 0;
     all.fall = tune_fall_of(&design->motor).flux;
-    /* The trials take their time: the JSON's place is asked for before them. */
-    bool ok = take_conditions(r, all.ran, e) && (r->json_path == NULL || inputs_spare(r->json_path, e));
+    bool ok = take_conditions(r, all.ran, e);
     for (int n = 0; n < WATCH_CONDITIONS && ok; n++) {
         ok = !all.ran[n] ||
              watch_clean_run(design, (watch_condition)n, r->cycles, seed + 1000000, &all.clean[n], e);
@@ -253,7 +251,7 @@ int cmd_watch(int argc, char **argv)
                                    [OPT_CYCLES] = {.number = &r.cycles, .low = 1e3, .high = 1e12},
                                    [OPT_CONDITION] = {.text = &r.condition},
                                    [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
-                                   [OPT_JSON] = {.text = &r.json_path},
+                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
                                    [OPT_CHANGE] = {.text = &r.change},
                                    [OPT_OUTPUT] = {.text = &r.directory},
                                    [OPT_TARGET] = {.text = &r.emulated.target},

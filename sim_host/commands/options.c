@@ -3,6 +3,7 @@
 
 #include "options.h"
 
+#include "base/inputs.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/terminal.h"
@@ -256,6 +257,7 @@ static bool take_value(const options *o, const option_place *p, error *e)
 {
     if (p->text != NULL) {
         *p->text = o->argument;
+        return !p->written || inputs_reserve(o->argument, e);
     } else if (p->flag != NULL) {
         *p->flag = true;
     } else if (p->texts != NULL) {

@@ -59,7 +59,8 @@ typedef struct option_place {
     double low, high;
     bool (*take)(const options *o, void *context, error *e); /* for all other kinds */
     void *context;
-    bool needed; /* options_complete reports it as missing; only with `text` */
+    bool needed;  /* options_complete reports it as missing; only with `text` */
+    bool written; /* a file that the command writes: reserved (base/inputs.h); only with `text` */
 } option_place;
 
 /* --help itself, as the help shows it. */

@@ -200,6 +200,10 @@ bool tune_region_of_diagnosis(const motor *m, const char *path, const tune_toler
 {
     json_complaint wrong;
     json_t *root = json_read(path, &wrong);
+    if (root == NULL && wrong.file.status != 0) {
+        *e = wrong.file;
+        return false;
+    }
     if (root == NULL) {
         return error_input(e, path, wrong.line, 0, "expected a diagnosis (JSON): %s", wrong.text);
     }

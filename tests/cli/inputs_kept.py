@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""No command writes onto a file that it reads: exit status 2, one line, and the file as it was. Tried by the same path, by another
-spelling of it, through a symbolic link, as a hard link, and for a file of an output folder."""
+"""No command writes onto a file that it reads: exit status 2, one line, and the file as it was, before any work. Tried by the same path,
+by another spelling of it, through a symbolic link, as a hard link, and for a file of an output folder."""
 
 import gzip
 import hashlib
 import os
 import pathlib
+import resource
 import shutil
 import sys
 import tempfile
@@ -14,6 +15,8 @@ import program
 
 ROOT = program.ROOT
 NAMES = ("same", "spelled", "symbolic", "hard")
+# Processor time of a command that refuses. Reading the inputs takes 0.1 s, with sanitizers 0.5 s; a design takes 10 s and more.
+MOST_S = 2.0
 
 
 def other_name(path, kind):
@@ -29,6 +32,11 @@ def other_name(path, kind):
     else:
         os.link(path, link)
     return link
+
+
+def processor_s():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def digest(path):
@@ -59,13 +67,10 @@ def main():
         extended = result / "motor_extended.toml"
         cases = []
         for kind in NAMES:
-            # A diagnosis and a design are long: they have the plain name and the link that hides it best.
             cases += [
                 (recording, ["diagnose", recording, "--motor", motor, "--json", other_name(recording, kind)]),
                 (motor, ["diagnose", recording, "--motor", motor, "--json", other_name(motor, kind)]),
                 (diagnosis, ["tune", "--motor", motor, "--diagnosis", diagnosis, "--drives", "1", "--json", other_name(diagnosis, kind)]),
-            ] if kind in ("same", "hard") else []
-            cases += [
                 (log, ["import", log, "--map", trace, "-o", other_name(log, kind)]),
                 (trace, ["import", log, "--map", trace, "-o", other_name(trace, kind)]),
                 (motor, ["simulate", "--motor", motor, "--scenario", scenario, "-o", other_name(motor, kind)]),
@@ -80,13 +85,19 @@ def main():
                 (motor, ["loops", "--motor", motor, "--extended", extended, "--json", other_name(motor, kind)]),
             ]
             cases += [(motor, [*command, "--motor", motor, "--json", other_name(motor, kind)])
-                      for command in (["sweep", "--rpm", "1000"], ["patterns"], ["watch"])]
+                      for command in (["sweep", "--rpm", "1000"], ["sweep", "--map"], ["patterns"], ["watch"], ["tune"], ["plan", "-o", "plan.toml"])]
+            cases += [
+                (diagnosis, ["watch", "--motor", motor, "--diagnosis", diagnosis, "--json", other_name(diagnosis, kind)]),
+                (scenario, ["plan", "--motor", motor, "--against", scenario, "-o", "plan.toml", "--json", other_name(scenario, kind)]),
+                (extended, ["loops", "--motor", motor, "--extended", extended, "--json", other_name(extended, kind)]),
+            ]
         cases.append((extended, ["diagnose", recording, "--motor", extended, "-o", result]))
         for kept, arguments in cases:
             if arguments[0] not in there:
                 continue
-            before = digest(kept)
+            before, start = digest(kept), processor_s()
             done = program.run(arguments, folder)
+            taken = processor_s() - start
             tried += 1
             lines = [line for line in done.stderr.decode().split("\n") if line]
             if digest(kept) != before:
@@ -94,6 +105,8 @@ def main():
                 sys.exit("\n".join(failed))
             if done.returncode != 2 or len(lines) != 1 or "is read by this command" not in lines[0]:
                 failed.append(f"{arguments}: status {done.returncode}, {lines}")
+            if taken > MOST_S:
+                failed.append(f"{arguments}: refused after {taken:.1f} s of processor time")
         left = [path.name for path in folder.iterdir() if path.name.startswith(".")]
         if left:
             failed.append(f"left behind: {left}")
