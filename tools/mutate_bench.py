@@ -54,6 +54,8 @@ class Bench:
         self.made_of = self._read_dependencies()
         self.only = {}  # key: tests, where they are given
         self.plain = {}
+        self.objects = {}  # {test: sources of its objects}
+        self.of_object = self._sources_by_object()
         self.lock = threading.Lock()
         self.results = {}  # {(library, test): passed}
         self.killers = {}  # {library: name of a test that failed on it}
@@ -75,6 +77,14 @@ class Bench:
         """{test: command that links it}."""
         commands = shell(["ninja", "-t", "commands"], self.build).stdout
         return {match[1]: line for line in commands.split("\n") if (match := re.search(r" -o tests/test_(\w+) ", line))}
+
+    def _sources_by_object(self):
+        """{(folder of the target's objects, object): source}."""
+        found = {}
+        for file, words in self.compile.items():
+            folder, name = re.fullmatch(r"(.*?CMakeFiles/\w+\.dir)/(?:.*/)?([^/]+)", words[words.index("-o") + 1]).groups()
+            found[folder, name] = file
+        return found
 
     def _labels(self):
         tests = json.loads(shell(["ctest", "--test-dir", str(self.build), "--show-only=json-v1"], self.root).stdout)["tests"]
@@ -107,7 +117,7 @@ class Bench:
         for word in words[start + 1:]:
             if skip or word in ("-o", "-c"):
                 skip = not skip
-            elif word != "-g" and not word.startswith("-W"):
+            elif not re.fullmatch(r"-g\d?", word) and not word.startswith("-W"):
                 kept.append(word)
         return [*kept, "-w", "-iquote", str((self.root / file).parent), "-o", str(out), "-c", str(source)]
 
@@ -128,15 +138,16 @@ class Bench:
         if error:
             raise SystemExit(f"the library does not link to a shared one:\n{error}")
 
-    def _plain(self, file):
+    def _plain(self, file, options=()):
         """The file's object as mutants are compiled, for the comparison of the code."""
+        key = file + "".join(options)
         with self.lock:
-            out = self.work / "plain" / (file.replace("/", "_") + ".o")
-            if file not in self.plain:
+            out = self.work / "plain" / (key.replace("/", "_") + ".o")
+            if key not in self.plain:
                 out.parent.mkdir(exist_ok=True)
-                shell(self.command(file, out, self.root / file), self.root)
-                self.plain[file] = digest(out)
-        return self.plain[file]
+                shell(self.command(file, out, self.root / file) + list(options), self.root)
+                self.plain[key] = digest(out)
+        return self.plain[key]
 
     def test_program(self, name):
         """The test, linked to the shared library; rebuilt if an input is newer."""
@@ -227,15 +238,11 @@ class Bench:
         """Those that call the function which the mutant is in, or anything of the file where it is in none; the fastest first."""
         if mutant.key in self.only:
             return self.only[mutant.key]
-        if mutant.file.startswith("include/"):
-            wanted = self._including(mutant.file)
-            names = [name for name in self.reach if wanted & set(self._sources_of(name))]
-        else:
-            calls = {name: {tuple(span) for span in reach.get(mutant.file, [])} for name, reach in self.reach.items()}
-            names = [name for name, spans in calls.items() if any(first <= mutant.line <= last for first, last in spans)]
-            if not self._in_a_function(mutant):
-                files = {mutant.file} if mutant.file.endswith(".c") else self._including(mutant.file)
-                names = [name for name, reach in self.reach.items() if any(reach.get(file) for file in files)]
+        calls = {name: {tuple(span) for span in reach.get(mutant.file, [])} for name, reach in self.reach.items()}
+        names = [name for name, spans in calls.items() if any(first <= mutant.line <= last for first, last in spans)]
+        if not self._in_a_function(mutant):
+            files = {mutant.file} if mutant.file.endswith(".c") else self._including(mutant.file)
+            names = [name for name, reach in self.reach.items() if any(reach.get(file) for file in files)]
         return sorted(names, key=lambda name: (self.times[name], name))
 
     @staticmethod
@@ -328,38 +335,68 @@ class Bench:
         return Outcome("survived", "no test calls it" if not names else "")
 
     def _try_header(self, mutant, folder):
-        """Every includer is recompiled: the library's sources and the test's own. (What the host's parts have inline stays.)"""
+        """Every includer is recompiled: the library's sources, the test's own, and the host's objects that the test links."""
         self._copied(mutant, folder)
+        options = ("-O1",)
         wanted = self._including(mutant.file)
-        made = self._compiled(sorted(wanted & set(self.sources)), folder, folder, ("-O1",))
+        made = self._compiled(sorted(wanted & set(self.sources)), folder, folder, options)
         if made is None:
             return Outcome("no code")
+        changed = {file for file in made if digest(made[file]) != self._plain(file, options)}
         if self._link({**self.base, **made}.values(), folder):
             return Outcome("no code")
+        objects = {}
 
-        def program_of(name):
-            tests = [file for file in self._sources_of(name) if file in wanted]
-            objects = {}
-            for file in tests:
-                objects[file] = folder / (pathlib.Path(file).stem + ".test.o")
-                shell(self.command(file, objects[file], self.root / file, (f"-I{folder / 'include'}",)) + ["-O1"], self.root)
-            command = self.links[name].replace(f" {LIBRARY}", f" {folder / NAME}").replace(f" -o tests/test_{name} ",
-                                                                                           f" -s -o {folder / name} ")
-            for file, made_object in objects.items():
-                command = re.sub(rf" \S+/{re.escape(pathlib.Path(file).name)}\.o", f" {made_object}", command)
-            shell(command, self.build)
+        def recompiled(file):
+            if file not in objects:
+                out = folder / (file.replace("/", "_") + ".test.o")
+                shell(self.command(file, out, self.root / file, (f"-I{folder / 'include'}",)) + list(options), self.root)
+                objects[file] = out if out.is_file() else None
+            return objects[file]
+
+        def program_of(name, files):
+            command = self.links[name].replace(f" {LIBRARY}", f" {folder / NAME}")
+            ahead = []
+            for file in files:
+                command, replaced = re.subn(rf" \S+test_{name}\.dir/(?:\S*/)?{re.escape(pathlib.Path(file).name)}\.o", f" {recompiled(file)}", command)
+                ahead += [] if replaced else [str(recompiled(file))]
+            shell(command.replace(f" -o tests/test_{name} ", f" -s {' '.join(ahead)} -o {folder / name} "), self.build)
             return folder / name
 
-        names = self.tests_for(mutant)
-        stem = pathlib.Path(mutant.file).stem
-        names.sort(key=lambda name: name != stem)
+        ran = 0
+        names = self._tests_of_header(mutant, wanted, changed)
         for name in names:
-            program = program_of(name)
+            files = sorted(wanted & self._objects_of(name))
+            if any(recompiled(file) is None for file in files):
+                return Outcome("no code")
+            if not changed and all(digest(recompiled(file)) == self._plain(file, options) for file in files):
+                continue
+            ran += 1
+            program = program_of(name, files)
             if not program.is_file():
                 return Outcome("no code")
             if not self._passes(name, digest(folder / NAME), folder, program):
                 return Outcome("killed", name)
-        return Outcome("survived", "no test calls it" if not names else "")
+        return Outcome("survived", "" if names else "no test calls it") if ran or not names else Outcome("same code")
+
+    def _tests_of_header(self, mutant, wanted, changed):
+        """Those with an object that includes the header, and those that call a source which it changes: the header's own test first,
+        then those with the fewest objects to compile."""
+        if mutant.key in self.only:
+            return self.only[mutant.key]
+        stem = pathlib.Path(mutant.file).stem
+        names = [name for name, reach in self.reach.items() if wanted & self._objects_of(name) or any(reach.get(file) for file in changed)]
+        return sorted(names, key=lambda name: (name != stem, len(wanted & self._objects_of(name)), self.times[name], name))
+
+    def _objects_of(self, name):
+        """The sources of the test's objects: its own, and those that it takes from the host's archives."""
+        with self.lock:
+            if name not in self.objects:
+                traced = shell(self.links[name].replace(f" -o tests/test_{name} ", f" -Wl,-t,-t -o {self.work / 'traced'} "), self.build).stdout
+                members = re.findall(r"^\((\S*?)lib(\w+)\.a\)(\S+)$", traced, re.MULTILINE)
+                host = {self.of_object.get((f"{folder}CMakeFiles/{target}.dir", member)) for folder, target, member in members}
+                self.objects[name] = set(self._sources_of(name)) | host - {None} - set(self.sources)
+            return self.objects[name]
 
     # ---- The host's parts: the changed object comes before its archive ----
 

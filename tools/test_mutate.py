@@ -47,17 +47,47 @@ int main(void)
     return bad;
 }
 """
+INLINE = """static inline int twice(int x)
+{
+#ifdef OTHER_TARGET
+    return x + x + 0;
+#else
+    return 2 * x;
+#endif
+}
+"""
+HOST = """#include "twice.h"
+int use(int x);
+int use(int x)
+{
+    return twice(x);
+}
+"""
+TEST_OF_HOST = """#include <stdio.h>
+int use(int x);
+int main(void)
+{
+    printf(use(3) == 6 ? "test:1:use:PASS\\n" : "test:1:use:FAIL\\n");
+    return use(3) != 6;
+}
+"""
 CMAKE = """cmake_minimum_required(VERSION 3.16)
 project(small LANGUAGES C)
 enable_testing()
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
-set(CMAKE_C_FLAGS "-O2 -g -Wall")
+set(CMAKE_C_FLAGS "-O2 -g -g1 -Wall")
 add_subdirectory(src)
 add_executable(test_half tests/test_half.c)
 target_link_libraries(test_half PRIVATE iqfoc)
 set_target_properties(test_half PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
 add_test(NAME half COMMAND test_half)
+add_library(host_use STATIC host/use.c)
+target_include_directories(host_use PRIVATE include)
+add_executable(test_use tests/test_use.c)
+target_link_libraries(test_use PRIVATE host_use iqfoc)
+set_target_properties(test_use PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+add_test(NAME use COMMAND test_use)
 """
 
 
@@ -166,7 +196,8 @@ class OnALibrary(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         root = pathlib.Path(cls.folder.name).resolve()
-        for name, text in {"src/half.c": LIBRARY, "src/half.h": HEADER, "tests/test_half.c": TEST, "CMakeLists.txt": CMAKE,
+        for name, text in {"src/half.c": LIBRARY, "src/half.h": HEADER, "tests/test_half.c": TEST, "include/twice.h": INLINE,
+                           "host/use.c": HOST, "tests/test_use.c": TEST_OF_HOST, "CMakeLists.txt": CMAKE,
                            "src/CMakeLists.txt": "add_library(iqfoc half.c)\n"
                                                  "target_include_directories(iqfoc PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})\n"}.items():
             (root / name).parent.mkdir(exist_ok=True)
@@ -199,6 +230,12 @@ class OnALibrary(unittest.TestCase):
         outcomes = self.states("src/half.h")
         self.assertEqual("survived", outcomes["#define MOST {100=>101}"].state)
         self.assertEqual("killed", outcomes["#define MOST {100=>99}"].state)
+
+    def test_header_of_the_hosts_objects(self):
+        outcomes = self.states("include/twice.h")
+        self.assertEqual("killed", outcomes["return {2=>3} * x;"].state)
+        self.assertEqual("use", outcomes["return {2=>3} * x;"].why)
+        self.assertEqual("same code", outcomes["return x + x + {0=>1};"].state)
 
     def test_results_are_kept(self):
         self.states("src/half.c")
