@@ -65,6 +65,8 @@ void iqfoc_observer_inductance_step(iqfoc_observer_inductance_t *inductance, con
     const iq24_t squares = iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(x, x), c->least, c->least));
     const iq24_t turned = iq24_mul_sat(TWO_PI, observer->error);
     const iq24_t across = IQ24_HOLD_BITS(iq24_mul_sat(inductance->adapted.machine.psi, turned), 28);
-    const iq24_t step = iq24_mul_round(c->gain, iq24_mul_round(across, iq24_div(x, squares)));
+    const iq24_t share = iq24_div(x, squares);
+    /*@ assert inductance_share: -150994944 <= share <= 150994944; */
+    const iq24_t step = iq24_mul_round(c->gain, iq24_mul_round(across, share));
     inductance->adapted.machine.l_q = iq24_clamp(inductance->adapted.machine.l_q + step, c->low, c->high);
 }

@@ -64,17 +64,19 @@ iqfoc_pattern_shape_t iqfoc_pattern_shape_at(iqfoc_pattern_modulator_t *modulato
     const iq24_t above = iq24_clamp(index, table->index_low, IQ24_ONE) - table->index_low;
     const iq24_t place = iq24_min(iq24_mul_round(above, table->rows_per_index), (table->rows - 1) * IQ24_ONE);
     int32_t n = iq24_asr32(place, IQ24_FRACTION_BITS);
-    iq24_t part = place - n * IQ24_ONE;
-    if (table->row[n].joined == 0 && part != 0) {
+    const iq24_t part = place - n * IQ24_ONE;
+    int32_t next = part != 0 ? n + 1 : n;
+    /*@ assert pattern_row: 0 <= n <= next < table->rows; */
+    if (table->row[n].joined == 0) {
         const iq24_t change = modulator->row <= n ? IQ24(0.75) : IQ24(0.25);
-        n += part >= change ? 1 : 0;
-        part = 0;
+        n = part >= change ? next : n;
+        next = n;
     }
     modulator->row = n;
     const iqfoc_pattern_row_t *row = &table->row[n];
     iqfoc_pattern_shape_t shape = {row->start, {0}};
     for (int32_t k = 0; k < table->angles; k++) {
-        const iq24_t rise = part != 0 ? iq24_mul_trunc(part, row[1].angle[k] - row->angle[k]) : 0;
+        const iq24_t rise = iq24_mul_trunc(part, table->row[next].angle[k] - row->angle[k]);
         shape.angle[k] = row->angle[k] + rise;
     }
     return shape;
@@ -128,6 +130,7 @@ static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *sh
             break;
         }
         const iq24_t at = iq24_div(distance, movement);
+        /*@ assert pattern_time: 0 <= at <= 16777215; */
         pattern_leg_follow(&leg, at);
         leg.wanted = -leg.wanted;
         leg.since = at;

@@ -32,9 +32,11 @@ static inline void pattern_leg_follow(pattern_leg_t *leg, iq24_t end)
 {
     const iq24_t at = iq24_max(leg->since, leg->last + leg->least);
     if (leg->level != leg->wanted && at < end) {
+        /*@ assert pattern_edges: 0 <= leg->out->edges < 16; */
         leg->out->at[leg->out->edges] = at;
         leg->out->edges++;
         leg->out->high += leg->wanted > 0 ? IQ24_ONE - at : at - IQ24_ONE;
+        /*@ assert pattern_high: 0 <= leg->out->high <= 16777216; */
         leg->level = leg->wanted;
         leg->last = at;
     }

@@ -3,6 +3,7 @@
 
 #include "iqfoc/cycle_six_step.h"
 #include "iqfoc/overmodulation.h"
+#include "iqfoc/pattern.h"
 #include "iqfoc/reference.h"
 #include "iqfoc/tuned_control.h"
 
@@ -29,6 +30,49 @@ void prove_overmodulation(void)
     (void)iqfoc_overmodulate(&state, any_ab(IQ24(32.0)), any_within(1, IQ24(2.0)), limit);
     (void)iqfoc_modulate_nearest(any_ab(IQ24(32.0)), any_within(1, IQ24(2.0)));
     (void)iqfoc_modulated_voltage(any_abc(0, IQ24_ONE), any_within(0, IQ24(2.0)));
+}
+
+/* A number of angles at a time, as it says which edges there are. */
+static void pattern_of(const iqfoc_pattern_row_t *row, int32_t angles)
+{
+    const iqfoc_pattern_t table = {row, any_within(1, IQFOC_PATTERN_ROWS_MAX), angles,
+                                   any_within(0, IQ24_ONE), any_within(IQ24_ONE, IQ24(100.0))};
+    iqfoc_pattern_modulator_t modulator = {
+        &table, any_within(0, IQFOC_PATTERN_TIME_MAX), any_within(0, IQFOC_PATTERN_ROWS_MAX - 1), {{0}}};
+    for (int32_t k = 0; k < 3; k++) {
+        modulator.leg[k].level = any_bool() ? 1 : -1;
+        modulator.leg[k].since = any_within(0, IQFOC_PATTERN_TIME_MAX);
+    }
+    const iq24_t index = iqfoc_pattern_index(any_within(0, IQ24(32.0)), any_within(1, IQ24(2.0)));
+    iqfoc_pattern_edges_t edges[3];
+    iqfoc_pattern_step(&modulator, any(), any(), any_bool() ? index : any(), edges);
+}
+
+/* Modulation by pulse pattern: any table within pattern.h, any angle, speed and index, from any state of the legs; the
+ * check of any table. */
+void prove_pattern(void)
+{
+    static iqfoc_pattern_row_t row[IQFOC_PATTERN_ROWS_MAX];
+    const iqfoc_pattern_t whatever = {row, any(), any(), any(), any()};
+    iqfoc_pattern_modulator_t checked;
+    for (int32_t n = 0; n < IQFOC_PATTERN_ROWS_MAX; n++) {
+        row[n].start = any();
+        row[n].joined = any();
+        for (int32_t k = 0; k < IQFOC_PATTERN_ANGLES_MAX; k++) {
+            row[n].angle[k] = any();
+        }
+    }
+    (void)iqfoc_pattern_init(&checked, &whatever, any());
+    for (int32_t n = 0; n < IQFOC_PATTERN_ROWS_MAX; n++) {
+        row[n].start = any_bool() ? 1 : -1;
+        row[n].joined = any_within(0, 1);
+        for (int32_t k = 0; k < IQFOC_PATTERN_ANGLES_MAX; k++) {
+            row[n].angle[k] = any_within(0, IQ24(0.25));
+        }
+    }
+    for (int32_t angles = 1; angles <= IQFOC_PATTERN_ANGLES_MAX; angles++) {
+        pattern_of(row, angles);
+    }
 }
 
 /* The law of the tuned controller at any speed: any machine within predictor_salient.h whose k is 1/16 and more. */

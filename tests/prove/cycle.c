@@ -31,6 +31,9 @@ static void run(const iqfoc_methods_t methods, const iqfoc_cycle_config_t *set,
             (void)iqfoc_cycle_peak_by(methods, &cycle, &peak, any_within(0, IQ24(8.0)),
                                       any_count(0, UINT32_MAX));
             (void)iqfoc_cycle_in_time(&cycle, &peak, any_count(0, UINT32_MAX));
+            (void)iqfoc_cycle_in_time_inline(&cycle, any_count(0, UINT32_MAX), any_count(0, UINT32_MAX));
+            (void)iqfoc_cycle_next_ticks(&cycle);
+            (void)iqfoc_cycle_taken(&cycle);
         }
         if (any_bool()) {
             iqfoc_cycle_clear(&cycle);

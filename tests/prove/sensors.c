@@ -6,7 +6,7 @@
 
 #include "iqfoc/adapt.h"
 #include "iqfoc/halls.h"
-#include "iqfoc/observer.h"
+#include "iqfoc/observer_inductance.h"
 #include "iqfoc/offset.h"
 #include "iqfoc/speed_control.h"
 #include "iqfoc/supervision.h"
@@ -108,6 +108,32 @@ void prove_observer(void)
         (void)iqfoc_observer_mean(any_ab(IQ24(15.9)), any_ab(IQ24(15.9)), any_ab(IQ24(15.9)));
         (void)iqfoc_observer_theta(&o, any_within(-8 * IQ24_ONE, 8 * IQ24_ONE));
         (void)iqfoc_observer_turns(&o);
+    }
+}
+
+/* L_q of the observer: any configuration that is not refused, any error and angle, |i| <= 15.9 a component, from any
+ * state. */
+void prove_observer_inductance(void)
+{
+    const iqfoc_observer_config_t nominal =
+        IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 3e-3, 0.12, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.004));
+    const iqfoc_observer_inductance_config_t config = {any(), any(), any(), any()};
+    iqfoc_observer_inductance_t a;
+    iqfoc_observer_t o;
+    if (iqfoc_observer_inductance_init(&a, &config, &nominal) == IQFOC_OK &&
+        iqfoc_observer_init(&o, &a.adapted) == IQFOC_OK) {
+        o.theta_q32 = any();
+        o.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        o.error = any_within(IQ24(-0.5), IQ24(0.5));
+        o.locked = any_bool();
+        a.adapted.k1 = any_within(1, IQ24_ONE);
+        a.adapted.k2 = any_within(1, IQ24(0.25));
+        a.adapted.machine.psi = any_within(IQ24(0.015625), IQ24(16.0));
+        a.adapted.machine.l_q = any_within(1, IQ24(8.0));
+        a.level = any_within(IQ24(-16.0), IQ24(16.0));
+        a.slope = any_within(IQ24(-8.0), IQ24(8.0));
+        a.follows = any_bool();
+        iqfoc_observer_inductance_step(&a, &o, any_ab(IQ24(15.9)));
     }
 }
 
