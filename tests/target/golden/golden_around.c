@@ -36,11 +36,12 @@ static void add_encoder(golden_inputs_t *inputs, uint64_t *digest)
     for (uint32_t k = 0; k < 3; k++) {
         (void)iqfoc_encoder_index(&encoder, below(inputs, config.counts_per_turn));
         digest_add(digest, iqfoc_encoder_theta(&encoder, below(inputs, config.counts_per_turn)));
+        digest_add(digest, iqfoc_encoder_index_theta(&encoder));
         digest_add(digest, encoder.slip);
     }
 }
 
-static iqfoc_resolver_angle_t resolver(golden_inputs_t *inputs)
+static iqfoc_resolver_angle_t resolver(golden_inputs_t *inputs, uint64_t *digest)
 {
     iqfoc_resolver_t r;
     r.offset_sin = golden_within(inputs, IQ24(4.0));
@@ -51,6 +52,7 @@ static iqfoc_resolver_angle_t resolver(golden_inputs_t *inputs)
     r.amplitude_min = 1 + golden_positive(inputs, r.amplitude_max - 2);
     r.ratio = 1 + (iq24_t)below(inputs, 64);
     r.theta_0 = golden_within(inputs, IQ24_ONE);
+    digest_add(digest, (int32_t)iqfoc_resolver_check(&r));
     iq24_t a;
     iq24_t b;
     golden_pair(inputs, &a, &b);
@@ -144,7 +146,7 @@ static void add_speed_control(golden_inputs_t *inputs, uint64_t *digest)
 /* The resolver draws a pair, which counts the input. */
 void golden_angle_sensors(golden_inputs_t *inputs, uint64_t *digest)
 {
-    const iqfoc_resolver_angle_t angle = resolver(inputs);
+    const iqfoc_resolver_angle_t angle = resolver(inputs, digest);
     digest_add(digest, angle.theta);
     digest_add(digest, angle.valid ? 1 : 0);
     add_encoder(inputs, digest);
@@ -177,6 +179,7 @@ static void add_offset(golden_inputs_t *inputs, uint64_t *digest)
 static void add_shunts(golden_inputs_t *inputs, uint64_t *digest)
 {
     const iqfoc_shunts_t shunts = {IQ24(0.25) + golden_positive(inputs, IQ24(0.75))};
+    digest_add(digest, (int32_t)iqfoc_shunts_check(&shunts));
     iqfoc_abc_t duties;
     duties.a = golden_positive(inputs, IQ24_ONE);
     duties.b = golden_positive(inputs, IQ24_ONE);

@@ -143,6 +143,8 @@ static void add_state(uint64_t *digest, const iqfoc_command_t *command)
     digest_ab(digest, cycle->error);
     digest_add(digest, cycle->u_dc_inverse);
     digest_add(digest, (int32_t)cycle->status);
+    digest_add(digest, iqfoc_cycle_voltage_angle(cycle));
+    digest_add(digest, (int32_t)iqfoc_cycle_next_ticks(cycle));
 }
 
 static void period(const iqfoc_methods_t m, uint64_t *digest)
@@ -164,6 +166,9 @@ static void period(const iqfoc_methods_t m, uint64_t *digest)
     middle.beta = cycle->i_valley.beta / 2 + cycle->i_next.beta / 2;
     s = sample_of(middle, IQ24(0.5));
     const iqfoc_command_t command = iqfoc_cycle_peak_by(m, cycle, &s, IQ24(1.5), s.time);
+    const uint32_t written = s.time + (one_in(64) ? TICKS : TICKS / 4);
+    digest_add(digest, iqfoc_cycle_in_time_inline(cycle, s.time, written) ? 1 : 0);
+    digest_add(digest, iqfoc_cycle_in_time(cycle, &s, written) ? 1 : 0);
     (void)time_later(cycle->config->period_ticks - half);
     drive.theta = iq24_add_wrap(drive.theta, drive.turns / 2);
     add_state(digest, &command);

@@ -37,6 +37,7 @@ void golden_overmodulation(golden_inputs_t *inputs, uint64_t *digest)
 void golden_reference(golden_inputs_t *inputs, uint64_t *digest)
 {
     static iqfoc_reference_t state;
+    static iqfoc_reference_link_t link;
     iqfoc_reference_config_t config;
     config.i_max = 1 + golden_positive(inputs, IQ24(4.0) - 1);
     config.i_d_min = -golden_positive(inputs, config.i_max);
@@ -46,12 +47,19 @@ void golden_reference(golden_inputs_t *inputs, uint64_t *digest)
     if (inputs->number++ % 64 == 0) {
         state.weakening = 0;
         state.i_q = 0;
+        link.gain = golden_positive(inputs, IQ24(64.0));
+        link.low = golden_positive(inputs, IQ24(1.5));
     }
     state.i_q = iq24_clamp(state.i_q, -config.i_max, config.i_max);
     const iq24_t torque = golden_within(inputs, IQ24(8.0));
     const iqfoc_dq_t u = golden_dq(inputs, IQ24(2.0));
-    digest_dq(digest, iqfoc_reference_step(&state, &config, torque, u, golden_positive(inputs, IQ24(1.5))));
+    const iq24_t u_limit =
+        iqfoc_reference_link(&state, &link, &config, u, golden_positive(inputs, IQ24(1.5)));
+    digest_dq(digest, iqfoc_reference_step(&state, &config, torque, u, u_limit));
+    digest_add(digest, u_limit);
+    digest_add(digest, link.low);
     digest_add(digest, iq24_acc_round(state.weakening));
+    digest_add(digest, (int32_t)iqfoc_reference_check(&config));
 }
 
 void golden_ripple_half(golden_inputs_t *inputs, uint64_t *digest)

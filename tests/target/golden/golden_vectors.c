@@ -7,6 +7,8 @@
 #include "golden_cycle.h"
 #include "golden_limits.h"
 #include "golden_models.h"
+#include "golden_recorder.h"
+#include "golden_sensorless.h"
 #include "golden_tuned.h"
 #include "golden_types.h"
 
@@ -136,6 +138,10 @@ static void mean_current(golden_inputs_t *inputs, uint64_t *digest)
     const iqfoc_predictor_t machine = any_machine(inputs);
     const iqfoc_ab_t u = golden_ab(inputs, IQ24(2.0));
     digest_ab(digest, iqfoc_mean_current_quasi_discrete(&machine, i, u, &rotor, sc));
+    const iqfoc_ab_t start = golden_ab(inputs, IQ24(21.3));
+    const iqfoc_ab_t end = golden_ab(inputs, IQ24(51.2));
+    const iq24_t w = golden_within(inputs, IQ24(13.9));
+    digest_dq(digest, iqfoc_mean_current_seen(start, end, w, &rotor, sc));
 }
 
 static void prediction(golden_inputs_t *inputs, uint64_t *digest)
@@ -231,6 +237,9 @@ void golden_vectors(golden_report *report)
         {"reference", golden_reference},
         {"ripple_half", golden_ripple_half},
         {"tuned_and_watched", golden_tuned_and_watched},
+        {"sensorless", golden_sensorless},
+        {"pattern", golden_pattern},
+        {"recorder", golden_recorder},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
         golden_inputs_t inputs = {0, GOLDEN_SEED};
