@@ -248,6 +248,18 @@ static void test_refusals(void)
     }
 }
 
+/* Of two inductances of 1/2 the skew is its own error: 2^-10 is accepted, one LSB more is not. */
+static void test_most_error_of_skew(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        iqfoc_flux_predictor_t p = {
+            IQ24(0.5), IQ24(0.5), IQ24(2.0), IQ24(2.0), 0, 0, sign * IQ24(0.0009765625)};
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_flux_predictor_check(&p));
+        p.skew += sign;
+        TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_INDUCTANCE_Q, iqfoc_flux_predictor_check(&p));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -255,5 +267,6 @@ int main(void)
     RUN_TEST(test_formula_against_integration);
     RUN_TEST(test_the_law_stores_energy);
     RUN_TEST(test_refusals);
+    RUN_TEST(test_most_error_of_skew);
     return UNITY_END();
 }

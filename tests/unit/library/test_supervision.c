@@ -164,6 +164,26 @@ static void refused(iqfoc_supervision_config_t config, iqfoc_error_t want)
     TEST_ASSERT_EQUAL_UINT32(want == IQFOC_OK ? 0 : 9, s.cycles);
 }
 
+/* A phase is lost below `share` of the largest, not at it. */
+static void test_share_itself_is_no_loss(void)
+{
+    for (int32_t x = 0; x < 3; x++) {
+        for (int32_t below = 0; below < 2; below++) {
+            iqfoc_supervision_t s;
+            iq24_t i[3];
+            i[x] = usual.share - below;
+            i[(x + 1) % 3] = -IQ24_ONE;
+            i[(x + 2) % 3] = IQ24_ONE - i[x];
+            const iqfoc_abc_t abc = {i[0], i[1], i[2]};
+            TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_supervision_init(&s, &usual));
+            for (int32_t k = 0; k < 200; k++) {
+                (void)iqfoc_supervision_step(&s, abc, IQ24(0.125), true);
+            }
+            TEST_ASSERT_EQUAL_UINT32((uint32_t)below << x, s.phase);
+        }
+    }
+}
+
 static void test_limits(void)
 {
     iqfoc_supervision_t s;
@@ -191,6 +211,7 @@ int main(void)
     RUN_TEST(test_sum_of_three);
     RUN_TEST(test_extremes);
     RUN_TEST(test_bits_are_free);
+    RUN_TEST(test_share_itself_is_no_loss);
     RUN_TEST(test_limits);
     return UNITY_END();
 }

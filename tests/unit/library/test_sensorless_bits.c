@@ -1,0 +1,308 @@
+/*
+ * The observer, the adaptation of its L_q and the drive without a sensor to the last bit: any allowed input from any
+ * state, one hash for each over all results. test_rotor_observer.c, test_observer_inductance.c and
+ * test_sensorless_drive.c check them in double precision.
+ */
+#include "bits.h"
+#include "hash.h"
+
+#include "iqfoc/observer_inductance.h"
+#include "iqfoc/params.h"
+#include "iqfoc/sensorless.h"
+
+#include <stdbool.h>
+
+#define DRAWS 40000
+
+#define R_OHM  0.9
+#define L_H    6.48e-4
+#define PSI_WB 0.0108
+#define T_S    1e-4
+#define I_B_A  10.0
+#define U_DC_V 300.0
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static iq24_t any(uint64_t *seed, double limit)
+{
+    const iq24_t most = (iq24_t)(limit * IQ24_ONE);
+    return bits_random(seed, -most, most);
+}
+
+/* Small values more often than an even draw has them. */
+static iq24_t any_size(uint64_t *seed, double limit)
+{
+    const iq24_t even = any(seed, limit);
+    return even / (1 << bits_random(seed, 0, 12));
+}
+
+static iqfoc_ab_t any_ab(uint64_t *seed, double limit)
+{
+    const iq24_t alpha = any_size(seed, limit);
+    const iqfoc_ab_t ab = {alpha, any_size(seed, limit)};
+    return ab;
+}
+
+static iqfoc_abc_t any_abc(uint64_t *seed, double limit)
+{
+    iqfoc_abc_t abc;
+    abc.a = any_size(seed, limit);
+    abc.b = any_size(seed, limit);
+    abc.c = any_size(seed, limit);
+    return abc;
+}
+
+/* ---- Observer ---- */
+
+static iqfoc_observer_config_t any_observer(uint64_t *seed)
+{
+    iqfoc_observer_config_t c;
+    c.machine.l_d = bits_random(seed, IQ24(0.0625), IQ24(4.0));
+    c.machine.l_q = bits_random(seed, IQ24(0.0625), IQ24(4.0));
+    c.machine.k_d = (iq24_t)((INT64_C(1) << 48) / c.machine.l_d);
+    c.machine.k_q = (iq24_t)((INT64_C(1) << 48) / c.machine.l_q);
+    c.machine.r = bits_random(seed, 0, IQ24(0.5));
+    c.machine.psi = iq24_max(iq24_abs_sat(any_size(seed, 16.0)), IQ24(0.015625));
+    c.machine.skew = 0;
+    c.saturation = iq24_max(bits_random(seed, -IQ24(4.0), IQ24(4.0)), 0);
+    c.gain_max = bits_random(seed, IQ24(0.125), IQ24_ONE);
+    c.k1 = bits_random(seed, 1, IQ24_ONE);
+    c.k2 = bits_random(seed, 1, IQ24(0.25));
+    c.turns_min = bits_random(seed, 0, IQ24(0.1));
+    c.angle_max = bits_random(seed, 1, IQ24(0.5));
+    c.flux_max = bits_random(seed, 1, IQ24(8.0) - 1);
+    c.lock_cycles = (uint32_t)bits_random(seed, 1, 6);
+    c.lost_cycles = bits_random(seed, 0, 3) == 0 ? UINT32_MAX : (uint32_t)bits_random(seed, 0, 6);
+    c.slow_cycles = bits_random(seed, 0, 3) == 0 ? UINT32_MAX : (uint32_t)bits_random(seed, 0, 6);
+    return c;
+}
+
+static void add_observer(uint64_t *digest, const iqfoc_observer_t *o)
+{
+    digest_add(digest, o->psi.alpha);
+    digest_add(digest, o->psi.beta);
+    digest_add(digest, o->theta_q32);
+    digest_add(digest, o->turns_q32);
+    digest_add(digest, o->error);
+    digest_add(digest, o->flux_error);
+    digest_add(digest, (int32_t)o->count);
+    digest_add(digest, (int32_t)o->slow);
+    digest_add(digest, (int32_t)o->status);
+    digest_add(digest, o->locked ? 1 : 0);
+}
+
+static void any_state(uint64_t *seed, iqfoc_observer_t *o)
+{
+    const iqfoc_ab_t i = any_ab(seed, 15.9);
+    const iq24_t theta = bits_random(seed, INT32_MIN, INT32_MAX);
+    const iq24_t turns = any_size(seed, 0.4);
+    iqfoc_observer_start(o, i, theta, turns, bits_random(seed, 0, 1) != 0);
+    if (bits_random(seed, 0, 3) == 0) {
+        o->psi = any_ab(seed, 32.0);
+    }
+    o->count = (uint32_t)bits_random(seed, 0, 6);
+    o->slow = (uint32_t)bits_random(seed, 0, 6);
+}
+
+static void test_observer(void)
+{
+    uint64_t seed = 11;
+    uint64_t digest = DIGEST_START;
+    for (int n = 0; n < DRAWS; n++) {
+        const iqfoc_observer_config_t c = any_observer(&seed);
+        iqfoc_observer_t o;
+        digest_add(&digest, (int32_t)iqfoc_observer_init(&o, &c));
+        o.config = &c;
+        any_state(&seed, &o);
+        add_observer(&digest, &o);
+        for (int k = 0; k < 3; k++) {
+            const iqfoc_ab_t u = any_ab(&seed, 2.0);
+            const iqfoc_ab_t middle = any_ab(&seed, 15.9);
+            const iqfoc_ab_t i = any_ab(&seed, n % 2 == 0 ? 15.9 : 1.0);
+            iqfoc_observer_step(&o, u, iqfoc_observer_mean(i, middle, i), i);
+            add_observer(&digest, &o);
+        }
+        digest_add(&digest, iqfoc_observer_theta(&o, any(&seed, 8.0)));
+        digest_add(&digest, iqfoc_observer_turns(&o));
+    }
+    bits_golden(UINT64_C(0x735c35a24bb4f8b0), digest);
+}
+
+/* ---- L_q ---- */
+
+static void test_inductance(void)
+{
+    uint64_t seed = 12;
+    uint64_t digest = DIGEST_START;
+    iqfoc_observer_config_t nominal =
+        IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 3e-3, 0.12, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.004));
+    for (int n = 0; n < DRAWS; n++) {
+        iqfoc_observer_inductance_config_t c;
+        c.gain = bits_random(&seed, 1, IQ24_ONE);
+        c.least = bits_random(&seed, IQ24(0.0625), IQ24_ONE);
+        c.low = bits_random(&seed, 1, nominal.machine.l_q);
+        c.high = bits_random(&seed, nominal.machine.l_q, IQ24(4.0));
+        nominal.machine.psi = bits_random(&seed, IQ24(0.015625), IQ24(16.0));
+        iqfoc_observer_inductance_t a;
+        iqfoc_observer_t o;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_inductance_init(&a, &c, &nominal));
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &a.adapted));
+        TEST_ASSERT_TRUE(a.level == 0 && a.slope == 0 && !a.follows);
+        o.theta_q32 = bits_random(&seed, INT32_MIN, INT32_MAX);
+        o.error = any_size(&seed, 0.5);
+        o.locked = bits_random(&seed, 0, 7) != 0;
+        a.follows = bits_random(&seed, 0, 7) != 0;
+        a.level = any_size(&seed, 16.0);
+        a.slope = any_size(&seed, 8.0);
+        iqfoc_observer_inductance_step(&a, &o, any_ab(&seed, 15.9));
+        digest_add(&digest, a.level);
+        digest_add(&digest, a.slope);
+        digest_add(&digest, a.adapted.machine.l_q);
+        digest_add(&digest, a.follows ? 1 : 0);
+    }
+    bits_golden(UINT64_C(0xe713bfcbb1d09811), digest);
+}
+
+/* A step is taken from |x| = least on, both signs. */
+static void test_least_step(void)
+{
+    const iqfoc_observer_config_t nominal =
+        IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 3e-3, 0.12, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.004));
+    const iqfoc_observer_inductance_config_t c = {IQ24_ONE, IQ24(0.08), 1, IQ24(4.0)};
+    for (int32_t below = 0; below < 2; below++) {
+        for (int32_t sign = -1; sign <= 1; sign += 2) {
+            const iqfoc_ab_t none = {0, 0};
+            iqfoc_observer_inductance_t a;
+            iqfoc_observer_t o;
+            TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_inductance_init(&a, &c, &nominal));
+            TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &a.adapted));
+            o.locked = true;
+            o.error = IQ24(0.1);
+            a.follows = true;
+            a.level = sign * (c.least - below);
+            iqfoc_observer_inductance_step(&a, &o, none);
+            TEST_ASSERT_EQUAL(below != 0, a.adapted.machine.l_q == nominal.machine.l_q);
+        }
+    }
+}
+
+/* ---- The drive ---- */
+
+static const iqfoc_cycle_config_t cycle_config = {
+    .predictor = IQFOC_PREDICTOR(R_OHM, L_H, PSI_WB, T_S, I_B_A, U_DC_V),
+    .gains = IQFOC_GAINS(2000.0, R_OHM, L_H, L_H, PSI_WB, T_S, I_B_A, U_DC_V),
+    .feedback = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
+    .modulation = IQFOC_MODULATION_PWM,
+    .safe_state = IQFOC_SAFE_GATES_OFF,
+    .span_max = IQ24_ONE,
+    .current_limit = IQ24(4.0),
+    .period_ticks = 1000,
+    .tolerance_ticks = 100,
+    .stale_ticks = 250,
+    .deadline_ticks = 500,
+    .trips = IQFOC_STATUS_OVERCURRENT,
+};
+static const iqfoc_observer_config_t observer_config =
+    IQFOC_OBSERVER_CONFIG(R_OHM, L_H, L_H, PSI_WB, T_S, I_B_A, U_DC_V, 1600.0, IQ24(0.01));
+static const iqfoc_start_config_t start_config = {IQ24(0.6), 7, 5, IQ24(0.03), 9};
+static const iqfoc_extension_t losses = {.i_gain_inverse = {IQ24_ONE, IQ24_ONE, IQ24_ONE},
+                                         .k_u = IQ24(1.01),
+                                         .v_dead = IQ24(0.005),
+                                         .knee_inverse = IQ24(7.0)};
+
+static iqfoc_sample_t any_sample(uint64_t *seed, iq24_t at)
+{
+    const iqfoc_abc_t i = any_abc(seed, bits_random(seed, 0, 9) == 0 ? 15.9 : 2.0);
+    const iq24_t theta = bits_random(seed, INT32_MIN, INT32_MAX);
+    const iqfoc_sample_t s = {
+        .i = i, .theta = theta, .turns = any_size(seed, 0.3), .u_dc = IQ24_ONE, .at = at};
+    return s;
+}
+
+static void any_drive(uint64_t *seed, iqfoc_sensorless_t *s, iqfoc_cycle_t *cycle)
+{
+    any_state(seed, &s->observer);
+    s->source = (iqfoc_angle_source_t)bits_random(seed, 0, 3);
+    s->wanted = bits_random(seed, 0, 1) != 0 ? IQFOC_ANGLE_OBSERVED : IQFOC_ANGLE_MEASURED;
+    s->i_peak = any_ab(seed, 8.0);
+    s->on = (uint32_t)bits_random(seed, 0, 3);
+    s->start.stage = (iqfoc_start_stage_t)bits_random(seed, 0, 5);
+    s->start.done = (uint32_t)bits_random(seed, 0, 4);
+    s->start.theta = any(seed, 0.5);
+    s->start.turns = any_size(seed, 0.03);
+    s->start.i_ref.d = bits_random(seed, 0, IQ24_ONE);
+    cycle->enabled = bits_random(seed, 0, 7) != 0;
+    cycle->tripped = bits_random(seed, 0, 7) == 0;
+    cycle->u_now = any_ab(seed, 1.0);
+    cycle->i_valley = any_ab(seed, 16.0);
+    cycle->u_dq.d = any_size(seed, 2.0);
+    cycle->u_dq.q = any_size(seed, 2.0);
+    cycle->i_ref.d = any_size(seed, 2.0);
+    cycle->i_ref.q = any_size(seed, 2.0);
+}
+
+static void add_sample(uint64_t *digest, const iqfoc_sample_t *s)
+{
+    digest_add(digest, s->theta);
+    digest_add(digest, s->turns);
+}
+
+static void test_sensorless(void)
+{
+    uint64_t seed = 13;
+    uint64_t digest = DIGEST_START;
+    for (int n = 0; n < DRAWS; n++) {
+        iqfoc_cycle_t cycle;
+        iqfoc_sensorless_t s;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_cycle_init(&cycle, &cycle_config));
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_sensorless_init(&s, &observer_config, &start_config,
+                                                              n % 2 == 0 ? &losses : NULL));
+        TEST_ASSERT_TRUE(s.source == IQFOC_ANGLE_MEASURED && s.wanted == IQFOC_ANGLE_MEASURED && s.on == 0 &&
+                         s.difference == 0 && s.i_peak.alpha == 0 && s.i_peak.beta == 0);
+        any_drive(&seed, &s, &cycle);
+        if (n % 50 == 0) {
+            iqfoc_sensorless_start(&s);
+        } else if (n % 50 == 1) {
+            iqfoc_sensorless_catch(&s, any(&seed, 0.4));
+        }
+        for (int k = 0; k < 2; k++) {
+            iqfoc_sample_t valley = any_sample(&seed, any(&seed, 0.1));
+            iqfoc_sensorless_valley(&s, &cycle, &valley);
+            iqfoc_sample_t peak = any_sample(&seed, IQ24(0.5));
+            iqfoc_sensorless_peak(&s, &peak);
+            add_sample(&digest, &valley);
+            add_sample(&digest, &peak);
+            add_observer(&digest, &s.observer);
+            digest_add(&digest, (int32_t)s.source);
+            digest_add(&digest, (int32_t)s.wanted);
+            digest_add(&digest, (int32_t)s.on);
+            digest_add(&digest, s.difference);
+            digest_add(&digest, s.i_peak.alpha);
+            digest_add(&digest, s.i_peak.beta);
+            digest_add(&digest, s.start.theta);
+            digest_add(&digest, s.start.turns);
+            digest_add(&digest, cycle.i_ref.d);
+            digest_add(&digest, cycle.i_ref.q);
+            digest_add(&digest, (int32_t)cycle.status);
+            bits_add64(&digest, cycle.control.integral_d);
+            bits_add64(&digest, cycle.control.integral_q);
+        }
+    }
+    bits_golden(UINT64_C(0xbd896a7327acb0d4), digest);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_observer);
+    RUN_TEST(test_inductance);
+    RUN_TEST(test_least_step);
+    RUN_TEST(test_sensorless);
+    return UNITY_END();
+}
