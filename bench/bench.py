@@ -72,6 +72,7 @@ ROOTS = {
     "overmodulation": ["iqfoc_overmodulate"],
     "reference": ["iqfoc_reference_step"],
     "six_step_by_timer": ["iqfoc_cycle_six_step_switch"],
+    "pattern": ["iqfoc_pattern_step"],
     "tuned_at_speed": ["iqfoc_tuned_at_speed"],
     "tuned_step": ["iqfoc_tuned_step"],
     "watch_step": ["iqfoc_watch_step"],
@@ -91,6 +92,7 @@ ROOTS = {
     "start": ["iqfoc_start_step"],
     "supervision": ["iqfoc_supervision_step"],
     "restart": ["iqfoc_restart_step"],
+    "recorder": ["iqfoc_recorder_take"],
     "handler_stm32g4": ["bench_handler"],
 }
 LINE = 8

@@ -11,6 +11,8 @@
 #include "iqfoc/observer_inductance.h"
 #include "iqfoc/offset.h"
 #include "iqfoc/overmodulation.h"
+#include "iqfoc/pattern.h"
+#include "iqfoc/recorder.h"
 #include "iqfoc/reference.h"
 #include "iqfoc/resolver.h"
 #include "iqfoc/restart.h"
@@ -32,6 +34,13 @@ static const iqfoc_reference_config_t reference_config = {IQ24(0.1), IQ24(1.5), 
 static iqfoc_reference_t reference;
 static const iqfoc_six_step_config_t six_step_config = {IQ24(0.001), 0, IQ24(0.5), false};
 static iqfoc_six_step_t six_step;
+/* Nine pulses per electrical period, between two rows of the table. */
+static const iqfoc_pattern_row_t pattern_rows[2] = {
+    {1, 1, {IQ24(0.03), IQ24(0.05), IQ24(0.12), IQ24(0.13)}},
+    {1, 0, {IQ24(0.05), IQ24(0.06), IQ24(0.15), IQ24(0.155)}}};
+static const iqfoc_pattern_t pattern_table = {pattern_rows, 2, 4, IQ24(0.5), IQ24(2.0)};
+static iqfoc_pattern_modulator_t pattern;
+static iqfoc_pattern_edges_t pattern_edges[3];
 static iqfoc_cycle_t cycle;
 static iqfoc_tuned_law_t tuned_law;
 static iqfoc_tuned_t tuned;
@@ -71,6 +80,20 @@ static const iqfoc_supervision_config_t supervision_config = {IQ24(0.05), IQ24(0
 static iqfoc_supervision_t supervision;
 static const iqfoc_restart_config_t restart_config = {1, 5, 3, 20};
 static iqfoc_restart_t restart;
+static int32_t recorded[4];
+static const iqfoc_recorder_config_t recorder_config = {
+    .channels = {IQFOC_RECORDER_IQ24(&recorded[0], IQFOC_RECORDER_I_A, 10.0, 27),
+                 IQFOC_RECORDER_IQ24(&recorded[1], IQFOC_RECORDER_I_B, 10.0, 27),
+                 IQFOC_RECORDER_IQ24(&recorded[2], IQFOC_RECORDER_I_C, 10.0, 27),
+                 IQFOC_RECORDER_IQ24(&recorded[3], IQFOC_RECORDER_THETA_E, 6.28, 28)},
+    .channel_count = 4,
+    .decimation = 1,
+    .period_mantissa = 1,
+    .period_shift = 13,
+    .trigger = IQFOC_RECORDER_NOW,
+};
+static int32_t recorder_memory[50];
+static iqfoc_recorder_t recorder;
 
 /* The Halls' bits of a sector, from the top bits of the angle. */
 static uint32_t bits_of(iq24_t theta)
@@ -94,6 +117,10 @@ COUNT(reference, iqfoc_dq_t, iqfoc_reference_step,
 COUNT(six_step_by_timer, iqfoc_six_step_command_t, iqfoc_cycle_six_step_switch,
       (iqfoc_six_step_t *, iqfoc_cycle_t *, const iqfoc_sample_t *, uint32_t),
       (&six_step, &cycle, &in->sample, in->sample.time))
+COUNT(pattern, void, iqfoc_pattern_step,
+      (iqfoc_pattern_modulator_t *, iq24_t, iq24_t, iq24_t, iqfoc_pattern_edges_t *),
+      (&pattern, in->sample.theta, in->sample.turns, IQ24(0.55) + iq24_abs_sat(in->u.alpha) / 16,
+       pattern_edges))
 COUNT(tuned_at_speed, iqfoc_tuned_t, iqfoc_tuned_at_speed, (const iqfoc_tuned_law_t *, iq24_t),
       (&tuned_law, in->sample.turns))
 COUNT(tuned_step, iqfoc_ab_t, iqfoc_tuned_step,
@@ -135,6 +162,8 @@ COUNT(supervision, uint32_t, iqfoc_supervision_step, (iqfoc_supervision_t *, iqf
 COUNT(restart, iqfoc_restart_action_t, iqfoc_restart_step, (iqfoc_restart_t *, uint32_t),
       (&restart, (uint32_t)in->sample.theta >> 27 & 1))
 
+COUNT(recorder, void, iqfoc_recorder_take, (iqfoc_recorder_t *, uint32_t),
+      (&recorder, (uint32_t)in->sample.theta >> 27 & 1))
 COUNT(sensorless, void, iqfoc_sensorless_valley, (iqfoc_sensorless_t *, iqfoc_cycle_t *, iqfoc_sample_t *),
       (&sensorless, &cycle, &sample))
 
@@ -162,6 +191,17 @@ static uint32_t count_sensorless_locked(const bench_input_t *in)
     sensorless.wanted = IQFOC_ANGLE_OBSERVED;
     iqfoc_observer_start(&sensorless.observer, in->i, sample.theta, sample.turns, true);
     return count_sensorless(in);
+}
+
+/* A row with room in the memory, as in a recording that the line keeps up with. */
+static uint32_t count_recorder_with_room(const bench_input_t *in)
+{
+    recorded[0] = in->sample.i.a;
+    recorded[1] = in->sample.i.b;
+    recorded[2] = in->sample.i.c;
+    recorded[3] = in->sample.theta;
+    iqfoc_recorder_arm(&recorder);
+    return count_recorder(in);
 }
 
 /* The sums of a block of a drive whose model fits, so that no alarm ends the work: errors of some thousandths. */
@@ -199,6 +239,7 @@ static void begin(void)
     (void)iqfoc_cycle_init(&cycle, &bench_config);
     cycle.enabled = true;
     (void)iqfoc_cycle_six_step_begin(&six_step, &cycle, &six_step_config, IQ24(0.25), &still);
+    (void)iqfoc_pattern_init(&pattern, &pattern_table, IQ24(0.03));
     (void)iqfoc_encoder_init(&encoder, &encoder_config);
     (void)iqfoc_halls_init(&halls, &halls_config);
     (void)iqfoc_tracker_init(&tracker, &tracker_config);
@@ -214,6 +255,7 @@ static void begin(void)
     (void)iqfoc_start_init(&start, &start_config);
     (void)iqfoc_supervision_init(&supervision, &supervision_config);
     (void)iqfoc_restart_init(&restart, &restart_config);
+    (void)iqfoc_recorder_init(&recorder, &recorder_config, recorder_memory, 50);
 }
 
 void bench_services(void)
@@ -222,6 +264,7 @@ void bench_services(void)
     bench_report("overmodulation", count_overmodulation);
     bench_report("reference", count_reference);
     bench_report("six_step_by_timer", count_six_step_by_timer);
+    bench_report("pattern", count_pattern);
     bench_report("tuned_at_speed", count_tuned_at_speed);
     bench_report("tuned_step", count_tuned_step);
     bench_report("watch_step", count_watch_step);
@@ -241,4 +284,5 @@ void bench_services(void)
     bench_report("start", count_start);
     bench_report("supervision", count_supervision);
     bench_report("restart", count_restart);
+    bench_report("recorder", count_recorder_with_room);
 }

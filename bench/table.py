@@ -55,6 +55,7 @@ ROWS = {
     "overmodulation": ("modulation up to six-step", "-", None),
     "reference": ("torque to current: MTPA and field weakening", "-", None),
     "six_step_by_timer": ("six-step by a timer: one switching with all checks", "-", None),
+    "pattern": ("pulse pattern: the edges of a cycle, nine pulses per electrical period", "-", None),
     "tuned_at_speed": ("tuned control's coefficients at a speed", "-", None),
     "tuned_step": ("tuned control, a cycle", "-", None),
     "watch_step": ("watch, each cycle", "-", None),
@@ -74,6 +75,7 @@ ROWS = {
     "start": ("alignment and open-loop angle", "-", None),
     "supervision": ("detection of a lost phase and a lost sensor", "-", None),
     "restart": ("break latch and restart", "-", None),
+    "recorder": ("recorder: a row of four channels", "-", None),
     "handler_stm32g4": ("the STM32G4 example's two interrupts of a period, with its port", "-", 640),
 }
 # All objects of a group, whether called or not.
