@@ -85,6 +85,7 @@ ROOTS = {
     "tracker": ["iqfoc_tracker_step"],
     "observer": ["iqfoc_observer_step"],
     "observer_inductance": ["iqfoc_observer_inductance_step"],
+    "observer_resistance": ["iqfoc_observer_resistance_step"],
     "sensorless": ["iqfoc_sensorless_valley"],
     "shunts": ["iqfoc_shunts_read"],
     "offset": ["iqfoc_offset_step"],

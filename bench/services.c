@@ -9,6 +9,7 @@
 #include "iqfoc/encoder.h"
 #include "iqfoc/halls.h"
 #include "iqfoc/observer_inductance.h"
+#include "iqfoc/observer_resistance.h"
 #include "iqfoc/offset.h"
 #include "iqfoc/overmodulation.h"
 #include "iqfoc/pattern.h"
@@ -61,6 +62,9 @@ static iqfoc_observer_config_t observer_config =
 static iqfoc_observer_t observer;
 static iqfoc_observer_inductance_config_t inductance_config = {IQ24(0.05), IQ24(0.0625), 1, 0};
 static iqfoc_observer_inductance_t inductance;
+static const iqfoc_observer_resistance_config_t resistance_config = {IQ24(0.05), IQ24(0.5), IQ24(0.05)};
+static iqfoc_observer_config_t resistance_adapted;
+static iqfoc_observer_resistance_t resistance;
 static iqfoc_sensorless_t sensorless;
 static iqfoc_sample_t sample;
 static const iqfoc_shunts_t shunts = {IQ24(0.9)};
@@ -149,6 +153,8 @@ COUNT(observer, void, iqfoc_observer_step, (iqfoc_observer_t *, iqfoc_ab_t, iqfo
       (&observer, in->u, in->i, in->i))
 COUNT(observer_inductance, void, iqfoc_observer_inductance_step,
       (iqfoc_observer_inductance_t *, const iqfoc_observer_t *, iqfoc_ab_t), (&inductance, &observer, in->i))
+COUNT(observer_resistance, void, iqfoc_observer_resistance_step,
+      (iqfoc_observer_resistance_t *, iqfoc_observer_t *, iqfoc_ab_t), (&resistance, &observer, in->i))
 COUNT(shunts, iqfoc_shunts_currents_t, iqfoc_shunts_read,
       (const iqfoc_shunts_t *, iqfoc_abc_t, iqfoc_abc_t, iqfoc_abc_t),
       (&shunts, in->sample.i, duties_of(in), in->sample.i_mean))
@@ -181,6 +187,15 @@ static uint32_t count_inductance_adapted(const bench_input_t *in)
     inductance.follows = true;
     inductance.level = IQ24(-8.0);
     return count_observer_inductance(in);
+}
+
+/* Locked, with the memory of a current along the magnet, so that R is adapted. */
+static uint32_t count_resistance_adapted(const bench_input_t *in)
+{
+    iqfoc_observer_start(&observer, in->i, in->sample.theta, in->sample.turns, true);
+    resistance.s.alpha = 4 * in->sc.cos;
+    resistance.s.beta = 4 * in->sc.sin;
+    return count_observer_resistance(in);
 }
 
 static uint32_t count_sensorless_locked(const bench_input_t *in)
@@ -249,6 +264,8 @@ static void begin(void)
     (void)iqfoc_observer_init(&observer, &observer_config);
     inductance_config.high = observer_config.machine.l_q;
     (void)iqfoc_observer_inductance_init(&inductance, &inductance_config, &observer_config);
+    resistance_adapted = observer_config;
+    (void)iqfoc_observer_resistance_init(&resistance, &resistance_config, &resistance_adapted);
     (void)iqfoc_sensorless_init(&sensorless, &observer_config, NULL, NULL);
     (void)iqfoc_offset_init(&offset, &offset_limits);
     (void)iqfoc_speed_control_init(&speed_control, &speed_control_config);
@@ -277,6 +294,7 @@ void bench_services(void)
     bench_report("tracker", count_tracker);
     bench_report("observer", count_observer_locked);
     bench_report("observer_inductance", count_inductance_adapted);
+    bench_report("observer_resistance", count_resistance_adapted);
     bench_report("sensorless", count_sensorless_locked);
     bench_report("shunts", count_shunts);
     bench_report("offset", count_offset);

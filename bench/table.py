@@ -68,6 +68,7 @@ ROWS = {
     "tracker": ("angle tracker", "-", None),
     "observer": ("angle and speed without a sensor, locked", "-", None),
     "observer_inductance": ("L_q of the observer from a step of the current", "-", None),
+    "observer_resistance": ("R and psi_f of the observer from the flux's length", "-", None),
     "sensorless": ("the valley's angle from the observer, with its step", "-", None),
     "shunts": ("currents from low-side shunts", "-", None),
     "offset": ("offset calibration, a sample", "-", None),

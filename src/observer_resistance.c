@@ -107,7 +107,9 @@ void iqfoc_observer_resistance_step(iqfoc_observer_resistance_t *resistance, iqf
     const iq24_t along = iq24_abs_sat(parts.d);
     const iq24_t across = iq24_abs_sat(parts.q);
     if (along >= resistance->least && along >= across) {
-        adapt_r(resistance, observer, iq24_mul_round(c->gain, iq24_div(off, -parts.d)));
+        const iq24_t change = iq24_div(off, -parts.d);
+        /*@ assert resistance_change: -536870912 <= change <= 536870912; */
+        adapt_r(resistance, observer, iq24_mul_round(c->gain, change));
     } else if (iq24_max(along, across) < resistance->least / 2 && turns >= resistance->adapted->turns_min) {
         adapt_psi(resistance, iq24_mul_round(c->gain, off));
     } else {

@@ -7,6 +7,7 @@
 #include "iqfoc/adapt.h"
 #include "iqfoc/halls.h"
 #include "iqfoc/observer_inductance.h"
+#include "iqfoc/observer_resistance.h"
 #include "iqfoc/offset.h"
 #include "iqfoc/speed_control.h"
 #include "iqfoc/supervision.h"
@@ -134,6 +135,37 @@ void prove_observer_inductance(void)
         a.slope = any_within(IQ24(-8.0), IQ24(8.0));
         a.follows = any_bool();
         iqfoc_observer_inductance_step(&a, &o, any_ab(IQ24(15.9)));
+    }
+}
+
+/* R and psi_f of the observer: any shares and gain within observer_resistance.h, |i| <= 15.9 a component, from any state. */
+void prove_observer_resistance(void)
+{
+    iqfoc_observer_config_t adapted =
+        IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 3e-3, 0.12, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.004));
+    const iqfoc_observer_resistance_config_t whatever = {any(), any(), any()};
+    const iqfoc_observer_resistance_config_t config = {
+        any_within(1, IQ24_ONE), any_within(IQ24(0.0625), IQ24(0.5)), any_within(IQ24(0.015625), IQ24(0.25))};
+    iqfoc_observer_t o;
+    iqfoc_observer_resistance_t a;
+    (void)iqfoc_observer_resistance_init(&a, &whatever, &adapted);
+    if (iqfoc_observer_init(&o, &adapted) == IQFOC_OK) {
+        a.config = &config;
+        a.adapted = &adapted;
+        a.r_nominal = any_within(0, IQ24_ONE);
+        a.psi_nominal = any_within(IQ24(0.015625), IQ24(16.0));
+        a.r_over_psi = any_within(0, IQ24(8.0));
+        a.psi_inverse = any_within(IQ24(0.0625), IQ24(64.0));
+        a.least = any_within(IQ24(0.03125), IQ24(4.0));
+        a.r = any_within(-IQ24(0.5), IQ24(0.5));
+        a.psi = any_within(-IQ24(0.25), IQ24(0.25));
+        a.s = any_ab(IQ24(32.0));
+        o.theta_q32 = any();
+        o.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        o.flux_error = any_within(-IQ24(8.0), IQ24(8.0));
+        o.psi = any_ab(IQ24(32.0));
+        o.locked = any_bool();
+        iqfoc_observer_resistance_step(&a, &o, any_ab(IQ24(15.9)));
     }
 }
 

@@ -10,6 +10,7 @@
 #include "golden_types.h"
 
 #include "iqfoc/observer_inductance.h"
+#include "iqfoc/observer_resistance.h"
 #include "iqfoc/params.h"
 #include "iqfoc/pattern.h"
 #include "iqfoc/sensorless.h"
@@ -45,6 +46,7 @@ static const iqfoc_observer_config_t observer_config =
     IQFOC_OBSERVER_CONFIG(R_OHM, L_H, 1.15 * L_H, PSI_WB, T_S, I_B_A, U_DC_V, 1600.0, IQ24(0.005));
 static const iqfoc_observer_inductance_config_t inductance_config = {IQ24(0.05), IQ24(0.08), IQ24(0.1),
                                                                      IQ24(0.4)};
+static const iqfoc_observer_resistance_config_t resistance_config = {IQ24(0.05), IQ24(0.5), IQ24(0.05)};
 static const iqfoc_start_config_t start_config = {IQ24(0.6), 60, 90, IQ24(0.05), 120};
 static const iqfoc_extension_t losses = {.i_gain_inverse = {IQ24_ONE, IQ24_ONE, IQ24_ONE},
                                          .k_u = IQ24_ONE,
@@ -58,6 +60,7 @@ static const iq24_t magnet = IQFOC_FLUX_PSI(PSI_WB, T_S, U_DC_V);
 static iqfoc_cycle_t cycle;
 static iqfoc_sensorless_t drive;
 static iqfoc_observer_inductance_t inductance;
+static iqfoc_observer_resistance_t adapted;
 static iqfoc_ab_t flux;
 static iq24_t theta;
 static iq24_t turns;
@@ -102,6 +105,7 @@ static void begin(golden_inputs_t *inputs)
     (void)iqfoc_sensorless_init(&drive, &observer_config, &start_config, way % 2 == 0 ? &losses : NULL);
     (void)iqfoc_observer_inductance_init(&inductance, &inductance_config, &observer_config);
     drive.observer.config = &inductance.adapted;
+    (void)iqfoc_observer_resistance_init(&adapted, &resistance_config, &inductance.adapted);
     cycle.enabled = true;
     if (way == 0) {
         iqfoc_sensorless_start(&drive);
@@ -140,6 +144,9 @@ static void add_drive(uint64_t *digest, const iqfoc_sample_t *valley, const iqfo
     digest_add(digest, inductance.level);
     digest_add(digest, inductance.slope);
     digest_add(digest, inductance.adapted.machine.l_q);
+    digest_add(digest, adapted.r);
+    digest_add(digest, adapted.psi);
+    digest_ab(digest, adapted.s);
     digest_dq(digest, cycle.i_ref);
     digest_ab(digest, cycle.u_ab);
     digest_add(digest, (int32_t)cycle.status);
@@ -177,6 +184,7 @@ void golden_sensorless(golden_inputs_t *inputs, uint64_t *digest)
     const iqfoc_ab_t i = iqfoc_clarke3(valley.i);
     iqfoc_sensorless_valley(&drive, &cycle, &valley);
     iqfoc_observer_inductance_step(&inductance, &drive.observer, i);
+    iqfoc_observer_resistance_step(&adapted, &drive.observer, i);
     (void)iqfoc_cycle_valley(&cycle, &valley, ticks);
     const bool gates = cycle.enabled && !cycle.tripped;
     half(cycle.u_now, gates);
