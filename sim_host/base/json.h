@@ -64,7 +64,8 @@ void json_free(json_t *value);
 typedef struct json_complaint {
     long line; /* 0: of no line */
     char text[200];
-    error file; /* set if the file was refused (inputs.h) or memory ran out: the whole message, in place of `text` */
+    error
+        file; /* set if the file was refused (inputs.h) or memory ran out: the whole message, in place of `text` */
 } json_complaint;
 
 /* A file of at most 64 MiB. NULL with the complaint. */

@@ -12,7 +12,7 @@
 #include "iqfoc/observer_inductance.h"
 #include "iqfoc/observer_resistance.h"
 #include "iqfoc/params.h"
-#include "iqfoc/pattern.h"
+#include "iqfoc/pattern_control.h"
 #include "iqfoc/sensorless.h"
 
 /* ---- The drive without an angle sensor ---- */
@@ -262,4 +262,51 @@ void golden_pattern(golden_inputs_t *inputs, uint64_t *digest)
         voltage_angle = golden_within(inputs, IQ24_MAX);
         voltage = golden_positive(inputs, IQ24(0.7));
     }
+}
+
+/* ---- The control of a pulse pattern ---- */
+
+static iqfoc_pattern_control_t control;
+static iqfoc_dq_t wanted;
+static iq24_t rotor_angle;
+static iq24_t rotor_turns;
+
+static void begin_control(golden_inputs_t *inputs, uint64_t *digest)
+{
+    const iqfoc_pattern_control_config_t config = {
+        IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), golden_positive(inputs, IQ24(0.2)),
+        golden_positive(inputs, IQ24(0.01))};
+    draw_table(inputs);
+    digest_add(digest, (int32_t)iqfoc_pattern_control_init(&control, &config, &table, IQ24(0.05)));
+    wanted = golden_dq(inputs, IQ24(1.0));
+    rotor_angle = golden_within(inputs, IQ24_MAX);
+    rotor_turns = golden_within(inputs, IQ24(0.1));
+}
+
+void golden_pattern_control(golden_inputs_t *inputs, uint64_t *digest)
+{
+    if (inputs->number % TABLE_AGAIN == 0) {
+        begin_control(inputs, digest);
+    } else if (inputs->number % TABLE_AGAIN == TABLE_AGAIN / 2) {
+        draw_table(inputs);
+        iqfoc_pattern_control_change(&control, &table);
+    }
+    inputs->number++;
+    const iqfoc_ab_t noise = golden_ab(inputs, IQ24(0.02));
+    const iqfoc_ab_t i = {iq24_clamp(control.i_next.alpha + noise.alpha, IQ24(-8.0), IQ24(8.0)),
+                          iq24_clamp(control.i_next.beta + noise.beta, IQ24(-8.0), IQ24(8.0))};
+    iqfoc_pattern_edges_t edges[3];
+    iqfoc_pattern_control_aim(&control, wanted, rotor_turns);
+    iqfoc_pattern_control_step(&control, i, rotor_angle, IQ24_ONE + golden_within(inputs, IQ24(0.1)), edges);
+    for (int32_t leg = 0; leg < 3; leg++) {
+        digest_add(digest, edges[leg].edges);
+        digest_add(digest, edges[leg].high);
+        for (int32_t k = 0; k < edges[leg].edges; k++) {
+            digest_add(digest, edges[leg].at[k]);
+        }
+    }
+    digest_ab(digest, control.i_next);
+    digest_ab(digest, control.error);
+    digest_dq(digest, control.v);
+    rotor_angle = iq24_add_wrap(rotor_angle, rotor_turns);
 }

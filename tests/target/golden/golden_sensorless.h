@@ -8,5 +8,7 @@
 void golden_sensorless(golden_inputs_t *inputs, uint64_t *digest);
 /* One cycle of the three legs, on tables that are drawn. */
 void golden_pattern(golden_inputs_t *inputs, uint64_t *digest);
+/* The same with the flux's trajectory, at a current near its prediction. */
+void golden_pattern_control(golden_inputs_t *inputs, uint64_t *digest);
 
 #endif

@@ -239,6 +239,7 @@ void golden_vectors(golden_report *report)
         {"tuned_and_watched", golden_tuned_and_watched},
         {"sensorless", golden_sensorless},
         {"pattern", golden_pattern},
+        {"pattern_control", golden_pattern_control},
         {"recorder", golden_recorder},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {
