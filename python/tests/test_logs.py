@@ -1,5 +1,8 @@
 """Logs of other programs: every format gives the recording that the same numbers as text give."""
 
+import importlib
+import json
+
 import numpy as np
 import pytest
 
@@ -82,6 +85,75 @@ def test_mdf(columns, expected, tmp_path):
     assert (read["u_dc_V"] == 48.0).all()
     same(iqfoc.read_log({**columns, "t_s": t, "Udc": np.full(t.size, 48.0)}, by_clock), read)
     assert all((read[n] == expected[n]).all() for n in expected)
+
+
+def test_xlsx(columns, tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    columns = {n: np.array([float(f"{x:.16g}") for x in c]) for n, c in columns.items()}  # all that openpyxl writes of a number
+    expected = iqfoc.read_log(columns, MAP)
+    for units in ([], [["s", "mA", "mA", "V", "V", "V", "deg"]]):
+        book = openpyxl.Workbook()
+        book.active.append(["Bench 3"])
+        sheet = book.create_sheet("log")
+        sheet.append(["recorded on Monday"])
+        for row in ([*columns], *units, *zip(*[c.tolist() for c in columns.values()], strict=True)):
+            sheet.append(row)
+        book.save(tmp_path / "log.xlsx")
+        same(iqfoc.read_log(tmp_path / "log.xlsx", MAP), expected)
+    sheet.cell(row=10, column=2).value = None
+    book.save(tmp_path / "hole.xlsx")
+    with pytest.raises(iqfoc.InputError, match="hole.xlsx.*Ia is no finite number"):
+        iqfoc.read_log(tmp_path / "hole.xlsx", MAP)
+    (tmp_path / "cut.xlsx").write_bytes(b"PK\x03\x04")
+    with pytest.raises(iqfoc.InputError, match="cut.xlsx"):
+        iqfoc.read_log(tmp_path / "cut.xlsx", MAP)
+
+
+def mcap_of(path, topics):
+    """{topic: (encoding, [(time in ns, data)])}"""
+    from mcap.writer import Writer
+
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        for topic, (encoding, messages) in topics.items():
+            channel = writer.register_channel(topic=topic, message_encoding=encoding, schema_id=0)
+            for t, data in messages:
+                writer.add_message(channel_id=channel, log_time=t, publish_time=t, data=data)
+        writer.finish()
+
+
+def test_mcap(columns, expected, tmp_path):
+    pytest.importorskip("mcap")
+    rows = [dict(zip(columns, map(float, row), strict=True)) for row in zip(*columns.values(), strict=True)]
+    t_ns = [10 ** 9 + round(1e9 * r["time"]) for r in rows]
+    fast = [(t, json.dumps({"motor": r, "text": "a"}).encode()) for t, r in zip(t_ns, rows, strict=True)]
+    slow = [(t, json.dumps({"Udc": 48.0 + k}).encode()) for k, t in enumerate(t_ns[::100])]
+    mcap_of(tmp_path / "log.mcap", {"/drive": ("json", fast), "/link": ("json", slow), "/camera": ("cdr", [(t_ns[0], b"x")])})
+    same(iqfoc.read_log(tmp_path / "log.mcap", prefixed("/drive.motor.")), expected)
+    link = iqfoc.read_log(tmp_path / "log.mcap", {"columns": {**prefixed("/drive.motor.")["columns"], "t_s": "t_s", "u_dc_V": "/link.Udc"}})
+    assert (link["u_dc_V"] == 48.0 + np.arange(600) // 100).all()
+    mcap_of(tmp_path / "other.mcap", {"/camera": ("cdr", [(0, b"x")])})
+    with pytest.raises(iqfoc.InputError, match="other.mcap: expected messages in JSON, found /camera: cdr"):
+        iqfoc.read_log(tmp_path / "other.mcap", MAP)
+
+
+@pytest.mark.parametrize("ending", ["bin", "dat"])
+def test_packed_rows(columns, expected, tmp_path, ending):
+    """Doubles lose no digit; the map says that the log is packed, whatever its name."""
+    (tmp_path / f"log.{ending}").write_bytes(np.array(list(columns.values())).T.astype("<f8").tobytes())
+    packed = {"format": {"type": "binary", "frame": "fixed", "fields": [[n, "f64"] for n in columns]}, **MAP}
+    same(iqfoc.read_log(tmp_path / f"log.{ending}", packed), expected)
+
+
+@pytest.mark.parametrize("ending, extra", [("xlsx", "xlsx"), ("mcap", "mcap"), ("mat", "mat"), ("parquet", "parquet"), ("h5", "hdf5"), ("mf4", "mdf")])
+def test_a_missing_library_is_one_line(tmp_path, monkeypatch, ending, extra):
+    path = tmp_path / f"log.{ending}"
+    path.write_bytes(b"")
+    monkeypatch.setattr(importlib, "import_module", lambda name: (_ for _ in ()).throw(ImportError(name)))
+    with pytest.raises(ImportError, match=rf"pip install iqfoc\[{extra}\]$") as missing:
+        iqfoc.read_log(path, MAP)
+    assert "\n" not in str(missing.value)
 
 
 def test_what_cannot_be_used(columns, tmp_path):
