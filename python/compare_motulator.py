@@ -167,9 +167,9 @@ def tuned(program, motor, *more):
 
 def designed(program, motor):
     """What `iqfoc tune` says of the tuned controllers: bandwidth, and the nominal loop's margins at n_max."""
-    told = tuned(program, motor)
-    nominal = told["points"][-1]["nominal"]
-    return told["bandwidth_rad_s"], (nominal["gain_margin_dB"], nominal["phase_margin_deg"])
+    found = tuned(program, motor)
+    nominal = found["points"][-1]["nominal"]
+    return found["bandwidth_rad_s"], (nominal["gain_margin_dB"], nominal["phase_margin_deg"])
 
 
 def compared(program):

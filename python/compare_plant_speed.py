@@ -50,8 +50,8 @@ def motulator_rate():
 
 def plant_rates(program):
     """Name of the drive and its cycles a second, in the program's order."""
-    told = subprocess.run([program], check=True, capture_output=True, text=True).stdout
-    return {name: float(rate) for name, rate in re.findall(r"^(\S.*?) +(\d+) cycles/s$", told, re.MULTILINE)}
+    printed = subprocess.run([program], check=True, capture_output=True, text=True).stdout
+    return {name: float(rate) for name, rate in re.findall(r"^(\S.*?) +(\d+) cycles/s$", printed, re.MULTILINE)}
 
 
 def table(program):

@@ -59,7 +59,7 @@ def failed(name, why):
     return {"drive": name, "verdict": "failed", "words": f"{type(why).__name__}: {why}".splitlines()[0][:300], "causes": [], "estimates": {}}
 
 
-def run(client, files, task=diagnose, told=lambda row: None):
+def run(client, files, task=diagnose, report=lambda row: None):
     """A row for each of {name: (recording, motor)}, in the order of the names. A worker that ends abnormally may have had several
     recordings, and any of them may be the reason: each of those is tried again at the end, alone."""
     room = AHEAD * max(1, sum(client.ncores().values()))
@@ -81,7 +81,7 @@ def run(client, files, task=diagnose, told=lambda row: None):
             suspects.append(name)
         else:
             rows[name] = future.result() if why is None else failed(name, why)
-            told(rows[name])
+            report(rows[name])
         future.release()
         for following in itertools.islice(waiting, 1):
             under_way.add(begin(following))
@@ -89,7 +89,7 @@ def run(client, files, task=diagnose, told=lambda row: None):
         future = begin(name)
         wait(future)
         rows[name] = future.result() if future.status == "finished" else failed(name, future.exception())
-        told(rows[name])
+        report(rows[name])
         future.release()
     return [rows[name] for name in files]
 
@@ -132,7 +132,7 @@ def main():
     careful()
     done = 0
 
-    def told(row):
+    def report(row):
         nonlocal done
         done += 1
         if sys.stderr.isatty():
@@ -141,7 +141,7 @@ def main():
     with start(args) as client:
         client.wait_for_workers(1)
         begin = time.monotonic()
-        rows = run(client, files, told=told)
+        rows = run(client, files, report=report)
         took_s = time.monotonic() - begin
         worker_MB = max(client.run(peak_MB).values())
         if client.cluster is not None:

@@ -95,7 +95,7 @@ static void note(void *context, size_t run, uint32_t status)
 }
 
 static bool simulate(const motor *m, const scenario *s, size_t effects, const char *const *effect, long seed,
-                     notes *told, drive_recording *out, error *e)
+                     notes *report, drive_recording *out, error *e)
 {
     drive_host host;
     const drive_firmware firmware = drive_firmware_host(&host, NULL);
@@ -105,7 +105,7 @@ static bool simulate(const motor *m, const scenario *s, size_t effects, const ch
             return false;
         }
     }
-    const drive_scenario all = {m, s, &c, seed, &firmware, note, told};
+    const drive_scenario all = {m, s, &c, seed, &firmware, note, report};
     return drive_scenario_run(&all, out, e);
 }
 
@@ -113,7 +113,7 @@ recording *py_recording_simulate(const motor *m, const char *scenario_path, size
                                  const char *const *effect, long seed, char *text, size_t size, error *e)
 {
     scenario s;
-    notes told = {text, size};
+    notes report = {text, size};
     drive_recording out = {.run = 0};
     recording *r = begin("simulation", e);
     text[0] = '\0';
@@ -123,7 +123,7 @@ recording *py_recording_simulate(const motor *m, const char *scenario_path, size
     const char *name = r->path;
     bool ok = scenario_read(scenario_path, &s, e);
     if (ok) {
-        ok = simulate(m, &s, effects, effect, seed, &told, &out, e);
+        ok = simulate(m, &s, effects, effect, seed, &report, &out, e);
         scenario_free(&s);
         *r = out.recording;
         ok = ok && (recording_find_stretches(r) || error_failure(e, 0, "out of memory"));

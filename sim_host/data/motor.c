@@ -78,8 +78,8 @@ void motor_note_extension(motor *m, cause_id cause)
 {
     m->ext.has[cause] = false;
     for (const motor_value *v = motor_values; v < motor_values + motor_values_length; v++) {
-        const bool tells = v->cause == cause && !v->of_machine && !isnan(v->absent);
-        m->ext.has[cause] = m->ext.has[cause] || (tells && motor_value_of(m, v) != v->absent);
+        const bool of_effect = v->cause == cause && !v->of_machine && !isnan(v->absent);
+        m->ext.has[cause] = m->ext.has[cause] || (of_effect && motor_value_of(m, v) != v->absent);
     }
 }
 

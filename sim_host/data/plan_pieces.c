@@ -153,7 +153,7 @@ size_t plan_pieces_list(const motor *m, const plan_limits *limits, plan_piece pi
 }
 
 /* Three decimals and whole rpm are what a scenario shows. */
-static double told(double x, double step)
+static double to_step(double x, double step)
 {
     const double value = round(x / step) * step;
     return round(value * 1e6) / 1e6 + 0.0;
@@ -162,16 +162,16 @@ static double told(double x, double step)
 static profile course(const double value[2], double step, double amplitude, int half_cycles, double T_s,
                       double length_s)
 {
-    profile p = profile_constant(told(value[0], step));
+    profile p = profile_constant(to_step(value[0], step));
     if (value[0] != value[1]) {
         p.points = 2;
         p.ramps = true;
         p.t_s[1] = length_s;
-        p.value[1] = told(value[1], step);
+        p.value[1] = to_step(value[1], step);
     }
     if (amplitude > 0.0) {
         p.excitation = EXCITATION_SQUARE;
-        p.amplitude = told(amplitude, step);
+        p.amplitude = to_step(amplitude, step);
         p.period_s = 2.0 * half_cycles * T_s;
     }
     return p;
@@ -187,7 +187,7 @@ scenario_run plan_piece_run(const plan_piece *p, const motor *m, const plan_limi
                               .i_d_A = course(p->i_d_A, 1e-3, p->square_d_A, p->half_d_cycles, T_s, length_s),
                               .i_q_A = course(p->i_q_A, 1e-3, p->square_q_A, p->half_q_cycles, T_s, length_s),
                               .u_dc_V = limits->u_dc_V == m->u_dc_V ? 0.0 : limits->u_dc_V,
-                              .theta_mech_start_rad = told(p->theta_e_rad / m->pole_pairs, 1e-4),
+                              .theta_mech_start_rad = to_step(p->theta_e_rad / m->pole_pairs, 1e-4),
                               .load_Nm = profile_constant(0.0)};
     return run;
 }

@@ -37,7 +37,7 @@ typedef struct recording {
     long *line;         /* the line in the file of each row, for messages */
     bool i_c_measured;  /* false: i_A[2] was filled in */
     bool omega_derived; /* omega_e_rad_s was filled in */
-    bool pwm_told;      /* the comments say how commands reach the PWM: pwm */
+    bool pwm_stated;    /* the comments say how commands reach the PWM: pwm */
     pwm_updates pwm;
     size_t stretches;
     stretch *stretch;

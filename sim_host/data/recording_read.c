@@ -280,7 +280,7 @@ static void on_comment(void *context, const char *text, size_t length, long numb
                     "[sensors] shunts = \"three\" or \"two_lowest\"",
                     PWM_UPDATES_MOST);
     }
-    in->r->pwm_told = in->r->pwm_told || taken;
+    in->r->pwm_stated = in->r->pwm_stated || taken;
 }
 
 bool recording_read(const char *path, recording *r, error *e)

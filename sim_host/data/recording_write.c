@@ -23,11 +23,11 @@ static void put_header(FILE *out, const column_id *ids, size_t count, const char
         fprintf(out, "# %.*s\n", (int)length, comment);
         comment += length + (comment[length] == '\n' ? 1 : 0);
     }
-    char told[200] = "";
+    char pwm_lines[200] = "";
     if (pwm != NULL) {
-        pwm_updates_comment(pwm, told, sizeof told);
+        pwm_updates_comment(pwm, pwm_lines, sizeof pwm_lines);
     }
-    for (const char *line = told; *line != '\0';) {
+    for (const char *line = pwm_lines; *line != '\0';) {
         const size_t length = strcspn(line, "\n") + 1;
         fprintf(out, "# %.*s", (int)length, line);
         line += length;
@@ -92,7 +92,7 @@ bool recording_write(const char *path, const recording *r, const char *comment, 
     if (!check_values(r, ids, columns, count, path, e) || !out_file_open(&f, path, e)) {
         return false;
     }
-    put_header(f.stream, ids, count, comment, r->pwm_told ? &r->pwm : NULL);
+    put_header(f.stream, ids, count, comment, r->pwm_stated ? &r->pwm : NULL);
     for (size_t k = 0; k < r->rows; k++) {
         put_row(f.stream, r, k, ids, columns, count);
     }

@@ -25,7 +25,7 @@ static bool allocate(recording *r, const scenario_log *log, const pwm_updates *p
     r->run = calloc(rows, sizeof *r->run);
     r->i_c_measured = log->third_current;
     r->pwm = *pwm;
-    r->pwm_told = !pwm_updates_is_plain(pwm);
+    r->pwm_stated = !pwm_updates_is_plain(pwm);
     return r->run != NULL && columns(&r->t_s, 1, true, rows) && columns(&r->theta_e_rad, 1, true, rows) &&
            columns(&r->omega_e_rad_s, 1, true, rows) && columns(r->i_A, sensors, true, rows) &&
            columns(r->u_V, 3, log->voltages, rows) && columns(r->duty, 3, log->duties, rows) &&

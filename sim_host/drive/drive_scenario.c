@@ -6,9 +6,9 @@
 
 motor drive_scenario_motor(const motor *m, const scenario *s)
 {
-    motor told = *m;
-    told.f_pwm_Hz *= s->control.updates == 2 ? 2.0 : 1.0;
-    return told;
+    motor with_updates = *m;
+    with_updates.f_pwm_Hz *= s->control.updates == 2 ? 2.0 : 1.0;
+    return with_updates;
 }
 
 bool drive_scenario_plain(const scenario *s, const char *path, error *e)
@@ -26,8 +26,8 @@ bool drive_scenario_plain(const scenario *s, const char *path, error *e)
 
 plant_config drive_scenario_plant(const motor *m, const scenario *s)
 {
-    const motor told = drive_scenario_motor(m, s);
-    plant_config c = plant_config_from_motor(&told);
+    const motor with_updates = drive_scenario_motor(m, s);
+    plant_config c = plant_config_from_motor(&with_updates);
     c.sensors.current_bits = s->sensors.current_bits;
     c.sensors.current_full_scale_A = s->sensors.current_full_scale_A;
     c.sensors.current_noise_A = s->sensors.current_noise_A;

@@ -151,7 +151,7 @@ static bool put_all(const conversion *v)
     if (!shift_commands(r, lround(2.0 * v->map->shift_cycles))) {
         return conversion_out_of_memory(v);
     }
-    r->pwm_told = v->map->updates_told;
+    r->pwm_stated = v->map->updates_stated;
     r->pwm = v->map->updates;
     return r->rows > 0 ||
            error_input(v->e, v->t->path, 0, 0, "no row has the command that acts in its cycle");

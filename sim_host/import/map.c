@@ -179,7 +179,7 @@ bool map_read(const char *path, import_map *m, error *e)
     }
     read_pwm(pwm, &m->pwm);
     m->updates = pwm_updates_read(pwm, sensors);
-    m->updates_told = !pwm_updates_is_plain(&m->updates);
+    m->updates_stated = !pwm_updates_is_plain(&m->updates);
     read_timing(toml_table_inner_or_null(root, "timing"), m);
     read_fixed(toml_table_inner_or_null(root, "fixed"), m);
     return toml_file_close(file);

@@ -40,7 +40,7 @@ typedef struct import_map {
     binary_format binary; /* type = "binary" */
     map_column column[QUANTITY_COUNT];
     map_pwm pwm;
-    bool updates_told; /* [pwm] or [sensors] say how commands reach the PWM */
+    bool updates_stated; /* [pwm] or [sensors] say how commands reach the PWM */
     pwm_updates updates;
     double rate_Hz; /* of control cycles; 0: from t_s */
     long decimation, decimation_line;

@@ -23,10 +23,10 @@ averaged_node averaged_node_at(double R_ohm, double L_d_H, double L_q_H, double 
     const double *m = &node.value.decay[0][0];
     const double *t = &above.decay[0][0];
     double *slope = &node.slope.decay[0][0];
-    double *bend = &node.bend.decay[0][0];
+    double *curvature = &node.curvature.decay[0][0];
     for (size_t k = 0; k < ENTRIES; k++) {
         slope[k] = 0.5 * (t[k] - b[k]);
-        bend[k] = 0.5 * (t[k] + b[k]) - m[k];
+        curvature[k] = 0.5 * (t[k] + b[k]) - m[k];
     }
     return node;
 }
@@ -36,10 +36,10 @@ averaged_step averaged_node_step(const averaged_node *node, double h)
     averaged_step step;
     const double *value = &node->value.decay[0][0];
     const double *slope = &node->slope.decay[0][0];
-    const double *bend = &node->bend.decay[0][0];
+    const double *curvature = &node->curvature.decay[0][0];
     double *out = &step.decay[0][0];
     for (size_t k = 0; k < ENTRIES; k++) {
-        out[k] = value[k] + h * (slope[k] + h * bend[k]);
+        out[k] = value[k] + h * (slope[k] + h * curvature[k]);
     }
     return step;
 }

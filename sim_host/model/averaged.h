@@ -17,9 +17,9 @@ typedef exact_map averaged_step;
  */
 #define AVERAGED_NODE_STEP 0.01
 
-/* f(node + h) = value + h slope + h^2 bend, h in units of AVERAGED_NODE_STEP/T. */
+/* f(node + h) = value + h slope + h^2 curvature, h in units of AVERAGED_NODE_STEP/T. */
 typedef struct averaged_node {
-    averaged_step value, slope, bend;
+    averaged_step value, slope, curvature;
 } averaged_node;
 
 averaged_node averaged_node_at(double R_ohm, double L_d_H, double L_q_H, double T_s, double omega_rad_s);

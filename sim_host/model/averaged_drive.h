@@ -1,6 +1,6 @@
 /*
  * The averaged drive: the exact averaged machine (averaged.h) with every effect that the diagnosis knows, in the models of docs/interfaces.md. It maps the true current at the start of a cycle to the true current at its end; what
- * sensors show of these is in sensor_chain.h, sensor_lag.h and sensor_bend.h.
+ * sensors show of these is in sensor_chain.h, sensor_lag.h and sensor_nonlinearity.h.
  *
  * The machine's own step is exact. The effects are small additions to it and enter to second order in the
  * cycle: the current that dead time and unequal resistances see is that at mid-cycle, the drop over R that
@@ -61,7 +61,7 @@ typedef struct averaged_drive {
     double iron_s_S; /* that times the time by which the iron's current comes late */
     /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
-    double cubic_A2[3], zone_A; /* sensors that are not linear (sensor_bend.h) */
+    double cubic_A2[3], zone_A; /* sensors that are not linear (sensor_nonlinearity.h) */
 } averaged_drive;
 
 /* What one row of a recording says about its cycle. Angles and speed as recorded. */

@@ -290,7 +290,7 @@ bool observe_recording(const recording *r, const motor *m, double bandwidth_rad_
     replay p = {.r = r,
                 .m = &own,
                 .base = per_unit_of(&own),
-                .pwm = r->pwm_told ? r->pwm : m->pwm,
+                .pwm = r->pwm_stated ? r->pwm : m->pwm,
                 .encoder = sensor_error_of(&own),
                 .series = series};
     if (!configure(&p, bandwidth_rad_s, e) || !replay_all(&p, result, e)) {

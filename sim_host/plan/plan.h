@@ -22,7 +22,7 @@ enum { PLAN_RUNS = 20, PLAN_SLOTS = 20 };
 typedef struct plan_outlook {
     double half_width[PLAN_ASKED]; /* of the 95 % interval with all others unknown, in the parameter's unit */
     double over_least[PLAN_ASKED]; /* the same over the reporting threshold */
-    bool told[PLAN_ASKED];         /* the recording determines it */
+    bool determined[PLAN_ASKED];   /* the recording determines it */
     double worst_correlation;      /* largest of two determined parameters */
     int worst[2];
     double median_over_least; /* of all asked for */

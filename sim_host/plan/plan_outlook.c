@@ -12,7 +12,7 @@
 /* The prior: deviation of a parameter, in units of the reporting threshold. It keeps matrices regular. */
 static const double UNKNOWN = 100.0;
 /* An interval of half of that determines nothing. */
-static const double TELLS = 0.5;
+static const double DETERMINED = 0.5;
 /* The worst pair counts so many times as much as another. */
 static const double WORST_COUNTS = 10.0;
 
@@ -32,12 +32,12 @@ static bool covariance_of(double h[PLAN_ASKED][PLAN_ASKED], double c[PLAN_ASKED]
 /* The largest correlation of two determined parameters. */
 static double worst_pair(double c[PLAN_ASKED][PLAN_ASKED], int worst[2])
 {
-    const double tells = TELLS * UNKNOWN;
+    const double largest = DETERMINED * UNKNOWN;
     double most = 0.0;
     for (int i = 0; i < PLAN_ASKED; i++) {
         for (int j = 0; j < i; j++) {
             const double r = fabs(c[i][j]) / sqrt(c[i][i] * c[j][j]);
-            if (c[i][i] < tells * tells && c[j][j] < tells * tells && r > most) {
+            if (c[i][i] < largest * largest && c[j][j] < largest * largest && r > most) {
                 most = r;
                 worst[0] = j;
                 worst[1] = i;
@@ -73,7 +73,7 @@ static void tell_asked(double h[PLAN_ASKED][PLAN_ASKED], const double unit[PLAN_
         out->over_least[i] = NORMAL_95 * sqrt(c[i][i]);
         out->half_width[i] =
             out->over_least[i] * hypothesis_table[plan_asked_list[i].hypothesis].least * unit[i];
-        out->told[i] = out->over_least[i] < TELLS * NORMAL_95 * UNKNOWN;
+        out->determined[i] = out->over_least[i] < DETERMINED * NORMAL_95 * UNKNOWN;
         sorted[i] = out->over_least[i];
     }
     out->worst_correlation = worst_pair(c, out->worst);

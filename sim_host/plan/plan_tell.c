@@ -42,12 +42,12 @@ static void print_asked(const plan_report *r, FILE *out)
     fprintf(out, "%s\n", r->against_path != NULL ? " scenario" : "");
     for (int n = 0; n < PLAN_ASKED; n++) {
         fprintf(out, "  %-20s", plan_asked_list[n].name);
-        if (o->told[n]) {
+        if (o->determined[n]) {
             fprintf(out, "%14.3g  %-8.8s%18.2f", o->half_width[n], plan_asked_list[n].unit, o->over_least[n]);
         } else {
             fprintf(out, "%14s  %-8.8s%18s", "unknown", "", "-");
         }
-        if (r->against_path != NULL && r->against.told[n]) {
+        if (r->against_path != NULL && r->against.determined[n]) {
             fprintf(out, "%13.2f", r->against.over_least[n]);
         } else if (r->against_path != NULL) {
             fprintf(out, "%13s", "unknown");
@@ -120,11 +120,12 @@ static json_t *asked_json(const plan_outlook *o)
     json_t *list = json_array();
     bool ok = list != NULL;
     for (int n = 0; n < PLAN_ASKED && ok; n++) {
-        const bool told = o->told[n];
-        ok = json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o}", "name", plan_asked_list[n].name,
-                                                   "unit", plan_asked_list[n].unit, "half_width",
-                                                   json_number(told ? o->half_width[n] : NAN), "over_least",
-                                                   json_number(told ? o->over_least[n] : NAN))) == 0;
+        const bool determined = o->determined[n];
+        ok = json_array_append_new(list,
+                                   json_pack("{s:s, s:s, s:o, s:o}", "name", plan_asked_list[n].name, "unit",
+                                             plan_asked_list[n].unit, "half_width",
+                                             json_number(determined ? o->half_width[n] : NAN), "over_least",
+                                             json_number(determined ? o->over_least[n] : NAN))) == 0;
     }
     if (!ok) {
         json_free(list);

@@ -2,9 +2,9 @@
 #include "observer.h"
 
 #include "model/iron_branch.h"
-#include "model/sensor_bend.h"
 #include "model/sensor_chain.h"
 #include "model/sensor_lag.h"
+#include "model/sensor_nonlinearity.h"
 
 #include <stddef.h>
 
@@ -26,9 +26,9 @@ static vec_ab shown(const averaged_drive *drive, const sensor_map *map, vec_ab x
 {
     vec_ab y = sensor_map_measure(map, x);
     *zero = map->zero[0] * x.alpha + map->zero[1] * x.beta + map->zero_offset_A;
-    if (sensor_bend_is_there(drive)) {
+    if (sensor_nonlinearity_present(drive)) {
         double more_zero;
-        const vec_ab more = sensor_bend_more(drive, y, &more_zero);
+        const vec_ab more = sensor_nonlinearity_error(drive, y, &more_zero);
         y = (vec_ab){y.alpha + more.alpha, y.beta + more.beta};
         *zero += more_zero;
     }
@@ -37,8 +37,8 @@ static vec_ab shown(const averaged_drive *drive, const sensor_map *map, vec_ab x
 
 static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, vec_ab recorded)
 {
-    const bool bent = sensor_bend_is_there(drive);
-    return sensor_map_unmeasure(map, bent ? sensor_bend_undo(drive, recorded) : recorded);
+    const bool bent = sensor_nonlinearity_present(drive);
+    return sensor_map_unmeasure(map, bent ? sensor_nonlinearity_remove(drive, recorded) : recorded);
 }
 
 /* A drive's run through a block. */

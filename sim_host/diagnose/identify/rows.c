@@ -239,7 +239,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
     }
     r->two_sensors = !recording_three_sensors(rec);
-    r->pwm = rec->pwm_told ? rec->pwm : m->pwm;
+    r->pwm = rec->pwm_stated ? rec->pwm : m->pwm;
     r->mech_known = rec->theta_mech_rad != NULL || !angle_is_wrapped(rec) || m->pole_pairs == 1;
     r->temperature_known = warms(rec);
     fill_times(r);

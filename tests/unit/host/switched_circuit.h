@@ -120,23 +120,23 @@ static void switched_cycle(const circuit *c, const cycle_row *row, double theta,
     double rise[3];
     double fall[3];
     double i[3];
-    double told[3]; /* to rise */
+    double rise_at[3]; /* to rise */
     vec_to_phases(current(c, at, theta), i);
     for (size_t x = 0; x < 3; x++) {
-        told[x] = row->rise[x] - (i[x] > 0.0 ? 1.0 : -1.0) * c->v_moved_V / U_DC_V;
-        rise[x] = told[x];
-        fall[x] = 1.0 - told[x];
+        rise_at[x] = row->rise[x] - (i[x] > 0.0 ? 1.0 : -1.0) * c->v_moved_V / U_DC_V;
+        rise[x] = rise_at[x];
+        fall[x] = 1.0 - rise_at[x];
     }
     for (int n = 0; n < STEPS; n++) {
         const double share = (double)n / STEPS;
         double leg[3];
         vec_to_phases(current(c, at, theta + c->omega_rad_s * h * n), i);
         for (size_t x = 0; x < 3; x++) {
-            if (share <= told[x]) {
-                rise[x] = told[x] + (i[x] > 0.0 ? late : 0.0);
+            if (share <= rise_at[x]) {
+                rise[x] = rise_at[x] + (i[x] > 0.0 ? late : 0.0);
             }
-            if (share <= 1.0 - told[x]) {
-                fall[x] = 1.0 - told[x] + (i[x] < 0.0 ? late : 0.0);
+            if (share <= 1.0 - rise_at[x]) {
+                fall[x] = 1.0 - rise_at[x] + (i[x] < 0.0 ? late : 0.0);
             }
             const double on = fmin(share + 1.0 / STEPS, fall[x]) - fmax(share, rise[x]);
             leg[x] = U_DC_V * STEPS * fmax(on, 0.0);

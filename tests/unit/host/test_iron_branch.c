@@ -50,12 +50,12 @@ static double off_by(const circuit *c, vec_dq i_dq)
         /* Near zero an edge's own current decides, which is another law's business (test_found_edges.c). */
         if (n >= SETTLE &&
             (c->v_dead_V == 0.0 || (clear_of_zero(i) && clear_of_zero(current(c, &at, theta + turn))))) {
-            const vec_ab told = averaged_drive_advance(&d, &node, &rows[n], i, &memory);
-            const vec_ab anew = averaged_drive_advance(&d, &node, &rows[n], i, NULL);
-            const vec_ab apart = {told.alpha - anew.alpha, told.beta - anew.beta};
+            const vec_ab carried = averaged_drive_advance(&d, &node, &rows[n], i, &memory);
+            const vec_ab fresh = averaged_drive_advance(&d, &node, &rows[n], i, NULL);
+            const vec_ab apart = {carried.alpha - fresh.alpha, carried.beta - fresh.beta};
             most_apart = fmax(most_apart, sqrt(size_of(apart) / size_of(u)) * c->R_fe_ohm);
             const vec_ab is = current(c, &at, theta + turn);
-            wrong += size_of((vec_ab){told.alpha - is.alpha, told.beta - is.beta});
+            wrong += size_of((vec_ab){carried.alpha - is.alpha, carried.beta - is.beta});
             iron += size_of(u) / (c->R_fe_ohm * c->R_fe_ohm);
         }
     }

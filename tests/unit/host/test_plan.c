@@ -102,7 +102,7 @@ static void it_tells_the_causes_apart_better(void)
     TEST_ASSERT_TRUE(o->worst_correlation < 0.8 && usual.worst_correlation > 0.95);
     TEST_ASSERT_TRUE(o->median_over_least < usual.median_over_least);
     for (int n = 0; n < PLAN_ASKED; n++) {
-        TEST_ASSERT_TRUE(o->told[n]);
+        TEST_ASSERT_TRUE(o->determined[n]);
         TEST_ASSERT_TRUE(o->half_width[n] > 0.0);
     }
 }
@@ -118,7 +118,7 @@ static void what_cannot_be_seen_is_not_reported(void)
     TEST_ASSERT_TRUE_MESSAGE(plan_look(&compressor, &s, 1, &o, &e), e.text);
     for (int n = 0; n < PLAN_ASKED; n++) {
         const bool magnet = strncmp(plan_asked_list[n].name, "psi_", 4) == 0;
-        TEST_ASSERT_TRUE(!magnet || !o.told[n]);
+        TEST_ASSERT_TRUE(!magnet || !o.determined[n]);
     }
     TEST_ASSERT_TRUE(o.over_least[2] > 10.0 * usual.over_least[2]); /* L_q, with i_d alone */
     TEST_ASSERT_EQUAL_DOUBLE(0.0, o.limit[H_FLUX]);

@@ -328,13 +328,13 @@ static void test_a_speed_beyond_any_is_not_derived(void)
     recording_free(&r);
     TEST_ASSERT_FALSE(recording_read(path, &r, &e));
     TEST_ASSERT_EQUAL(STATUS_UNUSABLE, e.status);
-    char told[500];
+    char expected[500];
     snprintf(
-        told, sizeof told,
+        expected, sizeof expected,
         "%s: theta_e_rad turns at 5e+06 rad/s in row 1, where a cycle is 1e-07 s; expected at most 1e+06 "
         "rad/s: is t_s in seconds?",
         path);
-    TEST_ASSERT_EQUAL_STRING(told, e.text);
+    TEST_ASSERT_EQUAL_STRING(expected, e.text);
     TEST_ASSERT_NULL(r.t_s);
 }
 

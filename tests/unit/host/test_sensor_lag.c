@@ -59,12 +59,12 @@ static double off_by(const circuit *c, const recorder *by, vec_dq i_dq)
         record_angle(&rows[n], theta + by->theta_0_rad);
         if (n >= SETTLE) {
             const sensor_map map = sensor_lag_map(&d, &rows[n], T_S, &plain, &memory);
-            const vec_ab told = sensor_map_measure(&map, i);
-            const vec_ab back = sensor_map_unmeasure(&map, told);
+            const vec_ab measured = sensor_map_measure(&map, i);
+            const vec_ab back = sensor_map_unmeasure(&map, measured);
             const vec_ab is = sensor_map_measure(&plain, at.seen_A);
             TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.alpha, back.alpha);
             TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.beta, back.beta);
-            wrong += size_of((vec_ab){told.alpha - is.alpha, told.beta - is.beta});
+            wrong += size_of((vec_ab){measured.alpha - is.alpha, measured.beta - is.beta});
             behind += size_of((vec_ab){i.alpha - at.seen_A.alpha, i.beta - at.seen_A.beta});
         }
         switched_cycle(c, &rows[n >= by->late ? n - by->late : n], theta, &at);

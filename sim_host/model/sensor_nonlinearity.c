@@ -1,17 +1,17 @@
-/* Current sensors that are not linear (sensor_bend.h). */
-#include "sensor_bend.h"
+/* Current sensors that are not linear (sensor_nonlinearity.h). */
+#include "sensor_nonlinearity.h"
 
 #include <math.h>
 
-/* A bend of a tenth is undone to 1e-3 of itself. */
+/* A nonlinearity of a tenth is removed to 1e-3 of itself. */
 enum { UNDO_STEPS = 6 };
 
-bool sensor_bend_is_there(const averaged_drive *d)
+bool sensor_nonlinearity_present(const averaged_drive *d)
 {
     return d->cubic_A2[0] != 0.0 || d->cubic_A2[1] != 0.0 || d->cubic_A2[2] != 0.0 || d->zone_A != 0.0;
 }
 
-vec_ab sensor_bend_more(const averaged_drive *d, vec_ab linear, double *zero)
+vec_ab sensor_nonlinearity_error(const averaged_drive *d, vec_ab linear, double *zero)
 {
     const double zone_A = fabs(d->zone_A);
     double y[3];
@@ -24,12 +24,12 @@ vec_ab sensor_bend_more(const averaged_drive *d, vec_ab linear, double *zero)
     return vec_from_phases(y);
 }
 
-vec_ab sensor_bend_undo(const averaged_drive *d, vec_ab recorded)
+vec_ab sensor_nonlinearity_remove(const averaged_drive *d, vec_ab recorded)
 {
     vec_ab linear = recorded;
     for (int k = 0; k < UNDO_STEPS; k++) {
         double zero;
-        const vec_ab more = sensor_bend_more(d, linear, &zero);
+        const vec_ab more = sensor_nonlinearity_error(d, linear, &zero);
         linear.alpha = recorded.alpha - more.alpha;
         linear.beta = recorded.beta - more.beta;
     }

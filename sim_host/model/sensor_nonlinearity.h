@@ -7,17 +7,17 @@
  * name for either; what they do to a current is like a flux map or a dead time, but no machine moves the sum of three
  * currents, and these do.
  */
-#ifndef SIM_HOST_MODEL_SENSOR_BEND_H
-#define SIM_HOST_MODEL_SENSOR_BEND_H
+#ifndef SIM_HOST_MODEL_SENSOR_NONLINEARITY_H
+#define SIM_HOST_MODEL_SENSOR_NONLINEARITY_H
 
 #include "averaged_drive.h"
 
-bool sensor_bend_is_there(const averaged_drive *drive);
+bool sensor_nonlinearity_present(const averaged_drive *drive);
 
 /* What they show beyond the linear ones; *zero: in the mean of the three. Three sensors. */
-vec_ab sensor_bend_more(const averaged_drive *drive, vec_ab linear, double *zero);
+vec_ab sensor_nonlinearity_error(const averaged_drive *drive, vec_ab linear, double *zero);
 
 /* What linear ones would have shown of what was recorded. */
-vec_ab sensor_bend_undo(const averaged_drive *drive, vec_ab recorded);
+vec_ab sensor_nonlinearity_remove(const averaged_drive *drive, vec_ab recorded);
 
 #endif
