@@ -2,6 +2,7 @@
  * The simulator's loop (sim_host/drive/drive_loop.h): when a firmware is asked, when its answer acts, what an
  * interval of six-step is, and that to look on changes nothing.
  */
+#include "../laboratory_motor.h"
 #include "drive/drive_loop.h"
 
 #include "unity.h"
@@ -63,14 +64,7 @@ static drive_row span(void)
 
 void setUp(void)
 {
-    motor m = motor_blank();
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.f_pwm_Hz = 5000.0;
-    m.u_dc_V = 750.0;
+    motor m = laboratory_motor();
     const plant_config c = plant_config_from_motor(&m);
     memset(&wrote, 0, sizeof wrote);
     drive_loop_begin(&loop, &m, &c, &firmware);

@@ -2,6 +2,7 @@
  * The firmware in closed loop with the switching-level drive: it regulates what its feedback promises, the
  * recording of it obeys the machine, and lateness seen through the HAL stops it.
  */
+#include "../laboratory_motor.h"
 #include "drive/drive_run.h"
 #include "drive/firmware_host.h"
 
@@ -28,21 +29,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static motor laboratory(void)
-{
-    motor m = motor_blank();
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = 5.2e-3;
-    m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.n_max_rpm = 8000.0;
-    m.f_pwm_Hz = 5000.0;
-    m.u_dc_V = 750.0;
-    return m;
 }
 
 static double complex vector_of(const double x[3])
@@ -93,7 +79,7 @@ static scenario_run steady(double rpm, double i_d_A, double i_q_A, long cycles)
 static bool run_drive(scenario_feedback feedback, const scenario_run *run, uint32_t *status, error *e)
 {
     static motor m;
-    m = laboratory();
+    m = laboratory_motor();
     const plant_config drive = plant_config_from_motor(&m);
     const scenario_control control = {feedback, MODULATION_PWM, 0.0, 1, ANGLE_MEASURED};
     iqfoc_cycle_config_t config;
@@ -154,7 +140,7 @@ static bool start_late(void *context, const iqfoc_cycle_config_t *config, error 
 static bool run_late(iqfoc_cycle_config_t *config, uint32_t latency, uint32_t compute, error *e)
 {
     static motor m;
-    m = laboratory();
+    m = laboratory_motor();
     const plant_config drive = plant_config_from_motor(&m);
     const drive_log log = {&m, check_row};
     const scenario_run run = steady(1000.0, 0.0, 5.0, 10);
@@ -177,7 +163,7 @@ static void stopped_by(const char *bit, const error *e)
 /* To the tick of its limits it runs, a tick later it is stopped, and the message says by which bit. */
 static void test_late_firmware_is_stopped(void)
 {
-    const motor m = laboratory();
+    const motor m = laboratory_motor();
     const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0, 1, ANGLE_MEASURED};
     iqfoc_cycle_config_t config;
     error e = {0, ""};
@@ -197,7 +183,7 @@ static void test_late_firmware_is_stopped(void)
 static void test_handler_sees_latency_and_its_own_duration(void)
 {
     static motor m;
-    m = laboratory();
+    m = laboratory_motor();
     const scenario_control control = {FEEDBACK_MIDPOINT, MODULATION_PWM, 0.0, 1, ANGLE_MEASURED};
     iqfoc_cycle_config_t config;
     error e = {0, ""};

@@ -2,6 +2,7 @@
  * Physical values to per unit: the compile-time macros and the host's conversion give the same constants,
  * those are what the formulas of docs/units.md give, and what does not fit is refused by its name.
  */
+#include "../laboratory_motor.h"
 #include "extension_host.h"
 #include "params_host.h"
 
@@ -31,17 +32,8 @@ void tearDown(void)
 
 static motor laboratory(void)
 {
-    motor m = motor_blank();
+    motor m = laboratory_motor();
     m.path = "m.toml";
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = 5.2e-3;
-    m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.n_max_rpm = 8000.0;
-    m.f_pwm_Hz = 5000.0;
-    m.u_dc_V = 750.0;
     return m;
 }
 

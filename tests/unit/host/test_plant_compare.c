@@ -1,26 +1,11 @@
 #include "test_plant_compare.h"
+
+#include "../laboratory_motor.h"
 #include "unity.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* The 2019 paper's laboratory drive; the salient tests spread its inductances. */
-static motor laboratory(void)
-{
-    motor m;
-    memset(&m, 0, sizeof m);
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = 5.2e-3;
-    m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.n_max_rpm = 8000.0;
-    m.f_pwm_Hz = 5000.0;
-    m.u_dc_V = 750.0;
-    return m;
-}
 
 reference compare_reference(const plant_config *c)
 {
@@ -135,7 +120,7 @@ void compare_check(const comparison *w, double bound)
 
 plant_config compare_drive(double L_q_ratio, double omega_e_rad_s)
 {
-    motor m = laboratory();
+    motor m = laboratory_motor();
     m.L_q_H *= L_q_ratio;
     plant_config c = plant_config_from_motor(&m);
     c.shaft.omega_e_start_rad_s = omega_e_rad_s;

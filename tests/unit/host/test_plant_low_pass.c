@@ -2,13 +2,13 @@
  * The low-pass of the current sensors against closed forms: its weights, and a drive's filtered current against a convolution of the
  * unfiltered one.
  */
+#include "../laboratory_motor.h"
 #include "plant/plant.h"
 #include "plant/plant_low_pass.h"
 #include "unity.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /* w_n = integral over y from 0 to beta of e^-y (1 - y/beta)^n: Simpson's rule in 20000 parts, up to e^-40. */
 static double weight_by_quadrature(double beta, int n)
@@ -68,15 +68,8 @@ static void follow(void *context, const plant_point *point)
 
 static plant_config drive(double t_dead_s, double I_sat_A, double L_q_H, double f_Hz)
 {
-    motor m;
-    memset(&m, 0, sizeof m);
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = 5.2e-3;
+    motor m = laboratory_motor();
     m.L_q_H = L_q_H;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.f_pwm_Hz = 5000.0;
     m.u_dc_V = 565.0;
     plant_config c = plant_config_from_motor(&m);
     c.shaft.omega_e_start_rad_s = 942.0;

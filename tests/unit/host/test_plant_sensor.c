@@ -2,27 +2,18 @@
  * What the sensors make of the truth, each law of interfaces.md by itself, and the random numbers behind
  * them.
  */
+#include "../laboratory_motor.h"
 #include "plant/plant.h"
 #include "unity.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #define SEED 20190612u
 
 static plant_config drive(void)
 {
-    motor m;
-    memset(&m, 0, sizeof m);
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = 5.2e-3;
-    m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.f_pwm_Hz = 5000.0;
-    m.u_dc_V = 750.0;
+    motor m = laboratory_motor();
     plant_config c = plant_config_from_motor(&m);
     c.seed = SEED;
     c.shaft.omega_e_start_rad_s = 700.0;

@@ -3,28 +3,19 @@
  * included. Processor time, the best of several short runs, so that a busy machine does not decide; optimised
  * builds only.
  */
+#include "../laboratory_motor.h"
 #include "plant/plant.h"
 #include "unity.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include <time.h>
 
 #define RUNS 10
 
 static plant_config drive(void)
 {
-    motor m;
-    memset(&m, 0, sizeof m);
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = 5.2e-3;
-    m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.f_pwm_Hz = 5000.0;
-    m.u_dc_V = 750.0;
+    motor m = laboratory_motor();
     plant_config c = plant_config_from_motor(&m);
     c.shaft.omega_e_start_rad_s = 942.0;
     return c;

@@ -1,6 +1,7 @@
 /* The drive of around_drive.h. */
 #include "around_drive.h"
 
+#include "../laboratory_motor.h"
 #include "unity.h"
 
 #include <math.h>
@@ -8,15 +9,7 @@
 
 static motor laboratory(double u_dc_V)
 {
-    motor m = motor_blank();
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = 5.2e-3;
-    m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.n_max_rpm = 8000.0;
-    m.f_pwm_Hz = 5000.0;
+    motor m = laboratory_motor();
     m.u_dc_V = u_dc_V;
     return m;
 }

@@ -2,6 +2,7 @@
  * The corrections in a closed loop with the switching-level drive. With the value of an effect in the firmware,
  * prediction and true current return to their values without the effect.
  */
+#include "../laboratory_motor.h"
 #include "drive/drive_run.h"
 #include "drive/firmware_host.h"
 #include "extension_host.h"
@@ -47,25 +48,11 @@ static bool look(void *context, const drive_row *row, error *e)
     return true;
 }
 
-static motor laboratory(void)
-{
-    motor m = motor_blank();
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.n_max_rpm = 8000.0;
-    m.f_pwm_Hz = 5000.0;
-    m.u_dc_V = 750.0;
-    return m;
-}
-
 static score run(const plant_config *truth, const motor *corrected)
 {
     static drive_host drive;
     iqfoc_extension_t extension;
-    const motor m = laboratory();
+    const motor m = laboratory_motor();
     error e = {0};
     iqfoc_cycle_config_t config;
     const scenario_control control = {FEEDBACK_QUASI_DISCRETE_MEAN, MODULATION_PWM, 0.0, 1, ANGLE_MEASURED};
@@ -91,7 +78,7 @@ static score run(const plant_config *truth, const motor *corrected)
 static void check(const char *what, const plant_config *truth, const motor *found, double current_improves,
                   double prediction_improves)
 {
-    const motor nothing = laboratory();
+    const motor nothing = laboratory_motor();
     const score before = run(truth, &nothing);
     const score after = run(truth, found);
     printf("  %-16s current off by %.4f A, corrected %.4f A; prediction by %.4f A, corrected %.4f A\n", what,
@@ -102,7 +89,7 @@ static void check(const char *what, const plant_config *truth, const motor *foun
 
 static void test_dead_time(void)
 {
-    motor m = laboratory();
+    motor m = laboratory_motor();
     plant_config truth = plant_config_from_motor(&m);
     truth.inverter.t_dead_s = 2e-6;
     m.ext.has[CAUSE_DEAD_TIME] = true;
@@ -113,7 +100,7 @@ static void test_dead_time(void)
 
 static void test_sensors(void)
 {
-    motor m = laboratory();
+    motor m = laboratory_motor();
     plant_config truth = plant_config_from_motor(&m);
     const double g[3] = {1.05, 0.97, 1.0};
     const double o[3] = {0.4, -0.1, -0.3};
@@ -127,7 +114,7 @@ static void test_sensors(void)
 
 static void test_angle(void)
 {
-    motor m = laboratory();
+    motor m = laboratory_motor();
     plant_config truth = plant_config_from_motor(&m);
     m.ext.has[CAUSE_ANGLE_OFFSET] = m.ext.has[CAUSE_ANGLE_DELAY] = true;
     m.ext.theta_0_rad = truth.sensors.theta_0_rad = 0.06;
@@ -137,7 +124,7 @@ static void test_angle(void)
 
 static void test_link(void)
 {
-    motor m = laboratory();
+    motor m = laboratory_motor();
     plant_config truth = plant_config_from_motor(&m);
     m.ext.has[CAUSE_VOLTAGE_GAIN] = true;
     m.ext.k_u = truth.inverter.k_u = 0.93;
