@@ -281,8 +281,7 @@ static bool find_steady(scene *x, double z[ORDER], double a[ORDER][ORDER])
 /* The response of the next state to `input`, which is in its own unit over `unit`. */
 static void response(scene *x, const double z[ORDER], int noise, int push, double unit, double out[ORDER])
 {
-    double up[ORDER];
-    double down[ORDER];
+    double next[2][ORDER] = {{0.0}};
     for (int side = 0; side < 2; side++) {
         const double by = (side == 0 ? STEP : -STEP) * unit;
         double n[NOISES] = {0.0};
@@ -292,10 +291,10 @@ static void response(scene *x, const double z[ORDER], int noise, int push, doubl
         } else {
             u = push == 0 ? vec_complex(by, 0.0) : vec_complex(0.0, by);
         }
-        cycle(x, z, n, u, side == 0 ? up : down);
+        cycle(x, z, n, u, next[side]);
     }
     for (int n = 0; n < ORDER; n++) {
-        out[n] = (up[n] - down[n]) / (2.0 * STEP);
+        out[n] = (next[0][n] - next[1][n]) / (2.0 * STEP);
     }
 }
 
