@@ -56,6 +56,7 @@ static void test_which_go_together(void)
                                        (iqfoc_modulation_t)(choice / 24 % 4), false};
             const iqfoc_error_t said = iqfoc_cycle_check(m, &set);
             TEST_ASSERT_TRUE(said == IQFOC_OK || said == IQFOC_ERROR_METHODS);
+            TEST_ASSERT_TRUE(said != IQFOC_OK || m.modulation <= IQFOC_MODULATION_OVER);
             of_control[choice / 6 % 4] += said == IQFOC_OK ? 1 : 0;
         }
         const int modulations = 3;
