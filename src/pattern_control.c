@@ -60,9 +60,9 @@ iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
 
 void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table)
 {
-    control->modulator.table = table;
-    control->modulator.row = 0;
-    control->trajectory.start = 0;
+    control->wanted = table;
+    control->waited = 0;
+    control->nearest_q48 = INT64_C(1) << 62; /* more than any, and 1.5 times that fits */
 }
 
 /* ---- The trajectory ---- */
@@ -100,6 +100,100 @@ static void restart_legs(iqfoc_pattern_control_t *control, int32_t start)
         control->leg[k].level = 0;
     }
 }
+
+/* ---- The place of a leg ---- */
+
+typedef struct {
+    iq24_t y;      /* angle in the half turn: 0 ... 1/2, 1/2 excluded */
+    int32_t level; /* the pattern's */
+    iq24_t flux;   /* integral of the level: within +-1/4 */
+} place_t;
+
+/* n: number of the last edge at or before the place, in its half turn; in the cycle before, and now. */
+static inline place_t place_of(const iqfoc_pattern_trajectory_t *t, iq24_t x, int32_t *n)
+{
+    const iq24_t y = x & (PATTERN_HALF_TURN - 1);
+    int32_t k = *n;
+    /* These end at angle[0] = 0 and angle[edges] = 1/2. */
+    while (t->angle[k] > y) {
+        k--;
+    }
+    while (t->angle[k + 1] <= y) {
+        k++;
+    }
+    *n = k;
+    /* The second half turn and each edge change the sign. */
+    const int32_t sign = (x & PATTERN_HALF_TURN) != 0 ? -1 : 1;
+    const int32_t level = k % 2 != 0 ? -t->start : t->start;
+    const place_t place = {y, sign * level, sign * (t->flux[k] + level * (y - t->angle[k]))};
+    return place;
+}
+
+/* The angles of the legs at a rotor angle: 0 <= x < 1, but for whole turns. */
+static inline void angles_of(const iqfoc_pattern_trajectory_t *t, iq24_t theta, iq24_t x[3])
+{
+    const iq24_t a = (iq24_add_wrap(theta, t->u_angle) & (IQ24_ONE - 1)) + PATTERN_QUARTER_TURN;
+    x[0] = a;
+    x[1] = a - PATTERN_THIRD_TURN;
+    x[2] = a + PATTERN_THIRD_TURN;
+    if (t->turns < 0) {
+        /* x becomes 1/2 - x: the level is the same, and time goes forward. */
+        for (int32_t k = 0; k < 3; k++) {
+            x[k] = PATTERN_HALF_TURN - x[k];
+        }
+    }
+}
+
+/* ---- Change of the table ---- */
+
+/* Square of the distance between the flux of two tables at the start of the next cycle: cycles of the link. Range: 2 (2/3 64)^2. */
+static iq24_acc_t distance_q48(const iqfoc_pattern_control_t *control,
+                               const iqfoc_pattern_trajectory_t *other)
+{
+    const iqfoc_pattern_trajectory_t *t = &control->trajectory;
+    iq24_t x[3];
+    iq24_t apart[3];
+    angles_of(t, iq24_add_wrap(control->theta, t->turns), x);
+    for (int32_t k = 0; k < 3; k++) {
+        int32_t n = control->leg[k].place;
+        int32_t m = 0;
+        apart[k] = place_of(other, x[k], &m).flux - place_of(t, x[k], &n).flux;
+    }
+    const iqfoc_abc_t legs = {apart[0], apart[1], apart[2]};
+    const iqfoc_ab_t flux = iqfoc_clarke3(legs);
+    const iq24_t alpha = iq24_mul_round(flux.alpha, 2 * t->cycles_q22);
+    const iq24_t beta = iq24_mul_round(flux.beta, 2 * t->cycles_q22);
+    return iq24_acc_mac(iq24_acc_mul(alpha, alpha), beta, beta);
+}
+
+/*
+ * Takes the wanted table where its flux is nearest: the distance has a period of a sixth of a turn, in which its least value is found,
+ * and is then within 1.2 of that. After two turns it takes it anyway.
+ */
+static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index)
+{
+    iqfoc_pattern_modulator_t other = control->modulator;
+    other.table = control->wanted;
+    other.row = 0;
+    const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape_at(&other, index);
+    iqfoc_pattern_trajectory_t next = control->trajectory;
+    trace(&next, &shape, other.table->angles);
+    next.start = shape.start;
+    const iq24_acc_t apart = distance_q48(control, &next);
+    const iq24_acc_t nearest = control->nearest_q48;
+    const iq24_acc_t enough = iq24_asr64(nearest, 1) - iq24_asr64(nearest, 4) + nearest; /* 1.2^2 */
+    control->waited += next.speed;
+    if (control->waited > IQ24(2.0) || (control->waited > IQ24(0.1666667) && apart <= enough)) {
+        control->wanted = NULL;
+        control->modulator = other;
+        control->trajectory = next;
+        restart_legs(control, shape.start);
+    } else if (apart < nearest) {
+        control->nearest_q48 = apart;
+    }
+}
+
+/* ---- The reference ---- */
 
 /* Range: |miss| <= 16 a component and disturbance_l <= 2: 45, and 1/2. */
 static void learn(iqfoc_pattern_control_t *control)
@@ -159,40 +253,15 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     t->drift.d = drift.alpha;
     t->drift.q = drift.beta;
 
-    const iqfoc_pattern_shape_t shape =
-        iqfoc_pattern_shape_at(&control->modulator, iqfoc_pattern_index(length, control->u_dc_inverse));
+    const iq24_t index = iqfoc_pattern_index(length, control->u_dc_inverse);
+    const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape_at(&control->modulator, index);
     trace(t, &shape, control->modulator.table->angles);
     if (shape.start != t->start) {
         restart_legs(control, shape.start);
     }
-}
-
-/* ---- The place of a leg ---- */
-
-typedef struct {
-    iq24_t y;      /* angle in the half turn: 0 ... 1/2, 1/2 excluded */
-    int32_t level; /* the pattern's */
-    iq24_t flux;   /* integral of the level: within +-1/4 */
-} place_t;
-
-/* n: number of the last edge at or before the place, in its half turn; in the cycle before, and now. */
-static inline place_t place_of(const iqfoc_pattern_trajectory_t *t, iq24_t x, int32_t *n)
-{
-    const iq24_t y = x & (PATTERN_HALF_TURN - 1);
-    int32_t k = *n;
-    /* These end at angle[0] = 0 and angle[edges] = 1/2. */
-    while (t->angle[k] > y) {
-        k--;
+    if (control->wanted != NULL) {
+        change_if_near(control, index);
     }
-    while (t->angle[k + 1] <= y) {
-        k++;
-    }
-    *n = k;
-    /* The second half turn and each edge change the sign. */
-    const int32_t sign = (x & PATTERN_HALF_TURN) != 0 ? -1 : 1;
-    const int32_t level = k % 2 != 0 ? -t->start : t->start;
-    const place_t place = {y, sign * level, sign * (t->flux[k] + level * (y - t->angle[k]))};
-    return place;
 }
 
 /* ---- The edges of a leg ---- */
@@ -337,12 +406,12 @@ void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, 
     control->sc = sc;
     const iqfoc_ab_t i_next = predict(control, i, u_dc, sc);
 
-    /* Backward, x becomes 1/2 - x: the level is the same, and time goes forward. */
-    const iq24_t a = (iq24_add_wrap(end, t->u_angle) & (IQ24_ONE - 1)) + PATTERN_QUARTER_TURN;
-    const iq24_t x[3] = {a, a - PATTERN_THIRD_TURN, a + PATTERN_THIRD_TURN};
+    control->theta = end;
+    iq24_t x[3];
+    angles_of(t, end, x);
     place_t place[3];
     for (int32_t k = 0; k < 3; k++) {
-        place[k] = place_of(t, t->turns < 0 ? PATTERN_HALF_TURN - x[k] : x[k], &control->leg[k].place);
+        place[k] = place_of(t, x[k], &control->leg[k].place);
     }
     const iqfoc_abc_t integrals = {place[0].flux, place[1].flux, place[2].flux};
     const iqfoc_ab_t integral = iqfoc_clarke3(integrals);

@@ -81,15 +81,19 @@ typedef struct iqfoc_pattern_control {
     iq24_t disturbance_l; /* disturbance l: voltage per current in error */
     iqfoc_pattern_trajectory_t trajectory;
     iqfoc_pattern_control_leg_t leg[3]; /* a, b, c */
-    bool predicted;                     /* i_next is a prediction for the next step */
-    iqfoc_abc_t high;                   /* share of the commanded cycle that each leg is high */
-    iqfoc_ab_t i_next;   /* estimated current at the start of the commanded cycle, held to +-8 */
-    iqfoc_ab_t miss;     /* prediction error of the last sample */
-    iq24_sincos_t sc;    /* of the rotor angle at the start of the commanded cycle */
-    iqfoc_dq_t v;        /* disturbance voltage, held to +-1/2 */
-    iq24_t u_dc;         /* of the last sample */
-    iq24_t u_mean;       /* mean of the link: moves by 1/64 of the difference per cycle */
-    iq24_t u_dc_inverse; /* 1/u_mean */
+    const iqfoc_pattern_t *wanted;      /* table that is asked for, or NULL */
+    iq24_t waited;                      /* angle since then: turns */
+    iq24_acc_t nearest_q48; /* square of the least distance of its flux since then: cycles of the link */
+    iq24_t theta;           /* rotor angle at the start of the commanded cycle */
+    bool predicted;         /* i_next is a prediction for the next step */
+    iqfoc_abc_t high;       /* share of the commanded cycle that each leg is high */
+    iqfoc_ab_t i_next;      /* estimated current at the start of the commanded cycle, held to +-8 */
+    iqfoc_ab_t miss;        /* prediction error of the last sample */
+    iq24_sincos_t sc;       /* of the rotor angle at the start of the commanded cycle */
+    iqfoc_dq_t v;           /* disturbance voltage, held to +-1/2 */
+    iq24_t u_dc;            /* of the last sample */
+    iq24_t u_mean;          /* mean of the link: moves by 1/64 of the difference per cycle */
+    iq24_t u_dc_inverse;    /* 1/u_mean */
     iqfoc_ab_t
         error; /* flux error at the start of the commanded cycle over the mean link: cycles, held to +-16 */
 } iqfoc_pattern_control_t;
@@ -107,8 +111,11 @@ iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
                                          const iqfoc_pattern_t *table, iq24_t least);
 
 /*
- * Changes the table, for another number of pulses. The next edges correct the difference of the harmonic flux. Call it just ahead of
- * iqfoc_pattern_control_aim. table: one that iqfoc_pattern_init accepts.
+ * Asks for another table, for another number of pulses. iqfoc_pattern_control_aim takes it at an angle at which its flux is near to the
+ * present one: after a sixth of a turn at the earliest and two turns at the latest. Until then it
+ * compares both tables: some 700 instructions more on a Cortex-M4.
+ *
+ * table: one that iqfoc_pattern_init accepts; the state keeps its address. Call it when neither aim nor step runs.
  */
 void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table);
 

@@ -266,6 +266,10 @@ void golden_pattern(golden_inputs_t *inputs, uint64_t *digest)
 
 /* ---- The control of a pulse pattern ---- */
 
+/* Five pulses: the angles of least distortion at index 0.7. */
+static const iqfoc_pattern_row_t other_row = {1, 0, {IQ24(0.2015), IQ24(0.226)}};
+static const iqfoc_pattern_t other_table = {&other_row, 1, 2, IQ24(0.3), IQ24_ONE};
+
 static iqfoc_pattern_control_t control;
 static iqfoc_dq_t wanted;
 static iq24_t rotor_angle;
@@ -288,8 +292,7 @@ void golden_pattern_control(golden_inputs_t *inputs, uint64_t *digest)
     if (inputs->number % TABLE_AGAIN == 0) {
         begin_control(inputs, digest);
     } else if (inputs->number % TABLE_AGAIN == TABLE_AGAIN / 2) {
-        draw_table(inputs);
-        iqfoc_pattern_control_change(&control, &table);
+        iqfoc_pattern_control_change(&control, &other_table);
     }
     inputs->number++;
     const iqfoc_ab_t noise = golden_ab(inputs, IQ24(0.02));
