@@ -56,20 +56,22 @@ typedef struct inductances {
     iq24_t q;
 } inductances;
 
-/* Range: |i|^2 <= 506 saturates at 128, times saturation likewise; then it is held to 1. */
-static inductances saturated(const iqfoc_observer_config_t *c, iqfoc_ab_t i)
+/* 1 + saturation |i|^2, held to 2. Range: |i|^2 <= 506 saturates at 128, times saturation likewise. */
+static iq24_t divisor_of(iq24_t saturation, iq24_t alpha, iq24_t beta)
 {
-    const iq24_t square = iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(i.alpha, i.alpha), i.beta, i.beta));
-    const iq24_t rise = iq24_min(iq24_mul_sat(c->saturation, square), IQ24_ONE);
-    const inductances l = {iq24_div(c->machine.l_d, IQ24_ONE + rise),
-                           iq24_div(c->machine.l_q, IQ24_ONE + rise)};
-    return l;
+    const iq24_t square = iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(alpha, alpha), beta, beta));
+    return IQ24_ONE + iq24_min(iq24_mul_sat(saturation, square), IQ24_ONE);
 }
 
 static inline inductances inductances_at(const iqfoc_observer_config_t *c, iqfoc_ab_t i)
 {
-    const inductances at_zero = {c->machine.l_d, c->machine.l_q};
-    return c->saturation == 0 ? at_zero : saturated(c, i);
+    inductances l = {c->machine.l_d, c->machine.l_q};
+    if (c->saturation != 0) {
+        const iq24_t divisor = divisor_of(c->saturation, i.alpha, i.beta);
+        l.d = iq24_div(l.d, divisor);
+        l.q = iq24_div(l.q, divisor);
+    }
+    return l;
 }
 
 /* l_q i, held to +-32. Range: 8 * 15.9 < 128. */
@@ -124,10 +126,25 @@ static void lose(iqfoc_observer_t *o, uint32_t reason)
     o->count = 0;
 }
 
+/* |x| > most, in one comparison. Range: most >= 0 and |x| + most below 2^32. */
+static inline bool beyond(iq24_t x, iq24_t most)
+{
+    return (uint32_t)x + (uint32_t)most > 2U * (uint32_t)most;
+}
+
+/* x, held to +-most: short if it is within. Range: as beyond. */
+static inline iq24_t within_most(iq24_t x, iq24_t most)
+{
+    if (beyond(x, most)) {
+        return x < 0 ? -most : most;
+    }
+    return x;
+}
+
 static void judge(iqfoc_observer_t *o, const iqfoc_observer_config_t *c, bool slow)
 {
-    const bool angle_far = !iq24_within(o->error, -c->angle_max, c->angle_max);
-    const bool far = angle_far || !iq24_within(o->flux_error, -c->flux_max, c->flux_max);
+    const bool angle_far = beyond(o->error, c->angle_max);
+    const bool far = angle_far || beyond(o->flux_error, c->flux_max);
     if (o->locked && !far && !slow) {
         o->slow = 0;
         o->count = 0;
@@ -171,7 +188,7 @@ static inline loop_step locked_step(const iqfoc_observer_config_t *c, int32_t ph
     const iq24_t divisor = iq24_max(radius, RADIUS_MIN);
     const iq24_t most = divisor + iq24_asr32(divisor, 1);
     const int64_t e_q41 =
-        IQ24_MUL64(iq24_clamp(across, -most, most), (int32_t)(RADIAN_Q32 / ((uint32_t)divisor >> 9)));
+        IQ24_MUL64(within_most(across, most), (int32_t)(RADIAN_Q32 / ((uint32_t)divisor >> 9)));
     const loop_step by = {iq24_shift_wrap(e_q41, 9), iq24_asr32(phi_q28, 1), c->k1, c->k2};
     return by;
 }
@@ -186,9 +203,11 @@ void iqfoc_observer_step(iqfoc_observer_t *o, iqfoc_ab_t u, iqfoc_ab_t i_mean, i
 {
     const iqfoc_observer_config_t *c = o->config;
     const inductances l = inductances_at(c, i);
+    /* Range: r <= 1 and |i_mean| <= 15.9, so both fit. Q29 times Q27 is Q24. */
+    const int32_t r_q29 = c->machine.r * 32;
     const iqfoc_ab_t psi = {
-        IQ24_HOLD_BITS(o->psi.alpha + u.alpha - iq24_mul_trunc(c->machine.r, i_mean.alpha), 30),
-        IQ24_HOLD_BITS(o->psi.beta + u.beta - iq24_mul_trunc(c->machine.r, i_mean.beta), 30)};
+        IQ24_HOLD_BITS(o->psi.alpha + u.alpha - iq24_mul_high(r_q29, i_mean.alpha * 8), 30),
+        IQ24_HOLD_BITS(o->psi.beta + u.beta - iq24_mul_high(r_q29, i_mean.beta * 8), 30)};
     const iqfoc_ab_t of_current = flux_of(l.q, i);
     const iqfoc_ab_t a = {psi.alpha - of_current.alpha, psi.beta - of_current.beta};
     const int32_t expected = iq24_add_wrap(o->theta_q32, o->turns_q32);
@@ -196,8 +215,8 @@ void iqfoc_observer_step(iqfoc_observer_t *o, iqfoc_ab_t u, iqfoc_ab_t i_mean, i
     const iq24_sincos_t d_q30 = iq24_sincos_q30_inline(angle);
     const iq24_t radius = radius_of(c->machine.psi, iq24_sub_wrap(l.d, l.q), i, d_q30);
     const iq24_t along = part_of(a, d_q30);
-    /* Range: as part_of. */
-    const iq24_t across = iq24_shift_wrap(IQ24_MAC64(IQ24_MUL64(a.beta, d_q30.cos), -a.alpha, d_q30.sin), 30);
+    /* Range: as part_of. The sine changes its sign, as it is in a register. */
+    const iq24_t across = iq24_shift_wrap(IQ24_MAC64(IQ24_MUL64(a.beta, d_q30.cos), a.alpha, -d_q30.sin), 30);
     const iq24_t off = IQ24_HOLD_BITS(iq24_sub_wrap(radius, along), 28);
     /* Q32 times Q28 is Q28, within 2.1. Q30 times Q28 is Q26, and that times Q30 is Q24. */
     const int32_t speed_q32 = o->turns_q32 < 0 ? -o->turns_q32 : o->turns_q32;
@@ -206,13 +225,15 @@ void iqfoc_observer_step(iqfoc_observer_t *o, iqfoc_ab_t u, iqfoc_ab_t i_mean, i
         o->locked ? locked_step(c, phi_q28, across, radius)
                   : seeking_step(phi_q28, iq24_sub_wrap(iq24_wrap((int64_t)angle * 256), expected));
     const int32_t by_q26 = iq24_mul_high(iq24_min(c->gain_max * 16, by.gain_q28) * 4, off * 16);
-    o->psi.alpha = IQ24_HOLD_BITS(iq24_mac_high(psi.alpha, by_q26, d_q30.cos), 30);
-    o->psi.beta = IQ24_HOLD_BITS(iq24_mac_high(psi.beta, by_q26, d_q30.sin), 30);
-    o->flux_error = off;
+    const iqfoc_ab_t corrected = {IQ24_HOLD_BITS(iq24_mac_high(psi.alpha, by_q26, d_q30.cos), 30),
+                                  IQ24_HOLD_BITS(iq24_mac_high(psi.beta, by_q26, d_q30.sin), 30)};
     /* Range: |k1| <= 1, so a product is within 2^31; |k2| <= 1/4, so its product and the speed are within 2^29 + 1.44e9. */
-    o->theta_q32 = iq24_add_wrap(expected, iq24_mul_trunc(by.k1, by.e_q32));
-    o->turns_q32 =
-        iq24_clamp(o->turns_q32 + iq24_mul_high(256 * by.k2, by.e_q32), -TURNS_MAX_Q32, TURNS_MAX_Q32);
+    const int32_t theta_q32 = iq24_add_wrap(expected, iq24_mul_trunc(by.k1, by.e_q32));
+    const int32_t turns_q32 = within_most(o->turns_q32 + iq24_mul_high(256 * by.k2, by.e_q32), TURNS_MAX_Q32);
+    o->psi = corrected;
+    o->theta_q32 = theta_q32;
+    o->turns_q32 = turns_q32;
     o->error = iq24_asr32(by.e_q32, 8);
+    o->flux_error = off;
     judge(o, c, speed_q32 < c->turns_min * 256);
 }
