@@ -73,6 +73,34 @@ PAGE_CALL(page_diagnose)(void)
     return finish(ok, json, &e);
 }
 
+/* k_u = T U_b/(L I_b). */
+static double voltage_constant(const motor *m, double L_H)
+{
+    const per_unit base = per_unit_of(m);
+    return base.T_s * base.U_V / (L_H * base.I_A);
+}
+
+/* The library holds k_u up to 16 and k_psi = psi/(L I_b) up to 8. */
+#define K_U_MOST   15.0
+#define K_PSI_MOST 7.5
+#define K_R_MOST   1.0 /* k_r = R T/L: a cycle shorter than the winding's time constant */
+
+/*
+ * A long cycle needs another drive: first a DC link of the voltage that this speed needs with 20 % to spare, then a larger current base. The
+ * currents in A stay those of the paper's drive. L_H: the least that a controller takes it for.
+ */
+static void fit_library(motor *m, double rpm, double L_H)
+{
+    if (voltage_constant(m, L_H) > K_U_MOST) {
+        const double i_A = per_unit_of(m).I_A;
+        const double omega = motor_speed_rad_s(m, rpm);
+        const double needed_V = hypot(omega * m->L_d_H * i_A, m->R_ohm * i_A + omega * m->psi_f_Wb);
+        m->u_dc_V = fmin(m->u_dc_V, 1.2 * sqrt(3.0) * needed_V);
+    }
+    const double k_psi = m->psi_f_Wb / (L_H * per_unit_of(m).I_A);
+    m->I_rated_A_rms *= fmax(1.0, fmax(voltage_constant(m, L_H) / K_U_MOST, k_psi / K_PSI_MOST));
+}
+
 /* The drive of the 2019 paper with another winding and magnet, at a ratio of switching to fundamental frequency. */
 static motor machine_at(double rpm, double ratio, double R_ohm, double L_H, double psi_f_Wb)
 {
@@ -85,32 +113,44 @@ static motor machine_at(double rpm, double ratio, double R_ohm, double L_H, doub
     return m;
 }
 
-/* The rated current as i_q; `count` ratios from `low` to `high`, each the same multiple of the one before. */
+/* The rated current as i_q; `count` ratios from `low` to `high`, each the same multiple of the one before. Those with a cycle longer than L/R
+ * are left out. */
 PAGE_CALL(page_errors)
 (double rpm, double R_ohm, double L_H, double psi_f_Wb, double low, double high, int count)
 {
     error e = {0};
     json_t *points = json_array(), *rates = json_array();
+    const double i_q_A = sqrt(2.0) * paper_2019_motor().I_rated_A_rms;
     bool ok = count >= 2 && count <= RATIOS_MAX;
     for (int k = 0; k < count && ok; k++) {
-        const motor m = machine_at(rpm, low * pow(high / low, (double)k / (count - 1)), R_ohm, L_H, psi_f_Wb);
+        motor m = machine_at(rpm, low * pow(high / low, (double)k / (count - 1)), R_ohm, L_H, psi_f_Wb);
+        if (R_ohm / (m.f_pwm_Hz * L_H) > K_R_MOST) {
+            continue;
+        }
+        fit_library(&m, rpm, L_H);
         method_machine machine;
         sweep_point point;
-        ok = method_machine_of(&m, &machine, &e) &&
-             sweep_point_at(&m, &machine, rpm, sqrt(2.0) * m.I_rated_A_rms * I, &point, &e);
+        ok = method_machine_of(&m, &machine, &e) && sweep_point_at(&m, &machine, rpm, i_q_A * I, &point, &e);
         if (ok) {
             json_array_append_new(points, sweep_point_json(&point));
             json_array_append_new(rates, json_number(m.f_pwm_Hz));
         }
     }
+    ok =
+        ok && (json_array_size(points) > 0 ||
+               error_input(
+                   &e, NULL, 0, 0,
+                   "the cycle is longer than the winding's time constant L/R at every ratio; choose a larger "
+                   "L, a smaller R or a higher speed"));
     return finish(ok, json_pack("{s:o, s:o}", "f_pwm_Hz", rates, "points", points), &e);
 }
 
-static json_t *step_json(loop_method how, const loop_result *r)
+/* base: the current base over the paper's rated current. */
+static json_t *step_json(loop_method how, const loop_result *r, double base)
 {
     json_t *trace = json_array();
     for (int k = 0; k < LOOP_TRACE_CYCLES; k++) {
-        json_array_append_new(trace, json_number(r->trace_q[k]));
+        json_array_append_new(trace, json_number(base * r->trace_q[k]));
     }
     return json_pack("{s:s, s:s, s:o, s:i, s:o}", "method", loop_method_text[how], "outcome",
                      loop_outcome_text(r->outcome), "overshoot", json_number(r->overshoot_percent),
@@ -125,6 +165,14 @@ PAGE_CALL(page_step)(double rpm, double ratio, double R_ohm, double L_H, double 
     error e = {0};
     loop_case c = current_loop_case(ratio, 0.0);
     c.truth = machine_at(rpm, ratio, R_ohm, L_H, psi_f_Wb);
+    fit_library(&c.truth, rpm, fmin(1.0, believed_L) * L_H);
+    if (R_ohm / (c.truth.f_pwm_Hz * fmin(1.0, believed_L) * L_H) > K_R_MOST) {
+        return finish(
+            error_input(&e, NULL, 0, 0,
+                        "the cycle is longer than the winding's time constant L/R; choose a higher ratio"),
+            NULL, &e);
+    }
+    const double base = c.truth.I_rated_A_rms / paper_2019_motor().I_rated_A_rms;
     c.omega_e_rad_s = motor_speed_rad_s(&c.truth, rpm);
     motor assumed = c.truth;
     assumed.L_d_H = assumed.L_q_H = believed_L * L_H;
@@ -134,7 +182,7 @@ PAGE_CALL(page_step)(double rpm, double ratio, double R_ohm, double L_H, double 
         loop_result r;
         ok = loop_method_run(&c, &assumed, shown[k], &r, &e);
         if (ok) {
-            json_array_append_new(all, step_json(shown[k], &r));
+            json_array_append_new(all, step_json(shown[k], &r, base));
         }
     }
     return finish(ok,

@@ -238,7 +238,14 @@
                     RATIO_HIGH, POINTS]})]);
             const bad = [errors, step, observer].filter((done) => done.status !== 0).map((done) => done.said).join(" ");
             $("no-curves").textContent = bad.trim();
-            if (bad === "") {
+            if (bad !== "") { // no picture of other values than the sliders'
+                last = null;
+                $("outcomes").textContent = "";
+                for (const id of Object.keys(plots)) {
+                    plots[id].destroy();
+                    delete plots[id];
+                }
+            } else {
                 last = {...JSON.parse(errors.out), step: JSON.parse(step.out), observer: JSON.parse(observer.out)};
                 window.iqfoc.last = last;
                 redraw();

@@ -145,6 +145,26 @@ class Page(unittest.TestCase):
             self.assertLess(slow["noise_deg"], fast["noise_deg"])
         self.picture("observer.png")
 
+    def settings(self, **values):
+        """All of these sliders at once; (the page's complaint, number of charts)."""
+        self.browser.run("for (const [n, v] of Object.entries(arguments[0])) { const s = document.getElementById(n); s.value = v; "
+                         "s.dispatchEvent(new Event('input')); }", values)
+        time.sleep(0.05)
+        self.idle()
+        return self.browser.run("return [document.getElementById('no-curves').textContent, document.querySelectorAll('.chart canvas').length]")
+
+    def test_the_whole_range_of_the_sliders(self):
+        """Slow drives and small inductances have curves. A cycle longer than L/R has none: words, and no picture of other values."""
+        self.browser.open(PAGE)
+        self.idle()
+        charts = self.browser.run("return document.querySelectorAll('.chart canvas').length")
+        for values in (dict(speed=2000), dict(speed=8000, L=1), dict(speed=500, L=20, R=0.05, belief=0.5)):
+            self.assertEqual(self.settings(**values), ["", charts], values)
+        words, left = self.settings(speed=500, R=3, L=1, belief=1)
+        self.assertIn("longer than the winding's time constant", words)
+        self.assertEqual(left, 0)
+        self.assertEqual(self.settings(speed=8000, R=0.75, L=5.2), ["", charts])
+
     def test_the_golden_hash(self):
         self.browser.open(PAGE)
         self.browser.run("document.getElementById('check').click()")
