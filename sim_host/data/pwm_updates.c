@@ -153,3 +153,12 @@ vec_ab pwm_updates_mean(const pwm_updates *p, vec_ab now, vec_ab before, double 
     }
     return sum;
 }
+
+vec_ab pwm_updates_last(const pwm_updates *p, vec_ab command, double turn_rad)
+{
+    const int periods = p->periods > 1 ? p->periods : 1;
+    const double at = fmax((double)(periods - 1) / periods, p->delay_cycles);
+    vec_ab last = {0.0, 0.0};
+    add(&last, command, 1.0, p->turned ? turn_rad * at : 0.0);
+    return last;
+}

@@ -56,4 +56,7 @@ bool pwm_updates_take_comment(pwm_updates *p, const char *line, size_t length, b
  */
 vec_ab pwm_updates_mean(const pwm_updates *p, vec_ab now, vec_ab before, double turn_rad);
 
+/* The command that the legs have when its cycle ends, in the stator's frame at its sample; as above. */
+vec_ab pwm_updates_last(const pwm_updates *p, vec_ab command, double turn_rad);
+
 #endif

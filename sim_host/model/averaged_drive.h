@@ -11,6 +11,7 @@
 #define SIM_HOST_MODEL_AVERAGED_DRIVE_H
 
 #include "../base/vector.h"
+#include "../data/current_sensors.h"
 #include "../data/motor.h"
 #include "averaged.h"
 
@@ -42,7 +43,7 @@ typedef struct averaged_drive {
     double edge_ripple;
     double k_u;
     double offset_ab_A[2]; /* current sensors, stationary frame */
-    double offset_zero_A;  /* mean of the three sensors' offsets: shows only where all three are recorded */
+    double offset_zero_A;  /* mean of the three sensors' offsets: shows only where all three are used */
     double g[3];
     /* What moves, per second from the middle of the recording. */
     double R_rate_ohm_s, psi_rate_Wb_s, offset_rate_ab_A_s[2], g_rate_s[3];
@@ -84,11 +85,11 @@ typedef struct cycle_row {
     size_t node;              /* index into the table */
     double elapsed_s;         /* from the mean of the recording's times */
     double T_s;
-    size_t history;       /* rows of its stretch before it */
-    double temperature_K; /* above the recording's mean; 0 without temp_C */
-    vec_ab i_A;           /* recorded currents, Clarke (amplitude-invariant) */
-    bool two_sensors;     /* as in averaged_drive_sensors */
-    double i_zero_A;      /* mean of the three recorded currents; 0 if only two were recorded */
+    size_t history;        /* rows of its stretch before it */
+    double temperature_K;  /* above the recording's mean; 0 without temp_C */
+    vec_ab i_A;            /* recorded currents, Clarke (amplitude-invariant) */
+    missing_phase missing; /* whose current is minus the sum of the other two */
+    double i_zero_A;       /* mean of the three recorded currents; 0 if only two were recorded */
 } cycle_row;
 
 averaged_drive averaged_drive_of(const motor *m);

@@ -77,7 +77,7 @@ static const cycle_row *acting(const averaged_drive *d, const cycle_row *row)
 static cycle_pulses go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command,
                           const cycle_row *row)
 {
-    const sensor_map sensors = sensor_course_at(&m->sensors, row->elapsed_s);
+    const sensor_map sensors = sensor_course_at(&m->sensors, row);
     const vec_ab i = sensor_map_unmeasure(&sensors, row->i_A);
     const cycle_pulses own = pulses_of(d, m, command, row, i);
     m->left.alpha = m->fade * m->left.alpha + own.left.alpha;
@@ -94,7 +94,7 @@ static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
         return;
     }
     *m = (iron_memory){.per_tau = fmin(row->T_s / d->fe_tau_s, ALL_FADED),
-                       .sensors = sensor_course_of(d, row->two_sensors)};
+                       .sensors = sensor_course_of(d, row->missing == MISSING_NONE ? SENSORS_THREE : SENSORS_TWO_LOWEST)};
     m->fade = exp(-m->per_tau);
     /* Of a drop that goes evenly from one value to another in a cycle. */
     const double mean = (1.0 - m->fade) / m->per_tau;

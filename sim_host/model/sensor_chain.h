@@ -1,4 +1,9 @@
-/* Current sensors with gains and offsets, which may drift: true currents to recorded ones, and back. */
+/*
+ * Current sensors with gains and offsets, which may drift: true currents to recorded ones, and back.
+ *
+ * measured = g true + o of each phase. Minus the sum of two stands for a third that is not measured (data/current_sensors.h), so that
+ * with low-side shunts the map changes from sector to sector.
+ */
 #ifndef SIM_HOST_MODEL_SENSOR_CHAIN_H
 #define SIM_HOST_MODEL_SENSOR_CHAIN_H
 
@@ -8,24 +13,31 @@
 typedef struct sensor_map {
     double forward[2][2], back[2][2];
     vec_ab offset;
-    double zero[2]; /* mean of the three recorded currents = zero . true + zero_offset_A */
+    double zero
+        [2]; /* mean of the three recorded currents = zero . true + zero_offset_A, if all three are measured */
     double zero_offset_A;
 } sensor_map;
 
-/* Over a recording: all but the inverse goes evenly from the map at its middle. */
-typedef struct sensor_course {
-    bool drifts; /* or the map is the same at all rows */
+/* One map over a recording: all but the inverse goes evenly from the map at its middle. */
+typedef struct sensor_drift {
     sensor_map middle;
     double forward_rate[2][2], zero_rate[2]; /* per second */
     vec_ab offset_rate;
+} sensor_drift;
+
+/* Over a recording, by the phase that is not measured; only those of its sensors are filled. */
+typedef struct sensor_course {
+    bool drifts;
+    bool
+        changes; /* from row to row: it drifts, or another phase is missing. Else the map is the same at all rows */
+    sensor_drift of[MISSING_PHASES];
 } sensor_course;
 
-/* `two_sensors`: phase C was not measured, and -a-b of the recorded ones stands for it. */
-sensor_course sensor_course_of(const averaged_drive *drive, bool two_sensors);
-/* elapsed_s: as in cycle_row. */
-sensor_map sensor_course_at(const sensor_course *course, double elapsed_s);
-/* Of one row alone. */
-sensor_map sensor_map_of(const averaged_drive *drive, bool two_sensors, double elapsed_s);
+sensor_course sensor_course_of(const averaged_drive *drive, sensor_set sensors);
+/* At a row of the recording. */
+sensor_map sensor_course_at(const sensor_course *course, const cycle_row *row);
+/* At the recording's middle, without one phase. */
+sensor_map sensor_map_of(const averaged_drive *drive, missing_phase missing);
 
 static inline vec_ab sensor_map_measure(const sensor_map *map, vec_ab i_true)
 {

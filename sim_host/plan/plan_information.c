@@ -76,7 +76,7 @@ static bool look(const motor *m, const recording *rec, plan_information *info, e
             info->h[i][j] = info->view.sums.h[plan_asked_list[i].column][plan_asked_list[j].column];
         }
     }
-    info->rows = (diagnose_rows){.two_sensors = rows.two_sensors};
+    info->rows = (diagnose_rows){.sensors = rows.sensors};
     info->view.rows = &info->rows;
     rows_free(&rows);
     return ok;

@@ -30,7 +30,7 @@ static const double LEAST_SHARE_BESIDE_MAP = 1e-2;
 static size_t columns_of(const fit_data *d, const fit_state *s, hypothesis_set allowed,
                          int column[COLUMN_COUNT])
 {
-    bool wanted[COLUMN_COUNT] = {[P_OFFSET_ZERO] = !d->rows->two_sensors};
+    bool wanted[COLUMN_COUNT] = {[P_OFFSET_ZERO] = rows_show_three(d->rows)};
     coordinate_id small[P_COUNT];
     const size_t smalls = last_digits_list(d->rows, small);
     size_t n = 0;

@@ -36,6 +36,10 @@ static inline void session_adopt(const session *w, hypothesis_id h, double z[P_C
     for (size_t k = 0; k < hypo->shapes; k++) {
         z[hypo->shape[k]] = w->state.z[hypo->shape[k]];
     }
+    if (hypo->cause == CAUSE_CURRENT_OFFSET) {
+        z[P_OFFSET_ZERO] =
+            w->state.z[P_OFFSET_ZERO]; /* what the offsets have in common shows from sector to sector */
+    }
 }
 
 /* Errors are in percent of the current, on held-out rows without glitches. The noise floor at a state. */

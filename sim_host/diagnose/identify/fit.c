@@ -61,9 +61,9 @@ static void finish_noise(const fit_data *d, fit_state *s)
         n->white[0] = 1.0 / l11;
         n->white[1] = -l21 / (l11 * l22);
         n->white[2] = 1.0 / l22;
-        n->white_zero = d->rows->two_sensors ? 0.0 : 1.0 / sqrt(cov[3]);
+        n->white_zero = d->rows->sensors == SENSORS_THREE ? 1.0 / sqrt(cov[3]) : 0.0;
         s->objective += n->rows * 2.0 * (log(l11) + log(l22));
-        s->objective += d->rows->two_sensors ? 0.0 : n->rows * log(cov[3]);
+        s->objective += d->rows->sensors == SENSORS_THREE ? n->rows * log(cov[3]) : 0.0;
     }
 }
 

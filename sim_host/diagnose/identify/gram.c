@@ -50,7 +50,7 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
             column[n++] = (int)hypo->shape[k];
         }
     }
-    if (!d->rows->two_sensors) {
+    if (rows_show_three(d->rows)) {
         column[n++] = P_OFFSET_ZERO;
     }
     return n;

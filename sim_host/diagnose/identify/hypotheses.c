@@ -260,7 +260,7 @@ double column_value(int column, const double z[P_COUNT])
 
 bool column_shows(int column, const diagnose_rows *r)
 {
-    return column >= P_COUNT || !coordinate_table[column].third_sensor || !r->two_sensors;
+    return column >= P_COUNT || !coordinate_table[column].third_sensor || rows_show_three(r);
 }
 
 const double hypothesis_nominal[P_COUNT] = {0.0};
@@ -321,7 +321,7 @@ hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_fram
                           [NEEDS_POLES_ONCE] = turns && f->pole_pairs > 2,
                           [NEEDS_POLES_TWICE] = turns && f->pole_pairs > 1,
                           [NEEDS_MAGNET] = turns && f->nominal.psi_f_Wb != 0.0,
-                          [NEEDS_THREE_SENSORS] = !r->two_sensors,
+                          [NEEDS_THREE_SENSORS] = r->sensors == SENSORS_THREE,
                           [NEEDS_TEMPERATURE] = r->temperature_known};
     hypothesis_set all = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {

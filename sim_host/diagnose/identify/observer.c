@@ -10,14 +10,14 @@
 
 static bool sensors_change(const averaged_drive *drive, const sensor_course *course)
 {
-    return course->drifts || drive->sensor_lag_s != 0.0;
+    return course->changes || drive->sensor_lag_s != 0.0;
 }
 
 /* The sensors at a row, if they change from row to row. */
 static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const sensor_course *course,
                              const cycle_row *row, lag_memory *memory)
 {
-    const sensor_map map = sensor_course_at(course, row->elapsed_s);
+    const sensor_map map = sensor_course_at(course, row);
     return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map, memory);
 }
 
@@ -55,7 +55,7 @@ typedef struct walker {
 
 static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double gain)
 {
-    walker w = {.r = r, .drive = drive, .gain = gain, .course = sensor_course_of(drive, r->two_sensors)};
+    walker w = {.r = r, .drive = drive, .gain = gain, .course = sensor_course_of(drive, r->sensors)};
     w.change = sensors_change(drive, &w.course);
     return w;
 }
@@ -69,7 +69,7 @@ static bool take_in(walker *w, size_t k, double gate, double *out)
     const cycle_row *row = &w->r->row[k];
     const bool start = w->age == 0 || w->r->outlier[k];
     sensor_map changed;
-    const sensor_map *sensors = &w->course.middle;
+    const sensor_map *sensors = &w->course.of[row->missing].middle;
     out[0] = out[1] = out[2] = 0.0;
     if (w->change) {
         changed = sensors_at(w->r, w->drive, &w->course, row, &w->memory);
@@ -90,7 +90,7 @@ static bool take_in(walker *w, size_t k, double gate, double *out)
     if (seen) {
         out[0] = wrong.alpha;
         out[1] = wrong.beta;
-        out[2] = w->r->two_sensors ? 0.0 : row->i_zero_A - zero;
+        out[2] = w->r->sensors == SENSORS_THREE ? row->i_zero_A - zero : 0.0;
     }
     /* After a start all samples so far have equal weight, until the steady gain is reached. */
     const double share = 1.0 / (double)(w->age + 1);
@@ -179,10 +179,10 @@ void observer_beside(diagnose_rows *r, const averaged_drive *drive, const row_bl
 void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                         size_t first, size_t count, vec_ab *wrong)
 {
-    const sensor_course course = sensor_course_of(drive, r->two_sensors);
+    const sensor_course course = sensor_course_of(drive, r->sensors);
     const bool change = sensors_change(drive, &course);
     lag_memory lag = {.own = {.row = NULL}};
-    sensor_map sensors = change ? sensors_at(r, drive, &course, &r->row[first], &lag) : course.middle;
+    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], &lag);
     iron_memory memory = {.row = NULL};
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
@@ -202,7 +202,7 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
 void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                        size_t first, size_t count, vec_ab *current)
 {
-    const sensor_course course = sensor_course_of(drive, r->two_sensors);
+    const sensor_course course = sensor_course_of(drive, r->sensors);
     const bool change = sensors_change(drive, &course);
     lag_memory lag = {.own = {.row = NULL}};
     sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], &lag);

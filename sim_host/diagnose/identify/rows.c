@@ -120,7 +120,6 @@ static void fill_electrical(diagnose_rows *r)
             row->u_V[1] = j > 0 ? row[-1].u_V[0] : row->u_V[0];
             row->u_V[2] = j > 0 ? row[-1].u_V[1] : row->u_V[0];
             row->i_A = recording_current(rec, k);
-            row->two_sensors = r->two_sensors;
             row->history = j;
             row->T_s = r->T_s;
             row->i_zero_A = (rec->i_A[0][k] + rec->i_A[1][k] + rec->i_A[2][k]) / 3.0;
@@ -130,6 +129,14 @@ static void fill_electrical(diagnose_rows *r)
         }
     }
     r->u_rms_V = sqrt(u2 / (double)rec->rows);
+}
+
+void rows_find_missing(diagnose_rows *r)
+{
+    for (size_t k = 0; k < r->rows; k++) {
+        cycle_row *row = &r->row[k];
+        row->missing = current_sensors_missing(r->recording, &r->pwm, r->sensors, k, row->history);
+    }
 }
 
 static size_t blocks_of(const stretch *s, size_t least)
@@ -238,14 +245,15 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
         rows_free(r);
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
     }
-    r->two_sensors = !recording_three_sensors(rec);
     r->pwm = rec->pwm_stated ? rec->pwm : m->pwm;
+    r->sensors = current_sensors_of(rec, &r->pwm);
     r->mech_known = rec->theta_mech_rad != NULL || !angle_is_wrapped(rec) || m->pole_pairs == 1;
     r->temperature_known = warms(rec);
     fill_times(r);
     fill_angles(r, m);
     rows_correct_speed(r);
     fill_electrical(r);
+    rows_find_missing(r);
     rows_fill_edges(r, m, MODULATOR_MIN_MAX);
     if (!rows_place_nodes(r) || !cut_blocks(r)) {
         rows_free(r);

@@ -57,7 +57,7 @@ typedef struct diagnose_rows {
     size_t clipped; /* rows at the end of a current sensor's range: no block holds one (row_clips.h) */
     size_t groups;
     long group_run[ROWS_MAX_GROUPS]; /* the `run` of each group */
-    bool two_sensors;                /* only two currents were measured */
+    sensor_set sensors;              /* which currents were measured */
     pwm_updates pwm;                 /* how commands reach the PWM, and which currents are measured */
     bool mech_known;                 /* the revolution is known across stretches */
     bool temperature_known;
@@ -74,6 +74,15 @@ static inline void rows_note_no_memory(const diagnose_rows *r)
         *r->no_memory = true;
     }
 }
+
+/* Whether all three sensors show: in the currents' sum, or from sector to sector. Of two the third is none. */
+static inline bool rows_show_three(const diagnose_rows *r)
+{
+    return r->sensors != SENSORS_TWO;
+}
+
+/* Fills in whose current each row has not measured, by r->sensors and r->pwm. */
+void rows_find_missing(diagnose_rows *r);
 
 /* False with *e set if memory runs out or no block can be cut. */
 bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error *e);

@@ -93,7 +93,7 @@ static void choose_columns(whole *w, const fit_data *d, const fit_state *s, hypo
             add_column(w, (int)hypo->shape[k], SHAPE_WIDTH, s->z[hypo->shape[k]], true);
         }
     }
-    if (!d->rows->two_sensors) {
+    if (rows_show_three(d->rows)) {
         add_column(w, P_OFFSET_ZERO, 1.0, 0.0, true);
     }
     for (size_t l = 0; l < LINKS; l++) {

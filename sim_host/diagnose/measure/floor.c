@@ -93,10 +93,11 @@ static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive
     const double L = 0.5 * (drive->L_d_H + drive->L_q_H);
     const double whole = fmin(1.0, sqrt(variance) / drive->compensation_knee_A);
     const double jump_A = 2.0 * whole * drive->compensation_V * 2.0 / 3.0 * r->T_s / L;
-    const sensor_map sensors = sensor_map_of(drive, r->two_sensors, 0.0);
+    const sensor_course course = sensor_course_of(drive, r->sensors);
     double sum = 0.0;
     for (size_t k = 0; k < r->rows; k++) {
-        const vec_ab i = sensor_map_unmeasure(&sensors, r->row[k].i_A);
+        const sensor_map *sensors = &course.of[r->row[k].missing].middle;
+        const vec_ab i = sensor_map_unmeasure(sensors, r->row[k].i_A);
         for (int x = 0; x < 3; x++) {
             const double wrong = 0.5 * erfc(fabs(vec_phase(i, x)) / sqrt(2.0 * variance));
             sum += wrong * (1.0 - wrong);
@@ -132,7 +133,7 @@ double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_
         variance = fmin(sums.lag_two > 0.0 ? sums.lag_two : variance, sums.quietest);
     }
     /* Three sensors: a vector carries 4/3 of one's variance. Two: alpha has 1, beta 5/3. */
-    *sensor_rms_A = sqrt(variance / (r->two_sensors ? 8.0 / 3.0 : 4.0 / 3.0));
+    *sensor_rms_A = sqrt(variance / (r->sensors == SENSORS_THREE ? 4.0 / 3.0 : 8.0 / 3.0));
     double angle = fast_variance(r->recording, r->recording->theta_e_rad, VEC_TWO_PI);
     double link = r->recording->u_dc_V ? fast_variance(r->recording, r->recording->u_dc_V, 0.0) : 0.0;
     double more = 0.0;

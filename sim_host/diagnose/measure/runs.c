@@ -17,7 +17,7 @@
  */
 static double method_error(const diagnose_rows *r, const averaged_drive *d, bool quasi_discrete)
 {
-    const sensor_course course = sensor_course_of(d, r->two_sensors);
+    const sensor_course course = sensor_course_of(d, r->sensors);
     double L = 0.5 * (d->L_d_H + d->L_q_H);
     double sum = 0.0;
     double n = 0.0;
@@ -25,7 +25,7 @@ static double method_error(const diagnose_rows *r, const averaged_drive *d, bool
         const row_block *block = &r->block[b];
         for (size_t j = 0; block->held_out && j + 1 < block->count; j++) {
             const cycle_row *row = &r->row[block->first + j];
-            const sensor_map sensors = sensor_course_at(&course, row->elapsed_s);
+            const sensor_map sensors = sensor_course_at(&course, row);
             vec_ab i = sensor_map_unmeasure(&sensors, row->i_A);
             double phi = row->omega_rad_s * r->T_s;
             double theta =
@@ -37,7 +37,8 @@ static double method_error(const diagnose_rows *r, const averaged_drive *d, bool
             vec_ab next = {
                 i.alpha + r->T_s / L * (d->k_u * row->u_V[0].alpha - d->R_ohm * i.alpha) + emf * sin(at),
                 i.beta + r->T_s / L * (d->k_u * row->u_V[0].beta - d->R_ohm * i.beta) - emf * cos(at)};
-            vec_ab shown = sensor_map_measure(&sensors, next);
+            const sensor_map then = sensor_course_at(&course, row + 1);
+            vec_ab shown = sensor_map_measure(&then, next);
             double a = row[1].i_A.alpha - shown.alpha;
             double c = row[1].i_A.beta - shown.beta;
             sum += a * a + c * c;

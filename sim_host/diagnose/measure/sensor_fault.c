@@ -292,7 +292,7 @@ static bool look(fault *f, const averaged_drive *drive, const motor *file, size_
 bool measure_sensor_fault(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *corrected)
 {
     *corrected = 0;
-    if (r->two_sensors) {
+    if (r->sensors != SENSORS_THREE) {
         return true;
     }
     fault f = {

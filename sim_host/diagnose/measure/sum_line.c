@@ -94,10 +94,10 @@ static line strongest(const recording *rec, const stretch *st, const double x[UN
 static const double FOLLOWS = 0.004;
 
 /* A part of the mean that follows the currents: its rms in that of the currents, so that an axis without current counts for nothing. */
-static void tell_what_follows(const diagnose_rows *r, const averaged_drive *drive, const double x[UNKNOWNS],
+static void tell_what_follows(const averaged_drive *drive, const double x[UNKNOWNS],
                               double h[UNKNOWNS][UNKNOWNS], diagnosis_structure *found)
 {
-    const sensor_map sensors = sensor_map_of(drive, r->two_sensors, 0.0);
+    const sensor_map sensors = sensor_map_of(drive, MISSING_NONE);
     const double a = x[0] - sensors.zero[0];
     const double b = x[1] - sensors.zero[1];
     const double power = a * a * h[0][0] + 2.0 * a * b * h[0][1] + b * b * h[1][1];
@@ -171,14 +171,14 @@ bool sum_line_tell(const diagnose_rows *r, const averaged_drive *drive, double n
 {
     double x[UNKNOWNS];
     double h[UNKNOWNS][UNKNOWNS];
-    if (r->two_sensors || !fit_sensors(r->recording, x, h)) {
+    if (r->sensors != SENSORS_THREE || !fit_sensors(r->recording, x, h)) {
         return true;
     }
     fourier *transform = fourier_new();
     fourier_number *work = calloc(2 * (size_t)LONGEST, sizeof *work);
     const bool ok = transform && work;
     if (ok) {
-        tell_what_follows(r, drive, x, h, found);
+        tell_what_follows(drive, x, h, found);
         look(r, noise_A, x, transform, work, found);
     }
     fourier_free(transform);

@@ -34,7 +34,9 @@ static bool prepare(diagnose_rows *rows, const recording *rec, const session *w)
     if (!rows_prepare(rows, rec, w->frame.motor, &unused)) {
         return false;
     }
-    rows->two_sensors = w->rows.two_sensors;
+    rows->sensors = w->rows.sensors;
+    rows->pwm = w->rows.pwm;
+    rows_find_missing(rows);
     if (rows->modulator != w->rows.modulator) {
         rows_fill_edges(rows, w->frame.motor, w->rows.modulator);
     }

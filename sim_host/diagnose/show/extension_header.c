@@ -24,10 +24,11 @@ static void put_value(FILE *out, double x)
 
 static const diagnosis_parameter *found(const diagnosis *d, const char *name)
 {
-    for (size_t k = 0; k < d->causes; k++) {
-        for (size_t n = 0; n < d->cause[k].parameters; n++) {
-            if (strcmp(d->cause[k].parameter[n].name, name) == 0) {
-                return &d->cause[k].parameter[n];
+    for (size_t k = 0; k < d->causes + d->minors; k++) {
+        const diagnosis_cause *cause = k < d->causes ? &d->cause[k] : &d->minor[k - d->causes];
+        for (size_t n = 0; n < cause->parameters; n++) {
+            if (strcmp(cause->parameter[n].name, name) == 0) {
+                return &cause->parameter[n];
             }
         }
     }

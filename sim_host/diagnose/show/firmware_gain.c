@@ -2,6 +2,7 @@
 #include "firmware_gain.h"
 
 #include "base/vector.h"
+#include "data/current_sensors.h"
 #include "extension_host.h"
 
 #include "iqfoc/iq24_math.h"
@@ -39,7 +40,7 @@ static iqfoc_abc_t per_unit_phases(const double x[3], double base)
 
 /* What the sensors of a drive with this motor's extension show of a true current; what the file does not say is
  * no error. */
-static vec_ab sensed(const firmware *f, bool two_sensors, iqfoc_ab_t i)
+static vec_ab sensed(const firmware *f, missing_phase missing, iqfoc_ab_t i)
 {
     const iqfoc_abc_t phase = iqfoc_clarke_inverse(i);
     const motor_extension *x = &f->m->ext;
@@ -48,14 +49,33 @@ static vec_ab sensed(const firmware *f, bool two_sensors, iqfoc_ab_t i)
     for (int n = 0; n < 3; n++) {
         i_A[n] = x->g[n] * i_A[n] + x->o_A[n];
     }
-    if (two_sensors) {
-        i_A[2] = -i_A[0] - i_A[1];
-    }
+    current_sensors_leave_out(missing, i_A);
     return vec_from_phases(i_A);
 }
 
+/* The same in per unit. */
+static void leave_out(missing_phase missing, iqfoc_abc_t *i)
+{
+    switch (missing) {
+    case MISSING_A:
+        i->a = iq24_sub_wrap(0, iq24_add_wrap(i->b, i->c));
+        break;
+    case MISSING_B:
+        i->b = iq24_sub_wrap(0, iq24_add_wrap(i->c, i->a));
+        break;
+    case MISSING_C:
+        i->c = iq24_sub_wrap(0, iq24_add_wrap(i->a, i->b));
+        break;
+    case MISSING_NONE:
+    case MISSING_PHASES:
+    default:
+        break;
+    }
+}
+
 /* One cycle in fixed point, from row k to what row k + 1 will show. */
-static vec_ab predict(const firmware *f, const recording *rec, bool two_sensors, size_t k)
+static vec_ab predict(const firmware *f, const recording *rec, const pwm_updates *pwm, sensor_set sensors,
+                      size_t k)
 {
     const double i_A[3] = {rec->i_A[0][k], rec->i_A[1][k], rec->i_A[2][k]};
     /* A firmware that keeps its commands mixes the two that act in this cycle. */
@@ -73,19 +93,18 @@ static vec_ab predict(const firmware *f, const recording *rec, bool two_sensors,
                              .turns = turns_from_speed(rec->omega_e_rad_s[k], rec->T_s),
                              .u_dc = IQ24_ONE};
     iqfoc_extension_sample(&f->extension, &sample);
-    if (two_sensors) {
-        sample.i.c = iq24_sub_wrap(0, iq24_add_wrap(sample.i.a, sample.i.b));
-    }
+    leave_out(current_sensors_missing(rec, pwm, sensors, k, 1), &sample.i);
     const iqfoc_ab_t next =
         iqfoc_flux_predictor_step(&f->predictor, &f->extension, iqfoc_clarke3(sample.i),
                                   iqfoc_clarke3(per_unit_phases(u_V, f->base.U_V)), iq24_sincos(sample.theta),
                                   iq24_sincos(iq24_add_wrap(sample.theta, sample.turns)));
-    return sensed(f, two_sensors, next);
+    return sensed(f, current_sensors_missing(rec, pwm, sensors, k + 1, 1), next);
 }
 
-static double error_percent(const firmware *f, const recording *rec, const unsigned char *held_out)
+static double error_percent(const firmware *f, const recording *rec, const pwm_updates *pwm,
+                            const unsigned char *held_out)
 {
-    const bool two_sensors = !recording_three_sensors(rec);
+    const sensor_set sensors = current_sensors_of(rec, pwm);
     double wrong = 0.0;
     double current = 0.0;
     for (size_t n = 0; n < rec->stretches; n++) {
@@ -95,7 +114,7 @@ static double error_percent(const firmware *f, const recording *rec, const unsig
             if (!held_out[k] || !held_out[k + 1]) {
                 continue;
             }
-            const vec_ab shown = predict(f, rec, two_sensors, k);
+            const vec_ab shown = predict(f, rec, pwm, sensors, k);
             const vec_ab i = recording_current(rec, k + 1);
             const vec_ab off = {i.alpha - shown.alpha, i.beta - shown.beta};
             wrong += off.alpha * off.alpha + off.beta * off.beta;
@@ -116,8 +135,9 @@ firmware_gain firmware_gain_measure(const recording *rec, const unsigned char *h
         snprintf(g.reason, sizeof g.reason, "%s", e.text);
         return g;
     }
-    g.nominal = error_percent(&before, rec, held_out);
-    g.extended = error_percent(&after, rec, held_out);
+    const pwm_updates *pwm = rec->pwm_stated ? &rec->pwm : &nominal->pwm;
+    g.nominal = error_percent(&before, rec, pwm, held_out);
+    g.extended = error_percent(&after, rec, pwm, held_out);
     g.gain = g.extended > 0.0 ? g.nominal / g.extended : NAN;
     g.measured = isfinite(g.gain) != 0;
     if (!g.measured) {

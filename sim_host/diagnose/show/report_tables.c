@@ -250,13 +250,17 @@ void report_plant(page *p, const diagnosis *d, const forward_validation *validat
         const size_t used = strlen(named);
         snprintf(named + used, sizeof named - used, "%s%s", k > 0 ? ", " : "", validation->found.cause[k].id);
     }
+    char size[128] = ""; /* no operating point may have an error beyond its noise */
+    if (isfinite(validation->size)) {
+        snprintf(size, sizeof size,
+                 "Without noise, run by run, the simulated error is %.0f %% of the recorded one. ",
+                 100.0 * validation->size);
+    }
     page_text(
         p,
         "A switching-level simulation of the drive with %s ran the firmware code through the %zu operating "
         "points of the recording. The nominal model's error is %.3g %% on the simulated drive and %.3g %% on "
-        "the recorded one. Without noise, run by run, the simulated error is %.0f %% of the recorded one. "
-        "Diagnosis "
-        "of the simulated recording with the same motor file: %s.",
-        validation->effect, validation->found.runs, validation->found.nominal, d->nominal,
-        100.0 * validation->size, validation->found.causes > 0 ? named : "no cause");
+        "the recorded one. %sDiagnosis of the simulated recording with the same motor file: %s.",
+        validation->effect, validation->found.runs, validation->found.nominal, d->nominal, size,
+        validation->found.causes > 0 ? named : "no cause");
 }

@@ -67,7 +67,7 @@ static size_t spreads_of(const session *w, hypothesis_id h, spread list[SPREADS]
             (int)shape, certainty_half_width(&w->certainty, (int)shape) + coordinate_table[shape].summary,
             coordinate_step(shape)};
     }
-    if (hypo->cause == CAUSE_CURRENT_OFFSET && !w->rows.two_sensors) {
+    if (hypo->cause == CAUSE_CURRENT_OFFSET && rows_show_three(&w->rows)) {
         /* Fitted with every cause; the sum of the three currents shows it. */
         list[n++] = (spread){P_OFFSET_ZERO,
                              certainty_half_width(&w->certainty, P_OFFSET_ZERO) + of_least * hypo->least,

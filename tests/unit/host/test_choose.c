@@ -109,9 +109,9 @@ static void a_set_pays_for_causes_parameters_and_surprise(void)
     SAME(2.0 * (25.0 + 12.0) + 1.0, evidence_penalty(view, BIT(H_FLUX) | BIT(H_VOLTAGE_GAIN)));
     SAME(25.0 + 12.0 * 3.0, evidence_penalty(view, BIT(H_DEAD_TIME))); /* what shapes its law counts */
     SAME(25.0 + 12.0 * 3.0 + 4.0, evidence_penalty(view, BIT(H_CURRENT_GAIN)));
-    rows.two_sensors = true;
+    rows.sensors = SENSORS_TWO;
     SAME(25.0 + 12.0 * 2.0 + 4.0, evidence_penalty(view, BIT(H_CURRENT_GAIN)));
-    rows.two_sensors = false;
+    rows.sensors = SENSORS_THREE;
     /* Next to a map a share of what is explained, or the last search's limit, whichever is more; the latter for a
      * name. */
     view->explained = 1e6;

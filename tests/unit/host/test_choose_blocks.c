@@ -41,7 +41,7 @@ static coordinate_frame frame;
 
 static fit_data blocks_of(size_t blocks, size_t groups)
 {
-    rows.two_sensors = true; /* no common offset */
+    rows.sensors = SENSORS_TWO; /* no common offset */
     rows.groups = groups;
     frame = (coordinate_frame){.of_least = 0.5};
     no_memory = false;
@@ -254,7 +254,7 @@ static void a_view_looks_at_what_is_allowed_and_at_what_stands(void)
     TEST_ASSERT_FALSE(asked[P_IRON]);                                /* iron has none */
     TEST_ASSERT_FALSE(asked[P_COMPENSATION_KNEE]);                   /* of another hypothesis */
     TEST_ASSERT_FALSE(asked[P_GAIN_C] || asked[P_OFFSET_ZERO]);      /* of a third sensor */
-    rows.two_sensors = false;
+    rows.sensors = SENSORS_THREE;
     state.edge = EDGE_FOUND;
     state.set = 0;
     TEST_ASSERT_TRUE(evidence_look(&d, &state, BIT(H_COMPENSATED), view));
@@ -267,7 +267,7 @@ static void a_view_looks_at_what_is_allowed_and_at_what_stands(void)
 static void a_view_holds_the_blocks_sums_and_the_way_back(void)
 {
     fit_data d = blocks_of(6, 2);
-    rows.two_sensors = false;
+    rows.sensors = SENSORS_THREE;
     curved[P_R][P_R] = 5.0;
     curved[P_R][COLUMN_L] = curved[COLUMN_L][P_R] = 2.0;
     curved[COLUMN_L][COLUMN_L] = 3.0;

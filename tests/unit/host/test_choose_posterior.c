@@ -239,7 +239,7 @@ static void an_estimate_is_of_the_information(void)
 static void what_leans_on_an_estimate_moves_within_its_digits(void)
 {
     const fit_data d = {.rows = &rows};
-    rows.two_sensors = true;
+    rows.sensors = SENSORS_TWO;
     const double a = 4e6;
     const double b = 1e6;
     const double c = 3e6;

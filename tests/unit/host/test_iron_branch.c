@@ -31,7 +31,7 @@ static double off_by(const circuit *c, vec_dq i_dq)
     static cycle_row rows[SETTLE + CYCLES];
     const averaged_node node = averaged_node_at(c->R_ohm, c->L_d_H, c->L_q_H, T_S, c->omega_rad_s);
     const averaged_drive d = drive_of(c);
-    const sensor_map sensors = sensor_map_of(&d, false, 0.0);
+    const sensor_map sensors = sensor_map_of(&d, MISSING_NONE);
     double wrong = 0.0;
     double iron = 0.0;
     iron_memory memory = {.row = NULL};

@@ -17,16 +17,43 @@ static void sensors_invert(void)
 {
     averaged_drive d = {.L_d_H = 1.0, .L_q_H = 1.0, .g = {0.95, 1.04, 1.01}, .offset_ab_A = {0.3, -0.2}};
     const vec_ab i = {3.0, -4.0};
-    for (int two = 0; two < 2; two++) {
-        sensor_map map = sensor_map_of(&d, two == 1, 0.0);
+    for (int missing = MISSING_NONE; missing < MISSING_PHASES; missing++) {
+        sensor_map map = sensor_map_of(&d, (missing_phase)missing);
         vec_ab shown = sensor_map_measure(&map, i);
         vec_ab back = sensor_map_unmeasure(&map, shown);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.alpha, back.alpha);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.beta, back.beta);
     }
     /* Phase A alone reads g_a i_a + (2 o_a - o_b - o_c)/3 when two sensors make the vector. */
-    sensor_map two = sensor_map_of(&d, true, 0.0);
+    sensor_map two = sensor_map_of(&d, MISSING_C);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.95 * 3.0 + 0.3, sensor_map_measure(&two, i).alpha);
+}
+
+/* Each phase in turn is minus the sum of what the other two's sensors show, gains and offsets with a common part. */
+static void a_phase_that_is_not_measured(void)
+{
+    static const double g[3] = {0.95, 1.04, 1.01};
+    static const double o[3] = {0.5, -0.2, 0.3};
+    const vec_ab i = {3.0, -4.0};
+    const vec_ab o_ab = vec_from_phases(o);
+    const averaged_drive d = {
+        .g = {g[0], g[1], g[2]}, .offset_ab_A = {o_ab.alpha, o_ab.beta}, .offset_zero_A = 0.2};
+    const sensor_course course = sensor_course_of(&d, SENSORS_TWO_LOWEST);
+    TEST_ASSERT_TRUE(course.changes);
+    for (int x = 0; x < 3; x++) {
+        const cycle_row row = {.missing = (missing_phase)(MISSING_A + x)};
+        const sensor_map map = sensor_course_at(&course, &row);
+        double phase[3];
+        double shown[3];
+        vec_to_phases(i, phase);
+        vec_to_phases(sensor_map_measure(&map, i), shown);
+        const int y = (x + 1) % 3;
+        const int z = (x + 2) % 3;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, g[y] * phase[y] + o[y], shown[y]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, g[z] * phase[z] + o[z], shown[z]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, -shown[y] - shown[z], shown[x]);
+    }
+    TEST_ASSERT_FALSE(sensor_course_of(&d, SENSORS_TWO).changes);
 }
 
 /* At any time the map is that of the gains and offsets which the rates have led to. */
@@ -38,15 +65,17 @@ static void sensors_drift_evenly(void)
                               .g_rate_s = {0.02, -0.01, 0.03},
                               .offset_rate_ab_A_s = {-0.4, 0.5}};
     const vec_ab i = {3.0, -4.0};
-    for (int two = 0; two < 2; two++) {
-        const sensor_course course = sensor_course_of(&d, two == 1);
+    for (int missing = MISSING_NONE; missing < MISSING_PHASES; missing++) {
+        const sensor_set sensors = missing == MISSING_NONE ? SENSORS_THREE : SENSORS_TWO_LOWEST;
+        const sensor_course course = sensor_course_of(&d, sensors);
         TEST_ASSERT_TRUE(course.drifts);
         for (double s = -2.0; s <= 2.0; s += 0.5) {
             averaged_drive by_then = {.g = {0.95 + 0.02 * s, 1.04 - 0.01 * s, 1.01 + 0.03 * s},
                                       .offset_ab_A = {0.3 - 0.4 * s, -0.2 + 0.5 * s},
                                       .offset_zero_A = 0.1};
-            const sensor_map is = sensor_course_at(&course, s);
-            const sensor_map wanted = sensor_map_of(&by_then, two == 1, 0.0);
+            const cycle_row row = {.missing = (missing_phase)missing, .elapsed_s = s};
+            const sensor_map is = sensor_course_at(&course, &row);
+            const sensor_map wanted = sensor_map_of(&by_then, row.missing);
             const vec_ab shown = sensor_map_measure(&is, i);
             const vec_ab right = sensor_map_measure(&wanted, i);
             const vec_ab back = sensor_map_unmeasure(&is, shown);
@@ -75,7 +104,7 @@ static vec_ab seen_by(double tau_s, const double fell[3], vec_ab i)
                            .rise = {0.2, 0.2, 0.2},
                            .fell = {fell[0], fell[1], fell[2]},
                            .u_dc_V = 565.0};
-    const sensor_map plain = sensor_map_of(&d, false, 0.0);
+    const sensor_map plain = sensor_map_of(&d, MISSING_NONE);
     lag_memory none = {.own = {.row = NULL}};
     const sensor_map map = sensor_lag_map(&d, &row, 250e-6, &plain, &none);
     const vec_ab seen = sensor_map_measure(&map, i);
@@ -135,6 +164,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(sensors_invert);
+    RUN_TEST(a_phase_that_is_not_measured);
     RUN_TEST(sensors_drift_evenly);
     RUN_TEST(a_late_sample_sees_the_flux_with_the_rotor_further_on);
     RUN_TEST(a_filter_still_sees_the_last_edges);

@@ -39,7 +39,7 @@ static double off_by(const circuit *c, const recorder *by, vec_dq i_dq)
     averaged_drive d = drive_of(c);
     d.theta_0_rad = by->theta_0_rad;
     d.u_delay[0] = (double)by->late;
-    const sensor_map plain = sensor_map_of(&d, false, 0.0);
+    const sensor_map plain = sensor_map_of(&d, MISSING_NONE);
     const double w = c->omega_rad_s;
     const double turn = w * T_S;
     double wrong = 0.0;
