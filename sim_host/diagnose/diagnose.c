@@ -129,7 +129,7 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
 }
 
 /* Several causes explain the recording alike: which, and the recording that separates them, at the state with the one that was fitted. */
-static bool tell_undecided(session *w, evidence_view *view, const hypothesis_id *member, diagnosis *d)
+static bool tell_undecided(session *w, evidence_view *view, diagnosis *d)
 {
     session *open = malloc(sizeof *open);
     bool ok = open != NULL;
@@ -140,7 +140,7 @@ static bool tell_undecided(session *w, evidence_view *view, const hypothesis_id 
              evidence_look(&open->fitted, &open->state, w->possible, view);
     }
     if (ok) {
-        explanations_tell(open, view, hypotheses_named(w->open.set) & ~w->undecided, member, d);
+        explanations_tell(open, view, hypotheses_named(w->open.set) & ~w->undecided, d);
         experiment_of_explanations(open, view, w->undecided, d);
     }
     free(open);
@@ -158,10 +158,10 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
         ok = tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
     }
     if (ok) {
-        visible_tell(w, view, member, d);
+        visible_tell(w, view, d);
         d->reliable = d->verdict == VERDICT_CLEAN || d->verdict == VERDICT_EXPLAINED;
         known_widen(d);
-        ok = w->undecided == 0 || tell_undecided(w, view, member, d);
+        ok = w->undecided == 0 || tell_undecided(w, view, d);
         if (ok && d->experiment.numbers == 0) {
             ok = evidence_look(&w->fitted, &w->state, w->possible, view);
             experiment_find(w, view, member, d);

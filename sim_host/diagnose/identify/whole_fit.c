@@ -288,6 +288,14 @@ static double goal_of(const whole *w, const fit_state *s, double roughness)
     return s->objective / w->inflation + prior_of(w, s, NULL, roughness);
 }
 
+static bool is_within(const coordinate_frame *f, const double z[P_COUNT])
+{
+    double bounded[P_COUNT];
+    memcpy(bounded, z, sizeof bounded);
+    coordinates_bound(f, bounded);
+    return memcmp(bounded, z, sizeof bounded) == 0;
+}
+
 /*
  * Only the prior determines the common scale of R, L, psi_f and all voltages. Tries the scales at which one of the four has the motor
  * file's value, and takes the most likely one. Steps would be slow here, as heavy tails have many maxima.
@@ -306,7 +314,7 @@ static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
         if (factor[k] > 0.3 && factor[k] < 3.0 && fabs(factor[k] - 1.0) > 1e-4) {
             coordinates_scale(d->frame, factor[k], trial.z);
             const double prior = prior_of(w, &trial, NULL, out->roughness);
-            if (prior < least) {
+            if (prior < least && is_within(d->frame, trial.z)) {
                 least = prior;
                 best = trial;
             }

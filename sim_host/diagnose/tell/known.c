@@ -78,7 +78,10 @@ static void tell_estimates(const session *w, const evidence_view *view, diagnosi
         if (e.excited) {
             /* A number that a member moves is the extended motor file's. */
             const coordinate_id id = known_numbers[k].coordinate;
-            const double at = moved[id] ? w->state.z[id] : e.z;
+            double low;
+            double high;
+            coordinate_range(&w->frame, id, &low, &high);
+            const double at = moved[id] ? w->state.z[id] : fmin(fmax(e.z, low), high);
             out->value = moved[id] ? number_of(&d->extended_drive, id) : number_at(w, id, at);
             out->low = number_at(w, id, at - e.half_width);
             out->high = number_at(w, id, at + e.half_width);

@@ -60,7 +60,8 @@ bool resistance_trade_tell(session *w, diagnosis *d)
         return false;
     }
     diagnosis_cause other;
-    values_tell(joint, hypothesis_in(w->state.set, H_DEAD_TIME) ? H_DEAD_TIME : H_COMPENSATED, &other);
+    values_tell(joint, hypothesis_in(w->state.set, H_DEAD_TIME) ? H_DEAD_TIME : H_COMPENSATED, joint->state.z,
+                &other);
     widen(dead_time, &other);
     const double off = hypothesis_size(H_RESISTANCE, joint->state.z);
     if (off >= resistance->least && off > certainty_half_width(&joint->certainty, P_R)) {

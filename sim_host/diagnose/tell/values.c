@@ -159,10 +159,10 @@ static size_t interval_of(const session *w, const motor_value *v, const spread *
     return moving;
 }
 
-void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause)
+void values_tell(const session *w, hypothesis_id h, const double z[P_COUNT], diagnosis_cause *cause)
 {
     const motor nominal = averaged_drive_motor(&w->frame.nominal, w->frame.motor);
-    averaged_drive drive = session_drive(w, w->state.z);
+    averaged_drive drive = session_drive(w, z);
     spread list[SPREADS];
     spread all[SPREADS];
     const size_t n = spreads_of(w, h, list);

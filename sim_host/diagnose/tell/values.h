@@ -8,9 +8,10 @@
 #include "diagnose/choose/session.h"
 #include "diagnose/result.h"
 
-/* values_at: a parameter of the fit, moved by `by` along a column. values_tell: all values and intervals of a cause. */
+/* A parameter of the fit, moved by `by` along a column. */
 double values_at(const session *w, const motor_value *v, int column, double by);
-void values_tell(const session *w, hypothesis_id h, diagnosis_cause *cause);
+/* All values of a cause in the model at z, with the intervals of the fit about them. */
+void values_tell(const session *w, hypothesis_id h, const double z[P_COUNT], diagnosis_cause *cause);
 
 /*
  * The interval of a saturation current; a value of 0 means no saturation. Without saturation the current lies beyond all

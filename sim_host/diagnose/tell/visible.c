@@ -147,9 +147,35 @@ static void put_explanation(hypothesis_set set, double probability, diagnosis *d
     }
 }
 
-/* Another explanation moves the values of the named causes: their intervals reach as far. */
-static void widen_named(const session *w, const evidence_option *option, const hypothesis_id *member,
-                        diagnosis *d)
+/* The member of the fitted set that a cause is. */
+static hypothesis_id member_of(const session *w, const diagnosis_cause *cause)
+{
+    hypothesis_id h = 0;
+    while (h < H_COUNT &&
+           !(hypothesis_in(w->state.set, h) && strcmp(hypothesis_cause(h)->id, cause->id) == 0)) {
+        h++;
+    }
+    return h;
+}
+
+static void widen(const session *w, const session *other, diagnosis_cause *causes, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        diagnosis_cause *cause = &causes[k];
+        diagnosis_cause there = *cause;
+        const hypothesis_id h = member_of(w, cause);
+        if (h < H_COUNT) {
+            values_tell(other, h, other->state.z, &there);
+        }
+        for (size_t n = 0; n < cause->parameters; n++) {
+            cause->parameter[n].low = fmin(cause->parameter[n].low, there.parameter[n].low);
+            cause->parameter[n].high = fmax(cause->parameter[n].high, there.parameter[n].high);
+        }
+    }
+}
+
+/* Another explanation moves the values of causes and minor effects: their intervals reach as far. */
+static void widen_named(const session *w, const evidence_option *option, diagnosis *d)
 {
     session *other = malloc(sizeof *other);
     if (!other) {
@@ -158,20 +184,12 @@ static void widen_named(const session *w, const evidence_option *option, const h
     }
     *other = *w;
     memcpy(other->state.z, option->z, sizeof other->state.z);
-    for (size_t k = 0; k < d->causes; k++) {
-        diagnosis_cause *cause = &d->cause[k];
-        diagnosis_cause there = *cause;
-        values_tell(other, member[k], &there);
-        for (size_t n = 0; n < cause->parameters; n++) {
-            cause->parameter[n].low = fmin(cause->parameter[n].low, there.parameter[n].low);
-            cause->parameter[n].high = fmax(cause->parameter[n].high, there.parameter[n].high);
-        }
-    }
+    widen(w, other, d->cause, d->causes);
+    widen(w, other, d->minor, d->minors);
     free(other);
 }
 
-void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named,
-                       const hypothesis_id *member, diagnosis *d)
+void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named, diagnosis *d)
 {
     explanation_list list = {.most = 1};
     evidence_option none;
@@ -194,11 +212,11 @@ void explanations_tell(const session *w, const evidence_view *view, hypothesis_s
     }
     for (size_t k = 0; n > 1 && k < n; k++) {
         put_explanation(list.option[k].set & ~named, weight[k] / sum, d);
-        widen_named(w, &list.option[k], member, d);
+        widen_named(w, &list.option[k], d);
     }
 }
 
-void visible_tell(const session *w, const evidence_view *view, const hypothesis_id *member, diagnosis *d)
+void visible_tell(const session *w, const evidence_view *view, diagnosis *d)
 {
     tell_directions(w, view, d);
     const bool errs = d->nominal > DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
@@ -207,6 +225,6 @@ void visible_tell(const session *w, const evidence_view *view, const hypothesis_
         d->verdict = d->causes > 0 ? VERDICT_PARTLY : VERDICT_UNEXPLAINED;
     }
     if (hidden) {
-        explanations_tell(w, view, hypotheses_named(w->state.set), member, d);
+        explanations_tell(w, view, hypotheses_named(w->state.set), d);
     }
 }

@@ -11,17 +11,15 @@
 
 /*
  * Fills d->explanation: each set of causes that, with the named ones, explains about as much as the best of them, and needs all its
- * members. Widens the intervals of d->cause, whose hypotheses are in `member`, to hold their values in each. The view is one at
- * w->state.
+ * members. Widens the intervals of causes and minor effects to hold their values in each. The view is one at w->state.
  */
-void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named,
-                       const hypothesis_id *member, diagnosis *d);
+void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named, diagnosis *d);
 
 /*
  * Fills d->not_visible, and takes a verdict `clean` back to `unexplained` where the error is above the noise and lies along a direction
  * that the recording does not show: then it fills d->explanation too. A verdict with undecided causes is `partly` or `unexplained`. The
  * view is one at w->state.
  */
-void visible_tell(const session *w, const evidence_view *view, const hypothesis_id *member, diagnosis *d);
+void visible_tell(const session *w, const evidence_view *view, diagnosis *d);
 
 #endif
