@@ -126,10 +126,11 @@ static void lose(iqfoc_observer_t *o, uint32_t reason)
     o->count = 0;
 }
 
-/* |x| > most, in one comparison. Range: most >= 0 and |x| + most below 2^32. */
+/* |x| > most, in one comparison of 32 bits: x + most wraps where it is negative. Range: most >= 0 and |x| + most below 2^32. */
 static inline bool beyond(iq24_t x, iq24_t most)
 {
-    return (uint32_t)x + (uint32_t)most > 2U * (uint32_t)most;
+    const uint32_t above = (uint32_t)(((uint64_t)(uint32_t)x + (uint32_t)most) & UINT32_MAX);
+    return above > 2U * (uint32_t)most;
 }
 
 /* x, held to +-most: short if it is within. Range: as beyond. */
