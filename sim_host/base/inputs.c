@@ -30,13 +30,14 @@ bool inputs_reserve(const char *path, error *e)
         return true;
     }
     char **grown = realloc(reserved, (reserved_count + 1) * sizeof *grown);
-    char *copy = strdup(path);
-    reserved = grown != NULL ? grown : reserved;
-    if (grown == NULL || copy == NULL) {
-        free(copy);
+    if (grown != NULL) {
+        reserved = grown;
+        reserved[reserved_count] = strdup(path);
+    }
+    if (grown == NULL || reserved[reserved_count] == NULL) {
         return error_failure(e, 0, "%s: out of memory", path);
     }
-    reserved[reserved_count++] = copy;
+    reserved_count++;
     return true;
 }
 

@@ -93,8 +93,9 @@ static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
     if (m->row && m->row == row && row->history > 0) {
         return;
     }
-    *m = (iron_memory){.per_tau = fmin(row->T_s / d->fe_tau_s, ALL_FADED),
-                       .sensors = sensor_course_of(d, row->missing == MISSING_NONE ? SENSORS_THREE : SENSORS_TWO_LOWEST)};
+    *m = (iron_memory){
+        .per_tau = fmin(row->T_s / d->fe_tau_s, ALL_FADED),
+        .sensors = sensor_course_of(d, row->missing == MISSING_NONE ? SENSORS_THREE : SENSORS_TWO_LOWEST)};
     m->fade = exp(-m->per_tau);
     /* Of a drop that goes evenly from one value to another in a cycle. */
     const double mean = (1.0 - m->fade) / m->per_tau;

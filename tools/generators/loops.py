@@ -143,7 +143,7 @@ def extended(program, motor, scenario, *effects):
         points = json.loads(pathlib.Path(result).read_text(encoding="utf-8"))["extended"]
     heads = ["rpm", "loop", "parameters", "rms error, %", "torque error, %", "torque ripple, %"]
     rows = [[f"{point['rpm']:g}", point["loop"], point["belief"],
-             *(f"{point[key]:.2f}" for key in ("rms_percent", "torque_error_percent", "torque_ripple_percent"))] for point in points]
+             *(f"{round(point[key], 2) + 0.0:.2f}" for key in ("rms_percent", "torque_error_percent", "torque_ripple_percent"))] for point in points]
     return table(heads, rows, right=[head for head in heads if head not in ("loop", "parameters")])
 
 

@@ -291,9 +291,13 @@ static double goal_of(const whole *w, const fit_state *s, double roughness)
 static bool is_within(const coordinate_frame *f, const double z[P_COUNT])
 {
     double bounded[P_COUNT];
+    bool within = true;
     memcpy(bounded, z, sizeof bounded);
     coordinates_bound(f, bounded);
-    return memcmp(bounded, z, sizeof bounded) == 0;
+    for (int k = 0; k < P_COUNT; k++) {
+        within = within && bounded[k] >= z[k] && bounded[k] <= z[k];
+    }
+    return within;
 }
 
 /*
