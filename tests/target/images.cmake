@@ -9,7 +9,7 @@ target_compile_options(unity PRIVATE -w)
 target_link_libraries(unity PUBLIC port)
 
 # The library's own port on the emulated board: HAL and the stand-in drive behind it.
-add_library(emulated_drive STATIC ${EMULATED}/hal_emulated.c ${EMULATED}/small_drive.c)
+add_library(emulated_drive STATIC ${EMULATED}/hal_emulated.c ${EMULATED}/small_drive.c ${EMULATED}/small_drive_sample.c)
 target_link_libraries(emulated_drive PUBLIC iqfoc port)
 
 iqfoc_add_image(test_interrupts test_interrupts.c)
@@ -26,7 +26,7 @@ endif()
 
 # The run has a clock of its own in place of the board's.
 add_subdirectory(golden)
-iqfoc_add_image(same_bits same_bits.c closed_loop.c ${EMULATED}/hal_emulated.c ${EMULATED}/small_drive.c)
+iqfoc_add_image(same_bits same_bits.c closed_loop.c ${EMULATED}/hal_emulated.c ${EMULATED}/small_drive.c ${EMULATED}/small_drive_sample.c)
 target_link_libraries(same_bits PRIVATE golden)
 target_compile_definitions(same_bits PRIVATE IQFOC_ON_TARGET)
 

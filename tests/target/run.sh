@@ -30,7 +30,7 @@ done
 
 # Language and warnings as in cmake/; what differs on purpose is compiler and optimisation.
 FLAGS=(-std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes -Werror -Iinclude -Iport/emulated -Itests/target/golden)
-SOURCES=(tests/target/{same_bits,closed_loop}.c tests/target/golden/*.c port/emulated/{hal_emulated,small_drive}.c src/*.c)
+SOURCES=(tests/target/{same_bits,closed_loop}.c tests/target/golden/*.c port/emulated/{hal_emulated,small_drive,small_drive_sample}.c src/*.c)
 gcc -O2 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/gcc-O2"
 [[ -z $QUICK ]] || exec python3 tests/target/run.py --build "$BUILD" --jobs "$JOBS" --quick
 clang -O0 "${FLAGS[@]}" "${SOURCES[@]}" -o "$BUILD/same_bits/clang-O0"
