@@ -2,6 +2,8 @@
  * The replay of a recording through the firmware's observer (sim_host/observe): a drive in closed loop on the observed
  * angle, and the same angle again from what was recorded of it.
  */
+#include "../laboratory_motor.h"
+
 #include "drive/drive_run.h"
 #include "drive/firmware_host.h"
 #include "observe/observe.h"
@@ -35,15 +37,7 @@ void setUp(void)
     rows = 0;
     cycles = 0;
     from_duties = false;
-    m = motor_blank();
-    m.pole_pairs = 3;
-    m.R_ohm = 0.75;
-    m.L_d_H = 5.2e-3;
-    m.L_q_H = 5.2e-3;
-    m.psi_f_Wb = 0.134;
-    m.I_rated_A_rms = 10.5;
-    m.n_max_rpm = 8000.0;
-    m.u_dc_V = 750.0;
+    m = laboratory_motor();
     m.ext.has[CAUSE_DEAD_TIME] = true;
     m.ext.v_dead_V = 3.75;
 }

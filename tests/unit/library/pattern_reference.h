@@ -120,4 +120,38 @@ static inline int distances(const pattern *p, double x, double sense, double dis
     return count;
 }
 
+/* ---- Edges of cycle after cycle ---- */
+
+/* Of each leg the level and the time of the last edge, LSB of a cycle; of all the shortest time and the numbers. */
+typedef struct edges_so_far {
+    int32_t level[3];
+    int64_t last[3];
+    int64_t shortest;
+    int32_t most; /* of a leg in a cycle */
+    int64_t edges;
+} edges_so_far;
+
+static const edges_so_far no_edges_yet = {
+    {-1, -1, -1}, {INT64_MIN / 2, INT64_MIN / 2, INT64_MIN / 2}, INT64_MAX, 0, 0};
+
+/* Levels are continuous, and edges lie within their cycle, the one with this number. */
+static inline void check_edges(const iqfoc_pattern_edges_t got[3], long cycle, edges_so_far *so_far)
+{
+    for (int leg = 0; leg < 3; leg++) {
+        TEST_ASSERT_EQUAL_INT32(so_far->level[leg], got[leg].level);
+        TEST_ASSERT_TRUE(got[leg].edges <= IQFOC_PATTERN_EDGES_MAX);
+        TEST_ASSERT_TRUE(iq24_within(got[leg].high, 0, IQ24_ONE));
+        for (int k = 0; k < got[leg].edges; k++) {
+            TEST_ASSERT_TRUE(iq24_within(got[leg].at[k], 0, IQ24_ONE - 1));
+            const int64_t at = cycle * (int64_t)IQ24_ONE + got[leg].at[k];
+            const int64_t since = at - so_far->last[leg];
+            so_far->shortest = since < so_far->shortest ? since : so_far->shortest;
+            so_far->last[leg] = at;
+            so_far->level[leg] = -so_far->level[leg];
+        }
+        so_far->most = iq24_max(so_far->most, got[leg].edges);
+        so_far->edges += got[leg].edges;
+    }
+}
+
 #endif

@@ -148,10 +148,7 @@ static void test_fundamental_is_the_index(void)
 static void test_no_time_is_below_the_least(void)
 {
     uint64_t seed = SEED;
-    int64_t last[3] = {INT64_MIN / 2, INT64_MIN / 2, INT64_MIN / 2};
-    int64_t shortest = INT64_MAX;
-    int32_t most = 0;
-    int32_t level[3] = {-1, -1, -1};
+    edges_so_far so_far = no_edges_yet;
     drawn_table(&seed);
     const iq24_t least = IQ24(0.06);
     iqfoc_pattern_modulator_t m = modulator_of(0.06);
@@ -170,23 +167,11 @@ static void test_no_time_is_below_the_least(void)
         iqfoc_pattern_edges_t got[3];
         iqfoc_pattern_step(&m, angle, turns, index, got);
         angle = iq24_add_wrap(angle, turns);
-        for (int leg = 0; leg < 3; leg++) {
-            TEST_ASSERT_EQUAL_INT32(level[leg], got[leg].level);
-            TEST_ASSERT_TRUE(got[leg].edges <= IQFOC_PATTERN_EDGES_MAX);
-            TEST_ASSERT_TRUE(iq24_within(got[leg].high, 0, IQ24_ONE));
-            for (int k = 0; k < got[leg].edges; k++) {
-                TEST_ASSERT_TRUE(iq24_within(got[leg].at[k], 0, IQ24_ONE - 1));
-                const int64_t at = n * (int64_t)IQ24_ONE + got[leg].at[k];
-                shortest = at - last[leg] < shortest ? at - last[leg] : shortest;
-                last[leg] = at;
-                level[leg] = -level[leg];
-            }
-            most = iq24_max(most, got[leg].edges);
-        }
+        check_edges(got, n, &so_far);
     }
     printf("shortest time: %.0f LSB above the least, in %d cycles; most edges %d\n",
-           (double)(shortest - least), CYCLES / IQFOC_TEST_STRIDE, most);
-    TEST_ASSERT_TRUE(shortest >= least);
+           (double)(so_far.shortest - least), CYCLES / IQFOC_TEST_STRIDE, so_far.most);
+    TEST_ASSERT_TRUE(so_far.shortest >= least);
 }
 
 /* Without a least time, seven angles near 0: 15 edges in a cycle of an eighth of a turn, and one that is due from before. */

@@ -371,10 +371,7 @@ static void test_no_time_is_below_the_least(void)
     other = table;
     other.row = other_rows;
     drawn_table(&seed);
-    int64_t last[3] = {INT64_MIN / 2, INT64_MIN / 2, INT64_MIN / 2};
-    int64_t shortest = INT64_MAX;
-    int64_t edges = 0;
-    int32_t level[3] = {-1, -1, -1};
+    edges_so_far so_far = no_edges_yet;
     const iq24_t least = IQ24(0.06);
     iqfoc_pattern_control_t c = control_of(&drive, 0.06);
     iqfoc_dq_t i_ref = {0, IQ24_ONE};
@@ -405,26 +402,14 @@ static void test_no_time_is_below_the_least(void)
         iqfoc_pattern_control_aim(&c, i_ref, turns);
         iqfoc_pattern_control_step(&c, i, theta, u_dc, got);
         theta = iq24_add_wrap(theta, turns);
-        for (int leg = 0; leg < 3; leg++) {
-            TEST_ASSERT_EQUAL_INT32(level[leg], got[leg].level);
-            TEST_ASSERT_TRUE(got[leg].edges <= IQFOC_PATTERN_EDGES_MAX);
-            TEST_ASSERT_TRUE(iq24_within(got[leg].high, 0, IQ24_ONE));
-            for (int k = 0; k < got[leg].edges; k++) {
-                TEST_ASSERT_TRUE(iq24_within(got[leg].at[k], 0, IQ24_ONE - 1));
-                const int64_t at = n * (int64_t)IQ24_ONE + got[leg].at[k];
-                shortest = at - last[leg] < shortest ? at - last[leg] : shortest;
-                last[leg] = at;
-                level[leg] = -level[leg];
-            }
-            edges += got[leg].edges;
-        }
+        check_edges(got, n, &so_far);
         TEST_ASSERT_TRUE(iq24_within(c.error.alpha, IQ24(-16.0), IQ24(16.0)));
         TEST_ASSERT_TRUE(iq24_within(c.error.beta, IQ24(-16.0), IQ24(16.0)));
     }
     printf("shortest time: %.0f LSB above the least, in %ld cycles and %.0f edges\n",
-           (double)(shortest - least), cycles_drawn, (double)edges);
-    TEST_ASSERT_TRUE(shortest >= least);
-    TEST_ASSERT_TRUE(edges > cycles_drawn / 4);
+           (double)(so_far.shortest - least), cycles_drawn, (double)so_far.edges);
+    TEST_ASSERT_TRUE(so_far.shortest >= least);
+    TEST_ASSERT_TRUE(so_far.edges > cycles_drawn / 4);
 }
 
 /* ---- Set-up ---- */
