@@ -7,6 +7,7 @@
 
 #include "iqfoc/hal.h"
 #include "iqfoc/sensorless.h"
+#include "iqfoc/speed_control.h"
 
 #define SENSORLESS_DRIVE_PWM_HZ 5000
 #define SENSORLESS_DRIVE_PAIRS  3
@@ -19,8 +20,7 @@ typedef struct sensorless_drive {
     iqfoc_sensorless_t angle;
     iq24_t
         target; /* speed once the angle is observed, turns per cycle; beyond +-SENSORLESS_DRIVE_TURNS(400) */
-    iq24_t ramped;   /* the set-point that follows it */
-    iq24_t integral; /* of the speed controller, current per unit */
+    iqfoc_speed_control_t speed;
 } sensorless_drive_t;
 
 /* Ready to start from standstill, enabled. ticks_per_second: of the port's clock. False if a configuration was refused. */
