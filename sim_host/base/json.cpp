@@ -88,6 +88,15 @@ int json_array_append_new(json_t *array, json_t *value)
     return ok ? 0 : -1;
 }
 
+json_t *json_appended(json_t *array, json_t *value)
+{
+    if (json_array_append_new(array, value) != 0) {
+        json_free(array);
+        return nullptr;
+    }
+    return array;
+}
+
 int json_object_set_new(json_t *object, const char *key, json_t *value)
 {
     const bool ok = json_is_object(object) && value != nullptr;

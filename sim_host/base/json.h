@@ -54,6 +54,9 @@ json_t *json_pack(const char *form, ...);
 int json_array_append_new(json_t *array, json_t *value);
 int json_object_set_new(json_t *object, const char *key, json_t *value);
 
+/* The array with `value` at its end. NULL if either is NULL or it is no array; both are freed then: list = json_appended(list, value). */
+json_t *json_appended(json_t *array, json_t *value);
+
 /* Copies all members of `more` into `object`: 0, or -1. */
 int json_object_update(json_t *object, const json_t *more);
 

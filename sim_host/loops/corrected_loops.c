@@ -76,10 +76,7 @@ json_t *corrected_loops_json(const corrected_loops *all)
                               all->most_Hz[k], "bandwidth_default_Hz", usual_Hz(k), "outcome_default",
                               loop_outcome_text(all->usual[k].outcome), "outcome_below",
                               some ? json_string(loop_outcome_text(all->below[k].outcome)) : json_null());
-        if (o == NULL || json_array_append_new(list, o) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, o);
     }
     return list;
 }

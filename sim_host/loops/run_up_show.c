@@ -32,10 +32,7 @@ json_t *run_ups_json(const run_up all[RUN_UP_CASES])
                               "share", run_up_cases[n].share, "linear_to_rpm", json_number(r->linear_to_rpm),
                               "six_step_from_rpm", json_number(r->six_step_from_rpm), "to_timer_rpm",
                               json_number(r->to_timer_rpm), "to_carrier_rpm", json_number(r->to_carrier_rpm));
-        if (o == NULL || json_array_append_new(list, o) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, o);
     }
     return list;
 }

@@ -179,10 +179,7 @@ json_t *sensorless_loops_json(const sensorless_loops *all)
                       "overshoot_measured_percent", json_number(steps ? all->overshoot_measured[k] : NAN),
                       "overshoot_observed_percent", json_number(steps ? all->overshoot_observed[k] : NAN),
                       "step_difference_percent", json_number(steps ? all->step_percent[k] : NAN));
-        if (o == NULL || json_array_append_new(list, o) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, o);
     }
     return list;
 }

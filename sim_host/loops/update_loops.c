@@ -79,10 +79,7 @@ json_t *update_loops_json(const update_loops *all)
                               json_number(r->start_percent), "overshoot_percent",
                               json_number(r->overshoot_percent), "settling_periods",
                               r->settling_cycles < 0 ? json_null() : json_real(settling_periods(r, u)));
-        if (o == NULL || json_array_append_new(list, o) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, o);
     }
     return list;
 }

@@ -17,10 +17,7 @@ static json_t *parts_json(const observe_error *part, const double *share, int pa
     for (int n = 0; n < parts && all != NULL; n++) {
         json_t *one = json_pack("{s:f, s:o, s:o}", low, share[n] * unit, high,
                                 json_number(share[n + 1] * unit), "error", error_json(&part[n]));
-        if (json_array_append_new(all, one) != 0) {
-            json_free(all);
-            return NULL;
-        }
+        all = json_appended(all, one);
     }
     return all;
 }

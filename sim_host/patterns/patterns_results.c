@@ -13,10 +13,7 @@ static json_t *angles_json(const pattern_shape *s)
 {
     json_t *all = json_array();
     for (int k = 0; k < s->angles && all != NULL; k++) {
-        if (json_array_append_new(all, json_real(s->angle[k] * DEGREES)) != 0) {
-            json_free(all);
-            return NULL;
-        }
+        all = json_appended(all, json_real(s->angle[k] * DEGREES));
     }
     return all;
 }
@@ -32,10 +29,7 @@ static json_t *rows_json(const patterns_result *r)
                       json_number(f_Hz > 0.0 ? f_Hz : NAN), "start", row->shape.start, "joined", row->joined,
                       "distortion", row->distortion, "space_vectors", json_number(row->space_vectors),
                       "angles_deg", angles_json(&row->shape));
-        if (json_array_append_new(all, one) != 0) {
-            json_free(all);
-            return NULL;
-        }
+        all = json_appended(all, one);
     }
     return all;
 }
@@ -46,10 +40,7 @@ static json_t *patterns_of(const patterns_result *r, size_t count)
     for (size_t n = 0; n < count && all != NULL; n++) {
         json_t *one = json_pack("{s:i, s:i, s:f, s:o}", "pulses", r[n].asked.pulses, "jumps", r[n].jumps,
                                 "index_error", r[n].index_error, "rows", rows_json(&r[n]));
-        if (json_array_append_new(all, one) != 0) {
-            json_free(all);
-            return NULL;
-        }
+        all = json_appended(all, one);
     }
     return all;
 }

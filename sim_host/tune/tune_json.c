@@ -16,10 +16,7 @@ static json_t *poles_json(const tune_at_speed *at)
 {
     json_t *list = json_array();
     for (int n = 0; n < at->poles; n++) {
-        if (json_array_append_new(list, json_pack("[f, f]", at->pole[n].re, at->pole[n].im)) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, json_pack("[f, f]", at->pole[n].re, at->pole[n].im));
     }
     return list;
 }
@@ -46,10 +43,7 @@ static json_t *points_json(const tune_result *r)
 {
     json_t *list = json_array();
     for (int s = 0; s < TUNE_SPEEDS; s++) {
-        if (json_array_append_new(list, point_json(r, &r->at[s])) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, point_json(r, &r->at[s]));
     }
     return list;
 }
@@ -81,17 +75,12 @@ static json_t *loop_json(int ratio, int controller, int truth, const loop_result
 static json_t *comparison_json(const tune_comparison *c)
 {
     json_t *list = json_array();
-    bool ok = list != NULL;
     for (int k = 0; k < TUNE_RATIOS; k++) {
         for (int n = 0; n < TUNE_CONTROLLERS; n++) {
-            for (int t = 0; t < TUNE_TRUTHS && ok && c->held[k]; t++) {
-                ok = json_array_append_new(list, loop_json(k, n, t, &c->at[k][n][t])) == 0;
+            for (int t = 0; t < TUNE_TRUTHS && c->held[k]; t++) {
+                list = json_appended(list, loop_json(k, n, t, &c->at[k][n][t]));
             }
         }
-    }
-    if (!ok) {
-        json_free(list);
-        return NULL;
     }
     return json_pack("{s:f, s:f, s:o}", "rpm", c->rpm, "L_share", c->L_share, "loops", list);
 }
@@ -107,10 +96,7 @@ static json_t *observer_points_json(const tune_observer *o)
                       at->disk_worst, "angle_error_deg", json_number(at->angle_deg), "angle_worst_machine",
                       at->angle_worst, "angle_noise_deg", json_number(at->noise_deg), "speed_noise_percent",
                       json_number(at->speed_noise_percent));
-        if (json_array_append_new(list, one) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, one);
     }
     return list;
 }
@@ -123,10 +109,7 @@ static json_t *observer_choices_json(const tune_observer *o)
         json_t *one =
             json_pack("{s:f, s:f, s:o, s:f}", "bandwidth_rad_s", c->bandwidth_rad_s, "run_up_s", c->run_up_s,
                       "angle_noise_deg", json_number(c->noise_deg), "disk_margin", c->disk);
-        if (json_array_append_new(list, one) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, one);
     }
     return list;
 }
@@ -158,10 +141,7 @@ static json_t *speed_json(const tune_speed *s)
             json_pack("{s:f, s:f, s:f, s:f, s:i, s:b}", "J_kgm2", tune_shafts[n] * s->J_kgm2, "overshoot_rpm",
                       s->overshoot_rpm[n], "dip_rpm", s->found_dip_rpm[n], "settled_s", s->settled_s[n],
                       "status", (int)s->status[n], "lost", (int)s->lost[n]);
-        if (json_array_append_new(list, one) != 0) {
-            json_free(list);
-            return NULL;
-        }
+        list = json_appended(list, one);
     }
     return json_pack("{s:f, s:f, s:f, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "J_kgm2", s->J_kgm2,
                      "bandwidth_rad_s", s->bandwidth_rad_s, "tracker_rad_s", s->tracker_rad_s, "cycles",

@@ -43,10 +43,7 @@ static json_t *clean_json(const watch_clean *c)
 {
     json_t *passed = json_array();
     for (int n = 1; n < WATCH_LEVELS && passed != NULL; n++) {
-        if (json_array_append_new(passed, json_integer(c->passed[n])) != 0) {
-            json_free(passed);
-            return NULL;
-        }
+        passed = json_appended(passed, json_integer(c->passed[n]));
     }
     return json_pack("{s:f, s:i, s:f, s:f, s:o}", "cycles", c->cycles, "alarms", (int)c->alarms,
                      "alarms_per_million", per_million(c), "highest", c->highest, "passed", passed);
