@@ -1,6 +1,7 @@
 /* The report's tables (report_tables.h). */
 #include "report_tables.h"
 
+#include "base/number.h"
 #include "diagnose/tell/dead_time.h"
 
 #include <math.h>
@@ -34,6 +35,7 @@ static void interval_cell(page *p, double low, double high)
 
 static void cause_rows(page *p, const diagnosis_cause *cause)
 {
+    char probability[NUMBER_TEXT_SIZE];
     for (size_t n = 0; n < cause->parameters; n++) {
         const diagnosis_parameter *q = &cause->parameter[n];
         page_row_begin(p);
@@ -44,7 +46,7 @@ static void cause_rows(page *p, const diagnosis_cause *cause)
         page_cell(p, true, "%.5g", q->nominal);
         if (n == 0) {
             page_cell(p, true, "%.2f", cause->gain);
-            page_cell(p, true, "%.3g", cause->probability);
+            page_cell(p, true, "%s", number_or_dash(cause->probability, 3, probability));
             list_cell(p, cause->confused_with, cause->confused, ", ", "none");
             list_cell(p, cause->trade, cause->trades, " + ", "none");
         }
@@ -70,7 +72,8 @@ void report_causes(page *p, const diagnosis *d)
         p,
         "Error reduction: one-cycle error before the cause was added, divided by the error after it, on "
         "held-out rows, causes in this order. Probability: the cause's share of the evidence among all sets "
-        "of causes near the chosen set. Not distinguishable from: this recording cannot separate the two. "
+        "of causes near the chosen set, times the probability that the effect is in the catalogue. Not "
+        "distinguishable from: this recording cannot separate the two. "
         "Equivalent to: these causes together have exactly the same effect, and the smaller set is chosen.");
     for (size_t k = 0; k < d->causes; k++) {
         const diagnosis_parameter *dead = dead_time_of(&d->cause[k]);
