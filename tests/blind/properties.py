@@ -206,8 +206,9 @@ def numbers_of(value, where=""):
 def finite(d, out):
     yield from (f"{where} = {x}" for where, x in numbers_of(d) if not math.isfinite(x))
     for name, text in out["texts"].items():
-        found = re.search(r"(?i)(?<![\w.])[-+]?(nan|inf|infinity)(?![\w.])", re.sub(r"<script(?! type=.application/json).*?</script>", "", text,
-                                                                                    flags=re.DOTALL))
+        # What is next to + / = may be a letter of packed numbers (base64).
+        text = re.sub(r"<script(?! type=.application/json).*?</script>", "", text, flags=re.DOTALL)
+        found = re.search(r"(?i)(?<![\w.+/=])[-+]?(nan|inf|infinity)(?![\w.+/=])", text)
         if found:
             yield f"{name}: ...{text[max(0, found.start() - 40):found.end() + 20]!r}"
 
@@ -268,7 +269,7 @@ def places(cause, name, extended):
         order = next(p["value"] for p in cause["parameters"] if p["name"] == "order")
         entries = next(entry for entry in entries if entry["order"] == order)
     name = {"comp_knee": "compensation_knee"}.get(name, name)
-    keys = [k for k in entries if re.fullmatch(re.escape(name) + "(_[A-Z1][A-Za-z0-9]*|_s|_ohm|_rad|_cycles|)+", k) and "knee" not in k[len(name):]]
+    keys = [k for k in entries if re.fullmatch(re.escape(name) + "(_[A-Z1][A-Za-z0-9]*|_s|_ohm|_rad|_cycles|_per_K|)+", k) and "knee" not in k[len(name):]]
     return [entries[k] for k in keys] if len(keys) == 1 else [f"{len(keys)} keys"]
 
 
