@@ -18,8 +18,6 @@
 #include "tune/tune_margins.h"
 #include "tune/tune_sensorless.h"
 
-#include "iqfoc/tracker.h"
-
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -264,11 +262,8 @@ PAGE_CALL(page_observer)
         const double ratio = low * pow(high / low, (double)k / (count - 1));
         const motor m = machine_at(rpm, ratio, R_ohm, L_H, psi_f_Wb);
         const tune_machine machine = {R_ohm, L_H, L_H, psi_f_Wb};
-        const double pole = IQFOC_RAW_TRACKER_POLE(w_T, 1.0);
-        const tune_sensorless s = {.control = tune_design_of(TUNE_PI, &machine, 1.0 / m.f_pwm_Hz, 0.6),
-                                   .k1 = IQFOC_RAW_TRACKER_K1_2(pole),
-                                   .k2 = IQFOC_RAW_TRACKER_K2_2(pole),
-                                   .gain_max = 0.5};
+        const tune_design design = tune_design_of(TUNE_PI, &machine, 1.0 / m.f_pwm_Hz, 0.6);
+        const tune_sensorless s = tune_sensorless_of(&design, false, w_T, 0.5);
         json_array_append_new(points, observer_json(&m, &s, &wrong, ratio));
     }
     return finish(ok, json_pack("{s:o}", "points", points), &e);

@@ -18,17 +18,6 @@
 
 static const double degrees = 360.0 / VEC_TWO_PI;
 
-tune_sensorless tune_sensorless_of(const tune_result *r, double w_T, double gain_max)
-{
-    const double pole = IQFOC_RAW_TRACKER_POLE(w_T, 1.0);
-    const tune_sensorless s = {.control = r->design,
-                               .k1 = IQFOC_RAW_TRACKER_K1_2(pole),
-                               .k2 = IQFOC_RAW_TRACKER_K2_2(pole),
-                               .gain_max = gain_max,
-                               .halves = r->halves};
-    return s;
-}
-
 /* A point of the set: a machine of the region, and the sides of the other tolerances; 0: nominal. */
 typedef struct corner {
     int point, psi, gain, load;
@@ -142,7 +131,7 @@ static double choose_gain(const tune_result *r, double w_T)
     double best = 0.0;
     double gain = gains[0];
     for (size_t n = 0; n < sizeof gains / sizeof gains[0]; n++) {
-        const tune_sensorless s = tune_sensorless_of(r, w_T, gains[n]);
+        const tune_sensorless s = tune_sensorless_of(&r->design, r->halves, w_T, gains[n]);
         const double disk = disk_motoring(r, &s, TUNE_OBSERVER_SPEEDS - 1);
         if (disk > GAIN_WORTH * best) {
             best = disk;
@@ -170,7 +159,7 @@ static void choices(const tune_result *r, tune_observer *o)
 {
     static const double w_T[TUNE_OBSERVER_CHOICES] = {0.02, 0.04, 0.08, 0.16, 0.32, 0.64};
     for (int n = 0; n < TUNE_OBSERVER_CHOICES; n++) {
-        const tune_sensorless s = tune_sensorless_of(r, w_T[n], o->gain_max);
+        const tune_sensorless s = tune_sensorless_of(&r->design, r->halves, w_T[n], o->gain_max);
         tune_observer_choice *c = &o->choice[n];
         *c = (tune_observer_choice){w_T[n] / r->design.T_s, run_up_for(r, w_T[n]), 0.0, INFINITY};
         for (int speed = 1; speed < TUNE_OBSERVER_SPEEDS; speed += 2) {
@@ -216,7 +205,7 @@ void tune_observer_find(const tune_result *r, double run_up_s, tune_observer *o)
         o->noise_A = TUNE_NOISE_SHARE * motor_rated_peak_A(&r->motor);
     }
     o->gain_max = choose_gain(r, w_T);
-    const tune_sensorless s = tune_sensorless_of(r, w_T, o->gain_max);
+    const tune_sensorless s = tune_sensorless_of(&r->design, r->halves, w_T, o->gain_max);
     for (int speed = 0; speed < TUNE_OBSERVER_SPEEDS; speed++) {
         tune_observer_speed *at = &o->at[speed];
         measure_nominal(r, &s, o->noise_A, speed, at);

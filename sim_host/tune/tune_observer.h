@@ -59,9 +59,6 @@ typedef struct tune_observer {
     tune_observer_choice choice[TUNE_OBSERVER_CHOICES];
 } tune_observer;
 
-/* Controller and observer of a design at a bandwidth w T. */
-tune_sensorless tune_sensorless_of(const tune_result *r, double w_T, double gain_max);
-
 /* Designs the observer of a finished design. run_up_s: from standstill to n_max, > 0. */
 void tune_observer_find(const tune_result *r, double run_up_s, tune_observer *o);
 

@@ -6,12 +6,25 @@
 #include "model/exact_map.h"
 #include "tune_margins.h"
 
+#include "iqfoc/tracker.h"
+
 #include <math.h>
 #include <string.h>
 
 enum { ORDER = TUNE_SENSORLESS_ORDER, NOISES = 4 };
 
 _Static_assert(ORDER <= (int)TUNE_ORDER && ORDER <= (int)SOLVE_GENERAL_MOST, "the loop holds the state");
+
+tune_sensorless tune_sensorless_of(const tune_design *design, bool halves, double w_T, double gain_max)
+{
+    const double pole = IQFOC_RAW_TRACKER_POLE(w_T, 1.0);
+    const tune_sensorless s = {.control = *design,
+                               .k1 = IQFOC_RAW_TRACKER_K1_2(pole),
+                               .k2 = IQFOC_RAW_TRACKER_K2_2(pole),
+                               .gain_max = gain_max,
+                               .halves = halves};
+    return s;
+}
 
 typedef struct axes_matrix {
     double of[2][2];

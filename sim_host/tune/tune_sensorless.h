@@ -27,6 +27,9 @@ typedef struct tune_sensorless {
     bool halves;     /* no sample in the middle of a cycle */
 } tune_sensorless;
 
+/* A design's controller with an observer of the bandwidth w T. halves: two updates a carrier period. */
+tune_sensorless tune_sensorless_of(const tune_design *design, bool halves, double w_T, double gain_max);
+
 /* Where the loop is linearised. */
 typedef struct tune_operating_point {
     tune_machine truth;

@@ -159,7 +159,8 @@ bool tune_trial_run(const tune_result *r, int drives, uint64_t seed, tune_trial 
 static double angle_promised(const tune_result *r, const tune_observer *o, const tune_machine *truth,
                              double phi_rad)
 {
-    const tune_sensorless s = tune_sensorless_of(r, o->bandwidth_rad_s * r->design.T_s, o->gain_max);
+    const tune_sensorless s =
+        tune_sensorless_of(&r->design, r->halves, o->bandwidth_rad_s * r->design.T_s, o->gain_max);
     const tune_operating_point at = {.truth = *truth,
                                      .voltage_gain = 1.0,
                                      .phi_rad = phi_rad,

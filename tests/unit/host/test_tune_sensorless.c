@@ -34,8 +34,7 @@ void tearDown(void)
 
 static tune_sensorless observed(double w_T, double gain_max)
 {
-    const tune_result r = {.design = design};
-    return tune_sensorless_of(&r, w_T, gain_max);
+    return tune_sensorless_of(&design, false, w_T, gain_max);
 }
 
 static tune_operating_point place(double share_R, double share_L, double share_psi, double gain, double sffr)
