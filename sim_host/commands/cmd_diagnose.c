@@ -15,27 +15,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_MOTOR, OPT_DIR, OPT_JSON, OPT_SKIP, OPT_ANY_SIZE, OPT_TRACE, OPT_EXIT_VERDICT };
-
-static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file"},
-    {"output", 'o', "DIR",
-     "write report.html, motor_extended.toml, iqfoc_extension.h and diagnosis.json into DIR"},
-    {"json", 0, "F", "write the diagnosis to file F; - is stdout, without the text"},
-    {"skip", 0, "ID[,ID...]", "search without these causes"},
-    {"any-size", 0, NULL, "name every certain cause, even below its reporting threshold"},
-    {"trace", 0, NULL, "print the steps of the search on stderr"},
-    {"exit-verdict", 0, NULL, "exit status by verdict: 0 clean, 10 explained, 11 partly, 12 unexplained"},
-    {NULL, 0, NULL, NULL}};
-
-const command_about about_diagnose = {
-    "diagnose", "REC.csv... --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]] [--exit-verdict]",
-    "Compares a recording with the averaged model, cycle by cycle. Names the causes of the difference,\n"
-    "with 95 % intervals. Measures the error of the nominal and the extended model on held-out rows.\n"
-    "Of several recordings it prints one line each: verdict, error before and after, causes.\n"
-    "Exit status: 0 after a diagnosis, or by verdict with --exit-verdict; 2 if the recording is unusable.",
-    specs};
-
 typedef struct request {
     char **recordings;
     int count;
@@ -45,6 +24,33 @@ typedef struct request {
     int argc;
     char **argv;
 } request;
+
+static request asked;
+
+static bool take_skip(const options *o, error *e);
+
+static const option_spec specs[] = {
+    {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path},
+    {"output", 'o', "DIR",
+     "write report.html, motor_extended.toml, iqfoc_extension.h and diagnosis.json into DIR",
+     .text = &asked.directory},
+    {"json", 0, "F", "write the diagnosis to file F; - is stdout, without the text", .text = &asked.json_path,
+     .written = true},
+    {"skip", 0, "ID[,ID...]", "search without these causes", .take = take_skip},
+    {"any-size", 0, NULL, "name every certain cause, even below its reporting threshold",
+     .flag = &asked.options.any_size},
+    {"trace", 0, NULL, "print the steps of the search on stderr", .flag = &asked.traced},
+    {"exit-verdict", 0, NULL, "exit status by verdict: 0 clean, 10 explained, 11 partly, 12 unexplained",
+     .flag = &asked.exit_verdict},
+    {.name = NULL}};
+
+const command_about about_diagnose = {
+    "diagnose", "REC.csv... --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]] [--exit-verdict]",
+    "Compares a recording with the averaged model, cycle by cycle. Names the causes of the difference,\n"
+    "with 95 % intervals. Measures the error of the nominal and the extended model on held-out rows.\n"
+    "Of several recordings it prints one line each: verdict, error before and after, causes.\n"
+    "Exit status: 0 after a diagnosis, or by verdict with --exit-verdict; 2 if the recording is unusable.",
+    specs};
 
 static bool refuse_cause(const char *given, error *e)
 {
@@ -65,9 +71,8 @@ static bool refuse_cause(const char *given, error *e)
                      given);
 }
 
-static bool take_skip(const options *o, void *context, error *e)
+static bool take_skip(const options *o, error *e)
 {
-    hypothesis_set *skip = context;
     for (const char *list = o->argument; *list != '\0';) {
         char id[64];
         size_t n = strcspn(list, ",");
@@ -76,7 +81,7 @@ static bool take_skip(const options *o, void *context, error *e)
         if (set == 0) {
             return refuse_cause(id, e);
         }
-        *skip |= set;
+        asked.options.skip |= set;
         list += n + (list[n] == ',');
     }
     return true;
@@ -86,7 +91,7 @@ static bool take_skip(const options *o, void *context, error *e)
 static bool combination(const options *o, request *r, error *e)
 {
     if (r->motor_path == NULL) {
-        return options_missing(o, OPT_MOTOR, e);
+        return options_missing(o, "motor", e);
     }
     r->recordings = &o->argv[o->first];
     r->count = o->argc - o->first;
@@ -215,18 +220,12 @@ static int run_all(const request *r)
 int cmd_diagnose(int argc, char **argv)
 {
     error e = {0};
-    request r = {.argc = argc, .argv = argv};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
-                                   [OPT_DIR] = {.text = &r.directory},
-                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
-                                   [OPT_SKIP] = {.take = take_skip, .context = &r.options.skip},
-                                   [OPT_ANY_SIZE] = {.flag = &r.options.any_size},
-                                   [OPT_TRACE] = {.flag = &r.traced},
-                                   [OPT_EXIT_VERDICT] = {.flag = &r.exit_verdict}};
+    asked.argc = argc;
+    asked.argv = argv;
     options o = options_begin(&about_diagnose, argc, argv);
-    if (!options_read(&o, places, &e) ||
-        (!o.helped && !(combination(&o, &r, &e) && reserve_extended(&r, &e)))) {
+    if (!options_read(&o, &e) ||
+        (!o.helped && !(combination(&o, &asked, &e) && reserve_extended(&asked, &e)))) {
         return error_print(&e);
     }
-    return o.helped ? STATUS_DONE : run_all(&r);
+    return o.helped ? STATUS_DONE : run_all(&asked);
 }

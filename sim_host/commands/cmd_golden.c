@@ -6,10 +6,10 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-enum { OPT_LIST };
+static bool listed;
 
-static const option_spec specs[] = {{"list", 0, NULL, "also print the hash of each function"},
-                                    {NULL, 0, NULL, NULL}};
+static const option_spec specs[] = {
+    {"list", 0, NULL, "also print the hash of each function", .flag = &listed}, {.name = NULL}};
 
 const command_about about_golden = {
     "golden", "[--list]",
@@ -28,16 +28,14 @@ static void print_one(const char *name, uint64_t digest)
 int cmd_golden(int argc, char **argv)
 {
     error e = {0};
-    bool list = false;
-    const option_place places[] = {[OPT_LIST] = {.flag = &list}};
     options o = options_begin(&about_golden, argc, argv);
-    if (!options_read(&o, places, &e) || (!o.helped && !options_complete(&o, places, &e))) {
+    if (!options_read(&o, &e) || (!o.helped && !options_complete(&o, &e))) {
         return error_print(&e);
     }
     if (o.helped) {
         return STATUS_DONE;
     }
-    const uint64_t hash = golden_hash(list ? print_one : NULL);
+    const uint64_t hash = golden_hash(listed ? print_one : NULL);
     print_one("golden", hash);
     if (hash != GOLDEN_HASH) {
         error_failure(&e, 0, "golden: expected %016" PRIx64 ": this build of the library gives other results",

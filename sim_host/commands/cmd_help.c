@@ -6,12 +6,14 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_MAN, OPT_COMPLETION };
+static bool man;
+static const char *shell;
 
 static const option_spec specs[] = {
-    {"man", 0, NULL, "print the manual page instead of the help: iqfoc help --man diagnose | man -l -"},
-    {"completion", 0, "bash|zsh|fish", "print the completion script for that shell"},
-    {NULL, 0, NULL, NULL}};
+    {"man", 0, NULL, "print the manual page instead of the help: iqfoc help --man diagnose | man -l -",
+     .flag = &man},
+    {"completion", 0, "bash|zsh|fish", "print the completion script for that shell", .text = &shell},
+    {.name = NULL}};
 
 const command_about about_help = {
     "help", "[COMMAND] [--man | --completion bash|zsh|fish]",
@@ -36,7 +38,7 @@ void help_overview(void)
            "Exit status: 0 done, 2 unusable input or command line, 1 failure of the program itself.\n");
 }
 
-static bool print_completion(const char *shell, error *e)
+static bool print_completion(error *e)
 {
     static const char *const names[] = {"bash", "zsh", "fish"};
     static help_completion *const print[] = {help_bash, help_zsh, help_fish};
@@ -49,7 +51,7 @@ static bool print_completion(const char *shell, error *e)
     return error_input(e, NULL, 0, 0, "help: --completion %s: expected bash, zsh or fish", shell);
 }
 
-static bool run(const options *o, bool man, const char *shell, error *e)
+static bool run(const options *o, error *e)
 {
     const char *name = o->first < o->argc ? o->argv[o->first] : NULL;
     const command *of = name != NULL ? command_find(name, e) : NULL;
@@ -57,7 +59,7 @@ static bool run(const options *o, bool man, const char *shell, error *e)
         return false;
     }
     if (shell != NULL) {
-        return print_completion(shell, e);
+        return print_completion(e);
     }
     if (man) {
         help_man(of);
@@ -72,10 +74,7 @@ static bool run(const options *o, bool man, const char *shell, error *e)
 int cmd_help(int argc, char **argv)
 {
     error e = {0};
-    bool man = false;
-    const char *shell = NULL;
-    const option_place places[] = {[OPT_MAN] = {.flag = &man}, [OPT_COMPLETION] = {.text = &shell}};
     options o = options_begin(&about_help, argc, argv);
-    const bool ok = options_read(&o, places, &e) && (o.helped || run(&o, man, shell, &e));
+    const bool ok = options_read(&o, &e) && (o.helped || run(&o, &e));
     return ok ? STATUS_DONE : error_print(&e);
 }

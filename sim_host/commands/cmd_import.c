@@ -11,21 +11,30 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_MAP, OPT_OUTPUT, OPT_MOTOR, OPT_PRESET, OPT_CHECK, OPT_SKIP_BAD };
+typedef struct request {
+    const char *log_path, *map_path, *recording_path, *motor_path, *preset_name;
+    bool check, skip_bad, helped;
+} request;
+
+static request asked;
 
 static const option_spec specs[] = {
-    {"map", 0, "MAP.toml", "meaning of each column; without it a map is proposed"},
-    {"output", 'o', "REC.csv", "the recording; - is stdout"},
-    {"motor", 'm', "M.toml", "the motor file; needed for mechanical angles and speeds, and for --check"},
+    {"map", 0, "MAP.toml", "meaning of each column; without it a map is proposed", .text = &asked.map_path},
+    {"output", 'o', "REC.csv", "the recording; - is stdout", .text = &asked.recording_path, .written = true},
+    {"motor", 'm', "M.toml", "the motor file; needed for mechanical angles and speeds, and for --check",
+     .text = &asked.motor_path},
     {"preset", 0, "NAME",
      "print the map for a tool's log, or with -o use it: vesc, odrive, moteus, simplefoc,\n"
-     "ti-datalog, freemaster, motulator"},
+     "ti-datalog, freemaster, motulator",
+     .text = &asked.preset_name},
     {"check", 0, NULL,
      "try signs, order, direction, inverted counts, shift and angle zero; print the best\n"
-     "combination, its error, and the lines of the map for it; write nothing"},
+     "combination, its error, and the lines of the map for it; write nothing",
+     .flag = &asked.check},
     {"skip-bad", 0, NULL,
-     "leave out rows that cannot be read, and print their number; each leaves a gap in time"},
-    {NULL, 0, NULL, NULL}};
+     "leave out rows that cannot be read, and print their number; each leaves a gap in time",
+     .flag = &asked.skip_bad},
+    {.name = NULL}};
 
 const command_about about_import = {
     "import", "LOG [--map MAP.toml | --preset NAME] [--motor M.toml] [-o REC.csv | --check]",
@@ -34,19 +43,10 @@ const command_about about_import = {
     "Without a map, prints a map proposed from the header; save it and check it.",
     specs};
 
-typedef struct request {
-    const char *log_path, *map_path, *recording_path, *motor_path, *preset_name;
-    bool check, skip_bad, helped;
-} request;
-
 static bool parse(int argc, char **argv, request *r, error *e)
 {
     options o = options_begin(&about_import, argc, argv);
-    const option_place places[] = {
-        [OPT_MAP] = {.text = &r->map_path},     [OPT_OUTPUT] = {.text = &r->recording_path, .written = true},
-        [OPT_MOTOR] = {.text = &r->motor_path}, [OPT_PRESET] = {.text = &r->preset_name},
-        [OPT_CHECK] = {.flag = &r->check},      [OPT_SKIP_BAD] = {.flag = &r->skip_bad}};
-    if (!options_read(&o, places, e) || o.helped) {
+    if (!options_read(&o, e) || o.helped) {
         r->helped = o.helped;
         return o.helped;
     }
@@ -74,13 +74,13 @@ static bool parse(int argc, char **argv, request *r, error *e)
         return error_input(e, NULL, 0, 0, "import: --check writes nothing; remove -o");
     }
     if (r->check && !has_map) {
-        return options_missing(&o, OPT_MAP, e);
+        return options_missing(&o, "map", e);
     }
     if (r->check && r->motor_path == NULL) {
-        return options_missing(&o, OPT_MOTOR, e);
+        return options_missing(&o, "motor", e);
     }
     if (r->map_path != NULL && r->recording_path == NULL && !r->check) {
-        return options_missing(&o, OPT_OUTPUT, e);
+        return options_missing(&o, "output", e);
     }
     return true;
 }
@@ -164,12 +164,11 @@ static bool run(const request *r, error *e)
 int cmd_import(int argc, char **argv)
 {
     error e = {0};
-    request r = {0};
-    if (!parse(argc, argv, &r, &e)) {
+    if (!parse(argc, argv, &asked, &e)) {
         return error_print(&e);
     }
-    if (r.helped) {
+    if (asked.helped) {
         return STATUS_DONE;
     }
-    return run(&r, &e) ? STATUS_DONE : error_print(&e);
+    return run(&asked, &e) ? STATUS_DONE : error_print(&e);
 }

@@ -7,11 +7,12 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { OPT_MOTOR };
+static const char *motor_path;
 
-static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file: speeds in rpm, currents as a share of the rated peak"},
-    {NULL, 0, NULL, NULL}};
+static const option_spec specs[] = {{"motor", 'm', "M.toml",
+                                     "the motor file: speeds in rpm, currents as a share of the rated peak",
+                                     .text = &motor_path},
+                                    {.name = NULL}};
 
 const command_about about_info = {
     "info", "REC.csv [--motor M.toml]",
@@ -134,7 +135,7 @@ static void print_bars(const recording *r, const char *name, double (*value)(con
     printf("  %.3g to %.3g\n", low, high);
 }
 
-static bool info(const char *path, const char *motor_path, error *e)
+static bool info(const char *path, error *e)
 {
     motor m;
     recording r;
@@ -158,16 +159,9 @@ static bool info(const char *path, const char *motor_path, error *e)
 
 int cmd_info(int argc, char **argv)
 {
-    const char *motor_path = NULL;
     error e = {0};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &motor_path}};
     options o = options_begin(&about_info, argc, argv);
-    bool ok = options_read(&o, places, &e);
-    if (ok && !o.helped) {
-        ok = o.argc > o.first ||
-             error_input(&e, NULL, 0, 0, "info: no recording is given. Usage: iqfoc info %s",
-                         about_info.usage);
-        ok = ok && options_at_most(&o, 1, &e) && info(o.argv[o.first], motor_path, &e);
-    }
+    const bool ok =
+        options_read(&o, &e) && (o.helped || (options_recording(&o, &e) && info(o.argv[o.first], &e)));
     return ok ? STATUS_DONE : error_print(&e);
 }

@@ -9,17 +9,25 @@
 
 #include <stdio.h>
 
-enum { OPT_MOTOR, OPT_EXTENDED, OPT_EFFECT, OPT_JSON, OPT_OUTPUT };
+typedef struct request {
+    const char *motor_path, *extended_path, *json_path, *directory;
+    option_texts effects;
+} request;
+
+static request asked;
 
 static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "with --extended: the motor file"},
-    {"extended", 0, "X.toml", "instead: compare control by M.toml with control by this extended file"},
+    {"motor", 'm', "M.toml", "with --extended: the motor file", .text = &asked.motor_path},
+    {"extended", 0, "X.toml", "instead: compare control by M.toml with control by this extended file",
+     .text = &asked.extended_path},
     {"effect", 0, "id[:key=value,...]",
-     "with --extended: effect that the drive has and M.toml has not; repeatable"},
-    {"json", 0, "F", "write the results to file F; - is stdout, without the tables"},
+     "with --extended: effect that the drive has and M.toml has not; repeatable", .texts = &asked.effects},
+    {"json", 0, "F", "write the results to file F; - is stdout, without the tables", .text = &asked.json_path,
+     .written = true},
     {"output", 'o', "DIR",
-     "folder of the report page; default: report-loops,\nor no page if --json is given without -o"},
-    {NULL, 0, NULL, NULL}};
+     "folder of the report page; default: report-loops,\nor no page if --json is given without -o",
+     .text = &asked.directory},
+    {.name = NULL}};
 
 const command_about about_loops = {
     "loops",
@@ -35,11 +43,6 @@ const command_about about_loops = {
     "extended file of a diagnosis, on a drive that differs from the motor file.",
     specs};
 
-typedef struct request {
-    const char *motor_path, *extended_path, *json_path, *directory;
-    option_texts effects;
-} request;
-
 /* --extended and --motor need each other, and --effect needs both; no page is drawn then. */
 static bool combination(const options *o, const request *r, error *e)
 {
@@ -47,10 +50,10 @@ static bool combination(const options *o, const request *r, error *e)
         return true;
     }
     if (r->motor_path == NULL) {
-        return options_missing(o, OPT_MOTOR, e);
+        return options_missing(o, "motor", e);
     }
     if (r->extended_path == NULL) {
-        return options_missing(o, OPT_EXTENDED, e);
+        return options_missing(o, "extended", e);
     }
     return r->directory == NULL || error_input(e, NULL, 0, 0, "loops: --extended draws no page; remove -o");
 }
@@ -101,18 +104,12 @@ static bool loops(const request *r, error *e)
 
 int cmd_loops(int argc, char **argv)
 {
-    request r = {0};
     error e = {0};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
-                                   [OPT_EXTENDED] = {.text = &r.extended_path},
-                                   [OPT_EFFECT] = {.texts = &r.effects},
-                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
-                                   [OPT_OUTPUT] = {.text = &r.directory}};
     options o = options_begin(&about_loops, argc, argv);
-    bool ok = options_read(&o, places, &e);
+    bool ok = options_read(&o, &e);
     if (ok && !o.helped) {
-        ok = combination(&o, &r, &e) && options_complete(&o, places, &e) &&
-             (r.extended_path != NULL ? compare_extended(&r, &e) : loops(&r, &e));
+        ok = combination(&o, &asked, &e) && options_complete(&o, &e) &&
+             (asked.extended_path != NULL ? compare_extended(&asked, &e) : loops(&asked, &e));
     }
     return ok ? STATUS_DONE : error_print(&e);
 }

@@ -11,37 +11,34 @@
 #include <string.h>
 #include <unistd.h>
 
-enum {
-    OPT_OUTPUT,
-    OPT_POLE_PAIRS,
-    OPT_RESISTANCE,
-    OPT_INDUCTANCE,
-    OPT_FLUX,
-    OPT_KV,
-    OPT_CURRENT,
-    OPT_U_DC,
-    OPT_F_PWM,
-    OPT_SPEED,
-    OPT_NAME,
-    OPT_LINE_TO_LINE,
-    OPT_ASK
-};
+typedef struct request {
+    const char *path, *name;
+    double pole_pairs, resistance, inductance[2], flux, kv, current, u_dc, f_pwm, speed;
+    size_t inductances;
+    bool line_to_line, ask;
+} request;
+
+static request asked = {.name = "motor"};
 
 static const option_spec specs[] = {
-    {"output", 'o', "M.toml", "the motor file to write"},
-    {"pole-pairs", 0, "N", "pole pairs"},
-    {"resistance", 0, "OHM", "resistance of a phase"},
-    {"inductance", 0, "H[,H]", "inductance of a phase; two numbers: L_d and L_q"},
-    {"flux", 0, "WB", "flux linkage psi_f, peak; or --kv"},
-    {"kv", 0, "RPM/V", "no-load speed over the peak of the line-to-line voltage"},
-    {"current", 0, "A", "rated current, rms"},
-    {"u-dc", 0, "V", "nominal DC link"},
-    {"f-pwm", 0, "HZ", "switching frequency"},
-    {"speed", 0, "RPM", "highest speed; default: where the EMF reaches the DC link"},
-    {"name", 0, "TEXT", "name of the motor; default: motor"},
-    {"line-to-line", 0, NULL, "resistance and inductance are between two terminals: twice a phase's"},
-    {"ask", 0, NULL, "ask for missing values, also if stdin is no terminal"},
-    {NULL, 0, NULL, NULL}};
+    {"output", 'o', "M.toml", "the motor file to write", .text = &asked.path},
+    {"pole-pairs", 0, "N", "pole pairs", .number = &asked.pole_pairs, .low = 1.0, .high = 1000.0},
+    {"resistance", 0, "OHM", "resistance of a phase", .number = &asked.resistance, .low = 1e-6, .high = 1e4},
+    {"inductance", 0, "H[,H]", "inductance of a phase; two numbers: L_d and L_q", .number = asked.inductance,
+     .count = &asked.inductances, .most = 2, .low = 1e-9, .high = 10.0},
+    {"flux", 0, "WB", "flux linkage psi_f, peak; or --kv", .number = &asked.flux, .low = 1e-6, .high = 100.0},
+    {"kv", 0, "RPM/V", "no-load speed over the peak of the line-to-line voltage", .number = &asked.kv,
+     .low = 1e-3, .high = 1e5},
+    {"current", 0, "A", "rated current, rms", .number = &asked.current, .low = 1e-3, .high = 1e5},
+    {"u-dc", 0, "V", "nominal DC link", .number = &asked.u_dc, .low = 1.0, .high = 1e5},
+    {"f-pwm", 0, "HZ", "switching frequency", .number = &asked.f_pwm, .low = 10.0, .high = 1e6},
+    {"speed", 0, "RPM", "highest speed; default: where the EMF reaches the DC link", .number = &asked.speed,
+     .low = 1e-3, .high = 1e6},
+    {"name", 0, "TEXT", "name of the motor; default: motor", .text = &asked.name},
+    {"line-to-line", 0, NULL, "resistance and inductance are between two terminals: twice a phase's",
+     .flag = &asked.line_to_line},
+    {"ask", 0, NULL, "ask for missing values, also if stdin is no terminal", .flag = &asked.ask},
+    {.name = NULL}};
 
 const command_about about_motor = {
     "motor",
@@ -51,16 +48,8 @@ const command_about about_motor = {
     "gives. iqfoc diagnose then corrects the values by a recording.",
     specs};
 
-typedef struct request {
-    const char *path, *name;
-    double pole_pairs, resistance, inductance[2], flux, kv, current, u_dc, f_pwm, speed;
-    size_t inductances;
-    bool line_to_line, ask;
-} request;
-
 typedef struct question {
-    int option;
-    const char *text;
+    const char *option, *text;
     double *value;
 } question;
 
@@ -73,8 +62,7 @@ static bool answer(const question *q, error *e)
     char *end = NULL;
     fprintf(stderr, "%s: ", q->text);
     if (fgets(line, sizeof line, stdin) == NULL) {
-        return error_input(e, NULL, 0, 0, "motor: %s: no answer; or give --%s", q->text,
-                           specs[q->option].name);
+        return error_input(e, NULL, 0, 0, "motor: %s: no answer; or give --%s", q->text, q->option);
     }
     line[strcspn(line, "\r\n")] = '\0';
     const double value = strtod(line, &end);
@@ -88,18 +76,18 @@ static bool answer(const question *q, error *e)
 static bool complete(const options *o, request *r, error *e)
 {
     const question questions[QUESTIONS] = {
-        {OPT_POLE_PAIRS, "pole pairs", &r->pole_pairs},
-        {OPT_RESISTANCE,
+        {"pole-pairs", "pole pairs", &r->pole_pairs},
+        {"resistance",
          r->line_to_line ? "resistance between two terminals, ohm" : "resistance of a phase, ohm",
          &r->resistance},
-        {OPT_INDUCTANCE, r->line_to_line ? "inductance between two terminals, H" : "inductance of a phase, H",
+        {"inductance", r->line_to_line ? "inductance between two terminals, H" : "inductance of a phase, H",
          &r->inductance[0]},
-        {OPT_KV, "no-load speed over line-to-line voltage (Kv), rpm/V", &r->kv},
-        {OPT_CURRENT, "rated current, A rms", &r->current},
-        {OPT_U_DC, "DC link, V", &r->u_dc},
-        {OPT_F_PWM, "switching frequency, Hz", &r->f_pwm}};
+        {"kv", "no-load speed over line-to-line voltage (Kv), rpm/V", &r->kv},
+        {"current", "rated current, A rms", &r->current},
+        {"u-dc", "DC link, V", &r->u_dc},
+        {"f-pwm", "switching frequency, Hz", &r->f_pwm}};
     if (r->path == NULL) {
-        return options_missing(o, OPT_OUTPUT, e);
+        return options_missing(o, "output", e);
     }
     if (r->flux > 0.0 && r->kv > 0.0) {
         return error_input(e, NULL, 0, 0, "motor: --flux and --kv are the same quantity; give one of them");
@@ -107,13 +95,13 @@ static bool complete(const options *o, request *r, error *e)
     const bool asks = r->ask || isatty(STDIN_FILENO) == 1;
     for (size_t n = 0; n < QUESTIONS; n++) {
         const question *q = &questions[n];
-        if (*q->value > 0.0 || (q->option == OPT_KV && r->flux > 0.0)) {
+        if (*q->value > 0.0 || (q->value == &r->kv && r->flux > 0.0)) {
             continue;
         }
         if (!asks) {
-            return error_input(e, NULL, 0, 0, "motor: --%s %s%s is missing: %s", specs[q->option].name,
-                               specs[q->option].argument, q->option == OPT_KV ? " or --flux WB" : "",
-                               q->text);
+            return error_input(e, NULL, 0, 0, "motor: --%s %s%s is missing: %s", q->option,
+                               options_find(&about_motor, q->option)->argument,
+                               q->value == &r->kv ? " or --flux WB" : "", q->text);
         }
         if (!answer(q, e)) {
             return false;
@@ -161,29 +149,11 @@ static bool write_motor(const request *r, error *e)
 
 int cmd_motor(int argc, char **argv)
 {
-    request r = {.name = "motor"};
     error e = {0};
-    const option_place places[] = {[OPT_OUTPUT] = {.text = &r.path},
-                                   [OPT_POLE_PAIRS] = {.number = &r.pole_pairs, .low = 1.0, .high = 1000.0},
-                                   [OPT_RESISTANCE] = {.number = &r.resistance, .low = 1e-6, .high = 1e4},
-                                   [OPT_INDUCTANCE] = {.number = r.inductance,
-                                                       .count = &r.inductances,
-                                                       .most = 2,
-                                                       .low = 1e-9,
-                                                       .high = 10.0},
-                                   [OPT_FLUX] = {.number = &r.flux, .low = 1e-6, .high = 100.0},
-                                   [OPT_KV] = {.number = &r.kv, .low = 1e-3, .high = 1e5},
-                                   [OPT_CURRENT] = {.number = &r.current, .low = 1e-3, .high = 1e5},
-                                   [OPT_U_DC] = {.number = &r.u_dc, .low = 1.0, .high = 1e5},
-                                   [OPT_F_PWM] = {.number = &r.f_pwm, .low = 10.0, .high = 1e6},
-                                   [OPT_SPEED] = {.number = &r.speed, .low = 1e-3, .high = 1e6},
-                                   [OPT_NAME] = {.text = &r.name},
-                                   [OPT_LINE_TO_LINE] = {.flag = &r.line_to_line},
-                                   [OPT_ASK] = {.flag = &r.ask}};
     options o = options_begin(&about_motor, argc, argv);
-    bool ok = options_read(&o, places, &e);
+    bool ok = options_read(&o, &e);
     if (ok && !o.helped) {
-        ok = options_complete(&o, places, &e) && complete(&o, &r, &e) && write_motor(&r, &e);
+        ok = options_complete(&o, &e) && complete(&o, &asked, &e) && write_motor(&asked, &e);
     }
     return ok ? STATUS_DONE : error_print(&e);
 }

@@ -7,14 +7,22 @@
 
 #include <stdio.h>
 
-enum { OPT_MOTOR, OPT_BANDWIDTH, OPT_DIR, OPT_JSON };
+typedef struct request {
+    const char *recording_path, *motor_path, *directory, *json_path;
+    double bandwidth_rad_s;
+} request;
+
+static request asked;
 
 static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file"},
-    {"bandwidth", 0, "W", "of the phase-locked loop, rad/s, up to 1/T; default: 0.16/T"},
-    {"output", 'o', "DIR", "write index.html into DIR: speed and angle error over time, tables"},
-    {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
-    {NULL, 0, NULL, NULL}};
+    {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path},
+    {"bandwidth", 0, "W", "of the phase-locked loop, rad/s, up to 1/T; default: 0.16/T",
+     .number = &asked.bandwidth_rad_s, .low = 1e-3, .high = 1e6},
+    {"output", 'o', "DIR", "write index.html into DIR: speed and angle error over time, tables",
+     .text = &asked.directory},
+    {"json", 0, "F", "write the results to file F; - is stdout, without the text", .text = &asked.json_path,
+     .written = true},
+    {.name = NULL}};
 
 const command_about about_observe = {
     "observe", "REC.csv --motor M.toml [--bandwidth W] [-o DIR] [--json F]",
@@ -24,22 +32,13 @@ const command_about about_observe = {
     "turn off.",
     specs};
 
-typedef struct request {
-    const char *recording_path, *motor_path, *directory, *json_path;
-    double bandwidth_rad_s;
-} request;
-
 static bool take_recording(const options *o, request *r, error *e)
 {
     if (r->motor_path == NULL) {
-        return options_missing(o, OPT_MOTOR, e);
-    }
-    if (o->argc == o->first) {
-        return error_input(e, NULL, 0, 0, "observe: no recording is given. Usage: iqfoc observe %s",
-                           about_observe.usage);
+        return options_missing(o, "motor", e);
     }
     r->recording_path = o->argv[o->first];
-    return options_at_most(o, 1, e);
+    return options_recording(o, e);
 }
 
 static bool observe(const request *r, error *e)
@@ -71,14 +70,9 @@ static bool observe(const request *r, error *e)
 
 int cmd_observe(int argc, char **argv)
 {
-    request r = {0};
     error e = {0};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
-                                   [OPT_BANDWIDTH] = {.number = &r.bandwidth_rad_s, .low = 1e-3, .high = 1e6},
-                                   [OPT_DIR] = {.text = &r.directory},
-                                   [OPT_JSON] = {.text = &r.json_path, .written = true}};
     options o = options_begin(&about_observe, argc, argv);
     const bool ok =
-        options_read(&o, places, &e) && (o.helped || (take_recording(&o, &r, &e) && observe(&r, &e)));
+        options_read(&o, &e) && (o.helped || (take_recording(&o, &asked, &e) && observe(&asked, &e)));
     return ok ? STATUS_DONE : error_print(&e);
 }

@@ -8,19 +8,34 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { OPT_MOTOR, OPT_PULSES, OPT_ON_TIME, OPT_DEAD_TIME, OPT_FREQUENCY, OPT_DIR, OPT_JSON };
+typedef struct request {
+    const char *motor_path, *directory, *json_path;
+    size_t numbers;
+    double pulses[PATTERNS_RESULTS_MOST];
+    double on_time_us, dead_time_us, frequency_Hz;
+} request;
+
+static request asked = {.pulses = {7.0}, .numbers = 1};
 
 static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file: weights by its saliency, distortion of its rated current"},
-    {"pulses", 0, "N[,N...]", "pulses of a leg in a turn, odd, 3 to 15, rising; default 7"},
-    {"on-time-us", 0, "T", "least time between two edges of a leg at its output; default 0"},
-    {"dead-time-us", 0, "T", "dead time, added to that time; default 0"},
+    {"motor", 'm', "M.toml", "the motor file: weights by its saliency, distortion of its rated current",
+     .text = &asked.motor_path},
+    {"pulses", 0, "N[,N...]", "pulses of a leg in a turn, odd, 3 to 15, rising; default 7",
+     .number = asked.pulses, .count = &asked.numbers, .most = PATTERNS_RESULTS_MOST,
+     .low = PATTERNS_PULSES_LEAST, .high = PATTERNS_PULSES_MOST},
+    {"on-time-us", 0, "T", "least time between two edges of a leg at its output; default 0",
+     .number = &asked.on_time_us, .low = 0.0, .high = 1000.0},
+    {"dead-time-us", 0, "T", "dead time, added to that time; default 0", .number = &asked.dead_time_us,
+     .low = 0.0, .high = 1000.0},
     {"frequency", 0, "HZ",
      "fundamental frequency at six-step, for these times; default: the motor's at its rated\n"
-     "flux and nominal DC link"},
-    {"output", 'o', "DIR", "write index.html and iqfoc_pattern.h, the angles in IQ24, into DIR"},
-    {"json", 0, "F", "write the patterns to file F; - is stdout, without the text"},
-    {NULL, 0, NULL, NULL}};
+     "flux and nominal DC link",
+     .number = &asked.frequency_Hz, .low = 0.1, .high = 1e5},
+    {"output", 'o', "DIR", "write index.html and iqfoc_pattern.h, the angles in IQ24, into DIR",
+     .text = &asked.directory},
+    {"json", 0, "F", "write the patterns to file F; - is stdout, without the text", .text = &asked.json_path,
+     .written = true},
+    {.name = NULL}};
 
 const command_about about_patterns = {
     "patterns",
@@ -29,13 +44,6 @@ const command_about about_patterns = {
     "Finds the switching angles of least current distortion with N pulses a turn, for modulation\n"
     "indices from 0.3 to 0.99 of six-step, and compares them with space vectors of as many pulses.",
     specs};
-
-typedef struct request {
-    const char *motor_path, *directory, *json_path;
-    size_t numbers;
-    double pulses[PATTERNS_RESULTS_MOST];
-    double on_time_us, dead_time_us, frequency_Hz;
-} request;
 
 static bool usable(const options *o, const request *r, error *e)
 {
@@ -55,12 +63,12 @@ static bool find_each(const request *r, const motor *m, patterns_result *result,
 {
     bool ok = true;
     for (size_t n = 0; n < r->numbers && ok; n++) {
-        const patterns_request asked = {.m = m,
-                                        .pulses = (int)r->pulses[n],
-                                        .on_time_s = 1e-6 * r->on_time_us,
-                                        .dead_time_s = 1e-6 * r->dead_time_us,
-                                        .six_step_Hz = r->frequency_Hz};
-        ok = patterns_find(&asked, &result[n], e);
+        const patterns_request wanted = {.m = m,
+                                         .pulses = (int)r->pulses[n],
+                                         .on_time_s = 1e-6 * r->on_time_us,
+                                         .dead_time_s = 1e-6 * r->dead_time_us,
+                                         .six_step_Hz = r->frequency_Hz};
+        ok = patterns_find(&wanted, &result[n], e);
     }
     return ok;
 }
@@ -91,20 +99,8 @@ static bool find(const request *r, error *e)
 
 int cmd_patterns(int argc, char **argv)
 {
-    request r = {.pulses = {7.0}, .numbers = 1};
     error e = {0};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path},
-                                   [OPT_PULSES] = {.number = r.pulses,
-                                                   .count = &r.numbers,
-                                                   .most = PATTERNS_RESULTS_MOST,
-                                                   .low = PATTERNS_PULSES_LEAST,
-                                                   .high = PATTERNS_PULSES_MOST},
-                                   [OPT_ON_TIME] = {.number = &r.on_time_us, .low = 0.0, .high = 1000.0},
-                                   [OPT_DEAD_TIME] = {.number = &r.dead_time_us, .low = 0.0, .high = 1000.0},
-                                   [OPT_FREQUENCY] = {.number = &r.frequency_Hz, .low = 0.1, .high = 1e5},
-                                   [OPT_DIR] = {.text = &r.directory},
-                                   [OPT_JSON] = {.text = &r.json_path, .written = true}};
     options o = options_begin(&about_patterns, argc, argv);
-    const bool ok = options_read(&o, places, &e) && (o.helped || (usable(&o, &r, &e) && find(&r, &e)));
+    const bool ok = options_read(&o, &e) && (o.helped || (usable(&o, &asked, &e) && find(&asked, &e)));
     return ok ? STATUS_DONE : error_print(&e);
 }

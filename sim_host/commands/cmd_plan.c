@@ -8,37 +8,48 @@
 #include <math.h>
 #include <stdio.h>
 
-enum {
-    OPT_MOTOR,
-    OPT_CURRENT,
-    OPT_SPEED,
-    OPT_LINK,
-    OPT_SECONDS,
-    OPT_NOISE,
-    OPT_BITS,
-    OPT_SCALE,
-    OPT_AGAINST,
-    OPT_SEED,
-    OPT_JSON,
-    OPT_OUTPUT,
-    OPT_FIRMWARE
-};
+typedef struct request {
+    const char *motor_path, *against_path, *json_path, *out_path, *header_path;
+    double current, speed, u_dc, seconds, noise, full_scale; /* negative: the default */
+    long bits, seed;
+} request;
+
+static request asked = {.current = -1.0,
+                        .speed = -1.0,
+                        .u_dc = -1.0,
+                        .seconds = -1.0,
+                        .noise = -1.0,
+                        .full_scale = -1.0,
+                        .bits = 12,
+                        .seed = 1};
 
 static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file"},
-    {"current", 0, "A", "largest peak current; default: the rated peak"},
-    {"speed", 0, "RPM", "highest speed, both directions; default: n_max_rpm"},
-    {"u-dc", 0, "V", "voltage of the DC link; default: the motor file's"},
-    {"seconds", 0, "S", "duration of all runs, settling included; default: 4, or that of --against"},
-    {"noise", 0, "A", "standard deviation of a current sample; default: 0.3 % of the rated peak"},
-    {"bits", 0, "N", "bits of the current's converter; default: 12; 0: not quantised"},
-    {"full-scale", 0, "A", "range of the converter, both signs; default: three times the rated peak"},
-    {"against", 0, "S.toml", "a scenario to compare with, with the same time and sensors"},
-    {"seed", 0, "N", "seed of the sensors' noise; default: 1"},
-    {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
-    {"output", 'o', "PLAN.toml", "the scenario, for iqfoc simulate and for a test bench"},
-    {"firmware", 0, "F.h", "the runs as constants for a firmware (examples/planned_recording)"},
-    {NULL, 0, NULL, NULL}};
+    {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path, .needed = true},
+    {"current", 0, "A", "largest peak current; default: the rated peak", .number = &asked.current,
+     .low = 1e-3, .high = 1e5},
+    {"speed", 0, "RPM", "highest speed, both directions; default: n_max_rpm", .number = &asked.speed,
+     .low = 1.0, .high = 1e6},
+    {"u-dc", 0, "V", "voltage of the DC link; default: the motor file's", .number = &asked.u_dc, .low = 1.0,
+     .high = 1e5},
+    {"seconds", 0, "S", "duration of all runs, settling included; default: 4, or that of --against",
+     .number = &asked.seconds, .low = 0.1, .high = 600.0},
+    {"noise", 0, "A", "standard deviation of a current sample; default: 0.3 % of the rated peak",
+     .number = &asked.noise, .low = 0.0, .high = 1e4},
+    {"bits", 0, "N", "bits of the current's converter; default: 12; 0: not quantised", .integer = &asked.bits,
+     .low = 0, .high = 24},
+    {"full-scale", 0, "A", "range of the converter, both signs; default: three times the rated peak",
+     .number = &asked.full_scale, .low = 1e-3, .high = 1e6},
+    {"against", 0, "S.toml", "a scenario to compare with, with the same time and sensors",
+     .text = &asked.against_path},
+    {"seed", 0, "N", "seed of the sensors' noise; default: 1", .integer = &asked.seed, .low = 0,
+     .high = 1000000000},
+    {"json", 0, "F", "write the results to file F; - is stdout, without the text", .text = &asked.json_path,
+     .written = true},
+    {"output", 'o', "PLAN.toml", "the scenario, for iqfoc simulate and for a test bench",
+     .text = &asked.out_path, .written = true},
+    {"firmware", 0, "F.h", "the runs as constants for a firmware (examples/planned_recording)",
+     .text = &asked.header_path, .written = true},
+    {.name = NULL}};
 
 const command_about about_plan = {
     "plan",
@@ -49,12 +60,6 @@ const command_about about_plan = {
     "by the information matrix. Prints the expected intervals, the smallest reported size of each\n"
     "cause, and the cause's closest alternative.",
     specs};
-
-typedef struct request {
-    const char *motor_path, *against_path, *json_path, *out_path, *header_path;
-    double current, speed, u_dc, seconds, noise, full_scale; /* negative: the default */
-    long bits, seed;
-} request;
 
 static double or_default(double given, double usual)
 {
@@ -133,32 +138,11 @@ static bool make(const request *r, error *e)
 
 int cmd_plan(int argc, char **argv)
 {
-    request r = {.current = -1.0,
-                 .speed = -1.0,
-                 .u_dc = -1.0,
-                 .seconds = -1.0,
-                 .noise = -1.0,
-                 .full_scale = -1.0,
-                 .bits = 12,
-                 .seed = 1};
     error e = {0};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
-                                   [OPT_CURRENT] = {.number = &r.current, .low = 1e-3, .high = 1e5},
-                                   [OPT_SPEED] = {.number = &r.speed, .low = 1.0, .high = 1e6},
-                                   [OPT_LINK] = {.number = &r.u_dc, .low = 1.0, .high = 1e5},
-                                   [OPT_SECONDS] = {.number = &r.seconds, .low = 0.1, .high = 600.0},
-                                   [OPT_NOISE] = {.number = &r.noise, .low = 0.0, .high = 1e4},
-                                   [OPT_BITS] = {.integer = &r.bits, .low = 0, .high = 24},
-                                   [OPT_SCALE] = {.number = &r.full_scale, .low = 1e-3, .high = 1e6},
-                                   [OPT_AGAINST] = {.text = &r.against_path},
-                                   [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
-                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
-                                   [OPT_OUTPUT] = {.text = &r.out_path, .written = true},
-                                   [OPT_FIRMWARE] = {.text = &r.header_path, .written = true}};
     options o = options_begin(&about_plan, argc, argv);
-    bool ok = options_read(&o, places, &e);
+    bool ok = options_read(&o, &e);
     if (ok && !o.helped) {
-        ok = options_complete(&o, places, &e) && make(&r, &e);
+        ok = options_complete(&o, &e) && make(&asked, &e);
     }
     return ok ? STATUS_DONE : error_print(&e);
 }

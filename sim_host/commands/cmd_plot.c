@@ -9,12 +9,13 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_OUTPUT, OPT_MOTOR };
+static const char *motor_path, *output;
 
 static const option_spec specs[] = {
-    {"output", 'o', "F.html", "the page to write"},
-    {"motor", 'm', "M.toml", "the motor file: speed in rpm, and its currents i_d and i_q"},
-    {NULL, 0, NULL, NULL}};
+    {"output", 'o', "F.html", "the page to write", .text = &output, .written = true},
+    {"motor", 'm', "M.toml", "the motor file: speed in rpm, and its currents i_d and i_q",
+     .text = &motor_path},
+    {.name = NULL}};
 
 const command_about about_plot = {
     "plot", "REC.csv -o F.html [--motor M.toml]",
@@ -116,7 +117,7 @@ static bool plot_page(const recording *r, const motor *m, const char *path, erro
     return ok;
 }
 
-static bool plot_recording(const char *path, const char *motor_path, const char *output, error *e)
+static bool plot_recording(const char *path, error *e)
 {
     motor m;
     recording r;
@@ -133,19 +134,10 @@ static bool plot_recording(const char *path, const char *motor_path, const char 
 
 int cmd_plot(int argc, char **argv)
 {
-    const char *motor_path = NULL;
-    const char *output = NULL;
     error e = {0};
-    const option_place places[] = {
-        [OPT_OUTPUT] = {.text = &output, .written = true}, [OPT_MOTOR] = {.text = &motor_path}};
     options o = options_begin(&about_plot, argc, argv);
-    bool ok =
-        options_read(&o, places, &e) && (o.helped || output != NULL || options_missing(&o, OPT_OUTPUT, &e));
-    if (ok && !o.helped && output != NULL) {
-        ok = (o.argc > o.first ||
-              error_input(&e, NULL, 0, 0, "plot: no recording is given. Usage: iqfoc plot %s",
-                          about_plot.usage)) &&
-             options_at_most(&o, 1, &e) && plot_recording(o.argv[o.first], motor_path, output, &e);
-    }
+    const bool ok = options_read(&o, &e) &&
+                    (o.helped || ((output != NULL || options_missing(&o, "output", &e)) &&
+                                  options_recording(&o, &e) && plot_recording(o.argv[o.first], &e)));
     return ok ? STATUS_DONE : error_print(&e);
 }

@@ -10,16 +10,23 @@
 #include <signal.h>
 #include <stdio.h>
 
-enum { OPT_PORT, OPT_OUT, OPT_BAUD, OPT_SECONDS };
+typedef struct request {
+    const char *port, *out_path;
+    long baud;
+    double seconds; /* 0: no limit */
+} request;
+
+static request asked = {.baud = 1000000};
 
 static const option_spec specs[] = {
-    [OPT_PORT] = {"port", 'p', "DEV|PTY|SOCKET|FILE", "source of the bytes"},
-    [OPT_OUT] = {"output", 'o', "REC.csv", "the recording; - is standard output"},
-    [OPT_BAUD] = {"baud", 'b', "N", "speed of a serial device (default 1000000)"},
-    [OPT_SECONDS] = {"seconds", 0, "X",
-                     "stop after this time; default: at the end frame, end of file or Ctrl-C"},
-    {NULL, 0, NULL, NULL},
-};
+    {"port", 'p', "DEV|PTY|SOCKET|FILE", "source of the bytes", .text = &asked.port, .needed = true},
+    {"output", 'o', "REC.csv", "the recording; - is standard output", .text = &asked.out_path, .needed = true,
+     .written = true},
+    {"baud", 'b', "N", "speed of a serial device (default 1000000)", .integer = &asked.baud, .low = 1,
+     .high = 10000000},
+    {"seconds", 0, "X", "stop after this time; default: at the end frame, end of file or Ctrl-C",
+     .number = &asked.seconds, .low = 1e-3, .high = 1e6},
+    {.name = NULL}};
 
 const command_about about_record = {
     "record",
@@ -28,12 +35,6 @@ const command_about about_record = {
     "A missing row ends a stretch: the next stretch has another `run`.",
     specs,
 };
-
-typedef struct request {
-    const char *port, *out_path;
-    long baud;
-    double seconds; /* 0: no limit */
-} request;
 
 static volatile sig_atomic_t interrupted;
 
@@ -103,13 +104,8 @@ static bool write_out(const request *r, record_rows *rows, const wire_reader *re
 int cmd_record(int argc, char **argv)
 {
     error e = {0, ""};
-    request r = {.baud = 1000000};
-    const option_place places[] = {[OPT_PORT] = {.text = &r.port, .needed = true},
-                                   [OPT_OUT] = {.text = &r.out_path, .needed = true, .written = true},
-                                   [OPT_BAUD] = {.integer = &r.baud, .low = 1, .high = 10000000},
-                                   [OPT_SECONDS] = {.number = &r.seconds, .low = 1e-3, .high = 1e6}};
     options o = options_begin(&about_record, argc, argv);
-    if (!options_read(&o, places, &e) || o.helped || !options_complete(&o, places, &e)) {
+    if (!options_read(&o, &e) || o.helped || !options_complete(&o, &e)) {
         return error_print(&e);
     }
     struct sigaction stop = {.sa_handler = on_interrupt};
@@ -119,17 +115,17 @@ int cmd_record(int argc, char **argv)
     static wire_reader reader;
     static record_rows rows;
     line l;
-    bool good = line_open(&l, r.port, r.baud, &e);
+    bool good = line_open(&l, asked.port, asked.baud, &e);
     confine(CONFINE_TO_FILES); /* before the first byte is read */
-    good = good && receive(&r, &l, &reader, &rows, &e);
+    good = good && receive(&asked, &l, &reader, &rows, &e);
     if (good && rows.recording.rows == 0) {
         const wire_counts *c = &reader.counts;
-        good = error_input(&e, r.port, 0, 0, "no row received: %lu frames, %lu damaged, %lu lost", c->frames,
-                           c->damaged, c->lost_frames);
+        good = error_input(&e, asked.port, 0, 0, "no row received: %lu frames, %lu damaged, %lu lost",
+                           c->frames, c->damaged, c->lost_frames);
     }
     if (good) {
         summarise(&rows, &reader);
-        good = write_out(&r, &rows, &reader, &e);
+        good = write_out(&asked, &rows, &reader, &e);
     }
     line_close(&l);
     record_rows_free(&rows);

@@ -10,14 +10,23 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_PAPER, OPT_JSON, OPT_OUTPUT };
+typedef struct request {
+    bool with_2016, with_2019;
+    const char *json_path, *directory;
+} request;
+
+static request asked = {.with_2016 = true, .with_2019 = true};
+
+static bool take_paper(const options *o, error *e);
 
 static const option_spec specs[] = {
-    {"paper", 0, "2016|2019", "only this paper; default: both"},
-    {"json", 0, "F", "write the rows to file F; - is stdout, without the tables"},
+    {"paper", 0, "2016|2019", "only this paper; default: both", .take = take_paper},
+    {"json", 0, "F", "write the rows to file F; - is stdout, without the tables", .text = &asked.json_path,
+     .written = true},
     {"output", 'o', "DIR",
-     "folder of the report page; default: report-reproduce,\nor no page if --json is given without -o"},
-    {NULL, 0, NULL, NULL}};
+     "folder of the report page; default: report-reproduce,\nor no page if --json is given without -o",
+     .text = &asked.directory},
+    {.name = NULL}};
 
 const command_about about_reproduce = {
     "reproduce", "[--paper 2016|2019] [--json F] [-o DIR]",
@@ -28,14 +37,9 @@ const command_about about_reproduce = {
     "simulated drive, and with the firmware's IQ24 functions. DIR/index.html has the plots.",
     specs};
 
-typedef struct request {
-    bool with_2016, with_2019;
-    const char *json_path, *directory;
-} request;
-
-static bool take_paper(const options *o, void *context, error *e)
+static bool take_paper(const options *o, error *e)
 {
-    request *r = context;
+    request *r = &asked;
     r->with_2016 = strcmp(o->argument, "2016") == 0;
     r->with_2019 = strcmp(o->argument, "2019") == 0;
     return r->with_2016 || r->with_2019 ||
@@ -63,15 +67,11 @@ static bool reproduce(const request *r, comparison *c, error *e)
 
 int cmd_reproduce(int argc, char **argv)
 {
-    request r = {.with_2016 = true, .with_2019 = true};
     comparison c = {0};
     error e = {0};
-    const option_place places[] = {[OPT_PAPER] = {.take = take_paper, .context = &r},
-                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
-                                   [OPT_OUTPUT] = {.text = &r.directory}};
     options o = options_begin(&about_reproduce, argc, argv);
-    const bool ok = options_read(&o, places, &e) &&
-                    (o.helped || (options_complete(&o, places, &e) && reproduce(&r, &c, &e)));
+    const bool ok =
+        options_read(&o, &e) && (o.helped || (options_complete(&o, &e) && reproduce(&asked, &c, &e)));
     comparison_free(&c);
     return ok ? STATUS_DONE : error_print(&e);
 }

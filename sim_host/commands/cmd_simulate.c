@@ -11,23 +11,35 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPT_MOTOR, OPT_SCENARIO, OPT_OUT, OPT_EFFECT, OPT_SEED, OPT_TARGET, OPT_IMAGE, OPT_UART, OPT_LIST };
+typedef struct request {
+    const char *motor_path, *scenario_path, *out_path;
+    drive_emulated_choice emulated; /* no target: the firmware in this program */
+    option_texts effects;
+    long seed;
+    bool list;
+} request;
+
+static request asked = {.seed = 1};
 
 static const option_spec specs[] = {
-    [OPT_MOTOR] = {"motor", 0, "M.toml", "the motor file: machine, inverter, and the firmware's parameters"},
-    [OPT_SCENARIO] = {"scenario", 0, "S.toml", "speeds, currents and sensors over time (docs/scenario.md)"},
-    [OPT_OUT] = {"output", 'o', "REC.csv", "the recording; - is standard output"},
-    [OPT_EFFECT] = {"effect", 0, "id[:key=value,...]",
-                    "effect that the true drive has and its file has not; repeatable"},
-    [OPT_SEED] = {"seed", 0, "N", "seed of sensor noise and random effects (default 1)"},
-    [OPT_TARGET] = {"target", 0, "T",
-                    "run the firmware in QEMU: cortex-m4 or rv32; the recording is the same"},
-    [OPT_IMAGE] = {"image", 0, "F.elf", "image for --target (default: the one built with this program)"},
-    [OPT_UART] = {"uart", 0, "F",
-                  "with --target: the image sends every cycle over its UART into file F (iqfoc record)"},
-    [OPT_LIST] = {"list-effects", 0, NULL, "print the effects with their keys and default sizes"},
-    {NULL, 0, NULL, NULL},
-};
+    {"motor", 0, "M.toml", "the motor file: machine, inverter, and the firmware's parameters",
+     .text = &asked.motor_path, .needed = true},
+    {"scenario", 0, "S.toml", "speeds, currents and sensors over time (docs/scenario.md)",
+     .text = &asked.scenario_path, .needed = true},
+    {"output", 'o', "REC.csv", "the recording; - is standard output", .text = &asked.out_path, .needed = true,
+     .written = true},
+    {"effect", 0, "id[:key=value,...]", "effect that the true drive has and its file has not; repeatable",
+     .texts = &asked.effects},
+    {"seed", 0, "N", "seed of sensor noise and random effects (default 1)", .integer = &asked.seed,
+     .high = 2147483647},
+    {"target", 0, "T", "run the firmware in QEMU: cortex-m4 or rv32; the recording is the same",
+     .text = &asked.emulated.target},
+    {"image", 0, "F.elf", "image for --target (default: the one built with this program)",
+     .text = &asked.emulated.image},
+    {"uart", 0, "F", "with --target: the image sends every cycle over its UART into file F (iqfoc record)",
+     .text = &asked.emulated.uart},
+    {"list-effects", 0, NULL, "print the effects with their keys and default sizes", .flag = &asked.list},
+    {.name = NULL}};
 
 const command_about about_simulate = {
     "simulate",
@@ -38,14 +50,6 @@ const command_about about_simulate = {
     "by the given effects.",
     specs,
 };
-
-typedef struct request {
-    const char *motor_path, *scenario_path, *out_path;
-    drive_emulated_choice emulated; /* no target: the firmware in this program */
-    option_texts effects;
-    long seed;
-    bool list;
-} request;
 
 static void note(void *context, size_t run, uint32_t status)
 {
@@ -106,36 +110,26 @@ static bool simulate(const request *r, const motor *known, const motor *m, const
 int cmd_simulate(int argc, char **argv)
 {
     error e = {0, ""};
-    request r = {.seed = 1};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
-                                   [OPT_SCENARIO] = {.text = &r.scenario_path, .needed = true},
-                                   [OPT_OUT] = {.text = &r.out_path, .needed = true, .written = true},
-                                   [OPT_EFFECT] = {.texts = &r.effects},
-                                   [OPT_SEED] = {.integer = &r.seed, .high = 2147483647},
-                                   [OPT_TARGET] = {.text = &r.emulated.target},
-                                   [OPT_IMAGE] = {.text = &r.emulated.image},
-                                   [OPT_UART] = {.text = &r.emulated.uart},
-                                   [OPT_LIST] = {.flag = &r.list}};
     options o = options_begin(&about_simulate, argc, argv);
-    if (!options_read(&o, places, &e) || o.helped) {
+    if (!options_read(&o, &e) || o.helped) {
         return error_print(&e);
     }
-    if (r.list) {
+    if (asked.list) {
         plant_effect_list(stdout);
         return STATUS_DONE;
     }
-    if (r.emulated.target == NULL) {
+    if (asked.emulated.target == NULL) {
         confine(CONFINE_TO_FILES);
     }
     motor m;
     scenario s;
-    if (!options_complete(&o, places, &e) || !motor_read(r.motor_path, &m, &e) ||
-        !scenario_read(r.scenario_path, &s, &e)) {
+    if (!options_complete(&o, &e) || !motor_read(asked.motor_path, &m, &e) ||
+        !scenario_read(asked.scenario_path, &s, &e)) {
         return error_print(&e);
     }
     const motor known = drive_scenario_motor(&m, &s);
-    const bool good = (r.emulated.target == NULL || drive_scenario_plain(&s, r.scenario_path, &e)) &&
-                      simulate(&r, &known, &m, &s, &e);
+    const bool good = (asked.emulated.target == NULL || drive_scenario_plain(&s, asked.scenario_path, &e)) &&
+                      simulate(&asked, &known, &m, &s, &e);
     scenario_free(&s);
     return good ? STATUS_DONE : error_print(&e);
 }

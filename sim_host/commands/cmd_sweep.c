@@ -17,18 +17,34 @@
 
 enum { SPEEDS_MAX = 1000 };
 
-enum { OPT_MOTOR, OPT_RPM, OPT_CURRENT, OPT_ID_RATIO, OPT_JSON, OPT_MAP, OPT_OUTPUT, OPT_INDUCTION };
+typedef struct request {
+    const char *motor_path, *json_path;
+    double rpm[SPEEDS_MAX];
+    size_t speeds;
+    double current_A_rms; /* 0: rated */
+    double id_ratio;
+    const char *directory; /* NULL: no page */
+    bool map, induction;
+} request;
+
+static request asked;
 
 static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file"},
-    {"rpm", 0, "N[,N...]", "mechanical speeds in rpm; negative: reverse"},
-    {"current-rms", 0, "A", "phase current in A rms; default: the motor file's rated current"},
-    {"id-ratio", 0, "X", "i_d divided by the current, -1 to 1; default 0"},
-    {"json", 0, "F", "write the points to file F; - is stdout, without the table"},
-    {"map", 0, NULL, "instead: the cheapest sufficient mean current, as a map"},
-    {"output", 'o', "DIR", "the folder for a page with the picture; with --map sweep-map if not given"},
-    {"induction", 0, NULL, "instead: the errors for a traction induction machine at 500 Hz switching"},
-    {NULL, 0, NULL, NULL}};
+    {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path},
+    {"rpm", 0, "N[,N...]", "mechanical speeds in rpm; negative: reverse", .number = asked.rpm,
+     .count = &asked.speeds, .most = SPEEDS_MAX, .low = -1e6, .high = 1e6},
+    {"current-rms", 0, "A", "phase current in A rms; default: the motor file's rated current",
+     .number = &asked.current_A_rms, .low = 1e-3, .high = 1e6},
+    {"id-ratio", 0, "X", "i_d divided by the current, -1 to 1; default 0", .number = &asked.id_ratio,
+     .low = -1.0, .high = 1.0},
+    {"json", 0, "F", "write the points to file F; - is stdout, without the table", .text = &asked.json_path,
+     .written = true},
+    {"map", 0, NULL, "instead: the cheapest sufficient mean current, as a map", .flag = &asked.map},
+    {"output", 'o', "DIR", "the folder for a page with the picture; with --map sweep-map if not given",
+     .text = &asked.directory},
+    {"induction", 0, NULL, "instead: the errors for a traction induction machine at 500 Hz switching",
+     .flag = &asked.induction},
+    {.name = NULL}};
 
 const command_about about_sweep = {
     "sweep",
@@ -46,16 +62,6 @@ const command_about about_sweep = {
     "--map compares four means of the dq current over SFFR 3 to 100, modulation index and load.",
     specs};
 
-typedef struct request {
-    const char *motor_path, *json_path;
-    double rpm[SPEEDS_MAX];
-    size_t speeds;
-    double current_A_rms; /* 0: rated */
-    double id_ratio;
-    const char *directory; /* NULL: no page */
-    bool map, induction;
-} request;
-
 /* Refuses missing options and options that exclude each other. */
 static bool combination(const options *o, const request *r, error *e)
 {
@@ -64,13 +70,13 @@ static bool combination(const options *o, const request *r, error *e)
                            "sweep: --induction has its own machine; remove --motor, --rpm and --map");
     }
     if (r->motor_path == NULL && !r->induction) {
-        return options_missing(o, OPT_MOTOR, e);
+        return options_missing(o, "motor", e);
     }
     if (r->map && r->speeds > 0) {
         return error_input(e, NULL, 0, 0, "sweep: --map and --rpm exclude each other; give one");
     }
     if (r->speeds == 0 && !r->map && !r->induction) {
-        return options_missing(o, OPT_RPM, e);
+        return options_missing(o, "rpm", e);
     }
     return options_at_most(o, 0, e);
 }
@@ -198,18 +204,8 @@ static bool run(const request *r, error *e)
 
 int cmd_sweep(int argc, char **argv)
 {
-    request r = {0};
     error e = {0};
-    const option_place places[] = {
-        [OPT_MOTOR] = {.text = &r.motor_path},
-        [OPT_RPM] = {.number = r.rpm, .count = &r.speeds, .most = SPEEDS_MAX, .low = -1e6, .high = 1e6},
-        [OPT_CURRENT] = {.number = &r.current_A_rms, .low = 1e-3, .high = 1e6},
-        [OPT_ID_RATIO] = {.number = &r.id_ratio, .low = -1.0, .high = 1.0},
-        [OPT_JSON] = {.text = &r.json_path, .written = true},
-        [OPT_MAP] = {.flag = &r.map},
-        [OPT_OUTPUT] = {.text = &r.directory},
-        [OPT_INDUCTION] = {.flag = &r.induction}};
     options o = options_begin(&about_sweep, argc, argv);
-    const bool ok = options_read(&o, places, &e) && (o.helped || (combination(&o, &r, &e) && run(&r, &e)));
+    const bool ok = options_read(&o, &e) && (o.helped || (combination(&o, &asked, &e) && run(&asked, &e)));
     return ok ? STATUS_DONE : error_print(&e);
 }

@@ -8,39 +8,48 @@
 #include <stdio.h>
 #include <string.h>
 
-enum {
-    OPT_MOTOR,
-    OPT_DIAGNOSIS,
-    OPT_RATIO,
-    OPT_METHOD,
-    OPT_UPDATES,
-    OPT_MARGIN,
-    OPT_TOLERANCE,
-    OPT_RUN_UP,
-    OPT_INERTIA,
-    OPT_DRIVES,
-    OPT_SEED,
-    OPT_JSON,
-    OPT_OUTPUT
-};
+typedef struct request {
+    const char *motor_path, *method, *json_path, *directory;
+    double tolerance[3];
+    size_t tolerances;
+    tune_choice choice;
+} request;
+
+static request asked = {.choice = {.updates = 1,
+                                   .margin = 0.5,
+                                   .run_up_s = TUNE_RUN_UP_S,
+                                   .tolerances = {TUNE_TOLERANCE_R, TUNE_TOLERANCE_L, TUNE_TOLERANCE_PSI_F},
+                                   .drives = 50,
+                                   .seed = 1}};
 
 static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file"},
-    {"diagnosis", 0, "D.json", "output of `iqfoc diagnose --json`: the machine with its uncertainty"},
-    {"ratio", 0, "N", "SFFR at n_max to design for, instead of the file's f_pwm_Hz"},
-    {"method", 0, "pi|deadbeat", "filter of the reference; default: pi"},
+    {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path, .needed = true},
+    {"diagnosis", 0, "D.json", "output of `iqfoc diagnose --json`: the machine with its uncertainty",
+     .text = &asked.choice.diagnosis_path},
+    {"ratio", 0, "N", "SFFR at n_max to design for, instead of the file's f_pwm_Hz",
+     .number = &asked.choice.ratio, .low = 3.0, .high = 1000.0},
+    {"method", 0, "pi|deadbeat", "filter of the reference; default: pi", .text = &asked.method},
     {"updates", 0, "1|2",
-     "updates a carrier period; 2: f_pwm_Hz is the carrier's, a control cycle is half of it"},
-    {"margin", 0, "D", "required disk margin; default: 0.5"},
-    {"tolerance", 0, "R,L,PSI", "percent, for values without a diagnosis; default: 30,30,5"},
+     "updates a carrier period; 2: f_pwm_Hz is the carrier's, a control cycle is half of it",
+     .integer = &asked.choice.updates, .low = 1, .high = 2},
+    {"margin", 0, "D", "required disk margin; default: 0.5", .number = &asked.choice.margin, .low = 0.05,
+     .high = 1.5},
+    {"tolerance", 0, "R,L,PSI", "percent, for values without a diagnosis; default: 30,30,5",
+     .number = asked.tolerance, .count = &asked.tolerances, .most = 3, .low = 0.0, .high = 90.0},
     {"run-up", 0, "S",
-     "fastest run-up from standstill to n_max, s, for observer and speed control; default: 1"},
-    {"inertia", 0, "J", "inertia of rotor and load, kg m2: designs the speed control too"},
-    {"drives", 0, "N", "drives of the uncertainty set to simulate; default: 50"},
-    {"seed", 0, "N", "seed of the drawn drives; default: 1"},
-    {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
-    {"output", 'o', "DIR", "folder of the report page and the firmware header iqfoc_tuned.h"},
-    {NULL, 0, NULL, NULL}};
+     "fastest run-up from standstill to n_max, s, for observer and speed control; default: 1",
+     .number = &asked.choice.run_up_s, .low = 1e-4, .high = 1e6},
+    {"inertia", 0, "J", "inertia of rotor and load, kg m2: designs the speed control too",
+     .number = &asked.choice.J_kgm2, .low = 1e-9, .high = 1e9},
+    {"drives", 0, "N", "drives of the uncertainty set to simulate; default: 50",
+     .integer = &asked.choice.drives, .low = 1, .high = 100000},
+    {"seed", 0, "N", "seed of the drawn drives; default: 1", .integer = &asked.choice.seed, .low = 0,
+     .high = 1000000000},
+    {"json", 0, "F", "write the results to file F; - is stdout, without the text", .text = &asked.json_path,
+     .written = true},
+    {"output", 'o', "DIR", "folder of the report page and the firmware header iqfoc_tuned.h",
+     .text = &asked.directory},
+    {.name = NULL}};
 
 const command_about about_tune = {
     "tune", "--motor M.toml [--diagnosis D.json] [--ratio N] [--method pi|deadbeat] [-o DIR] [--json F]",
@@ -51,13 +60,6 @@ const command_about about_tune = {
     "of iqfoc/observer.h, with the margins without an angle sensor, and with --inertia the speed control\n"
     "of iqfoc/speed_control.h.",
     specs};
-
-typedef struct request {
-    const char *motor_path, *method, *json_path, *directory;
-    double tolerance[3];
-    size_t tolerances;
-    tune_choice choice;
-} request;
 
 static bool take_method(request *r, error *e)
 {
@@ -106,37 +108,14 @@ static bool tune(const request *r, error *e)
 
 int cmd_tune(int argc, char **argv)
 {
-    request r = {.choice = {.updates = 1,
-                            .margin = 0.5,
-                            .run_up_s = TUNE_RUN_UP_S,
-                            .tolerances = {TUNE_TOLERANCE_R, TUNE_TOLERANCE_L, TUNE_TOLERANCE_PSI_F},
-                            .drives = 50,
-                            .seed = 1}};
-    tune_choice *c = &r.choice;
+    tune_choice *c = &asked.choice;
     error e = {0};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
-                                   [OPT_DIAGNOSIS] = {.text = &c->diagnosis_path},
-                                   [OPT_RATIO] = {.number = &c->ratio, .low = 3.0, .high = 1000.0},
-                                   [OPT_METHOD] = {.text = &r.method},
-                                   [OPT_UPDATES] = {.integer = &c->updates, .low = 1, .high = 2},
-                                   [OPT_MARGIN] = {.number = &c->margin, .low = 0.05, .high = 1.5},
-                                   [OPT_TOLERANCE] = {.number = r.tolerance,
-                                                      .count = &r.tolerances,
-                                                      .most = 3,
-                                                      .low = 0.0,
-                                                      .high = 90.0},
-                                   [OPT_RUN_UP] = {.number = &c->run_up_s, .low = 1e-4, .high = 1e6},
-                                   [OPT_INERTIA] = {.number = &c->J_kgm2, .low = 1e-9, .high = 1e9},
-                                   [OPT_DRIVES] = {.integer = &c->drives, .low = 1, .high = 100000},
-                                   [OPT_SEED] = {.integer = &c->seed, .low = 0, .high = 1000000000},
-                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
-                                   [OPT_OUTPUT] = {.text = &r.directory}};
     options o = options_begin(&about_tune, argc, argv);
-    bool ok = options_read(&o, places, &e);
-    c->compares = r.directory != NULL || r.json_path != NULL;
+    bool ok = options_read(&o, &e);
+    c->compares = asked.directory != NULL || asked.json_path != NULL;
     if (ok && !o.helped) {
-        ok = options_complete(&o, places, &e) && take_tolerances(&r, &e) && take_method(&r, &e) &&
-             tune(&r, &e);
+        ok = options_complete(&o, &e) && take_tolerances(&asked, &e) && take_method(&asked, &e) &&
+             tune(&asked, &e);
     }
     return ok ? STATUS_DONE : error_print(&e);
 }

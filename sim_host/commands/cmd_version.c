@@ -2,7 +2,7 @@
 #include "command.h"
 #include "help.h"
 
-static const option_spec specs[] = {{NULL, 0, NULL, NULL}};
+static const option_spec specs[] = {{.name = NULL}};
 
 const command_about about_version = {"version", "", "Prints the version and the commit, as --version does.",
                                      specs};
@@ -10,9 +10,8 @@ const command_about about_version = {"version", "", "Prints the version and the 
 int cmd_version(int argc, char **argv)
 {
     error e = {0};
-    const option_place places[] = {{.text = NULL}};
     options o = options_begin(&about_version, argc, argv);
-    if (!options_read(&o, places, &e) || (!o.helped && !options_complete(&o, places, &e))) {
+    if (!options_read(&o, &e) || (!o.helped && !options_complete(&o, &e))) {
         return error_print(&e);
     }
     if (!o.helped) {

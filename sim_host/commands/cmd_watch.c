@@ -14,40 +14,43 @@
 /* Rows of a recorder after the alarm. */
 static const double RECORDED_S = 1.0;
 
-enum {
-    OPT_MOTOR,
-    OPT_DIAGNOSIS,
-    OPT_RATE,
-    OPT_TRIALS,
-    OPT_CYCLES,
-    OPT_CONDITION,
-    OPT_SEED,
-    OPT_JSON,
-    OPT_CHANGE,
-    OPT_OUTPUT,
-    OPT_TARGET,
-    OPT_IMAGE
-};
+typedef struct request {
+    const char *motor_path, *diagnosis_path, *json_path, *change, *condition, *directory;
+    drive_emulated_choice emulated; /* no target: the firmware in this program */
+    double rate, cycles;
+    long trials, seed;
+} request;
+
+static request asked = {.rate = 8000.0, .cycles = 2e5, .trials = 20, .seed = 1};
 
 static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file"},
+    {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path, .needed = true},
     {"diagnosis", 0, "D.json",
-     "output of `iqfoc diagnose --json`: the firmware's model, and the detector's noise and uncertainty"},
-    {"rate", 0, "HZ", "switching frequency; default: 8000"},
-    {"trials", 0, "N", "drives for each change; default: 20; 0: only the drive without a change"},
-    {"cycles", 0, "N", "cycles of the drive without a change, of each condition; default: 2e5"},
+     "output of `iqfoc diagnose --json`: the firmware's model, and the detector's noise and uncertainty",
+     .text = &asked.diagnosis_path},
+    {"rate", 0, "HZ", "switching frequency; default: 8000", .number = &asked.rate, .low = 100.0, .high = 1e6},
+    {"trials", 0, "N", "drives for each change; default: 20; 0: only the drive without a change",
+     .integer = &asked.trials, .low = 0, .high = 100000},
+    {"cycles", 0, "N", "cycles of the drive without a change, of each condition; default: 2e5",
+     .number = &asked.cycles, .low = 1e3, .high = 1e12},
     {"condition", 0, "constant|ripple_1|ripple_3|temperature|saturation_3|saturation_10|load_steps|all",
-     "operating condition of the drive without a change; default: all"},
-    {"seed", 0, "N", "seed of the first drive; default: 1"},
-    {"json", 0, "F", "write the results to file F; - is stdout, without the text"},
-    {"change", 0, "magnet|winding|sensor|dead_time|phase|rotor", "with -o: the change of the recorded drive"},
+     "operating condition of the drive without a change; default: all", .text = &asked.condition},
+    {"seed", 0, "N", "seed of the first drive; default: 1", .integer = &asked.seed, .low = 0,
+     .high = 1000000000},
+    {"json", 0, "F", "write the results to file F; - is stdout, without the text", .text = &asked.json_path,
+     .written = true},
+    {"change", 0, "magnet|winding|sensor|dead_time|phase|rotor", "with -o: the change of the recorded drive",
+     .text = &asked.change},
     {"output", 'o', "DIR",
-     "instead of trials: one drive's recording from the alarm on, rec.csv, and motor.toml"},
+     "instead of trials: one drive's recording from the alarm on, rec.csv, and motor.toml",
+     .text = &asked.directory},
     {"target", 0, "T",
      "with -o: the firmware runs in QEMU, cortex-m4 or rv32; its recorder writes rec.uart,\nfor iqfoc "
-     "record"},
-    {"image", 0, "F.elf", "the image for --target (default: the one built with this program)"},
-    {NULL, 0, NULL, NULL}};
+     "record",
+     .text = &asked.emulated.target},
+    {"image", 0, "F.elf", "the image for --target (default: the one built with this program)",
+     .text = &asked.emulated.image},
+    {.name = NULL}};
 
 const command_about about_watch = {
     "watch",
@@ -62,13 +65,6 @@ const command_about about_watch = {
     "L stated to the detector), and load steps.\n"
     "With -o one drive is recorded from its alarm on, for iqfoc diagnose.",
     specs};
-
-typedef struct request {
-    const char *motor_path, *diagnosis_path, *json_path, *change, *condition, *directory;
-    drive_emulated_choice emulated; /* no target: the firmware in this program */
-    double rate, cycles;
-    long trials, seed;
-} request;
 
 static bool take_change(const request *r, watch_change *change, error *e)
 {
@@ -242,30 +238,17 @@ static bool watch(const request *r, error *e)
 
 int cmd_watch(int argc, char **argv)
 {
-    request r = {.rate = 8000.0, .cycles = 2e5, .trials = 20, .seed = 1};
     error e = {0};
-    const option_place places[] = {[OPT_MOTOR] = {.text = &r.motor_path, .needed = true},
-                                   [OPT_DIAGNOSIS] = {.text = &r.diagnosis_path},
-                                   [OPT_RATE] = {.number = &r.rate, .low = 100.0, .high = 1e6},
-                                   [OPT_TRIALS] = {.integer = &r.trials, .low = 0, .high = 100000},
-                                   [OPT_CYCLES] = {.number = &r.cycles, .low = 1e3, .high = 1e12},
-                                   [OPT_CONDITION] = {.text = &r.condition},
-                                   [OPT_SEED] = {.integer = &r.seed, .low = 0, .high = 1000000000},
-                                   [OPT_JSON] = {.text = &r.json_path, .written = true},
-                                   [OPT_CHANGE] = {.text = &r.change},
-                                   [OPT_OUTPUT] = {.text = &r.directory},
-                                   [OPT_TARGET] = {.text = &r.emulated.target},
-                                   [OPT_IMAGE] = {.text = &r.emulated.image}};
     options o = options_begin(&about_watch, argc, argv);
-    bool ok = options_read(&o, places, &e);
-    if (ok && r.emulated.target == NULL) {
+    bool ok = options_read(&o, &e);
+    if (ok && asked.emulated.target == NULL) {
         confine(CONFINE_TO_FILES);
     }
     if (ok && !o.helped) {
-        ok = options_complete(&o, places, &e) &&
-             (r.emulated.target == NULL || r.directory != NULL ||
+        ok = options_complete(&o, &e) &&
+             (asked.emulated.target == NULL || asked.directory != NULL ||
               error_input(&e, NULL, 0, 0, "watch: --target needs --change and -o")) &&
-             watch(&r, &e);
+             watch(&asked, &e);
     }
     return ok ? STATUS_DONE : error_print(&e);
 }

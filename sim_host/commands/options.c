@@ -54,7 +54,7 @@ static void print_option(const option_spec *spec)
     }
 }
 
-const option_spec options_help = {"help", 'h', NULL, "print this text"};
+const option_spec options_help = {.name = "help", .letter = 'h', .help = "print this text"};
 
 void options_print_help(const command_about *about)
 {
@@ -225,9 +225,18 @@ bool options_integer(const options *o, long min, long max, long *value, error *e
     return true;
 }
 
-bool options_missing(const options *o, int which, error *e)
+const option_spec *options_find(const command_about *about, const char *name)
 {
-    const option_spec *spec = &o->about->specs[which];
+    const option_spec *spec = about->specs;
+    while (strcmp(spec->name, name) != 0) {
+        spec++;
+    }
+    return spec;
+}
+
+bool options_missing(const options *o, const char *name, error *e)
+{
+    const option_spec *spec = options_find(o->about, name);
     return error_input(e, NULL, 0, 0, "%s: --%s %s is missing; see `iqfoc %s --help`", o->about->name,
                        spec->name, spec->argument != NULL ? spec->argument : "", o->about->name);
 }
@@ -239,6 +248,13 @@ bool options_at_most(const options *o, int most, error *e)
                            o->argv[o->first + most]);
     }
     return true;
+}
+
+bool options_recording(const options *o, error *e)
+{
+    return (o->argc > o->first || error_input(e, NULL, 0, 0, "%s: no recording is given. Usage: iqfoc %s %s",
+                                              o->about->name, o->about->name, o->about->usage)) &&
+           options_at_most(o, 1, e);
 }
 
 /* ---- all of them ---- */
@@ -253,7 +269,7 @@ static bool take_text(const options *o, option_texts *texts, error *e)
     return true;
 }
 
-static bool take_value(const options *o, const option_place *p, error *e)
+static bool take_value(const options *o, const option_spec *p, error *e)
 {
     if (p->text != NULL) {
         *p->text = o->argument;
@@ -269,30 +285,30 @@ static bool take_value(const options *o, const option_place *p, error *e)
     } else if (p->number != NULL) {
         return options_number(o, p->low, p->high, p->number, e);
     } else {
-        return p->take(o, p->context, e);
+        return p->take(o, e);
     }
     return true;
 }
 
-bool options_read(options *o, const option_place *places, error *e)
+bool options_read(options *o, error *e)
 {
     int which;
     while ((which = options_next(o, e)) >= 0) {
-        if (!take_value(o, &places[which], e)) {
+        if (!take_value(o, &o->about->specs[which], e)) {
             return false;
         }
     }
     return which == OPTIONS_END;
 }
 
-bool options_complete(const options *o, const option_place *places, error *e)
+bool options_complete(const options *o, error *e)
 {
     if (!options_at_most(o, 0, e)) {
         return false;
     }
-    for (int n = 0; o->about->specs[n].name != NULL; n++) {
-        if (places[n].needed && *places[n].text == NULL) {
-            return options_missing(o, n, e);
+    for (const option_spec *spec = o->about->specs; spec->name != NULL; spec++) {
+        if (spec->needed && *spec->text == NULL) {
+            return options_missing(o, spec->name, e);
         }
     }
     return true;

@@ -1,10 +1,11 @@
 /*
- * The options of a command. One table has their names and help texts, for parsing, help and error messages; a second one has
- * the variable of each value.
+ * The options of a command: one table of their names, help texts and variables, for parsing, help and error messages.
  *
- *     const option_place places[] = {[OPT_MOTOR] = {.text = &motor_path, .needed = true}, ...};
+ *     static request asked = {...};
+ *     static const option_spec specs[] = {{"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path, .needed = true},
+ *                                         {.name = NULL}};
  *     options o = options_begin(&about, argc, argv);
- *     ok = options_read(&o, places, &e) && (o.helped || (options_complete(&o, places, &e) && run(...)));
+ *     ok = options_read(&o, &e) && (o.helped || (options_complete(&o, &e) && run(...)));
  *
  * Afterwards argv[o.first] ... argv[argc - 1] are the arguments that are no options.
  */
@@ -15,11 +16,33 @@
 
 #include <stddef.h>
 
+struct options;
+
+enum { OPTION_TEXTS_MAX = 32 };
+
+/* All values of a repeatable option. */
+typedef struct option_texts {
+    const char *of[OPTION_TEXTS_MAX];
+    int count;
+} option_texts;
+
 typedef struct option_spec {
     const char *name;     /* "motor" for --motor; NULL ends the table */
     char letter;          /* 'o' for -o, or 0 */
     const char *argument; /* the value, as the help shows it: "M.toml"; NULL for a switch */
     const char *help;     /* one or more lines, separated by \n */
+    /* The variable: one of these pointers is set. */
+    const char **text;
+    option_texts *texts;
+    bool *flag;
+    long *integer;  /* from low to high */
+    double *number; /* from low to high */
+    size_t *count;  /* set: `number` is an array of `most`, separated by commas */
+    size_t most;
+    double low, high;
+    bool (*take)(const struct options *o, error *e); /* for all other kinds */
+    bool needed;  /* options_complete reports it as missing; only with `text` */
+    bool written; /* a file that the command writes: reserved (base/inputs.h); only with `text` */
 } option_spec;
 
 typedef struct command_about {
@@ -39,30 +62,6 @@ typedef struct options {
     bool helped;          /* --help was there and the help has been printed */
 } options;
 
-enum { OPTION_TEXTS_MAX = 32 };
-
-/* All values of a repeatable option. */
-typedef struct option_texts {
-    const char *of[OPTION_TEXTS_MAX];
-    int count;
-} option_texts;
-
-/* The variable of one option: one of the pointers is set. */
-typedef struct option_place {
-    const char **text;
-    option_texts *texts;
-    bool *flag;
-    long *integer;  /* from low to high */
-    double *number; /* from low to high */
-    size_t *count;  /* set: `number` is an array of `most`, separated by commas */
-    size_t most;
-    double low, high;
-    bool (*take)(const options *o, void *context, error *e); /* for all other kinds */
-    void *context;
-    bool needed;  /* options_complete reports it as missing; only with `text` */
-    bool written; /* a file that the command writes: reserved (base/inputs.h); only with `text` */
-} option_place;
-
 /* --help itself, as the help shows it. */
 extern const option_spec options_help;
 
@@ -80,11 +79,11 @@ options options_begin(const command_about *about, int argc, char **argv);
 /* The index in specs of the next option, OPTIONS_END or OPTIONS_ERROR. */
 int options_next(options *o, error *e);
 
-/* Reads all options into places[i] for specs[i]. True, too, after --help: o->helped. */
-bool options_read(options *o, const option_place *places, error *e);
+/* Reads all options into their variables. True, too, after --help: o->helped. */
+bool options_read(options *o, error *e);
 
 /* False with *e set if an argument is left over, or a needed option is missing. */
-bool options_complete(const options *o, const option_place *places, error *e);
+bool options_complete(const options *o, error *e);
 
 /* The current option's argument as a number from min to max; false with *e set otherwise. */
 bool options_number(const options *o, double min, double max, double *value, error *e);
@@ -94,8 +93,14 @@ bool options_integer(const options *o, long min, long max, long *value, error *e
 bool options_numbers(const options *o, double low, double high, double *values, size_t max, size_t *count,
                      error *e);
 
+/* The option of this name; the table has it. */
+const option_spec *options_find(const command_about *about, const char *name);
+
 /* Sets "simulate: --motor M.toml is missing". Returns false. */
-bool options_missing(const options *o, int which, error *e);
+bool options_missing(const options *o, const char *name, error *e);
+
+/* False with *e set unless there is one other argument, a recording. */
+bool options_recording(const options *o, error *e);
 
 /* False with *e set if there are more than `most` other arguments. */
 bool options_at_most(const options *o, int most, error *e);

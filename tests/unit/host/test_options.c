@@ -7,16 +7,31 @@
 
 enum { OPT_MOTOR, OPT_OUT, OPT_RPM, OPT_SEED, OPT_QUICK };
 
+static struct {
+    const char *motor, *out;
+    option_texts notes;
+    double rpm[2];
+    size_t speeds;
+    long seed;
+    bool quick;
+} asked;
+
 static const option_spec specs[] = {
-    [OPT_MOTOR] = {"motor", 0, "M.toml", "the motor file"}, [OPT_OUT] = {"output", 'o', "F", "where to"},
-    [OPT_RPM] = {"rpm", 0, "N[,N...]", "speeds"},           [OPT_SEED] = {"seed", 0, "N", "of the noise"},
-    [OPT_QUICK] = {"quick", 'q', NULL, "a switch"},         {0},
+    [OPT_MOTOR] = {"motor", 0, "M.toml", "the motor file", .text = &asked.motor, .needed = true},
+    [OPT_OUT] = {"output", 'o', "F", "where to", .text = &asked.out},
+    [OPT_RPM] = {"rpm", 0, "N[,N...]", "speeds", .number = asked.rpm, .count = &asked.speeds, .most = 2,
+                 .low = -10.0, .high = 10.0},
+    [OPT_SEED] = {"seed", 0, "N", "of the noise", .integer = &asked.seed, .low = 1, .high = 9},
+    [OPT_QUICK] = {"quick", 'q', NULL, "a switch", .flag = &asked.quick},
+    {"note", 'n', "TEXT", "repeatable", .texts = &asked.notes},
+    {.name = NULL},
 };
 
 static const command_about about = {"try", "[options]", "A command for this test.", specs};
 
 void setUp(void)
 {
+    memset(&asked, 0, sizeof asked);
 }
 
 void tearDown(void)
@@ -129,42 +144,26 @@ static void test_a_missing_option_is_named(void)
     error e = {0};
     options o = options_begin(&about, 1, argv);
     TEST_ASSERT_EQUAL(OPTIONS_END, options_next(&o, &e));
-    TEST_ASSERT_FALSE(options_missing(&o, OPT_MOTOR, &e));
+    TEST_ASSERT_FALSE(options_missing(&o, "motor", &e));
     TEST_ASSERT_EQUAL_STRING("try: --motor M.toml is missing; see `iqfoc try --help`", e.text);
 }
 
-typedef struct request {
-    const char *motor, *out;
-    double rpm[2];
-    size_t speeds;
-    long seed;
-    bool quick;
-} request;
-
-/* Reads a command line into places of every kind; false with its error text in e. */
-static bool read_request(char **argv, request *r, error *e)
+/* Reads a command line into variables of every kind; false with its error text in e. */
+static bool read_request(char **argv, error *e)
 {
-    const option_place places[] = {
-        [OPT_MOTOR] = {.text = &r->motor, .needed = true},
-        [OPT_OUT] = {.text = &r->out},
-        [OPT_RPM] = {.number = r->rpm, .count = &r->speeds, .most = 2, .low = -10.0, .high = 10.0},
-        [OPT_SEED] = {.integer = &r->seed, .low = 1, .high = 9},
-        [OPT_QUICK] = {.flag = &r->quick},
-    };
     options o = options_begin(&about, count_arguments(argv), argv);
-    return options_read(&o, places, e) && options_complete(&o, places, e);
+    return options_read(&o, e) && options_complete(&o, e);
 }
 
 static void test_values_go_to_their_places(void)
 {
     char *argv[] = {"try", "--motor", "m", "-of", "--rpm", "-2,10", "--seed", "9", "-q", NULL};
-    request r = {0};
     error e = {0};
-    TEST_ASSERT_TRUE_MESSAGE(read_request(argv, &r, &e), e.text);
-    TEST_ASSERT_EQUAL_STRING("m", r.motor);
-    TEST_ASSERT_EQUAL_STRING("f", r.out);
-    TEST_ASSERT_EQUAL(2, r.speeds);
-    TEST_ASSERT_TRUE(r.rpm[0] == -2.0 && r.rpm[1] == 10.0 && r.seed == 9 && r.quick);
+    TEST_ASSERT_TRUE_MESSAGE(read_request(argv, &e), e.text);
+    TEST_ASSERT_EQUAL_STRING("m", asked.motor);
+    TEST_ASSERT_EQUAL_STRING("f", asked.out);
+    TEST_ASSERT_EQUAL(2, asked.speeds);
+    TEST_ASSERT_TRUE(asked.rpm[0] == -2.0 && asked.rpm[1] == 10.0 && asked.seed == 9 && asked.quick);
 }
 
 static void expect_request_refused(const char *option, const char *value, const char *text)
@@ -174,9 +173,8 @@ static void expect_request_refused(const char *option, const char *value, const 
     strcpy(first, option);
     strcpy(second, value);
     char *argv[] = {"try", first, second, NULL};
-    request r = {0};
     error e = {0};
-    TEST_ASSERT_FALSE_MESSAGE(read_request(argv, &r, &e), option);
+    TEST_ASSERT_FALSE_MESSAGE(read_request(argv, &e), option);
     TEST_ASSERT_EQUAL_STRING(text, e.text);
 }
 
@@ -194,32 +192,47 @@ static void test_an_equals_sign_after_a_letter(void)
 {
     char *argv[] = {"try", "--motor", "m", "-o=f", "-q", NULL};
     char *apart[] = {"try", "--motor", "m", "-o", "=f", NULL};
-    request r = {0};
     error e = {0};
-    TEST_ASSERT_TRUE_MESSAGE(read_request(argv, &r, &e), e.text);
-    TEST_ASSERT_EQUAL_STRING("f", r.out);
-    TEST_ASSERT_TRUE_MESSAGE(read_request(apart, &r, &e), e.text);
-    TEST_ASSERT_EQUAL_STRING("=f", r.out);
+    TEST_ASSERT_TRUE_MESSAGE(read_request(argv, &e), e.text);
+    TEST_ASSERT_EQUAL_STRING("f", asked.out);
+    TEST_ASSERT_TRUE_MESSAGE(read_request(apart, &e), e.text);
+    TEST_ASSERT_EQUAL_STRING("=f", asked.out);
 }
 
 static void test_a_repeatable_option(void)
 {
     char *argv[OPTION_TEXTS_MAX + 3] = {"try"};
-    option_texts outs = {.count = 0};
-    const option_place places[] = {[OPT_OUT] = {.texts = &outs}};
     for (int n = 1; n <= OPTION_TEXTS_MAX + 1; n++) {
-        argv[n] = n % 2 == 1 ? "-oa" : "-ob";
+        argv[n] = n % 2 == 1 ? "-na" : "-nb";
     }
     error e = {0};
     options o = options_begin(&about, OPTION_TEXTS_MAX + 1, argv);
-    TEST_ASSERT_TRUE_MESSAGE(options_read(&o, places, &e), e.text);
-    TEST_ASSERT_EQUAL(OPTION_TEXTS_MAX, outs.count);
-    TEST_ASSERT_EQUAL_STRING("a", outs.of[0]);
-    TEST_ASSERT_EQUAL_STRING("b", outs.of[OPTION_TEXTS_MAX - 1]);
-    outs.count = 0;
+    TEST_ASSERT_TRUE_MESSAGE(options_read(&o, &e), e.text);
+    TEST_ASSERT_EQUAL(OPTION_TEXTS_MAX, asked.notes.count);
+    TEST_ASSERT_EQUAL_STRING("a", asked.notes.of[0]);
+    TEST_ASSERT_EQUAL_STRING("b", asked.notes.of[OPTION_TEXTS_MAX - 1]);
+    asked.notes.count = 0;
     o = options_begin(&about, OPTION_TEXTS_MAX + 2, argv);
-    TEST_ASSERT_FALSE(options_read(&o, places, &e));
-    TEST_ASSERT_EQUAL_STRING("try: --output is given more than 32 times", e.text);
+    TEST_ASSERT_FALSE(options_read(&o, &e));
+    TEST_ASSERT_EQUAL_STRING("try: --note is given more than 32 times", e.text);
+}
+
+static void test_one_recording(void)
+{
+    char *argv[] = {"try", "a.csv", "b.csv", NULL};
+    error e = {0};
+    options o = options_begin(&about, 1, argv);
+    TEST_ASSERT_TRUE(options_read(&o, &e));
+    TEST_ASSERT_FALSE(options_recording(&o, &e));
+    TEST_ASSERT_EQUAL_STRING("try: no recording is given. Usage: iqfoc try [options]", e.text);
+    o = options_begin(&about, 2, argv);
+    TEST_ASSERT_TRUE(options_read(&o, &e) && options_recording(&o, &e));
+    TEST_ASSERT_EQUAL_STRING("a.csv", argv[o.first]);
+    e = (error){0};
+    o = options_begin(&about, 3, argv);
+    TEST_ASSERT_TRUE(options_read(&o, &e));
+    TEST_ASSERT_FALSE(options_recording(&o, &e));
+    TEST_ASSERT_EQUAL_STRING("try: unexpected argument \"b.csv\"", e.text);
 }
 
 static void test_suggestions(void)
@@ -244,6 +257,7 @@ int main(void)
     RUN_TEST(test_a_request_that_is_not_whole);
     RUN_TEST(test_an_equals_sign_after_a_letter);
     RUN_TEST(test_a_repeatable_option);
+    RUN_TEST(test_one_recording);
     RUN_TEST(test_suggestions);
     return UNITY_END();
 }
