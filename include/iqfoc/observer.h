@@ -81,7 +81,7 @@ typedef struct iqfoc_observer_config {
         IQFOC_FLUX_PREDICTOR(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V), 0, IQ24(0.5),                  \
             IQ24(IQFOC_RAW_TRACKER_K1_2(IQFOC_RAW_TRACKER_POLE(w_rad_s, T_s))),                              \
             IQ24(IQFOC_RAW_TRACKER_K2_2(IQFOC_RAW_TRACKER_POLE(w_rad_s, T_s))), turns_min, IQ24(0.02),       \
-            IQFOC_FLUX_PSI((psi_Wb) / 8.0, T_s, U_b_V), 8, 50, 2000                                          \
+            IQFOC_FLUX_PSI((psi_Wb) / 4.0, T_s, U_b_V), 8, 50, 2000                                          \
     }
 
 /* Angles in Q32: a turn is 2^32, and a wrap of the number is a whole turn. */

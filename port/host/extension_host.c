@@ -81,7 +81,7 @@ bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error 
     }
     observer_set_loop(&c, OBSERVER_LOOP_RAD);
     c.saturation = extension.saturation;
-    c.flux_max = c.machine.psi / 8;
+    c.flux_max = c.machine.psi / 4;
     *config = c;
     return iqfoc_observer_check(config) == IQFOC_OK ||
            motor_refuse(m->path, "psi_f_Wb", e,

@@ -16,7 +16,7 @@
 
 #include <stdio.h>
 
-enum { OBSERVE_SETTLED_ROWS = 50, OBSERVE_SPEEDS = 5, OBSERVE_CURRENTS = 4, OBSERVE_REASONS = 3 };
+enum { OBSERVE_SETTLED_ROWS = 200, OBSERVE_SPEEDS = 5, OBSERVE_CURRENTS = 4, OBSERVE_REASONS = 3 };
 
 /* The angle's error over some rows, degrees: observed minus recorded. */
 typedef struct observe_error {
