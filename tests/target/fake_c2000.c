@@ -156,11 +156,13 @@ static bool passes(const c2000_reg_t *reg)
 
 void c2000_write(c2000_reg_t *reg, uint16_t value)
 {
-    const uint16_t written = reg == fake_plant.rewritten ? fake_plant.value : value;
     if (passes(reg)) {
-        note(reg, written);
-        *reg = written;
-        answer(reg, written);
+        note(reg, value);
+        *reg = value;
+        answer(reg, value);
+    }
+    if (reg == fake_plant.trips_at) {
+        fake_trip_by(1);
     }
 }
 

@@ -32,11 +32,10 @@ void fake_reset(void);
 
 /* A mistake of the port or of the chip, planted behind it; fake_reset leaves it. */
 typedef struct fake_plant {
-    bool never_unprotects;  /* every protected write is lost */
-    uint32_t trips_missed;  /* of the next writes to TZFRC and TZCLR, each (the erratum misses single ones) */
-    uint32_t locks_failed;  /* of the PLL */
-    c2000_reg_t *rewritten; /* a write to this register... */
-    uint16_t value;         /* ... writes this */
+    bool never_unprotects; /* every protected write is lost */
+    uint32_t trips_missed; /* of the next writes to TZFRC and TZCLR, each (the erratum misses single ones) */
+    uint32_t locks_failed; /* of the PLL */
+    c2000_reg_t *trips_at; /* a write to this register comes together with the break line */
 } fake_plant_t;
 extern fake_plant_t fake_plant;
 

@@ -73,6 +73,7 @@ static void check_clock(const c2000_chip_t *chip, uint32_t multiplier, uint32_t 
 {
     const uint16_t *clk = fake_bank.clk;
     fake_reset();
+    fake_bank.clk[CLK_PERDIVSEL] = 0;
     TEST_ASSERT_EQUAL(C2000_OK, c2000_clock_start(chip));
     const int32_t flash = fake_last_write(fake_bank.flash + FLASH_FRDCNTL, 0x0F00, waits << 8);
     const int32_t bypass = fake_first_write(clk + CLK_PLLCTL1, PLLCTL1_USED, 0);
@@ -89,7 +90,8 @@ static void check_clock(const c2000_chip_t *chip, uint32_t multiplier, uint32_t 
     /* 10 MHz times the factor, by 2; the time base has 100 MHz. */
     TEST_ASSERT_EQUAL_UINT32(chip->family->clock_hz, 10000000 * multiplier / 2);
     TEST_ASSERT_EQUAL_UINT32(C2000_TICK_HZ, chip->family->clock_hz / chip->family->clocks_per_tick);
-    TEST_ASSERT_EQUAL_HEX16(1, clk[CLK_PERDIVSEL] & 3);
+    /* The F28004x has no such register. */
+    TEST_ASSERT_EQUAL_HEX16(chip->family->clocks_per_tick - 1, clk[CLK_PERDIVSEL]);
     TEST_ASSERT_EQUAL_UINT32(0, fake_lost());
 }
 
@@ -329,10 +331,28 @@ static void test_trips(void)
     iqfoc_hal_write(&hal, &on);
     TEST_ASSERT_TRUE(all_tripped());
     check_stays_off();
+    /* The same, cleared before the next command: no leg stays on. */
+    fake_bank.epwm[1][EPWM_TZFLG] = TZ_OST;
+    hal_c2000_clear_break(&hal);
+    TEST_ASSERT_TRUE(all_tripped());
+    iqfoc_hal_write(&hal, &on);
     /* While a command holds the outputs off, a trip is seen by its source. */
     const iqfoc_command_t off = command_of(0.0, 0.0, 0.0, false);
     iqfoc_hal_write(&hal, &off);
     fake_trip_by(0x01);
+    check_stays_off();
+}
+
+/* The break line while a command is written: outputs that were on stay off. */
+static void test_trip_during_a_command(void)
+{
+    const iqfoc_command_t on = command_of(0.5, 0.5, 0.5, true);
+    begin();
+    iqfoc_hal_write(&hal, &on);
+    fake_plant.trips_at = fake_bank.epwm[0] + EPWM_GLDCTL2;
+    iqfoc_hal_write(&hal, &on);
+    fake_plant.trips_at = NULL;
+    TEST_ASSERT_TRUE(all_tripped());
     check_stays_off();
 }
 
@@ -491,6 +511,7 @@ int main(void)
     RUN_TEST(test_duties);
     RUN_TEST(test_gates);
     RUN_TEST(test_trips);
+    RUN_TEST(test_trip_during_a_command);
     RUN_TEST(test_sampling_instant);
     RUN_TEST(test_scaling_signs_and_clipping);
     RUN_TEST(test_angle_and_speed);
