@@ -336,6 +336,7 @@ static void test_trips(void)
     hal_c2000_clear_break(&hal);
     TEST_ASSERT_TRUE(all_tripped());
     iqfoc_hal_write(&hal, &on);
+    TEST_ASSERT_TRUE(none_tripped());
     /* While a command holds the outputs off, a trip is seen by its source. */
     const iqfoc_command_t off = command_of(0.0, 0.0, 0.0, false);
     iqfoc_hal_write(&hal, &off);
