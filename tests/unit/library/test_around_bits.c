@@ -1,10 +1,11 @@
 /*
- * Tracker and start to the last bit: any allowed input, one hash for each over all results. test_tracker.c and
- * test_start.c check them in double precision.
+ * Tracker, start and speed control to the last bit: any allowed input, one hash for each over all results. test_tracker.c, test_start.c
+ * and test_speed_control.c check them in double precision.
  */
 #include "bits.h"
 #include "hash.h"
 
+#include "iqfoc/speed_control.h"
 #include "iqfoc/start.h"
 #include "iqfoc/tracker.h"
 
@@ -150,6 +151,60 @@ static void test_starts_verdicts(void)
     }
 }
 
+/* ---- Speed control ---- */
+
+static iqfoc_speed_control_config_t any_speed_control(uint64_t *seed, int run)
+{
+    iqfoc_speed_control_config_t c;
+    c.kp_q16 = bits_random(seed, 1, INT32_MAX >> bits_random(seed, 0, 24));
+    c.share = run % 5 == 0 ? IQ24_ONE : bits_random(seed, 0, IQ24_ONE);
+    c.ramp_q32 = bits_random(seed, 1, 1 << bits_random(seed, 8, 30));
+    c.i_max = bits_random(seed, 1, 4 * IQ24_ONE);
+    c.i_ramp = bits_random(seed, 0, c.i_max);
+    c.cycles = (uint32_t)bits_random(seed, 1, 3);
+    return c;
+}
+
+/* A speed, now and then one of those at which a limit begins. */
+static iq24_t any_speed(uint64_t *seed)
+{
+    const iq24_t ends[] = {INT32_MIN, INT32_MAX, IQFOC_ROTOR_TURNS_MAX, -IQFOC_ROTOR_TURNS_MAX, 0};
+    return bits_random(seed, 0, 9) == 0 ? ends[bits_random(seed, 0, 4)]
+                                        : bits_random(seed, -6000000, 6000000);
+}
+
+static void test_speed_control(void)
+{
+    uint64_t seed = 3;
+    uint64_t digest = DIGEST_START;
+    for (int run = 0; run < 4 * RUNS; run++) {
+        const iqfoc_speed_control_config_t c = any_speed_control(&seed, run);
+        iqfoc_speed_control_t s;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_speed_control_init(&s, &c));
+        iq24_t target = 0;
+        iq24_t turns = 0;
+        iq24_t limit = c.i_max;
+        for (int n = 0; n < 60; n++) {
+            if (n % 20 == 0) {
+                turns = any_speed(&seed);
+                iqfoc_speed_control_start(&s, turns, bits_random(&seed, -5 * IQ24_ONE, 5 * IQ24_ONE));
+                target = any_speed(&seed);
+            }
+            if (n % 5 == 0) {
+                limit = bits_random(&seed, 0, 3) == 0 ? bits_random(&seed, INT32_MIN, INT32_MAX) : c.i_max;
+            }
+            turns =
+                bits_random(&seed, 0, 9) == 0 ? any_speed(&seed) : turns + bits_random(&seed, -2000, 2000);
+            turns = (iq24_t)bits_held(turns, -IQ24_ONE, IQ24_ONE);
+            digest_add(&digest, iqfoc_speed_control_step(&s, target, turns, limit));
+            bits_add64(&digest, s.integral);
+            digest_add(&digest, s.set_point_q32);
+            digest_add(&digest, (int32_t)s.wait);
+        }
+    }
+    bits_golden(UINT64_C(0x5a4c8ed55f7e571a), digest);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -157,5 +212,6 @@ int main(void)
     RUN_TEST(test_trackers_count_ends);
     RUN_TEST(test_start);
     RUN_TEST(test_starts_verdicts);
+    RUN_TEST(test_speed_control);
     return UNITY_END();
 }

@@ -1,12 +1,13 @@
 /*
- * The observer, the adaptation of its L_q and the drive without a sensor to the last bit: any allowed input from any
- * state, one hash for each over all results. test_rotor_observer.c, test_observer_inductance.c and
+ * The observer, the adaptations of its L_q and of its R and psi_f, and the drive without a sensor to the last bit: any allowed input from any
+ * state, one hash for each over all results. test_rotor_observer.c, test_observer_inductance.c, test_observer_resistance.c and
  * test_sensorless_drive.c check them in double precision.
  */
 #include "bits.h"
 #include "hash.h"
 
 #include "iqfoc/observer_inductance.h"
+#include "iqfoc/observer_resistance.h"
 #include "iqfoc/params.h"
 #include "iqfoc/sensorless.h"
 
@@ -192,6 +193,89 @@ static void test_least_step(void)
     }
 }
 
+/* ---- R and psi_f ---- */
+
+static const iqfoc_observer_config_t warm_config =
+    IQFOC_OBSERVER_CONFIG(0.5, 1.5e-3, 1.5e-3, 0.03, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.002));
+
+static void any_adaptation(uint64_t *seed, iqfoc_observer_resistance_t *a, iqfoc_observer_t *o)
+{
+    o->theta_q32 = bits_random(seed, INT32_MIN, INT32_MAX);
+    o->turns_q32 = any_size(seed, 85.0);
+    o->flux_error = any_size(seed, 16.0);
+    o->psi = any_ab(seed, 32.0);
+    o->locked = bits_random(seed, 0, 7) != 0;
+    a->s = any_ab(seed, 32.0);
+    a->r = bits_random(seed, -a->config->r_share, a->config->r_share);
+    a->psi = bits_random(seed, -a->config->psi_share, a->config->psi_share);
+}
+
+static void test_resistance(void)
+{
+    uint64_t seed = 14;
+    uint64_t digest = DIGEST_START;
+    for (int n = 0; n < DRAWS; n++) {
+        iqfoc_observer_config_t adapted = warm_config;
+        adapted.gain_max = bits_random(&seed, IQ24(0.125), IQ24_ONE);
+        adapted.machine.psi = iq24_max(iq24_abs_sat(any_size(&seed, 12.0)), IQ24(0.05));
+        adapted.machine.r =
+            bits_random(&seed, 0, (iq24_t)bits_held(8 * (int64_t)adapted.machine.psi, 0, IQ24(0.3)));
+        iqfoc_observer_resistance_config_t c;
+        c.gain = bits_random(&seed, 1, IQ24_ONE);
+        c.r_share = bits_random(&seed, IQ24(0.0625), IQ24(0.5));
+        c.psi_share = bits_random(&seed, IQ24(0.015625), IQ24(0.25));
+        iqfoc_observer_resistance_t a;
+        iqfoc_observer_t o;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_resistance_init(&a, &c, &adapted));
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &adapted));
+        TEST_ASSERT_TRUE(a.r == 0 && a.psi == 0 && a.s.alpha == 0 && a.s.beta == 0);
+        digest_add(&digest, a.r_over_psi);
+        digest_add(&digest, a.psi_inverse);
+        digest_add(&digest, a.least);
+        any_adaptation(&seed, &a, &o);
+        iqfoc_observer_resistance_step(&a, &o, any_ab(&seed, n % 2 == 0 ? 15.9 : 1.0));
+        digest_add(&digest, a.r);
+        digest_add(&digest, a.psi);
+        bits_add(&digest, &a.s, sizeof a.s);
+        bits_add(&digest, &o.psi, sizeof o.psi);
+        digest_add(&digest, adapted.machine.r);
+        digest_add(&digest, adapted.machine.psi);
+    }
+    bits_golden(UINT64_C(0xd6e97efa4b5cda02), digest);
+}
+
+/* The ends at which R or psi_f begins to be seen: |x| = least, |x| = |y|, |x| and |y| below half of least, turns_min. */
+static void test_what_is_seen(void)
+{
+    static const struct {
+        iq24_t x, y,
+            turns; /* the direct part of s, across, and the movement; in units of the case's least and least movement */
+        int32_t x_off, turns_off;
+        int seen; /* 1: R, 2: psi_f */
+    } cases[] = {{2, 0, 0, 0, 0, 1},   {2, 0, 0, -1, 0, 0},  {2, 2, 0, 0, 0, 1}, {4, 4, 0, -1, 0, 0},
+                 {-2, -2, 0, 0, 0, 1}, {-2, 0, 0, 1, 0, 0},  {1, 0, 1, 0, 0, 0}, {1, 0, 1, -1, 0, 2},
+                 {0, 1, 1, 0, 0, 0},   {0, 1, 1, -1, -1, 0}, {0, 0, 1, 0, 0, 2}, {0, 0, 1, 0, -1, 0},
+                 {0, 0, -1, 0, 0, 2},  {0, 0, -1, 0, 1, 0}};
+    const iqfoc_observer_resistance_config_t c = {IQ24(0.05), IQ24(0.5), IQ24(0.125)};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        iqfoc_observer_config_t adapted = warm_config;
+        adapted.machine.psi = IQ24_ONE;
+        iqfoc_observer_resistance_t a;
+        iqfoc_observer_t o;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_resistance_init(&a, &c, &adapted));
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &adapted));
+        TEST_ASSERT_EQUAL_INT32(IQ24(0.25), a.least);
+        o.locked = true;
+        o.flux_error = IQ24(0.1);
+        o.turns_q32 = 256 * (cases[k].turns * adapted.turns_min + cases[k].turns_off);
+        a.s.alpha = cases[k].x * (a.least / 2) + cases[k].x_off;
+        a.s.beta = cases[k].y * (a.least / 2);
+        iqfoc_observer_resistance_step(&a, &o, (iqfoc_ab_t){0, 0});
+        TEST_ASSERT_EQUAL(cases[k].seen == 1, a.r != 0);
+        TEST_ASSERT_EQUAL(cases[k].seen == 2, a.psi != 0);
+    }
+}
+
 /* ---- The drive ---- */
 
 static const iqfoc_cycle_config_t cycle_config = {
@@ -303,6 +387,8 @@ int main(void)
     RUN_TEST(test_observer);
     RUN_TEST(test_inductance);
     RUN_TEST(test_least_step);
+    RUN_TEST(test_resistance);
+    RUN_TEST(test_what_is_seen);
     RUN_TEST(test_sensorless);
     return UNITY_END();
 }
