@@ -229,6 +229,28 @@ static void it_bears_the_extremes(void)
     }
 }
 
+/* From a current of 0.15 on, the square to the last number; and at the largest block's current, whose square saturates. */
+static void the_least_current(void)
+{
+    iq24_t least = IQ24(0.15) - 100;
+    while (iq24_acc_round(iq24_acc_mul(least, least)) < IQ24(0.0225)) {
+        least++;
+    }
+    TEST_ASSERT_EQUAL_INT32(IQ24(0.0225), iq24_acc_round(iq24_acc_mul(least, least)));
+    const iq24_t currents[3] = {least - 1, least, IQ24(8.0)};
+    for (int k = 0; k < 3; k++) {
+        iqfoc_adapt_t adapt = {0, 0};
+        iqfoc_watch_t watch;
+        iqfoc_watch_reset(&watch);
+        watch.blocks = 2;
+        watch.i[0] = currents[k];
+        watch.i[1] = k == 2 ? IQ24(8.0) : 0;
+        watch.alpha_cos = INT64_C(1) << 50;
+        iqfoc_adapt_block(&adapt, &usual, &watch, &watch_config, 0);
+        TEST_ASSERT_EQUAL(k != 0, adapt.r != 0);
+    }
+}
+
 static void the_law_has_the_changes(void)
 {
     const iqfoc_tuned_law_t law = {
@@ -294,6 +316,7 @@ int main(void)
     RUN_TEST(it_stays_within_its_bounds);
     RUN_TEST(nothing_is_learnt_where_it_must_not_be);
     RUN_TEST(it_bears_the_extremes);
+    RUN_TEST(the_least_current);
     RUN_TEST(the_law_has_the_changes);
     RUN_TEST(a_drive_that_warms_is_followed);
     return UNITY_END();

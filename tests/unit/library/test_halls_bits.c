@@ -73,9 +73,26 @@ static void test_any_movement(void)
     bits_golden(UINT64_C(0x6f6ebc5c8409e32c), digest);
 }
 
+/* The time since the last change is counted to the stall and no further, from any draw of it. */
+static void test_time_ends_at_the_stall(void)
+{
+    uint64_t seed = 2;
+    iqfoc_halls_config_t c;
+    iqfoc_halls_t h;
+    any_borders(&seed, &c, 0);
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_halls_init(&h, &c));
+    iqfoc_halls_step(&h, bits_of_sector[0], 128);
+    iqfoc_halls_step(&h, bits_of_sector[1], 0);
+    for (uint32_t n = 1; n < c.stall_cycles + 4; n++) {
+        iqfoc_halls_step(&h, bits_of_sector[1], 0);
+        TEST_ASSERT_EQUAL_UINT32(256 * (n < c.stall_cycles ? n : c.stall_cycles), h.since);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_any_movement);
+    RUN_TEST(test_time_ends_at_the_stall);
     return UNITY_END();
 }

@@ -167,6 +167,14 @@ static void test_refuses_what_is_out_of_range(void)
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, init_with(1, IQ24(0.1), l + 1, l + 1));
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, init_with(1, IQ24(0.1), l, l - 1));
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, init_with(1, IQ24(0.1), l, l + IQ24(4.0) + 1));
+    const iqfoc_observer_inductance_config_t most = {1, IQ24(0.1), IQ24(8.0), IQ24(8.0)};
+    iqfoc_observer_inductance_config_t above = most;
+    above.high++;
+    iqfoc_observer_config_t large = nominal;
+    large.machine.l_d = large.machine.l_q = IQ24(8.0);
+    large.machine.k_d = large.machine.k_q = IQ24(0.125);
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_inductance_init(&a, &most, &large));
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, iqfoc_observer_inductance_init(&a, &above, &large));
 }
 
 int main(void)

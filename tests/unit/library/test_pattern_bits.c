@@ -49,6 +49,26 @@ static void the_modulator(void)
     bits_golden(UINT64_C(0xfe738ac9a4dbbd44), digest);
 }
 
+/* Where rows are not joined the next one is taken from 3/4 of the way on, and the last one back from 1/4 on. */
+static void change_of_the_row(void)
+{
+    static const iqfoc_pattern_row_t two[2] = {{1, 0, {IQ24(0.1)}}, {-1, 0, {IQ24(0.2)}}};
+    const iqfoc_pattern_t unjoined = {two, 2, 1, 0, IQ24_ONE};
+    iqfoc_pattern_modulator_t m;
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_init(&m, &unjoined, 0));
+    static const struct {
+        iq24_t index;
+        int32_t row;
+    } steps[] = {{IQ24(0.75) - 1, 0}, {IQ24(0.75), 1}, {IQ24(0.25), 1}, {IQ24(0.25) - 1, 0},
+                 {IQ24(0.5), 0},      {IQ24_ONE, 1},   {IQ24(0.5), 1}};
+    for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
+        const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape_at(&m, steps[k].index);
+        TEST_ASSERT_EQUAL_INT32(steps[k].row, m.row);
+        TEST_ASSERT_EQUAL_INT32(two[m.row].start, shape.start);
+        TEST_ASSERT_EQUAL_INT32(two[m.row].angle[0], shape.angle[0]);
+    }
+}
+
 static iqfoc_pattern_control_config_t any_machine(uint64_t *seed)
 {
     iqfoc_pattern_control_config_t config;
@@ -155,6 +175,16 @@ static void change_of_the_table(void)
     bits_golden(UINT64_C(0x2f8fbb7458f980c2), digest);
 }
 
+/* All angles within 1/64 of a turn of its quarter, so that one cycle has the most edges. */
+static void crowd_table(void)
+{
+    for (int n = 0; n < ROWS; n++) {
+        for (int k = 0; k < table.angles; k++) {
+            rows[n].angle[k] = IQ24(0.25) - (IQ24(0.25) - rows[n].angle[k]) / 16;
+        }
+    }
+}
+
 /* Whatever is held is held at: any machine that is allowed, currents to 8, speeds and references beyond their ends. */
 static void the_controls_ends(void)
 {
@@ -164,6 +194,9 @@ static void the_controls_ends(void)
     for (int n = 0; n < CYCLES; n++) {
         if (n % 10 == 0) {
             drawn_table(&seed);
+            if (n % 20 == 0) {
+                crowd_table();
+            }
             iqfoc_pattern_control_config_t config;
             config.winding.k_u_q26 = bits_random(&seed, 1 << 23, 1 << bits_random(&seed, 24, 30));
             config.winding.rho_q30 = bits_random(&seed, 0, 1 << bits_random(&seed, 24, 30));
@@ -182,25 +215,88 @@ static void the_controls_ends(void)
         iqfoc_ab_t i;
         i.alpha = random_iq24(&seed, -8.0, 8.0);
         i.beta = random_iq24(&seed, -8.0, 8.0);
+        const iq24_t theta = bits_random(&seed, INT32_MIN, INT32_MAX);
         iqfoc_pattern_edges_t edges[3];
         iqfoc_pattern_control_aim(&c, i_ref, turns);
-        iqfoc_pattern_control_step(&c, i, bits_random(&seed, INT32_MIN, INT32_MAX),
-                                   random_iq24(&seed, 0.5, 1.5), edges);
+        iqfoc_pattern_control_step(&c, i, theta, random_iq24(&seed, 0.5, 1.5), edges);
         add_edges(&digest, edges);
         add_control(&digest, &c);
         digest_add(&digest, c.trajectory.turns);
         digest_add(&digest, c.trajectory.cycles_q22);
         digest_add(&digest, c.trajectory.l);
     }
-    bits_golden(UINT64_C(0x205a727dbef04c4f), digest);
+    bits_golden(UINT64_C(0x2e9ca165d3be7146), digest);
+}
+
+/* Nothing beyond the three legs is written. */
+static void three_legs(void)
+{
+    uint64_t seed = 7;
+    drawn_table(&seed);
+    const iqfoc_pattern_control_config_t config = any_machine(&seed);
+    iqfoc_pattern_control_t c;
+    iqfoc_pattern_edges_t edges[4];
+    iqfoc_pattern_edges_t fourth;
+    memset(&fourth, 0x5A, sizeof fourth);
+    memset(edges, 0x5A, sizeof edges);
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_control_init(&c, &config, &table, 0));
+    iqfoc_pattern_control_t after = c;
+    for (int n = 0; n < 100; n++) {
+        const iqfoc_ab_t i = {random_iq24(&seed, -1.0, 1.0), 0};
+        const iqfoc_dq_t i_ref = {0, IQ24_ONE};
+        iqfoc_pattern_step(&c.modulator, n * IQ24(0.1), IQ24(0.1), IQ24(0.9), edges);
+        iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.1));
+        iqfoc_pattern_control_step(&c, i, n * IQ24(0.1), IQ24_ONE, edges);
+        TEST_ASSERT_EQUAL_MEMORY(&fourth, &edges[3], sizeof fourth);
+        TEST_ASSERT_TRUE(c.wanted == after.wanted && c.waited == after.waited &&
+                         c.nearest_q48 == after.nearest_q48);
+    }
+}
+
+/* A table whose flux is the same is taken just beyond a sixth of a turn; one whose flux is never near, just beyond two turns. */
+static void times_of_a_change(void)
+{
+    uint64_t seed = 8;
+    static iqfoc_pattern_row_t other_rows[ROWS];
+    drawn_table(&seed);
+    memcpy(other_rows, rows, sizeof rows);
+    iqfoc_pattern_t same = table;
+    same.row = other_rows;
+    const iqfoc_pattern_control_config_t config = any_machine(&seed);
+    const iqfoc_dq_t i_ref = {0, IQ24(0.5)};
+    iqfoc_pattern_control_t c;
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_control_init(&c, &config, &table, 0));
+    iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.1));
+    iqfoc_pattern_control_change(&c, &same);
+    iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.1));
+    iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.1666667) - IQ24(0.1));
+    TEST_ASSERT_EQUAL_INT32(IQ24(0.1666667), c.waited);
+    TEST_ASSERT_EQUAL_PTR(&same, c.wanted);
+    iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.1));
+    TEST_ASSERT_NULL(c.wanted);
+    TEST_ASSERT_EQUAL_PTR(&same, c.modulator.table);
+
+    drawn_table(&seed);
+    iqfoc_pattern_control_change(&c, &table);
+    c.nearest_q48 = -1;
+    for (int n = 0; n < 16; n++) {
+        iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.125));
+        TEST_ASSERT_EQUAL_PTR(&table, c.wanted);
+    }
+    TEST_ASSERT_EQUAL_INT32(IQ24(2.0), c.waited);
+    iqfoc_pattern_control_aim(&c, i_ref, IQ24(0.125));
+    TEST_ASSERT_NULL(c.wanted);
 }
 
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(the_modulator);
+    RUN_TEST(change_of_the_row);
     RUN_TEST(the_control);
     RUN_TEST(change_of_the_table);
     RUN_TEST(the_controls_ends);
+    RUN_TEST(three_legs);
+    RUN_TEST(times_of_a_change);
     return UNITY_END();
 }

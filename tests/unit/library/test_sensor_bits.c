@@ -43,7 +43,10 @@ static void test_offset(void)
         limits.offset_max = bits_random(&seed, 1, IQ24_ONE / 2);
         limits.noise_max = bits_random(&seed, 1, IQ24_ONE / 64);
         iqfoc_offset_t o;
+        memset(&o, 0x5A, sizeof o);
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_offset_init(&o, &limits));
+        TEST_ASSERT_EQUAL_INT32(0, o.offset.a | o.offset.b | o.offset.c | o.noise.a | o.noise.b | o.noise.c);
+        TEST_ASSERT_EQUAL_UINT32(0, o.faulty | o.seen);
         const iq24_t place = bits_random(&seed, -IQ24_ONE / 2, IQ24_ONE / 2);
         const int32_t spread = run % 4 == 0 ? IQ24_ONE / 7 : bits_random(&seed, 0, IQ24_ONE / 40);
         for (int64_t k = -(int64_t)limits.settle; k < INT64_C(1) << limits.count_log2; k++) {
@@ -98,6 +101,7 @@ static void test_encoder(void)
                 TEST_ASSERT_EQUAL(good, e.slip <= (int32_t)c.slip_max && e.slip >= -(int32_t)c.slip_max);
             }
             index = index < 0 || !good ? pulse : index;
+            TEST_ASSERT_TRUE(e.count_known < counts);
             digest_add(&digest, e.slip);
             digest_add(&digest, (int32_t)e.slips);
             digest_add(&digest, iqfoc_encoder_index_theta(&e));

@@ -204,10 +204,36 @@ static void the_threshold_itself(void)
     }
 }
 
+/* The largest block: currents of 8 and voltages of 16, whose squares saturate. */
+static void the_largest_block(void)
+{
+    uint64_t seed = 9;
+    uint64_t digest = DIGEST_START;
+    for (int n = 0; n < 64; n++) {
+        iqfoc_watch_config_t c;
+        iqfoc_watch_t w;
+        any_config(&seed, &c);
+        iqfoc_watch_reset(&w);
+        w.blocks = 5;
+        w.turns = n % 2 == 0 ? IQ24(0.1) : IQFOC_ROTOR_TURNS_MAX;
+        any_detectors(&seed, &w, &c);
+        any_sums(&seed, &w, 2.0, false);
+        w.i[0] = (n & 2) != 0 ? IQ24(8.0) : IQ24(-8.0);
+        w.i[1] = (n & 4) != 0 ? IQ24(8.0) : IQ24(-8.0);
+        w.u[0] = (n & 8) != 0 ? IQ24(16.0) : IQ24(-16.0);
+        w.u[1] = (n & 16) != 0 ? IQ24(16.0) : IQ24(-16.0);
+        digest_add(&digest, iqfoc_watch_block(&w, &c, w.turns, n * IQ24(0.07)));
+        add_state(&digest, &w);
+        expect_begun(&w);
+    }
+    bits_golden(UINT64_C(0x1c41e3289991a646), digest);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(any_block);
+    RUN_TEST(the_largest_block);
     RUN_TEST(the_least_current_and_speed);
     RUN_TEST(the_least_sum);
     RUN_TEST(the_threshold_itself);
