@@ -1,11 +1,11 @@
 /*
- * A block of the change detector to the last bit, from any state of the detectors: one hash over all results.
- * test_watch.c checks them against effects in double precision.
+ * A block of the change detector and of the adaptation to the last bit, from any state: hashes over all results. test_watch.c and
+ * test_adapt.c check them against effects in double precision.
  */
 #include "bits.h"
 #include "hash.h"
 
-#include "iqfoc/watch.h"
+#include "iqfoc/adapt.h"
 
 #include <stdbool.h>
 
@@ -229,11 +229,47 @@ static void the_largest_block(void)
     bits_golden(UINT64_C(0x1c41e3289991a646), digest);
 }
 
+static void adaptation(void)
+{
+    uint64_t seed = 10;
+    uint64_t digest = DIGEST_START;
+    for (int n = 0; n < BLOCKS / 5; n++) {
+        iqfoc_watch_config_t c;
+        iqfoc_watch_t w;
+        any_config(&seed, &c);
+        iqfoc_watch_reset(&w);
+        any_sums(&seed, &w, n % 5 == 0 ? 2.0 : 0.003, n % 7 == 0);
+        w.blocks = 2;
+        w.turns = random_iq24(&seed, -0.33, 0.33) / (n % 3 == 0 ? 1000 : 1);
+        iqfoc_adapt_config_t config;
+        config.gain = random_iq24(&seed, 0.0, 1.0);
+        config.r_low = random_iq24(&seed, -0.5, 0.0);
+        config.r_high = random_iq24(&seed, 0.0, 1.0);
+        config.psi_low = random_iq24(&seed, -0.25, 0.0);
+        config.psi_high = random_iq24(&seed, 0.0, 0.25);
+        iqfoc_adapt_t a;
+        a.r = bits_random(&seed, config.r_low, config.r_high);
+        a.psi = bits_random(&seed, config.psi_low, config.psi_high);
+        iqfoc_adapt_block(&a, &config, &w, &c, random_iq24(&seed, -0.4, 0.4) / (n % 3 == 0 ? 1000 : 1));
+        digest_add(&digest, a.r);
+        digest_add(&digest, a.psi);
+        iqfoc_tuned_law_t law = {0};
+        law.machine.rho_d_q30 = bits_random(&seed, 0, 1 << 30);
+        law.machine.rho_q_q30 = bits_random(&seed, 0, 1 << 30);
+        law.machine.k_psi_d_q27 = bits_random(&seed, 0, 1 << 30);
+        law.machine.k_psi_q_q27 = bits_random(&seed, 0, 1 << 30);
+        const iqfoc_tuned_law_t adapted = iqfoc_adapt_law(&law, &a);
+        bits_add(&digest, &adapted.machine, sizeof adapted.machine);
+    }
+    bits_golden(UINT64_C(0x866efdd65ce082b9), digest);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(any_block);
     RUN_TEST(the_largest_block);
+    RUN_TEST(adaptation);
     RUN_TEST(the_least_current_and_speed);
     RUN_TEST(the_least_sum);
     RUN_TEST(the_threshold_itself);
