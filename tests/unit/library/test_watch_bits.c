@@ -113,9 +113,13 @@ static void any_block(void)
     uint64_t seed = 1;
     uint64_t digest = DIGEST_START;
     for (int n = 0; n < BLOCKS; n++) {
-        iqfoc_watch_config_t c;
+        struct {
+            iqfoc_watch_config_t c;
+            int32_t beyond[4]; /* of which nothing may be seen */
+        } set = {.beyond = {n << 8, n << 9, n << 10, n << 11}};
         iqfoc_watch_t w;
-        any_config(&seed, &c);
+        any_config(&seed, &set.c);
+        const iqfoc_watch_config_t c = set.c;
         iqfoc_watch_reset(&w);
         const double fast = n % 3 == 0 ? 0.003 : n % 3 == 1 ? 0.05 : 0.33;
         w.turns = random_iq24(&seed, -fast, fast);
@@ -127,7 +131,7 @@ static void any_block(void)
         const iq24_t turns =
             n % 7 == 0 ? random_iq24(&seed, -1.0, 1.0) : w.turns + random_iq24(&seed, -0.001, 0.001);
         const iq24_t theta = bits_random(&seed, INT32_MIN, INT32_MAX);
-        digest_add(&digest, iqfoc_watch_block(&w, &c, turns, theta));
+        digest_add(&digest, iqfoc_watch_block(&w, &set.c, turns, theta));
         add_state(&digest, &w);
         expect_begun(&w);
     }
@@ -229,6 +233,27 @@ static void the_largest_block(void)
     bits_golden(UINT64_C(0x1c41e3289991a646), digest);
 }
 
+/* An eccentricity is judged up to half a revolution in a block, to the last number. */
+static void the_fastest_shaft(void)
+{
+    uint64_t seed = 11;
+    uint64_t digest = DIGEST_START;
+    for (int n = 56; n < 72; n++) {
+        iqfoc_watch_config_t c;
+        iqfoc_watch_t w;
+        any_config(&seed, &c);
+        iqfoc_watch_reset(&w);
+        w.blocks = 5;
+        w.turns = IQ24_ONE / 64 + 1;
+        any_detectors(&seed, &w, &c);
+        any_sums(&seed, &w, 0.003, false);
+        c.mechanical = IQ24_ONE - n;
+        digest_add(&digest, iqfoc_watch_block(&w, &c, w.turns, 0));
+        add_state(&digest, &w);
+    }
+    bits_golden(UINT64_C(0x0dd511f34ce47d77), digest);
+}
+
 static void adaptation(void)
 {
     uint64_t seed = 10;
@@ -269,6 +294,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(any_block);
     RUN_TEST(the_largest_block);
+    RUN_TEST(the_fastest_shaft);
     RUN_TEST(adaptation);
     RUN_TEST(the_least_current_and_speed);
     RUN_TEST(the_least_sum);
