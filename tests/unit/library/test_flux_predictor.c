@@ -258,6 +258,15 @@ static void test_most_error_of_skew(void)
         p.skew += sign;
         TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_INDUCTANCE_Q, iqfoc_flux_predictor_check(&p));
     }
+    /* Of two of 3/4 its error is 1 1/2 times the skew, to nearest: 16384 1/2 LSB is 16385, and -16384 1/2 is -16384. */
+    iqfoc_flux_predictor_t p = {IQ24(0.75), IQ24(0.75), IQ24(4.0 / 3.0), IQ24(4.0 / 3.0), 0, 0, 10922};
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_flux_predictor_check(&p));
+    p.skew = 10923;
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_INDUCTANCE_Q, iqfoc_flux_predictor_check(&p));
+    p.skew = -10923;
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_flux_predictor_check(&p));
+    p.skew = -10924;
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_INDUCTANCE_Q, iqfoc_flux_predictor_check(&p));
 }
 
 int main(void)

@@ -146,6 +146,7 @@ static void test_by_a_timer(void)
         cycle.i_ref.q = random_iq24(&seed, -1.0, 1.0);
         const iq24_t angle = bits_random(&seed, INT32_MIN, INT32_MAX);
         iqfoc_sample_t s = any_sample(&seed, theta, random_iq24(&seed, -most, most));
+        cycle.phase = IQFOC_CYCLE_DUE_VALLEY;
         iqfoc_six_step_command_t got = iqfoc_cycle_six_step_begin(&six, &cycle, &c, angle, &s);
         TEST_ASSERT_TRUE(six.config == &c);
         expect_time(&got, s.turns);

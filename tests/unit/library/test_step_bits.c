@@ -112,6 +112,19 @@ static void test_acting_voltage_and_saturated_coefficients(void)
     bits_golden(UINT64_C(0xdc2cf11eb4eb2689), digest);
 }
 
+/* An RL load without resistance has two coefficients of 0, which saturation leaves. */
+static void test_coefficients_of_nothing(void)
+{
+    uint64_t seed = 4;
+    const iqfoc_predictor_t least = {1, 0, 0};
+    for (int n = 0; n < 100; n++) {
+        const iqfoc_extension_t x = any_extension(&seed);
+        const iqfoc_predictor_t p = iqfoc_extension_saturate(&x, &least, any_vector(&seed, 1.0));
+        TEST_ASSERT_TRUE(p.k_u == 1 || p.k_u == 2);
+        TEST_ASSERT_EQUAL_INT32(0, p.k_r | p.k_psi);
+    }
+}
+
 /* ---- Prediction by flux ---- */
 
 static void test_prediction_by_flux(void)
@@ -149,6 +162,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_corrections);
     RUN_TEST(test_acting_voltage_and_saturated_coefficients);
+    RUN_TEST(test_coefficients_of_nothing);
     RUN_TEST(test_prediction_by_flux);
     return UNITY_END();
 }
