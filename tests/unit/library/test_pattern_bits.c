@@ -228,6 +228,72 @@ static void the_controls_ends(void)
     bits_golden(UINT64_C(0x2e9ca165d3be7146), digest);
 }
 
+/* All rows alike, with angles of whole 64ths of a turn: at angles of such the edges are where a cycle begins or ends. */
+static void grid_table(uint64_t *seed)
+{
+    const iq24_t unit = IQ24_ONE / 64;
+    drawn_table(seed);
+    for (int k = 0; k < table.angles; k++) {
+        rows[0].angle[k] -= rows[0].angle[k] % unit;
+    }
+    for (int n = 0; n < ROWS; n++) {
+        rows[n] = rows[0];
+        rows[n].joined = n + 1 < ROWS;
+    }
+}
+
+static void edges_at_the_ends_of_cycles(void)
+{
+    uint64_t seed = 9;
+    uint64_t digest = DIGEST_START;
+    const iq24_t unit = IQ24_ONE / 64;
+    iqfoc_pattern_modulator_t m;
+    iqfoc_pattern_control_t c;
+    for (int n = 0; n < CYCLES / 4; n++) {
+        if (n % 50 == 0) {
+            grid_table(&seed);
+            const iqfoc_pattern_control_config_t config = any_machine(&seed);
+            TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_init(&m, &table, 0));
+            TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_control_init(&c, &config, &table, 0));
+        }
+        const iq24_t turns = unit * (n % 2 == 0 ? bits_random(&seed, 1, 8) : -bits_random(&seed, 1, 8));
+        const iq24_t angle = unit * bits_random(&seed, -64, 64) + (n % 3 == 0 ? IQ24(1.0 / 3.0) : 0);
+        iqfoc_pattern_edges_t edges[3];
+        iqfoc_pattern_step(&m, angle, turns, IQ24(0.9), edges);
+        add_edges(&digest, edges);
+        bits_add(&digest, m.leg, sizeof m.leg);
+        const iqfoc_dq_t i_ref = {0, IQ24(0.5)};
+        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_step(&c, c.i_next, angle - turns - c.trajectory.u_angle, IQ24_ONE, edges);
+        add_edges(&digest, edges);
+        add_control(&digest, &c);
+    }
+    bits_golden(UINT64_C(0x9af5d560efb71432), digest);
+}
+
+/* Rows at any distance of the index, so that the place between them is rounded. */
+static void rows_at_any_distance(void)
+{
+    uint64_t seed = 10;
+    uint64_t digest = DIGEST_START;
+    for (int n = 0; n < CYCLES; n++) {
+        if (n % 100 == 0) {
+            drawn_table(&seed);
+        }
+        iqfoc_pattern_t other = table;
+        other.index_low = random_iq24(&seed, 0.0, 1.0);
+        other.rows_per_index = random_iq24(&seed, 1.0, 100.0);
+        iqfoc_pattern_modulator_t m;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_init(&m, &other, 0));
+        m.row = bits_random(&seed, 0, ROWS - 1);
+        const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape_at(&m, random_iq24(&seed, 0.0, 1.1));
+        digest_add(&digest, shape.start);
+        bits_add(&digest, shape.angle, sizeof shape.angle);
+        digest_add(&digest, m.row);
+    }
+    bits_golden(UINT64_C(0xbe7a05ae42e7b31d), digest);
+}
+
 /* Nothing beyond the three legs is written. */
 static void three_legs(void)
 {
@@ -296,6 +362,8 @@ int main(void)
     RUN_TEST(the_control);
     RUN_TEST(change_of_the_table);
     RUN_TEST(the_controls_ends);
+    RUN_TEST(edges_at_the_ends_of_cycles);
+    RUN_TEST(rows_at_any_distance);
     RUN_TEST(three_legs);
     RUN_TEST(times_of_a_change);
     return UNITY_END();

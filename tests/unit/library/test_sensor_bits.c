@@ -178,6 +178,23 @@ static void test_supervision(void)
     bits_golden(UINT64_C(0xd0971347b5c420d5), digest);
 }
 
+/* A window ends at half a turn, either way, or beyond it; the count of bad sums ends at its limit. */
+static void test_ends_of_supervision(void)
+{
+    const iqfoc_supervision_config_t c = {IQ24(0.1), IQ24(0.2), 6, 2, IQ24(0.1), 3};
+    for (int k = 0; k < 6; k++) {
+        const iq24_t last = (k < 3 ? 1 : -1) * (IQ24_ONE / 2 - 7 * IQ24(0.05) + (k % 3 - 1));
+        iqfoc_supervision_t s;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_supervision_init(&s, &c));
+        const iqfoc_abc_t i = {IQ24_ONE, IQ24_ONE, IQ24_ONE};
+        for (uint32_t n = 1; n <= 8; n++) {
+            (void)iqfoc_supervision_step(&s, i, n == 8 ? last : (k < 3 ? 1 : -1) * IQ24(0.05), true);
+            TEST_ASSERT_EQUAL_UINT32(n < 3 ? n : 3, s.bad_sums);
+        }
+        TEST_ASSERT_EQUAL(k % 3 > 0, s.cycles == 0);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -185,5 +202,6 @@ int main(void)
     RUN_TEST(test_encoder);
     RUN_TEST(test_encoders_slips_end);
     RUN_TEST(test_supervision);
+    RUN_TEST(test_ends_of_supervision);
     return UNITY_END();
 }

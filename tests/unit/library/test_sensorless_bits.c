@@ -116,9 +116,13 @@ static void test_observer(void)
     uint64_t seed = 11;
     uint64_t digest = DIGEST_START;
     for (int n = 0; n < DRAWS; n++) {
-        const iqfoc_observer_config_t c = any_observer(&seed);
-        iqfoc_observer_t o;
+        iqfoc_observer_config_t c = any_observer(&seed);
+        c.saturation = n % 16 == 0 ? 1 : c.saturation;
+        iqfoc_observer_t o = {.config = NULL};
         digest_add(&digest, (int32_t)iqfoc_observer_init(&o, &c));
+        if (o.config == &c) {
+            add_observer(&digest, &o);
+        }
         o.config = &c;
         any_state(&seed, &o);
         add_observer(&digest, &o);
@@ -132,7 +136,7 @@ static void test_observer(void)
         digest_add(&digest, iqfoc_observer_theta(&o, any(&seed, 8.0)));
         digest_add(&digest, iqfoc_observer_turns(&o));
     }
-    bits_golden(UINT64_C(0x735c35a24bb4f8b0), digest);
+    bits_golden(UINT64_C(0x8f3aab076d9f6d56), digest);
 }
 
 /* ---- L_q ---- */
@@ -193,10 +197,37 @@ static void test_least_step(void)
     }
 }
 
-/* ---- R and psi_f ---- */
-
 static const iqfoc_observer_config_t warm_config =
     IQFOC_OBSERVER_CONFIG(0.5, 1.5e-3, 1.5e-3, 0.03, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.002));
+
+/* L_d less L_q is within 4, to the last number, and so it is of both ends of an adapted L_q. */
+static void test_most_saliency(void)
+{
+    static const struct {
+        iq24_t l_d, l_q, low, high;
+        iqfoc_error_t machine, adapted;
+    } cases[] = {
+        {IQ24(5.0), IQ24_ONE, IQ24_ONE, IQ24_ONE, IQFOC_OK, IQFOC_OK},
+        {IQ24(5.0), IQ24_ONE, IQ24_ONE - 1, IQ24_ONE, IQFOC_OK, IQFOC_ERROR_OBSERVER},
+        {IQ24(5.0) + 1, IQ24_ONE, IQ24_ONE, IQ24_ONE, IQFOC_ERROR_OBSERVER, IQFOC_ERROR_OBSERVER},
+        {IQ24_ONE, IQ24(5.0), IQ24(5.0), IQ24(5.0), IQFOC_OK, IQFOC_OK},
+        {IQ24_ONE, IQ24(5.0), IQ24_ONE, IQ24(5.0) + 1, IQFOC_OK, IQFOC_ERROR_OBSERVER},
+        {IQ24_ONE, IQ24(5.0) + 1, IQ24_ONE, IQ24(5.0) + 1, IQFOC_ERROR_OBSERVER, IQFOC_ERROR_OBSERVER}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        iqfoc_observer_config_t c = warm_config;
+        c.machine.l_d = cases[k].l_d;
+        c.machine.l_q = cases[k].l_q;
+        c.machine.k_d = iq24_div(IQ24_ONE, c.machine.l_d);
+        c.machine.k_q = iq24_div(IQ24_ONE, c.machine.l_q);
+        c.machine.skew = 0;
+        TEST_ASSERT_EQUAL_INT(cases[k].machine, iqfoc_observer_check(&c));
+        const iqfoc_observer_inductance_config_t l = {1, IQ24(0.1), cases[k].low, cases[k].high};
+        iqfoc_observer_inductance_t a;
+        TEST_ASSERT_EQUAL_INT(cases[k].adapted, iqfoc_observer_inductance_init(&a, &l, &c));
+    }
+}
+
+/* ---- R and psi_f ---- */
 
 static void any_adaptation(uint64_t *seed, iqfoc_observer_resistance_t *a, iqfoc_observer_t *o)
 {
@@ -387,6 +418,7 @@ int main(void)
     RUN_TEST(test_observer);
     RUN_TEST(test_inductance);
     RUN_TEST(test_least_step);
+    RUN_TEST(test_most_saliency);
     RUN_TEST(test_resistance);
     RUN_TEST(test_what_is_seen);
     RUN_TEST(test_sensorless);

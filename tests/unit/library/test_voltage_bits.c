@@ -54,6 +54,31 @@ static void test_reference(void)
     bits_golden(UINT64_C(0x5fb50ed0b3d92b8d), digest);
 }
 
+static void test_reference_by_the_link(void)
+{
+    uint64_t seed = 8;
+    uint64_t digest = DIGEST_START;
+    for (int n = 0; n < DRAWS; n++) {
+        iqfoc_reference_config_t c = {0, IQ24_ONE, -IQ24_ONE, 1, 0};
+        c.share = random_iq24(&seed, 0.5, 1.125);
+        iqfoc_reference_t state = {bits_random(&seed, -4 * IQ24_ONE, 0) * (int64_t)IQ24_ONE, 0};
+        iqfoc_reference_link_t link;
+        link.gain = random_iq24(&seed, 0.0, n % 5 == 0 ? 66.0 : 2.0);
+        link.low = n % 20 == 0 ? bits_random(&seed, 0, 2) : random_iq24(&seed, 0.3, 1.5);
+        for (int k = 0; k < 3; k++) {
+            iqfoc_dq_t u;
+            u.d = any(&seed, 1.2);
+            u.q = any(&seed, 1.2);
+            const iq24_t u_limit =
+                n % 3 == 0 ? random_iq24(&seed, 0.0, 1.5) : link.low + bits_random(&seed, -9999, 9999);
+            digest_add(&digest, iqfoc_reference_link(&state, &link, &c, u, iq24_max(u_limit, 0)));
+            digest_add(&digest, link.low);
+            bits_add64(&digest, state.weakening);
+        }
+    }
+    bits_golden(UINT64_C(0x21e834d8c1492bf0), digest);
+}
+
 /* The integrator is never above 0, not by its last bit. */
 static void test_weakening_ends_at_nothing(void)
 {
@@ -179,6 +204,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_reference);
+    RUN_TEST(test_reference_by_the_link);
     RUN_TEST(test_weakening_ends_at_nothing);
     RUN_TEST(test_overmodulation);
     RUN_TEST(test_overmodulations_limit);
