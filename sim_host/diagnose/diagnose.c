@@ -151,8 +151,6 @@ static bool tell_undecided(session *w, evidence_view *view, diagnosis *d)
 static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
     evidence_view *view = calloc(1, sizeof *view);
-    /* The table describes the state itself, without a search from there. */
-    w->fitted.searches = false;
     bool ok = view != NULL && evidence_look(&w->fitted, &w->state, w->possible, view);
     if (ok) {
         ok = tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
@@ -388,6 +386,11 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     w->open = w->state;
     if (!leave_unlikely(w, options->teller.trace) || (!likely && !undecided_take_out(w, &options->teller))) {
+        return false;
+    }
+    /* Probabilities and tables describe the state itself, without a search from there. */
+    w->fitted.searches = false;
+    if (!undecided_accuse_none(w, options->teller.trace)) {
         return false;
     }
     if (options->teller.trace) {

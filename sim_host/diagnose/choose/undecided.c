@@ -5,24 +5,31 @@
 #include "diagnose/identify/fit.h"
 #include "probability.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* A cause is named if its probability, among all sets near the chosen one, is at least this. */
 static const double DECIDED = 0.95;
+/* Below this it is none, wherever it comes from. */
+static const double LIKELY = 0.5;
 
 enum { STEPS = 12 };
 
-/* The named members whose probability is below DECIDED, at the state. False: out of memory. */
-static bool find_undecided(session *w, hypothesis_set *undecided)
+/* The named members whose probability, times that of the catalogue, is below the limit, at the state. False: out of memory. */
+static bool find_below(session *w, double catalogue, double limit, hypothesis_set *below)
 {
     standing of[H_COUNT];
     evidence_view *view = calloc(1, sizeof *view);
-    const bool ok = view && evidence_look(&w->fitted, &w->state, w->possible, view) &&
-                    probability_of(view, &w->state, w->possible, w->certainty.inflation, of);
-    *undecided = 0;
+    bool ok = view && evidence_look(&w->fitted, &w->state, w->possible, view);
+    *below = 0;
+    if (ok) {
+        view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
+        ok = probability_of(view, &w->state, w->possible, w->certainty.inflation, of);
+    }
     for (hypothesis_id h = 0; ok && h < H_COUNT; h++) {
-        if (hypothesis_in(hypotheses_named(w->state.set) & ~w->minor, h) && of[h].probability < DECIDED) {
-            *undecided |= HYPOTHESIS_BIT(h);
+        if (hypothesis_in(hypotheses_named(w->state.set) & ~w->minor, h) &&
+            catalogue * of[h].probability < limit) {
+            *below |= HYPOTHESIS_BIT(h);
         }
     }
     free(view);
@@ -50,7 +57,7 @@ bool undecided_take_out(session *w, const diagnose_teller *teller)
         return true;
     }
     w->open = w->state;
-    if (!find_undecided(w, &undecided)) {
+    if (!find_below(w, 1.0, DECIDED, &undecided)) {
         return false;
     }
     if (undecided == 0) {
@@ -67,4 +74,23 @@ bool undecided_take_out(session *w, const diagnose_teller *teller)
         w->minor = 0;
     }
     return certainty_of(&w->fitted, &w->state, &w->certainty);
+}
+
+bool undecided_accuse_none(session *w, FILE *trace)
+{
+    hypothesis_set unlikely = 0;
+    if (hypotheses_named(w->state.set & ~w->minor) != 0 && !find_below(w, w->borne_out, LIKELY, &unlikely)) {
+        return false;
+    }
+    for (hypothesis_id h = 0; trace && h < H_COUNT; h++) {
+        if (hypothesis_in(unlikely, h)) {
+            fprintf(trace, "  fitted, but less likely than not: %s\n", hypothesis_table[h].words);
+        }
+    }
+    if (unlikely != 0 && w->undecided == 0) {
+        w->open = w->state;
+    }
+    w->minor |= unlikely;
+    w->undecided |= unlikely;
+    return true;
 }

@@ -15,4 +15,10 @@
  */
 bool undecided_take_out(session *w, const diagnose_teller *teller);
 
+/*
+ * Makes the named members whose probability is below one half minor effects, at the end of all fits: they stay in the model, and are no
+ * causes. The probability is the one that is printed, if w->fitted.searches is false. w->undecided gets them. False: out of memory.
+ */
+bool undecided_accuse_none(session *w, FILE *trace);
+
 #endif

@@ -60,7 +60,7 @@ static void put_remarks(page *p, const diagnosis *d)
     }
     if (d->minors > 0) {
         list_minors(d, text, sizeof text);
-        page_text(p, "Certain but small, in the extended motor file: %s.", text);
+        page_text(p, "Small or not certain, in the extended motor file: %s.", text);
     }
     for (size_t k = 0; k < d->directions; k++) {
         page_text(p, "Not visible in this recording: %s.", d->not_visible[k].words);

@@ -55,13 +55,15 @@ void sentence_tell(diagnosis *d)
         return;
     }
     if (d->causes == 0) {
-        snprintf(out, size,
-                 d->verdict == VERDICT_CLEAN
-                     ? "The nominal model predicts this recording to the noise: error %s, noise floor "
-                       "%s."
-                     : "The error of the nominal model is %s, the noise floor %s. No known effect "
-                       "explains the difference.",
-                 nominal, floor);
+        if (d->verdict == VERDICT_CLEAN) {
+            snprintf(out, size,
+                     "The nominal model predicts this recording to the noise: error %s, noise floor %s.",
+                     nominal, floor);
+            return;
+        }
+        snprintf(out, size, "The error of the nominal model is %s, the noise floor %s. %s", nominal, floor,
+                 d->minors > 0 ? "No effect is certain enough to be named."
+                               : "No known effect explains the difference.");
         return;
     }
     size_t used = 0;

@@ -16,12 +16,13 @@ static void put_cell(FILE *out, int width, int digits, double x)
     }
 }
 
-/* What is small, and what is open between several causes: a line each. */
+/* What is fitted and not named, and what is open between several causes: a line each. */
 static void print_minor(FILE *out, const diagnosis *d)
 {
     for (size_t k = 0; k < d->minors; k++) {
         const diagnosis_cause *minor = &d->minor[k];
-        fprintf(out, "%s%s", k == 0 ? "\n  small, in the extended motor file: " : "; ", minor->id);
+        fprintf(out, "%s%s", k == 0 ? "\n  small or not certain, in the extended motor file: " : "; ",
+                minor->id);
         for (size_t j = 0; j < minor->parameters; j++) {
             const diagnosis_parameter *p = &minor->parameter[j];
             fprintf(out, "%s%s = %.4g%s%s", j == 0 ? " " : ", ", p->name, p->value,

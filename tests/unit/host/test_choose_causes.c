@@ -209,6 +209,34 @@ static void what_another_explains_as_well_is_left_open(void)
     TEST_ASSERT_TRUE(w.state.set == both && w.undecided == 0);
 }
 
+/* A member that is less likely than another explanation stays in the model, and is no cause. */
+static void what_is_less_likely_than_not_is_no_cause(void)
+{
+    prepare();
+    w.possible = BIT(H_ASYMMETRY_A) | BIT(H_INDUCTANCE_B) | BIT(H_RESISTANCE);
+    crowd[P_DR_A] = crowd[P_DL_B] = true;
+    lean = 0.999;
+    takes(P_DR_A, 0.05, 200.0);
+    takes(P_DL_B, 0.05, 199.0);
+    takes(P_R, 0.05, 200.0);
+    const hypothesis_set both = BIT(H_ASYMMETRY_A) | BIT(H_RESISTANCE);
+    KEPT(both);
+    w.minor = w.undecided = 0;
+    w.borne_out = 1.0;
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, NULL));
+    TEST_ASSERT_TRUE(w.minor == 0 && w.undecided == 0);
+    takes(P_DL_B, 0.05, 201.0);
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, NULL));
+    TEST_ASSERT_TRUE(w.state.set == both && w.minor == BIT(H_ASYMMETRY_A) && w.undecided == w.minor);
+    TEST_ASSERT_TRUE(w.open.set == both);
+    /* All of them, if the catalogue is less likely than not. */
+    w.minor = w.undecided = 0;
+    takes(P_DL_B, 0.05, 180.0);
+    w.borne_out = 0.49;
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, NULL));
+    TEST_ASSERT_TRUE(w.minor == both && w.undecided == both);
+}
+
 static void it_is_larger_than_its_least(void)
 {
     prepare();
@@ -313,6 +341,7 @@ int main(void)
     RUN_TEST(the_odds_of_a_name);
     RUN_TEST(it_is_likely_or_in_the_likeliest_set);
     RUN_TEST(what_another_explains_as_well_is_left_open);
+    RUN_TEST(what_is_less_likely_than_not_is_no_cause);
     RUN_TEST(it_is_larger_than_its_least);
     RUN_TEST(of_a_part_that_goes_whole_cycles_stay);
     RUN_TEST(dropped_causes_are_reported);
