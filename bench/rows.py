@@ -3,6 +3,7 @@
 
     bench/rows.py                       2,000, 15,000, 90,000 and 500,000 rows: a table, and the exponent of time over rows
     bench/rows.py --rows 32000,128000 --one-run --most 1.2     fails if the exponent of processor time is larger
+    bench/rows.py --most-bytes 640      fails if the peak memory grows by more bytes a row between the largest two sizes
 
 The recordings are simulated: a salient drive with a dead time and a warm winding at six operating points, stepped in both currents.
 """
@@ -68,22 +69,26 @@ def main():
     parser.add_argument("--rows", default="2000,15000,90000,500000", help="sizes, by commas")
     parser.add_argument("--one-run", action="store_true", help="all rows in one run at one operating point")
     parser.add_argument("--most", type=float, help="fail if the exponent of the largest two sizes is larger")
+    parser.add_argument("--most-bytes", type=float, help="fail if the largest two sizes need more bytes of memory a row")
     args = parser.parse_args()
     rows = [int(r) for r in args.rows.split(",")]
     if len(rows) < 2 or min(rows) < 1200 or sorted(set(rows)) != rows:
         parser.error("--rows: two sizes or more of 1,200 rows or more, in ascending order")
-    iqfoc, seconds = os.path.abspath(args.iqfoc), []
+    iqfoc, seconds, peak = os.path.abspath(args.iqfoc), [], []
     print("| rows | processor time | peak memory |\n| --- | --- | --- |")
     for n in rows:
         taken, memory = measure(iqfoc, n, POINTS[3:4] if args.one_run else POINTS)
         seconds.append(taken)
+        peak.append(memory)
         print(f"| {n} | {taken:.2f} s | {memory:.0f} MB |", flush=True)
     found = exponent(rows[-2:], seconds[-2:])
     print(f"Exponent of processor time over rows: {exponent(rows, seconds):.2f}, of the largest two {found:.2f}.")
-    if args.most is not None and found > args.most:
-        print(f"above {args.most}")
-        return 1
-    return 0
+    each = (peak[-1] - peak[-2]) * 2 ** 20 / (rows[-1] - rows[-2])
+    print(f"Peak memory grows by {each:.0f} bytes a row between the largest two sizes.")
+    too_much = [most for most, value in ((args.most, found), (args.most_bytes, each)) if most is not None and value > most]
+    for most in too_much:
+        print(f"above {most:g}")
+    return 1 if too_much else 0
 
 
 if __name__ == "__main__":

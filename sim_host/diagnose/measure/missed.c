@@ -18,6 +18,16 @@ enum { LEAST_ROWS = 4, TIMES_OPPOSITE = 5 };
 /* Commands that are late by less than this share of a cycle short of a whole one are late by the whole one. */
 static const double NEARLY = 0.15;
 
+/* Pairs of rows as they were before a change, in its order; no_memory: one could not be kept. */
+typedef struct kept_rows {
+    size_t count, room;
+    struct kept_pair {
+        size_t at;
+        cycle_row row[2];
+    } * pair;
+    bool no_memory;
+} kept_rows;
+
 typedef struct count {
     diagnose_rows *r;
     const averaged_drive *drive;
@@ -27,6 +37,7 @@ typedef struct count {
     double odds; /* log of share / (1 - share); NAN while rows are counted and not corrected */
     size_t told, missed, opposite, corrected;
     size_t wild; /* rows that err by CLEAR, whatever their command does */
+    kept_rows kept;
 } count;
 
 static bool find_deviations(count *c)
@@ -76,6 +87,32 @@ static void tell_next(cycle_row *next, size_t late)
     }
 }
 
+static void keep(kept_rows *kept, size_t at, cycle_row own, cycle_row next)
+{
+    if (kept->count == kept->room) {
+        const size_t room = 2 * kept->room + 64;
+        struct kept_pair *more = realloc(kept->pair, room * sizeof *more);
+        if (!more) {
+            kept->no_memory = true;
+            return;
+        }
+        kept->pair = more;
+        kept->room = room;
+    }
+    kept->pair[kept->count++] = (struct kept_pair){at, {own, next}};
+}
+
+/* The last change first, as the pairs overlap. */
+static void put_back(kept_rows *kept, cycle_row *row)
+{
+    while (kept->count > 0) {
+        const struct kept_pair *pair = &kept->pair[--kept->count];
+        memcpy(&row[pair->at], pair->row, sizeof pair->row);
+    }
+    free(kept->pair);
+    *kept = (kept_rows){.no_memory = kept->no_memory};
+}
+
 static double square_of(vec_ab a)
 {
     return a.alpha * a.alpha + a.beta * a.beta;
@@ -109,6 +146,7 @@ static void look_at(count *c, size_t k, double deviation_A)
         c->opposite += tells && square_of(opposite) < near;
         if (tells && square_of(held) < near) {
             c->missed++; /* the next row is checked too: a command that is half a cycle late acts in both */
+            keep(&c->kept, k, own, next);
             return;
         }
     } else if (0.5 * (square_of(e) - square_of(held)) + c->odds * deviation_A * deviation_A > 0.0) {
@@ -141,19 +179,12 @@ static void look_at_all(count *c)
     }
 }
 
-/* The rows stay as they are. */
+/* The rows stay as they are. False: out of memory. */
 static bool count_all(count *c)
 {
-    const size_t bytes = c->r->rows * sizeof *c->r->row;
-    cycle_row *before = malloc(bytes);
-    if (!before) {
-        return false;
-    }
-    memcpy(before, c->r->row, bytes);
     look_at_all(c);
-    memcpy(c->r->row, before, bytes);
-    free(before);
-    return true;
+    put_back(&c->kept, c->r->row);
+    return !c->kept.no_memory;
 }
 
 /* Wilson's interval of a share. */
