@@ -163,6 +163,13 @@ class Drives(unittest.TestCase):
             result = self.diagnose(drive, pathlib.Path(name))
             self.assertEqual([cause["id"] for cause in result["causes"]], ["speed_lag"])
 
+    def test_ringing_at_the_sample_accuses_no_part_of_the_machine(self):
+        """It looks like a sensor that is late; it was called an iron loss once."""
+        for effect in ("switching_noise:amplitude=1,tau=2e-5", "switching_noise:amplitude=2,tau=1.5e-5,coupling=0.3", "switching_noise"):
+            with self.subTest(effect), tempfile.TemporaryDirectory() as name:
+                result = self.diagnose(Drive("ringing", [effect], {}, set()), pathlib.Path(name))
+                self.assertLessEqual({cause["id"] for cause in result["causes"]}, {"sensor_lag", "current_offset"})
+
     def test_each_gets_its_name(self):
         for drive in DRIVES:
             with self.subTest(drive.title), tempfile.TemporaryDirectory() as name:
