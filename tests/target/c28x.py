@@ -66,6 +66,7 @@ def offences(text):
 def compiles(path):
     # A header by itself, as included: what it holds and nobody calls is no mistake.
     unit = ["-include", str(path), "-x", "c", "/dev/null"] if path.suffix == ".h" else [str(path)]
+    unit += ["-I", str(ROOT / "tests" / "target" / "iqmath"), '-DIQFOC_IQMATH_HEADER="types.h"']
     done = subprocess.run(COMPILE + unit, capture_output=True, text=True, check=False)
     return done.returncode == 0, done.stderr
 
@@ -117,7 +118,7 @@ def main():
         found = offences(ALLOWED_IN_SLOW.sub(" ", text) if path == SLOW_HEADER else text)
         check(not found, f"{path.relative_to(ROOT)}: no type of 8 bits or of another size" +
               "".join(f"\n        line {number}: {token}" for number, token in found))
-    for path in SOURCES + [SLOW_HEADER]:
+    for path in SOURCES + [SLOW_HEADER, PORT / "iqfoc_iqmath.h"]:
         good, text = compiles(path)
         check(good, f"{path.relative_to(ROOT)}: compiles where int has 16 bits" + ("\n" + text if not good else ""))
     check_linker_files()

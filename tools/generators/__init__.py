@@ -6,7 +6,7 @@ raises ValueError for arguments that it cannot use. Figures are rounded to what 
 machines.
 """
 
-from . import (bench, carried_on, diagnosis, front, induction, instructions, loops, mean_map, observers, papers, patterns, picture, plan,
+from . import (bench, carried_on, diagnosis, front, induction, instructions, iqmath, loops, mean_map, observers, papers, patterns, picture, plan,
                run, sensorless, sweep, thresholds, tune, watch)
 
 GENERATORS = {
@@ -18,6 +18,7 @@ GENERATORS = {
     "identified": sensorless.identified,
     "induction": induction.generate,
     "instructions": instructions.generate,
+    "iqmath": iqmath.generate,
     "mean_map": mean_map.generate,
     "observers": observers.generate,
     "papers": papers.generate,
