@@ -20,7 +20,7 @@ static const iqfoc_restart_config_t restarts = {
     .may_restart = IQFOC_STATUS_BREAK | IQFOC_STATUS_OVERCURRENT | IQFOC_STATUS_DC_LINK,
     .wait_cycles = PWM_HZ,
     .tries = FIRST_RUN ? 0 : 3,
-    .forget_cycles = 60 * PWM_HZ,
+    .forget_cycles = UINT32_C(60) * PWM_HZ,
 };
 
 /* Shunts make the third current of two, so that their sum says nothing: a lost sensor looks like a lost phase. */

@@ -93,6 +93,7 @@ c2000_error_t c2000_encoder_start(const c2000_chip_t *chip, uint32_t counts_per_
     c2000_write_long(chip->eqep + EQEP_QPOSMAX, counts_per_turn - 1);
     c2000_write_long(chip->eqep + EQEP_QPOSCNT, 0);
     c2000_write(chip->eqep + EQEP_QEPCTL, QEPCTL_RUN);
+    c2000_write(chip->eqep + EQEP_QCLR, QFLG_PHASE);
     c2000_write(chip->timer + TIMER_TCR, TCR_STOP);
     c2000_write_long(chip->timer + TIMER_PRD, UINT32_MAX);
     c2000_write(chip->timer + TIMER_TPR, 0);

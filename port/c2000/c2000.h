@@ -101,6 +101,9 @@ typedef volatile uint16_t c2000_reg_t;
 #define EQEP_QPOSMAX       0x04 /* 32 bits */
 #define EQEP_QDECCTL       0x14
 #define EQEP_QEPCTL        0x15
+#define EQEP_QFLG          0x19
+#define EQEP_QCLR          0x1A
+#define QFLG_PHASE         UINT16_C(0x0004) /* PHE: both signals changed at once */
 #define QEPCTL_RUN         UINT16_C(0x9008) /* FREE_SOFT = 10, PCRM = 01: to 0 after QPOSMAX; QPEN */
 #define QDECCTL_QUADRATURE UINT16_C(0)      /* all four edges of A and B */
 

@@ -46,6 +46,11 @@ void iqfoc_hal_write(iqfoc_hal_t *hal, const iqfoc_command_t *command)
     hal_c2000_write(hal, command);
 }
 
+bool hal_c2000_encoder_faulty(const iqfoc_hal_t *hal)
+{
+    return (c2000_read(hal->chip->eqep + EQEP_QFLG) & QFLG_PHASE) != 0;
+}
+
 bool hal_c2000_broken(const iqfoc_hal_t *hal)
 {
     return hal->broken || hal_c2000_tripped_by_itself(hal);

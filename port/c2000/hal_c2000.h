@@ -51,6 +51,9 @@ void hal_c2000_set_offset(iqfoc_hal_t *hal, iqfoc_abc_t offset);
  */
 void hal_c2000_align(iqfoc_hal_t *hal, iq24_t theta);
 
+/* True after both signals of the encoder changed at once: counts may be lost. */
+bool hal_c2000_encoder_faulty(const iqfoc_hal_t *hal);
+
 /*
  * True after the break line, a lost clock or a halted core stopped the outputs: from the next command on.
  * They stay off until hal_c2000_clear_break.

@@ -192,6 +192,13 @@ static inline void hal_c2000_write(iqfoc_hal_t *hal, const iqfoc_command_t *comm
     hal->released = gates;
 }
 
+/* At the end of a handler: the converter's flag, then the group's. */
+static inline void hal_c2000_acknowledge(iqfoc_hal_t *hal, uint16_t flag, uint16_t group)
+{
+    c2000_write(hal->chip->adc[0] + ADC_INTFLGCLR, flag);
+    c2000_write(hal->chip->pie + PIE_ACK, group);
+}
+
 /*
  * The interrupt of ADCA1, all of it: the valley's samples are there. methods: a constant. As
  * iqfoc_isr_valley_by.
@@ -205,8 +212,7 @@ IQFOC_STEP void hal_c2000_valley(const iqfoc_methods_t methods, iqfoc_cycle_t *c
         const iqfoc_command_t safe = iqfoc_cycle_safe(cycle->config);
         iqfoc_hal_write(hal, &safe); /* out of line: a trip is rare */
     }
-    c2000_write(hal->chip->adc[0] + ADC_INTFLGCLR, INTFLG_1);
-    c2000_write(hal->chip->pie + PIE_ACK, PIE_GROUP(PIE_GROUP_VALLEY));
+    hal_c2000_acknowledge(hal, INTFLG_1, PIE_GROUP(PIE_GROUP_VALLEY));
 }
 
 /* The interrupt of ADCA2: the peak's samples are there. As iqfoc_isr_peak_by. */
@@ -222,8 +228,7 @@ IQFOC_STEP void hal_c2000_peak(const iqfoc_methods_t methods, iqfoc_cycle_t *cyc
         command = iqfoc_cycle_safe(cycle->config);
     }
     hal_c2000_write(hal, &command);
-    c2000_write(hal->chip->adc[0] + ADC_INTFLGCLR, INTFLG_2);
-    c2000_write(hal->chip->pie + PIE_ACK, PIE_GROUP(PIE_GROUP_PEAK));
+    hal_c2000_acknowledge(hal, INTFLG_2, PIE_GROUP(PIE_GROUP_PEAK));
 }
 
 #endif

@@ -5,15 +5,18 @@ What a C28x demands of the library and of its port, checked without one: its cha
 1. No 8-bit type, nothing that depends on the size of a char, no int-sized assumption in a name: a scan of all tokens.
 2. Every source compiles without a warning where int has 16 bits (clang for MSP430): a constant or shift that needs a wider
    int is an error there, and so is a conversion that loses bits.
-3. The port's linker command files fit the chips: regions within the memories and apart, each section in one.
+3. examples/template-f280049c builds by its Makefile with a stand-in for TI's compiler, and names the same files in its CCS project.
+4. The port's linker command files fit the chips: regions within the memories and apart, each section in one.
 The checker is tested on code that it must refuse. Called by tests/target/run.sh.
 """
 import argparse
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
+import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PORT = ROOT / "port" / "c2000"
@@ -108,6 +111,32 @@ def check_linker_files():
             check(old in text and linker_faults(text.replace(old, new), memories), f"{name}: {what} is noticed")
 
 
+def check_template():
+    here = ROOT / "examples" / "template-f280049c"
+    with tempfile.TemporaryDirectory() as folder:
+        tree = pathlib.Path(folder)
+        for part in ("src", "include", "port/c2000", "examples/template-f280049c", "examples/template-stm32f405"):
+            shutil.copytree(ROOT / part, tree / part)
+        work = tree / "examples" / "template-f280049c"
+        command = ["make", "-s", "-C", str(work), f"CL={sys.executable} {ROOT}/tests/target/cl2000_stand_in.py"]
+        for family in ("f28004x", "f2837xd"):
+            done = subprocess.run([*command, f"FAMILY={family}"], capture_output=True, text=True, check=False)
+            check(done.returncode == 0 and (work / "build" / "first_drive.out").exists(), f"template-f280049c: builds for {family}\n{done.stderr}".strip())
+            shutil.rmtree(work / "build", ignore_errors=True)
+        (work / "main.c").write_text((work / "main.c").read_text() + "\nint32_t f(void);\nint32_t f(void)\n{\n    return 1 << 20;\n}\n")
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        check(done.returncode != 0, "template-f280049c: a shift beyond 16 bits does not build")
+    files = subprocess.run(["make", "-s", "-C", str(here), "list"], capture_output=True, text=True, check=True).stdout.split()
+    project = xml.etree.ElementTree.parse(here / "template_f280049c.projectspec").getroot().find("project")
+    named = [file.get("path") for file in project.findall("file")]
+    check(sorted(named) == sorted(files), f"template-f280049c: CCS's project names the Makefile's files; they differ in {set(named) ^ set(files)}")
+    flags = re.search(r"^FLAGS := (.*?)^vpath", (here / "Makefile").read_text(), flags=re.M | re.S)[1]
+    wanted = {word for word in flags.replace("\\\n", " ").split() if not word.startswith("--include_path")}
+    check(wanted <= set(project.get("compilerBuildOptions").split()), "template-f280049c: CCS's project has the Makefile's options")
+    board = (here / "main.c").read_text()
+    check("volatile bool may_run;" in board and "i_wanted" not in board, "template-f280049c: as printed it does not run, and asks for no current")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.strip().split("\n")[0])
     parser.add_argument("--build", help="not needed")
@@ -122,6 +151,7 @@ def main():
         good, text = compiles(path)
         check(good, f"{path.relative_to(ROOT)}: compiles where int has 16 bits" + ("\n" + text if not good else ""))
     check_linker_files()
+    check_template()
     return 1 if failures else 0
 
 

@@ -130,6 +130,9 @@ static void answer(c2000_reg_t *reg, uint16_t value)
         fake_plant.locks_failed -= fake_plant.locks_failed > 0 ? 1 : 0;
     } else if (reg == fake_bank.clk + CLK_PLLCTL1 && (value & PLLCTL1_ON) == 0) {
         fake_bank.clk[CLK_PLLSTS] = 0;
+    } else if (reg == fake_bank.eqep + EQEP_QCLR) {
+        fake_bank.eqep[EQEP_QFLG] &= (uint16_t)~value;
+        *reg = 0;
     } else if (reg == fake_bank.adc[0] + ADC_INTFLGCLR || reg == fake_bank.pie + PIE_ACK) {
         *reg = 0; /* writing 1 clears the flag */
     }
@@ -232,6 +235,11 @@ int32_t fake_last_write(const c2000_reg_t *reg, uint32_t mask, uint32_t value)
 uint32_t fake_reads_between(int32_t from, int32_t to)
 {
     return entries[to].reads_before - entries[from].reads_before;
+}
+
+void fake_forget(void)
+{
+    entry_count = 0;
 }
 
 uint32_t fake_lost(void)

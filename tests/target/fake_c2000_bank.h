@@ -56,6 +56,9 @@ int32_t fake_last_write(const c2000_reg_t *reg, uint32_t mask, uint32_t value);
 /* Reads of any register between two writes: time that passed. */
 uint32_t fake_reads_between(int32_t from, int32_t to);
 
+/* Forgets the order of the writes so far: a firmware that runs would fill it. */
+void fake_forget(void);
+
 /* Writes that the protection lost since the reset; and is a sequence still unprotected? */
 uint32_t fake_lost(void);
 bool fake_is_open(void);

@@ -28,7 +28,8 @@ const c2000_chip_t *rig_c2000_chip = &fake_f28004x;
 const c2000_chip_t *rig_c2000_hal_chip;
 void (*rig_c2000_plant)(void);
 
-static iqfoc_hal_t hal;
+static iqfoc_hal_t own_hal;
+static uint32_t half; /* ticks from valley to peak */
 static double current[3];
 static double dc_link;
 static double phase;     /* of the carrier period */
@@ -112,7 +113,7 @@ static void act(int leg, const uint32_t *shifts, int count)
 enum { ZRO = 0, PRD = 2, CAU = 4, CAD = 6 };
 
 /*
- * The counter arrives at a tick of the period: 0 ... 2 HALF - 1. On the way up CAU, ZRO, CAD; down CAD, PRD,
+ * The counter arrives at a tick of the period: 0 ... 2 half - 1. On the way up CAU, ZRO, CAD; down CAD, PRD,
  * CAU.
  */
 static void arrive(uint32_t tick)
@@ -124,17 +125,17 @@ static void arrive(uint32_t tick)
             static const uint32_t plain[] = {ZRO};
             act(leg, compare == 0 ? matched : plain, compare == 0 ? 3 : 1);
             load(leg, 1);
-        } else if (tick == HALF) {
+        } else if (tick == half) {
             static const uint32_t matched[] = {CAD, PRD, CAU};
             static const uint32_t plain[] = {PRD};
-            act(leg, compare >= HALF ? matched : plain, compare >= HALF ? 3 : 1);
+            act(leg, compare >= half ? matched : plain, compare >= half ? 3 : 1);
             load(leg, 2);
-        } else if (compare < HALF && (tick == compare || tick == 2 * HALF - compare)) {
-            const uint32_t shift = tick < HALF ? CAU : CAD;
+        } else if (compare < half && (tick == compare || tick == 2 * half - compare)) {
+            const uint32_t shift = tick < half ? CAU : CAD;
             act(leg, &shift, 1);
         }
     }
-    if (tick == 0 || tick == HALF) {
+    if (tick == 0 || tick == half) {
         trigger(tick == 0 ? 1 : 2);
     }
 }
@@ -146,7 +147,7 @@ static bool counts(void)
                (fake_long(fake_bank.sys, SYS_PCLKCR2) & PCLKCR2_EPWM_1_2_3) == PCLKCR2_EPWM_1_2_3;
     for (int leg = 0; leg < 3; leg++) {
         all = all && (fake_bank.epwm[leg][EPWM_TBCTL] & 0x1F83) == TBCTL_UP_DOWN &&
-              fake_bank.epwm[leg][EPWM_TBPRD] == HALF;
+              fake_bank.epwm[leg][EPWM_TBPRD] == half;
     }
     return all;
 }
@@ -156,10 +157,10 @@ static void go_to(double to)
     if (!counts()) {
         return;
     }
-    const uint32_t from = (uint32_t)lround(phase * 2.0 * HALF);
-    const uint32_t ticks = (uint32_t)lround(to * 2.0 * HALF);
+    const uint32_t from = (uint32_t)lround(phase * 2.0 * half);
+    const uint32_t ticks = (uint32_t)lround(to * 2.0 * half);
     const bool wraps = to < phase;
-    for (uint32_t tick = from + 1; tick <= (wraps ? 2 * HALF - 1 : ticks); tick++) {
+    for (uint32_t tick = from + 1; tick <= (wraps ? 2 * half - 1 : ticks); tick++) {
         arrive(tick);
     }
     for (uint32_t tick = 0; wraps && tick <= ticks; tick++) {
@@ -168,12 +169,12 @@ static void go_to(double to)
     periods += wraps ? 1 : 0;
     phase = to;
     for (int leg = 0; leg < 3; leg++) {
-        fake_bank.epwm[leg][EPWM_TBCTR] = (uint16_t)(ticks <= HALF ? ticks : 2 * HALF - ticks);
-        fake_bank.epwm[leg][EPWM_TBSTS] = ticks < HALF ? TBSTS_COUNTS_UP : 0;
+        fake_bank.epwm[leg][EPWM_TBCTR] = (uint16_t)(ticks <= half ? ticks : 2 * half - ticks);
+        fake_bank.epwm[leg][EPWM_TBSTS] = ticks < half ? TBSTS_COUNTS_UP : 0;
     }
     const bool runs =
         (fake_bank.timer[TIMER_TCR] & TCR_STOP) == 0 && fake_long(fake_bank.timer, TIMER_PRD) == UINT32_MAX;
-    const uint32_t clocks = (uint32_t)(periods * 2 * HALF + ticks) * rig_c2000_chip->family->clocks_per_tick;
+    const uint32_t clocks = (uint32_t)(periods * 2 * half + ticks) * rig_c2000_chip->family->clocks_per_tick;
     const uint32_t down = UINT32_MAX - (runs ? clocks : 0);
     fake_bank.timer[TIMER_TIM] = (uint16_t)(down & 0xFFFF);
     fake_bank.timer[TIMER_TIM + 1] = (uint16_t)(down >> 16);
@@ -229,13 +230,12 @@ static bool outputs_on(void)
 
 static uint32_t period_ticks(void)
 {
-    return 2 * HALF * rig_c2000_chip->family->clocks_per_tick;
+    return 2 * half * rig_c2000_chip->family->clocks_per_tick;
 }
 
-const port_rig *rig_c2000_start(void)
+const port_rig *rig_c2000_attach(iqfoc_hal_t *hal, uint32_t half_ticks)
 {
-    static const port_rig rig = {
-        .hal = &hal,
+    static port_rig rig = {
         .set_current = set_current,
         .set_dc_link = set_dc_link,
         .set_angle = set_angle,
@@ -246,22 +246,31 @@ const port_rig *rig_c2000_start(void)
         .current_step_pu = 2.0 / 2048,
         .angle_step = 3.0 / 4096,
     };
-    fake_reset();
+    rig.hal = hal;
+    half = half_ticks;
     phase = 0.0;
     periods = 5;
     dc_link = 1.0;
     for (int leg = 0; leg < 3; leg++) {
         level[leg] = false;
+        current[leg] = 0.0;
     }
+    return &rig;
+}
+
+const port_rig *rig_c2000_start(void)
+{
+    fake_reset();
     (void)c2000_carrier_start(rig_c2000_chip, HALF, 1000);
     (void)c2000_encoder_start(rig_c2000_chip, board.counts_per_turn);
     (void)c2000_converters_start(rig_c2000_chip, &channels);
-    hal_c2000_start(&hal, rig_c2000_hal_chip != NULL ? rig_c2000_hal_chip : rig_c2000_chip, &board);
+    hal_c2000_start(&own_hal, rig_c2000_hal_chip != NULL ? rig_c2000_hal_chip : rig_c2000_chip, &board);
     c2000_run(rig_c2000_chip);
     if (rig_c2000_plant != NULL) {
         rig_c2000_plant();
     }
+    const port_rig *const rig = rig_c2000_attach(&own_hal, HALF);
     arrive(0);
     go_to(0.0);
-    return &rig;
+    return rig;
 }

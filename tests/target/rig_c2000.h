@@ -16,6 +16,9 @@ extern const c2000_chip_t *rig_c2000_chip;
 extern const c2000_chip_t *rig_c2000_hal_chip;
 extern void (*rig_c2000_plant)(void);
 
+/* The hardware around registers that a firmware set up, at its valley; half_ticks: the firmware's. */
+const port_rig *rig_c2000_attach(iqfoc_hal_t *hal, uint32_t half_ticks);
+
 /* Carrier, converters and encoder set up by the port and running. */
 const port_rig *rig_c2000_start(void);
 

@@ -194,7 +194,11 @@ static void test_converters(void)
 
 static void test_encoder_and_timer(void)
 {
+    fake_bank.eqep[EQEP_QFLG] = 0xFFFF; /* what came while nothing was connected */
     TEST_ASSERT_EQUAL(C2000_OK, c2000_encoder_start(&fake_f28004x, 65536));
+    TEST_ASSERT_FALSE(hal_c2000_encoder_faulty(&hal));
+    fake_bank.eqep[EQEP_QFLG] = 0x0004;
+    TEST_ASSERT_TRUE(hal_c2000_encoder_faulty(&hal));
     TEST_ASSERT_EQUAL_HEX16(0x9008, fake_bank.eqep[EQEP_QEPCTL]);
     TEST_ASSERT_EQUAL_UINT32(65535, fake_long(fake_bank.eqep, EQEP_QPOSMAX));
     TEST_ASSERT_TRUE(fake_last_write(fake_bank.eqep + EQEP_QPOSMAX, 0, 0) <
