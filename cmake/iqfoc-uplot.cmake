@@ -6,9 +6,9 @@ if(UPLOT_DIR STREQUAL "${PROJECT_BINARY_DIR}/uplot")
     unset(UPLOT_DIR CACHE)
 endif()
 set(uplot_seen "")
-foreach(folder IN ITEMS ${UPLOT_DIR} $ENV{UPLOT_DIR} ${PROJECT_SOURCE_DIR}/.cache/uplot
+foreach(folder IN ITEMS ${UPLOT_DIR} $ENV{UPLOT_DIR} ${CMAKE_CURRENT_LIST_DIR}/../.cache/uplot
         /usr/local/lib/node_modules/uplot /usr/lib/node_modules/uplot)
-    iqfoc_pinned(${folder} ${PROJECT_SOURCE_DIR}/packages/uplot.sha256 uplot_wrong there)
+    iqfoc_pinned(${folder} ${CMAKE_CURRENT_LIST_DIR}/../packages/uplot.sha256 uplot_wrong there)
     if(NOT uplot_wrong)
         set(UPLOT_DIR ${folder} CACHE PATH "Folder of uPlot's package" FORCE)
         return()
@@ -28,14 +28,14 @@ if(IQFOC_PYTHON)
     execute_process(COMMAND ${Python3_EXECUTABLE} -c
         "from importlib.util import find_spec as f; s = f('uplot'); print(s.submodule_search_locations[0] if s else '')"
         OUTPUT_VARIABLE folder OUTPUT_STRIP_TRAILING_WHITESPACE)
-    iqfoc_pinned("${folder}" ${PROJECT_SOURCE_DIR}/packages/uplot-python.sha256 uplot_wrong)
+    iqfoc_pinned("${folder}" ${CMAKE_CURRENT_LIST_DIR}/../packages/uplot-python.sha256 uplot_wrong)
     if(NOT uplot_wrong)
         set(UPLOT_DIR ${PROJECT_BINARY_DIR}/uplot CACHE PATH "Folder of uPlot's package" FORCE)
         file(MAKE_DIRECTORY ${UPLOT_DIR}/dist)
         file(COPY_FILE ${folder}/static/uPlot.iife.js ${UPLOT_DIR}/dist/uPlot.iife.min.js)
         file(COPY_FILE ${folder}/static/uPlot.min.css ${UPLOT_DIR}/dist/uPlot.min.css)
         # Its licence is MIT, as this project's own.
-        file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
+        file(READ ${CMAKE_CURRENT_LIST_DIR}/../LICENSE licence)
         string(REGEX REPLACE "Copyright [^\n]*" "Copyright (c) 2021 Leon Sorokin" licence "${licence}")
         file(WRITE ${UPLOT_DIR}/LICENSE "${licence}")
         return()

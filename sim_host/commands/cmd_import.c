@@ -99,19 +99,12 @@ static bool propose(const request *r, error *e)
     return ok;
 }
 
-/* The comment of the recording: source, map, shift. */
-static void describe(const log_table *t, const import_map *map, char *text, size_t size)
-{
-    snprintf(text, size, "imported from %s by %s; shift_cycles = %g%s", t->path, map->path, map->shift_cycles,
-             map->column[QUANTITY_OMEGA].there || map->has_fixed_omega ? "" : "; speed from the angle");
-}
-
 static bool convert(const request *r, const import_map *map, error *e)
 {
     motor m;
     log_table t;
     recording rec;
-    char comment[600];
+    char comment[CONVERT_COMMENT];
     if (r->motor_path != NULL && !motor_read(r->motor_path, &m, e)) {
         return false;
     }
@@ -132,7 +125,7 @@ static bool convert(const request *r, const import_map *map, error *e)
         arrange_print(stdout, map, &m, &found);
         recording_free(&rec);
     } else if (ok) {
-        describe(&t, map, comment, sizeof comment);
+        convert_comment(&t, map, comment, sizeof comment);
         ok = recording_write(r->recording_path, &rec, comment, e);
         recording_free(&rec);
     }

@@ -92,12 +92,8 @@ static void summarise(const record_rows *rows, const wire_reader *reader)
 
 static bool write_out(const request *r, record_rows *rows, const wire_reader *reader, error *e)
 {
-    char comment[256];
-    const wire_counts *c = &reader->counts;
-    (void)snprintf(
-        comment, sizeof comment,
-        "iqfoc record: %lu frames, %lu damaged, %lu lost, %lu rows lost on the target, %lu missing in all",
-        c->frames, c->damaged, c->lost_frames, c->lost_rows, c->missing_rows);
+    char comment[RECORD_COMMENT];
+    record_comment(&reader->counts, comment, sizeof comment);
     return recording_write(r->out_path, &rows->recording, comment, e);
 }
 

@@ -15,12 +15,7 @@ typedef struct request {
     tune_choice choice;
 } request;
 
-static request asked = {.choice = {.updates = 1,
-                                   .margin = 0.5,
-                                   .run_up_s = TUNE_RUN_UP_S,
-                                   .tolerances = {TUNE_TOLERANCE_R, TUNE_TOLERANCE_L, TUNE_TOLERANCE_PSI_F},
-                                   .drives = 50,
-                                   .seed = 1}};
+static request asked;
 
 static const option_spec specs[] = {
     {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path, .needed = true},
@@ -110,6 +105,7 @@ int cmd_tune(int argc, char **argv)
 {
     tune_choice *c = &asked.choice;
     error e = {0};
+    *c = tune_choice_usual();
     options o = options_begin(&about_tune, argc, argv);
     bool ok = options_read(&o, &e);
     c->compares = asked.directory != NULL || asked.json_path != NULL;

@@ -5,6 +5,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -167,4 +168,10 @@ bool convert_log(log_table *t, const import_map *map, const motor *m, recording 
         recording_free(r);
     }
     return ok;
+}
+
+void convert_comment(const log_table *t, const import_map *map, char *text, size_t size)
+{
+    snprintf(text, size, "imported from %s by %s; shift_cycles = %g%s", t->path, map->path, map->shift_cycles,
+             map->column[QUANTITY_OMEGA].there || map->has_fixed_omega ? "" : "; speed from the angle");
 }

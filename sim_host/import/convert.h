@@ -17,4 +17,9 @@
  */
 bool convert_log(log_table *t, const import_map *map, const motor *m, recording *r, error *e);
 
+enum { CONVERT_COMMENT = 600 };
+
+/* The comment of the recording: source, map, shift. */
+void convert_comment(const log_table *t, const import_map *map, char *text, size_t size);
+
 #endif

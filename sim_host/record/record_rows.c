@@ -3,6 +3,8 @@
 
 #include "base/vector.h"
 
+#include <stdio.h>
+
 #define COLUMNS 22 /* numbers of the wire, 0 unused */
 
 /* Place of each channel in the header; -1: not recorded. */
@@ -192,4 +194,12 @@ bool record_rows_take(void *context, const wire_header *header, const wire_row *
 void record_rows_free(record_rows *rows)
 {
     recording_free(&rows->recording);
+}
+
+void record_comment(const wire_counts *c, char *text, size_t size)
+{
+    (void)snprintf(
+        text, size,
+        "iqfoc record: %lu frames, %lu damaged, %lu lost, %lu rows lost on the target, %lu missing in all",
+        c->frames, c->damaged, c->lost_frames, c->lost_rows, c->missing_rows);
 }

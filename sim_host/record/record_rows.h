@@ -23,4 +23,9 @@ bool record_rows_take(void *context, const wire_header *header, const wire_row *
 
 void record_rows_free(record_rows *rows);
 
+enum { RECORD_COMMENT = 256 };
+
+/* The comment of the recording: what came and what is missing. */
+void record_comment(const wire_counts *c, char *text, size_t size);
+
 #endif

@@ -12,6 +12,16 @@ static bool speed_fits(const motor *m, error *e)
                                            per_turn, 3.0 * m->n_max_rpm / 60.0 * m->pole_pairs);
 }
 
+tune_choice tune_choice_usual(void)
+{
+    return (tune_choice){.updates = 1,
+                         .margin = 0.5,
+                         .run_up_s = TUNE_RUN_UP_S,
+                         .tolerances = {TUNE_TOLERANCE_R, TUNE_TOLERANCE_L, TUNE_TOLERANCE_PSI_F},
+                         .drives = 50,
+                         .seed = 1};
+}
+
 bool tune_report_make(tune_report *t, const motor *m, const tune_choice *choice, error *e)
 {
     tune_result *result = &t->result;

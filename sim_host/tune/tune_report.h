@@ -31,6 +31,9 @@ typedef struct tune_choice {
     bool compares; /* with the library's other controllers; not with two updates */
 } tune_choice;
 
+/* What is chosen where nobody says otherwise. */
+tune_choice tune_choice_usual(void);
+
 /* Designs, simulates and compares. False with *e set: no design, or an input that cannot be used. */
 bool tune_report_make(tune_report *t, const motor *m, const tune_choice *choice, error *e);
 
