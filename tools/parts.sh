@@ -227,6 +227,8 @@ check_static() {
 test_web() {
     web
     python3 -B tests/browser/web_page.py build/host/iqfoc build/web/index.html
+    build_preset cortex-m4 iqfoc_pil
+    python3 -B tests/browser/live_page.py build/host/iqfoc build/web/index.html
 }
 
 # The pages, and that a search of them leads to the right ones.

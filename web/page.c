@@ -1,15 +1,10 @@
 /*
- * What the page in the browser calls: the diagnosis of a recording, the errors of mean and prediction over the frequency ratio,
- * the loop's step, and the observer's angle error. The same C as the program's; each call prints its JSON on stdout, what is to be said on stderr, and
- * returns the program's exit status. Files are those that the page put into memory.
+ * The calls that the sliders make: the errors of mean and prediction over the frequency ratio, the loop's step, the observer's
+ * angle error; and the golden hash.
  */
-#include "base/json.h"
+#include "page.h"
+
 #include "base/vector.h"
-#include "data/recording.h"
-#include "diagnose/diagnose.h"
-#include "diagnose/show/firmware_gain.h"
-#include "diagnose/tell/json.h"
-#include "diagnose/tell/text.h"
 #include "golden_hash.h"
 #include "loops/current_loops.h"
 #include "reproduce/paper_2019.h"
@@ -21,24 +16,21 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-#define PAGE_CALL(name) __attribute__((export_name(#name))) int name
-
 enum { RATIOS_MAX = 64, NAME_SIZE = 256 };
 
-/* Set by the page ahead of page_diagnose: the recording's name and the motor file's, as the JSON shall tell them. */
-static char recording_name[NAME_SIZE], motor_name[NAME_SIZE];
+static char names[PAGE_NAMES][NAME_SIZE];
 
-__attribute__((export_name("page_recording_name"))) char *page_recording_name(void)
+__attribute__((export_name("page_name_at"))) char *page_name_at(int which)
 {
-    return recording_name;
+    return which >= 0 && which < PAGE_NAMES ? names[which] : NULL;
 }
 
-__attribute__((export_name("page_motor_name"))) char *page_motor_name(void)
+const char *page_name_of(page_name which)
 {
-    return motor_name;
+    return names[which];
 }
 
-static int finish(bool ok, json_t *json, const error *e)
+int page_answer(bool ok, json_t *json, const error *e)
 {
     if (ok) {
         json_print(stdout, json);
@@ -47,28 +39,6 @@ static int finish(bool ok, json_t *json, const error *e)
     json_free(json);
     fflush(stdout);
     return ok ? STATUS_DONE : error_print(e);
-}
-
-PAGE_CALL(page_diagnose)(void)
-{
-    error e = {0};
-    motor m;
-    recording rec;
-    diagnosis d;
-    if (!motor_read(motor_name, &m, &e) || !recording_read(recording_name, &rec, &e)) {
-        return error_print(&e);
-    }
-    const diagnose_options how = {.series = true};
-    json_t *json = NULL;
-    const bool ok = diagnose(&d, &rec, &m, &how, &e);
-    if (ok) {
-        json = json_of_diagnosis(&d);
-        firmware_gain_tell(json, &rec, d.held_out, &m, &d.extended_motor);
-        text_print(stderr, &d);
-        diagnosis_free(&d);
-    }
-    recording_free(&rec);
-    return finish(ok, json, &e);
 }
 
 /* k_u = T U_b/(L I_b). */
@@ -140,7 +110,7 @@ PAGE_CALL(page_errors)
                    &e, NULL, 0, 0,
                    "the cycle is longer than the winding's time constant L/R at every ratio; choose a larger "
                    "L, a smaller R or a higher speed"));
-    return finish(ok, json_pack("{s:o, s:o}", "f_pwm_Hz", rates, "points", points), &e);
+    return page_answer(ok, json_pack("{s:o, s:o}", "f_pwm_Hz", rates, "points", points), &e);
 }
 
 /* base: the current base over the paper's rated current. */
@@ -165,7 +135,7 @@ PAGE_CALL(page_step)(double rpm, double ratio, double R_ohm, double L_H, double 
     c.truth = machine_at(rpm, ratio, R_ohm, L_H, psi_f_Wb);
     fit_library(&c.truth, rpm, fmin(1.0, believed_L) * L_H);
     if (R_ohm / (c.truth.f_pwm_Hz * fmin(1.0, believed_L) * L_H) > K_R_MOST) {
-        return finish(
+        return page_answer(
             error_input(&e, NULL, 0, 0,
                         "the cycle is longer than the winding's time constant L/R; choose a higher ratio"),
             NULL, &e);
@@ -183,10 +153,10 @@ PAGE_CALL(page_step)(double rpm, double ratio, double R_ohm, double L_H, double 
             json_array_append_new(all, step_json(shown[k], &r, base));
         }
     }
-    return finish(ok,
-                  json_pack("{s:f, s:f, s:i, s:o}", "cycle_s", 1.0 / c.truth.f_pwm_Hz, "reference_after", 0.7,
-                            "cycles_before", (int)LOOP_TRACE_BEFORE, "methods", all),
-                  &e);
+    return page_answer(ok,
+                       json_pack("{s:f, s:f, s:i, s:o}", "cycle_s", 1.0 / c.truth.f_pwm_Hz, "reference_after",
+                                 0.7, "cycles_before", (int)LOOP_TRACE_BEFORE, "methods", all),
+                       &e);
 }
 
 /* The true machine over the model: shares. */
@@ -266,7 +236,7 @@ PAGE_CALL(page_observer)
         const tune_sensorless s = tune_sensorless_of(&design, false, w_T, 0.5);
         json_array_append_new(points, observer_json(&m, &s, &wrong, ratio));
     }
-    return finish(ok, json_pack("{s:o}", "points", points), &e);
+    return page_answer(ok, json_pack("{s:o}", "points", points), &e);
 }
 
 /* The line of `iqfoc golden`: that the library computes here what it does everywhere. */

@@ -7,7 +7,7 @@
 
     /* ---- The worker: made of a blob, as a page from disk may load no other file ---- */
     const worker = new Worker(URL.createObjectURL(new Blob([$("worker").textContent], {type: "text/javascript"})));
-    worker.postMessage({wasm: bytesOf($("wasm").textContent.trim())});
+    const ready = unpacked(bytesOf($("wasm").textContent.trim())).then((wasm) => worker.postMessage({wasm}));
     const waiting = new Map();
     let questions = 0;
     worker.onmessage = ({data}) => {
@@ -15,19 +15,17 @@
         waiting.delete(data.id);
         window.iqfoc.busy--;
     };
-    function ask(name, values, files) {
+    function post(question) {
         window.iqfoc.busy++;
         return new Promise((answer) => {
-            waiting.set(++questions, answer);
-            worker.postMessage({id: questions, name, values, files});
+            const id = ++questions;
+            waiting.set(id, answer);
+            ready.then(() => worker.postMessage({id, ...question}));
         });
     }
+    const ask = (name, values, files) => post({name, values, files});
 
-    /* ---- Diagnosis ---- */
-    const given = {recording: null, motor: null}; // {name, bytes}
-
-    async function bytesOfFile(file) {
-        const bytes = new Uint8Array(await file.arrayBuffer());
+    async function unpacked(bytes) {
         if (bytes[0] !== 0x1f || bytes[1] !== 0x8b) {
             return bytes;
         }
@@ -35,21 +33,125 @@
         return new Uint8Array(await new Response(plain).arrayBuffer());
     }
 
+    /* ---- Diagnosis ---- */
+    const given = {recording: null, motor: null, log: null, map: null}; // {name, bytes}
+
+    const textOf = (bytes) => new TextDecoder("latin1").decode(bytes);
+    const isMap = (bytes) => /^\s*\[columns\]/m.test(textOf(bytes));
+    /* Its first line that is no comment has the names that every recording has. */
+    function isRecording(bytes) {
+        const head = textOf(bytes.subarray(0, 65536)).split("\n").find((line) => !line.startsWith("#")) || "";
+        const names = head.trim().split(",");
+        return names.includes("t_s") && names.includes("theta_e_rad");
+    }
+
     async function take(files) {
+        let dropped = null;
         for (const file of files) {
             try {
-                given[file.name.endsWith(".toml") ? "motor" : "recording"] = {name: file.name, bytes: await bytesOfFile(file)};
+                const bytes = await unpacked(new Uint8Array(await file.arrayBuffer()));
+                if (!file.name.endsWith(".toml")) {
+                    dropped = {name: file.name, bytes};
+                } else if (isMap(bytes)) {
+                    given.map = {name: file.name, bytes};
+                } else {
+                    given.motor = {name: file.name, bytes};
+                }
             } catch (problem) {
                 tell(`${file.name}: cannot be read: ${problem.message}`, true);
                 return;
             }
         }
-        $("have-recording").textContent = given.recording ? given.recording.name : "none yet";
-        $("have-motor").textContent = given.motor ? given.motor.name : "none yet";
-        if (given.recording && given.motor) {
+        if (dropped !== null) {
+            const own = isRecording(dropped.bytes);
+            given.recording = own ? dropped : null;
+            given.log = own ? null : dropped;
+        }
+        have();
+        if (given.log !== null) {
+            await propose(dropped !== null);
+        } else if (given.recording && given.motor) {
             await diagnose();
         }
     }
+
+    function have() {
+        const named = given.recording || given.log;
+        $("have-recording").textContent = named ? named.name : "none yet";
+        $("have-motor").textContent = given.motor ? given.motor.name : "none yet";
+        $("import").hidden = given.log === null;
+    }
+
+    /* ---- A log of another program ---- */
+
+    /* The log's first rows, a line for each column, with the quantity that the map takes it for. */
+    function showHead() {
+        const quantity = new Map();
+        for (const [, key, plain, from] of $("map").value.matchAll(/^\s*(\w+)\s*=\s*(?:"([^"]*)"|\{\s*from\s*=\s*"([^"]*)")/gm)) {
+            const name = plain === undefined ? from : plain;
+            quantity.set(name, quantity.has(name) ? `${quantity.get(name)}, ${key}` : key);
+        }
+        $("head").replaceChildren();
+        for (const [n, name] of log.names.entries()) {
+            const row = $("head").insertRow();
+            cell(row, quantity.get(name) || "–");
+            cell(row, name);
+            cell(row, log.units[n]);
+            cell(row, log.rows.slice(0, 4).map((fields) => fields[n]).join("  "));
+        }
+    }
+
+    let log = null; // {map, names, units, rows}
+    async function propose(fresh) {
+        $("result").hidden = true;
+        if (fresh) {
+            const done = await ask("page_propose", {names: {log: given.log.name}}, {[given.log.name]: given.log.bytes});
+            if (done.status !== 0) {
+                given.log = null;
+                have();
+                tell(done.said.trim(), true);
+                return;
+            }
+            log = JSON.parse(done.out);
+            $("log-name").textContent = given.log.name;
+            $("map").value = log.map;
+            $("checked").hidden = true;
+        }
+        if (given.map) {
+            $("map").value = new TextDecoder().decode(given.map.bytes);
+        }
+        showHead();
+        tell(given.motor ? "" : "The motor file is still missing; an example of one is in the documentation.", false);
+    }
+
+    async function withMap(call) {
+        if (!given.motor) {
+            tell("The motor file is missing: drop it on the page.", true);
+            return null;
+        }
+        const map = given.map ? given.map.name : "map.toml";
+        tell("Reading the log …", false);
+        const done = await ask(call, {names: {log: given.log.name, map, motor: given.motor.name}},
+            {[given.log.name]: given.log.bytes, [map]: new TextEncoder().encode($("map").value), [given.motor.name]: given.motor.bytes});
+        tell(done.status === 0 ? "" : done.said.trim(), done.status !== 0);
+        return done.status === 0 ? done : null;
+    }
+
+    $("map").addEventListener("input", showHead);
+    $("convert").addEventListener("click", async () => {
+        const done = await withMap("page_import");
+        if (done !== null) {
+            given.recording = {name: "recording.csv", bytes: done.files["recording.csv"]};
+            await diagnose();
+        }
+    });
+    $("check-map").addEventListener("click", async () => {
+        const done = await withMap("page_check");
+        $("checked").hidden = done === null;
+        $("checked").textContent = done === null ? "" : done.said;
+    });
+
+    /* ---- The diagnosis ---- */
 
     function tell(text, bad) {
         $("state").textContent = text;
@@ -99,14 +201,25 @@
         $("result").hidden = false;
     }
 
+    function link(name, bytes) {
+        const made = document.createElement("a");
+        made.textContent = name;
+        made.download = name;
+        made.href = URL.createObjectURL(new Blob([bytes]));
+        return made;
+    }
+
     async function diagnose() {
         const began = performance.now();
         $("result").hidden = true;
         window.iqfoc.json = null;
+        window.iqfoc.files = {};
+        window.iqfoc.recording = textOf(given.recording.bytes);
         tell("Diagnosing …", false);
         const {recording, motor} = given;
-        const done = await ask("page_diagnose", {names: {page_recording_name: recording.name, page_motor_name: motor.name}},
-            {[recording.name]: recording.bytes, [motor.name]: motor.bytes});
+        const values = {names: {recording: recording.name, motor: motor.name}};
+        const files = {[recording.name]: recording.bytes, [motor.name]: motor.bytes};
+        const done = await ask("page_diagnose", values, files);
         window.iqfoc.said = done.said;
         if (done.status !== 0) {
             tell(done.said.trim(), true);
@@ -116,7 +229,73 @@
         show(JSON.parse(done.out));
         tell(`Done in ${((performance.now() - began) / 1000).toFixed(1)} s, in this page; nothing was sent anywhere.`, false);
         $("save").href = URL.createObjectURL(new Blob([done.out], {type: "application/json"}));
+        $("report").hidden = true;
+        $("files").replaceChildren();
+        $("tuned").hidden = true;
+        $("tuned-files").replaceChildren();
+        $("report-state").textContent = "A simulated drive with these causes is being compared with the recording …";
+        const report = await ask("page_report", values, files);
+        if (given.recording !== recording) {
+            return; // the reader has gone on
+        }
+        $("report-state").textContent = report.status === 0 ? "" : report.said.trim();
+        window.iqfoc.files = report.files;
+        for (const name of ["report.html", "motor_extended.toml", "iqfoc_extension.h"].filter((n) => report.files[n])) {
+            $("files").append(link(name, report.files[name]));
+        }
+        if (recording.name === "recording.csv") { // made here
+            $("files").append(link(recording.name, recording.bytes));
+        }
+        if (report.files["report.html"]) {
+            $("report").src = URL.createObjectURL(new Blob([report.files["report.html"]], {type: "text/html"}));
+            $("report").hidden = false;
+        }
     }
+
+    $("tune").addEventListener("click", async () => {
+        const {motor} = given;
+        const name = "diagnosis.json";
+        $("tune").disabled = true;
+        $("tune-state").textContent = "Designing, and simulating 50 drives …";
+        const done = await ask("page_tune", {names: {motor: motor.name, diagnosis: name}},
+            {[motor.name]: motor.bytes, [name]: new TextEncoder().encode(window.iqfoc.json)});
+        $("tune").disabled = false;
+        $("tune-state").textContent = done.status === 0 ? "" : done.said.trim();
+        window.iqfoc.tuned = done.files;
+        $("tuned-files").replaceChildren();
+        if (done.status === 0) {
+            $("tuned-files").append(link("iqfoc_tuned.h", done.files["iqfoc_tuned.h"]), link("index.html", done.files["index.html"]));
+        }
+        $("tuned").hidden = done.status !== 0;
+        $("tuned").textContent = done.said;
+    });
+
+    $("example").addEventListener("click", async () => {
+        const name = $("example-recording").dataset.name;
+        given.log = null;
+        given.recording = {name: name + ".csv.gz", bytes: await unpacked(bytesOf($("example-recording").textContent.trim()))};
+        given.motor = {name: name + ".toml", bytes: bytesOf($("example-motor").textContent.trim())};
+        have();
+        await diagnose();
+    });
+
+    /* What live.js needs of this file. */
+    window.iqfoc.page = {$, post, ask, cell, short, draw, colour: (name) => colour(name),
+        async recorded(octets) {
+            const name = "board.octets";
+            const done = await ask("page_record", {names: {octets: name}}, {[name]: octets});
+            if (done.status !== 0) {
+                return done.said.trim();
+            }
+            given.log = null;
+            given.recording = {name: "recording.csv", bytes: done.files["recording.csv"]};
+            have();
+            if (given.motor) {
+                await diagnose();
+                return done.said.trim();
+            }
+            return `${done.said.trim()}; drop the motor file for the diagnosis`;
+        }};
 
     $("choose").addEventListener("change", (event) => take(event.target.files));
     for (const name of ["dragover", "drop"]) {

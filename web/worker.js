@@ -4,9 +4,26 @@
 const OK = 0, BAD_DESCRIPTOR = 8, NO_ENTRY = 44, NOT_THERE = 52;
 const FOLDER = 3;
 
-/* An instance for each question: nothing of the one before is left. Returns {status, out, said}. */
-async function ask(module, files, name, values) {
-    const open = new Map(); // descriptor: {bytes, at}
+/* The numbers of page.h. */
+const NAMES = ["recording", "motor", "log", "map", "diagnosis", "octets"];
+const CREATE = 1;
+
+const textOf = (parts) => new TextDecoder().decode(joined(parts));
+
+function joined(parts) {
+    const all = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
+    let at = 0;
+    for (const part of parts) {
+        all.set(part, at);
+        at += part.length;
+    }
+    return all;
+}
+
+/* An instance of the module, which sees these files. */
+async function begin(module, files) {
+    const open = new Map(); // descriptor: {bytes, at}, or {parts} of one that is written
+    const made = {}; // name: parts
     const written = {1: [], 2: []};
     let next = FOLDER + 1;
     let memory = null;
@@ -53,11 +70,11 @@ async function ask(module, files, name, values) {
         },
         fd_fdstat_set_flags: () => OK,
         path_open(fd, flags, path, length, oflags, base, inheriting, fdflags, result) {
-            const bytes = files[textAt(path, length)];
-            if (bytes === undefined) {
+            const name = textAt(path, length).replace(/^\.\//, "");
+            if (files[name] === undefined && (oflags & CREATE) === 0) {
                 return NO_ENTRY;
             }
-            open.set(next, {bytes, at: 0});
+            open.set(next, (oflags & CREATE) === 0 ? {bytes: files[name], at: 0} : {parts: made[name] = []});
             view().setUint32(result, next++, true);
             return OK;
         },
@@ -65,10 +82,13 @@ async function ask(module, files, name, values) {
             const bytes = files[textAt(path, length)];
             return bytes === undefined ? NO_ENTRY : stat(at, 4, bytes.length);
         },
-        fd_filestat_get: (fd, at) => (open.has(fd) ? stat(at, 4, open.get(fd).bytes.length) : stat(at, 2, 0)),
+        fd_filestat_get(fd, at) {
+            const file = open.get(fd);
+            return file === undefined ? stat(at, 2, 0) : stat(at, 4, (file.bytes || []).length);
+        },
         fd_read(fd, list, count, result) {
             const file = open.get(fd);
-            if (file === undefined) {
+            if (file === undefined || file.bytes === undefined) {
                 return BAD_DESCRIPTOR;
             }
             const sum = pieces(list, count, (at, length) => {
@@ -81,11 +101,12 @@ async function ask(module, files, name, values) {
             return OK;
         },
         fd_write(fd, list, count, result) {
-            if (written[fd] === undefined) {
+            const to = open.has(fd) ? open.get(fd).parts : written[fd];
+            if (to === undefined) {
                 return BAD_DESCRIPTOR;
             }
             const sum = pieces(list, count, (at, length) => {
-                written[fd].push(bytesAt(at, length).slice());
+                to.push(bytesAt(at, length).slice());
                 return length;
             });
             view().setUint32(result, sum, true);
@@ -93,7 +114,7 @@ async function ask(module, files, name, values) {
         },
         fd_seek(fd, offset, whence, result) {
             const file = open.get(fd);
-            if (file === undefined) {
+            if (file === undefined || file.bytes === undefined) {
                 return BAD_DESCRIPTOR;
             }
             file.at = Number(offset) + (whence === 0 ? 0 : whence === 1 ? file.at : file.bytes.length);
@@ -102,7 +123,8 @@ async function ask(module, files, name, values) {
         },
         fd_close: (fd) => (open.delete(fd) ? OK : BAD_DESCRIPTOR),
         clock_time_get(id, precision, at) {
-            view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
+            const ms = id === 0 ? Date.now() : performance.now(); // of the day, or since the page began
+            view().setBigUint64(at, BigInt(Math.round(ms * 1e6)), true);
             return OK;
         },
         environ_sizes_get(count, size) {
@@ -123,28 +145,63 @@ async function ask(module, files, name, values) {
     const {exports} = await WebAssembly.instantiate(module, imports);
     memory = exports.memory;
     exports._initialize();
-    for (const [where, text] of Object.entries(values.names || {})) {
-        const at = exports[where]();
+    function setName(name, text) {
+        const at = exports.page_name_at(NAMES.indexOf(name));
         bytesAt(at, 256).fill(0);
         bytesAt(at, 255).set(new TextEncoder().encode(text).subarray(0, 255));
     }
-    const status = exports[name](...(values.numbers || []));
-    const text = (parts) => new TextDecoder().decode(new Uint8Array(parts.flatMap((part) => [...part])));
-    return {status, out: text(written[1]), said: text(written[2])};
+    /* What the call `name` did since the last one: {status, out, said, files}. */
+    function call(name, numbers) {
+        const status = exports[name](...numbers);
+        const done = {status, out: textOf(written[1]), said: textOf(written[2]), files: {}};
+        for (const [file, parts] of Object.entries(made)) {
+            done.files[file] = joined(parts);
+        }
+        written[1].length = written[2].length = 0;
+        return done;
+    }
+    return {exports, bytesAt, setName, call};
+}
+
+/* An instance for each question: nothing of the one before is left. */
+async function ask(module, {files, name, values}) {
+    const instance = await begin(module, files || {});
+    for (const [which, text] of Object.entries((values || {}).names || {})) {
+        instance.setName(which, text);
+    }
+    return instance.call(name, (values || {}).numbers || []);
+}
+
+/* The line of a board has one instance, from one connection to the next. Returns a list of answers, one for each piece. */
+let line = null;
+const OCTETS_AT_ONCE = 4096; // page_live.c
+async function hear(module, {octets, fresh}) {
+    if (line === null || fresh) {
+        line = await begin(module, {});
+    }
+    const answers = [];
+    for (let at = 0; at < octets.length; at += OCTETS_AT_ONCE) {
+        const part = octets.subarray(at, at + OCTETS_AT_ONCE);
+        line.bytesAt(line.exports.page_live_octets(), part.length).set(part);
+        answers.push(line.call("page_live_take", [part.length]));
+    }
+    return {status: Math.max(0, ...answers.map((a) => a.status)), said: answers.map((a) => a.said).join(""), answers};
 }
 
 let module = null;
-self.onmessage = async ({data}) => {
-    try {
-        if (data.wasm) {
-            module = await WebAssembly.compile(data.wasm);
-            return;
-        }
-        while (module === null) {
-            await new Promise((go) => setTimeout(go, 10));
-        }
-        self.postMessage({id: data.id, ...(await ask(module, data.files || {}, data.name, data.values || {}))});
-    } catch (problem) {
-        self.postMessage({id: data.id, status: 1, out: "", said: `iqfoc: ${problem.message}\n`});
+let before = Promise.resolve(); // one after the other, or the line's octets would change places
+self.onmessage = ({data}) => {
+    if (data.wasm) {
+        before = WebAssembly.compile(data.wasm).then((compiled) => {
+            module = compiled;
+        });
+        return;
     }
+    before = before.then(async () => {
+        try {
+            self.postMessage({id: data.id, ...(await (data.octets ? hear : ask)(module, data))});
+        } catch (problem) {
+            self.postMessage({id: data.id, status: 1, out: "", said: `iqfoc: ${problem.message}\n`, files: {}, answers: []});
+        }
+    });
 };

@@ -48,6 +48,13 @@ class Page(unittest.TestCase):
             PICTURES.mkdir(parents=True, exist_ok=True)
             self.browser.picture(PICTURES / name, whole=True)
 
+    def window_picture(self, name, file):
+        """Of the window, scrolled to an element: a picture of the whole page leaves frames outside the window blank."""
+        self.browser.run("document.getElementById(arguments[0]).scrollIntoView()", name)
+        time.sleep(0.5)
+        if PICTURES is not None:
+            self.browser.picture(PICTURES / file)
+
     def give(self, *paths):
         """Chooses files, as the reader does by the button."""
         found = self.browser.call("/element", {"using": "css selector", "value": "#choose"})
@@ -81,6 +88,114 @@ class Page(unittest.TestCase):
             self.assertEqual(self.browser.run("return document.getElementById('words').textContent"), told.stdout)
             self.assertEqual(self.browser.run("return document.getElementById('verdict').textContent"), json.loads(mine)["verdict"])
         self.picture("diagnosis.png")
+
+    def text(self, name):
+        return self.browser.run("return document.getElementById(arguments[0]).textContent", name)
+
+    def click(self, name):
+        self.browser.run("document.getElementById(arguments[0]).click()", name)
+        time.sleep(0.2)
+        self.idle()
+
+    def files(self, name="files"):
+        """What the page made: {name: text}."""
+        return self.browser.run("return Object.fromEntries(Object.entries(window.iqfoc[arguments[0]]).map("
+                                "([n, b]) => [n, new TextDecoder().decode(b)]))", name)
+
+    def same_files(self, mine, folder):
+        """The program's, but for the command that was typed and the date."""
+        self.assertEqual(sorted(mine), sorted(path.name for path in folder.iterdir()))
+        for name, text in mine.items():
+            both = [re.sub(r"Where this page comes from.*?</dl>", "", one, flags=re.S) for one in (text, (folder / name).read_text())]
+            self.assertEqual(*(one.splitlines() for one in both), name)
+
+    def test_the_example(self):
+        """A button leads to verdict and report; its files are those of `iqfoc diagnose -o`, and those of the controller `iqfoc tune -o`."""
+        self.browser.open(PAGE)
+        self.idle()
+        self.assertNotIn("http", self.browser.run("return [...document.querySelectorAll('[src],link')].map((e) => e.src || e.href).join()"))
+        self.click("example")
+        self.assertEqual(self.text("verdict"), "explained")
+        self.assertIn("dead_time", self.text("causes"))
+        told = self.folder / "example"
+        folder = ROOT / "data/recordings"
+        subprocess.run([PROGRAM, "diagnose", "dead_time.csv.gz", "--motor", "dead_time.toml", "-o", told], cwd=folder, capture_output=True,
+                       check=True)
+        # (The page unpacks the recording before it is read, so that its hash is another.)
+        self.same_files(self.files(), told)
+        self.assertFalse(self.browser.run("return document.getElementById('report').hidden"))
+        self.assertTrue(self.browser.run("return document.getElementById('report').src").startswith("blob:"))
+        frame = self.browser.call("/element", {"using": "css selector", "value": "#report"})
+        self.browser.call("/frame", {"id": frame})
+        drawn = self.browser.run("return document.querySelectorAll('canvas').length")
+        self.browser.call("/frame", {"id": None})
+        self.assertGreater(drawn, 8)
+        self.picture("example.png")
+        self.window_picture("report", "report.png")
+
+        self.click("tune")
+        self.assertEqual(self.text("tune-state"), "")
+        given = self.folder / "diagnosis.json"
+        given.write_text(self.browser.run("return window.iqfoc.json"))
+        told = self.folder / "tuned"
+        done = subprocess.run([PROGRAM, "tune", "--motor", folder / "dead_time.toml", "--diagnosis", given.name, "-o", told],
+                              cwd=self.folder, capture_output=True, text=True, check=True)
+        mine = self.files("tuned")
+        self.assertEqual(mine["iqfoc_tuned.h"], (told / "iqfoc_tuned.h").read_text())
+        self.assertEqual(sorted(mine), sorted(path.name for path in told.iterdir()))
+        self.assertEqual(self.text("tuned"), done.stdout[:done.stdout.index("\nPage: ")])
+        self.picture("tuned.png")
+        self.browser.size(400, 900)
+        self.picture("example_400.png")
+        self.window_picture("report", "report_400.png")
+        self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), 400)
+        self.browser.size(1200, 900)
+
+    def test_a_log_of_another_program(self):
+        """The map is the one that `iqfoc import` proposes; corrected in the page it leads to the program's recording and diagnosis."""
+        log, right = ROOT / "data/logs/bench.csv", (ROOT / "data/logs/bench_map.toml").read_text()
+        motor = ROOT / "data/recordings/dead_time.toml"
+        for name, text in (("bench.csv", log.read_bytes()), ("wide.csv", log.read_bytes().decode("latin-1").encode("utf-16"))):
+            (self.folder / name).write_bytes(text)
+            told = subprocess.run([PROGRAM, "import", name], cwd=self.folder, capture_output=True, text=True, check=True)
+            self.browser.open(PAGE)
+            self.give(self.folder / name)
+            self.assertEqual(self.browser.run("return document.getElementById('map').value"), told.stdout)
+        rows = self.browser.run("return [...document.querySelectorAll('#head tr')].map((r) => [...r.cells].map((c) => c.textContent))")
+        first = [line.split(";") for line in log.read_text("latin-1").splitlines()[5:9]]
+        self.assertIn(["i_q_A", "Iq", "mA", "  ".join(fields[3] for fields in first)], rows)
+
+        self.click("convert")
+        self.assertIn("motor file is missing", self.text("state"))
+        self.give(motor)
+        (self.folder / "map.toml").write_text(right)
+        self.browser.run("const m = document.getElementById('map'); m.value = arguments[0]; m.dispatchEvent(new Event('input'))", right)
+        self.picture("log.png")
+        self.click("check-map")
+        base = [PROGRAM, "import", "wide.csv", "--map", "map.toml", "--motor", motor]
+        told = subprocess.run([*base, "--check"], cwd=self.folder, capture_output=True, text=True, check=True)
+        self.assertEqual(self.text("checked"), told.stdout)
+        self.click("convert")
+        subprocess.run([*base, "-o", "recording.csv"], cwd=self.folder, capture_output=True, check=True)
+        self.assertEqual(self.browser.run("return window.iqfoc.recording"), (self.folder / "recording.csv").read_text())
+        (self.folder / motor.name).write_text(motor.read_text())
+        for options in (("--json", "log.json"), ("-o", "log")):
+            subprocess.run([PROGRAM, "diagnose", "recording.csv", "--motor", motor.name, *options], cwd=self.folder, capture_output=True,
+                           check=True)
+        self.assertEqual(self.browser.run("return window.iqfoc.json"), (self.folder / "log.json").read_text())
+        self.same_files(self.files(), self.folder / "log")
+        self.browser.size(400, 900)
+        self.picture("log_400.png")
+        self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), 400)
+        self.browser.size(1200, 900)
+
+    def test_a_map_that_cannot_be_used_is_named(self):
+        self.browser.open(PAGE)
+        self.give(ROOT / "data/logs/bench.csv", ROOT / "data/recordings/dead_time.toml")
+        self.browser.run("document.getElementById('map').value = '[columns]\\ni_a_A = \"nothing\"\\n'")
+        self.click("convert")
+        self.assertTrue(self.text("state").startswith("iqfoc: map.toml: [columns] lacks the time"), self.text("state"))
+        self.assertFalse(self.browser.run("return window.iqfoc.json"))
 
     def test_the_size_is_the_documented_one(self):
         stated = float(re.search(r"one file of ([\d.]+) MB", (ROOT / "docs/web.md").read_text(encoding="utf-8"))[1])

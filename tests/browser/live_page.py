@@ -1,0 +1,238 @@
+"""The page for the browser with a board: the emulated Cortex-M4 records while the page listens, by a stand-in for Web Serial that gets the
+octets of the emulated UART over a small bridge on loopback.
+
+    live_page.py IQFOC PAGE.html [FOLDER for pictures]       (build/cortex-m4/iqfoc_pil.elf next to IQFOC's folder)"""
+
+import http.server
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import browser
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM, PAGE = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
+PICTURES = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+MOTOR = ROOT / "data/motors/jarzebowicz2019.toml"
+SCENARIO = ROOT / "data/scenarios/identification.toml"
+HIDDEN = "dead_time:t_dead=1e-6,v_switch=1.5,v_diode=1.2"
+STEP = 3000  # octets at once, as a driver gives them
+
+# What the page uses of navigator.serial (https://wicg.github.io/serial/); octets come from the bridge.
+STAND_IN = """
+const url = arguments[0];
+window.serialSaid = [];
+const port = {
+    async open(options) {
+        window.serialSaid.push(options.baudRate);
+        let at = 0, open = true;
+        this.readable = new ReadableStream({
+            async pull(to) {
+                while (open) {
+                    const answer = await fetch(url + "?from=" + at);
+                    const octets = new Uint8Array(await answer.arrayBuffer());
+                    at += octets.length;
+                    if (octets.length > 0) { to.enqueue(octets); return; }
+                    if (answer.status === 410) { to.close(); return; }
+                }
+            },
+            cancel() { open = false; },
+        });
+    },
+    async close() { if (this.readable.locked) throw new Error("the stream is locked"); window.serialSaid.push("closed"); },
+};
+Object.defineProperty(navigator, "serial", {configurable: true, value: {requestPort: async () => port}});
+"""
+
+
+class Bridge(http.server.ThreadingHTTPServer):
+    """A file that grows, or a part of one; 410 where there will be no more."""
+
+    def __init__(self, path, ended):
+        super().__init__(("127.0.0.1", 0), Answer)
+        self.path, self.ended = path, ended
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+
+    def url(self):
+        return f"http://127.0.0.1:{self.server_address[1]}/"
+
+
+class Answer(http.server.BaseHTTPRequestHandler):
+    def do_GET(self):
+        at = int(self.path.rsplit("=", 1)[1])
+        over = self.server.ended()
+        octets = b""
+        if self.server.path.exists():
+            with open(self.server.path, "rb") as file:
+                file.seek(at)
+                octets = file.read(STEP)
+        if not octets and not over:
+            time.sleep(0.02)
+        self.send_response(200 if octets or not over else 410)
+        self.send_header("Access-Control-Allow-Origin", "*")
+        self.send_header("Content-Length", str(len(octets)))
+        self.end_headers()
+        self.wfile.write(octets)
+
+    def log_message(self, *_):
+        pass
+
+
+class Live(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        cls.browser = browser.Browser(1200, 900)
+        cls.uart = cls.folder / "board.octets"
+        cls.board = subprocess.Popen([PROGRAM, "simulate", "--motor", MOTOR, "--scenario", SCENARIO, "--target", "cortex-m4", "--uart",
+                                      cls.uart, "--effect", HIDDEN, "-o", cls.folder / "host.csv"])
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.board.terminate()
+        cls.board.wait()
+        cls.browser.__exit__()
+        cls.temporary.cleanup()
+
+    def script(self, text, *values):
+        return self.browser.run(text, *values)
+
+    def text(self, name):
+        return self.script("return document.getElementById(arguments[0]).textContent", name)
+
+    def wait(self, condition, what, seconds=400):
+        end = time.monotonic() + seconds
+        while not self.script("return " + condition):
+            self.assertLess(time.monotonic(), end, f"{what}; the page says: {self.text('line-state')}")
+            time.sleep(0.1)
+
+    def set(self, name, value):
+        self.script("const i = document.getElementById(arguments[0]); i.value = arguments[1]; i.dispatchEvent(new Event('input'))",
+                    name, value)
+
+    def picture(self, name, of, width=1200):
+        if PICTURES is not None:
+            PICTURES.mkdir(parents=True, exist_ok=True)
+            self.browser.size(width, 900)
+            time.sleep(0.5)
+            self.script("document.getElementById(arguments[0]).scrollIntoView()", of)
+            time.sleep(1.5)
+            self.browser.picture(PICTURES / name)
+            self.browser.size(1200, 900)
+
+    def bridge(self, path, ended):
+        made = Bridge(path, ended)
+        self.addCleanup(made.server_close)
+        self.addCleanup(made.shutdown)
+        return made
+
+    def connect(self, bridge, *ticks, motor=True):
+        self.browser.open(PAGE)
+        for name in ticks:
+            self.script("document.getElementById(arguments[0]).checked = true", name)
+        self.script(STAND_IN, bridge.url())
+        if motor:
+            found = self.browser.call("/element", {"using": "css selector", "value": "#choose"})
+            self.browser.call(f"/element/{next(iter(found.values()))}/value", {"text": str(MOTOR)})
+            self.wait("document.getElementById('have-motor').textContent !== 'none yet'", "no motor file")
+        self.script("document.getElementById('connect').click()")
+
+    def test_1_the_board_while_it_runs(self):
+        """Scope and trigger at the recorder's rate; then recording, diagnosis, tuned controller and header, all as the program's."""
+        self.addCleanup(self.browser.console)
+        bridge = self.bridge(self.uart, lambda: self.board.poll() is not None)
+        self.connect(bridge, "several")
+        self.wait("window.iqfoc.line.drawn >= 400", "no rows on the scope")
+        self.assertIsNone(self.board.poll(), "the board was to run still")
+        self.picture("scope.png", "line-state")
+        self.set("trigger-column", "i_beta_A")
+        self.set("level", 1)
+        self.set("trigger", 1)
+        self.script("document.getElementById('single').checked = true")
+        self.wait("window.iqfoc.line.crossing", "no trigger")
+        low, high = self.script("return window.iqfoc.line.crossing")
+        self.assertTrue(low < 1 <= high, (low, high))
+        self.picture("trigger.png", "line-state")
+        self.picture("scope_400.png", "line-state", 400)
+        self.assertEqual(self.script("return document.documentElement.scrollWidth <= document.documentElement.clientWidth"), True)
+        self.wait("window.iqfoc.line.finished && window.iqfoc.busy === 0", "no end")
+
+        told = subprocess.run([PROGRAM, "record", "--port", self.stream(), "-o", self.folder / "recording.csv"],
+                              capture_output=True, text=True, check=True)
+        recording = (self.folder / "recording.csv").read_text()
+        self.assertEqual(self.script("return window.iqfoc.recording"), recording)
+        rows = sum(1 for line in recording.splitlines() if line[0] != "#") - 1
+        self.assertEqual(self.script("return window.iqfoc.line.rows"), rows, told.stderr)
+        status = dict(self.script("return [...document.querySelectorAll('#status tr')].map((r) => [...r.cells].map((c) => c.textContent))"))
+        self.assertEqual([status[name] for name in ("rows", "rows a second", "trigger", "damaged frames", "missing rows")],
+                         [str(rows), "5000", "taken", "0", "0"])
+        self.assertIn("0 damaged, 0 lost", self.text("line-state"))
+        subprocess.run([PROGRAM, "diagnose", "recording.csv", "--motor", self.motor(), "--json", "board.json"], cwd=self.folder,
+                       capture_output=True, check=True)
+        mine = self.script("return window.iqfoc.json")
+        self.assertEqual(mine, (self.folder / "board.json").read_text())
+        self.assertEqual(json.loads(mine)["causes"][0]["id"], "dead_time")
+        self.assertEqual(self.script("return window.serialSaid"), [1000000, "closed"])
+
+        self.script("document.getElementById('tune').click()")
+        self.wait("!document.getElementById('tuned').hidden", "no controller: " + self.text("tune-state"))
+        (self.folder / "diagnosis.json").write_text(mine)
+        subprocess.run([PROGRAM, "tune", "--motor", self.motor(), "--diagnosis", "diagnosis.json", "-o", "tuned"], cwd=self.folder,
+                       capture_output=True, check=True)
+        header = self.script("return new TextDecoder().decode(window.iqfoc.tuned['iqfoc_tuned.h'])")
+        self.assertEqual(header, (self.folder / "tuned/iqfoc_tuned.h").read_text())
+        self.assertEqual(self.script("return [...document.querySelectorAll('#tuned-files a')].map((a) => a.download)"),
+                         ["iqfoc_tuned.h", "index.html"])
+        self.picture("board_tuned.png", "tune")
+
+    def motor(self):
+        (self.folder / MOTOR.name).write_bytes(MOTOR.read_bytes())
+        return MOTOR.name
+
+    def stream(self):
+        """The octets that the page has taken."""
+        taken = self.script("return window.iqfoc.line.taken")
+        path = self.folder / "taken.octets"
+        path.write_bytes(self.uart.read_bytes()[:taken])
+        return path
+
+    def test_2_a_line_that_breaks_off(self):
+        """Stop, and a line that carries something else: what came is used, or refused in words; the page can connect again."""
+        self.board.wait(400)
+        part = self.folder / "part.octets"
+        part.write_bytes(self.uart.read_bytes()[:60000])
+        bridge = self.bridge(part, lambda: False)
+        self.connect(bridge, motor=False)
+        self.wait("window.iqfoc.line.taken === 60000", "not all octets")
+        self.script("document.getElementById('stop').click()")
+        self.wait("window.iqfoc.line.finished", "no end")
+        self.assertIn("drop the motor file", self.text("line-state"))
+        self.assertEqual(self.text("have-recording"), "recording.csv")
+        self.assertFalse(self.script("return document.getElementById('connect').disabled"))
+
+        part.write_bytes(b"just text\n" * 100)
+        self.script(STAND_IN, self.bridge(part, lambda: True).url())
+        self.script("document.getElementById('connect').click()")
+        self.wait("window.iqfoc.line.finished", "no end")
+        self.assertIn("no row received", self.text("line-state"))
+
+    def test_3_without_web_serial(self):
+        self.browser.open(PAGE)
+        self.script("Object.defineProperty(navigator, 'serial', {configurable: true, value: undefined});"
+                    "document.getElementById('connect').click()")
+        self.wait("document.getElementById('line-state').className === 'bad'", "no words")
+        self.assertIn("iqfoc record", self.text("line-state"))
+
+    def test_4_the_browser_has_it_from_disk(self):
+        self.browser.open(PAGE)
+        self.assertEqual(self.script("return [isSecureContext, 'serial' in navigator]"), [True, True])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["live_page"], verbosity=2)
