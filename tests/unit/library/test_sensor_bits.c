@@ -195,6 +195,25 @@ static void test_ends_of_supervision(void)
     }
 }
 
+/* A window is judged from the least mean current on, to the last number. */
+static void test_least_current_of_supervision(void)
+{
+    const iqfoc_supervision_config_t c = {IQ24(0.1), IQ24(0.2), 6, 1, IQ24_ONE, 3};
+    for (iq24_t below = 0; below < 2; below++) {
+        const iqfoc_abc_t i = {c.i_least, -c.i_least, 0};
+        iqfoc_abc_t last = i;
+        last.a -= below;
+        last.b += below;
+        iqfoc_supervision_t s;
+        TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_supervision_init(&s, &c));
+        for (int n = 1; n <= 10; n++) {
+            (void)iqfoc_supervision_step(&s, n == 10 ? last : i, IQ24(0.05) + 1, true);
+        }
+        TEST_ASSERT_EQUAL_UINT32(0, s.cycles);
+        TEST_ASSERT_EQUAL_HEX32(below == 0 ? IQFOC_STATUS_LOST_PHASE : 0, s.status);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -203,5 +222,6 @@ int main(void)
     RUN_TEST(test_encoders_slips_end);
     RUN_TEST(test_supervision);
     RUN_TEST(test_ends_of_supervision);
+    RUN_TEST(test_least_current_of_supervision);
     return UNITY_END();
 }
