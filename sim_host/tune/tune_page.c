@@ -1,5 +1,6 @@
 /* A design as a report page (tune_report.h). */
 #include "tune_observer_page.h"
+#include "tune_speed_page.h"
 
 #include "base/number.h"
 #include "base/vector.h"
@@ -323,7 +324,7 @@ static bool parts(page *p, const tune_report *t, error *e)
         "than predicted, by more than a tenth and a cycle: %d. Overshot by a tenth of the step more than "
         "predicted: %d. Largest difference between predicted and simulated overshoot: %.1f %% of the step.",
         trial->drives, trial->rpm_most, trial->unstable, trial->late, trial->high, trial->overshoot_off);
-    if (!tune_observer_part(p, t, e)) {
+    if (!tune_observer_part(p, t, e) || !tune_speed_part(p, t, e)) {
         return false;
     }
     if (t->result.halves) {

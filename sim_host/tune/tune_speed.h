@@ -25,6 +25,18 @@
 enum { TUNE_SHAFTS = 3 };
 extern const double tune_shafts[TUNE_SHAFTS];
 
+/* The trial's parts, one after the other: run-up, load, and a step of the set-point with the load. */
+enum { TUNE_RUN_UP, TUNE_LOADED, TUNE_STEPPED, TUNE_PARTS };
+enum { TUNE_POINTS = 120 };
+#define TUNE_SPEED_STEP 0.05 /* of the set-point, share of the run-up's speed */
+
+/* What the plant did in a part: point n is n span_s/TUNE_POINTS after its begin. NAN: this shaft's part is over. */
+typedef struct tune_trace {
+    double span_s;
+    double rpm[TUNE_SHAFTS][TUNE_POINTS];
+    double i_q[TUNE_SHAFTS][TUNE_POINTS]; /* true mean of a cycle over the rated peak */
+} tune_trace;
+
 typedef struct tune_speed {
     double J_kgm2; /* 0: no inertia was stated, and nothing below is set */
     double bandwidth_rad_s;
@@ -36,14 +48,17 @@ typedef struct tune_speed {
     double disk_nominal;
     double load;    /* of the trial, share of the rated torque */
     double dip_rpm; /* predicted for it by the linear loop, stated inertia */
-    /* On the switching plant: run-up from standstill to half of n_max, then the step of the load. */
+    /* On the switching plant: run-up from standstill to half of n_max, then the step of the load, then
+     * that of the set-point. */
     double rpm;                        /* half of n_max */
     double overshoot_rpm[TUNE_SHAFTS]; /* of the run-up */
     double found_dip_rpm[TUNE_SHAFTS];
     double
         settled_s[TUNE_SHAFTS]; /* from the step until the speed stays within a tenth of the predicted dip */
-    uint32_t status[TUNE_SHAFTS]; /* of the firmware */
-    bool lost[TUNE_SHAFTS];       /* the speed left twice n_max: the trial ended there */
+    uint32_t status[TUNE_SHAFTS];           /* of the firmware */
+    bool lost[TUNE_SHAFTS];                 /* the speed left twice n_max: the trial ended there */
+    double step_overshoot_rpm[TUNE_SHAFTS]; /* of the step of the set-point */
+    tune_trace trace[TUNE_PARTS];
 } tune_speed;
 
 /* a: turns per cycle^2 for the rated peak current, of the design's machine. */

@@ -73,7 +73,65 @@ static bool speed_drive_init(const tune_result *r, const tune_speed *s, speed_dr
                         s->J_kgm2));
 }
 
-/* Run-up, a quarter of it again to settle, then the load. */
+/* Cycles of each part: the run-up with a quarter of it to settle. */
+static void lengths(const tune_result *r, const tune_speed *s, double shaft, long length[TUNE_PARTS])
+{
+    const double T_s = r->design.T_s;
+    length[TUNE_RUN_UP] =
+        (long)ceil((1.25 * fmax(1.0, shaft) * s->rpm / s->ramp_rpm_s + 10.0 / s->bandwidth_rad_s) / T_s);
+    length[TUNE_LOADED] = length[TUNE_STEPPED] = (long)ceil(20.0 / s->bandwidth_rad_s / T_s);
+}
+
+/* A curve from its point `*next` on to the one of this instant; what lies between has the same value. */
+static void draw(double curve[TUNE_POINTS], int *next, int now, double value)
+{
+    for (; *next <= now && *next < TUNE_POINTS; ++*next) {
+        curve[*next] = value;
+    }
+}
+
+/* The speed's difference to its set-point, in a part. */
+static void look(tune_speed *s, int shaft, int part, double off_rpm, double since_s)
+{
+    if (part == TUNE_RUN_UP) {
+        s->overshoot_rpm[shaft] = fmax(s->overshoot_rpm[shaft], off_rpm);
+    } else if (part == TUNE_STEPPED) {
+        s->step_overshoot_rpm[shaft] = fmax(s->step_overshoot_rpm[shaft], off_rpm);
+    } else {
+        s->found_dip_rpm[shaft] = fmax(s->found_dip_rpm[shaft], -off_rpm);
+        s->settled_s[shaft] = fabs(off_rpm) > 0.1 * s->dip_rpm ? since_s : s->settled_s[shaft];
+    }
+}
+
+/* A part on a loop that runs: its curves and what is looked for. */
+static bool run_part(const tune_result *r, tune_speed *s, int shaft, int part, long cycles, drive_loop *loop,
+                     speed_drive *d, error *e)
+{
+    tune_trace *trace = &s->trace[part];
+    const double T_s = r->design.T_s;
+    const double turns_per_rpm = r->motor.pole_pairs * T_s / 60.0;
+    const double target_rpm = part == TUNE_STEPPED ? (1.0 + TUNE_SPEED_STEP) * s->rpm : s->rpm;
+    int next_rpm = 0;
+    int next_i = 0;
+    d->target = iq24_from_double(target_rpm * turns_per_rpm);
+    for (long k = 0; k < cycles && !s->lost[shaft]; k++) {
+        drive_row row;
+        const iqfoc_dq_t none = {0, 0};
+        if (!drive_loop_span(loop, none, &row, e)) {
+            return false;
+        }
+        const double rpm = plant_now(&loop->drive).omega_e_rad_s / VEC_TWO_PI * T_s / turns_per_rpm;
+        const int now = (int)fmin((double)k * T_s / trace->span_s * TUNE_POINTS, TUNE_POINTS - 1);
+        draw(trace->rpm[shaft], &next_rpm, now, rpm);
+        draw(trace->i_q[shaft], &next_i, now, row.truth.i_dq_A.q / motor_rated_peak_A(&r->motor));
+        s->status[shaft] |= row.answer.status;
+        s->lost[shaft] = fabs(rpm - target_rpm) > 2.0 * r->motor.n_max_rpm;
+        look(s, shaft, part, rpm - target_rpm, (double)(k + 1) * T_s);
+    }
+    return true;
+}
+
+/* The parts one after the other. */
 static bool run(const tune_result *r, tune_speed *s, int shaft, error *e)
 {
     speed_drive d;
@@ -81,6 +139,7 @@ static bool run(const tune_result *r, tune_speed *s, int shaft, error *e)
     const drive_firmware firmware = {&d, NULL, take_valley, give_peak};
     motor truth = tuned_motor(&r->motor, &r->design.machine);
     plant_config config = plant_config_from_motor(&truth);
+    long length[TUNE_PARTS];
     if (!speed_drive_init(r, s, &d, e)) {
         return false;
     }
@@ -91,40 +150,37 @@ static bool run(const tune_result *r, tune_speed *s, int shaft, error *e)
     }
     drive_loop_begin(&loop, &truth, &config, &firmware);
     loop.halves = r->halves;
-    const double T_s = r->design.T_s;
-    const double turns_per_rpm = r->motor.pole_pairs * T_s / 60.0;
-    const double torque_Nm =
-        s->load * 1.5 * r->motor.pole_pairs * r->design.machine.psi_f_Wb * motor_rated_peak_A(&truth);
-    const long run_up = (long)ceil(
-        (1.25 * fmax(1.0, tune_shafts[shaft]) * s->rpm / s->ramp_rpm_s + 10.0 / s->bandwidth_rad_s) / T_s);
-    const long after = (long)ceil(20.0 / s->bandwidth_rad_s / T_s);
-    d.target = iq24_from_double(s->rpm * turns_per_rpm);
-    for (long k = 0; k < run_up + after && !s->lost[shaft]; k++) {
-        drive_row row;
-        const iqfoc_dq_t none = {0, 0};
-        if (k == run_up) {
-            plant_set_load(&loop.drive, torque_Nm);
+    lengths(r, s, tune_shafts[shaft], length);
+    for (int part = 0; part < TUNE_PARTS; part++) {
+        if (part == TUNE_LOADED) {
+            plant_set_load(&loop.drive, s->load * 1.5 * r->motor.pole_pairs * r->design.machine.psi_f_Wb *
+                                            motor_rated_peak_A(&truth));
         }
-        if (!drive_loop_span(&loop, none, &row, e)) {
+        if (!run_part(r, s, shaft, part, length[part], &loop, &d, e)) {
             return false;
-        }
-        const double off_rpm =
-            plant_now(&loop.drive).omega_e_rad_s / VEC_TWO_PI * T_s / turns_per_rpm - s->rpm;
-        s->status[shaft] |= row.answer.status;
-        s->lost[shaft] = fabs(off_rpm) > 2.0 * r->motor.n_max_rpm;
-        if (k < run_up) {
-            s->overshoot_rpm[shaft] = fmax(s->overshoot_rpm[shaft], off_rpm);
-        } else {
-            s->found_dip_rpm[shaft] = fmax(s->found_dip_rpm[shaft], -off_rpm);
-            s->settled_s[shaft] =
-                fabs(off_rpm) > 0.1 * s->dip_rpm ? (double)(k + 1 - run_up) * T_s : s->settled_s[shaft];
         }
     }
     return true;
 }
 
+/* No curve, over the time of the heaviest shaft. */
+static void clear(const tune_result *r, tune_speed *s)
+{
+    long length[TUNE_PARTS];
+    lengths(r, s, tune_shafts[0], length);
+    for (int part = 0; part < TUNE_PARTS; part++) {
+        tune_trace *trace = &s->trace[part];
+        trace->span_s = (double)length[part] * r->design.T_s;
+        for (int k = 0; k < TUNE_SHAFTS * TUNE_POINTS; k++) {
+            trace->rpm[k / TUNE_POINTS][k % TUNE_POINTS] = NAN;
+            trace->i_q[k / TUNE_POINTS][k % TUNE_POINTS] = NAN;
+        }
+    }
+}
+
 bool tune_speed_trial(const tune_result *r, tune_speed *s, error *e)
 {
+    clear(r, s);
     for (int shaft = 0; shaft < TUNE_SHAFTS; shaft++) {
         if (!run(r, s, shaft, e)) {
             return false;

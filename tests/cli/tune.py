@@ -79,7 +79,8 @@ class Tune(unittest.TestCase):
         page = (tuned / "index.html").read_text()
         for text in (re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL), done.stdout.decode()):
             self.assertNotRegex(text, r"(?<![a-z.])(nan|inf)(?![a-z])")
-        self.assertEqual(4, page.count('class="charts'))
+        self.assertEqual(5, page.count('class="charts'))
+        self.assertIn("Speed control", page)
 
     def check_observer(self, result):
         """The bandwidth is that of the run-up's lag; a lower one has the larger margin and less noise; the plant has the same angle error."""

@@ -138,6 +138,36 @@ static void test_plant_has_the_predicted_dip(void)
     }
 }
 
+/* The curves are those of the trial: its speeds, its dip, and a current that carries the load. */
+static void test_curves(void)
+{
+    error e = {0};
+    tune_speed s = designed();
+    TEST_ASSERT_TRUE_MESSAGE(tune_speed_trial(&r, &s, &e), e.text);
+    for (int shaft = 0; shaft < TUNE_SHAFTS; shaft++) {
+        const double *up = s.trace[TUNE_RUN_UP].rpm[shaft];
+        const double *loaded = s.trace[TUNE_LOADED].rpm[shaft];
+        const double *stepped = s.trace[TUNE_STEPPED].rpm[shaft];
+        double lowest = s.rpm;
+        double last_up = 0.0;
+        for (int n = 0; n < TUNE_POINTS; n++) {
+            TEST_ASSERT_TRUE(isfinite(loaded[n]) && isfinite(stepped[n]) &&
+                             (n > 0 || fabs(up[n]) < 0.01 * s.rpm));
+            TEST_ASSERT_TRUE(shaft > 0 || isfinite(up[n])); /* the heavy shaft's is the longest */
+            lowest = fmin(lowest, loaded[n]);
+            last_up = isfinite(up[n]) ? up[n] : last_up;
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(0.1 * s.found_dip_rpm[shaft], s.rpm - s.found_dip_rpm[shaft], lowest);
+        TEST_ASSERT_DOUBLE_WITHIN(0.005 * s.rpm, s.rpm, last_up);
+        TEST_ASSERT_DOUBLE_WITHIN(0.005 * s.rpm, s.rpm, loaded[TUNE_POINTS - 1]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.005 * s.rpm, (1.0 + TUNE_SPEED_STEP) * s.rpm, stepped[TUNE_POINTS - 1]);
+        TEST_ASSERT_TRUE(s.step_overshoot_rpm[shaft] >= 0.0 &&
+                         s.step_overshoot_rpm[shaft] < 0.5 * TUNE_SPEED_STEP * s.rpm);
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, s.load, s.trace[TUNE_STEPPED].i_q[shaft][TUNE_POINTS - 1]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.0, s.trace[TUNE_LOADED].i_q[shaft][0]);
+    }
+}
+
 static void test_refused(void)
 {
     tune_speed s;
@@ -158,6 +188,7 @@ int main(void)
     RUN_TEST(test_limit_of_the_gain);
     RUN_TEST(test_margin_is_the_wanted_one);
     RUN_TEST(test_plant_has_the_predicted_dip);
+    RUN_TEST(test_curves);
     RUN_TEST(test_refused);
     return UNITY_END();
 }
