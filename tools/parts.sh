@@ -178,7 +178,7 @@ check_coverage() {
 }
 
 check_scripts() {
-    shellcheck -x dev .ci/run tools/*.sh python/test.sh
+    shellcheck -x dev .ci/run tools/*.sh python/*.sh
 }
 
 static_checks() {
