@@ -121,7 +121,7 @@
             $("map").value = new TextDecoder().decode(given.map.bytes);
         }
         showHead();
-        tell(given.motor ? "" : "The motor file is still missing; an example of one is in the documentation.", false);
+        tell(given.motor ? "" : "The motor file is still missing: drop it on the page.", false);
     }
 
     async function withMap(call) {
@@ -270,6 +270,8 @@
         $("tuned").textContent = done.said;
     });
 
+    $("sample-motor").download = "motor.toml";
+    $("sample-motor").href = URL.createObjectURL(new Blob([bytesOf($("example-motor").textContent.trim())]));
     $("example").addEventListener("click", async () => {
         const name = $("example-recording").dataset.name;
         given.log = null;
