@@ -53,6 +53,8 @@ C2000_RAM_FUNCTION c2000_error_t c2000_clock_start(const c2000_chip_t *chip)
     bool locked = false;
     c2000_unprotect();
     c2000_write(chip->watchdog + WD_WDCR, WDCR_OFF);
+    replace_long(chip->flash + FLASH_FBFALLBACK, 0, FBFALLBACK_ACTIVE(family->flash_banks));
+    replace_long(chip->flash + FLASH_FPAC1, 0, FPAC1_ACTIVE);
     replace_long(chip->flash + FLASH_INTF_CTRL, INTF_CTRL_PREFETCH_CACHE, 0);
     replace_long(chip->flash + FLASH_FRDCNTL, FRDCNTL_MASK, FRDCNTL_WAITS(family->flash_waits));
     replace_long(chip->flash + FLASH_INTF_CTRL, 0, INTF_CTRL_PREFETCH_CACHE);
@@ -70,8 +72,8 @@ C2000_RAM_FUNCTION c2000_error_t c2000_clock_start(const c2000_chip_t *chip)
         replace(clk + CLK_PLLCTL1, 0, PLLCTL1_USED);
         pass(clk + CLK_PLLCTL1, SETTLE_READS);
         c2000_write(clk + CLK_SYSDIVSEL, 1);
-        if (family->divides_epwm) {
-            replace(clk + CLK_PERDIVSEL, PERDIVSEL_EPWM, PERDIVSEL_EPWM_2);
+        if (family->has_epwm_divider) {
+            replace(clk + CLK_PERDIVSEL, PERDIVSEL_EPWM, (uint16_t)(family->clocks_per_tick - 1));
         }
     }
     c2000_protect();

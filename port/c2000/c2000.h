@@ -118,18 +118,17 @@ typedef volatile uint16_t c2000_reg_t;
 #define TCR_STOP   UINT16_C(0x0010) /* TSS */
 
 /* ---- System control: clock configuration ---- */
-#define CLK_SRCCTL1      0x08
-#define CLK_PLLCTL1      0x0E
-#define CLK_PLLMULT      0x14 /* 32 bits */
-#define CLK_PLLSTS       0x16
-#define CLK_SYSDIVSEL    0x22
-#define CLK_PERDIVSEL    0x26             /* F2837xD */
-#define SRCCTL1_MASK     UINT16_C(0x0003) /* 00: INTOSC2, 10 MHz */
-#define PLLCTL1_ON       UINT16_C(0x0001)
-#define PLLCTL1_USED     UINT16_C(0x0002)
-#define PLLSTS_LOCKED    UINT16_C(0x0001)
-#define PERDIVSEL_EPWM   UINT16_C(0x0003)
-#define PERDIVSEL_EPWM_2 UINT16_C(0x0001)
+#define CLK_SRCCTL1    0x08
+#define CLK_PLLCTL1    0x0E
+#define CLK_PLLMULT    0x14 /* 32 bits */
+#define CLK_PLLSTS     0x16
+#define CLK_SYSDIVSEL  0x22
+#define CLK_PERDIVSEL  0x26             /* F2837xD */
+#define SRCCTL1_MASK   UINT16_C(0x0003) /* 00: INTOSC2, 10 MHz */
+#define PLLCTL1_ON     UINT16_C(0x0001)
+#define PLLCTL1_USED   UINT16_C(0x0002)
+#define PLLSTS_LOCKED  UINT16_C(0x0001)
+#define PERDIVSEL_EPWM UINT16_C(0x0003)
 
 /* ---- System control: clocks of the peripherals ---- */
 #define SYS_PCLKCR0        0x22 /* 32 bits, as all of them */
@@ -143,9 +142,13 @@ typedef volatile uint16_t c2000_reg_t;
 
 /* ---- Watchdog, flash, analog subsystem ---- */
 #define WD_WDCR                  0x29
-#define WDCR_OFF                 UINT16_C(0x0068) /* WDDIS, WDCHK = 101 */
-#define FLASH_FRDCNTL            0x00             /* 32 bits */
-#define FLASH_INTF_CTRL          0x180            /* 32 bits */
+#define WDCR_OFF                 UINT16_C(0x0068)                     /* WDDIS, WDCHK = 101 */
+#define FLASH_FRDCNTL            0x00                                 /* 32 bits */
+#define FLASH_FBFALLBACK         0x20                                 /* 32 bits */
+#define FLASH_FPAC1              0x24                                 /* 32 bits */
+#define FBFALLBACK_ACTIVE(banks) ((UINT32_C(1) << (2 * (banks))) - 1) /* BNKPWR0, BNKPWR1 = 11: no sleep */
+#define FPAC1_ACTIVE             UINT32_C(0x00000001)                 /* PMPPWR */
+#define FLASH_INTF_CTRL          0x180                                /* 32 bits */
 #define FRDCNTL_WAITS(n)         ((uint32_t)(n) << 8)
 #define FRDCNTL_MASK             UINT32_C(0x00000F00)
 #define INTF_CTRL_PREFETCH_CACHE UINT32_C(0x00000003)
@@ -182,7 +185,8 @@ typedef struct c2000_family {
     uint16_t adc_prescale;    /* ADCCTL2: 50 MHz */
     uint32_t adc_window;      /* core clocks: 100 ns */
     uint32_t flash_waits;
-    bool divides_epwm;      /* the time base's clock by PERCLKDIVSEL */
+    uint32_t flash_banks;
+    bool has_epwm_divider;  /* PERCLKDIVSEL: clocks_per_tick */
     bool reference_on_chip; /* ANAREFCTL */
 } c2000_family_t;
 

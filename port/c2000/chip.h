@@ -10,14 +10,30 @@
 #define C2000_F28004X                                                                                        \
     {                                                                                                        \
         .clock_hz = UINT32_C(100000000), .clocks_per_tick = 1, .pll_multiplier = 20, .adc_prescale = 2,      \
-        .adc_window = 10, .flash_waits = 4, .divides_epwm = false, .reference_on_chip = true                 \
+        .adc_window = 10, .flash_waits = 4, .flash_banks = 2, .has_epwm_divider = false,                     \
+        .reference_on_chip = true                                                                            \
     }
 
-/* 200 MHz, and the time base at half of it, its greatest clock. */
+/*
+ * 200 MHz, and the time base at half of it, its greatest clock. At this ratio a write of TZFRC or TZCLR may
+ * be missed (errata SPRZ412): the port reads the flag back and repeats the write.
+ */
 #define C2000_F2837XD                                                                                        \
     {                                                                                                        \
         .clock_hz = UINT32_C(200000000), .clocks_per_tick = 2, .pll_multiplier = 40, .adc_prescale = 6,      \
-        .adc_window = 20, .flash_waits = 3, .divides_epwm = true, .reference_on_chip = false                 \
+        .adc_window = 20, .flash_waits = 3, .flash_banks = 1, .has_epwm_divider = true,                      \
+        .reference_on_chip = false                                                                           \
+    }
+
+/*
+ * The same chip at 100 MHz, core and time base alike: what TI advises for software that writes these
+ * registers.
+ */
+#define C2000_F2837XD_100_MHZ                                                                                \
+    {                                                                                                        \
+        .clock_hz = UINT32_C(100000000), .clocks_per_tick = 1, .pll_multiplier = 20, .adc_prescale = 2,      \
+        .adc_window = 10, .flash_waits = 1, .flash_banks = 1, .has_epwm_divider = true,                      \
+        .reference_on_chip = false                                                                           \
     }
 
 #define C2000_REGISTERS_(address) ((c2000_reg_t *)(address))

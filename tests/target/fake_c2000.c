@@ -28,6 +28,7 @@ static bool open;
 
 static const c2000_family_t f28004x = C2000_F28004X;
 static const c2000_family_t f2837xd = C2000_F2837XD;
+static const c2000_family_t f2837xd_100_mhz = C2000_F2837XD_100_MHZ;
 
 #define FAKE_CHIP(family_)                                                                                   \
     {                                                                                                        \
@@ -41,6 +42,7 @@ static const c2000_family_t f2837xd = C2000_F2837XD;
     }
 const c2000_chip_t fake_f28004x = FAKE_CHIP(f28004x);
 const c2000_chip_t fake_f2837xd = FAKE_CHIP(f2837xd);
+const c2000_chip_t fake_f2837xd_100_mhz = FAKE_CHIP(f2837xd_100_mhz);
 
 void fake_reset(void)
 {

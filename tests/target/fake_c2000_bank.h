@@ -26,6 +26,7 @@ typedef struct fake_bank {
 extern fake_bank_t fake_bank;
 extern const c2000_chip_t fake_f28004x;
 extern const c2000_chip_t fake_f2837xd;
+extern const c2000_chip_t fake_f2837xd_100_mhz;
 
 /* Values after reset. */
 void fake_reset(void);

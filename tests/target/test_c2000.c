@@ -69,11 +69,12 @@ static void test_addresses(void)
     TEST_ASSERT_EQUAL_HEX32(0x0D00 + 2 * 105, (uintptr_t)chip.pie_vectors + PIE_VECTOR_ADCA2);
 }
 
-static void check_clock(const c2000_chip_t *chip, uint32_t multiplier, uint32_t waits)
+static void check_clock(const c2000_chip_t *chip, uint32_t multiplier, uint32_t waits, uint32_t banks,
+                        uint16_t divider)
 {
     const uint16_t *clk = fake_bank.clk;
     fake_reset();
-    fake_bank.clk[CLK_PERDIVSEL] = 0;
+    fake_bank.clk[CLK_PERDIVSEL] = 0x0042;
     TEST_ASSERT_EQUAL(C2000_OK, c2000_clock_start(chip));
     const int32_t flash = fake_last_write(fake_bank.flash + FLASH_FRDCNTL, 0x0F00, waits << 8);
     const int32_t bypass = fake_first_write(clk + CLK_PLLCTL1, PLLCTL1_USED, 0);
@@ -90,15 +91,17 @@ static void check_clock(const c2000_chip_t *chip, uint32_t multiplier, uint32_t 
     /* 10 MHz times the factor, by 2; the time base has 100 MHz. */
     TEST_ASSERT_EQUAL_UINT32(chip->family->clock_hz, 10000000 * multiplier / 2);
     TEST_ASSERT_EQUAL_UINT32(C2000_TICK_HZ, chip->family->clock_hz / chip->family->clocks_per_tick);
-    /* The F28004x has no such register. */
-    TEST_ASSERT_EQUAL_HEX16(chip->family->clocks_per_tick - 1, clk[CLK_PERDIVSEL]);
+    TEST_ASSERT_EQUAL_HEX16(divider, clk[CLK_PERDIVSEL]);
+    TEST_ASSERT_EQUAL_HEX32(banks, fake_long(fake_bank.flash, FLASH_FBFALLBACK));
+    TEST_ASSERT_EQUAL_HEX32(1, fake_long(fake_bank.flash, FLASH_FPAC1));
     TEST_ASSERT_EQUAL_UINT32(0, fake_lost());
 }
 
 static void test_clock(void)
 {
-    check_clock(&fake_f28004x, 20, 4);
-    check_clock(&fake_f2837xd, 40, 3);
+    check_clock(&fake_f28004x, 20, 4, 0xF, 0x0042); /* it has no divider: as it was */
+    check_clock(&fake_f2837xd, 40, 3, 0x3, 0x0041);
+    check_clock(&fake_f2837xd_100_mhz, 20, 1, 0x3, 0x0040);
     fake_reset();
     fake_plant.locks_failed = 4;
     TEST_ASSERT_EQUAL(C2000_OK, c2000_clock_start(&fake_f2837xd));
@@ -189,6 +192,7 @@ static void check_converters(const c2000_chip_t *chip, uint32_t window, uint16_t
 static void test_converters(void)
 {
     check_converters(&fake_f28004x, 10, 2, 0);
+    check_converters(&fake_f2837xd_100_mhz, 10, 2, 7);
     check_converters(&fake_f2837xd, 20, 6, 7); /* its references are pins: the register is not there */
 }
 

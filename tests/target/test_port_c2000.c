@@ -31,8 +31,8 @@ void tearDown(void)
 
 static void test_every_line(void)
 {
-    const c2000_chip_t *const chips[2] = {&fake_f28004x, &fake_f2837xd};
-    for (int family = 0; family < 2; family++) {
+    const c2000_chip_t *const chips[3] = {&fake_f28004x, &fake_f2837xd, &fake_f2837xd_100_mhz};
+    for (int family = 0; family < 3; family++) {
         rig_c2000_chip = chips[family];
         for (int k = 0; k < PORT_CHECK_ITEMS; k++) {
             const char *what = port_check_items[k].run(rig_c2000_start);
