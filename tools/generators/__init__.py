@@ -22,6 +22,7 @@ GENERATORS = {
     "mean_map": mean_map.generate,
     "observers": observers.generate,
     "papers": papers.generate,
+    "pattern_control": patterns.control,
     "patterns": patterns.generate,
     "picture": picture.generate,
     "plan": plan.generate,

@@ -1,6 +1,10 @@
 """patterns: the distortion of `iqfoc patterns` and of space vectors, a row for each number of pulses, a column for each index.
 
     <!-- figures: patterns MOTOR.toml PULSES,... INDEX,... -->
+
+pattern_control: the control of a pattern on a switching machine. It is the table that test_pattern_control_drive prints.
+
+    <!-- figures: pattern_control -->
 """
 
 from .markdown import table
@@ -18,3 +22,10 @@ def generate(program, arguments):
         found = {f"{row['index']:.2f}": row for row in pattern["rows"]}
         rows.append([pattern["pulses"], *(percent(found[index][of]) for index in indices.split(",") for of in ("distortion", "space_vectors"))])
     return table(heads, rows, right=heads)
+
+
+def control(program, arguments):
+    if arguments:
+        raise ValueError(f"takes no arguments, got {arguments}")
+    printed = program.output(str(program.path.parent / "tests/test_pattern_control_drive"))
+    return "\n".join(line for line in printed.split("\n") if line.startswith("|"))
