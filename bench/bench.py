@@ -90,6 +90,8 @@ ROOTS = {
     "shunts": ["iqfoc_shunts_read"],
     "offset": ["iqfoc_offset_step"],
     "speed_control": ["iqfoc_speed_control_step"],
+    "synchronous_carrier": ["iqfoc_synchronous_carrier_step"],
+    "synchronous_set": ["iqfoc_synchronous_carrier_set"],
     "start": ["iqfoc_start_step"],
     "supervision": ["iqfoc_supervision_step"],
     "restart": ["iqfoc_restart_step"],

@@ -22,6 +22,7 @@
 #include "iqfoc/speed_control.h"
 #include "iqfoc/start.h"
 #include "iqfoc/supervision.h"
+#include "iqfoc/synchronous_carrier.h"
 #include "iqfoc/tracker.h"
 #include "iqfoc/tuned_control.h"
 #include "iqfoc/watch.h"
@@ -80,6 +81,13 @@ static iqfoc_start_t start;
 static const iqfoc_speed_control_config_t speed_control_config =
     IQFOC_SPEED_CONTROL(40.0, 2e-3, 3, 0.134, 2e-4, 15.0, 4000.0, 20.0, 1);
 static iqfoc_speed_control_t speed_control;
+static const iqfoc_synchronous_level_t carrier_levels[3] = {
+    {21, 0, 0}, {15, IQ24(0.06), IQ24(0.05)}, {9, IQ24(0.1), IQ24(0.09)}};
+static const iqfoc_synchronous_config_t carrier_config = {carrier_levels, 3,        17000,       8500,
+                                                          68000,          IQ24_ONE, IQ24(0.125), 0};
+static iqfoc_synchronous_carrier_t carrier;
+static iqfoc_cycle_config_t carrier_base;
+static iqfoc_cycle_config_t carrier_set;
 static const iqfoc_supervision_config_t supervision_config = {IQ24(0.05), IQ24(0.125), 12, 5, IQ24(0.3), 10};
 static iqfoc_supervision_t supervision;
 static const iqfoc_restart_config_t restart_config = {1, 5, 3, 20};
@@ -160,6 +168,10 @@ COUNT(shunts, iqfoc_shunts_currents_t, iqfoc_shunts_read,
       (&shunts, in->sample.i, duties_of(in), in->sample.i_mean))
 COUNT(speed_control, iq24_t, iqfoc_speed_control_step, (iqfoc_speed_control_t *, iq24_t, iq24_t, iq24_t),
       (&speed_control, IQ24(0.1), in->sample.turns, IQ24(1.0)))
+COUNT(synchronous_carrier, uint32_t, iqfoc_synchronous_carrier_step,
+      (iqfoc_synchronous_carrier_t *, iq24_t, iq24_t), (&carrier, in->sample.theta, in->sample.turns))
+COUNT(synchronous_set, void, iqfoc_synchronous_carrier_set,
+      (const iqfoc_cycle_config_t *, uint32_t, iqfoc_cycle_config_t *), (&carrier_base, 15000, &carrier_set))
 COUNT(offset, iqfoc_offset_verdict_t, iqfoc_offset_step, (iqfoc_offset_t *, iqfoc_abc_t),
       (&offset, in->sample.i))
 COUNT(start, void, iqfoc_start_step, (iqfoc_start_t *, iq24_t), (&start, in->sample.theta))
@@ -269,6 +281,9 @@ static void begin(void)
     (void)iqfoc_sensorless_init(&sensorless, &observer_config, NULL, NULL);
     (void)iqfoc_offset_init(&offset, &offset_limits);
     (void)iqfoc_speed_control_init(&speed_control, &speed_control_config);
+    (void)iqfoc_synchronous_carrier_init(&carrier, &carrier_config);
+    carrier_base = bench_config;
+    carrier_base.period_ticks = 17000;
     (void)iqfoc_start_init(&start, &start_config);
     (void)iqfoc_supervision_init(&supervision, &supervision_config);
     (void)iqfoc_restart_init(&restart, &restart_config);
@@ -299,6 +314,8 @@ void bench_services(void)
     bench_report("shunts", count_shunts);
     bench_report("offset", count_offset);
     bench_report("speed_control", count_speed_control);
+    bench_report("synchronous_carrier", count_synchronous_carrier);
+    bench_report("synchronous_set", count_synchronous_set);
     bench_report("start", count_start);
     bench_report("supervision", count_supervision);
     bench_report("restart", count_restart);

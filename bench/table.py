@@ -73,6 +73,8 @@ ROWS = {
     "shunts": ("currents from low-side shunts", "-", None),
     "offset": ("offset calibration, a sample", "-", None),
     "speed_control": ("speed control, a step", "-", None),
+    "synchronous_carrier": ("synchronous carrier: the next period", "-", None),
+    "synchronous_set": ("its set of parameters", "-", None),
     "start": ("alignment and open-loop angle", "-", None),
     "supervision": ("detection of a lost phase and a lost sensor", "-", None),
     "restart": ("break latch and restart", "-", None),

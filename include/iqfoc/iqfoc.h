@@ -52,6 +52,7 @@
 #include "speed_control.h"
 #include "start.h"
 #include "supervision.h"
+#include "synchronous_carrier.h"
 #include "tracker.h"
 #include "transform.h"
 #include "tuned_control.h"

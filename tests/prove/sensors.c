@@ -11,6 +11,7 @@
 #include "iqfoc/offset.h"
 #include "iqfoc/speed_control.h"
 #include "iqfoc/supervision.h"
+#include "iqfoc/synchronous_carrier.h"
 #include "iqfoc/tracker.h"
 #include "iqfoc/watch.h"
 
@@ -181,6 +182,47 @@ void prove_speed_control(void)
         c.wait = any_count(0, UINT32_MAX);
         (void)iqfoc_speed_control_step(&c, any(), any(), any());
     }
+}
+
+/* Synchronous carrier: any configuration that is not refused, any angle and speed, from any state of the header. */
+void prove_synchronous_carrier(void)
+{
+    static iqfoc_synchronous_level_t level[IQFOC_SYNCHRONOUS_LEVELS_MAX];
+    const iqfoc_synchronous_config_t whatever = {
+        level, any(), any_count(0, UINT32_MAX), any_count(0, UINT32_MAX), any_count(0, UINT32_MAX), any(),
+        any(), any()};
+    iqfoc_synchronous_carrier_t c;
+    for (int32_t n = 0; n < IQFOC_SYNCHRONOUS_LEVELS_MAX; n++) {
+        level[n].periods = any();
+        level[n].on = any();
+        level[n].off = any();
+    }
+    (void)iqfoc_synchronous_carrier_init(&c, &whatever);
+    for (int32_t n = 0; n < IQFOC_SYNCHRONOUS_LEVELS_MAX; n++) {
+        level[n].periods = any_within(0, IQFOC_SYNCHRONOUS_PERIODS_MAX);
+    }
+    const iqfoc_synchronous_config_t config = {level,
+                                               any_within(1, IQFOC_SYNCHRONOUS_LEVELS_MAX),
+                                               any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX),
+                                               any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX),
+                                               any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX),
+                                               any_within(1, IQ24_ONE),
+                                               any_within(1, IQ24(0.25)),
+                                               any()};
+    c.config = &config;
+    c.level = any_within(0, config.levels - 1);
+    c.ticks = any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX);
+    (void)iqfoc_synchronous_carrier_step(&c, any(), any());
+}
+
+/* The set for another period: any set that iqfoc_cycle_init accepts with a period below 2^24 ticks. */
+void prove_synchronous_set(void)
+{
+    iqfoc_cycle_config_t base = any_set();
+    iqfoc_cycle_config_t set;
+    base.predictor.k_u = any_within(1, IQ24(16.0));
+    base.period_ticks = any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX);
+    iqfoc_synchronous_carrier_set(&base, any_count(0, UINT32_MAX), &set);
 }
 
 /* Supervision: any configuration that is not refused, any currents; sums of at most 2^24 cycles before. */

@@ -16,6 +16,7 @@
 #include "iqfoc/speed_control.h"
 #include "iqfoc/start.h"
 #include "iqfoc/supervision.h"
+#include "iqfoc/synchronous_carrier.h"
 #include "iqfoc/tracker.h"
 
 #define AGAIN 1000
@@ -143,6 +144,51 @@ static void add_speed_control(golden_inputs_t *inputs, uint64_t *digest)
     digest_add(digest, iq24_wrap(control.integral));
 }
 
+/* A rotor whose angle follows the carrier's periods, at speeds of all levels; and the set of the period. */
+static void add_synchronous_carrier(golden_inputs_t *inputs, uint64_t *digest)
+{
+    static const iqfoc_synchronous_level_t level[4] = {
+        {0, 0, 0}, {21, IQ24(0.05), IQ24(0.045)}, {15, IQ24(0.07), IQ24(0.06)}, {9, IQ24(0.12), IQ24(0.11)}};
+    static const iqfoc_synchronous_config_t config = {level, 4,          17000,       8500,
+                                                      68000, IQ24(0.75), IQ24(0.125), IQ24(0.3)};
+    static iqfoc_synchronous_carrier_t carrier;
+    static iq24_t angle;
+    static iq24_t speed;
+    if (inputs->number % AGAIN == 1) {
+        (void)iqfoc_synchronous_carrier_init(&carrier, &config);
+        speed = golden_within(inputs, IQ24(0.15));
+        angle = 0;
+    }
+    const iqfoc_cycle_config_t base = {
+        .predictor = {golden_positive(inputs, IQ24(15.9)), golden_positive(inputs, IQ24_ONE), 0},
+        .gains = {0, 0, golden_positive(inputs, IQ24(32.0)), golden_positive(inputs, IQ24_ONE),
+                  golden_positive(inputs, IQ24_ONE), golden_positive(inputs, IQ24(96.0)),
+                  golden_positive(inputs, IQ24_ONE), golden_positive(inputs, IQ24(96.0))},
+        .period_ticks = 17000,
+        .tolerance_ticks = (uint32_t)golden_positive(inputs, 8500),
+        .stale_ticks = (uint32_t)golden_positive(inputs, 8500),
+        .deadline_ticks = (uint32_t)golden_positive(inputs, IQ24_MAX)};
+    speed = iq24_clamp(speed + golden_within(inputs, IQ24(0.001)), IQ24(-0.2), IQ24(0.2));
+    const iq24_t turns = iq24_mul_sat(speed, iq24_div((iq24_t)carrier.ticks, 17000));
+    angle = iq24_add_wrap(angle, turns + golden_within(inputs, IQ24(0.001)));
+    iqfoc_cycle_config_t set;
+    iqfoc_synchronous_carrier_set(&base, iqfoc_synchronous_carrier_step(&carrier, angle, turns), &set);
+    digest_add(digest, carrier.level);
+    digest_add(digest, carrier.error);
+    digest_add(digest, (int32_t)set.period_ticks);
+    digest_add(digest, set.predictor.k_u);
+    digest_add(digest, set.predictor.k_r);
+    digest_add(digest, set.gains.ki_d);
+    digest_add(digest, set.gains.ki_q);
+    digest_add(digest, set.gains.anti_windup);
+    digest_add(digest, set.gains.x_d);
+    digest_add(digest, set.gains.x_q);
+    digest_add(digest, set.gains.emf);
+    digest_add(digest, (int32_t)set.tolerance_ticks);
+    digest_add(digest, (int32_t)set.stale_ticks);
+    digest_add(digest, (int32_t)set.deadline_ticks);
+}
+
 /* The resolver draws a pair, which counts the input. */
 void golden_angle_sensors(golden_inputs_t *inputs, uint64_t *digest)
 {
@@ -154,6 +200,7 @@ void golden_angle_sensors(golden_inputs_t *inputs, uint64_t *digest)
     add_tracker(inputs, digest, angle);
     add_observer(inputs, digest);
     add_speed_control(inputs, digest);
+    add_synchronous_carrier(inputs, digest);
 }
 
 static void add_offset(golden_inputs_t *inputs, uint64_t *digest)

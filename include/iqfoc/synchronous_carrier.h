@@ -1,0 +1,110 @@
+/*
+ * Synchronous carrier: the length of the next carrier period, so that an electrical turn has a whole number of periods and the valleys
+ * are at fixed angles. For drives with fewer than some 20 carrier periods per turn, where a fixed carrier makes subharmonics. If the
+ * number is a multiple of three, the phases are alike; if it is odd, there are no even harmonics with a symmetric carrier.
+ *
+ *     speed = turns period_ticks/ticks          the level changes by this alone: up at `on`, down below `off`
+ *     e     = N (angle + turns) - phase         at the next valley: carrier periods, -1/2 ... 1/2, in the direction of rotation
+ *     next  = ticks (1 - c)/(N |turns|)         c = gain e, held to +-share_max
+ *
+ * `ticks` is the length of the cycle that begins, and `next` that of the cycle after it. With gain 1 and c within its limit, the valley
+ * after the next one is at its angle. An error of the speed or a rounded length is an error e of the next call.
+ *
+ *     ticks = iqfoc_synchronous_carrier_step(&carrier, angle, sample.turns);     in the valley's interrupt, ahead of the handler
+ *     iqfoc_synchronous_carrier_set(&base, ticks, &set[n]);                      n = 0, 1, 2, 0, ...
+ *     iqfoc_cycle_offer(&cycle, &set[n]);                                        in force from the next valley on
+ *
+ * The cycle holds the set of the cycle that ended, that of the one that begins, and the offered one. Three sets in turn are enough.
+ *
+ * The caller owns the state; one context at a time may call its functions.
+ */
+#ifndef IQFOC_SYNCHRONOUS_CARRIER_H
+#define IQFOC_SYNCHRONOUS_CARRIER_H
+
+#include "cycle.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define IQFOC_SYNCHRONOUS_LEVELS_MAX 8
+
+/* Range of N. With three periods per turn, a period that is corrected would exceed the largest movement in a cycle, 1/3 turn. */
+#define IQFOC_SYNCHRONOUS_PERIODS_MIN 9
+#define IQFOC_SYNCHRONOUS_PERIODS_MAX 99
+
+/* Longest carrier period, ticks. */
+#define IQFOC_SYNCHRONOUS_TICKS_MAX UINT32_C(16777215)
+
+/* A range of speed with one number of periods. Speeds: magnitude, turns per `period_ticks`. */
+typedef struct iqfoc_synchronous_level {
+    int32_t
+        periods; /* N per turn: an odd multiple of three, 9 ... 99; 0: a fixed carrier of `period_ticks` */
+    iq24_t on;   /* from the level before, at this speed and above: 0 ... 1; level 0: not used */
+    iq24_t off;  /* back to the level before, below this speed: 0 ... on, on excluded; level 0: not used */
+} iqfoc_synchronous_level_t;
+
+/* Fixed while it runs. */
+typedef struct iqfoc_synchronous_config {
+    const iqfoc_synchronous_level_t *level; /* `on` and `off` rise from level to level */
+    int32_t levels;                         /* 1 ... IQFOC_SYNCHRONOUS_LEVELS_MAX */
+    uint32_t period_ticks;                  /* of the fixed carrier: ticks_min ... ticks_max */
+    uint32_t ticks_min; /* shortest period: 1 ... ticks_max; what the interrupts and the inverter allow */
+    uint32_t ticks_max; /* longest period: at most IQFOC_SYNCHRONOUS_TICKS_MAX */
+    iq24_t gain;        /* share of e that the next period corrects: 0 < gain <= 1 */
+    iq24_t share_max;   /* largest correction, share of a period: 0 < share_max <= 1/4 */
+    iq24_t phase;       /* N times the angle of a valley: carrier periods, any (the low 24 bits count) */
+} iqfoc_synchronous_config_t;
+
+/* The state. All fields may be read. */
+typedef struct iqfoc_synchronous_carrier {
+    const iqfoc_synchronous_config_t *config;
+    int32_t level;  /* 0 ... levels - 1 */
+    uint32_t ticks; /* result of the last step: length of the cycle that begins at the next valley */
+    iq24_t speed;   /* of the last step: turns per period_ticks, 0 ... 128 */
+    iq24_t error;   /* e of the last step: carrier periods, -1/2 ... 1/2; 0 with a fixed carrier */
+} iqfoc_synchronous_carrier_t;
+
+/*
+ * Checks the configuration and starts with level 0 and the fixed carrier's period. config and its levels must outlive the object.
+ * IQFOC_ERROR_NULL: a pointer is missing, the one to the levels included; IQFOC_ERROR_CARRIER: a value is out of its range. Call it
+ * ahead of the first interrupt.
+ */
+iqfoc_error_t iqfoc_synchronous_carrier_init(iqfoc_synchronous_carrier_t *carrier,
+                                             const iqfoc_synchronous_config_t *config);
+
+/*
+ * Once a cycle, in the valley's interrupt. Returns the length of the cycle that begins at the next valley, ticks.
+ *
+ * angle: at this valley, turns, any (the low 24 bits count): of the rotor, or of the voltage, which then has the same shape in each
+ * turn. turns: its movement in the cycle that begins now, held to +-1/3 (IQFOC_ROTOR_TURNS_MAX). The level moves by one level a call.
+ *
+ * Largest error of 400000 drawn, against the lines above in double: e none; the length 0.5 ticks, and 2^-25 of `ticks`, and 2^-24 of
+ * itself.
+ *
+ * Range: N and the angle are below 99 and 1 turn: 99 2^24 is below 2^31. N |turns| is at most 33. The quotient saturates at 128; with a
+ * length below 2^24 ticks the product is below 2^55.
+ */
+uint32_t iqfoc_synchronous_carrier_step(iqfoc_synchronous_carrier_t *carrier, iq24_t angle, iq24_t turns);
+
+/*
+ * The set of parameters for a period of `ticks`, from a set for another period.
+ *
+ *     k_u, k_r, k_i, anti-windup, tolerance, stale and deadline times r          r = ticks/base->period_ticks
+ *     x_d, x_q, emf over r                                                       all held to their ranges (cycle.h)
+ *
+ * All other fields are copied, so the data of methods beyond the papers' remain those of the old period. base: a set that
+ * iqfoc_cycle_init accepts, 1 <= period_ticks <= IQFOC_SYNCHRONOUS_TICKS_MAX. ticks: 1 ... the same limit, else held to it. Any
+ * context.
+ *
+ * Largest error of 400000 drawn, against the formula in double: a parameter 1 LSB, and 0.5 LSB times the parameter; a time 0.5 ticks, and
+ * 2^-25 of it.
+ */
+void iqfoc_synchronous_carrier_set(const iqfoc_cycle_config_t *base, uint32_t ticks,
+                                   iqfoc_cycle_config_t *set);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,123 @@
+/* Synchronous carrier (include/iqfoc/synchronous_carrier.h). */
+#include "iqfoc/synchronous_carrier.h"
+
+#include <stddef.h>
+
+#define MASK (IQ24_ONE - 1)
+
+/* An odd multiple of three: 3 more than a multiple of 6. */
+static bool periods_valid(int32_t periods)
+{
+    return periods == 0 ||
+           (iq24_within(periods, IQFOC_SYNCHRONOUS_PERIODS_MIN, IQFOC_SYNCHRONOUS_PERIODS_MAX) &&
+            periods % 6 == 3);
+}
+
+static bool levels_valid(const iqfoc_synchronous_config_t *c)
+{
+    bool valid = periods_valid(c->level[0].periods);
+    iq24_t on = 0;
+    iq24_t off = 0;
+    for (int32_t n = 1; n < c->levels; n++) {
+        const iqfoc_synchronous_level_t *level = &c->level[n];
+        valid = valid && periods_valid(level->periods) && iq24_within(level->on, on, IQ24_ONE) &&
+                level->off >= off && level->off < level->on;
+        on = level->on;
+        off = level->off;
+    }
+    return valid;
+}
+
+static bool times_valid(const iqfoc_synchronous_config_t *c)
+{
+    return c->ticks_min > 0 && c->ticks_min <= c->period_ticks && c->period_ticks <= c->ticks_max &&
+           c->ticks_max <= IQFOC_SYNCHRONOUS_TICKS_MAX;
+}
+
+iqfoc_error_t iqfoc_synchronous_carrier_init(iqfoc_synchronous_carrier_t *carrier,
+                                             const iqfoc_synchronous_config_t *config)
+{
+    if (carrier == NULL || config == NULL || config->level == NULL) {
+        return IQFOC_ERROR_NULL;
+    }
+    if (!iq24_within(config->levels, 1, IQFOC_SYNCHRONOUS_LEVELS_MAX) || !levels_valid(config) ||
+        !times_valid(config) || !iq24_within(config->gain, 1, IQ24_ONE) ||
+        !iq24_within(config->share_max, 1, IQ24(0.25))) {
+        return IQFOC_ERROR_CARRIER;
+    }
+    const iqfoc_synchronous_carrier_t fresh = {config, 0, config->period_ticks, 0, 0};
+    *carrier = fresh;
+    return IQFOC_OK;
+}
+
+/* ticks times a factor of 0 ... 128, to the nearest: below 2^32 times 2^7. */
+static uint64_t times(uint32_t ticks, iq24_t factor)
+{
+    return ((uint64_t)ticks * (uint32_t)factor + (UINT64_C(1) << 23)) >> 24;
+}
+
+static uint32_t held(uint64_t ticks, uint32_t low, uint32_t high)
+{
+    return ticks < low ? low : ticks > high ? high : (uint32_t)ticks;
+}
+
+/* e: the angle's low 24 bits are below a turn, so that N of them stay below 99 turns; half a period more and less centres the rest. */
+static iq24_t error_of(int32_t periods, iq24_t phase, iq24_t angle)
+{
+    const iq24_t place = iq24_sub_wrap(periods * (angle & MASK), phase);
+    return (iq24_add_wrap(place, IQ24(0.5)) & MASK) - IQ24(0.5);
+}
+
+uint32_t iqfoc_synchronous_carrier_step(iqfoc_synchronous_carrier_t *carrier, iq24_t angle, iq24_t turns)
+{
+    const iqfoc_synchronous_config_t *c = carrier->config;
+    const uint32_t ticks = carrier->ticks;
+    turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t moved = iq24_max(turns, -turns);
+    const iq24_t speed = iq24_mul_sat(moved, iq24_div((iq24_t)c->period_ticks, (iq24_t)ticks));
+    carrier->speed = speed;
+    if (carrier->level + 1 < c->levels && speed >= c->level[carrier->level + 1].on) {
+        carrier->level++;
+    } else if (carrier->level > 0 && speed < c->level[carrier->level].off) {
+        carrier->level--;
+    }
+    const int32_t periods = c->level[carrier->level].periods;
+    carrier->error = 0;
+    carrier->ticks = c->period_ticks;
+    if (periods > 0) {
+        const iq24_t e = error_of(periods, c->phase, iq24_add_wrap(angle, turns));
+        const iq24_t ahead = turns < 0 ? -e : e;
+        const iq24_t change = iq24_clamp(iq24_mul_round(c->gain, ahead), -c->share_max, c->share_max);
+        carrier->error = ahead;
+        carrier->ticks =
+            held(times(ticks, iq24_div(IQ24_ONE - change, periods * moved)), c->ticks_min, c->ticks_max);
+    }
+    return carrier->ticks;
+}
+
+/* A parameter of the set times a factor, held to its range. */
+static iq24_t scaled(iq24_t x, iq24_t factor, iq24_t low, iq24_t high)
+{
+    return iq24_clamp(iq24_mul_sat(x, factor), low, high);
+}
+
+void iqfoc_synchronous_carrier_set(const iqfoc_cycle_config_t *base, uint32_t ticks,
+                                   iqfoc_cycle_config_t *set)
+{
+    const uint32_t new = held(ticks, 1, IQFOC_SYNCHRONOUS_TICKS_MAX);
+    const iq24_t longer = iq24_div((iq24_t) new, (iq24_t)base->period_ticks);
+    const iq24_t faster = iq24_div((iq24_t)base->period_ticks, (iq24_t) new);
+    *set = *base;
+    set->predictor.k_u = scaled(base->predictor.k_u, longer, 1, IQ24(16.0));
+    set->predictor.k_r = scaled(base->predictor.k_r, longer, 0, IQ24_ONE);
+    set->gains.ki_d = scaled(base->gains.ki_d, longer, 0, IQ24(32.0));
+    set->gains.ki_q = scaled(base->gains.ki_q, longer, 0, IQ24(32.0));
+    set->gains.anti_windup = scaled(base->gains.anti_windup, longer, 0, IQ24_ONE);
+    set->gains.x_d = scaled(base->gains.x_d, faster, 0, IQ24(96.0));
+    set->gains.x_q = scaled(base->gains.x_q, faster, 0, IQ24(96.0));
+    set->gains.emf = scaled(base->gains.emf, faster, 0, IQ24(96.0));
+    set->period_ticks = new;
+    set->tolerance_ticks = held(times(base->tolerance_ticks, longer), 0, INT32_MAX - new);
+    set->stale_ticks = held(times(base->stale_ticks, longer), 0, INT32_MAX);
+    set->deadline_ticks = held(times(base->deadline_ticks, longer), 0, INT32_MAX);
+}
