@@ -87,6 +87,8 @@ ROOTS = {
     "observer_inductance": ["iqfoc_observer_inductance_step"],
     "observer_resistance": ["iqfoc_observer_resistance_step"],
     "sensorless": ["iqfoc_sensorless_valley"],
+    "watch_angle": ["iqfoc_watch_angle_step"],
+    "watch_angle_block": ["iqfoc_watch_angle_step"],
     "shunts": ["iqfoc_shunts_read"],
     "offset": ["iqfoc_offset_step"],
     "speed_control": ["iqfoc_speed_control_step"],

@@ -26,6 +26,7 @@
 #include "iqfoc/tracker.h"
 #include "iqfoc/tuned_control.h"
 #include "iqfoc/watch.h"
+#include "iqfoc/watch_angle.h"
 
 #include "count.h"
 
@@ -67,6 +68,9 @@ static const iqfoc_observer_resistance_config_t resistance_config = {IQ24(0.05),
 static iqfoc_observer_config_t resistance_adapted;
 static iqfoc_observer_resistance_t resistance;
 static iqfoc_sensorless_t sensorless;
+static const iqfoc_watch_angle_config_t watch_angle_config =
+    IQFOC_WATCH_ANGLE_CONFIG(3, 1, 0.006, 0.001, 0.0004);
+static iqfoc_watch_angle_t watch_angle;
 static iqfoc_sample_t sample;
 static const iqfoc_shunts_t shunts = {IQ24(0.9)};
 static const iqfoc_offset_limits_t offset_limits = {
@@ -163,6 +167,10 @@ COUNT(observer_inductance, void, iqfoc_observer_inductance_step,
       (iqfoc_observer_inductance_t *, const iqfoc_observer_t *, iqfoc_ab_t), (&inductance, &observer, in->i))
 COUNT(observer_resistance, void, iqfoc_observer_resistance_step,
       (iqfoc_observer_resistance_t *, iqfoc_observer_t *, iqfoc_ab_t), (&resistance, &observer, in->i))
+COUNT(watch_angle, bool, iqfoc_watch_angle_step, (iqfoc_watch_angle_t *, const iqfoc_sensorless_t *),
+      (&watch_angle, &sensorless))
+COUNT(watch_angle_block, bool, iqfoc_watch_angle_step, (iqfoc_watch_angle_t *, const iqfoc_sensorless_t *),
+      (&watch_angle, &sensorless))
 COUNT(shunts, iqfoc_shunts_currents_t, iqfoc_shunts_read,
       (const iqfoc_shunts_t *, iqfoc_abc_t, iqfoc_abc_t, iqfoc_abc_t),
       (&shunts, in->sample.i, duties_of(in), in->sample.i_mean))
@@ -218,6 +226,36 @@ static uint32_t count_sensorless_locked(const bench_input_t *in)
     sensorless.wanted = IQFOC_ANGLE_OBSERVED;
     iqfoc_observer_start(&sensorless.observer, in->i, sample.theta, sample.turns, true);
     return count_sensorless(in);
+}
+
+static void begin_watch_angle(const bench_input_t *in)
+{
+    sensorless.on = 3;
+    iqfoc_observer_start(&sensorless.observer, in->i, in->sample.theta, in->sample.turns, true);
+    sensorless.difference = in->delta.alpha / 256;
+    iqfoc_watch_angle_reset(&watch_angle);
+    watch_angle.theta = in->sample.theta;
+    watch_angle.count = 1;
+}
+
+static uint32_t count_watch_angle_in_block(const bench_input_t *in)
+{
+    begin_watch_angle(in);
+    return count_watch_angle(in);
+}
+
+/* The end of the block after which an eccentricity gets its name. */
+static uint32_t count_watch_angle_at_end(const bench_input_t *in)
+{
+    begin_watch_angle(in);
+    watch_angle.count = 100;
+    watch_angle.path = 3 * IQ24_ONE;
+    watch_angle.wait = 0;
+    watch_angle.sum[1] = INT64_C(100000000);
+    watch_angle.sum[2] = -INT64_C(70000000);
+    watch_angle.alarm = IQFOC_WATCH_ANGLE_ECCENTRIC;
+    watch_angle.naming = 1;
+    return count_watch_angle_block(in);
 }
 
 /* A row with room in the memory, as in a recording that the line keeps up with. */
@@ -279,6 +317,7 @@ static void begin(void)
     resistance_adapted = observer_config;
     (void)iqfoc_observer_resistance_init(&resistance, &resistance_config, &resistance_adapted);
     (void)iqfoc_sensorless_init(&sensorless, &observer_config, NULL, NULL);
+    (void)iqfoc_watch_angle_init(&watch_angle, &watch_angle_config);
     (void)iqfoc_offset_init(&offset, &offset_limits);
     (void)iqfoc_speed_control_init(&speed_control, &speed_control_config);
     (void)iqfoc_synchronous_carrier_init(&carrier, &carrier_config);
@@ -311,6 +350,8 @@ void bench_services(void)
     bench_report("observer_inductance", count_inductance_adapted);
     bench_report("observer_resistance", count_resistance_adapted);
     bench_report("sensorless", count_sensorless_locked);
+    bench_report("watch_angle", count_watch_angle_in_block);
+    bench_report("watch_angle_block", count_watch_angle_at_end);
     bench_report("shunts", count_shunts);
     bench_report("offset", count_offset);
     bench_report("speed_control", count_speed_control);

@@ -49,7 +49,8 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_OBSERVER = -49,      /* observer.h */
     IQFOC_ERROR_PATTERN = -50,       /* pattern.h: the table or the least time */
     IQFOC_ERROR_SPEED_CONTROL = -51, /* speed_control.h */
-    IQFOC_ERROR_CARRIER = -52        /* synchronous_carrier.h */
+    IQFOC_ERROR_CARRIER = -52,       /* synchronous_carrier.h */
+    IQFOC_ERROR_WATCH_ANGLE = -53    /* watch_angle.h */
 } iqfoc_error_t;
 
 #endif

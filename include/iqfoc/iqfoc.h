@@ -60,5 +60,6 @@
 #include "vector.h"
 #include "version.h"
 #include "watch.h"
+#include "watch_angle.h"
 
 #endif

@@ -60,6 +60,8 @@ const command_about about_watch = {
     "controller run a varied duty in the switching-level plant. After half a second the magnet weakens\n"
     "by 5 %, the winding warms by 60 K, a current sensor's gain grows by 2 %, the dead time doubles, one\n"
     "phase's resistance grows by 50 %, or the rotor becomes eccentric (5 % of flux).\n"
+    "An angle sensor that is off, slips or is eccentric is tried too, with the observer next to it\n"
+    "(iqfoc/watch_angle.h).\n"
     "Prints the time to the alarm, the named group, and the false alarms without a change: with constant\n"
     "conditions, ripple of the DC link, temperature swings (R and psi_f adapted), saturation (the fall of\n"
     "L stated to the detector), and load steps.\n"
@@ -196,6 +198,10 @@ static bool try_all(const request *r, const tune_result *design, error *e)
     }
     for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES && ok && all.tried; n++) {
         ok = watch_trial_run(design, (watch_change)n, (int)r->trials, seed, &all.of[n], e);
+    }
+    for (int n = 0; n < WATCH_ANGLE_FAULTS && ok && all.tried; n++) {
+        ok = watch_angle_trial_run(design, (iqfoc_watch_angle_fault_t)n, (int)r->trials, seed, &all.angle[n],
+                                   e);
     }
     ok = ok && (!all.tried ||
                 (adapt_trial_run(design, false, WATCH_WARMING_S, WATCH_ADAPTED_S, seed, &all.plain, e) &&

@@ -62,6 +62,19 @@ static json_t *conditions_json(const watch_results *r)
     return all;
 }
 
+static json_t *angle_json(const watch_results *r)
+{
+    json_t *all = json_array();
+    for (int n = 0; n < WATCH_ANGLE_FAULTS && all != NULL && r->tried; n++) {
+        const watch_angle_trial *t = &r->angle[n];
+        all = json_appended(all,
+                            json_pack("{s:s, s:i, s:i, s:i, s:o, s:o}", "fault", watch_angle_key[n], "trials",
+                                      t->trials, "right", t->right, "early", t->early, "latest_s",
+                                      json_number(t->latest_s), "amount_off_deg", json_number(t->off_deg)));
+    }
+    return all;
+}
+
 json_t *watch_results_json(const motor *m, const watch_results *r)
 {
     json_t *trials = json_array();
@@ -73,10 +86,11 @@ json_t *watch_results_json(const motor *m, const watch_results *r)
         json_free(trials);
         return NULL;
     }
-    return json_pack("{s:i, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:o}", "schema", 1, "motor", m->name,
+    return json_pack("{s:i, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:o, s:o}", "schema", 1, "motor", m->name,
                      "f_pwm_Hz", m->f_pwm_Hz, "noise_pu", WATCH_NOISE, "L_fall", r->fall, "trials", trials,
                      "clean", r->ran[WATCH_CONSTANT] ? clean_json(&r->clean[WATCH_CONSTANT]) : json_null(),
-                     "conditions", conditions_json(r), "warming", warming_json(r));
+                     "conditions", conditions_json(r), "warming", warming_json(r), "angle_sensor",
+                     angle_json(r));
 }
 
 static void print_trials(const watch_results *r, FILE *out)
@@ -87,6 +101,17 @@ static void print_trials(const watch_results *r, FILE *out)
         const watch_trial *t = &r->of[n];
         fprintf(out, "  %-26s%8d%8d%8d%12.3f%12.3f%10d\n", watch_change_text[n], t->trials, t->noted,
                 t->right, t->median_s, t->latest_s, t->early);
+    }
+}
+
+static void print_angle(const watch_results *r, FILE *out)
+{
+    fprintf(out, "  %-26s%8s%8s%12s%14s%10s\n", "angle sensor", "drives", "right", "latest, s", "off by, deg",
+            "early");
+    for (int n = 0; n < WATCH_ANGLE_FAULTS; n++) {
+        const watch_angle_trial *t = &r->angle[n];
+        fprintf(out, "  %-26s%8d%8d%12.3f%14.2f%10d\n", watch_angle_text[n], t->trials, t->right, t->latest_s,
+                t->off_deg, t->early);
     }
 }
 
@@ -125,6 +150,7 @@ void watch_results_print(const motor *m, const watch_results *r, FILE *out)
     }
     if (r->tried) {
         print_trials(r, out);
+        print_angle(r, out);
     }
     print_clean(r, out);
     if (r->tried) {

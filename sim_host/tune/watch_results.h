@@ -4,6 +4,7 @@
 
 #include "adapt_trial.h"
 #include "base/json.h"
+#include "watch_angle_trial.h"
 #include "watch_trial.h"
 
 #include <stdio.h>
@@ -19,6 +20,7 @@ typedef struct watch_results {
     bool ran[WATCH_CONDITIONS];
     watch_clean clean[WATCH_CONDITIONS];
     adapt_trial plain, adapted;
+    watch_angle_trial angle[WATCH_ANGLE_FAULTS];
 } watch_results;
 
 /* A new reference; NULL: out of memory. */

@@ -14,6 +14,7 @@
 #include "iqfoc/synchronous_carrier.h"
 #include "iqfoc/tracker.h"
 #include "iqfoc/watch.h"
+#include "iqfoc/watch_angle.h"
 
 /* Offset calibration: any limits that are not refused, any samples; sums of all deviations but
  * the last before each. */
@@ -319,4 +320,35 @@ void prove_adapt(void)
     iqfoc_adapt_block(&adapt, &bounds, &w, &config, any());
     const iqfoc_tuned_law_t law = {any_salient(IQFOC_TUNED_K_LEAST_Q26), 0, 0, 0, 0};
     (void)iqfoc_adapt_law(&law, &adapt);
+}
+
+/* Watch of the angle sensor: any configuration that is not refused, any observer and difference, from any state of the header. */
+void prove_watch_angle(void)
+{
+    const iqfoc_watch_angle_config_t config = {any(), any(), any(), any(), any(), any()};
+    iqfoc_sensorless_t s;
+    iqfoc_watch_angle_t w;
+    if (iqfoc_watch_angle_init(&w, &config) == IQFOC_OK) {
+        s.observer.theta_q32 = any();
+        s.observer.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        s.observer.locked = any_bool();
+        s.on = any_count(0, 3);
+        s.difference = any_within(IQ24(-0.5), IQ24(0.5));
+        w.count = any_within(0, 32767);
+        w.base = any_within(IQ24(-0.5), IQ24(0.5));
+        w.theta = any_within(IQ24(-0.5), IQ24(0.5));
+        w.turn = any_within(0, 63);
+        w.path = any_within(-64 * IQ24_ONE, 64 * IQ24_ONE);
+        w.wait = any_within(-63, 4);
+        w.first = any_within(IQ24(-0.5), IQ24(0.5));
+        w.moved = any_within(0, IQ24(0.5));
+        w.blocks = any_count(0, UINT32_MAX);
+        w.naming = any_within(0, 4);
+        for (int32_t k = 0; k < 3; k++) {
+            w.sum[k] = (int64_t)any_within(-IQ24(0.5), IQ24(0.5)) * 32766;
+            w.up[k] = any_within(0, IQ24(0.5));
+            w.down[k] = any_within(0, IQ24(0.5));
+        }
+        (void)iqfoc_watch_angle_step(&w, &s);
+    }
 }

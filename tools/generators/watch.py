@@ -3,6 +3,7 @@
     <!-- figures: watch trials tests/blind/watch_trials.json -->
     <!-- figures: watch clean data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
     <!-- figures: watch warming data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
+    <!-- figures: watch angle data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
     <!-- figures: watch conditions data/motors/compressor_salient.toml --trials 0 --cycles 1e5 -->
     <!-- figures: watch long tests/blind/watch_clean.jsonl -->
 
@@ -79,7 +80,17 @@ def conditions(result):
     return table(heads, rows, right=heads[1:])
 
 
-PARTS = {"clean": clean, "conditions": conditions, "warming": warming}
+ANGLE = {"none": "none", "offset": "offset of 20 degrees", "slip": "slip of 40 degrees", "eccentric": "eccentric, 8 degrees"}
+
+
+def angle(result):
+    heads = ["fault of the angle sensor, electrical", "drives", "right", "named before the fault", "latest, s", "amount off by, at most, degrees"]
+    rows = [[ANGLE[t["fault"]], t["trials"], t["right"], t["early"], "-" if t["latest_s"] is None else f"{t['latest_s']:.2f}",
+             "-" if t["amount_off_deg"] is None else f"{t['amount_off_deg']:.1f}"] for t in result["angle_sensor"]]
+    return table(heads, rows, right=heads[1:])
+
+
+PARTS = {"angle": angle, "clean": clean, "conditions": conditions, "warming": warming}
 
 
 def generate(program, arguments):

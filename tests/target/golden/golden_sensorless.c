@@ -14,6 +14,7 @@
 #include "iqfoc/params.h"
 #include "iqfoc/pattern_control.h"
 #include "iqfoc/sensorless.h"
+#include "iqfoc/watch_angle.h"
 
 /* ---- The drive without an angle sensor ---- */
 
@@ -47,6 +48,9 @@ static const iqfoc_observer_config_t observer_config =
 static const iqfoc_observer_inductance_config_t inductance_config = {IQ24(0.05), IQ24(0.08), IQ24(0.1),
                                                                      IQ24(0.4)};
 static const iqfoc_observer_resistance_config_t resistance_config = {IQ24(0.05), IQ24(0.5), IQ24(0.05)};
+/* Limits below the errors of the observer, so that it gets a name on the way. */
+static const iqfoc_watch_angle_config_t angle_config = {2,           IQ24(0.01),   IQ24(0.002),
+                                                        IQ24(0.001), IQ24(0.0005), IQ24(0.001)};
 static const iqfoc_start_config_t start_config = {IQ24(0.6), 60, 90, IQ24(0.05), 120};
 static const iqfoc_extension_t losses = {.i_gain_inverse = {IQ24_ONE, IQ24_ONE, IQ24_ONE},
                                          .k_u = IQ24_ONE,
@@ -61,6 +65,7 @@ static iqfoc_cycle_t cycle;
 static iqfoc_sensorless_t drive;
 static iqfoc_observer_inductance_t inductance;
 static iqfoc_observer_resistance_t adapted;
+static iqfoc_watch_angle_t angle_watch;
 static iqfoc_ab_t flux;
 static iq24_t theta;
 static iq24_t turns;
@@ -105,6 +110,7 @@ static void begin(golden_inputs_t *inputs)
     (void)iqfoc_sensorless_init(&drive, &observer_config, &start_config, way % 2 == 0 ? &losses : NULL);
     (void)iqfoc_observer_inductance_init(&inductance, &inductance_config, &observer_config);
     drive.observer.config = &inductance.adapted;
+    (void)iqfoc_watch_angle_init(&angle_watch, &angle_config);
     (void)iqfoc_observer_resistance_init(&adapted, &resistance_config, &inductance.adapted);
     cycle.enabled = true;
     if (way == 0) {
@@ -147,6 +153,16 @@ static void add_drive(uint64_t *digest, const iqfoc_sample_t *valley, const iqfo
     digest_add(digest, adapted.r);
     digest_add(digest, adapted.psi);
     digest_ab(digest, adapted.s);
+    digest_add(digest, angle_watch.path);
+    digest_add(digest, angle_watch.count);
+    for (int32_t k = 0; k < 3; k++) {
+        digest_add(digest, (int32_t)(angle_watch.sum[k] & INT64_C(0x7fffffff)));
+        digest_add(digest, angle_watch.x[k]);
+        digest_add(digest, angle_watch.up[k]);
+        digest_add(digest, angle_watch.down[k]);
+    }
+    digest_add(digest, (int32_t)angle_watch.fault);
+    digest_add(digest, angle_watch.amount);
     digest_dq(digest, cycle.i_ref);
     digest_ab(digest, cycle.u_ab);
     digest_add(digest, (int32_t)cycle.status);
@@ -183,6 +199,7 @@ void golden_sensorless(golden_inputs_t *inputs, uint64_t *digest)
     iqfoc_sample_t valley = sample_of(inputs, 0);
     const iqfoc_ab_t i = iqfoc_clarke3(valley.i);
     iqfoc_sensorless_valley(&drive, &cycle, &valley);
+    digest_add(digest, iqfoc_watch_angle_step(&angle_watch, &drive) ? 1 : 0);
     iqfoc_observer_inductance_step(&inductance, &drive.observer, i);
     iqfoc_observer_resistance_step(&adapted, &drive.observer, i);
     (void)iqfoc_cycle_valley(&cycle, &valley, ticks);

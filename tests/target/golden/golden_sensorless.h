@@ -4,7 +4,7 @@
 
 #include "golden_inputs.h"
 
-/* One period of a drive in closed loop: open-loop start, catch, sensor or observer, with the adaptation of L_q. */
+/* One period of a drive in closed loop: open-loop start, catch, sensor or observer, with the adaptation of L_q and the watch of the angle sensor. */
 void golden_sensorless(golden_inputs_t *inputs, uint64_t *digest);
 /* One cycle of the three legs, on tables that are drawn. */
 void golden_pattern(golden_inputs_t *inputs, uint64_t *digest);
