@@ -305,9 +305,10 @@ static void test_wrong_parameters(void)
                {"voltage -2 %", 1.0, 1.0, 1.0, 0.98, 1.5}, {"voltage +2 %", 1.0, 1.0, 1.0, 1.02, 1.5},
                {"L -30 %", 1.0, 0.7, 1.0, 1.0, 11.0},      {"L +30 %", 1.0, 1.3, 1.0, 1.0, 11.0}};
     for (size_t k = 0; k < sizeof row / sizeof row[0]; k++) {
-        for (int n = 0; n < 3; n++) {
+        for (int n = 0; n < 7; n++) {
+            static const double at[] = {5.0, 10.0, 20.0, 3.5, 6.0, 12.5, 50.0};
             drive d = usual;
-            d.sffr = n == 0 ? 5.0 : (n == 1 ? 10.0 : 20.0);
+            d.sffr = at[n];
             d.r = row[k].r;
             d.l = row[k].l;
             d.psi_f = row[k].psi_f;
@@ -315,9 +316,9 @@ static void test_wrong_parameters(void)
             const errors e = run(&d);
             printf("  SFFR %4.1f, %s: bias %.2f, rms %.3f degrees\n", d.sffr, row[k].what, e.bias, e.rms);
             TEST_ASSERT_TRUE(e.locked);
-            TEST_ASSERT_TRUE(fabs(e.bias) <= row[k].degrees && fabs(e.bias) >= 0.5 * row[k].degrees);
+            TEST_ASSERT_TRUE(fabs(e.bias) <= row[k].degrees && fabs(e.bias) >= 0.4 * row[k].degrees);
             TEST_ASSERT_TRUE(e.rms <= 0.05);
-            if (k >= 6) {
+            if (k >= 6 || n >= 3) {
                 continue; /* L_q: the next tests */
             }
             d.sensors = true;
