@@ -94,6 +94,7 @@ ROOTS = {
     "speed_control": ["iqfoc_speed_control_step"],
     "synchronous_carrier": ["iqfoc_synchronous_carrier_step"],
     "synchronous_set": ["iqfoc_synchronous_carrier_set"],
+    "synchronous_flux": ["iqfoc_synchronous_carrier_keep_flux"],
     "start": ["iqfoc_start_step"],
     "supervision": ["iqfoc_supervision_step"],
     "restart": ["iqfoc_restart_step"],

@@ -92,6 +92,7 @@ static const iqfoc_synchronous_config_t carrier_config = {carrier_levels, 3,    
 static iqfoc_synchronous_carrier_t carrier;
 static iqfoc_cycle_config_t carrier_base;
 static iqfoc_cycle_config_t carrier_set;
+static iqfoc_cycle_t carrier_cycle;
 static const iqfoc_supervision_config_t supervision_config = {IQ24(0.05), IQ24(0.125), 12, 5, IQ24(0.3), 10};
 static iqfoc_supervision_t supervision;
 static const iqfoc_restart_config_t restart_config = {1, 5, 3, 20};
@@ -180,6 +181,7 @@ COUNT(synchronous_carrier, uint32_t, iqfoc_synchronous_carrier_step,
       (iqfoc_synchronous_carrier_t *, iq24_t, iq24_t), (&carrier, in->sample.theta, in->sample.turns))
 COUNT(synchronous_set, void, iqfoc_synchronous_carrier_set,
       (const iqfoc_cycle_config_t *, uint32_t, iqfoc_cycle_config_t *), (&carrier_base, 15000, &carrier_set))
+COUNT(synchronous_flux, void, iqfoc_synchronous_carrier_keep_flux, (iqfoc_cycle_t *), (&carrier_cycle))
 COUNT(offset, iqfoc_offset_verdict_t, iqfoc_offset_step, (iqfoc_offset_t *, iqfoc_abc_t),
       (&offset, in->sample.i))
 COUNT(start, void, iqfoc_start_step, (iqfoc_start_t *, iq24_t), (&start, in->sample.theta))
@@ -323,6 +325,10 @@ static void begin(void)
     (void)iqfoc_synchronous_carrier_init(&carrier, &carrier_config);
     carrier_base = bench_config;
     carrier_base.period_ticks = 17000;
+    iqfoc_synchronous_carrier_set(&carrier_base, 15000, &carrier_set);
+    carrier_cycle.config = &carrier_base;
+    carrier_cycle.next = &carrier_set;
+    carrier_cycle.rotor.turns = IQ24(0.1);
     (void)iqfoc_start_init(&start, &start_config);
     (void)iqfoc_supervision_init(&supervision, &supervision_config);
     (void)iqfoc_restart_init(&restart, &restart_config);
@@ -357,6 +363,7 @@ void bench_services(void)
     bench_report("speed_control", count_speed_control);
     bench_report("synchronous_carrier", count_synchronous_carrier);
     bench_report("synchronous_set", count_synchronous_set);
+    bench_report("synchronous_flux", count_synchronous_flux);
     bench_report("start", count_start);
     bench_report("supervision", count_supervision);
     bench_report("restart", count_restart);

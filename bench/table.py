@@ -77,6 +77,7 @@ ROWS = {
     "speed_control": ("speed control, a step", "-", None),
     "synchronous_carrier": ("synchronous carrier: the next period", "-", None),
     "synchronous_set": ("its set of parameters", "-", None),
+    "synchronous_flux": ("its kept flux at a change of the period", "-", None),
     "start": ("alignment and open-loop angle", "-", None),
     "supervision": ("detection of a lost phase and a lost sensor", "-", None),
     "restart": ("break latch and restart", "-", None),

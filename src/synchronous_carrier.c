@@ -1,6 +1,10 @@
 /* Synchronous carrier (include/iqfoc/synchronous_carrier.h). */
 #include "iqfoc/synchronous_carrier.h"
 
+#include "iqfoc/rotor.h"
+#include "iqfoc/transform.h"
+#include "iqfoc/valley_reference.h"
+
 #include <stddef.h>
 
 #define MASK (IQ24_ONE - 1)
@@ -120,4 +124,41 @@ void iqfoc_synchronous_carrier_set(const iqfoc_cycle_config_t *base, uint32_t ti
     set->tolerance_ticks = held(times(base->tolerance_ticks, longer), 0, INT32_MAX - new);
     set->stale_ticks = held(times(base->stale_ticks, longer), 0, INT32_MAX);
     set->deadline_ticks = held(times(base->deadline_ticks, longer), 0, INT32_MAX);
+}
+
+/*
+ * The mean voltage of a cycle, as seen from the rotor, is s1 times its vector, and the flux at a valley is the mean over s1^2
+ * (valley_reference.h). 1/s1^2 differs by at most 0.4625.
+ *
+ * Range: s1 is 0.8269 ... 1, so that their quotient is at most 1.21 and u_dq, within 8, at most 9.7. The step is at most 0.074; x i_ref
+ * saturates at 128, and so does the flux before it: 9.5, and 13.4 after the rotation.
+ */
+void iqfoc_synchronous_carrier_keep_flux(iqfoc_cycle_t *cycle)
+{
+    const iqfoc_cycle_config_t *next = cycle->next;
+    const uint32_t ticks = cycle->config->period_ticks;
+    if (next->period_ticks == ticks) {
+        return;
+    }
+    const iq24_t longer = iq24_div((iq24_t)next->period_ticks, (iq24_t)ticks);
+    const iq24_t turns =
+        iq24_clamp(iq24_mul_sat(cycle->rotor.turns, longer), -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iqfoc_rotor_t before = iqfoc_rotor_from_turns(cycle->rotor.turns);
+    const iqfoc_rotor_t after = iqfoc_rotor_from_turns(turns);
+    const iq24_t more = iq24_div(before.s1, after.s1) - IQ24_ONE;
+    const iqfoc_dq_t change = {iq24_mul_round(more, cycle->u_dq.d), iq24_mul_round(more, cycle->u_dq.q)};
+    cycle->control.integral_d =
+        iqfoc_current_control_hold(iq24_acc_mac(cycle->control.integral_d, change.d, IQ24_ONE));
+    cycle->control.integral_q =
+        iqfoc_current_control_hold(iq24_acc_mac(cycle->control.integral_q, change.q, IQ24_ONE));
+
+    const iq24_t apart = iqfoc_valley_gain(iq24_mul_round(after.s1, after.s1)) -
+                         iqfoc_valley_gain(iq24_mul_round(before.s1, before.s1));
+    const iq24_t step = iq24_mul_round(apart, IQ24(0.15915494309189533577));
+    const iqfoc_dq_t flux = {iq24_add_sat(iq24_mul_sat(next->gains.x_d, cycle->i_ref.d), next->gains.emf),
+                             iq24_mul_sat(next->gains.x_q, cycle->i_ref.q)};
+    const iqfoc_dq_t moved = {iq24_mul_round(step, flux.d), iq24_mul_round(step, flux.q)};
+    const iqfoc_ab_t u = iqfoc_park_inverse(moved, iq24_sincos(-iq24_asr32(turns, 1)));
+    cycle->u_dq.d = iq24_clamp(cycle->u_dq.d + change.d + u.alpha, IQ24(-8.0), IQ24(8.0));
+    cycle->u_dq.q = iq24_clamp(cycle->u_dq.q + change.q + u.beta, IQ24(-8.0), IQ24(8.0));
 }

@@ -226,6 +226,25 @@ void prove_synchronous_set(void)
     iqfoc_synchronous_carrier_set(&base, any_count(0, UINT32_MAX), &set);
 }
 
+/* The kept flux at a change of the period: any speed, any voltage within 8, |i_ref| <= 32, any gains of the header. */
+void prove_synchronous_flux(void)
+{
+    iqfoc_cycle_config_t old = any_set();
+    iqfoc_cycle_config_t new = any_set();
+    old.period_ticks = any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX);
+    new.period_ticks = any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX);
+    new.gains.x_d = any_within(0, IQ24(96.0));
+    new.gains.x_q = any_within(0, IQ24(96.0));
+    new.gains.emf = any_within(0, IQ24(96.0));
+    iqfoc_cycle_t cycle = {.config = &old, .next = &new};
+    cycle.rotor.turns = any_within(-IQFOC_ROTOR_TURNS_MAX - 1, IQFOC_ROTOR_TURNS_MAX);
+    cycle.u_dq = any_dq(IQ24(8.0));
+    cycle.i_ref = any_dq(IQ24(32.0));
+    cycle.control.integral_d = iq24_acc_mul(any_within(-IQ24(8.0), IQ24(8.0)), IQ24_ONE);
+    cycle.control.integral_q = iq24_acc_mul(any_within(-IQ24(8.0), IQ24(8.0)), IQ24_ONE);
+    iqfoc_synchronous_carrier_keep_flux(&cycle);
+}
+
 /* Supervision: any configuration that is not refused, any currents; sums of at most 2^24 cycles before. */
 void prove_supervision(void)
 {

@@ -173,6 +173,15 @@ static void add_synchronous_carrier(golden_inputs_t *inputs, uint64_t *digest)
     angle = iq24_add_wrap(angle, turns + golden_within(inputs, IQ24(0.001)));
     iqfoc_cycle_config_t set;
     iqfoc_synchronous_carrier_set(&base, iqfoc_synchronous_carrier_step(&carrier, angle, turns), &set);
+    iqfoc_cycle_t cycle = {.config = &base,
+                           .next = &set,
+                           .u_dq = golden_dq(inputs, IQ24(2.0)),
+                           .i_ref = golden_dq(inputs, IQ24(2.0))};
+    cycle.rotor.turns = turns;
+    iqfoc_synchronous_carrier_keep_flux(&cycle);
+    digest_dq(digest, cycle.u_dq);
+    digest_add(digest, iq24_acc_trunc(cycle.control.integral_d));
+    digest_add(digest, iq24_acc_trunc(cycle.control.integral_q));
     digest_add(digest, carrier.level);
     digest_add(digest, carrier.error);
     digest_add(digest, (int32_t)set.period_ticks);

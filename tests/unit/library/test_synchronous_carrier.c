@@ -370,6 +370,55 @@ static void test_set(void)
     TEST_ASSERT_EQUAL_UINT32(IQFOC_SYNCHRONOUS_TICKS_MAX, same.period_ticks);
 }
 
+/* Voltage and integrators against the header's lines in double; a period that stays changes nothing. */
+static void test_flux(void)
+{
+    uint64_t seed = SEED;
+    worst u = {"u_dq", 0.0};
+    worst integral = {"integrators", 0.0};
+    for (int32_t n = 0; n < DRAWS; n++) {
+        iqfoc_cycle_config_t old = base;
+        iqfoc_cycle_config_t new = base;
+        old.period_ticks = random_ticks(&seed, 1000, 4000);
+        new.period_ticks = n % 100 == 0 ? old.period_ticks : random_ticks(&seed, 1000, 4000);
+        new.gains.x_d = random_iq24(&seed, 0.0, 8.0);
+        new.gains.x_q = random_iq24(&seed, 0.0, 8.0);
+        new.gains.emf = random_iq24(&seed, 0.0, 8.0);
+        iqfoc_cycle_t cycle = {.config = &old, .next = &new};
+        cycle.rotor.turns = random_iq24(&seed, -0.33, 0.33);
+        const iqfoc_dq_t i_ref = {random_iq24(&seed, -2.0, 2.0), random_iq24(&seed, -2.0, 2.0)};
+        const iqfoc_dq_t u_dq = {random_iq24(&seed, -2.0, 2.0), random_iq24(&seed, -2.0, 2.0)};
+        const iq24_t from = random_iq24(&seed, -2.0, 2.0);
+        cycle.i_ref = i_ref;
+        cycle.u_dq = u_dq;
+        cycle.control.integral_d = iq24_acc_mul(from, IQ24_ONE);
+        cycle.control.integral_q = iq24_acc_mul(-from, IQ24_ONE);
+        iqfoc_synchronous_carrier_keep_flux(&cycle);
+
+        const double limit = to_double(IQFOC_ROTOR_TURNS_MAX);
+        const double turns = to_double(cycle.rotor.turns);
+        const double h_old = TWO_PI / 2.0 * turns;
+        const double h_new = TWO_PI / 2.0 * held(turns * new.period_ticks / old.period_ticks, -limit, limit);
+        const double s_old = sin(h_old) / h_old;
+        const double s_new = sin(h_new) / h_new;
+        const double step = (1.0 / (s_new * s_new) - 1.0 / (s_old * s_old)) / TWO_PI;
+        const double d = step * (to_double(new.gains.x_d) * to_double(i_ref.d) + to_double(new.gains.emf));
+        const double q = step * to_double(new.gains.x_q) * to_double(i_ref.q);
+        const double more = s_old / s_new - 1.0;
+        worst_add(&u, cycle.u_dq.d, to_double(u_dq.d) * (1.0 + more) + d * cos(h_new) + q * sin(h_new));
+        worst_add(&u, cycle.u_dq.q, to_double(u_dq.q) * (1.0 + more) + q * cos(h_new) - d * sin(h_new));
+        worst_add(&integral, iq24_acc_round(cycle.control.integral_d),
+                  to_double(from) + more * to_double(u_dq.d));
+        worst_add(&integral, iq24_acc_round(cycle.control.integral_q),
+                  -to_double(from) + more * to_double(u_dq.q));
+        if (new.period_ticks == old.period_ticks) {
+            TEST_ASSERT_EQUAL_MEMORY(&u_dq, &cycle.u_dq, sizeof u_dq);
+        }
+    }
+    worst_check(&u, 25.0);
+    worst_check(&integral, 5.0);
+}
+
 /* Run-up and back with the cycle: each valley has the set of the length that the port loaded, with no cycle missed. */
 static void test_offered(void)
 {
@@ -416,6 +465,7 @@ int main(void)
     RUN_TEST(test_borders);
     RUN_TEST(test_refused);
     RUN_TEST(test_set);
+    RUN_TEST(test_flux);
     RUN_TEST(test_offered);
     return UNITY_END();
 }
