@@ -256,7 +256,7 @@
         const {motor} = given;
         const name = "diagnosis.json";
         $("tune").disabled = true;
-        $("tune-state").textContent = "Designing, and simulating 50 drives …";
+        $("tune-state").textContent = "Designing, and simulating 50 drives: up to a minute …";
         const done = await ask("page_tune", {names: {motor: motor.name, diagnosis: name}},
             {[motor.name]: motor.bytes, [name]: new TextEncoder().encode(window.iqfoc.json)});
         $("tune").disabled = false;
