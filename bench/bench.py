@@ -73,6 +73,8 @@ ROOTS = {
     "reference": ["iqfoc_reference_step"],
     "six_step_by_timer": ["iqfoc_cycle_six_step_switch"],
     "pattern": ["iqfoc_pattern_step"],
+    "pattern_control_aim": ["iqfoc_pattern_control_aim"],
+    "pattern_control_step": ["iqfoc_pattern_control_step"],
     "tuned_at_speed": ["iqfoc_tuned_at_speed"],
     "tuned_step": ["iqfoc_tuned_step"],
     "watch_step": ["iqfoc_watch_step"],

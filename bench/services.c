@@ -13,6 +13,7 @@
 #include "iqfoc/offset.h"
 #include "iqfoc/overmodulation.h"
 #include "iqfoc/pattern.h"
+#include "iqfoc/pattern_control.h"
 #include "iqfoc/recorder.h"
 #include "iqfoc/reference.h"
 #include "iqfoc/resolver.h"
@@ -44,6 +45,14 @@ static const iqfoc_pattern_row_t pattern_rows[2] = {
 static const iqfoc_pattern_t pattern_table = {pattern_rows, 2, 4, IQ24(0.5), IQ24(2.0)};
 static iqfoc_pattern_modulator_t pattern;
 static iqfoc_pattern_edges_t pattern_edges[3];
+/* Nine pulses, the angles of least distortion at index 0.7 (docs/patterns.md). */
+static const iqfoc_pattern_row_t nine_row = {
+    -1, 0, {IQ24(0.01816), IQ24(0.19656), IQ24(0.2125), IQ24(0.24245)}};
+static const iqfoc_pattern_t nine = {&nine_row, 1, 4, IQ24(0.3), IQ24_ONE};
+static iqfoc_pattern_control_t pattern_control;
+static iq24_t pattern_theta;
+static uint32_t pattern_cycles;
+static const iqfoc_dq_t rated = {0, IQ24_ONE};
 static iqfoc_cycle_t cycle;
 static iqfoc_tuned_law_t tuned_law;
 static iqfoc_tuned_t tuned;
@@ -138,6 +147,11 @@ COUNT(pattern, void, iqfoc_pattern_step,
       (iqfoc_pattern_modulator_t *, iq24_t, iq24_t, iq24_t, iqfoc_pattern_edges_t *),
       (&pattern, in->sample.theta, in->sample.turns, IQ24(0.55) + iq24_abs_sat(in->u.alpha) / 16,
        pattern_edges))
+COUNT(pattern_control_aim, void, iqfoc_pattern_control_aim, (iqfoc_pattern_control_t *, iqfoc_dq_t, iq24_t),
+      (&pattern_control, rated, IQ24(0.025)))
+COUNT(pattern_control_step, void, iqfoc_pattern_control_step,
+      (iqfoc_pattern_control_t *, iqfoc_ab_t, iq24_t, iq24_t, iqfoc_pattern_edges_t *),
+      (&pattern_control, pattern_control.i_next, pattern_theta, IQ24_ONE, pattern_edges))
 COUNT(tuned_at_speed, iqfoc_tuned_t, iqfoc_tuned_at_speed, (const iqfoc_tuned_law_t *, iq24_t),
       (&tuned_law, in->sample.turns))
 COUNT(tuned_step, iqfoc_ab_t, iqfoc_tuned_step,
@@ -271,6 +285,16 @@ static uint32_t count_recorder_with_room(const bench_input_t *in)
     return count_recorder(in);
 }
 
+/* 250 Hz at 10 kHz, with steps between the rated current and 30 % of it; the current is as predicted. */
+static uint32_t count_pattern_control_turning(const bench_input_t *in)
+{
+    pattern_theta = (pattern_theta + IQ24(0.025)) & (IQ24_ONE - 1);
+    pattern_cycles++;
+    const iqfoc_dq_t low = {0, IQ24(0.3)};
+    iqfoc_pattern_control_aim(&pattern_control, pattern_cycles / 64 % 2 == 0 ? rated : low, IQ24(0.025));
+    return count_pattern_control_step(in);
+}
+
 /* The sums of a block of a drive whose model fits, so that no alarm ends the work: errors of some thousandths. */
 static void sum_block(const bench_input_t *in)
 {
@@ -306,6 +330,9 @@ static void begin(void)
     (void)iqfoc_cycle_init(&cycle, &bench_config);
     cycle.enabled = true;
     (void)iqfoc_cycle_six_step_begin(&six_step, &cycle, &six_step_config, IQ24(0.25), &still);
+    const iqfoc_pattern_control_config_t pattern_config = {
+        IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), IQ24(0.1), IQ24(0.005)};
+    (void)iqfoc_pattern_control_init(&pattern_control, &pattern_config, &nine, IQ24(0.05));
     (void)iqfoc_pattern_init(&pattern, &pattern_table, IQ24(0.03));
     (void)iqfoc_encoder_init(&encoder, &encoder_config);
     (void)iqfoc_halls_init(&halls, &halls_config);
@@ -342,6 +369,8 @@ void bench_services(void)
     bench_report("reference", count_reference);
     bench_report("six_step_by_timer", count_six_step_by_timer);
     bench_report("pattern", count_pattern);
+    bench_report("pattern_control_aim", count_pattern_control_aim);
+    bench_report("pattern_control_step", count_pattern_control_turning);
     bench_report("tuned_at_speed", count_tuned_at_speed);
     bench_report("tuned_step", count_tuned_step);
     bench_report("watch_step", count_watch_step);

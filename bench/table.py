@@ -56,6 +56,8 @@ ROWS = {
     "reference": ("torque to current: MTPA and field weakening", "-", None),
     "six_step_by_timer": ("six-step by a timer: one switching with all checks", "-", None),
     "pattern": ("pulse pattern: the edges of a cycle, nine pulses per electrical period", "-", None),
+    "pattern_control_aim": ("control of a pulse pattern, at a peak", "-", None),
+    "pattern_control_step": ("control of a pulse pattern, at a valley", "-", None),
     "tuned_at_speed": ("tuned control's coefficients at a speed", "-", None),
     "tuned_step": ("tuned control, a cycle", "-", None),
     "watch_step": ("watch, each cycle", "-", None),

@@ -54,30 +54,12 @@ iqfoc_error_t iqfoc_pattern_init(iqfoc_pattern_modulator_t *modulator, const iqf
     return IQFOC_OK;
 }
 
-/*
- * Range: index less index_low is within 0 ... 1, so that the place is within 0 ... 100; its whole part is held to the
- * last row. floor(a + part (b - a)) for whole a: it keeps the order of angles, as a line between ordered ends does.
- */
 iqfoc_pattern_shape_t iqfoc_pattern_shape_at(iqfoc_pattern_modulator_t *modulator, iq24_t index)
 {
-    const iqfoc_pattern_t *table = modulator->table;
-    const iq24_t above = iq24_clamp(index, table->index_low, IQ24_ONE) - table->index_low;
-    const iq24_t place = iq24_min(iq24_mul_round(above, table->rows_per_index), (table->rows - 1) * IQ24_ONE);
-    int32_t n = iq24_asr32(place, IQ24_FRACTION_BITS);
-    const iq24_t part = place - n * IQ24_ONE;
-    int32_t next = part != 0 ? n + 1 : n;
-    /*@ assert pattern_row: 0 <= n <= next < table->rows; */
-    if (table->row[n].joined == 0) {
-        const iq24_t change = modulator->row <= n ? IQ24(0.75) : IQ24(0.25);
-        n = part >= change ? next : n;
-        next = n;
-    }
-    modulator->row = n;
-    const iqfoc_pattern_row_t *row = &table->row[n];
-    iqfoc_pattern_shape_t shape = {row->start, {0}};
-    for (int32_t k = 0; k < table->angles; k++) {
-        const iq24_t rise = iq24_mul_trunc(part, table->row[next].angle[k] - row->angle[k]);
-        shape.angle[k] = row->angle[k] + rise;
+    const pattern_rows_t rows = pattern_rows_at(modulator, index);
+    iqfoc_pattern_shape_t shape = {rows.row->start, {0}};
+    for (int32_t k = 0; k < modulator->table->angles; k++) {
+        shape.angle[k] = pattern_angle(&rows, k);
     }
     return shape;
 }

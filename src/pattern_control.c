@@ -12,12 +12,12 @@
 /* Moved edges of a leg in a cycle: with one that the least time has delayed, within IQFOC_PATTERN_EDGES_MAX. */
 #define PASSED_MAX (IQFOC_PATTERN_EDGES_MAX - 1)
 
-/* Largest flux that an edge ahead of its time leaves, and latest time of an edge that is looked for: cycles. */
-#define AHEAD_MAX IQ24(16.0)
-#define TIME_MAX  IQ24(64.0)
-
 #define Q28_2_PI   INT32_C(1686629713)
 #define Q32_1_2_PI INT32_C(683565276)
+
+/* 1/6 and 1/sqrt(12). */
+#define Q28_1_6       INT32_C(44739243)
+#define Q28_1_SQRT_12 INT32_C(77490641)
 
 /* ---- Set-up ---- */
 
@@ -67,25 +67,25 @@ void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_
 
 /* ---- The trajectory ---- */
 
-/* The level is even about 1/4 turn, so that its integral from there is odd. Range: |flux| <= 1/4 turn. */
-static void trace(iqfoc_pattern_trajectory_t *t, const iqfoc_pattern_shape_t *shape, int32_t angles)
+/* The level is even about 1/4 turn, so that its integral from there is odd, as is the level's sign. Range: |flux| <= 1/4 turn. */
+static void trace(iqfoc_pattern_trajectory_t *t, const pattern_rows_t *rows, int32_t angles)
 {
     const int32_t edges = 2 * angles + 1;
     iq24_t flux = 0;
     iq24_t above = PATTERN_QUARTER_TURN;
-    int32_t level = angles % 2 != 0 ? -shape->start : shape->start;
+    int32_t level = angles % 2 != 0 ? -rows->row->start : rows->row->start;
     for (int32_t k = angles; k > 0; k--) {
-        const iq24_t angle = shape->angle[k - 1];
+        const iq24_t angle = pattern_angle(rows, k - 1);
         flux -= level * (above - angle);
         t->angle[k] = angle;
-        t->flux[k] = flux;
+        t->ahead[k] = level * flux - angle;
         t->angle[edges - k] = PATTERN_HALF_TURN - angle;
-        t->flux[edges - k] = -flux;
-        above = angle;
         level = -level;
+        t->ahead[edges - k] = -level * flux - (PATTERN_HALF_TURN - angle);
+        above = angle;
     }
     t->angle[0] = 0;
-    t->flux[0] = flux - level * above;
+    t->ahead[0] = level * flux - above;
     t->angle[edges] = PATTERN_HALF_TURN;
     t->angle[edges + 1] = PATTERN_HALF_TURN + t->angle[1];
     t->edges = edges;
@@ -113,57 +113,47 @@ typedef struct {
 static inline place_t place_of(const iqfoc_pattern_trajectory_t *t, iq24_t x, int32_t *n)
 {
     const iq24_t y = x & (PATTERN_HALF_TURN - 1);
-    int32_t k = *n;
     /* These end at angle[0] = 0 and angle[edges] = 1/2. */
-    while (t->angle[k] > y) {
-        k--;
+    const iq24_t *angle = &t->angle[*n];
+    while (*angle > y) {
+        angle--;
     }
-    while (t->angle[k + 1] <= y) {
-        k++;
+    while (angle[1] <= y) {
+        angle++;
     }
+    const int32_t k = (int32_t)(angle - t->angle);
     *n = k;
     /* The second half turn and each edge change the sign. */
-    const int32_t sign = (x & PATTERN_HALF_TURN) != 0 ? -1 : 1;
-    const int32_t level = k % 2 != 0 ? -t->start : t->start;
-    const place_t place = {y, sign * level, sign * (t->flux[k] + level * (y - t->angle[k]))};
+    const uint32_t changes = (uint32_t)k + ((uint32_t)x >> 23);
+    const int32_t level = (changes & 1U) != 0 ? -t->start : t->start;
+    const place_t place = {y, level, level * (y + t->ahead[k])};
     return place;
 }
 
-/* The angles of the legs at a rotor angle: 0 <= x < 1, but for whole turns. */
-static inline void angles_of(const iqfoc_pattern_trajectory_t *t, iq24_t theta, iq24_t x[3])
+/* The angle of leg a at a rotor angle, but for whole turns: -1 ... 2. Those of the others are third_turn further each. */
+static inline iq24_t angle_of(const iqfoc_pattern_trajectory_t *t, iq24_t theta)
 {
-    const iq24_t a = (iq24_add_wrap(theta, t->u_angle) & (IQ24_ONE - 1)) + PATTERN_QUARTER_TURN;
-    x[0] = a;
-    x[1] = a - PATTERN_THIRD_TURN;
-    x[2] = a + PATTERN_THIRD_TURN;
-    if (t->turns < 0) {
-        /* x becomes 1/2 - x: the level is the same, and time goes forward. */
-        for (int32_t k = 0; k < 3; k++) {
-            x[k] = PATTERN_HALF_TURN - x[k];
-        }
-    }
+    return t->sense * (theta & (IQ24_ONE - 1)) + t->u_place;
 }
 
 /* ---- Change of the table ---- */
 
-/* Square of the distance between the flux of two tables at the start of the next cycle: cycles of the link. Range: 2 (2/3 64)^2. */
+/* Square of the distance between the flux of two tables at the start of the next cycle, in turns. Range: 2 (2/3)^2. */
 static iq24_acc_t distance_q48(const iqfoc_pattern_control_t *control,
                                const iqfoc_pattern_trajectory_t *other)
 {
     const iqfoc_pattern_trajectory_t *t = &control->trajectory;
-    iq24_t x[3];
     iq24_t apart[3];
-    angles_of(t, iq24_add_wrap(control->theta, t->turns), x);
+    const iq24_t a = angle_of(t, iq24_add_wrap(control->theta, t->turns));
     for (int32_t k = 0; k < 3; k++) {
+        const iq24_t x = a + k * t->third_turn;
         int32_t n = control->leg[k].place;
         int32_t m = 0;
-        apart[k] = place_of(other, x[k], &m).flux - place_of(t, x[k], &n).flux;
+        apart[k] = place_of(other, x, &m).flux - place_of(t, x, &n).flux;
     }
     const iqfoc_abc_t legs = {apart[0], apart[1], apart[2]};
     const iqfoc_ab_t flux = iqfoc_clarke3(legs);
-    const iq24_t alpha = iq24_mul_round(flux.alpha, 2 * t->cycles_q22);
-    const iq24_t beta = iq24_mul_round(flux.beta, 2 * t->cycles_q22);
-    return iq24_acc_mac(iq24_acc_mul(alpha, alpha), beta, beta);
+    return iq24_acc_mac(iq24_acc_mul(flux.alpha, flux.alpha), flux.beta, flux.beta);
 }
 
 /*
@@ -175,10 +165,10 @@ static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index)
     iqfoc_pattern_modulator_t other = control->modulator;
     other.table = control->wanted;
     other.row = 0;
-    const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape_at(&other, index);
+    const pattern_rows_t rows = pattern_rows_at(&other, index);
     iqfoc_pattern_trajectory_t next = control->trajectory;
-    trace(&next, &shape, other.table->angles);
-    next.start = shape.start;
+    trace(&next, &rows, other.table->angles);
+    next.start = rows.row->start;
     const iq24_acc_t apart = distance_q48(control, &next);
     const iq24_acc_t nearest = control->nearest_q48;
     const iq24_acc_t enough = iq24_asr64(nearest, 1) - iq24_asr64(nearest, 4) + nearest; /* 1.2^2 */
@@ -187,7 +177,7 @@ static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index)
         control->wanted = NULL;
         control->modulator = other;
         control->trajectory = next;
-        restart_legs(control, shape.start);
+        restart_legs(control, next.start);
     } else if (apart < nearest) {
         control->nearest_q48 = apart;
     }
@@ -201,8 +191,8 @@ static void learn(iqfoc_pattern_control_t *control)
     const iqfoc_dq_t seen = iqfoc_park(control->miss, control->sc);
     const iq24_t d = control->v.d + iq24_mul_round(control->disturbance_l, seen.d);
     const iq24_t q = control->v.q + iq24_mul_round(control->disturbance_l, seen.q);
-    control->v.d = IQ24_HOLD_POWER(d, 23);
-    control->v.q = IQ24_HOLD_POWER(q, 23);
+    control->v.d = IQ24_HOLD_BITS(d, 24);
+    control->v.q = IQ24_HOLD_BITS(q, 24);
 }
 
 /* The mean of the link, and one Newton step of its inverse: r (2 - u r). Range: it moves by at most 1/64, so |1 - u r| < 1/30. */
@@ -227,37 +217,44 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     t->turns = turns < 0 ? -speed : speed;
     t->cycles_q22 = iq24_div(INT32_C(1) << 22, speed);
     t->speed = speed;
-    t->l = iq24_mul_round(control->l, control->u_dc_inverse);
+    t->l_q28 = iq24_mul_shift(iq24_mul_shift(control->l, speed, 20), control->u_dc_inverse, 24);
 
     const iq24_t phi = iq24_mul_shift(t->turns, Q28_2_PI, 28);
     const iq24_t drop_d = iq24_mul_round(control->r, i_ref.d) - control->v.d;
     const iq24_t drop_q = iq24_mul_round(control->r, i_ref.q) - control->v.q;
-    const iqfoc_dq_t drop = {IQ24_HOLD_POWER(drop_d, 24), IQ24_HOLD_POWER(drop_q, 24)};
+    const iqfoc_dq_t drop = {IQ24_HOLD_BITS(drop_d, 25), IQ24_HOLD_BITS(drop_q, 25)};
     const iq24_t u_d = drop.d - iq24_mul_round(phi, iq24_mul_round(control->l, i_ref.q));
     const iq24_t u_q = drop.q + iq24_mul_round(phi, iq24_mul_round(control->l, i_ref.d) + control->psi);
-    const iqfoc_dq_t u = {IQ24_HOLD_POWER(u_d, 26), IQ24_HOLD_POWER(u_q, 26)};
+    const iqfoc_dq_t u = {IQ24_HOLD_BITS(u_d, 27), IQ24_HOLD_BITS(u_q, 27)};
     const iq24_t length = iq24_sqrt(iq24_acc_round(iq24_acc_mac(iq24_acc_mul(u.d, u.d), u.q, u.q)));
-    t->u_angle = iq24_atan2(u.q, u.d);
+    /* Backward, x becomes 1/2 - x: the level is the same, and time goes forward. */
+    const iq24_t u_angle = iq24_atan2(u.q, u.d);
+    t->sense = turns < 0 ? -1 : 1;
+    t->u_place = PATTERN_QUARTER_TURN + t->sense * u_angle;
+    t->third_turn = -t->sense * PATTERN_THIRD_TURN;
 
-    const iq24_t per_phi = iq24_mul_shift(t->cycles_q22, turns < 0 ? -Q32_1_2_PI : Q32_1_2_PI, 30);
-    const iq24_t steady_d = -iq24_mul_round(drop.q, per_phi) - control->psi;
-    t->steady.d = iq24_mul_round(steady_d, control->u_dc_inverse);
-    t->steady.q = iq24_mul_round(iq24_mul_round(drop.d, per_phi), control->u_dc_inverse);
-    t->u_share = iqfoc_modulated_voltage(control->high, IQ24_ONE);
+    /* j drop/omega, and the movement times psi. */
+    const int32_t radian_q32 = turns < 0 ? -Q32_1_2_PI : Q32_1_2_PI;
+    const iq24_t steady_d = -iq24_mul_high_round(drop.q, radian_q32) - iq24_mul_round(control->psi, speed);
+    t->steady_q28.d = iq24_mul_shift(steady_d, control->u_dc_inverse, 20);
+    t->steady_q28.q = iq24_mul_shift(iq24_mul_high_round(drop.d, radian_q32), control->u_dc_inverse, 20);
+    const iqfoc_ab_t share = iqfoc_modulated_voltage(control->high, IQ24_ONE);
+    t->per_link_q26.alpha = iq24_mul_shift(share.alpha, control->law.k_u_q26, 24);
+    t->per_link_q26.beta = iq24_mul_shift(share.beta, control->law.k_u_q26, 24);
 
     /* In the rotor frame at the cycle's end, where the angle at mid-cycle is half the movement behind. */
     const iq24_sincos_t sc_half = iq24_sincos(-iq24_asr32(t->turns, 1));
     const iqfoc_ab_t none = {0, 0};
     const iqfoc_exact_t exact = iqfoc_exact_at_speed_inline(&control->law, t->turns);
     const iqfoc_ab_t drift = iqfoc_exact_step(&exact, none, iqfoc_park_inverse(control->v, sc_half), sc_half);
-    t->drift.d = drift.alpha;
-    t->drift.q = drift.beta;
+    t->drift_q26.d = 4 * IQ24_HOLD_BITS(drift.alpha, 30);
+    t->drift_q26.q = 4 * IQ24_HOLD_BITS(drift.beta, 30);
 
     const iq24_t index = iqfoc_pattern_index(length, control->u_dc_inverse);
-    const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape_at(&control->modulator, index);
-    trace(t, &shape, control->modulator.table->angles);
-    if (shape.start != t->start) {
-        restart_legs(control, shape.start);
+    const pattern_rows_t rows = pattern_rows_at(&control->modulator, index);
+    trace(t, &rows, control->modulator.table->angles);
+    if (rows.row->start != t->start) {
+        restart_legs(control, rows.row->start);
     }
     if (control->wanted != NULL) {
         change_if_near(control, index);
@@ -272,60 +269,61 @@ typedef struct {
     int32_t n;     /* of the edge in its half turn */
 } walk_t;
 
-/* An angle ahead, below a turn, as a time: below 128 cycles. Rounded down. */
-static inline iq24_t time_of(const iqfoc_pattern_trajectory_t *t, iq24_t distance)
-{
-    return iq24_shift_wrap(IQ24_MUL64(distance, t->cycles_q22), 22);
-}
-
-static inline iq24_t next_time(walk_t *w)
+/* The next edge: its angle from the place. */
+static inline iq24_t next_angle(walk_t *w)
 {
     w->n++;
     if (w->n == w->t->edges) {
         w->n = 0;
         w->origin -= PATTERN_HALF_TURN;
     }
-    return time_of(w->t, w->t->angle[w->n] - w->origin);
+    return w->t->angle[w->n] - w->origin;
 }
 
 /*
- * Moves the edges of a leg that has one in the cycle.
+ * Moves the edges of a leg that may have one in the cycle. All angles are from the place.
+ *
+ * later: the movement of the next edge that makes the leg's error good. The edge ends a level that adds to the flux: more flux needs a later one.
  *
  * ahead: 0; 1 if the edge after the place has been moved ahead of it, so that its level makes flux before its time; -1 if the place's
  * edge is still due.
  *
- * Range: |error| <= 22 + 16. A moved edge reduces it, or is at most a cycle later than due: 53 in all, and 117 with the time. Distances
- * of edges are below a turn, since angle 0 of each half turn has one.
+ * Range: |later| <= 5.5, and an edge ahead is below a turn. A moved edge reduces it, or is at most an eighth of a turn later than due: below
+ * 9 in all, and 10 with an edge's angle. An angle in the cycle is at most the movement less 1 LSB, and cycles_q22 is off by
+ * half its unit, so that its time is below 1.
  */
 static void move_edges(pattern_leg_t *leg, iqfoc_pattern_control_leg_t *state,
-                       const iqfoc_pattern_trajectory_t *t, iq24_t y, int32_t ahead, iq24_t error)
+                       const iqfoc_pattern_trajectory_t *t, iq24_t y, int32_t ahead, iq24_t later)
 {
     walk_t walk = {t, y, state->place};
-    iq24_t before = 0;
+    iq24_t earliest = 0;
     if (ahead > 0) {
-        before = iq24_clamp(next_time(&walk), 0, AHEAD_MAX);
-        error -= leg->wanted * before;
+        earliest = next_angle(&walk);
+        later -= earliest;
     } else if (ahead < 0) {
         walk.n--; /* the next one is the place's */
     }
-    iq24_t now = next_time(&walk);
+    iq24_t due = iq24_max(next_angle(&walk), 0);
     for (int32_t passed = 0; passed < PASSED_MAX; passed++) {
         const int32_t edge = walk.n;
-        const iq24_t next = next_time(&walk);
-        const iq24_t due = iq24_clamp(now, 0, TIME_MAX);
-        /* The edge ends a level that adds to the flux: more flux needs a later edge. */
-        const iq24_t moved = iq24_min(due + leg->wanted * error, next);
-        const iq24_t at = iq24_max(moved, iq24_max(leg->since, before));
-        if (at >= IQ24_ONE) {
+        const iq24_t pushed = due + later;
+        iq24_t at = pushed;
+        iq24_t next = due;
+        if (pushed < t->speed || due < t->speed) { /* else its neighbour is later still */
+            next = next_angle(&walk);
+            at = iq24_max(iq24_min(pushed, next), earliest);
+        }
+        if (at >= t->speed) {
             break;
         }
-        pattern_leg_follow(leg, at);
+        const iq24_t time = iq24_shift_wrap(IQ24_MUL64(at, t->cycles_q22), 22);
+        pattern_leg_follow(leg, time);
         leg->wanted = -leg->wanted;
-        leg->since = at;
-        error += leg->wanted * (at - due);
+        leg->since = time;
+        later = at - due - later; /* less what the edge has made good, and the next one has the other sense */
         state->edge = edge;
-        before = now;
-        now = next;
+        earliest = iq24_max(at, due);
+        due = next;
     }
 }
 
@@ -334,27 +332,34 @@ static inline void step_leg(iqfoc_pattern_control_t *control, int32_t k, const p
 {
     const iqfoc_pattern_trajectory_t *t = &control->trajectory;
     iqfoc_pattern_control_leg_t *state = &control->leg[k];
+    iqfoc_pattern_leg_t *output = &control->modulator.leg[k];
     const int32_t n = state->place;
     const int32_t wanted = state->level != 0 ? state->level : place->level;
-    int32_t ahead = 0;
-    if (wanted != place->level) {
-        ahead = state->edge == n + 1 || (state->edge == 0 && n + 1 == t->edges) ? 1 : -1;
+    const iq24_t later = wanted * error;
+    /* The next edge, at most 1/2 turn away, is later wherever the error moves it, and so is its neighbour. */
+    const bool stays = wanted == place->level && output->level == wanted &&
+                       t->angle[n + 2] - place->y >= t->speed &&
+                       t->angle[n + 1] - place->y + later >= t->speed;
+    if (stays) {
+        state->level = wanted;
+        pattern_leg_stay(output, out);
+    } else {
+        int32_t ahead = 0;
+        if (wanted != place->level) {
+            ahead = state->edge == n + 1 || (state->edge == 0 && n + 1 == t->edges) ? 1 : -1;
+        }
+        pattern_leg_t leg = pattern_leg_begin(output, control->modulator.least, wanted, out);
+        move_edges(&leg, state, t, place->y, ahead, later);
+        state->level = leg.wanted;
+        pattern_leg_end(&leg, output);
     }
-    pattern_leg_t leg = pattern_leg_begin(&control->modulator.leg[k], control->modulator.least, wanted, out);
-    /* Else the next edge, at most 1/2 turn away, is later wherever the error moves it, and so is its neighbour. */
-    if (ahead != 0 || t->angle[n + 2] - place->y < t->speed ||
-        time_of(t, t->angle[n + 1] - place->y) + wanted * error < IQ24_ONE) {
-        move_edges(&leg, state, t, place->y, ahead, error);
-    }
-    state->level = leg.wanted;
-    pattern_leg_end(&leg, &control->modulator.leg[k]);
 }
 
 /* ---- The cycle ---- */
 
 /*
  * The current at the start of the cycle that is to be commanded: i' = E i + k_u u + drift. Range: |i| <= 8 a component, as it lies
- * between two such; |k_u u| <= 16; |drift| <= 16.8 + 16.
+ * between two such; |k_u u| <= 16; |drift| <= 32 a component, 45.3 turned: 70 in all, which fits Q50 and Q24.
  */
 static inline iqfoc_ab_t predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t u_dc,
                                  iq24_sincos_t sc)
@@ -370,31 +375,17 @@ static inline iqfoc_ab_t predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i,
     control->miss = miss;
     const iqfoc_ab_t now = {control->i_next.alpha + iq24_mul_trunc(control->correction, miss.alpha),
                             control->i_next.beta + iq24_mul_trunc(control->correction, miss.beta)};
-    const iqfoc_ab_t share = control->trajectory.u_share;
-    const iqfoc_ab_t u = {iq24_mul_trunc(share.alpha, u_dc), iq24_mul_trunc(share.beta, u_dc)};
-    const iqfoc_ab_t drift = iqfoc_park_inverse(control->trajectory.drift, sc);
-    const iqfoc_exact_law_t *law = &control->law;
-    const iq24_t alpha =
-        drift.alpha +
-        iq24_shift_wrap(
-            IQ24_MAC64(IQ24_MAC64(INT64_C(1) << 25, now.alpha, law->stays_q26), u.alpha, law->k_u_q26), 26);
-    const iq24_t beta =
-        drift.beta +
-        iq24_shift_wrap(
-            IQ24_MAC64(IQ24_MAC64(INT64_C(1) << 25, now.beta, law->stays_q26), u.beta, law->k_u_q26), 26);
-    const iqfoc_ab_t next = {IQ24_HOLD_POWER(alpha, 27), IQ24_HOLD_POWER(beta, 27)};
+    const iqfoc_ab_t by_link = control->trajectory.per_link_q26;
+    const iqfoc_dq_t drift = control->trajectory.drift_q26;
+    const int32_t stays = control->law.stays_q26;
+    int64_t alpha = IQ24_MAC64(INT64_C(1) << 25, now.alpha, stays);
+    int64_t beta = IQ24_MAC64(INT64_C(1) << 25, now.beta, stays);
+    alpha = IQ24_MAC64(IQ24_MAC64(IQ24_MAC64(alpha, by_link.alpha, u_dc), drift.d, sc.cos), drift.q, -sc.sin);
+    beta = IQ24_MAC64(IQ24_MAC64(IQ24_MAC64(beta, by_link.beta, u_dc), drift.d, sc.sin), drift.q, sc.cos);
+    const iqfoc_ab_t next = {IQ24_HOLD_BITS(iq24_shift_wrap(alpha, 26), 28),
+                             IQ24_HOLD_BITS(iq24_shift_wrap(beta, 26), 28)};
     control->i_next = next;
     return next;
-}
-
-/*
- * Flux error of an axis from its sum of products: cycles of the link. Range: the integral of three legs within 1/4 is at most 1/3, times
- * 64: 22; steady is within 72.8 sqrt(2), l i within 128: 253 in all, which fits Q23.
- */
-static inline iq24_t held_error(iq24_acc_t e_q48)
-{
-    const int32_t e_q23 = iq24_shift_wrap(e_q48, 25);
-    return 2 * IQ24_HOLD_POWER(e_q23, 27);
 }
 
 void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,
@@ -402,28 +393,25 @@ void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, 
 {
     const iqfoc_pattern_trajectory_t *t = &control->trajectory;
     const iq24_t end = iq24_add_wrap(theta, t->turns);
-    const iq24_sincos_t sc = iq24_sincos(end);
+    const iq24_sincos_t sc = iq24_sincos_inline(end);
     control->sc = sc;
     const iqfoc_ab_t i_next = predict(control, i, u_dc, sc);
 
     control->theta = end;
-    iq24_t x[3];
-    angles_of(t, end, x);
+    const iq24_t a = angle_of(t, end);
     place_t place[3];
     for (int32_t k = 0; k < 3; k++) {
-        place[k] = place_of(t, x[k], &control->leg[k].place);
+        place[k] = place_of(t, a + k * t->third_turn, &control->leg[k].place);
     }
-    const iqfoc_abc_t integrals = {place[0].flux, place[1].flux, place[2].flux};
-    const iqfoc_ab_t integral = iqfoc_clarke3(integrals);
-    const iq24_t cycles_half = 2 * t->cycles_q22;
-    iq24_acc_t alpha = iq24_acc_mul(integral.alpha, cycles_half);
-    iq24_acc_t beta = iq24_acc_mul(integral.beta, cycles_half);
-    alpha = iq24_acc_mac(alpha, t->steady.d, sc.cos);
-    beta = iq24_acc_mac(beta, t->steady.d, sc.sin);
-    alpha = iq24_acc_mac(alpha, t->steady.q, -sc.sin);
-    beta = iq24_acc_mac(beta, t->steady.q, sc.cos);
-    const iqfoc_ab_t e = {held_error(iq24_acc_mac(alpha, -t->l, i_next.alpha)),
-                          held_error(iq24_acc_mac(beta, -t->l, i_next.beta))};
+    /* Clarke's transform by half of the link. Range: the sums are within 1, steady within 4.4 sqrt(2), l i within 16: held to 4. */
+    int64_t alpha = IQ24_MUL64(2 * place[0].flux - place[1].flux - place[2].flux, Q28_1_6);
+    int64_t beta = IQ24_MUL64(place[1].flux - place[2].flux, Q28_1_SQRT_12);
+    alpha = IQ24_MAC64(IQ24_MAC64(alpha, t->steady_q28.d, sc.cos), t->steady_q28.q, -sc.sin);
+    beta = IQ24_MAC64(IQ24_MAC64(beta, t->steady_q28.d, sc.sin), t->steady_q28.q, sc.cos);
+    alpha = IQ24_MAC64(alpha, -t->l_q28, i_next.alpha);
+    beta = IQ24_MAC64(beta, -t->l_q28, i_next.beta);
+    const iqfoc_ab_t e = {IQ24_HOLD_BITS(iq24_shift_wrap(alpha, 28), 27),
+                          IQ24_HOLD_BITS(iq24_shift_wrap(beta, 28), 27)};
     control->error = e;
     const iqfoc_abc_t legs = iqfoc_clarke_inverse(e);
     const iq24_t error[3] = {legs.a, legs.b, legs.c};

@@ -151,7 +151,7 @@ static void test_limits(void)
     /* A row, an edge or a place more or less is another layout. */
     TEST_ASSERT_EQUAL_INT(16, sizeof((iqfoc_pattern_edges_t *)0)->at / sizeof(iq24_t));
     TEST_ASSERT_EQUAL_INT(17, sizeof((iqfoc_pattern_trajectory_t *)0)->angle / sizeof(iq24_t));
-    TEST_ASSERT_EQUAL_INT(15, sizeof((iqfoc_pattern_trajectory_t *)0)->flux / sizeof(iq24_t));
+    TEST_ASSERT_EQUAL_INT(15, sizeof((iqfoc_pattern_trajectory_t *)0)->ahead / sizeof(iq24_t));
 }
 
 int main(void)
