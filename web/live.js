@@ -35,6 +35,12 @@
         choices($("trigger-column"), columns);
     }
 
+    /* Of rows in a row: those of one stream, from the last restart of its cycles on. */
+    function latest(rows) {
+        const restart = rows.findLastIndex((row, n) => n > 0 && row[1] < rows[n - 1][1]);
+        return restart < 0 ? rows : rows.slice(restart);
+    }
+
     /* The rows to draw: the last ones, or those around the last crossing of the level, a quarter of them before it. */
     function view() {
         const {rows, columns} = seen;
@@ -42,7 +48,7 @@
         const way = Number($("trigger").value);
         if (way === 0) {
             frozen = null;
-            return rows.slice(-count);
+            return latest(rows.slice(-count));
         }
         if (frozen !== null && $("single").checked) {
             return frozen;
@@ -51,8 +57,12 @@
         const level = Number($("level").value);
         const before = Math.floor(count / 4);
         for (let k = rows.length - (count - before); k > before; k--) {
-            if (rows[k][0] && way * (rows[k - 1][at] - level) < 0 && way * (rows[k][at] - level) >= 0) {
-                frozen = rows.slice(k - before, k - before + count);
+            if (!rows[k][0] || way * (rows[k - 1][at] - level) >= 0 || way * (rows[k][at] - level) < 0) {
+                continue;
+            }
+            const around = rows.slice(k - before, k - before + count);
+            if (latest(around).length === around.length) {
+                frozen = around;
                 window.iqfoc.line.crossing = [rows[k - 1][at], rows[k][at]];
                 return frozen;
             }
@@ -68,6 +78,7 @@
         offer(seen.columns);
         const rows = view();
         window.iqfoc.line.drawn = rows.length;
+        window.iqfoc.line.rises = rows.every((row, n) => n === 0 || row[1] > rows[n - 1][1]);
         if (rows.length > 1) {
             const first = rows[0][1];
             const curves = chosen(seen.columns);

@@ -157,6 +157,7 @@ class Live(unittest.TestCase):
         self.script("document.getElementById('single').checked = true")
         self.wait("window.iqfoc.line.crossing", "no trigger")
         low, high = self.script("return window.iqfoc.line.crossing")
+        self.assertTrue(self.script("return window.iqfoc.line.rises"), "time runs back on the scope")
         self.assertTrue(low < 1 <= high, (low, high))
         self.picture("trigger.png", "line-state")
         self.picture("scope_400.png", "line-state", 400)
