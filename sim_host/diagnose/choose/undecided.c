@@ -15,8 +15,8 @@ static const double LIKELY = 0.5;
 
 enum { STEPS = 12 };
 
-/* The named members whose probability, times that of the catalogue, is below the limit, at the state. False: out of memory. */
-static bool find_below(session *w, double catalogue, double limit, hypothesis_set *below)
+/* The named members whose probability among all sets near the state is below the limit. False: out of memory. */
+static bool find_below(session *w, double limit, hypothesis_set *below)
 {
     standing of[H_COUNT];
     evidence_view *view = calloc(1, sizeof *view);
@@ -27,8 +27,7 @@ static bool find_below(session *w, double catalogue, double limit, hypothesis_se
         ok = probability_of(view, &w->state, w->possible, w->certainty.inflation, of);
     }
     for (hypothesis_id h = 0; ok && h < H_COUNT; h++) {
-        if (hypothesis_in(hypotheses_named(w->state.set) & ~w->minor, h) &&
-            catalogue * of[h].probability < limit) {
+        if (hypothesis_in(hypotheses_named(w->state.set) & ~w->minor, h) && of[h].probability < limit) {
             *below |= HYPOTHESIS_BIT(h);
         }
     }
@@ -57,7 +56,7 @@ bool undecided_take_out(session *w, const diagnose_teller *teller)
         return true;
     }
     w->open = w->state;
-    if (!find_below(w, 1.0, DECIDED, &undecided)) {
+    if (!find_below(w, DECIDED, &undecided)) {
         return false;
     }
     if (undecided == 0) {
@@ -79,7 +78,7 @@ bool undecided_take_out(session *w, const diagnose_teller *teller)
 bool undecided_accuse_none(session *w, FILE *trace)
 {
     hypothesis_set unlikely = 0;
-    if (hypotheses_named(w->state.set & ~w->minor) != 0 && !find_below(w, w->borne_out, LIKELY, &unlikely)) {
+    if (hypotheses_named(w->state.set & ~w->minor) != 0 && !find_below(w, LIKELY, &unlikely)) {
         return false;
     }
     for (hypothesis_id h = 0; trace && h < H_COUNT; h++) {
