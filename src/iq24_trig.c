@@ -4,6 +4,7 @@
  */
 #include "iqfoc/iq24_math.h"
 
+#include "angle.h"
 #include "iq24_longdiv.h"
 #include "iq24_trig_tables.h"
 
@@ -47,5 +48,5 @@ iq24_t iq24_atan2(iq24_t y, iq24_t x)
     angle = y_size > x_size ? IQ24_ONE / 4 - angle : angle;
     angle = x < 0 ? IQ24_ONE / 2 - angle : angle;
     angle = y < 0 ? -angle : angle;
-    return iq24_asr32(iq24_wrap((int64_t)angle * 256), 8);
+    return angle_less_turns(angle);
 }

@@ -4,6 +4,8 @@
 #include "iqfoc/cycle_guard.h"
 #include "iqfoc/transform.h"
 
+#include "angle.h"
+
 #include <stddef.h>
 
 /* Enabled at a valley, the peak's command acts from the next valley to the one after it. */
@@ -151,8 +153,7 @@ void iqfoc_sensorless_valley(iqfoc_sensorless_t *s, iqfoc_cycle_t *cycle, iqfoc_
     } else {
         step_observer(s, cycle, i);
     }
-    s->difference =
-        iq24_asr32(iq24_wrap(((int64_t)iqfoc_observer_theta(&s->observer, 0) - sample->theta) * 256), 8);
+    s->difference = angle_less_turns((int64_t)iqfoc_observer_theta(&s->observer, 0) - sample->theta);
     change_source(s, cycle, sample);
     if (s->source == IQFOC_ANGLE_CATCH) {
         cycle->i_ref = none;

@@ -1,6 +1,8 @@
 /* Alignment and open-loop angle (include/iqfoc/start.h). */
 #include "iqfoc/start.h"
 
+#include "angle.h"
+
 #include <stddef.h>
 
 #define QUARTER    (IQ24_ONE / 4)
@@ -34,13 +36,10 @@ static iq24_t part(iq24_t whole, uint32_t done, uint32_t all)
     return iq24_mul_round(whole, iq24_div((iq24_t)done, (iq24_t)all));
 }
 
-/*
- * Verdict from the sensor's travel. Its difference is brought to -1/2 ... 1/2 turn first: whole turns drop out in the
- * shift left, in 64 bits, and the wrap.
- */
+/* Verdict from the sensor's travel, less whole turns. */
 static iqfoc_start_verdict_t judge(iq24_t before, iq24_t after)
 {
-    const iq24_t way = iq24_asr32(iq24_wrap(((int64_t)after - before) * 256), 8);
+    const iq24_t way = angle_less_turns((int64_t)after - before);
     if (iq24_within(way, -QUARTER - TOLERANCE, -QUARTER + TOLERANCE)) {
         return IQFOC_START_GOOD;
     }

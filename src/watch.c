@@ -1,6 +1,8 @@
 /* The change detector of the drive's model: its step per block (include/iqfoc/watch.h). */
 #include "iqfoc/watch.h"
 
+#include "angle.h"
+
 #define HELD_BITS 24                 /* +-128 in Q16 */
 #define ROUND_Q6  (INT64_C(1) << 25) /* half a unit, of Q32 */
 #define MOST_Q16  (INT32_C(16384) << 16)
@@ -558,7 +560,7 @@ static void turn_shaft(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
     const iq24_t change = iq24_sub_wrap(at_end, watch->turns);
     const iq24_t expected = IQFOC_WATCH_BLOCK_CYCLES * iq24_sub_wrap(at_end, iq24_asr32(change, 1));
     const int64_t rest = (int64_t)theta - watch->theta - expected;
-    const iq24_t turned_by = iq24_add_wrap(expected, iq24_asr32(iq24_wrap(rest * 256), 8)); /* +-1/2 turn */
+    const iq24_t turned_by = iq24_add_wrap(expected, angle_less_turns(rest));
     watch->mechanical = iq24_add_wrap(watch->mechanical, iq24_mul_round(turned_by, config->mechanical));
     watch->theta = theta;
 }

@@ -3,6 +3,8 @@
 
 #include "iqfoc/iq24_math.h"
 
+#include "angle.h"
+
 #include <stddef.h>
 
 #define BLOCK_CYCLES_LEAST 64
@@ -71,16 +73,10 @@ iqfoc_error_t iqfoc_watch_angle_init(iqfoc_watch_angle_t *w, const iqfoc_watch_a
     return IQFOC_OK;
 }
 
-/* x - y of two angles, -1/2 ... 1/2 turn. Range: any two numbers; 2^32 is 256 turns. */
-static iq24_t angle_between(iq24_t x, iq24_t y)
-{
-    return iq24_asr32(iq24_wrap(((int64_t)x - y) * 256), 8);
-}
-
 /* Moves the shaft to the observed angle: path, and the electrical turn of the revolution. Range: path is within 64 here. */
 static void move_shaft(iqfoc_watch_angle_t *w, iq24_t theta)
 {
-    const iq24_t by = angle_between(theta, w->theta);
+    const iq24_t by = angle_less_turns((int64_t)theta - w->theta);
     const iq24_t end = w->theta + by;
     if (end >= IQ24(0.5)) {
         w->turn = w->turn + 1 < w->config->pole_pairs ? w->turn + 1 : 0;
@@ -98,7 +94,7 @@ static void add_cycle(iqfoc_watch_angle_t *w, iq24_t difference)
 {
     const iq24_t shaft = iq24_mul_round(w->turn * IQ24_ONE + w->theta, w->mechanical);
     const iq24_sincos_t s_q30 = iq24_sincos_q30_inline(shaft);
-    const iq24_t d = angle_between(difference, w->base);
+    const iq24_t d = angle_less_turns((int64_t)difference - w->base);
     w->sum[0] += d;
     w->sum[1] += iq24_mul_shift(d, s_q30.cos, 30);
     w->sum[2] += iq24_mul_shift(d, s_q30.sin, 30);
@@ -123,7 +119,7 @@ static void give_name(iqfoc_watch_angle_t *w)
 {
     if (w->moved > 2 * w->config->mean_limit) {
         w->fault = IQFOC_WATCH_ANGLE_SLIP;
-        w->amount = angle_between(w->x[0], w->first);
+        w->amount = angle_less_turns((int64_t)w->x[0] - w->first);
     } else if (w->alarm == IQFOC_WATCH_ANGLE_OFFSET) {
         w->fault = w->alarm;
         w->amount = w->x[0];
@@ -148,14 +144,14 @@ static void raise_alarm(iqfoc_watch_angle_t *w)
 static bool end_block(iqfoc_watch_angle_t *w)
 {
     const iqfoc_watch_angle_config_t *c = w->config;
-    w->x[0] = angle_between(w->base + over_count(w, w->sum[0], 8U), 0);
+    w->x[0] = angle_less_turns(w->base + over_count(w, w->sum[0], 8U));
     w->x[1] = over_count(w, w->sum[1], 7U);
     w->x[2] = over_count(w, w->sum[2], 7U);
     if (w->blocks == 0) {
         w->first = w->x[0];
     }
     w->blocks += w->blocks < UINT32_MAX ? 1U : 0U;
-    w->moved = iq24_max(w->moved, iq24_abs_sat(angle_between(w->x[0], w->first)));
+    w->moved = iq24_max(w->moved, iq24_abs_sat(angle_less_turns((int64_t)w->x[0] - w->first)));
     for (int32_t k = 0; k < 3; k++) {
         const iq24_t limit = k == 0 ? c->mean_limit : c->swing_limit;
         const iq24_t alarm = k == 0 ? c->mean_alarm : c->swing_alarm;
