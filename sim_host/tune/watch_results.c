@@ -3,6 +3,8 @@
 
 #include "base/json_file.h"
 
+#include <math.h>
+
 static json_t *trial_json(watch_change change, const watch_trial *t)
 {
     json_t *named = json_object();
@@ -93,25 +95,39 @@ json_t *watch_results_json(const motor *m, const watch_results *r)
                      angle_json(r));
 }
 
+/* A dash where no drive has a value. */
+static void print_value(FILE *out, int width, int decimals, double value)
+{
+    if (isfinite(value)) {
+        fprintf(out, "%*.*f", width, decimals, value);
+    } else {
+        fprintf(out, "%*s", width, "-");
+    }
+}
+
 static void print_trials(const watch_results *r, FILE *out)
 {
-    fprintf(out, "  %-26s%8s%8s%8s%12s%12s%10s\n", "what changes", "drives", "noted", "right", "median, s",
+    fprintf(out, "  %-28s%8s%8s%8s%12s%12s%10s\n", "what changes", "drives", "noted", "right", "median, s",
             "latest, s", "early");
     for (int n = WATCH_NOTHING + 1; n < WATCH_CHANGES; n++) {
         const watch_trial *t = &r->of[n];
-        fprintf(out, "  %-26s%8d%8d%8d%12.3f%12.3f%10d\n", watch_change_text[n], t->trials, t->noted,
-                t->right, t->median_s, t->latest_s, t->early);
+        fprintf(out, "  %-28s%8d%8d%8d", watch_change_text[n], t->trials, t->noted, t->right);
+        print_value(out, 12, 3, t->median_s);
+        print_value(out, 12, 3, t->latest_s);
+        fprintf(out, "%10d\n", t->early);
     }
 }
 
 static void print_angle(const watch_results *r, FILE *out)
 {
-    fprintf(out, "  %-26s%8s%8s%12s%14s%10s\n", "angle sensor", "drives", "right", "latest, s", "off by, deg",
+    fprintf(out, "  %-28s%8s%8s%12s%14s%10s\n", "angle sensor", "drives", "right", "latest, s", "off by, deg",
             "early");
     for (int n = 0; n < WATCH_ANGLE_FAULTS; n++) {
         const watch_angle_trial *t = &r->angle[n];
-        fprintf(out, "  %-26s%8d%8d%12.3f%14.2f%10d\n", watch_angle_text[n], t->trials, t->right, t->latest_s,
-                t->off_deg, t->early);
+        fprintf(out, "  %-28s%8d%8d", watch_angle_text[n], t->trials, t->right);
+        print_value(out, 12, 3, t->latest_s);
+        print_value(out, 14, 2, t->off_deg);
+        fprintf(out, "%10d\n", t->early);
     }
 }
 

@@ -164,6 +164,7 @@ class Tune(unittest.TestCase):
             self.assertAlmostEqual(want * 65536, got, delta=70.0)
         done = program.run(["watch", "--motor", "motor.toml", "--diagnosis", "d.json", "--trials", "1", "--cycles", "1e3"], self.folder)
         self.assertEqual(0, done.returncode, done.stderr.decode())
+        self.assertNotIn("nan", done.stdout.decode())
         program.run(["tune", "--motor", "motor.toml", "--drives", "1", "-o", "untold"], self.folder)
         self.assertIn("No change detector", (self.folder / "untold" / "iqfoc_tuned.h").read_text())
         (self.folder / "mute.json").write_text('{"verdict": "clean", "causes": []}')
