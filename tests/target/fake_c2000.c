@@ -5,24 +5,12 @@
 
 #include "chip.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-#define LOG_LENGTH 8192
-
-typedef struct log_entry {
-    const c2000_reg_t *reg;
-    uint32_t value;
-    uint32_t reads_before; /* since the start */
-} log_entry_t;
 
 fake_bank_t fake_bank;
 fake_plant_t fake_plant;
 uint16_t fake_active[3];
 bool fake_armed[3];
-static log_entry_t entries[LOG_LENGTH];
-static int32_t entry_count;
-static uint32_t read_count;
 static uint32_t lost_count;
 static bool open;
 
@@ -59,8 +47,7 @@ void fake_reset(void)
         fake_bank.epwm[leg][EPWM_XLINK] = (uint16_t)(leg * 0x1111U);
         fake_bank.epwm[leg][EPWM_XLINK + 1] = (uint16_t)(leg * 0x1001U);
     }
-    entry_count = 0;
-    read_count = 0;
+    fake_writes_begin();
     lost_count = 0;
     open = false;
 }
@@ -140,15 +127,6 @@ static void answer(c2000_reg_t *reg, uint16_t value)
     }
 }
 
-static void note(const c2000_reg_t *reg, uint32_t value)
-{
-    if (entry_count == LOG_LENGTH) {
-        abort();
-    }
-    const log_entry_t entry = {reg, value, read_count};
-    entries[entry_count++] = entry;
-}
-
 /* False if the protection loses it. */
 static bool passes(const c2000_reg_t *reg)
 {
@@ -162,7 +140,7 @@ static bool passes(const c2000_reg_t *reg)
 void c2000_write(c2000_reg_t *reg, uint16_t value)
 {
     if (passes(reg)) {
-        note(reg, value);
+        fake_writes_note(reg, value);
         *reg = value;
         answer(reg, value);
     }
@@ -174,7 +152,7 @@ void c2000_write(c2000_reg_t *reg, uint16_t value)
 void c2000_write_long(c2000_reg_t *reg, uint32_t value)
 {
     if (passes(reg)) {
-        note(reg, value);
+        fake_writes_note(reg, value);
         reg[0] = (uint16_t)(value & 0xFFFF);
         reg[1] = (uint16_t)(value >> 16);
         answer(reg, reg[0]);
@@ -183,13 +161,13 @@ void c2000_write_long(c2000_reg_t *reg, uint32_t value)
 
 uint16_t c2000_read(c2000_reg_t *reg)
 {
-    read_count++;
+    fake_writes_read();
     return *reg;
 }
 
 uint32_t c2000_read_long(c2000_reg_t *reg)
 {
-    read_count++;
+    fake_writes_read();
     return (uint32_t)reg[1] << 16 | reg[0];
 }
 
@@ -212,36 +190,6 @@ void fake_trip_by(uint16_t source)
             epwm[EPWM_TZFLG] |= TZ_OST;
         }
     }
-}
-
-int32_t fake_first_write(const c2000_reg_t *reg, uint32_t mask, uint32_t value)
-{
-    for (int32_t k = 0; k < entry_count; k++) {
-        if (entries[k].reg == reg && (entries[k].value & mask) == value) {
-            return k;
-        }
-    }
-    return -1;
-}
-
-int32_t fake_last_write(const c2000_reg_t *reg, uint32_t mask, uint32_t value)
-{
-    for (int32_t k = entry_count - 1; k >= 0; k--) {
-        if (entries[k].reg == reg && (entries[k].value & mask) == value) {
-            return k;
-        }
-    }
-    return -1;
-}
-
-uint32_t fake_reads_between(int32_t from, int32_t to)
-{
-    return entries[to].reads_before - entries[from].reads_before;
-}
-
-void fake_forget(void)
-{
-    entry_count = 0;
 }
 
 uint32_t fake_lost(void)

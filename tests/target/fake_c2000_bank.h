@@ -5,6 +5,7 @@
 #define TESTS_TARGET_FAKE_C2000_BANK_H
 
 #include "c2000.h"
+#include "fake_writes.h"
 
 typedef struct fake_bank {
     uint16_t epwm[3][0x100];
@@ -46,19 +47,6 @@ extern bool fake_armed[3];
 
 /* A one-shot trip by its source's bit in TZOSTFLG, for all legs that TZSEL selects it for. */
 void fake_trip_by(uint16_t source);
-
-/*
- * Position in the order of all writes of the first (last) that set all of `mask` in reg to `value`; -1:
- * never.
- */
-int32_t fake_first_write(const c2000_reg_t *reg, uint32_t mask, uint32_t value);
-int32_t fake_last_write(const c2000_reg_t *reg, uint32_t mask, uint32_t value);
-
-/* Reads of any register between two writes: time that passed. */
-uint32_t fake_reads_between(int32_t from, int32_t to);
-
-/* Forgets the order of the writes so far: a firmware that runs would fill it. */
-void fake_forget(void);
 
 /* Writes that the protection lost since the reset; and is a sequence still unprotected? */
 uint32_t fake_lost(void);

@@ -3,22 +3,10 @@
  */
 #include "fake_stm32g4_bank.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-#define LOG_LENGTH 4096
-
-typedef struct log_entry {
-    stm32g4_reg_t *reg;
-    uint32_t value;
-    uint32_t reads_before; /* since the start */
-} log_entry_t;
 
 fake_bank_t fake_bank;
 stm32g4_reg_t *fake_dead;
-static log_entry_t entries[LOG_LENGTH];
-static int32_t entry_count;
-static uint32_t read_count;
 
 const stm32g4_chip_t fake_chip = {
     .flash = &fake_bank.flash,
@@ -49,8 +37,7 @@ void fake_reset(void)
     fake_bank.adc1.CR = ADC_CR_DEEPPWD;
     fake_bank.adc2.CR = ADC_CR_DEEPPWD;
     fake_dead = NULL;
-    entry_count = 0;
-    read_count = 0;
+    fake_writes_begin();
 }
 
 /* What a converter makes of a write to its control register. */
@@ -82,11 +69,7 @@ static void answer(stm32g4_reg_t *reg, uint32_t value)
 
 void stm32g4_write(stm32g4_reg_t *reg, uint32_t value)
 {
-    if (entry_count == LOG_LENGTH) {
-        abort();
-    }
-    const log_entry_t entry = {reg, value, read_count};
-    entries[entry_count++] = entry;
+    fake_writes_note(reg, value);
     if (reg == &fake_bank.adc1.ISR || reg == &fake_bank.adc2.ISR) {
         *reg &= ~value; /* cleared by writing 1 */
     } else if (reg == &fake_bank.tim1.SR) {
@@ -101,41 +84,6 @@ void stm32g4_write(stm32g4_reg_t *reg, uint32_t value)
 
 uint32_t stm32g4_read(stm32g4_reg_t *reg)
 {
-    read_count++;
+    fake_writes_read();
     return *reg;
-}
-
-int32_t fake_first_write(stm32g4_reg_t *reg, uint32_t mask, uint32_t value)
-{
-    for (int32_t k = 0; k < entry_count; k++) {
-        if (entries[k].reg == reg && (entries[k].value & mask) == value) {
-            return k;
-        }
-    }
-    return -1;
-}
-
-int32_t fake_last_write(stm32g4_reg_t *reg, uint32_t mask, uint32_t value)
-{
-    for (int32_t k = entry_count - 1; k >= 0; k--) {
-        if (entries[k].reg == reg && (entries[k].value & mask) == value) {
-            return k;
-        }
-    }
-    return -1;
-}
-
-uint32_t fake_reads_between(int32_t from, int32_t to)
-{
-    return entries[to].reads_before - entries[from].reads_before;
-}
-
-bool fake_ever_set(stm32g4_reg_t *reg, uint32_t bits)
-{
-    for (int32_t k = 0; k < entry_count; k++) {
-        if (entries[k].reg == reg && (entries[k].value & bits) != 0) {
-            return true;
-        }
-    }
-    return false;
 }

@@ -4,6 +4,7 @@
 #ifndef TESTS_TARGET_FAKE_STM32G4_BANK_H
 #define TESTS_TARGET_FAKE_STM32G4_BANK_H
 
+#include "fake_writes.h"
 #include "stm32g474.h"
 
 typedef struct fake_bank {
@@ -28,16 +29,5 @@ extern const stm32g4_chip_t fake_chip;
 /* Reset values, and a part that does not answer if `dead` points to one of its registers. */
 void fake_reset(void);
 extern stm32g4_reg_t *fake_dead;
-
-/* Position in the order of all writes of the first (last) that set all of `mask` in reg to `value`; -1:
- * never. */
-int32_t fake_first_write(stm32g4_reg_t *reg, uint32_t mask, uint32_t value);
-int32_t fake_last_write(stm32g4_reg_t *reg, uint32_t mask, uint32_t value);
-
-/* Reads of any register between two writes: time that passed. */
-uint32_t fake_reads_between(int32_t from, int32_t to);
-
-/* True if a write ever set one of these bits. */
-bool fake_ever_set(stm32g4_reg_t *reg, uint32_t bits);
 
 #endif
