@@ -27,31 +27,6 @@ typedef struct request {
 
 static request asked;
 
-static bool take_skip(const options *o, error *e);
-
-static const option_spec specs[] = {
-    {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path},
-    {"output", 'o', "DIR",
-     "write report.html, motor_extended.toml, iqfoc_extension.h and diagnosis.json into DIR",
-     .text = &asked.directory},
-    {"json", 0, "F", "write the diagnosis to file F; - is stdout, without the text", .text = &asked.json_path,
-     .written = true},
-    {"skip", 0, "ID[,ID...]", "search without these causes", .take = take_skip},
-    {"any-size", 0, NULL, "name every certain cause, even below its reporting threshold",
-     .flag = &asked.options.any_size},
-    {"trace", 0, NULL, "print the steps of the search on stderr", .flag = &asked.traced},
-    {"exit-verdict", 0, NULL, "exit status by verdict: 0 clean, 10 explained, 11 partly, 12 unexplained",
-     .flag = &asked.exit_verdict},
-    {.name = NULL}};
-
-const command_about about_diagnose = {
-    "diagnose", "REC.csv... --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]] [--exit-verdict]",
-    "Compares a recording with the averaged model, cycle by cycle. Names the causes of the difference,\n"
-    "with 95 % intervals. Measures the error of the nominal and the extended model on held-out rows.\n"
-    "Of several recordings it prints one line each: verdict, error before and after, causes.\n"
-    "Exit status: 0 after a diagnosis, or by verdict with --exit-verdict; 2 if the recording is unusable.",
-    specs};
-
 static bool refuse_cause(const char *given, error *e)
 {
     const char *ids[CAUSE_COUNT];
@@ -86,6 +61,29 @@ static bool take_skip(const options *o, error *e)
     }
     return true;
 }
+
+static const option_spec specs[] = {
+    {"motor", 'm', "M.toml", "the motor file", .text = &asked.motor_path},
+    {"output", 'o', "DIR",
+     "write report.html, motor_extended.toml, iqfoc_extension.h and diagnosis.json into DIR",
+     .text = &asked.directory},
+    {"json", 0, "F", "write the diagnosis to file F; - is stdout, without the text", .text = &asked.json_path,
+     .written = true},
+    {"skip", 0, "ID[,ID...]", "search without these causes", .take = take_skip},
+    {"any-size", 0, NULL, "name every certain cause, even below its reporting threshold",
+     .flag = &asked.options.any_size},
+    {"trace", 0, NULL, "print the steps of the search on stderr", .flag = &asked.traced},
+    {"exit-verdict", 0, NULL, "exit status by verdict: 0 clean, 10 explained, 11 partly, 12 unexplained",
+     .flag = &asked.exit_verdict},
+    {.name = NULL}};
+
+const command_about about_diagnose = {
+    "diagnose", "REC.csv... --motor M.toml [-o DIR] [--json F] [--skip ID[,ID...]] [--exit-verdict]",
+    "Compares a recording with the averaged model, cycle by cycle. Names the causes of the difference,\n"
+    "with 95 % intervals. Measures the error of the nominal and the extended model on held-out rows.\n"
+    "Of several recordings it prints one line each: verdict, error before and after, causes.\n"
+    "Exit status: 0 after a diagnosis, or by verdict with --exit-verdict; 2 if the recording is unusable.",
+    specs};
 
 /* The recordings and their motor file. */
 static bool combination(const options *o, request *r, error *e)

@@ -15,7 +15,16 @@ typedef struct request {
 
 static request asked = {.fmu = {.kind = FMU_KIND_DRIVE, .seed = 1}, .run = 1};
 
-static bool take_kind(const options *o, error *e);
+static bool take_kind(const options *o, error *e)
+{
+    for (int k = 0; k < 2; k++) {
+        if (strcmp(o->argument, fmu_kind_words[k]) == 0) {
+            asked.fmu.kind = (fmu_kind)k;
+            return true;
+        }
+    }
+    return error_input(e, NULL, 0, 0, "export-fmu: --kind expects plant or drive, not \"%s\"", o->argument);
+}
 
 static const option_spec specs[] = {
     {"motor", 0, "M.toml", "the motor file: machine, inverter, and the firmware's parameters",
@@ -44,17 +53,6 @@ const command_about about_export_fmu = {
     "`iqfoc simulate` (docs/fmu.md).",
     specs,
 };
-
-static bool take_kind(const options *o, error *e)
-{
-    for (int k = 0; k < 2; k++) {
-        if (strcmp(o->argument, fmu_kind_words[k]) == 0) {
-            asked.fmu.kind = (fmu_kind)k;
-            return true;
-        }
-    }
-    return error_input(e, NULL, 0, 0, "export-fmu: --kind expects plant or drive, not \"%s\"", o->argument);
-}
 
 int cmd_export_fmu(int argc, char **argv)
 {

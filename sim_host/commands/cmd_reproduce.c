@@ -17,7 +17,14 @@ typedef struct request {
 
 static request asked = {.with_2016 = true, .with_2019 = true};
 
-static bool take_paper(const options *o, error *e);
+static bool take_paper(const options *o, error *e)
+{
+    request *r = &asked;
+    r->with_2016 = strcmp(o->argument, "2016") == 0;
+    r->with_2019 = strcmp(o->argument, "2019") == 0;
+    return r->with_2016 || r->with_2019 ||
+           error_input(e, NULL, 0, 0, "reproduce: --paper %s: expected 2016 or 2019", o->argument);
+}
 
 static const option_spec specs[] = {
     {"paper", 0, "2016|2019", "only this paper; default: both", .take = take_paper},
@@ -36,15 +43,6 @@ const command_about about_reproduce = {
     "and compares each of their figures with the formula in double precision, evaluated on the\n"
     "simulated drive, and with the firmware's IQ24 functions. DIR/index.html has the plots.",
     specs};
-
-static bool take_paper(const options *o, error *e)
-{
-    request *r = &asked;
-    r->with_2016 = strcmp(o->argument, "2016") == 0;
-    r->with_2019 = strcmp(o->argument, "2019") == 0;
-    return r->with_2016 || r->with_2019 ||
-           error_input(e, NULL, 0, 0, "reproduce: --paper %s: expected 2016 or 2019", o->argument);
-}
 
 /* Files first, text last: printed results have been written. */
 static bool reproduce(const request *r, comparison *c, error *e)
