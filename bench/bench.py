@@ -13,6 +13,7 @@ import sys
 import core as one_core
 import elf32
 import estimate
+import flash
 import size
 import table
 from footprint import Footprint
@@ -171,13 +172,13 @@ def compilers(targets):
 
 
 def compared_cores(baseline, result):
-    return [f"{core} {function}: mean rose from {old} to {result['cores'][core][function]}"
+    return [f"{core} {function}: rose from {old} to {result['cores'][core][function]}"
             for core, row in baseline["cores"].items() for function, old in row.items() if result["cores"][core][function] > 1.02 * old]
 
 
 def compared_firmware(baseline, result):
     return [f"{new['image']}: {key} rose from {old[key]} to {new[key]}" for old, new in zip(baseline["firmware"], result["firmware"], strict=True)
-            for key in ("text", "data", "bss") if new[key] > 1.02 * old[key]]
+            for key in ("text", "data", "bss", "ccm") if new[key] > 1.02 * old[key]]
 
 
 def check(result):
@@ -232,10 +233,11 @@ def main():
                              "compilers": compilers([target])}))
     result = {target: evaluate(target, options.build / target) for target in EMULATORS}
     estimate.add(result["cortex-m4"], options.build / "cortex-m4", EMULATORS["cortex-m4"] + SERIAL)
+    result["flash"] = flash.evaluate(options.build / "cortex-m4", EMULATORS["cortex-m4"] + SERIAL)
     result["library"] = {target: library_size(options.build / target) for target in EMULATORS}
     result["size"] = {target: size.evaluate(target, options.build / target) for target in EMULATORS}
     result["compilers"] = compilers(EMULATORS)
-    result["cores"] = {core: one_core.means(core, ("isr_cycle", "handler_stm32g4")) for core in table.CORES}
+    result["cores"] = {core: one_core.costs(core, ("isr_cycle", "handler_stm32g4")) for core in table.CORES}
     result["firmware"] = size.firmware(options.build / "cortex-m4")
     text = json.dumps(result, indent=1) + "\n"
     if options.json:

@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 
+import elf32
+
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 INPUTS = 4096
@@ -31,13 +33,16 @@ def arm(cpu):
             "compile": [], "qemu": ARM_QEMU}
 
 
+def riscv(isa):
+    return {"compiler": "riscv64-unknown-elf-gcc", "always": [f"-march={isa}_zicsr", "-mabi=ilp32", "-mcmodel=medany"],
+            "port": "rv32", "harness": ["startup.S", "trap.c", "console.c", "semihost_call.S"],
+            "link": [f"-march={isa}", "-nostartfiles", "--specs=picolibc.specs", "-Wl,--no-warn-rwx-segments"],
+            "compile": ["--specs=picolibc.specs"], "qemu": RV_QEMU}
+
+
 CORES = {
     "m0plus": arm("cortex-m0plus"), "m3": arm("cortex-m3"), "m4": arm("cortex-m4"), "m7": arm("cortex-m7"),
-    "m33": arm("cortex-m33"),
-    "rv32": {"compiler": "riscv64-unknown-elf-gcc", "always": ["-march=rv32im_zicsr", "-mabi=ilp32", "-mcmodel=medany"],
-             "port": "rv32", "harness": ["startup.S", "trap.c", "console.c", "semihost_call.S"],
-             "link": ["-march=rv32im", "-nostartfiles", "--specs=picolibc.specs", "-Wl,--no-warn-rwx-segments"],
-             "compile": ["--specs=picolibc.specs"], "qemu": RV_QEMU},
+    "m33": arm("cortex-m33"), "rv32": riscv("rv32im"), "rv32imc": riscv("rv32imc"),
 }
 
 
@@ -47,13 +52,14 @@ def refuse(text):
 
 
 def build(core, flags, kernel, folder):
-    """The image. If a source does not compile: the compiler's message and exit status 2."""
+    """The image, and the objects of the library. If a source does not compile: the compiler's message and exit status 2."""
     port = ROOT / "port" / core["port"]
     emulated = ROOT / "port/emulated"
     program = [HERE / name for name in ("inputs.c", "kernel_main.c")] + [kernel] if kernel else [
         HERE / name for name in ("main.c", "services.c", "inputs.c", "kernels.c", "drives.c", "handler.c")] + [
         ROOT / "port/stm32g4/hal_stm32g4.c"]
-    sources = program + sorted((ROOT / "src").glob("*.c")) + [port / name for name in core["harness"]] + [
+    library = sorted((ROOT / "src").glob("*.c"))
+    sources = program + library + [port / name for name in core["harness"]] + [
         emulated / "console.c", emulated / "semihost.c"]
     include = [f"-I{path}" for path in (ROOT / "include", HERE, port, emulated, ROOT / "port/stm32g4")]
     image = folder / "bench.elf"
@@ -68,7 +74,7 @@ def build(core, flags, kernel, folder):
                "-o", image]
     if subprocess.run(command, check=False).returncode:
         refuse(f"the image does not link with {' '.join(flags)}")
-    return image
+    return image, objects[len(program):len(program) + len(library)]
 
 
 def count(core, image):
@@ -87,12 +93,14 @@ def count(core, image):
             for r in rows if len(r) == 4]
 
 
-def means(name, functions):
-    """{function: mean instructions} on a core at -O2."""
+def costs(name, functions):
+    """{function: mean instructions} on a core at -O2, and "code": bytes of code of the whole library."""
     core = CORES[name]
     with tempfile.TemporaryDirectory(prefix="iqfoc-bench-") as folder:
-        rows = count(core, build(core, ["-O2"], None, pathlib.Path(folder)))
-    return {row["function"]: row["mean"] for row in rows if row["function"] in functions}
+        image, library = build(core, ["-O2"], None, pathlib.Path(folder))
+        rows = count(core, image)
+        code = sum(section.size for path in library for section in elf32.read(path).sections if section.flags & elf32.SHF_EXECINSTR)
+    return {**{row["function"]: row["mean"] for row in rows if row["function"] in functions}, "code": code}
 
 
 def main():
@@ -108,8 +116,8 @@ def main():
         refuse(f"--kernel {options.kernel}: no such file")
     core = CORES[options.core]
     with tempfile.TemporaryDirectory(prefix="iqfoc-bench-") as folder:
-        rows = count(core, build(core, shlex.split(options.cflags), options.kernel and options.kernel.resolve(),
-                                 pathlib.Path(folder)))
+        image, _ = build(core, shlex.split(options.cflags), options.kernel and options.kernel.resolve(), pathlib.Path(folder))
+        rows = count(core, image)
     print(f"{options.core}, {options.cflags}: instructions a call")
     for row in rows:
         print("  {function:26} {min:6} {mean:10.1f} {max:6}".format(**row))

@@ -15,7 +15,7 @@ DIVIDE = 12
 MEASURED = re.compile(r"ticks_(\w+)$")
 
 
-def _registers(operands):
+def registers_in(operands):
     """How many registers a list such as {r4, r5, r8-fp} names."""
     count = 0
     names = ["r%d" % k for k in range(10)] + ["sl", "fp", "ip", "sp", "lr", "pc"]
@@ -32,7 +32,7 @@ def cycles(mnemonic, operands, taken):
     if base.startswith(("udiv", "sdiv")):
         return DIVIDE
     if base.startswith(("push", "pop", "ldm", "stm")):
-        return 1 + _registers(operands) + refill
+        return 1 + registers_in(operands) + refill
     if base.startswith(("ldrd", "strd")):
         return 3
     if base.startswith(("ldr", "str")):
@@ -42,7 +42,7 @@ def cycles(mnemonic, operands, taken):
     return 1 + refill
 
 
-def _disassemble(image):
+def disassemble(image):
     """{address: (length, mnemonic, operands, function)}."""
     text = subprocess.run(["arm-none-eabi-objdump", "-d", str(image)], capture_output=True, text=True, check=True).stdout
     code, function = {}, ""
@@ -72,7 +72,7 @@ def _executed(image, command):
 def add(rows, build, command):
     """Adds `cycles_estimate`, the mean of one call, to each of the rows."""
     image = build / "bench" / "bench_trace.elf"
-    code = _disassemble(image)
+    code = disassemble(image)
     own = {"main", "report", "draw", "draw_within", "draw_magnitudes", "bench_input_draw", "bench_input_restart",
            "counter_start", "bench_nothing", "bench_handler_set", "bench_handler_start", "counts_of", "renew", "bench_drives_config"}
     sums, calls, case, previous = {}, {}, None, None

@@ -11,7 +11,8 @@ DRIVES = {
     "diagnosed": "flux predictor, mid-point sample, PI, up to six-step, all corrections of a diagnosis",
 }
 # Whole firmware for the STM32G474, start-up and port included.
-FIRMWARE = {"first_drive": "first_drive_stm32g4", "corrected_drive": "corrected_drive_stm32g4"}
+FIRMWARE = {"first_drive": "first_drive_stm32g4", "corrected_drive": "corrected_drive_stm32g4",
+            "sensorless_drive": "sensorless_drive_stm32g4"}
 TOOLS = {"cortex-m4": "arm-none-eabi-size", "rv32": "riscv64-unknown-elf-size"}
 
 
@@ -34,7 +35,10 @@ def _size(target, image):
 
 
 def firmware(build):
-    return [{"image": name, **_size("cortex-m4", build / "examples" / f"{image}.elf")} for name, image in FIRMWARE.items()]
+    """As _size, and the part of the text that the start-up copies to CCM SRAM."""
+    paths = {name: build / "examples" / f"{image}.elf" for name, image in FIRMWARE.items()}
+    return [{"image": name, **_size("cortex-m4", path), "ccm": sum(s.size for s in elf32.read(path).sections if s.name == ".ccm")}
+            for name, path in paths.items()]
 
 
 def evaluate(target, build):

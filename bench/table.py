@@ -97,9 +97,11 @@ SIZE_START = "<!-- size: begin -->"
 SIZE_END = "<!-- size: end -->"
 CORES_START = "<!-- cores: begin -->"
 CORES_END = "<!-- cores: end -->"
+FLASH_START = "<!-- flash: begin -->"
+FLASH_END = "<!-- flash: end -->"
 FIRMWARE_START = "<!-- firmware: begin -->"
 FIRMWARE_END = "<!-- firmware: end -->"
-CORES = {"m0plus": "Cortex-M0+", "m3": "Cortex-M3", "m7": "Cortex-M7", "m33": "Cortex-M33"}
+CORES = {"m0plus": "Cortex-M0+", "m3": "Cortex-M3", "m7": "Cortex-M7", "m33": "Cortex-M33", "rv32": "RV32IM", "rv32imc": "RV32IMC"}
 
 
 def plain(result):
@@ -157,26 +159,38 @@ def size_markdown(result):
 
 
 def cores_markdown(result):
-    """Means of the pair and of a whole interrupt on other cores."""
-    lines = ["| core | valley and peak, `isr_cycle` | STM32G4 example's two interrupts, `handler_stm32g4` |", "| --- | ---: | ---: |"]
+    """Means of the pair and of a whole interrupt on other cores, and the library's size."""
+    lines = ["| core | valley and peak, `isr_cycle` | STM32G4 example's two interrupts, `handler_stm32g4` | bytes of code, whole library |",
+             "| --- | ---: | ---: | ---: |"]
     for core, name in CORES.items():
         counts = result["cores"][core]
-        lines.append(f"| {name} | {counts['isr_cycle']:.0f} | {counts['handler_stm32g4']:.0f} |")
+        lines.append(f"| {name} | {counts['isr_cycle']:.0f} | {counts['handler_stm32g4']:.0f} | {counts['code']} |")
+    return "\n".join(lines) + "\n"
+
+
+def flash_markdown(result):
+    """Cycles from memory without wait states and from the STM32G4's flash."""
+    lines = ["| row | instructions | cycles, CCM SRAM | cycles, flash, two banks | cycles, flash, one bank |", "| --- | ---: | ---: | ---: | ---: |"]
+    rows = {row["function"]: row for row in result["cortex-m4"]}
+    for name, cycles in result["flash"].items():
+        lines.append(f"| `{name}` | {rows[name]['mean']:.0f} | {rows[name]['cycles_estimate']} | {cycles['two_banks']} | {cycles['one_bank']} |")
     return "\n".join(lines) + "\n"
 
 
 def firmware_markdown(result):
     """Memory of the STM32G474 firmware images, for docs/porting.md."""
-    lines = ["| firmware for the STM32G474 | flash, KiB | RAM besides the stack, bytes |", "| --- | ---: | ---: |"]
+    lines = ["| firmware for the STM32G474 | flash, KiB | CCM SRAM, KiB | RAM besides the stack, bytes |", "| --- | ---: | ---: | ---: |"]
     for row in result["firmware"]:
-        lines.append(f"| `examples/{row['image']}` | {(row['text'] + row['data']) / 1024:.1f} | {row['data'] + row['bss']} |")
+        lines.append(f"| `examples/{row['image']}` | {(row['text'] + row['data']) / 1024:.1f} | {row['ccm'] / 1024:.1f} | "
+                     f"{row['data'] + row['bss']} |")
     return "\n".join(lines) + "\n"
 
 
 def _blocks(result):
     """(document, start, end, text) of each table."""
     return ((BENCH, START, END, markdown(result)), (BENCH, SIZE_START, SIZE_END, size_markdown(result)),
-            (BENCH, CORES_START, CORES_END, cores_markdown(result)), (PORTING, FIRMWARE_START, FIRMWARE_END, firmware_markdown(result)))
+            (BENCH, CORES_START, CORES_END, cores_markdown(result)), (BENCH, FLASH_START, FLASH_END, flash_markdown(result)),
+            (PORTING, FIRMWARE_START, FIRMWARE_END, firmware_markdown(result)))
 
 
 def _split(path, start, end):

@@ -6,15 +6,16 @@
 #include "example_board.h"
 #include "hal_stm32g4_inline.h"
 
-static const stm32g4_chip_t chip = STM32G4_CHIP;
-static const hal_stm32g4_board_t board = STM32G4_EXAMPLE_BOARD(STM32G4_HALF_TICKS(CORRECTED_DRIVE_PWM_HZ));
+STM32G4_CCM_CONST static const stm32g4_chip_t chip = STM32G4_CHIP;
+STM32G4_CCM_CONST static const hal_stm32g4_board_t board =
+    STM32G4_EXAMPLE_BOARD(STM32G4_HALF_TICKS(CORRECTED_DRIVE_PWM_HZ));
 static iqfoc_cycle_t cycle;
 static iqfoc_hal_t hal;
 
 void adc1_2_handler(void);
 
 /* Both converters have sampled. */
-void adc1_2_handler(void)
+STM32G4_CCM void adc1_2_handler(void)
 {
     hal_stm32g4_interrupt(corrected_drive_methods, &cycle, &hal);
 }

@@ -6,15 +6,16 @@
 #include "hal_stm32g4_inline.h"
 #include "sensorless_drive.h"
 
-static const stm32g4_chip_t chip = STM32G4_CHIP;
-static const hal_stm32g4_board_t board = STM32G4_EXAMPLE_BOARD(STM32G4_HALF_TICKS(SENSORLESS_DRIVE_PWM_HZ));
+STM32G4_CCM_CONST static const stm32g4_chip_t chip = STM32G4_CHIP;
+STM32G4_CCM_CONST static const hal_stm32g4_board_t board =
+    STM32G4_EXAMPLE_BOARD(STM32G4_HALF_TICKS(SENSORLESS_DRIVE_PWM_HZ));
 static sensorless_drive_t drive;
 static iqfoc_hal_t hal;
 
 void adc1_2_handler(void);
 
 /* Both converters have sampled. */
-void adc1_2_handler(void)
+STM32G4_CCM void adc1_2_handler(void)
 {
     stm32g4_write(&chip.adc1->ISR, ADC_ISR_JEOS);
     if (hal_stm32g4_at_valley(&hal)) {

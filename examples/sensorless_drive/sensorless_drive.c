@@ -56,7 +56,7 @@ bool sensorless_drive_begin(sensorless_drive_t *drive, uint32_t ticks_per_second
     return true;
 }
 
-void sensorless_drive_valley(sensorless_drive_t *drive, iqfoc_hal_t *hal)
+SENSORLESS_DRIVE_FAST void sensorless_drive_valley(sensorless_drive_t *drive, iqfoc_hal_t *hal)
 {
     iqfoc_sample_t sample;
     const uint32_t now = iqfoc_hal_now(hal);
@@ -76,7 +76,7 @@ void sensorless_drive_valley(sensorless_drive_t *drive, iqfoc_hal_t *hal)
     }
 }
 
-void sensorless_drive_peak(sensorless_drive_t *drive, iqfoc_hal_t *hal)
+SENSORLESS_DRIVE_FAST void sensorless_drive_peak(sensorless_drive_t *drive, iqfoc_hal_t *hal)
 {
     iqfoc_sample_t sample;
     const uint32_t now = iqfoc_hal_now(hal);

@@ -26,7 +26,10 @@ typedef struct sensorless_drive {
 /* Ready to start from standstill, enabled. ticks_per_second: of the port's clock. False if a configuration was refused. */
 bool sensorless_drive_begin(sensorless_drive_t *drive, uint32_t ticks_per_second);
 
-/* The interrupts' handlers. */
+/* The interrupts' handlers. A build may give them a section, for faster memory. */
+#ifndef SENSORLESS_DRIVE_FAST
+#define SENSORLESS_DRIVE_FAST
+#endif
 void sensorless_drive_valley(sensorless_drive_t *drive, iqfoc_hal_t *hal);
 void sensorless_drive_peak(sensorless_drive_t *drive, iqfoc_hal_t *hal);
 

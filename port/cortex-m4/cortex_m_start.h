@@ -35,14 +35,20 @@ void unexpected_handler(void);
         .interrupt = {__VA_ARGS__},                                                                          \
     }
 
+/* volatile: a call of memcpy, which gcc makes of such a loop, may be one of a function that is not copied yet. */
+static inline void cortex_m_start_copy(volatile uint32_t *to, const volatile uint32_t *end,
+                                       const uint32_t *from)
+{
+    while (to < end) {
+        *to++ = *from++;
+    }
+}
+
 /* Initialised data, and zero for the rest. */
 static inline void cortex_m_start_memory(void)
 {
-    const uint32_t *from = &link_data_load;
-    for (uint32_t *to = &link_data_start; to < &link_data_end;) {
-        *to++ = *from++;
-    }
-    for (uint32_t *to = &link_bss_start; to < &link_bss_end;) {
+    cortex_m_start_copy(&link_data_start, &link_data_end, &link_data_load);
+    for (volatile uint32_t *to = &link_bss_start; to < &link_bss_end;) {
         *to++ = 0;
     }
 }

@@ -22,6 +22,13 @@ typedef enum stm32g4_error {
     STM32G4_ERROR_ENCODER = -5    /* counts per revolution not within 4 ... 65536 */
 } stm32g4_error_t;
 
+/*
+ * A function that link.ld puts into CCM SRAM, and a constant: the interrupt's, which then runs without the flash's wait states. The
+ * start-up copies both there.
+ */
+#define STM32G4_CCM       __attribute__((section(".ccm.text")))
+#define STM32G4_CCM_CONST __attribute__((section(".ccm.rodata")))
+
 /* 170 MHz from the internal oscillator: 16 MHz / 4 * 85 / 2. */
 stm32g4_error_t stm32g4_clock_start(const stm32g4_chip_t *chip);
 

@@ -1,7 +1,12 @@
 /*
- * Start-up of the STM32G474: vector table, initialised data, main.
+ * Start-up of the STM32G474: vector table, code of the CCM SRAM, initialised data, main.
  */
 #include "cortex_m_start.h"
+
+/* From link.ld. */
+extern uint32_t link_ccm_load;
+extern uint32_t link_ccm_start;
+extern uint32_t link_ccm_end;
 
 void adc1_2_handler(void);
 
@@ -18,6 +23,7 @@ void unexpected_handler(void)
 
 void reset_handler(void)
 {
+    cortex_m_start_copy(&link_ccm_start, &link_ccm_end, &link_ccm_load);
     cortex_m_start_memory();
     (void)main();
     unexpected_handler();

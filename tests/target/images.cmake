@@ -24,6 +24,23 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL arm)
     endforeach()
 endif()
 
+# The start-up and link.ld of the STM32G474's port, with the memories where QEMU's board has some: its CCM SRAM is the board's PSRAM.
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL arm)
+    set(stm32g4 ${PROJECT_SOURCE_DIR}/port/stm32g4)
+    file(READ ${stm32g4}/link.ld text)
+    string(REPLACE "ORIGIN = 0x08000000" "ORIGIN = 0x00000000" text "${text}")
+    string(REPLACE "ORIGIN = 0x10000000" "ORIGIN = 0x21000000" text "${text}")
+    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/ccm.ld "${text}")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${stm32g4}/link.ld)
+    set(board ${PROJECT_SOURCE_DIR}/port/cortex-m4)
+    add_executable(test_ccm test_ccm.c ${stm32g4}/startup.c ${stm32g4}/hal_stm32g4.c ${board}/console.c ${board}/semihost_call.c
+                   ${EMULATED}/console.c)
+    set_target_properties(test_ccm PROPERTIES SUFFIX .elf LINK_DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/ccm.ld)
+    target_include_directories(test_ccm PRIVATE ${stm32g4} ${board} ${EMULATED})
+    target_link_libraries(test_ccm PRIVATE iqfoc)
+    target_link_options(test_ccm PRIVATE -nostartfiles --specs=nano.specs -Wl,--gc-sections -T${CMAKE_CURRENT_BINARY_DIR}/ccm.ld)
+endif()
+
 # The run has a clock of its own in place of the board's.
 add_subdirectory(golden)
 iqfoc_add_image(same_bits same_bits.c closed_loop.c ${EMULATED}/hal_emulated.c ${EMULATED}/small_drive.c ${EMULATED}/small_drive_sample.c)

@@ -21,7 +21,7 @@ COMMON = ["-icount", "shift=3", "-display", "none", "-monitor", "none", "-serial
 TIME_LIMIT_S = 1200  # by the clock: a loaded machine is slow
 HERE = pathlib.Path(__file__).resolve().parent
 # Tests of the program with the images.
-SCRIPTS = ("c28x.py", "pil.py", "planned.py", "recorder.py", "watched.py", "wire.py")
+SCRIPTS = ("c28x.py", "ccm.py", "pil.py", "planned.py", "recorder.py", "watched.py", "wire.py")
 # The digests as they are meant to be. One that is to change: `build/same_bits/gcc-O2 > tests/target/golden/golden.txt`.
 GOLDEN = HERE / "golden" / "golden.txt"
 HOST_BUILDS = ("gcc-O2", "clang-O0", "clang-O3")
