@@ -331,7 +331,7 @@ static void begin(void)
     cycle.enabled = true;
     (void)iqfoc_cycle_six_step_begin(&six_step, &cycle, &six_step_config, IQ24(0.25), &still);
     const iqfoc_pattern_control_config_t pattern_config = {
-        IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), IQ24(0.1), IQ24(0.005)};
+        IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), IQ24(0.1), IQ24(0.01)};
     (void)iqfoc_pattern_control_init(&pattern_control, &pattern_config, &nine, IQ24(0.05));
     (void)iqfoc_pattern_init(&pattern, &pattern_table, IQ24(0.03));
     (void)iqfoc_encoder_init(&encoder, &encoder_config);

@@ -2,7 +2,6 @@
 #include "iqfoc/pattern_control.h"
 
 #include "iqfoc/iq24_math.h"
-#include "iqfoc/overmodulation.h"
 #include "iqfoc/transform.h"
 
 #include "pattern_leg.h"
@@ -14,6 +13,8 @@
 
 #define Q28_2_PI   INT32_C(1686629713)
 #define Q32_1_2_PI INT32_C(683565276)
+#define Q31_PI_6   INT32_C(1124419809)
+#define Q30_PI2_6  INT32_C(1766234505)
 
 /* 1/6 and 1/sqrt(12). */
 #define Q28_1_6       INT32_C(44739243)
@@ -51,6 +52,8 @@ iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
     }
     made.law = iqfoc_exact_prediction(winding, IQ24_ONE);
     made.correction = config->correction;
+    made.keeps = iq24_mul_shift(IQ24_ONE - config->correction, made.law.stays_q26, 26);
+    made.later_q31 = iq24_mul_shift(winding->rho_q30, Q31_PI_6, 30);
     made.disturbance_l = iq24_mul_round(config->disturbance, made.l);
     made.u_dc = IQ24_ONE;
     made.u_dc_inverse = IQ24_ONE;
@@ -185,14 +188,22 @@ static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index)
 
 /* ---- The reference ---- */
 
-/* Range: |miss| <= 16 a component and disturbance_l <= 2: 45, and 1/2. */
+/*
+ * Range: |miss| <= 16 a component and carried no more, so that seen <= 32 sqrt(2). With disturbance_l <= 2 and v <= 1/2, the sum is below
+ * 92.
+ */
 static void learn(iqfoc_pattern_control_t *control)
 {
-    const iqfoc_dq_t seen = iqfoc_park(control->miss, control->sc);
+    const iqfoc_ab_t miss = control->miss;
+    const iqfoc_ab_t innovation = {miss.alpha - control->carried.alpha, miss.beta - control->carried.beta};
+    const iqfoc_dq_t seen = iqfoc_park(innovation, control->sc_sample);
     const iq24_t d = control->v.d + iq24_mul_round(control->disturbance_l, seen.d);
     const iq24_t q = control->v.q + iq24_mul_round(control->disturbance_l, seen.q);
     control->v.d = IQ24_HOLD_BITS(d, 24);
     control->v.q = IQ24_HOLD_BITS(q, 24);
+    control->carried.alpha = iq24_mul_trunc(control->keeps, miss.alpha);
+    control->carried.beta = iq24_mul_trunc(control->keeps, miss.beta);
+    control->sc_sample = control->sc;
 }
 
 /* The mean of the link, and one Newton step of its inverse: r (2 - u r). Range: it moves by at most 1/64, so |1 - u r| < 1/30. */
@@ -219,7 +230,7 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     t->speed = speed;
     t->l_q28 = iq24_mul_shift(iq24_mul_shift(control->l, speed, 20), control->u_dc_inverse, 24);
 
-    const iq24_t phi = iq24_mul_shift(t->turns, Q28_2_PI, 28);
+    const iq24_t phi = iq24_mul_high_round(t->turns * 16, Q28_2_PI);
     const iq24_t drop_d = iq24_mul_round(control->r, i_ref.d) - control->v.d;
     const iq24_t drop_q = iq24_mul_round(control->r, i_ref.q) - control->v.q;
     const iqfoc_dq_t drop = {IQ24_HOLD_BITS(drop_d, 25), IQ24_HOLD_BITS(drop_q, 25)};
@@ -235,17 +246,28 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
 
     /* j drop/omega, and the movement times psi. */
     const int32_t radian_q32 = turns < 0 ? -Q32_1_2_PI : Q32_1_2_PI;
-    const iq24_t steady_d = -iq24_mul_high_round(drop.q, radian_q32) - iq24_mul_round(control->psi, speed);
+    const iq24_t steady_d =
+        -iq24_mul_high_round(drop.q, radian_q32) - iq24_mul_high_round(control->psi, speed * 256);
     t->steady_q28.d = iq24_mul_shift(steady_d, control->u_dc_inverse, 20);
     t->steady_q28.q = iq24_mul_shift(iq24_mul_high_round(drop.d, radian_q32), control->u_dc_inverse, 20);
-    const iqfoc_ab_t share = iqfoc_modulated_voltage(control->high, IQ24_ONE);
-    t->per_link_q26.alpha = iq24_mul_shift(share.alpha, control->law.k_u_q26, 24);
-    t->per_link_q26.beta = iq24_mul_shift(share.beta, control->law.k_u_q26, 24);
+    /* A pattern's voltage turns with the rotor, and e^-rho weights the cycle's end more than its start: 1 + j rho phi/12. */
+    const iqfoc_ab_t share = iqfoc_clarke3(control->high);
+    const iqfoc_ab_t per_link = {iq24_mul_shift(share.alpha, control->law.k_u_q26, 24),
+                                 iq24_mul_shift(share.beta, control->law.k_u_q26, 24)};
+    const int32_t later_q32 = iq24_mul_high_round(control->later_q31, t->turns * 512);
+    t->per_link_q26.alpha = per_link.alpha - iq24_mul_high_round(per_link.beta, later_q32);
+    t->per_link_q26.beta = per_link.beta + iq24_mul_high_round(per_link.alpha, later_q32);
 
-    /* In the rotor frame at the cycle's end, where the angle at mid-cycle is half the movement behind. */
-    const iq24_sincos_t sc_half = iq24_sincos(-iq24_asr32(t->turns, 1));
+    /*
+     * In the rotor frame at the cycle's end, where the angle at mid-cycle is half the movement behind. The mean of v over the cycle is
+     * 1 - phi^2/24 of it.
+     */
+    const iq24_sincos_t sc_half = iq24_sincos_inline(-iq24_asr32(t->turns, 1));
     const iqfoc_ab_t none = {0, 0};
-    const iqfoc_exact_t exact = iqfoc_exact_at_speed_inline(&control->law, t->turns);
+    iqfoc_exact_t exact = iqfoc_exact_at_speed_inline(&control->law, t->turns);
+    const int32_t less_q30 =
+        iq24_mul_high_round(iq24_mul_high_round(t->turns * 256, t->turns * 256), Q30_PI2_6);
+    exact.k_u_q26 -= 4 * iq24_mul_high_round(less_q30, exact.k_u_q26);
     const iqfoc_ab_t drift = iqfoc_exact_step(&exact, none, iqfoc_park_inverse(control->v, sc_half), sc_half);
     t->drift_q26.d = 4 * IQ24_HOLD_BITS(drift.alpha, 30);
     t->drift_q26.q = 4 * IQ24_HOLD_BITS(drift.beta, 30);

@@ -11,17 +11,24 @@
  *
  * An edge moves at most to the places of its neighbours. The flux that remains is an error of the next cycle.
  *
- * i is the current at the start of the next cycle. The exact step of predictor_exact.h predicts it from the edges that were
- * commanded. The share `correction` of the prediction error corrects i. The share `disturbance` adds to the disturbance voltage v,
- * which is constant in the rotor frame: it brings the mean current to its reference if R, L or psi_f is wrong. With a small
- * `correction`, the harmonics of i follow from the voltage by the same L as those of psi*. A wrong L then moves no edges.
+ * i is the current at the start of the next cycle. The exact step of predictor_exact.h predicts it from the mean u of the edges that
+ * were commanded, as u (1 + j rho phi/12): the pattern's voltage turns by phi in a cycle. The share `correction` of the prediction
+ * error corrects i. The remainder decays by the step's factor e^-rho and is part of the next prediction error. The new part of an error,
+ * its innovation, adds to the disturbance voltage v in the rotor frame:
+ *
+ *     innovation = miss - (1 - correction) e^-rho miss of the last cycle                    miss: sample less prediction
+ *     v += disturbance l e^(-j theta) innovation                                            theta: at the sample
+ *
+ * With true parameters v does not depend on `correction` or on the speed: its pole is 1 - disturbance. v brings the mean current to
+ * its reference if R, L or psi_f is wrong. With a small `correction`, the harmonics of i follow from the voltage by the same L as those
+ * of psi*. A wrong L then moves no edges.
  *
  *     at each peak:    iqfoc_pattern_control_aim(&control, i_ref, turns);
  *     at each valley:  iqfoc_pattern_control_step(&control, i, theta, u_dc, edges);
  *
  * The edges act in the cycle that begins at the next valley. The peak computes all that does not depend on the sample.
  *
- * Tested at up to 1/40 turn per cycle. At 0.075 turns per cycle the disturbance voltage oscillates and grows with these gains.
+ * Tested at 0.01 ... 1/8 turn per cycle, with R +-50 % and L +-20 %.
  *
  * The caller owns the state; one context at a time may call its functions.
  */
@@ -43,7 +50,7 @@ typedef struct iqfoc_pattern_control_config {
     iqfoc_exact_winding_t
         winding;        /* IQFOC_EXACT_WINDING with T the control cycle; 1/8 <= k_u, psi_f/(U_b T) <= 16 */
     iq24_t correction;  /* share of the prediction error per cycle that corrects i: 0 ... 1; tested: 0.1 */
-    iq24_t disturbance; /* share of it that adds to v: 0 ... 1/4; tested: 0.005, half of correction^2 */
+    iq24_t disturbance; /* share of the innovation that adds to v: 0 ... 1/4; tested: 0.01 */
 } iqfoc_pattern_control_config_t;
 
 #define IQFOC_PATTERN_EDGES_HALF (2 * IQFOC_PATTERN_ANGLES_MAX + 1)
@@ -86,6 +93,8 @@ typedef struct iqfoc_pattern_control {
     iq24_t r;   /* R I_b/U_b: 0 ... 8 */
     iq24_t psi; /* psi_f/(U_b T): 0 ... 16 */
     iq24_t correction;
+    iq24_t keeps;         /* (1 - correction) e^-rho: of a prediction error one cycle later */
+    int32_t later_q31;    /* rho phi/12 per turn: rho pi/6 */
     iq24_t disturbance_l; /* disturbance l: voltage per current in error */
     iqfoc_pattern_trajectory_t trajectory;
     iqfoc_pattern_control_leg_t leg[3]; /* a, b, c */
@@ -95,13 +104,15 @@ typedef struct iqfoc_pattern_control {
     iq24_t theta;                       /* rotor angle at the start of the commanded cycle */
     bool predicted;                     /* i_next is a prediction for the next step */
     iqfoc_abc_t high;                   /* share of the commanded cycle that each leg is high */
-    iqfoc_ab_t i_next;   /* estimated current at the start of the commanded cycle, held to +-8 */
-    iqfoc_ab_t miss;     /* prediction error of the last sample */
-    iq24_sincos_t sc;    /* of the rotor angle at the start of the commanded cycle */
-    iqfoc_dq_t v;        /* disturbance voltage, held to +-1/2 */
-    iq24_t u_dc;         /* of the last sample */
-    iq24_t u_mean;       /* mean of the link: moves by 1/64 of the difference per cycle */
-    iq24_t u_dc_inverse; /* 1/u_mean */
+    iqfoc_ab_t i_next;       /* estimated current at the start of the commanded cycle, held to +-8 */
+    iqfoc_ab_t miss;         /* prediction error of the last sample */
+    iqfoc_ab_t carried;      /* its part that follows from the error before it */
+    iq24_sincos_t sc;        /* of the rotor angle at the start of the commanded cycle */
+    iq24_sincos_t sc_sample; /* of the rotor angle at the last sample */
+    iqfoc_dq_t v;            /* disturbance voltage, held to +-1/2 */
+    iq24_t u_dc;             /* of the last sample */
+    iq24_t u_mean;           /* mean of the link: moves by 1/64 of the difference per cycle */
+    iq24_t u_dc_inverse;     /* 1/u_mean */
     iqfoc_ab_t
         error; /* flux error at the start of the commanded cycle over the mean link, as movement: turns, held to +-4 */
 } iqfoc_pattern_control_t;
@@ -129,7 +140,7 @@ void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_
 
 /*
  * At the peak of each cycle, or just ahead of iqfoc_pattern_control_step: voltage, index and trajectory of the reference; mean of the link;
- * disturbance voltage from the last prediction error.
+ * disturbance voltage from the innovation of the last sample.
  *
  * i_ref: |component| <= 8. turns: the rotor's movement in a cycle, held to 1/128 ... 1/8 of either sign. R i_ref + v is held to 1 and
  * the voltage to 4 a component.
@@ -143,7 +154,7 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
  * legs a, b, c; no time between two edges is below the modulator's `least`. At the first call i is the prediction, too.
  *
  * Largest error of 200000 cycles drawn, against the formulas in double, for tables whose angles move by at most 0.2 turns over an index
- * of 1: of i_next 4 LSB times 1 + k_u; of the flux error 10 LSB and of an edge's time 9 LSB over the movement in turns.
+ * of 1: of i_next 4 LSB times 1 + k_u; of the flux error 10 LSB and of an edge's time 10 LSB over the movement in turns.
  */
 void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,
                                 iqfoc_pattern_edges_t edges[3]);
