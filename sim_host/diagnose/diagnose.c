@@ -140,6 +140,7 @@ static bool tell_undecided(session *w, evidence_view *view, diagnosis *d)
              evidence_look(&open->fitted, &open->state, w->possible, view);
     }
     if (ok) {
+        view->explained = fmax(w->nominal.objective - open->state.objective, 0.0);
         explanations_tell(open, view, hypotheses_named(w->open.set) & ~w->undecided, d);
         experiment_of_explanations(open, view, w->undecided, d);
     }

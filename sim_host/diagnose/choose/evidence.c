@@ -94,6 +94,7 @@ bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evid
     view->of = *s;
     view->allowed = allowed;
     view->rows = d->rows;
+    view->frame = d->frame;
     view->edge = s->edge;
     view->of_least = d->frame->of_least;
     const bool ok =
@@ -134,8 +135,69 @@ void evidence_hold(const evidence_view *view, hypothesis_id h, evidence_view *he
     last_digits_deflate(view->rows, own, &held->total);
 }
 
+/* What scales a drive whose currents stay: each cause, its role, and the coordinate that has the factor. */
+static const struct {
+    hypothesis_id h;
+    unsigned role;
+    coordinate_id coordinate;
+} scaled[] = {{H_RESISTANCE, SCALES_RESISTANCE, P_R},
+              {H_INDUCTANCE, SCALES_INDUCTANCE, P_L_D},
+              {H_FLUX, SCALES_FLUX, P_PSI},
+              {H_VOLTAGE_GAIN, SCALES_VOLTAGE, P_K_U}};
+enum { SCALED = sizeof scaled / sizeof *scaled };
+
+/* The place in `scaled` of the one role that a set lacks; SCALED if it lacks none or several. */
+static size_t lacks(hypothesis_set set)
+{
+    unsigned roles = 0;
+    size_t place = SCALED;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        roles |= hypothesis_in(set, h) ? hypothesis_table[h].role : 0U;
+    }
+    for (size_t k = 0; k < SCALED; k++) {
+        if ((roles & scaled[k].role) == 0) {
+            if (place < SCALED) {
+                return SCALED;
+            }
+            place = k;
+        }
+    }
+    return place;
+}
+
+bool evidence_is_same_drive(const fit_state *s, hypothesis_set set, hypothesis_set *about)
+{
+    const size_t from = lacks(s->set);
+    const size_t to = lacks(set);
+    if (from == SCALED || to == SCALED || from == to || !hypothesis_in(set, scaled[from].h)) {
+        return false;
+    }
+    *about = (set & ~HYPOTHESIS_BIT(scaled[from].h)) | HYPOTHESIS_BIT(scaled[to].h);
+    return true;
+}
+
+/* The cost of `set` as that of the same drive `about`, whose values it has by another factor. */
+static bool cost_of_same_drive(const evidence_view *view, const fit_state *s, hypothesis_set set,
+                               hypothesis_set about, evidence_option *option)
+{
+    const hypothesis_set came = set & ~about;
+    const bool is_choice = evidence_cost(view, s, about, option) || about == s->set;
+    option->set = set;
+    if (!is_choice) {
+        return false;
+    }
+    coordinates_scale(view->frame, coordinates_to_file(view->frame, scaled[lacks(set)].coordinate, option->z),
+                      option->z);
+    option->score = option->cost + evidence_penalty(view, set) + hypotheses_unusual(set, option->z);
+    return hypotheses_physical(set, option->z) && hypotheses_count(came, option->z, view->of_least);
+}
+
 bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set, evidence_option *option)
 {
+    hypothesis_set about;
+    if (set != s->set && evidence_is_same_drive(s, set, &about)) {
+        return cost_of_same_drive(view, s, set, about, option);
+    }
     const gram *t = &view->total;
     double away[COLUMN_COUNT];
     int column[COLUMN_COUNT];

@@ -14,6 +14,7 @@ typedef struct evidence_view {
     fit_state of;
     hypothesis_set allowed;
     const diagnose_rows *rows;
+    const coordinate_frame *frame;
     edge_law edge;
     double of_least;  /* as in coordinate_frame */
     double explained; /* by what the state reduces the motor file's -2 log likelihood; set by the search */
@@ -48,10 +49,17 @@ void evidence_hold(const evidence_view *view, hypothesis_id h, evidence_view *he
 /*
  * The cost of a set at the view, and where its optimum lies. False if the set is no choice: its optimum is not
  * physical (a negative dead time) or too small for a name, or two of its columns are not distinguishable; in that
- * last case the option is the one without a step, its score infinite.
+ * last case the option is the one without a step, its score infinite. A set that is the same drive as another has the cost of that one,
+ * as the sums, a parabola about the state, would give it more.
  */
 bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set,
                    evidence_option *option);
+
+/*
+ * R, inductance, psi_f and all voltages multiplied by one factor change no current. If the state's set moves three of these four, and
+ * `set` another three of them, `set` is the same drive as *about, which moves the state's three.
+ */
+bool evidence_is_same_drive(const fit_state *s, hypothesis_set set, hypothesis_set *about);
 
 /* The least that h must explain in addition to a set's other members, in the measure of what all of them explain. */
 double evidence_least(edge_law edge, double explained, hypothesis_set set, hypothesis_id h);

@@ -9,7 +9,8 @@
 #include "teller.h"
 
 /*
- * Takes out the named members whose probability is below 0.95, all of them, and fits the others again. Minor effects stay.
+ * Takes out the named members whose probability is below 0.95, all of them, and fits the others again. Minor effects stay. A member
+ * whose rival makes the same drive (evidence_is_same_drive) becomes a minor effect instead.
  * If the others alone do not reduce the error of held-out rows, they are taken out as well.
  * w->undecided gets the members that were taken out, and w->open the state before. False: out of memory.
  */

@@ -133,6 +133,12 @@ void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUN
     }
 }
 
+double coordinates_to_file(const coordinate_frame *f, coordinate_id id, const double z[P_COUNT])
+{
+    const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
+    return value_of(&f->nominal, id) / value_of(&d, id);
+}
+
 /* Least incremental inductance of a flux map at the recorded currents, as a share of the smaller inductance at zero current. */
 static const double LEAST_INCREMENTAL = 0.02;
 

@@ -109,6 +109,9 @@ void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, 
  */
 void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUNT]);
 
+/* The factor that gives a coordinate the motor file's value. */
+double coordinates_to_file(const coordinate_frame *f, coordinate_id id, const double z[P_COUNT]);
+
 /*
  * Limits z to physical values: R, L, psi_f > 0, a knee current well below the rated current, sensor gains of 0.6 to 1.6, and a flux
  * that rises with the current up to the recorded currents.

@@ -154,6 +154,21 @@ void known_tell(const session *w, const evidence_view *view, diagnosis *d)
     tell_covariance(w, d);
 }
 
+void known_reach(const session *other, diagnosis *d)
+{
+    const averaged_drive drive = session_drive(other, other->state.z);
+    for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
+        diagnosis_estimate *e = &d->estimate[k];
+        const double moved = number_of(&drive, known_numbers[k].coordinate) - e->value;
+        if (e->excited) {
+            const double low = e->value - e->low;
+            const double high = e->high - e->value;
+            e->low = fmin(e->low, e->value + moved - low);
+            e->high = fmax(e->high, e->value + moved + high);
+        }
+    }
+}
+
 /* At the least, where something is left. */
 static const double LEAST_WIDENING = 2.0;
 

@@ -21,6 +21,9 @@ extern const known_number known_numbers[DIAGNOSIS_ESTIMATES];
 /* Fills d->estimate and d->covariance; d->cause is there. The view is one at w->state. */
 void known_tell(const session *w, const evidence_view *view, diagnosis *d);
 
+/* Widens the estimates to hold those of another state that explains the recording as well. */
+void known_reach(const session *other, diagnosis *d);
+
 /* Where the model is incomplete its errors are no noise: estimates are as much less certain as it errs beyond the noise. */
 void known_widen(diagnosis *d);
 

@@ -2,6 +2,7 @@
 #include "visible.h"
 
 #include "base/solve.h"
+#include "known.h"
 #include "values.h"
 
 #include <math.h>
@@ -116,7 +117,7 @@ static void add_explanations(const session *w, const evidence_view *view, hypoth
             (hypothesis_table[h].columns > 1 && !hypothesis_in(w->undecided, h))) {
             continue;
         }
-        const bool is_choice = evidence_cost(view, &w->state, with, &option);
+        const bool is_choice = evidence_cost(view, &w->state, with, &option) || with == w->state.set;
         bool needed = is_choice && cost - option.cost >= alike;
         for (hypothesis_id other = 0; needed && other < first; other++) {
             if (hypothesis_in(set & ~w->state.set, other) || hypothesis_in(set & w->undecided, other)) {
@@ -186,6 +187,7 @@ static void widen_named(const session *w, const evidence_option *option, diagnos
     memcpy(other->state.z, option->z, sizeof other->state.z);
     widen(w, other, d->cause, d->causes);
     widen(w, other, d->minor, d->minors);
+    known_reach(other, d);
     free(other);
 }
 

@@ -90,6 +90,58 @@ static void the_set_that_was_fitted_counts_whatever_the_parabola_says(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, of_all[H_FLUX].probability);
 }
 
+/*
+ * R, L, psi_f and all voltages by one factor: no current changes. Whichever of the four has the file's value, the set costs the same, and
+ * its values are those of the file times the factor. A parabola alone would not say so.
+ */
+static void sets_of_the_same_drive_cost_the_same(void)
+{
+    coordinate_frame frame = {
+        .nominal = {.R_ohm = 0.9, .L_d_H = 0.008, .L_q_H = 0.011, .psi_f_Wb = 0.2, .k_u = 1.0}};
+    standing of_all[H_COUNT];
+    evidence_option option;
+    const hypothesis_set common = BIT(H_RESISTANCE) | BIT(H_DEAD_TIME);
+    const hypothesis_set found = common | BIT(H_INDUCTANCE) | BIT(H_FLUX);
+    const hypothesis_set possible = found | BIT(H_VOLTAGE_GAIN);
+    for (size_t k = 0; k < SCALE_COUNT; k++) {
+        frame.scale[k] = 1.0;
+    }
+    frame.scale[SCALE_R] = 0.9;
+    frame.scale[SCALE_PSI] = 0.2;
+    view->frame = &frame;
+    parabola(P_V_DEAD, 0.5, 500.0);
+    parabola(P_R, 0.2, 700.0);
+    parabola(COLUMN_L, log(0.95), 700.0);
+    parabola(P_PSI, -0.03, 700.0);
+    parabola(P_K_U, 1e-6, 1.0);
+    state.set = found;
+    const evidence_option own = of(found);
+    const evidence_option without_flux = of(common | BIT(H_INDUCTANCE) | BIT(H_VOLTAGE_GAIN));
+    SAME(own.cost, without_flux.cost);
+    SAME(1.0 / 0.97, 1.0 + without_flux.z[P_K_U]);
+    SAME(1.2 / 0.97, 1.0 + without_flux.z[P_R]);
+    SAME(0.95 / 0.97, exp(without_flux.z[P_L_D]));
+    SAME(0.95 / 0.97, exp(without_flux.z[P_L_Q]));
+    SAME(0.0, without_flux.z[P_PSI]);
+    const evidence_option without_L = of(common | BIT(H_FLUX) | BIT(H_VOLTAGE_GAIN));
+    SAME(own.cost, without_L.cost);
+    SAME(1.0 / 0.95, 1.0 + without_L.z[P_K_U]);
+    /* Only how usual each is tells them apart. */
+    SAME(own.score - own.cost - hypotheses_unusual(own.set, own.z) +
+             hypothesis_table[H_VOLTAGE_GAIN].surprise,
+         without_L.score - without_L.cost - hypotheses_unusual(without_L.set, without_L.z));
+    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 1.0, of_all));
+    const double other = exp(-0.5 * (without_flux.score - own.score));
+    const double third = exp(-0.5 * (without_L.score - own.score));
+    TEST_ASSERT_TRUE(other > 0.3 && third > 0.05);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, (1.0 + third) / (1.0 + other + third), of_all[H_FLUX].probability);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, of_all[H_RESISTANCE].probability);
+    /* Two of the four are no drive's scale: a third costs what the parabola says. */
+    state.set = common | BIT(H_INDUCTANCE);
+    evidence_cost(view, &state, common | BIT(H_VOLTAGE_GAIN), &option);
+    TEST_ASSERT_TRUE(option.cost > own.cost + 600.0);
+}
+
 /* ---- The probability of the catalogue ---- */
 
 static void what_is_left_is_a_share_of_the_power_above_the_noise(void)
@@ -282,6 +334,7 @@ int main(void)
     RUN_TEST(a_set_without_a_member_is_weighed_with_its_last_digits_held);
     RUN_TEST(the_set_with_one_more_counts);
     RUN_TEST(the_set_that_was_fitted_counts_whatever_the_parabola_says);
+    RUN_TEST(sets_of_the_same_drive_cost_the_same);
     RUN_TEST(what_is_left_is_a_share_of_the_power_above_the_noise);
     RUN_TEST(a_share_left_has_odds);
     RUN_TEST(what_is_asked_of_a_certainty);
