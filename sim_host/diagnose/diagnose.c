@@ -260,7 +260,6 @@ static const double LIKELY = 0.5;
 
 static bool leave_unlikely(session *w, FILE *trace)
 {
-    const bool plain_law = averaged_drive_loses(&w->frame.nominal);
     const diagnose_rows recorded = corrected_rows_before(&w->rows, 0);
     w->borne_out = session_borne_out(w, &w->rows);
     w->corrections_borne_out = session_borne_out(w, &recorded);
@@ -268,8 +267,8 @@ static bool leave_unlikely(session *w, FILE *trace)
         fprintf(trace, "  probability of the catalogue: %.4f, with the corrections of rows %.4f\n",
                 w->borne_out, w->corrections_borne_out);
     }
-    const bool drops = !plain_law && w->borne_out < LIKELY &&
-                       (hypotheses_named(w->state.set) != 0 || w->rows.corrections > 0);
+    const bool drops =
+        w->borne_out < LIKELY && (hypotheses_named(w->state.set) != 0 || w->rows.corrections > 0);
     const bool taken_back = drops && w->corrections_borne_out < LIKELY && corrections_take_back(&w->rows);
     if (!taken_back && (!drops || hypotheses_named(w->state.set) == 0)) {
         return true;

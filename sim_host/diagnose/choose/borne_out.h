@@ -11,7 +11,7 @@
  *     outside      left is uniform from 0 to 1
  *     odds         ten drives of the catalogue for each one that is not
  *
- * The causes are named if the catalogue is the likelier one. Then the share left is at most 0.26.
+ * The causes are named if the probability of the catalogue is at least 0.95. Then the share left is at most 0.12.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_BORNE_OUT_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_BORNE_OUT_H

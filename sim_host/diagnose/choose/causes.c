@@ -350,9 +350,7 @@ bool causes_find(session *w, const diagnose_teller *teller)
 
 bool causes_bear_out(session *w, const diagnose_teller *teller)
 {
-    /* What a file's own dead time leaves near no current, by the plain law that a file has, is no effect without a name. */
-    const bool plain_law = averaged_drive_loses(&w->frame.nominal);
-    if (hypotheses_named(w->state.set) == 0 || plain_law || session_borne_out(w, &w->rows) >= LIKELY) {
+    if (hypotheses_named(w->state.set) == 0 || session_borne_out(w, &w->rows) >= LIKELY) {
         return true;
     }
     if (teller->trace) {

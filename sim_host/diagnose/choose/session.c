@@ -35,6 +35,10 @@ double session_named_error(const session *w, hypothesis_set set)
 
 double session_borne_out(const session *w, const diagnose_rows *from)
 {
+    /* What a file's own dead time leaves near no current, by the plain law that a file has, is no effect outside the catalogue. */
+    if (averaged_drive_loses(&w->frame.nominal)) {
+        return borne_out_probability(0.0);
+    }
     const averaged_drive all = session_drive(w, w->state.z);
     const averaged_drive drive = named_drive(w, w->state.set);
     const double floor = fmin(session_floor(w, &w->state), measure_without_glitches(&w->rows, &all));

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A cause is named if its probability, among all sets near the chosen one, is at least this. */
+/* A cause is named if its probability among all sets near the chosen one, and that of the catalogue, are at least this. */
 static const double DECIDED = 0.95;
 /* Below this it is none, wherever it comes from. */
 static const double LIKELY = 0.5;
@@ -112,9 +112,12 @@ bool undecided_accuse_none(session *w, FILE *trace)
     if (hypotheses_named(w->state.set & ~w->minor) != 0 && !find_below(w, LIKELY, &unlikely, &same)) {
         return false;
     }
+    if (w->borne_out < DECIDED) {
+        unlikely = hypotheses_named(w->state.set & ~w->minor);
+    }
     for (hypothesis_id h = 0; trace && h < H_COUNT; h++) {
         if (hypothesis_in(unlikely, h)) {
-            fprintf(trace, "  fitted, but less likely than not: %s\n", hypothesis_table[h].words);
+            fprintf(trace, "  fitted, but not certain enough for a name: %s\n", hypothesis_table[h].words);
         }
     }
     if (unlikely != 0 && w->undecided == 0) {

@@ -17,10 +17,9 @@
 bool undecided_take_out(session *w, const diagnose_teller *teller);
 
 /*
- * Makes the named members whose probability is below one half minor effects, at the end of all fits: they stay in the model, and are no
- * causes. It is the probability among all sets near the state, as printed but for that of the catalogue, if w->fitted.searches is
- * false: a change that is small against the noise leaves a large share of its error, and may be certain. w->undecided gets the members.
- * False: out of memory.
+ * Makes the named members whose probability is below one half minor effects, and all of them if that of the catalogue (w->borne_out) is
+ * below 0.95, at the end of all fits: they stay in the model, and are no causes. It is the probability among all sets near the state, as
+ * printed but for that of the catalogue, if w->fitted.searches is false. w->undecided gets the members. False: out of memory.
  */
 bool undecided_accuse_none(session *w, FILE *trace);
 
