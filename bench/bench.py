@@ -173,7 +173,8 @@ def compilers(targets):
 
 def compared_cores(baseline, result):
     return [f"{core} {function}: rose from {old} to {result['cores'][core][function]}"
-            for core, row in baseline["cores"].items() for function, old in row.items() if result["cores"][core][function] > 1.02 * old]
+            for core, row in baseline["cores"].items() for function, old in row.items()
+            if function != "code" and result["cores"][core][function] > 1.02 * old]
 
 
 def compared_firmware(baseline, result):

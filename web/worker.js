@@ -188,6 +188,14 @@ async function hear(module, {octets, fresh}) {
     return {status: Math.max(0, ...answers.map((a) => a.status)), said: answers.map((a) => a.said).join(""), answers};
 }
 
+/* A request for the board on that line: {status, out, said}. */
+async function request(module, {request: numbers}) {
+    if (line === null) {
+        line = await begin(module, {});
+    }
+    return line.call("page_live_ask", numbers);
+}
+
 let module = null;
 let before = Promise.resolve(); // one after the other, or the line's octets would change places
 self.onmessage = ({data}) => {
@@ -199,7 +207,7 @@ self.onmessage = ({data}) => {
     }
     before = before.then(async () => {
         try {
-            self.postMessage({id: data.id, ...(await (data.octets ? hear : ask)(module, data))});
+            self.postMessage({id: data.id, ...(await (data.octets ? hear : data.request ? request : ask)(module, data))});
         } catch (problem) {
             self.postMessage({id: data.id, status: 1, out: "", said: `iqfoc: ${problem.message}\n`, files: {}, answers: []});
         }

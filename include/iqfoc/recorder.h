@@ -26,6 +26,9 @@ extern "C" {
 
 #define IQFOC_RECORDER_CHANNELS_MAX 16
 
+/* Words of a request (docs/recorder-format.md), its CRC included. */
+#define IQFOC_RECORDER_REQUEST_WORDS 8
+
 /*
  * Meaning of a channel, by its number on the wire; the numbers never change. Host units: A, rad, rad/s, V, 1, degrees
  * C.
@@ -51,7 +54,8 @@ typedef enum iqfoc_recorder_column {
     IQFOC_RECORDER_I_MID_B = 18,
     IQFOC_RECORDER_I_MID_C = 19,
     IQFOC_RECORDER_THETA_MECH = 20,
-    IQFOC_RECORDER_TEMP = 21
+    IQFOC_RECORDER_TEMP = 21,
+    IQFOC_RECORDER_STATUS_WORD = 22 /* status bits; IQFOC_RECORDER_STATUS_CHANNEL */
 } iqfoc_recorder_column_t;
 
 /* One recorded variable. Its value in host units is *source * mantissa / 2^shift. */
@@ -69,6 +73,12 @@ typedef struct iqfoc_recorder_channel {
 #define IQFOC_RECORDER_IQ24(variable, what, unit, bits)                                                      \
     {                                                                                                        \
         (variable), (what), IQ24_CAST_(int32_t, IQ24_RAISED_(unit, bits)), 24 + (bits)                       \
+    }
+
+/* Initialiser of the channel of status bits: those of iqfoc_recorder_take in any cycle since the row before. */
+#define IQFOC_RECORDER_STATUS_CHANNEL(recorder)                                                              \
+    {                                                                                                        \
+        &(recorder).status, IQFOC_RECORDER_STATUS_WORD, 1, 0                                                 \
     }
 
 typedef enum iqfoc_recorder_trigger {
@@ -92,9 +102,20 @@ typedef struct iqfoc_recorder_config {
     iq24_t pre_share; /* share of the memory for rows before the trigger: 0 ... 1, exclusive of 1 */
 } iqfoc_recorder_config_t;
 
+/* The part of the configuration that a request over the line may change: iqfoc_recorder_config_t's members. */
+typedef struct iqfoc_recorder_setting {
+    iqfoc_recorder_trigger_t trigger;
+    uint32_t status_bits;
+    uint32_t channel;
+    int32_t level;
+    iq24_t pre_share;
+    uint32_t decimation;
+} iqfoc_recorder_setting_t;
+
 /* The state: read and write it only through the functions below. */
 typedef struct iqfoc_recorder {
     const iqfoc_recorder_config_t *config;
+    iqfoc_recorder_setting_t setting; /* the configuration's, then the last request's */
     volatile int32_t *memory;
     uint32_t row_words; /* number of the cycle, then the channels */
     uint32_t capacity;  /* rows */
@@ -110,6 +131,7 @@ typedef struct iqfoc_recorder {
     uint32_t last_status;
     int32_t last_level;
     bool before_known;
+    int32_t status;         /* bits since the last row */
     volatile uint32_t lost; /* rows lost because the ring was full */
     /* The reader's. */
     volatile uint32_t read; /* rows, ever; wraps */
@@ -127,6 +149,15 @@ typedef struct iqfoc_recorder {
     uint32_t escaped; /* second octet of an escape, or 0 */
     uint32_t crc;
     bool end_sent;
+    uint32_t frames_owed; /* after a request: 2: answer and header, 1: header */
+    /* A request. */
+    uint32_t request[IQFOC_RECORDER_REQUEST_WORDS];
+    uint32_t request_octets;
+    bool request_escape;
+    bool request_broken;
+    bool request_waits; /* a whole one, for iqfoc_recorder_obey */
+    uint32_t request_sequence;
+    int32_t request_error; /* iqfoc_error_t */
 } iqfoc_recorder_t;
 
 /*
@@ -156,6 +187,27 @@ int32_t iqfoc_recorder_octet(iqfoc_recorder_t *recorder);
 
 /* True once all rows and the end frame are sent. From the background. */
 bool iqfoc_recorder_finished(const iqfoc_recorder_t *recorder);
+
+/*
+ * An octet that the line brings, 0 ... 255: a request to stop, or to arm with another trigger (docs/recorder-format.md).
+ * Anything else on the line is passed over, and so is all that comes while a request waits. From where
+ * iqfoc_recorder_octet is called.
+ */
+void iqfoc_recorder_receive(iqfoc_recorder_t *recorder, uint32_t octet);
+
+/*
+ * True if a request waits and no frame is under way: call iqfoc_recorder_obey. Until then iqfoc_recorder_octet begins no
+ * frame. From the background.
+ */
+bool iqfoc_recorder_requested(const iqfoc_recorder_t *recorder);
+
+/*
+ * Carries out the request that waits. An answer is the next frame, and a header follows it, also of a recorder that
+ * waits for its trigger. What iqfoc_recorder_init would refuse changes nothing, and the answer gives the error, which is
+ * also returned: IQFOC_ERROR_TRIGGER, or IQFOC_ERROR_PERIOD for decimation 0. IQFOC_OK without a request. Calling context as for
+ * iqfoc_recorder_arm.
+ */
+iqfoc_error_t iqfoc_recorder_obey(iqfoc_recorder_t *recorder);
 
 #ifdef __cplusplus
 }

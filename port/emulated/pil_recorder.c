@@ -61,6 +61,8 @@ int32_t pil_recorder_start(const pil_frame_t *frame, const iqfoc_cycle_t *cycle)
     channel_add(&cycle->rotor.turns, IQFOC_RECORDER_OMEGA_E, b.omega_mantissa, b.omega_shift);
     channel_add(&cycle->u_now.alpha, IQFOC_RECORDER_U_ALPHA, b.U_mantissa, b.U_shift);
     channel_add(&cycle->u_now.beta, IQFOC_RECORDER_U_BETA, b.U_mantissa, b.U_shift);
+    const iqfoc_recorder_channel_t status = IQFOC_RECORDER_STATUS_CHANNEL(recorder);
+    config.channels[config.channel_count++] = status;
     return end();
 }
 
@@ -98,6 +100,12 @@ void pil_recorder_take(uint32_t status)
 void pil_recorder_drain(void)
 {
     int32_t octet;
+    while (running && (octet = console_receive()) >= 0) {
+        iqfoc_recorder_receive(&recorder, (uint32_t)octet);
+    }
+    if (running && iqfoc_recorder_requested(&recorder)) {
+        (void)iqfoc_recorder_obey(&recorder);
+    }
     while (running && (octet = iqfoc_recorder_octet(&recorder)) >= 0) {
         console_send(octet);
     }

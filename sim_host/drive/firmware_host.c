@@ -3,6 +3,8 @@
 
 #include "extension_host.h"
 
+#include "iqfoc/supervision.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -111,6 +113,10 @@ const char *drive_status_text(uint32_t status, char *text, size_t size)
         {IQFOC_STATUS_DC_LINK, "DC_LINK"},
         {IQFOC_STATUS_NO_INTERVAL, "NO_INTERVAL"},
         {IQFOC_STATUS_ANGLE_LOST, "ANGLE_LOST"},
+        {IQFOC_STATUS_LOST_PHASE, "LOST_PHASE"},
+        {IQFOC_STATUS_LOST_CURRENT_SENSOR, "LOST_CURRENT_SENSOR"},
+        {IQFOC_STATUS_LOST_ANGLE_SENSOR, "LOST_ANGLE_SENSOR"},
+        {IQFOC_STATUS_BREAK, "BREAK"},
     };
     size_t used = 0;
     (void)snprintf(text, size, "none");

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define PATH_SIZE 4096
@@ -118,6 +119,13 @@ static bool recorder_start(drive_emulated *d, uint32_t type, const motor *m, err
     return started(d, &question, "the recorder refused its configuration:", e);
 }
 
+/* A line in both directions. */
+static bool is_terminal(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 && S_ISCHR(found.st_mode) && strncmp(path, "/dev/", 5) == 0;
+}
+
 bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice, const motor *m, error *e)
 {
     char beside[PATH_SIZE];
@@ -139,8 +147,8 @@ bool drive_emulated_start(drive_emulated *d, const drive_emulated_choice *choice
         return error_input(e, image, 0, 0, "no image for --target %s; `tests/target/run.sh` builds it",
                            t->name);
     }
-    (void)snprintf(serial, sizeof serial, "%s%s", choice->uart != NULL ? "file:" : "none",
-                   choice->uart != NULL ? choice->uart : "");
+    const char *const kind = choice->uart == NULL ? "none" : is_terminal(choice->uart) ? "" : "file:";
+    (void)snprintf(serial, sizeof serial, "%s%s", kind, choice->uart != NULL ? choice->uart : "");
     /* The image speaks by semihosting: to the emulator's standard input and output, which is our line. */
     const char *const semihosting = "enable=on,target=native";
     const char *const argv[] = {t->emulator, "-M",

@@ -22,7 +22,7 @@ typedef struct drive_emulated_choice {
     const char *target; /* "cortex-m4" or "rv32" */
     /* The ELF file; NULL: the one built with this program, build/TARGET/iqfoc_pil.elf. */
     const char *image;
-    /* NULL; or a file for the octets of the UART over which the image records each cycle, or, with `at_alarm`, what
+    /* NULL; or a file, or a terminal (in both directions), for the octets of the UART over which the image records each cycle, or, with `at_alarm`, what
      * follows the alarm of the tuned firmware's watch. */
     const char *uart;
     bool at_alarm;

@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-#define COLUMNS 22 /* numbers of the wire, 0 unused */
+#define COLUMNS 23 /* numbers of the wire, 0 unused; the status bits are for a scope, no recording has them */
 
 /* Place of each channel in the header; -1: not recorded. */
 typedef struct channel_map {
@@ -182,6 +182,10 @@ bool record_rows_take(void *context, const wire_header *header, const wire_row *
     } else if (!same_columns(&r->header, header)) {
         return error_input(&r->e, NULL, 0, 0,
                            "record: the target's channels changed; one recording cannot hold both");
+    } else if (r->header.decimation != header->decimation) {
+        return error_input(&r->e, NULL, 0, 0,
+                           "record: a row every %u cycles, then every %u; one recording cannot hold both",
+                           (unsigned)r->header.decimation, (unsigned)header->decimation);
     }
     if (!grow(r)) {
         return false;

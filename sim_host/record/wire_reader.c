@@ -1,36 +1,22 @@
 /* The recorder's line (wire_reader.h). */
 #include "wire_reader.h"
 
+#include "wire_crc.h"
+
 #include <math.h>
 
 #define VERSION      1
 #define FRAME_HEADER 1
 #define FRAME_ROWS   2
 #define FRAME_END    3
+#define FRAME_ANSWER 5
+#define ANSWER_WORDS 10
 #define ROWS_MAX     8
-
-#define OCTET_END        0xC0
-#define OCTET_ESCAPE     0xDB
-#define OCTET_ESCAPE_END 0xDC
-#define OCTET_ESCAPE_ESC 0xDD
 
 static uint32_t word_at(const wire_reader *r, size_t index)
 {
     const uint8_t *p = &r->data[4 * index];
     return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-}
-
-/* The CRC-32 of Ethernet and zip, bit by bit: a line is slower than this. */
-static uint32_t crc_of(const uint8_t *octets, size_t count)
-{
-    uint32_t crc = UINT32_MAX;
-    for (size_t k = 0; k < count; k++) {
-        crc ^= octets[k];
-        for (int bit = 0; bit < 8; bit++) {
-            crc = (crc & 1) != 0 ? crc >> 1 ^ 0xEDB88320 : crc >> 1;
-        }
-    }
-    return ~crc;
 }
 
 /* words: without the CRC. False if it is no valid header after all. */
@@ -131,13 +117,30 @@ static void end_read(wire_reader *r)
     r->ended = true;
 }
 
+/* False if the trigger is none. */
+static bool answer_read(wire_reader *r)
+{
+    if (word_at(r, 4) > IQFOC_RECORDER_FALLS) {
+        return false;
+    }
+    const iqfoc_recorder_setting_t setting = {(iqfoc_recorder_trigger_t)word_at(r, 4),
+                                              word_at(r, 5),
+                                              word_at(r, 6),
+                                              (int32_t)word_at(r, 7),
+                                              (iq24_t)word_at(r, 8),
+                                              word_at(r, 9)};
+    r->answer = (wire_answer){word_at(r, 1), (int32_t)word_at(r, 2), word_at(r, 3), setting};
+    r->answers++;
+    return true;
+}
+
 static bool frame_read(wire_reader *r, wire_take_row *take, void *context, bool *good)
 {
     if (r->octets < 8 || r->octets % 4 != 0) {
         return false;
     }
     const size_t words = r->octets / 4 - 1;
-    if (crc_of(r->data, 4 * words) != word_at(r, words)) {
+    if (wire_crc(r->data, 4 * words) != word_at(r, words)) {
         return false;
     }
     const uint32_t first = word_at(r, 0);
@@ -162,6 +165,9 @@ static bool frame_read(wire_reader *r, wire_take_row *take, void *context, bool 
         if (whole && r->header_known && r->header.stream == word_at(r, 1)) {
             end_read(r);
         }
+        break;
+    case FRAME_ANSWER:
+        whole = words == ANSWER_WORDS && answer_read(r);
         break;
     default:
         break;
@@ -192,19 +198,19 @@ bool wire_read(wire_reader *r, const uint8_t *octets, size_t count, wire_take_ro
 {
     for (size_t k = 0; k < count; k++) {
         uint8_t octet = octets[k];
-        if (octet == OCTET_END) {
+        if (octet == WIRE_END) {
             if (!piece_finish(r, take, context)) {
                 return false;
             }
             continue;
         }
-        if (octet == OCTET_ESCAPE && !r->in_escape) {
+        if (octet == WIRE_ESCAPE && !r->in_escape) {
             r->in_escape = true;
             continue;
         }
         if (r->in_escape) {
-            r->broken = r->broken || (octet != OCTET_ESCAPE_END && octet != OCTET_ESCAPE_ESC);
-            octet = octet == OCTET_ESCAPE_END ? OCTET_END : OCTET_ESCAPE;
+            r->broken = r->broken || (octet != WIRE_ESCAPE_END && octet != WIRE_ESCAPE_ESC);
+            octet = octet == WIRE_ESCAPE_END ? WIRE_END : WIRE_ESCAPE;
             r->in_escape = false;
         }
         if (r->octets == sizeof r->data) {

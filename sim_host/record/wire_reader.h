@@ -43,6 +43,14 @@ typedef struct wire_counts {
     unsigned long missing_rows;
 } wire_counts;
 
+/* The target's answer to a request (wire_request.h): what it has set, or the error for which it has not. */
+typedef struct wire_answer {
+    uint32_t stream;
+    int32_t error; /* iqfoc_error_t */
+    uint32_t sequence;
+    iqfoc_recorder_setting_t setting;
+} wire_answer;
+
 /* A row of the present stream. */
 typedef struct wire_row {
     uint32_t cycle;
@@ -60,6 +68,8 @@ typedef struct wire_reader {
     bool ended;         /* the present stream's end frame has come */
     uint32_t version;   /* of a frame with another version than ours, else 0 */
     uint32_t rows_sent; /* as the end frame says */
+    unsigned long answers;
+    wire_answer answer; /* the last one */
     /* Private. */
     bool sequence_known;
     uint32_t sequence;

@@ -1,16 +1,20 @@
 """The page for the browser with a board: the emulated Cortex-M4 records while the page listens, by a stand-in for Web Serial that gets the
-octets of the emulated UART over a small bridge on loopback.
+octets of the emulated UART, and gives it some, over a small bridge on loopback.
 
     live_page.py IQFOC PAGE.html [FOLDER for pictures]       (build/cortex-m4/iqfoc_pil.elf next to IQFOC's folder)"""
 
 import http.server
 import json
+import os
 import pathlib
+import pty
+import select
 import subprocess
 import sys
 import tempfile
 import threading
 import time
+import tty
 import unittest
 
 import browser
@@ -22,6 +26,13 @@ MOTOR = ROOT / "data/motors/jarzebowicz2019.toml"
 SCENARIO = ROOT / "data/scenarios/identification.toml"
 HIDDEN = "dead_time:t_dead=1e-6,v_switch=1.5,v_diode=1.2"
 STEP = 3000  # octets at once, as a driver gives them
+# A run that needs more voltage than there is from between 2 and 3 s on.
+RAMP = """name = "ramp"
+[[run]]
+duration_s = 12.0
+speed_rpm = { at_s = [0.0, 2.0, 3.0, 12.0], ramp = [7000.0, 7000.0, 10000.0, 10000.0] }
+i_q_A = 8
+"""
 
 # What the page uses of navigator.serial (https://wicg.github.io/serial/); octets come from the bridge.
 STAND_IN = """
@@ -43,6 +54,7 @@ const port = {
             },
             cancel() { open = false; },
         });
+        this.writable = new WritableStream({write: (octets) => fetch(url, {method: "POST", body: octets})});
     },
     async close() { if (this.readable.locked) throw new Error("the stream is locked"); window.serialSaid.push("closed"); },
 };
@@ -50,12 +62,42 @@ Object.defineProperty(navigator, "serial", {configurable: true, value: {requestP
 """
 
 
-class Bridge(http.server.ThreadingHTTPServer):
-    """A file that grows, or a part of one; 410 where there will be no more."""
+class Board:
+    """The emulated Cortex-M4 with its UART on a terminal: what it sends goes into a file."""
 
-    def __init__(self, path, ended):
+    def __init__(self, folder, name, scenario, *more):
+        self.path, self.over = folder / name, False
+        self.master, self.slave = pty.openpty()
+        tty.setraw(self.slave)
+        self.program = subprocess.Popen([PROGRAM, "simulate", "--motor", MOTOR, "--scenario", scenario, "--target", "cortex-m4", "--uart",
+                                         os.ttyname(self.slave), "-o", folder / "host.csv", *more])
+        threading.Thread(target=self.listen, daemon=True).start()
+
+    def listen(self):
+        with open(self.path, "wb", buffering=0) as file:
+            while select.select([self.master], [], [], 0.2)[0] or self.program.poll() is None:
+                if select.select([self.master], [], [], 0)[0]:
+                    file.write(os.read(self.master, 65536))
+        self.over = True
+
+    def write(self, octets):
+        os.write(self.master, octets)
+
+    def end(self):
+        self.program.terminate()
+        self.program.wait()
+        while not self.over:
+            time.sleep(0.01)
+        os.close(self.master)
+        os.close(self.slave)
+
+
+class Bridge(http.server.ThreadingHTTPServer):
+    """A file that grows, or a part of one; 410 where there will be no more. What is posted goes to `write`."""
+
+    def __init__(self, path, ended, write=None):
         super().__init__(("127.0.0.1", 0), Answer)
-        self.path, self.ended = path, ended
+        self.path, self.ended, self.write = path, ended, write
         threading.Thread(target=self.serve_forever, daemon=True).start()
 
     def url(self):
@@ -79,6 +121,13 @@ class Answer(http.server.BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(octets)
 
+    def do_POST(self):
+        self.server.write(self.rfile.read(int(self.headers["Content-Length"])))
+        self.send_response(200)
+        self.send_header("Access-Control-Allow-Origin", "*")
+        self.send_header("Content-Length", "0")
+        self.end_headers()
+
     def log_message(self, *_):
         pass
 
@@ -89,14 +138,12 @@ class Live(unittest.TestCase):
         cls.temporary = tempfile.TemporaryDirectory()
         cls.folder = pathlib.Path(cls.temporary.name)
         cls.browser = browser.Browser(1200, 900)
-        cls.uart = cls.folder / "board.octets"
-        cls.board = subprocess.Popen([PROGRAM, "simulate", "--motor", MOTOR, "--scenario", SCENARIO, "--target", "cortex-m4", "--uart",
-                                      cls.uart, "--effect", HIDDEN, "-o", cls.folder / "host.csv"])
+        cls.board = Board(cls.folder, "board.octets", SCENARIO, "--effect", HIDDEN)
+        cls.uart = cls.board.path
 
     @classmethod
     def tearDownClass(cls):
-        cls.board.terminate()
-        cls.board.wait()
+        cls.board.end()
         cls.browser.__exit__()
         cls.temporary.cleanup()
 
@@ -126,8 +173,8 @@ class Live(unittest.TestCase):
             self.browser.picture(PICTURES / name)
             self.browser.size(1200, 900)
 
-    def bridge(self, path, ended):
-        made = Bridge(path, ended)
+    def bridge(self, path, ended, write=None):
+        made = Bridge(path, ended, write)
         self.addCleanup(made.server_close)
         self.addCleanup(made.shutdown)
         return made
@@ -146,10 +193,10 @@ class Live(unittest.TestCase):
     def test_1_the_board_while_it_runs(self):
         """Scope and trigger at the recorder's rate; then recording, diagnosis, tuned controller and header, all as the program's."""
         self.addCleanup(self.browser.console)
-        bridge = self.bridge(self.uart, lambda: self.board.poll() is not None)
+        bridge = self.bridge(self.uart, lambda: self.board.over)
         self.connect(bridge, "several")
         self.wait("window.iqfoc.line.drawn >= 400", "no rows on the scope")
-        self.assertIsNone(self.board.poll(), "the board was to run still")
+        self.assertFalse(self.board.over, "the board was to run still")
         self.picture("scope.png", "line-state")
         self.set("trigger-column", "i_beta_A")
         self.set("level", 1)
@@ -196,16 +243,17 @@ class Live(unittest.TestCase):
         (self.folder / MOTOR.name).write_bytes(MOTOR.read_bytes())
         return MOTOR.name
 
-    def stream(self):
-        """The octets that the page has taken."""
-        taken = self.script("return window.iqfoc.line.taken")
+    def stream(self, uart=None):
+        """The octets that the page makes its recording from."""
+        first, taken = self.script("return [window.iqfoc.line.from, window.iqfoc.line.taken]")
         path = self.folder / "taken.octets"
-        path.write_bytes(self.uart.read_bytes()[:taken])
+        path.write_bytes((uart or self.uart).read_bytes()[first:taken])
         return path
 
     def test_2_a_line_that_breaks_off(self):
         """Stop, and a line that carries something else: what came is used, or refused in words; the page can connect again."""
-        self.board.wait(400)
+        while not self.board.over:
+            time.sleep(0.1)
         part = self.folder / "part.octets"
         part.write_bytes(self.uart.read_bytes()[:60000])
         bridge = self.bridge(part, lambda: False)
@@ -222,6 +270,41 @@ class Live(unittest.TestCase):
         self.script("document.getElementById('connect').click()")
         self.wait("window.iqfoc.line.finished", "no end")
         self.assertIn("no row received", self.text("line-state"))
+
+    def test_5_a_trigger_in_the_board(self):
+        """Set from the page while the board runs: it answers, records one memory full, and the page makes the recording of that alone.
+        Status bits come with the rows."""
+        scenario = self.folder / "ramp.toml"
+        scenario.write_text(RAMP)
+        self.addCleanup(self.browser.console)
+        board = Board(self.folder, "ramp.octets", scenario)
+        self.addCleanup(board.end)
+        self.connect(self.bridge(board.path, lambda: board.over, board.write))
+        self.wait("window.iqfoc.line.drawn >= 50", "no rows on the scope")
+        for name, value in (("board-trigger", 2), ("board-column", "i_beta_A"), ("board-level", 1.5), ("board-before", 1),
+                            ("board-decimation", 2)):
+            self.set(name, value)
+        self.script("document.getElementById('board-set').click()")
+        self.wait("window.iqfoc.line.confirmed", "no answer: " + self.text("board-state"), 60)
+        self.assertEqual(self.text("board-state"), "The board has it: recording 2.")
+        answer = self.script("return window.iqfoc.line.answer")
+        self.assertEqual([answer[name] for name in ("error", "trigger", "channel", "decimation")], [0, 2, 1, 2])
+        self.assertAlmostEqual(answer["level"], 1.5, 5)
+        self.assertAlmostEqual(answer["pre_share"], 0.01, 6)
+        self.wait("window.iqfoc.line.finished", "no end")
+        self.picture("board_trigger.png", "line-state")
+        subprocess.run([PROGRAM, "record", "--port", self.stream(board.path), "-o", self.folder / "triggered.csv"], capture_output=True, check=True)
+        recording = (self.folder / "triggered.csv").read_text()
+        self.assertEqual(self.script("return window.iqfoc.recording"), recording)
+        lines = [line.split(",") for line in recording.splitlines() if line[0] != "#"]
+        rows = [dict(zip(lines[0], map(float, line))) for line in lines[1:]]
+        self.assertEqual(len(rows), 10000)
+        self.assertAlmostEqual(rows[1]["t_s"] - rows[0]["t_s"], 2 / 5000, 9)
+        beta = [(row["i_a_A"] + 2 * row["i_b_A"]) / 3 ** 0.5 for row in rows]
+        fires = next(k for k in range(1, len(beta)) if beta[k - 1] < 1.5 <= beta[k])
+        self.assertLessEqual(fires, 100)
+        self.assertEqual(self.script("return window.iqfoc.line.status.last"), ["VOLTAGE_LIMIT"])
+        self.assertIn("VOLTAGE_LIMIT", self.text("status-bits"))
 
     def test_3_without_web_serial(self):
         self.browser.open(PAGE)

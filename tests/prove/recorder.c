@@ -60,6 +60,7 @@ void prove_recorder_take(void)
                 r.last_status = any_count(0, UINT32_MAX);
                 r.last_level = any();
                 r.before_known = any_bool();
+                r.status = any();
                 r.lost = any_count(0, UINT32_MAX);
                 r.read = any_count(0, UINT32_MAX);
                 r.read_slot = any_count(0, rows - 1);
@@ -82,8 +83,8 @@ void prove_recorder_octet(void)
                 continue;
             }
             const uint32_t in_frame = rows < 8 ? rows : 8;
-            const uint32_t words[4] = {0, 6 + 3 * channels[n], 4 + in_frame * (channels[n] + 1), 3};
-            for (uint32_t type = 0; type < 4; type++) {
+            const uint32_t words[6] = {0, 6 + 3 * channels[n], 4 + in_frame * (channels[n] + 1), 4, 0, 10};
+            for (uint32_t type = 0; type < 6; type++) {
                 iqfoc_recorder_arm(&r);
                 r.phase = any_count(0, 3);
                 r.stream = any_count(0, UINT32_MAX);
@@ -104,9 +105,35 @@ void prove_recorder_octet(void)
                 r.escaped = any_bool() ? 0 : any_count(0, 255);
                 r.crc = any_count(0, UINT32_MAX);
                 r.end_sent = any_bool();
+                r.frames_owed = any_count(0, 2);
+                r.request_waits = any_bool();
+                r.request_error = any();
+                r.request_sequence = any_count(0, UINT32_MAX);
                 (void)iqfoc_recorder_octet(&r);
                 (void)iqfoc_recorder_finished(&r);
             }
         }
     }
+}
+
+/* A request: any octets, any words; the recorder as the configuration allows it. */
+void prove_recorder_request(void)
+{
+    const iqfoc_recorder_config_t config = any_recording(2);
+    iqfoc_recorder_t r;
+    if (iqfoc_recorder_init(&r, &config, memory, ROWS_MOST * 3) != IQFOC_OK) {
+        return;
+    }
+    for (uint32_t k = 0; k < IQFOC_RECORDER_REQUEST_WORDS; k++) {
+        r.request[k] = any_count(0, UINT32_MAX);
+    }
+    r.request_octets = any_count(0, 4 * IQFOC_RECORDER_REQUEST_WORDS);
+    r.request_escape = any_bool();
+    r.request_broken = any_bool();
+    r.request_waits = any_bool();
+    r.phase = any_count(0, 3);
+    r.stream = any_count(0, UINT32_MAX);
+    iqfoc_recorder_receive(&r, any_count(0, 255));
+    (void)iqfoc_recorder_requested(&r);
+    (void)iqfoc_recorder_obey(&r);
 }

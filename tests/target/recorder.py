@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """
 The recorder's whole chain: an image in QEMU drives the plant with a hidden effect and records over its UART, `iqfoc record`
-decodes that, `iqfoc diagnose` names the effect. And `iqfoc record` on every kind of line, whole and damaged.
+decodes that, `iqfoc diagnose` names the effect. And `iqfoc record` on every kind of line, whole and damaged; and a trigger that reaches the
+running image over a terminal.
 
 Called by tests/target/run.sh.
 """
@@ -14,6 +15,7 @@ import pty
 import random
 import select
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -29,6 +31,17 @@ HIDDEN = {"cortex-m4": ("dead_time:t_dead=1e-6,v_switch=1.5,v_diode=1.2", "dead_
           "rv32": ("inductance:L=4.4e-3", "inductance")}
 SEED = 20130611
 END_FRAME = b"\x01\x03"  # version and type, docs/recorder-format.md
+# One run that needs more voltage than there is from between 2 and 3 s on.
+RAMP = """name = "ramp"
+[[run]]
+duration_s = 7.2
+speed_rpm = { at_s = [0.0, 2.0, 3.0, 7.2], ramp = [7000.0, 7000.0, 10000.0, 10000.0] }
+i_q_A = 8
+"""
+HEADER, ROWS, END, ANSWER = 1, 2, 3, 5  # frames
+STATUS, RISES, VOLTAGE_LIMIT = 1, 2, 0x40
+I_BETA, STATUS_WORD = 5, 22  # channels
+MEMORY_WORDS = 80000  # pil_recorder.c
 
 failures = []
 
@@ -160,6 +173,82 @@ def damaged(program, folder, octets, rows):
     check(whole, "noisy line: no stretch goes on over a gap")
 
 
+class Terminal:
+    """Both directions of the image's UART: whole frames as lists of words."""
+
+    def __init__(self):
+        self.master, self.slave = pty.openpty()
+        tty.setraw(self.slave)
+        self.rest, self.frames, self.damaged = b"", [], 0
+
+    def close(self):
+        os.close(self.master)
+        os.close(self.slave)
+
+    def of(self, kind):
+        return [frame for frame in self.frames if frame[0] >> 8 & 0xFF == kind]
+
+    def wait(self, kind, count=1):
+        """The frames of a kind, once there are so many."""
+        while len(self.of(kind)) < count:
+            if not select.select([self.master], [], [], 100)[0]:
+                raise TimeoutError(f"no frame of type {kind} in 100 s, {len(self.frames)} others")
+            *pieces, self.rest = (self.rest + os.read(self.master, 65536)).split(b"\xc0")
+            for piece in filter(None, pieces):
+                octets = piece.replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")
+                whole = len(octets) % 4 == 0 and zlib.crc32(octets[:-4]).to_bytes(4, "little") == octets[-4:]
+                self.damaged += not whole
+                self.frames += [struct.unpack(f"<{len(octets) // 4 - 1}I", octets[:-4])] if whole else []
+        return self.of(kind)
+
+    def ask(self, sequence, trigger, bits, channel, level, share, decimation):
+        octets = struct.pack("<HHIIIiII", 1 | 4 << 8, sequence, trigger, bits, channel, level, share, decimation)
+        octets += zlib.crc32(octets).to_bytes(4, "little")
+        os.write(self.master, b"\xc0" + octets.replace(b"\xdb", b"\xdb\xdd").replace(b"\xc0", b"\xdb\xdc") + b"\xc0")
+
+
+def signed(word):
+    return word - (1 << 32) if word >> 31 else word
+
+
+def asked(program, folder, target, name, column, trigger, bits, level, fires):
+    """A trigger that is set while the image runs: answered, then one memory full, with few rows before the first cycle that fires it."""
+    scenario = folder / "ramp.toml"
+    scenario.write_text(RAMP)
+    line = Terminal()
+    board = subprocess.Popen([program, "simulate", "--motor", MOTOR, "--scenario", scenario, "--target", target, "--uart",
+                              os.ttyname(line.slave), "-o", folder / "terminal.csv"], stdout=subprocess.DEVNULL)
+    try:
+        line.wait(ROWS, 20)
+        header = line.of(HEADER)[0]
+        channels = [header[6 + 3 * k] for k in range(header[5])]
+        at = channels.index(column)
+        line.ask(0xC0DB, trigger, bits, at, level, 1 << 16, 2)
+        answer = line.wait(ANSWER)[0]
+        check(answer[2:] == (0, 0xC0DB, trigger, bits, at, level & 0xFFFFFFFF, 1 << 16, 2), f"{name}: answered, stream {answer[1]}")
+        end = line.wait(END)[0]
+    finally:
+        board.terminate()
+        board.wait()
+        line.close()
+    width = 1 + len(channels)
+    rows = [frame[k:k + width] for frame in line.of(ROWS) if frame[1] == answer[1] for k in range(4, len(frame), width)]
+    values = [signed(row[1 + at]) for row in rows]
+    capacity = MEMORY_WORDS // width
+    fired = [k for k in range(1, len(values)) if fires(values[k - 1], values[k])]
+    check(line.damaged == 0 and end[1:] == (answer[1], 0, capacity) and len(rows) == capacity,
+          f"{name}: {len(rows)} rows of {capacity}, {end[2]} lost, {line.damaged} frames damaged")
+    check(fired and fired[0] <= capacity >> 8 and all(b[0] - a[0] == 2 for a, b in zip(rows, rows[1:])),
+          f"{name}: it fires at row {fired[:1]}, at most {capacity >> 8} before it, every other cycle")
+
+
+def requests(program, folder):
+    asked(program, folder, "cortex-m4", "trigger by a status bit", STATUS_WORD, STATUS, VOLTAGE_LIMIT, 0,
+          lambda before, at: not before & VOLTAGE_LIMIT and at & VOLTAGE_LIMIT)
+    level = 1 << 22
+    asked(program, folder, "rv32", "trigger by a current", I_BETA, RISES, 0, level, lambda before, at: before < level <= at)
+
+
 def refused(program, folder):
     text = folder / "text"
     text.write_text("just text\n" * 100)
@@ -186,6 +275,7 @@ def main():
             octets, rows = chain(program, folder, target)
         kinds_of_line(program, folder, octets, rows)
         damaged(program, folder, octets, rows)
+        requests(program, folder)
         refused(program, folder)
     return 1 if failures else 0
 

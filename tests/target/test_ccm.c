@@ -12,9 +12,9 @@
 #define PERIODS    100
 
 /* From link.ld. */
-extern const uint32_t link_ccm_load;
-extern const uint32_t link_ccm_start;
-extern const uint32_t link_ccm_end;
+extern const uint32_t link_ccm_load[];
+extern const uint32_t link_ccm_start[];
+extern const uint32_t link_ccm_end[];
 
 static const iqfoc_methods_t methods = {IQFOC_MODEL_QUASI_DISCRETE, IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
                                         IQFOC_CONTROL_PI, IQFOC_MODULATION_PWM, false};
@@ -92,11 +92,11 @@ static void expect(bool good, const char *what)
 
 int main(void)
 {
-    const uint32_t words = (uint32_t)(&link_ccm_end - &link_ccm_start);
+    const uint32_t words = (uint32_t)(((uintptr_t)link_ccm_end - (uintptr_t)link_ccm_start) / 4);
     expect(initialised == 0x5EED && interrupts == 0, "initialised data");
     expect(words > 200, "next to nothing is in CCM SRAM");
     for (uint32_t k = 0; k < words; k++) {
-        expect((&link_ccm_start)[k] == (&link_ccm_load)[k], "CCM SRAM is not what the flash holds");
+        expect(link_ccm_start[k] == link_ccm_load[k], "CCM SRAM is not what the flash holds");
     }
     expect(start(), "the cycle's start is refused");
     ARM_NVIC_ISER0 = UINT32_C(1) << STM32G4_ADC1_2_IRQ;
@@ -105,7 +105,7 @@ int main(void)
         half_period(true);
     }
     expect(interrupts == 2 * PERIODS, "interrupts");
-    expect(at >= (uintptr_t)&link_ccm_start && at < (uintptr_t)&link_ccm_end,
+    expect(at >= (uintptr_t)link_ccm_start && at < (uintptr_t)link_ccm_end,
            "the interrupt does not run from CCM SRAM");
     expect(!cycle.tripped && (tim1.BDTR & TIM_BDTR_MOE) != 0, "the drive does not run");
     expect(tim1.CCR[1] < tim1.CCR[0], "no voltage along q, which is towards phase B");
