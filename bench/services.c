@@ -14,6 +14,7 @@
 #include "iqfoc/overmodulation.h"
 #include "iqfoc/pattern.h"
 #include "iqfoc/pattern_control.h"
+#include "iqfoc/pulse_mode.h"
 #include "iqfoc/recorder.h"
 #include "iqfoc/reference.h"
 #include "iqfoc/resolver.h"
@@ -53,6 +54,11 @@ static iqfoc_pattern_control_t pattern_control;
 static iq24_t pattern_theta;
 static uint32_t pattern_cycles;
 static const iqfoc_dq_t rated = {0, IQ24_ONE};
+static const iqfoc_pulse_level_t pulse_levels[2] = {{NULL, 0, 0, 0, 0},
+                                                    {&nine, IQ24(0.03), IQ24(0.02), 0, 0}};
+static const iqfoc_pulse_config_t pulse_config = {pulse_levels, 2, 17000};
+static iqfoc_pulse_mode_t pulse_mode;
+static iqfoc_duties_t pulse_duties;
 static iqfoc_cycle_t cycle;
 static iqfoc_tuned_law_t tuned_law;
 static iqfoc_tuned_t tuned;
@@ -152,6 +158,20 @@ COUNT(pattern_control_aim, void, iqfoc_pattern_control_aim, (iqfoc_pattern_contr
 COUNT(pattern_control_step, void, iqfoc_pattern_control_step,
       (iqfoc_pattern_control_t *, iqfoc_ab_t, iq24_t, iq24_t, iqfoc_pattern_edges_t *),
       (&pattern_control, pattern_control.i_next, pattern_theta, IQ24_ONE, pattern_edges))
+COUNT(pulse_mode_step, void, iqfoc_pulse_mode_step,
+      (iqfoc_pulse_mode_t *, iqfoc_pattern_control_t *, iq24_t, iq24_t),
+      (&pulse_mode, &pattern_control, IQ24(0.025), 0))
+COUNT(pulse_mode_to_pattern, bool, iqfoc_pulse_mode_to_pattern,
+      (iqfoc_pulse_mode_t *, iqfoc_pattern_control_t *, const iqfoc_cycle_t *, iqfoc_abc_t, iq24_t,
+       iqfoc_pattern_edges_t *),
+      (&pulse_mode, &pattern_control, &carrier_cycle, duties_of(in), IQ24_ONE, pattern_edges))
+COUNT(pulse_mode_to_carrier, bool, iqfoc_pulse_mode_to_carrier,
+      (iqfoc_pulse_mode_t *, iqfoc_pattern_control_t *, iqfoc_cycle_t *, const iqfoc_cycle_config_t *,
+       iqfoc_ab_t, iq24_t, iq24_t, iqfoc_pattern_edges_t *, iqfoc_duties_t *),
+      (&pulse_mode, &pattern_control, &carrier_cycle, &carrier_set, pattern_control.i_next, pattern_theta,
+       IQ24_ONE, pattern_edges, &pulse_duties))
+COUNT(pulse_mode_resume, void, iqfoc_pulse_mode_resume, (const iqfoc_pattern_control_t *, iqfoc_cycle_t *),
+      (&pattern_control, &carrier_cycle))
 COUNT(tuned_at_speed, iqfoc_tuned_t, iqfoc_tuned_at_speed, (const iqfoc_tuned_law_t *, iq24_t),
       (&tuned_law, in->sample.turns))
 COUNT(tuned_step, iqfoc_ab_t, iqfoc_tuned_step,
@@ -295,6 +315,30 @@ static uint32_t count_pattern_control_turning(const bench_input_t *in)
     return count_pattern_control_step(in);
 }
 
+/* A hand-over that is taken at once: from the carrier, and back. */
+static uint32_t count_pulse_mode_to_pattern_now(const bench_input_t *in)
+{
+    const iqfoc_ab_t near = {in->i.alpha / 2, in->i.beta / 2};
+    carrier_cycle.i_next = near;
+    carrier_cycle.theta_valley = in->sample.theta;
+    pulse_mode.level = 0;
+    pulse_mode.wanted = 1;
+    pulse_mode.turns = IQ24(0.025);
+    pulse_mode.waited = IQ24(2.0);
+    return count_pulse_mode_to_pattern(in);
+}
+
+static uint32_t count_pulse_mode_to_carrier_now(const bench_input_t *in)
+{
+    pattern_theta = (pattern_theta + IQ24(0.025)) & (IQ24_ONE - 1);
+    iqfoc_pattern_control_aim(&pattern_control, rated, IQ24(0.025));
+    pulse_mode.level = 1;
+    pulse_mode.wanted = 0;
+    pulse_mode.turns = IQ24(0.025);
+    pulse_mode.waited = IQ24(2.0);
+    return count_pulse_mode_to_carrier(in);
+}
+
 /* The sums of a block of a drive whose model fits, so that no alarm ends the work: errors of some thousandths. */
 static void sum_block(const bench_input_t *in)
 {
@@ -333,6 +377,7 @@ static void begin(void)
     const iqfoc_pattern_control_config_t pattern_config = {
         IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), IQ24(0.1), IQ24(0.01)};
     (void)iqfoc_pattern_control_init(&pattern_control, &pattern_config, &nine, IQ24(0.05));
+    (void)iqfoc_pulse_mode_init(&pulse_mode, &pulse_config);
     (void)iqfoc_pattern_init(&pattern, &pattern_table, IQ24(0.03));
     (void)iqfoc_encoder_init(&encoder, &encoder_config);
     (void)iqfoc_halls_init(&halls, &halls_config);
@@ -356,6 +401,7 @@ static void begin(void)
     carrier_cycle.config = &carrier_base;
     carrier_cycle.next = &carrier_set;
     carrier_cycle.rotor.turns = IQ24(0.1);
+    carrier_cycle.i_ref = rated;
     (void)iqfoc_start_init(&start, &start_config);
     (void)iqfoc_supervision_init(&supervision, &supervision_config);
     (void)iqfoc_restart_init(&restart, &restart_config);
@@ -393,6 +439,10 @@ void bench_services(void)
     bench_report("synchronous_carrier", count_synchronous_carrier);
     bench_report("synchronous_set", count_synchronous_set);
     bench_report("synchronous_flux", count_synchronous_flux);
+    bench_report("pulse_mode_step", count_pulse_mode_step);
+    bench_report("pulse_mode_to_pattern", count_pulse_mode_to_pattern_now);
+    bench_report("pulse_mode_to_carrier", count_pulse_mode_to_carrier_now);
+    bench_report("pulse_mode_resume", count_pulse_mode_resume);
     bench_report("start", count_start);
     bench_report("supervision", count_supervision);
     bench_report("restart", count_restart);

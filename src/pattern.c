@@ -24,7 +24,7 @@ static bool row_fits(const iqfoc_pattern_t *table, const iqfoc_pattern_row_t *ro
 static bool table_fits(const iqfoc_pattern_t *table)
 {
     if (!iq24_within(table->rows, 1, IQFOC_PATTERN_ROWS_MAX) ||
-        !iq24_within(table->angles, 1, IQFOC_PATTERN_ANGLES_MAX) ||
+        !iq24_within(table->angles, 0, IQFOC_PATTERN_ANGLES_MAX) ||
         !iq24_within(table->index_low, 0, IQ24_ONE) ||
         !iq24_within(table->rows_per_index, IQ24_ONE, IQ24(100.0))) {
         return false;

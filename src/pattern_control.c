@@ -215,6 +215,48 @@ static void follow_link(iqfoc_pattern_control_t *control)
 }
 
 /*
+ * The rows at an index, but those before a jump of the angles until the legs may take the others: a jump is a change to the same table.
+ */
+static pattern_rows_t rows_kept(iqfoc_pattern_control_t *control, iq24_t index)
+{
+    iqfoc_pattern_modulator_t *modulator = &control->modulator;
+    const iqfoc_pattern_t *table = modulator->table;
+    const int32_t before = modulator->row;
+    pattern_rows_t rows = pattern_rows_at(modulator, index);
+    if (control->trajectory.start == 0) {
+        return rows;
+    }
+    int32_t n = before;
+    while (n < modulator->row && table->row[n].joined != 0) {
+        n++;
+    }
+    while (n > modulator->row && table->row[n - 1].joined != 0) {
+        n--;
+    }
+    if (n != modulator->row) {
+        modulator->row = n;
+        rows.row = &table->row[n];
+        rows.next = rows.row;
+        rows.part = 0;
+        if (control->wanted == NULL) {
+            iqfoc_pattern_control_change(control, table);
+        }
+    } else if (control->wanted == table) {
+        control->wanted = NULL;
+    }
+    return rows;
+}
+
+/* Six-step has one length of the voltage. Its d component remains, and with it i_q; i_d is what the length makes. */
+static iq24_t angle_of_six_step(const iqfoc_pattern_control_t *control, iqfoc_dq_t u)
+{
+    const iq24_t length = iq24_mul_round(control->u_mean, IQ24(0.63661977236758134308));
+    const iq24_acc_t rest = iq24_acc_mac(iq24_acc_mul(length, length), -u.d, u.d);
+    const iq24_t q = iq24_sqrt(iq24_acc_round(rest > 0 ? rest : 0));
+    return iq24_atan2(u.q < 0 ? -q : q, u.d);
+}
+
+/*
  * Range: l i_ref + psi <= 80 and phi <= 0.79: below 64; r i_ref <= 64. cycles_q22 <= 2^29; 1/phi <= 20.4, so
  * that steady <= 2 (20.4 + 16). The voltage's square is at most 32.
  */
@@ -239,7 +281,8 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     const iqfoc_dq_t u = {IQ24_HOLD_BITS(u_d, 27), IQ24_HOLD_BITS(u_q, 27)};
     const iq24_t length = iq24_sqrt(iq24_acc_round(iq24_acc_mac(iq24_acc_mul(u.d, u.d), u.q, u.q)));
     /* Backward, x becomes 1/2 - x: the level is the same, and time goes forward. */
-    const iq24_t u_angle = iq24_atan2(u.q, u.d);
+    const iq24_t u_angle =
+        control->modulator.table->angles > 0 ? iq24_atan2(u.q, u.d) : angle_of_six_step(control, u);
     t->sense = turns < 0 ? -1 : 1;
     t->u_place = PATTERN_QUARTER_TURN + t->sense * u_angle;
     t->third_turn = -t->sense * PATTERN_THIRD_TURN;
@@ -273,7 +316,7 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     t->drift_q26.q = 4 * IQ24_HOLD_BITS(drift.beta, 30);
 
     const iq24_t index = iqfoc_pattern_index(length, control->u_dc_inverse);
-    const pattern_rows_t rows = pattern_rows_at(&control->modulator, index);
+    const pattern_rows_t rows = rows_kept(control, index);
     trace(t, &rows, control->modulator.table->angles);
     if (rows.row->start != t->start) {
         restart_legs(control, rows.row->start);
@@ -368,7 +411,10 @@ static inline void step_leg(iqfoc_pattern_control_t *control, int32_t k, const p
     } else {
         int32_t ahead = 0;
         if (wanted != place->level) {
-            ahead = state->edge == n + 1 || (state->edge == 0 && n + 1 == t->edges) ? 1 : -1;
+            /* In six-step, the edges before and after have one number: the nearer one has moved past the place. */
+            const bool moved = t->edges > 1 ? state->edge == n + 1 || (state->edge == 0 && n + 1 == t->edges)
+                                            : place->y >= PATTERN_QUARTER_TURN;
+            ahead = moved ? 1 : -1;
         }
         pattern_leg_t leg = pattern_leg_begin(output, control->modulator.least, wanted, out);
         move_edges(&leg, state, t, place->y, ahead, later);
@@ -383,8 +429,7 @@ static inline void step_leg(iqfoc_pattern_control_t *control, int32_t k, const p
  * The current at the start of the cycle that is to be commanded: i' = E i + k_u u + drift. Range: |i| <= 8 a component, as it lies
  * between two such; |k_u u| <= 16; |drift| <= 32 a component, 45.3 turned: 70 in all, which fits Q50 and Q24.
  */
-static inline iqfoc_ab_t predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t u_dc,
-                                 iq24_sincos_t sc)
+static inline void predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t u_dc, iq24_sincos_t sc)
 {
     if (!control->predicted) {
         control->i_next = i;
@@ -407,20 +452,15 @@ static inline iqfoc_ab_t predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i,
     const iqfoc_ab_t next = {IQ24_HOLD_BITS(iq24_shift_wrap(alpha, 26), 28),
                              IQ24_HOLD_BITS(iq24_shift_wrap(beta, 26), 28)};
     control->i_next = next;
-    return next;
 }
 
-void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,
-                                iqfoc_pattern_edges_t edges[3])
+/* The edges of the cycle that begins at the rotor angle control->theta with the current control->i_next. */
+static void command(iqfoc_pattern_control_t *control, iqfoc_pattern_edges_t edges[3])
 {
     const iqfoc_pattern_trajectory_t *t = &control->trajectory;
-    const iq24_t end = iq24_add_wrap(theta, t->turns);
-    const iq24_sincos_t sc = iq24_sincos_inline(end);
-    control->sc = sc;
-    const iqfoc_ab_t i_next = predict(control, i, u_dc, sc);
-
-    control->theta = end;
-    const iq24_t a = angle_of(t, end);
+    const iq24_sincos_t sc = control->sc;
+    const iqfoc_ab_t i_next = control->i_next;
+    const iq24_t a = angle_of(t, control->theta);
     place_t place[3];
     for (int32_t k = 0; k < 3; k++) {
         place[k] = place_of(t, a + k * t->third_turn, &control->leg[k].place);
@@ -442,4 +482,29 @@ void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, 
     }
     const iqfoc_abc_t high = {edges[0].high, edges[1].high, edges[2].high};
     control->high = high;
+}
+
+void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,
+                                iqfoc_pattern_edges_t edges[3])
+{
+    control->theta = iq24_add_wrap(theta, control->trajectory.turns);
+    control->sc = iq24_sincos_inline(control->theta);
+    predict(control, i, u_dc, control->sc);
+    command(control, edges);
+}
+
+void iqfoc_pattern_control_begin(iqfoc_pattern_control_t *control, iqfoc_ab_t i_next, iq24_t theta_next,
+                                 const iqfoc_pattern_leg_t leg[3], iqfoc_pattern_edges_t edges[3])
+{
+    const iqfoc_ab_t none = {0, 0};
+    for (int32_t k = 0; k < 3; k++) {
+        control->modulator.leg[k] = leg[k];
+    }
+    restart_legs(control, control->trajectory.start);
+    control->theta = theta_next;
+    control->sc = iq24_sincos(theta_next);
+    control->i_next = i_next;
+    control->miss = none;
+    control->predicted = true;
+    command(control, edges);
 }

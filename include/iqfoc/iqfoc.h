@@ -40,6 +40,7 @@
 #include "predictor_exact.h"
 #include "predictor_form.h"
 #include "predictor_salient.h"
+#include "pulse_mode.h"
 #include "recorder.h"
 #include "reference.h"
 #include "resolver.h"

@@ -3,7 +3,8 @@
  * (docs/patterns.md). For drives with 3 to 15 pulses per electrical period.
  *
  * A table has one row per modulation index. The index is the amplitude of the voltage's fundamental over that of six-step. A row has
- * the switching angles of a leg in the first quarter of a turn. Symmetry gives the others; u is the leg's level at angle x in turns:
+ * the switching angles of a leg in the first quarter of a turn; without any, it is six-step. Symmetry gives the others; u is the leg's
+ * level at angle x in turns:
  *
  *     u(1/2 - x) = u(x)        u(1/2 + x) = -u(x)        fundamental: sin(x), legs b and c 1/3 and 2/3 of a turn later
  *
@@ -50,7 +51,7 @@ typedef struct iqfoc_pattern_row {
 typedef struct iqfoc_pattern {
     const iqfoc_pattern_row_t *row;
     int32_t rows;          /* 1 ... IQFOC_PATTERN_ROWS_MAX; the last one is not joined */
-    int32_t angles;        /* of a row: 1 ... IQFOC_PATTERN_ANGLES_MAX */
+    int32_t angles;        /* of a row: 0 ... IQFOC_PATTERN_ANGLES_MAX */
     iq24_t index_low;      /* 0 ... 1 */
     iq24_t rows_per_index; /* 1 ... 100 */
 } iqfoc_pattern_t;

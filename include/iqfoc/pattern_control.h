@@ -23,6 +23,9 @@
  * its reference if R, L or psi_f is wrong. With a small `correction`, the harmonics of i follow from the voltage by the same L as those
  * of psi*. A wrong L then moves no edges.
  *
+ * At a jump of the angles between two rows, the present row remains until the legs change as iqfoc_pattern_control_change says. In six-step,
+ * the voltage has one length: u_d of the reference remains, and with it i_q; i_d follows from the length.
+ *
  *     at each peak:    iqfoc_pattern_control_aim(&control, i_ref, turns);
  *     at each valley:  iqfoc_pattern_control_step(&control, i, theta, u_dc, edges);
  *
@@ -122,8 +125,7 @@ typedef struct iqfoc_pattern_control {
  * IQFOC_ERROR_NULL and IQFOC_ERROR_PATTERN as iqfoc_pattern_init; IQFOC_ERROR_PREDICTOR: the winding is out of its range;
  * IQFOC_ERROR_GAINS: a gain is. The state keeps the table's address. Call it before the control runs.
  *
- * To take over from another modulator at a valley, set modulator.leg[] to the levels and the times since the last edges, and high to
- * the duties of the present cycle. Then call iqfoc_pattern_control_aim and iqfoc_pattern_control_step.
+ * To take over from another modulator, call iqfoc_pattern_control_aim and iqfoc_pattern_control_begin.
  */
 iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
                                          const iqfoc_pattern_control_config_t *config,
@@ -158,6 +160,16 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
  */
 void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,
                                 iqfoc_pattern_edges_t edges[3]);
+
+/*
+ * The first step after another modulator, in place of iqfoc_pattern_control_step: the edges of the next cycle, without a prediction.
+ * Call iqfoc_pattern_control_aim before it.
+ *
+ * i_next, theta_next: current (stationary frame, |component| <= 8) and rotor angle (any) at the next valley. leg: levels there and
+ * times since the last edges, cycles of the pattern's control: 0 ... IQFOC_PATTERN_TIME_MAX. edges, errors: as iqfoc_pattern_control_step.
+ */
+void iqfoc_pattern_control_begin(iqfoc_pattern_control_t *control, iqfoc_ab_t i_next, iq24_t theta_next,
+                                 const iqfoc_pattern_leg_t leg[3], iqfoc_pattern_edges_t edges[3]);
 
 #ifdef __cplusplus
 }

@@ -26,6 +26,7 @@ GENERATORS = {
     "patterns": patterns.generate,
     "picture": picture.generate,
     "plan": plan.generate,
+    "pulse_mode": patterns.modes,
     "reversals": sensorless.reversals,
     "run": run.generate,
     "sensorless": sensorless.generate,

@@ -5,6 +5,10 @@
 pattern_control: the control of a pattern on a switching machine. It is the table that test_pattern_control_drive prints.
 
     <!-- figures: pattern_control -->
+
+pulse_mode: the torque of a drive through all pulse modes, the table that test_pulse_mode_drive prints.
+
+    <!-- figures: pulse_mode -->
 """
 
 from .markdown import table
@@ -24,8 +28,17 @@ def generate(program, arguments):
     return table(heads, rows, right=heads)
 
 
-def control(program, arguments):
+def printed(program, test, arguments):
+    """The table that a test prints."""
     if arguments:
         raise ValueError(f"takes no arguments, got {arguments}")
-    printed = program.output(str(program.path.parent / "tests/test_pattern_control_drive"))
-    return "\n".join(line for line in printed.split("\n") if line.startswith("|"))
+    lines = program.output(str(program.path.parent / "tests" / test)).split("\n")
+    return "\n".join(line for line in lines if line.startswith("|"))
+
+
+def control(program, arguments):
+    return printed(program, "test_pattern_control_drive", arguments)
+
+
+def modes(program, arguments):
+    return printed(program, "test_pulse_mode_drive", arguments)

@@ -13,6 +13,7 @@
 #include "iqfoc/observer_resistance.h"
 #include "iqfoc/params.h"
 #include "iqfoc/pattern_control.h"
+#include "iqfoc/pulse_mode.h"
 #include "iqfoc/sensorless.h"
 #include "iqfoc/watch_angle.h"
 
@@ -329,4 +330,85 @@ void golden_pattern_control(golden_inputs_t *inputs, uint64_t *digest)
     digest_ab(digest, control.error);
     digest_dq(digest, control.v);
     rotor_angle = iq24_add_wrap(rotor_angle, rotor_turns);
+}
+
+/* ---- Pulse modes ---- */
+
+static const iqfoc_pulse_level_t pulse_levels[3] = {
+    {NULL, 0, 0, 0, 0},
+    {&other_table, IQ24(0.025), IQ24(0.02), 0, 0},
+    {&iqfoc_pattern_six_step, IQ24(0.04), IQ24(0.035), IQ24(0.8), IQ24(0.7)}};
+static const iqfoc_pulse_config_t pulse_config = {pulse_levels, 3, 17000};
+static iqfoc_pulse_mode_t pulse_mode;
+static iqfoc_cycle_t pulse_cycle;
+static iqfoc_cycle_config_t pulse_set;
+static iqfoc_pattern_control_t pulse_control;
+static iq24_t pulse_turns;
+static bool pulse_resumes;
+
+static void begin_pulse_mode(golden_inputs_t *inputs, uint64_t *digest)
+{
+    const iqfoc_pattern_control_config_t config = {
+        IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), IQ24(0.1), IQ24(0.02)};
+    const iqfoc_cycle_config_t set = {
+        .predictor = IQFOC_PREDICTOR(0.75, 5.2e-3, 0.134, 2e-4, 14.849, 565.0),
+        .gains = IQFOC_GAINS(1000.0, 0.75, 5.2e-3, 5.2e-3, 0.134, 2e-4, 14.849, 565.0),
+        .feedback = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
+        .span_max = IQ24_ONE,
+        .current_limit = IQ24(4.0),
+        .period_ticks = 34000};
+    pulse_set = set;
+    digest_add(digest,
+               (int32_t)iqfoc_pattern_control_init(&pulse_control, &config, &other_table, IQ24(0.05)));
+    digest_add(digest, (int32_t)iqfoc_pulse_mode_init(&pulse_mode, &pulse_config));
+    (void)iqfoc_cycle_init(&pulse_cycle, &pulse_set);
+    pulse_cycle.enabled = true;
+    pulse_turns = IQ24(0.02) + golden_within(inputs, IQ24(0.02));
+    pulse_resumes = false;
+}
+
+void golden_pulse_mode(golden_inputs_t *inputs, uint64_t *digest)
+{
+    if (inputs->number % TABLE_AGAIN == 0) {
+        begin_pulse_mode(inputs, digest);
+    }
+    inputs->number++;
+    pulse_turns = iq24_clamp(pulse_turns + golden_within(inputs, IQ24(0.002)), IQ24(-0.05), IQ24(0.05));
+    const iqfoc_ab_t i = golden_ab(inputs, IQ24_ONE);
+    const iq24_t angle = golden_within(inputs, IQ24_MAX);
+    const iq24_t u_dc = IQ24_ONE + golden_within(inputs, IQ24(0.1));
+    iqfoc_pattern_edges_t edges[3] = {{0}};
+    iqfoc_duties_t duties = {{0, 0, 0}, 0};
+    pulse_cycle.i_ref = golden_dq(inputs, IQ24(0.7));
+    iqfoc_pulse_mode_step(&pulse_mode, &pulse_control, pulse_turns, golden_positive(inputs, IQ24_ONE));
+    if (pulse_mode.level > 0) {
+        iqfoc_pattern_control_aim(&pulse_control, pulse_cycle.i_ref, pulse_turns);
+        pulse_resumes = iqfoc_pulse_mode_to_carrier(&pulse_mode, &pulse_control, &pulse_cycle, &pulse_set, i,
+                                                    angle, u_dc, edges, &duties);
+    } else {
+        const iqfoc_sample_t sample = {
+            .i = iqfoc_clarke_inverse(i), .theta = angle, .turns = 2 * pulse_turns, .u_dc = u_dc};
+        const iqfoc_abc_t high = {golden_positive(inputs, IQ24_ONE), golden_positive(inputs, IQ24_ONE),
+                                  golden_positive(inputs, IQ24_ONE)};
+        (void)iqfoc_cycle_valley(&pulse_cycle, &sample, 0);
+        if (pulse_resumes) {
+            iqfoc_pulse_mode_resume(&pulse_control, &pulse_cycle);
+            pulse_resumes = false;
+        }
+        (void)iqfoc_pulse_mode_to_pattern(&pulse_mode, &pulse_control, &pulse_cycle, high, u_dc, edges);
+    }
+    for (int32_t leg = 0; leg < 3; leg++) {
+        digest_add(digest, edges[leg].edges);
+        digest_add(digest, edges[leg].high);
+    }
+    digest_add(digest, pulse_mode.level);
+    digest_add(digest, pulse_mode.wanted);
+    digest_add(digest, pulse_mode.waited);
+    digest_add(digest, duties.high.a);
+    digest_add(digest, duties.high.b);
+    digest_add(digest, duties.high.c);
+    digest_dq(digest, pulse_cycle.u_dq);
+    digest_add(digest, iq24_acc_trunc(pulse_cycle.control.integral_d));
+    digest_add(digest, iq24_acc_trunc(pulse_cycle.control.integral_q));
+    digest_ab(digest, pulse_control.error);
 }

@@ -240,6 +240,7 @@ void golden_vectors(golden_report *report)
         {"sensorless", golden_sensorless},
         {"pattern", golden_pattern},
         {"pattern_control", golden_pattern_control},
+        {"pulse_mode", golden_pulse_mode},
         {"recorder", golden_recorder},
     };
     for (uint32_t k = 0; k < sizeof functions / sizeof functions[0]; k++) {

@@ -302,7 +302,7 @@ static void test_bad_tables_are_refused(void)
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_pattern_init(&m, NULL, 0));
     REFUSED(table.rows, 0, ROWS);
     REFUSED(table.rows, IQFOC_PATTERN_ROWS_MAX + 1, ROWS);
-    REFUSED(table.angles, 0, 1);
+    REFUSED(table.angles, -1, 0);
     REFUSED(table.angles, IQFOC_PATTERN_ANGLES_MAX + 1, 1);
     REFUSED(table.index_low, -1, 0);
     REFUSED(table.index_low, IQ24_ONE + 1, IQ24(0.3));
