@@ -94,6 +94,8 @@ ROOTS = {
     "watch_angle_block": ["iqfoc_watch_angle_step"],
     "shunts": ["iqfoc_shunts_read"],
     "offset": ["iqfoc_offset_step"],
+    "commission": ["iqfoc_commission_step"],
+    "commission_line": ["iqfoc_commission_step"],
     "speed_control": ["iqfoc_speed_control_step"],
     "synchronous_carrier": ["iqfoc_synchronous_carrier_step"],
     "synchronous_set": ["iqfoc_synchronous_carrier_set"],

@@ -5,6 +5,7 @@
 #include "services.h"
 
 #include "iqfoc/adapt.h"
+#include "iqfoc/commission.h"
 #include "iqfoc/cycle_six_step.h"
 #include "iqfoc/encoder.h"
 #include "iqfoc/halls.h"
@@ -91,6 +92,17 @@ static const iqfoc_shunts_t shunts = {IQ24(0.9)};
 static const iqfoc_offset_limits_t offset_limits = {
     .settle = 1, .count_log2 = 14, .offset_max = IQ24(0.2), .noise_max = IQ24(0.1)};
 static iqfoc_offset_t offset;
+static const iqfoc_commission_config_t commission_config = {
+    .offset = {.settle = 0, .count_log2 = 2, .offset_max = IQ24(1.0), .noise_max = IQ24(0.125)},
+    .start = {IQ24(0.5), 1000, 1000, IQ24(0.01), 1000},
+    .i_max = IQ24(4.0),
+    .turns_max = IQ24(1.0 / 3.0 - 1e-6),
+    .u_max = IQ24(0.5),
+    .cycles_max = UINT32_MAX,
+    .settle_cycles = 1000,
+    .block_log2 = 6,
+    .half_log2 = 1};
+static iqfoc_commission_t commission;
 static const iqfoc_start_config_t start_config = {.i_align = IQ24(0.4),
                                                   .ramp_cycles = 500,
                                                   .hold_cycles = 500,
@@ -216,6 +228,10 @@ COUNT(synchronous_carrier, uint32_t, iqfoc_synchronous_carrier_step,
 COUNT(synchronous_set, void, iqfoc_synchronous_carrier_set,
       (const iqfoc_cycle_config_t *, uint32_t, iqfoc_cycle_config_t *), (&carrier_base, 15000, &carrier_set))
 COUNT(synchronous_flux, void, iqfoc_synchronous_carrier_keep_flux, (iqfoc_cycle_t *), (&carrier_cycle))
+COUNT(commission, iqfoc_command_t, iqfoc_commission_step, (iqfoc_commission_t *, const iqfoc_sample_t *),
+      (&commission, &in->sample))
+COUNT(commission_line, iqfoc_command_t, iqfoc_commission_step, (iqfoc_commission_t *, const iqfoc_sample_t *),
+      (&commission, &in->sample))
 COUNT(offset, iqfoc_offset_verdict_t, iqfoc_offset_step, (iqfoc_offset_t *, iqfoc_abc_t),
       (&offset, in->sample.i))
 COUNT(start, void, iqfoc_start_step, (iqfoc_start_t *, iq24_t), (&start, in->sample.theta))
@@ -262,6 +278,42 @@ static uint32_t count_sensorless_locked(const bench_input_t *in)
     sensorless.wanted = IQFOC_ANGLE_OBSERVED;
     iqfoc_observer_start(&sensorless.observer, in->i, sample.theta, sample.turns, true);
     return count_sensorless(in);
+}
+
+/* A drive in one of its phases, `in_block` cycles of its last block measured. */
+static void begin_commission(iqfoc_commission_phase_t phase, uint32_t in_block)
+{
+    (void)iqfoc_commission_init(&commission, &commission_config);
+    commission.phase = phase;
+    commission.start.stage = IQFOC_START_OPEN_LOOP;
+    commission.start.turns = IQ24(0.01);
+    commission.start.i_ref.d = IQ24(0.5);
+    commission.in_block = in_block;
+    commission.blocks = IQFOC_COMMISSION_BLOCKS - 1;
+    for (int32_t k = 0; k < IQFOC_COMMISSION_BLOCKS; k++) {
+        commission.x[k] = IQ24(0.1) * (2 + k / 8) + k % 3;
+        commission.y[k] = IQ24(0.003) * (2 + k / 8) + k % 5;
+    }
+    commission.sum[0] = 63 * INT64_C(8388608);
+    commission.sum[1] = 63 * INT64_C(251658);
+    commission.l_rough = IQ24(0.5);
+    commission.gains.kp_d = IQ24(0.2);
+    commission.gains.kp_q = IQ24(0.2);
+    commission.gains.ki_d = IQ24(0.01);
+    commission.gains.ki_q = IQ24(0.01);
+}
+
+static uint32_t count_commission_in_block(const bench_input_t *in)
+{
+    begin_commission(IQFOC_COMMISSION_SPIN, 1);
+    return count_commission(in);
+}
+
+/* The staircase's last cycle: the line through 32 blocks. */
+static uint32_t count_commission_at_end(const bench_input_t *in)
+{
+    begin_commission(IQFOC_COMMISSION_STAIRCASE, 63);
+    return count_commission_line(in);
 }
 
 static void begin_watch_angle(const bench_input_t *in)
@@ -435,6 +487,8 @@ void bench_services(void)
     bench_report("watch_angle_block", count_watch_angle_at_end);
     bench_report("shunts", count_shunts);
     bench_report("offset", count_offset);
+    bench_report("commission", count_commission_in_block);
+    bench_report("commission_line", count_commission_at_end);
     bench_report("speed_control", count_speed_control);
     bench_report("synchronous_carrier", count_synchronous_carrier);
     bench_report("synchronous_set", count_synchronous_set);

@@ -76,6 +76,8 @@ ROWS = {
     "watch_angle_block": ("watch of the angle sensor, end of a block", "-", None),
     "shunts": ("currents from low-side shunts", "-", None),
     "offset": ("offset calibration, a sample", "-", None),
+    "commission": ("self-commissioning, a cycle of the spin", "-", None),
+    "commission_line": ("self-commissioning, end of the staircase", "-", None),
     "speed_control": ("speed control, a step", "-", None),
     "synchronous_carrier": ("synchronous carrier: the next period", "-", None),
     "synchronous_set": ("its set of parameters", "-", None),

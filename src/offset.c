@@ -1,6 +1,8 @@
 /* Offset calibration of the current sensors (include/iqfoc/offset.h). */
 #include "iqfoc/offset.h"
 
+#include "root.h"
+
 #include <stddef.h>
 
 /* Deviations from the first sample are held to this, so that their squares can be summed. */
@@ -36,19 +38,6 @@ static void add(iqfoc_offset_sums_t *sums, iq24_t measured, bool first)
     sums->squares = IQ24_MAC64(sums->squares, held, held);
 }
 
-/* floor(sqrt(x)), 0 <= x < 2^44: a bit of the root at a time. Once a calibration. */
-static iq24_t root(int64_t x)
-{
-    int64_t found = 0;
-    /*@ loop unroll 22; */
-    for (int64_t bit = INT64_C(1) << 21; bit != 0; bit /= 2) {
-        if ((found + bit) * (found + bit) <= x) {
-            found += bit;
-        }
-    }
-    return (iq24_t)found;
-}
-
 /*
  * Offset and rms noise of one sensor. With m the rounded mean of the deviations, the sum of (d - m)^2 is
  * squares - 2 m sum + n m^2.
@@ -64,7 +53,7 @@ static void evaluate(const iqfoc_offset_sums_t *sums, uint32_t count_log2, iq24_
     const int64_t m = iq24_asr64(sums->sum + n / 2, count_log2);
     const int64_t spread = sums->squares - 2 * m * sums->sum + n * m * m;
     *offset = iq24_add_sat(sums->first, (iq24_t)m);
-    *noise = sums->far ? FAR : root(iq24_asr64(spread, count_log2));
+    *noise = sums->far ? FAR : root_of(iq24_asr64(spread, count_log2));
 }
 
 /* One bit for each sensor with a value above the limit. */

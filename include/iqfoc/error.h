@@ -51,7 +51,8 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_SPEED_CONTROL = -51, /* speed_control.h */
     IQFOC_ERROR_CARRIER = -52,       /* synchronous_carrier.h */
     IQFOC_ERROR_WATCH_ANGLE = -53,   /* watch_angle.h */
-    IQFOC_ERROR_PULSE_MODE = -54     /* pulse_mode.h */
+    IQFOC_ERROR_PULSE_MODE = -54,    /* pulse_mode.h */
+    IQFOC_ERROR_COMMISSION = -55     /* commission.h */
 } iqfoc_error_t;
 
 #endif

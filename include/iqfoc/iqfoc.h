@@ -3,6 +3,7 @@
 #define IQFOC_IQFOC_H
 
 #include "adapt.h"
+#include "commission.h"
 #include "current_control.h"
 #include "cycle.h"
 #include "cycle_check.h"

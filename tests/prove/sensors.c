@@ -5,6 +5,7 @@
 #include "any_drive.h"
 
 #include "iqfoc/adapt.h"
+#include "iqfoc/commission.h"
 #include "iqfoc/halls.h"
 #include "iqfoc/observer_inductance.h"
 #include "iqfoc/observer_resistance.h"
@@ -369,5 +370,145 @@ void prove_watch_angle(void)
             w.down[k] = any_within(0, IQ24(0.5));
         }
         (void)iqfoc_watch_angle_step(&w, &s);
+    }
+}
+
+static iqfoc_sample_t any_measured(void)
+{
+    const iqfoc_sample_t s = {.i = any_abc(IQ24_MIN, IQ24_MAX),
+                              .theta = any(),
+                              .turns = any(),
+                              .u_dc = any(),
+                              .clipped = any_bool()};
+    return s;
+}
+
+/* A commissioning in any state of the header but its phase, with these cycles in its sums. */
+static void any_commission(iqfoc_commission_t *c, const iqfoc_commission_config_t *config, int32_t summed)
+{
+    c->result.i_offset = any_abc(-IQ24_ONE, IQ24_ONE);
+    c->result.i_offset_half = any_abc(0, IQ24(0.25));
+    c->result.r.value = any_within(0, IQ24_ONE);
+    c->result.r.half = any_within(0, IQ24_MAX);
+    c->result.v_dead.value = any_within(-IQ24(0.25), IQ24(0.25));
+    c->result.v_dead.half = any_within(0, IQ24_MAX);
+    c->result.l_d.value = any_within(IQ24(0.0625), IQ24(8.0));
+    c->result.l_d.half = any_within(0, IQ24_MAX);
+    c->result.l_q.value = any();
+    c->result.l_q.half = any_within(0, IQ24_MAX);
+    c->offset.offset = c->result.i_offset;
+    c->start.config = &config->start;
+    c->start.stage = (iqfoc_start_stage_t)any_within(0, 6);
+    c->start.done = any_count(0, (1 << 24) - 1);
+    c->start.theta = any();
+    c->start.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    c->start.i_ref.d = any_within(0, IQ24(2.0));
+    c->start.i_ref.q = 0;
+    c->cycles = any_count(0, UINT32_MAX - 1);
+    c->wait = any_count(0, 1 << 24);
+    c->position = any_count(1, 64);
+    c->amplitude = any_within(1, IQ24(0.5));
+    c->bias = any_within(-IQ24(8.0), IQ24(8.0));
+    c->half_u = any_within(0, IQ24(0.5));
+    c->half_d = any_within(0, IQ24(16.0));
+    c->l_rough = any_within(IQ24(0.0625), IQ24(8.0));
+    c->u_dq = any_dq(IQ24(8.0));
+    c->gains.kp_d = any_within(0, IQ24(2.8));
+    c->gains.kp_q = any_within(0, IQ24(2.8));
+    c->gains.ki_d = any_within(0, IQ24(0.3));
+    c->gains.ki_q = any_within(0, IQ24(0.3));
+    c->gains.anti_windup = any_within(0, IQ24(0.35));
+    c->control.integral_d = iq24_acc_mul(any_within(-IQ24(8.0), IQ24(7.9)), IQ24_ONE);
+    c->control.integral_q = iq24_acc_mul(any_within(-IQ24(8.0), IQ24(7.9)), IQ24_ONE);
+    for (int32_t k = 0; k < 4; k++) {
+        c->sum[k] = (int64_t)any_within(-IQ24(5.4), IQ24(5.4)) * summed;
+    }
+    for (int32_t k = 0; k < IQFOC_COMMISSION_BLOCKS; k++) {
+        c->x[k] = any_within(-IQ24(8.0), IQ24(8.0));
+        c->y[k] = any_within(-IQ24(8.0), IQ24(8.0));
+    }
+}
+
+static iqfoc_commission_config_t any_commission_config(uint32_t block_log2, uint32_t half_log2)
+{
+    const iqfoc_commission_config_t config = {
+        {any_count(0, UINT32_MAX), any_count(2, 16), any(), any()},
+        {any(), any_count(1, 1 << 24), any_count(1, 1 << 24), any(), any_count(1, 1 << 24)},
+        any(),
+        any(),
+        any(),
+        any_count(0, UINT32_MAX),
+        any_count(0, UINT32_MAX),
+        block_log2,
+        half_log2,
+        any(),
+        any(),
+        any()};
+    return config;
+}
+
+/* Self-commissioning with any configuration that is not refused, one step of each phase with current control: any sample. */
+void prove_commission(void)
+{
+    iqfoc_commission_t c;
+    const iqfoc_commission_config_t whatever =
+        any_commission_config(any_count(0, UINT32_MAX), any_count(0, UINT32_MAX));
+    (void)iqfoc_commission_init(&c, &whatever);
+    for (uint32_t block_log2 = 6; block_log2 <= 12; block_log2 += 6) {
+        const iqfoc_commission_config_t config = any_commission_config(block_log2, 1);
+        if (iqfoc_commission_init(&c, &config) == IQFOC_OK) {
+            any_commission(&c, &config, (1 << block_log2) - 1);
+            c.phase = any_bool()   ? IQFOC_COMMISSION_STAIRCASE
+                      : any_bool() ? IQFOC_COMMISSION_SPIN
+                      : any_bool() ? IQFOC_COMMISSION_ALIGN
+                                   : IQFOC_COMMISSION_RUN_UP;
+            c.in_block = any_count(0, (1 << block_log2) - 1);
+            c.blocks = any_count(0, IQFOC_COMMISSION_BLOCKS - 1);
+            const iqfoc_sample_t sample = any_measured();
+            iqfoc_commission_abort(&c);
+            c.abort_requested = any_bool();
+            (void)iqfoc_commission_step(&c, &sample);
+        }
+    }
+}
+
+/* The same for the first phases; the parameter set. */
+void prove_commission_seek(void)
+{
+    iqfoc_commission_t c;
+    iqfoc_flux_predictor_t predictor;
+    iqfoc_extension_t extension;
+    for (uint32_t half_log2 = 1; half_log2 <= 2; half_log2++) {
+        const iqfoc_commission_config_t config = any_commission_config(6, half_log2);
+        if (iqfoc_commission_init(&c, &config) == IQFOC_OK) {
+            any_commission(&c, &config, 4);
+            c.phase = any_bool()   ? IQFOC_COMMISSION_SEEK_ALPHA
+                      : any_bool() ? IQFOC_COMMISSION_SEEK_BETA
+                                   : IQFOC_COMMISSION_OFFSET;
+            const iqfoc_sample_t sample = any_measured();
+            (void)iqfoc_commission_step(&c, &sample);
+            iqfoc_commission_parameters(&c.result, &predictor, &extension);
+        }
+    }
+}
+
+/* The same for the square wave on a current. */
+void prove_commission_wave(void)
+{
+    iqfoc_commission_t c;
+    for (uint32_t half_log2 = 1; half_log2 <= 2; half_log2++) {
+        for (uint32_t block_log2 = 6; block_log2 <= 12; block_log2 += 6) {
+            const iqfoc_commission_config_t config = any_commission_config(block_log2, half_log2);
+            if (iqfoc_commission_init(&c, &config) == IQFOC_OK) {
+                any_commission(&c, &config, 1 << block_log2);
+                c.phase = any_bool()   ? IQFOC_COMMISSION_INDUCTANCE_D
+                          : any_bool() ? IQFOC_COMMISSION_INDUCTANCE_Q
+                                       : IQFOC_COMMISSION_SHAFT;
+                c.in_block = any_count(0, (1 << block_log2) - 1);
+                c.blocks = any_count(0, IQFOC_COMMISSION_BLOCKS);
+                const iqfoc_sample_t sample = any_measured();
+                (void)iqfoc_commission_step(&c, &sample);
+            }
+        }
     }
 }

@@ -6,12 +6,13 @@ raises ValueError for arguments that it cannot use. Figures are rounded to what 
 machines.
 """
 
-from . import (bench, carried_on, diagnosis, front, induction, instructions, iqmath, loops, mean_map, observers, papers, patterns, picture, plan,
+from . import (bench, carried_on, commission, diagnosis, front, induction, instructions, iqmath, loops, mean_map, observers, papers, patterns, picture, plan,
                run, sensorless, sweep, thresholds, tune, watch)
 
 GENERATORS = {
     "bench": bench.generate,
     "carried_on": carried_on.generate,
+    "commission": commission.generate,
     "diagnosis": diagnosis.generate,
     "front": front.generate,
     "loops": loops.generate,

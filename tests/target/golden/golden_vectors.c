@@ -4,6 +4,7 @@
 #include "golden_vectors.h"
 
 #include "golden_around.h"
+#include "golden_commission.h"
 #include "golden_cycle.h"
 #include "golden_limits.h"
 #include "golden_models.h"
@@ -233,6 +234,7 @@ void golden_vectors(golden_report *report)
         {"predictive_control", golden_predictive_control},
         {"angle_sensors", golden_angle_sensors},
         {"start_and_watch", golden_start_and_watch},
+        {"commission", golden_commission},
         {"overmodulation", golden_overmodulation},
         {"reference", golden_reference},
         {"ripple_half", golden_ripple_half},

@@ -54,6 +54,7 @@ static void test_errors(void)
         {IQFOC_ERROR_SUPERVISION, -48},
         {IQFOC_ERROR_SPEED_CONTROL, -51},
         {IQFOC_ERROR_WATCH_ANGLE, -53},
+        {IQFOC_ERROR_COMMISSION, -55},
         {IQFOC_ERROR_OBSERVER, -49},
     };
     for (size_t k = 0; k < sizeof wanted / sizeof *wanted; k++) {

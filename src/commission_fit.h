@@ -1,0 +1,45 @@
+/* The estimators of self-commissioning on the means of 32 blocks (include/iqfoc/commission.h). Private to src/. */
+#ifndef IQFOC_SRC_COMMISSION_FIT_H
+#define IQFOC_SRC_COMMISSION_FIT_H
+
+#include "iqfoc/commission.h"
+
+/* A straight line y = a + b x by least squares, |x| and |y| <= 8 per unit. */
+typedef struct {
+    iqfoc_commission_value_t at_zero; /* a */
+    iqfoc_commission_value_t slope;   /* b */
+} commission_line_t;
+
+/* Mean of the blocks, |x| <= 64; exact to 0.5 LSB. */
+iq24_t commission_mean(const iq24_t x[IQFOC_COMMISSION_BLOCKS]);
+
+/* The line and its half widths. Largest error: a and b 1.5 LSB; half widths 2 LSB too small, 4 too large. */
+commission_line_t commission_line(const iq24_t x[IQFOC_COMMISSION_BLOCKS],
+                                  const iq24_t y[IQFOC_COMMISSION_BLOCKS]);
+
+/* The mean with its half width. */
+iqfoc_commission_value_t commission_spread(const iq24_t x[IQFOC_COMMISSION_BLOCKS]);
+
+/* (h_u - r s)/d of the blocks' d and s; r with its half width. */
+iqfoc_commission_value_t commission_inductance(const iq24_t d[IQFOC_COMMISSION_BLOCKS],
+                                               const iq24_t s[IQFOC_COMMISSION_BLOCKS], iq24_t h_u,
+                                               iqfoc_commission_value_t r);
+
+/* Means in the frame of the commanded angle: current, voltage. */
+typedef struct {
+    iqfoc_dq_t i;
+    iqfoc_dq_t u;
+} commission_means_t;
+
+/* psi_f of one block; phi_s1: 2 sin(phi/2). */
+iq24_t commission_flux(const iqfoc_commission_result_t *known, const commission_means_t *means,
+                       iq24_t phi_s1);
+
+/* The half width that the parameters in `known` add to it. */
+iq24_t commission_flux_half(const iqfoc_commission_result_t *known, const commission_means_t *means,
+                            iq24_t phi_s1);
+
+/* sqrt(a^2 + b^2), rounded up. */
+iq24_t commission_both(iq24_t a, iq24_t b);
+
+#endif
