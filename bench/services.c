@@ -78,7 +78,7 @@ static iqfoc_tracker_t tracker;
 static iqfoc_observer_config_t observer_config =
     IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 5e-3, 0.12, 2e-4, 10.0, 300.0, 800.0, IQ24(0.005));
 static iqfoc_observer_t observer;
-static iqfoc_observer_inductance_config_t inductance_config = {IQ24(0.05), IQ24(0.0625), 1, 0};
+static iqfoc_observer_inductance_config_t inductance_config = {IQ24(0.05), IQ24(0.0625), 0, 1, 0};
 static iqfoc_observer_inductance_t inductance;
 static const iqfoc_observer_resistance_config_t resistance_config = {IQ24(0.05), IQ24(0.5), IQ24(0.05)};
 static iqfoc_observer_config_t resistance_adapted;

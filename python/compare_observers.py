@@ -91,7 +91,7 @@ def acting(rows):
 
 
 def of_library(program, rows, saliency):
-    """Rows, bias and rms of `iqfoc observe`, which begins half a turn off."""
+    """Rows, bias and rms of `iqfoc observe`, which begins without an angle."""
     motor = (f'name = "2019"\n[motor]\npole_pairs = {POLE_PAIRS}\nR_ohm = {R}\nL_d_H = {L_D}\nL_q_H = {saliency * L_D}\npsi_f_Wb = {PSI}\n'
              f'I_rated_A_rms = 10.5\nn_max_rpm = {RPM}\n[inverter]\nf_pwm_Hz = {1.0 / rows.T_s}\nu_dc_V = {LINK_V}\n'
              f'[extension.dead_time]\nv_dead_V = {DEAD * LINK_V}\ni_knee_A = {knee(rows.T_s)}\n')

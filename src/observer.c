@@ -8,8 +8,11 @@
 
 #define TURNS_MAX_Q32 (IQFOC_ROTOR_TURNS_MAX * INT32_C(256))
 
-/* While the observer seeks. Two poles at 1/2, and a correction also where the assumed speed is too low. */
-#define SEEK_K1   IQ24(0.75)
+/*
+ * While the observer seeks. Two poles at 1/2: theta + turns + 3/4 e, which is arg a - 1/4 e; and a correction also where the
+ * assumed speed is too low.
+ */
+#define SEEK_K1   IQ24(-0.25)
 #define SEEK_K2   IQ24(0.25)
 #define SEEK_GAIN IQ24(0.125)
 
@@ -100,7 +103,8 @@ void iqfoc_observer_start(iqfoc_observer_t *o, iqfoc_ab_t i, iq24_t theta, iq24_
     const iqfoc_observer_config_t *c = o->config;
     const inductances l = inductances_at(c, i);
     const iq24_sincos_t d_q30 = iq24_sincos_q30_inline(theta);
-    const iq24_t radius = radius_of(c->machine.psi, iq24_sub_wrap(l.d, l.q), i, d_q30);
+    /* Unknown: a = 0, so that the next a is the chord. */
+    const iq24_t radius = known ? radius_of(c->machine.psi, iq24_sub_wrap(l.d, l.q), i, d_q30) : 0;
     const iqfoc_ab_t of_current = flux_of(l.q, i);
     o->psi.alpha = IQ24_HOLD_BITS(iq24_add_wrap(of_current.alpha, iq24_mul_shift(radius, d_q30.cos, 30)), 30);
     o->psi.beta = IQ24_HOLD_BITS(iq24_add_wrap(of_current.beta, iq24_mul_shift(radius, d_q30.sin, 30)), 30);
@@ -112,6 +116,17 @@ void iqfoc_observer_start(iqfoc_observer_t *o, iqfoc_ab_t i, iq24_t theta, iq24_
     o->slow = 0;
     o->status = 0;
     o->locked = known;
+    o->begins = !known;
+}
+
+/* The angle from the EMF of the first cycle, whose a began at 0. Range: within 1/2 + 1/4 + 1/6 turn. */
+static void begin(iqfoc_observer_t *o, iqfoc_ab_t a, iq24_t i_alpha, iq24_t i_beta)
+{
+    const iqfoc_ab_t i = {i_alpha, i_beta};
+    const iq24_t turns = iqfoc_observer_turns(o);
+    const iq24_t across = turns < 0 ? IQ24(0.25) : IQ24(-0.25);
+    iqfoc_observer_start(o, i, iq24_atan2(a.beta, a.alpha) + across + iq24_asr32(turns, 1), turns, true);
+    o->locked = false;
 }
 
 static uint32_t one_more(uint32_t count)
@@ -187,19 +202,21 @@ typedef struct loop_step {
  * Range: across is held to 1.5 radius, radius is 1/64 ... 32: Q24 over 2^9 is 2^9 ... 2^20 and the quotient
  * below 2^20.4, so the product is below 2^52 and 2^-9 of it below 1.04e9.
  */
-static inline loop_step locked_step(const iqfoc_observer_config_t *c, int32_t phi_q28, iq24_t across,
+static inline loop_step locked_step(const iqfoc_observer_config_t *c, int32_t speed_q32, iq24_t across,
                                     iq24_t radius)
 {
     const iq24_t divisor = iq24_max(radius, RADIUS_MIN);
     const iq24_t most = divisor + iq24_asr32(divisor, 1);
     const int64_t e_q41 =
         IQ24_MUL64(within_most(across, most), (int32_t)(RADIAN_Q32 / ((uint32_t)divisor >> 9)));
-    const loop_step by = {iq24_shift_wrap(e_q41, 9), iq24_asr32(phi_q28, 1), c->k1, c->k2};
+    const loop_step by = {iq24_shift_wrap(e_q41, 9), iq24_mul_high(speed_q32, IQFOC_OBSERVER_GAIN * 16),
+                          c->k1, c->k2};
     return by;
 }
 
-static inline loop_step seeking_step(int32_t phi_q28, int32_t e_q32)
+static inline loop_step seeking_step(int32_t speed_q32, int32_t e_q32)
 {
+    const int32_t phi_q28 = iq24_mul_high(speed_q32, IQFOC_Q28_2_PI);
     const loop_step by = {e_q32, iq24_max(phi_q28, SEEK_GAIN * 16), SEEK_K1, SEEK_K2};
     return by;
 }
@@ -215,9 +232,16 @@ void iqfoc_observer_step(iqfoc_observer_t *o, iqfoc_ab_t u, iqfoc_ab_t i_mean, i
         IQ24_HOLD_BITS(o->psi.beta + u.beta - iq24_mul_high(r_q29, i_mean.beta * 8), 30)};
     const iqfoc_ab_t of_current = flux_of(l.q, i);
     const iqfoc_ab_t a = {psi.alpha - of_current.alpha, psi.beta - of_current.beta};
-    const int32_t expected = iq24_add_wrap(o->theta_q32, o->turns_q32);
-    const iq24_t angle = o->locked ? iq24_asr32(expected, 8) : iq24_atan2(a.beta, a.alpha);
-    const iq24_sincos_t d_q30 = iq24_sincos_q30_inline(angle);
+    int32_t along_q32 = iq24_add_wrap(o->theta_q32, o->turns_q32); /* the angle of d */
+    if (!o->locked) {
+        if (o->begins) {
+            begin(o, a, i.alpha, i.beta);
+            return;
+        }
+        o->theta_q32 = along_q32;
+        along_q32 = iq24_wrap((int64_t)iq24_atan2(a.beta, a.alpha) * 256);
+    }
+    const iq24_sincos_t d_q30 = iq24_sincos_q30_inline(iq24_asr32(along_q32, 8));
     const iq24_t radius = radius_of(c->machine.psi, iq24_sub_wrap(l.d, l.q), i, d_q30);
     const iq24_t along = part_of(a, d_q30);
     /* Range: as part_of. The sine changes its sign, as it is in a register. */
@@ -225,15 +249,13 @@ void iqfoc_observer_step(iqfoc_observer_t *o, iqfoc_ab_t u, iqfoc_ab_t i_mean, i
     const iq24_t off = IQ24_HOLD_BITS(iq24_sub_wrap(radius, along), 28);
     /* Q32 times Q28 is Q28, within 2.1. Q30 times Q28 is Q26, and that times Q30 is Q24. */
     const int32_t speed_q32 = o->turns_q32 < 0 ? -o->turns_q32 : o->turns_q32;
-    const int32_t phi_q28 = iq24_mul_high(speed_q32, IQFOC_Q28_2_PI);
-    const loop_step by =
-        o->locked ? locked_step(c, phi_q28, across, radius)
-                  : seeking_step(phi_q28, iq24_sub_wrap(iq24_wrap((int64_t)angle * 256), expected));
+    const loop_step by = o->locked ? locked_step(c, speed_q32, across, radius)
+                                   : seeking_step(speed_q32, iq24_sub_wrap(along_q32, o->theta_q32));
     const int32_t by_q26 = iq24_mul_high(iq24_min(c->gain_max * 16, by.gain_q28) * 4, off * 16);
     const iqfoc_ab_t corrected = {IQ24_HOLD_BITS(iq24_mac_high(psi.alpha, by_q26, d_q30.cos), 30),
                                   IQ24_HOLD_BITS(iq24_mac_high(psi.beta, by_q26, d_q30.sin), 30)};
     /* Range: |k1| <= 1, so a product is within 2^31; |k2| <= 1/4, so its product and the speed are within 2^29 + 1.44e9. */
-    const int32_t theta_q32 = iq24_add_wrap(expected, iq24_mul_trunc(by.k1, by.e_q32));
+    const int32_t theta_q32 = iq24_add_wrap(along_q32, iq24_mul_trunc(by.k1, by.e_q32));
     const int32_t turns_q32 = within_most(o->turns_q32 + iq24_mul_high(256 * by.k2, by.e_q32), TURNS_MAX_Q32);
     o->psi = corrected;
     o->theta_q32 = theta_q32;

@@ -20,12 +20,12 @@ iqfoc_error_t iqfoc_observer_inductance_init(iqfoc_observer_inductance_t *induct
         return error;
     }
     const iq24_t l_d = nominal->machine.l_d;
-    const bool good = iq24_within(config->gain, 1, IQ24_ONE) &&
-                      iq24_within(config->least, IQ24(0.0625), IQ24_ONE) &&
-                      iq24_within(config->low, 1, nominal->machine.l_q) &&
-                      iq24_within(config->high, nominal->machine.l_q, IQ24(8.0)) &&
-                      iq24_within(l_d - config->low, IQ24(-4.0), IQ24(4.0)) &&
-                      iq24_within(l_d - config->high, IQ24(-4.0), IQ24(4.0));
+    const bool good =
+        iq24_within(config->gain, 1, IQ24_ONE) && iq24_within(config->least, IQ24(0.0625), IQ24_ONE) &&
+        iq24_within(config->u_least, 0, IQ24_ONE) && iq24_within(config->low, 1, nominal->machine.l_q) &&
+        iq24_within(config->high, nominal->machine.l_q, IQ24(8.0)) &&
+        iq24_within(l_d - config->low, IQ24(-4.0), IQ24(4.0)) &&
+        iq24_within(l_d - config->high, IQ24(-4.0), IQ24(4.0));
     if (!good) {
         return IQFOC_ERROR_OBSERVER;
     }
@@ -47,6 +47,13 @@ static iq24_t filtered(iqfoc_observer_inductance_t *inductance, iq24_t i_q)
     return x;
 }
 
+/* The voltage of L_q in the step. Range: the header's. */
+static iq24_t voltage_of(const iqfoc_observer_inductance_t *inductance, iq24_t turns, iq24_t x)
+{
+    const iq24_t flux = iq24_mul_trunc(inductance->adapted.machine.l_q, x);
+    return iq24_abs_sat(iq24_mul_sat(iq24_mul_trunc(TWO_PI, turns), flux));
+}
+
 void iqfoc_observer_inductance_step(iqfoc_observer_inductance_t *inductance, const iqfoc_observer_t *observer,
                                     iqfoc_ab_t i)
 {
@@ -59,7 +66,8 @@ void iqfoc_observer_inductance_step(iqfoc_observer_inductance_t *inductance, con
         return;
     }
     const iq24_t x = filtered(inductance, i_q);
-    if (iq24_within(x, 1 - c->least, c->least - 1)) {
+    if (iq24_within(x, 1 - c->least, c->least - 1) ||
+        voltage_of(inductance, iqfoc_observer_turns(observer), x) < c->u_least) {
         return;
     }
     const iq24_t squares = iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(x, x), c->least, c->least));

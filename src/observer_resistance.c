@@ -99,7 +99,7 @@ void iqfoc_observer_resistance_step(iqfoc_observer_resistance_t *resistance, iqf
                           driven(resistance->s.beta, resistance->r_over_psi, i.beta)};
     const iqfoc_dq_t parts = iqfoc_park(s, d);
     const iq24_t turns = iq24_abs_sat(iqfoc_observer_turns(observer));
-    const iq24_t g = iq24_min(resistance->adapted->gain_max, iq24_mul_round(IQ24(3.141592653589793), turns));
+    const iq24_t g = iq24_min(resistance->adapted->gain_max, iq24_mul_round(IQFOC_OBSERVER_GAIN, turns));
     const iq24_t by = iq24_mul_round(g, parts.d);
     resistance->s.alpha = IQ24_HOLD_BITS(s.alpha - iq24_mul_round(by, d.cos), 30);
     resistance->s.beta = IQ24_HOLD_BITS(s.beta - iq24_mul_round(by, d.sin), 30);

@@ -10,19 +10,24 @@
  *     d      = (cos, sin) of theta + turns                 locked: the angle expected; seeking: d = a/|a|
  *     radius = psi_f + (l_d - l_q) i_d,   i_d: part of i along d
  *     off    = radius - a d
- *     psi    = psi' + g off d,   g = min(gain_max, |phi|/2)
+ *     psi    = psi' + g off d,   g = min(gain_max, 0.4 |phi|)
  *     e      = d x a/(2 pi radius)                         turns: phase-locked loop; seeking: arg a - (theta + turns)
  *     theta += turns + k1 e,   turns += k2 e
  *
  * Stability at any speed: d turns with the rotor, so a flux error x, seen from the rotor, becomes
  * x' = Rot(-phi) (I - g d d^T) x, with the determinant 1 - g and the trace (2 - g) cos phi. Both eigenvalues are inside
  * the unit circle if |det| < 1 and |trace| < 1 + det: for 0 < g < 2 and each phi that is no multiple of pi. At low speed
- * an error decays to 1/e in 4 rad of rotor movement. The poles of the phase-locked loop do not depend on the speed.
+ * an error decays to 1/e in 5 rad of rotor movement. The poles of the phase-locked loop do not depend on the speed.
  *
- * The observer is locked or it seeks. While it seeks, g is |phi| within 1/8 ... gain_max, k1 is 3/4 and k2 is 1/4. It is
- * locked after `lock_cycles` cycles in a row with |e| <= angle_max, |off| <= flux_max and |turns| >= turns_min. The lock
- * is lost if a limit of e or off is exceeded in more than `lost_cycles` cycles in a row, or if the speed is below
- * turns_min in more than `slow_cycles` cycles in a row. A sticky bit of `status` tells the reason.
+ * The observer is locked or it seeks. Its first step after a start takes the angle from the EMF: a began at 0, so a is now
+ * the chord of the magnet's flux over the cycle, across the rotor at the middle of the cycle. psi is then the flux at
+ *
+ *     theta = arg a - 1/4 + turns/2,   turns < 0: arg a + 1/4 + turns/2
+ *
+ * After that, while it seeks, g is |phi| within 1/8 ... gain_max, k1 is 3/4 and k2 is 1/4. It is locked after
+ * `lock_cycles` cycles in a row with |e| <= angle_max, |off| <= flux_max and |turns| >= turns_min. The lock is lost if a
+ * limit of e or off is exceeded in more than `lost_cycles` cycles in a row, or if the speed is below turns_min in more
+ * than `slow_cycles` cycles in a row. A sticky bit of `status` tells the reason.
  *
  *     valley:  i_mean = iqfoc_observer_mean(cycle.i_valley, cycle.i_peak, i);
  *              iqfoc_observer_step(&observer, iqfoc_extension_acting(&extension, cycle.u_now, i_mean), i_mean, i);
@@ -49,6 +54,9 @@
 extern "C" {
 #endif
 
+/* g of a locked step over the turns per cycle: 0.4 * 2 pi. */
+#define IQFOC_OBSERVER_GAIN IQ24(2.5132741228718345)
+
 /* Sticky bits of `status`: the reasons for a lost lock. iqfoc_observer_start resets them. */
 #define IQFOC_OBSERVER_LOST_ANGLE UINT32_C(0x1) /* the angle jumps: |e| beyond angle_max */
 #define IQFOC_OBSERVER_LOST_FLUX  UINT32_C(0x2) /* the flux has a wrong length: |off| beyond flux_max */
@@ -73,12 +81,13 @@ typedef struct iqfoc_observer_config {
 
 /*
  * Initialiser of iqfoc_observer_config_t from physical values (params.h), without saturation. w_rad_s: bandwidth of the
- * phase-locked loop; 0.16/T pulls in fast and passes 0.1 degrees of the noise of usual sensors. turns_min: a twentieth
+ * phase-locked loop; 0.16/T passes 0.1 degrees of the noise of usual sensors. With the turns x per cycle at the top speed,
+ * 0.65 x^(2/3)/T, if that is less, keeps the noise of the speed at 0.02 % of the top speed. turns_min: a twentieth
  * of the top speed is usual, less if R and dead time are well known.
  */
 #define IQFOC_OBSERVER_CONFIG(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V, w_rad_s, turns_min)            \
     {                                                                                                        \
-        IQFOC_FLUX_PREDICTOR(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V), 0, IQ24(0.5),                  \
+        IQFOC_FLUX_PREDICTOR(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V), 0, IQ24(0.48),                 \
             IQ24(IQFOC_RAW_TRACKER_K1_2(IQFOC_RAW_TRACKER_POLE(w_rad_s, T_s))),                              \
             IQ24(IQFOC_RAW_TRACKER_K2_2(IQFOC_RAW_TRACKER_POLE(w_rad_s, T_s))), turns_min, IQ24(0.02),       \
             IQFOC_FLUX_PSI((psi_Wb) / 4.0, T_s, U_b_V), 8, 50, 2000                                          \
@@ -97,6 +106,7 @@ typedef struct iqfoc_observer {
     uint32_t slow;     /* cycles in a row below turns_min */
     uint32_t status;   /* sticky: IQFOC_OBSERVER_LOST_... */
     bool locked;
+    bool begins; /* the next step takes the angle from the EMF */
 } iqfoc_observer_t;
 
 /* IQFOC_OK, or the error of a value outside its range: those of iqfoc_flux_predictor_check, IQFOC_ERROR_OBSERVER. */
@@ -107,11 +117,11 @@ iqfoc_error_t iqfoc_observer_init(iqfoc_observer_t *observer, const iqfoc_observ
 
 /*
  * Sets angle, speed and flux for the current i of this instant, and resets `status`. known: true locks at once, after
- * an alignment, an open-loop start (start.h) or a sensor; false seeks, from any theta, with a speed of the right sign
- * within +-50 %. Not within the time of a step.
+ * an alignment, an open-loop start (start.h) or a sensor; false seeks: theta does not matter, and the speed needs the
+ * right sign and to be within +-50 %. Not within the time of a step.
  *
  * |component of i| <= 15.9. theta: turns, any number of whole ones. turns: held to IQFOC_ROTOR_TURNS_MAX.
- * Largest error of psi, of 400000 drawn: 1.8 LSB times 1 + |psi| + l_q + |l_d - l_q|.
+ * Largest error of psi, known or after the first step, of 400000 drawn: 1.8 LSB times 1 + |psi| + l_q + |l_d - l_q|.
  */
 void iqfoc_observer_start(iqfoc_observer_t *observer, iqfoc_ab_t i, iq24_t theta, iq24_t turns, bool known);
 

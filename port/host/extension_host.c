@@ -3,6 +3,8 @@
 
 #include "iqfoc/extension_params.h"
 
+#include <math.h>
+
 /* In IQ24. */
 static bool constant(const motor *m, const char *key, const char *name, double value, double low, double high,
                      iq24_t *out, error *e)
@@ -57,6 +59,17 @@ bool flux_predictor_from_motor(const motor *m, iqfoc_flux_predictor_t *predictor
     return true;
 }
 
+/* Turns per cycle. */
+static double top_speed(const motor *m)
+{
+    return motor_speed_rad_s(m, m->n_max_rpm) * per_unit_of(m).T_s / VEC_TWO_PI;
+}
+
+double observer_loop_rad(const motor *m)
+{
+    return fmax(0.01, fmin(0.16, 0.65 * pow(top_speed(m), 2.0 / 3.0)));
+}
+
 void observer_set_loop(iqfoc_observer_config_t *config, double bandwidth_rad)
 {
     const double pole = IQFOC_RAW_TRACKER_POLE(bandwidth_rad, 1.0);
@@ -67,11 +80,10 @@ void observer_set_loop(iqfoc_observer_config_t *config, double bandwidth_rad)
 bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error *e)
 {
     static const double least_share = 0.05; /* of the top speed */
-    const double T_s = per_unit_of(m).T_s;
-    const double least = least_share * motor_speed_rad_s(m, m->n_max_rpm) * T_s / VEC_TWO_PI;
+    const iq24_t least = iq24_from_double(least_share * top_speed(m));
     iqfoc_extension_t extension;
-    iqfoc_observer_config_t c = {.gain_max = IQ24(0.5),
-                                 .turns_min = iq24_min(iq24_from_double(least), IQFOC_ROTOR_TURNS_MAX),
+    iqfoc_observer_config_t c = {.gain_max = IQ24(0.48),
+                                 .turns_min = iq24_min(least, IQFOC_ROTOR_TURNS_MAX),
                                  .angle_max = IQ24(0.02),
                                  .lock_cycles = 8,
                                  .lost_cycles = 50,
@@ -79,7 +91,7 @@ bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error 
     if (!extension_from_motor(m, &extension, e) || !flux_predictor_from_motor(m, &c.machine, e)) {
         return false;
     }
-    observer_set_loop(&c, OBSERVER_LOOP_RAD);
+    observer_set_loop(&c, observer_loop_rad(m));
     c.saturation = extension.saturation;
     c.flux_max = c.machine.psi / 4;
     *config = c;

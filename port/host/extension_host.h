@@ -18,15 +18,20 @@
  */
 bool extension_from_motor(const motor *m, iqfoc_extension_t *extension, error *e);
 
-/* Usual bandwidth of the observer's phase-locked loop times the cycle, and the range that its gains allow. */
-#define OBSERVER_LOOP_RAD      0.16
+/* Highest bandwidth of the observer's phase-locked loop times the cycle that its gains allow. */
 #define OBSERVER_LOOP_RAD_MOST 1.0
+
+/*
+ * The usual one of a motor: 0.65 turns^(2/3) within 0.01 ... 0.16, with its turns per cycle at the top speed. A sensor's noise
+ * of 0.5 % then leaves up to 0.02 % of noise in the top speed, at each carrier frequency (docs/sensorless.md).
+ */
+double observer_loop_rad(const motor *m);
 
 /* k1 and k2 for this bandwidth times the cycle: 0 < bandwidth_rad <= OBSERVER_LOOP_RAD_MOST. */
 void observer_set_loop(iqfoc_observer_config_t *config, double bandwidth_rad);
 
 /*
- * The observer of a motor file: gain and limits of IQFOC_OBSERVER_CONFIG, a bandwidth of OBSERVER_LOOP_RAD/T, and a
+ * The observer of a motor file: gain and limits of IQFOC_OBSERVER_CONFIG, the usual bandwidth for its top speed, and a
  * twentieth of the top speed as the least speed.
  */
 bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error *e);

@@ -227,8 +227,7 @@ static void replay_stretch(replay *p, const stretch *s, observe_result *result)
 {
     const iqfoc_sample_t first = sample_of(p, s->first, false);
     const long rows = result->rows;
-    iqfoc_observer_start(&p->observer, current_of(p, s->first, false), iq24_add_wrap(first.theta, IQ24(0.5)),
-                         first.turns, false);
+    iqfoc_observer_start(&p->observer, current_of(p, s->first, false), 0, first.turns, false);
     p->since_lock = 0;
     p->seeking = 0;
     p->off_rad[0] = NAN;
@@ -296,7 +295,7 @@ bool observe_recording(const recording *r, const motor *m, double bandwidth_rad_
     if (!configure(&p, bandwidth_rad_s, e) || !replay_all(&p, result, e)) {
         return false;
     }
-    result->bandwidth_rad_s = bandwidth_rad_s > 0.0 ? bandwidth_rad_s : OBSERVER_LOOP_RAD / p.base.T_s;
+    result->bandwidth_rad_s = bandwidth_rad_s > 0.0 ? bandwidth_rad_s : observer_loop_rad(&own) / p.base.T_s;
     result->least_rpm = rpm_of(&own, iq24_to_double(p.config.turns_min));
     result->speed_rms_rpm =
         result->all.rows > 0 ? rpm_of(&own, sqrt(p.speed_squares / (double)result->all.rows)) : NAN;

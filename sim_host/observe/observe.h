@@ -1,8 +1,7 @@
 /*
  * The firmware's observer without a sensor (iqfoc/observer.h) over a recording, compared with the recorded angle.
  *
- * Each stretch begins with the observer's angle half a turn off and the recorded speed, so that each shows how long the
- * pull-in takes. A row counts as settled once the observer has been locked for OBSERVE_SETTLED_ROWS rows and while the
+ * Each stretch begins without an angle, but with the recorded speed, so that each shows how long the pull-in takes. A row counts as settled once the observer has been locked for OBSERVE_SETTLED_ROWS rows and while the
  * recorded speed is above the least one.
  */
 #ifndef SIM_HOST_OBSERVE_OBSERVE_H
@@ -48,7 +47,7 @@ extern const double observe_current_share[OBSERVE_CURRENTS + 1];
  * (pwm_updates.h of the recording, else of the motor file), acts as its mean over the cycle. False: a motor whose values
  * the observer refuses, or a recording without two rows in a row.
  *
- * bandwidth_rad_s: of the phase-locked loop, up to 1/T; 0: OBSERVER_LOOP_RAD/T.
+ * bandwidth_rad_s: of the phase-locked loop, up to 1/T; 0: the usual one (port/host/extension_host.h).
  *
  * series: of OBSERVE_COLUMNS, or NULL; each row adds the number of rows so far in seconds, recorded and observed speed
  * in rpm, and in settled rows the angle's error in degrees.

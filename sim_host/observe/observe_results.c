@@ -61,7 +61,7 @@ void observe_print(const motor *m, const observe_result *r, FILE *out)
             "%s: locked in %ld of %ld rows; lost %ld times by the angle, %ld by the flux, %ld by low speed\n",
             m->name, r->locked, r->rows, r->lost[0], r->lost[1], r->lost[2]);
     if (r->pull_in >= 0) {
-        fprintf(out, "  longest pull-in from half a turn off: %ld rows\n", r->pull_in);
+        fprintf(out, "  longest pull-in: %ld rows\n", r->pull_in);
     }
     if (r->all.rows == 0) {
         fprintf(out, "  no settled row above %.4g rpm: no error to show\n", r->least_rpm);

@@ -127,7 +127,7 @@ static double disk_motoring(const tune_result *r, const tune_sensorless *s, int 
 /* The usual gain, unless another one has a larger margin at n_max. */
 static double choose_gain(const tune_result *r, double w_T)
 {
-    static const double gains[] = {0.5, 0.25, 0.35, 0.7, 1.0};
+    static const double gains[] = {0.48, 0.25, 0.35, 0.7, 1.0};
     double best = 0.0;
     double gain = gains[0];
     for (size_t n = 0; n < sizeof gains / sizeof gains[0]; n++) {
@@ -195,7 +195,7 @@ void tune_observer_find(const tune_result *r, double run_up_s, tune_observer *o)
                          .fastest = wanted > OBSERVER_LOOP_RAD_MOST,
                          .noise_A = r->region.noise_A,
                          .noise_measured = r->region.noise_A > 0.0,
-                         .gain_max = 0.5,
+                         .gain_max = 0.48,
                          .flux_max = FLUX_LEAST};
     if (!configure(r, w_T, o)) {
         o->none = "the magnet's flux is too small, or L_d and L_q differ too much (iqfoc/observer.h)";

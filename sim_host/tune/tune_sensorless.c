@@ -167,7 +167,7 @@ static void observe(scene *x, const cycle_state *c, const double complex i[3], c
     const double complex d = vec_turn(expected);
     const double radius = m->psi_f_Wb + (m->L_d_H - m->L_q_H) * creal(end * conj(d));
     const double complex seen = active * conj(d);
-    const double gain = fmin(s->gain_max, 0.5 * fabs(phi + c->faster));
+    const double gain = fmin(s->gain_max, 0.4 * fabs(phi + c->faster));
     const double e = cimag(seen) / radius;
     x->flux_off_Wb = radius - creal(seen);
     next->flux = flux + gain * x->flux_off_Wb * d;

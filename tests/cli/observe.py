@@ -158,7 +158,7 @@ def choose_bandwidth(folder):
         options = [] if bandwidth is None else ["--bandwidth", str(bandwidth)]
         done = program.run(["observe", "r.csv", "--motor", motor, *options, "--json", "-"], folder)
         got = json.loads(done.stdout)
-        w_T = 0.16 if bandwidth is None else bandwidth / 5000
+        w_T = 0.65 * (400 / 5000) ** (2 / 3) if bandwidth is None else bandwidth / 5000  # 8000 rpm are 400 Hz
         lag = 360 * accelerated / w_T**2  # p^2/(1 - p)^2 with p = 1/(1 + w T)
         check(abs(got["bandwidth_rad_s"] - 5000 * w_T) < 1e-6 and abs(-got["error"]["bias_deg"] - lag) < 0.02,
               f"bandwidth {got['bandwidth_rad_s']:g} rad/s lags {-got['error']['bias_deg']:.3f} degrees, by the formula {lag:.3f}")

@@ -108,6 +108,7 @@ void prove_observer(void)
         o.count = any_count(0, UINT32_MAX);
         o.slow = any_count(0, UINT32_MAX);
         o.locked = any_bool();
+        o.begins = any_bool();
         iqfoc_observer_step(&o, any_ab(IQ24(2.0)), any_ab(IQ24(15.9)), any_ab(IQ24(15.9)));
         (void)iqfoc_observer_mean(any_ab(IQ24(15.9)), any_ab(IQ24(15.9)), any_ab(IQ24(15.9)));
         (void)iqfoc_observer_theta(&o, any_within(-8 * IQ24_ONE, 8 * IQ24_ONE));
@@ -121,7 +122,7 @@ void prove_observer_inductance(void)
 {
     const iqfoc_observer_config_t nominal =
         IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 3e-3, 0.12, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.004));
-    const iqfoc_observer_inductance_config_t config = {any(), any(), any(), any()};
+    const iqfoc_observer_inductance_config_t config = {any(), any(), any(), any(), any()};
     iqfoc_observer_inductance_t a;
     iqfoc_observer_t o;
     if (iqfoc_observer_inductance_init(&a, &config, &nominal) == IQFOC_OK &&

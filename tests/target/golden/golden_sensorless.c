@@ -46,8 +46,8 @@ static const iqfoc_cycle_config_t cycle_config = {
 /* The observer's L_q is 15 % too large at first. */
 static const iqfoc_observer_config_t observer_config =
     IQFOC_OBSERVER_CONFIG(R_OHM, L_H, 1.15 * L_H, PSI_WB, T_S, I_B_A, U_DC_V, 1600.0, IQ24(0.005));
-static const iqfoc_observer_inductance_config_t inductance_config = {IQ24(0.05), IQ24(0.08), IQ24(0.1),
-                                                                     IQ24(0.4)};
+static const iqfoc_observer_inductance_config_t inductance_config = {IQ24(0.05), IQ24(0.08), IQ24(0.003),
+                                                                     IQ24(0.1), IQ24(0.4)};
 static const iqfoc_observer_resistance_config_t resistance_config = {IQ24(0.05), IQ24(0.5), IQ24(0.05)};
 /* Limits below the errors of the observer, so that it gets a name on the way. */
 static const iqfoc_watch_angle_config_t angle_config = {2,           IQ24(0.01),   IQ24(0.002),

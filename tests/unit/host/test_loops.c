@@ -206,7 +206,7 @@ static void the_observed_angle_holds_in_the_loop(void)
             TEST_ASSERT_TRUE(l->locked);
             TEST_ASSERT_DOUBLE_WITHIN(0.45, 0.0, l->bias_deg);
             TEST_ASSERT_TRUE(l->rms_deg > 0.02 && l->rms_deg < 0.15);
-            TEST_ASSERT_TRUE(l->speed_percent < 0.0025 * sensorless_ratios[k]);
+            TEST_ASSERT_TRUE(l->speed_percent <= 0.02);
         }
         TEST_ASSERT_DOUBLE_WITHIN(1.0, all.overshoot_measured[k], all.overshoot_observed[k]);
         TEST_ASSERT_TRUE(all.step_percent[k] > 0.0 && all.step_percent[k] < 5.0);

@@ -83,7 +83,7 @@ static void test_poles_of_the_true_machine(void)
         const double w_T = 0.3;
         const tune_sensorless s = observed(w_T, 0.4);
         const tune_operating_point at = place(1.0, 1.0, 1.0, 1.0, ratio[n]);
-        const double g = fmin(0.4, 0.5 * at.phi_rad);
+        const double g = fmin(0.4, 0.4 * at.phi_rad);
         const double half_trace = 0.5 * (2.0 - g) * cos(at.phi_rad);
         const double complex root = csqrt(half_trace * half_trace - (1.0 - g));
         double complex wanted[TUNE_ORDER + 4] = {1.0 / (1.0 + w_T), 1.0 / (1.0 + w_T), half_trace + root,

@@ -18,11 +18,12 @@ static iqfoc_observer_t o;
 
 void setUp(void)
 {
-    config = (iqfoc_observer_inductance_config_t){IQ24(0.05), IQ24(0.08), nominal.machine.l_q / 2,
-                                                  nominal.machine.l_q * 2};
+    config = (iqfoc_observer_inductance_config_t){IQ24(0.05), IQ24(0.08), IQ24(0.003),
+                                                  nominal.machine.l_q / 2, nominal.machine.l_q * 2};
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_inductance_init(&a, &config, &nominal));
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &a.adapted));
     o.locked = true;
+    o.turns_q32 = INT32_C(1) << 29; /* 1/8 turn per cycle */
 }
 
 void tearDown(void)
@@ -46,17 +47,20 @@ static void test_step_is_that_of_its_lines(void)
 {
     uint64_t seed = 31;
     long steps = 0;
+    long held_steps = 0; /* by the voltage */
     for (int n = 0; n < 400000; n++) {
         iqfoc_observer_config_t c = nominal;
         c.machine.psi = random_iq24(&seed, 0.02, 16.0);
         config.gain = random_iq24(&seed, 1e-6, 1.0);
         config.least = random_iq24(&seed, 0.0625, 1.0);
+        config.u_least = n % 4 == 0 ? random_iq24(&seed, 0.0, 1.0) : 0;
         config.low = nominal.machine.l_q / 8;
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_inductance_init(&a, &config, &c));
         a.follows = true;
         a.level = random_iq24(&seed, -16.0, 16.0) / (n % 2 == 0 ? 1 : 16);
         a.slope = random_iq24(&seed, -8.0, 8.0) / (n % 2 == 0 ? 1 : 16);
         o.theta_q32 = (int32_t)random_iq24(&seed, -127.0, 127.0);
+        o.turns_q32 = 256 * random_iq24(&seed, -0.33, 0.33);
         o.error = random_iq24(&seed, -0.5, 0.5) / (n % 3 == 0 ? 1 : 1000);
         const iqfoc_ab_t i = random_ab_in_square(&seed, n % 5 == 0 ? 15.9 : 1.0);
         const double theta = to_double(iqfoc_observer_theta(&o, 0));
@@ -74,16 +78,22 @@ static void test_step_is_that_of_its_lines(void)
         const double lsb = 1.0 / 16777216.0;
         TEST_ASSERT_DOUBLE_WITHIN((4.0 + fabs(i_q)) * lsb, level, to_double(a.level));
         TEST_ASSERT_DOUBLE_WITHIN((4.0 + fabs(i_q)) * lsb, slope, to_double(a.slope));
-        if (fabs(fabs(x) - least) > 20.0 * lsb) {
-            const double expected = fabs(x) < least ? to_double(nominal.machine.l_q) : l_q;
+        const double voltage =
+            fmin(127.9, TWO_PI * fabs(o.turns_q32 / 4294967296.0 * to_double(nominal.machine.l_q) * x));
+        const double u_least = to_double(config.u_least);
+        if (fabs(fabs(x) - least) > 20.0 * lsb && fabs(voltage - u_least) > 100.0 * lsb) {
+            const bool small = fabs(x) < least || voltage < u_least;
+            const double expected = small ? to_double(nominal.machine.l_q) : l_q;
             const double bound =
                 1e-5 * fabs(step) +
                 (2.0 + to_double(config.gain) * (to_double(c.machine.psi) + 2.0) / (2.0 * least)) * lsb;
             TEST_ASSERT_DOUBLE_WITHIN(bound, expected, to_double(a.adapted.machine.l_q));
-            steps += fabs(x) >= least;
+            steps += !small;
+            held_steps += small && fabs(x) >= least;
         }
     }
     TEST_ASSERT_GREATER_THAN(100000, steps);
+    TEST_ASSERT_GREATER_THAN(1000, held_steps);
 }
 
 /* e of a wrong L_q, as the header has it: the error of l_q decays in each cycle with |x| >= least, from either side. */
@@ -117,6 +127,20 @@ static void test_holds_without_steps_of_the_current(void)
     TEST_ASSERT_EQUAL_INT32(nominal.machine.l_q, a.adapted.machine.l_q);
 }
 
+/* The speed below which the voltage of these steps is below u_least: held at 0.9 of it, adapted at 1.1 of it. */
+static void test_holds_below_a_speed(void)
+{
+    for (int n = 0; n < 2; n++) {
+        setUp();
+        const double least_turns = to_double(config.u_least) /
+                                   (TWO_PI * 0.5 * to_double(nominal.machine.l_q)); /* |x| = 1/2 at most */
+        o.turns_q32 = (int32_t)((n == 0 ? -0.9 : -1.1) * least_turns * 4294967296.0);
+        step_with(0.0, 0.0);
+        step_with(0.5, -0.001);
+        TEST_ASSERT_EQUAL(n == 0, a.adapted.machine.l_q == nominal.machine.l_q);
+    }
+}
+
 static void test_holds_while_the_observer_seeks(void)
 {
     o.locked = false;
@@ -144,7 +168,7 @@ static void test_stays_within_its_bounds(void)
 
 static iqfoc_error_t init_with(iq24_t gain, iq24_t least, iq24_t low, iq24_t high)
 {
-    const iqfoc_observer_inductance_config_t c = {gain, least, low, high};
+    const iqfoc_observer_inductance_config_t c = {gain, least, config.u_least, low, high};
     return iqfoc_observer_inductance_init(&a, &c, &nominal);
 }
 
@@ -167,7 +191,11 @@ static void test_refuses_what_is_out_of_range(void)
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, init_with(1, IQ24(0.1), l + 1, l + 1));
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, init_with(1, IQ24(0.1), l, l - 1));
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, init_with(1, IQ24(0.1), l, l + IQ24(4.0) + 1));
-    const iqfoc_observer_inductance_config_t most = {1, IQ24(0.1), IQ24(8.0), IQ24(8.0)};
+    config.u_least = -1;
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, init_with(1, IQ24(0.1), l, l));
+    config.u_least = IQ24_ONE + 1;
+    TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_OBSERVER, init_with(1, IQ24(0.1), l, l));
+    const iqfoc_observer_inductance_config_t most = {1, IQ24(0.1), IQ24_ONE, IQ24(8.0), IQ24(8.0)};
     iqfoc_observer_inductance_config_t above = most;
     above.high++;
     iqfoc_observer_config_t large = nominal;
@@ -183,6 +211,7 @@ int main(void)
     RUN_TEST(test_step_is_that_of_its_lines);
     RUN_TEST(test_error_of_inductance_decays);
     RUN_TEST(test_holds_without_steps_of_the_current);
+    RUN_TEST(test_holds_below_a_speed);
     RUN_TEST(test_holds_while_the_observer_seeks);
     RUN_TEST(test_stays_within_its_bounds);
     RUN_TEST(test_refuses_what_is_out_of_range);

@@ -35,8 +35,9 @@ typedef struct drive {
     double r, l, psi_f,
         gain;          /* the observer's values over the machine's, the measured link's over the true one */
     double saturation; /* at the rated current the inductances are the usual ones; more at lower current */
-    bool slow_loop;    /* bandwidth of the phase-locked loop 0.07/T in place of 0.16/T */
-    bool blind;        /* the observer has the inductance at zero current */
+    double top_sffr; /* of the top speed, which the loop's bandwidth is for; 0: the speed is the top speed */
+    bool mean;       /* the controller holds the mean current of a cycle at the load, not the sample */
+    bool blind;      /* the observer has the inductance at zero current */
     int cycles;
     int square; /* cycles from one change of the load to the next, to a quarter of it and back; 0: none */
     double acceleration; /* of the rated torque, turns per period^2, about the mean load; 0: a given speed */
@@ -83,15 +84,21 @@ static switched_machine machine_of(const drive *d)
     return m;
 }
 
+/* Bandwidth of the phase-locked loop times the cycle, by the rule of docs/sensorless.md. */
+static double loop_of(const drive *d)
+{
+    const double top = d->top_sffr > 0.0 ? d->top_sffr : d->sffr;
+    return fmin(0.16, 0.65 * pow(top, -2.0 / 3.0));
+}
+
 /* `cycle`: the observer's cycle in periods, 1 or 1/2: its flux is in voltage times cycles. */
 static iqfoc_observer_config_t config_of(const drive *d, const switched_machine *m, double cycle)
 {
     iqfoc_observer_config_t c =
         IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 3e-3, 0.12, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.004));
-    const iqfoc_observer_config_t slow =
-        IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 3e-3, 0.12, 1e-4, 10.0, 300.0, 700.0, IQ24(0.004));
-    c.k1 = d->slow_loop ? slow.k1 : c.k1;
-    c.k2 = d->slow_loop ? slow.k2 : c.k2;
+    const double pole = 1.0 / (1.0 + loop_of(d));
+    c.k1 = to_iq24(1.0 - pole * pole);
+    c.k2 = to_iq24((1.0 - pole) * (1.0 - pole));
     const double l = d->l * (1.0 + d->saturation) / cycle; /* at zero current */
     const double l_d = m->l_d * l;
     const double l_q = m->l_q * l;
@@ -121,8 +128,11 @@ typedef struct controller {
 
 /* The voltage of the cycle after the one that begins with `u`; theta, turns: as observed at this valley. */
 static double complex control(controller *c, const switched_machine *m, double complex i, double complex u,
-                              double complex i_ref, double theta, double turns)
+                              double complex i_ref, double theta, double turns, bool mean)
 {
+    /* The mean flux of a cycle, seen from the rotor, over that of its samples: both ends of a chord. */
+    const double half = 0.5 * TWO_PI * turns;
+    const double over = mean ? pow(half / sin(half), 2.0) : 1.0;
     const double complex now = switched_flux(m, i * turn_of(-theta), 0.0);
     c->disturbance += c->predicted == 0.0 ? 0.0 : 0.2 * (now - c->predicted);
     c->i_ref += 0.1 * (i_ref - c->i_ref);
@@ -130,8 +140,8 @@ static double complex control(controller *c, const switched_machine *m, double c
     const double complex at_next = switched_flux(m, i * turn_of(-theta), theta) + u -
                                    m->r * i * turn_of(0.5 * turns) + c->disturbance * turn_of(next);
     c->predicted = at_next * turn_of(-next);
-    const double complex want =
-        switched_flux(m, c->i_ref, next + turns) + 0.4 * (at_next - switched_flux(m, c->i_ref, next));
+    const double complex want = over * switched_flux(m, c->i_ref, next + turns) +
+                                0.4 * (at_next - over * switched_flux(m, c->i_ref, next));
     const double complex voltage = want - at_next + m->r * c->i_ref * turn_of(next + 0.5 * turns) -
                                    c->disturbance * turn_of(next + turns);
     return cabs(voltage) > 0.57 ? 0.57 * voltage / cabs(voltage) : voltage;
@@ -146,8 +156,8 @@ static errors run(const drive *d)
     const iqfoc_observer_config_t config = config_of(d, &m, cycle);
     iqfoc_observer_t o;
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &config));
-    const iqfoc_observer_inductance_config_t learning = {IQ24(0.05), IQ24(0.08), config.machine.l_q / 2,
-                                                         config.machine.l_q / 2 * 3};
+    const iqfoc_observer_inductance_config_t learning = {to_iq24(0.3 * loop_of(d)), IQ24(0.08), IQ24(0.003),
+                                                         config.machine.l_q / 2, config.machine.l_q / 2 * 3};
     iqfoc_observer_inductance_t inductance;
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_inductance_init(&inductance, &learning, &config));
     static const iqfoc_observer_resistance_config_t shares = {IQ24(0.05), IQ24(0.5), IQ24(0.12)};
@@ -172,7 +182,7 @@ static errors run(const drive *d)
         }
         const double complex u_command = u_next;
         const bool low = d->square > 0 && k / d->square % 2 == 1;
-        u_next = control(&c, &m, i, u_command, I * d->load * (low ? 0.25 : 1.0), theta, turns);
+        u_next = control(&c, &m, i, u_command, I * d->load * (low ? 0.25 : 1.0), theta, turns, d->mean);
         m.turns += d->acceleration * (cimag(i * turn_of(-m.theta)) - 0.625 * d->load);
         double duty[3];
         const double complex u = d->gain * switched_duties(u_command, duty);
@@ -263,20 +273,9 @@ static void test_real_sensors_at_all_ratios(void)
             TEST_ASSERT_TRUE(e.locked);
             TEST_ASSERT_TRUE(fabs(e.bias) <= (d.sffr < 5.5 ? 0.4 : 0.3));
             TEST_ASSERT_TRUE(e.rms <= 0.15 && e.rms >= 0.03);
-            TEST_ASSERT_TRUE(e.speed_rms / d.sffr <= 3e-5); /* turns per period, whatever the speed */
+            TEST_ASSERT_TRUE(e.speed_rms <= 2e-4);
         }
     }
-}
-
-static void test_slow_loop_passes_less_noise(void)
-{
-    drive d = usual;
-    d.sffr = 50.0;
-    d.sensors = true;
-    d.slow_loop = true;
-    const errors e = run(&d);
-    printf("  SFFR 50, 0.07/T: speed %.4f %%\n", 100.0 * e.speed_rms);
-    TEST_ASSERT_TRUE(e.locked && e.speed_rms <= 3e-4 && e.speed_rms >= 1.5e-4);
 }
 
 static void test_two_updates_a_period(void)
@@ -289,7 +288,7 @@ static void test_two_updates_a_period(void)
         const errors e = run(&d);
         printf("  SFFR %4.1f, two updates: bias %.3f, rms %.3f degrees\n", d.sffr, e.bias, e.rms);
         TEST_ASSERT_TRUE(e.locked);
-        TEST_ASSERT_TRUE(fabs(e.bias) <= 0.4 && e.rms <= (d.sffr < 4.0 ? 0.5 : 0.2));
+        TEST_ASSERT_TRUE(fabs(e.bias) <= 0.4 && e.rms <= (d.sffr < 4.0 ? 0.5 : 0.25));
     }
 }
 
@@ -300,8 +299,8 @@ static void test_wrong_parameters(void)
         const char *what;
         double r, l, psi_f, gain;
         double degrees; /* at most */
-    } row[] = {{"R -50 %", 0.5, 1.0, 1.0, 1.0, 1.5},       {"R +50 %", 1.5, 1.0, 1.0, 1.0, 1.5},
-               {"psi_f -10 %", 1.0, 1.0, 0.9, 1.0, 3.5},   {"psi_f +10 %", 1.0, 1.0, 1.1, 1.0, 3.5},
+    } row[] = {{"R -50 %", 0.5, 1.0, 1.0, 1.0, 1.0},       {"R +50 %", 1.5, 1.0, 1.0, 1.0, 1.0},
+               {"psi_f -10 %", 1.0, 1.0, 0.9, 1.0, 3.0},   {"psi_f +10 %", 1.0, 1.0, 1.1, 1.0, 3.0},
                {"voltage -2 %", 1.0, 1.0, 1.0, 0.98, 1.5}, {"voltage +2 %", 1.0, 1.0, 1.0, 1.02, 1.5},
                {"L -30 %", 1.0, 0.7, 1.0, 1.0, 11.0},      {"L +30 %", 1.0, 1.3, 1.0, 1.0, 11.0}};
     for (size_t k = 0; k < sizeof row / sizeof row[0]; k++) {
@@ -313,6 +312,12 @@ static void test_wrong_parameters(void)
             d.l = row[k].l;
             d.psi_f = row[k].psi_f;
             d.gain = row[k].gain;
+            if (k <
+                2) { /* so that R sees no mean i_d, which no gain removes; at 3.5 the link suffices for it */
+                d.mean = true;
+                d.emf *= 0.93;
+                d.drop *= 0.93;
+            }
             const errors e = run(&d);
             printf("  SFFR %4.1f, %s: bias %.2f, rms %.3f degrees\n", d.sffr, row[k].what, e.bias, e.rms);
             TEST_ASSERT_TRUE(e.locked);
@@ -376,9 +381,29 @@ static void test_inductance_is_adapted(void)
             printf("  SFFR %4.1f, L_q/L_d %.1f, L %.1f, acceleration %g: at most %.2f degrees, bias %.2f, "
                    "L_q %.3f\n",
                    d.sffr, d.saliency, d.l, d.acceleration, e.most, e.bias, e.l_q);
-            TEST_ASSERT_TRUE(e.locked && e.most <= 2.0 && fabs(e.bias) <= 0.6);
+            TEST_ASSERT_TRUE(e.locked && e.most <= 2.0 && fabs(e.bias) <= 0.7);
             TEST_ASSERT_DOUBLE_WITHIN(0.05, 1.0, e.l_q);
         }
+    }
+}
+
+/* A fortieth of the top speed, and no current: nothing to identify L_q by, so it keeps its value. */
+static void test_inductance_is_held(void)
+{
+    for (int n = 0; n < 2; n++) {
+        drive d = usual;
+        d.sffr = n == 0 ? 200.0 : 5.0;
+        d.top_sffr = 5.0;
+        d.emf *= n == 0 ? 0.025 : 1.0;
+        d.load = n == 0 ? 0.5 : 0.0;
+        d.sensors = true;
+        d.square = 50;
+        d.cycles = 4000;
+        d.l = 1.2;
+        d.learns = true;
+        const errors e = run(&d);
+        TEST_ASSERT_TRUE(e.locked);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.2, e.l_q); /* the start itself is a step */
     }
 }
 
@@ -402,16 +427,16 @@ static void test_inductance_is_adapted_in_the_corners(void)
             d.cycles = (int)(240.0 * d.sffr);
             d.learns = true;
             const errors e = run(&d);
-            TEST_ASSERT_TRUE(e.locked && fabs(e.bias) <= 5.0);
-            TEST_ASSERT_DOUBLE_WITHIN(0.12, 1.0, e.l_q);
+            TEST_ASSERT_TRUE(e.locked && fabs(e.bias) <= 4.0);
+            TEST_ASSERT_DOUBLE_WITHIN(0.1, 1.0, e.l_q);
             most = fmax(most, fabs(e.bias));
             least_l_q = fmin(least_l_q, e.l_q);
             most_l_q = fmax(most_l_q, e.l_q);
             if (n == 2) {
                 d.learns_r = true;
                 const errors all = run(&d);
-                TEST_ASSERT_TRUE(all.locked && fabs(all.bias) <= 2.0);
-                TEST_ASSERT_DOUBLE_WITHIN(0.12, 1.0, all.l_q);
+                TEST_ASSERT_TRUE(all.locked && fabs(all.bias) <= 1.0);
+                TEST_ASSERT_DOUBLE_WITHIN(0.1, 1.0, all.l_q);
                 most_of_all = fmax(most_of_all, fabs(all.bias));
             }
         }
@@ -460,6 +485,7 @@ static errors reverse(int periods, double r, double psi_f, bool adapted)
 {
     drive d = usual;
     d.sffr = 20.0;
+    d.top_sffr = 12.5; /* 8000 rpm */
     d.emf = 0.28;
     d.drop = 0.0149;
     d.load = 0.7;
@@ -558,6 +584,7 @@ static void print_identified(void)
             drive d = usual;
             d.emf = 0.45 * speed[k];
             d.sffr = 5.0 / speed[k];
+            d.top_sffr = 5.0;
             d.load = load[n];
             drive wrong[3] = {d, d, d};
             wrong[0].r = 1.2;
@@ -572,7 +599,7 @@ static void print_identified(void)
     }
 }
 
-/* A machine under another control: from any angle, with a speed 50 % off, until the angle is within 5 degrees for good. */
+/* A machine under another control: no angle known, a speed 50 % off, until the angle is within 5 degrees for good. */
 static int pull_in(const drive *d, uint64_t *seed)
 {
     switched_machine m = machine_of(d);
@@ -617,13 +644,13 @@ static void test_pull_in(void)
             d.sensors = true;
             d.saliency = salient == 0 ? 1.0 : 1.5;
             int most = 0;
-            for (int n = 0; n < 60; n++) {
+            for (int n = 0; n < 56; n++) { /* 1008 draws in all */
                 const int cycles = pull_in(&d, &seed);
                 most = cycles > most ? cycles : most;
             }
             printf("  SFFR %4.1f, L_q/L_d %.1f: within 5 degrees after %d cycles\n", d.sffr, d.saliency,
                    most);
-            TEST_ASSERT_TRUE(most <= (d.sffr > 20.0 ? 100 : 50));
+            TEST_ASSERT_TRUE(most <= 20);
         }
     }
 }
@@ -642,11 +669,11 @@ int main(int argc, char **argv)
     UNITY_BEGIN();
     RUN_TEST(test_ideal_sensors_at_all_ratios);
     RUN_TEST(test_real_sensors_at_all_ratios);
-    RUN_TEST(test_slow_loop_passes_less_noise);
     RUN_TEST(test_two_updates_a_period);
     RUN_TEST(test_step_as_with_an_encoder);
     RUN_TEST(test_wrong_parameters);
     RUN_TEST(test_inductance_is_adapted);
+    RUN_TEST(test_inductance_is_held);
     RUN_TEST(test_inductance_is_adapted_in_the_corners);
     RUN_TEST(test_wrong_parameters_together);
     RUN_TEST(test_saturation);
