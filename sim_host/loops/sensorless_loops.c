@@ -2,6 +2,7 @@
 #include "sensorless_loops.h"
 
 #include "base/json_file.h"
+#include "base/spread.h"
 #include "base/vector.h"
 #include "reproduce/paper_2019.h"
 
@@ -45,7 +46,7 @@ typedef struct watched_host {
     drive_host host;
     drive_firmware firmware;
     long cycle;
-    double sum, squares, speed_squares; /* degrees; share of the speed */
+    spread off_deg, faster; /* observed minus true angle; share of the speed */
     bool locked;
 } watched_host;
 
@@ -58,9 +59,8 @@ static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *s
         const double turns = iq24_to_double(sample->turns);
         const double faster =
             iq24_to_double(iqfoc_observer_turns(&w->host.sensorless.observer)) / turns - 1.0;
-        w->sum += off;
-        w->squares += off * off;
-        w->speed_squares += faster * faster;
+        spread_add(&w->off_deg, off);
+        spread_add(&w->faster, faster);
         w->locked = w->locked && w->host.sensorless.source == IQFOC_ANGLE_OBSERVED &&
                     w->host.sensorless.observer.locked;
     }
@@ -99,10 +99,9 @@ static bool run(double ratio, double before, double after, bool observed, sensor
         !closed_loop_run(&c, &firmware, &result->loop, e)) {
         return false;
     }
-    const double count = (double)(w.cycle - COUNT_FROM);
-    result->bias_deg = w.sum / count;
-    result->rms_deg = sqrt(fmax(0.0, w.squares / count - result->bias_deg * result->bias_deg));
-    result->speed_percent = 100.0 * sqrt(w.speed_squares / count);
+    result->bias_deg = spread_mean(&w.off_deg);
+    result->rms_deg = spread_deviation(&w.off_deg);
+    result->speed_percent = 100.0 * spread_rms(&w.faster);
     result->locked = w.locked && result->loop.outcome != LOOP_TRIPS;
     return true;
 }

@@ -24,33 +24,14 @@ typedef struct replay {
     iqfoc_extension_t extension;
     iqfoc_observer_config_t config;
     iqfoc_observer_t observer;
-    long since_lock; /* rows */
-    long seeking;    /* rows */
-    double speed_squares;
+    long since_lock;    /* rows */
+    long seeking;       /* rows */
+    spread faster;      /* observed minus recorded speed, turns per cycle */
     chart_data *series; /* or NULL */
     double *off_rad;    /* of the rows of a stretch: observed minus recorded angle, NAN if not settled */
     double *turns;      /* the same: observed speed, per cycle */
     double *theta_mech_rad;
 } replay;
-
-/* Sums, until `closed` makes the figures of them. */
-static void add(observe_error *x, double degrees)
-{
-    x->rows++;
-    x->bias += degrees;
-    x->rms += degrees * degrees;
-    x->most = fmax(x->most, fabs(degrees));
-}
-
-static void closed(observe_error *x)
-{
-    if (x->rows == 0) {
-        x->bias = x->rms = x->most = NAN;
-        return;
-    }
-    x->bias /= (double)x->rows;
-    x->rms = sqrt(fmax(0.0, x->rms / (double)x->rows - x->bias * x->bias));
-}
 
 static int part_of(const double *share, int parts, double x)
 {
@@ -196,14 +177,13 @@ static void note_error(replay *p, observe_result *result, size_t k, const iqfoc_
     const double top = motor_speed_rad_s(p->m, p->m->n_max_rpm);
     const double current = cabs(complex_from_ab(iqfoc_clarke3(s->i), 1.0));
     const double speed = fabs(p->r->omega_e_rad_s[k]) / top;
-    add(&result->all, degrees);
+    spread_add(&result->all, degrees);
     if (speed >= observe_speed_share[1]) {
-        add(&result->fast, degrees);
+        spread_add(&result->fast, degrees);
     }
-    add(&result->by_speed[part_of(observe_speed_share, OBSERVE_SPEEDS, speed)], degrees);
-    add(&result->by_current[part_of(observe_current_share, OBSERVE_CURRENTS, current)], degrees);
-    const double turns_off = turns - iq24_to_double(s->turns);
-    p->speed_squares += turns_off * turns_off;
+    spread_add(&result->by_speed[part_of(observe_speed_share, OBSERVE_SPEEDS, speed)], degrees);
+    spread_add(&result->by_current[part_of(observe_current_share, OBSERVE_CURRENTS, current)], degrees);
+    spread_add(&p->faster, turns - iq24_to_double(s->turns));
 }
 
 /* Row j of a stretch, once its mechanical angle is known. rows: those of the stretches before, and this one. */
@@ -242,18 +222,6 @@ static void replay_stretch(replay *p, const stretch *s, observe_result *result)
     sensor_error_angles(p->r, s, p->m->pole_pairs, turned, p->theta_mech_rad);
     for (size_t j = 1; j < s->count; j++) {
         note_row(p, result, s, j, rows + (long)j);
-    }
-}
-
-static void close_all(observe_result *result)
-{
-    closed(&result->all);
-    closed(&result->fast);
-    for (int n = 0; n < OBSERVE_SPEEDS; n++) {
-        closed(&result->by_speed[n]);
-    }
-    for (int n = 0; n < OBSERVE_CURRENTS; n++) {
-        closed(&result->by_current[n]);
     }
 }
 
@@ -297,8 +265,6 @@ bool observe_recording(const recording *r, const motor *m, double bandwidth_rad_
     }
     result->bandwidth_rad_s = bandwidth_rad_s > 0.0 ? bandwidth_rad_s : observer_loop_rad(&own) / p.base.T_s;
     result->least_rpm = rpm_of(&own, iq24_to_double(p.config.turns_min));
-    result->speed_rms_rpm =
-        result->all.rows > 0 ? rpm_of(&own, sqrt(p.speed_squares / (double)result->all.rows)) : NAN;
-    close_all(result);
+    result->speed_rms_rpm = rpm_of(&own, spread_rms(&p.faster));
     return true;
 }

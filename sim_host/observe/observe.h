@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/spread.h"
 #include "data/motor.h"
 #include "data/recording.h"
 #include "report/chart.h"
@@ -17,23 +18,17 @@
 
 enum { OBSERVE_SETTLED_ROWS = 200, OBSERVE_SPEEDS = 5, OBSERVE_CURRENTS = 4, OBSERVE_REASONS = 3 };
 
-/* The angle's error over some rows, degrees: observed minus recorded. */
-typedef struct observe_error {
-    long rows;
-    double bias, rms, most; /* rms: about the bias. NAN without rows */
-} observe_error;
-
 typedef struct observe_result {
     long rows, locked;
-    long lost[OBSERVE_REASONS]; /* by angle, flux, low speed */
-    long pull_in;               /* rows until the lock, the longest; -1: never locked */
-    double least_rpm;           /* the least speed */
-    double speed_rms_rpm;       /* observed minus recorded speed, settled rows; NAN without rows */
-    double bandwidth_rad_s;     /* of the phase-locked loop */
-    observe_error all;
-    observe_error fast;                         /* from observe_speed_share[1] of the top speed on */
-    observe_error by_speed[OBSERVE_SPEEDS];     /* observe_speed_share[n] ... [n + 1] of the top speed */
-    observe_error by_current[OBSERVE_CURRENTS]; /* observe_current_share[n] ... [n + 1] of the rated peak */
+    long lost[OBSERVE_REASONS];          /* by angle, flux, low speed */
+    long pull_in;                        /* rows until the lock, the longest; -1: never locked */
+    double least_rpm;                    /* the least speed */
+    double speed_rms_rpm;                /* observed minus recorded speed, settled rows; NAN without rows */
+    double bandwidth_rad_s;              /* of the phase-locked loop */
+    spread all;                          /* of the angle's error, degrees: observed minus recorded */
+    spread fast;                         /* from observe_speed_share[1] of the top speed on */
+    spread by_speed[OBSERVE_SPEEDS];     /* observe_speed_share[n] ... [n + 1] of the top speed */
+    spread by_current[OBSERVE_CURRENTS]; /* observe_current_share[n] ... [n + 1] of the rated peak */
 } observe_result;
 
 /* Ends of the parts, as shares. The last end is infinite. */

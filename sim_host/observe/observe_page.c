@@ -5,20 +5,20 @@
 
 #include <math.h>
 
-static void error_row(page *p, double low, const observe_error *x)
+static void error_row(page *p, double low, const spread *x)
 {
-    if (x->rows > 0) {
+    if (x->count > 0) {
         page_row_begin(p);
         page_cell(p, true, "%.4g", low);
-        page_cell(p, true, "%ld", x->rows);
-        page_cell(p, true, "%.2f", x->bias);
-        page_cell(p, true, "%.2f", x->rms);
-        page_cell(p, true, "%.2f", x->most);
+        page_cell(p, true, "%ld", x->count);
+        page_cell(p, true, "%.2f", spread_mean(x));
+        page_cell(p, true, "%.2f", spread_deviation(x));
+        page_cell(p, true, "%.2f", spread_most(x));
         page_row_end(p);
     }
 }
 
-static void error_table(page *p, const char *name, const observe_error *part, const double *share, int parts,
+static void error_table(page *p, const char *name, const spread *part, const double *share, int parts,
                         double unit)
 {
     const char *const heads[] = {name, "\trows", "\tbias, degrees", "\trms, degrees", "\tat most, degrees"};
@@ -49,14 +49,14 @@ static bool parts(page *p, const motor *m, const observe_result *r, const chart_
 {
     page_lead(p, "Locked in %ld of %ld rows. Lost %ld times by the angle, %ld by the flux, %ld by low speed.",
               r->locked, r->rows, r->lost[0], r->lost[1], r->lost[2]);
-    if (r->all.rows == 0) {
+    if (r->all.count == 0) {
         page_text(p, "No settled row above %.4g rpm: no error to show.", r->least_rpm);
     } else {
         page_text(p,
                   "Above %.4g rpm the observed angle minus the recorded one has a bias of %.2f, an rms of "
                   "%.2f and at most "
                   "%.2f degrees.",
-                  r->least_rpm, r->all.bias, r->all.rms, r->all.most);
+                  r->least_rpm, spread_mean(&r->all), spread_deviation(&r->all), spread_most(&r->all));
     }
     if (!draw(p, series, e)) {
         return false;

@@ -3,15 +3,15 @@
 
 #include <math.h>
 
-static json_t *error_json(const observe_error *x)
+static json_t *error_json(const spread *x)
 {
-    return json_pack("{s:i, s:o, s:o, s:o}", "rows", (int)x->rows, "bias_deg", json_number(x->bias),
-                     "rms_deg", json_number(x->rms), "most_deg", json_number(x->most));
+    return json_pack("{s:i, s:o, s:o, s:o}", "rows", (int)x->count, "bias_deg", json_number(spread_mean(x)),
+                     "rms_deg", json_number(spread_deviation(x)), "most_deg", json_number(spread_most(x)));
 }
 
 /* One object for each part, with its ends in `unit`. */
-static json_t *parts_json(const observe_error *part, const double *share, int parts, double unit,
-                          const char *low, const char *high)
+static json_t *parts_json(const spread *part, const double *share, int parts, double unit, const char *low,
+                          const char *high)
 {
     json_t *all = json_array();
     for (int n = 0; n < parts && all != NULL; n++) {
@@ -37,22 +37,22 @@ json_t *observe_json(const motor *m, const observe_result *r)
                    "high_A"));
 }
 
-static void print_parts(const observe_error *part, const double *share, int parts, double unit,
-                        const char *name, FILE *out)
+static void print_parts(const spread *part, const double *share, int parts, double unit, const char *name,
+                        FILE *out)
 {
     fprintf(out, "\n  %-18s%10s%10s%10s%10s\n", name, "rows", "bias", "rms", "most");
     for (int n = 0; n < parts; n++) {
-        if (part[n].rows > 0) {
-            fprintf(out, "  from %-13.4g%10ld%10.2f%10.2f%10.2f\n", share[n] * unit, part[n].rows,
-                    part[n].bias, part[n].rms, part[n].most);
+        if (part[n].count > 0) {
+            fprintf(out, "  from %-13.4g%10ld%10.2f%10.2f%10.2f\n", share[n] * unit, part[n].count,
+                    spread_mean(&part[n]), spread_deviation(&part[n]), spread_most(&part[n]));
         }
     }
 }
 
-static void print_error(const char *what, double rpm, const observe_error *x, FILE *out)
+static void print_error(const char *what, double rpm, const spread *x, FILE *out)
 {
-    fprintf(out, "  %sabove %.4g rpm: bias %.2f, rms %.2f, at most %.2f degrees\n", what, rpm, x->bias,
-            x->rms, x->most);
+    fprintf(out, "  %sabove %.4g rpm: bias %.2f, rms %.2f, at most %.2f degrees\n", what, rpm, spread_mean(x),
+            spread_deviation(x), spread_most(x));
 }
 
 void observe_print(const motor *m, const observe_result *r, FILE *out)
@@ -63,12 +63,12 @@ void observe_print(const motor *m, const observe_result *r, FILE *out)
     if (r->pull_in >= 0) {
         fprintf(out, "  longest pull-in: %ld rows\n", r->pull_in);
     }
-    if (r->all.rows == 0) {
+    if (r->all.count == 0) {
         fprintf(out, "  no settled row above %.4g rpm: no error to show\n", r->least_rpm);
         return;
     }
     print_error("angle, observed minus recorded, ", r->least_rpm, &r->all, out);
-    if (r->fast.rows > 0) {
+    if (r->fast.count > 0) {
         print_error("", observe_speed_share[1] * m->n_max_rpm, &r->fast, out);
     }
     fprintf(out, "  speed: rms %.4g rpm\n", r->speed_rms_rpm);

@@ -22,9 +22,8 @@ static void note(sensorless_drive *d, const iqfoc_sample_t *sample)
     d->largest = fmax(d->largest, fabs(off));
     d->lost = d->lost || !d->observer.locked;
     if (d->cycle >= d->from) {
-        d->sum += off;
-        d->squares += off * off;
-        d->speed_squares += faster * faster;
+        spread_add(&d->off, off);
+        spread_add(&d->faster, faster);
     }
     d->cycle++;
 }
@@ -79,25 +78,4 @@ drive_firmware sensorless_drive_firmware(sensorless_drive *d)
 {
     const drive_firmware firmware = {d, NULL, take_valley, give_peak};
     return firmware;
-}
-
-static double counted(const sensorless_drive *d)
-{
-    return (double)(d->cycle - d->from);
-}
-
-double sensorless_drive_bias_deg(const sensorless_drive *d)
-{
-    return 360.0 * d->sum / counted(d);
-}
-
-double sensorless_drive_rms_deg(const sensorless_drive *d)
-{
-    const double mean = d->sum / counted(d);
-    return 360.0 * sqrt(fmax(0.0, d->squares / counted(d) - mean * mean));
-}
-
-double sensorless_drive_speed_rms(const sensorless_drive *d)
-{
-    return sqrt(d->speed_squares / counted(d));
 }

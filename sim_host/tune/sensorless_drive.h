@@ -8,6 +8,8 @@
 
 #include "tuned_drive.h"
 
+#include "base/spread.h"
+
 #include "iqfoc/observer.h"
 
 #include <stdbool.h>
@@ -16,16 +18,16 @@ typedef struct sensorless_drive {
     tuned_firmware_t tuned;
     iqfoc_observer_config_t config;
     iqfoc_observer_t observer;
-    bool halves;          /* two updates a period: no sample in the middle of a cycle */
-    double voltage_gain;  /* true over measured DC link; 1: no error */
-    iqfoc_ab_t i_start;   /* at the start of the cycle that runs */
-    iqfoc_ab_t i_middle;  /* at its middle */
-    long cycle;           /* of those so far */
-    long from;            /* the first that counts for the sums */
-    double sum, squares;  /* of the observed minus the measured angle, turns */
-    double speed_squares; /* of the observed minus the measured speed, turns per cycle */
-    double largest;       /* length of the angle's error from the first cycle on, turns */
-    bool lost;            /* the lock was lost */
+    bool halves;         /* two updates a period: no sample in the middle of a cycle */
+    double voltage_gain; /* true over measured DC link; 1: no error */
+    iqfoc_ab_t i_start;  /* at the start of the cycle that runs */
+    iqfoc_ab_t i_middle; /* at its middle */
+    long cycle;          /* of those so far */
+    long from;           /* the first that counts for `off` and `faster` */
+    spread off;          /* observed minus measured angle, turns */
+    spread faster;       /* observed minus measured speed, turns per cycle */
+    double largest;      /* length of the angle's error from the first cycle on, turns */
+    bool lost;           /* the lock was lost */
 } sensorless_drive;
 
 /*
@@ -36,10 +38,5 @@ bool sensorless_drive_init(sensorless_drive *d, const motor *m, const tune_desig
                            const iqfoc_observer_config_t *config, long from, error *e);
 
 drive_firmware sensorless_drive_firmware(sensorless_drive *d);
-
-/* Mean and standard deviation of the angle's error, degrees, and rms of the speed's, turns per cycle. */
-double sensorless_drive_bias_deg(const sensorless_drive *d);
-double sensorless_drive_rms_deg(const sensorless_drive *d);
-double sensorless_drive_speed_rms(const sensorless_drive *d);
 
 #endif

@@ -179,7 +179,7 @@ static void judge_angle(double promised_deg, const sensorless_drive *drive, cons
     } else if (drive->lost || !isfinite(promised_deg)) {
         t->lost++;
     } else {
-        const double simulated_deg = sensorless_drive_bias_deg(drive);
+        const double simulated_deg = 360.0 * spread_mean(&drive->off);
         t->predicted_deg = fmax(t->predicted_deg, fabs(promised_deg));
         t->simulated_deg = fmax(t->simulated_deg, fabs(simulated_deg));
         t->off_deg = fmax(t->off_deg, fabs(simulated_deg - promised_deg));

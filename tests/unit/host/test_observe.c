@@ -152,7 +152,7 @@ static void check_replay(double sffr, int32_t most)
     TEST_ASSERT_TRUE_MESSAGE(recording_make(&r, "run", ROWS, COLUMNS, names, value, &e), e.text);
     TEST_ASSERT_TRUE_MESSAGE(observe_recording(&r, &m, 0.0, &result, &series, &e), e.text);
     TEST_ASSERT_EQUAL_size_t(ROWS - 1, series.rows);
-    TEST_ASSERT_GREATER_THAN(ROWS - OBSERVE_SETTLED_ROWS - 50, result.all.rows);
+    TEST_ASSERT_GREATER_THAN(ROWS - OBSERVE_SETTLED_ROWS - 50, result.all.count);
     for (size_t k = 1; k < ROWS; k++) {
         TEST_ASSERT_INT32_WITHIN(most, 0, apart(&series, k));
         TEST_ASSERT_DOUBLE_WITHIN(most + 1e-3, 0.0, speed_apart(&series, k));

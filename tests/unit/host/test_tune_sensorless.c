@@ -140,9 +140,9 @@ static run_result run(const tune_sensorless *s, const tune_operating_point *at, 
     drive.voltage_gain = at->voltage_gain;
     const drive_firmware firmware = sensorless_drive_firmware(&drive);
     TEST_ASSERT_TRUE_MESSAGE(closed_loop_run(&c, &firmware, &result, &e), e.text);
-    return (run_result){sensorless_drive_bias_deg(&drive),
-                        sensorless_drive_rms_deg(&drive),
-                        100.0 * VEC_TWO_PI * sensorless_drive_speed_rms(&drive) / at->phi_rad,
+    return (run_result){360.0 * spread_mean(&drive.off),
+                        360.0 * spread_deviation(&drive.off),
+                        100.0 * VEC_TWO_PI * spread_rms(&drive.faster) / at->phi_rad,
                         (double)drive.observer.flux_error / (double)config.machine.psi * believed.psi_f_Wb,
                         result.outcome,
                         drive.lost};
