@@ -93,7 +93,7 @@ void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *co
 /* ---- The hand-over ---- */
 
 /* Range: |component| <= 8, so that the square is at most 128. */
-static bool near(iqfoc_pulse_mode_t *mode, iq24_t x, iq24_t y, iq24_t turns)
+static bool is_near(iqfoc_pulse_mode_t *mode, iq24_t x, iq24_t y, iq24_t turns)
 {
     const iq24_acc_t apart = iq24_acc_mac(iq24_acc_mul(x, x), y, y);
     const iq24_acc_t nearest = mode->nearest_q48;
@@ -135,7 +135,7 @@ bool iqfoc_pulse_mode_to_pattern(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     iqfoc_pattern_control_aim(control, cycle->i_ref, mode->turns);
     iqfoc_pattern_control_begin(control, cycle->i_next,
                                 iq24_add_wrap(cycle->theta_valley, cycle->rotor.turns), leg, edges);
-    if (!near(mode, control->error.alpha, control->error.beta, cycle->rotor.turns)) {
+    if (!is_near(mode, control->error.alpha, control->error.beta, cycle->rotor.turns)) {
         return false;
     }
     mode->level = 1;
@@ -180,9 +180,10 @@ bool iqfoc_pulse_mode_to_carrier(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
                                  iq24_t theta, iq24_t u_dc, iqfoc_pattern_edges_t edges[3],
                                  iqfoc_duties_t *duties)
 {
-    iqfoc_pattern_leg_t leg[3];
+    bool may_fall = true; /* each leg that is high, at this valley */
     for (int32_t k = 0; k < 3; k++) {
-        leg[k] = control->modulator.leg[k];
+        const iqfoc_pattern_leg_t *leg = &control->modulator.leg[k];
+        may_fall = may_fall && (leg->level < 0 || leg->since >= control->modulator.least);
     }
     iqfoc_pattern_control_step(control, i, theta, u_dc, edges);
     if (mode->wanted != 0) {
@@ -194,11 +195,7 @@ bool iqfoc_pulse_mode_to_carrier(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
     const iqfoc_dq_t i_ref = cycle->i_ref;
     const iqfoc_dq_t h = flux_apart(&set->gains, iqfoc_park(control->i_next, control->sc), i_ref, &rotor);
-    bool go = near(mode, h.d, h.q, mode->turns);
-    for (int32_t k = 0; k < 3; k++) {
-        go = go && (leg[k].level < 0 || leg[k].since >= control->modulator.least);
-    }
-    if (!go) {
+    if (!is_near(mode, h.d, h.q, mode->turns) || !may_fall) {
         return false;
     }
     const iqfoc_dq_t u = steady(control, &set->gains, i_ref, &rotor);
