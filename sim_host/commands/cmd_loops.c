@@ -4,6 +4,7 @@
 #include "command.h"
 #include "loops/extended_loops.h"
 #include "loops/loops_study.h"
+#include "loops/pulse_run_ups.h"
 #include "options.h"
 #include "plant/plant_effect.h"
 
@@ -12,6 +13,7 @@
 typedef struct request {
     const char *motor_path, *extended_path, *json_path, *directory;
     option_texts effects;
+    bool pulse_modes;
 } request;
 
 static request asked;
@@ -22,6 +24,7 @@ static const option_spec specs[] = {
      .text = &asked.extended_path},
     {"effect", 0, "id[:key=value,...]",
      "with --extended: effect that the drive has and M.toml has not; repeatable", .texts = &asked.effects},
+    {"pulse-modes", 0, NULL, "instead: run two drives through all pulse modes", .flag = &asked.pulse_modes},
     {"json", 0, "F", "write the results to file F; - is stdout, without the tables", .text = &asked.json_path,
      .written = true},
     {"output", 'o', "DIR",
@@ -31,7 +34,7 @@ static const option_spec specs[] = {
 
 const command_about about_loops = {
     "loops",
-    "[--json F] [-o DIR]\n"
+    "[--pulse-modes] [--json F] [-o DIR]\n"
     "       iqfoc loops --motor M.toml --extended X.toml [--effect id[:key=value,...]]... [--json F]",
     "Runs the firmware's controllers on the simulated drive of the 2019 paper:\n"
     "- six-step torque control with discrete-angle and with corrected feedback;\n"
@@ -39,11 +42,13 @@ const command_about about_loops = {
     "  predictor, over the switching-to-fundamental frequency ratio and over parameter errors;\n"
     "- finite-set control with horizons of 1 to 3;\n"
     "- PI control on the observed angle, without an angle sensor.\n"
-    "DIR/index.html has the plots. --extended compares control by the motor file with control by the\n"
+    "--pulse-modes runs that drive and one of 400 kW from standstill through synchronous carrier, pulse\n"
+    "patterns and six-step and back. DIR/index.html has the plots. --extended compares control by the motor "
+    "file with control by the\n"
     "extended file of a diagnosis, on a drive that differs from the motor file.",
     specs};
 
-/* --extended and --motor need each other, and --effect needs both; no page is drawn then. */
+/* --extended and --motor need each other, and --effect needs both; no page is drawn then, and --pulse-modes is another run. */
 static bool combination(const options *o, const request *r, error *e)
 {
     if (r->extended_path == NULL && r->motor_path == NULL && r->effects.count == 0) {
@@ -54,6 +59,9 @@ static bool combination(const options *o, const request *r, error *e)
     }
     if (r->extended_path == NULL) {
         return options_missing(o, "extended", e);
+    }
+    if (r->pulse_modes) {
+        return error_input(e, NULL, 0, 0, "loops: --pulse-modes has its own drives; remove --extended");
     }
     return r->directory == NULL || error_input(e, NULL, 0, 0, "loops: --extended draws no page; remove -o");
 }
@@ -84,17 +92,32 @@ static bool compare_extended(const request *r, error *e)
     return ok;
 }
 
+static loops_study study;
+static pulse_run_ups pulse_modes;
+
+static bool run(const request *r, out_folder *f, error *e)
+{
+    if (r->pulse_modes) {
+        return pulse_run_ups_run(&pulse_modes, e) &&
+               (f->stage == NULL || pulse_run_ups_page(&pulse_modes, f->stage, e)) &&
+               json_file_place(f, r->json_path, pulse_run_ups_json(&pulse_modes), e);
+    }
+    return loops_study_run(&study, e) && (f->stage == NULL || loops_study_page(&study, f->stage, e)) &&
+           json_file_place(f, r->json_path, loops_study_json(&study), e);
+}
+
 static bool loops(const request *r, error *e)
 {
-    static loops_study s;
     const char *directory = r->directory != NULL || r->json_path != NULL ? r->directory : "report-loops";
     out_folder f = {0};
-    bool ok = out_folder_open(&f, directory, e) && loops_study_run(&s, e) &&
-              (f.stage == NULL || loops_study_page(&s, f.stage, e)) &&
-              json_file_place(&f, r->json_path, loops_study_json(&s), e);
+    bool ok = out_folder_open(&f, directory, e) && run(r, &f, e);
     ok = out_folder_close(&f, ok, e);
     if (ok && !json_file_is_stdout(r->json_path)) {
-        loops_study_print(&s, stdout);
+        if (r->pulse_modes) {
+            pulse_run_ups_print(&pulse_modes, stdout);
+        } else {
+            loops_study_print(&study, stdout);
+        }
         if (directory != NULL) {
             printf("\nPlots: %s/index.html\n", directory);
         }

@@ -134,6 +134,8 @@ USAGE_ROWS = [
     (["loops", "--motor", "motor.toml"], "--extended X.toml is missing"),
     (["loops", "--motor", "motor.toml", "--extended", "motor.toml", "-o", "out"], "--extended draws no page"),
     (["loops", "--motor", "motor.toml", "--extended", "motor.toml", "--effect", "nonsense"], "nonsense"),
+    (["loops", "--pulse-modes", "--motor", "motor.toml", "--extended", "motor.toml"], "remove --extended"),
+    (["loops", "--pulse-modes", "--effect", "dead_time"], "--motor M.toml is missing"),
     (["loops", "--motor", "motor.toml", "--extended", "none.toml"], "none.toml: cannot be read"),
     (["diagnose", "recording.csv"], "--motor"),
     (["diagnose", "--motor", "motor.toml"], "iqfoc: diagnose: "),

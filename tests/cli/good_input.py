@@ -93,6 +93,17 @@ class GoodInput(unittest.TestCase):
         self.assertEqual(sorted(exact, reverse=True), exact)
         self.assertFalse((self.folder / "report-loops").exists())
 
+    def test_loops_pulse_modes(self):
+        self.need("loops")
+        self.done(["loops", "--pulse-modes", "--json", "out.json", "-o", "out"])
+        drives = json.loads((self.folder / "out.json").read_text())["pulse_modes"]
+        self.assertEqual(["2019", "traction_400kw"], [drive["drive"] for drive in drives])
+        page = (self.folder / "out" / "index.html").read_text()
+        for drive in drives:
+            self.assertIn(f"loops-pulse-modes-{drive['drive']}", page)
+            self.assertEqual(8, len(drive["modes"]))
+            self.assertEqual({mode["mode"] for mode in drive["modes"]}, {point["mode"] for point in drive["points"]})
+
     def test_loops_extended(self):
         self.need("loops")
         self.done(["loops", "--motor", "motor.toml", "--extended", "motor.toml", "--effect", "resistance:R=1.5", "--json", "out.json"])

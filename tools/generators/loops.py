@@ -9,6 +9,7 @@
     <!-- figures: loops updates 5 8 12 -->
     <!-- figures: loops corrected_mean -->
     <!-- figures: loops sensorless -->
+    <!-- figures: loops pulse_modes 2019 -->
     <!-- figures: loops extended data/motors/jarzebowicz2019.toml data/scenarios/identification.toml dead_time saturation resistance:R=1.0 -->
 
 `extended` records a drive with these effects, diagnoses it, and compares control by both motor files.
@@ -132,6 +133,19 @@ def run_up(result, _ratios):
     return table(heads, rows, right=heads[1:])
 
 
+def pulse_modes(program, drive):
+    """The modes of one drive of `iqfoc loops --pulse-modes`."""
+    runs = [run for run in program.json("loops", "--pulse-modes")["pulse_modes"] if run["drive"] == drive]
+    if len(runs) != 1:
+        raise ValueError(f"no drive is named '{drive}'")
+    columns = {"up, from Hz": ("up_from_Hz", 0), "down, to Hz": ("down_to_Hz", 0), "pulses a second, at most": ("pulses_per_second", 0),
+               "distortion, %": ("distortion_percent", 1), "space vectors, %": ("space_vectors_percent", 1),
+               "torque error, %": ("torque_error_percent", 1)}
+    rows = [[mode["mode"], *("-" if mode[key] is None else f"{mode[key]:.{digits}f}" for key, digits in columns.values())]
+            for mode in runs[0]["modes"]]
+    return table(["mode", *columns], rows, right=list(columns))
+
+
 def extended(program, motor, scenario, *effects):
     options = [word for effect in effects for word in ("--effect", effect)]
     with tempfile.TemporaryDirectory() as folder:
@@ -154,6 +168,8 @@ PARTS = {"six_step": six_step, "ratios": ratios, "beliefs": beliefs, "finite_set
 def generate(program, arguments):
     if len(arguments) >= 3 and arguments[0] == "extended":
         return extended(program, *arguments[1:])
+    if len(arguments) == 2 and arguments[0] == "pulse_modes":
+        return pulse_modes(program, arguments[1])
     if not arguments or arguments[0] not in PARTS:
         raise ValueError(f"expected one of {', '.join(sorted(PARTS))}, got {arguments}")
     return PARTS[arguments[0]](program.json("loops"), [float(ratio) for ratio in arguments[1:]])

@@ -21,9 +21,9 @@ void tearDown(void)
 }
 
 static const char *const files[] = {
-    "data/motors/compressor_salient.toml", "data/motors/jarzebowicz2016_motor1.toml",
+    "data/motors/compressor_salient.toml",     "data/motors/jarzebowicz2016_motor1.toml",
     "data/motors/jarzebowicz2016_motor2.toml", "data/motors/jarzebowicz2016_motor3.toml",
-    "data/motors/jarzebowicz2019.toml"};
+    "data/motors/jarzebowicz2019.toml",        "data/motors/traction_400kw.toml"};
 enum { FILES = sizeof files / sizeof files[0] };
 
 /* 0: standstill. */

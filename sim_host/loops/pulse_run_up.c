@@ -1,0 +1,406 @@
+/* Machine and firmware of a run through the pulse modes (pulse_run_up.h). */
+#include "pulse_run_up.h"
+
+#include "pulse_samples.h"
+
+#include "base/vector.h"
+#include "params_host.h"
+#include "plant/plant_random.h"
+#include "reproduce/paper_2019.h"
+
+#include "iqfoc/synchronous_carrier.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TICKS    40000 /* of the fixed carrier's period */
+#define TOP_S    0.2   /* at constant speed */
+#define NOISE_HZ 2.0   /* of the speed that selects the mode */
+#define W_T      0.4   /* bandwidth of the current control times the fixed carrier's period */
+
+enum { CARRIER_LEVELS = 4, SIX_STEP = PULSE_LEVELS - 1, SEED = 1 };
+
+static const int pulses_of[PULSE_TABLES] = {9, 7, 5};
+
+static const iqfoc_synchronous_level_t carrier_levels[CARRIER_LEVELS] = {
+    {0, 0, 0},
+    {21, IQ24(1.0 / 21.0), IQ24(0.95 / 21.0)},
+    {15, IQ24(1.0 / 15.0), IQ24(0.95 / 15.0)},
+    {9, IQ24(0.095), IQ24(0.09)}};
+static const iqfoc_synchronous_config_t carrier_config = {
+    carrier_levels, CARRIER_LEVELS, TICKS, TICKS / 8, 2 * TICKS, IQ24_ONE, IQ24(0.125), IQ24(1.0 / 6.0)};
+
+/* ---- The drives ---- */
+
+/* The machine of data/motors/traction_400kw.toml. */
+static motor traction_motor(void)
+{
+    motor m = motor_blank();
+    (void)snprintf(m.name, sizeof m.name, "Traction machine 400 kW");
+    m.pole_pairs = 6;
+    m.R_ohm = 0.018;
+    m.L_d_H = 0.7e-3;
+    m.L_q_H = 0.7e-3;
+    m.psi_f_Wb = 0.312;
+    m.I_rated_A_rms = 253.0;
+    m.n_max_rpm = 5000.0;
+    m.f_pwm_Hz = 2000.0;
+    m.u_dc_V = 1500.0;
+    return m;
+}
+
+pulse_drive pulse_drive_of(pulse_drive_id id)
+{
+    if (id == PULSE_DRIVE_400_KW) {
+        return (pulse_drive){"traction_400kw",
+                             "traction drive, 400 kW, 1500 V",
+                             traction_motor(),
+                             1e-4,
+                             500.0,
+                             {270.0, 300.0, 340.0, 380.0},
+                             {260.0, 290.0, 330.0, 370.0}};
+    }
+    pulse_drive p = {"2019", "drive of the 2019 paper, 565 V", paper_2019_motor(),          1e-4,
+                     450.0,  {275.0, 300.0, 330.0, 345.0},     {265.0, 290.0, 320.0, 335.0}};
+    p.m.u_dc_V = 565.0;
+    p.m.f_pwm_Hz = 2500.0;
+    return p;
+}
+
+bool pulse_tables_find(pulse_tables *t, error *e)
+{
+    for (int n = 0; n < PULSE_TABLES; n++) {
+        patterns_result found;
+        const patterns_request asked = {.pulses = pulses_of[n]};
+        if (!patterns_find(&asked, &found, e)) {
+            return false;
+        }
+        for (int k = 0; k < found.rows; k++) {
+            const patterns_row *from = &found.row[k];
+            t->row[n][k].start = from->shape.start;
+            t->row[n][k].joined = from->joined ? 1 : 0;
+            for (int j = 0; j < from->shape.angles; j++) {
+                t->row[n][k].angle[j] = iq24_from_double(from->shape.angle[j] / VEC_TWO_PI);
+            }
+        }
+        t->of[n] = (iqfoc_pattern_t){t->row[n], found.rows, (pulses_of[n] - 1) / 2, IQ24(0.3),
+                                     IQ24(PATTERNS_ROWS_PER_INDEX)};
+    }
+    return true;
+}
+
+/* ---- The machine ---- */
+
+typedef struct machine {
+    const motor *m;
+    double base_A;
+    double ripple;    /* of the link, as a share */
+    double time_s;    /* of the present valley, and within its cycle */
+    double w;         /* electrical speed of the present cycle, rad/s */
+    double theta;     /* rad, at time_s */
+    double complex i; /* A, stationary frame */
+    int level[3];
+    double since_s[3]; /* time of the last edge */
+    double shortest_s; /* time between two edges of a leg */
+    long edges;
+    pulse_run_mode mode;
+    int jumps;
+    pulse_sample *sample;
+    long samples, capacity;
+} machine;
+
+static double link_V(const machine *d, double time_s)
+{
+    return d->m->u_dc_V * (1.0 + d->ripple * sin(VEC_TWO_PI * PULSE_RIPPLE_HZ * time_s));
+}
+
+/* The exact solution under a constant voltage and speed. */
+static void flow(machine *d, double to_s)
+{
+    const double dt = to_s - d->time_s;
+    if (dt > 0.0) {
+        const double R = d->m->R_ohm;
+        const double L = d->m->L_d_H;
+        double complex u = 0.0;
+        for (int k = 0; k < 3; k++) {
+            u += d->level[k] / 3.0 * cexp(I * VEC_TWO_PI / 3.0 * k);
+        }
+        u *= link_V(d, d->time_s + 0.5 * dt);
+        const double complex emf = -I * d->w * d->m->psi_f_Wb / (R + I * d->w * L);
+        const double complex before = u / R + emf * cexp(I * d->theta);
+        d->theta += d->w * dt;
+        d->i = u / R + emf * cexp(I * d->theta) + (d->i - before) * exp(-R * dt / L);
+        d->time_s = to_s;
+    }
+}
+
+/* To this time, with a sample each PULSE_SAMPLE_S. */
+static void advance(machine *d, double to_s)
+{
+    while (d->samples < d->capacity && (double)d->samples * PULSE_SAMPLE_S <= to_s) {
+        flow(d, (double)d->samples * PULSE_SAMPLE_S);
+        d->sample[d->samples++] = (pulse_sample){
+            d->i * cexp(-I * d->theta) / d->base_A, d->w, d->theta, d->edges, d->jumps, d->mode};
+    }
+    flow(d, to_s);
+}
+
+static void switch_leg(machine *d, int k, int level)
+{
+    if (d->level[k] != level) {
+        d->level[k] = level;
+        d->shortest_s = fmin(d->shortest_s, d->time_s - d->since_s[k]);
+        d->since_s[k] = d->time_s;
+        d->edges++;
+    }
+}
+
+/* A cycle with these edges. */
+static void play(machine *d, const iqfoc_pattern_edges_t edges[3], double length_s)
+{
+    const double begin_s = d->time_s;
+    int next[3] = {0};
+    for (int k = 0; k < 3; k++) {
+        switch_leg(d, k, edges[k].level);
+    }
+    while (true) {
+        int first = -1;
+        double at = 1.0;
+        for (int k = 0; k < 3; k++) {
+            if (next[k] < edges[k].edges && iq24_to_double(edges[k].at[next[k]]) < at) {
+                first = k;
+                at = iq24_to_double(edges[k].at[next[k]]);
+            }
+        }
+        advance(d, begin_s + at * length_s);
+        if (first < 0) {
+            return;
+        }
+        switch_leg(d, first, -d->level[first]);
+        next[first]++;
+    }
+}
+
+/* ---- The firmware ---- */
+
+typedef struct firmware {
+    iqfoc_pulse_level_t levels[PULSE_LEVELS];
+    iqfoc_pulse_config_t config;
+    iqfoc_cycle_config_t base;
+    iqfoc_pattern_control_config_t control_config;
+    iqfoc_synchronous_carrier_t carrier;
+    iqfoc_cycle_t cycle;
+    iqfoc_pattern_control_t control;
+    iqfoc_pulse_mode_t mode;
+    iqfoc_cycle_config_t set[3];
+    iqfoc_pattern_edges_t acting[3], next[3];
+    uint32_t time, ticks; /* of the present cycle */
+    double tick_s;
+    long refused;
+    bool patterns; /* act in the present cycle */
+    bool resumes;
+} firmware;
+
+/* Centred pulses as edges. */
+static void centred(iqfoc_abc_t high, iqfoc_pattern_edges_t edges[3])
+{
+    const iq24_t share[3] = {high.a, high.b, high.c};
+    for (int k = 0; k < 3; k++) {
+        edges[k].level = share[k] >= IQ24_ONE ? 1 : -1;
+        edges[k].high = share[k];
+        edges[k].edges = share[k] > 0 && share[k] < IQ24_ONE ? 2 : 0;
+        edges[k].at[0] = (IQ24_ONE - share[k]) / 2;
+        edges[k].at[1] = IQ24_ONE - edges[k].at[0];
+    }
+}
+
+static bool start(firmware *f, const pulse_drive *p, const pulse_tables *t, error *e)
+{
+    const iqfoc_abc_t half = {IQ24(0.5), IQ24(0.5), IQ24(0.5)};
+    motor by_patterns = p->m;
+    by_patterns.f_pwm_Hz = 1.0 / p->pattern_s;
+    memset(f, 0, sizeof *f);
+    for (int n = 1; n < PULSE_LEVELS; n++) {
+        f->levels[n] =
+            (iqfoc_pulse_level_t){n == SIX_STEP ? &iqfoc_pattern_six_step : &t->of[n - 1],
+                                  iq24_from_double(p->on_Hz[n - 1] * p->pattern_s),
+                                  iq24_from_double(p->off_Hz[n - 1] * p->pattern_s),
+                                  n == SIX_STEP ? IQ24_ONE : 0, n == SIX_STEP ? IQ24(PULSE_LINEAR) : 0};
+    }
+    f->tick_s = 1.0 / (p->m.f_pwm_Hz * TICKS);
+    f->config = (iqfoc_pulse_config_t){f->levels, PULSE_LEVELS, (uint32_t)lround(p->pattern_s / f->tick_s)};
+    f->base = (iqfoc_cycle_config_t){.feedback = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
+                                     .span_max = IQ24_ONE,
+                                     .current_limit = IQ24(4.0),
+                                     .period_ticks = TICKS,
+                                     .tolerance_ticks = TICKS / 10,
+                                     .stale_ticks = TICKS / 4,
+                                     .deadline_ticks = TICKS / 2};
+    f->control_config.correction = IQ24(0.1);
+    f->control_config.disturbance = IQ24(0.02);
+    if (!predictor_from_motor(&p->m, &f->base.predictor, e) ||
+        !gains_from_motor(&p->m, W_T * p->m.f_pwm_Hz / VEC_TWO_PI, &f->base.gains, e) ||
+        !winding_from_motor(&by_patterns, &f->control_config.winding, e)) {
+        return false;
+    }
+    if (iqfoc_synchronous_carrier_init(&f->carrier, &carrier_config) != IQFOC_OK ||
+        iqfoc_cycle_init(&f->cycle, &f->base) != IQFOC_OK ||
+        iqfoc_pattern_control_init(&f->control, &f->control_config, &t->of[0], IQ24(PULSE_LEAST)) !=
+            IQFOC_OK ||
+        iqfoc_pulse_mode_init(&f->mode, &f->config) != IQFOC_OK) {
+        return error_failure(e, 0, "pulse modes: the library refuses the %s", p->text);
+    }
+    f->cycle.enabled = true;
+    f->ticks = TICKS;
+    centred(half, f->acting);
+    return true;
+}
+
+static iq24_t wrapped(double rad)
+{
+    const double turns = rad / VEC_TWO_PI;
+    return iq24_from_double(turns - floor(turns));
+}
+
+/* The interrupts of a cycle; returns the length of the next one. */
+static uint32_t interrupts(firmware *f, const machine *d, uint32_t n)
+{
+    const double length_s = f->ticks * f->tick_s;
+    const double complex i = d->i / d->base_A;
+    const iqfoc_ab_t ab = {iq24_from_double(creal(i)), iq24_from_double(cimag(i))};
+    iqfoc_sample_t sample = {.i = iqfoc_clarke_inverse(ab),
+                             .theta = wrapped(d->theta),
+                             .turns = iq24_from_double(d->w * length_s / VEC_TWO_PI),
+                             .u_dc = iq24_from_double(link_V(d, d->time_s) / d->m->u_dc_V),
+                             .time = f->time};
+    iqfoc_cycle_config_t *set = &f->set[n % 3];
+    const uint32_t ticks = iqfoc_synchronous_carrier_step(&f->carrier, sample.theta, sample.turns);
+    iqfoc_synchronous_carrier_set(&f->base, ticks, set);
+    if (f->patterns) {
+        iqfoc_duties_t duties;
+        iqfoc_pattern_control_aim(&f->control, f->cycle.i_ref, sample.turns);
+        if (iqfoc_pulse_mode_to_carrier(&f->mode, &f->control, &f->cycle, set, ab, sample.theta, sample.u_dc,
+                                        f->next, &duties)) {
+            f->refused += duties.scale < IQ24_ONE ? 1 : 0;
+            centred(duties.high, f->next);
+            f->patterns = false;
+            f->resumes = true;
+            return ticks;
+        }
+    } else {
+        const iqfoc_abc_t high = {f->acting[0].high, f->acting[1].high, f->acting[2].high};
+        f->refused += iqfoc_cycle_offer(&f->cycle, set) != IQFOC_OK ? 1 : 0;
+        (void)iqfoc_cycle_valley(&f->cycle, &sample, f->time);
+        if (f->resumes) {
+            iqfoc_pulse_mode_resume(&f->control, &f->cycle);
+            f->resumes = false;
+        }
+        iqfoc_synchronous_carrier_keep_flux(&f->cycle);
+        f->patterns =
+            iqfoc_pulse_mode_to_pattern(&f->mode, &f->control, &f->cycle, high, sample.u_dc, f->next);
+        if (!f->patterns) {
+            sample.theta = wrapped(d->theta + 0.5 * d->w * length_s);
+            sample.u_dc = iq24_from_double(link_V(d, d->time_s + 0.5 * length_s) / d->m->u_dc_V);
+            sample.at = IQ24(0.5);
+            sample.time = f->time + f->ticks / 2;
+            const iqfoc_command_t command = iqfoc_cycle_peak(&f->cycle, &sample, IQ24(1.5), sample.time);
+            centred(command.duties.high, f->next);
+            return ticks;
+        }
+    }
+    f->carrier.ticks = f->config.period_ticks;
+    return f->config.period_ticks;
+}
+
+/* ---- The run ---- */
+
+/* i_d at which the index is this. */
+static double weakening(const motor *m, double w, double i_q, double index)
+{
+    double low = -1.7;
+    double high = 0.5;
+    for (int n = 0; n < 40; n++) {
+        const double middle = 0.5 * (low + high);
+        const bool above = pulse_index(m, w, middle, i_q) > index;
+        high = above ? middle : high;
+        low = above ? low : middle;
+    }
+    return low;
+}
+
+/* The level by the speed with its noise, and the reference. */
+static void choose(firmware *f, const machine *d, double i_q, double noise_Hz, double pattern_s)
+{
+    const double way = d->w < 0.0 ? -1.0 : 1.0;
+    const double turns = (d->w / VEC_TWO_PI + way * noise_Hz) * pattern_s;
+    const double needed = pulse_index(d->m, d->w, 0.0, i_q);
+    iqfoc_pulse_mode_step(&f->mode, &f->control, iq24_from_double(turns), iq24_from_double(needed));
+    const bool six_step = f->mode.level == SIX_STEP;
+    const double i_d =
+        needed > PULSE_LINEAR || six_step ? weakening(d->m, d->w, i_q, six_step ? 1.0 : PULSE_LINEAR) : 0.0;
+    f->cycle.i_ref.d = iq24_from_double(i_d);
+    f->cycle.i_ref.q = iq24_from_double(i_q);
+}
+
+static void run(firmware *f, machine *d, const pulse_drive *p, const pulse_case *c, pulse_run_up *result)
+{
+    const double total_s = 2.0 * c->ramp_s + TOP_S;
+    plant_random noise;
+    plant_random_seed(&noise, SEED, 0);
+    for (uint32_t n = 0; d->time_s < total_s; n++) {
+        const double length_s = f->ticks * f->tick_s;
+        const double from_top_s = fmax(fabs(d->time_s - 0.5 * total_s) - 0.5 * TOP_S, 0.0);
+        const double hz = p->high_Hz - (p->high_Hz - c->low_Hz) / c->ramp_s * from_top_s;
+        const int level = f->mode.level;
+        const int family = f->control.trajectory.start;
+        d->w = c->way * VEC_TWO_PI * hz;
+        choose(f, d, c->i_q, NOISE_HZ * (2.0 * plant_random_uniform(&noise) - 1.0), p->pattern_s);
+        const iqfoc_pattern_t *table = f->control.modulator.table;
+        const int32_t row = f->control.modulator.row;
+        const uint32_t next_ticks = interrupts(f, d, n);
+        const bool jumped = table == f->control.modulator.table && f->control.modulator.row != row &&
+                            f->control.trajectory.start != family;
+        d->jumps += jumped ? 1 : 0;
+        d->mode = (pulse_run_mode)(f->patterns ? PULSE_CARRIER_9 + f->mode.level : f->carrier.level);
+        result->changes += f->mode.level != level ? 1 : 0;
+        result->highest = f->mode.level > result->highest ? f->mode.level : result->highest;
+        play(d, f->acting, length_s);
+        memcpy(f->acting, f->next, sizeof f->acting);
+        f->time += f->ticks;
+        f->ticks = next_ticks;
+    }
+}
+
+bool pulse_run_up_run(const pulse_drive *p, const pulse_tables *t, const pulse_case *c, pulse_run_up *result,
+                      error *e)
+{
+    firmware f;
+    const double base_A = motor_rated_peak_A(&p->m);
+    machine d = {.m = &p->m,
+                 .base_A = base_A,
+                 .ripple = c->ripple ? PULSE_RIPPLE : 0.0,
+                 .i = I * c->i_q * base_A * cexp(I * VEC_TWO_PI * c->angle),
+                 .theta = VEC_TWO_PI * c->angle,
+                 .level = {-1, -1, -1},
+                 .since_s = {-1.0, -1.0, -1.0},
+                 .shortest_s = 1.0,
+                 .capacity = lround((2.0 * c->ramp_s + TOP_S) / PULSE_SAMPLE_S)};
+    if (!start(&f, p, t, e)) {
+        return false;
+    }
+    d.sample = malloc((size_t)d.capacity * sizeof *d.sample);
+    if (d.sample == NULL) {
+        return error_failure(e, 0, "out of memory for the run-up through the pulse modes");
+    }
+    memset(result, 0, sizeof *result);
+    run(&f, &d, p, c, result);
+    result->shortest_s = d.shortest_s;
+    result->last = f.mode.level;
+    result->status = f.cycle.status;
+    result->refused = f.refused;
+    pulse_samples_measure(d.sample, d.samples, &p->m, c->i_q, result);
+    free(d.sample);
+    return true;
+}
