@@ -42,6 +42,7 @@ iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
         return IQFOC_ERROR_PREDICTOR;
     }
     made.l = iq24_div(INT32_C(1) << 26, winding->k_u_q26);
+    /*@ assert pattern_l: 1048576 <= made.l <= 134217728; */
     made.r = iq24_mul_shift(winding->rho_q30, made.l, 30);
     made.psi = iq24_mul_shift(winding->k_psi_q27, made.l, 27);
     if (made.psi > IQ24(16.0)) {
@@ -188,14 +189,13 @@ static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index)
 
 /* ---- The reference ---- */
 
-/*
- * Range: |miss| <= 16 a component and carried no more, so that seen <= 32 sqrt(2). With disturbance_l <= 2 and v <= 1/2, the sum is below
- * 92.
- */
+/* Range: the innovation is held to 16 a component, so that |seen| <= 16 sqrt(2). With disturbance_l <= 2 and v <= 1/2: below 46. */
 static void learn(iqfoc_pattern_control_t *control)
 {
     const iqfoc_ab_t miss = control->miss;
-    const iqfoc_ab_t innovation = {miss.alpha - control->carried.alpha, miss.beta - control->carried.beta};
+    const iq24_t alpha = miss.alpha - control->carried.alpha;
+    const iq24_t beta = miss.beta - control->carried.beta;
+    const iqfoc_ab_t innovation = {IQ24_HOLD_BITS(alpha, 29), IQ24_HOLD_BITS(beta, 29)};
     const iqfoc_dq_t seen = iqfoc_park(innovation, control->sc_sample);
     const iq24_t d = control->v.d + iq24_mul_round(control->disturbance_l, seen.d);
     const iq24_t q = control->v.q + iq24_mul_round(control->disturbance_l, seen.q);
@@ -212,6 +212,8 @@ static void follow_link(iqfoc_pattern_control_t *control)
     control->u_mean += iq24_asr32(control->u_dc - control->u_mean + 32, 6);
     const iq24_t rest = IQ24_ONE - iq24_mul_round(control->u_mean, control->u_dc_inverse);
     control->u_dc_inverse += iq24_mul_round(control->u_dc_inverse, rest);
+    /*@ assert pattern_link: 8388608 <= control->u_mean <= 25165824; */
+    /*@ assert pattern_link: 10811692 <= control->u_dc_inverse <= 34673033; */
 }
 
 /*
@@ -269,6 +271,7 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
                                     IQFOC_PATTERN_CONTROL_TURNS_MIN, IQFOC_PATTERN_TURNS_MAX);
     t->turns = turns < 0 ? -speed : speed;
     t->cycles_q22 = iq24_div(INT32_C(1) << 22, speed);
+    /*@ assert pattern_cycles: 33554432 <= t->cycles_q22 <= 536870912; */
     t->speed = speed;
     t->l_q28 = iq24_mul_shift(iq24_mul_shift(control->l, speed, 20), control->u_dc_inverse, 24);
 
@@ -365,11 +368,13 @@ static void move_edges(pattern_leg_t *leg, iqfoc_pattern_control_leg_t *state,
     if (ahead > 0) {
         earliest = next_angle(&walk);
         later -= earliest;
-    } else if (ahead < 0) {
-        walk.n--; /* the next one is the place's */
     }
-    iq24_t due = iq24_max(next_angle(&walk), 0);
+    iq24_t due = 0; /* of the place's edge, if that is the next one */
+    if (ahead >= 0) {
+        due = next_angle(&walk);
+    }
     for (int32_t passed = 0; passed < PASSED_MAX; passed++) {
+        /*@ assert pattern_later: -150994944 <= later <= 150994944; */
         const int32_t edge = walk.n;
         const iq24_t pushed = due + later;
         iq24_t at = pushed;
@@ -382,6 +387,7 @@ static void move_edges(pattern_leg_t *leg, iqfoc_pattern_control_leg_t *state,
             break;
         }
         const iq24_t time = iq24_shift_wrap(IQ24_MUL64(at, t->cycles_q22), 22);
+        /*@ assert pattern_moved_time: 0 <= time <= 16777215; */
         pattern_leg_follow(leg, time);
         leg->wanted = -leg->wanted;
         leg->since = time;
@@ -392,8 +398,8 @@ static void move_edges(pattern_leg_t *leg, iqfoc_pattern_control_leg_t *state,
     }
 }
 
-static inline void step_leg(iqfoc_pattern_control_t *control, int32_t k, const place_t *place, iq24_t error,
-                            iqfoc_pattern_edges_t *out)
+IQFOC_STEP void step_leg(iqfoc_pattern_control_t *control, int32_t k, const place_t *place, iq24_t error,
+                         iqfoc_pattern_edges_t *out)
 {
     const iqfoc_pattern_trajectory_t *t = &control->trajectory;
     iqfoc_pattern_control_leg_t *state = &control->leg[k];
@@ -409,15 +415,15 @@ static inline void step_leg(iqfoc_pattern_control_t *control, int32_t k, const p
         state->level = wanted;
         pattern_leg_stay(output, out);
     } else {
-        int32_t ahead = 0;
-        if (wanted != place->level) {
+        pattern_leg_t leg = pattern_leg_begin(output, control->modulator.least, wanted, out);
+        if (wanted == place->level) {
+            move_edges(&leg, state, t, place->y, 0, later);
+        } else {
             /* In six-step, the edges before and after have one number: the nearer one has moved past the place. */
             const bool moved = t->edges > 1 ? state->edge == n + 1 || (state->edge == 0 && n + 1 == t->edges)
                                             : place->y >= PATTERN_QUARTER_TURN;
-            ahead = moved ? 1 : -1;
+            move_edges(&leg, state, t, place->y, moved ? 1 : -1, later);
         }
-        pattern_leg_t leg = pattern_leg_begin(output, control->modulator.least, wanted, out);
-        move_edges(&leg, state, t, place->y, ahead, later);
         state->level = leg.wanted;
         pattern_leg_end(&leg, output);
     }
@@ -435,6 +441,7 @@ static inline void predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_
         control->i_next = i;
         control->u_mean = u_dc;
         control->u_dc_inverse = iq24_div(IQ24_ONE, u_dc);
+        /*@ assert pattern_link: 10811692 <= control->u_dc_inverse <= 34673033; */
         control->predicted = true;
     }
     control->u_dc = u_dc;

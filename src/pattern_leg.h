@@ -26,7 +26,7 @@ static inline pattern_rows_t pattern_rows_at(iqfoc_pattern_modulator_t *modulato
     const iq24_t above = iq24_clamp(index, table->index_low, IQ24_ONE) - table->index_low;
     const iq24_t place = iq24_min(iq24_mul_round(above, table->rows_per_index), (table->rows - 1) * IQ24_ONE);
     int32_t n = iq24_asr32(place, IQ24_FRACTION_BITS);
-    const iq24_t part = place - n * IQ24_ONE;
+    const iq24_t part = place & (IQ24_ONE - 1);
     int32_t next = part != 0 ? n + 1 : n;
     /*@ assert pattern_row: 0 <= n <= next < table->rows; */
     if (table->row[n].joined == 0) {

@@ -14,7 +14,7 @@
  * i is the current at the start of the next cycle. The exact step of predictor_exact.h predicts it from the mean u of the edges that
  * were commanded, as u (1 + j rho phi/12): the pattern's voltage turns by phi in a cycle. The share `correction` of the prediction
  * error corrects i. The remainder decays by the step's factor e^-rho and is part of the next prediction error. The new part of an error,
- * its innovation, adds to the disturbance voltage v in the rotor frame:
+ * its innovation, held to +-16, adds to the disturbance voltage v in the rotor frame:
  *
  *     innovation = miss - (1 - correction) e^-rho miss of the last cycle                    miss: sample less prediction
  *     v += disturbance l e^(-j theta) innovation                                            theta: at the sample

@@ -70,7 +70,7 @@ void prove_pattern(void)
             row[n].angle[k] = any_within(0, IQ24(0.25));
         }
     }
-    for (int32_t angles = 1; angles <= IQFOC_PATTERN_ANGLES_MAX; angles++) {
+    for (int32_t angles = 0; angles <= IQFOC_PATTERN_ANGLES_MAX; angles++) {
         pattern_of(row, angles);
     }
 }
