@@ -36,7 +36,8 @@ static const option_spec specs[] = {
      .text = &asked.emulated.target},
     {"image", 0, "F.elf", "image for --target (default: the one built with this program)",
      .text = &asked.emulated.image},
-    {"uart", 0, "F", "with --target: the image sends every cycle over its UART into file or terminal F (iqfoc record)",
+    {"uart", 0, "F",
+     "with --target: the image sends every cycle over its UART into file or terminal F (iqfoc record)",
      .text = &asked.emulated.uart},
     {"list-effects", 0, NULL, "print the effects with their keys and default sizes", .flag = &asked.list},
     {.name = NULL}};

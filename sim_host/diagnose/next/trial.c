@@ -30,7 +30,7 @@ plan_limits trial_limits(const session *w)
 /* The trial's rows as the diagnosis would have them of a recording, all of them fitted. */
 static bool prepare(diagnose_rows *rows, const recording *rec, const session *w)
 {
-    error unused;
+    error unused = {0};
     if (!rows_prepare(rows, rec, w->frame.motor, &unused)) {
         return false;
     }
@@ -98,7 +98,7 @@ static bool look(trial *t, const session *w, const trial_rows *of, const int *co
 {
     diagnose_rows rows;
     fit_data fitted;
-    error unused;
+    error unused = {0};
     if (!prepare(&rows, &of->recording, w)) {
         return false;
     }

@@ -182,7 +182,7 @@ bool trial_rows_make(trial_rows *out, const session *w, const plan_piece *piece,
                        u_dc_V);
         }
     }
-    error unused;
+    error unused = {0};
     const bool ok = recording_make(&out->recording, "the next experiment", rows, TRIAL_COLUMNS, column_name,
                                    (const double *const *)t.of, &unused);
     free(all);
