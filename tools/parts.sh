@@ -100,10 +100,12 @@ run_lanes() {
 }
 
 # Labels of tests that one build is enough for: exhaustive ones, and those that run none of the C code, or run it by the program
-# that the host preset built; studies, which run the same parts for longer, take a sanitizer minutes.
-NO_STUDY='^(sweep|blind|tool|study)$'
+# that the host preset built; studies, which run the same parts for longer, take a sanitizer minutes. A `long` test runs with one compiler
+# and for coverage: what it calls is also called by shorter tests.
+NO_STUDY='^(sweep|blind|tool|study|long)$'
 # A second compiler and coverage are the library's and the parts', by their unit tests: the program as its user meets it adds nothing.
 UNIT_ONLY='^(sweep|blind|tool|cli|study)$'
+SHORT_UNITS='^(sweep|blind|tool|cli|study|long)$'
 
 # Builds all of a preset and runs its tests but for those with a label that matches $2.
 test_preset() {
@@ -256,7 +258,7 @@ program_lane() {
 
 # Other compilers, sanitizers, other people's builds, static analysis; then what only needs the program that the other lane built.
 source_lane() {
-    run_part clang test_preset clang "$UNIT_ONLY"
+    run_part clang test_preset clang "$SHORT_UNITS"
     run_part asan test_preset asan "$NO_STUDY"
     static_checks
     run_part fuzz check_fuzz
