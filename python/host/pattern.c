@@ -2,7 +2,7 @@
 #include "iqfoc/pattern.h"
 
 #include "handles.h"
-#include "patterns/patterns.h"
+#include "patterns/patterns_table.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,32 +11,16 @@
 #define TWO_PI 6.283185307179586
 
 struct py_pattern {
-    int rows;
     iqfoc_pattern_row_t row[PATTERNS_ROWS];
     iqfoc_pattern_t table;
     iqfoc_pattern_modulator_t modulator;
     iq24_t least;
 };
 
-static void take_table(py_pattern *p, const patterns_result *found)
-{
-    p->rows = found->rows;
-    for (int n = 0; n < found->rows; n++) {
-        const patterns_row *from = &found->row[n];
-        p->row[n] = (iqfoc_pattern_row_t){.start = from->shape.start, .joined = from->joined ? 1 : 0};
-        for (int k = 0; k < from->shape.angles; k++) {
-            p->row[n].angle[k] = iq24_from_double(from->shape.angle[k] / TWO_PI);
-        }
-    }
-    p->table =
-        (iqfoc_pattern_t){p->row, found->rows, (found->asked.pulses - 1) / 2,
-                          iq24_from_double(patterns_index(0)), iq24_from_double(PATTERNS_ROWS_PER_INDEX)};
-}
-
 /* least: cycles. */
 static bool take(py_pattern *p, const patterns_result *found, double least, error *e)
 {
-    take_table(p, found);
+    patterns_table(found, p->row, &p->table);
     p->least = iq24_from_double(fmin(least, 8.0));
     const iqfoc_error_t refused = iqfoc_pattern_init(&p->modulator, &p->table, p->least);
     return refused == IQFOC_OK ||
@@ -73,7 +57,7 @@ void py_pattern_free(py_pattern *p)
 void py_pattern_range(const py_pattern *p, double *low, double *high)
 {
     *low = patterns_index(0);
-    *high = patterns_index(p->rows - 1);
+    *high = patterns_index(p->table.rows - 1);
 }
 
 void py_pattern_clear(py_pattern *p)

@@ -5,6 +5,8 @@
 
 #include "base/vector.h"
 #include "params_host.h"
+#include "patterns/patterns_table.h"
+#include "plant/edge_machine.h"
 #include "plant/plant_random.h"
 #include "reproduce/paper_2019.h"
 
@@ -77,16 +79,7 @@ bool pulse_tables_find(pulse_tables *t, error *e)
         if (!patterns_find(&asked, &found, e)) {
             return false;
         }
-        for (int k = 0; k < found.rows; k++) {
-            const patterns_row *from = &found.row[k];
-            t->row[n][k].start = from->shape.start;
-            t->row[n][k].joined = from->joined ? 1 : 0;
-            for (int j = 0; j < from->shape.angles; j++) {
-                t->row[n][k].angle[j] = iq24_from_double(from->shape.angle[j] / VEC_TWO_PI);
-            }
-        }
-        t->of[n] = (iqfoc_pattern_t){t->row[n], found.rows, (pulses_of[n] - 1) / 2, IQ24(0.3),
-                                     IQ24(PATTERNS_ROWS_PER_INDEX)};
+        patterns_table(&found, t->row[n], &t->of[n]);
     }
     return true;
 }
@@ -96,12 +89,7 @@ bool pulse_tables_find(pulse_tables *t, error *e)
 typedef struct machine {
     const motor *m;
     double base_A;
-    double ripple;    /* of the link, as a share */
-    double time_s;    /* of the present valley, and within its cycle */
-    double w;         /* electrical speed of the present cycle, rad/s */
-    double theta;     /* rad, at time_s */
-    double complex i; /* A, stationary frame */
-    int level[3];
+    edge_machine circuit;
     double since_s[3]; /* time of the last edge */
     double shortest_s; /* time between two edges of a leg */
     long edges;
@@ -111,48 +99,27 @@ typedef struct machine {
     long samples, capacity;
 } machine;
 
-static double link_V(const machine *d, double time_s)
-{
-    return d->m->u_dc_V * (1.0 + d->ripple * sin(VEC_TWO_PI * PULSE_RIPPLE_HZ * time_s));
-}
-
-/* The exact solution under a constant voltage and speed. */
-static void flow(machine *d, double to_s)
-{
-    const double dt = to_s - d->time_s;
-    if (dt > 0.0) {
-        const double R = d->m->R_ohm;
-        const double L = d->m->L_d_H;
-        double complex u = 0.0;
-        for (int k = 0; k < 3; k++) {
-            u += d->level[k] / 3.0 * cexp(I * VEC_TWO_PI / 3.0 * k);
-        }
-        u *= link_V(d, d->time_s + 0.5 * dt);
-        const double complex emf = -I * d->w * d->m->psi_f_Wb / (R + I * d->w * L);
-        const double complex before = u / R + emf * cexp(I * d->theta);
-        d->theta += d->w * dt;
-        d->i = u / R + emf * cexp(I * d->theta) + (d->i - before) * exp(-R * dt / L);
-        d->time_s = to_s;
-    }
-}
-
 /* To this time, with a sample each PULSE_SAMPLE_S. */
 static void advance(machine *d, double to_s)
 {
     while (d->samples < d->capacity && (double)d->samples * PULSE_SAMPLE_S <= to_s) {
-        flow(d, (double)d->samples * PULSE_SAMPLE_S);
-        d->sample[d->samples++] = (pulse_sample){
-            d->i * cexp(-I * d->theta) / d->base_A, d->w, d->theta, d->edges, d->jumps, d->mode};
+        edge_machine_flow(&d->circuit, (double)d->samples * PULSE_SAMPLE_S);
+        d->sample[d->samples++] = (pulse_sample){d->circuit.i * cexp(-I * d->circuit.theta) / d->base_A,
+                                                 d->circuit.w,
+                                                 d->circuit.theta,
+                                                 d->edges,
+                                                 d->jumps,
+                                                 d->mode};
     }
-    flow(d, to_s);
+    edge_machine_flow(&d->circuit, to_s);
 }
 
 static void switch_leg(machine *d, int k, int level)
 {
-    if (d->level[k] != level) {
-        d->level[k] = level;
-        d->shortest_s = fmin(d->shortest_s, d->time_s - d->since_s[k]);
-        d->since_s[k] = d->time_s;
+    if (d->circuit.level[k] != level) {
+        d->circuit.level[k] = level;
+        d->shortest_s = fmin(d->shortest_s, d->circuit.time_s - d->since_s[k]);
+        d->since_s[k] = d->circuit.time_s;
         d->edges++;
     }
 }
@@ -160,7 +127,7 @@ static void switch_leg(machine *d, int k, int level)
 /* A cycle with these edges. */
 static void play(machine *d, const iqfoc_pattern_edges_t edges[3], double length_s)
 {
-    const double begin_s = d->time_s;
+    const double begin_s = d->circuit.time_s;
     int next[3] = {0};
     for (int k = 0; k < 3; k++) {
         switch_leg(d, k, edges[k].level);
@@ -178,7 +145,7 @@ static void play(machine *d, const iqfoc_pattern_edges_t edges[3], double length
         if (first < 0) {
             return;
         }
-        switch_leg(d, first, -d->level[first]);
+        switch_leg(d, first, -d->circuit.level[first]);
         next[first]++;
     }
 }
@@ -268,13 +235,14 @@ static iq24_t wrapped(double rad)
 static uint32_t interrupts(firmware *f, const machine *d, uint32_t n)
 {
     const double length_s = f->ticks * f->tick_s;
-    const double complex i = d->i / d->base_A;
+    const double complex i = d->circuit.i / d->base_A;
     const iqfoc_ab_t ab = {iq24_from_double(creal(i)), iq24_from_double(cimag(i))};
-    iqfoc_sample_t sample = {.i = iqfoc_clarke_inverse(ab),
-                             .theta = wrapped(d->theta),
-                             .turns = iq24_from_double(d->w * length_s / VEC_TWO_PI),
-                             .u_dc = iq24_from_double(link_V(d, d->time_s) / d->m->u_dc_V),
-                             .time = f->time};
+    iqfoc_sample_t sample = {
+        .i = iqfoc_clarke_inverse(ab),
+        .theta = wrapped(d->circuit.theta),
+        .turns = iq24_from_double(d->circuit.w * length_s / VEC_TWO_PI),
+        .u_dc = iq24_from_double(edge_machine_link_V(&d->circuit, d->circuit.time_s) / d->m->u_dc_V),
+        .time = f->time};
     iqfoc_cycle_config_t *set = &f->set[n % 3];
     const uint32_t ticks = iqfoc_synchronous_carrier_step(&f->carrier, sample.theta, sample.turns);
     iqfoc_synchronous_carrier_set(&f->base, ticks, set);
@@ -301,8 +269,9 @@ static uint32_t interrupts(firmware *f, const machine *d, uint32_t n)
         f->patterns =
             iqfoc_pulse_mode_to_pattern(&f->mode, &f->control, &f->cycle, high, sample.u_dc, f->next);
         if (!f->patterns) {
-            sample.theta = wrapped(d->theta + 0.5 * d->w * length_s);
-            sample.u_dc = iq24_from_double(link_V(d, d->time_s + 0.5 * length_s) / d->m->u_dc_V);
+            sample.theta = wrapped(d->circuit.theta + 0.5 * d->circuit.w * length_s);
+            sample.u_dc = iq24_from_double(
+                edge_machine_link_V(&d->circuit, d->circuit.time_s + 0.5 * length_s) / d->m->u_dc_V);
             sample.at = IQ24(0.5);
             sample.time = f->time + f->ticks / 2;
             const iqfoc_command_t command = iqfoc_cycle_peak(&f->cycle, &sample, IQ24(1.5), sample.time);
@@ -333,13 +302,14 @@ static double weakening(const motor *m, double w, double i_q, double index)
 /* The level by the speed with its noise, and the reference. */
 static void choose(firmware *f, const machine *d, double i_q, double noise_Hz, double pattern_s)
 {
-    const double way = d->w < 0.0 ? -1.0 : 1.0;
-    const double turns = (d->w / VEC_TWO_PI + way * noise_Hz) * pattern_s;
-    const double needed = pulse_index(d->m, d->w, 0.0, i_q);
+    const double way = d->circuit.w < 0.0 ? -1.0 : 1.0;
+    const double turns = (d->circuit.w / VEC_TWO_PI + way * noise_Hz) * pattern_s;
+    const double needed = pulse_index(d->m, d->circuit.w, 0.0, i_q);
     iqfoc_pulse_mode_step(&f->mode, &f->control, iq24_from_double(turns), iq24_from_double(needed));
     const bool six_step = f->mode.level == SIX_STEP;
-    const double i_d =
-        needed > PULSE_LINEAR || six_step ? weakening(d->m, d->w, i_q, six_step ? 1.0 : PULSE_LINEAR) : 0.0;
+    const double i_d = needed > PULSE_LINEAR || six_step
+                           ? weakening(d->m, d->circuit.w, i_q, six_step ? 1.0 : PULSE_LINEAR)
+                           : 0.0;
     f->cycle.i_ref.d = iq24_from_double(i_d);
     f->cycle.i_ref.q = iq24_from_double(i_q);
 }
@@ -349,13 +319,13 @@ static void run(firmware *f, machine *d, const pulse_drive *p, const pulse_case 
     const double total_s = 2.0 * c->ramp_s + TOP_S;
     plant_random noise;
     plant_random_seed(&noise, SEED, 0);
-    for (uint32_t n = 0; d->time_s < total_s; n++) {
+    for (uint32_t n = 0; d->circuit.time_s < total_s; n++) {
         const double length_s = f->ticks * f->tick_s;
-        const double from_top_s = fmax(fabs(d->time_s - 0.5 * total_s) - 0.5 * TOP_S, 0.0);
+        const double from_top_s = fmax(fabs(d->circuit.time_s - 0.5 * total_s) - 0.5 * TOP_S, 0.0);
         const double hz = p->high_Hz - (p->high_Hz - c->low_Hz) / c->ramp_s * from_top_s;
         const int level = f->mode.level;
         const int family = f->control.trajectory.start;
-        d->w = c->way * VEC_TWO_PI * hz;
+        d->circuit.w = c->way * VEC_TWO_PI * hz;
         choose(f, d, c->i_q, NOISE_HZ * (2.0 * plant_random_uniform(&noise) - 1.0), p->pattern_s);
         const iqfoc_pattern_t *table = f->control.modulator.table;
         const int32_t row = f->control.modulator.row;
@@ -380,10 +350,14 @@ bool pulse_run_up_run(const pulse_drive *p, const pulse_tables *t, const pulse_c
     const double base_A = motor_rated_peak_A(&p->m);
     machine d = {.m = &p->m,
                  .base_A = base_A,
-                 .ripple = c->ripple ? PULSE_RIPPLE : 0.0,
-                 .i = I * c->i_q * base_A * cexp(I * VEC_TWO_PI * c->angle),
-                 .theta = VEC_TWO_PI * c->angle,
-                 .level = {-1, -1, -1},
+                 .circuit = {.R_ohm = p->m.R_ohm,
+                             .L_s_H = p->m.L_d_H,
+                             .psi_f_Wb = p->m.psi_f_Wb,
+                             .u_dc_V = p->m.u_dc_V,
+                             .ripple = c->ripple ? PULSE_RIPPLE : 0.0,
+                             .i = I * c->i_q * base_A * cexp(I * VEC_TWO_PI * c->angle),
+                             .theta = VEC_TWO_PI * c->angle,
+                             .level = {-1, -1, -1}},
                  .since_s = {-1.0, -1.0, -1.0},
                  .shortest_s = 1.0,
                  .capacity = lround((2.0 * c->ramp_s + TOP_S) / PULSE_SAMPLE_S)};

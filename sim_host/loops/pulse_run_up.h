@@ -63,15 +63,14 @@ typedef struct pulse_case {
     double low_Hz; /* at both ends */
     double ramp_s; /* from there to the top */
     double i_q;
-    bool ripple;  /* of the link: +-PULSE_RIPPLE at PULSE_RIPPLE_HZ */
+    bool ripple;  /* of the link: +-PULSE_RIPPLE */
     double way;   /* of rotation: 1 or -1 */
     double angle; /* of the rotor at the start, turns */
 } pulse_case;
 
-#define PULSE_RIPPLE    0.01
-#define PULSE_RIPPLE_HZ 300.0
-#define PULSE_LINEAR    0.98 /* index up to which the patterns are used */
-#define PULSE_LEAST     0.05 /* time between two edges of a leg: control cycles of the patterns */
+#define PULSE_RIPPLE 0.01
+#define PULSE_LINEAR 0.98 /* index up to which the patterns are used */
+#define PULSE_LEAST  0.05 /* time between two edges of a leg: control cycles of the patterns */
 
 /* What is within a turn of an instant. */
 typedef enum pulse_event {

@@ -35,8 +35,7 @@ static double turn_s(const pulse_sample *at)
     return fmin(VEC_TWO_PI / fabs(at->w), LONGEST_S);
 }
 
-/* Mean torque with weights 1 + cos over 2/3 of a turn, in which all harmonics of the modes vanish. */
-static double mean_torque(const pulse_sample *at)
+double pulse_mean_torque(const pulse_sample *at)
 {
     const long half = lround(turn_s(at) / 3.0 / PULSE_SAMPLE_S);
     double sum = 0.0;
@@ -80,7 +79,7 @@ static void measure_torque(const pulse_sample *sample, long count, double wanted
     for (long k = margin; k < count - margin; k += EVERY) {
         const pulse_sample *at = &sample[k];
         const long turn = lround(turn_s(at) / PULSE_SAMPLE_S);
-        const double off = 100.0 * (mean_torque(at) - wanted);
+        const double off = 100.0 * (pulse_mean_torque(at) - wanted);
         double *of_event = &r->worst_percent[event_of(at - turn, at + turn)];
         double *of_mode = &r->mode[at->mode].torque_percent;
         *of_event = fmax(*of_event, fabs(off));

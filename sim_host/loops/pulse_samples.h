@@ -19,6 +19,11 @@ typedef struct pulse_sample {
 /* Length of the stator voltage as the share of six-step's. w: rad/s. */
 double pulse_index(const motor *m, double w, double i_d, double i_q);
 
+/*
+ * Mean torque about a sample, with weights 1 + cos over 2/3 of a turn, in which all harmonics of the modes vanish. Share of the rated torque.
+ */
+double pulse_mean_torque(const pulse_sample *at);
+
 /* Sets points, trace, modes and the torque errors of the result. */
 void pulse_samples_measure(const pulse_sample *sample, long count, const motor *m, double i_q,
                            pulse_run_up *result);

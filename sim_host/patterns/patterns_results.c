@@ -1,6 +1,8 @@
 /* Patterns as JSON, as text, and as the firmware's table (patterns.h). */
 #include "patterns.h"
 
+#include "patterns_table.h"
+
 #include "base/out_file.h"
 #include "base/text_out.h"
 #include "base/vector.h"
@@ -105,27 +107,25 @@ void patterns_print(const patterns_result *r, size_t count, FILE *out)
     }
 }
 
-static long iq24(double x)
-{
-    return lround(x * 16777216.0);
-}
-
 static void put_table(const patterns_result *r, FILE *out)
 {
     const int pulses = r->asked.pulses;
+    iqfoc_pattern_row_t row[PATTERNS_ROWS];
+    iqfoc_pattern_t table;
+    patterns_table(r, row, &table);
     fprintf(out, "\nstatic const iqfoc_pattern_row_t iqfoc_pattern_%d_rows[%d] = {\n", pulses, r->rows);
     for (int n = 0; n < r->rows; n++) {
-        const patterns_row *row = &r->row[n];
-        fprintf(out, "    {%d, %d, {", row->shape.start, row->joined);
-        for (int k = 0; k < row->shape.angles; k++) {
-            fprintf(out, "%s%ld", k > 0 ? ", " : "", iq24(row->shape.angle[k] / VEC_TWO_PI));
+        fprintf(out, "    {%d, %d, {", (int)row[n].start, (int)row[n].joined);
+        for (int k = 0; k < table.angles; k++) {
+            fprintf(out, "%s%ld", k > 0 ? ", " : "", (long)row[n].angle[k]);
         }
         fprintf(out, "}}, /* %.2f */\n", patterns_index(n));
     }
     fprintf(
         out,
         "};\n\nstatic const iqfoc_pattern_t iqfoc_pattern_%d = {iqfoc_pattern_%d_rows, %d, %d, %ld, %ld};\n",
-        pulses, pulses, r->rows, (pulses - 1) / 2, iq24(patterns_index(0)), iq24(PATTERNS_ROWS_PER_INDEX));
+        pulses, pulses, (int)table.rows, (int)table.angles, (long)table.index_low,
+        (long)table.rows_per_index);
 }
 
 bool patterns_header(const patterns_result *r, size_t count, const char *directory, error *e)

@@ -8,7 +8,8 @@
 #include "iqfoc/overmodulation.h"
 #include "iqfoc/pattern_control.h"
 #include "iqfoc/tracker.h"
-#include "patterns/patterns.h"
+#include "patterns/patterns_table.h"
+#include "plant/edge_machine.h"
 
 #include <complex.h>
 #include <math.h>
@@ -16,16 +17,15 @@
 #include <string.h>
 #include <unity.h>
 
-#define TWO_PI    6.28318530717958647692
-#define R_OHM     0.75
-#define L_H       5.2e-3
-#define PSI_WB    0.134
-#define I_BASE_A  14.849
-#define U_DC_V    565.0
-#define F_HZ      250.0
-#define T_S       1e-4
-#define LEAST_S   5e-6
-#define RIPPLE_HZ 300.0
+#define TWO_PI   6.28318530717958647692
+#define R_OHM    0.75
+#define L_H      5.2e-3
+#define PSI_WB   0.134
+#define I_BASE_A 14.849
+#define U_DC_V   565.0
+#define F_HZ     250.0
+#define T_S      1e-4
+#define LEAST_S  5e-6
 
 enum {
     PARTS = 16,
@@ -107,28 +107,15 @@ static void find_tables(void)
         const patterns_request asked = {.pulses = pulses_of[n]};
         error e;
         TEST_ASSERT_TRUE(patterns_find(&asked, &results[n], &e));
-        for (int k = 0; k < results[n].rows; k++) {
-            const patterns_row *from = &results[n].row[k];
-            rows[n][k].start = from->shape.start;
-            rows[n][k].joined = from->joined ? 1 : 0;
-            for (int j = 0; j < from->shape.angles; j++) {
-                rows[n][k].angle[j] = to_iq24(from->shape.angle[j] / TWO_PI);
-            }
-        }
-        const iqfoc_pattern_t t = {rows[n], results[n].rows, (pulses_of[n] - 1) / 2, IQ24(0.3), IQ24(100.0)};
-        tables[n] = t;
+        patterns_table(&results[n], rows[n], &tables[n]);
     }
 }
 
 /* ---- The drive ---- */
 
 typedef struct drive {
-    double ripple; /* of the link, as a share */
-    double w;      /* electrical speed, rad/s */
+    edge_machine circuit;
     double cycle_s;
-    double time_s;
-    double complex i; /* A, stationary frame */
-    int level[3];
     double since[3]; /* the time of the last edge: cycles */
     double shortest; /* time between two edges of a leg: cycles */
     long cycle;
@@ -149,6 +136,11 @@ typedef struct drive {
 #define CURRENT_STEP_A (50.0 / 4096.0)
 #define NOISE          0.005
 
+static edge_machine paper_machine(void)
+{
+    return (edge_machine){.R_ohm = R_OHM, .L_s_H = L_H, .psi_f_Wb = PSI_WB, .u_dc_V = U_DC_V};
+}
+
 static iqfoc_pattern_control_config_t machine(double cycle_s, double r, double l)
 {
     const double rho = R_OHM * r * cycle_s / (L_H * l);
@@ -164,16 +156,17 @@ static iqfoc_pattern_control_config_t machine(double cycle_s, double r, double l
 static void start_at(drive *d, double cycle_s, int table, double hz, double i_q, double r, double l)
 {
     memset(d, 0, sizeof *d);
+    d->circuit = paper_machine();
     const iqfoc_pattern_control_config_t config = machine(cycle_s, r, l);
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_control_init(&d->control, &config, &tables[table],
                                                                to_iq24(LEAST_S / cycle_s)));
     d->cycle_s = cycle_s;
-    d->w = TWO_PI * hz;
-    d->i = I * i_q * I_BASE_A;
+    d->circuit.w = TWO_PI * hz;
+    d->circuit.i = I * i_q * I_BASE_A;
     d->i_ref.q = to_iq24(i_q);
     d->shortest = 1e9;
     for (int k = 0; k < 3; k++) {
-        d->level[k] = d->acting[k].level = -1;
+        d->circuit.level[k] = d->acting[k].level = -1;
         d->since[k] = -8.0;
     }
 }
@@ -181,29 +174,6 @@ static void start_at(drive *d, double cycle_s, int table, double hz, double i_q,
 static void start(drive *d, int table, double hz, double i_q, double r, double l)
 {
     start_at(d, T_S, table, hz, i_q, r, l);
-}
-
-static double link_V(const drive *d, double time_s)
-{
-    return U_DC_V * (1.0 + d->ripple * sin(TWO_PI * RIPPLE_HZ * time_s));
-}
-
-/* The exact solution under a constant voltage. */
-static void flow(drive *d, double to_s)
-{
-    const double dt = to_s - d->time_s;
-    if (dt > 0.0) {
-        double complex u = 0.0;
-        for (int k = 0; k < 3; k++) {
-            u += d->level[k] / 3.0 * cexp(I * TWO_PI / 3.0 * k);
-        }
-        u *= link_V(d, d->time_s + 0.5 * dt);
-        const double complex emf = -I * d->w * PSI_WB / (R_OHM + I * d->w * L_H);
-        const double complex before = u / R_OHM + emf * cexp(I * d->w * d->time_s);
-        const double complex after = u / R_OHM + emf * cexp(I * d->w * to_s);
-        d->i = after + (d->i - before) * exp(-R_OHM * dt / L_H);
-        d->time_s = to_s;
-    }
 }
 
 static double noise(drive *d)
@@ -219,8 +189,8 @@ static double seen(drive *d, double i)
 
 static iqfoc_ab_t sample(drive *d)
 {
-    const double alpha = seen(d, creal(d->i));
-    const double beta = seen(d, cimag(d->i));
+    const double alpha = seen(d, creal(d->circuit.i));
+    const double beta = seen(d, cimag(d->circuit.i));
     const iqfoc_ab_t i = {to_iq24(alpha / I_BASE_A), to_iq24(beta / I_BASE_A)};
     return i;
 }
@@ -230,9 +200,9 @@ static void cycle(drive *d, double complex i_dq[PARTS])
 {
     const double number = (double)d->cycle;
     const double t0 = number * d->cycle_s;
-    const double exact_turns = d->w * d->cycle_s / TWO_PI;
+    const double exact_turns = d->circuit.w * d->cycle_s / TWO_PI;
     const double exact_theta = exact_turns * number;
-    const iq24_t u_dc = to_iq24(link_V(d, t0) / U_DC_V);
+    const iq24_t u_dc = to_iq24(edge_machine_link_V(&d->circuit, t0) / U_DC_V);
     const iqfoc_ab_t i = sample(d);
     iq24_t turns = to_iq24(exact_turns);
     iq24_t theta = to_iq24(exact_theta - floor(exact_theta));
@@ -261,23 +231,23 @@ static void cycle(drive *d, double complex i_dq[PARTS])
                     at = to_double(d->acting[k].at[edge[k]]);
                 }
             }
-            flow(d, t0 + at * d->cycle_s);
+            edge_machine_flow(&d->circuit, t0 + at * d->cycle_s);
             if (leg < 0) {
                 break;
             }
-            d->level[leg] = -d->level[leg];
+            d->circuit.level[leg] = -d->circuit.level[leg];
             d->shortest = fmin(d->shortest, number + at - d->since[leg]);
             d->since[leg] = number + at;
             edge[leg]++;
             d->edges++;
         }
-        i_dq[part - 1] = d->i / I_BASE_A * cexp(-I * d->w * d->time_s);
+        i_dq[part - 1] = d->circuit.i / I_BASE_A * cexp(-I * d->circuit.theta);
         if (part == PARTS / 2) {
             d->samples[1] = sample(d);
         }
     }
     for (int k = 0; k < 3; k++) {
-        TEST_ASSERT_EQUAL_INT32(d->level[k], next[k].level);
+        TEST_ASSERT_EQUAL_INT32(d->circuit.level[k], next[k].level);
         d->acting[k] = next[k];
     }
     d->cycle++;
@@ -306,7 +276,7 @@ static measured run_for(drive *d, int settle, int measure)
         }
     }
     const double complex mean = sum / (measure * PARTS);
-    const double turns = measure * d->cycle_s * fabs(d->w) / TWO_PI;
+    const double turns = measure * d->cycle_s * fabs(d->circuit.w) / TWO_PI;
     const measured m = {sqrt(square / (measure * PARTS) - cabs(mean) * cabs(mean)),
                         mean - I * to_double(d->i_ref.q), (double)(d->edges - before) / 6.0 / turns};
     TEST_ASSERT_TRUE(d->shortest >= LEAST_S / d->cycle_s - 1e-6);
@@ -338,11 +308,11 @@ static double optimum(int table)
 /* One carrier period of centred pulses; the voltage brings the current to its reference at the end. The sums of |i| and i over it. */
 static void carrier_period(drive *d, double period_s, double *square, double complex *sum)
 {
-    const double t0 = d->time_s;
-    const double complex emf = -I * d->w * PSI_WB / (R_OHM + I * d->w * L_H);
-    const double complex turned = cexp(I * d->w * (t0 + period_s));
+    const double t0 = d->circuit.time_s;
+    const double complex emf = -I * d->circuit.w * PSI_WB / (R_OHM + I * d->circuit.w * L_H);
+    const double complex turned = cexp(I * d->circuit.w * (t0 + period_s));
     const double stays = exp(-R_OHM * period_s / L_H);
-    const double complex before = d->i - emf * cexp(I * d->w * t0);
+    const double complex before = d->circuit.i - emf * cexp(I * d->circuit.w * t0);
     const double complex u =
         R_OHM * ((I * I_BASE_A - emf) * turned - before * stays) / (1.0 - stays) / U_DC_V;
     const iqfoc_ab_t wanted = {to_iq24(creal(u)), to_iq24(cimag(u))};
@@ -364,12 +334,12 @@ static void carrier_period(drive *d, double period_s, double *square, double com
                 next = edges[k] > at && edges[k] < next ? edges[k] : next;
             }
             for (int k = 0; k < 3; k++) {
-                d->level[k] = fabs(0.5 * (at + next) - 0.5) < 0.5 * high[k] ? 1 : -1;
+                d->circuit.level[k] = fabs(0.5 * (at + next) - 0.5) < 0.5 * high[k] ? 1 : -1;
             }
-            flow(d, t0 + next * period_s);
+            edge_machine_flow(&d->circuit, t0 + next * period_s);
             at = next;
         }
-        const double complex i = d->i / I_BASE_A * cexp(-I * d->w * d->time_s);
+        const double complex i = d->circuit.i / I_BASE_A * cexp(-I * d->circuit.theta);
         *sum += i;
         *square += creal(i) * creal(i) + cimag(i) * cimag(i);
     }
@@ -385,9 +355,11 @@ static double space_vectors(int pulses)
         double square = 0.0;
         double complex sum = 0.0;
         memset(&d, 0, sizeof d);
-        d.w = TWO_PI * F_HZ;
-        d.time_s = period_s * position / POSITIONS;
-        d.i = I * I_BASE_A * cexp(I * d.w * d.time_s);
+        d.circuit = paper_machine();
+        d.circuit.w = TWO_PI * F_HZ;
+        d.circuit.time_s = period_s * position / POSITIONS;
+        d.circuit.theta = d.circuit.w * d.circuit.time_s;
+        d.circuit.i = I * I_BASE_A * cexp(I * d.circuit.theta);
         for (int n = 0; n < 2 * pulses; n++) {
             if (n == pulses) {
                 square = 0.0; /* a turn to settle, a turn to measure */
@@ -428,7 +400,7 @@ static void test_ripple_of_the_link_costs_half_a_point(void)
     for (int n = 0; n < TABLES; n++) {
         static drive d;
         start(&d, n, F_HZ, 1.0, 1.0, 1.0);
-        d.ripple = 0.03;
+        d.circuit.ripple = 0.03;
         const measured m = run(&d);
         shown[ON_RIPPLE][n] = 100.0 * m.distortion;
         TEST_ASSERT_TRUE(m.distortion - optimum(n) < 0.005);

@@ -4,6 +4,7 @@
  */
 #include "data/motor.h"
 #include "loops/pulse_run_ups.h"
+#include "plant/edge_machine.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -80,7 +81,7 @@ static void torque_of(pulse_drive_id id, int runs)
     }
     for (int k = 0; k < PULSE_EVENTS; k++) {
         const double u_V = event_index[k] * p.m.u_dc_V * 2.0 / PI;
-        const double by_ripple = 100.0 * PULSE_RIPPLE * u_V / (2.0 * PI * PULSE_RIPPLE_HZ) /
+        const double by_ripple = 100.0 * PULSE_RIPPLE * u_V / (2.0 * PI * EDGE_MACHINE_RIPPLE_HZ) /
                                  (p.m.L_d_H * motor_rated_peak_A(&p.m));
         const double most = k == PULSE_EVENT_JUMP ? 4.0 : 2.0;
         TEST_ASSERT_TRUE(worst[0][k] <= most);

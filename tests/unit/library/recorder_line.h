@@ -4,6 +4,8 @@
 
 #include "wire_reader.h"
 
+#include "iqfoc/recorder.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +17,32 @@ static inline int32_t line_value(uint32_t cycle, size_t channel)
 {
     static const uint32_t base[LINE_CHANNELS] = {0xC0DBDCDD, 0x01000193, 0xDBC0DBC0};
     return (int32_t)(base[channel] * (2 * cycle + 1));
+}
+
+/* A row of these channels in each cycle, from now on; a cycle lasts 2e-4 s. */
+static inline iqfoc_recorder_config_t line_config(const int32_t source[LINE_CHANNELS])
+{
+    const iqfoc_recorder_config_t config = {
+        .channels = {{&source[0], IQFOC_RECORDER_I_ALPHA, 997000000, 50},
+                     {&source[1], IQFOC_RECORDER_I_BETA, 997000000, 50},
+                     {&source[2], IQFOC_RECORDER_THETA_E, 1686629713, 52}},
+        .channel_count = LINE_CHANNELS,
+        .decimation = 1,
+        .period_mantissa = 1759218604,
+        .period_shift = 43,
+        .trigger = IQFOC_RECORDER_NOW,
+    };
+    return config;
+}
+
+/* A cycle of the recorder with the channels' values. */
+static inline void line_record(iqfoc_recorder_t *recorder, int32_t source[LINE_CHANNELS], uint32_t cycle,
+                               uint32_t status)
+{
+    for (size_t c = 0; c < LINE_CHANNELS; c++) {
+        source[c] = line_value(cycle, c);
+    }
+    iqfoc_recorder_take(recorder, status);
 }
 
 /* Rows as the host got them. */

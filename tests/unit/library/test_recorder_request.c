@@ -27,17 +27,7 @@ typedef struct request {
 
 void setUp(void)
 {
-    const iqfoc_recorder_config_t fresh = {
-        .channels = {{&source[0], IQFOC_RECORDER_I_ALPHA, 997000000, 50},
-                     {&source[1], IQFOC_RECORDER_I_BETA, 997000000, 50},
-                     {&source[2], IQFOC_RECORDER_THETA_E, 1686629713, 52}},
-        .channel_count = LINE_CHANNELS,
-        .decimation = 1,
-        .period_mantissa = 1759218604, /* 2e-4 s */
-        .period_shift = 43,
-        .trigger = IQFOC_RECORDER_NOW,
-    };
-    config = fresh;
+    config = line_config(source);
     cycle = 0;
     memset(&reader, 0, sizeof reader);
     memset(&rows, 0, sizeof rows);
@@ -56,11 +46,7 @@ static void start(void)
 
 static void take(uint32_t status)
 {
-    for (size_t c = 0; c < LINE_CHANNELS; c++) {
-        source[c] = line_value(cycle, c);
-    }
-    iqfoc_recorder_take(&recorder, status);
-    cycle++;
+    line_record(&recorder, source, cycle++, status);
 }
 
 /* As a firmware's background does, with at most `most` octets to the host. */

@@ -5,22 +5,22 @@
  */
 #include "iqfoc/params.h"
 #include "iqfoc/synchronous_carrier.h"
+#include "loops/pulse_samples.h"
+#include "plant/edge_machine.h"
 #include "reference.h"
 
 #include <complex.h>
 
-#define R_OHM     0.75
-#define L_H       5.2e-3
-#define PSI_WB    0.134
-#define I_BASE_A  14.849
-#define U_DC_V    565.0
-#define T_S       4e-4
-#define TICKS     40000
-#define DT_S      1e-5
-#define RIPPLE_HZ 300.0
-#define LOW_HZ    100.0
-#define HIGH_HZ   300.0
-#define RAMP_S    0.5
+#define R_OHM    0.75
+#define L_H      5.2e-3
+#define PSI_WB   0.134
+#define I_BASE_A 14.849
+#define U_DC_V   565.0
+#define T_S      4e-4
+#define TICKS    40000
+#define LOW_HZ   100.0
+#define HIGH_HZ  300.0
+#define RAMP_S   0.5
 
 enum { SAMPLES = 110000 };
 
@@ -50,60 +50,30 @@ void tearDown(void)
 }
 
 typedef struct drive {
-    double ripple;    /* of the link, as a share */
-    double time_s;    /* of the present valley, and within its cycle */
-    double w;         /* electrical speed of the present cycle, rad/s */
-    double theta;     /* rad, at time_s */
-    double complex i; /* A, stationary frame */
-    int level[3];
+    edge_machine circuit;
     long samples;
-    double *i_q;
-    double *turn_s; /* length of a turn */
+    pulse_sample *sample;
 } drive;
 
-static double link_V(const drive *d, double time_s)
-{
-    return U_DC_V * (1.0 + d->ripple * sin(TWO_PI * RIPPLE_HZ * time_s));
-}
-
-/* The exact solution under a constant voltage and speed. */
-static void flow(drive *d, double to_s)
-{
-    const double dt = to_s - d->time_s;
-    if (dt > 0.0) {
-        double complex u = 0.0;
-        for (int k = 0; k < 3; k++) {
-            u += d->level[k] / 3.0 * cexp(I * TWO_PI / 3.0 * k);
-        }
-        u *= link_V(d, d->time_s + 0.5 * dt);
-        const double complex emf = -I * d->w * PSI_WB / (R_OHM + I * d->w * L_H);
-        const double complex before = u / R_OHM + emf * cexp(I * d->theta);
-        d->theta += d->w * dt;
-        d->i = u / R_OHM + emf * cexp(I * d->theta) + (d->i - before) * exp(-R_OHM * dt / L_H);
-        d->time_s = to_s;
-    }
-}
-
-/* To this time, with a sample each DT_S. */
+/* To this time, with a sample each PULSE_SAMPLE_S. */
 static void advance(drive *d, double to_s)
 {
-    while (d->samples < SAMPLES && (double)d->samples * DT_S <= to_s) {
-        flow(d, (double)d->samples * DT_S);
-        d->i_q[d->samples] = cimag(d->i * cexp(-I * d->theta)) / I_BASE_A;
-        d->turn_s[d->samples] = TWO_PI / fabs(d->w);
-        d->samples++;
+    while (d->samples < SAMPLES && (double)d->samples * PULSE_SAMPLE_S <= to_s) {
+        edge_machine_flow(&d->circuit, (double)d->samples * PULSE_SAMPLE_S);
+        d->sample[d->samples++] =
+            (pulse_sample){.i = d->circuit.i * cexp(-I * d->circuit.theta) / I_BASE_A, .w = d->circuit.w};
     }
-    flow(d, to_s);
+    edge_machine_flow(&d->circuit, to_s);
 }
 
 /* Centred pulses of these duties. */
 static void pulses(drive *d, iqfoc_abc_t high, double length_s)
 {
-    const double begin_s = d->time_s;
+    const double begin_s = d->circuit.time_s;
     const double share[3] = {to_double(high.a), to_double(high.b), to_double(high.c)};
     double edge[6];
     for (int k = 0; k < 3; k++) {
-        d->level[k] = share[k] >= 1.0 ? 1 : -1;
+        d->circuit.level[k] = share[k] >= 1.0 ? 1 : -1;
         edge[k] = share[k] > 0.0 && share[k] < 1.0 ? 0.5 * (1.0 - share[k]) : 2.0;
         edge[k + 3] = edge[k] < 1.0 ? 1.0 - edge[k] : 2.0;
     }
@@ -116,26 +86,18 @@ static void pulses(drive *d, iqfoc_abc_t high, double length_s)
             break;
         }
         advance(d, begin_s + edge[first] * length_s);
-        d->level[first % 3] = -d->level[first % 3];
+        d->circuit.level[first % 3] = -d->circuit.level[first % 3];
         edge[first] = 2.0;
     }
     advance(d, begin_s + length_s);
 }
 
-/* Largest error of the mean torque: weights 1 + cos over 2/3 of a turn, in which all harmonics of the levels vanish. */
+/* Largest error of the mean torque. */
 static double torque_error(const drive *d, double wanted)
 {
     double worst_one = 0.0;
     for (long k = 4000; k < d->samples - 2000; k += 7) {
-        const long half = lround(d->turn_s[k] / 3.0 / DT_S);
-        double sum = 0.0;
-        double weights = 0.0;
-        for (long n = -half; n <= half; n++) {
-            const double weight = 1.0 + cos(TWO_PI / 2.0 * (double)n / ((double)half + 0.5));
-            sum += weight * d->i_q[k + n];
-            weights += weight;
-        }
-        worst_one = fmax(worst_one, fabs(sum / weights - wanted));
+        worst_one = fmax(worst_one, fabs(pulse_mean_torque(&d->sample[k]) - wanted));
     }
     return worst_one;
 }
@@ -149,10 +111,15 @@ typedef struct result {
 /* Up through all levels and down again. way: of rotation. */
 static result run_up(double i_q, double ripple, double way, bool kept)
 {
-    static double samples[SAMPLES];
-    static double turns_s[SAMPLES];
+    static pulse_sample samples[SAMPLES];
     static iqfoc_cycle_config_t set[3];
-    drive d = {.ripple = ripple, .i = I * i_q * I_BASE_A, .i_q = samples, .turn_s = turns_s};
+    drive d = {.circuit = {.R_ohm = R_OHM,
+                           .L_s_H = L_H,
+                           .psi_f_Wb = PSI_WB,
+                           .u_dc_V = U_DC_V,
+                           .ripple = ripple,
+                           .i = I * i_q * I_BASE_A},
+               .sample = samples};
     iqfoc_synchronous_carrier_t carrier;
     iqfoc_cycle_t cycle;
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_synchronous_carrier_init(&carrier, &carrier_config));
@@ -163,16 +130,16 @@ static result run_up(double i_q, double ripple, double way, bool kept)
     uint32_t time = 0;
     uint32_t ticks = TICKS;
     iqfoc_abc_t acting = {IQ24(0.5), IQ24(0.5), IQ24(0.5)};
-    for (uint32_t n = 0; d.time_s < 2.0 * RAMP_S; n++) {
+    for (uint32_t n = 0; d.circuit.time_s < 2.0 * RAMP_S; n++) {
         const double length_s = ticks * T_S / TICKS;
         const double slope = (HIGH_HZ - LOW_HZ) / RAMP_S;
-        d.w = way * TWO_PI * (HIGH_HZ - slope * fabs(d.time_s - RAMP_S));
-        const double complex i = d.i / I_BASE_A;
+        d.circuit.w = way * TWO_PI * (HIGH_HZ - slope * fabs(d.circuit.time_s - RAMP_S));
+        const double complex i = d.circuit.i / I_BASE_A;
         const iqfoc_ab_t ab = {to_iq24(creal(i)), to_iq24(cimag(i))};
         iqfoc_sample_t sample = {.i = iqfoc_clarke_inverse(ab),
-                                 .theta = to_iq24(d.theta / TWO_PI - floor(d.theta / TWO_PI)),
-                                 .turns = to_iq24(d.w * length_s / TWO_PI),
-                                 .u_dc = to_iq24(link_V(&d, d.time_s) / U_DC_V),
+                                 .theta = to_iq24(d.circuit.theta / TWO_PI - floor(d.circuit.theta / TWO_PI)),
+                                 .turns = to_iq24(d.circuit.w * length_s / TWO_PI),
+                                 .u_dc = to_iq24(edge_machine_link_V(&d.circuit, d.circuit.time_s) / U_DC_V),
                                  .time = time};
         const uint32_t next = iqfoc_synchronous_carrier_step(&carrier, sample.theta, sample.turns);
         iqfoc_synchronous_carrier_set(&base, next, &set[n % 3]);
@@ -181,9 +148,9 @@ static result run_up(double i_q, double ripple, double way, bool kept)
         if (kept) {
             iqfoc_synchronous_carrier_keep_flux(&cycle);
         }
-        const double mid = (d.theta + 0.5 * d.w * length_s) / TWO_PI;
+        const double mid = (d.circuit.theta + 0.5 * d.circuit.w * length_s) / TWO_PI;
         sample.theta = to_iq24(mid - floor(mid));
-        sample.u_dc = to_iq24(link_V(&d, d.time_s + 0.5 * length_s) / U_DC_V);
+        sample.u_dc = to_iq24(edge_machine_link_V(&d.circuit, d.circuit.time_s + 0.5 * length_s) / U_DC_V);
         sample.at = IQ24(0.5);
         sample.time = time + ticks / 2;
         const iqfoc_command_t command = iqfoc_cycle_peak(&cycle, &sample, IQ24(1.5), sample.time);

@@ -28,15 +28,7 @@ static void make_clean(void)
 {
     static int32_t source[LINE_CHANNELS];
     static int32_t memory[80];
-    static const iqfoc_recorder_config_t config = {
-        .channels = {{&source[0], IQFOC_RECORDER_I_ALPHA, 997000000, 50},
-                     {&source[1], IQFOC_RECORDER_I_BETA, 997000000, 50},
-                     {&source[2], IQFOC_RECORDER_THETA_E, 1686629713, 52}},
-        .channel_count = LINE_CHANNELS,
-        .decimation = 1,
-        .period_mantissa = 1759218604,
-        .period_shift = 43,
-    };
+    const iqfoc_recorder_config_t config = line_config(source);
     iqfoc_recorder_t recorder;
     TEST_ASSERT_EQUAL(IQFOC_OK, iqfoc_recorder_init(&recorder, &config, memory, 80));
     iqfoc_recorder_arm(&recorder);
@@ -46,10 +38,7 @@ static void make_clean(void)
         if (cycle == ROWS) {
             iqfoc_recorder_stop(&recorder);
         }
-        for (size_t c = 0; c < LINE_CHANNELS; c++) {
-            source[c] = line_value(cycle, c);
-        }
-        iqfoc_recorder_take(&recorder, 0);
+        line_record(&recorder, source, cycle, 0);
         /* Three cycles a time, so that frames hold several rows. */
         while ((cycle % 3 == 2 || cycle == ROWS) && (octet = iqfoc_recorder_octet(&recorder)) >= 0) {
             clean[clean_length++] = (uint8_t)octet;
