@@ -62,6 +62,27 @@ iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
     return IQFOC_OK;
 }
 
+/* The link is u_dc at once. */
+static void take_link(iqfoc_pattern_control_t *control, iq24_t u_dc)
+{
+    control->u_mean = u_dc;
+    control->u_dc_inverse = iq24_div(IQ24_ONE, u_dc);
+    /*@ assert pattern_link: 10811692 <= control->u_dc_inverse <= 34673033; */
+}
+
+void iqfoc_pattern_control_restart(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table,
+                                   iq24_t u_dc)
+{
+    const iqfoc_ab_t none = {0, 0};
+    control->modulator.table = table;
+    control->wanted = NULL;
+    control->miss = none;
+    control->carried = none;
+    control->u_dc = u_dc;
+    take_link(control, u_dc);
+    control->trajectory.start = 0;
+}
+
 void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table)
 {
     control->wanted = table;
@@ -439,9 +460,7 @@ static inline void predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_
 {
     if (!control->predicted) {
         control->i_next = i;
-        control->u_mean = u_dc;
-        control->u_dc_inverse = iq24_div(IQ24_ONE, u_dc);
-        /*@ assert pattern_link: 10811692 <= control->u_dc_inverse <= 34673033; */
+        take_link(control, u_dc);
         control->predicted = true;
     }
     control->u_dc = u_dc;
@@ -503,7 +522,6 @@ void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, 
 void iqfoc_pattern_control_begin(iqfoc_pattern_control_t *control, iqfoc_ab_t i_next, iq24_t theta_next,
                                  const iqfoc_pattern_leg_t leg[3], iqfoc_pattern_edges_t edges[3])
 {
-    const iqfoc_ab_t none = {0, 0};
     for (int32_t k = 0; k < 3; k++) {
         control->modulator.leg[k] = leg[k];
     }
@@ -511,7 +529,6 @@ void iqfoc_pattern_control_begin(iqfoc_pattern_control_t *control, iqfoc_ab_t i_
     control->theta = theta_next;
     control->sc = iq24_sincos(theta_next);
     control->i_next = i_next;
-    control->miss = none;
     control->predicted = true;
     command(control, edges);
 }

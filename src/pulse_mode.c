@@ -123,15 +123,7 @@ bool iqfoc_pulse_mode_to_pattern(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     const iq24_t cycles = iq24_div((iq24_t)cycle->config->period_ticks, (iq24_t)mode->config->period_ticks);
     const iqfoc_pattern_leg_t leg[3] = {leg_after(high.a, cycles), leg_after(high.b, cycles),
                                         leg_after(high.c, cycles)};
-    const iqfoc_ab_t none = {0, 0};
-    control->modulator.table = mode->config->level[1].table;
-    control->wanted = NULL;
-    control->miss = none;
-    control->carried = none;
-    control->u_dc = u_dc;
-    control->u_mean = u_dc;
-    control->u_dc_inverse = iq24_div(IQ24_ONE, u_dc);
-    control->trajectory.start = 0;
+    iqfoc_pattern_control_restart(control, mode->config->level[1].table, u_dc);
     iqfoc_pattern_control_aim(control, cycle->i_ref, mode->turns);
     iqfoc_pattern_control_begin(control, cycle->i_next,
                                 iq24_add_wrap(cycle->theta_valley, cycle->rotor.turns), leg, edges);

@@ -168,7 +168,7 @@ check_cppcheck() {
 # cycle_check.h is one of constants wherever it is used, and gcc counts every use's: its branches are left out.
 check_coverage() {
     # Tests of the library that need parts of the host, in addition to those of tests/unit/library.
-    local more=(recorder wire_damage watch adapt induction mean_modulated half_period host_drive synchronous_drive)
+    local more=(recorder wire_damage watch adapt induction mean_modulated half_period host_drive synchronous_drive commission)
     configure_preset coverage -DBUILD_TESTING=ON
     cmake --build build/coverage --target tests/unit/library/all "${more[@]/#/test_}" -j "$JOBS"
     find build/coverage -name '*.gcda' -delete

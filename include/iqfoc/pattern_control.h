@@ -125,11 +125,19 @@ typedef struct iqfoc_pattern_control {
  * IQFOC_ERROR_NULL and IQFOC_ERROR_PATTERN as iqfoc_pattern_init; IQFOC_ERROR_PREDICTOR: the winding is out of its range;
  * IQFOC_ERROR_GAINS: a gain is. The state keeps the table's address. Call it before the control runs.
  *
- * To take over from another modulator, call iqfoc_pattern_control_aim and iqfoc_pattern_control_begin.
+ * To take over from another modulator, call iqfoc_pattern_control_restart, iqfoc_pattern_control_aim and iqfoc_pattern_control_begin.
  */
 iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
                                          const iqfoc_pattern_control_config_t *config,
                                          const iqfoc_pattern_t *table, iq24_t least);
+
+/*
+ * Forgets trajectory, prediction error and mean link, for a take-over from another modulator; the disturbance voltage stays. Exact.
+ *
+ * table: as iqfoc_pattern_control_change. u_dc: 0.5 ... 1.5. Call it at a valley, ahead of iqfoc_pattern_control_aim.
+ */
+void iqfoc_pattern_control_restart(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table,
+                                   iq24_t u_dc);
 
 /*
  * Asks for another table, for another number of pulses. iqfoc_pattern_control_aim takes it at an angle at which its flux is near to the
@@ -163,7 +171,7 @@ void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, 
 
 /*
  * The first step after another modulator, in place of iqfoc_pattern_control_step: the edges of the next cycle, without a prediction.
- * Call iqfoc_pattern_control_aim before it.
+ * Call iqfoc_pattern_control_restart and iqfoc_pattern_control_aim before it.
  *
  * i_next, theta_next: current (stationary frame, |component| <= 8) and rotor angle (any) at the next valley. leg: levels there and
  * times since the last edges, cycles of the pattern's control: 0 ... IQFOC_PATTERN_TIME_MAX. edges, errors: as iqfoc_pattern_control_step.

@@ -267,6 +267,15 @@ void prove_pattern_control_step(void)
     }
 }
 
+/* Its restart: any state, table and link. */
+void prove_pattern_control_restart(void)
+{
+    const iqfoc_pattern_t table = any_table(any_within(0, IQFOC_PATTERN_ANGLES_MAX));
+    iqfoc_pattern_control_t c = any_control(&table, 0);
+    iqfoc_pattern_control_restart(&c, &table, any_within(IQ24(0.5), IQ24(1.5)));
+    check_control(&c, 2 * IQFOC_PATTERN_ANGLES_MAX + 1);
+}
+
 /* Its first cycle after another modulator: any current, angle and legs. */
 void prove_pattern_control_begin(void)
 {
