@@ -76,6 +76,8 @@ ROOTS = {
     "pattern": ["iqfoc_pattern_step"],
     "pattern_control_aim": ["iqfoc_pattern_control_aim"],
     "pattern_control_step": ["iqfoc_pattern_control_step"],
+    "edges_of_pattern": ["iqfoc_edges_of_pattern"],
+    "edges_of_duties": ["iqfoc_edges_of_duties"],
     "tuned_at_speed": ["iqfoc_tuned_at_speed"],
     "tuned_step": ["iqfoc_tuned_step"],
     "watch_step": ["iqfoc_watch_step"],

@@ -7,6 +7,7 @@
 #include "iqfoc/adapt.h"
 #include "iqfoc/commission.h"
 #include "iqfoc/cycle_six_step.h"
+#include "iqfoc/edges.h"
 #include "iqfoc/encoder.h"
 #include "iqfoc/halls.h"
 #include "iqfoc/observer_inductance.h"
@@ -47,6 +48,7 @@ static const iqfoc_pattern_row_t pattern_rows[2] = {
 static const iqfoc_pattern_t pattern_table = {pattern_rows, 2, 4, IQ24(0.5), IQ24(2.0)};
 static iqfoc_pattern_modulator_t pattern;
 static iqfoc_pattern_edges_t pattern_edges[3];
+static iqfoc_edges_t edges;
 /* Nine pulses, the angles of least distortion at index 0.7 (docs/patterns.md). */
 static const iqfoc_pattern_row_t nine_row = {
     -1, 0, {IQ24(0.01816), IQ24(0.19656), IQ24(0.2125), IQ24(0.24245)}};
@@ -170,6 +172,10 @@ COUNT(pattern_control_aim, void, iqfoc_pattern_control_aim, (iqfoc_pattern_contr
 COUNT(pattern_control_step, void, iqfoc_pattern_control_step,
       (iqfoc_pattern_control_t *, iqfoc_ab_t, iq24_t, iq24_t, iqfoc_pattern_edges_t *),
       (&pattern_control, pattern_control.i_next, pattern_theta, IQ24_ONE, pattern_edges))
+COUNT(edges_of_pattern, void, iqfoc_edges_of_pattern,
+      (const iqfoc_pattern_edges_t *, uint32_t, iqfoc_edges_t *), (pattern_edges, 17000, &edges))
+COUNT(edges_of_duties, void, iqfoc_edges_of_duties, (iqfoc_abc_t, uint32_t, iqfoc_edges_t *),
+      (duties_of(in), 17000, &edges))
 COUNT(pulse_mode_step, void, iqfoc_pulse_mode_step,
       (iqfoc_pulse_mode_t *, iqfoc_pattern_control_t *, iq24_t, iq24_t),
       (&pulse_mode, &pattern_control, IQ24(0.025), 0))
@@ -367,6 +373,13 @@ static uint32_t count_pattern_control_turning(const bench_input_t *in)
     return count_pattern_control_step(in);
 }
 
+/* The edges of the cycles that the control gives. */
+static uint32_t count_edges_of_control(const bench_input_t *in)
+{
+    (void)count_pattern_control_turning(in);
+    return count_edges_of_pattern(in);
+}
+
 /* A hand-over that is taken at once: from the carrier, and back. */
 static uint32_t count_pulse_mode_to_pattern_now(const bench_input_t *in)
 {
@@ -469,6 +482,8 @@ void bench_services(void)
     bench_report("pattern", count_pattern);
     bench_report("pattern_control_aim", count_pattern_control_aim);
     bench_report("pattern_control_step", count_pattern_control_turning);
+    bench_report("edges_of_pattern", count_edges_of_control);
+    bench_report("edges_of_duties", count_edges_of_duties);
     bench_report("tuned_at_speed", count_tuned_at_speed);
     bench_report("tuned_step", count_tuned_step);
     bench_report("watch_step", count_watch_step);

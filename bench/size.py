@@ -12,7 +12,7 @@ DRIVES = {
 }
 # Whole firmware for the STM32G474, start-up and port included.
 FIRMWARE = {"first_drive": "first_drive_stm32g4", "corrected_drive": "corrected_drive_stm32g4",
-            "sensorless_drive": "sensorless_drive_stm32g4"}
+            "sensorless_drive": "sensorless_drive_stm32g4", "pattern_drive": "pattern_drive_stm32g4"}
 TOOLS = {"cortex-m4": "arm-none-eabi-size", "rv32": "riscv64-unknown-elf-size"}
 
 

@@ -58,6 +58,8 @@ ROWS = {
     "pattern": ("pulse pattern: the edges of a cycle, nine pulses per electrical period", "-", None),
     "pattern_control_aim": ("control of a pulse pattern, at a peak", "-", None),
     "pattern_control_step": ("control of a pulse pattern, at a valley", "-", None),
+    "edges_of_pattern": ("edges of a pattern in ticks", "-", None),
+    "edges_of_duties": ("centred pulses in ticks", "-", None),
     "tuned_at_speed": ("tuned control's coefficients at a speed", "-", None),
     "tuned_step": ("tuned control, a cycle", "-", None),
     "watch_step": ("watch, each cycle", "-", None),

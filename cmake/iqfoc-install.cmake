@@ -13,6 +13,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/iqfoc DESTINATION ${CMAKE_INSTAL
     FILES_MATCHING PATTERN "*.h")
 # For a port, as source: the checklist, which runs on the host whatever the library was built for, and the start-up of a Cortex-M.
 install(FILES ${PROJECT_SOURCE_DIR}/port/check/port_check.c ${PROJECT_SOURCE_DIR}/port/check/port_check.h
+              ${PROJECT_SOURCE_DIR}/port/check/port_check_edges.c
               ${PROJECT_SOURCE_DIR}/port/cortex-m4/cortex_m_start.h
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/iqfoc/port_check)
 install(EXPORT iqfoc-targets NAMESPACE iqfoc:: FILE iqfoc-targets.cmake DESTINATION ${iqfoc_package_dir})

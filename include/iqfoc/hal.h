@@ -1,8 +1,8 @@
 /*
- * The hardware abstraction layer: the four functions and the one struct that a port implements.
+ * The hardware abstraction layer: the four functions and the one struct that a port implements, and a fifth function for pulse patterns.
  *
- * The linker resolves them, not pointers, so that the compiler sees every call and the worst stack can be counted.
- * The host's port is the simulator (port/host); docs/porting.md leads through a new one.
+ * The linker resolves them, not pointers, so that the compiler sees every call and the worst stack can be counted. A drive that does not
+ * call the fifth links without it. The host's port is the simulator (port/host); docs/porting.md leads through a new one.
  *
  * Timing that a port must provide (2019, Figs 3 to 5):
  * - The carrier's valley starts a cycle, its peak is the middle; legs are high around the peak.
@@ -14,6 +14,7 @@
 
 #include "cycle.h"
 #include "cycle_steps.h"
+#include "edges.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -39,6 +40,19 @@ void iqfoc_hal_write(iqfoc_hal_t *hal, const iqfoc_command_t *command);
 
 /* The free-running timer that stamps samples: ticks, wraps at 2^32. */
 uint32_t iqfoc_hal_now(iqfoc_hal_t *hal);
+
+/*
+ * Optional: the edges of the next cycle and its length, in ticks of the carrier's timer, in place of iqfoc_hal_write. Once in each cycle,
+ * from the valley's or the peak's interrupt. The gates are then on, as after a command with gates == true.
+ *
+ * The edges act from the next valley on, for one cycle, on all three legs. If a leg's level at the valley is another one than
+ * edges->leg[].level, it changes at the valley. If nothing is written in a cycle, the legs keep their levels through the next one. A port
+ * may need the edges some time ahead of the valley; it drops a later write. iqfoc_hal_write with gates == false acts at once, as ever, and
+ * drops the edges that wait.
+ *
+ * Exact to a tick, if two edges of a leg have the port's least distance (docs/porting.md); IQFOC_EDGES_LEAST gives it to the pattern.
+ */
+void iqfoc_hal_write_edges(iqfoc_hal_t *hal, const iqfoc_edges_t *edges);
 
 /* From the valley to the middle of the cycle in which the peak's command acts. */
 #define IQFOC_HAL_OUTPUT_MID IQ24(1.5)

@@ -13,6 +13,7 @@
 #include "cycle_steps.h"
 #include "deadbeat.h"
 #include "deadbeat_drift.h"
+#include "edges.h"
 #include "encoder.h"
 #include "error.h"
 #include "extension.h"

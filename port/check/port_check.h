@@ -42,6 +42,7 @@ typedef struct port_rig {
     double angle_step;              /* of the angle sensor, electrical turns */
     /* The converters are triggered at the valley alone: the peak's sample is the valley's, `at` and all. */
     bool one_trigger;
+    uint32_t edges_least; /* least distance of two edges of a leg, ticks; 0: no iqfoc_hal_write_edges */
 } port_rig;
 
 /* The hardware as it is after start-up, outputs off, angle known; each call starts again. */
@@ -56,6 +57,11 @@ typedef struct port_check_item {
 
 #define PORT_CHECK_ITEMS 7
 extern const port_check_item port_check_items[PORT_CHECK_ITEMS];
+
+/* Of iqfoc_hal_write_edges, in port_check_edges.c: for a port that has it. go_to is then exact to a tick, as a share of the present cycle. */
+#define PORT_CHECK_EDGES_ITEMS 4
+extern const port_check_item port_check_edges_items[PORT_CHECK_EDGES_ITEMS];
+int port_check_edges(port_rig_start *start, FILE *out);
 
 /* All of them, a line each: "[x] name", or "[ ] name: what is wrong". Returns how many failed. */
 int port_check_all(port_rig_start *start, FILE *out);

@@ -60,6 +60,14 @@ void iqfoc_hal_read_peak(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
 void iqfoc_hal_write(iqfoc_hal_t *hal, const iqfoc_command_t *command)
 {
     hal->command = *command;
+    hal->by_edges = false;
+    hal->written++;
+}
+
+void iqfoc_hal_write_edges(iqfoc_hal_t *hal, const iqfoc_edges_t *edges)
+{
+    hal->edges = *edges;
+    hal->by_edges = true;
     hal->written++;
 }
 

@@ -21,7 +21,9 @@ struct iqfoc_hal {
     uint32_t compute_ticks;  /* that pass between two looks at the timer */
     uint32_t now_ticks;      /* the timer, as the handler sees it next */
     iqfoc_command_t command; /* what the next valley brings into force */
-    long written;            /* commands written */
+    iqfoc_edges_t edges;     /* the same where edges were written last */
+    bool by_edges;           /* they were */
+    long written;            /* commands and edges written */
 };
 
 /*

@@ -19,6 +19,7 @@ typedef enum stm32g4_error {
     STM32G4_ERROR_DEAD_TIME = -2, /* not between 0 and 1008 steps of 5.88 ns: 5.93 us */
     STM32G4_ERROR_CARRIER = -3,   /* half period not within 100 ... 65534 ticks */
     STM32G4_ERROR_CONVERTER = -4, /* calibration or start of a converter did not end */
+    STM32G4_ERROR_EDGES = -6,     /* spans of a cycle not even, 8 ... 32, or not 340 ... 65535 ticks long */
     STM32G4_ERROR_ENCODER = -5    /* counts per revolution not within 4 ... 65536 */
 } stm32g4_error_t;
 

@@ -14,7 +14,8 @@
         .tim1 = (stm32g4_tim_t *)0x40012C00, .tim2 = (stm32g4_tim_t *)0x40000000,                            \
         .tim4 = (stm32g4_tim_t *)0x40000800, .adc1 = (stm32g4_adc_t *)0x50000000,                            \
         .adc2 = (stm32g4_adc_t *)0x50000100, .adc12 = (stm32g4_adc_common_t *)0x50000300,                    \
-        .nvic = (stm32g4_nvic_t *)0xE000E100                                                                 \
+        .nvic = (stm32g4_nvic_t *)0xE000E100, .dma1 = (stm32g4_dma_t *)0x40020000,                           \
+        .dmamux = (stm32g4_dmamux_t *)0x40020800                                                             \
     }
 
 #endif

@@ -5,13 +5,7 @@
 
 void hal_stm32g4_start(iqfoc_hal_t *hal, const stm32g4_chip_t *chip, const hal_stm32g4_board_t *board)
 {
-    const iqfoc_hal_t fresh = {
-        .chip = chip,
-        .board = board,
-        .turns_per_count = ((uint64_t)board->pole_pairs << 40) / board->counts_per_turn,
-        .cycles_per_tick = IQ24_ONE / (iq24_t)(2 * board->half_ticks),
-    };
-    *hal = fresh;
+    hal_stm32g4_fresh(hal, chip, board);
 }
 
 uint32_t iqfoc_hal_now(iqfoc_hal_t *hal)

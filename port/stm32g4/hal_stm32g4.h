@@ -30,9 +30,10 @@ struct iqfoc_hal {
     /* Q24, rounded down: short by at most 2 half_ticks / 2^24 of itself, 0.2 % at 5 kHz. */
     iq24_t cycles_per_tick;
     uint32_t counts[HAL_SPEED_SPAN];
-    uint32_t next; /* where in `counts` the next valley's count goes */
-    uint32_t seen; /* how many are there, up to HAL_SPEED_SPAN */
-    iq24_t turns;  /* electrical speed, turns per control cycle */
+    uint32_t next;                   /* where in `counts` the next valley's count goes */
+    uint32_t seen;                   /* how many are there, up to HAL_SPEED_SPAN */
+    iq24_t turns;                    /* electrical speed, turns per control cycle */
+    struct hal_stm32g4_edges *edges; /* NULL: the plain carrier (hal_stm32g4_edges.h) */
 };
 
 void hal_stm32g4_start(iqfoc_hal_t *hal, const stm32g4_chip_t *chip, const hal_stm32g4_board_t *board);

@@ -15,6 +15,18 @@
 #define HAL_CLIP_MARGIN 8
 #define HAL_COUNT_MAX   4095
 
+static inline void hal_stm32g4_fresh(iqfoc_hal_t *hal, const stm32g4_chip_t *chip,
+                                     const hal_stm32g4_board_t *board)
+{
+    const iqfoc_hal_t fresh = {
+        .chip = chip,
+        .board = board,
+        .turns_per_count = ((uint64_t)board->pole_pairs << 40) / board->counts_per_turn,
+        .cycles_per_tick = IQ24_ONE / (iq24_t)(2 * board->half_ticks),
+    };
+    *hal = fresh;
+}
+
 static inline uint32_t hal_stm32g4_now(const iqfoc_hal_t *hal)
 {
     return stm32g4_read(&hal->chip->tim2->CNT);

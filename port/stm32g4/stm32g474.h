@@ -48,29 +48,31 @@ typedef struct stm32g4_rcc {
     stm32g4_reg_t APB1ENR2;   /* 0x5C */
     stm32g4_reg_t APB2ENR;    /* 0x60 */
 } stm32g4_rcc_t;
-#define RCC_CR_HSION        (UINT32_C(1) << 8)
-#define RCC_CR_HSIRDY       (UINT32_C(1) << 10)
-#define RCC_CR_PLLON        (UINT32_C(1) << 24)
-#define RCC_CR_PLLRDY       (UINT32_C(1) << 25)
-#define RCC_CFGR_SW_MASK    UINT32_C(0x3)
-#define RCC_CFGR_SW_PLL     UINT32_C(0x3)
-#define RCC_CFGR_SWS_MASK   UINT32_C(0xC)
-#define RCC_CFGR_SWS_PLL    UINT32_C(0xC)
-#define RCC_CFGR_HPRE_MASK  UINT32_C(0xF0)
-#define RCC_CFGR_HPRE_DIV_2 UINT32_C(0x80)
-#define RCC_PLLCFGR_SRC_HSI UINT32_C(2)
-#define RCC_PLLCFGR_M(m)    (((uint32_t)(m)-1) << 4)
-#define RCC_PLLCFGR_N(n)    ((uint32_t)(n) << 8)
-#define RCC_PLLCFGR_REN     (UINT32_C(1) << 24)
-#define RCC_PLLCFGR_R_DIV_2 UINT32_C(0)
-#define RCC_AHB2ENR_GPIOAEN (UINT32_C(1) << 0)
-#define RCC_AHB2ENR_GPIOBEN (UINT32_C(1) << 1)
-#define RCC_AHB2ENR_GPIOCEN (UINT32_C(1) << 2)
-#define RCC_AHB2ENR_ADC12EN (UINT32_C(1) << 13)
-#define RCC_APB1ENR1_TIM2EN (UINT32_C(1) << 0)
-#define RCC_APB1ENR1_TIM4EN (UINT32_C(1) << 2)
-#define RCC_APB1ENR1_PWREN  (UINT32_C(1) << 28)
-#define RCC_APB2ENR_TIM1EN  (UINT32_C(1) << 11)
+#define RCC_CR_HSION          (UINT32_C(1) << 8)
+#define RCC_CR_HSIRDY         (UINT32_C(1) << 10)
+#define RCC_CR_PLLON          (UINT32_C(1) << 24)
+#define RCC_CR_PLLRDY         (UINT32_C(1) << 25)
+#define RCC_CFGR_SW_MASK      UINT32_C(0x3)
+#define RCC_CFGR_SW_PLL       UINT32_C(0x3)
+#define RCC_CFGR_SWS_MASK     UINT32_C(0xC)
+#define RCC_CFGR_SWS_PLL      UINT32_C(0xC)
+#define RCC_CFGR_HPRE_MASK    UINT32_C(0xF0)
+#define RCC_CFGR_HPRE_DIV_2   UINT32_C(0x80)
+#define RCC_PLLCFGR_SRC_HSI   UINT32_C(2)
+#define RCC_PLLCFGR_M(m)      (((uint32_t)(m)-1) << 4)
+#define RCC_PLLCFGR_N(n)      ((uint32_t)(n) << 8)
+#define RCC_PLLCFGR_REN       (UINT32_C(1) << 24)
+#define RCC_PLLCFGR_R_DIV_2   UINT32_C(0)
+#define RCC_AHB1ENR_DMA1EN    (UINT32_C(1) << 0)
+#define RCC_AHB1ENR_DMAMUX1EN (UINT32_C(1) << 2)
+#define RCC_AHB2ENR_GPIOAEN   (UINT32_C(1) << 0)
+#define RCC_AHB2ENR_GPIOBEN   (UINT32_C(1) << 1)
+#define RCC_AHB2ENR_GPIOCEN   (UINT32_C(1) << 2)
+#define RCC_AHB2ENR_ADC12EN   (UINT32_C(1) << 13)
+#define RCC_APB1ENR1_TIM2EN   (UINT32_C(1) << 0)
+#define RCC_APB1ENR1_TIM4EN   (UINT32_C(1) << 2)
+#define RCC_APB1ENR1_PWREN    (UINT32_C(1) << 28)
+#define RCC_APB2ENR_TIM1EN    (UINT32_C(1) << 11)
 
 /* ---- 9.4 GPIO ---- */
 typedef struct stm32g4_gpio {
@@ -105,29 +107,68 @@ typedef struct stm32g4_tim {
     stm32g4_reg_t CCR5;   /* 0x48  29.6.21 */
     stm32g4_reg_t CCR6;   /* 0x4C  29.6.22 */
     stm32g4_reg_t CCMR3;  /* 0x50  29.6.23 */
+    stm32g4_reg_t gap_54[226];
+    stm32g4_reg_t DCR;  /* 0x3DC 29.6.29 */
+    stm32g4_reg_t DMAR; /* 0x3E0 29.6.30 */
 } stm32g4_tim_t;
-#define TIM_CR1_CEN           (UINT32_C(1) << 0)
-#define TIM_CR1_URS           (UINT32_C(1) << 2)
-#define TIM_CR1_DIR           (UINT32_C(1) << 4) /* read: counting down */
-#define TIM_CR1_CMS_CENTRE_1  (UINT32_C(1) << 5)
-#define TIM_CR1_ARPE          (UINT32_C(1) << 7)
-#define TIM_CR2_MMS2_OC4_OC6  (UINT32_C(13) << 20) /* TRGO2: OC4REF rising or OC6REF falling */
-#define TIM_SMCR_ENCODER_X4   UINT32_C(3)
-#define TIM_SR_BIF            (UINT32_C(1) << 7)
-#define TIM_EGR_UG            (UINT32_C(1) << 0)
-#define TIM_CCMR_PWM_2_LOW    (UINT32_C(7) << 4) /* odd channel of the pair */
-#define TIM_CCMR_PRELOAD_LOW  (UINT32_C(1) << 3)
-#define TIM_CCMR_PWM_2_HIGH   (UINT32_C(7) << 12) /* even channel */
-#define TIM_CCMR_PRELOAD_HIGH (UINT32_C(1) << 11)
-#define TIM_CCMR1_INPUTS      (UINT32_C(1) << 0 | UINT32_C(1) << 8)  /* TI1 and TI2 */
-#define TIM_CCMR1_FILTERS     (UINT32_C(3) << 4 | UINT32_C(3) << 12) /* eight samples alike */
-#define TIM_CCER_LEGS         UINT32_C(0x555)                        /* CC1E CC1NE CC2E CC2NE CC3E CC3NE */
-#define TIM_BDTR_DTG_MASK     UINT32_C(0xFF)
-#define TIM_BDTR_LOCK_1       (UINT32_C(1) << 8) /* dead time and break stay as they are until reset */
-#define TIM_BDTR_OSSI         (UINT32_C(1) << 10)
-#define TIM_BDTR_OSSR         (UINT32_C(1) << 11)
-#define TIM_BDTR_BKE          (UINT32_C(1) << 12) /* break input on; BKP = 0: active low */
-#define TIM_BDTR_MOE          (UINT32_C(1) << 15)
+#define TIM_CR1_CEN            (UINT32_C(1) << 0)
+#define TIM_CR1_URS            (UINT32_C(1) << 2)
+#define TIM_CR1_DIR            (UINT32_C(1) << 4) /* read: counting down */
+#define TIM_CR1_CMS_CENTRE_1   (UINT32_C(1) << 5)
+#define TIM_CR1_ARPE           (UINT32_C(1) << 7)
+#define TIM_CR2_MMS_OC4        (UINT32_C(7) << 4)   /* TRGO: OC4REF */
+#define TIM_CR2_MMS2_OC4       (UINT32_C(7) << 20)  /* TRGO2: OC4REF */
+#define TIM_CR2_MMS2_OC4_OC6   (UINT32_C(13) << 20) /* TRGO2: OC4REF rising or OC6REF falling */
+#define TIM_SMCR_ENCODER_X4    UINT32_C(3)
+#define TIM_DIER_UDE           (UINT32_C(1) << 8) /* a DMA request at the update event */
+#define TIM_SR_BIF             (UINT32_C(1) << 7)
+#define TIM_EGR_UG             (UINT32_C(1) << 0)
+#define TIM_CCMR_PWM_2_LOW     (UINT32_C(7) << 4) /* odd channel of the pair */
+#define TIM_CCMR_TOGGLE_LOW    (UINT32_C(3) << 4) /* the output changes where counter and compare value agree */
+#define TIM_CCMR_INACTIVE_LOW  (UINT32_C(4) << 4) /* the output is low at once */
+#define TIM_CCMR_PRELOAD_LOW   (UINT32_C(1) << 3)
+#define TIM_CCMR_PWM_2_HIGH    (UINT32_C(7) << 12) /* even channel */
+#define TIM_CCMR_TOGGLE_HIGH   (UINT32_C(3) << 12)
+#define TIM_CCMR_INACTIVE_HIGH (UINT32_C(4) << 12)
+#define TIM_CCMR_PRELOAD_HIGH  (UINT32_C(1) << 11)
+#define TIM_CCMR1_INPUTS       (UINT32_C(1) << 0 | UINT32_C(1) << 8)  /* TI1 and TI2 */
+#define TIM_CCMR1_FILTERS      (UINT32_C(3) << 4 | UINT32_C(3) << 12) /* eight samples alike */
+#define TIM_CCMR1_CAPTURE_TRC  UINT32_C(3) /* channel 1 captures at the internal trigger */
+#define TIM_CCER_CC1E          UINT32_C(1)
+#define TIM_CCER_LEGS          UINT32_C(0x555) /* CC1E CC1NE CC2E CC2NE CC3E CC3NE */
+#define TIM_BDTR_DTG_MASK      UINT32_C(0xFF)
+#define TIM_BDTR_LOCK_1        (UINT32_C(1) << 8) /* dead time and break stay as they are until reset */
+#define TIM_BDTR_OSSI          (UINT32_C(1) << 10)
+#define TIM_BDTR_OSSR          (UINT32_C(1) << 11)
+#define TIM_BDTR_BKE           (UINT32_C(1) << 12) /* break input on; BKP = 0: active low */
+#define TIM_BDTR_MOE           (UINT32_C(1) << 15)
+
+/* DCR: a burst of `length` writes to DMAR goes to as many registers, from the one with this number on (its offset over 4). */
+#define TIM_DCR_BURST(first, length) (((uint32_t)(length)-1) << 8 | (uint32_t)(first))
+#define TIM_ARR_NUMBER               (0x2C / 4)
+
+/* ---- 12.6 DMA ---- */
+typedef struct stm32g4_dma {
+    stm32g4_reg_t ISR;    /* 0x00 */
+    stm32g4_reg_t IFCR;   /* 0x04 */
+    stm32g4_reg_t CCR1;   /* 0x08: channel 1 */
+    stm32g4_reg_t CNDTR1; /* 0x0C */
+    stm32g4_reg_t CPAR1;  /* 0x10 */
+    stm32g4_reg_t CMAR1;  /* 0x14 */
+} stm32g4_dma_t;
+#define DMA_CCR_EN            (UINT32_C(1) << 0)
+#define DMA_CCR_TO_PERIPHERAL (UINT32_C(1) << 4)
+#define DMA_CCR_CIRC          (UINT32_C(1) << 5)
+#define DMA_CCR_MINC          (UINT32_C(1) << 7)
+#define DMA_CCR_PSIZE_32      (UINT32_C(2) << 8)
+#define DMA_CCR_MSIZE_16      (UINT32_C(1) << 10)
+#define DMA_CCR_PL_VERY_HIGH  (UINT32_C(3) << 12)
+
+/* ---- 13.6 DMAMUX: C0CR is DMA1's channel 1 ---- */
+typedef struct stm32g4_dmamux {
+    stm32g4_reg_t C0CR; /* 0x00 */
+} stm32g4_dmamux_t;
+#define DMAMUX_TIM1_UP UINT32_C(46)
 
 /* ---- 21.7 ADC ---- */
 typedef struct stm32g4_adc {
@@ -189,6 +230,8 @@ typedef struct stm32g4_chip {
     stm32g4_adc_t *adc2;
     stm32g4_adc_common_t *adc12;
     stm32g4_nvic_t *nvic;
+    stm32g4_dma_t *dma1; /* of edges (edges.h) */
+    stm32g4_dmamux_t *dmamux;
 } stm32g4_chip_t;
 
 #define STM32G4_CLOCK_HZ 170000000

@@ -4,7 +4,7 @@
 #include "pulse_samples.h"
 
 #include "base/vector.h"
-#include "params_host.h"
+#include "hal_host.h"
 #include "patterns/patterns_table.h"
 #include "plant/edge_machine.h"
 #include "plant/plant_random.h"
@@ -125,23 +125,23 @@ static void switch_leg(machine *d, int k, int level)
 }
 
 /* A cycle with these edges. */
-static void play(machine *d, const iqfoc_pattern_edges_t edges[3], double length_s)
+static void play(machine *d, const iqfoc_edges_t *edges, double tick_s)
 {
     const double begin_s = d->circuit.time_s;
     int next[3] = {0};
     for (int k = 0; k < 3; k++) {
-        switch_leg(d, k, edges[k].level);
+        switch_leg(d, k, edges->leg[k].level);
     }
     while (true) {
         int first = -1;
-        double at = 1.0;
+        uint32_t at = edges->period_ticks;
         for (int k = 0; k < 3; k++) {
-            if (next[k] < edges[k].edges && iq24_to_double(edges[k].at[next[k]]) < at) {
+            if (next[k] < edges->leg[k].edges && edges->leg[k].at[next[k]] < at) {
                 first = k;
-                at = iq24_to_double(edges[k].at[next[k]]);
+                at = edges->leg[k].at[next[k]];
             }
         }
-        advance(d, begin_s + at * length_s);
+        advance(d, begin_s + at * tick_s);
         if (first < 0) {
             return;
         }
@@ -162,26 +162,15 @@ typedef struct firmware {
     iqfoc_pattern_control_t control;
     iqfoc_pulse_mode_t mode;
     iqfoc_cycle_config_t set[3];
-    iqfoc_pattern_edges_t acting[3], next[3];
+    iqfoc_hal_t hal;
+    iqfoc_edges_t acting;
+    iqfoc_abc_t high;     /* of the present cycle */
     uint32_t time, ticks; /* of the present cycle */
     double tick_s;
     long refused;
     bool patterns; /* act in the present cycle */
     bool resumes;
 } firmware;
-
-/* Centred pulses as edges. */
-static void centred(iqfoc_abc_t high, iqfoc_pattern_edges_t edges[3])
-{
-    const iq24_t share[3] = {high.a, high.b, high.c};
-    for (int k = 0; k < 3; k++) {
-        edges[k].level = share[k] >= IQ24_ONE ? 1 : -1;
-        edges[k].high = share[k];
-        edges[k].edges = share[k] > 0 && share[k] < IQ24_ONE ? 2 : 0;
-        edges[k].at[0] = (IQ24_ONE - share[k]) / 2;
-        edges[k].at[1] = IQ24_ONE - edges[k].at[0];
-    }
-}
 
 static bool start(firmware *f, const pulse_drive *p, const pulse_tables *t, error *e)
 {
@@ -221,7 +210,8 @@ static bool start(firmware *f, const pulse_drive *p, const pulse_tables *t, erro
     }
     f->cycle.enabled = true;
     f->ticks = TICKS;
-    centred(half, f->acting);
+    f->high = half;
+    iqfoc_edges_of_duties(half, TICKS, &f->acting);
     return true;
 }
 
@@ -231,56 +221,81 @@ static iq24_t wrapped(double rad)
     return iq24_from_double(turns - floor(turns));
 }
 
-/* The interrupts of a cycle; returns the length of the next one. */
-static uint32_t interrupts(firmware *f, const machine *d, uint32_t n)
+/* What the converters hold `later_s` after the present valley; the current is that of the valley. */
+static void convert(firmware *f, const machine *d, double later_s)
 {
-    const double length_s = f->ticks * f->tick_s;
     const double complex i = d->circuit.i / d->base_A;
     const iqfoc_ab_t ab = {iq24_from_double(creal(i)), iq24_from_double(cimag(i))};
-    iqfoc_sample_t sample = {
+    const iqfoc_sample_t sample = {
         .i = iqfoc_clarke_inverse(ab),
-        .theta = wrapped(d->circuit.theta),
-        .turns = iq24_from_double(d->circuit.w * length_s / VEC_TWO_PI),
-        .u_dc = iq24_from_double(edge_machine_link_V(&d->circuit, d->circuit.time_s) / d->m->u_dc_V),
-        .time = f->time};
+        .theta = wrapped(d->circuit.theta + d->circuit.w * later_s),
+        .turns = iq24_from_double(d->circuit.w * f->ticks * f->tick_s / VEC_TWO_PI),
+        .u_dc =
+            iq24_from_double(edge_machine_link_V(&d->circuit, d->circuit.time_s + later_s) / d->m->u_dc_V),
+        .at = later_s > 0.0 ? IQ24(0.5) : 0,
+        .time = f->time + (later_s > 0.0 ? f->ticks / 2 : 0)};
+    hal_host_interrupt(&f->hal, &sample);
+}
+
+static void write_duties(firmware *f, iqfoc_abc_t high, uint32_t ticks)
+{
+    iqfoc_edges_t edges;
+    f->high = high;
+    iqfoc_edges_of_duties(high, ticks, &edges);
+    iqfoc_hal_write_edges(&f->hal, &edges);
+}
+
+static void write_pattern(firmware *f, const iqfoc_pattern_edges_t pattern[3])
+{
+    iqfoc_edges_t edges;
+    f->high = (iqfoc_abc_t){pattern[0].high, pattern[1].high, pattern[2].high};
+    f->carrier.ticks = f->config.period_ticks;
+    iqfoc_edges_of_pattern(pattern, f->config.period_ticks, &edges);
+    iqfoc_hal_write_edges(&f->hal, &edges);
+}
+
+/* The interrupts of a cycle. */
+static void interrupts(firmware *f, const machine *d, uint32_t n)
+{
+    iqfoc_pattern_edges_t pattern[3];
+    iqfoc_sample_t sample;
+    convert(f, d, 0.0);
+    iqfoc_hal_read_valley(&f->hal, &sample);
     iqfoc_cycle_config_t *set = &f->set[n % 3];
     const uint32_t ticks = iqfoc_synchronous_carrier_step(&f->carrier, sample.theta, sample.turns);
     iqfoc_synchronous_carrier_set(&f->base, ticks, set);
     if (f->patterns) {
         iqfoc_duties_t duties;
         iqfoc_pattern_control_aim(&f->control, f->cycle.i_ref, sample.turns);
-        if (iqfoc_pulse_mode_to_carrier(&f->mode, &f->control, &f->cycle, set, ab, sample.theta, sample.u_dc,
-                                        f->next, &duties)) {
+        if (iqfoc_pulse_mode_to_carrier(&f->mode, &f->control, &f->cycle, set,
+                                        iqfoc_clarke2(sample.i.a, sample.i.b), sample.theta, sample.u_dc,
+                                        pattern, &duties)) {
             f->refused += duties.scale < IQ24_ONE ? 1 : 0;
-            centred(duties.high, f->next);
             f->patterns = false;
             f->resumes = true;
-            return ticks;
+            write_duties(f, duties.high, ticks);
+            return;
         }
     } else {
-        const iqfoc_abc_t high = {f->acting[0].high, f->acting[1].high, f->acting[2].high};
         f->refused += iqfoc_cycle_offer(&f->cycle, set) != IQFOC_OK ? 1 : 0;
-        (void)iqfoc_cycle_valley(&f->cycle, &sample, f->time);
+        (void)iqfoc_cycle_valley(&f->cycle, &sample, iqfoc_hal_now(&f->hal));
         if (f->resumes) {
             iqfoc_pulse_mode_resume(&f->control, &f->cycle);
             f->resumes = false;
         }
         iqfoc_synchronous_carrier_keep_flux(&f->cycle);
         f->patterns =
-            iqfoc_pulse_mode_to_pattern(&f->mode, &f->control, &f->cycle, high, sample.u_dc, f->next);
+            iqfoc_pulse_mode_to_pattern(&f->mode, &f->control, &f->cycle, f->high, sample.u_dc, pattern);
         if (!f->patterns) {
-            sample.theta = wrapped(d->circuit.theta + 0.5 * d->circuit.w * length_s);
-            sample.u_dc = iq24_from_double(
-                edge_machine_link_V(&d->circuit, d->circuit.time_s + 0.5 * length_s) / d->m->u_dc_V);
-            sample.at = IQ24(0.5);
-            sample.time = f->time + f->ticks / 2;
-            const iqfoc_command_t command = iqfoc_cycle_peak(&f->cycle, &sample, IQ24(1.5), sample.time);
-            centred(command.duties.high, f->next);
-            return ticks;
+            convert(f, d, 0.5 * f->ticks * f->tick_s);
+            iqfoc_hal_read_peak(&f->hal, &sample);
+            const iqfoc_command_t command =
+                iqfoc_cycle_peak(&f->cycle, &sample, IQFOC_HAL_OUTPUT_MID, iqfoc_hal_now(&f->hal));
+            write_duties(f, command.duties.high, ticks);
+            return;
         }
     }
-    f->carrier.ticks = f->config.period_ticks;
-    return f->config.period_ticks;
+    write_pattern(f, pattern);
 }
 
 /* ---- The run ---- */
@@ -320,7 +335,6 @@ static void run(firmware *f, machine *d, const pulse_drive *p, const pulse_case 
     plant_random noise;
     plant_random_seed(&noise, SEED, 0);
     for (uint32_t n = 0; d->circuit.time_s < total_s; n++) {
-        const double length_s = f->ticks * f->tick_s;
         const double from_top_s = fmax(fabs(d->circuit.time_s - 0.5 * total_s) - 0.5 * TOP_S, 0.0);
         const double hz = p->high_Hz - (p->high_Hz - c->low_Hz) / c->ramp_s * from_top_s;
         const int level = f->mode.level;
@@ -329,17 +343,17 @@ static void run(firmware *f, machine *d, const pulse_drive *p, const pulse_case 
         choose(f, d, c->i_q, NOISE_HZ * (2.0 * plant_random_uniform(&noise) - 1.0), p->pattern_s);
         const iqfoc_pattern_t *table = f->control.modulator.table;
         const int32_t row = f->control.modulator.row;
-        const uint32_t next_ticks = interrupts(f, d, n);
+        interrupts(f, d, n);
         const bool jumped = table == f->control.modulator.table && f->control.modulator.row != row &&
                             f->control.trajectory.start != family;
         d->jumps += jumped ? 1 : 0;
         d->mode = (pulse_run_mode)(f->patterns ? PULSE_CARRIER_9 + f->mode.level : f->carrier.level);
         result->changes += f->mode.level != level ? 1 : 0;
         result->highest = f->mode.level > result->highest ? f->mode.level : result->highest;
-        play(d, f->acting, length_s);
-        memcpy(f->acting, f->next, sizeof f->acting);
+        play(d, &f->acting, f->tick_s);
+        f->acting = f->hal.edges;
         f->time += f->ticks;
-        f->ticks = next_ticks;
+        f->ticks = f->acting.period_ticks;
     }
 }
 

@@ -2,6 +2,7 @@
 #include "any_drive.h"
 
 #include "iqfoc/cycle_six_step.h"
+#include "iqfoc/edges.h"
 #include "iqfoc/overmodulation.h"
 #include "iqfoc/pattern.h"
 #include "iqfoc/reference.h"
@@ -46,6 +47,25 @@ static void pattern_of(const iqfoc_pattern_row_t *row, int32_t angles)
     const iq24_t index = iqfoc_pattern_index(any_within(0, IQ24(32.0)), any_within(1, IQ24(2.0)));
     iqfoc_pattern_edges_t edges[3];
     iqfoc_pattern_step(&modulator, any(), any(), any_bool() ? index : any(), edges);
+}
+
+/* Edges in ticks: any edges within pattern.h, any duties, periods of 2, 17000 and 2^24 - 1 ticks. */
+void prove_edges(void)
+{
+    static const uint32_t period[3] = {2, 17000, IQFOC_EDGES_TICKS_MAX};
+    iqfoc_pattern_edges_t asked[3];
+    iqfoc_edges_t edges;
+    for (int32_t x = 0; x < 3; x++) {
+        asked[x].level = any_bool() ? 1 : -1;
+        asked[x].edges = any_within(0, IQFOC_PATTERN_EDGES_MAX);
+        for (int32_t k = 0; k < IQFOC_PATTERN_EDGES_MAX; k++) {
+            asked[x].at[k] = any_within(0, IQ24_ONE - 1);
+        }
+    }
+    for (int32_t n = 0; n < 3; n++) {
+        iqfoc_edges_of_pattern(asked, period[n], &edges);
+        iqfoc_edges_of_duties(any_abc(IQ24_MIN, IQ24_MAX), period[n], &edges);
+    }
 }
 
 /* Modulation by pulse pattern: any table within pattern.h, any angle, speed and index, from any state of the legs; the

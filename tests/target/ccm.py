@@ -19,7 +19,8 @@ VECTOR = 16 + 18  # ADC1_2
 # RM0440 2.4: KiB of CCM SRAM of the STM32G47x and G48x, of G491 and G4A1, of G431 and G441.
 SIZES = {"STM32G474": 32, "STM32G491": 16, "STM32G431": 10}
 # The images, and the smallest part whose CCM SRAM holds what they put there.
-IMAGES = {"first_drive_stm32g4": "STM32G431", "corrected_drive_stm32g4": "STM32G431", "sensorless_drive_stm32g4": "STM32G491"}
+IMAGES = {"first_drive_stm32g4": "STM32G431", "corrected_drive_stm32g4": "STM32G431", "sensorless_drive_stm32g4": "STM32G491",
+          "pattern_drive_stm32g4": "STM32G491"}
 
 failures = []
 

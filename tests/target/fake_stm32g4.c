@@ -22,6 +22,8 @@ const stm32g4_chip_t fake_chip = {
     .adc2 = &fake_bank.adc2,
     .adc12 = &fake_bank.adc12,
     .nvic = &fake_bank.nvic,
+    .dma1 = &fake_bank.dma1,
+    .dmamux = &fake_bank.dmamux,
 };
 
 void fake_reset(void)

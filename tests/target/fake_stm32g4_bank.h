@@ -21,6 +21,8 @@ typedef struct fake_bank {
     stm32g4_adc_t adc2;
     stm32g4_adc_common_t adc12;
     stm32g4_nvic_t nvic;
+    stm32g4_dma_t dma1;
+    stm32g4_dmamux_t dmamux;
 } fake_bank_t;
 
 extern fake_bank_t fake_bank;

@@ -53,7 +53,7 @@ def main():
                 for target, command in emulators.items()
                 for image in sorted((options.build / target / "tests" / "target").glob("*.elf"))
                 + [options.build / target / "examples" / name for name in ("first_drive.elf", "own_loop.elf", "sensorless_drive.elf",
-                                                                       "commissioning.elf")]}
+                                                                       "commissioning.elf", "pattern_drive.elf")]}
     for build in host_builds:
         commands[f"x86-64 {build} same_bits"] = [str(options.build / "same_bits" / build)]
     if len(commands) < (15 if options.quick else 2 * 15 + 1 + 7) + len(host_builds):

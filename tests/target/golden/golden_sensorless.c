@@ -9,6 +9,7 @@
 
 #include "golden_types.h"
 
+#include "iqfoc/edges.h"
 #include "iqfoc/observer_inductance.h"
 #include "iqfoc/observer_resistance.h"
 #include "iqfoc/params.h"
@@ -280,6 +281,43 @@ void golden_pattern(golden_inputs_t *inputs, uint64_t *digest)
         voltage_angle = golden_within(inputs, IQ24_MAX);
         voltage = golden_positive(inputs, IQ24(0.7));
     }
+}
+
+/* ---- Edges in ticks ---- */
+
+static void add_ticks(uint64_t *digest, const iqfoc_edges_t *edges)
+{
+    for (int32_t x = 0; x < 3; x++) {
+        digest_add(digest, edges->leg[x].level);
+        digest_add(digest, edges->leg[x].edges);
+        for (int32_t k = 0; k < edges->leg[x].edges; k++) {
+            digest_add(digest, (int32_t)edges->leg[x].at[k]);
+        }
+    }
+}
+
+void golden_edges(golden_inputs_t *inputs, uint64_t *digest)
+{
+    const uint32_t period = 2 + (uint32_t)golden_positive(inputs, (int32_t)IQFOC_EDGES_TICKS_MAX - 2);
+    const iqfoc_abc_t high = {golden_within(inputs, IQ24(1.1)), golden_positive(inputs, IQ24_ONE),
+                              golden_positive(inputs, IQ24_ONE)};
+    iqfoc_pattern_edges_t asked[3];
+    iqfoc_edges_t edges;
+    for (int32_t x = 0; x < 3; x++) {
+        asked[x].level = golden_within(inputs, 1) >= 0 ? 1 : -1;
+        asked[x].edges = golden_positive(inputs, IQFOC_PATTERN_EDGES_MAX);
+        iq24_t at = 0;
+        for (int32_t k = 0; k < asked[x].edges; k++) {
+            at += golden_positive(inputs, (IQ24_ONE - 1 - at) / 4);
+            asked[x].at[k] = at;
+        }
+    }
+    iqfoc_edges_of_pattern(asked, period, &edges);
+    add_ticks(digest, &edges);
+    iqfoc_edges_of_pattern(asked, 2 + period % 40, &edges); /* many edges share a tick */
+    add_ticks(digest, &edges);
+    iqfoc_edges_of_duties(high, period, &edges);
+    add_ticks(digest, &edges);
 }
 
 /* ---- The control of a pulse pattern ---- */

@@ -10,6 +10,8 @@ void golden_sensorless(golden_inputs_t *inputs, uint64_t *digest);
 void golden_pattern(golden_inputs_t *inputs, uint64_t *digest);
 /* The same with the flux's trajectory, at a current near its prediction. */
 void golden_pattern_control(golden_inputs_t *inputs, uint64_t *digest);
+/* The edges of a drawn pattern and of drawn duties in ticks. */
+void golden_edges(golden_inputs_t *inputs, uint64_t *digest);
 /* A valley of a drive that goes from the carrier to patterns and back. */
 void golden_pulse_mode(golden_inputs_t *inputs, uint64_t *digest);
 

@@ -241,6 +241,7 @@ void golden_vectors(golden_report *report)
         {"tuned_and_watched", golden_tuned_and_watched},
         {"sensorless", golden_sensorless},
         {"pattern", golden_pattern},
+        {"edges", golden_edges},
         {"pattern_control", golden_pattern_control},
         {"pulse_mode", golden_pulse_mode},
         {"recorder", golden_recorder},

@@ -1,0 +1,20 @@
+/* Converters and encoder of the STM32G474's rigs (rig_stm32g4.c, rig_stm32g4_edges.c), on the bank of memory. */
+#ifndef TESTS_TARGET_RIG_STM32G4_SENSORS_H
+#define TESTS_TARGET_RIG_STM32G4_SENSORS_H
+
+#include "hal_stm32g4.h"
+
+#include <stdbool.h>
+
+/* Sensors of the rigs' board, and its half period. */
+const hal_stm32g4_board_t *rig_sensors_start(uint32_t half_ticks);
+
+/* The converters' trigger, if the timer gives it as the port has set it up. */
+void rig_sensors_sample(uint32_t trgo2);
+
+void rig_set_current(const double i_pu[3]);
+void rig_set_dc_link(double u_pu);
+void rig_set_angle(double turns);
+bool rig_outputs_on(void);
+
+#endif
