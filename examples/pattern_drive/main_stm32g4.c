@@ -1,5 +1,5 @@
 /*
- * The drive with five pulses on an STM32G474, whose timer plays the edges (hal_stm32g4_edges.h). For a machine that turns already, at 5 to 600
+ * The drive with five pulses on an STM32G474, whose timer plays the edges (hal_stm32g4_edges.h). For a machine that turns already, at 39 to 625
  * Hz: a first drive needs the carrier below that (iqfoc/pulse_mode.h).
  */
 #include "chip.h"
