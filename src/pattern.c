@@ -56,7 +56,7 @@ iqfoc_error_t iqfoc_pattern_init(iqfoc_pattern_modulator_t *modulator, const iqf
 
 iqfoc_pattern_shape_t iqfoc_pattern_shape_at(iqfoc_pattern_modulator_t *modulator, iq24_t index)
 {
-    const pattern_rows_t rows = pattern_rows_at(modulator, index);
+    const pattern_rows_t rows = pattern_rows_at(modulator, pattern_place(modulator->table, index));
     iqfoc_pattern_shape_t shape = {rows.row->start, {0}};
     for (int32_t k = 0; k < modulator->table->angles; k++) {
         shape.angle[k] = pattern_angle(&rows, k);

@@ -13,18 +13,23 @@
 typedef struct {
     const iqfoc_pattern_row_t *row;
     const iqfoc_pattern_row_t *next;
-    iq24_t part; /* of the way to the next one: 0 ... 1, 1 excluded */
+    iq24_t
+        part; /* of the way to the next one: 0 ... 1, 1 excluded; negative beyond the row: pattern_control.c */
 } pattern_rows_t;
 
 /*
- * Range: index less index_low is within 0 ... 1, so that the place is within 0 ... 100; its whole part is held to the
- * last row.
+ * The place of an index: rows from the first one. Range: index less index_low is within 0 ... 1, so that it is within 0 ... 100; it is held
+ * to the last row.
  */
-static inline pattern_rows_t pattern_rows_at(iqfoc_pattern_modulator_t *modulator, iq24_t index)
+static inline iq24_t pattern_place(const iqfoc_pattern_t *table, iq24_t index)
+{
+    const iq24_t above = iq24_clamp(index, table->index_low, IQ24_ONE) - table->index_low;
+    return iq24_min(iq24_mul_round(above, table->rows_per_index), (table->rows - 1) * IQ24_ONE);
+}
+
+static inline pattern_rows_t pattern_rows_at(iqfoc_pattern_modulator_t *modulator, iq24_t place)
 {
     const iqfoc_pattern_t *table = modulator->table;
-    const iq24_t above = iq24_clamp(index, table->index_low, IQ24_ONE) - table->index_low;
-    const iq24_t place = iq24_min(iq24_mul_round(above, table->rows_per_index), (table->rows - 1) * IQ24_ONE);
     int32_t n = iq24_asr32(place, IQ24_FRACTION_BITS);
     const iq24_t part = place & (IQ24_ONE - 1);
     int32_t next = part != 0 ? n + 1 : n;

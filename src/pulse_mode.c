@@ -103,6 +103,14 @@ static bool is_near(iqfoc_pulse_mode_t *mode, iq24_t x, iq24_t y, iq24_t turns)
     return mode->waited > IQ24(2.0) || (mode->waited > IQ24(0.3333333) && apart <= enough);
 }
 
+/* A period of the carrier, in control cycles of the patterns. */
+static iq24_t cycles_of(const iqfoc_pulse_mode_t *mode, uint32_t ticks)
+{
+    const iq24_t cycles = iq24_div((iq24_t)ticks, (iq24_t)mode->config->period_ticks);
+    /*@ assert pulse_cycles: 0 <= cycles; */
+    return cycles;
+}
+
 /* A leg at the end of a centred pulse. */
 static iqfoc_pattern_leg_t leg_after(iq24_t high, iq24_t cycles)
 {
@@ -120,7 +128,7 @@ bool iqfoc_pulse_mode_to_pattern(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     if (mode->level != 0 || mode->wanted == 0) {
         return false;
     }
-    const iq24_t cycles = iq24_div((iq24_t)cycle->config->period_ticks, (iq24_t)mode->config->period_ticks);
+    const iq24_t cycles = cycles_of(mode, cycle->config->period_ticks);
     const iqfoc_pattern_leg_t leg[3] = {leg_after(high.a, cycles), leg_after(high.b, cycles),
                                         leg_after(high.c, cycles)};
     iqfoc_pattern_control_restart(control, mode->config->level[1].table, u_dc);
@@ -181,7 +189,7 @@ bool iqfoc_pulse_mode_to_carrier(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     if (mode->wanted != 0) {
         return false;
     }
-    const iq24_t cycles = iq24_div((iq24_t)set->period_ticks, (iq24_t)mode->config->period_ticks);
+    const iq24_t cycles = cycles_of(mode, set->period_ticks);
     const iq24_t turns =
         iq24_clamp(iq24_mul_sat(mode->turns, cycles), -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);

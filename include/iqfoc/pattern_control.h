@@ -5,9 +5,13 @@
  * The integral of a pattern's voltage is a trajectory of the stator flux. The flux error at the start of a cycle moves the next
  * edges of each leg:
  *
- *     psi* = integral of the pattern's voltage + j (R i_ref + v)/omega                 omega: electrical speed
+ *     psi* = integral of the pattern's voltage + j (R i_ref + v)/omega - r u s         omega: electrical speed
  *     e = psi* - (L i + psi_f e^(j theta))
  *     a rising edge is earlier by e_leg/u_dc, a falling one later                      e_leg: e on the axis of the leg
+ *
+ * r is the share by which the link is off its mean: the last sample, extrapolated over two cycles by the one before, less the mean, held to
+ * 1/8. s is the mean time between two edges of a leg, and u the voltage of the reference. A link that is off makes the flux r u s between
+ * two edges. The trajectory is less by it, so that the torque keeps its mean. Not in six-step.
  *
  * An edge moves at most to the places of its neighbours. The flux that remains is an error of the next cycle.
  *
@@ -23,7 +27,8 @@
  * its reference if R, L or psi_f is wrong. With a small `correction`, the harmonics of i follow from the voltage by the same L as those
  * of psi*. A wrong L then moves no edges.
  *
- * At a jump of the angles between two rows, the present row remains until the legs change as iqfoc_pattern_control_change says. In six-step,
+ * Beyond a row that is not joined to the next one, its angles go on as from the row before, up to one row further and if they stay in order.
+ * At such a jump of the angles the present row remains until the legs change as iqfoc_pattern_control_change says. In six-step,
  * the voltage has one length: u_d of the reference remains, and with it i_q; i_d follows from the length.
  *
  *     at each peak:    iqfoc_pattern_control_aim(&control, i_ref, turns);
@@ -114,6 +119,7 @@ typedef struct iqfoc_pattern_control {
     iq24_sincos_t sc_sample; /* of the rotor angle at the last sample */
     iqfoc_dq_t v;            /* disturbance voltage, held to +-1/2 */
     iq24_t u_dc;             /* of the last sample */
+    iq24_t u_slope;          /* it less the sample before */
     iq24_t u_mean;           /* mean of the link: moves by 1/64 of the difference per cycle */
     iq24_t u_dc_inverse;     /* 1/u_mean */
     iqfoc_ab_t

@@ -315,12 +315,15 @@ static double weakening(const motor *m, double w, double i_q, double index)
 }
 
 /* The level by the speed with its noise, and the reference. */
-static void choose(firmware *f, const machine *d, double i_q, double noise_Hz, double pattern_s)
+static void choose(firmware *f, const machine *d, const pulse_case *c, double noise_Hz, double pattern_s)
 {
+    const double i_q = c->i_q;
     const double way = d->circuit.w < 0.0 ? -1.0 : 1.0;
-    const double turns = (d->circuit.w / VEC_TWO_PI + way * noise_Hz) * pattern_s;
+    const double seen_w = d->circuit.w + way * VEC_TWO_PI * c->early_Hz;
+    const double turns = (seen_w / VEC_TWO_PI + way * noise_Hz) * pattern_s;
     const double needed = pulse_index(d->m, d->circuit.w, 0.0, i_q);
-    iqfoc_pulse_mode_step(&f->mode, &f->control, iq24_from_double(turns), iq24_from_double(needed));
+    iqfoc_pulse_mode_step(&f->mode, &f->control, iq24_from_double(turns),
+                          iq24_from_double(pulse_index(d->m, seen_w, 0.0, i_q)));
     const bool six_step = f->mode.level == SIX_STEP;
     const double i_d = needed > PULSE_LINEAR || six_step
                            ? weakening(d->m, d->circuit.w, i_q, six_step ? 1.0 : PULSE_LINEAR)
@@ -340,7 +343,7 @@ static void run(firmware *f, machine *d, const pulse_drive *p, const pulse_case 
         const int level = f->mode.level;
         const int family = f->control.trajectory.start;
         d->circuit.w = c->way * VEC_TWO_PI * hz;
-        choose(f, d, c->i_q, NOISE_HZ * (2.0 * plant_random_uniform(&noise) - 1.0), p->pattern_s);
+        choose(f, d, c, NOISE_HZ * (2.0 * plant_random_uniform(&noise) - 1.0), p->pattern_s);
         const iqfoc_pattern_t *table = f->control.modulator.table;
         const int32_t row = f->control.modulator.row;
         interrupts(f, d, n);
@@ -357,38 +360,62 @@ static void run(firmware *f, machine *d, const pulse_drive *p, const pulse_case 
     }
 }
 
-bool pulse_run_up_run(const pulse_drive *p, const pulse_tables *t, const pulse_case *c, pulse_run_up *result,
-                      error *e)
+/* Samples of the run, from malloc, in d; false with *e set. */
+static bool record(const pulse_drive *p, const pulse_tables *t, const pulse_case *c, machine *d,
+                   pulse_run_up *result, error *e)
 {
     firmware f;
     const double base_A = motor_rated_peak_A(&p->m);
-    machine d = {.m = &p->m,
-                 .base_A = base_A,
-                 .circuit = {.R_ohm = p->m.R_ohm,
-                             .L_s_H = p->m.L_d_H,
-                             .psi_f_Wb = p->m.psi_f_Wb,
-                             .u_dc_V = p->m.u_dc_V,
-                             .ripple = c->ripple ? PULSE_RIPPLE : 0.0,
-                             .i = I * c->i_q * base_A * cexp(I * VEC_TWO_PI * c->angle),
-                             .theta = VEC_TWO_PI * c->angle,
-                             .level = {-1, -1, -1}},
-                 .since_s = {-1.0, -1.0, -1.0},
-                 .shortest_s = 1.0,
-                 .capacity = lround((2.0 * c->ramp_s + TOP_S) / PULSE_SAMPLE_S)};
+    *d = (machine){.m = &p->m,
+                   .base_A = base_A,
+                   .circuit = {.R_ohm = p->m.R_ohm,
+                               .L_s_H = p->m.L_d_H,
+                               .psi_f_Wb = p->m.psi_f_Wb,
+                               .u_dc_V = p->m.u_dc_V,
+                               .ripple = c->ripple ? PULSE_RIPPLE : 0.0,
+                               .i = I * c->i_q * base_A * cexp(I * VEC_TWO_PI * c->angle),
+                               .theta = VEC_TWO_PI * c->angle,
+                               .level = {-1, -1, -1}},
+                   .since_s = {-1.0, -1.0, -1.0},
+                   .shortest_s = 1.0,
+                   .capacity = lround((2.0 * c->ramp_s + TOP_S) / PULSE_SAMPLE_S)};
     if (!start(&f, p, t, e)) {
         return false;
     }
-    d.sample = malloc((size_t)d.capacity * sizeof *d.sample);
-    if (d.sample == NULL) {
+    d->sample = malloc((size_t)d->capacity * sizeof *d->sample);
+    if (d->sample == NULL) {
         return error_failure(e, 0, "out of memory for the run-up through the pulse modes");
     }
     memset(result, 0, sizeof *result);
-    run(&f, &d, p, c, result);
-    result->shortest_s = d.shortest_s;
+    run(&f, d, p, c, result);
+    result->shortest_s = d->shortest_s;
     result->last = f.mode.level;
     result->status = f.cycle.status;
     result->refused = f.refused;
+    return true;
+}
+
+bool pulse_run_up_run(const pulse_drive *p, const pulse_tables *t, const pulse_case *c, pulse_run_up *result,
+                      error *e)
+{
+    machine d;
+    if (!record(p, t, c, &d, result, e)) {
+        return false;
+    }
     pulse_samples_measure(d.sample, d.samples, &p->m, c->i_q, result);
     free(d.sample);
     return true;
+}
+
+long pulse_run_up_torque(const pulse_drive *p, const pulse_tables *t, const pulse_case *c,
+                         pulse_torque *torque, long capacity, error *e)
+{
+    machine d;
+    static pulse_run_up counts;
+    if (!record(p, t, c, &d, &counts, e)) {
+        return -1;
+    }
+    const long n = pulse_samples_torque(d.sample, d.samples, c->i_q, torque, capacity);
+    free(d.sample);
+    return n;
 }

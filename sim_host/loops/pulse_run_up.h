@@ -63,9 +63,10 @@ typedef struct pulse_case {
     double low_Hz; /* at both ends */
     double ramp_s; /* from there to the top */
     double i_q;
-    bool ripple;  /* of the link: +-PULSE_RIPPLE */
-    double way;   /* of rotation: 1 or -1 */
-    double angle; /* of the rotor at the start, turns */
+    bool ripple;     /* of the link: +-PULSE_RIPPLE */
+    double way;      /* of rotation: 1 or -1 */
+    double angle;    /* of the rotor at the start, turns */
+    double early_Hz; /* the level is that of a speed so much higher */
 } pulse_case;
 
 #define PULSE_RIPPLE 0.01
@@ -126,8 +127,21 @@ typedef struct pulse_run_up {
     long refused; /* calls that the library refused, and voltages of a hand-over that were too long */
 } pulse_run_up;
 
+/* The mean torque about an instant, less the reference. */
+typedef struct pulse_torque {
+    double percent; /* of the rated torque */
+    double turn_s;
+    pulse_run_mode mode;
+} pulse_torque;
+
+#define PULSE_TORQUE_S 5e-5 /* from one to the next */
+
 /* False with *e set if the firmware's parameters do not fit, or memory runs out. */
 bool pulse_run_up_run(const pulse_drive *p, const pulse_tables *t, const pulse_case *c, pulse_run_up *result,
                       error *e);
+
+/* The torque of the same run, at most `capacity` instants from the same one on in each run; returns their number, -1 with *e set. */
+long pulse_run_up_torque(const pulse_drive *p, const pulse_tables *t, const pulse_case *c,
+                         pulse_torque *torque, long capacity, error *e);
 
 #endif

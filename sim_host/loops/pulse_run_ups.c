@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-const pulse_case pulse_run_ups_case = {0.0, 2.0, 1.0, false, 1.0, 0.0};
+const pulse_case pulse_run_ups_case = {0.0, 2.0, 1.0, false, 1.0, 0.0, 0.0};
 
 bool pulse_run_ups_run(pulse_run_ups *all, error *e)
 {

@@ -14,7 +14,7 @@
 #define TRACE_S   2e-3 /* of the trace of the torque error */
 #define WHOLE     0.1  /* distance of the pulses a turn from a whole number */
 
-enum { EVERY = 5 /* samples from one mean torque to the next */ };
+#define EVERY (lround(PULSE_TORQUE_S / PULSE_SAMPLE_S)) /* samples from one mean torque to the next */
 
 const char *const pulse_run_mode_text[PULSE_RUN_MODES] = {
     [PULSE_FIXED] = "fixed carrier",           [PULSE_CARRIER_21] = "carrier, 21 a turn",
@@ -90,6 +90,19 @@ static void measure_torque(const pulse_sample *sample, long count, double wanted
             r->trace[r->traced - 1].percent = off;
         }
     }
+}
+
+long pulse_samples_torque(const pulse_sample *sample, long count, double i_q, pulse_torque *torque,
+                          long capacity)
+{
+    const long margin = lround(START_S / PULSE_SAMPLE_S);
+    const long every = EVERY;
+    long n = 0;
+    for (long k = margin; k < count - margin && n < capacity; k += every, n++) {
+        torque[n] =
+            (pulse_torque){100.0 * (pulse_mean_torque(&sample[k]) - i_q), turn_s(&sample[k]), sample[k].mode};
+    }
+    return n;
 }
 
 /* Space vectors with so many pulses a turn: their flux over that of the rated current. */

@@ -24,6 +24,10 @@ double pulse_index(const motor *m, double w, double i_d, double i_q);
  */
 double pulse_mean_torque(const pulse_sample *at);
 
+/* The torque of pulse_run_up_torque. */
+long pulse_samples_torque(const pulse_sample *sample, long count, double i_q, pulse_torque *torque,
+                          long capacity);
+
 /* Sets points, trace, modes and the torque errors of the result. */
 void pulse_samples_measure(const pulse_sample *sample, long count, const motor *m, double i_q,
                            pulse_run_up *result);

@@ -1,9 +1,12 @@
 /*
- * Control of a pulse pattern (pattern_control.h): its parts one by one, from any state within the ranges that the header states. Each
- * function that changes the state is shown to keep them. The parts: a leg's place, a leg's edges, a trajectory, a change of the table, and
- * the peak. Each is proved for a number of angles at a time, as it says which edges there are.
+ * Control of a pulse pattern (pattern_control.h) and pulse modes (pulse_mode.h): their parts one by one, from any state within the ranges
+ * that the headers state. Each function that changes a state is shown to keep them. The parts of the control: a leg's place, a leg's
+ * edges, a trajectory, a change of the table, and the peak. Each is proved for a number of angles at a time, as it says which edges there
+ * are.
  */
 #include "any_drive.h"
+
+#include "iqfoc/pulse_mode.h"
 
 #include "pattern_control.c"
 
@@ -50,8 +53,8 @@ static iqfoc_pattern_trajectory_t any_trajectory(int32_t edges)
     t.third_turn = any_bool() ? PATTERN_THIRD_TURN : -PATTERN_THIRD_TURN;
     t.speed = any_within(IQFOC_PATTERN_CONTROL_TURNS_MIN, IQFOC_PATTERN_TURNS_MAX);
     t.l_q28 = any_within(0, 1 << 30);
-    t.steady_q28.d = any_within(-(1 << 30) - (1 << 27), (1 << 30) + (1 << 27));
-    t.steady_q28.q = any_within(-(1 << 30) - (1 << 27), (1 << 30) + (1 << 27));
+    t.steady_q28.d = any_within(-(1 << 30) - (1 << 28), (1 << 30) + (1 << 28));
+    t.steady_q28.q = any_within(-(1 << 30) - (1 << 28), (1 << 30) + (1 << 28));
     t.per_link_q26.alpha = any();
     t.per_link_q26.beta = any();
     t.drift_q26.d = any();
@@ -78,8 +81,8 @@ static void check_trajectory(const iqfoc_pattern_trajectory_t *t, int32_t edges)
     check(t->third_turn, -PATTERN_THIRD_TURN, PATTERN_THIRD_TURN);
     check(t->speed, IQFOC_PATTERN_CONTROL_TURNS_MIN, IQFOC_PATTERN_TURNS_MAX);
     check(t->l_q28, 0, 1 << 30);
-    check(t->steady_q28.d, -(1 << 30) - (1 << 27), (1 << 30) + (1 << 27));
-    check(t->steady_q28.q, -(1 << 30) - (1 << 27), (1 << 30) + (1 << 27));
+    check(t->steady_q28.d, -(1 << 30) - (1 << 28), (1 << 30) + (1 << 28));
+    check(t->steady_q28.q, -(1 << 30) - (1 << 28), (1 << 30) + (1 << 28));
     check(t->cycles_q22, 1 << 25, 1 << 29);
     check(t->start, -1, 1);
     check(t->edges, edges, edges);
@@ -136,6 +139,7 @@ static iqfoc_pattern_control_t any_control(const iqfoc_pattern_t *table, int32_t
     c.sc_sample = any_sincos();
     c.v = any_dq(IQ24(0.5));
     c.u_dc = any_within(IQ24(0.5), IQ24(1.5));
+    c.u_slope = any_within(-IQ24_ONE, IQ24_ONE);
     c.u_mean = any_within(IQ24(0.5), IQ24(1.5));
     c.u_dc_inverse = any_within(INVERSE_LOW, INVERSE_HIGH);
     c.error = any_ab(IQ24(4.0));
@@ -162,6 +166,7 @@ static void check_control(const iqfoc_pattern_control_t *c, int32_t edges)
     check(c->v.d, -IQ24(0.5), IQ24(0.5));
     check(c->v.q, -IQ24(0.5), IQ24(0.5));
     check(c->u_dc, IQ24(0.5), IQ24(1.5));
+    check(c->u_slope, -IQ24_ONE, IQ24_ONE);
     check(c->u_mean, IQ24(0.5), IQ24(1.5));
     check(c->u_dc_inverse, INVERSE_LOW, INVERSE_HIGH);
     check(c->error.alpha, -IQ24(4.0), IQ24(4.0));
@@ -205,7 +210,7 @@ void prove_pattern_control_trace(void)
     for (int32_t angles = 0; angles <= IQFOC_PATTERN_ANGLES_MAX; angles++) {
         const iqfoc_pattern_t table = any_table(angles);
         iqfoc_pattern_modulator_t modulator = {&table, 0, any_within(0, IQFOC_PATTERN_ROWS_MAX - 1), {{0}}};
-        const pattern_rows_t rows = pattern_rows_at(&modulator, any());
+        const pattern_rows_t rows = pattern_rows_at(&modulator, pattern_place(&table, any()));
         iqfoc_pattern_trajectory_t t = any_trajectory(3);
         trace(&t, &rows, angles);
         check_trajectory(&t, 2 * angles + 1);
@@ -287,4 +292,145 @@ void prove_pattern_control_begin(void)
         iqfoc_pattern_control_begin(&c, any_ab(IQ24(8.0)), any(), leg, edges);
         check_control(&c, 2 * angles + 1);
     }
+}
+
+/* ---- Pulse modes ---- */
+
+static iqfoc_pulse_level_t level[IQFOC_PULSE_LEVELS_MAX];
+
+/* Levels with this table, but for the carrier. */
+static iqfoc_pulse_config_t any_levels(const iqfoc_pattern_t *table, int32_t levels)
+{
+    for (int32_t n = 0; n < levels; n++) {
+        const iqfoc_pulse_level_t one = {n > 0 ? table : NULL, any(), any(), any(), any()};
+        level[n] = one;
+    }
+    const iqfoc_pulse_config_t config = {level, levels, any_count(1, IQFOC_PULSE_TICKS_MAX)};
+    return config;
+}
+
+/* The analysis does not know that a sum of squares is positive. */
+static iqfoc_pulse_mode_t any_mode(const iqfoc_pulse_config_t *config, int32_t present, int32_t wanted)
+{
+    const iqfoc_pulse_mode_t mode = {config,
+                                     present,
+                                     wanted,
+                                     any_within(-IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX),
+                                     any_within(0, IQ24(3.0)),
+                                     any_bool() ? INT64_C(1) << 62 : (iq24_acc_t)any() * IQ24_MAX};
+    return mode;
+}
+
+static void check_mode(const iqfoc_pulse_mode_t *mode, int32_t levels)
+{
+    check(mode->level, 0, levels - 1);
+    check(mode->wanted, 0, levels - 1);
+    check(mode->turns, -IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
+    check(mode->waited, 0, IQ24(3.0));
+    /*@ assert within_its_range: -4611686018427387904 <= mode->nearest_q48 <= 4611686018427387904; */
+}
+
+/* A cycle of the carrier: |i_next|, |i_ref| <= 8, and a set of gains within current_control.h. */
+static iqfoc_cycle_t any_cycle(iqfoc_cycle_config_t *set)
+{
+    *set = any_set();
+    set->gains.x_d = any_within(0, IQ24(96.0));
+    set->gains.x_q = any_within(0, IQ24(96.0));
+    set->gains.emf = any_within(0, IQ24(96.0));
+    set->period_ticks = any_count(1, INT32_MAX);
+    iqfoc_cycle_t cycle;
+    cycle.config = set;
+    cycle.rotor = iqfoc_rotor_from_turns(any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+    cycle.theta_valley = any();
+    cycle.i_next = any_ab(IQ24(8.0));
+    cycle.i_ref = any_dq(IQ24(8.0));
+    cycle.u_dq = any_dq(IQ24(8.0));
+    return cycle;
+}
+
+/* Pulse modes, set-up: any configuration. */
+void prove_pulse_mode_init(void)
+{
+    const iqfoc_pattern_t table = any_table(any_within(0, IQFOC_PATTERN_ANGLES_MAX));
+    const iqfoc_pulse_config_t known = any_levels(&table, IQFOC_PULSE_LEVELS_MAX);
+    const iqfoc_pulse_config_t config = {known.level, any(), any_count(0, UINT32_MAX)};
+    iqfoc_pulse_mode_t mode;
+    if (iqfoc_pulse_mode_init(&mode, &config) == IQFOC_OK) {
+        check_mode(&mode, IQFOC_PULSE_LEVELS_MAX);
+    }
+}
+
+/* Their level: any speed and index, each level and neighbour. */
+void prove_pulse_mode_step(void)
+{
+    const iqfoc_pattern_t table = any_table(any_within(0, IQFOC_PATTERN_ANGLES_MAX));
+    for (int32_t levels = 2; levels <= IQFOC_PULSE_LEVELS_MAX; levels++) {
+        const iqfoc_pulse_config_t config = any_levels(&table, levels);
+        for (int32_t n = 0; n < levels; n++) {
+            for (int32_t wanted = n > 0 ? n - 1 : 0; wanted <= n + 1 && wanted < levels; wanted++) {
+                iqfoc_pattern_control_t c = any_control(&table, 0);
+                c.modulator.table = any_bool() ? &table : &iqfoc_pattern_six_step;
+                iqfoc_pulse_mode_t mode = any_mode(&config, n, wanted);
+                iqfoc_pulse_mode_step(&mode, &c, any(), any());
+                check_mode(&mode, levels);
+            }
+        }
+    }
+}
+
+/* Their way from the carrier to a pattern: any state of both, any duties and link; tables without angles and with the most. */
+void prove_pulse_mode_to_pattern(void)
+{
+    for (int32_t angles = 0; angles <= IQFOC_PATTERN_ANGLES_MAX; angles += IQFOC_PATTERN_ANGLES_MAX) {
+        const iqfoc_pattern_t table = any_table(angles);
+        const iqfoc_pulse_config_t config = any_levels(&table, IQFOC_PULSE_LEVELS_MAX);
+        iqfoc_pulse_mode_t mode = any_mode(&config, 0, 1);
+        iqfoc_pattern_control_t c = any_control(&table, any_within(0, 2 * angles));
+        iqfoc_cycle_config_t set;
+        const iqfoc_cycle_t cycle = any_cycle(&set);
+        iqfoc_pattern_edges_t edges[3];
+        (void)iqfoc_pulse_mode_to_pattern(&mode, &c, &cycle, any_abc(0, IQ24_ONE),
+                                          any_within(IQ24(0.5), IQ24(1.5)), edges);
+        check_mode(&mode, IQFOC_PULSE_LEVELS_MAX);
+        check_trajectory(&c.trajectory, 2 * angles + 1);
+        check_control(&c, 2 * angles + 1);
+    }
+}
+
+/* Their way from a pattern to the carrier: any state of both, any sample, angle and link, any set for the first period; such tables. */
+void prove_pulse_mode_to_carrier(void)
+{
+    for (int32_t angles = 0; angles <= IQFOC_PATTERN_ANGLES_MAX; angles += IQFOC_PATTERN_ANGLES_MAX) {
+        const iqfoc_pattern_t table = any_table(angles);
+        const iqfoc_pulse_config_t config = any_levels(&table, IQFOC_PULSE_LEVELS_MAX);
+        iqfoc_pulse_mode_t mode = any_mode(&config, 1, 0);
+        iqfoc_pattern_control_t c = any_control(&table, angles);
+        iqfoc_cycle_config_t set;
+        iqfoc_cycle_t cycle = any_cycle(&set);
+        iqfoc_pattern_edges_t edges[3];
+        iqfoc_duties_t duties;
+        set.span_max = any_within(0, IQ24_ONE);
+        (void)iqfoc_pulse_mode_to_carrier(&mode, &c, &cycle, &set, any_ab(IQ24(8.0)), any(),
+                                          any_within(IQ24(0.5), IQ24(1.5)), edges, &duties);
+        check_mode(&mode, IQFOC_PULSE_LEVELS_MAX);
+        check_control(&c, 2 * angles + 1);
+        check(cycle.u_dq.d, -IQ24(8.0), IQ24(8.0));
+        check(cycle.u_dq.q, -IQ24(8.0), IQ24(8.0));
+    }
+}
+
+/* The first valley of the carrier after it: any speed and reference. */
+void prove_pulse_mode_resume(void)
+{
+    const iqfoc_pattern_t table = any_table(1);
+    const iqfoc_pattern_control_t c = any_control(&table, 0);
+    iqfoc_cycle_config_t set;
+    iqfoc_cycle_t cycle = any_cycle(&set);
+    set.gains.kp_d = any_within(0, IQ24(32.0));
+    set.gains.kp_q = any_within(0, IQ24(32.0));
+    set.gains.ki_d = any_within(0, IQ24(32.0));
+    set.gains.ki_q = any_within(0, IQ24(32.0));
+    iqfoc_pulse_mode_resume(&c, &cycle);
+    check(cycle.u_dq.d, -IQ24(8.0), IQ24(8.0));
+    check(cycle.u_dq.q, -IQ24(8.0), IQ24(8.0));
 }

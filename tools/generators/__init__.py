@@ -28,6 +28,7 @@ GENERATORS = {
     "picture": picture.generate,
     "plan": plan.generate,
     "pulse_mode": patterns.modes,
+    "pulse_shares": patterns.shares,
     "reversals": sensorless.reversals,
     "run": run.generate,
     "sensorless": sensorless.generate,

@@ -6,10 +6,14 @@ pattern_control: the control of a pattern on a switching machine. It is the tabl
 
     <!-- figures: pattern_control -->
 
-pulse_mode: the torque of a drive through all pulse modes, the table that test_pulse_mode_drive prints.
+pulse_mode: the torque of a drive through all pulse modes, and pulse_shares: what its hand-overs add. test_pulse_mode_drive prints both
+tables, in this order.
 
     <!-- figures: pulse_mode -->
+    <!-- figures: pulse_shares -->
 """
+
+import re
 
 from .markdown import table
 
@@ -28,12 +32,12 @@ def generate(program, arguments):
     return table(heads, rows, right=heads)
 
 
-def printed(program, test, arguments):
-    """The table that a test prints."""
+def printed(program, test, arguments, which=0):
+    """A table that a test prints."""
     if arguments:
         raise ValueError(f"takes no arguments, got {arguments}")
-    lines = program.output(str(program.path.parent / "tests" / test)).split("\n")
-    return "\n".join(line for line in lines if line.startswith("|"))
+    output = program.output(str(program.path.parent / "tests" / test))
+    return re.findall(r"(?:^\|.*\n)+", output, re.MULTILINE)[which].rstrip("\n")
 
 
 def control(program, arguments):
@@ -42,3 +46,7 @@ def control(program, arguments):
 
 def modes(program, arguments):
     return printed(program, "test_pulse_mode_drive", arguments)
+
+
+def shares(program, arguments):
+    return printed(program, "test_pulse_mode_drive", arguments, 1)

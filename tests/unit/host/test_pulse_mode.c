@@ -72,8 +72,8 @@ static void torque_of(pulse_drive_id id, int runs)
     const pulse_drive p = pulse_drive_of(id);
     double(*worst)[PULSE_EVENTS] = worst_of[id];
     for (int n = 0; n < runs; n++) {
-        const pulse_case c = {100.0,        1.0, i_q[n / 2 % 4], n % 2 != 0, n / 2 % 4 == 3 ? -1.0 : 1.0,
-                              (n / 8) / 9.0};
+        const pulse_case c = {100.0,         1.0, i_q[n / 2 % 4], n % 2 != 0, n / 2 % 4 == 3 ? -1.0 : 1.0,
+                              (n / 8) / 9.0, 0.0};
         const pulse_run_up *r = run(&p, &c);
         for (int k = 0; k < PULSE_EVENTS; k++) {
             worst[n % 2][k] = fmax(worst[n % 2][k], r->worst_percent[k]);
@@ -88,6 +88,99 @@ static void torque_of(pulse_drive_id id, int runs)
         TEST_ASSERT_TRUE(worst[1][k] <= most + by_ripple);
     }
     TEST_ASSERT_TRUE(worst[0][PULSE_EVENT_TOP] <= 0.5);
+}
+
+/* ---- The share of a hand-over ---- */
+
+#define EARLY_HZ 6.0
+
+enum { TORQUES = 44000 };
+
+/* Torque at each instant of three runs: with the change at its speed, later, and earlier. */
+typedef enum when { AT_ITS_SPEED, LATER, EARLIER, WHENS } when;
+static pulse_torque torque[WHENS][TORQUES];
+
+typedef struct share {
+    double steady, added; /* the largest, % */
+} share;
+
+static share shares[PULSE_DRIVES][PULSE_EVENTS];
+
+static pulse_event hand_over(pulse_run_mode before, pulse_run_mode after)
+{
+    return before <= PULSE_CARRIER_9  ? PULSE_EVENT_TO_PATTERN
+           : after <= PULSE_CARRIER_9 ? PULSE_EVENT_TO_CARRIER
+           : after == PULSE_SIX_STEP  ? PULSE_EVENT_TO_SIX_STEP
+           : before == PULSE_SIX_STEP ? PULSE_EVENT_FROM_SIX_STEP
+                                      : PULSE_EVENT_PATTERNS;
+}
+
+/*
+ * A hand-over at instant `at`: within a turn of it the torque of the run, that of both modes without the hand-over, and the difference. The
+ * mean torque has the weights 1 + cos over 2/3 of a turn: their part after the hand-over is that of the new mode. Both modes are in the
+ * runs with the change earlier and later.
+ */
+static void add_hand_over(long at, long count, share *s)
+{
+    const pulse_run_mode before = torque[AT_ITS_SPEED][at - 1].mode;
+    const pulse_run_mode after = torque[AT_ITS_SPEED][at].mode;
+    const double turn_s = torque[AT_ITS_SPEED][at].turn_s;
+    const when old_one = torque[LATER][at].mode == before ? LATER : EARLIER;
+    const when new_one = old_one == LATER ? EARLIER : LATER;
+    const long turn = lround(turn_s / PULSE_TORQUE_S);
+    for (long k = at - turn; k <= at + turn && k < count; k++) {
+        TEST_ASSERT_EQUAL_INT(before, torque[old_one][k].mode);
+        TEST_ASSERT_EQUAL_INT(after, torque[new_one][k].mode);
+        const double x = fmax(fmin((double)(k - at) * PULSE_TORQUE_S / (turn_s / 3.0), 1.0), -1.0);
+        const double weight = 0.5 + 0.5 * x + sin(PI * x) / (2.0 * PI);
+        const double steady =
+            (1.0 - weight) * torque[old_one][k].percent + weight * torque[new_one][k].percent;
+        s->steady = fmax(s->steady, fabs(steady));
+        s->added = fmax(s->added, fabs(torque[AT_ITS_SPEED][k].percent - steady));
+    }
+}
+
+/* With a ripple of the link, what the modes have without a hand-over, and what it adds. */
+static void shares_of(pulse_drive_id id)
+{
+    const pulse_drive p = pulse_drive_of(id);
+    for (int n = 0; n < 2; n++) {
+        const double early_Hz[WHENS] = {0.0, -EARLY_HZ, EARLY_HZ};
+        long count = 0;
+        for (int k = 0; k < WHENS; k++) {
+            const pulse_case c = {100.0, 1.0, 1.0, true, 1.0, n / 9.0, early_Hz[k]};
+            error e = {0};
+            count = pulse_run_up_torque(&p, &tables, &c, torque[k], TORQUES, &e);
+            TEST_ASSERT_TRUE_MESSAGE(count > 0, e.text);
+        }
+        for (long k = 1; k < count; k++) {
+            const pulse_run_mode before = torque[AT_ITS_SPEED][k - 1].mode;
+            const pulse_run_mode after = torque[AT_ITS_SPEED][k].mode;
+            if (before != after && (before > PULSE_CARRIER_9 || after > PULSE_CARRIER_9)) {
+                add_hand_over(k, count, &shares[id][hand_over(before, after)]);
+            }
+        }
+    }
+}
+
+static void test_share_of_the_hand_over(void)
+{
+    static const pulse_event shown[] = {PULSE_EVENT_TO_PATTERN, PULSE_EVENT_TO_CARRIER, PULSE_EVENT_PATTERNS,
+                                        PULSE_EVENT_TO_SIX_STEP, PULSE_EVENT_FROM_SIX_STEP};
+    shares_of(PULSE_DRIVE_2019);
+    shares_of(PULSE_DRIVE_400_KW);
+    printf("| link +-1 %% at 300 Hz, %% of the rated torque | both modes steadily | the hand-over adds | 400 "
+           "kW, "
+           "steadily | 400 kW, adds |\n| --- | ---: | ---: | ---: | ---: |\n");
+    for (size_t n = 0; n < sizeof shown / sizeof shown[0]; n++) {
+        const share *a = &shares[PULSE_DRIVE_2019][shown[n]];
+        const share *b = &shares[PULSE_DRIVE_400_KW][shown[n]];
+        const bool six_step = shown[n] == PULSE_EVENT_TO_SIX_STEP || shown[n] == PULSE_EVENT_FROM_SIX_STEP;
+        TEST_ASSERT_TRUE(fmax(a->added, b->added) <= (six_step ? 2.5 : 2.0));
+        TEST_ASSERT_TRUE(fmax(a->steady, b->steady) <= (six_step ? 3.0 : 1.6));
+        printf("| %s | %.2f | %.2f | %.2f | %.2f |\n", event_names[shown[n]], a->steady, a->added, b->steady,
+               b->added);
+    }
 }
 
 static void print_table(void)
@@ -171,6 +264,7 @@ int main(void)
     RUN_TEST(find_tables);
     RUN_TEST(test_torque_through_all_modes);
     RUN_TEST(test_torque_of_the_traction_drive);
+    RUN_TEST(test_share_of_the_hand_over);
     RUN_TEST(test_distortion_from_standstill);
     RUN_TEST(test_the_traction_drive_has_a_motor_file);
     return UNITY_END();

@@ -56,7 +56,7 @@ typedef struct cycle {
     iqfoc_pattern_control_config_t config;
     iqfoc_dq_t i_ref;
     iqfoc_ab_t i;
-    iq24_t theta, turns, u_dc;
+    iq24_t theta, turns, u_dc, u_slope;
 } cycle;
 
 /*
@@ -116,10 +116,15 @@ static void places(const cycle *y, double complex u, double x[3])
     }
 }
 
-/* Flux error over the link, from the estimated current at the cycle's end. */
-static double complex flux_error(const cycle *y, const pattern *p, const double x[3], double complex drop,
-                                 double complex i_next)
+/*
+ * Flux error over the link, from the estimated current at the cycle's end. The link will be off by two slopes: the voltage u is longer by
+ * that share, until the next edge of a leg.
+ */
+static double complex flux_error(const cycle *y, const pattern *p, const double x[3], double complex u,
+                                 double complex drop, double complex i_next)
 {
+    const double off = fmax(fmin(2.0 * to_double(y->u_slope), 0.125), -0.125) / to_double(y->u_dc);
+    const double spacing = 0.5 / (2 * p->angles + 1);
     const double l = ldexp(1.0, 26) / y->config.winding.k_u_q26;
     const double psi = ldexp(y->config.winding.k_psi_q27, -27) * l;
     const double phi = TWO_PI * to_double(y->turns);
@@ -129,7 +134,8 @@ static double complex flux_error(const cycle *y, const pattern *p, const double 
         sum += 2.0 / 3.0 * integral_to(p, x[leg]) * cexp(I * TWO_PI / 3.0 * leg);
     }
     return 0.5 * sum / fabs(to_double(y->turns)) +
-           ((I * drop / phi - psi) * rotor - l * i_next) / to_double(y->u_dc);
+           ((I * drop / phi - psi - u * off * spacing / fabs(to_double(y->turns))) * rotor - l * i_next) /
+               to_double(y->u_dc);
 }
 
 /* The edges of a leg whose level is the pattern's, moved by its flux error: their times. */
@@ -186,6 +192,7 @@ static cycle drawn_cycle(uint64_t *seed)
     y.turns = to_iq24(random_bits(seed) % 2 != 0 ? turns : -turns);
     y.theta = random_iq24(seed, 0.0, 1.0);
     y.u_dc = random_iq24(seed, 0.5, 1.5);
+    y.u_slope = random_iq24(seed, -0.07, 0.07);
     y.i = drawn_ab(seed, 1.5);
     y.i_ref.d = random_iq24(seed, -1.5, 1.5);
     y.i_ref.q = random_iq24(seed, -1.5, 1.5);
@@ -204,6 +211,7 @@ static iqfoc_pattern_control_t drawn_control(uint64_t *seed, const cycle *y)
     c.high.b = random_iq24(seed, 0.0, 1.0);
     c.high.c = random_iq24(seed, 0.0, 1.0);
     c.u_dc = c.u_mean = y->u_dc;
+    c.u_slope = y->u_slope;
     c.u_dc_inverse = iq24_div(IQ24_ONE, y->u_dc);
     return c;
 }
@@ -277,7 +285,7 @@ static void test_cycle_is_that_of_the_formulas(void)
         iqfoc_pattern_control_step(&c, y.i, y.theta, y.u_dc, got);
         const double k_u = ldexp(y.config.winding.k_u_q26, -26);
         current.lsb = fmax(current.lsb, 16777216.0 * cabs(i_next - of_ab(c.i_next)) / (1.0 + k_u));
-        const double complex e = flux_error(&y, &p, x, drop, i_next);
+        const double complex e = flux_error(&y, &p, x, u, drop, i_next);
         if (fmax(fabs(creal(e)), fabs(cimag(e))) > 15.9) {
             continue;
         }
@@ -371,6 +379,52 @@ static void test_mean_of_the_link(void)
         TEST_ASSERT_DOUBLE_WITHIN(2e-3 / mean, 1.0 / mean, to_double(c.u_dc_inverse));
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 2.0, to_double(c.u_dc_inverse));
+}
+
+/*
+ * Rows that are not joined: between them, the angles are on the line through the row and its joined neighbour, if they are in order one
+ * row beyond; otherwise they are the row's.
+ */
+static void test_angles_go_on_beyond_a_row(void)
+{
+    uint64_t seed = SEED;
+    const iqfoc_dq_t none = {0, 0};
+    const double psi = 0.134 / (565.0 * 1e-4);
+    int on_the_line = 0;
+    int draws = 0;
+    for (int n = 0; n < 2000; n++) {
+        smooth_table(&seed);
+        const int k = 20 + (int)(random_bits(&seed) % 30);
+        const double part = uniform(&seed, 0.02, 0.98);
+        const iq24_t turns = to_iq24(0.8 * (0.3 + 0.01 * (k + part)) * 4.0 / (TWO_PI * TWO_PI * psi));
+        rows[k].joined = 0;
+        iqfoc_pattern_control_t c = control_of(&drive, 0.05);
+        iqfoc_pattern_control_restart(&c, &table, IQ24(0.8));
+        iqfoc_pattern_control_aim(&c, none, turns);
+        if (fabs(part - 0.75) < 0.01) {
+            continue;
+        }
+        const int row = part > 0.75 ? k + 1 : k;
+        const int other = part > 0.75 ? k + 2 : k - 1;
+        const double beyond = part > 0.75 ? 1.0 - part : part;
+        bool in_order = true;
+        iq24_t lowest = 0;
+        for (int a = 0; a < table.angles; a++) {
+            const iq24_t end = 2 * rows[row].angle[a] - rows[other].angle[a];
+            in_order = in_order && end >= lowest && end <= IQ24(0.25);
+            lowest = end;
+        }
+        TEST_ASSERT_EQUAL_INT32(row, c.modulator.row);
+        for (int a = 0; a < table.angles; a++) {
+            const double of_row = to_double(rows[row].angle[a]);
+            const double line = of_row + beyond * (of_row - to_double(rows[other].angle[a]));
+            TEST_ASSERT_DOUBLE_WITHIN(1e-6, in_order ? line : of_row, to_double(c.trajectory.angle[1 + a]));
+            TEST_ASSERT_TRUE(c.trajectory.angle[1 + a] >= c.trajectory.angle[a]);
+        }
+        on_the_line += in_order ? 1 : 0;
+        draws++;
+    }
+    TEST_ASSERT_TRUE(on_the_line > draws / 4 && draws - on_the_line > draws / 20);
 }
 
 /*
@@ -486,6 +540,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_cycle_is_that_of_the_formulas);
     RUN_TEST(test_prediction_error_is_learnt);
     RUN_TEST(test_mean_of_the_link);
+    RUN_TEST(test_angles_go_on_beyond_a_row);
     RUN_TEST(test_no_time_is_below_the_least);
     RUN_TEST(test_bad_configurations_are_refused);
     return UNITY_END();
