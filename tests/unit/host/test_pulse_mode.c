@@ -183,6 +183,25 @@ static void test_share_of_the_hand_over(void)
     }
 }
 
+/* Constant speeds with the index between two rows that are not joined: the torque has no constant error. */
+static void test_no_constant_error_near_a_jump(void)
+{
+    pulse_drive p = pulse_drive_of(PULSE_DRIVE_400_KW);
+    double most = 0.0;
+    for (p.high_Hz = 329.0; p.high_Hz < 334.0; p.high_Hz += 0.5) {
+        const pulse_case c = {p.high_Hz, 0.1, 1.0, false, 1.0, 0.0, 0.0};
+        error e = {0};
+        const long count = pulse_run_up_torque(&p, &tables, &c, torque[0], TORQUES, &e);
+        TEST_ASSERT_TRUE_MESSAGE(count > 0, e.text);
+        for (long k = count * 3 / 4; k < count; k++) {
+            TEST_ASSERT_EQUAL_INT(PULSE_PATTERN_7, torque[0][k].mode);
+            most = fmax(most, fabs(torque[0][k].percent));
+        }
+    }
+    printf("near a jump, at constant speed: %.2f %%\n", most);
+    TEST_ASSERT_TRUE(most <= 0.1);
+}
+
 static void print_table(void)
 {
     printf("| torque off by, %% of the rated torque, at most | constant link | link +-1 %% at 300 Hz | 400 "
@@ -265,6 +284,7 @@ int main(void)
     RUN_TEST(test_torque_through_all_modes);
     RUN_TEST(test_torque_of_the_traction_drive);
     RUN_TEST(test_share_of_the_hand_over);
+    RUN_TEST(test_no_constant_error_near_a_jump);
     RUN_TEST(test_distortion_from_standstill);
     RUN_TEST(test_the_traction_drive_has_a_motor_file);
     return UNITY_END();
