@@ -51,6 +51,15 @@ typedef struct whole {
     gain_line line[ROWS_MAX_GROUPS];
 } whole;
 
+static bool is_fitted(const whole *w, int column)
+{
+    bool found = false;
+    for (size_t k = 0; k < w->n; k++) {
+        found = found || w->column[k] == column;
+    }
+    return found;
+}
+
 static void add_column(whole *w, int column, double width, double about, bool shape)
 {
     for (size_t k = 0; k < w->n; k++) {
@@ -301,11 +310,14 @@ static bool is_within(const coordinate_frame *f, const double z[P_COUNT])
 }
 
 /*
- * Only the prior determines the common scale of R, L, psi_f and all voltages. Tries the scales at which one of the four has the motor
- * file's value, and takes the most likely one. Steps would be slow here, as heavy tails have many maxima.
+ * If the voltages' gain is fitted, only the prior determines the common scale of R, L, psi_f and all voltages. Tries the scales at which
+ * one of the four has the motor file's value, and takes the most likely one. Steps would be slow here, as heavy tails have many maxima.
  */
 static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
 {
+    if (!is_fitted(w, P_K_U)) {
+        return;
+    }
     const averaged_drive *file = &d->frame->nominal;
     const averaged_drive is = fit_drive(d, &out->state);
     const double factor[] = {file->k_u / is.k_u, file->R_ohm / is.R_ohm,

@@ -7,6 +7,7 @@
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/gram.h"
 #include "diagnose/identify/last_digits.h"
+#include "diagnose/identify/whole_fit.h"
 #include "diagnose_look.h"
 
 #include <math.h>
@@ -384,6 +385,28 @@ static void nothing_is_named_for_what_has_no_name(void)
     diagnosis_free(&d);
 }
 
+/* ---- The fit of the whole drive ---- */
+
+/* If the voltages' gain is not fitted, a machine that is off by one factor is not scaled back to the motor file. */
+static void the_whole_drive_keeps_a_scale_that_is_known(void)
+{
+    static fitted f;
+    static whole_fit w;
+    const hypothesis_set parts =
+        HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_BOTH_AXES) | HYPOTHESIS_BIT(H_FLUX);
+    good.m.R_ohm *= 1.06;
+    good.m.L_d_H *= 1.06;
+    good.m.L_q_H *= 1.06;
+    good.m.psi_f_Wb *= 1.06;
+    fit_it(&f, parts);
+    TEST_ASSERT_TRUE(whole_fit_find(&f.data, &f.state, parts, 1.0, &w, NULL));
+    const averaged_drive is = fit_drive(&f.data, &w.state);
+    TEST_ASSERT_DOUBLE_WITHIN(0.001, f.frame.nominal.k_u, is.k_u);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, 1.06, is.psi_f_Wb / f.m.psi_f_Wb);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.06, is.L_d_H / f.m.L_d_H);
+    fit_end(&f);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -398,5 +421,6 @@ int main(void)
     RUN_TEST(three_causes_of_unequal_size_are_found);
     RUN_TEST(a_dead_time_takes_nothing_with_it);
     RUN_TEST(nothing_is_named_for_what_has_no_name);
+    RUN_TEST(the_whole_drive_keeps_a_scale_that_is_known);
     return UNITY_END();
 }
