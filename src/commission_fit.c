@@ -11,6 +11,11 @@
 #define CROSSING     32 /* 1/share of the dead time's fundamental that the zero crossings leave unknown */
 #define RESIDUAL_MAX IQ24(2.0)
 
+iq24_t commission_block_mean(int64_t sum, uint32_t n)
+{
+    return (iq24_t)iq24_asr64(sum + (INT64_C(1) << (n - 1)), n);
+}
+
 iq24_t commission_mean(const iq24_t x[N])
 {
     int64_t sum = N / 2;

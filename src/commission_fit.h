@@ -10,6 +10,9 @@ typedef struct {
     iqfoc_commission_value_t slope;   /* b */
 } commission_line_t;
 
+/* Mean of a block's sum of 2^n terms, n >= 1, to nearest. */
+iq24_t commission_block_mean(int64_t sum, uint32_t n);
+
 /* Mean of the blocks, |x| <= 64; exact to 0.5 LSB. */
 iq24_t commission_mean(const iq24_t x[IQFOC_COMMISSION_BLOCKS]);
 
