@@ -92,11 +92,11 @@ static void measure(iqfoc_commission_t *c, const iqfoc_sample_t *sample, iqfoc_a
         commission_staircase(c, along_a, c->u_dq);
         break;
     case IQFOC_COMMISSION_INDUCTANCE_D:
-        commission_pulses(c, i.alpha);
+        commission_pulses(c, i.alpha, i.beta);
         break;
     case IQFOC_COMMISSION_INDUCTANCE_Q:
     case IQFOC_COMMISSION_SHAFT:
-        commission_pulses(c, i.beta);
+        commission_pulses(c, i.beta, i.alpha);
         break;
     case IQFOC_COMMISSION_ALIGN:
         iqfoc_start_step(&c->start, sample->theta);

@@ -165,3 +165,14 @@ iq24_t commission_flux_half(const iqfoc_commission_result_t *known, const commis
     const iq24_t of_drop = iq24_abs_sat(iq24_mul_sat(drop, along(across, means->i)));
     return iq24_add_sat(of_l, iq24_div(iq24_add_sat(of_drop, crossing), iq24_abs_sat(phi_s1)));
 }
+
+bool commission_aligns(const iqfoc_commission_result_t *known, iq24_t across, iq24_t i_align)
+{
+    const iq24_t l_d = known->l_d.value;
+    const iq24_t l_q = known->l_q.value;
+    const iq24_t k = iq24_clamp(across, IQ24(-3.0), IQ24(3.0));
+    const iq24_t saliency = commission_both(iq24_sub_sat(l_q, l_d), iq24_mul_sat(2 * k, l_q));
+    const iq24_t m =
+        iq24_max(iq24_sub_sat(IQ24_ONE, iq24_mul_sat(iq24_mul_sat(k, k), iq24_div(l_q, l_d))), 0);
+    return iq24_mul_sat(known->psi.value, m) >= iq24_mul_sat(saliency, i_align + i_align / 2);
+}

@@ -28,10 +28,10 @@ void commission_spin(iqfoc_commission_t *c, iqfoc_dq_t i, iqfoc_dq_t u);
 /* i_d of the staircase: i_align (2 + level)/5. */
 iq24_t commission_level(const iqfoc_commission_t *c);
 
-/* ---- commission_wave.c: the response to a square wave of voltage. Each takes one cycle; i is along the wave ---- */
+/* ---- commission_wave.c: the response to a square wave of voltage. Each takes one cycle; i: along the wave ---- */
 
 void commission_seek(iqfoc_commission_t *c, iq24_t i);
-void commission_pulses(iqfoc_commission_t *c, iq24_t i);
+void commission_pulses(iqfoc_commission_t *c, iq24_t i, iq24_t across);
 
 /* Half a period of the square wave: 2^n cycles. */
 uint32_t commission_half_log2(const iqfoc_commission_t *c);

@@ -107,7 +107,9 @@ void commission_spin(iqfoc_commission_t *c, iqfoc_dq_t i, iqfoc_dq_t u)
     psi.half = iq24_add_sat(psi.half, commission_flux_half(&c->result, &means, phi_s1));
     c->result.psi = commission_taken(c, psi, c->config->share_psi, 0, IQ24(16.0));
     if (c->end == IQFOC_COMMISSION_RUNNING) {
-        const bool turns = psi.value / 4 > psi.half;
-        c->end = turns ? IQFOC_COMMISSION_DONE : IQFOC_COMMISSION_NOT_TURNING;
+        const bool aligns = commission_aligns(&c->result, c->across, c->config->start.i_align);
+        c->end = psi.value / 4 <= psi.half ? IQFOC_COMMISSION_NOT_TURNING
+                 : aligns                  ? IQFOC_COMMISSION_DONE
+                                           : IQFOC_COMMISSION_NOT_ALIGNED;
     }
 }

@@ -23,8 +23,8 @@ static void set_gains(iqfoc_commission_t *c, iq24_t l_d, iq24_t l_q, iq24_t w_t)
     c->gains.anti_windup = w_t;
 }
 
-/* True once a period is complete: D and S of its cycles are in the sums, each times the number of half periods. */
-static bool wave_measured(iqfoc_commission_t *c, iq24_t i)
+/* True once a period is complete: D, S and k D of its cycles are in the sums, each times the number of half periods. */
+static bool wave_measured(iqfoc_commission_t *c, iq24_t i, iq24_t across)
 {
     const uint32_t h = UINT32_C(1) << commission_half_log2(c);
     const uint32_t first = h / 2;
@@ -34,8 +34,10 @@ static bool wave_measured(iqfoc_commission_t *c, iq24_t i)
     const uint32_t now = (c->position - 1) % (2 * h);
     if (now == h) {
         c->sum[0] += 2 * (int64_t)i; /* the highest current, once for each half period that it bounds */
+        c->sum[2] += 2 * (int64_t)across;
     } else if (now == 0) {
         c->sum[0] -= 2 * (int64_t)i;
+        c->sum[2] -= 2 * (int64_t)across;
     } else {
         c->sum[1] += now < h ? i : -(int64_t)i;
     }
@@ -71,7 +73,7 @@ static void seek_found(iqfoc_commission_t *c, iq24_t difference)
 /* D of one period against the target, i_align/2. Range: |i| <= 16, D within 64. */
 void commission_seek(iqfoc_commission_t *c, iq24_t i)
 {
-    if (!wave_measured(c, i)) {
+    if (!wave_measured(c, i, 0)) {
         return;
     }
     const iq24_t target = c->config->start.i_align / 2;
@@ -119,6 +121,7 @@ static void inductance_found(iqfoc_commission_t *c)
     const iqfoc_commission_value_t l = commission_inductance(c->x, c->y, h_u, c->result.r);
     if (c->phase == IQFOC_COMMISSION_INDUCTANCE_D) {
         c->result.l_d = commission_taken(c, l, share, low, high);
+        c->across = iq24_div(c->across, commission_mean(c->x));
         c->amplitude = c->amplitude / 2 + 1;
         commission_enter(c, IQFOC_COMMISSION_INDUCTANCE_Q, config->settle_cycles);
     } else if (c->phase == IQFOC_COMMISSION_INDUCTANCE_Q) {
@@ -132,11 +135,11 @@ static void inductance_found(iqfoc_commission_t *c)
     }
 }
 
-void commission_pulses(iqfoc_commission_t *c, iq24_t i)
+void commission_pulses(iqfoc_commission_t *c, iq24_t i, iq24_t across)
 {
     const uint32_t h_log2 = commission_half_log2(c);
     const uint32_t periods_log2 = c->config->block_log2 - h_log2 - 1;
-    if (!wave_measured(c, i)) {
+    if (!wave_measured(c, i, across)) {
         return;
     }
     if (c->wait > 0) {
@@ -152,6 +155,7 @@ void commission_pulses(iqfoc_commission_t *c, iq24_t i)
     /* Two half periods each. */
     const iq24_t d = commission_block_mean(c->sum[0], periods_log2 + 1);
     const iq24_t s = commission_block_mean(c->sum[1], periods_log2 + 1);
+    const iq24_t k_d = commission_block_mean(c->sum[2], periods_log2 + 1);
     commission_clear(c);
     if (c->blocks == 0) {
         scale_amplitude(c, d);
@@ -159,6 +163,7 @@ void commission_pulses(iqfoc_commission_t *c, iq24_t i)
     } else {
         c->x[c->blocks - 1] = d;
         c->y[c->blocks - 1] = s;
+        c->across += c->phase == IQFOC_COMMISSION_INDUCTANCE_D ? k_d / IQFOC_COMMISSION_BLOCKS : 0;
     }
     c->blocks++;
     if (c->blocks > IQFOC_COMMISSION_BLOCKS) {

@@ -54,7 +54,14 @@
  * Other systematic errors are shares of a result that the configuration states; they are added to the half widths. For L_d and
  * L_q that is an alignment error x by friction, sin(x)^2 (L_q - L_d).
  *
- * The shaft must turn freely. The rotor must align with a current on its d axis: psi_f > (L_q - L_d) i_align, better twice that.
+ * The shaft must turn freely. A current aligns the rotor's d axis if psi_f > (L_q - L_d) i_align. Otherwise the rotor rests at an angle x,
+ * and the results are wrong. In INDUCTANCE_D the current across the wave then changes by k D. The results l_d, l_q and psi meet
+ *
+ *     L_q - L_d = sqrt((l_q - l_d)^2 + (2 k l_q)^2)/(1 - k^2 l_q/l_d)     for any x
+ *     psi <= (L_q - L_d) i_align                                          if x is not 0, without load
+ *
+ * so that psi < 3/2 |L_q - L_d| i_align ends the run with NOT_ALIGNED.
+ *
  * Without damping a rotor in the field of a constant current swings up at high speed: choose turns_end so that the EMF is a tenth to a
  * quarter of the link, and hold_cycles long enough for the swing to die.
  *
@@ -119,7 +126,8 @@ typedef enum iqfoc_commission_end {
     IQFOC_COMMISSION_SENSORS,      /* offset.verdict says which fault */
     IQFOC_COMMISSION_NO_CURRENT,   /* u_max made no current: an open phase, or too large an inductance */
     IQFOC_COMMISSION_OUT_OF_RANGE, /* a result outside the range stated below */
-    IQFOC_COMMISSION_NOT_TURNING   /* psi_f does not exceed four times its half width: a blocked shaft */
+    IQFOC_COMMISSION_NOT_TURNING,  /* psi_f does not exceed four times its half width: a blocked shaft */
+    IQFOC_COMMISSION_NOT_ALIGNED   /* psi_f below 3/2 |L_q - L_d| i_align: the rotor may not be aligned */
 } iqfoc_commission_end_t;
 
 /* A result and the half width of its 95 % interval. */
@@ -147,20 +155,21 @@ typedef struct iqfoc_commission {
     iqfoc_commission_end_t end;
     iqfoc_commission_result_t result;
     iqfoc_offset_t offset;
-    iqfoc_start_t start;               /* its verdict judges a sensor, if there is one */
-    volatile bool abort_requested;     /* by iqfoc_commission_abort */
-    uint32_t cycles;                   /* since the start */
-    uint32_t wait;                     /* cycles until the next measurement */
-    uint32_t in_block;                 /* cycles, or periods of the square wave, of this block */
-    uint32_t blocks;                   /* finished */
-    uint32_t position;                 /* of the next cycle in the square wave; 2 h is a period */
-    iq24_t amplitude;                  /* U */
-    iq24_t bias;                       /* voltage of the constant current */
-    iq24_t half_u;                     /* SEEK: U and D where D passed half of the target; 0: not yet */
-    iq24_t half_d;                     /* SEEK */
-    iq24_t l_rough;                    /* the smaller inductance of SEEK */
-    iqfoc_dq_t u_dq;                   /* voltage of the current controller that acts in this cycle */
-    int64_t sum[4];                    /* of the block, Q24: i_d, u_d, i_q, u_q; D and S of the square wave */
+    iqfoc_start_t start;           /* its verdict judges a sensor, if there is one */
+    volatile bool abort_requested; /* by iqfoc_commission_abort */
+    uint32_t cycles;               /* since the start */
+    uint32_t wait;                 /* cycles until the next measurement */
+    uint32_t in_block;             /* cycles, or periods of the square wave, of this block */
+    uint32_t blocks;               /* finished */
+    uint32_t position;             /* of the next cycle in the square wave; 2 h is a period */
+    iq24_t amplitude;              /* U */
+    iq24_t bias;                   /* voltage of the constant current */
+    iq24_t half_u;                 /* SEEK: U and D where D passed half of the target; 0: not yet */
+    iq24_t half_d;                 /* SEEK */
+    iq24_t l_rough;                /* the smaller inductance of SEEK */
+    iq24_t across;                 /* k: change of the current across the wave, share of D */
+    iqfoc_dq_t u_dq;               /* voltage of the current controller that acts in this cycle */
+    int64_t sum[4]; /* of the block, Q24: i_d, u_d, i_q, u_q; D, S and k D of the square wave */
     iq24_t x[IQFOC_COMMISSION_BLOCKS]; /* the blocks' means: i_d; D; psi_f */
     iq24_t y[IQFOC_COMMISSION_BLOCKS]; /* u_d; S */
     iqfoc_current_control_gains_t gains;

@@ -1,6 +1,6 @@
 /*
- * One drawn drive's self-commissioning (tests/unit/library/commission_drive.h) with the library's recorder at work: the recorder's bytes, a
- * motor file whose values are off by up to 20 %, and one line with the results.
+ * One drawn drive's self-commissioning (tests/unit/library/commission_drive.h) with the library's recorder at work: the recorder's bytes, one
+ * run for each operating point, a motor file whose values are off by up to 20 %, and one line with the results.
  *
  *     commission_study NUMBER STREAM MOTOR
  *
@@ -62,6 +62,26 @@ static void write_motor(const char *path, uint64_t n)
                              e.text);
 }
 
+/*
+ * Whether this cycle is recorded: the blocks of each operating point, and the current's slow quarter turn at standstill. There a phase
+ * current passes zero slowly, which shows the dead time's knee: without it R and the dead time are not distinguishable.
+ */
+static bool is_recorded(void)
+{
+    switch (d.commission.phase) {
+    case IQFOC_COMMISSION_ALIGN:
+        return d.commission.start.stage == IQFOC_START_TURN;
+    case IQFOC_COMMISSION_STAIRCASE:
+    case IQFOC_COMMISSION_INDUCTANCE_D:
+    case IQFOC_COMMISSION_INDUCTANCE_Q:
+    case IQFOC_COMMISSION_SHAFT:
+    case IQFOC_COMMISSION_SPIN:
+        return d.commission.wait == 0;
+    default:
+        return false;
+    }
+}
+
 static void run(FILE *out)
 {
     const iqfoc_recorder_config_t config = {
@@ -81,11 +101,20 @@ static void run(FILE *out)
         .trigger = IQFOC_RECORDER_NOW};
     iqfoc_recorder_t recorder;
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_recorder_init(&recorder, &config, memory, 4096));
-    iqfoc_recorder_arm(&recorder);
+    bool recorded = false;
     while (d.commission.end == IQFOC_COMMISSION_RUNNING) {
         drawn_cycle(&d);
-        iqfoc_recorder_take(&recorder, 0);
-        send(&recorder, out);
+        if (recorded && !is_recorded()) {
+            iqfoc_recorder_stop(&recorder);
+            send(&recorder, out);
+        } else if (!recorded && is_recorded()) {
+            iqfoc_recorder_arm(&recorder);
+        }
+        recorded = is_recorded();
+        if (recorded) {
+            iqfoc_recorder_take(&recorder, 0);
+            send(&recorder, out);
+        }
     }
     iqfoc_recorder_stop(&recorder);
     send(&recorder, out);

@@ -413,6 +413,7 @@ static void any_commission(iqfoc_commission_t *c, const iqfoc_commission_config_
     c->half_u = any_within(0, IQ24(0.5));
     c->half_d = any_within(0, IQ24(16.0));
     c->l_rough = any_within(IQ24(0.0625), IQ24(8.0));
+    c->across = any_within(-IQ24(22.0), IQ24(22.0));
     c->u_dq = any_dq(IQ24(8.0));
     c->gains.kp_d = any_within(0, IQ24(2.8));
     c->gains.kp_q = any_within(0, IQ24(2.8));

@@ -67,6 +67,7 @@ static void draw_state(golden_inputs_t *inputs, iqfoc_commission_t *c)
     c->result.l_q.value = IQ24(0.1) + golden_positive(inputs, IQ24(4.0));
     c->result.l_d.half = golden_positive(inputs, IQ24(0.01));
     c->result.r.half = golden_positive(inputs, IQ24(0.001));
+    c->across = golden_within(inputs, IQ24(0.5));
 }
 
 static void digest_value(uint64_t *digest, iqfoc_commission_value_t x)
@@ -83,6 +84,7 @@ static void digest_state(uint64_t *digest, const iqfoc_commission_t *c)
     digest_add(digest, (int32_t)c->position);
     digest_add(digest, c->amplitude);
     digest_add(digest, c->bias);
+    digest_add(digest, c->across);
     digest_abc(digest, c->result.i_offset);
     digest_abc(digest, c->result.i_offset_half);
     digest_value(digest, c->result.r);

@@ -206,6 +206,36 @@ static void test_blocked(void)
     TEST_ASSERT_TRUE(d.highest_A < 2.0 * 0.5 * d.base.I_A);
 }
 
+/* psi_f = share (L_q - L_d) i_align, on a shaft as stiff as the drawn one. The header's formula gives L_q - L_d wherever the rotor rests. */
+static void end_with_share(double share, double salient, iqfoc_commission_end_t end)
+{
+    drawn_begin(&d, SEED, 1);
+    plant_config c = d.plant.config;
+    c.machine.L_q_H = salient * c.machine.L_d_H;
+    c.machine.psi_f_Wb = share * (c.machine.L_q_H - c.machine.L_d_H) * 0.5 * d.base.I_A;
+    c.shaft.J_kgm2 *= c.machine.psi_f_Wb / d.motor.psi_f_Wb;
+    c.shaft.friction_Nms *= c.machine.psi_f_Wb / d.motor.psi_f_Wb;
+    plant_init(&d.plant, &c);
+    while (d.commission.end == IQFOC_COMMISSION_RUNNING) {
+        drawn_cycle(&d);
+    }
+    stays(end);
+    const double l_d = iq24_to_double(d.commission.result.l_d.value);
+    const double l_q = iq24_to_double(d.commission.result.l_q.value);
+    const double k = iq24_to_double(d.commission.across);
+    const double found = hypot(l_q - l_d, 2.0 * k * l_q) / (1.0 - k * k * l_q / l_d);
+    const double truth = (salient - 1.0) * c.machine.L_d_H * d.base.I_A / (d.base.U_V * d.base.T_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * truth, truth, found);
+}
+
+static void test_alignment(void)
+{
+    end_with_share(0.4, 3.0, IQFOC_COMMISSION_NOT_ALIGNED);
+    end_with_share(0.7, 1.5, IQFOC_COMMISSION_NOT_ALIGNED);
+    end_with_share(1.2, 1.5, IQFOC_COMMISSION_NOT_ALIGNED);
+    end_with_share(1.8, 3.0, IQFOC_COMMISSION_DONE);
+}
+
 static void refused(const iqfoc_commission_config_t *good, size_t at, int32_t value)
 {
     iqfoc_commission_config_t config = *good;
@@ -388,6 +418,24 @@ static void test_flux(void)
     worst_check(&flux, 0.55);
 }
 
+/* An aligned machine at either side of psi_f = 3/2 |L_q - L_d| i_align. */
+static void test_aligns(void)
+{
+    iqfoc_commission_result_t known;
+    memset(&known, 0, sizeof known);
+    known.l_d.value = IQ24(1.0);
+    for (int n = 0; n < 2; n++) {
+        known.l_q.value = n == 0 ? IQ24(3.0) : IQ24(0.5);
+        const double least = 1.5 * fabs(iq24_to_double(known.l_q.value) - 1.0) * 0.5;
+        known.psi.value = to_iq24(least * 1.000001);
+        TEST_ASSERT_TRUE(commission_aligns(&known, 0, IQ24(0.5)));
+        known.psi.value = to_iq24(least * 0.999999);
+        TEST_ASSERT_FALSE(commission_aligns(&known, 0, IQ24(0.5)));
+    }
+    known.psi.value = IQ24(16.0);
+    TEST_ASSERT_FALSE(commission_aligns(&known, IQ24(-128.0), IQ24(0.5)));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -395,12 +443,14 @@ int main(void)
     RUN_TEST(test_parameters);
     RUN_TEST(test_abort);
     RUN_TEST(test_limits);
+    RUN_TEST(test_alignment);
     RUN_TEST(test_too_slow);
     RUN_TEST(test_noisy_sensor);
     RUN_TEST(test_no_motor);
     RUN_TEST(test_blocked);
     RUN_TEST(test_configuration);
     RUN_TEST(test_estimators);
+    RUN_TEST(test_aligns);
     RUN_TEST(test_flux);
     return UNITY_END();
 }
