@@ -183,6 +183,9 @@ def main():
     if task not in ("write", "page", "check", "list"):
         print("expected write, page, check or list", file=sys.stderr)
         return 2
+    if task in ("write", "page") and not LIBRARY.exists():
+        print(f"{LIBRARY.relative_to(ROOT)} is missing: `./dev misra` builds it", file=sys.stderr)
+        return 2
     found = findings()
     if task == "list":
         print("\n".join(f"{file}:{line}: {rule}" for file, line, rule in found))
