@@ -92,6 +92,7 @@ ROOTS = {
     "observer_inductance": ["iqfoc_observer_inductance_step"],
     "observer_resistance": ["iqfoc_observer_resistance_step"],
     "sensorless": ["iqfoc_sensorless_valley"],
+    "sensorless_acting": ["iqfoc_sensorless_acting"],
     "watch_angle": ["iqfoc_watch_angle_step"],
     "watch_angle_block": ["iqfoc_watch_angle_step"],
     "shunts": ["iqfoc_shunts_read"],

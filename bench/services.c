@@ -86,6 +86,8 @@ static const iqfoc_observer_resistance_config_t resistance_config = {IQ24(0.05),
 static iqfoc_observer_config_t resistance_adapted;
 static iqfoc_observer_resistance_t resistance;
 static iqfoc_sensorless_t sensorless;
+static const iqfoc_extension_t dead_time = {.k_u = IQ24_ONE, .v_dead = IQ24(0.01)};
+static iqfoc_ab_t current[3]; /* at the cycle's start, middle and end */
 static const iqfoc_watch_angle_config_t watch_angle_config =
     IQFOC_WATCH_ANGLE_CONFIG(3, 1, 0.006, 0.001, 0.0004);
 static iqfoc_watch_angle_t watch_angle;
@@ -248,6 +250,9 @@ COUNT(restart, iqfoc_restart_action_t, iqfoc_restart_step, (iqfoc_restart_t *, u
 
 COUNT(recorder, void, iqfoc_recorder_take, (iqfoc_recorder_t *, uint32_t),
       (&recorder, (uint32_t)in->sample.theta >> 27 & 1))
+COUNT(sensorless_acting, iqfoc_ab_t, iqfoc_sensorless_acting,
+      (const iqfoc_extension_t *, const iqfoc_flux_predictor_t *, iqfoc_ab_t, iq24_t, const iqfoc_ab_t *),
+      (&dead_time, &observer_config.machine, in->u, in->u_dc_inverse, current))
 COUNT(sensorless, void, iqfoc_sensorless_valley, (iqfoc_sensorless_t *, iqfoc_cycle_t *, iqfoc_sample_t *),
       (&sensorless, &cycle, &sample))
 
@@ -274,6 +279,15 @@ static uint32_t count_resistance_adapted(const bench_input_t *in)
     resistance.s.alpha = 4 * in->sc.cos;
     resistance.s.beta = 4 * in->sc.sin;
     return count_observer_resistance(in);
+}
+
+static uint32_t count_acting_in_cycle(const bench_input_t *in)
+{
+    current[0] = in->i;
+    current[1].alpha = in->i.alpha + in->delta.alpha;
+    current[1].beta = in->i.beta + in->delta.beta;
+    current[2] = in->i;
+    return count_sensorless_acting(in);
 }
 
 static uint32_t count_sensorless_locked(const bench_input_t *in)
@@ -498,6 +512,7 @@ void bench_services(void)
     bench_report("observer_inductance", count_inductance_adapted);
     bench_report("observer_resistance", count_resistance_adapted);
     bench_report("sensorless", count_sensorless_locked);
+    bench_report("sensorless_acting", count_acting_in_cycle);
     bench_report("watch_angle", count_watch_angle_in_block);
     bench_report("watch_angle_block", count_watch_angle_at_end);
     bench_report("shunts", count_shunts);

@@ -74,6 +74,7 @@ ROWS = {
     "observer_inductance": ("L_q of the observer from a step of the current", "-", None),
     "observer_resistance": ("R and psi_f of the observer from the flux's length", "-", None),
     "sensorless": ("the valley's angle from the observer, with its step", "-", None),
+    "sensorless_acting": ("the voltage that acts: dead time's loss at each edge", "-", None),
     "watch_angle": ("watch of the angle sensor, each cycle", "-", None),
     "watch_angle_block": ("watch of the angle sensor, end of a block", "-", None),
     "shunts": ("currents from low-side shunts", "-", None),

@@ -77,24 +77,23 @@ def recorded(ratio, saliency):
     return rows
 
 
-def knee(T_s):
-    return 0.1 * LINK_V * T_s / L_D
-
-
-def acting(rows):
-    """The voltage of each cycle less the loss of the legs, as the firmware has it: at the mean current of each half."""
-    def lost(i):
-        return DEAD * LINK_V * vector(np.clip(phases(i) / knee(rows.T_s), -1.0, 1.0))
-
-    i, middle = vector(rows.i), vector(rows.i_mid)
-    return rows.u[:-1] - 0.5 * (lost(0.5 * (i[:-1] + middle[:-1])) + lost(0.5 * (middle[:-1] + i[1:])))
+def acting(rows, saliency):
+    """The voltage of each cycle less the loss of the legs at the current of their edges, as the firmware has it (sensorless.h)."""
+    L, most = 0.5 * (1.0 + saliency) * L_D, DEAD * LINK_V
+    u, (start, middle, end) = phases(rows.u[:-1]), (phases(vector(i)) for i in (rows.i[:-1], rows.i_mid[:-1], rows.i[1:]))
+    duty = 0.5 + (u - 0.5 * (u.max(-1, keepdims=True) + u.min(-1, keepdims=True))) / LINK_V
+    ripple_V = 0.5 * (sum(np.maximum(u - np.roll(u, n, -1), 0.0) for n in (1, 2)) / 3.0 - u * duty)
+    bend = 0.5 * (start - 2.0 * middle + end) * duty * (1.0 - duty)
+    lost = sum(np.clip(3.0 * (L / rows.T_s * (middle + (i - middle) * duty - bend) + sign * ripple_V), -most, most)
+               for i, sign in ((start, -1.0), (end, 1.0)))
+    return rows.u[:-1] - 0.5 * vector(lost)
 
 
 def of_library(program, rows, saliency):
     """Rows, bias and rms of `iqfoc observe`, which begins without an angle."""
     motor = (f'name = "2019"\n[motor]\npole_pairs = {POLE_PAIRS}\nR_ohm = {R}\nL_d_H = {L_D}\nL_q_H = {saliency * L_D}\npsi_f_Wb = {PSI}\n'
              f'I_rated_A_rms = 10.5\nn_max_rpm = {RPM}\n[inverter]\nf_pwm_Hz = {1.0 / rows.T_s}\nu_dc_V = {LINK_V}\n'
-             f'[extension.dead_time]\nv_dead_V = {DEAD * LINK_V}\ni_knee_A = {knee(rows.T_s)}\n')
+             f'[extension.dead_time]\nv_dead_V = {DEAD * LINK_V}\ni_knee_A = 0.01\n')
     names = "t_s,i_a_A,i_b_A,i_c_A,i_a_mid_A,i_b_mid_A,i_c_mid_A,u_a_V,u_b_V,u_c_V,theta_e_rad,omega_e_rad_s"
     table = np.column_stack([rows.T_s * np.arange(CYCLES), rows.i, rows.i_mid, phases(rows.u), rows.theta, np.full(CYCLES, OMEGA)])
     with tempfile.TemporaryDirectory() as folder:
@@ -108,7 +107,7 @@ def of_library(program, rows, saliency):
 def of_motulator(rows, saliency):
     """The angle of motulator's sensorless observer, its gains as they are by default."""
     par = SynchronousMachinePars(n_p=POLE_PAIRS, R_s=R, L_d=L_D, L_q=saliency * L_D, psi_f=PSI)
-    observer, u, i, theta = Observer(ObserverCfg(par, True)), acting(rows), vector(rows.i), []
+    observer, u, i, theta = Observer(ObserverCfg(par, True)), acting(rows, saliency), vector(rows.i), []
     observer.est.w_m, observer.est.theta_m = OMEGA, rows.theta[0]
     observer.est.psi_s = PSI + 1j * saliency * L_D * (i[0] * np.exp(-1j * rows.theta[0])).imag
     for k in range(CYCLES - 1):
@@ -166,7 +165,7 @@ class Kalman:
 
 
 def of_kalman(rows, saliency):
-    u, i, middle = acting(rows), vector(rows.i), vector(rows.i_mid)
+    u, i, middle = acting(rows, saliency), vector(rows.i), vector(rows.i_mid)
     mean = (i[:-1] + 4.0 * middle[:-1] + i[1:]) / 6.0
     kalman = Kalman(saliency, rows.T_s, i[0], rows.theta[0])
     return np.array([rows.theta[0]] + [kalman.step(u[k], mean[k], i[k + 1]) for k in range(CYCLES - 1)])

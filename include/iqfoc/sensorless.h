@@ -63,16 +63,26 @@ typedef struct iqfoc_sensorless {
 } iqfoc_sensorless_t;
 
 /*
- * The voltage that acts in a cycle with the samples of the current at its start, middle and end: the mean of
- * iqfoc_extension_acting at the mean current of each half. Stationary frame, per unit. acting: checked by
- * iqfoc_extension_check, or NULL: the result is u. u: commanded, |component| <= 16; |component of a sample| <= 16.
- * Largest error of 300000 drawn: 2.6 LSB and |v_dead knee_inverse| LSB, those of the mean currents. The valley and
- * `iqfoc observe` use this function. It has no state, so any context may call it.
+ * The voltage that acts in a cycle: k_u u less what the legs lose, each leg at the current of its two switching edges. Stationary
+ * frame, per unit. docs/sensorless.md has the derivation.
  *
- * Range: the sum of two samples is within 32, and the sum of two voltages, 32.4 each, within 64.8.
+ *     d    = 1/2 + (u_x - (max + min)/2)/u_dc                    a leg's duty, by its phase voltage u_x
+ *     r    = (sum of max(0, u_x - u_y)/3 - u_x d)/2              flux of the ripple at the edges; y: the other legs
+ *     i(t)                                                       the parabola through the phase's three samples
+ *     lost = (f(l i((1 - d) T/2) - r) + f(l i((1 + d) T/2) + r))/2   f(x) = 3 x, held to +-v_dead
+ *
+ * A current below v_dead T/(3 L) passes zero within the dead time, and the edge loses a part of it. A leg with a pulse shorter
+ * than |v_dead|/u_dc, as in six-step, has no edge and loses nothing. The knee of acting is not used.
+ *
+ * acting: checked by iqfoc_extension_check, or NULL: the result is u. machine: checked by iqfoc_flux_predictor_check, but k_d and k_q, which are
+ * not used; l is the mean of its l_d and l_q. NULL: the edges are not known, and the result is the mean of iqfoc_extension_acting at the
+ * mean current of each half, with the knee. u: commanded, |component| <= 2. 0 < u_dc_inverse <= 2. i: samples at the cycle's start,
+ * middle and end, |component| <= 8. Largest error of 300000 drawn, with u within the link: 6 LSB and 36 l LSB; without
+ * a machine 2.6 LSB and |v_dead knee_inverse| LSB. The valley and `iqfoc observe` use this function. It has no state, so any context may
+ * call it.
  */
-iqfoc_ab_t iqfoc_sensorless_acting(const iqfoc_extension_t *acting, iqfoc_ab_t u, iqfoc_ab_t start,
-                                   iqfoc_ab_t middle, iqfoc_ab_t end);
+iqfoc_ab_t iqfoc_sensorless_acting(const iqfoc_extension_t *acting, const iqfoc_flux_predictor_t *machine,
+                                   iqfoc_ab_t u, iq24_t u_dc_inverse, const iqfoc_ab_t i[3]);
 
 /*
  * Checks the configurations, which must outlive the object; then the source is MEASURED. acting: checked by

@@ -26,7 +26,6 @@ static motor motor_at(double ratio)
     m.f_pwm_Hz = ratio * SENSORLESS_RPM / 60.0 * m.pole_pairs;
     m.ext.has[CAUSE_DEAD_TIME] = true;
     m.ext.v_dead_V = DEAD_SHARE * m.u_dc_V;
-    m.ext.i_knee_A = 0.1 * m.u_dc_V / (m.L_d_H * m.f_pwm_Hz);
     return m;
 }
 

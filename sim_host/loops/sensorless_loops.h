@@ -3,8 +3,8 @@
  * and the load.
  *
  * Drive: that of the 2019 paper at 8000 rpm, with the switching frequency of each ratio. Sensors of 12 bit with noise of
- * 0.5 % of the rated peak. The dead time is 0.5 % of a carrier period; the observer's motor file has its voltage, with the
- * ripple 0.1 U T/L as the knee current. Feedback is the quasi-discrete mean, at the usual bandwidth.
+ * 0.5 % of the rated peak. The dead time is 0.5 % of a carrier period; the observer's motor file has its voltage. Feedback is the
+ * quasi-discrete mean, at the usual bandwidth.
  */
 #ifndef SIM_HOST_LOOPS_SENSORLESS_LOOPS_H
 #define SIM_HOST_LOOPS_SENSORLESS_LOOPS_H

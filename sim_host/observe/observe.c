@@ -83,9 +83,12 @@ static iqfoc_ab_t middle_of(iqfoc_ab_t x, iqfoc_ab_t y)
     return middle;
 }
 
+/* Held as in iqfoc_sensorless_valley. */
 static iqfoc_ab_t current_of(const replay *p, size_t k, bool mid)
 {
-    return iqfoc_clarke3(sample_of(p, k, mid).i);
+    const iqfoc_ab_t i = iqfoc_clarke3(sample_of(p, k, mid).i);
+    const iqfoc_ab_t held = {IQ24_HOLD_BITS(i.alpha, 28), IQ24_HOLD_BITS(i.beta, 28)};
+    return held;
 }
 
 static double complex commanded(const replay *p, size_t k)
@@ -121,6 +124,15 @@ static double complex voltage_of(const replay *p, const stretch *s, size_t k)
     return late + (delay - whole) * (later - late);
 }
 
+/* The edges are known where a row's command acts in its cycle, once. */
+static iqfoc_ab_t acting(const replay *p, size_t k, iqfoc_ab_t u, const iqfoc_ab_t i[3])
+{
+    const bool known = pwm_updates_is_plain(&p->pwm) && p->m->ext.voltage_delay_cycles == 0.0;
+    const double inverse = p->r->u_dc_V == NULL ? 1.0 : fmin(p->base.U_V / p->r->u_dc_V[k], 2.0);
+    return iqfoc_sensorless_acting(&p->extension, known ? &p->config.machine : NULL, u,
+                                   iq24_from_double(inverse), i);
+}
+
 static void step(replay *p, const stretch *s, size_t k)
 {
     const bool has_middle = p->r->i_mid_A[0] != NULL;
@@ -131,8 +143,8 @@ static void step(replay *p, const stretch *s, size_t k)
     const double complex u = voltage_of(p, s, k);
     const iqfoc_ab_t u_pu =
         ab_from_complex(cabs(u) > p->base.U_V ? u * p->base.U_V / cabs(u) : u, p->base.U_V);
-    iqfoc_observer_step(&p->observer, iqfoc_sensorless_acting(&p->extension, u_pu, start, middle, end), mean,
-                        end);
+    const iqfoc_ab_t i[3] = {start, middle, end};
+    iqfoc_observer_step(&p->observer, acting(p, k, u_pu, i), mean, end);
 }
 
 /* Lock and its loss, since the last row. */

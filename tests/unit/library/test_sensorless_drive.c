@@ -167,16 +167,80 @@ static double complex acting_of(const iqfoc_extension_t *x, double complex u, do
     return to_double(x->k_u) * u - vector_of(lost);
 }
 
-/* The mean of both halves, and the bound that sensorless.h states, in LSB. */
+/* Largest difference of two phases. */
+static double span_of(double complex u)
+{
+    const double ab = fabs(phase_of(u, 0) - phase_of(u, 1));
+    const double bc = fabs(phase_of(u, 1) - phase_of(u, 2));
+    return fmax(fmax(ab, bc), fabs(phase_of(u, 2) - phase_of(u, 0)));
+}
+
+/* The time at which leg x rises, as a share of half a period: legs are high around the peak. */
+static double rise_of(double complex u, int x, double u_dc)
+{
+    const double most = fmax(phase_of(u, 0), fmax(phase_of(u, 1), phase_of(u, 2)));
+    return 0.5 - (phase_of(u, x) - most + 0.5 * span_of(u)) / u_dc;
+}
+
+/*
+ * The loss at the edges from the switching states: the ripple is the integral of the leg's voltage less its mean, from the valley to the
+ * leg's edge. NAN if rounding may decide whether the leg switches.
+ */
+static double complex at_edges(const iqfoc_extension_t *x, const iqfoc_flux_predictor_t *machine,
+                               double complex u, double u_dc, const double complex i[3])
+{
+    const double v = to_double(x->v_dead);
+    const double slope = 1.5 * (to_double(machine->l_d) + to_double(machine->l_q));
+    double lost[3] = {0.0, 0.0, 0.0};
+    double t[3];
+    for (int n = 0; n < 3; n++) {
+        t[n] = rise_of(u, n, u_dc);
+    }
+    for (int n = 0; n < 3; n++) {
+        const double nearest = fmin(t[n], 1.0 - t[n]) - fabs(v) / u_dc;
+        if (fabs(nearest) < 1e-5) {
+            return NAN;
+        }
+        if (nearest > 0.0) {
+            double mean = -phase_of(u, n) * t[n];
+            for (int y = 0; y < 3; y++) {
+                mean -= u_dc / 3.0 * fmax(0.0, t[n] - t[y]);
+            }
+            const double ripple = 0.5 * 3.0 / slope * mean;
+            const double s = phase_of(i[0], n), p = phase_of(i[1], n), e = phase_of(i[2], n);
+            /* Lagrange's parabola through 0, 1 and 2 halves. */
+            const double a = t[n], b = 2.0 - t[n];
+            const double rise = s * (a - 1) * (a - 2) / 2 + p * a * (2 - a) + e * a * (a - 1) / 2 + ripple;
+            const double fall = s * (b - 1) * (b - 2) / 2 + p * b * (2 - b) + e * b * (b - 1) / 2 - ripple;
+            lost[n] =
+                copysign(1.0, v) * 0.5 *
+                (fmax(-fabs(v), fmin(fabs(v), slope * rise)) + fmax(-fabs(v), fmin(fabs(v), slope * fall)));
+        }
+    }
+    return to_double(x->k_u) * u - vector_of(lost);
+}
+
+static iqfoc_extension_t random_losses(uint64_t *seed)
+{
+    const iqfoc_extension_t x = {.k_u = random_iq24(seed, 0.5, 2.0),
+                                 .v_dead = random_iq24(seed, -0.25, 0.25),
+                                 .knee_inverse = random_iq24(seed, 0.0, 127.0)};
+    return x;
+}
+
+/* Without a machine the mean of both halves; the bounds that sensorless.h states, in LSB. */
 static void test_voltage_that_acts(void)
 {
     uint64_t seed = 31;
+    double least_room = INFINITY;
+    int compared = 0;
     for (int n = 0; n < 300000; n++) {
-        const double reach = n % 2 == 0 ? 15.9 : 0.5;
-        const iqfoc_extension_t x = {.k_u = random_iq24(&seed, 0.5, 2.0),
-                                     .v_dead = random_iq24(&seed, -0.25, 0.25),
-                                     .knee_inverse = random_iq24(&seed, 0.0, 127.0)};
-        const iqfoc_ab_t u = random_ab_in_square(&seed, n % 3 == 0 ? 16.0 : 1.0);
+        const double reach = n % 2 == 0 ? 7.9 : 0.5;
+        const iqfoc_extension_t x = random_losses(&seed);
+        const iqfoc_ab_t u = random_ab_in_square(&seed, 0.6);
+        const iq24_t u_dc_inverse = random_iq24(&seed, 0.5, fmin(2.0, 1.0 / span_of(complex_of_ab(u))));
+        const iqfoc_flux_predictor_t machine = {.l_d = random_iq24(&seed, 0.0625, 8.0),
+                                                .l_q = random_iq24(&seed, 0.0625, 8.0)};
         iqfoc_ab_t i[3];
         double complex exact[3];
         for (int k = 0; k < 3; k++) {
@@ -185,12 +249,26 @@ static void test_voltage_that_acts(void)
         }
         const double complex mean = 0.5 * (acting_of(&x, complex_of_ab(u), 0.5 * (exact[0] + exact[1])) +
                                            acting_of(&x, complex_of_ab(u), 0.5 * (exact[1] + exact[2])));
-        const double complex wrong = complex_of_ab(iqfoc_sensorless_acting(&x, u, i[0], i[1], i[2])) - mean;
-        const double slope = fabs(to_double(x.v_dead)) * to_double(x.knee_inverse);
-        TEST_ASSERT_DOUBLE_WITHIN((2.6 + slope) / 16777216.0, 0.0,
+        const double complex wrong =
+            complex_of_ab(iqfoc_sensorless_acting(&x, NULL, u, u_dc_inverse, i)) - mean;
+        const double knee = fabs(to_double(x.v_dead)) * to_double(x.knee_inverse);
+        TEST_ASSERT_DOUBLE_WITHIN((2.6 + knee) / 16777216.0, 0.0,
                                   fmax(fabs(creal(wrong)), fabs(cimag(wrong))));
-        TEST_ASSERT_EQUAL_INT32(u.beta, iqfoc_sensorless_acting(NULL, u, i[0], i[1], i[2]).beta);
+
+        const double complex edges =
+            at_edges(&x, &machine, complex_of_ab(u), 1.0 / to_double(u_dc_inverse), exact);
+        if (!isnan(creal(edges))) {
+            const double complex apart =
+                complex_of_ab(iqfoc_sensorless_acting(&x, &machine, u, u_dc_inverse, i)) - edges;
+            const double l = 0.5 * (to_double(machine.l_d) + to_double(machine.l_q));
+            const double most = fmax(fabs(creal(apart)), fabs(cimag(apart))) * 16777216.0;
+            least_room = fmin(least_room, 6.0 + 36.0 * l - most);
+            compared++;
+        }
+        TEST_ASSERT_EQUAL_INT32(u.beta, iqfoc_sensorless_acting(NULL, &machine, u, u_dc_inverse, i).beta);
     }
+    TEST_ASSERT_GREATER_THAN_INT(299000, compared);
+    TEST_ASSERT_TRUE(least_room >= 0.0);
 }
 
 int main(void)
