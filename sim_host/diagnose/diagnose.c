@@ -56,12 +56,19 @@ static const double FAR_OFF = 15.0;
 /* An open-loop simulation with this error in percent has diverged. */
 static const double LOST = 1e4;
 
+/* By which share an error's power falls; 0 if a simulation diverged. */
+static double falls_by(double before, double after)
+{
+    const double share = 1.0 - after * after / (before * before);
+    return isnan(share) ? 0.0 : share;
+}
+
 /* An unnamed hypothesis that was chosen is reported as residual structure if its share is large enough. */
 static void mention_decoys(const session *w, diagnosis *d)
 {
     averaged_drive all = session_drive(w, w->state.z);
-    double best = measure_one_cycle(&w->rows, &all, MEASURE_ALL, true);
-    double share = 1.0 - best * best / (d->extended * d->extended);
+    const double share = fmax(falls_by(d->extended, measure_one_cycle(&w->rows, &all, MEASURE_ALL, true)),
+                              falls_by(d->free_extended_percent, measure_open_loop(&w->rows, &all, NULL)));
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if ((w->state.set & HYPOTHESIS_BIT(h)) && !hypothesis_cause(h)->named && share > STRUCTURE_SHARE) {
             size_t used = strlen(d->structure.words);

@@ -62,7 +62,9 @@ typedef struct averaged_drive {
     double iron_s_S; /* that times the time by which the iron's current comes late */
     /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
-    double cubic_A2[3], zone_A; /* sensors that are not linear (sensor_nonlinearity.h) */
+    double cubic_A2[3], zone_A; /* sensors that are not linear, */
+    double ring_A, ring_sum_A,
+        ring_share; /* and samples in which a leg's edge still rings (sensor_nonlinearity.h) */
 } averaged_drive;
 
 /* What one row of a recording says about its cycle. Angles and speed as recorded. */

@@ -55,6 +55,7 @@ averaged_drive averaged_drive_of(const motor *m)
                         .edge = m->ext.has[CAUSE_DEAD_TIME] ? EDGE_CLIPPED : EDGE_CHARGED,
                         .k_u = 1.0,
                         .fe_tau_s = 0.5 / m->f_pwm_Hz,
+                        .ring_share = 0.25,
                         .g = {1.0, 1.0, 1.0}};
 #define MODEL(ID, field, member) d.member = m->ext.has[CAUSE_##ID] ? m->ext.field : d.member;
 #include "../data/causes.def"

@@ -305,9 +305,11 @@ static void tell_spent(const diagnose_teller *teller)
     }
 }
 
-bool causes_settle(session *w, const diagnose_teller *teller)
+static bool find(session *w, hypothesis_set possible, const diagnose_teller *teller)
 {
-    const hypothesis_set possible = w->allowed;
+    w->state = w->nominal;
+    w->allowed = possible;
+    fit_grant(&w->fitted);
     double least = 0.0;
     evidence_view *view = calloc(1, sizeof *view);
     fitted_sets fitted = {0};
@@ -333,14 +335,6 @@ bool causes_settle(session *w, const diagnose_teller *teller)
     fitted_sets_free(&fitted);
     free(view);
     return ok;
-}
-
-static bool find(session *w, const hypothesis_set possible, const diagnose_teller *teller)
-{
-    w->state = w->nominal;
-    w->allowed = possible;
-    fit_grant(&w->fitted);
-    return causes_settle(w, teller);
 }
 
 bool causes_find(session *w, const diagnose_teller *teller)

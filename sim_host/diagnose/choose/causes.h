@@ -7,14 +7,12 @@
 #include "session.h"
 #include "teller.h"
 
-/* Searches from w->nominal and drops what is not certain, or too small a part, until all that stays is.
- * Leaves the fit in w->state. False: out of memory. */
+/*
+ * Searches from w->nominal and drops what is not certain, or too small a part, until all that stays is. What is dropped may have kept
+ * something better out, so search and prune take turns until a search finds nothing new, or so much was tried that none begins any more
+ * (fit_has_spent). Leaves the fit in w->state, and w->allowed without what was dropped. False: out of memory.
+ */
 bool causes_find(session *w, const diagnose_teller *teller);
-
-/* From w->state on, among w->allowed: what is dropped may have kept something better out, so that search and prune take turns
- * until a search finds nothing new, or so much was tried that none begins any more (fit_has_spent). What was dropped is no longer
- * in w->allowed. False: out of memory. */
-bool causes_settle(session *w, const diagnose_teller *teller);
 
 /*
  * Takes out the members that raise the held-out error: what is named must make the model better on rows that were not fitted. False:

@@ -5,6 +5,7 @@
 #include "diagnose/measure/errors.h"
 #include "diagnose/measure/floor.h"
 #include "diagnose/measure/runs.h"
+#include "discrepancy.h"
 
 #include <math.h>
 
@@ -33,7 +34,7 @@ double session_named_error(const session *w, hypothesis_set set)
     return measure_without_glitches(&w->rows, &drive);
 }
 
-double session_borne_out(const session *w, const diagnose_rows *from)
+double session_borne_out(session *w, const diagnose_rows *from)
 {
     /* What a file's own dead time leaves near no current, by the plain law that a file has, is no effect outside the catalogue. */
     if (averaged_drive_loses(&w->frame.nominal)) {
@@ -48,7 +49,11 @@ double session_borne_out(const session *w, const diagnose_rows *from)
                                             measure_open_loop(&w->rows, &drive, NULL), floor);
     const bool by_sign = drive.compensation_V != 0.0 && drive.v_dead_V < 0.0;
     const bool rises = open_loop > 1.0 && !by_sign;
-    return borne_out_probability(rises ? open_loop : fmin(one_cycle, open_loop));
+    const double left = rises ? open_loop : fmin(one_cycle, open_loop);
+    if (isnan(left) || (hypotheses_named(w->state.set) == 0 && from == &w->rows)) {
+        return borne_out_probability(left);
+    }
+    return borne_out_probability(fmax(left, discrepancy_share(&w->fitted, &w->state, &drive, from)));
 }
 
 bool session_holds_unnamed(const session *w)

@@ -59,9 +59,10 @@ bool session_leaves(const session *w, double floors);
  * corrected ones, or those before the corrections, to weigh these as well. Of the one-cycle
  * error and the open-loop error the one counts that is explained better: one cycle hardly shows a current's offset or gain, and a
  * dead time that is compensated makes the open-loop simulation depend on the noise of a current near zero. An open-loop error that rises
- * counts, unless the dead time is over-compensated. A motor file with a dead time of its own counts as if nothing were left.
+ * counts, unless the dead time is over-compensated. What is left by the angle (discrepancy.h) counts if it is more. A motor file with a
+ * dead time of its own counts as if nothing were left.
  */
-double session_borne_out(const session *w, const diagnose_rows *from);
+double session_borne_out(session *w, const diagnose_rows *from);
 
 /* Whether a state whose error is so many percent explains most of the nominal model's error above the noise floor. */
 bool session_explains_most(const session *w, const fit_state *s, double percent);

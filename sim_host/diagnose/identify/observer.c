@@ -21,24 +21,25 @@ static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive
     return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map, memory);
 }
 
-/* The measured current of a true current; *zero: mean of the three sensors. */
-static vec_ab shown(const averaged_drive *drive, const sensor_map *map, vec_ab x, double *zero)
+/* The measured current of a row's true current; *zero: mean of the three sensors. */
+static vec_ab shown(const averaged_drive *drive, const sensor_map *map, const cycle_row *row, vec_ab x,
+                    double *zero)
 {
     vec_ab y = sensor_map_measure(map, x);
     *zero = map->zero[0] * x.alpha + map->zero[1] * x.beta + map->zero_offset_A;
     if (sensor_nonlinearity_present(drive)) {
         double more_zero;
-        const vec_ab more = sensor_nonlinearity_error(drive, y, &more_zero);
+        const vec_ab more = sensor_nonlinearity_error(drive, row, y, &more_zero);
         y = (vec_ab){y.alpha + more.alpha, y.beta + more.beta};
         *zero += more_zero;
     }
     return y;
 }
 
-static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, vec_ab recorded)
+static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, const cycle_row *row)
 {
     const bool bent = sensor_nonlinearity_present(drive);
-    return sensor_map_unmeasure(map, bent ? sensor_nonlinearity_remove(drive, recorded) : recorded);
+    return sensor_map_unmeasure(map, bent ? sensor_nonlinearity_remove(drive, row, row->i_A) : row->i_A);
 }
 
 /* A drive's run through a block. */
@@ -76,14 +77,14 @@ static bool take_in(walker *w, size_t k, double gate, double *out)
         sensors = &changed;
     }
     double zero;
-    const vec_ab seen_A = shown(w->drive, sensors, w->x, &zero);
+    const vec_ab seen_A = shown(w->drive, sensors, row, w->x, &zero);
     const vec_ab wrong = {row->i_A.alpha - seen_A.alpha, row->i_A.beta - seen_A.beta};
     const bool seen = !start && w->age >= OBSERVER_START;
     const bool out_of_gate =
         gate > 0.0 && seen && wrong.alpha * wrong.alpha + wrong.beta * wrong.beta > gate * gate;
     if (start || out_of_gate) {
         w->r->outlier[k] = out_of_gate ? 1 : w->r->outlier[k];
-        w->x = unshown(w->drive, sensors, row->i_A);
+        w->x = unshown(w->drive, sensors, row);
         w->age = 1;
         return false;
     }
@@ -187,13 +188,13 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
         const cycle_row *before = &r->row[first + j - 1];
-        vec_ab x = unshown(drive, &sensors, before->i_A);
+        vec_ab x = unshown(drive, &sensors, before);
         if (change) {
             sensors = sensors_at(r, drive, &course, before + 1, &lag);
         }
         double zero;
         x = averaged_drive_advance(drive, nodes, before, x, &memory);
-        vec_ab seen = shown(drive, &sensors, x, &zero);
+        vec_ab seen = shown(drive, &sensors, before + 1, x, &zero);
         wrong[j].alpha = before[1].i_A.alpha - seen.alpha;
         wrong[j].beta = before[1].i_A.beta - seen.beta;
     }
@@ -206,14 +207,14 @@ void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, cons
     const bool change = sensors_change(drive, &course);
     lag_memory lag = {.own = {.row = NULL}};
     sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], &lag);
-    vec_ab x = unshown(drive, &sensors, r->row[first].i_A);
+    vec_ab x = unshown(drive, &sensors, &r->row[first]);
     iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < count; j++) {
         if (change && j > 0) {
             sensors = sensors_at(r, drive, &course, &r->row[first + j], &lag);
         }
         double zero;
-        current[j] = shown(drive, &sensors, x, &zero);
+        current[j] = shown(drive, &sensors, &r->row[first + j], x, &zero);
         x = averaged_drive_advance(drive, nodes, &r->row[first + j], x, &memory);
     }
 }

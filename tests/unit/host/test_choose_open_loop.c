@@ -50,6 +50,7 @@ void setUp(void)
 {
     one_cycle = open_loop = (percents){.nominal = 5.0, .extended = 1.25};
     floor_A = 0.1; /* 1 % of 10 A */
+    left_by_angle = 0.0;
     w = (session){.state = {.set = HYPOTHESIS_BIT(H_RESISTANCE)}};
     w.frame.nominal = (averaged_drive){.R_ohm = 1.0, .psi_f_Wb = 1.0, .i_knee_A = 1.0, .fe_tau_s = 1.0};
     for (size_t k = 0; k < SCALE_COUNT; k++) {
@@ -111,11 +112,30 @@ static void an_open_loop_error_that_rises_counts(void)
     LEFT(0.0);
 }
 
+/* If it is more than both errors leave; of a set without a name only after corrections of rows. */
+static void what_is_left_by_the_angle_counts(void)
+{
+    left_by_angle = 0.2;
+    LEFT(0.2);
+    one_cycle.extended = open_loop.extended = 4.0;
+    LEFT(share_of(4.0));
+    one_cycle.extended = open_loop.extended = 1.25;
+    const diagnose_rows recorded = w.rows;
+    left_by_angle = 2.0;
+    w.state.set = HYPOTHESIS_BIT(H_SENSOR_ZONE);
+    LEFT(1.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, borne_out_probability(2.0), session_borne_out(&w, &recorded));
+    w.state.set = HYPOTHESIS_BIT(H_RESISTANCE);
+    one_cycle.nominal = open_loop.nominal = 1.2;
+    LEFT(NAN);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(the_error_that_is_explained_better_counts);
     RUN_TEST(an_error_of_the_noise_does_not_count);
     RUN_TEST(an_open_loop_error_that_rises_counts);
+    RUN_TEST(what_is_left_by_the_angle_counts);
     return UNITY_END();
 }

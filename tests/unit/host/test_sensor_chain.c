@@ -1,6 +1,7 @@
 /* What current sensors show of a true current: gains, offsets and their drift, a filter, a late sample. */
 #include "diagnose_bench.h"
 #include "model/sensor_lag.h"
+#include "model/sensor_nonlinearity.h"
 
 #include <math.h>
 #include <unity.h>
@@ -114,6 +115,30 @@ static vec_ab seen_by(double tau_s, const double fell[3], vec_ab i)
     return seen;
 }
 
+/* Of each measured phase its own edge by e^(-fell/share), and all of them by another factor; a third phase is minus the two. */
+static void an_edge_still_rings_in_a_sample(void)
+{
+    cycle_row rows[2] = {{.no_fall = {0.0, 1.0, 0.0}}, {.fell = {0.1, 0.2, 0.4}, .history = 1}};
+    const averaged_drive d = {.ring_A = 2.0, .ring_sum_A = 0.5, .ring_share = 0.25};
+    const double a = exp(-0.4);
+    const double c = exp(-1.6); /* leg b was held */
+    const double sum = 0.5 * (a + c);
+    double zero;
+    TEST_ASSERT_TRUE(sensor_nonlinearity_present(&d));
+    const vec_ab three = sensor_nonlinearity_error(&d, &rows[1], (vec_ab){0.0, 0.0}, &zero);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0 / 3.0 * (a + c) + sum, zero);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0 * a - 2.0 / 3.0 * (a + c), three.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -2.0 * c / sqrt(3.0), three.beta);
+    rows[1].missing = MISSING_C;
+    const vec_ab two = sensor_nonlinearity_error(&d, &rows[1], (vec_ab){0.0, 0.0}, &zero);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, zero);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0 * a + sum, two.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, (2.0 * sum + 2.0 * a + sum) / sqrt(3.0), two.beta);
+    const vec_ab back = sensor_nonlinearity_remove(&d, &rows[1], (vec_ab){two.alpha + 1.0, two.beta - 3.0});
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0, back.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -3.0, back.beta);
+}
+
 /* While no leg is high the flux stands still and the rotor turns under it. */
 static void a_late_sample_sees_the_flux_with_the_rotor_further_on(void)
 {
@@ -166,6 +191,7 @@ int main(void)
     RUN_TEST(sensors_invert);
     RUN_TEST(a_phase_that_is_not_measured);
     RUN_TEST(sensors_drift_evenly);
+    RUN_TEST(an_edge_still_rings_in_a_sample);
     RUN_TEST(a_late_sample_sees_the_flux_with_the_rotor_further_on);
     RUN_TEST(a_filter_still_sees_the_last_edges);
     return UNITY_END();
