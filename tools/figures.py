@@ -3,6 +3,7 @@
 
     figures.py check        prints the blocks that differ from the program's output; exit status 1 if any does
     figures.py write        rewrite them
+    figures.py write front  those of one generator only
 
 A block of a Markdown file between
 
@@ -74,8 +75,8 @@ def generate(words, program):
         raise FigureError(f"generator {name}: {error}") from error
 
 
-def fill(text, program):
-    """The text with each block filled, and the number of blocks."""
+def fill(text, program, only=None):
+    """The text with each block filled, or those of one generator, and the number of blocks."""
     lines, filled, blocks = text.split("\n"), [], 0
     in_fence, number = False, 0
     while number < len(lines):
@@ -85,7 +86,7 @@ def fill(text, program):
         if line.startswith("```"):
             in_fence = not in_fence
         match = BEGIN.fullmatch(line)
-        if in_fence or not match:
+        if in_fence or not match or (only and shlex.split(match.group(1))[0] != only):
             continue
         try:
             end = lines.index(END, number)
@@ -107,14 +108,14 @@ def documents(root):
     return [file for file in [root / "README.md", *sorted((root / "docs").glob("**/*.md"))] if file.exists()]
 
 
-def run(mode, root, program, out=sys.stdout):
-    """Checks or writes all documents; the exit status."""
+def run(mode, root, program, out=sys.stdout, only=None):
+    """Checks or writes all documents, or the blocks of one generator in them; the exit status."""
     status = blocks = 0
     for file in documents(root):
         name = file.relative_to(root)
         text = file.read_text(encoding="utf-8")
         try:
-            filled, count = fill(text, program)
+            filled, count = fill(text, program, only)
         except FigureError as error:
             print(f"{name}: {error}", file=out)
             status = 1
@@ -140,9 +141,10 @@ def run(mode, root, program, out=sys.stdout):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("mode", choices=["check", "write"])
+    parser.add_argument("only", nargs="?", choices=sorted(GENERATORS), metavar="GENERATOR", help="its blocks only")
     parser.add_argument("--iqfoc", type=pathlib.Path, default=ROOT / "build" / "host" / "iqfoc")
     options = parser.parse_args()
-    return run(options.mode, ROOT, Program(options.iqfoc.resolve(), options.mode == "write"))
+    return run(options.mode, ROOT, Program(options.iqfoc.resolve(), options.mode == "write"), only=options.only)
 
 
 if __name__ == "__main__":

@@ -51,6 +51,13 @@ class Figures(unittest.TestCase):
         self.assertIn("| 0.76 | 0.8 | - | 1.05 | [1] |\n\n- [1] a note\n", text)
         self.assertEqual(self.run_on(None, "check"), (0, ""))
 
+    def test_only_the_blocks_of_one_generator(self):
+        self.readme.write_text(DOCUMENT, encoding="utf-8")
+        self.assertEqual(figures.run("write", self.root, OneRow(0.8), io.StringIO(), "front"), 1)  # it has no block here
+        self.assertEqual(self.readme.read_text(encoding="utf-8"), DOCUMENT)
+        self.assertEqual(figures.run("write", self.root, OneRow(0.8), io.StringIO(), "papers"), 0)
+        self.assertIn("| 0.76 | 0.8 |", self.readme.read_text(encoding="utf-8"))
+
     def test_another_value_is_drift(self):
         self.run_on(DOCUMENT, "write")
         status, words = self.run_on(None, "check", value=0.81)

@@ -59,18 +59,65 @@ def rates_markdown(s, asked):
     return "\n".join(lines) + "\n"
 
 
-def release_markdown(number, commit, s, failed):
+def span_of(hits, count):
+    low, high = score.confidence(hits, count)
+    return f"{100.0 * low:.1f} to {100.0 * high:.1f} %"
+
+
+# What of a group is asked (group_score.ASKED), in words: of its outcomes the first, and the rate that is asked of it.
+GROUP_ROWS = [("bench", "right", "benches: the larger causes named with their values, no false name", ">= 80 %"),
+              ("bench_half", "right", "benches with smaller effects: the same", ">= 90 %"),
+              ("bench", "false", "benches: a false cause", "-"),
+              ("steady", "false", "one speed: a false cause", "<= 1 %"),
+              ("steady", "right", "one speed: the cause, or that it cannot be separated", "-"),
+              ("outside", "false", "effects outside the catalogue on benches: a false cause", "<= 1 %")]
+
+
+def group_rows(of_groups):
+    """Lines of a release set's table about the groups that were drawn."""
+    lines = []
+    for group, outcome, what, want in GROUP_ROWS:
+        rows = of_groups.get(group, [])
+        hits = sum(r["outcome"] == outcome for r in rows)
+        if rows:
+            lines.append(f"| {what} | {len(rows)} | {percent(hits / len(rows))} | {span_of(hits, len(rows))} | {want} |")
+    rows = of_groups.get("bench", [])
+    if rows:
+        s = group_score.summary(rows)
+        hits, count = (sum(pair[k] for pair in s["intervals"].values()) for k in (0, 1))
+        if count:
+            lines.append(f"| benches: true values inside their 95 % interval | {count} | {percent(hits / count)} | {span_of(hits, count)} "
+                         "| 93 to 97 % |")
+        if s["open_loop_share"]["mean"] is not None:
+            lines.append(f"| benches: open-loop error reduction, share of the oracle's, mean | {len(rows)} "
+                         f"| {percent(s['open_loop_share']['mean'])} | - | >= {100.0 * group_score.OPEN_LOOP:.0f} % |")
+    return lines
+
+
+def reliability_markdown(results):
+    """The printed probabilities against the share of named causes that the drive has."""
+    lines = ["| probability | causes named | mean probability | share that is right | 95 % confidence | the mean lies inside |",
+             "|---|---:|---:|---:|---:|---|"]
+    for low, high, count, said, real in group_score.reliability(results):
+        hits = round(count * real)
+        least, most = score.confidence(hits, count)
+        lines.append(f"| {low} to {high} | {count} | {percent(said)} | {percent(real)} | {span_of(hits, count)} "
+                     f"| {'yes' if least <= said <= most else 'no'} |")
+    return "\n".join(lines) + "\n"
+
+
+def release_markdown(number, commit, s, failed, of_groups, results):
     """A release set's figures as they fell, each rate with its 95 % confidence interval."""
     lines = [f"Release set {number}, commit {commit}:", "", "| what | of | measured | 95 % confidence | asked |", "|---|---|---|---|---|"]
     for what, count, value, want, is_rate in rate_rows(s, score.RELEASE_THRESHOLDS):
-        low, high = score.confidence(round(value * count), count) if is_rate and count else (None, None)
-        span = "-" if low is None else f"{100.0 * low:.1f} to {100.0 * high:.1f} %"
+        span = span_of(round(value * count), count) if is_rate and count else "-"
         lines.append(f"| {what} | {count} | {percent(value)} | {span} | {want} |")
     lines.append(f"| recordings that the diagnosis refused | {sum(s['recordings'].values()) + failed} | {failed} | - | 0 |")
+    lines += group_rows(of_groups)
     median, most, slowest = s["seconds"]["clock_s"]
     lines.append(f"| seconds a diagnosis: median, 95 %, slowest | {sum(s['recordings'].values())} | {median}, {most}, {slowest} "
                  "| - | median <= 1, slowest <= 5 |")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines) + "\n\n" + reliability_markdown(results)
 
 
 OUTCOMES = {"right": "right", "partly": "partly right", "held back": "the right causes are candidates, none is named",
@@ -109,11 +156,11 @@ def is_published(number):
     return f"Release set {number}, commit " in release_block()
 
 
-def publish(number, commit, s, failed):
+def publish(number, commit, s, failed, of_groups, results):
     """Adds a release set below those on the page: none is ever removed."""
     before = release_block()
     between = "\n" if before.startswith("Release set") else ""
-    fill_page("releases", (before + between if between else "") + release_markdown(number, commit, s, failed), RELEASES)
+    fill_page("releases", (before + between if between else "") + release_markdown(number, commit, s, failed, of_groups, results), RELEASES)
 
 
 def markdown(results):

@@ -70,6 +70,12 @@ def reduction(before, after):
     return None if not before or not after else before / after
 
 
+def probabilities(truth, diagnosis):
+    """(probability, whether the drive has it) of each named cause."""
+    real = [e["id"] for e in truth["effects"] if e["known"]]
+    return [(c["probability"], is_real(c["id"], real)) for c in diagnosis["causes"] if c.get("probability") is not None]
+
+
 def judge(truth, diagnosis):
     """One recording of a group."""
     real = [e["id"] for e in truth["effects"] if e["known"]]
@@ -89,7 +95,7 @@ def judge(truth, diagnosis):
     if wrong:
         outcome = "false"
     elif outside:
-        outcome = "right" if diagnosis["verdict"] in ("unexplained", "partly") or not shows(truth) else "missed"
+        outcome = "right" if diagnosis["verdict"] in ("unexplained", "partly") or not shows(truth, diagnosis) else "missed"
     elif len(held) == len(large) and all(p["off"] <= stretch for p in asked):
         outcome = "right"
     elif held:
@@ -104,17 +110,17 @@ def judge(truth, diagnosis):
             "named_small": [n for n in named if n not in large and n not in wrong], "verdict": diagnosis["verdict"], "outcome": outcome,
             "by_names": not wrong and len(held) == len(large), "candidates": candidates, "not_visible": invisible,
             "separable": None if truth.get("separation") is None else not could_not, "parameters": parameters,
-            "probability": [(c.get("probability"), is_real(c["id"], real)) for c in causes if c.get("probability") is not None],
-            "one_cycle": share(reduction(e["nominal"], e["extended"]), reduction(o["nominal_percent"], o["true_percent"])),
+            "probability": probabilities(truth, diagnosis),
+            "one_cycle": share(reduction(e["nominal"], e["extended"]), reduction(o.get("nominal_percent"), o.get("true_percent"))),
             "open_loop": share(reduction(e.get("free_run_nominal"), e.get("free_run_extended")),
                                reduction(o.get("open_loop_nominal_percent"), o.get("open_loop_true_percent"))),
             "estimates": score.judge_estimates(truth, diagnosis)}
 
 
-def shows(truth):
+def shows(truth, diagnosis):
     """Whether an effect outside the catalogue shows: in the one-cycle error, or in the sum of the currents."""
     o = truth["oracle"]
-    return o["nominal_percent"] > VISIBLE * o["floor_percent"] or any(e["id"] in IN_THE_SUM for e in truth["effects"])
+    return o.get("nominal_percent", diagnosis["error"]["nominal"]) > VISIBLE * o["floor_percent"] or any(e["id"] in IN_THE_SUM for e in truth["effects"])
 
 
 def reliability(results):

@@ -1,4 +1,4 @@
-"""Release sets: 1,000 recordings drawn for one release, used once, and never developed on.
+"""Release sets: 1,000 recordings and those of the groups (groups.py), drawn for one release, used once, and never developed on.
 
 Development has all seeds below FIRST_SEED, a release set has its own thousand beyond. What is found there is published with the set's
 number and the commit, as it falls (docs/release-sets.md); a set on that page is used up. A smaller set to try the machinery with
@@ -12,11 +12,14 @@ import numpy as np
 
 import draw
 import effects
+import groups
 
 FIRST_SEED = 1_000_000_000
 PER_SET = 10_000
 TRIAL_SEED = 500_000  # of a scaled set
 PARTS = {"clean": 300, "unknown": 200, "single": 300, "pair": 150, "triple": 50}
+GROUPS = {"bench": 100, "bench_half": 100, "steady": 200, "outside": 300}
+GROUP_SEED = 2_000  # of a group's first recording, after the set's first
 
 
 def kind_of(part, n, seed):
@@ -30,9 +33,21 @@ def kind_of(part, n, seed):
     return part
 
 
+def first_seed(number, scale):
+    return FIRST_SEED + number * PER_SET if scale == 1.0 else TRIAL_SEED + number * PER_SET
+
+
+def group_cases(number, scale=1.0):
+    """The same of the groups."""
+    out, first = [], first_seed(number, scale) + GROUP_SEED
+    for n, (group, count) in enumerate(GROUPS.items()):
+        out += groups.cases(group, round(count * scale), first + 1_000 * n)
+    return out
+
+
 def cases(number, scale=1.0):
-    """(seed, kind, plant) of release set `number`, or of a share of one on development seeds."""
-    first = FIRST_SEED + number * PER_SET if scale == 1.0 else TRIAL_SEED + number * PER_SET
+    """(seed, kind, plant) of release set `number`, or of a share of one on development seeds, without the groups."""
+    first = first_seed(number, scale)
     out = []
     for part, count in PARTS.items():
         for n in range(round(count * scale)):

@@ -5,11 +5,13 @@
     tests/blind/run.py --digits     the same with last-digit errors in every motor file (digits.py)
     tests/blind/run.py --ci         a fixed set of 52, half of them by the second plant
     tests/blind/run.py --quick      twelve of them; each must be right
-    tests/blind/run.py --release 3  release set 3: 1,000 recordings that nothing was developed on; once only (release.py)
+    tests/blind/run.py --release 3  release set 3: recordings that nothing was developed on; once only (release.py)
     tests/blind/run.py --release 3 --minutes 30     as much of it as begins within 30 minutes, in an order drawn beforehand
     tests/blind/run.py --kind phase_inductance --count 40    recordings of one kind (generate.py lists them)
     tests/blind/run.py --skip-check for each cause: without its hypothesis, the diagnosis must fail this test
     tests/blind/run.py --group bench --count 24    recordings that look like a bench (groups.py: bench, bench_half, steady, ramp, outside)
+    tests/blind/run.py --reliability 40 --first 720000    how often named causes are there, by their probability: all kinds in turn
+    tests/blind/run.py --reliability A.json B.json           the same of recordings whose results were written by --json
     tests/blind/run.py --limits     the size of each effect that is found in 95 % of cases (limits.py)
     tests/blind/run.py --limits --any-size     the same without the reporting threshold
 
@@ -62,6 +64,12 @@ def fixed_set(full, first=None):
     return [(first + n, kind, ("second", "main")[n % 2]) for n, kind in enumerate(kinds)]
 
 
+def of_all_kinds(count, first):
+    """(seed, kind, plant): one cause, two, none, and of each group, in turn."""
+    turns = ["single", "outside", "pair", "bench", "steady", "outside", "clean", "bench_half"]
+    return [(first + n, turns[n % len(turns)], ("second", "main")[n // len(turns) % 2]) for n in range(count)]
+
+
 class Case(typing.NamedTuple):
     seed: int
     kind: str
@@ -75,8 +83,10 @@ class Case(typing.NamedTuple):
 def set_of(args):
     """(seed, kind, plant) of the recordings that are asked for."""
     if args.release is not None:
-        cases = release.cases(args.release, args.scale)
+        cases = release.cases(args.release, args.scale) + release.group_cases(args.release, args.scale)
         return release.shuffled(cases, args.release) if args.minutes else cases
+    if args.reliability:
+        return of_all_kinds(int(args.reliability[0]), 720_000 if args.first is None else args.first)
     if args.group:
         return [case for case in groups.cases(args.group, args.count, args.first) if args.plant in ("both", case[2])]
     wanted = fixed_set(not args.ci, args.first)
@@ -130,7 +140,7 @@ def folder_of(case, scratch):
 def judged(folder, case, truth):
     found, taken = timed(folder, case.iqfoc, case.skip)
     judge = group_score.judge if case.kind in groups.GROUPS else score.judge
-    return {**judge(truth, found), **taken}
+    return {**judge(truth, found), "probability": group_score.probabilities(truth, found), **taken}
 
 
 def one_case(case):
@@ -187,7 +197,7 @@ def run_alone(cases, jobs, minutes=None):
     return list(results.values()), failures
 
 
-def print_report(results, failures, s):
+def print_report(results, failures, s, of_groups):
     for r in results:
         wrong = r["named"] if r["unknown"] else not r["exact"]
         if wrong:
@@ -203,6 +213,9 @@ def print_report(results, failures, s):
         print(f"failed: seed {case.seed} kind {case.kind} plant {case.plant}: {words}")
     for name, value in s.items():
         print(f"{name}: {value if not isinstance(value, float) else round(value, 4)}")
+    for rows in of_groups.values():
+        for line in group_score.report(rows, []):
+            print(line)
 
 
 def skip_check(args):
@@ -252,13 +265,15 @@ def arguments():
     parser.add_argument("--first", type=int, metavar="SEED", help="another set of the same kind: its first seed")
     parser.add_argument("--kind", help="recordings of this kind only: single, dead_time, resistance+angle_offset, ...")
     parser.add_argument("--group", choices=groups.GROUPS, help="recordings of this group only")
+    parser.add_argument("--reliability", nargs="+", metavar="N", help="the probabilities of N recordings against what is right, or of those in "
+                        "result files (--json)")
     parser.add_argument("--count", type=int, default=40, help="how many of --kind or --group (default 40)")
     parser.add_argument("--skip-check", action="store_true", help="check that skipping a hypothesis fails the test")
     parser.add_argument("--limits", action="store_true", help="detection limits instead of rates")
     parser.add_argument("--any-size", action="store_true", help="for --limits: name what is certain, however small it is")
     parser.add_argument("--seeds", type=int, default=20, help="seeds per cause for --limits")
     parser.add_argument("--causes", default=",".join(effects.CAUSES), help="causes for --limits, by commas")
-    parser.add_argument("--plant", choices=["both", "second", "main", "third"], default="both", help="one plant only")
+    parser.add_argument("--plant", choices=["both", "second", "main"], default="both", help="one plant only")
     parser.add_argument("--skip", help="pass on to the diagnosis: hypotheses to leave out")
     parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="recordings side by side (default: all cores)")
@@ -304,18 +319,21 @@ def check_release(parser, args):
         parser.error("the tree is not as committed; a release set is published with its commit")
 
 
-def write_results(args, results, failures, s):
+def write_results(args, results, failures, s, of_groups):
+    """`results`: of all recordings, those of the groups too."""
     if args.json:
         with open(args.json, "w", encoding="utf-8") as file:
             json.dump({"summary": s, "failures": [[list(c[:3]), w] for c, w in failures], "recordings": results},
                       file, indent=1)
     if args.figure:
-        figure.write_svg(results, args.figure)
+        figure.write_svg([r for r in results if "group" not in r], args.figure)
     if args.table:
         with open(args.table, "w", encoding="utf-8") as file:
-            file.write(figure.markdown(results))
+            file.write(figure.markdown([r for r in results if "group" not in r]))
     if args.docs and args.release is not None:
-        figure.publish(args.release, args.commit, s, len(failures))
+        figure.publish(args.release, args.commit, s, len(failures), of_groups, results)
+        # The newest set is on two more pages.
+        subprocess.run([sys.executable, os.path.join(ROOT, "tools", "figures.py"), "write", "front"], check=True)
     elif args.docs:
         figure.fill_page("rates", figure.rates_markdown(s, score.THRESHOLDS))
         figure.fill_page("confusion", figure.markdown(results))
@@ -345,8 +363,32 @@ def report_group(args, results, failures):
     return 1 if failures or not results or problems else 0
 
 
+def report_reliability(args, results, failures):
+    """Prints the probabilities against what is right."""
+    for case, words in failures:
+        print(f"failed: seed {case.seed} kind {case.kind} plant {case.plant}: {words}")
+    text = figure.reliability_markdown(results)
+    print(text, end="")
+    if args.docs and results:
+        seeds = [r["seed"] for r in results]
+        head = f"{len(results)} recordings, seeds {min(seeds)} to {max(seeds)}, commit {built_from(args.iqfoc)}:\n\n"
+        figure.fill_page("reliability", head + text)
+    return 1 if failures or not results else 0
+
+
+def kept_results(paths):
+    """The judged recordings of result files."""
+    results = []
+    for path in paths:
+        with open(path, encoding="utf-8") as file:
+            results += json.load(file)["recordings"]
+    return results
+
+
 def main():
     args = arguments()
+    if args.reliability and not args.reliability[0].isdigit():
+        return report_reliability(args, kept_results(args.reliability), [])
     if args.skip_check:
         return skip_check(args)
     if args.limits:
@@ -370,11 +412,17 @@ def main():
     results, failures = run_set(cases, args.jobs, args.minutes)
     if args.group:
         return report_group(args, results, failures)
-    s = score.summary(results)
-    print_report(results, failures, s)
-    write_results(args, results, failures, s)
+    if args.reliability:
+        return report_reliability(args, results, failures)
+    of_groups = {g: [r for r in results if r.get("group") == g] for g in groups.GROUPS}
+    of_groups = {g: rows for g, rows in of_groups.items() if rows}
+    apart = [r for r in results if "group" not in r]
+    s = score.summary(apart)
+    print_report(apart, failures, s, of_groups)
+    write_results(args, results, failures, s, of_groups)
     thresholds = score.RELEASE_THRESHOLDS if args.release is not None else score.THRESHOLDS
     problems = score.below_threshold(s, not args.ci and not args.kind, thresholds)
+    problems += [problem for rows in of_groups.values() for problem in group_score.below_asked(rows)]
     problems += [f"{len(failures)} recordings failed to run"] * bool(failures)
     for problem in problems:
         print(f"below threshold: {problem}")

@@ -84,6 +84,14 @@ class Releases(unittest.TestCase):
             ids = kind.split("+")
             self.assertTrue(all(effects.compatible(a, b) for a in ids for b in ids if a != b), kind)
 
+    def test_a_set_has_the_groups_too(self):
+        cases = release.group_cases(3)
+        self.assertEqual({g: sum(group == g for _, group, _ in cases) for g in release.GROUPS}, release.GROUPS)
+        seeds = {seed for seed, _, _ in cases + release.cases(3)}
+        self.assertEqual(len(seeds), len(cases) + 1000)
+        self.assertTrue(all(release.FIRST_SEED + 30_000 <= seed < release.FIRST_SEED + 40_000 for seed in seeds))
+        self.assertTrue(all(seed < release.FIRST_SEED for seed, _, _ in release.group_cases(3, 0.05)))
+
     def test_a_plant_is_asked_only_for_what_it_knows(self):
         self.assertFalse([kind for _, kind, plant in release.cases(3) if plant == "main" and "saturation_dq" in kind])
 
@@ -118,6 +126,9 @@ class Releases(unittest.TestCase):
         answer = {"causes": [], "verdict": "clean", "error": {"noise_floor": 0.3}}
         return score.summary([{**score.judge(truth, answer), "clock_s": 0.5, "cpu_s": 0.4}] * 30)
 
+    def outside(self):
+        return [{"outcome": "false" if n == 0 else "right", "probability": [(0.98, n > 0)]} for n in range(40)]
+
     def test_what_is_published_stays(self):
         docs = figure.DOCS
         with tempfile.TemporaryDirectory() as figure.DOCS:
@@ -125,13 +136,15 @@ class Releases(unittest.TestCase):
                 with open(os.path.join(figure.DOCS, figure.RELEASES), "w", encoding="utf-8") as file:
                     file.write("before\n<!-- blind: releases -->\nNone yet.\n<!-- end -->\nafter\n")
                 self.assertFalse(figure.is_published(1))
-                figure.publish(1, "0123456789ab", self.summary(), 0)
+                figure.publish(1, "0123456789ab", self.summary(), 0, {"outside": self.outside()}, self.outside())
                 self.assertTrue(figure.is_published(1))
                 self.assertFalse(figure.is_published(11))
                 first = figure.release_block()
                 self.assertIn("| clean recordings with no cause | 30 | 100.0 % | 88.4 to 100.0 % | >= 99 % |", first)
+                self.assertIn("| effects outside the catalogue on benches: a false cause | 40 | 2.5 % | 0.1 to 13.2 % | <= 1 % |", first)
+                self.assertIn("| 0.95 to 0.99 | 40 | 98.0 % | 97.5 % | 86.8 to 99.9 % | yes |", first)
                 self.assertNotIn("None yet", first)
-                figure.publish(11, "ba9876543210", self.summary(), 2)
+                figure.publish(11, "ba9876543210", self.summary(), 2, {}, [])
                 self.assertTrue(figure.release_block().startswith(first))
                 self.assertTrue(figure.is_published(1) and figure.is_published(11))
             finally:
