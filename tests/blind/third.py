@@ -4,6 +4,7 @@
     tests/blind/third.py            all 64; fails below nine tenths
     tests/blind/third.py --ci       a fixed part of them
     tests/blind/third.py --digits   with last-digit errors in every motor file (digits.py)
+    tests/blind/third.py --group bench --count 8     recordings that look like a bench (bench, bench_half, steady, outside)
 
 A recording takes some ten seconds to make, so they are kept in .cache/third until what makes them changes. Needs motulator in
 .cache/python/motulator, which `./dev blind` installs.
@@ -28,11 +29,13 @@ sys.path.insert(0, HERE)
 import digits
 import figure
 import generate
+import group_score
 import run as blind
 import score
 
 PYTHON = os.path.join(ROOT, ".cache", "python", "motulator", "bin", "python")
 ASKED = 0.9
+GROUPS = ("bench", "bench_half", "steady", "outside")
 FIRST_SEED = 400_000
 
 ALONE = ["resistance", "inductance", "flux_linkage", "saliency", "dead_time", "voltage_gain", "current_offset", "current_gain",
@@ -90,6 +93,11 @@ def write_digits(folder, truth):
     generate.write_text(folder, "motor-digits.toml", generate.motor_text(digits.file_of(motor, errors)))
 
 
+def group_cases(group, count, first):
+    """So many recordings of a group: the two machines without a flux map take turns, shifted where four effects do, too."""
+    return [{"machine": ("ipmsm", "spmsm")[(n + n // 4) % 2], "kind": group, "seed": first + n} for n in range(count)]
+
+
 def one_case(case, kept, iqfoc, with_digits):
     """The judged recording, or the words in which it failed."""
     try:
@@ -99,7 +107,8 @@ def one_case(case, kept, iqfoc, with_digits):
         if truth["kind"] == "clean":
             truth["effects"] = []
         write_digits(folder, truth)
-        return score.judge(truth, blind.diagnose(folder, iqfoc, motor="motor-digits.toml" if with_digits else "motor.toml"))
+        judge = group_score.judge if case["kind"] in GROUPS else score.judge
+        return judge(truth, blind.diagnose(folder, iqfoc, motor="motor-digits.toml" if with_digits else "motor.toml"))
     except Exception as problem:  # a refusal, a crash or a hang: counted as not right
         return f"{case['machine']} {case['kind']}: {type(problem).__name__}: {problem}"
 
@@ -120,6 +129,9 @@ def table(judged):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--ci", action="store_true", help="the fixed part")
+    parser.add_argument("--group", choices=GROUPS, help="recordings of this group (groups.py) instead")
+    parser.add_argument("--count", type=int, default=8, help="how many of --group")
+    parser.add_argument("--first", type=int, default=FIRST_SEED + 1_000, help="first seed of --group")
     parser.add_argument("--digits", action="store_true", help="with last-digit errors in every motor file")
     parser.add_argument("--iqfoc", default=os.path.join(ROOT, "build", "host", "iqfoc"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -128,15 +140,19 @@ def main():
     args = parser.parse_args()
     if not os.access(PYTHON, os.X_OK):
         parser.error("no motulator in .cache/python/motulator; ./dev blind installs it")
-    if args.docs and args.ci:
-        parser.error("--docs: the page holds the whole set, without --ci")
+    if args.docs and (args.ci or args.group):
+        parser.error("--docs: the page holds the whole set, without --ci and --group")
     kept = os.path.join(os.path.abspath(args.keep), version())
     os.makedirs(kept, exist_ok=True)
-    chosen = cases(CI if args.ci else None)
+    chosen = group_cases(args.group, args.count, args.first) if args.group else cases(CI if args.ci else None)
     with ThreadPoolExecutor(args.jobs) as pool:
         told = list(pool.map(lambda case: one_case(case, kept, os.path.abspath(args.iqfoc), args.digits), chosen))
     judged = [r for r in told if not isinstance(r, str)]
     failures = [r for r in told if isinstance(r, str)]
+    if args.group:
+        for line in group_score.report(judged, []) + [f"failed: {words}" for words in failures]:
+            print(line)
+        return 1 if failures else 0
     for r in judged:
         if not r["exact"]:
             print(f"miss: {r['plant']} seed {r['seed']}: hidden {'+'.join(r['hidden']) or 'nothing'}, "
