@@ -289,7 +289,7 @@ SIZES = {"resistance": (0.15, 0.4), "inductance": (0.05, 0.25), "flux_linkage": 
 SMALL = {"resistance": 0.06, "current_gain": 0.003, "current_offset": 0.003, "angle_offset": 0.0035, "dead_time": 0.0006}
 FURTHER = {"flux_linkage": 0.006, "voltage_gain": 0.006, "angle_delay": 0.02}
 LARGER = (3.0, 10.0)
-# Effects that no cause stands for, each up to what a bench shows.
+# Effects outside the catalogue, each up to what a bench shows.
 OUTSIDE = {"crosstalk": (0.015, 0.05), "hum": (0.01, 0.03), "common_hum": (0.01, 0.03), "sensor_hysteresis": (0.01, 0.04)}
 
 

@@ -1,7 +1,7 @@
 /*
  * What the named effects leave above the noise, as a share of what they explain.
  *
- * With the right model the innovations are white. An effect that stands in for one of another shape leaves the difference of the two: of
+ * With the right model the innovations are white. A cause in the place of an effect of another shape leaves the difference of the two: of
  * a short between turns an iron loss takes the half that is alike in all phases, and an equal half turns the other way. The innovations
  * of each operating point are therefore fitted by vectors that turn with the electrical angle, of orders -12 to 12 in the stationary
  * frame. White noise alone is worth one in chi square for each number of that fit, and two standard deviations more are allowed for.

@@ -132,7 +132,7 @@ static void a_drive_that_explains_nothing_has_no_share(void)
 }
 
 /* At standstill all orders are one: they take what is constant, once. */
-static void a_rotor_that_stands_still_is_one_vector(void)
+static void a_rotor_at_standstill_is_one_vector(void)
 {
     for (size_t k = 0; k < ALL; k++) {
         row[k].cos_theta = 1.0;
@@ -151,6 +151,6 @@ int main(void)
     RUN_TEST(a_vector_that_turns_is_left_in_proportion);
     RUN_TEST(an_order_beyond_the_last_is_not_seen);
     RUN_TEST(a_drive_that_explains_nothing_has_no_share);
-    RUN_TEST(a_rotor_that_stands_still_is_one_vector);
+    RUN_TEST(a_rotor_at_standstill_is_one_vector);
     return UNITY_END();
 }
