@@ -8,6 +8,7 @@
 #include "discrepancy.h"
 
 #include <math.h>
+#include <string.h>
 
 double session_floor(const session *w, const fit_state *s)
 {
@@ -53,7 +54,16 @@ double session_borne_out(session *w, const diagnose_rows *from)
     if (isnan(left) || (hypotheses_named(w->state.set) == 0 && from == &w->rows)) {
         return borne_out_probability(left);
     }
-    return borne_out_probability(fmax(left, discrepancy_share(&w->fitted, &w->state, &drive, from)));
+    /* What is within the file's tolerance is no discrepancy. */
+    double z[P_COUNT];
+    memcpy(z, w->state.z, sizeof z);
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(w->state.set & ~hypotheses_named(w->state.set), h)) {
+            hypothesis_copy(h, hypothesis_nominal, z);
+        }
+    }
+    const averaged_drive tolerant = session_drive(w, z);
+    return borne_out_probability(fmax(left, discrepancy_share(&w->fitted, &w->state, &tolerant, from)));
 }
 
 bool session_holds_unnamed(const session *w)
