@@ -124,10 +124,14 @@ static double complex voltage_of(const replay *p, const stretch *s, size_t k)
     return late + (delay - whole) * (later - late);
 }
 
-/* The edges are known where a row's command acts in its cycle, once. */
+/*
+ * The edges are known where a row's command acts in its cycle, once, and the row has the current at the carrier's peak. A log without it
+ * may have several carrier periods in a cycle.
+ */
 static iqfoc_ab_t acting(const replay *p, size_t k, iqfoc_ab_t u, const iqfoc_ab_t i[3])
 {
-    const bool known = pwm_updates_is_plain(&p->pwm) && p->m->ext.voltage_delay_cycles == 0.0;
+    const bool known =
+        p->r->i_mid_A[0] != NULL && pwm_updates_is_plain(&p->pwm) && p->m->ext.voltage_delay_cycles == 0.0;
     const double inverse = p->r->u_dc_V == NULL ? 1.0 : fmin(p->base.U_V / p->r->u_dc_V[k], 2.0);
     return iqfoc_sensorless_acting(&p->extension, known ? &p->config.machine : NULL, u,
                                    iq24_from_double(inverse), i);
