@@ -86,7 +86,7 @@ static iq24_t lost_at(const edge_loss *e, iq24_t i, iq24_t ripple)
 
 /*
  * Range: u within 2.8, so the share is within 5.6 and `above` within 11.2, and the ripple within 1.5 (3.8 + 2.8). A sample is within 11.4, a
- * difference of two within 22.8, and the sum for `level` within 45.6, twice which fits. The duty is below 1 in Q31.
+ * difference of two within 22.8, and the sum for `level` within 45.6. The duty is below 1, and d (1 - d) at most 1/4.
  */
 static iq24_t loss_of_leg(const edge_loss *e, const leg_cycle *x)
 {
@@ -100,7 +100,7 @@ static iq24_t loss_of_leg(const edge_loss *e, const leg_cycle *x)
     const iq24_t area = iq24_mul_high_round(above, third_q32) - iq24_mul_high_round(2 * x->u, d_q31);
     const iq24_t ripple = area + iq24_asr32(area, 1);                       /* 3 l times its current */
     const int32_t both_q30 = iq24_mul_high(d_q31, (IQ24_ONE - duty) * 128); /* d (1 - d) */
-    const iq24_t level = x->middle - iq24_mul_high_round(2 * (x->start - 2 * x->middle + x->end), both_q30);
+    const iq24_t level = x->middle - iq24_mul_high_round(x->start - 2 * x->middle + x->end, 2 * both_q30);
     const iq24_t rise = level + iq24_mul_high_round(2 * (x->start - x->middle), d_q31);
     const iq24_t fall = level + iq24_mul_high_round(2 * (x->end - x->middle), d_q31);
     return iq24_asr32(lost_at(e, rise, -ripple) + lost_at(e, fall, ripple), 1);

@@ -6,11 +6,16 @@
 
 diagnosis look(const bench *b, const char *skip)
 {
+    return look_without(b, skip ? hypotheses_of_cause(skip) : 0);
+}
+
+diagnosis look_without(const bench *b, hypothesis_set skip)
+{
     motor file = bench_motor();
     recording r = bench_record(b);
     diagnosis d;
     error e = {0};
-    diagnose_options options = {.skip = skip ? hypotheses_of_cause(skip) : 0, .series = true};
+    diagnose_options options = {.skip = skip, .series = true};
     bool ok = diagnose(&d, &r, &file, &options, &e);
     TEST_ASSERT_TRUE_MESSAGE(ok, e.text);
     recording_free(&r);

@@ -10,6 +10,9 @@
 /* A recording of the bench diagnosed with the bench's motor file, without the causes of id `skip` (may be NULL). */
 diagnosis look(const bench *b, const char *skip);
 
+/* Without these hypotheses. */
+diagnosis look_without(const bench *b, hypothesis_set skip);
+
 /* The cause has a parameter of that name, whose interval holds the truth. */
 void holds(const diagnosis_cause *cause, const char *name, double truth);
 
