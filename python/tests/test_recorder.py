@@ -48,8 +48,12 @@ def test_a_diagnosis_of_the_stream(motor):
     """The drive has more resistance than its motor file; the stream shows it."""
     plant, cycle, recorder = iqfoc.Drive(motor, "resistance:R=0.95").plant(), iqfoc.Cycle(motor), iqfoc.Recorder(motor)
     rng = np.random.default_rng(3)
+    before = 300.0
     for speed in (300.0, 1200.0, -900.0):
-        plant.set_speed(speed)
+        for on_the_way in np.linspace(before, speed, 100):  # a rotor does not jump
+            plant.set_speed(on_the_way)
+            cycle.run(plant, 1, recorder)
+        before = speed
         for _ in range(30):
             cycle.reference(*rng.uniform(-6.0, 6.0, 2))
             cycle.run(plant, 20, recorder)
