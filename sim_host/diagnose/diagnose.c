@@ -248,11 +248,7 @@ static double error_within_digits(const session *w)
     double z[P_COUNT];
     memcpy(z, w->state.z, sizeof z);
     last_digits_bound(w->state.set, z);
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(w->state.set, h) && !hypothesis_cause(h)->named) {
-            hypothesis_copy(h, hypothesis_nominal, z);
-        }
-    }
+    hypotheses_leave(w->state.set & ~hypotheses_named(w->state.set), z);
     const averaged_drive drive = session_drive(w, z);
     return measure_one_cycle(&w->rows, &drive, MEASURE_ALL, true);
 }

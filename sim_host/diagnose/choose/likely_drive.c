@@ -302,11 +302,7 @@ static bool shrink(session *w, fit_state *s, evidence_view *view, errors best, c
 static errors errors_found(const session *w)
 {
     fit_state named = w->state;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(w->state.set & ~hypotheses_named(w->state.set), h)) {
-            hypothesis_copy(h, hypothesis_nominal, named.z);
-        }
-    }
+    hypotheses_leave(w->state.set & ~hypotheses_named(w->state.set), named.z);
     return errors_of(w, &named);
 }
 

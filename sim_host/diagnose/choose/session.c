@@ -57,11 +57,7 @@ double session_borne_out(session *w, const diagnose_rows *from)
     /* What is within the file's tolerance is no discrepancy. */
     double z[P_COUNT];
     memcpy(z, w->state.z, sizeof z);
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(w->state.set & ~hypotheses_named(w->state.set), h)) {
-            hypothesis_copy(h, hypothesis_nominal, z);
-        }
-    }
+    hypotheses_leave(w->state.set & ~hypotheses_named(w->state.set), z);
     const averaged_drive tolerant = session_drive(w, z);
     return borne_out_probability(fmax(left, discrepancy_share(&w->fitted, &w->state, &tolerant, from)));
 }

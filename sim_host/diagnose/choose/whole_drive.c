@@ -38,11 +38,7 @@ static hypothesis_set parts_of(const session *w, hypothesis_set found)
 static fit_state start_of(const session *w, hypothesis_set found)
 {
     fit_state s = w->state;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(s.set, h) && !hypothesis_in(found, h)) {
-            hypothesis_copy(h, hypothesis_nominal, s.z);
-        }
-    }
+    hypotheses_leave(s.set & ~found, s.z);
     s.set = found;
     if (!hypotheses_hold(found, CAUSE_DEAD_TIME) && hypothesis_in(w->possible, H_COMPENSATED)) {
         s.set |= HYPOTHESIS_BIT(H_COMPENSATED);

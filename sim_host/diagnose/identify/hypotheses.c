@@ -278,6 +278,15 @@ void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_CO
     }
 }
 
+void hypotheses_leave(hypothesis_set set, double z[P_COUNT])
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(set, h)) {
+            hypothesis_copy(h, hypothesis_nominal, z);
+        }
+    }
+}
+
 void hypothesis_leave_mean(hypothesis_id h, double z[P_COUNT])
 {
     const double mean = 0.5 * (z[P_L_D] + z[P_L_Q]);

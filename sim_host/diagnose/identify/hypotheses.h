@@ -171,6 +171,9 @@ double column_value(int column, const double z[P_COUNT]);
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT]);
 extern const double hypothesis_nominal[P_COUNT];
 
+/* Returns what the hypotheses of a set move to the motor file's values. */
+void hypotheses_leave(hypothesis_set set, double z[P_COUNT]);
+
 /* Returns what a hypothesis moves to the motor file's values, but keeps the mean of both inductances. */
 void hypothesis_leave_mean(hypothesis_id h, double z[P_COUNT]);
 
