@@ -411,8 +411,14 @@ long pulse_run_up_torque(const pulse_drive *p, const pulse_tables *t, const puls
                          pulse_torque *torque, long capacity, error *e)
 {
     machine d;
-    static pulse_run_up counts;
-    if (!record(p, t, c, &d, &counts, e)) {
+    pulse_run_up *counts = malloc(sizeof *counts);
+    if (counts == NULL) {
+        (void)error_failure(e, 0, "out of memory for the run-up through the pulse modes");
+        return -1;
+    }
+    const bool ok = record(p, t, c, &d, counts, e);
+    free(counts);
+    if (!ok) {
         return -1;
     }
     const long n = pulse_samples_torque(d.sample, d.samples, c->i_q, torque, capacity);
