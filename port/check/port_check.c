@@ -7,7 +7,7 @@
 /* Cycles after which a port's filter of angle or speed has settled. */
 #define SETTLE_CYCLES 400
 
-static const char *wrong(const char *format, ...)
+const char *port_check_wrong(const char *format, ...)
 {
     static char text[160];
     va_list arguments;
@@ -69,8 +69,8 @@ static const char *mean_off(const iqfoc_sample_t *sample, const double i_pu[3], 
     const double got[3] = {pu(sample->i_mean.a), pu(sample->i_mean.b), pu(sample->i_mean.c)};
     for (int x = 0; x < 3 && sample->has_mean; x++) {
         if (!(fabs(got[x] - i_pu[x]) <= 2.0 * step)) {
-            return wrong("has_mean is true, but the mean of phase %c reads %.4f, true %.4f", "ABC"[x], got[x],
-                         i_pu[x]);
+            return port_check_wrong("has_mean is true, but the mean of phase %c reads %.4f, true %.4f",
+                                    "ABC"[x], got[x], i_pu[x]);
         }
     }
     return NULL;
@@ -82,8 +82,8 @@ static const char *currents_off(const iqfoc_sample_t *sample, const double i_pu[
     const double got[3] = {pu(sample->i.a), pu(sample->i.b), pu(sample->i.c)};
     for (int x = 0; x < 3; x++) {
         if (!(fabs(got[x] - i_pu[x]) <= 2.0 * step)) {
-            return wrong("%s: phase %c reads %.4f, true %.4f: scaling, sign or order", where, "ABC"[x],
-                         got[x], i_pu[x]);
+            return port_check_wrong("%s: phase %c reads %.4f, true %.4f: scaling, sign or order", where,
+                                    "ABC"[x], got[x], i_pu[x]);
         }
     }
     return NULL;
@@ -107,7 +107,7 @@ static const char *current_scaling_signs_and_order(port_rig_start *start)
     }
     const char *legs = exchanged((const double(*)[3])got, sets, CURRENT_SETS, 4.0 * rig->current_step_pu);
     if (legs != NULL) {
-        return wrong("the currents of phases %s are exchanged", legs);
+        return port_check_wrong("the currents of phases %s are exchanged", legs);
     }
     for (int k = 0; k < CURRENT_SETS; k++) {
         rig->set_current(sets[k]);
@@ -123,13 +123,14 @@ static const char *current_scaling_signs_and_order(port_rig_start *start)
             return off;
         }
         if (at_valley.clipped || at_peak.clipped) {
-            return wrong("clipped is said of a current well within the range");
+            return port_check_wrong("clipped is said of a current well within the range");
         }
     }
     const double beyond[3] = {100.0, -50.0, -50.0};
     rig->set_current(beyond);
     (void)valley(rig, 0.01);
-    return peak(rig, 0.01).clipped ? NULL : wrong("a converter at its end is not reported as clipped");
+    return peak(rig, 0.01).clipped ? NULL
+                                   : port_check_wrong("a converter at its end is not reported as clipped");
 }
 
 static const char *dc_link(port_rig_start *start)
@@ -140,7 +141,7 @@ static const char *dc_link(port_rig_start *start)
         rig->set_dc_link(links[k]);
         const double got = pu(valley(rig, 0.01).u_dc);
         if (!(fabs(got - links[k]) <= 0.002)) {
-            return wrong("the DC link reads %.4f, true %.4f", got, links[k]);
+            return port_check_wrong("the DC link reads %.4f, true %.4f", got, links[k]);
         }
     }
     return NULL;
@@ -164,12 +165,14 @@ static const char *angle_and_speed(port_rig_start *start)
         }
         angle -= speeds[way];
         if (!(fabs(pu(sample.turns) - speeds[way]) <= 0.1 * fabs(speeds[way]))) {
-            return wrong("speed reads %.5f turns a cycle, true %.5f: scaling, or A -> B -> C is not positive",
-                         pu(sample.turns), speeds[way]);
+            return port_check_wrong(
+                "speed reads %.5f turns a cycle, true %.5f: scaling, or A -> B -> C is not positive",
+                pu(sample.turns), speeds[way]);
         }
         if (!(fabs(remainder(pu(sample.theta) - angle, 1.0)) <= 2.0 * rig->angle_step)) {
-            return wrong("angle is off by %.4f turns: offset, scaling, or not of the sampling instant",
-                         remainder(pu(sample.theta) - angle, 1.0));
+            return port_check_wrong(
+                "angle is off by %.4f turns: offset, scaling, or not of the sampling instant",
+                remainder(pu(sample.theta) - angle, 1.0));
         }
     }
     return NULL;
@@ -193,18 +196,18 @@ static const char *sampling_instant(port_rig_start *start)
         const uint32_t now = iqfoc_hal_now(rig->hal);
         const iqfoc_sample_t at_peak = peak(rig, late);
         if (at_valley.at != 0 || at_peak.at != (iq24_t)(half * IQ24_ONE)) {
-            return wrong("`at` of the %s", at_valley.at != 0 ? "valley" : "peak");
+            return port_check_wrong("`at` of the %s", at_valley.at != 0 ? "valley" : "peak");
         }
         if (ticks_differ(at_valley.time, now, late * period, period)) {
-            return wrong("`time` is not that of the valley, but of %.3f cycles after it",
-                         late - (double)(now - at_valley.time) / period);
+            return port_check_wrong("`time` is not that of the valley, but of %.3f cycles after it",
+                                    late - (double)(now - at_valley.time) / period);
         }
         if (k > 0 && ticks_differ(last, at_valley.time, period, period)) {
-            return wrong("two valleys are %u ticks apart, a period is %u", (unsigned)(at_valley.time - last),
-                         (unsigned)period);
+            return port_check_wrong("two valleys are %u ticks apart, a period is %u",
+                                    (unsigned)(at_valley.time - last), (unsigned)period);
         }
         if (ticks_differ(at_valley.time, at_peak.time, half * period, period)) {
-            return wrong("`time` is not that of the peak");
+            return port_check_wrong("`time` is not that of the peak");
         }
         last = at_valley.time;
     }
@@ -246,26 +249,26 @@ static const char *update_instant(port_rig_start *start)
     rig->go_to(0.0);
     rig->go_to(0.55);
     if (!rig->leg_high(0)) {
-        return wrong("a leg is not high around the peak");
+        return port_check_wrong("a leg is not high around the peak");
     }
     iqfoc_hal_write(rig->hal, &after);
     /* 0.2 of a period is 0.4 ... 0.6; 0.8 would be 0.1 ... 0.9. */
     for (double phase = 0.62; phase < 0.99; phase += 0.01) {
         rig->go_to(phase);
         if (rig->leg_high(0)) {
-            return wrong("a command acts before the next valley");
+            return port_check_wrong("a command acts before the next valley");
         }
     }
     double share[3];
     watch_period(rig, share);
     if (!(fabs(share[0] - 0.8) <= 0.002)) {
-        return wrong("a command does not act from the next valley on");
+        return port_check_wrong("a command does not act from the next valley on");
     }
     /* A command that comes too late for its valley waits for the next: it must not act at the peak. */
     rig->go_to(0.05);
     iqfoc_hal_write(rig->hal, &before);
     rig->go_to(0.85);
-    return rig->leg_high(0) ? NULL : wrong("a late command acts in the middle of a period");
+    return rig->leg_high(0) ? NULL : port_check_wrong("a late command acts in the middle of a period");
 }
 
 enum { DUTY_SETS = 4 };
@@ -286,15 +289,16 @@ static const char *duties_and_order(port_rig_start *start)
     }
     const char *legs = exchanged((const double(*)[3])share, sets, DUTY_SETS, 0.004);
     if (legs != NULL) {
-        return wrong("legs %s are exchanged", legs);
+        return port_check_wrong("legs %s are exchanged", legs);
     }
     for (int k = 0; k < DUTY_SETS; k++) {
         for (int leg = 0; leg < 3; leg++) {
             const double got = share[k][leg] - share[k][2];
             const double want = sets[k][leg] - sets[k][2];
             if (!(fabs(got - want) <= 0.002) || share[k][leg] > sets[k][leg] + 0.002) {
-                return wrong("leg %c is high for %.3f of the period, asked for %.3f: scaling, sense or order",
-                             "ABC"[leg], share[k][leg], sets[k][leg]);
+                return port_check_wrong(
+                    "leg %c is high for %.3f of the period, asked for %.3f: scaling, sense or order",
+                    "ABC"[leg], share[k][leg], sets[k][leg]);
             }
         }
     }
@@ -308,16 +312,16 @@ static const char *gates(port_rig_start *start)
     const port_rig *rig = start();
     off.gates = false;
     if (rig->outputs_on()) {
-        return wrong("the gates are on before any command");
+        return port_check_wrong("the gates are on before any command");
     }
     rig->go_to(0.6);
     iqfoc_hal_write(rig->hal, &on);
     rig->go_to(0.1);
     if (!rig->outputs_on()) {
-        return wrong("the gates do not come on");
+        return port_check_wrong("the gates do not come on");
     }
     iqfoc_hal_write(rig->hal, &off);
-    return rig->outputs_on() ? wrong("gates off must act at once, not at the valley") : NULL;
+    return rig->outputs_on() ? port_check_wrong("gates off must act at once, not at the valley") : NULL;
 }
 
 const port_check_item port_check_items[PORT_CHECK_ITEMS] = {
@@ -330,14 +334,19 @@ const port_check_item port_check_items[PORT_CHECK_ITEMS] = {
     {"gates: off at the start, on, off at once", gates},
 };
 
-int port_check_all(port_rig_start *start, FILE *out)
+int port_check_run(const port_check_item *items, int count, port_rig_start *start, FILE *out)
 {
     int failed = 0;
-    for (int k = 0; k < PORT_CHECK_ITEMS; k++) {
-        const char *what = port_check_items[k].run(start);
-        (void)fprintf(out, "[%c] %s%s%s\n", what == NULL ? 'x' : ' ', port_check_items[k].name,
-                      what == NULL ? "" : ": ", what == NULL ? "" : what);
+    for (int k = 0; k < count; k++) {
+        const char *what = items[k].run(start);
+        (void)fprintf(out, "[%c] %s%s%s\n", what == NULL ? 'x' : ' ', items[k].name, what == NULL ? "" : ": ",
+                      what == NULL ? "" : what);
         failed += what != NULL;
     }
     return failed;
+}
+
+int port_check_all(port_rig_start *start, FILE *out)
+{
+    return port_check_run(port_check_items, PORT_CHECK_ITEMS, start, out);
 }

@@ -66,4 +66,8 @@ int port_check_edges(port_rig_start *start, FILE *out);
 /* All of them, a line each: "[x] name", or "[ ] name: what is wrong". Returns how many failed. */
 int port_check_all(port_rig_start *start, FILE *out);
 
+/* For further checks: the same of these items; and what is wrong, by a format of printf. */
+int port_check_run(const port_check_item *items, int count, port_rig_start *start, FILE *out);
+const char *port_check_wrong(const char *format, ...);
+
 #endif

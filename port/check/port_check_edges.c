@@ -1,21 +1,9 @@
 /* The porting checklist for iqfoc_hal_write_edges (port_check.h). */
 #include "port_check.h"
 
-#include <stdarg.h>
 #include <stdlib.h>
 
 #define CYCLES 60
-
-static const char *wrong(const char *format, ...)
-{
-    static char text[160];
-    va_list arguments;
-    va_start(arguments, format);
-    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): started in the line above */
-    (void)vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    return text;
-}
 
 static uint32_t drawn(uint32_t below)
 {
@@ -57,8 +45,8 @@ static const char *play(const port_rig *rig, const iqfoc_edges_t *acting, const 
             const int want = level_at(&acting->leg[x], t);
             const bool late = t == 0 || seen == level_at(&acting->leg[x], t - 1);
             if (seen != want && !late) {
-                return wrong("leg %c is %s in tick %u of %u: instant, sense or order", "ABC"[x],
-                             seen > 0 ? "high" : "low", (unsigned)t, (unsigned)period);
+                return port_check_wrong("leg %c is %s in tick %u of %u: instant, sense or order", "ABC"[x],
+                                        seen > 0 ? "high" : "low", (unsigned)t, (unsigned)period);
             }
         }
         if (next != NULL && t == period * 3 / 10) {
@@ -131,7 +119,7 @@ static const char *length(port_rig_start *start)
             return off;
         }
         if (took != lengths[n]) {
-            return wrong("a cycle of %u ticks took %u", (unsigned)lengths[n], (unsigned)took);
+            return port_check_wrong("a cycle of %u ticks took %u", (unsigned)lengths[n], (unsigned)took);
         }
         acting = held(&next);
     }
@@ -157,22 +145,22 @@ static const char *safe_output(port_rig_start *start)
     const iqfoc_command_t half = {{{IQ24(0.5), IQ24(0.5), IQ24(0.5)}, IQ24_ONE}, true};
     const port_rig *rig = start();
     if (rig->outputs_on()) {
-        return wrong("the gates are on before any command");
+        return port_check_wrong("the gates are on before any command");
     }
     const iqfoc_edges_t low = begin(rig);
     const iqfoc_edges_t high = {low.period_ticks, {{1, 0, {0}}, {1, 0, {0}}, {1, 0, {0}}}};
     if (!rig->outputs_on()) {
-        return wrong("edges do not bring the gates on");
+        return port_check_wrong("edges do not bring the gates on");
     }
     rig->go_to(0.2);
     iqfoc_hal_write_edges(rig->hal, &high);
     iqfoc_hal_write(rig->hal, &safe);
     if (rig->outputs_on()) {
-        return wrong("gates off must act at once");
+        return port_check_wrong("gates off must act at once");
     }
     rig->go_to(0.1);
     if (rig->outputs_on()) {
-        return wrong("edges that waited bring the gates back");
+        return port_check_wrong("edges that waited bring the gates back");
     }
     iqfoc_hal_write_edges(rig->hal, &low);
     rig->go_to(0.999);
@@ -195,12 +183,5 @@ const port_check_item port_check_edges_items[PORT_CHECK_EDGES_ITEMS] = {
 
 int port_check_edges(port_rig_start *start, FILE *out)
 {
-    int failed = 0;
-    for (int k = 0; k < PORT_CHECK_EDGES_ITEMS; k++) {
-        const char *what = port_check_edges_items[k].run(start);
-        (void)fprintf(out, "[%c] %s%s%s\n", what == NULL ? 'x' : ' ', port_check_edges_items[k].name,
-                      what == NULL ? "" : ": ", what == NULL ? "" : what);
-        failed += what != NULL;
-    }
-    return failed;
+    return port_check_run(port_check_edges_items, PORT_CHECK_EDGES_ITEMS, start, out);
 }
