@@ -4,28 +4,11 @@
  */
 #include "closed_loop.h"
 
-#include "board.h"
 #include "digest.h"
 #include "hal_emulated.h"
+#include "set_board.h"
 
 #define HALF_TICKS 1000
-
-static uint32_t clock_ticks;
-
-uint32_t board_ticks(void)
-{
-    return clock_ticks;
-}
-
-uint32_t board_interrupts_off(void)
-{
-    return 0;
-}
-
-void board_interrupts_restore(uint32_t before)
-{
-    (void)before;
-}
 
 static void add_state(uint64_t *digest, const iqfoc_cycle_t *cycle, const iqfoc_command_t *command)
 {

@@ -59,18 +59,12 @@ static uint32_t period_ticks(void)
 
 const port_rig *rig_stm32g4(void)
 {
-    static const port_rig rig = {
-        .hal = &hal,
-        .set_current = rig_set_current,
-        .set_dc_link = rig_set_dc_link,
-        .set_angle = rig_set_angle,
-        .go_to = go_to,
-        .leg_high = leg_high,
-        .outputs_on = rig_outputs_on,
-        .period_ticks = period_ticks,
-        .current_step_pu = 2.0 / 2048,
-        .angle_step = 3.0 / 4096,
-    };
+    static port_rig rig;
+    rig = rig_sensors;
+    rig.hal = &hal;
+    rig.go_to = go_to;
+    rig.leg_high = leg_high;
+    rig.period_ticks = period_ticks;
     return &rig;
 }
 

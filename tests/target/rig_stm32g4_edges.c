@@ -135,19 +135,7 @@ static uint32_t period_ticks(void)
 
 const port_rig *rig_stm32g4_edges_start(void)
 {
-    static const port_rig rig = {
-        .hal = &rig_edges_hal,
-        .set_current = rig_set_current,
-        .set_dc_link = rig_set_dc_link,
-        .set_angle = rig_set_angle,
-        .go_to = go_to,
-        .leg_high = leg_high,
-        .outputs_on = rig_outputs_on,
-        .period_ticks = period_ticks,
-        .current_step_pu = 2.0 / 2048,
-        .angle_step = 3.0 / 4096,
-        .edges_least = 2 * RIG_EDGES_HALF / RIG_EDGES_SPANS,
-    };
+    static port_rig rig;
     const hal_stm32g4_board_t *board = rig_sensors_start(RIG_EDGES_HALF);
     fake_reset();
     now = UINT32_MAX - 100000;
@@ -167,5 +155,11 @@ const port_rig *rig_stm32g4_edges_start(void)
         step();
     }
     phase = 0.0;
+    rig = rig_sensors;
+    rig.hal = &rig_edges_hal;
+    rig.go_to = go_to;
+    rig.leg_high = leg_high;
+    rig.period_ticks = period_ticks;
+    rig.edges_least = 2 * RIG_EDGES_HALF / RIG_EDGES_SPANS;
     return &rig;
 }

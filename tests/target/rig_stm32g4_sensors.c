@@ -38,26 +38,33 @@ void rig_sensors_sample(uint32_t trgo2)
     }
 }
 
-void rig_set_current(const double i_pu[3])
+static void set_current(const double i_pu[3])
 {
     for (int x = 0; x < 3; x++) {
         current[x] = i_pu[x];
     }
 }
 
-void rig_set_dc_link(double u_pu)
+static void set_dc_link(double u_pu)
 {
     dc_link = u_pu;
 }
 
-void rig_set_angle(double turns)
+static void set_angle(double turns)
 {
     const double shaft = turns / board.pole_pairs;
     const double counts = (shaft - floor(shaft)) * board.counts_per_turn;
     fake_bank.tim4.CNT = (uint32_t)lround(counts) % board.counts_per_turn;
 }
 
-bool rig_outputs_on(void)
+static bool outputs_on(void)
 {
     return (fake_bank.tim1.BDTR & TIM_BDTR_MOE) != 0;
 }
+
+const port_rig rig_sensors = {.set_current = set_current,
+                              .set_dc_link = set_dc_link,
+                              .set_angle = set_angle,
+                              .outputs_on = outputs_on,
+                              .current_step_pu = 2.0 / 2048,
+                              .angle_step = 3.0 / 4096};

@@ -3,8 +3,7 @@
 #define TESTS_TARGET_RIG_STM32G4_SENSORS_H
 
 #include "hal_stm32g4.h"
-
-#include <stdbool.h>
+#include "port_check.h"
 
 /* Sensors of the rigs' board, and its half period. */
 const hal_stm32g4_board_t *rig_sensors_start(uint32_t half_ticks);
@@ -12,9 +11,7 @@ const hal_stm32g4_board_t *rig_sensors_start(uint32_t half_ticks);
 /* The converters' trigger, if the timer gives it as the port has set it up. */
 void rig_sensors_sample(uint32_t trgo2);
 
-void rig_set_current(const double i_pu[3]);
-void rig_set_dc_link(double u_pu);
-void rig_set_angle(double turns);
-bool rig_outputs_on(void);
+/* A rig that has these sensors and the outputs' enable bit; the timer is still to come. */
+extern const port_rig rig_sensors;
 
 #endif

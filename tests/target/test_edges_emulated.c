@@ -2,8 +2,8 @@
  * iqfoc_hal_write_edges of the emulated boards, on the host with a clock that the test sets: what the drive gets in each half period is
  * what was asked, to a tick, and at no other time.
  */
-#include "board.h"
 #include "hal_emulated.h"
+#include "set_board.h"
 
 #include "unity.h"
 
@@ -12,26 +12,10 @@
 #define CYCLES 2000
 
 static iqfoc_hal_t hal;
-static uint32_t clock_ticks;
 static uint32_t passed_high[3]; /* ticks in the last half period */
 static bool passed_gates;
 
-/* ---- The board's services and the drive, in place of those of a target ---- */
-
-uint32_t board_ticks(void)
-{
-    return clock_ticks;
-}
-
-uint32_t board_interrupts_off(void)
-{
-    return 0;
-}
-
-void board_interrupts_restore(uint32_t before)
-{
-    (void)before;
-}
+/* ---- The drive, in place of the small one ---- */
 
 void small_drive_start(small_drive_t *drive)
 {
