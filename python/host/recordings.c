@@ -123,7 +123,8 @@ recording *py_recording_simulate(const motor *m, const char *scenario_path, size
     const char *name = r->path;
     bool ok = scenario_read(scenario_path, &s, e);
     if (ok) {
-        ok = simulate(m, &s, effects, effect, seed, &report, &out, e);
+        ok = drive_scenario_plain(&s, scenario_path, e) &&
+             simulate(m, &s, effects, effect, seed, &report, &out, e);
         scenario_free(&s);
         *r = out.recording;
         ok = ok && (recording_find_stretches(r) || error_failure(e, 0, "out of memory"));

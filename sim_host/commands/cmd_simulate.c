@@ -6,6 +6,7 @@
 #include "drive/drive_scenario.h"
 #include "drive/firmware_host.h"
 #include "drive_emulated.h"
+#include "patterns/pattern_drive.h"
 #include "plant/plant_effect.h"
 
 #include <stdio.h>
@@ -73,6 +74,12 @@ static bool run_firmware(const request *r, const motor *m, const scenario *s, co
 {
     static drive_host host;
     static drive_emulated emulated;
+    static pattern_drive pattern;
+    if (s->control.modulation == MODULATION_PATTERN) {
+        drive_firmware firmware;
+        return pattern_drive_begin(&pattern, m, s, r->scenario_path, &firmware, e) &&
+               run_all(r, m, s, drive, &firmware, out, e);
+    }
     if (r->emulated.target == NULL) {
         const drive_firmware firmware = drive_firmware_host(&host, NULL);
         return (s->control.angle == ANGLE_MEASURED || drive_host_observe(&host, m, e)) &&
@@ -92,6 +99,14 @@ static bool simulate(const request *r, const motor *known, const motor *m, const
         if (!plant_effect_apply(&drive, r->effects.of[k], e)) {
             return false;
         }
+    }
+    const plant_inverter *v = &drive.inverter;
+    if (s->control.modulation == MODULATION_PATTERN &&
+        (v->delay_cycles != 0.0 || v->glitch_probability != 0.0 || v->compensation_V != 0.0)) {
+        return error_input(
+            e, r->scenario_path, 0, 0,
+            "modulation = \"pattern\" has no duties: an effect that delays, loses or corrects them "
+            "needs modulation = \"pwm\"");
     }
     drive_recording out = {.run = 0};
     char comment[512];

@@ -55,6 +55,8 @@ void pwm_updates_comment(const pwm_updates *p, char *text, size_t size)
     }
     if (p->two_lowest && used < size) {
         (void)snprintf(text + used, size - used, "[sensors] shunts = \"two_lowest\"\n");
+    } else if (p->pulses > 0) {
+        (void)snprintf(text, size, "[control] modulation = \"pattern\", pulses = %d\n", p->pulses);
     }
 }
 
@@ -85,6 +87,13 @@ static bool set(pwm_updates *p, const char *key, const char *value)
         p->delay_cycles = number;
         return is_number && number >= 0.0 && number < 1.0;
     }
+    if (strcmp(key, "pulses") == 0) {
+        p->pulses = is_number && number >= 1.0 && number <= PATTERN_PULSES_MOST ? (int)number : 0;
+        return p->pulses >= 1 && (double)p->pulses == number;
+    }
+    if (strcmp(key, "modulation") == 0) {
+        return strcmp(value, "pattern") == 0;
+    }
     const bool held = strcmp(key, "held") == 0;
     const char *const *words = held ? held_words : shunt_words;
     bool *flag = held ? &p->turned : &p->two_lowest;
@@ -107,7 +116,8 @@ bool pwm_updates_take_comment(pwm_updates *p, const char *line, size_t length, b
         length--;
     }
     const bool is_pwm = length > 5 && strncmp(line, "[pwm]", 5) == 0;
-    const bool is_sensors = length > 9 && strncmp(line, "[sensors]", 9) == 0;
+    const bool is_sensors =
+        length > 9 && (strncmp(line, "[sensors]", 9) == 0 || strncmp(line, "[control]", 9) == 0);
     if (!(is_pwm || is_sensors)) {
         return true;
     }

@@ -1,6 +1,7 @@
 /*
  * How a command reaches the PWM, and how a drive reads its currents, where that is not once a control cycle and with three sensors.
- * The keys are in [pwm] and [sensors] of a motor file or an import map, and as one line each in the comments of a recording.
+ * The keys are in [pwm] and [sensors] of a motor file or an import map, and as one line each in the comments of a recording. A pulse pattern
+ * is in [control] of a scenario and in those comments.
  */
 #ifndef SIM_HOST_DATA_PWM_UPDATES_H
 #define SIM_HOST_DATA_PWM_UPDATES_H
@@ -11,7 +12,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-enum { PWM_UPDATES_MOST = 64 };
+enum { PWM_UPDATES_MOST = 64, PATTERN_PULSES_LEAST = 3, PATTERN_PULSES_MOST = 15 };
 
 typedef struct pwm_updates {
     int periods; /* PWM periods in a control cycle: the command is put out at the start of each; >= 1 */
@@ -21,6 +22,7 @@ typedef struct pwm_updates {
         delay_cycles; /* from the sample to the first update, 0 to < 1: until then the last command stays */
     bool
         two_lowest; /* shunts = "two_lowest": of three currents the two of the lower duties are measured, the third is minus their sum */
+    int pulses; /* of a pulse pattern in a turn, in place of duties; 0: duties. Only in a scenario's [control] and in comments */
 } pwm_updates;
 
 /* Once a cycle, at its start, with three sensors: a zeroed struct says the same. */
@@ -31,7 +33,7 @@ static inline pwm_updates pwm_updates_plain(void)
 
 static inline bool pwm_updates_is_plain(const pwm_updates *p)
 {
-    return p->periods <= 1 && !p->turned && p->delay_cycles == 0.0 && !p->two_lowest;
+    return p->periods <= 1 && !p->turned && p->delay_cycles == 0.0 && !p->two_lowest && p->pulses == 0;
 }
 
 /* From the tables [pwm] and [sensors]; either may be NULL. */

@@ -274,11 +274,13 @@ static void on_comment(void *context, const char *text, size_t length, long numb
     reader *in = context;
     bool taken = false;
     if (!pwm_updates_take_comment(&in->r->pwm, text, length, &taken)) {
-        error_input(in->csv.e, in->csv.lines.path, number, 0,
-                    "expected # [pwm] periods_per_cycle = 1 to %d, held = \"stator\" or \"rotor\", "
-                    "delay_cycles = 0 to 1; or # "
-                    "[sensors] shunts = \"three\" or \"two_lowest\"",
-                    PWM_UPDATES_MOST);
+        error_input(
+            in->csv.e, in->csv.lines.path, number, 0,
+            "expected # [pwm] periods_per_cycle = 1 to %d, held = \"stator\" or \"rotor\", "
+            "delay_cycles = 0 to 1; or # "
+            "[sensors] shunts = \"three\" or \"two_lowest\"; or # [control] modulation = \"pattern\", "
+            "pulses = %d to %d",
+            PWM_UPDATES_MOST, PATTERN_PULSES_LEAST, PATTERN_PULSES_MOST);
     }
     in->r->pwm_stated = in->r->pwm_stated || taken;
 }

@@ -17,13 +17,13 @@ static const toml_range duration_range = {.min = 0.0, .max = 36000.0, .min_open 
 static void read_control(toml_table *t, scenario_control *control)
 {
     static const char *const feedbacks[] = {"midpoint", "corrected_mean", "quasi_discrete_mean"};
-    static const char *const modulations[] = {"pwm", "six_step"};
+    static const char *const modulations[] = {"pwm", "six_step", "pattern"};
     static const char *const angles[] = {"measured", "observed"};
 
     control->angle = (scenario_angle)toml_choice_or(t, "angle", angles, 2, ANGLE_MEASURED);
     control->feedback = (scenario_feedback)toml_choice_or(t, "feedback", feedbacks, 3, FEEDBACK_MIDPOINT);
     control->modulation =
-        (scenario_modulation)toml_choice_or(t, "modulation", modulations, 2, MODULATION_PWM);
+        (scenario_modulation)toml_choice_or(t, "modulation", modulations, 3, MODULATION_PWM);
     control->bandwidth_Hz = toml_number_or(t, "bandwidth_Hz", TOML_POSITIVE, 0.0);
     control->updates = (int)toml_integer_or(t, "updates", 1, 2, 1);
     if (control->updates == 2 &&
@@ -37,6 +37,28 @@ static void read_control(toml_table *t, scenario_control *control)
         (control->updates == 2 || control->modulation != MODULATION_PWM)) {
         toml_refuse(t, "angle", "angle = \"observed\" needs updates = 1 and modulation = \"pwm\"");
     }
+}
+
+/* Pulses of a pattern in a turn; 0 with another modulation. The pattern's control has no other feedback than the flux. */
+static int read_pulses(toml_table *t, scenario_modulation modulation)
+{
+    static const char *const of_duties[] = {"feedback", "bandwidth_Hz"};
+    const bool pattern = modulation == MODULATION_PATTERN;
+    const long pulses =
+        toml_integer_or(t, "pulses", PATTERN_PULSES_LEAST, PATTERN_PULSES_MOST, PATTERN_PULSES_LEAST);
+    if (pattern != toml_has(t, "pulses")) {
+        toml_refuse(t, "pulses", "expected pulses and modulation = \"pattern\" together, or none of them");
+    } else if (pulses % 2 == 0) {
+        toml_refuse(t, "pulses", "pulses = %ld, expected an odd number from %d to %d", pulses,
+                    PATTERN_PULSES_LEAST, PATTERN_PULSES_MOST);
+    }
+    for (int k = 0; pattern && k < 2; k++) {
+        if (toml_has(t, of_duties[k])) {
+            toml_refuse(t, of_duties[k], "%s needs duties; modulation = \"pattern\" controls the flux",
+                        of_duties[k]);
+        }
+    }
+    return pattern ? (int)pulses : 0;
 }
 
 static void read_sensors(toml_table *t, scenario_sensors *sensors)
@@ -133,6 +155,7 @@ static scenario_run read_run(toml_table *t)
     read_duration(t, &run);
     run.settle_cycles = toml_integer_or(t, "settle_cycles", 0, CYCLES_MAX, SETTLE_CYCLES);
     read_shaft(t, &run);
+    (void)toml_position(t, run.shaft == SHAFT_INERTIA ? "shaft" : "speed_rpm", &run.line, &run.column);
     run.i_d_A = profile_read(t, "i_d_A", TOML_ANY, 0.0);
     run.i_q_A = profile_read(t, "i_q_A", TOML_ANY, 0.0);
     run.u_dc_V = toml_number_or(t, "u_dc_V", TOML_POSITIVE, 0.0);
@@ -166,6 +189,7 @@ bool scenario_read(const char *path, scenario *s, error *e)
         s->run[i].pwm = s->pwm;
         s->runs = i + 1;
     }
+    s->pwm.pulses = read_pulses(toml_table_inner_or_null(root, "control"), s->control.modulation);
     if (!toml_file_close(file)) {
         scenario_free(s);
         return false;

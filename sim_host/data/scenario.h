@@ -19,7 +19,8 @@ typedef enum scenario_feedback {
 
 typedef enum scenario_modulation {
     MODULATION_PWM,
-    MODULATION_SIX_STEP /* one inverter state per control cycle: the nearest active vector */
+    MODULATION_SIX_STEP, /* one inverter state per control cycle: the nearest active vector */
+    MODULATION_PATTERN   /* optimal pulse pattern, controlled by its flux trajectory */
 } scenario_modulation;
 
 typedef enum scenario_angle {
@@ -68,6 +69,7 @@ typedef struct scenario_run {
     double duration_s;
     /* Ahead of t = 0, not logged: references at their first values, no excitation, shaft held. */
     long settle_cycles;
+    long line, column;    /* of its speed in the file */
     profile speed_rpm;    /* mechanical, signed */
     profile i_d_A, i_q_A; /* references, peak */
     double u_dc_V;        /* true DC link; 0: the motor file's */
@@ -86,8 +88,8 @@ typedef struct scenario {
     scenario_sensors sensors;
     scenario_log log;
     pwm_updates
-        pwm;     /* [pwm], and shunts of [sensors]: of the drive, and written into the recording's comments */
-    size_t runs; /* >= 1 */
+        pwm; /* [pwm], shunts of [sensors], pulses of [control]: of the drive, and written into the recording's comments */
+    size_t runs;       /* >= 1 */
     scenario_run *run; /* run[i] gets the recording's run number i + 1 */
 } scenario;
 

@@ -21,13 +21,42 @@ void drive_loop_put(drive_loop *l, const drive_answer *answer)
     l->duty[1] = iq24_to_double(high.b);
     l->duty[2] = iq24_to_double(high.c);
     l->interval_s = answer->interval_s;
+    l->by_edges = answer->edges != NULL;
+    if (l->by_edges) {
+        memcpy(l->edges, answer->edges, sizeof l->edges);
+    }
+}
+
+/* Over the edges on the way. */
+static void advance_to(drive_loop *l, double to_s)
+{
+    int leg = l->by_edges ? 0 : -1;
+    while (leg >= 0) {
+        double at_s = to_s;
+        leg = -1;
+        for (int x = 0; x < 3; x++) {
+            const int n = l->edge[x];
+            const double edge_s =
+                n < l->edges[x].edges ? iq24_to_double(l->edges[x].at[n]) * l->drive.duration_s : INFINITY;
+            if (edge_s < at_s) {
+                leg = x;
+                at_s = edge_s;
+            }
+        }
+        if (leg >= 0) {
+            plant_advance_to(&l->drive, at_s);
+            plant_switch(&l->drive, leg);
+            l->edge[leg]++;
+        }
+    }
+    plant_advance_to(&l->drive, to_s);
 }
 
 /* Over the parts first ... last of `parts` that the span is cut into. */
 static void advance(drive_loop *l, int first, int last, int parts)
 {
     for (int n = first; n <= last; n++) {
-        plant_advance_to(&l->drive, l->drive.duration_s * n / parts);
+        advance_to(l, l->drive.duration_s * n / parts);
         if (l->watch.points > 0) {
             l->watch.point(l->watch.context, &l->drive);
         }
@@ -36,7 +65,11 @@ static void advance(drive_loop *l, int first, int last, int parts)
 
 static bool begin_cycle(drive_loop *l, iqfoc_dq_t i_ref, drive_row *row, error *e)
 {
-    if (l->halves) {
+    if (l->by_edges) {
+        const bool high[3] = {l->edges[0].level > 0, l->edges[1].level > 0, l->edges[2].level > 0};
+        memset(l->edge, 0, sizeof l->edge);
+        plant_begin_interval(&l->drive, high, l->drive.config.T_s);
+    } else if (l->halves) {
         plant_begin_half(&l->drive, l->duty, !l->falling);
         l->falling = !l->falling;
     } else {

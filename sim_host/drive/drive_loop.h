@@ -8,6 +8,7 @@
  *     half a period of PWM      two updates a carrier period: duties, in force for a half; a sample at its
  *                               start, which both calls of the firmware get; the answer is in force in the
  *                               next half
+ *     a cycle of a pattern      edges of the legs, in force from valley to valley, with samples as in a cycle of PWM
  *     an interval of six-step   one inverter state for any time; one sample, at its end, with the phases'
  *                               means over it; the answer is in force at once
  *
@@ -44,6 +45,9 @@ typedef struct drive_loop {
     plant drive;
     double duty[3];    /* in force from the next span on */
     double interval_s; /* of that span; 0: a control cycle, or a half */
+    bool by_edges;     /* the legs switch in it at: */
+    iqfoc_pattern_edges_t edges[3];
+    int edge[3]; /* the next one of each leg */
     bool halves; /* control cycles are halves of a carrier period: the motor's f_pwm is twice the carrier's */
     bool falling;          /* the next half begins at the peak */
     pwm_updates updates;   /* of a control cycle of several PWM periods (drive_loop_update) */

@@ -18,6 +18,11 @@ bool drive_scenario_plain(const scenario *s, const char *path, error *e)
             e, path, 0, 0,
             "updates = 2: only `iqfoc simulate` without --target runs two updates a carrier period");
     }
+    if (s->control.modulation == MODULATION_PATTERN) {
+        return error_input(
+            e, path, 0, 0,
+            "modulation = \"pattern\": only `iqfoc simulate` without --target runs pulse patterns");
+    }
     return s->control.angle == ANGLE_MEASURED ||
            error_input(
                e, path, 0, 0,

@@ -23,7 +23,7 @@ typedef struct drive_scenario {
  */
 motor drive_scenario_motor(const motor *m, const scenario *s);
 
-/* For a command that knows whole carrier periods and the measured angle only: false with *e set for another scenario. */
+/* For a command that knows duties of whole carrier periods and the measured angle only: false with *e set for another scenario. */
 bool drive_scenario_plain(const scenario *s, const char *path, error *e);
 
 /* The ideal drive of a motor file, with a scenario's sensors; a control cycle long as in drive_scenario_motor. */

@@ -7,6 +7,7 @@
 #include "base/error.h"
 
 #include "iqfoc/cycle.h"
+#include "iqfoc/pattern.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,6 +18,8 @@ typedef struct drive_answer {
     uint32_t status;         /* IQFOC_STATUS_*, sticky */
     /* 0: duties of a control cycle of PWM; else the legs, each 0 or 1, of a state that stands for so long. */
     double interval_s;
+    /* NULL, or the edges of the legs in a control cycle in place of the duties, which are then the shares of the cycle at the high level. */
+    const iqfoc_pattern_edges_t *edges;
 } drive_answer;
 
 /*

@@ -67,7 +67,8 @@ static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, 
 
 drive_answer drive_answer_of_state(const iqfoc_cycle_t *cycle, const iqfoc_six_step_command_t *state)
 {
-    const drive_answer answer = {state->command, cycle->status, (double)state->ticks / HAL_HOST_TICKS_PER_S};
+    const drive_answer answer = {state->command, cycle->status, (double)state->ticks / HAL_HOST_TICKS_PER_S,
+                                 NULL};
     return answer;
 }
 

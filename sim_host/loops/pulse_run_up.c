@@ -74,12 +74,9 @@ pulse_drive pulse_drive_of(pulse_drive_id id)
 bool pulse_tables_find(pulse_tables *t, error *e)
 {
     for (int n = 0; n < PULSE_TABLES; n++) {
-        patterns_result found;
-        const patterns_request asked = {.pulses = pulses_of[n]};
-        if (!patterns_find(&asked, &found, e)) {
+        if (!patterns_table_find(pulses_of[n], t->row[n], &t->of[n], e)) {
             return false;
         }
-        patterns_table(&found, t->row[n], &t->of[n]);
     }
     return true;
 }
@@ -307,7 +304,7 @@ static double weakening(const motor *m, double w, double i_q, double index)
     double high = 0.5;
     for (int n = 0; n < 40; n++) {
         const double middle = 0.5 * (low + high);
-        const bool above = pulse_index(m, w, middle, i_q) > index;
+        const bool above = patterns_index_of(m, w, middle, i_q) > index;
         high = above ? middle : high;
         low = above ? low : middle;
     }
@@ -321,9 +318,9 @@ static void choose(firmware *f, const machine *d, const pulse_case *c, double no
     const double way = d->circuit.w < 0.0 ? -1.0 : 1.0;
     const double seen_w = d->circuit.w + way * VEC_TWO_PI * c->early_Hz;
     const double turns = (seen_w / VEC_TWO_PI + way * noise_Hz) * pattern_s;
-    const double needed = pulse_index(d->m, d->circuit.w, 0.0, i_q);
+    const double needed = patterns_index_of(d->m, d->circuit.w, 0.0, i_q);
     iqfoc_pulse_mode_step(&f->mode, &f->control, iq24_from_double(turns),
-                          iq24_from_double(pulse_index(d->m, seen_w, 0.0, i_q)));
+                          iq24_from_double(patterns_index_of(d->m, seen_w, 0.0, i_q)));
     const bool six_step = f->mode.level == SIX_STEP;
     const double i_d = needed > PULSE_LINEAR || six_step
                            ? weakening(d->m, d->circuit.w, i_q, six_step ? 1.0 : PULSE_LINEAR)

@@ -3,6 +3,7 @@
 
 #include "base/vector.h"
 #include "patterns/carrier_ripple.h"
+#include "patterns/patterns.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,12 +24,6 @@ const char *const pulse_run_mode_text[PULSE_RUN_MODES] = {
     [PULSE_PATTERN_5] = "pattern, 5 pulses",   [PULSE_SIX_STEP] = "six-step",
 };
 const int pulse_run_mode_pulses[PULSE_RUN_MODES] = {0, 21, 15, 9, 9, 7, 5, 1};
-
-double pulse_index(const motor *m, double w, double i_d, double i_q)
-{
-    const double complex i = (i_d + I * i_q) * motor_rated_peak_A(m);
-    return cabs(m->R_ohm * i + I * w * (m->psi_f_Wb + m->L_d_H * i)) / m->u_dc_V * VEC_PI / 2.0;
-}
 
 static double turn_s(const pulse_sample *at)
 {
@@ -113,7 +108,7 @@ static double space_vectors(const motor *m, double w, double complex i, double p
     if (whole < 3 || fabs(pulses - whole) > WHOLE) {
         return NAN;
     }
-    const double index = pulse_index(m, w, creal(i), cimag(i));
+    const double index = patterns_index_of(m, w, creal(i), cimag(i));
     const double flux_Wb = index * 2.0 / VEC_PI * m->u_dc_V / fabs(w);
     return carrier_ripple(whole, index, &same) * flux_Wb / (m->L_d_H * motor_rated_peak_A(m));
 }

@@ -16,9 +16,6 @@ typedef struct pulse_sample {
     pulse_run_mode mode;
 } pulse_sample;
 
-/* Length of the stator voltage as the share of six-step's. w: rad/s. */
-double pulse_index(const motor *m, double w, double i_d, double i_q);
-
 /*
  * Mean torque about a sample, with weights 1 + cos over 2/3 of a turn, in which all harmonics of the modes vanish. Share of the rated torque.
  */

@@ -5,6 +5,7 @@
 #include "carrier_ripple.h"
 #include "pattern_search.h"
 
+#include <complex.h>
 #include <errno.h>
 #include <math.h>
 #include <stdint.h>
@@ -35,6 +36,12 @@ typedef struct candidates {
 double patterns_index(int row)
 {
     return 0.3 + 0.01 * row;
+}
+
+double patterns_index_of(const motor *m, double w, double i_d, double i_q)
+{
+    const double complex i = (i_d + I * i_q) * motor_rated_peak_A(m);
+    return cabs(m->R_ohm * i + I * w * (m->psi_f_Wb + m->L_d_H * i)) / m->u_dc_V * VEC_PI / 2.0;
 }
 
 /* Least angle between commanded edges, rad. */

@@ -27,6 +27,11 @@ enum {
 /* Index of a row: 0.3, 0.31, ..., 0.99. At 1 no pattern is left but six-step. */
 double patterns_index(int row);
 
+/*
+ * Index that a machine without saliency needs, at its nominal DC link. w: electrical speed, rad/s; currents as shares of the rated peak.
+ */
+double patterns_index_of(const motor *m, double w, double i_d, double i_q);
+
 typedef struct patterns_request {
     const motor *m;     /* or NULL */
     int pulses;         /* of a leg in a turn; odd */

@@ -16,3 +16,14 @@ void patterns_table(const patterns_result *r, iqfoc_pattern_row_t row[PATTERNS_R
     *table = (iqfoc_pattern_t){row, r->rows, (r->asked.pulses - 1) / 2, iq24_from_double(patterns_index(0)),
                                iq24_from_double(PATTERNS_ROWS_PER_INDEX)};
 }
+
+bool patterns_table_find(int pulses, iqfoc_pattern_row_t row[PATTERNS_ROWS], iqfoc_pattern_t *table, error *e)
+{
+    patterns_result found;
+    const patterns_request asked = {.pulses = pulses};
+    if (!patterns_find(&asked, &found, e)) {
+        return false;
+    }
+    patterns_table(&found, row, table);
+    return true;
+}

@@ -9,4 +9,8 @@
 /* Fills the rows, and the table that refers to them. */
 void patterns_table(const patterns_result *r, iqfoc_pattern_row_t row[PATTERNS_ROWS], iqfoc_pattern_t *table);
 
+/* The same of a machine without saliency, computed now. False with *e set if memory runs out. */
+bool patterns_table_find(int pulses, iqfoc_pattern_row_t row[PATTERNS_ROWS], iqfoc_pattern_t *table,
+                         error *e);
+
 #endif

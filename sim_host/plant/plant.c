@@ -169,6 +169,11 @@ void plant_begin_interval(plant *p, const bool high[3], double duration_s)
     }
 }
 
+void plant_switch(plant *p, int x)
+{
+    leg_command(&p->leg[x], !p->leg[x].high, p->t_cycle_s, p->config.inverter.t_dead_s);
+}
+
 static vec_ab ideal_voltage(const plant *p)
 {
     const double u_dc_V = p->config.inverter.k_u * p->config.inverter.u_dc_V;

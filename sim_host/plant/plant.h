@@ -11,7 +11,8 @@
  *     plant_advance_to(p, T);            to the next valley
  *     plant_mean(p)                      the true means since the cycle began
  *
- * Six-step: plant_begin_interval in place of plant_begin_cycle, one inverter state for any duration.
+ * Six-step: plant_begin_interval in place of plant_begin_cycle, one inverter state for any duration. A pulse pattern: plant_switch at
+ * each edge within it.
  * Between edges an ideal drive at constant given speed is advanced exactly (plant_electrical.h); with effects
  * that are not linear, or a speed that changes, by an error-controlled integrator (plant_solver.h).
  */
@@ -88,6 +89,8 @@ void plant_begin_cycle(plant *p, const double duty[3]);
 void plant_begin_half(plant *p, const double duty[3], bool to_peak);
 /* One inverter state, high[x] for phase x, for any duration > 0. */
 void plant_begin_interval(plant *p, const bool high[3], double duration_s);
+/* Leg x changes its level now. */
+void plant_switch(plant *p, int x);
 
 /* t_s since the cycle began; at most its duration, never backwards. */
 void plant_advance_to(plant *p, double t_s);

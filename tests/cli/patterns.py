@@ -130,9 +130,25 @@ def refuse(folder):
     refuses(["--motor", "none.toml"], "none.toml", folder, "a motor file that is not there")
 
 
+def simulated(folder):
+    motor, scenario = (program.ROOT / "data" / name for name in ("motors/jarzebowicz2019.toml", "scenarios/pulse_pattern.toml"))
+    simulate = ["simulate", "--motor", motor, "--scenario", scenario, "-o"]
+    done = program.run([*simulate, "r.csv"], folder)
+    lines = (folder / "r.csv").read_text().splitlines() if done.returncode == 0 else [""]
+    check(lines[1:2] == ['# [control] modulation = "pattern", pulses = 5'], f"the recording says what it is: {done.stderr}")
+    for command, arguments, words in (
+            ("diagnose", ["r.csv", "--motor", motor], b"rows of a pulse pattern (5 pulses) cannot be diagnosed"),
+            ("an effect on duties", [*simulate[1:], "x.csv", "--effect", "glitch"], b"has no duties"),
+            ("an emulated target", [*simulate[1:], "x.csv", "--target", "rv32"], b"runs pulse patterns"),
+            ("an FMU", [*simulate[1:], "x.fmu"], b"runs pulse patterns")):
+        name = {"diagnose": "diagnose", "an FMU": "export-fmu"}.get(command, "simulate")
+        done = program.run([name, *arguments], folder)
+        check(done.returncode == 2 and words in done.stderr and done.stderr.count(b"\n") == 1, f"{command}: {done.stderr}")
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
-        for part in (compare, with_motor, write, several, refuse):
+        for part in (compare, with_motor, write, several, refuse, simulated):
             part(pathlib.Path(name))
     print(f"{len(failures)} failures")
     return 1 if failures else 0

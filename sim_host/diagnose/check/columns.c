@@ -22,6 +22,13 @@ static bool length(const recording *rec, error *e)
 
 static bool cycle(const recording *rec, const motor *m, error *e)
 {
+    if (rec->pwm.pulses > 0) {
+        return error_input(
+            e, rec->path, 0, 0,
+            "rows of a pulse pattern (%d pulses) cannot be diagnosed: a cycle has no centred pulses; record "
+            "modulation = \"pwm\"",
+            rec->pwm.pulses);
+    }
     double ratio = rec->T_s * m->f_pwm_Hz;
     if (ratio > 0.8 && ratio < 1.25) {
         return true;

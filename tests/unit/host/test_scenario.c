@@ -143,6 +143,26 @@ static void test_refusals(void)
     expect_refused("[sensors]\ncurrent_bits = 12\n[[run]]\ncycles = 1\n", "2:16",
                    "needs current_full_scale_A");
     expect_refused("[sensors]\ncurrent_offset_A = [1]\n[[run]]\ncycles = 1\n", "2:20", "three phases");
+    expect_refused("[control]\nmodulation = \"pattern\"\n[[run]]\ncycles = 1\n", "1:1", "together");
+    expect_refused("[control]\npulses = 5\n[[run]]\ncycles = 1\n", "2:10", "together");
+    const struct {
+        const char *line, *where, *what;
+    } with_pattern[] = {
+        {"pulses = 6", "3:10", "pulses = 6, expected an odd number from 3 to 15"},
+        {"pulses = 17", "3:10", "15"},
+        {"pulses = 5\nfeedback = \"midpoint\"", "4:12", "feedback needs duties"},
+        {"pulses = 5\nbandwidth_Hz = 100", "4:16", "bandwidth_Hz needs duties"},
+        {"pulses = 5\nupdates = 2", "4:11", "modulation = \"pwm\""},
+        {"pulses = 5\nangle = \"observed\"", "4:9", "modulation = \"pwm\""},
+        {"pulses = 5\n[pwm]\nperiods_per_cycle = 2", "4:1", "modulation = \"pwm\""},
+        {"pulses = 5\n[sensors]\nshunts = \"two_lowest\"", "1:1", "modulation = \"pwm\""},
+    };
+    for (size_t k = 0; k < sizeof with_pattern / sizeof with_pattern[0]; k++) {
+        char text[300];
+        snprintf(text, sizeof text, "[control]\nmodulation = \"pattern\"\n%s\n[[run]]\ncycles = 1\n",
+                 with_pattern[k].line);
+        expect_refused(text, with_pattern[k].where, with_pattern[k].what);
+    }
     expect_refused("[log]\nvoltages = false\n[[run]]\ncycles = 1\n", "2:12", "voltages or duties");
     expect_refused("[log]\nvoltages = 1\n[[run]]\ncycles = 1\n", "2:12", "true or false, not 1");
     expect_refused("[log]\nduties = true\nu_dc = false\n[[run]]\ncycles = 1\n", "3:8", "duties need u_dc");
