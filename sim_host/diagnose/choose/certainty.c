@@ -110,9 +110,7 @@ bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_
         for (size_t g = 0; g < groups; g++) {
             add_square(n, score[g], by_group);
         }
-        const bool solved = members < n ? solve_inverse(n, COLUMN_COUNT, &sum[0][0], &bread[0][0])
-                                        : solve_covariance(n, COLUMN_COUNT, &sum[0][0], &bread[0][0]);
-        if (!solved) {
+        if (!solve_covariance(n, COLUMN_COUNT, &sum[0][0], &bread[0][0])) {
             /* Columns that are not distinguishable here: nothing is certain. */
             for (size_t i = 0; i < n; i++) {
                 c->covariance[i][i] = UNKNOWN * UNKNOWN;

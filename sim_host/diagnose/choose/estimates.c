@@ -75,7 +75,7 @@ estimate estimate_of(const fit_data *d, const evidence_view *view, const fit_sta
         }
     }
     const double usual = coordinate_usual(id);
-    if (!(h[own][own] > 0.0) || !solve_inverse(n, COLUMN_COUNT, &h[0][0], &inverse[0][0])) {
+    if (!(h[own][own] > 0.0) || !solve_covariance(n, COLUMN_COUNT, &h[0][0], &inverse[0][0])) {
         return unknown;
     }
     /* Along the coordinate: what its own column and the members that move it do. */
