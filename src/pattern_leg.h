@@ -14,7 +14,7 @@ typedef struct {
     const iqfoc_pattern_row_t *row;
     const iqfoc_pattern_row_t *next;
     iq24_t
-        part; /* of the way to the next one: 0 ... 1, 1 excluded; negative beyond the row: pattern_control.c */
+        part; /* of the way to the next one: 0 ... 1, 1 excluded; negative beyond the row: pattern_trajectory.c */
 } pattern_rows_t;
 
 /*

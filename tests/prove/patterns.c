@@ -9,6 +9,7 @@
 #include "iqfoc/pulse_mode.h"
 
 #include "pattern_control.c"
+#include "pattern_trajectory.c"
 
 /* The bounds of 1/u_dc, times the mean of the link within 1/30 of 1. */
 #define INVERSE_LOW  10811692
@@ -196,7 +197,7 @@ void prove_pattern_control_place(void)
         for (int32_t before = 0; before < edges; before++) {
             const iqfoc_pattern_trajectory_t t = any_trajectory(edges);
             int32_t n = before;
-            const place_t place = place_of(&t, any_within(-IQ24(2.0), IQ24(3.0)), &n);
+            const pattern_place_t place = pattern_place_of(&t, any_within(-IQ24(2.0), IQ24(3.0)), &n);
             check(n, 0, edges - 1);
             check(place.y, 0, PATTERN_HALF_TURN - 1);
             check(place.level, -1, 1);
@@ -251,7 +252,7 @@ void prove_pattern_control_leg(void)
         const int32_t edges = 2 * angles + 1;
         const iqfoc_pattern_t table = any_table(angles);
         iqfoc_pattern_control_t c = any_control(&table, any_within(0, edges - 1));
-        const place_t place = {any_within(0, PATTERN_HALF_TURN - 1), any_bool() ? 1 : -1, 0};
+        const pattern_place_t place = {any_within(0, PATTERN_HALF_TURN - 1), any_bool() ? 1 : -1, 0};
         iqfoc_pattern_edges_t out;
         step_leg(&c, 0, &place, any_within(-IQ24(5.5), IQ24(5.5)), &out);
         check_control(&c, edges);

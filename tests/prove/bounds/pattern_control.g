@@ -1,4 +1,4 @@
-# Control of a pulse pattern (src/pattern_control.c): pattern_l, pattern_cycles, pattern_link and pattern_moved_time.
+# Control of a pulse pattern (src/pattern_control.c, pattern_trajectory.c): pattern_l, pattern_cycles, pattern_link, pattern_moved_time.
 @near = fixed<-24,nu>;
 # L I_b/(U_b T) of k_u, and a quarter of the cycles of a turn.
 l = near(1 / k_u);

@@ -1,0 +1,52 @@
+/* The place of a leg on the flux trajectory of its pulse pattern. */
+#ifndef IQFOC_SRC_PATTERN_PLACE_H
+#define IQFOC_SRC_PATTERN_PLACE_H
+
+#include "iqfoc/pattern_control.h"
+
+#include "pattern_leg.h"
+
+/* Numbers of edges and levels are those of one family and one number of angles: the legs take the pattern's. */
+static inline void pattern_restart_legs(iqfoc_pattern_control_t *control, int32_t start)
+{
+    control->trajectory.start = start;
+    for (int32_t k = 0; k < 3; k++) {
+        control->leg[k].place = 0;
+        control->leg[k].level = 0;
+    }
+}
+
+typedef struct {
+    iq24_t y;      /* angle in the half turn: 0 ... 1/2, 1/2 excluded */
+    int32_t level; /* the pattern's */
+    iq24_t flux;   /* integral of the level: within +-1/4 */
+} pattern_place_t;
+
+/* n: number of the last edge at or before the place, in its half turn; in the cycle before, and now. */
+static inline pattern_place_t pattern_place_of(const iqfoc_pattern_trajectory_t *t, iq24_t x, int32_t *n)
+{
+    const iq24_t y = x & (PATTERN_HALF_TURN - 1);
+    /* These end at angle[0] = 0 and angle[edges] = 1/2. */
+    const iq24_t *angle = &t->angle[*n];
+    while (*angle > y) {
+        angle--;
+    }
+    while (angle[1] <= y) {
+        angle++;
+    }
+    const int32_t k = (int32_t)(angle - t->angle);
+    *n = k;
+    /* The second half turn and each edge change the sign. */
+    const uint32_t changes = (uint32_t)k + ((uint32_t)x >> 23);
+    const int32_t level = (changes & 1U) != 0 ? -t->start : t->start;
+    const pattern_place_t place = {y, level, level * (y + t->ahead[k])};
+    return place;
+}
+
+/* The angle of leg a at a rotor angle, but for whole turns: -1 ... 2. Those of the others are third_turn further each. */
+static inline iq24_t pattern_angle_at(const iqfoc_pattern_trajectory_t *t, iq24_t theta)
+{
+    return t->sense * (theta & (IQ24_ONE - 1)) + t->u_place;
+}
+
+#endif

@@ -1,0 +1,292 @@
+/* The flux trajectory of a pulse pattern for the reference, at each peak, and the change of its table (include/iqfoc/pattern_control.h). */
+#include "iqfoc/pattern_control.h"
+
+#include "iqfoc/iq24_math.h"
+#include "iqfoc/transform.h"
+
+#include "pattern_place.h"
+
+#include <stddef.h>
+
+#define Q28_2_PI   INT32_C(1686629713)
+#define Q32_1_2_PI INT32_C(683565276)
+#define Q30_PI2_6  INT32_C(1766234505)
+
+/* ---- The trajectory ---- */
+
+/*
+ * The level is even about 1/4 turn, so that its integral from there is odd, as is the level's sign. `back`: the integral from 1/4 turn
+ * times the level at an angle, which changes its sign at each edge. Range: |back| <= 1/4 turn.
+ */
+static void trace(iqfoc_pattern_trajectory_t *t, const pattern_rows_t *rows, int32_t angles)
+{
+    const int32_t edges = 2 * angles + 1;
+    iq24_t back = 0;
+    iq24_t above = PATTERN_QUARTER_TURN;
+    for (int32_t k = angles; k > 0; k--) {
+        const iq24_t angle = pattern_angle(rows, k - 1);
+        const iq24_t mirrored = PATTERN_HALF_TURN - angle;
+        back -= above - angle;
+        t->angle[k] = angle;
+        t->ahead[k] = back - angle;
+        t->angle[edges - k] = mirrored;
+        t->ahead[edges - k] = back - mirrored;
+        back = -back;
+        above = angle;
+    }
+    t->angle[0] = 0;
+    t->ahead[0] = back - above;
+    t->angle[edges] = PATTERN_HALF_TURN;
+    t->angle[edges + 1] = PATTERN_HALF_TURN + t->angle[1];
+    t->edges = edges;
+}
+
+/* ---- The rows at a place of the table ---- */
+
+/*
+ * Beyond a row without a joined one there, its angles go on as from the one before: otherwise the fundamental would remain that of the row.
+ * At most one row further, and only if the angles stay in order up to there.
+ */
+static pattern_rows_t rows_beyond(const iqfoc_pattern_t *table, int32_t n, iq24_t place)
+{
+    const iq24_t part = iq24_clamp(place - n * IQ24_ONE, -IQ24_ONE, IQ24_ONE);
+    const int32_t before = part > 0 ? n - 1 : n + 1;
+    const iqfoc_pattern_row_t *row = &table->row[n];
+    pattern_rows_t rows = {row, row, 0};
+    if (before < 0 || before >= table->rows || table->row[part > 0 ? before : n].joined == 0) {
+        return rows;
+    }
+    const iqfoc_pattern_row_t *next = &table->row[before];
+    iq24_t lowest = 0;
+    for (int32_t k = 0; k < table->angles; k++) {
+        const iq24_t end = 2 * row->angle[k] - next->angle[k];
+        if (!iq24_within(end, lowest, PATTERN_QUARTER_TURN)) {
+            return rows;
+        }
+        lowest = end;
+    }
+    rows.next = next;
+    rows.part = part > 0 ? -part : part;
+    return rows;
+}
+
+/* ---- Change of the table ---- */
+
+void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table)
+{
+    control->wanted = table;
+    control->waited = 0;
+    control->nearest_q48 = INT64_C(1) << 62; /* more than any, and 1.5 times that fits */
+}
+
+/* Square of the distance between the flux of two tables at the start of the next cycle, in turns. Range: 2 (2/3)^2. */
+static iq24_acc_t distance_q48(const iqfoc_pattern_control_t *control,
+                               const iqfoc_pattern_trajectory_t *other)
+{
+    const iqfoc_pattern_trajectory_t *t = &control->trajectory;
+    iq24_t apart[3];
+    const iq24_t a = pattern_angle_at(t, iq24_add_wrap(control->theta, t->turns));
+    for (int32_t k = 0; k < 3; k++) {
+        const iq24_t x = a + k * t->third_turn;
+        int32_t n = control->leg[k].place;
+        int32_t m = 0;
+        apart[k] = pattern_place_of(other, x, &m).flux - pattern_place_of(t, x, &n).flux;
+    }
+    const iqfoc_abc_t legs = {apart[0], apart[1], apart[2]};
+    const iqfoc_ab_t flux = iqfoc_clarke3(legs);
+    return iq24_acc_mac(iq24_acc_mul(flux.alpha, flux.alpha), flux.beta, flux.beta);
+}
+
+/*
+ * Takes the wanted table where its flux is nearest: the distance has a period of a sixth of a turn, in which its least value is found,
+ * and is then within 1.2 of that. After two turns it takes it anyway.
+ */
+static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index)
+{
+    iqfoc_pattern_modulator_t other = control->modulator;
+    other.table = control->wanted;
+    other.row = 0;
+    const iq24_t place = pattern_place(other.table, index);
+    pattern_rows_t rows = pattern_rows_at(&other, place);
+    if (rows.next == rows.row) {
+        rows = rows_beyond(other.table, other.row, place);
+    }
+    iqfoc_pattern_trajectory_t next = control->trajectory;
+    trace(&next, &rows, other.table->angles);
+    next.start = rows.row->start;
+    const iq24_acc_t apart = distance_q48(control, &next);
+    const iq24_acc_t nearest = control->nearest_q48;
+    const iq24_acc_t enough = iq24_asr64(nearest, 1) - iq24_asr64(nearest, 4) + nearest; /* 1.2^2 */
+    control->waited += next.speed;
+    if (control->waited > IQ24(2.0) || (control->waited > IQ24(0.1666667) && apart <= enough)) {
+        control->wanted = NULL;
+        control->modulator = other;
+        control->trajectory = next;
+        pattern_restart_legs(control, next.start);
+    } else if (apart < nearest) {
+        control->nearest_q48 = apart;
+    }
+}
+
+/* ---- The reference ---- */
+
+/* Range: the innovation is held to 16 a component, so that |seen| <= 16 sqrt(2). With disturbance_l <= 2 and v <= 1/2: below 46. */
+static void learn(iqfoc_pattern_control_t *control)
+{
+    const iqfoc_ab_t miss = control->miss;
+    const iq24_t alpha = miss.alpha - control->carried.alpha;
+    const iq24_t beta = miss.beta - control->carried.beta;
+    const iqfoc_ab_t innovation = {IQ24_HOLD_BITS(alpha, 29), IQ24_HOLD_BITS(beta, 29)};
+    const iqfoc_dq_t seen = iqfoc_park(innovation, control->sc_sample);
+    const iq24_t d = control->v.d + iq24_mul_round(control->disturbance_l, seen.d);
+    const iq24_t q = control->v.q + iq24_mul_round(control->disturbance_l, seen.q);
+    control->v.d = IQ24_HOLD_BITS(d, 24);
+    control->v.q = IQ24_HOLD_BITS(q, 24);
+    control->carried.alpha = iq24_mul_trunc(control->keeps, miss.alpha);
+    control->carried.beta = iq24_mul_trunc(control->keeps, miss.beta);
+    control->sc_sample = control->sc;
+}
+
+/* The mean of the link, and one Newton step of its inverse: r (2 - u r). Range: it moves by at most 1/64, so |1 - u r| < 1/30. */
+static void follow_link(iqfoc_pattern_control_t *control)
+{
+    control->u_mean += iq24_asr32(control->u_dc - control->u_mean + 32, 6);
+    const iq24_t rest = IQ24_ONE - iq24_mul_round(control->u_mean, control->u_dc_inverse);
+    control->u_dc_inverse += iq24_mul_round(control->u_dc_inverse, rest);
+    /*@ assert pattern_link: 8388608 <= control->u_mean <= 25165824; */
+    /*@ assert pattern_link: 10811692 <= control->u_dc_inverse <= 34673033; */
+}
+
+/*
+ * The rows at an index, but those before a jump of the angles until the legs may take the others: a jump is a change to the same table.
+ */
+static pattern_rows_t rows_kept(iqfoc_pattern_control_t *control, iq24_t index)
+{
+    iqfoc_pattern_modulator_t *modulator = &control->modulator;
+    const iqfoc_pattern_t *table = modulator->table;
+    const int32_t before = modulator->row;
+    const iq24_t place = pattern_place(table, index);
+    pattern_rows_t rows = pattern_rows_at(modulator, place);
+    if (rows.next != rows.row && modulator->row == before && control->wanted != table) {
+        return rows;
+    }
+    int32_t n = control->trajectory.start != 0 ? before : modulator->row;
+    while (n < modulator->row && table->row[n].joined != 0) {
+        n++;
+    }
+    while (n > modulator->row && table->row[n - 1].joined != 0) {
+        n--;
+    }
+    if (n != modulator->row) {
+        modulator->row = n;
+        rows.next = rows.row;
+        if (control->wanted == NULL) {
+            iqfoc_pattern_control_change(control, table);
+        }
+    } else if (control->wanted == table) {
+        control->wanted = NULL;
+    }
+    return rows.next == rows.row ? rows_beyond(table, n, place) : rows;
+}
+
+/*
+ * The share of the voltage by which the link is off, times the mean angle between two edges of a leg: turns. The link is extrapolated to the
+ * start of the cycle, two after the sample. Range: the link is off by at most 1/8, its inverse at most 2.07: below 0.26 (1/6).
+ */
+static iq24_t link_ahead(const iqfoc_pattern_control_t *control)
+{
+    const iq24_t apart = control->u_dc + 2 * control->u_slope - control->u_mean;
+    const int32_t off_q25 = iq24_mul_high_round(IQ24_HOLD_BITS(apart, 22) * 512, control->u_dc_inverse);
+    return iq24_mul_high_round(off_q25, PATTERN_HALF_TURN * 128 / (2 * control->modulator.table->angles + 1));
+}
+
+/* Six-step has one length of the voltage. Its d component remains, and with it i_q; i_d is what the length makes. */
+static iq24_t angle_of_six_step(const iqfoc_pattern_control_t *control, iqfoc_dq_t u)
+{
+    const iq24_t length = iq24_mul_round(control->u_mean, IQ24(0.63661977236758134308));
+    const iq24_acc_t rest = iq24_acc_mac(iq24_acc_mul(length, length), -u.d, u.d);
+    const iq24_t q = iq24_sqrt(iq24_acc_round(rest > 0 ? rest : 0));
+    return iq24_atan2(u.q < 0 ? -q : q, u.d);
+}
+
+/*
+ * Range: l i_ref + psi <= 80 and phi <= 0.79: below 64; r i_ref <= 64. cycles_q22 <= 2^29; 1/phi <= 20.4, so
+ * that steady <= 2.07 (0.16 + 2 + 0.17). The voltage's square is at most 32.
+ */
+void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_ref, iq24_t turns)
+{
+    iqfoc_pattern_trajectory_t *t = &control->trajectory;
+    learn(control);
+    follow_link(control);
+    const iq24_t speed = iq24_clamp(turns < 0 ? -iq24_max(turns, -IQFOC_PATTERN_TURNS_MAX) : turns,
+                                    IQFOC_PATTERN_CONTROL_TURNS_MIN, IQFOC_PATTERN_TURNS_MAX);
+    t->turns = turns < 0 ? -speed : speed;
+    t->cycles_q22 = iq24_div(INT32_C(1) << 22, speed);
+    /*@ assert pattern_cycles: 33554432 <= t->cycles_q22 <= 536870912; */
+    t->speed = speed;
+    t->l_q28 = iq24_mul_trunc(iq24_mul_shift(control->l, speed, 20), control->u_dc_inverse);
+
+    const iq24_t phi = iq24_mul_high_round(t->turns * 16, Q28_2_PI);
+    const iq24_t drop_d = iq24_mul_trunc(control->r, i_ref.d) - control->v.d;
+    const iq24_t drop_q = iq24_mul_trunc(control->r, i_ref.q) - control->v.q;
+    const iqfoc_dq_t drop = {IQ24_HOLD_BITS(drop_d, 25), IQ24_HOLD_BITS(drop_q, 25)};
+    const iq24_t u_d = drop.d - iq24_mul_round(phi, iq24_mul_trunc(control->l, i_ref.q));
+    const iq24_t u_q = drop.q + iq24_mul_round(phi, iq24_mul_trunc(control->l, i_ref.d) + control->psi);
+    const iqfoc_dq_t u = {IQ24_HOLD_BITS(u_d, 27), IQ24_HOLD_BITS(u_q, 27)};
+    const iq24_t length = iq24_sqrt(iq24_acc_round(iq24_acc_mac(iq24_acc_mul(u.d, u.d), u.q, u.q)));
+    iq24_t u_angle;
+    iq24_t ahead = 0;
+    if (control->modulator.table->angles > 0) {
+        u_angle = iq24_atan2(u.q, u.d);
+        ahead = 256 * link_ahead(control);
+    } else {
+        u_angle = angle_of_six_step(control, u);
+    }
+    /* Backward, x becomes 1/2 - x: the level is the same, and time goes forward. */
+    t->sense = turns < 0 ? -1 : 1;
+    t->u_place = PATTERN_QUARTER_TURN + t->sense * u_angle;
+    t->third_turn = -t->sense * PATTERN_THIRD_TURN;
+
+    /* j drop/omega, the movement times psi, and the flux that the link's deviation makes until the next edges. */
+    const int32_t radian_q32 = turns < 0 ? -Q32_1_2_PI : Q32_1_2_PI;
+    const iq24_t steady_d = -iq24_mul_high_round(drop.q, radian_q32) -
+                            iq24_mul_high_round(control->psi, speed * 256) - iq24_mul_high_round(ahead, u.d);
+    const iq24_t steady_q = iq24_mul_high_round(drop.d, radian_q32) - iq24_mul_high_round(ahead, u.q);
+    t->steady_q28.d = iq24_shift_wrap(IQ24_MUL64(steady_d, control->u_dc_inverse), 20);
+    t->steady_q28.q = iq24_shift_wrap(IQ24_MUL64(steady_q, control->u_dc_inverse), 20);
+    /* A pattern's voltage turns with the rotor, and e^-rho weights the cycle's end more than its start: 1 + j rho phi/12. */
+    const iqfoc_ab_t share = iqfoc_clarke3(control->high);
+    const iqfoc_ab_t per_link = {iq24_mul_trunc(share.alpha, control->law.k_u_q26),
+                                 iq24_mul_trunc(share.beta, control->law.k_u_q26)};
+    const int32_t later_q32 = iq24_mul_high_round(control->later_q31, t->turns * 512);
+    t->per_link_q26.alpha = per_link.alpha - iq24_mul_high_round(per_link.beta, later_q32);
+    t->per_link_q26.beta = per_link.beta + iq24_mul_high_round(per_link.alpha, later_q32);
+
+    /*
+     * In the rotor frame at the cycle's end, where the angle at mid-cycle is half the movement behind. The mean of v over the cycle is
+     * 1 - phi^2/24 of it.
+     */
+    const iq24_sincos_t sc_half = iq24_sincos_inline(-iq24_asr32(t->turns, 1));
+    const iqfoc_exact_t exact = iqfoc_exact_at_speed_inline(&control->law, t->turns);
+    const int32_t less_q30 =
+        iq24_mul_high_round(iq24_mul_high_round(t->turns * 256, t->turns * 256), Q30_PI2_6);
+    const int32_t k_u_q26 = exact.k_u_q26 - 4 * iq24_mul_high_round(less_q30, exact.k_u_q26);
+    const int32_t d_q26 = iq24_mul_trunc(k_u_q26, control->v.d) + exact.w_imag_q26;
+    const int32_t q_q26 = iq24_mul_trunc(k_u_q26, control->v.q) - exact.w_real_q26;
+    const int64_t half = INT64_C(1) << 25;
+    const iqfoc_ab_t drift = {
+        iq24_shift_wrap(IQ24_MAC64(IQ24_MAC64(half, d_q26, sc_half.cos), q_q26, -sc_half.sin), 26),
+        iq24_shift_wrap(IQ24_MAC64(IQ24_MAC64(half, d_q26, sc_half.sin), q_q26, sc_half.cos), 26)};
+    t->drift_q26.d = 4 * IQ24_HOLD_BITS(drift.alpha, 30);
+    t->drift_q26.q = 4 * IQ24_HOLD_BITS(drift.beta, 30);
+
+    const iq24_t index = iqfoc_pattern_index(length, control->u_dc_inverse);
+    const pattern_rows_t rows = rows_kept(control, index);
+    trace(t, &rows, control->modulator.table->angles);
+    if (rows.row->start != t->start) {
+        pattern_restart_legs(control, rows.row->start);
+    }
+    if (control->wanted != NULL) {
+        change_if_near(control, index);
+    }
+}
