@@ -98,22 +98,32 @@ iqfoc_commission_value_t commission_spread(const iq24_t x[N])
     return value;
 }
 
-iqfoc_commission_value_t commission_inductance(const iq24_t d[N], const iq24_t s[N], iq24_t h_u,
-                                               iqfoc_commission_value_t r)
+/* L's correction for the current's course between the samples. */
+static iq24_t between_samples(const iqfoc_commission_result_t *known, iq24_t l)
 {
+    const iq24_t r = known->r.value;
+    const iq24_t late = iq24_asr32(known->v_dead.value, 1);
+    return iq24_mul_sat(r, iq24_sub_sat(late, iq24_div(iq24_mul_sat(r, IQ24(3.0 / 32.0)), l)));
+}
+
+iqfoc_commission_value_t commission_inductance(const iqfoc_commission_result_t *known, const iq24_t d[N],
+                                               const iq24_t s[N], iq24_t h_u)
+{
+    const iq24_t r = known->r.value;
     const iq24_t d_mean = commission_mean(d);
     const iq24_t s_mean = commission_mean(s);
-    const iq24_t l = iq24_div(iq24_sub_sat(h_u, iq24_mul_sat(r.value, s_mean)), d_mean);
+    const iq24_t l = iq24_div(iq24_sub_sat(h_u, iq24_mul_sat(r, s_mean)), d_mean);
     int64_t squares = 0;
     for (uint32_t k = 0; k < N; k++) {
         const iq24_t by_d = iq24_mul_sat(l, iq24_sub_sat(d[k], d_mean));
-        const iq24_t by_s = iq24_mul_sat(r.value, iq24_sub_sat(s[k], s_mean));
+        const iq24_t by_s = iq24_mul_sat(r, iq24_sub_sat(s[k], s_mean));
         squares += square(iq24_add_sat(by_d, by_s));
     }
     const iq24_t noise = half_of_mean(deviation_q27(squares));
-    const iq24_t of_r = iq24_abs_sat(iq24_mul_sat(r.half, s_mean));
+    const iq24_t of_r = iq24_abs_sat(iq24_mul_sat(known->r.half, s_mean));
     const iqfoc_commission_value_t value = {
-        l, iq24_add_sat(iq24_div(iq24_add_sat(noise, of_r), iq24_abs_sat(d_mean)), 1)};
+        iq24_add_sat(l, between_samples(known, l)),
+        iq24_add_sat(iq24_div(iq24_add_sat(noise, of_r), iq24_abs_sat(d_mean)), 1)};
     return value;
 }
 

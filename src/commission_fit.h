@@ -23,10 +23,10 @@ commission_line_t commission_line(const iq24_t x[IQFOC_COMMISSION_BLOCKS],
 /* The mean with its half width. */
 iqfoc_commission_value_t commission_spread(const iq24_t x[IQFOC_COMMISSION_BLOCKS]);
 
-/* (h_u - r s)/d of the blocks' d and s; r with its half width. */
-iqfoc_commission_value_t commission_inductance(const iq24_t d[IQFOC_COMMISSION_BLOCKS],
-                                               const iq24_t s[IQFOC_COMMISSION_BLOCKS], iq24_t h_u,
-                                               iqfoc_commission_value_t r);
+/* L of the blocks' D and S by the results R and v_dead, with its half width. */
+iqfoc_commission_value_t commission_inductance(const iqfoc_commission_result_t *known,
+                                               const iq24_t d[IQFOC_COMMISSION_BLOCKS],
+                                               const iq24_t s[IQFOC_COMMISSION_BLOCKS], iq24_t h_u);
 
 /* Means in the frame of the commanded angle: current, voltage. */
 typedef struct {

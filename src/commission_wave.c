@@ -118,7 +118,7 @@ static void inductance_found(iqfoc_commission_t *c)
     const iq24_t low = IQ24(0.0625);
     const iq24_t high = IQ24(8.0);
     const iq24_t h_u = c->amplitude * (iq24_t)(INT32_C(1) << commission_half_log2(c));
-    const iqfoc_commission_value_t l = commission_inductance(c->x, c->y, h_u, c->result.r);
+    const iqfoc_commission_value_t l = commission_inductance(&c->result, c->x, c->y, h_u);
     if (c->phase == IQFOC_COMMISSION_INDUCTANCE_D) {
         c->result.l_d = commission_taken(c, l, share, low, high);
         c->across = iq24_div(c->across, commission_mean(c->x));

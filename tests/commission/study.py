@@ -57,6 +57,7 @@ def drive(build, number, compared):
             "half": half / abs(truth), "miss": (value - truth) / half, "diagnosed": low is not None,
             "overlap": low is not None and low <= value + half and high >= value - half,
             "diagnosis_right": low is not None and low <= truth <= high,
+            "diagnosis_miss": None if low is None else (0.5 * (low + high) - truth) / (0.5 * (high - low)),
             "diagnosis_half": None if low is None else 0.5 * (high - low) / abs(truth)}
     return row
 
@@ -69,6 +70,8 @@ def summary(rows):
         table[name] = {"drives": len(values), "held": sum(abs(v["miss"]) <= 1.0 for v in values),
                        "median_half": statistics.median(v["half"] for v in values),
                        "worst": max(abs(v["miss"]) for v in values), "diagnosed": len(both), "overlap": sum(v["overlap"] for v in both),
+                       "apart_held": sum(abs(v["miss"]) <= 1.0 for v in both if not v["overlap"]),
+                       "apart_diagnosis_right": sum(v["diagnosis_right"] for v in both if not v["overlap"]),
                        "diagnosis_right": sum(v["diagnosis_right"] for v in both),
                        "diagnosis_median_half": statistics.median(v["diagnosis_half"] for v in both) if both else None}
     return {"drives": len(rows), "compared": sum(row["compared"] for row in rows), "done": sum(row["end"] == DONE for row in rows), "highest": max(row["highest"] for row in rows),
@@ -79,6 +82,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.strip().split("\n", maxsplit=1)[0])
     parser.add_argument("--build", type=pathlib.Path, required=True, help="folder of the host's build")
     parser.add_argument("--drives", type=int, default=6)
+    parser.add_argument("--first", type=int, default=0, help="number of the first drive")
     parser.add_argument("--compared", type=int, default=2, help="diagnose the first of them")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--rows", type=pathlib.Path, help="keep each drive's row in this file, and continue from it")
@@ -87,10 +91,10 @@ def main():
     rows = []
     if options.rows and options.rows.exists():
         rows = [json.loads(line) for line in options.rows.read_text(encoding="utf-8").splitlines()]
-    rows = [row for row in rows if row["compared"] >= (row["number"] < options.compared)]
-    missing = sorted(set(range(options.drives)) - {row["number"] for row in rows})
+    rows = [row for row in rows if row["compared"] >= (row["number"] < options.first + options.compared)]
+    missing = sorted(set(range(options.first, options.first + options.drives)) - {row["number"] for row in rows})
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for row in pool.map(lambda number: drive(options.build, number, number < options.compared), missing):
+        for row in pool.map(lambda number: drive(options.build, number, number < options.first + options.compared), missing):
             rows.append(row)
             if options.rows:
                 with options.rows.open("a", encoding="utf-8") as file:
