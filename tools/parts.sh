@@ -103,15 +103,20 @@ run_lanes() {
 # that the host preset built; studies, which run the same parts for longer, take a sanitizer minutes. A `long` test runs with one compiler
 # and for coverage: what it calls is also called by shorter tests.
 NO_STUDY='^(sweep|blind|tool|study|long)$'
-# A second compiler and coverage are the library's and the parts', by their unit tests: the program as its user meets it adds nothing.
+# Coverage is the library's and the parts', by their unit tests: the program as its user meets it adds nothing.
 UNIT_ONLY='^(sweep|blind|tool|cli|study)$'
-SHORT_UNITS='^(sweep|blind|tool|cli|study|long)$'
 
 # Builds all of a preset and runs its tests but for those with a label that matches $2.
 test_preset() {
     build_preset "$1" all -DBUILD_TESTING=ON -DIQFOC_TESTS=all
     UBSAN_OPTIONS=print_stacktrace=1 ctest --test-dir "build/$1" -j "$JOBS" --no-tests=error --output-on-failure \
         ${2:+--label-exclude "$2"}
+}
+
+# The library's unit tests by an optimising clang. Of the host's code the asan preset has clang's warnings.
+test_clang() {
+    build_preset clang tests/unit/library/all -DBUILD_TESTING=ON -DIQFOC_TESTS=all
+    ctest --test-dir build/clang/tests/unit/library -j "$JOBS" --no-tests=error --output-on-failure --label-exclude "$NO_STUDY"
 }
 
 # The library for a target without an operating system needs nothing of a C library.
@@ -142,12 +147,17 @@ END
 
 # A file at a time: over several, the va_list checker of Debian 12's clang-tidy carries one file's state into the next. In C++ the
 # checkers of malloc and new follow Eigen into its headers, and take memory that a destructor frees, and the allocation that Eigen fails
-# by, for lost. The analyzer follows a function through 60,000 states instead of 225,000: a quarter of the time.
+# by, for lost. The analyzer follows a function through 60,000 states instead of 225,000: a quarter of the time. Tests get the other
+# checks alone: the sanitizers run their paths.
 # shellcheck disable=SC2016 # the inner shell expands its $1
 check_tidy() {
     configure_preset clang -DBUILD_TESTING=ON
     compiled_files | xargs -P "$JOBS" -n 1 sh -c 'echo "$1"
-        case $1 in *.cpp) checks=--checks=-clang-analyzer-unix.Malloc,-clang-analyzer-unix.MismatchedDeallocator,-clang-analyzer-cplusplus.NewDeleteLeaks ;; *) checks= ;; esac
+        case $1 in
+        */tests/*) checks=--checks=-clang-analyzer-* ;;
+        *.cpp) checks=--checks=-clang-analyzer-unix.Malloc,-clang-analyzer-unix.MismatchedDeallocator,-clang-analyzer-cplusplus.NewDeleteLeaks ;;
+        *) checks= ;;
+        esac
         deep="-Xclang --extra-arg=-analyzer-config --extra-arg=-Xclang --extra-arg=max-nodes=60000"
         exec clang-tidy --quiet -p build/clang $checks --extra-arg=$deep "$1" 2>/dev/null' sh |
         tee build/clang-tidy.txt || {
@@ -258,7 +268,7 @@ program_lane() {
 
 # Other compilers, sanitizers, other people's builds, static analysis; then what only needs the program that the other lane built.
 source_lane() {
-    run_part clang test_preset clang "$SHORT_UNITS"
+    run_part clang test_clang
     run_part asan test_preset asan "$NO_STUDY"
     static_checks
     run_part fuzz check_fuzz
