@@ -40,7 +40,7 @@ static bool methods_valid(const iqfoc_cycle_config_t *c)
            (c->modulation == IQFOC_MODULATION_PWM || c->modulation == IQFOC_MODULATION_SIX_STEP);
 }
 
-/* period + tolerance is a time limit of the guard, which treats a time from 2^31 ticks on as already over. */
+/* period + tolerance must not wrap; a time from 2^31 ticks on is one that ran backwards, and so already over. */
 static bool times_valid(const iqfoc_cycle_config_t *c)
 {
     return (c->period_ticks == 0) == c->time_unchecked && c->period_ticks <= INT32_MAX &&

@@ -109,9 +109,9 @@ static inline iqfoc_dq_t iqfoc_current_control_decoupling(const iqfoc_current_co
  * Range: |k e| <= 2048, |reactance i| <= 1024, EMF 32 and |I| <= 8 in per unit: below 2^60 in the accumulator.
  * 256 turns is below 2^31, and the high word of its product with x is turns times x, below 2^30.
  */
-static inline iqfoc_dq_t iqfoc_current_control_voltage(iqfoc_current_control_t *control,
-                                                       const iqfoc_current_control_gains_t *gains,
-                                                       iqfoc_dq_t i_ref, iqfoc_dq_t i, iq24_t turns)
+IQFOC_STEP iqfoc_dq_t iqfoc_current_control_voltage(iqfoc_current_control_t *control,
+                                                    const iqfoc_current_control_gains_t *gains,
+                                                    iqfoc_dq_t i_ref, iqfoc_dq_t i, iq24_t turns)
 {
     const iq24_t e_d = iq24_sub_wrap(i_ref.d, i.d);
     const iq24_t e_q = iq24_sub_wrap(i_ref.q, i.q);

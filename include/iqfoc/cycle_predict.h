@@ -199,7 +199,7 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_deadbeat(const iqfoc_methods_t m, iqfoc_cycle_
 
 /* Prediction, mean and deadbeat control of a valley. turns: held to its limit. */
 IQFOC_STEP void iqfoc_cycle_predict(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
-                                    const iqfoc_sample_t *sample, iqfoc_ab_t i, iqfoc_ab_t u, iq24_t turns)
+                                    const iqfoc_sample_t *sample, iqfoc_ab_t i, iq24_t turns)
 {
     /*
      * Deadbeat control has a model without saliency (cycle_check.h), which sets at.exact. A compiler that gets the
@@ -211,6 +211,8 @@ IQFOC_STEP void iqfoc_cycle_predict(const iqfoc_methods_t m, iqfoc_cycle_t *cycl
     at.exact = none;
     at.w_q26 = 0;
     iqfoc_cycle_rotor(m, cycle, &at, sample, turns);
+    const iqfoc_ab_t u = {cycle->u_ab.alpha, cycle->u_ab.beta};
+    cycle->u_now = u;
     iqfoc_ab_t i_next = m.model == IQFOC_MODEL_SALIENT || m.model == IQFOC_MODEL_FLUX
                             ? iqfoc_cycle_predict_salient(m, cycle, &at, u)
                             : iqfoc_cycle_predict_plain(m, cycle, &at, u);

@@ -88,9 +88,9 @@ IQFOC_STEP bool iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     iq24_t turns = sample->turns;
     bool whole = true;
-    if ((iqfoc_guard_sample(ended, sample, i, now) | cycle->phase |
-         iqfoc_guard_older(iqfoc_ticks_since(cycle->valley_time, sample->time),
-                           ended->period_ticks + ended->tolerance_ticks)) > INT32_MAX) {
+    if (cycle->phase > INT32_MAX ||
+        iqfoc_ticks_since(cycle->valley_time, sample->time) > ended->period_ticks + ended->tolerance_ticks ||
+        iqfoc_guard_sample(ended, sample, i, now) != 0) {
         whole = iqfoc_cycle_report_valley(cycle, sample, now);
         turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
     }
@@ -109,10 +109,8 @@ IQFOC_STEP bool iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     const iqfoc_cycle_config_t *const config = cycle->next;
     cycle->config = config;
     cycle->next = cycle->offered;
-    const iqfoc_ab_t u_now = {cycle->u_ab.alpha, cycle->u_ab.beta};
-    cycle->u_now = u_now;
     cycle->i_valley = i;
-    iqfoc_cycle_predict(m, cycle, sample, i, u_now, turns);
+    iqfoc_cycle_predict(m, cycle, sample, i, turns);
     if (iqfoc_cycle_controls_early(m)) {
         cycle->u_dq = iqfoc_cycle_pi_voltage(m, cycle, config, turns);
     }
@@ -193,9 +191,7 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     iq24_t turns = sample->turns;
     iq24_t u_dc = sample->u_dc;
-    /* Shift bit 30 ("no peak due") into bit 31; computed in 64 bits so that dropping bit 31 is well defined. */
-    const uint32_t no_peak_due = (uint32_t)((uint64_t)cycle->phase << 1);
-    if ((iqfoc_guard_sample(config, sample, i, now) | no_peak_due) > INT32_MAX) {
+    if (cycle->phase != IQFOC_CYCLE_DUE_PEAK || iqfoc_guard_sample(config, sample, i, now) != 0) {
         if (!iqfoc_cycle_report_peak(cycle, sample, now)) {
             return iqfoc_cycle_stopped(cycle);
         }

