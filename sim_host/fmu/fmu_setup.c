@@ -20,6 +20,9 @@ bool fmu_setup_read_files(fmu_setup *s, const char *motor_path, const char *scen
                                             drive_scenario_plain(&s->scenario, scenario_path, e)));
     /* The name is the caller's; a message about a value names the key. */
     s->motor.path = NULL;
+    if (!good) {
+        scenario_free(&s->scenario);
+    }
     return good;
 }
 
