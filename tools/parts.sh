@@ -37,13 +37,6 @@ run_part() {
     fi
 }
 
-# Waits until the part $1 of another lane has ended.
-await_part() {
-    until grep -q " $1\$" "$RESULTS"; do
-        sleep 1
-    done
-}
-
 # Shows, on a terminal, which parts the lanes $2... are at, until the process $1 ends.
 show_progress() {
     local lane names columns line start=$SECONDS pid=$1
@@ -264,9 +257,11 @@ program_lane() {
     run_part misra python3 tools/misra.py check
     run_part static check_static
     run_part python python/test.sh
+    run_part blind tests/blind/run.py --ci --jobs "$JOBS"
+    run_part third tests/blind/third.py --ci --jobs "$JOBS"
 }
 
-# Other compilers, sanitizers, other people's builds, static analysis; then what only needs the program that the other lane built.
+# Other compilers, sanitizers, other people's builds, static analysis, proofs.
 source_lane() {
     run_part clang test_clang
     run_part asan test_preset asan "$NO_STUDY"
@@ -275,9 +270,6 @@ source_lane() {
     run_part consume tests/consume/run.py
     run_part coverage check_coverage
     run_part prove check_prove
-    await_part host
-    run_part blind tests/blind/run.py --ci --jobs "$JOBS"
-    run_part third tests/blind/third.py --ci --jobs "$JOBS"
 }
 
 # What a developer without the further packages runs: ./dev test. The tests of the built program, and those of the target.
