@@ -22,7 +22,7 @@ static inline uint32_t iqfoc_ticks_since(uint32_t then, uint32_t now)
     return (uint32_t)((UINT64_C(0x100000000) + now - then) & UINT32_MAX);
 }
 
-/* What a guard returns if a check failed; else 0. */
+/* What a guard returns if a check failed; else 0. A bool in its place takes one instruction more on a Cortex-M4. */
 #define IQFOC_GUARD_WRONG UINT32_C(0x80000000)
 
 /* Wrong if |x| > limit >= 0; -limit - 1 still passes. x ^ (x >> 31) is x or -x - 1: one comparison for both ends. */

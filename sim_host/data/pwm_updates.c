@@ -75,21 +75,26 @@ static bool next_setting(const char **at, char key[32], char value[32])
     return true;
 }
 
+/* A whole number from 1 to `most`; else 0 and false. */
+static bool whole(double number, int most, int *to)
+{
+    *to = number >= 1.0 && number <= most ? (int)number : 0;
+    return *to >= 1 && (double)*to == number;
+}
+
 static bool set(pwm_updates *p, const char *key, const char *value)
 {
     double number = 0.0;
     const bool is_number = number_parse(value, strlen(value), &number) == NUMBER_OK;
     if (strcmp(key, "periods_per_cycle") == 0) {
-        p->periods = is_number && number >= 1.0 && number <= PWM_UPDATES_MOST ? (int)number : 0;
-        return p->periods >= 1 && (double)p->periods == number;
+        return whole(is_number ? number : 0.0, PWM_UPDATES_MOST, &p->periods);
     }
     if (strcmp(key, "delay_cycles") == 0) {
         p->delay_cycles = number;
         return is_number && number >= 0.0 && number < 1.0;
     }
     if (strcmp(key, "pulses") == 0) {
-        p->pulses = is_number && number >= 1.0 && number <= PATTERN_PULSES_MOST ? (int)number : 0;
-        return p->pulses >= 1 && (double)p->pulses == number;
+        return whole(is_number ? number : 0.0, PATTERN_PULSES_MOST, &p->pulses);
     }
     if (strcmp(key, "modulation") == 0) {
         return strcmp(value, "pattern") == 0;
@@ -99,6 +104,19 @@ static bool set(pwm_updates *p, const char *key, const char *value)
     bool *flag = held ? &p->turned : &p->two_lowest;
     *flag = strcmp(value, words[1]) == 0;
     return (held || strcmp(key, "shunts") == 0) && (*flag || strcmp(value, words[0]) == 0);
+}
+
+/* The length of the table's name that a comment begins with, where more follows; else 0. */
+static size_t table_at(const char *line, size_t length)
+{
+    static const char *const names[] = {"[pwm]", "[sensors]", "[control]"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        const size_t head = strlen(names[k]);
+        if (length > head && strncmp(line, names[k], head) == 0) {
+            return head;
+        }
+    }
+    return 0;
 }
 
 bool pwm_updates_take_comment(pwm_updates *p, const char *line, size_t length, bool *taken)
@@ -115,10 +133,8 @@ bool pwm_updates_take_comment(pwm_updates *p, const char *line, size_t length, b
     while (length > 0 && strchr(" \r\n", line[length - 1]) != NULL) {
         length--;
     }
-    const bool is_pwm = length > 5 && strncmp(line, "[pwm]", 5) == 0;
-    const bool is_sensors =
-        length > 9 && (strncmp(line, "[sensors]", 9) == 0 || strncmp(line, "[control]", 9) == 0);
-    if (!(is_pwm || is_sensors)) {
+    const size_t head = table_at(line, length);
+    if (head == 0) {
         return true;
     }
     if (length >= sizeof text) {
@@ -126,7 +142,7 @@ bool pwm_updates_take_comment(pwm_updates *p, const char *line, size_t length, b
     }
     memcpy(text, line, length);
     text[length] = '\0';
-    const char *at = text + (is_pwm ? 5 : 9);
+    const char *at = text + head;
     while (*at != '\0') {
         if (!next_setting(&at, key, value) || !set(&read, key, value)) {
             return false;
