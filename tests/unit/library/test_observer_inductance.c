@@ -2,6 +2,7 @@
  * L_q of the observer from steps of the current (include/iqfoc/observer_inductance.h): each sentence of the header but
  * those of a drive, which test_sensorless.c has.
  */
+#include "bits.h"
 #include "iqfoc/observer_inductance.h"
 #include "reference_vectors.h"
 
@@ -141,6 +142,28 @@ static void test_holds_below_a_speed(void)
     }
 }
 
+/* A step's voltage is at least u_least: to the last bit, from a filter at rest. */
+static void test_least_voltage(void)
+{
+    uint64_t seed = 32;
+    const int64_t two_pi = IQ24(6.283185307179586);
+    for (int n = 0; n < 2000; n++) {
+        o.turns_q32 = bits_random(&seed, -(INT32_C(1) << 28), INT32_C(1) << 28);
+        const iq24_t x = bits_random(&seed, IQ24(0.1), IQ24(1.0)) * (n % 2 == 0 ? 1 : -1);
+        const int64_t speed = bits_floor(two_pi * iqfoc_observer_turns(&o), IQ24_ONE);
+        const int64_t flux = bits_floor((int64_t)nominal.machine.l_q * x, IQ24_ONE);
+        const int64_t u = bits_product(speed, flux);
+        config.u_least = (iq24_t)(u < 0 ? -u : u);
+        for (int beyond = 0; beyond < 2; beyond++) {
+            config.u_least += beyond;
+            TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_inductance_init(&a, &config, &nominal));
+            a.follows = true;
+            step_with(to_double(x), 0.02);
+            TEST_ASSERT_EQUAL(beyond != 0, a.adapted.machine.l_q == nominal.machine.l_q);
+        }
+    }
+}
+
 static void test_holds_while_the_observer_seeks(void)
 {
     o.locked = false;
@@ -212,6 +235,7 @@ int main(void)
     RUN_TEST(test_error_of_inductance_decays);
     RUN_TEST(test_holds_without_steps_of_the_current);
     RUN_TEST(test_holds_below_a_speed);
+    RUN_TEST(test_least_voltage);
     RUN_TEST(test_holds_while_the_observer_seeks);
     RUN_TEST(test_stays_within_its_bounds);
     RUN_TEST(test_refuses_what_is_out_of_range);

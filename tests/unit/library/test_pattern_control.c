@@ -500,6 +500,15 @@ static void refused(const iqfoc_pattern_control_config_t *config, iqfoc_error_t 
         (void)control_of(&config_, 0.0);                                                                     \
     } while (0)
 
+/* rho pi/6 of the correction's delay, at rho = 1: the constant to the last bit. */
+static void test_delay_of_the_correction(void)
+{
+    iqfoc_pattern_control_config_t config = drive;
+    three_pulses(1);
+    config.winding.rho_q30 = INT32_C(1) << 30;
+    TEST_ASSERT_EQUAL_INT32(lround(ldexp(TWO_PI / 12.0, 31)), control_of(&config, 0.0).later_q31);
+}
+
 static void test_bad_configurations_are_refused(void)
 {
     iqfoc_pattern_control_t c;
@@ -542,6 +551,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_mean_of_the_link);
     RUN_TEST(test_angles_go_on_beyond_a_row);
     RUN_TEST(test_no_time_is_below_the_least);
+    RUN_TEST(test_delay_of_the_correction);
     RUN_TEST(test_bad_configurations_are_refused);
     return UNITY_END();
 }

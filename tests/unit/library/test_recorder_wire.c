@@ -32,6 +32,7 @@ static struct {
     uint32_t cycle, still_to_take, lost, sent, stream, sequence, since_header;
     uint32_t last_status;
     int32_t last_level;
+    int32_t status; /* bits of all cycles since the last row */
     bool seen_one, header_due, ended;
     uint8_t octet[OCTETS_MOST];
     size_t octets, next;
@@ -68,9 +69,15 @@ static void model_arm(void)
     model.phase = config.trigger == IQFOC_RECORDER_NOW ? RUNNING : ARMED;
 }
 
+static int32_t value_of(uint32_t channel)
+{
+    const int32_t *const from = config.channels[channel].source;
+    return from == &recorder.status ? model.status : *from;
+}
+
 static bool model_event(uint32_t status)
 {
-    const int32_t level = *config.channels[config.channel].source;
+    const int32_t level = value_of(config.channel);
     const bool rises = model.last_level < config.level && level >= config.level;
     const bool falls = model.last_level > config.level && level <= config.level;
     const bool comes_up = (status & ~model.last_status & config.status_bits) != 0;
@@ -86,6 +93,7 @@ static bool model_event(uint32_t status)
 static void model_row(void)
 {
     if (model.phase == ARMED && model.before == 0) {
+        model.status = 0;
         return;
     }
     if (model.phase == ARMED && model.count >= model.before) {
@@ -95,8 +103,9 @@ static void model_row(void)
         row *r = &model.waiting[model.count++];
         r->cycle = model.cycle;
         for (uint32_t c = 0; c < config.channel_count; c++) {
-            r->value[c] = *config.channels[c].source;
+            r->value[c] = value_of(c);
         }
+        model.status = 0;
     } else {
         model.lost++;
     }
@@ -110,6 +119,7 @@ static void model_take(uint32_t status)
     if (model.phase != ARMED && model.phase != RUNNING) {
         return;
     }
+    model.status |= (int32_t)status;
     if (model_event(status) && model.phase == ARMED) {
         model.still_to_take = model.capacity - model.count;
         model.phase = RUNNING;
@@ -227,6 +237,9 @@ static void any_config(uint64_t kind)
                                                   bits_random(&seed, 1, INT32_MAX),
                                                   (uint32_t)bits_random(&seed, 0, 62)};
         config.channels[c] = channel;
+    }
+    if (kind % 2 == 0) {
+        config.channels[config.channel_count - 1].source = &recorder.status;
     }
     config.decimation = (uint32_t)bits_random(&seed, 1, kind % 3 == 0 ? 5 : 1);
     config.period_mantissa = (uint32_t)bits_random(&seed, 1, INT32_MAX);

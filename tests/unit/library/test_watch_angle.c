@@ -7,6 +7,7 @@
 #include "sensorless_fixture.h"
 
 #include <stddef.h>
+#include <string.h>
 
 enum { POLE_PAIRS = 3, BLOCK_LEAST = 64 };
 
@@ -169,6 +170,42 @@ static void test_bias_changes_no_name(void)
         TEST_ASSERT_TRUE(named);
         TEST_ASSERT_EQUAL_INT(slips ? IQFOC_WATCH_ANGLE_SLIP : IQFOC_WATCH_ANGLE_OFFSET, w.fault);
     }
+}
+
+/* A mean that has moved by 2 limit is an offset, and beyond it a slip: to the last bit, by differences that are constant in a block. */
+static void test_move_of_a_slip(void)
+{
+    for (int n = 0; n < 4; n++) {
+        const int sign = (n & 1) != 0 ? 1 : -1;
+        const bool slips = n >= 2;
+        const iq24_t first = sign * (three_pairs.mean_limit / 2);
+        const iq24_t later = first + sign * (2 * three_pairs.mean_limit + (slips ? 1 : 0));
+        begin_made(&three_pairs, 0.1);
+        bool named = block_with(to_double(first));
+        for (int k = 0; k < 100 && !named; k++) {
+            named = block_with(to_double(later));
+        }
+        TEST_ASSERT_TRUE(named);
+        TEST_ASSERT_EQUAL_INT(slips ? IQFOC_WATCH_ANGLE_SLIP : IQFOC_WATCH_ANGLE_OFFSET, w.fault);
+        TEST_ASSERT_EQUAL_INT32(slips ? later - first : later, w.amount);
+    }
+}
+
+/* From any state, all fields are those of a watch that has just begun. */
+static void test_reset_begins_again(void)
+{
+    memset(&w, 0x5A, sizeof w);
+    iqfoc_watch_angle_reset(&w);
+    for (int k = 0; k < 3; k++) {
+        TEST_ASSERT_EQUAL_INT32(0, w.x[k] | w.up[k] | w.down[k]);
+        TEST_ASSERT_TRUE(w.sum[k] == 0);
+    }
+    TEST_ASSERT_EQUAL_INT32(0, w.base | w.theta | w.turn | w.first | w.moved | w.naming | w.amount | w.count |
+                                   w.path);
+    TEST_ASSERT_EQUAL_UINT32(0, w.blocks);
+    TEST_ASSERT_EQUAL_INT(IQFOC_WATCH_ANGLE_NONE, w.fault);
+    TEST_ASSERT_EQUAL_INT(IQFOC_WATCH_ANGLE_NONE, w.alarm);
+    TEST_ASSERT_EQUAL_INT32(4, w.wait);
 }
 
 /* Lost counts: the mean runs away, and its wave within a block is no eccentricity. */
@@ -377,6 +414,8 @@ int main(void)
     RUN_TEST(test_offset_has_its_name_and_amount);
     RUN_TEST(test_bias_is_no_fault);
     RUN_TEST(test_bias_changes_no_name);
+    RUN_TEST(test_move_of_a_slip);
+    RUN_TEST(test_reset_begins_again);
     RUN_TEST(test_drift_is_a_slip);
     RUN_TEST(test_interruption_drops_the_block);
     RUN_TEST(test_refuses_values_out_of_range);
