@@ -235,12 +235,13 @@ class Bench:
         return seconds, reach
 
     def tests_for(self, mutant):
-        """Those that call the function which the mutant is in, or anything of the file where it is in none; the fastest first."""
+        """Those that call the function which the mutant is in; anything of the file where it is in none, or in one that is inlined even in
+        the counted library. The fastest first."""
         if mutant.key in self.only:
             return self.only[mutant.key]
         calls = {name: {tuple(span) for span in reach.get(mutant.file, [])} for name, reach in self.reach.items()}
         names = [name for name, spans in calls.items() if any(first <= mutant.line <= last for first, last in spans)]
-        if not self._in_a_function(mutant):
+        if not names or not self._in_a_function(mutant):
             files = {mutant.file} if mutant.file.endswith(".c") else self._including(mutant.file)
             names = [name for name, reach in self.reach.items() if any(reach.get(file) for file in files)]
         return sorted(names, key=lambda name: (self.times[name], name))
