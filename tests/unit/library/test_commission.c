@@ -309,6 +309,7 @@ static void test_configuration(void)
     }
     refused(&good, AT(start.turns_end), 0);
     refused(&good, AT(cycles_max), 0);
+    taken(&good, AT(cycles_max), 1);
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_commission_init(NULL, &good));
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_commission_init(&d.commission, NULL));
 }
