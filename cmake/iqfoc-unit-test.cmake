@@ -43,6 +43,7 @@ function(iqfoc_add_test)
     add_executable(test_${test_NAME} ${test_SOURCES})
     set_target_properties(test_${test_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
     target_link_libraries(test_${test_NAME} PRIVATE ${test_LIBS} unity dep::math)
+    target_compile_options(test_${test_NAME} PRIVATE ${iqfoc_counted})
     add_test(NAME ${test_NAME} COMMAND ${IQFOC_WITHIN} ${test_TIMEOUT} $<TARGET_FILE:test_${test_NAME}>
         WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     set_tests_properties(${test_NAME} PROPERTIES LABELS "${test_LABELS}")

@@ -93,11 +93,10 @@ run_lanes() {
 }
 
 # Labels of tests that one build is enough for: exhaustive ones, and those that run none of the C code, or run it by the program
-# that the host preset built; studies, which run the same parts for longer, take a sanitizer minutes. A `long` test runs with one compiler
-# and for coverage: what it calls is also called by shorter tests.
+# that the host preset built; studies and `long` tests, which call for longer what shorter tests call too.
 NO_STUDY='^(sweep|blind|tool|study|long)$'
 # Coverage is the library's and the parts', by their unit tests: the program as its user meets it adds nothing.
-UNIT_ONLY='^(sweep|blind|tool|cli|study)$'
+UNIT_ONLY='^(sweep|blind|tool|cli|study|long)$'
 
 # Builds all of a preset and runs its tests but for those with a label that matches $2.
 test_preset() {
@@ -171,7 +170,7 @@ check_cppcheck() {
 # cycle_check.h is one of constants wherever it is used, and gcc counts every use's: its branches are left out.
 check_coverage() {
     # Tests of the library that need parts of the host, in addition to those of tests/unit/library.
-    local more=(recorder wire_damage watch adapt induction mean_modulated half_period host_drive synchronous_drive commission)
+    local more=(recorder wire_damage adapt induction mean_modulated half_period host_drive synchronous_drive commission)
     configure_preset coverage -DBUILD_TESTING=ON
     cmake --build build/coverage --target tests/unit/library/all "${more[@]/#/test_}" -j "$JOBS"
     find build/coverage -name '*.gcda' -delete
