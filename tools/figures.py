@@ -29,6 +29,8 @@ from generators import GENERATORS
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BEGIN = re.compile(r"<!-- figures: (.+) -->")
 END = "<!-- end -->"
+# Commands that write a page, if a folder is named.
+PAGES = ("diagnose", "loops", "sweep", "tune")
 
 
 class FigureError(Exception):
@@ -43,6 +45,7 @@ class Program:
         self.root = ROOT
         self.writes = writes  # pictures too are rewritten
         self.results = {}
+        self.pages = tempfile.TemporaryDirectory()
 
     def output(self, *command):
         """What a command prints that is run in the root of the tree."""
@@ -54,14 +57,18 @@ class Program:
             raise FigureError(f"{' '.join(command)}: exit status {done.returncode}: {done.stderr.strip()}")
         return done.stdout
 
+    def written(self, *arguments):
+        """The folder DIR that `iqfoc ARGUMENTS -o DIR` writes; what it writes by --json is next to it."""
+        if arguments not in self.results:
+            folder = pathlib.Path(self.pages.name, str(len(self.results)))
+            where = ["-o", str(folder)] if arguments[0] in PAGES else []
+            self.output(str(self.path), *arguments, *where, "--json", f"{folder}.json")
+            self.results[arguments] = folder
+        return self.results[arguments]
+
     def json(self, *arguments):
         """What `iqfoc ARGUMENTS --json F` writes into F."""
-        if arguments not in self.results:
-            with tempfile.TemporaryDirectory() as folder:
-                file = pathlib.Path(folder) / "output.json"
-                self.output(str(self.path), *arguments, "--json", str(file))
-                self.results[arguments] = json.loads(file.read_text(encoding="utf-8"))
-        return self.results[arguments]
+        return json.loads(pathlib.Path(f"{self.written(*arguments)}.json").read_text(encoding="utf-8"))
 
 
 def generate(words, program):

@@ -6,17 +6,9 @@ PART is `again` (the same recording with the extended motor file, as on the term
 header), `firmware` (the gain in IQ24 code) or `plant` (the plant with the effect, compared with the machine).
 """
 
-import json
-import pathlib
 import re
-import tempfile
 
 LONG = re.compile(r"-?\d+\.\d{6,}")
-
-
-def diagnosed(program, recording, motor, folder):
-    program.output(str(program.path), "diagnose", recording, "--motor", motor, "-o", str(folder))
-    return json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
 
 
 def again(program, recording, folder):
@@ -50,11 +42,10 @@ def generate(program, arguments):
     if len(arguments) != 3 or arguments[2] not in ("again", "header", "firmware", "plant"):
         raise ValueError(f"expected a recording, a motor file and one of again, header, firmware, plant; got {arguments}")
     recording, motor, part = arguments
-    with tempfile.TemporaryDirectory() as made:
-        folder = pathlib.Path(made)
-        result = diagnosed(program, recording, motor, folder)
-        if part == "again":
-            return again(program, recording, folder)
-        if part == "header":
-            return header(folder)
-        return firmware(result) if part == "firmware" else plant(result)
+    diagnosis = ("diagnose", recording, "--motor", motor)
+    if part == "again":
+        return again(program, recording, program.written(*diagnosis))
+    if part == "header":
+        return header(program.written(*diagnosis))
+    result = program.json(*diagnosis)
+    return firmware(result) if part == "firmware" else plant(result)

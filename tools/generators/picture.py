@@ -12,7 +12,6 @@ a hundredth of the drawing's unit, so that another version's last digit is no dr
 import pathlib
 import re
 import shlex
-import tempfile
 
 from . import chart_svg
 
@@ -46,9 +45,7 @@ def generate(program, arguments):
         raise ValueError(f"expected a command, a file, the folder as the document writes it and words, got {arguments}")
     command, name, folder, words = arguments
     kept = program.root / FOLDER / name
-    with tempfile.TemporaryDirectory() as made:
-        program.output(str(program.path), *shlex.split(command), "-o", made)
-        picture = drawn(pathlib.Path(made), name)
+    picture = drawn(program.written(*shlex.split(command)), name)
     if picture is None:
         raise ValueError(f"the page of `iqfoc {command} -o DIR` has no figure {name}")
     if program.writes:

@@ -4,7 +4,7 @@
     <!-- figures: watch clean data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
     <!-- figures: watch warming data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
     <!-- figures: watch angle data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
-    <!-- figures: watch conditions data/motors/compressor_salient.toml --trials 0 --cycles 1e5 -->
+    <!-- figures: watch conditions data/motors/compressor_salient.toml --trials 20 --cycles 1e5 -->
     <!-- figures: watch long tests/blind/watch_clean.jsonl -->
 
 `trials` reads what `iqfoc watch --trials 200 --json tests/blind/watch_trials.json` wrote, `long` what `tests/blind/watch_clean.py`
