@@ -25,7 +25,7 @@ env -u UPLOT_DIR cmake -S "$work/plain" -B "$work/plain/build" -DIQFOC_PYTHON=ON
 grep -q "^UPLOT_DIR:PATH=$work/plain/build/uplot$" "$work/plain/build/CMakeCache.txt"
 
 say "the wheel"
-"$tools/python" -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir "$work/built" ./python
+CC=gcc CXX=g++ "$tools/python" -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir "$work/built" ./python
 "$tools/auditwheel" repair --wheel-dir "$work" "$work"/built/iqfoc-*.whl
 wheel=$(echo "$work"/iqfoc-*.whl)
 # auditwheel puts foreign libraries into iqfoc.libs; the wheel must have none.
