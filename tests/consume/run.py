@@ -5,6 +5,7 @@ Uses the library as others do: from projects that know nothing of this tree but 
 Each check below is one test; the last line counts them in ctest's words. Called by `./dev test --all`.
 """
 import argparse
+import functools
 import json
 import os
 import pathlib
@@ -21,6 +22,8 @@ from common import (BARE, BOARD, HERE, INCLUDE, PROGRAM, QEMU_ARM, QEMU_RV32, RO
 # The interrupt pair on Cortex-M0+, instructions: with the four-product multiply, and with the compiler's own.
 M0PLUS_PAIR = 1875
 M0PLUS_PAIR_BEFORE = 4000
+# What several checks use, until the last has ended.
+KEPT = tempfile.TemporaryDirectory(prefix="iqfoc-consume-")
 
 
 def parent(folder, *options, env=None):
@@ -28,13 +31,19 @@ def parent(folder, *options, env=None):
     return folder / "parent" / "consumer"
 
 
-def installed(folder, *options):
+@functools.cache
+def built_once(*options):
     """The library alone, built and installed, then moved elsewhere: nothing in it may point to where it was."""
+    folder = pathlib.Path(tempfile.mkdtemp(dir=KEPT.name))
     cmake(ROOT, folder / "build", "-DIQFOC_LIBRARY_ONLY=ON", "-DCMAKE_INSTALL_LIBDIR=lib", *options)
     run(["cmake", "--install", folder / "build", "--prefix", folder / "first"])
     shutil.rmtree(folder / "build")
-    (folder / "first").rename(folder / "prefix")
-    return folder / "prefix"
+    return (folder / "first").rename(folder / "moved")
+
+
+def installed(folder, *options):
+    """A copy of what is built once for these options, as a prefix of its own."""
+    return shutil.copytree(built_once(*options), folder / "prefix", symlinks=True)
 
 
 def targets_of(build):
@@ -185,16 +194,15 @@ def makefile_drop_in_on_cortex_m0plus(folder):
 
 # ---- Languages and compilers ----
 
-def host_library(folder, compiler="gcc"):
-    objects = []
-    for source in SOURCES:
-        objects.append(folder / (source.stem + ".o"))
-        run([compiler, "-std=c99", "-O2", f"-I{INCLUDE}", "-c", source, "-o", objects[-1]])
-    return objects
+@functools.cache
+def host_library():
+    folder = pathlib.Path(tempfile.mkdtemp(dir=KEPT.name))
+    run(["gcc", "-std=c99", "-O1", f"-I{INCLUDE}", "-c", *SOURCES], cwd=folder)
+    return sorted(folder.glob("*.o"))
 
 
 def in_c_plus_plus(folder):
-    objects = host_library(folder)
+    objects = host_library()
     for compiler in ("g++", "clang++"):
         for standard in ("c++17", "c++20"):
             common = [compiler, f"-std={standard}", *WARNINGS, f"-I{INCLUDE}"]
@@ -206,7 +214,7 @@ def in_c_plus_plus(folder):
 
 
 def diagnosed_header_in_c_and_c_plus_plus(folder):
-    objects = host_library(folder)
+    objects = host_library()
     example = ROOT / "examples/corrected_drive"
     for language in (["gcc", "-std=c99"], ["g++", "-std=c++17"], ["clang++", "-std=c++20"]):
         kind = "c" if language[0] == "gcc" else "c++"
