@@ -37,6 +37,11 @@ run_part() {
     fi
 }
 
+# Waits until the part $1 of the other lane has ended.
+wait_for() {
+    until grep -q " $1\$" "$RESULTS"; do sleep 1; done
+}
+
 # Shows, on a terminal, which parts the lanes $2... are at, until the process $1 ends.
 show_progress() {
     local lane names columns line start=$SECONDS pid=$1
@@ -251,16 +256,14 @@ program_lane() {
     run_part site check_site
     run_part target tests/target/run.sh
     run_part mutate python3 -B tools/mutate.py --check --jobs "$JOBS"
-    run_part golden python3 tools/golden.py check
-    run_part bench bench/run.sh --check
-    run_part misra python3 tools/misra.py check
     run_part static check_static
     run_part python python/test.sh
-    run_part blind tests/blind/run.py --ci --jobs "$JOBS"
-    run_part third tests/blind/third.py --ci --jobs "$JOBS"
+    run_part golden python3 tools/golden.py check
+    run_part misra python3 tools/misra.py check
+    run_part bench bench/run.sh --check
 }
 
-# Other compilers, sanitizers, other people's builds, static analysis, proofs.
+# Other compilers, sanitizers, other people's builds, static analysis, proofs; then recordings, which need the host's program alone.
 source_lane() {
     run_part clang test_clang
     run_part asan test_preset asan "$NO_STUDY"
@@ -269,6 +272,9 @@ source_lane() {
     run_part consume tests/consume/run.py
     run_part coverage check_coverage
     run_part prove check_prove
+    wait_for host
+    run_part third tests/blind/third.py --ci --jobs "$JOBS"
+    run_part blind tests/blind/run.py --ci --jobs "$JOBS"
 }
 
 # What a developer without the further packages runs: ./dev test. The tests of the built program, and those of the target.
