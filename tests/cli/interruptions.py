@@ -34,7 +34,7 @@ CALLS = {
     "sweep": (["sweep", *MOTOR, "--rpm", "1000", "-o", "out", "--json", "out/x.json"], ALL, CONFINED),
     "diagnose": (["diagnose", "recording.csv", *MOTOR, "-o", "out", "--json", "out/x.json"], 4, CONFINED),
     "observe": (["observe", "recording.csv", *MOTOR, "-o", "out", "--json", "out/x.json"], ALL, CONFINED),
-    "patterns": (["patterns", *MOTOR, "-o", "out", "--json", "out/x.json"], ALL, CONFINED),
+    "patterns": (["patterns", *MOTOR, "--pulses", "3", "-o", "out", "--json", "out/x.json"], ALL, CONFINED),
     "plot": (["plot", "recording.csv", *MOTOR, "-o", "out/page.html"], ALL, CONFINED),
     "motor": (["motor", "--pole-pairs", "3", "--resistance", "1", "--inductance", "0.01", "--flux", "0.1", "--current", "6", "--u-dc", "500",
                "--f-pwm", "4000", "--name", 100 * "m", "-o", "out/m.toml"], ALL, CONFINED),

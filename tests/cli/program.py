@@ -93,7 +93,7 @@ SMALL = {
               "--f-pwm", "4000", "-o", "out/m.toml"],
     "info": ["info", "recording.csv", *MOTOR_FILE],
     "plot": ["plot", "recording.csv", *MOTOR_FILE, "-o", "out/page.html"],
-    "patterns": ["patterns", *MOTOR_FILE, "-o", "out", "--json", "out/x.json"],
+    "patterns": ["patterns", *MOTOR_FILE, "--pulses", "3", "-o", "out", "--json", "out/x.json"],
     "watch": ["watch", *MOTOR_FILE, "--change", "magnet", "-o", "out"],
     "golden": ["golden"],
     "version": ["version"],
