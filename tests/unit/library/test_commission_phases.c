@@ -453,6 +453,19 @@ static void test_staircase(void)
     TEST_ASSERT_TRUE(out > 5 && out < DRAWS - 10);
 }
 
+/* The wave has a voltage however small the alignment's current is. */
+static void test_least_amplitude(void)
+{
+    draw_phase(IQFOC_COMMISSION_STAIRCASE);
+    config.start.i_align = 1;
+    c.start.theta = 0;
+    c.l_rough = IQ24(0.0625);
+    while (c.phase == IQFOC_COMMISSION_STAIRCASE) {
+        step(0.0);
+    }
+    TEST_ASSERT_EQUAL_INT32(1, c.amplitude);
+}
+
 /* ---- INDUCTANCE_D, INDUCTANCE_Q, SHAFT ---- */
 
 /* The means of D, S and k D over the phase's blocks, from the samples and the voltage that acts at each: half periods as it shows them. */
@@ -859,6 +872,7 @@ int main(void)
     RUN_TEST(test_seek);
     RUN_TEST(test_start);
     RUN_TEST(test_staircase);
+    RUN_TEST(test_least_amplitude);
     RUN_TEST(test_inductances);
     RUN_TEST(test_spin);
     RUN_TEST(test_estimators);

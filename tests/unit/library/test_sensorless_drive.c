@@ -95,6 +95,19 @@ static void test_catches_a_turning_machine(void)
     TEST_ASSERT_TRUE(longest <= 150 && most <= 4.0);
 }
 
+/* Gates off: no current, and without a known angle no flux, at any inductance. */
+static void test_catch_begins_at_no_flux(void)
+{
+    iqfoc_observer_config_t c = observer_config;
+    iqfoc_sensorless_t s;
+    c.machine.l_d = c.machine.l_q = IQ24(4.0);
+    c.machine.k_d = c.machine.k_q = IQ24(0.25);
+    TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_sensorless_init(&s, &c, NULL, NULL));
+    iqfoc_sensorless_catch(&s, IQ24(0.1));
+    TEST_ASSERT_EQUAL_INT32(0, s.observer.psi.alpha | s.observer.psi.beta);
+    TEST_ASSERT_EQUAL_INT32(IQ24(0.1), iqfoc_observer_turns(&s.observer));
+}
+
 static void test_lost_lock_sets_the_status(void)
 {
     for (int trips = 0; trips < 2; trips++) {
@@ -277,6 +290,7 @@ int main(void)
     RUN_TEST(test_from_standstill_to_top_speed_and_back);
     RUN_TEST(test_change_of_source_makes_no_step);
     RUN_TEST(test_catches_a_turning_machine);
+    RUN_TEST(test_catch_begins_at_no_flux);
     RUN_TEST(test_lost_lock_sets_the_status);
     RUN_TEST(test_waits_while_the_gates_are_off);
     RUN_TEST(test_voltage_that_acts);

@@ -420,6 +420,28 @@ static void test_flux(void)
 }
 
 /* Run-up and back with the cycle: each valley has the set of the length that the port loaded, with no cycle missed. */
+/* The flux in d is held to +-128, whatever x_d, i_ref and the EMF are. */
+static void test_most_flux(void)
+{
+    iqfoc_cycle_config_t new = base;
+    new.period_ticks = 2 * base.period_ticks;
+    new.gains.x_d = IQ24(96.0);
+    new.gains.emf = 0;
+    iqfoc_cycle_t cycle = {.config = &base, .next = &new};
+    cycle.rotor.turns = IQ24(0.1);
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const iqfoc_dq_t none = {0, 0};
+        cycle.u_dq = none;
+        cycle.i_ref.d = sign * IQ24(1.2); /* 115.2 */
+        iqfoc_synchronous_carrier_keep_flux(&cycle);
+        const double by_less = to_double(cycle.u_dq.d);
+        cycle.u_dq = none;
+        cycle.i_ref.d = sign * IQ24(2.0); /* 192 */
+        iqfoc_synchronous_carrier_keep_flux(&cycle);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 128.0 / 115.2, to_double(cycle.u_dq.d) / by_less);
+    }
+}
+
 static void test_offered(void)
 {
     static iqfoc_cycle_config_t set[3];
@@ -466,6 +488,7 @@ int main(void)
     RUN_TEST(test_refused);
     RUN_TEST(test_set);
     RUN_TEST(test_flux);
+    RUN_TEST(test_most_flux);
     RUN_TEST(test_offered);
     return UNITY_END();
 }
