@@ -30,6 +30,19 @@ static vec_ab harmonic_flux(const averaged_drive *d, vec_rotor one)
     return flux;
 }
 
+static bool has_unequal_poles(const averaged_drive *d)
+{
+    return d->pole_cos[0] != 0.0 || d->pole_sin[0] != 0.0 || d->pole_cos[1] != 0.0 || d->pole_sin[1] != 0.0;
+}
+
+/* By how much of itself the magnet's flux differs at a mechanical angle. */
+static double pole_share(const averaged_drive *d, vec_rotor mech)
+{
+    const vec_rotor two = further(mech, mech);
+    return d->pole_cos[0] * mech.cos + d->pole_sin[0] * mech.sin + d->pole_cos[1] * two.cos +
+           d->pole_sin[1] * two.sin;
+}
+
 /* One order's error at n times an angle: those of sin and cos. */
 static double swing(const averaged_drive *d, size_t n, vec_rotor at)
 {
@@ -385,6 +398,17 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
         vec_ab after = harmonic_flux(d, end);
         vec_dq change =
             vec_to_dq((vec_ab){half * (after.alpha - before.alpha), half * (after.beta - before.beta)}, end);
+        y.d -= change.d;
+        y.q -= change.q;
+    }
+    if (has_unequal_poles(d)) {
+        const double turn = row->omega_rad_s * row->T_s * row->per_pole;
+        const vec_rotor mech = {row->cos_mech, row->sin_mech};
+        const double flux = half_decay(&m) * psi;
+        const double before = flux * pole_share(d, mech);
+        const double after = flux * pole_share(d, further(mech, (vec_rotor){cos(turn), sin(turn)}));
+        const vec_dq change =
+            vec_to_dq((vec_ab){after * end.cos - before * r.cos, after * end.sin - before * r.sin}, end);
         y.d -= change.d;
         y.q -= change.q;
     }

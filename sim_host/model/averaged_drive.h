@@ -62,6 +62,8 @@ typedef struct averaged_drive {
     double iron_s_S; /* that times the time by which the iron's current comes late */
     /* The same by the voltage of the cycle that ends and of the one before: eddy currents that come late. */
     double eddy_S[2];
+    /* Poles of unequal strength: the share c cos(n theta_mech) + s sin(n theta_mech) that the magnet's flux has more, n = 1 and 2. */
+    double pole_cos[2], pole_sin[2];
     double cubic_A2[3], zone_A; /* sensors that are not linear, */
     double ring_A, ring_sum_A,
         ring_share; /* and samples in which a leg's edge still rings (sensor_nonlinearity.h) */
@@ -76,7 +78,8 @@ typedef struct cycle_row {
     double cos_mech, sin_mech;
     /* How far an error of the recorded angle moves this one with it: 1 / pole pairs where both are one sensor's, else 0. */
     double mech_moves;
-    double rise[3]; /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
+    double per_pole; /* 1 / pole pairs */
+    double rise[3];  /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
     double no_rise[3],
         no_fall[3]; /* edges less than a pulse's one: 1 of a leg that is held at a rail; the edge to or from
                                       the high rail lies at the valley between, and is one more of its cycle */

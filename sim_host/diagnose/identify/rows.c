@@ -72,6 +72,7 @@ static void fill_angles(diagnose_rows *r, const motor *m)
             row->cos_mech = cos(mech);
             row->sin_mech = sin(mech);
             row->mech_moves = mech_moves;
+            row->per_pole = 1.0 / m->pole_pairs;
             r->omega_max_rad_s = fmax(r->omega_max_rad_s, fabs(row->omega_rad_s));
         }
     }

@@ -297,6 +297,44 @@ static void an_error_of_the_turn_moves_the_angle_that_it_depends_on(void)
     TEST_ASSERT_TRUE(most < 1e-5 && apart > 1e-2);
 }
 
+/* The magnet's flux has a share more at each mechanical angle: its change over a cycle drives a current. */
+static void unequal_poles_change_the_flux_with_the_turn(void)
+{
+    const motor m = bench_motor();
+    averaged_drive d = averaged_drive_of(&m);
+    const double psi = d.psi_f_Wb;
+    const double T = 1.25e-4;
+    const double end = 0.4 + 0.2;
+    d.R_ohm = 1e-9;
+    d.L_q_H = d.L_d_H;
+    const averaged_node node = averaged_node_at(d.R_ohm, d.L_d_H, d.L_q_H, T, 0.2 / T);
+    const cycle_row row = {.cos_theta = cos(0.4),
+                           .sin_theta = sin(0.4),
+                           .cos_mech = cos(0.4),
+                           .sin_mech = sin(0.4),
+                           .per_pole = 1.0,
+                           .cos_turn = cos(0.2),
+                           .sin_turn = sin(0.2),
+                           .omega_rad_s = 0.2 / T,
+                           .T_s = T};
+    const vec_ab plain = averaged_drive_advance(&d, &node, &row, (vec_ab){0}, NULL);
+    d.pole_cos[0] = 0.02;
+    d.pole_sin[0] = -0.01;
+    d.pole_cos[1] = 0.03;
+    d.pole_sin[1] = 0.04;
+    const vec_ab got = averaged_drive_advance(&d, &node, &row, (vec_ab){0}, NULL);
+    /* Without resistance the current takes the change of the flux, by L. */
+    double want[2] = {0.0, 0.0};
+    for (int k = 0; k < 2; k++) {
+        const double at = k == 0 ? 0.4 : end;
+        const double share = 0.02 * cos(at) - 0.01 * sin(at) + 0.03 * cos(2.0 * at) + 0.04 * sin(2.0 * at);
+        want[0] += (k == 0 ? 1.0 : -1.0) * psi * share * cos(at) / d.L_d_H;
+        want[1] += (k == 0 ? 1.0 : -1.0) * psi * share * sin(at) / d.L_d_H;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5 * fabs(want[0]), want[0], got.alpha - plain.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5 * fabs(want[1]), want[1], got.beta - plain.beta);
+}
+
 /* A resistance that all phases have more of is one of the winding, for the iron's current too. */
 static void what_the_phases_drop_they_drop_of_the_irons_current_too(void)
 {
@@ -384,6 +422,7 @@ int main(void)
     RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
     RUN_TEST(an_error_of_the_electrical_turn_is_taken_at_the_true_angle);
     RUN_TEST(an_error_of_the_turn_moves_the_angle_that_it_depends_on);
+    RUN_TEST(unequal_poles_change_the_flux_with_the_turn);
     RUN_TEST(what_the_phases_drop_they_drop_of_the_irons_current_too);
     RUN_TEST(a_filtered_speed_is_put_right);
     RUN_TEST(a_row_under_another_link);
