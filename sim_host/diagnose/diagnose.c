@@ -135,26 +135,6 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
     return true;
 }
 
-/* Several causes explain the recording alike: which, and the recording that separates them, at the state with the one that was fitted. */
-static bool tell_undecided(session *w, evidence_view *view, diagnosis *d)
-{
-    session *open = malloc(sizeof *open);
-    bool ok = open != NULL;
-    if (ok) {
-        *open = *w;
-        open->state = w->open;
-        ok = certainty_of(&open->fitted, &open->state, &open->certainty) &&
-             evidence_look(&open->fitted, &open->state, w->possible, view);
-    }
-    if (ok) {
-        view->explained = fmax(w->nominal.objective - open->state.objective, 0.0);
-        explanations_tell(open, view, hypotheses_named(w->open.set) & ~w->undecided, d);
-        experiment_of_explanations(open, view, w->undecided, d);
-    }
-    free(open);
-    return ok;
-}
-
 /* Tabulates hypotheses and the next recording from the sums at the found state. */
 static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
@@ -167,7 +147,10 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
         visible_tell(w, view, d);
         d->reliable = d->verdict == VERDICT_CLEAN || d->verdict == VERDICT_EXPLAINED;
         known_widen(d);
-        ok = w->undecided == 0 || tell_undecided(w, view, d);
+        if (w->undecided != 0) {
+            explanations_tell(w, view, hypotheses_named(w->state.set) & ~w->undecided, d);
+            experiment_of_explanations(w, view, w->undecided, d);
+        }
         if (ok && d->experiment.numbers == 0) {
             ok = evidence_look(&w->fitted, &w->state, w->possible, view);
             experiment_find(w, view, member, d);
@@ -387,13 +370,13 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!likely_drive_fit(w, whole, &likely, &options->teller)) {
         return false;
     }
-    w->open = w->state;
-    if (!leave_unlikely(w, options->teller.trace) || (!likely && !undecided_take_out(w, &options->teller))) {
+    w->best = w->state;
+    if (!leave_unlikely(w, options->teller.trace)) {
         return false;
     }
     /* Probabilities and tables describe the state itself, without a search from there. */
     w->fitted.searches = false;
-    if (!undecided_accuse_none(w, options->teller.trace)) {
+    if (!undecided_accuse_none(w, likely, options->teller.trace)) {
         return false;
     }
     if (options->teller.trace) {
@@ -478,7 +461,7 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
         ok = check_wiring(rec, m, d->extended > FAR_OFF, e);
     }
     if (ok) {
-        const averaged_drive fitted = coordinates_drive(&w->frame, w->open.z, w->open.edge);
+        const averaged_drive fitted = coordinates_drive(&w->frame, w->best.z, w->best.edge);
         ok = check_motor_file(&fitted, &w->frame.nominal, rec, e);
     }
     fit_data_free(&w->fitted);

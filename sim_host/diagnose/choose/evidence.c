@@ -165,7 +165,11 @@ static size_t lacks(hypothesis_set set)
     return place;
 }
 
-bool evidence_is_same_drive(const fit_state *s, hypothesis_set set, hypothesis_set *about)
+/*
+ * R, inductance, psi_f and all voltages multiplied by one factor change no current. If the state's set moves three of these four, and
+ * `set` another three of them, `set` is the same drive as *about, which moves the state's three.
+ */
+static bool is_same_drive(const fit_state *s, hypothesis_set set, hypothesis_set *about)
 {
     const size_t from = lacks(s->set);
     const size_t to = lacks(set);
@@ -195,7 +199,7 @@ static bool cost_of_same_drive(const evidence_view *view, const fit_state *s, hy
 bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set, evidence_option *option)
 {
     hypothesis_set about;
-    if (set != s->set && evidence_is_same_drive(s, set, &about)) {
+    if (set != s->set && is_same_drive(s, set, &about)) {
         return cost_of_same_drive(view, s, set, about, option);
     }
     const gram *t = &view->total;

@@ -55,12 +55,6 @@ void evidence_hold(const evidence_view *view, hypothesis_id h, evidence_view *he
 bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set,
                    evidence_option *option);
 
-/*
- * R, inductance, psi_f and all voltages multiplied by one factor change no current. If the state's set moves three of these four, and
- * `set` another three of them, `set` is the same drive as *about, which moves the state's three.
- */
-bool evidence_is_same_drive(const fit_state *s, hypothesis_set set, hypothesis_set *about);
-
 /* The least that h must explain in addition to a set's other members, in the measure of what all of them explain. */
 double evidence_least(edge_law edge, double explained, hypothesis_set set, hypothesis_id h);
 

@@ -14,10 +14,11 @@ typedef struct session {
     fit_state nominal;
     certainty certainty;
     hypothesis_set possible;
-    hypothesis_set allowed;   /* of these what was not dropped */
-    hypothesis_set minor;     /* members of the state's set that are certain, but small */
-    hypothesis_set undecided; /* taken out at the end, as the recording does not show which cause it is */
-    fit_state open;           /* the state with these */
+    hypothesis_set allowed; /* of these what was not dropped */
+    hypothesis_set minor;   /* members of the state's set that are no causes: small, or undecided */
+    hypothesis_set
+        undecided;  /* of these, those for which the recording does not show whether they are the cause */
+    fit_state best; /* the state, or what was fitted before all of it was given up */
     double borne_out, corrections_borne_out; /* probability of the members, of these and the corrections */
     bool more_left;                          /* than the best causes explained: none of them is named */
     bool no_memory;                          /* memory ran out in a measure (rows.no_memory) */

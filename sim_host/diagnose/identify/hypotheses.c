@@ -67,13 +67,15 @@ static bool moves_all_of(hypothesis_id a, hypothesis_id b)
 
 bool hypothesis_contains(hypothesis_id a, hypothesis_id b)
 {
+    const hypothesis *outer = &hypothesis_table[a];
     const hypothesis *inner = &hypothesis_table[b];
-    if (hypothesis_table[a].size == SIZE_BENDS) {
+    if (outer->size == SIZE_BENDS) {
         /* The terms of a flux map include, to fourth order, an inductance that falls with the current. */
         return moves_all_of(a, b) || inner->cause == CAUSE_SATURATION;
     }
-    return inner->columns == 1 && hypothesis_table[a].columns > 1 &&
-           (hypothesis_table[a].holds & inner->holds) != 0;
+    /* The values of three phases include one of all. */
+    return (outer->holds & inner->holds) != 0 &&
+           ((inner->columns == 1 && outer->columns > 1) || moves_all_of(a, b));
 }
 
 /* Least difference of two gains that makes a mismatch, as a share of their root sum square. */

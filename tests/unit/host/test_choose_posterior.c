@@ -327,6 +327,20 @@ static void a_map_holds_the_saliency_in_it(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, of_all[H_SALIENCY].probability);
 }
 
+/* Two inductances that differ are a saliency's values: the name is by the size of the difference, which is no doubt of the values. */
+static void both_axes_are_no_less_sure_as_a_saliency(void)
+{
+    standing of_all[H_COUNT];
+    parabola(P_L_D, 0.05, 200.0);
+    parabola(P_L_Q, 0.08, 200.0);
+    state.set = BIT(H_BOTH_AXES);
+    TEST_ASSERT_TRUE(probability_of(view, &state, BIT(H_SALIENCY), 1.0, of_all));
+    TEST_ASSERT_TRUE(of_all[H_BOTH_AXES].alone < 0.95);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, of_all[H_BOTH_AXES].probability);
+    TEST_ASSERT_FALSE(hypothesis_contains(H_ASYMMETRY_A, H_RESISTANCE));
+    TEST_ASSERT_TRUE(hypothesis_contains(H_ASYMMETRY, H_RESISTANCE));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -344,5 +358,6 @@ int main(void)
     RUN_TEST(an_estimate_is_of_the_information);
     RUN_TEST(what_leans_on_an_estimate_moves_within_its_digits);
     RUN_TEST(a_map_holds_the_saliency_in_it);
+    RUN_TEST(both_axes_are_no_less_sure_as_a_saliency);
     return UNITY_END();
 }
