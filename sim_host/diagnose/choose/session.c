@@ -2,6 +2,7 @@
 #include "session.h"
 
 #include "borne_out.h"
+#include "diagnose/identify/last_digits.h"
 #include "diagnose/measure/errors.h"
 #include "diagnose/measure/floor.h"
 #include "diagnose/measure/runs.h"
@@ -69,7 +70,11 @@ bool session_holds_unnamed(const session *w)
 
 bool session_leaves(const session *w, double floors)
 {
-    const averaged_drive drive = session_drive(w, w->state.z);
+    /* A tolerance that was strained is no explanation. */
+    double z[P_COUNT];
+    memcpy(z, w->state.z, sizeof z);
+    last_digits_bound(w->state.set, z);
+    const averaged_drive drive = session_drive(w, z);
     const double floor = session_floor(w, &w->state);
     return floor > 0.0 && measure_without_glitches(&w->rows, &drive) > floors * floor;
 }

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 5, REWEIGHTED = 12, LINKS = 3 };
+enum { STEPS = 12, REWEIGHTED = 12, LINKS = 3 };
 
 static const double DEGREES = 2.0; /* of Student's t */
 /* Tolerance of a parameter for which the catalogue has none, as a share of its reporting threshold. */
@@ -395,12 +395,27 @@ static bool improve(whole *w, fit_data *d, hypothesis_set parts, whole_fit *out,
     return true;
 }
 
+/* What no part moves has the motor file's value, where a search may have strained its tolerance. */
+static void leave_tolerances(hypothesis_set parts, double z[P_COUNT])
+{
+    bool moved[P_COUNT] = {false};
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(parts, h)) {
+            hypothesis_mark(h, moved);
+        }
+    }
+    for (size_t k = 0; k < P_COUNT; k++) {
+        z[k] = coordinate_table[k].digits > 0.0 && !moved[k] ? 0.0 : z[k];
+    }
+}
+
 bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, double inflation,
                     whole_fit *out, FILE *trace)
 {
     whole *w = calloc(1, sizeof *w);
     bool ok = w != NULL;
     *out = (whole_fit){.state = *start, .roughness = 1.0};
+    leave_tolerances(parts, out->state.z);
     fit_noise(d, &out->state);
     if (ok) {
         w->inflation = inflation;
@@ -414,7 +429,8 @@ bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, d
                     "(-%.1f)\n",
                     k, out->roughness, out->inflation, out->state.objective, out->goal, fell);
         }
-        if (fell < LITTLE) {
+        /* The first step's scatter is that about the start, which may be bad: it must not end the fit. */
+        if (k > 0 && fell < LITTLE) {
             break;
         }
     }

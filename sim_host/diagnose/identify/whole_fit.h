@@ -27,8 +27,8 @@ typedef struct whole_fit {
 } whole_fit;
 
 /*
- * Fits what the hypotheses `parts` move, from the state `start`. `inflation`: a first guess. `trace` may be NULL. False: out of
- * memory.
+ * Fits what the hypotheses `parts` move, from the state `start`; what else has a tolerance has the motor file's value. `inflation`: a
+ * first guess. `trace` may be NULL. False: out of memory.
  */
 bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, double inflation,
                     whole_fit *out, FILE *trace);
