@@ -55,6 +55,7 @@ iqfoc_error_t iqfoc_pattern_control_init(iqfoc_pattern_control_t *control,
     made.keeps = iq24_mul_shift(IQ24_ONE - config->correction, made.law.stays_q26, 26);
     made.later_q31 = iq24_mul_shift(winding->rho_q30, Q31_PI_6, 30);
     made.disturbance_l = iq24_mul_round(config->disturbance, made.l);
+    made.trajectory.angle[table->angles] = PATTERN_QUARTER_TURN; /* until a row is known: no long levels */
     made.u_dc = IQ24_ONE;
     made.u_dc_inverse = IQ24_ONE;
     *control = made;

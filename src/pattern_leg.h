@@ -6,6 +6,7 @@
 
 #define PATTERN_HALF_TURN    INT32_C(8388608)
 #define PATTERN_QUARTER_TURN INT32_C(4194304)
+#define PATTERN_EIGHTH_TURN  INT32_C(2097152)
 #define PATTERN_THIRD_TURN   INT32_C(5592405)
 
 /* ---- The rows at an index ---- */

@@ -11,6 +11,7 @@
 #define Q28_2_PI   INT32_C(1686629713)
 #define Q32_1_2_PI INT32_C(683565276)
 #define Q30_PI2_6  INT32_C(1766234505)
+#define Q32_1_PI2  INT32_C(435171098)
 
 /* ---- The trajectory ---- */
 
@@ -70,64 +71,6 @@ static pattern_rows_t rows_beyond(const iqfoc_pattern_t *table, int32_t n, iq24_
     return rows;
 }
 
-/* ---- Change of the table ---- */
-
-void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table)
-{
-    control->wanted = table;
-    control->waited = 0;
-    control->nearest_q48 = INT64_C(1) << 62; /* more than any, and 1.5 times that fits */
-}
-
-/* Square of the distance between the flux of two tables at the start of the next cycle, in turns. Range: 2 (2/3)^2. */
-static iq24_acc_t distance_q48(const iqfoc_pattern_control_t *control,
-                               const iqfoc_pattern_trajectory_t *other)
-{
-    const iqfoc_pattern_trajectory_t *t = &control->trajectory;
-    iq24_t apart[3];
-    const iq24_t a = pattern_angle_at(t, iq24_add_wrap(control->theta, t->turns));
-    for (int32_t k = 0; k < 3; k++) {
-        const iq24_t x = a + k * t->third_turn;
-        int32_t n = control->leg[k].place;
-        int32_t m = 0;
-        apart[k] = pattern_place_of(other, x, &m).flux - pattern_place_of(t, x, &n).flux;
-    }
-    const iqfoc_abc_t legs = {apart[0], apart[1], apart[2]};
-    const iqfoc_ab_t flux = iqfoc_clarke3(legs);
-    return iq24_acc_mac(iq24_acc_mul(flux.alpha, flux.alpha), flux.beta, flux.beta);
-}
-
-/*
- * Takes the wanted table where its flux is nearest: the distance has a period of a sixth of a turn, in which its least value is found,
- * and is then within 1.2 of that. After two turns it takes it anyway.
- */
-static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index)
-{
-    iqfoc_pattern_modulator_t other = control->modulator;
-    other.table = control->wanted;
-    other.row = 0;
-    const iq24_t place = pattern_place(other.table, index);
-    pattern_rows_t rows = pattern_rows_at(&other, place);
-    if (rows.next == rows.row) {
-        rows = rows_beyond(other.table, other.row, place);
-    }
-    iqfoc_pattern_trajectory_t next = control->trajectory;
-    trace(&next, &rows, other.table->angles);
-    next.start = rows.row->start;
-    const iq24_acc_t apart = distance_q48(control, &next);
-    const iq24_acc_t nearest = control->nearest_q48;
-    const iq24_acc_t enough = iq24_asr64(nearest, 1) - iq24_asr64(nearest, 4) + nearest; /* 1.2^2 */
-    control->waited += next.speed;
-    if (control->waited > IQ24(2.0) || (control->waited > IQ24(0.1666667) && apart <= enough)) {
-        control->wanted = NULL;
-        control->modulator = other;
-        control->trajectory = next;
-        pattern_restart_legs(control, next.start);
-    } else if (apart < nearest) {
-        control->nearest_q48 = apart;
-    }
-}
-
 /* ---- The reference ---- */
 
 /* Range: the innovation is held to 16 a component, so that |seen| <= 16 sqrt(2). With disturbance_l <= 2 and v <= 1/2: below 46. */
@@ -151,8 +94,8 @@ static void learn(iqfoc_pattern_control_t *control)
 static void follow_link(iqfoc_pattern_control_t *control)
 {
     control->u_mean += iq24_asr32(control->u_dc - control->u_mean + 32, 6);
-    const iq24_t rest = IQ24_ONE - iq24_mul_round(control->u_mean, control->u_dc_inverse);
-    control->u_dc_inverse += iq24_mul_round(control->u_dc_inverse, rest);
+    const iq24_t rest = IQ24_ONE - iq24_mul_trunc(control->u_mean, control->u_dc_inverse);
+    control->u_dc_inverse += iq24_mul_trunc(control->u_dc_inverse, rest);
     /*@ assert pattern_link: 8388608 <= control->u_mean <= 25165824; */
     /*@ assert pattern_link: 10811692 <= control->u_dc_inverse <= 34673033; */
 }
@@ -189,24 +132,113 @@ static pattern_rows_t rows_kept(iqfoc_pattern_control_t *control, iq24_t index)
     return rows.next == rows.row ? rows_beyond(table, n, place) : rows;
 }
 
-/*
- * The share of the voltage by which the link is off, times the mean angle between two edges of a leg: turns. The link is extrapolated to the
- * start of the cycle, two after the sample. Range: the link is off by at most 1/8, its inverse at most 2.07: below 0.26 (1/6).
- */
-static iq24_t link_ahead(const iqfoc_pattern_control_t *control)
-{
-    const iq24_t apart = control->u_dc + 2 * control->u_slope - control->u_mean;
-    const int32_t off_q25 = iq24_mul_high_round(IQ24_HOLD_BITS(apart, 22) * 512, control->u_dc_inverse);
-    return iq24_mul_high_round(off_q25, PATTERN_HALF_TURN * 128 / (2 * control->modulator.table->angles + 1));
-}
-
 /* Six-step has one length of the voltage. Its d component remains, and with it i_q; i_d is what the length makes. */
-static iq24_t angle_of_six_step(const iqfoc_pattern_control_t *control, iqfoc_dq_t u)
+static iq24_t q_of_six_step(const iqfoc_pattern_control_t *control, iqfoc_dq_t u)
 {
     const iq24_t length = iq24_mul_round(control->u_mean, IQ24(0.63661977236758134308));
     const iq24_acc_t rest = iq24_acc_mac(iq24_acc_mul(length, length), -u.d, u.d);
     const iq24_t q = iq24_sqrt(iq24_acc_round(rest > 0 ? rest : 0));
-    return iq24_atan2(u.q < 0 ? -q : q, u.d);
+    return u.q < 0 ? -q : q;
+}
+
+/* The link less its mean: extrapolated over two cycles, to the start of the cycle, and `later`. Held to 1/8. */
+static iq24_t link_ahead(const iqfoc_pattern_control_t *control, iq24_t later)
+{
+    return IQ24_HOLD_BITS(control->u_dc + 2 * control->u_slope - control->u_mean + later, 22);
+}
+
+/*
+ * The flux along the d axis that keeps the torque, before 1/u_dc. The link is extrapolated to the middle of the next sixth of a turn, about
+ * five cycles after the sample, and further by tan(delta)/omega. Range: |u_d| is held to 1, so that it is at most 37 cycles.
+ */
+static iq24_t flux_of_long_levels(const iqfoc_pattern_control_t *control, const iqfoc_pattern_trajectory_t *t,
+                                  iq24_t u_d)
+{
+    const iq24_t cycles = IQ24(3.0) - iq24_mul_trunc(IQ24_HOLD_BITS(u_d, 25), t->cycles_q22);
+    return iq24_mul_high_round(link_ahead(control, iq24_mul_trunc(cycles, control->u_slope)), Q32_1_PI2);
+}
+
+/*
+ * Angle and additional flux of a trajectory. drop: R i_ref + v. If no edge of a leg is farther than 1/8 turn from the zero crossings, its
+ * levels are long. Range: the inverse of the link is at most 2.07, so that the flux is below 0.26 (1/6) u.
+ */
+IQFOC_STEP void place_trajectory(const iqfoc_pattern_control_t *control, iqfoc_pattern_trajectory_t *t,
+                                 int32_t angles, iqfoc_dq_t u, iqfoc_dq_t drop)
+{
+    /* j drop/omega, the movement times psi, and the flux by the link's deviation. */
+    const int32_t radian_q32 = t->sense < 0 ? -Q32_1_2_PI : Q32_1_2_PI;
+    iq24_t u_q = u.q;
+    iq24_t steady_d =
+        -iq24_mul_high_round(drop.q, radian_q32) - iq24_mul_high_round(control->psi, t->speed * 256);
+    iq24_t steady_q = iq24_mul_high_round(drop.d, radian_q32);
+    if (t->angle[angles] < PATTERN_EIGHTH_TURN) {
+        steady_d += flux_of_long_levels(control, t, u.d);
+        u_q = angles > 0 ? u.q : q_of_six_step(control, u);
+    } else {
+        const int32_t off_q25 = iq24_mul_high_round(link_ahead(control, 0) * 512, control->u_dc_inverse);
+        const iq24_t ahead = 256 * iq24_mul_high_round(off_q25, PATTERN_HALF_TURN * 128 / (2 * angles + 1));
+        steady_d -= iq24_mul_high_round(ahead, u.d);
+        steady_q -= iq24_mul_high_round(ahead, u.q);
+    }
+    t->steady_q28.d = iq24_shift_wrap(IQ24_MUL64(steady_d, control->u_dc_inverse), 20);
+    t->steady_q28.q = iq24_shift_wrap(IQ24_MUL64(steady_q, control->u_dc_inverse), 20);
+    /* Backward, x becomes 1/2 - x: the level is the same, and time goes forward. */
+    t->u_place = PATTERN_QUARTER_TURN + t->sense * iq24_atan2(u_q, u.d);
+}
+
+/* ---- Change of the table ---- */
+
+void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_pattern_t *table)
+{
+    control->wanted = table;
+    control->waited = 0;
+    control->nearest_q48 = PATTERN_FAR_Q48;
+}
+
+/* Square of the distance between two trajectories at the start of the next cycle, in turns. Range: below 2 (2/3 + 2)^2. */
+static iq24_acc_t distance_q48(const iqfoc_pattern_control_t *control,
+                               const iqfoc_pattern_trajectory_t *other)
+{
+    const iqfoc_pattern_trajectory_t *t = &control->trajectory;
+    const iq24_t theta = iq24_add_wrap(control->theta, t->turns);
+    iq24_t apart[3];
+    for (int32_t k = 0; k < 3; k++) {
+        int32_t n = control->leg[k].place;
+        int32_t m = 0;
+        apart[k] = pattern_place_of(other, pattern_angle_at(other, theta) + k * t->third_turn, &m).flux -
+                   pattern_place_of(t, pattern_angle_at(t, theta) + k * t->third_turn, &n).flux;
+    }
+    const iqfoc_abc_t legs = {apart[0], apart[1], apart[2]};
+    const iqfoc_ab_t flux = iqfoc_clarke3(legs);
+    const iqfoc_dq_t steady = {iq24_asr32(other->steady_q28.d, 3) - iq24_asr32(t->steady_q28.d, 3),
+                               iq24_asr32(other->steady_q28.q, 3) - iq24_asr32(t->steady_q28.q, 3)};
+    const iqfoc_ab_t turned = iqfoc_park_inverse(steady, iq24_sincos(theta));
+    return pattern_square_q48(flux.alpha + turned.alpha, flux.beta + turned.beta);
+}
+
+/* Takes the wanted table where its flux is nearest: the distance has a period of a sixth of a turn. */
+static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index, iqfoc_dq_t u, iqfoc_dq_t drop)
+{
+    iqfoc_pattern_modulator_t other = control->modulator;
+    other.table = control->wanted;
+    other.row = 0;
+    const iq24_t place = pattern_place(other.table, index);
+    pattern_rows_t rows = pattern_rows_at(&other, place);
+    if (rows.next == rows.row) {
+        rows = rows_beyond(other.table, other.row, place);
+    }
+    iqfoc_pattern_trajectory_t next = control->trajectory;
+    trace(&next, &rows, other.table->angles);
+    next.start = rows.row->start;
+    place_trajectory(control, &next, other.table->angles, u, drop);
+    control->waited += next.speed;
+    if (pattern_near(&control->nearest_q48, distance_q48(control, &next),
+                     control->waited > IQ24(0.1666667))) {
+        control->wanted = NULL;
+        control->modulator = other;
+        control->trajectory = next;
+        pattern_restart_legs(control, next.start);
+    }
 }
 
 /*
@@ -230,30 +262,14 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     const iq24_t drop_d = iq24_mul_trunc(control->r, i_ref.d) - control->v.d;
     const iq24_t drop_q = iq24_mul_trunc(control->r, i_ref.q) - control->v.q;
     const iqfoc_dq_t drop = {IQ24_HOLD_BITS(drop_d, 25), IQ24_HOLD_BITS(drop_q, 25)};
-    const iq24_t u_d = drop.d - iq24_mul_round(phi, iq24_mul_trunc(control->l, i_ref.q));
-    const iq24_t u_q = drop.q + iq24_mul_round(phi, iq24_mul_trunc(control->l, i_ref.d) + control->psi);
+    const iq24_t u_d = drop.d - iq24_mul_trunc(phi, iq24_mul_trunc(control->l, i_ref.q));
+    const iq24_t u_q = drop.q + iq24_mul_trunc(phi, iq24_mul_trunc(control->l, i_ref.d) + control->psi);
     const iqfoc_dq_t u = {IQ24_HOLD_BITS(u_d, 27), IQ24_HOLD_BITS(u_q, 27)};
     const iq24_t length = iq24_sqrt(iq24_acc_round(iq24_acc_mac(iq24_acc_mul(u.d, u.d), u.q, u.q)));
-    iq24_t u_angle;
-    iq24_t ahead = 0;
-    if (control->modulator.table->angles > 0) {
-        u_angle = iq24_atan2(u.q, u.d);
-        ahead = 256 * link_ahead(control);
-    } else {
-        u_angle = angle_of_six_step(control, u);
-    }
-    /* Backward, x becomes 1/2 - x: the level is the same, and time goes forward. */
     t->sense = turns < 0 ? -1 : 1;
-    t->u_place = PATTERN_QUARTER_TURN + t->sense * u_angle;
     t->third_turn = -t->sense * PATTERN_THIRD_TURN;
 
-    /* j drop/omega, the movement times psi, and the flux that the link's deviation makes until the next edges. */
-    const int32_t radian_q32 = turns < 0 ? -Q32_1_2_PI : Q32_1_2_PI;
-    const iq24_t steady_d = -iq24_mul_high_round(drop.q, radian_q32) -
-                            iq24_mul_high_round(control->psi, speed * 256) - iq24_mul_high_round(ahead, u.d);
-    const iq24_t steady_q = iq24_mul_high_round(drop.d, radian_q32) - iq24_mul_high_round(ahead, u.q);
-    t->steady_q28.d = iq24_shift_wrap(IQ24_MUL64(steady_d, control->u_dc_inverse), 20);
-    t->steady_q28.q = iq24_shift_wrap(IQ24_MUL64(steady_q, control->u_dc_inverse), 20);
+    place_trajectory(control, t, control->modulator.table->angles, u, drop);
     /* A pattern's voltage turns with the rotor, and e^-rho weights the cycle's end more than its start: 1 + j rho phi/12. */
     const iqfoc_ab_t share = iqfoc_clarke3(control->high);
     const iqfoc_ab_t per_link = {iq24_mul_trunc(share.alpha, control->law.k_u_q26),
@@ -287,6 +303,6 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
         pattern_restart_legs(control, rows.row->start);
     }
     if (control->wanted != NULL) {
-        change_if_near(control, index);
+        change_if_near(control, index, u, drop);
     }
 }

@@ -5,9 +5,9 @@
 #include "iqfoc/transform.h"
 #include "iqfoc/valley_reference.h"
 
-#include <stddef.h>
+#include "pattern_place.h"
 
-#define FAR_Q48 (INT64_C(1) << 62) /* more than any, and 1.5 times that fits */
+#include <stddef.h>
 
 static const iqfoc_pattern_row_t six_step_row = {1, 0, {0}};
 const iqfoc_pattern_t iqfoc_pattern_six_step = {&six_step_row, 1, 0, IQ24_ONE, IQ24_ONE};
@@ -51,7 +51,7 @@ iqfoc_error_t iqfoc_pulse_mode_init(iqfoc_pulse_mode_t *mode, const iqfoc_pulse_
     }
     const iqfoc_error_t error = tables_error(config);
     if (error == IQFOC_OK) {
-        const iqfoc_pulse_mode_t fresh = {config, 0, 0, 0, 0, FAR_Q48};
+        const iqfoc_pulse_mode_t fresh = {config, 0, 0, 0, 0, PATTERN_FAR_Q48};
         *mode = fresh;
     }
     return error;
@@ -84,7 +84,7 @@ void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *co
     }
     mode->wanted = next;
     mode->waited = 0;
-    mode->nearest_q48 = FAR_Q48;
+    mode->nearest_q48 = PATTERN_FAR_Q48;
     if (mode->level > 0 && next > 0 && next != mode->level) {
         iqfoc_pattern_control_change(control, c->level[next].table);
     }
@@ -95,12 +95,8 @@ void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *co
 /* Range: |component| <= 8, so that the square is at most 128. */
 static bool is_near(iqfoc_pulse_mode_t *mode, iq24_t x, iq24_t y, iq24_t turns)
 {
-    const iq24_acc_t apart = iq24_acc_mac(iq24_acc_mul(x, x), y, y);
-    const iq24_acc_t nearest = mode->nearest_q48;
-    const iq24_acc_t enough = iq24_asr64(nearest, 1) - iq24_asr64(nearest, 4) + nearest; /* 1.2^2 */
     mode->waited = iq24_min(mode->waited + iq24_abs_sat(turns), IQ24(3.0));
-    mode->nearest_q48 = apart < nearest ? apart : nearest;
-    return mode->waited > IQ24(2.0) || (mode->waited > IQ24(0.3333333) && apart <= enough);
+    return pattern_near(&mode->nearest_q48, pattern_square_q48(x, y), mode->waited > IQ24(0.3333333));
 }
 
 /* A period of the carrier, in control cycles of the patterns. */

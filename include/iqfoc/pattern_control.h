@@ -11,7 +11,11 @@
  *
  * r is the share by which the link is off its mean: the last sample, extrapolated over two cycles by the one before, less the mean, held to
  * 1/8. s is the mean time between two edges of a leg, and u the voltage of the reference. A link that is off makes the flux r u s between
- * two edges. The trajectory is less by it, so that the torque keeps its mean. Not in six-step.
+ * two edges. The trajectory is less by it, so that the torque keeps its mean.
+ *
+ * If all edges of a leg are within 1/8 turn of the zero crossings of its voltage, as in six-step and in few pulses near it, the levels are
+ * too long for that. The link then changes i_d and not the torque: in place of r u s, the trajectory is more by (2/pi) r/omega on the d axis.
+ * r is that of the link after five cycles and tan(delta)/omega more, by the same extrapolation; delta: angle of u from the q axis, as its sine.
  *
  * An edge moves at most to the places of its neighbours. The flux that remains is an error of the next cycle.
  *
@@ -147,8 +151,8 @@ void iqfoc_pattern_control_restart(iqfoc_pattern_control_t *control, const iqfoc
 
 /*
  * Asks for another table, for another number of pulses. iqfoc_pattern_control_aim takes it at an angle at which its flux is near to the
- * present one: after a sixth of a turn at the earliest and two turns at the latest. Until then it
- * compares both tables: some 700 instructions more on a Cortex-M4.
+ * present one, after a sixth of a turn at the earliest: at the first within 1.2 of the least distance in that sixth. With each further cycle
+ * the limit rises by 3 %. Until then it compares both trajectories: some 1000 instructions more on a Cortex-M4.
  *
  * table: one that iqfoc_pattern_init accepts; the state keeps its address. Call it when neither aim nor step runs.
  */

@@ -9,7 +9,7 @@
  *     down:  speed < off   or   index < index_off       of the present level
  *
  * A hand-over needs a valley at which both modulators have nearly the same flux. The distance has a period of a sixth of a turn. After a
- * third of a turn, the first valley within 1.2 of the least distance is taken; after two turns, any.
+ * third of a turn, the first valley within 1.2 of the least distance is taken. This limit then rises by 3 % with each valley.
  *
  *     carrier to pattern:   e = psi* - psi      trajectory of the pattern less the flux at the next valley: moves the first edges
  *     pattern to carrier:   h = psi - psi_v     the flux at the next valley less that of the carrier: the first voltage is less by h/T

@@ -94,7 +94,8 @@ static bool set(pwm_updates *p, const char *key, const char *value)
         return is_number && number >= 0.0 && number < 1.0;
     }
     if (strcmp(key, "pulses") == 0) {
-        return whole(is_number ? number : 0.0, PATTERN_PULSES_MOST, &p->pulses);
+        return whole(is_number ? number : 0.0, PATTERN_PULSES_MOST, &p->pulses) &&
+               p->pulses >= PATTERN_PULSES_LEAST && p->pulses % 2 != 0;
     }
     if (strcmp(key, "modulation") == 0) {
         return strcmp(value, "pattern") == 0;

@@ -279,7 +279,7 @@ static void on_comment(void *context, const char *text, size_t length, long numb
             "expected # [pwm] periods_per_cycle = 1 to %d, held = \"stator\" or \"rotor\", "
             "delay_cycles = 0 to 1; or # "
             "[sensors] shunts = \"three\" or \"two_lowest\"; or # [control] modulation = \"pattern\", "
-            "pulses = %d to %d",
+            "pulses = an odd number from %d to %d",
             PWM_UPDATES_MOST, PATTERN_PULSES_LEAST, PATTERN_PULSES_MOST);
     }
     in->r->pwm_stated = in->r->pwm_stated || taken;

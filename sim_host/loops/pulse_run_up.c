@@ -176,11 +176,10 @@ static bool start(firmware *f, const pulse_drive *p, const pulse_tables *t, erro
     by_patterns.f_pwm_Hz = 1.0 / p->pattern_s;
     memset(f, 0, sizeof *f);
     for (int n = 1; n < PULSE_LEVELS; n++) {
-        f->levels[n] =
-            (iqfoc_pulse_level_t){n == SIX_STEP ? &iqfoc_pattern_six_step : &t->of[n - 1],
-                                  iq24_from_double(p->on_Hz[n - 1] * p->pattern_s),
-                                  iq24_from_double(p->off_Hz[n - 1] * p->pattern_s),
-                                  n == SIX_STEP ? IQ24_ONE : 0, n == SIX_STEP ? IQ24(PULSE_LINEAR) : 0};
+        f->levels[n] = (iqfoc_pulse_level_t){n == SIX_STEP ? &iqfoc_pattern_six_step : &t->of[n - 1],
+                                             iq24_from_double(p->on_Hz[n - 1] * p->pattern_s),
+                                             iq24_from_double(p->off_Hz[n - 1] * p->pattern_s),
+                                             n == SIX_STEP ? IQ24_ONE : 0, n == SIX_STEP ? IQ24(0.985) : 0};
     }
     f->tick_s = 1.0 / (p->m.f_pwm_Hz * TICKS);
     f->config = (iqfoc_pulse_config_t){f->levels, PULSE_LEVELS, (uint32_t)lround(p->pattern_s / f->tick_s)};
@@ -285,7 +284,9 @@ static void interrupts(firmware *f, const machine *d, uint32_t n)
             iqfoc_pulse_mode_to_pattern(&f->mode, &f->control, &f->cycle, f->high, sample.u_dc, pattern);
         if (!f->patterns) {
             convert(f, d, 0.5 * f->ticks * f->tick_s);
+            const iq24_t at_valley = sample.u_dc;
             iqfoc_hal_read_peak(&f->hal, &sample);
+            sample.u_dc += sample.u_dc - at_valley; /* at the next valley, where the voltage begins */
             const iqfoc_command_t command =
                 iqfoc_cycle_peak(&f->cycle, &sample, IQFOC_HAL_OUTPUT_MID, iqfoc_hal_now(&f->hal));
             write_duties(f, command.duties.high, ticks);
@@ -321,7 +322,7 @@ static void choose(firmware *f, const machine *d, const pulse_case *c, double no
     const double needed = patterns_index_of(d->m, d->circuit.w, 0.0, i_q);
     iqfoc_pulse_mode_step(&f->mode, &f->control, iq24_from_double(turns),
                           iq24_from_double(patterns_index_of(d->m, seen_w, 0.0, i_q)));
-    const bool six_step = f->mode.level == SIX_STEP;
+    const bool six_step = f->mode.wanted == SIX_STEP;
     const double i_d = needed > PULSE_LINEAR || six_step
                            ? weakening(d->m, d->circuit.w, i_q, six_step ? 1.0 : PULSE_LINEAR)
                            : 0.0;

@@ -144,11 +144,28 @@ def simulated(folder):
         name = {"diagnose": "diagnose", "an FMU": "export-fmu"}.get(command, "simulate")
         done = program.run([name, *arguments], folder)
         check(done.returncode == 2 and words in done.stderr and done.stderr.count(b"\n") == 1, f"{command}: {done.stderr}")
+    for pulses in (1, 2, 4, 17):
+        (folder / "p.csv").write_text("\n".join([lines[0], f'# [control] modulation = "pattern", pulses = {pulses}', *lines[2:]]) + "\n")
+        done = program.run(["diagnose", "p.csv", "--motor", motor], folder)
+        check(done.returncode == 2 and b"pulses = an odd number from 3 to 15" in done.stderr, f"a recording of {pulses} pulses: {done.stderr}")
+
+
+def effects_in_six_step(folder):
+    """An inverter state for each cycle is given by duties: effects on them act."""
+    motor = program.ROOT / "data/motors/jarzebowicz2019.toml"
+    (folder / "s.toml").write_text('name = "s"\n[control]\nmodulation = "six_step"\nbandwidth_Hz = 100\n[[run]]\nduration_s = 0.02\nu_dc_V = 565\n'
+                                   'speed_rpm = 5000\ni_q_A = 4\n')
+    rows = set()
+    for effect in ([], ["--effect", "voltage_delay:cycles=0.5"], ["--effect", "dead_time:compensation=10"]):
+        done = program.run(["simulate", "--motor", motor, "--scenario", "s.toml", "-o", "s.csv", *effect], folder)
+        check(done.returncode == 0, f"six-step with {effect}: {done.stderr}")
+        rows.add("\n".join(line for line in (folder / "s.csv").read_text().splitlines() if not line.startswith("#")))
+    check(len(rows) == 3, "each effect changes the recording")
 
 
 def main():
     with tempfile.TemporaryDirectory() as name:
-        for part in (compare, with_motor, write, several, refuse, simulated):
+        for part in (compare, with_motor, write, several, refuse, simulated, effects_in_six_step):
             part(pathlib.Path(name))
     print(f"{len(failures)} failures")
     return 1 if failures else 0

@@ -226,7 +226,7 @@ void prove_pattern_control_change(void)
             const iqfoc_pattern_t table = any_table(angles);
             iqfoc_pattern_control_t c = any_control(&table, n);
             c.wanted = &table;
-            change_if_near(&c, any());
+            change_if_near(&c, any(), any_dq(IQ24(4.0)), any_dq(IQ24_ONE));
             check_trajectory(&c.trajectory, 2 * angles + 1);
             check_control(&c, 2 * angles + 1);
         }

@@ -4,7 +4,7 @@
  */
 #include "data/motor.h"
 #include "loops/pulse_run_ups.h"
-#include "plant/edge_machine.h"
+#include "plant/plant_random.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -24,11 +24,6 @@ static const char *const event_names[PULSE_EVENTS] = {
     [PULSE_EVENT_JUMP] = "jump of the angles in a table",
     [PULSE_EVENT_TOP] = "six-step at constant speed",
 };
-static const double event_index[PULSE_EVENTS] = {
-    [PULSE_EVENT_CARRIER] = 0.75,          [PULSE_EVENT_TO_PATTERN] = 0.75, [PULSE_EVENT_TO_CARRIER] = 0.75,
-    [PULSE_EVENT_PATTERNS] = PULSE_LINEAR, [PULSE_EVENT_TO_SIX_STEP] = 1.0, [PULSE_EVENT_FROM_SIX_STEP] = 1.0,
-    [PULSE_EVENT_JUMP] = PULSE_LINEAR,     [PULSE_EVENT_TOP] = 1.0};
-
 static pulse_tables tables;
 static double worst_of[PULSE_DRIVES][2][PULSE_EVENTS]; /* constant link, ripple */
 
@@ -61,11 +56,12 @@ static const pulse_run_up *run(const pulse_drive *p, const pulse_case *c)
     return &r;
 }
 
-/*
- * With a constant link the torque stays within 2 % of the rated one, but for jumps within a table: both patterns may have different flux at
- * all angles. A ripple of the link is a voltage
- * error r u, which makes a flux r u/omega_r if nothing corrects it: that is added.
- */
+/* Each hand-over is within 2 %. At a jump within a table both patterns may have different flux at all angles. */
+static double most_of(int event, bool ripple)
+{
+    return event == PULSE_EVENT_JUMP ? 4.0 : event == PULSE_EVENT_CARRIER && ripple ? 2.5 : 2.0;
+}
+
 static void torque_of(pulse_drive_id id, int runs)
 {
     static const double i_q[] = {1.0, 0.5, -0.6, 1.0};
@@ -80,12 +76,8 @@ static void torque_of(pulse_drive_id id, int runs)
         }
     }
     for (int k = 0; k < PULSE_EVENTS; k++) {
-        const double u_V = event_index[k] * p.m.u_dc_V * 2.0 / PI;
-        const double by_ripple = 100.0 * PULSE_RIPPLE * u_V / (2.0 * PI * EDGE_MACHINE_RIPPLE_HZ) /
-                                 (p.m.L_d_H * motor_rated_peak_A(&p.m));
-        const double most = k == PULSE_EVENT_JUMP ? 4.0 : 2.0;
-        TEST_ASSERT_TRUE(worst[0][k] <= most);
-        TEST_ASSERT_TRUE(worst[1][k] <= most + by_ripple);
+        TEST_ASSERT_TRUE(worst[0][k] <= most_of(k, false));
+        TEST_ASSERT_TRUE(worst[1][k] <= most_of(k, true));
     }
     TEST_ASSERT_TRUE(worst[0][PULSE_EVENT_TOP] <= 0.5);
 }
@@ -175,12 +167,36 @@ static void test_share_of_the_hand_over(void)
     for (size_t n = 0; n < sizeof shown / sizeof shown[0]; n++) {
         const share *a = &shares[PULSE_DRIVE_2019][shown[n]];
         const share *b = &shares[PULSE_DRIVE_400_KW][shown[n]];
-        const bool six_step = shown[n] == PULSE_EVENT_TO_SIX_STEP || shown[n] == PULSE_EVENT_FROM_SIX_STEP;
-        TEST_ASSERT_TRUE(fmax(a->added, b->added) <= (six_step ? 2.5 : 2.0));
-        TEST_ASSERT_TRUE(fmax(a->steady, b->steady) <= (six_step ? 3.0 : 1.6));
+        TEST_ASSERT_TRUE(fmax(a->added, b->added) <= 1.6);
+        TEST_ASSERT_TRUE(fmax(a->steady, b->steady) <= 2.0);
         printf("| %s | %.2f | %.2f | %.2f | %.2f |\n", event_names[shown[n]], a->steady, a->added, b->steady,
                b->added);
     }
+}
+
+/* With a ripple of the link, from drawn angles and with drawn ramps: no hand-over comes at a bad instant. */
+static void test_torque_of_drawn_runs(void)
+{
+    enum { RUNS = 12 };
+    plant_random random;
+    double most = 0.0;
+    plant_random_seed(&random, 20261126, 0);
+    for (int id = 0; id < PULSE_DRIVES; id++) {
+        const pulse_drive p = pulse_drive_of((pulse_drive_id)id);
+        for (int n = 0; n < RUNS; n++) {
+            const double ramp_s = 0.9 + 0.3 * plant_random_uniform(&random);
+            const double i_q = 0.4 + 0.6 * plant_random_uniform(&random);
+            const double angle = plant_random_uniform(&random);
+            const pulse_case c = {100.0, ramp_s, n % 3 == 2 ? -i_q : i_q, true, n % 2 == 0 ? 1.0 : -1.0,
+                                  angle, 0.0};
+            const pulse_run_up *r = run(&p, &c);
+            for (int k = PULSE_EVENT_TO_PATTERN; k < PULSE_EVENTS; k++) {
+                most = fmax(most, k == PULSE_EVENT_JUMP ? 0.0 : r->worst_percent[k]);
+            }
+        }
+    }
+    printf("hand-overs of %d drawn runs with a ripple of the link: %.2f %%\n", PULSE_DRIVES * RUNS, most);
+    TEST_ASSERT_TRUE(most <= 2.5);
 }
 
 /* Constant speeds with the index between two rows that are not joined: the torque has no constant error. */
@@ -283,6 +299,7 @@ int main(void)
     RUN_TEST(find_tables);
     RUN_TEST(test_torque_through_all_modes);
     RUN_TEST(test_torque_of_the_traction_drive);
+    RUN_TEST(test_torque_of_drawn_runs);
     RUN_TEST(test_share_of_the_hand_over);
     RUN_TEST(test_no_constant_error_near_a_jump);
     RUN_TEST(test_distortion_from_standstill);

@@ -358,6 +358,47 @@ static void test_prediction_error_is_learnt(void)
     }
 }
 
+/*
+ * With long levels, as in six-step, the flux of the link's deviation is (2/pi) r/omega on the d axis: of the link five cycles and tan(delta) of
+ * a radian after its last sample. sin(delta) in place of tan(delta), pi/2 times u_d.
+ */
+static void test_link_with_long_levels(void)
+{
+    uint64_t seed = SEED;
+    for (int n = 0; n < 1000; n++) {
+        smooth_table(&seed);
+        table.angles = 1 + n % 2;
+        for (int k = 0; k < table.rows; k++) {
+            rows[k].angle[0] = IQ24(0.02);
+            rows[k].angle[1] = n % 4 < 2 ? IQ24(0.12) : IQ24(0.13);
+        }
+        const bool is_long = table.angles == 1 || n % 4 < 2;
+        const cycle y = drawn_cycle(&seed);
+        iqfoc_pattern_control_t c = drawn_control(&seed, &y);
+        double complex drop;
+        const double complex u = reference_voltage(&y, &c, &drop);
+        c.u_slope = 0;
+        iqfoc_pattern_control_aim(&c, y.i_ref, y.turns);
+        iqfoc_pattern_control_t constant = c;
+        c.u_slope = y.u_slope / 64;
+        iqfoc_pattern_control_t changing = c;
+        constant.carried = changing.carried = constant.miss;
+        iqfoc_pattern_control_aim(&constant, y.i_ref, y.turns);
+        iqfoc_pattern_control_aim(&changing, y.i_ref, y.turns);
+        const double speed = fabs(to_double(y.turns));
+        const double cycles = 5.0 - fmax(fmin(creal(u), 1.0), -1.0) / (4.0 * speed);
+        const double off = fmax(fmin(cycles * to_double(c.u_slope), 0.125), -0.125);
+        const double got_d = ldexp(changing.trajectory.steady_q28.d - constant.trajectory.steady_q28.d, -28);
+        const double got_q = ldexp(changing.trajectory.steady_q28.q - constant.trajectory.steady_q28.q, -28);
+        if (is_long) {
+            TEST_ASSERT_DOUBLE_WITHIN(2e-6, 4.0 / (TWO_PI * TWO_PI) * off / to_double(c.u_mean), got_d);
+            TEST_ASSERT_EQUAL_DOUBLE(0.0, got_q);
+        } else {
+            TEST_ASSERT_TRUE(got_q != 0.0 || c.u_slope == 0);
+        }
+    }
+}
+
 /* The mean of the link moves by 1/64 of the difference per cycle, and its inverse follows. */
 static void test_mean_of_the_link(void)
 {
@@ -549,6 +590,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_cycle_is_that_of_the_formulas);
     RUN_TEST(test_prediction_error_is_learnt);
     RUN_TEST(test_mean_of_the_link);
+    RUN_TEST(test_link_with_long_levels);
     RUN_TEST(test_angles_go_on_beyond_a_row);
     RUN_TEST(test_no_time_is_below_the_least);
     RUN_TEST(test_delay_of_the_correction);

@@ -311,6 +311,7 @@ static void test_to_carrier(void)
         mode.wanted = n % 16 == 0 ? 1 : 0;
         mode.turns = turns;
         mode.waited = IQ24(2.0);
+        mode.nearest_q48 = INT64_C(1) << 60;
         const iqfoc_ab_t i = {random_iq24(&seed, -1.4, 1.4), random_iq24(&seed, -1.4, 1.4)};
         iqfoc_pattern_control_aim(&control, cycle.i_ref, turns);
         const bool goes = iqfoc_pulse_mode_to_carrier(&mode, &control, &cycle, &set, i,
