@@ -45,7 +45,7 @@ iq24_t commission_flux_half(const iqfoc_commission_result_t *known, const commis
 /* Whether a current i_align aligns the rotor's d axis, by the results and the share `across` of the header. Range: 1/16 <= L <= 8. */
 bool commission_aligns(const iqfoc_commission_result_t *known, iq24_t across, iq24_t i_align);
 
-/* sqrt(a^2 + b^2), rounded up. */
+/* sqrt(a^2 + b^2), at most 1 LSB too small. */
 iq24_t commission_both(iq24_t a, iq24_t b);
 
 #endif

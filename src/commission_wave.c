@@ -3,8 +3,8 @@
 #include "commission_phases.h"
 #include "iqfoc/iq24_math.h"
 
-/* Current control, kp = w L, ki = kp/4 w: w T with the rough inductance, and with the measured ones. A rotor that swings in the field of a
- * slow current control swings up. */
+/* Current control, kp = w L, ki = (2/7) w T kp: w T with the rough inductance, and with the measured ones. A rotor that swings in the field
+ * of a slow current control swings up. */
 #define W_T_ROUGH IQ24(0.1)
 #define W_T       IQ24(0.35)
 
