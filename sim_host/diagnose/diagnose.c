@@ -151,7 +151,7 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
             explanations_tell(w, view, hypotheses_named(w->state.set) & ~w->undecided, d);
             experiment_of_explanations(w, view, w->undecided, d);
         }
-        if (ok && d->experiment.numbers == 0) {
+        if (d->experiment.numbers == 0) {
             ok = evidence_look(&w->fitted, &w->state, w->possible, view);
             experiment_find(w, view, member, d);
         }
@@ -371,12 +371,13 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         return false;
     }
     w->best = w->state;
-    if (!leave_unlikely(w, options->teller.trace)) {
+    if (!leave_unlikely(w, options->teller.trace) ||
+        (!likely && !undecided_accuse_none(w, UNDECIDED_NAMED, options->teller.trace))) {
         return false;
     }
     /* Probabilities and tables describe the state itself, without a search from there. */
     w->fitted.searches = false;
-    if (!undecided_accuse_none(w, likely, options->teller.trace)) {
+    if (!undecided_accuse_none(w, UNDECIDED_LIKELY, options->teller.trace)) {
         return false;
     }
     if (options->teller.trace) {

@@ -5,10 +5,8 @@
 
 #include <stdlib.h>
 
-/* A cause is named if its probability among all sets near the chosen one, and that of the catalogue, are at least this. */
-static const double DECIDED = 0.95;
-/* That of a member of a fit of likely effects, which are not compared with all others. */
-static const double LIKELY = 0.5;
+/* That of the catalogue must be at least this for any cause. */
+static const double BORNE_OUT = 0.95;
 
 /* The named members, but for minor ones, whose probability among all sets near the state is below the limit. False: out of memory. */
 static bool find_below(session *w, double limit, hypothesis_set *below, FILE *trace)
@@ -32,19 +30,20 @@ static bool find_below(session *w, double limit, hypothesis_set *below, FILE *tr
     return ok;
 }
 
-bool undecided_accuse_none(session *w, bool likely, FILE *trace)
+bool undecided_accuse_none(session *w, double limit, FILE *trace)
 {
     const hypothesis_set causes = hypotheses_named(w->state.set & ~w->minor);
-    w->undecided = 0;
-    if (causes != 0 && !find_below(w, likely ? LIKELY : DECIDED, &w->undecided, trace)) {
+    hypothesis_set below = 0;
+    if (causes != 0 && !find_below(w, limit, &below, trace)) {
         return false;
     }
-    w->undecided = w->borne_out < DECIDED ? causes : w->undecided;
+    below = w->borne_out < BORNE_OUT ? causes : below;
     for (hypothesis_id h = 0; trace && h < H_COUNT; h++) {
-        if (hypothesis_in(w->undecided, h)) {
+        if (hypothesis_in(below, h)) {
             fprintf(trace, "  fitted, but not certain enough for a name: %s\n", hypothesis_table[h].words);
         }
     }
-    w->minor |= w->undecided;
+    w->minor |= below;
+    w->undecided |= below;
     return true;
 }

@@ -192,25 +192,27 @@ static void what_another_explains_as_well_is_no_cause(void)
     const hypothesis_set both = BIT(H_ASYMMETRY_A) | BIT(H_RESISTANCE);
     KEPT(both);
     w.borne_out = 1.0;
-    TEST_ASSERT_TRUE(undecided_accuse_none(&w, false, NULL));
+    w.minor = w.undecided = 0;
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, UNDECIDED_NAMED, NULL));
     TEST_ASSERT_TRUE(w.state.set == both && w.minor == BIT(H_ASYMMETRY_A) && w.undecided == w.minor);
     SAME(0.05, w.state.z[P_DR_A]);
     /* Of a fit of likely effects the likelier one is. */
-    w.minor = 0;
-    TEST_ASSERT_TRUE(undecided_accuse_none(&w, true, NULL));
+    w.minor = w.undecided = 0;
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, UNDECIDED_LIKELY, NULL));
     TEST_ASSERT_TRUE(w.minor == 0 && w.undecided == 0);
     takes(P_DL_B, 0.05, 201.0);
-    TEST_ASSERT_TRUE(undecided_accuse_none(&w, true, NULL));
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, UNDECIDED_LIKELY, NULL));
     TEST_ASSERT_TRUE(w.minor == BIT(H_ASYMMETRY_A) && w.undecided == w.minor);
     /* One that explains less by the odds of 0.95 leaves nothing open. */
-    w.minor = 0;
+    w.minor = w.undecided = 0;
     takes(P_DL_B, 0.05, 180.0);
-    TEST_ASSERT_TRUE(undecided_accuse_none(&w, false, NULL));
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, UNDECIDED_NAMED, NULL));
     TEST_ASSERT_TRUE(w.minor == 0 && w.undecided == 0);
     /* A small one is no cause, so it is not open either. */
     takes(P_DL_B, 0.05, 199.0);
     w.minor = BIT(H_ASYMMETRY_A);
-    TEST_ASSERT_TRUE(undecided_accuse_none(&w, false, NULL));
+    w.undecided = 0;
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, UNDECIDED_NAMED, NULL));
     TEST_ASSERT_TRUE(w.minor == BIT(H_ASYMMETRY_A) && w.undecided == 0);
 }
 
@@ -223,12 +225,12 @@ static void what_the_catalogue_does_not_bear_out_is_no_cause(void)
     takes(P_R, 0.05, 200.0);
     const hypothesis_set both = BIT(H_ASYMMETRY_A) | BIT(H_RESISTANCE);
     KEPT(both);
-    w.minor = 0;
+    w.minor = w.undecided = 0;
     w.borne_out = 0.951;
-    TEST_ASSERT_TRUE(undecided_accuse_none(&w, false, NULL));
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, UNDECIDED_NAMED, NULL));
     TEST_ASSERT_TRUE(w.minor == 0 && w.undecided == 0);
     w.borne_out = 0.949;
-    TEST_ASSERT_TRUE(undecided_accuse_none(&w, false, NULL));
+    TEST_ASSERT_TRUE(undecided_accuse_none(&w, UNDECIDED_NAMED, NULL));
     TEST_ASSERT_TRUE(w.state.set == both && w.minor == both && w.undecided == both);
 }
 
