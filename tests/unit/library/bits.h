@@ -5,6 +5,7 @@
 #ifndef TESTS_UNIT_BITS_H
 #define TESTS_UNIT_BITS_H
 
+#include "iqfoc/vector.h"
 #include "reference.h"
 
 /* floor(x / by), by > 0. */
@@ -56,6 +57,23 @@ static inline int32_t bits_random(uint64_t *seed, int64_t low, int64_t high)
 {
     const uint64_t span = (uint64_t)(high - low) + 1;
     return (int32_t)(low + (int64_t)(random_bits(seed) % span));
+}
+
+/* Within +- limit, small values more often than an even draw has them. */
+static inline iq24_t bits_small(uint64_t *seed, iq24_t limit)
+{
+    const iq24_t even = bits_random(seed, -limit, limit);
+    return even / (1 << bits_random(seed, 0, 12));
+}
+
+/* Drawn one after the other: the order does not depend on the compiler. */
+static inline iqfoc_abc_t bits_small_abc(uint64_t *seed, iq24_t limit)
+{
+    iqfoc_abc_t x;
+    x.a = bits_small(seed, limit);
+    x.b = bits_small(seed, limit);
+    x.c = bits_small(seed, limit);
+    return x;
 }
 
 #endif

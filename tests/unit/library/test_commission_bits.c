@@ -18,18 +18,11 @@ void tearDown(void)
 {
 }
 
-/* Within +- limit, small values more often than an even draw has them. */
-static iq24_t any(uint64_t *seed, iq24_t limit)
-{
-    const iq24_t even = bits_random(seed, -limit, limit);
-    return even / (1 << bits_random(seed, 0, 12));
-}
-
 static iqfoc_commission_value_t any_value(uint64_t *seed, iq24_t low, iq24_t high, iq24_t half)
 {
     iqfoc_commission_value_t v;
     v.value = bits_random(seed, low, high);
-    v.half = iq24_abs_sat(any(seed, half));
+    v.half = iq24_abs_sat(bits_small(seed, half));
     return v;
 }
 
@@ -37,17 +30,8 @@ static iqfoc_commission_value_t any_value(uint64_t *seed, iq24_t low, iq24_t hig
 static iqfoc_dq_t any_dq(uint64_t *seed, iq24_t limit)
 {
     iqfoc_dq_t x;
-    x.d = any(seed, limit);
-    x.q = any(seed, limit);
-    return x;
-}
-
-static iqfoc_abc_t any_abc(uint64_t *seed, iq24_t limit)
-{
-    iqfoc_abc_t x;
-    x.a = any(seed, limit);
-    x.b = any(seed, limit);
-    x.c = any(seed, limit);
+    x.d = bits_small(seed, limit);
+    x.q = bits_small(seed, limit);
     return x;
 }
 
@@ -55,10 +39,10 @@ static iqfoc_abc_t any_abc(uint64_t *seed, iq24_t limit)
 static void any_blocks(uint64_t *seed, iq24_t x[N], iq24_t y[N])
 {
     const iq24_t first = bits_random(seed, IQ24(0.01), IQ24(2.0));
-    const iq24_t step = any(seed, IQ24(0.1));
-    const iq24_t slope = any(seed, IQ24(1.5));
-    const iq24_t zero = any(seed, IQ24(0.3));
-    const iq24_t noise = iq24_abs_sat(any(seed, IQ24(0.5))) + 1;
+    const iq24_t step = bits_small(seed, IQ24(0.1));
+    const iq24_t slope = bits_small(seed, IQ24(1.5));
+    const iq24_t zero = bits_small(seed, IQ24(0.3));
+    const iq24_t noise = iq24_abs_sat(bits_small(seed, IQ24(0.5))) + 1;
     if (bits_random(seed, 0, 9) == 0) { /* so steep that the slope saturates */
         for (int32_t k = 0; k < N; k++) {
             x[k] = first + k / 8;
@@ -76,7 +60,7 @@ static iqfoc_commission_result_t any_result(uint64_t *seed)
 {
     iqfoc_commission_result_t r;
     memset(&r, 0, sizeof r);
-    const iqfoc_abc_t half = any_abc(seed, IQ24(0.1));
+    const iqfoc_abc_t half = bits_small_abc(seed, IQ24(0.1));
     r.i_offset_half.a = iq24_abs_sat(half.a);
     r.i_offset_half.b = iq24_abs_sat(half.b);
     r.i_offset_half.c = iq24_abs_sat(half.c);
@@ -117,10 +101,11 @@ static void test_estimators(void)
         digest_add(&digest, commission_flux_half(&known, &means, phi_s1));
         const iqfoc_dq_t sides = any_dq(&seed, IQ24(100.0));
         digest_add(&digest, commission_both(sides.d, sides.q));
-        const iq24_t across = any(&seed, IQ24(4.0));
+        const iq24_t across = bits_small(&seed, IQ24(4.0));
         digest_add(&digest, commission_aligns(&known, across, bits_random(&seed, 1, IQ24(2.0))));
         digest_add(&digest, commission_mean(x));
-        digest_add(&digest, commission_block_mean(any(&seed, IQ24(64.0)) * INT64_C(3), 1 + (uint32_t)n % 12));
+        digest_add(&digest,
+                   commission_block_mean(bits_small(&seed, IQ24(64.0)) * INT64_C(3), 1 + (uint32_t)n % 12));
     }
     bits_golden(UINT64_C(0xdbeea6a585552aac), digest);
 }
@@ -162,10 +147,10 @@ static void any_state(uint64_t *seed, iqfoc_commission_t *c)
     const uint32_t half_log2 = commission_half_log2(c);
     const uint32_t block_log2 = has_wave ? config->block_log2 - half_log2 - 1 : config->block_log2;
     c->offset.verdict = IQFOC_OFFSET_GOOD;
-    c->offset.offset = any_abc(seed, IQ24(0.1));
+    c->offset.offset = bits_small_abc(seed, IQ24(0.1));
     c->start.stage = (iqfoc_start_stage_t)bits_random(seed, 0, IQFOC_START_OPEN_LOOP);
-    c->start.theta = any(seed, IQ24(0.5));
-    c->start.turns = any(seed, IQ24(0.1));
+    c->start.theta = bits_small(seed, IQ24(0.5));
+    c->start.turns = bits_small(seed, IQ24(0.1));
     c->start.i_ref = any_dq(seed, IQ24(2.0));
     c->result = any_result(seed);
     c->in_block = (UINT32_C(1) << block_log2) - 1;
@@ -176,23 +161,23 @@ static void any_state(uint64_t *seed, iqfoc_commission_t *c)
     c->position = bits_random(seed, 0, 2) == 0 ? (uint32_t)bits_random(seed, 1, 4 << half_log2) : c->position;
     c->amplitude = bits_random(seed, 1, config->u_max);
     c->amplitude = bits_random(seed, 0, 3) == 0 ? config->u_max : c->amplitude;
-    c->bias = any(seed, IQ24(0.3));
+    c->bias = bits_small(seed, IQ24(0.3));
     c->half_u = bits_random(seed, 0, 1) == 0 ? 0 : bits_random(seed, 0, c->amplitude);
     c->half_d = c->half_u == 0 ? 0 : bits_random(seed, 1, IQ24(0.2));
     c->l_rough = bits_random(seed, IQ24(0.0625), IQ24(8.0));
-    c->across = any(seed, IQ24(0.5));
+    c->across = bits_small(seed, IQ24(0.5));
     c->u_dq = any_dq(seed, IQ24_ONE);
     any_blocks(seed, c->x, c->y);
     for (int k = 0; k < 4; k++) {
-        c->sum[k] = (int64_t)any(seed, IQ24(1.0)) * (INT64_C(1) << config->block_log2);
+        c->sum[k] = (int64_t)bits_small(seed, IQ24(1.0)) * (INT64_C(1) << config->block_log2);
     }
     c->gains.kp_d = bits_random(seed, 0, IQ24(2.0));
     c->gains.kp_q = bits_random(seed, 0, IQ24(2.0));
     c->gains.ki_d = bits_random(seed, 0, IQ24(0.2));
     c->gains.ki_q = bits_random(seed, 0, IQ24(0.2));
     c->gains.anti_windup = bits_random(seed, 0, IQ24(0.5));
-    c->control.integral_d = (int64_t)any(seed, IQ24_ONE) * IQ24_ONE;
-    c->control.integral_q = (int64_t)any(seed, IQ24_ONE) * IQ24_ONE;
+    c->control.integral_d = (int64_t)bits_small(seed, IQ24_ONE) * IQ24_ONE;
+    c->control.integral_q = (int64_t)bits_small(seed, IQ24_ONE) * IQ24_ONE;
 }
 
 static void add_commission(uint64_t *digest, const iqfoc_commission_t *c, const iqfoc_command_t *command)
@@ -229,7 +214,7 @@ static void test_steps(void)
         const iqfoc_commission_phase_t phase = c.phase;
         for (int k = 0; k < 3; k++) {
             const iq24_t size = bits_random(&seed, 0, 1) == 0 ? IQ24(3.8) : IQ24(0.5);
-            iqfoc_sample_t sample = {.i = any_abc(&seed, size)};
+            iqfoc_sample_t sample = {.i = bits_small_abc(&seed, size)};
             sample.theta = bits_random(&seed, INT32_MIN, INT32_MAX);
             sample.u_dc = bits_random(&seed, IQ24(0.5), IQ24(1.5));
             const iqfoc_command_t command = iqfoc_commission_step(&c, &sample);
@@ -253,9 +238,9 @@ static void test_offset(void)
         iqfoc_commission_t c;
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_commission_init(&c, &config));
         c.cycles = 0;
-        const iq24_t noise = iq24_abs_sat(any(&seed, IQ24(0.2)));
+        const iq24_t noise = iq24_abs_sat(bits_small(&seed, IQ24(0.2)));
         while (c.phase == IQFOC_COMMISSION_OFFSET && c.end == IQFOC_COMMISSION_RUNNING) {
-            const iqfoc_sample_t sample = {.i = any_abc(&seed, noise), .u_dc = IQ24_ONE};
+            const iqfoc_sample_t sample = {.i = bits_small_abc(&seed, noise), .u_dc = IQ24_ONE};
             const iqfoc_command_t command = iqfoc_commission_step(&c, &sample);
             c.cycles = 0;
             add_commission(&digest, &c, &command);

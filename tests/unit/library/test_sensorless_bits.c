@@ -36,11 +36,9 @@ static iq24_t any(uint64_t *seed, double limit)
     return bits_random(seed, -most, most);
 }
 
-/* Small values more often than an even draw has them. */
 static iq24_t any_size(uint64_t *seed, double limit)
 {
-    const iq24_t even = any(seed, limit);
-    return even / (1 << bits_random(seed, 0, 12));
+    return bits_small(seed, (iq24_t)(limit * IQ24_ONE));
 }
 
 static iqfoc_ab_t any_ab(uint64_t *seed, double limit)
@@ -48,15 +46,6 @@ static iqfoc_ab_t any_ab(uint64_t *seed, double limit)
     const iq24_t alpha = any_size(seed, limit);
     const iqfoc_ab_t ab = {alpha, any_size(seed, limit)};
     return ab;
-}
-
-static iqfoc_abc_t any_abc(uint64_t *seed, double limit)
-{
-    iqfoc_abc_t abc;
-    abc.a = any_size(seed, limit);
-    abc.b = any_size(seed, limit);
-    abc.c = any_size(seed, limit);
-    return abc;
 }
 
 /* ---- Observer ---- */
@@ -336,7 +325,8 @@ static const iqfoc_extension_t losses = {.i_gain_inverse = {IQ24_ONE, IQ24_ONE, 
 
 static iqfoc_sample_t any_sample(uint64_t *seed, iq24_t at)
 {
-    const iqfoc_abc_t i = any_abc(seed, bits_random(seed, 0, 9) == 0 ? 15.9 : 2.0);
+    const iqfoc_abc_t i =
+        bits_small_abc(seed, bits_random(seed, 0, 9) == 0 ? (iq24_t)(15.9 * IQ24_ONE) : IQ24(2.0));
     const iq24_t theta = bits_random(seed, INT32_MIN, INT32_MAX);
     const iqfoc_sample_t s = {
         .i = i, .theta = theta, .turns = any_size(seed, 0.3), .u_dc = IQ24_ONE, .at = at};
