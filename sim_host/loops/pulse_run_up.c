@@ -176,10 +176,11 @@ static bool start(firmware *f, const pulse_drive *p, const pulse_tables *t, erro
     by_patterns.f_pwm_Hz = 1.0 / p->pattern_s;
     memset(f, 0, sizeof *f);
     for (int n = 1; n < PULSE_LEVELS; n++) {
-        f->levels[n] = (iqfoc_pulse_level_t){n == SIX_STEP ? &iqfoc_pattern_six_step : &t->of[n - 1],
-                                             iq24_from_double(p->on_Hz[n - 1] * p->pattern_s),
-                                             iq24_from_double(p->off_Hz[n - 1] * p->pattern_s),
-                                             n == SIX_STEP ? IQ24_ONE : 0, n == SIX_STEP ? IQ24(0.985) : 0};
+        f->levels[n] =
+            (iqfoc_pulse_level_t){n == SIX_STEP ? &iqfoc_pattern_six_step : &t->of[n - 1],
+                                  iq24_from_double(p->on_Hz[n - 1] * p->pattern_s),
+                                  iq24_from_double(p->off_Hz[n - 1] * p->pattern_s),
+                                  n == SIX_STEP ? IQ24_ONE : 0, n == SIX_STEP ? IQ24(PULSE_RETURN) : 0};
     }
     f->tick_s = 1.0 / (p->m.f_pwm_Hz * TICKS);
     f->config = (iqfoc_pulse_config_t){f->levels, PULSE_LEVELS, (uint32_t)lround(p->pattern_s / f->tick_s)};

@@ -70,8 +70,9 @@ typedef struct pulse_case {
 } pulse_case;
 
 #define PULSE_RIPPLE 0.01
-#define PULSE_LINEAR 0.99 /* index up to which the patterns are used */
-#define PULSE_LEAST  0.05 /* time between two edges of a leg: control cycles of the patterns */
+#define PULSE_LINEAR 0.99  /* index up to which the patterns are used */
+#define PULSE_RETURN 0.985 /* index below which six-step ends */
+#define PULSE_LEAST  0.05  /* time between two edges of a leg: control cycles of the patterns */
 
 /* What is within a turn of an instant. */
 typedef enum pulse_event {

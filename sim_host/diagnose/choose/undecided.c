@@ -3,6 +3,7 @@
 
 #include "probability.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* That of the catalogue must be at least this for any cause. */

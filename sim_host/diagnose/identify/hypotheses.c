@@ -324,6 +324,15 @@ void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT])
     }
 }
 
+void hypotheses_mark(hypothesis_set set, bool moved[P_COUNT])
+{
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(set, h)) {
+            hypothesis_mark(h, moved);
+        }
+    }
+}
+
 hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_frame *f)
 {
     const bool turns = r->omega_max_rad_s * r->T_s > 1e-5;

@@ -183,6 +183,9 @@ bool hypothesis_at_bound(const coordinate_frame *f, hypothesis_id h, const doubl
 /* Marks the coordinates that a hypothesis moves; leaves the other marks as they are. */
 void hypothesis_mark(hypothesis_id h, bool moved[P_COUNT]);
 
+/* The same of each member of a set. */
+void hypotheses_mark(hypothesis_set set, bool moved[P_COUNT]);
+
 /* Which hypotheses this recording allows (needs temperature, a moving rotor, three sensors ...). */
 hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_frame *f);
 

@@ -399,11 +399,7 @@ static bool improve(whole *w, fit_data *d, hypothesis_set parts, whole_fit *out,
 static void leave_tolerances(hypothesis_set parts, double z[P_COUNT])
 {
     bool moved[P_COUNT] = {false};
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(parts, h)) {
-            hypothesis_mark(h, moved);
-        }
-    }
+    hypotheses_mark(parts, moved);
     for (size_t k = 0; k < P_COUNT; k++) {
         z[k] = coordinate_table[k].digits > 0.0 && !moved[k] ? 0.0 : z[k];
     }

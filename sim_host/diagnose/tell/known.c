@@ -55,11 +55,7 @@ static double number_at(const session *w, coordinate_id id, double z_of_it)
 static void tell_estimates(const session *w, const evidence_view *view, diagnosis *d)
 {
     bool moved[P_COUNT] = {false};
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(w->state.set, h) && hypothesis_cause(h)->named) {
-            hypothesis_mark(h, moved);
-        }
-    }
+    hypotheses_mark(hypotheses_named(w->state.set), moved);
     for (size_t k = 0; k < DIAGNOSIS_ESTIMATES; k++) {
         diagnosis_estimate *out = &d->estimate[k];
         const diagnosis_parameter *cause = parameter_of_cause(d, &known_numbers[k]);
