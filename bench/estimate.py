@@ -2,8 +2,8 @@
 Estimates Cortex-M4 clock cycles from the instructions that a short run executes.
 
 The estimate is the sum of the documented instruction timings (Arm DDI 0439, Cortex-M4 Technical Reference Manual, table 3-1), each at its
-slow end: a division 12 cycles, a pipeline refill of 3 after a taken branch, no pipelined loads, no folded IT, memory without wait states.
-On a chip, build the benchmark with -DIQFOC_BENCH_DWT=ON, which reads the core's own counter.
+slow end: a division 12 cycles, a pipeline refill of 3 after a taken branch, no pipelined loads, no folded IT, memory without wait states. Those of
+the FPU are in table 7-1, without the stall of an operand that is just computed. On a chip, build the benchmark with -DIQFOC_BENCH_DWT=ON, which reads the core's own counter.
 """
 import re
 import subprocess
@@ -11,6 +11,7 @@ import tempfile
 
 REFILL = 3
 DIVIDE = 12
+FLOAT_DIVIDE = 14  # and the root
 # The functions of bench/main.c and bench/inputs.c: what they execute is not the measured function's.
 MEASURED = re.compile(r"ticks_(\w+)$")
 
@@ -19,10 +20,12 @@ def registers_in(operands):
     """How many registers a list such as {r4, r5, r8-fp} names."""
     count = 0
     names = ["r%d" % k for k in range(10)] + ["sl", "fp", "ip", "sp", "lr", "pc"]
+    if "{s" in operands or "{d" in operands:
+        names = [f"{operands[operands.index('{') + 1]}{k}" for k in range(32)]
     for part in operands[operands.index("{") + 1 : operands.index("}")].split(","):
         ends = [names.index(name.strip()) for name in part.split("-")]
         count += ends[-1] - ends[0] + 1
-    return count
+    return 2 * count if "{d" in operands else count
 
 
 def cycles(mnemonic, operands, taken):
@@ -31,7 +34,13 @@ def cycles(mnemonic, operands, taken):
     refill = REFILL if taken else 0
     if base.startswith(("udiv", "sdiv")):
         return DIVIDE
-    if base.startswith(("push", "pop", "ldm", "stm")):
+    if base.startswith(("vdiv", "vsqrt")):
+        return FLOAT_DIVIDE
+    if base.startswith(("vmla", "vmls", "vnmla", "vnmls", "vfma", "vfms", "vfnma", "vfnms")):
+        return 3
+    if base.startswith(("vldr", "vstr")):
+        return 3 if operands.startswith("d") else 2
+    if base.startswith(("push", "pop", "ldm", "stm", "vpush", "vpop", "vldm", "vstm")):
         return 1 + registers_in(operands) + refill
     if base.startswith(("ldrd", "strd")):
         return 3
@@ -58,7 +67,7 @@ def disassemble(image):
     return code
 
 
-def _executed(image, command):
+def executed(image, command):
     """The addresses of all executed instructions, in order."""
     with tempfile.NamedTemporaryFile("r", prefix="iqfoc-trace-") as log:
         subprocess.run(command + ["-kernel", str(image), "-singlestep", "-d", "exec,nochain", "-D", log.name],
@@ -76,7 +85,7 @@ def add(rows, build, command):
     own = {"main", "report", "draw", "draw_within", "draw_magnitudes", "bench_input_draw", "bench_input_restart",
            "counter_start", "bench_nothing", "bench_handler_set", "bench_handler_start", "counts_of", "renew", "bench_drives_config"}
     sums, calls, case, previous = {}, {}, None, None
-    for address in _executed(image, command):
+    for address in executed(image, command):
         if previous is not None and case is not None:
             length, mnemonic, operands, function = code[previous]
             if not MEASURED.match(function) and function not in own and not function.startswith("count_"):

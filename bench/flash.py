@@ -74,17 +74,17 @@ def _load_of(mnemonic, operands, registers, address):
     if mnemonic.startswith("ldm"):
         base, names = operands.split(",", 1)
         return registers[NAMES[base.strip().rstrip("!")]], 4 * estimate.registers_in(names)
-    if not mnemonic.startswith("ldr"):
+    if not mnemonic.startswith(("ldr", "vldr")):
         return None
     inside = re.search(r"\[(\w+)(?:, (#-?\d+|\w+)(?:, lsl #(\d+))?)?\]", operands)
     base = NAMES[inside.group(1)]
     at = (address + 4) & ~3 if base == 15 else registers[base]
     offset = inside.group(2) or "#0"
     at += int(offset[1:]) if offset[0] == "#" else registers[NAMES[offset]] << int(inside.group(3) or 0)
-    return at & 0xFFFFFFFF, 8 if mnemonic.startswith("ldrd") else 4
+    return at & 0xFFFFFFFF, 8 if mnemonic == "ldrd" or operands.startswith("d") else 4
 
 
-def _calls(code, image, command, roots):
+def calls_of(code, image, command, roots):
     """For each call of a root: (root, [(address, registers)]) of all that it executes."""
     start = {}
     for address, (_, _, _, function) in code.items():
@@ -124,14 +124,15 @@ def _calls(code, image, command, roots):
 
 
 def cycles_of(code, steps, line):
-    """Cycles of one call."""
-    flash, now = Flash(line), 0
+    """Cycles of one call; line None: from memory without wait states."""
+    flash, now = line and Flash(line), 0
     for k, (address, registers) in enumerate(steps):
         length, mnemonic, operands, _ = code[address]
-        now = max(flash.fetch(address, now), flash.fetch(address + length - 1, now))
-        load = _load_of(mnemonic, operands, registers, address)
-        if load and load[0] < RAM:
-            now = flash.load(*load, now)
+        if flash:
+            now = max(flash.fetch(address, now), flash.fetch(address + length - 1, now))
+            load = _load_of(mnemonic, operands, registers, address)
+            if load and load[0] < RAM:
+                now = flash.load(*load, now)
         taken = k + 1 == len(steps) or steps[k + 1][0] != address + length
         now += estimate.cycles(mnemonic, operands, taken)
     return now
@@ -147,7 +148,7 @@ def evaluate(build, command):
     image = build / "bench" / "bench_trace.elf"
     code = estimate.disassemble(image)
     found = {root: [] for roots in ROOTS.values() for root in roots}
-    for root, steps in _calls(code, image, command, sorted(found)):
+    for root, steps in calls_of(code, image, command, sorted(found)):
         found[root].append([cycles_of(code, steps, line) for line in BANKS.values()])
     means = {root: [sum(call[k] for call in calls) / len(calls) for k in range(len(BANKS))] for root, calls in found.items()}
     return {row: {key: round(sum(means[root][k] for root in roots)) for k, key in enumerate(BANKS)} for row, roots in ROOTS.items()}

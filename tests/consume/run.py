@@ -22,6 +22,8 @@ from common import (BARE, BOARD, HERE, INCLUDE, PROGRAM, QEMU_ARM, QEMU_RV32, RO
 # The interrupt pair on Cortex-M0+, instructions: with the four-product multiply, and with the compiler's own.
 M0PLUS_PAIR = 1875
 M0PLUS_PAIR_BEFORE = 4000
+# The job of bench/peers/peer.h on Cortex-M4, instructions.
+PEERS_JOB = 129
 # What several checks use, until the last has ended.
 KEPT = tempfile.TemporaryDirectory(prefix="iqfoc-consume-")
 
@@ -190,6 +192,16 @@ def makefile_drop_in_on_cortex_m0plus(folder):
     for counted, said in ((mean, M0PLUS_PAIR), (plain, M0PLUS_PAIR_BEFORE)):
         expect(abs(counted / said - 1.0) < 0.02, f"{counted} instructions, expected {said} within 2 %")
         expect(f"{said:,}" in (ROOT / "docs/bench.md").read_text(), f"docs/bench.md does not say {said:,}")
+
+
+def job_of_other_libraries(folder):
+    """The harness of `./dev bench --peers` by this library's own row: its count and its error."""
+    run([sys.executable, ROOT / "bench/peers.py", "--json", folder / "rows.json"])
+    [row] = json.loads((folder / "rows.json").read_text())
+    expect(abs(row["mean"] / PEERS_JOB - 1.0) < 0.02, f"{row['mean']} instructions, expected {PEERS_JOB} within 2 %")
+    expect(row["error_lsb"] < 6.0, f"error of {row['error_lsb']} LSB")
+    for page in ("docs/bench.md", "bench/peers.md"):
+        expect(f"{PEERS_JOB}" in (ROOT / page).read_text(), f"{page} does not say {PEERS_JOB}")
 
 
 # ---- Languages and compilers ----
@@ -389,7 +401,7 @@ def refuses_a_value_out_of_its_range(folder):
 CHECKS = [
     add_subdirectory_on_the_host, add_subdirectory_shared, fetch_content, add_subdirectory_with_a_foreign_toolchain_file,
     top_level_with_a_foreign_toolchain_file, find_package_static, find_package_shared, find_package_refuses_another_version,
-    template, pkg_config, makefile_drop_in_counts_as_published, makefile_drop_in_on_cortex_m0plus, in_c_plus_plus,
+    template, pkg_config, makefile_drop_in_counts_as_published, makefile_drop_in_on_cortex_m0plus, job_of_other_libraries, in_c_plus_plus,
     diagnosed_header_in_c_and_c_plus_plus, each_header_alone, clang_for_arm, gcc_for_other_arm_cores,
     gcc_for_arm_before_armv6_and_big_endian, riscv, xtensa, avr_by_clang,
     msp430_by_clang, c28x_header_on_the_host, refuses_constants_of_single_precision, refuses_a_double_of_32_bits,
