@@ -24,12 +24,16 @@ iq24_t iq24_div(iq24_t a, iq24_t b)
     if ((n >> 7) >= d) {
         return n == 0 ? 0 : (IQ24_MAX ^ sign); /* MAX ^ -1 = MIN */
     }
+#ifdef IQ24_QUOTIENT /* a target's own way, to the bit: round(n 2^24 / d), ties up */
+    const uint32_t quotient = IQ24_QUOTIENT(n, d);
+#else
     iq24_longdiv_t division = iq24_longdiv_begin(n / d, n % d, d);
     iq24_longdiv_step(&division);
     iq24_longdiv_step(&division);
     iq24_longdiv_step(&division);
     uint32_t half = division.divisor - (division.divisor >> 1); /* rounded up */
     uint32_t quotient = division.quotient + (division.rest >= half);
+#endif
     return iq24_wrap(((int64_t)quotient ^ sign) - sign); /* ~q + 1 = -q */
 }
 

@@ -42,7 +42,7 @@ extern const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4];
 static inline iq24_sincos_t iq24_sincos_q30_inline(iq24_t turns)
 {
     iq24_sincos_t result;
-#ifdef IQ24_SINCOS_Q30 /* a target's own way, to the bit: cosine 2^32 + sine */
+#ifdef IQ24_SINCOS_Q30 /* a target's own way: cosine in the high word, sine in the low one; to the bit but for port/c2000/iqfoc_tmu.h */
     const int64_t both = IQ24_SINCOS_Q30(turns);
     result.sin = iq24_wrap(both);
     result.cos = iq24_wrap(iq24_asr64(both, 32));

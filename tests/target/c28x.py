@@ -39,6 +39,9 @@ ALLOWED_LINES = (re.compile(r"^(typedef char iq24_assume_\w+\[|static_assert\(|_
 # elements is the same whatever a char is.
 SLOW_HEADER = ROOT / "include" / "iqfoc" / "iqfoc_si.h"
 ALLOWED_IN_SLOW = re.compile(r"\bdouble\b|\bconst char \*|\bsizeof (\w+) / sizeof \1\[0\]")
+# The option that computes by the TMU.
+FLOAT_HEADER = PORT / "iqfoc_tmu.h"
+ALLOWED_IN_FLOAT = re.compile(r"\bfloat\b")
 COMPILE = ["clang", "--target=msp430", "-std=c99", "-ffreestanding", "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic",
            "-Wconversion", "-Wshift-overflow", "-Wconstant-conversion", "-Werror", "-I", str(ROOT / "include"), "-I", str(ROOT / "src")]
 
@@ -70,6 +73,8 @@ def compiles(path):
     # A header by itself, as included: what it holds and nobody calls is no mistake.
     unit = ["-include", str(path), "-x", "c", "/dev/null"] if path.suffix == ".h" else [str(path)]
     unit += ["-I", str(ROOT / "tests" / "target" / "iqmath"), '-DIQFOC_IQMATH_HEADER="types.h"']
+    if path.name == "tmu_on_host.h":
+        unit += ["-I", str(PORT), "-D__TMS320C28XX__"]
     done = subprocess.run(COMPILE + unit, capture_output=True, text=True, check=False)
     return done.returncode == 0, done.stderr
 
@@ -144,10 +149,13 @@ def main():
     self_test()
     for path in FILES:
         text = path.read_text()
-        found = offences(ALLOWED_IN_SLOW.sub(" ", text) if path == SLOW_HEADER else text)
+        allowed = {SLOW_HEADER: ALLOWED_IN_SLOW, FLOAT_HEADER: ALLOWED_IN_FLOAT}.get(path)
+        found = offences(allowed.sub(" ", text) if allowed else text)
         check(not found, f"{path.relative_to(ROOT)}: no type of 8 bits or of another size" +
               "".join(f"\n        line {number}: {token}" for number, token in found))
-    for path in SOURCES + [SLOW_HEADER, PORT / "iqfoc_iqmath.h"]:
+    check(not list(re.finditer(r"\b(float|double)\b", "".join(without_comments(path.read_text()) for path in SOURCES))),
+          "src/ and port/c2000/*.c: no floating point")
+    for path in SOURCES + [SLOW_HEADER, PORT / "iqfoc_iqmath.h", ROOT / "tests/target/tmu/tmu_on_host.h"]:
         good, text = compiles(path)
         check(good, f"{path.relative_to(ROOT)}: compiles where int has 16 bits" + ("\n" + text if not good else ""))
     check_linker_files()
