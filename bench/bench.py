@@ -44,7 +44,7 @@ ROOTS = {
     "sqrt": ["iq24_sqrt"],
     "atan2": ["iq24_atan2"],
     "div": ["iq24_div"],
-    "rotor": ["iqfoc_rotor_from_turns"],
+    "rotor": ["iqfoc_rotor_from_speed"],
     "mean_correction": ["iqfoc_mean_current_correct"],
     "mean_quasi_discrete": ["iqfoc_mean_current_quasi_discrete"],
     "prediction_euler": ["iqfoc_predictor_euler"],

@@ -51,7 +51,7 @@ static uint32_t counts_of(iq24_t i)
 void bench_handler_set(const bench_input_t *input, bool peak)
 {
     /* The shaft covers a third of the electrical angle, in 4096 counts a turn; half of it to each instant. */
-    encoder = (encoder + 4096 + (uint32_t)(input->sample.turns / 3 / 8192)) % 4096;
+    encoder = (encoder + 4096 + (uint32_t)(input->sample.speed / 3 / 8192)) % 4096;
     tim2.CNT = tim2.CNT + HALF_TICKS;
     tim1.CR1 = peak ? TIM_CR1_DIR : 0;
     tim1.CNT = peak ? HALF_TICKS - LATENCY : LATENCY;

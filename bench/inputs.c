@@ -17,7 +17,7 @@
 #define W_RAD_S  1500.0
 
 /* 10000 1/min with three pole pairs: a quarter above what the 2019 paper drives this machine to. */
-#define TURNS_TOP IQFOC_TURNS(10000.0, 3.0, T_S)
+#define TURNS_TOP IQFOC_SPEED(10000.0, 3.0, T_S)
 
 const iqfoc_cycle_config_t bench_config = {
     .predictor = IQFOC_PREDICTOR(R_OHM, L_H, PSI_WB, T_S, I_BASE_A, U_DC_V),
@@ -102,7 +102,7 @@ static void draw_operating_point(bench_input_t *input)
     input->u_winding.d = iq24_mul_round(settled.d, IQ24(R_OHM * I_BASE_A / U_DC_V));
     input->u_winding.q = iq24_mul_round(settled.q, IQ24(R_OHM * I_BASE_A / U_DC_V));
     const iqfoc_dq_t apart =
-        iqfoc_current_control_decoupling(&bench_config.gains, settled, input->rotor.turns);
+        iqfoc_current_control_decoupling(&bench_config.gains, settled, input->rotor.speed);
     input->u_steady.d = input->u_winding.d + apart.d;
     input->u_steady.q = input->u_winding.q + apart.q;
 
@@ -125,13 +125,13 @@ void bench_input_draw(bench_input_t *input)
     input->delta.beta = draw_within(IQ24(0.5));
     input->u.alpha = draw_within(IQ24(0.8));
     input->u.beta = draw_within(IQ24(0.8));
-    input->rotor = iqfoc_rotor_from_turns(draw_within(TURNS_TOP));
+    input->rotor = iqfoc_rotor_from_speed(draw_within(TURNS_TOP));
     input->sample.theta = draw_within(IQ24(1.0));
     input->sc = iq24_sincos(input->sample.theta);
     draw_operating_point(input);
     input->sample.i_mean = input->sample.i;
-    input->sample.turns = input->rotor.turns;
-    input->sample.at = 0;
+    input->sample.speed = input->rotor.speed;
+    input->sample.instant = 0;
     input->sample.time = 0;
     input->sample.has_mean = false;
     input->sample.clipped = false;

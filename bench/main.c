@@ -58,7 +58,7 @@ COUNT(div, iq24_t, iq24_div, (iq24_t, iq24_t), (in->any_a, in->divisor))
 COUNT_INLINED(park, bench_park_line, bench_four_to_two_line)
 COUNT_INLINED(park_inverse, bench_park_inverse_line, bench_four_to_two_line)
 COUNT_INLINED(clarke, bench_clarke_line, bench_two_to_two_line)
-COUNT(rotor, iqfoc_rotor_t, iqfoc_rotor_from_turns, (iq24_t), (in->sample.turns))
+COUNT(rotor, iqfoc_rotor_t, iqfoc_rotor_from_speed, (iq24_t), (in->sample.speed))
 COUNT(mean_correction, iqfoc_dq_t, iqfoc_mean_current_correct,
       (iqfoc_ab_t, iqfoc_ab_t, const iqfoc_rotor_t *, iq24_sincos_t), (in->i, in->delta, &in->rotor, in->sc))
 COUNT(mean_quasi_discrete, iqfoc_ab_t, iqfoc_mean_current_quasi_discrete,
@@ -73,14 +73,14 @@ COUNT(prediction_quasi_discrete, iqfoc_ab_t, iqfoc_predictor_quasi_discrete,
 COUNT(prediction_exact, iqfoc_ab_t, iqfoc_exact_step,
       (const iqfoc_exact_t *, iqfoc_ab_t, iqfoc_ab_t, iq24_sincos_t), (&exact, in->i, in->u, in->sc))
 COUNT(exact_at_speed, iqfoc_exact_t, iqfoc_exact_at_speed, (const iqfoc_exact_law_t *, iq24_t),
-      (&exact_law, in->sample.turns))
+      (&exact_law, in->sample.speed))
 COUNT(exact_set_up, iqfoc_exact_law_t, iqfoc_exact_prediction, (const iqfoc_exact_winding_t *, iq24_t),
       (&bench_winding, IQ24_ONE))
 COUNT(prediction_salient, iqfoc_dq_t, iqfoc_salient_step, (const iqfoc_salient_t *, iqfoc_dq_t, iqfoc_dq_t),
       (&salient, in->i_ref, (iqfoc_dq_t){in->u.alpha, in->u.beta}))
 COUNT(salient_at_speed, void, iqfoc_salient_at_speed,
       (const iqfoc_salient_machine_t *, iq24_t, iq24_t, iqfoc_salient_t *, iqfoc_salient_t *),
-      (&bench_salient, in->sample.turns, IQ24_ONE, &salient, &salient_mean))
+      (&bench_salient, in->sample.speed, IQ24_ONE, &salient, &salient_mean))
 COUNT(mean_modulated, iqfoc_dq_t, iqfoc_mean_modulated,
       (const iqfoc_mean_modulated_t *, iqfoc_ab_t, iqfoc_ab_t, iqfoc_abc_t, iq24_t, iq24_sincos_t),
       (&modulated, in->i, in->delta, duties.high, in->sample.u_dc, in->sc))
@@ -92,20 +92,20 @@ COUNT(prediction_induction, iqfoc_induction_state_t, iqfoc_induction_step,
       (const iqfoc_induction_t *, iqfoc_induction_state_t, iqfoc_ab_t),
       (&induction, (iqfoc_induction_state_t){in->i, in->delta}, in->u))
 COUNT(induction_at_speed, iqfoc_induction_t, iqfoc_induction_at_speed,
-      (const iqfoc_induction_machine_t *, iq24_t, iq24_t), (&bench_induction, in->sample.turns, IQ24_ONE))
+      (const iqfoc_induction_machine_t *, iq24_t, iq24_t), (&bench_induction, in->sample.speed, IQ24_ONE))
 COUNT(deadbeat, iqfoc_ab_t, iqfoc_deadbeat_step,
       (const iqfoc_deadbeat_t *, iqfoc_ab_t, iqfoc_ab_t, iqfoc_dq_t, iq24_t, iq24_t),
-      (&deadbeat, in->i, in->u, in->i_ref, in->sample.theta, in->sample.turns))
+      (&deadbeat, in->i, in->u, in->i_ref, in->sample.theta, in->sample.speed))
 COUNT(deadbeat_drift, iqfoc_ab_t, iqfoc_deadbeat_drift_step,
       (iqfoc_deadbeat_drift_t *, const iqfoc_deadbeat_t *, iq24_t, iqfoc_ab_t, iqfoc_ab_t, iqfoc_dq_t, iq24_t,
        iq24_t),
-      (&drift, &deadbeat, IQ24(0.1), in->i, in->u, in->i_ref, in->sample.theta, in->sample.turns))
+      (&drift, &deadbeat, IQ24(0.1), in->i, in->u, in->i_ref, in->sample.theta, in->sample.speed))
 COUNT(finite_set_1, int32_t, iqfoc_finite_set_choose,
       (const iqfoc_finite_set_t *, iqfoc_ab_t, int32_t, iqfoc_dq_t, iq24_t, iq24_t, iq24_t, uint32_t *),
-      (&near_set, in->i, 1, in->i_ref, in->sample.theta, in->sample.turns, in->sample.u_dc, 0))
+      (&near_set, in->i, 1, in->i_ref, in->sample.theta, in->sample.speed, in->sample.u_dc, 0))
 COUNT(finite_set_3, int32_t, iqfoc_finite_set_choose,
       (const iqfoc_finite_set_t *, iqfoc_ab_t, int32_t, iqfoc_dq_t, iq24_t, iq24_t, iq24_t, uint32_t *),
-      (&far_set, in->i, 1, in->i_ref, in->sample.theta, in->sample.turns, in->sample.u_dc, 0))
+      (&far_set, in->i, 1, in->i_ref, in->sample.theta, in->sample.speed, in->sample.u_dc, 0))
 COUNT(control_step, iqfoc_dq_t, iqfoc_current_control_step,
       (iqfoc_current_control_t *, const iqfoc_current_control_gains_t *, iqfoc_dq_t, iqfoc_dq_t),
       (&drive.control, &bench_config.gains, in->i_ref, (iqfoc_dq_t){in->i.alpha, in->i.beta}))
@@ -151,7 +151,7 @@ static uint32_t count_period(const bench_input_t *in, uint32_t (*count_valley)(c
     bench_input_t at_valley = *in;
     at_valley.sample.time = period;
     at_peak.sample.time = period + bench_config.period_ticks / 2;
-    at_peak.sample.at = IQ24(0.5);
+    at_peak.sample.instant = IQ24(0.5);
     period += bench_config.period_ticks;
     cycle.i_ref = in->i_ref;
     cycle.control = holding(in->u_winding);
@@ -247,7 +247,7 @@ int main(void)
     exact_law = iqfoc_exact_prediction(&bench_winding, IQ24_ONE);
     exact = iqfoc_exact_at_speed(&exact_law, IQ24(0.08));
     iqfoc_salient_at_speed(&bench_salient, IQ24(0.08), IQ24_ONE, &salient, &salient_mean);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(IQ24(0.08));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(IQ24(0.08));
     modulated = iqfoc_mean_modulated_at_speed(&bench_config.predictor, &rotor);
     induction = iqfoc_induction_at_speed(&bench_induction, IQ24(0.08), IQ24_ONE);
     ripple = iqfoc_ripple_at_speed(&bench_salient, &rotor);

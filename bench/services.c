@@ -100,7 +100,7 @@ static const iqfoc_commission_config_t commission_config = {
     .offset = {.settle = 0, .count_log2 = 2, .offset_max = IQ24(1.0), .noise_max = IQ24(0.125)},
     .start = {IQ24(0.5), 1000, 1000, IQ24(0.01), 1000},
     .i_max = IQ24(4.0),
-    .turns_max = IQ24(1.0 / 3.0 - 1e-6),
+    .speed_max = IQ24(1.0 / 3.0 - 1e-6),
     .u_max = IQ24(0.5),
     .cycles_max = UINT32_MAX,
     .settle_cycles = 1000,
@@ -110,7 +110,7 @@ static iqfoc_commission_t commission;
 static const iqfoc_start_config_t start_config = {.i_align = IQ24(0.4),
                                                   .ramp_cycles = 500,
                                                   .hold_cycles = 500,
-                                                  .turns_end = IQ24(0.02),
+                                                  .speed_end = IQ24(0.02),
                                                   .run_up_cycles = 1000};
 static iqfoc_start_t start;
 static const iqfoc_speed_control_config_t speed_control_config =
@@ -167,7 +167,7 @@ COUNT(six_step_by_timer, iqfoc_six_step_command_t, iqfoc_cycle_six_step_switch,
       (&six_step, &cycle, &in->sample, in->sample.time))
 COUNT(pattern, void, iqfoc_pattern_step,
       (iqfoc_pattern_modulator_t *, iq24_t, iq24_t, iq24_t, iqfoc_pattern_edges_t *),
-      (&pattern, in->sample.theta, in->sample.turns, IQ24(0.55) + iq24_abs_sat(in->u.alpha) / 16,
+      (&pattern, in->sample.theta, in->sample.speed, IQ24(0.55) + iq24_abs_sat(in->u.alpha) / 16,
        pattern_edges))
 COUNT(pattern_control_aim, void, iqfoc_pattern_control_aim, (iqfoc_pattern_control_t *, iqfoc_dq_t, iq24_t),
       (&pattern_control, rated, IQ24(0.025)))
@@ -193,7 +193,7 @@ COUNT(pulse_mode_to_carrier, bool, iqfoc_pulse_mode_to_carrier,
 COUNT(pulse_mode_resume, void, iqfoc_pulse_mode_resume, (const iqfoc_pattern_control_t *, iqfoc_cycle_t *),
       (&pattern_control, &carrier_cycle))
 COUNT(tuned_at_speed, iqfoc_tuned_t, iqfoc_tuned_at_speed, (const iqfoc_tuned_law_t *, iq24_t),
-      (&tuned_law, in->sample.turns))
+      (&tuned_law, in->sample.speed))
 COUNT(tuned_step, iqfoc_ab_t, iqfoc_tuned_step,
       (iqfoc_tuned_state_t *, const iqfoc_tuned_t *, iqfoc_ab_t, iqfoc_ab_t, iqfoc_dq_t, iq24_t),
       (&tuned_state, &tuned, in->i, in->u, in->i_ref, in->sample.theta))
@@ -201,11 +201,11 @@ COUNT(watch_step, bool, iqfoc_watch_step,
       (iqfoc_watch_t *, iqfoc_ab_t, iqfoc_dq_t, iqfoc_dq_t, iq24_sincos_t),
       (&watch, in->i, in->i_ref, in->i_ref, in->sc))
 COUNT(watch_block, bool, iqfoc_watch_block, (iqfoc_watch_t *, const iqfoc_watch_config_t *, iq24_t, iq24_t),
-      (&watch, &bench_watch, in->sample.turns, in->sample.theta))
+      (&watch, &bench_watch, in->sample.speed, in->sample.theta))
 COUNT(adapt_block, void, iqfoc_adapt_block,
       (iqfoc_adapt_t *, const iqfoc_adapt_config_t *, const iqfoc_watch_t *, const iqfoc_watch_config_t *,
        iq24_t),
-      (&adapt, &adapt_config, &watch, &bench_watch, in->sample.turns))
+      (&adapt, &adapt_config, &watch, &bench_watch, in->sample.speed))
 COUNT(adapt_law, iqfoc_tuned_law_t, iqfoc_adapt_law, (const iqfoc_tuned_law_t *, const iqfoc_adapt_t *),
       (&tuned_law, &adapt))
 COUNT(encoder, iq24_t, iqfoc_encoder_theta, (const iqfoc_encoder_t *, uint32_t),
@@ -230,9 +230,9 @@ COUNT(shunts, iqfoc_shunts_currents_t, iqfoc_shunts_read,
       (const iqfoc_shunts_t *, iqfoc_abc_t, iqfoc_abc_t, iqfoc_abc_t),
       (&shunts, in->sample.i, duties_of(in), in->sample.i_mean))
 COUNT(speed_control, iq24_t, iqfoc_speed_control_step, (iqfoc_speed_control_t *, iq24_t, iq24_t, iq24_t),
-      (&speed_control, IQ24(0.1), in->sample.turns, IQ24(1.0)))
+      (&speed_control, IQ24(0.1), in->sample.speed, IQ24(1.0)))
 COUNT(synchronous_carrier, uint32_t, iqfoc_synchronous_carrier_step,
-      (iqfoc_synchronous_carrier_t *, iq24_t, iq24_t), (&carrier, in->sample.theta, in->sample.turns))
+      (iqfoc_synchronous_carrier_t *, iq24_t, iq24_t), (&carrier, in->sample.theta, in->sample.speed))
 COUNT(synchronous_set, void, iqfoc_synchronous_carrier_set,
       (const iqfoc_cycle_config_t *, uint32_t, iqfoc_cycle_config_t *), (&carrier_base, 15000, &carrier_set))
 COUNT(synchronous_flux, void, iqfoc_synchronous_carrier_keep_flux, (iqfoc_cycle_t *), (&carrier_cycle))
@@ -244,7 +244,7 @@ COUNT(offset, iqfoc_offset_verdict_t, iqfoc_offset_step, (iqfoc_offset_t *, iqfo
       (&offset, in->sample.i))
 COUNT(start, void, iqfoc_start_step, (iqfoc_start_t *, iq24_t), (&start, in->sample.theta))
 COUNT(supervision, uint32_t, iqfoc_supervision_step, (iqfoc_supervision_t *, iqfoc_abc_t, iq24_t, bool),
-      (&supervision, in->sample.i, in->sample.turns, true))
+      (&supervision, in->sample.i, in->sample.speed, true))
 COUNT(restart, iqfoc_restart_action_t, iqfoc_restart_step, (iqfoc_restart_t *, uint32_t),
       (&restart, (uint32_t)in->sample.theta >> 27 & 1))
 
@@ -259,7 +259,7 @@ COUNT(sensorless, void, iqfoc_sensorless_valley, (iqfoc_sensorless_t *, iqfoc_cy
 /* Locked and within its limits, as in a drive that runs. */
 static uint32_t count_observer_locked(const bench_input_t *in)
 {
-    iqfoc_observer_start(&observer, in->i, in->sample.theta, in->sample.turns, true);
+    iqfoc_observer_start(&observer, in->i, in->sample.theta, in->sample.speed, true);
     return count_observer(in);
 }
 
@@ -275,7 +275,7 @@ static uint32_t count_inductance_adapted(const bench_input_t *in)
 /* Locked, with the memory of a current along the magnet, so that R is adapted. */
 static uint32_t count_resistance_adapted(const bench_input_t *in)
 {
-    iqfoc_observer_start(&observer, in->i, in->sample.theta, in->sample.turns, true);
+    iqfoc_observer_start(&observer, in->i, in->sample.theta, in->sample.speed, true);
     resistance.s.alpha = 4 * in->sc.cos;
     resistance.s.beta = 4 * in->sc.sin;
     return count_observer_resistance(in);
@@ -296,7 +296,7 @@ static uint32_t count_sensorless_locked(const bench_input_t *in)
     sensorless.on = 3;
     sensorless.source = IQFOC_ANGLE_OBSERVED;
     sensorless.wanted = IQFOC_ANGLE_OBSERVED;
-    iqfoc_observer_start(&sensorless.observer, in->i, sample.theta, sample.turns, true);
+    iqfoc_observer_start(&sensorless.observer, in->i, sample.theta, sample.speed, true);
     return count_sensorless(in);
 }
 
@@ -306,7 +306,7 @@ static void begin_commission(iqfoc_commission_phase_t phase, uint32_t in_block)
     (void)iqfoc_commission_init(&commission, &commission_config);
     commission.phase = phase;
     commission.start.stage = IQFOC_START_OPEN_LOOP;
-    commission.start.turns = IQ24(0.01);
+    commission.start.speed = IQ24(0.01);
     commission.start.i_ref.d = IQ24(0.5);
     commission.in_block = in_block;
     commission.blocks = IQFOC_COMMISSION_BLOCKS - 1;
@@ -339,7 +339,7 @@ static uint32_t count_commission_at_end(const bench_input_t *in)
 static void begin_watch_angle(const bench_input_t *in)
 {
     sensorless.on = 3;
-    iqfoc_observer_start(&sensorless.observer, in->i, in->sample.theta, in->sample.turns, true);
+    iqfoc_observer_start(&sensorless.observer, in->i, in->sample.theta, in->sample.speed, true);
     sensorless.difference = in->delta.alpha / 256;
     iqfoc_watch_angle_reset(&watch_angle);
     watch_angle.theta = in->sample.theta;
@@ -402,7 +402,7 @@ static uint32_t count_pulse_mode_to_pattern_now(const bench_input_t *in)
     carrier_cycle.theta_valley = in->sample.theta;
     pulse_mode.level = 0;
     pulse_mode.wanted = 1;
-    pulse_mode.turns = IQ24(0.025);
+    pulse_mode.speed = IQ24(0.025);
     pulse_mode.waited = IQ24(2.0);
     return count_pulse_mode_to_pattern(in);
 }
@@ -413,7 +413,7 @@ static uint32_t count_pulse_mode_to_carrier_now(const bench_input_t *in)
     iqfoc_pattern_control_aim(&pattern_control, rated, IQ24(0.025));
     pulse_mode.level = 1;
     pulse_mode.wanted = 0;
-    pulse_mode.turns = IQ24(0.025);
+    pulse_mode.speed = IQ24(0.025);
     pulse_mode.waited = IQ24(2.0);
     return count_pulse_mode_to_carrier(in);
 }
@@ -424,7 +424,7 @@ static void sum_block(const bench_input_t *in)
     const iqfoc_ab_t off = {in->delta.alpha / 256, in->delta.beta / 256};
     iqfoc_watch_reset(&watch);
     watch.blocks = 1; /* the first is not judged */
-    watch.turns = in->sample.turns;
+    watch.speed = in->sample.speed;
     for (uint32_t k = 0; k < IQFOC_WATCH_BLOCK_CYCLES; k++) {
         (void)iqfoc_watch_step(&watch, off, in->i_ref, in->u_steady, in->sc);
     }
@@ -444,8 +444,8 @@ static uint32_t count_adapt_block_of_drive(const bench_input_t *in)
 
 static void begin(void)
 {
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(IQ24(0.08));
-    const iqfoc_sample_t still = {.turns = IQ24(0.08), .u_dc = IQ24_ONE};
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(IQ24(0.08));
+    const iqfoc_sample_t still = {.speed = IQ24(0.08), .u_dc = IQ24_ONE};
     over_limit = iqfoc_overmodulation_limit(&rotor);
     tuned_law = (iqfoc_tuned_law_t){bench_salient, IQ24(0.5), IQ24(0.5), IQ24(0.25), IQ24(0.05)};
     tuned = iqfoc_tuned_at_speed(&tuned_law, IQ24(0.08));
@@ -463,7 +463,7 @@ static void begin(void)
     (void)iqfoc_tracker_init(&tracker, &tracker_config);
     observer_config.angle_max = IQ24(0.5);
     observer_config.flux_max = IQ24(7.9);
-    observer_config.turns_min = 0;
+    observer_config.speed_min = 0;
     (void)iqfoc_observer_init(&observer, &observer_config);
     inductance_config.high = observer_config.machine.l_q;
     (void)iqfoc_observer_inductance_init(&inductance, &inductance_config, &observer_config);
@@ -479,7 +479,7 @@ static void begin(void)
     iqfoc_synchronous_carrier_set(&carrier_base, 15000, &carrier_set);
     carrier_cycle.config = &carrier_base;
     carrier_cycle.next = &carrier_set;
-    carrier_cycle.rotor.turns = IQ24(0.1);
+    carrier_cycle.rotor.speed = IQ24(0.1);
     carrier_cycle.i_ref = rated;
     (void)iqfoc_start_init(&start, &start_config);
     (void)iqfoc_supervision_init(&supervision, &supervision_config);

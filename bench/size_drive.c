@@ -49,7 +49,7 @@ static void give_data(void)
 {
     static iqfoc_salient_t end;
     static iqfoc_salient_t mean;
-    iqfoc_salient_at_speed(&bench_salient, samples.turns, IQ24_ONE, &end, &mean);
+    iqfoc_salient_at_speed(&bench_salient, samples.speed, IQ24_ONE, &end, &mean);
     config.data.salient = &end;
     config.data.salient_mean = &mean;
 }

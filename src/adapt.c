@@ -25,12 +25,12 @@ static int64_t product_of(components a, components b)
 }
 
 /* The block's mean error at mid-cycle in flux, as in the change detector's first signatures. Sums of 32 in Q48. */
-static components error_of(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns)
+static components error_of(const iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t speed)
 {
     const uint32_t bits = IQ24_FRACTION_BITS + IQFOC_WATCH_BLOCK_BITS;
     const iqfoc_dq_t e = {iq24_sat(iq24_asr64(watch->alpha_cos + watch->beta_sin, bits)),
                           iq24_sat(iq24_asr64(watch->beta_cos - watch->alpha_sin, bits))};
-    const iqfoc_ab_t at_mid = iqfoc_park_inverse(e, iq24_sincos(iq24_asr32(turns, 1)));
+    const iqfoc_ab_t at_mid = iqfoc_park_inverse(e, iq24_sincos(iq24_asr32(speed, 1)));
     const components y = {
         held(iq24_mul_shift(at_mid.alpha, config->flux_d_q16, 16), config->per_noise_q8, 16),
         held(iq24_mul_shift(at_mid.beta, config->flux_q_q16, 16), config->per_noise_q8, 16)};
@@ -63,13 +63,13 @@ static bool is_learnt_from(const iqfoc_watch_t *watch)
 }
 
 void iqfoc_adapt_block(iqfoc_adapt_t *adapt, const iqfoc_adapt_config_t *config, const iqfoc_watch_t *watch,
-                       const iqfoc_watch_config_t *watch_config, iq24_t turns)
+                       const iqfoc_watch_config_t *watch_config, iq24_t speed)
 {
     if (!is_learnt_from(watch)) {
         return;
     }
-    const iq24_t at_end = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    const iq24_t middle = iq24_sub_wrap(at_end, iq24_asr32(iq24_sub_wrap(at_end, watch->turns), 1));
+    const iq24_t at_end = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
+    const iq24_t middle = iq24_sub_wrap(at_end, iq24_asr32(iq24_sub_wrap(at_end, watch->speed), 1));
     const int32_t size_r = watch_config->size_q16[IQFOC_WATCH_RESISTANCE];
     const int32_t size_psi = watch_config->size_q16[IQFOC_WATCH_FLUX];
     const components x_r = {held(-watch->i[0], size_r, 22), held(-watch->i[1], size_r, 22)};

@@ -29,12 +29,12 @@
  *
  * v is the square of turns = h 2^12 + l without its last 16 bits: h^2 2^8 + ((h l + (l^2 >> 13)) >> 3).
  *
- * Range: |turns| <= 2^24/3 + 1, so |h| <= 1366 and v <= 477218760: its halves are vh <= 7281 and vl. With p = ph
+ * Range: |speed| <= 2^24/3 + 1, so |h| <= 1366 and v <= 477218760: its halves are vh <= 7281 and vl. With p = ph
  * 2^16 + pl the cross products are pl vh < 2^29 and ph vl. No p that is multiplied is below -1766234468, so that
  * ph vl >= -26951 65535 > -2^31, to which nothing negative is added; nor above 871599137 + 2^27, so that ph vl
  * with the rest is below 2^31.
  */
-__attribute__((naked)) int64_t iqfoc_arm_rotor(__attribute__((unused)) int32_t turns,
+__attribute__((naked)) int64_t iqfoc_arm_rotor(__attribute__((unused)) int32_t speed,
                                                __attribute__((unused)) const int32_t *poly)
 {
     __asm volatile(".syntax unified\n\t"

@@ -12,9 +12,9 @@ static bool config_is_good(const iqfoc_commission_config_t *c)
 {
     const iq24_t i = c->start.i_align;
     const iq24_t share_max = IQ24(0.25);
-    return iq24_within(i, 1, IQ24(2.0)) && c->start.turns_end != 0 &&
+    return iq24_within(i, 1, IQ24(2.0)) && c->start.speed_end != 0 &&
            iq24_within(c->i_max, i + i / 2, IQ24(4.0)) &&
-           iq24_within(c->turns_max, iq24_abs_sat(c->start.turns_end), IQFOC_ROTOR_TURNS_MAX) &&
+           iq24_within(c->speed_max, iq24_abs_sat(c->start.speed_end), IQFOC_ROTOR_SPEED_MAX) &&
            iq24_within(c->u_max, 1, IQ24(0.5)) && c->cycles_max >= 1 && c->settle_cycles >= 1 &&
            c->settle_cycles <= CYCLES_MAX && c->block_log2 >= 6 && c->block_log2 <= LONGEST_LOG2 &&
            c->half_log2 >= 1 && c->half_log2 <= 2 && iq24_within(c->share_r, 0, share_max) &&
@@ -70,7 +70,7 @@ iqfoc_commission_value_t commission_taken(iqfoc_commission_t *c, iqfoc_commissio
 static iqfoc_ab_t controlled(iqfoc_commission_t *c, iqfoc_dq_t i_ref, iqfoc_dq_t i)
 {
     c->u_dq = iqfoc_current_control_step(&c->control, &c->gains, i_ref, i);
-    const iq24_t ahead = iq24_mul_round(c->start.turns, IQ24(1.5));
+    const iq24_t ahead = iq24_mul_round(c->start.speed, IQ24(1.5));
     return iqfoc_park_inverse(c->u_dq, iq24_sincos(iq24_add_wrap(c->start.theta, ahead)));
 }
 
@@ -163,7 +163,7 @@ static iqfoc_commission_end_t guard(const iqfoc_commission_t *c, const iqfoc_sam
     const iqfoc_commission_config_t *config = c->config;
     return c->abort_requested                                 ? IQFOC_COMMISSION_ABORTED
            : sample->clipped || beyond(i, config->i_max)      ? IQFOC_COMMISSION_OVER_CURRENT
-           : iq24_abs_sat(sample->turns) > config->turns_max  ? IQFOC_COMMISSION_OVER_SPEED
+           : iq24_abs_sat(sample->speed) > config->speed_max  ? IQFOC_COMMISSION_OVER_SPEED
            : !iq24_within(sample->u_dc, IQ24(0.5), IQ24(1.5)) ? IQFOC_COMMISSION_DC_LINK
            : c->cycles >= config->cycles_max                  ? IQFOC_COMMISSION_TOO_SLOW
                                                               : IQFOC_COMMISSION_RUNNING;

@@ -96,7 +96,7 @@ void commission_spin(iqfoc_commission_t *c, iqfoc_dq_t i, iqfoc_dq_t u)
     const commission_means_t means = {
         {commission_block_mean(c->sum[0], n), commission_block_mean(c->sum[2], n)},
         {commission_block_mean(c->sum[1], n), commission_block_mean(c->sum[3], n)}};
-    const iq24_t phi_s1 = iqfoc_rotor_from_turns(c->start.turns).phi_s1;
+    const iq24_t phi_s1 = iqfoc_rotor_from_speed(c->start.speed).phi_s1;
     c->x[c->blocks] = commission_flux(&c->result, &means, phi_s1);
     commission_clear(c);
     c->blocks++;

@@ -160,14 +160,14 @@ void iqfoc_cycle_clear(iqfoc_cycle_t *cycle)
 void iqfoc_cycle_hand_over(iqfoc_cycle_t *cycle, iq24_t theta_before, const iqfoc_sample_t *sample)
 {
     const iqfoc_dq_t nothing = {0, 0};
-    const iq24_t turns = iq24_clamp(sample->turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t speed = iq24_clamp(sample->speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     const iqfoc_ab_t u =
         iqfoc_park_inverse(cycle->u_dq, iq24_sincos(iq24_sub_wrap(theta_before, sample->theta)));
     cycle->u_dq.d = u.alpha;
     cycle->u_dq.q = u.beta;
     cycle->i_ref = iqfoc_park(iqfoc_clarke3(sample->i), iq24_sincos(sample->theta));
     cycle->drift = nothing;
-    iqfoc_current_control_preset(&cycle->control, &cycle->config->gains, cycle->u_dq, cycle->i_ref, turns);
+    iqfoc_current_control_preset(&cycle->control, &cycle->config->gains, cycle->u_dq, cycle->i_ref, speed);
 }
 
 iqfoc_command_t iqfoc_cycle_safe(const iqfoc_cycle_config_t *config)
@@ -191,7 +191,7 @@ static uint32_t faults(const iqfoc_cycle_config_t *config, const iqfoc_sample_t 
     if (beyond(i.alpha, config->current_limit) || beyond(i.beta, config->current_limit)) {
         bits |= IQFOC_STATUS_OVERCURRENT;
     }
-    if (beyond(sample->turns, IQFOC_ROTOR_TURNS_MAX)) {
+    if (beyond(sample->speed, IQFOC_ROTOR_SPEED_MAX)) {
         bits |= IQFOC_STATUS_OVERSPEED;
     }
     if (!iq24_within(sample->u_dc, IQFOC_CYCLE_U_DC_MIN, IQFOC_CYCLE_U_DC_MAX)) {

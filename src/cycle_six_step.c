@@ -41,21 +41,21 @@ static iqfoc_six_step_command_t safe(iqfoc_cycle_t *cycle, uint32_t ticks)
  * The command of the present state, and how long it lasts.
  *
  * Range: the state's far border is (2 state + 1)/12 or (2 state - 1)/12 of a turn, 5 + 1/2 sixths at most; angles
- * wrap at 128 turns, which are whole. turns/|speed| saturates at 128 cycles, and a period is below 2^31 ticks: the
+ * wrap at 128 turns, which are whole. movement/|speed| saturates at 128 cycles, and a period is below 2^31 ticks: the
  * product is below 2^62.
  *
  */
 static iqfoc_six_step_command_t standing(iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, iq24_t theta,
-                                         iq24_t turns)
+                                         iq24_t speed)
 {
-    const bool back = turns < 0;
+    const bool back = speed < 0;
     const iq24_t border = (six->state * IQ24_ONE + (back ? -IQ24_ONE / 2 : IQ24_ONE / 2)) / 6;
     const iq24_t rest = within_turn(iq24_sub_wrap(border, iq24_add_wrap(theta, iq24_acc_round(six->angle))));
     iqfoc_six_step_command_t next;
     next.command.duties = iqfoc_six_step_duties(six->state);
     next.command.gates = true;
-    next.turns = iq24_clamp(back ? -rest : rest, SECTOR_LEAST, SECTOR_MOST);
-    const iq24_t cycles = iq24_div(next.turns, iq24_max(iq24_abs_sat(turns), 1));
+    next.movement = iq24_clamp(back ? -rest : rest, SECTOR_LEAST, SECTOR_MOST);
+    const iq24_t cycles = iq24_div(next.movement, iq24_max(iq24_abs_sat(speed), 1));
     const uint64_t ticks = (uint64_t)cycles * cycle->config->period_ticks >> 24;
     next.ticks = ticks < UINT32_MAX ? (uint32_t)ticks : UINT32_MAX;
     cycle->u_now = iqfoc_six_step_voltage(six->state, six->u_dc);
@@ -88,7 +88,7 @@ iqfoc_six_step_command_t iqfoc_cycle_six_step_begin(iqfoc_six_step_t *six, iqfoc
     if (!cycle->enabled || cycle->tripped) {
         return safe(cycle, cycle->config->period_ticks);
     }
-    return standing(six, cycle, sample->theta, sample->turns);
+    return standing(six, cycle, sample->theta, sample->speed);
 }
 
 iq24_t iqfoc_cycle_voltage_angle(const iqfoc_cycle_t *cycle)
@@ -107,9 +107,9 @@ static void control(iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, const iqfoc_sam
     const iqfoc_ab_t delta = {iq24_sub_wrap(i.alpha, six->i_begin.alpha),
                               iq24_sub_wrap(i.beta, six->i_begin.beta)};
     const iq24_t covered = iq24_clamp(within_turn(iq24_sub_wrap(sample->theta, six->theta_begin)),
-                                      -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+                                      -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     const iq24_sincos_t middle = iq24_sincos(iq24_add_wrap(six->theta_begin, iq24_asr32(covered, 1)));
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(covered);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(covered);
     cycle->i_dq = six->config->discrete_angle ? iqfoc_park(mean, middle)
                                               : iqfoc_mean_current_correct(mean, delta, &rotor, middle);
     const iq24_t error = iq24_sub_wrap(cycle->i_ref.q, cycle->i_dq.q);
@@ -133,19 +133,18 @@ iqfoc_six_step_command_t iqfoc_cycle_six_step_switch(iqfoc_six_step_t *six, iqfo
     if (!cycle->enabled || cycle->tripped) {
         return safe(cycle, cycle->config->period_ticks);
     }
-    six->state = (six->state + (sample->turns < 0 ? 5 : 1)) % 6;
-    return standing(six, cycle, sample->theta, sample->turns);
+    six->state = (six->state + (sample->speed < 0 ? 5 : 1)) % 6;
+    return standing(six, cycle, sample->theta, sample->speed);
 }
 
-void iqfoc_cycle_six_step_end(const iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, iq24_t turns)
+void iqfoc_cycle_six_step_end(const iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, iq24_t speed)
 {
-    const iq24_t held_turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t held = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     const iq24_t u = iq24_mul_round(TWO_OVER_PI, six->u_dc);
     const iq24_sincos_t sc = iq24_sincos(iq24_acc_round(six->angle));
     cycle->u_dq.d = iq24_mul_round(u, sc.cos);
     cycle->u_dq.q = iq24_mul_round(u, sc.sin);
-    iqfoc_current_control_preset(&cycle->control, &cycle->config->gains, cycle->u_dq, cycle->i_ref,
-                                 held_turns);
+    iqfoc_current_control_preset(&cycle->control, &cycle->config->gains, cycle->u_dq, cycle->i_ref, held);
     cycle->over.length = TWO_OVER_PI;
     cycle->phase = IQFOC_CYCLE_DUE_NOTHING;
 }

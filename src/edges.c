@@ -15,15 +15,15 @@ static void leg_of_pattern(const iqfoc_pattern_edges_t *pattern, uint32_t period
     uint32_t last = period_ticks; /* no edge has this tick */
     int32_t edges = 0;
     for (int32_t k = 0; k < pattern->edges; k++) {
-        const uint32_t at = ticks_of(pattern->at[k], period_ticks);
+        const uint32_t instant = ticks_of(pattern->instant[k], period_ticks);
         /*@ assert edges_kept: 0 <= edges <= k; */
-        if (at == last) {
+        if (instant == last) {
             edges--;
             last = period_ticks;
         } else {
-            leg->at[edges] = at;
+            leg->instant[edges] = instant;
             edges++;
-            last = at;
+            last = instant;
         }
     }
     leg->level = pattern->level;
@@ -46,8 +46,8 @@ static void leg_of_duty(iq24_t duty, uint32_t period_ticks, iqfoc_leg_edges_t *l
     const uint32_t high = (uint32_t)(product >> IQ24_FRACTION_BITS);
     leg->level = high == period_ticks ? 1 : -1;
     leg->edges = high == 0 || high == period_ticks ? 0 : 2;
-    leg->at[0] = (period_ticks - high) / 2;
-    leg->at[1] = leg->at[0] + high;
+    leg->instant[0] = (period_ticks - high) / 2;
+    leg->instant[1] = leg->instant[0] + high;
 }
 
 void iqfoc_edges_of_duties(iqfoc_abc_t high, uint32_t period_ticks, iqfoc_edges_t *edges)

@@ -51,9 +51,9 @@ iqfoc_abc_t iqfoc_extension_current(const iqfoc_extension_t *extension, iqfoc_ab
     return i;
 }
 
-iq24_t iqfoc_extension_angle(const iqfoc_extension_t *extension, iq24_t theta, iq24_t turns)
+iq24_t iqfoc_extension_angle(const iqfoc_extension_t *extension, iq24_t theta, iq24_t speed)
 {
-    const iq24_t ahead = iq24_add_wrap(extension->theta_0, iq24_mul_round(extension->theta_delay, turns));
+    const iq24_t ahead = iq24_add_wrap(extension->theta_0, iq24_mul_round(extension->theta_delay, speed));
     return iq24_sub_wrap(theta, ahead);
 }
 
@@ -63,7 +63,7 @@ void iqfoc_extension_sample(const iqfoc_extension_t *extension, iqfoc_sample_t *
     if (sample->has_mean) {
         sample->i_mean = iqfoc_extension_current(extension, sample->i_mean);
     }
-    sample->theta = iqfoc_extension_angle(extension, sample->theta, sample->turns);
+    sample->theta = iqfoc_extension_angle(extension, sample->theta, sample->speed);
     sample->u_dc = iq24_mul_sat(sample->u_dc, extension->k_u);
 }
 

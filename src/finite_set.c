@@ -42,14 +42,14 @@ typedef struct plan {
     int32_t last;                              /* interval of the horizon */
 } plan;
 
-static plan plan_of(const iqfoc_finite_set_t *set, iqfoc_dq_t i_ref, iq24_t theta, iq24_t turns, iq24_t u_dc)
+static plan plan_of(const iqfoc_finite_set_t *set, iqfoc_dq_t i_ref, iq24_t theta, iq24_t speed, iq24_t u_dc)
 {
     plan p = {.set = set, .last = iq24_clamp(set->horizon, 1, IQFOC_FINITE_SET_HORIZON) - 1};
     const iqfoc_dq_t valley = iqfoc_valley_reference(&set->reference, i_ref);
     for (int32_t k = 0; k <= p.last; k++) {
-        theta = iq24_add_wrap(theta, turns);
-        p.sc_mid[k] = iq24_sincos(iq24_add_wrap(theta, iq24_asr32(turns, 1)));
-        p.target[k] = iqfoc_park_inverse(valley, iq24_sincos(iq24_add_wrap(theta, turns)));
+        theta = iq24_add_wrap(theta, speed);
+        p.sc_mid[k] = iq24_sincos(iq24_add_wrap(theta, iq24_asr32(speed, 1)));
+        p.target[k] = iqfoc_park_inverse(valley, iq24_sincos(iq24_add_wrap(theta, speed)));
     }
     for (int32_t s = 0; s < IQFOC_FINITE_SET_STATES; s++) {
         const iqfoc_ab_t u = iqfoc_finite_set_voltage(s, u_dc);
@@ -83,10 +83,10 @@ static iq24_acc_t error_squared(iqfoc_ab_t target, iqfoc_ab_t i)
 }
 
 int32_t iqfoc_finite_set_choose(const iqfoc_finite_set_t *set, iqfoc_ab_t i, int32_t state_now,
-                                iqfoc_dq_t i_ref, iq24_t theta, iq24_t turns, iq24_t u_dc, uint32_t *nodes)
+                                iqfoc_dq_t i_ref, iq24_t theta, iq24_t speed, iq24_t u_dc, uint32_t *nodes)
 {
-    const plan p = plan_of(set, i_ref, theta, turns, u_dc);
-    const iq24_sincos_t sc_now = iq24_sincos(iq24_add_wrap(theta, iq24_asr32(turns, 1)));
+    const plan p = plan_of(set, i_ref, theta, speed, u_dc);
+    const iq24_sincos_t sc_now = iq24_sincos(iq24_add_wrap(theta, iq24_asr32(speed, 1)));
     const iqfoc_ab_t i_next =
         iqfoc_exact_step(&set->model, i, iqfoc_finite_set_voltage(state_now, u_dc), sc_now);
     level stack[IQFOC_FINITE_SET_HORIZON];

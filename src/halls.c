@@ -60,7 +60,7 @@ static iq24_t width(const iqfoc_halls_t *halls)
  * Range: each span is at most 2^28 (stall) and the sum of six below 2^31. angle <= 2^24, times 2^8 is 2^32 in
  * 64 bits. The sum is not below 1 - a span of 0 counts as 1 -, and the quotient is held to 1/3 turn.
  */
-static iq24_t speed(const iqfoc_halls_t *halls, uint32_t count)
+static iq24_t speed_of(const iqfoc_halls_t *halls, uint32_t count)
 {
     const int32_t last = entry(halls);
     uint32_t sum = 0;
@@ -71,8 +71,8 @@ static iq24_t speed(const iqfoc_halls_t *halls, uint32_t count)
     const int32_t first = around(last - halls->way * (int32_t)count);
     const iq24_t angle =
         halls->way < 0 ? between(halls->config, last, first) : between(halls->config, first, last);
-    const uint64_t turns = ((uint64_t)(uint32_t)angle * CYCLE_Q8 + sum / 2) / sum;
-    const iq24_t held = turns > (uint64_t)IQFOC_ROTOR_TURNS_MAX ? IQFOC_ROTOR_TURNS_MAX : (iq24_t)turns;
+    const uint64_t speed = ((uint64_t)(uint32_t)angle * CYCLE_Q8 + sum / 2) / sum;
+    const iq24_t held = speed > (uint64_t)IQFOC_ROTOR_SPEED_MAX ? IQFOC_ROTOR_SPEED_MAX : (iq24_t)speed;
     return halls->way < 0 ? -held : held;
 }
 
@@ -81,7 +81,7 @@ static void forget(iqfoc_halls_t *halls)
 {
     halls->count = 0;
     halls->next = 0;
-    halls->turns_seen = 0;
+    halls->speed_seen = 0;
 }
 
 static void pass_border(iqfoc_halls_t *halls, int32_t sector, uint32_t since)
@@ -102,11 +102,11 @@ static void pass_border(iqfoc_halls_t *halls, int32_t sector, uint32_t since)
     halls->span[halls->next] = span;
     halls->next = halls->next + 1 < IQFOC_HALLS_SECTORS ? halls->next + 1 : 0;
     halls->count += halls->count < IQFOC_HALLS_SECTORS ? 1 : 0;
-    halls->turns_seen = speed(halls, halls->count);
+    halls->speed_seen = speed_of(halls, halls->count);
     /* A last span that is far from the mean of all: the shaft speeds up or brakes, the older ones are stale. */
-    const iq24_t latest = speed(halls, 1);
-    if (iq24_abs_sat(latest - halls->turns_seen) > iq24_abs_sat(halls->turns_seen) / 2) {
-        halls->turns_seen = latest;
+    const iq24_t latest = speed_of(halls, 1);
+    if (iq24_abs_sat(latest - halls->speed_seen) > iq24_abs_sat(halls->speed_seen) / 2) {
+        halls->speed_seen = latest;
         halls->count = 1;
     }
 }
@@ -115,25 +115,25 @@ static void pass_border(iqfoc_halls_t *halls, int32_t sector, uint32_t since)
  * Angle and speed since the last border. The angle follows the speed but stays within the sector. At the sector's end
  * the speed is limited to the value at which the shaft would reach the border now.
  *
- * Range: |turns| < 2^22.5 and since <= 2^28 + 256: the product is below 2^51. width <= 2^24: its 2^8 fit 32 bits
+ * Range: |speed| < 2^22.5 and since <= 2^28 + 256: the product is below 2^51. width <= 2^24: its 2^8 fit 32 bits
  * unsigned. since >= 1 where it divides, because moved > width > 0.
  */
 static void go_on(iqfoc_halls_t *halls)
 {
     const iq24_t wide = width(halls);
     if (halls->count == 0) {
-        halls->turns = 0;
+        halls->speed = 0;
         halls->theta = halls->config->border[halls->sector] + wide / 2;
         return;
     }
     /*@ assert either: halls->since == 0 || halls->since >= 1; */
     const int32_t since = (int32_t)halls->since;
-    int64_t moved = iq24_asr64(IQ24_MUL64(halls->turns_seen, since), 8);
-    halls->turns = halls->turns_seen;
+    int64_t moved = iq24_asr64(IQ24_MUL64(halls->speed_seen, since), 8);
+    halls->speed = halls->speed_seen;
     if (moved > wide || moved < -wide) {
         const iq24_t most = (iq24_t)((uint32_t)wide * CYCLE_Q8 / halls->since);
         moved = moved < 0 ? -wide : wide;
-        halls->turns = halls->turns_seen < 0 ? -most : most;
+        halls->speed = halls->speed_seen < 0 ? -most : most;
     }
     halls->theta = halls->config->border[entry(halls)] + (iq24_t)moved;
 }

@@ -91,10 +91,10 @@ static iqfoc_induction_factor_t pulses(cplx x, int32_t k_u_q26)
     return f;
 }
 
-iqfoc_induction_t iqfoc_induction_at_speed(const iqfoc_induction_machine_t *machine, iq24_t turns,
+iqfoc_induction_t iqfoc_induction_at_speed(const iqfoc_induction_machine_t *machine, iq24_t speed,
                                            iq24_t span)
 {
-    const iq24_t x = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t x = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     const generator m = {.rho_s = iq24_mul_shift(machine->rho_s_q30, span, 26),
                          .rho_r = iq24_mul_shift(machine->rho_r_q30, span, 26),
                          .a = iq24_mul_shift(machine->a_q30, span, 26),

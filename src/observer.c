@@ -6,10 +6,10 @@
 
 #include <stddef.h>
 
-#define TURNS_MAX_Q32 (IQFOC_ROTOR_TURNS_MAX * INT32_C(256))
+#define TURNS_MAX_Q32 (IQFOC_ROTOR_SPEED_MAX * INT32_C(256))
 
 /*
- * While the observer seeks. Two poles at 1/2: theta + turns + 3/4 e, which is arg a - 1/4 e; and a correction also where the
+ * While the observer seeks. Two poles at 1/2: theta + speed + 3/4 e, which is arg a - 1/4 e; and a correction also where the
  * assumed speed is too low.
  */
 #define SEEK_K1   IQ24(-0.25)
@@ -34,7 +34,7 @@ iqfoc_error_t iqfoc_observer_check(const iqfoc_observer_config_t *c)
         iq24_within(m->l_d - m->l_q, IQ24(-4.0), IQ24(4.0)) && m->psi >= RADIUS_MIN &&
         iq24_within(c->saturation, 0, IQ24(4.0)) && iq24_within(c->gain_max, SEEK_GAIN, IQ24_ONE) &&
         iq24_within(c->k1, 1, IQ24_ONE) && iq24_within(c->k2, 1, IQ24(0.25)) &&
-        iq24_within(c->turns_min, 0, IQFOC_ROTOR_TURNS_MAX) && iq24_within(c->angle_max, 1, IQ24(0.5)) &&
+        iq24_within(c->speed_min, 0, IQFOC_ROTOR_SPEED_MAX) && iq24_within(c->angle_max, 1, IQ24(0.5)) &&
         iq24_within(c->flux_max, 1, IQ24(8.0) - 1) && c->lock_cycles >= 1;
     return good ? IQFOC_OK : IQFOC_ERROR_OBSERVER;
 }
@@ -98,7 +98,7 @@ static iq24_t radius_of(iq24_t psi_f, iq24_t more, iqfoc_ab_t i, iq24_sincos_t d
     return IQ24_HOLD_BITS(iq24_add_wrap(psi_f, iq24_mul_trunc(more, i_d)), 30);
 }
 
-void iqfoc_observer_start(iqfoc_observer_t *o, iqfoc_ab_t i, iq24_t theta, iq24_t turns, bool known)
+void iqfoc_observer_start(iqfoc_observer_t *o, iqfoc_ab_t i, iq24_t theta, iq24_t speed, bool known)
 {
     const iqfoc_observer_config_t *c = o->config;
     const inductances l = inductances_at(c, i);
@@ -109,7 +109,7 @@ void iqfoc_observer_start(iqfoc_observer_t *o, iqfoc_ab_t i, iq24_t theta, iq24_
     o->psi.alpha = IQ24_HOLD_BITS(iq24_add_wrap(of_current.alpha, iq24_mul_shift(radius, d_q30.cos, 30)), 30);
     o->psi.beta = IQ24_HOLD_BITS(iq24_add_wrap(of_current.beta, iq24_mul_shift(radius, d_q30.sin, 30)), 30);
     o->theta_q32 = iq24_wrap((int64_t)theta * 256);
-    o->turns_q32 = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX) * 256;
+    o->speed_q32 = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX) * 256;
     o->error = 0;
     o->flux_error = 0;
     o->count = 0;
@@ -123,9 +123,9 @@ void iqfoc_observer_start(iqfoc_observer_t *o, iqfoc_ab_t i, iq24_t theta, iq24_
 static void begin(iqfoc_observer_t *o, iqfoc_ab_t a, iq24_t i_alpha, iq24_t i_beta)
 {
     const iqfoc_ab_t i = {i_alpha, i_beta};
-    const iq24_t turns = iqfoc_observer_turns(o);
-    const iq24_t across = turns < 0 ? IQ24(0.25) : IQ24(-0.25);
-    iqfoc_observer_start(o, i, iq24_atan2(a.beta, a.alpha) + across + iq24_asr32(turns, 1), turns, true);
+    const iq24_t speed = iqfoc_observer_speed(o);
+    const iq24_t across = speed < 0 ? IQ24(0.25) : IQ24(-0.25);
+    iqfoc_observer_start(o, i, iq24_atan2(a.beta, a.alpha) + across + iq24_asr32(speed, 1), speed, true);
     o->locked = false;
 }
 
@@ -232,7 +232,7 @@ void iqfoc_observer_step(iqfoc_observer_t *o, iqfoc_ab_t u, iqfoc_ab_t i_mean, i
         IQ24_HOLD_BITS(o->psi.beta + u.beta - iq24_mul_high(r_q29, i_mean.beta * 8), 30)};
     const iqfoc_ab_t of_current = flux_of(l.q, i);
     const iqfoc_ab_t a = {psi.alpha - of_current.alpha, psi.beta - of_current.beta};
-    int32_t along_q32 = iq24_add_wrap(o->theta_q32, o->turns_q32); /* the angle of d */
+    int32_t along_q32 = iq24_add_wrap(o->theta_q32, o->speed_q32); /* the angle of d */
     if (!o->locked) {
         if (o->begins) {
             begin(o, a, i.alpha, i.beta);
@@ -248,19 +248,19 @@ void iqfoc_observer_step(iqfoc_observer_t *o, iqfoc_ab_t u, iqfoc_ab_t i_mean, i
     const iq24_t across = iq24_shift_wrap(IQ24_MAC64(IQ24_MUL64(a.beta, d_q30.cos), a.alpha, -d_q30.sin), 30);
     const iq24_t off = IQ24_HOLD_BITS(iq24_sub_wrap(radius, along), 28);
     /* Q32 times Q28 is Q28, within 2.1. Q30 times Q28 is Q26, and that times Q30 is Q24. */
-    const int32_t speed_q32 = o->turns_q32 < 0 ? -o->turns_q32 : o->turns_q32;
-    const loop_step by = o->locked ? locked_step(c, speed_q32, across, radius)
-                                   : seeking_step(speed_q32, iq24_sub_wrap(along_q32, o->theta_q32));
+    const int32_t abs_q32 = o->speed_q32 < 0 ? -o->speed_q32 : o->speed_q32;
+    const loop_step by = o->locked ? locked_step(c, abs_q32, across, radius)
+                                   : seeking_step(abs_q32, iq24_sub_wrap(along_q32, o->theta_q32));
     const int32_t by_q26 = iq24_mul_high(iq24_min(c->gain_max * 16, by.gain_q28) * 4, off * 16);
     const iqfoc_ab_t corrected = {IQ24_HOLD_BITS(iq24_mac_high(psi.alpha, by_q26, d_q30.cos), 30),
                                   IQ24_HOLD_BITS(iq24_mac_high(psi.beta, by_q26, d_q30.sin), 30)};
     /* Range: |k1| <= 1, so a product is within 2^31; |k2| <= 1/4, so its product and the speed are within 2^29 + 1.44e9. */
     const int32_t theta_q32 = iq24_add_wrap(along_q32, iq24_mul_trunc(by.k1, by.e_q32));
-    const int32_t turns_q32 = within_most(o->turns_q32 + iq24_mul_high(256 * by.k2, by.e_q32), TURNS_MAX_Q32);
+    const int32_t speed_q32 = within_most(o->speed_q32 + iq24_mul_high(256 * by.k2, by.e_q32), TURNS_MAX_Q32);
     o->psi = corrected;
     o->theta_q32 = theta_q32;
-    o->turns_q32 = turns_q32;
+    o->speed_q32 = speed_q32;
     o->error = iq24_asr32(by.e_q32, 8);
     o->flux_error = off;
-    judge(o, c, speed_q32 < c->turns_min * 256);
+    judge(o, c, abs_q32 < c->speed_min * 256);
 }

@@ -48,10 +48,10 @@ static iq24_t filtered(iqfoc_observer_inductance_t *inductance, iq24_t i_q)
 }
 
 /* The voltage of L_q in the step. Range: the header's. */
-static iq24_t voltage_of(const iqfoc_observer_inductance_t *inductance, iq24_t turns, iq24_t x)
+static iq24_t voltage_of(const iqfoc_observer_inductance_t *inductance, iq24_t speed, iq24_t x)
 {
     const iq24_t flux = iq24_mul_trunc(inductance->adapted.machine.l_q, x);
-    return iq24_abs_sat(iq24_mul_sat(iq24_mul_trunc(TWO_PI, turns), flux));
+    return iq24_abs_sat(iq24_mul_sat(iq24_mul_trunc(TWO_PI, speed), flux));
 }
 
 void iqfoc_observer_inductance_step(iqfoc_observer_inductance_t *inductance, const iqfoc_observer_t *observer,
@@ -67,7 +67,7 @@ void iqfoc_observer_inductance_step(iqfoc_observer_inductance_t *inductance, con
     }
     const iq24_t x = filtered(inductance, i_q);
     if (iq24_within(x, 1 - c->least, c->least - 1) ||
-        voltage_of(inductance, iqfoc_observer_turns(observer), x) < c->u_least) {
+        voltage_of(inductance, iqfoc_observer_speed(observer), x) < c->u_least) {
         return;
     }
     const iq24_t squares = iq24_acc_sat(iq24_acc_mac(iq24_acc_mul(x, x), c->least, c->least));

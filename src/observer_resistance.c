@@ -98,8 +98,8 @@ void iqfoc_observer_resistance_step(iqfoc_observer_resistance_t *resistance, iqf
     const iqfoc_ab_t s = {driven(resistance->s.alpha, resistance->r_over_psi, i.alpha),
                           driven(resistance->s.beta, resistance->r_over_psi, i.beta)};
     const iqfoc_dq_t parts = iqfoc_park(s, d);
-    const iq24_t turns = iq24_abs_sat(iqfoc_observer_turns(observer));
-    const iq24_t g = iq24_min(resistance->adapted->gain_max, iq24_mul_round(IQFOC_OBSERVER_GAIN, turns));
+    const iq24_t speed = iq24_abs_sat(iqfoc_observer_speed(observer));
+    const iq24_t g = iq24_min(resistance->adapted->gain_max, iq24_mul_round(IQFOC_OBSERVER_GAIN, speed));
     const iq24_t by = iq24_mul_round(g, parts.d);
     resistance->s.alpha = IQ24_HOLD_BITS(s.alpha - iq24_mul_round(by, d.cos), 30);
     resistance->s.beta = IQ24_HOLD_BITS(s.beta - iq24_mul_round(by, d.sin), 30);
@@ -110,7 +110,7 @@ void iqfoc_observer_resistance_step(iqfoc_observer_resistance_t *resistance, iqf
         const iq24_t change = iq24_div(off, -parts.d);
         /*@ assert resistance_change: -536870912 <= change <= 536870912; */
         adapt_r(resistance, observer, iq24_mul_round(c->gain, change));
-    } else if (iq24_max(along, across) < resistance->least / 2 && turns >= resistance->adapted->turns_min) {
+    } else if (iq24_max(along, across) < resistance->least / 2 && speed >= resistance->adapted->speed_min) {
         adapt_psi(resistance, iq24_mul_round(c->gain, off));
     } else {
         /* neither can be seen */

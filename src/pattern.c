@@ -96,18 +96,18 @@ static int32_t edge_before(const iqfoc_pattern_shape_t *shape, int32_t angles, i
 /* ---- One leg ---- */
 
 static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *shape, int32_t angles,
-                     iq24_t least, iq24_t x, iq24_t turns, iqfoc_pattern_edges_t *out)
+                     iq24_t least, iq24_t x, iq24_t speed, iqfoc_pattern_edges_t *out)
 {
     const int32_t most = 4 * angles + 1;
-    const iq24_t movement = turns < 0 ? -turns : turns;
+    const iq24_t movement = speed < 0 ? -speed : speed;
     int32_t edge = edge_before(shape, angles, x);
     /* Even edges have the level of the start. */
     pattern_leg_t leg = pattern_leg_begin(state, least, edge % 2 == 0 ? shape->start : -shape->start, out);
     while (true) {
         /* Forward, the next edge is passed; backward, the last one. */
         const int32_t next = edge == most ? 0 : edge + 1;
-        const iq24_t passed = edge_angle(shape, angles, turns < 0 ? edge : next);
-        const iq24_t distance = (turns < 0 ? x - passed : passed - x) & (IQ24_ONE - 1);
+        const iq24_t passed = edge_angle(shape, angles, speed < 0 ? edge : next);
+        const iq24_t distance = (speed < 0 ? x - passed : passed - x) & (IQ24_ONE - 1);
         if (distance >= movement) {
             break;
         }
@@ -116,7 +116,7 @@ static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *sh
         pattern_leg_follow(&leg, at);
         leg.wanted = -leg.wanted;
         leg.since = at;
-        if (turns < 0) {
+        if (speed < 0) {
             edge = edge == 0 ? most : edge - 1;
         } else {
             edge = next;
@@ -125,12 +125,12 @@ static void step_leg(iqfoc_pattern_leg_t *state, const iqfoc_pattern_shape_t *sh
     pattern_leg_end(&leg, state);
 }
 
-void iqfoc_pattern_step(iqfoc_pattern_modulator_t *modulator, iq24_t angle, iq24_t turns, iq24_t index,
+void iqfoc_pattern_step(iqfoc_pattern_modulator_t *modulator, iq24_t angle, iq24_t speed, iq24_t index,
                         iqfoc_pattern_edges_t edges[3])
 {
     const iqfoc_pattern_shape_t shape = iqfoc_pattern_shape_at(modulator, index);
     const int32_t angles = modulator->table->angles;
-    const iq24_t movement = iq24_clamp(turns, -IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
+    const iq24_t movement = iq24_clamp(speed, -IQFOC_PATTERN_SPEED_MAX, IQFOC_PATTERN_SPEED_MAX);
     /* The fundamental is a sine of the pattern's angle; the voltage's angle is that of a cosine. */
     const iq24_t a = (angle & (IQ24_ONE - 1)) + PATTERN_QUARTER_TURN;
     const iq24_t x[3] = {a, a - PATTERN_THIRD_TURN, a + PATTERN_THIRD_TURN};

@@ -134,11 +134,11 @@ static void move_edges(pattern_leg_t *leg, iqfoc_pattern_control_leg_t *state,
         const iq24_t pushed = due + later;
         iq24_t at = pushed;
         iq24_t next = due;
-        if (pushed < t->speed || due < t->speed) { /* else its neighbour is later still */
+        if (pushed < t->speed_abs || due < t->speed_abs) { /* else its neighbour is later still */
             next = next_angle(&walk);
             at = iq24_max(iq24_min(pushed, next), earliest);
         }
-        if (at >= t->speed) {
+        if (at >= t->speed_abs) {
             break;
         }
         const iq24_t time = iq24_shift_wrap(IQ24_MUL64(at, t->cycles_q22), 22);
@@ -164,8 +164,8 @@ IQFOC_STEP void step_leg(iqfoc_pattern_control_t *control, int32_t k, const patt
     const iq24_t later = wanted * error;
     /* The next edge, at most 1/2 turn away, is later wherever the error moves it, and so is its neighbour. */
     const bool stays = wanted == place->level && output->level == wanted &&
-                       t->angle[n + 2] - place->y >= t->speed &&
-                       t->angle[n + 1] - place->y + later >= t->speed;
+                       t->angle[n + 2] - place->y >= t->speed_abs &&
+                       t->angle[n + 1] - place->y + later >= t->speed_abs;
     if (stays) {
         state->level = wanted;
         pattern_leg_stay(output, out);
@@ -248,7 +248,7 @@ static void command(iqfoc_pattern_control_t *control, iqfoc_pattern_edges_t edge
 void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,
                                 iqfoc_pattern_edges_t edges[3])
 {
-    control->theta = iq24_add_wrap(theta, control->trajectory.turns);
+    control->theta = iq24_add_wrap(theta, control->trajectory.speed);
     control->sc = iq24_sincos_inline(control->theta);
     predict(control, i, u_dc, control->sc);
     command(control, edges);

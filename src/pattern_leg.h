@@ -86,15 +86,15 @@ static inline void pattern_leg_stay(iqfoc_pattern_leg_t *state, iqfoc_pattern_ed
 /* The output follows the pattern's level, if that is possible before the time `end`. */
 static inline void pattern_leg_follow(pattern_leg_t *leg, iq24_t end)
 {
-    const iq24_t at = iq24_max(leg->since, leg->last + leg->least);
-    if (leg->level != leg->wanted && at < end) {
+    const iq24_t instant = iq24_max(leg->since, leg->last + leg->least);
+    if (leg->level != leg->wanted && instant < end) {
         /*@ assert pattern_edges: 0 <= leg->edges < 16; */
-        leg->out->at[leg->edges] = at;
+        leg->out->instant[leg->edges] = instant;
         leg->edges++;
-        leg->high += leg->wanted * (IQ24_ONE - at);
+        leg->high += leg->wanted * (IQ24_ONE - instant);
         /*@ assert pattern_high: 0 <= leg->high <= 16777216; */
         leg->level = leg->wanted;
-        leg->last = at;
+        leg->last = instant;
     }
 }
 

@@ -169,7 +169,7 @@ IQFOC_STEP void place_trajectory(const iqfoc_pattern_control_t *control, iqfoc_p
     const int32_t radian_q32 = t->sense < 0 ? -Q32_1_2_PI : Q32_1_2_PI;
     iq24_t u_q = u.q;
     iq24_t steady_d =
-        -iq24_mul_high_round(drop.q, radian_q32) - iq24_mul_high_round(control->psi, t->speed * 256);
+        -iq24_mul_high_round(drop.q, radian_q32) - iq24_mul_high_round(control->psi, t->speed_abs * 256);
     iq24_t steady_q = iq24_mul_high_round(drop.d, radian_q32);
     if (t->angle[angles] < PATTERN_EIGHTH_TURN) {
         steady_d += flux_of_long_levels(control, t, u.d);
@@ -200,7 +200,7 @@ static iq24_acc_t distance_q48(const iqfoc_pattern_control_t *control,
                                const iqfoc_pattern_trajectory_t *other)
 {
     const iqfoc_pattern_trajectory_t *t = &control->trajectory;
-    const iq24_t theta = iq24_add_wrap(control->theta, t->turns);
+    const iq24_t theta = iq24_add_wrap(control->theta, t->speed);
     iq24_t apart[3];
     for (int32_t k = 0; k < 3; k++) {
         int32_t n = control->leg[k].place;
@@ -231,7 +231,7 @@ static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index, iqfoc
     trace(&next, &rows, other.table->angles);
     next.start = rows.row->start;
     place_trajectory(control, &next, other.table->angles, u, drop);
-    control->waited += next.speed;
+    control->waited += next.speed_abs;
     if (pattern_near(&control->nearest_q48, distance_q48(control, &next),
                      control->waited > IQ24(0.1666667))) {
         control->wanted = NULL;
@@ -245,20 +245,20 @@ static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index, iqfoc
  * Range: l i_ref + psi <= 80 and phi <= 0.79: below 64; r i_ref <= 64. cycles_q22 <= 2^29; 1/phi <= 20.4, so
  * that steady <= 2.07 (0.16 + 2 + 0.17). The voltage's square is at most 32.
  */
-void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_ref, iq24_t turns)
+void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_ref, iq24_t speed)
 {
     iqfoc_pattern_trajectory_t *t = &control->trajectory;
     learn(control);
     follow_link(control);
-    const iq24_t speed = iq24_clamp(turns < 0 ? -iq24_max(turns, -IQFOC_PATTERN_TURNS_MAX) : turns,
-                                    IQFOC_PATTERN_CONTROL_TURNS_MIN, IQFOC_PATTERN_TURNS_MAX);
-    t->turns = turns < 0 ? -speed : speed;
-    t->cycles_q22 = iq24_div(INT32_C(1) << 22, speed);
+    const iq24_t speed_abs = iq24_clamp(speed < 0 ? -iq24_max(speed, -IQFOC_PATTERN_SPEED_MAX) : speed,
+                                        IQFOC_PATTERN_CONTROL_SPEED_MIN, IQFOC_PATTERN_SPEED_MAX);
+    t->speed = speed < 0 ? -speed_abs : speed_abs;
+    t->cycles_q22 = iq24_div(INT32_C(1) << 22, speed_abs);
     /*@ assert pattern_cycles: 33554432 <= t->cycles_q22 <= 536870912; */
-    t->speed = speed;
-    t->l_q28 = iq24_mul_trunc(iq24_mul_shift(control->l, speed, 20), control->u_dc_inverse);
+    t->speed_abs = speed_abs;
+    t->l_q28 = iq24_mul_trunc(iq24_mul_shift(control->l, speed_abs, 20), control->u_dc_inverse);
 
-    const iq24_t phi = iq24_mul_high_round(t->turns * 16, Q28_2_PI);
+    const iq24_t phi = iq24_mul_high_round(t->speed * 16, Q28_2_PI);
     const iq24_t drop_d = iq24_mul_trunc(control->r, i_ref.d) - control->v.d;
     const iq24_t drop_q = iq24_mul_trunc(control->r, i_ref.q) - control->v.q;
     const iqfoc_dq_t drop = {IQ24_HOLD_BITS(drop_d, 25), IQ24_HOLD_BITS(drop_q, 25)};
@@ -266,7 +266,7 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     const iq24_t u_q = drop.q + iq24_mul_trunc(phi, iq24_mul_trunc(control->l, i_ref.d) + control->psi);
     const iqfoc_dq_t u = {IQ24_HOLD_BITS(u_d, 27), IQ24_HOLD_BITS(u_q, 27)};
     const iq24_t length = iq24_sqrt(iq24_acc_round(iq24_acc_mac(iq24_acc_mul(u.d, u.d), u.q, u.q)));
-    t->sense = turns < 0 ? -1 : 1;
+    t->sense = speed < 0 ? -1 : 1;
     t->third_turn = -t->sense * PATTERN_THIRD_TURN;
 
     place_trajectory(control, t, control->modulator.table->angles, u, drop);
@@ -274,7 +274,7 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     const iqfoc_ab_t share = iqfoc_clarke3(control->high);
     const iqfoc_ab_t per_link = {iq24_mul_trunc(share.alpha, control->law.k_u_q26),
                                  iq24_mul_trunc(share.beta, control->law.k_u_q26)};
-    const int32_t later_q32 = iq24_mul_high_round(control->later_q31, t->turns * 512);
+    const int32_t later_q32 = iq24_mul_high_round(control->later_q31, t->speed * 512);
     t->per_link_q26.alpha = per_link.alpha - iq24_mul_high_round(per_link.beta, later_q32);
     t->per_link_q26.beta = per_link.beta + iq24_mul_high_round(per_link.alpha, later_q32);
 
@@ -282,10 +282,10 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
      * In the rotor frame at the cycle's end, where the angle at mid-cycle is half the movement behind. The mean of v over the cycle is
      * 1 - phi^2/24 of it.
      */
-    const iq24_sincos_t sc_half = iq24_sincos_inline(-iq24_asr32(t->turns, 1));
-    const iqfoc_exact_t exact = iqfoc_exact_at_speed_inline(&control->law, t->turns);
+    const iq24_sincos_t sc_half = iq24_sincos_inline(-iq24_asr32(t->speed, 1));
+    const iqfoc_exact_t exact = iqfoc_exact_at_speed_inline(&control->law, t->speed);
     const int32_t less_q30 =
-        iq24_mul_high_round(iq24_mul_high_round(t->turns * 256, t->turns * 256), Q30_PI2_6);
+        iq24_mul_high_round(iq24_mul_high_round(t->speed * 256, t->speed * 256), Q30_PI2_6);
     const int32_t k_u_q26 = exact.k_u_q26 - 4 * iq24_mul_high_round(less_q30, exact.k_u_q26);
     const int32_t d_q26 = iq24_mul_trunc(k_u_q26, control->v.d) + exact.w_imag_q26;
     const int32_t q_q26 = iq24_mul_trunc(k_u_q26, control->v.q) - exact.w_real_q26;

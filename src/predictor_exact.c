@@ -132,7 +132,7 @@ iqfoc_exact_law_t iqfoc_exact_mean(const iqfoc_exact_winding_t *winding, iq24_t 
  * Horner's rule in Q25, both polynomials side by side: the coefficients alternate and fall, |P| <= 50.3 < 64.
  * Error: half a unit a step, later ones times w: below 0.9 units.
  */
-iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns)
+iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t speed)
 {
-    return iqfoc_exact_at_speed_inline(law, iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+    return iqfoc_exact_at_speed_inline(law, iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX));
 }

@@ -131,10 +131,10 @@ static void to_currents(const row *d, const row *q, const axis *of_d, const axis
  * Range: |phi| <= 2.0944 in Q28 is below 2^30; k_psi phi <= 16.8 in Q26 below 2^31. rho in Q30 times span in
  * Q24 over 2^26 is Q28.
  */
-void iqfoc_salient_at_speed(const iqfoc_salient_machine_t *machine, iq24_t turns, iq24_t span,
+void iqfoc_salient_at_speed(const iqfoc_salient_machine_t *machine, iq24_t speed, iq24_t span,
                             iqfoc_salient_t *end, iqfoc_salient_t *mean)
 {
-    const iq24_t x = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t x = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     const generator m = {.rho_d = iq24_mul_shift(machine->rho_d_q30, span, 26),
                          .rho_q = iq24_mul_shift(machine->rho_q_q30, span, 26),
                          .phi = iq24_mul_shift(iq24_mul_shift(x * 64, IQFOC_Q28_2_PI, 30), span, 24)};

@@ -27,11 +27,11 @@ static iqfoc_error_t tables_error(const iqfoc_pulse_config_t *c)
 static bool levels_valid(const iqfoc_pulse_config_t *c)
 {
     bool valid = c->level[0].table == NULL;
-    iq24_t on = IQFOC_PATTERN_CONTROL_TURNS_MIN;
+    iq24_t on = IQFOC_PATTERN_CONTROL_SPEED_MIN;
     iq24_t off = 0;
     for (int32_t n = 1; n < c->levels; n++) {
         const iqfoc_pulse_level_t *level = &c->level[n];
-        valid = valid && iq24_within(level->on, on, IQFOC_PATTERN_TURNS_MAX) && level->off >= off &&
+        valid = valid && iq24_within(level->on, on, IQFOC_PATTERN_SPEED_MAX) && level->off >= off &&
                 level->off < level->on && iq24_within(level->index_on, 0, IQ24(2.0)) &&
                 iq24_within(level->index_off, 0, level->index_on);
         on = level->on;
@@ -59,11 +59,11 @@ iqfoc_error_t iqfoc_pulse_mode_init(iqfoc_pulse_mode_t *mode, const iqfoc_pulse_
 
 /* ---- The level ---- */
 
-void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *control, iq24_t turns,
+void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *control, iq24_t speed,
                            iq24_t index)
 {
     const iqfoc_pulse_config_t *c = mode->config;
-    mode->turns = iq24_clamp(turns, -IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
+    mode->speed = iq24_clamp(speed, -IQFOC_PATTERN_SPEED_MAX, IQFOC_PATTERN_SPEED_MAX);
     const bool patterns = mode->level > 0 && mode->wanted > 0;
     if (patterns && control->modulator.table != c->level[mode->wanted].table) {
         return; /* the change is not over */
@@ -72,11 +72,11 @@ void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *co
         mode->level = mode->wanted;
     }
     const iqfoc_pulse_level_t *here = &c->level[mode->level];
-    const iq24_t speed = iq24_abs_sat(mode->turns);
+    const iq24_t speed_abs = iq24_abs_sat(mode->speed);
     int32_t next = mode->level;
-    if (mode->level + 1 < c->levels && speed >= here[1].on && index >= here[1].index_on) {
+    if (mode->level + 1 < c->levels && speed_abs >= here[1].on && index >= here[1].index_on) {
         next++;
-    } else if (mode->level > 0 && (speed < here->off || index < here->index_off)) {
+    } else if (mode->level > 0 && (speed_abs < here->off || index < here->index_off)) {
         next--;
     }
     if (next == mode->wanted) {
@@ -93,9 +93,9 @@ void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *co
 /* ---- The hand-over ---- */
 
 /* Range: |component| <= 8, so that the square is at most 128. */
-static bool is_near(iqfoc_pulse_mode_t *mode, iq24_t x, iq24_t y, iq24_t turns)
+static bool is_near(iqfoc_pulse_mode_t *mode, iq24_t x, iq24_t y, iq24_t speed)
 {
-    mode->waited = iq24_min(mode->waited + iq24_abs_sat(turns), IQ24(3.0));
+    mode->waited = iq24_min(mode->waited + iq24_abs_sat(speed), IQ24(3.0));
     return pattern_near(&mode->nearest_q48, pattern_square_q48(x, y), mode->waited > IQ24(0.3333333));
 }
 
@@ -128,10 +128,10 @@ bool iqfoc_pulse_mode_to_pattern(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     const iqfoc_pattern_leg_t leg[3] = {leg_after(high.a, cycles), leg_after(high.b, cycles),
                                         leg_after(high.c, cycles)};
     iqfoc_pattern_control_restart(control, mode->config->level[1].table, u_dc);
-    iqfoc_pattern_control_aim(control, cycle->i_ref, mode->turns);
+    iqfoc_pattern_control_aim(control, cycle->i_ref, mode->speed);
     iqfoc_pattern_control_begin(control, cycle->i_next,
-                                iq24_add_wrap(cycle->theta_valley, cycle->rotor.turns), leg, edges);
-    if (!is_near(mode, control->error.alpha, control->error.beta, cycle->rotor.turns)) {
+                                iq24_add_wrap(cycle->theta_valley, cycle->rotor.speed), leg, edges);
+    if (!is_near(mode, control->error.alpha, control->error.beta, cycle->rotor.speed)) {
         return false;
     }
     mode->level = 1;
@@ -147,7 +147,7 @@ static iq24_t held(iq24_t u)
 static iqfoc_dq_t steady(const iqfoc_pattern_control_t *control, const iqfoc_current_control_gains_t *gains,
                          iqfoc_dq_t i_ref, const iqfoc_rotor_t *rotor)
 {
-    const iqfoc_dq_t apart = iqfoc_current_control_decoupling(gains, i_ref, rotor->turns);
+    const iqfoc_dq_t apart = iqfoc_current_control_decoupling(gains, i_ref, rotor->speed);
     const iq24_t d = iq24_mul_round(control->r, i_ref.d) - control->v.d + apart.d;
     const iq24_t q = iq24_mul_round(control->r, i_ref.q) - control->v.q + apart.q;
     const iqfoc_dq_t u = {held(iq24_div(d, rotor->s1)), held(iq24_div(q, rotor->s1))};
@@ -186,16 +186,16 @@ bool iqfoc_pulse_mode_to_carrier(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
         return false;
     }
     const iq24_t cycles = cycles_of(mode, set->period_ticks);
-    const iq24_t turns =
-        iq24_clamp(iq24_mul_sat(mode->turns, cycles), -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+    const iq24_t speed =
+        iq24_clamp(iq24_mul_sat(mode->speed, cycles), -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
     const iqfoc_dq_t i_ref = cycle->i_ref;
     const iqfoc_dq_t h = flux_apart(&set->gains, iqfoc_park(control->i_next, control->sc), i_ref, &rotor);
-    if (!is_near(mode, h.d, h.q, mode->turns) || !may_fall) {
+    if (!is_near(mode, h.d, h.q, mode->speed) || !may_fall) {
         return false;
     }
     const iqfoc_dq_t u = steady(control, &set->gains, i_ref, &rotor);
-    const iq24_t half = iq24_asr32(turns, 1);
+    const iq24_t half = iq24_asr32(speed, 1);
     const iqfoc_ab_t less = iqfoc_park_inverse(h, iq24_sincos(-half));
     cycle->u_dq.d = held(u.d - less.alpha);
     cycle->u_dq.q = held(u.q - less.beta);
@@ -214,7 +214,7 @@ bool iqfoc_pulse_mode_to_carrier(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
 void iqfoc_pulse_mode_resume(const iqfoc_pattern_control_t *control, iqfoc_cycle_t *cycle)
 {
     const iqfoc_current_control_gains_t *gains = &cycle->config->gains;
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(cycle->rotor.turns);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(cycle->rotor.speed);
     cycle->u_dq = steady(control, gains, cycle->i_ref, &rotor);
-    iqfoc_current_control_preset(&cycle->control, gains, cycle->u_dq, cycle->i_ref, rotor.turns);
+    iqfoc_current_control_preset(&cycle->control, gains, cycle->u_dq, cycle->i_ref, rotor.speed);
 }

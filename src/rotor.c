@@ -14,14 +14,14 @@ const int32_t iqfoc_rotor_poly[5][2] = {{1073741824, 562209904},
 static const int32_t steady_gain_poly[10] = {134217727, 55195100,   70343732,  69768713,    61303921,
                                              132864674, -233076297, 925066755, -1289881809, 1055357834};
 
-static iq24_t limited(iq24_t turns)
+static iq24_t limited(iq24_t speed)
 {
-    return iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    return iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
 }
 
-iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns)
+iqfoc_rotor_t iqfoc_rotor_from_speed(iq24_t speed)
 {
-    const iq24_t x = limited(turns);
+    const iq24_t x = limited(speed);
     const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(x);
     return iqfoc_rotor_of_shape(x, &shape);
 }
@@ -30,9 +30,9 @@ iqfoc_rotor_t iqfoc_rotor_from_turns(iq24_t turns)
  * P3 in Q27 lies in [1, 1.368] at its end; the partial sums stay below 16 in size. 4 v <= 4/9 in Q32 is
  * 1908874352 < 2^31.
  */
-iq24_t iqfoc_rotor_steady_gain(iq24_t turns)
+iq24_t iqfoc_rotor_steady_gain(iq24_t speed)
 {
-    const int32_t x_q32 = limited(turns) * 256;
+    const int32_t x_q32 = limited(speed) * 256;
     const int32_t v4 = iq24_mul_high(x_q32, x_q32) * 4;
     int32_t p = steady_gain_poly[9];
     for (int32_t k = 8; k >= 0; k--) {

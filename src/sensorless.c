@@ -42,10 +42,10 @@ void iqfoc_sensorless_start(iqfoc_sensorless_t *s)
     s->wanted = IQFOC_ANGLE_OBSERVED;
 }
 
-void iqfoc_sensorless_catch(iqfoc_sensorless_t *s, iq24_t turns)
+void iqfoc_sensorless_catch(iqfoc_sensorless_t *s, iq24_t speed)
 {
     const iqfoc_ab_t none = {0, 0};
-    iqfoc_observer_start(&s->observer, none, 0, turns, false);
+    iqfoc_observer_start(&s->observer, none, 0, speed, false);
     s->source = IQFOC_ANGLE_CATCH;
     s->wanted = IQFOC_ANGLE_OBSERVED;
 }
@@ -152,32 +152,32 @@ static void restart_observer(iqfoc_sensorless_t *s, const iqfoc_sample_t *sample
 {
     iqfoc_observer_t *o = &s->observer;
     if (s->source == IQFOC_ANGLE_MEASURED) {
-        iqfoc_observer_start(o, i, sample->theta, sample->turns, true);
+        iqfoc_observer_start(o, i, sample->theta, sample->speed, true);
     } else if (s->source == IQFOC_ANGLE_START) {
-        iqfoc_observer_start(o, i, s->start.theta, s->start.turns, false);
+        iqfoc_observer_start(o, i, s->start.theta, s->start.speed, false);
     } else {
-        iqfoc_observer_start(o, i, iqfoc_observer_theta(o, IQ24_ONE), iqfoc_observer_turns(o), false);
+        iqfoc_observer_start(o, i, iqfoc_observer_theta(o, IQ24_ONE), iqfoc_observer_speed(o), false);
     }
 }
 
 static bool start_is_slow(const iqfoc_sensorless_t *s)
 {
-    const iq24_t turns_min = s->observer.config->turns_min;
-    return s->source == IQFOC_ANGLE_START && iq24_within(s->start.turns, -turns_min, turns_min);
+    const iq24_t speed_min = s->observer.config->speed_min;
+    return s->source == IQFOC_ANGLE_START && iq24_within(s->start.speed, -speed_min, speed_min);
 }
 
 /* Angle and speed of the present source. */
 static void put_angle(const iqfoc_sensorless_t *s, iqfoc_sample_t *sample)
 {
     if (s->source == IQFOC_ANGLE_START) {
-        sample->theta = iqfoc_start_theta(&s->start, sample->at);
-        sample->turns = s->start.turns;
+        sample->theta = iqfoc_start_theta(&s->start, sample->instant);
+        sample->speed = s->start.speed;
     } else if (s->source == IQFOC_ANGLE_CATCH) {
         sample->theta = 0;
-        sample->turns = 0;
+        sample->speed = 0;
     } else if (s->source == IQFOC_ANGLE_OBSERVED) {
-        sample->theta = iqfoc_observer_theta(&s->observer, sample->at);
-        sample->turns = iqfoc_observer_turns(&s->observer);
+        sample->theta = iqfoc_observer_theta(&s->observer, sample->instant);
+        sample->speed = iqfoc_observer_speed(&s->observer);
     } else {
         /* the sensor's, as they are */
     }

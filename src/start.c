@@ -21,8 +21,8 @@ iqfoc_error_t iqfoc_start_init(iqfoc_start_t *start, const iqfoc_start_config_t 
     }
     if (!iq24_within(config->i_align, 1, IQ24(16.0)) || !cycles_fit(config->ramp_cycles) ||
         !cycles_fit(config->hold_cycles) ||
-        !iq24_within(config->turns_end, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX) ||
-        (config->turns_end != 0 && !cycles_fit(config->run_up_cycles))) {
+        !iq24_within(config->speed_end, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX) ||
+        (config->speed_end != 0 && !cycles_fit(config->run_up_cycles))) {
         return IQFOC_ERROR_START;
     }
     const iqfoc_start_t fresh = {config, IQFOC_START_RAISE, IQFOC_START_NOT_YET, 0, QUARTER, 0, {0, 0}, 0, 0};
@@ -65,14 +65,14 @@ static void go_on(iqfoc_start_t *start, uint32_t all, iqfoc_start_stage_t next)
 static void turn_back(iqfoc_start_t *start)
 {
     const iq24_t to = QUARTER - part(QUARTER, start->done, start->config->ramp_cycles);
-    start->turns = iq24_sub_wrap(to, start->theta);
+    start->speed = iq24_sub_wrap(to, start->theta);
 }
 
 void iqfoc_start_step(iqfoc_start_t *start, iq24_t sensor_theta)
 {
     const iqfoc_start_config_t *config = start->config;
-    start->theta = iq24_add_wrap(start->theta, start->turns);
-    start->turns = 0;
+    start->theta = iq24_add_wrap(start->theta, start->speed);
+    start->speed = 0;
     start->done += start->done < UINT32_MAX ? 1 : 0;
     switch (start->stage) {
     case IQFOC_START_RAISE:
@@ -89,17 +89,17 @@ void iqfoc_start_step(iqfoc_start_t *start, iq24_t sensor_theta)
         break;
     case IQFOC_START_SETTLE:
         start->sensor_zero = sensor_theta;
-        go_on(start, config->hold_cycles, config->turns_end != 0 ? IQFOC_START_RUN_UP : IQFOC_START_ALIGNED);
+        go_on(start, config->hold_cycles, config->speed_end != 0 ? IQFOC_START_RUN_UP : IQFOC_START_ALIGNED);
         if (start->stage != IQFOC_START_SETTLE) {
             start->verdict = judge(start->sensor_before, start->sensor_zero);
         }
         break;
     case IQFOC_START_RUN_UP:
-        start->turns = part(config->turns_end, start->done, config->run_up_cycles);
+        start->speed = part(config->speed_end, start->done, config->run_up_cycles);
         go_on(start, config->run_up_cycles, IQFOC_START_OPEN_LOOP);
         break;
     case IQFOC_START_OPEN_LOOP:
-        start->turns = config->turns_end;
+        start->speed = config->speed_end;
         break;
     case IQFOC_START_ALIGNED:
     default:

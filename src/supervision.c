@@ -63,12 +63,12 @@ static uint32_t lost_phases(const iqfoc_supervision_t *s)
            (s->sum_c < limit ? UINT32_C(4) : 0);
 }
 
-static void watch_phases(iqfoc_supervision_t *s, iqfoc_abc_t i, iq24_t turns)
+static void watch_phases(iqfoc_supervision_t *s, iqfoc_abc_t i, iq24_t speed)
 {
     s->sum_a += iq24_abs_sat(i.a);
     s->sum_b += iq24_abs_sat(i.b);
     s->sum_c += iq24_abs_sat(i.c);
-    s->angle += turns;
+    s->angle += speed;
     s->cycles++;
     const bool turned = s->angle >= IQ24_ONE / 2 || s->angle <= -IQ24_ONE / 2;
     if (turned && s->cycles >= s->config->window_min) {
@@ -99,10 +99,10 @@ static void watch_sum(iqfoc_supervision_t *s, iqfoc_abc_t i)
     }
 }
 
-uint32_t iqfoc_supervision_step(iqfoc_supervision_t *supervision, iqfoc_abc_t i, iq24_t turns, bool running)
+uint32_t iqfoc_supervision_step(iqfoc_supervision_t *supervision, iqfoc_abc_t i, iq24_t speed, bool running)
 {
     if (running) {
-        watch_phases(supervision, i, turns);
+        watch_phases(supervision, i, speed);
     } else {
         window_begin(supervision);
         supervision->bad_windows = 0;

@@ -72,12 +72,12 @@ static iq24_t error_of(int32_t periods, iq24_t phase, iq24_t angle)
     return (iq24_add_wrap(place, IQ24(0.5)) & MASK) - IQ24(0.5);
 }
 
-uint32_t iqfoc_synchronous_carrier_step(iqfoc_synchronous_carrier_t *carrier, iq24_t angle, iq24_t turns)
+uint32_t iqfoc_synchronous_carrier_step(iqfoc_synchronous_carrier_t *carrier, iq24_t angle, iq24_t movement)
 {
     const iqfoc_synchronous_config_t *c = carrier->config;
     const uint32_t ticks = carrier->ticks;
-    turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    const iq24_t moved = iq24_max(turns, -turns);
+    movement = iq24_clamp(movement, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
+    const iq24_t moved = iq24_max(movement, -movement);
     const iq24_t speed = iq24_mul_sat(moved, iq24_div((iq24_t)c->period_ticks, (iq24_t)ticks));
     carrier->speed = speed;
     if (carrier->level + 1 < c->levels && speed >= c->level[carrier->level + 1].on) {
@@ -89,8 +89,8 @@ uint32_t iqfoc_synchronous_carrier_step(iqfoc_synchronous_carrier_t *carrier, iq
     carrier->error = 0;
     carrier->ticks = c->period_ticks;
     if (periods > 0) {
-        const iq24_t e = error_of(periods, c->phase, iq24_add_wrap(angle, turns));
-        const iq24_t ahead = turns < 0 ? -e : e;
+        const iq24_t e = error_of(periods, c->phase, iq24_add_wrap(angle, movement));
+        const iq24_t ahead = movement < 0 ? -e : e;
         const iq24_t change = iq24_clamp(iq24_mul_round(c->gain, ahead), -c->share_max, c->share_max);
         carrier->error = ahead;
         carrier->ticks =
@@ -141,10 +141,10 @@ void iqfoc_synchronous_carrier_keep_flux(iqfoc_cycle_t *cycle)
         return;
     }
     const iq24_t longer = iq24_div((iq24_t)next->period_ticks, (iq24_t)ticks);
-    const iq24_t turns =
-        iq24_clamp(iq24_mul_sat(cycle->rotor.turns, longer), -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
-    const iqfoc_rotor_t before = iqfoc_rotor_from_turns(cycle->rotor.turns);
-    const iqfoc_rotor_t after = iqfoc_rotor_from_turns(turns);
+    const iq24_t movement =
+        iq24_clamp(iq24_mul_sat(cycle->rotor.speed, longer), -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
+    const iqfoc_rotor_t before = iqfoc_rotor_from_speed(cycle->rotor.speed);
+    const iqfoc_rotor_t after = iqfoc_rotor_from_speed(movement);
     const iq24_t more = iq24_div(before.s1, after.s1) - IQ24_ONE;
     const iqfoc_dq_t change = {iq24_mul_round(more, cycle->u_dq.d), iq24_mul_round(more, cycle->u_dq.q)};
     cycle->control.integral_d =
@@ -158,7 +158,7 @@ void iqfoc_synchronous_carrier_keep_flux(iqfoc_cycle_t *cycle)
     const iqfoc_dq_t flux = {iq24_add_sat(iq24_mul_sat(next->gains.x_d, cycle->i_ref.d), next->gains.emf),
                              iq24_mul_sat(next->gains.x_q, cycle->i_ref.q)};
     const iqfoc_dq_t moved = {iq24_mul_round(step, flux.d), iq24_mul_round(step, flux.q)};
-    const iqfoc_ab_t u = iqfoc_park_inverse(moved, iq24_sincos(-iq24_asr32(turns, 1)));
+    const iqfoc_ab_t u = iqfoc_park_inverse(moved, iq24_sincos(-iq24_asr32(movement, 1)));
     cycle->u_dq.d = iq24_clamp(cycle->u_dq.d + change.d + u.alpha, IQ24(-8.0), IQ24(8.0));
     cycle->u_dq.q = iq24_clamp(cycle->u_dq.q + change.q + u.beta, IQ24(-8.0), IQ24(8.0));
 }

@@ -4,7 +4,7 @@
 #include <stddef.h>
 
 /* 1/3 turn per cycle in Q32; and a change of all that in one cycle. */
-#define TURNS_MAX        (IQFOC_ROTOR_TURNS_MAX * INT32_C(256))
+#define TURNS_MAX        (IQFOC_ROTOR_SPEED_MAX * INT32_C(256))
 #define ACCELERATION_MAX (INT32_C(1) << 29)
 
 iqfoc_error_t iqfoc_tracker_init(iqfoc_tracker_t *tracker, const iqfoc_tracker_config_t *config)
@@ -44,34 +44,34 @@ static int64_t share(iq24_t gain, int32_t e)
     return iq24_asr64(IQ24_MUL64(gain, e) + IQ24_ACC_HALF, 24);
 }
 
-/* Range: |turns| < 2^30.5 and |acceleration| <= 2^29: their sums are within int64 by far, then wrapped or held. */
+/* Range: |speed| < 2^30.5 and |acceleration| <= 2^29: their sums are within int64 by far, then wrapped or held. */
 static void advance(iqfoc_tracker_t *t)
 {
-    t->theta_q32 = iq24_wrap((int64_t)t->theta_q32 + t->turns_q32 + iq24_asr32(t->acceleration_q32, 1));
-    t->turns_q32 = held((int64_t)t->turns_q32 + t->acceleration_q32, TURNS_MAX);
+    t->theta_q32 = iq24_wrap((int64_t)t->theta_q32 + t->speed_q32 + iq24_asr32(t->acceleration_q32, 1));
+    t->speed_q32 = held((int64_t)t->speed_q32 + t->acceleration_q32, TURNS_MAX);
 }
 
 /* Without a speed of its own yet: the first measurement is the angle, the next one's distance the speed. */
-static void acquire(iqfoc_tracker_t *t, int32_t measured, iq24_t at)
+static void acquire(iqfoc_tracker_t *t, int32_t measured, iq24_t instant)
 {
     const int32_t moved = iq24_wrap((int64_t)measured - t->theta_q32);
-    t->turns_q32 = t->seen == 0 ? 0 : held(moved, TURNS_MAX);
-    t->theta_q32 = iq24_wrap(measured - iq24_asr64(IQ24_MUL64(t->turns_q32, at), 24));
+    t->speed_q32 = t->seen == 0 ? 0 : held(moved, TURNS_MAX);
+    t->theta_q32 = iq24_wrap(measured - iq24_asr64(IQ24_MUL64(t->speed_q32, instant), 24));
     t->seen++;
 }
 
-void iqfoc_tracker_step(iqfoc_tracker_t *tracker, iq24_t theta, iq24_t at, bool valid)
+void iqfoc_tracker_step(iqfoc_tracker_t *tracker, iq24_t theta, iq24_t instant, bool valid)
 {
     iqfoc_tracker_t *t = tracker;
     const iqfoc_tracker_config_t *config = t->config;
     const int32_t measured = q32_of(theta);
     if (valid && t->seen < 2) {
-        acquire(t, measured, at);
+        acquire(t, measured, instant);
         t->missing = 0;
         return;
     }
     advance(t);
-    const int64_t predicted = t->theta_q32 + iq24_asr64(IQ24_MUL64(t->turns_q32, at), 24);
+    const int64_t predicted = t->theta_q32 + iq24_asr64(IQ24_MUL64(t->speed_q32, instant), 24);
     const int32_t e = iq24_wrap(measured - predicted);
     const iq24_t error = iq24_asr32(e, 8);
     if (!valid || !iq24_within(error, -config->far_max, config->far_max)) {
@@ -83,6 +83,6 @@ void iqfoc_tracker_step(iqfoc_tracker_t *tracker, iq24_t theta, iq24_t at, bool 
     t->missing = 0;
     t->error = error;
     t->theta_q32 = iq24_wrap(t->theta_q32 + share(config->k1, e));
-    t->turns_q32 = held(t->turns_q32 + share(config->k2, e), TURNS_MAX);
+    t->speed_q32 = held(t->speed_q32 + share(config->k2, e), TURNS_MAX);
     t->acceleration_q32 = held(t->acceleration_q32 + share(config->k3, e), ACCELERATION_MAX);
 }

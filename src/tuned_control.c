@@ -64,18 +64,18 @@ static iq24_t bow_of(const iqfoc_rotor_t *rotor)
     return IQ24(2.0 / 3.0) + iq24_mul_round(x, sum);
 }
 
-iqfoc_tuned_t iqfoc_tuned_at_speed(const iqfoc_tuned_law_t *law, iq24_t turns)
+iqfoc_tuned_t iqfoc_tuned_at_speed(const iqfoc_tuned_law_t *law, iq24_t speed)
 {
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
-    const iq24_sincos_t sc = iq24_sincos(rotor.turns);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
+    const iq24_sincos_t sc = iq24_sincos(rotor.speed);
     iqfoc_tuned_t tuned;
-    iqfoc_salient_at_speed(&law->machine, rotor.turns, IQ24_ONE, &tuned.end, NULL);
+    iqfoc_salient_at_speed(&law->machine, rotor.speed, IQ24_ONE, &tuned.end, NULL);
     invert(&tuned.end, &tuned);
     tuned.keep_cos = iq24_mul_round(law->keep, sc.cos);
     tuned.keep_sin = iq24_mul_round(law->keep, sc.sin);
     tuned.reference = iqfoc_valley_reference_at(&rotor, iq24_asr32(law->machine.k_psi_d_q27 + 4, 3));
     tuned.bow = bow_of(&rotor);
-    tuned.turns = rotor.turns;
+    tuned.speed = rotor.speed;
     tuned.follow = law->follow;
     tuned.learn = law->learn;
     tuned.learn_offset = law->learn_offset;
@@ -160,7 +160,7 @@ iqfoc_ab_t iqfoc_tuned_step(iqfoc_tuned_state_t *state, const iqfoc_tuned_t *tun
                             iqfoc_ab_t u_now, iqfoc_dq_t i_ref, iq24_t theta)
 {
     const iq24_sincos_t sc = iq24_sincos(theta);
-    const iq24_sincos_t sc_next = iq24_sincos(iq24_add_wrap(theta, tuned->turns));
+    const iq24_sincos_t sc_next = iq24_sincos(iq24_add_wrap(theta, tuned->speed));
     const iqfoc_dq_t none = {0, 0};
     const iqfoc_dq_t i = held(iqfoc_park(i_ab, sc), IQFOC_TUNED_CURRENT_LIMIT);
     learn(state, tuned, i);

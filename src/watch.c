@@ -39,9 +39,9 @@ static iqfoc_dq_t turned(iqfoc_dq_t x, iq24_sincos_t sc)
 }
 
 /* -j x v. */
-static iqfoc_dq_t across(iqfoc_dq_t v, iq24_t turns)
+static iqfoc_dq_t across(iqfoc_dq_t v, iq24_t speed)
 {
-    const iqfoc_dq_t y = {iq24_mul_round(turns, v.q), -iq24_mul_round(turns, v.d)};
+    const iqfoc_dq_t y = {iq24_mul_round(speed, v.q), -iq24_mul_round(speed, v.d)};
     return y;
 }
 
@@ -114,16 +114,16 @@ typedef struct frame {
 
 /*
  * times: 1 for the stationary frame, 2 for the backward one, in which the samples at both ends of a cycle are
- * turned apart as well. turns: mean of the block, |turns| <= 1/3.
+ * turned apart as well. speed: mean of the block, |speed| <= 1/3.
  *
  * Range: sin(relative angle/2) is above 0.0138, times 32 above 0.44 and within 32. |s| < 0.97; ends within 0.18
  * ... 4, inside within 4.
  */
-static frame frame_of(const iqfoc_watch_config_t *config, iq24_sincos_t half, iq24_t turns, iq24_t middle,
+static frame frame_of(const iqfoc_watch_config_t *config, iq24_sincos_t half, iq24_t speed, iq24_t middle,
                       int32_t times)
 {
     frame f = {false, 0, 0, iq24_wrap((int64_t)times * middle), 0};
-    const iq24_t relative = times * turns;
+    const iq24_t relative = times * speed;
     f.seen = iq24_max(relative, -relative) >= LEAST_TURNS;
     if (f.seen) {
         const iq24_sincos_t half_relative = iq24_sincos(iq24_asr32(relative, 1));
@@ -309,18 +309,18 @@ static allowance slack_elsewhere(const iqfoc_watch_t *watch, const iqfoc_watch_c
 
 /*
  * An error that varies with the mechanical angle keeps the share sin(pi z)/(pi z) in the block's mean, z the part of a
- * revolution that the block covers. Range: |turns| <= 1/3, so that 32 turns are within 11; z within 1/2, pi z within 1.6.
+ * revolution that the block covers. Range: |speed| <= 1/3, so that 32 turns are within 11; z within 1/2, pi z within 1.6.
  */
-static void follow_eccentricity(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns,
+static void follow_eccentricity(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t speed,
                                 iq24_t shaft, int32_t per_noise, pair y, allowance slack)
 {
-    const iq24_t z = iq24_mul_round(config->mechanical, IQFOC_WATCH_BLOCK_CYCLES * iq24_max(turns, -turns));
+    const iq24_t z = iq24_mul_round(config->mechanical, IQFOC_WATCH_BLOCK_CYCLES * iq24_max(speed, -speed));
     if (config->mechanical == 0 || z > IQ24(0.5)) {
         return;
     }
     const iq24_t share =
         z < SHARE_IS_ONE ? IQ24_ONE : iq24_div(iq24_sincos(iq24_asr32(z, 1)).sin, iq24_mul_round(PI, z));
-    const iq24_t length = -iq24_mul_round(turns, share);
+    const iq24_t length = -iq24_mul_round(speed, share);
     const iq24_sincos_t at = iq24_sincos(shaft);
     const iqfoc_dq_t by_cos = {0, iq24_mul_round(length, at.cos)};
     const iqfoc_dq_t by_sin = {0, iq24_mul_round(length, at.sin)};
@@ -335,23 +335,23 @@ static void follow_eccentricity(iqfoc_watch_t *watch, const iqfoc_watch_config_t
 }
 
 /* The signatures of the current's own frame. shaft: mechanical angle at the block's middle. */
-static void follow_rotor(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t shaft,
+static void follow_rotor(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t speed, iq24_t shaft,
                          int32_t per_noise, pair y)
 {
-    const iq24_sincos_t half = iq24_sincos(iq24_asr32(turns, 1));
+    const iq24_sincos_t half = iq24_sincos(iq24_asr32(speed, 1));
     const iq24_sincos_t half_back = {-half.sin, half.cos};
     const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
     const iqfoc_dq_t u_start = {watch->u[0], watch->u[1]};
     const iqfoc_dq_t u = turned(u_start, half_back);
-    const iqfoc_dq_t along = {-turns, 0};
-    const iqfoc_dq_t ahead = {0, -turns};
+    const iqfoc_dq_t along = {-speed, 0};
+    const iqfoc_dq_t ahead = {0, -speed};
     const iqfoc_dq_t of_rotor[IQFOC_WATCH_SENSOR_GAIN] = {
-        opposite(i), across(i, turns), ahead, u, opposite(direction(i)), along, across(u, turns)};
+        opposite(i), across(i, speed), ahead, u, opposite(direction(i)), along, across(u, speed)};
     const allowance slack = slack_of(config, config->slack_q16[0], of_rotor, per_noise);
     for (int32_t n = 0; n < IQFOC_WATCH_SENSOR_GAIN; n++) {
         follow(watch, n, scaled_pair(of_rotor[n], over_noise(config->size_q16[n], per_noise), 24), y, slack);
     }
-    follow_eccentricity(watch, config, turns, shaft, per_noise, y, slack);
+    follow_eccentricity(watch, config, speed, shaft, per_noise, y, slack);
 }
 
 /* 1 over a frame's noise, times the share 1 - s^2 of its signatures, times a group's size. */
@@ -366,21 +366,21 @@ static void follow_all(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
      * The angles of the block's 32 ends, the speed changing evenly: at n cycles before the last
      * theta - n at_end + n^2/2 (change per cycle); their mean has n = 15.5 and n^2/2 = 162.75.
      */
-    const iq24_t change = iq24_sub_wrap(at_end, watch->turns);
-    const iq24_t turns = iq24_sub_wrap(at_end, iq24_asr32(change, 1));
+    const iq24_t change = iq24_sub_wrap(at_end, watch->speed);
+    const iq24_t speed = iq24_sub_wrap(at_end, iq24_asr32(change, 1));
     const iq24_t since_middle =
         15 * at_end + iq24_asr32(at_end, 1) - iq24_mul_round(IQ24(162.75 / 32.0), change);
     const iq24_t middle = iq24_sub_wrap(theta, since_middle);
     const iq24_t shaft = iq24_sub_wrap(watch->mechanical, iq24_mul_round(since_middle, config->mechanical));
-    const iq24_sincos_t half = iq24_sincos(iq24_asr32(turns, 1));
+    const iq24_sincos_t half = iq24_sincos(iq24_asr32(speed, 1));
     const int32_t per_noise = per_block_noise(config, half, IQ24_ONE, IQ24_ONE);
-    const frame still = frame_of(config, half, turns, middle, 1);
-    const frame backward = frame_of(config, half, turns, middle, 2);
+    const frame still = frame_of(config, half, speed, middle, 1);
+    const frame backward = frame_of(config, half, speed, middle, 2);
     const errors y = errors_of(watch, config, half, per_noise, &still, &backward);
-    follow_rotor(watch, config, turns, shaft, per_noise, y.rotor);
+    follow_rotor(watch, config, speed, shaft, per_noise, y.rotor);
     if (backward.seen) {
         const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
-        const iqfoc_dq_t moved = across(i, turns);
+        const iqfoc_dq_t moved = across(i, speed);
         const iqfoc_dq_t mirrored = {moved.d, -moved.q};
         const iqfoc_dq_t mirrored_ahead = {moved.q, moved.d};
         const iqfoc_dq_t dropped = {iq24_sub_wrap(0, i.d), i.q};
@@ -534,14 +534,14 @@ static void begin_block(iqfoc_watch_t *watch)
 }
 
 /* One block: true if a group has just been named. */
-static bool judge(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta)
+static bool judge(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t speed, iq24_t theta)
 {
     const iqfoc_dq_t i = {watch->i[0], watch->i[1]};
     const bool alarmed = watch->naming > 0;
     if (length_of(i) < LEAST_CURRENT) {
         return false;
     }
-    follow_all(watch, config, turns, theta);
+    follow_all(watch, config, speed, theta);
     if (!alarmed) {
         look_for_alarm(watch, config);
         return false;
@@ -557,7 +557,7 @@ static bool judge(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24
 /* The angle of the shaft at this block's end: by the angle, and by the speed for the number of turns. */
 static void turn_shaft(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t at_end, iq24_t theta)
 {
-    const iq24_t change = iq24_sub_wrap(at_end, watch->turns);
+    const iq24_t change = iq24_sub_wrap(at_end, watch->speed);
     const iq24_t expected = IQFOC_WATCH_BLOCK_CYCLES * iq24_sub_wrap(at_end, iq24_asr32(change, 1));
     const int64_t rest = (int64_t)theta - watch->theta - expected;
     const iq24_t turned_by = iq24_add_wrap(expected, angle_less_turns(rest));
@@ -565,9 +565,9 @@ static void turn_shaft(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
     watch->theta = theta;
 }
 
-bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta)
+bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t speed, iq24_t theta)
 {
-    const iq24_t held = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t held = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     bool named = false;
     watch->blocks++;
     turn_shaft(watch, config, held, theta);
@@ -575,7 +575,7 @@ bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config,
     if (watch->group == IQFOC_WATCH_NONE && watch->blocks > 1) {
         named = judge(watch, config, held, theta);
     }
-    watch->turns = held;
+    watch->speed = held;
     begin_block(watch);
     return named;
 }

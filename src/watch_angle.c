@@ -61,7 +61,7 @@ iqfoc_error_t iqfoc_watch_angle_init(iqfoc_watch_angle_t *w, const iqfoc_watch_a
         return IQFOC_ERROR_NULL;
     }
     const bool good = config->pole_pairs >= 1 && config->pole_pairs <= 64 &&
-                      iq24_within(config->turns_min, 1, IQFOC_ROTOR_TURNS_MAX) &&
+                      iq24_within(config->speed_min, 1, IQFOC_ROTOR_SPEED_MAX) &&
                       limits_good(config->mean_limit, config->mean_alarm) &&
                       limits_good(config->swing_limit, config->swing_alarm);
     if (!good) {
@@ -191,7 +191,7 @@ bool iqfoc_watch_angle_step(iqfoc_watch_angle_t *w, const iqfoc_sensorless_t *s)
 {
     const iqfoc_observer_t *o = &s->observer;
     const iq24_t theta = iqfoc_observer_theta(o, 0);
-    const bool slow = iq24_abs_sat(iqfoc_observer_turns(o)) < w->config->turns_min;
+    const bool slow = iq24_abs_sat(iqfoc_observer_speed(o)) < w->config->speed_min;
     if (w->fault != IQFOC_WATCH_ANGLE_NONE) {
         return false;
     }

@@ -24,8 +24,8 @@ void around_encoder_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal, uint32_t coun
         (void)iqfoc_tracker_init(&tracker, &tracking);
     }
     iqfoc_tracker_step(&tracker, iqfoc_encoder_theta(&encoder, count), at, true);
-    sample.theta = iqfoc_tracker_theta(&tracker, sample.at);
-    sample.turns = iqfoc_tracker_turns(&tracker);
+    sample.theta = iqfoc_tracker_theta(&tracker, sample.instant);
+    sample.speed = iqfoc_tracker_speed(&tracker);
     /* No torque before the index was seen, none without the sensor. */
     cycle->enabled = cycle->enabled && encoder.referenced && !tracker.lost;
     iqfoc_cycle_valley(cycle, &sample, now);

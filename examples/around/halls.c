@@ -19,7 +19,7 @@ void around_halls_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal, uint32_t bits, 
     }
     iqfoc_halls_step(&halls, bits, since_q8);
     sample.theta = halls.theta;
-    sample.turns = halls.turns;
+    sample.speed = halls.speed;
     cycle->enabled = cycle->enabled && halls.faults == 0;
     iqfoc_cycle_valley(cycle, &sample, now);
 }

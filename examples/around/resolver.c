@@ -26,9 +26,9 @@ void around_resolver_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal, iq24_t sine,
         return;
     }
     const iqfoc_resolver_angle_t angle = iqfoc_resolver_read(&resolver, sine, cosine);
-    iqfoc_tracker_step(&tracker, angle.theta, sample.at, angle.valid);
-    sample.theta = iqfoc_tracker_theta(&tracker, sample.at);
-    sample.turns = iqfoc_tracker_turns(&tracker);
+    iqfoc_tracker_step(&tracker, angle.theta, sample.instant, angle.valid);
+    sample.theta = iqfoc_tracker_theta(&tracker, sample.instant);
+    sample.speed = iqfoc_tracker_speed(&tracker);
     cycle->enabled = cycle->enabled && !tracker.lost;
     iqfoc_cycle_valley(cycle, &sample, now);
 }

@@ -8,7 +8,7 @@
 static const iqfoc_start_config_t config = {.i_align = IQ24(0.4),
                                             .ramp_cycles = 2000,
                                             .hold_cycles = 4000,
-                                            .turns_end = IQ24(0.02),
+                                            .speed_end = IQ24(0.02),
                                             .run_up_cycles = 20000};
 static iqfoc_start_t start;
 
@@ -23,8 +23,8 @@ void around_start_valley(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
     }
     iqfoc_start_step(&start, 0);
     cycle->i_ref = start.i_ref;
-    sample.theta = iqfoc_start_theta(&start, sample.at);
-    sample.turns = start.turns;
+    sample.theta = iqfoc_start_theta(&start, sample.instant);
+    sample.speed = start.speed;
     iqfoc_cycle_valley(cycle, &sample, now);
 }
 
@@ -33,8 +33,8 @@ void around_start_peak(iqfoc_cycle_t *cycle, iqfoc_hal_t *hal)
     iqfoc_sample_t sample;
     const uint32_t now = iqfoc_hal_now(hal);
     iqfoc_hal_read_peak(hal, &sample);
-    sample.theta = iqfoc_start_theta(&start, sample.at);
-    sample.turns = start.turns;
+    sample.theta = iqfoc_start_theta(&start, sample.instant);
+    sample.speed = start.speed;
     const iqfoc_command_t command = iqfoc_cycle_peak(cycle, &sample, IQFOC_HAL_OUTPUT_MID, now);
     iqfoc_hal_write(hal, &command);
 }

@@ -28,7 +28,7 @@ void around_watch(iqfoc_cycle_t *cycle, const iqfoc_sample_t *sample, bool break
     /* The bits of a trip stay set until it is cleared: they count in the cycle in which the drive is still on. */
     const bool on = cycle->enabled;
     const uint32_t trips = on && cycle->tripped ? cycle->status & cycle->config->trips : 0;
-    const uint32_t lost = iqfoc_supervision_step(&supervision, sample->i, sample->turns, on);
+    const uint32_t lost = iqfoc_supervision_step(&supervision, sample->i, sample->speed, on);
     switch (iqfoc_restart_step(&restart, trips | lost | (break_active ? IQFOC_STATUS_BREAK : 0))) {
     case IQFOC_RESTART_TRY: /* and the port's break latch is cleared here */
         iqfoc_cycle_clear(cycle);

@@ -43,13 +43,13 @@ static bool two_sensors(void)
  */
 static bool six_step_mean(void)
 {
-    const iq24_t turns = IQ24(1.0 / 6.0); /* a control interval is a sixth of a turn */
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+    const iq24_t speed = IQ24(1.0 / 6.0); /* a control interval is a sixth of a turn */
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
     const iq24_sincos_t mid = iq24_sincos(0);
     /* The current turns by a sixth in the interval: half of it each side of its mean, across it by 2 tan(30 deg). */
     const iqfoc_ab_t mean = {IQ24(0.9), 0};
     const iqfoc_ab_t delta = {0, IQ24(0.9 * 1.1547005383792515)};
-    return near_dq(iqfoc_mean_current_correct_steady(mean, iqfoc_rotor_steady_gain(turns), mid),
+    return near_dq(iqfoc_mean_current_correct_steady(mean, iqfoc_rotor_steady_gain(speed), mid),
                    iqfoc_mean_current_correct(mean, delta, &rotor, mid), 8);
 }
 
@@ -57,9 +57,9 @@ static bool six_step_mean(void)
 static bool six_step_timer(void)
 {
     const iq24_t angle = IQ24(0.05); /* in state 0, which ends at 1/12 turn */
-    const iq24_t turns = IQ24(0.01); /* a cycle */
+    const iq24_t speed = IQ24(0.01); /* a cycle */
     const int32_t period_ticks = 34000;
-    const iq24_t cycles = iq24_div(iqfoc_six_step_remaining(angle, turns), turns);
+    const iq24_t cycles = iq24_div(iqfoc_six_step_remaining(angle, speed), speed);
     const int32_t ticks = iq24_asr32(iq24_mul_round(cycles, period_ticks * 64), 6);
     return ticks >= 113330 && ticks <= 113336; /* (1/12 - 0.05)/0.01 cycles */
 }
@@ -70,22 +70,22 @@ static bool six_step_timer(void)
  */
 static bool mean_with_ripple(void)
 {
-    const iq24_t turns = IQ24(1.0 / 12.5);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+    const iq24_t speed = IQ24(1.0 / 12.5);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
     const iqfoc_abc_t high = {IQ24(0.75), IQ24(0.4), IQ24(0.25)};
     const iqfoc_ab_t u = iqfoc_clarke3(high);
     const iqfoc_ab_t i = {IQ24(0.2), IQ24(0.6)};
     const iq24_sincos_t start = iq24_sincos(0);
-    const iq24_sincos_t mid = iq24_sincos(turns / 2);
+    const iq24_sincos_t mid = iq24_sincos(speed / 2);
     const iqfoc_mean_modulated_t modulated = iqfoc_mean_modulated_at_speed(&predictor, &rotor);
     const iqfoc_ripple_t ripple = iqfoc_ripple_at_speed(&machine, &rotor);
     iqfoc_salient_t end;
     iqfoc_salient_t mean;
-    iqfoc_salient_at_speed(&machine, turns, IQ24_ONE, &end, &mean);
+    iqfoc_salient_at_speed(&machine, speed, IQ24_ONE, &end, &mean);
 
     const iqfoc_dq_t i_dq = iqfoc_park(i, start);
     const iqfoc_dq_t u_dq = iqfoc_park(u, start);
-    const iqfoc_ab_t i_next = iqfoc_park_inverse(iqfoc_salient_step(&end, i_dq, u_dq), iq24_sincos(turns));
+    const iqfoc_ab_t i_next = iqfoc_park_inverse(iqfoc_salient_step(&end, i_dq, u_dq), iq24_sincos(speed));
     const iqfoc_dq_t smooth = iqfoc_salient_step(&mean, i_dq, u_dq);
     const iqfoc_dq_t seen = iqfoc_ripple_seen(&ripple, high, IQ24_ONE, mid);
     const iqfoc_dq_t sum = {iq24_add_wrap(smooth.d, seen.d), iq24_add_wrap(smooth.q, seen.q)};

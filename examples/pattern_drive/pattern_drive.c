@@ -62,8 +62,8 @@ PATTERN_DRIVE_FAST void pattern_drive_valley(pattern_drive_t *drive, iqfoc_hal_t
     }
     const iqfoc_ab_t i = iqfoc_clarke3(sample.i);
     drive->i = iqfoc_park(i, iq24_sincos(sample.theta));
-    if (drive->control.trajectory.speed == 0) { /* the first valley */
-        iqfoc_pattern_control_aim(&drive->control, drive->i_ref, sample.turns);
+    if (drive->control.trajectory.speed_abs == 0) { /* the first valley */
+        iqfoc_pattern_control_aim(&drive->control, drive->i_ref, sample.speed);
     }
     iqfoc_pattern_control_step(&drive->control, i, sample.theta, sample.u_dc, pattern);
     iqfoc_edges_of_pattern(pattern, drive->edges.period_ticks, &drive->edges);
@@ -75,5 +75,5 @@ PATTERN_DRIVE_FAST void pattern_drive_peak(pattern_drive_t *drive, iqfoc_hal_t *
 {
     iqfoc_sample_t sample;
     iqfoc_hal_read_peak(hal, &sample);
-    iqfoc_pattern_control_aim(&drive->control, drive->i_ref, sample.turns);
+    iqfoc_pattern_control_aim(&drive->control, drive->i_ref, sample.speed);
 }

@@ -33,14 +33,14 @@ iqfoc_dq_t planned_reference(const planned_t *p)
     return reference;
 }
 
-iq24_t planned_turns(const planned_t *p)
+iq24_t planned_speed(const planned_t *p)
 {
     if (planned_over(p)) {
         return 0;
     }
     const planned_run_t *run = &p->runs[p->run];
     const int32_t k = p->cycle < run->settle_cycles ? 0 : p->cycle - run->settle_cycles;
-    return run->turns_begin + (iq24_t)((int64_t)(run->turns_end - run->turns_begin) * k / run->cycles);
+    return run->speed_begin + (iq24_t)((int64_t)(run->speed_end - run->speed_begin) * k / run->cycles);
 }
 
 void planned_next(planned_t *p)

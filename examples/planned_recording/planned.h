@@ -8,7 +8,7 @@
  *     recorder: only while planned_logs(&planned); a run's first logged row begins a stretch of its own
  *     planned_next(&planned);                                the cycle has passed
  *
- * The bench holds planned_turns, or at standstill locks the rotor at the run's theta.
+ * The bench holds planned_speed, or at standstill locks the rotor at the run's theta.
  */
 #ifndef EXAMPLES_PLANNED_H
 #define EXAMPLES_PLANNED_H
@@ -31,8 +31,8 @@ typedef struct planned_course {
 typedef struct planned_run {
     int32_t settle_cycles; /* at the first values, not logged */
     int32_t cycles;
-    iq24_t turns_begin; /* electrical speed, turns per cycle; changes evenly */
-    iq24_t turns_end;
+    iq24_t speed_begin; /* electrical speed, turns per cycle; changes evenly */
+    iq24_t speed_end;
     iq24_t theta; /* electrical, of a locked rotor; turns */
     planned_course_t d, q;
 } planned_run_t;
@@ -51,7 +51,7 @@ bool planned_logs(const planned_t *p);
 
 /* Of the next cycle, per unit; 0 after the end. */
 iqfoc_dq_t planned_reference(const planned_t *p);
-iq24_t planned_turns(const planned_t *p);
+iq24_t planned_speed(const planned_t *p);
 
 void planned_next(planned_t *p);
 

@@ -27,7 +27,7 @@ void board_valley_interrupt(void)
     sensorless_drive_valley(&drive, &hal);
     if (drive.angle.source == IQFOC_ANGLE_OBSERVED) {
         farthest = iq24_max(farthest, iq24_abs_sat(drive.angle.difference));
-        highest = iq24_max(highest, iqfoc_observer_turns(&drive.angle.observer));
+        highest = iq24_max(highest, iqfoc_observer_speed(&drive.angle.observer));
     }
 }
 
@@ -37,9 +37,9 @@ void board_peak_interrupt(void)
     periods = periods + 1;
 }
 
-static int32_t rpm_of(iq24_t turns)
+static int32_t rpm_of(iq24_t speed)
 {
-    return (int32_t)((int64_t)turns * (60 * SENSORLESS_DRIVE_PWM_HZ / SENSORLESS_DRIVE_PAIRS) / IQ24_ONE);
+    return (int32_t)((int64_t)speed * (60 * SENSORLESS_DRIVE_PWM_HZ / SENSORLESS_DRIVE_PAIRS) / IQ24_ONE);
 }
 
 int main(void)
@@ -54,7 +54,7 @@ int main(void)
     while (periods < PERIODS) {
     }
     board_carrier_stop();
-    const int32_t last_rpm = rpm_of(iqfoc_observer_turns(&drive.angle.observer));
+    const int32_t last_rpm = rpm_of(iqfoc_observer_speed(&drive.angle.observer));
     console_text("top speed ");
     console_signed(rpm_of(highest));
     console_text(" rpm, then ");

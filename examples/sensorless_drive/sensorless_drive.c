@@ -20,7 +20,7 @@
 static const iqfoc_start_config_t start_config = {.i_align = IQ24(0.6),
                                                   .ramp_cycles = 1000,
                                                   .hold_cycles = 1500,
-                                                  .turns_end = SENSORLESS_DRIVE_TURNS(600.0),
+                                                  .speed_end = SENSORLESS_DRIVE_TURNS(600.0),
                                                   .run_up_cycles = 3000};
 static const iqfoc_observer_config_t observer_config = IQFOC_OBSERVER_CONFIG(
     R_OHM, L_H, L_H, PSI_F_WB, T_S, I_BASE_A, U_DC_V, 0.16 / T_S, SENSORLESS_DRIVE_TURNS(400.0));
@@ -50,7 +50,7 @@ bool sensorless_drive_begin(sensorless_drive_t *drive, uint32_t ticks_per_second
         iqfoc_sensorless_init(&drive->angle, &observer_config, &start_config, NULL) != IQFOC_OK) {
         return false;
     }
-    drive->target = start_config.turns_end;
+    drive->target = start_config.speed_end;
     iqfoc_sensorless_start(&drive->angle);
     drive->cycle.enabled = true;
     return true;
@@ -65,10 +65,10 @@ SENSORLESS_DRIVE_FAST void sensorless_drive_valley(sensorless_drive_t *drive, iq
     iqfoc_sensorless_valley(&drive->angle, &drive->cycle, &sample);
     if (drive->angle.source == IQFOC_ANGLE_OBSERVED) {
         if (!started) {
-            iqfoc_speed_control_start(&drive->speed, sample.turns, drive->cycle.i_ref.q);
+            iqfoc_speed_control_start(&drive->speed, sample.speed, drive->cycle.i_ref.q);
         }
         const iqfoc_dq_t i_ref = {
-            0, iqfoc_speed_control_step(&drive->speed, drive->target, sample.turns, speed_config.i_max)};
+            0, iqfoc_speed_control_step(&drive->speed, drive->target, sample.speed, speed_config.i_max)};
         drive->cycle.i_ref = i_ref;
     }
     if (iqfoc_cycle_valley(&drive->cycle, &sample, now)) {

@@ -12,7 +12,7 @@ static const iqfoc_start_config_t alignment = {
     .i_align = IQ24(I_ALIGN_PU),
     .ramp_cycles = (uint32_t)(ALIGN_SECONDS * PWM_HZ),
     .hold_cycles = (uint32_t)(ALIGN_SECONDS * PWM_HZ),
-    .turns_end = 0,
+    .speed_end = 0,
 };
 
 /* A second after a break, three times in a row; never by itself in the first run. */
@@ -98,7 +98,7 @@ static void align(drive_t *drive, iqfoc_hal_t *hal, iqfoc_sample_t *sample)
         drive->state = DRIVE_RUNS;
     }
     sample->theta = drive->start.theta;
-    sample->turns = drive->start.turns;
+    sample->speed = drive->start.speed;
 }
 
 /* What is wrong at this moment. Of a trip only its first cycle counts: its bits stay until it is cleared. */
@@ -106,7 +106,7 @@ static uint32_t faults(drive_t *drive, const iqfoc_hal_t *hal, const iqfoc_sampl
 {
     const bool up = drive->cycle.enabled;
     const uint32_t trips = up && drive->cycle.tripped ? drive->cycle.status & drive->config.trips : 0;
-    const uint32_t lost = iqfoc_supervision_step(&drive->supervision, sample->i, sample->turns, up);
+    const uint32_t lost = iqfoc_supervision_step(&drive->supervision, sample->i, sample->speed, up);
     return trips | lost | (port_angle_lost(hal) ? IQFOC_STATUS_LOST_ANGLE_SENSOR : 0) |
            (port_break(hal) ? IQFOC_STATUS_BREAK : 0);
 }

@@ -60,7 +60,7 @@ static void read_angle(iqfoc_hal_t *hal, iq24_t at)
     hal->count = reg_read(&tim->CNT) & 0xFFFF;
     iqfoc_tracker_step(&hal->tracker, iqfoc_encoder_theta(&hal->encoder, hal->count), at, true);
     hal->sample.theta = iqfoc_tracker_theta(&hal->tracker, 0);
-    hal->sample.turns = iqfoc_tracker_turns(&hal->tracker);
+    hal->sample.speed = iqfoc_tracker_speed(&hal->tracker);
 }
 
 /*
@@ -94,7 +94,7 @@ void iqfoc_hal_read_valley(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
     read_currents(hal);
     hal->sample.i_mean = hal->sample.i;
     hal->sample.has_mean = false;
-    hal->sample.at = 0;
+    hal->sample.instant = 0;
     hal->sample.time = now - elapsed / 2;
     /* What is sampled at the next valley was made by the duties that act from this one on. */
     hal->in_force = hal->written;

@@ -17,7 +17,7 @@
  * true (r, p) never grows, whatever the drive does. A rest moves r and p only within the bounds.
  *
  *     if (iqfoc_watch_step(...)) {
- *         iqfoc_adapt_block(&adapt, &adapt_config, &watch, &watch_config, turns);
+ *         iqfoc_adapt_block(&adapt, &adapt_config, &watch, &watch_config, speed);
  *         (void)iqfoc_watch_block(...);
  *         law = iqfoc_adapt_law(&nominal, &adapt);        in force from the next iqfoc_tuned_at_speed, at a valley
  *     }
@@ -61,15 +61,15 @@ typedef struct iqfoc_adapt {
 #define IQFOC_ADAPT_FLOOR_Q32 (INT64_C(1) << 28)
 
 /*
- * One step for a complete block, between iqfoc_watch_step and iqfoc_watch_block and in their context. turns: speed at
- * this valley, |turns| <= IQFOC_ROTOR_TURNS_MAX (held to it). No step is made in the first block after a reset, below
+ * One step for a complete block, between iqfoc_watch_step and iqfoc_watch_block and in their context. speed: at
+ * this valley, |speed| <= IQFOC_ROTOR_SPEED_MAX (held to it). No step is made in the first block after a reset, below
  * a current of 0.15, or after an alarm: a change that raised an alarm must be recorded, not corrected.
  *
  * Largest error: 2.2e-4 of a unit per block, of 60000 drawn; 5e-4 by analysis, where x is a quarter of the noise (e is two
  * roundings off in Q16 of it, x one). e and x are held to +-128 of the noise.
  */
 void iqfoc_adapt_block(iqfoc_adapt_t *adapt, const iqfoc_adapt_config_t *config, const iqfoc_watch_t *watch,
-                       const iqfoc_watch_config_t *watch_config, iq24_t turns);
+                       const iqfoc_watch_config_t *watch_config, iq24_t speed);
 
 /*
  * The law with adapted R and psi_f. Constants are rounded down in their own formats and held to their ranges, rho <=

@@ -44,7 +44,7 @@
  * (3/2) pairs^2 psi_f^2 (h T)^2/(12 J). A second measurement with 4 h shows sixteen times that error; a fifteenth of the
  * difference is added to the first.
  *
- * psi_f. In the frame of the commanded angle, which covers phi = 2 pi turns_end per cycle, with u seen from the middle of its cycle:
+ * psi_f. In the frame of the commanded angle, which covers phi = 2 pi speed_end per cycle, with u seen from the middle of its cycle:
  *
  *     e = u - R i - (4/pi) v_dead i/|i|,    psi = -j e/(2 sin(phi/2)),    a = psi - L_q i = (psi_f + (L_d - L_q) i_d) e^(-j delta)
  *     psi_f = |a| - (L_d - L_q) |i| cos(delta)
@@ -69,11 +69,11 @@
  *
  * so that psi < 3/2 |L_q - L_d| i_align ends the run with NOT_ALIGNED.
  *
- * Without damping a rotor in the field of a constant current swings up at high speed: choose turns_end so that the EMF is a tenth to a
+ * Without damping a rotor in the field of a constant current swings up at high speed: choose speed_end so that the EMF is a tenth to a
  * quarter of the link, and hold_cycles long enough for the swing to die.
  *
  * Limits that hold in every cycle: no reference exceeds 5/4 i_align, a phase current beyond i_max ends the run, and so does a speed of
- * the sample beyond turns_max, a DC link outside 0.5 ... 1.5, a clipped sample, or more than cycles_max cycles.
+ * the sample beyond speed_max, a DC link outside 0.5 ... 1.5, a clipped sample, or more than cycles_max cycles.
  */
 #ifndef IQFOC_COMMISSION_H
 #define IQFOC_COMMISSION_H
@@ -95,9 +95,9 @@ extern "C" {
 /* Fixed while it runs. Per unit, IQ24; cycles are PWM periods. */
 typedef struct iqfoc_commission_config {
     iqfoc_offset_limits_t offset;
-    iqfoc_start_config_t start; /* i_align <= 2; turns_end: speed of SPIN, not 0 */
+    iqfoc_start_config_t start; /* i_align <= 2; speed_end: speed of SPIN, not 0 */
     iq24_t i_max;               /* a phase current beyond it ends the run: 3/2 i_align ... 4 */
-    iq24_t turns_max;           /* |sample.turns| beyond it ends the run: |turns_end| ... 1/3 */
+    iq24_t speed_max;           /* |sample.speed| beyond it ends the run: |speed_end| ... 1/3 */
     iq24_t u_max;               /* largest voltage of a square wave: 0 < u_max <= 1/2 */
     uint32_t cycles_max;        /* the longest run: at least 1 */
     uint32_t settle_cycles;     /* ahead of each measurement, several time constants L/R: 1 ... 2^24 */
@@ -127,7 +127,7 @@ typedef enum iqfoc_commission_end {
     IQFOC_COMMISSION_DONE,         /* all results are valid */
     IQFOC_COMMISSION_ABORTED,      /* iqfoc_commission_abort */
     IQFOC_COMMISSION_OVER_CURRENT, /* a phase beyond i_max, or a clipped sample */
-    IQFOC_COMMISSION_OVER_SPEED,   /* beyond turns_max */
+    IQFOC_COMMISSION_OVER_SPEED,   /* beyond speed_max */
     IQFOC_COMMISSION_DC_LINK,      /* outside 0.5 ... 1.5 of nominal */
     IQFOC_COMMISSION_TOO_SLOW,     /* cycles_max */
     IQFOC_COMMISSION_SENSORS,      /* offset.verdict says which fault */

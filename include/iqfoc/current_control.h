@@ -80,7 +80,7 @@ static inline iqfoc_dq_t iqfoc_current_control_step(iqfoc_current_control_t *con
 /*
  * The decoupling: the voltage that cancels the coupling of the axes and the EMF, added to the controllers' voltage.
  *
- * i: per unit, |component| <= 32. turns: speed, |turns| <= 1/3 turn per cycle. Out: per unit voltage, each
+ * i: per unit, |component| <= 32. speed: |speed| <= 1/3 turn per cycle. Out: per unit voltage, each
  * component held to +-8. Largest error: 0.5 LSB + 0.5 LSB per unit of i (the rounded reactance), rounded
  * down: 1 LSB more.
  *
@@ -88,12 +88,12 @@ static inline iqfoc_dq_t iqfoc_current_control_step(iqfoc_current_control_t *con
  * the EMF 32.
  */
 static inline iqfoc_dq_t iqfoc_current_control_decoupling(const iqfoc_current_control_gains_t *gains,
-                                                          iqfoc_dq_t i, iq24_t turns)
+                                                          iqfoc_dq_t i, iq24_t speed)
 {
-    const iq24_t reactance_d = iq24_mul_round(turns, gains->x_d);
-    const iq24_t reactance_q = iq24_mul_round(turns, gains->x_q);
+    const iq24_t reactance_d = iq24_mul_round(speed, gains->x_d);
+    const iq24_t reactance_q = iq24_mul_round(speed, gains->x_q);
     const iq24_acc_t d = iq24_acc_mul(-reactance_q, i.q);
-    const iq24_acc_t q = iq24_acc_mac(iq24_acc_mul(reactance_d, i.d), turns, gains->emf);
+    const iq24_acc_t q = iq24_acc_mac(iq24_acc_mul(reactance_d, i.d), speed, gains->emf);
     const iqfoc_dq_t u = {iq24_acc_trunc(iqfoc_current_control_hold(d)),
                           iq24_acc_trunc(iqfoc_current_control_hold(q))};
     return u;
@@ -102,7 +102,7 @@ static inline iqfoc_dq_t iqfoc_current_control_decoupling(const iqfoc_current_co
 /*
  * The sum of the controllers' voltage and the decoupling, held and rounded once.
  *
- * Ranges as above, |turns| by 1 LSB more. Out: per unit voltage, each component held to +-8. Largest error
+ * Ranges as above, |speed| by 1 LSB more. Out: per unit voltage, each component held to +-8. Largest error
  * against double: 1 LSB (rounded down) and 1 LSB per unit of i (the reactance, rounded down); of the
  * integrators none.
  *
@@ -111,18 +111,18 @@ static inline iqfoc_dq_t iqfoc_current_control_decoupling(const iqfoc_current_co
  */
 IQFOC_STEP iqfoc_dq_t iqfoc_current_control_voltage(iqfoc_current_control_t *control,
                                                     const iqfoc_current_control_gains_t *gains,
-                                                    iqfoc_dq_t i_ref, iqfoc_dq_t i, iq24_t turns)
+                                                    iqfoc_dq_t i_ref, iqfoc_dq_t i, iq24_t speed)
 {
     const iq24_t e_d = iq24_sub_wrap(i_ref.d, i.d);
     const iq24_t e_q = iq24_sub_wrap(i_ref.q, i.q);
-    const iq24_t minus_reactance_q = iq24_mul_high(-256 * turns, gains->x_q);
-    const iq24_t reactance_d = iq24_mul_high(256 * turns, gains->x_d);
+    const iq24_t minus_reactance_q = iq24_mul_high(-256 * speed, gains->x_q);
+    const iq24_t reactance_d = iq24_mul_high(256 * speed, gains->x_d);
     const iq24_acc_t integral_d = control->integral_d;
     const iq24_acc_t integral_q = control->integral_q;
     iq24_acc_t d = iq24_acc_mac(integral_d, gains->kp_d, e_d);
     iq24_acc_t q = iq24_acc_mac(integral_q, gains->kp_q, e_q);
     d = iq24_acc_mac(d, minus_reactance_q, i.q);
-    q = iq24_acc_mac(iq24_acc_mac(q, reactance_d, i.d), turns, gains->emf);
+    q = iq24_acc_mac(iq24_acc_mac(q, reactance_d, i.d), speed, gains->emf);
     control->integral_d = iqfoc_current_control_hold(iq24_acc_mac(integral_d, gains->ki_d, e_d));
     control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(integral_q, gains->ki_q, e_q));
     const iqfoc_dq_t u = {iq24_acc_trunc(iqfoc_current_control_hold(d)),
@@ -151,7 +151,7 @@ static inline void iqfoc_current_control_limited(iqfoc_current_control_t *contro
 }
 
 /*
- * Sets the integrators to u minus the decoupling at i and `turns`. Without an error the next step then requests u: a
+ * Sets the integrators to u minus the decoupling at i and `speed`. Without an error the next step then requests u: a
  * change of controller without a voltage step.
  *
  * u: |component| <= 8; i and turns as iqfoc_current_control_decoupling takes them. Largest error of the voltage that
@@ -161,9 +161,9 @@ static inline void iqfoc_current_control_limited(iqfoc_current_control_t *contro
  */
 static inline void iqfoc_current_control_preset(iqfoc_current_control_t *control,
                                                 const iqfoc_current_control_gains_t *gains, iqfoc_dq_t u,
-                                                iqfoc_dq_t i, iq24_t turns)
+                                                iqfoc_dq_t i, iq24_t speed)
 {
-    const iqfoc_dq_t apart = iqfoc_current_control_decoupling(gains, i, turns);
+    const iqfoc_dq_t apart = iqfoc_current_control_decoupling(gains, i, speed);
     control->integral_d = iqfoc_current_control_hold(iq24_acc_mul(iq24_sub_sat(u.d, apart.d), IQ24_ONE));
     control->integral_q = iqfoc_current_control_hold(iq24_acc_mul(iq24_sub_sat(u.q, apart.q), IQ24_ONE));
 }

@@ -37,7 +37,7 @@ static inline uint32_t iqfoc_guard_sample(const iqfoc_cycle_config_t *set, const
 {
     const bool wrong = iqfoc_ticks_since(sample->time, now) > set->stale_ticks || sample->clipped ||
                        iqfoc_guard_beyond(iq24_sub_wrap(sample->u_dc, IQ24_ONE), IQ24(0.5)) != 0 ||
-                       iqfoc_guard_beyond(sample->turns, IQFOC_ROTOR_TURNS_MAX) != 0 ||
+                       iqfoc_guard_beyond(sample->speed, IQFOC_ROTOR_SPEED_MAX) != 0 ||
                        iqfoc_guard_beyond(i.alpha, set->current_limit) != 0 ||
                        iqfoc_guard_beyond(i.beta, set->current_limit) != 0;
     return wrong ? IQFOC_GUARD_WRONG : 0;

@@ -4,7 +4,7 @@
  *
  *     command = iqfoc_cycle_six_step_begin(&six, &cycle, &config, angle, &sample);
  *     at each end:  command = iqfoc_cycle_six_step_switch(&six, &cycle, &sample, now);
- *     back to PWM:  iqfoc_cycle_six_step_end(&six, &cycle, turns);  then valleys and peaks again
+ *     back to PWM:  iqfoc_cycle_six_step_end(&six, &cycle, speed);  then valleys and peaks again
  *
  * The DC link fixes the length of the voltage. An integrator of the error of i_q controls the only free quantity, the
  * angle of the voltage to the rotor. Its feedback is the mean of the phase currents over the state's interval, turned
@@ -41,7 +41,7 @@ typedef struct iqfoc_six_step {
 
 typedef struct iqfoc_six_step_command {
     iqfoc_command_t command; /* duties 0 or 1: write them at once */
-    iq24_t turns;            /* angle that the rotor covers until the next call, turns: 1/600 ... 1/3 */
+    iq24_t movement;         /* angle that the rotor covers until the next call, turns: 1/600 ... 1/3 */
     uint32_t
         ticks; /* the same as a time at the sample's speed; at most 128 cycles, which it is at standstill */
 } iqfoc_six_step_command_t;
@@ -68,7 +68,7 @@ iq24_t iqfoc_cycle_voltage_angle(const iqfoc_cycle_t *cycle);
  *
  * sample: i, theta, turns and u_dc at this instant; i_mean holds the means of the phases over the interval. Without
  * has_mean the angle does not change, and IQFOC_STATUS_NO_INTERVAL is set. now: the port's timer when the call began.
- * The states follow the sign of `turns`. The time between calls is not checked: the port sets the interval. A drive
+ * The states follow the sign of `speed`. The time between calls is not checked: the port sets the interval. A drive
  * that is tripped or not enabled gets the safe command, and the angle does not change.
  *
  * Error: the integrator is exact but for its products. The interval's end is where the voltage's angle, as known now,
@@ -79,10 +79,10 @@ iqfoc_six_step_command_t iqfoc_cycle_six_step_switch(iqfoc_six_step_t *six, iqfo
 
 /*
  * Ends six-step: back to the carrier, PI and IQFOC_MODULATION_OVER. The integrators are set to the voltage of
- * six-step, (2/pi) u_dc at the present angle, minus the decoupling at i_ref and `turns`. The next valley is treated
+ * six-step, (2/pi) u_dc at the present angle, minus the decoupling at i_ref and `speed`. The next valley is treated
  * as a first one. From the timer's interrupt, with no valley or peak under way.
  */
-void iqfoc_cycle_six_step_end(const iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, iq24_t turns);
+void iqfoc_cycle_six_step_end(const iqfoc_six_step_t *six, iqfoc_cycle_t *cycle, iq24_t speed);
 
 #ifdef __cplusplus
 }

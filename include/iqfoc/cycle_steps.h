@@ -37,7 +37,7 @@ static inline iqfoc_dq_t iqfoc_cycle_corrected_mean(const iqfoc_cycle_t *cycle, 
     const iqfoc_ab_t i_mean = sample->has_mean ? iqfoc_clarke3(sample->i_mean) : cycle->i_peak;
     const iqfoc_ab_t delta = {iq24_sub_wrap(i.alpha, cycle->i_valley.alpha),
                               iq24_sub_wrap(i.beta, cycle->i_valley.beta)};
-    const iq24_t theta_mid = iq24_add_wrap(cycle->theta_valley, iq24_asr32(cycle->rotor.turns, 1));
+    const iq24_t theta_mid = iq24_add_wrap(cycle->theta_valley, iq24_asr32(cycle->rotor.speed, 1));
     return iqfoc_mean_current_correct(i_mean, delta, &cycle->rotor, iq24_sincos(theta_mid));
 }
 
@@ -58,17 +58,17 @@ IQFOC_STEP bool iqfoc_cycle_controls_early(const iqfoc_methods_t m)
  * Range: both parts are within 8, and their sum is held to 8, as in the other branch.
  */
 IQFOC_STEP iqfoc_dq_t iqfoc_cycle_pi_voltage(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
-                                             const iqfoc_cycle_config_t *config, iq24_t turns)
+                                             const iqfoc_cycle_config_t *config, iq24_t speed)
 {
     if (m.modulation == IQFOC_MODULATION_OVER) {
         const iqfoc_dq_t u =
             iqfoc_current_control_step(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq);
-        const iqfoc_dq_t apart = iqfoc_current_control_decoupling(&config->gains, cycle->i_ref, turns);
+        const iqfoc_dq_t apart = iqfoc_current_control_decoupling(&config->gains, cycle->i_ref, speed);
         const iqfoc_dq_t sum = {iq24_clamp(u.d + apart.d, IQ24(-8.0), IQ24(8.0)),
                                 iq24_clamp(u.q + apart.q, IQ24(-8.0), IQ24(8.0))};
         return sum;
     }
-    return iqfoc_current_control_voltage(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq, turns);
+    return iqfoc_current_control_voltage(&cycle->control, &config->gains, cycle->i_ref, cycle->i_dq, speed);
 }
 
 /* Deprecated name of version 0.1. The next version has only the name above. */
@@ -86,15 +86,15 @@ IQFOC_STEP bool iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     }
     const iqfoc_cycle_config_t *const ended = cycle->config;
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
-    iq24_t turns = sample->turns;
+    iq24_t speed = sample->speed;
     bool whole = true;
     if (cycle->phase > INT32_MAX ||
         iqfoc_ticks_since(cycle->valley_time, sample->time) > ended->period_ticks + ended->tolerance_ticks ||
         iqfoc_guard_sample(ended, sample, i, now) != 0) {
         whole = iqfoc_cycle_report_valley(cycle, sample, now);
-        turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        speed = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     }
-    /*@ assert guard_turns: -5592406 <= turns <= 5592405; */
+    /*@ assert guard_speed: -5592406 <= speed <= 5592405; */
     cycle->phase = IQFOC_CYCLE_DUE_PEAK;
     cycle->valley_time = sample->time;
     const iqfoc_ab_t expected = cycle->i_next;
@@ -110,9 +110,9 @@ IQFOC_STEP bool iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     cycle->config = config;
     cycle->next = cycle->offered;
     cycle->i_valley = i;
-    iqfoc_cycle_predict(m, cycle, sample, i, turns);
+    iqfoc_cycle_predict(m, cycle, sample, i, speed);
     if (iqfoc_cycle_controls_early(m)) {
-        cycle->u_dq = iqfoc_cycle_pi_voltage(m, cycle, config, turns);
+        cycle->u_dq = iqfoc_cycle_pi_voltage(m, cycle, config, speed);
     }
     return cycle->tripped;
 }
@@ -170,7 +170,7 @@ IQFOC_STEP iqfoc_duties_t iqfoc_cycle_modulated(const iqfoc_methods_t m, iq24_t 
 IQFOC_STEP iqfoc_duties_t iqfoc_cycle_overmodulated(iqfoc_cycle_t *cycle, iq24_t u_dc_inverse, iqfoc_ab_t *u,
                                                     iq24_t u_dc)
 {
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(cycle->rotor.turns);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(cycle->rotor.speed);
     const iqfoc_duties_t duties =
         iqfoc_overmodulate(&cycle->over, *u, u_dc_inverse, iqfoc_overmodulation_limit(&rotor));
     *u = iqfoc_modulated_voltage(duties.high, u_dc);
@@ -189,16 +189,16 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
         sample = &corrected;
     }
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
-    iq24_t turns = sample->turns;
+    iq24_t speed = sample->speed;
     iq24_t u_dc = sample->u_dc;
     if (cycle->phase != IQFOC_CYCLE_DUE_PEAK || iqfoc_guard_sample(config, sample, i, now) != 0) {
         if (!iqfoc_cycle_report_peak(cycle, sample, now)) {
             return iqfoc_cycle_stopped(cycle);
         }
-        turns = iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        speed = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
         u_dc = iq24_clamp(u_dc, IQFOC_CYCLE_U_DC_MIN, IQFOC_CYCLE_U_DC_MAX);
     }
-    /*@ assert guard_turns: -5592406 <= turns <= 5592405; */
+    /*@ assert guard_speed: -5592406 <= speed <= 5592405; */
     /*@ assert guard_u_dc: 8388607 <= u_dc <= 25165824; */
     cycle->phase = IQFOC_CYCLE_DUE_VALLEY;
     if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
@@ -215,13 +215,13 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
     iqfoc_ab_t u = cycle->u_ab;
     if (m.control == IQFOC_CONTROL_PI) {
         if (!iqfoc_cycle_controls_early(m)) {
-            cycle->u_dq = iqfoc_cycle_pi_voltage(m, cycle, config, turns);
+            cycle->u_dq = iqfoc_cycle_pi_voltage(m, cycle, config, speed);
         }
         if (cycle->next != config) {
             output_mid = iqfoc_cycle_output_mid_scaled(cycle, output_mid);
         }
-        /* Range: |turns| <= 1/3 and |cycles| <= 9 give at most 3 turns; the sum wraps at 128, which are whole. */
-        const iq24_t ahead = iq24_mul_high(256 * turns, iq24_sub_wrap(output_mid, sample->at));
+        /* Range: |speed| <= 1/3 and |cycles| <= 9 give at most 3 turns; the sum wraps at 128, which are whole. */
+        const iq24_t ahead = iq24_mul_high(256 * speed, iq24_sub_wrap(output_mid, sample->instant));
         u = iqfoc_park_inverse_q30(cycle->u_dq, iq24_sincos_q30_inline(iq24_add_wrap(sample->theta, ahead)));
     }
     iqfoc_command_t command;

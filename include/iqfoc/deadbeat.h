@@ -14,10 +14,10 @@
  * In use, with `rotor` of the speed:
  *
  *     iqfoc_deadbeat_t deadbeat = {
- *         .model = iqfoc_exact_at_speed(&law, rotor.turns),                  when the speed changes
+ *         .model = iqfoc_exact_at_speed(&law, rotor.speed),                  when the speed changes
  *         .k_u_inverse = iqfoc_deadbeat_inverse(law.k_u_q26),                once
  *         .reference = iqfoc_valley_reference_at(&rotor, k_psi)};            when the speed changes
- *     u = iqfoc_deadbeat_step(&deadbeat, i, u_now, i_ref, theta, rotor.turns);     at each valley
+ *     u = iqfoc_deadbeat_step(&deadbeat, i, u_now, i_ref, theta, rotor.speed);     at each valley
  *     duties = iqfoc_modulate(u, u_dc_inverse, span_max);    u_now of the next valley: u times duties.scale
  */
 #ifndef IQFOC_DEADBEAT_H
@@ -92,7 +92,7 @@ IQFOC_STEP iqfoc_ab_t iqfoc_deadbeat_voltage(const iqfoc_deadbeat_t *deadbeat, i
  * limit keeps it far below. Past 32 the voltage is at its limit whatever i_next is.
  */
 iqfoc_ab_t iqfoc_deadbeat_step(const iqfoc_deadbeat_t *deadbeat, iqfoc_ab_t i, iqfoc_ab_t u_now,
-                               iqfoc_dq_t i_ref, iq24_t theta, iq24_t turns);
+                               iqfoc_dq_t i_ref, iq24_t theta, iq24_t speed);
 
 #ifdef __cplusplus
 }

@@ -57,7 +57,7 @@ static inline void iqfoc_deadbeat_learn(iqfoc_dq_t *drift, iq24_t gain, iqfoc_ab
  */
 iqfoc_ab_t iqfoc_deadbeat_drift_step(iqfoc_deadbeat_drift_t *drift, const iqfoc_deadbeat_t *deadbeat,
                                      iq24_t gain, iqfoc_ab_t i, iqfoc_ab_t u_now, iqfoc_dq_t i_ref,
-                                     iq24_t theta, iq24_t turns);
+                                     iq24_t theta, iq24_t speed);
 
 #ifdef __cplusplus
 }

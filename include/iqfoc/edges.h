@@ -32,7 +32,7 @@ extern "C" {
 typedef struct iqfoc_leg_edges {
     int32_t level; /* at the cycle's start: 1 high, -1 low */
     int32_t edges; /* 0 ... IQFOC_PATTERN_EDGES_MAX */
-    uint32_t at
+    uint32_t instant
         [IQFOC_PATTERN_EDGES_MAX]; /* ticks from the cycle's start: each above the last, below period_ticks */
 } iqfoc_leg_edges_t;
 

@@ -3,7 +3,7 @@
  * time takes.
  *
  *     i     = (measured - o) / g                                   each phase
- *     theta = recorded - theta_0 - delay * turns                   turns, cycles, turns per cycle
+ *     theta = recorded - theta_0 - delay * speed                   turns, cycles, turns per cycle
  *     u_dc  = k_u * measured
  *     lost  = v_dead * sat(i / i_knee)                             each leg; sat(x) is x held to +-1
  *
@@ -57,11 +57,11 @@ iqfoc_error_t iqfoc_extension_check(const iqfoc_extension_t *extension);
 iqfoc_abc_t iqfoc_extension_current(const iqfoc_extension_t *extension, iqfoc_abc_t measured);
 
 /*
- * Recorded angle to true angle, turns; whole turns are immaterial. |turns| <= 1. Largest error: 0.5 LSB.
+ * Recorded angle to true angle, turns; whole turns are immaterial. |speed| <= 1. Largest error: 0.5 LSB.
  *
- * Range: |delay turns| <= 8; the sum wraps at 128 turns, which are whole.
+ * Range: |delay speed| <= 8; the sum wraps at 128 turns, which are whole.
  */
-iq24_t iqfoc_extension_angle(const iqfoc_extension_t *extension, iq24_t theta, iq24_t turns);
+iq24_t iqfoc_extension_angle(const iqfoc_extension_t *extension, iq24_t theta, iq24_t speed);
 
 /* Corrects a sample before the cycle reads it: currents (and their means, if a port has them), angle, DC link. */
 void iqfoc_extension_sample(const iqfoc_extension_t *extension, iqfoc_sample_t *sample);

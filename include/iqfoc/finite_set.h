@@ -38,7 +38,7 @@ typedef struct iqfoc_finite_set {
  * The state for the interval after the one that begins now. From the interrupt at the start of an interval.
  *
  * i: sample at the start of this interval, |component| <= 15. state_now: the state of this interval, 0 ... 7. i_ref:
- * reference of the mean current, rotor frame, |component| <= 20. theta: at the start of this interval. turns: of the
+ * reference of the mean current, rotor frame, |component| <= 20. theta: at the start of this interval. speed: of the
  * speed that `set` was made for, per interval. u_dc: per unit, 0 ... 2. nodes: if not NULL, the number of predicted
  * currents is added to it: 8 for a horizon of 1, at most 8 + 64 + 512.
  *
@@ -47,7 +47,7 @@ typedef struct iqfoc_finite_set {
  * 3 (2 * 32^2 + 3) = 6153, within the accumulator's 32768.
  */
 int32_t iqfoc_finite_set_choose(const iqfoc_finite_set_t *set, iqfoc_ab_t i, int32_t state_now,
-                                iqfoc_dq_t i_ref, iq24_t theta, iq24_t turns, iq24_t u_dc, uint32_t *nodes);
+                                iqfoc_dq_t i_ref, iq24_t theta, iq24_t speed, iq24_t u_dc, uint32_t *nodes);
 
 /* Its voltage vector for a DC link in per unit, |u_dc| <= 32: error 0.7 LSB. */
 iqfoc_ab_t iqfoc_finite_set_voltage(int32_t state, iq24_t u_dc);

@@ -52,7 +52,7 @@ typedef struct iqfoc_halls_config {
 typedef struct iqfoc_halls {
     const iqfoc_halls_config_t *config;
     iq24_t theta;    /* electrical angle at the last valley, turns */
-    iq24_t turns;    /* electrical speed, turns per cycle, |turns| <= 1/3 */
+    iq24_t speed;    /* electrical speed, turns per cycle, |speed| <= 1/3 */
     uint32_t faults; /* write 0 to clear */
     int32_t sector;  /* -1: none seen yet */
     int32_t way;     /* direction at the last border: 1, -1; 0 none yet */
@@ -60,7 +60,7 @@ typedef struct iqfoc_halls {
     uint32_t count;  /* spans between borders in the same direction, up to 6 */
     uint32_t next;   /* index in `span` of the next one */
     uint32_t span[IQFOC_HALLS_SECTORS];
-    iq24_t turns_seen; /* the speed between the last borders */
+    iq24_t speed_seen; /* the speed between the last borders */
 } iqfoc_halls_t;
 
 /* config must outlive it. IQFOC_ERROR_HALLS: a field out of its range. Ahead of the first interrupt. */
@@ -71,7 +71,7 @@ iqfoc_error_t iqfoc_halls_init(iqfoc_halls_t *halls, const iqfoc_halls_config_t 
  * last change in 1/256 of a cycle, from a timer's capture; 128 without one. It is used only if the bits differ from
  * the last call's. Beyond 256 it counts as 256.
  *
- * Largest error of the arithmetic: theta 1 LSB per cycle since the border, and 1 LSB; turns 1 LSB.
+ * Largest error of the arithmetic: theta 1 LSB per cycle since the border, and 1 LSB; speed 1 LSB.
  */
 void iqfoc_halls_step(iqfoc_halls_t *halls, uint32_t bits, uint32_t since_q8);
 

@@ -77,12 +77,12 @@ typedef struct iqfoc_induction_state {
 } iqfoc_induction_state_t;
 
 /*
- * The coefficients. turns: the rotor's electrical speed, IQ24 turns per whole control cycle, |turns| <=
- * IQFOC_ROTOR_TURNS_MAX, a larger one is taken as that limit. span: IQ24 share of a cycle, 0 < span <= 1.
+ * The coefficients. speed: the rotor's electrical speed, IQ24 turns per whole control cycle, |speed| <=
+ * IQFOC_ROTOR_SPEED_MAX, a larger one is taken as that limit. span: IQ24 share of a cycle, 0 < span <= 1.
  * machine: within the ranges above. For a slower task: some 3500 instructions on a Cortex-M4 at the most
  * (docs/bench.md). Error: within that of a step.
  */
-iqfoc_induction_t iqfoc_induction_at_speed(const iqfoc_induction_machine_t *machine, iq24_t turns,
+iqfoc_induction_t iqfoc_induction_at_speed(const iqfoc_induction_machine_t *machine, iq24_t speed,
                                            iq24_t span);
 
 /* One result; see iqfoc_induction_step. */

@@ -7,12 +7,12 @@
  *
  *     psi'   = psi + u - r i_mean
  *     a      = psi' - l_q i                                active flux: the rotor's angle is arg a
- *     d      = (cos, sin) of theta + turns                 locked: the angle expected; seeking: d = a/|a|
+ *     d      = (cos, sin) of theta + speed                 locked: the angle expected; seeking: d = a/|a|
  *     radius = psi_f + (l_d - l_q) i_d,   i_d: part of i along d
  *     off    = radius - a d
  *     psi    = psi' + g off d,   g = min(gain_max, 0.4 |phi|)
- *     e      = d x a/(2 pi radius)                         turns: phase-locked loop; seeking: arg a - (theta + turns)
- *     theta += turns + k1 e,   turns += k2 e
+ *     e      = d x a/(2 pi radius)                         turns: phase-locked loop; seeking: arg a - (theta + speed)
+ *     theta += speed + k1 e,   speed += k2 e
  *
  * Stability at any speed: d turns with the rotor, so a flux error x, seen from the rotor, becomes
  * x' = Rot(-phi) (I - g d d^T) x, with the determinant 1 - g and the trace (2 - g) cos phi. Both eigenvalues are inside
@@ -22,16 +22,16 @@
  * The observer is locked or it seeks. Its first step after a start takes the angle from the EMF: a began at 0, so a is now
  * the chord of the magnet's flux over the cycle, across the rotor at the middle of the cycle. psi is then the flux at
  *
- *     theta = arg a - 1/4 + turns/2,   turns < 0: arg a + 1/4 + turns/2
+ *     theta = arg a - 1/4 + speed/2,   speed < 0: arg a + 1/4 + speed/2
  *
  * After that, while it seeks, g is |phi| within 1/8 ... gain_max, k1 is 3/4 and k2 is 1/4. It is locked after
- * `lock_cycles` cycles in a row with |e| <= angle_max, |off| <= flux_max and |turns| >= turns_min. The lock is lost if a
- * limit of e or off is exceeded in more than `lost_cycles` cycles in a row, or if the speed is below turns_min in more
+ * `lock_cycles` cycles in a row with |e| <= angle_max, |off| <= flux_max and |speed| >= speed_min. The lock is lost if a
+ * limit of e or off is exceeded in more than `lost_cycles` cycles in a row, or if the speed is below speed_min in more
  * than `slow_cycles` cycles in a row. A sticky bit of `status` tells the reason.
  *
  *     valley:  i_mean = iqfoc_observer_mean(cycle.i_valley, cycle.i_peak, i);
  *              iqfoc_observer_step(&observer, iqfoc_extension_acting(&extension, cycle.u_now, i_mean), i_mean, i);
- *              sample.theta = iqfoc_observer_theta(&observer, 0);  sample.turns = iqfoc_observer_turns(&observer);
+ *              sample.theta = iqfoc_observer_theta(&observer, 0);  sample.speed = iqfoc_observer_speed(&observer);
  *     peak:    sample.theta = iqfoc_observer_theta(&observer, IQ24(0.5));
  *
  * With two updates a period it steps at each valley and each peak, and a cycle here is half a period.
@@ -61,7 +61,7 @@ extern "C" {
 #define IQFOC_OBSERVER_LOST_ANGLE UINT32_C(0x1) /* the angle jumps: |e| beyond angle_max */
 #define IQFOC_OBSERVER_LOST_FLUX  UINT32_C(0x2) /* the flux has a wrong length: |off| beyond flux_max */
 #define IQFOC_OBSERVER_LOST_SLOW                                                                             \
-    UINT32_C(0x4) /* too long below turns_min, where no voltage shows the angle */
+    UINT32_C(0x4) /* too long below speed_min, where no voltage shows the angle */
 
 /* All per unit as in flux_predictor.h: flux in U_b T. */
 typedef struct iqfoc_observer_config {
@@ -71,7 +71,7 @@ typedef struct iqfoc_observer_config {
     iq24_t gain_max;      /* of the radial correction: 1/8 ... 1 */
     iq24_t k1;            /* of the phase-locked loop once locked: 0 < k1 <= 1 */
     iq24_t k2;            /* 0 < k2 <= 1/4 */
-    iq24_t turns_min;     /* turns per cycle, 0 ... IQFOC_ROTOR_TURNS_MAX */
+    iq24_t speed_min;     /* turns per cycle, 0 ... IQFOC_ROTOR_SPEED_MAX */
     iq24_t angle_max;     /* 0 < x <= 1/2 turn */
     iq24_t flux_max;      /* 0 < x < 8 */
     uint32_t lock_cycles; /* 1 and more */
@@ -82,14 +82,14 @@ typedef struct iqfoc_observer_config {
 /*
  * Initialiser of iqfoc_observer_config_t from physical values (params.h), without saturation. w_rad_s: bandwidth of the
  * phase-locked loop; 0.16/T passes 0.1 degrees of the noise of usual sensors. With the turns x per cycle at the top speed,
- * 0.65 x^(2/3)/T, if that is less, keeps the noise of the speed at 0.02 % of the top speed. turns_min: a twentieth
+ * 0.65 x^(2/3)/T, if that is less, keeps the noise of the speed at 0.02 % of the top speed. speed_min: a twentieth
  * of the top speed is usual, less if R and dead time are well known.
  */
-#define IQFOC_OBSERVER_CONFIG(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V, w_rad_s, turns_min)            \
+#define IQFOC_OBSERVER_CONFIG(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V, w_rad_s, speed_min)            \
     {                                                                                                        \
         IQFOC_FLUX_PREDICTOR(R_ohm, L_d_H, L_q_H, psi_Wb, T_s, I_b_A, U_b_V), 0, IQ24(0.48),                 \
             IQ24(IQFOC_RAW_TRACKER_K1_2(IQFOC_RAW_TRACKER_POLE(w_rad_s, T_s))),                              \
-            IQ24(IQFOC_RAW_TRACKER_K2_2(IQFOC_RAW_TRACKER_POLE(w_rad_s, T_s))), turns_min, IQ24(0.02),       \
+            IQ24(IQFOC_RAW_TRACKER_K2_2(IQFOC_RAW_TRACKER_POLE(w_rad_s, T_s))), speed_min, IQ24(0.02),       \
             IQFOC_FLUX_PSI((psi_Wb) / 4.0, T_s, U_b_V), 8, 50, 2000                                          \
     }
 
@@ -99,11 +99,11 @@ typedef struct iqfoc_observer {
     const iqfoc_observer_config_t *config;
     iqfoc_ab_t psi;    /* flux linkage at the last step, stationary frame: each component within +-32 */
     int32_t theta_q32; /* at the last step */
-    int32_t turns_q32; /* per cycle, within +-1/3 */
+    int32_t speed_q32; /* per cycle, within +-1/3 */
     iq24_t error;      /* e of the last step, turns */
     iq24_t flux_error; /* off of the last step, held to +-8 */
     uint32_t count;    /* cycles in a row: within the limits if it seeks, beyond one if it is locked */
-    uint32_t slow;     /* cycles in a row below turns_min */
+    uint32_t slow;     /* cycles in a row below speed_min */
     uint32_t status;   /* sticky: IQFOC_OBSERVER_LOST_... */
     bool locked;
     bool begins; /* the next step takes the angle from the EMF */
@@ -120,10 +120,10 @@ iqfoc_error_t iqfoc_observer_init(iqfoc_observer_t *observer, const iqfoc_observ
  * an alignment, an open-loop start (start.h) or a sensor; false seeks: theta does not matter, and the speed needs the
  * right sign and to be within +-50 %. Not within the time of a step.
  *
- * |component of i| <= 15.9. theta: turns, any number of whole ones. turns: held to IQFOC_ROTOR_TURNS_MAX.
+ * |component of i| <= 15.9. theta: turns, any number of whole ones. speed: held to IQFOC_ROTOR_SPEED_MAX.
  * Largest error of psi, known or after the first step, of 400000 drawn: 1.8 LSB times 1 + |psi| + l_q + |l_d - l_q|.
  */
-void iqfoc_observer_start(iqfoc_observer_t *observer, iqfoc_ab_t i, iq24_t theta, iq24_t turns, bool known);
+void iqfoc_observer_start(iqfoc_observer_t *observer, iqfoc_ab_t i, iq24_t theta, iq24_t speed, bool known);
 
 /*
  * Mean current of a cycle from the samples at its start, middle and end: (start + 4 middle + end)/6, Simpson's rule.
@@ -147,8 +147,8 @@ static inline iqfoc_ab_t iqfoc_observer_mean(iqfoc_ab_t start, iqfoc_ab_t middle
  *
  * Largest error of 400000 drawn with |a| >= 1/4, against the lines above in double with the same state: psi 2.5 LSB
  * times 1 + |a| + l_q + |l_d - l_q| + 4 |off|; off 1.8 LSB times 1 + |a| + l_q + 4 |l_d - l_q| (1 + 1/|a|); theta 0.7
- * LSB and turns 0.2 LSB times 1 + 1/|a|; locked, theta 0.6 LSB and turns 0.1 LSB times 1 + 1/radius + 0.004 |e|, with e
- * in LSB. d is that of theta + turns rounded down to 2^-24 turn. |d x a| is held to 1.5 radius, radius for e to 1/64 or more.
+ * LSB and speed 0.2 LSB times 1 + 1/|a|; locked, theta 0.6 LSB and speed 0.1 LSB times 1 + 1/radius + 0.004 |e|, with e
+ * in LSB. d is that of theta + speed rounded down to 2^-24 turn. |d x a| is held to 1.5 radius, radius for e to 1/64 or more.
  *
  * Range: psi is within 32 a component, u and the drop move it by 18, and psi' is held to +-32. So a is within 64 a
  * component, and 90.6 long; the length expected is within 16 + 4 * 4. Their difference is held to +-8, and g <= 1.
@@ -156,19 +156,22 @@ static inline iqfoc_ab_t iqfoc_observer_mean(iqfoc_ab_t start, iqfoc_ab_t middle
 void iqfoc_observer_step(iqfoc_observer_t *observer, iqfoc_ab_t u, iqfoc_ab_t i_mean, iqfoc_ab_t i);
 
 /*
- * The electrical angle `at` cycles after the last step, -8 ... 8: turns, -1/2 <= theta < 1/2. Largest error 1 LSB of
+ * The electrical angle `instant` cycles after the last step, -8 ... 8: turns, -1/2 <= theta < 1/2. Largest error 1 LSB of
  * the observer's own.
  */
-static inline iq24_t iqfoc_observer_theta(const iqfoc_observer_t *observer, iq24_t at)
+static inline iq24_t iqfoc_observer_theta(const iqfoc_observer_t *observer, iq24_t instant)
 {
-    return iqfoc_rotor_theta_of_q32(observer->theta_q32, observer->turns_q32, at);
+    return iqfoc_rotor_theta_of_q32(observer->theta_q32, observer->speed_q32, instant);
 }
 
-/* The speed, turns per cycle: |turns| <= IQFOC_ROTOR_TURNS_MAX. Error 0.5 LSB of the observer's own. */
-static inline iq24_t iqfoc_observer_turns(const iqfoc_observer_t *observer)
+/* The speed, turns per cycle: |speed| <= IQFOC_ROTOR_SPEED_MAX. Error 0.5 LSB of the observer's own. */
+static inline iq24_t iqfoc_observer_speed(const iqfoc_observer_t *observer)
 {
-    return iqfoc_rotor_turns_of_q32(observer->turns_q32);
+    return iqfoc_rotor_speed_of_q32(observer->speed_q32);
 }
+
+/* Deprecated name of version 0.1. The next version has only the name above. */
+#define iqfoc_observer_turns iqfoc_observer_speed
 
 #ifdef __cplusplus
 }

@@ -14,7 +14,7 @@
  * In steady state x = (r/psi_f) i_q/phi = R i_q/EMF: R shows at low speed and psi_f at high speed. With least = psi_share/r_share:
  *
  *     R is seen:      |x| >= least, |x| >= |y|                      dr -= gain off/(psi_f x),   psi += psi_f s (change of dr)
- *     psi_f is seen:  |x|, |y| < least/2, |turns| >= turns_min      dp -= gain off/psi_f
+ *     psi_f is seen:  |x|, |y| < least/2, |speed| >= speed_min      dp -= gain off/psi_f
  *     otherwise:      both keep their values
  *
  * So R is seen if the EMF is below R i_q r_share/psi_share, and psi_f above twice that EMF. Without current R keeps its value.

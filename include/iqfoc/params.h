@@ -63,8 +63,8 @@ template <> struct iqfoc_range_check_<true> {
 #define IQFOC_RAW_ANTI_WINDUP(w_rad_s, T_s) ((w_rad_s) * (T_s))
 #define IQFOC_MAX_ANTI_WINDUP               1.0
 /* Electrical speed in turns per control cycle. */
-#define IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s) ((n_rpm) / 60.0 * (pole_pairs) * (T_s))
-#define IQFOC_MAX_TURNS                         (1.0 / 3.0)
+#define IQFOC_RAW_SPEED(n_rpm, pole_pairs, T_s) ((n_rpm) / 60.0 * (pole_pairs) * (T_s))
+#define IQFOC_MAX_SPEED                         (1.0 / 3.0)
 
 /* ---- The same as checked IQ24 constants. A compiler's error message shows the names of the ranges. ---- */
 #define IQFOC_K_U_IS_6E_8_TO_16_ELSE_ANOTHER_I_BASE_OR_T(x) IQFOC_CHECKED(x, IQFOC_MIN_K_U, IQFOC_MAX_K_U)
@@ -73,7 +73,7 @@ template <> struct iqfoc_range_check_<true> {
 #define IQFOC_X_AND_EMF_ARE_0_TO_96_ELSE_A_LARGER_U_DC(x)   IQFOC_CHECKED(x, 0.0, IQFOC_MAX_X)
 #define IQFOC_GAIN_IS_0_TO_32_ELSE_A_LOWER_BANDWIDTH(x)     IQFOC_CHECKED(x, 0.0, IQFOC_MAX_GAIN)
 #define IQFOC_W_T_IS_0_TO_1_ELSE_A_LOWER_BANDWIDTH(x)       IQFOC_CHECKED(x, 0.0, IQFOC_MAX_ANTI_WINDUP)
-#define IQFOC_TURNS_IS_AT_MOST_A_THIRD_ELSE_A_SHORTER_T(x)  IQFOC_CHECKED(x, -IQFOC_MAX_TURNS, IQFOC_MAX_TURNS)
+#define IQFOC_SPEED_IS_AT_MOST_A_THIRD_ELSE_A_SHORTER_T(x)  IQFOC_CHECKED(x, -IQFOC_MAX_SPEED, IQFOC_MAX_SPEED)
 
 #define IQFOC_K_U(L_H, T_s, I_b_A, U_b_V)                                                                    \
     IQFOC_K_U_IS_6E_8_TO_16_ELSE_ANOTHER_I_BASE_OR_T(IQFOC_RAW_K_U(L_H, T_s, I_b_A, U_b_V))
@@ -90,8 +90,11 @@ template <> struct iqfoc_range_check_<true> {
     IQFOC_GAIN_IS_0_TO_32_ELSE_A_LOWER_BANDWIDTH(IQFOC_RAW_KI(w_rad_s, R_ohm, T_s, I_b_A, U_b_V))
 #define IQFOC_ANTI_WINDUP(w_rad_s, T_s)                                                                      \
     IQFOC_W_T_IS_0_TO_1_ELSE_A_LOWER_BANDWIDTH(IQFOC_RAW_ANTI_WINDUP(w_rad_s, T_s))
+#define IQFOC_SPEED(n_rpm, pole_pairs, T_s)                                                                  \
+    IQFOC_SPEED_IS_AT_MOST_A_THIRD_ELSE_A_SHORTER_T(IQFOC_RAW_SPEED(n_rpm, pole_pairs, T_s))
 #define IQFOC_TURNS(n_rpm, pole_pairs, T_s)                                                                  \
-    IQFOC_TURNS_IS_AT_MOST_A_THIRD_ELSE_A_SHORTER_T(IQFOC_RAW_TURNS(n_rpm, pole_pairs, T_s))
+    IQFOC_SPEED(n_rpm, pole_pairs,                                                                           \
+                T_s) /* deprecated name of version 0.1; the next version has only IQFOC_SPEED */
 
 /*
  * ---- Initialisers of whole structs ----

@@ -32,7 +32,7 @@ extern "C" {
  * Largest movement of the angle in a cycle: 1/8 turn. It touches at most two quarters of a turn: 7 edges in each and one between, 15
  * edges.
  */
-#define IQFOC_PATTERN_TURNS_MAX INT32_C(2097152)
+#define IQFOC_PATTERN_SPEED_MAX INT32_C(2097152)
 
 /* Most edges of a leg in a cycle: those 15, and one that the least time has delayed from the cycle before. */
 #define IQFOC_PATTERN_EDGES_MAX 16
@@ -79,10 +79,10 @@ typedef struct iqfoc_pattern_modulator {
 
 /* One leg in one cycle. Each edge changes the level. */
 typedef struct iqfoc_pattern_edges {
-    int32_t level;                      /* at the cycle's start: 1 high, -1 low */
-    int32_t edges;                      /* 0 ... IQFOC_PATTERN_EDGES_MAX */
-    iq24_t at[IQFOC_PATTERN_EDGES_MAX]; /* rising; cycles from the cycle's start: 0 ... 1, 1 excluded */
-    iq24_t high;                        /* share of the cycle that the leg is high: 0 ... 1, exact */
+    int32_t level;                           /* at the cycle's start: 1 high, -1 low */
+    int32_t edges;                           /* 0 ... IQFOC_PATTERN_EDGES_MAX */
+    iq24_t instant[IQFOC_PATTERN_EDGES_MAX]; /* rising; cycles from the cycle's start: 0 ... 1, 1 excluded */
+    iq24_t high;                             /* share of the cycle that the leg is high: 0 ... 1, exact */
 } iqfoc_pattern_edges_t;
 
 /*
@@ -114,7 +114,7 @@ iqfoc_pattern_shape_t iqfoc_pattern_shape_at(iqfoc_pattern_modulator_t *modulato
  * The edges of a cycle, for each leg.
  *
  * angle: of the voltage's fundamental at the cycle's start: IQ24 turns from the axis of phase A, any (the low 24 bits count). turns:
- * the angle's movement in the cycle, either sign; held to +-IQFOC_PATTERN_TURNS_MAX. index: any, as above. edges: legs a, b, c.
+ * the angle's movement in the cycle, either sign; held to +-IQFOC_PATTERN_SPEED_MAX. index: any, as above. edges: legs a, b, c.
  *
  * If an edge comes less than `least` after the leg's last one, it is delayed until `least` is over, into the next cycle if necessary.
  * If the pattern returns to the old level before that, both edges are dropped. So a jump of angle or index makes no short pulse.
@@ -123,8 +123,11 @@ iqfoc_pattern_shape_t iqfoc_pattern_shape_at(iqfoc_pattern_modulator_t *modulato
  * Range: the time of an edge is its distance in angle over the movement. The distance is below the movement, and that is at most 1/8
  * turn, so the quotient is at most 1 - 2^-21 and rounds to less than 1. Times and ages are within +-16 cycles.
  */
-void iqfoc_pattern_step(iqfoc_pattern_modulator_t *modulator, iq24_t angle, iq24_t turns, iq24_t index,
+void iqfoc_pattern_step(iqfoc_pattern_modulator_t *modulator, iq24_t angle, iq24_t speed, iq24_t index,
                         iqfoc_pattern_edges_t edges[3]);
+
+/* Deprecated name of version 0.1. The next version has only the name above. */
+#define IQFOC_PATTERN_TURNS_MAX IQFOC_PATTERN_SPEED_MAX
 
 #ifdef __cplusplus
 }

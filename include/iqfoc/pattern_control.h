@@ -35,7 +35,7 @@
  * At such a jump of the angles the present row remains until the legs change as iqfoc_pattern_control_change says. In six-step,
  * the voltage has one length: u_d of the reference remains, and with it i_q; i_d follows from the length.
  *
- *     at each peak:    iqfoc_pattern_control_aim(&control, i_ref, turns);
+ *     at each peak:    iqfoc_pattern_control_aim(&control, i_ref, speed);
  *     at each valley:  iqfoc_pattern_control_step(&control, i, theta, u_dc, edges);
  *
  * The edges act in the cycle that begins at the next valley. The peak computes all that does not depend on the sample.
@@ -55,7 +55,7 @@ extern "C" {
 #endif
 
 /* Lowest speed: 1/128 turn per cycle. Below it, the pattern is that of this speed. */
-#define IQFOC_PATTERN_CONTROL_TURNS_MIN INT32_C(131072)
+#define IQFOC_PATTERN_CONTROL_SPEED_MIN INT32_C(131072)
 
 /* The machine and the two gains. */
 typedef struct iqfoc_pattern_control_config {
@@ -69,11 +69,11 @@ typedef struct iqfoc_pattern_control_config {
 
 /* The trajectory of the next cycles, from iqfoc_pattern_control_aim. */
 typedef struct iqfoc_pattern_trajectory {
-    iq24_t turns;      /* movement of the rotor in a cycle: 1/128 ... 1/8, with its sign */
+    iq24_t speed;      /* movement of the rotor in a cycle: 1/128 ... 1/8, with its sign */
     int32_t sense;     /* of it: 1 or -1 */
     iq24_t u_place;    /* the pattern's angle of leg a at rotor angle 0, in the sense of time: turns */
     iq24_t third_turn; /* from a leg's to the next one's */
-    iq24_t speed;      /* |turns| */
+    iq24_t speed_abs;  /* |speed| */
     int32_t l_q28;     /* flux per current, over the link: turns */
     iqfoc_dq_t
         steady_q28; /* (j (R i_ref + v)/omega - psi_f)/u_dc: flux in addition to the pattern's, less the magnet's: turns */
@@ -162,10 +162,10 @@ void iqfoc_pattern_control_change(iqfoc_pattern_control_t *control, const iqfoc_
  * At the peak of each cycle, or just ahead of iqfoc_pattern_control_step: voltage, index and trajectory of the reference; mean of the link;
  * disturbance voltage from the innovation of the last sample.
  *
- * i_ref: |component| <= 8. turns: the rotor's movement in a cycle, held to 1/128 ... 1/8 of either sign. R i_ref + v is held to 1 and
+ * i_ref: |component| <= 8. speed: the rotor's movement in a cycle, held to 1/128 ... 1/8 of either sign. R i_ref + v is held to 1 and
  * the voltage to 4 a component.
  */
-void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_ref, iq24_t turns);
+void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_ref, iq24_t speed);
 
 /*
  * At the valley of each cycle: the edges of the next cycle.
@@ -188,6 +188,9 @@ void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, 
  */
 void iqfoc_pattern_control_begin(iqfoc_pattern_control_t *control, iqfoc_ab_t i_next, iq24_t theta_next,
                                  const iqfoc_pattern_leg_t leg[3], iqfoc_pattern_edges_t edges[3]);
+
+/* Deprecated name of version 0.1. The next version has only the name above. */
+#define IQFOC_PATTERN_CONTROL_TURNS_MIN IQFOC_PATTERN_CONTROL_SPEED_MIN
 
 #ifdef __cplusplus
 }

@@ -16,7 +16,7 @@
  *
  *     static const iqfoc_exact_winding_t winding = IQFOC_EXACT_WINDING(R, L, PSI, T, I_B, U_DC);
  *     law = iqfoc_exact_prediction(&winding, IQ24_ONE);                      once, or when R changes
- *     exact = iqfoc_exact_at_speed(&law, turns);                             when the speed changes
+ *     exact = iqfoc_exact_at_speed(&law, speed);                             when the speed changes
  *     i_next = iqfoc_exact_step(&exact, i, u, iq24_sincos(theta_mid));       every cycle
  *
  * Other spans: IQ24(0.5) and the sample at the carrier's peak predict the next valley; the computation delay as a
@@ -98,22 +98,22 @@ iqfoc_exact_law_t iqfoc_exact_mean(const iqfoc_exact_winding_t *winding, iq24_t 
 /*
  * A law's coefficients at a speed.
  *
- * turns: IQ24 turns per whole control cycle whatever the span, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one
+ * speed: IQ24 turns per whole control cycle whatever the span, |speed| <= IQFOC_ROTOR_SPEED_MAX; a larger one
  * is taken as that limit. w_real is odd and w_imag even in the speed, to the last bit. Largest error of
  * 300000 drawn: w_real and w_imag 0.8 LSB of IQ24 over the whole range of windings, 0.4 for k_psi <= 2.
  * Cortex-M4: 54 instructions.
  */
-iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t turns);
+iqfoc_exact_t iqfoc_exact_at_speed(const iqfoc_exact_law_t *law, iq24_t speed);
 
 /*
- * The same inline, for a cycle that computes them at each valley; |turns| <= IQFOC_ROTOR_TURNS_MAX.
+ * The same inline, for a cycle that computes them at each valley; |speed| <= IQFOC_ROTOR_SPEED_MAX.
  *
  * Range: w <= 4/9. Each bracket of the polynomials is within Q25's 64 (src/predictor_exact.c), the products rounded
  * once. w_real is rounded to nearest, ties away from zero, as it is odd.
  */
-static inline iqfoc_exact_t iqfoc_exact_at_speed_inline(const iqfoc_exact_law_t *law, iq24_t turns)
+static inline iqfoc_exact_t iqfoc_exact_at_speed_inline(const iqfoc_exact_law_t *law, iq24_t speed)
 {
-    const int32_t x_q32 = turns * 256;
+    const int32_t x_q32 = speed * 256;
     const int32_t w_q32 = iq24_shift_wrap(IQ24_MUL64(x_q32, x_q32), 30);
     const int32_t *r = law->real_q25;
     const int32_t *i = law->imag_q25;
@@ -127,9 +127,9 @@ static inline iqfoc_exact_t iqfoc_exact_at_speed_inline(const iqfoc_exact_law_t 
     imag = iq24_mac_high_round(i[1], imag, w_q32);
     real = iq24_mac_high_round(r[0], real, w_q32);
     imag = iq24_mac_high_round(i[0], imag, w_q32);
-    const int64_t half = (INT64_C(1) << 22) + iq24_asr32(turns, 31);
+    const int64_t half = (INT64_C(1) << 22) + iq24_asr32(speed, 31);
     const iqfoc_exact_t exact = {law->stays_q26, law->k_u_q26,
-                                 iq24_shift_wrap(IQ24_MAC64(half, turns, real), 23),
+                                 iq24_shift_wrap(IQ24_MAC64(half, speed, real), 23),
                                  iq24_mul_shift(w_q32, imag, 31)};
     return exact;
 }

@@ -80,12 +80,12 @@ typedef struct iqfoc_salient {
 /*
  * The coefficients at a speed, for the end of a span and for the mean over it. Either may be NULL.
  *
- * turns: IQ24 turns per whole control cycle whatever the span, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one
+ * speed: IQ24 turns per whole control cycle whatever the span, |speed| <= IQFOC_ROTOR_SPEED_MAX; a larger one
  * is taken as that limit. span: IQ24 share of a control cycle, 0 < span <= 1. machine: within the ranges
  * above. For a slower task: 1500 instructions on a Cortex-M4 at low speed, 3400 at most (docs/bench.md).
  * Error: within that of iqfoc_salient_step.
  */
-void iqfoc_salient_at_speed(const iqfoc_salient_machine_t *machine, iq24_t turns, iq24_t span,
+void iqfoc_salient_at_speed(const iqfoc_salient_machine_t *machine, iq24_t speed, iq24_t span,
                             iqfoc_salient_t *end, iqfoc_salient_t *mean);
 
 /* One component; see iqfoc_salient_step. */

@@ -65,7 +65,7 @@ typedef struct iqfoc_pulse_mode {
     const iqfoc_pulse_config_t *config;
     int32_t level;          /* that acts: 0 ... levels - 1 */
     int32_t wanted;         /* the same, or one next to it during a hand-over */
-    iq24_t turns;           /* of the last step, held to +-1/8 */
+    iq24_t speed;           /* of the last step, held to +-1/8 */
     iq24_t waited;          /* movement since a hand-over from or to the carrier began: turns, 0 ... 3 */
     iq24_acc_t nearest_q48; /* square of the least distance since then */
 } iqfoc_pulse_mode_t;
@@ -81,10 +81,10 @@ iqfoc_error_t iqfoc_pulse_mode_init(iqfoc_pulse_mode_t *mode, const iqfoc_pulse_
  * At each valley, ahead of the other functions: the wanted level. It starts and ends a change between tables, by
  * iqfoc_pattern_control_change. Exact.
  *
- * turns: the rotor's movement in a control cycle of the patterns, any. index: of the voltage that the drive needs without weakening, any;
+ * speed: the rotor's movement in a control cycle of the patterns, any. index: of the voltage that the drive needs without weakening, any;
  * not used if no level has index_on.
  */
-void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *control, iq24_t turns,
+void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *control, iq24_t speed,
                            iq24_t index);
 
 /*

@@ -16,14 +16,14 @@ extern "C" {
 typedef struct iqfoc_sample {
     iqfoc_abc_t i; /* phase currents, per unit, into the motor; the port's scaling keeps each within +-15.9 */
     iqfoc_abc_t
-        i_mean;    /* valley only: means of the phase currents over the cycle that ends; read if has_mean */
-    iq24_t theta;  /* electrical angle at the sampling instant, turns */
-    iq24_t turns;  /* electrical speed, turns per control cycle */
-    iq24_t u_dc;   /* DC-link voltage, per unit of nominal */
-    iq24_t at;     /* the sampling instant, cycles after the valley: 0 there, 0.5 at the peak; -0.25 ... 1 */
-    uint32_t time; /* the port's timer at the sampling instant, ticks; wraps */
-    bool has_mean; /* valley only: i_mean is valid (oversampling); otherwise the peak's sample is used */
-    bool clipped;  /* a converter was at the end of its range */
+        i_mean;     /* valley only: means of the phase currents over the cycle that ends; read if has_mean */
+    iq24_t theta;   /* electrical angle at the sampling instant, turns */
+    iq24_t speed;   /* electrical speed, turns per control cycle */
+    iq24_t u_dc;    /* DC-link voltage, per unit of nominal */
+    iq24_t instant; /* the sampling instant, cycles after the valley: 0 there, 0.5 at the peak; -0.25 ... 1 */
+    uint32_t time;  /* the port's timer at the sampling instant, ticks; wraps */
+    bool has_mean;  /* valley only: i_mean is valid (oversampling); otherwise the peak's sample is used */
+    bool clipped;   /* a converter was at the end of its range */
 } iqfoc_sample_t;
 
 /* The inverter's state from the next valley on. */

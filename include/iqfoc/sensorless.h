@@ -3,7 +3,7 @@
  * start or from the observer, and changes between them without a step of the torque. docs/sensorless.md is the guide.
  *
  *     IQFOC_ANGLE_MEASURED  the sample's own angle and speed; the observer runs next to them
- *     IQFOC_ANGLE_START     start.h aligns and turns the rotor. From turns_min of the observer on, the observer seeks.
+ *     IQFOC_ANGLE_START     start.h aligns and turns the rotor. From speed_min of the observer on, the observer seeks.
  *                           In the stage OPEN_LOOP, once the observer is locked, the source becomes OBSERVED
  *     IQFOC_ANGLE_CATCH     the machine turns at an unknown angle: the cycle controls the current to 0 in the stationary
  *                           frame, while the observer seeks. Once it is locked, the source becomes OBSERVED. The
@@ -93,16 +93,16 @@ iqfoc_error_t iqfoc_sensorless_init(iqfoc_sensorless_t *sensorless, const iqfoc_
                                     const iqfoc_start_config_t *start, const iqfoc_extension_t *acting);
 
 /*
- * From standstill: begins the start at its first stage. |turns_end| must exceed turns_min of the observer; otherwise
+ * From standstill: begins the start at its first stage. |speed_end| must exceed speed_min of the observer; otherwise
  * the drive stays in OPEN_LOOP. The start writes i_ref until the source is OBSERVED.
  */
 void iqfoc_sensorless_start(iqfoc_sensorless_t *sensorless);
 
 /*
- * A machine that turns, at any angle. turns: its speed, of the right sign and within +-50 %; held to
- * IQFOC_ROTOR_TURNS_MAX. Enable the drive after it.
+ * A machine that turns, at any angle. speed: its speed, of the right sign and within +-50 %; held to
+ * IQFOC_ROTOR_SPEED_MAX. Enable the drive after it.
  */
-void iqfoc_sensorless_catch(iqfoc_sensorless_t *sensorless, iq24_t turns);
+void iqfoc_sensorless_catch(iqfoc_sensorless_t *sensorless, iq24_t speed);
 
 /*
  * Asks for the sensor's angle or the observer's: from the next valley on, or from the first one at which the observer is

@@ -63,10 +63,10 @@ iqfoc_error_t iqfoc_speed_control_init(iqfoc_speed_control_t *control,
                                        const iqfoc_speed_control_config_t *config);
 
 /*
- * Takes a drive over that turns and carries a current: the set-point begins at `turns` and the integral at i_q. turns: electrical speed in
+ * Takes a drive over that turns and carries a current: the set-point begins at `speed` and the integral at i_q. speed: electrical speed in
  * turns per cycle, held to +-1/3. i_q: per unit, held to +-i_max. The next call of iqfoc_speed_control_step makes a step.
  */
-void iqfoc_speed_control_start(iqfoc_speed_control_t *control, iq24_t turns, iq24_t i_q);
+void iqfoc_speed_control_start(iqfoc_speed_control_t *control, iq24_t speed, iq24_t i_q);
 
 /*
  * Once a cycle. Out: i_q, per unit, of the last step; it changes every config->cycles calls.
@@ -80,7 +80,7 @@ void iqfoc_speed_control_start(iqfoc_speed_control_t *control, iq24_t turns, iq2
  * Range: |e| is below 2^31 in Q32 and kp below 2^31 in Q16: |kp e| is below 2^62 with 48 fractional bits, and I and i_ramp below 2^52. |I| stays
  * within 8 per unit: it is a mean of itself and of i_q - i_ramp, with weights from 0 to 1.
  */
-iq24_t iqfoc_speed_control_step(iqfoc_speed_control_t *control, iq24_t target, iq24_t turns, iq24_t limit);
+iq24_t iqfoc_speed_control_step(iqfoc_speed_control_t *control, iq24_t target, iq24_t speed, iq24_t limit);
 
 /* ---- The formulas in double, with limits, and an initialiser (params.h has the bases). ---- */
 /* a: turns per cycle^2 for 1 per unit of i_q. */

@@ -4,7 +4,7 @@
  *
  *     RAISE  the current rises at a quarter turn        HOLD   and is constant there
  *     TURN   its angle goes back to 0                   SETTLE and is constant there: the rotor's d axis is on phase A
- *     RUN_UP the angle turns faster and faster          OPEN_LOOP and then with turns_end
+ *     RUN_UP the angle turns faster and faster          OPEN_LOOP and then with speed_end
  *
  * With a single angle a rotor opposite to it would not move, because it has no torque. Coming from a quarter turn it
  * does. A sensor's travel between the two angles also shows whether it counts in the right direction, with the right
@@ -15,7 +15,7 @@
  *
  *     iqfoc_start_step(&start, sensor_theta);
  *     cycle.i_ref = start.i_ref;
- *     sample.theta = iqfoc_start_theta(&start, sample.at);  sample.turns = start.turns;
+ *     sample.theta = iqfoc_start_theta(&start, sample.instant);  sample.speed = start.speed;
  *
  * The current must be large enough for the load, and each stage long compared with the shaft's oscillation. A
  * friction of x times the torque at a quarter turn leaves an alignment error of asin(x).
@@ -36,8 +36,8 @@ typedef struct iqfoc_start_config {
     iq24_t i_align;         /* per unit, 0 < x <= 16 */
     uint32_t ramp_cycles;   /* duration of RAISE, and of TURN: 1 ... 2^24 */
     uint32_t hold_cycles;   /* duration of HOLD, and of SETTLE: 1 ... 2^24 */
-    iq24_t turns_end;       /* speed of OPEN_LOOP, |x| <= 1/3 turn per cycle; 0: alignment only */
-    uint32_t run_up_cycles; /* duration of RUN_UP: 1 ... 2^24; any if turns_end is 0 */
+    iq24_t speed_end;       /* speed of OPEN_LOOP, |x| <= 1/3 turn per cycle; 0: alignment only */
+    uint32_t run_up_cycles; /* duration of RUN_UP: 1 ... 2^24; any if speed_end is 0 */
 } iqfoc_start_config_t;
 
 typedef enum iqfoc_start_stage {
@@ -47,7 +47,7 @@ typedef enum iqfoc_start_stage {
     IQFOC_START_SETTLE,
     IQFOC_START_RUN_UP,
     IQFOC_START_OPEN_LOOP,
-    IQFOC_START_ALIGNED /* turns_end is 0: the angle stays 0 */
+    IQFOC_START_ALIGNED /* speed_end is 0: the angle stays 0 */
 } iqfoc_start_stage_t;
 
 /* Verdict on the sensor's travel between the two alignments, to 1/16 turn. */
@@ -66,7 +66,7 @@ typedef struct iqfoc_start {
     iqfoc_start_verdict_t verdict;
     uint32_t done;        /* cycles of this stage that have passed */
     iq24_t theta;         /* electrical angle for this cycle's valley, turns */
-    iq24_t turns;         /* and its speed, turns per cycle */
+    iq24_t speed;         /* and its speed, turns per cycle */
     iqfoc_dq_t i_ref;     /* current in the frame of that angle, per unit */
     iq24_t sensor_before; /* the sensor's angle at a quarter turn */
     iq24_t sensor_zero;   /* the sensor's angle at 0: from SETTLE's end on the sensor's offset, turns */
@@ -86,13 +86,13 @@ iqfoc_error_t iqfoc_start_init(iqfoc_start_t *start, const iqfoc_start_config_t 
 void iqfoc_start_step(iqfoc_start_t *start, iq24_t sensor_theta);
 
 /*
- * The angle `at` cycles after the valley, -1 ... 1: turns. Error 0.5 LSB.
+ * The angle `instant` cycles after the valley, -1 ... 1: turns. Error 0.5 LSB.
  *
  * Range: |turns at| <= 1/3; the sum wraps by whole turns.
  */
-static inline iq24_t iqfoc_start_theta(const iqfoc_start_t *start, iq24_t at)
+static inline iq24_t iqfoc_start_theta(const iqfoc_start_t *start, iq24_t instant)
 {
-    return iq24_add_wrap(start->theta, iq24_mul_round(start->turns, at));
+    return iq24_add_wrap(start->theta, iq24_mul_round(start->speed, instant));
 }
 
 /*

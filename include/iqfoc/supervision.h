@@ -57,12 +57,12 @@ iqfoc_error_t iqfoc_supervision_init(iqfoc_supervision_t *supervision,
 void iqfoc_supervision_clear(iqfoc_supervision_t *supervision);
 
 /*
- * Once a cycle. i: the phase currents, per unit, any; turns: the speed, turns per cycle, |turns| <= 1; running: the
+ * Once a cycle. i: the phase currents, per unit, any; turns: the speed, turns per cycle, |speed| <= 1; running: the
  * gates are on. While they are off nothing is judged, and the window restarts. Returns the sticky bits.
  *
  * A window that the rotor does not turn through within 2^24 cycles restarts.
  */
-uint32_t iqfoc_supervision_step(iqfoc_supervision_t *supervision, iqfoc_abc_t i, iq24_t turns, bool running);
+uint32_t iqfoc_supervision_step(iqfoc_supervision_t *supervision, iqfoc_abc_t i, iq24_t speed, bool running);
 
 #ifdef __cplusplus
 }

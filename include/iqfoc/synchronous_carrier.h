@@ -3,14 +3,14 @@
  * are at fixed angles. For drives with fewer than some 20 carrier periods per turn, where a fixed carrier makes subharmonics. If the
  * number is a multiple of three, the phases are alike; if it is odd, there are no even harmonics with a symmetric carrier.
  *
- *     speed = turns period_ticks/ticks          the level changes by this alone: up at `on`, down below `off`
- *     e     = N (angle + turns) - phase         at the next valley: carrier periods, -1/2 ... 1/2, in the direction of rotation
- *     next  = ticks (1 - c)/(N |turns|)         c = gain e, held to +-share_max
+ *     speed = |movement| period_ticks/ticks          the level changes by this alone: up at `on`, down below `off`
+ *     e     = N (angle + movement) - phase         at the next valley: carrier periods, -1/2 ... 1/2, in the direction of rotation
+ *     next  = ticks (1 - c)/(N |movement|)         c = gain e, held to +-share_max
  *
  * `ticks` is the length of the cycle that begins, and `next` that of the cycle after it. With gain 1 and c within its limit, the valley
  * after the next one is at its angle. An error of the speed or a rounded length is an error e of the next call.
  *
- *     ticks = iqfoc_synchronous_carrier_step(&carrier, angle, sample.turns);     in the valley's interrupt, ahead of the handler
+ *     ticks = iqfoc_synchronous_carrier_step(&carrier, angle, sample.speed);     in the valley's interrupt, ahead of the handler
  *     iqfoc_synchronous_carrier_set(&base, ticks, &set[n]);                      n = 0, 1, 2, 0, ...
  *     iqfoc_cycle_offer(&cycle, &set[n]);                                        in force from the next valley on
  *     iqfoc_cycle_valley(&cycle, &sample, now);
@@ -79,15 +79,15 @@ iqfoc_error_t iqfoc_synchronous_carrier_init(iqfoc_synchronous_carrier_t *carrie
  * Once a cycle, in the valley's interrupt. Returns the length of the cycle that begins at the next valley, ticks.
  *
  * angle: at this valley, turns, any (the low 24 bits count): of the rotor, or of the voltage, which then has the same shape in each
- * turn. turns: its movement in the cycle that begins now, held to +-1/3 (IQFOC_ROTOR_TURNS_MAX). The level moves by one level a call.
+ * turn. movement: of that angle in the cycle that begins now, held to +-1/3 (IQFOC_ROTOR_SPEED_MAX). The level moves by one level a call.
  *
  * Largest error of 400000 drawn, against the lines above in double: e none; the length 0.5 ticks, and 2^-25 of `ticks`, and 2^-24 of
  * itself.
  *
- * Range: N and the angle are below 99 and 1 turn: 99 2^24 is below 2^31. N |turns| is at most 33. The quotient saturates at 128; with a
+ * Range: N and the angle are below 99 and 1 turn: 99 2^24 is below 2^31. N |movement| is at most 33. The quotient saturates at 128; with a
  * length below 2^24 ticks the product is below 2^55.
  */
-uint32_t iqfoc_synchronous_carrier_step(iqfoc_synchronous_carrier_t *carrier, iq24_t angle, iq24_t turns);
+uint32_t iqfoc_synchronous_carrier_step(iqfoc_synchronous_carrier_t *carrier, iq24_t angle, iq24_t movement);
 
 /*
  * The set of parameters for a period of `ticks`, from a set for another period.

@@ -2,9 +2,9 @@
  * Observer of angle and speed: from an angle that is measured once a cycle it gives angle and speed at any instant.
  * The model is a shaft with constant acceleration.
  *
- *     theta += turns + acceleration/2,   turns += acceleration                          one cycle on
- *     e = measured - (theta + at turns)                                                 -1/2 ... 1/2 turn
- *     theta += k1 e,   turns += k2 e,   acceleration += k3 e
+ *     theta += speed + acceleration/2,   speed += acceleration                          one cycle on
+ *     e = measured - (theta + instant speed)                                            -1/2 ... 1/2 turn
+ *     theta += k1 e,   speed += k2 e,   acceleration += k3 e
  *
  * IQFOC_TRACKER_GAINS puts all three poles at one place p. It filters noise and quantisation with that bandwidth, and
  * neither a constant speed nor a constant acceleration leaves an error. With k3 = 0 (IQFOC_TRACKER_GAINS_2) an
@@ -58,7 +58,7 @@ typedef struct iqfoc_tracker_config {
 typedef struct iqfoc_tracker {
     const iqfoc_tracker_config_t *config;
     int32_t theta_q32;        /* at the last valley */
-    int32_t turns_q32;        /* per cycle */
+    int32_t speed_q32;        /* per cycle */
     int32_t acceleration_q32; /* per cycle^2 */
     iq24_t error;             /* e of the last step with a measurement */
     uint32_t missing;         /* missing measurements in a row */
@@ -74,29 +74,32 @@ void iqfoc_tracker_restart(iqfoc_tracker_t *tracker);
 
 /*
  * Once a cycle, in its valley's interrupt. theta: the measured electrical angle, turns, with any number of whole
- * turns; at: when it was measured, cycles after this valley, -1 ... 1 (0: with the currents); valid: false if nothing
+ * turns; instant: when it was measured, cycles after this valley, -1 ... 1 (0: with the currents); valid: false if nothing
  * was measured. The speed is held to +-1/3 turn per cycle, as everywhere.
  *
  * Largest error of one step against double arithmetic, of 400000 drawn: 2 units of 2^-32 turns each; exact
  * in the measurement. An e below 2^-33/k3 turns does not move the acceleration any more: 10 LSB at 1/18 of
  * 1/T in bandwidth.
  */
-void iqfoc_tracker_step(iqfoc_tracker_t *tracker, iq24_t theta, iq24_t at, bool valid);
+void iqfoc_tracker_step(iqfoc_tracker_t *tracker, iq24_t theta, iq24_t instant, bool valid);
 
 /*
- * The electrical angle `at` cycles after the last valley, -8 ... 8: turns, -1/2 <= theta < 1/2. Largest
+ * The electrical angle `instant` cycles after the last valley, -8 ... 8: turns, -1/2 <= theta < 1/2. Largest
  * error 1 LSB of the tracker's own.
  */
-static inline iq24_t iqfoc_tracker_theta(const iqfoc_tracker_t *tracker, iq24_t at)
+static inline iq24_t iqfoc_tracker_theta(const iqfoc_tracker_t *tracker, iq24_t instant)
 {
-    return iqfoc_rotor_theta_of_q32(tracker->theta_q32, tracker->turns_q32, at);
+    return iqfoc_rotor_theta_of_q32(tracker->theta_q32, tracker->speed_q32, instant);
 }
 
-/* The filtered speed, turns per cycle: |turns| <= IQFOC_ROTOR_TURNS_MAX. Error 0.5 LSB of the tracker's own. */
-static inline iq24_t iqfoc_tracker_turns(const iqfoc_tracker_t *tracker)
+/* The filtered speed, turns per cycle: |speed| <= IQFOC_ROTOR_SPEED_MAX. Error 0.5 LSB of the tracker's own. */
+static inline iq24_t iqfoc_tracker_speed(const iqfoc_tracker_t *tracker)
 {
-    return iqfoc_rotor_turns_of_q32(tracker->turns_q32);
+    return iqfoc_rotor_speed_of_q32(tracker->speed_q32);
 }
+
+/* Deprecated name of version 0.1. The next version has only the name above. */
+#define iqfoc_tracker_turns iqfoc_tracker_speed
 
 #ifdef __cplusplus
 }

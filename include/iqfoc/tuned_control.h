@@ -29,7 +29,7 @@
  * iqfoc_tuned_ripple the true mean settles at the reference.
  *
  *     static const iqfoc_tuned_law_t law = IQFOC_TUNED_LAW;           the header of `iqfoc tune`
- *     tuned = iqfoc_tuned_at_speed(&law, turns);                       when the speed changes: a slower task
+ *     tuned = iqfoc_tuned_at_speed(&law, speed);                       when the speed changes: a slower task
  *     iqfoc_tuned_ripple(&state, iqfoc_ripple_seen(...));              at each valley: of the cycle that ends
  *     u = iqfoc_tuned_step(&state, &tuned, i, u_now, i_ref, theta);    at each valley, acts from the next one
  *     iqfoc_tuned_peak(&state, i, theta);                              at each peak
@@ -69,7 +69,7 @@ typedef struct iqfoc_tuned {
     iqfoc_valley_reference_t reference;
     iq24_t
         bow; /* correction coefficient: (mean of a cycle - mean of its ends)/(middle - mean of its ends), 0.63 ... 2/3 */
-    iq24_t turns;
+    iq24_t speed;
     iq24_t follow;
     iq24_t learn;
     iq24_t learn_offset;
@@ -100,12 +100,12 @@ typedef struct iqfoc_tuned_state {
 /*
  * The law at a speed.
  *
- * turns: IQ24 turns per control cycle, |turns| <= IQFOC_ROTOR_TURNS_MAX; a larger one is taken as that limit. Largest
+ * speed: IQ24 turns per control cycle, |speed| <= IQFOC_ROTOR_SPEED_MAX; a larger one is taken as that limit. Largest
  * error: keep_cos and keep_sin 1.1 LSB; of 100000 drawn: of G^-1 1e-7 of its largest entry and 1 LSB (a share as
  * small as the sensors' noise by far), bow 20 LSB. For a slower task: iqfoc_salient_at_speed and four divisions. Copy
  * the result where the valley's interrupt cannot come between.
  */
-iqfoc_tuned_t iqfoc_tuned_at_speed(const iqfoc_tuned_law_t *law, iq24_t turns);
+iqfoc_tuned_t iqfoc_tuned_at_speed(const iqfoc_tuned_law_t *law, iq24_t speed);
 
 /*
  * One control cycle, in its valley's interrupt: the voltage for the cycle after the one that begins now.

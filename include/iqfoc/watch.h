@@ -113,7 +113,7 @@ typedef struct iqfoc_watch {
     iq24_t u[2];
     int16_t count;                          /* cycles in the block */
     int16_t naming;                         /* blocks left until the group is named; 0: no alarm */
-    iq24_t turns;                           /* at the last block's end */
+    iq24_t speed;                           /* at the last block's end */
     iq24_t theta;                           /* there as well */
     iq24_t mechanical;                      /* angle of the shaft there, from the reset on */
     int32_t up_q16[IQFOC_WATCH_SIGNATURES]; /* the detectors */
@@ -258,7 +258,7 @@ static inline bool iqfoc_watch_step(iqfoc_watch_t *watch, iqfoc_ab_t off, iqfoc_
 
 /*
  * A complete block: detectors, alarm and name. Returns true once, when a group has just been named; watch->naming is
- * above 0 from the alarm until then. turns, theta: speed and angle at this valley, |turns| <= IQFOC_ROTOR_TURNS_MAX
+ * above 0 from the alarm until then. turns, theta: speed and angle at this valley, |speed| <= IQFOC_ROTOR_SPEED_MAX
  * (held to it). The speed is assumed to change evenly through the block. The first block after a reset is not judged.
  * Call it in the valley's interrupt, or in a task that the next step cannot interrupt.
  *
@@ -267,7 +267,7 @@ static inline bool iqfoc_watch_step(iqfoc_watch_t *watch, iqfoc_ab_t off, iqfoc_
  * legs near zero current has no model. Some 3600 instructions on a Cortex-M4, up to a quarter more with an initial uncertainty;
  * the step takes 49. After a name nothing changes until iqfoc_watch_reset.
  */
-bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t turns, iq24_t theta);
+bool iqfoc_watch_block(iqfoc_watch_t *watch, const iqfoc_watch_config_t *config, iq24_t speed, iq24_t theta);
 
 #ifdef __cplusplus
 }

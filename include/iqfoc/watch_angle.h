@@ -53,7 +53,7 @@ typedef enum iqfoc_watch_angle_fault {
 /* IQ24. Limits and alarms: 2^-22 ... 1/2 electrical turn. */
 typedef struct iqfoc_watch_angle_config {
     int32_t pole_pairs; /* 1 ... 64 */
-    iq24_t turns_min;   /* speed in turns per cycle, above 0, up to IQFOC_ROTOR_TURNS_MAX: not judged below */
+    iq24_t speed_min;   /* speed in turns per cycle, above 0, up to IQFOC_ROTOR_SPEED_MAX: not judged below */
     iq24_t mean_limit;
     iq24_t mean_alarm;
     iq24_t swing_limit; /* of c and s */
@@ -63,11 +63,11 @@ typedef struct iqfoc_watch_angle_config {
 /*
  * bias_turns: largest |mean error| of the observer over the drive's speeds, currents, accelerations and parameter errors, and swing_turns
  * its largest error once per mechanical revolution, both in electrical turns (docs/sensorless.md has the errors). noise_turns: rms of the
- * observed angle. turns_min: that of the observer or more.
+ * observed angle. speed_min: that of the observer or more.
  */
-#define IQFOC_WATCH_ANGLE_CONFIG(pole_pairs, turns_min, bias_turns, swing_turns, noise_turns)                \
+#define IQFOC_WATCH_ANGLE_CONFIG(pole_pairs, speed_min, bias_turns, swing_turns, noise_turns)                \
     {                                                                                                        \
-        pole_pairs, turns_min, IQ24(1.5 * (bias_turns)),                                                     \
+        pole_pairs, speed_min, IQ24(1.5 * (bias_turns)),                                                     \
             IQ24(20.66 * (noise_turns) * (noise_turns) / (bias_turns)), IQ24(1.5 * (swing_turns)),           \
             IQ24(33.5 * (noise_turns) * (noise_turns) / (swing_turns))                                       \
     }
@@ -104,7 +104,7 @@ void iqfoc_watch_angle_reset(iqfoc_watch_angle_t *watch);
 
 /*
  * Call it after each iqfoc_sensorless_valley, in the same context. True in the cycle in which a fault gets its name; after that only a
- * reset starts the watch. A cycle does not count if the observer is not locked, its speed is below turns_min, the gates were off, or a
+ * reset starts the watch. A cycle does not count if the observer is not locked, its speed is below speed_min, the gates were off, or a
  * revolution takes more than 32767 cycles. Then the next block starts 4 electrical turns later, when the observer's start has decayed.
  *
  * Largest error of a block of n cycles, of 4000 drawn with |difference - base| <= 1/8: mean 0.6 LSB + 256/n LSB, c and s 4 LSB + 256/n

@@ -23,7 +23,7 @@ void hal_c2000_set_offset(iqfoc_hal_t *hal, iqfoc_abc_t offset)
 void hal_c2000_align(iqfoc_hal_t *hal, iq24_t theta)
 {
     const uint32_t count = hal->counts[(hal->next + HAL_SPEED_SPAN - 1) % HAL_SPEED_SPAN];
-    hal->theta_offset = iq24_sub_wrap(theta, hal_c2000_turns_of(hal, (int32_t)count));
+    hal->theta_offset = iq24_sub_wrap(theta, hal_c2000_speed_of(hal, (int32_t)count));
 }
 
 uint32_t iqfoc_hal_now(iqfoc_hal_t *hal)

@@ -32,7 +32,7 @@ struct iqfoc_hal {
     uint32_t counts[HAL_SPEED_SPAN];
     uint32_t next;       /* where in `counts` the next valley's count goes */
     uint32_t seen;       /* how many are there, up to HAL_SPEED_SPAN */
-    iq24_t turns;        /* electrical speed, turns per control cycle */
+    iq24_t speed;        /* electrical speed, turns per control cycle */
     iq24_t theta_offset; /* electrical angle at encoder count 0, turns: the board's until hal_c2000_align */
     iqfoc_abc_t i_zero;  /* subtracted from the currents: 0 until hal_c2000_set_offset */
     bool released;       /* the last command let the outputs on */

@@ -70,7 +70,7 @@ static inline int32_t hal_c2000_counts_between(uint32_t from, uint32_t to, uint3
 }
 
 /* Range: |counts| <= 2^16 and turns_per_count <= 2^46/4 keep the product below 2^61. */
-static inline iq24_t hal_c2000_turns_of(const iqfoc_hal_t *hal, int32_t counts)
+static inline iq24_t hal_c2000_speed_of(const iqfoc_hal_t *hal, int32_t counts)
 {
     return iq24_wrap(iq24_asr64((int64_t)counts * (int64_t)hal->turns_per_count, 16));
 }
@@ -83,7 +83,7 @@ static inline void hal_c2000_speed_follow(iqfoc_hal_t *hal, uint32_t count)
     uint32_t *const oldest = &hal->counts[hal->next];
     if (hal->seen == HAL_SPEED_SPAN) {
         const int32_t moved = hal_c2000_counts_between(*oldest, count, hal->board->counts_per_turn);
-        hal->turns = hal_c2000_turns_of(hal, moved) / HAL_SPEED_SPAN;
+        hal->speed = hal_c2000_speed_of(hal, moved) / HAL_SPEED_SPAN;
     } else {
         hal->seen++;
     }
@@ -109,14 +109,14 @@ static inline void hal_c2000_sample_fill(iqfoc_hal_t *hal, iqfoc_sample_t *sampl
     const int32_t count_u = (int32_t)c2000_read(chip->adc_result[0] + ADC_RESULT(first + 1));
     const int32_t count_b = (int32_t)c2000_read(chip->adc_result[1] + ADC_RESULT(first));
     const iq24_t since = (iq24_t)elapsed * hal->cycles_per_tick;
-    const iq24_t theta = iq24_add_wrap(hal_c2000_turns_of(hal, (int32_t)encoder), hal->theta_offset);
+    const iq24_t theta = iq24_add_wrap(hal_c2000_speed_of(hal, (int32_t)encoder), hal->theta_offset);
     sample->i.a = (count_a - board->i_offset_a) * board->i_per_count - hal->i_zero.a;
     sample->i.b = (count_b - board->i_offset_b) * board->i_per_count - hal->i_zero.b;
     sample->i.c = -(sample->i.a + sample->i.b);
     sample->has_mean = false;
     sample->u_dc = count_u * board->u_dc_per_count;
-    sample->turns = hal->turns;
-    sample->theta = iq24_sub_wrap(theta, iq24_mul_round(hal->turns, since));
+    sample->speed = hal->speed;
+    sample->theta = iq24_sub_wrap(theta, iq24_mul_round(hal->speed, since));
     sample->time = now - elapsed * chip->family->clocks_per_tick;
     sample->clipped = hal_c2000_near_an_end(count_a) || hal_c2000_near_an_end(count_b);
 }
@@ -127,7 +127,7 @@ static inline void hal_c2000_read_valley(iqfoc_hal_t *hal, iqfoc_sample_t *sampl
     const uint32_t elapsed = hal_c2000_since_valley(hal);
     const uint32_t encoder = c2000_read_long(hal->chip->eqep + EQEP_QPOSCNT);
     hal_c2000_speed_follow(hal, encoder);
-    sample->at = 0;
+    sample->instant = 0;
     hal_c2000_sample_fill(hal, sample, 0, now, elapsed, encoder);
 }
 
@@ -139,7 +139,7 @@ static inline void hal_c2000_read_peak(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
     /* Past the next valley the count starts again. */
     const uint32_t elapsed = after_valley >= half ? after_valley - half : after_valley + half;
     const uint32_t encoder = c2000_read_long(hal->chip->eqep + EQEP_QPOSCNT);
-    sample->at = IQ24_ONE / 2;
+    sample->instant = IQ24_ONE / 2;
     hal_c2000_sample_fill(hal, sample, 2, now, elapsed, encoder);
 }
 

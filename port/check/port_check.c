@@ -164,10 +164,10 @@ static const char *angle_and_speed(port_rig_start *start)
             angle += speeds[way];
         }
         angle -= speeds[way];
-        if (!(fabs(pu(sample.turns) - speeds[way]) <= 0.1 * fabs(speeds[way]))) {
+        if (!(fabs(pu(sample.speed) - speeds[way]) <= 0.1 * fabs(speeds[way]))) {
             return port_check_wrong(
                 "speed reads %.5f turns a cycle, true %.5f: scaling, or A -> B -> C is not positive",
-                pu(sample.turns), speeds[way]);
+                pu(sample.speed), speeds[way]);
         }
         if (!(fabs(remainder(pu(sample.theta) - angle, 1.0)) <= 2.0 * rig->angle_step)) {
             return port_check_wrong(
@@ -183,7 +183,7 @@ static bool ticks_differ(uint32_t from, uint32_t to, double want, uint32_t perio
     return !(fabs((double)((to - from) & UINT32_MAX) - want) <= period / 200.0);
 }
 
-/* `at` and `time` are those of the instant, however late the handler comes. */
+/* `instant` and `time` are those of the instant, however late the handler comes. */
 static const char *sampling_instant(port_rig_start *start)
 {
     const port_rig *rig = start();
@@ -195,8 +195,8 @@ static const char *sampling_instant(port_rig_start *start)
         const iqfoc_sample_t at_valley = valley(rig, late);
         const uint32_t now = iqfoc_hal_now(rig->hal);
         const iqfoc_sample_t at_peak = peak(rig, late);
-        if (at_valley.at != 0 || at_peak.at != (iq24_t)(half * IQ24_ONE)) {
-            return port_check_wrong("`at` of the %s", at_valley.at != 0 ? "valley" : "peak");
+        if (at_valley.instant != 0 || at_peak.instant != (iq24_t)(half * IQ24_ONE)) {
+            return port_check_wrong("`instant` of the %s", at_valley.instant != 0 ? "valley" : "peak");
         }
         if (ticks_differ(at_valley.time, now, late * period, period)) {
             return port_check_wrong("`time` is not that of the valley, but of %.3f cycles after it",

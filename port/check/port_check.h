@@ -40,7 +40,7 @@ typedef struct port_rig {
     uint32_t (*period_ticks)(void); /* of iqfoc_hal_now */
     double current_step_pu;         /* resolution of the converters */
     double angle_step;              /* of the angle sensor, electrical turns */
-    /* The converters are triggered at the valley alone: the peak's sample is the valley's, `at` and all. */
+    /* The converters are triggered at the valley alone: the peak's sample is the valley's, `instant` and all. */
     bool one_trigger;
     uint32_t edges_least; /* least distance of two edges of a leg, ticks; 0: no iqfoc_hal_write_edges */
 } port_rig;

@@ -16,7 +16,7 @@ static uint32_t drawn(uint32_t below)
 static int level_at(const iqfoc_leg_edges_t *leg, uint32_t tick)
 {
     int level = leg->level;
-    for (int k = 0; k < leg->edges && leg->at[k] <= tick; k++) {
+    for (int k = 0; k < leg->edges && leg->instant[k] <= tick; k++) {
         level = -level;
     }
     return level;
@@ -73,13 +73,14 @@ static iqfoc_edges_t drawn_edges(const iqfoc_edges_t *before, uint32_t period, u
     for (int x = 0; x < 3; x++) {
         const iqfoc_leg_edges_t *last = &before->leg[x];
         iqfoc_leg_edges_t *leg = &edges.leg[x];
-        const uint32_t since = last->edges == 0 ? least : before->period_ticks - last->at[last->edges - 1];
+        const uint32_t since =
+            last->edges == 0 ? least : before->period_ticks - last->instant[last->edges - 1];
         const uint32_t first = since < least ? least - since : 0;
         uint32_t at = drawn(3) == 0 ? first : drawn(6) == 0 ? period - 1 : first + drawn(period - first);
         const int most = drawn(4) == 0 ? 0 : drawn(3) == 0 ? IQFOC_PATTERN_EDGES_MAX : 1;
         leg->level = level_at(last, before->period_ticks);
         while (leg->edges < most && at < period) {
-            leg->at[leg->edges++] = at;
+            leg->instant[leg->edges++] = at;
             at += least + (drawn(2) == 0 ? 0 : drawn(period / 4));
         }
     }

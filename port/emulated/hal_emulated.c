@@ -32,8 +32,8 @@ static iq24_t high_share(const iqfoc_leg_edges_t *leg, uint32_t from, uint32_t t
     int32_t level = leg->level;
     uint32_t since = from;
     uint32_t high = 0;
-    for (int32_t k = 0; k < leg->edges && leg->at[k] < to; k++) {
-        const uint32_t at = leg->at[k] > from ? leg->at[k] : from;
+    for (int32_t k = 0; k < leg->edges && leg->instant[k] < to; k++) {
+        const uint32_t at = leg->instant[k] > from ? leg->instant[k] : from;
         high += level > 0 ? at - since : 0;
         since = at;
         level = -level;
@@ -80,11 +80,11 @@ static void instant(iqfoc_hal_t *hal)
         hal->active = hal->shadow;
         begin_edges(hal);
         hal->valley = small_drive_sample(&hal->drive);
-        hal->valley.at = 0;
+        hal->valley.instant = 0;
         hal->valley.time = hal->next_time;
     } else {
         hal->peak = small_drive_sample(&hal->drive);
-        hal->peak.at = IQ24_ONE / 2;
+        hal->peak.instant = IQ24_ONE / 2;
         hal->peak.time = hal->next_time;
     }
     hal->next_is_valley = !hal->next_is_valley;

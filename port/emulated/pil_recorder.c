@@ -58,7 +58,7 @@ int32_t pil_recorder_start(const pil_frame_t *frame, const iqfoc_cycle_t *cycle)
     channel_add(&cycle->i_valley.alpha, IQFOC_RECORDER_I_ALPHA, b.I_mantissa, b.I_shift);
     channel_add(&cycle->i_valley.beta, IQFOC_RECORDER_I_BETA, b.I_mantissa, b.I_shift);
     channel_add(&cycle->theta_valley, IQFOC_RECORDER_THETA_E, TURN_MANTISSA, TURN_SHIFT);
-    channel_add(&cycle->rotor.turns, IQFOC_RECORDER_OMEGA_E, b.omega_mantissa, b.omega_shift);
+    channel_add(&cycle->rotor.speed, IQFOC_RECORDER_OMEGA_E, b.omega_mantissa, b.omega_shift);
     channel_add(&cycle->u_now.alpha, IQFOC_RECORDER_U_ALPHA, b.U_mantissa, b.U_shift);
     channel_add(&cycle->u_now.beta, IQFOC_RECORDER_U_BETA, b.U_mantissa, b.U_shift);
     const iqfoc_recorder_channel_t status = IQFOC_RECORDER_STATUS_CHANNEL(recorder);
@@ -75,7 +75,7 @@ int32_t pil_recorder_at_alarm(const pil_frame_t *frame, const tuned_firmware_t *
     channel_add(&t->sample.i.b, IQFOC_RECORDER_I_B, b.I_mantissa, b.I_shift);
     channel_add(&t->sample.i.c, IQFOC_RECORDER_I_C, b.I_mantissa, b.I_shift);
     channel_add(&t->sample.theta, IQFOC_RECORDER_THETA_E, TURN_MANTISSA, TURN_SHIFT);
-    channel_add(&t->sample.turns, IQFOC_RECORDER_OMEGA_E, b.omega_mantissa, b.omega_shift);
+    channel_add(&t->sample.speed, IQFOC_RECORDER_OMEGA_E, b.omega_mantissa, b.omega_shift);
     channel_add_share(&t->high_now.a, IQFOC_RECORDER_D_A);
     channel_add_share(&t->high_now.b, IQFOC_RECORDER_D_B);
     channel_add_share(&t->high_now.c, IQFOC_RECORDER_D_C);

@@ -198,7 +198,7 @@ static void sample_put(int32_t *d, const iqfoc_sample_t *s)
     d[4] = s->i_mean.b;
     d[5] = s->i_mean.c;
     d[6] = s->theta;
-    d[7] = s->turns;
+    d[7] = s->speed;
     d[8] = s->u_dc;
     d[9] = (int32_t)s->time;
     d[10] = (s->has_mean ? FLAG_HAS_MEAN : 0) | (s->clipped ? FLAG_CLIPPED : 0);
@@ -210,9 +210,9 @@ static iqfoc_sample_t sample_get(const int32_t *d, iq24_t at)
         .i = {d[0], d[1], d[2]},
         .i_mean = {d[3], d[4], d[5]},
         .theta = d[6],
-        .turns = d[7],
+        .speed = d[7],
         .u_dc = d[8],
-        .at = at,
+        .instant = at,
         .time = (uint32_t)d[9],
         .has_mean = (d[10] & FLAG_HAS_MEAN) != 0,
         .clipped = (d[10] & FLAG_CLIPPED) != 0,

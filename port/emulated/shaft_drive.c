@@ -26,19 +26,19 @@ void small_drive_start(small_drive_t *drive)
 void small_drive_begin_cycle(small_drive_t *drive)
 {
     const iq24_t i_q = iqfoc_park(drive->i, iq24_sincos(drive->theta)).q;
-    const iq24_t torque = i_q - iq24_mul_round(FRICTION, drive->turns);
+    const iq24_t torque = i_q - iq24_mul_round(FRICTION, drive->speed);
     drive->cycle++;
-    drive->turns += iq24_mul_high_round(torque, ACCELERATION_Q32);
+    drive->speed += iq24_mul_high_round(torque, ACCELERATION_Q32);
 }
 
 void small_drive_advance_half(small_drive_t *drive, const iqfoc_command_t *command)
 {
-    const iqfoc_exact_t exact = iqfoc_exact_at_speed(&law, drive->turns);
-    const iq24_sincos_t middle = iq24_sincos(drive->theta + drive->turns / 4);
+    const iqfoc_exact_t exact = iqfoc_exact_at_speed(&law, drive->speed);
+    const iq24_sincos_t middle = iq24_sincos(drive->theta + drive->speed / 4);
     const iqfoc_ab_t none = {0, 0};
     /* Gates off: as in small_drive.c. */
     drive->i = command->gates
                    ? iqfoc_exact_step(&exact, drive->i, iqfoc_clarke3(command->duties.high), middle)
                    : none;
-    drive->theta = iq24_wrap(((int64_t)drive->theta + drive->turns / 2) & (IQ24_ONE - 1));
+    drive->theta = iq24_wrap(((int64_t)drive->theta + drive->speed / 2) & (IQ24_ONE - 1));
 }

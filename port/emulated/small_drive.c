@@ -56,7 +56,7 @@ static iq24_t planned_speed(uint32_t cycle)
 void small_drive_begin_cycle(small_drive_t *drive)
 {
     drive->cycle++;
-    drive->turns = planned_speed(drive->cycle);
+    drive->speed = planned_speed(drive->cycle);
 }
 
 iqfoc_dq_t small_drive_reference(uint32_t cycle)
@@ -69,7 +69,7 @@ iqfoc_dq_t small_drive_reference(uint32_t cycle)
 
 void small_drive_advance_half(small_drive_t *drive, const iqfoc_command_t *command)
 {
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(drive->turns / 2);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(drive->speed / 2);
     const iqfoc_ab_t none = {0, 0};
     /* Gates off: the diodes are not modelled, the current is simply gone. */
     if (command->gates) {
@@ -78,5 +78,5 @@ void small_drive_advance_half(small_drive_t *drive, const iqfoc_command_t *comma
     } else {
         drive->i = none;
     }
-    drive->theta = iq24_wrap(((int64_t)drive->theta + rotor.turns) & (IQ24_ONE - 1));
+    drive->theta = iq24_wrap(((int64_t)drive->theta + rotor.speed) & (IQ24_ONE - 1));
 }

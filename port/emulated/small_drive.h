@@ -19,7 +19,7 @@ extern const iqfoc_cycle_config_t small_drive_config;
 typedef struct small_drive {
     iqfoc_ab_t i;   /* per unit */
     iq24_t theta;   /* turns */
-    iq24_t turns;   /* electrical speed, turns per control cycle */
+    iq24_t speed;   /* electrical speed, turns per control cycle */
     uint32_t cycle; /* number of the control cycle */
 } small_drive_t;
 
@@ -29,7 +29,7 @@ void small_drive_start(small_drive_t *drive);
 /* Lets half a carrier period pass under the command that the inverter holds. */
 void small_drive_advance_half(small_drive_t *drive, const iqfoc_command_t *command);
 
-/* What the converters give at this instant. `at` and `time` are the caller's to fill in. */
+/* What the converters give at this instant. `instant` and `time` are the caller's to fill in. */
 iqfoc_sample_t small_drive_sample(const small_drive_t *drive);
 
 /*

@@ -17,7 +17,7 @@ iqfoc_sample_t small_drive_sample(const small_drive_t *drive)
     const iqfoc_sample_t sample = {
         .i = {converted(i.a), converted(i.b), converted(i.c)},
         .theta = drive->theta,
-        .turns = drive->turns,
+        .speed = drive->speed,
         .u_dc = IQ24_ONE,
     };
     return sample;

@@ -19,10 +19,10 @@ static void be_watched(tuned_firmware_t *t, const iqfoc_sample_t *sample)
     const iqfoc_ab_t off = iqfoc_park_inverse(t->state.error, sc);
     if (iqfoc_watch_step(&t->watch, off, t->i_start, t->u_start, sc)) {
         if (t->config.adapted != 0) {
-            iqfoc_adapt_block(&t->adapt, &t->config.adapt, &t->watch, &t->config.watch, sample->turns);
+            iqfoc_adapt_block(&t->adapt, &t->config.adapt, &t->watch, &t->config.watch, sample->speed);
             t->law = iqfoc_adapt_law(&t->config.law, &t->adapt);
         }
-        (void)iqfoc_watch_block(&t->watch, &t->config.watch, sample->turns, sample->theta);
+        (void)iqfoc_watch_block(&t->watch, &t->config.watch, sample->speed, sample->theta);
         t->status |= t->watch.naming > 0 ? TUNED_FIRMWARE_ALARM : 0;
     }
     t->i_start = t->state.i;
@@ -32,7 +32,7 @@ static void be_watched(tuned_firmware_t *t, const iqfoc_sample_t *sample)
 /* The legs' losses in the cycle that the duties are for: at its first current. */
 static void compensate(tuned_firmware_t *t, const iqfoc_sample_t *sample, iq24_t u_dc_inverse)
 {
-    const iq24_sincos_t sc_next = iq24_sincos(iq24_add_wrap(sample->theta, sample->turns));
+    const iq24_sincos_t sc_next = iq24_sincos(iq24_add_wrap(sample->theta, sample->speed));
     iqfoc_extension_compensate(&t->config.extension, &t->command.duties,
                                iqfoc_clarke_inverse(iqfoc_park_inverse(t->state.i_next, sc_next)),
                                u_dc_inverse);
@@ -40,13 +40,13 @@ static void compensate(tuned_firmware_t *t, const iqfoc_sample_t *sample, iq24_t
 
 void tuned_firmware_valley(tuned_firmware_t *t, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample)
 {
-    const iqfoc_tuned_t tuned = iqfoc_tuned_at_speed(&t->law, sample->turns);
+    const iqfoc_tuned_t tuned = iqfoc_tuned_at_speed(&t->law, sample->speed);
     const iq24_t u_dc_inverse = iq24_div(IQ24_ONE, sample->u_dc);
     if (t->sample.u_dc > 0) {
         /* Of the cycle that ends here: its duties, the link at its first valley. */
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(sample->turns);
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(sample->speed);
         const iqfoc_ripple_t ripple = iqfoc_ripple_at_speed(&t->law.machine, &rotor);
-        const iq24_t theta_mid = iq24_sub_wrap(sample->theta, iq24_asr32(sample->turns, 1));
+        const iq24_t theta_mid = iq24_sub_wrap(sample->theta, iq24_asr32(sample->speed, 1));
         iqfoc_tuned_ripple(&t->state,
                            iqfoc_ripple_seen(&ripple, t->high_now, t->sample.u_dc, iq24_sincos(theta_mid)));
     }

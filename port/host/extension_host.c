@@ -83,7 +83,7 @@ bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error 
     const iq24_t least = iq24_from_double(least_share * top_speed(m));
     iqfoc_extension_t extension;
     iqfoc_observer_config_t c = {.gain_max = IQ24(0.48),
-                                 .turns_min = iq24_min(least, IQFOC_ROTOR_TURNS_MAX),
+                                 .speed_min = iq24_min(least, IQFOC_ROTOR_SPEED_MAX),
                                  .angle_max = IQ24(0.02),
                                  .lock_cycles = 8,
                                  .lost_cycles = 50,

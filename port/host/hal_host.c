@@ -23,12 +23,12 @@ static iq24_t current(double i_A, const plant_sensors *sensors, const per_unit *
 iqfoc_sample_t hal_host_sample(const plant_samples *readings, const plant_sensors *sensors,
                                const per_unit *base, iq24_t at)
 {
-    iqfoc_sample_t sample = {.at = at};
+    iqfoc_sample_t sample = {.instant = at};
     sample.i.a = current(readings->i_A[0], sensors, base, &sample.clipped);
     sample.i.b = current(readings->i_A[1], sensors, base, &sample.clipped);
     sample.i.c = current(readings->i_A[2], sensors, base, &sample.clipped);
     sample.theta = turns_from_rad(readings->theta_e_rad);
-    sample.turns = turns_from_speed(readings->omega_e_rad_s, base->T_s);
+    sample.speed = turns_from_speed(readings->omega_e_rad_s, base->T_s);
     sample.u_dc = iq24_from_double(readings->u_dc_V / base->U_V);
     /* The timer wraps: whole periods of 2^32 ticks drop out. */
     sample.time = (uint32_t)fmod(nearbyint(readings->t_s * HAL_HOST_TICKS_PER_S), 4294967296.0);

@@ -131,8 +131,8 @@ bool gains_from_motor(const motor *m, double bandwidth_Hz, iqfoc_current_control
 
 static bool speed_fits(const motor *m, error *e)
 {
-    const double turns = IQFOC_RAW_TURNS(m->n_max_rpm, m->pole_pairs, 1.0 / m->f_pwm_Hz);
-    return turns <= IQFOC_MAX_TURNS ||
+    const double turns = IQFOC_RAW_SPEED(m->n_max_rpm, m->pole_pairs, 1.0 / m->f_pwm_Hz);
+    return turns <= IQFOC_MAX_SPEED ||
            motor_refuse(
                m->path, "n_max_rpm", e,
                "n_max_rpm with pole_pairs and f_pwm_Hz gives %.3g turns per control cycle; the library "

@@ -32,7 +32,7 @@ struct iqfoc_hal {
     uint32_t counts[HAL_SPEED_SPAN];
     uint32_t next;                   /* where in `counts` the next valley's count goes */
     uint32_t seen;                   /* how many are there, up to HAL_SPEED_SPAN */
-    iq24_t turns;                    /* electrical speed, turns per control cycle */
+    iq24_t speed;                    /* electrical speed, turns per control cycle */
     struct hal_stm32g4_edges *edges; /* NULL: the plain carrier (hal_stm32g4_edges.h) */
 };
 

@@ -76,13 +76,13 @@ static void write_edge(edge_writer_t *w, uint32_t tick)
 /* An edge on tick 0 is a level at the valley. */
 static void fill_leg(edge_writer_t *w, const iqfoc_leg_edges_t *leg)
 {
-    const int32_t first = leg->edges > 0 && leg->at[0] == 0 ? 1 : 0;
+    const int32_t first = leg->edges > 0 && leg->instant[0] == 0 ? 1 : 0;
     const int32_t level = first == 0 ? leg->level : -leg->level;
     if (level != w->level) {
         write_edge(w, 0);
     }
     for (int32_t k = first; k < leg->edges; k++) {
-        write_edge(w, leg->at[k]);
+        write_edge(w, leg->instant[k]);
     }
 }
 
@@ -217,7 +217,7 @@ static void read_sample(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
     const uint32_t instant = stm32g4_read(&hal->chip->tim2->CCR[0]) + 1;
     const uint32_t now = hal_stm32g4_now(hal);
     const uint32_t encoder = stm32g4_read(&hal->chip->tim4->CNT) & 0xFFFF;
-    if (sample->at == 0) {
+    if (sample->instant == 0) {
         hal_stm32g4_speed_follow(hal, encoder);
     }
     hal_stm32g4_sample_fill(hal, sample, now, now - instant, encoder);
@@ -226,14 +226,14 @@ static void read_sample(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
 void iqfoc_hal_read_valley(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
 {
     hal_stm32g4_edges_follow(hal);
-    sample->at = 0;
+    sample->instant = 0;
     read_sample(hal, sample);
 }
 
 void iqfoc_hal_read_peak(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
 {
     hal_stm32g4_edges_follow(hal);
-    sample->at = IQ24_ONE / 2;
+    sample->instant = IQ24_ONE / 2;
     read_sample(hal, sample);
 }
 

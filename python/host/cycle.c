@@ -20,7 +20,7 @@ struct py_cycle {
     bool timer; /* six-step by a timer */
     iqfoc_six_step_t six;
     iqfoc_six_step_config_t six_config;
-    iq24_t turns; /* of the timer's last sample */
+    iq24_t speed; /* of the timer's last sample */
 };
 
 static bool configure(py_cycle *c, const motor *m, const py_methods *how, error *e)
@@ -78,7 +78,7 @@ static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, 
     if (c->timer) {
         const iqfoc_six_step_command_t next =
             iqfoc_cycle_six_step_switch(&c->six, &c->cycle, sample, sample->time);
-        c->turns = sample->turns;
+        c->speed = sample->speed;
         *answer = drive_answer_of_state(&c->cycle, &next);
         return true;
     }
@@ -128,7 +128,7 @@ bool py_cycle_to_timer(py_cycle *c, const py_sample *sample, const double *gain_
         return error_failure(e, 0, "the library refused the configuration of six-step");
     }
     c->timer = true;
-    c->turns = s.turns;
+    c->speed = s.speed;
     c->firmware.answer = drive_answer_of_state(&c->cycle, &next);
     *command = py_command_of(&c->firmware.answer);
     return true;
@@ -142,7 +142,7 @@ bool py_cycle_to_carrier(py_cycle *c, py_command *command, error *e)
     if (c->methods.control != IQFOC_CONTROL_PI || c->methods.modulation != IQFOC_MODULATION_OVER) {
         return error_input(e, NULL, 0, 0, "six-step goes over to PI control with modulation \"over\" only");
     }
-    iqfoc_cycle_six_step_end(&c->six, &c->cycle, c->turns);
+    iqfoc_cycle_six_step_end(&c->six, &c->cycle, c->speed);
     c->timer = false;
     c->firmware.answer.interval_s = 0.0;
     *command = py_command_of(&c->firmware.answer);

@@ -26,9 +26,9 @@ iqfoc_sample_t py_sample_of(const py_sample *s)
 {
     const iqfoc_sample_t sample = {.i = {s->i[0], s->i[1], s->i[2]},
                                    .theta = s->theta,
-                                   .turns = s->turns,
+                                   .speed = s->speed,
                                    .u_dc = s->u_dc,
-                                   .at = s->at,
+                                   .instant = s->instant,
                                    .time = s->time,
                                    .clipped = s->clipped,
                                    .has_mean = s->has_mean,

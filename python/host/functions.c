@@ -39,11 +39,11 @@ EACH(clarke_inverse, const iqfoc_abc_t x = iqfoc_clarke_inverse(AB(0)); OUT_ABC(
 EACH(park, const iqfoc_dq_t x = iqfoc_park(AB(0), iq24_sincos(IN(2))); OUT_DQ(x))
 EACH(park_inverse, const iqfoc_ab_t x = iqfoc_park_inverse(DQ(0), iq24_sincos(IN(2))); OUT_AB(x))
 
-EACH(rotor, const iqfoc_rotor_t r = iqfoc_rotor_from_turns(IN(0)); OUT(0, r.turns); OUT(1, r.phi);
+EACH(rotor, const iqfoc_rotor_t r = iqfoc_rotor_from_speed(IN(0)); OUT(0, r.speed); OUT(1, r.phi);
      OUT(2, r.s1); OUT(3, r.s2); OUT(4, r.phi_s1); OUT(5, r.phi_s2))
 EACH(steady_gain, OUT(0, iqfoc_rotor_steady_gain(IN(0))))
 
-EACH(mean_correct, const iqfoc_rotor_t r = iqfoc_rotor_from_turns(IN(5));
+EACH(mean_correct, const iqfoc_rotor_t r = iqfoc_rotor_from_speed(IN(5));
      const iqfoc_dq_t x = iqfoc_mean_current_correct(AB(0), AB(2), &r, iq24_sincos(IN(4))); OUT_DQ(x))
 EACH(mean_correct_steady,
      const iqfoc_dq_t x = iqfoc_mean_current_correct_steady(AB(0), iqfoc_rotor_steady_gain(IN(3)),

@@ -54,7 +54,7 @@ void py_motor_free(motor *m);
 py_machine *py_machine_new(const motor *m, error *e);
 void py_machine_free(py_machine *p);
 /* method: euler, quasi_discrete, exact, salient, flux, quasi_discrete_mean, exact_mean, salient_mean; false: no such.
- * in: i_alpha, i_beta, u_alpha, u_beta, theta at the start, turns. out: alpha, beta. */
+ * in: i_alpha, i_beta, u_alpha, u_beta, theta at the start, speed. out: alpha, beta. */
 bool py_machine_predict(const py_machine *p, const char *method, size_t n, const int32_t *const *in,
                         int32_t *const *out);
 /* The constants: predictor's k_u, k_r, k_psi. */
@@ -63,8 +63,8 @@ void py_machine_constants(const py_machine *p, int32_t *three);
 /* ---- angle and speed without a sensor ---- */
 py_observer *py_observer_new(const motor *m, error *e);
 void py_observer_free(py_observer *p);
-void py_observer_start(py_observer *p, const int32_t *i_ab, int32_t theta, int32_t turns, bool known);
-/* One cycle a row. in: alpha and beta of u, i_mean, i. out: theta, turns, locked. */
+void py_observer_start(py_observer *p, const int32_t *i_ab, int32_t theta, int32_t speed, bool known);
+/* One cycle a row. in: alpha and beta of u, i_mean, i. out: theta, speed, locked. */
 void py_observer_steps(py_observer *p, size_t n, const int32_t *const *in, int32_t *const *out);
 /* IQFOC_OBSERVER_LOST_... since the start. */
 uint32_t py_observer_lost(const py_observer *p);
@@ -73,9 +73,9 @@ uint32_t py_observer_lost(const py_observer *p);
 typedef struct py_sample {
     int32_t i[3];
     int32_t theta;
-    int32_t turns;
+    int32_t speed;
     int32_t u_dc;
-    int32_t at;
+    int32_t instant;
     uint32_t time;
     bool clipped;
     bool has_mean; /* i_mean: means of the phases over an interval of six-step */
@@ -249,9 +249,9 @@ void py_pattern_free(py_pattern *p);
 void py_pattern_range(const py_pattern *p, double *low, double *high);
 /* All legs low without a recent edge. */
 void py_pattern_clear(py_pattern *p);
-/* One cycle a row. in: angle, turns, index. Of each row, for legs a, b, c: level and number of edges, 16 times, share high. */
+/* One cycle a row. in: angle, speed, index. Of each row, for legs a, b, c: level and number of edges, 16 times, share high. */
 void py_pattern_steps(py_pattern *p, size_t n, const int32_t *const *in, int32_t *level, int32_t *edges,
-                      int32_t *at, int32_t *high);
+                      int32_t *instant, int32_t *high);
 /* So many cycles on a plant: index, and the voltage's angle ahead of the d axis, turns. Columns as py_run's; those of the peak stay. */
 void py_pattern_run(py_pattern *p, py_plant *on, double index, double ahead, size_t cycles,
                     double *const *column);

@@ -19,7 +19,7 @@ struct py_machine {
 /* One row: the current at the start, the voltage of the cycle, the angle at its start, the speed. */
 typedef struct row {
     iqfoc_ab_t i, u;
-    iq24_t theta, turns;
+    iq24_t theta, speed;
     iqfoc_rotor_t rotor;
     iq24_sincos_t start, middle;
 } row;
@@ -41,13 +41,13 @@ static iqfoc_ab_t quasi_discrete_mean(const py_machine *p, const row *r)
 
 static iqfoc_ab_t exact(const py_machine *p, const row *r)
 {
-    const iqfoc_exact_t law = iqfoc_exact_at_speed(&p->exact, r->turns);
+    const iqfoc_exact_t law = iqfoc_exact_at_speed(&p->exact, r->speed);
     return iqfoc_exact_step(&law, r->i, r->u, r->middle);
 }
 
 static iqfoc_ab_t exact_mean(const py_machine *p, const row *r)
 {
-    const iqfoc_exact_t law = iqfoc_exact_at_speed(&p->exact_mean, r->turns);
+    const iqfoc_exact_t law = iqfoc_exact_at_speed(&p->exact_mean, r->speed);
     return iqfoc_exact_step(&law, r->i, r->u, r->middle);
 }
 
@@ -56,11 +56,11 @@ static iqfoc_ab_t by_salient(const py_machine *p, const row *r, bool mean)
 {
     iqfoc_salient_t end;
     iqfoc_salient_t middle;
-    iqfoc_salient_at_speed(&p->salient, r->turns, IQ24_ONE, &end, &middle);
+    iqfoc_salient_at_speed(&p->salient, r->speed, IQ24_ONE, &end, &middle);
     const iqfoc_dq_t i = iqfoc_park(r->i, r->start);
     const iqfoc_dq_t u = iqfoc_park(r->u, r->start);
     const iqfoc_dq_t next = iqfoc_salient_step(mean ? &middle : &end, i, u);
-    return iqfoc_park_inverse(next, mean ? r->middle : iq24_sincos(iq24_add_wrap(r->theta, r->rotor.turns)));
+    return iqfoc_park_inverse(next, mean ? r->middle : iq24_sincos(iq24_add_wrap(r->theta, r->rotor.speed)));
 }
 
 static iqfoc_ab_t salient(const py_machine *p, const row *r)
@@ -76,7 +76,7 @@ static iqfoc_ab_t salient_mean(const py_machine *p, const row *r)
 static iqfoc_ab_t flux(const py_machine *p, const row *r)
 {
     return iqfoc_flux_predictor_step(&p->flux, &p->acting, r->i, r->u, r->start,
-                                     iq24_sincos(iq24_add_wrap(r->theta, r->rotor.turns)));
+                                     iq24_sincos(iq24_add_wrap(r->theta, r->rotor.speed)));
 }
 
 static const struct {
@@ -128,10 +128,10 @@ bool py_machine_predict(const py_machine *p, const char *method, size_t n, const
         return false;
     }
     for (size_t k = 0; k < n; k++) {
-        row r = {.i = {in[0][k], in[1][k]}, .u = {in[2][k], in[3][k]}, .theta = in[4][k], .turns = in[5][k]};
-        r.rotor = iqfoc_rotor_from_turns(r.turns);
+        row r = {.i = {in[0][k], in[1][k]}, .u = {in[2][k], in[3][k]}, .theta = in[4][k], .speed = in[5][k]};
+        r.rotor = iqfoc_rotor_from_speed(r.speed);
         r.start = iq24_sincos(r.theta);
-        r.middle = iq24_sincos(iq24_add_wrap(r.theta, iq24_asr32(r.rotor.turns, 1)));
+        r.middle = iq24_sincos(iq24_add_wrap(r.theta, iq24_asr32(r.rotor.speed, 1)));
         const iqfoc_ab_t result = methods[m].step(p, &r);
         out[0][k] = result.alpha;
         out[1][k] = result.beta;

@@ -30,10 +30,10 @@ void py_observer_free(py_observer *p)
     free(p);
 }
 
-void py_observer_start(py_observer *p, const int32_t *i_ab, int32_t theta, int32_t turns, bool known)
+void py_observer_start(py_observer *p, const int32_t *i_ab, int32_t theta, int32_t speed, bool known)
 {
     const iqfoc_ab_t i = {i_ab[0], i_ab[1]};
-    iqfoc_observer_start(&p->observer, i, theta, turns, known);
+    iqfoc_observer_start(&p->observer, i, theta, speed, known);
 }
 
 void py_observer_steps(py_observer *p, size_t n, const int32_t *const *in, int32_t *const *out)
@@ -44,7 +44,7 @@ void py_observer_steps(py_observer *p, size_t n, const int32_t *const *in, int32
         const iqfoc_ab_t i = {in[4][k], in[5][k]};
         iqfoc_observer_step(&p->observer, u, i_mean, i);
         out[0][k] = iqfoc_observer_theta(&p->observer, 0);
-        out[1][k] = iqfoc_observer_turns(&p->observer);
+        out[1][k] = iqfoc_observer_speed(&p->observer);
         out[2][k] = p->observer.locked ? 1 : 0;
     }
 }

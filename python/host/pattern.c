@@ -76,7 +76,8 @@ void py_pattern_steps(py_pattern *p, size_t n, const int32_t *const *in, int32_t
             edges[3 * k + x] = leg[x].edges;
             high[3 * k + x] = leg[x].high;
             for (int j = 0; j < IQFOC_PATTERN_EDGES_MAX; j++) {
-                at[(3 * k + x) * IQFOC_PATTERN_EDGES_MAX + (size_t)j] = j < leg[x].edges ? leg[x].at[j] : 0;
+                at[(3 * k + x) * IQFOC_PATTERN_EDGES_MAX + (size_t)j] =
+                    j < leg[x].edges ? leg[x].instant[j] : 0;
             }
         }
     }
@@ -95,11 +96,11 @@ static void play(plant *drive, const iqfoc_pattern_edges_t leg[3], double T_s, d
     for (double from = 0.0; from < 1.0;) {
         double until = 1.0;
         for (int x = 0; x < 3; x++) {
-            while (next[x] < leg[x].edges && iq24_to_double(leg[x].at[next[x]]) <= from) {
+            while (next[x] < leg[x].edges && iq24_to_double(leg[x].instant[next[x]]) <= from) {
                 high[x] = !high[x];
                 next[x]++;
             }
-            until = next[x] < leg[x].edges ? fmin(until, iq24_to_double(leg[x].at[next[x]])) : until;
+            until = next[x] < leg[x].edges ? fmin(until, iq24_to_double(leg[x].instant[next[x]])) : until;
         }
         plant_begin_interval(drive, high, (until - from) * T_s);
         plant_advance_to(drive, (until - from) * T_s);

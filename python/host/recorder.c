@@ -180,7 +180,7 @@ void py_recorder_take(py_recorder *r, const drive_row *row, const plant_sensors 
     v[IQFOC_RECORDER_I_B] = valley.i.b;
     v[IQFOC_RECORDER_I_C] = valley.i.c;
     v[IQFOC_RECORDER_THETA_E] = valley.theta;
-    v[IQFOC_RECORDER_OMEGA_E] = valley.turns;
+    v[IQFOC_RECORDER_OMEGA_E] = valley.speed;
     v[IQFOC_RECORDER_U_DC] = valley.u_dc;
     v[IQFOC_RECORDER_I_MID_A] = peak.i.a;
     v[IQFOC_RECORDER_I_MID_B] = peak.i.b;

@@ -4,17 +4,17 @@
 #include <stdarg.h>
 
 typedef struct packer {
-    const char *at;
+    const char *offset;
     va_list args;
     bool whole; /* no part was missing */
 } packer;
 
 static char next(packer *p)
 {
-    while (*p->at == ' ' || *p->at == ',' || *p->at == ':') {
-        p->at++;
+    while (*p->offset == ' ' || *p->offset == ',' || *p->offset == ':') {
+        p->offset++;
     }
-    return *p->at != '\0' ? *p->at++ : '\0';
+    return *p->offset != '\0' ? *p->offset++ : '\0';
 }
 
 static json_t *packed(packer *p, char kind);
@@ -25,8 +25,8 @@ static json_t *packed_object(packer *p)
     for (char kind = next(p); kind == 's'; kind = next(p)) {
         const char *key = va_arg(p->args, const char *);
         json_t *value = packed(p, next(p));
-        const bool may_miss = *p->at == '*';
-        p->at += may_miss ? 1 : 0;
+        const bool may_miss = *p->offset == '*';
+        p->offset += may_miss ? 1 : 0;
         if (value != NULL || !may_miss) {
             p->whole = json_object_set_new(object, key, value) == 0 && p->whole;
         }
@@ -71,7 +71,7 @@ static json_t *packed(packer *p, char kind)
 
 json_t *json_pack(const char *form, ...)
 {
-    packer p = {.at = form, .whole = true};
+    packer p = {.offset = form, .whole = true};
     va_start(p.args, form);
     json_t *value = packed(&p, next(&p));
     va_end(p.args);

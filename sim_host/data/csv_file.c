@@ -16,8 +16,8 @@ static void field_position(const csv_file *f, size_t index, long *line, long *co
     bool quoted = false;
     *line = f->record_line;
     *column = 1;
-    for (size_t at = 0; at < f->text_length && index > 0; at++) {
-        const unsigned char c = (unsigned char)f->text[at];
+    for (size_t offset = 0; offset < f->text_length && index > 0; offset++) {
+        const unsigned char c = (unsigned char)f->text[offset];
         if (c == '"') {
             quoted = !quoted; /* a doubled quote toggles twice */
         } else if (c == ',' && !quoted) {
@@ -155,26 +155,26 @@ static bool is_plain(const csv_file *f, size_t length)
 /* The fields of a plain line: the text between its commas, without the spaces around it. */
 static void part_line(csv_file *f, size_t length)
 {
-    const char *at = f->lines.line;
-    const char *const end = at + length;
-    f->text = at;
+    const char *offset = f->lines.line;
+    const char *const end = offset + length;
+    f->text = offset;
     f->text_length = length;
     f->record_line = f->lines.number;
     while (!is_stopped(f)) {
-        const char *comma = memchr(at, ',', (size_t)(end - at));
+        const char *comma = memchr(offset, ',', (size_t)(end - offset));
         const char *last = comma != NULL ? comma : end;
-        while (at < last && is_space(*at)) {
-            at++;
+        while (offset < last && is_space(*offset)) {
+            offset++;
         }
-        while (last > at && is_space(last[-1])) {
+        while (last > offset && is_space(last[-1])) {
             last--;
         }
-        give_field(f, at, (size_t)(last - at));
+        give_field(f, offset, (size_t)(last - offset));
         if (comma == NULL) {
             give_record(f);
             return;
         }
-        at = comma + 1;
+        offset = comma + 1;
     }
 }
 

@@ -52,8 +52,8 @@ static bool check_stream(const line_source *s, error *e)
         return true;
     }
     long line = s->number + 1;
-    size_t begin = s->at;
-    for (size_t k = s->at; k < s->end; k++) {
+    size_t begin = s->offset;
+    for (size_t k = s->offset; k < s->end; k++) {
         if (s->buffer[k] == '\n') {
             line++;
             begin = k + 1;
@@ -65,9 +65,9 @@ static bool check_stream(const line_source *s, error *e)
 /* Reads a block behind what is left of the one before; false at the end, and with *e set on damage. */
 static bool fill(line_source *s, error *e)
 {
-    const size_t left = s->end - s->at;
-    memmove(s->buffer, s->buffer + s->at, left);
-    s->at = 0;
+    const size_t left = s->end - s->offset;
+    memmove(s->buffer, s->buffer + s->offset, left);
+    s->offset = 0;
     s->end = left;
     const size_t got = byte_source_read(s->bytes_of, s->buffer + left, BYTE_SOURCE_BLOCK);
     s->end += got;
@@ -88,15 +88,15 @@ bool line_source_next(line_source *s, error *e)
     const char *newline = NULL;
     size_t searched = 0;
     for (;;) {
-        newline = memchr(s->buffer + s->at + searched, '\n', s->end - s->at - searched);
-        searched = s->end - s->at;
+        newline = memchr(s->buffer + s->offset + searched, '\n', s->end - s->offset - searched);
+        searched = s->end - s->offset;
         if (newline != NULL || searched > LINE_SOURCE_LONGEST || s->is_end || !fill(s, e)) {
             break;
         }
     }
-    s->line = s->buffer + s->at;
-    s->length = newline != NULL ? (size_t)(newline + 1 - s->line) : s->end - s->at;
-    s->at += s->length;
+    s->line = s->buffer + s->offset;
+    s->length = newline != NULL ? (size_t)(newline + 1 - s->line) : s->end - s->offset;
+    s->offset += s->length;
     s->number += s->length > 0 ? 1 : 0;
     if (s->length > LINE_SOURCE_LONGEST) {
         return error_input(e, s->path, s->number, 0, "the line is longer than 1 MiB; expected a CSV file");

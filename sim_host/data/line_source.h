@@ -19,7 +19,7 @@ typedef struct line_source {
     const char *path; /* for messages: "stdin" for "-" */
     struct byte_source *bytes_of;
     char *buffer; /* bytes that were read: those from at to end precede the next line */
-    size_t at, end;
+    size_t offset, end;
     bool is_end;      /* there is no more to read */
     const char *line; /* the current line with its newline, if it has one; may hold zeros */
     size_t length;

@@ -4,45 +4,45 @@
 #include <string.h>
 
 /* The end of a comment: its line's end, or the text's. */
-static size_t comment_end(const char *text, size_t length, size_t at)
+static size_t comment_end(const char *text, size_t length, size_t offset)
 {
-    while (at < length && text[at] != '\n') {
-        at++;
+    while (offset < length && text[offset] != '\n') {
+        offset++;
     }
-    return at;
+    return offset;
 }
 
 /* Whether a quote is tripled: a string that may hold line breaks. */
-static bool is_tripled(const char *text, size_t length, size_t at)
+static bool is_tripled(const char *text, size_t length, size_t offset)
 {
-    return length - at >= 3 && text[at + 1] == text[at] && text[at + 2] == text[at];
+    return length - offset >= 3 && text[offset + 1] == text[offset] && text[offset + 2] == text[offset];
 }
 
-/* The place after a string that begins at `at`; a string without an end ends with its line, or with the text. */
-static size_t string_end(const char *text, size_t length, size_t at)
+/* The place after a string that begins at `offset`; a string without an end ends with its line, or with the text. */
+static size_t string_end(const char *text, size_t length, size_t offset)
 {
-    const char quote = text[at];
-    const bool tripled = is_tripled(text, length, at);
-    at += tripled ? 3 : 1;
-    while (at < length) {
-        if (text[at] == '\\' && quote == '"') {
-            at += 2;
-        } else if (text[at] == quote && (!tripled || is_tripled(text, length, at))) {
-            return at + (tripled ? 3 : 1);
-        } else if (text[at] == '\n' && !tripled) {
-            return at;
+    const char quote = text[offset];
+    const bool tripled = is_tripled(text, length, offset);
+    offset += tripled ? 3 : 1;
+    while (offset < length) {
+        if (text[offset] == '\\' && quote == '"') {
+            offset += 2;
+        } else if (text[offset] == quote && (!tripled || is_tripled(text, length, offset))) {
+            return offset + (tripled ? 3 : 1);
+        } else if (text[offset] == '\n' && !tripled) {
+            return offset;
         } else {
-            at++;
+            offset++;
         }
     }
     return length;
 }
 
-static void position_of(const char *text, size_t at, long *line, long *column)
+static void position_of(const char *text, size_t offset, long *line, long *column)
 {
     *line = 1;
     *column = 1;
-    for (size_t k = 0; k < at; k++) {
+    for (size_t k = 0; k < offset; k++) {
         if (text[k] == '\n') {
             *line += 1;
             *column = 1;
@@ -55,26 +55,26 @@ static void position_of(const char *text, size_t at, long *line, long *column)
 bool toml_depth_check(const char *text, size_t length, long *line, long *column)
 {
     int parts = 1;
-    size_t at = 0;
-    while (at < length) {
-        const char c = text[at];
+    size_t offset = 0;
+    while (offset < length) {
+        const char c = text[offset];
         if (c == '#') {
-            at = comment_end(text, length, at);
+            offset = comment_end(text, length, offset);
             continue;
         }
         if (c == '"' || c == '\'') {
-            at = string_end(text, length, at);
+            offset = string_end(text, length, offset);
             continue;
         }
         if (c == '.' && ++parts > TOML_KEY_PARTS_MAX) {
-            position_of(text, at, line, column);
+            position_of(text, offset, line, column);
             return false;
         }
         if (c != '.' &&
             strchr("=,[]{}\n", c) != NULL) { /* a key ends here, or a value in which dots are decimal marks */
             parts = 1;
         }
-        at++;
+        offset++;
     }
     return true;
 }

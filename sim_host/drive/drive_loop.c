@@ -36,8 +36,9 @@ static void advance_to(drive_loop *l, double to_s)
         leg = -1;
         for (int x = 0; x < 3; x++) {
             const int n = l->edge[x];
-            const double edge_s =
-                n < l->edges[x].edges ? iq24_to_double(l->edges[x].at[n]) * l->drive.duration_s : INFINITY;
+            const double edge_s = n < l->edges[x].edges
+                                      ? iq24_to_double(l->edges[x].instant[n]) * l->drive.duration_s
+                                      : INFINITY;
             if (edge_s < at_s) {
                 leg = x;
                 at_s = edge_s;

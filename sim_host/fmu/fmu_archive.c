@@ -58,7 +58,7 @@ static void put_file(FILE *out, const entry *f, const void *packed)
     fwrite(packed, 1, f->packed, out);
 }
 
-static void put_entry(FILE *out, const entry *f, uint32_t at)
+static void put_entry(FILE *out, const entry *f, uint32_t offset)
 {
     put(out, DIRECTORY_ENTRY, 4);
     put(out, 0, 2); /* made by: MS-DOS, without attributes */
@@ -67,7 +67,7 @@ static void put_entry(FILE *out, const entry *f, uint32_t at)
     put(out, 0, 2); /* disk */
     put(out, 0, 2); /* attributes */
     put(out, 0, 4);
-    put(out, at, 4);
+    put(out, offset, 4);
     fputs(f->name, out);
 }
 
@@ -118,8 +118,8 @@ bool fmu_archive_add(fmu_archive *a, const char *name, const void *bytes, size_t
         return error_failure(e, 0, "%s: out of memory to pack it", name);
     }
     put_file(a->file.stream, &f, packed);
-    put_entry(a->directory.stream, &f, a->at);
-    a->at += FILE_HEAD_SIZE + (uint32_t)strlen(name) + f.packed;
+    put_entry(a->directory.stream, &f, a->offset);
+    a->offset += FILE_HEAD_SIZE + (uint32_t)strlen(name) + f.packed;
     a->files++;
     free(packed);
     return true;
@@ -136,7 +136,7 @@ static void put_end(const fmu_archive *a)
     put(out, a->files, 2); /* on this disk, and in all */
     put(out, a->files, 2);
     put(out, (uint32_t)a->directory.length, 4);
-    put(out, a->at, 4);
+    put(out, a->offset, 4);
     put(out, 0, 2); /* no comment */
 }
 

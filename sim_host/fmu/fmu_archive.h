@@ -11,8 +11,8 @@
 
 typedef struct fmu_archive {
     out_file file;
-    text_out directory; /* what the archive's end says of the files so far */
-    uint32_t files, at; /* how many, and where the next one begins */
+    text_out directory;     /* what the archive's end says of the files so far */
+    uint32_t files, offset; /* how many, and where the next one begins */
 } fmu_archive;
 
 /* False with *e set, and nothing to close. */

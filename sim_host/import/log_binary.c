@@ -25,9 +25,9 @@ typedef struct binary_reader {
     unsigned char row[ROW_MOST + 1];
     size_t length; /* of the row so far; ROW_MOST + 1: longer */
     bool escaped;
-    uint64_t at, row_at; /* bytes from the log's start: now, and where the row began */
-    size_t frames;       /* that have ended */
-    uint64_t wrong_at;   /* the first frame of another length, if there is one, and its length */
+    uint64_t offset, row_at; /* bytes from the log's start: now, and where the row began */
+    size_t frames;           /* that have ended */
+    uint64_t wrong_at;       /* the first frame of another length, if there is one, and its length */
     size_t wrong_length, wrong_frame;
     size_t rows, room;
     double *value[BINARY_FIELDS_MOST];
@@ -127,7 +127,7 @@ static bool end_frame(binary_reader *r)
 static void put(binary_reader *r, unsigned char byte)
 {
     if (r->length == 0) {
-        r->row_at = r->at;
+        r->row_at = r->offset;
     }
     if (r->length <= ROW_MOST) {
         r->row[r->length < ROW_MOST ? r->length : ROW_MOST] = byte;
@@ -147,7 +147,7 @@ static bool take_slip(binary_reader *r, unsigned char byte)
         return byte == SLIP_ESC_END || byte == SLIP_ESC_ESC || r->frames == 0 ||
                error_input(r->e, r->path, 0, 0,
                            "byte %llu: 0x%02X after 0xDB, expected 0xDC or 0xDD; is the log framed by SLIP?",
-                           (unsigned long long)r->at, byte);
+                           (unsigned long long)r->offset, byte);
     }
     if (byte == SLIP_ESC) {
         r->escaped = true;
@@ -171,11 +171,11 @@ static bool read_rows(binary_reader *r)
     bool ok = line_source_open(&s, r->path, r->e);
     while (ok && line_source_block(&s, &bytes, &count, r->e)) {
         for (size_t k = 0; ok && k < count; k++) {
-            if (r->at >= (uint64_t)r->format->skip) {
+            if (r->offset >= (uint64_t)r->format->skip) {
                 const unsigned char byte = (unsigned char)bytes[k];
                 ok = r->format->slip ? take_slip(r, byte) : take_fixed(r, byte);
             }
-            r->at++;
+            r->offset++;
         }
     }
     line_source_close(&s);
@@ -201,7 +201,7 @@ bool log_binary_open(log_table *t, const char *path, const binary_format *format
     if (ok && r->rows == 0) {
         ok = r->wrong_frame > 0 ? refuse_frame(r)
                                 : error_input(e, path, 0, 0, "no row: %llu bytes, and one has %zu",
-                                              (unsigned long long)r->at, r->row_bytes);
+                                              (unsigned long long)r->offset, r->row_bytes);
     }
     for (size_t n = 0; n < format->fields; n++) {
         name[n] = format->field[n].name;

@@ -18,11 +18,11 @@ static bool ends_field(char c, char delimiter)
 }
 
 /* A quoted field from line[at] on, unquoted in place; the place behind its closing quote, or 0 without one. */
-static size_t take_quoted(char *line, size_t length, size_t at, log_field *f)
+static size_t take_quoted(char *line, size_t length, size_t offset, log_field *f)
 {
-    char *to = line + at;
+    char *to = line + offset;
     f->text = to;
-    for (size_t from = at + 1; from < length; from++) {
+    for (size_t from = offset + 1; from < length; from++) {
         if (line[from] != '"') {
             *to++ = line[from];
         } else if (from + 1 < length && line[from + 1] == '"') {
@@ -49,38 +49,39 @@ static void trim(log_field *f)
 int log_line_split(char *line, size_t length, char delimiter, log_field *fields)
 {
     int count = 0;
-    size_t at = 0;
+    size_t offset = 0;
     while (length > 0 && delimiter == ' ' && is_blank(line[length - 1])) {
         length--;
     }
     for (;;) {
-        while (at < length && is_blank(line[at]) && line[at] != delimiter + (delimiter == ' ' ? 1 : 0)) {
-            at++;
+        while (offset < length && is_blank(line[offset]) &&
+               line[offset] != delimiter + (delimiter == ' ' ? 1 : 0)) {
+            offset++;
         }
         if (count == LOG_FIELDS_MOST) {
             return -2;
         }
         log_field *f = &fields[count++];
-        *f = (log_field){line + at, 0, at};
-        if (at < length && line[at] == '"') {
-            at = take_quoted(line, length, at, f);
-            if (at == 0) {
+        *f = (log_field){line + offset, 0, offset};
+        if (offset < length && line[offset] == '"') {
+            offset = take_quoted(line, length, offset, f);
+            if (offset == 0) {
                 return -1;
             }
-            while (at < length && !ends_field(line[at], delimiter)) {
-                at++; /* text behind a closing quote belongs to nothing */
+            while (offset < length && !ends_field(line[offset], delimiter)) {
+                offset++; /* text behind a closing quote belongs to nothing */
             }
         } else {
-            while (at < length && !ends_field(line[at], delimiter)) {
-                at++;
+            while (offset < length && !ends_field(line[offset], delimiter)) {
+                offset++;
             }
-            f->length = (size_t)(line + at - f->text);
+            f->length = (size_t)(line + offset - f->text);
         }
         trim(f);
-        if (at >= length) {
+        if (offset >= length) {
             return count;
         }
-        at++;
+        offset++;
     }
 }
 

@@ -26,7 +26,7 @@ typedef struct log_format {
 typedef struct log_field {
     const char *text; /* unquoted, without the blanks around it; not 0-terminated */
     size_t length;
-    size_t at; /* where it starts in the line, bytes from 0 */
+    size_t offset; /* where it starts in the line, bytes from 0 */
 } log_field;
 
 typedef struct log_head {

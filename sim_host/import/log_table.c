@@ -145,10 +145,10 @@ static bool grow(row_reader *r)
 }
 
 /* The character, from 1, at a byte of a line. */
-static long column_of(const char *line, size_t at)
+static long column_of(const char *line, size_t offset)
 {
     long column = 1;
-    for (size_t k = 0; k < at; k++) {
+    for (size_t k = 0; k < offset; k++) {
         column += ((unsigned char)line[k] & 0xC0) != 0x80 ? 1 : 0;
     }
     return column;
@@ -185,7 +185,7 @@ static bool take_row(row_reader *r, const char *line, size_t length, long number
     for (size_t n = 0; n <= r->last_wanted; n++) {
         const log_field *f = &r->fields[n];
         if (r->wanted[n] && !log_field_number(f, t->format.decimal, &t->value[n][t->rows])) {
-            return error_input(r->e, t->path, number, column_of(line, f->at),
+            return error_input(r->e, t->path, number, column_of(line, f->offset),
                                "%s \"%.*s\" is no finite number (decimal mark \"%c\")", t->name[n],
                                f->length > 40 ? 40 : (int)f->length, f->text, t->format.decimal);
         }

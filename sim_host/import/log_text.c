@@ -21,10 +21,10 @@ static bool out_of_memory(const log_text *t, error *e)
 /* Room for so many bytes more behind ->end. */
 static bool reserve(log_text *t, size_t more, error *e)
 {
-    if (t->at > 0) {
-        memmove(t->text, t->text + t->at, t->end - t->at);
-        t->end -= t->at;
-        t->at = 0;
+    if (t->offset > 0) {
+        memmove(t->text, t->text + t->offset, t->end - t->offset);
+        t->end -= t->offset;
+        t->offset = 0;
     }
     if (t->end + more <= t->size) {
         return true;
@@ -105,7 +105,7 @@ static void find_mark(log_text *t)
     for (size_t m = 0; m < sizeof marks / sizeof *marks; m++) {
         if (t->end >= marks[m].length && memcmp(t->text, marks[m].bytes, marks[m].length) == 0) {
             t->encoding = marks[m].encoding;
-            t->at = marks[m].length;
+            t->offset = marks[m].length;
             return;
         }
     }
@@ -119,13 +119,13 @@ static bool begin_utf16(log_text *t, error *e)
         return error_failure(e, errno, "%s: UTF-16 cannot be converted here", t->bytes.path);
     }
     t->utf16 = converter;
-    const size_t length = t->end - t->at;
+    const size_t length = t->end - t->offset;
     char *bytes = malloc(length + 1);
     if (bytes == NULL) {
         return out_of_memory(t, e);
     }
-    memcpy(bytes, t->text + t->at, length);
-    t->at = t->end = 0;
+    memcpy(bytes, t->text + t->offset, length);
+    t->offset = t->end = 0;
     const bool ok = reserve(t, 2 * length + sizeof t->rest, e) && append_utf16(t, bytes, length, e);
     free(bytes);
     return ok;
@@ -150,8 +150,8 @@ bool log_text_open(log_text *t, const char *path, log_encoding said, error *e)
 /* Well-formed UTF-8 as far as lead and continuation bytes say. */
 static bool is_utf8(const char *text, size_t length)
 {
-    for (size_t at = 0; at < length;) {
-        const unsigned char c = (unsigned char)text[at++];
+    for (size_t offset = 0; offset < length;) {
+        const unsigned char c = (unsigned char)text[offset++];
         size_t more = c < 0x80             ? 0
                       : (c & 0xE0) == 0xC0 ? 1
                       : (c & 0xF0) == 0xE0 ? 2
@@ -160,8 +160,8 @@ static bool is_utf8(const char *text, size_t length)
         if (more == 4) {
             return false;
         }
-        for (; more > 0; more--, at++) {
-            if (at >= length || ((unsigned char)text[at] & 0xC0) != 0x80) {
+        for (; more > 0; more--, offset++) {
+            if (offset >= length || ((unsigned char)text[offset] & 0xC0) != 0x80) {
                 return false;
             }
         }
@@ -207,11 +207,11 @@ static bool decode_line(log_text *t, error *e)
     return convert_latin1(t, e);
 }
 
-/* How far the line goes, from ->at; false if its end has not been read. */
+/* How far the line goes, from ->offset; false if its end has not been read. */
 static bool find_end(const log_text *t, size_t from, size_t *length, size_t *with_end)
 {
-    const char *start = t->text + t->at;
-    const size_t there = t->end - t->at;
+    const char *start = t->text + t->offset;
+    const size_t there = t->end - t->offset;
     for (size_t k = from; k < there; k++) {
         if (start[k] == '\n' || (start[k] == '\r' && (k + 1 < there || t->is_end))) {
             const bool two = start[k] == '\r' && k + 1 < there && start[k + 1] == '\n';
@@ -240,9 +240,9 @@ bool log_text_next(log_text *t, error *e)
     if (with_end == 0) {
         return false;
     }
-    t->line = t->text + t->at;
+    t->line = t->text + t->offset;
     t->length = length;
-    t->at += with_end;
+    t->offset += with_end;
     t->number++;
     return decode_line(t, e);
 }

@@ -28,7 +28,7 @@ typedef struct log_text {
     char rest[4]; /* bytes of a UTF-16 character that the block cut */
     size_t rest_count;
     char *text; /* what has been read and not handed out: [at, end), UTF-8, or bytes if not UTF-16 */
-    size_t at, end, size;
+    size_t offset, end, size;
     bool is_end;
     char *latin1; /* a line that had to be converted */
     size_t latin1_size;

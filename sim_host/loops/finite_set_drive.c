@@ -24,13 +24,13 @@ static iqfoc_exact_t model_at(const finite_set_drive *p, const iqfoc_rotor_t *ro
 {
     return p->model == IQFOC_MODEL_EULER            ? iqfoc_form_euler(&p->predictor, rotor)
            : p->model == IQFOC_MODEL_QUASI_DISCRETE ? iqfoc_form_quasi_discrete(&p->predictor, rotor)
-                                                    : iqfoc_exact_at_speed(&p->law, rotor->turns);
+                                                    : iqfoc_exact_at_speed(&p->law, rotor->speed);
 }
 
 static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
 {
     finite_set_drive *p = context;
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(sample->turns);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(sample->speed);
     const iqfoc_finite_set_t set = {.model = model_at(p, &rotor),
                                     .reference = iqfoc_valley_reference_at(&rotor, p->predictor.k_psi),
                                     .weight = p->weight,
@@ -38,7 +38,7 @@ static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *s
     (void)e;
     p->decisions++;
     p->state = iqfoc_finite_set_choose(&set, iqfoc_clarke3(sample->i), p->state, i_ref, sample->theta,
-                                       rotor.turns, sample->u_dc, &p->nodes);
+                                       rotor.speed, sample->u_dc, &p->nodes);
     const iqfoc_abc_t legs = {(p->state & 1) != 0 ? IQ24_ONE : 0, (p->state & 2) != 0 ? IQ24_ONE : 0,
                               (p->state & 4) != 0 ? IQ24_ONE : 0};
     p->command.duties.high = legs;

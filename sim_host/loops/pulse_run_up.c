@@ -133,9 +133,9 @@ static void play(machine *d, const iqfoc_edges_t *edges, double tick_s)
         int first = -1;
         uint32_t at = edges->period_ticks;
         for (int k = 0; k < 3; k++) {
-            if (next[k] < edges->leg[k].edges && edges->leg[k].at[next[k]] < at) {
+            if (next[k] < edges->leg[k].edges && edges->leg[k].instant[next[k]] < at) {
                 first = k;
-                at = edges->leg[k].at[next[k]];
+                at = edges->leg[k].instant[next[k]];
             }
         }
         advance(d, begin_s + at * tick_s);
@@ -226,10 +226,10 @@ static void convert(firmware *f, const machine *d, double later_s)
     const iqfoc_sample_t sample = {
         .i = iqfoc_clarke_inverse(ab),
         .theta = wrapped(d->circuit.theta + d->circuit.w * later_s),
-        .turns = iq24_from_double(d->circuit.w * f->ticks * f->tick_s / VEC_TWO_PI),
+        .speed = iq24_from_double(d->circuit.w * f->ticks * f->tick_s / VEC_TWO_PI),
         .u_dc =
             iq24_from_double(edge_machine_link_V(&d->circuit, d->circuit.time_s + later_s) / d->m->u_dc_V),
-        .at = later_s > 0.0 ? IQ24(0.5) : 0,
+        .instant = later_s > 0.0 ? IQ24(0.5) : 0,
         .time = f->time + (later_s > 0.0 ? f->ticks / 2 : 0)};
     hal_host_interrupt(&f->hal, &sample);
 }
@@ -259,11 +259,11 @@ static void interrupts(firmware *f, const machine *d, uint32_t n)
     convert(f, d, 0.0);
     iqfoc_hal_read_valley(&f->hal, &sample);
     iqfoc_cycle_config_t *set = &f->set[n % 3];
-    const uint32_t ticks = iqfoc_synchronous_carrier_step(&f->carrier, sample.theta, sample.turns);
+    const uint32_t ticks = iqfoc_synchronous_carrier_step(&f->carrier, sample.theta, sample.speed);
     iqfoc_synchronous_carrier_set(&f->base, ticks, set);
     if (f->patterns) {
         iqfoc_duties_t duties;
-        iqfoc_pattern_control_aim(&f->control, f->cycle.i_ref, sample.turns);
+        iqfoc_pattern_control_aim(&f->control, f->cycle.i_ref, sample.speed);
         if (iqfoc_pulse_mode_to_carrier(&f->mode, &f->control, &f->cycle, set,
                                         iqfoc_clarke2(sample.i.a, sample.i.b), sample.theta, sample.u_dc,
                                         pattern, &duties)) {

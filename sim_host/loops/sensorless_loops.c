@@ -55,9 +55,9 @@ static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *s
     const bool ok = w->firmware.valley(w->firmware.context, i_ref, sample, e);
     if (w->host.observed && w->cycle++ >= COUNT_FROM) {
         const double off = 360.0 * iq24_to_double(w->host.sensorless.difference);
-        const double turns = iq24_to_double(sample->turns);
+        const double turns = iq24_to_double(sample->speed);
         const double faster =
-            iq24_to_double(iqfoc_observer_turns(&w->host.sensorless.observer)) / turns - 1.0;
+            iq24_to_double(iqfoc_observer_speed(&w->host.sensorless.observer)) / turns - 1.0;
         spread_add(&w->off_deg, off);
         spread_add(&w->faster, faster);
         w->locked = w->locked && w->host.sensorless.source == IQFOC_ANGLE_OBSERVED &&

@@ -43,7 +43,7 @@ static bool begin(six_step_drive *d, const motor *m, double omega_rad_s, bool co
     const double pu_per_turn = VEC_TWO_PI * u_V / (omega_rad_s * m->L_q_H) / base.I_A;
     const double interval_s = VEC_TWO_PI / omega_rad_s / 6.0;
     const scenario_control control = {.feedback = FEEDBACK_MIDPOINT, .modulation = MODULATION_SIX_STEP};
-    const iqfoc_sample_t still = {.turns = iq24_from_double(omega_rad_s * base.T_s / VEC_TWO_PI),
+    const iqfoc_sample_t still = {.speed = iq24_from_double(omega_rad_s * base.T_s / VEC_TWO_PI),
                                   .u_dc = iq24_from_double(SIX_STEP_U_DC / base.U_V)};
     memset(d, 0, sizeof *d);
     if (!config_from_motor(m, &control, &d->config, e)) {

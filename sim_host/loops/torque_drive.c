@@ -68,7 +68,7 @@ bool torque_drive_init(torque_drive *d, const motor *m, const torque_limits *lim
 /* The largest voltage that the reference may have asked for, per unit. */
 static iq24_t voltage_limit(const torque_drive *d, const iqfoc_sample_t *sample)
 {
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(sample->turns);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(sample->speed);
     const iq24_t limit = d->methods.modulation == IQFOC_MODULATION_OVER ? iqfoc_overmodulation_limit(&rotor)
                                                                         : IQFOC_OVERMODULATION_CIRCLE;
     return iq24_mul_round(limit, sample->u_dc);
@@ -104,7 +104,7 @@ static void to_timer(torque_drive *d, const iqfoc_sample_t *sample, drive_answer
 {
     iqfoc_cycle_t *cycle = &d->host.cycle;
     iqfoc_sample_t at_valley = *sample;
-    at_valley.theta = iq24_add_wrap(sample->theta, iq24_asr32(sample->turns, 1));
+    at_valley.theta = iq24_add_wrap(sample->theta, iq24_asr32(sample->speed, 1));
     at_valley.i = iqfoc_clarke_inverse(cycle->i_next);
     const iqfoc_six_step_command_t next = iqfoc_cycle_six_step_begin(
         &d->six, cycle, &d->six_config, iq24_from_double(acos(d->d_share) / VEC_TWO_PI), &at_valley);
@@ -118,7 +118,7 @@ static void to_timer(torque_drive *d, const iqfoc_sample_t *sample, drive_answer
 static iq24_t carrier_weakening(const torque_drive *d, const iqfoc_sample_t *sample)
 {
     const iq24_t lacks = iq24_mul_round(IQ24(2.0 / VEC_PI), sample->u_dc) - voltage_limit(d, sample);
-    const iq24_t reactance = iq24_mul_round(sample->turns, d->host.config.gains.x_d);
+    const iq24_t reactance = iq24_mul_round(sample->speed, d->host.config.gains.x_d);
     return iq24_div(lacks, iq24_max(iq24_abs_sat(reactance), 1));
 }
 
@@ -139,7 +139,7 @@ static bool at_switching(torque_drive *d, iq24_t i_q, const iqfoc_sample_t *samp
     if (d->may_go > SETTLED_STATES) {
         cycle->i_ref.d = d->i_d;
         d->reference.weakening = iq24_acc_mul(iq24_min(d->i_d - carrier_weakening(d, sample), 0), IQ24_ONE);
-        iqfoc_cycle_six_step_end(&d->six, cycle, sample->turns);
+        iqfoc_cycle_six_step_end(&d->six, cycle, sample->speed);
         answer->interval_s = 0.0;
         d->timer_runs = false;
     }

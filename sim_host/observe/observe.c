@@ -29,7 +29,7 @@ typedef struct replay {
     spread faster;      /* observed minus recorded speed, turns per cycle */
     chart_data *series; /* or NULL */
     double *off_rad;    /* of the rows of a stretch: observed minus recorded angle, NAN if not settled */
-    double *turns;      /* the same: observed speed, per cycle */
+    double *speed;      /* the same: observed speed, per cycle */
     double *theta_mech_rad;
 } replay;
 
@@ -67,12 +67,12 @@ static iqfoc_sample_t sample_of(const replay *p, size_t k, bool mid)
     const recording *r = p->r;
     double *const *i = mid ? r->i_mid_A : r->i_A;
     iqfoc_sample_t s = {.theta = turns_from_rad(r->theta_e_rad[k]),
-                        .turns = turns_from_speed(r->omega_e_rad_s[k], p->base.T_s),
+                        .speed = turns_from_speed(r->omega_e_rad_s[k], p->base.T_s),
                         .u_dc = IQ24_ONE};
     s.i.a = iq24_from_double(fmax(-15.0, fmin(15.0, i[0][k] / p->base.I_A)));
     s.i.b = iq24_from_double(fmax(-15.0, fmin(15.0, i[1][k] / p->base.I_A)));
     s.i.c = iq24_from_double(fmax(-15.0, fmin(15.0, i[2][k] / p->base.I_A)));
-    s.turns = iq24_clamp(s.turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    s.speed = iq24_clamp(s.speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     iqfoc_extension_sample(&p->extension, &s);
     return s;
 }
@@ -172,15 +172,15 @@ static void note_lock(replay *p, observe_result *result)
 }
 
 /* Turns per cycle to the rotor's rpm. */
-static double rpm_of(const motor *m, double turns)
+static double rpm_of(const motor *m, double per_cycle)
 {
-    return turns * m->f_pwm_Hz * 60.0 / m->pole_pairs;
+    return per_cycle * m->f_pwm_Hz * 60.0 / m->pole_pairs;
 }
 
 /* A row's observed minus recorded angle, rad; NAN if it is not settled. */
 static double off_of(const replay *p, const iqfoc_sample_t *s)
 {
-    if (p->since_lock <= OBSERVE_SETTLED_ROWS || iq24_abs_sat(s->turns) < p->config.turns_min) {
+    if (p->since_lock <= OBSERVE_SETTLED_ROWS || iq24_abs_sat(s->speed) < p->config.speed_min) {
         return NAN;
     }
     const double off = iq24_to_double(iqfoc_observer_theta(&p->observer, 0)) - iq24_to_double(s->theta);
@@ -199,7 +199,7 @@ static void note_error(replay *p, observe_result *result, size_t k, const iqfoc_
     }
     spread_add(&result->by_speed[part_of(observe_speed_share, OBSERVE_SPEEDS, speed)], degrees);
     spread_add(&result->by_current[part_of(observe_current_share, OBSERVE_CURRENTS, current)], degrees);
-    spread_add(&p->faster, turns - iq24_to_double(s->turns));
+    spread_add(&p->faster, turns - iq24_to_double(s->speed));
 }
 
 /* Row j of a stretch, once its mechanical angle is known. rows: those of the stretches before, and this one. */
@@ -210,12 +210,12 @@ static void note_row(replay *p, observe_result *result, const stretch *at, size_
     if (!isnan(p->off_rad[j])) {
         const double encoder = sensor_error_at(&p->encoder, p->theta_mech_rad[j]);
         degrees = remainder(360.0 / VEC_TWO_PI * (p->off_rad[j] + encoder), 360.0);
-        note_error(p, result, at->first + j, &s, degrees, p->turns[j]);
+        note_error(p, result, at->first + j, &s, degrees, p->speed[j]);
     }
     if (p->series != NULL) {
         chart_data_add(p->series, (double[OBSERVE_COLUMNS]){(double)rows * p->base.T_s,
-                                                            rpm_of(p->m, iq24_to_double(s.turns)),
-                                                            rpm_of(p->m, p->turns[j]), degrees});
+                                                            rpm_of(p->m, iq24_to_double(s.speed)),
+                                                            rpm_of(p->m, p->speed[j]), degrees});
     }
 }
 
@@ -223,7 +223,7 @@ static void replay_stretch(replay *p, const stretch *s, observe_result *result)
 {
     const iqfoc_sample_t first = sample_of(p, s->first, false);
     const long rows = result->rows;
-    iqfoc_observer_start(&p->observer, current_of(p, s->first, false), 0, first.turns, false);
+    iqfoc_observer_start(&p->observer, current_of(p, s->first, false), 0, first.speed, false);
     p->since_lock = 0;
     p->seeking = 0;
     p->off_rad[0] = NAN;
@@ -232,7 +232,7 @@ static void replay_stretch(replay *p, const stretch *s, observe_result *result)
         note_lock(p, result);
         const iqfoc_sample_t sample = sample_of(p, s->first + j, false);
         p->off_rad[j] = off_of(p, &sample);
-        p->turns[j] = iq24_to_double(iqfoc_observer_turns(&p->observer));
+        p->speed[j] = iq24_to_double(iqfoc_observer_speed(&p->observer));
     }
     const int turned = sensor_error_turned(&p->encoder, p->r, s, p->off_rad, p->theta_mech_rad);
     sensor_error_angles(p->r, s, p->m->pole_pairs, turned, p->theta_mech_rad);
@@ -252,7 +252,7 @@ static bool replay_all(replay *p, observe_result *result, error *e)
         return error_failure(e, 0, "observe: out of memory");
     }
     p->off_rad = room;
-    p->turns = room + longest;
+    p->speed = room + longest;
     p->theta_mech_rad = room + 2 * longest;
     for (size_t n = 0; n < p->r->stretches; n++) {
         replay_stretch(p, &p->r->stretch[n], result);
@@ -280,7 +280,7 @@ bool observe_recording(const recording *r, const motor *m, double bandwidth_rad_
         return false;
     }
     result->bandwidth_rad_s = bandwidth_rad_s > 0.0 ? bandwidth_rad_s : observer_loop_rad(&own) / p.base.T_s;
-    result->least_rpm = rpm_of(&own, iq24_to_double(p.config.turns_min));
+    result->least_rpm = rpm_of(&own, iq24_to_double(p.config.speed_min));
     result->speed_rms_rpm = rpm_of(&own, spread_rms(&p.faster));
     return true;
 }

@@ -20,26 +20,26 @@ static bool start(void *context, const iqfoc_cycle_config_t *config, error *e)
            error_failure(e, 0, "the library refused its pattern: iqfoc_error_t %d", (int)refused);
 }
 
-static double rpm_of(const motor *m, double turns)
+static double rpm_of(const motor *m, double per_cycle)
 {
-    return turns * m->f_pwm_Hz * 60.0 / m->pole_pairs;
+    return per_cycle * m->f_pwm_Hz * 60.0 / m->pole_pairs;
 }
 
 /* Whether speed, reference and link are within the pattern's range. */
 static bool within_range(const pattern_drive *d, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, error *e)
 {
     const scenario_run *run = &d->s->run[d->run - 1];
-    const double turns = iq24_to_double(sample->turns);
+    const double speed = iq24_to_double(sample->speed);
     const double u_dc = iq24_to_double(sample->u_dc);
-    const double least = iq24_to_double(IQFOC_PATTERN_CONTROL_TURNS_MIN);
-    const double most = iq24_to_double(IQFOC_PATTERN_TURNS_MAX);
+    const double least = iq24_to_double(IQFOC_PATTERN_CONTROL_SPEED_MIN);
+    const double most = iq24_to_double(IQFOC_PATTERN_SPEED_MAX);
     const double low = patterns_index(0);
     const double high = patterns_index(d->table.rows - 1);
     motor now = *d->m;
     now.u_dc_V *= u_dc;
-    const double index = patterns_index_of(&now, turns * d->m->f_pwm_Hz * VEC_TWO_PI, iq24_to_double(i_ref.d),
+    const double index = patterns_index_of(&now, speed * d->m->f_pwm_Hz * VEC_TWO_PI, iq24_to_double(i_ref.d),
                                            iq24_to_double(i_ref.q));
-    if (fabs(turns) >= least && fabs(turns) <= most && index >= low && index <= high && u_dc >= 0.5 &&
+    if (fabs(speed) >= least && fabs(speed) <= most && index >= low && index <= high && u_dc >= 0.5 &&
         u_dc <= 1.5) {
         return true;
     }
@@ -48,7 +48,7 @@ static bool within_range(const pattern_drive *d, iqfoc_dq_t i_ref, const iqfoc_s
         e, d->path, run->line, run->column,
         "run %zu at %.4f s: %.0f rpm, modulation index %.2f, link %.0f V; a pattern of %d pulses needs %.0f "
         "to %.0f rpm, an index of %.2f to %.2f and a link of %.0f to %.0f V",
-        d->run, t_s, rpm_of(d->m, turns), index, now.u_dc_V, d->s->pwm.pulses, rpm_of(d->m, least),
+        d->run, t_s, rpm_of(d->m, speed), index, now.u_dc_V, d->s->pwm.pulses, rpm_of(d->m, least),
         rpm_of(d->m, most), low, high, 0.5 * d->m->u_dc_V, 1.5 * d->m->u_dc_V);
 }
 
@@ -59,9 +59,9 @@ static bool valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample
         return false;
     }
     if (d->cycle++ == 0) { /* no peak was before */
-        iqfoc_pattern_control_aim(&d->control, i_ref, sample->turns);
+        iqfoc_pattern_control_aim(&d->control, i_ref, sample->speed);
     }
-    d->turns = sample->turns;
+    d->speed = sample->speed;
     iqfoc_pattern_control_step(&d->control, iqfoc_clarke3(sample->i), sample->theta, sample->u_dc, d->edges);
     return true;
 }
@@ -72,7 +72,7 @@ static bool peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sample, 
     pattern_drive *d = context;
     (void)sample;
     (void)e;
-    iqfoc_pattern_control_aim(&d->control, i_ref, d->turns);
+    iqfoc_pattern_control_aim(&d->control, i_ref, d->speed);
     answer->command.duties.high = d->control.high;
     answer->command.gates = true;
     answer->edges = d->edges;

@@ -24,7 +24,7 @@ typedef struct pattern_drive {
     iqfoc_pattern_edges_t edges[3]; /* of the next cycle */
     size_t run;                     /* that runs, from 1 */
     long cycle;                     /* of it, settling included */
-    iq24_t turns;                   /* at the last valley */
+    iq24_t speed;                   /* at the last valley */
 } pattern_drive;
 
 /*

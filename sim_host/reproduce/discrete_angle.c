@@ -42,7 +42,7 @@ discrete_angle discrete_angle_of_iq24(const six_step_interval *at)
     const iqfoc_ab_t mean = {iq24_asr32(iq24_add_wrap(start.alpha, end.alpha), 1),
                              iq24_asr32(iq24_add_wrap(start.beta, end.beta), 1)};
     const iqfoc_ab_t delta = {iq24_sub_wrap(end.alpha, start.alpha), iq24_sub_wrap(end.beta, start.beta)};
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns_from_rad(at->Theta_rad));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(turns_from_rad(at->Theta_rad));
     const iq24_sincos_t sc_mid = iq24_sincos(turns_from_rad(theta_m_rad));
 
     const iqfoc_dq_t corrected = iqfoc_mean_current_correct(mean, delta, &rotor, sc_mid);

@@ -17,7 +17,7 @@ typedef struct machine {
     iqfoc_exact_law_t end_law, mean_law;
     iqfoc_exact_t end, mean;
     iqfoc_salient_t end_dq, mean_dq;
-    iq24_t turns;
+    iq24_t speed;
 } machine;
 
 static bool machine_of(const motor *m, double omega_rad_s, machine *x, error *e)
@@ -31,12 +31,12 @@ static bool machine_of(const motor *m, double omega_rad_s, machine *x, error *e)
     x->round = (papers_machine){m->R_ohm, m->L_d_H, m->psi_f_Wb, x->base.T_s};
     x->salient = (exact_salient){m->R_ohm, m->L_d_H, m->L_q_H, m->psi_f_Wb};
     x->is_salient = m->L_d_H != m->L_q_H;
-    x->turns = turns_from_speed(omega_rad_s, x->base.T_s);
+    x->speed = turns_from_speed(omega_rad_s, x->base.T_s);
     x->end_law = iqfoc_exact_prediction(&winding, IQ24_ONE);
     x->mean_law = iqfoc_exact_mean(&winding, IQ24_ONE);
-    x->end = iqfoc_exact_at_speed(&x->end_law, x->turns);
-    x->mean = iqfoc_exact_at_speed(&x->mean_law, x->turns);
-    iqfoc_salient_at_speed(&in_fixed, x->turns, IQ24_ONE, &x->end_dq, &x->mean_dq);
+    x->end = iqfoc_exact_at_speed(&x->end_law, x->speed);
+    x->mean = iqfoc_exact_at_speed(&x->mean_law, x->speed);
+    iqfoc_salient_at_speed(&in_fixed, x->speed, IQ24_ONE, &x->end_dq, &x->mean_dq);
     return true;
 }
 

@@ -55,7 +55,7 @@ double complex method_compute_iq24(method which, const method_machine *m, const 
     const iqfoc_ab_t i = ab_from_complex(in->i_valley_A, m->I_base_A);
     const iqfoc_ab_t u = ab_from_complex(in->u_V, m->U_base_V);
     const iqfoc_rotor_t movement =
-        iqfoc_rotor_from_turns(turns_from_speed(in->omega_rad_s, m->in_double.T_s));
+        iqfoc_rotor_from_speed(turns_from_speed(in->omega_rad_s, m->in_double.T_s));
     const iq24_sincos_t sc = iq24_sincos(turns_from_rad(in->theta_rad));
     const iq24_sincos_t sc_mid = iq24_sincos(turns_from_rad(in->theta_rad + 0.5 * phi));
     iqfoc_ab_t result = ab_from_complex(in->i_mid_A, m->I_base_A);

@@ -18,7 +18,7 @@ static void note(sensorless_drive *d, const iqfoc_sample_t *sample)
 {
     const double off =
         remainder(iq24_to_double(iqfoc_observer_theta(&d->observer, 0)) - iq24_to_double(sample->theta), 1.0);
-    const double faster = iq24_to_double(iqfoc_observer_turns(&d->observer)) - iq24_to_double(sample->turns);
+    const double faster = iq24_to_double(iqfoc_observer_speed(&d->observer)) - iq24_to_double(sample->speed);
     d->largest = fmax(d->largest, fabs(off));
     d->lost = d->lost || !d->observer.locked;
     if (d->cycle >= d->from) {
@@ -42,7 +42,7 @@ static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *s
     (void)e;
     if (d->cycle == 0) {
         (void)iqfoc_observer_init(&d->observer, &d->config); /* checked by the design */
-        iqfoc_observer_start(&d->observer, i, sample->theta, sample->turns, true);
+        iqfoc_observer_start(&d->observer, i, sample->theta, sample->speed, true);
     } else {
         const iqfoc_ab_t mean =
             d->halves ? mean_of(d->i_start, i) : iqfoc_observer_mean(d->i_start, d->i_middle, i);
@@ -51,7 +51,7 @@ static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *s
     note(d, sample);
     d->i_start = i;
     seen.theta = iqfoc_observer_theta(&d->observer, 0);
-    seen.turns = iqfoc_observer_turns(&d->observer);
+    seen.speed = iqfoc_observer_speed(&d->observer);
     seen.u_dc = iq24_from_double(iq24_to_double(sample->u_dc) / d->voltage_gain);
     tuned_firmware_valley(&d->tuned, i_ref, &seen);
     return true;

@@ -69,7 +69,7 @@ static void put_observer(FILE *out, const tune_report *t)
             o->at[o->angle_worst].rpm);
     define(out, "IQFOC_TUNED_OBSERVER_W", o->bandwidth_rad_s, "rad/s, bandwidth of the phase-locked loop");
     define(out, "IQFOC_TUNED_OBSERVER_GAIN", o->gain_max, "largest gain of the radial correction");
-    define(out, "IQFOC_TUNED_OBSERVER_TURNS", o->turns_min, "turns per cycle: least speed");
+    define(out, "IQFOC_TUNED_OBSERVER_TURNS", o->speed_min, "turns per cycle: least speed");
     define(out, "IQFOC_TUNED_OBSERVER_FLUX", o->flux_max, "limit of the flux' error, share of psi_f");
     define(out, "IQFOC_TUNED_OBSERVER_SATURATION", iq24_to_double(o->config.saturation), "(I_b/I_sat)^2");
     fputs("#define IQFOC_TUNED_OBSERVER \\\n"

@@ -123,7 +123,7 @@ static json_t *observer_json(const tune_report *t)
     }
     return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:b, s:o, s:o, s:{s:i, s:i, s:i, s:f, s:f, s:f}}",
                      "bandwidth_rad_s", o->bandwidth_rad_s, "gain_max", o->gain_max, "turns_min",
-                     o->turns_min, "flux_max", o->flux_max, "run_up_s", o->run_up_s, "noise_A", o->noise_A,
+                     o->speed_min, "flux_max", o->flux_max, "run_up_s", o->run_up_s, "noise_A", o->noise_A,
                      "noise_measured", (int)o->noise_measured, "points", observer_points_json(o), "choices",
                      observer_choices_json(o), "trial", "drives", trial->drives, "unstable", trial->unstable,
                      "lost", trial->lost, "predicted_deg", trial->predicted_deg, "simulated_deg",

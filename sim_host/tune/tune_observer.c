@@ -182,7 +182,7 @@ static bool configure(const tune_result *r, double w_T, tune_observer *o)
     observer_set_loop(&o->config, w_T);
     o->config.gain_max = iq24_from_double(o->gain_max);
     o->config.flux_max = iq24_from_double(fmin(7.9, o->flux_max * iq24_to_double(o->config.machine.psi)));
-    o->turns_min = iq24_to_double(o->config.turns_min);
+    o->speed_min = iq24_to_double(o->config.speed_min);
     return true;
 }
 

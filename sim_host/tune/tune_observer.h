@@ -49,7 +49,7 @@ typedef struct tune_observer {
     double bandwidth_rad_s;
     bool fastest; /* the bandwidth is 1/T, the highest: the run-up lags more */
     iqfoc_observer_config_t config;
-    double gain_max, turns_min;
+    double gain_max, speed_min;
     double flux_max; /* share of psi_f: the limit above which the lock is lost */
     double noise_A;
     bool noise_measured; /* by the diagnosis */

@@ -26,8 +26,8 @@ static bool take_valley(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *s
     (void)e;
     iqfoc_tracker_step(&d->tracker, sample->theta, 0, true);
     seen.theta = iqfoc_tracker_theta(&d->tracker, 0);
-    seen.turns = iqfoc_tracker_turns(&d->tracker);
-    i_ref.q = iqfoc_speed_control_step(&d->control, d->target, seen.turns, d->config.i_max);
+    seen.speed = iqfoc_tracker_speed(&d->tracker);
+    i_ref.q = iqfoc_speed_control_step(&d->control, d->target, seen.speed, d->config.i_max);
     tuned_firmware_valley(&d->tuned, i_ref, &seen);
     return true;
 }
@@ -41,7 +41,7 @@ static bool give_peak(void *context, iqfoc_dq_t i_ref, const iqfoc_sample_t *sam
     if (!d->halves) {
         iqfoc_sample_t seen = *sample;
         seen.theta = iqfoc_tracker_theta(&d->tracker, IQ24(0.5));
-        seen.turns = iqfoc_tracker_turns(&d->tracker);
+        seen.speed = iqfoc_tracker_speed(&d->tracker);
         tuned_firmware_peak(&d->tuned, &seen);
     }
     answer->command = d->tuned.command;

@@ -50,7 +50,7 @@ static bool begin(watched_angle *w, const motor *m, error *e)
     }
     config.trips = 0;
     const iqfoc_watch_angle_config_t limits =
-        IQFOC_WATCH_ANGLE_CONFIG(m->pole_pairs, w->host.observer.turns_min, WATCH_ANGLE_BIAS_DEG / 360.0,
+        IQFOC_WATCH_ANGLE_CONFIG(m->pole_pairs, w->host.observer.speed_min, WATCH_ANGLE_BIAS_DEG / 360.0,
                                  WATCH_ANGLE_SWING_DEG / 360.0, WATCH_ANGLE_NOISE_DEG / 360.0);
     w->config = limits;
     if (iqfoc_watch_angle_init(&w->watch, &w->config) != IQFOC_OK) {

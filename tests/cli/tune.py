@@ -23,7 +23,7 @@ int main(void)
 {
     printf("%d %d %d %d %d %d", (int)law.machine.k_d_q26, (int)law.machine.q_to_d_q27, (int)law.keep, (int)law.follow,
            (int)law.learn, (int)law.learn_offset);
-    printf(" %d %d %d %d %d", (int)observer.k1, (int)observer.k2, (int)observer.gain_max, (int)observer.turns_min,
+    printf(" %d %d %d %d %d", (int)observer.k1, (int)observer.k2, (int)observer.gain_max, (int)observer.speed_min,
            (int)observer.flux_max);
     printf(" %d %d %d %d %d %d", (int)speed.kp_q16, (int)speed.share, (int)speed.ramp_q32, (int)speed.i_ramp, (int)speed.cycles,
            (int)tracker.k1);

@@ -89,7 +89,7 @@ static void run(FILE *out)
                      channel(&d.sample.i.b, IQFOC_RECORDER_I_B, d.base.I_A),
                      channel(&d.sample.i.c, IQFOC_RECORDER_I_C, d.base.I_A),
                      channel(&d.sample.theta, IQFOC_RECORDER_THETA_E, VEC_TWO_PI),
-                     channel(&d.sample.turns, IQFOC_RECORDER_OMEGA_E, VEC_TWO_PI / d.base.T_s),
+                     channel(&d.sample.speed, IQFOC_RECORDER_OMEGA_E, VEC_TWO_PI / d.base.T_s),
                      channel(&d.duties.a, IQFOC_RECORDER_D_A, 1.0),
                      channel(&d.duties.b, IQFOC_RECORDER_D_B, 1.0),
                      channel(&d.duties.c, IQFOC_RECORDER_D_C, 1.0),

@@ -37,7 +37,7 @@ static const iqfoc_salient_machine_t salient_machine =
     IQFOC_SALIENT_MACHINE(0.75, 5.2e-3, 6.2e-3, 0.134, T_S, I_B, U_B);
 static const iqfoc_induction_machine_t induction_machine =
     IQFOC_INDUCTION_MACHINE(0.9, 0.6, 9e-3, 0.12, T_S, I_B, U_B);
-static const iq24_t n_max = IQFOC_TURNS(8000.0, 3, T_S);
+static const iq24_t n_max = IQFOC_SPEED(8000.0, 3, T_S);
 
 static uint32_t sum;
 
@@ -79,14 +79,14 @@ struct iqfoc_hal {
 void iqfoc_hal_read_valley(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
 {
     *sample = hal->sample;
-    sample->at = 0;
+    sample->instant = 0;
 }
 
 void iqfoc_hal_read_peak(iqfoc_hal_t *hal, iqfoc_sample_t *sample)
 {
     *sample = hal->sample;
-    sample->at = IQ24_ONE / 2;
-    sample->theta = iq24_add_wrap(sample->theta, sample->turns / 2);
+    sample->instant = IQ24_ONE / 2;
+    sample->theta = iq24_add_wrap(sample->theta, sample->speed / 2);
 }
 
 void iqfoc_hal_write(iqfoc_hal_t *hal, const iqfoc_command_t *command)
@@ -132,7 +132,7 @@ static void set_up(void)
     hal.sample.i.b = IQ24(-0.1);
     hal.sample.i.c = IQ24(-0.2);
     hal.sample.u_dc = IQ24(0.98);
-    hal.sample.turns = n_max;
+    hal.sample.speed = n_max;
 }
 
 /* The cycle behind the HAL, with a recorder that watches it. */
@@ -172,7 +172,7 @@ static void numbers(void)
 
 static void predictions(void)
 {
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(n_max);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(n_max);
     const iqfoc_ab_t i = iqfoc_clarke2(IQ24(0.3), IQ24(-0.1));
     const iqfoc_ab_t u = iqfoc_finite_set_voltage(3, IQ24(1.0));
     const iqfoc_abc_t high = {IQ24(0.7), IQ24(0.4), IQ24(0.2)};

@@ -85,7 +85,7 @@ void prove_start(void)
         s.stage = (iqfoc_start_stage_t)any_within(0, 6);
         s.done = s.stage <= IQFOC_START_RUN_UP ? any_count(0, (1 << 24) - 1) : any_count(0, UINT32_MAX);
         s.theta = any();
-        s.turns = any();
+        s.speed = any();
         s.i_ref.d = any_within(0, IQ24(16.0));
         s.sensor_before = any();
         s.sensor_zero = any();

@@ -25,7 +25,7 @@ void prove_reference(void)
 /* Overmodulation: |u| <= 32, 0 < 1/u_dc <= 2, any speed, from any state; the nearest point and the duties' voltage. */
 void prove_overmodulation(void)
 {
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(any());
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(any());
     iqfoc_overmodulation_t state = {any_within(0, IQ24(8.0))};
     const iq24_t limit = any_within(IQFOC_OVERMODULATION_CIRCLE, iqfoc_overmodulation_limit(&rotor));
     (void)iqfoc_overmodulate(&state, any_ab(IQ24(32.0)), any_within(1, IQ24(2.0)), limit);
@@ -59,7 +59,7 @@ void prove_edges(void)
         asked[x].level = any_bool() ? 1 : -1;
         asked[x].edges = any_within(0, IQFOC_PATTERN_EDGES_MAX);
         for (int32_t k = 0; k < IQFOC_PATTERN_EDGES_MAX; k++) {
-            asked[x].at[k] = any_within(0, IQ24_ONE - 1);
+            asked[x].instant[k] = any_within(0, IQ24_ONE - 1);
         }
     }
     for (int32_t n = 0; n < 3; n++) {
@@ -117,7 +117,7 @@ void prove_tuned_step(void)
     tuned.reference.gain = any_within(IQ24_ONE, IQ24(1.4626));
     tuned.reference.magnet_pu = any_within(0, IQ24(3.8));
     tuned.bow = any_within(IQ24(0.62), IQ24(0.67));
-    tuned.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    tuned.speed = any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     tuned.follow = any_within(0, IQ24_ONE);
     tuned.learn = any_within(0, IQ24_ONE);
     tuned.learn_offset = any_within(0, IQ24_ONE);

@@ -119,7 +119,7 @@ void prove_sensorless(void)
         IQFOC_OBSERVER_CONFIG(0.5, 3e-3, 5e-3, 0.12, 1e-4, 10.0, 300.0, 1600.0, IQ24(0.005));
     const iqfoc_start_config_t start = {
         any_within(1, IQ24(16.0)), any_count(1, 1U << 24), any_count(1, 1U << 24),
-        any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX), any_count(1, 1U << 24)};
+        any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX), any_count(1, 1U << 24)};
     const iqfoc_extension_t x = any_extension();
     const iqfoc_cycle_config_t set = any_timed_set();
     iqfoc_cycle_t cycle;

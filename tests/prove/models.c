@@ -57,7 +57,7 @@ void prove_predictor_form(void)
     machine.k_u = any_within(1, IQ24(16.0));
     machine.k_r = any_within(0, IQ24_ONE);
     machine.k_psi = any_within(0, IQ24(8.0));
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(any());
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(any());
     const iqfoc_exact_t euler = iqfoc_form_euler(&machine, &rotor);
     const iqfoc_exact_t quasi = iqfoc_form_quasi_discrete(&machine, &rotor);
     (void)iqfoc_exact_step(&euler, any_ab(IQ24(32.0)), any_ab(IQ24(2.0)), any_sincos());
@@ -95,7 +95,7 @@ void prove_induction(void)
 void prove_ripple_and_modulated_mean(void)
 {
     const iqfoc_salient_machine_t machine = any_salient(1);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(any());
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(any());
     const iqfoc_ripple_t ripple = iqfoc_ripple_at_speed(&machine, &rotor);
     const iqfoc_ripple_half_t half = iqfoc_ripple_half_at_speed(&machine, &rotor);
     const iqfoc_abc_t high = any_abc(0, IQ24_ONE);
@@ -126,12 +126,12 @@ void prove_deadbeat(void)
 {
     const iqfoc_exact_t model = any_model();
     const iqfoc_deadbeat_t deadbeat = {model, iqfoc_deadbeat_inverse(model.k_u_q26), any_valley_reference()};
-    const iq24_t turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t speed = any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     (void)iqfoc_deadbeat_step(&deadbeat, any_ab(IQ24(15.0)), any_ab(IQ24_ONE), any_dq(IQ24(20.0)), any(),
-                              turns);
+                              speed);
     iqfoc_deadbeat_drift_t learnt = {any_dq(IQFOC_DEADBEAT_DRIFT_LIMIT), any_ab(IQ24_MAX), any_bool()};
     (void)iqfoc_deadbeat_drift_step(&learnt, &deadbeat, any_within(0, IQ24_ONE), any_ab(IQ24(15.0)),
-                                    any_ab(IQ24_ONE), any_dq(IQ24(20.0)), any(), turns);
+                                    any_ab(IQ24_ONE), any_dq(IQ24(20.0)), any(), speed);
 }
 
 /* Finite set: any model, any speed, any horizon, weight 0 ... 1; |i| <= 15, |i_ref| <= 20, u_dc 0 ... 2. */
@@ -140,6 +140,6 @@ void prove_finite_set(void)
     const iqfoc_finite_set_t set = {any_model(), any_valley_reference(), any_within(0, IQ24_ONE), any()};
     uint32_t nodes = 0;
     (void)iqfoc_finite_set_choose(&set, any_ab(IQ24(15.0)), any_within(0, 7), any_dq(IQ24(20.0)), any(),
-                                  any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX),
+                                  any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX),
                                   any_within(0, IQ24(2.0)), &nodes);
 }

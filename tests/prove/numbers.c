@@ -51,7 +51,7 @@ void prove_div(void)
 /* Rotor movement and the steady state's gain: any speed. */
 void prove_rotor(void)
 {
-    (void)iqfoc_rotor_from_turns(any());
+    (void)iqfoc_rotor_from_speed(any());
     (void)iqfoc_rotor_steady_gain(any());
 }
 

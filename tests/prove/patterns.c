@@ -48,11 +48,11 @@ static iqfoc_pattern_leg_t any_leg(void)
 static iqfoc_pattern_trajectory_t any_trajectory(int32_t edges)
 {
     iqfoc_pattern_trajectory_t t;
-    t.turns = any_within(-IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
+    t.speed = any_within(-IQFOC_PATTERN_SPEED_MAX, IQFOC_PATTERN_SPEED_MAX);
     t.sense = any_bool() ? 1 : -1;
     t.u_place = any_within(-PATTERN_QUARTER_TURN, 3 * PATTERN_QUARTER_TURN);
     t.third_turn = any_bool() ? PATTERN_THIRD_TURN : -PATTERN_THIRD_TURN;
-    t.speed = any_within(IQFOC_PATTERN_CONTROL_TURNS_MIN, IQFOC_PATTERN_TURNS_MAX);
+    t.speed_abs = any_within(IQFOC_PATTERN_CONTROL_SPEED_MIN, IQFOC_PATTERN_SPEED_MAX);
     t.l_q28 = any_within(0, 1 << 30);
     t.steady_q28.d = any_within(-(1 << 30) - (1 << 28), (1 << 30) + (1 << 28));
     t.steady_q28.q = any_within(-(1 << 30) - (1 << 28), (1 << 30) + (1 << 28));
@@ -76,11 +76,11 @@ static iqfoc_pattern_trajectory_t any_trajectory(int32_t edges)
 
 static void check_trajectory(const iqfoc_pattern_trajectory_t *t, int32_t edges)
 {
-    check(t->turns, -IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
+    check(t->speed, -IQFOC_PATTERN_SPEED_MAX, IQFOC_PATTERN_SPEED_MAX);
     check(t->sense, -1, 1);
     check(t->u_place, -PATTERN_QUARTER_TURN, 3 * PATTERN_QUARTER_TURN);
     check(t->third_turn, -PATTERN_THIRD_TURN, PATTERN_THIRD_TURN);
-    check(t->speed, IQFOC_PATTERN_CONTROL_TURNS_MIN, IQFOC_PATTERN_TURNS_MAX);
+    check(t->speed_abs, IQFOC_PATTERN_CONTROL_SPEED_MIN, IQFOC_PATTERN_SPEED_MAX);
     check(t->l_q28, 0, 1 << 30);
     check(t->steady_q28.d, -(1 << 30) - (1 << 28), (1 << 30) + (1 << 28));
     check(t->steady_q28.q, -(1 << 30) - (1 << 28), (1 << 30) + (1 << 28));
@@ -316,7 +316,7 @@ static iqfoc_pulse_mode_t any_mode(const iqfoc_pulse_config_t *config, int32_t p
     const iqfoc_pulse_mode_t mode = {config,
                                      present,
                                      wanted,
-                                     any_within(-IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX),
+                                     any_within(-IQFOC_PATTERN_SPEED_MAX, IQFOC_PATTERN_SPEED_MAX),
                                      any_within(0, IQ24(3.0)),
                                      any_bool() ? INT64_C(1) << 62 : (iq24_acc_t)any() * IQ24_MAX};
     return mode;
@@ -326,7 +326,7 @@ static void check_mode(const iqfoc_pulse_mode_t *mode, int32_t levels)
 {
     check(mode->level, 0, levels - 1);
     check(mode->wanted, 0, levels - 1);
-    check(mode->turns, -IQFOC_PATTERN_TURNS_MAX, IQFOC_PATTERN_TURNS_MAX);
+    check(mode->speed, -IQFOC_PATTERN_SPEED_MAX, IQFOC_PATTERN_SPEED_MAX);
     check(mode->waited, 0, IQ24(3.0));
     /*@ assert within_its_range: -4611686018427387904 <= mode->nearest_q48 <= 4611686018427387904; */
 }
@@ -341,7 +341,7 @@ static iqfoc_cycle_t any_cycle(iqfoc_cycle_config_t *set)
     set->period_ticks = any_count(1, INT32_MAX);
     iqfoc_cycle_t cycle;
     cycle.config = set;
-    cycle.rotor = iqfoc_rotor_from_turns(any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+    cycle.rotor = iqfoc_rotor_from_speed(any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX));
     cycle.theta_valley = any();
     cycle.i_next = any_ab(IQ24(8.0));
     cycle.i_ref = any_dq(IQ24(8.0));

@@ -19,7 +19,7 @@ static iqfoc_predictor_t any_machine(void)
 void prove_prediction_and_mean(void)
 {
     const iqfoc_predictor_t machine = any_machine();
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(any());
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(any());
     const iqfoc_ab_t i = any_ab(IQ24(32.0));
     const iqfoc_ab_t u = any_ab(IQ24(2.0));
     (void)iqfoc_predictor_euler(&machine, i, u, &rotor, any_sincos());
@@ -52,7 +52,7 @@ void prove_current_control(void)
     const iqfoc_dq_t u =
         iqfoc_current_control_step(&integrators, &gains, any_dq(IQ24(32.0)), any_dq(IQ24(32.0)));
     (void)iqfoc_current_control_decoupling(&gains, any_dq(IQ24(32.0)),
-                                           any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+                                           any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX));
     iqfoc_current_control_limited(&integrators, &gains, u, any_within(0, IQ24_ONE));
 }
 

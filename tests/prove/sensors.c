@@ -49,7 +49,7 @@ void prove_halls(void)
     iqfoc_halls_t h;
     if (iqfoc_halls_init(&h, &config) == IQFOC_OK) {
         h.theta = any();
-        h.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        h.speed = any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
         h.sector = any_within(-1, 5);
         h.way = any_within(-1, 1);
         h.since = any_count(0, (1 << 28) + 255);
@@ -58,7 +58,7 @@ void prove_halls(void)
         for (int32_t k = 0; k < IQFOC_HALLS_SECTORS; k++) {
             h.span[k] = any_count(1, (1 << 28) + 255);
         }
-        h.turns_seen = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        h.speed_seen = any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
         iqfoc_halls_step(&h, any_count(0, UINT32_MAX), any_count(0, UINT32_MAX));
     }
 }
@@ -70,7 +70,7 @@ void prove_tracker(void)
     iqfoc_tracker_t t;
     if (iqfoc_tracker_init(&t, &config) == IQFOC_OK) {
         t.theta_q32 = any();
-        t.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        t.speed_q32 = any_within(-256 * IQFOC_ROTOR_SPEED_MAX, 256 * IQFOC_ROTOR_SPEED_MAX);
         t.acceleration_q32 = any_within(-(1 << 29), 1 << 29);
         t.error = any();
         t.missing = any_count(0, UINT32_MAX);
@@ -78,7 +78,7 @@ void prove_tracker(void)
         t.lost = any_bool();
         iqfoc_tracker_step(&t, any(), any_within(-IQ24_ONE, IQ24_ONE), any_bool());
         (void)iqfoc_tracker_theta(&t, any_within(-8 * IQ24_ONE, 8 * IQ24_ONE));
-        (void)iqfoc_tracker_turns(&t);
+        (void)iqfoc_tracker_speed(&t);
     }
 }
 
@@ -93,7 +93,7 @@ void prove_observer(void)
                                             any_within(IQ24(0.125), IQ24_ONE),
                                             any_within(1, IQ24_ONE),
                                             any_within(1, IQ24(0.25)),
-                                            any_within(0, IQFOC_ROTOR_TURNS_MAX),
+                                            any_within(0, IQFOC_ROTOR_SPEED_MAX),
                                             any_within(1, IQ24(0.5)),
                                             any_within(1, IQ24(8.0) - 1),
                                             any_count(1, UINT32_MAX),
@@ -104,7 +104,7 @@ void prove_observer(void)
         iqfoc_observer_start(&o, any_ab(IQ24(15.9)), any(), any(), any_bool());
         o.psi = any_ab(IQ24(32.0));
         o.theta_q32 = any();
-        o.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        o.speed_q32 = any_within(-256 * IQFOC_ROTOR_SPEED_MAX, 256 * IQFOC_ROTOR_SPEED_MAX);
         o.count = any_count(0, UINT32_MAX);
         o.slow = any_count(0, UINT32_MAX);
         o.locked = any_bool();
@@ -112,7 +112,7 @@ void prove_observer(void)
         iqfoc_observer_step(&o, any_ab(IQ24(2.0)), any_ab(IQ24(15.9)), any_ab(IQ24(15.9)));
         (void)iqfoc_observer_mean(any_ab(IQ24(15.9)), any_ab(IQ24(15.9)), any_ab(IQ24(15.9)));
         (void)iqfoc_observer_theta(&o, any_within(-8 * IQ24_ONE, 8 * IQ24_ONE));
-        (void)iqfoc_observer_turns(&o);
+        (void)iqfoc_observer_speed(&o);
     }
 }
 
@@ -128,7 +128,7 @@ void prove_observer_inductance(void)
     if (iqfoc_observer_inductance_init(&a, &config, &nominal) == IQFOC_OK &&
         iqfoc_observer_init(&o, &a.adapted) == IQFOC_OK) {
         o.theta_q32 = any();
-        o.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        o.speed_q32 = any_within(-256 * IQFOC_ROTOR_SPEED_MAX, 256 * IQFOC_ROTOR_SPEED_MAX);
         o.error = any_within(IQ24(-0.5), IQ24(0.5));
         o.locked = any_bool();
         a.adapted.k1 = any_within(1, IQ24_ONE);
@@ -165,7 +165,7 @@ void prove_observer_resistance(void)
         a.psi = any_within(-IQ24(0.25), IQ24(0.25));
         a.s = any_ab(IQ24(32.0));
         o.theta_q32 = any();
-        o.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        o.speed_q32 = any_within(-256 * IQFOC_ROTOR_SPEED_MAX, 256 * IQFOC_ROTOR_SPEED_MAX);
         o.flux_error = any_within(-IQ24(8.0), IQ24(8.0));
         o.psi = any_ab(IQ24(32.0));
         o.locked = any_bool();
@@ -181,7 +181,7 @@ void prove_speed_control(void)
     if (iqfoc_speed_control_init(&c, &config) == IQFOC_OK) {
         iqfoc_speed_control_start(&c, any(), any());
         c.integral = iq24_acc_mul(any_within(-IQ24(8.0) - 1, IQ24(8.0)), IQ24_ONE) + any_within(0, IQ24_ONE);
-        c.set_point_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        c.set_point_q32 = any_within(-256 * IQFOC_ROTOR_SPEED_MAX, 256 * IQFOC_ROTOR_SPEED_MAX);
         c.wait = any_count(0, UINT32_MAX);
         (void)iqfoc_speed_control_step(&c, any(), any(), any());
     }
@@ -239,7 +239,7 @@ void prove_synchronous_flux(void)
     new.gains.x_q = any_within(0, IQ24(96.0));
     new.gains.emf = any_within(0, IQ24(96.0));
     iqfoc_cycle_t cycle = {.config = &old, .next = &new};
-    cycle.rotor.turns = any_within(-IQFOC_ROTOR_TURNS_MAX - 1, IQFOC_ROTOR_TURNS_MAX);
+    cycle.rotor.speed = any_within(-IQFOC_ROTOR_SPEED_MAX - 1, IQFOC_ROTOR_SPEED_MAX);
     cycle.u_dq = any_dq(IQ24(8.0));
     cycle.i_ref = any_dq(IQ24(32.0));
     cycle.control.integral_d = iq24_acc_mul(any_within(-IQ24(8.0), IQ24(8.0)), IQ24_ONE);
@@ -307,7 +307,7 @@ void prove_watch_block(void)
     for (int32_t n = 0; n < IQFOC_WATCH_BLOCK_CYCLES; n++) {
         (void)iqfoc_watch_step(&w, any_ab(IQ24_MAX), any_dq(IQ24(8.0)), any_dq(IQ24(16.0)), any_sincos());
     }
-    w.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    w.speed = any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     w.theta = any();
     w.mechanical = any();
     w.across_q6 = any();
@@ -335,7 +335,7 @@ void prove_adapt(void)
     for (int32_t n = 0; n < IQFOC_WATCH_BLOCK_CYCLES; n++) {
         (void)iqfoc_watch_step(&w, any_ab(IQ24_MAX), any_dq(IQ24(8.0)), any_dq(IQ24(16.0)), any_sincos());
     }
-    w.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    w.speed = any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     w.blocks = any_count(1, UINT32_MAX);
     iqfoc_adapt_t adapt = {any_within(-IQ24(0.5), IQ24_ONE), any_within(-IQ24(0.25), IQ24(0.25))};
     iqfoc_adapt_block(&adapt, &bounds, &w, &config, any());
@@ -351,7 +351,7 @@ void prove_watch_angle(void)
     iqfoc_watch_angle_t w;
     if (iqfoc_watch_angle_init(&w, &config) == IQFOC_OK) {
         s.observer.theta_q32 = any();
-        s.observer.turns_q32 = any_within(-256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        s.observer.speed_q32 = any_within(-256 * IQFOC_ROTOR_SPEED_MAX, 256 * IQFOC_ROTOR_SPEED_MAX);
         s.observer.locked = any_bool();
         s.on = any_count(0, 3);
         s.difference = any_within(IQ24(-0.5), IQ24(0.5));
@@ -378,7 +378,7 @@ static iqfoc_sample_t any_measured(void)
 {
     const iqfoc_sample_t s = {.i = any_abc(IQ24_MIN, IQ24_MAX),
                               .theta = any(),
-                              .turns = any(),
+                              .speed = any(),
                               .u_dc = any(),
                               .clipped = any_bool()};
     return s;
@@ -402,7 +402,7 @@ static void any_commission(iqfoc_commission_t *c, const iqfoc_commission_config_
     c->start.stage = (iqfoc_start_stage_t)any_within(0, 6);
     c->start.done = any_count(0, (1 << 24) - 1);
     c->start.theta = any();
-    c->start.turns = any_within(-IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    c->start.speed = any_within(-IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     c->start.i_ref.d = any_within(0, IQ24(2.0));
     c->start.i_ref.q = 0;
     c->cycles = any_count(0, UINT32_MAX - 1);

@@ -19,7 +19,7 @@ int64_t iqfoc_arm_mac64(int64_t sum, int32_t a, int32_t b);
 int32_t iqfoc_arm_high(int32_t a, int32_t b);
 int32_t iqfoc_arm_high_round(int32_t a, int32_t b);
 int64_t iqfoc_arm_sincos_q30(int32_t turns);
-int64_t iqfoc_arm_rotor(int32_t turns, const int32_t *poly);
+int64_t iqfoc_arm_rotor(int32_t speed, const int32_t *poly);
 
 #define DRAWS 5000000
 
@@ -56,11 +56,11 @@ static void sine_and_cosine_of_all_angles(void)
 /* One past the limit either way, as the function is promised. */
 static void the_rotors_polynomials_of_all_speeds(void)
 {
-    for (int32_t turns = -IQFOC_ROTOR_TURNS_MAX - 1; turns <= IQFOC_ROTOR_TURNS_MAX + 1; turns++) {
-        const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(turns);
+    for (int32_t speed = -IQFOC_ROTOR_SPEED_MAX - 1; speed <= IQFOC_ROTOR_SPEED_MAX + 1; speed++) {
+        const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(speed);
         const int64_t wanted = shape.p2_q30 * INT64_C(0x100000000) + (int64_t)(uint32_t)shape.p1_q30;
-        if (iqfoc_arm_rotor(turns, &iqfoc_rotor_poly[0][0]) != wanted) {
-            TEST_ASSERT_EQUAL_INT64(wanted, iqfoc_arm_rotor(turns, &iqfoc_rotor_poly[0][0]));
+        if (iqfoc_arm_rotor(speed, &iqfoc_rotor_poly[0][0]) != wanted) {
+            TEST_ASSERT_EQUAL_INT64(wanted, iqfoc_arm_rotor(speed, &iqfoc_rotor_poly[0][0]));
         }
     }
 }

@@ -389,13 +389,13 @@ static void test_sampling_instant(void)
         iqfoc_hal_read_valley(&hal, &sample);
         TEST_ASSERT_EQUAL_UINT32(1000000, iqfoc_hal_now(&hal));
         TEST_ASSERT_EQUAL_UINT32(1000000 - 300 * ratio, sample.time);
-        TEST_ASSERT_EQUAL_INT32(0, sample.at);
+        TEST_ASSERT_EQUAL_INT32(0, sample.instant);
         instant(HALF - 200, true, 100, 0);
         iqfoc_hal_read_valley(&hal, &sample); /* late, past the peak */
         TEST_ASSERT_EQUAL_UINT32(100u - (HALF + 200) * ratio, sample.time);
         iqfoc_hal_read_peak(&hal, &sample);
         TEST_ASSERT_EQUAL_UINT32(100u - 200 * ratio, sample.time);
-        TEST_ASSERT_EQUAL_INT32(IQ24_ONE / 2, sample.at);
+        TEST_ASSERT_EQUAL_INT32(IQ24_ONE / 2, sample.instant);
         instant(150, false, 0, 0);
         iqfoc_hal_read_peak(&hal, &sample); /* late, past the valley */
         TEST_ASSERT_EQUAL_UINT32(0u - (HALF + 150) * ratio, sample.time);
@@ -447,8 +447,8 @@ static void test_angle_and_speed(void)
             count += per_valley[way];
         }
         count -= per_valley[way];
-        const double turns = per_valley[way] * 3.0 / 4096.0;
-        TEST_ASSERT_DOUBLE_WITHIN(3.0 / 4096.0 / HAL_SPEED_SPAN, turns, sample.turns / 16777216.0);
+        const double speed = per_valley[way] * 3.0 / 4096.0;
+        TEST_ASSERT_DOUBLE_WITHIN(3.0 / 4096.0 / HAL_SPEED_SPAN, speed, sample.speed / 16777216.0);
         const double theta = count * 3.0 / 4096.0 + 0.125;
         TEST_ASSERT_DOUBLE_WITHIN(1.5 * 3.0 / 4096.0, 0.0, remainder(sample.theta / 16777216.0 - theta, 1.0));
     }

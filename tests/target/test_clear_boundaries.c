@@ -90,7 +90,7 @@ static void valley(iq24_t i)
 
 static void peak(void)
 {
-    const iqfoc_sample_t s = {.u_dc = IQ24_ONE, .at = IQ24(0.5)};
+    const iqfoc_sample_t s = {.u_dc = IQ24_ONE, .instant = IQ24(0.5)};
     hal.sample = s;
     iqfoc_isr_peak(&cycle, &hal);
 }

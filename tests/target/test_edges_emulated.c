@@ -48,7 +48,7 @@ void small_drive_advance_half(small_drive_t *drive, const iqfoc_command_t *comma
 static int level_at(const iqfoc_leg_edges_t *leg, uint32_t tick)
 {
     int level = leg->level;
-    for (int k = 0; k < leg->edges && leg->at[k] <= tick; k++) {
+    for (int k = 0; k < leg->edges && leg->instant[k] <= tick; k++) {
         level = -level;
     }
     return level;
@@ -124,7 +124,7 @@ static void test_edges_are_those_asked(void)
             uint32_t at = drawn(3) == 0 ? 0 : drawn(PERIOD);
             leg->level = level_at(&acting.leg[x], PERIOD);
             for (int k = 0; k < most && at < PERIOD; k++) {
-                leg->at[leg->edges++] = at;
+                leg->instant[leg->edges++] = at;
                 at += drawn(4) == 0 ? PERIOD - 1 - at + (at == PERIOD - 1) : 1 + drawn(PERIOD / 8);
             }
         }

@@ -282,7 +282,7 @@ static void test_valley_or_peak(void)
             TEST_ASSERT_FALSE(hal_stm32g4_edges_at_valley(&rig_edges_hal));
         }
         iqfoc_hal_read_peak(&rig_edges_hal, &sample);
-        TEST_ASSERT_EQUAL_INT32(IQ24_ONE / 2, sample.at);
+        TEST_ASSERT_EQUAL_INT32(IQ24_ONE / 2, sample.instant);
     }
 }
 

@@ -31,9 +31,9 @@ int64_t iqfoc_arm_mac64(int64_t sum, int32_t a, int32_t b) __attribute__((const)
 int32_t iqfoc_arm_high(int32_t a, int32_t b) __attribute__((const));
 int32_t iqfoc_arm_high_round(int32_t a, int32_t b) __attribute__((const));
 /* src/arm_sincos.c. Cosine 2^32 + sine in Q30, as iq24_sincos_q30_inline has them: 144. */
-int64_t iqfoc_arm_sincos_q30(int32_t turns) __attribute__((const));
+int64_t iqfoc_arm_sincos_q30(int32_t speed) __attribute__((const));
 /* src/arm_rotor.c. P2 2^32 + P1 of iqfoc_rotor_shape, with its polynomials: 139. */
-int64_t iqfoc_arm_rotor(int32_t turns, const int32_t *poly) __attribute__((pure));
+int64_t iqfoc_arm_rotor(int32_t speed, const int32_t *poly) __attribute__((pure));
 
 #ifdef __cplusplus
 }
@@ -44,6 +44,6 @@ int64_t iqfoc_arm_rotor(int32_t turns, const int32_t *poly) __attribute__((pure)
 #define IQ24_HIGH(a, b)                      iqfoc_arm_high(a, b)
 #define IQ24_HIGH_ROUND(a, b)                iqfoc_arm_high_round(a, b)
 #define IQ24_SINCOS_Q30(turns)               iqfoc_arm_sincos_q30(turns)
-#define IQFOC_ROTOR_POLYNOMIALS(turns, poly) iqfoc_arm_rotor(turns, poly)
+#define IQFOC_ROTOR_POLYNOMIALS(speed, poly) iqfoc_arm_rotor(speed, poly)
 
 #endif

@@ -25,11 +25,11 @@ void setup()
 void loop()
 {
     const iq24_t theta = IQ24(0.1); // turns
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(IQFOC_TURNS(6000.0, 4, T_S));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(IQFOC_SPEED(6000.0, 4, T_S));
     const iqfoc_ab_t i = {IQ24(0.3), IQ24(0.6)};
     const iqfoc_ab_t u = {IQ24(-0.2), IQ24(0.4)};
     print_current("Euler          ", iqfoc_predictor_euler(&predictor, i, u, &rotor, iq24_sincos(theta)));
     print_current("quasi-discrete ",
-                  iqfoc_predictor_quasi_discrete(&predictor, i, u, &rotor, iq24_sincos(theta + rotor.turns / 2)));
+                  iqfoc_predictor_quasi_discrete(&predictor, i, u, &rotor, iq24_sincos(theta + rotor.speed / 2)));
     delay(1000);
 }

@@ -116,9 +116,9 @@ class Firmware:
         m = self.motor
         numbers = from_float([*(x / m.I_base_A for x in s.i_A), math.remainder(s.theta_e_rad / math.tau, 1.0),
                               s.omega_e_rad_s * m.T_s / math.tau, s.u_dc_V / m.u_dc_V])
-        i, (theta, turns, u_dc) = [int(x) for x in numbers[:3]], [int(x) for x in numbers[3:]]
+        i, (theta, speed, u_dc) = [int(x) for x in numbers[:3]], [int(x) for x in numbers[3:]]
         mean = {} if s.i_mean_A is None else {"has_mean": True, "i_mean": [int(x) for x in from_float([x / m.I_base_A for x in s.i_mean_A])]}
-        return ffi.new("py_sample *", {"i": i, "theta": theta, "turns": turns, "u_dc": u_dc, "at": at, **mean,
+        return ffi.new("py_sample *", {"i": i, "theta": theta, "speed": speed, "u_dc": u_dc, "instant": at, **mean,
                                        "time": round(s.t_s * TICKS_PER_S) % 2 ** 32,
                                        "clipped": max(abs(x) for x in s.i_A) > 15.9 * m.I_base_A})
 

@@ -90,14 +90,14 @@ static vec_ab predict(const firmware *f, const recording *rec, const pwm_updates
     }
     iqfoc_sample_t sample = {.i = per_unit_phases(i_A, f->base.I_A),
                              .theta = turns_from_rad(rec->theta_e_rad[k]),
-                             .turns = turns_from_speed(rec->omega_e_rad_s[k], rec->T_s),
+                             .speed = turns_from_speed(rec->omega_e_rad_s[k], rec->T_s),
                              .u_dc = IQ24_ONE};
     iqfoc_extension_sample(&f->extension, &sample);
     leave_out(current_sensors_missing(rec, pwm, sensors, k, 1), &sample.i);
     const iqfoc_ab_t next =
         iqfoc_flux_predictor_step(&f->predictor, &f->extension, iqfoc_clarke3(sample.i),
                                   iqfoc_clarke3(per_unit_phases(u_V, f->base.U_V)), iq24_sincos(sample.theta),
-                                  iq24_sincos(iq24_add_wrap(sample.theta, sample.turns)));
+                                  iq24_sincos(iq24_add_wrap(sample.theta, sample.speed)));
     return sensed(f, current_sensors_missing(rec, pwm, sensors, k + 1, 1), next);
 }
 

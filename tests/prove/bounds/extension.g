@@ -1,7 +1,7 @@
 # What a diagnosis found, put right (extension.h). Clamps bring nothing further apart and are left out.
 @near = fixed<-24,nu>;
 current = near((measured - offset) * gain);
-angle = theta - (theta_0 + near(delay * turns));
+angle = theta - (theta_0 + near(delay * speed));
 share = near(i * knee);
 lost = near(v_dead * share_held);
 more = near(lost * inverse);
@@ -9,14 +9,14 @@ square = near(Square);
 rise = near(saturation * square);
 coefficient = near(k * (1 + rise));
 acting = near(u * k_u) - common;
-{ measured in [-31,31] /\ offset in [-1,1] /\ gain in [0.5,2] /\ delay in [-8,8] /\ turns in [-1,1] /\ i in [-128,128] /\
+{ measured in [-31,31] /\ offset in [-1,1] /\ gain in [0.5,2] /\ delay in [-8,8] /\ speed in [-1,1] /\ i in [-128,128] /\
   knee in [0,127] /\ v_dead in [-0.25,0.25] /\ share_held in [-1,1] /\ Share in [-1,1] /\ (share_held - Share) * 1b24 in [-0.5,0.5] /\
   inverse in [0,2] /\ Square in [0,50] /\ saturation in [0,4] /\ k in [0,16] /\ rise in [0,1] /\ u in [-16,16] /\ k_u in [0.5,2] /\
   (common - Common) * 1b24 in [-1.53,1.53] ->
 # extension.h: held to +-15.9, what the cycle takes. Largest error: 0.5 LSB
 |current - (measured - offset) * gain| * 1b24 <= 0.5
-# extension.h: whole turns are immaterial. |turns| <= 1. Largest error: 0.5 LSB
-/\ |angle - (theta - (theta_0 + delay * turns))| * 1b24 <= 0.5
+# extension.h: whole turns are immaterial. |speed| <= 1. Largest error: 0.5 LSB
+/\ |angle - (theta - (theta_0 + delay * speed))| * 1b24 <= 0.5
 /\ |share - i * knee| * 1b24 <= 0.5
 # extension.h: 0.63 LSB, the quotient's 0.5 LSB times v_dead and one more rounding
 /\ |lost - v_dead * Share| * 1b24 <= 0.63
@@ -29,7 +29,7 @@ acting = near(u * k_u) - common;
 /\ |rise - saturation * Square| * 1b24 <= 2.5
 /\ |coefficient - k * (1 + rise)| * 1b24 <= 0.5
 }
-angle - (theta - (theta_0 + delay * turns)) -> 0 - (near(delay * turns) - delay * turns);
+angle - (theta - (theta_0 + delay * speed)) -> 0 - (near(delay * speed) - delay * speed);
 lost - v_dead * Share -> (near(v_dead * share_held) - v_dead * share_held) + v_dead * (share_held - Share);
 more - v_dead * Share * inverse -> (near(lost * inverse) - lost * inverse) + (lost - v_dead * Share) * inverse;
 rise - saturation * Square -> (near(saturation * square) - saturation * square) + saturation * (square - Square);

@@ -77,7 +77,7 @@ static void add_halls(golden_inputs_t *inputs, uint64_t *digest)
     const uint32_t bits = draw == 63 ? below(inputs, 8) : order[place];
     iqfoc_halls_step(&halls, bits, below(inputs, 300));
     digest_add(digest, halls.theta);
-    digest_add(digest, halls.turns);
+    digest_add(digest, halls.speed);
     digest_add(digest, (int32_t)halls.faults);
 }
 
@@ -91,10 +91,10 @@ static void add_tracker(golden_inputs_t *inputs, uint64_t *digest, iqfoc_resolve
     const iq24_t at = golden_within(inputs, IQ24_ONE);
     iqfoc_tracker_step(&tracker, angle.theta, at, below(inputs, 8) != 0);
     digest_add(digest, tracker.theta_q32);
-    digest_add(digest, tracker.turns_q32);
+    digest_add(digest, tracker.speed_q32);
     digest_add(digest, tracker.acceleration_q32);
     digest_add(digest, iqfoc_tracker_theta(&tracker, golden_within(inputs, IQ24(8.0))));
-    digest_add(digest, iqfoc_tracker_turns(&tracker));
+    digest_add(digest, iqfoc_tracker_speed(&tracker));
     digest_add(digest, tracker.lost ? 1 : 0);
 }
 
@@ -116,10 +116,10 @@ static void add_observer(golden_inputs_t *inputs, uint64_t *digest)
     iqfoc_observer_step(&observer, u, iqfoc_observer_mean(i, u, i), i);
     digest_ab(digest, observer.psi);
     digest_add(digest, observer.theta_q32);
-    digest_add(digest, observer.turns_q32);
+    digest_add(digest, observer.speed_q32);
     digest_add(digest, observer.flux_error);
     digest_add(digest, iqfoc_observer_theta(&observer, golden_within(inputs, IQ24(8.0))));
-    digest_add(digest, iqfoc_observer_turns(&observer));
+    digest_add(digest, iqfoc_observer_speed(&observer));
     digest_add(digest, (int32_t)observer.status);
     digest_add(digest, observer.locked ? 1 : 0);
 }
@@ -132,13 +132,13 @@ static void add_speed_control(golden_inputs_t *inputs, uint64_t *digest)
     static iqfoc_speed_control_t control;
     if (inputs->number % AGAIN == 1) {
         (void)iqfoc_speed_control_init(&control, &config);
-        const iq24_t turns = golden_within(inputs, IQ24(0.4));
-        iqfoc_speed_control_start(&control, turns, golden_within(inputs, IQ24(2.0)));
+        const iq24_t speed = golden_within(inputs, IQ24(0.4));
+        iqfoc_speed_control_start(&control, speed, golden_within(inputs, IQ24(2.0)));
     }
     const iq24_t near = iq24_asr32(control.set_point_q32, 8);
     const iq24_t target = near + golden_within(inputs, IQ24(0.001));
-    const iq24_t turns = near + golden_within(inputs, IQ24(0.02));
-    digest_add(digest, iqfoc_speed_control_step(&control, target, turns, golden_positive(inputs, IQ24(2.0))));
+    const iq24_t speed = near + golden_within(inputs, IQ24(0.02));
+    digest_add(digest, iqfoc_speed_control_step(&control, target, speed, golden_positive(inputs, IQ24(2.0))));
     digest_add(digest, control.set_point_q32);
     digest_add(digest, iq24_acc_trunc(control.integral));
     digest_add(digest, iq24_wrap(control.integral));
@@ -153,10 +153,10 @@ static void add_synchronous_carrier(golden_inputs_t *inputs, uint64_t *digest)
                                                       68000, IQ24(0.75), IQ24(0.125), IQ24(0.3)};
     static iqfoc_synchronous_carrier_t carrier;
     static iq24_t angle;
-    static iq24_t speed;
+    static iq24_t nominal;
     if (inputs->number % AGAIN == 1) {
         (void)iqfoc_synchronous_carrier_init(&carrier, &config);
-        speed = golden_within(inputs, IQ24(0.15));
+        nominal = golden_within(inputs, IQ24(0.15));
         angle = 0;
     }
     const iqfoc_cycle_config_t base = {
@@ -168,16 +168,16 @@ static void add_synchronous_carrier(golden_inputs_t *inputs, uint64_t *digest)
         .tolerance_ticks = (uint32_t)golden_positive(inputs, 8500),
         .stale_ticks = (uint32_t)golden_positive(inputs, 8500),
         .deadline_ticks = (uint32_t)golden_positive(inputs, IQ24_MAX)};
-    speed = iq24_clamp(speed + golden_within(inputs, IQ24(0.001)), IQ24(-0.2), IQ24(0.2));
-    const iq24_t turns = iq24_mul_sat(speed, iq24_div((iq24_t)carrier.ticks, 17000));
-    angle = iq24_add_wrap(angle, turns + golden_within(inputs, IQ24(0.001)));
+    nominal = iq24_clamp(nominal + golden_within(inputs, IQ24(0.001)), IQ24(-0.2), IQ24(0.2));
+    const iq24_t speed = iq24_mul_sat(nominal, iq24_div((iq24_t)carrier.ticks, 17000));
+    angle = iq24_add_wrap(angle, speed + golden_within(inputs, IQ24(0.001)));
     iqfoc_cycle_config_t set;
-    iqfoc_synchronous_carrier_set(&base, iqfoc_synchronous_carrier_step(&carrier, angle, turns), &set);
+    iqfoc_synchronous_carrier_set(&base, iqfoc_synchronous_carrier_step(&carrier, angle, speed), &set);
     iqfoc_cycle_t cycle = {.config = &base,
                            .next = &set,
                            .u_dq = golden_dq(inputs, IQ24(2.0)),
                            .i_ref = golden_dq(inputs, IQ24(2.0))};
-    cycle.rotor.turns = turns;
+    cycle.rotor.speed = speed;
     iqfoc_synchronous_carrier_keep_flux(&cycle);
     digest_dq(digest, cycle.u_dq);
     digest_add(digest, iq24_acc_trunc(cycle.control.integral_d));

@@ -13,7 +13,7 @@ static const iqfoc_commission_config_t config = {
     .offset = {.settle = 0, .count_log2 = 2, .offset_max = IQ24_ONE, .noise_max = IQ24(0.125)},
     .start = {IQ24(0.5), 20, 30, IQ24(-0.02), 50},
     .i_max = IQ24(4.0),
-    .turns_max = IQ24(0.1),
+    .speed_max = IQ24(0.1),
     .u_max = IQ24(0.5),
     .cycles_max = 1000000,
     .settle_cycles = 5,
@@ -38,7 +38,7 @@ static void draw_state(golden_inputs_t *inputs, iqfoc_commission_t *c)
     const bool ends = golden_positive(inputs, 1) != 0;
     c->phase = (iqfoc_commission_phase_t)golden_positive(inputs, (iq24_t)IQFOC_COMMISSION_SPIN);
     c->start.stage = (iqfoc_start_stage_t)golden_positive(inputs, (iq24_t)IQFOC_START_OPEN_LOOP);
-    c->start.turns = config.start.turns_end;
+    c->start.speed = config.start.speed_end;
     c->wait = ends ? 0 : (uint32_t)golden_positive(inputs, 9);
     c->in_block = ends ? UINT32_MAX >> (32 - config.block_log2) : 3;
     c->blocks = (uint32_t)golden_positive(inputs, 1) * (IQFOC_COMMISSION_BLOCKS / 2 - 1) + 16;

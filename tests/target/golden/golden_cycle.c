@@ -51,7 +51,7 @@ typedef struct drive {
     iqfoc_exact_law_t mean_law;
     iqfoc_salient_t salient;
     iqfoc_salient_t salient_mean;
-    iq24_t turns; /* in the middle of its speeds */
+    iq24_t speed; /* in the middle of its speeds */
     iq24_t theta;
     uint32_t ticks;
 } drive_t;
@@ -78,10 +78,10 @@ static void start(const iqfoc_methods_t m)
         .deadline_ticks = TICKS / 2,
         .data = {.flux = &flux, .acting = &extension, .extension = &extension, .learning = IQ24(0.1)},
     };
-    drive.turns = golden_within(&drive.inputs, IQ24(0.2));
+    drive.speed = golden_within(&drive.inputs, IQ24(0.2));
     drive.law = iqfoc_exact_prediction(&winding, IQ24_ONE);
     drive.mean_law = iqfoc_exact_mean(&winding, IQ24_ONE);
-    iqfoc_salient_at_speed(&machine, drive.turns, IQ24_ONE, &drive.salient, &drive.salient_mean);
+    iqfoc_salient_at_speed(&machine, drive.speed, IQ24_ONE, &drive.salient, &drive.salient_mean);
     drive.set[0] = base;
     drive.set[0].data.exact = &drive.law;
     drive.set[0].data.exact_mean = &drive.mean_law;
@@ -109,15 +109,15 @@ static iqfoc_sample_t sample_of(iqfoc_ab_t expected, iq24_t at)
     s.i = iqfoc_clarke_inverse(i);
     s.i_mean = s.i;
     s.theta = iq24_add_wrap(drive.theta, golden_within(inputs, IQ24(0.001)));
-    s.turns = drive.turns + golden_within(inputs, IQ24(0.005));
+    s.speed = drive.speed + golden_within(inputs, IQ24(0.005));
     s.u_dc = IQ24_ONE + golden_within(inputs, IQ24(0.1));
-    s.at = at;
+    s.instant = at;
     s.time = drive.ticks;
     s.has_mean = one_in(4);
     s.clipped = one_in(64);
     if (one_in(64)) {
         s.u_dc = golden_within(inputs, IQ24(3.0));
-        s.turns = golden_within(inputs, IQ24_ONE);
+        s.speed = golden_within(inputs, IQ24_ONE);
     }
     return s;
 }
@@ -160,7 +160,7 @@ static void period(const iqfoc_methods_t m, uint64_t *digest)
     iqfoc_cycle_valley_by(m, cycle, &s, s.time);
     const uint32_t half = cycle->config->period_ticks / 2;
     (void)time_later(half);
-    drive.theta = iq24_add_wrap(drive.theta, drive.turns / 2);
+    drive.theta = iq24_add_wrap(drive.theta, drive.speed / 2);
     iqfoc_ab_t middle;
     middle.alpha = cycle->i_valley.alpha / 2 + cycle->i_next.alpha / 2;
     middle.beta = cycle->i_valley.beta / 2 + cycle->i_next.beta / 2;
@@ -170,7 +170,7 @@ static void period(const iqfoc_methods_t m, uint64_t *digest)
     digest_add(digest, iqfoc_cycle_in_time_inline(cycle, s.time, written) ? 1 : 0);
     digest_add(digest, iqfoc_cycle_in_time(cycle, &s, written) ? 1 : 0);
     (void)time_later(cycle->config->period_ticks - half);
-    drive.theta = iq24_add_wrap(drive.theta, drive.turns / 2);
+    drive.theta = iq24_add_wrap(drive.theta, drive.speed / 2);
     add_state(digest, &command);
 }
 
@@ -224,20 +224,20 @@ static void by_timer(golden_report *report)
     drive.inputs.state = GOLDEN_SEED;
     for (int32_t kind = 0; kind < 6; kind++) {
         start(m);
-        drive.turns = kind % 2 == 0 ? iq24_abs_sat(drive.turns) : -iq24_abs_sat(drive.turns);
+        drive.speed = kind % 2 == 0 ? iq24_abs_sat(drive.speed) : -iq24_abs_sat(drive.speed);
         iqfoc_sample_t s = sample_of(drive.cycle.i_next, 0);
         iqfoc_six_step_command_t next = iqfoc_cycle_six_step_begin(
             &six, &drive.cycle, &config, golden_within(&drive.inputs, IQ24_ONE), &s);
         for (int32_t n = 0; n < PERIODS; n++) {
-            drive.theta = iq24_add_wrap(drive.theta, s.turns < 0 ? -next.turns : next.turns);
+            drive.theta = iq24_add_wrap(drive.theta, s.speed < 0 ? -next.movement : next.movement);
             drive.cycle.i_ref = golden_dq(&drive.inputs, IQ24(0.8));
             s = sample_of(golden_ab(&drive.inputs, IQ24_ONE), 0);
             next = iqfoc_cycle_six_step_switch(&six, &drive.cycle, &s, s.time);
             add_state(&digest, &next.command);
-            digest_add(&digest, next.turns);
+            digest_add(&digest, next.movement);
             digest_add(&digest, (int32_t)(next.ticks & INT32_MAX));
         }
-        iqfoc_cycle_six_step_end(&six, &drive.cycle, s.turns);
+        iqfoc_cycle_six_step_end(&six, &drive.cycle, s.speed);
         for (int32_t n = 0; n < PERIODS; n++) {
             period(m, &digest);
         }

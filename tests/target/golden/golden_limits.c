@@ -17,7 +17,7 @@ void golden_overmodulation(golden_inputs_t *inputs, uint64_t *digest)
     if (inputs->number++ % 64 == 0) {
         state.length = 0;
     }
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(golden_within(inputs, IQFOC_ROTOR_SPEED_MAX));
     const iq24_t limit = iqfoc_overmodulation_limit(&rotor);
     const iqfoc_ab_t u = golden_ab(inputs, inputs->number % 4 == 0 ? IQ24(22.6) : IQ24(0.6));
     const iq24_t u_dc_inverse =
@@ -70,7 +70,7 @@ void golden_ripple_half(golden_inputs_t *inputs, uint64_t *digest)
     machine.k_d_q26 = 1 + golden_positive(inputs, (INT32_C(1) << 30) - 1);
     machine.k_q_q26 = 1 + golden_positive(inputs, (INT32_C(1) << 30) - 1);
     machine.k_psi_d_q27 = 0;
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(golden_within(inputs, IQFOC_ROTOR_SPEED_MAX));
     const iqfoc_ripple_half_t ripple = iqfoc_ripple_half_at_speed(&machine, &rotor);
     iqfoc_abc_t high;
     high.a = golden_positive(inputs, IQ24_ONE);

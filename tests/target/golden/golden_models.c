@@ -17,7 +17,7 @@
 
 static void add_exact(uint64_t *digest, const iqfoc_exact_law_t *law, golden_inputs_t *inputs)
 {
-    const iqfoc_exact_t exact = iqfoc_exact_at_speed(law, golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iqfoc_exact_t exact = iqfoc_exact_at_speed(law, golden_within(inputs, IQFOC_ROTOR_SPEED_MAX));
     const iqfoc_ab_t i = golden_ab(inputs, IQ24(16.0));
     const iqfoc_ab_t u = golden_ab(inputs, IQ24_ONE);
     const iqfoc_ab_t next = iqfoc_exact_step(&exact, i, u, iq24_sincos(golden_within(inputs, IQ24_ONE)));
@@ -64,8 +64,8 @@ void golden_salient(golden_inputs_t *inputs, uint64_t *digest)
      * consistent. */
     machine.q_to_d_q27 = (INT32_C(1) << 26) + golden_positive(inputs, INT32_C(3) << 26);
     machine.d_to_q_q27 = (INT32_C(1) << 26) + golden_positive(inputs, INT32_C(3) << 26);
-    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
-    iqfoc_salient_at_speed(&machine, turns, 1 + golden_positive(inputs, IQ24_ONE - 1), &end, &mean);
+    const iq24_t speed = golden_within(inputs, IQFOC_ROTOR_SPEED_MAX);
+    iqfoc_salient_at_speed(&machine, speed, 1 + golden_positive(inputs, IQ24_ONE - 1), &end, &mean);
     const iqfoc_dq_t i = golden_dq(inputs, IQ24_ONE);
     const iqfoc_dq_t u = golden_dq(inputs, IQ24_ONE);
     add_salient(digest, &end, i, u);
@@ -87,8 +87,8 @@ void golden_extension(golden_inputs_t *inputs, uint64_t *digest)
     digest_add(digest, (int32_t)iqfoc_extension_check(&extension));
     digest_abc(digest, iqfoc_extension_current(&extension, golden_abc(inputs, IQ24(4.0))));
     const iq24_t theta = golden_within(inputs, IQ24_ONE);
-    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
-    digest_add(digest, iqfoc_extension_angle(&extension, theta, turns));
+    const iq24_t speed = golden_within(inputs, IQFOC_ROTOR_SPEED_MAX);
+    digest_add(digest, iqfoc_extension_angle(&extension, theta, speed));
     digest_abc(digest, iqfoc_extension_lost(&extension, golden_abc(inputs, IQ24(4.0))));
 }
 
@@ -107,7 +107,7 @@ void golden_modulated(golden_inputs_t *inputs, uint64_t *digest)
     machine.k_u = 1 + golden_positive(inputs, IQ24(16.0) - 1);
     machine.k_r = golden_positive(inputs, IQ24_ONE);
     machine.k_psi = golden_positive(inputs, IQ24(8.0));
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(golden_within(inputs, IQFOC_ROTOR_SPEED_MAX));
     const iqfoc_mean_modulated_t c = iqfoc_mean_modulated_at_speed(&machine, &rotor);
     const iqfoc_ab_t i = golden_ab(inputs, IQ24(32.0));
     const iqfoc_ab_t i_next = golden_ab(inputs, IQ24(32.0));
@@ -133,9 +133,9 @@ void golden_induction(golden_inputs_t *inputs, uint64_t *digest)
     machine.rho_r_q30 = golden_positive(inputs, INT32_C(1) << 29);
     machine.a_q30 = golden_positive(inputs, INT32_C(107374182)); /* 0.1 */
     machine.k_u_q26 = 1 + golden_positive(inputs, (INT32_C(1) << 30) - 1);
-    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t speed = golden_within(inputs, IQFOC_ROTOR_SPEED_MAX);
     const iqfoc_induction_t c =
-        iqfoc_induction_at_speed(&machine, turns, 1 + golden_positive(inputs, IQ24_ONE - 1));
+        iqfoc_induction_at_speed(&machine, speed, 1 + golden_positive(inputs, IQ24_ONE - 1));
     iqfoc_induction_state_t x;
     x.i = golden_ab(inputs, IQ24(5.6));
     x.flux = golden_ab(inputs, IQ24(11.3));
@@ -157,10 +157,10 @@ void golden_predictive_control(golden_inputs_t *inputs, uint64_t *digest)
     machine.k_psi = golden_positive(inputs, IQ24(8.0));
     const iqfoc_exact_winding_t winding = {machine.k_r * 64, machine.k_u * 4, machine.k_psi * 8};
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(golden_within(inputs, IQFOC_ROTOR_SPEED_MAX));
     const iqfoc_exact_t models[] = {iqfoc_form_euler(&machine, &rotor),
                                     iqfoc_form_quasi_discrete(&machine, &rotor),
-                                    iqfoc_exact_at_speed(&law, rotor.turns)};
+                                    iqfoc_exact_at_speed(&law, rotor.speed)};
     const iqfoc_deadbeat_t deadbeat = {models[inputs->number % 3], iqfoc_deadbeat_inverse(law.k_u_q26),
                                        iqfoc_valley_reference_at(&rotor, machine.k_psi)};
     const iqfoc_ab_t i = golden_ab(inputs, IQ24(15.0));
@@ -168,14 +168,14 @@ void golden_predictive_control(golden_inputs_t *inputs, uint64_t *digest)
     const iqfoc_ab_t want = golden_ab(inputs, IQ24(15.0));
     const iqfoc_dq_t i_ref = {want.alpha, want.beta};
     const iq24_t theta = golden_within(inputs, IQ24_ONE);
-    digest_ab(digest, iqfoc_deadbeat_step(&deadbeat, i, u, i_ref, theta, rotor.turns));
+    digest_ab(digest, iqfoc_deadbeat_step(&deadbeat, i, u, i_ref, theta, rotor.speed));
     iqfoc_deadbeat_drift_t drift = {{0, 0}, golden_ab(inputs, IQ24(15.0)), true};
     const iq24_t gain = golden_positive(inputs, IQ24_ONE);
-    digest_ab(digest, iqfoc_deadbeat_drift_step(&drift, &deadbeat, gain, i, u, i_ref, theta, rotor.turns));
+    digest_ab(digest, iqfoc_deadbeat_drift_step(&drift, &deadbeat, gain, i, u, i_ref, theta, rotor.speed));
     digest_ab(digest, drift.i_next);
     const iqfoc_finite_set_t set = {deadbeat.model, deadbeat.reference, gain, 2};
     uint32_t nodes = 0;
     digest_add(digest, iqfoc_finite_set_choose(&set, i, gain % IQFOC_FINITE_SET_STATES, i_ref, theta,
-                                               rotor.turns, golden_positive(inputs, IQ24(2.0)), &nodes));
+                                               rotor.speed, golden_positive(inputs, IQ24(2.0)), &nodes));
     digest_add(digest, (int32_t)nodes);
 }

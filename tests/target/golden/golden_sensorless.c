@@ -70,7 +70,7 @@ static iqfoc_observer_resistance_t adapted;
 static iqfoc_watch_angle_t angle_watch;
 static iqfoc_ab_t flux;
 static iq24_t theta;
-static iq24_t turns;
+static iq24_t speed;
 static uint32_t ticks;
 
 static iqfoc_ab_t flux_of_magnet(void)
@@ -91,7 +91,7 @@ static iqfoc_ab_t current(void)
 static void half(iqfoc_ab_t u, bool gates)
 {
     const iqfoc_ab_t i = current();
-    theta = (theta + turns / 2) & (IQ24_ONE - 1);
+    theta = (theta + speed / 2) & (IQ24_ONE - 1);
     ticks = (uint32_t)(((uint64_t)ticks + TICKS / 2) & UINT32_MAX);
     if (!gates) {
         flux = flux_of_magnet();
@@ -105,7 +105,7 @@ static void begin(golden_inputs_t *inputs)
 {
     const uint32_t way = inputs->number / AGAIN % 4;
     theta = golden_within(inputs, IQ24_ONE) & (IQ24_ONE - 1);
-    turns = golden_within(inputs, IQ24(0.15));
+    speed = golden_within(inputs, IQ24(0.15));
     flux = flux_of_magnet();
     ticks = UINT32_MAX - 100 * TICKS; /* the timer wraps on the way */
     (void)iqfoc_cycle_init(&cycle, &cycle_config);
@@ -119,7 +119,7 @@ static void begin(golden_inputs_t *inputs)
         iqfoc_sensorless_start(&drive);
         theta = 0;
     } else if (way == 1) {
-        iqfoc_sensorless_catch(&drive, turns + turns / 4);
+        iqfoc_sensorless_catch(&drive, speed + speed / 4);
     } else {
         iqfoc_sensorless_use(&drive, way == 2);
     }
@@ -132,9 +132,9 @@ static iqfoc_sample_t sample_of(golden_inputs_t *inputs, iq24_t at)
     const iqfoc_ab_t seen = {i.alpha + noise.alpha, i.beta + noise.beta};
     const iqfoc_sample_t sample = {.i = iqfoc_clarke_inverse(seen),
                                    .theta = theta,
-                                   .turns = turns,
+                                   .speed = speed,
                                    .u_dc = IQ24_ONE,
-                                   .at = at,
+                                   .instant = at,
                                    .time = ticks};
     return sample;
 }
@@ -142,7 +142,7 @@ static iqfoc_sample_t sample_of(golden_inputs_t *inputs, iq24_t at)
 static void add_drive(uint64_t *digest, const iqfoc_sample_t *valley, const iqfoc_sample_t *peak)
 {
     digest_add(digest, valley->theta);
-    digest_add(digest, valley->turns);
+    digest_add(digest, valley->speed);
     digest_add(digest, peak->theta);
     digest_add(digest, (int32_t)drive.source);
     digest_add(digest, (int32_t)drive.on);
@@ -175,7 +175,7 @@ static void disturb(golden_inputs_t *inputs)
 {
     const uint32_t draw = (uint32_t)golden_positive(inputs, 4095);
     if (drive.source == IQFOC_ANGLE_START) {
-        turns = drive.start.turns;
+        speed = drive.start.speed;
     }
     if (draw % 64 == 7) {
         cycle.i_ref = golden_dq(inputs, IQ24(0.8));
@@ -272,7 +272,7 @@ void golden_pattern(golden_inputs_t *inputs, uint64_t *digest)
         digest_add(digest, edges[leg].edges);
         digest_add(digest, edges[leg].high);
         for (int32_t k = 0; k < edges[leg].edges; k++) {
-            digest_add(digest, edges[leg].at[k]);
+            digest_add(digest, edges[leg].instant[k]);
         }
         digest_add(digest, modulator.leg[leg].since);
     }
@@ -291,7 +291,7 @@ static void add_ticks(uint64_t *digest, const iqfoc_edges_t *edges)
         digest_add(digest, edges->leg[x].level);
         digest_add(digest, edges->leg[x].edges);
         for (int32_t k = 0; k < edges->leg[x].edges; k++) {
-            digest_add(digest, (int32_t)edges->leg[x].at[k]);
+            digest_add(digest, (int32_t)edges->leg[x].instant[k]);
         }
     }
 }
@@ -309,7 +309,7 @@ void golden_edges(golden_inputs_t *inputs, uint64_t *digest)
         iq24_t at = 0;
         for (int32_t k = 0; k < asked[x].edges; k++) {
             at += golden_positive(inputs, (IQ24_ONE - 1 - at) / 4);
-            asked[x].at[k] = at;
+            asked[x].instant[k] = at;
         }
     }
     iqfoc_edges_of_pattern(asked, period, &edges);
@@ -361,7 +361,7 @@ void golden_pattern_control(golden_inputs_t *inputs, uint64_t *digest)
         digest_add(digest, edges[leg].edges);
         digest_add(digest, edges[leg].high);
         for (int32_t k = 0; k < edges[leg].edges; k++) {
-            digest_add(digest, edges[leg].at[k]);
+            digest_add(digest, edges[leg].instant[k]);
         }
     }
     digest_ab(digest, control.i_next);
@@ -425,7 +425,7 @@ void golden_pulse_mode(golden_inputs_t *inputs, uint64_t *digest)
                                                     angle, u_dc, edges, &duties);
     } else {
         const iqfoc_sample_t sample = {
-            .i = iqfoc_clarke_inverse(i), .theta = angle, .turns = 2 * pulse_turns, .u_dc = u_dc};
+            .i = iqfoc_clarke_inverse(i), .theta = angle, .speed = 2 * pulse_turns, .u_dc = u_dc};
         const iqfoc_abc_t high = {golden_positive(inputs, IQ24_ONE), golden_positive(inputs, IQ24_ONE),
                                   golden_positive(inputs, IQ24_ONE)};
         (void)iqfoc_cycle_valley(&pulse_cycle, &sample, 0);

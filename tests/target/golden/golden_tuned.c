@@ -36,15 +36,15 @@ static iqfoc_watch_t watch;
 static iqfoc_adapt_t adapt;
 static iqfoc_dq_t i_start, u_start, i_ref;
 static iqfoc_ab_t u_now;
-static iq24_t theta, turns, grows;
+static iq24_t theta, speed, grows;
 
 static void begin(golden_inputs_t *inputs)
 {
     const iqfoc_tuned_state_t fresh = {.predicted = false};
-    turns = golden_within(inputs, IQ24(0.06));
+    speed = golden_within(inputs, IQ24(0.06));
     grows = golden_within(inputs, IQ24(0.01));
     i_ref = golden_dq(inputs, IQ24(0.9));
-    tuned = iqfoc_tuned_at_speed(&law, turns);
+    tuned = iqfoc_tuned_at_speed(&law, speed);
     state = fresh;
     theta = 0;
     u_now.alpha = u_now.beta = 0;
@@ -90,12 +90,12 @@ void golden_tuned_and_watched(golden_inputs_t *inputs, uint64_t *digest)
                           iq24_add_wrap(state.i_next.q, noise.q)};
     iqfoc_tuned_ripple(&state, golden_dq(inputs, IQ24(0.01)));
     const iqfoc_ab_t u = iqfoc_tuned_step(&state, &tuned, iqfoc_park_inverse(i, sc), u_now, i_ref, theta);
-    iqfoc_tuned_peak(&state, iqfoc_park_inverse(i_ref, sc), iq24_add_wrap(theta, turns / 2));
+    iqfoc_tuned_peak(&state, iqfoc_park_inverse(i_ref, sc), iq24_add_wrap(theta, speed / 2));
     digest_ab(digest, u);
     digest_dq(digest, state.error);
     if (iqfoc_watch_step(&watch, iqfoc_park_inverse(state.error, sc), i_start, u_start, sc)) {
-        iqfoc_adapt_block(&adapt, &adapt_config, &watch, &config, turns);
-        (void)iqfoc_watch_block(&watch, &config, turns, theta);
+        iqfoc_adapt_block(&adapt, &adapt_config, &watch, &config, speed);
+        (void)iqfoc_watch_block(&watch, &config, speed, theta);
         add_watch(digest);
         add_adapt(digest);
     }
@@ -103,5 +103,5 @@ void golden_tuned_and_watched(golden_inputs_t *inputs, uint64_t *digest)
     u_now.alpha = iq24_clamp(u.alpha, -IQ24_ONE, IQ24_ONE);
     u_now.beta = iq24_clamp(u.beta, -IQ24_ONE, IQ24_ONE);
     u_start = iqfoc_park(u_now, sc);
-    theta = iq24_add_wrap(theta, turns) & (IQ24_ONE - 1);
+    theta = iq24_add_wrap(theta, speed) & (IQ24_ONE - 1);
 }

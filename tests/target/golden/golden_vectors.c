@@ -116,26 +116,26 @@ static void rotor_movement(golden_inputs_t *inputs, uint64_t *digest)
     iq24_t a;
     iq24_t b;
     golden_pair(inputs, &a, &b);
-    const iqfoc_rotor_t wide = iqfoc_rotor_from_turns(a);
-    const iqfoc_rotor_t valid = iqfoc_rotor_from_turns(b % IQFOC_ROTOR_TURNS_MAX);
-    digest_add(digest, wide.turns);
+    const iqfoc_rotor_t wide = iqfoc_rotor_from_speed(a);
+    const iqfoc_rotor_t valid = iqfoc_rotor_from_speed(b % IQFOC_ROTOR_SPEED_MAX);
+    digest_add(digest, wide.speed);
     digest_add(digest, wide.s1);
     digest_add(digest, wide.s2);
     digest_add(digest, valid.s1);
     digest_add(digest, valid.s2);
     digest_add(digest, iqfoc_rotor_steady_gain(a));
-    digest_add(digest, iqfoc_rotor_steady_gain(b % IQFOC_ROTOR_TURNS_MAX));
+    digest_add(digest, iqfoc_rotor_steady_gain(b % IQFOC_ROTOR_SPEED_MAX));
 }
 
 static void mean_current(golden_inputs_t *inputs, uint64_t *digest)
 {
     const iqfoc_ab_t i = golden_ab(inputs, IQ24(32.0));
     const iqfoc_ab_t delta = golden_ab(inputs, IQ24(32.0));
-    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+    const iq24_t speed = golden_within(inputs, IQFOC_ROTOR_SPEED_MAX);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
     const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_ONE));
     digest_dq(digest, iqfoc_mean_current_correct(i, delta, &rotor, sc));
-    digest_dq(digest, iqfoc_mean_current_correct_steady(i, iqfoc_rotor_steady_gain(turns), sc));
+    digest_dq(digest, iqfoc_mean_current_correct_steady(i, iqfoc_rotor_steady_gain(speed), sc));
     const iqfoc_predictor_t machine = any_machine(inputs);
     const iqfoc_ab_t u = golden_ab(inputs, IQ24(2.0));
     digest_ab(digest, iqfoc_mean_current_quasi_discrete(&machine, i, u, &rotor, sc));
@@ -150,7 +150,7 @@ static void prediction(golden_inputs_t *inputs, uint64_t *digest)
     const iqfoc_predictor_t machine = any_machine(inputs);
     const iqfoc_ab_t i = golden_ab(inputs, IQ24(32.0));
     const iqfoc_ab_t u = golden_ab(inputs, IQ24(2.0));
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(golden_within(inputs, IQFOC_ROTOR_TURNS_MAX));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(golden_within(inputs, IQFOC_ROTOR_SPEED_MAX));
     const iq24_sincos_t sc = iq24_sincos(golden_within(inputs, IQ24_ONE));
     digest_ab(digest, iqfoc_predictor_euler(&machine, i, u, &rotor, sc));
     digest_ab(digest, iqfoc_predictor_quasi_discrete(&machine, i, u, &rotor, sc));
@@ -176,10 +176,10 @@ static void current_control(golden_inputs_t *inputs, uint64_t *digest)
     const iqfoc_current_control_gains_t gains = any_gains(inputs);
     const iqfoc_dq_t i_ref = golden_dq(inputs, IQ24(32.0));
     const iqfoc_dq_t i = golden_dq(inputs, IQ24(32.0));
-    const iq24_t turns = golden_within(inputs, IQFOC_ROTOR_TURNS_MAX);
+    const iq24_t speed = golden_within(inputs, IQFOC_ROTOR_SPEED_MAX);
     const iqfoc_dq_t u = iqfoc_current_control_step(&control, &gains, i_ref, i);
     digest_dq(digest, u);
-    digest_dq(digest, iqfoc_current_control_decoupling(&gains, i, turns));
+    digest_dq(digest, iqfoc_current_control_decoupling(&gains, i, speed));
     add_integrals(digest, &control);
     iqfoc_current_control_limited(&control, &gains, u, golden_positive(inputs, IQ24_ONE));
     add_integrals(digest, &control);

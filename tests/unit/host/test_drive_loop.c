@@ -82,8 +82,8 @@ static void a_cycle_is_sampled_twice_and_answered_for_the_next(void)
     const drive_row first = span();
     TEST_ASSERT_EQUAL_INT(1, wrote.valleys);
     TEST_ASSERT_EQUAL_INT(1, wrote.peaks);
-    TEST_ASSERT_EQUAL_INT32(0, wrote.valley.at);
-    TEST_ASSERT_EQUAL_INT32(IQ24(0.5), wrote.peak.at);
+    TEST_ASSERT_EQUAL_INT32(0, wrote.valley.instant);
+    TEST_ASSERT_EQUAL_INT32(IQ24(0.5), wrote.peak.instant);
     TEST_ASSERT_EQUAL_UINT32(10000, wrote.peak.time); /* half of 200 us, in ticks of 10 ns */
     TEST_ASSERT_FALSE(wrote.peak.has_mean);
     TEST_ASSERT_EQUAL_DOUBLE(0.5, first.duty[1]);
@@ -104,7 +104,7 @@ static void an_interval_is_sampled_at_its_end_with_its_means(void)
     const drive_row row = span();
     TEST_ASSERT_EQUAL_INT(1, wrote.valleys);
     TEST_ASSERT_EQUAL_INT(2, wrote.peaks);
-    TEST_ASSERT_EQUAL_INT32(0, wrote.peak.at);
+    TEST_ASSERT_EQUAL_INT32(0, wrote.peak.instant);
     TEST_ASSERT_TRUE(wrote.peak.has_mean);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 137e-6, row.truth.duration_s);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 337e-6, row.peak.t_s);

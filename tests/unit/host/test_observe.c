@@ -89,7 +89,7 @@ static bool add_row(void *context, const drive_row *row, error *e)
         column[9 + x][k] = u_V[x];
     }
     theta[k] = iqfoc_observer_theta(&host.sensorless.observer, 0);
-    turns_of_row[k] = iqfoc_observer_turns(&host.sensorless.observer);
+    turns_of_row[k] = iqfoc_observer_speed(&host.sensorless.observer);
     return true;
 }
 

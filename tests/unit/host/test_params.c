@@ -20,7 +20,7 @@
 static const iqfoc_predictor_t folded = IQFOC_PREDICTOR(0.75, 5.2e-3, 0.134, T_S, I_B, U_B);
 static const iqfoc_current_control_gains_t folded_gains =
     IQFOC_GAINS(6.283185307179586 * 250.0, 0.75, 5.2e-3, 5.2e-3, 0.134, T_S, I_B, U_B);
-static const iq24_t folded_turns = IQFOC_TURNS(8000.0, 3, T_S);
+static const iq24_t folded_turns = IQFOC_SPEED(8000.0, 3, T_S);
 
 void setUp(void)
 {

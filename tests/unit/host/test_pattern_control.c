@@ -207,7 +207,7 @@ static void cycle(drive *d, double complex i_dq[PARTS])
     iq24_t turns = to_iq24(exact_turns);
     iq24_t theta = to_iq24(exact_theta - floor(exact_theta));
     iqfoc_pattern_control_aim(&d->control, d->i_ref,
-                              d->sensorless ? iqfoc_observer_turns(&d->observer) : turns);
+                              d->sensorless ? iqfoc_observer_speed(&d->observer) : turns);
     if (d->sensorless) {
         if (d->cycle > 0) {
             iqfoc_observer_step(&d->observer, d->u, iqfoc_observer_mean(d->samples[0], d->samples[1], i), i);
@@ -226,9 +226,9 @@ static void cycle(drive *d, double complex i_dq[PARTS])
             int leg = -1;
             double at = end;
             for (int k = 0; k < 3; k++) {
-                if (edge[k] < d->acting[k].edges && to_double(d->acting[k].at[edge[k]]) < at) {
+                if (edge[k] < d->acting[k].edges && to_double(d->acting[k].instant[edge[k]]) < at) {
                     leg = k;
-                    at = to_double(d->acting[k].at[edge[k]]);
+                    at = to_double(d->acting[k].instant[edge[k]]);
                 }
             }
             edge_machine_flow(&d->circuit, t0 + at * d->cycle_s);

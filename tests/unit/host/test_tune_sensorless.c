@@ -125,7 +125,7 @@ static run_result run(const tune_sensorless *s, const tune_operating_point *at, 
     config.k1 = iq24_from_double(s->k1);
     config.k2 = iq24_from_double(s->k2);
     config.gain_max = iq24_from_double(s->gain_max);
-    config.turns_min = 0;
+    config.speed_min = 0;
     config.flux_max = 2 * config.flux_max;
     const loop_case c = {.truth = truth,
                          .omega_e_rad_s = at->phi_rad / design.T_s,

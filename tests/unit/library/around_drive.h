@@ -2,7 +2,7 @@
  * A switching-level drive with an unloaded shaft, behind the host's HAL, for tests of the drive services. The test
  * puts its own sensors between the samples and the handlers.
  *
- *     iqfoc_sample_t s = around_valley(d);   change s.i, s.theta, s.turns
+ *     iqfoc_sample_t s = around_valley(d);   change s.i, s.theta, s.speed
  *     around_valley_handler(d, &s);
  *     s = around_peak(d);                    likewise
  *     around_peak_handler(d, &s);

@@ -76,10 +76,10 @@ static void draw_config(iqfoc_commission_config_t *c, double f_pwm_Hz)
     c->start.i_align = IQ24(I_ALIGN);
     c->start.ramp_cycles = ramp;
     c->start.hold_cycles = 3 * ramp;
-    c->start.turns_end = IQ24(TURNS);
+    c->start.speed_end = IQ24(TURNS);
     c->start.run_up_cycles = 3 * ramp;
     c->i_max = IQ24(1.0);
-    c->turns_max = IQ24(2.0 * TURNS);
+    c->speed_max = IQ24(2.0 * TURNS);
     c->u_max = IQ24(0.4);
     c->cycles_max = 200000;
     c->settle_cycles = 1000;

@@ -52,7 +52,7 @@ void tearDown(void)
 static inline iqfoc_sample_t sample_at(iq24_t at)
 {
     const iqfoc_sample_t s = {
-        .theta = IQ24(0.1), .turns = IQ24(0.02), .u_dc = IQ24_ONE, .at = at, .time = ticks};
+        .theta = IQ24(0.1), .speed = IQ24(0.02), .u_dc = IQ24_ONE, .instant = at, .time = ticks};
     return s;
 }
 

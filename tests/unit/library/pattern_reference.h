@@ -142,8 +142,8 @@ static inline void check_edges(const iqfoc_pattern_edges_t got[3], long cycle, e
         TEST_ASSERT_TRUE(got[leg].edges <= IQFOC_PATTERN_EDGES_MAX);
         TEST_ASSERT_TRUE(iq24_within(got[leg].high, 0, IQ24_ONE));
         for (int k = 0; k < got[leg].edges; k++) {
-            TEST_ASSERT_TRUE(iq24_within(got[leg].at[k], 0, IQ24_ONE - 1));
-            const int64_t at = cycle * (int64_t)IQ24_ONE + got[leg].at[k];
+            TEST_ASSERT_TRUE(iq24_within(got[leg].instant[k], 0, IQ24_ONE - 1));
+            const int64_t at = cycle * (int64_t)IQ24_ONE + got[leg].instant[k];
             const int64_t since = at - so_far->last[leg];
             so_far->shortest = since < so_far->shortest ? since : so_far->shortest;
             so_far->last[leg] = at;

@@ -42,7 +42,7 @@ static const iqfoc_observer_config_t observer_config =
 static const iqfoc_start_config_t start_config = {.i_align = IQ24(0.6),
                                                   .ramp_cycles = 1500,
                                                   .hold_cycles = 3000,
-                                                  .turns_end = IQ24(0.03),
+                                                  .speed_end = IQ24(0.03),
                                                   .run_up_cycles = 6000};
 
 /* 0.5 us of 100 us, and the knee of test_sensorless.c. */
@@ -94,9 +94,9 @@ static iqfoc_sample_t sample_of(iq24_t at)
     const iqfoc_sample_t s = {
         .i = {to_iq24(phase_of(i, 0)), to_iq24(phase_of(i, 1)), to_iq24(phase_of(i, 2))},
         .theta = to_iq24(m.theta + sensor_off),
-        .turns = to_iq24(m.turns),
+        .speed = to_iq24(m.speed),
         .u_dc = IQ24_ONE,
-        .at = at,
+        .instant = at,
         .time = ticks};
     return s;
 }
@@ -107,8 +107,8 @@ static void period(double i_q)
     iqfoc_sample_t valley = sample_of(0);
     torque = cimag(conj(m.psi) * switched_current(&m, m.psi, m.theta)) / m.psi_f;
     if (turns_freely) {
-        const double drag = 10.0 * fmax(-0.02, fmin(0.02, m.turns)); /* at most 0.2 of the rated torque */
-        m.turns += GAIN_OF_TORQUE * (torque - drag);
+        const double drag = 10.0 * fmax(-0.02, fmin(0.02, m.speed)); /* at most 0.2 of the rated torque */
+        m.speed += GAIN_OF_TORQUE * (torque - drag);
     }
     iqfoc_sensorless_valley(&drive, &cycle, &valley);
     off = 360.0 * remainder(drive.observer.theta_q32 / 4294967296.0 - m.theta, 1.0);

@@ -19,7 +19,7 @@ typedef struct switched_machine {
     double step;        /* of the converter; 0: none */
     double complex psi; /* flux linkage */
     double theta;
-    double turns; /* speed, turns per period */
+    double speed; /* speed, turns per period */
     uint64_t seed;
 } switched_machine;
 
@@ -54,8 +54,8 @@ static inline void switched_hold(switched_machine *m, double complex u, double t
     const int parts = (int)ceil(time / 0.04) + 1;
     const double h = time / parts;
     for (int k = 0; k < parts; k++) {
-        const double half = m->theta + 0.5 * h * m->turns;
-        const double end = m->theta + h * m->turns;
+        const double half = m->theta + 0.5 * h * m->speed;
+        const double end = m->theta + h * m->speed;
         const double complex a = u - m->r * switched_current(m, m->psi, m->theta);
         const double complex b = u - m->r * switched_current(m, m->psi + 0.5 * h * a, half);
         const double complex c = u - m->r * switched_current(m, m->psi + 0.5 * h * b, half);

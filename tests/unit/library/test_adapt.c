@@ -60,7 +60,7 @@ static void block(numbers *n, const iqfoc_adapt_config_t *config, double complex
     const iqfoc_dq_t no_voltage = {0, 0};
     iqfoc_watch_reset(&n->watch);
     n->watch.blocks = blocks + 1;
-    n->watch.turns = to_iq24(x);
+    n->watch.speed = to_iq24(x);
     for (int k = 0; k < IQFOC_WATCH_BLOCK_CYCLES; k++) {
         n->theta = fmod(n->theta + phi, TWO_PI);
         const double complex e = e_mid * cexp(I * (n->theta - 0.5 * phi)) +
@@ -222,7 +222,7 @@ static void it_bears_the_extremes(void)
         watch.alpha_sin = -watch.beta_cos;
         watch.i[0] = (k & 4) != 0 ? IQ24(8.0) : -IQ24(8.0);
         watch.i[1] = watch.i[0];
-        watch.turns = (k & 8) != 0 ? IQFOC_ROTOR_TURNS_MAX : -IQFOC_ROTOR_TURNS_MAX;
+        watch.speed = (k & 8) != 0 ? IQFOC_ROTOR_SPEED_MAX : -IQFOC_ROTOR_SPEED_MAX;
         iqfoc_adapt_block(&adapt, &config, &watch, &extreme, (k & 1) != 0 ? INT32_MAX : INT32_MIN);
         TEST_ASSERT_TRUE(adapt.r >= usual.r_low && adapt.r <= usual.r_high);
         TEST_ASSERT_TRUE(adapt.psi >= usual.psi_low && adapt.psi <= usual.psi_high);

@@ -51,7 +51,7 @@ static void test_tracker(void)
             const iq24_t at = bits_random(&seed, -IQ24_ONE, IQ24_ONE);
             iqfoc_tracker_step(&t, theta, at, bits_random(&seed, 0, 9) > 0);
             digest_add(&digest, t.theta_q32);
-            digest_add(&digest, t.turns_q32);
+            digest_add(&digest, t.speed_q32);
             digest_add(&digest, t.acceleration_q32);
             digest_add(&digest, t.error);
             digest_add(&digest, (int32_t)t.missing);
@@ -59,7 +59,7 @@ static void test_tracker(void)
         }
         iqfoc_tracker_restart(&t);
         TEST_ASSERT_EQUAL_PTR(&c, t.config);
-        TEST_ASSERT_EQUAL_INT64(0, t.theta_q32 | t.turns_q32 | t.acceleration_q32);
+        TEST_ASSERT_EQUAL_INT64(0, t.theta_q32 | t.speed_q32 | t.acceleration_q32);
         TEST_ASSERT_EQUAL_INT32(0, t.error);
         TEST_ASSERT_EQUAL_UINT32(0, t.missing | t.seen);
         TEST_ASSERT_FALSE(t.lost);
@@ -89,7 +89,7 @@ static iqfoc_start_config_t any_start(uint64_t *seed, int run)
     c.i_align = bits_random(seed, 1, 16 * IQ24_ONE);
     c.ramp_cycles = (uint32_t)bits_random(seed, 1, 40);
     c.hold_cycles = (uint32_t)bits_random(seed, 1, 20);
-    c.turns_end = run % 3 == 0 ? 0 : bits_random(seed, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+    c.speed_end = run % 3 == 0 ? 0 : bits_random(seed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     c.run_up_cycles = (uint32_t)bits_random(seed, 1, 40);
     return c;
 }
@@ -107,7 +107,7 @@ static void test_start(void)
             iqfoc_start_step(&s, bits_random(&seed, INT32_MIN, INT32_MAX));
             bits_add(&digest, &s.i_ref, sizeof s.i_ref);
             digest_add(&digest, s.theta);
-            digest_add(&digest, s.turns);
+            digest_add(&digest, s.speed);
             digest_add(&digest, s.sensor_before);
             digest_add(&digest, s.sensor_zero);
             digest_add(&digest, (int32_t)s.stage);
@@ -137,12 +137,12 @@ static void test_starts_verdicts(void)
                                 (off == -2  ? -1
                                  : off == 2 ? 1
                                             : 0);
-            for (int64_t turns = -3; turns <= 3; turns++) {
+            for (int64_t speed = -3; speed <= 3; speed++) {
                 const iq24_t before = IQ24(0.4);
                 iqfoc_start_t s;
                 TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_start_init(&s, &c));
                 for (int n = 0; n < 4; n++) {
-                    iqfoc_start_step(&s, n < 2 ? before : iq24_wrap(before + way + turns * IQ24_ONE));
+                    iqfoc_start_step(&s, n < 2 ? before : iq24_wrap(before + way + speed * IQ24_ONE));
                 }
                 const bool within = off >= -1 && off <= 1;
                 TEST_ASSERT_EQUAL_INT(within ? verdict[k] : IQFOC_START_WRONG_WAY, s.verdict);
@@ -168,7 +168,7 @@ static iqfoc_speed_control_config_t any_speed_control(uint64_t *seed, int run)
 /* A speed, now and then one of those at which a limit begins. */
 static iq24_t any_speed(uint64_t *seed)
 {
-    const iq24_t ends[] = {INT32_MIN, INT32_MAX, IQFOC_ROTOR_TURNS_MAX, -IQFOC_ROTOR_TURNS_MAX, 0};
+    const iq24_t ends[] = {INT32_MIN, INT32_MAX, IQFOC_ROTOR_SPEED_MAX, -IQFOC_ROTOR_SPEED_MAX, 0};
     return bits_random(seed, 0, 9) == 0 ? ends[bits_random(seed, 0, 4)]
                                         : bits_random(seed, -6000000, 6000000);
 }
@@ -182,21 +182,21 @@ static void test_speed_control(void)
         iqfoc_speed_control_t s;
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_speed_control_init(&s, &c));
         iq24_t target = 0;
-        iq24_t turns = 0;
+        iq24_t speed = 0;
         iq24_t limit = c.i_max;
         for (int n = 0; n < 60; n++) {
             if (n % 20 == 0) {
-                turns = any_speed(&seed);
-                iqfoc_speed_control_start(&s, turns, bits_random(&seed, -5 * IQ24_ONE, 5 * IQ24_ONE));
+                speed = any_speed(&seed);
+                iqfoc_speed_control_start(&s, speed, bits_random(&seed, -5 * IQ24_ONE, 5 * IQ24_ONE));
                 target = any_speed(&seed);
             }
             if (n % 5 == 0) {
                 limit = bits_random(&seed, 0, 3) == 0 ? bits_random(&seed, INT32_MIN, INT32_MAX) : c.i_max;
             }
-            turns = bits_random(&seed, 0, 9) == 0
+            speed = bits_random(&seed, 0, 9) == 0
                         ? any_speed(&seed)
-                        : (iq24_t)bits_held(turns, -IQ24_ONE, IQ24_ONE) + bits_random(&seed, -2000, 2000);
-            digest_add(&digest, iqfoc_speed_control_step(&s, target, turns, limit));
+                        : (iq24_t)bits_held(speed, -IQ24_ONE, IQ24_ONE) + bits_random(&seed, -2000, 2000);
+            digest_add(&digest, iqfoc_speed_control_step(&s, target, speed, limit));
             bits_add64(&digest, s.integral);
             digest_add(&digest, s.set_point_q32);
             digest_add(&digest, (int32_t)s.wait);

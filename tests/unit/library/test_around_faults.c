@@ -133,7 +133,7 @@ static void watch_begin(watch_t *w)
 static void watched_cycle(watch_t *w, bool broken)
 {
     iqfoc_sample_t sample = around_valley(&d);
-    const uint32_t own = iqfoc_supervision_step(&w->supervision, sample.i, sample.turns, d.cycle.enabled);
+    const uint32_t own = iqfoc_supervision_step(&w->supervision, sample.i, sample.speed, d.cycle.enabled);
     const bool running = w->restart.action == IQFOC_RESTART_RUN || w->restart.action == IQFOC_RESTART_TRY;
     const uint32_t trips = running && d.cycle.tripped ? d.cycle.status & d.config.trips : 0;
     switch (iqfoc_restart_step(&w->restart, own | trips | (broken ? IQFOC_STATUS_BREAK : 0))) {

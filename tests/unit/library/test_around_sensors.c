@@ -29,21 +29,21 @@ void tearDown(void)
 }
 
 /* One cycle whose angle and speed are these at the valley and half a cycle on. */
-static void cycle_with(iqfoc_sample_t sample, iq24_t theta, iq24_t theta_mid, iq24_t turns)
+static void cycle_with(iqfoc_sample_t sample, iq24_t theta, iq24_t theta_mid, iq24_t speed)
 {
     sample.theta = theta;
-    sample.turns = turns;
+    sample.speed = speed;
     around_valley_handler(&d, &sample);
     sample = around_peak(&d);
     sample.theta = theta_mid;
-    sample.turns = turns;
+    sample.speed = speed;
     around_peak_handler(&d, &sample);
 }
 
 static void tracked_cycle(iqfoc_sample_t sample)
 {
     cycle_with(sample, iqfoc_tracker_theta(&tracker, 0), iqfoc_tracker_theta(&tracker, IQ24(0.5)),
-               iqfoc_tracker_turns(&tracker));
+               iqfoc_tracker_speed(&tracker));
 }
 
 typedef struct resolver_truth {
@@ -76,7 +76,7 @@ static void test_resolver(void)
     iqfoc_restart_t restart;
     double raw = 0.0;
     double theta = 0.0;
-    double turns = 0.0;
+    double speed = 0.0;
     double speed_by_difference = 0.0;
     long seen = 0;
     double before = 0.0;
@@ -97,7 +97,7 @@ static void test_resolver(void)
             const double difference = off - before;
             raw += off * off;
             theta += pow(around_off(iqfoc_tracker_theta(&tracker, 0), around_turns(&d)), 2.0);
-            turns += pow(iq24_to_double(iqfoc_tracker_turns(&tracker)) - around_speed(&d), 2.0);
+            speed += pow(iq24_to_double(iqfoc_tracker_speed(&tracker)) - around_speed(&d), 2.0);
             speed_by_difference += difference * difference;
             seen++;
         }
@@ -107,11 +107,11 @@ static void test_resolver(void)
     printf("  resolver rms: raw %.5f turns, tracked %.5f; speed by difference %.2e, tracked %.2e turns a "
            "cycle\n",
            sqrt(raw / (double)seen), sqrt(theta / (double)seen), sqrt(speed_by_difference / (double)seen),
-           sqrt(turns / (double)seen));
+           sqrt(speed / (double)seen));
     TEST_ASSERT_EQUAL_UINT32(0, d.cycle.status);
     TEST_ASSERT_TRUE(fabs(around_speed(&d)) > 0.02);
     TEST_ASSERT_TRUE(sqrt(theta / raw) < 0.5);
-    TEST_ASSERT_TRUE(sqrt(turns / speed_by_difference) < 0.05);
+    TEST_ASSERT_TRUE(sqrt(speed / speed_by_difference) < 0.05);
     TEST_ASSERT_DOUBLE_WITHIN(0.05 * 0.25 * d.base.I_A, 0.25 * d.base.I_A, d.mean_dq_A[1]);
 
     /* The sine's wire breaks: the tracker coasts, then the drive stops for good, without harm on the way. */
@@ -194,9 +194,9 @@ static void test_halls(void)
             if (k > 2500) {
                 worst = fmax(worst, fabs(around_off(halls.theta, around_turns(&d))));
                 smooth = fmax(smooth,
-                              fabs(iq24_to_double(iqfoc_tracker_turns(&tracker)) / around_speed(&d) - 1.0));
+                              fabs(iq24_to_double(iqfoc_tracker_speed(&tracker)) / around_speed(&d) - 1.0));
             }
-            cycle_with(sample, halls.theta, halls.theta + halls.turns / 2, halls.turns);
+            cycle_with(sample, halls.theta, halls.theta + halls.speed / 2, halls.speed);
         }
         TEST_ASSERT_EQUAL_UINT32(0, halls.faults);
         TEST_ASSERT_EQUAL_UINT32(0, d.cycle.status);

@@ -59,12 +59,12 @@ static void turn(double target)
     (void)iqfoc_encoder_index(&encoder, 0);
     iqfoc_tracker_step(&tracker, iqfoc_encoder_theta(&encoder, around_encoder(&d, COUNTS, 0.0)), 0, true);
     sample.theta = iqfoc_tracker_theta(&tracker, 0);
-    sample.turns = iqfoc_tracker_turns(&tracker);
-    d.cycle.i_ref.q = iqfoc_speed_control_step(&speed, iq24_from_double(target), sample.turns, config.i_max);
+    sample.speed = iqfoc_tracker_speed(&tracker);
+    d.cycle.i_ref.q = iqfoc_speed_control_step(&speed, iq24_from_double(target), sample.speed, config.i_max);
     around_valley_handler(&d, &sample);
     sample = around_peak(&d);
     sample.theta = iqfoc_tracker_theta(&tracker, IQ24(0.5));
-    sample.turns = iqfoc_tracker_turns(&tracker);
+    sample.speed = iqfoc_tracker_speed(&tracker);
     around_peak_handler(&d, &sample);
 }
 

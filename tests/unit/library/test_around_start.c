@@ -68,12 +68,12 @@ static void forced_on(iqfoc_sample_t sample, iq24_t sensor_theta)
     d.cycle.i_ref = start.i_ref;
     sample.i = iqfoc_offset_removed(&offset, sample.i);
     sample.theta = start.theta;
-    sample.turns = start.turns;
+    sample.speed = start.speed;
     around_valley_handler(&d, &sample);
     sample = around_peak(&d);
     sample.i = iqfoc_offset_removed(&offset, sample.i);
-    sample.theta = iqfoc_start_theta(&start, sample.at);
-    sample.turns = start.turns;
+    sample.theta = iqfoc_start_theta(&start, sample.instant);
+    sample.speed = start.speed;
     around_peak_handler(&d, &sample);
 }
 
@@ -100,7 +100,7 @@ static iqfoc_sample_t tracked_valley(double zero_turns)
     track(zero_turns);
     sample.i = iqfoc_offset_removed(&offset, sample.i);
     sample.theta = iqfoc_tracker_theta(&tracker, 0);
-    sample.turns = iqfoc_tracker_turns(&tracker);
+    sample.speed = iqfoc_tracker_speed(&tracker);
     return sample;
 }
 
@@ -110,8 +110,8 @@ static void tracked_on(iqfoc_sample_t sample)
     around_valley_handler(&d, &sample);
     sample = around_peak(&d);
     sample.i = iqfoc_offset_removed(&offset, sample.i);
-    sample.theta = iqfoc_tracker_theta(&tracker, sample.at);
-    sample.turns = iqfoc_tracker_turns(&tracker);
+    sample.theta = iqfoc_tracker_theta(&tracker, sample.instant);
+    sample.speed = iqfoc_tracker_speed(&tracker);
     around_peak_handler(&d, &sample);
 }
 
@@ -173,7 +173,7 @@ static void test_from_any_angle(void)
                     fmax(worst_theta,
                          fabs(around_off(iqfoc_tracker_theta(&tracker, IQ24(0.5)), around_turns(&d))));
                 worst_turns =
-                    fmax(worst_turns, fabs(iq24_to_double(iqfoc_tracker_turns(&tracker)) - around_speed(&d)));
+                    fmax(worst_turns, fabs(iq24_to_double(iqfoc_tracker_speed(&tracker)) - around_speed(&d)));
             }
         }
         TEST_ASSERT_EQUAL_UINT32(0, d.cycle.status);
@@ -248,10 +248,10 @@ static void test_index_instead_of_alignment(void)
  * Drawn along by an angle that turns by itself, to a steady speed; the tracker also follows the encoder, which was
  * aligned on the way.
  */
-static void run_open_loop(iq24_t turns_end, double zero_turns)
+static void run_open_loop(iq24_t speed_end, double zero_turns)
 {
     static iqfoc_start_config_t run_up = {IQ24(0.5), 1000, 2500, 0, 5000};
-    run_up.turns_end = turns_end;
+    run_up.speed_end = speed_end;
     begin(0.11);
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_start_init(&start, &run_up));
     while (start.stage != IQFOC_START_RUN_UP) {
@@ -264,7 +264,7 @@ static void run_open_loop(iq24_t turns_end, double zero_turns)
         track(zero_turns);
         forced_on(sample, 0);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(0.002, iq24_to_double(turns_end), around_speed(&d));
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, iq24_to_double(speed_end), around_speed(&d));
 }
 
 /* Handed over to the tracker: the most by which the torque of a cycle leaves that of the last before, percent of
@@ -294,11 +294,11 @@ static void test_open_loop_and_handover(void)
     static const double speeds[] = {0.01, -0.01, 0.025, -0.03};
     const double zero_turns = 0.21;
     for (uint32_t n = 0; n < 4; n++) {
-        const iq24_t turns_end = iq24_from_double(speeds[n]);
-        run_open_loop(turns_end, zero_turns);
+        const iq24_t speed_end = iq24_from_double(speeds[n]);
+        run_open_loop(speed_end, zero_turns);
         const double behind = around_off(start.theta, around_turns(&d));
         const double bump = bump_of_handover(true, zero_turns);
-        run_open_loop(turns_end, zero_turns);
+        run_open_loop(speed_end, zero_turns);
         const double by_reference = bump_of_handover(false, zero_turns);
         printf("  %.3f turns a cycle, load angle %.3f turns: torque moves by %.2f %% of rated, by i_ref "
                "alone %.1f %%\n",

@@ -167,9 +167,9 @@ static void test_limits(void)
     sample.clipped = true;
     end_by(sample, IQFOC_COMMISSION_OVER_CURRENT);
     sample = good;
-    sample.turns = d.config.turns_max + 1;
+    sample.speed = d.config.speed_max + 1;
     end_by(sample, IQFOC_COMMISSION_OVER_SPEED);
-    sample.turns = IQ24_MIN;
+    sample.speed = IQ24_MIN;
     end_by(sample, IQFOC_COMMISSION_OVER_SPEED);
     sample = good;
     sample.u_dc = IQ24(0.5) - 1;
@@ -290,7 +290,7 @@ static void test_configuration(void)
     } fields[] = {
         {AT(start.i_align), 1, IQ24(2.0 / 3.0)},
         {AT(i_max), IQ24(0.75), IQ24(4.0)},
-        {AT(turns_max), good.start.turns_end, IQFOC_ROTOR_TURNS_MAX},
+        {AT(speed_max), good.start.speed_end, IQFOC_ROTOR_SPEED_MAX},
         {AT(u_max), 1, IQ24(0.5)},
         {AT(settle_cycles), 1, INT32_C(1) << 24},
         {AT(block_log2), 6, 12},
@@ -307,7 +307,7 @@ static void test_configuration(void)
         taken(&good, fields[k].at, fields[k].low);
         taken(&good, fields[k].at, fields[k].high);
     }
-    refused(&good, AT(start.turns_end), 0);
+    refused(&good, AT(start.speed_end), 0);
     refused(&good, AT(cycles_max), 0);
     taken(&good, AT(cycles_max), 1);
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_commission_init(NULL, &good));
@@ -418,7 +418,7 @@ static void test_flux(void)
     uint64_t seed = SEED;
     worst flux = {"psi_f", 0.0};
     for (int n = 0; n < 3000; n++) {
-        const double turns = uniform(&seed, 0.005, 0.05) * (n % 2 == 0 ? 1.0 : -1.0);
+        const double speed = uniform(&seed, 0.005, 0.05) * (n % 2 == 0 ? 1.0 : -1.0);
         const double delta = uniform(&seed, -1.0, 1.0);
         const double psi = uniform(&seed, 0.5, 4.0);
         const double size = uniform(&seed, 0.1, 1.0);
@@ -428,7 +428,7 @@ static void test_flux(void)
         known.v_dead.value = to_iq24(uniform(&seed, 0.0, 0.02));
         known.l_d.value = to_iq24(uniform(&seed, 0.1, 2.0));
         known.l_q.value = to_iq24(uniform(&seed, 0.1, 2.0));
-        const double phi_s1 = 2.0 * sin(0.5 * TWO_PI * turns);
+        const double phi_s1 = 2.0 * sin(0.5 * TWO_PI * speed);
         const double complex turn = cexp(I * delta); /* rotor - frame */
         const double complex i = size;
         const double complex i_r = i / turn;

@@ -122,10 +122,10 @@ static iqfoc_commission_config_t any_config(uint64_t *seed)
     c.start.ramp_cycles = (uint32_t)bits_random(seed, 1, 3);
     c.start.hold_cycles = (uint32_t)bits_random(seed, 1, 3);
     c.start.run_up_cycles = (uint32_t)bits_random(seed, 1, 3);
-    c.start.turns_end = bits_random(seed, IQ24(0.004), IQ24(0.1));
-    c.start.turns_end *= bits_random(seed, 0, 1) == 0 ? 1 : -1;
+    c.start.speed_end = bits_random(seed, IQ24(0.004), IQ24(0.1));
+    c.start.speed_end *= bits_random(seed, 0, 1) == 0 ? 1 : -1;
     c.i_max = IQ24(4.0);
-    c.turns_max = IQFOC_ROTOR_TURNS_MAX;
+    c.speed_max = IQFOC_ROTOR_SPEED_MAX;
     c.u_max = bits_random(seed, 1, IQ24(0.5));
     c.cycles_max = 2;
     c.settle_cycles = (uint32_t)bits_random(seed, 1, 3);
@@ -150,7 +150,7 @@ static void any_state(uint64_t *seed, iqfoc_commission_t *c)
     c->offset.offset = bits_small_abc(seed, IQ24(0.1));
     c->start.stage = (iqfoc_start_stage_t)bits_random(seed, 0, IQFOC_START_OPEN_LOOP);
     c->start.theta = bits_small(seed, IQ24(0.5));
-    c->start.turns = bits_small(seed, IQ24(0.1));
+    c->start.speed = bits_small(seed, IQ24(0.1));
     c->start.i_ref = any_dq(seed, IQ24(2.0));
     c->result = any_result(seed);
     c->in_block = (UINT32_C(1) << block_log2) - 1;

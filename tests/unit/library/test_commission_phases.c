@@ -58,9 +58,9 @@ static void draw_run(void)
     config.start.ramp_cycles = whole(5, 20);
     config.start.hold_cycles = whole(5, 20);
     config.start.run_up_cycles = whole(5, 20);
-    config.start.turns_end = to_iq24(uniform(&seed, 0.01, 0.05) * (whole(0, 1) == 0 ? 1.0 : -1.0));
+    config.start.speed_end = to_iq24(uniform(&seed, 0.01, 0.05) * (whole(0, 1) == 0 ? 1.0 : -1.0));
     config.i_max = IQ24(4.0);
-    config.turns_max = IQFOC_ROTOR_TURNS_MAX;
+    config.speed_max = IQFOC_ROTOR_SPEED_MAX;
     config.u_max = random_iq24(&seed, 0.05, 0.3);
     config.cycles_max = UINT32_MAX;
     config.settle_cycles = whole(1, 40);
@@ -120,7 +120,7 @@ static void check_controlled(const iqfoc_commission_t *before)
     const double integral_q = ldexp((double)before->control.integral_q, -48);
     const double complex u = hold_8(to_double(c.gains.kp_d) * creal(e) + integral_d) +
                              I * hold_8(to_double(c.gains.kp_q) * cimag(e) + integral_q);
-    const double ahead = to_double(c.start.theta) + 1.5 * to_double(c.start.turns);
+    const double ahead = to_double(c.start.theta) + 1.5 * to_double(c.start.speed);
     const double complex v = u * cexp(I * TWO_PI * ahead) / u_dc;
     const double x[3] = {creal(v), creal(v * cexp(-I * TWO_PI / 3.0)), creal(v * cexp(I * TWO_PI / 3.0))};
     const double high = fmax(x[0], fmax(x[1], x[2]));
@@ -375,7 +375,7 @@ static void measure_blocks(const double complex i[N], const double complex u[N],
         for (uint32_t k = 0; k < wait + cycles; k++) {
             TEST_ASSERT_EQUAL_UINT32(b, c.blocks);
             TEST_ASSERT_EQUAL_INT(phase, c.phase);
-            const double turn = to_double(c.start.theta) + to_double(c.start.turns);
+            const double turn = to_double(c.start.theta) + to_double(c.start.speed);
             c.u_dq.d = to_iq24(creal(u[b]) + ripple * uniform(&seed, -1.0, 1.0));
             c.u_dq.q = to_iq24(cimag(u[b]) + ripple * uniform(&seed, -1.0, 1.0));
             const double complex u_now = complex_of_dq(c.u_dq);
@@ -615,22 +615,22 @@ static void test_inductances(void)
 /* ---- SPIN ---- */
 
 static double complex active_flux(const iqfoc_commission_result_t *known, double complex i, double complex u,
-                                  double turns)
+                                  double speed)
 {
     const double lost = 8.0 / TWO_PI * to_double(known->v_dead.value);
     const double complex e = u - to_double(known->r.value) * i - lost * i / cabs(i);
-    return -I * e / (2.0 * sin(0.5 * TWO_PI * turns)) - to_double(known->l_q.value) * i;
+    return -I * e / (2.0 * sin(0.5 * TWO_PI * speed)) - to_double(known->l_q.value) * i;
 }
 
 /* psi_f and the half width that the parameters add, by the header's formulas. */
-static found flux_of(const iqfoc_commission_result_t *known, double complex i, double complex u, double turns)
+static found flux_of(const iqfoc_commission_result_t *known, double complex i, double complex u, double speed)
 {
     const double four_over_pi = 8.0 / TWO_PI;
     const double l_d = to_double(known->l_d.value);
     const double l_q = to_double(known->l_q.value);
     const double v_dead = to_double(known->v_dead.value);
-    const double chord = 2.0 * sin(0.5 * TWO_PI * turns);
-    const double complex active = active_flux(known, i, u, turns);
+    const double chord = 2.0 * sin(0.5 * TWO_PI * speed);
+    const double complex active = active_flux(known, i, u, speed);
     const double complex i_r = i * cabs(active) / active; /* in the frame of the active flux */
     const double drop = to_double(known->r.half) * cabs(i) + four_over_pi * to_double(known->v_dead.half);
     const double sides = drop * fabs(cimag(i_r)) / cabs(i) + four_over_pi * fabs(v_dead) / 32.0;
@@ -640,7 +640,7 @@ static found flux_of(const iqfoc_commission_result_t *known, double complex i, d
 }
 
 /* Means of current and voltage in the frame of the commanded angle, of a machine whose d axis is delta ahead of it. */
-static void draw_machine(const iqfoc_commission_result_t *known, double psi, double turns, double complex *i,
+static void draw_machine(const iqfoc_commission_result_t *known, double psi, double speed, double complex *i,
                          double complex *u)
 {
     const double complex turn = cexp(I * uniform(&seed, -1.0, 1.0));
@@ -649,7 +649,7 @@ static void draw_machine(const iqfoc_commission_result_t *known, double psi, dou
     const double complex linkage =
         (psi + to_double(known->l_d.value) * creal(i_r) + I * to_double(known->l_q.value) * cimag(i_r)) *
         turn;
-    *u = I * 2.0 * sin(0.5 * TWO_PI * turns) * linkage + to_double(known->r.value) * *i +
+    *u = I * 2.0 * sin(0.5 * TWO_PI * speed) * linkage + to_double(known->r.value) * *i +
          8.0 / TWO_PI * to_double(known->v_dead.value) * *i / cabs(*i);
 }
 
@@ -686,31 +686,31 @@ static void test_spin(void)
         draw_phase(IQFOC_COMMISSION_SPIN);
         c.wait = config.start.hold_cycles;
         c.start.stage = IQFOC_START_OPEN_LOOP;
-        c.start.turns = config.start.turns_end;
+        c.start.speed = config.start.speed_end;
         c.start.theta = random_iq24(&seed, -0.5, 0.5);
-        const double turns = to_double(config.start.turns_end);
+        const double speed = to_double(config.start.speed_end);
         draw_known(&c.result);
         const double salient = fabs(to_double(c.result.l_d.value - c.result.l_q.value));
         const double truth = n % 8 == 7
                                  ? uniform(&seed, 15.0, 17.0)
                                  : 0.4 + uniform(&seed, 1.0, 3.0) * salient * to_double(config.start.i_align);
         c.result.r.half *= n % 4 == 0 ? 20 : 1;
-        draw_machine(&c.result, truth, turns, i, u);
+        draw_machine(&c.result, truth, speed, i, u);
         c.across = random_iq24(&seed, -0.2, 0.2);
         const double swing = log_uniform(1e-4, 0.02);
         for (int b = N - 1; b >= 0; b--) {
             i[b] = i[0];
-            u[b] = u[0] + swing * turns * uniform(&seed, -1.0, 1.0);
+            u[b] = u[0] + swing * speed * uniform(&seed, -1.0, 1.0);
         }
         measure_blocks(i, u, 0.001, 0, x, y);
         const double unit =
-            4.0 * LSB / fabs(TWO_PI * turns) * (2.0 + truth + 4.0 * to_double(config.start.i_align));
+            4.0 * LSB / fabs(TWO_PI * speed) * (2.0 + truth + 4.0 * to_double(config.start.i_align));
         for (int b = 0; b < N; b++) {
-            psi[b] = flux_of(&c.result, x[b], y[b], turns).value;
+            psi[b] = flux_of(&c.result, x[b], y[b], speed).value;
             near(unit, psi[b], c.x[b]);
         }
         found want = mean_with_half(psi);
-        want.half += flux_of(&c.result, x[N - 1], y[N - 1], turns).half;
+        want.half += flux_of(&c.result, x[N - 1], y[N - 1], speed).half;
         check_found(want, to_double(config.share_psi), 2.0 * unit, c.result.psi);
         const double turning = want.value / 4.0 - want.half;
         const double aligned = aligned_by(&c.result, to_double(c.across), to_double(config.start.i_align));
@@ -780,14 +780,14 @@ static void test_flux_half_and_alignment(void)
         double complex u = 0.0;
         iqfoc_commission_result_t known;
         draw_known(&known);
-        const double turns = uniform(&seed, 0.005, 0.05) * (n % 2 == 0 ? 1.0 : -1.0);
+        const double speed = uniform(&seed, 0.005, 0.05) * (n % 2 == 0 ? 1.0 : -1.0);
         const double psi = uniform(&seed, 1.5, 8.0);
-        draw_machine(&known, psi, turns, &i, &u);
+        draw_machine(&known, psi, speed, &i, &u);
         const commission_means_t means = {{to_iq24(creal(i)), to_iq24(cimag(i))},
                                           {to_iq24(creal(u)), to_iq24(cimag(u))}};
-        const double unit = 4.0 * LSB / fabs(TWO_PI * turns);
-        const iq24_t got = commission_flux_half(&known, &means, to_iq24(2.0 * sin(0.5 * TWO_PI * turns)));
-        near(unit, flux_of(&known, i, u, turns).half, got);
+        const double unit = 4.0 * LSB / fabs(TWO_PI * speed);
+        const iq24_t got = commission_flux_half(&known, &means, to_iq24(2.0 * sin(0.5 * TWO_PI * speed)));
+        near(unit, flux_of(&known, i, u, speed).half, got);
         const double k = uniform(&seed, -1.2, 1.2);
         known.psi.value = to_iq24(psi);
         const double by = aligned_by(&known, to_double(to_iq24(k)), 0.7);
@@ -809,16 +809,16 @@ static void test_guard(void)
                                             IQFOC_COMMISSION_TOO_SLOW};
     for (int n = 0; n < 4000; n++) {
         draw_phase(IQFOC_COMMISSION_ALIGN);
-        config.turns_max = random_iq24(&seed, 0.05, 0.3);
+        config.speed_max = random_iq24(&seed, 0.05, 0.3);
         config.i_max = random_iq24(&seed, 3.0, 4.0);
         config.cycles_max = 5000;
         const uint32_t wrong = n % 2 == 0 ? 0 : whole(0, 31);
         const int sign = n % 4 < 2 ? 1 : -1;
         const iq24_t current = sign * (config.i_max + ((wrong & 2) != 0 && n % 8 != 3 ? 1 : 0));
-        const iq24_t turns = sign * (config.turns_max + ((wrong & 4) != 0 ? 1 : 0));
+        const iq24_t speed = sign * (config.speed_max + ((wrong & 4) != 0 ? 1 : 0));
         const iq24_t beyond = (wrong & 8) != 0 ? 1 : 0;
         const uint32_t phase = whole(0, 2);
-        iqfoc_sample_t sample = {.i = c.offset.offset, .turns = turns};
+        iqfoc_sample_t sample = {.i = c.offset.offset, .speed = speed};
         sample.u_dc = sign > 0 ? IQ24(1.5) + beyond : IQ24(0.5) - beyond;
         sample.clipped = (wrong & 2) != 0 && n % 8 == 3;
         *(phase == 0 ? &sample.i.a : phase == 1 ? &sample.i.b : &sample.i.c) += current;

@@ -30,7 +30,7 @@ static int64_t let_through(iq24_t limit)
 
 static void test_speed(void)
 {
-    TEST_ASSERT_EQUAL_INT64(2 * (int64_t)IQFOC_ROTOR_TURNS_MAX + 2, let_through(IQFOC_ROTOR_TURNS_MAX));
+    TEST_ASSERT_EQUAL_INT64(2 * (int64_t)IQFOC_ROTOR_SPEED_MAX + 2, let_through(IQFOC_ROTOR_SPEED_MAX));
 }
 
 /* Of the DC link less 1, as iqfoc_guard_sample asks: -limit - 1 is 0.5 less an LSB. */
@@ -42,7 +42,7 @@ static void test_dc_link(void)
 /* src/watch.c: the mean of a block's unit vectors is never longer than 1, for each angle that a cycle can turn. */
 static void test_share_of_the_watch(void)
 {
-    for (iq24_t relative = IQ24(0.0044); relative <= 2 * IQFOC_ROTOR_TURNS_MAX; relative++) {
+    for (iq24_t relative = IQ24(0.0044); relative <= 2 * IQFOC_ROTOR_SPEED_MAX; relative++) {
         const iq24_t half = iq24_sincos(iq24_asr32(relative, 1)).sin;
         const iq24_t block = iq24_sincos(iq24_wrap((int64_t)relative * (IQFOC_WATCH_BLOCK_CYCLES / 2))).sin;
         const iq24_t back = iq24_sincos(iq24_asr32(-relative, 1)).sin;

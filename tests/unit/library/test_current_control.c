@@ -85,7 +85,7 @@ static void test_a_step_is_its_formula(void)
         const iqfoc_current_control_t before = control;
         const iqfoc_dq_t ref = random_dq(&seed, extreme ? 32.0 : 1.0);
         const iqfoc_dq_t i = random_dq(&seed, extreme ? 32.0 : 1.0);
-        const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+        const iq24_t speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const iqfoc_dq_t u = iqfoc_current_control_step(&control, &g, ref, i);
         const double e_d = to_double(ref.d) - to_double(i.d);
         const double e_q = to_double(ref.q) - to_double(i.q);
@@ -98,8 +98,8 @@ static void test_a_step_is_its_formula(void)
         integral_error =
             fmax(integral_error, integral_off(control.integral_q, I_q + to_double(g.ki_q) * e_q));
 
-        const iqfoc_dq_t apart = iqfoc_current_control_decoupling(&g, i, turns);
-        const double x = to_double(turns);
+        const iqfoc_dq_t apart = iqfoc_current_control_decoupling(&g, i, speed);
+        const double x = to_double(speed);
         worst decoupling = {"", 0.0};
         held_add(&decoupling, apart.d, -x * to_double(g.x_q) * to_double(i.q));
         held_add(&decoupling, apart.q, x * (to_double(g.x_d) * to_double(i.d) + to_double(g.emf)));
@@ -147,10 +147,10 @@ static void test_preset_goes_on(void)
         g.emf = random_iq24(&seed, 0.0, 6.0);
         const iqfoc_dq_t i = random_dq(&seed, 2.0);
         const iqfoc_dq_t u = random_dq(&seed, 1.5);
-        const iq24_t turns = random_iq24(&seed, -0.33, 0.33);
+        const iq24_t speed = random_iq24(&seed, -0.33, 0.33);
         iqfoc_current_control_t control = {0, 0};
-        iqfoc_current_control_preset(&control, &g, u, i, turns);
-        const iqfoc_dq_t next = iqfoc_current_control_voltage(&control, &g, i, i, turns);
+        iqfoc_current_control_preset(&control, &g, u, i, speed);
+        const iqfoc_dq_t next = iqfoc_current_control_voltage(&control, &g, i, i, speed);
         worst_add(&voltage, next.d, to_double(u.d));
         worst_add(&voltage, next.q, to_double(u.q));
     }

@@ -208,10 +208,10 @@ static void test_what_is_measured_beyond_its_range(void)
 
     iqfoc_cycle_clear(&cycle);
     s = sample_at(0);
-    s.turns = IQ24(-0.4);
+    s.speed = IQ24(-0.4);
     iqfoc_cycle_valley(&cycle, &s, ticks);
     TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_OVERSPEED, cycle.status);
-    TEST_ASSERT_EQUAL_INT32(-IQFOC_ROTOR_TURNS_MAX, cycle.rotor.turns);
+    TEST_ASSERT_EQUAL_INT32(-IQFOC_ROTOR_SPEED_MAX, cycle.rotor.speed);
 
     iqfoc_cycle_clear(&cycle);
     s = sample_at(0);
@@ -241,14 +241,14 @@ static void test_output_acts_at_the_angle_of_its_middle(void)
     cycle.i_ref.q = IQ24(0.2);
     valley();
     iqfoc_sample_t s = sample_at(IQ24(0.5));
-    s.turns = IQ24(0.08);
+    s.speed = IQ24(0.08);
     (void)iqfoc_cycle_peak(&cycle, &s, IQ24(1.5), ticks);
-    const iqfoc_dq_t back = iqfoc_park(cycle.u_ab, iq24_sincos(s.theta + s.turns));
+    const iqfoc_dq_t back = iqfoc_park(cycle.u_ab, iq24_sincos(s.theta + s.speed));
     TEST_ASSERT_INT32_WITHIN(2, cycle.u_dq.d, back.d);
     TEST_ASSERT_INT32_WITHIN(2, cycle.u_dq.q, back.q);
     /* A sample taken a tenth of a cycle later, an output two cycles long. */
     valley();
-    s.at = IQ24(0.6);
+    s.instant = IQ24(0.6);
     (void)iqfoc_cycle_peak(&cycle, &s, IQ24(2.0), ticks);
     const iqfoc_dq_t late = iqfoc_park(cycle.u_ab, iq24_sincos(s.theta + to_iq24(0.08 * 1.4)));
     TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.d, late.d);
@@ -277,7 +277,7 @@ static void test_hand_over(void)
     TEST_ASSERT_INT32_WITHIN(2, iqfoc_clarke3(s.i).alpha, i.alpha);
     TEST_ASSERT_INT32_WITHIN(2, iqfoc_clarke3(s.i).beta, i.beta);
     const iqfoc_dq_t next =
-        iqfoc_current_control_voltage(&cycle.control, &config.gains, cycle.i_ref, cycle.i_ref, s.turns);
+        iqfoc_current_control_voltage(&cycle.control, &config.gains, cycle.i_ref, cycle.i_ref, s.speed);
     TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.d, next.d);
     TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.q, next.q);
     TEST_ASSERT_EQUAL_INT32(0, cycle.drift.d);
@@ -317,10 +317,10 @@ static void test_averaging_port_replaces_the_valley_sample(void)
     iqfoc_cycle_valley(&cycle, &s, ticks);
     ticks += PERIOD / 2;
     (void)peak();
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(s.turns);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(s.speed);
     /* The current is zero at both ends: only s1 of the mean is left, seen from the middle of the cycle that
      * ended; every sample here has the same angle, so that the middle is half a cycle's turn on. */
-    const double angle = TWO_PI * (to_double(s.theta) + 0.5 * to_double(s.turns));
+    const double angle = TWO_PI * (to_double(s.theta) + 0.5 * to_double(s.speed));
     TEST_ASSERT_INT32_WITHIN(4, to_iq24(0.6 * to_double(rotor.s1) * cos(angle)), cycle.i_dq.d);
     TEST_ASSERT_INT32_WITHIN(4, to_iq24(-0.6 * to_double(rotor.s1) * sin(angle)), cycle.i_dq.q);
 }
@@ -337,7 +337,7 @@ static void test_six_step_takes_the_nearest_state(void)
         s.theta = n * (IQ24_ONE / 40);
         const iqfoc_command_t command = iqfoc_cycle_peak(&cycle, &s, IQ24(1.5), ticks);
         ticks += PERIOD / 2;
-        const double turned = TWO_PI * (to_double(s.theta) + to_double(s.turns));
+        const double turned = TWO_PI * (to_double(s.theta) + to_double(s.speed));
         const double angle = atan2(to_double(cycle.u_dq.q), to_double(cycle.u_dq.d)) + turned;
         const double off =
             remainder(angle - atan2(to_double(cycle.u_ab.beta), to_double(cycle.u_ab.alpha)), TWO_PI);

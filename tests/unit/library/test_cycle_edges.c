@@ -56,7 +56,7 @@ static void test_a_fresh_cycle(void)
     TEST_ASSERT_EQUAL_UINT32(PERIOD, iqfoc_cycle_next_ticks(&cycle));
     TEST_ASSERT_EQUAL_UINT32(IQFOC_CYCLE_DUE_NOTHING, cycle.phase);
     TEST_ASSERT_EQUAL_INT32(IQ24_ONE, cycle.rotor.s1);
-    TEST_ASSERT_EQUAL_INT32(0, cycle.rotor.s2 | cycle.rotor.turns);
+    TEST_ASSERT_EQUAL_INT32(0, cycle.rotor.s2 | cycle.rotor.speed);
     TEST_ASSERT_EQUAL_INT32(IQ24_ONE, cycle.u_dc_inverse);
     TEST_ASSERT_FALSE(cycle.enabled || cycle.tripped || cycle.corrected);
     TEST_ASSERT_EQUAL_UINT32(0, cycle.status);
@@ -101,7 +101,7 @@ static void test_the_guards_limits(void)
         s.u_dc = IQ24(0.5) - 1 - off;
         TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, ticks) > INT32_MAX);
         s = sample_at(0);
-        s.turns = IQFOC_ROTOR_TURNS_MAX + off;
+        s.speed = IQFOC_ROTOR_SPEED_MAX + off;
         TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, ticks) > INT32_MAX);
         s = sample_at(0);
         const iqfoc_ab_t along = {config.current_limit + off, 0};
@@ -203,9 +203,9 @@ static void test_each_fault_to_its_limit(void)
     TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_SAMPLE_CLIPPED, status_of(s, 0));
     for (int way = -1; way <= 1; way += 2) {
         s = sample_at(0);
-        s.turns = way * IQFOC_ROTOR_TURNS_MAX;
+        s.speed = way * IQFOC_ROTOR_SPEED_MAX;
         TEST_ASSERT_EQUAL_UINT32(0, status_of(s, 0));
-        s.turns += way;
+        s.speed += way;
         TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_OVERSPEED, status_of(s, 0));
         for (int off = -3; off <= 3; off++) {
             const iq24_t size = way * (config.current_limit + off);
@@ -355,7 +355,7 @@ static void test_ready_made_is_by_methods(void)
             iqfoc_cycle_valley_by(m, &by, &s, ticks);
             ticks += PERIOD / 2;
             s.time = ticks;
-            s.at = IQ24(0.5);
+            s.instant = IQ24(0.5);
             const iqfoc_command_t got = iqfoc_cycle_peak(&cycle, &s, IQ24(1.5), ticks);
             const iqfoc_command_t want = iqfoc_cycle_peak_by(m, &by, &s, IQ24(1.5), ticks);
             ticks += PERIOD / 2;

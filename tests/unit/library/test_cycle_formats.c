@@ -110,17 +110,17 @@ static void test_the_rest(void)
                                                  .emf = within(4.0) + IQ24(4.0)};
         const iqfoc_dq_t ref = {within(1.0), within(1.0)};
         const iqfoc_dq_t is = {within(1.0), within(1.0)};
-        const iq24_t turns = within(1.0 / 3.0);
+        const iq24_t speed = within(1.0 / 3.0);
         iqfoc_current_control_t c = {iq24_acc_mul(within(1.0), IQ24_ONE),
                                      iq24_acc_mul(within(1.0), IQ24_ONE)};
         const double complex integral =
             ldexp((double)c.integral_d, -48) + I * ldexp((double)c.integral_q, -48);
         const double complex e = of_dq(ref) - of_dq(is);
-        const double x = to_double(turns);
+        const double x = to_double(speed);
         const double d = to_double(g.kp_d) * creal(e) - x * to_double(g.x_q) * to_double(is.q);
         const double q =
             to_double(g.kp_q) * cimag(e) + x * (to_double(g.x_d) * to_double(is.d) + to_double(g.emf));
-        const iqfoc_dq_t got = iqfoc_current_control_voltage(&c, &g, ref, is, turns);
+        const iqfoc_dq_t got = iqfoc_current_control_voltage(&c, &g, ref, is, speed);
         control = fmax(control, larger_part(of_dq(got) - integral - d - I * q));
     }
     expect_close("inverse Park", park, 1.0);

@@ -56,12 +56,12 @@ static iqfoc_sample_t measured(const machine *m, iq24_t at)
     s.i = phases_of(m->i);
     s.i_mean = phases_of(m->mean_ab);
     s.theta = to_iq24(remainder(m->theta / TWO_PI, 1.0));
-    s.turns = to_iq24(m->omega_T / TWO_PI);
+    s.speed = to_iq24(m->omega_T / TWO_PI);
     return s;
 }
 
 /* Runs to the steady state; gives the true mean dq current of the last cycle, in per unit. */
-static double complex settled_mean(iqfoc_feedback_t feedback, bool averaging, double turns,
+static double complex settled_mean(iqfoc_feedback_t feedback, bool averaging, double speed,
                                    double complex ref)
 {
     config.feedback = feedback;
@@ -71,7 +71,7 @@ static double complex settled_mean(iqfoc_feedback_t feedback, bool averaging, do
     cycle.enabled = true;
     cycle.i_ref.d = to_iq24(creal(ref));
     cycle.i_ref.q = to_iq24(cimag(ref));
-    machine m = {0.0, 0.3, TWO_PI * turns, 0.0, 0.0};
+    machine m = {0.0, 0.3, TWO_PI * speed, 0.0, 0.0};
     iqfoc_duties_t duties = {{IQ24(0.5), IQ24(0.5), IQ24(0.5)}, IQ24_ONE};
     for (int32_t n = 0; n < 1500; n++) {
         const iqfoc_ab_t legs = iqfoc_clarke3(duties.high);

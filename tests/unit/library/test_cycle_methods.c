@@ -28,7 +28,7 @@ static iqfoc_sample_t any_sample(void)
     iqfoc_sample_t s = sample_at(0);
     s.i = iqfoc_clarke_inverse(i);
     s.theta = bits_random(&seed, INT32_MIN, INT32_MAX);
-    s.turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+    s.speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
     s.u_dc = random_iq24(&seed, 0.6, 1.4);
     return s;
 }
@@ -74,11 +74,11 @@ static void test_deadbeat(void)
     for (int n = 0; n < DRAWS; n++) {
         iqfoc_sample_t s;
         next_valley(m, &s);
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(s.turns);
-        const iqfoc_deadbeat_t deadbeat = {iqfoc_exact_at_speed(&law, s.turns), config.data.k_u_inverse,
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(s.speed);
+        const iqfoc_deadbeat_t deadbeat = {iqfoc_exact_at_speed(&law, s.speed), config.data.k_u_inverse,
                                            iqfoc_valley_reference_at(&rotor, config.data.k_psi)};
         const iqfoc_ab_t u =
-            iqfoc_deadbeat_step(&deadbeat, iqfoc_clarke3(s.i), cycle.u_now, cycle.i_ref, s.theta, s.turns);
+            iqfoc_deadbeat_step(&deadbeat, iqfoc_clarke3(s.i), cycle.u_now, cycle.i_ref, s.theta, s.speed);
         TEST_ASSERT_EQUAL_MEMORY(&u, &cycle.u_ab, sizeof u);
     }
 }
@@ -93,12 +93,12 @@ static void test_deadbeat_that_learns(void)
         iqfoc_sample_t s;
         iqfoc_deadbeat_drift_t drift = {.drift = cycle.drift, .i_next = cycle.i_next, .predicted = n > 0};
         next_valley(m, &s);
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(s.turns);
-        const iqfoc_deadbeat_t deadbeat = {iqfoc_exact_at_speed(&law, s.turns), config.data.k_u_inverse,
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(s.speed);
+        const iqfoc_deadbeat_t deadbeat = {iqfoc_exact_at_speed(&law, s.speed), config.data.k_u_inverse,
                                            iqfoc_valley_reference_at(&rotor, config.data.k_psi)};
         const iqfoc_ab_t u =
             iqfoc_deadbeat_drift_step(&drift, &deadbeat, config.data.learning, iqfoc_clarke3(s.i),
-                                      cycle.u_now, cycle.i_ref, s.theta, s.turns);
+                                      cycle.u_now, cycle.i_ref, s.theta, s.speed);
         if (n > 0) {
             TEST_ASSERT_EQUAL_MEMORY(&drift.drift, &cycle.drift, sizeof cycle.drift);
             TEST_ASSERT_EQUAL_MEMORY(&drift.i_next, &cycle.i_next, sizeof cycle.i_next);
@@ -123,9 +123,9 @@ static void test_means_of_the_models(void)
             const iqfoc_abc_t duties = cycle.duties_next;
             next_valley(m, &s);
             const iqfoc_ab_t i = iqfoc_clarke3(s.i);
-            const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(s.turns);
-            const iq24_sincos_t mid = iq24_sincos(iq24_wrap(s.theta + bits_floor(s.turns, 2)));
-            const iqfoc_exact_t end = iqfoc_exact_at_speed(&law, s.turns);
+            const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(s.speed);
+            const iq24_sincos_t mid = iq24_sincos(iq24_wrap(s.theta + bits_floor(s.speed, 2)));
+            const iqfoc_exact_t end = iqfoc_exact_at_speed(&law, s.speed);
             const iqfoc_ab_t i_next = iqfoc_exact_step(&end, i, cycle.u_now, mid);
             TEST_ASSERT_EQUAL_MEMORY(&i_next, &cycle.i_next, sizeof i_next);
             iqfoc_dq_t want;
@@ -133,7 +133,7 @@ static void test_means_of_the_models(void)
                 const iqfoc_mean_modulated_t c = iqfoc_mean_modulated_at_speed(&config.predictor, &rotor);
                 want = iqfoc_mean_modulated(&c, i, i_next, duties, s.u_dc, mid);
             } else {
-                const iqfoc_exact_t mean = iqfoc_exact_at_speed(&mean_law, s.turns);
+                const iqfoc_exact_t mean = iqfoc_exact_at_speed(&mean_law, s.speed);
                 const iqfoc_ab_t delta = {i_next.alpha - i.alpha, i_next.beta - i.beta};
                 want = iqfoc_mean_current_correct(iqfoc_exact_step(&mean, i, cycle.u_now, mid), delta, &rotor,
                                                   mid);
@@ -173,7 +173,7 @@ static void test_salient(void)
         const iqfoc_dq_t u = iqfoc_park(cycle.u_now, at);
         TEST_ASSERT_DOUBLE_WITHIN(1.0, salient_row(&salient_mean.d, i, u), cycle.i_dq.d);
         TEST_ASSERT_DOUBLE_WITHIN(1.0, salient_row(&salient_mean.q, i, u), cycle.i_dq.q);
-        const iqfoc_dq_t next = iqfoc_park(cycle.i_next, iq24_sincos(iq24_add_wrap(s.theta, s.turns)));
+        const iqfoc_dq_t next = iqfoc_park(cycle.i_next, iq24_sincos(iq24_add_wrap(s.theta, s.speed)));
         TEST_ASSERT_DOUBLE_WITHIN(8.0, salient_row(&salient_end.d, i, u), next.d);
         TEST_ASSERT_DOUBLE_WITHIN(8.0, salient_row(&salient_end.q, i, u), next.q);
     }

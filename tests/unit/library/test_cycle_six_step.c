@@ -15,41 +15,41 @@ static const iqfoc_six_step_config_t angles = {IQ24(0.01), 0, IQ24(0.5), false};
 static const iqfoc_six_step_config_t backwards = {IQ24(0.01), IQ24(-0.5), 0, false};
 static iqfoc_six_step_t six;
 
-static iqfoc_sample_t still(iq24_t theta, iq24_t turns)
+static iqfoc_sample_t still(iq24_t theta, iq24_t speed)
 {
     iqfoc_sample_t s = sample_at(0);
     s.theta = theta;
-    s.turns = turns;
+    s.speed = speed;
     s.has_mean = true;
     return s;
 }
 
 /* The rotor turns to each switching instant: the states come in order, each a sixth of a turn, as time and angle, and
  * the voltage of each has its sector's middle half a sector after the switching. */
-static void states_in_order(const iqfoc_six_step_config_t *c, iq24_t turns, iq24_t angle)
+static void states_in_order(const iqfoc_six_step_config_t *c, iq24_t speed, iq24_t angle)
 {
     iq24_t theta = IQ24(0.3);
-    iqfoc_sample_t s = still(theta, turns);
+    iqfoc_sample_t s = still(theta, speed);
     cycle.enabled = true;
     iqfoc_six_step_command_t next = iqfoc_cycle_six_step_begin(&six, &cycle, c, angle, &s);
     int32_t before = six.state;
     for (int32_t n = 0; n < 50; n++) {
-        theta = iq24_add_wrap(theta, turns < 0 ? -next.turns : next.turns);
-        s = still(theta, turns);
+        theta = iq24_add_wrap(theta, speed < 0 ? -next.movement : next.movement);
+        s = still(theta, speed);
         s.i_mean.a = 0;
         cycle.i_ref.q = cycle.i_dq.q; /* no error */
         next = iqfoc_cycle_six_step_switch(&six, &cycle, &s, ticks);
         cycle.i_ref.q = 0;
-        TEST_ASSERT_EQUAL_INT32((before + (turns < 0 ? 5 : 1)) % 6, six.state);
+        TEST_ASSERT_EQUAL_INT32((before + (speed < 0 ? 5 : 1)) % 6, six.state);
         before = six.state;
-        TEST_ASSERT_INT32_WITHIN(4, IQ24_ONE / 6, next.turns);
-        const double want = (double)next.turns / abs(turns) * PERIOD;
+        TEST_ASSERT_INT32_WITHIN(4, IQ24_ONE / 6, next.movement);
+        const double want = (double)next.movement / abs(speed) * PERIOD;
         TEST_ASSERT_DOUBLE_WITHIN(1.0, want, next.ticks);
         TEST_ASSERT_TRUE(next.command.gates);
         const iqfoc_ab_t u = cycle.u_now;
         const iq24_t ahead = iq24_sub_wrap(iq24_atan2(u.beta, u.alpha), theta) - angle;
         const int32_t part = ahead & 0xFFFFFF; /* the state's vector, half a sector ahead of the voltage */
-        TEST_ASSERT_INT32_WITHIN(8, turns < 0 ? IQ24_ONE - IQ24_ONE / 12 : IQ24_ONE / 12, part);
+        TEST_ASSERT_INT32_WITHIN(8, speed < 0 ? IQ24_ONE - IQ24_ONE / 12 : IQ24_ONE / 12, part);
     }
     TEST_ASSERT_EQUAL_UINT32(0, cycle.status);
 }
@@ -155,7 +155,7 @@ static void test_back_to_the_carrier(void)
     iqfoc_sample_t s = still(0, IQ24(0.02));
     cycle.enabled = true;
     (void)iqfoc_cycle_six_step_begin(&six, &cycle, &angles, IQ24(0.3), &s);
-    iqfoc_cycle_six_step_end(&six, &cycle, s.turns);
+    iqfoc_cycle_six_step_end(&six, &cycle, s.speed);
     TEST_ASSERT_INT32_WITHIN(16, IQ24(0.3), iqfoc_cycle_voltage_angle(&cycle));
     iqfoc_cycle_valley_by(methods, &cycle, &s, ticks);
     ticks += PERIOD / 2;

@@ -107,7 +107,7 @@ static iqfoc_sample_t healthy(iq24_t at)
     s.i.c = -a - b;
     s.i_mean = s.i;
     s.theta = within(IQ24(0.5));
-    s.turns = within(IQ24(0.1));
+    s.speed = within(IQ24(0.1));
     s.u_dc = IQ24_ONE + within(IQ24(0.2));
     return s;
 }
@@ -124,7 +124,7 @@ static uint32_t spoil(iqfoc_sample_t *s, uint32_t *now)
         s->u_dc = link[draw() % 7];
         return IQFOC_STATUS_DC_LINK;
     case 2:
-        s->turns = one_in(2) ? IQ24(0.34) : IQ24_MIN + (iq24_t)(draw() % 1000);
+        s->speed = one_in(2) ? IQ24(0.34) : IQ24_MIN + (iq24_t)(draw() % 1000);
         return IQFOC_STATUS_OVERSPEED;
     case 3:
         s->i.a = IQ24(15.9);

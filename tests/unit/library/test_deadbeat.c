@@ -30,12 +30,12 @@ static void each_form_predicts_as_its_predictor(void)
     for (int n = 0; n < TRIES; n++) {
         const iqfoc_predictor_t p = {random_iq24(&seed, 0.01, 16.0), random_iq24(&seed, 0.0, 1.0),
                                      random_iq24(&seed, 0.0, 8.0)};
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0));
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0));
         const iq24_t theta = random_iq24(&seed, -0.5, 0.5);
         const iq24_sincos_t sc = iq24_sincos(theta);
         /* Half of an odd speed is no angle of IQ24: take an even one, so that both see the same middle. */
-        const iqfoc_rotor_t even = iqfoc_rotor_from_turns(rotor.turns & ~1);
-        const iq24_sincos_t sc_mid = iq24_sincos(theta + even.turns / 2);
+        const iqfoc_rotor_t even = iqfoc_rotor_from_speed(rotor.speed & ~1);
+        const iq24_sincos_t sc_mid = iq24_sincos(theta + even.speed / 2);
         const iqfoc_ab_t i = random_ab_in_square(&seed, 32.0);
         const iqfoc_ab_t u = random_ab_in_square(&seed, 2.0);
         const iqfoc_exact_t as_euler = iqfoc_form_euler(&p, &even);
@@ -79,9 +79,9 @@ static void the_valley_reference_is_rounded_as_stated(void)
     worst magnet_far = {"k_psi (1/s1^2 - 1), k_psi <= 8", 0.0};
     worst product = {"k_psi (gain - 1)", 0.0};
     for (int n = 0; n < TRIES; n++) {
-        const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
-        const double h = 0.5 * TWO_PI * to_double(turns);
+        const iq24_t speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
+        const double h = 0.5 * TWO_PI * to_double(speed);
         const double s1 = fabs(h) > 1e-9 ? sin(h) / h : 1.0;
         const iq24_t k_psi = random_iq24(&seed, 0.0, 8.0);
         const iqfoc_valley_reference_t r = iqfoc_valley_reference_at(&rotor, k_psi);
@@ -106,10 +106,10 @@ static void the_mean_follows_from_the_valley(void)
         const double T_s = 200e-6;
         const double L_H = 5e-3;
         const double I_b_A = 15.0;
-        const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+        const iq24_t speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const double k_psi = to_double(random_iq24(&seed, 0.0, 4.0));
-        const double phi = TWO_PI * to_double(turns);
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+        const double phi = TWO_PI * to_double(speed);
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
         const iqfoc_valley_reference_t r = iqfoc_valley_reference_at(&rotor, to_iq24(k_psi));
         const iqfoc_dq_t mean = {random_iq24(&seed, -2.0, 2.0), random_iq24(&seed, -2.0, 2.0)};
         const iqfoc_dq_t valley = iqfoc_valley_reference(&r, mean);
@@ -128,7 +128,7 @@ static void the_mean_follows_from_the_valley(void)
 
 static void at_standstill_the_reference_is_the_mean(void)
 {
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(0);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(0);
     const iqfoc_valley_reference_t r = iqfoc_valley_reference_at(&rotor, IQ24(3.0));
     const iqfoc_dq_t mean = {IQ24(-0.3), IQ24(0.7)};
     TEST_ASSERT_EQUAL_INT32(IQ24_ONE, r.gain);
@@ -139,13 +139,13 @@ static void at_standstill_the_reference_is_the_mean(void)
 
 /* ---- The control law ---- */
 
-static iqfoc_deadbeat_t deadbeat_of(double rho, double k_u, double k_psi, iq24_t turns)
+static iqfoc_deadbeat_t deadbeat_of(double rho, double k_u, double k_psi, iq24_t speed)
 {
     const iqfoc_exact_winding_t winding = {(int32_t)lround(ldexp(rho, 30)), (int32_t)lround(ldexp(k_u, 26)),
                                            (int32_t)lround(ldexp(k_psi, 27))};
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
-    const iqfoc_deadbeat_t d = {iqfoc_exact_at_speed(&law, turns), iqfoc_deadbeat_inverse(law.k_u_q26),
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
+    const iqfoc_deadbeat_t d = {iqfoc_exact_at_speed(&law, speed), iqfoc_deadbeat_inverse(law.k_u_q26),
                                 iqfoc_valley_reference_at(&rotor, to_iq24(k_psi))};
     return d;
 }
@@ -171,9 +171,9 @@ static void the_voltage_hits_the_target(void)
     int tried = 0;
     for (int n = 0; n < TRIES; n++) {
         const double k_u = exp(to_double(random_iq24(&seed, -2.7, 2.7)));
-        const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+        const iq24_t speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const iqfoc_deadbeat_t d = deadbeat_of(to_double(random_iq24(&seed, 0.0, 0.5)), k_u,
-                                               to_double(random_iq24(&seed, 0.0, 4.0)), turns);
+                                               to_double(random_iq24(&seed, 0.0, 4.0)), speed);
         const iqfoc_ab_t i = random_ab_in_square(&seed, 4.0);
         const iqfoc_ab_t target = random_ab_in_square(&seed, 4.0);
         const iq24_sincos_t sc_mid = iq24_sincos(random_iq24(&seed, -0.5, 0.5));
@@ -201,17 +201,17 @@ static void the_second_valley_has_the_reference(void)
 {
     const double speeds[] = {0.0, 0.02, 0.2, -0.2, 1.0 / 3.0};
     for (size_t s = 0; s < sizeof speeds / sizeof speeds[0]; s++) {
-        const iq24_t turns = to_iq24(speeds[s]) & ~1;
-        const iqfoc_deadbeat_t d = deadbeat_of(0.05, 2.0, 1.5, turns);
+        const iq24_t speed = to_iq24(speeds[s]) & ~1;
+        const iqfoc_deadbeat_t d = deadbeat_of(0.05, 2.0, 1.5, speed);
         const iqfoc_dq_t i_ref = {IQ24(-0.25), IQ24(0.75)};
         iqfoc_ab_t i = {IQ24(0.1), IQ24(-0.2)};
         iqfoc_ab_t u_now = {0, 0};
         iq24_t theta = to_iq24(0.1);
         for (int k = 0; k < 50; k++) {
-            const iqfoc_ab_t u_next = iqfoc_deadbeat_step(&d, i, u_now, i_ref, theta, turns);
-            i = iqfoc_exact_step(&d.model, i, u_now, iq24_sincos(iq24_add_wrap(theta, turns / 2)));
+            const iqfoc_ab_t u_next = iqfoc_deadbeat_step(&d, i, u_now, i_ref, theta, speed);
+            i = iqfoc_exact_step(&d.model, i, u_now, iq24_sincos(iq24_add_wrap(theta, speed / 2)));
             u_now = u_next;
-            theta = iq24_add_wrap(theta, turns);
+            theta = iq24_add_wrap(theta, speed);
             const iqfoc_dq_t want = iqfoc_valley_reference(&d.reference, i_ref);
             const iqfoc_dq_t got = iqfoc_park(i, iq24_sincos(theta));
             if (k >= 1) {
@@ -224,7 +224,7 @@ static void the_second_valley_has_the_reference(void)
 
 /* Runs a machine that is not the model for so many cycles; its current as the rotor sees it at the end. */
 static iqfoc_dq_t run_learning(const iqfoc_deadbeat_t *believed, const iqfoc_exact_t *truth, iq24_t gain,
-                               iq24_t turns, iqfoc_dq_t i_ref, int cycles)
+                               iq24_t speed, iqfoc_dq_t i_ref, int cycles)
 {
     iqfoc_deadbeat_drift_t drift = {{0, 0}, {0, 0}, false};
     iqfoc_ab_t i = {0, 0};
@@ -232,10 +232,10 @@ static iqfoc_dq_t run_learning(const iqfoc_deadbeat_t *believed, const iqfoc_exa
     iq24_t theta = 0;
     for (int k = 0; k < cycles; k++) {
         const iqfoc_ab_t u_next =
-            iqfoc_deadbeat_drift_step(&drift, believed, gain, i, u_now, i_ref, theta, turns);
-        i = iqfoc_exact_step(truth, i, u_now, iq24_sincos(iq24_add_wrap(theta, turns / 2)));
+            iqfoc_deadbeat_drift_step(&drift, believed, gain, i, u_now, i_ref, theta, speed);
+        i = iqfoc_exact_step(truth, i, u_now, iq24_sincos(iq24_add_wrap(theta, speed / 2)));
         u_now = u_next;
-        theta = iq24_add_wrap(theta, turns);
+        theta = iq24_add_wrap(theta, speed);
     }
     return iqfoc_park(i, iq24_sincos(theta));
 }
@@ -246,15 +246,15 @@ static void what_the_model_gets_wrong_is_learnt(void)
     const iqfoc_dq_t i_ref = {IQ24(-0.25), IQ24(0.75)};
     const double speeds[] = {0.0, 0.1, -0.2};
     for (size_t s = 0; s < sizeof speeds / sizeof speeds[0]; s++) {
-        const iq24_t turns = to_iq24(speeds[s]) & ~1;
-        const iqfoc_deadbeat_t truth = deadbeat_of(0.05, 2.0, 1.5, turns);
-        iqfoc_deadbeat_t believed = deadbeat_of(0.08, 2.3, 1.7, turns);
+        const iq24_t speed = to_iq24(speeds[s]) & ~1;
+        const iqfoc_deadbeat_t truth = deadbeat_of(0.05, 2.0, 1.5, speed);
+        iqfoc_deadbeat_t believed = deadbeat_of(0.08, 2.3, 1.7, speed);
         believed.reference = truth.reference;
         const iqfoc_dq_t want = iqfoc_valley_reference(&truth.reference, i_ref);
-        const iqfoc_dq_t learnt = run_learning(&believed, &truth.model, IQ24(0.1), turns, i_ref, 400);
+        const iqfoc_dq_t learnt = run_learning(&believed, &truth.model, IQ24(0.1), speed, i_ref, 400);
         TEST_ASSERT_INT32_WITHIN(40, want.d, learnt.d);
         TEST_ASSERT_INT32_WITHIN(40, want.q, learnt.q);
-        const iqfoc_dq_t plain = run_learning(&believed, &truth.model, 0, turns, i_ref, 400);
+        const iqfoc_dq_t plain = run_learning(&believed, &truth.model, 0, speed, i_ref, 400);
         const double off = hypot(to_double(plain.d - want.d), to_double(plain.q - want.q));
         TEST_ASSERT_TRUE(off > 0.02);
     }
@@ -265,15 +265,15 @@ static void without_gain_nothing_is_learnt(void)
 {
     uint64_t seed = 6;
     for (int n = 0; n < 2000; n++) {
-        const iq24_t turns = random_iq24(&seed, -0.3, 0.3);
-        const iqfoc_deadbeat_t d = deadbeat_of(0.1, 2.0, 2.0, turns);
+        const iq24_t speed = random_iq24(&seed, -0.3, 0.3);
+        const iqfoc_deadbeat_t d = deadbeat_of(0.1, 2.0, 2.0, speed);
         iqfoc_deadbeat_drift_t drift = {{0, 0}, random_ab_in_square(&seed, 2.0), true};
         const iqfoc_ab_t i = random_ab_in_square(&seed, 2.0);
         const iqfoc_ab_t u = random_ab_in_square(&seed, 0.7);
         const iqfoc_dq_t i_ref = {random_iq24(&seed, -1.0, 1.0), random_iq24(&seed, -1.0, 1.0)};
         const iq24_t theta = random_iq24(&seed, -0.5, 0.5);
-        const iqfoc_ab_t want = iqfoc_deadbeat_step(&d, i, u, i_ref, theta, turns);
-        const iqfoc_ab_t got = iqfoc_deadbeat_drift_step(&drift, &d, 0, i, u, i_ref, theta, turns);
+        const iqfoc_ab_t want = iqfoc_deadbeat_step(&d, i, u, i_ref, theta, speed);
+        const iqfoc_ab_t got = iqfoc_deadbeat_drift_step(&drift, &d, 0, i, u, i_ref, theta, speed);
         TEST_ASSERT_EQUAL_INT32(want.alpha, got.alpha);
         TEST_ASSERT_EQUAL_INT32(want.beta, got.beta);
         TEST_ASSERT_EQUAL_INT32(0, drift.drift.d);
@@ -283,13 +283,13 @@ static void without_gain_nothing_is_learnt(void)
 
 static void the_drift_is_held(void)
 {
-    const iqfoc_deadbeat_t d = deadbeat_of(0.0, 16.0, 8.0, IQFOC_ROTOR_TURNS_MAX);
+    const iqfoc_deadbeat_t d = deadbeat_of(0.0, 16.0, 8.0, IQFOC_ROTOR_SPEED_MAX);
     for (int sign = -1; sign <= 1; sign += 2) {
         iqfoc_deadbeat_drift_t drift = {{0, 0}, {sign * IQ24(60.0), 0}, true};
         const iqfoc_ab_t i = {-sign * IQ24(15.0), 0};
         const iqfoc_ab_t u = {0, 0};
         const iqfoc_dq_t i_ref = {sign * IQ24(20.0), sign * IQ24(20.0)};
-        (void)iqfoc_deadbeat_drift_step(&drift, &d, IQ24_ONE, i, u, i_ref, 0, IQFOC_ROTOR_TURNS_MAX);
+        (void)iqfoc_deadbeat_drift_step(&drift, &d, IQ24_ONE, i, u, i_ref, 0, IQFOC_ROTOR_SPEED_MAX);
         TEST_ASSERT_EQUAL_INT32(-sign * IQFOC_DEADBEAT_DRIFT_LIMIT, drift.drift.d);
     }
 }
@@ -297,18 +297,18 @@ static void the_drift_is_held(void)
 /* The corners of every range: defined and held, under the sanitizers too. */
 static void extremes_are_held(void)
 {
-    const iq24_t turns[] = {IQFOC_ROTOR_TURNS_MAX, -IQFOC_ROTOR_TURNS_MAX, 0};
+    const iq24_t speed[] = {IQFOC_ROTOR_SPEED_MAX, -IQFOC_ROTOR_SPEED_MAX, 0};
     for (size_t s = 0; s < 3; s++) {
-        const iqfoc_deadbeat_t slow = deadbeat_of(0.0, 1.0 / 64.0, 8.0, turns[s]);
-        const iqfoc_deadbeat_t quick = deadbeat_of(1.0, 16.0, 8.0, turns[s]);
+        const iqfoc_deadbeat_t slow = deadbeat_of(0.0, 1.0 / 64.0, 8.0, speed[s]);
+        const iqfoc_deadbeat_t quick = deadbeat_of(1.0, 16.0, 8.0, speed[s]);
         for (int corner = 0; corner < 16; corner++) {
             const iqfoc_ab_t i = {corner & 1 ? IQ24(15.0) : IQ24(-15.0),
                                   corner & 2 ? IQ24(15.0) : IQ24(-15.0)};
             const iqfoc_dq_t i_ref = {corner & 4 ? IQ24(20.0) : IQ24(-20.0),
                                       corner & 8 ? IQ24(20.0) : IQ24(-20.0)};
             const iqfoc_ab_t u = {corner & 8 ? IQ24_ONE : -IQ24_ONE, IQ24_ONE};
-            const iqfoc_ab_t far = iqfoc_deadbeat_step(&slow, i, u, i_ref, IQ24_MAX, turns[s]);
-            const iqfoc_ab_t near = iqfoc_deadbeat_step(&quick, i, u, i_ref, IQ24_MIN, turns[s]);
+            const iqfoc_ab_t far = iqfoc_deadbeat_step(&slow, i, u, i_ref, IQ24_MAX, speed[s]);
+            const iqfoc_ab_t near = iqfoc_deadbeat_step(&quick, i, u, i_ref, IQ24_MIN, speed[s]);
             TEST_ASSERT_TRUE(far.alpha == IQFOC_DEADBEAT_LIMIT || far.alpha == -IQFOC_DEADBEAT_LIMIT ||
                              far.beta == IQFOC_DEADBEAT_LIMIT || far.beta == -IQFOC_DEADBEAT_LIMIT);
             TEST_ASSERT_TRUE(near.alpha <= IQ24(8.0) && near.alpha >= IQ24(-8.0));

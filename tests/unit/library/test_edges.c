@@ -34,7 +34,7 @@ static iqfoc_pattern_edges_t drawn_leg(void)
         const iq24_t room = IQ24_ONE - 1 - last;
         const uint64_t width = random_bits(&seed) % 3 == 0 ? 2u : (uint64_t)room / 4 + 1;
         last += (iq24_t)(random_bits(&seed) % (width <= (uint64_t)room ? width : (uint64_t)room + 1));
-        p.at[k] = last;
+        p.instant[k] = last;
     }
     return p;
 }
@@ -43,7 +43,7 @@ static iqfoc_pattern_edges_t drawn_leg(void)
 static int level_after(const iqfoc_leg_edges_t *leg, uint32_t tick)
 {
     int level = leg->level;
-    for (int k = 0; k < leg->edges && leg->at[k] <= tick; k++) {
+    for (int k = 0; k < leg->edges && leg->instant[k] <= tick; k++) {
         level = -level;
     }
     return level;
@@ -62,13 +62,14 @@ static void test_each_edge_is_at_its_tick(void)
             TEST_ASSERT_EQUAL_INT32(asked[x].level, leg->level);
             TEST_ASSERT_TRUE(leg->edges <= asked[x].edges && (asked[x].edges - leg->edges) % 2 == 0);
             for (int k = 0; k < leg->edges; k++) {
-                TEST_ASSERT_TRUE(leg->at[k] < period && (k == 0 || leg->at[k] > leg->at[k - 1]));
+                TEST_ASSERT_TRUE(leg->instant[k] < period &&
+                                 (k == 0 || leg->instant[k] > leg->instant[k - 1]));
             }
             int level = asked[x].level;
             for (int k = 0; k < asked[x].edges; k++) {
-                const double tick = floor(asked[x].at[k] / 16777216.0 * period);
+                const double tick = floor(asked[x].instant[k] / 16777216.0 * period);
                 const bool last =
-                    k + 1 == asked[x].edges || floor(asked[x].at[k + 1] / 16777216.0 * period) > tick;
+                    k + 1 == asked[x].edges || floor(asked[x].instant[k + 1] / 16777216.0 * period) > tick;
                 level = -level;
                 TEST_ASSERT_TRUE(!last || level_after(leg, (uint32_t)tick) == level);
             }
@@ -97,7 +98,7 @@ static void test_least_time_in_ticks(void)
             for (int x = 0; x < 3; x++) {
                 TEST_ASSERT_EQUAL_INT(level[x], edges.leg[x].level);
                 for (int k = 0; k < edges.leg[x].edges; k++) {
-                    const int64_t now = cycle * period + edges.leg[x].at[k];
+                    const int64_t now = cycle * period + edges.leg[x].instant[k];
                     TEST_ASSERT_TRUE(now - last[x] >= least);
                     last[x] = now;
                     level[x] = -level[x];
@@ -123,14 +124,15 @@ static void test_centred_pulses(void)
         for (int x = 0; x < 3; x++) {
             const iqfoc_leg_edges_t *leg = &edges.leg[x];
             const double ticks = fmin(fmax(asked[x] / 16777216.0, 0.0), 1.0) * period;
-            const double made = leg->edges == 2   ? (double)leg->at[1] - leg->at[0]
+            const double made = leg->edges == 2   ? (double)leg->instant[1] - leg->instant[0]
                                 : leg->level == 1 ? period
                                                   : 0.0;
             TEST_ASSERT_TRUE(leg->edges == 0 || (leg->edges == 2 && leg->level == -1));
             TEST_ASSERT_TRUE(fabs(made - ticks) <= 0.5);
             if (leg->edges == 2) {
-                const double middle = 0.5 * ((double)leg->at[0] + leg->at[1]);
-                TEST_ASSERT_TRUE(leg->at[0] < leg->at[1] && leg->at[1] < period + (leg->at[0] == 0));
+                const double middle = 0.5 * ((double)leg->instant[0] + leg->instant[1]);
+                TEST_ASSERT_TRUE(leg->instant[0] < leg->instant[1] &&
+                                 leg->instant[1] < period + (leg->instant[0] == 0));
                 TEST_ASSERT_TRUE(middle <= 0.5 * period && middle >= 0.5 * period - 0.5);
             }
         }

@@ -38,7 +38,7 @@ enum { RATIOS = sizeof ratios / sizeof ratios[0] };
 typedef struct case_ {
     const motor *m;
     double omega_rad_s, span; /* span: share of a cycle */
-    iq24_t turns, theta;      /* speed; the rotor at the start */
+    iq24_t speed, theta;      /* speed; the rotor at the start */
     double complex i_A, u_V;  /* stationary */
 } case_;
 
@@ -129,7 +129,7 @@ static void add_salient(worst *end, worst *mean, const case_ *exact_inputs)
     const iqfoc_dq_t u_dq = {u.alpha, u.beta};
     iqfoc_salient_t of_end;
     iqfoc_salient_t of_mean;
-    iqfoc_salient_at_speed(&machine, c.turns, to_iq24(c.span), &of_end, &of_mean);
+    iqfoc_salient_at_speed(&machine, c.speed, to_iq24(c.span), &of_end, &of_mean);
     add_dq(end, iqfoc_salient_step(&of_end, i_dq, u_dq), t.end_dq_A, base.I_A);
     add_dq(mean, iqfoc_salient_step(&of_mean, i_dq, u_dq), t.mean_dq_A, base.I_A);
 }
@@ -146,12 +146,12 @@ static void add_stationary(worst *end, worst *mean, const case_ *exact_inputs)
     c.i_A = base.I_A * vec_complex(to_double(i.alpha), to_double(i.beta));
     c.u_V = base.U_V * vec_complex(to_double(u.alpha), to_double(u.beta));
     /* Speed and span are such that the middle is an IQ24 number. */
-    const iq24_t theta_mid = c.theta + (iq24_t)lround(0.5 * c.span * (double)c.turns);
+    const iq24_t theta_mid = c.theta + (iq24_t)lround(0.5 * c.span * (double)c.speed);
     const truth t = of_plant(&c, c.m->R_ohm);
     const iqfoc_exact_law_t of_end = iqfoc_exact_prediction(&winding, to_iq24(c.span));
     const iqfoc_exact_law_t of_mean = iqfoc_exact_mean(&winding, to_iq24(c.span));
-    const iqfoc_exact_t at_end = iqfoc_exact_at_speed(&of_end, c.turns);
-    const iqfoc_exact_t at_mean = iqfoc_exact_at_speed(&of_mean, c.turns);
+    const iqfoc_exact_t at_end = iqfoc_exact_at_speed(&of_end, c.speed);
+    const iqfoc_exact_t at_mean = iqfoc_exact_at_speed(&of_mean, c.speed);
     const iqfoc_ab_t end_ab = iqfoc_exact_step(&at_end, i, u, iq24_sincos(theta_mid));
     const iqfoc_ab_t mean_ab = iqfoc_exact_step(&at_mean, i, u, iq24_sincos(theta_mid));
     add_dq(end, (iqfoc_dq_t){end_ab.alpha, end_ab.beta}, t.end_A, base.I_A);
@@ -168,8 +168,8 @@ static case_ case_of(const motor *m, double ratio, int kind)
     const double sign = kind & 1 ? -1.0 : 1.0;
     const double torque = kind & 2 ? -1.0 : 1.0;
     case_ c = {.m = m, .span = spans[(kind >> 2) & 1], .theta = 1000003 * kind};
-    c.turns = ratio == 0.0 ? 0 : 4 * (to_iq24(sign / ratio) / 4);
-    c.omega_rad_s = TWO_PI * to_double(c.turns) * m->f_pwm_Hz;
+    c.speed = ratio == 0.0 ? 0 : 4 * (to_iq24(sign / ratio) / 4);
+    c.omega_rad_s = TWO_PI * to_double(c.speed) * m->f_pwm_Hz;
     const double complex rotor = vec_turn(theta_rad(&c));
     const double i_d = kind & 8 ? -0.7 : 0.0;
     c.i_A = base.I_A * vec_complex(i_d, torque * sqrt(1.0 - i_d * i_d)) * rotor;

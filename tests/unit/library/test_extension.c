@@ -61,7 +61,7 @@ static void test_nothing_found_changes_nothing(void)
         const iqfoc_abc_t i = phases(&seed, 15.0);
         iqfoc_sample_t sample = {.i = i,
                                  .theta = random_iq24(&seed, 0.0, 1.0),
-                                 .turns = random_iq24(&seed, -0.3, 0.3),
+                                 .speed = random_iq24(&seed, -0.3, 0.3),
                                  .u_dc = IQ24(0.9)};
         iqfoc_duties_t duties = {{IQ24(0.2), IQ24(0.9), IQ24(0.5)}, IQ24_ONE};
         const iqfoc_sample_t before = sample;
@@ -90,7 +90,7 @@ static void test_samples(void)
         const iqfoc_extension_t x = drawn(&seed);
         iqfoc_sample_t sample = {.i = phases(&seed, n % 4 == 0 ? 31.0 : 2.0),
                                  .theta = random_iq24(&seed, 0.0, 1.0),
-                                 .turns = random_iq24(&seed, -1.0, 1.0),
+                                 .speed = random_iq24(&seed, -1.0, 1.0),
                                  .u_dc = random_iq24(&seed, 0.5, 1.5)};
         const iqfoc_sample_t before = sample;
         iqfoc_extension_sample(&x, &sample);
@@ -99,7 +99,7 @@ static void test_samples(void)
                        to_double(IQ24(15.9))));
         worst_add(&angle, sample.theta,
                   to_double(before.theta) - to_double(x.theta_0) -
-                      to_double(x.theta_delay) * to_double(before.turns));
+                      to_double(x.theta_delay) * to_double(before.speed));
         worst_add(&link, sample.u_dc, to_double(before.u_dc) * to_double(x.k_u));
     }
     worst_check(&current, 0.5);

@@ -37,12 +37,12 @@ typedef struct problem {
     iqfoc_ab_t i;
     int32_t state_now;
     iqfoc_dq_t i_ref;
-    iq24_t theta, turns, u_dc;
+    iq24_t theta, speed, u_dc;
 } problem;
 
 static double complex step(const problem *p, double complex i, int state, int interval)
 {
-    const double complex mid = turned(to_double(p->theta) + (interval + 0.5) * to_double(p->turns));
+    const double complex mid = turned(to_double(p->theta) + (interval + 0.5) * to_double(p->speed));
     const double complex w = ldexp(p->set.model.w_real_q26, -26) + I * ldexp(p->set.model.w_imag_q26, -26);
     return ldexp(p->set.model.stays_q26, -26) * i +
            ldexp(p->set.model.k_u_q26, -26) * voltage(state, to_double(p->u_dc)) - I * w * mid;
@@ -66,7 +66,7 @@ static double least(const problem *p, double complex i, int before, int interval
         const double complex target = (to_double(p->set.reference.gain) * to_double(p->i_ref.d) +
                                        to_double(p->set.reference.magnet_pu) +
                                        I * to_double(p->set.reference.gain) * to_double(p->i_ref.q)) *
-                                      turned(to_double(p->theta) + (interval + 1.0) * to_double(p->turns));
+                                      turned(to_double(p->theta) + (interval + 1.0) * to_double(p->speed));
         double cost =
             creal((target - next) * conj(target - next)) + to_double(p->set.weight) * changed(before, s);
         if (interval < p->set.horizon) {
@@ -83,9 +83,9 @@ static problem random_problem(uint64_t *seed, int horizon)
                                            random_iq24(seed, 0.0, 3.0) * 8};
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
     problem p;
-    p.turns = random_iq24(seed, -0.2, 0.2) & ~1;
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(p.turns);
-    p.set.model = iqfoc_exact_at_speed(&law, p.turns);
+    p.speed = random_iq24(seed, -0.2, 0.2) & ~1;
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(p.speed);
+    p.set.model = iqfoc_exact_at_speed(&law, p.speed);
     p.set.reference = iqfoc_valley_reference_at(&rotor, winding.k_psi_q27 / 8);
     p.set.weight = random_iq24(seed, 0.0, 0.1);
     p.set.horizon = horizon;
@@ -101,7 +101,7 @@ static problem random_problem(uint64_t *seed, int horizon)
 
 static int32_t choose(const problem *p, uint32_t *nodes)
 {
-    return iqfoc_finite_set_choose(&p->set, p->i, p->state_now, p->i_ref, p->theta, p->turns, p->u_dc, nodes);
+    return iqfoc_finite_set_choose(&p->set, p->i, p->state_now, p->i_ref, p->theta, p->speed, p->u_dc, nodes);
 }
 
 /* Another state than the reference's is right only where both cost the same to within the roundings. */
@@ -154,7 +154,7 @@ static void switching_is_weighed(void)
     problem p = random_problem(&seed, 1);
     const iqfoc_dq_t none = {0, 0};
     const iqfoc_ab_t no_current = {0, 0};
-    p.turns = 0;
+    p.speed = 0;
     p.i = no_current;
     p.i_ref = none;
     p.set.reference.magnet_pu = 0;
@@ -190,9 +190,9 @@ static void extremes_are_held(void)
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
     for (int corner = 0; corner < 32; corner++) {
         problem p;
-        p.turns = corner & 1 ? IQFOC_ROTOR_TURNS_MAX : -IQFOC_ROTOR_TURNS_MAX;
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(p.turns);
-        p.set.model = iqfoc_exact_at_speed(&law, p.turns);
+        p.speed = corner & 1 ? IQFOC_ROTOR_SPEED_MAX : -IQFOC_ROTOR_SPEED_MAX;
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(p.speed);
+        p.set.model = iqfoc_exact_at_speed(&law, p.speed);
         p.set.reference = iqfoc_valley_reference_at(&rotor, IQ24(8.0));
         p.set.weight = IQ24_ONE;
         p.set.horizon = 3;

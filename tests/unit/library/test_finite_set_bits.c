@@ -25,7 +25,7 @@ typedef struct problem {
     iqfoc_ab_t i;
     int state_now;
     iqfoc_dq_t i_ref;
-    iq24_t theta, turns, u_dc;
+    iq24_t theta, speed, u_dc;
 } problem;
 
 static problem any_problem(uint64_t *seed, int n)
@@ -36,10 +36,10 @@ static problem any_problem(uint64_t *seed, int n)
     winding.k_psi_q27 = n % 3 == 0 ? 0 : bits_random(seed, 0, 1 << 28);
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
     problem p;
-    p.turns = random_iq24(seed, -0.3, 0.3);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(p.turns);
+    p.speed = random_iq24(seed, -0.3, 0.3);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(p.speed);
     const double reach = n % 3 == 0 ? 6e-7 : n % 3 == 1 ? 1.5 : 14.0;
-    p.set.model = iqfoc_exact_at_speed(&law, p.turns);
+    p.set.model = iqfoc_exact_at_speed(&law, p.speed);
     p.set.reference = iqfoc_valley_reference_at(&rotor, winding.k_psi_q27 / 8);
     p.set.weight = n % 3 == 0 ? bits_random(seed, 0, 1) : random_iq24(seed, 0.0, n % 2 == 0 ? 1.0 : 0.01);
     p.set.horizon = bits_random(seed, -1, 5);
@@ -55,7 +55,7 @@ static problem any_problem(uint64_t *seed, int n)
 
 static int32_t chosen(const problem *p, uint32_t *nodes)
 {
-    return iqfoc_finite_set_choose(&p->set, p->i, p->state_now, p->i_ref, p->theta, p->turns, p->u_dc, nodes);
+    return iqfoc_finite_set_choose(&p->set, p->i, p->state_now, p->i_ref, p->theta, p->speed, p->u_dc, nodes);
 }
 
 static void the_search(void)

@@ -114,9 +114,9 @@ static double worst_step(bool saturates, uint64_t seed)
         const double reach = saturates ? 1.0 : 4.0;
         const iqfoc_ab_t i = {random_iq24(&seed, -reach, reach), random_iq24(&seed, -reach, reach)};
         const iq24_t theta = random_iq24(&seed, 0.0, 1.0);
-        const iq24_t turns = random_iq24(&seed, -0.33, 0.33);
+        const iq24_t speed = random_iq24(&seed, -0.33, 0.33);
         const iq24_sincos_t start = iq24_sincos(theta);
-        const iq24_sincos_t end = iq24_sincos(iq24_add_wrap(theta, turns));
+        const iq24_sincos_t end = iq24_sincos(iq24_add_wrap(theta, speed));
         const double complex e = to_double(start.cos) + I * to_double(start.sin);
         const double complex turned = to_double(end.cos) + I * to_double(end.sin);
         const double complex i_c = to_double(i.alpha) + I * to_double(i.beta);

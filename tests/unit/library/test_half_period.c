@@ -107,7 +107,7 @@ static void test_ripple_in_fixed_point(void)
         const int32_t rho_q30 = (int32_t)lround(rho * 1073741824.0);
         const iqfoc_salient_machine_t machine = {
             .k_d_q26 = k_q26, .k_q_q26 = k_q26, .rho_d_q30 = rho_q30, .rho_q_q30 = rho_q30};
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(random_iq24(&seed, -0.333, 0.333));
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(random_iq24(&seed, -0.333, 0.333));
         const iqfoc_ripple_half_t half_ripple = iqfoc_ripple_half_at_speed(&machine, &rotor);
         const iq24_t u_dc = random_iq24(&seed, 0.0, 2.0);
         const iq24_t theta = random_iq24(&seed, -1.0, 1.0);

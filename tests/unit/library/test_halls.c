@@ -87,7 +87,7 @@ static void test_steady_speeds(void)
                 if (k > (int32_t)(1.6 * cycles)) {
                     /* The captures' step, 1/256 cycle, in a whole turn; and in the time since a border. */
                     const double rounding = 0.6 * cycles / 16777216.0;
-                    const double speed_off = fabs(to_double(h.turns) * way * cycles - 1.0);
+                    const double speed_off = fabs(to_double(h.speed) * way * cycles - 1.0);
                     worst_speed = fmax(worst_speed, (speed_off - rounding) * cycles * 256.0);
                     const double lsb =
                         (cycles / 12.0 + 3.0) / 16777216.0; /* the speed's half LSB over a sector */
@@ -121,7 +121,7 @@ static void test_misplaced_sensors(void)
             }
         }
         if (told) {
-            TEST_ASSERT_DOUBLE_WITHIN(2e-5 / 333.0, 1.0 / 333.0, to_double(h.turns));
+            TEST_ASSERT_DOUBLE_WITHIN(2e-5 / 333.0, 1.0 / 333.0, to_double(h.speed));
         }
     }
 }
@@ -140,24 +140,24 @@ static void test_run_up_and_standstill(void)
         TEST_ASSERT_TRUE(off(&h, angle(&up, k)) < 0.17);
     }
     TEST_ASSERT_TRUE(angle_off < 0.02);
-    TEST_ASSERT_DOUBLE_WITHIN(0.04 * 0.1, 0.04, to_double(h.turns));
+    TEST_ASSERT_DOUBLE_WITHIN(0.04 * 0.1, 0.04, to_double(h.speed));
     /* It stops dead: the angle stays in its sector, the speed falls as 1/t, and is 0 after stall_cycles. */
     const double stop = angle(&up, 20000);
     const uint32_t bits = bits_at(&usual, stop);
     for (int32_t k = 1; k < 20100; k++) {
         iqfoc_halls_step(&h, bits, 0);
         TEST_ASSERT_TRUE(off(&h, stop) <= 1.0 / 6.0 + 1e-6);
-        TEST_ASSERT_TRUE(k < 10 || to_double(h.turns) <= 1.0 / 6.0 / (k - 8));
+        TEST_ASSERT_TRUE(k < 10 || to_double(h.speed) <= 1.0 / 6.0 / (k - 8));
     }
-    TEST_ASSERT_EQUAL_INT32(0, h.turns);
+    TEST_ASSERT_EQUAL_INT32(0, h.speed);
     TEST_ASSERT_TRUE(off(&h, stop) <= 1.0 / 12.0 + 1e-6);
     /* And starts again, the other way. */
     const shaft_t down = {&usual, stop, 0.0, -2e-6};
     for (int32_t k = 0; k < 5000; k++) {
         step(&h, &down, k);
-        TEST_ASSERT_TRUE(h.turns <= 0 && off(&h, angle(&down, k)) < 0.17);
+        TEST_ASSERT_TRUE(h.speed <= 0 && off(&h, angle(&down, k)) < 0.17);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(0.001, -0.01, to_double(h.turns));
+    TEST_ASSERT_DOUBLE_WITHIN(0.001, -0.01, to_double(h.speed));
     TEST_ASSERT_EQUAL_UINT32(0, h.faults);
 }
 
@@ -168,7 +168,7 @@ static void test_swinging(void)
     begin(&h, &usual);
     for (int32_t k = 0; k < 100; k++) {
         iqfoc_halls_step(&h, k % 10 < 5 ? 1 : 3, 128);
-        TEST_ASSERT_EQUAL_INT32(0, h.turns);
+        TEST_ASSERT_EQUAL_INT32(0, h.speed);
         TEST_ASSERT_TRUE(off(&h, 1.0 / 12.0) <= 1.0 / 12.0 + 1e-6);
     }
     TEST_ASSERT_EQUAL_UINT32(0, h.faults);
@@ -212,7 +212,7 @@ static void test_anything(void)
         const uint32_t age = draw % 5 == 0 ? UINT32_MAX : (uint32_t)(draw >> 8 & 511);
         static const uint32_t order[6] = {1, 3, 2, 6, 4, 5};
         iqfoc_halls_step(&h, n % 1000 < 500 ? order[n % 6] : (uint32_t)(draw >> 20 & 7), age);
-        TEST_ASSERT_TRUE(h.turns >= -IQFOC_ROTOR_TURNS_MAX && h.turns <= IQFOC_ROTOR_TURNS_MAX);
+        TEST_ASSERT_TRUE(h.speed >= -IQFOC_ROTOR_SPEED_MAX && h.speed <= IQFOC_ROTOR_SPEED_MAX);
         TEST_ASSERT_TRUE(h.theta >= -IQ24_ONE && h.theta <= IQ24_ONE);
     }
     /* The longest span and then the fastest. */
@@ -223,7 +223,7 @@ static void test_anything(void)
         }
     }
     iqfoc_halls_step(&h, 6, 0);
-    TEST_ASSERT_INT32_WITHIN(2, IQ24_ONE / 6 / (1 << 20), h.turns);
+    TEST_ASSERT_INT32_WITHIN(2, IQ24_ONE / 6 / (1 << 20), h.speed);
 }
 
 static void refused(iqfoc_halls_config_t config, iqfoc_error_t want)

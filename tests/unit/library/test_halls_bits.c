@@ -58,7 +58,7 @@ static void test_any_movement(void)
                                                                : (uint32_t)bits_random(&seed, 0, 255);
             iqfoc_halls_step(&h, bits | (uint32_t)bits_random(&seed, 0, 1) << 3, age);
             digest_add(&digest, h.theta);
-            digest_add(&digest, h.turns);
+            digest_add(&digest, h.speed);
             digest_add(&digest, (int32_t)h.faults);
             digest_add(&digest, h.sector);
             if (--left == 0) {

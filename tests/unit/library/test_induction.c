@@ -49,12 +49,12 @@ static void compare(errors *e, const machine *m, uint64_t *seed, int32_t n, doub
 {
     const iqfoc_induction_state_t x = {random_ab_in_disc(seed, i_reach), random_ab_in_disc(seed, flux_reach)};
     const iqfoc_ab_t u = random_ab_in_disc(seed, u_reach);
-    const iq24_t turns = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0);
+    const iq24_t speed = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0);
     const iq24_t span = n % 3 == 0 ? IQ24_ONE : n % 3 == 1 ? IQ24(0.5) : random_iq24(seed, 0.001, 1.0);
-    const iqfoc_induction_t c = iqfoc_induction_at_speed(&m->in_fixed, turns, span);
+    const iqfoc_induction_t c = iqfoc_induction_at_speed(&m->in_fixed, speed, span);
     const induction_state start = {complex_of_ab(x.i), complex_of_ab(x.flux)};
     const induction_span want = induction_advance(&m->in_double, start, m->k_u * complex_of_ab(u),
-                                                  to_double(span), TWO_PI * to_double(turns));
+                                                  to_double(span), TWO_PI * to_double(speed));
     const iqfoc_induction_state_t got = iqfoc_induction_step(&c, x, u);
     add_vector(&e->i, got.i, want.end.i_A);
     add_vector(&e->flux, got.flux, want.end.psi_Wb);
@@ -97,13 +97,13 @@ static void test_no_overflow_at_the_corner_of_the_range(void)
     for (int k = 0; k < 512; k++) {
         const double angle = TWO_PI * (k % 16) / 16.0;
         const double second = TWO_PI * (k / 16 % 16) / 16.0;
-        const iq24_t turns = k / 256 == 0 ? IQ24_MAX : IQ24_MIN;
-        const iqfoc_induction_t c = iqfoc_induction_at_speed(&m.in_fixed, turns, IQ24_ONE);
+        const iq24_t speed = k / 256 == 0 ? IQ24_MAX : IQ24_MIN;
+        const iqfoc_induction_t c = iqfoc_induction_at_speed(&m.in_fixed, speed, IQ24_ONE);
         const iqfoc_induction_state_t x = {{IQ24(8.0), 0},
                                            {to_iq24(16.0 * cos(angle)), to_iq24(16.0 * sin(angle))}};
         const iqfoc_ab_t u = {to_iq24(2.0 * cos(second)), to_iq24(2.0 * sin(second))};
         const induction_state start = {complex_of_ab(x.i), complex_of_ab(x.flux)};
-        const double omega = TWO_PI * to_double(turns > 0 ? IQFOC_ROTOR_TURNS_MAX : -IQFOC_ROTOR_TURNS_MAX);
+        const double omega = TWO_PI * to_double(speed > 0 ? IQFOC_ROTOR_SPEED_MAX : -IQFOC_ROTOR_SPEED_MAX);
         const induction_span want =
             induction_advance(&m.in_double, start, m.k_u * complex_of_ab(u), 1.0, omega);
         const iqfoc_induction_state_t got = iqfoc_induction_step(&c, x, u);
@@ -241,9 +241,9 @@ static void test_flux_observer_converges(void)
     const iqfoc_induction_machine_t fixed =
         IQFOC_INDUCTION_MACHINE(0.1, 0.06, 2.4e-3, 25e-3, 2e-3, 340.0, 1500.0);
     const double omega = 300.0;
-    const iq24_t turns = to_iq24(omega * T_s / TWO_PI);
-    const double omega_fixed = TWO_PI * to_double(turns) / T_s;
-    const iqfoc_induction_t c = iqfoc_induction_at_speed(&fixed, turns, IQ24_ONE);
+    const iq24_t speed = to_iq24(omega * T_s / TWO_PI);
+    const double omega_fixed = TWO_PI * to_double(speed) / T_s;
+    const iqfoc_induction_t c = iqfoc_induction_at_speed(&fixed, speed, IQ24_ONE);
     const induction_point p = induction_steady(&traction, vec_complex(110.0, 260.0), omega_fixed);
     const double omega_s = omega_fixed + p.omega_slip_rad_s;
     induction_state x = {vec_complex(110.0, 260.0), p.psi_Wb};

@@ -74,7 +74,7 @@ static iqfoc_predictor_t any_predictor(uint64_t *seed)
 
 static iqfoc_rotor_t any_rotor(uint64_t *seed)
 {
-    return iqfoc_rotor_from_turns(bits_random(seed, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+    return iqfoc_rotor_from_speed(bits_random(seed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX));
 }
 
 static iq24_sincos_t any_angle(uint64_t *seed)
@@ -156,7 +156,7 @@ static void test_exact_and_salient(void)
         winding.k_psi_q27 = bits_random(&seed, 0, 1 << 30);
         law = n % 2 == 0 ? iqfoc_exact_prediction(&winding, IQ24_ONE) : iqfoc_exact_mean(&winding, IQ24_ONE);
         const iqfoc_exact_t exact = iqfoc_exact_at_speed_inline(
-            &law, bits_random(&seed, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+            &law, bits_random(&seed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX));
         ADD(exact);
         const iqfoc_ab_t i = any_ab(&seed, 32.0);
         const iqfoc_ab_t u = any_ab(&seed, 2.0);
@@ -244,18 +244,18 @@ static void test_control(void)
         g.emf = any_positive(&seed, n % 2 == 0 ? 96.0 : 1.0);
         iqfoc_current_control_t c = {0, 0};
         const double most = n % 4 == 0 ? 32.0 : 1.5;
-        const iq24_t turns = bits_random(&seed, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        const iq24_t speed = bits_random(&seed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
         const iqfoc_dq_t u = any_dq(&seed, 8.0);
-        iqfoc_current_control_preset(&c, &g, u, any_dq(&seed, most), turns);
+        iqfoc_current_control_preset(&c, &g, u, any_dq(&seed, most), speed);
         bits_add64(&digest, c.integral_d);
         bits_add64(&digest, c.integral_q);
         const iqfoc_dq_t i_ref = any_dq(&seed, most);
         const iqfoc_dq_t i = any_dq(&seed, most);
         add_dq(&digest, iqfoc_current_control_step(&c, &g, i_ref, i));
-        add_dq(&digest, iqfoc_current_control_decoupling(&g, i, turns));
+        add_dq(&digest, iqfoc_current_control_decoupling(&g, i, speed));
         bits_add64(&digest, c.integral_d);
         bits_add64(&digest, c.integral_q);
-        add_dq(&digest, iqfoc_current_control_voltage(&c, &g, i, i_ref, turns));
+        add_dq(&digest, iqfoc_current_control_voltage(&c, &g, i, i_ref, speed));
         const iq24_t scale = any_positive(&seed, 1.0);
         iqfoc_current_control_limited(&c, &g, any_dq(&seed, 16.0), scale);
         bits_add64(&digest, c.integral_d);
@@ -314,11 +314,11 @@ static void test_services(void)
         const iq24_t at = any(&seed, 8.0);
         iqfoc_start_t start = {0};
         start.theta = bits_random(&seed, INT32_MIN, INT32_MAX);
-        start.turns = bits_random(&seed, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        start.speed = bits_random(&seed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
         digest_add(&digest, iqfoc_start_theta(&start, at));
         digest_add(&digest,
-                   iqfoc_rotor_theta_of_q32(bits_random(&seed, INT32_MIN, INT32_MAX), 256 * start.turns, at));
-        digest_add(&digest, iqfoc_rotor_turns_of_q32(bits_random(&seed, -1431655680, 1431655680)));
+                   iqfoc_rotor_theta_of_q32(bits_random(&seed, INT32_MIN, INT32_MAX), 256 * start.speed, at));
+        digest_add(&digest, iqfoc_rotor_speed_of_q32(bits_random(&seed, -1431655680, 1431655680)));
         iqfoc_offset_t offset = {0};
         offset.offset = any_duties(&seed);
         iqfoc_abc_t measured = any_duties(&seed);
@@ -349,7 +349,7 @@ static void nothing_seen(const iqfoc_watch_t *w)
 {
     TEST_ASSERT_EQUAL_INT64(0, w->alpha_cos | w->alpha_sin | w->beta_cos | w->beta_sin);
     TEST_ASSERT_EQUAL_INT32(0, w->e_ab[0] | w->e_ab[1] | w->i[0] | w->i[1] | w->u[0] | w->u[1]);
-    TEST_ASSERT_EQUAL_INT32(0, w->count | w->naming | w->turns | w->theta | w->mechanical);
+    TEST_ASSERT_EQUAL_INT32(0, w->count | w->naming | w->speed | w->theta | w->mechanical);
     for (int k = 0; k < IQFOC_WATCH_SIGNATURES; k++) {
         TEST_ASSERT_EQUAL_INT32(0, w->up_q16[k] | w->down_q16[k] | w->xy_q6[k] | w->xx_q6[k]);
     }

@@ -186,8 +186,8 @@ static void on_drive(const motor *m, const steady_drive *d, largest *samples, la
     const per_unit base = per_unit_of(m);
     const papers_machine round = {m->R_ohm, m->L_d_H, m->psi_f_Wb, d->T_s};
     const exact_salient machine = machine_of(m);
-    const iq24_t turns = turns_from_speed(d->omega_rad_s, d->T_s);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+    const iq24_t speed = turns_from_speed(d->omega_rad_s, d->T_s);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
     iqfoc_predictor_t predictor;
     iqfoc_salient_machine_t fixed;
     iqfoc_salient_t mean;
@@ -196,7 +196,7 @@ static void on_drive(const motor *m, const steady_drive *d, largest *samples, la
     TEST_ASSERT_TRUE(salient_from_motor(m, &fixed, &e));
     const iqfoc_mean_modulated_t modulated = iqfoc_mean_modulated_at_speed(&predictor, &rotor);
     const iqfoc_ripple_t ripple = iqfoc_ripple_at_speed(&fixed, &rotor);
-    iqfoc_salient_at_speed(&fixed, turns, IQ24_ONE, NULL, &mean);
+    iqfoc_salient_at_speed(&fixed, speed, IQ24_ONE, NULL, &mean);
     for (size_t n = 0; n < d->count; n++) {
         const drive_cycle *at = &d->cycle[n];
         modulated_cycle c = {d->T_s, d->u_dc_V, {0.0, 0.0, 0.0}, at->theta_rad, d->omega_rad_s};

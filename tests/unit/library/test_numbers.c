@@ -129,10 +129,10 @@ static void test_limits(void)
         {IQFOC_PATTERN_ROWS_MAX, 100},
         {IQFOC_PATTERN_EDGES_MAX, 16},
         {IQFOC_PATTERN_EDGES_HALF, 15},
-        {IQFOC_PATTERN_TURNS_MAX, 1 << 21},
-        {IQFOC_PATTERN_CONTROL_TURNS_MIN, 1 << 17},
+        {IQFOC_PATTERN_SPEED_MAX, 1 << 21},
+        {IQFOC_PATTERN_CONTROL_SPEED_MIN, 1 << 17},
         {IQFOC_PATTERN_TIME_MAX, 8 << 24},
-        {IQFOC_ROTOR_TURNS_MAX, (1 << 24) / 3},
+        {IQFOC_ROTOR_SPEED_MAX, (1 << 24) / 3},
         {IQFOC_HAL_OUTPUT_MID, 3 << 23},
         {IQFOC_CYCLE_U_DC_MIN, 1 << 23},
         {IQFOC_CYCLE_U_DC_MAX, 3 << 23},
@@ -150,7 +150,7 @@ static void test_limits(void)
         TEST_ASSERT_EQUAL_INT64(wanted[k][1], wanted[k][0]);
     }
     /* A row, an edge or a place more or less is another layout. */
-    TEST_ASSERT_EQUAL_INT(16, sizeof((iqfoc_pattern_edges_t *)0)->at / sizeof(iq24_t));
+    TEST_ASSERT_EQUAL_INT(16, sizeof((iqfoc_pattern_edges_t *)0)->instant / sizeof(iq24_t));
     TEST_ASSERT_EQUAL_INT(17, sizeof((iqfoc_pattern_trajectory_t *)0)->angle / sizeof(iq24_t));
     TEST_ASSERT_EQUAL_INT(15, sizeof((iqfoc_pattern_trajectory_t *)0)->ahead / sizeof(iq24_t));
 }

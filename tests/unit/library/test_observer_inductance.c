@@ -24,7 +24,7 @@ void setUp(void)
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_inductance_init(&a, &config, &nominal));
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &a.adapted));
     o.locked = true;
-    o.turns_q32 = INT32_C(1) << 29; /* 1/8 turn per cycle */
+    o.speed_q32 = INT32_C(1) << 29; /* 1/8 turn per cycle */
 }
 
 void tearDown(void)
@@ -61,7 +61,7 @@ static void test_step_is_that_of_its_lines(void)
         a.level = random_iq24(&seed, -16.0, 16.0) / (n % 2 == 0 ? 1 : 16);
         a.slope = random_iq24(&seed, -8.0, 8.0) / (n % 2 == 0 ? 1 : 16);
         o.theta_q32 = (int32_t)random_iq24(&seed, -127.0, 127.0);
-        o.turns_q32 = 256 * random_iq24(&seed, -0.33, 0.33);
+        o.speed_q32 = 256 * random_iq24(&seed, -0.33, 0.33);
         o.error = random_iq24(&seed, -0.5, 0.5) / (n % 3 == 0 ? 1 : 1000);
         const iqfoc_ab_t i = random_ab_in_square(&seed, n % 5 == 0 ? 15.9 : 1.0);
         const double theta = to_double(iqfoc_observer_theta(&o, 0));
@@ -80,7 +80,7 @@ static void test_step_is_that_of_its_lines(void)
         TEST_ASSERT_DOUBLE_WITHIN((4.0 + fabs(i_q)) * lsb, level, to_double(a.level));
         TEST_ASSERT_DOUBLE_WITHIN((4.0 + fabs(i_q)) * lsb, slope, to_double(a.slope));
         const double voltage =
-            fmin(127.9, TWO_PI * fabs(o.turns_q32 / 4294967296.0 * to_double(nominal.machine.l_q) * x));
+            fmin(127.9, TWO_PI * fabs(o.speed_q32 / 4294967296.0 * to_double(nominal.machine.l_q) * x));
         const double u_least = to_double(config.u_least);
         if (fabs(fabs(x) - least) > 20.0 * lsb && fabs(voltage - u_least) > 100.0 * lsb) {
             const bool small = fabs(x) < least || voltage < u_least;
@@ -135,7 +135,7 @@ static void test_holds_below_a_speed(void)
         setUp();
         const double least_turns = to_double(config.u_least) /
                                    (TWO_PI * 0.5 * to_double(nominal.machine.l_q)); /* |x| = 1/2 at most */
-        o.turns_q32 = (int32_t)((n == 0 ? -0.9 : -1.1) * least_turns * 4294967296.0);
+        o.speed_q32 = (int32_t)((n == 0 ? -0.9 : -1.1) * least_turns * 4294967296.0);
         step_with(0.0, 0.0);
         step_with(0.5, -0.001);
         TEST_ASSERT_EQUAL(n == 0, a.adapted.machine.l_q == nominal.machine.l_q);
@@ -148,9 +148,9 @@ static void test_least_voltage(void)
     uint64_t seed = 32;
     const int64_t two_pi = IQ24(6.283185307179586);
     for (int n = 0; n < 2000; n++) {
-        o.turns_q32 = bits_random(&seed, -(INT32_C(1) << 28), INT32_C(1) << 28);
+        o.speed_q32 = bits_random(&seed, -(INT32_C(1) << 28), INT32_C(1) << 28);
         const iq24_t x = bits_random(&seed, IQ24(0.1), IQ24(1.0)) * (n % 2 == 0 ? 1 : -1);
-        const int64_t speed = bits_floor(two_pi * iqfoc_observer_turns(&o), IQ24_ONE);
+        const int64_t speed = bits_floor(two_pi * iqfoc_observer_speed(&o), IQ24_ONE);
         const int64_t flux = bits_floor((int64_t)nominal.machine.l_q * x, IQ24_ONE);
         const int64_t u = bits_product(speed, flux);
         config.u_least = (iq24_t)(u < 0 ? -u : u);

@@ -59,13 +59,13 @@ static expected expect(iqfoc_ab_t i)
 {
     expected e;
     const double complex d = cexp(I * TWO_PI * to_double(iqfoc_observer_theta(&o, 0)));
-    const double turns = fabs(to_double(iqfoc_observer_turns(&o)));
+    const double speed = fabs(to_double(iqfoc_observer_speed(&o)));
     const double psi_f = to_double(a.psi_nominal);
     const double drive = to_double(a.r_nominal) / psi_f;
     e.driven = held_vector(complex_of_ab(a.s) - held_vector(drive * complex_of_ab(i), 32.0), 32.0);
     e.x = -creal(e.driven * conj(d));
     e.y = cimag(e.driven * conj(d));
-    e.s = held_vector(e.driven + fmin(to_double(adapted.gain_max), 0.4 * TWO_PI * turns) * e.x * d, 32.0);
+    e.s = held_vector(e.driven + fmin(to_double(adapted.gain_max), 0.4 * TWO_PI * speed) * e.x * d, 32.0);
     e.off = held(to_double(o.flux_error) / psi_f, 1.0);
     e.r = to_double(a.r);
     e.psi = to_double(a.psi);
@@ -76,7 +76,7 @@ static expected expect(iqfoc_ab_t i)
         e.seen = 1;
         e.r = held(e.r - to_double(config.gain) * e.off / e.x, to_double(config.r_share));
         e.flux = held_vector(e.flux + psi_f * e.s * (e.r - to_double(a.r)), 32.0);
-    } else if (fmax(fabs(e.x), fabs(e.y)) < 0.5 * least && turns >= to_double(adapted.turns_min)) {
+    } else if (fmax(fabs(e.x), fabs(e.y)) < 0.5 * least && speed >= to_double(adapted.speed_min)) {
         e.seen = 2;
         e.psi = held(e.psi - to_double(config.gain) * e.off, to_double(config.psi_share));
     }
@@ -111,7 +111,7 @@ static void test_step_is_that_of_its_lines(void)
         a.psi = random_iq24(&seed, -1.0, 1.0) / (IQ24_ONE / config.psi_share + 1);
         o.psi = random_ab_in_square(&seed, n % 2 == 0 ? 31.0 : 1.0);
         o.theta_q32 = (int32_t)random_iq24(&seed, -127.0, 127.0);
-        o.turns_q32 = (int32_t)random_iq24(&seed, -85.0, 85.0);
+        o.speed_q32 = (int32_t)random_iq24(&seed, -85.0, 85.0);
         o.flux_error = random_iq24(&seed, -8.0, 8.0) / (n % 4 == 0 ? 1 : 500);
         const iqfoc_ab_t i = random_ab_in_square(&seed, n % 5 == 0 ? 15.9 : 1.0);
         const double before = to_double(a.r);
@@ -152,16 +152,16 @@ static void test_step_is_that_of_its_lines(void)
 }
 
 /* The observer and this header in a machine in double with ideal sensors: i_q constant at a constant speed. */
-static void turn(double r, double psi_f, double i_q, double turns, int cycles)
+static void turn(double r, double psi_f, double i_q, double speed, int cycles)
 {
     const double l = to_double(nominal.machine.l_q);
     double theta = 0.0;
-    iqfoc_observer_start(&o, (iqfoc_ab_t){0, to_iq24(i_q)}, 0, to_iq24(turns), true);
+    iqfoc_observer_start(&o, (iqfoc_ab_t){0, to_iq24(i_q)}, 0, to_iq24(speed), true);
     for (int k = 0; k < cycles; k++) {
         const double complex before = cexp(I * TWO_PI * theta);
-        theta += turns;
+        theta += speed;
         const double complex after = cexp(I * TWO_PI * theta);
-        const double complex mean = i_q * (after - before) / (TWO_PI * turns);
+        const double complex mean = i_q * (after - before) / (TWO_PI * speed);
         const double complex u = (psi_f + I * l * i_q) * (after - before) + r * mean;
         const double complex i = I * i_q * after;
         iqfoc_observer_step(&o, (iqfoc_ab_t){to_iq24(creal(u)), to_iq24(cimag(u))},
@@ -183,8 +183,8 @@ static void test_resistance_at_low_speed(void)
         const double true_r = r * ((k & 1) != 0 ? 1.4 : 0.6);
         const double true_psi = psi * ((k & 2) != 0 ? 1.0 : 0.98);
         const double i_q = (k & 4) != 0 ? 0.8 : -0.8;
-        const double turns = ((k & 8) != 0 ? 1.0 : -1.0) * r * 0.8 / psi / TWO_PI / 0.3;
-        turn(true_r, true_psi, i_q, turns, 3000);
+        const double speed = ((k & 8) != 0 ? 1.0 : -1.0) * r * 0.8 / psi / TWO_PI / 0.3;
+        turn(true_r, true_psi, i_q, speed, 3000);
         TEST_ASSERT_DOUBLE_WITHIN(((k & 2) != 0 ? 0.01 : 0.075) * r, true_r, to_double(adapted.machine.r));
         TEST_ASSERT_DOUBLE_WITHIN(0.002 * psi, psi, to_double(adapted.machine.psi));
     }
@@ -217,7 +217,7 @@ static void test_keeps_both_in_between_and_at_rest(void)
     setUp();
     o.flux_error = nominal.machine.psi / 8;
     for (int k = 0; k < 100; k++) {
-        iqfoc_observer_resistance_step(&a, &o, (iqfoc_ab_t){0, 0}); /* no current, below turns_min */
+        iqfoc_observer_resistance_step(&a, &o, (iqfoc_ab_t){0, 0}); /* no current, below speed_min */
     }
     TEST_ASSERT_EQUAL_INT32(nominal.machine.r, adapted.machine.r);
     TEST_ASSERT_EQUAL_INT32(nominal.machine.psi, adapted.machine.psi);
@@ -244,7 +244,7 @@ static void test_stays_within_its_bounds(void)
             iqfoc_observer_resistance_step(&a, &o, (iqfoc_ab_t){0, 0});
         }
         TEST_ASSERT_EQUAL_INT32(-sign * config.r_share, a.r);
-        o.turns_q32 = INT32_C(1) << 28;
+        o.speed_q32 = INT32_C(1) << 28;
         a.s = (iqfoc_ab_t){0, 0};
         for (int k = 0; k < 2000; k++) {
             iqfoc_observer_resistance_step(&a, &o, (iqfoc_ab_t){0, 0});

@@ -136,9 +136,9 @@ static double fundamental_of(double M)
     return (d / sin(d) + cos(d)) / pi;
 }
 
-static double limit_of(double turns)
+static double limit_of(double speed)
 {
-    const double h = pi * fabs(turns);
+    const double h = pi * fabs(speed);
     const double limit = h == 0.0 ? 2.0 / pi : (h / sin(h) + cos(h)) / pi;
     return fmin(fmax(limit, SIDES), fundamental_of(8.0));
 }
@@ -147,10 +147,10 @@ static double limit_of(double turns)
 static void test_limit_at_every_speed(void)
 {
     worst error = {"limit", 0.0};
-    for (int32_t turns = -IQFOC_ROTOR_TURNS_MAX; turns <= IQFOC_ROTOR_TURNS_MAX;
-         turns += 7 * IQFOC_TEST_STRIDE) {
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
-        worst_add(&error, iqfoc_overmodulation_limit(&rotor), limit_of(to_double(turns)));
+    for (int32_t speed = -IQFOC_ROTOR_SPEED_MAX; speed <= IQFOC_ROTOR_SPEED_MAX;
+         speed += 7 * IQFOC_TEST_STRIDE) {
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
+        worst_add(&error, iqfoc_overmodulation_limit(&rotor), limit_of(to_double(speed)));
     }
     worst_check(&error, 1.3);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, CIRCLE, fundamental_of(CIRCLE * (1.0 + 1e-13)));
@@ -309,8 +309,8 @@ static void test_duties_in_range(void)
  */
 static void test_the_limit_is_six_step_with_right_volt_seconds(void)
 {
-    const double turns = 0.08;
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(to_iq24(turns));
+    const double speed = 0.08;
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(to_iq24(speed));
     double largest = 0.0;
     int whole = 0;
     for (int n = 0; n < 5000; n++) {
@@ -322,14 +322,14 @@ static void test_the_limit_is_six_step_with_right_volt_seconds(void)
             double from_rise = fmod(angle - x * 2.0 * pi / 3.0 + pi / 2.0 + 4.0 * pi, 2.0 * pi);
             from_rise = from_rise > 1.5 * pi ? from_rise - 2.0 * pi : from_rise;
             const double edge = from_rise < pi / 2.0 ? from_rise : pi - from_rise;
-            const double want = held(0.5 + edge / (2.0 * pi * turns), 0.0, 1.0);
+            const double want = held(0.5 + edge / (2.0 * pi * speed), 0.0, 1.0);
             largest = fmax(largest, fabs(to_double(got[x]) - want));
             whole += got[x] == 0 || got[x] == IQ24_ONE ? 1 : 0;
         }
     }
     printf("  six-step's edges within %.4f\n", largest);
     TEST_ASSERT_TRUE(largest < 0.0025 && largest > 1e-5);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.0 - 2.0 * turns, whole / 15000.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.0 - 2.0 * speed, whole / 15000.0);
 }
 
 /* Up and down again: the same duties at the same voltage, and never a jump. */
@@ -372,7 +372,7 @@ static void test_no_hysteresis_and_no_jump(void)
 static void test_harmonics_do_not_reach_the_limit(void)
 {
     iqfoc_overmodulation_t state = {0};
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(IQ24(0.08));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(IQ24(0.08));
     const iq24_t limit = iqfoc_overmodulation_limit(&rotor);
     for (int n = 0; n < 400; n++) {
         const double length = to_double(limit) + (n % 2 == 0 ? 0.03 : -0.03) - 0.004;

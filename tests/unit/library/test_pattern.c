@@ -29,12 +29,12 @@ static iqfoc_pattern_modulator_t modulator_of(double least)
 /* ---- Edges ---- */
 
 /* Compares a leg's cycle; false if an edge is too near to the start, the end or another edge to say on which side it is. */
-static bool compared(const pattern *p, double x, double turns, const iqfoc_pattern_edges_t *got, worst *time)
+static bool compared(const pattern *p, double x, double speed, const iqfoc_pattern_edges_t *got, worst *time)
 {
     double distance[EDGES];
-    const double movement = fabs(turns);
+    const double movement = fabs(speed);
     const double unsure = 3.0 / 16777216.0;
-    const int all = distances(p, x, turns < 0.0 ? -1.0 : 1.0, distance);
+    const int all = distances(p, x, speed < 0.0 ? -1.0 : 1.0, distance);
     double before = all > 0 ? distance[all - 1] - 1.0 : -1.0;
     int count = 0;
     for (int k = 0; k < all; k++) {
@@ -48,15 +48,15 @@ static bool compared(const pattern *p, double x, double turns, const iqfoc_patte
         return false;
     }
     TEST_ASSERT_EQUAL_INT32(count, got->edges);
-    TEST_ASSERT_EQUAL_INT32(level_at(p, x + (turns < 0.0 ? -0.5 : 0.5) * fmin(distance[0], movement)),
+    TEST_ASSERT_EQUAL_INT32(level_at(p, x + (speed < 0.0 ? -0.5 : 0.5) * fmin(distance[0], movement)),
                             got->level);
     double high = got->level > 0 ? 1.0 : 0.0;
     for (int k = 0; k < count; k++) {
-        const double lsb = fabs(got->at[k] - 16777216.0 * distance[k] / movement);
+        const double lsb = fabs(got->instant[k] - 16777216.0 * distance[k] / movement);
         /* Beyond 0.5 LSB, as a multiple of one LSB of angle. */
         time->lsb = fmax(time->lsb, (lsb - 0.5) * movement);
         const double up = (k % 2 == 0) == (got->level > 0) ? -1.0 : 1.0;
-        high += up * (1.0 - to_double(got->at[k]));
+        high += up * (1.0 - to_double(got->instant[k]));
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, high, to_double(got->high));
     return true;
@@ -75,15 +75,15 @@ static void test_edges_are_those_of_the_pattern(void)
         iqfoc_pattern_modulator_t m = modulator_of(0.0);
         const iq24_t index = random_iq24(&seed, 0.2, 1.1);
         const iq24_t angle = iq24_from_bits((uint32_t)random_bits(&seed));
-        const double turns = exp(uniform(&seed, log(1e-3), log(0.125))) * (n % 2 == 0 ? 1.0 : -1.0);
-        const iq24_t movement = to_iq24(turns);
+        const double speed = exp(uniform(&seed, log(1e-3), log(0.125))) * (n % 2 == 0 ? 1.0 : -1.0);
+        const iq24_t movement = to_iq24(speed);
         pattern p;
         if (!pattern_at(to_double(index), &p)) {
             continue;
         }
         for (int leg = 0; leg < 3; leg++) {
             const double x = fraction(angle / 16777216.0 + 0.25 - leg / 3.0);
-            m.leg[leg].level = level_at(&p, x + (turns < 0.0 ? -1e-8 : 1e-8));
+            m.leg[leg].level = level_at(&p, x + (speed < 0.0 ? -1e-8 : 1e-8));
         }
         iqfoc_pattern_edges_t got[3];
         iqfoc_pattern_step(&m, angle, movement, index, got);
@@ -104,17 +104,17 @@ static void test_edges_are_those_of_the_pattern(void)
 static double complex fundamental(iqfoc_pattern_modulator_t *m, int cycles, int sense, iq24_t index, int leg)
 {
     double complex sum = 0.0;
-    const iq24_t turns = sense * (IQ24_ONE / cycles);
+    const iq24_t speed = sense * (IQ24_ONE / cycles);
     for (int n = 0; n < 2 * cycles; n++) {
         iqfoc_pattern_edges_t got[3];
-        iqfoc_pattern_step(m, n * turns, turns, index, got);
+        iqfoc_pattern_step(m, n * speed, speed, index, got);
         if (n < cycles) {
             continue; /* the first turn starts with a level that may be another one */
         }
         double from = n;
         int level = got[leg].level;
         for (int k = 0; k <= got[leg].edges; k++) {
-            const double to = n + (k < got[leg].edges ? to_double(got[leg].at[k]) : 1.0);
+            const double to = n + (k < got[leg].edges ? to_double(got[leg].instant[k]) : 1.0);
             const double w = sense * TWO_PI / cycles;
             sum += level * (cexp(-I * w * to) - cexp(-I * w * from)) / (-I * w);
             from = to;
@@ -153,20 +153,20 @@ static void test_no_time_is_below_the_least(void)
     const iq24_t least = IQ24(0.06);
     iqfoc_pattern_modulator_t m = modulator_of(0.06);
     iq24_t angle = 0;
-    iq24_t turns = IQ24(0.03);
+    iq24_t speed = IQ24(0.03);
     iq24_t index = IQ24(0.5);
     for (int n = 0; n < CYCLES / IQFOC_TEST_STRIDE; n++) {
         const uint64_t event = random_bits(&seed) % 16;
         if (event == 0) {
-            turns = random_iq24(&seed, -0.2, 0.2);
+            speed = random_iq24(&seed, -0.2, 0.2);
         } else if (event == 1) {
             angle = random_iq24(&seed, -2.0, 2.0);
         } else if (event < 6) {
             index = random_iq24(&seed, 0.0, 1.2);
         }
         iqfoc_pattern_edges_t got[3];
-        iqfoc_pattern_step(&m, angle, turns, index, got);
-        angle = iq24_add_wrap(angle, turns);
+        iqfoc_pattern_step(&m, angle, speed, index, got);
+        angle = iq24_add_wrap(angle, speed);
         check_edges(got, n, &so_far);
     }
     printf("shortest time: %.0f LSB above the least, in %d cycles; most edges %d\n",
@@ -193,7 +193,7 @@ static void test_most_edges(void)
             iqfoc_pattern_step(&m, IQ24(0.25) - sense * IQ24(0.0625), sense > 0 ? INT32_MAX : INT32_MIN, 0,
                                got);
             TEST_ASSERT_EQUAL_INT32(15 + late, got[0].edges);
-            TEST_ASSERT_EQUAL_INT32(0, late * got[0].at[0]);
+            TEST_ASSERT_EQUAL_INT32(0, late * got[0].instant[0]);
         }
     }
 }
@@ -209,17 +209,17 @@ static void test_early_edges_are_delayed_or_dropped(void)
     m.leg[0].since = IQFOC_PATTERN_TIME_MAX;
     iqfoc_pattern_step(&m, IQ24(0.75) - IQ24(0.005), IQ24(0.02), 0, got);
     TEST_ASSERT_EQUAL_INT32(1, got[0].edges);
-    TEST_ASSERT_INT32_WITHIN(100, IQ24(0.25), got[0].at[0]);
+    TEST_ASSERT_INT32_WITHIN(100, IQ24(0.25), got[0].instant[0]);
     TEST_ASSERT_INT32_WITHIN(100, IQ24(0.75), m.leg[0].since);
     iqfoc_pattern_step(&m, IQ24(0.75) + IQ24(0.015), IQ24(0.02), 0, got);
     TEST_ASSERT_EQUAL_INT32(1, got[0].edges);
-    TEST_ASSERT_INT32_WITHIN(100, 0, got[0].at[0]);
+    TEST_ASSERT_INT32_WITHIN(100, 0, got[0].instant[0]);
     /* The last edge 0.3 cycles before the start: up not before 0.45; down at 0.75, and so no pulse is shorter than 0.75. */
     m.leg[0].level = -1;
     m.leg[0].since = IQ24(0.3);
     iqfoc_pattern_step(&m, IQ24(0.75) - IQ24(0.005), IQ24(0.02), 0, got);
     TEST_ASSERT_EQUAL_INT32(1, got[0].edges);
-    TEST_ASSERT_INT32_WITHIN(1, IQ24(0.45), got[0].at[0]);
+    TEST_ASSERT_INT32_WITHIN(1, IQ24(0.45), got[0].instant[0]);
     /* The last edge at the start: up not before 0.75, where the pattern takes it back. */
     m.leg[0].level = -1;
     m.leg[0].since = 0;

@@ -24,7 +24,7 @@ static void add_edges(uint64_t *digest, const iqfoc_pattern_edges_t edges[3])
         digest_add(digest, edges[k].level);
         digest_add(digest, edges[k].edges);
         digest_add(digest, edges[k].high);
-        bits_add(digest, edges[k].at, (size_t)edges[k].edges * sizeof edges[k].at[0]);
+        bits_add(digest, edges[k].instant, (size_t)edges[k].edges * sizeof edges[k].instant[0]);
     }
 }
 
@@ -39,10 +39,10 @@ static void the_modulator(void)
             TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_init(&m, &table, random_iq24(&seed, 0.0, 0.2)));
         }
         const iq24_t angle = bits_random(&seed, INT32_MIN, INT32_MAX);
-        const iq24_t turns = random_iq24(&seed, -0.15, 0.15);
+        const iq24_t speed = random_iq24(&seed, -0.15, 0.15);
         const iq24_t u = random_iq24(&seed, 0.0, 1.0);
         iqfoc_pattern_edges_t edges[3];
-        iqfoc_pattern_step(&m, angle, turns, iqfoc_pattern_index(u, random_iq24(&seed, 0.7, 2.0)), edges);
+        iqfoc_pattern_step(&m, angle, speed, iqfoc_pattern_index(u, random_iq24(&seed, 0.7, 2.0)), edges);
         add_edges(&digest, edges);
         bits_add(&digest, m.leg, sizeof m.leg);
     }
@@ -101,7 +101,7 @@ static void the_control(void)
     uint64_t digest = DIGEST_START;
     iqfoc_pattern_control_t c;
     iq24_t theta = 0;
-    iq24_t turns = 0;
+    iq24_t speed = 0;
     iqfoc_dq_t i_ref = {0, 0};
     double far = 0.0;
     for (int n = 0; n < CYCLES; n++) {
@@ -115,7 +115,7 @@ static void the_control(void)
             digest_add(&digest, c.disturbance_l);
         }
         if (n % 20 == 0) {
-            turns = random_iq24(&seed, -0.13, 0.13);
+            speed = random_iq24(&seed, -0.13, 0.13);
             i_ref.d = random_iq24(&seed, -1.5, 1.5);
             i_ref.q = random_iq24(&seed, -1.5, 1.5);
             far = n % 3 == 0 ? 0.01 : 1.0;
@@ -124,9 +124,9 @@ static void the_control(void)
         i.alpha = iq24_clamp(i.alpha + random_iq24(&seed, -far, far), IQ24(-8.0), IQ24(8.0));
         i.beta = iq24_clamp(i.beta + random_iq24(&seed, -far, far), IQ24(-8.0), IQ24(8.0));
         iqfoc_pattern_edges_t edges[3];
-        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_aim(&c, i_ref, speed);
         iqfoc_pattern_control_step(&c, i, theta, random_iq24(&seed, 0.5, 1.5), edges);
-        theta = iq24_add_wrap(theta, turns);
+        theta = iq24_add_wrap(theta, speed);
         add_edges(&digest, edges);
         add_control(&digest, &c);
     }
@@ -144,7 +144,7 @@ static void change_of_the_table(void)
     const iqfoc_pattern_control_config_t config = {
         IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), IQ24(0.1), IQ24(0.01)};
     iq24_t theta = 0;
-    iq24_t turns = 0;
+    iq24_t speed = 0;
     int taken = 0;
     for (int n = 0; n < CYCLES; n++) {
         if (n % 400 == 0) {
@@ -158,14 +158,14 @@ static void change_of_the_table(void)
         }
         if (n % 40 == 0) {
             iqfoc_pattern_control_change(&c, c.modulator.table == &table ? &other : &table);
-            turns = random_iq24(&seed, -0.13, 0.13) / (n % 80 == 0 ? 1 : 4);
+            speed = random_iq24(&seed, -0.13, 0.13) / (n % 80 == 0 ? 1 : 4);
         }
         const iqfoc_dq_t i_ref = {IQ24(-0.3), random_iq24(&seed, 0.7, 0.8)};
         const bool waits = c.wanted != NULL;
         iqfoc_pattern_edges_t edges[3];
-        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_aim(&c, i_ref, speed);
         iqfoc_pattern_control_step(&c, c.i_next, theta, IQ24_ONE, edges);
-        theta = iq24_add_wrap(theta, turns);
+        theta = iq24_add_wrap(theta, speed);
         taken += waits && c.wanted == NULL ? 1 : 0;
         add_edges(&digest, edges);
         add_control(&digest, &c);
@@ -209,7 +209,7 @@ static void the_controls_ends(void)
             TEST_ASSERT_EQUAL_INT(
                 IQFOC_OK, iqfoc_pattern_control_init(&c, &config, &table, random_iq24(&seed, 0.0, 0.1)));
         }
-        const iq24_t turns = random_iq24(&seed, -0.3, 0.3) / bits_random(&seed, 1, 100);
+        const iq24_t speed = random_iq24(&seed, -0.3, 0.3) / bits_random(&seed, 1, 100);
         const double far = n % 3 == 0 ? 8.0 : 1.0;
         iqfoc_dq_t i_ref;
         i_ref.d = random_iq24(&seed, -far, far);
@@ -219,11 +219,11 @@ static void the_controls_ends(void)
         i.beta = random_iq24(&seed, -8.0, 8.0);
         const iq24_t theta = bits_random(&seed, INT32_MIN, INT32_MAX);
         iqfoc_pattern_edges_t edges[3];
-        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_aim(&c, i_ref, speed);
         iqfoc_pattern_control_step(&c, i, theta, random_iq24(&seed, 0.5, 1.5), edges);
         add_edges(&digest, edges);
         add_control(&digest, &c);
-        digest_add(&digest, c.trajectory.turns);
+        digest_add(&digest, c.trajectory.speed);
         digest_add(&digest, c.trajectory.cycles_q22);
         digest_add(&digest, c.trajectory.l_q28);
     }
@@ -258,16 +258,16 @@ static void edges_at_the_ends_of_cycles(void)
             TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_init(&m, &table, 0));
             TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_pattern_control_init(&c, &config, &table, 0));
         }
-        const iq24_t turns = unit * (n % 2 == 0 ? bits_random(&seed, 1, 8) : -bits_random(&seed, 1, 8));
+        const iq24_t speed = unit * (n % 2 == 0 ? bits_random(&seed, 1, 8) : -bits_random(&seed, 1, 8));
         const iq24_t angle = unit * bits_random(&seed, -64, 64) + (n % 3 == 0 ? IQ24(1.0 / 3.0) : 0);
         iqfoc_pattern_edges_t edges[3];
-        iqfoc_pattern_step(&m, angle, turns, IQ24(0.9), edges);
+        iqfoc_pattern_step(&m, angle, speed, IQ24(0.9), edges);
         add_edges(&digest, edges);
         bits_add(&digest, m.leg, sizeof m.leg);
         const iqfoc_dq_t i_ref = {0, IQ24(0.5)};
-        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_aim(&c, i_ref, speed);
         const iq24_t u_angle = c.trajectory.sense * (c.trajectory.u_place - IQ24(0.25));
-        iqfoc_pattern_control_step(&c, c.i_next, angle - turns - u_angle, IQ24_ONE, edges);
+        iqfoc_pattern_control_step(&c, c.i_next, angle - speed - u_angle, IQ24_ONE, edges);
         add_edges(&digest, edges);
         add_control(&digest, &c);
     }

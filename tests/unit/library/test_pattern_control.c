@@ -56,7 +56,7 @@ typedef struct cycle {
     iqfoc_pattern_control_config_t config;
     iqfoc_dq_t i_ref;
     iqfoc_ab_t i;
-    iq24_t theta, turns, u_dc, u_slope;
+    iq24_t theta, speed, u_dc, u_slope;
 } cycle;
 
 /*
@@ -69,7 +69,7 @@ static double complex predicted(const cycle *y, double complex i, double complex
     const double rho = ldexp(y->config.winding.rho_q30, -30);
     const double k_u = ldexp(y->config.winding.k_u_q26, -26);
     const double k_psi = ldexp(y->config.winding.k_psi_q27, -27);
-    const double phi = TWO_PI * to_double(y->turns);
+    const double phi = TWO_PI * to_double(y->speed);
     const double complex z = 0.5 * (rho + I * phi);
     const double share = rho > 0.0 ? -expm1(-rho) / rho : 1.0;
     const double complex middle = cexp(I * (theta + 0.5 * phi));
@@ -103,16 +103,16 @@ static double complex reference_voltage(const cycle *y, const iqfoc_pattern_cont
     const double psi = ldexp(y->config.winding.k_psi_q27, -27) * l;
     const double complex i = of_dq(y->i_ref);
     *drop = r * i - of_dq(c->v);
-    return *drop + I * TWO_PI * to_double(y->turns) * (l * i + psi);
+    return *drop + I * TWO_PI * to_double(y->speed) * (l * i + psi);
 }
 
 /* Places of the legs, in the sense in which time goes forward. */
 static void places(const cycle *y, double complex u, double x[3])
 {
-    const double a = to_double(y->theta) + to_double(y->turns) + carg(u) / TWO_PI + 0.25;
+    const double a = to_double(y->theta) + to_double(y->speed) + carg(u) / TWO_PI + 0.25;
     for (int leg = 0; leg < 3; leg++) {
         x[leg] = a - leg / 3.0;
-        x[leg] = fraction(y->turns < 0 ? 0.5 - x[leg] : x[leg]);
+        x[leg] = fraction(y->speed < 0 ? 0.5 - x[leg] : x[leg]);
     }
 }
 
@@ -127,14 +127,14 @@ static double complex flux_error(const cycle *y, const pattern *p, const double 
     const double spacing = 0.5 / (2 * p->angles + 1);
     const double l = ldexp(1.0, 26) / y->config.winding.k_u_q26;
     const double psi = ldexp(y->config.winding.k_psi_q27, -27) * l;
-    const double phi = TWO_PI * to_double(y->turns);
-    const double complex rotor = cexp(I * TWO_PI * (to_double(y->theta) + to_double(y->turns)));
+    const double phi = TWO_PI * to_double(y->speed);
+    const double complex rotor = cexp(I * TWO_PI * (to_double(y->theta) + to_double(y->speed)));
     double complex sum = 0.0;
     for (int leg = 0; leg < 3; leg++) {
         sum += 2.0 / 3.0 * integral_to(p, x[leg]) * cexp(I * TWO_PI / 3.0 * leg);
     }
-    return 0.5 * sum / fabs(to_double(y->turns)) +
-           ((I * drop / phi - psi - u * off * spacing / fabs(to_double(y->turns))) * rotor - l * i_next) /
+    return 0.5 * sum / fabs(to_double(y->speed)) +
+           ((I * drop / phi - psi - u * off * spacing / fabs(to_double(y->speed))) * rotor - l * i_next) /
                to_double(y->u_dc);
 }
 
@@ -188,8 +188,8 @@ static cycle drawn_cycle(uint64_t *seed)
     y.config.winding.rho_q30 = (int32_t)ldexp(uniform(seed, 0.0, fmin(0.2, 0.4 / l)), 30);
     y.config.winding.k_u_q26 = (int32_t)ldexp(1.0 / l, 26);
     y.config.winding.k_psi_q27 = (int32_t)ldexp(uniform(seed, 0.0, fmin(4.0, 15.9 / l)), 27);
-    const double turns = exp(uniform(seed, log(1.0 / 127.0), log(0.125)));
-    y.turns = to_iq24(random_bits(seed) % 2 != 0 ? turns : -turns);
+    const double speed = exp(uniform(seed, log(1.0 / 127.0), log(0.125)));
+    y.speed = to_iq24(random_bits(seed) % 2 != 0 ? speed : -speed);
     y.theta = random_iq24(seed, 0.0, 1.0);
     y.u_dc = random_iq24(seed, 0.5, 1.5);
     y.u_slope = random_iq24(seed, -0.07, 0.07);
@@ -241,7 +241,7 @@ static bool edges_compared(const pattern *p, double x, double speed, double erro
     }
     TEST_ASSERT_EQUAL_INT32(count, got->edges);
     for (int k = 0; k < count; k++) {
-        time->lsb = fmax(time->lsb, speed * fabs(got->at[k] - 16777216.0 * at[k]));
+        time->lsb = fmax(time->lsb, speed * fabs(got->instant[k] - 16777216.0 * at[k]));
     }
     return true;
 }
@@ -281,7 +281,7 @@ static void test_cycle_is_that_of_the_formulas(void)
         for (int leg = 0; leg < 3; leg++) {
             c.modulator.leg[leg].level = level_at(&p, x[leg] + 1e-9);
         }
-        iqfoc_pattern_control_aim(&c, y.i_ref, y.turns);
+        iqfoc_pattern_control_aim(&c, y.i_ref, y.speed);
         iqfoc_pattern_control_step(&c, y.i, y.theta, y.u_dc, got);
         const double k_u = ldexp(y.config.winding.k_u_q26, -26);
         current.lsb = fmax(current.lsb, 16777216.0 * cabs(i_next - of_ab(c.i_next)) / (1.0 + k_u));
@@ -289,7 +289,7 @@ static void test_cycle_is_that_of_the_formulas(void)
         if (fmax(fabs(creal(e)), fabs(cimag(e))) > 15.9) {
             continue;
         }
-        const double speed = fabs(to_double(y.turns));
+        const double speed = fabs(to_double(y.speed));
         flux.lsb = fmax(flux.lsb, 16777216.0 * cabs(speed * e - of_ab(c.error)));
         for (int leg = 0; leg < 3; leg++) {
             const double error = creal(e * cexp(-I * TWO_PI / 3.0 * leg));
@@ -319,23 +319,23 @@ static void test_prediction_error_is_learnt(void)
     const iqfoc_dq_t i_ref = {0, IQ24(0.5)};
     iqfoc_pattern_edges_t edges[3];
     iqfoc_ab_t i = {0, IQ24(0.5)};
-    const iq24_t turns = IQ24(0.025);
-    iqfoc_pattern_control_aim(&c, i_ref, turns);
+    const iq24_t speed = IQ24(0.025);
+    iqfoc_pattern_control_aim(&c, i_ref, speed);
     iqfoc_pattern_control_step(&c, i, 0, IQ24_ONE, edges);
     TEST_ASSERT_TRUE(c.predicted && c.miss.alpha == 0 && c.miss.beta == 0);
     const iqfoc_pattern_control_t before = c;
     i.alpha = before.i_next.alpha + IQ24(0.1);
     i.beta = before.i_next.beta - IQ24(0.2);
-    iqfoc_pattern_control_aim(&c, i_ref, turns);
+    iqfoc_pattern_control_aim(&c, i_ref, speed);
     TEST_ASSERT_EQUAL_INT32(0, c.v.d);
-    iqfoc_pattern_control_step(&c, i, turns, IQ24_ONE, edges);
+    iqfoc_pattern_control_step(&c, i, speed, IQ24_ONE, edges);
     iqfoc_pattern_control_t same = before;
-    iqfoc_pattern_control_aim(&same, i_ref, turns);
-    iqfoc_pattern_control_step(&same, before.i_next, turns, IQ24_ONE, edges);
+    iqfoc_pattern_control_aim(&same, i_ref, speed);
+    iqfoc_pattern_control_step(&same, before.i_next, speed, IQ24_ONE, edges);
     const double stays = exp(-0.75e-4 / 5.2e-3);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.01 * stays, to_double(c.i_next.alpha - same.i_next.alpha));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, -0.02 * stays, to_double(c.i_next.beta - same.i_next.beta));
-    iqfoc_pattern_control_aim(&c, i_ref, turns);
+    iqfoc_pattern_control_aim(&c, i_ref, speed);
     const double l = 5.2e-3 * 14.849 / (1e-4 * 565.0);
     double complex v = 0.01 * l * (0.1 - I * 0.2) * cexp(-I * TWO_PI * 0.025);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cabs(v - of_dq(c.v)));
@@ -343,15 +343,15 @@ static void test_prediction_error_is_learnt(void)
         const double more = n == 2 ? 0.0 : 0.05;
         i.alpha = c.i_next.alpha + to_iq24(0.9 * stays * to_double(c.miss.alpha) + more);
         i.beta = c.i_next.beta + to_iq24(0.9 * stays * to_double(c.miss.beta));
-        iqfoc_pattern_control_step(&c, i, n * turns, IQ24_ONE, edges);
-        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_step(&c, i, n * speed, IQ24_ONE, edges);
+        iqfoc_pattern_control_aim(&c, i_ref, speed);
         v += 0.01 * l * more * cexp(-I * TWO_PI * 0.025 * n);
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cabs(v - of_dq(c.v)));
     }
     for (int n = 0; n < 1000; n++) {
         i.alpha = i.beta = IQ24(8.0);
-        iqfoc_pattern_control_aim(&c, i_ref, turns);
-        iqfoc_pattern_control_step(&c, i, n * turns, IQ24_ONE, edges);
+        iqfoc_pattern_control_aim(&c, i_ref, speed);
+        iqfoc_pattern_control_step(&c, i, n * speed, IQ24_ONE, edges);
         TEST_ASSERT_TRUE(iq24_within(c.v.d, IQ24(-0.5), IQ24(0.5)) &&
                          iq24_within(c.v.q, IQ24(-0.5), IQ24(0.5)));
         TEST_ASSERT_TRUE(iq24_within(c.i_next.alpha, IQ24(-8.0), IQ24(8.0)));
@@ -378,14 +378,14 @@ static void test_link_with_long_levels(void)
         double complex drop;
         const double complex u = reference_voltage(&y, &c, &drop);
         c.u_slope = 0;
-        iqfoc_pattern_control_aim(&c, y.i_ref, y.turns);
+        iqfoc_pattern_control_aim(&c, y.i_ref, y.speed);
         iqfoc_pattern_control_t constant = c;
         c.u_slope = y.u_slope / 64;
         iqfoc_pattern_control_t changing = c;
         constant.carried = changing.carried = constant.miss;
-        iqfoc_pattern_control_aim(&constant, y.i_ref, y.turns);
-        iqfoc_pattern_control_aim(&changing, y.i_ref, y.turns);
-        const double speed = fabs(to_double(y.turns));
+        iqfoc_pattern_control_aim(&constant, y.i_ref, y.speed);
+        iqfoc_pattern_control_aim(&changing, y.i_ref, y.speed);
+        const double speed = fabs(to_double(y.speed));
         const double cycles = 5.0 - fmax(fmin(creal(u), 1.0), -1.0) / (4.0 * speed);
         const double off = fmax(fmin(cycles * to_double(c.u_slope), 0.125), -0.125);
         const double got_d = ldexp(changing.trajectory.steady_q28.d - constant.trajectory.steady_q28.d, -28);
@@ -437,11 +437,11 @@ static void test_angles_go_on_beyond_a_row(void)
         smooth_table(&seed);
         const int k = 20 + (int)(random_bits(&seed) % 30);
         const double part = uniform(&seed, 0.02, 0.98);
-        const iq24_t turns = to_iq24(0.8 * (0.3 + 0.01 * (k + part)) * 4.0 / (TWO_PI * TWO_PI * psi));
+        const iq24_t speed = to_iq24(0.8 * (0.3 + 0.01 * (k + part)) * 4.0 / (TWO_PI * TWO_PI * psi));
         rows[k].joined = 0;
         iqfoc_pattern_control_t c = control_of(&drive, 0.05);
         iqfoc_pattern_control_restart(&c, &table, IQ24(0.8));
-        iqfoc_pattern_control_aim(&c, none, turns);
+        iqfoc_pattern_control_aim(&c, none, speed);
         if (fabs(part - 0.75) < 0.01) {
             continue;
         }
@@ -488,13 +488,13 @@ static void test_no_time_is_below_the_least(void)
     iqfoc_dq_t i_ref = {0, IQ24_ONE};
     iqfoc_ab_t i = {0, 0};
     iq24_t theta = 0;
-    iq24_t turns = IQ24(0.03);
+    iq24_t speed = IQ24(0.03);
     iq24_t u_dc = IQ24_ONE;
     double far = 0.1;
     for (long n = 0; n < cycles_drawn; n++) {
         const uint64_t event = random_bits(&seed) % 64;
         if (event == 0) {
-            turns = random_iq24(&seed, -0.2, 0.2);
+            speed = random_iq24(&seed, -0.2, 0.2);
         } else if (event == 1) {
             theta = random_iq24(&seed, -2.0, 2.0);
         } else if (event == 2) {
@@ -510,9 +510,9 @@ static void test_no_time_is_below_the_least(void)
         i.alpha = iq24_clamp(c.i_next.alpha + random_iq24(&seed, -far, far), IQ24(-8.0), IQ24(8.0));
         i.beta = iq24_clamp(c.i_next.beta + random_iq24(&seed, -far, far), IQ24(-8.0), IQ24(8.0));
         iqfoc_pattern_edges_t got[3];
-        iqfoc_pattern_control_aim(&c, i_ref, turns);
+        iqfoc_pattern_control_aim(&c, i_ref, speed);
         iqfoc_pattern_control_step(&c, i, theta, u_dc, got);
-        theta = iq24_add_wrap(theta, turns);
+        theta = iq24_add_wrap(theta, speed);
         check_edges(got, n, &so_far);
         TEST_ASSERT_TRUE(iq24_within(c.error.alpha, IQ24(-4.0), IQ24(4.0)));
         TEST_ASSERT_TRUE(iq24_within(c.error.beta, IQ24(-4.0), IQ24(4.0)));

@@ -43,7 +43,7 @@ static instance drawn(uint64_t *seed, int32_t n)
     c.i = random_ab_in_square(seed, extreme ? 32.0 : 1.5);
     c.u = random_ab_in_square(seed, extreme ? 2.0 : 0.6);
     c.delta = random_ab_in_square(seed, extreme ? 32.0 : 1.0);
-    c.rotor = iqfoc_rotor_from_turns(random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0));
+    c.rotor = iqfoc_rotor_from_speed(random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0));
     c.sc = iq24_sincos(random_iq24(seed, 0.0, 1.0));
     c.i_c = complex_of_ab(c.i);
     c.u_c = complex_of_ab(c.u);
@@ -99,7 +99,7 @@ static void test_formulas_in_fixed_point(void)
             conj(c.e_c) * (c.s1 * middle - I * c.s2 * change) - to_double(w) * c.s2;
         worst_add(&seen, mean_dq.d, creal(seen_want));
         worst_add(&seen, mean_dq.q, cimag(seen_want));
-        const iq24_t gain = iqfoc_rotor_steady_gain(c.rotor.turns);
+        const iq24_t gain = iqfoc_rotor_steady_gain(c.rotor.speed);
         const iqfoc_dq_t steady_dq = iqfoc_mean_current_correct_steady(c.i, gain, c.sc);
         const double complex steady_want = conj(c.e_c) * c.i_c * to_double(gain);
         worst_add(&steady, steady_dq.d, creal(steady_want));
@@ -119,10 +119,10 @@ static void test_no_overflow_at_the_corner_of_the_range(void)
     const iqfoc_predictor_t strong = {IQ24(16.0), 0, IQ24(8.0)};
     for (int32_t quadrant = 0; quadrant < 4; quadrant++) {
         const iq24_sincos_t sc = iq24_sincos(quadrant * (IQ24_ONE / 4) + IQ24_ONE / 8);
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(quadrant < 2 ? IQ24_ONE : -IQ24_ONE);
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(quadrant < 2 ? IQ24_ONE : -IQ24_ONE);
         const double s = sc.sin > 0 ? 1.0 : -1.0;
         const double c = sc.cos > 0 ? -1.0 : 1.0;
-        const double sign = rotor.turns > 0 ? 1.0 : -1.0;
+        const double sign = rotor.speed > 0 ? 1.0 : -1.0;
         const iqfoc_ab_t i = {to_iq24(32.0 * s * sign), to_iq24(32.0 * c * sign)};
         const iqfoc_ab_t u = {to_iq24(2.0 * s * sign), to_iq24(2.0 * c * sign)};
         const iqfoc_ab_t next[] = {iqfoc_predictor_euler(&strong, i, u, &rotor, sc),
@@ -188,7 +188,7 @@ static void check_against_integration(double phi, double theta)
     const iqfoc_predictor_t p = {IQ24_ONE, to_iq24(rho), to_iq24(k_psi)};
     const iqfoc_ab_t i_iq = {to_iq24(creal(i)), to_iq24(cimag(i))};
     const iqfoc_ab_t u_iq = {to_iq24(creal(u)), to_iq24(cimag(u))};
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(to_iq24(phi / TWO_PI));
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(to_iq24(phi / TWO_PI));
     const iq24_sincos_t sc_mid = iq24_sincos(to_iq24((theta + phi / 2.0) / TWO_PI));
     const truth frozen = integrated(i, u, 0.0, k_psi, phi, theta, rho);
     const double few_lsb = 1.5e-6; /* inputs rounded to IQ24: angle and speed 2 pi 0.5 LSB, times k_psi */
@@ -234,11 +234,11 @@ static void test_steady_state_form_is_the_general_one(void)
         const double complex change = mean * 2.0 * I * tan(phi / 2.0);
         const iqfoc_ab_t i_mean = {to_iq24(creal(mean)), to_iq24(cimag(mean))};
         const iqfoc_ab_t delta = {to_iq24(creal(change)), to_iq24(cimag(change))};
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(to_iq24(phi / TWO_PI));
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(to_iq24(phi / TWO_PI));
         const iq24_sincos_t sc = iq24_sincos(to_iq24(0.123 * n));
         const iqfoc_dq_t general = iqfoc_mean_current_correct(i_mean, delta, &rotor, sc);
         const iqfoc_dq_t steady =
-            iqfoc_mean_current_correct_steady(i_mean, iqfoc_rotor_steady_gain(rotor.turns), sc);
+            iqfoc_mean_current_correct_steady(i_mean, iqfoc_rotor_steady_gain(rotor.speed), sc);
         TEST_ASSERT_INT32_WITHIN(6, general.d, steady.d);
         TEST_ASSERT_INT32_WITHIN(6, general.q, steady.q);
     }

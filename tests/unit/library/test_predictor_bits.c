@@ -23,9 +23,9 @@ void tearDown(void)
 }
 
 /* A speed within the range, one held to it, a low one. */
-static iq24_t any_turns(uint64_t *seed, int n)
+static iq24_t any_speed(uint64_t *seed, int n)
 {
-    const int64_t most = n % 8 == 0 ? IQ24_ONE : n % 3 == 0 ? IQ24_ONE / 100 : IQFOC_ROTOR_TURNS_MAX;
+    const int64_t most = n % 8 == 0 ? IQ24_ONE : n % 3 == 0 ? IQ24_ONE / 100 : IQFOC_ROTOR_SPEED_MAX;
     return bits_random(seed, -most, most);
 }
 
@@ -46,7 +46,7 @@ static void test_laws_of_the_round_machine(void)
         const iq24_t span = any_span(&seed, n);
         const iqfoc_exact_law_t end = iqfoc_exact_prediction(&w, span);
         const iqfoc_exact_law_t mean = iqfoc_exact_mean(&w, span);
-        const iqfoc_exact_t at = iqfoc_exact_at_speed(&end, any_turns(&seed, n));
+        const iqfoc_exact_t at = iqfoc_exact_at_speed(&end, any_speed(&seed, n));
         bits_add(&digest, &end, sizeof end);
         bits_add(&digest, &mean, sizeof mean);
         bits_add(&digest, &at, sizeof at);
@@ -70,17 +70,17 @@ static void test_rows_of_the_salient_machine(void)
         m.k_psi_q_q27 = bits_random(&seed, 0, one_q30);
         m.q_to_d_q27 = (int32_t)lround(ldexp(ratio, 27));
         m.d_to_q_q27 = (int32_t)lround(ldexp(1.0 / ratio, 27));
-        const iq24_t turns = any_turns(&seed, n);
+        const iq24_t speed = any_speed(&seed, n);
         const iq24_t span = any_span(&seed, n);
         iqfoc_salient_t end;
         iqfoc_salient_t mean;
-        iqfoc_salient_at_speed(&m, turns, span, &end, &mean);
+        iqfoc_salient_at_speed(&m, speed, span, &end, &mean);
         bits_add(&digest, &end, sizeof end);
         bits_add(&digest, &mean, sizeof mean);
         iqfoc_salient_t alone;
-        iqfoc_salient_at_speed(&m, turns, span, &alone, NULL);
+        iqfoc_salient_at_speed(&m, speed, span, &alone, NULL);
         TEST_ASSERT_EQUAL_MEMORY(&end, &alone, sizeof end);
-        iqfoc_salient_at_speed(&m, turns, span, NULL, &alone);
+        iqfoc_salient_at_speed(&m, speed, span, NULL, &alone);
         TEST_ASSERT_EQUAL_MEMORY(&mean, &alone, sizeof mean);
     }
     bits_golden(UINT64_C(0x75cc1ce0614b4811), digest);
@@ -97,9 +97,9 @@ static void test_rows_of_the_induction_machine(void)
         machine.rho_r_q30 = bits_random(&seed, 0, one_q30 / part);
         machine.a_q30 = bits_random(&seed, 0, one_q30 / 10);
         machine.k_u_q26 = bits_random(&seed, 1, one_q30);
-        const iq24_t turns = any_turns(&seed, n);
+        const iq24_t speed = any_speed(&seed, n);
         const iq24_t span = any_span(&seed, n);
-        const iqfoc_induction_t got = iqfoc_induction_at_speed(&machine, turns, span);
+        const iqfoc_induction_t got = iqfoc_induction_at_speed(&machine, speed, span);
         bits_add(&digest, &got, sizeof got);
     }
     bits_golden(UINT64_C(0x08351b68deef38bd), digest);

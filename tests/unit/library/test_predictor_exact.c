@@ -39,28 +39,28 @@ static machine machine_of(double rho, double k_u, double k_psi)
 /* A step's arguments. */
 typedef struct arguments {
     iqfoc_ab_t i, u;
-    iq24_t span, turns, theta_mid;
+    iq24_t span, speed, theta_mid;
 } arguments;
 
 static double complex solution(const machine *m, const arguments *a, bool mean)
 {
     const double complex u = m->k_u * complex_of_ab(a->u);
     const double theta = TWO_PI * to_double(a->theta_mid);
-    const double omega = TWO_PI * to_double(a->turns);
+    const double omega = TWO_PI * to_double(a->speed);
     return mean ? exact_mean(&m->in_double, complex_of_ab(a->i), u, to_double(a->span), theta, omega)
                 : exact_predict(&m->in_double, complex_of_ab(a->i), u, to_double(a->span), theta, omega);
 }
 
-static iqfoc_exact_t coefficients(const machine *m, iq24_t span, iq24_t turns, bool mean)
+static iqfoc_exact_t coefficients(const machine *m, iq24_t span, iq24_t speed, bool mean)
 {
     const iqfoc_exact_law_t law =
         mean ? iqfoc_exact_mean(&m->winding, span) : iqfoc_exact_prediction(&m->winding, span);
-    return iqfoc_exact_at_speed(&law, turns);
+    return iqfoc_exact_at_speed(&law, speed);
 }
 
 static void compare(worst *w, const machine *m, const arguments *a, bool mean)
 {
-    const iqfoc_exact_t exact = coefficients(m, a->span, a->turns, mean);
+    const iqfoc_exact_t exact = coefficients(m, a->span, a->speed, mean);
     const iqfoc_ab_t got = iqfoc_exact_step(&exact, a->i, a->u, iq24_sincos(a->theta_mid));
     const double complex want = solution(m, a, mean);
     worst_add(w, got.alpha, creal(want));
@@ -78,7 +78,7 @@ static arguments random_arguments(uint64_t *seed, int32_t n, double i, double u)
     const arguments a = {.i = random_ab_in_square(seed, i),
                          .u = random_ab_in_square(seed, u),
                          .span = random_span(seed, n),
-                         .turns = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0),
+                         .speed = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0),
                          .theta_mid = random_iq24(seed, -1.0, 1.0)};
     return a;
 }
@@ -121,8 +121,8 @@ static void every_speed(double k_psi, double rho, worst *w)
     const machine m = machine_of(rho, 1.0, k_psi);
     const iqfoc_exact_law_t law[2] = {iqfoc_exact_prediction(&m.winding, IQ24_ONE),
                                       iqfoc_exact_mean(&m.winding, IQ24_ONE)};
-    for (int32_t x = 0; x <= IQFOC_ROTOR_TURNS_MAX; x += 557 * IQFOC_TEST_STRIDE) {
-        const arguments a = {.span = IQ24_ONE, .turns = x};
+    for (int32_t x = 0; x <= IQFOC_ROTOR_SPEED_MAX; x += 557 * IQFOC_TEST_STRIDE) {
+        const arguments a = {.span = IQ24_ONE, .speed = x};
         for (int kind = 0; kind < 2; kind++) {
             const iqfoc_exact_t forward = iqfoc_exact_at_speed(&law[kind], x);
             const iqfoc_exact_t reverse = iqfoc_exact_at_speed(&law[kind], -x);
@@ -173,11 +173,11 @@ static void test_without_resistance_it_is_quasi_discrete(void)
     for (int32_t n = 0; n < 1000; n++) {
         const machine m = machine_of(0.0, 0.75, 1.7);
         const arguments a = random_arguments(&seed, 0, 1.5, 0.6);
-        const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+        const iq24_t speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         const iqfoc_predictor_t quasi = {IQ24(0.75), 0, IQ24(1.7)};
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
         const iq24_sincos_t sc = iq24_sincos(a.theta_mid);
-        const iqfoc_exact_t exact = coefficients(&m, IQ24_ONE, turns, false);
+        const iqfoc_exact_t exact = coefficients(&m, IQ24_ONE, speed, false);
         const iqfoc_ab_t x = iqfoc_exact_step(&exact, a.i, a.u, sc);
         const iqfoc_ab_t y = iqfoc_predictor_quasi_discrete(&quasi, a.i, a.u, &rotor, sc);
         TEST_ASSERT_INT32_WITHIN(3, y.alpha, x.alpha);
@@ -195,14 +195,14 @@ static void test_many_cycles_ahead(void)
         const machine m =
             machine_of(uniform(&seed, 0.0, 0.1), uniform(&seed, 0.05, 3.0), uniform(&seed, 0.0, 3.0));
         arguments a = random_arguments(&seed, 0, 1.5, 0.6);
-        a.turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
-        const iqfoc_exact_t exact = coefficients(&m, IQ24_ONE, a.turns, false);
+        a.speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+        const iqfoc_exact_t exact = coefficients(&m, IQ24_ONE, a.speed, false);
         iqfoc_ab_t got = a.i;
         double complex want = complex_of_ab(a.i);
-        const double omega = TWO_PI * to_double(a.turns);
+        const double omega = TWO_PI * to_double(a.speed);
         for (int k = 0; k < CYCLES; k++) {
             const iqfoc_ab_t u = random_ab_in_square(&seed, 0.6);
-            got = iqfoc_exact_step(&exact, got, u, iq24_sincos(iq24_add_wrap(a.theta_mid, k * a.turns)));
+            got = iqfoc_exact_step(&exact, got, u, iq24_sincos(iq24_add_wrap(a.theta_mid, k * a.speed)));
             want = exact_predict(&m.in_double, want, m.k_u * complex_of_ab(u), 1.0,
                                  TWO_PI * to_double(a.theta_mid) + omega * k, omega);
         }
@@ -217,7 +217,7 @@ static void test_no_overflow_at_the_corner_of_the_range(void)
 {
     const machine m = machine_of(0.0, 16.0, 8.0);
     for (int sign = -1; sign <= 1; sign += 2) {
-        const iqfoc_exact_t exact = coefficients(&m, IQ24_ONE, sign * IQFOC_ROTOR_TURNS_MAX, false);
+        const iqfoc_exact_t exact = coefficients(&m, IQ24_ONE, sign * IQFOC_ROTOR_SPEED_MAX, false);
         const iqfoc_ab_t i = {sign * IQ24(32.0), -sign * IQ24(32.0)};
         const iqfoc_ab_t u = {sign * IQ24(2.0), -sign * IQ24(2.0)};
         /* w (sin, -cos) at 45 degrees adds to both for a positive w. */
@@ -225,7 +225,7 @@ static void test_no_overflow_at_the_corner_of_the_range(void)
         TEST_ASSERT_TRUE(sign * to_double(next.alpha) > 73.0 && sign * to_double(next.alpha) < 81.0);
         TEST_ASSERT_TRUE(-sign * to_double(next.beta) > 73.0 && -sign * to_double(next.beta) < 81.0);
     }
-    const iqfoc_exact_t fastest = coefficients(&m, IQ24_ONE, IQFOC_ROTOR_TURNS_MAX, false);
+    const iqfoc_exact_t fastest = coefficients(&m, IQ24_ONE, IQFOC_ROTOR_SPEED_MAX, false);
     const iqfoc_exact_t beyond = coefficients(&m, IQ24_ONE, IQ24_MAX, false);
     TEST_ASSERT_EQUAL_INT32(fastest.w_real_q26, beyond.w_real_q26);
     TEST_ASSERT_EQUAL_INT32(-fastest.w_real_q26, coefficients(&m, IQ24_ONE, IQ24_MIN, false).w_real_q26);

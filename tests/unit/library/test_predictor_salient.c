@@ -44,10 +44,10 @@ static machine machine_of(double rho, double k_u, double k_psi, double q_to_d)
     return m;
 }
 
-static exact_span solution(const machine *m, iqfoc_dq_t i, iqfoc_dq_t u, iq24_t span, iq24_t turns)
+static exact_span solution(const machine *m, iqfoc_dq_t i, iqfoc_dq_t u, iq24_t span, iq24_t speed)
 {
     return exact_salient_span(&m->in_double, complex_of_dq(i), m->k_u * complex_of_dq(u), to_double(span),
-                              TWO_PI * to_double(turns));
+                              TWO_PI * to_double(speed));
 }
 
 static void add_vector(worst *w, iqfoc_dq_t got, double complex want)
@@ -61,12 +61,12 @@ static void compare(worst *end, worst *mean, const machine *m, uint64_t *seed, i
 {
     const iqfoc_dq_t i = random_dq_in_disc(seed, i_reach);
     const iqfoc_dq_t u = random_dq_in_disc(seed, u_reach);
-    const iq24_t turns = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0);
+    const iq24_t speed = n % 10 == 0 ? 0 : random_iq24(seed, -1.0 / 3.0, 1.0 / 3.0);
     const iq24_t span = n % 3 == 0 ? IQ24_ONE : n % 3 == 1 ? IQ24(0.5) : random_iq24(seed, 0.001, 1.0);
     iqfoc_salient_t of_end;
     iqfoc_salient_t of_mean;
-    iqfoc_salient_at_speed(&m->in_fixed, turns, span, &of_end, &of_mean);
-    const exact_span want = solution(m, i, u, span, turns);
+    iqfoc_salient_at_speed(&m->in_fixed, speed, span, &of_end, &of_mean);
+    const exact_span want = solution(m, i, u, span, speed);
     add_vector(end, iqfoc_salient_step(&of_end, i, u), want.end_dq_A);
     add_vector(mean, iqfoc_salient_step(&of_mean, i, u), want.mean_dq_A);
 }
@@ -105,15 +105,15 @@ static void test_no_overflow_at_the_corner_of_the_range(void)
 {
     const machine m = machine_of(0.0, 16.0, 8.0, IQFOC_MAX_SALIENCY);
     double greatest = 0.0;
-    for (iq24_t turns = -IQFOC_ROTOR_TURNS_MAX; turns <= IQFOC_ROTOR_TURNS_MAX; turns += 199729) {
+    for (iq24_t speed = -IQFOC_ROTOR_SPEED_MAX; speed <= IQFOC_ROTOR_SPEED_MAX; speed += 199729) {
         iqfoc_salient_t end;
-        iqfoc_salient_at_speed(&m.in_fixed, turns, IQ24_ONE, &end, NULL);
+        iqfoc_salient_at_speed(&m.in_fixed, speed, IQ24_ONE, &end, NULL);
         for (int corner = 0; corner < 64; corner++) {
             const iqfoc_dq_t i = {corner & 1 ? IQ24(8.0) : IQ24(-8.0), corner & 2 ? IQ24(8.0) : IQ24(-8.0)};
             const double angle = TWO_PI * (corner >> 2) / 16.0;
             const iqfoc_dq_t u = {to_iq24(2.0 * cos(angle)), to_iq24(2.0 * sin(angle))};
             const iqfoc_dq_t got = iqfoc_salient_step(&end, i, u);
-            const double complex want = solution(&m, i, u, IQ24_ONE, turns).end_dq_A;
+            const double complex want = solution(&m, i, u, IQ24_ONE, speed).end_dq_A;
             TEST_ASSERT_DOUBLE_WITHIN(2e-6, creal(want), to_double(got.d));
             TEST_ASSERT_DOUBLE_WITHIN(2e-6, cimag(want), to_double(got.q));
             greatest = fmax(greatest, fmax(fabs(creal(want)), fabs(cimag(want))));
@@ -128,7 +128,7 @@ static void test_faster_than_the_limit_is_the_limit(void)
     const machine m = machine_of(0.05, 1.0, 1.5, 1.4);
     iqfoc_salient_t limit;
     iqfoc_salient_t beyond;
-    iqfoc_salient_at_speed(&m.in_fixed, IQFOC_ROTOR_TURNS_MAX, IQ24_ONE, &limit, NULL);
+    iqfoc_salient_at_speed(&m.in_fixed, IQFOC_ROTOR_SPEED_MAX, IQ24_ONE, &limit, NULL);
     iqfoc_salient_at_speed(&m.in_fixed, IQ24_MAX, IQ24_ONE, NULL, &beyond);
     iqfoc_salient_at_speed(&m.in_fixed, IQ24_MAX, IQ24_ONE, &beyond, NULL);
     TEST_ASSERT_EQUAL_MEMORY(&limit, &beyond, sizeof limit);
@@ -159,17 +159,17 @@ static void test_without_saliency_it_is_the_stationary_predictor(void)
     const iqfoc_exact_winding_t winding = {to_fixed(0.04, 30), to_fixed(0.75, 26), to_fixed(1.7, 27)};
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
     for (int32_t n = 0; n < 1000; n++) {
-        const iq24_t turns = 2 * random_iq24(&seed, -1.0 / 6.0, 1.0 / 6.0);
+        const iq24_t speed = 2 * random_iq24(&seed, -1.0 / 6.0, 1.0 / 6.0);
         const iq24_t theta = random_iq24(&seed, 0.0, 1.0);
         const iqfoc_ab_t i = {random_iq24(&seed, -1.5, 1.5), random_iq24(&seed, -1.5, 1.5)};
         const iqfoc_ab_t u = {random_iq24(&seed, -0.6, 0.6), random_iq24(&seed, -0.6, 0.6)};
         const iq24_sincos_t sc = iq24_sincos(theta);
         iqfoc_salient_t end;
-        iqfoc_salient_at_speed(&m.in_fixed, turns, IQ24_ONE, &end, NULL);
-        const iqfoc_exact_t exact = iqfoc_exact_at_speed(&law, turns);
+        iqfoc_salient_at_speed(&m.in_fixed, speed, IQ24_ONE, &end, NULL);
+        const iqfoc_exact_t exact = iqfoc_exact_at_speed(&law, speed);
         const iqfoc_dq_t x = iqfoc_salient_step(&end, iqfoc_park(i, sc), iqfoc_park(u, sc));
-        const iqfoc_dq_t y = iqfoc_park(iqfoc_exact_step(&exact, i, u, iq24_sincos(theta + turns / 2)),
-                                        iq24_sincos(theta + turns));
+        const iqfoc_dq_t y = iqfoc_park(iqfoc_exact_step(&exact, i, u, iq24_sincos(theta + speed / 2)),
+                                        iq24_sincos(theta + speed));
         TEST_ASSERT_INT32_WITHIN(6, y.d, x.d);
         TEST_ASSERT_INT32_WITHIN(6, y.q, x.q);
     }
@@ -183,16 +183,16 @@ static void test_many_cycles_ahead(void)
     for (int32_t n = 0; n < 10000 / IQFOC_TEST_STRIDE; n++) {
         const machine m = machine_of(uniform(&seed, 0.0, 0.1), uniform(&seed, 0.05, 1.0),
                                      uniform(&seed, 0.0, 2.0), uniform(&seed, 0.5, 2.0));
-        const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+        const iq24_t speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
         iqfoc_salient_t end;
-        iqfoc_salient_at_speed(&m.in_fixed, turns, IQ24_ONE, &end, NULL);
+        iqfoc_salient_at_speed(&m.in_fixed, speed, IQ24_ONE, &end, NULL);
         iqfoc_dq_t i = random_dq_in_disc(&seed, 1.0);
         double complex want = complex_of_dq(i);
         for (int k = 0; k < CYCLES; k++) {
             const iqfoc_dq_t u = random_dq_in_disc(&seed, 0.4);
             i = iqfoc_salient_step(&end, i, u);
             want = exact_salient_span(&m.in_double, want, m.k_u * complex_of_dq(u), 1.0,
-                                      TWO_PI * to_double(turns))
+                                      TWO_PI * to_double(speed))
                        .end_dq_A;
         }
         add_vector(&ahead, i, want);

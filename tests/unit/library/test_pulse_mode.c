@@ -81,9 +81,9 @@ static void test_refused(void)
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, with(4, IQFOC_PULSE_TICKS_MAX));
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_PULSE_MODE, with(4, IQFOC_PULSE_TICKS_MAX + 1));
     REFUSED(level[0].table, &five, NULL);
-    REFUSED(level[1].on, IQFOC_PATTERN_CONTROL_TURNS_MIN - 1, IQ24(0.03));
+    REFUSED(level[1].on, IQFOC_PATTERN_CONTROL_SPEED_MIN - 1, IQ24(0.03));
     REFUSED(level[2].on, IQ24(0.02) - 1, IQ24(0.029));
-    REFUSED(level[3].on, IQFOC_PATTERN_TURNS_MAX + 1, IQFOC_PATTERN_TURNS_MAX);
+    REFUSED(level[3].on, IQFOC_PATTERN_SPEED_MAX + 1, IQFOC_PATTERN_SPEED_MAX);
     REFUSED(level[1].off, IQ24(0.02), IQ24(0.02) - 1);
     REFUSED(level[1].off, -1, 0);
     REFUSED(level[2].off, IQ24(0.018) - 1, IQ24(0.018));
@@ -125,9 +125,9 @@ static void test_level_over_speed(void)
         speed = fmin(fmax(speed + uniform(&seed, -1e-3, 1e-3), 0.01), 0.05);
         index = fmin(fmax(index + uniform(&seed, -0.02, 0.02), 0.8), 1.1);
         const int32_t before = mode.level;
-        const iq24_t turns = to_iq24(n % 2 == 0 ? speed : -speed);
-        iqfoc_pulse_mode_step(&mode, &control, turns, to_iq24(index));
-        TEST_ASSERT_EQUAL_INT32(turns, mode.turns);
+        const iq24_t signed_speed = to_iq24(n % 2 == 0 ? speed : -speed);
+        iqfoc_pulse_mode_step(&mode, &control, signed_speed, to_iq24(index));
+        TEST_ASSERT_EQUAL_INT32(signed_speed, mode.speed);
         const int32_t now = mode.level;
         TEST_ASSERT_TRUE(now == before || (now > 0 && before > 0 && abs(now - before) == 1));
         TEST_ASSERT_TRUE(mode.wanted >= 0 && mode.wanted < 4 && abs(mode.wanted - now) <= 1);
@@ -195,7 +195,7 @@ static void test_thresholds(void)
     iqfoc_pulse_mode_step(&mode, &control, level[3].on, IQ24(0.98) - 1);
     TEST_ASSERT_EQUAL_INT32(2, mode.wanted);
     iqfoc_pulse_mode_step(&mode, &control, INT32_MIN, IQ24_ONE);
-    TEST_ASSERT_EQUAL_INT32(-IQFOC_PATTERN_TURNS_MAX, mode.turns);
+    TEST_ASSERT_EQUAL_INT32(-IQFOC_PATTERN_SPEED_MAX, mode.speed);
 }
 
 /* ---- Carrier to pattern ---- */
@@ -212,18 +212,18 @@ static void test_to_pattern(void)
         iqfoc_pattern_edges_t edges[3];
         iqfoc_cycle_t cycle;
         iqfoc_cycle_config_t set = carrier;
-        const double turns = uniform(&seed, 0.02, 0.06) * (n % 2 == 0 ? 1.0 : -1.0);
+        const double speed = uniform(&seed, 0.02, 0.06) * (n % 2 == 0 ? 1.0 : -1.0);
         const double period = uniform(&seed, 1.0, 4.0);
         iq24_t high[3];
         set.period_ticks = (uint32_t)lround(period * TICKS);
         (void)iqfoc_cycle_init(&cycle, &set);
         (void)iqfoc_pulse_mode_init(&mode, &config);
-        iqfoc_pulse_mode_step(&mode, &control, to_iq24(turns), 0);
+        iqfoc_pulse_mode_step(&mode, &control, to_iq24(speed), 0);
         cycle.i_next.alpha = random_iq24(&seed, -1.0, 1.0);
         cycle.i_next.beta = random_iq24(&seed, -1.0, 1.0);
         cycle.i_ref.q = random_iq24(&seed, -1.0, 1.0);
         cycle.theta_valley = random_iq24(&seed, 0.0, 1.0);
-        cycle.rotor = iqfoc_rotor_from_turns(to_iq24(turns * period));
+        cycle.rotor = iqfoc_rotor_from_speed(to_iq24(speed * period));
         for (int k = 0; k < 3; k++) {
             const uint64_t which = random_bits(&seed) % 8;
             high[k] = which == 0 ? 0 : which == 1 ? IQ24_ONE : random_iq24(&seed, 0.0, 1.0);
@@ -236,15 +236,15 @@ static void test_to_pattern(void)
                                                                      random_iq24(&seed, 0.8, 1.2), edges));
         TEST_ASSERT_EQUAL_INT32(wait == 0 ? 1 : 0, mode.level);
         taken += wait == 0 ? 1 : 0;
-        TEST_ASSERT_EQUAL_INT32(to_iq24(turns), control.trajectory.turns);
+        TEST_ASSERT_EQUAL_INT32(to_iq24(speed), control.trajectory.speed);
         TEST_ASSERT_EQUAL_INT32(cycle.i_next.alpha, control.i_next.alpha);
-        TEST_ASSERT_EQUAL_INT32(iq24_add_wrap(cycle.theta_valley, cycle.rotor.turns), control.theta);
+        TEST_ASSERT_EQUAL_INT32(iq24_add_wrap(cycle.theta_valley, cycle.rotor.speed), control.theta);
         for (int k = 0; k < 3; k++) {
             const bool whole = high[k] == 0 || high[k] == IQ24_ONE;
             const double since = whole ? 8.0 : 0.5 * (1.0 - to_double(high[k])) * set.period_ticks / TICKS;
             TEST_ASSERT_EQUAL_INT32(high[k] == IQ24_ONE ? 1 : -1, edges[k].level);
             if (edges[k].edges > 0) {
-                TEST_ASSERT_TRUE(to_double(edges[k].at[0]) + since >= to_double(LEAST) - 1e-6);
+                TEST_ASSERT_TRUE(to_double(edges[k].instant[0]) + since >= to_double(LEAST) - 1e-6);
             } else {
                 TEST_ASSERT_DOUBLE_WITHIN(1e-6, fmin(since + 1.0, 8.0),
                                           to_double(control.modulator.leg[k].since));
@@ -269,10 +269,10 @@ static double complex of_dq(iqfoc_dq_t x)
 
 /* R i_ref - v + decoupling, over s1. */
 static double complex steady(const iqfoc_pattern_control_t *control, const iqfoc_current_control_gains_t *g,
-                             double complex i_ref, double turns, double s1)
+                             double complex i_ref, double speed, double s1)
 {
     const double complex flux = to_double(g->x_d) * i_ref + to_double(g->emf);
-    return (to_double(control->r) * i_ref - of_dq(control->v) + I * turns * flux) / s1;
+    return (to_double(control->r) * i_ref - of_dq(control->v) + I * speed * flux) / s1;
 }
 
 static void test_to_carrier(void)
@@ -291,7 +291,7 @@ static void test_to_carrier(void)
         iqfoc_pattern_edges_t edges[3];
         iqfoc_duties_t duties;
         iqfoc_sample_t sample = {.time = 0};
-        const iq24_t turns = random_iq24(&seed, 0.01, 0.03) * (n % 2 == 0 ? 1 : -1);
+        const iq24_t speed = random_iq24(&seed, 0.01, 0.03) * (n % 2 == 0 ? 1 : -1);
         iqfoc_synchronous_carrier_set(&carrier, (uint32_t)uniform(&seed, 1.0 * TICKS, 4.0 * TICKS), &set);
         (void)iqfoc_pattern_control_init(&control, &machine, &five, LEAST);
         (void)iqfoc_cycle_init(&cycle, &carrier);
@@ -309,11 +309,11 @@ static void test_to_carrier(void)
         }
         mode.level = 1;
         mode.wanted = n % 16 == 0 ? 1 : 0;
-        mode.turns = turns;
+        mode.speed = speed;
         mode.waited = IQ24(2.0);
         mode.nearest_q48 = INT64_C(1) << 60;
         const iqfoc_ab_t i = {random_iq24(&seed, -1.4, 1.4), random_iq24(&seed, -1.4, 1.4)};
-        iqfoc_pattern_control_aim(&control, cycle.i_ref, turns);
+        iqfoc_pattern_control_aim(&control, cycle.i_ref, speed);
         const bool goes = iqfoc_pulse_mode_to_carrier(&mode, &control, &cycle, &set, i,
                                                       random_iq24(&seed, 0.0, 1.0), IQ24_ONE, edges, &duties);
         TEST_ASSERT_EQUAL_INT(may && n % 16 != 0, goes);
@@ -324,7 +324,7 @@ static void test_to_carrier(void)
         }
         taken++;
         const double period = (double)set.period_ticks / TICKS;
-        const double moved = to_double(turns) * period;
+        const double moved = to_double(speed) * period;
         const double half = TWO_PI / 2.0 * moved;
         const double s1 = sin(half) / half;
         const double complex i_ref = of_dq(cycle.i_ref);
@@ -348,16 +348,16 @@ static void test_to_carrier(void)
         /* The next valley. */
         cycle.enabled = true;
         sample.theta = control.theta;
-        sample.turns = to_iq24(moved);
+        sample.speed = to_iq24(moved);
         sample.u_dc = IQ24_ONE;
         (void)iqfoc_cycle_valley(&cycle, &sample, 0);
         iqfoc_pulse_mode_resume(&control, &cycle);
-        const double complex later = steady(&control, &set.gains, i_ref, to_double(sample.turns), s1);
+        const double complex later = steady(&control, &set.gains, i_ref, to_double(sample.speed), s1);
         worst_add(&next, cycle.u_dq.d, creal(later));
         worst_add(&next, cycle.u_dq.q, cimag(later));
         const iqfoc_dq_t none = cycle.i_ref;
         const iqfoc_dq_t asked =
-            iqfoc_current_control_voltage(&cycle.control, &set.gains, none, none, cycle.rotor.turns);
+            iqfoc_current_control_voltage(&cycle.control, &set.gains, none, none, cycle.rotor.speed);
         TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.d, asked.d);
         TEST_ASSERT_INT32_WITHIN(4, cycle.u_dq.q, asked.q);
     }

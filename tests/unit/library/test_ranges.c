@@ -230,7 +230,7 @@ static void start_restart_and_supervision(void)
         {offsetof(iqfoc_start_config_t, i_align), 1, IQ24(16.0), IQFOC_ERROR_START},
         {offsetof(iqfoc_start_config_t, ramp_cycles), 1, 1 << 24, IQFOC_ERROR_START},
         {offsetof(iqfoc_start_config_t, hold_cycles), 1, 1 << 24, IQFOC_ERROR_START},
-        {offsetof(iqfoc_start_config_t, turns_end), -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX,
+        {offsetof(iqfoc_start_config_t, speed_end), -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX,
          IQFOC_ERROR_START},
         {offsetof(iqfoc_start_config_t, run_up_cycles), 1, 1 << 24, IQFOC_ERROR_START},
     };

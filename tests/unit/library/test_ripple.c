@@ -32,7 +32,7 @@ static iqfoc_salient_machine_t any_machine(uint64_t *seed, int n)
 
 static iqfoc_rotor_t any_rotor(uint64_t *seed)
 {
-    return iqfoc_rotor_from_turns(bits_random(seed, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+    return iqfoc_rotor_from_speed(bits_random(seed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX));
 }
 
 /* k x/by: the product to nearest, the quotient towards 0. */

@@ -38,9 +38,9 @@ static void test_every_speed(void)
     worst phi_s1 = {"phi s1, all speeds", 0.0};
     worst phi_s2 = {"phi s2, all speeds", 0.0};
     worst gain = {"steady gain, all speeds", 0.0};
-    for (int32_t x = -IQFOC_ROTOR_TURNS_MAX; x <= IQFOC_ROTOR_TURNS_MAX; x += IQFOC_TEST_STRIDE) {
+    for (int32_t x = -IQFOC_ROTOR_SPEED_MAX; x <= IQFOC_ROTOR_SPEED_MAX; x += IQFOC_TEST_STRIDE) {
         const double p = TWO_PI * to_double(x);
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(x);
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(x);
         worst_add(&s1, rotor.s1, s1_of(p));
         worst_add(&s2, rotor.s2, s2_of(p));
         worst_add(&phi, rotor.phi, p);
@@ -58,16 +58,16 @@ static void test_every_speed(void)
 
 static void test_standstill_and_symmetry(void)
 {
-    const iqfoc_rotor_t still = iqfoc_rotor_from_turns(0);
+    const iqfoc_rotor_t still = iqfoc_rotor_from_speed(0);
     TEST_ASSERT_EQUAL_INT32(IQ24_ONE, still.s1);
     TEST_ASSERT_EQUAL_INT32(0, still.s2);
     TEST_ASSERT_EQUAL_INT32(0, still.phi);
     TEST_ASSERT_EQUAL_INT32(0, still.phi_s1);
     TEST_ASSERT_EQUAL_INT32(0, still.phi_s2);
     TEST_ASSERT_EQUAL_INT32(IQ24_ONE, iqfoc_rotor_steady_gain(0));
-    for (int32_t x = 0; x <= IQFOC_ROTOR_TURNS_MAX; x += 101) {
-        const iqfoc_rotor_t forward = iqfoc_rotor_from_turns(x);
-        const iqfoc_rotor_t reverse = iqfoc_rotor_from_turns(-x);
+    for (int32_t x = 0; x <= IQFOC_ROTOR_SPEED_MAX; x += 101) {
+        const iqfoc_rotor_t forward = iqfoc_rotor_from_speed(x);
+        const iqfoc_rotor_t reverse = iqfoc_rotor_from_speed(-x);
         TEST_ASSERT_EQUAL_INT32(forward.s1, reverse.s1);
         TEST_ASSERT_INT32_WITHIN(1, forward.s2, -reverse.s2);
         TEST_ASSERT_INT32_WITHIN(1, forward.phi, -reverse.phi);
@@ -79,17 +79,17 @@ static void test_standstill_and_symmetry(void)
 
 static void test_faster_than_the_limit_is_the_limit(void)
 {
-    const iqfoc_rotor_t limit = iqfoc_rotor_from_turns(IQFOC_ROTOR_TURNS_MAX);
-    const int32_t beyond[] = {IQFOC_ROTOR_TURNS_MAX + 1, IQ24_ONE, IQ24_MAX};
+    const iqfoc_rotor_t limit = iqfoc_rotor_from_speed(IQFOC_ROTOR_SPEED_MAX);
+    const int32_t beyond[] = {IQFOC_ROTOR_SPEED_MAX + 1, IQ24_ONE, IQ24_MAX};
     for (int32_t k = 0; k < 3; k++) {
-        const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(beyond[k]);
-        TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_TURNS_MAX, rotor.turns);
+        const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(beyond[k]);
+        TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_SPEED_MAX, rotor.speed);
         TEST_ASSERT_EQUAL_INT32(limit.s1, rotor.s1);
         TEST_ASSERT_EQUAL_INT32(limit.s2, rotor.s2);
-        TEST_ASSERT_EQUAL_INT32(-IQFOC_ROTOR_TURNS_MAX, iqfoc_rotor_from_turns(-beyond[k]).turns);
+        TEST_ASSERT_EQUAL_INT32(-IQFOC_ROTOR_SPEED_MAX, iqfoc_rotor_from_speed(-beyond[k]).speed);
     }
-    TEST_ASSERT_EQUAL_INT32(-IQFOC_ROTOR_TURNS_MAX, iqfoc_rotor_from_turns(IQ24_MIN).turns);
-    TEST_ASSERT_EQUAL_INT32(iqfoc_rotor_steady_gain(IQFOC_ROTOR_TURNS_MAX),
+    TEST_ASSERT_EQUAL_INT32(-IQFOC_ROTOR_SPEED_MAX, iqfoc_rotor_from_speed(IQ24_MIN).speed);
+    TEST_ASSERT_EQUAL_INT32(iqfoc_rotor_steady_gain(IQFOC_ROTOR_SPEED_MAX),
                             iqfoc_rotor_steady_gain(IQ24_MIN));
 }
 
@@ -188,11 +188,11 @@ static void test_to_the_bit(void)
     const int64_t two_pi_q28 = llround(ldexp(TWO_PI, 28));
     uint64_t seed = 1;
     for (int n = 0; n < 200000 / IQFOC_TEST_STRIDE; n++) {
-        const int64_t x = bits_random(&seed, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX);
+        const int64_t x = bits_random(&seed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
         const int64_t v = bits_high(256 * x, 256 * x);
         const int64_t s1 = polynomial(p1, 5, v);
         const int64_t s2_over_x = polynomial(p2, 5, v);
-        const iqfoc_rotor_t got = iqfoc_rotor_from_turns((iq24_t)x);
+        const iqfoc_rotor_t got = iqfoc_rotor_from_speed((iq24_t)x);
         TEST_ASSERT_EQUAL_INT64(bits_nearest(s1, 6), got.s1);
         TEST_ASSERT_EQUAL_INT64(bits_nearest(bits_high(256 * x, s2_over_x), 6), got.s2);
         TEST_ASSERT_EQUAL_INT64(bits_nearest(bits_high(256 * x, two_pi_q28), 4), got.phi);

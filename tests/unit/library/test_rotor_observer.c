@@ -94,7 +94,7 @@ static void test_step_follows_its_lines(void)
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &c));
         o.psi = ab_of(disc(&seed, 10.0));
         o.theta_q32 = (int32_t)(unit * uniform(&seed, -0.5, 0.5));
-        o.turns_q32 = (int32_t)(unit * uniform(&seed, -0.33, 0.33));
+        o.speed_q32 = (int32_t)(unit * uniform(&seed, -0.33, 0.33));
         o.locked = locked;
         o.begins = false;
         const iqfoc_ab_t u_in = ab_of(disc(&seed, 0.6));
@@ -110,13 +110,13 @@ static void test_step_follows_its_lines(void)
         if (cabs(a) < 0.25) {
             continue;
         }
-        const double turns = o.turns_q32 / unit;
-        const double theta = o.theta_q32 / unit + turns;
+        const double speed = o.speed_q32 / unit;
+        const double theta = o.theta_q32 / unit + speed;
         const double complex d =
             locked ? cexp(I * TWO_PI * floor(theta * 16777216.0) / 16777216.0) : a / cabs(a);
         const double radius = to_double(m->psi) + more * creal(i * conj(d));
         const double off = fmax(-8.0, fmin(8.0, radius - creal(a * conj(d))));
-        const double phi = TWO_PI * fabs(turns);
+        const double phi = TWO_PI * fabs(speed);
         const double gain = fmin(to_double(c.gain_max), locked ? 0.4 * phi : fmax(phi, 0.125));
         const double complex want = psi + gain * off * d;
         const double divisor = fmax(radius, 1.0 / 64.0);
@@ -124,7 +124,7 @@ static void test_step_follows_its_lines(void)
         const double e = locked ? sine / TWO_PI : round_trip(carg(a) / TWO_PI - theta);
         const double k1 = locked ? to_double(c.k1) : 0.75;
         const double k2 = locked ? to_double(c.k2) : 0.25;
-        if (0.5 - fabs(e) < 1e-6 || fabs(turns + k2 * e) > 0.333) {
+        if (0.5 - fabs(e) < 1e-6 || fabs(speed + k2 * e) > 0.333) {
             continue; /* a tie, and the limit of the speed */
         }
         iqfoc_observer_step(&o, u_in, mean_in, i_in);
@@ -138,7 +138,7 @@ static void test_step_follows_its_lines(void)
             locked ? 1.0 + 1.0 / divisor + 0.004 * fabs(e) * 16777216.0 : 1.0 + 1.0 / cabs(a);
         const double theta_lsb =
             fabs(round_trip(o.theta_q32 / unit - theta - k1 * e)) * 16777216.0 / angle_lsb;
-        const double turns_lsb = fabs(o.turns_q32 / unit - turns - k2 * e) * 16777216.0 / angle_lsb;
+        const double turns_lsb = fabs(o.speed_q32 / unit - speed - k2 * e) * 16777216.0 / angle_lsb;
         theta_off[locked] = fmax(theta_off[locked], theta_lsb);
         turns_off[locked] = fmax(turns_off[locked], turns_lsb);
     }
@@ -162,13 +162,13 @@ static void test_start_is_the_machine_s_flux(void)
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &c));
         const iqfoc_ab_t i_in = ab_of(disc(&seed, 1.5));
         const iq24_t theta = random_iq24(&seed, -3.0, 3.0);
-        const iq24_t turns = random_iq24(&seed, -1.0, 1.0);
+        const iq24_t speed = random_iq24(&seed, -1.0, 1.0);
         o.status = 7;
-        iqfoc_observer_start(&o, i_in, theta, turns, true);
+        iqfoc_observer_start(&o, i_in, theta, speed, true);
         TEST_ASSERT_TRUE(o.locked && !o.begins);
         TEST_ASSERT_EQUAL_UINT32(0, o.status);
-        TEST_ASSERT_EQUAL_INT32(iq24_clamp(turns, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX),
-                                iqfoc_observer_turns(&o));
+        TEST_ASSERT_EQUAL_INT32(iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX),
+                                iqfoc_observer_speed(&o));
         TEST_ASSERT_TRUE(fabs(round_trip(o.theta_q32 / unit - to_double(theta))) < 1e-9);
         const double complex turn = cexp(I * TWO_PI * to_double(theta));
         const double complex i = complex_of_ab(i_in) * conj(turn);
@@ -195,8 +195,8 @@ static void test_first_step_takes_the_angle_from_the_chord(void)
         iqfoc_observer_t o;
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &c));
         TEST_ASSERT_TRUE(o.begins);
-        const double turns = uniform(&seed, 0.05, 0.32) * (n % 2 == 0 ? 1.0 : -1.0);
-        const double share = uniform(&seed, 0.5, fmin(1.5, 0.33 / fabs(turns)));
+        const double speed = uniform(&seed, 0.05, 0.32) * (n % 2 == 0 ? 1.0 : -1.0);
+        const double share = uniform(&seed, 0.5, fmin(1.5, 0.33 / fabs(speed)));
         const double theta = uniform(&seed, 0.0, 1.0);
         const iqfoc_ab_t before = ab_of(disc(&seed, 1.5));
         const iqfoc_ab_t after = ab_of(disc(&seed, 1.5));
@@ -205,17 +205,17 @@ static void test_first_step_takes_the_angle_from_the_chord(void)
         const double l_after = to_double(c.machine.l_q) * fall_of(&c, complex_of_ab(after));
         /* Of the magnet alone, so that the chord is that of its circle. */
         const double complex chord =
-            to_double(c.machine.psi) * cexp(I * TWO_PI * theta) * (1.0 - cexp(-I * TWO_PI * turns));
+            to_double(c.machine.psi) * cexp(I * TWO_PI * theta) * (1.0 - cexp(-I * TWO_PI * speed));
         const double complex u = chord + l_after * complex_of_ab(after) - l_before * complex_of_ab(before) +
                                  to_double(c.machine.r) * complex_of_ab(mean);
         if (fabs(creal(u)) > 8.0 || fabs(cimag(u)) > 8.0) {
             continue;
         }
-        iqfoc_observer_start(&o, before, random_iq24(&seed, -3.0, 3.0), to_iq24(share * turns), false);
+        iqfoc_observer_start(&o, before, random_iq24(&seed, -3.0, 3.0), to_iq24(share * speed), false);
         TEST_ASSERT_TRUE(!o.locked && o.begins);
         iqfoc_observer_step(&o, ab_of(u), mean, after);
         TEST_ASSERT_TRUE(!o.locked && !o.begins && o.count == 0);
-        const double want = theta + 0.5 * (share - 1.0) * turns;
+        const double want = theta + 0.5 * (share - 1.0) * speed;
         const double off = round_trip(o.theta_q32 / unit - want);
         const double length = cabs(chord);
         worst_over(&theta_off, (iq24_t)lround(off * 16777216.0), 0.0,
@@ -275,8 +275,8 @@ static double radius_at(double phi, double g)
 static void test_flux_error_decays_at_all_speeds(void)
 {
     const double most = to_double(usual.gain_max);
-    for (int32_t turns = 16; turns <= IQFOC_ROTOR_TURNS_MAX; turns += turns / 64 + 1) {
-        const double phi = TWO_PI * to_double(turns);
+    for (int32_t speed = 16; speed <= IQFOC_ROTOR_SPEED_MAX; speed += speed / 64 + 1) {
+        const double phi = TWO_PI * to_double(speed);
         const double radius = radius_at(phi, fmin(most, 0.4 * phi));
         TEST_ASSERT_TRUE(radius < 1.0);
         TEST_ASSERT_TRUE(phi > 0.05 || fabs(radius - (1.0 - phi / 5.0)) < phi * phi); /* 1/e in 5 rad */
@@ -287,11 +287,11 @@ static void test_flux_error_decays_at_all_speeds(void)
 static void test_flux_error_follows_the_linear_map(void)
 {
     for (int k = -33; k <= 33; k++) {
-        const double turns = k / 100.0;
+        const double speed = k / 100.0;
         if (k == 0) {
             continue;
         }
-        const double phi = TWO_PI * turns;
+        const double phi = TWO_PI * speed;
         const double psi = to_double(usual.machine.psi);
         const double g = fmin(to_double(usual.gain_max), 0.4 * fabs(phi));
         iqfoc_observer_config_t config = usual;
@@ -301,7 +301,7 @@ static void test_flux_error_follows_the_linear_map(void)
         iqfoc_observer_t o;
         const iqfoc_ab_t none = {0, 0};
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &config));
-        iqfoc_observer_start(&o, none, 0, to_iq24(turns), true);
+        iqfoc_observer_start(&o, none, 0, to_iq24(speed), true);
         double complex x = 1e-3 * psi * (0.6 + 0.8 * I); /* in the rotor's frame, where d is 1 */
         o.psi = ab_of(psi + x);
         for (int cycle = 1; cycle <= 40; cycle++) {
@@ -325,23 +325,23 @@ typedef struct turning {
     double complex flux;
 } turning;
 
-static void cycle_of(iqfoc_observer_t *o, turning *machine, double turns, double jump, double length)
+static void cycle_of(iqfoc_observer_t *o, turning *machine, double speed, double jump, double length)
 {
     const iqfoc_ab_t none = {0, 0};
-    machine->theta += turns + jump;
+    machine->theta += speed + jump;
     const double complex flux =
         length * to_double(o->config->machine.psi) * cexp(I * TWO_PI * machine->theta);
     iqfoc_observer_step(o, ab_of(flux - machine->flux), none, none);
     machine->flux = flux;
 }
 
-static void begin(iqfoc_observer_t *o, turning *machine, const iqfoc_observer_config_t *config, double turns,
+static void begin(iqfoc_observer_t *o, turning *machine, const iqfoc_observer_config_t *config, double speed,
                   bool known)
 {
     const iqfoc_ab_t none = {0, 0};
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(o, config));
     TEST_ASSERT_FALSE(o->locked);
-    iqfoc_observer_start(o, none, 0, to_iq24(turns), known);
+    iqfoc_observer_start(o, none, 0, to_iq24(speed), known);
     machine->theta = 0.0;
     machine->flux = to_double(config->machine.psi);
 }
@@ -356,7 +356,7 @@ static void test_lock_after_the_stated_cycles(void)
         cycle_of(&o, &machine, 0.1, 0.0, 1.0);
     }
     TEST_ASSERT_TRUE(o.locked);
-    /* Not below turns_min, as standstill shows no angle. */
+    /* Not below speed_min, as standstill shows no angle. */
     begin(&o, &machine, &usual, 0.004, false);
     for (int k = 0; k < 100; k++) {
         cycle_of(&o, &machine, 0.004, 0.0, 1.0);
@@ -376,10 +376,10 @@ static void test_angle_and_speed_of_any_instant(void)
             const double theta = to_double(iqfoc_observer_theta(&o, to_iq24(0.5 * n)));
             TEST_ASSERT_TRUE(theta >= -0.5 && theta < 0.5);
             TEST_ASSERT_TRUE(fabs(round_trip(theta - machine.theta + 0.1 * n)) < 2e-6);
-            const double own = o.theta_q32 / unit + 0.5 * n * (o.turns_q32 / unit);
+            const double own = o.theta_q32 / unit + 0.5 * n * (o.speed_q32 / unit);
             TEST_ASSERT_TRUE(fabs(round_trip(theta - own)) * 16777216.0 <= 1.01);
         }
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, -0.2, to_double(iqfoc_observer_turns(&o)));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, -0.2, to_double(iqfoc_observer_speed(&o)));
     }
     TEST_ASSERT_TRUE(o.locked);
 }
@@ -444,11 +444,11 @@ static void test_lost_when_slow_for_long(void)
     o.slow = UINT32_MAX;
     cycle_of(&o, &machine, 0.004, 0.0, 1.0);
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, o.slow);
-    /* A speed above turns_min in between starts the count again. */
+    /* A speed above speed_min in between starts the count again. */
     begin(&o, &machine, &config, 0.004, true);
     for (int k = 0; k < 100; k++) {
         cycle_of(&o, &machine, k % 25 == 24 ? 0.02 : 0.004, 0.0, 1.0);
-        o.turns_q32 = (int32_t)(unit * (k % 25 == 23 ? 0.02 : 0.004));
+        o.speed_q32 = (int32_t)(unit * (k % 25 == 23 ? 0.02 : 0.004));
     }
     TEST_ASSERT_TRUE(o.locked);
 }
@@ -466,14 +466,14 @@ static void test_any_numbers_stay_in_range(void)
         iqfoc_observer_t o;
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &c));
         const iq24_t theta = random_iq24(&seed, -100.0, 100.0);
-        const iq24_t turns = random_iq24(&seed, -100.0, 100.0);
-        iqfoc_observer_start(&o, ab_of(disc(&seed, 15.9)), theta, turns, round % 2 == 0);
+        const iq24_t speed = random_iq24(&seed, -100.0, 100.0);
+        iqfoc_observer_start(&o, ab_of(disc(&seed, 15.9)), theta, speed, round % 2 == 0);
         for (int k = 0; k < 1000; k++) {
             const iqfoc_ab_t u = ab_of(disc(&seed, 2.0));
             const iqfoc_ab_t mean = ab_of(disc(&seed, 15.9));
             iqfoc_observer_step(&o, u, mean, ab_of(disc(&seed, 15.9)));
             TEST_ASSERT_TRUE(fabs(to_double(o.psi.alpha)) <= 32.0 && fabs(to_double(o.psi.beta)) <= 32.0);
-            TEST_ASSERT_TRUE(fabs(o.turns_q32 / unit) <= 1.0 / 3.0);
+            TEST_ASSERT_TRUE(fabs(o.speed_q32 / unit) <= 1.0 / 3.0);
             TEST_ASSERT_TRUE(fabs(to_double(o.flux_error)) <= 8.0);
         }
     }
@@ -521,10 +521,10 @@ static void test_limits(void)
     WITH(k2, 0, IQFOC_ERROR_OBSERVER);
     WITH(k2, IQ24(0.25), IQFOC_OK);
     WITH(k2, IQ24(0.25) + 1, IQFOC_ERROR_OBSERVER);
-    WITH(turns_min, 0, IQFOC_OK);
-    WITH(turns_min, -1, IQFOC_ERROR_OBSERVER);
-    WITH(turns_min, IQFOC_ROTOR_TURNS_MAX, IQFOC_OK);
-    WITH(turns_min, IQFOC_ROTOR_TURNS_MAX + 1, IQFOC_ERROR_OBSERVER);
+    WITH(speed_min, 0, IQFOC_OK);
+    WITH(speed_min, -1, IQFOC_ERROR_OBSERVER);
+    WITH(speed_min, IQFOC_ROTOR_SPEED_MAX, IQFOC_OK);
+    WITH(speed_min, IQFOC_ROTOR_SPEED_MAX + 1, IQFOC_ERROR_OBSERVER);
     WITH(angle_max, 1, IQFOC_OK);
     WITH(angle_max, 0, IQFOC_ERROR_OBSERVER);
     WITH(angle_max, IQ24(0.5), IQFOC_OK);

@@ -162,14 +162,14 @@ static void test_supervision(void)
         double sum = 0.0;
         for (int n = 0; n < 400; n++) {
             const bool running = bits_random(&seed, 0, 60) > 0;
-            const iq24_t turns = (run % 2 == 0 ? 1 : -1) * bits_random(&seed, -IQ24_ONE / 40, IQ24_ONE / 8);
+            const iq24_t speed = (run % 2 == 0 ? 1 : -1) * bits_random(&seed, -IQ24_ONE / 40, IQ24_ONE / 8);
             iqfoc_abc_t i;
             i.a = any_current(&seed, run % 4 == 0, n);
             i.b = any_current(&seed, run % 4 == 1, n);
             i.c = any_current(&seed, run % 4 == 2, n);
-            const uint32_t status = iqfoc_supervision_step(&s, i, turns, running);
+            const uint32_t status = iqfoc_supervision_step(&s, i, speed, running);
             TEST_ASSERT_EQUAL_UINT32(status, s.status);
-            turned = s.cycles > 0 ? turned + turns : 0.0;
+            turned = s.cycles > 0 ? turned + speed : 0.0;
             sum = s.cycles > 0 ? sum + fabs((double)i.a) : 0.0;
             TEST_ASSERT_TRUE((double)s.angle == turned && (double)s.sum_a == sum);
             add_window(&digest, &s);

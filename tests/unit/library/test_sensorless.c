@@ -80,7 +80,7 @@ static switched_machine machine_of(const drive *d)
                                 .dead = d->sensors ? 0.005 : 0.0,
                                 .noise = d->sensors ? 0.005 : 0.0,
                                 .step = d->sensors ? 4.0 / 4096.0 : 0.0,
-                                .turns = 1.0 / d->sffr,
+                                .speed = 1.0 / d->sffr,
                                 .seed = 7};
     return m;
 }
@@ -139,22 +139,22 @@ typedef struct controller {
 
 /* The voltage of the cycle after the one that begins with `u`; theta, turns: as observed at this valley. */
 static double complex control(controller *c, const switched_machine *m, double complex i, double complex u,
-                              double complex i_ref, double theta, double turns, bool mean)
+                              double complex i_ref, double theta, double speed, bool mean)
 {
     /* The mean flux of a cycle, seen from the rotor, over that of its samples: both ends of a chord. */
-    const double half = 0.5 * TWO_PI * turns;
+    const double half = 0.5 * TWO_PI * speed;
     const double over = mean ? pow(half / sin(half), 2.0) : 1.0;
     const double complex now = switched_flux(m, i * turn_of(-theta), 0.0);
     c->disturbance += c->predicted == 0.0 ? 0.0 : 0.2 * (now - c->predicted);
     c->i_ref += 0.1 * (i_ref - c->i_ref);
-    const double next = theta + turns;
+    const double next = theta + speed;
     const double complex at_next = switched_flux(m, i * turn_of(-theta), theta) + u -
-                                   m->r * i * turn_of(0.5 * turns) + c->disturbance * turn_of(next);
+                                   m->r * i * turn_of(0.5 * speed) + c->disturbance * turn_of(next);
     c->predicted = at_next * turn_of(-next);
-    const double complex want = over * switched_flux(m, c->i_ref, next + turns) +
+    const double complex want = over * switched_flux(m, c->i_ref, next + speed) +
                                 0.4 * (at_next - over * switched_flux(m, c->i_ref, next));
-    const double complex voltage = want - at_next + m->r * c->i_ref * turn_of(next + 0.5 * turns) -
-                                   c->disturbance * turn_of(next + turns);
+    const double complex voltage = want - at_next + m->r * c->i_ref * turn_of(next + 0.5 * speed) -
+                                   c->disturbance * turn_of(next + speed);
     return cabs(voltage) > 0.57 ? 0.57 * voltage / cabs(voltage) : voltage;
 }
 
@@ -162,7 +162,7 @@ static double complex control(controller *c, const switched_machine *m, double c
 static errors run(const drive *d)
 {
     switched_machine m = machine_of(d);
-    const double top = m.turns;
+    const double top = m.speed;
     const double cycle = d->both_halves ? 0.5 : 1.0;
     const iqfoc_observer_config_t config = config_of(d, &m, cycle);
     iqfoc_observer_t o;
@@ -177,28 +177,28 @@ static errors run(const drive *d)
                           iqfoc_observer_resistance_init(&resistance, &shares, &inductance.adapted));
     o.config = &inductance.adapted;
     m.psi = switched_flux(&m, 0.0, 0.0);
-    iqfoc_observer_start(&o, ab_of(0.0), 0, to_iq24(m.turns * cycle), true);
+    iqfoc_observer_start(&o, ab_of(0.0), 0, to_iq24(m.speed * cycle), true);
     controller c = {0.0, 0.0, 0.0};
     double complex i = switched_sample(&m);
-    double complex u_next = I * d->emf * turn_of(0.5 * m.turns);
+    double complex u_next = I * d->emf * turn_of(0.5 * m.speed);
     errors e = {.locked = true};
     double squares = 0.0;
     double speed_squares = 0.0;
     int count = 0;
     for (int k = 0; k < d->cycles; k++) {
         const double theta = d->encoder ? m.theta : to_double(iqfoc_observer_theta(&o, 0));
-        const double turns = d->encoder ? m.turns : to_double(iqfoc_observer_turns(&o)) / cycle;
+        const double speed = d->encoder ? m.speed : to_double(iqfoc_observer_speed(&o)) / cycle;
         if (d->trace != NULL) {
             d->trace[k] = switched_current(&m, m.psi, m.theta) * turn_of(-m.theta);
         }
         const double complex u_command = u_next;
         const bool low = d->square > 0 && k / d->square % 2 == 1;
-        u_next = control(&c, &m, i, u_command, I * d->load * (low ? 0.25 : 1.0), theta, turns, d->mean);
-        m.turns += d->acceleration * (cimag(i * turn_of(-m.theta)) - 0.625 * d->load);
+        u_next = control(&c, &m, i, u_command, I * d->load * (low ? 0.25 : 1.0), theta, speed, d->mean);
+        m.speed += d->acceleration * (cimag(i * turn_of(-m.theta)) - 0.625 * d->load);
         double duty[3];
         const double complex u = d->gain * switched_duties(u_command, duty);
         if (d->reversal > 0) {
-            m.turns = fmax(-top, top * (1.0 - 2.0 * fmax(0.0, k - 1000.0) / d->reversal));
+            m.speed = fmax(-top, top * (1.0 - 2.0 * fmax(0.0, k - 1000.0) / d->reversal));
         }
         switched_half(&m, duty, true);
         const double complex i_mid = switched_sample(&m);
@@ -225,7 +225,7 @@ static errors run(const drive *d)
         const double off = 360.0 * remainder(o.theta_q32 / 4294967296.0 - m.theta, 1.0);
         e.locked = e.locked && o.locked;
         if (k > d->cycles / 3 || d->reversal > 0) {
-            const double speed_off = to_double(iqfoc_observer_turns(&o)) / cycle / m.turns - 1.0;
+            const double speed_off = to_double(iqfoc_observer_speed(&o)) / cycle / m.speed - 1.0;
             e.bias += off;
             squares += off * off;
             e.most = fmax(e.most, fabs(off));
@@ -614,7 +614,7 @@ static int pull_in(const drive *d, uint64_t *seed)
 {
     switched_machine m = machine_of(d);
     iqfoc_observer_config_t config = config_of(d, &m, 1.0);
-    m.turns *= uniform(seed, 0.0, 1.0) < 0.5 ? 1.0 : -1.0;
+    m.speed *= uniform(seed, 0.0, 1.0) < 0.5 ? 1.0 : -1.0;
     m.theta = uniform(seed, 0.0, 1.0);
     m.seed = random_bits(seed);
     const double complex i_dq = I * uniform(seed, -1.0, 1.0);
@@ -623,13 +623,13 @@ static int pull_in(const drive *d, uint64_t *seed)
     iqfoc_observer_t o;
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &config));
     const iq24_t theta = random_iq24(seed, 0.0, 1.0);
-    iqfoc_observer_start(&o, ab_of(i), theta, to_iq24(m.turns * uniform(seed, 0.5, 1.5)), false);
+    iqfoc_observer_start(&o, ab_of(i), theta, to_iq24(m.speed * uniform(seed, 0.5, 1.5)), false);
     int last = 0;
     for (int cycle = 1; cycle <= 150; cycle++) {
         double duty[3];
         const double complex moved =
-            switched_flux(&m, i_dq, m.theta + m.turns) - switched_flux(&m, i_dq, m.theta);
-        const double complex u = switched_duties(moved + m.r * i_dq * turn_of(m.theta + 0.5 * m.turns), duty);
+            switched_flux(&m, i_dq, m.theta + m.speed) - switched_flux(&m, i_dq, m.theta);
+        const double complex u = switched_duties(moved + m.r * i_dq * turn_of(m.theta + 0.5 * m.speed), duty);
         switched_half(&m, duty, true);
         const double complex i_mid = switched_sample(&m);
         switched_half(&m, duty, false);

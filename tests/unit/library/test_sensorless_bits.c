@@ -64,7 +64,7 @@ static iqfoc_observer_config_t any_observer(uint64_t *seed)
     c.gain_max = bits_random(seed, IQ24(0.125), IQ24_ONE);
     c.k1 = bits_random(seed, 1, IQ24_ONE);
     c.k2 = bits_random(seed, 1, IQ24(0.25));
-    c.turns_min = bits_random(seed, 0, IQ24(0.1));
+    c.speed_min = bits_random(seed, 0, IQ24(0.1));
     c.angle_max = bits_random(seed, 1, IQ24(0.5));
     c.flux_max = bits_random(seed, 1, IQ24(8.0) - 1);
     c.lock_cycles = (uint32_t)bits_random(seed, 1, 6);
@@ -78,7 +78,7 @@ static void add_observer(uint64_t *digest, const iqfoc_observer_t *o)
     digest_add(digest, o->psi.alpha);
     digest_add(digest, o->psi.beta);
     digest_add(digest, o->theta_q32);
-    digest_add(digest, o->turns_q32);
+    digest_add(digest, o->speed_q32);
     digest_add(digest, o->error);
     digest_add(digest, o->flux_error);
     digest_add(digest, (int32_t)o->count);
@@ -92,8 +92,8 @@ static void any_state(uint64_t *seed, iqfoc_observer_t *o)
 {
     const iqfoc_ab_t i = any_ab(seed, 15.9);
     const iq24_t theta = bits_random(seed, INT32_MIN, INT32_MAX);
-    const iq24_t turns = any_size(seed, 0.4);
-    iqfoc_observer_start(o, i, theta, turns, bits_random(seed, 0, 1) != 0);
+    const iq24_t speed = any_size(seed, 0.4);
+    iqfoc_observer_start(o, i, theta, speed, bits_random(seed, 0, 1) != 0);
     if (bits_random(seed, 0, 3) == 0) {
         o->psi = any_ab(seed, 32.0);
     }
@@ -124,7 +124,7 @@ static void test_observer(void)
             add_observer(&digest, &o);
         }
         digest_add(&digest, iqfoc_observer_theta(&o, any(&seed, 8.0)));
-        digest_add(&digest, iqfoc_observer_turns(&o));
+        digest_add(&digest, iqfoc_observer_speed(&o));
     }
     bits_golden(UINT64_C(0x80a8a745dba3a84d), digest);
 }
@@ -151,7 +151,7 @@ static void test_inductance(void)
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_observer_init(&o, &a.adapted));
         TEST_ASSERT_TRUE(a.level == 0 && a.slope == 0 && !a.follows);
         o.theta_q32 = bits_random(&seed, INT32_MIN, INT32_MAX);
-        o.turns_q32 = bits_random(&seed, -256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX);
+        o.speed_q32 = bits_random(&seed, -256 * IQFOC_ROTOR_SPEED_MAX, 256 * IQFOC_ROTOR_SPEED_MAX);
         o.error = any_size(&seed, 0.5);
         o.locked = bits_random(&seed, 0, 7) != 0;
         a.follows = bits_random(&seed, 0, 7) != 0;
@@ -224,7 +224,7 @@ static void test_most_saliency(void)
 static void any_adaptation(uint64_t *seed, iqfoc_observer_resistance_t *a, iqfoc_observer_t *o)
 {
     o->theta_q32 = bits_random(seed, INT32_MIN, INT32_MAX);
-    o->turns_q32 = any_size(seed, 85.0);
+    o->speed_q32 = any_size(seed, 85.0);
     o->flux_error = any_size(seed, 16.0);
     o->psi = any_ab(seed, 32.0);
     o->locked = bits_random(seed, 0, 7) != 0;
@@ -267,12 +267,12 @@ static void test_resistance(void)
     bits_golden(UINT64_C(0xebb8501fe2eaff55), digest);
 }
 
-/* The ends at which R or psi_f begins to be seen: |x| = least, |x| = |y|, |x| and |y| below half of least, turns_min. */
+/* The ends at which R or psi_f begins to be seen: |x| = least, |x| = |y|, |x| and |y| below half of least, speed_min. */
 static void test_what_is_seen(void)
 {
     static const struct {
         iq24_t x, y,
-            turns; /* the direct part of s, across, and the movement; in units of the case's least and least movement */
+            speed; /* the direct part of s, across, and the movement; in units of the case's least and least movement */
         int32_t x_off, turns_off;
         int seen; /* 1: R, 2: psi_f */
     } cases[] = {{2, 0, 0, 0, 0, 1},   {2, 0, 0, -1, 0, 0},  {2, 2, 0, 0, 0, 1}, {4, 4, 0, -1, 0, 0},
@@ -290,7 +290,7 @@ static void test_what_is_seen(void)
         TEST_ASSERT_EQUAL_INT32(IQ24(0.25), a.least);
         o.locked = true;
         o.flux_error = IQ24(0.1);
-        o.turns_q32 = 256 * (cases[k].turns * adapted.turns_min + cases[k].turns_off);
+        o.speed_q32 = 256 * (cases[k].speed * adapted.speed_min + cases[k].turns_off);
         a.s.alpha = cases[k].x * (a.least / 2) + cases[k].x_off;
         a.s.beta = cases[k].y * (a.least / 2);
         iqfoc_observer_resistance_step(&a, &o, (iqfoc_ab_t){0, 0});
@@ -329,7 +329,7 @@ static iqfoc_sample_t any_sample(uint64_t *seed, iq24_t at)
         bits_small_abc(seed, bits_random(seed, 0, 9) == 0 ? (iq24_t)(15.9 * IQ24_ONE) : IQ24(2.0));
     const iq24_t theta = bits_random(seed, INT32_MIN, INT32_MAX);
     const iqfoc_sample_t s = {
-        .i = i, .theta = theta, .turns = any_size(seed, 0.3), .u_dc = IQ24_ONE, .at = at};
+        .i = i, .theta = theta, .speed = any_size(seed, 0.3), .u_dc = IQ24_ONE, .instant = at};
     return s;
 }
 
@@ -343,7 +343,7 @@ static void any_drive(uint64_t *seed, iqfoc_sensorless_t *s, iqfoc_cycle_t *cycl
     s->start.stage = (iqfoc_start_stage_t)bits_random(seed, 0, 5);
     s->start.done = (uint32_t)bits_random(seed, 0, 4);
     s->start.theta = any(seed, 0.5);
-    s->start.turns = any_size(seed, 0.03);
+    s->start.speed = any_size(seed, 0.03);
     s->start.i_ref.d = bits_random(seed, 0, IQ24_ONE);
     cycle->enabled = bits_random(seed, 0, 7) != 0;
     cycle->tripped = bits_random(seed, 0, 7) == 0;
@@ -358,7 +358,7 @@ static void any_drive(uint64_t *seed, iqfoc_sensorless_t *s, iqfoc_cycle_t *cycl
 static void add_sample(uint64_t *digest, const iqfoc_sample_t *s)
 {
     digest_add(digest, s->theta);
-    digest_add(digest, s->turns);
+    digest_add(digest, s->speed);
 }
 
 static void test_sensorless(void)
@@ -394,7 +394,7 @@ static void test_sensorless(void)
             digest_add(&digest, s.i_peak.alpha);
             digest_add(&digest, s.i_peak.beta);
             digest_add(&digest, s.start.theta);
-            digest_add(&digest, s.start.turns);
+            digest_add(&digest, s.start.speed);
             digest_add(&digest, cycle.i_ref.d);
             digest_add(&digest, cycle.i_ref.q);
             digest_add(&digest, (int32_t)cycle.status);

@@ -6,9 +6,9 @@
 
 #include <stddef.h>
 
-static double speed_control(double turns)
+static double speed_control(double speed)
 {
-    return fmax(-1.0, fmin(1.0, 40.0 * (turns - to_double(iqfoc_observer_turns(&drive.observer)))));
+    return fmax(-1.0, fmin(1.0, 40.0 * (speed - to_double(iqfoc_observer_speed(&drive.observer)))));
 }
 
 static void test_from_standstill_to_top_speed_and_back(void)
@@ -31,11 +31,11 @@ static void test_from_standstill_to_top_speed_and_back(void)
         TEST_ASSERT_TRUE(drive.observer.locked);
         most = k > 300 ? fmax(most, fabs(off)) : most;
         if (k == 5999) {
-            TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.2, m.turns);
+            TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.2, m.speed);
         }
     }
     printf("  to SFFR 5 and back: angle at most %.2f degrees off\n", most);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.03, m.turns);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.03, m.speed);
     TEST_ASSERT_TRUE(most <= 4.0 && most > 0.5);
     TEST_ASSERT_EQUAL_UINT32(0, cycle.status);
 }
@@ -44,7 +44,7 @@ static void test_from_standstill_to_top_speed_and_back(void)
 static void test_change_of_source_makes_no_step(void)
 {
     turns_freely = false;
-    m.turns = 0.1;
+    m.speed = 0.1;
     for (int k = 0; k < 500; k++) {
         period(1.0);
         TEST_ASSERT_EQUAL_INT(IQFOC_ANGLE_MEASURED, drive.source);
@@ -74,10 +74,10 @@ static void test_catches_a_turning_machine(void)
     for (int n = 0; n < 40; n++) {
         setUp();
         turns_freely = false;
-        m.turns = (n % 2 == 0 ? 1.0 : -1.0) * uniform(&seed, 0.03, 0.15);
+        m.speed = (n % 2 == 0 ? 1.0 : -1.0) * uniform(&seed, 0.03, 0.15);
         m.theta = uniform(&seed, 0.0, 1.0);
         m.psi = switched_flux(&m, 0.0, m.theta);
-        iqfoc_sensorless_catch(&drive, to_iq24(m.turns * uniform(&seed, 0.5, 1.5)));
+        iqfoc_sensorless_catch(&drive, to_iq24(m.speed * uniform(&seed, 0.5, 1.5)));
         int cycles = 0;
         while (drive.source != IQFOC_ANGLE_OBSERVED && cycles < 400) {
             period(0.0);
@@ -105,7 +105,7 @@ static void test_catch_begins_at_no_flux(void)
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_sensorless_init(&s, &c, NULL, NULL));
     iqfoc_sensorless_catch(&s, IQ24(0.1));
     TEST_ASSERT_EQUAL_INT32(0, s.observer.psi.alpha | s.observer.psi.beta);
-    TEST_ASSERT_EQUAL_INT32(IQ24(0.1), iqfoc_observer_turns(&s.observer));
+    TEST_ASSERT_EQUAL_INT32(IQ24(0.1), iqfoc_observer_speed(&s.observer));
 }
 
 static void test_lost_lock_sets_the_status(void)
@@ -114,7 +114,7 @@ static void test_lost_lock_sets_the_status(void)
         setUp();
         config.trips |= trips != 0 ? IQFOC_STATUS_ANGLE_LOST : 0U;
         turns_freely = false;
-        m.turns = 0.1;
+        m.speed = 0.1;
         iqfoc_sensorless_use(&drive, true);
         for (int k = 0; k < 300; k++) {
             period(0.3);
@@ -137,7 +137,7 @@ static void test_lost_lock_sets_the_status(void)
 static void test_waits_while_the_gates_are_off(void)
 {
     turns_freely = false;
-    m.turns = 0.05;
+    m.speed = 0.05;
     cycle.enabled = false;
     iqfoc_sensorless_use(&drive, false);
     for (int k = 0; k < 20; k++) {
@@ -145,10 +145,10 @@ static void test_waits_while_the_gates_are_off(void)
         const iqfoc_sample_t before = valley;
         iqfoc_sensorless_valley(&drive, &cycle, &valley);
         TEST_ASSERT_EQUAL_INT32(before.theta, valley.theta);
-        TEST_ASSERT_EQUAL_INT32(before.turns, valley.turns);
+        TEST_ASSERT_EQUAL_INT32(before.speed, valley.speed);
         TEST_ASSERT_TRUE(drive.observer.locked);
         TEST_ASSERT_EQUAL_UINT32(0, drive.on);
-        m.theta += m.turns - floor(m.theta + m.turns);
+        m.theta += m.speed - floor(m.theta + m.speed);
     }
 }
 

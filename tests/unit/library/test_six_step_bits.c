@@ -17,8 +17,8 @@
 static void add_angle(uint64_t *digest, iq24_t angle)
 {
     digest_add(digest, iqfoc_six_step_state(angle));
-    for (int turns = -1; turns <= 1; turns++) {
-        digest_add(digest, iqfoc_six_step_remaining(angle, turns));
+    for (int speed = -1; speed <= 1; speed++) {
+        digest_add(digest, iqfoc_six_step_remaining(angle, speed));
     }
 }
 
@@ -62,18 +62,18 @@ static double per_unit(iq24_acc_t x)
 }
 
 /* 128 cycles at most. The quotient is to half an LSB. */
-static void expect_time(const iqfoc_six_step_command_t *got, iq24_t turns)
+static void expect_time(const iqfoc_six_step_command_t *got, iq24_t speed)
 {
     const double period = (double)config.period_ticks;
-    const double cycles = fmin(to_double(got->turns) / fmax(fabs(to_double(turns)), to_double(1)), 128.0);
+    const double cycles = fmin(to_double(got->movement) / fmax(fabs(to_double(speed)), to_double(1)), 128.0);
     TEST_ASSERT_TRUE(got->command.gates);
-    TEST_ASSERT_TRUE(got->turns >= IQ24_ONE / 600 && got->turns <= IQ24_ONE / 3);
+    TEST_ASSERT_TRUE(got->movement >= IQ24_ONE / 600 && got->movement <= IQ24_ONE / 3);
     TEST_ASSERT_DOUBLE_WITHIN(1.0 + period * to_double(1), fmin(cycles * period, UINT32_MAX), got->ticks);
 }
 
 static void add_command(uint64_t *digest, const iqfoc_six_step_t *six, const iqfoc_six_step_command_t *got)
 {
-    digest_add(digest, got->turns);
+    digest_add(digest, got->movement);
     digest_add(digest, (int32_t)got->ticks);
     bits_add(digest, &got->command.duties, sizeof got->command.duties);
     bits_add(digest, &cycle.u_now, sizeof cycle.u_now);
@@ -99,9 +99,9 @@ static iqfoc_abc_t any_phases(uint64_t *seed)
     return i;
 }
 
-static iqfoc_sample_t any_sample(uint64_t *seed, iq24_t theta, iq24_t turns)
+static iqfoc_sample_t any_sample(uint64_t *seed, iq24_t theta, iq24_t speed)
 {
-    iqfoc_sample_t s = {.theta = theta, .turns = turns, .time = ticks};
+    iqfoc_sample_t s = {.theta = theta, .speed = speed, .time = ticks};
     s.i = any_phases(seed);
     s.i_mean = any_phases(seed);
     s.has_mean = bits_random(seed, 0, 5) > 0;
@@ -110,12 +110,12 @@ static iqfoc_sample_t any_sample(uint64_t *seed, iq24_t theta, iq24_t turns)
 }
 
 /* Back to PWM: (2/pi) u_dc at this angle minus the decoupling. */
-static void end(uint64_t *digest, const iqfoc_six_step_t *six, iq24_t turns)
+static void end(uint64_t *digest, const iqfoc_six_step_t *six, iq24_t speed)
 {
     const double u = 4.0 / TWO_PI * to_double(six->u_dc);
     const double angle = TWO_PI * per_unit(six->angle);
     cycle.phase = IQFOC_CYCLE_DUE_PEAK;
-    iqfoc_cycle_six_step_end(six, &cycle, turns);
+    iqfoc_cycle_six_step_end(six, &cycle, speed);
     TEST_ASSERT_INT32_WITHIN(4, to_iq24(u * cos(angle)), cycle.u_dq.d);
     TEST_ASSERT_INT32_WITHIN(4, to_iq24(u * sin(angle)), cycle.u_dq.q);
     bits_add(digest, &cycle.u_dq, sizeof cycle.u_dq);
@@ -149,7 +149,7 @@ static void test_by_a_timer(void)
         cycle.phase = IQFOC_CYCLE_DUE_VALLEY;
         iqfoc_six_step_command_t got = iqfoc_cycle_six_step_begin(&six, &cycle, &c, angle, &s);
         TEST_ASSERT_TRUE(six.config == &c);
-        expect_time(&got, s.turns);
+        expect_time(&got, s.speed);
         add_command(&digest, &six, &got);
         for (int k = 0; k < 8; k++) {
             const double before = per_unit(six.angle);
@@ -161,7 +161,7 @@ static void test_by_a_timer(void)
             const double want = s.has_mean ? before + to_double(c.gain) * error : before;
             TEST_ASSERT_DOUBLE_WITHIN(1e-12, fmin(fmax(want, to_double(c.angle_min)), to_double(c.angle_max)),
                                       per_unit(six.angle));
-            expect_time(&got, s.turns);
+            expect_time(&got, s.speed);
             add_command(&digest, &six, &got);
         }
         end(&digest, &six, random_iq24(&seed, -0.5, 0.5));
@@ -185,7 +185,7 @@ static void test_safe_while_it_may_not_run(void)
         for (int call = 0; call < 2; call++) {
             TEST_ASSERT_FALSE(got.command.gates);
             TEST_ASSERT_EQUAL_UINT32(PERIOD, got.ticks);
-            TEST_ASSERT_EQUAL_INT32(IQ24_ONE / 600, got.turns);
+            TEST_ASSERT_EQUAL_INT32(IQ24_ONE / 600, got.movement);
             TEST_ASSERT_EQUAL_INT32(IQ24(0.25), iq24_acc_round(six.angle));
             cycle.i_ref.q = IQ24_ONE;
             got = iqfoc_cycle_six_step_switch(&six, &cycle, &now, ticks);

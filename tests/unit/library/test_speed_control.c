@@ -19,7 +19,7 @@
 
 static const double q32 = 4294967296.0;
 static const double q48 = 281474976710656.0;
-static const double limit_turns = IQFOC_ROTOR_TURNS_MAX / 16777216.0;
+static const double limit_turns = IQFOC_ROTOR_SPEED_MAX / 16777216.0;
 
 static const iqfoc_speed_control_config_t usual =
     IQFOC_SPEED_CONTROL(W, J, PAIRS, PSI, T_S, I_B, 4000.0, 20.0, N);
@@ -56,7 +56,7 @@ typedef struct step_result {
     bool limited;
 } step_result;
 
-static step_result in_double(const iqfoc_speed_control_t *c, double target, double turns, double limit)
+static step_result in_double(const iqfoc_speed_control_t *c, double target, double speed, double limit)
 {
     const double kp = c->config->kp_q16 / 65536.0;
     const double ramp = c->config->ramp_q32 / q32;
@@ -65,12 +65,12 @@ static step_result in_double(const iqfoc_speed_control_t *c, double target, doub
     const double moved = held(target - before, -ramp, ramp);
     const double forward =
         fabs(target - before) >= ramp ? copysign(fmin(to_double(c->config->i_ramp), limit), moved) : 0.0;
-    const double wanted = kp * held(before + moved - turns, -0.5, 0.5) + integral + forward;
+    const double wanted = kp * held(before + moved - speed, -0.5, 0.5) + integral + forward;
     const double i_q = held(wanted, -limit, limit);
     const bool limited = i_q != wanted;
     const double share = to_double(c->config->share);
     const step_result r = {
-        limited ? held(turns + held((i_q - integral - forward) / kp, -0.5, 0.5), -limit_turns, limit_turns)
+        limited ? held(speed + held((i_q - integral - forward) / kp, -0.5, 0.5), -limit_turns, limit_turns)
                 : before + moved,
         integral + share * (i_q - integral - forward), i_q, limited};
     return r;
@@ -90,13 +90,13 @@ static void test_step(void)
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_speed_control_init(&c, &config));
         const double kp = config.kp_q16 / 65536.0;
         const iq24_t target = random_iq24(&seed, -0.33, 0.33);
-        const iq24_t turns = random_iq24(&seed, -0.33, 0.33);
+        const iq24_t speed = random_iq24(&seed, -0.33, 0.33);
         c.set_point_q32 =
-            (int32_t)(q32 * held(to_double(turns) + uniform(&seed, -0.5, 0.5) / kp, -0.33, 0.33));
+            (int32_t)(q32 * held(to_double(speed) + uniform(&seed, -0.5, 0.5) / kp, -0.33, 0.33));
         c.integral = (iq24_acc_t)(q48 * uniform(&seed, -1.0, 1.0));
         const iq24_t limit = random_iq24(&seed, 0.0, to_double(config.i_max));
-        const step_result want = in_double(&c, to_double(target), to_double(turns), to_double(limit));
-        worst_add(&i_q, iqfoc_speed_control_step(&c, target, turns, limit), want.i_q);
+        const step_result want = in_double(&c, to_double(target), to_double(speed), to_double(limit));
+        worst_add(&i_q, iqfoc_speed_control_step(&c, target, speed, limit), want.i_q);
         TEST_ASSERT_EQUAL_INT32(c.i_q, iq24_clamp(c.i_q, -limit, limit));
         integral = fmax(integral, fabs((double)c.integral / q48 - want.integral) * 16777216.0);
         const double off = fabs(c.set_point_q32 - q32 * want.set_point);
@@ -132,12 +132,12 @@ static void test_initialiser(void)
 
 /* A shaft in double, whose current follows at once. */
 typedef struct shaft {
-    double turns, load, acceleration;
+    double speed, load, acceleration;
 } shaft;
 
 static void turn(shaft *s, double i_q)
 {
-    s->turns += s->acceleration * (i_q - s->load);
+    s->speed += s->acceleration * (i_q - s->load);
 }
 
 static shaft shaft_of(double inertia)
@@ -157,19 +157,19 @@ static void test_poles_and_dip(void)
     shaft s = shaft_of(J);
     iqfoc_speed_control_t c;
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_speed_control_init(&c, &usual));
-    iqfoc_speed_control_start(&c, to_iq24(s.turns), 0);
+    iqfoc_speed_control_start(&c, to_iq24(s.speed), 0);
     s.load = step;
     double x[300];
     double most = 0.0;
     int32_t at = 0;
     for (int32_t k = 0; k < 300; k++) {
-        x[k] = (s.turns - 0.05) / pow(p, k);
-        if (0.05 - s.turns > most) {
-            most = 0.05 - s.turns;
+        x[k] = (s.speed - 0.05) / pow(p, k);
+        if (0.05 - s.speed > most) {
+            most = 0.05 - s.speed;
             at = k;
         }
         for (int32_t m = 0; m < N; m++) {
-            turn(&s, to_double(iqfoc_speed_control_step(&c, IQ24(0.05), to_iq24(s.turns), IQ24(4.0))));
+            turn(&s, to_double(iqfoc_speed_control_step(&c, IQ24(0.05), to_iq24(s.speed), IQ24(4.0))));
         }
     }
     for (int32_t k = 3; k < 60; k++) {
@@ -180,7 +180,7 @@ static void test_poles_and_dip(void)
            1.0 / (W * T_S * N));
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * want, want, most);
     TEST_ASSERT_INT_WITHIN(2, (int32_t)lround(1.0 / (W * T_S * N)), at);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, s.turns);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, s.speed);
 }
 
 /*
@@ -194,7 +194,7 @@ static void test_run_up(void)
     } runs[] = {{J, 4.0, 1e-4}, {3.0 * J, 0.12, 0.02}, {J, 0.03, 0.02}, {0.3 * J, 4.0, 0.02}};
     for (size_t r = 0; r < sizeof runs / sizeof *runs; r++) {
         shaft s = shaft_of(runs[r].inertia);
-        s.turns = 0.0;
+        s.speed = 0.0;
         iqfoc_speed_control_t c;
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_speed_control_init(&c, &usual));
         const double target = 0.2;
@@ -202,10 +202,10 @@ static void test_run_up(void)
         int32_t arrived = -1;
         for (int32_t k = 0; k < 400000; k++) {
             const double i = to_double(
-                iqfoc_speed_control_step(&c, to_iq24(target), to_iq24(s.turns), to_iq24(runs[r].limit)));
+                iqfoc_speed_control_step(&c, to_iq24(target), to_iq24(s.speed), to_iq24(runs[r].limit)));
             turn(&s, i);
-            most = fmax(most, s.turns);
-            if (arrived < 0 && s.turns > 0.98 * target) {
+            most = fmax(most, s.speed);
+            if (arrived < 0 && s.speed > 0.98 * target) {
                 arrived = k;
             }
             TEST_ASSERT_TRUE(fabs(i) <= runs[r].limit + 1e-6);
@@ -218,7 +218,7 @@ static void test_run_up(void)
         TEST_ASSERT_TRUE(arrived >= 0 && arrived >= soonest - 2 * N);
         TEST_ASSERT_TRUE(arrived <= 1.05 * soonest);
         TEST_ASSERT_TRUE(most <= target * (1.0 + runs[r].overshoot));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, target, s.turns);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, target, s.speed);
     }
 }
 
@@ -228,19 +228,19 @@ static void test_stall_leaves_nothing(void)
     shaft s = shaft_of(J);
     iqfoc_speed_control_t c;
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_speed_control_init(&c, &usual));
-    iqfoc_speed_control_start(&c, to_iq24(s.turns), 0);
+    iqfoc_speed_control_start(&c, to_iq24(s.speed), 0);
     double most = 0.0;
     for (int32_t k = 0; k < 200000; k++) {
         s.load = k < 100000 ? 2.0 : 0.0;
-        const iq24_t i = iqfoc_speed_control_step(&c, IQ24(0.05), to_iq24(s.turns), IQ24(1.0));
+        const iq24_t i = iqfoc_speed_control_step(&c, IQ24(0.05), to_iq24(s.speed), IQ24(1.0));
         turn(&s, to_double(i));
-        s.turns = fmax(s.turns, 0.0); /* the load holds it */
-        most = fmax(most, k < 100000 ? 0.0 : s.turns);
+        s.speed = fmax(s.speed, 0.0); /* the load holds it */
+        most = fmax(most, k < 100000 ? 0.0 : s.speed);
         TEST_ASSERT_TRUE(k < 1000 || k >= 100000 || i == IQ24_ONE);
     }
     printf("  after the stall: at most %.5f turns per cycle of 0.05\n", most);
     TEST_ASSERT_TRUE(most <= 0.05 * 1.02);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, s.turns);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, s.speed);
 }
 
 /* The result changes every `cycles` calls, and the first call after a start makes a step. */
@@ -265,7 +265,7 @@ static void test_rate_and_start(void)
         TEST_ASSERT_EQUAL_INT32(19, changes);
     }
     iqfoc_speed_control_start(&c, IQ24_MIN, IQ24_MAX);
-    TEST_ASSERT_EQUAL_INT32(-256 * IQFOC_ROTOR_TURNS_MAX, c.set_point_q32);
+    TEST_ASSERT_EQUAL_INT32(-256 * IQFOC_ROTOR_SPEED_MAX, c.set_point_q32);
     TEST_ASSERT_EQUAL_INT32(usual.i_max, c.i_q);
     TEST_ASSERT_EQUAL_INT64((iq24_acc_t)usual.i_max * IQ24_ONE, c.integral);
 }
@@ -274,7 +274,7 @@ static void test_rate_and_start(void)
 static void test_any_input(void)
 {
     static const iq24_t extremes[] = {
-        IQ24_MIN, IQ24_MIN + 1, -IQFOC_ROTOR_TURNS_MAX, -1, 0, 1, IQFOC_ROTOR_TURNS_MAX, IQ24_MAX};
+        IQ24_MIN, IQ24_MIN + 1, -IQFOC_ROTOR_SPEED_MAX, -1, 0, 1, IQFOC_ROTOR_SPEED_MAX, IQ24_MAX};
     uint64_t seed = SEED + 1;
     double most = 0.0;
     for (int32_t run = 0; run < 2000; run++) {
@@ -298,7 +298,7 @@ static void test_any_input(void)
             const iq24_t i_q = iqfoc_speed_control_step(&c, in[0], in[1], in[2]);
             TEST_ASSERT_TRUE(iq24_within(i_q, -config.i_max, config.i_max));
             TEST_ASSERT_TRUE(
-                iq24_within(c.set_point_q32, -256 * IQFOC_ROTOR_TURNS_MAX, 256 * IQFOC_ROTOR_TURNS_MAX));
+                iq24_within(c.set_point_q32, -256 * IQFOC_ROTOR_SPEED_MAX, 256 * IQFOC_ROTOR_SPEED_MAX));
             most = fmax(most, fabs((double)c.integral / q48));
         }
     }

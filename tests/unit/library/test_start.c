@@ -28,13 +28,13 @@ static void test_stages(void)
         const double i = k <= 200 ? 0.5 * k / 200.0 : 0.5;
         TEST_ASSERT_TRUE(fabs(to_double(s.i_ref.d) - i) * 16777216.0 <= 1.0);
         TEST_ASSERT_EQUAL_INT32(0, s.i_ref.q);
-        double turns = 0.0;
-        turns = k > 300 && k <= 500 ? -0.25 / 200.0 : turns;
-        turns = k > 600 && k <= 1600 ? 0.02 * (k - 600) / 1000.0 : turns;
-        turns = k > 1600 ? 0.02 : turns;
-        TEST_ASSERT_TRUE(fabs(to_double(s.turns) - turns) * 16777216.0 <= 1.5);
+        double speed = 0.0;
+        speed = k > 300 && k <= 500 ? -0.25 / 200.0 : speed;
+        speed = k > 600 && k <= 1600 ? 0.02 * (k - 600) / 1000.0 : speed;
+        speed = k > 1600 ? 0.02 : speed;
+        TEST_ASSERT_TRUE(fabs(to_double(s.speed) - speed) * 16777216.0 <= 1.5);
         worst_angle = fmax(worst_angle, fabs(to_double(s.theta) - theta) * 16777216.0 / k);
-        theta += turns;
+        theta += speed;
         if (k == 501) {
             TEST_ASSERT_EQUAL_INT32(0, s.theta); /* exactly on phase A */
         }
@@ -59,7 +59,7 @@ static void test_alignment_alone(void)
     TEST_ASSERT_EQUAL_INT32(IQ24(0.1), s.sensor_zero);
     TEST_ASSERT_EQUAL_INT32(IQ24(16.0), s.i_ref.d);
     TEST_ASSERT_EQUAL_INT32(0, s.theta);
-    TEST_ASSERT_EQUAL_INT32(0, s.turns);
+    TEST_ASSERT_EQUAL_INT32(0, s.speed);
 }
 
 /* Every way of the sensor, whole turns and wraps of the number included. */
@@ -114,7 +114,7 @@ static void refused(iqfoc_start_config_t config, iqfoc_error_t want)
 static void test_limits(void)
 {
     iqfoc_start_t s;
-    const iq24_t most = IQFOC_ROTOR_TURNS_MAX;
+    const iq24_t most = IQFOC_ROTOR_SPEED_MAX;
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_start_init(NULL, &usual));
     TEST_ASSERT_EQUAL_INT(IQFOC_ERROR_NULL, iqfoc_start_init(&s, NULL));
     refused((iqfoc_start_config_t){1, 1, 1, 0, 0}, IQFOC_OK);

@@ -69,7 +69,7 @@ static void test_corrections(void)
         s.i = any_phases(&seed, reach);
         s.i_mean = any_phases(&seed, reach);
         s.theta = any(&seed, 100.0);
-        s.turns = any(&seed, 1.0);
+        s.speed = any(&seed, 1.0);
         s.u_dc = any(&seed, n % 8 == 0 ? 127.0 : 1.5);
         iqfoc_extension_sample(&x, &s);
         bits_add(&digest, &s.i, sizeof s.i);

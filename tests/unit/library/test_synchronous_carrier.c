@@ -76,16 +76,16 @@ static void test_step(void)
         c.ticks = random_ticks(&seed, 1, limit);
         const double before = c.ticks;
         const iq24_t angle = random_iq24(&seed, -127.0, 127.0);
-        const iq24_t turns = to_iq24((n % 2 == 0 ? 1.0 : -1.0) / 3.0 * pow(10.0, uniform(&seed, -4.0, 0.0)));
-        const double length = iqfoc_synchronous_carrier_step(&c, angle, turns);
+        const iq24_t speed = to_iq24((n % 2 == 0 ? 1.0 : -1.0) / 3.0 * pow(10.0, uniform(&seed, -4.0, 0.0)));
+        const double length = iqfoc_synchronous_carrier_step(&c, angle, speed);
 
-        const double way = turns < 0 ? -1.0 : 1.0;
-        const double place = level.periods * (to_double(angle) + to_double(turns)) - to_double(config.phase);
+        const double way = speed < 0 ? -1.0 : 1.0;
+        const double place = level.periods * (to_double(angle) + to_double(speed)) - to_double(config.phase);
         const double e = place - floor(place + 0.5);
         worst_e = fmax(worst_e, fabs(to_double(c.error) - way * e));
         const double most = to_double(config.share_max);
         const double change = held(to_double(config.gain) * way * e, -most, most);
-        const double ratio = fmin((1.0 - change) / (level.periods * fabs(to_double(turns))), ratio_max);
+        const double ratio = fmin((1.0 - change) / (level.periods * fabs(to_double(speed))), ratio_max);
         const double want = held(before * ratio, 1.0, limit);
         free_ones += want < limit && want > 1.0 ? 1 : 0;
         at_limit += fabs(change) == most ? 1 : 0;
@@ -152,9 +152,9 @@ static void test_correction(void)
     iqfoc_synchronous_carrier_t c;
     for (int32_t way = -1; way <= 1; way += 2) {
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_synchronous_carrier_init(&c, &config));
-        const iq24_t turns = way * IQ24(1.0 / 9.0);
+        const iq24_t speed = way * IQ24(1.0 / 9.0);
         const iq24_t ahead = way * IQ24(0.2 / 9.0);
-        TEST_ASSERT_UINT32_WITHIN(1, TICKS * 9 / 10, iqfoc_synchronous_carrier_step(&c, ahead, turns));
+        TEST_ASSERT_UINT32_WITHIN(1, TICKS * 9 / 10, iqfoc_synchronous_carrier_step(&c, ahead, speed));
         TEST_ASSERT_INT32_WITHIN(20, IQ24(0.2), c.error);
     }
     config.gain = IQ24_ONE;
@@ -174,10 +174,10 @@ static void test_correction(void)
     TEST_ASSERT_EQUAL_UINT32(TICKS + 1, iqfoc_synchronous_carrier_step(&c, 0, IQ24(-0.01)));
     c.ticks = TICKS;
     (void)iqfoc_synchronous_carrier_step(&c, 0, IQ24(0.4));
-    TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_TURNS_MAX, c.speed);
+    TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_SPEED_MAX, c.speed);
     c.ticks = TICKS;
     (void)iqfoc_synchronous_carrier_step(&c, 0, IQ24_MIN);
-    TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_TURNS_MAX, c.speed);
+    TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_SPEED_MAX, c.speed);
 }
 
 /* The speed at which a level changes, turns per TICKS, in a slow sweep. */
@@ -385,7 +385,7 @@ static void test_flux(void)
         new.gains.x_q = random_iq24(&seed, 0.0, 8.0);
         new.gains.emf = random_iq24(&seed, 0.0, 8.0);
         iqfoc_cycle_t cycle = {.config = &old, .next = &new};
-        cycle.rotor.turns = random_iq24(&seed, -0.33, 0.33);
+        cycle.rotor.speed = random_iq24(&seed, -0.33, 0.33);
         const iqfoc_dq_t i_ref = {random_iq24(&seed, -2.0, 2.0), random_iq24(&seed, -2.0, 2.0)};
         const iqfoc_dq_t u_dq = {random_iq24(&seed, -2.0, 2.0), random_iq24(&seed, -2.0, 2.0)};
         const iq24_t from = random_iq24(&seed, -2.0, 2.0);
@@ -395,10 +395,10 @@ static void test_flux(void)
         cycle.control.integral_q = iq24_acc_mul(-from, IQ24_ONE);
         iqfoc_synchronous_carrier_keep_flux(&cycle);
 
-        const double limit = to_double(IQFOC_ROTOR_TURNS_MAX);
-        const double turns = to_double(cycle.rotor.turns);
-        const double h_old = TWO_PI / 2.0 * turns;
-        const double h_new = TWO_PI / 2.0 * held(turns * new.period_ticks / old.period_ticks, -limit, limit);
+        const double limit = to_double(IQFOC_ROTOR_SPEED_MAX);
+        const double speed = to_double(cycle.rotor.speed);
+        const double h_old = TWO_PI / 2.0 * speed;
+        const double h_new = TWO_PI / 2.0 * held(speed * new.period_ticks / old.period_ticks, -limit, limit);
         const double s_old = sin(h_old) / h_old;
         const double s_new = sin(h_new) / h_new;
         const double step = (1.0 / (s_new * s_new) - 1.0 / (s_old * s_old)) / TWO_PI;
@@ -428,7 +428,7 @@ static void test_most_flux(void)
     new.gains.x_d = IQ24(96.0);
     new.gains.emf = 0;
     iqfoc_cycle_t cycle = {.config = &base, .next = &new};
-    cycle.rotor.turns = IQ24(0.1);
+    cycle.rotor.speed = IQ24(0.1);
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const iqfoc_dq_t none = {0, 0};
         cycle.u_dq = none;
@@ -456,7 +456,7 @@ static void test_offered(void)
         const double speed = 0.16 * sin(TWO_PI * k / 6000.0) / TICKS;
         const uint32_t ticks = r.ticks;
         iqfoc_sample_t sample = {.theta = to_iq24(r.angle - floor(r.angle)),
-                                 .turns = to_iq24(speed * ticks),
+                                 .speed = to_iq24(speed * ticks),
                                  .u_dc = IQ24_ONE,
                                  .time = time};
         advance(&r, speed);
@@ -467,7 +467,7 @@ static void test_offered(void)
         TEST_ASSERT_EQUAL_UINT32(r.ticks, iqfoc_cycle_next_ticks(&cycle));
         time += ticks / 2;
         sample.time = time;
-        sample.at = IQ24(0.5);
+        sample.instant = IQ24(0.5);
         (void)iqfoc_cycle_peak(&cycle, &sample, IQ24(1.5), time);
         time += ticks - ticks / 2;
         highest = iq24_max(highest, r.carrier.level);

@@ -138,10 +138,10 @@ static result run_up(double i_q, double ripple, double way, bool kept)
         const iqfoc_ab_t ab = {to_iq24(creal(i)), to_iq24(cimag(i))};
         iqfoc_sample_t sample = {.i = iqfoc_clarke_inverse(ab),
                                  .theta = to_iq24(d.circuit.theta / TWO_PI - floor(d.circuit.theta / TWO_PI)),
-                                 .turns = to_iq24(d.circuit.w * length_s / TWO_PI),
+                                 .speed = to_iq24(d.circuit.w * length_s / TWO_PI),
                                  .u_dc = to_iq24(edge_machine_link_V(&d.circuit, d.circuit.time_s) / U_DC_V),
                                  .time = time};
-        const uint32_t next = iqfoc_synchronous_carrier_step(&carrier, sample.theta, sample.turns);
+        const uint32_t next = iqfoc_synchronous_carrier_step(&carrier, sample.theta, sample.speed);
         iqfoc_synchronous_carrier_set(&base, next, &set[n % 3]);
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_cycle_offer(&cycle, &set[n % 3]));
         (void)iqfoc_cycle_valley(&cycle, &sample, time);
@@ -151,7 +151,7 @@ static result run_up(double i_q, double ripple, double way, bool kept)
         const double mid = (d.circuit.theta + 0.5 * d.circuit.w * length_s) / TWO_PI;
         sample.theta = to_iq24(mid - floor(mid));
         sample.u_dc = to_iq24(edge_machine_link_V(&d.circuit, d.circuit.time_s + 0.5 * length_s) / U_DC_V);
-        sample.at = IQ24(0.5);
+        sample.instant = IQ24(0.5);
         sample.time = time + ticks / 2;
         const iqfoc_command_t command = iqfoc_cycle_peak(&cycle, &sample, IQ24(1.5), sample.time);
         pulses(&d, acting, length_s);

@@ -117,7 +117,7 @@ static void periods(long count)
         iqfoc_sample_t sample = around_valley(&d);
         iqfoc_tracker_step(&tracker, iqfoc_encoder_theta(&encoder, counter()), 0, true);
         sample.theta = iqfoc_tracker_theta(&tracker, 0);
-        sample.turns = iqfoc_tracker_turns(&tracker);
+        sample.speed = iqfoc_tracker_speed(&tracker);
         sample.i.a -= subtracted.a;
         sample.i.b -= subtracted.b;
         sample.i.c -= subtracted.c;

@@ -48,18 +48,18 @@ static void test_step_follows_its_law(void)
         const iq24_t at = random_iq24(&seed, -1.0, 1.0);
         const iq24_t measured = random_iq24(&seed, -100.0, 100.0);
         const double acceleration = t.acceleration_q32 / unit;
-        const double theta = t.theta_q32 / unit + t.turns_q32 / unit + acceleration / 2.0;
-        const double turns = t.turns_q32 / unit + acceleration;
-        const double e = round_trip(to_double(measured) - theta - turns * to_double(at));
-        const double turns_want = turns + to_double(config.k2) * e;
-        if (fabs(fabs(e) - 0.5) < 1e-7 || fabs(turns_want) > 0.333) {
+        const double theta = t.theta_q32 / unit + t.speed_q32 / unit + acceleration / 2.0;
+        const double speed = t.speed_q32 / unit + acceleration;
+        const double e = round_trip(to_double(measured) - theta - speed * to_double(at));
+        const double speed_want = speed + to_double(config.k2) * e;
+        if (fabs(fabs(e) - 0.5) < 1e-7 || fabs(speed_want) > 0.333) {
             continue; /* a tie, and the limit of the speed */
         }
         iqfoc_tracker_step(&t, measured, at, true);
         const double theta_want = theta + to_double(config.k1) * e;
         const double held = fmax(-0.125, fmin(0.125, acceleration + to_double(config.k3) * e));
         theta_off = fmax(theta_off, fabs(round_trip(t.theta_q32 / unit - theta_want)) * unit);
-        turns_off = fmax(turns_off, fabs(t.turns_q32 / unit - turns_want) * unit);
+        turns_off = fmax(turns_off, fabs(t.speed_q32 / unit - speed_want) * unit);
         acceleration_off = fmax(acceleration_off, fabs(t.acceleration_q32 / unit - held) * unit);
         TEST_ASSERT_TRUE(fabs(to_double(t.error) - e) <= 1.1 / 16777216.0);
     }
@@ -114,7 +114,7 @@ static void test_acceleration(void)
             iqfoc_tracker_step(&second, to_iq24(round_trip(read)), to_iq24(late), true);
             if (k > 1000) {
                 TEST_ASSERT_DOUBLE_WITHIN(1.5e-5, 0.0, round_trip(third.theta_q32 / unit - theta));
-                TEST_ASSERT_DOUBLE_WITHIN(2e-5, a * k, to_double(iqfoc_tracker_turns(&third)));
+                TEST_ASSERT_DOUBLE_WITHIN(2e-5, a * k, to_double(iqfoc_tracker_speed(&third)));
                 TEST_ASSERT_DOUBLE_WITHIN(0.05 * fabs(a / to_double(two.k2)), -a / to_double(two.k2),
                                           round_trip(second.theta_q32 / unit - theta) /
                                               (1.0 - to_double(two.k1)));
@@ -137,14 +137,14 @@ static void test_held_at_the_ends(void)
     for (int32_t n = 0; n < DRAWS; n++) {
         const iq24_t any = iq24_wrap((int64_t)random_bits(&seed));
         iqfoc_tracker_step(&t, any, n % 3 == 0 ? IQ24_ONE : -IQ24_ONE, true);
-        const iq24_t turns = iqfoc_tracker_turns(&t);
-        TEST_ASSERT_TRUE(turns >= -IQFOC_ROTOR_TURNS_MAX && turns <= IQFOC_ROTOR_TURNS_MAX);
+        const iq24_t speed = iqfoc_tracker_speed(&t);
+        TEST_ASSERT_TRUE(speed >= -IQFOC_ROTOR_SPEED_MAX && speed <= IQFOC_ROTOR_SPEED_MAX);
         TEST_ASSERT_TRUE(t.acceleration_q32 >= -(1 << 29) && t.acceleration_q32 <= 1 << 29);
         const iq24_t far = iqfoc_tracker_theta(&t, n % 2 == 0 ? IQ24(8.0) : IQ24(-8.0));
         TEST_ASSERT_TRUE(far >= -IQ24_ONE / 2 && far < IQ24_ONE / 2);
-        const double want = t.theta_q32 / unit + (n % 2 == 0 ? 8.0 : -8.0) * (t.turns_q32 / unit);
+        const double want = t.theta_q32 / unit + (n % 2 == 0 ? 8.0 : -8.0) * (t.speed_q32 / unit);
         TEST_ASSERT_TRUE(fabs(round_trip(to_double(far) - want)) * 16777216.0 <= 1.01);
-        at_end += turns == IQFOC_ROTOR_TURNS_MAX || turns == -IQFOC_ROTOR_TURNS_MAX;
+        at_end += speed == IQFOC_ROTOR_SPEED_MAX || speed == -IQFOC_ROTOR_SPEED_MAX;
     }
     TEST_ASSERT_TRUE(at_end > 1000);
 }
@@ -160,7 +160,7 @@ static void test_acquisition(void)
         iqfoc_tracker_step(&t, to_iq24(0.1), 0, false);
         iqfoc_tracker_step(&t, to_iq24(0.4), to_iq24(0.2), true);
         iqfoc_tracker_step(&t, to_iq24(0.4 + speed), to_iq24(0.2), true);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-7, speed, t.turns_q32 / unit);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, speed, t.speed_q32 / unit);
         TEST_ASSERT_DOUBLE_WITHIN(2e-7, 0.0, round_trip(t.theta_q32 / unit - (0.4 + speed - 0.2 * speed)));
         for (int32_t n = 2; n < 40; n++) {
             iqfoc_tracker_step(&t, to_iq24(round_trip(0.4 + speed * n)), to_iq24(0.2), true);

@@ -109,15 +109,15 @@ static void the_tuned_step(void)
     bits_golden(UINT64_C(0x5125bf9cd2aa51b9), digest);
 }
 
-static iqfoc_deadbeat_t any_deadbeat(uint64_t *seed, iq24_t turns)
+static iqfoc_deadbeat_t any_deadbeat(uint64_t *seed, iq24_t speed)
 {
     iqfoc_exact_winding_t winding;
     winding.rho_q30 = bits_random(seed, 0, 1 << 28);
     winding.k_u_q26 = bits_random(seed, 1 << 22, 1 << 29);
     winding.k_psi_q27 = bits_random(seed, 0, 1 << 29);
-    const iqfoc_rotor_t rotor = iqfoc_rotor_from_turns(turns);
+    const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
-    const iqfoc_deadbeat_t d = {iqfoc_exact_at_speed(&law, turns), iqfoc_deadbeat_inverse(law.k_u_q26),
+    const iqfoc_deadbeat_t d = {iqfoc_exact_at_speed(&law, speed), iqfoc_deadbeat_inverse(law.k_u_q26),
                                 iqfoc_valley_reference_at(&rotor, random_iq24(seed, 0.0, 4.0))};
     return d;
 }
@@ -127,8 +127,8 @@ static void deadbeat_with_and_without_a_drift(void)
     uint64_t seed = 3;
     uint64_t digest = DIGEST_START;
     for (int n = 0; n < DRAWS; n++) {
-        const iq24_t turns = any(&seed, 1.0 / 3.0);
-        const iqfoc_deadbeat_t d = any_deadbeat(&seed, turns);
+        const iq24_t speed = any(&seed, 1.0 / 3.0);
+        const iqfoc_deadbeat_t d = any_deadbeat(&seed, speed);
         const iq24_t gain = random_iq24(&seed, 0.0, 1.0);
         iqfoc_deadbeat_drift_t drift = {.predicted = false};
         for (int k = 0; k < 3; k++) {
@@ -136,8 +136,8 @@ static void deadbeat_with_and_without_a_drift(void)
             const iqfoc_ab_t u_now = any_ab(&seed, 1.0);
             const iqfoc_dq_t i_ref = any_dq(&seed, 3.0);
             const iq24_t theta = bits_random(&seed, INT32_MIN, INT32_MAX);
-            const iqfoc_ab_t plain = iqfoc_deadbeat_step(&d, i, u_now, i_ref, theta, turns);
-            const iqfoc_ab_t u = iqfoc_deadbeat_drift_step(&drift, &d, gain, i, u_now, i_ref, theta, turns);
+            const iqfoc_ab_t plain = iqfoc_deadbeat_step(&d, i, u_now, i_ref, theta, speed);
+            const iqfoc_ab_t u = iqfoc_deadbeat_drift_step(&drift, &d, gain, i, u_now, i_ref, theta, speed);
             bits_add(&digest, &plain, sizeof plain);
             bits_add(&digest, &u, sizeof u);
             bits_add(&digest, &drift.drift, sizeof drift.drift);

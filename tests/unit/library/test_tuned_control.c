@@ -78,9 +78,9 @@ static void the_pole_and_the_bow_are_as_stated(void)
     worst bow = {"bow", 0.0};
     for (int n = 0; n < TRIES; n++) {
         const iqfoc_tuned_law_t law = random_law(&seed);
-        const iq24_t turns = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
-        const iqfoc_tuned_t t = iqfoc_tuned_at_speed(&law, turns);
-        const double phi = TWO_PI * to_double(turns);
+        const iq24_t speed = random_iq24(&seed, -1.0 / 3.0, 1.0 / 3.0);
+        const iqfoc_tuned_t t = iqfoc_tuned_at_speed(&law, speed);
+        const double phi = TWO_PI * to_double(speed);
         const double s1 = fabs(phi) > 1e-9 ? sin(0.5 * phi) / (0.5 * phi) : 1.0;
         worst_add(&keep, t.keep_cos, to_double(law.keep) * cos(phi));
         worst_add(&keep, t.keep_sin, to_double(law.keep) * sin(phi));
@@ -96,8 +96,8 @@ static void speeds_beyond_the_limit_are_held(void)
 {
     uint64_t seed = 3;
     const iqfoc_tuned_law_t law = random_law(&seed);
-    TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_TURNS_MAX, iqfoc_tuned_at_speed(&law, IQ24(0.5)).turns);
-    TEST_ASSERT_EQUAL_INT32(-IQFOC_ROTOR_TURNS_MAX, iqfoc_tuned_at_speed(&law, IQ24(-0.5)).turns);
+    TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_SPEED_MAX, iqfoc_tuned_at_speed(&law, IQ24(0.5)).speed);
+    TEST_ASSERT_EQUAL_INT32(-IQFOC_ROTOR_SPEED_MAX, iqfoc_tuned_at_speed(&law, IQ24(-0.5)).speed);
 }
 
 /* ---- The step ---- */
@@ -142,7 +142,7 @@ static double complex step_in_double(const iqfoc_tuned_state_t *state, const iqf
     const double complex need = want - end_of(&t->end, next, 0.0) - drift;
     const double u_d = to_double(t->voltage_dd) * creal(need) + to_double(t->voltage_dq) * cimag(need);
     const double u_q = to_double(t->voltage_qd) * creal(need) + to_double(t->voltage_qq) * cimag(need);
-    return (u_d + I * u_q) / frame * cexp(I * TWO_PI * to_double(t->turns));
+    return (u_d + I * u_q) / frame * cexp(I * TWO_PI * to_double(t->speed));
 }
 
 /* Motors of the kind in data/motors/: k 0.5 to 3, currents about the rated one. */
@@ -241,7 +241,7 @@ static double complex run(const iqfoc_tuned_law_t *law, int cycles, iqfoc_dq_t i
                           double *error)
 {
     const iqfoc_tuned_t t = iqfoc_tuned_at_speed(law, IQ24(TURNS));
-    const double phi = TWO_PI * to_double(t.turns);
+    const double phi = TWO_PI * to_double(t.speed);
     const double omega = phi / T_S;
     exact_map end;
     exact_map mean;
@@ -266,12 +266,12 @@ static double complex run(const iqfoc_tuned_law_t *law, int cycles, iqfoc_dq_t i
         }
         if (peaks) {
             const iqfoc_ab_t peak = {to_iq24(creal(mid)), to_iq24(cimag(mid))};
-            iqfoc_tuned_peak(&state, peak, iq24_add_wrap(theta, iq24_asr32(t.turns, 1)));
+            iqfoc_tuned_peak(&state, peak, iq24_add_wrap(theta, iq24_asr32(t.speed, 1)));
         }
         last = mapped(&mean, i, u, omega);
         i = mapped(&end, i, u, omega);
         u_now = next;
-        theta = iq24_add_wrap(theta, t.turns) & (IQ24_ONE - 1);
+        theta = iq24_add_wrap(theta, t.speed) & (IQ24_ONE - 1);
     }
     return last;
 }

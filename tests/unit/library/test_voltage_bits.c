@@ -120,7 +120,7 @@ static void test_overmodulations_limit(void)
     uint64_t digest = DIGEST_START;
     for (int n = 0; n < DRAWS; n++) {
         const iqfoc_rotor_t rotor =
-            iqfoc_rotor_from_turns(bits_random(&seed, -IQFOC_ROTOR_TURNS_MAX, IQFOC_ROTOR_TURNS_MAX));
+            iqfoc_rotor_from_speed(bits_random(&seed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX));
         digest_add(&digest, iqfoc_overmodulation_limit(&rotor));
     }
     bits_golden(UINT64_C(0x1749211f9ed7e88e), digest);

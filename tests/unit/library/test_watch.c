@@ -331,7 +331,7 @@ static int blocks_at_point(double times, double i_q, double x, int blocks)
 {
     numbers n = {.seed = 5, .config = &diagnosed, .x = x};
     iqfoc_watch_reset(&n.watch);
-    n.watch.turns = to_iq24(x);
+    n.watch.speed = to_iq24(x);
     int k = 0;
     while (k < blocks && n.watch.naming == 0) {
         (void)block_of(&n, IQFOC_WATCH_RESISTANCE, times, NOISE, x, I * i_q, 0.3 * I);

@@ -26,13 +26,13 @@ static double degrees(iq24_t turns)
 
 static iqfoc_sensorless_t made;
 
-static void begin_made(const iqfoc_watch_angle_config_t *c, double turns)
+static void begin_made(const iqfoc_watch_angle_config_t *c, double speed)
 {
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_watch_angle_init(&w, c));
     TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_sensorless_init(&made, &observer_config, NULL, NULL));
     made.on = 3;
     made.observer.locked = true;
-    made.observer.turns_q32 = to_iq24(turns) * 256;
+    made.observer.speed_q32 = to_iq24(speed) * 256;
 }
 
 /* A cycle of a rotor that turns as the observer says, with this difference. */
@@ -40,7 +40,7 @@ static bool cycle_with(double difference)
 {
     made.difference = to_iq24(remainder(difference, 1.0));
     const bool named = iqfoc_watch_angle_step(&w, &made);
-    made.observer.theta_q32 = iq24_add_wrap(made.observer.theta_q32, made.observer.turns_q32);
+    made.observer.theta_q32 = iq24_add_wrap(made.observer.theta_q32, made.observer.speed_q32);
     return named;
 }
 
@@ -72,7 +72,7 @@ static void test_block_is_its_mean_and_its_wave(void)
         double shaft = 0.0;
         int cycles = 0;
         begin_made(&c, (n % 2 == 0 ? 1.0 : -1.0) * uniform(&seed, 0.02, 0.3));
-        const double speed = made.observer.turns_q32 / 4294967296.0;
+        const double speed = made.observer.speed_q32 / 4294967296.0;
         while (w.blocks < 2) {
             const bool counts = w.blocks == 1;
             (void)cycle_with(offset + wave * cos(TWO_PI * shaft) + uniform(&seed, -0.02, 0.02));
@@ -235,7 +235,7 @@ static void test_interruption_drops_the_block(void)
         }
         made.observer.locked = n != 0;
         made.on = n == 1 ? 2 : 3;
-        made.observer.turns_q32 = n == 2 ? (IQ24(0.01) - 1) * 256 : made.observer.turns_q32;
+        made.observer.speed_q32 = n == 2 ? (IQ24(0.01) - 1) * 256 : made.observer.speed_q32;
         if (n == 3) {
             w.count = 32767;
         }
@@ -244,7 +244,7 @@ static void test_interruption_drops_the_block(void)
         TEST_ASSERT_EQUAL_INT32(4, w.wait);
         made.observer.locked = true;
         made.on = 3;
-        made.observer.turns_q32 = IQ24(0.1) * 256;
+        made.observer.speed_q32 = IQ24(0.1) * 256;
         TEST_ASSERT_FALSE(block_with(0.0));
         TEST_ASSERT_EQUAL_INT32(0, w.x[0]);
     }
@@ -253,7 +253,7 @@ static void test_interruption_drops_the_block(void)
 static iqfoc_error_t init_with(int field, int32_t value)
 {
     iqfoc_watch_angle_config_t c = three_pairs;
-    iq24_t *const at[] = {&c.pole_pairs, &c.turns_min,   &c.mean_limit,
+    iq24_t *const at[] = {&c.pole_pairs, &c.speed_min,   &c.mean_limit,
                           &c.mean_alarm, &c.swing_limit, &c.swing_alarm};
     *at[field] = value;
     return iqfoc_watch_angle_init(&w, &c);
@@ -262,7 +262,7 @@ static iqfoc_error_t init_with(int field, int32_t value)
 static void test_refuses_values_out_of_range(void)
 {
     static const int32_t ends[6][2] = {
-        {1, 64}, {1, IQFOC_ROTOR_TURNS_MAX}, {4, IQ24(0.5)}, {4, IQ24(0.5)}, {4, IQ24(0.5)}, {4, IQ24(0.5)}};
+        {1, 64}, {1, IQFOC_ROTOR_SPEED_MAX}, {4, IQ24(0.5)}, {4, IQ24(0.5)}, {4, IQ24(0.5)}, {4, IQ24(0.5)}};
     for (int field = 0; field < 6; field++) {
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, init_with(field, ends[field][0]));
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, init_with(field, ends[field][1]));
@@ -332,7 +332,7 @@ static run_result run(planted fault, double amount, uint64_t seed, int cycles)
     double target = sign * 0.1;
     setUp();
     turns_freely = false;
-    m.turns = target;
+    m.speed = target;
     m.theta = uniform(&seed, 0.0, 1.0);
     m.psi = switched_flux(&m, 0.0, m.theta);
     m.seed = random_bits(&seed);
@@ -346,9 +346,9 @@ static run_result run(planted fault, double amount, uint64_t seed, int cycles)
             target =
                 (k % 6000 == 5999 ? -1.0 : 1.0) * (target > 0.0 ? 1.0 : -1.0) * uniform(&seed, 0.02, 0.2);
         }
-        m.turns += fmax(-1e-4, fmin(1e-4, target - m.turns));
-        revolution += m.turns / POLE_PAIRS;
-        lost += on && fault == LOST_COUNTS ? amount / 360.0 * m.turns / POLE_PAIRS : 0.0;
+        m.speed += fmax(-1e-4, fmin(1e-4, target - m.speed));
+        revolution += m.speed / POLE_PAIRS;
+        lost += on && fault == LOST_COUNTS ? amount / 360.0 * m.speed / POLE_PAIRS : 0.0;
         sensor_off = on && (fault == OFFSET || fault == SLIPPED) ? amount / 360.0 : lost;
         if (on && fault == ECCENTRIC) {
             sensor_off = amount / 360.0 * cos(TWO_PI * (revolution - bend));

@@ -94,7 +94,7 @@ static void add_state(uint64_t *digest, const iqfoc_watch_t *w)
     digest_add(digest, (int32_t)w->blocks);
     digest_add(digest, (int32_t)w->group);
     digest_add(digest, w->amount_q16);
-    digest_add(digest, w->turns);
+    digest_add(digest, w->speed);
     digest_add(digest, w->theta);
     digest_add(digest, w->mechanical);
     digest_add(digest, w->across_q6);
@@ -122,16 +122,16 @@ static void any_block(void)
         const iqfoc_watch_config_t c = set.c;
         iqfoc_watch_reset(&w);
         const double fast = n % 3 == 0 ? 0.003 : n % 3 == 1 ? 0.05 : 0.33;
-        w.turns = random_iq24(&seed, -fast, fast);
+        w.speed = random_iq24(&seed, -fast, fast);
         w.blocks = n % 40 == 0 ? 0 : (uint32_t)bits_random(&seed, 1000, 2000); /* more than any age */
         w.naming = (int16_t)(n % 2 == 0 ? 0 : bits_random(&seed, 1, n % 4 == 1 ? 1 : 5));
         w.group = n % 50 == 0 ? IQFOC_WATCH_FLUX : IQFOC_WATCH_NONE;
         any_detectors(&seed, &w, &c);
         any_sums(&seed, &w, n % 5 == 0 ? 2.0 : 0.003, n % 23 == 0);
-        const iq24_t turns =
-            n % 7 == 0 ? random_iq24(&seed, -1.0, 1.0) : w.turns + random_iq24(&seed, -0.001, 0.001);
+        const iq24_t speed =
+            n % 7 == 0 ? random_iq24(&seed, -1.0, 1.0) : w.speed + random_iq24(&seed, -0.001, 0.001);
         const iq24_t theta = bits_random(&seed, INT32_MIN, INT32_MAX);
-        digest_add(&digest, iqfoc_watch_block(&w, &set.c, turns, theta));
+        digest_add(&digest, iqfoc_watch_block(&w, &set.c, speed, theta));
         add_state(&digest, &w);
         expect_begun(&w);
     }
@@ -155,11 +155,11 @@ static void the_least_current_and_speed(void)
         w.i[0] = of_speed ? IQ24(0.3) : IQ24(0.15) + off;
         w.alpha_cos = INT64_C(1) << 44;
         w.e_ab[0] = IQ24(0.2);
-        w.turns = IQ24(0.0044) + (of_speed ? off : 1);
+        w.speed = IQ24(0.0044) + (of_speed ? off : 1);
         for (int k = 0; k < IQFOC_WATCH_SIGNATURES; k++) {
             w.up_q16[k] = high; /* a detector that is judged falls, by its cost */
         }
-        TEST_ASSERT_FALSE(iqfoc_watch_block(&w, &usual, w.turns, 0));
+        TEST_ASSERT_FALSE(iqfoc_watch_block(&w, &usual, w.speed, 0));
         TEST_ASSERT_EQUAL(of_speed ? off >= 0 : off > 0,
                           w.up_q16[of_speed ? IQFOC_WATCH_SENSOR_GAIN + 2 : IQFOC_WATCH_FLUX] != high);
         add_state(&digest, &w);
@@ -219,14 +219,14 @@ static void the_largest_block(void)
         any_config(&seed, &c);
         iqfoc_watch_reset(&w);
         w.blocks = 2000;
-        w.turns = n % 2 == 0 ? IQ24(0.1) : IQFOC_ROTOR_TURNS_MAX;
+        w.speed = n % 2 == 0 ? IQ24(0.1) : IQFOC_ROTOR_SPEED_MAX;
         any_detectors(&seed, &w, &c);
         any_sums(&seed, &w, 2.0, false);
         w.i[0] = (n & 2) != 0 ? IQ24(8.0) : IQ24(-8.0);
         w.i[1] = (n & 4) != 0 ? IQ24(8.0) : IQ24(-8.0);
         w.u[0] = (n & 8) != 0 ? IQ24(16.0) : IQ24(-16.0);
         w.u[1] = (n & 16) != 0 ? IQ24(16.0) : IQ24(-16.0);
-        digest_add(&digest, iqfoc_watch_block(&w, &c, w.turns, n * IQ24(0.07)));
+        digest_add(&digest, iqfoc_watch_block(&w, &c, w.speed, n * IQ24(0.07)));
         add_state(&digest, &w);
         expect_begun(&w);
     }
@@ -244,11 +244,11 @@ static void the_fastest_shaft(void)
         any_config(&seed, &c);
         iqfoc_watch_reset(&w);
         w.blocks = 2000;
-        w.turns = IQ24_ONE / 64 + 1;
+        w.speed = IQ24_ONE / 64 + 1;
         any_detectors(&seed, &w, &c);
         any_sums(&seed, &w, 0.003, false);
         c.mechanical = IQ24_ONE - n;
-        digest_add(&digest, iqfoc_watch_block(&w, &c, w.turns, 0));
+        digest_add(&digest, iqfoc_watch_block(&w, &c, w.speed, 0));
         add_state(&digest, &w);
     }
     bits_golden(UINT64_C(0x733413e381a62f14), digest);
@@ -269,7 +269,7 @@ static void adaptation(void)
         iqfoc_watch_reset(&w);
         any_sums(&seed, &w, n % 5 == 0 ? 2.0 : 0.003, n % 7 == 0);
         w.blocks = 2;
-        w.turns = random_iq24(&seed, -0.33, 0.33) / (n % 3 == 0 ? 1000 : 1);
+        w.speed = random_iq24(&seed, -0.33, 0.33) / (n % 3 == 0 ? 1000 : 1);
         iqfoc_adapt_config_t config;
         config.gain = random_iq24(&seed, 0.0, 1.0);
         config.r_low = random_iq24(&seed, -0.5, 0.0);
