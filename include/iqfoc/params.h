@@ -92,9 +92,8 @@ template <> struct iqfoc_range_check_<true> {
     IQFOC_W_T_IS_0_TO_1_ELSE_A_LOWER_BANDWIDTH(IQFOC_RAW_ANTI_WINDUP(w_rad_s, T_s))
 #define IQFOC_SPEED(n_rpm, pole_pairs, T_s)                                                                  \
     IQFOC_SPEED_IS_AT_MOST_A_THIRD_ELSE_A_SHORTER_T(IQFOC_RAW_SPEED(n_rpm, pole_pairs, T_s))
-#define IQFOC_TURNS(n_rpm, pole_pairs, T_s)                                                                  \
-    IQFOC_SPEED(n_rpm, pole_pairs,                                                                           \
-                T_s) /* deprecated name of version 0.1; the next version has only IQFOC_SPEED */
+/* Deprecated name of version 0.1. The next version has only the name above. */
+#define IQFOC_TURNS(n_rpm, pole_pairs, T_s) IQFOC_SPEED(n_rpm, pole_pairs, T_s)
 
 /*
  * ---- Initialisers of whole structs ----

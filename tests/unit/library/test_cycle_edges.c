@@ -7,6 +7,10 @@
 
 #include "bits.h"
 #include "cycle_fixture.h"
+#include "iqfoc/observer.h"
+#include "iqfoc/params.h"
+#include "iqfoc/pattern_control.h"
+#include "iqfoc/tracker.h"
 
 #include <stdbool.h>
 #include <stdlib.h>
@@ -330,6 +334,17 @@ static void test_deprecated_names(void)
     TEST_ASSERT_EQUAL_UINT32(same.status, cycle.status);
     TEST_ASSERT_EQUAL_INT32(iqfoc_cycle_output_mid_scaled(&same, IQ24(1.5)),
                             iqfoc_cycle_stretched(&cycle, IQ24(1.5)));
+
+    const iqfoc_observer_t observer = {.speed_q32 = INT32_C(0x12345678)};
+    const iqfoc_tracker_t tracker = {.speed_q32 = INT32_C(-0x12345678)};
+    TEST_ASSERT_EQUAL_INT32(iqfoc_observer_speed(&observer), iqfoc_observer_turns(&observer));
+    TEST_ASSERT_EQUAL_INT32(iqfoc_tracker_speed(&tracker), iqfoc_tracker_turns(&tracker));
+    TEST_ASSERT_EQUAL_INT32(iqfoc_rotor_from_speed(IQ24(0.2)).phi_s1,
+                            iqfoc_rotor_from_turns(IQ24(0.2)).phi_s1);
+    TEST_ASSERT_EQUAL_INT32(IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_TURNS_MAX);
+    TEST_ASSERT_EQUAL_INT32(IQFOC_PATTERN_SPEED_MAX, IQFOC_PATTERN_TURNS_MAX);
+    TEST_ASSERT_EQUAL_INT32(IQFOC_PATTERN_CONTROL_SPEED_MIN, IQFOC_PATTERN_CONTROL_TURNS_MIN);
+    TEST_ASSERT_EQUAL_INT32(IQFOC_SPEED(6000.0, 3, 1e-4), IQFOC_TURNS(6000.0, 3, 1e-4));
 }
 
 /* The ready-made cycle is the steps with the papers' methods, whatever its configuration names. */
