@@ -182,6 +182,16 @@ static void read_value(toml_table *t, const motor_value *v, motor *m)
     }
 }
 
+/* A part of the iron saturates at currents. */
+static void check_part(toml_table *t, const char *part, double E_J, double I_d_A, double I_q_A)
+{
+    if (E_J > 0.0 && !(I_d_A > 0.0 && I_q_A > 0.0)) {
+        char key[8];
+        (void)snprintf(key, sizeof key, "E_%s_J", part);
+        toml_refuse(t, key, "%s without I_d%s_A and I_q%s_A; expected both, in A", key, part, part);
+    }
+}
+
 /* The values of one entry. */
 static void read_entry(toml_table *t, cause_id id, motor *m)
 {
@@ -190,6 +200,11 @@ static void read_entry(toml_table *t, cause_id id, motor *m)
         if (v->cause == id && !v->of_machine) {
             read_value(t, v, m);
         }
+    }
+    if (id == CAUSE_SATURATION_DQ) {
+        const motor_extension *x = &m->ext;
+        check_part(t, "1", x->E_1_J, x->I_d1_A, x->I_q1_A);
+        check_part(t, "2", x->E_2_J, x->I_d2_A, x->I_q2_A);
     }
 }
 

@@ -26,12 +26,23 @@ typedef enum edge_law {
     EDGE_LAWS
 } edge_law;
 
+/*
+ * A part of the iron that saturates (flux_map.h): energy, the currents d and q at which it does, and the current d about which it is
+ * symmetric.
+ */
+typedef struct iron_part {
+    double E_J, I_d_A, I_q_A, I_c_A;
+} iron_part;
+
+enum { IRON_PARTS = 2 };
+
 /* Plain numbers, so that a fit can move any of them. averaged_drive_of fills them from a motor file. */
 typedef struct averaged_drive {
     double R_ohm, L_d_H, L_q_H, psi_f_Wb;
     double saturation;             /* 1/I_sat^2 (1/A^2); L_d_H and L_q_H then are those at zero current */
     double w_ddd, w_dqq;           /* flux map (flux_map.h), Wb/A^2; L_d_H and L_q_H as with saturation */
     double w_dddd, w_ddqq, w_qqqq; /* Wb/A^3 */
+    iron_part iron[IRON_PARTS];    /* the map's parts that saturate; E_J = 0: none */
     /*
      * v_dead: what a leg loses far from zero current. A compensation has added compensation_V by the current at the cycle's start,
      * sat(i / compensation_knee_A), so that dead time and drops themselves take their sum.

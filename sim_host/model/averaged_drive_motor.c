@@ -16,6 +16,11 @@ static void take_laws(averaged_drive *d, const motor *m)
     if (x->has[CAUSE_SATURATION_DQ] && x->I_sat_dq_A > 0.0) {
         d->saturation = 1.0 / (x->I_sat_dq_A * x->I_sat_dq_A);
     }
+    const iron_part iron[IRON_PARTS] = {{x->E_1_J, x->I_d1_A, x->I_q1_A, x->I_c1_A},
+                                        {x->E_2_J, x->I_d2_A, x->I_q2_A, x->I_c2_A}};
+    for (size_t k = 0; x->has[CAUSE_SATURATION_DQ] && k < IRON_PARTS; k++) {
+        d->iron[k] = iron[k].E_J > 0.0 ? iron[k] : d->iron[k];
+    }
     if (x->has[CAUSE_DEAD_TIME] && x->compensation_knee_A > 0.0) {
         d->compensation_knee_A = x->compensation_knee_A;
     }
@@ -48,8 +53,11 @@ static void take_laws(averaged_drive *d, const motor *m)
 
 averaged_drive averaged_drive_of(const motor *m)
 {
+    const double I_A = motor_rated_peak_A(m);
+    const iron_part none = {0.0, I_A, I_A, 0.0};
     averaged_drive d = {.R_ohm = m->R_ohm,
                         .psi_f_Wb = m->psi_f_Wb,
+                        .iron = {none, none},
                         .i_knee_A = 0.02 * m->I_rated_A_rms,
                         .compensation_knee_A = 0.02 * m->I_rated_A_rms,
                         .edge = m->ext.has[CAUSE_DEAD_TIME] ? EDGE_CLIPPED : EDGE_CHARGED,
@@ -70,6 +78,20 @@ static double swing_rad(const averaged_drive *d, size_t n)
     return hypot(d->harmonic_cos_rad[n], d->harmonic_sin_rad[n]);
 }
 
+/* A part of no energy has no currents either: nothing is written of it. */
+static void put_iron(motor_extension *x, const averaged_drive *d)
+{
+    double *const to[IRON_PARTS][4] = {{&x->E_1_J, &x->I_d1_A, &x->I_q1_A, &x->I_c1_A},
+                                       {&x->E_2_J, &x->I_d2_A, &x->I_q2_A, &x->I_c2_A}};
+    for (size_t k = 0; k < IRON_PARTS; k++) {
+        const iron_part p = d->iron[k].E_J > 0.0 ? d->iron[k] : (iron_part){0.0, 0.0, 0.0, 0.0};
+        *to[k][0] = p.E_J;
+        *to[k][1] = p.I_d_A;
+        *to[k][2] = p.I_q_A;
+        *to[k][3] = p.I_c_A;
+    }
+}
+
 static void put_laws(motor *m, const averaged_drive *d)
 {
     motor_extension *x = &m->ext;
@@ -77,6 +99,7 @@ static void put_laws(motor *m, const averaged_drive *d)
     x->L_0_H = 0.5 * (d->L_d_H + d->L_q_H);
     x->L_d0_H = d->L_d_H;
     x->L_q0_H = d->L_q_H;
+    put_iron(x, d);
     /* With terms of a flux map, saturation with the current is a part of the map. */
     x->I_sat_dq_A = d->saturation > 0.0 && flux_map_has_terms(d) ? 1.0 / sqrt(d->saturation) : 0.0;
     x->I_sat_A = d->saturation > 0.0 ? 1.0 / sqrt(d->saturation) : NEVER * I_A;

@@ -5,9 +5,15 @@
 
 enum { NEWTON_STEPS = 8 };
 
+static bool has_iron(const averaged_drive *d)
+{
+    return d->iron[0].E_J != 0.0 || d->iron[1].E_J != 0.0;
+}
+
 bool flux_map_has_terms(const averaged_drive *d)
 {
-    return d->w_ddd != 0.0 || d->w_dqq != 0.0 || d->w_dddd != 0.0 || d->w_ddqq != 0.0 || d->w_qqqq != 0.0;
+    return has_iron(d) || d->w_ddd != 0.0 || d->w_dqq != 0.0 || d->w_dddd != 0.0 || d->w_ddqq != 0.0 ||
+           d->w_qqqq != 0.0;
 }
 
 bool flux_map_bends(const averaged_drive *d)
@@ -27,6 +33,33 @@ static inline void add_terms(const averaged_drive *d, vec_dq i, flux_map_point *
     to->slope.qq += 2.0 * d->w_dqq * i.d + 2.0 * d->w_ddqq * dd + 12.0 * d->w_qqqq * qq;
 }
 
+/* What a part's inductances fall by from no current to a current far away: those that it has at no current. */
+static inline flux_map_slope fall_of(const iron_part *p)
+{
+    const double from = p->I_c_A / p->I_d_A;
+    const double per_root = 1.0 / sqrt(1.0 + from * from);
+    return (flux_map_slope){p->E_J / (p->I_d_A * p->I_d_A) * per_root * per_root * per_root, 0.0,
+                            p->E_J / (p->I_q_A * p->I_q_A) * per_root};
+}
+
+/* A part's flux and slope, less those that L_d_H, L_q_H and psi_f_Wb have already. */
+static inline void add_iron(const iron_part *p, vec_dq i, flux_map_point *to)
+{
+    const double per_dd = p->E_J / (p->I_d_A * p->I_d_A);
+    const double per_qq = p->E_J / (p->I_q_A * p->I_q_A);
+    const double x = (i.d - p->I_c_A) / p->I_d_A;
+    const double y = i.q / p->I_q_A;
+    const double from = p->I_c_A / p->I_d_A;
+    const double per_root = 1.0 / sqrt(1.0 + x * x + y * y);
+    const double cubed = per_root * per_root * per_root;
+    const flux_map_slope fall = fall_of(p);
+    to->flux.d += per_dd * ((i.d - p->I_c_A) * per_root + p->I_c_A / sqrt(1.0 + from * from)) - fall.dd * i.d;
+    to->flux.q += per_qq * i.q * per_root - fall.qq * i.q;
+    to->slope.dd += per_dd * (1.0 + y * y) * cubed - fall.dd;
+    to->slope.dq -= p->E_J / (p->I_d_A * p->I_q_A) * x * y * cubed;
+    to->slope.qq += per_qq * (1.0 + x * x) * cubed - fall.qq;
+}
+
 /* Both at once, as most of it is common; inlined, where one is not asked for it is not computed. */
 static inline flux_map_point map_at(const averaged_drive *d, bool terms, vec_dq i)
 {
@@ -44,6 +77,11 @@ static inline flux_map_point map_at(const averaged_drive *d, bool terms, vec_dq 
     }
     if (terms) {
         add_terms(d, i, &at);
+    }
+    for (size_t k = 0; terms && k < IRON_PARTS; k++) {
+        if (d->iron[k].E_J != 0.0) {
+            add_iron(&d->iron[k], i, &at);
+        }
     }
     return at;
 }
@@ -67,11 +105,23 @@ bool flux_map_is_physical(const averaged_drive *d, vec_dq i, double share)
     return a >= 0.0 && b >= 0.0 && a * b >= m.dq * m.dq;
 }
 
+bool flux_map_is_convex(const averaged_drive *d, double share)
+{
+    const double least = share * fmin(d->L_d_H, d->L_q_H);
+    flux_map_slope far = {d->L_d_H, 0.0, d->L_q_H};
+    for (size_t k = 0; k < IRON_PARTS; k++) {
+        const flux_map_slope fall = fall_of(&d->iron[k]);
+        far.dd -= d->iron[k].E_J != 0.0 ? fall.dd : 0.0;
+        far.qq -= d->iron[k].E_J != 0.0 ? fall.qq : 0.0;
+    }
+    return far.dd >= least && far.qq >= least;
+}
+
 /* The step towards a flux by the incremental inductance where the map is known. Close to where the flux turns: as if unsaturated. */
 static inline vec_dq newton_step(const averaged_drive *d, bool terms, vec_dq flux, const flux_map_point *at)
 {
-    /* The plain law has no iron beyond a tenth of its inductances; of a map both may be less. */
-    const double least = terms ? 0.002 : 0.05;
+    /* The plain law has no iron beyond a tenth of its inductances; of a map both may be less, and saturated parts leave little. */
+    const double least = has_iron(d) ? 0.0004 : terms ? 0.002 : 0.05;
     const vec_dq wrong = {flux.d - at->flux.d, flux.q - at->flux.q};
     flux_map_slope m = at->slope;
     double det = m.dd * m.qq - m.dq * m.dq;

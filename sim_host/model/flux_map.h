@@ -6,7 +6,11 @@
  *     saturation      L / (1 + (i/I_sat)^2) in both axes, i^2 = 2 (L_d d^2 + L_q q^2)/(L_d + L_q)
  *     saturation_dq   the same, of L_d0 and L_q0 and without I_sat constant, and the terms
  *                     w_ddd d^3 + w_dqq d q^2 + w_dddd d^4 + w_ddqq d^2 q^2 + w_qqqq q^4 of W
+ *                     and E_k (rho_k - its expansion to second order about no current) for each of two parts of the iron,
+ *                     rho_k = sqrt(1 + ((d - I_ck)/I_dk)^2 + (q/I_qk)^2)
  * The terms alone turn back soon beyond the currents that they were fitted to; they are small compared with the saturation.
+ * A part's inductances fall with the current from every side: E/I_d^2 and E/I_q^2 at its centre I_c, none far away. So L_d_H and L_q_H
+ * stay the inductances at no current, and with parts alone W is convex at every current if it is far away.
  */
 #ifndef SIM_HOST_MODEL_FLUX_MAP_H
 #define SIM_HOST_MODEL_FLUX_MAP_H
@@ -47,5 +51,11 @@ vec_dq flux_map_guess(const averaged_drive *drive, vec_dq flux, vec_dq i, const 
 
 /* Whether a machine can have it: both of its principal values at least `share` of the lesser unsaturated one. */
 bool flux_map_is_physical(const averaged_drive *drive, vec_dq i, double share);
+
+/*
+ * Whether W with its parts is convex at any current: far away, where each part's inductances have fallen to nothing, both inductances
+ * at least `share` of the lesser one at no current. Without terms (w_ddd ... I_sat) that decides.
+ */
+bool flux_map_is_convex(const averaged_drive *drive, double share);
 
 #endif

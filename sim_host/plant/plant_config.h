@@ -18,6 +18,16 @@
 /* The most cycles by which a voltage can be late. */
 #define PLANT_VOLTAGE_DELAY_MAX 8
 
+/*
+ * Iron that saturates: energy E sqrt(1 + ((i_d - I_c)/I_d)^2 + (i_q/I_q)^2), in addition to straight iron. E_J = 0: none. Flux and
+ * inductances at no current are those of psi_f, L_d and L_q.
+ */
+typedef struct plant_iron {
+    double E_J, I_d_A, I_q_A, I_c_A;
+} plant_iron;
+
+enum { PLANT_IRONS = 2 };
+
 typedef struct plant_machine {
     int pole_pairs;
     double R_ohm;
@@ -34,6 +44,7 @@ typedef struct plant_machine {
     /* A flux map: further terms of the energy, of third and fourth order in i_d and i_q. */
     double w_ddd, w_dqq;           /* Wb/A^2 */
     double w_dddd, w_ddqq, w_qqqq; /* Wb/A^3 */
+    plant_iron iron[PLANT_IRONS];  /* and of what saturates by itself */
     double
         map_reach_A[PLANT_MAP_DIRECTIONS]; /* how far the map holds in each direction; plant_init finds it */
     double map_least_A;                    /* the least of them */

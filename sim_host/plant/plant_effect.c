@@ -107,7 +107,7 @@ static const effect *find(const char *text, size_t length)
 static bool take_setting(plant_config *c, const effect *f, const char *text, const char *setting,
                          size_t length, bool seen[EFFECT_KEYS_MAX], error *e)
 {
-    char known[200];
+    char known[400];
     name_keys(f, known, sizeof known);
     const char *equals = memchr(setting, '=', length);
     const size_t name = equals != NULL ? (size_t)(equals - setting) : length;
@@ -263,7 +263,7 @@ static void list_defaults(FILE *stream, const effect *f)
 void plant_effect_list(FILE *stream)
 {
     for (int k = 0; k < effect_table_length; k++) {
-        char keys[200];
+        char keys[400];
         name_keys(&effect_table[k], keys, sizeof keys);
         (void)fprintf(stream, "  %-21s %s: %s\n", effect_table[k].id, effect_table[k].does, keys);
         list_defaults(stream, &effect_table[k]);

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#define EFFECT_KEYS_MAX 8
+#define EFFECT_KEYS_MAX 16
 
 /* The quantity that a typical value is a multiple of. */
 typedef enum relative_to {

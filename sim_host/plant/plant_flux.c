@@ -26,9 +26,14 @@ void machine_saturation(const plant_machine *m, double i_A, double *factor, doub
     *slope_over_i = (slope_flux - *factor) / (i_A * i_A);
 }
 
-bool plant_flux_has_map(const plant_machine *m)
+static bool has_terms(const plant_machine *m)
 {
     return m->w_ddd != 0.0 || m->w_dqq != 0.0 || m->w_dddd != 0.0 || m->w_ddqq != 0.0 || m->w_qqqq != 0.0;
+}
+
+bool plant_flux_has_map(const plant_machine *m)
+{
+    return has_terms(m) || m->iron[0].E_J != 0.0 || m->iron[1].E_J != 0.0;
 }
 
 /* Both axes' fall with the current: the flux is the gradient of a function of x^2 = a_d i_d^2 + a_q i_q^2 alone. */
@@ -75,6 +80,38 @@ static void add_terms(const plant_machine *m, vec_dq i, plant_flux *f)
     }
 }
 
+/* First and second derivatives of E sqrt(g), g = 1 + ((d - c)/D)^2 + (q/Q)^2: those of g times E/(2 sqrt(g)), and the chain's. */
+static void iron_at(const plant_iron *p, vec_dq i, plant_flux *f)
+{
+    const double g_d = 2.0 * (i.d - p->I_c_A) / (p->I_d_A * p->I_d_A);
+    const double g_q = 2.0 * i.q / (p->I_q_A * p->I_q_A);
+    const double g = 1.0 + 0.5 * g_d * (i.d - p->I_c_A) + 0.5 * g_q * i.q;
+    const double one = 0.5 * p->E_J / sqrt(g);
+    const double two = -0.5 * one / g;
+    f->psi_Wb = (vec_dq){one * g_d, one * g_q};
+    f->L_dd_H = one * 2.0 / (p->I_d_A * p->I_d_A) + two * g_d * g_d;
+    f->L_dq_H = two * g_d * g_q;
+    f->L_qq_H = one * 2.0 / (p->I_q_A * p->I_q_A) + two * g_q * g_q;
+}
+
+/* What it has more than at no current: the flux and the straight iron of there are psi_f, L_d and L_q. */
+static void add_irons(const plant_machine *m, vec_dq i, plant_flux *f)
+{
+    for (int n = 0; n < PLANT_IRONS; n++) {
+        plant_flux none, at;
+        if (m->iron[n].E_J == 0.0) {
+            continue;
+        }
+        iron_at(&m->iron[n], (vec_dq){0.0, 0.0}, &none);
+        iron_at(&m->iron[n], i, &at);
+        f->psi_Wb.d += at.psi_Wb.d - none.psi_Wb.d - none.L_dd_H * i.d;
+        f->psi_Wb.q += at.psi_Wb.q - none.L_qq_H * i.q;
+        f->L_dd_H += at.L_dd_H - none.L_dd_H;
+        f->L_dq_H += at.L_dq_H;
+        f->L_qq_H += at.L_qq_H - none.L_qq_H;
+    }
+}
+
 static vec_dq direction(int n)
 {
     const double angle = 2.0 * VEC_PI * n / PLANT_MAP_DIRECTIONS;
@@ -118,7 +155,10 @@ static bool iron_can(const plant_machine *m, vec_dq i)
     plant_flux f;
     falling(m, i, true, &f);
     add_terms(m, i, &f);
-    const double least = 0.1 * (m->L_d_H < m->L_q_H ? m->L_d_H : m->L_q_H);
+    add_irons(m, i, &f);
+    /* Iron that saturates does so far below a tenth, and does not turn back as a polynomial. */
+    const double share = has_terms(m) ? 0.1 : 0.001;
+    const double least = share * (m->L_d_H < m->L_q_H ? m->L_d_H : m->L_q_H);
     const double a = f.L_dd_H - least;
     const double b = f.L_qq_H - least;
     return a > 0.0 && b > 0.0 && a * b > f.L_dq_H * f.L_dq_H;
@@ -162,6 +202,7 @@ void plant_flux_at(const plant_machine *m, vec_dq i, plant_flux *f)
     falling(m, i, map, f);
     if (map) {
         add_terms(m, i, f);
+        add_irons(m, i, f);
         add_walls(m, i, f);
     }
 }

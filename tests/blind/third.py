@@ -47,15 +47,17 @@ MAPPED = ["saturation_dq"] * 6 + [f"saturation_dq+{x}" for x in ("resistance", "
                                                                "current_offset")]
 SET = [(machine, kind) for machine in ("ipmsm", "spmsm") for kind in ["clean"] * 2 + ALONE + JOINED]
 SET += [(machine, kind) for machine in ("pmsyrm", "syrm") for kind in MAPPED]
-CI = [("ipmsm", "clean"), ("spmsm", "clean"), ("ipmsm", "angle_offset"), ("spmsm", "resistance"), ("ipmsm", "dead_time"),
+# Over the whole range of the map: up to twice the rated current.
+WIDE = [("pmsyrm", "saturation_dq+wide"), ("syrm", "saturation_dq+wide")]
+CI = WIDE + [("ipmsm", "clean"), ("spmsm", "clean"), ("ipmsm", "angle_offset"), ("spmsm", "resistance"), ("ipmsm", "dead_time"),
       ("spmsm", "resistance+angle_offset")]
 
 
 def cases(only):
     """Every recording in the form that third_plant.py takes."""
-    every = [{"machine": m, "kind": k, "seed": FIRST_SEED + n} for n, (m, k) in enumerate(SET)]
+    every = [{"machine": m, "kind": k, "seed": FIRST_SEED + n} for n, (m, k) in enumerate(SET + WIDE)]
     if not only:
-        return every
+        return every[:len(SET)]
     return [next(c for c in every if (c["machine"], c["kind"]) == wanted) for wanted in only]
 
 

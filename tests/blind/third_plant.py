@@ -224,7 +224,8 @@ def half_period(drive, half_s, duty, t_dead_s):
     drive.late, drive.legs = waiting, now
 
 
-def simulate(machine, file, hidden, seed, is_steady):
+def simulate(machine, file, hidden, seed, kinds):
+    """Runs at operating points; `steady`: one alone. `wide`: up to twice the currents, at speeds that the link's voltage reaches there."""
     """All runs: the recording's columns, one array over rows for each run. A steady recording has one, at one speed."""
     rng = np.random.default_rng([seed, 31])
     I_pk, T_s = np.sqrt(2.0) * machine.I_A, 1.0 / machine.f_pwm_Hz
@@ -234,9 +235,13 @@ def simulate(machine, file, hidden, seed, is_steady):
         low, high = machine.plane
         i_d = rng.uniform(low, high) * I_pk * 0.7
         i_q = rng.choice([-1.0, 1.0]) * rng.uniform(0.25, 0.85) * I_pk
-        if is_steady and n != 3 + seed % 5:
+        if "steady" in kinds and n != 3 + seed % 5:
             continue
-        runs.append(one_run(machine, file, hidden, rng, speed, complex(i_d, i_q), I_pk, T_s, STEADY_ROWS if is_steady else ROWS))
+        if "wide" in kinds:
+            i_d, i_q = 2.0 * i_d, 2.0 * i_q
+            most = 0.37 * machine.u_dc_V / abs(flux_of(machine.map, complex(i_d, i_q)))
+            speed = min(max(speed, -most), most)
+        runs.append(one_run(machine, file, hidden, rng, speed, complex(i_d, i_q), I_pk, T_s, STEADY_ROWS if "steady" in kinds else ROWS))
     return runs
 
 
@@ -369,7 +374,7 @@ def main():
     base = constants_of(machine)
     rng = np.random.default_rng([case["seed"], 30])
     hidden, told = (hide_group if case["kind"] in GROUPS else hide)(machine, base, case, rng)
-    runs = simulate(machine, base, hidden, case["seed"], case["kind"] == "steady")
+    runs = simulate(machine, base, hidden, case["seed"], case["kind"].split("+"))
     file = SimpleNamespace(name=machine.name, pole_pairs=machine.pole_pairs, R_ohm=base.R_ohm, L_d_H=base.L_d_H, L_q_H=base.L_q_H,
                            psi_f_Wb=base.psi_f_Wb, I_rated_A_rms=machine.I_A, n_max_rpm=60.0 * machine.f_Hz / machine.pole_pairs,
                            f_pwm_Hz=machine.f_pwm_Hz, u_dc_V=machine.u_dc_V)

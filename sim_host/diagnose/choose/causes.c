@@ -38,11 +38,11 @@ static const double MOST_LEFT = 0.5;
 
 enum { PRUNE_STEPS = 12, ROUGH_STEPS = 5 };
 
-/* Whether it is larger than its least size. What is not fitted has no size to doubt. */
+/* Whether it is larger than its least size. */
 static bool is_large(const session *w, hypothesis_id h)
 {
     const hypothesis *hypo = &hypothesis_table[h];
-    return hypo->fixed == hypo->columns ||
+    return !hypothesis_size_is_doubted(h) ||
            certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypo->least);
 }
 

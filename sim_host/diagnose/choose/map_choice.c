@@ -1,13 +1,27 @@
-/* The fall of both axes in addition to the terms of a flux map, by trial (map_choice.h). */
+/* A flux map beyond its terms, by trial (map_choice.h). */
 #include "map_choice.h"
 
 #include "diagnose/identify/fit.h"
+#include "search.h"
+
+#include <math.h>
 
 /* By what the fall must reduce -2 log likelihood: more than its own and the odd terms' parameters cost. */
 static const double WORTH_IT = 60.0;
 
 /* Where the trial begins, in (rated peak / I_sat)^2: iron at work falls by about a third at the rated current. */
 static const double FALL_START = 0.5;
+
+/* Share of the flux that is lost at a recorded current, from which on parts are tried. */
+static const double MUCH = 0.15;
+
+/* Where a part begins, in z: the first alike in both axes, a second one small and off the centre. */
+static const double FIRST_START = 0.3;
+static const double SECOND_START = 0.1;
+static const double SECOND_CENTRE = 0.3;
+
+/* Shapes lean on one another: their fit takes more steps than others. */
+enum { STEPS = 80 };
 
 /*
  * The state with a fall of s more, and the terms of fourth order that take back what it adds of that order:
@@ -25,7 +39,8 @@ static void begin_fall(const fit_data *d, fit_state *s)
     s->z[P_W_QQQQ] += per_term * drive.L_q_H * drive.L_q_H;
 }
 
-bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_steps)
+/* A map of terms becomes the whole one if that is worth its parameters. False: out of memory. */
+static bool try_whole(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_steps)
 {
     const hypothesis_set terms =
         HYPOTHESIS_BIT(H_MAP_TERMS) | HYPOTHESIS_BIT(H_MAP_EVEN) | HYPOTHESIS_BIT(H_MAP_Q);
@@ -46,4 +61,78 @@ bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_st
         *s = trial;
     }
     return true;
+}
+
+/* One part alone: what was fitted next to something that bends otherwise misleads it. */
+static fit_state first_part(const fit_state *s)
+{
+    fit_state one = *s;
+    hypotheses_leave(s->set, one.z);
+    one.set = HYPOTHESIS_BIT(H_IRON_1);
+    one.z[P_IRON_1] = FIRST_START;
+    one.z[P_IRON_1_D] = one.z[P_IRON_1_Q] = one.z[P_IRON_1_C] = 0.0;
+    return one;
+}
+
+/* A second part in addition to the first. */
+static fit_state second_part(const fit_state *one)
+{
+    fit_state two = *one;
+    two.set = (one->set & ~HYPOTHESIS_BIT(H_IRON_1)) | HYPOTHESIS_BIT(H_IRON_2);
+    two.z[P_IRON_2] = SECOND_START;
+    two.z[P_IRON_2_D] = two.z[P_IRON_2_Q] = 0.0;
+    two.z[P_IRON_2_C] = SECOND_CENTRE;
+    return two;
+}
+
+/* Fits a trial, which takes the state's place if its score is better. False: out of memory. */
+static bool try_parts(fit_data *d, fit_state *s, fit_state *trial, double *score)
+{
+    const fit_aim ranked = fit_ranked(INFINITY);
+    double alone;
+    double its = INFINITY;
+    coordinates_bound(d->frame, trial->z);
+    if (!fit_refine_within(d, trial, STEPS, &ranked, &alone)) {
+        return false;
+    }
+    if (!isfinite(trial->objective) || !hypotheses_physical(trial->set, trial->z)) {
+        return true;
+    }
+    if (!search_score(d, trial, &its)) {
+        return false;
+    }
+    if (its < *score) {
+        *score = its;
+        *s = *trial;
+    }
+    return true;
+}
+
+/* Whether a saturation or a map of the state takes so much flux that a few terms do not follow it further. */
+static bool bends_much(const fit_data *d, const fit_state *s)
+{
+    return (hypotheses_hold(s->set, CAUSE_SATURATION) || hypotheses_hold(s->set, CAUSE_SATURATION_DQ)) &&
+           coordinates_flux_lost(d->frame, s->z) > MUCH;
+}
+
+/* Parts, one and then two, in place of what bends much in a state. False: out of memory. */
+static bool choose_parts(fit_data *d, fit_state *s, hypothesis_set allowed)
+{
+    double score = INFINITY;
+    const bool has_one = hypothesis_in(s->set, H_IRON_1);
+    if (!hypothesis_in(allowed, H_MAP_TERMS) || hypothesis_in(s->set, H_IRON_2) || !bends_much(d, s) ||
+        fit_has_spent(d)) {
+        return true;
+    }
+    fit_state one = has_one ? *s : first_part(s);
+    if (!search_score(d, s, &score) || (!has_one && !try_parts(d, s, &one, &score))) {
+        return false;
+    }
+    fit_state two = second_part(&one);
+    return try_parts(d, s, &two, &score);
+}
+
+bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_steps)
+{
+    return try_whole(d, s, allowed, refine_steps) && choose_parts(d, s, allowed);
 }

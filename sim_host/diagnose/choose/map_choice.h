@@ -1,8 +1,9 @@
 /*
- * The whole flux map, grown from its terms.
+ * A flux map that no derivative proposes, by trial.
  *
- * Where nothing falls yet, the fall of both axes with I_sat moves the flux as terms of fourth order do: derivatives do not
- * distinguish the two, and no quadratic form proposes the fall. It is tried.
+ * Where nothing falls yet, the fall of both axes with I_sat moves the flux as terms of fourth order do: a quadratic form does not
+ * distinguish the two. And iron that loses much of its inductance follows neither; it is made of parts that saturate
+ * (model/flux_map.h), whose shapes show only where the parts are large.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_MAP_CHOICE_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_MAP_CHOICE_H
@@ -10,8 +11,9 @@
 #include "diagnose/identify/fit_data.h"
 
 /*
- * A state, fitted, that holds a map of terms alone: the same with I_sat, fitted, if that is worth its parameters.
- * Other states stay. False: out of memory.
+ * A state, fitted, that holds a map of terms alone: the same with I_sat, fitted, if that is worth its parameters. Then, if its
+ * saturation or map takes much flux at the recorded currents: a map of one part, or of two, if its score is better. One part is fitted without
+ * the other causes, which the wrong map may have made; the search finds them again. Other states stay. False: out of memory.
  */
 bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_steps);
 

@@ -422,7 +422,7 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         memset(e, 0, sizeof *e);
         e->view = view;
         e->state = s;
-        e->allowed = allowed;
+        e->allowed = allowed | (s->set & (HYPOTHESIS_BIT(H_IRON_1) | HYPOTHESIS_BIT(H_IRON_2)));
         enumerate(e, 0, 0, FULL_SIZE);
         grow(e);
         hypothesis_set before = s->set;

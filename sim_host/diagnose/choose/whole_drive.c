@@ -190,7 +190,7 @@ void whole_drive_divide(session *w)
         if (!hypothesis_in(named, h)) {
             continue;
         }
-        const bool large = hypo->fixed == hypo->columns ||
+        const bool large = !hypothesis_size_is_doubted(h) ||
                            certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypo->least);
         const double brings = cut_objective(w, HYPOTHESIS_BIT(h)) - full;
         if (!large || !(brings >= SHARE_OF_CAUSE * all)) {

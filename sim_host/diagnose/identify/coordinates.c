@@ -62,6 +62,7 @@ coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
                                        [SCALE_PER_SQUARE] = 1.0 / (I * I),
                                        [SCALE_MAP_THIRD] = L / (3.0 * I),
                                        [SCALE_MAP_FOURTH] = L / (4.0 * I * I),
+                                       [SCALE_MAP_ENERGY] = L * I * I,
                                        [SCALE_LINK] = 0.01 * m->u_dc_V,
                                        [SCALE_CYCLE] = r->T_s,
                                        [SCALE_IRON] = iron,
@@ -119,10 +120,10 @@ static double z_of(const coordinate_frame *f, coordinate_id id, double value)
 
 void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUNT])
 {
-    static const coordinate_id with[] = {P_R,     P_R_RATE, P_L_D,    P_L_Q,    P_PSI,    P_PSI_RATE,
-                                         P_W_DDD, P_W_DQQ,  P_W_DDDD, P_W_DDQQ, P_W_QQQQ, P_V_DEAD,
-                                         P_K_U,   P_PSI_5,  P_PSI_7,  P_PSI_11, P_PSI_13, P_DR_A,
-                                         P_DR_B,  P_DR_C,   P_DL_A,   P_DL_B,   P_DL_C,   P_COMPENSATION};
+    static const coordinate_id with[] = {
+        P_R,      P_R_RATE, P_L_D,    P_L_Q,    P_PSI,    P_PSI_RATE, P_W_DDD, P_W_DQQ,       P_W_DDDD,
+        P_W_DDQQ, P_W_QQQQ, P_IRON_1, P_IRON_2, P_V_DEAD, P_K_U,      P_PSI_5, P_PSI_7,       P_PSI_11,
+        P_PSI_13, P_DR_A,   P_DR_B,   P_DR_C,   P_DL_A,   P_DL_B,     P_DL_C,  P_COMPENSATION};
     static const coordinate_id against[] = {P_FE, P_IRON, P_IRON_LATE, P_EDDY, P_EDDY_LATER};
     const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
     for (size_t k = 0; k < sizeof with / sizeof *with; k++) {
@@ -145,7 +146,7 @@ static const double LEAST_INCREMENTAL = 0.02;
 static bool map_is_physical(const coordinate_frame *f, const double z[P_COUNT])
 {
     const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
-    bool physical = true;
+    bool physical = flux_map_is_convex(&d, LEAST_INCREMENTAL);
     for (size_t n = 0; n < COORDINATE_DIRECTIONS; n++) {
         const vec_dq i = f->reach_A[n];
         physical = physical && flux_map_is_physical(&d, i, LEAST_INCREMENTAL) &&
@@ -154,10 +155,25 @@ static bool map_is_physical(const coordinate_frame *f, const double z[P_COUNT])
     return physical;
 }
 
+double coordinates_flux_lost(const coordinate_frame *f, const double z[P_COUNT])
+{
+    const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
+    double most = 0.0;
+    for (size_t n = 0; n < COORDINATE_DIRECTIONS; n++) {
+        const vec_dq i = f->reach_A[n];
+        const vec_dq straight = {d.L_d_H * i.d, d.L_q_H * i.q};
+        const vec_dq flux = flux_map_flux(&d, i);
+        const double lost = hypot(flux.d - straight.d, flux.q - straight.q);
+        most = lost > 0.0 ? fmax(most, lost / hypot(straight.d, straight.q)) : most;
+    }
+    return most;
+}
+
 /* Reduces the terms of a flux map, by as little as possible, until it is physical. Without them it is. */
 static void bound_map(const coordinate_frame *f, double z[P_COUNT])
 {
-    static const coordinate_id term[] = {P_W_DDD, P_W_DQQ, P_W_DDDD, P_W_DDQQ, P_W_QQQQ, P_SATURATION};
+    static const coordinate_id term[] = {P_W_DDD,  P_W_DQQ,      P_W_DDDD, P_W_DDQQ,
+                                         P_W_QQQQ, P_SATURATION, P_IRON_1, P_IRON_2};
     enum { TERMS = sizeof term / sizeof *term, HALVINGS = 12 };
     double moved[TERMS];
     double low = 0.0;
@@ -192,6 +208,9 @@ void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, 
         const double of = c->bound == BOUND_OF_RATED ? f->i_rated_peak_A : value_of(&f->nominal, id);
         *low = z_of(f, id, *low * of);
         *high = isinf(*high) ? INFINITY : z_of(f, id, *high * of);
+    }
+    if (c->of_magnet && f->nominal.psi_f_Wb == 0.0) {
+        *low = *high = 0.0;
     }
     if (c->not_negative) {
         *low = fmax(*low, z_of(f, id, 0.0));

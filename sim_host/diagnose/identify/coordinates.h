@@ -24,6 +24,7 @@ typedef enum coordinate_scale {
     SCALE_PER_SQUARE, /* 1 / rated peak current^2 */
     SCALE_MAP_THIRD,  /* third-order term of the flux map that doubles the flux at the rated current */
     SCALE_MAP_FOURTH, /* fourth-order term that does so */
+    SCALE_MAP_ENERGY, /* mean inductance times the square of the rated peak current */
     SCALE_LINK,       /* 1 % of the DC link */
     SCALE_CYCLE,      /* a control cycle */
     SCALE_IRON,       /* iron loss with 1 % of the rated current at the highest speed */
@@ -56,10 +57,12 @@ typedef struct coordinate {
     coordinate_bound bound;
     double low, high;
     bool not_negative; /* the parameter is at least 0, whatever the motor file has */
+    double stride;     /* largest change in a step of a fit, in z; 0: any */
     double summary;    /* added to its interval, as the report has a simpler model than the fit; in z */
     double wanders;    /* of a shape parameter: standard deviation between operating points, in z */
     bool senses;       /* changes the measured current only, not the drive */
     bool rate;         /* is the rate of another coordinate, per second */
+    bool of_magnet;    /* without a magnet it keeps the motor file's value */
     bool third_sensor; /* exists only if three currents are measured */
     double usual;      /* usual deviation of drives, one standard deviation, in z; 0: not known */
     double digits;     /* parameter tolerance, one standard deviation, in z; 0: none */
@@ -99,6 +102,9 @@ averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COU
 #define COORDINATE_STEP 1e-4
 double coordinate_step(coordinate_id id);
 double coordinate_look(coordinate_id id, double z);
+
+/* Largest share of the flux L i that saturation takes, or adds, at the recorded currents. */
+double coordinates_flux_lost(const coordinate_frame *f, const double z[P_COUNT]);
 
 /* Limits of z between which a coordinate by itself is physical; infinite if it has none. */
 void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, double *high);

@@ -178,17 +178,23 @@ void fit_step_room(const fit_data *d, const fit_state *s, const int *column, siz
             coordinate_range(d->frame, id, &low[i], &high[i]);
             low[i] -= s->z[id];
             high[i] -= s->z[id];
+            const double stride = coordinate_table[id].stride;
+            low[i] = stride > 0.0 ? fmax(low[i], -stride) : low[i];
+            high[i] = stride > 0.0 ? fmin(high[i], stride) : high[i];
         }
     }
 }
 
-/* Finds the step; *expected: the reduction that it predicts. False: there is none. */
-static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, descent *by, double *expected)
+/* Finds the step, damped by a share of each curvature; *expected: the reduction that it predicts. False: there is none. */
+static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, double damping, descent *by,
+                      double *expected)
 {
     double rest[P_COUNT];
     double low[COLUMN_COUNT];
     double high[COLUMN_COUNT];
     gram *sum = &by->sum;
+    memset(sum, 0, sizeof *sum);
+    memset(by->gain, 0, sizeof by->gain);
     fit_step_sums(d, s, grams, by->n, by->gain, sum);
     last_digits_rest(s->set, s->z, rest);
     for (size_t i = 0; i < by->n; i++) {
@@ -198,6 +204,7 @@ static bool find_step(const fit_data *d, const fit_state *s, const gram *grams, 
             sum->g[i] -= rest[by->column[i]] / (digits * digits);
             sum->h[i][i] += by->prior[i];
         }
+        sum->h[i][i] *= 1.0 + damping;
     }
     /* With bounds: if a step is clipped afterwards, the other columns compensate for a movement that does not take place. */
     fit_step_room(d, s, by->column, by->n, low, high);
@@ -246,6 +253,22 @@ static bool take_step(fit_data *d, fit_state *s, const descent *by)
     return false;
 }
 
+/*
+ * A step that makes the objective fall. The shapes of a flux map's parts nearly replace one another, so that the parabola ends far
+ * from where it holds: where no part of its step brings anything, a damped step does (Levenberg and Marquardt).
+ */
+static void step_down(fit_data *d, fit_state *s, const gram *grams, descent *by, double *expected)
+{
+    static const double dampings[] = {0.0, 1e-3, 0.1, 10.0};
+    const bool parts = hypothesis_in(s->set, H_IRON_1) || hypothesis_in(s->set, H_IRON_2);
+    for (size_t k = 0; k < (parts ? sizeof dampings / sizeof *dampings : 1); k++) {
+        if (find_step(d, s, grams, dampings[k], by, expected) && take_step(d, s, by)) {
+            return;
+        }
+    }
+    *expected = 0.0;
+}
+
 /* One Gauss-Newton step; *expected: the reduction that it predicted, 0 if there was none. False: out of memory. */
 static bool improve(fit_data *d, fit_state *s, moved_by what, double *expected)
 {
@@ -258,8 +281,8 @@ static bool improve(fit_data *d, fit_state *s, moved_by what, double *expected)
         grams = gram_blocks(d, s, by->column, by->n + 1);
     }
     const bool ok = grams != NULL;
-    if (ok && !(find_step(d, s, grams, by, expected) && take_step(d, s, by))) {
-        *expected = 0.0;
+    if (ok) {
+        step_down(d, s, grams, by, expected);
     }
     free(grams);
     free(by);

@@ -46,8 +46,15 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
                 column[n++] = hypo->column[k];
             }
         }
-        for (size_t k = 0; k < hypo->shapes && s->z[hypo->column[0]] != 0.0; k++) {
-            column[n++] = (int)hypo->shape[k];
+        for (size_t k = 0; k < hypo->shapes; k++) {
+            /* Without the effect its shape moves nothing. A flux map's parts follow the two inductances and have three shapes each. */
+            const int of = hypo->column[hypo->size == SIZE_BENDS ? 2 + k / 3 : 0];
+            double low;
+            double high;
+            coordinate_range(d->frame, hypo->shape[k], &low, &high);
+            if (s->z[of] != 0.0 && low < high) {
+                column[n++] = (int)hypo->shape[k];
+            }
         }
     }
     if (rows_show_three(d->rows)) {

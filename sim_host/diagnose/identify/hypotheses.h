@@ -22,7 +22,7 @@ enum {
     COLUMN_GAIN_BC,     /* gain of sensor b against c, their mean kept */
     COLUMN_COUNT,
     HYPOTHESIS_COLUMNS = 8,
-    HYPOTHESIS_SHAPES = 3
+    HYPOTHESIS_SHAPES = 6
 };
 
 typedef enum hypothesis_id {
@@ -66,6 +66,7 @@ typedef enum hypothesis_need {
     NEEDS_MAGNET, /* turning, and a magnet */
     NEEDS_THREE_SENSORS,
     NEEDS_A_COUNT, /* found by a count of rows (measure/), not by a fit */
+    NEEDS_A_TRIAL, /* found by a fit that a search does not propose (choose/map_choice.h) */
     NEEDS_TEMPERATURE
 } hypothesis_need;
 
@@ -133,6 +134,16 @@ bool hypothesis_contains(hypothesis_id a, hypothesis_id b);
 
 /* How far z is from the motor file along a hypothesis, measured by its `size`. */
 double hypothesis_size(hypothesis_id h, const double z[P_COUNT]);
+
+/*
+ * Whether its size may be smaller than it is fitted. What is not fitted has none to doubt. A map of parts is tried only where much
+ * saturates, and the parts' energies trade with the currents that shape them: their own intervals say nothing of what they take.
+ */
+static inline bool hypothesis_size_is_doubted(hypothesis_id h)
+{
+    return hypothesis_table[h].fixed < hypothesis_table[h].columns &&
+           hypothesis_table[h].needs != NEEDS_A_TRIAL;
+}
 
 /*
  * The columns whose root sum square is its size; returns how many. 0: its size is another measure, or some of its columns are not

@@ -108,7 +108,7 @@ static bool can_stand_beside(hypothesis_set set, hypothesis_id h)
         }
     }
     return hypothesis_table[h].needs != NEEDS_TEMPERATURE && hypothesis_table[h].needs != NEEDS_A_COUNT &&
-           hypothesis_table[h].fixed == 0;
+           hypothesis_table[h].needs != NEEDS_A_TRIAL && hypothesis_table[h].fixed == 0;
 }
 
 /* The other cause's hypothesis that does best in the member's place, and where it would lie then. */

@@ -53,6 +53,7 @@ static averaged_drive machine_of(const averaged_drive *found, const averaged_dri
                         .w_dddd = found->w_dddd,
                         .w_ddqq = found->w_ddqq,
                         .w_qqqq = found->w_qqqq,
+                        .iron = {found->iron[0], found->iron[1]},
                         .i_knee_A = nominal->i_knee_A,
                         .k_u = 1.0,
                         .g = {1.0, 1.0, 1.0}};

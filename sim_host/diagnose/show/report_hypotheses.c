@@ -19,6 +19,7 @@ static const char *missing(hypothesis_need need)
         [NEEDS_MAGNET] = "needs a turning rotor and a magnet",
         [NEEDS_THREE_SENSORS] = "needs three measured currents",
         [NEEDS_A_COUNT] = "checked separately: not found",
+        [NEEDS_A_TRIAL] = "tried where much saturates: not found",
         [NEEDS_TEMPERATURE] = "needs the column temp_C with a changing temperature",
     };
     return text[need];

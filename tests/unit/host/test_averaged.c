@@ -189,6 +189,107 @@ static void a_flux_map_is_inverted(void)
     }
 }
 
+static averaged_drive with_parts(void)
+{
+    motor m = bench_motor();
+    m.ext.has[CAUSE_SATURATION_DQ] = true;
+    m.ext.L_d0_H = 0.03;
+    m.ext.L_q0_H = 0.13;
+    m.ext.E_1_J = 10.0;
+    m.ext.I_d1_A = 30.0;
+    m.ext.I_q1_A = 10.0;
+    m.ext.I_c1_A = -4.0;
+    m.ext.E_2_J = 0.2;
+    m.ext.I_d2_A = 4.0;
+    m.ext.I_q2_A = 8.0;
+    m.ext.I_c2_A = 3.0;
+    return averaged_drive_of(&m);
+}
+
+/* Each at no current has the inductances of the file and no flux; there is a gradient everywhere, and the current of a flux is found. */
+static void parts_that_saturate_make_a_flux_map(void)
+{
+    const averaged_drive d = with_parts();
+    const flux_map_point none = flux_map_at(&d, (vec_dq){0.0, 0.0});
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.0, none.flux.d);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.03, none.slope.dd);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.13, none.slope.qq);
+    const double h = 1e-5;
+    for (int n = 0; n < 60; n++) {
+        const vec_dq i = {(4.0 + 0.4 * n) * cos(0.4 * n), (3.0 + 0.3 * n) * sin(0.55 * n)};
+        /* The energy itself, at no current without its slope. */
+        double flux[2];
+        for (int axis = 0; axis < 2; axis++) {
+            double energy[2];
+            for (int side = 0; side < 2; side++) {
+                const double by = side == 0 ? -h : h;
+                const double at_d = i.d + (axis == 0 ? by : 0.0);
+                const double at_q = i.q + (axis == 1 ? by : 0.0);
+                double W = 0.5 * (0.03 * at_d * at_d + 0.13 * at_q * at_q);
+                for (size_t k = 0; k < IRON_PARTS; k++) {
+                    const iron_part *p = &d.iron[k];
+                    const double c = p->I_c_A / p->I_d_A;
+                    const double x = at_d / p->I_d_A;
+                    const double y = at_q / p->I_q_A;
+                    const double root = sqrt(1.0 + c * c);
+                    W += p->E_J * (sqrt(1.0 + (x - c) * (x - c) + y * y) + c * x / root -
+                                   0.5 * x * x / (root * root * root) - 0.5 * y * y / root);
+                }
+                energy[side] = W;
+            }
+            flux[axis] = (energy[1] - energy[0]) / (2.0 * h);
+        }
+        const flux_map_point at = flux_map_at(&d, i);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-8, flux[0], at.flux.d);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-8, flux[1], at.flux.q);
+        const vec_dq on_d = flux_map_flux(&d, (vec_dq){i.d + h, i.q});
+        const vec_dq on_q = flux_map_flux(&d, (vec_dq){i.d, i.q + h});
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, at.slope.dd, (on_d.d - at.flux.d) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, at.slope.dq, (on_d.q - at.flux.q) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, at.slope.dq, (on_q.d - at.flux.d) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, at.slope.qq, (on_q.q - at.flux.q) / h);
+        const vec_dq back = flux_map_current(&d, at.flux, (vec_dq){0.95 * i.d, i.q + 0.5});
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, i.d, back.d);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, i.q, back.q);
+    }
+}
+
+/* Convex at every current, a hundred times the rated one too, where the flux goes on in a straight line; else no machine has it. */
+static void parts_that_saturate_are_convex_everywhere(void)
+{
+    averaged_drive d = with_parts();
+    TEST_ASSERT_TRUE(flux_map_is_convex(&d, 0.01));
+    for (double A = 0.3; A < 1500.0; A *= 1.7) {
+        for (int n = 0; n < 48; n++) {
+            const vec_dq i = {A * cos(0.131 * n), A * sin(0.131 * n)};
+            TEST_ASSERT_TRUE(flux_map_is_physical(&d, i, 0.01));
+        }
+    }
+    const flux_map_slope far = flux_map_at(&d, (vec_dq){0.0, 1e6}).slope;
+    const double root = sqrt(1.0 + 16.0 / 900.0);
+    const double second = sqrt(1.0 + 9.0 / 16.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.13 - 10.0 / (100.0 * root) - 0.2 / (64.0 * second), far.qq);
+    d.iron[0].E_J = 14.0; /* more than L_q has */
+    TEST_ASSERT_FALSE(flux_map_is_convex(&d, 0.0));
+    TEST_ASSERT_FALSE(flux_map_is_physical(&d, (vec_dq){0.0, 1000.0}, 0.0));
+}
+
+static void parts_that_saturate_go_to_the_motor_file_and_back(void)
+{
+    averaged_drive d = with_parts();
+    const motor base = bench_motor();
+    motor again = averaged_drive_motor(&d, &base);
+    TEST_ASSERT_TRUE(again.ext.has[CAUSE_SATURATION_DQ] && !again.ext.has[CAUSE_SATURATION]);
+    const averaged_drive back = averaged_drive_of(&again);
+    TEST_ASSERT_EQUAL_MEMORY(d.iron, back.iron, sizeof d.iron);
+    TEST_ASSERT_EQUAL_DOUBLE(0.03, back.L_d_H);
+    /* Without energy nothing is written of a part. */
+    d.iron[0].E_J = d.iron[1].E_J = 0.0;
+    again = averaged_drive_motor(&d, &base);
+    TEST_ASSERT_FALSE(again.ext.has[CAUSE_SATURATION_DQ]);
+    TEST_ASSERT_TRUE(again.ext.I_d1_A == 0.0 && again.ext.I_q2_A == 0.0 && again.ext.I_c1_A == 0.0);
+}
+
 /* A guess is as far off as the square of the way to it, and exact where the inductances are constant. */
 static void a_flux_is_guessed_from_a_current_nearby(void)
 {
@@ -418,6 +519,9 @@ int main(void)
     RUN_TEST(the_extended_motor_file_says_the_same_drive);
     RUN_TEST(a_flux_map_goes_to_the_motor_file_and_back);
     RUN_TEST(a_flux_map_is_inverted);
+    RUN_TEST(parts_that_saturate_make_a_flux_map);
+    RUN_TEST(parts_that_saturate_are_convex_everywhere);
+    RUN_TEST(parts_that_saturate_go_to_the_motor_file_and_back);
     RUN_TEST(a_flux_is_guessed_from_a_current_nearby);
     RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
     RUN_TEST(an_error_of_the_electrical_turn_is_taken_at_the_true_angle);

@@ -103,7 +103,8 @@ static void takes_a_map(double off)
 static void a_map_goes_with_all_its_forms(void)
 {
     prepare();
-    const hypothesis_set maps = BIT(H_MAP_TERMS) | BIT(H_MAP_EVEN) | BIT(H_MAP_Q) | BIT(H_MAP);
+    const hypothesis_set maps =
+        BIT(H_MAP_TERMS) | BIT(H_MAP_EVEN) | BIT(H_MAP_Q) | BIT(H_MAP) | BIT(H_IRON_1) | BIT(H_IRON_2);
     w.possible |= maps;
     takes_a_map(80.0);
     DROPPED(BIT(H_MAP_Q));

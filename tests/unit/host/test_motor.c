@@ -153,6 +153,10 @@ static void test_extension_rules(void)
         "20:10", "dL_c_H must be a number >= -0.0008");
     expect_refused(0, "", "[extension.saturation_dq]\nL_d0_H = 1e-3\nL_q0_H = 0\n", "18:10",
                    "L_q0_H must be a number > 0");
+    expect_refused(0, "", "[extension.saturation_dq]\nL_d0_H = 1e-3\nL_q0_H = 1e-3\nE_1_J = -1\n", "19:9",
+                   "E_1_J must be a number >= 0");
+    expect_refused(0, "", "[extension.saturation_dq]\nL_d0_H = 1e-3\nL_q0_H = 1e-3\nE_2_J = 1\nI_d2_A = 5\n",
+                   "19:9", "E_2_J without I_d2_A and I_q2_A");
     expect_refused(0, "",
                    "[extension.saturation]\nL_0_H = 1e-3\nI_sat_A = 30\n[extension.saturation_dq]\nL_d0_H = "
                    "1e-3\nL_q0_H = 1e-3\n",
@@ -189,6 +193,14 @@ static void test_written_is_read_back_to_the_same_bits(void)
                               &m.ext.w_dddd,
                               &m.ext.w_ddqq,
                               &m.ext.w_qqqq,
+                              &m.ext.E_1_J,
+                              &m.ext.I_d1_A,
+                              &m.ext.I_q1_A,
+                              &m.ext.I_c1_A,
+                              &m.ext.E_2_J,
+                              &m.ext.I_d2_A,
+                              &m.ext.I_q2_A,
+                              &m.ext.I_c2_A,
                               &m.ext.k_u,
                               &m.ext.o_A[0],
                               &m.ext.o_A[1],

@@ -56,6 +56,39 @@ static void test_flux_map(void)
     follow("and iron loss, unequal inductances, free shaft", c, 6.0);
 }
 
+/* Iron that saturates: a gradient whose slopes are the inductances, those of no current at no current, and no wall. */
+static void test_iron_that_saturates(void)
+{
+    plant_config c = compare_drive(1.8, 700.0);
+    plant_machine *m = &c.machine;
+    const double L = m->L_d_H;
+    m->iron[0] = (plant_iron){0.5 * L * 400.0, 20.0, 15.0, -5.0};
+    m->iron[1] = (plant_iron){0.1 * L * 25.0, 5.0, 8.0, 4.0};
+    TEST_ASSERT_EQUAL_DOUBLE(4.0 * c.I_scale_A, plant_flux_find_reach(m, c.I_scale_A));
+    plant_flux none;
+    plant_flux_at(m, (vec_dq){0.0, 0.0}, &none);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, L, none.L_dd_H);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, m->L_q_H, none.L_qq_H);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.0, fabs(none.psi_Wb.d) + fabs(none.psi_Wb.q) + fabs(none.L_dq_H));
+    const double h = 1e-5;
+    double energy = 0.0;
+    double before = L;
+    for (int n = 1; n < 400; n++) {
+        const vec_dq i = {0.1 * n * cos(0.3), 0.1 * n * sin(0.3)};
+        plant_flux at, on_d, on_q;
+        plant_flux_at(m, i, &at);
+        plant_flux_at(m, (vec_dq){i.d + h, i.q}, &on_d);
+        plant_flux_at(m, (vec_dq){i.d, i.q + h}, &on_q);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * L, at.L_dd_H, (on_d.psi_Wb.d - at.psi_Wb.d) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * L, at.L_dq_H, (on_d.psi_Wb.q - at.psi_Wb.q) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * L, at.L_dq_H, (on_q.psi_Wb.d - at.psi_Wb.d) / h);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * L, at.L_qq_H, (on_q.psi_Wb.q - at.psi_Wb.q) / h);
+        energy += 0.1 * (at.psi_Wb.d * cos(0.3) + at.psi_Wb.q * sin(0.3));
+        before = at.L_dd_H;
+    }
+    TEST_ASSERT_TRUE(energy > 0.0 && before < 0.8 * L);
+}
+
 /* Within its reach a map is its polynomial; beyond, its flux still rises in every direction, without a step in the
  * inductance, and it stays the gradient of an energy. */
 static void test_flux_map_goes_on(void)
@@ -220,6 +253,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_saturation);
     RUN_TEST(test_flux_map);
+    RUN_TEST(test_iron_that_saturates);
     RUN_TEST(test_flux_map_goes_on);
     RUN_TEST(test_flux_harmonics);
     RUN_TEST(test_unequal_phases);
