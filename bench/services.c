@@ -235,7 +235,8 @@ COUNT(synchronous_carrier, uint32_t, iqfoc_synchronous_carrier_step,
       (iqfoc_synchronous_carrier_t *, iq24_t, iq24_t), (&carrier, in->sample.theta, in->sample.speed))
 COUNT(synchronous_set, void, iqfoc_synchronous_carrier_set,
       (const iqfoc_cycle_config_t *, uint32_t, iqfoc_cycle_config_t *), (&carrier_base, 15000, &carrier_set))
-COUNT(synchronous_flux, void, iqfoc_synchronous_carrier_keep_flux, (iqfoc_cycle_t *), (&carrier_cycle))
+COUNT(synchronous_flux, void, iqfoc_synchronous_carrier_keep_flux,
+      (iqfoc_synchronous_carrier_t *, iqfoc_cycle_t *), (&carrier, &carrier_cycle))
 COUNT(commission, iqfoc_command_t, iqfoc_commission_step, (iqfoc_commission_t *, const iqfoc_sample_t *),
       (&commission, &in->sample))
 COUNT(commission_line, iqfoc_command_t, iqfoc_commission_step, (iqfoc_commission_t *, const iqfoc_sample_t *),

@@ -49,7 +49,7 @@ iqfoc_error_t iqfoc_synchronous_carrier_init(iqfoc_synchronous_carrier_t *carrie
         !iq24_within(config->share_max, 1, IQ24(0.25))) {
         return IQFOC_ERROR_CARRIER;
     }
-    const iqfoc_synchronous_carrier_t fresh = {config, 0, config->period_ticks, 0, 0};
+    const iqfoc_synchronous_carrier_t fresh = {config, 0, config->period_ticks, 0, 0, {0, 0}, {0, 0}};
     *carrier = fresh;
     return IQFOC_OK;
 }
@@ -76,6 +76,9 @@ uint32_t iqfoc_synchronous_carrier_step(iqfoc_synchronous_carrier_t *carrier, iq
 {
     const iqfoc_synchronous_config_t *c = carrier->config;
     const uint32_t ticks = carrier->ticks;
+    const iqfoc_dq_t none = {0, 0};
+    carrier->mean_off = carrier->mean_off_next;
+    carrier->mean_off_next = none;
     movement = iq24_clamp(movement, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     const iq24_t moved = iq24_max(movement, -movement);
     const iq24_t speed = iq24_mul_sat(moved, iq24_div((iq24_t)c->period_ticks, (iq24_t)ticks));
@@ -126,6 +129,33 @@ void iqfoc_synchronous_carrier_set(const iqfoc_cycle_config_t *base, uint32_t ti
     set->deadline_ticks = held(times(base->deadline_ticks, longer), 0, INT32_MAX);
 }
 
+static iq24_t held_voltage(iq24_t u)
+{
+    return iq24_clamp(u, IQ24(-8.0), IQ24(8.0));
+}
+
+/* The controller sees a mean that is off by mean_off. Its answer to that is taken back. Range: within 8 + 32 + 32. */
+static void take_back_answer(const iqfoc_synchronous_carrier_t *carrier, iqfoc_cycle_t *cycle)
+{
+    const iqfoc_dq_t off = carrier->mean_off;
+    const iqfoc_current_control_gains_t *gains = &cycle->config->gains;
+    const iq24_t reactance_d = iq24_mul_round(cycle->rotor.speed, gains->x_d);
+    const iq24_t reactance_q = iq24_mul_round(cycle->rotor.speed, gains->x_q);
+    iqfoc_current_control_t *control = &cycle->control;
+    cycle->u_dq.d =
+        held_voltage(cycle->u_dq.d + iq24_mul_round(gains->kp_d, off.d) + iq24_mul_round(reactance_q, off.q));
+    cycle->u_dq.q =
+        held_voltage(cycle->u_dq.q + iq24_mul_round(gains->kp_q, off.q) - iq24_mul_round(reactance_d, off.d));
+    control->integral_d = iqfoc_current_control_hold(iq24_acc_mac(control->integral_d, gains->ki_d, off.d));
+    control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(control->integral_q, gains->ki_q, off.q));
+}
+
+/* A flux over T as a current, held to +-1. Range: |flux| <= 13.5, and 2 pi times that is 85. */
+static iq24_t current_of(iq24_t flux, iq24_t x)
+{
+    return iq24_clamp(iq24_div(iq24_mul_round(IQ24(6.28318530717958647693), flux), x), -IQ24_ONE, IQ24_ONE);
+}
+
 /*
  * The mean voltage of a cycle, as seen from the rotor, is s1 times its vector, and the flux at a valley is the mean over s1^2
  * (valley_reference.h). 1/s1^2 differs by at most 0.4625.
@@ -133,32 +163,42 @@ void iqfoc_synchronous_carrier_set(const iqfoc_cycle_config_t *base, uint32_t ti
  * Range: s1 is 0.8269 ... 1, so that their quotient is at most 1.21 and u_dq, within 8, at most 9.7. The step is at most 0.074; x i_ref
  * saturates at 128, and so does the flux before it: 9.5, and 13.4 after the rotation.
  */
-void iqfoc_synchronous_carrier_keep_flux(iqfoc_cycle_t *cycle)
+void iqfoc_synchronous_carrier_keep_flux(iqfoc_synchronous_carrier_t *carrier, iqfoc_cycle_t *cycle)
 {
     const iqfoc_cycle_config_t *next = cycle->next;
     const uint32_t ticks = cycle->config->period_ticks;
-    if (next->period_ticks == ticks) {
-        return;
-    }
-    const iq24_t longer = iq24_div((iq24_t)next->period_ticks, (iq24_t)ticks);
-    const iq24_t movement =
-        iq24_clamp(iq24_mul_sat(cycle->rotor.speed, longer), -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
-    const iqfoc_rotor_t before = iqfoc_rotor_from_speed(cycle->rotor.speed);
-    const iqfoc_rotor_t after = iqfoc_rotor_from_speed(movement);
-    const iq24_t more = iq24_div(before.s1, after.s1) - IQ24_ONE;
-    const iqfoc_dq_t change = {iq24_mul_round(more, cycle->u_dq.d), iq24_mul_round(more, cycle->u_dq.q)};
-    cycle->control.integral_d =
-        iqfoc_current_control_hold(iq24_acc_mac(cycle->control.integral_d, change.d, IQ24_ONE));
-    cycle->control.integral_q =
-        iqfoc_current_control_hold(iq24_acc_mac(cycle->control.integral_q, change.q, IQ24_ONE));
+    take_back_answer(carrier, cycle);
+    if (next->period_ticks != ticks) {
+        const iq24_t longer = iq24_div((iq24_t)next->period_ticks, (iq24_t)ticks);
+        const iq24_t movement = iq24_clamp(iq24_mul_sat(cycle->rotor.speed, longer), -IQFOC_ROTOR_SPEED_MAX,
+                                           IQFOC_ROTOR_SPEED_MAX);
+        const iqfoc_rotor_t before = iqfoc_rotor_from_speed(cycle->rotor.speed);
+        const iqfoc_rotor_t after = iqfoc_rotor_from_speed(movement);
+        const iq24_t more = iq24_div(before.s1, after.s1) - IQ24_ONE;
+        const iqfoc_dq_t change = {iq24_mul_round(more, cycle->u_dq.d), iq24_mul_round(more, cycle->u_dq.q)};
+        cycle->control.integral_d =
+            iqfoc_current_control_hold(iq24_acc_mac(cycle->control.integral_d, change.d, IQ24_ONE));
+        cycle->control.integral_q =
+            iqfoc_current_control_hold(iq24_acc_mac(cycle->control.integral_q, change.q, IQ24_ONE));
 
-    const iq24_t apart = iqfoc_valley_gain(iq24_mul_round(after.s1, after.s1)) -
-                         iqfoc_valley_gain(iq24_mul_round(before.s1, before.s1));
-    const iq24_t step = iq24_mul_round(apart, IQ24(0.15915494309189533577));
-    const iqfoc_dq_t flux = {iq24_add_sat(iq24_mul_sat(next->gains.x_d, cycle->i_ref.d), next->gains.emf),
-                             iq24_mul_sat(next->gains.x_q, cycle->i_ref.q)};
-    const iqfoc_dq_t moved = {iq24_mul_round(step, flux.d), iq24_mul_round(step, flux.q)};
-    const iqfoc_ab_t u = iqfoc_park_inverse(moved, iq24_sincos(-iq24_asr32(movement, 1)));
-    cycle->u_dq.d = iq24_clamp(cycle->u_dq.d + change.d + u.alpha, IQ24(-8.0), IQ24(8.0));
-    cycle->u_dq.q = iq24_clamp(cycle->u_dq.q + change.q + u.beta, IQ24(-8.0), IQ24(8.0));
+        const iq24_t square = iq24_mul_round(after.s1, after.s1);
+        const iq24_t apart =
+            iqfoc_valley_gain(square) - iqfoc_valley_gain(iq24_mul_round(before.s1, before.s1));
+        const iq24_t step = iq24_mul_round(apart, IQ24(0.15915494309189533577));
+        const iqfoc_dq_t flux = {iq24_add_sat(iq24_mul_sat(next->gains.x_d, cycle->i_ref.d), next->gains.emf),
+                                 iq24_mul_sat(next->gains.x_q, cycle->i_ref.q)};
+        const iqfoc_dq_t moved = {iq24_mul_round(step, flux.d), iq24_mul_round(step, flux.q)};
+        const iq24_sincos_t back = iq24_sincos(-iq24_asr32(movement, 1));
+        const iqfoc_ab_t u = iqfoc_park_inverse(moved, back);
+        cycle->u_dq.d = held_voltage(cycle->u_dq.d + change.d + u.alpha);
+        cycle->u_dq.q = held_voltage(cycle->u_dq.q + change.q + u.beta);
+
+        /* e^(j phi/2) (s1/2 - j s2) - s1^2 */
+        const iq24_sincos_t share = {
+            iq24_mul_round(after.s1 / 2, -back.sin) - iq24_mul_round(after.s2, back.cos),
+            iq24_mul_round(after.s1 / 2, back.cos) - iq24_mul_round(after.s2, back.sin) - square};
+        const iqfoc_ab_t mean = iqfoc_park_inverse(moved, share);
+        carrier->mean_off_next.d = current_of(mean.alpha, next->gains.x_d);
+        carrier->mean_off_next.q = current_of(mean.beta, next->gains.x_q);
+    }
 }

@@ -14,7 +14,7 @@
  *     iqfoc_synchronous_carrier_set(&base, ticks, &set[n]);                      n = 0, 1, 2, 0, ...
  *     iqfoc_cycle_offer(&cycle, &set[n]);                                        in force from the next valley on
  *     iqfoc_cycle_valley(&cycle, &sample, now);
- *     iqfoc_synchronous_carrier_keep_flux(&cycle);
+ *     iqfoc_synchronous_carrier_keep_flux(&carrier, &cycle);
  *
  * The cycle holds the set of the cycle that ended, that of the one that begins, and the offered one. Three sets in turn are enough.
  *
@@ -65,6 +65,9 @@ typedef struct iqfoc_synchronous_carrier {
     uint32_t ticks; /* result of the last step: length of the cycle that begins at the next valley */
     iq24_t speed;   /* of the last step: turns per period_ticks, 0 ... 128 */
     iq24_t error;   /* e of the last step: carrier periods, -1/2 ... 1/2; 0 with a fixed carrier */
+    iqfoc_dq_t
+        mean_off; /* D of the cycle that begins, current: |component| <= 1; 0 unless its length is new */
+    iqfoc_dq_t mean_off_next; /* of the next one */
 } iqfoc_synchronous_carrier_t;
 
 /*
@@ -80,6 +83,7 @@ iqfoc_error_t iqfoc_synchronous_carrier_init(iqfoc_synchronous_carrier_t *carrie
  *
  * angle: at this valley, turns, any (the low 24 bits count): of the rotor, or of the voltage, which then has the same shape in each
  * turn. movement: of that angle in the cycle that begins now, held to +-1/3 (IQFOC_ROTOR_SPEED_MAX). The level moves by one level a call.
+ * mean_off becomes mean_off_next.
  *
  * Largest error of 400000 drawn, against the lines above in double: e none; the length 0.5 ticks, and 2^-25 of `ticks`, and 2^-24 of
  * itself.
@@ -113,17 +117,22 @@ void iqfoc_synchronous_carrier_set(const iqfoc_cycle_config_t *base, uint32_t ti
  *     u_dq += (s1(old)/s1(new) - 1) u_dq           the integrators by the same
  *     u_dq += (1/s1(new)^2 - 1/s1(old)^2) psi/T e^(-j phi/2),     psi/T = (x_d i_d + emf, x_q i_q)/(2 pi) at i_ref
  *
- * The second change acts in the first cycle of the new length only. Without the function, the current is off until the controller has
- * removed the difference.
+ * The second change acts in the first cycle of the new length only. That cycle begins with the flux of the old length, so its mean current
+ * is off by D. At its end the flux is right. The controller's answer to D would make an error in the cycles after it, so it is taken back:
+ *
+ *     D     = (e^(j phi/2) (s1/2 - j s2) - s1^2) (1/s1(new)^2 - 1/s1(old)^2) psi/L          phi, s1, s2: new; held to +-1
+ *     u_dq += kp D - j x speed D,     the integrators by ki D                               at the valley at which that cycle begins
+ *
+ * Without the function, the current is off until the controller has removed the difference.
  *
  * Call it after iqfoc_cycle_valley, in the same interrupt, if the PI controller runs at the valley (all means but
- * IQFOC_FEEDBACK_CORRECTED_MEAN; not the mid-point). It changes u_dq, held to +-8, and the integrators; if the length does not change,
- * nothing.
+ * IQFOC_FEEDBACK_CORRECTED_MEAN; not the mid-point). It changes u_dq, held to +-8, the integrators and mean_off_next; if the
+ * length does not change and mean_off is 0, nothing.
  *
  * Largest error of 400000 drawn with |u_dq| <= 2, |i_ref| <= 2, x <= 8 and emf <= 8, against the formulas in double: u_dq 25 LSB, the
- * integrators 5 LSB.
+ * integrators 5 LSB, D 150 LSB over x.
  */
-void iqfoc_synchronous_carrier_keep_flux(iqfoc_cycle_t *cycle);
+void iqfoc_synchronous_carrier_keep_flux(iqfoc_synchronous_carrier_t *carrier, iqfoc_cycle_t *cycle);
 
 #ifdef __cplusplus
 }

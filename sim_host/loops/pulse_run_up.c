@@ -280,7 +280,7 @@ static void interrupts(firmware *f, const machine *d, uint32_t n)
             iqfoc_pulse_mode_resume(&f->control, &f->cycle);
             f->resumes = false;
         }
-        iqfoc_synchronous_carrier_keep_flux(&f->cycle);
+        iqfoc_synchronous_carrier_keep_flux(&f->carrier, &f->cycle);
         f->patterns =
             iqfoc_pulse_mode_to_pattern(&f->mode, &f->control, &f->cycle, f->high, sample.u_dc, pattern);
         if (!f->patterns) {

@@ -235,6 +235,10 @@ void prove_synchronous_flux(void)
     iqfoc_cycle_config_t new = any_set();
     old.period_ticks = any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX);
     new.period_ticks = any_count(1, IQFOC_SYNCHRONOUS_TICKS_MAX);
+    old.gains.kp_d = any_within(0, IQ24(32.0));
+    old.gains.kp_q = any_within(0, IQ24(32.0));
+    old.gains.x_d = any_within(0, IQ24(96.0));
+    old.gains.x_q = any_within(0, IQ24(96.0));
     new.gains.x_d = any_within(0, IQ24(96.0));
     new.gains.x_q = any_within(0, IQ24(96.0));
     new.gains.emf = any_within(0, IQ24(96.0));
@@ -244,7 +248,9 @@ void prove_synchronous_flux(void)
     cycle.i_ref = any_dq(IQ24(32.0));
     cycle.control.integral_d = iq24_acc_mul(any_within(-IQ24(8.0), IQ24(8.0)), IQ24_ONE);
     cycle.control.integral_q = iq24_acc_mul(any_within(-IQ24(8.0), IQ24(8.0)), IQ24_ONE);
-    iqfoc_synchronous_carrier_keep_flux(&cycle);
+    iqfoc_synchronous_carrier_t carrier = {0};
+    carrier.mean_off = any_dq(IQ24_ONE);
+    iqfoc_synchronous_carrier_keep_flux(&carrier, &cycle);
 }
 
 /* Supervision: any configuration that is not refused, any currents; sums of at most 2^24 cycles before. */

@@ -178,7 +178,8 @@ static void add_synchronous_carrier(golden_inputs_t *inputs, uint64_t *digest)
                            .u_dq = golden_dq(inputs, IQ24(2.0)),
                            .i_ref = golden_dq(inputs, IQ24(2.0))};
     cycle.rotor.speed = speed;
-    iqfoc_synchronous_carrier_keep_flux(&cycle);
+    iqfoc_synchronous_carrier_keep_flux(&carrier, &cycle);
+    digest_dq(digest, carrier.mean_off_next);
     digest_dq(digest, cycle.u_dq);
     digest_add(digest, iq24_acc_trunc(cycle.control.integral_d));
     digest_add(digest, iq24_acc_trunc(cycle.control.integral_q));

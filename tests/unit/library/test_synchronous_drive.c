@@ -146,7 +146,7 @@ static result run_up(double i_q, double ripple, double way, bool kept)
         TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_cycle_offer(&cycle, &set[n % 3]));
         (void)iqfoc_cycle_valley(&cycle, &sample, time);
         if (kept) {
-            iqfoc_synchronous_carrier_keep_flux(&cycle);
+            iqfoc_synchronous_carrier_keep_flux(&carrier, &cycle);
         }
         const double mid = (d.circuit.theta + 0.5 * d.circuit.w * length_s) / TWO_PI;
         sample.theta = to_iq24(mid - floor(mid));
