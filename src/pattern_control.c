@@ -215,6 +215,44 @@ static inline void predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_
     control->i_next = next;
 }
 
+IQFOC_STEP void move_legs(iqfoc_pattern_control_t *control, const pattern_place_t place[3],
+                          iqfoc_pattern_edges_t edges[3])
+{
+    const iqfoc_abc_t legs = iqfoc_clarke_inverse(control->error);
+    const iq24_t error[3] = {legs.a, legs.b, legs.c};
+    for (int32_t k = 0; k < 3; k++) {
+        step_leg(control, k, &place[k], error[k], &edges[k]);
+    }
+    const iqfoc_abc_t high = {edges[0].high, edges[1].high, edges[2].high};
+    control->high = high;
+}
+
+void pattern_move_legs(iqfoc_pattern_control_t *control, const pattern_place_t place[3],
+                       iqfoc_pattern_edges_t edges[3])
+{
+    move_legs(control, place, edges);
+}
+
+/* Range: a leg's flux changes by at most the movement, 1/8, and so does what its pulses make: below 1/3 in all, and |e| <= 2 sqrt(2). */
+iq24_acc_t pattern_cost_q48(const iqfoc_pattern_control_t *control, const iqfoc_pattern_edges_t edges[3])
+{
+    const iqfoc_pattern_trajectory_t *t = &control->trajectory;
+    const iq24_t a = pattern_angle_at(t, control->theta);
+    const iqfoc_ab_t e = control->error;
+    iq24_t made[3];
+    for (int32_t k = 0; k < 3; k++) {
+        int32_t n = control->leg[k].place;
+        const iq24_t x = a + k * t->third_turn;
+        const iq24_t start = pattern_place_of(t, x, &n).flux;
+        const iq24_t end = pattern_place_of(t, x + t->speed_abs, &n).flux;
+        made[k] = (end - start) / 2 - iq24_mul_round(edges[k].high - IQ24_ONE / 2, t->speed_abs);
+    }
+    const iqfoc_abc_t legs = {made[0], made[1], made[2]};
+    const iqfoc_ab_t more = iqfoc_clarke3(legs);
+    return pattern_square_q48(e.alpha + more.alpha, e.beta + more.beta) +
+           iq24_asr64(pattern_square_q48(e.alpha, e.beta), 4);
+}
+
 /* The edges of the cycle that begins at the rotor angle control->theta with the current control->i_next. */
 static void command(iqfoc_pattern_control_t *control, iqfoc_pattern_edges_t edges[3])
 {
@@ -236,13 +274,7 @@ static void command(iqfoc_pattern_control_t *control, iqfoc_pattern_edges_t edge
     const iqfoc_ab_t e = {IQ24_HOLD_BITS(iq24_shift_wrap(alpha, 28), 27),
                           IQ24_HOLD_BITS(iq24_shift_wrap(beta, 28), 27)};
     control->error = e;
-    const iqfoc_abc_t legs = iqfoc_clarke_inverse(e);
-    const iq24_t error[3] = {legs.a, legs.b, legs.c};
-    for (int32_t k = 0; k < 3; k++) {
-        step_leg(control, k, &place[k], error[k], &edges[k]);
-    }
-    const iqfoc_abc_t high = {edges[0].high, edges[1].high, edges[2].high};
-    control->high = high;
+    move_legs(control, place, edges);
 }
 
 void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,

@@ -6,13 +6,17 @@
 
 #include "pattern_leg.h"
 
-/* Numbers of edges and levels are those of one family and one number of angles: the legs take the pattern's. */
+/*
+ * Numbers of edges are those of one family and one number of angles. The legs keep their levels: where the pattern has the other one, its
+ * edge is still due, and the flux error may delay it.
+ */
 static inline void pattern_restart_legs(iqfoc_pattern_control_t *control, int32_t start)
 {
     control->trajectory.start = start;
     for (int32_t k = 0; k < 3; k++) {
         control->leg[k].place = 0;
-        control->leg[k].level = 0;
+        control->leg[k].edge = -1;
+        control->leg[k].level = control->modulator.leg[k].level;
     }
 }
 
@@ -22,7 +26,7 @@ static inline iq24_acc_t pattern_square_q48(iq24_t x, iq24_t y)
 }
 
 #define PATTERN_FAR_Q48  (INT64_C(1) << 62) /* more than any, and 1.5 times that fits */
-#define PATTERN_NEAR_Q48 (INT64_C(1) << 24) /* a distance of 1/4096 is as good as none */
+#define PATTERN_NEAR_Q48 (INT64_C(1) << 22) /* a distance of 1/8192 is as good as none */
 
 /*
  * True at a distance within 1.2 of the least one. `seen`: a whole period of it has been seen. From then on, the limit rises by 3 % with each
@@ -72,5 +76,15 @@ static inline iq24_t pattern_angle_at(const iqfoc_pattern_trajectory_t *t, iq24_
 {
     return t->sense * (theta & (IQ24_ONE - 1)) + t->u_place;
 }
+
+/* The edges of the cycle for a flux error at its start: control->error. Sets leg, the output's levels and control->high. */
+void pattern_move_legs(iqfoc_pattern_control_t *control, const pattern_place_t place[3],
+                       iqfoc_pattern_edges_t edges[3]);
+
+/*
+ * What a flux error control->error costs with these edges in the cycle: square of the error that is left at its end, plus 1/16 of that at
+ * its start. The error at the start lasts half a cycle on average, and the one that is left some two cycles: (1/2 : 2)^2.
+ */
+iq24_acc_t pattern_cost_q48(const iqfoc_pattern_control_t *control, const iqfoc_pattern_edges_t edges[3]);
 
 #endif

@@ -92,11 +92,10 @@ void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *co
 
 /* ---- The hand-over ---- */
 
-/* Range: |component| <= 8, so that the square is at most 128. */
-static bool is_near(iqfoc_pulse_mode_t *mode, iq24_t x, iq24_t y, iq24_t speed)
+static bool is_near(iqfoc_pulse_mode_t *mode, iq24_acc_t cost_q48, iq24_t speed)
 {
     mode->waited = iq24_min(mode->waited + iq24_abs_sat(speed), IQ24(3.0));
-    return pattern_near(&mode->nearest_q48, pattern_square_q48(x, y), mode->waited > IQ24(0.3333333));
+    return pattern_near(&mode->nearest_q48, cost_q48, mode->waited > IQ24(0.3333333));
 }
 
 /* A period of the carrier, in control cycles of the patterns. */
@@ -131,7 +130,7 @@ bool iqfoc_pulse_mode_to_pattern(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     iqfoc_pattern_control_aim(control, cycle->i_ref, mode->speed);
     iqfoc_pattern_control_begin(control, cycle->i_next,
                                 iq24_add_wrap(cycle->theta_valley, cycle->rotor.speed), leg, edges);
-    if (!is_near(mode, control->error.alpha, control->error.beta, cycle->rotor.speed)) {
+    if (!is_near(mode, pattern_cost_q48(control, edges), cycle->rotor.speed)) {
         return false;
     }
     mode->level = 1;
@@ -191,7 +190,8 @@ bool iqfoc_pulse_mode_to_carrier(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     const iqfoc_rotor_t rotor = iqfoc_rotor_from_speed(speed);
     const iqfoc_dq_t i_ref = cycle->i_ref;
     const iqfoc_dq_t h = flux_apart(&set->gains, iqfoc_park(control->i_next, control->sc), i_ref, &rotor);
-    if (!is_near(mode, h.d, h.q, mode->speed) || !may_fall) {
+    /* The first voltage makes h good within the period, before its d component is torque: that counts half. */
+    if (!is_near(mode, pattern_square_q48(h.d / 2, h.q), mode->speed) || !may_fall) {
         return false;
     }
     const iqfoc_dq_t u = steady(control, &set->gains, i_ref, &rotor);

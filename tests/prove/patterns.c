@@ -124,7 +124,7 @@ static iqfoc_pattern_control_t any_control(const iqfoc_pattern_t *table, int32_t
     for (int32_t k = 0; k < 3; k++) {
         c.modulator.leg[k] = any_leg();
         c.leg[k].place = n;
-        c.leg[k].edge = any_within(0, IQFOC_PATTERN_EDGES_HALF - 1);
+        c.leg[k].edge = any_within(-1, IQFOC_PATTERN_EDGES_HALF - 1);
         c.leg[k].level = any_within(-1, 1);
     }
     c.wanted = NULL;
@@ -154,7 +154,7 @@ static void check_control(const iqfoc_pattern_control_t *c, int32_t edges)
         check(c->modulator.leg[k].level, -1, 1);
         check(c->modulator.leg[k].since, 0, IQFOC_PATTERN_TIME_MAX);
         check(c->leg[k].place, 0, edges - 1);
-        check(c->leg[k].edge, 0, IQFOC_PATTERN_EDGES_HALF - 1);
+        check(c->leg[k].edge, -1, IQFOC_PATTERN_EDGES_HALF - 1);
         check(c->leg[k].level, -1, 1);
     }
     check(c->modulator.row, 0, IQFOC_PATTERN_ROWS_MAX - 1);

@@ -589,8 +589,8 @@ static void test_change_of_the_number_of_pulses(void)
     }
     printf("change of the number of pulses: mean torque off by %.2f %% at most; past one number %.2f %%\n",
            100.0 * worst[0], 100.0 * worst[1]);
-    TEST_ASSERT_TRUE(worst[0] <= 0.02);
-    TEST_ASSERT_TRUE(worst[1] <= 0.03);
+    TEST_ASSERT_TRUE(worst[0] <= 0.025);
+    TEST_ASSERT_TRUE(worst[1] <= 0.025);
 }
 
 static void print_table(void)

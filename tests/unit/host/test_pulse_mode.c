@@ -56,10 +56,10 @@ static const pulse_run_up *run(const pulse_drive *p, const pulse_case *c)
     return &r;
 }
 
-/* Each hand-over is within 2 %. At a jump within a table both patterns may have different flux at all angles. */
+/* Each hand-over is within 2 %, but for jumps, and the carrier with a ripple: with nine periods its torque has a constant error. */
 static double most_of(int event, bool ripple)
 {
-    return event == PULSE_EVENT_JUMP ? 4.0 : event == PULSE_EVENT_CARRIER && ripple ? 2.5 : 2.0;
+    return event == PULSE_EVENT_JUMP || (event == PULSE_EVENT_CARRIER && ripple) ? 2.3 : 2.0;
 }
 
 static void torque_of(pulse_drive_id id, int runs)
@@ -191,12 +191,12 @@ static void test_torque_of_drawn_runs(void)
                                   angle, 0.0};
             const pulse_run_up *r = run(&p, &c);
             for (int k = PULSE_EVENT_TO_PATTERN; k < PULSE_EVENTS; k++) {
-                most = fmax(most, k == PULSE_EVENT_JUMP ? 0.0 : r->worst_percent[k]);
+                most = fmax(most, r->worst_percent[k]);
             }
         }
     }
     printf("hand-overs of %d drawn runs with a ripple of the link: %.2f %%\n", PULSE_DRIVES * RUNS, most);
-    TEST_ASSERT_TRUE(most <= 2.5);
+    TEST_ASSERT_TRUE(most <= 2.3);
 }
 
 /* Constant speeds with the index between two rows that are not joined: the torque has no constant error. */
@@ -254,8 +254,8 @@ static void test_distortion_from_standstill(void)
             TEST_ASSERT_TRUE(m == 0 || row->from_Hz > r->mode[m - 1].from_Hz);
             TEST_ASSERT_TRUE(m == 0 || row->down_to_Hz < row->from_Hz);
         }
-        for (int k = 0; k < PULSE_EVENTS; k++) { /* 2.03 % from 15 to 9 periods */
-            TEST_ASSERT_TRUE(r->worst_percent[k] <= (k == PULSE_EVENT_JUMP ? 4.0 : 2.1));
+        for (int k = 0; k < PULSE_EVENTS; k++) {
+            TEST_ASSERT_TRUE(r->worst_percent[k] <= 2.0);
         }
         TEST_ASSERT_TRUE(r->points > 100 && r->points < PULSE_POINTS);
         for (int k = 0; k < r->points; k++) {
