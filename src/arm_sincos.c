@@ -34,7 +34,7 @@ typedef int32_t iqfoc_arm_sincos_has_the_coefficients
  * 2^16 32767 in size. The middle products: 32767 12866 + 2^15 (|ch| + |sh| <= 2^14.5 + 1) + 32767 318 + 2^16 <
  * 2^31.
  */
-__attribute__((naked)) int64_t iqfoc_arm_sincos_q30(__attribute__((unused)) int32_t speed)
+__attribute__((naked)) int64_t iqfoc_arm_sincos_q30(__attribute__((unused)) int32_t turns)
 {
     __asm volatile(".syntax unified\n\t"
                    "push {r4, r5, r6, r7, lr}\n\t"

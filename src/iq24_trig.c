@@ -8,9 +8,9 @@
 #include "iq24_longdiv.h"
 #include "iq24_trig_tables.h"
 
-iq24_sincos_t iq24_sincos(iq24_t speed)
+iq24_sincos_t iq24_sincos(iq24_t turns)
 {
-    return iq24_sincos_inline(speed);
+    return iq24_sincos_inline(turns);
 }
 
 /*

@@ -68,8 +68,8 @@ static inline _iq24 iqfoc_to_angle_pu(iq24_t turns)
 /* An angle per unit of any whole turns in -0.5 <= turns < 0.5. The same angle, exact. */
 static inline iq24_t iqfoc_from_angle_pu(_iq24 angle)
 {
-    const iq24_t speed = (iq24_t)angle & (IQ24_ONE - 1);
-    return speed >= IQ24_ONE / 2 ? speed - IQ24_ONE : speed;
+    const iq24_t turns = (iq24_t)angle & (IQ24_ONE - 1);
+    return turns >= IQ24_ONE / 2 ? turns - IQ24_ONE : turns;
 }
 
 #endif

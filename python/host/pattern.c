@@ -66,7 +66,7 @@ void py_pattern_clear(py_pattern *p)
 }
 
 void py_pattern_steps(py_pattern *p, size_t n, const int32_t *const *in, int32_t *level, int32_t *edges,
-                      int32_t *at, int32_t *high)
+                      int32_t *instant, int32_t *high)
 {
     for (size_t k = 0; k < n; k++) {
         iqfoc_pattern_edges_t leg[3];
@@ -76,7 +76,7 @@ void py_pattern_steps(py_pattern *p, size_t n, const int32_t *const *in, int32_t
             edges[3 * k + x] = leg[x].edges;
             high[3 * k + x] = leg[x].high;
             for (int j = 0; j < IQFOC_PATTERN_EDGES_MAX; j++) {
-                at[(3 * k + x) * IQFOC_PATTERN_EDGES_MAX + (size_t)j] =
+                instant[(3 * k + x) * IQFOC_PATTERN_EDGES_MAX + (size_t)j] =
                     j < leg[x].edges ? leg[x].instant[j] : 0;
             }
         }

@@ -31,7 +31,7 @@ int64_t iqfoc_arm_mac64(int64_t sum, int32_t a, int32_t b) __attribute__((const)
 int32_t iqfoc_arm_high(int32_t a, int32_t b) __attribute__((const));
 int32_t iqfoc_arm_high_round(int32_t a, int32_t b) __attribute__((const));
 /* src/arm_sincos.c. Cosine 2^32 + sine in Q30, as iq24_sincos_q30_inline has them: 144. */
-int64_t iqfoc_arm_sincos_q30(int32_t speed) __attribute__((const));
+int64_t iqfoc_arm_sincos_q30(int32_t turns) __attribute__((const));
 /* src/arm_rotor.c. P2 2^32 + P1 of iqfoc_rotor_shape, with its polynomials: 139. */
 int64_t iqfoc_arm_rotor(int32_t speed, const int32_t *poly) __attribute__((pure));
 

@@ -54,12 +54,12 @@ static void test_other_formats(void)
 
 static void test_angles(void)
 {
-    for (int32_t speed = -3 * IQ24_ONE; speed <= 3 * IQ24_ONE; speed += 4099) {
-        const iq24_t pu = iqfoc_to_angle_pu(speed);
-        const iq24_t back = iqfoc_from_angle_pu(speed);
+    for (int32_t turns = -3 * IQ24_ONE; turns <= 3 * IQ24_ONE; turns += 4099) {
+        const iq24_t pu = iqfoc_to_angle_pu(turns);
+        const iq24_t back = iqfoc_from_angle_pu(turns);
         TEST_ASSERT_TRUE(pu >= 0 && pu < IQ24_ONE && back >= -IQ24_ONE / 2 && back < IQ24_ONE / 2);
-        TEST_ASSERT_EQUAL_INT32(0, (speed - pu) % IQ24_ONE);
-        TEST_ASSERT_EQUAL_INT32(0, (speed - back) % IQ24_ONE);
+        TEST_ASSERT_EQUAL_INT32(0, (turns - pu) % IQ24_ONE);
+        TEST_ASSERT_EQUAL_INT32(0, (turns - back) % IQ24_ONE);
     }
 }
 

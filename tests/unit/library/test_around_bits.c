@@ -137,12 +137,12 @@ static void test_starts_verdicts(void)
                                 (off == -2  ? -1
                                  : off == 2 ? 1
                                             : 0);
-            for (int64_t speed = -3; speed <= 3; speed++) {
+            for (int64_t turns = -3; turns <= 3; turns++) {
                 const iq24_t before = IQ24(0.4);
                 iqfoc_start_t s;
                 TEST_ASSERT_EQUAL_INT(IQFOC_OK, iqfoc_start_init(&s, &c));
                 for (int n = 0; n < 4; n++) {
-                    iqfoc_start_step(&s, n < 2 ? before : iq24_wrap(before + way + speed * IQ24_ONE));
+                    iqfoc_start_step(&s, n < 2 ? before : iq24_wrap(before + way + turns * IQ24_ONE));
                 }
                 const bool within = off >= -1 && off <= 1;
                 TEST_ASSERT_EQUAL_INT(within ? verdict[k] : IQFOC_START_WRONG_WAY, s.verdict);
