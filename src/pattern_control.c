@@ -253,14 +253,13 @@ iq24_acc_t pattern_cost_q48(const iqfoc_pattern_control_t *control, const iqfoc_
            iq24_asr64(pattern_square_q48(e.alpha, e.beta), 4);
 }
 
-/* The edges of the cycle that begins at the rotor angle control->theta with the current control->i_next. */
-static void command(iqfoc_pattern_control_t *control, iqfoc_pattern_edges_t edges[3])
+/* Places and flux error of the cycle that begins at the rotor angle control->theta with the current control->i_next. */
+IQFOC_STEP void find_error(iqfoc_pattern_control_t *control, pattern_place_t place[3])
 {
     const iqfoc_pattern_trajectory_t *t = &control->trajectory;
     const iq24_sincos_t sc = control->sc;
     const iqfoc_ab_t i_next = control->i_next;
     const iq24_t a = pattern_angle_at(t, control->theta);
-    pattern_place_t place[3];
     for (int32_t k = 0; k < 3; k++) {
         place[k] = pattern_place_of(t, a + k * t->third_turn, &control->leg[k].place);
     }
@@ -274,7 +273,6 @@ static void command(iqfoc_pattern_control_t *control, iqfoc_pattern_edges_t edge
     const iqfoc_ab_t e = {IQ24_HOLD_BITS(iq24_shift_wrap(alpha, 28), 27),
                           IQ24_HOLD_BITS(iq24_shift_wrap(beta, 28), 27)};
     control->error = e;
-    move_legs(control, place, edges);
 }
 
 void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_t theta, iq24_t u_dc,
@@ -283,7 +281,9 @@ void iqfoc_pattern_control_step(iqfoc_pattern_control_t *control, iqfoc_ab_t i, 
     control->theta = iq24_add_wrap(theta, control->trajectory.speed);
     control->sc = iq24_sincos_inline(control->theta);
     predict(control, i, u_dc, control->sc);
-    command(control, edges);
+    pattern_place_t place[3];
+    find_error(control, place);
+    move_legs(control, place, edges);
 }
 
 void iqfoc_pattern_control_begin(iqfoc_pattern_control_t *control, iqfoc_ab_t i_next, iq24_t theta_next,
@@ -297,5 +297,7 @@ void iqfoc_pattern_control_begin(iqfoc_pattern_control_t *control, iqfoc_ab_t i_
     control->sc = iq24_sincos(theta_next);
     control->i_next = i_next;
     control->predicted = true;
-    command(control, edges);
+    pattern_place_t place[3];
+    find_error(control, place);
+    pattern_move_legs(control, place, edges);
 }

@@ -258,7 +258,7 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     t->cycles_q22 = iq24_div(INT32_C(1) << 22, speed_abs);
     /*@ assert pattern_cycles: 33554432 <= t->cycles_q22 <= 536870912; */
     t->speed_abs = speed_abs;
-    t->l_q28 = iq24_mul_trunc(iq24_mul_shift(control->l, speed_abs, 20), control->u_dc_inverse);
+    t->l_q28 = iq24_mul_trunc(iq24_mul_high_round(control->l * 8, speed_abs * 512), control->u_dc_inverse);
 
     const iq24_t phi = iq24_mul_high_round(t->speed * 16, Q28_2_PI);
     const iq24_t drop_d = iq24_mul_trunc(control->r, i_ref.d) - control->v.d;

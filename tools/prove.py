@@ -40,7 +40,7 @@ PARSE = ["-machdep", "gcc_x86_32",
 # Downcasts that cut count as alarms. A set that was refused and one that was taken stay apart after the call that checks it. Few states of
 # a leg's edges, and of what it loses, are kept apart, as any may come after any.
 EVA = ["-eva", "-eva-split-return-function", "iqfoc_cycle_init_named:0", "-eva-domains", "symbolic-locations",
-       "-eva-slevel-function", "move_edges:1,step_leg:1,command:0,loss_of_leg:1,iqfoc_sensorless_acting:1", "-warn-signed-downcast",
+       "-eva-slevel-function", "move_edges:1,step_leg:1,find_error:0,loss_of_leg:1,iqfoc_sensorless_acting:1", "-warn-signed-downcast",
        "-eva-no-show-progress"]
 # Any precision proves: a higher one raises fewer alarms that are none, and takes longer. Less is enough for a function that would take
 # minutes.
