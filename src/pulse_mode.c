@@ -5,6 +5,7 @@
 #include "iqfoc/transform.h"
 #include "iqfoc/valley_reference.h"
 
+#include "held.h"
 #include "pattern_place.h"
 
 #include <stddef.h>
@@ -137,11 +138,6 @@ bool iqfoc_pulse_mode_to_pattern(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     return true;
 }
 
-static iq24_t held(iq24_t u)
-{
-    return iq24_clamp(u, IQ24(-8.0), IQ24(8.0));
-}
-
 /* Range: |r i_ref| <= 64, |v| <= 1/2 and the decoupling within 8: 73, and over s1 >= 0.8269, 88. */
 static iqfoc_dq_t steady(const iqfoc_pattern_control_t *control, const iqfoc_current_control_gains_t *gains,
                          iqfoc_dq_t i_ref, const iqfoc_rotor_t *rotor)
@@ -149,7 +145,7 @@ static iqfoc_dq_t steady(const iqfoc_pattern_control_t *control, const iqfoc_cur
     const iqfoc_dq_t apart = iqfoc_current_control_decoupling(gains, i_ref, rotor->speed);
     const iq24_t d = iq24_mul_round(control->r, i_ref.d) - control->v.d + apart.d;
     const iq24_t q = iq24_mul_round(control->r, i_ref.q) - control->v.q + apart.q;
-    const iqfoc_dq_t u = {held(iq24_div(d, rotor->s1)), held(iq24_div(q, rotor->s1))};
+    const iqfoc_dq_t u = {held_to_8(iq24_div(d, rotor->s1)), held_to_8(iq24_div(q, rotor->s1))};
     return u;
 }
 
@@ -166,7 +162,7 @@ static iqfoc_dq_t flux_apart(const iqfoc_current_control_gains_t *gains, iqfoc_d
     const iq24_t magnet = iq24_mul_round(iq24_mul_round(gains->emf, radian), gain - IQ24_ONE);
     const iq24_t d = iq24_mul_sat(x, i.d - iq24_mul_round(gain, i_ref.d));
     const iq24_t q = iq24_mul_sat(x, i.q - iq24_mul_round(gain, i_ref.q));
-    const iqfoc_dq_t h = {held(iq24_sub_sat(d, magnet)), held(q)};
+    const iqfoc_dq_t h = {held_to_8(iq24_sub_sat(d, magnet)), held_to_8(q)};
     return h;
 }
 
@@ -197,8 +193,8 @@ bool iqfoc_pulse_mode_to_carrier(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control
     const iqfoc_dq_t u = steady(control, &set->gains, i_ref, &rotor);
     const iq24_t half = iq24_asr32(speed, 1);
     const iqfoc_ab_t less = iqfoc_park_inverse(h, iq24_sincos(-half));
-    cycle->u_dq.d = held(u.d - less.alpha);
-    cycle->u_dq.q = held(u.q - less.beta);
+    cycle->u_dq.d = held_to_8(u.d - less.alpha);
+    cycle->u_dq.q = held_to_8(u.q - less.beta);
     const iqfoc_ab_t u_ab = iqfoc_park_inverse(cycle->u_dq, iq24_sincos(iq24_add_wrap(control->theta, half)));
     cycle->u_dc_inverse = iq24_div(IQ24_ONE, u_dc);
     *duties = iqfoc_modulate(u_ab, cycle->u_dc_inverse, set->span_max);

@@ -5,6 +5,8 @@
 #include "iqfoc/transform.h"
 #include "iqfoc/valley_reference.h"
 
+#include "held.h"
+
 #include <stddef.h>
 
 #define MASK (IQ24_ONE - 1)
@@ -129,11 +131,6 @@ void iqfoc_synchronous_carrier_set(const iqfoc_cycle_config_t *base, uint32_t ti
     set->deadline_ticks = held(times(base->deadline_ticks, longer), 0, INT32_MAX);
 }
 
-static iq24_t held_voltage(iq24_t u)
-{
-    return iq24_clamp(u, IQ24(-8.0), IQ24(8.0));
-}
-
 /* The controller sees a mean that is off by mean_off. Its answer to that is taken back. Range: within 8 + 32 + 32. */
 static void take_back_answer(const iqfoc_synchronous_carrier_t *carrier, iqfoc_cycle_t *cycle)
 {
@@ -143,9 +140,9 @@ static void take_back_answer(const iqfoc_synchronous_carrier_t *carrier, iqfoc_c
     const iq24_t reactance_q = iq24_mul_round(cycle->rotor.speed, gains->x_q);
     iqfoc_current_control_t *control = &cycle->control;
     cycle->u_dq.d =
-        held_voltage(cycle->u_dq.d + iq24_mul_round(gains->kp_d, off.d) + iq24_mul_round(reactance_q, off.q));
+        held_to_8(cycle->u_dq.d + iq24_mul_round(gains->kp_d, off.d) + iq24_mul_round(reactance_q, off.q));
     cycle->u_dq.q =
-        held_voltage(cycle->u_dq.q + iq24_mul_round(gains->kp_q, off.q) - iq24_mul_round(reactance_d, off.d));
+        held_to_8(cycle->u_dq.q + iq24_mul_round(gains->kp_q, off.q) - iq24_mul_round(reactance_d, off.d));
     control->integral_d = iqfoc_current_control_hold(iq24_acc_mac(control->integral_d, gains->ki_d, off.d));
     control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(control->integral_q, gains->ki_q, off.q));
 }
@@ -190,8 +187,8 @@ void iqfoc_synchronous_carrier_keep_flux(iqfoc_synchronous_carrier_t *carrier, i
         const iqfoc_dq_t moved = {iq24_mul_round(step, flux.d), iq24_mul_round(step, flux.q)};
         const iq24_sincos_t back = iq24_sincos(-iq24_asr32(movement, 1));
         const iqfoc_ab_t u = iqfoc_park_inverse(moved, back);
-        cycle->u_dq.d = held_voltage(cycle->u_dq.d + change.d + u.alpha);
-        cycle->u_dq.q = held_voltage(cycle->u_dq.q + change.q + u.beta);
+        cycle->u_dq.d = held_to_8(cycle->u_dq.d + change.d + u.alpha);
+        cycle->u_dq.q = held_to_8(cycle->u_dq.q + change.q + u.beta);
 
         /* e^(j phi/2) (s1/2 - j s2) - s1^2 */
         const iq24_sincos_t share = {

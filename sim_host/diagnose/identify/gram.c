@@ -47,8 +47,8 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
             }
         }
         for (size_t k = 0; k < hypo->shapes; k++) {
-            /* Without the effect its shape moves nothing. A flux map's parts follow the two inductances and have three shapes each. */
-            const int of = hypo->column[hypo->size == SIZE_BENDS ? 2 + k / 3 : 0];
+            /* Without the effect its shape moves nothing. */
+            const int of = hypo->column[hypo->shape_of[k]];
             double low;
             double high;
             coordinate_range(d->frame, hypo->shape[k], &low, &high);

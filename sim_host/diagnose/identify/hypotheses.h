@@ -98,9 +98,10 @@ typedef struct hypothesis {
      */
     size_t shapes;
     coordinate_id shape[HYPOTHESIS_SHAPES];
-    bool silent;   /* fits many effects, so that it is not reported if it wins */
-    bool in_whole; /* fitted with the whole drive (whole_fit.h) */
-    double loose;  /* model error as a share of the value: least half-width of its interval */
+    size_t shape_of[HYPOTHESIS_SHAPES]; /* the column whose effect it shapes: the first one if not given */
+    bool silent;                        /* fits many effects, so that it is not reported if it wins */
+    bool in_whole;                      /* fitted with the whole drive (whole_fit.h) */
+    double loose; /* model error as a share of the value: least half-width of its interval */
 } hypothesis;
 
 extern const hypothesis hypothesis_table[H_COUNT];
