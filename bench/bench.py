@@ -32,7 +32,7 @@ SERIAL = ["-display", "none", "-monitor", "none", "-serial", "stdio"]
 TIME_LIMIT_S = 1200  # by the clock: a loaded machine is slow
 
 # The configurations of bench/drives.h.
-DRIVES = ("isr_cycle", "isr_midpoint", "isr_corrected_mean", "isr_exact", "isr_salient", "isr_flux", "isr_mean_modulated",
+DRIVES = ("isr_cycle", "isr_midpoint", "isr_corrected_mean", "isr_exact", "isr_salient", "isr_flux", "isr_flux_map", "isr_mean_modulated",
           "isr_six_step", "isr_extended", "isr_deadbeat", "isr_deadbeat_exact", "isr_deadbeat_learning")
 
 # Where each row's code begins. A row of inlined code is a pair: a straight line of eight, and the same without.

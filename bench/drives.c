@@ -23,6 +23,7 @@
 #define EXACT          IQFOC_MODEL_EXACT
 #define SALIENT        IQFOC_MODEL_SALIENT
 #define FLUX           IQFOC_MODEL_FLUX
+#define FLUX_MAP       IQFOC_MODEL_FLUX_MAP
 #define MIDPOINT       IQFOC_FEEDBACK_MIDPOINT
 #define CORRECTED      IQFOC_FEEDBACK_CORRECTED_MEAN
 #define QUASI_MEAN     IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN
@@ -37,6 +38,7 @@ DRIVE(isr_corrected_mean, QUASI_DISCRETE, CORRECTED, PI, PWM, false)
 DRIVE(isr_exact, EXACT, EXACT_MEAN, PI, PWM, false)
 DRIVE(isr_salient, SALIENT, EXACT_MEAN, PI, PWM, false)
 DRIVE(isr_flux, FLUX, MIDPOINT, PI, PWM, false)
+DRIVE(isr_flux_map, FLUX_MAP, MIDPOINT, PI, PWM, false)
 DRIVE(isr_mean_modulated, QUASI_DISCRETE, MODULATED, PI, PWM, false)
 DRIVE(isr_six_step, QUASI_DISCRETE, QUASI_MEAN, PI, IQFOC_MODULATION_SIX_STEP, false)
 DRIVE(isr_extended, QUASI_DISCRETE, QUASI_MEAN, PI, PWM, true)
@@ -74,6 +76,7 @@ const iqfoc_cycle_config_t *bench_drives_config(void)
     config.data.salient = &end;
     config.data.salient_mean = &mean;
     config.data.flux = &bench_flux;
+    config.data.flux_map = &bench_flux_map;
     config.data.acting = &acting;
     config.data.extension = &extension;
     config.data.k_u_inverse = iqfoc_deadbeat_inverse(law.k_u_q26);

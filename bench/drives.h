@@ -17,6 +17,7 @@
     X(isr_exact)                                                                                             \
     X(isr_salient)                                                                                           \
     X(isr_flux)                                                                                              \
+    X(isr_flux_map)                                                                                          \
     X(isr_mean_modulated)                                                                                    \
     X(isr_six_step)                                                                                          \
     X(isr_extended)                                                                                          \

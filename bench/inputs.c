@@ -37,6 +37,10 @@ const iqfoc_cycle_config_t bench_config = {
 const iqfoc_exact_winding_t bench_winding = IQFOC_EXACT_WINDING(R_OHM, L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
 const iqfoc_flux_predictor_t bench_flux =
     IQFOC_FLUX_PREDICTOR(R_OHM, L_H, 1.5 * L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
+const iqfoc_flux_map_t bench_flux_map = IQFOC_FLUX_MAP(
+    R_OHM, 0.7 * L_H, 0.5 * L_H, PSI_WB,
+    IQFOC_FLUX_MAP_PART(0.5 * L_H * 144.0, 20.0, 12.0, -5.0, T_S, I_BASE_A, U_DC_V),
+    IQFOC_FLUX_MAP_PART(0.3 * L_H * 64.0, 15.0, 8.0, 4.0, T_S, I_BASE_A, U_DC_V), T_S, I_BASE_A, U_DC_V);
 const iqfoc_salient_machine_t bench_salient =
     IQFOC_SALIENT_MACHINE(R_OHM, L_H, 1.5 * L_H, PSI_WB, T_S, I_BASE_A, U_DC_V);
 

@@ -5,6 +5,7 @@
 #define BENCH_INPUTS_H
 
 #include "iqfoc/cycle.h"
+#include "iqfoc/flux_map.h"
 #include "iqfoc/flux_predictor.h"
 #include "iqfoc/induction.h"
 #include "iqfoc/predictor_exact.h"
@@ -45,6 +46,7 @@ void bench_input_restart(void);
 extern const iqfoc_cycle_config_t bench_config;
 extern const iqfoc_exact_winding_t bench_winding;
 extern const iqfoc_flux_predictor_t bench_flux;
+extern const iqfoc_flux_map_t bench_flux_map;           /* of two parts */
 extern const iqfoc_induction_machine_t bench_induction; /* 300 kW at 500 Hz and 1500 V */
 extern const iqfoc_salient_machine_t bench_salient;     /* the same with L_q half as large again */
 extern const iqfoc_watch_config_t bench_watch;

@@ -44,6 +44,7 @@ ROWS = {
     "isr_exact": ("valley and peak: exact prediction and its mean", "-", None),
     "isr_salient": ("valley and peak: exact salient prediction and its mean", "-", None),
     "isr_flux": ("valley and peak: flux predictor (salient, saturating), mid-point sample", "-", None),
+    "isr_flux_map": ("valley and peak: flux map of two saturating parts, mid-point sample", "-", None),
     "isr_mean_modulated": ("valley and peak: mean under modulation", "-", None),
     "isr_six_step": ("valley and peak: quasi-discrete mean, PI, six-step", "-", None),
     "isr_extended": ("valley and peak: quasi-discrete mean, PI, PWM, all corrections of a diagnosis", "-", None),

@@ -31,7 +31,8 @@ IQFOC_STEP bool iqfoc_methods_agree(const iqfoc_methods_t m)
     const bool controlled =
         m.control == IQFOC_CONTROL_PI ||
         (plain && (m.control == IQFOC_CONTROL_DEADBEAT || m.control == IQFOC_CONTROL_DEADBEAT_LEARNING));
-    return (plain || salient || m.model == IQFOC_MODEL_FLUX) && fed && controlled &&
+    return (plain || salient || m.model == IQFOC_MODEL_FLUX || m.model == IQFOC_MODEL_FLUX_MAP) && fed &&
+           controlled &&
            (m.modulation == IQFOC_MODULATION_PWM || m.modulation == IQFOC_MODULATION_SIX_STEP ||
             m.modulation == IQFOC_MODULATION_OVER);
 }
@@ -43,6 +44,7 @@ IQFOC_STEP bool iqfoc_methods_have(const iqfoc_methods_t m, const iqfoc_methods_
     return (m.model != IQFOC_MODEL_EXACT || (data->exact != 0 && (!mean || data->exact_mean != 0))) &&
            (m.model != IQFOC_MODEL_SALIENT || (data->salient != 0 && (!mean || data->salient_mean != 0))) &&
            (m.model != IQFOC_MODEL_FLUX || (data->flux != 0 && data->acting != 0)) &&
+           (m.model != IQFOC_MODEL_FLUX_MAP || (data->flux_map != 0 && data->acting != 0)) &&
            (!m.extended || data->extension != 0);
 }
 
@@ -60,7 +62,7 @@ IQFOC_STEP bool iqfoc_methods_named_once(const iqfoc_methods_t m, const iqfoc_cy
  *   iqfoc_methods_data_t
  * - IQFOC_ERROR_CHOICE: `feedback` or `modulation` of the configuration names another method
  * - IQFOC_ERROR_NULL: a pointer is missing
- * - the errors of iqfoc_flux_predictor_check and iqfoc_extension_check
+ * - the errors of iqfoc_flux_predictor_check, iqfoc_flux_map_check and iqfoc_extension_check
  *
  */
 IQFOC_STEP iqfoc_error_t iqfoc_cycle_check(const iqfoc_methods_t m, const iqfoc_cycle_config_t *config)
@@ -84,6 +86,12 @@ IQFOC_STEP iqfoc_error_t iqfoc_cycle_check(const iqfoc_methods_t m, const iqfoc_
     }
     if (m.model == IQFOC_MODEL_FLUX) {
         const iqfoc_error_t unfit = iqfoc_flux_predictor_check(data->flux);
+        if (unfit != IQFOC_OK) {
+            return unfit;
+        }
+    }
+    if (m.model == IQFOC_MODEL_FLUX_MAP) {
+        const iqfoc_error_t unfit = iqfoc_flux_map_check(data->flux_map);
         if (unfit != IQFOC_OK) {
             return unfit;
         }

@@ -8,6 +8,7 @@
 #include "cycle.h"
 #include "deadbeat_drift.h"
 #include "extension.h"
+#include "flux_map.h"
 #include "flux_predictor.h"
 #include "iq24_sincos.h"
 #include "mean_current.h"
@@ -112,6 +113,9 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_salient(const iqfoc_methods_t m, iqfoc
     if (m.model == IQFOC_MODEL_FLUX) {
         return iqfoc_flux_predictor_step(data->flux, data->acting, valley->i, u, start, end);
     }
+    if (m.model == IQFOC_MODEL_FLUX_MAP) {
+        return iqfoc_flux_map_step(data->flux_map, data->acting, valley->i, u, start, end);
+    }
     const iqfoc_dq_t i_dq = iqfoc_park(valley->i, start);
     const iqfoc_dq_t u_dq = iqfoc_park(u, start);
     if (m.feedback == IQFOC_FEEDBACK_EXACT_MEAN) {
@@ -214,9 +218,10 @@ IQFOC_STEP void iqfoc_cycle_predict(const iqfoc_methods_t m, iqfoc_cycle_t *cycl
     iqfoc_cycle_rotor(m, cycle, &valley, sample, speed);
     const iqfoc_ab_t u = {cycle->u_ab.alpha, cycle->u_ab.beta};
     cycle->u_now = u;
-    iqfoc_ab_t i_next = m.model == IQFOC_MODEL_SALIENT || m.model == IQFOC_MODEL_FLUX
-                            ? iqfoc_cycle_predict_salient(m, cycle, &valley, u)
-                            : iqfoc_cycle_predict_plain(m, cycle, &valley, u);
+    iqfoc_ab_t i_next =
+        m.model == IQFOC_MODEL_SALIENT || m.model == IQFOC_MODEL_FLUX || m.model == IQFOC_MODEL_FLUX_MAP
+            ? iqfoc_cycle_predict_salient(m, cycle, &valley, u)
+            : iqfoc_cycle_predict_plain(m, cycle, &valley, u);
     if (m.feedback == IQFOC_FEEDBACK_MODULATED_MEAN) {
         cycle->duties_now = cycle->duties_next;
     }

@@ -28,6 +28,8 @@ typedef enum iqfoc_error {
     IQFOC_ERROR_INDUCTANCE_Q = -21, /* the same for q */
     IQFOC_ERROR_RESISTANCE = -22,
     IQFOC_ERROR_FLUX = -23, /* psi */
+    /* iqfoc_flux_map_check; the four above there too */
+    IQFOC_ERROR_FLUX_PART = -24, /* a part's e, k_d, k_q or x_0, or sums of the parts */
     /* iqfoc_reference_check; _CURRENT_LIMIT there too */
     IQFOC_ERROR_SALIENCY = -25,  /* |saliency i_max| beyond 11 */
     IQFOC_ERROR_WEAKENING = -26, /* gain or share */

@@ -13,7 +13,8 @@
  *
  * With the legs' losses compensated, the commanded voltage acts, and the predictor needs no correction. Without the compensation,
  * iqfoc_extension_acting gives the voltage that acts. Resistance, inductance and flux linkage are parameters of the predictor
- * (iqfoc/params.h). Unequal inductances need iqfoc/predictor_salient.h or iqfoc/flux_predictor.h, saturation needs the latter.
+ * (iqfoc/params.h). Unequal inductances need iqfoc/predictor_salient.h or iqfoc/flux_predictor.h, saturation needs the latter, or
+ * iqfoc/flux_map.h.
  *
  * The linker leaves these functions out of a drive whose methods do not have `extended`.
  */

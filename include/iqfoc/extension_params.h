@@ -1,5 +1,5 @@
 /*
- * Converts physical values of a diagnosis to the per-unit constants of extension.h and flux_predictor.h. The macros
+ * Converts physical values of a diagnosis to the per-unit constants of extension.h, flux_predictor.h and flux_map.h. The macros
  * of floating constants fold at compile time, as in params.h, and use the same bases. A value outside its range does
  * not compile.
  */
@@ -35,6 +35,15 @@
 #define IQFOC_MAX_FLUX_PSI                       16.0
 #define IQFOC_RAW_FLUX_SKEW(L_d_H, L_q_H)        (((L_d_H) - (L_q_H)) / ((L_d_H) + (L_q_H)))
 #define IQFOC_MAX_FLUX_SKEW                      0.999
+#define IQFOC_MIN_MAP_L                          0.015625
+/* A part of a flux map: energy, current at which it saturates, current about which it is alike. */
+#define IQFOC_RAW_MAP_E(E_J, T_s, I_b_A, U_b_V) ((E_J) / ((T_s) * (U_b_V) * (I_b_A)))
+#define IQFOC_MAX_MAP_E                         64.0
+#define IQFOC_RAW_MAP_K(I_A, I_b_A)             ((I_b_A) / (I_A))
+#define IQFOC_MIN_MAP_K                         0.0625
+#define IQFOC_MAX_MAP_K                         10.0
+#define IQFOC_RAW_MAP_X(I_c_A, I_d_A)           ((I_c_A) / (I_d_A))
+#define IQFOC_MAX_MAP_X                         16.0
 
 /* ---- The same as checked IQ24 constants. ---- */
 #define IQFOC_EXT_OFFSET(o_A, I_b_A)                                                                         \
@@ -72,6 +81,40 @@
             IQFOC_FLUX_K(L_d_H, T_s, I_b_A, U_b_V), IQFOC_FLUX_K(L_q_H, T_s, I_b_A, U_b_V),                  \
             IQFOC_FLUX_R(R_ohm, I_b_A, U_b_V), IQFOC_FLUX_PSI(psi_Wb, T_s, U_b_V),                           \
             IQFOC_FLUX_SKEW(L_d_H, L_q_H)                                                                    \
+    }
+
+#define IQFOC_MAP_L(L_H, T_s, I_b_A, U_b_V)                                                                  \
+    IQFOC_CHECKED(IQFOC_RAW_FLUX_L(L_H, T_s, I_b_A, U_b_V), IQFOC_MIN_MAP_L, IQFOC_MAX_FLUX_L)
+#define IQFOC_MAP_PSI(psi_Wb, T_s, U_b_V)                                                                    \
+    IQFOC_CHECKED(IQFOC_RAW_FLUX_PSI(psi_Wb, T_s, U_b_V), -IQFOC_MAX_FLUX_PSI, IQFOC_MAX_FLUX_PSI)
+#define IQFOC_MAP_E(E_J, T_s, I_b_A, U_b_V)                                                                  \
+    IQFOC_CHECKED(IQFOC_RAW_MAP_E(E_J, T_s, I_b_A, U_b_V), 0.0, IQFOC_MAX_MAP_E)
+#define IQFOC_MAP_K(I_A, I_b_A) IQFOC_CHECKED(IQFOC_RAW_MAP_K(I_A, I_b_A), IQFOC_MIN_MAP_K, IQFOC_MAX_MAP_K)
+#define IQFOC_MAP_X(I_c_A, I_d_A)                                                                            \
+    IQFOC_CHECKED(IQFOC_RAW_MAP_X(I_c_A, I_d_A), -IQFOC_MAX_MAP_X, IQFOC_MAX_MAP_X)
+
+/* iqfoc_flux_map_part_t: e, k_d, k_q, x_0. */
+#define IQFOC_FLUX_MAP_PART(E_J, I_d_A, I_q_A, I_c_A, T_s, I_b_A, U_b_V)                                     \
+    {                                                                                                        \
+        IQFOC_MAP_E(E_J, T_s, I_b_A, U_b_V), IQFOC_MAP_K(I_d_A, I_b_A), IQFOC_MAP_K(I_q_A, I_b_A),           \
+            IQFOC_MAP_X(I_c_A, I_d_A)                                                                        \
+    }
+#define IQFOC_FLUX_MAP_NO_PART                                                                               \
+    {                                                                                                        \
+        0, 0, 0, 0                                                                                           \
+    }
+
+/*
+ * iqfoc_flux_map_t: l_d, l_q, r, psi, part. L_d, L_q: of straight iron, those at no current less what the parts have
+ * there, E/I_d^2 (1 + x_0^2)^(-3/2) and E/I_q^2 (1 + x_0^2)^(-1/2). psi: psi_f and the parts' E/I_d x_0 (1 + x_0^2)^(-1/2).
+ */
+#define IQFOC_FLUX_MAP(R_ohm, L_d_H, L_q_H, psi_Wb, part_1, part_2, T_s, I_b_A, U_b_V)                       \
+    {                                                                                                        \
+        IQFOC_MAP_L(L_d_H, T_s, I_b_A, U_b_V), IQFOC_MAP_L(L_q_H, T_s, I_b_A, U_b_V),                        \
+            IQFOC_FLUX_R(R_ohm, I_b_A, U_b_V), IQFOC_MAP_PSI(psi_Wb, T_s, U_b_V),                            \
+        {                                                                                                    \
+            part_1, part_2                                                                                   \
+        }                                                                                                    \
     }
 
 /*

@@ -19,6 +19,7 @@
 #include "extension.h"
 #include "extension_params.h"
 #include "finite_set.h"
+#include "flux_map.h"
 #include "flux_predictor.h"
 #include "hal.h"
 #include "halls.h"

@@ -11,6 +11,7 @@
 
 #include "error.h"
 #include "extension.h"
+#include "flux_map.h"
 #include "flux_predictor.h"
 #include "predictor_exact.h"
 #include "predictor_salient.h"
@@ -27,7 +28,8 @@ typedef enum iqfoc_model {
     IQFOC_MODEL_EXACT,          /* predictor_exact.h; data.exact */
     IQFOC_MODEL_SALIENT,        /* predictor_salient.h; data.salient, made for the speed by a slower task */
     IQFOC_MODEL_FLUX,           /* flux_predictor.h: salient and saturating; data.flux, data.acting */
-    IQFOC_MODEL_EULER           /* 2019 (3), for comparison */
+    IQFOC_MODEL_EULER,          /* 2019 (3), for comparison */
+    IQFOC_MODEL_FLUX_MAP /* flux_map.h: iron that loses much of its inductance; data.flux_map, data.acting */
 } iqfoc_model_t;
 
 /* Feedback of the controller. */
@@ -74,7 +76,8 @@ typedef struct iqfoc_methods_data {
     const iqfoc_salient_t *salient; /* iqfoc_salient_at_speed over a whole cycle: end, and mean */
     const iqfoc_salient_t *salient_mean;
     const iqfoc_flux_predictor_t *flux;
-    const iqfoc_extension_t *acting; /* corrections of voltage and saturation for the flux predictor */
+    const iqfoc_extension_t
+        *acting; /* corrections of voltage and saturation for flux predictor and flux map */
     const iqfoc_extension_t *extension;
     /*
      * Deadbeat: iqfoc_deadbeat_inverse of the model's k_u; 1/16 ... 64. It does not follow saturation, nor does
@@ -83,6 +86,7 @@ typedef struct iqfoc_methods_data {
     iq24_t k_u_inverse;
     iq24_t k_psi; /* deadbeat: of the sampling-instant set-point, 0 ... 8; 0 controls the valleys' current */
     iq24_t learning; /* observer gain of the disturbance estimate, 0 ... 1 */
+    const iqfoc_flux_map_t *flux_map;
 } iqfoc_methods_data_t;
 
 #ifdef __cplusplus

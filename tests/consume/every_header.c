@@ -17,13 +17,16 @@
 #define U_B 750.0              /* nominal DC link, V */
 #define I_B IQFOC_I_BASE(10.5) /* from the rated current, A rms */
 
-#define EXPECTED UINT32_C(0x548F5D73)
+#define EXPECTED UINT32_C(0x847AD27E)
 
 static const iqfoc_predictor_t predictor = IQFOC_PREDICTOR(0.75, 5.2e-3, 0.134, T_S, I_B, U_B);
 static const iqfoc_current_control_gains_t gains =
     IQFOC_GAINS(1500.0, 0.75, 5.2e-3, 6.2e-3, 0.134, T_S, I_B, U_B);
 static const iqfoc_flux_predictor_t flux_predictor =
     IQFOC_FLUX_PREDICTOR(0.75, 5.2e-3, 6.2e-3, 0.134, T_S, I_B, U_B);
+static const iqfoc_flux_map_t flux_map =
+    IQFOC_FLUX_MAP(0.75, 5.2e-3, 3.2e-3, 0.134, IQFOC_FLUX_MAP_PART(0.3, 20.0, 10.0, -4.0, T_S, I_B, U_B),
+                   IQFOC_FLUX_MAP_NO_PART, T_S, I_B, U_B);
 #ifdef IQFOC_DIAGNOSED
 static const iqfoc_extension_t extension = IQFOC_DIAGNOSED_EXTENSION;
 static const iqfoc_predictor_t diagnosed_predictor = IQFOC_DIAGNOSED_PREDICTOR;
@@ -185,6 +188,7 @@ static void predictions(void)
     add_ab(iqfoc_mean_current_quasi_discrete(&predictor, i, u, &rotor, mid));
     add_dq(iqfoc_mean_current_correct_steady(i, iqfoc_rotor_steady_gain(n_max), mid));
     add_ab(iqfoc_flux_predictor_step(&flux_predictor, &extension, i, u, start, iq24_sincos(n_max)));
+    add_ab(iqfoc_flux_map_step(&flux_map, &extension, i, u, start, iq24_sincos(n_max)));
 
     const iqfoc_exact_law_t law = iqfoc_exact_prediction(&winding, IQ24_ONE);
     const iqfoc_exact_law_t mean_law = iqfoc_exact_mean(&winding, IQ24(0.5));
@@ -228,6 +232,7 @@ int main(void)
     set_up();
     if (iqfoc_cycle_init(&cycle, &config) != IQFOC_OK || iqfoc_extension_check(&extension) != IQFOC_OK ||
         iqfoc_flux_predictor_check(&flux_predictor) != IQFOC_OK ||
+        iqfoc_flux_map_check(&flux_map) != IQFOC_OK ||
         iqfoc_recorder_init(&recorder, &recorder_config, memory, 120) != IQFOC_OK) {
         return 2;
     }

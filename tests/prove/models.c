@@ -3,6 +3,7 @@
 
 #include "iqfoc/deadbeat_drift.h"
 #include "iqfoc/finite_set.h"
+#include "iqfoc/flux_map.h"
 #include "iqfoc/flux_predictor.h"
 #include "iqfoc/induction.h"
 #include "iqfoc/mean_modulated.h"
@@ -118,6 +119,27 @@ void prove_flux_predictor(void)
     if (iqfoc_flux_predictor_check(&p) == IQFOC_OK && iqfoc_extension_check(&x) == IQFOC_OK) {
         (void)iqfoc_flux_predictor_step(&p, &x, any_ab(IQ24(8.0)), any_ab(IQ24(2.0)), any_sincos(),
                                         any_sincos());
+    }
+}
+
+/* Of the ranges that iqfoc_flux_map_check holds a part to. */
+static iqfoc_flux_map_part_t any_part(void)
+{
+    iqfoc_flux_map_part_t part;
+    part.e = any_within(0, IQ24(64.0));
+    part.k_d = any_within(IQ24(0.0625), IQ24(10.0));
+    part.k_q = any_within(IQ24(0.0625), IQ24(10.0));
+    part.x_0 = any_within(IQ24(-16.0), IQ24(16.0));
+    return part;
+}
+
+/* Flux map: any that is not refused, with any extension that is not refused; |i| <= 8, |u| <= 2. */
+void prove_flux_map(void)
+{
+    const iqfoc_flux_map_t map = {any(), any(), any(), any(), {any_part(), any_part()}};
+    const iqfoc_extension_t x = any_extension();
+    if (iqfoc_flux_map_check(&map) == IQFOC_OK && iqfoc_extension_check(&x) == IQFOC_OK) {
+        (void)iqfoc_flux_map_step(&map, &x, any_ab(IQ24(8.0)), any_ab(IQ24(2.0)), any_sincos(), any_sincos());
     }
 }
 

@@ -31,6 +31,10 @@ static const iqfoc_salient_machine_t machine =
     IQFOC_SALIENT_MACHINE(R_OHM, L_H, L_Q_H, PSI_WB, T_S, I_B_A, U_DC_V);
 static const iqfoc_flux_predictor_t flux =
     IQFOC_FLUX_PREDICTOR(R_OHM, L_H, L_Q_H, PSI_WB, T_S, I_B_A, U_DC_V);
+static const iqfoc_flux_map_t flux_map = IQFOC_FLUX_MAP(
+    R_OHM, 0.7 * L_H, 0.4 * L_Q_H, PSI_WB,
+    IQFOC_FLUX_MAP_PART(0.4 * L_Q_H * 100.0, 18.0, 10.0, -5.0, T_S, I_B_A, U_DC_V),
+    IQFOC_FLUX_MAP_PART(0.2 * L_Q_H * 36.0, 12.0, 6.0, 4.0, T_S, I_B_A, U_DC_V), T_S, I_B_A, U_DC_V);
 static const iqfoc_extension_t extension = {
     .i_offset = {IQ24(0.01), IQ24(-0.02), IQ24(0.01)},
     .i_gain_inverse = {IQ24(1.02), IQ24(0.98), IQ24_ONE},
@@ -76,7 +80,11 @@ static void start(const iqfoc_methods_t m)
         .tolerance_ticks = TICKS / 50,
         .stale_ticks = TICKS / 4,
         .deadline_ticks = TICKS / 2,
-        .data = {.flux = &flux, .acting = &extension, .extension = &extension, .learning = IQ24(0.1)},
+        .data = {.flux = &flux,
+                 .acting = &extension,
+                 .extension = &extension,
+                 .learning = IQ24(0.1),
+                 .flux_map = &flux_map},
     };
     drive.speed = golden_within(&drive.inputs, IQ24(0.2));
     drive.law = iqfoc_exact_prediction(&winding, IQ24_ONE);
@@ -174,7 +182,7 @@ static void period(const iqfoc_methods_t m, uint64_t *digest)
     add_state(digest, &command);
 }
 
-static const char *const models[] = {"quasi_discrete", "exact", "salient", "flux", "euler"};
+static const char *const models[] = {"quasi_discrete", "exact", "salient", "flux", "euler", "flux_map"};
 static const char *const feedbacks[] = {"midpoint", "corrected_mean", "quasi_discrete_mean", "exact_mean",
                                         "modulated_mean"};
 static const char *const controls[] = {"pi", "deadbeat", "deadbeat_learning"};
@@ -248,7 +256,7 @@ static void by_timer(golden_report *report)
 uint32_t golden_cycle(golden_report *report)
 {
     uint32_t count = 0;
-    for (uint32_t k = 0; k < 5 * 5 * 3; k++) {
+    for (uint32_t k = 0; k < 6 * 5 * 3; k++) {
         const iqfoc_methods_t m = {(iqfoc_model_t)(k / 15), (iqfoc_feedback_t)(k / 3 % 5),
                                    (iqfoc_control_t)(k % 3), IQFOC_MODULATION_PWM, false};
         if (iqfoc_methods_agree(m)) {

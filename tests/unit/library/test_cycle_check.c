@@ -17,6 +17,11 @@ static const iqfoc_flux_predictor_t flux = {.l_d = IQ24(0.5),
                                             .k_q = IQ24(2.0),
                                             .r = IQ24(0.015),
                                             .psi = IQ24(0.9)};
+static const iqfoc_flux_map_t flux_map = {.l_d = IQ24(0.5),
+                                          .l_q = IQ24(0.3),
+                                          .r = IQ24(0.015),
+                                          .psi = IQ24(0.9),
+                                          .part = {{IQ24(0.2), IQ24_ONE, IQ24_ONE, 0}}};
 static iqfoc_exact_law_t law;
 static iqfoc_salient_t salient;
 static iqfoc_salient_t salient_mean;
@@ -32,6 +37,7 @@ static iqfoc_cycle_config_t whole_set(void)
     set.data.salient = &salient;
     set.data.salient_mean = &salient_mean;
     set.data.flux = &flux;
+    set.data.flux_map = &flux_map;
     set.data.acting = &extension;
     set.data.extension = &extension;
     set.data.k_u_inverse = iqfoc_deadbeat_inverse(law.k_u_q26);
@@ -42,13 +48,13 @@ static iqfoc_cycle_config_t whole_set(void)
 
 /*
  * Written out by hand from methods.h: by PI, without saliency 4 feedbacks and the exact model's own mean, salient 3,
- * by flux 2; deadbeat and deadbeat with disturbance observer only without saliency.
+ * by flux and by flux map 2; deadbeat and deadbeat with disturbance observer only without saliency.
  */
 static void test_which_go_together(void)
 {
-    static const int wanted[5] = {4, 5, 3, 2, 4};
+    static const int wanted[6] = {4, 5, 3, 2, 4, 2};
     const iqfoc_cycle_config_t set = whole_set();
-    for (int model = 0; model < 6; model++) {
+    for (int model = 0; model < 7; model++) {
         int of_control[4] = {0};
         for (int choice = 0; choice < 6 * 4 * 4; choice++) {
             const iqfoc_methods_t m = {(iqfoc_model_t)model, (iqfoc_feedback_t)(choice % 6),
@@ -61,7 +67,7 @@ static void test_which_go_together(void)
         }
         const int modulations = 3;
         const bool plain = model == 0 || model == 1 || model == 4;
-        TEST_ASSERT_EQUAL_INT(model < 5 ? modulations * wanted[model] : 0, of_control[IQFOC_CONTROL_PI]);
+        TEST_ASSERT_EQUAL_INT(model < 6 ? modulations * wanted[model] : 0, of_control[IQFOC_CONTROL_PI]);
         TEST_ASSERT_EQUAL_INT(plain ? modulations * wanted[model] : 0, of_control[IQFOC_CONTROL_DEADBEAT]);
         TEST_ASSERT_EQUAL_INT(plain ? modulations * wanted[model] : 0,
                               of_control[IQFOC_CONTROL_DEADBEAT_LEARNING]);
@@ -79,6 +85,8 @@ static const iqfoc_methods_t of_salient = {IQFOC_MODEL_SALIENT, IQFOC_FEEDBACK_E
                                            IQFOC_MODULATION_PWM, false};
 static const iqfoc_methods_t by_flux = {IQFOC_MODEL_FLUX, IQFOC_FEEDBACK_MIDPOINT, IQFOC_CONTROL_PI,
                                         IQFOC_MODULATION_OVER, false};
+static const iqfoc_methods_t by_flux_map = {IQFOC_MODEL_FLUX_MAP, IQFOC_FEEDBACK_MIDPOINT, IQFOC_CONTROL_PI,
+                                            IQFOC_MODULATION_PWM, false};
 static const iqfoc_methods_t diagnosed = {IQFOC_MODEL_QUASI_DISCRETE, IQFOC_FEEDBACK_MIDPOINT,
                                           IQFOC_CONTROL_PI, IQFOC_MODULATION_PWM, true};
 static const iqfoc_methods_t deadbeat = {IQFOC_MODEL_EULER, IQFOC_FEEDBACK_MIDPOINT, IQFOC_CONTROL_DEADBEAT,
@@ -107,6 +115,8 @@ static void test_what_is_missing(void)
     iqfoc_flux_predictor_t unfit_flux = flux;
     unfit.k_u = 0;
     unfit_flux.r = -1;
+    iqfoc_flux_map_t unfit_map = flux_map;
+    unfit_map.part[1].e = -1;
     LACKS(IQFOC_ERROR_NULL, exact_mean, exact, NULL);
     LACKS(IQFOC_ERROR_NULL, exact_mean, exact_mean, NULL);
     LACKS(IQFOC_ERROR_NULL, of_salient, salient, NULL);
@@ -114,6 +124,9 @@ static void test_what_is_missing(void)
     LACKS(IQFOC_ERROR_NULL, by_flux, flux, NULL);
     LACKS(IQFOC_ERROR_NULL, by_flux, acting, NULL);
     LACKS(IQFOC_ERROR_RESISTANCE, by_flux, flux, &unfit_flux);
+    LACKS(IQFOC_ERROR_NULL, by_flux_map, flux_map, NULL);
+    LACKS(IQFOC_ERROR_NULL, by_flux_map, acting, NULL);
+    LACKS(IQFOC_ERROR_FLUX_PART, by_flux_map, flux_map, &unfit_map);
     LACKS(IQFOC_ERROR_NULL, diagnosed, extension, NULL);
     LACKS(IQFOC_ERROR_VOLTAGE, diagnosed, extension, &unfit);
     LACKS(IQFOC_ERROR_METHODS, deadbeat, k_u_inverse, IQ24(0.0625) - 1);

@@ -64,6 +64,22 @@ static void test_flux_predictor(void)
     TEST_ASSERT_EQUAL_MEMORY(&named, &positional, sizeof named);
 }
 
+static void test_flux_map(void)
+{
+    static const iqfoc_flux_map_t positional =
+        IQFOC_FLUX_MAP(R, L_D, L_Q, PSI, IQFOC_FLUX_MAP_PART(0.5, 20.0, 12.0, -5.0, T, I, U),
+                       IQFOC_FLUX_MAP_NO_PART, T, I, U);
+    static const iqfoc_flux_map_t named = {.l_d = IQFOC_MAP_L(L_D, T, I, U),
+                                           .l_q = IQFOC_MAP_L(L_Q, T, I, U),
+                                           .r = IQFOC_FLUX_R(R, I, U),
+                                           .psi = IQFOC_MAP_PSI(PSI, T, U),
+                                           .part = {{.e = IQFOC_MAP_E(0.5, T, I, U),
+                                                     .k_d = IQFOC_MAP_K(20.0, I),
+                                                     .k_q = IQFOC_MAP_K(12.0, I),
+                                                     .x_0 = IQFOC_MAP_X(-5.0, 20.0)}}};
+    TEST_ASSERT_EQUAL_MEMORY(&named, &positional, sizeof named);
+}
+
 static void test_extension(void)
 {
     static const iqfoc_extension_t positional = IQFOC_EXTENSION_NONE;
@@ -131,6 +147,7 @@ int main(void)
     RUN_TEST(test_predictor);
     RUN_TEST(test_gains);
     RUN_TEST(test_flux_predictor);
+    RUN_TEST(test_flux_map);
     RUN_TEST(test_extension);
     RUN_TEST(test_exact);
     RUN_TEST(test_salient);

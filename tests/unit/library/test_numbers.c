@@ -36,6 +36,7 @@ static void test_errors(void)
         {IQFOC_ERROR_INDUCTANCE_Q, -21},
         {IQFOC_ERROR_RESISTANCE, -22},
         {IQFOC_ERROR_FLUX, -23},
+        {IQFOC_ERROR_FLUX_PART, -24},
         {IQFOC_ERROR_SALIENCY, -25},
         {IQFOC_ERROR_WEAKENING, -26},
         {IQFOC_ERROR_CHANNELS, -30},
