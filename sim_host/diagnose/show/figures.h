@@ -41,6 +41,9 @@ bool figure_free_runs(page *p, const report_context *c, error *e);
 bool figure_methods(page *p, const report_context *c, error *e);
 bool figure_plant_runs(page *p, const report_context *c, error *e);
 bool figure_plant_current(page *p, const report_context *c, error *e);
+/* The extended model saturates. */
+bool figure_flux_d(page *p, const report_context *c, error *e);
+bool figure_flux_q(page *p, const report_context *c, error *e);
 /* d->learned has points. */
 bool figure_learned(page *p, const report_context *c, error *e);
 

@@ -10,6 +10,8 @@
 #include "report_tables.h"
 #include "report_words.h"
 
+#include "model/flux_map.h"
+
 #include <string.h>
 
 static firmware_gain firmware_of(const report_input *in)
@@ -100,6 +102,16 @@ static bool write_learned(page *p, const report_context *c, error *e)
     return c->d->learned.points <= 1 || draw(p, c, figure_learned, e);
 }
 
+/* Of iron that saturates. */
+static bool write_flux(page *p, const report_context *c, error *e)
+{
+    if (!c->extended || !flux_map_bends(&c->d->extended_drive)) {
+        return true;
+    }
+    page_heading(p, 2, "Flux linkage: how the machine saturates");
+    return pair(p, c, figure_flux_d, figure_flux_q, e);
+}
+
 static bool write_body(page *p, const report_input *in, const report_context *c,
                        const firmware_gain *firmware, error *e)
 {
@@ -113,7 +125,7 @@ static bool write_body(page *p, const report_input *in, const report_context *c,
     }
     report_errors(p, d, firmware);
     report_experiment(p, d);
-    if (!write_residuals(p, c, e) || !write_learned(p, c, e)) {
+    if (!write_flux(p, c, e) || !write_residuals(p, c, e) || !write_learned(p, c, e)) {
         return false;
     }
     page_heading(p, 2, "Run by run");
