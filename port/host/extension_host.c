@@ -59,6 +59,72 @@ bool flux_predictor_from_motor(const motor *m, iqfoc_flux_predictor_t *predictor
     return true;
 }
 
+flux_map_values flux_map_values_of(const motor *m)
+{
+    const motor_extension *x = &m->ext;
+    flux_map_values v = {
+        .psi_Wb = m->psi_f_Wb,
+        .part = {{x->E_1_J, x->I_d1_A, x->I_q1_A, x->I_c1_A}, {x->E_2_J, x->I_d2_A, x->I_q2_A, x->I_c2_A}}};
+    motor_inductances(m, &v.L_d_H, &v.L_q_H);
+    for (size_t k = 0; k < IQFOC_FLUX_MAP_PARTS; k++) {
+        if (!x->has[CAUSE_SATURATION_DQ] || !(v.part[k].E_J > 0.0)) {
+            v.part[k].E_J = 0.0;
+            continue;
+        }
+        const double I_d_A = v.part[k].I_d_A;
+        const double I_q_A = v.part[k].I_q_A;
+        const double x_0 = v.part[k].I_c_A / I_d_A;
+        const double root = sqrt(1.0 + x_0 * x_0);
+        v.L_d_H -= v.part[k].E_J / (I_d_A * I_d_A * root * root * root);
+        v.L_q_H -= v.part[k].E_J / (I_q_A * I_q_A * root);
+        v.psi_Wb += v.part[k].E_J / I_d_A * x_0 / root;
+    }
+    return v;
+}
+
+/* Part k of a map, if it has one. */
+static bool part(const motor *m, const flux_map_values *v, size_t k, iqfoc_flux_map_part_t *to, error *e)
+{
+    static const char *const key[IQFOC_FLUX_MAP_PARTS][4] = {{"E_1_J", "I_d1_A", "I_q1_A", "I_c1_A"},
+                                                             {"E_2_J", "I_d2_A", "I_q2_A", "I_c2_A"}};
+    const per_unit b = per_unit_of(m);
+    *to = (iqfoc_flux_map_part_t)IQFOC_FLUX_MAP_NO_PART;
+    return v->part[k].E_J == 0.0 ||
+           (constant(m, key[k][0], "E/(T U_b I_b)", IQFOC_RAW_MAP_E(v->part[k].E_J, b.T_s, b.I_A, b.U_V), 0.0,
+                     IQFOC_MAX_MAP_E, &to->e, e) &&
+            constant(m, key[k][1], "I_b/I_d", IQFOC_RAW_MAP_K(v->part[k].I_d_A, b.I_A), IQFOC_MIN_MAP_K,
+                     IQFOC_MAX_MAP_K, &to->k_d, e) &&
+            constant(m, key[k][2], "I_b/I_q", IQFOC_RAW_MAP_K(v->part[k].I_q_A, b.I_A), IQFOC_MIN_MAP_K,
+                     IQFOC_MAX_MAP_K, &to->k_q, e) &&
+            constant(m, key[k][3], "I_c/I_d", IQFOC_RAW_MAP_X(v->part[k].I_c_A, v->part[k].I_d_A),
+                     -IQFOC_MAX_MAP_X, IQFOC_MAX_MAP_X, &to->x_0, e));
+}
+
+bool flux_map_from_motor(const motor *m, iqfoc_flux_map_t *map, error *e)
+{
+    const per_unit b = per_unit_of(m);
+    const flux_map_values v = flux_map_values_of(m);
+    iqfoc_flux_map_t made;
+    if (!constant(m, "L_d_H", "l_d = L_d I_b/(T U_b) of straight iron",
+                  IQFOC_RAW_FLUX_L(v.L_d_H, b.T_s, b.I_A, b.U_V), IQFOC_MIN_MAP_L, IQFOC_MAX_FLUX_L,
+                  &made.l_d, e) ||
+        !constant(m, "L_q_H", "l_q = L_q I_b/(T U_b) of straight iron",
+                  IQFOC_RAW_FLUX_L(v.L_q_H, b.T_s, b.I_A, b.U_V), IQFOC_MIN_MAP_L, IQFOC_MAX_FLUX_L,
+                  &made.l_q, e) ||
+        !constant(m, "R_ohm", "R I_b/U_b", IQFOC_RAW_FLUX_R(m->R_ohm, b.I_A, b.U_V), 0.0, IQFOC_MAX_FLUX_R,
+                  &made.r, e) ||
+        !constant(m, "psi_f_Wb", "psi/(T U_b)", IQFOC_RAW_FLUX_PSI(v.psi_Wb, b.T_s, b.U_V),
+                  -IQFOC_MAX_FLUX_PSI, IQFOC_MAX_FLUX_PSI, &made.psi, e) ||
+        !part(m, &v, 0, &made.part[0], e) || !part(m, &v, 1, &made.part[1], e)) {
+        return false;
+    }
+    *map = made;
+    return iqfoc_flux_map_check(map) == IQFOC_OK ||
+           motor_refuse(
+               m->path, "E_1_J", e,
+               "the parts' flux is above 16 U_b T, or an inductance at a part's centre above 64 U_b T/I_b");
+}
+
 /* Turns per cycle. */
 static double top_speed(const motor *m)
 {

@@ -8,6 +8,7 @@
 #include "params_host.h"
 
 #include "iqfoc/extension.h"
+#include "iqfoc/flux_map.h"
 #include "iqfoc/flux_predictor.h"
 #include "iqfoc/observer.h"
 
@@ -38,5 +39,18 @@ bool observer_from_motor(const motor *m, iqfoc_observer_config_t *config, error 
 
 /* The flux predictor of a motor file. */
 bool flux_predictor_from_motor(const motor *m, iqfoc_flux_predictor_t *predictor, error *e);
+
+/* What IQFOC_FLUX_MAP takes: straight iron, the magnet with what the parts add at no current, and the parts. E_J = 0: no part. */
+typedef struct flux_map_values {
+    double L_d_H, L_q_H, psi_Wb;
+    struct {
+        double E_J, I_d_A, I_q_A, I_c_A;
+    } part[IQFOC_FLUX_MAP_PARTS];
+} flux_map_values;
+
+flux_map_values flux_map_values_of(const motor *m);
+
+/* The flux map of a motor file. Without a map of parts it has no part, and terms and I_sat of the file are left out. */
+bool flux_map_from_motor(const motor *m, iqfoc_flux_map_t *map, error *e);
 
 #endif

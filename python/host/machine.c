@@ -13,6 +13,7 @@ struct py_machine {
     iqfoc_exact_law_t exact, exact_mean;
     iqfoc_salient_machine_t salient;
     iqfoc_flux_predictor_t flux;
+    iqfoc_flux_map_t flux_map;
     iqfoc_extension_t acting; /* what the motor file's extensions make of the voltage */
 };
 
@@ -79,6 +80,12 @@ static iqfoc_ab_t flux(const py_machine *p, const row *r)
                                      iq24_sincos(iq24_add_wrap(r->theta, r->rotor.speed)));
 }
 
+static iqfoc_ab_t flux_map(const py_machine *p, const row *r)
+{
+    return iqfoc_flux_map_step(&p->flux_map, &p->acting, r->i, r->u, r->start,
+                               iq24_sincos(iq24_add_wrap(r->theta, r->rotor.speed)));
+}
+
 static const struct {
     const char *name;
     iqfoc_ab_t (*step)(const py_machine *p, const row *r);
@@ -87,6 +94,7 @@ static const struct {
                {"exact", exact},
                {"salient", salient},
                {"flux", flux},
+               {"flux_map", flux_map},
                {"quasi_discrete_mean", quasi_discrete_mean},
                {"exact_mean", exact_mean},
                {"salient_mean", salient_mean}};
@@ -98,7 +106,7 @@ py_machine *py_machine_new(const motor *m, error *e)
     memset(&made, 0, sizeof made);
     if (!predictor_from_motor(m, &made.predictor, e) || !winding_from_motor(m, &winding, e) ||
         !salient_from_motor(m, &made.salient, e) || !flux_predictor_from_motor(m, &made.flux, e) ||
-        !extension_from_motor(m, &made.acting, e)) {
+        !flux_map_from_motor(m, &made.flux_map, e) || !extension_from_motor(m, &made.acting, e)) {
         return NULL;
     }
     made.exact = iqfoc_exact_prediction(&winding, IQ24_ONE);

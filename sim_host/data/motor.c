@@ -116,6 +116,19 @@ void motor_inductances(const motor *m, double *L_d_H, double *L_q_H)
     }
 }
 
+bool motor_has_parts_alone(const motor *m)
+{
+    const motor_extension *x = &m->ext;
+    return x->has[CAUSE_SATURATION_DQ] && (x->E_1_J > 0.0 || x->E_2_J > 0.0) && x->w_ddd == 0.0 &&
+           x->w_dqq == 0.0 && x->w_dddd == 0.0 && x->w_ddqq == 0.0 && x->w_qqqq == 0.0 &&
+           x->I_sat_dq_A == 0.0;
+}
+
+cause_firmware motor_correction(const motor *m, cause_id id)
+{
+    return id == CAUSE_SATURATION_DQ && motor_has_parts_alone(m) ? FIRMWARE_HOLDS : cause_table[id].firmware;
+}
+
 size_t motor_angle_order(const motor *m, double order)
 {
     size_t n = 0;

@@ -10,7 +10,7 @@ from ._host import Trouble, ffi, lib, over_arrays
 from .functions import IQ24
 from .motor import Motor, motor_of
 
-METHODS = ("euler", "quasi_discrete", "exact", "salient", "flux", "quasi_discrete_mean", "exact_mean", "salient_mean")
+METHODS = ("euler", "quasi_discrete", "exact", "salient", "flux", "flux_map", "quasi_discrete_mean", "exact_mean", "salient_mean")
 
 
 class Machine:
@@ -38,8 +38,8 @@ class Machine:
 
         i: at the cycle's start, |i| <= 8; u: the mean voltage that acts in the cycle, <= 2; theta: at its start, turns; turns: speed,
         turns per cycle, held to a third. method: `euler` 2019 (3), `quasi_discrete` 2019 (12), `exact` predictor_exact.h, `salient`
-        predictor_salient.h, `flux` flux_predictor.h (which takes the motor file's extensions); `quasi_discrete_mean` 2019 (10),
-        `exact_mean`, `salient_mean`: the mean over the cycle. Errors are in those headers: 0.5 to 4 LSB for the motors of data/motors/.
+        predictor_salient.h, `flux` flux_predictor.h, `flux_map` flux_map.h (both take the motor file's extensions);
+        `quasi_discrete_mean` 2019 (10), `exact_mean`, `salient_mean`: the mean over the cycle. Errors are in those headers: 0.5 to 4 LSB for the motors of data/motors/.
         """
         if method not in METHODS:
             raise ValueError(f"no method {method!r}; there are {', '.join(METHODS)}")

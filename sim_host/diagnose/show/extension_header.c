@@ -4,6 +4,7 @@
 #include "base/number.h"
 #include "base/out_file.h"
 #include "base/text_out.h"
+#include "extension_host.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -58,16 +59,17 @@ static void define_machine(FILE *out, const diagnosis *d)
     static const char same[] = "as in the motor file";
     const motor *m = &d->extended_motor;
     const bool both = found(d, "L") != NULL;
-    const bool zero = found(d, "L_0") != NULL;
+    const bool map = found(d, "L_d0") != NULL;
+    const bool zero = map || found(d, "L_0") != NULL;
     fputs("/* ---- Bases and machine: what iqfoc/params.h takes ---- */\n", out);
     define(out, d, "IQFOC_DIAGNOSED_T_S", 1.0 / m->f_pwm_Hz, "s, control cycle", NULL, same);
     define(out, d, "IQFOC_DIAGNOSED_I_RATED_A", m->I_rated_A_rms, "A rms", NULL, same);
     define(out, d, "IQFOC_DIAGNOSED_U_DC_V", m->u_dc_V, "V", NULL, same);
     define(out, d, "IQFOC_DIAGNOSED_R_OHM", m->R_ohm, "ohm", "R", same);
     define(out, d, "IQFOC_DIAGNOSED_L_D_H", m->L_d_H, zero ? "H, at zero current" : "H",
-           both ? "L" : (zero ? "L_0" : "L_d"), same);
+           both ? "L" : (map ? "L_d0" : (zero ? "L_0" : "L_d")), same);
     define(out, d, "IQFOC_DIAGNOSED_L_Q_H", m->L_q_H, zero ? "H, at zero current" : "H",
-           both ? "L" : (zero ? "L_0" : "L_q"), same);
+           both ? "L" : (map ? "L_q0" : (zero ? "L_0" : "L_q")), same);
     define(out, d, "IQFOC_DIAGNOSED_PSI_WB", m->psi_f_Wb, "Wb", "psi_f", same);
     fputs("#define IQFOC_DIAGNOSED_I_BASE_A IQFOC_I_BASE(IQFOC_DIAGNOSED_I_RATED_A)\n\n", out);
 }
@@ -148,11 +150,65 @@ static void put_initialisers(FILE *out, bool saturates)
         out);
 }
 
+/* Numbers and initialiser of part k of a flux map. */
+static void define_part(FILE *out, const diagnosis *d, const flux_map_values *v, size_t k)
+{
+    static const char *const name[IQFOC_FLUX_MAP_PARTS][4] = {{"E_1", "I_d1", "I_q1", "I_c1"},
+                                                              {"E_2", "I_d2", "I_q2", "I_c2"}};
+    static const char *const macro[IQFOC_FLUX_MAP_PARTS][4] = {
+        {"IQFOC_DIAGNOSED_E_1_J", "IQFOC_DIAGNOSED_I_D1_A", "IQFOC_DIAGNOSED_I_Q1_A",
+         "IQFOC_DIAGNOSED_I_C1_A"},
+        {"IQFOC_DIAGNOSED_E_2_J", "IQFOC_DIAGNOSED_I_D2_A", "IQFOC_DIAGNOSED_I_Q2_A",
+         "IQFOC_DIAGNOSED_I_C2_A"}};
+    const double value[] = {v->part[k].E_J, v->part[k].I_d_A, v->part[k].I_q_A, v->part[k].I_c_A};
+    if (v->part[k].E_J == 0.0) {
+        fprintf(out, "#define IQFOC_DIAGNOSED_PART_%zu IQFOC_FLUX_MAP_NO_PART\n", k + 1);
+        return;
+    }
+    for (size_t n = 0; n < 4; n++) {
+        define(out, d, macro[k][n], value[n], n == 0 ? "J" : "A", name[k][n], "as in the motor file");
+    }
+    fprintf(
+        out,
+        "#define IQFOC_DIAGNOSED_PART_%zu \\\n"
+        "    IQFOC_FLUX_MAP_PART(%s, %s, %s, %s, \\\n"
+        "                        IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, IQFOC_DIAGNOSED_U_DC_V)\n",
+        k + 1, macro[k][0], macro[k][1], macro[k][2], macro[k][3]);
+}
+
+/* A flux map of parts that saturate, for iqfoc/flux_map.h. */
+static void define_map(FILE *out, const diagnosis *d)
+{
+    const flux_map_values v = flux_map_values_of(&d->extended_motor);
+    static const char made[] = "made of the numbers of the map";
+    fputs("/* ---- Flux map: straight iron, and parts that saturate, E sqrt(1 + ((i_d - I_c)/I_d)^2 + "
+          "(i_q/I_q)^2) "
+          "of the energy. ---- */\n",
+          out);
+    define(out, d, "IQFOC_DIAGNOSED_L_D_STRAIGHT_H", v.L_d_H, "H, of straight iron", NULL, made);
+    define(out, d, "IQFOC_DIAGNOSED_L_Q_STRAIGHT_H", v.L_q_H, "H, of straight iron", NULL, made);
+    define(out, d, "IQFOC_DIAGNOSED_PSI_MAP_WB", v.psi_Wb, "Wb, psi_f and the parts' at their centres", NULL,
+           made);
+    for (size_t k = 0; k < IQFOC_FLUX_MAP_PARTS; k++) {
+        define_part(out, d, &v, k);
+    }
+    fputs(
+        "\n/* iqfoc_flux_map_t, in place of iqfoc_flux_predictor_t: IQFOC_MODEL_FLUX_MAP, or "
+        "iqfoc_flux_map_step. */\n"
+        "#define IQFOC_DIAGNOSED_FLUX_MAP \\\n"
+        "    IQFOC_FLUX_MAP(IQFOC_DIAGNOSED_R_OHM, IQFOC_DIAGNOSED_L_D_STRAIGHT_H, "
+        "IQFOC_DIAGNOSED_L_Q_STRAIGHT_H, \\\n"
+        "                   IQFOC_DIAGNOSED_PSI_MAP_WB, IQFOC_DIAGNOSED_PART_1, IQFOC_DIAGNOSED_PART_2, \\\n"
+        "                   IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, IQFOC_DIAGNOSED_U_DC_V)\n\n",
+        out);
+}
+
 /* Named effects that the firmware has no constant for. */
 static void put_rest(FILE *out, const diagnosis *d)
 {
     for (int id = 0; id < CAUSE_COUNT; id++) {
-        if (motor_has_first(&d->extended_motor, (cause_id)id) && cause_table[id].firmware != FIRMWARE_HOLDS) {
+        if (motor_has_first(&d->extended_motor, (cause_id)id) &&
+            motor_correction(&d->extended_motor, (cause_id)id) != FIRMWARE_HOLDS) {
             fprintf(out,
                     "/* Not in this header: the library has no correction for %s. See motor_extended.toml. "
                     "*/\n",
@@ -180,11 +236,14 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
           "library's range does not compile.\n"
           " */\n#ifndef IQFOC_DIAGNOSED_EXTENSION_H\n#define IQFOC_DIAGNOSED_EXTENSION_H\n\n"
           "#include \"iqfoc/current_control.h\"\n#include \"iqfoc/extension_params.h\"\n#include "
-          "\"iqfoc/flux_predictor.h\"\n\n",
+          "\"iqfoc/flux_map.h\"\n#include \"iqfoc/flux_predictor.h\"\n\n",
           out);
     define_machine(out, d);
     define_corrections(out, d);
     put_initialisers(out, d->extended_motor.ext.has[CAUSE_SATURATION]);
+    if (motor_has_parts_alone(&d->extended_motor)) {
+        define_map(out, d);
+    }
     put_rest(out, d);
     fputs("#endif\n", out);
     return out_file_commit(&f, e);

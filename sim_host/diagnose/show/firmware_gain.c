@@ -16,6 +16,8 @@ typedef struct firmware {
     per_unit base;
     iqfoc_extension_t extension;
     iqfoc_flux_predictor_t predictor;
+    bool mapped; /* by `map` in place of `predictor` */
+    iqfoc_flux_map_t map;
     double late; /* cycles by which the voltage acts late, 0 to 2 */
 } firmware;
 
@@ -26,8 +28,10 @@ static bool firmware_of(const motor *m, firmware *f, error *e)
     f->late = m->ext.has[CAUSE_VOLTAGE_DELAY] ? m->ext.voltage_delay_cycles : 0.0;
     motor unnamed = *m;
     unnamed.path = NULL; /* messages then name no file */
+    f->mapped = motor_has_parts_alone(m);
     return extension_from_motor(&unnamed, &f->extension, e) &&
-           flux_predictor_from_motor(&unnamed, &f->predictor, e);
+           (f->mapped ? flux_map_from_motor(&unnamed, &f->map, e)
+                      : flux_predictor_from_motor(&unnamed, &f->predictor, e));
 }
 
 /* Phase values, per unit, to a vector. */
@@ -94,10 +98,13 @@ static vec_ab predict(const firmware *f, const recording *rec, const pwm_updates
                              .u_dc = IQ24_ONE};
     iqfoc_extension_sample(&f->extension, &sample);
     leave_out(current_sensors_missing(rec, pwm, sensors, k, 1), &sample.i);
-    const iqfoc_ab_t next =
-        iqfoc_flux_predictor_step(&f->predictor, &f->extension, iqfoc_clarke3(sample.i),
-                                  iqfoc_clarke3(per_unit_phases(u_V, f->base.U_V)), iq24_sincos(sample.theta),
-                                  iq24_sincos(iq24_add_wrap(sample.theta, sample.speed)));
+    const iqfoc_ab_t i = iqfoc_clarke3(sample.i);
+    const iqfoc_ab_t u = iqfoc_clarke3(per_unit_phases(u_V, f->base.U_V));
+    const iq24_sincos_t start = iq24_sincos(sample.theta);
+    const iq24_sincos_t end = iq24_sincos(iq24_add_wrap(sample.theta, sample.speed));
+    const iqfoc_ab_t next = f->mapped
+                                ? iqfoc_flux_map_step(&f->map, &f->extension, i, u, start, end)
+                                : iqfoc_flux_predictor_step(&f->predictor, &f->extension, i, u, start, end);
     return sensed(f, current_sensors_missing(rec, pwm, sensors, k + 1, 1), next);
 }
 

@@ -144,7 +144,8 @@ void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware)
         d->rows_held_out, d->rows_used, d->sensor_noise_A,
         d->outliers > 0 ? " The fit ignores glitches." : "");
     for (int id = 0; id < CAUSE_COUNT; id++) {
-        if (motor_has_first(&d->extended_motor, (cause_id)id) && cause_table[id].firmware == FIRMWARE_LACKS) {
+        if (motor_has_first(&d->extended_motor, (cause_id)id) &&
+            motor_correction(&d->extended_motor, (cause_id)id) == FIRMWARE_LACKS) {
             page_note(p, "The firmware has no correction for %s: its row keeps that error.",
                       cause_table[id].id);
         }

@@ -16,7 +16,10 @@ static void next_of_causes(page *p, const diagnosis *d, cause_firmware has, cons
     for (size_t k = 0; k < d->causes; k++) {
         const cause_row *row = cause_find(d->cause[k].id);
         const size_t used = strlen(causes);
-        if ((row != NULL ? row->firmware : FIRMWARE_LACKS) == has) {
+        const cause_firmware its = row != NULL
+                                       ? motor_correction(&d->extended_motor, (cause_id)(row - cause_table))
+                                       : FIRMWARE_LACKS;
+        if (its == has) {
             snprintf(causes + used, sizeof causes - used, "%s%s", used > 0 ? ", " : "", d->cause[k].id);
         }
     }

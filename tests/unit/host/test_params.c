@@ -153,6 +153,57 @@ static void test_inductances_are_those_at_zero_current(void)
     TEST_ASSERT_INT32_WITHIN(1, flux[1].k_q, flux[0].k_q);
 }
 
+/*
+ * A flux map of a motor file, against its macros: x_0 of 3/4, so that its root is 5/4. Straight iron has what the parts
+ * leave of L_d0 and L_q0, and the magnet what they add at no current.
+ */
+static void test_flux_map(void)
+{
+    motor m = laboratory();
+    iqfoc_flux_map_t map;
+    error e = {0, ""};
+    m.ext.has[CAUSE_SATURATION_DQ] = true;
+    m.ext.L_d0_H = 5e-3;
+    m.ext.L_q0_H = 9e-3;
+    m.ext.E_1_J = 0.5;
+    m.ext.I_d1_A = 20.0;
+    m.ext.I_q1_A = 10.0;
+    m.ext.I_c1_A = 15.0;
+    TEST_ASSERT_TRUE(motor_has_parts_alone(&m));
+    TEST_ASSERT_EQUAL_INT(FIRMWARE_HOLDS, motor_correction(&m, CAUSE_SATURATION_DQ));
+    TEST_ASSERT_TRUE_MESSAGE(flux_map_from_motor(&m, &map, &e), e.text);
+    const iqfoc_flux_map_t want = IQFOC_FLUX_MAP(
+        0.75, 5e-3 - 0.5 / 400.0 * 0.512, 9e-3 - 0.5 / 100.0 * 0.8, 0.134 + 0.5 / 20.0 * 0.6,
+        IQFOC_FLUX_MAP_PART(0.5, 20.0, 10.0, 15.0, T_S, I_B, U_B), IQFOC_FLUX_MAP_NO_PART, T_S, I_B, U_B);
+    TEST_ASSERT_INT32_WITHIN(1, want.l_d, map.l_d);
+    TEST_ASSERT_INT32_WITHIN(1, want.l_q, map.l_q);
+    TEST_ASSERT_EQUAL_INT32(want.r, map.r);
+    TEST_ASSERT_INT32_WITHIN(1, want.psi, map.psi);
+    TEST_ASSERT_EQUAL_MEMORY(want.part, map.part, sizeof map.part);
+    /* What the firmware has no constant for: terms, I_sat; and a map of terms alone. */
+    m.ext.w_dqq = -1e-5;
+    TEST_ASSERT_FALSE(motor_has_parts_alone(&m));
+    TEST_ASSERT_EQUAL_INT(FIRMWARE_LACKS, motor_correction(&m, CAUSE_SATURATION_DQ));
+    m.ext.w_dqq = 0.0;
+    m.ext.I_sat_dq_A = 40.0;
+    TEST_ASSERT_FALSE(motor_has_parts_alone(&m));
+    m.ext.I_sat_dq_A = 0.0;
+    /* A kink below a tenth of the rated peak, and parts that have more than the library holds. */
+    m.ext.I_d1_A = 0.05 * I_B;
+    TEST_ASSERT_FALSE(flux_map_from_motor(&m, &map, &e));
+    TEST_ASSERT_NOT_NULL(strstr(e.text, "m.toml"));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "I_b/I_d"), e.text);
+    e = (error){0, ""};
+    m.ext.L_q0_H = 0.409;
+    m.ext.I_d1_A = 20.0;
+    m.ext.E_1_J = 50.0;
+    m.ext.L_d0_H = 0.07;
+    TEST_ASSERT_FALSE(flux_map_from_motor(&m, &map, &e));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "16 U_b T"), e.text);
+    m.ext.E_1_J = 0.0;
+    TEST_ASSERT_FALSE(motor_has_parts_alone(&m));
+}
+
 /* A correction that does not fit is refused by file, key and constant. */
 static void test_correction_that_does_not_fit_is_named(void)
 {
@@ -176,6 +227,7 @@ int main(void)
     RUN_TEST(test_what_does_not_fit_is_named);
     RUN_TEST(test_conversions_saturate_and_wrap);
     RUN_TEST(test_inductances_are_those_at_zero_current);
+    RUN_TEST(test_flux_map);
     RUN_TEST(test_correction_that_does_not_fit_is_named);
     return UNITY_END();
 }
