@@ -18,7 +18,7 @@
  * Range: |al bh| <= 65535 2^15 = 2^31 - 2^15, and what is added to it is below 2^16 and not negative: t >=
  * -2^31 + 2^15, and t <= 65535 (2^15 - 1) + 65534 < 2^31, as bh <= 2^15 - 1 where it is positive. m may leave
  * 32 bits, within 2^32: the core's V flag says so, and m >> 16 is then that of the 32 bits with its upper half
- * turned over. high is that of the true product, within 2^30. tests/target runs iq24's tests through all four.
+ * turned over. high is that of the true product, within 2^30. tests/target runs iq24's tests through all of them.
  */
 
 /* A factor's halves: the lower without a sign, the upper with it. `high` may be the factor itself. */
@@ -81,6 +81,38 @@ __attribute__((naked)) int64_t iqfoc_arm_mac64(__attribute__((unused)) int64_t s
                    "pop {r4, r5, r6, r7, pc}\n"
                    "1:\t" /* clang-format off */ MIDDLE_OVER("r4", "r5") /* clang-format on */
                    "b 2b");
+}
+
+/* The sum of two products modulo 2^64. */
+__attribute__((naked)) int64_t iqfoc_arm_sum64(__attribute__((unused)) int32_t a,
+                                               __attribute__((unused)) int32_t b,
+                                               __attribute__((unused)) int32_t c,
+                                               __attribute__((unused)) int32_t d)
+{
+    __asm volatile(
+        ".syntax unified\n\t"
+        "push {r4, r5, r6, r7, lr}\n\t" /* clang-format off */
+                   HALVES("r4", "r5", "r0")
+                   "muls r0, r1\n\t" /* low */
+                   HALVES("r6", "r1", "r1")
+                   FOUR_PRODUCTS("r4", "r5", "r6", "r1", "r7")
+                   "bvs 1f\n\t"
+                   MIDDLE("r4") /* clang-format on */
+        "2:\tadds r1, r1, r4\n\t" /* clang-format off */
+                   HALVES("r4", "r5", "r2")
+                   "muls r2, r3\n\t" /* low */
+                   HALVES("r6", "r3", "r3")
+                   FOUR_PRODUCTS("r4", "r5", "r6", "r3", "r7")
+                   "bvs 3f\n\t"
+                   MIDDLE("r4") /* clang-format on */
+        "4:\tadds r3, r3, r4\n\t"
+        "adds r0, r0, r2\n\t"
+        "adcs r1, r3\n\t"
+        "pop {r4, r5, r6, r7, pc}\n"
+        "1:\t" /* clang-format off */ MIDDLE_OVER("r4", "r5") /* clang-format on */
+        "b 2b\n"
+        "3:\t" /* clang-format off */ MIDDLE_OVER("r4", "r5") /* clang-format on */
+        "b 4b");
 }
 
 /*

@@ -102,9 +102,10 @@ def render_tables():
 
 /* clang-format off */
 
-/* sin(2 pi i / {SINE_CELLS}) in Q30. */
-const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4] = {{
+/* sin(2 pi i / {SINE_CELLS}) in Q30, and the polynomials. */
+const int32_t iq24_sine_q30[IQ24_SINE_TERMS + 4] = {{
 {wrap(sine, 8)},
+    IQ24_ROTATE_S1 + 1, -IQ24_ROTATE_S3, -IQ24_ROTATE_C2, IQ24_ROTATE_C4,
 }};
 
 /* atan in Q32 turns around the ratios i / {ARCTAN_CELLS}: coefficients of a cubic, constant first; the k-th times 2^k. */

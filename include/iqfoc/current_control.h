@@ -115,16 +115,25 @@ IQFOC_STEP iqfoc_dq_t iqfoc_current_control_voltage(iqfoc_current_control_t *con
 {
     const iq24_t e_d = iq24_sub_wrap(i_ref.d, i.d);
     const iq24_t e_q = iq24_sub_wrap(i_ref.q, i.q);
-    const iq24_t minus_reactance_q = iq24_mul_high(-256 * speed, gains->x_q);
-    const iq24_t reactance_d = iq24_mul_high(256 * speed, gains->x_d);
+    iq24_t x_d;
+    iq24_t x_q;
+    IQ24_LOAD_PAIR(x_d, x_q, gains->x_d, gains->x_q);
+    const iq24_t minus_reactance_q = iq24_mul_high(-256 * speed, x_q);
+    const iq24_t reactance_d = iq24_mul_high(256 * speed, x_d);
     const iq24_acc_t integral_d = control->integral_d;
     const iq24_acc_t integral_q = control->integral_q;
-    iq24_acc_t d = iq24_acc_mac(integral_d, gains->kp_d, e_d);
-    iq24_acc_t q = iq24_acc_mac(integral_q, gains->kp_q, e_q);
+    iq24_t kp_d;
+    iq24_t kp_q;
+    IQ24_LOAD_PAIR(kp_d, kp_q, gains->kp_d, gains->kp_q);
+    iq24_acc_t d = iq24_acc_mac(integral_d, kp_d, e_d);
+    iq24_acc_t q = iq24_acc_mac(integral_q, kp_q, e_q);
     d = iq24_acc_mac(d, minus_reactance_q, i.q);
     q = iq24_acc_mac(iq24_acc_mac(q, reactance_d, i.d), speed, gains->emf);
-    control->integral_d = iqfoc_current_control_hold(iq24_acc_mac(integral_d, gains->ki_d, e_d));
-    control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(integral_q, gains->ki_q, e_q));
+    iq24_t ki_d;
+    iq24_t ki_q;
+    IQ24_LOAD_PAIR(ki_d, ki_q, gains->ki_d, gains->ki_q);
+    control->integral_d = iqfoc_current_control_hold(iq24_acc_mac(integral_d, ki_d, e_d));
+    control->integral_q = iqfoc_current_control_hold(iq24_acc_mac(integral_q, ki_q, e_q));
     const iqfoc_dq_t u = {iq24_acc_trunc(iqfoc_current_control_hold(d)),
                           iq24_acc_trunc(iqfoc_current_control_hold(q))};
     return u;

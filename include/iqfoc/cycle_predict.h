@@ -74,9 +74,6 @@ IQFOC_STEP bool iqfoc_wants_emf(const iqfoc_methods_t m)
 IQFOC_STEP void iqfoc_cycle_rotor(const iqfoc_methods_t m, iqfoc_cycle_t *cycle, iqfoc_valley_t *valley,
                                   const iqfoc_sample_t *sample, iq24_t speed)
 {
-    if (iqfoc_wants_rotor(m) || m.control != IQFOC_CONTROL_PI) {
-        speed = iq24_max(speed, -IQFOC_ROTOR_SPEED_MAX); /* the guard lets one LSB more pass */
-    }
     const iqfoc_rotor_shape_t shape = iqfoc_rotor_shape(speed);
     valley->s1_q30 = shape.p1_q30;
     valley->s2_q30 = iq24_mul_high(shape.x_q32, shape.p2_q30);
@@ -124,10 +121,10 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_salient(const iqfoc_methods_t m, iqfoc
     return iqfoc_park_inverse(iqfoc_salient_step(data->salient, i_dq, u_dq), end);
 }
 
-/* Coefficients of an exact law at this speed. The guard lets one LSB more pass. */
+/* Coefficients of an exact law at this speed. */
 IQFOC_STEP iqfoc_exact_t iqfoc_cycle_exact(const iqfoc_exact_law_t *law, const iqfoc_cycle_t *cycle)
 {
-    return iqfoc_exact_at_speed_inline(law, iq24_max(cycle->rotor.speed, -IQFOC_ROTOR_SPEED_MAX));
+    return iqfoc_exact_at_speed_inline(law, cycle->rotor.speed);
 }
 
 /* Prediction for a machine without saliency, at this speed and current. */
@@ -139,17 +136,19 @@ IQFOC_STEP iqfoc_ab_t iqfoc_cycle_predict_plain(const iqfoc_methods_t m, iqfoc_c
         valley->exact = iqfoc_cycle_exact(config->data.exact, cycle);
         return iqfoc_exact_step(&valley->exact, valley->i, u, iqfoc_valley_sc_mid(valley));
     }
-    iqfoc_predictor_t predictor = config->predictor;
+    const iqfoc_predictor_t *predictor = &config->predictor;
+    iqfoc_predictor_t saturated;
     if (m.extended && config->data.extension->saturation != 0) {
-        predictor = iqfoc_extension_saturate(config->data.extension, &config->predictor, valley->i);
-        valley->w_q26 = iq24_mul_shift(predictor.k_psi, cycle->rotor.phi_s1, 22);
+        saturated = iqfoc_extension_saturate(config->data.extension, predictor, valley->i);
+        predictor = &saturated;
+        valley->w_q26 = iq24_mul_shift(saturated.k_psi, cycle->rotor.phi_s1, 22);
     }
     if (m.control != IQFOC_CONTROL_PI || m.model == IQFOC_MODEL_EULER) {
-        valley->exact = m.model == IQFOC_MODEL_EULER ? iqfoc_form_euler(&predictor, &cycle->rotor)
-                                                     : iqfoc_form_quasi_discrete(&predictor, &cycle->rotor);
+        valley->exact = m.model == IQFOC_MODEL_EULER ? iqfoc_form_euler(predictor, &cycle->rotor)
+                                                     : iqfoc_form_quasi_discrete(predictor, &cycle->rotor);
         return iqfoc_exact_step(&valley->exact, valley->i, u, iqfoc_valley_sc_mid(valley));
     }
-    return iqfoc_predictor_step_q30(&predictor, valley->i, u, valley->w_q26, valley->q30);
+    return iqfoc_predictor_step_q30(predictor, valley->i, u, valley->w_q26, valley->q30);
 }
 
 /* The mean of the cycle that begins, seen from the rotor; see iqfoc_feedback_t. */
@@ -216,7 +215,8 @@ IQFOC_STEP void iqfoc_cycle_predict(const iqfoc_methods_t m, iqfoc_cycle_t *cycl
     valley.exact = none;
     valley.w_q26 = 0;
     iqfoc_cycle_rotor(m, cycle, &valley, sample, speed);
-    const iqfoc_ab_t u = {cycle->u_ab.alpha, cycle->u_ab.beta};
+    iqfoc_ab_t u;
+    IQ24_LOAD_PAIR(u.alpha, u.beta, cycle->u_ab.alpha, cycle->u_ab.beta);
     cycle->u_now = u;
     iqfoc_ab_t i_next =
         m.model == IQFOC_MODEL_SALIENT || m.model == IQFOC_MODEL_FLUX || m.model == IQFOC_MODEL_FLUX_MAP

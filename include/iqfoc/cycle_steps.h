@@ -88,16 +88,17 @@ IQFOC_STEP bool iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     iq24_t speed = sample->speed;
     bool whole = true;
-    if (cycle->phase > INT32_MAX ||
+    if ((cycle->phase | (uint32_t)sample->clipped << 31) > INT32_MAX || /* no valley is due, or clipped */
         iqfoc_ticks_since(cycle->valley_time, sample->time) > ended->period_ticks + ended->tolerance_ticks ||
-        iqfoc_guard_sample(ended, sample, i, now) != 0) {
+        iqfoc_guard_scalars(ended, sample, now) != 0 || iqfoc_guard_current(ended, i) != 0) {
         whole = iqfoc_cycle_report_valley(cycle, sample, now);
         speed = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
     }
-    /*@ assert guard_speed: -5592406 <= speed <= 5592405; */
+    /*@ assert guard_speed: -5592405 <= speed <= 5592405; */
     cycle->phase = IQFOC_CYCLE_DUE_PEAK;
     cycle->valley_time = sample->time;
-    const iqfoc_ab_t expected = cycle->i_next;
+    iqfoc_ab_t expected;
+    IQ24_LOAD_PAIR(expected.alpha, expected.beta, cycle->i_next.alpha, cycle->i_next.beta);
     const iqfoc_ab_t miss = {iq24_sub_wrap(i.alpha, expected.alpha), iq24_sub_wrap(i.beta, expected.beta)};
     cycle->error = miss;
     if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
@@ -130,14 +131,14 @@ static inline iq24_t iqfoc_cycle_inverse_followed(iq24_t r, iq24_t u)
 {
     const int32_t p_q27 = iq24_mul_high(u * 64, r * 32);
     const int32_t factor_q27 = iq24_max((INT32_C(2) << 27) - p_q27, INT32_C(1) << 26);
-    const iq24_t next = iq24_asr32(iq24_mul_high(r * 32, factor_q27 * 8) + 4, 3);
+    const iq24_t next = iq24_mul_high_round(r * 32, factor_q27);
     /*@ assert newton: 8192000 <= next <= 33751040; */
     return next;
 }
 
 /* The controller's feedback at the peak, for methods whose mean is not computed at the valley. */
 IQFOC_STEP iqfoc_dq_t iqfoc_cycle_feedback(const iqfoc_methods_t m, iqfoc_cycle_t *cycle,
-                                           const iqfoc_sample_t *sample, iqfoc_ab_t i)
+                                           const iqfoc_sample_t *sample)
 {
     if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
         if (cycle->corrected) {
@@ -145,14 +146,29 @@ IQFOC_STEP iqfoc_dq_t iqfoc_cycle_feedback(const iqfoc_methods_t m, iqfoc_cycle_
         }
         iqfoc_cycle_set_status(cycle, IQFOC_STATUS_NO_INTERVAL);
     }
-    return iqfoc_park(i, iq24_sincos_inline(sample->theta));
+    return iqfoc_park(iqfoc_clarke3(sample->i), iq24_sincos_inline(sample->theta));
+}
+
+/*
+ * u / u_dc to the bits of iqfoc_modulate. PI requests |u| <= 11.4, and 1/u_dc is at most 2.02 (above): 8 u and 32/u_dc
+ * fit, and the high word of their product is in Q24.
+ */
+IQFOC_STEP iqfoc_ab_t iqfoc_cycle_relative(const iqfoc_methods_t m, iqfoc_ab_t u, iq24_t u_dc_inverse)
+{
+    if (m.control == IQFOC_CONTROL_PI) {
+        const iqfoc_ab_t v = {iq24_mul_high(iq24_wrap((int64_t)u.alpha * 8), u_dc_inverse * 32),
+                              iq24_mul_high(iq24_wrap((int64_t)u.beta * 8), u_dc_inverse * 32)};
+        return v;
+    }
+    const iqfoc_ab_t v = {iq24_mul_trunc(u.alpha, u_dc_inverse), iq24_mul_trunc(u.beta, u_dc_inverse)};
+    return v;
 }
 
 /* Duties for u; on return u is the voltage that they produce. */
 IQFOC_STEP iqfoc_duties_t iqfoc_cycle_modulated(const iqfoc_methods_t m, iq24_t u_dc_inverse, iq24_t span_max,
                                                 iqfoc_ab_t *u, iq24_t u_dc)
 {
-    iqfoc_duties_t duties = iqfoc_modulate(*u, u_dc_inverse, span_max);
+    iqfoc_duties_t duties = iqfoc_modulate_relative(iqfoc_cycle_relative(m, *u, u_dc_inverse), span_max);
     if (m.modulation == IQFOC_MODULATION_SIX_STEP) {
         const int32_t state = iqfoc_six_step_state(iq24_atan2(u->beta, u->alpha));
         const iq24_t scale = duties.scale;
@@ -188,26 +204,26 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
         iqfoc_extension_sample(config->data.extension, &corrected);
         sample = &corrected;
     }
-    const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     iq24_t speed = sample->speed;
     iq24_t u_dc = sample->u_dc;
-    if (cycle->phase != IQFOC_CYCLE_DUE_PEAK || iqfoc_guard_sample(config, sample, i, now) != 0) {
+    if (cycle->phase != IQFOC_CYCLE_DUE_PEAK || sample->clipped ||
+        iqfoc_guard_scalars(config, sample, now) != 0 || iqfoc_guard_phases(config, sample->i) != 0) {
         if (!iqfoc_cycle_report_peak(cycle, sample, now)) {
             return iqfoc_cycle_stopped(cycle);
         }
         speed = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
         u_dc = iq24_clamp(u_dc, IQFOC_CYCLE_U_DC_MIN, IQFOC_CYCLE_U_DC_MAX);
     }
-    /*@ assert guard_speed: -5592406 <= speed <= 5592405; */
-    /*@ assert guard_u_dc: 8388607 <= u_dc <= 25165824; */
+    /*@ assert guard_speed: -5592405 <= speed <= 5592405; */
+    /*@ assert guard_u_dc: 8388608 <= u_dc <= 25165824; */
     cycle->phase = IQFOC_CYCLE_DUE_VALLEY;
     if (m.feedback == IQFOC_FEEDBACK_CORRECTED_MEAN) {
-        cycle->i_peak = i;
+        cycle->i_peak = iqfoc_clarke3(sample->i);
     }
     const iq24_t u_dc_inverse = iqfoc_cycle_inverse_followed(cycle->u_dc_inverse, u_dc);
     cycle->u_dc_inverse = u_dc_inverse;
     if (m.control == IQFOC_CONTROL_PI && !iqfoc_cycle_controls_early(m)) {
-        cycle->i_dq = iqfoc_cycle_feedback(m, cycle, sample, i);
+        cycle->i_dq = iqfoc_cycle_feedback(m, cycle, sample);
     }
     if (cycle->enabled <= cycle->tripped) { /* not enabled, or tripped: one comparison for both */
         return iqfoc_cycle_stopped(cycle);
@@ -222,7 +238,9 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
         }
         /* Range: |speed| <= 1/3 and |cycles| <= 9 give at most 3 turns; the sum wraps at 128, which are whole. */
         const iq24_t ahead = iq24_mul_high(256 * speed, iq24_sub_wrap(output_mid, sample->instant));
-        u = iqfoc_park_inverse_q30(cycle->u_dq, iq24_sincos_q30_inline(iq24_add_wrap(sample->theta, ahead)));
+        iqfoc_dq_t u_dq;
+        IQ24_LOAD_PAIR(u_dq.d, u_dq.q, cycle->u_dq.d, cycle->u_dq.q);
+        u = iqfoc_park_inverse_high(u_dq, iq24_sincos_q30_inline(iq24_add_wrap(sample->theta, ahead)));
     }
     iqfoc_command_t command;
     command.duties = m.modulation == IQFOC_MODULATION_OVER

@@ -88,6 +88,11 @@ extern "C" {
 #define IQ24_MAC64(sum, a, b) ((sum) + IQ24_MUL64(a, b))
 #endif
 
+/* Hook: the sum of two such products, modulo 2^64. */
+#ifndef IQ24_SUM64
+#define IQ24_SUM64(a, b, c, d) IQ24_MAC64(IQ24_MUL64(a, b), c, d)
+#endif
+
 /*
  * Hooks: floor(a b / 2^32), the high word of the product; the same added to c, modulo 2^32; the high word to
  * nearest, ties up, and that added to c. |a b| <= 2^62, so the high word is within 2^30.
@@ -102,11 +107,36 @@ extern "C" {
 #ifndef IQ24_HIGH_PLUS
 #define IQ24_HIGH_PLUS(c, a, b) ((c) + IQ24_HIGH(a, b))
 #endif
+/* The high word of -a b added to c, modulo 2^32. a is not IQ24_MIN. */
+#ifndef IQ24_HIGH_SUB
+#define IQ24_HIGH_SUB(c, a, b) IQ24_HIGH_ADD(c, -(a), b)
+#endif
 #ifndef IQ24_HIGH_ROUND
 #define IQ24_HIGH_ROUND(a, b) iq24_high_round_of(IQ24_MUL64(a, b))
 #endif
 #ifndef IQ24_HIGH_ROUND_ADD
 #define IQ24_HIGH_ROUND_ADD(c, a, b) iq24_add_wrap(c, IQ24_HIGH_ROUND(a, b))
+#endif
+
+/* Hook: x = first and y = second, where first and second are neighbours in memory, in this order. */
+#ifndef IQ24_LOAD_PAIR
+#define IQ24_LOAD_PAIR(x, y, first, second)                                                                  \
+    do {                                                                                                     \
+        (x) = (first);                                                                                       \
+        (y) = (second);                                                                                      \
+    } while (0)
+#endif
+
+/* Hook: exchanges two variables, whose difference fits, if low is above high. */
+#ifndef IQ24_ORDER
+#define IQ24_ORDER(low, high)                                                                                \
+    do {                                                                                                     \
+        if ((high) < (low)) {                                                                                \
+            const iq24_t l_ = (high);                                                                        \
+            (high) = (low);                                                                                  \
+            (low) = l_;                                                                                      \
+        }                                                                                                    \
+    } while (0)
 #endif
 
 /* Hook: x held to the range of a signed number of `bits` bits, a constant from 1 to 31. */
@@ -186,6 +216,16 @@ static inline iq24_t iq24_shift_wrap(int64_t x, uint32_t bits)
     const uint32_t high = (uint32_t)((uint64_t)x >> 32);
     const uint32_t low = (uint32_t)((uint64_t)x & UINT32_MAX);
     return iq24_from_bits(((high & (UINT32_MAX >> (32 - bits))) << (32 - bits)) | (low >> bits));
+#endif
+}
+
+/* floor(x / 2^32): the high word. */
+static inline int32_t iq24_high_of(int64_t x)
+{
+#ifdef __FRAMAC__
+    return iq24_wrap(iq24_asr64(x, 32));
+#else
+    return iq24_from_bits((uint32_t)((uint64_t)x >> 32));
 #endif
 }
 

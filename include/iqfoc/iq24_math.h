@@ -25,7 +25,7 @@ extern "C" {
  * Scaling and overflow: any argument is an angle; whole turns (all but the low 24 bits) drop out. No output
  * can overflow.
  * Error: 0.51 LSB at most, over all 2^24 angles (0.50986 found, at 10091565). Exact at quarter turns.
- * Instructions: 32. iq24_sincos.h has the same function inline.
+ * Instructions: 28. iq24_sincos.h has the same function inline.
  */
 iq24_sincos_t iq24_sincos(iq24_t turns);
 

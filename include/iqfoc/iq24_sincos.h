@@ -18,9 +18,13 @@ typedef struct {
     iq24_t cos;
 } iq24_sincos_t;
 
-/* sin(2 pi i / 64) in Q30, and a quarter turn more, so that the cosine is 16 entries on: iq24_trig.c. */
+/*
+ * sin(2 pi i / 64) in Q30, and a quarter turn more, so that the cosine is 16 entries on; behind them S1 + 1, -S3, -C2 and
+ * C4 of the polynomials below, which the code loads by the table's address: iq24_trig.c.
+ */
 #define IQ24_SINE_CELLS 64
-extern const int32_t iq24_sine_q30[IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4];
+#define IQ24_SINE_TERMS (IQ24_SINE_CELLS + IQ24_SINE_CELLS / 4)
+extern const int32_t iq24_sine_q30[IQ24_SINE_TERMS + 4];
 
 /* Polynomials of sine and 1 - cosine up to half a cell: python3 tools/derive_iq24_trig.py --check */
 #define IQ24_ROTATE_S1 INT32_C(1686629703)
@@ -56,9 +60,16 @@ static inline iq24_sincos_t iq24_sincos_q30_inline(iq24_t turns)
     /* The rest: the low 18 bits as a signed number, scaled so that half a cell is 2^31. Its square, 2^30. */
     int32_t rest = iq24_wrap((int64_t)turns * (INT32_C(1) << 14));
     int32_t square = iq24_mul_high(rest, rest);
+    const int32_t *const terms = &iq24_sine_q30[IQ24_SINE_TERMS];
+    int32_t s1;
+    int32_t s3;
+    IQ24_LOAD_PAIR(s1, s3, terms[0], terms[1]);
+    int32_t c2;
+    int32_t c4;
+    IQ24_LOAD_PAIR(c2, c4, terms[2], terms[3]);
     /* S1 - floor(square S3) is S1 + 1 + floor(-square S3), but for a square of 0, where one more changes no sin_d. */
-    int32_t sin_d = iq24_mul_high(rest, IQ24_HIGH_PLUS(IQ24_ROTATE_S1 + 1, square, -IQ24_ROTATE_S3));
-    int32_t minus_versin_d = iq24_mul_high(square, IQ24_HIGH_PLUS(-IQ24_ROTATE_C2, square, IQ24_ROTATE_C4));
+    int32_t sin_d = iq24_mul_high(rest, IQ24_HIGH_PLUS(s1, square, s3));
+    int32_t minus_versin_d = iq24_mul_high(square, IQ24_HIGH_PLUS(c2, square, c4));
 
     int64_t sin_change = IQ24_MAC64(IQ24_MUL64(c, sin_d), s, minus_versin_d);
     int64_t cos_change = IQ24_MAC64(IQ24_MUL64(s, -sin_d), c, minus_versin_d);

@@ -136,11 +136,11 @@ static inline iqfoc_dq_t iqfoc_mean_current_seen_q30(iqfoc_ab_t i, iqfoc_ab_t i_
     const iqfoc_ab_t sum = {iq24_add_wrap(i.alpha, i_next.alpha), iq24_add_wrap(i.beta, i_next.beta)};
     const iq24_t delta_beta = iq24_sub_wrap(i_next.beta, i.beta);
     const iq24_t minus_delta_alpha = iq24_sub_wrap(i.alpha, i_next.alpha);
-    const int64_t alpha = IQ24_MAC64(IQ24_MUL64(s1_q30, sum.alpha), two_s2_q30, delta_beta);
-    const int64_t beta = IQ24_MAC64(IQ24_MUL64(s1_q30, sum.beta), two_s2_q30, minus_delta_alpha);
+    const int64_t alpha = IQ24_SUM64(s1_q30, sum.alpha, two_s2_q30, delta_beta);
+    const int64_t beta = IQ24_SUM64(s1_q30, sum.beta, two_s2_q30, minus_delta_alpha);
     const iqfoc_ab_t v = {iq24_shift_wrap(alpha, 31), iq24_shift_wrap(beta, 31)};
-    const int64_t d = IQ24_MAC64(IQ24_MUL64(v.alpha, sc_q30.cos), v.beta, sc_q30.sin);
-    const int64_t q = IQ24_MAC64(IQ24_MUL64(v.beta, sc_q30.cos), v.alpha, -sc_q30.sin);
+    const int64_t d = IQ24_SUM64(v.alpha, sc_q30.cos, v.beta, sc_q30.sin);
+    const int64_t q = IQ24_SUM64(v.beta, sc_q30.cos, v.alpha, -sc_q30.sin);
     const iqfoc_dq_t mean = {iq24_sub_wrap(iq24_shift_wrap(d, 30), iq24_mul_high(w_q26, s2_q30)),
                              iq24_shift_wrap(q, 30)};
     return mean;

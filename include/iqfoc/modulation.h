@@ -25,6 +25,40 @@ typedef struct iqfoc_duties {
  */
 iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
 
+/* The lowest and the highest of three phases, which differ by less than 128. */
+IQFOC_STEP void iqfoc_modulation_ends(iqfoc_abc_t x, iq24_t *lowest, iq24_t *highest)
+{
+    iq24_t low = x.c;
+    iq24_t high = x.b;
+    IQ24_ORDER(low, high);
+    *lowest = iq24_min(low, x.a);
+    *highest = iq24_max(high, x.a);
+}
+
+/* iqfoc_modulate of a voltage over u_dc, v = u u_dc_inverse rounded down. */
+IQFOC_STEP iqfoc_duties_t iqfoc_modulate_relative(iqfoc_ab_t v, iq24_t span_max)
+{
+    iqfoc_abc_t x = iqfoc_clarke_inverse(v);
+    iq24_t low;
+    iq24_t high;
+    iqfoc_modulation_ends(x, &low, &high);
+    iq24_t scale = IQ24_ONE;
+    const iq24_t span = iq24_sub_wrap(high, low);
+    if (span > span_max) {
+        scale = iqfoc_modulation_scale(span, span_max);
+        x.a = iq24_mul_trunc(x.a, scale);
+        x.b = iq24_mul_trunc(x.b, scale);
+        x.c = iq24_mul_trunc(x.c, scale);
+        iqfoc_modulation_ends(x, &low, &high);
+    }
+    const iq24_t used = iq24_sub_wrap(high, low);
+    /*@ assert duties_apart: used >= 0; */
+    const iq24_t shift = iq24_sub_wrap(iq24_asr32(IQ24_ONE - used, 1), low);
+    const iqfoc_duties_t duties = {
+        {iq24_add_wrap(x.a, shift), iq24_add_wrap(x.b, shift), iq24_add_wrap(x.c, shift)}, scale};
+    return duties;
+}
+
 /*
  * Centre-aligned PWM with the zero sequence -(max + min)/2 of the three phase voltages, which uses the DC
  * link as fully as space-vector modulation and gives the same switching instants.
@@ -44,31 +78,7 @@ iq24_t iqfoc_modulation_scale(iq24_t span, iq24_t span_max);
 IQFOC_STEP iqfoc_duties_t iqfoc_modulate(iqfoc_ab_t u, iq24_t u_dc_inverse, iq24_t span_max)
 {
     const iqfoc_ab_t v = {iq24_mul_trunc(u.alpha, u_dc_inverse), iq24_mul_trunc(u.beta, u_dc_inverse)};
-    iqfoc_abc_t x = iqfoc_clarke_inverse(v);
-    iq24_t low = x.c;
-    iq24_t high = x.b;
-    if (x.b < x.c) {
-        low = x.b;
-        high = x.c;
-    }
-    low = iq24_min(low, x.a);
-    high = iq24_max(high, x.a);
-    iq24_t scale = IQ24_ONE;
-    const iq24_t span = iq24_sub_wrap(high, low);
-    if (span > span_max) {
-        scale = iqfoc_modulation_scale(span, span_max);
-        x.a = iq24_mul_trunc(x.a, scale);
-        x.b = iq24_mul_trunc(x.b, scale);
-        x.c = iq24_mul_trunc(x.c, scale);
-        low = iq24_mul_trunc(low, scale);
-        high = iq24_mul_trunc(high, scale);
-    }
-    const iq24_t used = iq24_sub_wrap(high, low);
-    /*@ assert duties_apart: used >= 0; */
-    const iq24_t shift = iq24_sub_wrap(iq24_asr32(IQ24_ONE - used, 1), low);
-    const iqfoc_duties_t duties = {
-        {iq24_add_wrap(x.a, shift), iq24_add_wrap(x.b, shift), iq24_add_wrap(x.c, shift)}, scale};
-    return duties;
+    return iqfoc_modulate_relative(v, span_max);
 }
 
 /*

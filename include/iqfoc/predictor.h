@@ -97,11 +97,14 @@ static inline iqfoc_ab_t iqfoc_predictor_quasi_discrete(const iqfoc_predictor_t 
 static inline iqfoc_ab_t iqfoc_predictor_step_q30(const iqfoc_predictor_t *p, iqfoc_ab_t i, iqfoc_ab_t u,
                                                   int32_t w_q26, iq24_sincos_t sc_q30)
 {
-    const iq24_t stays = IQ24_ONE - p->k_r;
-    const iq24_acc_t alpha = iq24_acc_mac(iq24_acc_mul(i.alpha, stays), p->k_u, u.alpha);
-    const iq24_acc_t beta = iq24_acc_mac(iq24_acc_mul(i.beta, stays), p->k_u, u.beta);
+    iq24_t k_u;
+    iq24_t k_r;
+    IQ24_LOAD_PAIR(k_u, k_r, p->k_u, p->k_r);
+    const iq24_t stays = IQ24_ONE - k_r;
+    const iq24_acc_t alpha = IQ24_SUM64(i.alpha, stays, k_u, u.alpha);
+    const iq24_acc_t beta = IQ24_SUM64(i.beta, stays, k_u, u.beta);
     const iqfoc_ab_t next = {iq24_mac_high(iq24_acc_trunc(alpha), w_q26, sc_q30.sin),
-                             iq24_mac_high(iq24_acc_trunc(beta), -w_q26, sc_q30.cos)};
+                             IQ24_HIGH_SUB(iq24_acc_trunc(beta), w_q26, sc_q30.cos)};
     return next;
 }
 

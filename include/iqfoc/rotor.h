@@ -53,6 +53,16 @@ typedef struct {
 /* Coefficients of P1 and P2, a pair for each power, lowest first; src/rotor.c. */
 extern const int32_t iqfoc_rotor_poly[5][2];
 
+/* A step of Horner for both polynomials. */
+static inline void iqfoc_rotor_horner(int32_t *p1, int32_t *p2, const int32_t *c, int32_t v)
+{
+    int32_t c1;
+    int32_t c2;
+    IQ24_LOAD_PAIR(c1, c2, c[0], c[1]);
+    *p1 = iq24_mac_high(c1, *p1, v);
+    *p2 = iq24_mac_high(c2, *p2, v);
+}
+
 /*
  * |speed| <= IQFOC_ROTOR_SPEED_MAX + 1. P1 lies in [0.826, 1], P2 in [0.469, 0.524]; errors are within those
  * of the functions that are made of them.
@@ -70,14 +80,13 @@ static inline iqfoc_rotor_shape_t iqfoc_rotor_shape(iq24_t speed)
     const int32_t p1 = iq24_wrap(both);
     const int32_t p2 = iq24_wrap(iq24_asr64(both, 32));
 #else
-    int32_t p1 = iq24_mac_high(c[3][0], c[4][0], v);
-    int32_t p2 = iq24_mac_high(c[3][1], c[4][1], v);
-    p1 = iq24_mac_high(c[2][0], p1, v);
-    p2 = iq24_mac_high(c[2][1], p2, v);
-    p1 = iq24_mac_high(c[1][0], p1, v);
-    p2 = iq24_mac_high(c[1][1], p2, v);
-    p1 = iq24_mac_high(c[0][0], p1, v);
-    p2 = iq24_mac_high(c[0][1], p2, v);
+    int32_t p1;
+    int32_t p2;
+    IQ24_LOAD_PAIR(p1, p2, c[4][0], c[4][1]);
+    iqfoc_rotor_horner(&p1, &p2, c[3], v);
+    iqfoc_rotor_horner(&p1, &p2, c[2], v);
+    iqfoc_rotor_horner(&p1, &p2, c[1], v);
+    iqfoc_rotor_horner(&p1, &p2, c[0], v);
 #endif
     const iqfoc_rotor_shape_t shape = {x, v, p1, p2};
     return shape;

@@ -140,6 +140,21 @@ static inline iqfoc_ab_t iqfoc_park_inverse_q30(iqfoc_dq_t dq, iq24_sincos_t sc_
     return ab;
 }
 
+/*
+ * The same to the bit for |component| < 32: with four times the components the result is the high word of the sum, which
+ * needs no shift.
+ *
+ * Range: 4 * 32 = 128 is beyond what iq24_t holds, below it fits; a product is below 2^61 and their sum below 2^62.
+ */
+static inline iqfoc_ab_t iqfoc_park_inverse_high(iqfoc_dq_t dq, iq24_sincos_t sc_q30)
+{
+    const int32_t d = iq24_wrap((int64_t)dq.d * 4);
+    const int32_t q = iq24_wrap((int64_t)dq.q * 4);
+    const iqfoc_ab_t ab = {iq24_high_of(IQ24_SUM64(d, sc_q30.cos, q, -sc_q30.sin)),
+                           iq24_high_of(IQ24_SUM64(q, sc_q30.cos, d, sc_q30.sin))};
+    return ab;
+}
+
 #ifdef __cplusplus
 }
 #endif

@@ -63,4 +63,8 @@ void prove_transforms(void)
     (void)iqfoc_clarke_inverse(any_ab(IQ24_MAX));
     (void)iqfoc_park(any_ab(IQ24(64.0)), any_sincos());
     (void)iqfoc_park_inverse(any_dq(IQ24(64.0)), any_sincos());
+    const iq24_sincos_t q30 = {any_within(-64 * IQ24_ONE, 64 * IQ24_ONE),
+                               any_within(-64 * IQ24_ONE, 64 * IQ24_ONE)};
+    (void)iqfoc_park_inverse_q30(any_dq(IQ24(64.0)), q30);
+    (void)iqfoc_park_inverse_high(any_dq(IQ24_MAX), q30);
 }

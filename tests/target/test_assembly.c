@@ -16,6 +16,7 @@
 
 int64_t iqfoc_arm_mul64(int32_t a, int32_t b);
 int64_t iqfoc_arm_mac64(int64_t sum, int32_t a, int32_t b);
+int64_t iqfoc_arm_sum64(int32_t a, int32_t b, int32_t c, int32_t d);
 int32_t iqfoc_arm_high(int32_t a, int32_t b);
 int32_t iqfoc_arm_high_round(int32_t a, int32_t b);
 int64_t iqfoc_arm_sincos_q30(int32_t turns);
@@ -77,7 +78,12 @@ static int64_t sum_modulo(int64_t a, int64_t b)
 static bool products_agree(int64_t sum, int32_t a, int32_t b)
 {
     const int64_t product = (int64_t)a * b;
-    return iqfoc_arm_mul64(a, b) == product && iqfoc_arm_mac64(sum, a, b) == sum_modulo(sum, product) &&
+    /* Another product from the halves of the sum, ahead of this one and after it. */
+    const int32_t c = (int32_t)iq24_asr64(sum, 32);
+    const int32_t d = iq24_wrap(sum);
+    const int64_t both = sum_modulo(product, (int64_t)c * d);
+    return iqfoc_arm_sum64(a, b, c, d) == both && iqfoc_arm_sum64(c, d, a, b) == both &&
+           iqfoc_arm_mul64(a, b) == product && iqfoc_arm_mac64(sum, a, b) == sum_modulo(sum, product) &&
            iqfoc_arm_high(a, b) == (int32_t)iq24_asr64(product, 32) &&
            iqfoc_arm_high_round(a, b) == (int32_t)iq24_asr64(product + (INT64_C(1) << 31), 32);
 }

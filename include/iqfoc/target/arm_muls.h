@@ -27,6 +27,8 @@ extern "C" {
 int64_t iqfoc_arm_mul64(int32_t a, int32_t b) __attribute__((const));
 /* sum + a b modulo 2^64: 20. */
 int64_t iqfoc_arm_mac64(int64_t sum, int32_t a, int32_t b) __attribute__((const));
+/* a b + c d modulo 2^64: 36. */
+int64_t iqfoc_arm_sum64(int32_t a, int32_t b, int32_t c, int32_t d) __attribute__((const));
 /* floor(a b / 2^32), and to nearest, ties up: 17. */
 int32_t iqfoc_arm_high(int32_t a, int32_t b) __attribute__((const));
 int32_t iqfoc_arm_high_round(int32_t a, int32_t b) __attribute__((const));
@@ -41,6 +43,7 @@ int64_t iqfoc_arm_rotor(int32_t speed, const int32_t *poly) __attribute__((pure)
 
 #define IQ24_MUL64(a, b)                     iqfoc_arm_mul64(a, b)
 #define IQ24_MAC64(sum, a, b)                iqfoc_arm_mac64(sum, a, b)
+#define IQ24_SUM64(a, b, c, d)               iqfoc_arm_sum64(a, b, c, d)
 #define IQ24_HIGH(a, b)                      iqfoc_arm_high(a, b)
 #define IQ24_HIGH_ROUND(a, b)                iqfoc_arm_high_round(a, b)
 #define IQ24_SINCOS_Q30(turns)               iqfoc_arm_sincos_q30(turns)

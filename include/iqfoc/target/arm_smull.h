@@ -87,6 +87,13 @@ static inline int32_t iqfoc_arm_high_add(int32_t c, int32_t a, int32_t b)
     return sum;
 }
 
+static inline int32_t iqfoc_arm_high_sub(int32_t c, int32_t a, int32_t b)
+{
+    int32_t sum;
+    __asm("smmls %0, %1, %2, %3" : "=r"(sum) : "r"(a), "r"(b), "r"(c));
+    return sum;
+}
+
 static inline int32_t iqfoc_arm_high_round_add(int32_t c, int32_t a, int32_t b)
 {
     int32_t sum;
@@ -96,10 +103,29 @@ static inline int32_t iqfoc_arm_high_round_add(int32_t c, int32_t a, int32_t b)
 
 #define IQ24_HIGH_ADD(c, a, b)       iqfoc_arm_high_add(c, a, b)
 #define IQ24_HIGH_PLUS(c, a, b)      iqfoc_arm_high_add(c, a, b)
+#define IQ24_HIGH_SUB(c, a, b)       iqfoc_arm_high_sub(c, a, b)
 #define IQ24_HIGH_ROUND_ADD(c, a, b) iqfoc_arm_high_round_add(c, a, b)
 #endif
 #define IQ24_HIGH(a, b)       iqfoc_arm_high(a, b)
 #define IQ24_HIGH_ROUND(a, b) iqfoc_arm_high_round(a, b)
+
+/*
+ * Two neighbouring words by one instruction: gcc joins two loads only where no other instruction comes between. "Uv" is
+ * an address with an offset that LDRD has. Not on Cortex-M3, where an interrupt can spoil the base (erratum 602117).
+ */
+#if defined(__ARM_FEATURE_DSP) && defined(__thumb__) && !defined(__clang__)
+#define IQ24_LOAD_PAIR(x, y, first, second)                                                                  \
+    __asm("ldrd %0, %1, %2" : "=r"(x), "=r"(y) : "Uv"(first), "m"(second))
+#endif
+
+/* By the difference where it is negative, else by 0: four instructions, where moves under a condition take six. */
+#define IQ24_ORDER(low, high)                                                                                \
+    do {                                                                                                     \
+        const iq24_t apart_ = iq24_sub_wrap(high, low);                                                      \
+        const iq24_t below_ = apart_ & iq24_asr32(apart_, 31);                                               \
+        (low) = iq24_add_wrap(low, below_);                                                                  \
+        (high) = iq24_sub_wrap(high, below_);                                                                \
+    } while (0)
 
 /* A macro throughout: the instruction wants the number of bits as a constant. */
 #define IQ24_HOLD_BITS(x, bits)                                                                              \

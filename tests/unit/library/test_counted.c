@@ -28,15 +28,22 @@ static int64_t let_through(iq24_t limit)
     return wrong == 0 ? count : 0;
 }
 
+/* Of the guard's own limit, with -limit - 1, all lie within the rotor's. */
 static void test_speed(void)
 {
-    TEST_ASSERT_EQUAL_INT64(2 * (int64_t)IQFOC_ROTOR_SPEED_MAX + 2, let_through(IQFOC_ROTOR_SPEED_MAX));
+    TEST_ASSERT_EQUAL_INT64(2 * (int64_t)IQFOC_GUARD_SPEED + 2, let_through(IQFOC_GUARD_SPEED));
+    TEST_ASSERT_TRUE(IQFOC_GUARD_SPEED < IQFOC_ROTOR_SPEED_MAX);
 }
 
-/* Of the DC link less 1, as iqfoc_guard_sample asks: -limit - 1 is 0.5 less an LSB. */
+/* All numbers from 0.5 to 1.5, and none else. */
 static void test_dc_link(void)
 {
-    TEST_ASSERT_EQUAL_INT64(2 * (int64_t)IQ24(0.5) + 2, let_through(IQ24(0.5)));
+    int64_t wrong = 0;
+    for (int64_t x = IQ24_MIN; x <= IQ24_MAX; x++) {
+        const bool good = iqfoc_guard_dc_link((iq24_t)x) == 0;
+        wrong += good != (x >= IQFOC_CYCLE_U_DC_MIN && x <= IQFOC_CYCLE_U_DC_MAX) ? 1 : 0;
+    }
+    TEST_ASSERT_EQUAL_INT64(0, wrong);
 }
 
 /* src/watch.c: the mean of a block's unit vectors is never longer than 1, for each angle that a cycle can turn. */

@@ -94,7 +94,7 @@ static void test_no_interval_after_clearing(void)
     TEST_ASSERT_EQUAL_UINT32(IQFOC_STATUS_NO_INTERVAL | IQFOC_STATUS_MISSED, cycle.status);
 }
 
-/* The guard looks where a limit is passed, below it one LSB later, and not before. */
+/* The guard looks where a limit is passed, below that of the current one LSB later, and not before. */
 static void test_the_guards_limits(void)
 {
     iqfoc_sample_t s = sample_at(0);
@@ -102,10 +102,10 @@ static void test_the_guards_limits(void)
     for (int off = -1; off <= 1; off++) {
         s.u_dc = IQ24(1.5) + off;
         TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, ticks) > INT32_MAX);
-        s.u_dc = IQ24(0.5) - 1 - off;
+        s.u_dc = IQ24(0.5) - off;
         TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, ticks) > INT32_MAX);
         s = sample_at(0);
-        s.speed = IQFOC_ROTOR_SPEED_MAX + off;
+        s.speed = IQFOC_GUARD_SPEED + off;
         TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, ticks) > INT32_MAX);
         s = sample_at(0);
         const iqfoc_ab_t along = {config.current_limit + off, 0};
@@ -114,6 +114,39 @@ static void test_the_guards_limits(void)
         TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, across, ticks) > INT32_MAX);
         const uint32_t now = ticks + config.stale_ticks + (uint32_t)off;
         TEST_ASSERT_EQUAL(off > 0, iqfoc_guard_sample(&config, &s, none, now) > INT32_MAX);
+    }
+}
+
+/* |x| <= limit in both components, which is what src/cycle.c asks. */
+static bool in_limit(iqfoc_ab_t i, int32_t limit)
+{
+    return abs(i.alpha) <= limit && abs(i.beta) <= limit;
+}
+
+/* By its phases the guard lets no current through that is beyond a limit, and all that are 3 % below it. */
+static void expect_phases(iq24_t limit, int32_t b, int32_t c)
+{
+    iqfoc_cycle_config_t set = config;
+    set.current_limit = limit;
+    const iqfoc_abc_t phases = {-(b + c) / 2, b, c};
+    const iqfoc_ab_t i = iqfoc_clarke3(phases);
+    const bool through = iqfoc_guard_phases(&set, phases) == 0;
+    TEST_ASSERT_TRUE(!through || in_limit(i, limit));
+    TEST_ASSERT_TRUE(through || !in_limit(i, limit - limit / 32 - 2));
+}
+
+static void test_the_guard_by_phases(void)
+{
+    for (int32_t k = 0; k < 200000; k++) {
+        const iq24_t limit = k < 100000 ? k + 1 : IQ24(16.0) - (k - 100000) * 2684;
+        const int32_t across = (int32_t)((int64_t)limit * 27 / 32);
+        const int32_t along = limit;
+        for (int32_t off = -3; off <= 3; off++) {
+            expect_phases(limit, across + off, -across);
+            expect_phases(limit, -across - off, across);
+            expect_phases(limit, along + off, along + off);
+            expect_phases(limit, -along - off, -along - off);
+        }
     }
 }
 
@@ -393,6 +426,7 @@ int main(void)
     RUN_TEST(test_clear);
     RUN_TEST(test_no_interval_after_clearing);
     RUN_TEST(test_the_guards_limits);
+    RUN_TEST(test_the_guard_by_phases);
     RUN_TEST(test_voltage_is_what_the_duties_make);
     RUN_TEST(test_asked_is_held_to_eight);
     RUN_TEST(test_stopped);

@@ -3,6 +3,7 @@
  * mean by them, PI and decoupling in one sum.
  */
 #include "iqfoc/current_control.h"
+#include "iqfoc/cycle_steps.h"
 #include "iqfoc/iq24_sincos.h"
 #include "iqfoc/mean_current.h"
 #include "iqfoc/transform.h"
@@ -83,6 +84,16 @@ static void test_the_rest(void)
         const double complex turn = of_q30(q30);
         const iqfoc_dq_t u_dq = {within(45.0), within(45.0)};
         park = fmax(park, larger_part(of_ab(iqfoc_park_inverse_q30(u_dq, q30)) - of_dq(u_dq) * turn));
+        const iqfoc_dq_t near_dq = {within(31.9), within(31.9)};
+        const iqfoc_ab_t shifted = iqfoc_park_inverse_q30(near_dq, q30);
+        const iqfoc_ab_t high = iqfoc_park_inverse_high(near_dq, q30);
+        TEST_ASSERT_TRUE(shifted.alpha == high.alpha && shifted.beta == high.beta);
+        const iqfoc_methods_t pi = {.control = IQFOC_CONTROL_PI};
+        const iqfoc_ab_t volt = {within(11.4), within(11.4)};
+        const iq24_t inverse = within(0.76) + IQ24(1.25);
+        const iqfoc_ab_t relative = iqfoc_cycle_relative(pi, volt, inverse);
+        TEST_ASSERT_EQUAL_INT32(iq24_mul_trunc(volt.alpha, inverse), relative.alpha);
+        TEST_ASSERT_EQUAL_INT32(iq24_mul_trunc(volt.beta, inverse), relative.beta);
 
         const iqfoc_predictor_t p = {within(8.0) + IQ24(8.0), within(0.5) + IQ24(0.5), IQ24(1.0)};
         const iqfoc_ab_t i = {within(21.3), within(21.3)};

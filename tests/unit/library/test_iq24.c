@@ -457,6 +457,44 @@ static void halves_join_and_hold(void)
     }
 }
 
+static void two_products_in_one_sum(iq24_t a, iq24_t b, iq24_t c, iq24_t d)
+{
+    const int64_t sum = iq24_acc_mac(iq24_acc_mul(a, b), c, d);
+    TEST_ASSERT_EQUAL_INT64(sum, IQ24_SUM64(a, b, c, d));
+    TEST_ASSERT_EQUAL_INT32(iq24_asr64(sum, 32), iq24_high_of(sum));
+    TEST_ASSERT_EQUAL_INT32(iq24_add_wrap(c, iq24_mul_high(-a, b)), IQ24_HIGH_SUB(c, a, b));
+}
+
+static void pairs_load_and_order(iq24_t a, iq24_t b)
+{
+    const struct {
+        int32_t ahead[3];
+        int32_t a;
+        int32_t b;
+    } held = {{1, 2, 3}, a, b};
+    iq24_t low;
+    iq24_t high;
+    IQ24_LOAD_PAIR(low, high, held.a, held.b);
+    TEST_ASSERT_TRUE(low == a && high == b);
+    low = iq24_asr32(low, 1);
+    high = iq24_asr32(high, 1);
+    IQ24_ORDER(low, high);
+    TEST_ASSERT_EQUAL_INT32(iq24_asr32(iq24_min(a, b), 1), low);
+    TEST_ASSERT_EQUAL_INT32(iq24_asr32(iq24_max(a, b), 1), high);
+}
+
+static void hooks_of_pairs(void)
+{
+    iq24_random_t random = {SEED};
+    for (int32_t i = 0; i < RANDOM_PAIRS / 4; i++) {
+        const iq24_t a = iq24_max(iq24_random_magnitude(&random), IQ24_MIN + 1);
+        const iq24_t b = iq24_random_magnitude(&random);
+        two_products_in_one_sum(a, b, iq24_random_any(&random), iq24_random_any(&random));
+        pairs_load_and_order(a, b);
+        pairs_load_and_order(b, b);
+    }
+}
+
 static void many_products_below_their_bound_accumulate_exactly(void)
 {
     /* n = 512 factors of 8 per unit: exactly the bound of the header, on its negative side. */
@@ -518,6 +556,7 @@ int main(void)
     RUN_TEST(wrap_and_sat_of_64_bits);
     RUN_TEST(two_products_accumulate_exactly);
     RUN_TEST(halves_join_and_hold);
+    RUN_TEST(hooks_of_pairs);
     RUN_TEST(many_products_below_their_bound_accumulate_exactly);
     RUN_TEST(constants_fold_to_the_nearest);
     return UNITY_END();
