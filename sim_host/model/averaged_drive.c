@@ -129,32 +129,6 @@ void averaged_drive_per_H(const averaged_drive *d, double share, vec_rotor r, do
     k[2] = even - odd * twice.cos;
 }
 
-/*
- * A leg's dead time delays its rising edge if the current then flows out, its falling edge if it flows in; each edge is
- * half of v_dead. Between the two the current differs by its ripple, which the duties tell: a clipped law of the mean
- * current alone would take the ripple's width for a knee and pass the rest on to the resistance.
- */
-static void dead_time_losses(const averaged_drive *d, const cycle_row *row, found_currents *i, vec_rotor r,
-                             double lost[3])
-{
-    found_currents_apart(d, row, r, i);
-    if (d->edge == EDGE_FOUND) {
-        found_edges_lost(d, row, i, lost);
-        return;
-    }
-    const double per_knee = 1.0 / d->i_knee_A;
-    const double takes_V = d->v_dead_V + d->compensation_V;
-    for (size_t x = 0; x < 3; x++) {
-        /* Of a full loss at one edge and none at the other: (1 + s) / 2 at the rise, (s - 1) / 2 at the fall. */
-        const double mid = 0.5 * (i->first[x] + i->last[x]);
-        const double rise = averaged_drive_edge(d->edge, (mid + i->apart[x]) * per_knee);
-        const double fall = averaged_drive_edge(d->edge, (mid - i->apart[x]) * per_knee);
-        const double held = row->no_rise[x] * (1.0 + rise) - row->no_fall[x] * (1.0 - fall);
-        lost[x] = 0.5 * takes_V * (rise + fall - held);
-        lost[x] -= averaged_drive_compensation(d, i->first[x]);
-    }
-}
-
 /* By how much the winding is above R, all phases alike. */
 static double drifted_ohm(const averaged_drive *d, const cycle_row *row)
 {
@@ -200,11 +174,9 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
 {
     vec_ab all = {0.0, 0.0};
     if (averaged_drive_loses(d)) {
-        found_currents i = {.T_s = T_s};
+        const found_way way = found_way_of(d, row, r, i_start, i_end);
         double lost[3];
-        vec_to_phases(i_start, i.first);
-        vec_to_phases(i_end, i.last);
-        dead_time_losses(d, row, &i, r, lost);
+        found_edges_lost(d, row, &way, T_s, lost);
         all = vec_from_phases(lost);
     }
     if (unequal(d)) {

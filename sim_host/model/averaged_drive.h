@@ -18,11 +18,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* How the loss of dead time depends on the current near zero; far from zero it tends to v_dead. */
+/* How the loss at an edge depends on the current that it finds near zero (found_edges.h); far from zero it tends to v_dead. */
 typedef enum edge_law {
     EDGE_CHARGED, /* the current first charges the devices' capacitance: 1 - knee/(2|i|) */
     EDGE_CLIPPED, /* sat(i / knee): the law of interfaces.md and of the firmware */
-    EDGE_FOUND,   /* each edge by the current that it finds, which a compensation has moved (found_edges.h) */
     EDGE_LAWS
 } edge_law;
 
@@ -90,7 +89,8 @@ typedef struct cycle_row {
     /* How far an error of the recorded angle moves this one with it: 1 / pole pairs where both are one sensor's, else 0. */
     double mech_moves;
     double per_pole; /* 1 / pole pairs */
-    double rise[3];  /* when each leg rises, as a share of the cycle: (1 - duty)/2 */
+    size_t periods;  /* of the carrier in the cycle; 0 is 1 */
+    double rise[3];  /* when each leg rises, as a share of a period: (1 - duty)/2 */
     double no_rise[3],
         no_fall[3]; /* edges less than a pulse's one: 1 of a leg that is held at a rail; the edge to or from
                                       the high rail lies at the valley between, and is one more of its cycle */

@@ -1,13 +1,80 @@
 /* A cycle's edges one after the other (found_edges.h). */
 #include "found_edges.h"
 
-void found_currents_apart(const averaged_drive *d, const cycle_row *row, vec_rotor r, found_currents *i)
+#include <math.h>
+
+/* The flux linkage of a current without the fall of the inductances, stationary. */
+static vec_ab flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_rotor r)
 {
-    averaged_drive_per_H(d, d->edge_ripple, r, i->per_flux);
+    const vec_dq i_dq = vec_to_dq(i, r);
+    return vec_to_ab((vec_dq){d->L_d_H * i_dq.d + psi_Wb, d->L_q_H * i_dq.q}, r);
+}
+
+/*
+ * By how much the current half-way between two lies ahead of their mean: it carries the mean of both ends' flux, of which the magnet,
+ * half-way round, has another part.
+ */
+static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last)
+{
+    const vec_rotor end = {r.cos * row->cos_turn - r.sin * row->sin_turn,
+                           r.cos * row->sin_turn + r.sin * row->cos_turn};
+    const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
+    const vec_rotor middle = {(r.cos + end.cos) / twice_cos, (r.sin + end.sin) / twice_cos};
+    const double psi_Wb = averaged_drive_magnet(d, row);
+    const vec_ab one = flux_of(d, psi_Wb, first, r);
+    const vec_ab two = flux_of(d, psi_Wb, last, end);
+    const vec_dq flux =
+        vec_to_dq((vec_ab){0.5 * (one.alpha + two.alpha), 0.5 * (one.beta + two.beta)}, middle);
+    const vec_ab i = vec_to_ab((vec_dq){(flux.d - psi_Wb) / d->L_d_H, flux.q / d->L_q_H}, middle);
+    return (vec_ab){i.alpha - 0.5 * (first.alpha + last.alpha), i.beta - 0.5 * (first.beta + last.beta)};
+}
+
+/* The phases' currents over one period of the carrier as if nothing were lost. */
+typedef struct found_currents {
+    double rises[3]; /* from the period's start to its end */
+    double mid[3];   /* mean of those that leg x' rise and fall find */
+    double apart[3]; /* when leg x rises, above that mean; as much below it when x falls */
+} found_currents;
+
+/* The current added by a flux in addition to the machine's own. */
+static vec_ab found_current(const found_way *way, vec_ab flux)
+{
+    const double *k = way->per_flux;
+    return (vec_ab){k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
+}
+
+/* A phase's current on the way, at a share of the cycle. */
+static double on_way(const found_way *way, size_t x, double at)
+{
+    return way->first[x] + at * (way->last[x] - way->first[x]) + 4.0 * at * (1.0 - at) * way->bow[x];
+}
+
+found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last)
+{
+    found_way way;
+    vec_to_phases(first, way.first);
+    vec_to_phases(last, way.last);
+    vec_to_phases(half_way(d, row, r, first, last), way.bow);
+    averaged_drive_per_H(d, d->edge_ripple, r, way.per_flux);
+    return way;
+}
+
+/* Between the ends of the way's n-th of so many parts. */
+static found_currents part_of(const cycle_row *row, const found_way *way, size_t n, size_t parts)
+{
+    const double per_part = 1.0 / (double)parts;
+    found_currents i;
     for (size_t x = 0; x < 3; x++) {
-        const vec_ab i_ripple = found_current(i, row->edge_ripple_Wb[x]);
-        i->apart[x] = vec_phase(i_ripple, (int)x) - (0.5 - row->rise[x]) * (i->last[x] - i->first[x]);
+        const double rise = row->rise[x];
+        const double first = on_way(way, x, (double)n * per_part);
+        const double last = on_way(way, x, (double)(n + 1) * per_part);
+        const double bow = way->bow[x] * per_part * per_part;
+        i.rises[x] = last - first;
+        i.mid[x] = 0.5 * (first + last) + 4.0 * rise * (1.0 - rise) * bow;
+        i.apart[x] =
+            vec_phase(found_current(way, row->edge_ripple_Wb[x]), (int)x) - (0.5 - rise) * i.rises[x];
     }
+    return i;
 }
 
 /* One volt on leg x alone. */
@@ -35,9 +102,8 @@ static void order_of(const double rise[3], size_t order[3])
 
 typedef struct edges {
     const averaged_drive *d;
-    const found_currents *i;
-    double v_late_V;   /* of dead time, both edges together */
-    double late_s;     /* that as a time */
+    const found_way *way;
+    double late_s;     /* the dead time, both edges together */
     double moved_V[3]; /* of the compensation, each edge */
     double moved_s[3];
     double low_A_s[3], high_A_s[3]; /* how fast leg x moves its own current about its edges, low and high */
@@ -47,19 +113,19 @@ typedef struct edges {
 } edges;
 
 /* How fast each leg's current moves about its edges: the others have the same state at its fall as at its rise. */
-static void find_slopes(edges *e, const cycle_row *row, const size_t order[3])
+static void find_slopes(edges *e, const cycle_row *row, const found_currents *i, double period_s,
+                        const size_t order[3])
 {
-    const found_currents *i = e->i;
-    const double per_T = 1.0 / i->T_s;
+    const double per_s = 1.0 / period_s;
     vec_ab u = {0.0, 0.0};
     for (size_t x = 0; x < 3; x++) {
         add(&u, volt_on(x), -row->u_dc_V * (1.0 - 2.0 * row->rise[x]));
     }
     for (size_t n = 0; n < 3; n++) {
         const size_t x = order[n];
-        e->low_A_s[x] = vec_phase(found_current(i, u), (int)x) + (i->last[x] - i->first[x]) * per_T;
+        e->low_A_s[x] = vec_phase(found_current(e->way, u), (int)x) + i->rises[x] * per_s;
         add(&u, volt_on(x), row->u_dc_V);
-        e->high_A_s[x] = vec_phase(found_current(i, u), (int)x) + (i->last[x] - i->first[x]) * per_T;
+        e->high_A_s[x] = vec_phase(found_current(e->way, u), (int)x) + i->rises[x] * per_s;
         e->held_A[x] = 0.5 * (e->low_A_s[x] + e->high_A_s[x]) * e->late_s;
         const double reach = 0.5 * (e->high_A_s[x] - e->low_A_s[x]) * e->late_s;
         e->per_reach[x] = 1.0 / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A);
@@ -69,59 +135,70 @@ static void find_slopes(edges *e, const cycle_row *row, const size_t order[3])
 /* The current that an edge finds, and of a full loss and none what it then takes: -1 to 1. */
 static double sign_found(const edges *e, size_t x, double i_A)
 {
-    const double others = vec_phase(found_current(e->i, e->flux), (int)x);
-    return averaged_drive_edge(EDGE_CLIPPED, (i_A + others + e->held_A[x]) * e->per_reach[x]);
+    const double others = vec_phase(found_current(e->way, e->flux), (int)x);
+    return averaged_drive_edge(e->d->edge, (i_A + others + e->held_A[x]) * e->per_reach[x]);
 }
 
-void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_currents *i, double lost[3])
+/* Adds what each leg loses over one period. */
+static void lose(const averaged_drive *d, const cycle_row *row, const found_way *way, const found_currents *i,
+                 double period_s, double lost[3])
 {
     const double v_late_V = d->v_dead_V + d->compensation_V;
-    const double s_per_V = i->T_s / row->u_dc_V;
-    edges e = {.d = d, .i = i, .v_late_V = v_late_V, .late_s = v_late_V * s_per_V};
+    const double s_per_V = period_s / row->u_dc_V;
+    edges e = {.d = d, .way = way, .late_s = v_late_V * s_per_V};
     size_t order[3];
     order_of(row->rise, order);
-    find_slopes(&e, row, order);
+    find_slopes(&e, row, i, period_s, order);
     for (size_t x = 0; x < 3; x++) {
         /* No edge moves beyond the valley or the peak. */
-        const double wanted = 0.5 * averaged_drive_compensation(d, i->first[x]);
+        const double wanted = 0.5 * averaged_drive_compensation(d, way->first[x]);
         e.moved_V[x] = fmin(fmax(wanted, (row->rise[x] - 0.5) * row->u_dc_V), row->rise[x] * row->u_dc_V);
         e.moved_s[x] = e.moved_V[x] * s_per_V;
-        lost[x] = -2.0 * e.moved_V[x];
     }
     for (size_t n = 0; n < 3; n++) {
         const size_t x = order[n];
-        const double mid = 0.5 * (i->first[x] + i->last[x]);
-        const double found = sign_found(&e, x, mid + i->apart[x] - e.low_A_s[x] * e.moved_s[x]);
-        const double late = 0.5 * v_late_V * (1.0 + found) * (1.0 - row->no_rise[x]);
-        lost[x] += late;
-        add(&e.flux, volt_on(x), (e.moved_V[x] - late) * i->T_s);
+        const double found = sign_found(&e, x, i->mid[x] + i->apart[x] - e.low_A_s[x] * e.moved_s[x]);
+        const double at_rise = 0.5 * v_late_V * (1.0 + found) * (1.0 - row->no_rise[x]) - e.moved_V[x];
+        lost[x] += at_rise;
+        add(&e.flux, volt_on(x), -at_rise * period_s);
     }
     for (size_t n = 3; n-- > 0;) {
         const size_t x = order[n];
-        const double mid = 0.5 * (i->first[x] + i->last[x]);
-        const double found = sign_found(&e, x, mid - i->apart[x] + e.high_A_s[x] * e.moved_s[x]);
-        const double late = 0.5 * v_late_V * (1.0 - found) * (1.0 - row->no_fall[x]);
-        lost[x] -= late;
-        add(&e.flux, volt_on(x), (e.moved_V[x] + late) * i->T_s);
+        const double found = sign_found(&e, x, i->mid[x] - i->apart[x] + e.high_A_s[x] * e.moved_s[x]);
+        const double at_fall = 0.5 * v_late_V * (found - 1.0) * (1.0 - row->no_fall[x]) - e.moved_V[x];
+        lost[x] += at_fall;
+        add(&e.flux, volt_on(x), -at_fall * period_s);
     }
 }
 
+void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_way *way, double T_s,
+                      double lost[3])
+{
+    const size_t periods = row->periods > 1 ? row->periods : 1;
+    lost[0] = lost[1] = lost[2] = 0.0;
+    for (size_t n = 0; n < periods; n++) {
+        const found_currents i = part_of(row, way, n, periods);
+        lose(d, row, way, &i, T_s / (double)periods, lost);
+    }
+    for (size_t x = 0; x < 3; x++) {
+        lost[x] /= (double)periods;
+    }
+}
+
+/* The current turns with the rotor, whatever the edges lose: what the ones before have changed is in it. */
 void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, double rise_V[3],
                       double fall_V[3])
 {
     const double v_late_V = d->v_dead_V + d->compensation_V;
     const double per_knee = 1.0 / d->i_knee_A;
-    found_currents at = {.T_s = row->T_s};
-    vec_to_phases(i, at.first);
-    vec_to_phases((vec_ab){row->cos_turn * i.alpha - row->sin_turn * i.beta,
-                           row->cos_turn * i.beta + row->sin_turn * i.alpha},
-                  at.last);
-    found_currents_apart(d, row, (vec_rotor){row->cos_theta, row->sin_theta}, &at);
+    const vec_ab last = {row->cos_turn * i.alpha - row->sin_turn * i.beta,
+                         row->cos_turn * i.beta + row->sin_turn * i.alpha};
+    const found_way way = found_way_of(d, row, (vec_rotor){row->cos_theta, row->sin_theta}, i, last);
+    const found_currents at = part_of(row, &way, 0, 1);
     for (size_t x = 0; x < 3; x++) {
-        const double mid = 0.5 * (at.first[x] + at.last[x]);
-        const double at_rise = averaged_drive_edge(d->edge, (mid + at.apart[x]) * per_knee);
-        const double at_fall = averaged_drive_edge(d->edge, (mid - at.apart[x]) * per_knee);
-        const double moved = 0.5 * averaged_drive_compensation(d, at.first[x]);
+        const double at_rise = averaged_drive_edge(d->edge, (at.mid[x] + at.apart[x]) * per_knee);
+        const double at_fall = averaged_drive_edge(d->edge, (at.mid[x] - at.apart[x]) * per_knee);
+        const double moved = 0.5 * averaged_drive_compensation(d, way.first[x]);
         rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
         fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;
     }

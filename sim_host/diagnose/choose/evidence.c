@@ -18,12 +18,10 @@ static const double PENALTY = 12.0;
 static const double CAUSE_PENALTY = 25.0;
 
 /*
- * What a law leaves in proportion to its effect is marginalised (tolerance.h). Two shares of what all causes explain stay, as
- * no error of an effect's size or shape leaves them. A dead time moves the edges that a sensor's filter still sees, by each edge's
- * own current: unless its law follows that, a few thousandths of what it explains can look like a filter.
+ * What a law leaves in proportion to its effect is marginalised (tolerance.h). A share of what all causes explain stays, as
+ * no error of an effect's size or shape leaves it: no map of a few terms is that of a machine to better than a part in a hundred of
+ * its flux.
  */
-static const double LEAST_SHARE_OF_EDGES = 3e-3;
-/* No map of a few terms is that of a machine to better than a part in a hundred of its flux. */
 static const double LEAST_SHARE_BESIDE_MAP = 1e-2;
 
 /* The columns of the allowed hypotheses, the coordinates that these move, and what shapes the laws of those that stand. */
@@ -258,11 +256,8 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
     return hypotheses_physical(set, option->z) && hypotheses_count(set, option->z, view->of_least);
 }
 
-double evidence_least(edge_law edge, double explained, hypothesis_set set, hypothesis_id h)
+double evidence_least(double explained, hypothesis_set set, hypothesis_id h)
 {
-    if (h == H_SENSOR_LAG && hypothesis_in(set, H_DEAD_TIME) && edge != EDGE_FOUND) {
-        return LEAST_SHARE_OF_EDGES * explained;
-    }
     if (hypothesis_table[h].cause != CAUSE_SATURATION_DQ && (set & hypotheses_of(CAUSE_SATURATION_DQ)) != 0) {
         return LEAST_SHARE_BESIDE_MAP * explained;
     }
@@ -279,7 +274,7 @@ double evidence_penalty(const evidence_view *view, hypothesis_set set)
                 parameters -= column_shows(hypothesis_table[h].column[k], view->rows) ? 0 : 1;
             }
             sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
-                   fmax(evidence_least(view->edge, view->explained, set, h),
+                   fmax(evidence_least(view->explained, set, h),
                         hypothesis_cause(h)->named ? view->least : 0.0);
         }
     }

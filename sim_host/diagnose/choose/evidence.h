@@ -56,7 +56,7 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
                    evidence_option *option);
 
 /* The least that h must explain in addition to a set's other members, in the measure of what all of them explain. */
-double evidence_least(edge_law edge, double explained, hypothesis_set set, hypothesis_id h);
+double evidence_least(double explained, hypothesis_set set, hypothesis_id h);
 
 /* What a set pays for its causes, its parameters and their surprise, in chi square. With two sensors a gain
  * of the third is no parameter. */

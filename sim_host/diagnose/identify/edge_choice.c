@@ -10,14 +10,11 @@
 /* Knee currents that are tried, as shares of the rated peak current: from an ideal switch to a slow one. */
 static const double knee_share[] = {0.005, 0.02, 0.06, 0.15};
 enum { KNEES = sizeof knee_share / sizeof *knee_share };
-static const double RIPPLE_START = 0.7;
+/* An edge finds all of the ripple. */
+static const double RIPPLE_START = 1.0;
 
-/*
- * With EDGE_FOUND the loss follows the current at the edge, which has all of the ripple. Its knee is small: it covers the error of
- * the sensor filter and the length of the dead time.
- */
-static const double FOUND_KNEE_SHARE = 0.01;
-static const double FOUND_RIPPLE = 1.0;
+/* With a compensation: hard switches, of which the knee covers what the current at the edge is not known by. */
+static const double COMPENSATED_KNEE_SHARE = 0.01;
 
 /* Chi square that the second parameter, the compensation, must reduce to be considered. */
 static const double SECOND_NUMBER = 25.0;
@@ -46,7 +43,7 @@ static bool sum_of(fit_data *d, const fit_state *s, size_t n, double g[2], doubl
     return ok;
 }
 
-/* Reduction in chi square by a plain dead time under the state's edge model. */
+/* Reduction in chi square by a dead time alone under the state's edge model. */
 static bool plain_gain(fit_data *d, const fit_state *s, double *gain)
 {
     double g[2] = {0.0};
@@ -72,12 +69,12 @@ static bool compensated_gain(fit_data *d, const fit_state *s, double *gain)
     return ok;
 }
 
-static fit_state under_found_edges(const fit_data *d, const fit_state *s, double share)
+static fit_state before_compensation(const fit_data *d, const fit_state *s, double share)
 {
     fit_state trial = *s;
-    trial.edge = EDGE_FOUND;
-    trial.z[P_RIPPLE] = FOUND_RIPPLE;
-    set_knee(d, &trial, P_KNEE, FOUND_KNEE_SHARE);
+    trial.edge = EDGE_CLIPPED;
+    trial.z[P_RIPPLE] = RIPPLE_START;
+    set_knee(d, &trial, P_KNEE, COMPENSATED_KNEE_SHARE);
     set_knee(d, &trial, P_COMPENSATION_KNEE, share);
     return trial;
 }
@@ -109,7 +106,7 @@ bool edge_choose(fit_data *d, fit_state *s)
     }
     const double plain = best;
     for (size_t k = 0; k < KNEES - 1; k++) {
-        const fit_state trial = under_found_edges(d, s, knee_share[k]);
+        const fit_state trial = before_compensation(d, s, knee_share[k]);
         double gain;
         if (!compensated_gain(d, &trial, &gain)) {
             return false;
@@ -125,11 +122,9 @@ bool edge_choose(fit_data *d, fit_state *s)
 
 void edge_of_set(const fit_data *d, fit_state *s)
 {
-    if (hypothesis_in(s->set, H_COMPENSATED) && s->edge != EDGE_FOUND) {
-        *s = under_found_edges(d, s, knee_share[0]);
-    } else if (!hypothesis_in(s->set, H_COMPENSATED) && s->edge == EDGE_FOUND) {
-        s->edge = averaged_drive_loses(&d->frame->nominal) ? d->frame->nominal.edge : EDGE_CHARGED;
-        s->z[P_RIPPLE] = RIPPLE_START;
+    if (hypothesis_in(s->set, H_COMPENSATED) && s->edge != EDGE_CLIPPED) {
+        *s = before_compensation(d, s, knee_share[0]);
+    } else if (!hypothesis_in(s->set, H_COMPENSATED)) {
         s->z[P_COMPENSATION] = 0.0;
     }
 }

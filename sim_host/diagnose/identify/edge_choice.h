@@ -1,7 +1,6 @@
 /*
  * Chooses the edge model of a dead time for this recording, by likelihood. The edge model (edge_law) describes how the voltage loss
- * depends on a current near zero. A plain dead time has charged or clipped edges. With a compensation, the loss depends on the
- * current at each edge.
+ * depends on a current near zero: a dead time alone has charged or clipped edges, one with a compensation begins at clipped ones.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_EDGE_CHOICE_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_EDGE_CHOICE_H
@@ -15,11 +14,11 @@
  */
 bool edge_choose(fit_data *d, fit_state *s);
 
-/* Sets the edge model that the state's set needs: EDGE_FOUND for the hypothesis of a compensation, a plain one for others. */
+/* Prepares the state for a compensation if its set holds one, and leaves none if it does not. */
 void edge_of_set(const fit_data *d, fit_state *s);
 
 /*
- * The last comparison of the two plain edge models: the difference of their objectives, and the smaller objective. Zeros: none so
+ * The last comparison of the two edge models: the difference of their objectives, and the smaller objective. Zeros: none so
  * far.
  */
 typedef struct edge_contest {
@@ -27,7 +26,7 @@ typedef struct edge_contest {
 } edge_contest;
 
 /*
- * Fits the other edge model to a plain dead time of the state and keeps the better one. Does so again only if the objective has
+ * Fits the other edge model to the state's dead time and keeps the better one. Does so again only if the objective has
  * changed by a quarter of the last difference: a smaller change cannot exchange the models. False: out of memory.
  */
 bool edge_revise(fit_data *d, fit_state *s, int refine_steps, edge_contest *last);

@@ -72,8 +72,7 @@ void fit_data_free(fit_data *d)
 
 void fit_spend(fit_data *d, const averaged_drive *drive, size_t ways)
 {
-    const bool found_edges = averaged_drive_loses(drive) && drive->edge == EDGE_FOUND;
-    const double dear = (found_edges ? 1.0 : 0.0) + (drive->fe_S != 0.0 ? 1.0 : 0.0) +
+    const double dear = (averaged_drive_loses(drive) ? 1.0 : 0.0) + (drive->fe_S != 0.0 ? 1.0 : 0.0) +
                         (drive->sensor_lag_s != 0.0 ? 1.0 : 0.0) + (flux_map_bends(drive) ? 0.5 : 0.0);
     d->effort += (1.0 + dear) * (double)ways * (double)d->rows_all;
 }

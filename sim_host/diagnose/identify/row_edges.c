@@ -35,11 +35,13 @@ void rows_fill_edges(diagnose_rows *r, const motor *m, modulator which)
 {
     const recording *rec = r->recording;
     double before[3] = {0.0};
-    const double period_s = r->T_s / (r->pwm.periods > 1 ? r->pwm.periods : 1);
+    const size_t periods = r->pwm.periods > 1 ? (size_t)r->pwm.periods : 1;
+    const double period_s = r->T_s / (double)periods;
     r->modulator = which;
     for (size_t k = 0; k < r->rows; k++) {
         cycle_row *row = &r->row[k];
         double duty[3];
+        row->periods = periods;
         const double u_dc = rec->u_dc_V ? rec->u_dc_V[k] : m->u_dc_V;
         duties_of(r, m, k, which, duty);
         for (size_t x = 0; x < 3; x++) {

@@ -12,7 +12,6 @@ double plain_knee_A(const averaged_drive *drive, const diagnose_rows *r, double 
         square += (flux.alpha * flux.alpha + flux.beta * flux.beta) / (double)r->rows;
     }
     double apart = drive->edge_ripple * sqrt(square) * 2.0 / (drive->L_d_H + drive->L_q_H);
-    const edge_law law = drive->edge == EDGE_FOUND ? EDGE_CLIPPED : drive->edge;
     double best = drive->i_knee_A;
     double least = INFINITY;
     for (double knee = 0.002 * i_peak_A; knee < 0.3 * i_peak_A; knee *= 1.05) {
@@ -21,7 +20,7 @@ double plain_knee_A(const averaged_drive *drive, const diagnose_rows *r, double 
             double i = i_peak_A * k / 400.0;
             double x = (i + apart) / drive->i_knee_A;
             double y = (i - apart) / drive->i_knee_A;
-            double is = 0.5 * (averaged_drive_edge(law, x) + averaged_drive_edge(law, y));
+            double is = 0.5 * (averaged_drive_edge(drive->edge, x) + averaged_drive_edge(drive->edge, y));
             double wrong = fmin(i / knee, 1.0) - is;
             sum += wrong * wrong;
         }

@@ -185,7 +185,6 @@ static cycle_row row_of(const circuit *c, size_t n, vec_ab u, vec_ab i)
 /* The drive that knows all of the circuit. */
 static averaged_drive drive_of(const circuit *c)
 {
-    const bool over = c->v_moved_V > 0.0;
     averaged_drive d = {.R_ohm = c->R_ohm,
                         .L_d_H = c->L_d_H,
                         .L_q_H = c->L_q_H,
@@ -195,7 +194,7 @@ static averaged_drive drive_of(const circuit *c)
                         .fe_tau_s = c->tau_fe_s,
                         .v_dead_V = c->v_dead_V - 2.0 * c->v_moved_V,
                         .i_knee_A = 1e-3,
-                        .edge = over ? EDGE_FOUND : EDGE_CLIPPED,
+                        .edge = EDGE_CLIPPED,
                         .edge_ripple = 1.0,
                         .compensation_V = 2.0 * c->v_moved_V,
                         .compensation_knee_A = 1e-3,

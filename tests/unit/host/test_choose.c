@@ -127,13 +127,9 @@ static void a_set_pays_for_causes_parameters_and_surprise(void)
 
 static void the_least_next_to_a_residual_above_the_tolerance(void)
 {
-    SAME(0.0, evidence_least(EDGE_CLIPPED, 1.0, BIT(H_RESISTANCE) | BIT(H_DEAD_TIME), H_RESISTANCE));
-    SAME(3e-3, evidence_least(EDGE_CLIPPED, 1.0, BIT(H_SENSOR_LAG) | BIT(H_DEAD_TIME), H_SENSOR_LAG));
-    SAME(0.0, evidence_least(EDGE_CLIPPED, 1.0, BIT(H_SENSOR_LAG), H_SENSOR_LAG));
-    /* A law that follows each edge leaves none of it. */
-    SAME(0.0, evidence_least(EDGE_FOUND, 1.0, BIT(H_SENSOR_LAG) | BIT(H_DEAD_TIME), H_SENSOR_LAG));
-    SAME(3e-2, evidence_least(EDGE_CLIPPED, 3.0, BIT(H_RESISTANCE) | BIT(H_MAP), H_RESISTANCE));
-    SAME(0.0, evidence_least(EDGE_CLIPPED, 1.0, BIT(H_RESISTANCE) | BIT(H_MAP), H_MAP));
+    SAME(0.0, evidence_least(1.0, BIT(H_RESISTANCE) | BIT(H_DEAD_TIME), H_RESISTANCE));
+    SAME(3e-2, evidence_least(3.0, BIT(H_RESISTANCE) | BIT(H_MAP), H_RESISTANCE));
+    SAME(0.0, evidence_least(1.0, BIT(H_RESISTANCE) | BIT(H_MAP), H_MAP));
 }
 
 static void a_set_in_words(void)

@@ -255,7 +255,7 @@ static void a_view_looks_at_what_is_allowed_and_at_what_stands(void)
     TEST_ASSERT_FALSE(asked[P_COMPENSATION_KNEE]);                   /* of another hypothesis */
     TEST_ASSERT_FALSE(asked[P_GAIN_C] || asked[P_OFFSET_ZERO]);      /* of a third sensor */
     rows.sensors = SENSORS_THREE;
-    state.edge = EDGE_FOUND;
+    state.edge = EDGE_CLIPPED;
     state.set = 0;
     TEST_ASSERT_TRUE(evidence_look(&d, &state, BIT(H_COMPENSATED), view));
     TEST_ASSERT_FALSE(asked[P_COMPENSATION_KNEE]); /* not in the set */
@@ -317,7 +317,7 @@ static void a_view_that_stands_is_not_made_again(void)
         hypothesis_set allowed = both;
         state.z[P_PSI] += change == 0 ? 1e-9 : 0.0;
         state.noise[1].gain += change == 1 ? 1e-9 : 0.0;
-        state.edge = change == 2 ? (state.edge == EDGE_FOUND ? EDGE_CLIPPED : EDGE_FOUND) : state.edge;
+        state.edge = change == 2 ? (state.edge == EDGE_CHARGED ? EDGE_CLIPPED : EDGE_CHARGED) : state.edge;
         state.set ^= change == 3 ? BIT(H_INDUCTANCE) : 0;
         allowed |= change == 4 ? BIT(H_DEAD_TIME) : 0;
         view->stands = change != 5; /* rows have changed */

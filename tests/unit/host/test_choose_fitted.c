@@ -59,8 +59,8 @@ static void another_law_of_the_edges_knows_none(void)
     const fit_state s = state_of(BIT(H_RESISTANCE), 1.0);
     fitted_sets f = {0};
     fitted_sets_keep(&f, s.set, &s, 0.0);
-    fitted_sets_forget(&f, EDGE_FOUND);
-    TEST_ASSERT_EQUAL_INT(EDGE_FOUND, f.edge);
+    fitted_sets_forget(&f, EDGE_CHARGED);
+    TEST_ASSERT_EQUAL_INT(EDGE_CHARGED, f.edge);
     TEST_ASSERT_NULL(fitted_sets_find(&f, s.set, s.set));
     fitted_sets_free(&f);
 }

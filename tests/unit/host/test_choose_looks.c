@@ -144,7 +144,7 @@ static void what_a_fit_spends_is_counted(void)
     TEST_ASSERT_EQUAL_DOUBLE(4.0 * rows, f.data.effort);
     TEST_ASSERT_FALSE(fit_has_spent(&f.data));
     averaged_drive dear = f.frame.nominal;
-    dear.edge = EDGE_FOUND;
+    dear.edge = EDGE_CLIPPED;
     dear.v_dead_V = -1.0;
     dear.fe_S = 0.01;
     dear.saturation = 1e-3;
@@ -152,7 +152,7 @@ static void what_a_fit_spends_is_counted(void)
     fit_spend(&f.data, &dear, 2);
     TEST_ASSERT_EQUAL_DOUBLE(7.0 * rows, f.data.effort);
     dear = f.frame.nominal;
-    dear.edge = EDGE_FOUND; /* no dead time by it */
+    dear.edge = EDGE_CLIPPED; /* no dead time by it */
     dear.w_dqq = 1e-6;
     fit_spend(&f.data, &dear, 1);
     TEST_ASSERT_EQUAL_DOUBLE(8.5 * rows, f.data.effort);
