@@ -244,6 +244,19 @@ static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index, iqfoc
 }
 
 /*
+ * 1/speed in Q22 to the nearest, as iq24_div(1 << 22, speed): 2^46 over 2^17 ... 2^21, by 31, 11 and 4 bits. A remainder is below 2^21, so
+ * that the next dividend is below 2^32.
+ */
+static inline int32_t cycles_of_turn(uint32_t speed)
+{
+    const uint32_t whole = (UINT32_C(1) << 31) / speed;
+    const uint32_t rest = ((UINT32_C(1) << 31) - whole * speed) << 11;
+    const uint32_t part = rest / speed;
+    const uint32_t last = (((rest - part * speed) << 4) + speed / 2) / speed;
+    return (int32_t)((whole << 15) + (part << 4) + last);
+}
+
+/*
  * Range: l i_ref + psi <= 80 and phi <= 0.79: below 64; r i_ref <= 64. cycles_q22 <= 2^29; 1/phi <= 20.4, so
  * that steady <= 2.07 (0.16 + 2 + 0.17). The voltage's square is at most 32.
  */
@@ -255,7 +268,7 @@ void iqfoc_pattern_control_aim(iqfoc_pattern_control_t *control, iqfoc_dq_t i_re
     const iq24_t speed_abs = iq24_clamp(speed < 0 ? -iq24_max(speed, -IQFOC_PATTERN_SPEED_MAX) : speed,
                                         IQFOC_PATTERN_CONTROL_SPEED_MIN, IQFOC_PATTERN_SPEED_MAX);
     t->speed = speed < 0 ? -speed_abs : speed_abs;
-    t->cycles_q22 = iq24_div(INT32_C(1) << 22, speed_abs);
+    t->cycles_q22 = cycles_of_turn((uint32_t)speed_abs);
     /*@ assert pattern_cycles: 33554432 <= t->cycles_q22 <= 536870912; */
     t->speed_abs = speed_abs;
     t->l_q28 = iq24_mul_trunc(iq24_mul_high_round(control->l * 8, speed_abs * 512), control->u_dc_inverse);
