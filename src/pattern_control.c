@@ -215,10 +215,19 @@ static inline void predict(iqfoc_pattern_control_t *control, iqfoc_ab_t i, iq24_
     control->i_next = next;
 }
 
+/*
+ * With long levels, one leg at a time has edges. The same error on all legs makes no flux: half of what this leg has in addition makes the
+ * sum of the other two zero, so that its edges correct all of the error on its axis and not 2/3 of it. Range: held to 4 a component.
+ */
 IQFOC_STEP void move_legs(iqfoc_pattern_control_t *control, const pattern_place_t place[3],
                           iqfoc_pattern_edges_t edges[3])
 {
-    const iqfoc_abc_t legs = iqfoc_clarke_inverse(control->error);
+    iqfoc_ab_t e = control->error;
+    if (control->trajectory.long_levels) {
+        e.alpha = IQ24_HOLD_BITS(e.alpha + iq24_asr32(e.alpha, 1), 27);
+        e.beta = IQ24_HOLD_BITS(e.beta + iq24_asr32(e.beta, 1), 27);
+    }
+    const iqfoc_abc_t legs = iqfoc_clarke_inverse(e);
     const iq24_t error[3] = {legs.a, legs.b, legs.c};
     for (int32_t k = 0; k < 3; k++) {
         step_leg(control, k, &place[k], error[k], &edges[k]);

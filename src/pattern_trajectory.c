@@ -171,7 +171,8 @@ IQFOC_STEP void place_trajectory(const iqfoc_pattern_control_t *control, iqfoc_p
     iq24_t steady_d =
         -iq24_mul_high_round(drop.q, radian_q32) - iq24_mul_high_round(control->psi, t->speed_abs * 256);
     iq24_t steady_q = iq24_mul_high_round(drop.d, radian_q32);
-    if (t->angle[angles] < PATTERN_EIGHTH_TURN) {
+    t->long_levels = t->angle[angles] < PATTERN_EIGHTH_TURN;
+    if (t->long_levels) {
         steady_d += flux_of_long_levels(control, t, u.d);
         u_q = angles > 0 ? u.q : q_of_six_step(control, u);
     } else {

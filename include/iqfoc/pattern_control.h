@@ -16,6 +16,7 @@
  * If all edges of a leg are within 1/8 turn of the zero crossings of its voltage, as in six-step and in few pulses near it, the levels are
  * too long for that. The link then changes i_d and not the torque: in place of r u s, the trajectory is more by (2/pi) r/omega on the d axis.
  * r is that of the link after five cycles and tan(delta)/omega more, by the same extrapolation; delta: angle of u from the q axis, as its sine.
+ * One leg at a time has edges there: each is moved by (3/2) e_leg, as the other two legs cannot correct their part of the flux on its axis.
  *
  * An edge moves at most to the places of its neighbours. The flux that remains is an error of the next cycle.
  *
@@ -80,9 +81,10 @@ typedef struct iqfoc_pattern_trajectory {
     iqfoc_ab_t per_link_q26; /* current that the voltage of the commanded cycle makes, over the link */
     iqfoc_dq_t
         drift_q26; /* current that EMF and disturbance make in a cycle, at the cycle's end: held to +-32 */
-    int32_t cycles_q22;                         /* per turn, Q22: 8 ... 128 */
-    int32_t start;                              /* level of a leg after angle 0: 1 or -1; 0: no row yet */
-    int32_t edges;                              /* of a leg in half a turn */
+    int32_t cycles_q22; /* per turn, Q22: 8 ... 128 */
+    bool long_levels;   /* all edges of a leg are within 1/8 turn of its zero crossings */
+    int32_t start;      /* level of a leg after angle 0: 1 or -1; 0: no row yet */
+    int32_t edges;      /* of a leg in half a turn */
     iq24_t angle[IQFOC_PATTERN_EDGES_HALF + 2]; /* of those, and of the next two: turns */
     /*
      * At an angle x after an edge, the integral of the leg's level, 1 or -1, from 1/4 turn to x is level (x + ahead).

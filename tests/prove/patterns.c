@@ -61,6 +61,7 @@ static iqfoc_pattern_trajectory_t any_trajectory(int32_t edges)
     t.drift_q26.d = any();
     t.drift_q26.q = any();
     t.cycles_q22 = any_within(1 << 25, 1 << 29);
+    t.long_levels = any_bool();
     t.start = any_within(-1, 1);
     t.edges = edges;
     for (int32_t k = 0; k < IQFOC_PATTERN_EDGES_HALF + 2; k++) {

@@ -6,6 +6,7 @@
 #include "pattern_reference.h"
 
 #include "iqfoc/pattern_control.h"
+#include "iqfoc/transform.h"
 
 #include <complex.h>
 
@@ -358,6 +359,61 @@ static void test_prediction_error_is_learnt(void)
     }
 }
 
+/* What the edge of leg a within a cycle without other edges moves by, over the flux error on its axis: 0 if there is no such edge. */
+static double moved_over_error(const iqfoc_pattern_control_t *c, iq24_t theta)
+{
+    iqfoc_pattern_control_t state[2] = {*c, *c};
+    iqfoc_pattern_edges_t edges[2][3];
+    state[1].i_next.alpha += IQ24(0.05);
+    for (int n = 0; n < 2; n++) {
+        iqfoc_pattern_control_step(&state[n], state[n].i_next, theta, IQ24_ONE, edges[n]);
+        const bool alone = edges[n][0].edges == 1 && edges[n][1].edges == 0 && edges[n][2].edges == 0;
+        if (!alone || !iq24_within(edges[n][0].instant[0], IQ24(0.1), IQ24(0.9))) {
+            return 0.0;
+        }
+    }
+    const double error = to_double(state[1].error.alpha) - to_double(state[0].error.alpha);
+    const double moved = to_double(edges[1][0].instant[0]) - to_double(edges[0][0].instant[0]);
+    return edges[0][0].level * moved * to_double(c->trajectory.speed_abs) / error;
+}
+
+/* With long levels, the other two legs correct nothing of the error on a leg's axis: its edge corrects 3/2 of it. */
+static void test_edges_of_long_levels(void)
+{
+    static const iqfoc_pattern_control_config_t config = {
+        IQFOC_EXACT_WINDING(0.75, 5.2e-3, 0.134, 1e-4, 14.849, 565.0), IQ24(0.1), IQ24(0.01)};
+    const iqfoc_dq_t i_ref = {0, IQ24_ONE};
+    uint64_t seed = SEED;
+    smooth_table(&seed);
+    for (int n = 0; n < 4; n++) {
+        const bool is_long = n / 2 == 0;
+        const iq24_t speed = n % 2 == 0 ? IQ24(0.03) : IQ24(-0.03);
+        table.angles = 1;
+        for (int k = 0; k < table.rows; k++) {
+            rows[k].angle[0] = is_long ? IQ24(0.12) : IQ24(0.13);
+        }
+        iqfoc_pattern_control_t c = control_of(&config, 0.0);
+        int edges = 0;
+        for (iq24_t theta = 0; theta < IQ24_ONE; theta += IQ24(0.002)) {
+            for (int k = 0; k < 2; k++) { /* the second call knows the angles */
+                iqfoc_pattern_control_aim(&c, i_ref, speed);
+            }
+            c.predicted = true;
+            c.i_next = iqfoc_park_inverse(i_ref, iq24_sincos(theta));
+            iqfoc_pattern_edges_t now[3];
+            iqfoc_pattern_control_t settled = c;
+            iqfoc_pattern_control_step(&settled, settled.i_next, theta - speed, IQ24_ONE, now);
+            settled.i_next = c.i_next;
+            const double share = moved_over_error(&settled, theta);
+            if (share != 0.0) {
+                TEST_ASSERT_DOUBLE_WITHIN(1e-4, is_long ? 1.5 : 1.0, share);
+                edges++;
+            }
+        }
+        TEST_ASSERT_TRUE(edges > 4);
+    }
+}
+
 /*
  * With long levels, as in six-step, the flux of the link's deviation is (2/pi) r/omega on the d axis: of the link five cycles and tan(delta) of
  * a radian after its last sample. sin(delta) in place of tan(delta), pi/2 times u_d.
@@ -590,6 +646,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_cycle_is_that_of_the_formulas);
     RUN_TEST(test_prediction_error_is_learnt);
     RUN_TEST(test_mean_of_the_link);
+    RUN_TEST(test_edges_of_long_levels);
     RUN_TEST(test_link_with_long_levels);
     RUN_TEST(test_angles_go_on_beyond_a_row);
     RUN_TEST(test_no_time_is_below_the_least);
