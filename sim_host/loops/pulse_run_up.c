@@ -10,6 +10,7 @@
 #include "plant/plant_random.h"
 #include "reproduce/paper_2019.h"
 
+#include "iqfoc/cycle_steps.h"
 #include "iqfoc/synchronous_carrier.h"
 
 #include <math.h>
@@ -59,13 +60,20 @@ pulse_drive pulse_drive_of(pulse_drive_id id)
         return (pulse_drive){"traction_400kw",
                              "traction drive, 400 kW, 1500 V",
                              traction_motor(),
+                             IQFOC_FEEDBACK_MODULATED_MEAN,
                              1e-4,
                              500.0,
                              {270.0, 300.0, 340.0, 380.0},
                              {260.0, 290.0, 330.0, 370.0}};
     }
-    pulse_drive p = {"2019", "drive of the 2019 paper, 565 V", paper_2019_motor(),          1e-4,
-                     450.0,  {275.0, 300.0, 330.0, 345.0},     {265.0, 290.0, 320.0, 335.0}};
+    pulse_drive p = {"2019",
+                     "drive of the 2019 paper, 565 V",
+                     paper_2019_motor(),
+                     IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
+                     1e-4,
+                     450.0,
+                     {275.0, 300.0, 330.0, 345.0},
+                     {265.0, 290.0, 320.0, 335.0}};
     p.m.u_dc_V = 565.0;
     p.m.f_pwm_Hz = 2500.0;
     return p;
@@ -155,6 +163,7 @@ typedef struct firmware {
     iqfoc_cycle_config_t base;
     iqfoc_pattern_control_config_t control_config;
     iqfoc_synchronous_carrier_t carrier;
+    iqfoc_methods_t methods;
     iqfoc_cycle_t cycle;
     iqfoc_pattern_control_t control;
     iqfoc_pulse_mode_t mode;
@@ -175,6 +184,8 @@ static bool start(firmware *f, const pulse_drive *p, const pulse_tables *t, erro
     motor by_patterns = p->m;
     by_patterns.f_pwm_Hz = 1.0 / p->pattern_s;
     memset(f, 0, sizeof *f);
+    f->methods = (iqfoc_methods_t){IQFOC_MODEL_QUASI_DISCRETE, p->feedback, IQFOC_CONTROL_PI,
+                                   IQFOC_MODULATION_PWM, false};
     for (int n = 1; n < PULSE_LEVELS; n++) {
         f->levels[n] =
             (iqfoc_pulse_level_t){n == SIX_STEP ? &iqfoc_pattern_six_step : &t->of[n - 1],
@@ -184,7 +195,7 @@ static bool start(firmware *f, const pulse_drive *p, const pulse_tables *t, erro
     }
     f->tick_s = 1.0 / (p->m.f_pwm_Hz * TICKS);
     f->config = (iqfoc_pulse_config_t){f->levels, PULSE_LEVELS, (uint32_t)lround(p->pattern_s / f->tick_s)};
-    f->base = (iqfoc_cycle_config_t){.feedback = IQFOC_FEEDBACK_QUASI_DISCRETE_MEAN,
+    f->base = (iqfoc_cycle_config_t){.feedback = p->feedback,
                                      .span_max = IQ24_ONE,
                                      .current_limit = IQ24(4.0),
                                      .period_ticks = TICKS,
@@ -199,7 +210,7 @@ static bool start(firmware *f, const pulse_drive *p, const pulse_tables *t, erro
         return false;
     }
     if (iqfoc_synchronous_carrier_init(&f->carrier, &carrier_config) != IQFOC_OK ||
-        iqfoc_cycle_init(&f->cycle, &f->base) != IQFOC_OK ||
+        iqfoc_cycle_init_by(f->methods, &f->cycle, &f->base) != IQFOC_OK ||
         iqfoc_pattern_control_init(&f->control, &f->control_config, &t->of[0], IQ24(PULSE_LEAST)) !=
             IQFOC_OK ||
         iqfoc_pulse_mode_init(&f->mode, &f->config) != IQFOC_OK) {
@@ -274,8 +285,8 @@ static void interrupts(firmware *f, const machine *d, uint32_t n)
             return;
         }
     } else {
-        f->refused += iqfoc_cycle_offer(&f->cycle, set) != IQFOC_OK ? 1 : 0;
-        (void)iqfoc_cycle_valley(&f->cycle, &sample, iqfoc_hal_now(&f->hal));
+        f->refused += iqfoc_cycle_offer_by(f->methods, &f->cycle, set) != IQFOC_OK ? 1 : 0;
+        (void)iqfoc_cycle_valley_by(f->methods, &f->cycle, &sample, iqfoc_hal_now(&f->hal));
         if (f->resumes) {
             iqfoc_pulse_mode_resume(&f->control, &f->cycle);
             f->resumes = false;
@@ -288,8 +299,8 @@ static void interrupts(firmware *f, const machine *d, uint32_t n)
             const iq24_t at_valley = sample.u_dc;
             iqfoc_hal_read_peak(&f->hal, &sample);
             sample.u_dc += sample.u_dc - at_valley; /* at the next valley, where the voltage begins */
-            const iqfoc_command_t command =
-                iqfoc_cycle_peak(&f->cycle, &sample, IQFOC_HAL_OUTPUT_MID, iqfoc_hal_now(&f->hal));
+            const iqfoc_command_t command = iqfoc_cycle_peak_by(f->methods, &f->cycle, &sample,
+                                                                IQFOC_HAL_OUTPUT_MID, iqfoc_hal_now(&f->hal));
             write_duties(f, command.duties.high, ticks);
             return;
         }

@@ -42,6 +42,7 @@ extern const int pulse_run_mode_pulses[PULSE_RUN_MODES];
 typedef struct pulse_drive {
     const char *key, *text;
     motor m;                                                  /* f_pwm_Hz: of the fixed carrier */
+    iqfoc_feedback_t feedback;                                /* the mean that the carrier controls */
     double pattern_s;                                         /* control cycle of the patterns */
     double high_Hz;                                           /* at the top */
     double on_Hz[PULSE_LEVELS - 1], off_Hz[PULSE_LEVELS - 1]; /* of 9, 7, 5 pulses and six-step */
