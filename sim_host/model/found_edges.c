@@ -11,8 +11,8 @@ static vec_ab flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_roto
 }
 
 /*
- * By how much the current half-way between two lies ahead of their mean: it carries the mean of both ends' flux, of which the magnet,
- * half-way round, has another part.
+ * By how much the current half-way between two lies ahead of their mean: it carries the mean of both ends' flux, and the magnet's part of
+ * that is another half-way round.
  */
 static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last)
 {

@@ -273,9 +273,9 @@ double evidence_penalty(const evidence_view *view, hypothesis_set set)
             for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
                 parameters -= column_shows(hypothesis_table[h].column[k], view->rows) ? 0 : 1;
             }
-            sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
-                   fmax(evidence_least(view->explained, set, h),
-                        hypothesis_cause(h)->named ? view->least : 0.0);
+            sum +=
+                PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
+                fmax(evidence_least(view->explained, set, h), hypothesis_cause(h)->named ? view->least : 0.0);
         }
     }
     return sum;

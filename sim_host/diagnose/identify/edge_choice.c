@@ -13,7 +13,7 @@ enum { KNEES = sizeof knee_share / sizeof *knee_share };
 /* An edge finds all of the ripple. */
 static const double RIPPLE_START = 1.0;
 
-/* With a compensation: hard switches, of which the knee covers what the current at the edge is not known by. */
+/* With a compensation: hard switches. The knee covers what is not known of the current at the edge. */
 static const double COMPENSATED_KNEE_SHARE = 0.01;
 
 /* Chi square that the second parameter, the compensation, must reduce to be considered. */
