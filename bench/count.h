@@ -9,6 +9,8 @@
 
 #ifdef IQFOC_BENCH_DWT
 #include "counter_dwt.h"
+#elif defined IQFOC_BENCH_CYCLES
+#include "counter_cycles.h"
 #else
 #include "counter_qemu.h"
 #endif

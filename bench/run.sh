@@ -5,10 +5,11 @@ set -euo pipefail
 
 ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 BUILD=${IQFOC_BUILD:-$ROOT/build}
-# --core: one core, with any flags, without a build folder. --peers: the same job in other libraries.
+# --core: one core, with any flags, without a build folder. --peers: the same job in other libraries. --rtl: cycles on simulated cores.
 for argument in "$@"; do
     [[ $argument != --core* ]] || exec python3 "$ROOT/bench/core.py" "$@"
     [[ $argument != --peers ]] || exec python3 "$ROOT/bench/peers.py" "$@"
+    [[ $argument != --rtl ]] || exec python3 "$ROOT/bench/rtl.py" "$@"
 done
 TARGETS=(cortex-m4 rv32)
 [[ " $* " != *" --quick "* ]] || TARGETS=(cortex-m4)

@@ -19,6 +19,9 @@ WEB_PACKAGES=(clang lld cmake ninja-build wasi-libc libc++-14-dev-wasm32 libclan
 # What `site` needs.
 SITE_PACKAGES=(git python3 python3-venv doxygen)
 
+# What `bench --rtl` needs.
+RTL_PACKAGES=(verilator python3-venv)
+
 # What `prove` needs.
 PROVE_PACKAGES=(python3 frama-c-base gappa)
 
