@@ -94,7 +94,7 @@ def count(name, given):
     rows = [line.split() for line in ran.stdout.splitlines()]
     if ["exit", "0"] not in rows:
         refuse(f"the program on {name} did not end:\n" + ran.stdout[-500:])
-    return {row[0]: int(row[2]) / INPUTS for row in rows if len(row) == 4}
+    return {row[0]: int(row[2]) / INPUTS for row in rows if len(row) == 4 and row[1].isdigit()}
 
 
 def main():
