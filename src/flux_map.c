@@ -27,7 +27,7 @@ static bool parts_fit(const iqfoc_flux_map_t *map)
 {
     iqfoc_dq_t flux = {0, 0};
     iqfoc_dq_t slope = {map->l_d, map->l_q};
-    for (int n = 0; n < IQFOC_FLUX_MAP_PARTS; n++) {
+    for (int32_t n = 0; n < IQFOC_FLUX_MAP_PARTS; n++) {
         const iqfoc_flux_map_part_t *const p = &map->part[n];
         if (p->e == 0) {
             continue;
@@ -112,7 +112,7 @@ static point_t map_at(const iqfoc_flux_map_t *map, iqfoc_dq_t i)
                   map->l_d,
                   0,
                   map->l_q};
-    for (int n = 0; n < IQFOC_FLUX_MAP_PARTS; n++) {
+    for (int32_t n = 0; n < IQFOC_FLUX_MAP_PARTS; n++) {
         if (map->part[n].e != 0) {
             add_part(&map->part[n], i, &at);
         }

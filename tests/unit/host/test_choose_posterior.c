@@ -111,21 +111,21 @@ static void sets_of_the_same_drive_cost_the_same(void)
     view->frame = &frame;
     parabola(P_V_DEAD, 0.5, 500.0);
     parabola(P_R, 0.2, 700.0);
-    parabola(COLUMN_L, log(0.98), 700.0);
-    parabola(P_PSI, -0.015, 700.0);
+    parabola(COLUMN_L, log(0.95), 700.0);
+    parabola(P_PSI, -0.03, 700.0);
     parabola(P_K_U, 1e-6, 1.0);
     state.set = found;
     const evidence_option own = of(found);
     const evidence_option without_flux = of(common | BIT(H_INDUCTANCE) | BIT(H_VOLTAGE_GAIN));
     SAME(own.cost, without_flux.cost);
-    SAME(1.0 / 0.985, 1.0 + without_flux.z[P_K_U]);
-    SAME(1.2 / 0.985, 1.0 + without_flux.z[P_R]);
-    SAME(0.98 / 0.985, exp(without_flux.z[P_L_D]));
-    SAME(0.98 / 0.985, exp(without_flux.z[P_L_Q]));
+    SAME(1.0 / 0.97, 1.0 + without_flux.z[P_K_U]);
+    SAME(1.2 / 0.97, 1.0 + without_flux.z[P_R]);
+    SAME(0.95 / 0.97, exp(without_flux.z[P_L_D]));
+    SAME(0.95 / 0.97, exp(without_flux.z[P_L_Q]));
     SAME(0.0, without_flux.z[P_PSI]);
     const evidence_option without_L = of(common | BIT(H_FLUX) | BIT(H_VOLTAGE_GAIN));
     SAME(own.cost, without_L.cost);
-    SAME(1.0 / 0.98, 1.0 + without_L.z[P_K_U]);
+    SAME(1.0 / 0.95, 1.0 + without_L.z[P_K_U]);
     /* Only how usual each is tells them apart. */
     SAME(own.score - own.cost - hypotheses_unusual(own.set, own.z) +
              hypothesis_table[H_VOLTAGE_GAIN].surprise,
