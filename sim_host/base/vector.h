@@ -36,6 +36,12 @@ static inline vec_rotor rotor_at(double theta_e_rad)
     return r;
 }
 
+/* The first turned by the second. */
+static inline vec_rotor rotor_turned(vec_rotor r, vec_rotor by)
+{
+    return (vec_rotor){r.cos * by.cos - r.sin * by.sin, r.cos * by.sin + r.sin * by.cos};
+}
+
 static inline vec_dq vec_to_dq(vec_ab v, vec_rotor r)
 {
     vec_dq w = {r.cos * v.alpha + r.sin * v.beta, r.cos * v.beta - r.sin * v.alpha};

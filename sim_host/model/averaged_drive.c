@@ -7,23 +7,18 @@
 
 #include <math.h>
 
-static vec_rotor further(vec_rotor r, vec_rotor by)
-{
-    return (vec_rotor){r.cos * by.cos - r.sin * by.sin, r.cos * by.sin + r.sin * by.cos};
-}
-
 /* Magnet flux harmonics as a stationary vector: the 5th and 11th run backwards, the 7th and 13th forwards. */
 static vec_ab harmonic_flux(const averaged_drive *d, vec_rotor one)
 {
-    vec_rotor two = further(one, one);
-    vec_rotor four = further(two, two);
-    vec_rotor five = further(four, one);
-    vec_rotor seven = further(five, two);
+    vec_rotor two = rotor_turned(one, one);
+    vec_rotor four = rotor_turned(two, two);
+    vec_rotor five = rotor_turned(four, one);
+    vec_rotor seven = rotor_turned(five, two);
     vec_ab flux = {d->psi_5_Wb * five.cos + d->psi_7_Wb * seven.cos,
                    -d->psi_5_Wb * five.sin + d->psi_7_Wb * seven.sin};
     if (d->psi_11_Wb != 0.0 || d->psi_13_Wb != 0.0) {
-        vec_rotor eleven = further(seven, four);
-        vec_rotor thirteen = further(eleven, two);
+        vec_rotor eleven = rotor_turned(seven, four);
+        vec_rotor thirteen = rotor_turned(eleven, two);
         flux.alpha += d->psi_11_Wb * eleven.cos + d->psi_13_Wb * thirteen.cos;
         flux.beta += -d->psi_11_Wb * eleven.sin + d->psi_13_Wb * thirteen.sin;
     }
@@ -38,7 +33,7 @@ static bool has_unequal_poles(const averaged_drive *d)
 /* By how much of itself the magnet's flux differs at a mechanical angle. */
 static double pole_share(const averaged_drive *d, vec_rotor mech)
 {
-    const vec_rotor two = further(mech, mech);
+    const vec_rotor two = rotor_turned(mech, mech);
     return d->pole_cos[0] * mech.cos + d->pole_sin[0] * mech.sin + d->pole_cos[1] * two.cos +
            d->pole_sin[1] * two.sin;
 }
@@ -57,7 +52,7 @@ static double swing_slope(const averaged_drive *d, size_t n, vec_rotor at)
 
 static vec_rotor turned_back(vec_rotor r, double angle_rad)
 {
-    return further(r, (vec_rotor){cos(angle_rad), -sin(angle_rad)});
+    return rotor_turned(r, (vec_rotor){cos(angle_rad), -sin(angle_rad)});
 }
 
 static bool swings(const averaged_drive *d, size_t n)
@@ -79,7 +74,7 @@ static double angle_error(const averaged_drive *d, const cycle_row *row)
     const double still = d->theta_0_rad + d->t_delay_s * row->omega_rad_s;
     double ahead = still;
     if (by_turn) {
-        ahead += swing(d, 0, mech) + swing(d, 1, further(mech, mech));
+        ahead += swing(d, 0, mech) + swing(d, 1, rotor_turned(mech, mech));
     }
     if (!by_electrical && (!by_turn || row->mech_moves == 0.0)) {
         return ahead;
@@ -89,13 +84,13 @@ static double angle_error(const averaged_drive *d, const cycle_row *row)
         double steeper = 0.0;
         if (by_turn) {
             const vec_rotor r = turned_back(mech, row->mech_moves * ahead);
-            const vec_rotor two = further(r, r);
+            const vec_rotor two = rotor_turned(r, r);
             is += swing(d, 0, r) + swing(d, 1, two);
             steeper += row->mech_moves * (swing_slope(d, 0, r) + 2.0 * swing_slope(d, 1, two));
         }
         if (by_electrical) {
             const vec_rotor r = turned_back(recorded, ahead);
-            const vec_rotor two = further(r, r);
+            const vec_rotor two = rotor_turned(r, r);
             is += swing(d, 2, r) + swing(d, 3, two);
             steeper += swing_slope(d, 2, r) + 2.0 * swing_slope(d, 3, two);
         }
@@ -123,7 +118,7 @@ void averaged_drive_per_H(const averaged_drive *d, double share, vec_rotor r, do
     const double per_q = 1.0 / d->L_q_H;
     const double even = share * 0.5 * (per_d + per_q);
     const double odd = share * 0.5 * (per_d - per_q);
-    const vec_rotor twice = further(r, r);
+    const vec_rotor twice = rotor_turned(r, r);
     k[0] = even + odd * twice.cos;
     k[1] = odd * twice.sin;
     k[2] = even - odd * twice.cos;
@@ -269,7 +264,7 @@ static vec_ab voltage_of(const averaged_drive *d, const cycle_row *row, vec_roto
 static vec_dq iron_above(const averaged_drive *d, const iron_branch *branch, vec_ab i, vec_dq first,
                          vec_rotor r, vec_rotor end)
 {
-    const vec_rotor middle = further(r, rotor_at(0.5 * branch->row->omega_rad_s * branch->row->T_s));
+    const vec_rotor middle = rotor_turned(r, rotor_at(0.5 * branch->row->omega_rad_s * branch->row->T_s));
     const vec_ab turned = vec_to_ab(vec_to_dq(i, r), end); /* as near as need be: it turns with the rotor */
     const vec_dq mean = vec_to_dq(iron_branch_mean(d, branch, i, turned), middle);
     return (vec_dq){mean.d - first.d, mean.q - first.q};
@@ -285,7 +280,7 @@ averaged_cycle averaged_drive_cycle(const averaged_drive *d, const averaged_node
 {
     averaged_cycle c = {.step = averaged_node_step(&nodes[row->node], row->node_h),
                         .start = averaged_drive_rotor(d, row)};
-    c.end = further(c.start, (vec_rotor){row->cos_turn, row->sin_turn});
+    c.end = rotor_turned(c.start, (vec_rotor){row->cos_turn, row->sin_turn});
     c.u_V = voltage_of(d, row, c.end, c.step.push[0][0]);
     return c;
 }
@@ -378,7 +373,7 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
         const vec_rotor mech = {row->cos_mech, row->sin_mech};
         const double flux = half_decay(&m) * psi;
         const double before = flux * pole_share(d, mech);
-        const double after = flux * pole_share(d, further(mech, (vec_rotor){cos(turn), sin(turn)}));
+        const double after = flux * pole_share(d, rotor_turned(mech, (vec_rotor){cos(turn), sin(turn)}));
         const vec_dq change =
             vec_to_dq((vec_ab){after * end.cos - before * r.cos, after * end.sin - before * r.sin}, end);
         y.d -= change.d;

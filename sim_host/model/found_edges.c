@@ -16,8 +16,7 @@ static vec_ab flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_roto
  */
 static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last)
 {
-    const vec_rotor end = {r.cos * row->cos_turn - r.sin * row->sin_turn,
-                           r.cos * row->sin_turn + r.sin * row->cos_turn};
+    const vec_rotor end = rotor_turned(r, (vec_rotor){row->cos_turn, row->sin_turn});
     const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
     const vec_rotor middle = {(r.cos + end.cos) / twice_cos, (r.sin + end.sin) / twice_cos};
     const double psi_Wb = averaged_drive_magnet(d, row);
@@ -51,7 +50,7 @@ static double on_way(const found_way *way, size_t x, double at)
 
 found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last)
 {
-    found_way way;
+    found_way way = {0};
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
     vec_to_phases(half_way(d, row, r, first, last), way.bow);
@@ -191,8 +190,7 @@ void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, d
 {
     const double v_late_V = d->v_dead_V + d->compensation_V;
     const double per_knee = 1.0 / d->i_knee_A;
-    const vec_ab last = {row->cos_turn * i.alpha - row->sin_turn * i.beta,
-                         row->cos_turn * i.beta + row->sin_turn * i.alpha};
+    const vec_ab last = vec_to_ab((vec_dq){i.alpha, i.beta}, (vec_rotor){row->cos_turn, row->sin_turn});
     const found_way way = found_way_of(d, row, (vec_rotor){row->cos_theta, row->sin_theta}, i, last);
     const found_currents at = part_of(row, &way, 0, 1);
     for (size_t x = 0; x < 3; x++) {

@@ -3,8 +3,9 @@
  *
  * A compensation moves a leg's two edges by the sign of its current at the cycle's start. An edge then loses its dead time by the
  * current that flows there: the way from the cycle's first current to its last, the ripple that the duties tell, and what the edges
- * before it, moved or late, have already changed. That way is no chord: the flux goes straight, and the magnet turns below it. A current that reaches zero within the dead time stays there and loses a share: sat of
- * the current half a dead time on with the leg half way between the rails, over the knee.
+ * before it, moved or late, have already changed. That way is no chord: the flux goes straight, and the magnet turns below it. A
+ * current that reaches zero within the dead time stays there and loses a share: sat of the current half a dead time on with the leg
+ * half way between the rails, over the knee.
  */
 #ifndef SIM_HOST_MODEL_FOUND_EDGES_H
 #define SIM_HOST_MODEL_FOUND_EDGES_H
@@ -15,8 +16,7 @@
 typedef struct found_way {
     double first[3], last[3];
     double bow[3]; /* half-way above the mean of these */
-    double per_flux
-        [3]; /* 1/L in the stationary frame, aa, ab, bb: times as much of the ripple as edge_ripple says */
+    double per_flux[3]; /* 1/L, stationary, aa, ab, bb: by as much of the ripple as edge_ripple says */
 } found_way;
 
 /* From one current to another, the rotor at r when it begins. */

@@ -18,11 +18,6 @@ static double flux_of(const pattern_shape *s, int n, const vec_rotor *at, double
     return unit * sum / n;
 }
 
-static vec_rotor turned(vec_rotor a, vec_rotor b)
-{
-    return (vec_rotor){a.cos * b.cos - a.sin * b.sin, a.sin * b.cos + a.cos * b.sin};
-}
-
 double pattern_harmonic(const pattern_shape *s, int n)
 {
     vec_rotor at[PATTERN_ANGLES_MOST];
@@ -63,8 +58,8 @@ void pattern_errors(const pattern_shape *s, const pattern_weight *w, double erro
         double p[PATTERN_ANGLES_MOST];
         double q[PATTERN_ANGLES_MOST];
         for (int k = 0; k < s->angles; k++) {
-            low[k] = turned(low[k], by_six[k]);
-            high[k] = turned(low[k], by_two[k]);
+            low[k] = rotor_turned(low[k], by_six[k]);
+            high[k] = rotor_turned(low[k], by_two[k]);
         }
         const double below = flux_of(s, 6 * pair + 5, low, q);
         const double above = flux_of(s, 6 * pair + 7, high, p);

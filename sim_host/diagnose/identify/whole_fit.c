@@ -40,7 +40,6 @@ typedef struct whole {
     int column[COLUMN_COUNT];
     double width[COLUMN_COUNT]; /* of the prior at roughness 1 */
     double about[COLUMN_COUNT];
-    double rare[COLUMN_COUNT]; /* 1 over the square of what drives usually differ by; 0: not known */
     bool shape[COLUMN_COUNT];
     bool positive[COLUMN_COUNT];
     size_t link[LINKS][3]; /* places in `column`; n if there is none */
@@ -61,11 +60,6 @@ static bool is_fitted(const whole *w, int column)
     return found;
 }
 
-static double per_square(double usual)
-{
-    return usual > 0.0 ? 1.0 / (usual * usual) : 0.0;
-}
-
 static void add_column(whole *w, int column, double width, double about, bool shape)
 {
     for (size_t k = 0; k < w->n; k++) {
@@ -78,7 +72,6 @@ static void add_column(whole *w, int column, double width, double about, bool sh
         w->column[w->n] = column;
         w->width[w->n] = width;
         w->about[w->n] = about;
-        w->rare[w->n] = shape ? 0.0 : per_square(coordinate_table[column].usual);
         w->shape[w->n] = shape;
         w->positive[w->n++] = column == P_FE || column == P_COMPENSATION;
     }
@@ -141,6 +134,13 @@ static double link_off(const whole *w, const fit_state *s, const double *step, s
            3.0;
 }
 
+/* 1 over the square of what drives usually differ by; 0: not known. */
+static double rare(const whole *w, size_t k)
+{
+    const double usual = w->shape[k] ? 0.0 : coordinate_table[w->column[k]].usual;
+    return usual > 0.0 ? 1.0 / (usual * usual) : 0.0;
+}
+
 /* -2 log prior after a step, with the terms that depend on the roughness. */
 static double prior_of(const whole *w, const fit_state *s, const double *step, double roughness)
 {
@@ -148,7 +148,7 @@ static double prior_of(const whole *w, const fit_state *s, const double *step, d
     for (size_t k = 0; k < w->n; k++) {
         const double is = off(w, s, step, k);
         const double x = is / w->width[k];
-        sum += w->rare[k] * is * is;
+        sum += rare(w, k) * is * is;
         sum += w->shape[k] ? x * x
                            : (DEGREES + 1.0) * log1p(x * x / (DEGREES * roughness * roughness)) +
                                  2.0 * log(roughness);
@@ -165,7 +165,7 @@ static double pull(const whole *w, const fit_state *s, const double *step, size_
 {
     const double x = off(w, s, step, k);
     const double width = roughness * w->width[k];
-    return w->rare[k] + (w->shape[k] ? 1.0 / (w->width[k] * w->width[k])
+    return rare(w, k) + (w->shape[k] ? 1.0 / (w->width[k] * w->width[k])
                                      : (DEGREES + 1.0) / (DEGREES * width * width + x * x));
 }
 

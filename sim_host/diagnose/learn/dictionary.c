@@ -40,7 +40,7 @@ static void orders_of(vec_rotor angle, double half_turn_rad, double size, int mo
     vec_rotor at = {1.0, 0.0};
     for (int n = 1; n <= most; n++) {
         const double factor = size * mean_factor(n * half_turn_rad);
-        at = (vec_rotor){at.cos * angle.cos - at.sin * angle.sin, at.cos * angle.sin + at.sin * angle.cos};
+        at = rotor_turned(at, angle);
         entry[2 * (n - 1)] = factor * at.cos;
         entry[2 * (n - 1) + 1] = factor * at.sin;
     }

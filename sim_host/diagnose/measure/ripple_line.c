@@ -107,7 +107,7 @@ static double likelihood(const ripple_spectra *s, size_t bin, double frequency_H
             const double y = ripple_window(j, p->count) * s->all->along[p->first + j];
             re += y * at.cos;
             im += y * at.sin;
-            at = (vec_rotor){at.cos * by.cos - at.sin * by.sin, at.cos * by.sin + at.sin * by.cos};
+            at = rotor_turned(at, by);
         }
         sum += (re * re + im * im) / of->noise[bin];
     }
