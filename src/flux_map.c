@@ -5,6 +5,8 @@
 #include "iqfoc/iq24_math.h"
 #include "iqfoc/transform.h"
 
+#include "flux_step.h"
+
 #include <stddef.h>
 
 /* Sums of the parts' fluxes and of the slopes. */
@@ -139,22 +141,6 @@ static iqfoc_dq_t towards(const point_t *at, iqfoc_dq_t i, iqfoc_dq_t flux, iq24
     return next;
 }
 
-/* Flux after a cycle with the acting voltage and the drop of a current i over R, seen from the rotor at the end. */
-static iqfoc_dq_t flux_after(const iqfoc_flux_map_t *map, const iqfoc_extension_t *extension, iqfoc_ab_t flux,
-                             iqfoc_ab_t u, iqfoc_ab_t i, iq24_sincos_t end)
-{
-    const iqfoc_ab_t acting = iqfoc_extension_acting(extension, u, i);
-    const iqfoc_ab_t next = {
-        iq24_add_sat(flux.alpha, iq24_sub_sat(acting.alpha, iq24_mul_round(map->r, i.alpha))),
-        iq24_add_sat(flux.beta, iq24_sub_sat(acting.beta, iq24_mul_round(map->r, i.beta)))};
-    return iqfoc_park(next, end);
-}
-
-static iq24_t middle(iq24_t x, iq24_t y)
-{
-    return iq24_wrap(iq24_asr64((int64_t)x + y, 1));
-}
-
 /* Held to +-8, less one LSB above. */
 static iq24_t held(iq24_t i)
 {
@@ -168,10 +154,12 @@ iqfoc_ab_t iqfoc_flux_map_step(const iqfoc_flux_map_t *map, const iqfoc_extensio
     const iqfoc_dq_t from = {held(seen.d), held(seen.q)};
     point_t at = map_at(map, from);
     const iqfoc_ab_t flux = iqfoc_park_inverse(at.flux, start);
-    iqfoc_dq_t next = towards(&at, from, flux_after(map, extension, flux, u, i, end), IQ24_ONE);
+    iqfoc_dq_t goal =
+        iqfoc_park(flux_after_cycle(map->r, flux, iqfoc_extension_acting(extension, u, i), i), end);
+    iqfoc_dq_t next = towards(&at, from, goal, IQ24_ONE);
     const iqfoc_ab_t first = iqfoc_park_inverse(next, end);
-    const iqfoc_ab_t mean = {middle(i.alpha, first.alpha), middle(i.beta, first.beta)};
-    const iqfoc_dq_t goal = flux_after(map, extension, flux, u, mean, end);
+    const iqfoc_ab_t mean = flux_mean_current(i, first);
+    goal = iqfoc_park(flux_after_cycle(map->r, flux, iqfoc_extension_acting(extension, u, mean), mean), end);
     at = map_at(map, next);
     next = towards(&at, next, goal, IQ24(0.5));
     at = map_at(map, next);

@@ -5,6 +5,8 @@
 #include "iqfoc/iq24_math.h"
 #include "iqfoc/transform.h"
 
+#include "flux_step.h"
+
 #include <stddef.h>
 
 /* Limit of a predicted current: above any sensor's range, within the range of the transforms. */
@@ -88,27 +90,15 @@ static iqfoc_ab_t current_of(const iqfoc_flux_predictor_t *p, iq24_t s, iqfoc_ab
     return iqfoc_park_inverse(i, sc);
 }
 
-/* Flux after a cycle with the acting voltage and the drop of a current i over R. */
-static iqfoc_ab_t advance(const iqfoc_flux_predictor_t *p, iqfoc_ab_t flux, iqfoc_ab_t acting, iqfoc_ab_t i)
-{
-    const iqfoc_ab_t next = {
-        iq24_add_sat(flux.alpha, iq24_sub_sat(acting.alpha, iq24_mul_round(p->r, i.alpha))),
-        iq24_add_sat(flux.beta, iq24_sub_sat(acting.beta, iq24_mul_round(p->r, i.beta)))};
-    return next;
-}
-
-static iq24_t middle(iq24_t x, iq24_t y)
-{
-    return iq24_wrap(iq24_asr64((int64_t)x + y, 1));
-}
-
 iqfoc_ab_t iqfoc_flux_predictor_step(const iqfoc_flux_predictor_t *p, const iqfoc_extension_t *extension,
                                      iqfoc_ab_t i, iqfoc_ab_t u, iq24_sincos_t start, iq24_sincos_t end)
 {
     const iq24_t s = extension->saturation;
     const iqfoc_ab_t flux = flux_of(p, s, i, start);
-    iqfoc_ab_t next = current_of(p, s, advance(p, flux, iqfoc_extension_acting(extension, u, i), i), end);
-    const iqfoc_ab_t mean = {middle(i.alpha, next.alpha), middle(i.beta, next.beta)};
-    next = current_of(p, s, advance(p, flux, iqfoc_extension_acting(extension, u, mean), mean), end);
+    iqfoc_ab_t next =
+        current_of(p, s, flux_after_cycle(p->r, flux, iqfoc_extension_acting(extension, u, i), i), end);
+    const iqfoc_ab_t mean = flux_mean_current(i, next);
+    next =
+        current_of(p, s, flux_after_cycle(p->r, flux, iqfoc_extension_acting(extension, u, mean), mean), end);
     return next;
 }
