@@ -4,7 +4,7 @@ Counts clock cycles of the benchmark's functions on open RV32 cores, simulated f
 
     ./dev bench --rtl                           cv32e40p and picorv32, as PyPI has them
     ./dev bench --rtl --write                   the same, into the table of docs/bench.md
-    ./dev bench --rtl --cv32e40p DIR            that core from a checkout: DIR has rtl/ and bhv/
+    ./dev bench --rtl --cv32e40p DIR            that core from a checkout: DIR has cv32e40p_manifest.flist
     ./dev bench --rtl --picorv32 DIR            DIR has picorv32.v
 
 The memory has no wait states. This tree holds no core's sources.
@@ -12,6 +12,7 @@ The memory has no wait states. This tree holds no core's sources.
 import argparse
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -29,18 +30,13 @@ INPUTS = 64
 PAGE = ROOT / "docs/bench.md"
 # Which of the benchmark's rows the page shows.
 ROWS = ["isr_cycle", "sample_to_duty", "isr_exact", "current_control", "modulation", "sincos", "div"]
-LEVEL = ["--binary", "-O3", "--x-assign", "fast", "--x-initial", "fast", "--no-assert", "-Wno-fatal", "-Wno-lint", "-Wno-style",
+FLAGS = ["--binary", "-O3", "--x-assign", "fast", "--x-initial", "fast", "--no-assert", "-Wno-fatal", "-Wno-lint", "-Wno-style",
          "-Wno-BLKANDNBLK"]  # of counters that the image does not read
 
 
 def refuse(text):
     print(f"./dev bench --rtl: {text}", file=sys.stderr)
     raise SystemExit(2)
-
-
-def of_pypi(name, inside):
-    found = sorted(PYPI.glob(f"python*/site-packages/pythondata_cpu_{name}/{inside}"))
-    return found[0] if found else None
 
 
 def cv32e40p(folder):
@@ -64,11 +60,20 @@ def picorv32(folder):
 CORES = {"cv32e40p": (cv32e40p, "system_verilog"), "picorv32": (picorv32, "verilog")}
 
 
+def sources_of(name, given):
+    """What Verilator is to read, from the folder given or PyPI's package."""
+    of_folder, inside = CORES[name]
+    places = [given] if given else sorted(PYPI.glob(f"python*/site-packages/pythondata_cpu_{name}/{inside}"))
+    if not places:
+        refuse(f"no sources of {name}; --{name} DIR says where they are")
+    return of_folder(places[0].resolve())
+
+
 def image(folder):
     """The benchmark for a core with a memory from 8000_0000 on, as words for $readmemh."""
     target = emulated.riscv("rv32im")
-    target["harness"] = [RTL / "startup.S", RTL / "board.c"]
-    target["compile"] += [f"-I{RTL}", "-DIQFOC_BENCH_CYCLES", f"-DBENCH_INPUT_COUNT={INPUTS}"]
+    target["harness"] = ["startup.S", RTL / "board.c"]
+    target["compile"] += [f"-I{RTL}", "-DWITHOUT_TRAPS", "-DIQFOC_BENCH_CYCLES", f"-DBENCH_INPUT_COUNT={INPUTS}"]
     elf, _ = emulated.build(target, ["-O2"], None, folder)
     flat = folder / "image.bin"
     subprocess.run(["riscv64-unknown-elf-objcopy", "-O", "binary", elf, flat], check=True)
@@ -77,20 +82,13 @@ def image(folder):
     (folder / "image.hex").write_text("".join(f"{int.from_bytes(code[k:k + 4], 'little'):08x}\n" for k in range(0, len(code), 4)))
 
 
-def count(name, given):
-    """{function: mean cycles}."""
-    sources_of, inside = CORES[name]
-    place = given or of_pypi(name, inside)
-    if not place:
-        refuse(f"no sources of {name}; --{name} DIR says where they are")
-    with tempfile.TemporaryDirectory(prefix="iqfoc-rtl-") as work:
-        folder = pathlib.Path(work)
-        image(folder)
-        command = ["verilator", *LEVEL, "--top-module", "bench", "--Mdir", "obj", *sources_of(pathlib.Path(place).resolve()), str(RTL / "bench.sv")]
-        built = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        if built.returncode:
-            refuse(f"Verilator does not build {name}:\n" + built.stderr[-2000:])
-        ran = subprocess.run([folder / "obj/Vbench"], cwd=folder, capture_output=True, text=True, check=False)
+def count(name, sources, folder):
+    """{function: mean cycles} of the image in the folder."""
+    command = ["verilator", *FLAGS, "--top-module", "bench", "--Mdir", name, *sources, str(RTL / "bench.sv")]
+    built = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if built.returncode:
+        refuse(f"Verilator does not build {name}:\n" + built.stderr[-2000:])
+    ran = subprocess.run([folder / name / "Vbench"], cwd=folder, capture_output=True, text=True, check=False)
     rows = [line.split() for line in ran.stdout.splitlines()]
     if ["exit", "0"] not in rows:
         refuse(f"the program on {name} did not end:\n" + ran.stdout[-500:])
@@ -105,7 +103,13 @@ def main():
     parser.add_argument("--write", action="store_true", help="write the table of docs/bench.md")
     parser.add_argument("--json", type=pathlib.Path, metavar="F", help="write all rows to F")
     options = parser.parse_args()
-    cycles = {name: count(name, getattr(options, name)) for name in CORES}
+    if not shutil.which("verilator"):
+        refuse("needs Verilator (Debian: verilator)")
+    sources = {name: sources_of(name, getattr(options, name)) for name in CORES}
+    with tempfile.TemporaryDirectory(prefix="iqfoc-rtl-") as work:
+        folder = pathlib.Path(work)
+        image(folder)
+        cycles = {name: count(name, sources[name], folder) for name in CORES}
     if options.json:
         options.json.write_text(json.dumps(cycles, indent=1) + "\n")
     table = [f"| row | {' | '.join(f'cycles, {name}' for name in CORES)} |", "| --- |" + " ---: |" * len(CORES)]

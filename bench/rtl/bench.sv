@@ -1,4 +1,5 @@
-// A core and a memory without wait states. Two words written are the console and the end, a word read the cycles: board.c, counter_cycles.h.
+// A core and a memory without wait states. Two words written are the console and the end (board.c), one read the cycles
+// (counter_cycles.h).
 `timescale 1ns / 1ns
 module bench;
     localparam int WORDS = 8 << 18;  // 8 MiB from 8000_0000
