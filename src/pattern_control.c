@@ -153,7 +153,7 @@ static void move_edges(pattern_leg_t *leg, iqfoc_pattern_control_leg_t *state,
     }
 }
 
-IQFOC_STEP void step_leg(iqfoc_pattern_control_t *control, int32_t k, const pattern_place_t *place,
+IQFOC_STEP void move_leg(iqfoc_pattern_control_t *control, int32_t k, const pattern_place_t *place,
                          iq24_t error, iqfoc_pattern_edges_t *out)
 {
     const iqfoc_pattern_trajectory_t *t = &control->trajectory;
@@ -230,7 +230,7 @@ IQFOC_STEP void move_legs(iqfoc_pattern_control_t *control, const pattern_place_
     const iqfoc_abc_t legs = iqfoc_clarke_inverse(e);
     const iq24_t error[3] = {legs.a, legs.b, legs.c};
     for (int32_t k = 0; k < 3; k++) {
-        step_leg(control, k, &place[k], error[k], &edges[k]);
+        move_leg(control, k, &place[k], error[k], &edges[k]);
     }
     const iqfoc_abc_t high = {edges[0].high, edges[1].high, edges[2].high};
     control->high = high;

@@ -40,14 +40,16 @@ PARSE = ["-machdep", "gcc_x86_32",
 # Downcasts that cut count as alarms. A set that was refused and one that was taken stay apart after the call that checks it. Few states of
 # a leg's edges, and of what it loses, are kept apart, as any may come after any.
 EVA = ["-eva", "-eva-split-return-function", "iqfoc_cycle_init_named:0", "-eva-domains", "symbolic-locations",
-       "-eva-slevel-function", "move_edges:1,step_leg:1,find_error:0,loss_of_leg:1,iqfoc_sensorless_acting:1", "-warn-signed-downcast",
+       "-eva-slevel-function", "move_edges:1,step_leg:1,move_leg:1,find_error:0,loss_of_leg:1,iqfoc_sensorless_acting:1", "-warn-signed-downcast",
        "-eva-no-show-progress"]
 # Any precision proves: a higher one raises fewer alarms that are none, and takes longer. Less is enough for a function that would take
 # minutes.
 PRECISION, LESS = 7, {"prove_sensorless": 4}
+# A function that the others take by its contract, and the one that shows the contract.
+CONTRACT, CONTRACT_SHOWN_BY = {"patterns": "move_leg"}, "prove_pattern_control_leg"
 FUNCTION = re.compile(r"^/\* ((?:(?!\*/).)*) \*/\nvoid ((?:prove|planted)_\w+)\(void\)", re.MULTILINE | re.DOTALL)
 ALARM = re.compile(r"\[eva:alarm\] (\S+): Warning: *\n? *(.*)")
-UNSHOWN = re.compile(r"assertion '(\w+)' got status (?:unknown|invalid)|(precondition '?\w*'?.*) got status (?:unknown|invalid)")
+UNSHOWN = re.compile(r"assertion '(\w+)' got status (?:unknown|invalid)|((?:pre|post)condition '?\w*'?.*) got status (?:unknown|invalid)")
 
 Result = collections.namedtuple("Result", "function words alarms taken text")
 
@@ -80,15 +82,20 @@ def parsed(program, folder):
     return saved
 
 
-def analysed(saved, function, words):
-    """Its alarms; the assertions and preconditions that were taken without showing them."""
+def analysed(saved, program, function, words):
+    """Its alarms; what was taken without showing it: assertions, conditions, and a contract."""
     precision = str(LESS.get(function, PRECISION))
-    text = run(["-load", saved, *EVA, "-eva-precision", precision, "-main", function], function)
+    contract = CONTRACT.get(program) if function != CONTRACT_SHOWN_BY else None
+    by_contract = ["-eva-use-spec", contract] if contract else []
+    text = run(["-load", saved, *EVA, *by_contract, "-eva-precision", precision, "-main", function], function)
     count = re.search(r"^  (\d+|No) alarms? generated", text, re.MULTILINE)
     reached = re.search(r"(\d+) functions? analyzed", text)
     if count is None or reached is None or int(reached[1]) < 2:
         sys.exit(f"{function}: the analysis failed\n{text[-3000:]}")
-    taken = sorted({name or other for name, other in UNSHOWN.findall(text)})
+    taken = {name or other for name, other in UNSHOWN.findall(text)}
+    if contract and f"using specification for function {contract}" in text:
+        taken.add(contract)
+    taken = sorted(taken)
     return Result(function, words, 0 if count[1] == "No" else int(count[1]), taken, text)
 
 
@@ -138,7 +145,7 @@ def main():
             concurrent.futures.ThreadPoolExecutor(int(os.environ.get("IQFOC_JOBS", os.cpu_count() or 1))) as pool:
         used = {program for program, _, _ in wanted}
         saved = dict(zip(used, pool.map(lambda program: parsed(program, folder), used)))
-        for result in pool.map(lambda f: analysed(saved[f[0]], f[1], f[2]), wanted):
+        for result in pool.map(lambda f: analysed(saved[f[0]], *f), wanted):
             says, found = verdict(result, allowed, shown)
             print(f"{'FAIL' if found else 'ok  '}  {result.function}: {says.split(':')[0]}", flush=True)
             wrong += found

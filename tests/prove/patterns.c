@@ -8,6 +8,44 @@
 
 #include "iqfoc/pulse_mode.h"
 
+#include "pattern_place.h"
+
+#define FROM                                                                                                 \
+    control->trajectory, control->leg[k], control->modulator.least, control->modulator.leg[k], *place,       \
+        error, k
+
+/* What prove_pattern_control_leg shows. The other functions here take it in place of the source: three legs multiply their states. */
+/*@ requires error: -159383552 <= error <= 159383552;
+    requires leg: 0 <= k <= 2;
+    requires y: 0 <= place->y <= 8388607;
+    requires place_level: -1 <= place->level <= 1;
+    requires place: 0 <= control->leg[k].place <= control->trajectory.edges - 1;
+    requires edge_before: -1 <= control->leg[k].edge < IQFOC_PATTERN_EDGES_HALF;
+    requires level_before: -1 <= control->leg[k].level <= 1;
+    requires output_before: -1 <= control->modulator.leg[k].level <= 1;
+    requires since_before: 0 <= control->modulator.leg[k].since <= 134217728;
+    requires least: 0 <= control->modulator.least <= 134217728;
+    requires speed: 131072 <= control->trajectory.speed_abs <= 2097152;
+    requires cycles: 33554432 <= control->trajectory.cycles_q22 <= 536870912;
+    requires angles: \forall integer n; 0 <= n <= control->trajectory.edges + 1 ==> -4194304 <= control->trajectory.angle[n] <= 20971520;
+    assigns control->modulator.leg[k] \from FROM;
+    assigns control->leg[k].edge \from FROM;
+    assigns control->leg[k].level \from FROM;
+    assigns out->level \from FROM;
+    assigns out->edges \from FROM;
+    assigns out->high \from FROM;
+    assigns out->instant[0 .. 15] \from FROM;
+    ensures written: \initialized(&out->high) && \initialized(&out->edges) && \initialized(&out->level);
+    ensures output: -1 <= control->modulator.leg[k].level <= 1;
+    ensures since: 0 <= control->modulator.leg[k].since <= 134217728;
+    ensures edge: -1 <= control->leg[k].edge < IQFOC_PATTERN_EDGES_HALF;
+    ensures level: -1 <= control->leg[k].level <= 1;
+    ensures edges: 0 <= out->edges <= IQFOC_PATTERN_EDGES_MAX;
+    ensures high: 0 <= out->high <= 16777216;
+    ensures first: -1 <= out->level <= 1; */
+IQFOC_STEP void move_leg(iqfoc_pattern_control_t *control, int32_t k, const pattern_place_t *place,
+                         iq24_t error, iqfoc_pattern_edges_t *out);
+
 #include "pattern_control.c"
 #include "pattern_trajectory.c"
 
@@ -255,7 +293,7 @@ void prove_pattern_control_leg(void)
         iqfoc_pattern_control_t c = any_control(&table, any_within(0, edges - 1));
         const pattern_place_t place = {any_within(0, PATTERN_HALF_TURN - 1), any_bool() ? 1 : -1, 0};
         iqfoc_pattern_edges_t out;
-        step_leg(&c, 0, &place, any_within(-IQ24(5.5), IQ24(5.5)), &out);
+        move_leg(&c, 0, &place, any_within(-IQ24(9.5), IQ24(9.5)), &out);
         check_control(&c, edges);
         check(out.edges, 0, IQFOC_PATTERN_EDGES_MAX);
         check(out.high, 0, IQ24_ONE);
