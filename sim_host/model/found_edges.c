@@ -35,13 +35,6 @@ typedef struct found_currents {
     double apart[3]; /* when leg x rises, above that mean; as much below it when x falls */
 } found_currents;
 
-/* The current added by a flux in addition to the machine's own. */
-static vec_ab found_current(const found_way *way, vec_ab flux)
-{
-    const double *k = way->per_flux;
-    return (vec_ab){k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
-}
-
 /* A phase's current on the way, at a share of the cycle. */
 static double on_way(const found_way *way, size_t x, double at)
 {
@@ -54,7 +47,17 @@ found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor 
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
     vec_to_phases(half_way(d, row, r, first, last), way.bow);
-    averaged_drive_per_H(d, d->edge_ripple, r, way.per_flux);
+    double k[3];
+    averaged_drive_per_H(d, d->edge_ripple, r, k);
+    for (size_t x = 0; x < 3; x++) {
+        const vec_ab axis = vec_phase_axis[x];
+        const vec_ab per_flux = {k[0] * axis.alpha + k[1] * axis.beta, k[1] * axis.alpha + k[2] * axis.beta};
+        for (size_t y = 0; y < 3; y++) {
+            way.per_Vs[x][y] = 2.0 / 3.0 * vec_phase(per_flux, (int)y);
+        }
+        way.ripple_A[x] =
+            per_flux.alpha * row->edge_ripple_Wb[x].alpha + per_flux.beta * row->edge_ripple_Wb[x].beta;
+    }
     return way;
 }
 
@@ -70,22 +73,16 @@ static found_currents part_of(const cycle_row *row, const found_way *way, size_t
         const double bow = way->bow[x] * per_part * per_part;
         i.rises[x] = last - first;
         i.mid[x] = 0.5 * (first + last) + 4.0 * rise * (1.0 - rise) * bow;
-        i.apart[x] =
-            vec_phase(found_current(way, row->edge_ripple_Wb[x]), (int)x) - (0.5 - rise) * i.rises[x];
+        i.apart[x] = way->ripple_A[x] - (0.5 - rise) * i.rises[x];
     }
     return i;
 }
 
-/* One volt on leg x alone. */
-static vec_ab volt_on(size_t x)
+/* A leg's current by a volt-second on each leg. */
+static double current_by(const found_way *way, size_t x, const double Vs[3])
 {
-    return (vec_ab){2.0 / 3.0 * vec_phase_axis[x].alpha, 2.0 / 3.0 * vec_phase_axis[x].beta};
-}
-
-static void add(vec_ab *to, vec_ab more, double times)
-{
-    to->alpha += times * more.alpha;
-    to->beta += times * more.beta;
+    const double *per_Vs = way->per_Vs[x];
+    return per_Vs[0] * Vs[0] + per_Vs[1] * Vs[1] + per_Vs[2] * Vs[2];
 }
 
 /* The legs in the order in which they rise; they fall in the opposite one. */
@@ -107,8 +104,8 @@ typedef struct edges {
     double moved_s[3];
     double low_A_s[3], high_A_s[3]; /* how fast leg x moves its own current about its edges, low and high */
     double held_A[3],
-        per_reach[3]; /* what the dead time adds by its middle, and 1 over where the loss is whole */
-    vec_ab flux;      /* what the edges before have changed */
+        per_reach[3];     /* what the dead time adds by its middle, and 1 over where the loss is whole */
+    double changed_Vs[3]; /* by the edges before */
 } edges;
 
 /* How fast each leg's current moves about its edges: the others have the same state at its fall as at its rise. */
@@ -116,17 +113,18 @@ static void find_slopes(edges *e, const cycle_row *row, const found_currents *i,
                         const size_t order[3])
 {
     const double per_s = 1.0 / period_s;
-    vec_ab u = {0.0, 0.0};
+    double u_V[3]; /* above the leg's mean */
     for (size_t x = 0; x < 3; x++) {
-        add(&u, volt_on(x), -row->u_dc_V * (1.0 - 2.0 * row->rise[x]));
+        u_V[x] = -row->u_dc_V * (1.0 - 2.0 * row->rise[x]);
     }
     for (size_t n = 0; n < 3; n++) {
         const size_t x = order[n];
-        e->low_A_s[x] = vec_phase(found_current(e->way, u), (int)x) + i->rises[x] * per_s;
-        add(&u, volt_on(x), row->u_dc_V);
-        e->high_A_s[x] = vec_phase(found_current(e->way, u), (int)x) + i->rises[x] * per_s;
+        const double switched_A_s = e->way->per_Vs[x][x] * row->u_dc_V;
+        e->low_A_s[x] = current_by(e->way, x, u_V) + i->rises[x] * per_s;
+        e->high_A_s[x] = e->low_A_s[x] + switched_A_s;
+        u_V[x] += row->u_dc_V;
         e->held_A[x] = 0.5 * (e->low_A_s[x] + e->high_A_s[x]) * e->late_s;
-        const double reach = 0.5 * (e->high_A_s[x] - e->low_A_s[x]) * e->late_s;
+        const double reach = 0.5 * switched_A_s * e->late_s;
         e->per_reach[x] = 1.0 / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A);
     }
 }
@@ -134,7 +132,7 @@ static void find_slopes(edges *e, const cycle_row *row, const found_currents *i,
 /* The current that an edge finds, and of a full loss and none what it then takes: -1 to 1. */
 static double sign_found(const edges *e, size_t x, double i_A)
 {
-    const double others = vec_phase(found_current(e->way, e->flux), (int)x);
+    const double others = current_by(e->way, x, e->changed_Vs);
     return averaged_drive_edge(e->d->edge, (i_A + others + e->held_A[x]) * e->per_reach[x]);
 }
 
@@ -159,14 +157,14 @@ static void lose(const averaged_drive *d, const cycle_row *row, const found_way 
         const double found = sign_found(&e, x, i->mid[x] + i->apart[x] - e.low_A_s[x] * e.moved_s[x]);
         const double at_rise = 0.5 * v_late_V * (1.0 + found) * (1.0 - row->no_rise[x]) - e.moved_V[x];
         lost[x] += at_rise;
-        add(&e.flux, volt_on(x), -at_rise * period_s);
+        e.changed_Vs[x] -= at_rise * period_s;
     }
     for (size_t n = 3; n-- > 0;) {
         const size_t x = order[n];
         const double found = sign_found(&e, x, i->mid[x] - i->apart[x] + e.high_A_s[x] * e.moved_s[x]);
         const double at_fall = 0.5 * v_late_V * (found - 1.0) * (1.0 - row->no_fall[x]) - e.moved_V[x];
         lost[x] += at_fall;
-        add(&e.flux, volt_on(x), -at_fall * period_s);
+        e.changed_Vs[x] -= at_fall * period_s;
     }
 }
 

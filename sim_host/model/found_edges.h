@@ -16,7 +16,9 @@
 typedef struct found_way {
     double first[3], last[3];
     double bow[3]; /* half-way above the mean of these */
-    double per_flux[3]; /* 1/L, stationary, aa, ab, bb: by as much of the ripple as edge_ripple says */
+    /* By as much of the ripple as edge_ripple says: a leg's current by a volt-second on each leg, and the ripple where it rises. */
+    double per_Vs[3][3];
+    double ripple_A[3];
 } found_way;
 
 /* From one current to another, the rotor at r when it begins. */
