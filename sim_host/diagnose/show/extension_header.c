@@ -110,7 +110,7 @@ static void define_corrections(FILE *out, const diagnosis *d)
     fputc('\n', out);
 }
 
-static void put_initialisers(FILE *out, bool saturates)
+static void put_initialisers(FILE *out, bool saturates, bool map)
 {
     fprintf(out,
             "/* iqfoc_extension_t: the corrections of samples, duties and acting voltage, in the order of "
@@ -130,14 +130,19 @@ static void put_initialisers(FILE *out, bool saturates)
             "IQFOC_DIAGNOSED_I_BASE_A), \\\n"
             "     %s}\n\n",
             saturates ? "IQFOC_EXT_SATURATION(IQFOC_DIAGNOSED_I_SAT_A, IQFOC_DIAGNOSED_I_BASE_A)" : "0");
+    fputs("/* iqfoc_predictor_t, for a machine with L_d = L_q: it uses their mean. */\n"
+          "#define IQFOC_DIAGNOSED_PREDICTOR \\\n"
+          "    IQFOC_PREDICTOR(IQFOC_DIAGNOSED_R_OHM, 0.5 * (IQFOC_DIAGNOSED_L_D_H + IQFOC_DIAGNOSED_L_Q_H), "
+          "\\\n"
+          "                    IQFOC_DIAGNOSED_PSI_WB, IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, \\\n"
+          "                    IQFOC_DIAGNOSED_U_DC_V)\n\n",
+          out);
+    fputs(map ? "/* iqfoc_flux_predictor_t, near zero current: beyond, IQFOC_DIAGNOSED_FLUX_MAP takes its "
+                "place. "
+                "*/\n"
+              : "/* iqfoc_flux_predictor_t, for any machine. */\n",
+          out);
     fputs(
-        "/* iqfoc_predictor_t, for a machine with L_d = L_q: it uses their mean. */\n"
-        "#define IQFOC_DIAGNOSED_PREDICTOR \\\n"
-        "    IQFOC_PREDICTOR(IQFOC_DIAGNOSED_R_OHM, 0.5 * (IQFOC_DIAGNOSED_L_D_H + IQFOC_DIAGNOSED_L_Q_H), "
-        "\\\n"
-        "                    IQFOC_DIAGNOSED_PSI_WB, IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, \\\n"
-        "                    IQFOC_DIAGNOSED_U_DC_V)\n\n"
-        "/* iqfoc_flux_predictor_t, for any machine. */\n"
         "#define IQFOC_DIAGNOSED_FLUX_PREDICTOR \\\n"
         "    IQFOC_FLUX_PREDICTOR(IQFOC_DIAGNOSED_R_OHM, IQFOC_DIAGNOSED_L_D_H, IQFOC_DIAGNOSED_L_Q_H, \\\n"
         "                         IQFOC_DIAGNOSED_PSI_WB, IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, \\\n"
@@ -224,6 +229,7 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
         return false;
     }
     FILE *out = f.stream;
+    const bool map = motor_has_parts_alone(&d->extended_motor);
     fputs("/*\n * Written by iqfoc diagnose from ", out);
     text_out_comment(out, d->recording_path);
     fputs(" with ", out);
@@ -231,17 +237,22 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
     fputs(".\n * ", out);
     text_out_comment(out, d->sentence);
     fputs("\n *\n *     static const iqfoc_extension_t extension = IQFOC_DIAGNOSED_EXTENSION;\n"
-          " *     static const iqfoc_flux_predictor_t predictor = IQFOC_DIAGNOSED_FLUX_PREDICTOR;\n"
-          " *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h. A value outside the "
-          "library's range does not compile.\n"
+          " *     static const ",
+          out);
+    fputs(map ? "iqfoc_flux_map_t predictor = IQFOC_DIAGNOSED_FLUX_MAP;\n"
+              : "iqfoc_flux_predictor_t predictor = IQFOC_DIAGNOSED_FLUX_PREDICTOR;\n",
+          out);
+    fputs(" *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h, iqfoc/flux_map.h. A value "
+          "outside "
+          "the library's range does not compile.\n"
           " */\n#ifndef IQFOC_DIAGNOSED_EXTENSION_H\n#define IQFOC_DIAGNOSED_EXTENSION_H\n\n"
           "#include \"iqfoc/current_control.h\"\n#include \"iqfoc/extension_params.h\"\n#include "
           "\"iqfoc/flux_map.h\"\n#include \"iqfoc/flux_predictor.h\"\n\n",
           out);
     define_machine(out, d);
     define_corrections(out, d);
-    put_initialisers(out, d->extended_motor.ext.has[CAUSE_SATURATION]);
-    if (motor_has_parts_alone(&d->extended_motor)) {
+    put_initialisers(out, d->extended_motor.ext.has[CAUSE_SATURATION], map);
+    if (map) {
         define_map(out, d);
     }
     put_rest(out, d);
