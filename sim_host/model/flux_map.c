@@ -139,17 +139,29 @@ vec_dq flux_map_guess(const averaged_drive *d, vec_dq flux, vec_dq i, const flux
     return (vec_dq){i.d + more.d, i.q + more.q};
 }
 
+/*
+ * The plain law: i = s flux/L with s = 1 + k e s^2, where k e is (i/I_sat)^2 of the current that would make the flux unsaturated. At the
+ * largest flux that the law has, s is 2; so it is beyond.
+ */
+static inline vec_dq plain_current(const averaged_drive *d, vec_dq flux)
+{
+    const vec_dq i = {flux.d / d->L_d_H, flux.q / d->L_q_H};
+    const double per_energy = 2.0 * d->saturation / (d->L_d_H + d->L_q_H);
+    const double root = 1.0 - 4.0 * per_energy * (flux.d * i.d + flux.q * i.q);
+    const double s = 2.0 / (1.0 + sqrt(root > 0.0 ? root : 0.0));
+    return (vec_dq){s * i.d, s * i.q};
+}
+
 vec_dq flux_map_current(const averaged_drive *d, vec_dq flux, vec_dq guess)
 {
-    const bool terms = flux_map_has_terms(d);
-    if (!flux_map_bends(d)) {
-        return (vec_dq){flux.d / d->L_d_H, flux.q / d->L_q_H};
+    if (!flux_map_has_terms(d)) {
+        return plain_current(d, flux);
     }
     vec_dq i = guess;
     vec_dq first = guess;
     for (int k = 0; k < NEWTON_STEPS; k++) {
-        const flux_map_point at = map_at(d, terms, i);
-        const vec_dq more = newton_step(d, terms, flux, &at);
+        const flux_map_point at = map_at(d, true, i);
+        const vec_dq more = newton_step(d, true, flux, &at);
         i.d += more.d;
         i.q += more.q;
         first = k == 0 ? i : first;
@@ -158,5 +170,5 @@ vec_dq flux_map_current(const averaged_drive *d, vec_dq flux, vec_dq guess)
             return i;
         }
     }
-    return terms ? first : i;
+    return first;
 }

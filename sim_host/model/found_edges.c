@@ -3,11 +3,11 @@
 
 #include <math.h>
 
-/* The flux linkage of a current without the fall of the inductances, stationary. */
-static vec_ab flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_rotor r)
+/* The flux linkage of a current without the fall of the inductances, from the rotor. */
+static vec_dq flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_rotor r)
 {
     const vec_dq i_dq = vec_to_dq(i, r);
-    return vec_to_ab((vec_dq){d->L_d_H * i_dq.d + psi_Wb, d->L_q_H * i_dq.q}, r);
+    return (vec_dq){d->L_d_H * i_dq.d + psi_Wb, d->L_q_H * i_dq.q};
 }
 
 /*
@@ -18,13 +18,15 @@ static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor 
 {
     const vec_rotor end = rotor_turned(r, (vec_rotor){row->cos_turn, row->sin_turn});
     const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
-    const vec_rotor middle = {(r.cos + end.cos) / twice_cos, (r.sin + end.sin) / twice_cos};
+    const vec_rotor half = {0.5 * twice_cos, row->sin_turn / twice_cos};
     const double psi_Wb = averaged_drive_magnet(d, row);
-    const vec_ab one = flux_of(d, psi_Wb, first, r);
-    const vec_ab two = flux_of(d, psi_Wb, last, end);
-    const vec_dq flux =
-        vec_to_dq((vec_ab){0.5 * (one.alpha + two.alpha), 0.5 * (one.beta + two.beta)}, middle);
-    const vec_ab i = vec_to_ab((vec_dq){(flux.d - psi_Wb) / d->L_d_H, flux.q / d->L_q_H}, middle);
+    const vec_dq one = flux_of(d, psi_Wb, first, r);
+    const vec_dq two = flux_of(d, psi_Wb, last, end);
+    /* Seen from the middle, the first flux is half the turn behind, and the last one ahead. */
+    const vec_dq flux = {0.5 * (half.cos * (one.d + two.d) + half.sin * (one.q - two.q)),
+                         0.5 * (half.cos * (one.q + two.q) + half.sin * (two.d - one.d))};
+    const vec_ab i =
+        vec_to_ab((vec_dq){(flux.d - psi_Wb) / d->L_d_H, flux.q / d->L_q_H}, rotor_turned(r, half));
     return (vec_ab){i.alpha - 0.5 * (first.alpha + last.alpha), i.beta - 0.5 * (first.beta + last.beta)};
 }
 
@@ -149,7 +151,9 @@ static void lose(const averaged_drive *d, const cycle_row *row, const found_way 
     for (size_t x = 0; x < 3; x++) {
         /* No edge moves beyond the valley or the peak. */
         const double wanted = 0.5 * averaged_drive_compensation(d, way->first[x]);
-        e.moved_V[x] = fmin(fmax(wanted, (row->rise[x] - 0.5) * row->u_dc_V), row->rise[x] * row->u_dc_V);
+        const double earliest = (row->rise[x] - 0.5) * row->u_dc_V;
+        const double latest = row->rise[x] * row->u_dc_V;
+        e.moved_V[x] = wanted < earliest ? earliest : wanted > latest ? latest : wanted;
         e.moved_s[x] = e.moved_V[x] * s_per_V;
     }
     for (size_t n = 0; n < 3; n++) {

@@ -323,6 +323,21 @@ static void a_flux_beyond_the_map_has_a_current_of_its_size(void)
     TEST_ASSERT_TRUE(i.q > 3.0 && i.q < 40.0 && fabs(i.d) < 40.0);
 }
 
+/* The plain law's flux has its largest value at I_sat. Up to there the current comes back; beyond, it is twice the unsaturated one. */
+static void the_plain_law_gives_its_current_back(void)
+{
+    const averaged_drive d = {.L_d_H = 0.01, .L_q_H = 0.01, .saturation = 1.0 / (12.0 * 12.0)};
+    for (int n = 0; n < 40; n++) {
+        const vec_dq i = {0.29 * n * cos(0.7 * n), 0.29 * n * sin(0.7 * n)};
+        const vec_dq back = flux_map_current(&d, flux_map_flux(&d, i), (vec_dq){0.0, 0.0});
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.d, back.d);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.q, back.q);
+    }
+    const vec_dq beyond = flux_map_current(&d, (vec_dq){-0.08, 0.0}, (vec_dq){0.0, 0.0});
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, -16.0, beyond.d);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, beyond.q);
+}
+
 /* The current at the end of a cycle of 0.2 rad that is recorded as beginning at `recorded`, mechanically at `mech`. */
 static vec_ab after_cycle_at(const averaged_drive *d, double recorded, double mech, double mech_moves)
 {
@@ -524,6 +539,7 @@ int main(void)
     RUN_TEST(parts_that_saturate_go_to_the_motor_file_and_back);
     RUN_TEST(a_flux_is_guessed_from_a_current_nearby);
     RUN_TEST(a_flux_beyond_the_map_has_a_current_of_its_size);
+    RUN_TEST(the_plain_law_gives_its_current_back);
     RUN_TEST(an_error_of_the_electrical_turn_is_taken_at_the_true_angle);
     RUN_TEST(an_error_of_the_turn_moves_the_angle_that_it_depends_on);
     RUN_TEST(unequal_poles_change_the_flux_with_the_turn);
