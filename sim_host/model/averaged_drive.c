@@ -270,7 +270,7 @@ static vec_dq iron_above(const averaged_drive *d, const iron_branch *branch, vec
     return (vec_dq){mean.d - first.d, mean.q - first.q};
 }
 
-/* The current that carries a flux; from a guess where the inductances are not constant. */
+/* The current that carries a flux; from a guess where the map has terms. */
 static inline vec_dq current_of(const averaged_drive *d, bool bends, vec_dq per_H, vec_dq flux, vec_dq guess)
 {
     return bends ? flux_map_current(d, flux, guess) : (vec_dq){flux.d * per_H.d, flux.q * per_H.q};
@@ -347,7 +347,7 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
                 m.decay[1][0] * x.d + m.decay[1][1] * x.q + m.drive[1][0] * u_dq.d + m.drive[1][1] * u_dq.q +
                     m.push[1][0] * push.d + m.push[1][1] * push.q};
     vec_dq near = i_dq; /* to the current that makes y */
-    if (bends) {
+    if (flux_map_has_terms(d)) {
         near = flux_map_guess(d, y, i_dq, &at);
     }
     if (averaged_drive_loses(d) || unequal(d)) {

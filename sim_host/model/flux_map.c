@@ -118,10 +118,9 @@ bool flux_map_is_convex(const averaged_drive *d, double share)
 }
 
 /* The step towards a flux by the incremental inductance where the map is known. Close to where the flux turns: as if unsaturated. */
-static inline vec_dq newton_step(const averaged_drive *d, bool terms, vec_dq flux, const flux_map_point *at)
+static inline vec_dq newton_step(const averaged_drive *d, vec_dq flux, const flux_map_point *at)
 {
-    /* The plain law has no iron beyond a tenth of its inductances; of a map both may be less, and saturated parts leave little. */
-    const double least = has_iron(d) ? 0.0004 : terms ? 0.002 : 0.05;
+    const double least = has_iron(d) ? 0.0004 : 0.002; /* saturated parts leave little */
     const vec_dq wrong = {flux.d - at->flux.d, flux.q - at->flux.q};
     flux_map_slope m = at->slope;
     double det = m.dd * m.qq - m.dq * m.dq;
@@ -135,7 +134,7 @@ static inline vec_dq newton_step(const averaged_drive *d, bool terms, vec_dq flu
 
 vec_dq flux_map_guess(const averaged_drive *d, vec_dq flux, vec_dq i, const flux_map_point *at)
 {
-    const vec_dq more = newton_step(d, flux_map_has_terms(d), flux, at);
+    const vec_dq more = newton_step(d, flux, at);
     return (vec_dq){i.d + more.d, i.q + more.q};
 }
 
@@ -161,7 +160,7 @@ vec_dq flux_map_current(const averaged_drive *d, vec_dq flux, vec_dq guess)
     vec_dq first = guess;
     for (int k = 0; k < NEWTON_STEPS; k++) {
         const flux_map_point at = map_at(d, true, i);
-        const vec_dq more = newton_step(d, true, flux, &at);
+        const vec_dq more = newton_step(d, flux, &at);
         i.d += more.d;
         i.q += more.q;
         first = k == 0 ? i : first;

@@ -137,9 +137,8 @@ static void put_initialisers(FILE *out, bool saturates, bool map)
           "                    IQFOC_DIAGNOSED_PSI_WB, IQFOC_DIAGNOSED_T_S, IQFOC_DIAGNOSED_I_BASE_A, \\\n"
           "                    IQFOC_DIAGNOSED_U_DC_V)\n\n",
           out);
-    fputs(map ? "/* iqfoc_flux_predictor_t, near zero current: beyond, IQFOC_DIAGNOSED_FLUX_MAP takes its "
-                "place. "
-                "*/\n"
+    fputs(map ? "/* iqfoc_flux_predictor_t, near zero current: beyond, "
+                "IQFOC_DIAGNOSED_FLUX_MAP takes its place. */\n"
               : "/* iqfoc_flux_predictor_t, for any machine. */\n",
           out);
     fputs(
@@ -242,9 +241,8 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
     fputs(map ? "iqfoc_flux_map_t predictor = IQFOC_DIAGNOSED_FLUX_MAP;\n"
               : "iqfoc_flux_predictor_t predictor = IQFOC_DIAGNOSED_FLUX_PREDICTOR;\n",
           out);
-    fputs(" *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h, iqfoc/flux_map.h. A value "
-          "outside "
-          "the library's range does not compile.\n"
+    fputs(" *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h, iqfoc/flux_map.h. "
+          "A value outside the library's range does not compile.\n"
           " */\n#ifndef IQFOC_DIAGNOSED_EXTENSION_H\n#define IQFOC_DIAGNOSED_EXTENSION_H\n\n"
           "#include \"iqfoc/current_control.h\"\n#include \"iqfoc/extension_params.h\"\n#include "
           "\"iqfoc/flux_map.h\"\n#include \"iqfoc/flux_predictor.h\"\n\n",
