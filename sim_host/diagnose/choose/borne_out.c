@@ -11,8 +11,11 @@ static const double ODDS_INSIDE = 10.0;
 double borne_out_left(double nominal, double extended, double floor)
 {
     const double noise = DIAGNOSIS_FLOOR_TOLERANCE * floor;
-    if (!(nominal > noise) || isnan(extended)) {
+    if (!(nominal > noise)) {
         return NAN;
+    }
+    if (isnan(extended)) {
+        return INFINITY;
     }
     return fmax(extended * extended - noise * noise, 0.0) / (nominal * nominal - noise * noise);
 }

@@ -17,8 +17,9 @@
 #define SIM_HOST_DIAGNOSE_CHOOSE_BORNE_OUT_H
 
 /*
- * The share left, 0 to 1, and more if the error rises; errors in one unit. Up to 1.25 noise floors an error counts as noise. NAN if the
- * nominal error is that small, as it says nothing about its parts, or if a simulation diverged (an error of NAN).
+ * The share left, 0 to 1, and more if the error rises; errors in one unit. Up to 1.25 noise floors an error counts as noise. A simulation
+ * that diverged has an error of NAN. NAN if the nominal error is that small, as it says nothing about its parts, or if the nominal model
+ * diverges. INFINITY if the extended model alone diverges.
  */
 double borne_out_left(double nominal, double extended, double floor);
 

@@ -93,9 +93,9 @@ static void an_error_of_the_noise_does_not_count(void)
     one_cycle.nominal = 5.0;
     one_cycle.extended = 2.0;
     LEFT(share_of(2.0));
-    open_loop = (percents){.nominal = 5.0, .extended = NAN};
+    open_loop = (percents){.nominal = NAN, .extended = NAN};
     LEFT(share_of(2.0));
-    open_loop.nominal = NAN;
+    open_loop.extended = 5.0;
     LEFT(share_of(2.0));
 }
 
@@ -105,6 +105,8 @@ static void an_open_loop_error_that_rises_counts(void)
     LEFT(0.0);
     open_loop.extended = 5.1;
     LEFT(share_of(5.1));
+    open_loop.extended = NAN; /* the extended model alone diverges */
+    LEFT(INFINITY);
     /* Not with an over-compensated dead time: noise decides the sign of a current near zero. */
     w.state.set |= HYPOTHESIS_BIT(H_COMPENSATED);
     w.state.z[P_V_DEAD] = -1.0;

@@ -155,7 +155,8 @@ static void what_is_left_is_a_share_of_the_power_above_the_noise(void)
     /* An error within the noise, or none, shows nothing. */
     TEST_ASSERT_TRUE(isnan(borne_out_left(1.0, 0.5, 0.8)));
     TEST_ASSERT_TRUE(isnan(borne_out_left(NAN, 0.5, 0.8)));
-    TEST_ASSERT_TRUE(isnan(borne_out_left(3.0, NAN, 0.8)));
+    TEST_ASSERT_TRUE(isnan(borne_out_left(NAN, NAN, 0.8)));
+    TEST_ASSERT_TRUE(borne_out_left(3.0, NAN, 0.8) == INFINITY);
 }
 
 static void a_share_left_has_odds(void)
@@ -166,6 +167,7 @@ static void a_share_left_has_odds(void)
     const double odds = 200.0 * exp(-4.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, odds / (1.0 + odds), borne_out_probability(0.2));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, borne_out_probability(1.0));
+    SAME(0.0, borne_out_probability(INFINITY));
 }
 
 static certainty of_two(void)
