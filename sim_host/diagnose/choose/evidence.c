@@ -194,6 +194,16 @@ static bool cost_of_same_drive(const evidence_view *view, const fit_state *s, hy
     return hypotheses_physical(set, option->z) && hypotheses_count(came, option->z, view->of_least);
 }
 
+/* The slope of the cost by a column, after some coordinates are moved away. */
+static double slope_after(const gram *t, size_t column, const double *away, const size_t *moved, size_t moves)
+{
+    double slope = t->g[column];
+    for (size_t k = 0; k < moves; k++) {
+        slope += t->h[column][moved[k]] * away[moved[k]];
+    }
+    return slope;
+}
+
 bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set set, evidence_option *option)
 {
     hypothesis_set about;
@@ -221,22 +231,25 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
     if (t->h[P_OFFSET_ZERO][P_OFFSET_ZERO] > 0.0) {
         column[n++] = P_OFFSET_ZERO;
     }
-    double slope[COLUMN_COUNT];
     option->set = set;
     option->score = INFINITY;
     option->cost = t->c;
-    for (size_t i = 0; i < COLUMN_COUNT; i++) {
-        slope[i] = t->g[i];
-        for (size_t j = 0; j < P_COUNT; j++) {
-            slope[i] += t->h[i][j] * away[j];
+    size_t moved[P_COUNT];
+    size_t moves = 0;
+    for (size_t k = 0; k < P_COUNT; k++) {
+        if (away[k] != 0.0) {
+            moved[moves++] = k;
         }
-        option->cost += away[i] * (t->g[i] + slope[i]);
+    }
+    for (size_t k = 0; k < moves; k++) {
+        const size_t i = moved[k];
+        option->cost += away[i] * (t->g[i] + slope_after(t, i, away, moved, moves));
     }
     double small[COLUMN_COUNT][COLUMN_COUNT];
     double right[COLUMN_COUNT];
     double step[COLUMN_COUNT];
     for (size_t i = 0; i < n; i++) {
-        right[i] = -slope[column[i]];
+        right[i] = -slope_after(t, (size_t)column[i], away, moved, moves);
         for (size_t j = 0; j < n; j++) {
             small[i][j] = t->h[column[i]][column[j]];
         }
