@@ -3,6 +3,12 @@
 
 #include <math.h>
 
+/* The true voltage of the DC link. */
+static double link_of(const averaged_drive *d, const cycle_row *row)
+{
+    return d->k_u * row->u_dc_V;
+}
+
 /* The flux linkage of a current without the fall of the inductances, from the rotor. */
 static vec_dq flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_rotor r)
 {
@@ -57,8 +63,8 @@ found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor 
         for (size_t y = 0; y < 3; y++) {
             way.per_Vs[x][y] = 2.0 / 3.0 * vec_phase(per_flux, (int)y);
         }
-        way.ripple_A[x] =
-            per_flux.alpha * row->edge_ripple_Wb[x].alpha + per_flux.beta * row->edge_ripple_Wb[x].beta;
+        way.ripple_A[x] = d->k_u * (per_flux.alpha * row->edge_ripple_Wb[x].alpha +
+                                    per_flux.beta * row->edge_ripple_Wb[x].beta);
     }
     return way;
 }
@@ -115,16 +121,17 @@ static void find_slopes(edges *e, const cycle_row *row, const found_currents *i,
                         const size_t order[3])
 {
     const double per_s = 1.0 / period_s;
+    const double link_V = link_of(e->d, row);
     double u_V[3]; /* above the leg's mean */
     for (size_t x = 0; x < 3; x++) {
-        u_V[x] = -row->u_dc_V * (1.0 - 2.0 * row->rise[x]);
+        u_V[x] = -link_V * (1.0 - 2.0 * row->rise[x]);
     }
     for (size_t n = 0; n < 3; n++) {
         const size_t x = order[n];
-        const double switched_A_s = e->way->per_Vs[x][x] * row->u_dc_V;
+        const double switched_A_s = e->way->per_Vs[x][x] * link_V;
         e->low_A_s[x] = current_by(e->way, x, u_V) + i->rises[x] * per_s;
         e->high_A_s[x] = e->low_A_s[x] + switched_A_s;
-        u_V[x] += row->u_dc_V;
+        u_V[x] += link_V;
         e->held_A[x] = 0.5 * (e->low_A_s[x] + e->high_A_s[x]) * e->late_s;
         const double reach = 0.5 * switched_A_s * e->late_s;
         e->per_reach[x] = 1.0 / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A);
@@ -143,7 +150,8 @@ static void lose(const averaged_drive *d, const cycle_row *row, const found_way 
                  double period_s, double lost[3])
 {
     const double v_late_V = d->v_dead_V + d->compensation_V;
-    const double s_per_V = period_s / row->u_dc_V;
+    const double link_V = link_of(d, row);
+    const double s_per_V = period_s / link_V;
     edges e = {.d = d, .way = way, .late_s = v_late_V * s_per_V};
     size_t order[3];
     order_of(row->rise, order);
@@ -151,8 +159,8 @@ static void lose(const averaged_drive *d, const cycle_row *row, const found_way 
     for (size_t x = 0; x < 3; x++) {
         /* No edge moves beyond the valley or the peak. */
         const double wanted = 0.5 * averaged_drive_compensation(d, way->first[x]);
-        const double earliest = (row->rise[x] - 0.5) * row->u_dc_V;
-        const double latest = row->rise[x] * row->u_dc_V;
+        const double earliest = (row->rise[x] - 0.5) * link_V;
+        const double latest = row->rise[x] * link_V;
         e.moved_V[x] = wanted < earliest ? earliest : wanted > latest ? latest : wanted;
         e.moved_s[x] = e.moved_V[x] * s_per_V;
     }

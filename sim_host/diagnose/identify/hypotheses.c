@@ -18,7 +18,7 @@ const double law_holds_to[CAUSE_COUNT] = {
 #include "data/causes.def"
 };
 
-/* All roles of a line together can change without any change of the recording: a set must lack at least one of them. */
+/* All roles of a line together can change without any change of the recording. */
 static const unsigned exclusive[][3] = {
     {DELAYS_VOLTAGE, DELAYS_A_SHARE},
     {SCALES_VOLTAGE, SCALES_FLUX, SCALES_INDUCTANCE},
@@ -27,10 +27,20 @@ static const unsigned exclusive[][3] = {
     {SCALES_RESISTANCE, SCALES_CURRENT, SCALES_INDUCTANCE},
 };
 
+static bool hold_a_line(unsigned roles)
+{
+    bool hold = false;
+    for (size_t k = 0; k < sizeof exclusive / sizeof *exclusive; k++) {
+        const unsigned line = exclusive[k][0] | exclusive[k][1] | exclusive[k][2];
+        hold = hold || (roles & line) == line;
+    }
+    return hold;
+}
+
 bool hypothesis_joins(hypothesis_set set, hypothesis_id id)
 {
     const hypothesis *own = &hypothesis_table[id];
-    unsigned roles = own->role;
+    unsigned roles = 0;
     for (hypothesis_id other = 0; other < H_COUNT; other++) {
         const hypothesis *member = &hypothesis_table[other];
         if (!hypothesis_in(set, other)) {
@@ -41,13 +51,7 @@ bool hypothesis_joins(hypothesis_set set, hypothesis_id id)
         }
         roles |= member->role;
     }
-    for (size_t k = 0; k < sizeof exclusive / sizeof *exclusive; k++) {
-        const unsigned line = exclusive[k][0] | exclusive[k][1] | exclusive[k][2];
-        if ((roles & line) == line) {
-            return false;
-        }
-    }
-    return true;
+    return hold_a_line(roles) || !hold_a_line(roles | own->role);
 }
 
 /* Whether a moves each coordinate that b moves. */

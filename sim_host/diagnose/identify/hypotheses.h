@@ -124,9 +124,9 @@ static inline bool hypothesis_in(hypothesis_set set, hypothesis_id h)
 }
 
 /*
- * Whether a hypothesis may join a set. A set has one hypothesis per cause and none that contains another. It has no roles that
+ * Whether a hypothesis may join a set. A set has one hypothesis per cause and none that contains another. It gets no roles that
  * together can change without any change of the recording: R, L, psi_f and voltage by one factor, or all voltages, fluxes and current
- * sensors.
+ * sensors. A set of the whole drive may have such roles already, as priors determine their size; then others join it as well.
  */
 bool hypothesis_joins(hypothesis_set set, hypothesis_id id);
 

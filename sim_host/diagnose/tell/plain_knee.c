@@ -11,7 +11,7 @@ double plain_knee_A(const averaged_drive *drive, const diagnose_rows *r, double 
         vec_ab flux = r->row[k].edge_ripple_Wb[0];
         square += (flux.alpha * flux.alpha + flux.beta * flux.beta) / (double)r->rows;
     }
-    double apart = drive->edge_ripple * sqrt(square) * 2.0 / (drive->L_d_H + drive->L_q_H);
+    double apart = drive->edge_ripple * drive->k_u * sqrt(square) * 2.0 / (drive->L_d_H + drive->L_q_H);
     double best = drive->i_knee_A;
     double least = INFINITY;
     for (double knee = 0.002 * i_peak_A; knee < 0.3 * i_peak_A; knee *= 1.05) {

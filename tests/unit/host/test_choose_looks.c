@@ -387,6 +387,33 @@ static void nothing_is_named_for_what_has_no_name(void)
 
 /* ---- The fit of the whole drive ---- */
 
+/* R, inductances, magnet and all voltages by one factor change no current, with all effects that hold a voltage or an inductance. */
+static void one_factor_on_the_drive_changes_nothing(void)
+{
+    static fitted f;
+    static const struct {
+        coordinate_id of;
+        double z;
+    } off[] = {{P_R, 0.1},           {P_L_D, -0.1},    {P_L_Q, 0.05},   {P_PSI, -0.03},
+               {P_SATURATION, 0.02}, {P_V_DEAD, 1.0},  {P_RIPPLE, 0.9}, {P_COMPENSATION, 1.0},
+               {P_K_U, 0.04},        {P_PSI_5, 0.01},  {P_DR_A, 0.02},  {P_DL_B, 0.01},
+               {P_FE, 0.3},          {P_T_DELAY, 0.1}, {P_GAIN_A, 0.01}};
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    fit_state one = f.state;
+    for (size_t k = 0; k < sizeof off / sizeof *off; k++) {
+        one.z[off[k].of] += off[k].z;
+    }
+    fit_noise(&f.data, &one);
+    TEST_ASSERT_TRUE(one.objective - f.state.objective > 1000.0); /* they act */
+    for (int percent = -20; percent <= 20; percent += 10) {
+        fit_state other = one;
+        coordinates_scale(&f.frame, 1.0 + 0.01 * percent, other.z);
+        fit_noise(&f.data, &other);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, one.objective, other.objective);
+    }
+    fit_end(&f);
+}
+
 /* If the voltages' gain is not fitted, a machine that is off by one factor is not scaled back to the motor file. */
 static void the_whole_drive_keeps_a_scale_that_is_known(void)
 {
@@ -425,6 +452,7 @@ int main(void)
     RUN_TEST(three_causes_of_unequal_size_are_found);
     RUN_TEST(a_dead_time_takes_nothing_with_it);
     RUN_TEST(nothing_is_named_for_what_has_no_name);
+    RUN_TEST(one_factor_on_the_drive_changes_nothing);
     RUN_TEST(the_whole_drive_keeps_a_scale_that_is_known);
     return UNITY_END();
 }
