@@ -106,7 +106,8 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
         return false;
     }
     for (size_t k = 0; k < d->causes; k++) {
-        d->cause[k].probability = w->borne_out * of[member[k]].probability;
+        d->cause[k].probability =
+            w->borne_out * of[member[k]].probability * (1.0 - session_scale_doubt(w, member[k]));
     }
     evidence_option own;
     evidence_option none;
@@ -149,6 +150,8 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
         known_widen(d);
         if (w->undecided != 0) {
             explanations_tell(w, view, hypotheses_named(w->state.set) & ~w->undecided, d);
+        }
+        if (d->explanations > 0 && !d->alike_by_scale) {
             experiment_of_explanations(w, view, w->undecided, d);
         }
         if (d->experiment.numbers == 0) {
@@ -263,7 +266,7 @@ static bool leave_unlikely(session *w, FILE *trace)
         return false;
     }
     w->state = w->nominal;
-    w->minor = 0;
+    w->minor = w->undecided = 0;
     w->more_left = true;
     return certainty_of(&w->fitted, &w->state, &w->certainty);
 }

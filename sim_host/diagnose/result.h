@@ -184,6 +184,7 @@ typedef struct diagnosis {
     diagnosis_direction not_visible[DIAGNOSIS_DIRECTIONS];
     size_t explanations; /* 0: none, or one is named */
     diagnosis_explanation explanation[DIAGNOSIS_EXPLANATIONS];
+    bool alike_by_scale; /* they differ by one factor on R, L, psi_f and all voltages */
     diagnosis_covariance covariance;
     diagnosis_structure structure;
     diagnosis_learned learned; /* where the verdict is partly or unexplained */

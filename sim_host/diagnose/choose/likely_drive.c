@@ -377,7 +377,8 @@ bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller
     if (ok && *taken) {
         w->state = s;
         w->more_left = false;
-        w->minor = 0;
+        w->minor = w->undecided = 0;
+        memset(w->scale, 0, sizeof w->scale);
         ok = certainty_of(&w->fitted, &w->state, &w->certainty);
     } else if (ok) {
         ok = roughen_angle(w);

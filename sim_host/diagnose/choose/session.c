@@ -11,6 +11,18 @@
 #include <math.h>
 #include <string.h>
 
+double session_scale_doubt(const session *w, hypothesis_id h)
+{
+    double doubt = 0.0;
+    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+        const bool scales = hypothesis_table[hypotheses_scaled[k]].cause == hypothesis_table[h].cause;
+        for (size_t which = 0; scales && which < DRIVE_SCALES; which++) {
+            doubt += (which >> k & 1U) == 0 ? w->scale[which].share : 0.0;
+        }
+    }
+    return doubt;
+}
+
 double session_floor(const session *w, const fit_state *s)
 {
     double noise_A = 0.0;

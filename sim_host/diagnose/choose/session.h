@@ -5,6 +5,7 @@
 #define SIM_HOST_DIAGNOSE_CHOOSE_SESSION_H
 
 #include "certainty.h"
+#include "diagnose/identify/whole_fit.h"
 
 typedef struct session {
     diagnose_rows rows;
@@ -17,8 +18,9 @@ typedef struct session {
     hypothesis_set allowed; /* of these what was not dropped */
     hypothesis_set minor;   /* members of the state's set that are no causes: small, or undecided */
     hypothesis_set
-        undecided;  /* of these, those for which the recording does not show whether they are the cause */
-    fit_state best; /* the state, or what was fitted before all of it was given up */
+        undecided; /* of these, those for which the recording does not show whether they are the cause */
+    drive_scale scale[DRIVE_SCALES];         /* of a set of the whole drive; shares of 0 otherwise */
+    fit_state best;                          /* the state, or what was fitted before all of it was given up */
     double borne_out, corrections_borne_out; /* probability of the members, of these and the corrections */
     bool more_left;                          /* than the best causes explained: none of them is named */
     bool no_memory;                          /* memory ran out in a measure (rows.no_memory) */
@@ -42,6 +44,9 @@ static inline void session_adopt(const session *w, hypothesis_id h, double z[P_C
             w->state.z[P_OFFSET_ZERO]; /* what the offsets have in common shows from sector to sector */
     }
 }
+
+/* The probability that by another factor on the drive a member is not beyond its reporting threshold; 0 of one that no factor scales. */
+double session_scale_doubt(const session *w, hypothesis_id h);
 
 /* Errors are in percent of the current, on held-out rows without glitches. The noise floor at a state. */
 double session_floor(const session *w, const fit_state *s);

@@ -18,6 +18,9 @@ const double law_holds_to[CAUSE_COUNT] = {
 #include "data/causes.def"
 };
 
+const hypothesis_id hypotheses_scaled[HYPOTHESES_SCALED] = {H_RESISTANCE, H_INDUCTANCE, H_FLUX,
+                                                            H_VOLTAGE_GAIN};
+
 /* All roles of a line together can change without any change of the recording. */
 static const unsigned exclusive[][3] = {
     {DELAYS_VOLTAGE, DELAYS_A_SHARE},

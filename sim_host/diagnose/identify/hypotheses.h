@@ -123,6 +123,10 @@ static inline bool hypothesis_in(hypothesis_set set, hypothesis_id h)
     return (set & HYPOTHESIS_BIT(h)) != 0;
 }
 
+/* What one factor on the drive scales, while no current changes: R, inductance, psi_f, all voltages. */
+enum { HYPOTHESES_SCALED = 4 };
+extern const hypothesis_id hypotheses_scaled[HYPOTHESES_SCALED];
+
 /*
  * Whether a hypothesis may join a set. A set has one hypothesis per cause and none that contains another. It gets no roles that
  * together can change without any change of the recording: R, L, psi_f and voltage by one factor, or all voltages, fluxes and current

@@ -19,6 +19,8 @@ static const double roughness_tried[] = {1.0, 2.0, 4.0, 8.0};
 /* Prior of a shape parameter such as a knee current: its standard deviation is a factor e. And the largest change in a step. */
 static const double SHAPE_WIDTH = 1.0;
 static const double SHAPE_STEP = 0.7;
+/* Of the common factor's logarithm, between two values at which its prior is weighed: a quarter of the narrowest prior's width. */
+static const double SCALE_STEP = 2.5e-4;
 /* A step that reduces -2 log posterior by less than this is the last one. */
 static const double LITTLE = 20.0;
 /* Added to the diagonal, as a share of it, so that a step can be solved if only a prior determines a direction. */
@@ -351,6 +353,39 @@ static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
     }
 }
 
+/* Sums the prior over the factor that only the prior determines, from -26 to +35 %. */
+static void weigh_scales(const whole *w, const fit_data *d, whole_fit *out)
+{
+    enum { NODES = 1200 }; /* to either side */
+    const double own = prior_of(w, &out->state, NULL, out->roughness);
+    double least[DRIVE_SCALES];
+    double sum = 0.0;
+    for (int k = -NODES; k <= NODES && is_fitted(w, P_K_U); k++) {
+        const double factor = exp(k * SCALE_STEP);
+        fit_state at = out->state;
+        coordinates_scale(d->frame, factor, at.z);
+        if (!is_within(d->frame, at.z)) {
+            continue;
+        }
+        const double prior = prior_of(w, &at, NULL, out->roughness);
+        size_t which = 0;
+        for (size_t n = 0; n < HYPOTHESES_SCALED; n++) {
+            const hypothesis_id h = hypotheses_scaled[n];
+            which |= hypothesis_size(h, at.z) > d->frame->of_least * hypothesis_table[h].least ? 1U << n : 0U;
+        }
+        drive_scale *scale = &out->scale[which];
+        if (scale->share == 0.0 || prior < least[which]) {
+            least[which] = prior;
+            scale->factor = factor;
+        }
+        scale->share += exp(0.5 * (own - prior));
+        sum += exp(0.5 * (own - prior));
+    }
+    for (size_t k = 0; k < DRIVE_SCALES && sum > 0.0; k++) {
+        out->scale[k].share /= sum;
+    }
+}
+
 /* Writes the posterior about the fit, from the sums of the last step. */
 static void tell_covariance(whole *w, whole_fit *out)
 {
@@ -438,6 +473,9 @@ bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, d
         if (k > 0 && fell < LITTLE) {
             break;
         }
+    }
+    if (ok) {
+        weigh_scales(w, d, out);
     }
     free(w);
     return ok;

@@ -14,6 +14,17 @@
 
 #include <stdio.h>
 
+/*
+ * The drives by another factor of R, L, psi_f and all voltages in which the same of these are beyond their reporting thresholds. share: of
+ * all, under the prior. factor: on the fit, of the most probable one.
+ */
+typedef struct drive_scale {
+    double share, factor;
+} drive_scale;
+
+/* One for each choice of hypotheses_scaled: a bit each. */
+enum { DRIVE_SCALES = 1 << HYPOTHESES_SCALED };
+
 typedef struct whole_fit {
     fit_state state; /* its set is that of the start */
     double roughness;
@@ -24,6 +35,7 @@ typedef struct whole_fit {
     double pull[COLUMN_COUNT];                     /* precision of the prior at the fit */
     double precision[COLUMN_COUNT][COLUMN_COUNT];  /* of the posterior, */
     double covariance[COLUMN_COUNT][COLUMN_COUNT]; /* and its inverse */
+    drive_scale scale[DRIVE_SCALES];               /* shares of 0 if the voltages' gain was not fitted */
 } whole_fit;
 
 /*

@@ -43,6 +43,14 @@ void advice_tell(const session *w, diagnosis *d)
     };
     const diagnose_rows *r = &w->rows;
     d->next_experiment[0] = '\0';
+    if (d->alike_by_scale) {
+        snprintf(
+            d->next_experiment, sizeof d->next_experiment,
+            "One factor on R, L, psi_f and all voltages changes no current, so that no recording separates "
+            "these. Measure the DC link with a voltmeter. If u_dc_V is right, diagnose again with --skip "
+            "voltage_gain.");
+        return;
+    }
     char computed[sizeof d->next_experiment];
     const bool found = experiment_words(&d->experiment, computed, sizeof computed);
     if (found && d->experiment.tell[0] != NULL) {

@@ -23,6 +23,8 @@ static const double SHOWN = 4.0;
 static const double PART = 0.1;
 /* In -2 log of odds: explanations this far behind the best count, and the best must reduce the error by as much. */
 static const double ALIKE = 12.0;
+/* The least probability of an explanation by another factor on the drive. */
+static const double LEAST_SHARE = 0.02;
 /* The most causes of one explanation, if several are undecided. */
 enum { MEMBERS = 2 };
 
@@ -191,8 +193,68 @@ static void widen_named(const session *w, const evidence_option *option, diagnos
     free(other);
 }
 
+/* What of hypotheses_scaled is beyond its threshold at such a factor, without what is named. */
+static hypothesis_set moved_by_scale(size_t which, hypothesis_set named)
+{
+    hypothesis_set set = 0;
+    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+        const hypothesis_id h = hypotheses_scaled[k];
+        const bool moved = (which >> k & 1U) != 0 && !hypotheses_hold(named, hypothesis_table[h].cause);
+        set |= moved ? HYPOTHESIS_BIT(h) : 0;
+    }
+    return set;
+}
+
+/* The most probable factor at which this is moved. */
+static double factor_of(const session *w, hypothesis_set moved, hypothesis_set named)
+{
+    size_t best = DRIVE_SCALES;
+    for (size_t which = 0; which < DRIVE_SCALES; which++) {
+        const bool same = moved_by_scale(which, named) == moved;
+        best = same && (best == DRIVE_SCALES || w->scale[which].share > w->scale[best].share) ? which : best;
+    }
+    return w->scale[best].factor;
+}
+
+/* The drives by another factor, the most probable first. */
+static void tell_scales(const session *w, hypothesis_set named, diagnosis *d)
+{
+    double share[DRIVE_SCALES] = {0.0}; /* at the first of those that move the same in addition */
+    for (size_t which = 0; which < DRIVE_SCALES; which++) {
+        size_t first = 0;
+        while (moved_by_scale(first, named) != moved_by_scale(which, named)) {
+            first++;
+        }
+        share[first] += w->scale[which].share;
+    }
+    for (size_t n = 0; n < DIAGNOSIS_EXPLANATIONS; n++) {
+        size_t best = 0;
+        evidence_option option;
+        for (size_t which = 1; which < DRIVE_SCALES; which++) {
+            best = share[which] > share[best] ? which : best;
+        }
+        const hypothesis_set moved = moved_by_scale(best, named);
+        if (moved != 0 && share[best] > LEAST_SHARE) {
+            memcpy(option.z, w->state.z, sizeof option.z);
+            coordinates_scale(&w->frame, factor_of(w, moved, named), option.z);
+            put_explanation(moved, share[best], d);
+            widen_named(w, &option, d);
+        }
+        share[best] = 0.0;
+    }
+    d->alike_by_scale = d->explanations > 0;
+}
+
 void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named, diagnosis *d)
 {
+    bool by_scale = false;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        by_scale = by_scale || (hypothesis_in(w->undecided, h) && session_scale_doubt(w, h) > 0.0);
+    }
+    if (by_scale) {
+        tell_scales(w, named & ~w->minor, d);
+        return;
+    }
     explanation_list list = {.most = 1};
     evidence_option none;
     double weight[DIAGNOSIS_EXPLANATIONS] = {0.0};

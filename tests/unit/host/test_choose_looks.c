@@ -3,7 +3,7 @@
  * tell a wrong decision from a right one within some seconds. test_diagnose*.c go through the causes.
  */
 #include "base/solve.h"
-#include "diagnose/choose/certainty.h"
+#include "diagnose/choose/session.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/gram.h"
 #include "diagnose/identify/last_digits.h"
@@ -438,6 +438,60 @@ static void the_whole_drive_keeps_a_scale_that_is_known(void)
     fit_end(&f);
 }
 
+static const hypothesis_set OF_SCALE = HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_BOTH_AXES) |
+                                       HYPOTHESIS_BIT(H_FLUX) | HYPOTHESIS_BIT(H_VOLTAGE_GAIN);
+
+/* Of the recorded drive: the shares of its common factor. */
+static void weigh_scales(fitted *f, whole_fit *w)
+{
+    fit_it(f, OF_SCALE & ~HYPOTHESIS_BIT(H_VOLTAGE_GAIN));
+    TEST_ASSERT_TRUE(whole_fit_find(&f->data, &f->state, OF_SCALE, 1.0, w, NULL));
+    double sum = 0.0;
+    for (size_t k = 0; k < DRIVE_SCALES; k++) {
+        TEST_ASSERT_TRUE(w->scale[k].share >= 0.0);
+        sum += w->scale[k].share;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, sum);
+}
+
+/* R, L, psi_f and voltages by one factor: the most probable one is found, and what another would say is told with its share. */
+static void drives_by_another_factor_have_their_shares(void)
+{
+    enum { R = 1, L = 2, PSI = 4, U = 8 };
+    static fitted f;
+    static whole_fit w;
+    static session s;
+    /* All alike by 6 %: the voltages. */
+    good.m.R_ohm *= 1.06;
+    good.m.L_d_H *= 1.06;
+    good.m.L_q_H *= 1.06;
+    good.m.psi_f_Wb *= 1.06;
+    weigh_scales(&f, &w);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, 1.0 / 1.06, fit_drive(&f.data, &w.state).k_u);
+    TEST_ASSERT_TRUE(w.scale[U].share > 0.95);
+    fit_end(&f);
+    /* R alone: no other factor is as probable. */
+    good.m = bench_motor();
+    good.m.R_ohm *= 1.06;
+    weigh_scales(&f, &w);
+    memcpy(s.scale, w.scale, sizeof s.scale);
+    TEST_ASSERT_TRUE(session_scale_doubt(&s, H_RESISTANCE) < 0.05);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, session_scale_doubt(&s, H_DEAD_TIME));
+    fit_end(&f);
+    /* R by 7 %, the inductances by -6 % and psi_f by 2 %: that may be the voltages by -2 %, and R by 5 % and the inductances by -8 %. */
+    good.m.R_ohm *= 1.07 / 1.06;
+    good.m.L_d_H *= 0.94;
+    good.m.L_q_H *= 0.94;
+    good.m.psi_f_Wb *= 1.02;
+    weigh_scales(&f, &w);
+    memcpy(s.scale, w.scale, sizeof s.scale);
+    TEST_ASSERT_TRUE(session_scale_doubt(&s, H_RESISTANCE) < 0.05);
+    TEST_ASSERT_TRUE(session_scale_doubt(&s, H_FLUX) > 0.05);
+    TEST_ASSERT_TRUE(session_scale_doubt(&s, H_VOLTAGE_GAIN) > 0.05);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.02, w.scale[R | L | PSI].factor / w.scale[R | L | U].factor);
+    fit_end(&f);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -453,6 +507,7 @@ int main(void)
     RUN_TEST(a_dead_time_takes_nothing_with_it);
     RUN_TEST(nothing_is_named_for_what_has_no_name);
     RUN_TEST(one_factor_on_the_drive_changes_nothing);
+    RUN_TEST(drives_by_another_factor_have_their_shares);
     RUN_TEST(the_whole_drive_keeps_a_scale_that_is_known);
     return UNITY_END();
 }
