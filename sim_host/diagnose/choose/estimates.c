@@ -31,6 +31,27 @@ static bool moves_only(hypothesis_id h, coordinate_id id)
     return hypothesis_table[h].columns == 1 && hypothesis_table[h].column[0] == (int)id;
 }
 
+/*
+ * Whether the set moves all others that one factor scales together with the coordinate. Then only the coordinate's own tolerance says which
+ * factor it is.
+ */
+static bool fixes_scale(hypothesis_set set, coordinate_id id)
+{
+    bool own = false;
+    bool others = true;
+    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+        const hypothesis_id scaled = hypotheses_scaled[k];
+        bool moved = false;
+        for (hypothesis_id h = 0; h < H_COUNT; h++) {
+            moved = moved || (hypothesis_in(set, h) &&
+                              (hypothesis_table[h].role & hypothesis_table[scaled].role) != 0);
+        }
+        own = own || (moves_only(scaled, id) && !moved);
+        others = others && (moved || moves_only(scaled, id));
+    }
+    return own && others;
+}
+
 estimate estimate_of(const fit_data *d, const evidence_view *view, const fit_state *s, coordinate_id id,
                      double inflation)
 {
@@ -58,7 +79,7 @@ estimate estimate_of(const fit_data *d, const evidence_view *view, const fit_sta
     for (size_t k = 0; k < n; k++) {
         if (column[k] == (int)id) {
             own = k;
-            prior[k] = 0.0;
+            prior[k] = fixes_scale(s->set, id) ? prior[k] : 0.0;
         }
     }
     if (own == n) {

@@ -143,17 +143,22 @@ static double rare(const whole *w, size_t k)
     return usual > 0.0 ? 1.0 / (usual * usual) : 0.0;
 }
 
+/* The part of one parameter in -2 log prior, at a distance from its middle. */
+static double prior_part(const whole *w, size_t k, double is, double roughness)
+{
+    const double x = is / w->width[k];
+    return rare(w, k) * is * is +
+           (w->shape[k]
+                ? x * x
+                : (DEGREES + 1.0) * log1p(x * x / (DEGREES * roughness * roughness)) + 2.0 * log(roughness));
+}
+
 /* -2 log prior after a step, with the terms that depend on the roughness. */
 static double prior_of(const whole *w, const fit_state *s, const double *step, double roughness)
 {
     double sum = 0.0;
     for (size_t k = 0; k < w->n; k++) {
-        const double is = off(w, s, step, k);
-        const double x = is / w->width[k];
-        sum += rare(w, k) * is * is;
-        sum += w->shape[k] ? x * x
-                           : (DEGREES + 1.0) * log1p(x * x / (DEGREES * roughness * roughness)) +
-                                 2.0 * log(roughness);
+        sum += prior_part(w, k, off(w, s, step, k), roughness);
     }
     for (size_t l = 0; l < LINKS; l++) {
         const double x = link_holds(w, l) ? link_off(w, s, step, l) / links[l].width : 0.0;
@@ -321,6 +326,29 @@ static bool is_within(const coordinate_frame *f, const double z[P_COUNT])
 }
 
 /*
+ * The prior by which drives that one factor makes of another compare. The factor moves both axes' inductances alike: that is one
+ * deviation, not two.
+ */
+static double scale_prior(const whole *w, const fit_state *s, double roughness)
+{
+    double sum = prior_of(w, s, NULL, roughness);
+    double mean = 0.0;
+    size_t axis[2];
+    size_t axes = 0;
+    for (size_t k = 0; k < w->n && axes < 2; k++) {
+        if (w->column[k] == P_L_D || w->column[k] == P_L_Q) {
+            mean += 0.5 * off(w, s, NULL, k);
+            axis[axes++] = k;
+        }
+    }
+    for (size_t n = 0; axes == 2 && n < 2; n++) {
+        sum += 0.5 * prior_part(w, axis[n], mean, roughness) -
+               prior_part(w, axis[n], off(w, s, NULL, axis[n]), roughness);
+    }
+    return sum;
+}
+
+/*
  * If the voltages' gain is fitted, only the prior determines the common scale of R, L, psi_f and all voltages. Tries the scales at which
  * one of the four has the motor file's value, and takes the most likely one. Steps would be slow here, as heavy tails have many maxima.
  */
@@ -335,12 +363,12 @@ static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
                              (file->L_d_H + file->L_q_H) / (is.L_d_H + is.L_q_H),
                              file->psi_f_Wb / is.psi_f_Wb};
     fit_state best = out->state;
-    double least = prior_of(w, &out->state, NULL, out->roughness);
+    double least = scale_prior(w, &out->state, out->roughness);
     for (size_t k = 0; k < sizeof factor / sizeof *factor; k++) {
         fit_state trial = out->state;
         if (factor[k] > 0.3 && factor[k] < 3.0 && fabs(factor[k] - 1.0) > 1e-4) {
             coordinates_scale(d->frame, factor[k], trial.z);
-            const double prior = prior_of(w, &trial, NULL, out->roughness);
+            const double prior = scale_prior(w, &trial, out->roughness);
             if (prior < least && is_within(d->frame, trial.z)) {
                 least = prior;
                 best = trial;
@@ -348,16 +376,14 @@ static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
         }
     }
     fit_noise(d, &best);
-    if (goal_of(w, &best, out->roughness) < goal_of(w, &out->state, out->roughness)) {
-        out->state = best;
-    }
+    out->state = best;
 }
 
 /* Sums the prior over the factor that only the prior determines, from -26 to +35 %. */
 static void weigh_scales(const whole *w, const fit_data *d, whole_fit *out)
 {
     enum { NODES = 1200 }; /* to either side */
-    const double own = prior_of(w, &out->state, NULL, out->roughness);
+    const double own = scale_prior(w, &out->state, out->roughness);
     double least[DRIVE_SCALES];
     double sum = 0.0;
     for (int k = -NODES; k <= NODES && is_fitted(w, P_K_U); k++) {
@@ -367,7 +393,7 @@ static void weigh_scales(const whole *w, const fit_data *d, whole_fit *out)
         if (!is_within(d->frame, at.z)) {
             continue;
         }
-        const double prior = prior_of(w, &at, NULL, out->roughness);
+        const double prior = scale_prior(w, &at, out->roughness);
         size_t which = 0;
         for (size_t n = 0; n < HYPOTHESES_SCALED; n++) {
             const hypothesis_id h = hypotheses_scaled[n];

@@ -219,6 +219,7 @@ static double factor_of(const session *w, hypothesis_set moved, hypothesis_set n
 /* The drives by another factor, the most probable first. */
 static void tell_scales(const session *w, hypothesis_set named, diagnosis *d)
 {
+    double told = 0.0;
     double share[DRIVE_SCALES] = {0.0}; /* at the first of those that move the same in addition */
     for (size_t which = 0; which < DRIVE_SCALES; which++) {
         size_t first = 0;
@@ -238,9 +239,13 @@ static void tell_scales(const session *w, hypothesis_set named, diagnosis *d)
             memcpy(option.z, w->state.z, sizeof option.z);
             coordinates_scale(&w->frame, factor_of(w, moved, named), option.z);
             put_explanation(moved, share[best], d);
+            told += share[best];
             widen_named(w, &option, d);
         }
         share[best] = 0.0;
+    }
+    for (size_t n = 0; n < d->explanations; n++) {
+        d->explanation[n].probability /= told;
     }
     d->alike_by_scale = d->explanations > 0;
 }
