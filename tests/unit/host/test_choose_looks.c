@@ -454,7 +454,7 @@ static void weigh_scales(fitted *f, whole_fit *w)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, sum);
 }
 
-/* R, L, psi_f and voltages by one factor: the most probable one is found, and what another would say is told with its share. */
+/* R, L, psi_f and voltages by one factor: the most probable one is found, and what another would say has its share. */
 static void drives_by_another_factor_have_their_shares(void)
 {
     enum { R = 1, L = 2, PSI = 4, U = 8 };
