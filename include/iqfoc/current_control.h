@@ -115,6 +115,7 @@ IQFOC_STEP iqfoc_dq_t iqfoc_current_control_voltage(iqfoc_current_control_t *con
 {
     const iq24_t e_d = iq24_sub_wrap(i_ref.d, i.d);
     const iq24_t e_q = iq24_sub_wrap(i_ref.q, i.q);
+    IQ24_LOAD_FROM_HERE();
     iq24_t x_d;
     iq24_t x_q;
     IQ24_LOAD_PAIR(x_d, x_q, gains->x_d, gains->x_q);

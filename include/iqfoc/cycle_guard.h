@@ -1,8 +1,8 @@
 /*
  * The checks of each sample and of its time in the control cycle.
  *
- * Each check is one comparison and a branch that a healthy cycle does not take: fewer instructions on every core than
- * numbers joined by OR. If a check fails, src/cycle.c finds which one.
+ * Each check is one comparison and a branch that a healthy cycle does not take (IQ24_RARE): fewer instructions on
+ * every core than numbers joined by OR. If a check fails, src/cycle.c finds which one.
  */
 #ifndef IQFOC_CYCLE_GUARD_H
 #define IQFOC_CYCLE_GUARD_H
@@ -34,14 +34,14 @@ static inline uint32_t iqfoc_ticks_since(uint32_t then, uint32_t now)
 /* Wrong if |x| > limit >= 0; -limit - 1 still passes. x ^ (x >> 31) is x or -x - 1: one comparison for both ends. */
 static inline uint32_t iqfoc_guard_beyond(iq24_t x, iq24_t limit)
 {
-    return (x ^ iq24_asr32(x, 31)) > limit ? IQFOC_GUARD_WRONG : 0;
+    return IQ24_RARE((x ^ iq24_asr32(x, 31)) > limit) ? IQFOC_GUARD_WRONG : 0;
 }
 
 /* Wrong if u_dc is outside 0.5 ... 1.5. */
 static inline uint32_t iqfoc_guard_dc_link(iq24_t u_dc)
 {
-    return (uint32_t)(((int64_t)u_dc - IQFOC_CYCLE_U_DC_MIN) & UINT32_MAX) >
-                   (uint32_t)(IQFOC_CYCLE_U_DC_MAX - IQFOC_CYCLE_U_DC_MIN)
+    return IQ24_RARE((uint32_t)(((int64_t)u_dc - IQFOC_CYCLE_U_DC_MIN) & UINT32_MAX) >
+                     (uint32_t)(IQFOC_CYCLE_U_DC_MAX - IQFOC_CYCLE_U_DC_MIN))
                ? IQFOC_GUARD_WRONG
                : 0;
 }
@@ -50,7 +50,7 @@ static inline uint32_t iqfoc_guard_dc_link(iq24_t u_dc)
 static inline uint32_t iqfoc_guard_scalars(const iqfoc_cycle_config_t *set, const iqfoc_sample_t *sample,
                                            uint32_t now)
 {
-    const bool wrong = iqfoc_ticks_since(sample->time, now) > set->stale_ticks ||
+    const bool wrong = IQ24_RARE(iqfoc_ticks_since(sample->time, now) > set->stale_ticks) ||
                        iqfoc_guard_dc_link(sample->u_dc) != 0 ||
                        iqfoc_guard_beyond(sample->speed, IQFOC_GUARD_SPEED) != 0;
     return wrong ? IQFOC_GUARD_WRONG : 0;

@@ -88,8 +88,10 @@ IQFOC_STEP bool iqfoc_cycle_valley_by(const iqfoc_methods_t m, iqfoc_cycle_t *cy
     const iqfoc_ab_t i = iqfoc_clarke3(sample->i);
     iq24_t speed = sample->speed;
     bool whole = true;
-    if ((cycle->phase | (uint32_t)sample->clipped << 31) > INT32_MAX || /* no valley is due, or clipped */
-        iqfoc_ticks_since(cycle->valley_time, sample->time) > ended->period_ticks + ended->tolerance_ticks ||
+    /* First: no valley is due, or the sample is clipped. */
+    if (IQ24_RARE((cycle->phase | (uint32_t)sample->clipped << 31) > INT32_MAX) ||
+        IQ24_RARE(iqfoc_ticks_since(cycle->valley_time, sample->time) >
+                  ended->period_ticks + ended->tolerance_ticks) ||
         iqfoc_guard_scalars(ended, sample, now) != 0 || iqfoc_guard_current(ended, i) != 0) {
         whole = iqfoc_cycle_report_valley(cycle, sample, now);
         speed = iq24_clamp(speed, -IQFOC_ROTOR_SPEED_MAX, IQFOC_ROTOR_SPEED_MAX);
@@ -206,7 +208,7 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
     }
     iq24_t speed = sample->speed;
     iq24_t u_dc = sample->u_dc;
-    if (cycle->phase != IQFOC_CYCLE_DUE_PEAK || sample->clipped ||
+    if (IQ24_RARE(cycle->phase != IQFOC_CYCLE_DUE_PEAK) || IQ24_RARE(sample->clipped) ||
         iqfoc_guard_scalars(config, sample, now) != 0 || iqfoc_guard_phases(config, sample->i) != 0) {
         if (!iqfoc_cycle_report_peak(cycle, sample, now)) {
             return iqfoc_cycle_stopped(cycle);
@@ -233,7 +235,7 @@ IQFOC_STEP iqfoc_command_t iqfoc_cycle_peak_by(const iqfoc_methods_t m, iqfoc_cy
         if (!iqfoc_cycle_controls_early(m)) {
             cycle->u_dq = iqfoc_cycle_pi_voltage(m, cycle, config, speed);
         }
-        if (cycle->next != config) {
+        if (IQ24_RARE(cycle->next != config)) {
             output_mid = iqfoc_cycle_output_mid_scaled(cycle, output_mid);
         }
         /* Range: |speed| <= 1/3 and |cycles| <= 9 give at most 3 turns; the sum wraps at 128, which are whole. */

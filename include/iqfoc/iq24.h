@@ -78,6 +78,11 @@ extern "C" {
 #define IQFOC_STEP static inline
 #endif
 
+/* Hook: a condition that is seldom true. A core with slow branches lets the compiler move its code out of the usual path. */
+#ifndef IQ24_RARE
+#define IQ24_RARE(condition) (condition)
+#endif
+
 /* Hook: the exact 64-bit product of two int32_t. Every product of IQ24 goes through it. */
 #ifndef IQ24_MUL64
 #define IQ24_MUL64(a, b) ((int64_t)(a) * (int64_t)(b))
@@ -124,6 +129,13 @@ extern "C" {
     do {                                                                                                     \
         (x) = (first);                                                                                       \
         (y) = (second);                                                                                      \
+    } while (0)
+#endif
+
+/* Hook: loads after this line stay after it. A load that the compiler moves far ahead of its use occupies a register. */
+#ifndef IQ24_LOAD_FROM_HERE
+#define IQ24_LOAD_FROM_HERE()                                                                                \
+    do {                                                                                                     \
     } while (0)
 #endif
 
