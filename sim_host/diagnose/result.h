@@ -20,6 +20,7 @@ enum {
     DIAGNOSIS_PARAMETERS = 16,
     DIAGNOSIS_CONFUSED = 6,
     DIAGNOSIS_TRADES = 3,
+    DIAGNOSIS_ALIKE = 4,
     DIAGNOSIS_GROUPS = 48,
     DIAGNOSIS_HYPOTHESES = 64,
     DIAGNOSIS_ESTIMATES = 6,
@@ -160,8 +161,8 @@ typedef struct diagnosis_direction {
 /* One of several sets of causes that explain the recording alike. */
 typedef struct diagnosis_explanation {
     size_t count;
-    const char *id[DIAGNOSIS_TRADES];
-    char words[80];     /* the ids, joined by " + " */
+    const char *id[DIAGNOSIS_ALIKE];
+    char words[96];     /* the ids, joined by " + " */
     double probability; /* among these */
 } diagnosis_explanation;
 

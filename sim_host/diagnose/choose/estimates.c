@@ -40,14 +40,10 @@ static bool fixes_scale(hypothesis_set set, coordinate_id id)
     bool own = false;
     bool others = true;
     for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
-        const hypothesis_id scaled = hypotheses_scaled[k];
-        bool moved = false;
-        for (hypothesis_id h = 0; h < H_COUNT; h++) {
-            moved = moved || (hypothesis_in(set, h) &&
-                              (hypothesis_table[h].role & hypothesis_table[scaled].role) != 0);
-        }
-        own = own || (moves_only(scaled, id) && !moved);
-        others = others && (moved || moves_only(scaled, id));
+        const bool moved = hypotheses_move_scaled(set, k);
+        const bool is_own = moves_only(hypotheses_scaled[k], id);
+        own = own || (is_own && !moved);
+        others = others && (moved || is_own);
     }
     return own && others;
 }

@@ -45,6 +45,9 @@ static inline void session_adopt(const session *w, hypothesis_id h, double z[P_C
     }
 }
 
+/* A member is undecided if another factor on the drive leaves it small with this probability. */
+#define SESSION_SCALE_DOUBTED 0.05
+
 /* The probability that by another factor on the drive a member is not beyond its reporting threshold; 0 of one that no factor scales. */
 double session_scale_doubt(const session *w, hypothesis_id h);
 

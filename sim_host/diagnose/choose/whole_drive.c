@@ -13,8 +13,6 @@
 
 /* What a member must bring of all that is beyond the reporting thresholds, to be a cause. */
 static const double SHARE_OF_CAUSE = 0.01;
-/* A member is undecided if another factor on the drive leaves it small with this probability. */
-static const double DOUBTED = 0.05;
 /* What is certainly larger than this share of its reporting threshold is there. */
 static const double SHARE_OF_MINOR = 0.15;
 /* In chi square, a member and each of its numbers: odds of 0.99 against chance, as of a cause. */
@@ -199,7 +197,7 @@ void whole_drive_divide(session *w)
         const double brings = cut_objective(w, HYPOTHESIS_BIT(h)) - full;
         if (!large || !(brings >= SHARE_OF_CAUSE * all)) {
             w->minor |= HYPOTHESIS_BIT(h);
-        } else if (session_scale_doubt(w, h) > DOUBTED) {
+        } else if (session_scale_doubt(w, h) > SESSION_SCALE_DOUBTED) {
             w->minor |= HYPOTHESIS_BIT(h);
             w->undecided |= HYPOTHESIS_BIT(h);
         }

@@ -30,6 +30,14 @@ static const unsigned exclusive[][3] = {
     {SCALES_RESISTANCE, SCALES_CURRENT, SCALES_INDUCTANCE},
 };
 
+bool hypotheses_move_scaled(hypothesis_set set, size_t scaled)
+{
+    const hypothesis_id h = hypotheses_scaled[scaled];
+    return hypotheses_hold(set, hypothesis_table[h].cause) ||
+           (h == H_INDUCTANCE &&
+            (hypotheses_hold(set, CAUSE_SALIENCY) || hypotheses_hold(set, CAUSE_SATURATION_DQ)));
+}
+
 static bool hold_a_line(unsigned roles)
 {
     bool hold = false;

@@ -127,6 +127,9 @@ static inline bool hypothesis_in(hypothesis_set set, hypothesis_id h)
 enum { HYPOTHESES_SCALED = 4 };
 extern const hypothesis_id hypotheses_scaled[HYPOTHESES_SCALED];
 
+/* Whether a set moves the size of one of these: of the inductance also as two inductances or a flux map, not by its fall alone. */
+bool hypotheses_move_scaled(hypothesis_set set, size_t scaled);
+
 /*
  * Whether a hypothesis may join a set. A set has one hypothesis per cause and none that contains another. It gets no roles that
  * together can change without any change of the recording: R, L, psi_f and voltage by one factor, or all voltages, fluxes and current

@@ -139,7 +139,7 @@ static void put_explanation(hypothesis_set set, double probability, diagnosis *d
     diagnosis_explanation *out = &d->explanation[d->explanations++];
     size_t used = 0;
     *out = (diagnosis_explanation){.probability = probability};
-    for (hypothesis_id h = 0; h < H_COUNT && out->count < DIAGNOSIS_TRADES; h++) {
+    for (hypothesis_id h = 0; h < H_COUNT && out->count < DIAGNOSIS_ALIKE; h++) {
         if (hypothesis_in(set, h) && used < sizeof out->words) {
             const char *id = hypothesis_cause(h)->id;
             const int n = snprintf(out->words + used, sizeof out->words - used, "%s%s",
@@ -198,9 +198,8 @@ static hypothesis_set moved_by_scale(size_t which, hypothesis_set named)
 {
     hypothesis_set set = 0;
     for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
-        const hypothesis_id h = hypotheses_scaled[k];
-        const bool moved = (which >> k & 1U) != 0 && !hypotheses_hold(named, hypothesis_table[h].cause);
-        set |= moved ? HYPOTHESIS_BIT(h) : 0;
+        const bool moved = (which >> k & 1U) != 0 && !hypotheses_move_scaled(named, k);
+        set |= moved ? HYPOTHESIS_BIT(hypotheses_scaled[k]) : 0;
     }
     return set;
 }
@@ -254,7 +253,8 @@ void explanations_tell(const session *w, const evidence_view *view, hypothesis_s
 {
     bool by_scale = false;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        by_scale = by_scale || (hypothesis_in(w->undecided, h) && session_scale_doubt(w, h) > 0.0);
+        by_scale =
+            by_scale || (hypothesis_in(w->undecided, h) && session_scale_doubt(w, h) > SESSION_SCALE_DOUBTED);
     }
     if (by_scale) {
         tell_scales(w, named & ~w->minor, d);
