@@ -150,9 +150,9 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
         known_widen(d);
         if (w->undecided != 0) {
             explanations_tell(w, view, hypotheses_named(w->state.set) & ~w->undecided, d);
-        }
-        if (d->explanations > 0 && !d->alike_by_scale) {
-            experiment_of_explanations(w, view, w->undecided, d);
+            if (!d->alike_by_scale) {
+                experiment_of_explanations(w, view, w->undecided, d);
+            }
         }
         if (d->experiment.numbers == 0) {
             ok = evidence_look(&w->fitted, &w->state, w->possible, view);

@@ -133,29 +133,21 @@ void evidence_hold(const evidence_view *view, hypothesis_id h, evidence_view *he
     last_digits_deflate(view->rows, own, &held->total);
 }
 
-/* What scales a drive whose currents stay: each cause, its role, and the coordinate that has the factor. */
-static const struct {
-    hypothesis_id h;
-    unsigned role;
-    coordinate_id coordinate;
-} scaled[] = {{H_RESISTANCE, SCALES_RESISTANCE, P_R},
-              {H_INDUCTANCE, SCALES_INDUCTANCE, P_L_D},
-              {H_FLUX, SCALES_FLUX, P_PSI},
-              {H_VOLTAGE_GAIN, SCALES_VOLTAGE, P_K_U}};
-enum { SCALED = sizeof scaled / sizeof *scaled };
+/* The coordinate that has the factor, of each of hypotheses_scaled. */
+static const coordinate_id with_factor[HYPOTHESES_SCALED] = {P_R, P_L_D, P_PSI, P_K_U};
 
-/* The place in `scaled` of the one role that a set lacks; SCALED if it lacks none or several. */
+/* The place in hypotheses_scaled of the one role that a set lacks; HYPOTHESES_SCALED if it lacks none or several. */
 static size_t lacks(hypothesis_set set)
 {
     unsigned roles = 0;
-    size_t place = SCALED;
+    size_t place = HYPOTHESES_SCALED;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         roles |= hypothesis_in(set, h) ? hypothesis_table[h].role : 0U;
     }
-    for (size_t k = 0; k < SCALED; k++) {
-        if ((roles & scaled[k].role) == 0) {
-            if (place < SCALED) {
-                return SCALED;
+    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+        if ((roles & hypothesis_table[hypotheses_scaled[k]].role) == 0) {
+            if (place < HYPOTHESES_SCALED) {
+                return HYPOTHESES_SCALED;
             }
             place = k;
         }
@@ -171,10 +163,11 @@ static bool is_same_drive(const fit_state *s, hypothesis_set set, hypothesis_set
 {
     const size_t from = lacks(s->set);
     const size_t to = lacks(set);
-    if (from == SCALED || to == SCALED || from == to || !hypothesis_in(set, scaled[from].h)) {
+    if (from == HYPOTHESES_SCALED || to == HYPOTHESES_SCALED || from == to ||
+        !hypothesis_in(set, hypotheses_scaled[from])) {
         return false;
     }
-    *about = (set & ~HYPOTHESIS_BIT(scaled[from].h)) | HYPOTHESIS_BIT(scaled[to].h);
+    *about = (set & ~HYPOTHESIS_BIT(hypotheses_scaled[from])) | HYPOTHESIS_BIT(hypotheses_scaled[to]);
     return true;
 }
 
@@ -188,7 +181,7 @@ static bool cost_of_same_drive(const evidence_view *view, const fit_state *s, hy
     if (!is_choice) {
         return false;
     }
-    coordinates_scale(view->frame, coordinates_to_file(view->frame, scaled[lacks(set)].coordinate, option->z),
+    coordinates_scale(view->frame, coordinates_to_file(view->frame, with_factor[lacks(set)], option->z),
                       option->z);
     option->score = option->cost + evidence_penalty(view, set) + hypotheses_unusual(set, option->z);
     return hypotheses_physical(set, option->z) && hypotheses_count(came, option->z, view->of_least);

@@ -18,7 +18,7 @@
  * w->state. False: out of memory. */
 bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller);
 
-/* Divides the members of w->state into causes and w->minor. */
+/* Divides the members of w->state into causes and w->minor. Of these, w->undecided gets those that another factor on the drive leaves small. */
 void whole_drive_divide(session *w);
 
 #endif

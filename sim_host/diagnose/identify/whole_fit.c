@@ -386,7 +386,10 @@ static void weigh_scales(const whole *w, const fit_data *d, whole_fit *out)
     const double own = scale_prior(w, &out->state, out->roughness);
     double least[DRIVE_SCALES];
     double sum = 0.0;
-    for (int k = -NODES; k <= NODES && is_fitted(w, P_K_U); k++) {
+    if (!is_fitted(w, P_K_U)) {
+        return;
+    }
+    for (int k = -NODES; k <= NODES; k++) {
         const double factor = exp(k * SCALE_STEP);
         fit_state at = out->state;
         coordinates_scale(d->frame, factor, at.z);
@@ -404,8 +407,9 @@ static void weigh_scales(const whole *w, const fit_data *d, whole_fit *out)
             least[which] = prior;
             scale->factor = factor;
         }
-        scale->share += exp(0.5 * (own - prior));
-        sum += exp(0.5 * (own - prior));
+        const double weight = exp(0.5 * (own - prior));
+        scale->share += weight;
+        sum += weight;
     }
     for (size_t k = 0; k < DRIVE_SCALES && sum > 0.0; k++) {
         out->scale[k].share /= sum;

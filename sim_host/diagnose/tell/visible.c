@@ -204,44 +204,40 @@ static hypothesis_set moved_by_scale(size_t which, hypothesis_set named)
     return set;
 }
 
-/* The most probable factor at which this is moved. */
-static double factor_of(const session *w, hypothesis_set moved, hypothesis_set named)
-{
-    size_t best = DRIVE_SCALES;
-    for (size_t which = 0; which < DRIVE_SCALES; which++) {
-        const bool same = moved_by_scale(which, named) == moved;
-        best = same && (best == DRIVE_SCALES || w->scale[which].share > w->scale[best].share) ? which : best;
-    }
-    return w->scale[best].factor;
-}
-
 /* The drives by another factor, the most probable first. */
 static void tell_scales(const session *w, hypothesis_set named, diagnosis *d)
 {
+    /* At the first of those that move the same in addition: all their shares, and the factor of the largest. */
+    drive_scale together[DRIVE_SCALES] = {{0.0, 0.0}};
+    double largest[DRIVE_SCALES] = {0.0};
     double told = 0.0;
-    double share[DRIVE_SCALES] = {0.0}; /* at the first of those that move the same in addition */
     for (size_t which = 0; which < DRIVE_SCALES; which++) {
+        const drive_scale *scale = &w->scale[which];
         size_t first = 0;
         while (moved_by_scale(first, named) != moved_by_scale(which, named)) {
             first++;
         }
-        share[first] += w->scale[which].share;
+        together[first].share += scale->share;
+        if (scale->share > largest[first]) {
+            largest[first] = scale->share;
+            together[first].factor = scale->factor;
+        }
     }
     for (size_t n = 0; n < DIAGNOSIS_EXPLANATIONS; n++) {
         size_t best = 0;
         evidence_option option;
         for (size_t which = 1; which < DRIVE_SCALES; which++) {
-            best = share[which] > share[best] ? which : best;
+            best = together[which].share > together[best].share ? which : best;
         }
         const hypothesis_set moved = moved_by_scale(best, named);
-        if (moved != 0 && share[best] > LEAST_SHARE) {
+        if (moved != 0 && together[best].share > LEAST_SHARE) {
             memcpy(option.z, w->state.z, sizeof option.z);
-            coordinates_scale(&w->frame, factor_of(w, moved, named), option.z);
-            put_explanation(moved, share[best], d);
-            told += share[best];
+            coordinates_scale(&w->frame, together[best].factor, option.z);
+            put_explanation(moved, together[best].share, d);
+            told += together[best].share;
             widen_named(w, &option, d);
         }
-        share[best] = 0.0;
+        together[best].share = 0.0;
     }
     for (size_t n = 0; n < d->explanations; n++) {
         d->explanation[n].probability /= told;
@@ -251,6 +247,7 @@ static void tell_scales(const session *w, hypothesis_set named, diagnosis *d)
 
 void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named, diagnosis *d)
 {
+    d->explanations = 0; /* those of a call before */
     bool by_scale = false;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         by_scale =

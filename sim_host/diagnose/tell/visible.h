@@ -11,7 +11,8 @@
 
 /*
  * Fills d->explanation: each set of causes that, with the named ones, explains about as much as the best of them, and needs all its
- * members. Widens the intervals of causes and minor effects to hold their values in each. The view is one at w->state.
+ * members. If an undecided member depends on the factor of R, L, psi_f and all voltages, they are the sets at other factors
+ * (d->alike_by_scale). Widens the intervals of causes and minor effects to hold their values in each. The view is one at w->state.
  */
 void explanations_tell(const session *w, const evidence_view *view, hypothesis_set named, diagnosis *d);
 
