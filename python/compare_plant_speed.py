@@ -4,8 +4,8 @@
     python/compare_plant_speed.py [--plant PROGRAM] [--write]
 
 Both simulate the drive of the 2019 paper at one speed with carrier comparison; motulator without any effect, under its own current
-controller. PROGRAM is test_plant_speed (`./dev build`, then `cmake --build build/host --target test_plant_speed`). --write puts the table
-into docs/plant.md. Needs motulator, pinned in packages/python/motulator.txt.
+controller. PROGRAM is plant_cycles, which the build of all tests makes. --write puts the table into docs/plant.md. Needs motulator,
+pinned in packages/python/motulator.txt.
 """
 
 import argparse
@@ -63,7 +63,7 @@ def table(program):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--plant", default=ROOT / "build" / "host" / "tests" / "test_plant_speed")
+    parser.add_argument("--plant", default=ROOT / "build" / "host" / "bench" / "plant_cycles")
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
     made = table(options.plant)

@@ -7,10 +7,10 @@ BUILD_PACKAGES=(gcc g++ libc6-dev cmake ninja-build pkg-config libtomlplusplus-d
 # What `test` needs on top: the recordings' numerics, the compiler and emulator of Cortex-M4.
 QUICK_PACKAGES=(git python3 python3-numpy xz-utils gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)
 # What `test --all`, `check`, `bench` and `blind` need on top: the second compiler and its checkers, the other targets' compilers and
-# emulators, the independent integrator, coverage, a browser, and numerics of the blind tests.
+# emulators, the independent integrator, coverage, a browser, a counter of instructions, and numerics of the blind tests.
 TEST_PACKAGES=("${QUICK_PACKAGES[@]}" python3-scipy python3-venv libsundials-dev gcovr clang libclang-rt-dev clang-tidy clang-format
     cppcheck shellcheck gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc gcc-avr avr-libc gcc-xtensa-lx106 lld make
-    chromium chromium-driver libxml2-utils g++-aarch64-linux-gnu qemu-user-static file zsh fish ccache)
+    chromium chromium-driver libxml2-utils g++-aarch64-linux-gnu qemu-user-static file zsh fish ccache valgrind)
 
 # What `web` needs.
 WEB_PACKAGES=(clang lld cmake ninja-build wasi-libc libc++-14-dev-wasm32 libclang-rt-14-dev-wasm32 libtomlplusplus-dev libeigen3-dev
