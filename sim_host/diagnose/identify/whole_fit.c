@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 12, REWEIGHTED = 12, LINKS = 3 };
+enum { STEPS = 40, REWEIGHTED = 12, LINKS = 3 };
 
 static const double DEGREES = 2.0; /* of Student's t */
 /* Tolerance of a parameter for which the catalogue has none, as a share of its reporting threshold. */
@@ -22,7 +22,7 @@ static const double SHAPE_STEP = 0.7;
 /* Of the common factor's logarithm, between two values at which its prior is weighed: a quarter of the narrowest prior's width. */
 static const double SCALE_STEP = 2.5e-4;
 /* A step that reduces -2 log posterior by less than this is the last one. */
-static const double LITTLE = 20.0;
+static const double LITTLE = 0.5;
 /* Added to the diagonal, as a share of it, so that a step can be solved if only a prior determines a direction. */
 static const double DAMPING = 5e-6;
 
