@@ -122,43 +122,84 @@ static bool find_certainty(session *w, const whole_fit *f)
     return certainty_under(&w->fitted, &w->state, prior, f->columns, c);
 }
 
-bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller)
+/* One fit of the whole drive, and the set that it gives with its score. */
+typedef struct attempt {
+    whole_fit fit;
+    fit_state state;
+    certainty certainty;
+    double score;
+} attempt;
+
+/* Tries it beside what was found, from the search's state, which stays. False: out of memory. */
+static bool try_beside(session *w, hypothesis_set found, attempt *a, const diagnose_teller *teller)
 {
-    const hypothesis_set found = hypotheses_named(w->state.set);
     const fit_state first = w->state;
     const certainty first_certainty = w->certainty;
     const fit_state start = start_of(w, found);
+    bool ok = whole_fit_find(&w->fitted, &start, parts_of(w, found), w->certainty.inflation, &a->fit,
+                             teller->trace);
+    if (ok) {
+        w->state = a->fit.state;
+        w->state.set = members_there(w, &a->fit, found);
+        ok = find_certainty(w, &a->fit) && search_score(&w->fitted, &w->state, &a->score);
+    }
+    a->state = w->state;
+    a->certainty = w->certainty;
+    w->state = first;
+    w->certainty = first_certainty;
+    return ok;
+}
+
+/*
+ * The best one in *best. A flux map that the search found can be a saturation and two inductances that its few members could not hold:
+ * without it is tried first, and the map must pay. False: out of memory.
+ */
+static bool try_whole(session *w, attempt *best, const diagnose_teller *teller)
+{
+    const hypothesis_set found = hypotheses_named(w->state.set);
+    const hypothesis_set map = found & hypotheses_of(CAUSE_SATURATION_DQ);
+    bool ok = try_beside(w, found & ~map, best, teller);
+    if (ok && map != 0) {
+        attempt *with = malloc(sizeof *with);
+        ok = with && try_beside(w, found, with, teller);
+        if (ok && with->score + PAYS * with->fit.inflation < best->score) {
+            *best = *with;
+        }
+        free(with);
+    }
+    return ok;
+}
+
+bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller)
+{
+    const fit_state first = w->state;
+    const certainty first_certainty = w->certainty;
     const double first_error = session_named_error(w, first.set);
     double first_score = 0.0;
-    double score = 0.0;
     char words[256];
-    whole_fit *f = malloc(sizeof *f);
+    attempt *best = malloc(sizeof *best);
     *better = false;
-    bool ok =
-        f && whole_fit_find(&w->fitted, &start, parts_of(w, found), w->certainty.inflation, f, teller->trace);
+    const bool ok = best && try_whole(w, best, teller) && search_score(&w->fitted, &first, &first_score);
     if (ok) {
-        w->state = f->state;
-        w->state.set = members_there(w, f, found);
-        ok = find_certainty(w, f) && search_score(&w->fitted, &first, &first_score) &&
-             search_score(&w->fitted, &w->state, &score);
-    }
-    if (ok) {
+        w->state = best->state;
+        w->certainty = best->certainty;
         const double percent = session_named_error(w, w->state.set);
-        *better = score < first_score && (again || (w->state.set != first.set && percent < first_error)) &&
+        *better = best->score < first_score &&
+                  (again || (w->state.set != first.set && percent < first_error)) &&
                   session_explains_most(w, &w->state, percent);
         if (teller->trace) {
             fprintf(teller->trace, "  whole drive: %s, score %.1f (search %.1f), error %.4g %% (%.4g): %s\n",
-                    evidence_words(w->state.set, words, sizeof words), score, first_score, percent,
+                    evidence_words(w->state.set, words, sizeof words), best->score, first_score, percent,
                     first_error, *better ? "kept" : "not better");
         }
     }
     if (*better) {
-        memcpy(w->scale, f->scale, sizeof w->scale);
+        memcpy(w->scale, best->fit.scale, sizeof w->scale);
     } else {
         w->state = first;
         w->certainty = first_certainty;
     }
-    free(f);
+    free(best);
     return ok;
 }
 
