@@ -19,6 +19,7 @@
 #include "identify/fit.h"
 #include "identify/last_digits.h"
 #include "identify/revolution.h"
+#include "identify/row_edges.h"
 #include "learn/learned.h"
 #include "measure/errors.h"
 #include "measure/floor.h"
@@ -338,16 +339,39 @@ static bool correct_remaining_rows(session *w, const motor *m, const diagnose_op
     return begin(w, &options->teller) && causes_bear_out(w, &options->teller);
 }
 
+/* Where other causes act, another modulator may only seem to fit: it stays if the search from it ends better. */
+static bool find_under_modulator(session *w, const diagnose_teller *teller)
+{
+    const modulator own = w->rows.modulator;
+    const fit_state state = w->state;
+    const fit_state nominal = w->nominal;
+    const certainty certainty_found = w->certainty;
+    const hypothesis_set allowed = w->allowed;
+    bool changed = false;
+    if (!corrections_by_modulator(w, teller->trace, &changed) || (changed && !begin(w, teller))) {
+        return false;
+    }
+    if (changed && w->state.objective >= state.objective) {
+        rows_fill_edges(&w->rows, w->frame.motor, own);
+        w->state = state;
+        w->nominal = nominal;
+        w->certainty = certainty_found;
+        w->allowed = allowed;
+        if (teller->trace) {
+            fprintf(teller->trace, "  modulator changed back: the search ended worse\n");
+        }
+    }
+    return true;
+}
+
 static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
 {
     hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
-    bool changed = false;
     bool whole = false;
     w->fitted.searches = true;
-    if (!begin(w, &options->teller) || !corrections_by_modulator(w, options->teller.trace, &changed) ||
-        (changed && !begin(w, &options->teller)) || !consider_whole(w, options, &whole) ||
-        !correct_rows(w, m, options, &whole)) {
+    if (!begin(w, &options->teller) || !find_under_modulator(w, &options->teller) ||
+        !consider_whole(w, options, &whole) || !correct_rows(w, m, options, &whole)) {
         return false;
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);
