@@ -49,7 +49,7 @@ typedef struct diagnosis_cause {
     const char *words; /* for people */
     size_t parameters;
     diagnosis_parameter parameter[DIAGNOSIS_PARAMETERS];
-    double gain;      /* error before it was added / after, held-out rows, causes in this order */
+    double gain; /* held-out error before it was added / after, in this order; if below 1: as the last one */
     double certainty; /* robust chi square of leaving it out */
     double probability;
     size_t trades; /* causes that together have the same effect: two or three, or none */

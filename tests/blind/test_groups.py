@@ -6,6 +6,7 @@ Usage: tests/blind/test_groups.py [--iqfoc build/host/iqfoc]
 
 import json
 import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -221,6 +222,21 @@ class OneRun(unittest.TestCase):
             self.assertLess(distance(kind, "steady", 2, size, excitation=0.0), 0.2 * group_score.SEPARABLE, kind)
             self.assertGreater(distance(kind, "usual", 2, size), 3.0 * group_score.SEPARABLE, kind)
         self.assertIsNone(distance("clean", "steady", 2, 0.0))
+
+
+class Diagnosed(unittest.TestCase):
+    def test_benches_that_were_wrong_once(self):
+        # In turn: the fit of the whole drive ended before it was over; a false modulator; a flux map for two inductances that saturate;
+        # an angle offset that lowers the error only beside iron loss.
+        for seed, plant in ((742_015, "main"), (607_011, "main"), (742_026, "second"), (607_015, "main")):
+            with self.subTest(seed=seed), tempfile.TemporaryDirectory() as folder:
+                groups.make(seed, "bench", plant, folder, IQFOC)
+                found = os.path.join(folder, "found.json")
+                subprocess.run([IQFOC, "diagnose", os.path.join(folder, "rec.csv"), "--motor", os.path.join(folder, "motor.toml"),
+                                "--json", found], check=True, capture_output=True)
+                with open(os.path.join(folder, "truth.json"), encoding="utf-8") as truth, open(found, encoding="utf-8") as answer:
+                    judged = group_score.judge(json.load(truth), json.load(answer))
+                self.assertEqual(judged["outcome"], "right", judged)
 
 
 class Scoring(unittest.TestCase):

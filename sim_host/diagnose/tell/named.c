@@ -130,6 +130,16 @@ static order backwards(const session *w, hypothesis_set set, double before)
     return o;
 }
 
+/* Some lower the error only beside those that follow in the order: for them the last turn counts. */
+static double gain_of(const session *w, hypothesis_set named, hypothesis_id h, double in_turn)
+{
+    if (in_turn >= 1.0) {
+        return in_turn;
+    }
+    const double without = session_named_error(w, named & ~HYPOTHESIS_BIT(h));
+    return fmax(in_turn, without / session_named_error(w, named));
+}
+
 void named_tell(const session *w, diagnosis *d, hypothesis_id member[DIAGNOSIS_CAUSES])
 {
     double z[P_COUNT] = {0};
@@ -148,7 +158,8 @@ void named_tell(const session *w, diagnosis *d, hypothesis_id member[DIAGNOSIS_C
     }
     for (size_t k = 0; k < o.members; k++) {
         /* What does not lower the error is no cause, though others may need its value. */
-        const bool small = hypothesis_in(w->minor, o.member[k]) || o.gain[k] < 1.0;
+        const double gain = gain_of(w, named, o.member[k], o.gain[k]);
+        const bool small = hypothesis_in(w->minor, o.member[k]) || gain < 1.0;
         size_t *n = small ? &d->minors : &d->causes;
         if (*n == (small ? (size_t)DIAGNOSIS_MINORS : (size_t)DIAGNOSIS_CAUSES)) {
             continue;
@@ -156,7 +167,7 @@ void named_tell(const session *w, diagnosis *d, hypothesis_id member[DIAGNOSIS_C
         diagnosis_cause *cause = small ? &d->minor[*n] : &d->cause[*n];
         values_tell(w, o.member[k], z, cause);
         cause->certainty = certainty_chi_square(&w->certainty, &w->state, o.member[k]);
-        cause->gain = o.gain[k];
+        cause->gain = gain;
         if (!small) {
             member[*n] = o.member[k];
         }
