@@ -22,6 +22,8 @@ enum { STEPS = 10, LAST_STEPS = 12, JOINS_MOST = 5 };
 static const double MEMBER_BRINGS = 1.02;
 /* One that joins must reduce the error by more. */
 static const double JOIN_BRINGS = 1.05;
+/* The open-loop error of two fits of the whole drive is alike if it differs by no more: it is one number of a long simulation. */
+static const double ALIKE_OPEN_LOOP = 1.1;
 /* Of the error that the search's causes leave, this share may be left. */
 static const double BETTER = 0.9;
 
@@ -309,8 +311,10 @@ static errors errors_found(const session *w)
 /* Whether the fit explains most of the error, and more than a sparse search, or no less than the other fit of the whole drive. */
 static bool is_better(const session *w, const fit_state *s, bool whole, errors e, errors found)
 {
-    return s->set != 0 && !isnan(e.open_loop) && (whole || e.one_cycle <= BETTER * found.one_cycle) &&
-           within(e, found, MEMBER_BRINGS) && session_explains_most(w, s, e.one_cycle);
+    const errors other = {found.one_cycle * (whole ? 1.0 : BETTER / MEMBER_BRINGS),
+                          found.open_loop * (whole ? ALIKE_OPEN_LOOP / MEMBER_BRINGS : 1.0)};
+    return s->set != 0 && !isnan(e.open_loop) && within(e, other, MEMBER_BRINGS) &&
+           session_explains_most(w, s, e.one_cycle);
 }
 
 /* From the motor file's values to the whole drive in *s; false: out of memory. *taken: it is better than what the search found. */

@@ -130,8 +130,8 @@ typedef struct attempt {
     double score;
 } attempt;
 
-/* Tries it beside what was found, from the search's state, which stays. False: out of memory. */
-static bool try_beside(session *w, hypothesis_set found, attempt *a, const diagnose_teller *teller)
+/* Tries it with what was found, from the search's state, which stays. False: out of memory. */
+static bool try_with(session *w, hypothesis_set found, attempt *a, const diagnose_teller *teller)
 {
     const fit_state first = w->state;
     const certainty first_certainty = w->certainty;
@@ -158,10 +158,10 @@ static bool try_whole(session *w, attempt *best, const diagnose_teller *teller)
 {
     const hypothesis_set found = hypotheses_named(w->state.set);
     const hypothesis_set map = found & hypotheses_of(CAUSE_SATURATION_DQ);
-    bool ok = try_beside(w, found & ~map, best, teller);
+    bool ok = try_with(w, found & ~map, best, teller);
     if (ok && map != 0) {
         attempt *with = malloc(sizeof *with);
-        ok = with && try_beside(w, found, with, teller);
+        ok = with && try_with(w, found, with, teller);
         if (ok && with->score + PAYS * with->fit.inflation < best->score) {
             *best = *with;
         }

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 40, REWEIGHTED = 12, LINKS = 3 };
+enum { STEPS = 20, REWEIGHTED = 12, LINKS = 3 };
 
 static const double DEGREES = 2.0; /* of Student's t */
 /* Tolerance of a parameter for which the catalogue has none, as a share of its reporting threshold. */

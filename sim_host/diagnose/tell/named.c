@@ -130,7 +130,7 @@ static order backwards(const session *w, hypothesis_set set, double before)
     return o;
 }
 
-/* Some lower the error only beside those that follow in the order: for them the last turn counts. */
+/* Some lower the error only together with those that follow in the order: for them the last turn counts. */
 static double gain_of(const session *w, hypothesis_set named, hypothesis_id h, double in_turn)
 {
     if (in_turn >= 1.0) {
