@@ -190,7 +190,7 @@
         if (answer.error === 0 && !asked.stop) {
             forget();
         }
-        boardSay(answer.error === 0 ? `The board has it: recording ${seen.stream}.` : `The board refuses it: error ${answer.error}.`, answer.error !== 0);
+        boardSay(answer.error === 0 ? `The board has it: recording ${answer.stream}.` : `The board refuses it: error ${answer.error}.`, answer.error !== 0);
     }
 
     async function request() {

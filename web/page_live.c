@@ -64,11 +64,11 @@ static json_t *answer_of(const wire_reader *r)
     const wire_answer *a = &r->answer;
     const iqfoc_recorder_setting_t *s = &a->setting;
     const double scale = s->channel < r->header.channels ? r->header.channel[s->channel].scale : 0.0;
-    return json_pack("{s:I, s:i, s:I, s:i, s:I, s:I, s:f, s:f, s:I}", "count", (json_int_t)r->answers,
-                     "error", (int)a->error, "sequence", (json_int_t)a->sequence, "trigger", (int)s->trigger,
-                     "status_bits", (json_int_t)s->status_bits, "channel", (json_int_t)s->channel, "level",
-                     s->level * scale, "pre_share", (double)s->pre_share / IQ24_ONE, "decimation",
-                     (json_int_t)s->decimation);
+    return json_pack("{s:I, s:I, s:i, s:I, s:i, s:I, s:I, s:f, s:f, s:I}", "count", (json_int_t)r->answers,
+                     "stream", (json_int_t)a->stream, "error", (int)a->error, "sequence",
+                     (json_int_t)a->sequence, "trigger", (int)s->trigger, "status_bits",
+                     (json_int_t)s->status_bits, "channel", (json_int_t)s->channel, "level", s->level * scale,
+                     "pre_share", (double)s->pre_share / IQ24_ONE, "decimation", (json_int_t)s->decimation);
 }
 
 /* The names of the status bits: [[bit, name] ...]. */
