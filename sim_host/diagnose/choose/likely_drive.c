@@ -38,10 +38,11 @@ static errors errors_of(const session *w, const fit_state *s)
     return (errors){measure_without_glitches(&w->rows, &drive), measure_open_loop(&w->rows, &drive, NULL)};
 }
 
-/* Whether a is no worse than b by more than that factor; what gives no number is worse than all that does. */
-static bool within(errors a, errors b, double factor)
+/* Whether a is no worse than b by more than these factors; what gives no number is worse than all that does. */
+static bool within(errors a, errors b, errors factor)
 {
-    return a.one_cycle <= factor * b.one_cycle && (a.open_loop <= factor * b.open_loop || isnan(b.open_loop));
+    return a.one_cycle <= factor.one_cycle * b.one_cycle &&
+           (a.open_loop <= factor.open_loop * b.open_loop || isnan(b.open_loop));
 }
 
 static bool join(const session *w, fit_state *s, hypothesis_id h)
@@ -291,7 +292,7 @@ static bool shrink(session *w, fit_state *s, evidence_view *view, errors best, c
             return false;
         }
         const errors now = errors_of(w, &trial);
-        if (isinf(list[k].cost) || within(now, best, MEMBER_BRINGS)) {
+        if (isinf(list[k].cost) || within(now, best, (errors){MEMBER_BRINGS, MEMBER_BRINGS})) {
             *s = trial;
             *left = true;
             say(teller, "without one", s, now);
@@ -311,9 +312,8 @@ static errors errors_found(const session *w)
 /* Whether the fit explains most of the error, and more than a sparse search, or no less than the other fit of the whole drive. */
 static bool is_better(const session *w, const fit_state *s, bool whole, errors e, errors found)
 {
-    const errors other = {found.one_cycle * (whole ? 1.0 : BETTER / MEMBER_BRINGS),
-                          found.open_loop * (whole ? ALIKE_OPEN_LOOP / MEMBER_BRINGS : 1.0)};
-    return s->set != 0 && !isnan(e.open_loop) && within(e, other, MEMBER_BRINGS) &&
+    const errors factor = whole ? (errors){MEMBER_BRINGS, ALIKE_OPEN_LOOP} : (errors){BETTER, MEMBER_BRINGS};
+    return s->set != 0 && !isnan(e.open_loop) && within(e, found, factor) &&
            session_explains_most(w, s, e.one_cycle);
 }
 

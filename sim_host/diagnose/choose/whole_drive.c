@@ -122,12 +122,13 @@ static bool find_certainty(session *w, const whole_fit *f)
     return certainty_under(&w->fitted, &w->state, prior, f->columns, c);
 }
 
-/* One fit of the whole drive, and the set that it gives with its score. */
+/* One fit of the whole drive, and the set that it gives with its score and error. */
 typedef struct attempt {
     whole_fit fit;
     fit_state state;
     certainty certainty;
-    double score;
+    double score, percent;
+    bool explains_most;
 } attempt;
 
 /* Tries it with what was found, from the search's state, which stays. False: out of memory. */
@@ -141,6 +142,8 @@ static bool try_with(session *w, hypothesis_set found, attempt *a, const diagnos
     if (ok) {
         w->state = a->fit.state;
         w->state.set = members_there(w, &a->fit, found);
+        a->percent = session_named_error(w, w->state.set);
+        a->explains_most = session_explains_most(w, &w->state, a->percent);
         ok = find_certainty(w, &a->fit) && search_score(&w->fitted, &w->state, &a->score);
     }
     a->state = w->state;
@@ -172,32 +175,25 @@ static bool try_whole(session *w, attempt *best, const diagnose_teller *teller)
 
 bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller)
 {
-    const fit_state first = w->state;
-    const certainty first_certainty = w->certainty;
-    const double first_error = session_named_error(w, first.set);
-    double first_score = 0.0;
+    const double percent = session_named_error(w, w->state.set);
+    double score = 0.0;
     char words[256];
     attempt *best = malloc(sizeof *best);
     *better = false;
-    const bool ok = best && try_whole(w, best, teller) && search_score(&w->fitted, &first, &first_score);
+    const bool ok = best && try_whole(w, best, teller) && search_score(&w->fitted, &w->state, &score);
     if (ok) {
-        w->state = best->state;
-        w->certainty = best->certainty;
-        const double percent = session_named_error(w, w->state.set);
-        *better = best->score < first_score &&
-                  (again || (w->state.set != first.set && percent < first_error)) &&
-                  session_explains_most(w, &w->state, percent);
+        const bool is_new = best->state.set != w->state.set && best->percent < percent;
+        *better = best->score < score && (again || is_new) && best->explains_most;
         if (teller->trace) {
             fprintf(teller->trace, "  whole drive: %s, score %.1f (search %.1f), error %.4g %% (%.4g): %s\n",
-                    evidence_words(w->state.set, words, sizeof words), best->score, first_score, percent,
-                    first_error, *better ? "kept" : "not better");
+                    evidence_words(best->state.set, words, sizeof words), best->score, score, best->percent,
+                    percent, *better ? "kept" : "not better");
         }
     }
     if (*better) {
+        w->state = best->state;
+        w->certainty = best->certainty;
         memcpy(w->scale, best->fit.scale, sizeof w->scale);
-    } else {
-        w->state = first;
-        w->certainty = first_certainty;
     }
     free(best);
     return ok;
