@@ -26,6 +26,7 @@ static void trace(iqfoc_pattern_trajectory_t *t, const pattern_rows_t *rows, int
     iq24_t above = PATTERN_QUARTER_TURN;
     for (int32_t k = angles; k > 0; k--) {
         const iq24_t angle = pattern_angle(rows, k - 1);
+        /*@ assert pattern_order: 0 <= angle <= 4194304; */
         const iq24_t mirrored = PATTERN_HALF_TURN - angle;
         back -= above - angle;
         t->angle[k] = angle;
@@ -46,11 +47,11 @@ static void trace(iqfoc_pattern_trajectory_t *t, const pattern_rows_t *rows, int
 
 /*
  * Beyond a row without a joined one there, its angles go on as from the one before: otherwise the fundamental would remain that of the row.
- * At most one row further, and only if the angles stay in order up to there.
+ * At most two rows further, and only if the angles stay in order up to there.
  */
 static pattern_rows_t rows_beyond(const iqfoc_pattern_t *table, int32_t n, iq24_t place)
 {
-    const iq24_t part = iq24_clamp(place - n * IQ24_ONE, -IQ24_ONE, IQ24_ONE);
+    const iq24_t part = iq24_clamp(place - n * IQ24_ONE, -2 * IQ24_ONE, 2 * IQ24_ONE);
     const int32_t before = part > 0 ? n - 1 : n + 1;
     const iqfoc_pattern_row_t *row = &table->row[n];
     pattern_rows_t rows = {row, row, 0};
@@ -60,7 +61,7 @@ static pattern_rows_t rows_beyond(const iqfoc_pattern_t *table, int32_t n, iq24_
     const iqfoc_pattern_row_t *next = &table->row[before];
     iq24_t lowest = 0;
     for (int32_t k = 0; k < table->angles; k++) {
-        const iq24_t end = 2 * row->angle[k] - next->angle[k];
+        const iq24_t end = 3 * row->angle[k] - 2 * next->angle[k];
         if (!iq24_within(end, lowest, PATTERN_QUARTER_TURN)) {
             return rows;
         }
@@ -125,6 +126,13 @@ static pattern_rows_t rows_kept(iqfoc_pattern_control_t *control, iq24_t index)
         rows.next = rows.row;
         if (control->wanted == NULL) {
             iqfoc_pattern_control_change(control, table);
+            control->nearest_q48 = PATTERN_NEAR_Q48;
+            control->waited = IQ24_ONE;
+        }
+        /* To two rows beyond, the angles go on, so that there is time for a small distance; farther on there is not. */
+        if (!iq24_within(place - n * IQ24_ONE, -2 * IQ24_ONE, 2 * IQ24_ONE) &&
+            control->nearest_q48 < PATTERN_FAR_Q48 / 2) {
+            control->nearest_q48 += control->nearest_q48;
         }
     } else if (control->wanted == table) {
         control->wanted = NULL;
@@ -234,7 +242,7 @@ static void change_if_near(iqfoc_pattern_control_t *control, iq24_t index, iqfoc
     iqfoc_pattern_edges_t edges[3];
     const iqfoc_pattern_modulator_t modulator = other.modulator;
     pattern_move_legs(&other, at, edges);
-    control->waited += next->speed_abs;
+    control->waited = iq24_min(control->waited + next->speed_abs, IQ24_ONE);
     if (pattern_near(&control->nearest_q48, pattern_cost_q48(&other, edges),
                      control->waited > IQ24(0.1666667))) {
         control->wanted = NULL;

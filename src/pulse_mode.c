@@ -96,7 +96,7 @@ void iqfoc_pulse_mode_step(iqfoc_pulse_mode_t *mode, iqfoc_pattern_control_t *co
 static bool is_near(iqfoc_pulse_mode_t *mode, iq24_acc_t cost_q48, iq24_t speed)
 {
     mode->waited = iq24_min(mode->waited + iq24_abs_sat(speed), IQ24(3.0));
-    return pattern_near(&mode->nearest_q48, cost_q48, mode->waited > IQ24(0.3333333));
+    return pattern_near(&mode->nearest_q48, cost_q48, mode->waited > IQ24_ONE);
 }
 
 /* A period of the carrier, in control cycles of the patterns. */

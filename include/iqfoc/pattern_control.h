@@ -32,7 +32,7 @@
  * its reference if R, L or psi_f is wrong. With a small `correction`, the harmonics of i follow from the voltage by the same L as those
  * of psi*. A wrong L then moves no edges.
  *
- * Beyond a row that is not joined to the next one, its angles go on as from the row before, up to one row further and if they stay in order.
+ * Beyond a row that is not joined to the next one, its angles go on as from the row before, up to two rows further and if they stay in order.
  * At such a jump of the angles the present row remains until the legs change as iqfoc_pattern_control_change says. In six-step,
  * the voltage has one length: u_d of the reference remains, and with it i_q; i_d follows from the length.
  *
@@ -113,7 +113,7 @@ typedef struct iqfoc_pattern_control {
     iqfoc_pattern_trajectory_t trajectory;
     iqfoc_pattern_control_leg_t leg[3]; /* a, b, c */
     const iqfoc_pattern_t *wanted;      /* table that is asked for, or NULL */
-    iq24_t waited;                      /* angle since then: turns */
+    iq24_t waited;                      /* angle since then: turns, 0 ... 1 */
     iq24_acc_t nearest_q48;             /* the least cost of the change since then: turns squared */
     iq24_t theta;                       /* rotor angle at the start of the commanded cycle */
     bool predicted;                     /* i_next is a prediction for the next step */
@@ -155,8 +155,9 @@ void iqfoc_pattern_control_restart(iqfoc_pattern_control_t *control, const iqfoc
  * Asks for another table, for another number of pulses. Both trajectories cross between two valleys. The legs keep their levels, and an edge
  * that is due there is moved to the crossing. iqfoc_pattern_control_aim takes the table in the cycle after which the least flux error is
  * left, by the edges of a copy of the state: cost = left^2 + (error at the start)^2/16. It does so after a sixth of a turn at the earliest,
- * at the first cost within 1.2^2 of the least one in that sixth. With each further cycle the limit of the error rises by 3 %. Until then
- * each call takes some 1500 instructions more on a Cortex-M4, and 750 bytes more of the stack.
+ * at the first cost within 1.2^2 of the least one in that sixth. With each further cycle the limit of the error rises by 1.5 %. Until then
+ * each call takes some 1500 instructions more on a Cortex-M4, and 750 bytes more of the stack. At a jump of the angles, the limit of the
+ * error begins at 1/6800 turn, at once, and rises likewise.
  *
  * table: one that iqfoc_pattern_init accepts; the state keeps its address. Call it when neither aim nor step runs.
  */

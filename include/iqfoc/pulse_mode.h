@@ -8,9 +8,9 @@
  *     up:    speed >= on   and  index >= index_on       of the level above, one level at a time
  *     down:  speed < off   or   index < index_off       of the present level
  *
- * A hand-over needs a valley at which both modulators have nearly the same flux. The distance has a period of a sixth of a turn. After a
- * third of a turn, the first valley within 1.2 of the least distance is taken. To a pattern, the distance is the error that its first edges
- * leave, as iqfoc_pattern_control_change has it. To the carrier, it is that of h, whose d component counts half. This limit then rises by 3 % with each valley.
+ * A hand-over needs a valley at which both modulators have nearly the same flux. After a whole turn, the first valley within 1.2 of the least
+ * distance is taken. This limit then rises by 1.5 % with each valley. To a pattern, the distance is the error that its first edges leave,
+ * as iqfoc_pattern_control_change has it. To the carrier, it is that of h, whose d component counts half.
  *
  *     carrier to pattern:   e = psi* - psi      trajectory of the pattern less the flux at the next valley: moves the first edges
  *     pattern to carrier:   h = psi - psi_v     the flux at the next valley less that of the carrier: the first voltage is less by h/T

@@ -167,7 +167,7 @@ static iqfoc_pattern_control_t any_control(const iqfoc_pattern_t *table, int32_t
         c.leg[k].level = any_within(-1, 1);
     }
     c.wanted = NULL;
-    c.waited = any_within(0, IQ24(2.0));
+    c.waited = any_within(0, IQ24_ONE);
     c.nearest_q48 = any_bool() ? INT64_C(1) << 62 : (iq24_acc_t)any_within(0, IQ24_MAX) * IQ24_MAX;
     c.theta = any();
     c.predicted = any_bool();

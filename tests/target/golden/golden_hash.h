@@ -5,7 +5,7 @@
 #include "golden_vectors.h"
 
 /* Over the names and digests of golden.txt's functions and configurations; a test holds it to that file. */
-#define GOLDEN_HASH UINT64_C(0xbc6bf3cff5217c35)
+#define GOLDEN_HASH UINT64_C(0x08d633d4739ee7b0)
 
 #define GOLDEN_HASH_START UINT64_C(0xCBF29CE484222325)
 

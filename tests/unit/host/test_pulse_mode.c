@@ -57,12 +57,6 @@ static const pulse_run_up *run(const pulse_drive *p, const pulse_case *c)
     return &r;
 }
 
-/* Each hand-over is within 1.8 %, but for jumps without ripple. */
-static double most_of(int event, bool ripple)
-{
-    return event == PULSE_EVENT_JUMP && !ripple ? 2.15 : 1.8;
-}
-
 static void torque_of(pulse_drive_id id, int runs)
 {
     static const double i_q[] = {1.0, 0.5, -0.6, 1.0};
@@ -77,8 +71,7 @@ static void torque_of(pulse_drive_id id, int runs)
         }
     }
     for (int k = 0; k < PULSE_EVENTS; k++) {
-        TEST_ASSERT_TRUE(worst[0][k] <= most_of(k, false));
-        TEST_ASSERT_TRUE(worst[1][k] <= most_of(k, true));
+        TEST_ASSERT_TRUE(fmax(worst[0][k], worst[1][k]) <= 1.8);
     }
     TEST_ASSERT_TRUE(worst[0][PULSE_EVENT_TOP] <= 0.5);
 }
@@ -221,7 +214,7 @@ static void test_torque_of_drawn_runs(void)
 static void draw_table(long runs)
 {
     plant_random random;
-    plant_random_seed(&random, 20261127, 0);
+    plant_random_seed(&random, 20261129, 0);
     find_tables();
     printf("drive, link: largest error in %% of the rated torque (runs over 2 %%), of %ld runs\n", runs);
     for (int n = 0; n < 2 * PULSE_DRIVES; n++) {
