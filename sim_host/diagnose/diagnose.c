@@ -25,6 +25,7 @@
 #include "measure/floor.h"
 #include "measure/glitches.h"
 #include "measure/lines.h"
+#include "measure/plain_knee.h"
 #include "measure/runs.h"
 #include "measure/sum_line.h"
 #include "next/experiment.h"
@@ -177,25 +178,24 @@ static bool at_the_noise(const diagnosis *d, double percent)
            (d->within_digits <= tolerance && percent <= WITHIN_DIGITS * d->noise_floor);
 }
 
-/* Both values as measured; a diverged simulation has a very large one. With an over-compensated dead time the sign of a current
- * near zero is decided by noise, and the open-loop simulation diverges: it does not count then. */
-static bool free_run_holds(const diagnosis *d)
+/* Both values as measured; a diverged simulation has a very large one. It does not count where noise decides the sign of a current. */
+static bool free_run_holds(const session *w, const diagnosis *d)
 {
-    const bool by_sign = d->extended_drive.compensation_V != 0.0 && d->extended_drive.v_dead_V < 0.0;
-    return by_sign || d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
+    return plain_knee_holds_sign(&d->extended_drive, &w->rows, w->frame.i_rated_peak_A) ||
+           d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
 }
 
 /* Percent of the current: a model that errs by more predicts little of it, however large the noise is. */
 static const double LITTLE_PREDICTED = 50.0;
 
-static void decide(diagnosis *d, bool corrected)
+static void decide(const session *w, diagnosis *d)
 {
-    if (d->causes == 0 && !corrected) {
+    if (d->causes == 0 && w->rows.corrections == 0) {
         d->verdict =
             at_the_noise(d, d->nominal) && !d->structure.certain ? VERDICT_CLEAN : VERDICT_UNEXPLAINED;
         return;
     }
-    const bool holds = free_run_holds(d);
+    const bool holds = free_run_holds(w, d);
     d->verdict =
         at_the_noise(d, d->extended) && !d->structure.certain && holds && d->extended < LITTLE_PREDICTED
             ? VERDICT_EXPLAINED
@@ -433,7 +433,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     if (!sum_line_tell(&w->rows, &d->extended_drive, d->sensor_noise_A, &d->structure)) {
         return false;
     }
-    decide(d, w->rows.corrections > 0);
+    decide(w, d);
     if ((d->verdict == VERDICT_PARTLY || d->verdict == VERDICT_UNEXPLAINED) && !learned_find(&w->rows, d)) {
         return false;
     }

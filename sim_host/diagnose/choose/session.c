@@ -5,6 +5,7 @@
 #include "diagnose/identify/last_digits.h"
 #include "diagnose/measure/errors.h"
 #include "diagnose/measure/floor.h"
+#include "diagnose/measure/plain_knee.h"
 #include "diagnose/measure/runs.h"
 #include "discrepancy.h"
 
@@ -61,8 +62,8 @@ double session_borne_out(session *w, const diagnose_rows *from)
                                             measure_without_glitches(&w->rows, &drive), floor);
     const double open_loop = borne_out_left(measure_open_loop(from, &w->frame.nominal, NULL),
                                             measure_open_loop(&w->rows, &drive, NULL), floor);
-    const bool by_sign = drive.compensation_V != 0.0 && drive.v_dead_V < 0.0;
-    const bool rises = open_loop > 1.0 && !by_sign;
+    const bool rises =
+        open_loop > 1.0 && !plain_knee_holds_sign(&drive, &w->rows, w->frame.i_rated_peak_A);
     const double left = rises ? open_loop : fmin(one_cycle, open_loop);
     if (isnan(left) || (hypotheses_named(w->state.set) == 0 && from == &w->rows)) {
         return borne_out_probability(left);

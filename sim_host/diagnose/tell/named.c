@@ -2,7 +2,7 @@
 #include "named.h"
 
 #include "diagnose/measure/errors.h"
-#include "plain_knee.h"
+#include "diagnose/measure/plain_knee.h"
 #include "values.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Values and intervals of a named cause (values.h). */
 #include "values.h"
 
-#include "plain_knee.h"
+#include "diagnose/measure/plain_knee.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -31,3 +31,12 @@ double plain_knee_A(const averaged_drive *drive, const diagnose_rows *r, double 
     }
     return best;
 }
+
+bool plain_knee_holds_sign(const averaged_drive *drive, const diagnose_rows *r, double i_peak_A)
+{
+    if (drive->compensation_V == 0.0) {
+        return false;
+    }
+    const double share = drive->compensation_knee_A / plain_knee_A(drive, r, i_peak_A);
+    return (drive->v_dead_V + drive->compensation_V) * fmin(share, 1.0) < drive->compensation_V;
+}
