@@ -62,8 +62,7 @@ double session_borne_out(session *w, const diagnose_rows *from)
                                             measure_without_glitches(&w->rows, &drive), floor);
     const double open_loop = borne_out_left(measure_open_loop(from, &w->frame.nominal, NULL),
                                             measure_open_loop(&w->rows, &drive, NULL), floor);
-    const bool rises =
-        open_loop > 1.0 && !plain_knee_holds_sign(&drive, &w->rows, w->frame.i_rated_peak_A);
+    const bool rises = open_loop > 1.0 && !plain_knee_holds_sign(&drive, &w->rows, w->frame.i_rated_peak_A);
     const double left = rises ? open_loop : fmin(one_cycle, open_loop);
     if (isnan(left) || (hypotheses_named(w->state.set) == 0 && from == &w->rows)) {
         return borne_out_probability(left);
