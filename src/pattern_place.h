@@ -28,6 +28,12 @@ static inline iq24_acc_t pattern_square_q48(iq24_t x, iq24_t y)
 #define PATTERN_FAR_Q48  (INT64_C(1) << 62) /* more than any, and 1.5 times that fits */
 #define PATTERN_NEAR_Q48 (INT64_C(1) << 22) /* a distance of 1/8192 is as good as none */
 
+/* The square of a limit, and 1/2^bits of it more. */
+static inline iq24_acc_t pattern_risen(iq24_acc_t limit_q48, uint32_t bits)
+{
+    return limit_q48 < PATTERN_FAR_Q48 / 2 ? limit_q48 + iq24_asr64(limit_q48, bits) : limit_q48;
+}
+
 /*
  * True at a distance within 1.2 of the least one. `seen`: a whole period of it has been seen. From then on, the limit rises by 1.5 % with
  * each call: if a turn has nearly a whole number of cycles, the least distance may not come again.
@@ -37,7 +43,7 @@ static inline bool pattern_near(iq24_acc_t *nearest_q48, iq24_acc_t apart_q48, b
     iq24_acc_t nearest = *nearest_q48;
     if (seen) {
         nearest = nearest < PATTERN_NEAR_Q48 ? PATTERN_NEAR_Q48 : nearest;
-        *nearest_q48 = nearest < PATTERN_FAR_Q48 / 2 ? nearest + iq24_asr64(nearest, 5) : nearest;
+        *nearest_q48 = pattern_risen(nearest, 5U);
         return apart_q48 <= iq24_asr64(nearest, 1) - iq24_asr64(nearest, 4) + nearest; /* 1.2^2 */
     }
     *nearest_q48 = apart_q48 < nearest ? apart_q48 : nearest;

@@ -45,13 +45,19 @@ static void trace(iqfoc_pattern_trajectory_t *t, const pattern_rows_t *rows, int
 
 /* ---- The rows at a place of the table ---- */
 
+/* How far a place is beyond row n. */
+static inline iq24_t place_beyond(iq24_t place, int32_t n)
+{
+    return place - n * IQ24_ONE;
+}
+
 /*
  * Beyond a row without a joined one there, its angles go on as from the one before: otherwise the fundamental would remain that of the row.
  * At most two rows further, and only if the angles stay in order up to there.
  */
 static pattern_rows_t rows_beyond(const iqfoc_pattern_t *table, int32_t n, iq24_t place)
 {
-    const iq24_t part = iq24_clamp(place - n * IQ24_ONE, -2 * IQ24_ONE, 2 * IQ24_ONE);
+    const iq24_t part = iq24_clamp(place_beyond(place, n), -2 * IQ24_ONE, 2 * IQ24_ONE);
     const int32_t before = part > 0 ? n - 1 : n + 1;
     const iqfoc_pattern_row_t *row = &table->row[n];
     pattern_rows_t rows = {row, row, 0};
@@ -130,9 +136,8 @@ static pattern_rows_t rows_kept(iqfoc_pattern_control_t *control, iq24_t index)
             control->waited = IQ24_ONE;
         }
         /* To two rows beyond, the angles go on, so that there is time for a small distance; farther on there is not. */
-        if (!iq24_within(place - n * IQ24_ONE, -2 * IQ24_ONE, 2 * IQ24_ONE) &&
-            control->nearest_q48 < PATTERN_FAR_Q48 / 2) {
-            control->nearest_q48 += control->nearest_q48;
+        if (!iq24_within(place_beyond(place, n), -2 * IQ24_ONE, 2 * IQ24_ONE)) {
+            control->nearest_q48 = pattern_risen(control->nearest_q48, 0);
         }
     } else if (control->wanted == table) {
         control->wanted = NULL;
