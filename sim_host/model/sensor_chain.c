@@ -7,14 +7,16 @@ static bool sensors_drift(const averaged_drive *d)
            d->g_rate_s[1] != 0.0 || d->g_rate_s[2] != 0.0;
 }
 
-/* What gains make of a true current and of the three's mean. */
-static void chain_of(const double g[3], missing_phase missing, double forward[2][2], double zero[2])
+/* What gains and crosstalk make of a true current and of the three's mean. */
+static void chain_of(const double g[3], const double crosstalk[3], missing_phase missing, double forward[2][2],
+                     double zero[2])
 {
     for (size_t column = 0; column < 2; column++) {
+        double is[3];
         double i[3];
-        vec_to_phases((vec_ab){column == 0 ? 1.0 : 0.0, column == 1 ? 1.0 : 0.0}, i);
+        vec_to_phases((vec_ab){column == 0 ? 1.0 : 0.0, column == 1 ? 1.0 : 0.0}, is);
         for (size_t x = 0; x < 3; x++) {
-            i[x] *= g[x];
+            i[x] = g[x] * is[x] + crosstalk[(x + 2) % 3] * is[(x + 2) % 3];
         }
         zero[column] = (i[0] + i[1] + i[2]) / 3.0;
         current_sensors_leave_out(missing, i);
@@ -54,7 +56,7 @@ sensor_map sensor_map_of(const averaged_drive *d, missing_phase missing)
     sensor_map map;
     map.offset = offset_of(d->offset_ab_A, d->offset_zero_A, missing);
     map.zero_offset_A = d->offset_zero_A;
-    chain_of(d->g, missing, map.forward, map.zero);
+    chain_of(d->g, d->crosstalk, missing, map.forward, map.zero);
     find_back(&map);
     return map;
 }
@@ -64,6 +66,7 @@ sensor_course sensor_course_of(const averaged_drive *d, sensor_set sensors)
     static const missing_phase first[] = {
         [SENSORS_THREE] = MISSING_NONE, [SENSORS_TWO] = MISSING_C, [SENSORS_TWO_LOWEST] = MISSING_A};
     const int last = sensors == SENSORS_THREE ? MISSING_NONE : MISSING_C;
+    static const double none[3] = {0.0, 0.0, 0.0};
     sensor_course c;
     c.drifts = sensors_drift(d);
     c.changes = c.drifts || sensors == SENSORS_TWO_LOWEST;
@@ -73,7 +76,7 @@ sensor_course sensor_course_of(const averaged_drive *d, sensor_set sensors)
         of->middle = sensor_map_of(d, missing);
         if (c.drifts) {
             of->offset_rate = offset_of(d->offset_rate_ab_A_s, 0.0, missing);
-            chain_of(d->g_rate_s, missing, of->forward_rate, of->zero_rate);
+            chain_of(d->g_rate_s, none, missing, of->forward_rate, of->zero_rate);
         }
     }
     return c;

@@ -225,18 +225,25 @@ class OneRun(unittest.TestCase):
 
 
 class Diagnosed(unittest.TestCase):
+    def check_right(self, seed, group, plant):
+        with self.subTest(seed=seed), tempfile.TemporaryDirectory() as folder:
+            groups.make(seed, group, plant, folder, IQFOC)
+            found = os.path.join(folder, "found.json")
+            subprocess.run([IQFOC, "diagnose", os.path.join(folder, "rec.csv"), "--motor", os.path.join(folder, "motor.toml"),
+                            "--json", found], check=True, capture_output=True)
+            with open(os.path.join(folder, "truth.json"), encoding="utf-8") as truth, open(found, encoding="utf-8") as answer:
+                judged = group_score.judge(json.load(truth), json.load(answer))
+            self.assertEqual(judged["outcome"], "right", judged)
+
+    def test_crosstalk_is_no_gain_and_no_inductance(self):
+        for seed in (764_037, 764_053):
+            self.check_right(seed, "outside", "main")
+
     def test_benches_that_were_wrong_once(self):
         # In turn: the fit of the whole drive ended before it was over; a false modulator; a flux map for two inductances that saturate;
         # an angle offset that lowers the error only together with iron loss; a compensation that holds the sign of a simulated current.
         for seed, plant in ((742_015, "main"), (607_011, "main"), (742_026, "second"), (607_015, "main"), (762_005, "main")):
-            with self.subTest(seed=seed), tempfile.TemporaryDirectory() as folder:
-                groups.make(seed, "bench", plant, folder, IQFOC)
-                found = os.path.join(folder, "found.json")
-                subprocess.run([IQFOC, "diagnose", os.path.join(folder, "rec.csv"), "--motor", os.path.join(folder, "motor.toml"),
-                                "--json", found], check=True, capture_output=True)
-                with open(os.path.join(folder, "truth.json"), encoding="utf-8") as truth, open(found, encoding="utf-8") as answer:
-                    judged = group_score.judge(json.load(truth), json.load(answer))
-                self.assertEqual(judged["outcome"], "right", judged)
+            self.check_right(seed, "bench", plant)
 
 
 class Scoring(unittest.TestCase):
