@@ -87,7 +87,7 @@ static void all_apart_by_less_than(const double z[P_COUNT], double most)
             seen++;
         }
     }
-    TEST_ASSERT_EQUAL_size_t(19, seen);
+    TEST_ASSERT_EQUAL_size_t(22, seen);
     TEST_ASSERT_DOUBLE_WITHIN(most, 0.0, apart(z, P_R, 1e-3));
 }
 

@@ -57,6 +57,29 @@ static void a_phase_that_is_not_measured(void)
     TEST_ASSERT_FALSE(sensor_course_of(&d, SENSORS_TWO).changes);
 }
 
+/* The channel of b shows a share of phase a as well, that of c one of b, that of a one of c; the mean of the three shows their sum. */
+static void channels_read_their_neighbours(void)
+{
+    static const double g[3] = {0.95, 1.04, 1.01};
+    static const double share[3] = {0.03, -0.02, 0.05};
+    const vec_ab i = {3.0, -4.0};
+    const averaged_drive d = {.g = {g[0], g[1], g[2]}, .crosstalk = {share[0], share[1], share[2]}};
+    const sensor_map map = sensor_map_of(&d, MISSING_NONE);
+    double phase[3];
+    vec_to_phases(i, phase);
+    const double channel[3] = {g[0] * phase[0] + share[2] * phase[2], g[1] * phase[1] + share[0] * phase[0],
+                               g[2] * phase[2] + share[1] * phase[1]};
+    const vec_ab wanted = vec_from_phases(channel);
+    const vec_ab shown = sensor_map_measure(&map, i);
+    const vec_ab back = sensor_map_unmeasure(&map, shown);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, wanted.alpha, shown.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, wanted.beta, shown.beta);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, (channel[0] + channel[1] + channel[2]) / 3.0,
+                              map.zero[0] * i.alpha + map.zero[1] * i.beta);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.alpha, back.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, i.beta, back.beta);
+}
+
 /* At any time the map is that of the gains and offsets which the rates have led to. */
 static void sensors_drift_evenly(void)
 {
@@ -190,6 +213,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(sensors_invert);
     RUN_TEST(a_phase_that_is_not_measured);
+    RUN_TEST(channels_read_their_neighbours);
     RUN_TEST(sensors_drift_evenly);
     RUN_TEST(an_edge_still_rings_in_a_sample);
     RUN_TEST(a_late_sample_sees_the_flux_with_the_rotor_further_on);
