@@ -157,7 +157,8 @@ void iqfoc_pattern_control_restart(iqfoc_pattern_control_t *control, const iqfoc
  * left, by the edges of a copy of the state: cost = left^2 + (error at the start)^2/16. It does so after a sixth of a turn at the earliest,
  * at the first cost within 1.2^2 of the least one in that sixth. With each further cycle the limit of the error rises by 1.5 %. Until then
  * each call takes some 1500 instructions more on a Cortex-M4, and 750 bytes more of the stack. At a jump of the angles, the limit of the
- * error begins at 1/6800 turn, at once, and rises likewise.
+ * error begins at 1/6800 turn, at once, and rises likewise. Its square doubles with each cycle while the index is more than two rows beyond
+ * the row that remains.
  *
  * table: one that iqfoc_pattern_init accepts; the state keeps its address. Call it when neither aim nor step runs.
  */

@@ -181,8 +181,8 @@ static bool at_the_noise(const diagnosis *d, double percent)
 /* Both values as measured; a diverged simulation has a very large one. It does not count where noise decides the sign of a current. */
 static bool free_run_holds(const session *w, const diagnosis *d)
 {
-    return plain_knee_holds_sign(&d->extended_drive, &w->rows, w->frame.i_rated_peak_A) ||
-           d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor;
+    return d->free_extended_percent <= FREE_RUN_WORSE * d->free_nominal_percent + d->noise_floor ||
+           plain_knee_holds_sign(&d->extended_drive, &w->rows, w->frame.i_rated_peak_A);
 }
 
 /* Percent of the current: a model that errs by more predicts little of it, however large the noise is. */

@@ -74,8 +74,8 @@ typedef struct averaged_drive {
     double eddy_S[2];
     /* Poles of unequal strength: the share c cos(n theta_mech) + s sin(n theta_mech) that the magnet's flux has more, n = 1 and 2. */
     double pole_cos[2], pole_sin[2];
-    double
-        crosstalk[3]; /* share of phase a that the sensor of b reads, of b that c reads, of c that a reads */
+    /* The share of phase a that the channel of b reads, of b that c's reads, of c that a's reads. */
+    double crosstalk[3];
     double cubic_A2[3], zone_A; /* sensors that are not linear, */
     double ring_A, ring_sum_A,
         ring_share; /* and samples in which a leg's edge still rings (sensor_nonlinearity.h) */

@@ -174,9 +174,9 @@ void report_glossary(page *p)
          "simulation."},
         {"noise floor", "The one-cycle error that a perfect model would leave, from this recording's sensor "
                         "noise and rounding."},
-        {"error reduction", "An error before a change divided by the same error after it. For a cause that "
-                            "lowers the error only "
-                            "together with others: the error without it, divided by that with all."},
+        {"error reduction",
+         "An error before a change divided by the same error after it. For a cause that lowers the error "
+         "only together with others: the error without it, divided by that with all."},
         {"nominal model", "The model with the values of the motor file."},
         {"extended model", "The nominal model with the causes found."},
     };
