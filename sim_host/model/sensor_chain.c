@@ -8,8 +8,8 @@ static bool sensors_drift(const averaged_drive *d)
 }
 
 /* What gains and crosstalk make of a true current and of the three's mean. */
-static void chain_of(const double g[3], const double crosstalk[3], missing_phase missing, double forward[2][2],
-                     double zero[2])
+static void chain_of(const double g[3], const double crosstalk[3], missing_phase missing,
+                     double forward[2][2], double zero[2])
 {
     for (size_t column = 0; column < 2; column++) {
         double is[3];
