@@ -104,7 +104,7 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
     known_tell(w, view, d);
     standing of[H_COUNT];
     view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-    if (!probability_of(view, &w->state, w->possible, w->certainty.inflation, of)) {
+    if (!probability_of(view, &w->state, session_rivals(w), w->certainty.inflation, of)) {
         return false;
     }
     for (size_t k = 0; k < d->causes; k++) {
@@ -388,14 +388,12 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     if (!whole &&
         (!causes_bear_out(w, &options->teller) || (w->more_left && !correct_remaining_rows(w, m, options)) ||
-         !causes_reject_harmful(w, &options->teller))) {
+         !causes_reject_harmful(w, &options->teller) || !causes_split_saturation(w, &options->teller))) {
         return false;
     }
-    if (whole) {
-        whole_drive_divide(w);
-    }
     bool likely = false;
-    if (!likely_drive_fit(w, whole, &likely, &options->teller)) {
+    if ((whole && !whole_drive_divide(w, &options->teller)) ||
+        !likely_drive_fit(w, whole, &likely, &options->teller)) {
         return false;
     }
     w->best = w->state;

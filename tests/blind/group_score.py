@@ -83,7 +83,7 @@ def judge(truth, diagnosis):
     outside = [e["id"] for e in truth["effects"] if not e["known"]]
     causes = diagnosis["causes"]
     named = [c["id"] for c in causes]
-    values = {c["id"]: {p["name"]: p for p in c["parameters"]} for c in causes + (diagnosis.get("minor") or [])}
+    values = {c["id"]: {p["name"]: p for p in c["parameters"]} for c in (diagnosis.get("minor") or []) + causes}
     wrong = sorted({n for n in named if not is_real(n, real)})
     held = [x for x in large if x in named or ALSO.get(x, set()) & set(named)]
     parameters = [p for e in truth["effects"] if e["known"] and e["id"] in values for p in compared(e, values[e["id"]])]

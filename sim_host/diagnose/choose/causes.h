@@ -28,4 +28,10 @@ void causes_take_out(fit_state *s, hypothesis_id h, hypothesis_set allowed, doub
  * if not, a search begins among the effects without a name. False: out of memory. */
 bool causes_bear_out(session *w, const diagnose_teller *teller);
 
+/*
+ * Where the inductance differs from the motor file's at no current and, by the same sign, at the rated one, its fall is not what
+ * makes the file wrong: the inductance is a cause of its own. The same model, reported as two causes. False: out of memory.
+ */
+bool causes_split_saturation(session *w, const diagnose_teller *teller);
+
 #endif

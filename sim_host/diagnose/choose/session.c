@@ -24,6 +24,23 @@ double session_scale_doubt(const session *w, hypothesis_id h)
     return doubt;
 }
 
+hypothesis_set session_rivals(const session *w)
+{
+    hypothesis_set scaled = 0;
+    double weighed = 0.0;
+    for (size_t which = 0; which < DRIVE_SCALES; which++) {
+        weighed += w->scale[which].share;
+    }
+    for (hypothesis_id h = 0; weighed > 0.0 && h < H_COUNT; h++) {
+        for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+            scaled |= hypothesis_table[hypotheses_scaled[k]].cause == hypothesis_table[h].cause
+                          ? HYPOTHESIS_BIT(h)
+                          : 0;
+        }
+    }
+    return w->possible & ~(scaled & ~w->state.set);
+}
+
 double session_floor(const session *w, const fit_state *s)
 {
     double noise_A = 0.0;

@@ -51,6 +51,10 @@ static inline void session_adopt(const session *w, hypothesis_id h, double z[P_C
 /* The probability that by another factor on the drive a member is not beyond its reporting threshold; 0 of one that no factor scales. */
 double session_scale_doubt(const session *w, hypothesis_id h);
 
+/* Hypotheses that compete with the members: all possible ones. Those in whose place one factor on the drive puts a member have shares of
+ * w->scale already. */
+hypothesis_set session_rivals(const session *w);
+
 /* Errors are in percent of the current, on held-out rows without glitches. The noise floor at a state. */
 double session_floor(const session *w, const fit_state *s);
 

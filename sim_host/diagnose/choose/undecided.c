@@ -17,7 +17,7 @@ static bool find_below(session *w, double limit, hypothesis_set *below, FILE *tr
     bool ok = view && evidence_look(&w->fitted, &w->state, w->possible, view);
     if (ok) {
         view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-        ok = probability_of(view, &w->state, w->possible, w->certainty.inflation, of);
+        ok = probability_of(view, &w->state, session_rivals(w), w->certainty.inflation, of);
     }
     for (hypothesis_id h = 0; ok && h < H_COUNT; h++) {
         if (hypothesis_in(hypotheses_named(w->state.set & ~w->minor), h) && of[h].probability < limit) {

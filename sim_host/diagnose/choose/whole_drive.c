@@ -18,6 +18,10 @@ static const double SHARE_OF_MINOR = 0.15;
 /* In chi square, a member and each of its numbers: odds of 0.99 against chance, as of a cause. */
 static const double PAYS = 9.2;
 static const double PAYS_A_NUMBER = 3.0;
+/* A member whose chi square is so many times what it pays is sure without a fit that lacks it. */
+static const double SURE = 10.0;
+/* So many causes are replaced at most. */
+enum { REPLACED_MOST = 3 };
 /* And what a member must be worth where only several together are certain: without it the others would be wrong. */
 static const double PAYS_TOGETHER = 60.0;
 
@@ -58,6 +62,34 @@ static bool is_there(const whole_fit *f, hypothesis_id h)
 {
     const bool large = hypothesis_size(h, f->state.z) > SHARE_OF_MINOR * hypothesis_table[h].least;
     return large && (whole_fit_certain(f, h) > pays(h) || whole_fit_needed(f, h) > PAYS_TOGETHER);
+}
+
+/* What is at least half as sure as a member: its size in thresholds, and both chi squares over what a member pays. */
+static void tell_sizes(const whole_fit *f, hypothesis_set parts, const diagnose_teller *teller)
+{
+    for (hypothesis_id h = 0; teller->trace && h < H_COUNT; h++) {
+        const double certain = whole_fit_certain(f, h) / pays(h);
+        if (hypothesis_in(parts, h) && (certain > 0.5 || is_there(f, h))) {
+            fprintf(teller->trace, "    %-20s size %.3g, certain %.3g, needed %.3g\n",
+                    hypothesis_table[h].words, hypothesis_size(h, f->state.z) / hypothesis_table[h].least,
+                    certain, whole_fit_needed(f, h) / pays(h));
+        }
+    }
+}
+
+static void tell_scales(const whole_fit *f, const diagnose_teller *teller)
+{
+    for (size_t which = 0; teller->trace && which < DRIVE_SCALES; which++) {
+        if (f->scale[which].share > 0.01) {
+            fprintf(teller->trace, "    share %.3f of the drives, by a factor %.4f:", f->scale[which].share,
+                    f->scale[which].factor);
+            for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+                fprintf(teller->trace, "%s%s", (which >> k & 1U) != 0 ? " " : "",
+                        (which >> k & 1U) != 0 ? hypothesis_cause(hypotheses_scaled[k])->id : "");
+            }
+            fprintf(teller->trace, "\n");
+        }
+    }
 }
 
 /* The simplest hypothesis of both axes' inductance that holds what is there: a map, two inductances, or one. */
@@ -131,15 +163,18 @@ typedef struct attempt {
     bool explains_most;
 } attempt;
 
-/* Tries it with what was found, from the search's state, which stays. False: out of memory. */
-static bool try_with(session *w, hypothesis_set found, attempt *a, const diagnose_teller *teller)
+/* Tries it with what was found, from w->state, which stays, and without some parts. False: out of memory. */
+static bool try_with(session *w, hypothesis_set found, hypothesis_set without, attempt *a,
+                     const diagnose_teller *teller)
 {
+    const hypothesis_set parts = parts_of(w, found) & ~without;
     const fit_state first = w->state;
     const certainty first_certainty = w->certainty;
     const fit_state start = start_of(w, found);
-    bool ok = whole_fit_find(&w->fitted, &start, parts_of(w, found), w->certainty.inflation, &a->fit,
-                             teller->trace);
+    bool ok = whole_fit_find(&w->fitted, &start, parts, w->certainty.inflation, &a->fit, teller->trace);
     if (ok) {
+        tell_sizes(&a->fit, parts, teller);
+        tell_scales(&a->fit, teller);
         w->state = a->fit.state;
         w->state.set = members_there(w, &a->fit, found);
         a->percent = session_named_error(w, w->state.set);
@@ -161,16 +196,23 @@ static bool try_whole(session *w, attempt *best, const diagnose_teller *teller)
 {
     const hypothesis_set found = hypotheses_named(w->state.set);
     const hypothesis_set map = found & hypotheses_of(CAUSE_SATURATION_DQ);
-    bool ok = try_with(w, found & ~map, best, teller);
+    bool ok = try_with(w, found & ~map, 0, best, teller);
     if (ok && map != 0) {
         attempt *with = malloc(sizeof *with);
-        ok = with && try_with(w, found, with, teller);
+        ok = with && try_with(w, found, 0, with, teller);
         if (ok && with->score + PAYS * with->fit.inflation < best->score) {
             *best = *with;
         }
         free(with);
     }
     return ok;
+}
+
+static void adopt(session *w, const attempt *a)
+{
+    w->state = a->state;
+    w->certainty = a->certainty;
+    memcpy(w->scale, a->fit.scale, sizeof w->scale);
 }
 
 bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller)
@@ -191,9 +233,7 @@ bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_t
         }
     }
     if (*better) {
-        w->state = best->state;
-        w->certainty = best->certainty;
-        memcpy(w->scale, best->fit.scale, sizeof w->scale);
+        adopt(w, best);
     }
     free(best);
     return ok;
@@ -218,7 +258,7 @@ static double cut_objective(session *w, hypothesis_set cut)
     return isfinite(s.objective) ? s.objective : INFINITY;
 }
 
-void whole_drive_divide(session *w)
+static void divide(session *w)
 {
     const hypothesis_set named = hypotheses_named(w->state.set);
     const double full = w->state.objective;
@@ -239,4 +279,85 @@ void whole_drive_divide(session *w)
             w->undecided |= HYPOTHESIS_BIT(h);
         }
     }
+}
+
+/* What the fit without a member leaves more of -2 log posterior, both by the scatter of the one with it. */
+static double more_without(const whole_fit *with, const whole_fit *without)
+{
+    const double scatter = without->state.objective * (1.0 / with->inflation - 1.0 / without->inflation);
+    return without->goal + scatter - with->goal;
+}
+
+/*
+ * A cause whose place others may take if they have a fit of their own. Where one factor scales the drive, others always do: of those
+ * session_scale_doubt knows.
+ */
+static bool is_doubtful(const session *w, hypothesis_id h)
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+        if (hypothesis_table[hypotheses_scaled[k]].cause == hypo->cause) {
+            return false;
+        }
+    }
+    return hypothesis_in(hypotheses_named(w->state.set) & ~w->minor, h) && hypo->fixed < hypo->columns &&
+           hypo->in_whole && hypo->holds != HOLDS_INDUCTANCE &&
+           certainty_chi_square(&w->certainty, &w->state, h) < SURE * pays(h);
+}
+
+/*
+ * A fit of the whole drive may have ended at a cause that others replace. So the drive is fitted without each that is not
+ * sure: what nothing misses is no cause, and the better fit stays. *changed: w->state is another.
+ */
+static bool try_without(session *w, bool *changed, const diagnose_teller *teller)
+{
+    const hypothesis_set named = hypotheses_named(w->state.set);
+    attempt *fits = malloc(3 * sizeof *fits);
+    attempt *full = fits;
+    attempt *other = fits + 1;
+    attempt *best = fits + 2;
+    bool ok = fits != NULL;
+    bool fitted = false;
+    double least = -PAYS;
+    *changed = false;
+    for (hypothesis_id h = 0; ok && h < H_COUNT; h++) {
+        if (!is_doubtful(w, h)) {
+            continue;
+        }
+        ok = fitted || try_with(w, named, 0, full, teller);
+        fitted = true;
+        const hypothesis_set without = hypotheses_of(hypothesis_table[h].cause);
+        ok = ok && try_with(w, named & ~without, without, other, teller);
+        const double more = ok ? more_without(&full->fit, &other->fit) : 0.0;
+        w->minor |= more < pays(h) ? HYPOTHESIS_BIT(h) : 0;
+        if (teller->trace && ok) {
+            fprintf(teller->trace, "  whole drive without %s: posterior %+.1f\n", hypothesis_table[h].words,
+                    more);
+        }
+        if (ok && more < least && other->explains_most) {
+            least = more;
+            *best = *other;
+            *changed = true;
+        }
+    }
+    if (ok && *changed) {
+        adopt(w, best);
+    }
+    free(fits);
+    return ok;
+}
+
+bool whole_drive_divide(session *w, const diagnose_teller *teller)
+{
+    bool changed = true;
+    for (int round = 0; changed && round < REPLACED_MOST; round++) {
+        divide(w);
+        if (!try_without(w, &changed, teller)) {
+            return false;
+        }
+    }
+    if (changed) {
+        divide(w);
+    }
+    return true;
 }

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 20, REWEIGHTED = 12, LINKS = 3 };
+enum { STEPS = 20, REWEIGHTED = 12, LINKS = 3, LINK_OF_RESISTANCE = 1 };
 
 static const double DEGREES = 2.0; /* of Student's t */
 /* Tolerance of a parameter for which the catalogue has none, as a share of its reporting threshold. */
@@ -326,24 +326,46 @@ static bool is_within(const coordinate_frame *f, const double z[P_COUNT])
 }
 
 /*
+ * The same where drives that one factor makes of another compare: there the likelihood says nothing, so the prior must be right about
+ * large deviations too. A parameter is as in the file, or off by what drives usually differ by: Student's t falls too fast for the latter.
+ * No winding has the data sheet's temperature, so R is always off.
+ */
+static double scale_part(const whole *w, size_t k, double is, double roughness)
+{
+    const double usual = w->shape[k] ? 0.0 : coordinate_table[w->column[k]].usual;
+    const double width = roughness * w->width[k];
+    if (!(usual > 0.0)) {
+        return prior_part(w, k, is, roughness);
+    }
+    const double far = exp(-0.5 * is * is / (usual * usual)) / (2.50662827463 * usual);
+    const double near = w->column[k] == P_R
+                            ? far
+                            : pow(1.0 + is * is / (DEGREES * width * width), -1.5) / (sqrt(8.0) * width);
+    return -2.0 * log(0.5 * near + 0.5 * far);
+}
+
+/*
  * The prior by which drives that one factor makes of another compare. The factor moves both axes' inductances alike: that is one
  * deviation, not two.
  */
 static double scale_prior(const whole *w, const fit_state *s, double roughness)
 {
-    double sum = prior_of(w, s, NULL, roughness);
+    double sum = 0.0;
     double mean = 0.0;
-    size_t axis[2];
     size_t axes = 0;
-    for (size_t k = 0; k < w->n && axes < 2; k++) {
-        if (w->column[k] == P_L_D || w->column[k] == P_L_Q) {
-            mean += 0.5 * off(w, s, NULL, k);
-            axis[axes++] = k;
-        }
+    for (size_t k = 0; k < w->n; k++) {
+        const bool is_axis = w->column[k] == P_L_D || w->column[k] == P_L_Q;
+        const double part = scale_part(w, k, off(w, s, NULL, k), roughness);
+        mean += is_axis ? 0.5 * off(w, s, NULL, k) : 0.0;
+        sum += is_axis ? 0.0 : part;
+        axes += is_axis ? 1 : 0;
     }
-    for (size_t n = 0; axes == 2 && n < 2; n++) {
-        sum += 0.5 * prior_part(w, axis[n], mean, roughness) -
-               prior_part(w, axis[n], off(w, s, NULL, axis[n]), roughness);
+    for (size_t k = 0; axes == 2 && k < w->n; k++) {
+        sum += w->column[k] == P_L_D ? scale_part(w, k, mean, roughness) : 0.0;
+    }
+    for (size_t l = 0; l < LINKS; l++) {
+        const double x = link_holds(w, l) ? link_off(w, s, NULL, l) / links[l].width : 0.0;
+        sum += x * x;
     }
     return sum;
 }
@@ -373,6 +395,54 @@ static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
                 least = prior;
                 best = trial;
             }
+        }
+    }
+    fit_noise(d, &best);
+    out->state = best;
+}
+
+static const coordinate_id phase_resistances[] = {P_DR_A, P_DR_B, P_DR_C};
+
+/* The same drive with a part of each phase's resistance counted as the machine's. */
+static void divide_resistance(double z[P_COUNT], double common)
+{
+    z[P_R] += common;
+    for (size_t x = 0; x < 3; x++) {
+        z[phase_resistances[x]] -= common;
+    }
+}
+
+/* The part of -2 log prior in which the divisions differ. */
+static double division_prior(const whole *w, const fit_state *s, double roughness)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < w->n; k++) {
+        const int column = w->column[k];
+        const bool divided = column == P_R || column == P_DR_A || column == P_DR_B || column == P_DR_C;
+        sum += divided ? scale_part(w, k, off(w, s, NULL, k), roughness) : 0.0;
+    }
+    return sum;
+}
+
+/*
+ * What three resistances have in common is one of the machine, to any share. Tries the divisions in which one phase has the machine's
+ * alone, as a single bad joint leaves two of them, and takes the most likely one. By the prior alone: the model's step is a little less
+ * exact for a phase's own part, which is no evidence.
+ */
+static void choose_division(const whole *w, fit_data *d, whole_fit *out)
+{
+    fit_state best = out->state;
+    double least = division_prior(w, &best, out->roughness);
+    if (!link_holds(w, LINK_OF_RESISTANCE) || !is_fitted(w, P_R)) {
+        return;
+    }
+    for (size_t own = 0; own < 3; own++) {
+        fit_state trial = out->state;
+        divide_resistance(trial.z, trial.z[phase_resistances[own]]);
+        const double prior = division_prior(w, &trial, out->roughness);
+        if (prior < least && is_within(d->frame, trial.z)) {
+            least = prior;
+            best = trial;
         }
     }
     fit_noise(d, &best);
@@ -486,6 +556,10 @@ bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, d
     bool ok = w != NULL;
     *out = (whole_fit){.state = *start, .roughness = 1.0};
     leave_tolerances(parts, out->state.z);
+    if (hypothesis_in(parts, H_RESISTANCE) && hypothesis_in(parts, H_ASYMMETRY)) {
+        double *z = out->state.z;
+        divide_resistance(z, (z[P_DR_A] + z[P_DR_B] + z[P_DR_C]) / 3.0);
+    }
     fit_noise(d, &out->state);
     if (ok) {
         w->inflation = inflation;
@@ -506,6 +580,7 @@ bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, d
     }
     if (ok) {
         weigh_scales(w, d, out);
+        choose_division(w, d, out);
     }
     free(w);
     return ok;

@@ -126,16 +126,22 @@ static void to_phases(const double ab[2], double x[3])
     x[2] = -0.5 * ab[0] - 0.86602540378443865 * ab[1];
 }
 
-/* What dead time takes of each leg's voltage, or a compensation adds: against the phase's current, as a vector. */
+/* What dead time takes of each leg's voltage, or a compensation adds, and what a phase's own resistance does, as a vector. */
 static void lost_by_legs(const motor *m, const double i_ab[2], double lost[2])
 {
     double i[3];
     to_phases(i_ab, i);
     lost[0] = lost[1] = 0.0;
-    for (int p = 0; p < 3 && m->ext.has[CAUSE_DEAD_TIME]; p++) {
-        double share = fmin(fmax(i[p] / m->ext.i_knee_A, -1.0), 1.0);
-        lost[0] += 2.0 / 3.0 * m->ext.v_dead_V * share * cos(TWO_PI * p / 3.0);
-        lost[1] += 2.0 / 3.0 * m->ext.v_dead_V * share * sin(TWO_PI * p / 3.0);
+    for (int p = 0; p < 3; p++) {
+        double V = 0.0;
+        if (m->ext.has[CAUSE_DEAD_TIME]) {
+            V += m->ext.v_dead_V * fmin(fmax(i[p] / m->ext.i_knee_A, -1.0), 1.0);
+        }
+        if (m->ext.has[CAUSE_PHASE_ASYMMETRY]) {
+            V += m->ext.dR_ohm[p] * i[p];
+        }
+        lost[0] += 2.0 / 3.0 * V * cos(TWO_PI * p / 3.0);
+        lost[1] += 2.0 / 3.0 * V * sin(TWO_PI * p / 3.0);
     }
 }
 
