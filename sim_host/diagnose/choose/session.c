@@ -32,11 +32,7 @@ hypothesis_set session_rivals(const session *w)
         weighed += w->scale[which].share;
     }
     for (hypothesis_id h = 0; weighed > 0.0 && h < H_COUNT; h++) {
-        for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
-            scaled |= hypothesis_table[hypotheses_scaled[k]].cause == hypothesis_table[h].cause
-                          ? HYPOTHESIS_BIT(h)
-                          : 0;
-        }
+        scaled |= hypothesis_is_scaled(h) ? HYPOTHESIS_BIT(h) : 0;
     }
     return w->possible & ~(scaled & ~w->state.set);
 }

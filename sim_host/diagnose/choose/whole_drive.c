@@ -18,12 +18,12 @@ static const double SHARE_OF_MINOR = 0.15;
 /* In chi square, a member and each of its numbers: odds of 0.99 against chance, as of a cause. */
 static const double PAYS = 9.2;
 static const double PAYS_A_NUMBER = 3.0;
-/* A member whose chi square is so many times what it pays is sure without a fit that lacks it. */
+/* And what a member must be worth where only several together are certain: without it the others would be wrong. */
+static const double PAYS_TOGETHER = 60.0;
+/* A cause whose chi square is so many times what it pays is sure without a fit that lacks it. */
 static const double SURE = 10.0;
 /* So many causes are replaced at most. */
 enum { REPLACED_MOST = 3 };
-/* And what a member must be worth where only several together are certain: without it the others would be wrong. */
-static const double PAYS_TOGETHER = 60.0;
 
 /* What is fitted: one hypothesis or more a cause, and what was found already. */
 static hypothesis_set parts_of(const session *w, hypothesis_set found)
@@ -263,7 +263,7 @@ static void divide(session *w)
     const hypothesis_set named = hypotheses_named(w->state.set);
     const double full = w->state.objective;
     const double all = cut_objective(w, named) - full;
-    w->minor = 0;
+    w->minor = w->undecided = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         const hypothesis *hypo = &hypothesis_table[h];
         if (!hypothesis_in(named, h)) {
@@ -295,13 +295,8 @@ static double more_without(const whole_fit *with, const whole_fit *without)
 static bool is_doubtful(const session *w, hypothesis_id h)
 {
     const hypothesis *hypo = &hypothesis_table[h];
-    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
-        if (hypothesis_table[hypotheses_scaled[k]].cause == hypo->cause) {
-            return false;
-        }
-    }
-    return hypothesis_in(hypotheses_named(w->state.set) & ~w->minor, h) && hypo->fixed < hypo->columns &&
-           hypo->in_whole && hypo->holds != HOLDS_INDUCTANCE &&
+    return hypothesis_in(hypotheses_named(w->state.set) & ~w->minor, h) && !hypothesis_is_scaled(h) &&
+           hypo->fixed < hypo->columns && hypo->in_whole && hypo->holds != HOLDS_INDUCTANCE &&
            certainty_chi_square(&w->certainty, &w->state, h) < SURE * pays(h);
 }
 

@@ -30,6 +30,15 @@ static const unsigned exclusive[][3] = {
     {SCALES_RESISTANCE, SCALES_CURRENT, SCALES_INDUCTANCE},
 };
 
+bool hypothesis_is_scaled(hypothesis_id h)
+{
+    bool scaled = false;
+    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+        scaled = scaled || hypothesis_table[hypotheses_scaled[k]].cause == hypothesis_table[h].cause;
+    }
+    return scaled;
+}
+
 bool hypotheses_move_scaled(hypothesis_set set, size_t scaled)
 {
     const hypothesis_id h = hypotheses_scaled[scaled];

@@ -127,6 +127,9 @@ static inline bool hypothesis_in(hypothesis_set set, hypothesis_id h)
 enum { HYPOTHESES_SCALED = 4 };
 extern const hypothesis_id hypotheses_scaled[HYPOTHESES_SCALED];
 
+/* Whether a hypothesis is of one of these causes. */
+bool hypothesis_is_scaled(hypothesis_id h);
+
 /* Whether a set moves the size of one of these: of the inductance also as two inductances or a flux map, not by its fall alone. */
 bool hypotheses_move_scaled(hypothesis_set set, size_t scaled);
 
