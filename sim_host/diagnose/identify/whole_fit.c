@@ -153,16 +153,23 @@ static double prior_part(const whole *w, size_t k, double is, double roughness)
                 : (DEGREES + 1.0) * log1p(x * x / (DEGREES * roughness * roughness)) + 2.0 * log(roughness));
 }
 
-/* -2 log prior after a step, with the terms that depend on the roughness. */
-static double prior_of(const whole *w, const fit_state *s, const double *step, double roughness)
+/* The part of what the links hold in -2 log prior, after a step. */
+static double links_part(const whole *w, const fit_state *s, const double *step)
 {
     double sum = 0.0;
-    for (size_t k = 0; k < w->n; k++) {
-        sum += prior_part(w, k, off(w, s, step, k), roughness);
-    }
     for (size_t l = 0; l < LINKS; l++) {
         const double x = link_holds(w, l) ? link_off(w, s, step, l) / links[l].width : 0.0;
         sum += x * x;
+    }
+    return sum;
+}
+
+/* -2 log prior after a step, with the terms that depend on the roughness. */
+static double prior_of(const whole *w, const fit_state *s, const double *step, double roughness)
+{
+    double sum = links_part(w, s, step);
+    for (size_t k = 0; k < w->n; k++) {
+        sum += prior_part(w, k, off(w, s, step, k), roughness);
     }
     return sum;
 }
@@ -350,24 +357,31 @@ static double scale_part(const whole *w, size_t k, double is, double roughness)
  */
 static double scale_prior(const whole *w, const fit_state *s, double roughness)
 {
-    double sum = 0.0;
-    double mean = 0.0;
+    double sum = links_part(w, s, NULL);
+    double both = 0.0;
     size_t axes = 0;
+    size_t axis = 0;
     for (size_t k = 0; k < w->n; k++) {
-        const bool is_axis = w->column[k] == P_L_D || w->column[k] == P_L_Q;
-        const double part = scale_part(w, k, off(w, s, NULL, k), roughness);
-        mean += is_axis ? 0.5 * off(w, s, NULL, k) : 0.0;
-        sum += is_axis ? 0.0 : part;
-        axes += is_axis ? 1 : 0;
+        const double is = off(w, s, NULL, k);
+        if (w->column[k] == P_L_D || w->column[k] == P_L_Q) {
+            both += is;
+            axes++;
+            axis = k;
+        } else {
+            sum += scale_part(w, k, is, roughness);
+        }
     }
-    for (size_t k = 0; axes == 2 && k < w->n; k++) {
-        sum += w->column[k] == P_L_D ? scale_part(w, k, mean, roughness) : 0.0;
+    return axes > 0 ? sum + scale_part(w, axis, both / (double)axes, roughness) : sum;
+}
+
+/* Of states that no recording distinguishes the one with the likelier prior; *least: of the best one. */
+static void keep_likelier(const fit_data *d, const fit_state *trial, double prior, fit_state *best,
+                          double *least)
+{
+    if (prior < *least && is_within(d->frame, trial->z)) {
+        *least = prior;
+        *best = *trial;
     }
-    for (size_t l = 0; l < LINKS; l++) {
-        const double x = link_holds(w, l) ? link_off(w, s, NULL, l) / links[l].width : 0.0;
-        sum += x * x;
-    }
-    return sum;
 }
 
 /*
@@ -390,11 +404,7 @@ static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
         fit_state trial = out->state;
         if (factor[k] > 0.3 && factor[k] < 3.0 && fabs(factor[k] - 1.0) > 1e-4) {
             coordinates_scale(d->frame, factor[k], trial.z);
-            const double prior = scale_prior(w, &trial, out->roughness);
-            if (prior < least && is_within(d->frame, trial.z)) {
-                least = prior;
-                best = trial;
-            }
+            keep_likelier(d, &trial, scale_prior(w, &trial, out->roughness), &best, &least);
         }
     }
     fit_noise(d, &best);
@@ -431,19 +441,15 @@ static double division_prior(const whole *w, const fit_state *s, double roughnes
  */
 static void choose_division(const whole *w, fit_data *d, whole_fit *out)
 {
-    fit_state best = out->state;
-    double least = division_prior(w, &best, out->roughness);
     if (!link_holds(w, LINK_OF_RESISTANCE) || !is_fitted(w, P_R)) {
         return;
     }
+    fit_state best = out->state;
+    double least = division_prior(w, &best, out->roughness);
     for (size_t own = 0; own < 3; own++) {
         fit_state trial = out->state;
         divide_resistance(trial.z, trial.z[phase_resistances[own]]);
-        const double prior = division_prior(w, &trial, out->roughness);
-        if (prior < least && is_within(d->frame, trial.z)) {
-            least = prior;
-            best = trial;
-        }
+        keep_likelier(d, &trial, division_prior(w, &trial, out->roughness), &best, &least);
     }
     fit_noise(d, &best);
     out->state = best;
