@@ -57,6 +57,15 @@ static double pays(hypothesis_id h)
     return PAYS + PAYS_A_NUMBER * (double)hypothesis_table[h].columns + hypothesis_table[h].surprise;
 }
 
+static double pays_of(hypothesis_set set)
+{
+    double sum = 0.0;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        sum += hypothesis_in(set, h) ? pays(h) : 0.0;
+    }
+    return sum;
+}
+
 /* Whether it is there: certain by itself, or in what is certain of several together. */
 static bool is_there(const whole_fit *f, hypothesis_id h)
 {
@@ -188,6 +197,13 @@ static bool try_with(session *w, hypothesis_set found, hypothesis_set without, a
     return ok;
 }
 
+/* What the fit without a member leaves more of -2 log posterior, both by the scatter of the one with it. */
+static double more_without(const whole_fit *with, const whole_fit *without)
+{
+    const double scatter = without->state.objective * (1.0 / with->inflation - 1.0 / without->inflation);
+    return without->goal + scatter - with->goal;
+}
+
 /*
  * The best one in *best. A flux map that the search found can be a saturation and two inductances that its few members could not hold:
  * without it is tried first, and the map must pay. False: out of memory.
@@ -200,7 +216,7 @@ static bool try_whole(session *w, attempt *best, const diagnose_teller *teller)
     if (ok && map != 0) {
         attempt *with = malloc(sizeof *with);
         ok = with && try_with(w, found, 0, with, teller);
-        if (ok && with->score + PAYS * with->fit.inflation < best->score) {
+        if (ok && more_without(&with->fit, &best->fit) > pays_of(map)) {
             *best = *with;
         }
         free(with);
@@ -225,7 +241,10 @@ bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_t
     const bool ok = best && try_whole(w, best, teller) && search_score(&w->fitted, &w->state, &score);
     if (ok) {
         const bool is_new = best->state.set != w->state.set && best->percent < percent;
-        *better = best->score < score && (again || is_new) && best->explains_most;
+        /* A map that the whole drive does not need is there in place of other causes. */
+        const bool no_map = hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) &&
+                            !hypotheses_hold(best->state.set, CAUSE_SATURATION_DQ);
+        *better = (best->score < score || no_map) && (again || is_new) && best->explains_most;
         if (teller->trace) {
             fprintf(teller->trace, "  whole drive: %s, score %.1f (search %.1f), error %.4g %% (%.4g): %s\n",
                     evidence_words(best->state.set, words, sizeof words), best->score, score, best->percent,
@@ -279,13 +298,6 @@ static void divide(session *w)
             w->undecided |= HYPOTHESIS_BIT(h);
         }
     }
-}
-
-/* What the fit without a member leaves more of -2 log posterior, both by the scatter of the one with it. */
-static double more_without(const whole_fit *with, const whole_fit *without)
-{
-    const double scatter = without->state.objective * (1.0 / with->inflation - 1.0 / without->inflation);
-    return without->goal + scatter - with->goal;
 }
 
 /*
