@@ -7,8 +7,8 @@
 
 #include <math.h>
 
-/* Magnet flux harmonics as a stationary vector: the 5th and 11th run backwards, the 7th and 13th forwards. */
-static vec_ab harmonic_flux(const averaged_drive *d, vec_rotor one)
+/* The 5th and 11th run backwards, the 7th and 13th forwards. */
+vec_ab averaged_drive_harmonics(const averaged_drive *d, vec_rotor one)
 {
     vec_rotor two = rotor_turned(one, one);
     vec_rotor four = rotor_turned(two, two);
@@ -165,11 +165,11 @@ static bool unequal(const averaged_drive *d)
 
 /* Voltage lost in a cycle, stationary frame. */
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
-                           vec_rotor r, double T_s)
+                           vec_ab i_seen, vec_rotor r, double T_s)
 {
     vec_ab all = {0.0, 0.0};
     if (averaged_drive_loses(d)) {
-        const found_way way = found_way_of(d, row, r, i_start, i_end);
+        const found_way way = found_way_of(d, row, r, i_start, i_end, i_seen);
         double lost[3];
         found_edges_lost(d, row, &way, T_s, lost);
         all = vec_from_phases(lost);
@@ -298,7 +298,7 @@ bool averaged_drive_cycles_alike(const averaged_drive *a, const averaged_drive *
 }
 
 vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle, const cycle_row *row,
-                           vec_ab i_true, iron_memory *memory)
+                           vec_ab i_true, vec_ab i_seen, iron_memory *memory)
 {
     const averaged_step m = cycle->step;
     const vec_rotor r = cycle->start;
@@ -350,19 +350,10 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     if (flux_map_has_terms(d)) {
         near = flux_map_guess(d, y, i_dq, &at);
     }
-    if (averaged_drive_loses(d) || unequal(d)) {
-        /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
-        near = current_of(d, bends, per_H, y, near);
-        const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
-        vec_ab i_end = vec_to_ab(all, end);
-        vec_dq lost = vec_to_dq(phase_losses(d, row, vec_to_ab(total_dq, r), i_end, r, m.push[0][0]), r);
-        y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
-        y.q -= m.drive[1][0] * lost.d + m.drive[1][1] * lost.q;
-    }
-    if (d->psi_5_Wb != 0.0 || d->psi_7_Wb != 0.0 || d->psi_11_Wb != 0.0 || d->psi_13_Wb != 0.0) {
+    if (averaged_drive_has_harmonics(d)) {
         double half = half_decay(&m);
-        vec_ab before = harmonic_flux(d, r);
-        vec_ab after = harmonic_flux(d, end);
+        vec_ab before = averaged_drive_harmonics(d, r);
+        vec_ab after = averaged_drive_harmonics(d, end);
         vec_dq change =
             vec_to_dq((vec_ab){half * (after.alpha - before.alpha), half * (after.beta - before.beta)}, end);
         y.d -= change.d;
@@ -378,6 +369,16 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
             vec_to_dq((vec_ab){after * end.cos - before * r.cos, after * end.sin - before * r.sin}, end);
         y.d -= change.d;
         y.q -= change.q;
+    }
+    if (averaged_drive_loses(d) || unequal(d)) {
+        /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
+        near = current_of(d, bends, per_H, y, near);
+        const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
+        vec_ab i_end = vec_to_ab(all, end);
+        vec_dq lost =
+            vec_to_dq(phase_losses(d, row, vec_to_ab(total_dq, r), i_end, i_seen, r, m.push[0][0]), r);
+        y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
+        y.q -= m.drive[1][0] * lost.d + m.drive[1][1] * lost.q;
     }
     if (d->dL_H[0] != 0.0 || d->dL_H[1] != 0.0 || d->dL_H[2] != 0.0) {
         vec_ab i_first = vec_to_ab(i_dq, r);

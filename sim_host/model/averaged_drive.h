@@ -48,6 +48,8 @@ typedef struct averaged_drive {
      */
     double v_dead_V, i_knee_A;
     double compensation_V, compensation_knee_A;
+    bool
+        sign_is_doubted; /* a run does not learn from what the noise of a current near zero decides (observer.h) */
     edge_law edge;
     /* How much of the ripple each edge sees: 0, the mean current, to 1, all that the duties tell. */
     double edge_ripple;
@@ -133,18 +135,18 @@ averaged_cycle averaged_drive_cycle(const averaged_drive *drive, const averaged_
 bool averaged_drive_cycles_alike(const averaged_drive *one, const averaged_drive *other);
 
 /*
- * True current at the end of the row's cycle. `memory`: of a way from row to row with this drive, or NULL, where the rows before
- * are looked up at each.
+ * True current at the end of the row's cycle. i_seen: the one at its start that decides a compensation. `memory`: of a way from row to
+ * row with this drive, or NULL, where the rows before are looked up at each.
  */
 vec_ab averaged_drive_pass(const averaged_drive *drive, const averaged_cycle *cycle, const cycle_row *row,
-                           vec_ab i_true, iron_memory *memory);
+                           vec_ab i_true, vec_ab i_seen, iron_memory *memory);
 
 /* The same of a row whose cycle is passed once. */
 static inline vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes,
                                             const cycle_row *row, vec_ab i_true, iron_memory *memory)
 {
     const averaged_cycle cycle = averaged_drive_cycle(drive, nodes, row);
-    return averaged_drive_pass(drive, &cycle, row, i_true, memory);
+    return averaged_drive_pass(drive, &cycle, row, i_true, i_true, memory);
 }
 
 /* The drop that a current causes over the phases' resistances, warm and unequal as they are. */
@@ -153,6 +155,14 @@ vec_ab averaged_drive_drop(const averaged_drive *drive, const cycle_row *row, ve
 /* Where the rotor truly is at the start of the row's cycle, and the flux of its magnet then. */
 vec_rotor averaged_drive_rotor(const averaged_drive *drive, const cycle_row *row);
 double averaged_drive_magnet(const averaged_drive *drive, const cycle_row *row);
+
+static inline bool averaged_drive_has_harmonics(const averaged_drive *d)
+{
+    return d->psi_5_Wb != 0.0 || d->psi_7_Wb != 0.0 || d->psi_11_Wb != 0.0 || d->psi_13_Wb != 0.0;
+}
+
+/* The harmonics of the magnet's flux, in the stationary frame. */
+vec_ab averaged_drive_harmonics(const averaged_drive *drive, vec_rotor r);
 
 /* A share of 1/L in the stationary frame, the rotor at r: aa, ab, bb. */
 void averaged_drive_per_H(const averaged_drive *drive, double share, vec_rotor r, double k[3]);

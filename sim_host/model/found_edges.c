@@ -18,7 +18,7 @@ static vec_dq flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_roto
 
 /*
  * By how much the current half-way between two lies ahead of their mean: it carries the mean of both ends' flux, and the magnet's part of
- * that is another half-way round.
+ * that is another half-way round, as are its harmonics.
  */
 static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last)
 {
@@ -29,10 +29,19 @@ static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor 
     const vec_dq one = flux_of(d, psi_Wb, first, r);
     const vec_dq two = flux_of(d, psi_Wb, last, end);
     /* Seen from the middle, the first flux is half the turn behind, and the last one ahead. */
-    const vec_dq flux = {0.5 * (half.cos * (one.d + two.d) + half.sin * (one.q - two.q)),
-                         0.5 * (half.cos * (one.q + two.q) + half.sin * (two.d - one.d))};
-    const vec_ab i =
-        vec_to_ab((vec_dq){(flux.d - psi_Wb) / d->L_d_H, flux.q / d->L_q_H}, rotor_turned(r, half));
+    const vec_rotor middle = rotor_turned(r, half);
+    vec_dq flux = {0.5 * (half.cos * (one.d + two.d) + half.sin * (one.q - two.q)) - psi_Wb,
+                   0.5 * (half.cos * (one.q + two.q) + half.sin * (two.d - one.d))};
+    if (averaged_drive_has_harmonics(d)) {
+        const vec_ab before = averaged_drive_harmonics(d, r);
+        const vec_ab now = averaged_drive_harmonics(d, middle);
+        const vec_ab after = averaged_drive_harmonics(d, end);
+        const vec_dq less = vec_to_dq((vec_ab){now.alpha - 0.5 * (before.alpha + after.alpha),
+                                               now.beta - 0.5 * (before.beta + after.beta)},
+                                      middle);
+        flux = (vec_dq){flux.d - less.d, flux.q - less.q};
+    }
+    const vec_ab i = vec_to_ab((vec_dq){flux.d / d->L_d_H, flux.q / d->L_q_H}, middle);
     return (vec_ab){i.alpha - 0.5 * (first.alpha + last.alpha), i.beta - 0.5 * (first.beta + last.beta)};
 }
 
@@ -49,11 +58,13 @@ static double on_way(const found_way *way, size_t x, double at)
     return way->first[x] + at * (way->last[x] - way->first[x]) + 4.0 * at * (1.0 - at) * way->bow[x];
 }
 
-found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last)
+found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last,
+                       vec_ab seen)
 {
     found_way way = {0};
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
+    vec_to_phases(seen, way.seen);
     vec_to_phases(half_way(d, row, r, first, last), way.bow);
     double k[3];
     averaged_drive_per_H(d, d->edge_ripple, r, k);
@@ -158,7 +169,7 @@ static void lose(const averaged_drive *d, const cycle_row *row, const found_way 
     find_slopes(&e, row, i, period_s, order);
     for (size_t x = 0; x < 3; x++) {
         /* No edge moves beyond the valley or the peak. */
-        const double wanted = 0.5 * averaged_drive_compensation(d, way->first[x]);
+        const double wanted = 0.5 * averaged_drive_compensation(d, way->seen[x]);
         const double earliest = (row->rise[x] - 0.5) * link_V;
         const double latest = row->rise[x] * link_V;
         e.moved_V[x] = wanted < earliest ? earliest : wanted > latest ? latest : wanted;
@@ -201,12 +212,12 @@ void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, d
     const double v_late_V = d->v_dead_V + d->compensation_V;
     const double per_knee = 1.0 / d->i_knee_A;
     const vec_ab last = vec_to_ab((vec_dq){i.alpha, i.beta}, (vec_rotor){row->cos_turn, row->sin_turn});
-    const found_way way = found_way_of(d, row, (vec_rotor){row->cos_theta, row->sin_theta}, i, last);
+    const found_way way = found_way_of(d, row, (vec_rotor){row->cos_theta, row->sin_theta}, i, last, i);
     const found_currents at = part_of(row, &way, 0, 1);
     for (size_t x = 0; x < 3; x++) {
         const double at_rise = averaged_drive_edge(d->edge, (at.mid[x] + at.apart[x]) * per_knee);
         const double at_fall = averaged_drive_edge(d->edge, (at.mid[x] - at.apart[x]) * per_knee);
-        const double moved = 0.5 * averaged_drive_compensation(d, way.first[x]);
+        const double moved = 0.5 * averaged_drive_compensation(d, way.seen[x]);
         rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
         fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;
     }

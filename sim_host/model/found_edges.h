@@ -15,14 +15,16 @@
 /* The phases' currents over a row's cycle as if nothing were lost. */
 typedef struct found_way {
     double first[3], last[3];
-    double bow[3]; /* half-way above the mean of these */
+    double seen[3]; /* by which a compensation decides */
+    double bow[3];  /* half-way above the mean of these */
     /* By as much of the ripple as edge_ripple says: a leg's current by a volt-second on each leg, and the ripple where it rises. */
     double per_Vs[3][3];
     double ripple_A[3];
 } found_way;
 
 /* From one current to another, the rotor at r when it begins. */
-found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last);
+found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last,
+                       vec_ab seen);
 
 /*
  * The mean voltage that each leg loses over a cycle of T_s: v_dead against a current far from zero. Of several carrier periods in a cycle

@@ -37,14 +37,14 @@ static void finish_noise(const fit_data *d, fit_state *s)
             pool[k] += n->cov[k];
         }
         pool[3] += n->zero;
-        pool_rows += n->rows;
+        pool_rows += n->counted;
     }
     s->objective = 0.0;
     for (size_t g = 0; g < d->rows->groups; g++) {
         /* Weight of the mean over all groups, in rows: a group of a few rows has no reliable covariance of its own. */
         const double lean = d->pooled ? 1e6 : 20.0;
         group_noise *n = &s->noise[g];
-        double count = n->rows + lean;
+        double count = n->counted + lean;
         double tiny = 1e-14 * d->frame->i_rated_peak_A * d->frame->i_rated_peak_A;
         double cov[4];
         for (size_t k = 0; k < 4; k++) {
@@ -88,7 +88,8 @@ static void noise_of_block(void *context, size_t b, size_t worker)
         sums->cov[1] += e[0] * e[1];
         sums->cov[2] += e[1] * e[1];
         sums->zero += e[2] * e[2];
-        sums->rows += work->seen[j];
+        sums->rows += work->seen[j] > 0.0 ? 1.0 : 0.0;
+        sums->counted += work->seen[j];
     }
 }
 
@@ -101,7 +102,7 @@ void fit_noise(fit_data *d, fit_state *s)
     parallel_for(d->blocks, noise_of_block, &t);
     for (size_t g = 0; g < d->rows->groups; g++) {
         group_noise *n = &s->noise[g];
-        n->cov[0] = n->cov[1] = n->cov[2] = n->zero = n->rows = 0.0;
+        n->cov[0] = n->cov[1] = n->cov[2] = n->zero = n->rows = n->counted = 0.0;
     }
     for (size_t b = 0; b < d->blocks; b++) {
         const block_sums *sums = &d->sums[b];
@@ -111,6 +112,7 @@ void fit_noise(fit_data *d, fit_state *s)
         }
         n->zero += sums->zero;
         n->rows += sums->rows;
+        n->counted += sums->counted;
     }
     finish_noise(d, s);
 }

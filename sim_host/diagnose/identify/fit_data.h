@@ -16,7 +16,7 @@ typedef struct group_noise {
     double gain;                 /* observer gain; 1 trusts the sensor alone */
     double cov[3], zero;         /* innovation: aa, ab, bb, and of the three sensors' mean (A^2) */
     double white[3], white_zero; /* whitening: rows of the inverse Cholesky factor 11, 21, 22 */
-    double rows;
+    double rows, counted;        /* as in block_sums */
 } group_noise;
 
 typedef struct fit_state {
@@ -32,7 +32,8 @@ typedef struct fit_state {
  * result.
  */
 typedef struct block_sums {
-    double cov[3], zero, rows;
+    double cov[3], zero;
+    double rows, counted; /* rows with an innovation; the sum of the shares of it that are counted */
 } block_sums;
 
 typedef struct fit_data {
@@ -53,10 +54,10 @@ typedef struct fit_data {
     block_sums *sums; /* one a block */
     /* Work space of each worker of base/parallel.h, for one block. */
     struct fit_work {
-        double *base;        /* innovations */
-        unsigned char *seen; /* rows that have an innovation */
-        double *columns;     /* whitened derivatives: [column][3 rows] */
-        observer_step *way;  /* run of the state's own drive */
+        double *base;       /* innovations */
+        double *seen;       /* the share of each row's innovation that is counted */
+        double *columns;    /* whitened derivatives: [column][3 rows] */
+        observer_step *way; /* run of the state's own drive */
         averaged_cycle *cycle;
     } work[PARALLEL_MOST];
 } fit_data;
@@ -88,7 +89,9 @@ void fit_grant(fit_data *d);
 
 static inline averaged_drive fit_drive(const fit_data *d, const fit_state *s)
 {
-    return coordinates_drive(d->frame, s->z, s->edge);
+    averaged_drive drive = coordinates_drive(d->frame, s->z, s->edge);
+    drive.sign_is_doubted = drive.compensation_V != 0.0;
+    return drive;
 }
 
 #endif

@@ -174,7 +174,8 @@ static bool move_columns(gram_task *t, const int *column)
         } else {
             column_move(column[c], t->step[c], z);
         }
-        const averaged_drive moved = coordinates_drive(d->frame, z, t->s->edge);
+        averaged_drive moved = coordinates_drive(d->frame, z, t->s->edge);
+        moved.sign_is_doubted = t->drive.sign_is_doubted;
         t->moved[c] = moved;
         t->alike[c] = averaged_drive_cycles_alike(&moved, &t->drive);
         t->own[c] = d->nodes;

@@ -6,6 +6,7 @@
 #include "model/sensor_lag.h"
 #include "model/sensor_nonlinearity.h"
 
+#include <math.h>
 #include <stddef.h>
 
 static bool sensors_change(const averaged_drive *drive, const sensor_course *course)
@@ -42,6 +43,37 @@ static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, const 
     return sensor_map_unmeasure(map, bent ? sensor_nonlinearity_remove(drive, row, row->i_A) : row->i_A);
 }
 
+/* What is in doubt of a vector: shares along the axis of the phase nearest to zero, and across it. */
+typedef struct sign_doubt {
+    vec_ab axis;
+    double along, across;
+} sign_doubt;
+
+/* Of the current at a cycle's end, by the one that decides a compensation at its start. */
+static sign_doubt sign_doubt_of(const diagnose_rows *r, vec_ab i)
+{
+    sign_doubt doubt = {.along = 0.0};
+    for (int x = 0; x < 3 && r->doubt_A > 0.0; x++) {
+        /* All below 2.5 deviations of the noise, none above 4. */
+        const double rest = fmin(1.0, fmax(0.0, (4.0 - fabs(vec_phase(i, x)) / r->doubt_A) / 1.5));
+        const double share = rest * rest * (3.0 - 2.0 * rest);
+        if (share > doubt.along) {
+            doubt = (sign_doubt){.axis = vec_phase_axis[x], .along = share, .across = doubt.along};
+        } else {
+            doubt.across = fmax(doubt.across, share);
+        }
+    }
+    return doubt;
+}
+
+static vec_ab doubted(const sign_doubt *doubt, vec_ab v)
+{
+    const double by =
+        (doubt->along - doubt->across) * (doubt->axis.alpha * v.alpha + doubt->axis.beta * v.beta);
+    return (vec_ab){doubt->across * v.alpha + by * doubt->axis.alpha,
+                    doubt->across * v.beta + by * doubt->axis.beta};
+}
+
 /* A drive's run through a block. */
 typedef struct walker {
     diagnose_rows *r;
@@ -50,8 +82,10 @@ typedef struct walker {
     sensor_course course;
     bool change; /* the sensors change from row to row */
     lag_memory memory;
-    vec_ab x;   /* true current, estimated from all rows so far */
-    size_t age; /* rows since the start */
+    vec_ab x;         /* true current, estimated from all rows so far */
+    vec_ab seen;      /* the last row's current, if a compensation needs it */
+    sign_doubt doubt; /* of the last row's cycle */
+    size_t age;       /* rows since the start */
 } walker;
 
 static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double gain)
@@ -62,10 +96,10 @@ static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double ga
 }
 
 /*
- * Corrects the run by the measured current of row k. Writes the innovations to `out`, zeros if the run starts again. Returns whether
- * there are any.
+ * Corrects the run by the measured current of row k. Writes the innovations to `out`, zeros if the run starts again. Returns the share
+ * that is counted.
  */
-static bool take_in(walker *w, size_t k, double gate, double *out)
+static double take_in(walker *w, size_t k, double gate, double *out)
 {
     const cycle_row *row = &w->r->row[k];
     const bool start = w->age == 0 || w->r->outlier[k];
@@ -80,39 +114,50 @@ static bool take_in(walker *w, size_t k, double gate, double *out)
     const vec_ab seen_A = shown(w->drive, sensors, row, w->x, &zero);
     const vec_ab wrong = {row->i_A.alpha - seen_A.alpha, row->i_A.beta - seen_A.beta};
     const bool seen = !start && w->age >= OBSERVER_START;
+    const sign_doubt doubt = w->doubt;
+    if (w->drive->compensation_V != 0.0) {
+        w->seen = unshown(w->drive, sensors, row);
+        w->doubt = w->drive->sign_is_doubted ? sign_doubt_of(w->r, w->seen) : doubt;
+    }
     const bool out_of_gate =
         gate > 0.0 && seen && wrong.alpha * wrong.alpha + wrong.beta * wrong.beta > gate * gate;
     if (start || out_of_gate) {
         w->r->outlier[k] = out_of_gate ? 1 : w->r->outlier[k];
         w->x = unshown(w->drive, sensors, row);
         w->age = 1;
-        return false;
+        return 0.0;
     }
     if (seen) {
-        out[0] = wrong.alpha;
-        out[1] = wrong.beta;
+        const vec_ab no = doubted(&doubt, wrong);
+        out[0] = wrong.alpha - no.alpha;
+        out[1] = wrong.beta - no.beta;
         out[2] = w->r->sensors == SENSORS_THREE ? row->i_zero_A - zero : 0.0;
     }
     /* After a start all samples so far have equal weight, until the steady gain is reached. */
     const double share = 1.0 / (double)(w->age + 1);
     const double g = share > w->gain ? share : w->gain;
-    w->x.alpha += g * (sensors->back[0][0] * wrong.alpha + sensors->back[0][1] * wrong.beta);
-    w->x.beta += g * (sensors->back[1][0] * wrong.alpha + sensors->back[1][1] * wrong.beta);
+    const vec_ab off = {sensors->back[0][0] * wrong.alpha + sensors->back[0][1] * wrong.beta,
+                        sensors->back[1][0] * wrong.alpha + sensors->back[1][1] * wrong.beta};
+    const vec_ab no = doubted(&doubt, off);
+    w->x.alpha += g * off.alpha + (1.0 - g) * no.alpha;
+    w->x.beta += g * off.beta + (1.0 - g) * no.beta;
     w->age++;
-    return seen;
+    return seen ? 1.0 - 0.5 * (doubt.along + doubt.across) : 0.0;
 }
 
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                    const row_block *block, double gain, double gate, double *innovation, unsigned char *seen)
+                    const row_block *block, double gain, double gate, double *innovation, double *seen)
 {
     walker w = walker_of(r, drive, gain);
     iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < block->count; j++) {
-        const bool is = take_in(&w, block->first + j, gate, innovation + OBSERVER_OUTPUTS * j);
+        const cycle_row *row = &r->row[block->first + j];
+        const double share = take_in(&w, block->first + j, gate, innovation + OBSERVER_OUTPUTS * j);
         if (seen != NULL) {
-            seen[j] = is ? 1 : 0;
+            seen[j] = share;
         }
-        w.x = averaged_drive_advance(drive, nodes, &r->row[block->first + j], w.x, &memory);
+        const averaged_cycle cycle = averaged_drive_cycle(drive, nodes, row);
+        w.x = averaged_drive_pass(drive, &cycle, row, w.x, w.seen, &memory);
     }
 }
 
@@ -131,17 +176,17 @@ void observer_through(diagnose_rows *r, const averaged_drive *drive, const avera
     iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < block->count; j++) {
         take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
-        w.x = averaged_drive_pass(drive, &cycle[j], &r->row[block->first + j], w.x, &memory);
+        w.x = averaged_drive_pass(drive, &cycle[j], &r->row[block->first + j], w.x, w.seen, &memory);
     }
 }
 
 /* Derivative of a cycle's end by its start, in the direction of `aside`. */
 static vec_ab slope(const averaged_drive *drive, const averaged_cycle *cycle, const cycle_row *row,
-                    const observer_step *s, vec_ab aside, const iron_memory *before)
+                    const observer_step *s, vec_ab aside, vec_ab seen, const iron_memory *before)
 {
     iron_memory memory = *before;
     const vec_ab from = {s->from_A.alpha + aside.alpha, s->from_A.beta + aside.beta};
-    const vec_ab to = averaged_drive_pass(drive, cycle, row, from, &memory);
+    const vec_ab to = averaged_drive_pass(drive, cycle, row, from, seen, &memory);
     const double by = aside.alpha + aside.beta;
     return (vec_ab){(to.alpha - s->to_A.alpha) / by, (to.beta - s->to_A.beta) / by};
 }
@@ -158,9 +203,9 @@ void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_
         const iron_memory before = memory;
         take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
         s->from_A = w.x;
-        s->to_A = w.x = averaged_drive_pass(drive, &cycle[j], row, w.x, &memory);
-        s->by_alpha = slope(drive, &cycle[j], row, s, (vec_ab){aside, 0.0}, &before);
-        s->by_beta = slope(drive, &cycle[j], row, s, (vec_ab){0.0, aside}, &before);
+        s->to_A = w.x = averaged_drive_pass(drive, &cycle[j], row, w.x, w.seen, &memory);
+        s->by_alpha = slope(drive, &cycle[j], row, s, (vec_ab){aside, 0.0}, w.seen, &before);
+        s->by_beta = slope(drive, &cycle[j], row, s, (vec_ab){0.0, aside}, w.seen, &before);
     }
 }
 

@@ -9,6 +9,10 @@
  *
  * Noise of the measured current is on both sides of a one-cycle prediction and would bias R, L and the dead time. Here the regressor
  * is the filtered current, so that noise does no harm.
+ *
+ * A compensation acts by the sign of a current, and drives the current away from zero: a run that decides it by its own current may
+ * stay on the wrong side. So the recorded current decides it. Where that is so small that noise may have decided, the next row's
+ * innovation along that phase is not counted, and the run takes the recorded current there (averaged_drive.sign_is_doubted).
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_OBSERVER_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_OBSERVER_H
@@ -22,12 +26,11 @@ enum {
 
 /*
  * Writes OBSERVER_OUTPUTS innovations per row of the block; zeros at the start and at outliers, after which the observer starts
- * again. With `gate` > 0, a row whose innovation is longer than the gate (A) is marked as an outlier. `seen` (may be NULL): 1 for
- * each row that has an innovation.
+ * again. With `gate` > 0, a row whose innovation is longer than the gate (A) is marked as an outlier. `seen` (may be NULL): the share of
+ * each row's innovation that is counted, 0 if it has none.
  */
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                    const row_block *block, double gain, double gate, double *innovation,
-                    unsigned char *seen);
+                    const row_block *block, double gain, double gate, double *innovation, double *seen);
 
 /*
  * The run of a drive through one row's cycle: true current at its start and end, and the derivatives of the end by the start (columns

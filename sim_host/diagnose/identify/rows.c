@@ -140,6 +140,38 @@ void rows_find_missing(diagnose_rows *r)
     }
 }
 
+/* From noise; no more than a share of the largest current. */
+static const double DOUBT_MOST = 0.01;
+enum { DOUBT_ROWS = 30 };
+
+/* Variance of the noise of a phase's current in a stretch: third differences of the current seen from the rotor. */
+static double noise_variance(const diagnose_rows *r, const stretch *s)
+{
+    double sum = 0.0;
+    for (size_t k = s->first + 3; k < s->first + s->count; k++) {
+        vec_dq i[4];
+        for (size_t n = 0; n < 4; n++) {
+            const cycle_row *row = &r->row[k - n];
+            i[n] = vec_to_dq(row->i_A, (vec_rotor){row->cos_theta, row->sin_theta});
+        }
+        const double d = i[0].d - 3.0 * i[1].d + 3.0 * i[2].d - i[3].d;
+        const double q = i[0].q - 3.0 * i[1].q + 3.0 * i[2].q - i[3].q;
+        sum += 0.5 * (d * d + q * q);
+    }
+    return sum / (20.0 * (double)(s->count - 3));
+}
+
+/* By the quietest stretch: sensors are as noisy at one operating point as at another. */
+static void find_doubt(diagnose_rows *r)
+{
+    double least = INFINITY;
+    for (size_t n = 0; n < r->recording->stretches; n++) {
+        const stretch *s = &r->recording->stretch[n];
+        least = s->count > DOUBT_ROWS ? fmin(least, noise_variance(r, s)) : least;
+    }
+    r->doubt_A = fmin(sqrt(least), DOUBT_MOST * r->i_peak_A);
+}
+
 static size_t blocks_of(const stretch *s, size_t least)
 {
     const size_t usable = s->count > ROWS_HISTORY ? s->count - ROWS_HISTORY : 0;
@@ -254,6 +286,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     fill_angles(r, m);
     rows_correct_speed(r);
     fill_electrical(r);
+    find_doubt(r);
     rows_find_missing(r);
     rows_fill_edges(r, m, MODULATOR_MIN_MAX);
     if (!rows_place_nodes(r) || !cut_blocks(r)) {

@@ -23,7 +23,7 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
     averaged_node *nodes = rows_nodes(r, &drive);
     double *square = calloc(r->rows + 1, sizeof *square);
     double *innovation = calloc(OBSERVER_OUTPUTS * r->rows + 1, sizeof *innovation);
-    unsigned char *seen = calloc(r->rows + 1, sizeof *seen);
+    double *seen = calloc(r->rows + 1, sizeof *seen);
     unsigned char *before = calloc(r->rows + 1, sizeof *before); /* the outliers found before */
     size_t found = 0;
     size_t apart = 0;
@@ -47,7 +47,7 @@ size_t measure_glitches(fit_data *d, const fit_state *s)
             for (size_t j = 0; j < r->block[b].count; j++) {
                 const double *e = innovation + OBSERVER_OUTPUTS * j;
                 square[n] = e[0] * e[0] + e[1] * e[1];
-                n += seen[j];
+                n += seen[j] > 0.0 ? 1 : 0;
             }
         }
         if (n < 20) {

@@ -451,6 +451,53 @@ static void unequal_poles_change_the_flux_with_the_turn(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5 * fabs(want[1]), want[1], got.beta - plain.beta);
 }
 
+/*
+ * The edges find the current that the harmonics of the magnet leave, as they find that of a voltage. A law as wide as the currents
+ * shows it: with the harmonics, and with a voltage that does the same.
+ */
+static void edges_find_what_harmonics_do_to_the_current(void)
+{
+    const motor m = bench_motor();
+    const double T = 1.25e-4;
+    const double turn = 0.02;
+    averaged_drive d = averaged_drive_of(&m);
+    d.R_ohm = 1e-9;
+    d.edge = EDGE_CLIPPED;
+    d.i_knee_A = 1e3;
+    const averaged_node node = averaged_node_at(d.R_ohm, d.L_d_H, d.L_q_H, T, turn / T);
+    cycle_row row = {.cos_theta = 1.0,
+                     .cos_turn = cos(turn),
+                     .sin_turn = sin(turn),
+                     .omega_rad_s = turn / T,
+                     .rise = {0.25, 0.25, 0.25},
+                     .u_dc_V = 565.0,
+                     .T_s = T};
+    averaged_drive bent = d;
+    bent.psi_5_Wb = 0.02;
+    cycle_row pushed = row;
+    const vec_ab plain = averaged_drive_advance(&d, &node, &row, (vec_ab){0}, NULL);
+    const vec_ab end = averaged_drive_advance(&bent, &node, &row, (vec_ab){0}, NULL);
+    /* The current is affine in the voltage. */
+    vec_ab by[2];
+    for (int k = 0; k < 2; k++) {
+        pushed.u_V[0] = (vec_ab){k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0};
+        const vec_ab to = averaged_drive_advance(&d, &node, &pushed, (vec_ab){0}, NULL);
+        by[k] = (vec_ab){to.alpha - plain.alpha, to.beta - plain.beta};
+    }
+    const vec_ab more = {end.alpha - plain.alpha, end.beta - plain.beta};
+    const double det = by[0].alpha * by[1].beta - by[1].alpha * by[0].beta;
+    pushed.u_V[0] = (vec_ab){(more.alpha * by[1].beta - more.beta * by[1].alpha) / det,
+                             (more.beta * by[0].alpha - more.alpha * by[0].beta) / det};
+    d.v_dead_V = bent.v_dead_V = 500.0;
+    const vec_ab lost_bent = averaged_drive_advance(&bent, &node, &row, (vec_ab){0}, NULL);
+    const vec_ab lost_pushed = averaged_drive_advance(&d, &node, &pushed, (vec_ab){0}, NULL);
+    const double lost_A = hypot(lost_pushed.alpha - end.alpha, lost_pushed.beta - end.beta);
+    const double apart_A = hypot(lost_bent.alpha - lost_pushed.alpha, lost_bent.beta - lost_pushed.beta);
+    printf("  the edges take %.3g A, %.2g A apart\n", lost_A, apart_A);
+    TEST_ASSERT_TRUE(lost_A > 1e-4);
+    TEST_ASSERT_TRUE(apart_A < 0.05 * lost_A);
+}
+
 /* A resistance that all phases have more of is one of the winding, for the iron's current too. */
 static void what_the_phases_drop_they_drop_of_the_irons_current_too(void)
 {
@@ -543,6 +590,7 @@ int main(void)
     RUN_TEST(an_error_of_the_electrical_turn_is_taken_at_the_true_angle);
     RUN_TEST(an_error_of_the_turn_moves_the_angle_that_it_depends_on);
     RUN_TEST(unequal_poles_change_the_flux_with_the_turn);
+    RUN_TEST(edges_find_what_harmonics_do_to_the_current);
     RUN_TEST(what_the_phases_drop_they_drop_of_the_irons_current_too);
     RUN_TEST(a_filtered_speed_is_put_right);
     RUN_TEST(a_row_under_another_link);

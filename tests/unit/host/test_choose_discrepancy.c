@@ -25,8 +25,7 @@ static double left, explained;
 static uint32_t drawn;
 
 void __wrap_observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                           const row_block *b, double gain, double gate, double *innovation,
-                           unsigned char *seen);
+                           const row_block *b, double gain, double gate, double *innovation, double *seen);
 averaged_node *__wrap_rows_nodes(const diagnose_rows *r, const averaged_drive *drive);
 
 /* Uniform, of unit variance: a hash of how many were drawn. */
@@ -40,8 +39,7 @@ static double noise(void)
 
 /* Both drives see the same noise. */
 void __wrap_observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                           const row_block *b, double gain, double gate, double *innovation,
-                           unsigned char *seen)
+                           const row_block *b, double gain, double gate, double *innovation, double *seen)
 {
     (void)nodes;
     (void)gain;

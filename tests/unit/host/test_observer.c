@@ -7,6 +7,7 @@
 #include "diagnose_bench.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unity.h>
@@ -151,6 +152,74 @@ static void whose_cycles_are_alike_goes_through_the_same(void)
     TEST_ASSERT_TRUE(alike > 20 && apart_ones > 8);
 }
 
+/* A drive that compensates more than its dead time, and phase b's current at the noise's size. */
+static averaged_drive near_zero(const double z[P_COUNT])
+{
+    averaged_drive d = coordinates_drive(&frame, z, EDGE_CLIPPED);
+    d.compensation_knee_A = 1e-3;
+    d.sign_is_doubted = true;
+    for (size_t k = 0; k < rows.rows; k++) {
+        const double b = rows.doubt_A * (double)((int)(k * 7 % 5) - 2);
+        rows.row[k].i_A = vec_from_phases((const double[3]){5.0, b, -5.0 - b});
+    }
+    return d;
+}
+
+/* What noise may have decided is not counted along that phase; the rest is. */
+static void a_doubtful_sign_is_not_counted(void)
+{
+    const double z[P_COUNT] = {[P_COMPENSATION] = 2.0};
+    const averaged_drive d = near_zero(z);
+    const row_block *block = &rows.block[0];
+    double *share = calloc(block->count, sizeof *share);
+    double across = 0.0;
+    TEST_ASSERT_NOT_NULL(share);
+    rows_nodes_fill(&rows, &d, nodes);
+    observer_block(&rows, &d, nodes, block, 0.3, 0.0, own, share);
+    for (size_t j = OBSERVER_START; j < block->count; j++) {
+        const double *e = own + OBSERVER_OUTPUTS * j;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, vec_phase((vec_ab){e[0], e[1]}, 1));
+        TEST_ASSERT_EQUAL_DOUBLE(0.5, share[j]);
+        across += fabs(e[0]);
+    }
+    free(share);
+    TEST_ASSERT_TRUE(across > 0.0);
+}
+
+/*
+ * A compensation by a current near zero drives it away from there: by the run's own current, whose sign a small change of a parameter
+ * turns, the innovations would leap. Twice a change is twice the difference. By running: 0.027 at most.
+ */
+static void a_doubtful_sign_makes_no_leap(void)
+{
+    static const coordinate_id moved[] = {P_R, P_PSI, P_V_DEAD, P_COMPENSATION, P_K_U};
+    const double z[P_COUNT] = {[P_V_DEAD] = -0.5, [P_COMPENSATION] = 2.0};
+    for (size_t k = 0; k < sizeof moved / sizeof *moved; k++) {
+        double bent = 0.0;
+        double size = 0.0;
+        for (size_t b = 0; b < rows.blocks; b++) {
+            double *to[] = {base, own, beside};
+            for (int n = 0; n < 3; n++) {
+                double at[P_COUNT];
+                memcpy(at, z, sizeof at);
+                at[moved[k]] += n * coordinate_step(moved[k]);
+                const averaged_drive d = near_zero(at);
+                rows_nodes_fill(&rows, &d, nodes);
+                observer_block(&rows, &d, nodes, &rows.block[b], 0.05, 0.0, to[n], NULL);
+            }
+            for (size_t j = 0; j < OBSERVER_OUTPUTS * rows.block[b].count; j++) {
+                const double twice = beside[j] - base[j];
+                const double apart_A = twice - 2.0 * (own[j] - base[j]);
+                bent += apart_A * apart_A;
+                size += twice * twice;
+            }
+        }
+        printf("  coordinate %d: bent by %.2g\n", (int)moved[k], sqrt(bent / size));
+        TEST_ASSERT_TRUE(size > 0.0);
+        TEST_ASSERT_DOUBLE_WITHIN(0.04, 0.0, sqrt(bent / size));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -158,5 +227,7 @@ int main(void)
     RUN_TEST(what_moves_only_the_sensors_agrees_with_a_run_of_its_own);
     RUN_TEST(with_a_clipped_dead_time_it_is_nearly);
     RUN_TEST(with_iron_a_small_part_is_left_out);
+    RUN_TEST(a_doubtful_sign_is_not_counted);
+    RUN_TEST(a_doubtful_sign_makes_no_leap);
     return UNITY_END();
 }
