@@ -48,8 +48,7 @@ typedef struct averaged_drive {
      */
     double v_dead_V, i_knee_A;
     double compensation_V, compensation_knee_A;
-    bool
-        sign_is_doubted; /* a run does not learn from what the noise of a current near zero decides (observer.h) */
+    bool sign_is_doubted; /* noise may turn the sign of a current near zero (observer.h) */
     edge_law edge;
     /* How much of the ripple each edge sees: 0, the mean current, to 1, all that the duties tell. */
     double edge_ripple;

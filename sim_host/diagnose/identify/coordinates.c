@@ -42,11 +42,16 @@ static void find_reach(coordinate_frame *f, const diagnose_rows *r)
     }
 }
 
+/* In deviations of the noise. */
+static const double SEEN_THROUGH_NOISE = 5.0;
+
 coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
 {
     coordinate_frame f = {
         .motor = m, .nominal = averaged_drive_of(m), .pole_pairs = m->pole_pairs, .of_least = 1.0};
     const averaged_drive *d = &f.nominal;
+    /* A compensation of the wrong sign moves its phase's current by 4/3 of it in a cycle. */
+    f.doubted_V_H = SEEN_THROUGH_NOISE * 0.75 * r->noise_A / r->T_s;
     const double L = 0.5 * (d->L_d_H + d->L_q_H);
     const double I = motor_rated_peak_A(m);
     const double psi = d->psi_f_Wb > 0.0 ? d->psi_f_Wb : L * I;
@@ -94,6 +99,7 @@ averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COU
     if (!averaged_drive_loses(&f->nominal) || z[P_V_DEAD] != 0.0 || z[P_COMPENSATION] != 0.0) {
         d.edge = edge;
     }
+    d.sign_is_doubted = fabs(d.compensation_V) > f->doubted_V_H * 0.5 * (d.L_d_H + d.L_q_H);
     return d;
 }
 

@@ -89,9 +89,7 @@ void fit_grant(fit_data *d);
 
 static inline averaged_drive fit_drive(const fit_data *d, const fit_state *s)
 {
-    averaged_drive drive = coordinates_drive(d->frame, s->z, s->edge);
-    drive.sign_is_doubted = drive.compensation_V != 0.0;
-    return drive;
+    return coordinates_drive(d->frame, s->z, s->edge);
 }
 
 #endif

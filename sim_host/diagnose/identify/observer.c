@@ -53,9 +53,9 @@ typedef struct sign_doubt {
 static sign_doubt sign_doubt_of(const diagnose_rows *r, vec_ab i)
 {
     sign_doubt doubt = {.along = 0.0};
-    for (int x = 0; x < 3 && r->doubt_A > 0.0; x++) {
+    for (int x = 0; x < 3 && r->noise_A > 0.0; x++) {
         /* All below 2.5 deviations of the noise, none above 4. */
-        const double rest = fmin(1.0, fmax(0.0, (4.0 - fabs(vec_phase(i, x)) / r->doubt_A) / 1.5));
+        const double rest = fmin(1.0, fmax(0.0, (4.0 - fabs(vec_phase(i, x)) / r->noise_A) / 1.5));
         const double share = rest * rest * (3.0 - 2.0 * rest);
         if (share > doubt.along) {
             doubt = (sign_doubt){.axis = vec_phase_axis[x], .along = share, .across = doubt.along};
@@ -83,7 +83,7 @@ typedef struct walker {
     bool change; /* the sensors change from row to row */
     lag_memory memory;
     vec_ab x;         /* true current, estimated from all rows so far */
-    vec_ab seen;      /* the last row's current, if a compensation needs it */
+    vec_ab seen;      /* the last row's current, if signs are doubted */
     sign_doubt doubt; /* of the last row's cycle */
     size_t age;       /* rows since the start */
 } walker;
@@ -115,9 +115,9 @@ static double take_in(walker *w, size_t k, double gate, double *out)
     const vec_ab wrong = {row->i_A.alpha - seen_A.alpha, row->i_A.beta - seen_A.beta};
     const bool seen = !start && w->age >= OBSERVER_START;
     const sign_doubt doubt = w->doubt;
-    if (w->drive->compensation_V != 0.0) {
+    if (w->drive->sign_is_doubted) {
         w->seen = unshown(w->drive, sensors, row);
-        w->doubt = w->drive->sign_is_doubted ? sign_doubt_of(w->r, w->seen) : doubt;
+        w->doubt = sign_doubt_of(w->r, w->seen);
     }
     const bool out_of_gate =
         gate > 0.0 && seen && wrong.alpha * wrong.alpha + wrong.beta * wrong.beta > gate * gate;
@@ -145,6 +145,12 @@ static double take_in(walker *w, size_t k, double gate, double *out)
     return seen ? 1.0 - 0.5 * (doubt.along + doubt.across) : 0.0;
 }
 
+/* The current that decides a compensation in the cycle that begins. */
+static vec_ab deciding(const walker *w)
+{
+    return w->drive->sign_is_doubted ? w->seen : w->x;
+}
+
 void observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                     const row_block *block, double gain, double gate, double *innovation, double *seen)
 {
@@ -157,7 +163,7 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
             seen[j] = share;
         }
         const averaged_cycle cycle = averaged_drive_cycle(drive, nodes, row);
-        w.x = averaged_drive_pass(drive, &cycle, row, w.x, w.seen, &memory);
+        w.x = averaged_drive_pass(drive, &cycle, row, w.x, deciding(&w), &memory);
     }
 }
 
@@ -176,17 +182,17 @@ void observer_through(diagnose_rows *r, const averaged_drive *drive, const avera
     iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < block->count; j++) {
         take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
-        w.x = averaged_drive_pass(drive, &cycle[j], &r->row[block->first + j], w.x, w.seen, &memory);
+        w.x = averaged_drive_pass(drive, &cycle[j], &r->row[block->first + j], w.x, deciding(&w), &memory);
     }
 }
 
-/* Derivative of a cycle's end by its start, in the direction of `aside`. */
+/* Derivative of a cycle's end by its start, in the direction of `aside`. `sign`: the current that decides a compensation, or NULL. */
 static vec_ab slope(const averaged_drive *drive, const averaged_cycle *cycle, const cycle_row *row,
-                    const observer_step *s, vec_ab aside, vec_ab seen, const iron_memory *before)
+                    const observer_step *s, vec_ab aside, const vec_ab *sign, const iron_memory *before)
 {
     iron_memory memory = *before;
     const vec_ab from = {s->from_A.alpha + aside.alpha, s->from_A.beta + aside.beta};
-    const vec_ab to = averaged_drive_pass(drive, cycle, row, from, seen, &memory);
+    const vec_ab to = averaged_drive_pass(drive, cycle, row, from, sign ? *sign : from, &memory);
     const double by = aside.alpha + aside.beta;
     return (vec_ab){(to.alpha - s->to_A.alpha) / by, (to.beta - s->to_A.beta) / by};
 }
@@ -201,11 +207,12 @@ void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_
         const cycle_row *row = &r->row[block->first + j];
         observer_step *s = &way[j];
         const iron_memory before = memory;
+        const vec_ab *sign = drive->sign_is_doubted ? &w.seen : NULL;
         take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
         s->from_A = w.x;
-        s->to_A = w.x = averaged_drive_pass(drive, &cycle[j], row, w.x, w.seen, &memory);
-        s->by_alpha = slope(drive, &cycle[j], row, s, (vec_ab){aside, 0.0}, w.seen, &before);
-        s->by_beta = slope(drive, &cycle[j], row, s, (vec_ab){0.0, aside}, w.seen, &before);
+        s->to_A = w.x = averaged_drive_pass(drive, &cycle[j], row, w.x, deciding(&w), &memory);
+        s->by_alpha = slope(drive, &cycle[j], row, s, (vec_ab){aside, 0.0}, sign, &before);
+        s->by_beta = slope(drive, &cycle[j], row, s, (vec_ab){0.0, aside}, sign, &before);
     }
 }
 

@@ -11,8 +11,9 @@
  * is the filtered current, so that noise does no harm.
  *
  * A compensation acts by the sign of a current, and drives the current away from zero: a run that decides it by its own current may
- * stay on the wrong side. So the recorded current decides it. Where that is so small that noise may have decided, the next row's
- * innovation along that phase is not counted, and the run takes the recorded current there (averaged_drive.sign_is_doubted).
+ * stay on the wrong side, and a small change of a parameter may turn it. If a wrong sign changes more than noise does
+ * (averaged_drive.sign_is_doubted), the recorded current decides. Where that is so small that noise may have turned it, the next row's
+ * innovation along that phase is not counted, and the run takes the recorded current there.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_OBSERVER_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_OBSERVER_H

@@ -140,9 +140,7 @@ void rows_find_missing(diagnose_rows *r)
     }
 }
 
-/* From noise; no more than a share of the largest current. */
-static const double DOUBT_MOST = 0.01;
-enum { DOUBT_ROWS = 30 };
+enum { NOISE_ROWS = 30 };
 
 /* Variance of the noise of a phase's current in a stretch: third differences of the current seen from the rotor. */
 static double noise_variance(const diagnose_rows *r, const stretch *s)
@@ -162,14 +160,14 @@ static double noise_variance(const diagnose_rows *r, const stretch *s)
 }
 
 /* By the quietest stretch: sensors are as noisy at one operating point as at another. */
-static void find_doubt(diagnose_rows *r)
+static void find_noise(diagnose_rows *r)
 {
     double least = INFINITY;
     for (size_t n = 0; n < r->recording->stretches; n++) {
         const stretch *s = &r->recording->stretch[n];
-        least = s->count > DOUBT_ROWS ? fmin(least, noise_variance(r, s)) : least;
+        least = s->count > NOISE_ROWS ? fmin(least, noise_variance(r, s)) : least;
     }
-    r->doubt_A = fmin(sqrt(least), DOUBT_MOST * r->i_peak_A);
+    r->noise_A = sqrt(least);
 }
 
 static size_t blocks_of(const stretch *s, size_t least)
@@ -286,7 +284,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     fill_angles(r, m);
     rows_correct_speed(r);
     fill_electrical(r);
-    find_doubt(r);
+    find_noise(r);
     rows_find_missing(r);
     rows_fill_edges(r, m, MODULATOR_MIN_MAX);
     if (!rows_place_nodes(r) || !cut_blocks(r)) {

@@ -63,7 +63,7 @@ typedef struct diagnose_rows {
     bool temperature_known;
     double span_s; /* from the recording's first row to its last */
     double omega_max_rad_s, i_peak_A, u_rms_V;
-    double doubt_A; /* below this, noise may decide a current's sign */
+    double noise_A; /* of a phase's current, at the quietest operating point */
     double u_resolution_V;
     bool *no_memory; /* set if a measure runs out of memory: its result is invalid. NULL: not used */
 } diagnose_rows;

@@ -159,7 +159,7 @@ static averaged_drive near_zero(const double z[P_COUNT])
     d.compensation_knee_A = 1e-3;
     d.sign_is_doubted = true;
     for (size_t k = 0; k < rows.rows; k++) {
-        const double b = rows.doubt_A * (double)((int)(k * 7 % 5) - 2);
+        const double b = rows.noise_A * (double)((int)(k * 7 % 5) - 2);
         rows.row[k].i_A = vec_from_phases((const double[3]){5.0, b, -5.0 - b});
     }
     return d;
