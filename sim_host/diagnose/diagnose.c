@@ -287,7 +287,10 @@ static const double LEAVES_MORE = 1.05;
 /* This many causes are rare on a drive that the model otherwise describes exactly. */
 enum { MANY = 3 };
 
-/* Fits the whole drive if the search leaves a residual, or found an unnamed effect, a flux map or many causes. */
+/*
+ * Fits the whole drive if the search leaves a residual, or found an unnamed effect, a flux map, a compensation or many causes. A drive that
+ * compensates its dead time is a bench, on which everything is a little off.
+ */
 static bool consider_whole(session *w, const diagnose_options *options, bool *whole)
 {
     bool better = false;
@@ -296,7 +299,7 @@ static bool consider_whole(session *w, const diagnose_options *options, bool *wh
         members += hypothesis_in(w->state.set, h) ? 1 : 0;
     }
     if (!*whole && members < MANY && !session_leaves(w, LEAVES_MORE) && !session_holds_unnamed(w) &&
-        !hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ)) {
+        !hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) && !hypothesis_in(w->state.set, H_COMPENSATED)) {
         return true;
     }
     const bool ok = whole_drive_consider(w, *whole, &better, &options->teller);
