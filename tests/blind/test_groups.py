@@ -248,6 +248,10 @@ class Diagnosed(unittest.TestCase):
         for seed in (772_015, 772_019):
             self.check(seed, "bench", "main")
 
+    def test_iron_loss_under_a_compensation_is_no_delay(self):
+        # A sparse search takes an angle delay for it, and explains the recording; only the whole drive tells them apart.
+        self.check(785_013, "bench_half", "main")
+
     def test_a_scale_that_no_recording_shows_is_no_cause(self):
         # R, L and psi_f are off, and the voltages by one factor with another L would do; no angle delay stands for the iron loss.
         self.check(772_023, "bench", "main", "held back")
