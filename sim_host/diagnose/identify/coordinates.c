@@ -43,7 +43,7 @@ static void find_reach(coordinate_frame *f, const diagnose_rows *r)
 }
 
 /* In deviations of the noise. */
-static const double SEEN_THROUGH_NOISE = 5.0;
+static const double SEEN_THROUGH_NOISE = 2.0;
 
 coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
 {
