@@ -160,8 +160,8 @@ static inline bool averaged_drive_has_harmonics(const averaged_drive *d)
     return d->psi_5_Wb != 0.0 || d->psi_7_Wb != 0.0 || d->psi_11_Wb != 0.0 || d->psi_13_Wb != 0.0;
 }
 
-/* The harmonics of the magnet's flux, in the stationary frame. */
-vec_ab averaged_drive_harmonics(const averaged_drive *drive, vec_rotor r);
+/* The harmonics of the magnet's flux, in the stationary frame, the rotor at `one`. */
+vec_ab averaged_drive_harmonics(const averaged_drive *drive, vec_rotor one);
 
 /* A share of 1/L in the stationary frame, the rotor at r: aa, ab, bb. */
 void averaged_drive_per_H(const averaged_drive *drive, double share, vec_rotor r, double k[3]);
