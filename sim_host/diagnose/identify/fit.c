@@ -30,29 +30,26 @@ static const double GAIN_MOST = 0.98;
 static void finish_noise(const fit_data *d, fit_state *s)
 {
     double pool[4] = {0};
-    double pool_rows[2] = {0};
+    double pool_rows = 0.0;
     for (size_t g = 0; g < d->rows->groups; g++) {
         const group_noise *n = &s->noise[g];
         for (size_t k = 0; k < 3; k++) {
             pool[k] += n->cov[k];
         }
         pool[3] += n->zero;
-        pool_rows[0] += n->counted;
-        pool_rows[1] += n->rows;
+        pool_rows += n->counted;
     }
     s->objective = 0.0;
     for (size_t g = 0; g < d->rows->groups; g++) {
         /* Weight of the mean over all groups, in rows: a group of a few rows has no reliable covariance of its own. */
         const double lean = d->pooled ? 1e6 : 20.0;
         group_noise *n = &s->noise[g];
+        double count = n->counted + lean;
         double tiny = 1e-14 * d->frame->i_rated_peak_A * d->frame->i_rated_peak_A;
         double cov[4];
         for (size_t k = 0; k < 4; k++) {
-            /* The sensors' mean is counted in every row. */
-            const double own = k < 3 ? n->cov[k] : n->zero;
-            const double count = k < 3 ? n->counted : n->rows;
-            const double mean = pool[k] / fmax(pool_rows[k < 3 ? 0 : 1], 1.0);
-            cov[k] = (own + lean * mean) / (count + lean) + (k != 1 ? tiny : 0.0);
+            double own = k < 3 ? n->cov[k] : n->zero;
+            cov[k] = (own + lean * pool[k] / fmax(pool_rows, 1.0)) / count + (k != 1 ? tiny : 0.0);
         }
         for (size_t k = 0; k < 3; k++) {
             n->cov[k] = cov[k];
