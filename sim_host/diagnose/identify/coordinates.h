@@ -85,8 +85,8 @@ typedef struct coordinate_frame {
     double scale[SCALE_COUNT];
     double i_rated_peak_A;
     int pole_pairs;
-    double
-        doubted_V_H; /* a compensation above this times the inductance: a wrong sign of it is seen through the noise */
+    /* A compensation above this times the inductance has a sign that is doubted: a wrong one is seen through the noise. */
+    double doubted_V_H;
     double of_least; /* factor of all reporting thresholds: 1, or 0 to report any size */
     /* The largest recorded current in each direction of the rotor frame. Up to these currents a flux map must be physical. */
     vec_dq reach_A[COORDINATE_DIRECTIONS];

@@ -1,6 +1,6 @@
 /*
  * The observer of the diagnosis (sim_host/diagnose/identify/observer.h): the parameters that move only the
- * sensors, by their slopes and by a run of their own.
+ * sensors, by their slopes and by a run of their own; and a compensation whose sign noise may decide.
  */
 #include "diagnose/identify/coordinates.h"
 #include "diagnose/identify/observer.h"
