@@ -242,8 +242,8 @@ static vec_ab voltage_of(const averaged_drive *d, const cycle_row *row, vec_roto
     const double part = a < 1.0 ? a : b;
     vec_ab u = {0.0, 0.0};
     for (size_t n = 0; n < 3; n++) {
-        u.alpha += share[n] * row->u_V[n].alpha;
-        u.beta += share[n] * row->u_V[n].beta;
+        u.alpha += share[n] * (row->u_V[n].alpha - d->u_noise * row->u_noise_V[n].alpha);
+        u.beta += share[n] * (row->u_V[n].beta - d->u_noise * row->u_noise_V[n].beta);
     }
     if (part > 0.05 && part < 0.95) {
         const double behind[3] = {0.5 * a, 0.5 * (a + b - 1.0), 0.5 * (b - 1.0)}; /* the middle, in cycles */
@@ -288,8 +288,9 @@ averaged_cycle averaged_drive_cycle(const averaged_drive *d, const averaged_node
 bool averaged_drive_cycles_alike(const averaged_drive *a, const averaged_drive *b)
 {
     bool alike = a->R_ohm == b->R_ohm && a->L_d_H == b->L_d_H && a->L_q_H == b->L_q_H && a->k_u == b->k_u &&
-                 a->u_delay[0] == b->u_delay[0] && a->u_delay[1] == b->u_delay[1] &&
-                 a->theta_0_rad == b->theta_0_rad && a->t_delay_s == b->t_delay_s;
+                 a->u_noise == b->u_noise && a->u_delay[0] == b->u_delay[0] &&
+                 a->u_delay[1] == b->u_delay[1] && a->theta_0_rad == b->theta_0_rad &&
+                 a->t_delay_s == b->t_delay_s;
     for (size_t n = 0; n < ANGLE_ORDERS; n++) {
         alike = alike && a->harmonic_cos_rad[n] == b->harmonic_cos_rad[n] &&
                 a->harmonic_sin_rad[n] == b->harmonic_sin_rad[n];

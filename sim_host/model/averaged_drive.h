@@ -53,6 +53,7 @@ typedef struct averaged_drive {
     /* How much of the ripple each edge sees: 0, the mean current, to 1, all that the duties tell. */
     double edge_ripple;
     double k_u;
+    double u_noise;        /* how much of a row's u_noise_V is no voltage */
     double offset_ab_A[2]; /* current sensors, stationary frame */
     double offset_zero_A;  /* mean of the three sensors' offsets: shows only where all three are used */
     double g[3];
@@ -84,7 +85,8 @@ typedef struct averaged_drive {
 
 /* What one row of a recording says about its cycle. Angles and speed as recorded. */
 typedef struct cycle_row {
-    vec_ab u_V[3]; /* recorded voltage of this cycle, of the one before and of two before */
+    vec_ab u_V[3];       /* recorded voltage of this cycle, of the one before and of two before */
+    vec_ab u_noise_V[3]; /* what of these is likely noise */
     double cos_theta, sin_theta;
     double cos_turn, sin_turn; /* of omega T */
     double omega_rad_s;

@@ -252,6 +252,11 @@ class Diagnosed(unittest.TestCase):
         # A sparse search takes an angle delay for it, and explains the recording; only the whole drive tells them apart.
         self.check(785_013, "bench_half", "main")
 
+    def test_noise_of_the_link_is_no_resistance(self):
+        # One speed. Hidden: a voltage gain, a flux linkage, and an angle offset that other causes explain as well.
+        for seed in (788_030, 783_036, 788_032):
+            self.check(seed, "steady", "second")
+
     def test_a_scale_that_no_recording_shows_is_no_cause(self):
         # R, L and psi_f are off, and the voltages by one factor with another L would do; no angle delay stands for the iron loss.
         self.check(772_023, "bench", "main", "held back")

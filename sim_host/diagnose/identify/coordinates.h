@@ -64,6 +64,7 @@ typedef struct coordinate {
     bool rate;         /* is the rate of another coordinate, per second */
     bool of_magnet;    /* without a magnet it keeps the motor file's value */
     bool third_sensor; /* exists only if three currents are measured */
+    bool of_noise;     /* exists only if the rows show noise of the voltages */
     double usual;      /* usual deviation of drives, one standard deviation, in z; 0: not known */
     double digits;     /* parameter tolerance, one standard deviation, in z; 0: none */
 } coordinate;

@@ -286,7 +286,8 @@ double column_value(int column, const double z[P_COUNT])
 
 bool column_shows(int column, const diagnose_rows *r)
 {
-    return column >= P_COUNT || !coordinate_table[column].third_sensor || rows_show_three(r);
+    return column >= P_COUNT || ((!coordinate_table[column].third_sensor || rows_show_three(r)) &&
+                                 (!coordinate_table[column].of_noise || r->noise_shows));
 }
 
 const double hypothesis_nominal[P_COUNT] = {0.0};

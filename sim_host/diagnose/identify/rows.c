@@ -3,6 +3,7 @@
 
 #include "row_clips.h"
 #include "row_edges.h"
+#include "row_noise.h"
 #include "row_speeds.h"
 
 #include <math.h>
@@ -287,7 +288,7 @@ bool rows_prepare(diagnose_rows *r, const recording *rec, const motor *m, error 
     find_noise(r);
     rows_find_missing(r);
     rows_fill_edges(r, m, MODULATOR_MIN_MAX);
-    if (!rows_place_nodes(r) || !cut_blocks(r)) {
+    if (!rows_find_voltage_noise(r) || !rows_place_nodes(r) || !cut_blocks(r)) {
         rows_free(r);
         return error_failure(e, 0, "out of memory for %zu rows", rec->rows);
     }

@@ -59,6 +59,7 @@ typedef struct diagnose_rows {
     long group_run[ROWS_MAX_GROUPS]; /* the `run` of each group */
     sensor_set sensors;              /* which currents were measured */
     pwm_updates pwm;                 /* how commands reach the PWM, and which currents are measured */
+    bool noise_shows;                /* some row has a u_noise_V (row_noise.h) */
     bool mech_known;                 /* the revolution is known across stretches */
     bool temperature_known;
     double span_s; /* from the recording's first row to its last */

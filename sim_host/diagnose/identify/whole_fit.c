@@ -107,6 +107,9 @@ static void choose_columns(whole *w, const fit_data *d, const fit_state *s, hypo
     if (rows_show_three(d->rows)) {
         add_column(w, P_OFFSET_ZERO, 1.0, 0.0, true);
     }
+    if (column_shows(P_U_NOISE, d->rows)) {
+        add_column(w, P_U_NOISE, 1.0, 0.0, true);
+    }
     for (size_t l = 0; l < LINKS; l++) {
         for (size_t k = 0; k < 3; k++) {
             size_t at = 0;
