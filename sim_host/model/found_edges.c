@@ -206,9 +206,12 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
 }
 
 /* The current turns with the rotor, whatever the edges lose: what the ones before have changed is in it. */
-void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, double rise_V[3],
-                      double fall_V[3])
+edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i)
 {
+    edge_losses lost = {.rise_V = {0.0}};
+    if (!averaged_drive_loses(d)) {
+        return lost;
+    }
     const double v_late_V = d->v_dead_V + d->compensation_V;
     const double per_knee = 1.0 / d->i_knee_A;
     const vec_ab last = vec_to_ab((vec_dq){i.alpha, i.beta}, (vec_rotor){row->cos_turn, row->sin_turn});
@@ -218,7 +221,8 @@ void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, d
         const double at_rise = averaged_drive_edge(d->edge, (at.mid[x] + at.apart[x]) * per_knee);
         const double at_fall = averaged_drive_edge(d->edge, (at.mid[x] - at.apart[x]) * per_knee);
         const double moved = 0.5 * averaged_drive_compensation(d, way.seen[x]);
-        rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
-        fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;
+        lost.rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
+        lost.fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;
     }
+    return lost;
 }

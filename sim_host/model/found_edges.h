@@ -33,12 +33,15 @@ found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor 
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_way *way, double T_s,
                       double lost[3]);
 
+typedef struct edge_losses {
+    double rise_V[3], fall_V[3];
+} edge_losses;
+
 /*
  * What a dead time takes of each leg at its rise and at its fall, as the cycle's mean voltages: all at the rise if the current
  * flows out, all at the fall (which then is later) if it flows in. By the current that each edge finds, between that at the start and
  * where it turns to. A compensation has moved both edges, by the sign at the start.
  */
-void found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i, double rise_V[3],
-                      double fall_V[3]);
+edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i);
 
 #endif

@@ -1,8 +1,6 @@
 /* The current in the iron at the sampling instants (iron_branch.h). */
 #include "iron_branch.h"
 
-#include "found_edges.h"
-
 #include <math.h>
 
 /* The initial sum covers at most so many cycles, and only those with a larger remainder. */
@@ -32,29 +30,19 @@ typedef struct cycle_pulses {
     vec_ab left, lost_V;
 } cycle_pulses;
 
-/* Of the cycle `at` with the pulses of `command`. */
+/* Of a cycle with the pulses of `command`, whose edges lose so much. */
 static cycle_pulses pulses_of(const averaged_drive *d, const iron_memory *m, const cycle_row *command,
-                              const cycle_row *at, vec_ab i)
+                              const edge_losses *lost)
 {
     const edges_left left = edges_of(m, command);
     double leg[3];
-    cycle_pulses p = {.lost_V = {0.0, 0.0}};
+    double lost_V[3];
     for (size_t x = 0; x < 3; x++) {
-        leg[x] = d->k_u * command->u_dc_V * (left.fall[x] - left.rise[x]);
+        leg[x] = d->k_u * command->u_dc_V * (left.fall[x] - left.rise[x]) -
+                 m->per_tau * (lost->rise_V[x] * left.rise[x] + lost->fall_V[x] * left.fall[x]);
+        lost_V[x] = lost->rise_V[x] + lost->fall_V[x];
     }
-    if (averaged_drive_loses(d)) {
-        double rise_V[3];
-        double fall_V[3];
-        double lost_V[3];
-        found_edges_each(d, at, i, rise_V, fall_V);
-        for (size_t x = 0; x < 3; x++) {
-            leg[x] -= m->per_tau * (rise_V[x] * left.rise[x] + fall_V[x] * left.fall[x]);
-            lost_V[x] = rise_V[x] + fall_V[x];
-        }
-        p.lost_V = vec_from_phases(lost_V);
-    }
-    p.left = vec_from_phases(leg);
-    return p;
+    return (cycle_pulses){vec_from_phases(leg), vec_from_phases(lost_V)};
 }
 
 static void take(vec_ab *from, double share, vec_ab drop)
@@ -72,14 +60,15 @@ static const cycle_row *acting(const averaged_drive *d, const cycle_row *row)
 
 /*
  * Goes on over the row's cycle. Its current, by which its edges lose as well, is the recorded one, less what the sensors do: an
- * offset that went in here would hide a part of itself.
+ * offset that went in here would hide a part of itself. `lost`: its losses, or NULL, where they are found.
  */
 static cycle_pulses go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command,
-                          const cycle_row *row)
+                          const cycle_row *row, const edge_losses *lost)
 {
     const sensor_map sensors = sensor_course_at(&m->sensors, row);
     const vec_ab i = sensor_map_unmeasure(&sensors, row->i_A);
-    const cycle_pulses own = pulses_of(d, m, command, row, i);
+    m->before = lost ? *lost : found_edges_each(d, row, i);
+    const cycle_pulses own = pulses_of(d, m, command, &m->before);
     m->left.alpha = m->fade * m->left.alpha + own.left.alpha;
     m->left.beta = m->fade * m->left.beta + own.left.beta;
     take(&m->left, m->of_start + m->of_end * m->fade, averaged_drive_drop(d, row, i));
@@ -87,14 +76,19 @@ static cycle_pulses go_on(const averaged_drive *d, iron_memory *m, const cycle_r
     return own;
 }
 
-/* The memory at the row's start: summed over the cycles before if the memory is of another row. */
-static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
+/* The memory at the row's start: summed over the cycles before if the memory is of neither this row nor the one before. */
+static void reach(const averaged_drive *d, double tau_s, iron_memory *m, const cycle_row *row,
+                  const edge_losses *before)
 {
     if (m->row && m->row == row && row->history > 0) {
         return;
     }
+    if (m->row && m->row + 1 == row && row->history > 0) {
+        go_on(d, m, acting(d, row - 1), row - 1, before);
+        return;
+    }
     *m = (iron_memory){
-        .per_tau = fmin(row->T_s / d->fe_tau_s, ALL_FADED),
+        .per_tau = fmin(row->T_s / tau_s, ALL_FADED),
         .sensors = sensor_course_of(d, row->missing == MISSING_NONE ? SENSORS_THREE : SENSORS_TWO_LOWEST)};
     m->fade = exp(-m->per_tau);
     /* Of a drop that goes evenly from one value to another in a cycle. */
@@ -106,8 +100,17 @@ static void reach(const averaged_drive *d, iron_memory *m, const cycle_row *row)
         left *= m->fade;
     }
     for (; n > 0; n--) {
-        go_on(d, m, acting(d, row - n), row - n);
+        go_on(d, m, acting(d, row - n), row - n, n == 1 ? before : NULL);
     }
+}
+
+vec_ab iron_branch_at(const averaged_drive *d, double tau_s, const cycle_row *row, vec_ab i, iron_memory *m,
+                      const edge_losses *before)
+{
+    reach(d, tau_s, m, row, before);
+    vec_ab left = m->left;
+    take(&left, m->of_end, averaged_drive_drop(d, row, i));
+    return (vec_ab){d->fe_S * left.alpha, d->fe_S * left.beta};
 }
 
 iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory)
@@ -116,11 +119,11 @@ iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab
     iron_memory *m = memory ? memory : &none;
     const vec_ab drop = averaged_drive_drop(d, row, i);
     const cycle_row *now = acting(d, row);
-    reach(d, m, row);
+    reach(d, d->fe_tau_s, m, row, NULL);
     iron_branch b = {.row = row, .per_tau = m->per_tau, .of_end = m->of_end, .first = m->left};
     const double fade = m->fade;
     const double of_start = m->of_start;
-    const cycle_pulses own = go_on(d, m, now, row);
+    const cycle_pulses own = go_on(d, m, now, row, NULL);
     take(&b.first, b.of_end, drop);
     b.last = own.left;
     take(&b.last, -fade, b.first);

@@ -9,11 +9,12 @@
 #ifndef SIM_HOST_MODEL_IRON_BRANCH_H
 #define SIM_HOST_MODEL_IRON_BRANCH_H
 
+#include "found_edges.h"
 #include "sensor_chain.h"
 
 /*
  * What the cycles before a row have left, carried from row to row. All zero at the start of a pass, where it is summed from
- * the rows before (cycle_row's history); a pass that continues at another row than the next sums again.
+ * the rows before (cycle_row's history); a pass that continues at another row than this or the next sums again.
  */
 struct iron_memory {
     const cycle_row *row; /* at whose start it is valid; NULL: none yet */
@@ -21,8 +22,16 @@ struct iron_memory {
     double of_start,
         of_end; /* what a cycle leaves of the drop that it starts with, and of the one that it ends with */
     sensor_course sensors;
-    vec_ab left; /* times R_fe; of the drop all but the row's own current's */
+    vec_ab left;        /* times R_fe; of the drop all but the row's own current's */
+    edge_losses before; /* of the cycle before, where the row has a history */
 };
+
+/*
+ * The branch's current at the start of a row's cycle, if its time constant were tau_s. `before`: the losses of the cycle before, or NULL,
+ * where they are found. The memory is left at the row.
+ */
+vec_ab iron_branch_at(const averaged_drive *d, double tau_s, const cycle_row *row, vec_ab i,
+                      iron_memory *memory, const edge_losses *before);
 
 /* What a row's cycle finds: the same at its start, over it and at its end, and the dear part of these. */
 typedef struct iron_branch {

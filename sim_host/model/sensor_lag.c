@@ -18,24 +18,18 @@ static const cycle_row *fallen(const averaged_drive *d, const cycle_row *row)
 
 /* For how long, weighed as the filter weighs it, each leg is high, times its voltage; the cycles before are taken to be as the
  * last. A dead time has taken of it at the edges, by the current of that cycle. */
-static vec_ab filtered_Vs(const averaged_drive *d, const cycle_row *row, double T_s, const sensor_map *map)
+static vec_ab filtered_Vs(const averaged_drive *d, const cycle_row *row, double T_s, const edge_losses *lost)
 {
     const double tau = d->sensor_lag_s;
     const double cycle = fmin(T_s / tau, ALL_FADED);
     const double fade = exp(-cycle);
     const cycle_row *command = fallen(d, row);
-    double rise_V[3] = {0.0};
-    double fall_V[3] = {0.0};
     double high_Vs[3];
-    if (averaged_drive_loses(d)) {
-        const cycle_row *before = row->history > 0 ? row - 1 : row;
-        found_edges_each(d, before, sensor_map_unmeasure(map, before->i_A), rise_V, fall_V);
-    }
     for (int x = 0; x < 3; x++) {
         const double at_fall = exp(-fmin(command->fell[x] * cycle, ALL_FADED));
         const double at_rise = fade / at_fall;
         high_Vs[x] = (d->k_u * row->u_dc_V * tau * (at_fall - at_rise) -
-                      T_s * (rise_V[x] * at_rise + fall_V[x] * at_fall)) /
+                      T_s * (lost->rise_V[x] * at_rise + lost->fall_V[x] * at_fall)) /
                      (1.0 - fade);
     }
     return vec_from_phases(high_Vs);
@@ -165,23 +159,15 @@ static lag_line line_of(const averaged_drive *d, const cycle_row *row, vec_ab hi
                               {late_j_w.q - lost.m[1][0], late_j_w.p - lost.m[1][1]}}}};
 }
 
-static vec_ab iron_at(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *m)
-{
-    const iron_branch b = iron_branch_of(d, row, i, m);
-    return iron_branch_begin(d, &b);
-}
-
 /* Time constants that differ by less than this share are moved apart by it: the quotient would lose its digits. */
 static const double APART = 0.01;
 
 static vec_ab filtered_iron(const averaged_drive *d, const cycle_row *row, vec_ab i, vec_ab own,
-                            iron_memory *m)
+                            const edge_losses *before, iron_memory *m)
 {
     const double tau = d->fe_tau_s;
     const double lag = fabs(d->sensor_lag_s - tau) < APART * tau ? (1.0 + APART) * tau : d->sensor_lag_s;
-    averaged_drive other = *d;
-    other.fe_tau_s = lag;
-    const vec_ab by_lag = iron_at(&other, row, i, m);
+    const vec_ab by_lag = iron_branch_at(d, lag, row, i, m, before);
     return (vec_ab){(tau * own.alpha - lag * by_lag.alpha) / (tau - lag),
                     (tau * own.beta - lag * by_lag.beta) / (tau - lag)};
 }
@@ -201,29 +187,28 @@ static vec_ab later_iron(const averaged_drive *d, const cycle_row *row, double T
                     fade * own.beta + d->fe_S * (u.beta - (1.0 - fade) * drop.beta)};
 }
 
-/* What the reading shows of the iron's current; *own: that current. */
-static vec_ab iron_shown(const averaged_drive *d, const cycle_row *row, double T_s, vec_ab i,
-                         lag_memory *memory, vec_ab *own)
-{
-    *own = iron_at(d, row, i, &memory->own);
-    return d->sensor_lag_s > 0.0 ? filtered_iron(d, row, i, *own, &memory->by_filter)
-                                 : later_iron(d, row, T_s, i, *own);
-}
-
 sensor_map sensor_lag_map(const averaged_drive *d, const cycle_row *row, double T_s, const sensor_map *map,
                           lag_memory *memory)
 {
     const vec_ab i = sensor_map_unmeasure(map, row->i_A);
-    const vec_ab high_Vs = d->sensor_lag_s > 0.0 ? filtered_Vs(d, row, T_s, map) : risen_Vs(d, row, T_s);
+    const bool filters = d->sensor_lag_s > 0.0;
+    const bool iron = d->fe_S != 0.0;
+    const vec_ab own = iron ? iron_branch_at(d, d->fe_tau_s, row, i, &memory->own, NULL) : (vec_ab){0.0, 0.0};
+    edge_losses before = memory->own.before;
+    if (filters && !(iron && row->history > 0)) {
+        const cycle_row *last = row->history > 0 ? row - 1 : row;
+        before = found_edges_each(d, last, sensor_map_unmeasure(map, last->i_A));
+    }
+    const vec_ab high_Vs = filters ? filtered_Vs(d, row, T_s, &before) : risen_Vs(d, row, T_s);
     const lag_line line = line_of(d, row, high_Vs, i);
     const square seen = {
         {{1.0 - line.by.m[0][0], -line.by.m[0][1]}, {-line.by.m[1][0], 1.0 - line.by.m[1][1]}}};
     const square unseen = inverse_of(seen);
     vec_ab less = line.still;
-    if (d->fe_S != 0.0) {
+    if (iron) {
         /* Not as the rest of the current is seen, but by itself. */
-        vec_ab own;
-        const vec_ab shown = iron_shown(d, row, T_s, i, memory, &own);
+        const vec_ab shown = filters ? filtered_iron(d, row, i, own, &before, &memory->by_filter)
+                                     : later_iron(d, row, T_s, i, own);
         const vec_ab as_rest = times(seen, own);
         less.alpha += as_rest.alpha - shown.alpha;
         less.beta += as_rest.beta - shown.beta;

@@ -159,7 +159,6 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
                     const row_block *block, double gain, double gate, double *innovation, double *seen)
 {
     walker w = walker_of(r, drive, gain);
-    iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < block->count; j++) {
         const cycle_row *row = &r->row[block->first + j];
         const double share = take_in(&w, block->first + j, gate, innovation + OBSERVER_OUTPUTS * j);
@@ -167,7 +166,7 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
             seen[j] = share;
         }
         const averaged_cycle cycle = averaged_drive_cycle(drive, nodes, row);
-        w.x = averaged_drive_pass(drive, &cycle, row, w.x, deciding(&w), &memory);
+        w.x = averaged_drive_pass(drive, &cycle, row, w.x, deciding(&w), &w.memory.own);
     }
 }
 
@@ -183,10 +182,10 @@ void observer_through(diagnose_rows *r, const averaged_drive *drive, const avera
                       const row_block *block, double gain, double *innovation)
 {
     walker w = walker_of(r, drive, gain);
-    iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < block->count; j++) {
         take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
-        w.x = averaged_drive_pass(drive, &cycle[j], &r->row[block->first + j], w.x, deciding(&w), &memory);
+        w.x = averaged_drive_pass(drive, &cycle[j], &r->row[block->first + j], w.x, deciding(&w),
+                                  &w.memory.own);
     }
 }
 
@@ -206,15 +205,14 @@ void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_
 {
     const double aside = 1e-5 * r->i_peak_A;
     walker w = walker_of(r, drive, gain);
-    iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < block->count; j++) {
         const cycle_row *row = &r->row[block->first + j];
         observer_step *s = &way[j];
-        const iron_memory before = memory;
         const vec_ab *sign = drive->sign_is_doubted ? &w.seen : NULL;
         take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
+        const iron_memory before = w.memory.own;
         s->from_A = w.x;
-        s->to_A = w.x = averaged_drive_pass(drive, &cycle[j], row, w.x, deciding(&w), &memory);
+        s->to_A = w.x = averaged_drive_pass(drive, &cycle[j], row, w.x, deciding(&w), &w.memory.own);
         s->by_alpha = slope(drive, &cycle[j], row, s, (vec_ab){aside, 0.0}, sign, &before);
         s->by_beta = slope(drive, &cycle[j], row, s, (vec_ab){0.0, aside}, sign, &before);
     }
