@@ -282,6 +282,32 @@ static bool begin(session *w, const diagnose_teller *teller)
            (!turned || fit_of_nominal(&w->fitted, &w->nominal)) && causes_find(w, teller);
 }
 
+/* A fit's noise is less than the rows' if it is so much less. */
+static const double LESS_NOISE = 0.8;
+
+/*
+ * The noise by which signs are doubted is at first that of the currents' differences, and the ripple of a dead time is a part of these.
+ * Where a compensation was found, its fit knows better, and what was left out near zero current may be the compensation itself.
+ */
+static bool doubt_less(session *w, const diagnose_teller *teller)
+{
+    double least = w->rows.noise_A;
+    for (size_t g = 0; g < w->rows.groups; g++) {
+        const group_noise *n = &w->state.noise[g];
+        least = fmin(least, sqrt((1.0 - n->gain) * 0.5 * (n->cov[0] + n->cov[2])));
+    }
+    if (!hypothesis_in(w->state.set, H_COMPENSATED) || least >= LESS_NOISE * w->rows.noise_A) {
+        return true;
+    }
+    if (teller->trace) {
+        fprintf(teller->trace, "  noise of a phase's current %.3g A in place of %.3g A, search repeated\n",
+                least, w->rows.noise_A);
+    }
+    w->rows.noise_A = least;
+    coordinates_doubt(&w->frame, &w->rows);
+    return begin(w, teller);
+}
+
 /* Largest error of a sparse set, in noise floors; above it the drive has more causes. */
 static const double LEAVES_MORE = 1.05;
 /* This many causes are rare on a drive that the model otherwise describes exactly. */
@@ -374,8 +400,9 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     bool whole = false;
     w->fitted.searches = true;
-    if (!begin(w, &options->teller) || !find_under_modulator(w, &options->teller) ||
-        !consider_whole(w, options, &whole) || !correct_rows(w, m, options, &whole)) {
+    if (!begin(w, &options->teller) || !doubt_less(w, &options->teller) ||
+        !find_under_modulator(w, &options->teller) || !consider_whole(w, options, &whole) ||
+        !correct_rows(w, m, options, &whole)) {
         return false;
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);

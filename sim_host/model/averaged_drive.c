@@ -165,11 +165,11 @@ static bool unequal(const averaged_drive *d)
 
 /* Voltage lost in a cycle, stationary frame. */
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
-                           vec_ab i_seen, vec_rotor r, double T_s)
+                           vec_ab i_seen, vec_rotor r, const harmonic_ends *harmonics, double T_s)
 {
     vec_ab all = {0.0, 0.0};
     if (averaged_drive_loses(d)) {
-        const found_way way = found_way_of(d, row, r, i_start, i_end, i_seen);
+        const found_way way = found_way_of(d, row, r, harmonics, i_start, i_end, i_seen);
         double lost[3];
         found_edges_lost(d, row, &way, T_s, lost);
         all = vec_from_phases(lost);
@@ -351,12 +351,12 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     if (flux_map_has_terms(d)) {
         near = flux_map_guess(d, y, i_dq, &at);
     }
+    const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, end);
     if (averaged_drive_has_harmonics(d)) {
-        double half = half_decay(&m);
-        vec_ab before = averaged_drive_harmonics(d, r);
-        vec_ab after = averaged_drive_harmonics(d, end);
-        vec_dq change =
-            vec_to_dq((vec_ab){half * (after.alpha - before.alpha), half * (after.beta - before.beta)}, end);
+        const double half = half_decay(&m);
+        const vec_dq change = vec_to_dq((vec_ab){half * (harmonics.last.alpha - harmonics.first.alpha),
+                                                 half * (harmonics.last.beta - harmonics.first.beta)},
+                                        end);
         y.d -= change.d;
         y.q -= change.q;
     }
@@ -376,8 +376,8 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
         near = current_of(d, bends, per_H, y, near);
         const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
         vec_ab i_end = vec_to_ab(all, end);
-        vec_dq lost =
-            vec_to_dq(phase_losses(d, row, vec_to_ab(total_dq, r), i_end, i_seen, r, m.push[0][0]), r);
+        vec_dq lost = vec_to_dq(
+            phase_losses(d, row, vec_to_ab(total_dq, r), i_end, i_seen, r, &harmonics, m.push[0][0]), r);
         y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
         y.q -= m.drive[1][0] * lost.d + m.drive[1][1] * lost.q;
     }

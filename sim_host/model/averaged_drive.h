@@ -165,6 +165,19 @@ static inline bool averaged_drive_has_harmonics(const averaged_drive *d)
 /* The harmonics of the magnet's flux, in the stationary frame, the rotor at `one`. */
 vec_ab averaged_drive_harmonics(const averaged_drive *drive, vec_rotor one);
 
+/* Those at the start and at the end of a cycle. */
+typedef struct harmonic_ends {
+    vec_ab first, last;
+} harmonic_ends;
+
+static inline harmonic_ends averaged_drive_harmonic_ends(const averaged_drive *d, vec_rotor start,
+                                                         vec_rotor end)
+{
+    return averaged_drive_has_harmonics(d)
+               ? (harmonic_ends){averaged_drive_harmonics(d, start), averaged_drive_harmonics(d, end)}
+               : (harmonic_ends){{0.0, 0.0}, {0.0, 0.0}};
+}
+
 /* A share of 1/L in the stationary frame, the rotor at r: aa, ab, bb. */
 void averaged_drive_per_H(const averaged_drive *drive, double share, vec_rotor r, double k[3]);
 

@@ -22,9 +22,9 @@ typedef struct found_way {
     double ripple_A[3];
 } found_way;
 
-/* From one current to another, the rotor at r when it begins. */
-found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab first, vec_ab last,
-                       vec_ab seen);
+/* From one current to another, the rotor at r when it begins; with the magnet's harmonics at both ends. */
+found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r,
+                       const harmonic_ends *harmonics, vec_ab first, vec_ab last, vec_ab seen);
 
 /*
  * The mean voltage that each leg loses over a cycle of T_s: v_dead against a current far from zero. Of several carrier periods in a cycle

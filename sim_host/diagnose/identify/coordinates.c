@@ -45,13 +45,18 @@ static void find_reach(coordinate_frame *f, const diagnose_rows *r)
 /* In deviations of the noise: what a compensation of the wrong sign must move its phase's current by in a cycle. */
 static const double SEEN_THROUGH_NOISE = 2.0;
 
+void coordinates_doubt(coordinate_frame *f, const diagnose_rows *r)
+{
+    /* Twice the compensation is wrong, and a phase sees two thirds of its leg. */
+    f->doubted_V_H = SEEN_THROUGH_NOISE * 0.75 * r->noise_A / r->T_s;
+}
+
 coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r)
 {
     coordinate_frame f = {
         .motor = m, .nominal = averaged_drive_of(m), .pole_pairs = m->pole_pairs, .of_least = 1.0};
     const averaged_drive *d = &f.nominal;
-    /* Twice the compensation is wrong, and a phase sees two thirds of its leg. */
-    f.doubted_V_H = SEEN_THROUGH_NOISE * 0.75 * r->noise_A / r->T_s;
+    coordinates_doubt(&f, r);
     const double L = 0.5 * (d->L_d_H + d->L_q_H);
     const double I = motor_rated_peak_A(m);
     const double psi = d->psi_f_Wb > 0.0 ? d->psi_f_Wb : L * I;

@@ -95,6 +95,9 @@ typedef struct coordinate_frame {
 
 coordinate_frame coordinates_of(const motor *m, const diagnose_rows *r);
 
+/* Which compensations have a sign that is doubted, by the noise of the rows' currents. */
+void coordinates_doubt(coordinate_frame *f, const diagnose_rows *r);
+
 /*
  * The drive at z. `edge`: edge model of a dead time that is fitted. A dead time that only the motor file states keeps the file's edge
  * model.
