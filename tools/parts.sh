@@ -256,15 +256,13 @@ program_lane() {
     run_part site check_site
     run_part target tests/target/run.sh
     run_part mutate python3 -B tools/mutate.py --check --jobs "$JOBS"
-    run_part static check_static
     run_part python python/test.sh
     run_part golden python3 tools/golden.py check
     run_part misra python3 tools/misra.py check
     run_part bench bench/run.sh --check
-    run_part blind tests/blind/run.py --ci --jobs "$JOBS"
 }
 
-# Other compilers, sanitizers, other people's builds, static analysis, proofs; then recordings, which need the host's program alone.
+# Other compilers, sanitizers, other people's builds, static analysis, proofs; then what needs the host's program alone.
 source_lane() {
     run_part clang test_clang
     run_part asan test_preset asan "$NO_STUDY"
@@ -275,6 +273,8 @@ source_lane() {
     run_part prove check_prove
     wait_for host
     run_part third tests/blind/third.py --ci --jobs "$JOBS"
+    run_part blind tests/blind/run.py --ci --jobs "$JOBS"
+    run_part static check_static
 }
 
 # What a developer without the further packages runs: ./dev test. The tests of the built program, and those of the target.

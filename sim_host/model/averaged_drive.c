@@ -242,8 +242,13 @@ static vec_ab voltage_of(const averaged_drive *d, const cycle_row *row, vec_roto
     const double part = a < 1.0 ? a : b;
     vec_ab u = {0.0, 0.0};
     for (size_t n = 0; n < 3; n++) {
-        u.alpha += share[n] * (row->u_V[n].alpha - d->u_noise * row->u_noise_V[n].alpha);
-        u.beta += share[n] * (row->u_V[n].beta - d->u_noise * row->u_noise_V[n].beta);
+        u.alpha += share[n] * row->u_V[n].alpha;
+        u.beta += share[n] * row->u_V[n].beta;
+    }
+    for (size_t n = 0; n < 3 && d->u_noise != 0.0; n++) {
+        const vec_ab noise = n <= row->history ? row[-(ptrdiff_t)n].u_noise_V : row->u_noise_V;
+        u.alpha -= d->u_noise * share[n] * noise.alpha;
+        u.beta -= d->u_noise * share[n] * noise.beta;
     }
     if (part > 0.05 && part < 0.95) {
         const double behind[3] = {0.5 * a, 0.5 * (a + b - 1.0), 0.5 * (b - 1.0)}; /* the middle, in cycles */

@@ -85,8 +85,8 @@ typedef struct averaged_drive {
 
 /* What one row of a recording says about its cycle. Angles and speed as recorded. */
 typedef struct cycle_row {
-    vec_ab u_V[3];       /* recorded voltage of this cycle, of the one before and of two before */
-    vec_ab u_noise_V[3]; /* what of these is likely noise */
+    vec_ab u_V[3];    /* recorded voltage of this cycle, of the one before and of two before */
+    vec_ab u_noise_V; /* what of this cycle's is likely noise */
     double cos_theta, sin_theta;
     double cos_turn, sin_turn; /* of omega T */
     double omega_rad_s;

@@ -191,9 +191,7 @@ static void fill_in(const noise_work *w, const seen_voltage *u, size_t n, cycle_
             share += w->from_along[behind] * u->along[m] + w->from_across[behind] * u->across[m];
         }
         const vec_dq noise = {share * u->mean_d[k], share * u->mean_q[k]};
-        row[k].u_noise_V[0] = turns(&row[k]) ? vec_to_ab(noise, rotor_of(&row[k])) : (vec_ab){0.0, 0.0};
-        row[k].u_noise_V[1] = k > 0 ? row[k - 1].u_noise_V[0] : row[k].u_noise_V[0];
-        row[k].u_noise_V[2] = k > 0 ? row[k - 1].u_noise_V[1] : row[k].u_noise_V[0];
+        row[k].u_noise_V = turns(&row[k]) ? vec_to_ab(noise, rotor_of(&row[k])) : (vec_ab){0.0, 0.0};
     }
 }
 

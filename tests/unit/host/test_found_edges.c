@@ -118,7 +118,10 @@ static void read_row(const averaged_drive *d, const cycle *c, cycle_row *row, fo
         }
         row->edge_ripple_Wb[x] = vec_from_phases(high);
     }
-    *way = found_way_of(d, row, rotor_at(c->theta_rad), first, vec_from_phases(last), first);
+    const vec_rotor r = rotor_at(c->theta_rad);
+    const harmonic_ends harmonics =
+        averaged_drive_harmonic_ends(d, r, rotor_turned(r, rotor_at(c->turn_rad)));
+    *way = found_way_of(d, row, r, &harmonics, first, vec_from_phases(last), first);
 }
 
 /*

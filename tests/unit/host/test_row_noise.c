@@ -89,7 +89,7 @@ static double slow_left(const diagnose_rows *r, double share)
     TEST_ASSERT_NOT_NULL(x);
     for (int axis = 0; axis < 2; axis++) {
         for (size_t k = 0; k < r->rows; k++) {
-            const vec_ab part = r->row[k].u_noise_V[0];
+            const vec_ab part = r->row[k].u_noise_V;
             x[k] = axis == 0 ? noise[k].alpha - share * part.alpha : noise[k].beta - share * part.beta;
         }
         two_sided_mean(x, x + r->rows, r->rows, 0.95);
@@ -106,7 +106,7 @@ static double estimate_of(const diagnose_rows *r)
 {
     double sum = 0.0;
     for (size_t k = 0; k < r->rows; k++) {
-        const vec_ab part = r->row[k].u_noise_V[0];
+        const vec_ab part = r->row[k].u_noise_V;
         sum += (part.alpha * part.alpha + part.beta * part.beta) / (double)r->rows;
     }
     return sum;
@@ -173,20 +173,6 @@ static void a_slow_rotor_or_a_short_recording_shows_nothing(void)
     recording_free(&rec);
 }
 
-/* The rows before have the same noise, as they have the same voltage. */
-static void the_rows_before_are_remembered(void)
-{
-    const motor m = bench_motor();
-    recording rec;
-    diagnose_rows r = look(&m, 2000, 0.4, 0.05, &rec);
-    for (size_t k = 2; k < r.rows; k++) {
-        TEST_ASSERT_EQUAL_MEMORY(&r.row[k - 1].u_noise_V[0], &r.row[k].u_noise_V[1], sizeof(vec_ab));
-        TEST_ASSERT_EQUAL_MEMORY(&r.row[k - 2].u_noise_V[0], &r.row[k].u_noise_V[2], sizeof(vec_ab));
-    }
-    rows_free(&r);
-    recording_free(&rec);
-}
-
 static void a_mean_from_both_sides_weighs_by_distance(void)
 {
     enum { COUNT = 40 };
@@ -218,7 +204,6 @@ int main(void)
     RUN_TEST(noise_shows_where_a_controller_leaves_no_voltage);
     RUN_TEST(without_noise_nothing_shows);
     RUN_TEST(a_slow_rotor_or_a_short_recording_shows_nothing);
-    RUN_TEST(the_rows_before_are_remembered);
     RUN_TEST(a_mean_from_both_sides_weighs_by_distance);
     return UNITY_END();
 }
