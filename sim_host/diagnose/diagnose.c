@@ -284,28 +284,32 @@ static bool begin(session *w, const diagnose_teller *teller)
 
 /* A fit's noise is less than the rows' if it is so much less. */
 static const double LESS_NOISE = 0.8;
+enum { DOUBT_STEPS = 12 };
 
 /*
  * The noise by which signs are doubted is at first that of the currents' differences, and the ripple of a dead time is a part of these.
- * Where a compensation was found, its fit knows better, and what was left out near zero current may be the compensation itself.
+ * Where a compensation was found, its fit knows better, and what was left out near zero current may be the compensation itself. *less:
+ * the set was fitted again with less noise.
  */
-static bool doubt_less(session *w, const diagnose_teller *teller)
+static bool doubt_less(session *w, bool *less, const diagnose_teller *teller)
 {
     double least = w->rows.noise_A;
     for (size_t g = 0; g < w->rows.groups; g++) {
         const group_noise *n = &w->state.noise[g];
         least = fmin(least, sqrt((1.0 - n->gain) * 0.5 * (n->cov[0] + n->cov[2])));
     }
-    if (!hypothesis_in(w->state.set, H_COMPENSATED) || least >= LESS_NOISE * w->rows.noise_A) {
+    *less = hypothesis_in(w->state.set, H_COMPENSATED) && least < LESS_NOISE * w->rows.noise_A;
+    if (!*less) {
         return true;
     }
     if (teller->trace) {
-        fprintf(teller->trace, "  noise of a phase's current %.3g A in place of %.3g A, search repeated\n",
-                least, w->rows.noise_A);
+        fprintf(teller->trace, "  noise of a phase's current %.3g A in place of %.3g A\n", least,
+                w->rows.noise_A);
     }
     w->rows.noise_A = least;
     coordinates_doubt(&w->frame, &w->rows);
-    return begin(w, teller);
+    return fit_refine(&w->fitted, &w->state, DOUBT_STEPS) &&
+           certainty_of(&w->fitted, &w->state, &w->certainty);
 }
 
 /* Largest error of a sparse set, in noise floors; above it the drive has more causes. */
@@ -400,8 +404,13 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     bool whole = false;
     w->fitted.searches = true;
-    if (!begin(w, &options->teller) || !doubt_less(w, &options->teller) ||
-        !find_under_modulator(w, &options->teller) || !consider_whole(w, options, &whole) ||
+    bool less = false;
+    if (!begin(w, &options->teller) || !doubt_less(w, &less, &options->teller) ||
+        !find_under_modulator(w, &options->teller) || !consider_whole(w, options, &whole)) {
+        return false;
+    }
+    /* What a sparse search found by too much noise may be wrong. */
+    if ((less && !whole && !(begin(w, &options->teller) && consider_whole(w, options, &whole))) ||
         !correct_rows(w, m, options, &whole)) {
         return false;
     }

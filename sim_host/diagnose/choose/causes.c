@@ -361,7 +361,7 @@ bool causes_bear_out(session *w, const diagnose_teller *teller)
 static const double HARM = 0.97;
 
 /*
- * What the law of a dead time leaves near zero current is no slope of one cause: several others together take it up, each of which
+ * What the law of a dead time leaves near zero current is no slope of one cause: several others together take it up, and each
  * seems to be needed given the rest. They go if the dead time fitted alone has the lower held-out error.
  */
 static bool reject_with_dead_time(session *w, const diagnose_teller *teller)
