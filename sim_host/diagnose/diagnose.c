@@ -293,20 +293,16 @@ enum { DOUBT_STEPS = 12 };
  */
 static bool doubt_less(session *w, bool *less, const diagnose_teller *teller)
 {
-    double least = w->rows.noise_A;
-    for (size_t g = 0; g < w->rows.groups; g++) {
-        const group_noise *n = &w->state.noise[g];
-        least = fmin(least, sqrt((1.0 - n->gain) * 0.5 * (n->cov[0] + n->cov[2])));
-    }
-    *less = hypothesis_in(w->state.set, H_COMPENSATED) && least < LESS_NOISE * w->rows.noise_A;
+    const double noise_A = measure_phase_noise(&w->rows, &w->state);
+    *less = hypothesis_in(w->state.set, H_COMPENSATED) && noise_A < LESS_NOISE * w->rows.noise_A;
     if (!*less) {
         return true;
     }
     if (teller->trace) {
-        fprintf(teller->trace, "  noise of a phase's current %.3g A in place of %.3g A\n", least,
+        fprintf(teller->trace, "  noise of a phase's current %.3g A in place of %.3g A\n", noise_A,
                 w->rows.noise_A);
     }
-    w->rows.noise_A = least;
+    w->rows.noise_A = noise_A;
     coordinates_doubt(&w->frame, &w->rows);
     return fit_refine(&w->fitted, &w->state, DOUBT_STEPS) &&
            certainty_of(&w->fitted, &w->state, &w->certainty);

@@ -109,8 +109,13 @@ static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive
 /* A gain above which the filter does not trust the model, and says little of the noise. */
 static const double UNTRUSTED = 0.6;
 
-double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
-                     double *sensor_rms_A)
+/* What a fit says of the noise, as the variance of a sample's vector, and whether its filter trusts the model. */
+typedef struct filtered_noise {
+    double variance;
+    bool trusted;
+} filtered_noise;
+
+static filtered_noise filtered_noise_of(const diagnose_rows *r, const fit_state *s)
 {
     double trust = 0.0;
     double noise = 0.0;
@@ -118,17 +123,31 @@ double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_
     double gain = 0.0;
     for (size_t g = 0; g < r->groups; g++) {
         const group_noise *n = &s->noise[g];
-        double weight = n->rows * (1.0 - n->gain) * (1.0 - n->gain);
+        const double weight = n->rows * (1.0 - n->gain) * (1.0 - n->gain);
         noise += weight * (1.0 - n->gain) * (n->cov[0] + n->cov[2]);
         trust += weight;
         gain += n->rows * n->gain;
         rows += n->rows;
     }
-    double variance = trust > 0.0 ? noise / trust : 0.0; /* of a sample's noise vector */
+    return (filtered_noise){trust > 0.0 ? noise / trust : 0.0, !(rows > 0.0 && gain / rows > UNTRUSTED)};
+}
+
+double measure_phase_noise(const diagnose_rows *r, const fit_state *s)
+{
+    const filtered_noise noise = filtered_noise_of(r, s);
+    /* A phase of a vector has half of its power. */
+    return noise.trusted ? sqrt(0.5 * noise.variance) : INFINITY;
+}
+
+double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
+                     double *sensor_rms_A)
+{
+    const filtered_noise filtered = filtered_noise_of(r, s);
+    double variance = filtered.variance;
     double L = 0.5 * (drive->L_d_H + drive->L_q_H);
     double decay = exp(-drive->R_ohm * r->T_s / L);
     const double per_variance = 1.0 + decay * decay;
-    if (rows > 0.0 && gain / rows > UNTRUSTED) {
+    if (!filtered.trusted) {
         const error_sums sums = sum_errors(r, drive, per_variance);
         variance = fmin(sums.lag_two > 0.0 ? sums.lag_two : variance, sums.quietest);
     }

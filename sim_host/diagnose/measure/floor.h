@@ -15,4 +15,7 @@
 double measure_floor(const diagnose_rows *r, const fit_state *s, const averaged_drive *drive,
                      double *sensor_rms_A);
 
+/* The noise of a phase's current, as the fit's innovations leave it; INFINITY if its filter trusts the currents more than the model. */
+double measure_phase_noise(const diagnose_rows *r, const fit_state *s);
+
 #endif
