@@ -2,6 +2,7 @@
 #ifndef SIM_HOST_BASE_FOURIER_H
 #define SIM_HOST_BASE_FOURIER_H
 
+#include <math.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -12,6 +13,12 @@ typedef struct fourier_number {
     double re;
     double im;
 } fourier_number;
+
+/* Hann's window at row j of n. */
+static inline double fourier_window(size_t j, size_t n)
+{
+    return 0.5 - 0.5 * cos(6.28318530717958647693 * ((double)j + 0.5) / (double)n);
+}
 
 /* The factors of one length, kept from one transform to the next of that length. NULL: out of memory. */
 typedef struct fourier fourier;

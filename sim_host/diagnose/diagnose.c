@@ -333,7 +333,7 @@ static bool consider_whole(session *w, const diagnose_options *options, bool *wh
     return ok;
 }
 
-/* After a correction of rows: a set of the whole drive is fitted again from its state, a sparse search restarts. */
+/* After a correction of rows, or of their noise: a set of the whole drive is fitted again from its state, a sparse search restarts. */
 static bool go_on(session *w, const diagnose_options *options, bool *whole)
 {
     if (*whole) {
@@ -406,8 +406,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         return false;
     }
     /* What a sparse search found by too much noise may be wrong. */
-    if ((less && !whole && !(begin(w, &options->teller) && consider_whole(w, options, &whole))) ||
-        !correct_rows(w, m, options, &whole)) {
+    if ((less && !whole && !go_on(w, options, &whole)) || !correct_rows(w, m, options, &whole)) {
         return false;
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);

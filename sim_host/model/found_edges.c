@@ -20,9 +20,10 @@ static vec_dq flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_roto
  * By how much the current half-way between two lies ahead of their mean: it carries the mean of both ends' flux, and the magnet's part of
  * that is another half-way round, as are its harmonics.
  */
-static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_rotor end,
+static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r,
                        const harmonic_ends *harmonics, vec_ab first, vec_ab last)
 {
+    const vec_rotor end = rotor_turned(r, (vec_rotor){row->cos_turn, row->sin_turn});
     const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
     const vec_rotor half = {0.5 * twice_cos, row->sin_turn / twice_cos};
     const double psi_Wb = averaged_drive_magnet(d, row);
@@ -57,37 +58,24 @@ static double on_way(const found_way *way, size_t x, double at)
     return way->first[x] + at * (way->last[x] - way->first[x]) + 4.0 * at * (1.0 - at) * way->bow[x];
 }
 
-/* The way alone: without what a volt-second does to it. k: 1/L by the ripple's share. */
-static found_way plain_way(const averaged_drive *d, const cycle_row *row, vec_rotor r,
-                           const harmonic_ends *harmonics, vec_ab first, vec_ab last, vec_ab seen,
-                           double k[3])
-{
-    const vec_rotor end = rotor_turned(r, (vec_rotor){row->cos_turn, row->sin_turn});
-    found_way way;
-    vec_to_phases(first, way.first);
-    vec_to_phases(last, way.last);
-    vec_to_phases(seen, way.seen);
-    vec_to_phases(half_way(d, row, r, end, harmonics, first, last), way.bow);
-    averaged_drive_per_H(d, d->edge_ripple, r, k);
-    for (size_t x = 0; x < 3; x++) {
-        const vec_ab axis = vec_phase_axis[x];
-        way.ripple_A[x] = d->k_u * ((k[0] * axis.alpha + k[1] * axis.beta) * row->edge_ripple_Wb[x].alpha +
-                                    (k[1] * axis.alpha + k[2] * axis.beta) * row->edge_ripple_Wb[x].beta);
-    }
-    return way;
-}
-
 found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r,
                        const harmonic_ends *harmonics, vec_ab first, vec_ab last, vec_ab seen)
 {
+    found_way way;
     double k[3];
-    found_way way = plain_way(d, row, r, harmonics, first, last, seen, k);
+    vec_to_phases(first, way.first);
+    vec_to_phases(last, way.last);
+    vec_to_phases(seen, way.seen);
+    vec_to_phases(half_way(d, row, r, harmonics, first, last), way.bow);
+    averaged_drive_per_H(d, d->edge_ripple, r, k);
     for (size_t x = 0; x < 3; x++) {
         const vec_ab axis = vec_phase_axis[x];
         const vec_ab per_flux = {k[0] * axis.alpha + k[1] * axis.beta, k[1] * axis.alpha + k[2] * axis.beta};
         for (size_t y = 0; y < 3; y++) {
             way.per_Vs[x][y] = 2.0 / 3.0 * vec_phase(per_flux, (int)y);
         }
+        way.ripple_A[x] = d->k_u * (per_flux.alpha * row->edge_ripple_Wb[x].alpha +
+                                    per_flux.beta * row->edge_ripple_Wb[x].beta);
     }
     return way;
 }
@@ -230,8 +218,7 @@ edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_
     const vec_rotor turn = {row->cos_turn, row->sin_turn};
     const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, rotor_turned(r, turn));
     const vec_ab last = vec_to_ab((vec_dq){i.alpha, i.beta}, turn);
-    double k[3];
-    const found_way way = plain_way(d, row, r, &harmonics, i, last, i, k);
+    const found_way way = found_way_of(d, row, r, &harmonics, i, last, i);
     const found_currents at = part_of(row, &way, 0, 1);
     for (size_t x = 0; x < 3; x++) {
         const double at_rise = averaged_drive_edge(d->edge, (at.mid[x] + at.apart[x]) * per_knee);

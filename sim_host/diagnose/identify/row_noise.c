@@ -114,7 +114,7 @@ static void find_spectrum(noise_work *w, const seen_voltage *u, size_t n)
     double square = 0.0;
     double windows = 0.0;
     for (size_t j = 0; j < n; j++) {
-        w->window[j] = 0.5 - 0.5 * cos(VEC_TWO_PI * ((double)j + 0.5) / (double)n);
+        w->window[j] = fourier_window(j, n);
         square += w->window[j] * w->window[j];
     }
     memset(w->spectrum, 0, sizeof w->spectrum);

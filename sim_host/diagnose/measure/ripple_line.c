@@ -1,6 +1,7 @@
 /* Search for one frequency in all pieces (ripple_line.h). */
 #include "ripple_line.h"
 
+#include "base/fourier.h"
 #include "base/vector.h"
 #include "ripple_spectrum.h"
 
@@ -104,7 +105,7 @@ static double likelihood(const ripple_spectra *s, size_t bin, double frequency_H
         double re = 0.0;
         double im = 0.0;
         for (size_t j = 0; j < p->count; j++) {
-            const double y = ripple_window(j, p->count) * s->all->along[p->first + j];
+            const double y = fourier_window(j, p->count) * s->all->along[p->first + j];
             re += y * at.cos;
             im += y * at.sin;
             at = rotor_turned(at, by);

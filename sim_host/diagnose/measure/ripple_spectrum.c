@@ -18,11 +18,6 @@ enum {
 
 static const double HIGHEST = 0.45; /* of the cycles' frequency */
 
-double ripple_window(size_t j, size_t n)
-{
-    return 0.5 - 0.5 * cos(VEC_TWO_PI * ((double)j + 0.5) / (double)n);
-}
-
 double ripple_frequency_Hz(const ripple_spectra *s, double bin)
 {
     return bin / ((double)s->length * s->T_s);
@@ -81,10 +76,10 @@ static bool transform_piece(ripple_spectra *s, fourier *f, const ripple_piece *p
         for (size_t j = 0; j < p->count; j++) {
             const double w = s->all->weight[p->first + j];
             /* What is the same throughout is no ripple, and its own line would spread. */
-            in[j] = (fourier_number){ripple_window(j, p->count) *
+            in[j] = (fourier_number){fourier_window(j, p->count) *
                                          (series[n][p->first + j] - (area > 0.0 ? level / area * w : 0.0)),
                                      0.0};
-            out->gain += 0.5 * ripple_window(j, p->count) * w;
+            out->gain += 0.5 * fourier_window(j, p->count) * w;
         }
         fourier_forward(f, s->length, in, in + s->length);
         for (size_t k = 0; k < s->bins; k++) {

@@ -27,9 +27,6 @@ typedef struct ripple_spectra {
 bool ripple_spectra_make(ripple_spectra *s, const ripple_pieces *all, double T_s);
 void ripple_spectra_free(ripple_spectra *s);
 
-/* The window at row j of n. */
-double ripple_window(size_t j, size_t n);
-
 double ripple_frequency_Hz(const ripple_spectra *s, double bin);
 
 #endif

@@ -34,7 +34,7 @@ static double uniform(uint64_t *state)
     return (double)((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
 }
 
-static double normal(uint64_t *state)
+double bench_normal(uint64_t *state)
 {
     double sum = -6.0;
     for (int k = 0; k < 12; k++) {
@@ -273,7 +273,7 @@ static void sense(const bench *b, recording *r, size_t k, const double i_ab[2], 
         double from = r->t_s[k] - middle_s(r->T_s);
         double g = x->has[CAUSE_CURRENT_GAIN] ? x->g[p] + x->g_rate_s[p] * from : 1.0;
         double o = x->has[CAUSE_CURRENT_OFFSET] ? x->o_A[p] + x->o_rate_A_s[p] * from : 0.0;
-        r->i_A[p][k] = g * i[p] + o + b->noise_A * normal(random);
+        r->i_A[p][k] = g * i[p] + o + b->noise_A * bench_normal(random);
     }
     if (b->fault_share > 0.0 && uniform(random) < b->fault_share) {
         r->i_A[b->fault_phase][k] += b->fault_A;
@@ -373,8 +373,8 @@ recording bench_record(const bench *b)
             double d = i_ab[0] * cos(theta) + i_ab[1] * sin(theta);
             double q = i_ab[1] * cos(theta) - i_ab[0] * sin(theta);
             if (j % 30 == 0) {
-                step[0] = 6.0 * normal(&random);
-                step[1] = 6.0 * normal(&random);
+                step[0] = 6.0 * bench_normal(&random);
+                step[1] = 6.0 * bench_normal(&random);
             }
             double u_d = m->R_ohm * i_d[run] - omega * m->L_q_H * q + 5.0 * (i_d[run] - d) + step[0];
             double u_q =

@@ -10,6 +10,7 @@
 #include "data/recording.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 typedef struct bench {
     motor m; /* what the machine is; extensions are its effects: resistance, flux, sensors, angle, voltage */
@@ -31,6 +32,9 @@ typedef struct bench {
     bool two_sensors;
     unsigned long seed;
 } bench;
+
+/* The next number, near enough to normal, of variance 1. */
+double bench_normal(uint64_t *state);
 
 /* The motor of these tests: salient, 4 kHz. */
 motor bench_motor(void);

@@ -18,7 +18,7 @@ static const char *const names[COLUMNS] = {"t_s",           "i_a_A", "i_b_A", "t
                                            "omega_e_rad_s", "u_a_V", "u_b_V", "u_c_V"};
 static double column[COLUMNS][ROWS];
 static vec_ab noise[ROWS]; /* in the recorded voltage */
-static unsigned long state;
+static uint64_t state;
 
 void setUp(void)
 {
@@ -29,17 +29,6 @@ void tearDown(void)
 {
 }
 
-/* Near enough to normal, of variance 1. */
-static double draw(void)
-{
-    double sum = -6.0;
-    for (int k = 0; k < 12; k++) {
-        state = (state * 6364136223846793005UL + 1442695040888963407UL) & 0xffffffffffffffffUL;
-        sum += (double)(state >> 11) / 9007199254740992.0;
-    }
-    return sum;
-}
-
 /*
  * A drive at one speed, `turn` rad per row: 100 V, and what a controller adds, differences of white noise in the stationary frame, which
  * has nothing slow there. Recorded with white noise of so many volts along the voltage.
@@ -48,13 +37,13 @@ static diagnose_rows look(const motor *m, size_t rows, double turn, double noise
 {
     static const double T_s = 1e-4;
     const double *value[COLUMNS];
-    vec_ab before = {draw(), draw()};
+    vec_ab before = {bench_normal(&state), bench_normal(&state)};
     for (size_t k = 0; k < rows; k++) {
         const double theta = turn * (double)k;
-        const vec_ab now = {draw(), draw()};
+        const vec_ab now = {bench_normal(&state), bench_normal(&state)};
         const vec_rotor r = {cos(theta), sin(theta)};
         const vec_dq along = {0.6 * noise_V, 0.8 * noise_V};
-        const double n = draw();
+        const double n = bench_normal(&state);
         noise[k] = vec_to_ab((vec_dq){n * along.d, n * along.q}, r);
         const vec_ab u = vec_to_ab((vec_dq){60.0, 80.0}, r);
         double phase[3];
@@ -153,24 +142,22 @@ static void without_noise_nothing_shows(void)
     recording_free(&rec);
 }
 
-static void a_slow_rotor_or_a_short_recording_shows_nothing(void)
+static void expect_noise(bool shows, size_t rows, double turn)
 {
     const motor m = bench_motor();
     recording rec;
-    diagnose_rows r = look(&m, ROWS, 0.09, 0.05, &rec);
-    TEST_ASSERT_FALSE(r.noise_shows);
-    TEST_ASSERT_TRUE(estimate_of(&r) <= 0.0);
+    diagnose_rows r = look(&m, rows, turn, 0.05, &rec);
+    TEST_ASSERT_EQUAL_INT(shows, r.noise_shows);
+    TEST_ASSERT_EQUAL_INT(shows, estimate_of(&r) > 0.0);
     rows_free(&r);
     recording_free(&rec);
-    r = look(&m, 255, 0.4, 0.05, &rec);
-    TEST_ASSERT_FALSE(r.noise_shows);
-    TEST_ASSERT_TRUE(estimate_of(&r) <= 0.0);
-    rows_free(&r);
-    recording_free(&rec);
-    r = look(&m, 256, 0.4, 0.05, &rec);
-    TEST_ASSERT_TRUE(r.noise_shows);
-    rows_free(&r);
-    recording_free(&rec);
+}
+
+static void a_slow_rotor_or_a_short_recording_shows_nothing(void)
+{
+    expect_noise(false, ROWS, 0.09);
+    expect_noise(false, 255, 0.4);
+    expect_noise(true, 256, 0.4);
 }
 
 static void a_mean_from_both_sides_weighs_by_distance(void)
@@ -182,7 +169,7 @@ static void a_mean_from_both_sides_weighs_by_distance(void)
         double mean[COUNT];
         double work[COUNT];
         for (size_t k = 0; k < COUNT; k++) {
-            mean[k] = x[k] = draw();
+            mean[k] = x[k] = bench_normal(&state);
         }
         two_sided_mean(mean, work, COUNT, weight[w]);
         for (size_t k = 0; k < COUNT; k++) {
