@@ -141,11 +141,9 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
 /* Tabulates hypotheses and the next recording from the sums at the found state. */
 static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
-    evidence_view *view = calloc(1, sizeof *view);
-    bool ok = view != NULL && evidence_look(&w->fitted, &w->state, w->possible, view);
-    if (ok) {
-        ok = tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
-    }
+    evidence_view *view = &w->view;
+    bool ok = evidence_look(&w->fitted, &w->state, w->possible, view) &&
+              tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
     if (ok) {
         visible_tell(w, view, d);
         d->reliable = d->verdict == VERDICT_CLEAN || d->verdict == VERDICT_EXPLAINED;
@@ -161,7 +159,6 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
             experiment_find(w, view, member, d);
         }
     }
-    free(view);
     return ok;
 }
 

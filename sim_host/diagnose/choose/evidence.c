@@ -72,15 +72,15 @@ static bool is_same_point(const fit_state *a, const fit_state *b)
     return same;
 }
 
-static bool is_of(const evidence_view *view, const fit_state *s, hypothesis_set allowed)
+static bool is_of(const evidence_view *view, const fit_data *d, const fit_state *s, hypothesis_set allowed)
 {
-    return view->stands && (allowed & ~view->allowed) == 0 && view->of.set == s->set &&
-           is_same_point(&view->of, s);
+    return view->stands && view->searches == d->searches && (allowed & ~view->allowed) == 0 &&
+           view->of.set == s->set && is_same_point(&view->of, s);
 }
 
 bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view)
 {
-    if (is_of(view, s, allowed)) {
+    if (is_of(view, d, s, allowed)) {
         view->explained = view->least = 0.0;
         return true;
     }
@@ -89,6 +89,7 @@ bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evid
     gram *blocks = gram_blocks(d, s, column, n);
     gram *sums = calloc(1, sizeof *sums);
     memset(view, 0, sizeof *view);
+    view->searches = d->searches;
     view->of = *s;
     view->allowed = allowed;
     view->rows = d->rows;

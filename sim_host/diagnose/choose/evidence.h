@@ -11,6 +11,7 @@
 typedef struct evidence_view {
     /* It is of this state, for sets of these hypotheses; where rows have changed the caller takes that back. */
     bool stands;
+    bool searches; /* as in fit_data */
     fit_state of;
     hypothesis_set allowed;
     const diagnose_rows *rows;

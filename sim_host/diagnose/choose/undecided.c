@@ -4,7 +4,6 @@
 #include "probability.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* That of the catalogue must be at least this for any cause. */
 static const double BORNE_OUT = 0.95;
@@ -13,13 +12,14 @@ static const double BORNE_OUT = 0.95;
 static bool find_below(session *w, double limit, hypothesis_set *below, FILE *trace)
 {
     standing of[H_COUNT];
-    evidence_view *view = calloc(1, sizeof *view);
-    bool ok = view && evidence_look(&w->fitted, &w->state, w->possible, view);
-    if (ok) {
-        view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-        ok = probability_of(view, &w->state, session_rivals(w), w->certainty.inflation, of);
+    if (!evidence_look(&w->fitted, &w->state, w->possible, &w->view)) {
+        return false;
     }
-    for (hypothesis_id h = 0; ok && h < H_COUNT; h++) {
+    w->view.explained = fmax(w->nominal.objective - w->state.objective, 0.0);
+    if (!probability_of(&w->view, &w->state, session_rivals(w), w->certainty.inflation, of)) {
+        return false;
+    }
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (hypothesis_in(hypotheses_named(w->state.set & ~w->minor), h) && of[h].probability < limit) {
             *below |= HYPOTHESIS_BIT(h);
             if (trace) {
@@ -27,8 +27,7 @@ static bool find_below(session *w, double limit, hypothesis_set *below, FILE *tr
             }
         }
     }
-    free(view);
-    return ok;
+    return true;
 }
 
 bool undecided_accuse_none(session *w, double limit, FILE *trace)
