@@ -70,6 +70,11 @@ static sign_doubt sign_doubt_of(const diagnose_rows *r, vec_ab i)
     return doubt;
 }
 
+bool observer_sign_is_unsure(const diagnose_rows *r, const averaged_drive *drive, vec_ab i)
+{
+    return drive->sign_is_doubted && sign_doubt_of(r, i).along > 0.0;
+}
+
 static vec_ab doubted(const sign_doubt *doubt, vec_ab v)
 {
     const double by =

@@ -26,6 +26,12 @@ enum {
 };
 
 /*
+ * Whether noise may have turned the sign that decides a compensation of this drive in a cycle that begins with this current. The cycle's
+ * error says nothing then.
+ */
+bool observer_sign_is_unsure(const diagnose_rows *r, const averaged_drive *drive, vec_ab i);
+
+/*
  * Writes OBSERVER_OUTPUTS innovations per row of the block; zeros at the start and at outliers, after which the observer starts
  * again. With `gate` > 0, a row whose innovation is longer than the gate (A) is marked as an outlier. `seen` (may be NULL): the share of
  * each row's innovation that is counted, 0 if it has none.

@@ -186,6 +186,18 @@ static void a_doubtful_sign_is_not_counted(void)
     TEST_ASSERT_TRUE(across > 0.0);
 }
 
+/* A row whose error says nothing of its voltage: only of such a drive, and only where noise may have turned the sign. */
+static void which_signs_are_unsure(void)
+{
+    const double z[P_COUNT] = {[P_COMPENSATION] = 2.0};
+    averaged_drive d = near_zero(z);
+    const vec_ab far = vec_from_phases((const double[3]){5.0, -2.0, -3.0});
+    TEST_ASSERT_TRUE(observer_sign_is_unsure(&rows, &d, rows.row[0].i_A));
+    TEST_ASSERT_FALSE(observer_sign_is_unsure(&rows, &d, far));
+    d.sign_is_doubted = false;
+    TEST_ASSERT_FALSE(observer_sign_is_unsure(&rows, &d, rows.row[0].i_A));
+}
+
 /*
  * A compensation by a current near zero drives it away from there: by the run's own current, whose sign a small change of a parameter
  * turns, the innovations would leap. Twice a change is twice the difference. By running: 0.027 at most.
@@ -228,6 +240,7 @@ int main(void)
     RUN_TEST(with_a_clipped_dead_time_it_is_nearly);
     RUN_TEST(with_iron_a_small_part_is_left_out);
     RUN_TEST(a_doubtful_sign_is_not_counted);
+    RUN_TEST(which_signs_are_unsure);
     RUN_TEST(a_doubtful_sign_makes_no_leap);
     return UNITY_END();
 }
