@@ -91,13 +91,25 @@ bool corrections_by_rows(session *w, const motor *file, hypothesis_set skip, FIL
         return false;
     }
     const double floor_A = measure_floor(&w->rows, &w->state, &first, &noise_A);
-    if (look_for_ripple && !measure_link_ripple(&w->rows, &first, floor_A, file, &rippled)) {
+    if (look_for_ripple &&
+        !measure_link_ripple(&w->rows, &first, floor_A, LINK_RIPPLE_LEAST, file, &rippled)) {
         return false;
     }
     say(trace, faulty, "sensor faults");
     say(trace, missed, "missed updates");
     say(trace, rippled, "DC-link ripple");
     *corrected = faulty + missed + rippled;
+    return true;
+}
+
+bool corrections_by_link(session *w, const motor *file, hypothesis_set skip, FILE *trace)
+{
+    size_t rows = 0;
+    if (!hypothesis_in(skip, H_DC_LINK_RIPPLE) &&
+        !measure_link_ripple(&w->rows, &w->frame.nominal, 0.0, LINK_RIPPLE_ALONE, file, &rows)) {
+        return false;
+    }
+    say(trace, rows, "DC-link ripple, which by itself explains most");
     return true;
 }
 

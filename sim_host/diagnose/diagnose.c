@@ -342,12 +342,15 @@ static bool go_on(session *w, const diagnose_options *options, bool *whole)
 /* A correction may uncover more: DC-link ripple hides missed updates. */
 static bool correct_rows(session *w, const motor *m, const diagnose_options *options, bool *whole)
 {
+    /* A ripple that the motor file's drive showed is measured again by the drive that was found since. */
+    bool changed = w->state.set != 0 && corrections_take_back(&w->rows);
     size_t corrected = 1;
     for (int again = 0; corrected > 0 && again < 2; again++) {
         if (!corrections_by_rows(w, m, options->skip, options->teller.trace, &corrected) ||
-            (corrected > 0 && !go_on(w, options, whole))) {
+            ((corrected > 0 || changed) && !go_on(w, options, whole))) {
             return false;
         }
+        changed = false;
     }
     return true;
 }
@@ -398,8 +401,9 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     bool whole = false;
     w->fitted.searches = true;
     bool less = false;
-    if (!begin(w, &options->teller) || !doubt_less(w, &less, &options->teller) ||
-        !find_under_modulator(w, &options->teller) || !consider_whole(w, options, &whole)) {
+    if (!corrections_by_link(w, m, options->skip, options->teller.trace) || !begin(w, &options->teller) ||
+        !doubt_less(w, &less, &options->teller) || !find_under_modulator(w, &options->teller) ||
+        !consider_whole(w, options, &whole)) {
         return false;
     }
     /* What a sparse search found by too much noise may be wrong. */

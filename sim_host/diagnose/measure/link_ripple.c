@@ -19,8 +19,6 @@ static const double STEP = 1e-3;      /* of the voltage, for its effect */
 static const double MOST_LATE = 0.15; /* cycles */
 static const double WILD = 6.0;       /* an error of so many deviations counts as that many */
 static const double LEAST_SHARE = 0.003;
-/* Of the square of what it leaves beyond the noise: less is a line of something else, which the voltage shares a part of. */
-static const double LEAST_OF_REST = 0.05;
 static const double SHARE_LOOSE = 0.03,
                     FREQUENCY_LOOSE = 5e-4; /* what the law leaves: intervals say no less */
 
@@ -181,8 +179,9 @@ static row_correction told(const ripple_found *f)
                             .high = {f->frequency_Hz + frequency_Hz, f->share + share}};
 }
 
-/* Fits each piece. True if the fits reduce the squared error by at least LEAST_OF_REST of the residual beyond the noise. */
-static bool is_worth_it(const diagnose_rows *r, ripple_pieces *all, const ripple_found *found, double floor_A)
+/* Fits each piece. True if the fits reduce the squared error by at least so much of the residual beyond the noise. */
+static bool is_worth_it(const diagnose_rows *r, ripple_pieces *all, const ripple_found *found, double floor_A,
+                        double of_rest)
 {
     double off = 0.0;
     double rest = 0.0;
@@ -192,7 +191,7 @@ static bool is_worth_it(const diagnose_rows *r, ripple_pieces *all, const ripple
         off += own;
         rest += p->square_A2 - own - (double)p->count * floor_A * floor_A;
     }
-    return off >= LEAST_OF_REST * rest;
+    return off >= of_rest * rest;
 }
 
 /* A speed that swings by this part of the line's share can make the line itself, if its column is a little late or small. */
@@ -223,8 +222,8 @@ static double speed_swing(const diagnose_rows *r, const ripple_pieces *all, doub
     return fastest > 0.0 ? sqrt(square) / fastest : 0.0;
 }
 
-bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double floor_A, const motor *file,
-                         size_t *corrected)
+bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double floor_A, double of_rest,
+                         const motor *file, size_t *corrected)
 {
     ripple_pieces all = {0};
     ripple_found found = {0};
@@ -240,7 +239,7 @@ bool measure_link_ripple(diagnose_rows *r, const averaged_drive *drive, double f
     bool ok = look(r, &prompt, &all, &found);
     if (ok && found.share >= LEAST_SHARE &&
         speed_swing(r, &all, found.frequency_Hz) < SPEED_MAKES * found.share &&
-        is_worth_it(r, &all, &found, floor_A)) {
+        is_worth_it(r, &all, &found, floor_A, of_rest)) {
         const row_correction correction = told(&found);
         ok = corrected_rows_keep(r, &correction, file);
         *corrected = ok ? correct(r, &all, &found) : 0;
