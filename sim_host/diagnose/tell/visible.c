@@ -106,6 +106,17 @@ static void keep_explanation(explanation_list *list, const evidence_option *opti
     }
 }
 
+/* An explanation in addition to the undecided ones is no freer than these: what moves more fits more. */
+static bool is_too_free(const session *w, hypothesis_id h)
+{
+    size_t most = 1;
+    for (hypothesis_id other = 0; other < H_COUNT; other++) {
+        const size_t columns = hypothesis_table[other].columns;
+        most = hypothesis_in(w->undecided, other) && columns > most ? columns : most;
+    }
+    return hypothesis_table[h].columns > most;
+}
+
 /* Adds the sets with one member more, from `first` on, to a set of this cost, and those with more. */
 static void add_explanations(const session *w, const evidence_view *view, hypothesis_set set, double cost,
                              hypothesis_id first, size_t more, explanation_list *list)
@@ -116,7 +127,7 @@ static void add_explanations(const session *w, const evidence_view *view, hypoth
         evidence_option without;
         const hypothesis_set with = set | HYPOTHESIS_BIT(h);
         if (!hypothesis_in(w->possible, h) || !hypothesis_cause(h)->named || !hypothesis_joins(set, h) ||
-            (hypothesis_table[h].columns > 1 && !hypothesis_in(w->undecided, h))) {
+            is_too_free(w, h)) {
             continue;
         }
         const bool is_choice = evidence_cost(view, &w->state, with, &option) || with == w->state.set;
