@@ -20,12 +20,10 @@ static vec_dq flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_roto
  * By how much the current half-way between two lies ahead of their mean: it carries the mean of both ends' flux, and the magnet's part of
  * that is another half-way round, as are its harmonics.
  */
-static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r,
+static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_rotor half,
                        const harmonic_ends *harmonics, vec_ab first, vec_ab last)
 {
     const vec_rotor end = rotor_turned(r, (vec_rotor){row->cos_turn, row->sin_turn});
-    const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
-    const vec_rotor half = {0.5 * twice_cos, row->sin_turn / twice_cos};
     const double psi_Wb = averaged_drive_magnet(d, row);
     const vec_dq one = flux_of(d, psi_Wb, first, r);
     const vec_dq two = flux_of(d, psi_Wb, last, end);
@@ -63,11 +61,13 @@ found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor 
 {
     found_way way;
     double k[3];
+    const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
+    const vec_rotor half = {0.5 * twice_cos, row->sin_turn / twice_cos};
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
     vec_to_phases(seen, way.seen);
-    vec_to_phases(half_way(d, row, r, harmonics, first, last), way.bow);
-    averaged_drive_per_H(d, d->edge_ripple, r, k);
+    vec_to_phases(half_way(d, row, r, half, harmonics, first, last), way.bow);
+    averaged_drive_per_H(d, d->edge_ripple, rotor_turned(r, half), k);
     for (size_t x = 0; x < 3; x++) {
         const vec_ab axis = vec_phase_axis[x];
         const vec_ab per_flux = {k[0] * axis.alpha + k[1] * axis.beta, k[1] * axis.alpha + k[2] * axis.beta};
