@@ -191,7 +191,7 @@ class Live(unittest.TestCase):
         self.script("document.getElementById('connect').click()")
 
     def test_1_the_board_while_it_runs(self):
-        """Scope and trigger at the recorder's rate; then recording, diagnosis, tuned controller and header, all as the program's."""
+        """Scope and trigger at the recorder's rate; then recording and diagnosis, both as the program's."""
         self.addCleanup(self.browser.console)
         bridge = self.bridge(self.uart, lambda: self.board.over)
         self.connect(bridge, "several")
@@ -227,17 +227,6 @@ class Live(unittest.TestCase):
         self.assertEqual(mine, (self.folder / "board.json").read_text())
         self.assertEqual(json.loads(mine)["causes"][0]["id"], "dead_time")
         self.assertEqual(self.script("return window.serialSaid"), [1000000, "closed"])
-
-        self.script("document.getElementById('tune').click()")
-        self.wait("!document.getElementById('tuned').hidden", "no controller: " + self.text("tune-state"))
-        (self.folder / "diagnosis.json").write_text(mine)
-        subprocess.run([PROGRAM, "tune", "--motor", self.motor(), "--diagnosis", "diagnosis.json", "-o", "tuned"], cwd=self.folder,
-                       capture_output=True, check=True)
-        header = self.script("return new TextDecoder().decode(window.iqfoc.tuned['iqfoc_tuned.h'])")
-        self.assertEqual(header, (self.folder / "tuned/iqfoc_tuned.h").read_text())
-        self.assertEqual(self.script("return [...document.querySelectorAll('#tuned-files a')].map((a) => a.download)"),
-                         ["iqfoc_tuned.h", "index.html"])
-        self.picture("board_tuned.png", "tune")
 
     def motor(self):
         (self.folder / MOTOR.name).write_bytes(MOTOR.read_bytes())
