@@ -142,24 +142,27 @@ static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis
 static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
     evidence_view *view = &w->view;
-    bool ok = evidence_look(&w->fitted, &w->state, w->possible, view) &&
-              tabulate_hypotheses(w, view, d, member, skipped) && resistance_trade_tell(w, d);
-    if (ok) {
-        visible_tell(w, view, d);
-        d->reliable = d->verdict == VERDICT_CLEAN || d->verdict == VERDICT_EXPLAINED;
-        known_widen(d);
-        if (w->undecided != 0) {
-            explanations_tell(w, view, hypotheses_named(w->state.set) & ~w->undecided, d);
-            if (!d->alike_by_scale) {
-                experiment_of_explanations(w, view, w->undecided, d);
-            }
-        }
-        if (d->experiment.numbers == 0) {
-            ok = evidence_look(&w->fitted, &w->state, w->possible, view);
-            experiment_find(w, view, member, d);
+    if (!evidence_look(&w->fitted, &w->state, w->possible, view) ||
+        !tabulate_hypotheses(w, view, d, member, skipped) || !resistance_trade_tell(w, d)) {
+        return false;
+    }
+    visible_tell(w, view, d);
+    d->reliable = d->verdict == VERDICT_CLEAN || d->verdict == VERDICT_EXPLAINED;
+    known_widen(d);
+    if (w->undecided != 0) {
+        explanations_tell(w, view, hypotheses_named(w->state.set) & ~w->undecided, d);
+        if (!d->alike_by_scale) {
+            experiment_of_explanations(w, view, w->undecided, d);
         }
     }
-    return ok;
+    if (d->experiment.numbers > 0) {
+        return true;
+    }
+    if (!evidence_look(&w->fitted, &w->state, w->possible, view)) {
+        return false;
+    }
+    experiment_find(w, view, member, d);
+    return true;
 }
 
 /* In noise floors. */

@@ -90,6 +90,7 @@ static void tell_directions(const session *w, const evidence_view *view, diagnos
 /* The explanations that were found, the best first. */
 typedef struct explanation_list {
     size_t count, most; /* most: the members of one */
+    size_t columns;     /* the most of one that is undecided: what moves more than these fits more */
     evidence_option option[DIAGNOSIS_EXPLANATIONS];
 } explanation_list;
 
@@ -106,17 +107,6 @@ static void keep_explanation(explanation_list *list, const evidence_option *opti
     }
 }
 
-/* An explanation in addition to the undecided ones is no freer than these: what moves more fits more. */
-static bool is_too_free(const session *w, hypothesis_id h)
-{
-    size_t most = 1;
-    for (hypothesis_id other = 0; other < H_COUNT; other++) {
-        const size_t columns = hypothesis_table[other].columns;
-        most = hypothesis_in(w->undecided, other) && columns > most ? columns : most;
-    }
-    return hypothesis_table[h].columns > most;
-}
-
 /* Adds the sets with one member more, from `first` on, to a set of this cost, and those with more. */
 static void add_explanations(const session *w, const evidence_view *view, hypothesis_set set, double cost,
                              hypothesis_id first, size_t more, explanation_list *list)
@@ -127,7 +117,7 @@ static void add_explanations(const session *w, const evidence_view *view, hypoth
         evidence_option without;
         const hypothesis_set with = set | HYPOTHESIS_BIT(h);
         if (!hypothesis_in(w->possible, h) || !hypothesis_cause(h)->named || !hypothesis_joins(set, h) ||
-            is_too_free(w, h)) {
+            hypothesis_table[h].columns > list->columns) {
             continue;
         }
         const bool is_choice = evidence_cost(view, &w->state, with, &option) || with == w->state.set;
@@ -268,14 +258,17 @@ void explanations_tell(const session *w, const evidence_view *view, hypothesis_s
         tell_scales(w, named & ~w->minor, d);
         return;
     }
-    explanation_list list = {.most = 1};
+    explanation_list list = {.most = 1, .columns = 1};
     evidence_option none;
     double weight[DIAGNOSIS_EXPLANATIONS] = {0.0};
     double sum = 0.0;
     size_t n = 0;
     for (hypothesis_id h = 0, members = 0; h < H_COUNT; h++) {
-        members += hypothesis_in(w->undecided, h) ? 1 : 0;
-        list.most = members > 1 ? MEMBERS : 1;
+        if (hypothesis_in(w->undecided, h)) {
+            const size_t columns = hypothesis_table[h].columns;
+            list.most = ++members > 1 ? MEMBERS : 1;
+            list.columns = columns > list.columns ? columns : list.columns;
+        }
     }
     evidence_cost(view, &w->state, named, &none);
     add_explanations(w, view, named, none.cost, 0, list.most, &list);
