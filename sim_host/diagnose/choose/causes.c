@@ -38,14 +38,6 @@ static const double MOST_LEFT = 0.5;
 
 enum { PRUNE_STEPS = 12, ROUGH_STEPS = 5 };
 
-/* Whether it is larger than its least size. */
-static bool is_large(const session *w, hypothesis_id h)
-{
-    const hypothesis *hypo = &hypothesis_table[h];
-    return !hypothesis_size_is_doubted(h) ||
-           certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypo->least);
-}
-
 /* An error in noise floors; 0 if there is no noise to measure it by. */
 static double in_floors(double floor, double percent)
 {
@@ -173,8 +165,8 @@ static bool is_one_map(const weighing *g, hypothesis_id h)
 
 static bool is_worthy(const weighing *g, hypothesis_id h)
 {
-    return is_probable(g, h) && is_large(g->w, h) && is_one_map(g, h) && g->without[h] >= bar_of(g, h) &&
-           !harms(g, h);
+    return is_probable(g, h) && session_is_large(g->w, h) && is_one_map(g, h) &&
+           g->without[h] >= bar_of(g, h) && !harms(g, h);
 }
 
 /* The member that is least worth its name, H_COUNT if all are. */
@@ -191,20 +183,6 @@ static hypothesis_id weakest(const session *w, const weighing *g)
         unworthy |= hypothesis_in(w->state.set, h) && !is_worthy(g, h) ? HYPOTHESIS_BIT(h) : 0;
     }
     return least_of(g->without, unworthy);
-}
-
-void causes_take_out(fit_state *s, hypothesis_id h, hypothesis_set allowed, double of_least)
-{
-    const double mean = 0.5 * (s->z[P_L_D] + s->z[P_L_Q]);
-    s->set &= ~HYPOTHESIS_BIT(h);
-    if (h != H_INDUCTANCE && hypothesis_in(allowed, H_INDUCTANCE) &&
-        (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0 &&
-        fabs(mean) >= of_least * hypothesis_table[H_INDUCTANCE].least) {
-        hypothesis_leave_mean(h, s->z);
-        s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
-        return;
-    }
-    last_digits_keep(h, s->z);
 }
 
 /* A delay whose part of a cycle is below the reporting threshold may still be one of whole cycles: that one, H_COUNT if there is none. */
@@ -288,7 +266,7 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
                           ? hypotheses_of_cause(hypothesis_cause(worst)->id)
                           : HYPOTHESIS_BIT(worst));
         const hypothesis_id whole = whole_of(&w->state, worst);
-        causes_take_out(&w->state, worst, *allowed, w->frame.of_least);
+        search_take_out(&w->fitted, &w->state, worst, *allowed);
         if (whole != H_COUNT && hypothesis_in(*allowed, whole) && hypothesis_joins(w->state.set, whole)) {
             join_whole(&w->state, whole);
         }
@@ -416,7 +394,7 @@ bool causes_reject_harmful(session *w, const diagnose_teller *teller)
             fprintf(teller->trace, "  raises the held-out error: %s\n", hypothesis_table[worst].words);
         }
         w->allowed &= ~HYPOTHESIS_BIT(worst);
-        causes_take_out(&w->state, worst, w->allowed, w->frame.of_least);
+        search_take_out(&w->fitted, &w->state, worst, w->allowed);
         if (!refine(w, false) || !certainty_of(&w->fitted, &w->state, &w->certainty)) {
             return false;
         }

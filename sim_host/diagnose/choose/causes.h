@@ -20,10 +20,6 @@ bool causes_find(session *w, const diagnose_teller *teller);
  */
 bool causes_reject_harmful(session *w, const diagnose_teller *teller);
 
-/* Takes a hypothesis out of a state. If it holds an inductance above the reporting threshold, that inductance stays, to be weighed by
- * itself; not if it is not allowed. */
-void causes_take_out(fit_state *s, hypothesis_id h, hypothesis_set allowed, double of_least);
-
 /* What was found is left as it is if it explains as much as it leaves (borne_out.h);
  * if not, a search begins among the effects without a name. False: out of memory. */
 bool causes_bear_out(session *w, const diagnose_teller *teller);

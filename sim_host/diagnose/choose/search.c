@@ -140,35 +140,36 @@ static void grow(enumeration *e)
     }
 }
 
-/*
- * Leaves out the members that turned out too small for a name; of a saliency without difference or a
- * saturation without fall an inductance stays, of a dead time without a compensation the dead time. True if anything was left out.
- */
-static bool drop_small(const fit_data *d, fit_state *s, hypothesis_set allowed)
+void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesis_set allowed)
 {
     const double of_least = d->frame->of_least;
-    hypothesis_set before = s->set;
+    s->set &= ~HYPOTHESIS_BIT(h);
+    if (h == H_COMPENSATED && hypothesis_in(allowed, H_DEAD_TIME) &&
+        fabs(s->z[P_V_DEAD]) >= of_least * hypothesis_table[H_DEAD_TIME].least) {
+        s->set |= HYPOTHESIS_BIT(H_DEAD_TIME);
+        edge_of_set(d, s);
+        return;
+    }
+    if (h != H_INDUCTANCE && (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0) {
+        hypothesis_leave_mean(h, s->z);
+        if (hypothesis_in(allowed, H_INDUCTANCE) &&
+            fabs(s->z[P_L_D]) >= of_least * hypothesis_table[H_INDUCTANCE].least) {
+            s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
+            return;
+        }
+    }
+    last_digits_keep(h, s->z);
+}
+
+/* Takes out the members that turned out too small for a name. True if there were any. */
+static bool drop_small(const fit_data *d, fit_state *s, hypothesis_set allowed)
+{
+    const hypothesis_set before = s->set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (!(s->set & HYPOTHESIS_BIT(h)) ||
-            hypothesis_size(h, s->z) >= of_least * hypothesis_table[h].least) {
-            continue;
+        if (hypothesis_in(s->set, h) &&
+            hypothesis_size(h, s->z) < d->frame->of_least * hypothesis_table[h].least) {
+            search_take_out(d, s, h, allowed);
         }
-        s->set &= ~HYPOTHESIS_BIT(h);
-        if (h == H_COMPENSATED && hypothesis_in(allowed, H_DEAD_TIME) &&
-            fabs(s->z[P_V_DEAD]) >= of_least * hypothesis_table[H_DEAD_TIME].least) {
-            s->set |= HYPOTHESIS_BIT(H_DEAD_TIME);
-            edge_of_set(d, s);
-            continue;
-        }
-        if (h != H_INDUCTANCE && (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0) {
-            hypothesis_leave_mean(h, s->z);
-            if ((allowed & HYPOTHESIS_BIT(H_INDUCTANCE)) &&
-                fabs(s->z[P_L_D]) >= of_least * hypothesis_table[H_INDUCTANCE].least) {
-                s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
-                continue;
-            }
-        }
-        last_digits_keep(h, s->z);
     }
     return s->set != before;
 }

@@ -19,6 +19,12 @@
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
                  fitted_sets *fitted, evidence_view *view, const diagnose_teller *teller);
 
+/*
+ * Takes a hypothesis out of a state. The inductance or the dead time in it stays, to be weighed by itself, if it is above its reporting
+ * threshold and allowed.
+ */
+void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesis_set allowed);
+
 /* What the sets of two states that were fitted are compared by. False: out of memory. */
 bool search_score(fit_data *d, const fit_state *s, double *score);
 

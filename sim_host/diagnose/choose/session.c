@@ -56,6 +56,12 @@ static averaged_drive named_drive(const session *w, hypothesis_set set)
     return session_drive(w, z);
 }
 
+bool session_is_large(const session *w, hypothesis_id h)
+{
+    return !hypothesis_size_is_doubted(h) ||
+           certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypothesis_table[h].least);
+}
+
 double session_named_error(const session *w, hypothesis_set set)
 {
     const averaged_drive drive = named_drive(w, set);

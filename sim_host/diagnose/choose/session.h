@@ -60,6 +60,9 @@ hypothesis_set session_rivals(const session *w);
 /* Errors are in percent of the current, on held-out rows without glitches. The noise floor at a state. */
 double session_floor(const session *w, const fit_state *s);
 
+/* Whether a member of w->state's set is certainly larger than its reporting threshold. */
+bool session_is_large(const session *w, hypothesis_id h);
+
 /* Of the model that holds the named members of a set at the fitted values; of the motor file for an empty set. */
 double session_named_error(const session *w, hypothesis_set set);
 

@@ -284,12 +284,11 @@ static void divide(session *w)
     const double all = cut_objective(w, named) - full;
     w->minor = w->undecided = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        const hypothesis *hypo = &hypothesis_table[h];
         if (!hypothesis_in(named, h)) {
             continue;
         }
-        const bool large = !hypothesis_size_is_doubted(h) ||
-                           certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypo->least);
+        /* A dead time may be large although its compensation is not. */
+        const bool large = session_is_large(w, h) || (h == H_COMPENSATED && session_is_large(w, H_DEAD_TIME));
         const double brings = cut_objective(w, HYPOTHESIS_BIT(h)) - full;
         if (!large || !(brings >= SHARE_OF_CAUSE * all)) {
             w->minor |= HYPOTHESIS_BIT(h);

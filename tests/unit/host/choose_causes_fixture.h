@@ -46,6 +46,7 @@ static void prepare(void)
     w = (session){.possible = BIT(H_RESISTANCE) | BIT(H_FLUX) | BIT(H_DEAD_TIME) | ZONE,
                   .state = fit_nominal()};
     w.frame.of_least = 1.0;
+    w.fitted.frame = &w.frame;
     w.frame.nominal = (averaged_drive){.R_ohm = 1.0, .psi_f_Wb = 1.0, .i_knee_A = 1.0, .fe_tau_s = 1.0};
     for (size_t k = 0; k < SCALE_COUNT; k++) {
         w.frame.scale[k] = 1.0;

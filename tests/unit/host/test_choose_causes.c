@@ -90,6 +90,27 @@ static void after_enough_no_search_begins_but_all_is_weighed(void)
     TEST_ASSERT_TRUE(calls > 1);
 }
 
+/* Of a dead time whose compensation may be none, the dead time stays. */
+static void a_doubtful_compensation_leaves_its_dead_time(void)
+{
+    prepare();
+    w.possible |= BIT(H_COMPENSATED);
+    takes(P_V_DEAD, 0.5, 300.0);
+    takes(P_COMPENSATION, 0.3, 100.0);
+    half_width[P_V_DEAD] = 1e-3;
+    half_width[P_COMPENSATION] = 0.4;
+    proposed[0] = BIT(H_COMPENSATED);
+    proposed[1] = proposed[2] = BIT(H_DEAD_TIME);
+    TEST_ASSERT_TRUE(causes_find(&w, &nobody));
+    TEST_ASSERT_TRUE(w.state.set == BIT(H_DEAD_TIME));
+    TEST_ASSERT_TRUE(set_fitted[0] == BIT(H_COMPENSATED) && set_fitted[1] == BIT(H_DEAD_TIME));
+    SAME(0.5, w.state.z[P_V_DEAD]);
+    SAME(0.0, w.state.z[P_COMPENSATION]);
+    /* A certain one stays. */
+    half_width[P_COMPENSATION] = 0.05;
+    KEPT(BIT(H_COMPENSATED));
+}
+
 /* A map of the q axis, all of whose columns show. */
 static void takes_a_map(double off)
 {
@@ -332,6 +353,7 @@ int main(void)
     RUN_TEST(what_stands_is_searched_from_once_more);
     RUN_TEST(the_least_of_the_unworthy_goes_first);
     RUN_TEST(what_is_found_later_is_weighed_too);
+    RUN_TEST(a_doubtful_compensation_leaves_its_dead_time);
     RUN_TEST(after_enough_no_search_begins_but_all_is_weighed);
     RUN_TEST(a_map_goes_with_all_its_forms);
     RUN_TEST(a_map_that_differs_between_points_must_leave_little);
