@@ -85,6 +85,15 @@ static fit_state second_part(const fit_state *one)
     return two;
 }
 
+/* The first of two parts alone, from where both ended. */
+static fit_state without_second(const fit_state *two)
+{
+    fit_state one = *two;
+    one.set = (two->set & ~HYPOTHESIS_BIT(H_IRON_2)) | HYPOTHESIS_BIT(H_IRON_1);
+    one.z[P_IRON_2] = one.z[P_IRON_2_D] = one.z[P_IRON_2_Q] = one.z[P_IRON_2_C] = 0.0;
+    return one;
+}
+
 /* Fits a trial, which takes the state's place if its score is better. False: out of memory. */
 static bool try_parts(fit_data *d, fit_state *s, fit_state *trial, double *score)
 {
@@ -129,7 +138,12 @@ static bool choose_parts(fit_data *d, fit_state *s, hypothesis_set allowed)
         return false;
     }
     fit_state two = second_part(&one);
-    return try_parts(d, s, &two, &score);
+    if (!try_parts(d, s, &two, &score)) {
+        return false;
+    }
+    /* A second part may only have led the first one on. */
+    fit_state again = without_second(&two);
+    return !hypothesis_in(s->set, H_IRON_2) || try_parts(d, s, &again, &score);
 }
 
 bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_steps)

@@ -22,8 +22,9 @@ static size_t fits;
 enum { MOST_FITS = 8 };
 
 static fit_state tried[MOST_FITS];
-static double gained[2];      /* by the first fit and by the others, of the objective at which each begins */
-static double energy;         /* of the first part, as fitted */
+static double
+    gained[3];        /* by the first fit, the second and the third, of the objective at which each begins */
+static double energy; /* of the first part, as fitted */
 static double fall, given_up; /* of a whole map */
 static size_t memory_for;
 
@@ -41,7 +42,7 @@ bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const f
         TEST_ASSERT_TRUE(iterations > 10 && aim->most == INFINITY);
     }
     tried[fits] = *s;
-    s->objective -= gained[fits > 0];
+    s->objective -= gained[fits < 2 ? fits : 2];
     s->z[whole ? P_SATURATION : P_IRON_1] = whole ? fall : energy;
     *alone = s->objective + (whole ? given_up : 0.0);
     return fits++ < memory_for;
@@ -87,6 +88,7 @@ static void prepare(hypothesis_set set)
     state.z[P_IRON_1] = hypothesis_in(set, H_IRON_1) ? 0.6 : 0.0;
     fits = 0;
     gained[0] = gained[1] = 500.0;
+    gained[2] = -500.0;
     energy = 0.4;
     memory_for = MOST_FITS;
 }
@@ -215,7 +217,7 @@ static void one_part_alone_and_then_a_second(void)
 {
     prepare(BIT(H_SATURATION) | BIT(H_RESISTANCE));
     TEST_ASSERT_TRUE(chosen(MAPS) == BIT(H_IRON_2));
-    TEST_ASSERT_EQUAL_size_t(2, fits);
+    TEST_ASSERT_EQUAL_size_t(3, fits);
     TEST_ASSERT_TRUE(tried[0].set == BIT(H_IRON_1));
     /* Nothing is left of what was found next to the wrong model, and the part is there. */
     TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[0].z[P_R]);
@@ -225,6 +227,22 @@ static void one_part_alone_and_then_a_second(void)
     TEST_ASSERT_EQUAL_DOUBLE(energy, tried[1].z[P_IRON_1]);
     TEST_ASSERT_TRUE(tried[1].z[P_IRON_2] > 0.0 && tried[1].z[P_IRON_2_C] != tried[1].z[P_IRON_1_C]);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, state.objective);
+}
+
+/* A second part may only have led the first one on, which then does as well alone. */
+static void the_first_part_alone_again(void)
+{
+    prepare(BIT(H_SATURATION) | BIT(H_RESISTANCE));
+    gained[2] = -40.0; /* four numbers at 12 each */
+    TEST_ASSERT_TRUE(chosen(MAPS) == BIT(H_IRON_1));
+    TEST_ASSERT_EQUAL_size_t(3, fits);
+    TEST_ASSERT_TRUE(tried[2].set == BIT(H_IRON_1));
+    TEST_ASSERT_EQUAL_DOUBLE(energy, tried[2].z[P_IRON_1]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[2].z[P_IRON_2]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[2].z[P_IRON_2_C]);
+    prepare(BIT(H_SATURATION) | BIT(H_RESISTANCE));
+    gained[2] = -60.0;
+    TEST_ASSERT_TRUE(chosen(MAPS) == BIT(H_IRON_2));
 }
 
 static void each_pays_for_its_numbers(void)
@@ -258,8 +276,9 @@ static void each_pays_for_its_numbers(void)
 static void a_second_part_leaves_the_others(void)
 {
     prepare(BIT(H_IRON_1) | BIT(H_RESISTANCE));
+    gained[1] = -500.0;
     TEST_ASSERT_TRUE(chosen(MAPS) == (BIT(H_IRON_2) | BIT(H_RESISTANCE)));
-    TEST_ASSERT_EQUAL_size_t(1, fits);
+    TEST_ASSERT_EQUAL_size_t(2, fits);
     TEST_ASSERT_EQUAL_DOUBLE(0.2, tried[0].z[P_R]);
     TEST_ASSERT_EQUAL_DOUBLE(0.6, tried[0].z[P_IRON_1]);
 }
@@ -273,7 +292,7 @@ static void they_are_tried_where_much_bends(void)
     TEST_ASSERT_EQUAL_size_t(0, fits);
     state.z[P_SATURATION] = 0.19 / 1.2;
     chosen(MAPS);
-    TEST_ASSERT_EQUAL_size_t(2, fits);
+    TEST_ASSERT_EQUAL_size_t(3, fits);
     const hypothesis_set never[] = {BIT(H_RESISTANCE), BIT(H_IRON_2), BIT(H_INDUCTANCE)};
     for (size_t k = 0; k < sizeof never / sizeof *never; k++) {
         prepare(never[k]);
@@ -307,6 +326,7 @@ int main(void)
     RUN_TEST(it_is_worth_its_parameters_and_physical);
     RUN_TEST(it_is_tried_from_terms_alone);
     RUN_TEST(one_part_alone_and_then_a_second);
+    RUN_TEST(the_first_part_alone_again);
     RUN_TEST(each_pays_for_its_numbers);
     RUN_TEST(a_second_part_leaves_the_others);
     RUN_TEST(they_are_tried_where_much_bends);
