@@ -5,16 +5,26 @@
 # What each part ended with: passed, failed and name, a line each.
 RESULTS=build/logs/results
 
+# Runs a command that ends at the first one in it that fails.
+in_subshell() (
+    set -euo pipefail
+    "$@"
+)
+
 # Runs the function $2... as the part named $1. A part that ends as ctest does counts that many tests, any other counts as one.
 run_part() {
-    local name=$1 log=build/logs/$1.log start=$SECONDS status=0 total=1 failed=0 count
+    local name=$1 log=build/logs/$1.log start=$SECONDS status=0 total=1 failed=0 count user system seconds
+    local TIMEFORMAT='%0U %0S'
     shift
     printf '%s' "$name" >"$LANE"
-    (
-        set -euo pipefail
-        "$@"
-    ) >"$log" 2>&1 </dev/null &
+    {
+        set +e # a part that fails has a time, too
+        time in_subshell "$@" >"$log" 2>&1 </dev/null
+        exit $?
+    } 2>"build/logs/$name.time" &
     wait $! || status=$?
+    read -r user system <"build/logs/$name.time"
+    seconds="$((SECONDS - start)) s, $((user + system)) s of processor time"
 
     count=$(sed -nE 's/^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)$/\1 \2/p' "$log" | tail -n 1)
     if [[ -n $count ]]; then
@@ -27,14 +37,20 @@ run_part() {
     printf '%d %d %s\n' $((total - failed)) "$failed" "$name" >>"$RESULTS"
     [[ -t 1 ]] && printf '\r\033[K'
     if ((status == 0)); then
-        printf '  ok    %-14s %5d test%s %4d s\n' "$name" "$total" "$( ((total == 1)) && printf ' ' || printf s)" $((SECONDS - start))
+        printf '  ok    %-14s %5d test%s %s\n' "$name" "$total" "$( ((total == 1)) && printf ' ' || printf s)" "$seconds"
     else
         printf '%s\n' "$(
-            printf '  FAIL  %-14s %5d of %d  %4d s\n' "$name" "$failed" "$total" $((SECONDS - start))
+            printf '  FAIL  %-14s %5d of %d  %s\n' "$name" "$failed" "$total" "$seconds"
             tail -n 60 "$log" | sed 's/^/        /'
             printf '        (all of it: %s)' "$log"
         )"
     fi
+}
+
+# Runs a part unless a lane has begun it.
+take_part() {
+    mkdir "build/logs/$1.begun" 2>/dev/null || return 0
+    run_part "$@"
 }
 
 # Waits until the part $1 of the other lane has ended.
@@ -256,25 +272,32 @@ program_lane() {
     run_part site check_site
     run_part target tests/target/run.sh
     run_part mutate python3 -B tools/mutate.py --check --jobs "$JOBS"
-    run_part python python/test.sh
     run_part golden python3 tools/golden.py check
     run_part misra python3 tools/misra.py check
     run_part bench bench/run.sh --check
+    free_parts
 }
 
-# Other compilers, sanitizers, other people's builds, static analysis, proofs; then what needs the host's program alone.
+# Other compilers, sanitizers, static analysis.
 source_lane() {
     run_part clang test_clang
     run_part asan test_preset asan "$NO_STUDY"
     static_checks
     run_part fuzz check_fuzz
-    run_part consume tests/consume/run.py
     run_part coverage check_coverage
-    run_part prove check_prove
+    free_parts
+}
+
+# What needs no other part's folder, and of their outputs the host's program alone: a lane that has done its own takes the next, the longest
+# first.
+free_parts() {
+    take_part prove check_prove
+    take_part consume tests/consume/run.py
     wait_for host
-    run_part third tests/blind/third.py --ci --jobs "$JOBS"
-    run_part blind tests/blind/run.py --ci --jobs "$JOBS"
-    run_part static check_static
+    take_part blind tests/blind/run.py --ci --jobs "$JOBS"
+    take_part python python/test.sh
+    take_part static check_static
+    take_part third tests/blind/third.py --ci --jobs "$JOBS"
 }
 
 # What a developer without the further packages runs: ./dev test. The tests of the built program, and those of the target.
