@@ -42,9 +42,13 @@ PARSE = ["-machdep", "gcc_x86_32",
 EVA = ["-eva", "-eva-split-return-function", "iqfoc_cycle_init_named:0", "-eva-domains", "symbolic-locations",
        "-eva-slevel-function", "move_edges:1,step_leg:1,move_leg:1,find_error:0,loss_of_leg:1,iqfoc_sensorless_acting:1", "-warn-signed-downcast",
        "-eva-no-show-progress"]
-# Any precision proves: a higher one raises fewer alarms that are none, and takes longer. Less is enough for a function that would take
-# minutes.
-PRECISION, LESS = 7, {"prove_sensorless": 4}
+# Any precision proves: a higher one raises fewer alarms that are none, and takes longer. These need the higher one, for an alarm or an
+# assertion.
+PRECISION, HIGHER = 4, 7
+NEED_HIGHER = {"prove_overmodulation", "prove_six_step_timer", "prove_offset", "prove_synchronous_flux", "prove_cycle_first_drive",
+               "prove_cycle_corrected_drive", "prove_cycle_ready_made", "prove_interrupts", "prove_pattern", "prove_pattern_control_init",
+               "prove_pattern_control_change", "prove_pattern_control_aim", "prove_pulse_mode_init", "prove_pulse_mode_to_pattern", "prove_edges",
+               "prove_pattern_control_step", "prove_pattern_control_begin", "prove_pulse_mode_to_carrier"}
 # A function that the others take by its contract, and the one that shows the contract.
 CONTRACT, CONTRACT_SHOWN_BY = {"patterns": "move_leg"}, "prove_pattern_control_leg"
 FUNCTION = re.compile(r"^/\* ((?:(?!\*/).)*) \*/\nvoid ((?:prove|planted)_\w+)\(void\)", re.MULTILINE | re.DOTALL)
@@ -84,7 +88,7 @@ def parsed(program, folder):
 
 def analysed(saved, program, function, words):
     """Its alarms; what was taken without showing it: assertions, conditions, and a contract."""
-    precision = str(LESS.get(function, PRECISION))
+    precision = str(HIGHER if function in NEED_HIGHER else PRECISION)
     contract = CONTRACT.get(program) if function != CONTRACT_SHOWN_BY else None
     by_contract = ["-eva-use-spec", contract] if contract else []
     text = run(["-load", saved, *EVA, *by_contract, "-eva-precision", precision, "-main", function], function)
