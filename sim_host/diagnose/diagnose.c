@@ -41,8 +41,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a longer recording, evenly spread blocks are searched: more rows cost time and do not change the result. */
-enum { SEARCH_ROWS = 12000 };
+/*
+ * Of a longer recording, evenly spread blocks are fitted, and all others measure the error. Of 112 development recordings of benches and
+ * of one to three causes, 8,800 rows show what 5,000 do, in twice the time.
+ */
+enum { SEARCH_ROWS = 5000 };
 
 _Static_assert((int)H_COUNT <= (int)DIAGNOSIS_HYPOTHESES, "a row of the table for each hypothesis");
 _Static_assert(H_COUNT <= 8 * sizeof(hypothesis_set), "a bit for each hypothesis");

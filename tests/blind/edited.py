@@ -246,7 +246,7 @@ NAMED = [
     ("and resistance +11 %", "dead_time", None, {"R_ohm": 1.0}, {**DEAD, "resistance": {"R": (0.9, 0.03)}}),
     ("and resistance -10 %", "dead_time", None, {"R_ohm": 0.81}, {**DEAD, "resistance": {"R": (0.9, 0.03)}}),
     ("and flux", "dead_time", None, {"psi_f_Wb": 0.21}, {**DEAD, "flux_linkage": {"psi_f": (0.2, 5e-4)}}),
-    ("and gains", "dead_time", gain(0.97, 1.02, 1.0), {}, {**DEAD, "current_gain": {"g_a": (0.97, 2e-3)}}),
+    ("and gains", "dead_time", gain(0.97, 1.02, 1.0), {}, {**DEAD, "current_gain": {"g_a": (0.97, 5e-3)}}),
     ("and offsets", "dead_time", offset(0.06, -0.06, 0.0), {}, {**DEAD, "current_offset": {"o_a": (0.06, 6e-3)}}),
     ("and L_d", "dead_time", None, {"L_d_H": 9e-3}, {**DEAD, "saliency": {"L_d": (8e-3, 6e-5)}}),
     ("and voltage", "dead_time", voltage_scale(0.98), {}, {**DEAD, "voltage_gain": {"k_u": (0.98, 2e-3)}}),

@@ -62,7 +62,7 @@ typedef struct fit_data {
     } work[PARALLEL_MOST];
 } fit_data;
 
-/* Selects the blocks to fit, evenly spread over the recording, with about `rows_max` rows at most. */
+/* Selects the blocks to fit: at least one of each group, evenly spread, with about `rows_max` rows at most. */
 bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, size_t rows_max, error *e);
 void fit_data_free(fit_data *d);
 
