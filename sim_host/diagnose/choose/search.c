@@ -145,7 +145,7 @@ void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesi
     const double of_least = d->frame->of_least;
     s->set &= ~HYPOTHESIS_BIT(h);
     if (h == H_COMPENSATED && hypothesis_in(allowed, H_DEAD_TIME) &&
-        fabs(s->z[P_V_DEAD]) >= of_least * hypothesis_table[H_DEAD_TIME].least) {
+        hypotheses_count(HYPOTHESIS_BIT(H_DEAD_TIME), s->z, of_least)) {
         s->set |= HYPOTHESIS_BIT(H_DEAD_TIME);
         edge_of_set(d, s);
         return;
@@ -153,7 +153,7 @@ void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesi
     if (h != H_INDUCTANCE && (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0) {
         hypothesis_leave_mean(h, s->z);
         if (hypothesis_in(allowed, H_INDUCTANCE) &&
-            fabs(s->z[P_L_D]) >= of_least * hypothesis_table[H_INDUCTANCE].least) {
+            hypotheses_count(HYPOTHESIS_BIT(H_INDUCTANCE), s->z, of_least)) {
             s->set |= HYPOTHESIS_BIT(H_INDUCTANCE);
             return;
         }
@@ -166,8 +166,7 @@ static bool drop_small(const fit_data *d, fit_state *s, hypothesis_set allowed)
 {
     const hypothesis_set before = s->set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(s->set, h) &&
-            hypothesis_size(h, s->z) < d->frame->of_least * hypothesis_table[h].least) {
+        if (hypothesis_in(s->set, h) && !hypotheses_count(HYPOTHESIS_BIT(h), s->z, d->frame->of_least)) {
             search_take_out(d, s, h, allowed);
         }
     }
