@@ -43,7 +43,7 @@
 
 /*
  * Of a longer recording, evenly spread blocks are fitted, and all others measure the error. Of 112 development recordings of benches and
- * of one to three causes, as many are right by 5,000 rows as by 8,800, in half the time; of 14 other benches, two fewer.
+ * of one to three causes, as many are right by 5,000 rows as by 8,800, in two thirds of the time or less; of 14 other benches, two fewer.
  */
 enum { SEARCH_ROWS = 5000 };
 
