@@ -142,8 +142,8 @@ static size_t lacks(hypothesis_set set)
 {
     unsigned roles = 0;
     size_t place = HYPOTHESES_SCALED;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        roles |= hypothesis_in(set, h) ? hypothesis_table[h].role : 0U;
+    for (hypothesis_set rest = set; rest != 0; rest &= rest - 1) {
+        roles |= hypothesis_table[hypothesis_first(rest)].role;
     }
     for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
         if ((roles & hypothesis_table[hypotheses_scaled[k]].role) == 0) {
@@ -209,11 +209,8 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
     int column[COLUMN_COUNT];
     size_t n = 0;
     memcpy(away, view->to_nominal, sizeof away);
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        const hypothesis *hypo = &hypothesis_table[h];
-        if (!(set & HYPOTHESIS_BIT(h))) {
-            continue;
-        }
+    for (hypothesis_set rest = set; rest != 0; rest &= rest - 1) {
+        const hypothesis *hypo = &hypothesis_table[hypothesis_first(rest)];
         for (size_t k = 0; k < hypo->columns; k++) {
             if (k < hypo->fixed) {
                 away[hypo->column[k]] += 1.0;
@@ -265,7 +262,7 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
 
 double evidence_least(double explained, hypothesis_set set, hypothesis_id h)
 {
-    if (hypothesis_table[h].cause != CAUSE_SATURATION_DQ && (set & hypotheses_of(CAUSE_SATURATION_DQ)) != 0) {
+    if (hypothesis_table[h].cause != CAUSE_SATURATION_DQ && hypotheses_hold(set, CAUSE_SATURATION_DQ)) {
         return LEAST_SHARE_BESIDE_MAP * explained;
     }
     return 0.0;
@@ -274,16 +271,14 @@ double evidence_least(double explained, hypothesis_set set, hypothesis_id h)
 double evidence_penalty(const evidence_view *view, hypothesis_set set)
 {
     double sum = 0.0;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (set & HYPOTHESIS_BIT(h)) {
-            size_t parameters = hypothesis_table[h].columns + hypothesis_table[h].shapes;
-            for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
-                parameters -= column_shows(hypothesis_table[h].column[k], view->rows) ? 0 : 1;
-            }
-            sum +=
-                PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
-                fmax(evidence_least(view->explained, set, h), hypothesis_cause(h)->named ? view->least : 0.0);
+    for (hypothesis_set rest = set; rest != 0; rest &= rest - 1) {
+        const hypothesis_id h = hypothesis_first(rest);
+        size_t parameters = hypothesis_table[h].columns + hypothesis_table[h].shapes;
+        for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
+            parameters -= column_shows(hypothesis_table[h].column[k], view->rows) ? 0 : 1;
         }
+        sum += PENALTY * (double)parameters + CAUSE_PENALTY + hypothesis_table[h].surprise +
+               fmax(evidence_least(view->explained, set, h), hypothesis_cause(h)->named ? view->least : 0.0);
     }
     return sum;
 }

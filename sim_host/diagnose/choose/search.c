@@ -46,12 +46,9 @@ static int by_score(const void *x, const void *y)
  */
 static bool every_member_pays(const evidence_view *view, const fit_state *s, const evidence_option *option)
 {
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+    for (hypothesis_set left = option->set; left != 0; left &= left - 1) {
         evidence_option without;
-        hypothesis_set rest = option->set & ~HYPOTHESIS_BIT(h);
-        if (rest == option->set) {
-            continue;
-        }
+        const hypothesis_set rest = option->set & ~HYPOTHESIS_BIT(hypothesis_first(left));
         evidence_cost(view, s, rest, &without);
         if (without.cost + evidence_penalty(view, rest) <=
             option->cost + evidence_penalty(view, option->set)) {
@@ -78,8 +75,8 @@ static void keep(enumeration *e, const evidence_option *option)
     evidence_option *list = e->list;
     size_t *n = &e->listed;
     size_t size = 0;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        size += (option->set >> h) & 1;
+    for (hypothesis_set rest = option->set; rest != 0; rest &= rest - 1) {
+        size++;
     }
     if (size == 1 && !hypothesis_in(option->set, H_COMPENSATED) &&
         (e->plainest.set == 0 || by_score(option, &e->plainest) < 0)) {

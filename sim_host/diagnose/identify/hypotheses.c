@@ -61,11 +61,9 @@ bool hypothesis_joins(hypothesis_set set, hypothesis_id id)
 {
     const hypothesis *own = &hypothesis_table[id];
     unsigned roles = 0;
-    for (hypothesis_id other = 0; other < H_COUNT; other++) {
+    for (hypothesis_set rest = set; rest != 0; rest &= rest - 1) {
+        const hypothesis_id other = hypothesis_first(rest);
         const hypothesis *member = &hypothesis_table[other];
-        if (!hypothesis_in(set, other)) {
-            continue;
-        }
         if (other == id || member->cause == own->cause || (member->holds & own->holds) != 0) {
             return false;
         }
@@ -194,8 +192,9 @@ size_t hypothesis_length(hypothesis_id h, int column[HYPOTHESIS_COLUMNS])
 
 bool hypotheses_count(hypothesis_set set, const double z[P_COUNT], double of_least)
 {
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(set, h) && hypothesis_size(h, z) < of_least * hypothesis_table[h].least) {
+    for (hypothesis_set rest = set; rest != 0; rest &= rest - 1) {
+        const hypothesis_id h = hypothesis_first(rest);
+        if (hypothesis_size(h, z) < of_least * hypothesis_table[h].least) {
             return false;
         }
     }
@@ -204,10 +203,10 @@ bool hypotheses_count(hypothesis_set set, const double z[P_COUNT], double of_lea
 
 bool hypotheses_physical(hypothesis_set set, const double z[P_COUNT])
 {
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        const hypothesis *hypo = &hypothesis_table[h];
+    for (hypothesis_set rest = set; rest != 0; rest &= rest - 1) {
+        const hypothesis *hypo = &hypothesis_table[hypothesis_first(rest)];
         double sum = 0.0;
-        if (!hypothesis_in(set, h) || hypo->positive == 0) {
+        if (hypo->positive == 0) {
             continue;
         }
         sum += (hypo->positive & SIGN_FIRST) != 0 ? z[hypo->column[0]] : 0.0;
@@ -224,10 +223,8 @@ static const double USUAL_GAIN_OF_ALL = 0.02;
 double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
 {
     double moved[P_COUNT] = {0.0};
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        if (hypothesis_in(set, h)) {
-            hypothesis_copy(h, z, moved);
-        }
+    for (hypothesis_set rest = set; rest != 0; rest &= rest - 1) {
+        hypothesis_copy(hypothesis_first(rest), z, moved);
     }
     if (hypothesis_in(set, H_INDUCTANCE) || hypothesis_in(set, H_SATURATION)) {
         moved[P_L_Q] = 0.0; /* both inductances move by the same amount: counted once */
@@ -235,7 +232,7 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
     double sum = 0.0;
     for (size_t id = 0; id < P_COUNT; id++) {
         const double usual = coordinate_table[id].usual;
-        sum += usual > 0.0 ? moved[id] * moved[id] / (usual * usual) : 0.0;
+        sum += moved[id] != 0.0 && usual > 0.0 ? moved[id] * moved[id] / (usual * usual) : 0.0;
     }
     if (moved[P_GAIN_C] != 0.0) {
         /* An error common to three sensors is rarer than one common to R and L. */
@@ -270,6 +267,18 @@ void column_move(int column, double by, double z[P_COUNT])
     }
 }
 
+/* Sets what a column moves to the motor file's values. */
+static void column_clear(int column, double z[P_COUNT])
+{
+    if (column < P_COUNT) {
+        z[column] = 0.0;
+        return;
+    }
+    for (const column_part *part = joint[column - P_COUNT]; part->share != 0.0; part++) {
+        z[part->coordinate] = 0.0;
+    }
+}
+
 double column_value(int column, const double z[P_COUNT])
 {
     if (column < P_COUNT) {
@@ -294,14 +303,12 @@ const double hypothesis_nominal[P_COUNT] = {0.0};
 
 void hypothesis_copy(hypothesis_id h, const double from[P_COUNT], double to[P_COUNT])
 {
-    bool moved[P_COUNT] = {false};
-    hypothesis_mark(h, moved);
-    for (size_t k = 0; k < P_COUNT; k++) {
-        to[k] = moved[k] ? 0.0 : to[k];
+    const hypothesis *hypo = &hypothesis_table[h];
+    for (size_t k = 0; k < hypo->columns; k++) {
+        column_clear(hypo->column[k], to);
     }
-    for (size_t k = 0; k < hypothesis_table[h].columns; k++) {
-        const int column = hypothesis_table[h].column[k];
-        column_move(column, column_value(column, from), to);
+    for (size_t k = 0; k < hypo->columns; k++) {
+        column_move(hypo->column[k], column_value(hypo->column[k], from), to);
     }
 }
 
@@ -373,20 +380,6 @@ hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_fram
         all |= there[hypothesis_table[h].needs] ? HYPOTHESIS_BIT(h) : 0;
     }
     return all;
-}
-
-hypothesis_set hypotheses_of(cause_id cause)
-{
-    hypothesis_set set = 0;
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
-        set |= hypothesis_table[h].cause == cause ? HYPOTHESIS_BIT(h) : 0;
-    }
-    return set;
-}
-
-bool hypotheses_hold(hypothesis_set set, cause_id cause)
-{
-    return (set & hypotheses_of(cause)) != 0;
 }
 
 hypothesis_set hypotheses_named(hypothesis_set set)

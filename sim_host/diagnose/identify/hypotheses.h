@@ -123,6 +123,12 @@ static inline bool hypothesis_in(hypothesis_set set, hypothesis_id h)
     return (set & HYPOTHESIS_BIT(h)) != 0;
 }
 
+/* The first member of a set that has one. A loop over all: for (hypothesis_set rest = set; rest != 0; rest &= rest - 1). */
+static inline hypothesis_id hypothesis_first(hypothesis_set set)
+{
+    return (hypothesis_id)__builtin_ctzll(set);
+}
+
 /* What one factor on the drive scales, while no current changes: R, inductance, psi_f, all voltages. */
 enum { HYPOTHESES_SCALED = 4 };
 extern const hypothesis_id hypotheses_scaled[HYPOTHESES_SCALED];
@@ -211,9 +217,20 @@ void hypotheses_mark(hypothesis_set set, bool moved[P_COUNT]);
 /* Which hypotheses this recording allows (needs temperature, a moving rotor, three sensors ...). */
 hypothesis_set hypotheses_possible(const diagnose_rows *r, const coordinate_frame *f);
 
-/* The hypotheses of a cause, and whether a set contains one of them. */
-hypothesis_set hypotheses_of(cause_id cause);
-bool hypotheses_hold(hypothesis_set set, cause_id cause);
+/* The hypotheses of a cause: of one that is known when this is compiled, a constant. */
+static inline hypothesis_set hypotheses_of(cause_id cause)
+{
+#define HYPOTHESIS(H, ID, ...) | (cause == CAUSE_##ID ? HYPOTHESIS_BIT(H) : 0)
+    return 0
+#include "data/causes.def"
+        ;
+}
+
+/* Whether a set contains one of them. */
+static inline bool hypotheses_hold(hypothesis_set set, cause_id cause)
+{
+    return (set & hypotheses_of(cause)) != 0;
+}
 
 /* The members of a set whose cause has a name in interfaces.md. */
 hypothesis_set hypotheses_named(hypothesis_set set);
