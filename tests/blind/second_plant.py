@@ -209,8 +209,11 @@ class Machine:
         return drop
 
     def derivative(self, psi, i_iron, theta_rad, u):
-        """d psi/dt and d i_iron/dt. Eddy currents are a short-circuited path: they follow d psi/dt / R_iron late."""
-        i = self.current(psi, theta_rad)
+        """d psi/dt and d i_iron/dt."""
+        return self.derivative_of(self.current(psi, theta_rad), i_iron, u)
+
+    def derivative_of(self, i, i_iron, u):
+        """The same by the magnetising current. Eddy currents are a short-circuited path: they follow d psi/dt / R_iron late."""
         if not self.has_iron:
             return u - self.resistive_drop(i), 0.0
         if self.short is not None:
@@ -333,7 +336,8 @@ class Drive:
     def __init__(self, machine, inverter, shaft, i_start=0.0, lag_s=0.0):
         self.machine, self.inverter, self.shaft = machine, inverter, shaft
         self.t_s = np.zeros_like(inverter.T_s)
-        self.psi = machine.flux(np.zeros_like(self.t_s) + i_start, shaft.theta(self.t_s))
+        self.theta_rad = shaft.theta(self.t_s)
+        self.psi = machine.flux(np.zeros_like(self.t_s) + i_start, self.theta_rad)
         self.i_iron = np.zeros_like(self.psi)
         self.lag_s, self.filtered, self.late_valley = lag_s, self.current(), None
         self.was_high = False
@@ -350,13 +354,13 @@ class Drive:
 
     def current(self):
         """The current that the terminals see, as a vector."""
-        i = self.machine.current(self.psi, self.shaft.theta(self.t_s))
+        i = self.machine.current(self.psi, self.theta_rad)
         return i + self.i_iron if self.machine.has_iron else i
 
-    def _step(self, h_s, u, theta0, theta1, theta2):
-        """Classical Runge-Kutta over h_s with constant u; thetas at its start, middle and end."""
+    def _step(self, h_s, u, i0, theta1, theta2):
+        """Classical Runge-Kutta over h_s with constant u: the magnetising current at its start, thetas at its middle and end."""
         f, p, e = self.machine.derivative, self.psi, self.i_iron
-        k1, m1 = f(p, e, theta0, u)
+        k1, m1 = self.machine.derivative_of(i0, e, u)
         k2, m2 = f(p + 0.5 * h_s * k1, e + 0.5 * h_s * m1, theta1, u)
         k3, m3 = f(p + 0.5 * h_s * k2, e + 0.5 * h_s * m2, theta1, u)
         k4, m4 = f(p + h_s * k3, e + h_s * m3, theta2, u)
@@ -370,21 +374,21 @@ class Drive:
         inv, also_s = self.inverter, (late_s, 0.5 * self.inverter.T_s + late_s) if late_s else ()
         at = inv.instants(duty, duty_to_peak, also_s, np.any(duty_to_peak >= 1.0) or np.any(self.was_high))
         t0_s, i_mid, self.late_valley = self.t_s, None, None
-        theta_start = self.shaft.theta(t0_s)
         for a, b in zip(at[:-1], at[1:]):
             h = b - a
+            i_magnet = self.machine.current(self.psi, self.theta_rad)
+            i_before = i_magnet + self.i_iron if self.machine.has_iron else i_magnet
             theta_mid, theta_end = self.shaft.theta(t0_s + 0.5 * (a + b)), self.shaft.theta(t0_s + b)
-            i_before = self.current() if self.lag_s > 0.0 else None
             # Only dead time and device drops ask for the currents' signs.
-            i_abc = phases_from_vector(self.current()) if inv.has_dead_time or inv.has_drops else np.zeros_like(at[:3])
+            i_abc = phases_from_vector(i_before) if inv.has_dead_time or inv.has_drops else np.zeros_like(at[:3])
             v, off = inv.leg_voltages(0.5 * (a + b), duty, duty_to_peak, i_abc, u_dc_V, self.was_high)
             u = vector_from_phases(v)
-            psi, i_iron = self._step(h, u, theta_start, theta_mid, theta_end)
+            psi, i_iron = self._step(h, u, i_magnet, theta_mid, theta_end)
             if inv.has_dead_time and off.any():
                 u = self._clamp(u, v, off & (h > 0.0), i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V)
                 if u is not None:
-                    psi, i_iron = self._step(h, u, theta_start, theta_mid, theta_end)
-            self.psi, self.i_iron, self.t_s, theta_start = psi, i_iron, t0_s + b, theta_end
+                    psi, i_iron = self._step(h, u, i_magnet, theta_mid, theta_end)
+            self.psi, self.i_iron, self.t_s, self.theta_rad = psi, i_iron, t0_s + b, theta_end
             if self.lag_s > 0.0:
                 self._filter(h, i_before)
             i_mid = self._kept(i_mid, b == 0.5 * inv.T_s + late_s)

@@ -230,10 +230,11 @@ class DeadTime(unittest.TestCase):
         self.assertEqual((v[0, 0], off[0, 0], off[1, 0]), (0.0, True, False))
         h, theta = np.array([4e-6]), np.array([0.0])
         u = vector_from_phases(v)
-        psi, iron = drive._step(h, u, theta, theta, theta)
+        i = drive.current()
+        psi, iron = drive._step(h, u, i, theta, theta)
         self.assertLess(drive.machine.current(psi, theta)[0].real, -0.4)
-        u = drive._clamp(u, v, off, phases_from_vector(drive.current()), psi, iron, h, theta, theta, 500.0)
-        psi, _ = drive._step(h, u, theta, theta, theta)
+        u = drive._clamp(u, v, off, phases_from_vector(i), psi, iron, h, theta, theta, 500.0)
+        psi, _ = drive._step(h, u, i, theta, theta)
         self.assertLess(abs(drive.machine.current(psi, theta)[0].real), 1e-12)
 
 
