@@ -301,14 +301,6 @@ static bool shrink(session *w, fit_state *s, evidence_view *view, errors best, c
     return true;
 }
 
-/* The errors of the named members of w->state. */
-static errors errors_found(const session *w)
-{
-    fit_state named = w->state;
-    hypotheses_leave(w->state.set & ~hypotheses_named(w->state.set), named.z);
-    return errors_of(w, &named);
-}
-
 /* Whether the fit explains most of the error, and more than a sparse search, or no less than the other fit of the whole drive. */
 static bool is_better(const session *w, const fit_state *s, bool whole, errors e, errors found)
 {
@@ -321,7 +313,7 @@ static bool is_better(const session *w, const fit_state *s, bool whole, errors e
 static bool fit_whole(session *w, bool whole, evidence_view *view, fit_state *s,
                       const diagnose_teller *teller, bool *taken)
 {
-    const errors found = errors_found(w);
+    const errors found = errors_of(w, &w->state);
     bool goes_on = true;
     if (!fit_in_order(w, s)) {
         return false;
