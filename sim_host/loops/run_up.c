@@ -199,7 +199,7 @@ double run_up_step_percent(const run_up *r)
     return fmax(r->step_up_percent, -r->step_down_percent);
 }
 
-bool run_up_run(const run_up_case *c, run_up *result, error *e)
+static bool run_one(const run_up_case *c, run_up *result, error *e)
 {
     const motor m = paper_2019_motor();
     const double rated_A = sqrt(2.0) * m.I_rated_A_rms;
@@ -246,7 +246,7 @@ bool run_up_run(const run_up_case *c, run_up *result, error *e)
 bool run_ups_run(run_up result[RUN_UP_CASES], error *e)
 {
     for (int n = 0; n < RUN_UP_CASES; n++) {
-        if (!run_up_run(&run_up_cases[n], &result[n], e)) {
+        if (!run_one(&run_up_cases[n], &result[n], e)) {
             return false;
         }
     }

@@ -55,10 +55,7 @@ typedef struct run_up {
     double pulses_top; /* per leg and electrical turn, above 7900 rpm; of six-step by a timer 1 */
 } run_up;
 
-/* One case; false with *e set if the firmware stopped or the drive never reached the top. */
-bool run_up_run(const run_up_case *c, run_up *result, error *e);
-
-/* All of them. */
+/* All of them; false with *e set if the firmware stopped or a drive never reached the top. */
 bool run_ups_run(run_up result[RUN_UP_CASES], error *e);
 
 /* The larger of both deviations. */

@@ -76,7 +76,8 @@ double machine_warmer_K(const plant_machine *m, double clock_s)
     return m->heating_K != 0.0 ? m->heating_K * -expm1(-fmax(clock_s, 0.0) / m->heating_s) : 0.0;
 }
 
-double machine_warming_K_s(const plant_machine *m, double clock_s)
+/* Its rate. */
+static double warming_K_s(const plant_machine *m, double clock_s)
 {
     const bool warms = m->heating_K != 0.0 && clock_s > 0.0;
     return warms ? m->heating_K / m->heating_s * exp(-clock_s / m->heating_s) : 0.0;
@@ -151,8 +152,7 @@ void machine_linearise(const plant_config *c, const plant_state *s, machine_term
     double lost_per_rad = 0.0;
     const double lost = weakness(m, theta, &lost_per_rad);
     const double psi_f_Wb = m->psi_f_Wb * (1.0 + m->alpha_psi * above_K - lost) + m->psi_rate_Wb_s * clock_s;
-    const double weakening_V = m->psi_rate_Wb_s +
-                               m->psi_f_Wb * m->alpha_psi * machine_warming_K_s(m, clock_s) -
+    const double weakening_V = m->psi_rate_Wb_s + m->psi_f_Wb * m->alpha_psi * warming_K_s(m, clock_s) -
                                m->psi_f_Wb * lost_per_rad * omega;
     t->r = rotor_at(theta);
     t->i_A = (vec_ab){s->y[STATE_I_ALPHA], s->y[STATE_I_BETA]};

@@ -62,9 +62,8 @@ typedef struct machine_terms {
     double torque_Nm;
 } machine_terms;
 
-/* Temperature rise of winding and magnet since time zero, and its rate. */
+/* Temperature rise of winding and magnet since time zero. */
 double machine_warmer_K(const plant_machine *m, double clock_s);
-double machine_warming_K_s(const plant_machine *m, double clock_s);
 
 /* True if the states above STATE_PLAIN act on the others. */
 bool machine_has_more_states(const plant_machine *m);

@@ -35,7 +35,8 @@ void chart_data_free(chart_data *d)
     *d = (chart_data){.columns = d->columns};
 }
 
-void chart_text(FILE *out, const char *text)
+/* Text between JSON's quotes, safe inside a <script>. */
+static void write_text(FILE *out, const char *text)
 {
     for (; *text != '\0'; text++) {
         const unsigned char c = (unsigned char)*text;
@@ -51,7 +52,7 @@ static void put_text(FILE *out, const char *key, const char *text)
 {
     if (text != NULL) {
         fprintf(out, ",\"%s\":\"", key);
-        chart_text(out, text);
+        write_text(out, text);
         fputc('"', out);
     }
 }
@@ -145,7 +146,7 @@ static void put_chart(FILE *out, const chart *c, column_list *list)
     }
     for (size_t n = 0; n < c->names; n++) {
         fputs(n > 0 ? ",\"" : ",\"names\":[\"", out);
-        chart_text(out, c->name[n]);
+        write_text(out, c->name[n]);
         fputs(n + 1 < c->names ? "\"" : "\"]", out);
     }
     fputs(",\"series\":[", out);

@@ -74,7 +74,4 @@ typedef struct chart {
 /* Writes some charts as the JSON that page.js reads; what HTML holds special is escaped. False: a chart's data were lost. */
 bool chart_write(FILE *out, const chart *charts, size_t count);
 
-/* Text between JSON's quotes, safe inside a <script>. */
-void chart_text(FILE *out, const char *text);
-
 #endif

@@ -26,7 +26,8 @@ const char *const tune_truth_text[TUNE_TRUTHS] = {"nominal", "L low", "L high"};
 
 enum { PROMISE_CYCLES = LOOP_TRANSIENT_CYCLES };
 
-tune_promise tune_promise_of(const tune_design *design, const tune_machine *truth, double phi_rad)
+/* Of the mean of each cycle. */
+static tune_promise promise_of(const tune_design *design, const tune_machine *truth, double phi_rad)
 {
     const double step = STEP_TO - STEP_FROM;
     tune_loop loop;
@@ -140,7 +141,7 @@ bool tune_trial_run(const tune_result *r, int drives, uint64_t seed, tune_trial 
         const double rpm = trial->rpm_most * (0.02 + 0.98 * plant_random_uniform(&random));
         const motor truth = tuned_motor(&r->motor, &machine);
         const loop_case c = case_of(r, &truth, rpm);
-        const tune_promise p = tune_promise_of(&r->design, &machine, c.omega_e_rad_s / r->motor.f_pwm_Hz);
+        const tune_promise p = promise_of(&r->design, &machine, c.omega_e_rad_s / r->motor.f_pwm_Hz);
         loop_result result;
         if (!run_tuned(&r->motor, &r->design, &c, &result, e)) {
             progress_end(&shown);

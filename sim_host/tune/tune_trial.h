@@ -15,13 +15,11 @@
 
 #include "loops/closed_loop.h"
 
+/* Of the mean of each cycle. */
 typedef struct tune_promise {
     double overshoot_percent; /* of the step */
     double settling_cycles;   /* to within 5 % of the rated peak */
 } tune_promise;
-
-/* Of the mean of each cycle, by the linear loop. */
-tune_promise tune_promise_of(const tune_design *design, const tune_machine *truth, double phi_rad);
 
 typedef struct tune_trial {
     int drives;

@@ -18,7 +18,11 @@ motor tuned_motor(const motor *m, const tune_machine *machine)
     return made;
 }
 
-bool tuned_law_of(const motor *m, const tune_design *design, iqfoc_tuned_law_t *law, error *e)
+/*
+ * The controller's constants of a design for a motor's bases. False if a value does not fit the library's ranges; *e
+ * then names the motor file and the key.
+ */
+static bool law_of(const motor *m, const tune_design *design, iqfoc_tuned_law_t *law, error *e)
 {
     const motor believed = tuned_motor(m, &design->machine);
     iqfoc_tuned_law_t made = {.keep = iq24_from_double(design->keep),
@@ -43,7 +47,7 @@ bool tuned_law_of(const motor *m, const tune_design *design, iqfoc_tuned_law_t *
 bool tuned_drive_init(tuned_firmware_t *t, const motor *m, const tune_design *design, error *e)
 {
     tuned_firmware_config_t config = {.extended = 0};
-    const bool ok = tuned_law_of(m, design, &config.law, e);
+    const bool ok = law_of(m, design, &config.law, e);
     tuned_firmware_start(t, &config);
     return ok;
 }

@@ -15,12 +15,6 @@
 /* A motor with another machine in place of its own, and without extensions. */
 motor tuned_motor(const motor *m, const tune_machine *machine);
 
-/*
- * The controller's constants of a design for a motor's bases. False if a value does not fit the library's ranges; *e
- * then names the motor file and the key.
- */
-bool tuned_law_of(const motor *m, const tune_design *design, iqfoc_tuned_law_t *law, error *e);
-
 /* Starts the firmware. Add corrections and the change detector by the calls below, before it runs. */
 bool tuned_drive_init(tuned_firmware_t *t, const motor *m, const tune_design *design, error *e);
 

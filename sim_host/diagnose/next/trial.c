@@ -12,7 +12,8 @@
 /* Of the file's largest speed, where the recording says nothing of what the rotor may do. */
 static const double SHARE_OF_SPEED = 0.25;
 
-plan_limits trial_limits(const session *w)
+/* The limits that the recording kept. After a recording at standstill, a quarter of the file's largest speed is allowed. */
+static plan_limits limits_of(const session *w)
 {
     const diagnose_rows *r = &w->rows;
     const motor *m = w->frame.motor;
@@ -115,7 +116,7 @@ static bool look(trial *t, const session *w, const trial_rows *of, const int *co
 bool trial_run(trial *t, const session *w, const motor *m, const int *column, size_t columns)
 {
     trial_rows of;
-    *t = (trial){.limits = trial_limits(w)};
+    *t = (trial){.limits = limits_of(w)};
     t->pieces = plan_pieces_list(m, &t->limits, t->piece);
     if (t->pieces == 0) {
         return true;

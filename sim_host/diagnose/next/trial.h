@@ -14,9 +14,6 @@ typedef struct trial {
     double (*h)[COLUMN_COUNT][COLUMN_COUNT]; /* of one cycle of each, in the columns' places */
 } trial;
 
-/* The limits that the recording kept. After a recording at standstill, a quarter of the file's largest speed is allowed. */
-plan_limits trial_limits(const session *w);
-
 /*
  * Runs the pieces that `m`, the motor as it was found, allows, and looks at these columns of them at the session's
  * state. False if there is no memory, or the model found runs away in them; the caller frees.

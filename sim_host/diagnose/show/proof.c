@@ -12,6 +12,13 @@
 
 /* ---- With and without the cause ---- */
 
+/* One-cycle errors of the extended model without the strongest cause, and what that cause removes from them. */
+typedef struct proof {
+    const diagnosis_cause *cause;
+    bool alone;                   /* false: without and of all causes together */
+    vec_ab *without_A, *fitted_A; /* one entry per row; NAN: no prediction there */
+} proof;
+
 /* The extended drive with all that the cause's hypotheses move taken back to the motor file. */
 static averaged_drive drive_without(const diagnosis *d, cause_id cause)
 {
@@ -94,7 +101,15 @@ static bool separate(proof *of, const report_context *c, cause_id cause, error *
     return ok || error_failure(e, 0, "out of memory");
 }
 
-bool proof_make(proof *of, const report_context *c, error *e)
+static void proof_free(proof *of)
+{
+    free(of->without_A);
+    free(of->fitted_A);
+    of->without_A = of->fitted_A = NULL;
+}
+
+/* False with *e set if memory runs out. */
+static bool proof_make(proof *of, const report_context *c, error *e)
 {
     const diagnosis *d = c->d;
     const cause_id cause = (cause_id)(cause_find(d->cause[0].id) - cause_table);
@@ -113,13 +128,6 @@ bool proof_make(proof *of, const report_context *c, error *e)
         return false;
     }
     return true;
-}
-
-void proof_free(proof *of)
-{
-    free(of->without_A);
-    free(of->fitted_A);
-    of->without_A = of->fitted_A = NULL;
 }
 
 /* ---- Over what the cause depends on ---- */
@@ -313,7 +321,8 @@ static const char *unit_of(const diagnosis_parameter *p)
     return strcmp(p->unit, "1") == 0 ? "" : p->unit;
 }
 
-void proof_words(const diagnosis *d, const diagnosis_cause *cause, char *text, size_t size)
+/* The cause's values in one sentence: "3.36 V lost against the current's sign: 2 us at 4 kHz and 420 V." */
+static void proof_words(const diagnosis *d, const diagnosis_cause *cause, char *text, size_t size)
 {
     size_t used = 0;
     const diagnosis_parameter *dead = dead_time_of(cause);

@@ -9,21 +9,7 @@
 
 #include "figures.h"
 
-/* One-cycle errors of the extended model without the strongest cause, and what that cause removes from them. */
-typedef struct proof {
-    const diagnosis_cause *cause;
-    bool alone;                   /* false: without and of all causes together */
-    vec_ab *without_A, *fitted_A; /* one entry per row; NAN: no prediction there */
-} proof;
-
-/* False with *e set if memory runs out. The diagnosis has a cause. */
-bool proof_make(proof *of, const report_context *c, error *e);
-void proof_free(proof *of);
-
-/* The cause's values in one sentence: "3.36 V lost against the current's sign: 2 us at 4 kHz and 420 V." */
-void proof_words(const diagnosis *d, const diagnosis_cause *cause, char *text, size_t size);
-
-/* The figure. False with *e set if memory runs out. */
+/* The figure; the diagnosis has a cause. False with *e set if memory runs out. */
 bool figure_proof(page *p, const report_context *c, error *e);
 
 #endif
