@@ -336,8 +336,7 @@ class Drive:
     def __init__(self, machine, inverter, shaft, i_start=0.0, lag_s=0.0):
         self.machine, self.inverter, self.shaft = machine, inverter, shaft
         self.t_s = np.zeros_like(inverter.T_s)
-        self.theta_rad = shaft.theta(self.t_s)
-        self.psi = machine.flux(np.zeros_like(self.t_s) + i_start, self.theta_rad)
+        self.psi = machine.flux(np.zeros_like(self.t_s) + i_start, shaft.theta(self.t_s))
         self.i_iron = np.zeros_like(self.psi)
         self.lag_s, self.filtered, self.late_valley = lag_s, self.current(), None
         self.was_high = False
@@ -354,7 +353,10 @@ class Drive:
 
     def current(self):
         """The current that the terminals see, as a vector."""
-        i = self.machine.current(self.psi, self.theta_rad)
+        return self._with_iron(self.machine.current(self.psi, self.shaft.theta(self.t_s)))
+
+    def _with_iron(self, i):
+        """What the terminals see of a magnetising current."""
         return i + self.i_iron if self.machine.has_iron else i
 
     def _step(self, h_s, u, i0, theta1, theta2):
@@ -374,10 +376,11 @@ class Drive:
         inv, also_s = self.inverter, (late_s, 0.5 * self.inverter.T_s + late_s) if late_s else ()
         at = inv.instants(duty, duty_to_peak, also_s, np.any(duty_to_peak >= 1.0) or np.any(self.was_high))
         t0_s, i_mid, self.late_valley = self.t_s, None, None
+        theta_start = self.shaft.theta(t0_s)
         for a, b in zip(at[:-1], at[1:]):
             h = b - a
-            i_magnet = self.machine.current(self.psi, self.theta_rad)
-            i_before = i_magnet + self.i_iron if self.machine.has_iron else i_magnet
+            i_magnet = self.machine.current(self.psi, theta_start)
+            i_before = self._with_iron(i_magnet)
             theta_mid, theta_end = self.shaft.theta(t0_s + 0.5 * (a + b)), self.shaft.theta(t0_s + b)
             # Only dead time and device drops ask for the currents' signs.
             i_abc = phases_from_vector(i_before) if inv.has_dead_time or inv.has_drops else np.zeros_like(at[:3])
@@ -388,7 +391,7 @@ class Drive:
                 u = self._clamp(u, v, off & (h > 0.0), i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V)
                 if u is not None:
                     psi, i_iron = self._step(h, u, i_magnet, theta_mid, theta_end)
-            self.psi, self.i_iron, self.t_s, self.theta_rad = psi, i_iron, t0_s + b, theta_end
+            self.psi, self.i_iron, self.t_s, theta_start = psi, i_iron, t0_s + b, theta_end
             if self.lag_s > 0.0:
                 self._filter(h, i_before)
             i_mid = self._kept(i_mid, b == 0.5 * inv.T_s + late_s)

@@ -236,7 +236,8 @@ class Diagnosed(unittest.TestCase):
             self.assertEqual(judged["outcome"], outcome, judged)
 
     def test_crosstalk_is_no_gain_and_no_inductance(self):
-        self.check(764_037, "outside", "main")
+        for seed in (764_037, 764_053):
+            self.check(seed, "outside", "main")
 
     def test_a_weak_pole_of_a_single_pair_is_no_angle_error(self):
         """Unequal poles explain more, without a name, than the effects of a real drive do."""
@@ -256,8 +257,9 @@ class Diagnosed(unittest.TestCase):
         self.check(785_013, "bench_half", "main")
 
     def test_noise_of_the_link_is_no_resistance(self):
-        # One speed. Hidden: a voltage gain.
-        self.check(788_030, "steady", "second")
+        # One speed. Hidden: a voltage gain, and an angle offset that other causes explain as well.
+        for seed in (788_030, 788_032):
+            self.check(seed, "steady", "second")
 
     def test_what_a_sign_turned_by_noise_does_is_no_missed_update(self):
         """A compensation by the wrong sign moves the current as a command that did not come does."""
