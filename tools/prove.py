@@ -45,11 +45,14 @@ EVA = ["-eva", "-eva-split-return-function", "iqfoc_cycle_init_named:0", "-eva-d
 # Any precision proves: a higher one raises fewer alarms that are none, and takes longer. For an alarm or an assertion these need more
 # than the least.
 PRECISION = 4
-NEED = {5: {"prove_offset", "prove_pattern", "prove_pattern_control_init", "prove_pulse_mode_init"},
-        6: {"prove_overmodulation", "prove_six_step_timer", "prove_synchronous_flux", "prove_cycle_first_drive", "prove_cycle_corrected_drive",
-            "prove_cycle_ready_made", "prove_interrupts", "prove_pattern_control_change", "prove_pattern_control_aim",
-            "prove_pattern_control_step", "prove_pattern_control_begin", "prove_pulse_mode_to_pattern", "prove_pulse_mode_to_carrier"},
-        7: {"prove_edges"}}
+NEED = {
+    **dict.fromkeys(["prove_offset", "prove_pattern", "prove_pattern_control_init", "prove_pulse_mode_init"], 5),
+    **dict.fromkeys(["prove_overmodulation", "prove_six_step_timer", "prove_synchronous_flux", "prove_cycle_first_drive",
+                     "prove_cycle_corrected_drive", "prove_cycle_ready_made", "prove_interrupts", "prove_pattern_control_change",
+                     "prove_pattern_control_aim", "prove_pattern_control_step", "prove_pattern_control_begin",
+                     "prove_pulse_mode_to_pattern", "prove_pulse_mode_to_carrier"], 6),
+    "prove_edges": 7,
+}
 # A function that the others take by its contract, and the one that shows the contract.
 CONTRACT, CONTRACT_SHOWN_BY = {"patterns": "move_leg"}, "prove_pattern_control_leg"
 FUNCTION = re.compile(r"^/\* ((?:(?!\*/).)*) \*/\nvoid ((?:prove|planted)_\w+)\(void\)", re.MULTILINE | re.DOTALL)
@@ -89,7 +92,7 @@ def parsed(program, folder):
 
 def analysed(saved, program, function, words):
     """Its alarms; what was taken without showing it: assertions, conditions, and a contract."""
-    precision = str(next((more for more, functions_of in NEED.items() if function in functions_of), PRECISION))
+    precision = str(NEED.get(function, PRECISION))
     contract = CONTRACT.get(program) if function != CONTRACT_SHOWN_BY else None
     by_contract = ["-eva-use-spec", contract] if contract else []
     text = run(["-load", saved, *EVA, *by_contract, "-eva-precision", precision, "-main", function], function)
