@@ -76,7 +76,7 @@ double machine_warmer_K(const plant_machine *m, double clock_s)
     return m->heating_K != 0.0 ? m->heating_K * -expm1(-fmax(clock_s, 0.0) / m->heating_s) : 0.0;
 }
 
-/* Its rate. */
+/* The rate of machine_warmer_K. */
 static double warming_K_s(const plant_machine *m, double clock_s)
 {
     const bool warms = m->heating_K != 0.0 && clock_s > 0.0;
