@@ -5,6 +5,7 @@
 
 #include "flux_map.h"
 
+#include <complex.h>
 #include <math.h>
 
 /* The 5th and 11th run backwards, the 7th and 13th forwards. */
@@ -142,6 +143,12 @@ vec_ab averaged_drive_drop(const averaged_drive *d, const cycle_row *row, vec_ab
     return drop;
 }
 
+static vec_rotor rotor_six_times(vec_rotor one)
+{
+    const vec_rotor two = rotor_turned(one, one);
+    return rotor_turned(rotor_turned(two, two), two);
+}
+
 /* What the unequal part of the resistances, warm as they are, takes of a cycle's voltage: it sees the mean current. */
 static vec_ab unequal_losses(const averaged_drive *d, const cycle_row *row, vec_ab mid, double T_s)
 {
@@ -188,6 +195,37 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
 static double half_decay(const averaged_step *m)
 {
     return sqrt(sqrt(m->decay[0][0] * m->decay[1][1] - m->decay[0][1] * m->decay[1][0]));
+}
+
+/*
+ * Adds to the flux y at a cycle's end what two harmonics induce in the cycle, from their angles at its start and end. In the rotor
+ * frame the k - 1st, which runs backwards, and the k + 1st, forwards, both turn by k times the angle. There the flux of a machine with
+ * the matrix M of its currents goes to -psi + w, with w' = M w + (R/L) psi, and what is not yet there decays.
+ */
+static void induce(const averaged_drive *d, const averaged_step *m, double omega_rad_s, double k,
+                   const double psi_Wb[2], const vec_rotor at[2], vec_dq *y)
+{
+    const double a_d = d->R_ohm / d->L_d_H;
+    const double a_q = d->R_ohm / d->L_q_H;
+    const double complex turn = I * k * omega_rad_s;
+    const double complex det = (turn + a_d) * (turn + a_q) + omega_rad_s * omega_rad_s;
+    const double size = creal(det) * creal(det) + cimag(det) * cimag(det);
+    if (!(size > 0.0)) {
+        return; /* no resistance, and the rotor stands still */
+    }
+    const double complex inverse = conj(det) / size;
+    const double complex psi_d = psi_Wb[1] + psi_Wb[0];
+    const double complex psi_q = -I * (psi_Wb[1] - psi_Wb[0]);
+    const double complex to_d =
+        inverse * ((turn + a_q) * a_d * psi_d + omega_rad_s * a_q * psi_q) - psi_d;
+    const double complex to_q =
+        inverse * ((turn + a_d) * a_q * psi_q - omega_rad_s * a_d * psi_d) - psi_q;
+    const vec_dq first = {creal(to_d) * at[0].cos - cimag(to_d) * at[0].sin,
+                          creal(to_q) * at[0].cos - cimag(to_q) * at[0].sin};
+    y->d += creal(to_d) * at[1].cos - cimag(to_d) * at[1].sin - m->decay[0][0] * first.d -
+            m->decay[0][1] * first.q;
+    y->q += creal(to_q) * at[1].cos - cimag(to_q) * at[1].sin - m->decay[1][0] * first.d -
+            m->decay[1][1] * first.q;
 }
 
 /*
@@ -358,12 +396,10 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     }
     const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, end);
     if (averaged_drive_has_harmonics(d)) {
-        const double half = half_decay(&m);
-        const vec_dq change = vec_to_dq((vec_ab){half * (harmonics.last.alpha - harmonics.first.alpha),
-                                                 half * (harmonics.last.beta - harmonics.first.beta)},
-                                        end);
-        y.d -= change.d;
-        y.q -= change.q;
+        const vec_rotor six[2] = {rotor_six_times(r), rotor_six_times(end)};
+        const vec_rotor twelve[2] = {rotor_turned(six[0], six[0]), rotor_turned(six[1], six[1])};
+        induce(d, &m, row->omega_rad_s, 6.0, (const double[2]){d->psi_5_Wb, d->psi_7_Wb}, six, &y);
+        induce(d, &m, row->omega_rad_s, 12.0, (const double[2]){d->psi_11_Wb, d->psi_13_Wb}, twelve, &y);
     }
     if (has_unequal_poles(d)) {
         const double turn = row->omega_rad_s * row->T_s * row->per_pole;
