@@ -31,14 +31,6 @@ static bool has_unequal_poles(const averaged_drive *d)
     return d->pole_cos[0] != 0.0 || d->pole_sin[0] != 0.0 || d->pole_cos[1] != 0.0 || d->pole_sin[1] != 0.0;
 }
 
-/* By how much of itself the magnet's flux differs at a mechanical angle. */
-static double pole_share(const averaged_drive *d, vec_rotor mech)
-{
-    const vec_rotor two = rotor_turned(mech, mech);
-    return d->pole_cos[0] * mech.cos + d->pole_sin[0] * mech.sin + d->pole_cos[1] * two.cos +
-           d->pole_sin[1] * two.sin;
-}
-
 /* One order's error at n times an angle: those of sin and cos. */
 static double swing(const averaged_drive *d, size_t n, vec_rotor at)
 {
@@ -198,34 +190,34 @@ static double half_decay(const averaged_step *m)
 }
 
 /*
- * Adds to the flux y at a cycle's end what two harmonics induce in the cycle, from their angles at its start and end. In the rotor
- * frame the k - 1st, which runs backwards, and the k + 1st, forwards, both turn by k times the angle. There the flux of a machine with
- * the matrix M of its currents goes to -psi + w, with w' = M w + (R/L) psi, and what is not yet there decays.
+ * Adds to the flux y at a cycle's end what a magnet induces whose flux in the rotor frame, the real part of psi e^{j k theta}, turns by
+ * k times the rotor's angle: at[0] at the cycle's start, at[1] at its end. With M the matrix of the currents' flux, that goes to
+ * -psi + w, where w' = M w + (R/L) psi, and what it is off by at the start decays.
  */
 static void induce(const averaged_drive *d, const averaged_step *m, double omega_rad_s, double k,
-                   const double psi_Wb[2], const vec_rotor at[2], vec_dq *y)
+                   double complex psi_d, double complex psi_q, const vec_rotor at[2], vec_dq *y)
 {
     const double a_d = d->R_ohm / d->L_d_H;
     const double a_q = d->R_ohm / d->L_q_H;
     const double complex turn = I * k * omega_rad_s;
     const double complex det = (turn + a_d) * (turn + a_q) + omega_rad_s * omega_rad_s;
     const double size = creal(det) * creal(det) + cimag(det) * cimag(det);
-    if (!(size > 0.0)) {
-        return; /* no resistance, and the rotor stands still */
-    }
-    const double complex inverse = conj(det) / size;
-    const double complex psi_d = psi_Wb[1] + psi_Wb[0];
-    const double complex psi_q = -I * (psi_Wb[1] - psi_Wb[0]);
-    const double complex to_d =
-        inverse * ((turn + a_q) * a_d * psi_d + omega_rad_s * a_q * psi_q) - psi_d;
-    const double complex to_q =
-        inverse * ((turn + a_d) * a_q * psi_q - omega_rad_s * a_d * psi_d) - psi_q;
+    const double complex inverse = size > 0.0 ? conj(det) / size : 0.0; /* 0: nothing is induced over R */
+    const double complex to_d = inverse * ((turn + a_q) * a_d * psi_d + omega_rad_s * a_q * psi_q) - psi_d;
+    const double complex to_q = inverse * ((turn + a_d) * a_q * psi_q - omega_rad_s * a_d * psi_d) - psi_q;
     const vec_dq first = {creal(to_d) * at[0].cos - cimag(to_d) * at[0].sin,
                           creal(to_q) * at[0].cos - cimag(to_q) * at[0].sin};
     y->d += creal(to_d) * at[1].cos - cimag(to_d) * at[1].sin - m->decay[0][0] * first.d -
             m->decay[0][1] * first.q;
     y->q += creal(to_q) * at[1].cos - cimag(to_q) * at[1].sin - m->decay[1][0] * first.d -
             m->decay[1][1] * first.q;
+}
+
+/* Of two neighbouring harmonics: the one that runs backwards and the one that runs forwards are order k in the rotor frame. */
+static void induce_pair(const averaged_drive *d, const averaged_step *m, double omega_rad_s, double k,
+                        double back_Wb, double on_Wb, const vec_rotor at[2], vec_dq *y)
+{
+    induce(d, m, omega_rad_s, k, on_Wb + back_Wb, -I * (on_Wb - back_Wb), at, y);
 }
 
 /*
@@ -398,19 +390,17 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     if (averaged_drive_has_harmonics(d)) {
         const vec_rotor six[2] = {rotor_six_times(r), rotor_six_times(end)};
         const vec_rotor twelve[2] = {rotor_turned(six[0], six[0]), rotor_turned(six[1], six[1])};
-        induce(d, &m, row->omega_rad_s, 6.0, (const double[2]){d->psi_5_Wb, d->psi_7_Wb}, six, &y);
-        induce(d, &m, row->omega_rad_s, 12.0, (const double[2]){d->psi_11_Wb, d->psi_13_Wb}, twelve, &y);
+        induce_pair(d, &m, row->omega_rad_s, 6.0, d->psi_5_Wb, d->psi_7_Wb, six, &y);
+        induce_pair(d, &m, row->omega_rad_s, 12.0, d->psi_11_Wb, d->psi_13_Wb, twelve, &y);
     }
     if (has_unequal_poles(d)) {
-        const double turn = row->omega_rad_s * row->T_s * row->per_pole;
-        const vec_rotor mech = {row->cos_mech, row->sin_mech};
-        const double flux = half_decay(&m) * psi;
-        const double before = flux * pole_share(d, mech);
-        const double after = flux * pole_share(d, rotor_turned(mech, (vec_rotor){cos(turn), sin(turn)}));
-        const vec_dq change =
-            vec_to_dq((vec_ab){after * end.cos - before * r.cos, after * end.sin - before * r.sin}, end);
-        y.d -= change.d;
-        y.q -= change.q;
+        const vec_rotor first = {row->cos_mech, row->sin_mech};
+        const vec_rotor last = rotor_turned(first, rotor_at(row->omega_rad_s * row->T_s * row->per_pole));
+        const vec_rotor mech[2][2] = {{first, last}, {rotor_turned(first, first), rotor_turned(last, last)}};
+        for (size_t n = 0; n < 2; n++) {
+            const double complex share = d->pole_cos[n] - I * d->pole_sin[n];
+            induce(d, &m, row->omega_rad_s, (double)(n + 1) * row->per_pole, psi * share, 0.0, mech[n], &y);
+        }
     }
     if (averaged_drive_loses(d) || unequal(d)) {
         /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
