@@ -205,12 +205,11 @@ static void induce(const averaged_drive *d, const averaged_step *m, double omega
     const double complex inverse = size > 0.0 ? conj(det) / size : 0.0; /* 0: nothing is induced over R */
     const double complex to_d = inverse * ((turn + a_q) * a_d * psi_d + omega_rad_s * a_q * psi_q) - psi_d;
     const double complex to_q = inverse * ((turn + a_d) * a_q * psi_q - omega_rad_s * a_d * psi_d) - psi_q;
-    const vec_dq first = {creal(to_d) * at[0].cos - cimag(to_d) * at[0].sin,
-                          creal(to_q) * at[0].cos - cimag(to_q) * at[0].sin};
-    y->d += creal(to_d) * at[1].cos - cimag(to_d) * at[1].sin - m->decay[0][0] * first.d -
-            m->decay[0][1] * first.q;
-    y->q += creal(to_q) * at[1].cos - cimag(to_q) * at[1].sin - m->decay[1][0] * first.d -
-            m->decay[1][1] * first.q;
+    const double complex start = at[0].cos + I * at[0].sin;
+    const double complex end = at[1].cos + I * at[1].sin;
+    const vec_dq off = {creal(to_d * start), creal(to_q * start)};
+    y->d += creal(to_d * end) - m->decay[0][0] * off.d - m->decay[0][1] * off.q;
+    y->q += creal(to_q * end) - m->decay[1][0] * off.d - m->decay[1][1] * off.q;
 }
 
 /* Of two neighbouring harmonics: the one that runs backwards and the one that runs forwards are order k in the rotor frame. */
