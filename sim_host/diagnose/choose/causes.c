@@ -404,11 +404,9 @@ bool causes_reject_harmful(session *w, const diagnose_teller *teller)
 bool causes_split_saturation(session *w, const diagnose_teller *teller)
 {
     const hypothesis_set split = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_FALL);
-    const double at_none = column_value(COLUMN_L, w->state.z);
-    const double at_rated = at_none - log1p(fmax(w->state.z[P_SATURATION], 0.0));
     const double least = w->frame.of_least * hypothesis_table[H_INDUCTANCE].least;
     if (!hypothesis_in(w->state.set, H_SATURATION) || !hypothesis_in(w->possible, H_INDUCTANCE) ||
-        at_none * at_rated <= 0.0 || fmin(fabs(at_none), fabs(at_rated)) < least ||
+        fabs(hypothesis_saturation_offset(w->state.z)) < least ||
         !certainty_exceeds(&w->certainty, &w->state, H_INDUCTANCE, least)) {
         return true;
     }

@@ -184,7 +184,7 @@ static bool cost_of_same_drive(const evidence_view *view, const fit_state *s, hy
     }
     coordinates_scale(view->frame, coordinates_to_file(view->frame, with_factor[lacks(set)], option->z),
                       option->z);
-    option->score = option->cost + evidence_penalty(view, set) + hypotheses_unusual(set, option->z);
+    option->score = option->cost + evidence_price(view, set, option->z);
     return hypotheses_physical(set, option->z) && hypotheses_count(came, option->z, view->of_least);
 }
 
@@ -256,7 +256,7 @@ bool evidence_cost(const evidence_view *view, const fit_state *s, hypothesis_set
         option->cost -= step[i] * right[i];
         column_move(column[i], step[i], option->z);
     }
-    option->score = option->cost + evidence_penalty(view, set) + hypotheses_unusual(set, option->z);
+    option->score = option->cost + evidence_price(view, set, option->z);
     return hypotheses_physical(set, option->z) && hypotheses_count(set, option->z, view->of_least);
 }
 
@@ -281,6 +281,13 @@ double evidence_penalty(const evidence_view *view, hypothesis_set set)
                fmax(evidence_least(view->explained, set, h), hypothesis_cause(h)->named ? view->least : 0.0);
     }
     return sum;
+}
+
+double evidence_price(const evidence_view *view, hypothesis_set set, const double z[P_COUNT])
+{
+    const double least = view->of_least * hypothesis_table[H_INDUCTANCE].least;
+    const bool is_two = hypothesis_in(set, H_SATURATION) && fabs(hypothesis_saturation_offset(z)) >= least;
+    return evidence_penalty(view, set) + hypotheses_unusual(set, z) + (is_two ? CAUSE_PENALTY : 0.0);
 }
 
 const char *evidence_words(hypothesis_set set, char *text, size_t size)

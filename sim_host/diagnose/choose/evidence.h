@@ -63,6 +63,9 @@ double evidence_least(double explained, hypothesis_set set, hypothesis_id h);
  * of the third is no parameter. */
 double evidence_penalty(const evidence_view *view, hypothesis_set set);
 
+/* That, with how unusual the sizes at z are. A saturation of an inductance that the motor file has at no current is two causes. */
+double evidence_price(const evidence_view *view, hypothesis_set set, const double z[P_COUNT]);
+
 /* A set as text: "dead_time + resistance". */
 const char *evidence_words(hypothesis_set set, char *text, size_t size);
 

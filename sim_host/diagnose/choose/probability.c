@@ -32,7 +32,7 @@ static double look_by(tally *t, const evidence_view *view)
     evidence_option own;
     t->view = view;
     evidence_cost(view, t->state, set, &own);
-    t->best = own.cost + evidence_penalty(view, set) + hypotheses_unusual(set, own.z);
+    t->best = own.cost + evidence_price(view, set, own.z);
     return own.cost;
 }
 

@@ -219,8 +219,7 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
 /* `worth`: reduction by the tolerances of its laws. */
 static double state_score(const evidence_view *view, const fit_state *s, double worth)
 {
-    return s->objective - worth + evidence_penalty(view, s->set) + hypotheses_unusual(s->set, s->z) +
-           last_digits_unusual(s->set, s->z);
+    return s->objective - worth + evidence_price(view, s->set, s->z) + last_digits_unusual(s->set, s->z);
 }
 
 bool search_score(fit_data *d, const fit_state *s, double *score)
@@ -231,6 +230,7 @@ bool search_score(fit_data *d, const fit_state *s, double *score)
     if (ok) {
         view->rows = d->rows;
         view->edge = s->edge;
+        view->of_least = d->frame->of_least;
         *score = state_score(view, s, worth);
     }
     free(view);

@@ -242,6 +242,13 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
     return sum;
 }
 
+double hypothesis_saturation_offset(const double z[P_COUNT])
+{
+    const double at_none = column_value(COLUMN_L, z);
+    const double at_rated = at_none - log1p(fmax(z[P_SATURATION], 0.0));
+    return at_none > 0.0 ? fmax(at_rated, 0.0) : at_none;
+}
+
 /* A coordinate that a column moves, and its share of the step. The last of a list has share 0. */
 typedef struct column_part {
     coordinate_id coordinate;

@@ -180,6 +180,12 @@ bool hypotheses_physical(hypothesis_set set, const double z[P_COUNT]);
  */
 double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT]);
 
+/*
+ * The least difference, as a logarithm, of an inductance that falls with the current from the motor file's one, up to the rated current.
+ * 0 if it has the file's value at some current.
+ */
+double hypothesis_saturation_offset(const double z[P_COUNT]);
+
 /* Moves z along a column. */
 void column_move(int column, double by, double z[P_COUNT]);
 
