@@ -158,8 +158,7 @@ void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesi
     last_digits_keep(h, s->z);
 }
 
-/* Takes out the members that turned out too small for a name. True if there were any. */
-static bool drop_small(const fit_data *d, fit_state *s, hypothesis_set allowed)
+bool search_drop_small(const fit_data *d, fit_state *s, hypothesis_set allowed)
 {
     const hypothesis_set before = s->set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
@@ -208,7 +207,7 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
             return false;
         }
     }
-    while (*alone <= most && drop_small(d, trial, allowed)) {
+    while (*alone <= most && search_drop_small(d, trial, allowed)) {
         if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
             return false;
         }

@@ -25,6 +25,9 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
  */
 void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesis_set allowed);
 
+/* Takes out the members that turned out too small for a name. True if there were any. */
+bool search_drop_small(const fit_data *d, fit_state *s, hypothesis_set allowed);
+
 /* What the sets of two states that were fitted are compared by. False: out of memory. */
 bool search_score(fit_data *d, const fit_state *s, double *score);
 

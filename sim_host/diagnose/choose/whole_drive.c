@@ -24,6 +24,8 @@ static const double PAYS_TOGETHER = 60.0;
 static const double SURE = 10.0;
 /* So many causes are replaced at most. */
 enum { REPLACED_MOST = 3 };
+/* Steps of the fit of a set's large members. */
+enum { LARGE_STEPS = 5 };
 
 /* What is fitted: one hypothesis or more a cause, and what was found already. */
 static hypothesis_set parts_of(const session *w, hypothesis_set found)
@@ -231,6 +233,27 @@ static void adopt(session *w, const attempt *a)
     memcpy(w->scale, a->fit.scale, sizeof w->scale);
 }
 
+/*
+ * The score of its members beyond their reporting thresholds, without the others, fitted as the search fits a set. The whole drive holds
+ * what is small as well, and a set pays as much for that as for what is large.
+ */
+static bool score_of_large(session *w, const attempt *a, double *score)
+{
+    const hypothesis_set split = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_FALL);
+    fit_state s = a->state;
+    if ((s.set & split) == split) {
+        s.set = (s.set & ~split) | HYPOTHESIS_BIT(H_SATURATION);
+    }
+    search_drop_small(&w->fitted, &s, w->possible);
+    hypotheses_leave(HYPOTHESIS_BIT(H_COUNT) - 1, s.z);
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        if (hypothesis_in(s.set, h)) {
+            hypothesis_copy(h, a->state.z, s.z);
+        }
+    }
+    return fit_refine(&w->fitted, &s, LARGE_STEPS) && search_score(&w->fitted, &s, score);
+}
+
 bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller)
 {
     const double percent = session_named_error(w, w->state.set);
@@ -238,17 +261,24 @@ bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_t
     char words[256];
     attempt *best = malloc(sizeof *best);
     *better = false;
-    const bool ok = best && try_whole(w, best, teller) && search_score(&w->fitted, &w->state, &score);
+    bool ok = best && try_whole(w, best, teller) && search_score(&w->fitted, &w->state, &score);
     if (ok) {
         const bool is_new = best->state.set != w->state.set && best->percent < percent;
         /* A map that the whole drive does not need is there in place of other causes. */
         const bool no_map = hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) &&
                             !hypotheses_hold(best->state.set, CAUSE_SATURATION_DQ);
-        *better = (best->score < score || no_map) && (again || is_new) && best->explains_most;
+        *better = (again || is_new) && best->explains_most;
+        double of_large = INFINITY;
+        if (*better && !no_map && best->score >= score) {
+            ok = score_of_large(w, best, &of_large);
+            *better = of_large < score;
+        }
         if (teller->trace) {
-            fprintf(teller->trace, "  whole drive: %s, score %.1f (search %.1f), error %.4g %% (%.4g): %s\n",
-                    evidence_words(best->state.set, words, sizeof words), best->score, score, best->percent,
-                    percent, *better ? "kept" : "not better");
+            fprintf(
+                teller->trace,
+                "  whole drive: %s, score %.1f, large ones %.1f (search %.1f), error %.4g %% (%.4g): %s\n",
+                evidence_words(best->state.set, words, sizeof words), best->score, of_large, score,
+                best->percent, percent, *better ? "kept" : "not better");
         }
     }
     if (*better) {
