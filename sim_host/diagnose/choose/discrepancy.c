@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { MOST = 12, ORDERS = 2 * MOST + 1, NUMBERS = 2 * ORDERS };
+enum { FEW = 3, MOST = 12, ORDERS = 2 * MOST + 1, NUMBERS = 2 * ORDERS };
 
 /* Added to the diagonal, as a share of the rows: orders that too few turns cannot separate. */
 static const double RIDGE = 1e-3;
@@ -45,36 +45,50 @@ static void add_row(point_sums *p, const cycle_row *row, const double *e)
     }
 }
 
-/* By what the orders reduce the square at a point, less what noise does; *variance: of the latter. */
-static double worth(const point_sums *p, double *variance)
+/* By what the orders from -most to most reduce the square at a point, less what noise does; *variance: of the latter. */
+static double worth(const point_sums *p, int most, double *variance)
 {
+    const int orders = 2 * most + 1;
+    const size_t numbers = 2 * (size_t)orders;
+    const number *with = p->with + MOST - most;
     double h[NUMBERS * NUMBERS];
     double right[NUMBERS];
     double x[NUMBERS];
     double inverse[NUMBERS * NUMBERS];
     double sum = 0.0;
     double free_numbers = 0.0;
-    for (int i = 0; i < ORDERS; i++) {
-        right[2 * i] = p->with[i].re;
-        right[2 * i + 1] = p->with[i].im;
-        for (int k = 0; k < ORDERS; k++) {
+    for (int i = 0; i < orders; i++) {
+        right[2 * i] = with[i].re;
+        right[2 * i + 1] = with[i].im;
+        for (int k = 0; k < orders; k++) {
             const number t = p->turn[abs(k - i)];
             const double im = k >= i ? t.im : -t.im;
-            double *at = h + (size_t)(2 * i) * NUMBERS + 2 * k;
-            at[0] = at[NUMBERS + 1] = t.re + (k == i ? RIDGE * p->rows : 0.0);
+            double *at = h + (size_t)(2 * i) * numbers + 2 * k;
+            at[0] = at[numbers + 1] = t.re + (k == i ? RIDGE * p->rows : 0.0);
             at[1] = -im;
-            at[NUMBERS] = im;
+            at[numbers] = im;
         }
     }
-    if (!solve_positive(NUMBERS, NUMBERS, h, right, x) || !solve_inverse(NUMBERS, NUMBERS, h, inverse)) {
+    if (!solve_positive(numbers, numbers, h, right, x) || !solve_inverse(numbers, numbers, h, inverse)) {
         return 0.0;
     }
-    for (size_t k = 0; k < NUMBERS; k++) {
+    for (size_t k = 0; k < numbers; k++) {
         sum += x[k] * right[k];
-        free_numbers += 1.0 - RIDGE * p->rows * inverse[k * NUMBERS + k];
+        free_numbers += 1.0 - RIDGE * p->rows * inverse[k * numbers + k];
     }
     *variance += 2.0 * free_numbers;
     return sum - free_numbers;
+}
+
+/* By what the orders from -most to most reduce the square of all points, as far as noise does not. */
+static double certain_worth(const point_sums *point, size_t points, int most)
+{
+    double sum = 0.0;
+    double variance = 0.0;
+    for (size_t g = 0; g < points; g++) {
+        sum += point[g].rows > 0.0 ? worth(&point[g], most, &variance) : 0.0;
+    }
+    return fmax(sum - BY_NOISE * sqrt(variance), 0.0);
 }
 
 /* Whitened innovations of a drive over a block, and their square. */
@@ -102,7 +116,6 @@ double discrepancy_share(fit_data *d, const fit_state *s, const averaged_drive *
     point_sums *point = calloc(r->groups, sizeof *point);
     double explained = 0.0;
     double left = 0.0;
-    double variance = 0.0;
     if (nodes && nominal_nodes && e && point) {
         for (size_t b = 0; b < d->blocks; b++) {
             const row_block *block = &r->block[d->block[b]];
@@ -113,9 +126,7 @@ double discrepancy_share(fit_data *d, const fit_state *s, const averaged_drive *
                 add_row(&point[block->group], &r->row[block->first + j], e + OBSERVER_OUTPUTS * j);
             }
         }
-        for (size_t g = 0; g < r->groups; g++) {
-            left += point[g].rows > 0.0 ? worth(&point[g], &variance) : 0.0;
-        }
+        left = fmax(certain_worth(point, r->groups, FEW), certain_worth(point, r->groups, MOST));
     } else {
         rows_note_no_memory(r);
     }
@@ -123,6 +134,5 @@ double discrepancy_share(fit_data *d, const fit_state *s, const averaged_drive *
     free(nominal_nodes);
     free(e);
     free(point);
-    const double certain = left - BY_NOISE * sqrt(variance);
-    return explained > 0.0 && certain > 0.0 ? certain / explained : 0.0;
+    return explained > 0.0 ? left / explained : 0.0;
 }

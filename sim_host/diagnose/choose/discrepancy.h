@@ -5,6 +5,8 @@
  * a short between turns an iron loss takes the half that is alike in all phases, and an equal half turns the other way. The innovations
  * of each operating point are therefore fitted by vectors that turn with the electrical angle, of orders -12 to 12 in the stationary
  * frame. White noise alone is worth one in chi square for each number of that fit, and two standard deviations more are allowed for.
+ * Where an effect is small, the noise of so many orders would cover what is left. So -3 to 3 are fitted alone as well: to these, the
+ * saliency of the rotor takes what turns backwards once.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_DISCREPANCY_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_DISCREPANCY_H
