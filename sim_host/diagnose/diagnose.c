@@ -99,15 +99,15 @@ static void mention_more_left(const session *w, diagnosis *d)
     }
 }
 
-static bool tabulate_hypotheses(const session *w, evidence_view *view, diagnosis *d,
-                                const hypothesis_id *member, hypothesis_set skipped)
+static bool tabulate_hypotheses(session *w, evidence_view *view, diagnosis *d, const hypothesis_id *member,
+                                hypothesis_set skipped)
 {
     confusion_find(d, view, &w->state, member, w->possible, w->certainty.inflation);
     confusion_trades(d, view, &w->state, member, w->possible, w->certainty.inflation);
     known_tell(w, view, d);
     standing of[H_COUNT];
     view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-    if (!probability_of(view, &w->state, session_rivals(w), w->certainty.inflation, of)) {
+    if (!probability_of(view, &w->state, session_rivals(w), w->certainty.inflation, &w->rivals, of)) {
         return false;
     }
     for (size_t k = 0; k < d->causes; k++) {
@@ -406,6 +406,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     bool whole = false;
     w->fitted.searches = true;
+    w->rivals.data = &w->fitted;
     bool less = false;
     if (!corrections_by_link(w, m, options->skip, options->teller.trace) || !begin(w, &options->teller) ||
         !doubt_less(w, &less, &options->teller) || !find_under_modulator(w, &options->teller) ||

@@ -113,7 +113,7 @@ static bool weigh(const session *w, const evidence_view *view, hypothesis_set al
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
     g.with_all = session_named_error(w, set);
     *out = g;
-    return probability_of(view, &w->state, allowed, w->certainty.inflation, out->posterior);
+    return probability_of(view, &w->state, allowed, w->certainty.inflation, NULL, out->posterior);
 }
 
 /* The least reduction by a member, from what the others explain and what nothing does. */

@@ -54,10 +54,9 @@ static size_t columns_of(const fit_data *d, const fit_state *s, hypothesis_set a
     return n;
 }
 
-/* To the last bit: the sums of two neighbouring states differ. */
-static bool is_same_point(const fit_state *a, const fit_state *b)
+bool evidence_is_same(const fit_state *a, const fit_state *b)
 {
-    bool same = a->edge == b->edge;
+    bool same = a->set == b->set && a->edge == b->edge;
     for (size_t k = 0; same && k < P_COUNT; k++) {
         same = a->z[k] == b->z[k];
     }
@@ -75,7 +74,7 @@ static bool is_same_point(const fit_state *a, const fit_state *b)
 static bool is_of(const evidence_view *view, const fit_data *d, const fit_state *s, hypothesis_set allowed)
 {
     return view->stands && view->searches == d->searches && (allowed & ~view->allowed) == 0 &&
-           view->of.set == s->set && is_same_point(&view->of, s);
+           evidence_is_same(&view->of, s);
 }
 
 bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *view)
@@ -285,9 +284,8 @@ double evidence_penalty(const evidence_view *view, hypothesis_set set)
 
 double evidence_price(const evidence_view *view, hypothesis_set set, const double z[P_COUNT])
 {
-    const double least = view->of_least * hypothesis_table[H_INDUCTANCE].least;
-    const bool is_two = hypothesis_in(set, H_SATURATION) && fabs(hypothesis_saturation_offset(z)) >= least;
-    return evidence_penalty(view, set) + hypotheses_unusual(set, z) + (is_two ? CAUSE_PENALTY : 0.0);
+    return evidence_penalty(view, set) + hypotheses_unusual(set, z) +
+           CAUSE_PENALTY * (double)hypotheses_more_causes(set, z, view->of_least);
 }
 
 const char *evidence_words(hypothesis_set set, char *text, size_t size)

@@ -47,6 +47,9 @@ bool evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evid
  */
 void evidence_hold(const evidence_view *view, hypothesis_id h, evidence_view *held);
 
+/* Whether two states are one, to the last bit: the sums of two neighbouring ones differ. */
+bool evidence_is_same(const fit_state *a, const fit_state *b);
+
 /*
  * The cost of a set at the view, and where its optimum lies. False if the set is no choice: its optimum is not
  * physical (a negative dead time) or too small for a name, or two of its columns are not distinguishable; in that
@@ -63,7 +66,7 @@ double evidence_least(double explained, hypothesis_set set, hypothesis_id h);
  * of the third is no parameter. */
 double evidence_penalty(const evidence_view *view, hypothesis_set set);
 
-/* That, with how unusual the sizes at z are. A saturation of an inductance that the motor file has at no current is two causes. */
+/* That, with how unusual the sizes at z are, and what is more than one cause by its values. */
 double evidence_price(const evidence_view *view, hypothesis_set set, const double z[P_COUNT]);
 
 /* A set as text: "dead_time + resistance". */

@@ -1,12 +1,18 @@
 /* Shares of the evidence (probability.h). */
 #include "probability.h"
 
+#include "search.h"
+
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct tally {
     const evidence_view *view;
     const fit_state *state;
+    hypothesis_set possible;
+    rival_fits *fits; /* NULL: by the parabola alone */
+    bool no_memory;
     double best, inflation;
     double all;
     double of_cause[CAUSE_COUNT];
@@ -51,9 +57,50 @@ static bool contains_one_of(const tally *t, hypothesis_set set, cause_id cause)
     return false;
 }
 
+/* The score of a set after its fit; NAN if too many were fitted. */
+static double fitted_score(tally *t, hypothesis_set set)
+{
+    rival_fits *f = t->fits;
+    size_t k = 0;
+    while (k < f->count && f->set[k] != set) {
+        k++;
+    }
+    if (k == RIVALS_FITTED) {
+        return NAN;
+    }
+    if (k == f->count) {
+        fit_state s = *t->state;
+        evidence_option option;
+        evidence_cost(t->view, t->state, set, &option);
+        if (set == s.set) {
+            memcpy(option.z, s.z, sizeof option.z);
+        }
+        const double most = s.objective + evidence_penalty(t->view, s.set);
+        t->no_memory = !search_fitted(f->data, &option, t->possible, most, &s, &f->score[k]) || t->no_memory;
+        f->set[k] = set;
+        f->count++;
+    }
+    return f->score[k];
+}
+
+/*
+ * By how much a set's score is above that of the state's own. The parabola about the state is wrong far from it: an offset of a current
+ * acts through R, so to the parabola it is a resistance of twice the value. A set that it makes likelier is therefore fitted.
+ */
+static double behind(tally *t, hypothesis_set set)
+{
+    const double by_parabola = score_of(t, set) - t->best;
+    if (t->fits == NULL || !(by_parabola < 0.0)) {
+        return by_parabola;
+    }
+    const double own = fitted_score(t, t->state->set);
+    const double score = fitted_score(t, set);
+    return own < INFINITY && !isnan(score) ? score - own : by_parabola;
+}
+
 static void count(tally *t, hypothesis_set set)
 {
-    const double weight = exp(-0.5 * (score_of(t, set) - t->best) / t->inflation);
+    const double weight = exp(-0.5 * behind(t, set) / t->inflation);
     t->all += weight;
     for (cause_id cause = 0; cause < CAUSE_COUNT; cause++) {
         if (hypotheses_hold(set, cause)) {
@@ -77,9 +124,13 @@ static void count_about(tally *t, hypothesis_set set, hypothesis_set possible)
 }
 
 bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
-                    standing of[H_COUNT])
+                    rival_fits *fits, standing of[H_COUNT])
 {
-    tally t = {.state = s, .inflation = inflation};
+    tally t = {.state = s, .inflation = inflation, .fits = fits, .possible = possible};
+    if (fits != NULL && !evidence_is_same(&fits->of, s)) {
+        fits->of = *s;
+        fits->count = 0;
+    }
     evidence_view *held = malloc(sizeof *held);
     look_by(&t, view);
     count_about(&t, s->set, possible);
@@ -101,7 +152,7 @@ bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_se
         of[h].probability = t.all > 0.0 ? (t.of_cause[cause] + t.contained[cause]) / t.all : 0.0;
         of[h].rival = t.without[cause];
     }
-    const bool ok = held != NULL;
+    const bool ok = held != NULL && !t.no_memory;
     free(held);
     return ok;
 }

@@ -19,8 +19,22 @@ typedef struct standing {
     double rival; /* the weight of the likeliest set without the cause, over that of the state's own */
 } standing;
 
-/* One entry a hypothesis; those of a cause are alike. False: out of memory. */
+enum { RIVALS_FITTED = 16 };
+
+/* What sets were fitted about a state, and their scores. */
+typedef struct rival_fits {
+    fit_data *data;
+    fit_state of;
+    size_t count;
+    hypothesis_set set[RIVALS_FITTED];
+    double score[RIVALS_FITTED];
+} rival_fits;
+
+/*
+ * One entry a hypothesis; those of a cause are alike. With `fits`, a set that the parabola makes likelier than the state's own is fitted.
+ * False: out of memory.
+ */
 bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
-                    standing of[H_COUNT]);
+                    rival_fits *fits, standing of[H_COUNT]);
 
 #endif

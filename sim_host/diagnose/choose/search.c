@@ -236,6 +236,16 @@ bool search_score(fit_data *d, const fit_state *s, double *score)
     return ok;
 }
 
+bool search_fitted(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
+                   fit_state *s, double *score)
+{
+    double alone;
+    double worth = 0.0;
+    *score = INFINITY;
+    return fit_option(d, option, allowed, most, s, &alone, &worth) &&
+           (!(alone <= most) || search_score(d, s, score));
+}
+
 /* Fitting an option is what takes the time. */
 static void tell_option(const diagnose_teller *teller, int round, const evidence_option *option)
 {

@@ -31,4 +31,8 @@ bool search_drop_small(const fit_data *d, fit_state *s, hypothesis_set allowed);
 /* What the sets of two states that were fitted are compared by. False: out of memory. */
 bool search_score(fit_data *d, const fit_state *s, double *score);
 
+/* Fits an option from *s without linearisation, and its score; INFINITY if its objective stays above `most`. False: out of memory. */
+bool search_fitted(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
+                   fit_state *s, double *score);
+
 #endif

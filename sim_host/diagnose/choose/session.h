@@ -7,6 +7,7 @@
 #include "certainty.h"
 #include "diagnose/identify/whole_fit.h"
 #include "evidence.h"
+#include "probability.h"
 
 typedef struct session {
     diagnose_rows rows;
@@ -22,6 +23,7 @@ typedef struct session {
         undecided; /* of these, those for which the recording does not show whether they are the cause */
     drive_scale scale[DRIVE_SCALES];         /* of a set of the whole drive; shares of 0 otherwise */
     evidence_view view;                      /* of the state that is reported */
+    rival_fits rivals;                       /* of that state */
     fit_state best;                          /* the state, or what was fitted before all of it was given up */
     double borne_out, corrections_borne_out; /* probability of the members, of these and the corrections */
     bool more_left;                          /* than the best causes explained: none of them is named */

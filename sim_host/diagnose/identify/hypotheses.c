@@ -249,6 +249,22 @@ double hypothesis_saturation_offset(const double z[P_COUNT])
     return at_none > 0.0 ? fmax(at_rated, 0.0) : at_none;
 }
 
+/* Mean of three values over the deviation that they show, above which they have a part in common: t of 2 degrees of freedom, 0.95. */
+static const double IN_COMMON = 4.303 / 1.732;
+
+size_t hypotheses_more_causes(hypothesis_set set, const double z[P_COUNT], double of_least)
+{
+    const double gain[3] = {z[P_GAIN_A], z[P_GAIN_B], z[P_GAIN_C]};
+    const double mean = fabs(gain[0] + gain[1] + gain[2]) / 3.0;
+    const bool of_all = hypothesis_in(set, H_CURRENT_GAIN) && gain[2] != 0.0 &&
+                        mean >= of_least * hypothesis_table[H_CURRENT_GAIN].least &&
+                        mean > IN_COMMON * spread(gain) / sqrt(2.0);
+    const bool offset =
+        hypothesis_in(set, H_SATURATION) &&
+        fabs(hypothesis_saturation_offset(z)) >= of_least * hypothesis_table[H_INDUCTANCE].least;
+    return (of_all ? 1U : 0U) + (offset ? 1U : 0U);
+}
+
 /* A coordinate that a column moves, and its share of the step. The last of a list has share 0. */
 typedef struct column_part {
     coordinate_id coordinate;

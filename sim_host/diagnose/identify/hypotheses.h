@@ -186,6 +186,12 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT]);
  */
 double hypothesis_saturation_offset(const double z[P_COUNT]);
 
+/*
+ * How many causes there are in a set beyond one a member, by their values: a saturation of an inductance that the motor file has at no
+ * current, and three sensors whose gains have more in common than chance leaves of three errors.
+ */
+size_t hypotheses_more_causes(hypothesis_set set, const double z[P_COUNT], double of_least);
+
 /* Moves z along a column. */
 void column_move(int column, double by, double z[P_COUNT]);
 
