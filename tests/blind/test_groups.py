@@ -251,6 +251,12 @@ class Diagnosed(unittest.TestCase):
         # A resistance that one phase has alone, reported as one of all three; an inductance that is wrong at every current, as a saturation.
         for seed in (772_015, 772_019):
             self.check(seed, "bench", "main")
+        # The whole drive holds small effects as well: a set of its large ones is likelier than what the search had found.
+        self.check(804_006, "bench", "second")
+
+    def test_offsets_at_one_speed_are_no_resistance(self):
+        """They act through R: to the parabola about the fit, no offset is a resistance of twice the value."""
+        self.check(806_033, "steady", "main")
 
     def test_iron_loss_under_a_compensation_is_no_delay(self):
         # A sparse search takes an angle delay for it, and explains the recording; only the whole drive tells them apart.

@@ -125,6 +125,39 @@ static void a_set_pays_for_causes_parameters_and_surprise(void)
     SAME(25.0 + 12.0 + 6.0, evidence_penalty(view, BIT(H_SENSOR_ZONE)));
 }
 
+static double more_than_a_cause_a_member(hypothesis_set set, const double z[P_COUNT])
+{
+    return evidence_price(view, set, z) - evidence_penalty(view, set) - hypotheses_unusual(set, z);
+}
+
+/* An inductance that falls with the current, and has the file's value nowhere. */
+static void a_saturation_that_never_has_the_files_inductance_is_two_causes(void)
+{
+    const double least = hypothesis_table[H_INDUCTANCE].least;
+    double z[P_COUNT] = {0.0};
+    z[P_SATURATION] = expm1(5.0 * least);
+    for (int k = -9; k <= 9; k++) {
+        const double at_none = k * least + 0.01 * least;
+        const double at_rated = at_none - 5.0 * least;
+        const bool nowhere = (at_none > least && at_rated > least) || (at_none < -least && at_rated < -least);
+        z[P_L_D] = z[P_L_Q] = at_none;
+        SAME(nowhere ? 25.0 : 0.0, more_than_a_cause_a_member(BIT(H_SATURATION), z));
+        SAME(0.0, more_than_a_cause_a_member(BIT(H_INDUCTANCE) | BIT(H_FALL), z)); /* two already */
+    }
+}
+
+/* What three sensors have in common, beyond what the mean of three errors is by chance. */
+static void gains_in_common_are_a_cause_of_their_own(void)
+{
+    double z[P_COUNT] = {[P_GAIN_A] = 0.060, [P_GAIN_B] = 0.066, [P_GAIN_C] = 0.061};
+    SAME(25.0, more_than_a_cause_a_member(BIT(H_CURRENT_GAIN), z));
+    SAME(0.0, more_than_a_cause_a_member(BIT(H_GAIN_MISMATCH), z));
+    z[P_GAIN_B] = -0.02; /* the mean is 0.75 of the deviation */
+    SAME(0.0, more_than_a_cause_a_member(BIT(H_CURRENT_GAIN), z));
+    z[P_GAIN_A] = z[P_GAIN_B] = z[P_GAIN_C] = 0.9 * hypothesis_table[H_CURRENT_GAIN].least;
+    SAME(0.0, more_than_a_cause_a_member(BIT(H_CURRENT_GAIN), z));
+}
+
 static void the_least_next_to_a_residual_above_the_tolerance(void)
 {
     SAME(0.0, evidence_least(1.0, BIT(H_RESISTANCE) | BIT(H_DEAD_TIME), H_RESISTANCE));
@@ -252,6 +285,8 @@ int main(void)
     RUN_TEST(the_common_offset_is_always_free);
     RUN_TEST(what_is_no_choice_is_refused);
     RUN_TEST(a_set_pays_for_causes_parameters_and_surprise);
+    RUN_TEST(a_saturation_that_never_has_the_files_inductance_is_two_causes);
+    RUN_TEST(gains_in_common_are_a_cause_of_their_own);
     RUN_TEST(the_least_next_to_a_residual_above_the_tolerance);
     RUN_TEST(a_set_in_words);
     RUN_TEST(another_is_as_good_within_fifteen);

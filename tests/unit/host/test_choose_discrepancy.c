@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 enum { ROWS = 1500, POINTS = 2, BLOCKS = 6, ALL = BLOCKS * ROWS };
@@ -22,7 +23,7 @@ static fit_state state;
 /* The extended drive leaves a vector of that order; the motor file's model an offset of that length in addition. */
 static int order;
 static double left, explained;
-static uint32_t drawn;
+static uint32_t drawn, seed;
 
 void __wrap_observer_block(diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
                            const row_block *b, double gain, double gate, double *innovation, double *seen);
@@ -46,7 +47,7 @@ void __wrap_observer_block(diagnose_rows *r, const averaged_drive *drive, const 
     (void)gate;
     (void)seen;
     const double offset = drive->R_ohm == 1.0 ? explained : 0.0;
-    drawn = 2 * (uint32_t)b->first;
+    drawn = 2 * (uint32_t)b->first + 2 * ALL * seed;
     for (size_t j = 0; j < b->count; j++) {
         const double at = order * atan2(r->row[b->first + j].sin_theta, r->row[b->first + j].cos_theta);
         innovation[3 * j] = noise() + left * cos(at) + offset;
@@ -115,6 +116,22 @@ static void a_vector_that_turns_is_left_in_proportion(void)
     }
 }
 
+/* Worth 40 in chi square. The noise of all orders may be worth 28, so that of 40 they leave 12, and that of -3 to 3 is worth 15. */
+static void a_small_vector_of_a_low_order_is_seen(void)
+{
+    enum { DRAWS = 30 };
+    left = sqrt(40.0 / ALL);
+    for (order = -3; order <= 3; order++) {
+        double sum = 0.0;
+        for (seed = 0; seed < DRAWS && order != 0; seed++) {
+            sum += ALL * explained * explained * share();
+        }
+        printf("  order %d: %.1f\n", order, sum / DRAWS);
+        TEST_ASSERT_TRUE(order == 0 || sum > 20.0 * DRAWS);
+    }
+    seed = 0;
+}
+
 static void an_order_beyond_the_last_is_not_seen(void)
 {
     order = 13;
@@ -147,6 +164,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(white_noise_leaves_nothing);
     RUN_TEST(a_vector_that_turns_is_left_in_proportion);
+    RUN_TEST(a_small_vector_of_a_low_order_is_seen);
     RUN_TEST(an_order_beyond_the_last_is_not_seen);
     RUN_TEST(a_drive_that_explains_nothing_has_no_share);
     RUN_TEST(a_rotor_at_standstill_is_one_vector);
