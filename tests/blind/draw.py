@@ -213,6 +213,11 @@ def draw(seed, kind, sizes=None, bench_kind="usual", with_digits=False):
     return SimpleNamespace(motor=motor, file=case.file, bench=bench, columns=columns, truth=truth)
 
 
+def mean_flux_Wb(model, pole_pairs):
+    """Around the rotor: a weak pole takes half a cosine squared from one pole pair."""
+    return model.psi_f_Wb * (1.0 - 0.5 * model.weak_pole / pole_pairs)
+
+
 def truth_of(case, sizes, model, parameters, columns, plant="second"):
     """The truth file of a recording, with what an oracle reaches on it."""
     motor, bench = case.motor, case.bench
@@ -234,7 +239,7 @@ def truth_of(case, sizes, model, parameters, columns, plant="second"):
                      "evidence": round(q * np.sqrt(n), 1), "parameters": par}
                     for told, s, q, par in zip((effects.told_as(x, bench.has_i_c) for x in case.ids), sizes, share, parameters)],
         "motor_file_should_say": {"R_ohm": model.R_ohm, "L_d_H": model.L_d_H, "L_q_H": model.L_q_H,
-                                  "psi_f_Wb": model.psi_f_Wb},
+                                  "psi_f_Wb": mean_flux_Wb(model, motor.pole_pairs)},
         "file_errors": case.file_errors,
         "oracle": {"nominal_percent": 100.0 * averaged.rms(nominal_error) / size,
                    "true_percent": 100.0 * error / size,

@@ -129,6 +129,14 @@ class Plant(unittest.TestCase):
         self.assertLess(abs(added.current(psi, theta) - larger.current(psi, theta))[0], 1e-12)
         np.testing.assert_allclose(added.inverse_inductance(theta), larger.inverse_inductance(theta), rtol=1e-12)
 
+    def test_the_mean_flux_of_a_weak_pole(self):
+        machine = Machine(1, 1.0, 4e-3, 9e-3, 0.1, weak_pole=0.3, pole_pairs=4)
+        around = machine.magnet_flux_dq(np.linspace(0.0, 8.0 * np.pi, 2880, endpoint=False))
+        model = averaged.no_effect()
+        model.psi_f_Wb, model.weak_pole = 0.1, 0.3
+        self.assertAlmostEqual(np.mean(around), draw.mean_flux_Wb(model, 4), places=12)
+        self.assertAlmostEqual(draw.mean_flux_Wb(model, 4), 0.1 * (1.0 - 0.15 / 4.0), places=12)
+
     def test_inverse_inductance_is_the_slope(self):
         machine, theta = Machine(1, 0.0, 4e-3, 9e-3, 0.1, dL_H=(1e-3, 0.0, -5e-4)), np.array([0.7])
         psi, small = np.array([0.1 - 0.05j]), 1e-6

@@ -77,6 +77,9 @@ static double fitted_score(tally *t, hypothesis_set set)
         }
         const double most = s.objective + evidence_penalty(t->view, s.set);
         t->no_memory = !search_fitted(f->data, &option, t->possible, most, &s, &f->score[k]) || t->no_memory;
+        if (s.set != set && set != t->state->set) {
+            f->score[k] = INFINITY; /* too small a member: a set that is counted by itself */
+        }
         f->set[k] = set;
         f->count++;
     }

@@ -239,13 +239,13 @@ static void adopt(session *w, const attempt *a)
  */
 static bool score_of_large(session *w, const attempt *a, double *score)
 {
-    const hypothesis_set split = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_FALL);
+    const hypothesis_set mean = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_BOTH_AXES);
     fit_state s = a->state;
-    if ((s.set & split) == split) {
-        s.set = (s.set & ~split) | HYPOTHESIS_BIT(H_SATURATION);
+    if (hypothesis_in(s.set, H_FALL) && (s.set & mean) != 0) {
+        s.set = (s.set & ~(mean | HYPOTHESIS_BIT(H_FALL))) | HYPOTHESIS_BIT(H_SATURATION);
     }
     search_drop_small(&w->fitted, &s, w->possible);
-    hypotheses_leave(HYPOTHESIS_BIT(H_COUNT) - 1, s.z);
+    hypotheses_leave(~(hypothesis_set)0, s.z);
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (hypothesis_in(s.set, h)) {
             hypothesis_copy(h, a->state.z, s.z);
