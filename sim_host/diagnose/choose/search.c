@@ -189,7 +189,8 @@ static void go_towards(const evidence_option *option, const fit_state *from, dou
 
 /*
  * An option fitted without linearisation, from where its quadratic form has its optimum, or from the way there if the model gives no
- * number at its end, as where a flux map bends back. *worth: as in fitted_set.
+ * number at its end, as where a flux map bends back. *alone: the objective, NAN if an effect has a sign or size that it cannot have.
+ * *worth: as in fitted_set.
  */
 static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
                        fit_state *trial, double *alone, double *worth)
@@ -211,6 +212,9 @@ static bool fit_option(fit_data *d, const evidence_option *option, hypothesis_se
         if (!fit_refine_within(d, trial, REFINE_STEPS, &ranked, alone)) {
             return false;
         }
+    }
+    if (!hypotheses_physical(trial->set, trial->z)) {
+        *alone = NAN; /* the way there led beyond its bounds */
     }
     return !(*alone <= most) || tolerance_of_state(d, trial, worth);
 }
