@@ -49,6 +49,19 @@ static double ratio(double fitted, double file)
     return r > 1.0 ? r : 1.0 / r;
 }
 
+static bool is_other(const voltage_fit *own, const motor *m)
+{
+    return ratio(own->x[0], m->R_ohm) > 20.0 ||
+           ratio(sqrt(own->x[1] * own->x[2]), sqrt(m->L_d_H * m->L_q_H)) > 5.0;
+}
+
+/* Whether R and L of the motor file leave much more than any others do. At one constant speed the recording hardly tells them. */
+static bool file_fails(const recording *rec, const motor *m, const voltage_fit *own)
+{
+    const double given[3] = {m->R_ohm, m->L_d_H, m->L_q_H};
+    return voltage_equation_fit_flux(rec, given, ROWS_MOST).left > BETTER * own->left;
+}
+
 bool check_wiring(const recording *rec, const motor *m, bool far_off, error *e)
 {
     voltage_fit own = voltage_equation_fit(rec, &voltage_as_recorded, ROWS_MOST);
@@ -92,9 +105,7 @@ bool check_wiring(const recording *rec, const motor *m, bool far_off, error *e)
                            angle * 57.29577951308232);
     }
     if (far_off && holds && own.x[1] > 0.0 && own.x[2] > 0.0 &&
-        (ratio(own.x[0], m->R_ohm) > 20.0 ||
-         ratio(sqrt(own.x[1] * own.x[2]), sqrt(m->L_d_H * m->L_q_H)) > 5.0 ||
-         ratio(flux, m->psi_f_Wb) > 3.0)) {
+        ((is_other(&own, m) && file_fails(rec, m, &own)) || ratio(flux, m->psi_f_Wb) > 3.0)) {
         return error_input(
             e, rec->path, 0, 0,
             "the motor file is for another motor, or its units are wrong: the voltage equation "
