@@ -316,9 +316,16 @@ static const double LEAVES_MORE = 1.05;
 /* This many causes are rare on a drive that the model otherwise describes exactly. */
 enum { MANY = 3 };
 
+/* Whether what was found probably is what acts, but not as surely as a name needs: then smaller effects act as well. */
+static bool is_almost_explained(session *w)
+{
+    const double probability = hypotheses_named(w->state.set) != 0 ? session_borne_out(w, &w->rows) : 1.0;
+    return probability >= LIKELY && probability < UNDECIDED_NAMED;
+}
+
 /*
- * Fits the whole drive if the search leaves a residual, or found an unnamed effect, a flux map, a compensation or many causes. A drive that
- * compensates its dead time is a bench, on which everything is a little off.
+ * Fits the whole drive if the search leaves a residual, or found an unnamed effect, a flux map, a compensation or many causes, or almost explains
+ * the recording. A drive that compensates its dead time is a bench, on which everything is a little off.
  */
 static bool consider_whole(session *w, const diagnose_options *options, bool *whole)
 {
@@ -328,7 +335,8 @@ static bool consider_whole(session *w, const diagnose_options *options, bool *wh
         members += hypothesis_in(w->state.set, h) ? 1 : 0;
     }
     if (!*whole && members < MANY && !session_leaves(w, LEAVES_MORE) && !session_holds_unnamed(w) &&
-        !hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) && !hypothesis_in(w->state.set, H_COMPENSATED)) {
+        !hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) && !hypothesis_in(w->state.set, H_COMPENSATED) &&
+        !is_almost_explained(w)) {
         return true;
     }
     const bool ok = whole_drive_consider(w, *whole, &better, &options->teller);
