@@ -129,8 +129,9 @@ static void count_about(tally *t, hypothesis_set set, hypothesis_set possible)
 bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
                     rival_fits *fits, standing of[H_COUNT])
 {
-    tally t = {.state = s, .inflation = inflation, .fits = fits, .possible = possible};
-    if (fits != NULL && !evidence_is_same(&fits->of, s)) {
+    tally t = {
+        .state = s, .inflation = inflation, .fits = fits && fits->data ? fits : NULL, .possible = possible};
+    if (t.fits && !evidence_is_same(&fits->of, s)) {
         fits->of = *s;
         fits->count = 0;
     }

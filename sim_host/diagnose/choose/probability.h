@@ -23,7 +23,7 @@ enum { RIVALS_FITTED = 16 };
 
 /* What sets were fitted about a state, and their scores. */
 typedef struct rival_fits {
-    fit_data *data;
+    fit_data *data; /* NULL: none is fitted */
     fit_state of;
     size_t count;
     hypothesis_set set[RIVALS_FITTED];

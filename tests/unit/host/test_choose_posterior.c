@@ -90,6 +90,34 @@ static void the_set_that_was_fitted_counts_whatever_the_parabola_says(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, of_all[H_FLUX].probability);
 }
 
+/* A set that only the parabola makes likelier counts by its fit; one that ended too small, or nowhere, not at all. */
+static void a_likelier_set_counts_by_its_fit(void)
+{
+    static const double behind[] = {3.0, -2.0, INFINITY};
+    standing of_all[H_COUNT];
+    parabola(P_R, 0.05, 600.0);
+    parabola(P_PSI, 0.05, 640.0);
+    view->total.h[P_R][P_PSI] = view->total.h[P_PSI][P_R] =
+        sqrt(view->total.h[P_R][P_R] * view->total.h[P_PSI][P_PSI]);
+    view->sums = view->total;
+    state.set = BIT(H_RESISTANCE);
+    TEST_ASSERT_TRUE(of(BIT(H_FLUX)).score < of(state.set).score);
+    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, NULL, of_all);
+    TEST_ASSERT_TRUE(of_all[H_RESISTANCE].probability < 0.01);
+    for (size_t k = 0; k < sizeof behind / sizeof *behind; k++) {
+        fit_data data = {.rows = &rows};
+        rival_fits fits = {.data = &data,
+                           .of = state,
+                           .count = 2,
+                           .set = {BIT(H_FLUX), BIT(H_RESISTANCE)},
+                           .score = {100.0 + behind[k], 100.0}};
+        probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, &fits, of_all);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0 / (1.0 + exp(-0.5 * behind[k])),
+                                  of_all[H_RESISTANCE].probability);
+        TEST_ASSERT_EQUAL_size_t(2, fits.count);
+    }
+}
+
 /*
  * R, L, psi_f and all voltages by one factor: no current changes. Whichever of the four has the file's value, the set costs the same, and
  * its values are those of the file times the factor. A parabola alone would not say so.
@@ -350,6 +378,7 @@ int main(void)
     RUN_TEST(a_set_without_a_member_is_weighed_with_its_last_digits_held);
     RUN_TEST(the_set_with_one_more_counts);
     RUN_TEST(the_set_that_was_fitted_counts_whatever_the_parabola_says);
+    RUN_TEST(a_likelier_set_counts_by_its_fit);
     RUN_TEST(sets_of_the_same_drive_cost_the_same);
     RUN_TEST(what_is_left_is_a_share_of_the_power_above_the_noise);
     RUN_TEST(a_share_left_has_odds);
