@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-enum { UNKNOWNS = VOLTAGE_UNKNOWNS, GIVEN = 3 };
+enum { UNKNOWNS = VOLTAGE_UNKNOWNS };
 
 const voltage_arrangement voltage_as_recorded = {
     {0, 1, 2}, {0, 1, 2}, {1.0, 1.0, 1.0}, VOLTAGE_NONE_DERIVED, 1.0, 0.0, 0};
@@ -65,25 +65,11 @@ static void row_of(const recording *rec, const voltage_arrangement *a, size_t k,
     }
 }
 
-/* Takes what the first unknowns are known to make out of the voltages. */
-static void take_out(const double *given, double design[2][UNKNOWNS], double u[2])
-{
-    for (size_t axis = 0; axis < 2; axis++) {
-        for (size_t n = 0; n < GIVEN; n++) {
-            u[axis] -= design[axis][n] * given[n];
-            design[axis][n] = 0.0;
-        }
-    }
-}
-
-/* `given`: R, L_d and L_q, or NULL. */
-static voltage_fit fit(const recording *rec, const voltage_arrangement *a, const double *given,
-                       size_t rows_most)
+voltage_fit voltage_equation_fit(const recording *rec, const voltage_arrangement *a, size_t rows_most)
 {
     double h[UNKNOWNS][UNKNOWNS] = {{0}};
     double g[UNKNOWNS] = {0};
     double power = 0.0;
-    double left = 0.0;
     const size_t every = rec->rows / rows_most + 1;
     const size_t first = ((size_t)a->late_halves + 1) / 2;
     for (size_t s = 0; s < rec->stretches; s++) {
@@ -91,12 +77,8 @@ static voltage_fit fit(const recording *rec, const voltage_arrangement *a, const
             double design[2][UNKNOWNS];
             double u[2];
             row_of(rec, a, rec->stretch[s].first + j, design, u);
-            power += u[0] * u[0] + u[1] * u[1];
-            if (given) {
-                take_out(given, design, u);
-            }
             for (size_t axis = 0; axis < 2; axis++) {
-                left += u[axis] * u[axis];
+                power += u[axis] * u[axis];
                 for (size_t m = 0; m < UNKNOWNS; m++) {
                     g[m] += design[axis][m] * u[axis];
                     for (size_t n = 0; n < UNKNOWNS; n++) {
@@ -112,20 +94,11 @@ static voltage_fit fit(const recording *rec, const voltage_arrangement *a, const
     }
     voltage_fit r = {.left = 1.0};
     if (power > 0.0 && solve_positive(UNKNOWNS, UNKNOWNS, &h[0][0], g, r.x)) {
+        double explained = 0.0;
         for (size_t m = 0; m < UNKNOWNS; m++) {
-            left -= g[m] * r.x[m];
+            explained += g[m] * r.x[m];
         }
-        r.left = fmax(left / power, 0.0);
+        r.left = fmax(1.0 - explained / power, 0.0);
     }
     return r;
-}
-
-voltage_fit voltage_equation_fit(const recording *rec, const voltage_arrangement *a, size_t rows_most)
-{
-    return fit(rec, a, NULL, rows_most);
-}
-
-voltage_fit voltage_equation_fit_flux(const recording *rec, const double given[3], size_t rows_most)
-{
-    return fit(rec, &voltage_as_recorded, given, rows_most);
 }

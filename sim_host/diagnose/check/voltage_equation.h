@@ -33,7 +33,4 @@ typedef struct voltage_fit {
 /* Fits about `rows_most` rows, spread over the recording. `left` is 1 if nothing can be fitted. */
 voltage_fit voltage_equation_fit(const recording *rec, const voltage_arrangement *a, size_t rows_most);
 
-/* The same as recorded, with R, L_d and L_q given: only the magnet's flux is fitted. */
-voltage_fit voltage_equation_fit_flux(const recording *rec, const double given[3], size_t rows_most);
-
 #endif

@@ -3,6 +3,8 @@
 
 #include "voltage_equation.h"
 
+#include "base/vector.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -11,6 +13,8 @@ enum { ROWS_MOST = 20000 };
 /* As recorded, the residual must be at least this share of the voltage's power, and smaller by this factor with the exchange undone. */
 static const double BAD = 5e-4;
 static const double BETTER = 8.0;
+/* Variances of a sample's noise by which a current moves at the least. */
+static const double MOVES = 10.0;
 
 typedef struct exchange {
     voltage_arrangement a;
@@ -55,11 +59,29 @@ static bool is_other(const voltage_fit *own, const motor *m)
            ratio(sqrt(own->x[1] * own->x[2]), sqrt(m->L_d_H * m->L_q_H)) > 5.0;
 }
 
-/* Whether R and L of the motor file leave much more than any others do. At one constant speed the recording hardly tells them. */
-static bool file_fails(const recording *rec, const motor *m, const voltage_fit *own)
+/* In the rotor frame, over the noise of a sample. What does not move tells neither R nor L: at one point psi_f does as well. */
+static bool currents_move(const recording *rec)
 {
-    const double given[3] = {m->R_ohm, m->L_d_H, m->L_q_H};
-    return voltage_equation_fit_flux(rec, given, ROWS_MOST).left > BETTER * own->left;
+    vec_dq mean = {0.0, 0.0};
+    double square = 0.0;
+    double noise = 0.0;
+    for (size_t s = 0; s < rec->stretches; s++) {
+        vec_dq last[2] = {{0.0, 0.0}, {0.0, 0.0}};
+        for (size_t j = 0; j < rec->stretch[s].count; j++) {
+            const size_t k = rec->stretch[s].first + j;
+            const double phase[3] = {rec->i_A[0][k], rec->i_A[1][k], rec->i_A[2][k]};
+            const vec_dq i = vec_to_dq(vec_from_phases(phase), rotor_at(rec->theta_e_rad[k]));
+            const vec_dq bend = {i.d - 2.0 * last[0].d + last[1].d, i.q - 2.0 * last[0].q + last[1].q};
+            noise += j >= 2 ? (bend.d * bend.d + bend.q * bend.q) / 6.0 : 0.0;
+            square += i.d * i.d + i.q * i.q;
+            mean.d += i.d;
+            mean.q += i.q;
+            last[1] = last[0];
+            last[0] = i;
+        }
+    }
+    const double rows = (double)rec->rows;
+    return square - (mean.d * mean.d + mean.q * mean.q) / rows > MOVES * noise;
 }
 
 bool check_wiring(const recording *rec, const motor *m, bool far_off, error *e)
@@ -105,7 +127,7 @@ bool check_wiring(const recording *rec, const motor *m, bool far_off, error *e)
                            angle * 57.29577951308232);
     }
     if (far_off && holds && own.x[1] > 0.0 && own.x[2] > 0.0 &&
-        ((is_other(&own, m) && file_fails(rec, m, &own)) || ratio(flux, m->psi_f_Wb) > 3.0)) {
+        ((is_other(&own, m) && currents_move(rec)) || ratio(flux, m->psi_f_Wb) > 3.0)) {
         return error_input(
             e, rec->path, 0, 0,
             "the motor file is for another motor, or its units are wrong: the voltage equation "

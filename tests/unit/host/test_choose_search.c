@@ -14,6 +14,7 @@
 enum { MOST_FITS = 64 };
 
 static double R_without_number; /* from there on the model gives none */
+static double iron_ends;        /* a fit multiplies that current by it */
 static fit_data data;
 static coordinate_frame frame;
 static size_t fits;
@@ -38,6 +39,7 @@ bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const f
         return true;
     }
     to_bottom(s);
+    s->z[P_IRON] *= iron_ends;
     *alone = s->objective;
     return true;
 }
@@ -99,6 +101,7 @@ static void prepare(void)
     }
     data = (fit_data){.rows = &rows, .frame = &frame};
     R_without_number = INFINITY;
+    iron_ends = 1.0;
     state = fit_nominal();
     state.objective = WORST;
 }
@@ -168,6 +171,20 @@ static void no_number_near_by_is_given_up(void)
     TEST_ASSERT_EQUAL_DOUBLE(WORST, state.objective);
 }
 
+/* The parabola's optimum is a current that iron may take; the fit goes on to one against the flux, or to more than is rated. */
+static void a_fit_that_ends_beyond_an_effects_bounds_is_none(void)
+{
+    static const double ends[] = {1.0, -1.0, 30.0};
+    for (size_t k = 0; k < sizeof ends / sizeof *ends; k++) {
+        prepare();
+        takes(P_IRON, 1.0, 300.0);
+        takes(P_IRON_LATE, 0.1, 10.0);
+        iron_ends = ends[k];
+        TEST_ASSERT_TRUE(search(BIT(H_FREE_CURRENT)) == (k == 0 ? BIT(H_FREE_CURRENT) : 0));
+        TEST_ASSERT_TRUE(fits > 0);
+    }
+}
+
 static size_t members(hypothesis_set set)
 {
     size_t n = 0;
@@ -208,6 +225,7 @@ int main(void)
     RUN_TEST(a_fit_begins_where_the_parabola_ends);
     RUN_TEST(where_the_model_gives_no_number_a_fit_begins_on_the_way_there);
     RUN_TEST(no_number_near_by_is_given_up);
+    RUN_TEST(a_fit_that_ends_beyond_an_effects_bounds_is_none);
     RUN_TEST(once_spent_the_best_of_each_size_must_do);
     return UNITY_END();
 }

@@ -3,6 +3,7 @@
  */
 #include "diagnose/check/current_sum.h"
 #include "diagnose/check/polarity.h"
+#include "diagnose/check/wiring.h"
 #include "diagnose/diagnose.h"
 #include "diagnose_bench.h"
 
@@ -262,6 +263,44 @@ static void another_motor(void)
     refused_with("another motor");
 }
 
+/*
+ * One speed and one current: only what noise does to the current's slope tells of L, and the voltages hardly follow that. So another L
+ * fits a little better.
+ */
+static void one_speed_is_no_other_motor(void)
+{
+    const double omega = 900.0;
+    const vec_dq i = {-1.0, 4.0};
+    const vec_dq u = {file.R_ohm * i.d - omega * file.L_q_H * i.q,
+                      file.R_ohm * i.q + omega * (file.L_d_H * i.d + file.psi_f_Wb)};
+    uint64_t state = 5;
+    vec_ab noise = {0.0, 0.0};
+    error e = {0};
+    r.path = "bench.csv";
+    r.stretches = 1;
+    r.rows = r.stretch[0].count = BENCH_ROWS;
+    for (size_t k = 0; k < r.rows; k++) {
+        const vec_ab next = {0.02 * bench_normal(&state), 0.02 * bench_normal(&state)};
+        const double theta = fmod(omega * r.T_s * (double)k, 6.283185307179586);
+        const vec_ab clean = vec_to_ab(i, rotor_at(theta));
+        const vec_ab mean = vec_to_ab(u, rotor_at(theta + 0.5 * omega * r.T_s));
+        const double slope = 0.1 * file.L_d_H / r.T_s;
+        r.theta_e_rad[k] = theta;
+        r.omega_e_rad_s[k] = omega;
+        for (int x = 0; x < 3; x++) {
+            r.i_A[x][k] = vec_phase((vec_ab){clean.alpha + noise.alpha, clean.beta + noise.beta}, x);
+            r.u_V[x][k] = vec_phase((vec_ab){mean.alpha + slope * (next.alpha - noise.alpha),
+                                             mean.beta + slope * (next.beta - noise.beta)},
+                                    x);
+        }
+        noise = next;
+    }
+    TEST_ASSERT_TRUE_MESSAGE(check_wiring(&r, &file, true, &e), e.text);
+    file.psi_f_Wb *= 4.0;
+    TEST_ASSERT_FALSE(check_wiring(&r, &file, true, &e));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(e.text, "another motor"), e.text);
+}
+
 static void another_cycle(void)
 {
     file.f_pwm_Hz = 10000.0;
@@ -306,6 +345,7 @@ int main(void)
     RUN_TEST(all_zero);
     RUN_TEST(too_short);
     RUN_TEST(another_motor);
+    RUN_TEST(one_speed_is_no_other_motor);
     RUN_TEST(another_cycle);
     return UNITY_END();
 }
