@@ -1,5 +1,6 @@
 /*
- * Drops rights that the process does not need, for good, before it reads the first input file. If a malicious file takes over the process, it can start no program and reach no network.
+ * Drops rights that the process does not need, for good, before it reads the first input file. If a malicious file takes over the
+ * process, it can start no program and reach no network.
  *
  * On Linux (x86-64, arm64) the kernel then answers EPERM to whatever starts a program or a process, opens a socket, looks into or
  * signals another process, loads code into the kernel, mounts, or changes a name space or a user (what may start programs may be

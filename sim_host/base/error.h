@@ -1,5 +1,7 @@
 /*
- * One error message in one line, as docs/interfaces.md defines it: file, line, column, and the expected value. A function that can fail takes an `error *` and returns false; its caller returns the error unchanged. Only the command prints it (error_print) and chooses the exit status.
+ * One error message in one line, as docs/interfaces.md defines it: file, line, column, and the expected value. A function that can fail
+ * takes an `error *` and returns false; its caller returns the error unchanged. Only the command prints it (error_print) and chooses the
+ * exit status.
  */
 #ifndef SIM_HOST_BASE_ERROR_H
 #define SIM_HOST_BASE_ERROR_H

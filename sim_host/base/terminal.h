@@ -1,5 +1,6 @@
 /*
- * Bold text on a terminal, unless NO_COLOR is set (no-color.org) or the terminal is "dumb". Elsewhere the functions return empty text, so that files and pipes hold plain text.
+ * Bold text on a terminal, unless NO_COLOR is set (no-color.org) or the terminal is "dumb". Elsewhere the functions return empty text, so
+ * that files and pipes hold plain text.
  */
 #ifndef SIM_HOST_BASE_TERMINAL_H
 #define SIM_HOST_BASE_TERMINAL_H

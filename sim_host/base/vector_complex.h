@@ -1,5 +1,6 @@
 /*
- * Vectors as complex numbers, for formulas in the papers' notation: stationary frame, rotor frame if a name ends in _dq. Types and constants are those of vector.h.
+ * Vectors as complex numbers, for formulas in the papers' notation: stationary frame, rotor frame if a name ends in _dq. Types and
+ * constants are those of vector.h.
  */
 #ifndef SIM_HOST_BASE_VECTOR_COMPLEX_H
 #define SIM_HOST_BASE_VECTOR_COMPLEX_H

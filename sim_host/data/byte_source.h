@@ -1,5 +1,6 @@
 /*
- * The bytes of a file, unpacked if it is gzip (recognised by its first bytes). byte_source_gzip.c uses zlib; byte_source_plain.c reads plain files only, for a build without zlib. The option IQFOC_ZLIB chooses.
+ * The bytes of a file, unpacked if it is gzip (recognised by its first bytes). byte_source_gzip.c uses zlib; byte_source_plain.c reads
+ * plain files only, for a build without zlib. The option IQFOC_ZLIB chooses.
  */
 #ifndef SIM_HOST_DATA_BYTE_SOURCE_H
 #define SIM_HOST_DATA_BYTE_SOURCE_H

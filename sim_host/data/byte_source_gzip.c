@@ -9,7 +9,8 @@
 #include <zlib.h>
 
 /*
- * Measured rows pack to a third of their size, rows at standstill to a thirtieth. A file that unpacks to more is a decompression bomb, and is refused after the first megabytes.
+ * Measured rows pack to a third of their size, rows at standstill to a thirtieth. A file that unpacks to more is a decompression bomb,
+ * and is refused after the first megabytes.
  */
 enum { RATIO_MOST = 100, UNPACKED_FREE = 16 * 1024 * 1024 };
 

@@ -1,8 +1,9 @@
 /*
  * A CSV file (RFC 4180) as records of fields, with the line and column of every field.
  *
- * It reads line by line, so the line is always known; the column is computed only for an error. A line without quotes is split at its commas directly; recordings have no other lines. A byte
- * order mark, and comments (#) and blank lines ahead of the first record, are skipped.
+ * It reads line by line, so the line is always known; the column is computed only for an error. A line without quotes is split at its
+ * commas directly; recordings have no other lines. A byte order mark, and comments (#) and blank lines ahead of the first record, are
+ * skipped.
  */
 #ifndef SIM_HOST_DATA_CSV_FILE_H
 #define SIM_HOST_DATA_CSV_FILE_H

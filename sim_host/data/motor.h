@@ -1,7 +1,8 @@
 /*
  * The motor file (interfaces.md, "The motor file: TOML") as a struct, physical units.
  *
- * An absent [extension.<id>] table means that the model does not take that effect into account; `has` says which tables are there. docs/interfaces.md defines the models and signs of the values.
+ * An absent [extension.<id>] table means that the model does not take that effect into account; `has` says which tables are there.
+ * docs/interfaces.md defines the models and signs of the values.
  */
 #ifndef SIM_HOST_DATA_MOTOR_H
 #define SIM_HOST_DATA_MOTOR_H
@@ -88,7 +89,8 @@ void motor_note_extension(motor *m, cause_id cause);
 motor motor_blank(void);
 
 /*
- * The inductances at zero current: [motor]'s; with [extension.saturation], its L_0_H as the mean of the two, in the ratio of [motor]; with [extension.saturation_dq], its L_d0_H and L_q0_H. All code that reads an inductance from a motor file uses this function.
+ * The inductances at zero current: [motor]'s; with [extension.saturation], its L_0_H as the mean of the two, in the ratio of [motor];
+ * with [extension.saturation_dq], its L_d0_H and L_q0_H. All code that reads an inductance from a motor file uses this function.
  */
 void motor_inductances(const motor *m, double *L_d_H, double *L_q_H);
 
@@ -119,7 +121,8 @@ double motor_speed_rad_s(const motor *m, double n_rpm);
 bool motor_read(const char *path, motor *m, error *e);
 
 /*
- * Sets an error at the value of `key` ("R_ohm") of a motor file that was read: for errors that only a user of the motor can find, such as a value outside fixed-point range. Reads the file again for the position. Returns false.
+ * Sets an error at the value of `key` ("R_ohm") of a motor file that was read: for errors that only a user of the motor can find, such as
+ * a value outside fixed-point range. Reads the file again for the position. Returns false.
  */
 bool motor_refuse(const char *path, const char *key, error *e, const char *format, ...) ERROR_PRINTF(4, 5);
 

@@ -1,5 +1,6 @@
 /*
- * The scenario file (docs/scenario.md) as a struct: speeds, currents, control and sensors of a simulation. Physical units. The motor file has the drive itself.
+ * The scenario file (docs/scenario.md) as a struct: speeds, currents, control and sensors of a simulation. Physical units. The motor file
+ * has the drive itself.
  */
 #ifndef SIM_HOST_DATA_SCENARIO_H
 #define SIM_HOST_DATA_SCENARIO_H

@@ -1,5 +1,7 @@
 /*
- * Finds the control cycle from rounded time stamps. At 7 kHz, stamps of 4 decimals step by 0.1 or 0.2 ms although the cycles are equal. If rounding explains the steps, every stamp lies within half a quantum of an evenly spaced grid. A step that leaves the grid is a gap. The grid spacing, fitted over whole stretches, is the control cycle.
+ * Finds the control cycle from rounded time stamps. At 7 kHz, stamps of 4 decimals step by 0.1 or 0.2 ms although the cycles are equal.
+ * If rounding explains the steps, every stamp lies within half a quantum of an evenly spaced grid. A step that leaves the grid is a gap.
+ * The grid spacing, fitted over whole stretches, is the control cycle.
  */
 #ifndef SIM_HOST_DATA_TIME_STAMPS_H
 #define SIM_HOST_DATA_TIME_STAMPS_H

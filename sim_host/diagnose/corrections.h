@@ -1,5 +1,6 @@
 /*
- * Corrections of single rows, before the search and after its first round: missed updates, speed lag, sensor faults, DC-link ripple, and the choice of the modulator.
+ * Corrections of single rows, before the search and after its first round: missed updates, speed lag, sensor faults, DC-link ripple, and
+ * the choice of the modulator.
  */
 #ifndef SIM_HOST_DIAGNOSE_CORRECTIONS_H
 #define SIM_HOST_DIAGNOSE_CORRECTIONS_H
@@ -11,10 +12,16 @@
 /* Corrections that the columns show without a model; w->frame is set. False: out of memory. */
 bool corrections_by_columns(session *w, const motor *file, hypothesis_set skip, FILE *trace);
 
-/* Chooses the modulator of a recording without duties: the effect of a dead time depends on it. *changed: the search must be repeated. False: out of memory. */
+/*
+ * Chooses the modulator of a recording without duties: the effect of a dead time depends on it. *changed: the search must be repeated.
+ * False: out of memory.
+ */
 bool corrections_by_modulator(session *w, FILE *trace, bool *changed);
 
-/* Corrections of rows that the drive found so far shows, except those made before. *corrected: number of rows; if any, the search must be repeated. False: out of memory. */
+/*
+ * Corrections of rows that the drive found so far shows, except those made before. *corrected: number of rows; if any, the search must be
+ * repeated. False: out of memory.
+ */
 bool corrections_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *trace, size_t *corrected);
 
 /*

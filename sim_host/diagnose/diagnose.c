@@ -324,8 +324,8 @@ static bool is_almost_explained(session *w)
 }
 
 /*
- * Fits the whole drive if the search leaves a residual, or found an unnamed effect, a flux map, a compensation or many causes, or almost explains
- * the recording. A drive that compensates its dead time is a bench, on which everything is a little off.
+ * Fits the whole drive if the search leaves a residual, or found an unnamed effect, a flux map, a compensation or many causes, or almost
+ * explains the recording. A drive that compensates its dead time is a bench, on which everything is a little off.
  */
 static bool consider_whole(session *w, const diagnose_options *options, bool *whole)
 {

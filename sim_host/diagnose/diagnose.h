@@ -1,5 +1,7 @@
 /*
- * The diagnosis: finds the causes of the model error in a recording, and the extended model. Its steps, a folder each: check that the recording is usable; identify the parameters of a set of hypotheses on fitted blocks; measure errors on held-out blocks; choose the set of causes; tell the result. show/ makes the report page, the firmware header and the forward validation from the result.
+ * The diagnosis: finds the causes of the model error in a recording, and the extended model. Its steps, a folder each: check that the
+ * recording is usable; identify the parameters of a set of hypotheses on fitted blocks; measure errors on held-out blocks; choose the set
+ * of causes; tell the result. show/ makes the report page, the firmware header and the forward validation from the result.
  */
 #ifndef SIM_HOST_DIAGNOSE_DIAGNOSE_H
 #define SIM_HOST_DIAGNOSE_DIAGNOSE_H

@@ -1,5 +1,6 @@
 /*
- * The rows of a simulated drive as a recording (interfaces.md): sensor values and firmware commands, in the columns that the scenario selects. It holds no true values.
+ * The rows of a simulated drive as a recording (interfaces.md): sensor values and firmware commands, in the columns that the scenario
+ * selects. It holds no true values.
  */
 #ifndef SIM_HOST_DRIVE_DRIVE_RECORDING_H
 #define SIM_HOST_DRIVE_DRIVE_RECORDING_H

@@ -15,10 +15,9 @@ typedef struct drive_log {
 } drive_log;
 
 /*
- * Runs one run of a scenario: settling cycles, then the logged ones. drive: configured by the caller (motor,
- * effects, sensors, seed, what the clock shows at the first logged cycle); shaft, DC link and references are set from the run. status collects the firmware's
- * sticky bits. False with *e set if the firmware tripped (by name and time) or is gone, or the log refused a
- * row.
+ * Runs one run of a scenario: settling cycles, then the logged ones. drive: configured by the caller (motor, effects, sensors, seed, what
+ * the clock shows at the first logged cycle); shaft, DC link and references are set from the run. status collects the firmware's sticky
+ * bits. False with *e set if the firmware tripped (by name and time) or is gone, or the log refused a row.
  */
 bool drive_run(const motor *m, const plant_config *drive, const scenario_run *run, long run_number,
                const iqfoc_cycle_config_t *config, const drive_firmware *firmware, const drive_log *log,

@@ -1,5 +1,6 @@
 /*
- * Format of a foreign table: delimiter, decimal mark and header line, detected from its first lines or given by the map. A delimiter and a decimal mark are right if they make numbers of most fields.
+ * Format of a foreign table: delimiter, decimal mark and header line, detected from its first lines or given by the map. A delimiter and
+ * a decimal mark are right if they make numbers of most fields.
  */
 #ifndef SIM_HOST_IMPORT_LOG_FORMAT_H
 #define SIM_HOST_IMPORT_LOG_FORMAT_H

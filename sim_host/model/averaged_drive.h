@@ -1,6 +1,7 @@
 /*
- * The averaged drive: the exact averaged machine (averaged.h) with every effect that the diagnosis knows, in the models of docs/interfaces.md. It maps the true current at the start of a cycle to the true current at its end; what
- * sensors show of these is in sensor_chain.h, sensor_lag.h and sensor_nonlinearity.h.
+ * The averaged drive: the exact averaged machine (averaged.h) with every effect that the diagnosis knows, in the models of
+ * docs/interfaces.md. It maps the true current at the start of a cycle to the true current at its end; what sensors show of these is in
+ * sensor_chain.h, sensor_lag.h and sensor_nonlinearity.h.
  *
  * The machine's own step is exact. The effects are small additions to it and enter to second order in the
  * cycle: the current that dead time and unequal resistances see is that at mid-cycle, the drop over R that

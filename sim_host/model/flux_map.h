@@ -40,9 +40,9 @@ vec_dq flux_map_flux(const averaged_drive *drive, vec_dq i);
 
 /*
  * The current that carries a flux. Without terms in closed form; at the largest flux it is twice the unsaturated current, and so it is
- * beyond. With terms by Newton's method from a guess, to about 1e-10 of it. Where the incremental inductance is not that of a machine (the flux falls as the
- * current rises), the step is that without saturation. A flux that lies beyond all that a map can carry has the current of the first
- * step, by the inductance at the guess.
+ * beyond. With terms by Newton's method from a guess, to about 1e-10 of it. Where the incremental inductance is not that of a machine
+ * (the flux falls as the current rises), the step is that without saturation. A flux that lies beyond all that a map can carry has the
+ * current of the first step, by the inductance at the guess.
  */
 vec_dq flux_map_current(const averaged_drive *drive, vec_dq flux, vec_dq guess);
 

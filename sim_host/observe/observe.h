@@ -1,8 +1,8 @@
 /*
  * The firmware's observer without a sensor (iqfoc/observer.h) over a recording, compared with the recorded angle.
  *
- * Each stretch begins without an angle, but with the recorded speed, so that each shows how long the pull-in takes. A row counts as settled once the observer has been locked for OBSERVE_SETTLED_ROWS rows and while the
- * recorded speed is above the least one.
+ * Each stretch begins without an angle, but with the recorded speed, so that each shows how long the pull-in takes. A row counts as
+ * settled once the observer has been locked for OBSERVE_SETTLED_ROWS rows and while the recorded speed is above the least one.
  */
 #ifndef SIM_HOST_OBSERVE_OBSERVE_H
 #define SIM_HOST_OBSERVE_OBSERVE_H

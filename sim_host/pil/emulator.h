@@ -1,7 +1,8 @@
 /*
  * Runs an emulator as a child process and talks to it over its serial line.
  *
- * Whatever happens to either side, the child does not outlive this process (the kernel kills it with its parent), and no wait is longer than the time limit.
+ * Whatever happens to either side, the child does not outlive this process (the kernel kills it with its parent), and no wait is longer
+ * than the time limit.
  */
 #ifndef SIM_HOST_PIL_EMULATOR_H
 #define SIM_HOST_PIL_EMULATOR_H

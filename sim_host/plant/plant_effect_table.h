@@ -1,5 +1,6 @@
 /*
- * The effects as data: ids, keys with units, their members in the configuration, and typical sizes. Only plant_effect.c includes it; other files use plant_effect.h.
+ * The effects as data: ids, keys with units, their members in the configuration, and typical sizes. Only plant_effect.c includes it;
+ * other files use plant_effect.h.
  */
 #ifndef SIM_HOST_PLANT_PLANT_EFFECT_TABLE_H
 #define SIM_HOST_PLANT_PLANT_EFFECT_TABLE_H

@@ -1,8 +1,8 @@
 /*
  * Reads the recorder's stream (docs/recorder-format.md) byte by byte: returns complete frames and counts damaged ones.
  *
- * Nothing is guessed: a frame whose CRC is wrong, whose length does not fit its type, or that precedes any header gives no rows. What is between frames - boot messages, a burst of noise - is counted as damage
- * and passed over.
+ * Nothing is guessed: a frame whose CRC is wrong, whose length does not fit its type, or that precedes any header gives no rows. What is
+ * between frames - boot messages, a burst of noise - is counted as damage and passed over.
  */
 #ifndef SIM_HOST_RECORD_WIRE_READER_H
 #define SIM_HOST_RECORD_WIRE_READER_H

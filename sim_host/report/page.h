@@ -1,6 +1,7 @@
 /*
  * A report page: one HTML file that opens from disk and asks for nothing else, with its charts and the program that
- * draws them in it. Readable on a phone, on a wide screen and on paper, in light and dark. Contour lines are drawn by gnuplot and also written as <id>.svg next to the page. Text functions take plain text and escape it for HTML.
+ * draws them in it. Readable on a phone, on a wide screen and on paper, in light and dark. Contour lines are drawn by gnuplot and also
+ * written as <id>.svg next to the page. Text functions take plain text and escape it for HTML.
  */
 #ifndef SIM_HOST_REPORT_PAGE_H
 #define SIM_HOST_REPORT_PAGE_H

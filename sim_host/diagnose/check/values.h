@@ -1,5 +1,6 @@
 /*
- * Checks for values that no drive has in a usable recording: a DC link of 0 V or of ten times its median, duties in percent or compare counts, a speed above half an electrical period per cycle.
+ * Checks for values that no drive has in a usable recording: a DC link of 0 V or of ten times its median, duties in percent or compare
+ * counts, a speed above half an electrical period per cycle.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_VALUES_H
 #define SIM_HOST_DIAGNOSE_CHECK_VALUES_H

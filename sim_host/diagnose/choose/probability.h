@@ -7,10 +7,10 @@
 #include "evidence.h"
 
 /*
- * The set as it is, with one member less, with one more, and with one in place of another: each weighs
- * exp(-score/2), the score what the search compares, over how much wider than white noise the scores scatter. A
- * cause's probability is the share of the sets that hold one of its hypotheses, or one that contains a member's. Sets without a member are weighed with its
- * tolerance held: what is beyond `least` is none.
+ * The set as it is, with one member less, with one more, and with one in place of another: each weighs exp(-score/2), the score what the
+ * search compares, over how much wider than white noise the scores scatter. A cause's probability is the share of the sets that hold one
+ * of its hypotheses, or one that contains a member's. Sets without a member are weighed with its tolerance held: what is beyond `least`
+ * is none.
  */
 typedef struct standing {
     double against; /* by what a member reduces -2 log likelihood, so held; 0 of others */

@@ -29,7 +29,10 @@ typedef struct answer {
     double apart; /* chi square that separates the pair, the smaller of both directions */
 } answer;
 
-/* A named cause and one that could take its place. False if no segment could separate them: one contains the other, or they depend on time or temperature. */
+/*
+ * A named cause and one that could take its place. False if no segment could separate them: one contains the other, or they depend on
+ * time or temperature.
+ */
 bool question_of_pair(question *q, const session *w, const evidence_view *view, hypothesis_id member,
                       cause_id other);
 

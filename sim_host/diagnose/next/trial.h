@@ -1,5 +1,7 @@
 /*
- * Test segments for the next recording, simulated in the averaged extended model: the information matrix of one cycle of each. A few windows of each segment are simulated, evenly spread, with a current that follows its reference as in closed loop. A window represents its share of the segment. The limits are those of the recording: its largest current and speed, its DC link.
+ * Test segments for the next recording, simulated in the averaged extended model: the information matrix of one cycle of each. A few
+ * windows of each segment are simulated, evenly spread, with a current that follows its reference as in closed loop. A window represents
+ * its share of the segment. The limits are those of the recording: its largest current and speed, its DC link.
  */
 #ifndef SIM_HOST_DIAGNOSE_NEXT_TRIAL_H
 #define SIM_HOST_DIAGNOSE_NEXT_TRIAL_H

@@ -1,9 +1,12 @@
 /*
- * Measures the error reduction in the firmware code: the fixed-point flux predictor over a recording's held-out rows, with the motor file and with the extended motor file.
+ * Measures the error reduction in the firmware code: the fixed-point flux predictor over a recording's held-out rows, with the motor file
+ * and with the extended motor file.
  *
  *     next = step(correct(sample), acting(u)),     error = sensed(sample(k+1)) - sensed(next)
  *
- * The error is that of the recorded currents, so that it compares with the double-precision one: a corrected prediction is converted back by the sensor model, in double. Effects without a firmware constant stay in the error. For a voltage delay, the row whose voltage acts is used, as in a firmware that stores its commands.
+ * The error is that of the recorded currents, so that it compares with the double-precision one: a corrected prediction is converted back
+ * by the sensor model, in double. Effects without a firmware constant stay in the error. For a voltage delay, the row whose voltage acts
+ * is used, as in a firmware that stores its commands.
  */
 #ifndef SIM_HOST_DIAGNOSE_SHOW_FIRMWARE_GAIN_H
 #define SIM_HOST_DIAGNOSE_SHOW_FIRMWARE_GAIN_H

@@ -1,5 +1,6 @@
 /*
- * Forward validation: does a simulated drive with the named causes show the same model error? It runs through the recording's operating points (plant_replay.h), and its recording is diagnosed with the user's motor file.
+ * Forward validation: does a simulated drive with the named causes show the same model error? It runs through the recording's operating
+ * points (plant_replay.h), and its recording is diagnosed with the user's motor file.
  */
 #ifndef SIM_HOST_DIAGNOSE_SHOW_FORWARD_VALIDATION_H
 #define SIM_HOST_DIAGNOSE_SHOW_FORWARD_VALIDATION_H

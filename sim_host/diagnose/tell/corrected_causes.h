@@ -7,7 +7,10 @@
 #include "diagnose/identify/rows.h"
 #include "diagnose/result.h"
 
-/* Adds them to d->cause and to the extended motor, in the order of the corrections. Each gain compares the extended drive's error on the rows before and after the correction. */
+/*
+ * Adds them to d->cause and to the extended motor, in the order of the corrections. Each gain compares the extended drive's error on the
+ * rows before and after the correction.
+ */
 void corrected_causes_tell(const diagnose_rows *r, const motor *file, double probability, diagnosis *d);
 
 #endif
