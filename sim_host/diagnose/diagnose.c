@@ -107,7 +107,8 @@ static bool tabulate_hypotheses(session *w, evidence_view *view, diagnosis *d, c
     known_tell(w, view, d);
     standing of[H_COUNT];
     view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-    if (!probability_of(view, &w->state, session_rivals(w), w->certainty.inflation, &w->rivals, of)) {
+    if (!probability_of(view, &w->state, session_rivals(w), w->certainty.inflation, &w->fitted, &w->rivals,
+                        of)) {
         return false;
     }
     for (size_t k = 0; k < d->causes; k++) {
@@ -414,7 +415,6 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
     bool whole = false;
     w->fitted.searches = true;
-    w->rivals.data = &w->fitted;
     bool less = false;
     if (!corrections_by_link(w, m, options->skip, options->teller.trace) || !begin(w, &options->teller) ||
         !doubt_less(w, &less, &options->teller) || !find_under_modulator(w, &options->teller) ||

@@ -164,11 +164,12 @@ static bool unequal(const averaged_drive *d)
 
 /* Voltage lost in a cycle, stationary frame. */
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
-                           vec_ab i_seen, vec_rotor r, const harmonic_ends *harmonics, double T_s)
+                           vec_ab i_seen, vec_rotor r, vec_rotor end, double T_s)
 {
     vec_ab all = {0.0, 0.0};
     if (averaged_drive_loses(d)) {
-        const found_way way = found_way_of(d, row, r, harmonics, i_start, i_end, i_seen);
+        const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, end);
+        const found_way way = found_way_of(d, row, r, &harmonics, i_start, i_end, i_seen);
         double lost[3];
         found_edges_lost(d, row, &way, T_s, lost);
         all = vec_from_phases(lost);
@@ -216,7 +217,9 @@ static void induce(const averaged_drive *d, const averaged_step *m, double omega
 static void induce_pair(const averaged_drive *d, const averaged_step *m, double omega_rad_s, double k,
                         double back_Wb, double on_Wb, const vec_rotor at[2], vec_dq *y)
 {
-    induce(d, m, omega_rad_s, k, on_Wb + back_Wb, -I * (on_Wb - back_Wb), at, y);
+    if (back_Wb != 0.0 || on_Wb != 0.0) {
+        induce(d, m, omega_rad_s, k, on_Wb + back_Wb, -I * (on_Wb - back_Wb), at, y);
+    }
 }
 
 /*
@@ -385,7 +388,6 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     if (flux_map_has_terms(d)) {
         near = flux_map_guess(d, y, i_dq, &at);
     }
-    const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, end);
     if (averaged_drive_has_harmonics(d)) {
         const vec_rotor six[2] = {rotor_six_times(r), rotor_six_times(end)};
         const vec_rotor twelve[2] = {rotor_turned(six[0], six[0]), rotor_turned(six[1], six[1])};
@@ -406,8 +408,8 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
         near = current_of(d, bends, per_H, y, near);
         const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
         vec_ab i_end = vec_to_ab(all, end);
-        vec_dq lost = vec_to_dq(
-            phase_losses(d, row, vec_to_ab(total_dq, r), i_end, i_seen, r, &harmonics, m.push[0][0]), r);
+        vec_dq lost =
+            vec_to_dq(phase_losses(d, row, vec_to_ab(total_dq, r), i_end, i_seen, r, end, m.push[0][0]), r);
         y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
         y.q -= m.drive[1][0] * lost.d + m.drive[1][1] * lost.q;
     }

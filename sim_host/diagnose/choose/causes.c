@@ -113,7 +113,7 @@ static bool weigh(const session *w, const evidence_view *view, hypothesis_set al
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
     g.with_all = session_named_error(w, set);
     *out = g;
-    return probability_of(view, &w->state, allowed, w->certainty.inflation, NULL, out->posterior);
+    return probability_of(view, &w->state, allowed, w->certainty.inflation, NULL, NULL, out->posterior);
 }
 
 /* The least reduction by a member, from what the others explain and what nothing does. */
@@ -406,7 +406,7 @@ bool causes_split_saturation(session *w, const diagnose_teller *teller)
     const hypothesis_set split = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_FALL);
     const double least = w->frame.of_least * hypothesis_table[H_INDUCTANCE].least;
     if (!hypothesis_in(w->state.set, H_SATURATION) || !hypothesis_in(w->possible, H_INDUCTANCE) ||
-        fabs(hypothesis_saturation_offset(w->state.z)) < least ||
+        !hypothesis_saturation_is_off(w->state.z, w->frame.of_least) ||
         !certainty_exceeds(&w->certainty, &w->state, H_INDUCTANCE, least)) {
         return true;
     }

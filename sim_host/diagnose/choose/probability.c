@@ -11,7 +11,8 @@ typedef struct tally {
     const evidence_view *view;
     const fit_state *state;
     hypothesis_set possible;
-    rival_fits *fits; /* NULL: by the parabola alone */
+    fit_data *d; /* NULL: by the parabola alone */
+    rival_fits *fits;
     bool no_memory;
     double best, inflation;
     double all;
@@ -76,7 +77,7 @@ static double fitted_score(tally *t, hypothesis_set set)
             memcpy(option.z, s.z, sizeof option.z);
         }
         const double most = s.objective + evidence_penalty(t->view, s.set);
-        t->no_memory = !search_fitted(f->data, &option, t->possible, most, &s, &f->score[k]) || t->no_memory;
+        t->no_memory = !search_fitted(t->d, &option, t->possible, most, &s, &f->score[k]) || t->no_memory;
         if (s.set != set && set != t->state->set) {
             f->score[k] = INFINITY; /* too small a member: a set that is counted by itself */
         }
@@ -93,7 +94,7 @@ static double fitted_score(tally *t, hypothesis_set set)
 static double behind(tally *t, hypothesis_set set)
 {
     const double by_parabola = score_of(t, set) - t->best;
-    if (t->fits == NULL || !(by_parabola < 0.0)) {
+    if (t->d == NULL || !(by_parabola < 0.0)) {
         return by_parabola;
     }
     const double own = fitted_score(t, t->state->set);
@@ -127,11 +128,10 @@ static void count_about(tally *t, hypothesis_set set, hypothesis_set possible)
 }
 
 bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
-                    rival_fits *fits, standing of[H_COUNT])
+                    fit_data *d, rival_fits *fits, standing of[H_COUNT])
 {
-    tally t = {
-        .state = s, .inflation = inflation, .fits = fits && fits->data ? fits : NULL, .possible = possible};
-    if (t.fits && !evidence_is_same(&fits->of, s)) {
+    tally t = {.state = s, .inflation = inflation, .d = d, .fits = fits, .possible = possible};
+    if (d != NULL && !evidence_is_same(&fits->of, s)) {
         fits->of = *s;
         fits->count = 0;
     }

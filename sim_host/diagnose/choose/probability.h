@@ -23,7 +23,6 @@ enum { RIVALS_FITTED = 16 };
 
 /* What sets were fitted about a state, and their scores. */
 typedef struct rival_fits {
-    fit_data *data; /* NULL: none is fitted */
     fit_state of;
     size_t count;
     hypothesis_set set[RIVALS_FITTED];
@@ -31,10 +30,10 @@ typedef struct rival_fits {
 } rival_fits;
 
 /*
- * One entry a hypothesis; those of a cause are alike. With `fits`, a set that the parabola makes likelier than the state's own is fitted.
+ * One entry a hypothesis; those of a cause are alike. With d, a set that the parabola makes likelier than the state's own is fitted; fits keeps these.
  * False: out of memory.
  */
 bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_set possible, double inflation,
-                    rival_fits *fits, standing of[H_COUNT]);
+                    fit_data *d, rival_fits *fits, standing of[H_COUNT]);
 
 #endif

@@ -225,19 +225,24 @@ static double state_score(const evidence_view *view, const fit_state *s, double 
     return s->objective - worth + evidence_price(view, s->set, s->z) + last_digits_unusual(s->set, s->z);
 }
 
-bool search_score(fit_data *d, const fit_state *s, double *score)
+/* The same without a view. False: out of memory. */
+static bool score_of_fit(const fit_data *d, const fit_state *s, double worth, double *score)
 {
     evidence_view *view = calloc(1, sizeof *view);
-    double worth = 0.0;
-    const bool ok = view && tolerance_of_state(d, s, &worth);
-    if (ok) {
+    if (view) {
         view->rows = d->rows;
         view->edge = s->edge;
         view->of_least = d->frame->of_least;
         *score = state_score(view, s, worth);
     }
     free(view);
-    return ok;
+    return view != NULL;
+}
+
+bool search_score(fit_data *d, const fit_state *s, double *score)
+{
+    double worth = 0.0;
+    return tolerance_of_state(d, s, &worth) && score_of_fit(d, s, worth, score);
 }
 
 bool search_fitted(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
@@ -247,7 +252,7 @@ bool search_fitted(fit_data *d, const evidence_option *option, hypothesis_set al
     double worth = 0.0;
     *score = INFINITY;
     return fit_option(d, option, allowed, most, s, &alone, &worth) &&
-           (!(alone <= most) || search_score(d, s, score));
+           (!(alone <= most) || score_of_fit(d, s, worth, score));
 }
 
 /* Fitting an option is what takes the time. */

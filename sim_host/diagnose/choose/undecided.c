@@ -16,7 +16,8 @@ static bool find_below(session *w, double limit, hypothesis_set *below, FILE *tr
         return false;
     }
     w->view.explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-    if (!probability_of(&w->view, &w->state, session_rivals(w), w->certainty.inflation, &w->rivals, of)) {
+    if (!probability_of(&w->view, &w->state, session_rivals(w), w->certainty.inflation, &w->fitted,
+                        &w->rivals, of)) {
         return false;
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {

@@ -242,11 +242,12 @@ double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT])
     return sum;
 }
 
-double hypothesis_saturation_offset(const double z[P_COUNT])
+bool hypothesis_saturation_is_off(const double z[P_COUNT], double of_least)
 {
     const double at_none = column_value(COLUMN_L, z);
     const double at_rated = at_none - log1p(fmax(z[P_SATURATION], 0.0));
-    return at_none > 0.0 ? fmax(at_rated, 0.0) : at_none;
+    const double off = fmax(at_rated, -at_none);
+    return off > 0.0 && off >= of_least * hypothesis_table[H_INDUCTANCE].least;
 }
 
 /* Mean of three values over the deviation that they show, above which they have a part in common: t of 2 degrees of freedom, 0.95. */
@@ -259,10 +260,8 @@ size_t hypotheses_more_causes(hypothesis_set set, const double z[P_COUNT], doubl
     const bool of_all = hypothesis_in(set, H_CURRENT_GAIN) && gain[2] != 0.0 &&
                         mean >= of_least * hypothesis_table[H_CURRENT_GAIN].least &&
                         mean > IN_COMMON * spread(gain) / sqrt(2.0);
-    const bool offset =
-        hypothesis_in(set, H_SATURATION) &&
-        fabs(hypothesis_saturation_offset(z)) >= of_least * hypothesis_table[H_INDUCTANCE].least;
-    return (of_all ? 1U : 0U) + (offset ? 1U : 0U);
+    const bool is_off = hypothesis_in(set, H_SATURATION) && hypothesis_saturation_is_off(z, of_least);
+    return (of_all ? 1U : 0U) + (is_off ? 1U : 0U);
 }
 
 /* A coordinate that a column moves, and its share of the step. The last of a list has share 0. */

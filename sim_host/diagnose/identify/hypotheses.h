@@ -181,10 +181,10 @@ bool hypotheses_physical(hypothesis_set set, const double z[P_COUNT]);
 double hypotheses_unusual(hypothesis_set set, const double z[P_COUNT]);
 
 /*
- * The least difference, as a logarithm, of an inductance that falls with the current from the motor file's one, up to the rated current.
- * 0 if it has the file's value at some current.
+ * Whether an inductance that falls with the current differs from the motor file's one at every current up to the rated one, by its
+ * reporting threshold times of_least or more.
  */
-double hypothesis_saturation_offset(const double z[P_COUNT]);
+bool hypothesis_saturation_is_off(const double z[P_COUNT], double of_least);
 
 /*
  * How many causes there are in a set beyond one a member, by their values: a saturation of an inductance that the motor file has at no

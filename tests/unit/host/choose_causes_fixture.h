@@ -71,6 +71,8 @@ static void prepare(void)
 bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective,
                         double least, fitted_sets *fitted, evidence_view *seen,
                         const diagnose_teller *teller);
+bool __wrap_search_fitted(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
+                          fit_state *s, double *score);
 bool __wrap_fit_refine(fit_data *d, fit_state *s, int iterations);
 bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone);
 bool __wrap_certainty_of(fit_data *d, const fit_state *s, certainty *c);
@@ -93,6 +95,19 @@ bool __wrap_search_best(fit_data *d, fit_state *s, hypothesis_set allowed, doubl
     d->effort += search_takes;
     least_at[calls] = least;
     allowed_at[calls++] = allowed;
+    return true;
+}
+
+/* No set is fitted: each has the score of the parabola. */
+bool __wrap_search_fitted(fit_data *d, const evidence_option *option, hypothesis_set allowed, double most,
+                          fit_state *s, double *score)
+{
+    (void)d;
+    (void)option;
+    (void)allowed;
+    (void)most;
+    (void)s;
+    *score = INFINITY;
     return true;
 }
 

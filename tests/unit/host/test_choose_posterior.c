@@ -23,7 +23,7 @@ static void the_probability_is_a_share_of_the_evidence(void)
     view->sums = view->total;
     parabola(P_V_DEAD, 0.05, 1.0);
     state.set = BIT(H_ASYMMETRY_A);
-    TEST_ASSERT_TRUE(probability_of(view, &state, possible, inflation, NULL, of_all));
+    TEST_ASSERT_TRUE(probability_of(view, &state, possible, inflation, NULL, NULL, of_all));
     const double other =
         exp(-0.5 * (of(BIT(H_INDUCTANCE_B)).score - of(BIT(H_ASYMMETRY_A)).score) / inflation);
     TEST_ASSERT_TRUE(other > 0.1 && other < 1.0);
@@ -36,7 +36,7 @@ static void the_probability_is_a_share_of_the_evidence(void)
     SAME(0.0, of_all[H_VOLTAGE_GAIN].probability);
     SAME(-1.0, of_all[H_COUNT].rival);
     /* Noisier scores say less. */
-    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 3.0 * inflation, NULL, of_all));
+    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 3.0 * inflation, NULL, NULL, of_all));
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.0 / (1.0 + cbrt(other)), of_all[H_ASYMMETRY_A].probability);
 }
 
@@ -58,7 +58,7 @@ static void a_set_without_a_member_is_weighed_with_its_last_digits_held(void)
     SAME(view->total.h[P_R][P_R], held->total.h[P_R][P_R]);
     free(held);
     state.set = BIT(H_RESISTANCE);
-    TEST_ASSERT_TRUE(probability_of(view, &state, BIT(H_RESISTANCE), 1.0, NULL, of_all));
+    TEST_ASSERT_TRUE(probability_of(view, &state, BIT(H_RESISTANCE), 1.0, NULL, NULL, of_all));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, of_all[H_RESISTANCE].probability);
 }
 
@@ -71,7 +71,7 @@ static void the_set_with_one_more_counts(void)
     state.set = BIT(H_RESISTANCE);
     const double more = exp(-0.5 * (of(BIT(H_RESISTANCE) | BIT(H_FLUX)).score - of(BIT(H_RESISTANCE)).score));
     TEST_ASSERT_TRUE(more > 0.3 && more < 1.0);
-    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, NULL, of_all);
+    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, NULL, NULL, of_all);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, more / (1.0 + more), of_all[H_FLUX].probability);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, of_all[H_RESISTANCE].probability);
 }
@@ -85,7 +85,7 @@ static void the_set_that_was_fitted_counts_whatever_the_parabola_says(void)
     parabola(P_PSI, 0.05, 550.0);
     state.set = BIT(H_RESISTANCE);
     TEST_ASSERT_FALSE(evidence_cost(view, &state, state.set, &option));
-    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, NULL, of_all);
+    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, NULL, NULL, of_all);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, of_all[H_RESISTANCE].probability);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, of_all[H_FLUX].probability);
 }
@@ -102,16 +102,15 @@ static void a_likelier_set_counts_by_its_fit(void)
     view->sums = view->total;
     state.set = BIT(H_RESISTANCE);
     TEST_ASSERT_TRUE(of(BIT(H_FLUX)).score < of(state.set).score);
-    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, NULL, of_all);
+    probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, NULL, NULL, of_all);
     TEST_ASSERT_TRUE(of_all[H_RESISTANCE].probability < 0.01);
     for (size_t k = 0; k < sizeof behind / sizeof *behind; k++) {
         fit_data data = {.rows = &rows};
-        rival_fits fits = {.data = &data,
-                           .of = state,
+        rival_fits fits = {.of = state,
                            .count = 2,
                            .set = {BIT(H_FLUX), BIT(H_RESISTANCE)},
                            .score = {100.0 + behind[k], 100.0}};
-        probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, &fits, of_all);
+        probability_of(view, &state, BIT(H_RESISTANCE) | BIT(H_FLUX), 1.0, &data, &fits, of_all);
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0 / (1.0 + exp(-0.5 * behind[k])),
                                   of_all[H_RESISTANCE].probability);
         TEST_ASSERT_EQUAL_size_t(2, fits.count);
@@ -158,7 +157,7 @@ static void sets_of_the_same_drive_cost_the_same(void)
     SAME(own.score - own.cost - hypotheses_unusual(own.set, own.z) +
              hypothesis_table[H_VOLTAGE_GAIN].surprise,
          without_L.score - without_L.cost - hypotheses_unusual(without_L.set, without_L.z));
-    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 1.0, NULL, of_all));
+    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 1.0, NULL, NULL, of_all));
     const double other = exp(-0.5 * (without_flux.score - own.score));
     const double third = exp(-0.5 * (without_L.score - own.score));
     TEST_ASSERT_TRUE(other > 0.3 && third > 0.05);
@@ -352,7 +351,7 @@ static void a_map_holds_the_saliency_in_it(void)
     parabola(P_W_QQQQ, 0.3, 60.0);
     state.set = BIT(H_SALIENCY);
     TEST_ASSERT_TRUE(hypothesis_contains(H_MAP_Q, H_SALIENCY));
-    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 1.0, NULL, of_all));
+    TEST_ASSERT_TRUE(probability_of(view, &state, possible, 1.0, NULL, NULL, of_all));
     TEST_ASSERT_TRUE(of_all[H_SALIENCY].alone < 0.5);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, of_all[H_SALIENCY].probability);
 }
@@ -364,7 +363,7 @@ static void both_axes_are_no_less_sure_as_a_saliency(void)
     parabola(P_L_D, 0.05, 200.0);
     parabola(P_L_Q, 0.08, 200.0);
     state.set = BIT(H_BOTH_AXES);
-    TEST_ASSERT_TRUE(probability_of(view, &state, BIT(H_SALIENCY), 1.0, NULL, of_all));
+    TEST_ASSERT_TRUE(probability_of(view, &state, BIT(H_SALIENCY), 1.0, NULL, NULL, of_all));
     TEST_ASSERT_TRUE(of_all[H_BOTH_AXES].alone < 0.95);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, of_all[H_BOTH_AXES].probability);
     TEST_ASSERT_FALSE(hypothesis_contains(H_ASYMMETRY_A, H_RESISTANCE));
