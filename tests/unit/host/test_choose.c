@@ -144,6 +144,10 @@ static void a_saturation_that_never_has_the_files_inductance_is_two_causes(void)
         SAME(nowhere ? 25.0 : 0.0, more_than_a_cause_a_member(BIT(H_SATURATION), z));
         SAME(0.0, more_than_a_cause_a_member(BIT(H_INDUCTANCE) | BIT(H_FALL), z)); /* two already */
     }
+    /* Of any size: one that has the file's value at some current is one cause still. */
+    view->of_least = 0.0;
+    z[P_L_D] = z[P_L_Q] = 2.0 * least;
+    SAME(0.0, more_than_a_cause_a_member(BIT(H_SATURATION), z));
 }
 
 /* What three sensors have in common, beyond what the mean of three errors is by chance. */
