@@ -53,6 +53,8 @@ typedef struct averaged_drive {
     edge_law edge;
     /* How much of the ripple each edge sees: 0, the mean current, to 1, all that the duties tell. */
     double edge_ripple;
+    /* Of what dead time and drops take, the share of devices that conduct: all through the cycle, at no edge. */
+    double conduction;
     double k_u;
     double u_noise;        /* how much of a row's u_noise_V is no voltage */
     double offset_ab_A[2]; /* current sensors, stationary frame */

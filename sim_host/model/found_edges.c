@@ -2,6 +2,7 @@
 #include "found_edges.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The true voltage of the DC link. */
 static double link_of(const averaged_drive *d, const cycle_row *row)
@@ -43,65 +44,66 @@ static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor 
     return (vec_ab){i.alpha - 0.5 * (first.alpha + last.alpha), i.beta - 0.5 * (first.beta + last.beta)};
 }
 
-/* The phases' currents over one period of the carrier as if nothing were lost. */
-typedef struct found_currents {
-    double rises[3]; /* from the period's start to its end */
-    double mid[3];   /* mean of those that leg x' rise and fall find */
-    double apart[3]; /* when leg x rises, above that mean; as much below it when x falls */
-} found_currents;
-
-/* A phase's current on the way, at a share of the cycle. */
+/* A phase's current on the way without the ripple, at a share of the cycle. */
 static double on_way(const found_way *way, size_t x, double at)
 {
     return way->first[x] + at * (way->last[x] - way->first[x]) + 4.0 * at * (1.0 - at) * way->bow[x];
 }
 
+/* The current that a flux in addition makes there. */
+static vec_ab current_of_flux(const found_way *way, double at, vec_ab flux)
+{
+    double k[3];
+    for (size_t n = 0; n < 3; n++) {
+        k[n] = way->per_H[0][n] + at * (way->per_H[1][n] + at * way->per_H[2][n]);
+    }
+    return (vec_ab){k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
+}
+
 found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r,
                        const harmonic_ends *harmonics, vec_ab first, vec_ab last, vec_ab seen)
 {
-    found_way way;
-    double k[3];
+    found_way way = {.per_H = {{0.0}}};
     const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
     const vec_rotor half = {0.5 * twice_cos, row->sin_turn / twice_cos};
+    const vec_rotor middle = rotor_turned(r, half);
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
     vec_to_phases(seen, way.seen);
     vec_to_phases(half_way(d, row, r, half, harmonics, first, last), way.bow);
-    averaged_drive_per_H(d, d->edge_ripple, rotor_turned(r, half), k);
-    for (size_t x = 0; x < 3; x++) {
-        const vec_ab axis = vec_phase_axis[x];
-        const vec_ab per_flux = {k[0] * axis.alpha + k[1] * axis.beta, k[1] * axis.alpha + k[2] * axis.beta};
-        for (size_t y = 0; y < 3; y++) {
-            way.per_Vs[x][y] = 2.0 / 3.0 * vec_phase(per_flux, (int)y);
+    averaged_drive_per_H(d, d->edge_ripple, middle, way.per_H[0]);
+    if (d->L_d_H != d->L_q_H) {
+        double k[3][3]; /* at the cycle's start, middle and end */
+        averaged_drive_per_H(d, d->edge_ripple, r, k[0]);
+        memcpy(k[1], way.per_H[0], sizeof k[1]);
+        averaged_drive_per_H(d, d->edge_ripple, rotor_turned(middle, half), k[2]);
+        for (size_t n = 0; n < 3; n++) {
+            way.per_H[0][n] = k[0][n];
+            way.per_H[1][n] = 4.0 * k[1][n] - 3.0 * k[0][n] - k[2][n];
+            way.per_H[2][n] = 2.0 * (k[0][n] + k[2][n]) - 4.0 * k[1][n];
         }
-        way.ripple_A[x] = d->k_u * (per_flux.alpha * row->edge_ripple_Wb[x].alpha +
-                                    per_flux.beta * row->edge_ripple_Wb[x].beta);
+    }
+    for (size_t x = 0; x < 3; x++) {
+        way.per_Wb[x] = current_of_flux(&way, 0.5, vec_phase_axis[x]);
     }
     return way;
 }
 
-/* Between the ends of the way's n-th of so many parts. */
-static found_currents part_of(const cycle_row *row, const found_way *way, size_t n, size_t parts)
+/* A leg's current by a flux. */
+static double current_by(const found_way *way, size_t x, vec_ab flux)
 {
-    const double per_part = 1.0 / (double)parts;
-    found_currents i;
-    for (size_t x = 0; x < 3; x++) {
-        const double rise = row->rise[x];
-        const double first = on_way(way, x, (double)n * per_part);
-        const double last = on_way(way, x, (double)(n + 1) * per_part);
-        const double bow = way->bow[x] * per_part * per_part;
-        i.rises[x] = last - first;
-        i.mid[x] = 0.5 * (first + last) + 4.0 * rise * (1.0 - rise) * bow;
-        i.apart[x] = way->ripple_A[x] - (0.5 - rise) * i.rises[x];
-    }
-    return i;
+    return way->per_Wb[x].alpha * flux.alpha + way->per_Wb[x].beta * flux.beta;
 }
 
-/* A leg's current by a volt-second on each leg. */
-static double current_by(const found_way *way, size_t x, const double Vs[3])
+/* A leg's volt-seconds as a flux, or its voltage as one of the machine. */
+static vec_ab of_leg(size_t x, double Vs)
 {
-    const double *per_Vs = way->per_Vs[x];
-    return per_Vs[0] * Vs[0] + per_Vs[1] * Vs[1] + per_Vs[2] * Vs[2];
+    return (vec_ab){2.0 / 3.0 * Vs * vec_phase_axis[x].alpha, 2.0 / 3.0 * Vs * vec_phase_axis[x].beta};
+}
+
+static vec_ab sum_of(vec_ab one, vec_ab other)
+{
+    return (vec_ab){one.alpha + other.alpha, one.beta + other.beta};
 }
 
 /* The legs in the order in which they rise; they fall in the opposite one. */
@@ -115,79 +117,218 @@ static void order_of(const double rise[3], size_t order[3])
     order[2 - two - last] = 2;
 }
 
-typedef struct edges {
-    const averaged_drive *d;
-    const found_way *way;
-    double late_s;     /* the dead time, both edges together */
-    double moved_V[3]; /* of the compensation, each edge */
-    double moved_s[3];
-    double low_A_s[3], high_A_s[3]; /* how fast leg x moves its own current about its edges, low and high */
-    double held_A[3],
-        per_reach[3];     /* what the dead time adds by its middle, and 1 over where the loss is whole */
-    double changed_Vs[3]; /* by the edges before */
-} edges;
+/* What an edge finds and takes. */
+typedef struct edge {
+    size_t leg;
+    double at;       /* share of the period */
+    vec_ab ripple_A; /* of all legs there */
+    /*
+     * What decides, as a share of the current from which on a loss is whole: half a dead time on, and when a compensation has moved the
+     * edge. Without what the edges before it have changed, and how that adds to it.
+     */
+    double decides;
+    vec_ab per_Wb;
+    double even_V, by_sign_V;   /* what it takes in any case, and with the sign that it finds, */
+    vec_ab even_Wb, by_sign_Wb; /* and what these change */
+    vec_ab before_Wb;           /* what those before it have changed */
+} edge;
 
-/* How fast each leg's current moves about its edges: the others have the same state at its fall as at its rise. */
-static void find_slopes(edges *e, const cycle_row *row, const found_currents *i, double period_s,
-                        const size_t order[3])
+enum { EDGES = 6 }; /* the three rises lie before the three falls */
+
+/* One period of the carrier. */
+typedef struct period {
+    const averaged_drive *d;
+    const cycle_row *row;
+    const found_way *way;
+    double start, share;           /* of the cycle */
+    double length_s, per_cycle_s;  /* of the period; 1 over the cycle's */
+    double decay;                  /* of a flux over the cycle, as a share */
+    double link_V, late_V, late_s; /* what an edge takes at most; the dead time, both edges together */
+    double moved_V[3];             /* each edge, by the compensation */
+    bool far[3];                   /* legs that keep their currents' signs */
+    double per_whole_A[3];         /* 1 over the current from which on a loss is whole */
+    double own_per_Vs[3];          /* of a leg's current by its own volt-seconds */
+    double through_V;              /* what conducting devices take: */
+    double taken[3];               /* of each leg that share, */
+    double through_A[3];           /* by which it then changes the currents until the period's end */
+    vec_ab changed_Wb;             /* by the edges */
+} period;
+
+/* How much more of a loss at a share of the period is there at the cycle's end than of one that is spread over the cycle. */
+static double undecayed(const period *p, double at)
 {
-    const double per_s = 1.0 / period_s;
-    const double link_V = link_of(e->d, row);
-    double u_V[3]; /* above the leg's mean */
+    return 1.0 + p->decay * (p->start + at * p->share - 0.5);
+}
+
+/* A leg's current without ripple and lost edges, at a share of the period. */
+static double smooth_at(const period *p, size_t x, double at)
+{
+    return on_way(p->way, x, p->start + at * p->share) + at * p->through_A[x];
+}
+
+/* An edge and what it takes; `later_A` of the current decides in addition. */
+static inline void put_edge(const period *p, size_t x, double to, double at, double later_A, edge *e)
+{
+    const cycle_row *row = p->row;
+    const double by = to * p->d->k_u;
+    const double per_whole_A = p->per_whole_A[x];
+    const vec_ab Wb = {by * row->edge_ripple_Wb[x].alpha, by * row->edge_ripple_Wb[x].beta};
+    const double none = to > 0.0 ? row->no_rise[x] : row->no_fall[x];
+    e->leg = x;
+    e->at = at;
+    e->ripple_A = current_of_flux(p->way, p->start + at * p->share, Wb);
+    e->decides = (smooth_at(p, x, at) + vec_phase(e->ripple_A, (int)x) + later_A) * per_whole_A;
+    e->per_Wb = (vec_ab){p->way->per_Wb[x].alpha * per_whole_A, p->way->per_Wb[x].beta * per_whole_A};
+    e->by_sign_V = 0.5 * p->late_V * (1.0 - none);
+    e->even_V = to * e->by_sign_V - p->moved_V[x];
+    e->by_sign_Wb = of_leg(x, -e->by_sign_V * p->length_s);
+    e->even_Wb = of_leg(x, -e->even_V * p->length_s);
+}
+
+/* The edges in their order. Between its rise and its fall the others' states are as before it: they fall in the opposite order. */
+static void find_edges(const period *p, edge edges[EDGES])
+{
+    const found_way *way = p->way;
+    const double s_per_V = p->length_s / p->link_V;
+    size_t order[3];
+    vec_ab u_V = {0.0, 0.0}; /* above the period's mean */
+    order_of(p->row->rise, order);
     for (size_t x = 0; x < 3; x++) {
-        u_V[x] = -link_V * (1.0 - 2.0 * row->rise[x]);
+        u_V = sum_of(u_V, of_leg(x, (2.0 * p->row->rise[x] - 1.0) * p->link_V));
     }
     for (size_t n = 0; n < 3; n++) {
         const size_t x = order[n];
-        const double switched_A_s = e->way->per_Vs[x][x] * link_V;
-        e->low_A_s[x] = current_by(e->way, x, u_V) + i->rises[x] * per_s;
-        e->high_A_s[x] = e->low_A_s[x] + switched_A_s;
-        u_V[x] += link_V;
-        e->held_A[x] = 0.5 * (e->low_A_s[x] + e->high_A_s[x]) * e->late_s;
-        const double reach = 0.5 * switched_A_s * e->late_s;
-        e->per_reach[x] = 1.0 / sqrt(reach * reach + e->d->i_knee_A * e->d->i_knee_A);
+        const double low_A_s = current_by(way, x, u_V) + (way->last[x] - way->first[x]) * p->per_cycle_s;
+        const double high_A_s = low_A_s + p->own_per_Vs[x] * p->link_V;
+        const double moved_s = p->moved_V[x] * s_per_V;
+        const double held_A = 0.5 * (low_A_s + high_A_s) * p->late_s;
+        put_edge(p, x, 1.0, p->row->rise[x], held_A - low_A_s * moved_s, &edges[n]);
+        put_edge(p, x, -1.0, 1.0 - p->row->rise[x], held_A + high_A_s * moved_s, &edges[EDGES - 1 - n]);
+        u_V = sum_of(u_V, of_leg(x, p->link_V));
     }
 }
 
-/* The current that an edge finds, and of a full loss and none what it then takes: -1 to 1. */
-static double sign_found(const edges *e, size_t x, double i_A)
+/* Adds what the edges take, one after the other. */
+static void lose_at_edges(period *p, edge edges[EDGES], double lost[3])
 {
-    const double others = current_by(e->way, x, e->changed_Vs);
-    return averaged_drive_edge(e->d->edge, (i_A + others + e->held_A[x]) * e->per_reach[x]);
+    vec_ab changed_Wb = {0.0, 0.0};
+    for (size_t n = 0; n < EDGES; n++) {
+        edge *e = &edges[n];
+        const double found =
+            e->decides + e->per_Wb.alpha * changed_Wb.alpha + e->per_Wb.beta * changed_Wb.beta;
+        const double sign = averaged_drive_edge(p->d->edge, found);
+        lost[e->leg] += (e->even_V + sign * e->by_sign_V) * undecayed(p, e->at);
+        e->before_Wb = changed_Wb;
+        changed_Wb.alpha += e->even_Wb.alpha + sign * e->by_sign_Wb.alpha;
+        changed_Wb.beta += e->even_Wb.beta + sign * e->by_sign_Wb.beta;
+    }
+    p->changed_Wb = changed_Wb;
+}
+
+/*
+ * What the devices' drop is taken to change of each leg's current over the period: all, by the sign at its start, of a current that keeps
+ * it. Without leaps, or a fit takes them for information.
+ */
+static void find_through(period *p)
+{
+    const double Vs = p->through_V * p->length_s;
+    vec_ab changed_Wb = {0.0, 0.0};
+    for (size_t x = 0; x < 3; x++) {
+        const double drop_A = p->own_per_Vs[x] * Vs;
+        const double start_A = on_way(p->way, x, p->start);
+        p->taken[x] = drop_A > 0.0 ? averaged_drive_edge(EDGE_CLIPPED, start_A / drop_A) : 0.0;
+        changed_Wb = sum_of(changed_Wb, of_leg(x, -Vs * p->taken[x]));
+    }
+    for (size_t x = 0; x < 3; x++) {
+        p->through_A[x] = current_by(p->way, x, changed_Wb);
+    }
+}
+
+/*
+ * The mean sign of a current over a stretch that all else moves, and that the devices' whole drop would move by `drop` against its sign.
+ */
+static double mean_sign(double from_A, double move_A, double drop_A)
+{
+    const double sign = from_A > 0.0 ? 1.0 : from_A < 0.0 ? -1.0 : 0.0;
+    const double net_A = move_A - sign * drop_A;
+    if (sign * (from_A + net_A) > 0.0) {
+        return sign;
+    }
+    const double until = sign != 0.0 ? -from_A / net_A : 0.0; /* it reaches zero */
+    const double after = fabs(move_A) <= drop_A && drop_A > 0.0 ? move_A / drop_A : copysign(1.0, move_A);
+    return until * sign + (1.0 - until) * after;
+}
+
+/* Adds what leg x' conducting devices take, from edge to edge. */
+static void lose_through(const period *p, const edge edges[EDGES], size_t x, double lost[3])
+{
+    const double drop_A = p->own_per_Vs[x] * p->through_V * p->length_s;
+    const double taken_A = drop_A * p->taken[x]; /* in the currents below, by the period's end */
+    const double end_A = smooth_at(p, x, 1.0) + current_by(p->way, x, p->changed_Wb);
+    double i_A = on_way(p->way, x, p->start);
+    double at = 0.0;
+    double own_A = 0.0; /* in place of what is taken */
+    for (size_t n = 0; n <= EDGES; n++) {
+        const edge *e = &edges[n];
+        const double next = n < EDGES ? e->at : 1.0;
+        const double next_A = n < EDGES ? smooth_at(p, x, next) + vec_phase(e->ripple_A, (int)x) +
+                                              current_by(p->way, x, e->before_Wb)
+                                        : end_A;
+        const double share = next - at;
+        const double sign =
+            mean_sign(i_A + at * taken_A - own_A, next_A - i_A + share * taken_A, share * drop_A);
+        own_A += sign * share * drop_A;
+        lost[x] += sign * share * p->through_V * undecayed(p, at + 0.5 * share);
+        at = next;
+        i_A = next_A;
+    }
 }
 
 /* Adds what each leg loses over one period. */
-static void lose(const averaged_drive *d, const cycle_row *row, const found_way *way, const found_currents *i,
-                 double period_s, double lost[3])
+static void lose(period *p, double lost[3])
 {
-    const double v_late_V = d->v_dead_V + d->compensation_V;
-    const double link_V = link_of(d, row);
-    const double s_per_V = period_s / link_V;
-    edges e = {.d = d, .way = way, .late_s = v_late_V * s_per_V};
-    size_t order[3];
-    order_of(row->rise, order);
-    find_slopes(&e, row, i, period_s, order);
+    edge edges[EDGES];
+    if (p->through_V > 0.0) {
+        find_through(p);
+    }
+    find_edges(p, edges);
+    lose_at_edges(p, edges, lost);
+    for (size_t x = 0; x < 3 && p->through_V > 0.0; x++) {
+        if (p->far[x]) {
+            lost[x] += p->taken[x] * p->through_V * undecayed(p, 0.5);
+        } else {
+            lose_through(p, edges, x, lost);
+        }
+    }
+}
+
+static double larger(double one, double other)
+{
+    return one > other ? one : other;
+}
+
+/*
+ * Whether a leg's current is so far from zero that it keeps its sign, and every edge finds a whole loss: its ends lie farther than ripple
+ * and bow, and what all that is lost changes, can take it.
+ */
+static bool is_far(const period *p, size_t x, double ripple_A, double per_H)
+{
+    const found_way *way = p->way;
+    const double moved_V = larger(fabs(p->moved_V[0]), larger(fabs(p->moved_V[1]), fabs(p->moved_V[2])));
+    const double lost_V = 3.0 * fabs(p->late_V) + 5.0 * moved_V + 2.0 * p->through_V;
+    const double far_A = ripple_A + fabs(way->bow[x]) + per_H * lost_V * p->length_s + p->d->i_knee_A;
+    return way->first[x] * way->last[x] > 0.0 && fabs(way->first[x]) > far_A && fabs(way->last[x]) > far_A;
+}
+
+/* What the legs lose whose currents are all far from zero. */
+static void lose_far(const period *p, double lost[3])
+{
     for (size_t x = 0; x < 3; x++) {
-        /* No edge moves beyond the valley or the peak. */
-        const double wanted = 0.5 * averaged_drive_compensation(d, way->seen[x]);
-        const double earliest = (row->rise[x] - 0.5) * link_V;
-        const double latest = row->rise[x] * link_V;
-        e.moved_V[x] = wanted < earliest ? earliest : wanted > latest ? latest : wanted;
-        e.moved_s[x] = e.moved_V[x] * s_per_V;
-    }
-    for (size_t n = 0; n < 3; n++) {
-        const size_t x = order[n];
-        const double found = sign_found(&e, x, i->mid[x] + i->apart[x] - e.low_A_s[x] * e.moved_s[x]);
-        const double at_rise = 0.5 * v_late_V * (1.0 + found) * (1.0 - row->no_rise[x]) - e.moved_V[x];
-        lost[x] += at_rise;
-        e.changed_Vs[x] -= at_rise * period_s;
-    }
-    for (size_t n = 3; n-- > 0;) {
-        const size_t x = order[n];
-        const double found = sign_found(&e, x, i->mid[x] - i->apart[x] + e.high_A_s[x] * e.moved_s[x]);
-        const double at_fall = 0.5 * v_late_V * (found - 1.0) * (1.0 - row->no_fall[x]) - e.moved_V[x];
-        lost[x] += at_fall;
-        e.changed_Vs[x] -= at_fall * period_s;
+        const double sign = p->way->first[x] > 0.0 ? 1.0 : -1.0;
+        const double at = 0.5 + sign * (p->row->rise[x] - 0.5);
+        const double whole = 1.0 - (sign > 0.0 ? p->row->no_rise[x] : p->row->no_fall[x]);
+        const double late_V = p->late_V * whole * (1.0 + p->decay * p->share * (at - 0.5));
+        lost[x] = sign * (late_V + p->through_V) - 2.0 * p->moved_V[x];
     }
 }
 
@@ -195,14 +336,64 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
                       double lost[3])
 {
     const size_t periods = row->periods > 1 ? row->periods : 1;
-    lost[0] = lost[1] = lost[2] = 0.0;
-    for (size_t n = 0; n < periods; n++) {
-        const found_currents i = part_of(row, way, n, periods);
-        lose(d, row, way, &i, T_s / (double)periods, lost);
+    const double share = 1.0 / (double)periods;
+    const double all_V = d->v_dead_V + d->compensation_V;
+    const double through_V = all_V > 0.0 ? d->conduction * all_V : 0.0;
+    const double late_V = all_V - through_V;
+    const double link_V = link_of(d, row);
+    const double per_L_d = 1.0 / d->L_d_H;
+    const double per_L_q = 1.0 / d->L_q_H;
+    const double per_H = d->edge_ripple * larger(per_L_d, per_L_q);
+    period p = {.d = d,
+                .row = row,
+                .way = way,
+                .share = share,
+                .length_s = T_s * share,
+                .per_cycle_s = 1.0 / T_s,
+                .decay = 0.5 * d->R_ohm * (per_L_d + per_L_q) * T_s,
+                .link_V = link_V,
+                .late_V = late_V,
+                .late_s = late_V * T_s * share / link_V,
+                .through_V = through_V};
+    double ripple_Wb = 0.0;
+    for (size_t x = 0; x < 3; x++) {
+        /* No edge moves beyond the valley or the peak. */
+        const double wanted = 0.5 * averaged_drive_compensation(d, way->seen[x]);
+        const double earliest = (row->rise[x] - 0.5) * link_V;
+        const double latest = row->rise[x] * link_V;
+        p.moved_V[x] = wanted < earliest ? earliest : wanted > latest ? latest : wanted;
+        ripple_Wb = larger(ripple_Wb, fabs(row->edge_ripple_Wb[x].alpha) + fabs(row->edge_ripple_Wb[x].beta));
     }
     for (size_t x = 0; x < 3; x++) {
-        lost[x] /= (double)periods;
+        p.far[x] = d->edge == EDGE_CLIPPED && is_far(&p, x, per_H * d->k_u * ripple_Wb, per_H);
     }
+    if (p.far[0] && p.far[1] && p.far[2]) {
+        lose_far(&p, lost);
+        return;
+    }
+    for (size_t x = 0; x < 3; x++) {
+        p.own_per_Vs[x] = current_by(way, x, of_leg(x, 1.0));
+        const double reach_A = 0.5 * p.own_per_Vs[x] * link_V * p.late_s;
+        p.per_whole_A[x] = 1.0 / sqrt(reach_A * reach_A + d->i_knee_A * d->i_knee_A);
+        lost[x] = 0.0;
+    }
+    for (size_t n = 0; n < periods; n++) {
+        p.start = (double)n * share;
+        lose(&p, lost);
+    }
+    for (size_t x = 0; x < 3; x++) {
+        lost[x] *= share;
+    }
+}
+
+/* The current of a leg that switches there. */
+static double edge_current(const averaged_drive *d, const cycle_row *row, const found_way *way, size_t x,
+                           double at, double to)
+{
+    const vec_ab Wb = row->edge_ripple_Wb[x];
+    const double by = to * d->k_u;
+    return on_way(way, x, at) +
+           vec_phase(current_of_flux(way, at, (vec_ab){by * Wb.alpha, by * Wb.beta}), (int)x);
 }
 
 /* The current turns with the rotor, whatever the edges lose: what the ones before have changed is in it. */
@@ -219,10 +410,12 @@ edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_
     const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, rotor_turned(r, turn));
     const vec_ab last = vec_to_ab((vec_dq){i.alpha, i.beta}, turn);
     const found_way way = found_way_of(d, row, r, &harmonics, i, last, i);
-    const found_currents at = part_of(row, &way, 0, 1);
     for (size_t x = 0; x < 3; x++) {
-        const double at_rise = averaged_drive_edge(d->edge, (at.mid[x] + at.apart[x]) * per_knee);
-        const double at_fall = averaged_drive_edge(d->edge, (at.mid[x] - at.apart[x]) * per_knee);
+        const double rise = row->rise[x];
+        const double at_rise =
+            averaged_drive_edge(d->edge, edge_current(d, row, &way, x, rise, 1.0) * per_knee);
+        const double at_fall =
+            averaged_drive_edge(d->edge, edge_current(d, row, &way, x, 1.0 - rise, -1.0) * per_knee);
         const double moved = 0.5 * averaged_drive_compensation(d, way.seen[x]);
         lost.rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
         lost.fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;

@@ -6,6 +6,9 @@
  * before it, moved or late, have already changed. That way is no chord: the flux goes straight, and the magnet turns below it. A
  * current that reaches zero within the dead time stays there and loses a share: sat of the current half a dead time on with the leg
  * half way between the rails, over the knee.
+ *
+ * Devices that conduct take their share, `conduction`, all through the cycle by the sign that the current has: it goes straight from edge
+ * to edge. One that reaches zero stays there while the drop of the devices can hold it.
  */
 #ifndef SIM_HOST_MODEL_FOUND_EDGES_H
 #define SIM_HOST_MODEL_FOUND_EDGES_H
@@ -17,9 +20,9 @@ typedef struct found_way {
     double first[3], last[3];
     double seen[3]; /* by which a compensation decides */
     double bow[3];  /* half-way above the mean of these */
-    /* By as much of the ripple as edge_ripple says: a leg's current by a volt-second on each leg, and the ripple where it rises. */
-    double per_Vs[3][3];
-    double ripple_A[3];
+    /* The current of a flux by a leg, by as much of the ripple as edge_ripple says: at a share of the cycle the sum of these by its powers. */
+    double per_H[3][3];
+    vec_ab per_Wb[3]; /* half-way, of each leg */
 } found_way;
 
 /* From one current to another, the rotor at r when it begins; with the magnet's harmonics at both ends. */
@@ -27,8 +30,8 @@ found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor 
                        const harmonic_ends *harmonics, vec_ab first, vec_ab last, vec_ab seen);
 
 /*
- * The mean voltage that each leg loses over a cycle of T_s: v_dead against a current far from zero. Of several carrier periods in a cycle
- * each finds its own part of the way.
+ * The voltage that each leg loses over a cycle of T_s, as one that acts evenly: v_dead against a current far from zero. What is lost early
+ * has decayed by the cycle's end. Of several carrier periods in a cycle each finds its own part of the way.
  */
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_way *way, double T_s,
                       double lost[3]);

@@ -198,8 +198,10 @@ static row_correction share_of(const count *c)
     const double p = (double)c->missed / n;
     const double middle = (p + 0.5 * z * z / n) / (1.0 + z * z / n);
     const double half = z / (1.0 + z * z / n) * sqrt(p * (1.0 - p) / n + 0.25 * z * z / (n * n));
-    return (row_correction){
-        .cause = CAUSE_MISSED_UPDATE, .value = {p}, .low = {middle - half}, .high = {middle + half}};
+    return (row_correction){.cause = CAUSE_MISSED_UPDATE,
+                            .value = {p},
+                            .low = {fmin(middle - half, p)},
+                            .high = {fmax(middle + half, p)}};
 }
 
 bool measure_missed(diagnose_rows *r, const averaged_drive *drive, const motor *file, size_t *corrected)

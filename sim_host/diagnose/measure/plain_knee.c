@@ -21,6 +21,8 @@ double plain_knee_A(const averaged_drive *drive, const diagnose_rows *r, double 
             double x = (i + apart) / drive->i_knee_A;
             double y = (i - apart) / drive->i_knee_A;
             double is = 0.5 * (averaged_drive_edge(drive->edge, x) + averaged_drive_edge(drive->edge, y));
+            /* What devices take follows the mean sign of a current that swings by the ripple. */
+            is += drive->conduction * ((apart > i ? i / apart : 1.0) - is);
             double wrong = fmin(i / knee, 1.0) - is;
             sum += wrong * wrong;
         }

@@ -107,7 +107,7 @@ static void a_set_pays_for_causes_parameters_and_surprise(void)
     SAME(0.0, evidence_penalty(view, 0));
     SAME(25.0 + 12.0, evidence_penalty(view, BIT(H_RESISTANCE)));
     SAME(2.0 * (25.0 + 12.0) + 1.0, evidence_penalty(view, BIT(H_FLUX) | BIT(H_VOLTAGE_GAIN)));
-    SAME(25.0 + 12.0 * 3.0, evidence_penalty(view, BIT(H_DEAD_TIME))); /* what shapes its law counts */
+    SAME(25.0 + 12.0 * 4.0, evidence_penalty(view, BIT(H_DEAD_TIME))); /* what shapes its law counts */
     SAME(25.0 + 12.0 * 3.0 + 4.0, evidence_penalty(view, BIT(H_CURRENT_GAIN)));
     rows.sensors = SENSORS_TWO;
     SAME(25.0 + 12.0 * 2.0 + 4.0, evidence_penalty(view, BIT(H_CURRENT_GAIN)));
