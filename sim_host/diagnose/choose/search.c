@@ -137,10 +137,33 @@ static void grow(enumeration *e)
     }
 }
 
+/*
+ * The one that a set with a gain of the voltages misses of those that one factor scales: no current shows the factor, so in the gain's
+ * place the others have it, and that one joins. H_COUNT where more are missed.
+ */
+static hypothesis_id missed_by_gain(hypothesis_set set, hypothesis_set allowed)
+{
+    hypothesis_id missed = H_COUNT;
+    size_t others = 0;
+    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+        const bool moved = hypotheses_move_scaled(set, k);
+        missed = moved ? missed : hypotheses_scaled[k];
+        others += moved ? 0 : 1;
+    }
+    const hypothesis_set rest = set & ~HYPOTHESIS_BIT(H_VOLTAGE_GAIN);
+    return others == 1 && hypothesis_in(allowed, missed) && hypothesis_joins(rest, missed) ? missed : H_COUNT;
+}
+
 void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesis_set allowed)
 {
     const double of_least = d->frame->of_least;
+    const hypothesis_id missed = h == H_VOLTAGE_GAIN ? missed_by_gain(s->set, allowed) : H_COUNT;
     s->set &= ~HYPOTHESIS_BIT(h);
+    if (missed != H_COUNT) {
+        coordinates_scale(d->frame, coordinates_to_file(d->frame, P_K_U, s->z), s->z);
+        s->set |= HYPOTHESIS_BIT(missed);
+        return;
+    }
     if (h == H_COMPENSATED && hypothesis_in(allowed, H_DEAD_TIME) &&
         hypotheses_count(HYPOTHESIS_BIT(H_DEAD_TIME), s->z, of_least)) {
         s->set |= HYPOTHESIS_BIT(H_DEAD_TIME);

@@ -108,11 +108,11 @@ averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COU
     return d;
 }
 
-/* Half of a parameter's tolerance: a dead time's edges have kinks, which a narrow difference takes for slopes. */
+/* As wide as the tolerance of a parameter: a dead time's edges have kinks, which a narrow difference takes for slopes. */
 double coordinate_step(coordinate_id id)
 {
     const coordinate *c = &coordinate_table[id];
-    return c->step > 0.0 ? c->step : c->digits > 0.0 ? 0.5 * c->digits : COORDINATE_STEP;
+    return c->step > 0.0 ? c->step : c->digits > 0.0 ? c->digits : COORDINATE_STEP;
 }
 
 double coordinate_look(coordinate_id id, double z)

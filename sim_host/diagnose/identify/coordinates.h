@@ -51,7 +51,7 @@ typedef struct coordinate {
     size_t offset;    /* of its member in averaged_drive */
     bool logarithmic; /* value = nominal e^z; else nominal + scale z */
     coordinate_scale scale;
-    double step; /* in z, for difference quotients; 0: half of `digits`, or COORDINATE_STEP without it */
+    double step; /* in z, for difference quotients; 0: `digits`, or COORDINATE_STEP without one */
     /* Step of a search from z = 0, for an effect whose slope there is misleading; 0: `step`. */
     double first_step;
     coordinate_bound bound;
