@@ -22,14 +22,13 @@ static vec_dq flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_roto
  * that is another half-way round, as are its harmonics.
  */
 static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_rotor half,
-                       const harmonic_ends *harmonics, vec_ab first, vec_ab last)
+                       vec_rotor middle, const harmonic_ends *harmonics, vec_ab first, vec_ab last)
 {
     const vec_rotor end = rotor_turned(r, (vec_rotor){row->cos_turn, row->sin_turn});
     const double psi_Wb = averaged_drive_magnet(d, row);
     const vec_dq one = flux_of(d, psi_Wb, first, r);
     const vec_dq two = flux_of(d, psi_Wb, last, end);
     /* Seen from the middle, the first flux is half the turn behind, and the last one ahead. */
-    const vec_rotor middle = rotor_turned(r, half);
     vec_dq flux = {0.5 * (half.cos * (one.d + two.d) + half.sin * (one.q - two.q)) - psi_Wb,
                    0.5 * (half.cos * (one.q + two.q) + half.sin * (two.d - one.d))};
     if (averaged_drive_has_harmonics(d)) {
@@ -70,7 +69,7 @@ found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor 
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
     vec_to_phases(seen, way.seen);
-    vec_to_phases(half_way(d, row, r, half, harmonics, first, last), way.bow);
+    vec_to_phases(half_way(d, row, r, half, middle, harmonics, first, last), way.bow);
     averaged_drive_per_H(d, d->edge_ripple, middle, way.per_H[0]);
     if (d->L_d_H != d->L_q_H) {
         double k[3][3]; /* at the cycle's start, middle and end */
@@ -104,6 +103,15 @@ static vec_ab of_leg(size_t x, double Vs)
 static vec_ab sum_of(vec_ab one, vec_ab other)
 {
     return (vec_ab){one.alpha + other.alpha, one.beta + other.beta};
+}
+
+/* The ripple of all legs where leg x rises (to = 1) or falls (-1), at a share of the cycle. */
+static vec_ab ripple_of_edge(const averaged_drive *d, const cycle_row *row, const found_way *way, size_t x,
+                             double to, double at)
+{
+    const double by = to * d->k_u;
+    const vec_ab Wb = {by * row->edge_ripple_Wb[x].alpha, by * row->edge_ripple_Wb[x].beta};
+    return current_of_flux(way, at, Wb);
 }
 
 /* The legs in the order in which they rise; they fall in the opposite one. */
@@ -167,16 +175,14 @@ static double smooth_at(const period *p, size_t x, double at)
 }
 
 /* An edge and what it takes; `later_A` of the current decides in addition. */
-static inline void put_edge(const period *p, size_t x, double to, double at, double later_A, edge *e)
+static void put_edge(const period *p, size_t x, double to, double at, double later_A, edge *e)
 {
     const cycle_row *row = p->row;
-    const double by = to * p->d->k_u;
     const double per_whole_A = p->per_whole_A[x];
-    const vec_ab Wb = {by * row->edge_ripple_Wb[x].alpha, by * row->edge_ripple_Wb[x].beta};
     const double none = to > 0.0 ? row->no_rise[x] : row->no_fall[x];
     e->leg = x;
     e->at = at;
-    e->ripple_A = current_of_flux(p->way, p->start + at * p->share, Wb);
+    e->ripple_A = ripple_of_edge(p->d, row, p->way, x, to, p->start + at * p->share);
     e->decides = (smooth_at(p, x, at) + vec_phase(e->ripple_A, (int)x) + later_A) * per_whole_A;
     e->per_Wb = (vec_ab){p->way->per_Wb[x].alpha * per_whole_A, p->way->per_Wb[x].beta * per_whole_A};
     e->by_sign_V = 0.5 * p->late_V * (1.0 - none);
@@ -302,11 +308,6 @@ static void lose(period *p, double lost[3])
     }
 }
 
-static double larger(double one, double other)
-{
-    return one > other ? one : other;
-}
-
 /*
  * Whether a leg's current is so far from zero that it keeps its sign, and every edge finds a whole loss: its ends lie farther than ripple
  * and bow, and what all that is lost changes, can take it.
@@ -314,7 +315,7 @@ static double larger(double one, double other)
 static bool is_far(const period *p, size_t x, double ripple_A, double per_H)
 {
     const found_way *way = p->way;
-    const double moved_V = larger(fabs(p->moved_V[0]), larger(fabs(p->moved_V[1]), fabs(p->moved_V[2])));
+    const double moved_V = fmax(fabs(p->moved_V[0]), fmax(fabs(p->moved_V[1]), fabs(p->moved_V[2])));
     const double lost_V = 3.0 * fabs(p->late_V) + 5.0 * moved_V + 2.0 * p->through_V;
     const double far_A = ripple_A + fabs(way->bow[x]) + per_H * lost_V * p->length_s + p->d->i_knee_A;
     return way->first[x] * way->last[x] > 0.0 && fabs(way->first[x]) > far_A && fabs(way->last[x]) > far_A;
@@ -343,7 +344,7 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
     const double link_V = link_of(d, row);
     const double per_L_d = 1.0 / d->L_d_H;
     const double per_L_q = 1.0 / d->L_q_H;
-    const double per_H = d->edge_ripple * larger(per_L_d, per_L_q);
+    const double per_H = d->edge_ripple * fmax(per_L_d, per_L_q);
     period p = {.d = d,
                 .row = row,
                 .way = way,
@@ -362,7 +363,7 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
         const double earliest = (row->rise[x] - 0.5) * link_V;
         const double latest = row->rise[x] * link_V;
         p.moved_V[x] = wanted < earliest ? earliest : wanted > latest ? latest : wanted;
-        ripple_Wb = larger(ripple_Wb, fabs(row->edge_ripple_Wb[x].alpha) + fabs(row->edge_ripple_Wb[x].beta));
+        ripple_Wb = fmax(ripple_Wb, fabs(row->edge_ripple_Wb[x].alpha) + fabs(row->edge_ripple_Wb[x].beta));
     }
     for (size_t x = 0; x < 3; x++) {
         p.far[x] = d->edge == EDGE_CLIPPED && is_far(&p, x, per_H * d->k_u * ripple_Wb, per_H);
@@ -386,16 +387,6 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
     }
 }
 
-/* The current of a leg that switches there. */
-static double edge_current(const averaged_drive *d, const cycle_row *row, const found_way *way, size_t x,
-                           double at, double to)
-{
-    const vec_ab Wb = row->edge_ripple_Wb[x];
-    const double by = to * d->k_u;
-    return on_way(way, x, at) +
-           vec_phase(current_of_flux(way, at, (vec_ab){by * Wb.alpha, by * Wb.beta}), (int)x);
-}
-
 /* The current turns with the rotor, whatever the edges lose: what the ones before have changed is in it. */
 edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i)
 {
@@ -412,10 +403,12 @@ edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_
     const found_way way = found_way_of(d, row, r, &harmonics, i, last, i);
     for (size_t x = 0; x < 3; x++) {
         const double rise = row->rise[x];
-        const double at_rise =
-            averaged_drive_edge(d->edge, edge_current(d, row, &way, x, rise, 1.0) * per_knee);
-        const double at_fall =
-            averaged_drive_edge(d->edge, edge_current(d, row, &way, x, 1.0 - rise, -1.0) * per_knee);
+        const vec_ab up = ripple_of_edge(d, row, &way, x, 1.0, rise);
+        const vec_ab down = ripple_of_edge(d, row, &way, x, -1.0, 1.0 - rise);
+        const double rise_A = on_way(&way, x, rise) + vec_phase(up, (int)x);
+        const double fall_A = on_way(&way, x, 1.0 - rise) + vec_phase(down, (int)x);
+        const double at_rise = averaged_drive_edge(d->edge, rise_A * per_knee);
+        const double at_fall = averaged_drive_edge(d->edge, fall_A * per_knee);
         const double moved = 0.5 * averaged_drive_compensation(d, way.seen[x]);
         lost.rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
         lost.fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;

@@ -299,6 +299,40 @@ static void what_is_lost_early_decays(void)
     }
 }
 
+/* Of legs whose currents are all far from zero, and next to one that is near: by two ways through the law. */
+static void a_leg_far_from_zero_loses_the_same_next_to_one_near(void)
+{
+    const averaged_drive d = {.v_dead_V = 3.0,
+                              .compensation_V = 3.0,
+                              .compensation_knee_A = 1e-3,
+                              .conduction = 0.3,
+                              .R_ohm = 2.0,
+                              .edge = EDGE_CLIPPED,
+                              .edge_ripple = 1.0,
+                              .k_u = 1.0,
+                              .L_d_H = L_H,
+                              .L_q_H = 1.5 * L_H,
+                              .i_knee_A = 1e-3};
+    for (size_t periods = 1; periods < 4; periods += 2) {
+        double lost[2][3];
+        for (size_t near = 0; near < 2; near++) {
+            const double third_A = near ? -0.005 : -3.0;
+            const cycle c = {.duty = {0.52, 0.5, 0.48},
+                             .first_A = {8.0, -8.0 - third_A, third_A},
+                             .L_d_H = d.L_d_H,
+                             .L_q_H = d.L_q_H};
+            cycle_row row;
+            found_way way;
+            read_row(&d, &c, &row, &way);
+            row.periods = periods;
+            found_edges_lost(&d, &row, &way, T_S, lost[near]);
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost[0][0], lost[1][0]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost[0][1], lost[1][1]);
+        TEST_ASSERT_TRUE(fabs(lost[0][2] - lost[1][2]) > 0.1);
+    }
+}
+
 /* A leg that is held at a rail has no edge to lose by, and a compensation moves none beyond the valley. */
 static void a_held_leg_loses_nothing(void)
 {
@@ -332,6 +366,7 @@ int main(void)
     RUN_TEST(a_salient_machine_is_met);
     RUN_TEST(devices_that_conduct_are_met);
     RUN_TEST(what_is_lost_early_decays);
+    RUN_TEST(a_leg_far_from_zero_loses_the_same_next_to_one_near);
     RUN_TEST(a_held_leg_loses_nothing);
     return UNITY_END();
 }
