@@ -3,19 +3,18 @@
 
 #include <math.h>
 
-/* The ranges "at the end" and "just below", as shares of the end. The two ends of a converter differ by one step. */
+/* The range "at the end", as a share of the end. The two ends of a converter differ by one step. */
 static const double AT_END = 0.999;
-static const double BELOW = 0.98;
-/* Least number of rows at the end, for each of two phases or signs, and least ratio of the rows at the end to those just below it. */
-enum { LEAST_ROWS = 4, TIMES_BELOW = 3 };
-/* If a current is cut, the sum of the three is larger: least ratio of its rms there to that elsewhere. */
-static const double TIMES_SUM = 5.0;
+enum { LEAST_ROWS = 4 };
+/* Least ratio of the sum's deviation at the end to that elsewhere, and least of the former as a share of the end: more than digits. */
+static const double TIMES_ELSEWHERE = 5.0;
+static const double LEAST_SHARE = 1e-6;
 
+/* The sum of the three currents over rows. */
 typedef struct tally {
-    size_t at[6]; /* rows, by phase and sign */
-    size_t all, below;
-    double sum_at, sum_else; /* squares of the three's sum */
-    double rows_at, rows_else;
+    size_t rows;
+    double sum_A, square_A2;
+    double short_A; /* by how much it falls short of what the currents at the end would have it */
 } tally;
 
 static bool is_at(double i_A, double end_A)
@@ -25,29 +24,30 @@ static bool is_at(double i_A, double end_A)
 
 static void count_row(const recording *rec, size_t k, double end_A, tally *t)
 {
-    double sum = 0.0;
+    double sum_A = 0.0;
+    double sign = 0.0;
     for (size_t x = 0; x < 3; x++) {
         const double i_A = rec->i_A[x][k];
-        const bool at = is_at(i_A, end_A);
-        t->at[2 * x + (i_A > 0.0 ? 1 : 0)] += at;
-        t->all += at;
-        t->below += !at && fabs(i_A) > BELOW * end_A;
-        sum += i_A;
+        sign += is_at(i_A, end_A) ? copysign(1.0, i_A) : 0.0;
+        sum_A += i_A;
     }
-    if (row_clips_at(rec, k, end_A)) {
-        t->sum_at += sum * sum;
-        t->rows_at += 1.0;
-    } else {
-        t->sum_else += sum * sum;
-        t->rows_else += 1.0;
-    }
+    t->rows++;
+    t->sum_A += sum_A;
+    t->square_A2 += sum_A * sum_A;
+    t->short_A -= sign * sum_A;
+}
+
+static double deviation_A(const tally *t)
+{
+    const double rows = (double)t->rows;
+    return t->rows > 0 ? sqrt(fmax(t->square_A2 / rows - t->sum_A * t->sum_A / (rows * rows), 0.0)) : 0.0;
 }
 
 double row_clips_end_A(const recording *rec)
 {
     double end_A = 0.0;
-    size_t ways = 0;
-    tally t = {.all = 0};
+    tally at = {.rows = 0};
+    tally elsewhere = {.rows = 0};
     if (!recording_three_sensors(rec)) {
         return INFINITY;
     }
@@ -57,13 +57,12 @@ double row_clips_end_A(const recording *rec)
         }
     }
     for (size_t k = 0; k < rec->rows; k++) {
-        count_row(rec, k, end_A, &t);
+        count_row(rec, k, end_A, row_clips_at(rec, k, end_A) ? &at : &elsewhere);
     }
-    for (size_t n = 0; n < sizeof t.at / sizeof *t.at; n++) {
-        ways += t.at[n] >= LEAST_ROWS;
-    }
-    const bool adds_up = t.sum_at * t.rows_else <= TIMES_SUM * TIMES_SUM * t.sum_else * t.rows_at;
-    return ways >= 2 && t.all > TIMES_BELOW * t.below && !adds_up ? end_A : INFINITY;
+    const bool moves =
+        deviation_A(&at) > fmax(TIMES_ELSEWHERE * deviation_A(&elsewhere), LEAST_SHARE * end_A);
+    return at.rows >= LEAST_ROWS && elsewhere.rows >= LEAST_ROWS && moves && at.short_A > 0.0 ? end_A
+                                                                                              : INFINITY;
 }
 
 bool row_clips_at(const recording *rec, size_t k, double end_A)

@@ -2,9 +2,9 @@
  * Finds rows in which a current sensor is at the end of its range. The current is then larger than its value, by an unknown amount. A
  * drive that has lost its operating point makes such rows.
  *
- * The end shows as one value that phases reach with both signs or in turn, again and again, with almost no values just below it. The
- * peaks of a current that is not cut have more rows below their top than at it. A current may also rest at one value; the sum of the
- * three currents shows the difference, as only a cut current changes that sum. With two sensors no end is found.
+ * A reading that rests at its largest value does not show this by itself: a current may rest or peak there. The sum of the three currents
+ * does. If a current is cut, the sum moves while the reading rests, and it falls short: what is missing is the rest of that current.
+ * With two sensors no end is found.
  */
 #ifndef SIM_HOST_DIAGNOSE_IDENTIFY_ROW_CLIPS_H
 #define SIM_HOST_DIAGNOSE_IDENTIFY_ROW_CLIPS_H

@@ -62,6 +62,28 @@ static void peaks_have_none_however_coarse_the_converter(void)
     }
 }
 
+/* One phase alone, in one direction, at one peak that is higher than all others. */
+static void one_peak_that_is_cut_has_an_end(void)
+{
+    fill(4096.0, 2.0);
+    for (size_t k = 0; k < ROWS; k++) {
+        for (size_t x = 0; x < 3; x++) {
+            phase[x][k] = fmin((k > 935 && k < 963 ? 1.0 : 0.95) * phase[x][k], x == 1 ? 0.98 : 2.0);
+        }
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(0.98, row_clips_end_A(&made));
+}
+
+/* A loose contact shows the end of the range where the current is below: the sum does not fall short. */
+static void a_reading_that_is_too_large_has_none(void)
+{
+    fill(4096.0, 2.0);
+    for (size_t k = 7; k < ROWS; k += 97) {
+        phase[1][k] = 1.2;
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(INFINITY, row_clips_end_A(&made));
+}
+
 /* Steps of one size in both directions, at rest between them: the three add up. */
 static void a_current_that_rests_has_none(void)
 {
@@ -120,6 +142,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(a_current_that_is_cut_has_an_end);
     RUN_TEST(peaks_have_none_however_coarse_the_converter);
+    RUN_TEST(one_peak_that_is_cut_has_an_end);
+    RUN_TEST(a_reading_that_is_too_large_has_none);
     RUN_TEST(a_current_that_rests_has_none);
     RUN_TEST(two_sensors_have_none);
     RUN_TEST(other_causes_are_named_as_well);
