@@ -123,7 +123,7 @@ typedef struct lag_line {
 } lag_line;
 
 /*
- * The machine about the row's current, along whose line its flux is taken. All in the stationary frame: what turns there by j omega
+ * The machine about a current, along whose line its flux is taken. All in the stationary frame: what turns there by j omega
  * does so in the rotor's, and only the inductance has to be turned over.
  */
 static lag_line line_of(const averaged_drive *d, const cycle_row *row, vec_ab high_Vs, vec_ab i_ab)
@@ -188,9 +188,8 @@ static vec_ab later_iron(const averaged_drive *d, const cycle_row *row, double T
 }
 
 sensor_map sensor_lag_map(const averaged_drive *d, const cycle_row *row, double T_s, const sensor_map *map,
-                          lag_memory *memory)
+                          vec_ab i, lag_memory *memory)
 {
-    const vec_ab i = sensor_map_unmeasure(map, row->i_A);
     const bool filters = d->sensor_lag_s > 0.0;
     const bool iron = d->fe_S != 0.0;
     const vec_ab own = iron ? iron_branch_at(d, d->fe_tau_s, row, i, &memory->own, NULL) : (vec_ab){0.0, 0.0};

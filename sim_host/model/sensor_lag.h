@@ -30,8 +30,11 @@ typedef struct lag_memory {
     iron_memory own, by_filter;
 } lag_memory;
 
-/* The map of sensors at a row that see the current so late. T_s: the cycle. */
+/*
+ * The map of sensors at a row that see the current so late. T_s: the cycle. `about`: the true current there, from a run of the drive. The
+ * recorded one would do but for its noise: where iron saturates, the reading that the map predicts would follow that noise.
+ */
 sensor_map sensor_lag_map(const averaged_drive *drive, const cycle_row *row, double T_s,
-                          const sensor_map *map, lag_memory *memory);
+                          const sensor_map *map, vec_ab about, lag_memory *memory);
 
 #endif

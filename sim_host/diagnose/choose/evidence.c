@@ -181,7 +181,7 @@ static bool cost_of_same_drive(const evidence_view *view, const fit_state *s, hy
     if (!is_choice) {
         return false;
     }
-    coordinates_scale(view->frame, coordinates_to_file(view->frame, with_factor[lacks(set)], option->z),
+    coordinates_scale(view->frame, coordinates_to_file(view->frame, with_factor[lacks(set)], option->z), 1.0,
                       option->z);
     option->score = option->cost + evidence_price(view, set, option->z);
     return hypotheses_physical(set, option->z) && hypotheses_count(came, option->z, view->of_least);

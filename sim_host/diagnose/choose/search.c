@@ -160,7 +160,7 @@ void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesi
     const hypothesis_id missed = h == H_VOLTAGE_GAIN ? missed_by_gain(s->set, allowed) : H_COUNT;
     s->set &= ~HYPOTHESIS_BIT(h);
     if (missed != H_COUNT) {
-        coordinates_scale(d->frame, coordinates_to_file(d->frame, P_K_U, s->z), s->z);
+        coordinates_scale(d->frame, coordinates_to_file(d->frame, P_K_U, s->z), 1.0, s->z);
         s->set |= HYPOTHESIS_BIT(missed);
         return;
     }

@@ -131,19 +131,14 @@ static double z_of(const coordinate_frame *f, coordinate_id id, double value)
     return (value - nominal) / scale_of(f, id);
 }
 
-void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUNT])
+void coordinates_scale(const coordinate_frame *f, double voltages, double currents, double z[P_COUNT])
 {
-    static const coordinate_id with[] = {
-        P_R,      P_R_RATE, P_L_D,    P_L_Q,    P_PSI,    P_PSI_RATE, P_W_DDD, P_W_DQQ,       P_W_DDDD,
-        P_W_DDQQ, P_W_QQQQ, P_IRON_1, P_IRON_2, P_V_DEAD, P_K_U,      P_PSI_5, P_PSI_7,       P_PSI_11,
-        P_PSI_13, P_DR_A,   P_DR_B,   P_DR_C,   P_DL_A,   P_DL_B,     P_DL_C,  P_COMPENSATION};
-    static const coordinate_id against[] = {P_FE, P_IRON, P_IRON_LATE, P_EDDY, P_EDDY_LATER};
     const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
-    for (size_t k = 0; k < sizeof with / sizeof *with; k++) {
-        z[with[k]] = z_of(f, with[k], factor * value_of(&d, with[k]));
-    }
-    for (size_t k = 0; k < sizeof against / sizeof *against; k++) {
-        z[against[k]] = z_of(f, against[k], value_of(&d, against[k]) / factor);
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        const coordinate *c = &coordinate_table[id];
+        if (c->volts != 0 || c->amperes != 0) {
+            z[id] = z_of(f, id, value_of(&d, id) * pow(voltages, c->volts) * pow(currents, c->amperes));
+        }
     }
 }
 

@@ -65,6 +65,7 @@ typedef struct coordinate {
     bool of_magnet;    /* without a magnet it keeps the motor file's value */
     bool third_sensor; /* exists only if three currents are measured */
     bool of_noise;     /* exists only if the rows show noise of the voltages */
+    int volts, amperes; /* powers by which it goes with all voltages, and with all currents, of a drive */
     double usual;      /* usual deviation of drives, one standard deviation, in z; 0: not known */
     double digits;     /* parameter tolerance, one standard deviation, in z; 0: none */
 } coordinate;
@@ -116,10 +117,10 @@ double coordinates_flux_lost(const coordinate_frame *f, const double z[P_COUNT])
 void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, double *high);
 
 /*
- * Multiplies R, L, psi_f and all voltages, with their differences and harmonics, by a factor, and the parameters of iron loss and
- * eddy currents by its inverse. A recording does not show such a change, except in the current ripple of the duties.
+ * The drive with all voltages and all currents multiplied, as its sensors would show it: the voltages' gain goes with the voltages, and
+ * the current sensors' against the currents. A recording does not show such a change, except in the current ripple of the duties.
  */
-void coordinates_scale(const coordinate_frame *f, double factor, double z[P_COUNT]);
+void coordinates_scale(const coordinate_frame *f, double voltages, double currents, double z[P_COUNT]);
 
 /* The factor that gives a coordinate the motor file's value. */
 double coordinates_to_file(const coordinate_frame *f, coordinate_id id, const double z[P_COUNT]);

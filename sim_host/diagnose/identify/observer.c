@@ -14,12 +14,16 @@ static bool sensors_change(const averaged_drive *drive, const sensor_course *cou
     return course->changes || drive->sensor_lag_s != 0.0;
 }
 
-/* The sensors at a row, if they change from row to row. */
+/* The sensors at a row, if they change from row to row. `x`: the true current that a run has there; NULL at its start. */
 static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const sensor_course *course,
-                             const cycle_row *row, lag_memory *memory)
+                             const cycle_row *row, const vec_ab *x, lag_memory *memory)
 {
     const sensor_map map = sensor_course_at(course, row);
-    return drive->sensor_lag_s == 0.0 ? map : sensor_lag_map(drive, row, r->T_s, &map, memory);
+    if (drive->sensor_lag_s == 0.0) {
+        return map;
+    }
+    const vec_ab about = x ? *x : sensor_map_unmeasure(&map, row->i_A);
+    return sensor_lag_map(drive, row, r->T_s, &map, about, memory);
 }
 
 /* The measured current of a row's true current; *zero: mean of the three sensors. */
@@ -116,7 +120,7 @@ static double take_in(walker *w, size_t k, double gate, double *out)
     const sensor_map *sensors = &w->course.of[row->missing].middle;
     out[0] = out[1] = out[2] = 0.0;
     if (w->change) {
-        changed = sensors_at(w->r, w->drive, &w->course, row, &w->memory);
+        changed = sensors_at(w->r, w->drive, &w->course, row, start ? NULL : &w->x, &w->memory);
         sensors = &changed;
     }
     double zero;
@@ -242,17 +246,17 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
     const sensor_course course = sensor_course_of(drive, r->sensors);
     const bool change = sensors_change(drive, &course);
     lag_memory lag = {.own = {.row = NULL}};
-    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], &lag);
+    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], NULL, &lag);
     iron_memory memory = {.row = NULL};
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
         const cycle_row *before = &r->row[first + j - 1];
         vec_ab x = unshown(drive, &sensors, before);
-        if (change) {
-            sensors = sensors_at(r, drive, &course, before + 1, &lag);
-        }
         double zero;
         x = averaged_drive_advance(drive, nodes, before, x, &memory);
+        if (change) {
+            sensors = sensors_at(r, drive, &course, before + 1, &x, &lag);
+        }
         vec_ab seen = shown(drive, &sensors, before + 1, x, &zero);
         wrong[j].alpha = before[1].i_A.alpha - seen.alpha;
         wrong[j].beta = before[1].i_A.beta - seen.beta;
@@ -265,12 +269,12 @@ void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, cons
     const sensor_course course = sensor_course_of(drive, r->sensors);
     const bool change = sensors_change(drive, &course);
     lag_memory lag = {.own = {.row = NULL}};
-    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], &lag);
+    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], NULL, &lag);
     vec_ab x = unshown(drive, &sensors, &r->row[first]);
     iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < count; j++) {
         if (change && j > 0) {
-            sensors = sensors_at(r, drive, &course, &r->row[first + j], &lag);
+            sensors = sensors_at(r, drive, &course, &r->row[first + j], &x, &lag);
         }
         double zero;
         current[j] = shown(drive, &sensors, &r->row[first + j], x, &zero);

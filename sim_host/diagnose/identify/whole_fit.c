@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 20, REWEIGHTED = 12, LINKS = 3, LINK_OF_RESISTANCE = 1 };
+enum { STEPS = 20, REWEIGHTED = 12, LINKS = 3, LINK_OF_GAINS = 0, LINK_OF_RESISTANCE = 1 };
 
 static const double DEGREES = 2.0; /* of Student's t */
 /* Tolerance of a parameter for which the catalogue has none, as a share of its reporting threshold. */
@@ -27,8 +27,8 @@ static const double LITTLE = 0.5;
 static const double DAMPING = 5e-6;
 
 /*
- * Three parameters whose mean is equivalent to other parameters of the drive: the scale of everything, a resistance, an inductance.
- * The mean has a prior of this width.
+ * Parameters, the last of them fitted or not, whose mean is equivalent to other parameters of the drive: the scale of resistance and
+ * inductance, a resistance, an inductance. The mean has a prior of this width.
  */
 static const struct {
     coordinate_id of[3];
@@ -37,6 +37,11 @@ static const struct {
                   {{P_DR_A, P_DR_B, P_DR_C}, 1e-3},
                   {{P_DL_A, P_DL_B, P_DL_C}, 2e-4}};
 
+/* The places of those of a link that are fitted, in `column`. */
+typedef struct link_places {
+    size_t n, at[3];
+} link_places;
+
 typedef struct whole {
     size_t n;
     int column[COLUMN_COUNT];
@@ -44,7 +49,7 @@ typedef struct whole {
     double about[COLUMN_COUNT];
     bool shape[COLUMN_COUNT];
     bool positive[COLUMN_COUNT];
-    size_t link[LINKS][3]; /* places in `column`; n if there is none */
+    link_places link[LINKS];
     double inflation;
     gram sum;
     double a[COLUMN_COUNT][COLUMN_COUNT];
@@ -111,19 +116,22 @@ static void choose_columns(whole *w, const fit_data *d, const fit_state *s, hypo
         add_column(w, P_U_NOISE, 1.0, 0.0, true);
     }
     for (size_t l = 0; l < LINKS; l++) {
+        link_places *p = &w->link[l];
+        p->n = 0;
         for (size_t k = 0; k < 3; k++) {
-            size_t at = 0;
-            while (at < w->n && w->column[at] != (int)links[l].of[k]) {
-                at++;
+            for (size_t at = 0; at < w->n; at++) {
+                if (w->column[at] == (int)links[l].of[k]) {
+                    p->at[p->n++] = at;
+                }
             }
-            w->link[l][k] = at;
         }
     }
 }
 
+/* One of them alone is no mean. */
 static bool link_holds(const whole *w, size_t l)
 {
-    return w->link[l][0] < w->n && w->link[l][1] < w->n && w->link[l][2] < w->n;
+    return w->link[l].n > 1;
 }
 
 /* Distance of a parameter from the middle of its prior, after a step. */
@@ -134,9 +142,12 @@ static double off(const whole *w, const fit_state *s, const double *step, size_t
 
 static double link_off(const whole *w, const fit_state *s, const double *step, size_t l)
 {
-    return (off(w, s, step, w->link[l][0]) + off(w, s, step, w->link[l][1]) +
-            off(w, s, step, w->link[l][2])) /
-           3.0;
+    const link_places *p = &w->link[l];
+    double sum = 0.0;
+    for (size_t k = 0; k < p->n; k++) {
+        sum += off(w, s, step, p->at[k]);
+    }
+    return sum / (double)p->n;
 }
 
 /* 1 over the square of what drives usually differ by; 0: not known. */
@@ -199,11 +210,12 @@ static void with_prior(whole *w, const fit_state *s, const double *step, double 
         right[i] = -w->sum.g[i] - by * off(w, s, NULL, i);
     }
     for (size_t l = 0; l < LINKS; l++) {
-        const double by = w->inflation / (9.0 * links[l].width * links[l].width);
-        for (size_t i = 0; link_holds(w, l) && i < 3; i++) {
-            right[w->link[l][i]] -= 3.0 * by * link_off(w, s, NULL, l);
-            for (size_t j = 0; j < 3; j++) {
-                w->a[w->link[l][i]][w->link[l][j]] += by;
+        const link_places *p = &w->link[l];
+        const double by = w->inflation / (links[l].width * links[l].width * (double)(p->n * p->n));
+        for (size_t i = 0; link_holds(w, l) && i < p->n; i++) {
+            right[p->at[i]] -= (double)p->n * by * link_off(w, s, NULL, l);
+            for (size_t j = 0; j < p->n; j++) {
+                w->a[p->at[i]][p->at[j]] += by;
             }
         }
     }
@@ -387,31 +399,62 @@ static void keep_likelier(const fit_data *d, const fit_state *trial, double prio
     }
 }
 
+/* A drive that one factor on all voltages, and one on all currents, makes of another. */
+typedef struct scaled {
+    double voltages, currents;
+} scaled;
+
+/* Those in which a parameter has the motor file's value, or a current sensor's gain; returns how many. */
+static size_t scales_to_file(const whole *w, const averaged_drive *file, const averaged_drive *is, scaled *to)
+{
+    const double R = file->R_ohm / is->R_ohm;
+    const double L = (file->L_d_H + file->L_q_H) / (is->L_d_H + is->L_q_H);
+    size_t n = 0;
+    if (is_fitted(w, P_K_U)) {
+        const double factor[] = {file->k_u / is->k_u, R, L, file->psi_f_Wb / is->psi_f_Wb};
+        for (size_t k = 0; k < sizeof factor / sizeof *factor; k++) {
+            to[n++] = (scaled){factor[k], 1.0};
+        }
+    }
+    if (link_holds(w, LINK_OF_GAINS)) {
+        to[n++] = (scaled){1.0, 1.0 / R};
+        to[n++] = (scaled){1.0, 1.0 / L};
+        for (size_t x = 0; x < w->link[LINK_OF_GAINS].n; x++) {
+            to[n++] = (scaled){1.0, is->g[x] / file->g[x]};
+        }
+    }
+    return n;
+}
+
+static bool is_a_change(double factor)
+{
+    return factor > 0.3 && factor < 3.0 && fabs(factor - 1.0) > 1e-4;
+}
+
 /*
- * If the voltages' gain is fitted, only the prior determines the common scale of R, L, psi_f and all voltages. Tries the scales at which
- * one of the four has the motor file's value, and takes the most likely one. Steps would be slow here, as heavy tails have many maxima.
+ * Only the prior determines the common scale of R, L and the gains of the current sensors, and, if the voltages' gain is fitted, that of
+ * R, L, psi_f and all voltages. Tries the scales at which one of them has the motor file's value, and takes the most likely one. Steps
+ * would be slow here, as heavy tails have many maxima.
  */
 static void choose_scale(const whole *w, fit_data *d, whole_fit *out)
 {
-    if (!is_fitted(w, P_K_U)) {
-        return;
-    }
-    const averaged_drive *file = &d->frame->nominal;
     const averaged_drive is = fit_drive(d, &out->state);
-    const double factor[] = {file->k_u / is.k_u, file->R_ohm / is.R_ohm,
-                             (file->L_d_H + file->L_q_H) / (is.L_d_H + is.L_q_H),
-                             file->psi_f_Wb / is.psi_f_Wb};
+    scaled to[9];
+    const size_t n = scales_to_file(w, &d->frame->nominal, &is, to);
     fit_state best = out->state;
     double least = scale_prior(w, &out->state, out->roughness);
-    for (size_t k = 0; k < sizeof factor / sizeof *factor; k++) {
+    for (size_t k = 0; k < n; k++) {
         fit_state trial = out->state;
-        if (factor[k] > 0.3 && factor[k] < 3.0 && fabs(factor[k] - 1.0) > 1e-4) {
-            coordinates_scale(d->frame, factor[k], trial.z);
+        if (is_a_change(to[k].voltages * to[k].currents)) {
+            coordinates_scale(d->frame, to[k].voltages, to[k].currents, trial.z);
+            trial.z[P_GAIN_C] = is_fitted(w, P_GAIN_C) ? trial.z[P_GAIN_C] : out->state.z[P_GAIN_C];
             keep_likelier(d, &trial, scale_prior(w, &trial, out->roughness), &best, &least);
         }
     }
-    fit_noise(d, &best);
-    out->state = best;
+    if (n > 0) {
+        fit_noise(d, &best);
+        out->state = best;
+    }
 }
 
 static const coordinate_id phase_resistances[] = {P_DR_A, P_DR_B, P_DR_C};
@@ -471,7 +514,7 @@ static void weigh_scales(const whole *w, const fit_data *d, whole_fit *out)
     for (int k = -NODES; k <= NODES; k++) {
         const double factor = exp(k * SCALE_STEP);
         fit_state at = out->state;
-        coordinates_scale(d->frame, factor, at.z);
+        coordinates_scale(d->frame, factor, 1.0, at.z);
         if (!is_within(d->frame, at.z)) {
             continue;
         }

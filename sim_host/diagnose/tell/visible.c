@@ -233,7 +233,7 @@ static void tell_scales(const session *w, hypothesis_set named, diagnosis *d)
         const hypothesis_set moved = moved_by_scale(best, named);
         if (moved != 0 && together[best].share > LEAST_SHARE) {
             memcpy(option.z, w->state.z, sizeof option.z);
-            coordinates_scale(&w->frame, together[best].factor, option.z);
+            coordinates_scale(&w->frame, together[best].factor, 1.0, option.z);
             put_explanation(moved, together[best].share, d);
             told += together[best].share;
             widen_named(w, &option, d);

@@ -387,17 +387,30 @@ static void nothing_is_named_for_what_has_no_name(void)
 
 /* ---- The fit of the whole drive ---- */
 
-/* R, inductances, magnet and all voltages by one factor change no current, with all effects that hold a voltage or an inductance. */
+/* What the rows show of a drive at z that one factor on all voltages, or on all currents, makes of another. */
+static void same_by(fitted *f, const fit_state *one, double voltages, double currents)
+{
+    fit_state other = *one;
+    coordinates_scale(&f->frame, voltages, currents, other.z);
+    fit_noise(&f->data, &other);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, one->objective, other.objective);
+}
+
+/*
+ * R, inductances, magnet and all voltages by one factor change no current, with all effects that hold a voltage or an inductance. Neither
+ * do R, inductances and the current sensors' gains.
+ */
 static void one_factor_on_the_drive_changes_nothing(void)
 {
     static fitted f;
     static const struct {
         coordinate_id of;
         double z;
-    } off[] = {{P_R, 0.1},           {P_L_D, -0.1},    {P_L_Q, 0.05},   {P_PSI, -0.03},
-               {P_SATURATION, 0.02}, {P_V_DEAD, 1.0},  {P_RIPPLE, 0.9}, {P_COMPENSATION, 1.0},
-               {P_K_U, 0.04},        {P_PSI_5, 0.01},  {P_DR_A, 0.02},  {P_DL_B, 0.01},
-               {P_FE, 0.3},          {P_T_DELAY, 0.1}, {P_GAIN_A, 0.01}};
+    } off[] = {{P_R, 0.1},           {P_L_D, -0.1},    {P_L_Q, 0.05},    {P_PSI, -0.03},
+               {P_SATURATION, 0.02}, {P_V_DEAD, 1.0},  {P_RIPPLE, 0.9},  {P_COMPENSATION, 1.0},
+               {P_K_U, 0.04},        {P_PSI_5, 0.01},  {P_DR_A, 0.02},   {P_DL_B, 0.01},
+               {P_FE, 0.3},          {P_T_DELAY, 0.1}, {P_GAIN_A, 0.01}, {P_KNEE, 0.3},
+               {P_IRON_1, 0.1},      {P_W_DDD, 0.05},  {P_W_QQQQ, 0.02}};
     fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
     fit_state one = f.state;
     for (size_t k = 0; k < sizeof off / sizeof *off; k++) {
@@ -405,11 +418,14 @@ static void one_factor_on_the_drive_changes_nothing(void)
     }
     fit_noise(&f.data, &one);
     TEST_ASSERT_TRUE(one.objective - f.state.objective > 1000.0); /* they act */
+    /* Noise decides the sign of a large compensation, and keeps its size in amperes. */
+    fit_state small = one;
+    small.z[P_COMPENSATION] = 0.05;
+    fit_noise(&f.data, &small);
     for (int percent = -20; percent <= 20; percent += 10) {
-        fit_state other = one;
-        coordinates_scale(&f.frame, 1.0 + 0.01 * percent, other.z);
-        fit_noise(&f.data, &other);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, one.objective, other.objective);
+        same_by(&f, &one, 1.0 + 0.01 * percent, 1.0);
+        same_by(&f, &small, 1.0, 1.0 + 0.01 * percent);
+        same_by(&f, &small, 1.1, 1.0 + 0.01 * percent);
     }
     fit_end(&f);
 }

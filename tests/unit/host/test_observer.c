@@ -1,6 +1,7 @@
 /*
  * The observer of the diagnosis (sim_host/diagnose/identify/observer.h): the parameters that move only the
- * sensors, by their slopes and by a run of their own; and a compensation whose sign noise may decide.
+ * sensors, by their slopes and by a run of their own; that a row's noise does not predict itself; and a compensation whose sign noise
+ * may decide.
  */
 #include "diagnose/identify/coordinates.h"
 #include "diagnose/identify/observer.h"
@@ -232,6 +233,30 @@ static void a_doubtful_sign_makes_no_leap(void)
     }
 }
 
+/*
+ * A prediction that follows the noise of its own row explains noise, so that a fit takes it for an effect: a filter that saw a saturated
+ * machine about the recorded current was named in clean recordings. A row's reading moves its innovation by as much, and by no more.
+ */
+static void a_prediction_does_not_know_its_own_row(void)
+{
+    const double off_A = 0.05;
+    const double z[P_COUNT] = {[P_SATURATION] = 0.3, [P_SENSOR_LAG] = 0.1, [P_FE] = 1.0, [P_V_DEAD] = 1.0};
+    const averaged_drive d = coordinates_drive(&frame, z, EDGE_CHARGED);
+    const row_block *block = &rows.block[0];
+    rows_nodes_fill(&rows, &d, nodes);
+    observer_block(&rows, &d, nodes, block, 0.1, 0.0, base, NULL);
+    for (size_t j = OBSERVER_START + 2; j < block->count; j += 7) {
+        double *alpha = &rows.row[block->first + j].i_A.alpha;
+        const double before = *alpha;
+        *alpha += off_A;
+        observer_block(&rows, &d, nodes, block, 0.1, 0.0, own, NULL);
+        *alpha = before;
+        const double *at = own + OBSERVER_OUTPUTS * j;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, off_A, at[0] - base[OBSERVER_OUTPUTS * j]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, at[1] - base[OBSERVER_OUTPUTS * j + 1]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -239,6 +264,7 @@ int main(void)
     RUN_TEST(what_moves_only_the_sensors_agrees_with_a_run_of_its_own);
     RUN_TEST(with_a_clipped_dead_time_it_is_nearly);
     RUN_TEST(with_iron_a_small_part_is_left_out);
+    RUN_TEST(a_prediction_does_not_know_its_own_row);
     RUN_TEST(a_doubtful_sign_is_not_counted);
     RUN_TEST(which_signs_are_unsure);
     RUN_TEST(a_doubtful_sign_makes_no_leap);
