@@ -86,13 +86,13 @@ typedef struct averaged_drive {
         ring_share; /* and samples in which a leg's edge still rings (sensor_nonlinearity.h) */
 } averaged_drive;
 
-/* What one row of a recording says about its cycle. Angles and speed as recorded. */
+/* What one row of a recording says about its cycle. Angles as recorded. */
 typedef struct cycle_row {
     vec_ab u_V[3];    /* recorded voltage of this cycle, of the one before and of two before */
     vec_ab u_noise_V; /* what of this cycle's is likely noise */
     double cos_theta, sin_theta;
     double cos_turn, sin_turn; /* of omega T */
-    double omega_rad_s;
+    double omega_rad_s;        /* mean of the cycle */
     double cos_mech, sin_mech;
     /* How far an error of the recorded angle moves this one with it: 1 / pole pairs where both are one sensor's, else 0. */
     double mech_moves;

@@ -40,7 +40,7 @@ static hypothesis_set parts_of(const session *w, hypothesis_set found)
     return parts;
 }
 
-/* The search's state without effects that have no name, and ready for a compensation. */
+/* The search's state with what was found, and ready for a compensation. */
 static fit_state start_of(const session *w, hypothesis_set found)
 {
     fit_state s = w->state;
@@ -206,24 +206,34 @@ static double more_without(const whole_fit *with, const whole_fit *without)
     return without->goal + scatter - with->goal;
 }
 
+/* Takes the attempt that holds `more` as well, if that pays. False: out of memory. */
+static bool try_more(session *w, hypothesis_set found, hypothesis_set more, attempt *best,
+                     const diagnose_teller *teller)
+{
+    if (more == 0) {
+        return true;
+    }
+    attempt *with = malloc(sizeof *with);
+    const bool ok = with && try_with(w, found | more, 0, with, teller);
+    if (ok && more_without(&with->fit, &best->fit) > pays_of(more)) {
+        *best = *with;
+    }
+    free(with);
+    return ok;
+}
+
 /*
  * The best one in *best. A flux map that the search found can be a saturation and two inductances that its few members could not hold:
- * without it is tried first, and the map must pay. False: out of memory.
+ * without it is tried first, and the map must pay. So must an effect without a name, and if it does, the drive holds it: many small
+ * causes together may else take its place.
  */
 static bool try_whole(session *w, attempt *best, const diagnose_teller *teller)
 {
-    const hypothesis_set found = hypotheses_named(w->state.set);
-    const hypothesis_set map = found & hypotheses_of(CAUSE_SATURATION_DQ);
-    bool ok = try_with(w, found & ~map, 0, best, teller);
-    if (ok && map != 0) {
-        attempt *with = malloc(sizeof *with);
-        ok = with && try_with(w, found, 0, with, teller);
-        if (ok && more_without(&with->fit, &best->fit) > pays_of(map)) {
-            *best = *with;
-        }
-        free(with);
-    }
-    return ok;
+    const hypothesis_set named = hypotheses_named(w->state.set);
+    const hypothesis_set map = named & hypotheses_of(CAUSE_SATURATION_DQ);
+    const hypothesis_set found = named & ~map;
+    return try_with(w, found, 0, best, teller) && try_more(w, found, map, best, teller) &&
+           try_more(w, hypotheses_named(best->state.set) | found, w->state.set & ~named, best, teller);
 }
 
 static void adopt(session *w, const attempt *a)

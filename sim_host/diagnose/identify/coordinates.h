@@ -56,18 +56,18 @@ typedef struct coordinate {
     double first_step;
     coordinate_bound bound;
     double low, high;
-    bool not_negative; /* the parameter is at least 0, whatever the motor file has */
-    double stride;     /* largest change in a step of a fit, in z; 0: any */
-    double summary;    /* added to its interval, as the report has a simpler model than the fit; in z */
-    double wanders;    /* of a shape parameter: standard deviation between operating points, in z */
-    bool senses;       /* changes the measured current only, not the drive */
-    bool rate;         /* is the rate of another coordinate, per second */
-    bool of_magnet;    /* without a magnet it keeps the motor file's value */
-    bool third_sensor; /* exists only if three currents are measured */
-    bool of_noise;     /* exists only if the rows show noise of the voltages */
+    bool not_negative;  /* the parameter is at least 0, whatever the motor file has */
+    double stride;      /* largest change in a step of a fit, in z; 0: any */
+    double summary;     /* added to its interval, as the report has a simpler model than the fit; in z */
+    double wanders;     /* of a shape parameter: standard deviation between operating points, in z */
+    bool senses;        /* changes the measured current only, not the drive */
+    bool rate;          /* is the rate of another coordinate, per second */
+    bool of_magnet;     /* without a magnet it keeps the motor file's value */
+    bool third_sensor;  /* exists only if three currents are measured */
+    bool of_noise;      /* exists only if the rows show noise of the voltages */
     int volts, amperes; /* powers by which it goes with all voltages, and with all currents, of a drive */
-    double usual;      /* usual deviation of drives, one standard deviation, in z; 0: not known */
-    double digits;     /* parameter tolerance, one standard deviation, in z; 0: none */
+    double usual;       /* usual deviation of drives, one standard deviation, in z; 0: not known */
+    double digits;      /* parameter tolerance, one standard deviation, in z; 0: none */
 } coordinate;
 
 extern const coordinate coordinate_table[P_COUNT];

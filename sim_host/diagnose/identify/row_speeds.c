@@ -6,34 +6,48 @@
 
 enum { CORRECT_ROWS_MIN = 200 /* fewer rows determine the speed worse than its column does */ };
 
-void rows_correct_speed(diagnose_rows *r)
+/*
+ * Adds to the speeds at a stretch's samples what makes their integral follow the angle over the whole of it: a constant, and a change in
+ * proportion to time.
+ */
+static void follow_angle(diagnose_rows *r, const stretch *s)
 {
     const recording *rec = r->recording;
-    for (size_t n = 0; n < rec->stretches; n++) {
-        const stretch *s = &rec->stretch[n];
-        if (s->count < CORRECT_ROWS_MIN) {
-            continue;
+    double difference = 0.0;
+    double sum[3] = {0}; /* moments of the difference with the Legendre polynomials of the stretch */
+    for (size_t j = 0; j < s->count; j++) {
+        size_t k = s->first + j;
+        if (j > 0) {
+            double step = rec->theta_e_rad[k] - rec->theta_e_rad[k - 1] -
+                          0.5 * (r->row[k].omega_rad_s + r->row[k - 1].omega_rad_s) * r->T_s;
+            difference += step - VEC_TWO_PI * round(step / VEC_TWO_PI);
         }
-        double difference = 0.0;
-        double sum[3] = {0}; /* moments of the difference with the Legendre polynomials of the stretch */
-        for (size_t j = 0; j < s->count; j++) {
-            size_t k = s->first + j;
-            if (j > 0) {
-                double step = rec->theta_e_rad[k] - rec->theta_e_rad[k - 1] -
-                              0.5 * (r->row[k].omega_rad_s + r->row[k - 1].omega_rad_s) * r->T_s;
-                difference += step - VEC_TWO_PI * round(step / VEC_TWO_PI);
-            }
-            double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
-            sum[1] += difference * x * 3.0 / (double)s->count;
-            sum[2] += difference * (1.5 * x * x - 0.5) * 5.0 / (double)s->count;
+        double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
+        sum[1] += difference * x * 3.0 / (double)s->count;
+        sum[2] += difference * (1.5 * x * x - 0.5) * 5.0 / (double)s->count;
+    }
+    double per_row = 2.0 / ((double)s->count * r->T_s); /* dx/dt */
+    for (size_t j = 0; j < s->count; j++) {
+        double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
+        double change = (sum[1] + 3.0 * sum[2] * x) * per_row;
+        cycle_row *row = &r->row[s->first + j];
+        if (fabs(change) < 0.01 * fabs(row->omega_rad_s) + 0.5) {
+            row->omega_rad_s += change;
         }
-        double per_row = 2.0 / ((double)s->count * r->T_s); /* dx/dt */
+    }
+}
+
+void rows_correct_speed(diagnose_rows *r)
+{
+    for (size_t n = 0; n < r->recording->stretches; n++) {
+        const stretch *s = &r->recording->stretch[n];
+        if (s->count >= CORRECT_ROWS_MIN) {
+            follow_angle(r, s);
+        }
         for (size_t j = 0; j < s->count; j++) {
-            double x = 2.0 * ((double)j + 0.5) / (double)s->count - 1.0;
-            double change = (sum[1] + 3.0 * sum[2] * x) * per_row;
             cycle_row *row = &r->row[s->first + j];
-            if (fabs(change) < 0.01 * fabs(row->omega_rad_s) + 0.5) {
-                row->omega_rad_s += change;
+            if (j + 1 < s->count) {
+                row->omega_rad_s = 0.5 * (row->omega_rad_s + row[1].omega_rad_s);
             }
             row->cos_turn = cos(row->omega_rad_s * r->T_s);
             row->sin_turn = sin(row->omega_rad_s * r->T_s);

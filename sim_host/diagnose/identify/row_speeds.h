@@ -5,8 +5,10 @@
 #include "rows.h"
 
 /*
- * Corrects the recorded speed by the recorded angle, in each stretch. The difference between the angle and the integrated speed is
- * fitted by a parabola, and its slope corrects the speed. Errors of the angle that repeat with the revolution average out.
+ * Makes the speeds at the samples those of the cycles between them, in each stretch. The difference between the angle and the integrated
+ * speed is fitted by a parabola, and its slope corrects the speed: errors of the angle that repeat with the revolution average out. A
+ * cycle then has the mean of the speeds at its start and end. By the speed at its start alone, an acceleration would leave psi_f times half
+ * a cycle's change of it, which a fit of a ramp takes for a resistance.
  */
 void rows_correct_speed(diagnose_rows *r);
 
