@@ -264,6 +264,25 @@ static bool score_of_large(session *w, const attempt *a, double *score)
     return fit_refine(&w->fitted, &s, LARGE_STEPS) && search_score(&w->fitted, &s, score);
 }
 
+/*
+ * Whether, of the drives that one factor makes of another, most have none of those off that a set has: to the search, which knows no
+ * prior, the inductance and the flux fit as well as the resistance and the voltages' gain do by the inverse of the factor.
+ */
+static bool doubts_scale(const whole_fit *f, hypothesis_set set)
+{
+    size_t own = 0;
+    double all = 0.0;
+    double with = 0.0;
+    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
+        own |= hypotheses_move_scaled(set, k) ? (size_t)1 << k : 0;
+    }
+    for (size_t which = 0; which < DRIVE_SCALES; which++) {
+        all += f->scale[which].share;
+        with += (which & own) != 0 ? f->scale[which].share : 0.0;
+    }
+    return own != 0 && with < 0.5 * all;
+}
+
 bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller)
 {
     const double percent = session_named_error(w, w->state.set);
@@ -279,7 +298,8 @@ bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_t
                             !hypotheses_hold(best->state.set, CAUSE_SATURATION_DQ);
         *better = (again || is_new) && best->explains_most;
         double of_large = INFINITY;
-        if (*better && !no_map && best->score >= score) {
+        const bool other_scale = doubts_scale(&best->fit, w->state.set);
+        if (*better && !no_map && !other_scale && best->score >= score) {
             ok = score_of_large(w, best, &of_large);
             *better = of_large < score;
         }
