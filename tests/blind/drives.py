@@ -25,10 +25,11 @@ MOTOR = ROOT / "data" / "motors" / "compressor_salient.toml"
 SCENARIO = ROOT / "data" / "scenarios" / "identification.toml"
 
 
-def motor_text(**percent):
-    """The motor with so many percent more of some of its values: R_ohm=-15."""
+def motor_text(percent, values):
+    """The motor with other values, and so many percent more of some: {"R_ohm": -15}."""
     with open(MOTOR, "rb") as file:
         motor = tomllib.load(file)
+    motor["motor"].update(values)
     for key, more in percent.items():
         motor["motor"][key] *= 1.0 + 0.01 * more
     lines = [f'name = "{motor["name"]}"']
@@ -52,6 +53,36 @@ i_d_A = { value = 3, square = { amplitude = 1.0, period_s = 0.023 } }
 """
 
 
+# At one speed, far into saturation, with noise that the controller follows.
+SATURATED = """
+name = "saturated, one speed"
+[control]
+feedback = "midpoint"
+[log]
+duties = true
+[[run]]
+duration_s = 2.0
+speed_rpm = 2000
+i_q_A = 12
+"""
+
+RAMP = """
+name = "ramp"
+[sensors]
+current_bits = 12
+current_full_scale_A = 25
+current_noise_A = 0.025
+[control]
+feedback = "midpoint"
+[log]
+duties = true
+[[run]]
+duration_s = 0.5
+speed_rpm = { at_s = [0.0, 0.5], ramp = [500, 4000] }
+i_q_A = 4
+"""
+
+
 class Drive(typing.NamedTuple):
     title: str
     effects: list
@@ -60,6 +91,7 @@ class Drive(typing.NamedTuple):
     values: dict = {}  # cause: parameter: (true value, tolerance)
     scenario: str = None
     not_excited: tuple = ()
+    motor: dict = {}  # values of the motor that the drive and its file have
 
 
 DRIVES = [
@@ -96,6 +128,8 @@ DRIVES = [
     Drive("a loose contact", ["sensor_fault:phase=2,probability=0.002"], {}, {"sensor_fault"}, {"sensor_fault": {"phase": (2, 0)}}),
     Drive("saturation of a salient machine", ["saturation:L_0=0.0095,I_sat=20"], {}, {"saturation"},
           {"saturation": {"I_sat": (20.0, 0.5)}}),
+    Drive("saturation with noise", ["saturation:L_0=0.0095,I_sat=20", "current_noise:sigma=0.06"], {}, {"saturation"},
+          {"saturation": {"I_sat": (20.0, 0.6)}}, SATURATED),
     Drive("a flux map", ["saturation_dq:w_dqq=-2e-5,w_qqqq=-1.5e-6"], {}, {"saturation_dq"}),
     Drive("current along d alone", [], {}, set(), {}, ONE_AXIS, ("L_q", "psi_f")),
     Drive("current along d alone, both inductances off", [], {"L_d_H": 10, "L_q_H": 10}, {"inductance"}, {}, ONE_AXIS, ("L_q", "psi_f")),
@@ -137,13 +171,14 @@ SUMS = [
 
 class Drives(unittest.TestCase):
     def diagnose(self, drive, folder):
-        (folder / "motor.toml").write_text(motor_text(**drive.file), encoding="utf-8")
+        (folder / "motor.toml").write_text(motor_text(drive.file, drive.motor), encoding="utf-8")
+        (folder / "drive.toml").write_text(motor_text({}, drive.motor), encoding="utf-8")
         scenario = SCENARIO
         if drive.scenario:
             scenario = folder / "scenario.toml"
             scenario.write_text(drive.scenario, encoding="utf-8")
         more = [word for effect in drive.effects for word in ("--effect", effect)]
-        for command in (["simulate", "--motor", str(MOTOR), "--scenario", str(scenario), "-o", "rec.csv", "--seed", "11", *more],
+        for command in (["simulate", "--motor", "drive.toml", "--scenario", str(scenario), "-o", "rec.csv", "--seed", "11", *more],
                         ["diagnose", "rec.csv", "--motor", "motor.toml", "--json", "out.json"]):
             done = subprocess.run([str(edited.IQFOC), *command], cwd=folder, check=False, capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
@@ -168,6 +203,22 @@ class Drives(unittest.TestCase):
             with self.subTest(effect), tempfile.TemporaryDirectory() as name:
                 result = self.diagnose(Drive("ringing", [effect], {}, set()), pathlib.Path(name))
                 self.assertLessEqual({cause["id"] for cause in result["causes"]}, {"sensor_lag", "current_offset"})
+
+    def test_a_ramp_leaves_the_resistance_as_it_is(self):
+        """An acceleration that the model lacks looks like a resistance."""
+        with tempfile.TemporaryDirectory() as name:
+            result = self.diagnose(Drive("ramp", [], {}, set(), {}, RAMP), pathlib.Path(name))
+        self.assertEqual(result["verdict"], "clean")
+        low, high = next(e["ci95"] for e in result["estimates"] if e["name"] == "R")
+        self.assertTrue(0.9 * 0.99 < low <= 0.9 <= high < 0.9 * 1.01, (low, high))
+
+    def test_a_weak_pole_accuses_no_sensor(self):
+        """With one pole pair its EMF is one order below the current's, as that of offsets is, and each of six causes fits a part of it."""
+        with tempfile.TemporaryDirectory() as name:
+            result = self.diagnose(Drive("weak pole", ["weak_pole:share=0.2"], {"psi_f_Wb": 10}, set(), motor={"pole_pairs": 1}),
+                                   pathlib.Path(name))
+        self.assertLessEqual({cause["id"] for cause in result["causes"]}, {"flux_linkage"})
+        self.assertIn("poles of unequal strength", result["structure"])
 
     def test_a_late_sample_is_a_late_angle_or_a_late_sensor(self):
         """The recording hardly shows which: one of them is named, or both are candidates."""
