@@ -233,7 +233,7 @@ static bool try_whole(session *w, attempt *best, const diagnose_teller *teller)
     const hypothesis_set map = named & hypotheses_of(CAUSE_SATURATION_DQ);
     const hypothesis_set found = named & ~map;
     return try_with(w, found, 0, best, teller) && try_more(w, found, map, best, teller) &&
-           try_more(w, hypotheses_named(best->state.set) | found, w->state.set & ~named, best, teller);
+           try_more(w, found | (best->state.set & map), w->state.set & ~named, best, teller);
 }
 
 static void adopt(session *w, const attempt *a)
