@@ -141,19 +141,28 @@ static vec_rotor rotor_six_times(vec_rotor one)
     return rotor_turned(rotor_turned(two, two), two);
 }
 
-/* What the unequal part of the resistances, warm as they are, takes of a cycle's voltage: it sees the mean current. */
-static vec_ab unequal_losses(const averaged_drive *d, const cycle_row *row, vec_ab mid, double T_s)
+/*
+ * What the unequal part of the resistances, warm as they are, takes of a cycle's voltage: it sees the mean current, which is bent as at the
+ * edges, and which the drop itself lowers by half of what it lowers the end by.
+ */
+static vec_ab unequal_losses(const averaged_drive *d, const cycle_row *row, const found_way *way, vec_rotor r,
+                             double T_s)
 {
-    const double drifted = drifted_ohm(d, row);
-    /* The drop lowers the end current, and with it its own mid-cycle value: a leg sees 2/3 of its loss, half
-     * of that by mid-cycle. */
-    const double third = T_s / 3.0 * 0.5 * (1.0 / d->L_d_H + 1.0 / d->L_q_H);
-    double by[3];
+    double more_ohm[3];
+    double mean_A[3];
+    double k[3];
     for (size_t x = 0; x < 3; x++) {
-        const double more_ohm = d->dR_ohm[x] + drifted;
-        by[x] = more_ohm / (1.0 + more_ohm * third);
+        more_ohm[x] = d->dR_ohm[x] + drifted_ohm(d, row);
+        mean_A[x] = 0.5 * (way->first[x] + way->last[x]) + 2.0 / 3.0 * way->bow[x];
     }
-    return vec_times_phases(mid, by);
+    averaged_drive_per_H(d, 0.5 * T_s, rotor_turned(r, averaged_drive_half_turn(row)), k);
+    const vec_ab lost = vec_times_phases(vec_from_phases(mean_A), more_ohm);
+    const vec_ab of_alpha = vec_times_phases((vec_ab){k[0], k[1]}, more_ohm);
+    const vec_ab of_beta = vec_times_phases((vec_ab){k[1], k[2]}, more_ohm);
+    const double per_det =
+        1.0 / ((1.0 + of_alpha.alpha) * (1.0 + of_beta.beta) - of_alpha.beta * of_beta.alpha);
+    return (vec_ab){per_det * ((1.0 + of_beta.beta) * lost.alpha - of_beta.alpha * lost.beta),
+                    per_det * ((1.0 + of_alpha.alpha) * lost.beta - of_alpha.beta * lost.alpha)};
 }
 
 static bool unequal(const averaged_drive *d)
@@ -166,17 +175,16 @@ static bool unequal(const averaged_drive *d)
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
                            vec_ab i_seen, vec_rotor r, vec_rotor end, double T_s)
 {
+    const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, end);
+    const found_way way = found_way_of(d, row, r, &harmonics, i_start, i_end, i_seen);
     vec_ab all = {0.0, 0.0};
     if (averaged_drive_loses(d)) {
-        const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, end);
-        const found_way way = found_way_of(d, row, r, &harmonics, i_start, i_end, i_seen);
         double lost[3];
         found_edges_lost(d, row, &way, T_s, lost);
         all = vec_from_phases(lost);
     }
     if (unequal(d)) {
-        const vec_ab mid = {0.5 * (i_start.alpha + i_end.alpha), 0.5 * (i_start.beta + i_end.beta)};
-        const vec_ab more = unequal_losses(d, row, mid, T_s);
+        const vec_ab more = unequal_losses(d, row, &way, r, T_s);
         all.alpha += more.alpha;
         all.beta += more.beta;
     }

@@ -3,10 +3,9 @@
  * docs/interfaces.md. It maps the true current at the start of a cycle to the true current at its end; what sensors show of these is in
  * sensor_chain.h, sensor_lag.h and sensor_nonlinearity.h.
  *
- * The machine's own step is exact. The effects are small additions to it and enter to second order in the
- * cycle: the current that dead time and unequal resistances see is that at mid-cycle, the drop over R that
- * saturation changes is that at the cycle's start. Saturation itself is exact in flux: flux advances, and the
- * current is what carries that flux.
+ * The machine's own step is exact. The effects are small additions to it and enter to second order in the cycle: dead time sees the current
+ * at each edge, unequal resistances its mean over the cycle, and the drop over R that saturation changes is that at the cycle's start.
+ * Saturation itself is exact in flux: flux advances, and the current is what carries that flux.
  */
 #ifndef SIM_HOST_MODEL_AVERAGED_DRIVE_H
 #define SIM_HOST_MODEL_AVERAGED_DRIVE_H
@@ -15,7 +14,9 @@
 #include "../data/current_sensors.h"
 #include "../data/motor.h"
 #include "averaged.h"
+#include <math.h>
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -115,6 +116,13 @@ typedef struct cycle_row {
     missing_phase missing; /* whose current is minus the sum of the other two */
     double i_zero_A;       /* mean of the three recorded currents; 0 if only two were recorded */
 } cycle_row;
+
+/* Half of the cycle's turn. */
+static inline vec_rotor averaged_drive_half_turn(const cycle_row *row)
+{
+    const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6));
+    return (vec_rotor){0.5 * twice_cos, row->sin_turn / twice_cos};
+}
 
 averaged_drive averaged_drive_of(const motor *m);
 
