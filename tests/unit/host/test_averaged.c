@@ -414,12 +414,42 @@ static void an_error_of_the_turn_moves_the_angle_that_it_depends_on(void)
     TEST_ASSERT_TRUE(most < 1e-5 && apart > 1e-2);
 }
 
-/* A rotor with POLE_PAIRS pole pairs that turns evenly: its flux at a time, stationary frame. */
+/* A rotor with POLE_PAIRS pole pairs that turns evenly. */
 typedef struct turning_magnet {
     averaged_drive d;
     double theta_rad, omega_rad_s;
 } turning_magnet;
 
+/* Its machine has R, L_d and L_q, and it turns by so many rad in a cycle of T. */
+static turning_magnet magnet_of(const double machine[3], double turn, double T)
+{
+    const motor file = bench_motor();
+    turning_magnet m = {averaged_drive_of(&file), 0.4, turn / T};
+    m.d.R_ohm = machine[0];
+    m.d.L_d_H = machine[1];
+    m.d.L_q_H = machine[2];
+    return m;
+}
+
+static averaged_node node_of(const turning_magnet *m, double T)
+{
+    return averaged_node_at(m->d.R_ohm, m->d.L_d_H, m->d.L_q_H, T, m->omega_rad_s);
+}
+
+static cycle_row cycle_of(const turning_magnet *m, double T)
+{
+    return (cycle_row){.cos_theta = cos(m->theta_rad),
+                       .sin_theta = sin(m->theta_rad),
+                       .cos_mech = cos(m->theta_rad / POLE_PAIRS),
+                       .sin_mech = sin(m->theta_rad / POLE_PAIRS),
+                       .per_pole = 1.0 / POLE_PAIRS,
+                       .cos_turn = cos(m->omega_rad_s * T),
+                       .sin_turn = sin(m->omega_rad_s * T),
+                       .omega_rad_s = m->omega_rad_s,
+                       .T_s = T};
+}
+
+/* Its flux at a time, stationary frame. */
 static vec_ab flux_of(const turning_magnet *m, double t)
 {
     const averaged_drive *d = &m->d;
@@ -487,16 +517,12 @@ static void a_magnet_that_is_no_sine_induces_what_it_should(void)
     static const double machines[][3] = {
         {0.9, 0.008, 0.011}, {0.0, 0.005, 0.005}, {0.223, 813e-6, 813e-6}, {10.0, 0.005, 0.009}};
     static const double turns[] = {0.0, 1e-9, 0.05, -0.3, 0.82, -2.09, 4.0};
-    const motor file = bench_motor();
     const double T = 2.5e-4;
     double most = 0.0;
     for (size_t k = 0; k < sizeof machines / sizeof *machines; k++) {
         for (size_t n = 0; n < sizeof turns / sizeof *turns; n++) {
-            turning_magnet m = {averaged_drive_of(&file), 0.4, turns[n] / T};
+            turning_magnet m = magnet_of(machines[k], turns[n], T);
             averaged_drive *d = &m.d;
-            d->R_ohm = machines[k][0];
-            d->L_d_H = machines[k][1];
-            d->L_q_H = machines[k][2];
             d->psi_f_Wb = 0.1;
             d->psi_5_Wb = 0.003;
             d->psi_7_Wb = -0.002;
@@ -506,16 +532,8 @@ static void a_magnet_that_is_no_sine_induces_what_it_should(void)
             d->pole_sin[0] = -0.01;
             d->pole_cos[1] = 0.03;
             d->pole_sin[1] = 0.04;
-            const averaged_node node = averaged_node_at(d->R_ohm, d->L_d_H, d->L_q_H, T, m.omega_rad_s);
-            const cycle_row row = {.cos_theta = cos(m.theta_rad),
-                                   .sin_theta = sin(m.theta_rad),
-                                   .cos_mech = cos(m.theta_rad / POLE_PAIRS),
-                                   .sin_mech = sin(m.theta_rad / POLE_PAIRS),
-                                   .per_pole = 1.0 / POLE_PAIRS,
-                                   .cos_turn = cos(turns[n]),
-                                   .sin_turn = sin(turns[n]),
-                                   .omega_rad_s = m.omega_rad_s,
-                                   .T_s = T};
+            const averaged_node node = node_of(&m, T);
+            const cycle_row row = cycle_of(&m, T);
             const vec_ab got = averaged_drive_advance(d, &node, &row, (vec_ab){0}, NULL);
             const vec_ab want = after_turn(&m, T, flux_of(&m, 0.0), (vec_ab){0});
             most = fmax(most, hypot(got.alpha - want.alpha, got.beta - want.beta) /
@@ -534,38 +552,27 @@ static void a_phase_drops_by_its_mean_current(void)
 {
     static const double machines[][3] = {{1.1, 0.0049, 0.0049}, {0.17, 0.0011, 0.0022}};
     static const double turns[] = {0.16, -0.5, 0.93};
-    const motor file = bench_motor();
     const double T = 2e-4;
     double most = 0.0;
     for (size_t k = 0; k < sizeof machines / sizeof *machines; k++) {
         for (size_t n = 0; n < sizeof turns / sizeof *turns; n++) {
-            turning_magnet m = {averaged_drive_of(&file), 0.4, turns[n] / T};
+            turning_magnet m = magnet_of(machines[k], turns[n], T);
             averaged_drive *d = &m.d;
-            d->R_ohm = machines[k][0];
-            d->L_d_H = machines[k][1];
-            d->L_q_H = machines[k][2];
             d->psi_f_Wb = 0.05;
-            const averaged_node node = averaged_node_at(d->R_ohm, d->L_d_H, d->L_q_H, T, m.omega_rad_s);
+            const averaged_node node = node_of(&m, T);
+            cycle_row row = cycle_of(&m, T);
             const vec_ab first = {3.0, 8.0};
             const vec_ab linkage = linkage_of(&m, first);
-            const double c = cos(turns[n]);
-            const double t = sin(turns[n]);
             /* By this the flux linkage turns with the rotor, but for the drop. */
-            const vec_ab u = {(c * linkage.alpha - t * linkage.beta - linkage.alpha) / T,
-                              (t * linkage.alpha + c * linkage.beta - linkage.beta) / T};
-            const cycle_row row = {.u_V = {u},
-                                   .cos_theta = cos(m.theta_rad),
-                                   .sin_theta = sin(m.theta_rad),
-                                   .cos_turn = c,
-                                   .sin_turn = t,
-                                   .omega_rad_s = m.omega_rad_s,
-                                   .T_s = T};
+            row.u_V[0] =
+                (vec_ab){(row.cos_turn * linkage.alpha - row.sin_turn * linkage.beta - linkage.alpha) / T,
+                         (row.sin_turn * linkage.alpha + row.cos_turn * linkage.beta - linkage.beta) / T};
             /* What a phase with all of the current would drop. */
             const double most_A = 2.0 / 3.0 * 0.5 * d->R_ohm * hypot(first.alpha, first.beta) * T / d->L_d_H;
             d->dR_ohm[0] = 0.5 * d->R_ohm;
             d->dR_ohm[2] = -0.1 * d->R_ohm;
             const vec_ab got = averaged_drive_advance(d, &node, &row, first, NULL);
-            const vec_ab want = after_turn(&m, T, linkage, u);
+            const vec_ab want = after_turn(&m, T, linkage, row.u_V[0]);
             most = fmax(most, hypot(got.alpha - want.alpha, got.beta - want.beta) / most_A);
         }
     }
