@@ -353,7 +353,7 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     const vec_dq total_dq = vec_to_dq(i_true, r); /* what flows through the winding's resistance */
     vec_dq mean_dq = total_dq; /* with the iron's mean over the cycle in it, not what it starts with */
     iron_branch branch = {.row = NULL};
-    if (d->fe_S != 0.0) {
+    if (iron_branch_present(d)) {
         branch = iron_branch_of(d, row, i_true, memory);
         const vec_ab taken = iron_branch_begin(d, &branch);
         const vec_dq more = iron_above(d, &branch, i_true, vec_to_dq(taken, r), r, end);
@@ -437,7 +437,7 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
         i_end.q += taken.q;
     }
     vec_ab i_next = vec_to_ab(i_end, end);
-    if (d->fe_S != 0.0) {
+    if (iron_branch_present(d)) {
         vec_ab taken = iron_branch_end(d, &branch, i_next);
         i_next.alpha += taken.alpha;
         i_next.beta += taken.beta;

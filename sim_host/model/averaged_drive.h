@@ -73,6 +73,7 @@ typedef struct averaged_drive {
     double dL_H[3];
     double alpha_R, alpha_psi; /* by which R and psi_f grow per kelvin above the mean of temp_C */
     double fe_S, fe_tau_s; /* iron: 1 / R_fe of its branch, and the branch's time constant (iron_branch.h) */
+    double short_S[3];     /* the same of a loop along one phase's axis: turns that are shorted */
     /* Effects that the diagnosis does not name; fitted to see that no named effect is taken for them. */
     double iron_S;   /* 1 / resistance of an eddy current in addition to the flux-producing current */
     double iron_s_S; /* that times the time by which the iron's current comes late */

@@ -104,13 +104,19 @@ static void reach(const averaged_drive *d, double tau_s, iron_memory *m, const c
     }
 }
 
+vec_ab iron_branch_conducts(const averaged_drive *d, vec_ab V)
+{
+    const vec_ab shorted = vec_times_phases(V, d->short_S);
+    return (vec_ab){d->fe_S * V.alpha + shorted.alpha, d->fe_S * V.beta + shorted.beta};
+}
+
 vec_ab iron_branch_at(const averaged_drive *d, double tau_s, const cycle_row *row, vec_ab i, iron_memory *m,
                       const edge_losses *before)
 {
     reach(d, tau_s, m, row, before);
     vec_ab left = m->left;
     take(&left, m->of_end, averaged_drive_drop(d, row, i));
-    return (vec_ab){d->fe_S * left.alpha, d->fe_S * left.beta};
+    return iron_branch_conducts(d, left);
 }
 
 iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory)
@@ -135,7 +141,7 @@ iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab
 
 vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b)
 {
-    return (vec_ab){d->fe_S * b->first.alpha, d->fe_S * b->first.beta};
+    return iron_branch_conducts(d, b->first);
 }
 
 /* Of tau di_fe/dt = (u - drop) / R_fe - i_fe, summed over the cycle. */
@@ -147,8 +153,9 @@ vec_ab iron_branch_mean(const averaged_drive *d, const iron_branch *b, vec_ab i_
     take(&mean, 0.5, averaged_drive_drop(d, b->row, i_start));
     take(&mean, 0.5, end_drop);
     take(&last, b->of_end, end_drop);
-    return (vec_ab){d->fe_S * (mean.alpha - (last.alpha - b->first.alpha) / b->per_tau),
-                    d->fe_S * (mean.beta - (last.beta - b->first.beta) / b->per_tau)};
+    take(&last, 1.0, b->first);
+    take(&mean, 1.0 / b->per_tau, last);
+    return iron_branch_conducts(d, mean);
 }
 
 /* i_fe = S (left - drop(i + i_fe)): of the drop its own part is R i_fe, near enough. */
@@ -156,6 +163,7 @@ vec_ab iron_branch_end(const averaged_drive *d, const iron_branch *b, vec_ab i)
 {
     vec_ab left = b->last;
     take(&left, b->of_end, averaged_drive_drop(d, b->row, i));
-    const double S = d->fe_S / (1.0 + d->fe_S * d->R_ohm * b->of_end);
-    return (vec_ab){S * left.alpha, S * left.beta};
+    const double most_S = d->fe_S + fmax(d->short_S[0], fmax(d->short_S[1], d->short_S[2]));
+    const double share = 1.0 / (1.0 + most_S * d->R_ohm * b->of_end);
+    return iron_branch_conducts(d, (vec_ab){share * left.alpha, share * left.beta});
 }

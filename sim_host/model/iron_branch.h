@@ -5,6 +5,8 @@
  * At a sampling instant it is what the pulses of the cycles before have left, each less by e^{-t/tau} of the time since.
  * A branch that is fast against the cycle sees the pulses apart (at the carrier's valley none is on), so that cycles count by
  * their edges, as a dead time moves them. The drop goes from one sampled current's to the next one's.
+ *
+ * The current of turns that are shorted, as it shows at the terminals, is the same along their phase's axis alone.
  */
 #ifndef SIM_HOST_MODEL_IRON_BRANCH_H
 #define SIM_HOST_MODEL_IRON_BRANCH_H
@@ -32,6 +34,15 @@ struct iron_memory {
  */
 vec_ab iron_branch_at(const averaged_drive *d, double tau_s, const cycle_row *row, vec_ab i,
                       iron_memory *memory, const edge_losses *before);
+
+/* Whether there is one: the iron's, or a loop of shorted turns. */
+static inline bool iron_branch_present(const averaged_drive *d)
+{
+    return d->fe_S != 0.0 || d->short_S[0] != 0.0 || d->short_S[1] != 0.0 || d->short_S[2] != 0.0;
+}
+
+/* The current of a voltage. */
+vec_ab iron_branch_conducts(const averaged_drive *d, vec_ab V);
 
 /* What a row's cycle finds: the same at its start, over it and at its end, and the dear part of these. */
 typedef struct iron_branch {

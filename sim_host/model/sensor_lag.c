@@ -183,15 +183,16 @@ static vec_ab later_iron(const averaged_drive *d, const cycle_row *row, double T
         leg_V[x] = d->k_u * row->u_dc_V * (1.0 - exp(-fmax(0.0, late_s - row->rise[x] * T_s) / d->fe_tau_s));
     }
     const vec_ab u = vec_from_phases(leg_V);
-    return (vec_ab){fade * own.alpha + d->fe_S * (u.alpha - (1.0 - fade) * drop.alpha),
-                    fade * own.beta + d->fe_S * (u.beta - (1.0 - fade) * drop.beta)};
+    const vec_ab more = iron_branch_conducts(
+        d, (vec_ab){u.alpha - (1.0 - fade) * drop.alpha, u.beta - (1.0 - fade) * drop.beta});
+    return (vec_ab){fade * own.alpha + more.alpha, fade * own.beta + more.beta};
 }
 
 sensor_map sensor_lag_map(const averaged_drive *d, const cycle_row *row, double T_s, const sensor_map *map,
                           vec_ab i, lag_memory *memory)
 {
     const bool filters = d->sensor_lag_s > 0.0;
-    const bool iron = d->fe_S != 0.0;
+    const bool iron = iron_branch_present(d);
     const vec_ab own = iron ? iron_branch_at(d, d->fe_tau_s, row, i, &memory->own, NULL) : (vec_ab){0.0, 0.0};
     edge_losses before = memory->own.before;
     if (filters && !(iron && row->history > 0)) {

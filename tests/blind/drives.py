@@ -220,6 +220,13 @@ class Drives(unittest.TestCase):
         self.assertLessEqual({cause["id"] for cause in result["causes"]}, {"flux_linkage"})
         self.assertIn("poles of unequal strength", result["structure"])
 
+    def test_a_short_between_turns_is_no_iron_loss(self):
+        for phase, turns in ((1, 0.05), (3, 0.02)):
+            with self.subTest(phase=phase), tempfile.TemporaryDirectory() as name:
+                result = self.diagnose(Drive("short", [f"turn_short:turns={turns},phase={phase}"], {}, set()), pathlib.Path(name))
+                self.assertEqual((result["verdict"], result["causes"]), ("unexplained", []))
+                self.assertIn(f"a short between turns of phase {'ABC'[phase - 1]}", result["structure"])
+
     def test_a_late_sample_is_a_late_angle_or_a_late_sensor(self):
         """The recording hardly shows which: one of them is named, or both are candidates."""
         either = {"angle_delay", "sensor_lag"}

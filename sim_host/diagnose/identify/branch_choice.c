@@ -2,6 +2,7 @@
 #include "branch_choice.h"
 
 #include "gram.h"
+#include "model/iron_branch.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +25,8 @@ static fit_state without_stand_ins(const fit_state *s)
 
 bool branch_choose(fit_data *d, fit_state *s)
 {
-    const bool none = d->frame->nominal.fe_S == 0.0 && s->z[P_FE] == 0.0;
+    const averaged_drive is = fit_drive(d, s);
+    const bool none = !iron_branch_present(&is);
     double best = 0.0;
     double chosen = s->z[P_TAU_FE];
     fit_state trial = without_stand_ins(s);

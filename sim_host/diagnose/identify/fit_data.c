@@ -2,6 +2,7 @@
 #include "fit_data.h"
 
 #include "model/flux_map.h"
+#include "model/iron_branch.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,7 +77,7 @@ void fit_data_free(fit_data *d)
 
 void fit_spend(fit_data *d, const averaged_drive *drive, size_t ways)
 {
-    const double dear = (averaged_drive_loses(drive) ? 1.0 : 0.0) + (drive->fe_S != 0.0 ? 1.0 : 0.0) +
+    const double dear = (averaged_drive_loses(drive) ? 1.0 : 0.0) + (iron_branch_present(drive) ? 1.0 : 0.0) +
                         (drive->sensor_lag_s != 0.0 ? 1.0 : 0.0) + (flux_map_bends(drive) ? 0.5 : 0.0);
     d->effort += (1.0 + dear) * (double)ways * (double)d->rows_all;
 }

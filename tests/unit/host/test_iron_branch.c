@@ -114,6 +114,35 @@ static void the_iron_sees_a_compensation(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.0012, 0.0, off_by(&c, flowing));
 }
 
+/* Loops along all three axes are an iron; one conducts along its axis alone. */
+static void shorted_turns_are_an_iron_of_one_phase(void)
+{
+    const circuit c = usual;
+    averaged_drive iron = drive_of(&c);
+    averaged_drive loops = iron;
+    loops.fe_S = 0.0;
+    loops.short_S[0] = loops.short_S[1] = loops.short_S[2] = iron.fe_S;
+    const averaged_node node = averaged_node_at(c.R_ohm, c.L_d_H, c.L_q_H, T_S, c.omega_rad_s);
+    const vec_ab i = {4.0, -3.0};
+    const cycle_row row = row_of(&c, 0, (vec_ab){100.0, 60.0}, i);
+    const vec_ab one = averaged_drive_advance(&iron, &node, &row, i, NULL);
+    const vec_ab other = averaged_drive_advance(&loops, &node, &row, i, NULL);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, one.alpha, other.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, one.beta, other.beta);
+    for (int x = 0; x < 3; x++) {
+        averaged_drive shorted = drive_of(&c);
+        shorted.fe_S = 0.0;
+        TEST_ASSERT_FALSE(iron_branch_present(&shorted));
+        shorted.short_S[x] = 0.3;
+        TEST_ASSERT_TRUE(iron_branch_present(&shorted));
+        const vec_ab V = {10.0, -20.0};
+        const vec_ab A = iron_branch_conducts(&shorted, V);
+        const double along_A = 2.0 / 3.0 * 0.3 * vec_phase(V, x);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, along_A * vec_phase_axis[x].alpha, A.alpha);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, along_A * vec_phase_axis[x].beta, A.beta);
+    }
+}
+
 /* The branch remembers true currents: by the recorded ones the law is off by 0.0038, ten times as much. */
 static void what_the_sensors_do_is_not_remembered(void)
 {
@@ -148,6 +177,7 @@ int main(void)
     RUN_TEST(the_law_is_the_circuits);
     RUN_TEST(the_iron_sees_all_that_the_phases_drop);
     RUN_TEST(the_iron_sees_a_compensation);
+    RUN_TEST(shorted_turns_are_an_iron_of_one_phase);
     RUN_TEST(what_the_sensors_do_is_not_remembered);
     return UNITY_END();
 }
