@@ -24,6 +24,8 @@ static const double PAYS_TOGETHER = 60.0;
 static const double SURE = 10.0;
 /* So many causes are replaced at most. */
 enum { REPLACED_MOST = 3 };
+/* The same drive by another factor has the same error but for rounding and small members: up to so much more. */
+static const double AS_GOOD = 1.02;
 /* Steps of the fit of a set's large members. */
 enum { LARGE_STEPS = 5 };
 
@@ -292,13 +294,14 @@ bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_t
     *better = false;
     bool ok = best && try_whole(w, best, teller) && search_score(&w->fitted, &w->state, &score);
     if (ok) {
-        const bool is_new = best->state.set != w->state.set && best->percent < percent;
+        const bool other_scale = doubts_scale(&best->fit, w->state.set);
+        const bool is_new =
+            best->state.set != w->state.set && best->percent < (other_scale ? AS_GOOD : 1.0) * percent;
         /* A map that the whole drive does not need is there in place of other causes. */
         const bool no_map = hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) &&
                             !hypotheses_hold(best->state.set, CAUSE_SATURATION_DQ);
         *better = (again || is_new) && best->explains_most;
         double of_large = INFINITY;
-        const bool other_scale = doubts_scale(&best->fit, w->state.set);
         if (*better && !no_map && !other_scale && best->score >= score) {
             ok = score_of_large(w, best, &of_large);
             *better = of_large < score;
