@@ -145,17 +145,17 @@ static vec_rotor rotor_six_times(vec_rotor one)
  * What the unequal part of the resistances, warm as they are, takes of a cycle's voltage: it sees the mean current, which is bent as at the
  * edges, and which the drop itself lowers by half of what it lowers the end by.
  */
-static vec_ab unequal_losses(const averaged_drive *d, const cycle_row *row, const found_way *way, vec_rotor r,
-                             double T_s)
+static vec_ab unequal_losses(const averaged_drive *d, const cycle_row *row, const found_way *way, double T_s)
 {
+    const double drifted = drifted_ohm(d, row);
     double more_ohm[3];
     double mean_A[3];
     double k[3];
     for (size_t x = 0; x < 3; x++) {
-        more_ohm[x] = d->dR_ohm[x] + drifted_ohm(d, row);
+        more_ohm[x] = d->dR_ohm[x] + drifted;
         mean_A[x] = 0.5 * (way->first[x] + way->last[x]) + 2.0 / 3.0 * way->bow[x];
     }
-    averaged_drive_per_H(d, 0.5 * T_s, rotor_turned(r, averaged_drive_half_turn(row)), k);
+    averaged_drive_per_H(d, 0.5 * T_s, way->middle, k);
     const vec_ab lost = vec_times_phases(vec_from_phases(mean_A), more_ohm);
     const vec_ab of_alpha = vec_times_phases((vec_ab){k[0], k[1]}, more_ohm);
     const vec_ab of_beta = vec_times_phases((vec_ab){k[1], k[2]}, more_ohm);
@@ -184,7 +184,7 @@ static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab
         all = vec_from_phases(lost);
     }
     if (unequal(d)) {
-        const vec_ab more = unequal_losses(d, row, &way, r, T_s);
+        const vec_ab more = unequal_losses(d, row, &way, T_s);
         all.alpha += more.alpha;
         all.beta += more.beta;
     }

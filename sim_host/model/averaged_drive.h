@@ -14,9 +14,7 @@
 #include "../data/current_sensors.h"
 #include "../data/motor.h"
 #include "averaged.h"
-#include <math.h>
 
-#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -117,13 +115,6 @@ typedef struct cycle_row {
     missing_phase missing; /* whose current is minus the sum of the other two */
     double i_zero_A;       /* mean of the three recorded currents; 0 if only two were recorded */
 } cycle_row;
-
-/* Half of the cycle's turn. */
-static inline vec_rotor averaged_drive_half_turn(const cycle_row *row)
-{
-    const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6));
-    return (vec_rotor){0.5 * twice_cos, row->sin_turn / twice_cos};
-}
 
 averaged_drive averaged_drive_of(const motor *m);
 

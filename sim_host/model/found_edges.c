@@ -62,9 +62,10 @@ static vec_ab current_of_flux(const found_way *way, double at, vec_ab flux)
 found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r,
                        const harmonic_ends *harmonics, vec_ab first, vec_ab last, vec_ab seen)
 {
-    found_way way = {.per_H = {{0.0}}};
-    const vec_rotor half = averaged_drive_half_turn(row);
+    const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
+    const vec_rotor half = {0.5 * twice_cos, row->sin_turn / twice_cos};
     const vec_rotor middle = rotor_turned(r, half);
+    found_way way = {.middle = middle};
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
     vec_to_phases(seen, way.seen);

@@ -20,6 +20,7 @@ typedef struct found_way {
     double first[3], last[3];
     double seen[3]; /* by which a compensation decides */
     double bow[3];  /* half-way above the mean of these */
+    vec_rotor middle;
     /* The current of a flux by a leg, by as much of the ripple as edge_ripple says: at a share of the cycle the sum of these by its powers. */
     double per_H[3][3];
     vec_ab per_Wb[3]; /* half-way, of each leg */
