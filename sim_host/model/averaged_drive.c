@@ -155,7 +155,7 @@ static vec_ab unequal_losses(const averaged_drive *d, const cycle_row *row, cons
         more_ohm[x] = d->dR_ohm[x] + drifted;
         mean_A[x] = 0.5 * (way->first[x] + way->last[x]) + 2.0 / 3.0 * way->bow[x];
     }
-    averaged_drive_per_H(d, 0.5 * T_s, way->middle, k);
+    averaged_drive_per_H(d, 0.5 * T_s, way->turn->middle, k);
     const vec_ab lost = vec_times_phases(vec_from_phases(mean_A), more_ohm);
     const vec_ab of_alpha = vec_times_phases((vec_ab){k[0], k[1]}, more_ohm);
     const vec_ab of_beta = vec_times_phases((vec_ab){k[1], k[2]}, more_ohm);
@@ -172,11 +172,10 @@ static bool unequal(const averaged_drive *d)
 }
 
 /* Voltage lost in a cycle, stationary frame. */
-static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, vec_ab i_start, vec_ab i_end,
-                           vec_ab i_seen, vec_rotor r, vec_rotor end, double T_s)
+static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn,
+                           vec_ab i_start, vec_ab i_end, vec_ab i_seen, double T_s)
 {
-    const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, end);
-    const found_way way = found_way_of(d, row, r, &harmonics, i_start, i_end, i_seen);
+    const found_way way = found_way_of(d, row, turn, i_start, i_end, i_seen);
     vec_ab all = {0.0, 0.0};
     if (averaged_drive_loses(d)) {
         double lost[3];
@@ -307,11 +306,11 @@ static vec_ab voltage_of(const averaged_drive *d, const cycle_row *row, vec_roto
 
 /* By how much the iron's mean over a cycle is more than what it starts with, in the rotor frame. */
 static vec_dq iron_above(const averaged_drive *d, const iron_branch *branch, vec_ab i, vec_dq first,
-                         vec_rotor r, vec_rotor end)
+                         const cycle_turn *turn)
 {
-    const vec_rotor middle = rotor_turned(r, rotor_at(0.5 * branch->row->omega_rad_s * branch->row->T_s));
-    const vec_ab turned = vec_to_ab(vec_to_dq(i, r), end); /* as near as need be: it turns with the rotor */
-    const vec_dq mean = vec_to_dq(iron_branch_mean(d, branch, i, turned), middle);
+    /* As near as need be: it turns with the rotor. */
+    const vec_ab turned = vec_to_ab(vec_to_dq(i, turn->start), turn->end);
+    const vec_dq mean = vec_to_dq(iron_branch_mean(d, branch, i, turned), turn->middle);
     return (vec_dq){mean.d - first.d, mean.q - first.q};
 }
 
@@ -321,21 +320,66 @@ static inline vec_dq current_of(const averaged_drive *d, bool bends, vec_dq per_
     return bends ? flux_map_current(d, flux, guess) : (vec_dq){flux.d * per_H.d, flux.q * per_H.q};
 }
 
-averaged_cycle averaged_drive_cycle(const averaged_drive *d, const averaged_node *nodes, const cycle_row *row)
+/* What the magnet's harmonics and its unequal poles induce by the end of the row's cycle. */
+static vec_dq induced(const averaged_drive *d, const averaged_cycle *c, const cycle_row *row)
 {
-    averaged_cycle c = {.step = averaged_node_step(&nodes[row->node], row->node_h),
-                        .start = averaged_drive_rotor(d, row)};
-    c.end = rotor_turned(c.start, (vec_rotor){row->cos_turn, row->sin_turn});
-    c.u_V = voltage_of(d, row, c.end, c.step.push[0][0]);
+    vec_dq y = {0.0, 0.0};
+    if (averaged_drive_has_harmonics(d)) {
+        const vec_rotor six[2] = {rotor_six_times(c->turn.start), rotor_six_times(c->turn.end)};
+        const vec_rotor twelve[2] = {rotor_turned(six[0], six[0]), rotor_turned(six[1], six[1])};
+        induce_pair(d, &c->step, row->omega_rad_s, 6.0, d->psi_5_Wb, d->psi_7_Wb, six, &y);
+        induce_pair(d, &c->step, row->omega_rad_s, 12.0, d->psi_11_Wb, d->psi_13_Wb, twelve, &y);
+    }
+    if (has_unequal_poles(d)) {
+        const double psi_Wb = averaged_drive_magnet(d, row);
+        const vec_rotor first = {row->cos_mech, row->sin_mech};
+        const vec_rotor last = rotor_turned(first, rotor_at(row->omega_rad_s * row->T_s * row->per_pole));
+        const vec_rotor mech[2][2] = {{first, last}, {rotor_turned(first, first), rotor_turned(last, last)}};
+        for (size_t n = 0; n < 2; n++) {
+            const double complex share = d->pole_cos[n] - I * d->pole_sin[n];
+            induce(d, &c->step, row->omega_rad_s, (double)(n + 1) * row->per_pole, psi_Wb * share, 0.0,
+                   mech[n], &y);
+        }
+    }
+    return y;
+}
+
+/* Whether its cycles' turns are complete. */
+static bool needs_turn(const averaged_drive *d)
+{
+    return averaged_drive_loses(d) || unequal(d) || iron_branch_present(d);
+}
+
+averaged_cycle averaged_drive_cycle(const averaged_drive *d, const averaged_node *nodes, const cycle_row *row,
+                                    vec_rotor start)
+{
+    averaged_cycle c = {.step = averaged_node_step(&nodes[row->node], row->node_h)};
+    if (needs_turn(d)) {
+        c.turn = found_turn_of(d, row, start);
+    } else {
+        c.turn = (cycle_turn){.start = start,
+                              .end = rotor_turned(start, (vec_rotor){row->cos_turn, row->sin_turn})};
+    }
+    c.u_V = vec_to_dq(voltage_of(d, row, c.turn.end, c.step.push[0][0]), start);
+    c.induced_Wb = induced(d, &c, row);
     return c;
 }
 
-bool averaged_drive_cycles_alike(const averaged_drive *a, const averaged_drive *b)
+/* Whether what the magnet induces is the same. */
+static bool induce_alike(const averaged_drive *a, const averaged_drive *b)
 {
-    bool alike = a->R_ohm == b->R_ohm && a->L_d_H == b->L_d_H && a->L_q_H == b->L_q_H && a->k_u == b->k_u &&
-                 a->u_noise == b->u_noise && a->u_delay[0] == b->u_delay[0] &&
-                 a->u_delay[1] == b->u_delay[1] && a->theta_0_rad == b->theta_0_rad &&
-                 a->t_delay_s == b->t_delay_s;
+    bool alike = a->psi_5_Wb == b->psi_5_Wb && a->psi_7_Wb == b->psi_7_Wb && a->psi_11_Wb == b->psi_11_Wb &&
+                 a->psi_13_Wb == b->psi_13_Wb;
+    for (size_t n = 0; n < 2; n++) {
+        alike = alike && a->pole_cos[n] == b->pole_cos[n] && a->pole_sin[n] == b->pole_sin[n];
+    }
+    return alike && (!has_unequal_poles(a) || (a->psi_f_Wb == b->psi_f_Wb && a->alpha_psi == b->alpha_psi &&
+                                               a->psi_rate_Wb_s == b->psi_rate_Wb_s));
+}
+
+bool averaged_drive_rotors_alike(const averaged_drive *a, const averaged_drive *b)
+{
+    bool alike = a->theta_0_rad == b->theta_0_rad && a->t_delay_s == b->t_delay_s;
     for (size_t n = 0; n < ANGLE_ORDERS; n++) {
         alike = alike && a->harmonic_cos_rad[n] == b->harmonic_cos_rad[n] &&
                 a->harmonic_sin_rad[n] == b->harmonic_sin_rad[n];
@@ -343,20 +387,27 @@ bool averaged_drive_cycles_alike(const averaged_drive *a, const averaged_drive *
     return alike;
 }
 
+bool averaged_drive_cycles_alike(const averaged_drive *a, const averaged_drive *b)
+{
+    return a->R_ohm == b->R_ohm && a->L_d_H == b->L_d_H && a->L_q_H == b->L_q_H && a->k_u == b->k_u &&
+           a->u_noise == b->u_noise && a->u_delay[0] == b->u_delay[0] && a->u_delay[1] == b->u_delay[1] &&
+           a->edge_ripple == b->edge_ripple && needs_turn(a) == needs_turn(b) &&
+           averaged_drive_rotors_alike(a, b) && induce_alike(a, b);
+}
+
 vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle, const cycle_row *row,
                            vec_ab i_true, vec_ab i_seen, iron_memory *memory)
 {
     const averaged_step m = cycle->step;
-    const vec_rotor r = cycle->start;
-    const vec_rotor end = cycle->end;
-    const vec_ab u = cycle->u_V;
+    const vec_rotor r = cycle->turn.start;
+    const vec_rotor end = cycle->turn.end;
     const vec_dq total_dq = vec_to_dq(i_true, r); /* what flows through the winding's resistance */
     vec_dq mean_dq = total_dq; /* with the iron's mean over the cycle in it, not what it starts with */
     iron_branch branch = {.row = NULL};
     if (iron_branch_present(d)) {
-        branch = iron_branch_of(d, row, i_true, memory);
+        branch = iron_branch_of(d, row, &cycle->turn, i_true, memory);
         const vec_ab taken = iron_branch_begin(d, &branch);
-        const vec_dq more = iron_above(d, &branch, i_true, vec_to_dq(taken, r), r, end);
+        const vec_dq more = iron_above(d, &branch, i_true, vec_to_dq(taken, r), &cycle->turn);
         mean_dq.d += more.d;
         mean_dq.q += more.q;
         i_true.alpha -= taken.alpha;
@@ -369,7 +420,7 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
         i_true.alpha -= eddy.alpha;
         i_true.beta -= eddy.beta;
     }
-    vec_dq u_dq = vec_to_dq(u, r);
+    const vec_dq u_dq = cycle->u_V;
     vec_dq i_dq = vec_to_dq(i_true, r);
     const double psi = averaged_drive_magnet(d, row);
     bool iron = d->iron_S != 0.0 || d->iron_s_S != 0.0;
@@ -396,28 +447,15 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     if (flux_map_has_terms(d)) {
         near = flux_map_guess(d, y, i_dq, &at);
     }
-    if (averaged_drive_has_harmonics(d)) {
-        const vec_rotor six[2] = {rotor_six_times(r), rotor_six_times(end)};
-        const vec_rotor twelve[2] = {rotor_turned(six[0], six[0]), rotor_turned(six[1], six[1])};
-        induce_pair(d, &m, row->omega_rad_s, 6.0, d->psi_5_Wb, d->psi_7_Wb, six, &y);
-        induce_pair(d, &m, row->omega_rad_s, 12.0, d->psi_11_Wb, d->psi_13_Wb, twelve, &y);
-    }
-    if (has_unequal_poles(d)) {
-        const vec_rotor first = {row->cos_mech, row->sin_mech};
-        const vec_rotor last = rotor_turned(first, rotor_at(row->omega_rad_s * row->T_s * row->per_pole));
-        const vec_rotor mech[2][2] = {{first, last}, {rotor_turned(first, first), rotor_turned(last, last)}};
-        for (size_t n = 0; n < 2; n++) {
-            const double complex share = d->pole_cos[n] - I * d->pole_sin[n];
-            induce(d, &m, row->omega_rad_s, (double)(n + 1) * row->per_pole, psi * share, 0.0, mech[n], &y);
-        }
-    }
+    y.d += cycle->induced_Wb.d;
+    y.q += cycle->induced_Wb.q;
     if (averaged_drive_loses(d) || unequal(d)) {
         /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
         near = current_of(d, bends, per_H, y, near);
         const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
         vec_ab i_end = vec_to_ab(all, end);
-        vec_dq lost =
-            vec_to_dq(phase_losses(d, row, vec_to_ab(total_dq, r), i_end, i_seen, r, end, m.push[0][0]), r);
+        vec_dq lost = vec_to_dq(
+            phase_losses(d, row, &cycle->turn, vec_to_ab(total_dq, r), i_end, i_seen, m.push[0][0]), r);
         y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
         y.q -= m.drive[1][0] * lost.d + m.drive[1][1] * lost.q;
     }

@@ -124,19 +124,37 @@ motor averaged_drive_motor(const averaged_drive *drive, const motor *base);
 /* What the iron is carried on by from row to row (iron_branch.h). */
 typedef struct iron_memory iron_memory;
 
-/* What a row's cycle is before a current goes through it: the machine's step, the rotor at its start and end, the voltage. */
+/* The rotor's turn over a row's cycle, and what follows from it for the currents at the edges (found_edges.h). */
+typedef struct cycle_turn {
+    vec_rotor start, end;
+    /* These of a drive that loses voltage by its current, or whose iron conducts: */
+    vec_rotor half, middle; /* half the turn, and where it leads */
+    vec_dq
+        harmonics_Wb; /* flux of the magnet's harmonics half-way, above the mean of both ends, in the middle's frame */
+    /* The current of a flux by a leg, by as much of the ripple as edge_ripple says: at a share of the cycle the sum of these by its powers. */
+    double per_H[3][3];
+    vec_ab per_Wb[3]; /* half-way, of each leg */
+} cycle_turn;
+
+/* What a row's cycle is before a current goes through it: the machine's step, the rotor, the voltage and what the magnet induces over it. */
 typedef struct averaged_cycle {
     averaged_step step;
-    vec_rotor start, end;
-    vec_ab u_V;
+    cycle_turn turn;
+    vec_dq u_V;
+    vec_dq induced_Wb; /* by its harmonics and its unequal poles, at the end */
 } averaged_cycle;
 
-/* `nodes` is the table for this drive's R, L_d, L_q. */
-averaged_cycle averaged_drive_cycle(const averaged_drive *drive, const averaged_node *nodes,
-                                    const cycle_row *row);
+/* Where the rotor truly is at the start of the row's cycle, and the flux of its magnet then. */
+vec_rotor averaged_drive_rotor(const averaged_drive *drive, const cycle_row *row);
+double averaged_drive_magnet(const averaged_drive *drive, const cycle_row *row);
 
-/* Whether every row's cycle is the same for both. */
+/* `nodes` is the table for this drive's R, L_d, L_q; the rotor is at `start`. */
+averaged_cycle averaged_drive_cycle(const averaged_drive *drive, const averaged_node *nodes,
+                                    const cycle_row *row, vec_rotor start);
+
+/* Whether every row's cycle is the same for both; whether at least the rotor is at the same place. */
 bool averaged_drive_cycles_alike(const averaged_drive *one, const averaged_drive *other);
+bool averaged_drive_rotors_alike(const averaged_drive *one, const averaged_drive *other);
 
 /*
  * True current at the end of the row's cycle. i_seen: the one at its start that decides a compensation. `memory`: of a way from row to
@@ -149,16 +167,12 @@ vec_ab averaged_drive_pass(const averaged_drive *drive, const averaged_cycle *cy
 static inline vec_ab averaged_drive_advance(const averaged_drive *drive, const averaged_node *nodes,
                                             const cycle_row *row, vec_ab i_true, iron_memory *memory)
 {
-    const averaged_cycle cycle = averaged_drive_cycle(drive, nodes, row);
+    const averaged_cycle cycle = averaged_drive_cycle(drive, nodes, row, averaged_drive_rotor(drive, row));
     return averaged_drive_pass(drive, &cycle, row, i_true, i_true, memory);
 }
 
 /* The drop that a current causes over the phases' resistances, warm and unequal as they are. */
 vec_ab averaged_drive_drop(const averaged_drive *drive, const cycle_row *row, vec_ab i_A);
-
-/* Where the rotor truly is at the start of the row's cycle, and the flux of its magnet then. */
-vec_rotor averaged_drive_rotor(const averaged_drive *drive, const cycle_row *row);
-double averaged_drive_magnet(const averaged_drive *drive, const cycle_row *row);
 
 static inline bool averaged_drive_has_harmonics(const averaged_drive *d)
 {
@@ -167,19 +181,6 @@ static inline bool averaged_drive_has_harmonics(const averaged_drive *d)
 
 /* The harmonics of the magnet's flux, in the stationary frame, the rotor at `one`. */
 vec_ab averaged_drive_harmonics(const averaged_drive *drive, vec_rotor one);
-
-/* Those at the start and at the end of a cycle. */
-typedef struct harmonic_ends {
-    vec_ab first, last;
-} harmonic_ends;
-
-static inline harmonic_ends averaged_drive_harmonic_ends(const averaged_drive *d, vec_rotor start,
-                                                         vec_rotor end)
-{
-    return averaged_drive_has_harmonics(d)
-               ? (harmonic_ends){averaged_drive_harmonics(d, start), averaged_drive_harmonics(d, end)}
-               : (harmonic_ends){{0.0, 0.0}, {0.0, 0.0}};
-}
 
 /* A share of 1/L in the stationary frame, the rotor at r: aa, ab, bb. */
 void averaged_drive_per_H(const averaged_drive *drive, double share, vec_rotor r, double k[3]);

@@ -21,25 +21,18 @@ static vec_dq flux_of(const averaged_drive *d, double psi_Wb, vec_ab i, vec_roto
  * By how much the current half-way between two lies ahead of their mean: it carries the mean of both ends' flux, and the magnet's part of
  * that is another half-way round, as are its harmonics.
  */
-static vec_ab half_way(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_rotor half,
-                       vec_rotor middle, const harmonic_ends *harmonics, vec_ab first, vec_ab last)
+static vec_ab half_way(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab first,
+                       vec_ab last)
 {
-    const vec_rotor end = rotor_turned(r, (vec_rotor){row->cos_turn, row->sin_turn});
+    const vec_rotor half = turn->half;
     const double psi_Wb = averaged_drive_magnet(d, row);
-    const vec_dq one = flux_of(d, psi_Wb, first, r);
-    const vec_dq two = flux_of(d, psi_Wb, last, end);
+    const vec_dq one = flux_of(d, psi_Wb, first, turn->start);
+    const vec_dq two = flux_of(d, psi_Wb, last, turn->end);
     /* Seen from the middle, the first flux is half the turn behind, and the last one ahead. */
-    vec_dq flux = {0.5 * (half.cos * (one.d + two.d) + half.sin * (one.q - two.q)) - psi_Wb,
-                   0.5 * (half.cos * (one.q + two.q) + half.sin * (two.d - one.d))};
-    if (averaged_drive_has_harmonics(d)) {
-        const vec_ab now = averaged_drive_harmonics(d, middle);
-        const vec_dq less =
-            vec_to_dq((vec_ab){now.alpha - 0.5 * (harmonics->first.alpha + harmonics->last.alpha),
-                               now.beta - 0.5 * (harmonics->first.beta + harmonics->last.beta)},
-                      middle);
-        flux = (vec_dq){flux.d - less.d, flux.q - less.q};
-    }
-    const vec_ab i = vec_to_ab((vec_dq){flux.d / d->L_d_H, flux.q / d->L_q_H}, middle);
+    const vec_dq flux = {
+        0.5 * (half.cos * (one.d + two.d) + half.sin * (one.q - two.q)) - psi_Wb - turn->harmonics_Wb.d,
+        0.5 * (half.cos * (one.q + two.q) + half.sin * (two.d - one.d)) - turn->harmonics_Wb.q};
+    const vec_ab i = vec_to_ab((vec_dq){flux.d / d->L_d_H, flux.q / d->L_q_H}, turn->middle);
     return (vec_ab){i.alpha - 0.5 * (first.alpha + last.alpha), i.beta - 0.5 * (first.beta + last.beta)};
 }
 
@@ -50,48 +43,70 @@ static double on_way(const found_way *way, size_t x, double at)
 }
 
 /* The current that a flux in addition makes there. */
-static vec_ab current_of_flux(const found_way *way, double at, vec_ab flux)
+static vec_ab current_of_flux(const cycle_turn *turn, double at, vec_ab flux)
 {
     double k[3];
     for (size_t n = 0; n < 3; n++) {
-        k[n] = way->per_H[0][n] + at * (way->per_H[1][n] + at * way->per_H[2][n]);
+        k[n] = turn->per_H[0][n] + at * (turn->per_H[1][n] + at * turn->per_H[2][n]);
     }
     return (vec_ab){k[0] * flux.alpha + k[1] * flux.beta, k[1] * flux.alpha + k[2] * flux.beta};
 }
 
-found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r,
-                       const harmonic_ends *harmonics, vec_ab first, vec_ab last, vec_ab seen)
+/* Flux of the magnet's harmonics half-way above the mean of both ends, in the middle's frame. */
+static vec_dq harmonics_above(const averaged_drive *d, const cycle_turn *turn)
+{
+    const vec_ab first = averaged_drive_harmonics(d, turn->start);
+    const vec_ab last = averaged_drive_harmonics(d, turn->end);
+    const vec_ab now = averaged_drive_harmonics(d, turn->middle);
+    return vec_to_dq(
+        (vec_ab){now.alpha - 0.5 * (first.alpha + last.alpha), now.beta - 0.5 * (first.beta + last.beta)},
+        turn->middle);
+}
+
+cycle_turn found_turn_of(const averaged_drive *d, const cycle_row *row, vec_rotor start)
 {
     const double twice_cos = sqrt(fmax(2.0 + 2.0 * row->cos_turn, 1e-6)); /* of half the turn */
-    const vec_rotor half = {0.5 * twice_cos, row->sin_turn / twice_cos};
-    const vec_rotor middle = rotor_turned(r, half);
-    found_way way = {.middle = middle};
-    vec_to_phases(first, way.first);
-    vec_to_phases(last, way.last);
-    vec_to_phases(seen, way.seen);
-    vec_to_phases(half_way(d, row, r, half, middle, harmonics, first, last), way.bow);
-    averaged_drive_per_H(d, d->edge_ripple, middle, way.per_H[0]);
+    cycle_turn turn = {.start = start,
+                       .end = rotor_turned(start, (vec_rotor){row->cos_turn, row->sin_turn}),
+                       .half = {0.5 * twice_cos, row->sin_turn / twice_cos}};
+    turn.middle = rotor_turned(start, turn.half);
+    if (averaged_drive_has_harmonics(d)) {
+        turn.harmonics_Wb = harmonics_above(d, &turn);
+    }
+    averaged_drive_per_H(d, d->edge_ripple, turn.middle, turn.per_H[0]);
     if (d->L_d_H != d->L_q_H) {
         double k[3][3]; /* at the cycle's start, middle and end */
-        averaged_drive_per_H(d, d->edge_ripple, r, k[0]);
-        memcpy(k[1], way.per_H[0], sizeof k[1]);
-        averaged_drive_per_H(d, d->edge_ripple, rotor_turned(middle, half), k[2]);
+        averaged_drive_per_H(d, d->edge_ripple, start, k[0]);
+        memcpy(k[1], turn.per_H[0], sizeof k[1]);
+        averaged_drive_per_H(d, d->edge_ripple, rotor_turned(turn.middle, turn.half), k[2]);
         for (size_t n = 0; n < 3; n++) {
-            way.per_H[0][n] = k[0][n];
-            way.per_H[1][n] = 4.0 * k[1][n] - 3.0 * k[0][n] - k[2][n];
-            way.per_H[2][n] = 2.0 * (k[0][n] + k[2][n]) - 4.0 * k[1][n];
+            turn.per_H[0][n] = k[0][n];
+            turn.per_H[1][n] = 4.0 * k[1][n] - 3.0 * k[0][n] - k[2][n];
+            turn.per_H[2][n] = 2.0 * (k[0][n] + k[2][n]) - 4.0 * k[1][n];
         }
     }
     for (size_t x = 0; x < 3; x++) {
-        way.per_Wb[x] = current_of_flux(&way, 0.5, vec_phase_axis[x]);
+        turn.per_Wb[x] = current_of_flux(&turn, 0.5, vec_phase_axis[x]);
     }
+    return turn;
+}
+
+found_way found_way_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab first,
+                       vec_ab last, vec_ab seen)
+{
+    found_way way = {.turn = turn};
+    vec_to_phases(first, way.first);
+    vec_to_phases(last, way.last);
+    vec_to_phases(seen, way.seen);
+    vec_to_phases(half_way(d, row, turn, first, last), way.bow);
     return way;
 }
 
 /* A leg's current by a flux. */
 static double current_by(const found_way *way, size_t x, vec_ab flux)
 {
-    return way->per_Wb[x].alpha * flux.alpha + way->per_Wb[x].beta * flux.beta;
+    const vec_ab per_Wb = way->turn->per_Wb[x];
+    return per_Wb.alpha * flux.alpha + per_Wb.beta * flux.beta;
 }
 
 /* A leg's volt-seconds as a flux, or its voltage as one of the machine. */
@@ -111,7 +126,7 @@ static vec_ab ripple_of_edge(const averaged_drive *d, const cycle_row *row, cons
 {
     const double by = to * d->k_u;
     const vec_ab Wb = {by * row->edge_ripple_Wb[x].alpha, by * row->edge_ripple_Wb[x].beta};
-    return current_of_flux(way, at, Wb);
+    return current_of_flux(way->turn, at, Wb);
 }
 
 /* The legs in the order in which they rise; they fall in the opposite one. */
@@ -184,7 +199,8 @@ static void put_edge(const period *p, size_t x, double to, double at, double lat
     e->at = at;
     e->ripple_A = ripple_of_edge(p->d, row, p->way, x, to, p->start + at * p->share);
     e->decides = (smooth_at(p, x, at) + vec_phase(e->ripple_A, (int)x) + later_A) * per_whole_A;
-    e->per_Wb = (vec_ab){p->way->per_Wb[x].alpha * per_whole_A, p->way->per_Wb[x].beta * per_whole_A};
+    e->per_Wb =
+        (vec_ab){p->way->turn->per_Wb[x].alpha * per_whole_A, p->way->turn->per_Wb[x].beta * per_whole_A};
     e->by_sign_V = 0.5 * p->late_V * (1.0 - none);
     e->even_V = to * e->by_sign_V - p->moved_V[x];
     e->by_sign_Wb = of_leg(x, -e->by_sign_V * p->length_s);
@@ -388,7 +404,7 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
 }
 
 /* The current turns with the rotor, whatever the edges lose: what the ones before have changed is in it. */
-edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i)
+edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab i)
 {
     edge_losses lost = {.rise_V = {0.0}};
     if (!averaged_drive_loses(d)) {
@@ -396,11 +412,13 @@ edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_
     }
     const double v_late_V = d->v_dead_V + d->compensation_V;
     const double per_knee = 1.0 / d->i_knee_A;
-    const vec_rotor r = {row->cos_theta, row->sin_theta};
-    const vec_rotor turn = {row->cos_turn, row->sin_turn};
-    const harmonic_ends harmonics = averaged_drive_harmonic_ends(d, r, rotor_turned(r, turn));
-    const vec_ab last = vec_to_ab((vec_dq){i.alpha, i.beta}, turn);
-    const found_way way = found_way_of(d, row, r, &harmonics, i, last, i);
+    cycle_turn found;
+    if (!turn) {
+        found = found_turn_of(d, row, averaged_drive_rotor(d, row));
+        turn = &found;
+    }
+    const vec_ab last = vec_to_ab((vec_dq){i.alpha, i.beta}, (vec_rotor){row->cos_turn, row->sin_turn});
+    const found_way way = found_way_of(d, row, turn, i, last, i);
     for (size_t x = 0; x < 3; x++) {
         const double rise = row->rise[x];
         const vec_ab up = ripple_of_edge(d, row, &way, x, 1.0, rise);

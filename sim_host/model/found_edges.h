@@ -15,20 +15,20 @@
 
 #include "averaged_drive.h"
 
+/* A row's turn, complete; the rotor at `start` when it begins. */
+cycle_turn found_turn_of(const averaged_drive *d, const cycle_row *row, vec_rotor start);
+
 /* The phases' currents over a row's cycle as if nothing were lost. */
 typedef struct found_way {
+    const cycle_turn *turn;
     double first[3], last[3];
     double seen[3]; /* by which a compensation decides */
-    double bow[3];  /* half-way above the mean of these */
-    vec_rotor middle;
-    /* The current of a flux by a leg, by as much of the ripple as edge_ripple says: at a share of the cycle the sum of these by its powers. */
-    double per_H[3][3];
-    vec_ab per_Wb[3]; /* half-way, of each leg */
+    double bow[3];  /* half-way above the mean of first and last */
 } found_way;
 
-/* From one current to another, the rotor at r when it begins; with the magnet's harmonics at both ends. */
-found_way found_way_of(const averaged_drive *d, const cycle_row *row, vec_rotor r,
-                       const harmonic_ends *harmonics, vec_ab first, vec_ab last, vec_ab seen);
+/* From one current to another. */
+found_way found_way_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab first,
+                       vec_ab last, vec_ab seen);
 
 /*
  * The voltage that each leg loses over a cycle of T_s, as one that acts evenly: v_dead against a current far from zero. What is lost early
@@ -44,8 +44,8 @@ typedef struct edge_losses {
 /*
  * What a dead time takes of each leg at its rise and at its fall, as the cycle's mean voltages: all at the rise if the current
  * flows out, all at the fall (which then is later) if it flows in. By the current that each edge finds, between that at the start and
- * where it turns to. A compensation has moved both edges, by the sign at the start.
+ * where it turns to. A compensation has moved both edges, by the sign at the start. `turn`: the row's, or NULL, where it is found.
  */
-edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, vec_ab i);
+edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab i);
 
 #endif

@@ -60,14 +60,14 @@ static const cycle_row *acting(const averaged_drive *d, const cycle_row *row)
 
 /*
  * Goes on over the row's cycle. Its current, by which its edges lose as well, is the recorded one, less what the sensors do: an
- * offset that went in here would hide a part of itself. `lost`: its losses, or NULL, where they are found.
+ * offset that went in here would hide a part of itself. `lost`: its losses, or NULL, where they are found; `turn`: the row's, or NULL.
  */
 static cycle_pulses go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command,
-                          const cycle_row *row, const edge_losses *lost)
+                          const cycle_row *row, const cycle_turn *turn, const edge_losses *lost)
 {
     const sensor_map sensors = sensor_course_at(&m->sensors, row);
     const vec_ab i = sensor_map_unmeasure(&sensors, row->i_A);
-    m->before = lost ? *lost : found_edges_each(d, row, i);
+    m->before = lost ? *lost : found_edges_each(d, row, turn, i);
     const cycle_pulses own = pulses_of(d, m, command, &m->before);
     m->left.alpha = m->fade * m->left.alpha + own.left.alpha;
     m->left.beta = m->fade * m->left.beta + own.left.beta;
@@ -84,7 +84,7 @@ static void reach(const averaged_drive *d, double tau_s, iron_memory *m, const c
         return;
     }
     if (m->row && m->row + 1 == row && row->history > 0) {
-        go_on(d, m, acting(d, row - 1), row - 1, before);
+        go_on(d, m, acting(d, row - 1), row - 1, NULL, before);
         return;
     }
     *m = (iron_memory){
@@ -100,7 +100,7 @@ static void reach(const averaged_drive *d, double tau_s, iron_memory *m, const c
         left *= m->fade;
     }
     for (; n > 0; n--) {
-        go_on(d, m, acting(d, row - n), row - n, n == 1 ? before : NULL);
+        go_on(d, m, acting(d, row - n), row - n, NULL, n == 1 ? before : NULL);
     }
 }
 
@@ -119,7 +119,8 @@ vec_ab iron_branch_at(const averaged_drive *d, double tau_s, const cycle_row *ro
     return iron_branch_conducts(d, left);
 }
 
-iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory)
+iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab i,
+                           iron_memory *memory)
 {
     iron_memory none = {.row = NULL};
     iron_memory *m = memory ? memory : &none;
@@ -129,7 +130,7 @@ iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab
     iron_branch b = {.row = row, .per_tau = m->per_tau, .of_end = m->of_end, .first = m->left};
     const double fade = m->fade;
     const double of_start = m->of_start;
-    const cycle_pulses own = go_on(d, m, now, row, NULL);
+    const cycle_pulses own = go_on(d, m, now, row, turn, NULL);
     take(&b.first, b.of_end, drop);
     b.last = own.left;
     take(&b.last, -fade, b.first);

@@ -52,8 +52,9 @@ typedef struct iron_branch {
     vec_ab mean_V;          /* over the cycle, ahead of the phases' drop */
 } iron_branch;
 
-/* For the phase current i at the row's start, which it is a part of. The memory is left at the row after. */
-iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory);
+/* For the phase current i at the start of the row's cycle, which turns so, and which it is a part of. The memory is left at the row after. */
+iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab i,
+                           iron_memory *memory);
 
 /* At the start of the row's cycle. */
 vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b);

@@ -126,11 +126,11 @@ typedef struct lag_line {
  * The machine about a current, along whose line its flux is taken. All in the stationary frame: what turns there by j omega
  * does so in the rotor's, and only the inductance has to be turned over.
  */
-static lag_line line_of(const averaged_drive *d, const cycle_row *row, vec_ab high_Vs, vec_ab i_ab)
+static lag_line line_of(const averaged_drive *d, const cycle_row *row, vec_rotor r, vec_ab high_Vs,
+                        vec_ab i_ab)
 {
     const double tau = d->sensor_lag_s;
     const double w = row->omega_rad_s;
-    const vec_rotor r = averaged_drive_rotor(d, row);
     const turning late = {tau, -w * tau * tau * (tau > 0.0 ? 1.0 : 0.5)};
     const turning late_j_w = {-w * late.q, w * late.p};
     const vec_dq i = vec_to_dq(i_ab, r);
@@ -189,7 +189,7 @@ static vec_ab later_iron(const averaged_drive *d, const cycle_row *row, double T
 }
 
 sensor_map sensor_lag_map(const averaged_drive *d, const cycle_row *row, double T_s, const sensor_map *map,
-                          vec_ab i, lag_memory *memory)
+                          vec_rotor rotor, const cycle_turn *last_turn, vec_ab i, lag_memory *memory)
 {
     const bool filters = d->sensor_lag_s > 0.0;
     const bool iron = iron_branch_present(d);
@@ -197,10 +197,11 @@ sensor_map sensor_lag_map(const averaged_drive *d, const cycle_row *row, double 
     edge_losses before = memory->own.before;
     if (filters && !(iron && row->history > 0)) {
         const cycle_row *last = row->history > 0 ? row - 1 : row;
-        before = found_edges_each(d, last, sensor_map_unmeasure(map, last->i_A));
+        before = found_edges_each(d, last, row->history > 0 ? last_turn : NULL,
+                                  sensor_map_unmeasure(map, last->i_A));
     }
     const vec_ab high_Vs = filters ? filtered_Vs(d, row, T_s, &before) : risen_Vs(d, row, T_s);
-    const lag_line line = line_of(d, row, high_Vs, i);
+    const lag_line line = line_of(d, row, rotor, high_Vs, i);
     const square seen = {
         {{1.0 - line.by.m[0][0], -line.by.m[0][1]}, {-line.by.m[1][0], 1.0 - line.by.m[1][1]}}};
     const square unseen = inverse_of(seen);

@@ -32,9 +32,11 @@ typedef struct lag_memory {
 
 /*
  * The map of sensors at a row that see the current so late. T_s: the cycle. `i`: the true current there, from a run of the drive. The
- * recorded one would do but for its noise: where iron saturates, the reading that the map predicts would follow that noise.
+ * recorded one would do but for its noise: where iron saturates, the reading that the map predicts would follow that noise. The rotor is that
+ * at the row; `last_turn`: that of the row before it, or NULL, where it is found.
  */
 sensor_map sensor_lag_map(const averaged_drive *drive, const cycle_row *row, double T_s,
-                          const sensor_map *map, vec_ab i, lag_memory *memory);
+                          const sensor_map *map, vec_rotor rotor, const cycle_turn *last_turn, vec_ab i,
+                          lag_memory *memory);
 
 #endif

@@ -50,8 +50,9 @@ bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, siz
         w->columns = calloc(outputs * COLUMN_COUNT, sizeof *w->columns);
         w->way = calloc(d->longest + 1, sizeof *w->way);
         w->cycle = calloc(d->longest + 1, sizeof *w->cycle);
+        w->own_cycle = calloc(d->longest + 1, sizeof *w->own_cycle);
         w->seen = calloc(d->longest + 1, sizeof *w->seen);
-        complete = complete && w->base && w->columns && w->way && w->cycle && w->seen;
+        complete = complete && w->base && w->columns && w->way && w->cycle && w->own_cycle && w->seen;
     }
     if (!complete) {
         fit_data_free(d);
@@ -70,6 +71,7 @@ void fit_data_free(fit_data *d)
         free(d->work[k].columns);
         free(d->work[k].way);
         free(d->work[k].cycle);
+        free(d->work[k].own_cycle);
         free(d->work[k].seen);
     }
     *d = (fit_data){0};

@@ -58,7 +58,7 @@ typedef struct fit_data {
         double *seen;       /* the share of each row's innovation that is counted */
         double *columns;    /* whitened derivatives: [column][3 rows] */
         observer_step *way; /* run of the state's own drive */
-        averaged_cycle *cycle;
+        averaged_cycle *cycle, *own_cycle;
     } work[PARALLEL_MOST];
 } fit_data;
 

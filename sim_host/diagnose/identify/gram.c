@@ -86,7 +86,8 @@ typedef struct gram_task {
     double more_gain[COLUMN_COUNT];
     bool beside[COLUMN_COUNT]; /* moves only the sensors or the gain: linearised about the state's own run */
     bool any_beside;
-    bool alike[COLUMN_COUNT]; /* its cycles are those of the state */
+    bool alike[COLUMN_COUNT];   /* its cycles are those of the state */
+    bool rotates[COLUMN_COUNT]; /* it moves the rotor */
     gram *grams;
 } gram_task;
 
@@ -99,11 +100,13 @@ static void find_slopes(const gram_task *t, const row_block *block, const struct
         double *slope = work->columns + c * stride;
         const double gain = own_gain + t->more_gain[c];
         if (t->beside[c]) {
-            observer_beside(t->d->rows, &t->moved[c], block, gain, work->way, slope);
+            observer_beside(t->d->rows, &t->moved[c], work->cycle, block, gain, work->way, slope);
         } else if (t->alike[c]) {
             observer_through(t->d->rows, &t->moved[c], work->cycle, block, gain, slope);
         } else {
-            observer_block(t->d->rows, &t->moved[c], t->own[c], block, gain, 0.0, slope, NULL);
+            observer_cycles(t->d->rows, &t->moved[c], t->own[c], block, t->rotates[c] ? NULL : work->cycle,
+                            work->own_cycle);
+            observer_through(t->d->rows, &t->moved[c], work->own_cycle, block, gain, slope);
         }
         for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {
             slope[j] = (slope[j] - work->base[j]) / t->step[c];
@@ -121,7 +124,7 @@ static void one_block(void *context, size_t b, size_t worker)
     const size_t outputs = OBSERVER_OUTPUTS * block->count;
     const size_t stride = OBSERVER_OUTPUTS * d->longest;
     gram *sum = &t->grams[b];
-    observer_cycles(d->rows, &t->drive, d->nodes, block, work->cycle);
+    observer_cycles(d->rows, &t->drive, d->nodes, block, NULL, work->cycle);
     if (t->any_beside) {
         observer_way(d->rows, &t->drive, work->cycle, block, noise->gain, work->base, work->way);
     } else {
@@ -178,6 +181,7 @@ static bool move_columns(gram_task *t, const int *column)
         moved.sign_is_doubted = t->drive.sign_is_doubted;
         t->moved[c] = moved;
         t->alike[c] = averaged_drive_cycles_alike(&moved, &t->drive);
+        t->rotates[c] = !averaged_drive_rotors_alike(&moved, &t->drive);
         t->own[c] = d->nodes;
         if (moved.R_ohm != t->drive.R_ohm || moved.L_d_H != t->drive.L_d_H || moved.L_q_H != t->drive.L_q_H) {
             t->own[c] = rows_nodes(d->rows, &moved);

@@ -14,16 +14,21 @@ static bool sensors_change(const averaged_drive *drive, const sensor_course *cou
     return course->changes || drive->sensor_lag_s != 0.0;
 }
 
-/* The sensors at a row, if they change from row to row. `x`: the true current that a run has there; NULL at its start. */
+/*
+ * The sensors at a row, if they change from row to row. `x`: the true current that a run has there; NULL at its start. `turn` and `before`:
+ * the row's and that of the row before it; NULL where they are found.
+ */
 static sensor_map sensors_at(const diagnose_rows *r, const averaged_drive *drive, const sensor_course *course,
-                             const cycle_row *row, const vec_ab *x, lag_memory *memory)
+                             const cycle_row *row, const cycle_turn *turn, const cycle_turn *before,
+                             const vec_ab *x, lag_memory *memory)
 {
     const sensor_map map = sensor_course_at(course, row);
     if (drive->sensor_lag_s == 0.0) {
         return map;
     }
     const vec_ab about = x ? *x : sensor_map_unmeasure(&map, row->i_A);
-    return sensor_lag_map(drive, row, r->T_s, &map, about, memory);
+    const vec_rotor rotor = turn ? turn->start : averaged_drive_rotor(drive, row);
+    return sensor_lag_map(drive, row, r->T_s, &map, rotor, before, about, memory);
 }
 
 /* The measured current of a row's true current; *zero: mean of the three sensors. */
@@ -95,10 +100,11 @@ typedef struct walker {
     sensor_course course;
     bool change; /* the sensors change from row to row */
     lag_memory memory;
-    vec_ab x;         /* true current, estimated from all rows so far */
-    vec_ab seen;      /* the last row's current, if signs are doubted */
-    sign_doubt doubt; /* of the last row's cycle */
-    size_t age;       /* rows since the start */
+    const cycle_turn *before; /* the last row's */
+    vec_ab x;                 /* true current, estimated from all rows so far */
+    vec_ab seen;              /* the last row's current, if signs are doubted */
+    sign_doubt doubt;         /* of the last row's cycle */
+    size_t age;               /* rows since the start */
 } walker;
 
 static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double gain)
@@ -109,10 +115,10 @@ static walker walker_of(diagnose_rows *r, const averaged_drive *drive, double ga
 }
 
 /*
- * Corrects the run by the measured current of row k. Writes the innovations to `out`, zeros if the run starts again. Returns the share
- * that is counted.
+ * Corrects the run by the measured current of row k, whose turn is `turn`. Writes the innovations to `out`, zeros if the run starts again.
+ * Returns the share that is counted.
  */
-static double take_in(walker *w, size_t k, double gate, double *out)
+static double take_in(walker *w, size_t k, const cycle_turn *turn, double gate, double *out)
 {
     const cycle_row *row = &w->r->row[k];
     const bool start = w->age == 0 || w->r->outlier[k];
@@ -120,9 +126,11 @@ static double take_in(walker *w, size_t k, double gate, double *out)
     const sensor_map *sensors = &w->course.of[row->missing].middle;
     out[0] = out[1] = out[2] = 0.0;
     if (w->change) {
-        changed = sensors_at(w->r, w->drive, &w->course, row, start ? NULL : &w->x, &w->memory);
+        changed =
+            sensors_at(w->r, w->drive, &w->course, row, turn, w->before, start ? NULL : &w->x, &w->memory);
         sensors = &changed;
     }
+    w->before = turn;
     double zero;
     const vec_ab seen_A = shown(w->drive, sensors, row, w->x, &zero);
     const vec_ab wrong = {row->i_A.alpha - seen_A.alpha, row->i_A.beta - seen_A.beta};
@@ -168,22 +176,27 @@ void observer_block(diagnose_rows *r, const averaged_drive *drive, const average
                     const row_block *block, double gain, double gate, double *innovation, double *seen)
 {
     walker w = walker_of(r, drive, gain);
+    averaged_cycle cycle[2]; /* this row's, and that of the one before */
     for (size_t j = 0; j < block->count; j++) {
         const cycle_row *row = &r->row[block->first + j];
-        const double share = take_in(&w, block->first + j, gate, innovation + OBSERVER_OUTPUTS * j);
+        averaged_cycle *own = &cycle[j % 2];
+        *own = averaged_drive_cycle(drive, nodes, row, averaged_drive_rotor(drive, row));
+        const double share =
+            take_in(&w, block->first + j, &own->turn, gate, innovation + OBSERVER_OUTPUTS * j);
         if (seen != NULL) {
             seen[j] = share;
         }
-        const averaged_cycle cycle = averaged_drive_cycle(drive, nodes, row);
-        w.x = averaged_drive_pass(drive, &cycle, row, w.x, deciding(&w), &w.memory.own);
+        w.x = averaged_drive_pass(drive, own, row, w.x, deciding(&w), &w.memory.own);
     }
 }
 
 void observer_cycles(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                     const row_block *block, averaged_cycle *cycle)
+                     const row_block *block, const averaged_cycle *same_rotor, averaged_cycle *cycle)
 {
     for (size_t j = 0; j < block->count; j++) {
-        cycle[j] = averaged_drive_cycle(drive, nodes, &r->row[block->first + j]);
+        const cycle_row *row = &r->row[block->first + j];
+        const vec_rotor start = same_rotor ? same_rotor[j].turn.start : averaged_drive_rotor(drive, row);
+        cycle[j] = averaged_drive_cycle(drive, nodes, row, start);
     }
 }
 
@@ -192,7 +205,7 @@ void observer_through(diagnose_rows *r, const averaged_drive *drive, const avera
 {
     walker w = walker_of(r, drive, gain);
     for (size_t j = 0; j < block->count; j++) {
-        take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
+        take_in(&w, block->first + j, &cycle[j].turn, 0.0, innovation + OBSERVER_OUTPUTS * j);
         w.x = averaged_drive_pass(drive, &cycle[j], &r->row[block->first + j], w.x, deciding(&w),
                                   &w.memory.own);
     }
@@ -218,7 +231,7 @@ void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_
         const cycle_row *row = &r->row[block->first + j];
         observer_step *s = &way[j];
         const vec_ab *sign = drive->sign_is_doubted ? &w.seen : NULL;
-        take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
+        take_in(&w, block->first + j, &cycle[j].turn, 0.0, innovation + OBSERVER_OUTPUTS * j);
         const iron_memory before = w.memory.own;
         s->from_A = w.x;
         s->to_A = w.x = averaged_drive_pass(drive, &cycle[j], row, w.x, deciding(&w), &w.memory.own);
@@ -227,13 +240,13 @@ void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_
     }
 }
 
-void observer_beside(diagnose_rows *r, const averaged_drive *drive, const row_block *block, double gain,
-                     const observer_step *way, double *innovation)
+void observer_beside(diagnose_rows *r, const averaged_drive *drive, const averaged_cycle *cycle,
+                     const row_block *block, double gain, const observer_step *way, double *innovation)
 {
     walker w = walker_of(r, drive, gain);
     for (size_t j = 0; j < block->count; j++) {
         const observer_step *s = &way[j];
-        take_in(&w, block->first + j, 0.0, innovation + OBSERVER_OUTPUTS * j);
+        take_in(&w, block->first + j, &cycle[j].turn, 0.0, innovation + OBSERVER_OUTPUTS * j);
         const vec_ab beside = {w.x.alpha - s->from_A.alpha, w.x.beta - s->from_A.beta};
         w.x.alpha = s->to_A.alpha + s->by_alpha.alpha * beside.alpha + s->by_beta.alpha * beside.beta;
         w.x.beta = s->to_A.beta + s->by_alpha.beta * beside.alpha + s->by_beta.beta * beside.beta;
@@ -246,7 +259,7 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
     const sensor_course course = sensor_course_of(drive, r->sensors);
     const bool change = sensors_change(drive, &course);
     lag_memory lag = {.own = {.row = NULL}};
-    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], NULL, &lag);
+    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], NULL, NULL, NULL, &lag);
     iron_memory memory = {.row = NULL};
     wrong[0] = (vec_ab){0.0, 0.0};
     for (size_t j = 1; j < count; j++) {
@@ -255,7 +268,7 @@ void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, con
         double zero;
         x = averaged_drive_advance(drive, nodes, before, x, &memory);
         if (change) {
-            sensors = sensors_at(r, drive, &course, before + 1, &x, &lag);
+            sensors = sensors_at(r, drive, &course, before + 1, NULL, NULL, &x, &lag);
         }
         vec_ab seen = shown(drive, &sensors, before + 1, x, &zero);
         wrong[j].alpha = before[1].i_A.alpha - seen.alpha;
@@ -269,12 +282,12 @@ void observer_free_run(const diagnose_rows *r, const averaged_drive *drive, cons
     const sensor_course course = sensor_course_of(drive, r->sensors);
     const bool change = sensors_change(drive, &course);
     lag_memory lag = {.own = {.row = NULL}};
-    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], NULL, &lag);
+    sensor_map sensors = sensors_at(r, drive, &course, &r->row[first], NULL, NULL, NULL, &lag);
     vec_ab x = unshown(drive, &sensors, &r->row[first]);
     iron_memory memory = {.row = NULL};
     for (size_t j = 0; j < count; j++) {
         if (change && j > 0) {
-            sensors = sensors_at(r, drive, &course, &r->row[first + j], &x, &lag);
+            sensors = sensors_at(r, drive, &course, &r->row[first + j], NULL, NULL, &x, &lag);
         }
         double zero;
         current[j] = shown(drive, &sensors, &r->row[first + j], x, &zero);

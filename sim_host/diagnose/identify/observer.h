@@ -48,9 +48,9 @@ typedef struct observer_step {
     vec_ab by_alpha, by_beta;
 } observer_step;
 
-/* The cycles of a block's rows, one per row. */
+/* The cycles of a block's rows, one per row. `same_rotor`: those of a drive whose rotor is at the same places, or NULL. */
 void observer_cycles(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,
-                     const row_block *block, averaged_cycle *cycle);
+                     const row_block *block, const averaged_cycle *same_rotor, averaged_cycle *cycle);
 
 /* The innovations without a gate, from given cycles: of this drive, or of one whose cycles are equal. */
 void observer_through(diagnose_rows *r, const averaged_drive *drive, const averaged_cycle *cycle,
@@ -61,12 +61,12 @@ void observer_way(diagnose_rows *r, const averaged_drive *drive, const averaged_
                   const row_block *block, double gain, double *innovation, observer_step *way);
 
 /*
- * The innovations of a drive that differs from that of the run `way` by a small change of its sensors or its gain only. They are
- * linearised about that run. Neglected is that the iron remembers true currents, which follow from these sensors: up to 0.4 % of a
+ * The innovations of a drive that differs from that of the run `way` through these cycles by a small change of its sensors or its gain
+ * only. They are linearised about that run. Neglected is that the iron remembers true currents, which follow from these sensors: up to 0.4 % of a
  * column.
  */
-void observer_beside(diagnose_rows *r, const averaged_drive *drive, const row_block *block, double gain,
-                     const observer_step *way, double *innovation);
+void observer_beside(diagnose_rows *r, const averaged_drive *drive, const averaged_cycle *cycle,
+                     const row_block *block, double gain, const observer_step *way, double *innovation);
 
 /* Error of the one-cycle prediction (gain 1) into each row, from the recorded row before it, in A. Zero for the first row. */
 void observer_one_cycle(const diagnose_rows *r, const averaged_drive *drive, const averaged_node *nodes,

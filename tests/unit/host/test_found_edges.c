@@ -132,9 +132,16 @@ static void integrate(const cycle *c, double lost_V[3])
     }
 }
 
-/* The row that a recording of this cycle gives, and the currents without a loss. */
-static void read_row(const averaged_drive *d, const cycle *c, cycle_row *row, found_way *way)
+/* The row that a recording of a cycle gives, and the currents without a loss. */
+typedef struct reading {
+    cycle_row row;
+    cycle_turn turn;
+    found_way way;
+} reading;
+
+static void read_row(const averaged_drive *d, const cycle *c, reading *to)
 {
+    cycle_row *row = &to->row;
     const double link_V = U_DC_V / d->k_u; /* as measured */
     *row =
         (cycle_row){.u_dc_V = link_V, .T_s = T_S, .cos_turn = cos(c->turn_rad), .sin_turn = sin(c->turn_rad)};
@@ -154,10 +161,8 @@ static void read_row(const averaged_drive *d, const cycle *c, cycle_row *row, fo
         }
         row->edge_ripple_Wb[x] = vec_from_phases(high);
     }
-    const vec_rotor r = rotor_at(c->theta_rad);
-    const harmonic_ends harmonics =
-        averaged_drive_harmonic_ends(d, r, rotor_turned(r, rotor_at(c->turn_rad)));
-    *way = found_way_of(d, row, r, &harmonics, first, vec_from_phases(last), first);
+    to->turn = found_turn_of(d, row, rotor_at(c->theta_rad));
+    to->way = found_way_of(d, row, &to->turn, first, vec_from_phases(last), first);
 }
 
 /*
@@ -201,12 +206,11 @@ static double error_with(double k_u, double late_V, double compensation_V, doubl
             c.duty[x] = 0.5 + (emf_V + in_cycle(&seed, -10.0, 10.0)) / U_DC_V;
             c.moved[x] = copysign(compensation_V / U_DC_V, c.first_A[x]);
         }
-        cycle_row row;
-        found_way way;
+        reading read;
         double by_law[3];
         double by_physics[3];
-        read_row(&d, &c, &row, &way);
-        found_edges_lost(&d, &row, &way, T_S, by_law);
+        read_row(&d, &c, &read);
+        found_edges_lost(&d, &read.row, &read.way, T_S, by_law);
         integrate(&c, by_physics);
         for (size_t x = 0; x < 3; x++) {
             const double wrong = (by_law[x] - by_physics[x]) / whole_V;
@@ -287,13 +291,12 @@ static void what_is_lost_early_decays(void)
         .v_dead_V = 4.0, .edge = EDGE_CLIPPED, .k_u = 1.0, .L_d_H = L_H, .L_q_H = L_H, .i_knee_A = 1e-3};
     const cycle c = {.duty = {0.5, 0.5, 0.5}, .first_A = {3.0, -2.0, -1.0}, .L_d_H = L_H, .L_q_H = L_H};
     for (double ohm = 0.0; ohm < 3.0; ohm += 2.0) {
-        cycle_row row;
-        found_way way;
+        reading read;
         double lost[3];
         const double share = ohm * T_S / L_H;
         d.R_ohm = ohm;
-        read_row(&d, &c, &row, &way);
-        found_edges_lost(&d, &row, &way, T_S, lost);
+        read_row(&d, &c, &read);
+        found_edges_lost(&d, &read.row, &read.way, T_S, lost);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, 4.0 * (1.0 - 0.25 * share), lost[0]); /* at the rise */
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, -4.0 * (1.0 + 0.25 * share), lost[1]);
     }
@@ -321,11 +324,10 @@ static void a_leg_far_from_zero_loses_the_same_next_to_one_near(void)
                              .first_A = {8.0, -8.0 - third_A, third_A},
                              .L_d_H = d.L_d_H,
                              .L_q_H = d.L_q_H};
-            cycle_row row;
-            found_way way;
-            read_row(&d, &c, &row, &way);
-            row.periods = periods;
-            found_edges_lost(&d, &row, &way, T_S, lost[near]);
+            reading read;
+            read_row(&d, &c, &read);
+            read.row.periods = periods;
+            found_edges_lost(&d, &read.row, &read.way, T_S, lost[near]);
         }
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost[0][0], lost[1][0]);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost[0][1], lost[1][1]);
@@ -345,12 +347,11 @@ static void a_held_leg_loses_nothing(void)
                               .L_q_H = L_H,
                               .i_knee_A = 1e-3};
     const cycle c = {.duty = {1.0, 0.4, 0.3}, .first_A = {3.0, -2.0, -1.0}, .L_d_H = L_H, .L_q_H = L_H};
-    cycle_row row;
-    found_way way;
+    reading read;
     double lost[3];
-    read_row(&d, &c, &row, &way);
-    row.no_rise[0] = row.no_fall[0] = 1.0;
-    found_edges_lost(&d, &row, &way, T_S, lost);
+    read_row(&d, &c, &read);
+    read.row.no_rise[0] = read.row.no_fall[0] = 1.0;
+    found_edges_lost(&d, &read.row, &read.way, T_S, lost);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, lost[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 4.0, lost[1]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 4.0, lost[2]);

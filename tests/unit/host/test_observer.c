@@ -65,12 +65,12 @@ static double apart(const double z[P_COUNT], coordinate_id moved, double more_ga
     rows_nodes_fill(&rows, &d, nodes);
     for (size_t b = 0; b < rows.blocks; b++) {
         const row_block *block = &rows.block[b];
-        observer_cycles(&rows, &d, nodes, block, cycle);
+        observer_cycles(&rows, &d, nodes, block, NULL, cycle);
         observer_way(&rows, &d, cycle, block, 0.3, base, way);
         observer_block(&rows, &d, nodes, block, 0.3, 0.0, own, NULL);
         TEST_ASSERT_EQUAL_DOUBLE_ARRAY(own, base, OBSERVER_OUTPUTS * block->count);
         observer_block(&rows, &other, nodes, block, 0.3 + more_gain, 0.0, own, NULL);
-        observer_beside(&rows, &other, block, 0.3 + more_gain, way, beside);
+        observer_beside(&rows, &other, cycle, block, 0.3 + more_gain, way, beside);
         for (size_t j = 0; j < OBSERVER_OUTPUTS * block->count; j++) {
             wrong += (own[j] - beside[j]) * (own[j] - beside[j]);
             size += (own[j] - base[j]) * (own[j] - base[j]);
@@ -124,12 +124,24 @@ static bool goes_through(const averaged_drive *drive, const averaged_drive *of)
     rows_nodes_fill(&rows, of, nodes);
     for (size_t b = 0; b < rows.blocks; b++) {
         const row_block *block = &rows.block[b];
-        observer_cycles(&rows, of, nodes, block, cycle);
+        observer_cycles(&rows, of, nodes, block, NULL, cycle);
         observer_through(&rows, drive, cycle, block, 0.3, beside);
         observer_block(&rows, drive, by_its_own, block, 0.3, 0.0, own, NULL);
         same = same && memcmp(own, beside, OBSERVER_OUTPUTS * block->count * sizeof *own) == 0;
     }
     free(by_its_own);
+    return same;
+}
+
+/* Whether the rotor is at the same place in every row. */
+static bool same_rotors(const averaged_drive *one, const averaged_drive *other)
+{
+    bool same = true;
+    for (size_t k = 0; k < rows.rows; k++) {
+        const vec_rotor a = averaged_drive_rotor(one, &rows.row[k]);
+        const vec_rotor b = averaged_drive_rotor(other, &rows.row[k]);
+        same = same && a.cos == b.cos && a.sin == b.sin;
+    }
     return same;
 }
 
@@ -147,6 +159,8 @@ static void whose_cycles_are_alike_goes_through_the_same(void)
         const averaged_drive other = coordinates_drive(&frame, to, EDGE_CLIPPED);
         const bool said = averaged_drive_cycles_alike(&other, &d);
         TEST_ASSERT_EQUAL_MESSAGE(said, goes_through(&other, &d), "a coordinate's cycles");
+        TEST_ASSERT_EQUAL_MESSAGE(averaged_drive_rotors_alike(&other, &d), same_rotors(&other, &d),
+                                  "a coordinate's rotor");
         alike += said ? 1 : 0;
         apart_ones += said ? 0 : 1;
     }

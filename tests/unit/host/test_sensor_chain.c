@@ -130,7 +130,8 @@ static vec_ab seen_by(double tau_s, const double fell[3], vec_ab i)
                            .u_dc_V = 565.0};
     const sensor_map plain = sensor_map_of(&d, MISSING_NONE);
     lag_memory none = {.own = {.row = NULL}};
-    const sensor_map map = sensor_lag_map(&d, &row, 250e-6, &plain, i, &none);
+    const sensor_map map =
+        sensor_lag_map(&d, &row, 250e-6, &plain, averaged_drive_rotor(&d, &row), NULL, i, &none);
     const vec_ab seen = sensor_map_measure(&map, i);
     const vec_ab back = sensor_map_unmeasure(&map, seen);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, i.alpha, back.alpha);

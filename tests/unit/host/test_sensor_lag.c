@@ -58,7 +58,8 @@ static double off_by(const circuit *c, const recorder *by, vec_dq i_dq)
         memcpy(rows[n].fell, n > 0 ? rows[n - 1].rise : rows[n].rise, sizeof rows[n].fell);
         record_angle(&rows[n], theta + by->theta_0_rad);
         if (n >= SETTLE) {
-            const sensor_map map = sensor_lag_map(&d, &rows[n], T_S, &plain, i, &memory);
+            const sensor_map map = sensor_lag_map(&d, &rows[n], T_S, &plain,
+                                                  averaged_drive_rotor(&d, &rows[n]), NULL, i, &memory);
             const vec_ab measured = sensor_map_measure(&map, i);
             const vec_ab back = sensor_map_unmeasure(&map, measured);
             const vec_ab is = sensor_map_measure(&plain, at.seen_A);
