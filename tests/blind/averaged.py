@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from second_plant import TURN, Machine, phases_from_vector, vector_from_phases
+from second_plant import TURN, Machine, bounded, phases_from_vector, vector_from_phases
 
 SUBSTEPS = 4  # RK4 over T/4: below 1e-6 of the current even at eight cycles per turn
 HISTORY = 2   # rows at a run's start that an open-loop simulation leaves out, as the diagnosis does
@@ -121,17 +121,17 @@ def one_cycle(machine, model, T_s, psi, theta, omega, u, late, part, i_start):
         more = vector_from_phases(model.compensation_V * np.sign(phases_from_vector(i_start)))
         u, late = u + more, late + more
 
-    def slope(psi, angle):
-        current = add_iron(machine.current(psi, angle), psi, omega, model)
+    def slope(psi, place):
+        current = add_iron(machine.current_at(psi, place), psi, omega, model)
         v = (late if step < part * SUBSTEPS else u) - machine.resistive_drop(current)
         if lost_V:
-            lost = lost_V * np.clip(phases_from_vector(current) / model.i_knee_A, -1.0, 1.0)
+            lost = lost_V * bounded(phases_from_vector(current) / model.i_knee_A, -1.0, 1.0)
             v = v - vector_from_phases(lost)
         return v
 
     h = T_s / SUBSTEPS
     for step in range(SUBSTEPS):
-        a, b, c = (theta + omega * h * (step + x) for x in (0.0, 0.5, 1.0))
+        a, b, c = (machine.place(theta + omega * h * (step + x)) for x in (0.0, 0.5, 1.0))
         k1 = slope(psi, a)
         k2 = slope(psi + 0.5 * h * k1, b)
         k3 = slope(psi + 0.5 * h * k2, b)

@@ -168,7 +168,7 @@ def draw_case(seed, group):
     return draw_alone_case(seed, group)
 
 
-def truth_of(case, model, parameters, columns, plant):
+def truth_of(case, model, parameters, columns, plant, open_loop=True):
     """The truth file: dominating and small effects, the whole drive, and what a model that knows it reaches."""
     truth = draw.truth_of(case, case.sizes, model, parameters, columns, plant)
     truth["group"] = case.group
@@ -185,7 +185,7 @@ def truth_of(case, model, parameters, columns, plant):
                 I_pk = case.motor.I_rated_A_rms * np.sqrt(2.0)
                 p["low"] = p["value"] / (1.0 + (I_pk / model.I_sat_A) ** 2)
     truth["drive"] = drive_of(model, case.motor)
-    truth["oracle"].update(oracle_of(case, model, columns))
+    truth["oracle"].update(oracle_of(case, model, columns, open_loop))
     return truth
 
 
@@ -200,8 +200,8 @@ def drive_of(model, motor):
     return out
 
 
-def oracle_of(case, model, columns):
-    """Errors in percent of the current: one cycle and open loop, with the file's values and with the true ones."""
+def oracle_of(case, model, columns, open_loop=True):
+    """Errors in percent of the current: one cycle and, which takes seconds, open loop, with the file's values and with the true ones."""
     motor, T_s = case.motor, 1.0 / case.motor.f_pwm_Hz
     rows = [min(n, columns["theta_e_rad"].shape[0]) for n in case.bench.rows]
     true = copy.copy(model)
@@ -220,8 +220,9 @@ def oracle_of(case, model, columns):
     for name, tried in (("nominal", nominal), ("true", true)):
         error, measured, _ = averaged.predict(columns, tried, motor.pole_pairs, T_s)
         out[f"{name}_percent"] = 100.0 * averaged.rms(error) / averaged.rms(measured)
-        error, measured = averaged.open_loop(columns, tried, motor.pole_pairs, T_s, rows)
-        out[f"open_loop_{name}_percent"] = 100.0 * averaged.rms(error) / averaged.rms(measured)
+        if open_loop:
+            error, measured = averaged.open_loop(columns, tried, motor.pole_pairs, T_s, rows)
+            out[f"open_loop_{name}_percent"] = 100.0 * averaged.rms(error) / averaged.rms(measured)
     out["gain"] = out["nominal_percent"] / out["true_percent"]
     return out
 
@@ -288,8 +289,8 @@ def separation(case, columns):
 
 # ---- Making them ----
 
-def make(seed, group, plant, folder, iqfoc):
-    """Writes rec.csv, motor.toml and truth.json of one recording of a group."""
+def make(seed, group, plant, folder, iqfoc, open_loop=True):
+    """Writes rec.csv, motor.toml and truth.json of one recording of a group, with or without the oracle's open-loop error."""
     import generate  # which imports the plants
     case = draw_case(seed, group)
     if plant == "main":
@@ -298,7 +299,7 @@ def make(seed, group, plant, folder, iqfoc):
     else:
         model, parameters = draw.true_model(case.motor, case.ids, case.sizes, case.directions, case.bench.has_i_c)
         columns = draw.simulate(case.motor, case.bench, model, max(case.bench.rows), [seed, 2])
-    truth = truth_of(case, model, parameters, columns, plant)
+    truth = truth_of(case, model, parameters, columns, plant, open_loop)
     if group in motors.ONE_RUN:
         truth["separation"] = separation(case, columns)
     if plant == "main":

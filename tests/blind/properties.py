@@ -180,7 +180,7 @@ def make(number, folder, iqfoc):
         group = groups.GROUPS[number // 3 % len(groups.GROUPS)]
         plants = groups.plants_of(group, seed)
         plant = plants[int(rng.integers(len(plants)))]
-        groups.make(seed, group, plant, folder, iqfoc)
+        groups.make(seed, group, plant, folder, iqfoc, open_loop=False)
         return f"{group}, {plant} plant"
     wanted = str(rng.choice(KINDS))
     plants = effects.plants_of(wanted)

@@ -6,11 +6,11 @@ firmware the user's bench runs, and knows only what it measures.
 
 import numpy as np
 
-from second_plant import TURN, Drive, phases_from_vector, vector_from_phases
+from second_plant import TURN, Drive, bounded, phases_from_vector, vector_from_phases
 
 
 def quantise(x, step):
-    return np.round(x / step) * step
+    return np.rint(x / step) * step
 
 
 class CurrentSensors:
@@ -44,7 +44,7 @@ class CurrentSensors:
         x = self.gain * i_abc + self.offset_A
         if self.hysteresis_A:
             # A core's play: what is shown follows once the current has turned by more than the width.
-            self.held = x if self.held is None else np.clip(self.held, x - self.hysteresis_A, x + self.hysteresis_A)
+            self.held = x if self.held is None else bounded(self.held, x - self.hysteresis_A, x + self.hysteresis_A)
             x = self.held.copy()
         if self.crosstalk:
             x = x + self.crosstalk * np.stack([np.zeros_like(x[0]), x[0], x[1]])
@@ -59,7 +59,7 @@ class CurrentSensors:
             open_now = (self.loose_left > 0) & (np.arange(3).reshape(3, 1) == self.loose_phase)
             x = np.where(open_now, self.loose_factor * x, x)
         x = x + self.noise_A * self.rng.standard_normal(x.shape)
-        x = np.clip(quantise(x, self.lsb_A), -self.full_scale_A, self.full_scale_A)
+        x = bounded(quantise(x, self.lsb_A), -self.full_scale_A, self.full_scale_A)
         if self.two_sensors:
             x[2] = -x[0] - x[1]
         return x
@@ -147,7 +147,7 @@ def duties(u, u_dc_V, timer_counts, modulator):
     """Duty cycles of a voltage vector with a modulator's common part, in timer counts."""
     ratio = phases_from_vector(u) / u_dc_V
     common = COMMON[modulator](ratio)
-    return quantise(np.clip(0.5 + ratio + common, 0.0, 1.0), 1.0 / timer_counts)
+    return quantise(bounded(0.5 + ratio + common, 0.0, 1.0), 1.0 / timer_counts)
 
 
 def record(p, machine, inverter, shaft, cycles, warm_up, rng):

@@ -31,6 +31,11 @@ def vector_from_phases(x_abc):
     return (2.0 / 3.0) * (x_abc * AXIS).sum(axis=0)
 
 
+def bounded(x, low, high):
+    """np.clip of so few values, in a third of its time."""
+    return np.minimum(np.maximum(x, low), high)
+
+
 class FluxMap:
     """Iron that saturates and crosses over, as an algebraic law of the flux: no polynomial of the current.
 
@@ -175,12 +180,21 @@ class Machine:
 
     def current(self, psi, theta_rad):
         """Magnetising current of a flux linkage."""
+        return self.current_at(psi, self.place(theta_rad))
+
+    def place(self, theta_rad):
+        """An angle, its unit vector and its conjugate, and the magnet's flux there: for all fluxes that meet the same rotor."""
+        rotor = np.exp(1j * theta_rad)
+        return theta_rad, rotor, rotor.conj(), self.magnet_flux_dq(theta_rad)
+
+    def current_at(self, psi, place):
+        """The same at a place."""
+        theta_rad, rotor, rotor_conj, magnet = place
         if self.has_unequal_inductance:
             return self._current_of_unequal_phases(psi, theta_rad)
-        rotor = np.exp(1j * theta_rad)
         if self.flux_map is not None:
-            return self.flux_map.current(psi * rotor.conj() - self.magnet_flux_dq(theta_rad) + self.psi_f_Wb) * rotor
-        x = psi * rotor.conj() - self.magnet_flux_dq(theta_rad)
+            return self.flux_map.current(psi * rotor_conj - magnet + self.psi_f_Wb) * rotor
+        x = psi * rotor_conj - magnet
         y = x.real / self.L_d_H + 1j * (x.imag / self.L_q_H)
         if self.saturates:
             # psi/L_0 = y = i/(1 + (size/I_sat)^2), solved for i. The flux has its maximum at I_sat: the clip keeps an
@@ -208,9 +222,9 @@ class Machine:
             drop = drop + self.R_conj_ohm * i.conj()
         return drop
 
-    def derivative(self, psi, i_iron, theta_rad, u):
+    def derivative(self, psi, i_iron, place, u):
         """d psi/dt and d i_iron/dt."""
-        return self.derivative_of(self.current(psi, theta_rad), i_iron, u)
+        return self.derivative_of(self.current_at(psi, place), i_iron, u)
 
     def derivative_of(self, i, i_iron, u):
         """The same by the magnetising current. Eddy currents are a short-circuited path: they follow d psi/dt / R_iron late."""
@@ -301,27 +315,34 @@ class Inverter:
         return 0.5 * self.T_s * (1.0 - duty_to_peak), 0.5 * self.T_s * (1.0 + duty)
 
     def leg_voltages(self, at_s, duty, duty_to_peak, i_abc, u_dc_V, was_high=False):
-        """Voltages of the legs against the negative rail at an instant between edges, and which legs have both off.
+        """Voltages of the legs against the negative rail at an instant between edges, and which legs have both off (None: no dead time).
 
         After a switch turns off, the other waits for t_dead: meanwhile a positive current flows through the lower
         diode, a negative one through the upper. A leg that is held at a rail has no edge but the one at the cycle's start that brings it
         there from the high rail, or to it; was_high: the legs that end the cycle before there.
         """
-        rise, fall = self.edges(duty, duty_to_peak)
+        return self.voltages_within(self.pulses(duty, duty_to_peak, was_high), at_s, i_abc, u_dc_V)
+
+    def pulses(self, duty, duty_to_peak, was_high):
+        """A cycle's edges, and which legs begin and end it high, pulse in it, and leave or enter the high rail at its start."""
+        begins_high = duty_to_peak >= 1.0
+        return (*self.edges(duty, duty_to_peak), begins_high, duty >= 1.0, (duty > 0.0) | (duty_to_peak > 0.0), begins_high != was_high)
+
+    def voltages_within(self, cycle, at_s, i_abc, u_dc_V):
+        """The same of a cycle whose pulses are known."""
+        rise, fall, begins_high, ends_high, pulses, starts = cycle
         out_of_motor = i_abc < 0.0
-        begins_high, ends_high = duty_to_peak >= 1.0, duty >= 1.0
-        pulses = (duty > 0.0) | (duty_to_peak > 0.0)
-        starts = begins_high != was_high
         high = pulses & (begins_high | (at_s > rise + self.t_dead_s)) & (ends_high | (at_s < fall))
-        off = np.zeros_like(high)
+        off = None
         if self.has_dead_time:
             off = (pulses & ~begins_high & (at_s > rise) & (at_s < rise + self.t_dead_s)) | (
                 pulses & ~ends_high & (at_s > fall) & (at_s < fall + self.t_dead_s)) | (starts & (at_s < self.t_dead_s))
             high = high & ~off
-        v = np.where(high | (off & out_of_motor), u_dc_V, 0.0)
+        v = np.where(high if off is None else high | (off & out_of_motor), u_dc_V, 0.0)
         if self.has_drops:
             # Into the motor: upper switch or lower diode. Out of it: upper diode or lower switch.
-            through_switch = (high & ~out_of_motor) | (~high & ~off & out_of_motor)
+            low = ~high if off is None else ~high & ~off
+            through_switch = (high & ~out_of_motor) | (low & out_of_motor)
             v = v - np.where(out_of_motor, -1.0, 1.0) * np.where(through_switch, self.V_switch_V, self.V_diode_V)
         return v, off
 
@@ -359,13 +380,13 @@ class Drive:
         """What the terminals see of a magnetising current."""
         return i + self.i_iron if self.machine.has_iron else i
 
-    def _step(self, h_s, u, i0, theta1, theta2):
-        """Classical Runge-Kutta over h_s with constant u: the magnetising current at its start, thetas at its middle and end."""
+    def _step(self, h_s, u, i0, middle, end):
+        """Classical Runge-Kutta over h_s with constant u: the magnetising current at its start, places at its middle and end."""
         f, p, e = self.machine.derivative, self.psi, self.i_iron
         k1, m1 = self.machine.derivative_of(i0, e, u)
-        k2, m2 = f(p + 0.5 * h_s * k1, e + 0.5 * h_s * m1, theta1, u)
-        k3, m3 = f(p + 0.5 * h_s * k2, e + 0.5 * h_s * m2, theta1, u)
-        k4, m4 = f(p + h_s * k3, e + h_s * m3, theta2, u)
+        k2, m2 = f(p + 0.5 * h_s * k1, e + 0.5 * h_s * m1, middle, u)
+        k3, m3 = f(p + 0.5 * h_s * k2, e + 0.5 * h_s * m2, middle, u)
+        k4, m4 = f(p + h_s * k3, e + h_s * m3, end, u)
         return p + h_s / 6.0 * (k1 + 2.0 * (k2 + k3) + k4), e + h_s / 6.0 * (m1 + 2.0 * (m2 + m3) + m4)
 
     def advance_cycle(self, duty, u_dc_V, duty_to_peak=None):
@@ -376,22 +397,24 @@ class Drive:
         inv, also_s = self.inverter, (late_s, 0.5 * self.inverter.T_s + late_s) if late_s else ()
         at = inv.instants(duty, duty_to_peak, also_s, np.any(duty_to_peak >= 1.0) or np.any(self.was_high))
         t0_s, i_mid, self.late_valley = self.t_s, None, None
-        theta_start = self.shaft.theta(t0_s)
+        theta, place = self.shaft.theta, self.machine.place
+        start, no_current = place(theta(t0_s)), np.zeros_like(at[:3])
+        pulses = inv.pulses(duty, duty_to_peak, self.was_high)
         for a, b in zip(at[:-1], at[1:]):
-            h = b - a
-            i_magnet = self.machine.current(self.psi, theta_start)
+            h, t_mid = b - a, 0.5 * (a + b)
+            i_magnet = self.machine.current_at(self.psi, start)
             i_before = self._with_iron(i_magnet)
-            theta_mid, theta_end = self.shaft.theta(t0_s + 0.5 * (a + b)), self.shaft.theta(t0_s + b)
+            middle, end = place(theta(t0_s + t_mid)), place(theta(t0_s + b))
             # Only dead time and device drops ask for the currents' signs.
-            i_abc = phases_from_vector(i_before) if inv.has_dead_time or inv.has_drops else np.zeros_like(at[:3])
-            v, off = inv.leg_voltages(0.5 * (a + b), duty, duty_to_peak, i_abc, u_dc_V, self.was_high)
+            i_abc = phases_from_vector(i_before) if inv.has_dead_time or inv.has_drops else no_current
+            v, off = inv.voltages_within(pulses, t_mid, i_abc, u_dc_V)
             u = vector_from_phases(v)
-            psi, i_iron = self._step(h, u, i_magnet, theta_mid, theta_end)
-            if inv.has_dead_time and off.any():
-                u = self._clamp(u, v, off & (h > 0.0), i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V)
+            psi, i_iron = self._step(h, u, i_magnet, middle, end)
+            if off is not None and off.any():
+                u = self._clamp(u, v, off & (h > 0.0), i_abc, psi, i_iron, h, middle, end, u_dc_V)
                 if u is not None:
-                    psi, i_iron = self._step(h, u, i_magnet, theta_mid, theta_end)
-            self.psi, self.i_iron, self.t_s, theta_start = psi, i_iron, t0_s + b, theta_end
+                    psi, i_iron = self._step(h, u, i_magnet, middle, end)
+            self.psi, self.i_iron, self.t_s, start = psi, i_iron, t0_s + b, end
             if self.lag_s > 0.0:
                 self._filter(h, i_before)
             i_mid = self._kept(i_mid, b == 0.5 * inv.T_s + late_s)
@@ -406,23 +429,23 @@ class Drive:
             return before
         return self.seen() if before is None else np.where(now, self.seen(), before)
 
-    def _clamp(self, u, v, off, i_abc, psi, i_iron, h, theta_mid, theta_end, u_dc_V):
+    def _clamp(self, u, v, off, i_abc, psi, i_iron, h, middle, end, u_dc_V):
         """A diode does not carry its current through zero: the leg floats at the voltage that leaves it there.
 
         Over so short an interval as the dead time, the mean voltage that brings the current to zero at the end of
         the interval stands for "diode until zero, then floating". Where two legs would cross, the third has no way
         back either, and the whole vector goes to zero. None: no leg needs it.
         """
-        i_end = self.machine.current(psi, theta_end) + (i_iron if self.machine.has_iron else 0.0)
+        i_end = self.machine.current_at(psi, end) + (i_iron if self.machine.has_iron else 0.0)
         i_end = phases_from_vector(i_end)
         crossed = off & (i_end * np.where(i_abc < 0.0, -1.0, 1.0) < 0.0)
         if not crossed.any():
             return None
         span = np.where(h > 0.0, h, 1.0)
-        per_volt = (2.0 / 3.0) * span * self.machine.inverse_inductance(theta_mid)
+        per_volt = (2.0 / 3.0) * span * self.machine.inverse_inductance(middle[0])
         drop = self.inverter.V_diode_V
-        floating = np.where(crossed, np.clip(v - i_end / per_volt, -drop, u_dc_V + drop), v)
-        to_zero = u + (self.machine.flux(0.0, theta_end) - psi) / span
+        floating = np.where(crossed, bounded(v - i_end / per_volt, -drop, u_dc_V + drop), v)
+        to_zero = u + (self.machine.flux(0.0, end[0]) - psi) / span
         # No more than the rails can give.
         to_zero = to_zero * np.minimum(1.0, (2.0 / 3.0) * u_dc_V / np.maximum(np.abs(to_zero), 1e-9))
         return np.where(crossed.sum(axis=0) > 1, to_zero, vector_from_phases(floating))

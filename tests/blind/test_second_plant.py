@@ -239,10 +239,11 @@ class DeadTime(unittest.TestCase):
         h, theta = np.array([4e-6]), np.array([0.0])
         u = vector_from_phases(v)
         i = drive.current()
-        psi, iron = drive._step(h, u, i, theta, theta)
+        place = drive.machine.place(theta)
+        psi, iron = drive._step(h, u, i, place, place)
         self.assertLess(drive.machine.current(psi, theta)[0].real, -0.4)
-        u = drive._clamp(u, v, off, phases_from_vector(i), psi, iron, h, theta, theta, 500.0)
-        psi, _ = drive._step(h, u, i, theta, theta)
+        u = drive._clamp(u, v, off, phases_from_vector(i), psi, iron, h, place, place, 500.0)
+        psi, _ = drive._step(h, u, i, place, place)
         self.assertLess(abs(drive.machine.current(psi, theta)[0].real), 1e-12)
 
 
