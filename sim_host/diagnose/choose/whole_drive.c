@@ -245,11 +245,8 @@ static void adopt(session *w, const attempt *a)
     memcpy(w->scale, a->fit.scale, sizeof w->scale);
 }
 
-/*
- * The score of its members beyond their reporting thresholds, without the others, fitted as the search fits a set. The whole drive holds
- * what is small as well, and a set pays as much for that as for what is large.
- */
-static bool score_of_large(session *w, const attempt *a, double *score)
+/* Its members beyond their reporting thresholds, without the others. */
+static fit_state large_of(const session *w, const attempt *a)
 {
     const hypothesis_set mean = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_BOTH_AXES);
     fit_state s = a->state;
@@ -263,7 +260,7 @@ static bool score_of_large(session *w, const attempt *a, double *score)
             hypothesis_copy(h, a->state.z, s.z);
         }
     }
-    return fit_refine(&w->fitted, &s, LARGE_STEPS) && search_score(&w->fitted, &s, score);
+    return s;
 }
 
 /*
@@ -301,10 +298,16 @@ bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_t
         const bool no_map = hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) &&
                             !hypotheses_hold(best->state.set, CAUSE_SATURATION_DQ);
         *better = (again || is_new) && best->explains_most;
+        /*
+         * The whole drive holds what is small as well, and a set pays as much for that as for what is large. So the large ones alone are
+         * fitted as the search fits a set. If they are its own, the two scores differ by what such fits miss.
+         */
+        fit_state large = large_of(w, best);
         double of_large = INFINITY;
         if (*better && !no_map && !other_scale && best->score >= score) {
-            ok = score_of_large(w, best, &of_large);
-            *better = of_large < score;
+            const double missed = large.set == w->state.set ? fit_ranked(0.0).enough : 0.0;
+            ok = fit_refine(&w->fitted, &large, LARGE_STEPS) && search_score(&w->fitted, &large, &of_large);
+            *better = of_large < score + missed;
         }
         if (teller->trace) {
             fprintf(
