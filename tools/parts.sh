@@ -267,13 +267,11 @@ program_lane() {
     run_part cortex-m4 test_freestanding cortex-m4 arm-none-eabi-nm
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
     run_part web test_web
-    run_part examples python3 tools/check_examples.py
-    run_part figures python3 tools/figures.py check
-    run_part site check_site
     run_part target tests/target/run.sh
     run_part mutate python3 -B tools/mutate.py --check --jobs "$JOBS"
     run_part golden python3 tools/golden.py check
     run_part misra python3 tools/misra.py check
+    run_part site check_site
     run_part bench bench/run.sh --check
     free_parts
 }
@@ -288,16 +286,24 @@ source_lane() {
     free_parts
 }
 
+# Once the host's tests have ended, parts remain that wait: for a browser, for an emulator, for one long job.
+third_lane() {
+    wait_for host
+    free_parts
+}
+
 # What needs no other part's folder, and of their outputs the host's program alone: a lane that has done its own takes the next, the longest
 # first.
 free_parts() {
     take_part prove check_prove
     take_part consume tests/consume/run.py
     wait_for host
-    take_part blind tests/blind/run.py --ci --jobs "$JOBS"
     take_part python python/test.sh
+    take_part blind tests/blind/run.py --ci --jobs "$JOBS"
+    take_part figures python3 tools/figures.py check
     take_part static check_static
     take_part third tests/blind/third.py --ci --jobs "$JOBS"
+    take_part examples python3 tools/check_examples.py
 }
 
 # What a developer without the further packages runs: ./dev test. The tests of the built program, and those of the target.
@@ -323,5 +329,5 @@ test_quickly() {
 }
 
 test_everything() {
-    run_lanes program_lane source_lane
+    run_lanes program_lane source_lane third_lane
 }

@@ -59,8 +59,10 @@ def main():
     if len(commands) < (15 if options.quick else 2 * 15 + 1 + 7) + len(host_builds):
         sys.exit(f"only {len(commands)} images were built: {', '.join(commands)}")
 
+    calls = [[sys.executable, str(HERE / script), "--build", str(options.build)] for script in scripts]
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         results = dict(zip(commands, pool.map(run, commands.values())))
+        of_scripts = list(zip(scripts, pool.map(run, calls)))
     failed = 0
     for name, (passed, text) in results.items():
         print(("ok    " if passed else "FAIL  ") + name)
@@ -83,8 +85,7 @@ def main():
         if len(text) != len(reference):
             failed += 1
             print(f"FAIL  {name}: {len(text)} characters instead of {len(reference)}")
-    for script in scripts:
-        passed, text = run([sys.executable, str(HERE / script), "--build", str(options.build)])
+    for script, (passed, text) in of_scripts:
         print(("ok    " if passed else "FAIL  ") + script)
         print("\n".join("      " + line for line in text.strip().split("\n")))
         failed += not passed
