@@ -129,8 +129,8 @@ typedef struct cycle_turn {
     vec_rotor start, end;
     /* These of a drive that loses voltage by its current, or whose iron conducts: */
     vec_rotor half, middle; /* half the turn, and where it leads */
-    vec_dq
-        harmonics_Wb; /* flux of the magnet's harmonics half-way, above the mean of both ends, in the middle's frame */
+    /* Flux of the magnet's harmonics half-way, above the mean of both ends, in the middle's frame. */
+    vec_dq harmonics_Wb;
     /* The current of a flux by a leg, by as much of the ripple as edge_ripple says: at a share of the cycle the sum of these by its powers. */
     double per_H[3][3];
     vec_ab per_Wb[3]; /* half-way, of each leg */

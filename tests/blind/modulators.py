@@ -42,12 +42,12 @@ class Modulators(unittest.TestCase):
         for current in (-5.0, 5.0):
             i = np.full((3, 1), current)
             for at in (1e-6, 36e-6, 51e-6, 66e-6, 99e-6):
-                v, off = inverter.leg_voltages(np.array([at]), still, still, i, 500.0, high)
+                v, off = inverter.leg_voltages(inverter.pulses(still, still, high), np.array([at]), i, 500.0)
                 self.assertEqual((v[0, 0], v[1, 0], off[0, 0], off[1, 0]), (0.0, 500.0, False, False))
             # It goes there at a cycle's start, and comes back at one.
-            _, off = inverter.leg_voltages(np.array([1e-6]), still, still, i, 500.0, np.zeros((3, 1), bool))
+            _, off = inverter.leg_voltages(inverter.pulses(still, still, np.zeros((3, 1), bool)), np.array([1e-6]), i, 500.0)
             self.assertEqual(list(off[:, 0]), [False, True, False])
-            v, off = inverter.leg_voltages(np.array([1e-6]), 0.4 * still, 0.4 * still, i, 500.0, high)
+            v, off = inverter.leg_voltages(inverter.pulses(0.4 * still, 0.4 * still, high), np.array([1e-6]), i, 500.0)
             self.assertEqual((off[1, 0], v[1, 0]), (True, 500.0 if current < 0.0 else 0.0))
 
     def finds_alone(self, drawn, tolerance):

@@ -314,22 +314,22 @@ class Inverter:
         peak and perhaps another on its way down; a leg that changes between them does so at the peak."""
         return 0.5 * self.T_s * (1.0 - duty_to_peak), 0.5 * self.T_s * (1.0 + duty)
 
-    def leg_voltages(self, at_s, duty, duty_to_peak, i_abc, u_dc_V, was_high=False):
-        """Voltages of the legs against the negative rail at an instant between edges, and which legs have both off (None: no dead time).
+    def pulses(self, duty, duty_to_peak, was_high=False):
+        """A cycle's edges, and which legs begin and end it high, pulse in it, and leave or enter the high rail at its start.
 
-        After a switch turns off, the other waits for t_dead: meanwhile a positive current flows through the lower
-        diode, a negative one through the upper. A leg that is held at a rail has no edge but the one at the cycle's start that brings it
-        there from the high rail, or to it; was_high: the legs that end the cycle before there.
+        A leg that is held at a rail has no edge but the one at the cycle's start that brings it there from the high rail, or to it;
+        was_high: the legs that end the cycle before there.
         """
-        return self.voltages_within(self.pulses(duty, duty_to_peak, was_high), at_s, i_abc, u_dc_V)
-
-    def pulses(self, duty, duty_to_peak, was_high):
-        """A cycle's edges, and which legs begin and end it high, pulse in it, and leave or enter the high rail at its start."""
         begins_high = duty_to_peak >= 1.0
         return (*self.edges(duty, duty_to_peak), begins_high, duty >= 1.0, (duty > 0.0) | (duty_to_peak > 0.0), begins_high != was_high)
 
-    def voltages_within(self, cycle, at_s, i_abc, u_dc_V):
-        """The same of a cycle whose pulses are known."""
+    def leg_voltages(self, cycle, at_s, i_abc, u_dc_V):
+        """Voltages of the legs against the negative rail at an instant between the edges of a cycle (pulses), and which legs have both off
+        (None: no dead time).
+
+        After a switch turns off, the other waits for t_dead: meanwhile a positive current flows through the lower
+        diode, a negative one through the upper.
+        """
         rise, fall, begins_high, ends_high, pulses, starts = cycle
         out_of_motor = i_abc < 0.0
         high = pulses & (begins_high | (at_s > rise + self.t_dead_s)) & (ends_high | (at_s < fall))
@@ -407,7 +407,7 @@ class Drive:
             middle, end = place(theta(t0_s + t_mid)), place(theta(t0_s + b))
             # Only dead time and device drops ask for the currents' signs.
             i_abc = phases_from_vector(i_before) if inv.has_dead_time or inv.has_drops else no_current
-            v, off = inv.voltages_within(pulses, t_mid, i_abc, u_dc_V)
+            v, off = inv.leg_voltages(pulses, t_mid, i_abc, u_dc_V)
             u = vector_from_phases(v)
             psi, i_iron = self._step(h, u, i_magnet, middle, end)
             if off is not None and off.any():

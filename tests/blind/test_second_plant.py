@@ -234,7 +234,7 @@ class DeadTime(unittest.TestCase):
         inverter, duty = Inverter(1, 2e-4, 4e-6), np.array([[0.5], [0.9], [0.9]])
         rise = float(inverter.edges(duty, duty)[0][0, 0])
         drive = Drive(Machine(1, 0.0, 3e-3, 3e-3, 0.0), inverter, steady_shaft(0.0), 0.02 + 0.0j)
-        v, off = inverter.leg_voltages(rise + 2e-6, duty, duty, phases_from_vector(drive.current()), 500.0)
+        v, off = inverter.leg_voltages(inverter.pulses(duty, duty), rise + 2e-6, phases_from_vector(drive.current()), 500.0)
         self.assertEqual((v[0, 0], off[0, 0], off[1, 0]), (0.0, True, False))
         h, theta = np.array([4e-6]), np.array([0.0])
         u = vector_from_phases(v)

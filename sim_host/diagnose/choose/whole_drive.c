@@ -302,9 +302,9 @@ bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_t
          * The whole drive holds what is small as well, and a set pays as much for that as for what is large. So the large ones alone are
          * fitted as the search fits a set. If they are its own, the two scores differ by what such fits miss.
          */
-        fit_state large = large_of(w, best);
         double of_large = INFINITY;
         if (*better && !no_map && !other_scale && best->score >= score) {
+            fit_state large = large_of(w, best);
             const double missed = large.set == w->state.set ? fit_ranked(0.0).enough : 0.0;
             ok = fit_refine(&w->fitted, &large, LARGE_STEPS) && search_score(&w->fitted, &large, &of_large);
             *better = of_large < score + missed;
