@@ -34,7 +34,7 @@ PROGRAMS = {
     "port": (["ports"], ["port/stm32g4/hal_stm32g4.c"]),
 }
 # 32-bit int as on the targets; the library's plain C in place of a target's instructions.
-PARSE = ["-machdep", "gcc_x86_32",
+PARSE = ["-machdep", "gcc_x86_32", "-aggressive-merging",
          "-cpp-extra-args=-std=c99 -Iinclude -Isrc -Itests/prove -Iport/stm32g4 -Iexamples/first_drive -Iexamples/corrected_drive"
          " -Dvolatile= -DIQFOC_TARGET_HEADER='<stdint.h>' -DSTM32G4_BUS_HEADER='\"bus.h\"'"]
 # Downcasts that cut count as alarms. A set that was refused and one that was taken stay apart after the call that checks it. Few states of
