@@ -16,6 +16,14 @@ say() {
     printf '\n== %s\n' "$*"
 }
 
+# Runs tests by the Python $1. None may be skipped: one that needs an extra is marked as such.
+pytest_all() {
+    local said
+    said=$("$1" -m pytest -q -p no:cacheprovider "${@:2}") || { echo "$said"; return 1; }
+    echo "$said"
+    ! grep -E '^[0-9]+ .*skipped' <<<"$said"
+}
+
 say "a tree without ./dev's uPlot: pip brings another"
 rm -rf "$work"
 mkdir -p "$work/plain"
@@ -45,7 +53,7 @@ say "a fresh environment: $wheel"
 /usr/bin/python3 -m venv "$work/fresh"
 "$work/fresh/bin/pip" install --quiet --no-compile --require-hashes -r packages/python/wheel-run.txt
 "$work/fresh/bin/pip" install --quiet --no-index --no-deps "$wheel"
-"$work/fresh/bin/python" -m pytest -q -p no:cacheprovider python/tests
+pytest_all "$work/fresh/bin/python" -m "not extra" --ignore=python/tests/test_motulator.py python/tests
 "$work/fresh/bin/python" - <<'END'
 import iqfoc
 
@@ -56,7 +64,7 @@ END
 
 say "with the extras"
 "$tools/python" -m pip install --quiet --no-index --no-deps --force-reinstall "$wheel"
-"$tools/python" -m pytest -q -p no:cacheprovider python/tests
+pytest_all "$tools/python" -m extra python/tests
 
 say "a small fleet"
 "$tools/python" -m pytest -q -p no:cacheprovider --show-capture=no examples/fleet

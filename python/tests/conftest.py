@@ -18,6 +18,10 @@ SCENARIO = {
 }
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "extra: needs a package that iqfoc itself does without")
+
+
 @pytest.fixture(scope="session")
 def root():
     return ROOT

@@ -57,6 +57,7 @@ def test_shown(diagnosis):
     assert json.loads(diagnosis.json) == diagnosis.data
 
 
+@pytest.mark.extra
 def test_plot(diagnosis):
     pytest.importorskip("matplotlib")
     in_time, by_run = diagnosis.plot().axes

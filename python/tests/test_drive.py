@@ -194,6 +194,7 @@ def test_tune_is_the_programs(program, root, tmp_path, motor, diagnosis):
         assert str(iqfoc.tune(motor, **arguments)) == text
 
 
+@pytest.mark.extra
 def test_tune_plot(motor):
     pytest.importorskip("matplotlib")
     margins, step = iqfoc.tune(motor, drives=1).plot().axes

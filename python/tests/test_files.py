@@ -50,6 +50,7 @@ def test_recording_goes_round(recording, tmp_path):
     assert "t_s" in recording._repr_html_()
 
 
+@pytest.mark.extra
 def test_a_recording_is_a_dict_that_stays_as_it_is(recording):
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame(recording)

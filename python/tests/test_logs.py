@@ -44,6 +44,7 @@ def test_text_and_memory(columns, expected, recording):
     same(iqfoc.read_log(columns, MAP), expected)
 
 
+@pytest.mark.extra
 def test_mat(columns, expected, tmp_path):
     io = pytest.importorskip("scipy.io")
     io.savemat(tmp_path / "plain.mat", columns)
@@ -52,6 +53,7 @@ def test_mat(columns, expected, tmp_path):
     same(iqfoc.read_log(tmp_path / "struct.mat", prefixed("log.")), expected)
 
 
+@pytest.mark.extra
 def test_parquet_and_feather(columns, expected, tmp_path):
     arrow = pytest.importorskip("pyarrow")
     from pyarrow import feather, parquet
@@ -63,6 +65,7 @@ def test_parquet_and_feather(columns, expected, tmp_path):
     same(iqfoc.read_log(tmp_path / "log.feather", MAP), expected)
 
 
+@pytest.mark.extra
 def test_hdf5(columns, expected, tmp_path):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "log.h5", "w") as file:
@@ -72,6 +75,7 @@ def test_hdf5(columns, expected, tmp_path):
     same(iqfoc.read_log(tmp_path / "log.h5", prefixed("bench/")), expected)
 
 
+@pytest.mark.extra
 def test_mdf(columns, expected, tmp_path):
     asammdf = pytest.importorskip("asammdf")
     t = columns["time"]
@@ -87,6 +91,7 @@ def test_mdf(columns, expected, tmp_path):
     assert all((read[n] == expected[n]).all() for n in expected)
 
 
+@pytest.mark.extra
 def test_xlsx(columns, tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     columns = {n: np.array([float(f"{x:.16g}") for x in c]) for n, c in columns.items()}  # all that openpyxl writes of a number
@@ -123,6 +128,7 @@ def mcap_of(path, topics):
         writer.finish()
 
 
+@pytest.mark.extra
 def test_mcap(columns, expected, tmp_path):
     pytest.importorskip("mcap")
     rows = [dict(zip(columns, map(float, row), strict=True)) for row in zip(*columns.values(), strict=True)]
@@ -156,7 +162,7 @@ def test_a_missing_library_is_one_line(tmp_path, monkeypatch, ending, extra):
     assert "\n" not in str(missing.value)
 
 
-def test_what_cannot_be_used(columns, tmp_path):
+def test_what_cannot_be_used(columns):
     wrong = {"columns": {**MAP["columns"], "i_a_A": "Iaa"}}
     for log, map, words in ((columns, wrong, r'^map:\d+:\d+: i_a_A: log has no column "Iaa"; did you mean "Ia"\?'),
                             ({**columns, "Ia": np.full(600, np.nan)}, MAP, "Ia is no finite number"),
@@ -167,6 +173,10 @@ def test_what_cannot_be_used(columns, tmp_path):
             iqfoc.read_log(log, map)
     with pytest.raises(TypeError):
         iqfoc.read_log(columns)
+
+
+@pytest.mark.extra
+def test_a_cut_file(tmp_path):
     pytest.importorskip("h5py")
     (tmp_path / "cut.h5").write_bytes(b"\x89HDF\r\n\x1a\nand no more")
     with pytest.raises(iqfoc.InputError, match="cut.h5"):

@@ -15,6 +15,8 @@ from motulator.drive.control.sm import CurrentReferenceCfg, CurrentVectorControl
 
 from iqfoc.motulator import Firmware, drive_plant, machine_parameters
 
+pytestmark = pytest.mark.extra
+
 RPM = 3000.0
 
 

@@ -83,16 +83,6 @@ class GoodInput(unittest.TestCase):
         self.assertRegex(still, r"\n +0 +- ")
         self.assertNotRegex(still, "inf|nan")
 
-    def test_loops(self):
-        self.need("loops")
-        self.done(["loops", "--json", "out.json"])
-        result = json.loads((self.folder / "out.json").read_text())
-        self.assertEqual(["discrete angle", "corrected, 2016 (10)"], [loop["feedback"] for loop in result["six_step"]])
-        exact = [point["rms_percent"] for point in result["current"]
-                 if point["loop"] == "deadbeat_exact" and point["belief"] == "right"]
-        self.assertEqual(sorted(exact, reverse=True), exact)
-        self.assertFalse((self.folder / "report-loops").exists())
-
     def test_loops_pulse_modes(self):
         self.need("loops")
         self.done(["loops", "--pulse-modes", "--json", "out.json", "-o", "out"])
