@@ -131,17 +131,6 @@ static double z_of(const coordinate_frame *f, coordinate_id id, double value)
     return (value - nominal) / scale_of(f, id);
 }
 
-void coordinates_scale(const coordinate_frame *f, double voltages, double currents, double z[P_COUNT])
-{
-    const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
-    for (coordinate_id id = 0; id < P_COUNT; id++) {
-        const coordinate *c = &coordinate_table[id];
-        if (c->volts != 0 || c->amperes != 0) {
-            z[id] = z_of(f, id, value_of(&d, id) * pow(voltages, c->volts) * pow(currents, c->amperes));
-        }
-    }
-}
-
 double coordinates_to_file(const coordinate_frame *f, coordinate_id id, const double z[P_COUNT])
 {
     const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
@@ -225,13 +214,32 @@ void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, 
     }
 }
 
+static double within_range(const coordinate_frame *f, coordinate_id id, double z)
+{
+    double low;
+    double high;
+    coordinate_range(f, id, &low, &high);
+    return fmin(fmax(z, low), high);
+}
+
 void coordinates_bound(const coordinate_frame *f, double z[P_COUNT])
 {
     for (coordinate_id id = 0; id < P_COUNT; id++) {
-        double low;
-        double high;
-        coordinate_range(f, id, &low, &high);
-        z[id] = fmin(fmax(z[id], low), high);
+        z[id] = within_range(f, id, z[id]);
     }
     bound_map(f, z);
+}
+
+void coordinates_scale(const coordinate_frame *f, double voltages, double currents, double z[P_COUNT])
+{
+    const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        const coordinate *c = &coordinate_table[id];
+        if (c->volts != 0 || c->amperes != 0) {
+            z[id] = z_of(f, id, value_of(&d, id) * pow(voltages, c->volts) * pow(currents, c->amperes));
+        }
+        if (c->wanders > 0.0) {
+            z[id] = within_range(f, id, z[id]);
+        }
+    }
 }

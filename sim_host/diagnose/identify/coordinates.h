@@ -118,7 +118,8 @@ void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, 
 
 /*
  * The drive with all voltages and all currents multiplied, as its sensors would show it: the voltages' gain goes with the voltages, and
- * the current sensors' against the currents. A recording does not show such a change, except in the current ripple of the duties.
+ * the current sensors' against the currents. A recording does not show such a change, except in the current ripple of the duties. How
+ * sharply an edge ends keeps its bounds: at the sharpest, the rows do not show the current at which.
  */
 void coordinates_scale(const coordinate_frame *f, double voltages, double currents, double z[P_COUNT]);
 

@@ -454,6 +454,29 @@ static void the_whole_drive_keeps_a_scale_that_is_known(void)
     fit_end(&f);
 }
 
+/* At its sharpest an edge stays so by any factor: a drive beyond a bound would not be compared. */
+static void one_factor_on_the_drive_keeps_the_edges_bounds(void)
+{
+    static fitted f;
+    static const coordinate_id knees[] = {P_KNEE, P_COMPENSATION_KNEE};
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    for (size_t k = 0; k < 2; k++) {
+        double low;
+        double high;
+        fit_state s = f.state;
+        coordinate_range(&f.frame, knees[k], &low, &high);
+        s.z[knees[k]] = low;
+        coordinates_scale(&f.frame, 1.0, 0.95, s.z);
+        TEST_ASSERT_EQUAL_DOUBLE(low, s.z[knees[k]]);
+        coordinates_scale(&f.frame, 1.0, 1.25, s.z);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, low + log(1.25), s.z[knees[k]]);
+        s.z[knees[k]] = high;
+        coordinates_scale(&f.frame, 1.0, 1.05, s.z);
+        TEST_ASSERT_EQUAL_DOUBLE(high, s.z[knees[k]]);
+    }
+    fit_end(&f);
+}
+
 static const hypothesis_set OF_SCALE = HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_BOTH_AXES) |
                                        HYPOTHESIS_BIT(H_FLUX) | HYPOTHESIS_BIT(H_VOLTAGE_GAIN);
 
@@ -544,6 +567,7 @@ int main(void)
     RUN_TEST(a_dead_time_takes_nothing_with_it);
     RUN_TEST(nothing_is_named_for_what_has_no_name);
     RUN_TEST(one_factor_on_the_drive_changes_nothing);
+    RUN_TEST(one_factor_on_the_drive_keeps_the_edges_bounds);
     RUN_TEST(drives_by_another_factor_have_their_shares);
     RUN_TEST(the_whole_drive_keeps_a_scale_that_is_known);
     RUN_TEST(a_bad_joint_is_one_phase);
