@@ -267,6 +267,7 @@ static bool leave_unlikely(session *w, FILE *trace)
     if (!taken_back && (!drops || hypotheses_named(w->state.set) == 0)) {
         return true;
     }
+    w->view.stands = w->view.stands && !taken_back;
     if (taken_back && !fit_of_nominal(&w->fitted, &w->nominal)) {
         return false;
     }
@@ -348,6 +349,7 @@ static bool consider_whole(session *w, const diagnose_options *options, bool *wh
 /* After a correction of rows, or of their noise: a set of the whole drive is fitted again from its state, a sparse search restarts. */
 static bool go_on(session *w, const diagnose_options *options, bool *whole)
 {
+    w->view.stands = false;
     if (*whole) {
         return fit_of_nominal(&w->fitted, &w->nominal) && consider_whole(w, options, whole);
     }
@@ -398,6 +400,7 @@ static bool find_under_modulator(session *w, const diagnose_teller *teller)
     }
     if (changed && w->state.objective >= state.objective) {
         rows_fill_edges(&w->rows, w->frame.motor, own);
+        w->view.stands = false;
         w->state = state;
         w->nominal = nominal;
         w->certainty = certainty_found;
@@ -427,6 +430,7 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
     }
     d->outliers = measure_glitches(&w->fitted, &w->state);
     if (d->outliers > 0) {
+        w->view.stands = false;
         /* Glitches disturb every estimate: search again without them. */
         if (options->teller.trace) {
             fprintf(options->teller.trace, "  %zu glitches left out, search repeated\n", d->outliers);

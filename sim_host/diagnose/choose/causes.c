@@ -287,19 +287,20 @@ static bool find(session *w, hypothesis_set possible, const diagnose_teller *tel
 {
     w->state = w->nominal;
     w->allowed = possible;
+    w->view.stands = false;
     fit_grant(&w->fitted);
     double least = 0.0;
-    evidence_view *view = calloc(1, sizeof *view);
     fitted_sets fitted = {0};
-    bool ok = view != NULL;
+    fit_state pruned = w->state;
+    bool ok = true;
     for (bool first = true; ok; first = false) {
-        const hypothesis_set before = w->state.set;
-        ok = search_best(&w->fitted, &w->state, w->allowed, w->nominal.objective, least, &fitted, view,
+        ok = search_best(&w->fitted, &w->state, w->allowed, w->nominal.objective, least, &fitted, &w->view,
                          teller);
-        if (ok && !first && w->state.set == before) {
+        if (ok && !first && w->state.set == pruned.set) {
             break;
         }
-        ok = ok && prune(w, view, &w->allowed, &least, teller);
+        ok = ok && prune(w, &w->view, &w->allowed, &least, teller);
+        pruned = w->state;
         if (w->state.set == 0 && w->allowed == possible) {
             break; /* nothing found, nothing dropped */
         }
@@ -309,9 +310,8 @@ static bool find(session *w, hypothesis_set possible, const diagnose_teller *tel
         }
     }
     /* The last search may have turned a stretch or moved the edge's law without changing the set. */
-    ok = ok && certainty_of(&w->fitted, &w->state, &w->certainty);
+    ok = ok && (evidence_is_same(&pruned, &w->state) || certainty_of(&w->fitted, &w->state, &w->certainty));
     fitted_sets_free(&fitted);
-    free(view);
     return ok;
 }
 

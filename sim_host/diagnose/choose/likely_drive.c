@@ -361,6 +361,7 @@ bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller
     const modulator own = r->modulator;
     fit_state s = w->nominal;
     bool ok = view && outlier;
+    w->view.stands = false;
     if (ok) {
         /* What a search that led nowhere took for glitches, and for the modulator, is forgotten. */
         memcpy(outlier, r->outlier, r->rows);

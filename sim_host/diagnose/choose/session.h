@@ -22,7 +22,7 @@ typedef struct session {
     hypothesis_set
         undecided; /* of these, those for which the recording does not show whether they are the cause */
     drive_scale scale[DRIVE_SCALES];         /* of a set of the whole drive; shares of 0 otherwise */
-    evidence_view view;                      /* of the state that is reported */
+    evidence_view view;                      /* of the state that was last searched from or is reported */
     rival_fits rivals;                       /* of that state */
     fit_state best;                          /* the state, or what was fitted before all of it was given up */
     double borne_out, corrections_borne_out; /* probability of the members, of these and the corrections */
