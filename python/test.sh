@@ -17,11 +17,9 @@ say() {
 }
 
 # Runs tests by the Python $1. None may be skipped: one that needs an extra is marked as such.
-pytest_all() {
-    local said
-    said=$("$1" -m pytest -q -p no:cacheprovider "${@:2}") || { echo "$said"; return 1; }
-    echo "$said"
-    ! grep -E '^[0-9]+ .*skipped' <<<"$said"
+test_by() {
+    "$1" -m pytest -q -p no:cacheprovider "${@:2}" | tee "$work/tests.log"
+    ! grep -E '^[0-9]+ .*skipped' "$work/tests.log"
 }
 
 say "a tree without ./dev's uPlot: pip brings another"
@@ -53,7 +51,7 @@ say "a fresh environment: $wheel"
 /usr/bin/python3 -m venv "$work/fresh"
 "$work/fresh/bin/pip" install --quiet --no-compile --require-hashes -r packages/python/wheel-run.txt
 "$work/fresh/bin/pip" install --quiet --no-index --no-deps "$wheel"
-pytest_all "$work/fresh/bin/python" -m "not extra" --ignore=python/tests/test_motulator.py python/tests
+test_by "$work/fresh/bin/python" -m "not extra" --ignore=python/tests/test_motulator.py python/tests
 "$work/fresh/bin/python" - <<'END'
 import iqfoc
 
@@ -64,10 +62,10 @@ END
 
 say "with the extras"
 "$tools/python" -m pip install --quiet --no-index --no-deps --force-reinstall "$wheel"
-pytest_all "$tools/python" -m extra python/tests
+test_by "$tools/python" -m extra python/tests
 
 say "a small fleet"
-"$tools/python" -m pytest -q -p no:cacheprovider --show-capture=no examples/fleet
+test_by "$tools/python" --show-capture=no examples/fleet
 
 say "the notebooks"
 "$tools/python" python/notebooks/run.py python/notebooks/*.ipynb 2> >(grep -v IPKernelApp >&2)

@@ -33,7 +33,8 @@ PROGRAMS = {
     "patterns": (["patterns"], []),
     "port": (["ports"], ["port/stm32g4/hal_stm32g4.c"]),
 }
-# 32-bit int as on the targets; the library's plain C in place of a target's instructions.
+# 32-bit int as on the targets; the library's plain C in place of a target's instructions. What each source has of
+# a header's functions is merged.
 PARSE = ["-machdep", "gcc_x86_32", "-aggressive-merging",
          "-cpp-extra-args=-std=c99 -Iinclude -Isrc -Itests/prove -Iport/stm32g4 -Iexamples/first_drive -Iexamples/corrected_drive"
          " -Dvolatile= -DIQFOC_TARGET_HEADER='<stdint.h>' -DSTM32G4_BUS_HEADER='\"bus.h\"'"]

@@ -218,9 +218,9 @@ static bool may_join(const session *w, hypothesis_set set, hypothesis_id h)
 }
 
 /* One more effect, if it lowers both errors; *joined: whether one did. */
-static bool extend(session *w, fit_state *s, evidence_view *view, errors *e, const diagnose_teller *teller,
-                   bool *joined)
+static bool extend(session *w, fit_state *s, errors *e, const diagnose_teller *teller, bool *joined)
 {
+    evidence_view *view = &w->view;
     promise list[H_COUNT];
     size_t n = 0;
     *joined = false;
@@ -269,9 +269,9 @@ static void leave(fit_state *s, hypothesis_id h, hypothesis_set possible)
 }
 
 /* One member less: *left is set if one went. */
-static bool shrink(session *w, fit_state *s, evidence_view *view, errors best, const diagnose_teller *teller,
-                   bool *left)
+static bool shrink(session *w, fit_state *s, errors best, const diagnose_teller *teller, bool *left)
 {
+    evidence_view *view = &w->view;
     promise list[H_COUNT];
     size_t n = 0;
     *left = false;
@@ -310,8 +310,7 @@ static bool is_better(const session *w, const fit_state *s, bool whole, errors e
 }
 
 /* From the motor file's values to the whole drive in *s; false: out of memory. *taken: it is better than what the search found. */
-static bool fit_whole(session *w, bool whole, evidence_view *view, fit_state *s,
-                      const diagnose_teller *teller, bool *taken)
+static bool fit_whole(session *w, bool whole, fit_state *s, const diagnose_teller *teller, bool *taken)
 {
     const errors found = errors_of(w, &w->state);
     bool goes_on = true;
@@ -331,12 +330,12 @@ static bool fit_whole(session *w, bool whole, evidence_view *view, fit_state *s,
         return true;
     }
     for (int n = 0; goes_on && n < JOINS_MOST; n++) {
-        if (!extend(w, s, view, &e, teller, &goes_on)) {
+        if (!extend(w, s, &e, teller, &goes_on)) {
             return false;
         }
     }
     for (goes_on = true; goes_on && s->set != 0;) {
-        if (!shrink(w, s, view, e, teller, &goes_on)) {
+        if (!shrink(w, s, e, teller, &goes_on)) {
             return false;
         }
     }
@@ -356,11 +355,10 @@ bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller
         return true;
     }
     diagnose_rows *r = &w->rows;
-    evidence_view *view = calloc(1, sizeof *view);
     unsigned char *outlier = malloc(r->rows + 1);
     const modulator own = r->modulator;
     fit_state s = w->nominal;
-    bool ok = view && outlier;
+    bool ok = outlier != NULL;
     w->view.stands = false;
     if (ok) {
         /* What a search that led nowhere took for glitches, and for the modulator, is forgotten. */
@@ -368,7 +366,7 @@ bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller
         memset(r->outlier, 0, r->rows);
         rows_fill_edges(r, w->frame.motor, MODULATOR_MIN_MAX);
         w->fitted.pooled = true;
-        ok = fit_whole(w, whole, view, &s, teller, taken);
+        ok = fit_whole(w, whole, &s, teller, taken);
         w->fitted.pooled = false;
     }
     if (ok && *taken) {
@@ -381,8 +379,8 @@ bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller
         ok = roughen_angle(w);
         rows_fill_edges(r, w->frame.motor, own);
         memcpy(r->outlier, outlier, r->rows);
+        w->view.stands = false;
     }
     free(outlier);
-    free(view);
     return ok;
 }
