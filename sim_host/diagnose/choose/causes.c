@@ -98,7 +98,13 @@ static double cost_of(const weighing *g, hypothesis_set set)
     return option.cost;
 }
 
-static bool weigh(const session *w, const evidence_view *view, hypothesis_set allowed, double floor,
+/* Likelier than not, or no set without it is likelier than the state's own. */
+static bool is_likely(const standing *of)
+{
+    return of->alone >= LIKELY || of->rival <= 1.0;
+}
+
+static bool weigh(session *w, const evidence_view *view, hypothesis_set allowed, double floor,
                   double unexplained, weighing *out)
 {
     weighing g = {.w = w, .view = view, .floor = floor, .unexplained = unexplained};
@@ -113,7 +119,16 @@ static bool weigh(const session *w, const evidence_view *view, hypothesis_set al
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
     g.with_all = session_named_error(w, set);
     *out = g;
-    return probability_of(view, &w->state, allowed, w->certainty.inflation, NULL, NULL, out->posterior);
+    if (!probability_of(view, &w->state, allowed, w->certainty.inflation, NULL, NULL, out->posterior)) {
+        return false;
+    }
+    bool likely = true;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        likely = likely && (!hypothesis_in(set, h) || is_likely(&out->posterior[h]));
+    }
+    /* None goes for a rival that only the parabola makes likelier. */
+    return likely || probability_of(view, &w->state, allowed, w->certainty.inflation, &w->fitted, &w->rivals,
+                                    out->posterior);
 }
 
 /* The least reduction by a member, from what the others explain and what nothing does. */
@@ -134,8 +149,8 @@ static bool is_probable(const weighing *g, hypothesis_id h)
 {
     const hypothesis_set set = g->w->state.set;
     const double pays = evidence_penalty(g->view, set) - evidence_penalty(g->view, set & ~HYPOTHESIS_BIT(h));
-    const bool likely = g->posterior[h].alone >= LIKELY || g->posterior[h].rival <= 1.0;
-    return likely && g->posterior[h].against / g->w->certainty.inflation - pays >= ODDS_OF_NAMED;
+    return is_likely(&g->posterior[h]) &&
+           g->posterior[h].against / g->w->certainty.inflation - pays >= ODDS_OF_NAMED;
 }
 
 /*

@@ -131,8 +131,9 @@ bool probability_of(const evidence_view *view, const fit_state *s, hypothesis_se
                     fit_data *d, rival_fits *fits, standing of[H_COUNT])
 {
     tally t = {.state = s, .inflation = inflation, .d = d, .fits = fits, .possible = possible};
-    if (d != NULL && !evidence_is_same(&fits->of, s)) {
+    if (d != NULL && (fits->possible != possible || !evidence_is_same(&fits->of, s))) {
         fits->of = *s;
+        fits->possible = possible;
         fits->count = 0;
     }
     evidence_view *held = malloc(sizeof *held);

@@ -24,6 +24,7 @@ enum { RIVALS_FITTED = 16 };
 /* What sets were fitted about a state, and their scores. */
 typedef struct rival_fits {
     fit_state of;
+    hypothesis_set possible;
     size_t count;
     hypothesis_set set[RIVALS_FITTED];
     double score[RIVALS_FITTED];

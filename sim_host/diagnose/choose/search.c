@@ -428,7 +428,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             return false;
         }
     }
-    return fit_has_spent(d) || try_named(d, s, &c);
+    return try_named(d, s, &c);
 }
 
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,

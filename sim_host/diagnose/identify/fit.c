@@ -166,7 +166,7 @@ static double gain_step(const gain_line *line, size_t n, const double *step)
     for (size_t i = 0; i < n; i++) {
         down -= line->lean[i] * step[i];
     }
-    return line->held ? 0.0 : fmin(fmax(down / line->curve, -0.3), 0.3);
+    return line->held ? 0.0 : down / line->curve;
 }
 
 void fit_step_room(const fit_data *d, const fit_state *s, const int *column, size_t n, double *low,

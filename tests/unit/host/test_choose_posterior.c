@@ -107,6 +107,7 @@ static void a_likelier_set_counts_by_its_fit(void)
     for (size_t k = 0; k < sizeof behind / sizeof *behind; k++) {
         fit_data data = {.rows = &rows};
         rival_fits fits = {.of = state,
+                           .possible = BIT(H_RESISTANCE) | BIT(H_FLUX),
                            .count = 2,
                            .set = {BIT(H_FLUX), BIT(H_RESISTANCE)},
                            .score = {100.0 + behind[k], 100.0}};
