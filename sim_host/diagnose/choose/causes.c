@@ -353,42 +353,8 @@ bool causes_bear_out(session *w, const diagnose_teller *teller)
 /* By less than this share chance decides, as where an effect hardly shows in one cycle. */
 static const double HARM = 0.97;
 
-/*
- * What the law of a dead time leaves near zero current is no slope of one cause: several others together take it up, and each
- * seems to be needed given the rest. They go if the dead time fitted alone has the lower held-out error.
- */
-static bool reject_with_dead_time(session *w, const diagnose_teller *teller)
-{
-    const hypothesis_set alone = w->state.set & hypotheses_of(CAUSE_DEAD_TIME);
-    const hypothesis_set others = hypotheses_named(w->state.set) & ~alone;
-    if (alone == 0 || others == 0) {
-        return true;
-    }
-    const fit_state found = w->state;
-    const double with_all = session_named_error(w, found.set);
-    hypotheses_leave(found.set & ~alone, w->state.z);
-    w->state.set = alone;
-    if (!refine(w, false)) {
-        return false;
-    }
-    if (!(session_named_error(w, alone) < HARM * with_all)) {
-        w->state = found;
-        return true;
-    }
-    if (teller->trace) {
-        char words[256];
-        fprintf(teller->trace, "  raise the held-out error with a dead time: %s\n",
-                evidence_words(others, words, sizeof words));
-    }
-    w->allowed &= ~others;
-    return certainty_of(&w->fitted, &w->state, &w->certainty);
-}
-
 bool causes_reject_harmful(session *w, const diagnose_teller *teller)
 {
-    if (!reject_with_dead_time(w, teller)) {
-        return false;
-    }
     for (;;) {
         const double with_all = session_named_error(w, w->state.set);
         hypothesis_id worst = H_COUNT;

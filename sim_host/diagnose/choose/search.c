@@ -65,8 +65,6 @@ typedef struct enumeration {
     evidence_option list[KEPT + 1];
     size_t listed;
     evidence_option of_size[FULL_SIZE]; /* the best of one, two, three; set 0 if there is none */
-    /* The best of one in addition to a compensation, whose two numbers fit much else where one current is recorded alone. */
-    evidence_option plainest;
 } enumeration;
 
 /* Keeps the best options in a sorted list of at most KEPT. */
@@ -77,10 +75,6 @@ static void keep(enumeration *e, const evidence_option *option)
     size_t size = 0;
     for (hypothesis_set rest = option->set; rest != 0; rest &= rest - 1) {
         size++;
-    }
-    if (size == 1 && !hypothesis_in(option->set, H_COMPENSATED) &&
-        (e->plainest.set == 0 || by_score(option, &e->plainest) < 0)) {
-        e->plainest = *option;
     }
     if (size >= 1 && size <= FULL_SIZE) {
         evidence_option *best = &e->of_size[size - 1];
@@ -137,33 +131,10 @@ static void grow(enumeration *e)
     }
 }
 
-/*
- * The one that a set with a gain of the voltages misses of those that one factor scales: no current shows the factor, so in the gain's
- * place the others have it, and that one joins. H_COUNT where more are missed.
- */
-static hypothesis_id missed_by_gain(hypothesis_set set, hypothesis_set allowed)
-{
-    hypothesis_id missed = H_COUNT;
-    size_t others = 0;
-    for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
-        const bool moved = hypotheses_move_scaled(set, k);
-        missed = moved ? missed : hypotheses_scaled[k];
-        others += moved ? 0 : 1;
-    }
-    const hypothesis_set rest = set & ~HYPOTHESIS_BIT(H_VOLTAGE_GAIN);
-    return others == 1 && hypothesis_in(allowed, missed) && hypothesis_joins(rest, missed) ? missed : H_COUNT;
-}
-
 void search_take_out(const fit_data *d, fit_state *s, hypothesis_id h, hypothesis_set allowed)
 {
     const double of_least = d->frame->of_least;
-    const hypothesis_id missed = h == H_VOLTAGE_GAIN ? missed_by_gain(s->set, allowed) : H_COUNT;
     s->set &= ~HYPOTHESIS_BIT(h);
-    if (missed != H_COUNT) {
-        coordinates_scale(d->frame, coordinates_to_file(d->frame, P_K_U, s->z), 1.0, s->z);
-        s->set |= HYPOTHESIS_BIT(missed);
-        return;
-    }
     if (h == H_COMPENSATED && hypothesis_in(allowed, H_DEAD_TIME) &&
         hypotheses_count(HYPOTHESIS_BIT(H_DEAD_TIME), s->z, of_least)) {
         s->set |= HYPOTHESIS_BIT(H_DEAD_TIME);
@@ -398,17 +369,13 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
     evidence_option own;
     evidence_cost(e->view, &start, start.set, &own);
     const double own_cost = own.cost + evidence_penalty(e->view, start.set);
-    enum { FIRST = FULL_SIZE + 1 };
-    hypothesis_set tried[REFINED + FIRST] = {0};
+    hypothesis_set tried[FULL_SIZE + REFINED] = {0};
     size_t n = 0;
-    for (size_t k = 0; k < REFINED + FIRST; k++) {
+    for (size_t k = 0; k < FULL_SIZE + REFINED; k++) {
         /* First the best of each size: while the state is a bad fit, larger sets win by soaking up what is
          * not theirs. */
-        const evidence_option *option = k < FULL_SIZE ? &e->of_size[k]
-                                        : k < FIRST   ? &e->plainest
-                                                      : &e->list[k - FIRST];
-        bool known = option->set == 0 || (k >= FIRST && k - FIRST >= e->listed) ||
-                     (k == FULL_SIZE && e->of_size[0].set != HYPOTHESIS_BIT(H_COMPENSATED)) ||
+        const evidence_option *option = k < FULL_SIZE ? &e->of_size[k] : &e->list[k - FULL_SIZE];
+        bool known = option->set == 0 || (k >= FULL_SIZE && k - FULL_SIZE >= e->listed) ||
                      (round > 0 && option->set == start.set);
         for (size_t j = 0; j < n; j++) {
             known = known || tried[j] == option->set;
@@ -420,7 +387,7 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             continue;
         }
         /* So much was tried that the best of each size must do. */
-        if (k >= FIRST && fit_has_spent(d)) {
+        if (k >= FULL_SIZE && fit_has_spent(d)) {
             break;
         }
         tried[n++] = option->set;

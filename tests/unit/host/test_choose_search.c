@@ -219,37 +219,6 @@ static void once_spent_the_best_of_each_size_must_do(void)
     }
 }
 
-/* No current shows one factor of R, L, psi_f and all voltages. */
-static void without_a_gain_of_the_voltages_the_missing_one_joins(void)
-{
-    const hypothesis_set all = BIT(H_RESISTANCE) | BIT(H_INDUCTANCE) | BIT(H_FLUX) | BIT(H_VOLTAGE_GAIN);
-    prepare();
-    fit_state s = fit_nominal();
-    s.set = all & ~BIT(H_INDUCTANCE);
-    s.z[P_R] = 0.26;
-    s.z[P_PSI] = 0.05;
-    s.z[P_K_U] = 0.05;
-    search_take_out(&data, &s, H_VOLTAGE_GAIN, all);
-    TEST_ASSERT_TRUE(s.set == (all & ~BIT(H_VOLTAGE_GAIN)));
-    SAME(0.2, s.z[P_R]);
-    SAME(0.0, s.z[P_PSI]);
-    SAME(0.0, s.z[P_K_U]);
-    SAME(-log(1.05), s.z[P_L_D]);
-    SAME(-log(1.05), s.z[P_L_Q]);
-    /* Where two are missing, or the one may not join, it only goes. */
-    for (int two = 0; two < 2; two++) {
-        s = fit_nominal();
-        s.set = BIT(H_RESISTANCE) | BIT(H_VOLTAGE_GAIN) | (two ? 0 : BIT(H_FLUX));
-        const hypothesis_set others = s.set & ~BIT(H_VOLTAGE_GAIN);
-        s.z[P_R] = 0.26;
-        s.z[P_K_U] = 0.05;
-        search_take_out(&data, &s, H_VOLTAGE_GAIN, two ? all : all & ~BIT(H_INDUCTANCE));
-        TEST_ASSERT_TRUE(s.set == others);
-        SAME(0.26, s.z[P_R]);
-        SAME(0.0, s.z[P_L_D]);
-    }
-}
-
 int main(void)
 {
     UNITY_BEGIN();
@@ -257,7 +226,6 @@ int main(void)
     RUN_TEST(where_the_model_gives_no_number_a_fit_begins_on_the_way_there);
     RUN_TEST(no_number_near_by_is_given_up);
     RUN_TEST(a_fit_that_ends_beyond_an_effects_bounds_is_none);
-    RUN_TEST(without_a_gain_of_the_voltages_the_missing_one_joins);
     RUN_TEST(once_spent_the_best_of_each_size_must_do);
     return UNITY_END();
 }
