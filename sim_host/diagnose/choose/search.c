@@ -20,7 +20,8 @@ enum {
     LARGEST_SIZE = 5, /* larger ones grow from the best */
     KEPT = 24,        /* sets that grow */
     REFINED = 3,      /* sets that are fitted without linearisation per round */
-    REFINE_STEPS = 5
+    REFINE_STEPS = 5,
+    FEW_ROWS = 2500 /* enough to tell the best set of the first round */
 };
 
 /* How much worse than the present set a set may look under linearisation and still be tried. */
@@ -398,12 +399,70 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
     return try_named(d, s, &c);
 }
 
+/* What a search looks at and by. */
+typedef struct searching {
+    fit_data *d;
+    hypothesis_set allowed;
+    double nominal; /* objective of the motor file's model */
+    double least;
+    fitted_sets *fitted;
+    evidence_view *view;
+    enumeration *e;
+    const diagnose_teller *teller;
+} searching;
+
+/* Looks at all sets from the state and fits the promising ones; *s: the best. */
+static bool try_sets(const searching *by, fit_state *s, int round)
+{
+    if (!evidence_look(by->d, s, by->allowed, by->view)) {
+        return false;
+    }
+    by->view->explained = fmax(by->nominal - s->objective, 0.0);
+    by->view->least = by->least;
+    enumeration *e = by->e;
+    memset(e, 0, sizeof *e);
+    e->view = by->view;
+    e->state = s;
+    e->allowed = by->allowed | (s->set & (HYPOTHESIS_BIT(H_IRON_1) | HYPOTHESIS_BIT(H_IRON_2)));
+    enumerate(e, 0, 0, FULL_SIZE);
+    grow(e);
+    return try_options(by->d, s, e, round, by->nominal, by->fitted, by->teller);
+}
+
+/*
+ * The first round, from the motor file's model, by few rows: most of the sets that it fits are wrong, and it needs only to know which is
+ * best. That one is fitted by all rows. *s stays if none is better, or the model gives no number there.
+ */
+static bool try_sets_by_few_rows(const searching *by, fit_state *s)
+{
+    const fit_state start = *s;
+    searching few = *by;
+    fit_data_select(by->d, FEW_ROWS);
+    fit_noise(by->d, s);
+    few.nominal = s->objective;
+    const bool ok = try_sets(&few, s, 0);
+    fit_data_select(by->d, by->d->rows_max);
+    by->view->stands = false;
+    double alone = NAN;
+    double worth;
+    evidence_option found = {.set = s->set};
+    memcpy(found.z, s->z, sizeof found.z);
+    if (ok && s->set != 0 && !fit_option(by->d, &found, by->allowed, INFINITY, s, &alone, &worth)) {
+        return false;
+    }
+    if (isnan(alone)) {
+        *s = start;
+    }
+    return ok;
+}
+
 bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nominal_objective, double least,
                  fitted_sets *fitted, evidence_view *view, const diagnose_teller *teller)
 {
-    enumeration *e = calloc(1, sizeof *e);
+    const searching by = {
+        d, allowed, nominal_objective, least, fitted, view, calloc(1, sizeof(enumeration)), teller};
     edge_contest edges = {.apart = 0.0};
-    bool ok = e != NULL;
+    bool ok = by.e != NULL;
     /* A state that holds causes is a fit already: what looks worse from there is not tried. */
     for (int round = s->set ? 1 : 0; ok && round < SEARCH_ROUNDS && (round < 2 || !fit_has_spent(d));
          round++) {
@@ -412,32 +471,18 @@ bool search_best(fit_data *d, fit_state *s, hypothesis_set allowed, double nomin
         ok =
             edge_choose(d, s) && branch_choose(d, s) && revolution_align(d, s, d->frame->pole_pairs, &turned);
         view->stands = view->stands && !turned;
-        if (ok && turned) {
-            ok = fit_refine(d, s, REFINE_STEPS);
-        }
+        ok = ok && (!turned || fit_refine(d, s, REFINE_STEPS));
         if (turned || s->edge != fitted->edge) {
             fitted_sets_forget(fitted, s->edge);
         }
-        ok = ok && evidence_look(d, s, allowed, view);
-        if (!ok) {
-            break;
-        }
-        view->explained = fmax(nominal_objective - s->objective, 0.0);
-        view->least = least;
-        memset(e, 0, sizeof *e);
-        e->view = view;
-        e->state = s;
-        e->allowed = allowed | (s->set & (HYPOTHESIS_BIT(H_IRON_1) | HYPOTHESIS_BIT(H_IRON_2)));
-        enumerate(e, 0, 0, FULL_SIZE);
-        grow(e);
-        hypothesis_set before = s->set;
-        ok = try_options(d, s, e, round, nominal_objective, fitted, teller) &&
-             map_choose(d, s, allowed, REFINE_STEPS);
+        const hypothesis_set before = s->set;
+        ok = ok && (round > 0 || d->rows_fitted <= FEW_ROWS || try_sets_by_few_rows(&by, s)) &&
+             (s->set != before || try_sets(&by, s, round)) && map_choose(d, s, allowed, REFINE_STEPS);
         if (s->set == before && !(turned && s->objective < entered - TURN_BRINGS)) {
             break;
         }
         ok = ok && (!hypothesis_in(s->set, H_DEAD_TIME) || edge_revise(d, s, REFINE_STEPS, &edges));
     }
-    free(e);
+    free(by.e);
     return ok;
 }

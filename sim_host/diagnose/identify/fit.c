@@ -108,11 +108,11 @@ void fit_noise(fit_data *d, fit_state *s)
         const block_sums *sums = &d->sums[b];
         group_noise *n = &s->noise[d->rows->block[d->block[b]].group];
         for (size_t k = 0; k < 3; k++) {
-            n->cov[k] += sums->cov[k];
+            n->cov[k] += d->weight * sums->cov[k];
         }
-        n->zero += sums->zero;
-        n->rows += sums->rows;
-        n->counted += sums->counted;
+        n->zero += d->weight * sums->zero;
+        n->rows += d->weight * sums->rows;
+        n->counted += d->weight * sums->counted;
     }
     finish_noise(d, s);
 }

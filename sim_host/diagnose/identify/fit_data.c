@@ -16,18 +16,18 @@ static const double GAIN_START = 0.5;
  */
 static const double ENOUGH = 0.9e7;
 
-bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, size_t rows_max, error *e)
+void fit_data_select(fit_data *d, size_t rows_max)
 {
-    *d = (fit_data){.rows = r, .frame = f};
+    const diagnose_rows *r = d->rows;
     size_t total = 0;
     for (size_t b = 0; b < r->blocks; b++) {
         total += r->block[b].held_out ? 0 : r->block[b].count;
     }
     const double share = fmin((double)rows_max / fmax((double)total, 1.0), 1.0);
-    d->block = calloc(r->blocks + 1, sizeof *d->block);
     double due = 0.0; /* blocks of the group that should be selected by now, and were not */
     size_t group = ROWS_MAX_GROUPS;
-    for (size_t b = 0; d->block && b < r->blocks; b++) {
+    d->blocks = d->rows_fitted = 0;
+    for (size_t b = 0; b < r->blocks; b++) {
         if (r->block[b].held_out) {
             continue;
         }
@@ -36,13 +36,23 @@ bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, siz
         if (due >= 1.0) {
             due -= 1.0;
             d->block[d->blocks++] = b;
-            d->longest = r->block[b].count > d->longest ? r->block[b].count : d->longest;
-            d->rows_all += r->block[b].count;
+            d->rows_fitted += r->block[b].count;
         }
     }
-    size_t outputs = OBSERVER_OUTPUTS * d->longest + 1;
+    const double rows = fmin((double)d->rows_max, (double)total);
+    d->weight = rows_max < d->rows_max ? fmax(rows / fmax((double)d->rows_fitted, 1.0), 1.0) : 1.0;
+}
+
+bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, size_t rows_max, error *e)
+{
+    *d = (fit_data){.rows = r, .frame = f, .rows_max = rows_max};
+    for (size_t b = 0; b < r->blocks; b++) {
+        d->longest = r->block[b].count > d->longest ? r->block[b].count : d->longest;
+    }
+    d->block = calloc(r->blocks + 1, sizeof *d->block);
+    d->sums = calloc(r->blocks + 1, sizeof *d->sums);
     d->nodes = calloc(r->nodes, sizeof *d->nodes);
-    d->sums = calloc(d->blocks + 1, sizeof *d->sums);
+    size_t outputs = OBSERVER_OUTPUTS * d->longest + 1;
     bool complete = d->block && d->nodes && d->sums;
     for (size_t k = 0; k < parallel_workers(); k++) {
         struct fit_work *w = &d->work[k];
@@ -56,8 +66,9 @@ bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, siz
     }
     if (!complete) {
         fit_data_free(d);
-        return error_failure(e, 0, "out of memory for a fit of %zu rows", total);
+        return error_failure(e, 0, "out of memory for a fit of %zu rows", r->rows);
     }
+    fit_data_select(d, rows_max);
     return true;
 }
 
@@ -81,7 +92,7 @@ void fit_spend(fit_data *d, const averaged_drive *drive, size_t ways)
 {
     const double dear = (averaged_drive_loses(drive) ? 1.0 : 0.0) + (iron_branch_present(drive) ? 1.0 : 0.0) +
                         (drive->sensor_lag_s != 0.0 ? 1.0 : 0.0) + (flux_map_bends(drive) ? 0.5 : 0.0);
-    d->effort += (1.0 + dear) * (double)ways * (double)d->rows_all;
+    d->effort += (1.0 + dear) * (double)ways * (double)d->rows_fitted;
 }
 
 bool fit_has_spent(const fit_data *d)

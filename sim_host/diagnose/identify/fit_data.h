@@ -41,8 +41,10 @@ typedef struct fit_data {
     const coordinate_frame *frame;
     size_t *block; /* indices of the blocks that are fitted */
     size_t blocks;
-    size_t longest; /* rows of the longest block */
-    size_t rows_all;
+    size_t longest;      /* rows of the longest block, fitted or not */
+    size_t rows_fitted;  /* in those blocks */
+    size_t rows_max;     /* of fit_data_make */
+    double weight;       /* what a row counts in the objective and in all sums: fit_data_select */
     double effort;       /* so far, in rows: fit_spend */
     double granted;      /* in addition to the limit of one search: fit_grant */
     unsigned beginnings; /* number of grants */
@@ -65,6 +67,12 @@ typedef struct fit_data {
 /* Selects the blocks to fit: at least one of each group, evenly spread, with about `rows_max` rows at most. */
 bool fit_data_make(fit_data *d, diagnose_rows *r, const coordinate_frame *f, size_t rows_max, error *e);
 void fit_data_free(fit_data *d);
+
+/*
+ * Selects again, at most d->rows_max. What is left out is made up for by the weight of the other rows: the objective is about that of
+ * d->rows_max, and so what a cause must reduce it by stays in proportion.
+ */
+void fit_data_select(fit_data *d, size_t rows_max);
 
 /* The start of a fit: the nominal model, with gains of 0.5. */
 fit_state fit_nominal(void);

@@ -133,13 +133,13 @@ static void one_block(void *context, size_t b, size_t worker)
     find_slopes(t, block, work, stride);
     gram_whiten(noise, block->count, work->base, work->base);
     sum->group = block->group;
-    sum->c = dot(work->base, work->base, outputs);
+    sum->c = d->weight * dot(work->base, work->base, outputs);
     for (size_t c = 0; c < t->columns; c++) {
         double *column_c = work->columns + c * stride;
         gram_whiten(noise, block->count, column_c, column_c);
-        sum->g[c] = dot(column_c, work->base, outputs);
+        sum->g[c] = d->weight * dot(column_c, work->base, outputs);
         for (size_t a = 0; a <= c; a++) {
-            sum->h[a][c] = sum->h[c][a] = dot(column_c, work->columns + a * stride, outputs);
+            sum->h[a][c] = sum->h[c][a] = d->weight * dot(column_c, work->columns + a * stride, outputs);
         }
     }
 }

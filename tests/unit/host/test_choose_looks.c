@@ -165,6 +165,58 @@ static void what_a_fit_spends_is_counted(void)
     fit_end(&f);
 }
 
+/* Rows that count several times take the place of others: by how much R lowers the objective, and how sure it is, stay. */
+static void a_few_rows_count_for_all(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    const fit_state nominal = fit_nominal();
+    const int column[] = {P_R};
+    const size_t all = f.data.rows_fitted;
+    double by_R[4];
+    double curve[4];
+    for (size_t part = 1; part <= 4; part++) {
+        fit_data_select(&f.data, part == 1 ? f.data.rows_max : all / part);
+        bool has[ROWS_MAX_GROUPS] = {false};
+        size_t rows = 0;
+        for (size_t b = 0; b < f.data.blocks; b++) {
+            const row_block *block = &f.rows.block[f.data.block[b]];
+            TEST_ASSERT_FALSE(block->held_out);
+            has[block->group] = true;
+            rows += block->count;
+        }
+        for (size_t g = 0; g < f.rows.groups; g++) {
+            TEST_ASSERT_TRUE(has[g]);
+        }
+        TEST_ASSERT_EQUAL_size_t(f.data.rows_fitted, rows);
+        TEST_ASSERT_TRUE(rows <= all / part + f.rows.groups * f.data.longest);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9 * (double)all, (double)all, f.data.weight * (double)rows);
+        fit_state without = f.state;
+        fit_state with = f.state;
+        memcpy(without.z, nominal.z, sizeof without.z);
+        fit_noise(&f.data, &without);
+        fit_noise(&f.data, &with);
+        by_R[part - 1] = without.objective - with.objective;
+        gram *grams = gram_blocks(&f.data, &f.state, column, 1);
+        TEST_ASSERT_NOT_NULL(grams);
+        curve[part - 1] = 0.0;
+        for (size_t b = 0; b < f.data.blocks; b++) {
+            curve[part - 1] += grams[b].h[0][0];
+        }
+        free(grams);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2 * by_R[0], by_R[0], by_R[part - 1]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2 * curve[0], curve[0], curve[part - 1]);
+    }
+    fit_data_select(&f.data, f.data.rows_max);
+    TEST_ASSERT_EQUAL_size_t(all, f.data.rows_fitted);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, f.data.weight);
+    const double objective = f.state.objective;
+    fit_noise(&f.data, &f.state);
+    TEST_ASSERT_EQUAL_DOUBLE(objective, f.state.objective);
+    fit_end(&f);
+}
+
 /* How much a search may spend that begins now. */
 static double left_to_spend(const fit_data *d)
 {
@@ -557,6 +609,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(a_gain_is_a_column_as_any_other);
     RUN_TEST(what_a_fit_spends_is_counted);
+    RUN_TEST(a_few_rows_count_for_all);
     RUN_TEST(a_new_beginning_has_half);
     RUN_TEST(a_fit_ends_where_nothing_is_better);
     RUN_TEST(without_a_number_nothing_is_moved);

@@ -14,12 +14,18 @@
 enum { MOST_FITS = 64 };
 
 static double R_without_number; /* from there on the model gives none */
+static size_t rows_without;     /* with more rows than these it gives none anywhere */
 static double iron_ends;        /* a fit multiplies that current by it */
 static fit_data data;
 static coordinate_frame frame;
 static size_t fits;
 static fit_state begun[MOST_FITS];
+static size_t begun_by[MOST_FITS]; /* rows */
+static size_t looks;
+static size_t look_by[MOST_FITS];
 
+void __wrap_fit_noise(fit_data *d, fit_state *s);
+void __wrap_fit_data_select(fit_data *d, size_t rows_max);
 bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone);
 bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen);
 bool __wrap_tolerance_of_state(fit_data *d, const fit_state *s, double *worth);
@@ -29,12 +35,12 @@ bool __wrap_revolution_align(fit_data *d, const fit_state *s, int pole_pairs, bo
 
 bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const fit_aim *aim, double *alone)
 {
-    (void)d;
     (void)iterations;
     (void)aim;
     TEST_ASSERT_TRUE(fits < MOST_FITS);
+    begun_by[fits] = d->rows_fitted;
     begun[fits++] = *s;
-    if (fabs(s->z[P_R]) > R_without_number) {
+    if (fabs(s->z[P_R]) > R_without_number || d->rows_fitted > rows_without) {
         *alone = s->objective = NAN;
         return true;
     }
@@ -44,10 +50,22 @@ bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const f
     return true;
 }
 
-bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen)
+void __wrap_fit_noise(fit_data *d, fit_state *s)
 {
     (void)d;
+    s->objective = WORST;
+}
+
+void __wrap_fit_data_select(fit_data *d, size_t rows_max)
+{
+    d->rows_fitted = rows_max < d->rows_max ? rows_max : d->rows_max;
+}
+
+bool __wrap_evidence_look(fit_data *d, const fit_state *s, hypothesis_set allowed, evidence_view *seen)
+{
     (void)allowed;
+    TEST_ASSERT_TRUE(looks < MOST_FITS);
+    look_by[looks++] = d->rows_fitted;
     *seen = (evidence_view){.rows = &rows, .edge = s->edge, .of_least = 1.0};
     parabolas_seen(s, seen);
     return true;
@@ -101,6 +119,7 @@ static void prepare(void)
     }
     data = (fit_data){.rows = &rows, .frame = &frame};
     R_without_number = INFINITY;
+    rows_without = SIZE_MAX;
     iron_ends = 1.0;
     state = fit_nominal();
     state.objective = WORST;
@@ -111,7 +130,7 @@ static hypothesis_set search(hypothesis_set allowed)
 {
     static const diagnose_teller nobody = {0};
     fitted_sets fitted = {0};
-    fits = 0;
+    fits = looks = 0;
     TEST_ASSERT_TRUE(search_best(&data, &state, allowed, WORST, 0.0, &fitted, view, &nobody));
     fitted_sets_free(&fitted);
     return state.set;
@@ -219,6 +238,49 @@ static void once_spent_the_best_of_each_size_must_do(void)
     }
 }
 
+/* All sets of the first round by few rows, the best of them and all later rounds by all. */
+static void the_first_round_takes_few_rows(void)
+{
+    prepare();
+    data.rows_fitted = data.rows_max = 5000;
+    takes(P_R, 0.4, 300.0);
+    takes(P_PSI, 0.1, 290.0);
+    const hypothesis_set both = BIT(H_RESISTANCE) | BIT(H_FLUX);
+    TEST_ASSERT_TRUE(search(both) == both);
+    TEST_ASSERT_EQUAL_size_t(4, fits); /* three sets, and the best by all */
+    TEST_ASSERT_EQUAL_size_t(2, looks);
+    TEST_ASSERT_TRUE(begun_by[0] < 5000 && look_by[0] == begun_by[0] && begun_by[2] == begun_by[0]);
+    TEST_ASSERT_TRUE(begun_by[3] == 5000 && look_by[1] == 5000);
+    TEST_ASSERT_TRUE(begun[3].set == both);
+    TEST_ASSERT_EQUAL_DOUBLE(best[P_PSI], begun[3].z[P_PSI]);
+    TEST_ASSERT_EQUAL_size_t(5000, data.rows_fitted);
+    /* A short recording has no more. */
+    state = fit_nominal();
+    state.objective = WORST;
+    data.rows_fitted = data.rows_max = begun_by[0];
+    TEST_ASSERT_TRUE(search(both) == both);
+    TEST_ASSERT_EQUAL_size_t(3, fits);
+    /* A state that holds a cause was fitted by all. */
+    data.rows_fitted = data.rows_max = 5000;
+    TEST_ASSERT_TRUE(search(both) == both);
+    TEST_ASSERT_EQUAL_size_t(5000, look_by[0]);
+}
+
+/* What few rows show and all do not is nothing: all have a first round of their own, from where the search began. */
+static void what_is_not_left_by_all_rows_is_not_found(void)
+{
+    prepare();
+    data.rows_fitted = data.rows_max = 5000;
+    rows_without = 4000;
+    takes(P_R, 0.4, 300.0);
+    TEST_ASSERT_TRUE(search(BIT(H_RESISTANCE)) == 0);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, state.z[P_R]);
+    TEST_ASSERT_EQUAL_DOUBLE(WORST, state.objective);
+    TEST_ASSERT_EQUAL_size_t(2, looks);
+    TEST_ASSERT_EQUAL_size_t(5000, look_by[1]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, begun[fits - 1].z[P_PSI]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -227,5 +289,7 @@ int main(void)
     RUN_TEST(no_number_near_by_is_given_up);
     RUN_TEST(a_fit_that_ends_beyond_an_effects_bounds_is_none);
     RUN_TEST(once_spent_the_best_of_each_size_must_do);
+    RUN_TEST(the_first_round_takes_few_rows);
+    RUN_TEST(what_is_not_left_by_all_rows_is_not_found);
     return UNITY_END();
 }
