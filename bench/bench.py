@@ -5,6 +5,7 @@ Runs the benchmark images in QEMU: instructions, bytes and stack, as tables and 
 Called by bench/run.sh, which builds the images first.
 """
 import argparse
+import concurrent.futures
 import json
 import pathlib
 import subprocess
@@ -156,6 +157,31 @@ def evaluate(target, build):
     return rows
 
 
+def estimated(build):
+    """The rows of Cortex-M4 with an estimate of their cycles."""
+    rows = evaluate("cortex-m4", build)
+    estimate.add(rows, build, EMULATORS["cortex-m4"] + SERIAL)
+    return rows
+
+
+def measured(folder):
+    """All that is counted of the builds in a folder. The emulators run side by side: they count instructions, not time."""
+    build = {target: folder / target for target in EMULATORS}
+    with concurrent.futures.ProcessPoolExecutor() as pool:
+        rows = {"cortex-m4": pool.submit(estimated, build["cortex-m4"]), "rv32": pool.submit(evaluate, "rv32", build["rv32"])}
+        cores = {core: pool.submit(one_core.costs, core, ("isr_cycle", "handler_stm32g4")) for core in table.CORES}
+        banks = pool.submit(flash.evaluate, build["cortex-m4"], EMULATORS["cortex-m4"] + SERIAL)
+        return {
+            **{target: found.result() for target, found in rows.items()},
+            "flash": banks.result(),
+            "library": {target: library_size(build[target]) for target in EMULATORS},
+            "size": {target: size.evaluate(target, build[target]) for target in EMULATORS},
+            "compilers": compilers(EMULATORS),
+            "cores": {core: found.result() for core, found in cores.items()},
+            "firmware": size.firmware(build["cortex-m4"]),
+        }
+
+
 # Objects of the papers' control: the library's core.
 CORE = {"arm_muls", "arm_rotor", "arm_sincos", "cycle", "iq24_math", "iq24_trig", "modulation", "rotor"}
 
@@ -241,14 +267,7 @@ def main():
         target = "cortex-m4"
         return report(check({target: evaluate(target, options.build / target), "size": {target: size.evaluate(target, options.build / target)},
                              "compilers": compilers([target])}))
-    result = {target: evaluate(target, options.build / target) for target in EMULATORS}
-    estimate.add(result["cortex-m4"], options.build / "cortex-m4", EMULATORS["cortex-m4"] + SERIAL)
-    result["flash"] = flash.evaluate(options.build / "cortex-m4", EMULATORS["cortex-m4"] + SERIAL)
-    result["library"] = {target: library_size(options.build / target) for target in EMULATORS}
-    result["size"] = {target: size.evaluate(target, options.build / target) for target in EMULATORS}
-    result["compilers"] = compilers(EMULATORS)
-    result["cores"] = {core: one_core.costs(core, ("isr_cycle", "handler_stm32g4")) for core in table.CORES}
-    result["firmware"] = size.firmware(options.build / "cortex-m4")
+    result = measured(options.build)
     text = json.dumps(result, indent=1) + "\n"
     if options.json:
         options.json.write_text(text)

@@ -262,16 +262,16 @@ check_site() {
     python3 -B tests/browser/site_search.py build/site
 }
 
+# At its end, where other lanes may have nothing left to do, are parts that fill all cores.
 program_lane() {
     run_part host test_preset host
     run_part cortex-m4 test_freestanding cortex-m4 arm-none-eabi-nm
     run_part rv32 test_freestanding rv32 riscv64-unknown-elf-nm
     run_part web test_web
-    run_part target tests/target/run.sh
-    run_part mutate python3 -B tools/mutate.py --check --jobs "$JOBS"
-    run_part golden python3 tools/golden.py check
     run_part misra python3 tools/misra.py check
     run_part site check_site
+    run_part target tests/target/run.sh
+    run_part golden python3 tools/golden.py check
     run_part bench bench/run.sh --check
     free_parts
 }
@@ -301,6 +301,7 @@ free_parts() {
     take_part python python/test.sh
     take_part blind tests/blind/run.py --ci --jobs "$JOBS"
     take_part figures python3 tools/figures.py check
+    take_part mutate python3 -B tools/mutate.py --check --jobs "$JOBS"
     take_part static check_static
     take_part third tests/blind/third.py --ci --jobs "$JOBS"
     take_part examples python3 tools/check_examples.py
@@ -321,7 +322,7 @@ quick_target_lane() {
 
 quick_host() {
     build_preset host all -DBUILD_TESTING=ON -DIQFOC_TESTS=quick
-    ctest --test-dir build/host -j "$JOBS" --no-tests=error --output-on-failure --label-exclude '^(sweep|study|tool|blind)$'
+    ctest --test-dir build/host -j "$JOBS" --no-tests=error --output-on-failure --label-exclude '^(sweep|study|tool|blind|long)$'
 }
 
 test_quickly() {
