@@ -272,51 +272,62 @@ static double most_of(double nominal, const fit_state *best, double by_digits)
     return best->objective + 0.25 * (nominal - best->objective) + 10.0 * by_digits;
 }
 
+/* What a search looks at and by. */
+typedef struct searching {
+    fit_data *d;
+    hypothesis_set allowed;
+    double nominal; /* objective of the motor file's model */
+    double least;
+    fitted_sets *fitted;
+    evidence_view *view;
+    enumeration *e;
+    const diagnose_teller *teller;
+} searching;
+
 /* A round's options against the best of them so far. */
 typedef struct contest {
-    const enumeration *e;
+    const searching *by;
     fit_state start; /* from which they are fitted */
     int round;
-    double nominal, score, by_digits; /* of the best so far */
-    fitted_sets *fitted;
-    const diagnose_teller *teller;
+    double score, by_digits; /* of the best so far */
 } contest;
 
 static void trace_option(const contest *c, const evidence_option *option, const fit_state *trial,
                          const char *how, double score)
 {
     char words[256];
-    if (c->teller->trace) {
-        fprintf(c->teller->trace, "  round %d: %-60s ", c->round,
+    if (c->by->teller->trace) {
+        fprintf(c->by->teller->trace, "  round %d: %-60s ", c->round,
                 evidence_words(option->set, words, sizeof words));
         if (isnan(option->score)) {
-            fprintf(c->teller->trace, "%-19s", "in its place");
+            fprintf(c->by->teller->trace, "%-19s", "in its place");
         } else {
-            fprintf(c->teller->trace, "linear %10.1f  ", option->score);
+            fprintf(c->by->teller->trace, "linear %10.1f  ", option->score);
         }
-        fprintf(c->teller->trace, "%s %12.1f%s%s\n", how, score, trial->set != option->set ? " as " : "",
+        fprintf(c->by->teller->trace, "%s %12.1f%s%s\n", how, score, trial->set != option->set ? " as " : "",
                 trial->set != option->set ? evidence_words(trial->set, words, sizeof words) : "");
     }
 }
 
 /* An option fitted; *s, if it is better. */
-static bool try_option(fit_data *d, fit_state *s, const evidence_option *option, contest *c)
+static bool try_option(fit_state *s, const evidence_option *option, contest *c)
 {
-    const fitted_set *before = c->round > 0 ? fitted_sets_find(c->fitted, option->set, c->e->allowed) : NULL;
+    const fitted_set *before =
+        c->round > 0 ? fitted_sets_find(c->by->fitted, option->set, c->by->e->allowed) : NULL;
     fit_state trial = before ? before->state : c->start;
     double worth = before ? before->worth : 0.0;
-    const double most = most_of(c->nominal, s, c->by_digits);
+    const double most = most_of(c->by->nominal, s, c->by_digits);
     double alone = trial.objective;
     if (!before) {
-        tell_option(c->teller, c->round, option);
-        if (!fit_option(d, option, c->e->allowed, most, &trial, &alone, &worth)) {
+        tell_option(c->by->teller, c->round, option);
+        if (!fit_option(c->by->d, option, c->by->e->allowed, most, &trial, &alone, &worth)) {
             return false;
         }
         if (c->round > 0 && alone <= most) {
-            fitted_sets_keep(c->fitted, option->set, &trial, worth);
+            fitted_sets_keep(c->by->fitted, option->set, &trial, worth);
         }
     }
-    const double score = state_score(c->e->view, &trial, worth);
+    const double score = state_score(c->by->e->view, &trial, worth);
     trace_option(c, option, &trial, before ? "known " : (alone <= most ? "fitted" : "given up"), score);
     if (alone <= most && score < c->score) {
         *s = trial;
@@ -330,7 +341,7 @@ static bool try_option(fit_data *d, fit_state *s, const evidence_option *option,
  * An effect without a name that won together with others may hold the place of a cause that does the same: with its freedom it looks better
  * from afar, where no law's shape is fitted yet. That cause is tried in its place.
  */
-static bool try_named(fit_data *d, fit_state *s, contest *c)
+static bool try_named(fit_state *s, contest *c)
 {
     const fit_state best = *s;
     c->start = best;
@@ -341,12 +352,12 @@ static bool try_named(fit_data *d, fit_state *s, contest *c)
         }
         for (hypothesis_id other = 0; other < H_COUNT; other++) {
             const hypothesis_set rest = best.set & ~HYPOTHESIS_BIT(h);
-            if (hypothesis_in(c->e->allowed, other) && hypothesis_cause(other)->named &&
+            if (hypothesis_in(c->by->e->allowed, other) && hypothesis_cause(other)->named &&
                 (hypothesis_table[other].holds & decoy->holds) != 0 && hypothesis_joins(rest, other)) {
                 evidence_option named = {.set = rest | HYPOTHESIS_BIT(other), .score = NAN};
                 memcpy(named.z, best.z, sizeof named.z);
                 hypothesis_copy(h, hypothesis_nominal, named.z);
-                if (!try_option(d, s, &named, c)) {
+                if (!try_option(s, &named, c)) {
                     return false;
                 }
             }
@@ -356,17 +367,11 @@ static bool try_named(fit_data *d, fit_state *s, contest *c)
 }
 
 /* One round: the promising options fitted, *s the best. */
-static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int round, double nominal,
-                        fitted_sets *fitted, const diagnose_teller *teller)
+static bool try_options(const searching *by, fit_state *s, int round)
 {
+    const enumeration *e = by->e;
     const fit_state start = *s;
-    contest c = {.e = e,
-                 .start = start,
-                 .round = round,
-                 .nominal = nominal,
-                 .score = state_score(e->view, s, e->view->worth),
-                 .fitted = fitted,
-                 .teller = teller};
+    contest c = {.by = by, .start = start, .round = round, .score = state_score(e->view, s, e->view->worth)};
     evidence_option own;
     evidence_cost(e->view, &start, start.set, &own);
     const double own_cost = own.cost + evidence_penalty(e->view, start.set);
@@ -388,28 +393,16 @@ static bool try_options(fit_data *d, fit_state *s, const enumeration *e, int rou
             continue;
         }
         /* So much was tried that the best of each size must do. */
-        if (k >= FULL_SIZE && fit_has_spent(d)) {
+        if (k >= FULL_SIZE && fit_has_spent(by->d)) {
             break;
         }
         tried[n++] = option->set;
-        if (!try_option(d, s, option, &c)) {
+        if (!try_option(s, option, &c)) {
             return false;
         }
     }
-    return try_named(d, s, &c);
+    return try_named(s, &c);
 }
-
-/* What a search looks at and by. */
-typedef struct searching {
-    fit_data *d;
-    hypothesis_set allowed;
-    double nominal; /* objective of the motor file's model */
-    double least;
-    fitted_sets *fitted;
-    evidence_view *view;
-    enumeration *e;
-    const diagnose_teller *teller;
-} searching;
 
 /* Looks at all sets from the state and fits the promising ones; *s: the best. */
 static bool try_sets(const searching *by, fit_state *s, int round)
@@ -426,7 +419,7 @@ static bool try_sets(const searching *by, fit_state *s, int round)
     e->allowed = by->allowed | (s->set & (HYPOTHESIS_BIT(H_IRON_1) | HYPOTHESIS_BIT(H_IRON_2)));
     enumerate(e, 0, 0, FULL_SIZE);
     grow(e);
-    return try_options(by->d, s, e, round, by->nominal, by->fitted, by->teller);
+    return try_options(by, s, round);
 }
 
 /*
