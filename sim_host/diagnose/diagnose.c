@@ -356,6 +356,18 @@ static bool go_on(session *w, const diagnose_options *options, bool *whole)
     return begin(w, &options->teller) && consider_whole(w, options, whole);
 }
 
+/* As a cause, a correction must lower the held-out error. The peaks of a ripple can look like missed updates to a drive that is wrong. */
+static bool missed_in_vain(const session *w)
+{
+    const averaged_drive drive = session_drive(w, w->state.z);
+    for (size_t n = 0; n < w->rows.corrections; n++) {
+        if (w->rows.correction[n].cause == CAUSE_MISSED_UPDATE) {
+            return corrections_gain(&w->rows, n, &drive) < 1.0;
+        }
+    }
+    return false;
+}
+
 /* A correction may uncover more: DC-link ripple hides missed updates. */
 static bool correct_rows(session *w, const motor *m, const diagnose_options *options, bool *whole)
 {
@@ -369,7 +381,16 @@ static bool correct_rows(session *w, const motor *m, const diagnose_options *opt
         }
         changed = false;
     }
-    return true;
+    if (!missed_in_vain(w)) {
+        return true;
+    }
+    if (options->teller.trace) {
+        fprintf(options->teller.trace,
+                "  taken back, as it raises the error: the correction for missed updates\n");
+    }
+    const hypothesis_set skip = options->skip | HYPOTHESIS_BIT(H_MISSED_UPDATE);
+    corrections_take_back(&w->rows);
+    return corrections_by_rows(w, m, skip, options->teller.trace, &corrected) && go_on(w, options, whole);
 }
 
 /* Causes that were rejected may have hidden an effect that rows can be corrected for. */

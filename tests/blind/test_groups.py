@@ -262,6 +262,10 @@ class Diagnosed(unittest.TestCase):
         # A sparse search takes an angle delay for it, and explains the recording; only the whole drive tells them apart.
         self.check(785_013, "bench_half", "main")
 
+    def test_the_peaks_of_a_ripple_are_no_missed_updates(self):
+        """To the first drive that is found some are; to the last one their correction does harm."""
+        self.check(848_003, "bench_half", "main")
+
     def test_noise_of_the_link_is_no_resistance(self):
         # One speed. Hidden: a voltage gain, and an angle offset that other causes explain as well.
         for seed in (788_030, 788_032):

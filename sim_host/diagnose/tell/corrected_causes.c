@@ -1,17 +1,10 @@
 /* Corrections of rows as causes (corrected_causes.h). */
 #include "corrected_causes.h"
 
-#include "diagnose/identify/corrected_rows.h"
-#include "diagnose/measure/errors.h"
+#include "diagnose/corrections.h"
 
 #include <stdio.h>
 #include <string.h>
-
-static double error_with(const diagnose_rows *r, size_t corrections, const diagnosis *d)
-{
-    const diagnose_rows rows = corrected_rows_before(r, corrections);
-    return measure_one_cycle(&rows, &d->extended_drive, MEASURE_ALL, true);
-}
 
 static void put(motor *m, const motor_value *v, double value)
 {
@@ -41,11 +34,10 @@ void corrected_causes_tell(const diagnose_rows *r, const motor *file, double pro
 {
     for (size_t n = 0; n < r->corrections && d->causes < DIAGNOSIS_CAUSES; n++) {
         const cause_id id = r->correction[n].cause;
-        const double after = error_with(r, n + 1, d);
         diagnosis_cause *cause = &d->cause[d->causes++];
         *cause = (diagnosis_cause){.id = cause_table[id].id,
                                    .words = cause_table[id].words,
-                                   .gain = after > 0.0 ? error_with(r, n, d) / after : 1.0,
+                                   .gain = corrections_gain(r, n, &d->extended_drive),
                                    .probability = probability};
         tell(&r->correction[n], file, d, cause);
     }
