@@ -1,10 +1,8 @@
 /* Corrections of rows in their order (corrections.h). */
 #include "corrections.h"
 
-#include "identify/corrected_rows.h"
 #include "identify/modulator_choice.h"
 #include "identify/speed_lag.h"
-#include "measure/errors.h"
 #include "measure/floor.h"
 #include "measure/link_ripple.h"
 #include "measure/missed.h"
@@ -140,12 +138,4 @@ bool corrections_of(const diagnose_rows *r, cause_id cause)
         }
     }
     return false;
-}
-
-double corrections_gain(const diagnose_rows *r, size_t n, const averaged_drive *drive)
-{
-    const diagnose_rows without = corrected_rows_before(r, n);
-    const diagnose_rows with = corrected_rows_before(r, n + 1);
-    const double after = measure_one_cycle(&with, drive, MEASURE_ALL, true);
-    return after > 0.0 ? measure_one_cycle(&without, drive, MEASURE_ALL, true) / after : 1.0;
 }

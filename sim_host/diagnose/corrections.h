@@ -36,7 +36,4 @@ bool corrections_take_back(diagnose_rows *r);
 /* Whether the rows were corrected for a cause. */
 bool corrections_of(const diagnose_rows *r, cause_id cause);
 
-/* The held-out one-cycle error of a drive without the nth correction and later ones, over that with it. */
-double corrections_gain(const diagnose_rows *r, size_t n, const averaged_drive *drive);
-
 #endif

@@ -362,7 +362,7 @@ static bool missed_in_vain(const session *w)
     const averaged_drive drive = session_drive(w, w->state.z);
     for (size_t n = 0; n < w->rows.corrections; n++) {
         if (w->rows.correction[n].cause == CAUSE_MISSED_UPDATE) {
-            return corrections_gain(&w->rows, n, &drive) < 1.0;
+            return measure_gain_of_correction(&w->rows, n, &drive) < 1.0;
         }
     }
     return false;

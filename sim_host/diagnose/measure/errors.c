@@ -1,6 +1,7 @@
 /* One-cycle errors (errors.h). */
 #include "errors.h"
 
+#include "diagnose/identify/corrected_rows.h"
 #include "diagnose/identify/observer.h"
 
 #include <math.h>
@@ -78,4 +79,12 @@ double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, si
 double measure_without_glitches(const diagnose_rows *r, const averaged_drive *drive)
 {
     return measure(r, drive, (wanted){.group = MEASURE_ALL, .held_out_only = true});
+}
+
+double measure_gain_of_correction(const diagnose_rows *r, size_t n, const averaged_drive *drive)
+{
+    const diagnose_rows without = corrected_rows_before(r, n);
+    const diagnose_rows with = corrected_rows_before(r, n + 1);
+    const double after = measure_one_cycle(&with, drive, MEASURE_ALL, true);
+    return after > 0.0 ? measure_one_cycle(&without, drive, MEASURE_ALL, true) / after : 1.0;
 }

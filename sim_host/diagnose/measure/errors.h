@@ -17,6 +17,9 @@ double measure_one_cycle(const diagnose_rows *r, const averaged_drive *drive, si
 /* The same over the held-out rows of all groups that no glitch takes part in: what a fit, which has left these out, can answer for. */
 double measure_without_glitches(const diagnose_rows *r, const averaged_drive *drive);
 
+/* measure_one_cycle() over held-out rows without the nth correction of rows and later ones, over that with it. */
+double measure_gain_of_correction(const diagnose_rows *r, size_t n, const averaged_drive *drive);
+
 /* Current's rms over the same rows (A, vector). */
 double measure_current(const diagnose_rows *r, size_t group, bool held_out_only);
 

@@ -1,7 +1,7 @@
 /* Corrections of rows as causes (corrected_causes.h). */
 #include "corrected_causes.h"
 
-#include "diagnose/corrections.h"
+#include "diagnose/measure/errors.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -37,7 +37,7 @@ void corrected_causes_tell(const diagnose_rows *r, const motor *file, double pro
         diagnosis_cause *cause = &d->cause[d->causes++];
         *cause = (diagnosis_cause){.id = cause_table[id].id,
                                    .words = cause_table[id].words,
-                                   .gain = corrections_gain(r, n, &d->extended_drive),
+                                   .gain = measure_gain_of_correction(r, n, &d->extended_drive),
                                    .probability = probability};
         tell(&r->correction[n], file, d, cause);
     }
