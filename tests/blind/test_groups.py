@@ -20,10 +20,12 @@ import averaged
 import draw
 import effects
 import figure
+import generate
 import group_score
 import groups
 import motors
 import reading
+import score
 
 IQFOC = os.path.join(os.path.dirname(os.path.dirname(HERE)), "build", "host", "iqfoc")
 
@@ -225,15 +227,26 @@ class OneRun(unittest.TestCase):
 
 
 class Diagnosed(unittest.TestCase):
+    def answer(self, folder):
+        """The truth of a recording, and the diagnosis."""
+        found = os.path.join(folder, "found.json")
+        subprocess.run([IQFOC, "diagnose", os.path.join(folder, "rec.csv"), "--motor", os.path.join(folder, "motor.toml"),
+                        "--json", found], check=True, capture_output=True)
+        with open(os.path.join(folder, "truth.json"), encoding="utf-8") as truth, open(found, encoding="utf-8") as answer:
+            return json.load(truth), json.load(answer)
+
     def check(self, seed, group, plant, outcome="right"):
         with self.subTest(seed=seed), tempfile.TemporaryDirectory() as folder:
             groups.make(seed, group, plant, folder, IQFOC, open_loop=False)
-            found = os.path.join(folder, "found.json")
-            subprocess.run([IQFOC, "diagnose", os.path.join(folder, "rec.csv"), "--motor", os.path.join(folder, "motor.toml"),
-                            "--json", found], check=True, capture_output=True)
-            with open(os.path.join(folder, "truth.json"), encoding="utf-8") as truth, open(found, encoding="utf-8") as answer:
-                judged = group_score.judge(json.load(truth), json.load(answer))
+            judged = group_score.judge(*self.answer(folder))
             self.assertEqual(judged["outcome"], outcome, judged)
+
+    def test_a_saturation_has_one_name(self):
+        """The whole drive fits an inductance and its fall. The motor file's inductance is the true one at some current."""
+        with tempfile.TemporaryDirectory() as folder:
+            generate.make(815_506, "triple", "second", folder, IQFOC, "usual", True)
+            judged = score.judge(*self.answer(folder))
+            self.assertTrue(judged["exact"], judged)
 
     def test_crosstalk_is_no_gain_and_no_inductance(self):
         for seed in (764_037, 764_053):

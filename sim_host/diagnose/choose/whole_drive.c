@@ -245,14 +245,20 @@ static void adopt(session *w, const attempt *a)
     memcpy(w->scale, a->fit.scale, sizeof w->scale);
 }
 
+/* An inductance and its fall as one saturation. */
+static hypothesis_set with_saturation(hypothesis_set set)
+{
+    const hypothesis_set mean = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_BOTH_AXES);
+    return hypothesis_in(set, H_FALL) && (set & mean) != 0
+               ? (set & ~(mean | HYPOTHESIS_BIT(H_FALL))) | HYPOTHESIS_BIT(H_SATURATION)
+               : set;
+}
+
 /* Its members beyond their reporting thresholds, without the others. */
 static fit_state large_of(const session *w, const attempt *a)
 {
-    const hypothesis_set mean = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_BOTH_AXES);
     fit_state s = a->state;
-    if (hypothesis_in(s.set, H_FALL) && (s.set & mean) != 0) {
-        s.set = (s.set & ~(mean | HYPOTHESIS_BIT(H_FALL))) | HYPOTHESIS_BIT(H_SATURATION);
-    }
+    s.set = with_saturation(s.set);
     search_drop_small(&w->fitted, &s, w->possible);
     hypotheses_leave(~(hypothesis_set)0, s.z);
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
@@ -345,6 +351,10 @@ static double cut_objective(session *w, hypothesis_set cut)
 
 static void divide(session *w)
 {
+    /* If the inductance is the motor file's at some current, its fall is all that is wrong. */
+    if (!hypothesis_saturation_is_off(w->state.z, w->frame.of_least)) {
+        w->state.set = with_saturation(w->state.set);
+    }
     const hypothesis_set named = hypotheses_named(w->state.set);
     const double full = w->state.objective;
     const double all = cut_objective(w, named) - full;
