@@ -292,7 +292,7 @@ third_lane() {
     free_parts
 }
 
-# What needs no other part's folder, and of their outputs the host's program alone: a lane that has done its own takes the next, the longest
+# What needs no other part's folder, and of their outputs the host's build alone: a lane that has done its own takes the next, the longest
 # first.
 free_parts() {
     take_part prove check_prove
