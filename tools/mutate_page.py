@@ -14,9 +14,10 @@ COLUMNS = ("no code", "equivalent", "killed", "survived")
 
 
 def decisions(root):
-    """The diagnosis' files that choose causes and give the verdict."""
+    """The diagnosis' files that weigh and choose causes and give the verdict."""
     folder = root / "sim_host/diagnose"
-    return [str(path.relative_to(root)) for path in (*sorted((folder / "choose").glob("*.c")), folder / "result.c")]
+    steps = [path for step in ("weigh", "choose") for path in sorted((folder / step).glob("*.c"))]
+    return [str(path.relative_to(root)) for path in (*steps, folder / "session.c", folder / "result.c")]
 
 
 def counts(results):

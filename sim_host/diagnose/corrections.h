@@ -5,7 +5,7 @@
 #ifndef SIM_HOST_DIAGNOSE_CORRECTIONS_H
 #define SIM_HOST_DIAGNOSE_CORRECTIONS_H
 
-#include "choose/session.h"
+#include "session.h"
 
 #include <stdio.h>
 

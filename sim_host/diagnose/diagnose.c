@@ -9,9 +9,7 @@
 #include "check/values.h"
 #include "check/wiring.h"
 #include "choose/causes.h"
-#include "choose/confusion.h"
 #include "choose/likely_drive.h"
-#include "choose/probability.h"
 #include "choose/undecided.h"
 #include "choose/whole_drive.h"
 #include "corrections.h"
@@ -36,6 +34,8 @@
 #include "tell/resistance_trade.h"
 #include "tell/sentence.h"
 #include "tell/visible.h"
+#include "weigh/confusion.h"
+#include "weigh/probability.h"
 
 #include <math.h>
 #include <stdlib.h>

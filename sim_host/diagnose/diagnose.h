@@ -7,8 +7,8 @@
 #define SIM_HOST_DIAGNOSE_DIAGNOSE_H
 
 #include "base/error.h"
-#include "diagnose/choose/teller.h"
 #include "diagnose/identify/hypotheses.h"
+#include "diagnose/weigh/teller.h"
 #include "result.h"
 
 typedef struct diagnose_options {

@@ -1,12 +1,12 @@
 /*
  * The information matrix of a recording, as a diagnosis has it: the sums of the fitted rows at the motor file's
- * values (choose/evidence.h). Runs add.
+ * values (weigh/evidence.h). Runs add.
  */
 #ifndef SIM_HOST_PLAN_PLAN_INFORMATION_H
 #define SIM_HOST_PLAN_PLAN_INFORMATION_H
 
 #include "data/scenario.h"
-#include "diagnose/choose/evidence.h"
+#include "diagnose/weigh/evidence.h"
 
 /*
  * The planned parameters, each with the hypothesis whose `least` is its reporting threshold. A voltage gain is not

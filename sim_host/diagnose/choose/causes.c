@@ -1,12 +1,12 @@
 /* Search and prune in turn until all that stays is certain (causes.h). */
 #include "causes.h"
 
-#include "confusion.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/measure/errors.h"
-#include "evidence.h"
-#include "probability.h"
-#include "search.h"
+#include "diagnose/weigh/confusion.h"
+#include "diagnose/weigh/evidence.h"
+#include "diagnose/weigh/probability.h"
+#include "diagnose/weigh/search.h"
 
 #include <math.h>
 #include <stdlib.h>

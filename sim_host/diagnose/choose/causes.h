@@ -4,8 +4,8 @@
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_CAUSES_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_CAUSES_H
 
-#include "session.h"
-#include "teller.h"
+#include "diagnose/session.h"
+#include "diagnose/weigh/teller.h"
 
 /*
  * Searches from w->nominal and drops what is not certain, or too small a part, until all that stays is. What is dropped may have kept

@@ -2,7 +2,7 @@
 #include "likely_drive.h"
 
 #include "diagnose/result.h"
-#include "evidence.h"
+#include "diagnose/weigh/evidence.h"
 
 #include "diagnose/identify/angle_smooth.h"
 #include "diagnose/identify/fit.h"

@@ -14,8 +14,8 @@
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_LIKELY_DRIVE_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_LIKELY_DRIVE_H
 
-#include "session.h"
-#include "teller.h"
+#include "diagnose/session.h"
+#include "diagnose/weigh/teller.h"
 
 /*
  * If w->state leaves more than the verdict allows: fits these effects, and takes them in place of w->state if they explain most of

@@ -1,7 +1,7 @@
 /* Which fitted members are no causes, as the recording does not decide (undecided.h). */
 #include "undecided.h"
 
-#include "probability.h"
+#include "diagnose/weigh/probability.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_UNDECIDED_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_UNDECIDED_H
 
-#include "session.h"
+#include "diagnose/session.h"
 
 #include <stdio.h>
 

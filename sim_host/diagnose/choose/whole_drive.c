@@ -4,8 +4,8 @@
 #include "diagnose/identify/edge_choice.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/whole_fit.h"
-#include "evidence.h"
-#include "search.h"
+#include "diagnose/weigh/evidence.h"
+#include "diagnose/weigh/search.h"
 
 #include <math.h>
 #include <stdlib.h>

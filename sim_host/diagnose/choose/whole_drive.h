@@ -10,8 +10,8 @@
 #ifndef SIM_HOST_DIAGNOSE_CHOOSE_WHOLE_DRIVE_H
 #define SIM_HOST_DIAGNOSE_CHOOSE_WHOLE_DRIVE_H
 
-#include "session.h"
-#include "teller.h"
+#include "diagnose/session.h"
+#include "diagnose/weigh/teller.h"
 
 /* `again`: the state is one of the whole drive already, and rows have changed. *better: the whole drive's set has replaced that of
  * w->state. False: out of memory. */

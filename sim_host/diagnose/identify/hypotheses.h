@@ -66,7 +66,7 @@ typedef enum hypothesis_need {
     NEEDS_MAGNET, /* turning, and a magnet */
     NEEDS_THREE_SENSORS,
     NEEDS_A_COUNT, /* found by a count of rows (measure/), not by a fit */
-    NEEDS_A_TRIAL, /* found by a fit that a search does not propose (choose/map_choice.h) */
+    NEEDS_A_TRIAL, /* found by a fit that a search does not propose (weigh/map_choice.h) */
     NEEDS_TEMPERATURE
 } hypothesis_need;
 

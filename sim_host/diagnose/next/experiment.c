@@ -15,7 +15,7 @@ enum { LENGTHS = sizeof seconds_tried / sizeof *seconds_tried };
 /* A pair's correlation counts as in a plan. */
 static const double PAIR_COUNTS = 10.0;
 
-/* Chi square by which one of a pair must lose the other's place: below 15 they are confused (choose/confusion.c), and
+/* Chi square by which one of a pair must lose the other's place: below 15 they are confused (weigh/confusion.c), and
  * what is expected must leave room for what comes. */
 static const double APART = 60.0;
 

@@ -8,9 +8,9 @@
 #ifndef SIM_HOST_DIAGNOSE_NEXT_EXPERIMENT_H
 #define SIM_HOST_DIAGNOSE_NEXT_EXPERIMENT_H
 
-#include "diagnose/choose/evidence.h"
-#include "diagnose/choose/session.h"
 #include "diagnose/result.h"
+#include "diagnose/session.h"
+#include "diagnose/weigh/evidence.h"
 
 /*
  * Fills d->experiment if something is open. d has its causes with confused_with, and the estimates; `member` lists the causes'

@@ -4,9 +4,9 @@
 #ifndef SIM_HOST_DIAGNOSE_NEXT_QUESTION_H
 #define SIM_HOST_DIAGNOSE_NEXT_QUESTION_H
 
-#include "diagnose/choose/evidence.h"
-#include "diagnose/choose/session.h"
 #include "diagnose/result.h"
+#include "diagnose/session.h"
+#include "diagnose/weigh/evidence.h"
 
 typedef struct question {
     const session *w;

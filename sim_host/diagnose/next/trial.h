@@ -7,7 +7,7 @@
 #define SIM_HOST_DIAGNOSE_NEXT_TRIAL_H
 
 #include "data/plan_pieces.h"
-#include "diagnose/choose/session.h"
+#include "diagnose/session.h"
 
 typedef struct trial {
     plan_limits limits;

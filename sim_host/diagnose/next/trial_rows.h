@@ -5,7 +5,7 @@
 #define SIM_HOST_DIAGNOSE_NEXT_TRIAL_ROWS_H
 
 #include "data/plan_pieces.h"
-#include "diagnose/choose/session.h"
+#include "diagnose/session.h"
 
 enum {
     TRIAL_WINDOW = 64,      /* cycles: both squares change within them */

@@ -2,7 +2,7 @@
 #include "known.h"
 
 #include "base/normal.h"
-#include "diagnose/choose/estimates.h"
+#include "diagnose/weigh/estimates.h"
 #include "values.h"
 
 #include <math.h>

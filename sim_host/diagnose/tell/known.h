@@ -5,9 +5,9 @@
 #ifndef SIM_HOST_DIAGNOSE_TELL_KNOWN_H
 #define SIM_HOST_DIAGNOSE_TELL_KNOWN_H
 
-#include "diagnose/choose/evidence.h"
-#include "diagnose/choose/session.h"
 #include "diagnose/result.h"
+#include "diagnose/session.h"
+#include "diagnose/weigh/evidence.h"
 
 /* The estimated numbers, in the order of d->estimate. */
 typedef struct known_number {

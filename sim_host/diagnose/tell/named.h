@@ -4,8 +4,8 @@
 #ifndef SIM_HOST_DIAGNOSE_TELL_NAMED_H
 #define SIM_HOST_DIAGNOSE_TELL_NAMED_H
 
-#include "diagnose/choose/session.h"
 #include "diagnose/result.h"
+#include "diagnose/session.h"
 
 /*
  * Fills d->cause with values, intervals and gains, and `member` likewise. Then the extended drive and motor

@@ -6,8 +6,8 @@
 #ifndef SIM_HOST_DIAGNOSE_TELL_RESISTANCE_TRADE_H
 #define SIM_HOST_DIAGNOSE_TELL_RESISTANCE_TRADE_H
 
-#include "diagnose/choose/session.h"
 #include "diagnose/result.h"
+#include "diagnose/session.h"
 
 /*
  * For a named dead time without a resistance: fits the resistance as well, and widens the dead time's intervals accordingly. Lists the

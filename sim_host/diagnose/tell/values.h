@@ -5,8 +5,8 @@
 #ifndef SIM_HOST_DIAGNOSE_TELL_VALUES_H
 #define SIM_HOST_DIAGNOSE_TELL_VALUES_H
 
-#include "diagnose/choose/session.h"
 #include "diagnose/result.h"
+#include "diagnose/session.h"
 
 /* A parameter of the fit, moved by `by` along a column. */
 double values_at(const session *w, const motor_value *v, int column, double by);

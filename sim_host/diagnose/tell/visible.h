@@ -5,9 +5,9 @@
 #ifndef SIM_HOST_DIAGNOSE_TELL_VISIBLE_H
 #define SIM_HOST_DIAGNOSE_TELL_VISIBLE_H
 
-#include "diagnose/choose/evidence.h"
-#include "diagnose/choose/session.h"
 #include "diagnose/result.h"
+#include "diagnose/session.h"
+#include "diagnose/weigh/evidence.h"
 
 /*
  * Fills d->explanation: each set of causes that, with the named ones, explains about as much as the best of them, and needs all its

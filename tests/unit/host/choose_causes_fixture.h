@@ -7,11 +7,11 @@
 
 #include "choose_parabolas.h"
 #include "diagnose/choose/causes.h"
-#include "diagnose/choose/search.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/measure/errors.h"
 #include "diagnose/measure/runs.h"
 #include "diagnose/result.h"
+#include "diagnose/weigh/search.h"
 #include "wrapped_floor.h"
 
 #include <math.h>

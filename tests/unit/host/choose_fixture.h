@@ -5,7 +5,7 @@
 #ifndef TESTS_UNIT_CHOOSE_FIXTURE_H
 #define TESTS_UNIT_CHOOSE_FIXTURE_H
 
-#include "diagnose/choose/evidence.h"
+#include "diagnose/weigh/evidence.h"
 
 #include <math.h>
 #include <stdlib.h>

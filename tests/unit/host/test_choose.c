@@ -4,7 +4,7 @@
  * along each coordinate says all that the rules ask of one.
  */
 #include "choose_fixture.h"
-#include "diagnose/choose/confusion.h"
+#include "diagnose/weigh/confusion.h"
 
 /* ---- The cost of a set ---- */
 

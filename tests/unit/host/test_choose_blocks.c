@@ -3,8 +3,8 @@
  * holds. The sums are made by hand: the program is linked so that those of a recording are never asked for.
  */
 #include "choose_fixture.h"
-#include "diagnose/choose/certainty.h"
-#include "diagnose/choose/tolerance.h"
+#include "diagnose/weigh/certainty.h"
+#include "diagnose/weigh/tolerance.h"
 
 enum { MOST_BLOCKS = 60 };
 

@@ -1,8 +1,8 @@
 /*
- * What the named effects leave by the electrical angle (sim_host/diagnose/choose/discrepancy.h), on innovations made by hand: white noise
+ * What the named effects leave by the electrical angle (sim_host/diagnose/weigh/discrepancy.h), on innovations made by hand: white noise
  * of unit variance, and vectors that turn with the angle. The program is linked so that an observer returns them.
  */
-#include "diagnose/choose/discrepancy.h"
+#include "diagnose/weigh/discrepancy.h"
 
 #include "unity.h"
 

@@ -1,5 +1,5 @@
-/* Sets whose fits are remembered (sim_host/diagnose/choose/fitted_sets.h). */
-#include "diagnose/choose/fitted_sets.h"
+/* Sets whose fits are remembered (sim_host/diagnose/weigh/fitted_sets.h). */
+#include "diagnose/weigh/fitted_sets.h"
 
 #include "unity.h"
 

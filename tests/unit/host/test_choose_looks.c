@@ -3,11 +3,11 @@
  * tell a wrong decision from a right one within some seconds. test_diagnose*.c go through the causes.
  */
 #include "base/solve.h"
-#include "diagnose/choose/session.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/gram.h"
 #include "diagnose/identify/last_digits.h"
 #include "diagnose/identify/whole_fit.h"
+#include "diagnose/session.h"
 #include "diagnose_look.h"
 
 #include <math.h>

@@ -1,12 +1,12 @@
 /*
  * When a flux map of terms becomes the whole map, and when parts that saturate take the place of what bends otherwise
- * (sim_host/diagnose/choose/map_choice.h). The program is linked so
+ * (sim_host/diagnose/weigh/map_choice.h). The program is linked so
  * that the fit of a trial is what a test says it is.
  */
 #include "choose_fixture.h"
-#include "diagnose/choose/map_choice.h"
-#include "diagnose/choose/tolerance.h"
 #include "diagnose/identify/fit.h"
+#include "diagnose/weigh/map_choice.h"
+#include "diagnose/weigh/tolerance.h"
 #include "model/flux_map.h"
 
 #include <string.h>

@@ -1,11 +1,11 @@
 /*
- * Which error decides how probable the catalogue is (session_borne_out in sim_host/diagnose/choose/session.h). The errors are made by
+ * Which error decides how probable the catalogue is (session_borne_out in sim_host/diagnose/session.h). The errors are made by
  * hand: the program is linked so that the measures return them.
  */
-#include "diagnose/choose/borne_out.h"
-#include "diagnose/choose/session.h"
 #include "diagnose/measure/errors.h"
 #include "diagnose/measure/runs.h"
+#include "diagnose/session.h"
+#include "diagnose/weigh/borne_out.h"
 #include "wrapped_floor.h"
 
 #include "unity.h"

@@ -3,10 +3,10 @@
  * is, whether it explains as much as it leaves, how certain its sizes and what any coordinate would be.
  */
 #include "choose_fixture.h"
-#include "diagnose/choose/borne_out.h"
-#include "diagnose/choose/certainty.h"
-#include "diagnose/choose/estimates.h"
-#include "diagnose/choose/probability.h"
+#include "diagnose/weigh/borne_out.h"
+#include "diagnose/weigh/certainty.h"
+#include "diagnose/weigh/estimates.h"
+#include "diagnose/weigh/probability.h"
 
 /* ---- How probable, and how sure ---- */
 

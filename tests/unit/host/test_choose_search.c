@@ -1,15 +1,15 @@
 /*
- * Which options of a round are fitted, and from where (sim_host/diagnose/choose/search.h). The program is linked so that looks are
+ * Which options of a round are fitted, and from where (sim_host/diagnose/weigh/search.h). The program is linked so that looks are
  * parabolas made by hand, and a fit finds their bottom wherever the model gives a number.
  */
 #include "choose_parabolas.h"
-#include "diagnose/choose/fitted_sets.h"
-#include "diagnose/choose/search.h"
-#include "diagnose/choose/tolerance.h"
 #include "diagnose/identify/branch_choice.h"
 #include "diagnose/identify/edge_choice.h"
 #include "diagnose/identify/fit.h"
 #include "diagnose/identify/revolution.h"
+#include "diagnose/weigh/fitted_sets.h"
+#include "diagnose/weigh/search.h"
+#include "diagnose/weigh/tolerance.h"
 
 enum { MOST_FITS = 64 };
 

@@ -1,8 +1,8 @@
 /*
- * What laws may err by, marginalised (sim_host/diagnose/choose/tolerance.h): against the minimum over those errors, found
+ * What laws may err by, marginalised (sim_host/diagnose/weigh/tolerance.h): against the minimum over those errors, found
  * one by one, on sums of two operating points that are made by hand.
  */
-#include "diagnose/choose/tolerance.h"
+#include "diagnose/weigh/tolerance.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
 #ifndef TESTS_UNIT_HOST_WRAPPED_FLOOR_H
 #define TESTS_UNIT_HOST_WRAPPED_FLOOR_H
 
-#include "diagnose/choose/discrepancy.h"
 #include "diagnose/measure/floor.h"
+#include "diagnose/weigh/discrepancy.h"
 
 static double floor_A;
 static double left_by_angle;

@@ -13,8 +13,8 @@
  *
  * The causes are named if the probability of the catalogue is at least 0.95. Then the share left is at most 0.12.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_BORNE_OUT_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_BORNE_OUT_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_BORNE_OUT_H
+#define SIM_HOST_DIAGNOSE_WEIGH_BORNE_OUT_H
 
 /*
  * The share left, 0 to 1, and more if the error rises; errors in one unit. Up to 1.25 noise floors an error counts as noise. A simulation

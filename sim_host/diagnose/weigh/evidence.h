@@ -2,8 +2,8 @@
  * The evidence for a set of hypotheses: what it leaves of the likelihood, and what it must pay, as a quadratic
  * form in the sums of one view of the data.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_EVIDENCE_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_EVIDENCE_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_EVIDENCE_H
+#define SIM_HOST_DIAGNOSE_WEIGH_EVIDENCE_H
 
 #include "diagnose/identify/last_digits.h"
 

@@ -6,8 +6,8 @@
  * or within an operating point, and differ between them: then the scatter of the scores is larger than the
  * noise would make it, and the interval grows. The widest of the three counts.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_CERTAINTY_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_CERTAINTY_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_CERTAINTY_H
+#define SIM_HOST_DIAGNOSE_WEIGH_CERTAINTY_H
 
 #include "diagnose/identify/fit_data.h"
 

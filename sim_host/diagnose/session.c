@@ -1,13 +1,13 @@
 /* Errors of the state, and what they leave (session.h). */
 #include "session.h"
 
-#include "borne_out.h"
-#include "diagnose/identify/last_digits.h"
-#include "diagnose/measure/errors.h"
-#include "diagnose/measure/floor.h"
-#include "diagnose/measure/plain_knee.h"
-#include "diagnose/measure/runs.h"
-#include "discrepancy.h"
+#include "identify/last_digits.h"
+#include "measure/errors.h"
+#include "measure/floor.h"
+#include "measure/plain_knee.h"
+#include "measure/runs.h"
+#include "weigh/borne_out.h"
+#include "weigh/discrepancy.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /*
  * How probable each cause is, by the evidence of the sets about the one that was chosen.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_PROBABILITY_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_PROBABILITY_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_PROBABILITY_H
+#define SIM_HOST_DIAGNOSE_WEIGH_PROBABILITY_H
 
 #include "evidence.h"
 

@@ -2,8 +2,8 @@
  * What the recording says of a coordinate whether it is named or not: its value with everything else within its tolerance, and
  * how sure, or that the recording does not excite it.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_ESTIMATES_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_ESTIMATES_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_ESTIMATES_H
+#define SIM_HOST_DIAGNOSE_WEIGH_ESTIMATES_H
 
 #include "evidence.h"
 

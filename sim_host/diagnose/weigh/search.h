@@ -6,8 +6,8 @@
  * linearisation, the best of those becomes the new state, and the round repeats until the state stays. Looking
  * at whole sets matters: two effects at once often let a third, wrong one look best alone.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_SEARCH_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_SEARCH_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_SEARCH_H
+#define SIM_HOST_DIAGNOSE_WEIGH_SEARCH_H
 
 #include "evidence.h"
 #include "fitted_sets.h"

@@ -8,8 +8,8 @@
  * quadratic form: H - HD M D'H, g - HD M D'g and c - g'D M D'g. Done once a point, every set of causes is then weighed as
  * before: what only takes up what another's law leaves gains nothing by it.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_TOLERANCE_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_TOLERANCE_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_TOLERANCE_H
+#define SIM_HOST_DIAGNOSE_WEIGH_TOLERANCE_H
 
 #include "diagnose/identify/gram.h"
 

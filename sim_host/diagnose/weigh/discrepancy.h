@@ -8,8 +8,8 @@
  * Where an effect is small, the noise of so many orders would cover what is left. So -3 to 3 are fitted alone as well: to these, the
  * saliency of the rotor takes what turns backwards once.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_DISCREPANCY_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_DISCREPANCY_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_DISCREPANCY_H
+#define SIM_HOST_DIAGNOSE_WEIGH_DISCREPANCY_H
 
 #include "diagnose/identify/fit_data.h"
 

@@ -2,8 +2,8 @@
  * The sets that were fitted from a state that was a fit already, and where they came out: what they can do is known, as long as
  * the law of the edges is the same and no stretch was turned.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_FITTED_SETS_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_FITTED_SETS_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_FITTED_SETS_H
+#define SIM_HOST_DIAGNOSE_WEIGH_FITTED_SETS_H
 
 #include "diagnose/identify/fit_data.h"
 

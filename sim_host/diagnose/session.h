@@ -1,13 +1,13 @@
 /*
  * What one diagnosis works on, from its rows to what was found.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_SESSION_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_SESSION_H
+#ifndef SIM_HOST_DIAGNOSE_SESSION_H
+#define SIM_HOST_DIAGNOSE_SESSION_H
 
-#include "certainty.h"
-#include "diagnose/identify/whole_fit.h"
-#include "evidence.h"
-#include "probability.h"
+#include "identify/whole_fit.h"
+#include "weigh/certainty.h"
+#include "weigh/evidence.h"
+#include "weigh/probability.h"
 
 typedef struct session {
     diagnose_rows rows;

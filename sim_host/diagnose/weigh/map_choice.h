@@ -5,8 +5,8 @@
  * distinguish the two. And iron that loses much of its inductance follows neither; it is made of parts that saturate
  * (model/flux_map.h), whose shapes show only where the parts are large.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_MAP_CHOICE_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_MAP_CHOICE_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_MAP_CHOICE_H
+#define SIM_HOST_DIAGNOSE_WEIGH_MAP_CHOICE_H
 
 #include "diagnose/identify/fit_data.h"
 

@@ -1,8 +1,8 @@
 /*
  * Whom the search tells how it goes, while it goes.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_TELLER_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_TELLER_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_TELLER_H
+#define SIM_HOST_DIAGNOSE_WEIGH_TELLER_H
 
 #include "base/progress.h"
 

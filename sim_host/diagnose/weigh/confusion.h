@@ -1,8 +1,8 @@
 /*
  * What the recording cannot tell apart.
  */
-#ifndef SIM_HOST_DIAGNOSE_CHOOSE_CONFUSION_H
-#define SIM_HOST_DIAGNOSE_CHOOSE_CONFUSION_H
+#ifndef SIM_HOST_DIAGNOSE_WEIGH_CONFUSION_H
+#define SIM_HOST_DIAGNOSE_WEIGH_CONFUSION_H
 
 #include "certainty.h"
 #include "diagnose/result.h"
