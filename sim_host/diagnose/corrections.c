@@ -12,22 +12,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void say(FILE *trace, size_t rows, const char *what)
+static void say(const session *w, size_t rows, const char *what)
 {
-    if (rows > 0 && trace) {
-        fprintf(trace, "  %zu rows corrected for %s\n", rows, what);
+    if (rows > 0) {
+        session_trace(w, "  %zu rows corrected for %s\n", rows, what);
     }
 }
 
-bool corrections_by_columns(session *w, const motor *file, hypothesis_set skip, FILE *trace)
+bool corrections_by_columns(session *w)
 {
     size_t rows = 0;
-    if (!speed_lag_correct(&w->rows, file, !hypothesis_in(skip, H_SPEED_LAG)) ||
-        (!hypothesis_in(skip, H_SENSOR_FAULT) &&
-         !measure_sensor_fault(&w->rows, &w->frame.nominal, file, &rows))) {
+    if (!speed_lag_correct(&w->rows, w->file, !hypothesis_in(w->skip, H_SPEED_LAG)) ||
+        (!hypothesis_in(w->skip, H_SENSOR_FAULT) &&
+         !measure_sensor_fault(&w->rows, &w->frame.nominal, w->file, &rows))) {
         return false;
     }
-    say(trace, rows, "sensor faults");
+    say(w, rows, "sensor faults");
     return true;
 }
 
@@ -46,7 +46,7 @@ static unsigned seen_by(const session *w)
     return by;
 }
 
-bool corrections_by_modulator(session *w, FILE *trace, bool *changed)
+bool corrections_by_modulator(session *w, bool *changed)
 {
     const unsigned by = seen_by(w);
     *changed = false;
@@ -65,13 +65,13 @@ bool corrections_by_modulator(session *w, FILE *trace, bool *changed)
             return false;
         }
     }
-    if (*changed && trace) {
-        fprintf(trace, "  modulator changed to: %s\n", modulator_words[w->rows.modulator]);
+    if (*changed) {
+        session_trace(w, "  modulator changed to: %s\n", modulator_words[w->rows.modulator]);
     }
     return true;
 }
 
-bool corrections_by_rows(session *w, const motor *file, hypothesis_set skip, FILE *trace, size_t *corrected)
+bool corrections_by_rows(session *w, size_t *corrected)
 {
     const averaged_drive first = session_drive(w, w->state.z);
     size_t faulty = 0;
@@ -79,37 +79,37 @@ bool corrections_by_rows(session *w, const motor *file, hypothesis_set skip, FIL
     size_t rippled = 0;
     double noise_A = 0.0;
     const bool look_for_fault =
-        !hypothesis_in(skip, H_SENSOR_FAULT) && !corrections_of(&w->rows, CAUSE_SENSOR_FAULT);
+        !hypothesis_in(w->skip, H_SENSOR_FAULT) && !corrections_of(&w->rows, CAUSE_SENSOR_FAULT);
     const bool look_for_missed =
-        !hypothesis_in(skip, H_MISSED_UPDATE) && !corrections_of(&w->rows, CAUSE_MISSED_UPDATE);
+        !hypothesis_in(w->skip, H_MISSED_UPDATE) && !corrections_of(&w->rows, CAUSE_MISSED_UPDATE);
     const bool look_for_ripple =
-        !hypothesis_in(skip, H_DC_LINK_RIPPLE) && !corrections_of(&w->rows, CAUSE_DC_LINK_RIPPLE);
-    if (look_for_fault && !measure_sensor_fault(&w->rows, &first, file, &faulty)) {
+        !hypothesis_in(w->skip, H_DC_LINK_RIPPLE) && !corrections_of(&w->rows, CAUSE_DC_LINK_RIPPLE);
+    if (look_for_fault && !measure_sensor_fault(&w->rows, &first, w->file, &faulty)) {
         return false;
     }
-    if (look_for_missed && !measure_missed(&w->rows, &first, file, &missed)) {
+    if (look_for_missed && !measure_missed(&w->rows, &first, w->file, &missed)) {
         return false;
     }
     const double floor_A = measure_floor(&w->rows, &w->state, &first, &noise_A);
     if (look_for_ripple &&
-        !measure_link_ripple(&w->rows, &first, floor_A, LINK_RIPPLE_LEAST, file, &rippled)) {
+        !measure_link_ripple(&w->rows, &first, floor_A, LINK_RIPPLE_LEAST, w->file, &rippled)) {
         return false;
     }
-    say(trace, faulty, "sensor faults");
-    say(trace, missed, "missed updates");
-    say(trace, rippled, "DC-link ripple");
+    say(w, faulty, "sensor faults");
+    say(w, missed, "missed updates");
+    say(w, rippled, "DC-link ripple");
     *corrected = faulty + missed + rippled;
     return true;
 }
 
-bool corrections_by_link(session *w, const motor *file, hypothesis_set skip, FILE *trace)
+bool corrections_by_link(session *w)
 {
     size_t rows = 0;
-    if (!hypothesis_in(skip, H_DC_LINK_RIPPLE) &&
-        !measure_link_ripple(&w->rows, &w->frame.nominal, 0.0, LINK_RIPPLE_ALONE, file, &rows)) {
+    if (!hypothesis_in(w->skip, H_DC_LINK_RIPPLE) &&
+        !measure_link_ripple(&w->rows, &w->frame.nominal, 0.0, LINK_RIPPLE_ALONE, w->file, &rows)) {
         return false;
     }
-    say(trace, rows, "DC-link ripple, which by itself explains most");
+    say(w, rows, "DC-link ripple, which by itself explains most");
     return true;
 }
 

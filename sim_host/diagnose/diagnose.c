@@ -106,7 +106,6 @@ static bool tabulate_hypotheses(session *w, evidence_view *view, diagnosis *d, c
     confusion_trades(d, view, &w->state, member, w->possible, w->certainty.inflation);
     known_tell(w, view, d);
     standing of[H_COUNT];
-    view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
     if (!probability_of(view, &w->state, session_rivals(w), w->certainty.inflation, &w->fitted, &w->rivals,
                         of)) {
         return false;
@@ -146,8 +145,8 @@ static bool tabulate_hypotheses(session *w, evidence_view *view, diagnosis *d, c
 static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *member, hypothesis_set skipped)
 {
     evidence_view *view = &w->view;
-    if (!evidence_look(&w->fitted, &w->state, w->possible, view) ||
-        !tabulate_hypotheses(w, view, d, member, skipped) || !resistance_trade_tell(w, d)) {
+    if (!session_look(w) || !tabulate_hypotheses(w, view, d, member, skipped) ||
+        !resistance_trade_tell(w, d)) {
         return false;
     }
     visible_tell(w, view, d);
@@ -159,13 +158,9 @@ static bool tell_hypotheses(session *w, diagnosis *d, const hypothesis_id *membe
             experiment_of_explanations(w, view, w->undecided, d);
         }
     }
-    if (d->experiment.numbers > 0) {
-        return true;
+    if (d->experiment.numbers == 0) {
+        experiment_find(w, view, member, d);
     }
-    if (!evidence_look(&w->fitted, &w->state, w->possible, view)) {
-        return false;
-    }
-    experiment_find(w, view, member, d);
     return true;
 }
 
@@ -252,15 +247,13 @@ static double error_with(const diagnose_rows *r, const averaged_drive *drive)
 /* Causes that leave more than all effects of the catalogue would are not named. */
 static const double LIKELY = 0.5;
 
-static bool leave_unlikely(session *w, FILE *trace)
+static bool leave_unlikely(session *w)
 {
     const diagnose_rows recorded = corrected_rows_before(&w->rows, 0);
     w->borne_out = session_borne_out(w, &w->rows);
     w->corrections_borne_out = session_borne_out(w, &recorded);
-    if (trace) {
-        fprintf(trace, "  probability of the catalogue: %.4f, with the corrections of rows %.4f\n",
-                w->borne_out, w->corrections_borne_out);
-    }
+    session_trace(w, "  probability of the catalogue: %.4f, with the corrections of rows %.4f\n",
+                  w->borne_out, w->corrections_borne_out);
     const bool drops =
         w->borne_out < LIKELY && (hypotheses_named(w->state.set) != 0 || w->rows.corrections > 0);
     const bool taken_back = drops && w->corrections_borne_out < LIKELY && corrections_take_back(&w->rows);
@@ -278,13 +271,13 @@ static bool leave_unlikely(session *w, FILE *trace)
 }
 
 /* Starts from the motor file's values. */
-static bool begin(session *w, const diagnose_teller *teller)
+static bool begin(session *w)
 {
     bool turned = false;
     return fit_of_nominal(&w->fitted, &w->nominal) &&
            (!revolution_in_file(&w->fitted) ||
             revolution_align(&w->fitted, &w->nominal, w->frame.pole_pairs, &turned)) &&
-           (!turned || fit_of_nominal(&w->fitted, &w->nominal)) && causes_find(w, teller);
+           (!turned || fit_of_nominal(&w->fitted, &w->nominal)) && causes_find(w);
 }
 
 /* A fit's noise is less than the rows' if it is so much less. */
@@ -296,17 +289,14 @@ enum { DOUBT_STEPS = 12 };
  * Where a compensation was found, its fit knows better, and what was left out near zero current may be the compensation itself. *less:
  * the set was fitted again with less noise.
  */
-static bool doubt_less(session *w, bool *less, const diagnose_teller *teller)
+static bool doubt_less(session *w, bool *less)
 {
     const double noise_A = measure_phase_noise(&w->rows, &w->state);
     *less = hypothesis_in(w->state.set, H_COMPENSATED) && noise_A < LESS_NOISE * w->rows.noise_A;
     if (!*less) {
         return true;
     }
-    if (teller->trace) {
-        fprintf(teller->trace, "  noise of a phase's current %.3g A in place of %.3g A\n", noise_A,
-                w->rows.noise_A);
-    }
+    session_trace(w, "  noise of a phase's current %.3g A in place of %.3g A\n", noise_A, w->rows.noise_A);
     w->rows.noise_A = noise_A;
     coordinates_doubt(&w->frame, &w->rows);
     return fit_refine(&w->fitted, &w->state, DOUBT_STEPS) &&
@@ -329,31 +319,24 @@ static bool is_almost_explained(session *w)
  * Fits the whole drive if the search leaves a residual, or found an unnamed effect, a flux map, a compensation or many causes, or almost
  * explains the recording. A drive that compensates its dead time is a bench, on which everything is a little off.
  */
-static bool consider_whole(session *w, const diagnose_options *options, bool *whole)
+static bool consider_whole(session *w)
 {
-    bool better = false;
     size_t members = 0;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         members += hypothesis_in(w->state.set, h) ? 1 : 0;
     }
-    if (!*whole && members < MANY && !session_leaves(w, LEAVES_MORE) && !session_holds_unnamed(w) &&
-        !hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) && !hypothesis_in(w->state.set, H_COMPENSATED) &&
-        !is_almost_explained(w)) {
-        return true;
-    }
-    const bool ok = whole_drive_consider(w, *whole, &better, &options->teller);
-    *whole = *whole || better;
-    return ok;
+    const bool wanted = w->way == SESSION_WHOLE_DRIVE || members >= MANY || session_leaves(w, LEAVES_MORE) ||
+                        session_holds_unnamed(w) || hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) ||
+                        hypothesis_in(w->state.set, H_COMPENSATED) || is_almost_explained(w);
+    return !wanted || whole_drive_consider(w);
 }
 
 /* After a correction of rows, or of their noise: a set of the whole drive is fitted again from its state, a sparse search restarts. */
-static bool go_on(session *w, const diagnose_options *options, bool *whole)
+static bool go_on(session *w)
 {
     w->view.stands = false;
-    if (*whole) {
-        return fit_of_nominal(&w->fitted, &w->nominal) && consider_whole(w, options, whole);
-    }
-    return begin(w, &options->teller) && consider_whole(w, options, whole);
+    return (w->way == SESSION_WHOLE_DRIVE ? fit_of_nominal(&w->fitted, &w->nominal) : begin(w)) &&
+           consider_whole(w);
 }
 
 /* As a cause, a correction must lower the held-out error. The peaks of a ripple can look like missed updates to a drive that is wrong. */
@@ -369,14 +352,13 @@ static bool missed_in_vain(const session *w)
 }
 
 /* A correction may uncover more: DC-link ripple hides missed updates. */
-static bool correct_rows(session *w, const motor *m, const diagnose_options *options, bool *whole)
+static bool correct_rows(session *w)
 {
     /* A ripple that the motor file's drive showed is measured again by the drive that was found since. */
     bool changed = w->state.set != 0 && corrections_take_back(&w->rows);
     size_t corrected = 1;
     for (int again = 0; corrected > 0 && again < 2; again++) {
-        if (!corrections_by_rows(w, m, options->skip, options->teller.trace, &corrected) ||
-            ((corrected > 0 || changed) && !go_on(w, options, whole))) {
+        if (!corrections_by_rows(w, &corrected) || ((corrected > 0 || changed) && !go_on(w))) {
             return false;
         }
         changed = false;
@@ -384,31 +366,28 @@ static bool correct_rows(session *w, const motor *m, const diagnose_options *opt
     if (!missed_in_vain(w)) {
         return true;
     }
-    if (options->teller.trace) {
-        fprintf(options->teller.trace,
-                "  taken back, as it raises the error: the correction for missed updates\n");
-    }
-    const hypothesis_set skip = options->skip | HYPOTHESIS_BIT(H_MISSED_UPDATE);
+    session_trace(w, "  taken back, as it raises the error: the correction for missed updates\n");
+    w->skip |= HYPOTHESIS_BIT(H_MISSED_UPDATE);
     corrections_take_back(&w->rows);
-    return corrections_by_rows(w, m, skip, options->teller.trace, &corrected) && go_on(w, options, whole);
+    return corrections_by_rows(w, &corrected) && go_on(w);
 }
 
 /* Causes that were rejected may have hidden an effect that rows can be corrected for. */
-static bool correct_remaining_rows(session *w, const motor *m, const diagnose_options *options)
+static bool correct_remaining_rows(session *w)
 {
     size_t corrected = 0;
-    if (!corrections_by_rows(w, m, options->skip, options->teller.trace, &corrected)) {
+    if (!corrections_by_rows(w, &corrected)) {
         return false;
     }
     if (corrected == 0) {
         return true;
     }
     w->more_left = false;
-    return begin(w, &options->teller) && causes_bear_out(w, &options->teller);
+    return begin(w) && causes_bear_out(w);
 }
 
 /* Where other causes act, another modulator may only seem to fit: it stays if the search from it ends better. */
-static bool find_under_modulator(session *w, const diagnose_teller *teller)
+static bool find_under_modulator(session *w)
 {
     const modulator own = w->rows.modulator;
     const fit_state state = w->state;
@@ -416,7 +395,7 @@ static bool find_under_modulator(session *w, const diagnose_teller *teller)
     const certainty certainty_found = w->certainty;
     const hypothesis_set allowed = w->allowed;
     bool changed = false;
-    if (!corrections_by_modulator(w, teller->trace, &changed) || (changed && !begin(w, teller))) {
+    if (!corrections_by_modulator(w, &changed) || (changed && !begin(w))) {
         return false;
     }
     if (changed && w->state.objective >= state.objective) {
@@ -426,79 +405,73 @@ static bool find_under_modulator(session *w, const diagnose_teller *teller)
         w->nominal = nominal;
         w->certainty = certainty_found;
         w->allowed = allowed;
-        if (teller->trace) {
-            fprintf(teller->trace, "  modulator changed back: the search ended worse\n");
-        }
+        session_trace(w, "  modulator changed back: the search ended worse\n");
     }
     return true;
 }
 
-static bool work(session *w, diagnosis *d, const motor *m, const diagnose_options *options)
+/* Glitches disturb every estimate: they are left out, and the search repeats. */
+static bool leave_glitches_out(session *w, size_t *glitches)
 {
-    hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
-    w->possible = hypotheses_possible(&w->rows, &w->frame) & ~options->skip;
-    bool whole = false;
-    w->fitted.searches = true;
+    *glitches = measure_glitches(&w->fitted, &w->state);
+    if (*glitches == 0) {
+        return true;
+    }
+    w->view.stands = false;
+    session_trace(w, "  %zu glitches left out, search repeated\n", *glitches);
+    return fit_gains(&w->fitted, &w->nominal) && (w->way == SESSION_WHOLE_DRIVE || causes_find(w)) &&
+           consider_whole(w);
+}
+
+/* The drive that fits best, by the search or as a whole, on corrected rows. */
+static bool find_drive(session *w, size_t *glitches)
+{
     bool less = false;
-    if (!corrections_by_link(w, m, options->skip, options->teller.trace) || !begin(w, &options->teller) ||
-        !doubt_less(w, &less, &options->teller) || !find_under_modulator(w, &options->teller) ||
-        !consider_whole(w, options, &whole)) {
+    w->fitted.searches = true;
+    if (!corrections_by_link(w) || !begin(w) || !doubt_less(w, &less) || !find_under_modulator(w) ||
+        !consider_whole(w)) {
         return false;
     }
     /* What a sparse search found by too much noise may be wrong. */
-    if ((less && !whole && !go_on(w, options, &whole)) || !correct_rows(w, m, options, &whole)) {
+    return (!less || w->way == SESSION_WHOLE_DRIVE || go_on(w)) && correct_rows(w) &&
+           leave_glitches_out(w, glitches);
+}
+
+/* Which of its effects are causes, which are minor, and which are not known to be either. */
+static bool name_causes(session *w)
+{
+    if (w->way == SESSION_WHOLE_DRIVE ? !whole_drive_divide(w)
+                                      : !causes_bear_out(w) || (w->more_left && !correct_remaining_rows(w)) ||
+                                            !causes_reject_harmful(w) || !causes_split_saturation(w)) {
         return false;
     }
-    d->outliers = measure_glitches(&w->fitted, &w->state);
-    if (d->outliers > 0) {
-        w->view.stands = false;
-        /* Glitches disturb every estimate: search again without them. */
-        if (options->teller.trace) {
-            fprintf(options->teller.trace, "  %zu glitches left out, search repeated\n", d->outliers);
-        }
-        if (!fit_gains(&w->fitted, &w->nominal) || (!whole && !causes_find(w, &options->teller)) ||
-            !consider_whole(w, options, &whole)) {
-            return false;
-        }
-    }
-    if (!whole &&
-        (!causes_bear_out(w, &options->teller) || (w->more_left && !correct_remaining_rows(w, m, options)) ||
-         !causes_reject_harmful(w, &options->teller) || !causes_split_saturation(w, &options->teller))) {
-        return false;
-    }
-    bool likely = false;
-    if ((whole && !whole_drive_divide(w, &options->teller)) ||
-        !likely_drive_fit(w, whole, &likely, &options->teller)) {
+    if (!likely_drive_fit(w)) {
         return false;
     }
     w->best = w->state;
-    if (!leave_unlikely(w, options->teller.trace) ||
-        (!likely && !undecided_accuse_none(w, UNDECIDED_NAMED, options->teller.trace))) {
+    if (!leave_unlikely(w) ||
+        (w->way != SESSION_LIKELY_DRIVE && !undecided_accuse_none(w, UNDECIDED_NAMED))) {
         return false;
     }
     /* Probabilities and tables describe the state itself, without a search from there. */
     w->fitted.searches = false;
-    if (!undecided_accuse_none(w, UNDECIDED_LIKELY, options->teller.trace)) {
-        return false;
-    }
-    if (options->teller.trace) {
-        fprintf(options->teller.trace, "  rows predicted in the search: %.2g\n", w->fitted.effort);
-    }
-    d->nominal_drive = w->frame.nominal;
-    d->extended_motor = *m;
+    return undecided_accuse_none(w, UNDECIDED_LIKELY);
+}
+
+/* Errors, noise floor and residual structure of the named model, and the verdict. */
+static bool measure(session *w, diagnosis *d, bool series)
+{
     const diagnose_rows recorded = corrected_rows_before(&w->rows, 0);
+    const double current = measure_current(&w->rows, MEASURE_ALL, true);
     d->nominal = error_with(&recorded, &d->nominal_drive);
-    named_tell(w, d, member);
     d->extended = error_with(&w->rows, &d->extended_drive);
-    double current = measure_current(&w->rows, MEASURE_ALL, true);
     d->noise_floor =
         100.0 * measure_floor(&w->rows, &w->state, &d->extended_drive, &d->sensor_noise_A) / current;
     d->noise_floor = fmin(d->noise_floor, d->extended);
     d->within_digits = error_within_digits(w);
     d->gain = d->extended > 0.0 ? d->nominal / d->extended : 1.0;
     const double excess = (at_the_noise(d, d->extended) ? d->within_digits : d->extended) / d->noise_floor;
-    if (!measure_lines(&w->fitted, &w->state, excess, &d->structure) ||
-        !measure_runs(&w->rows, d, options->series)) {
+    if (!measure_lines(&w->fitted, &w->state, excess, &d->structure) || !measure_runs(&w->rows, d, series)) {
         return false;
     }
     mention_decoys(w, d);
@@ -511,17 +484,36 @@ static bool work(session *w, diagnosis *d, const motor *m, const diagnose_option
         return false;
     }
     bound_runs(d);
-    if (!tell_hypotheses(w, d, member, options->skip)) {
+    return true;
+}
+
+static void count_rows(const diagnose_rows *r, diagnosis *d)
+{
+    d->rows_clipped = r->clipped;
+    for (size_t b = 0; b < r->blocks; b++) {
+        d->rows_used += r->block[b].count;
+        d->rows_held_out += r->block[b].held_out ? r->block[b].count : 0;
+    }
+}
+
+static bool work(session *w, diagnosis *d, const diagnose_options *options)
+{
+    hypothesis_id member[DIAGNOSIS_CAUSES] = {0};
+    w->possible = hypotheses_possible(&w->rows, &w->frame) & ~w->skip;
+    if (!find_drive(w, &d->outliers) || !name_causes(w)) {
         return false;
     }
-    corrected_causes_tell(&w->rows, m, w->corrections_borne_out, d);
+    session_trace(w, "  rows predicted in the search: %.2g\n", w->fitted.effort);
+    d->nominal_drive = w->frame.nominal;
+    d->extended_motor = *w->file;
+    named_tell(w, d, member);
+    if (!measure(w, d, options->series) || !tell_hypotheses(w, d, member, options->skip)) {
+        return false;
+    }
+    corrected_causes_tell(&w->rows, w->file, w->corrections_borne_out, d);
     advice_tell(w, d);
     sentence_tell(d);
-    d->rows_clipped = w->rows.clipped;
-    for (size_t b = 0; b < w->rows.blocks; b++) {
-        d->rows_used += w->rows.block[b].count;
-        d->rows_held_out += w->rows.block[b].held_out ? w->rows.block[b].count : 0;
-    }
+    count_rows(&w->rows, d);
     return true;
 }
 
@@ -544,13 +536,15 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
     }
     if (ok) {
         w->rows.no_memory = &w->no_memory;
+        w->file = m;
+        w->skip = options->skip;
+        w->teller = options->teller;
         w->frame = coordinates_of(m, &w->rows);
         w->frame.of_least = options->any_size ? 0.0 : 1.0;
-        ok = (corrections_by_columns(w, m, options->skip, options->teller.trace) ||
-              error_failure(e, 0, "out of memory for %zu rows", w->rows.rows)) &&
+        ok = (corrections_by_columns(w) || error_failure(e, 0, "out of memory for %zu rows", w->rows.rows)) &&
              fit_data_make(&w->fitted, &w->rows, &w->frame, SEARCH_ROWS, e);
     }
-    if (ok && (!work(w, d, m, options) || w->no_memory)) {
+    if (ok && (!work(w, d, options) || w->no_memory)) {
         ok = error_failure(e, 0, "out of memory in the diagnosis of %zu rows", rec->rows);
     }
     if (ok && !isfinite(d->nominal + d->extended + d->noise_floor)) {

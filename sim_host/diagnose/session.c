@@ -10,6 +10,7 @@
 #include "weigh/discrepancy.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 
 double session_scale_doubt(const session *w, hypothesis_id h)
@@ -35,6 +36,23 @@ hypothesis_set session_rivals(const session *w)
         scaled |= hypothesis_is_scaled(h) ? HYPOTHESIS_BIT(h) : 0;
     }
     return w->possible & ~(scaled & ~w->state.set);
+}
+
+void session_trace(const session *w, const char *format, ...)
+{
+    if (w->teller.trace) {
+        va_list args;
+        va_start(args, format);
+        vfprintf(w->teller.trace, format, args);
+        va_end(args);
+    }
+}
+
+bool session_look(session *w)
+{
+    const bool ok = evidence_look(&w->fitted, &w->state, w->possible, &w->view);
+    w->view.explained = fmax(w->nominal.objective - w->state.objective, 0.0);
+    return ok;
 }
 
 double session_floor(const session *w, const fit_state *s)

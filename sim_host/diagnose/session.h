@@ -4,12 +4,20 @@
 #ifndef SIM_HOST_DIAGNOSE_SESSION_H
 #define SIM_HOST_DIAGNOSE_SESSION_H
 
+#include "base/error.h"
 #include "identify/whole_fit.h"
 #include "weigh/certainty.h"
 #include "weigh/evidence.h"
 #include "weigh/probability.h"
+#include "weigh/teller.h"
+
+/* How a state was found: by the search (choose/causes.h), or a fit of the whole drive (choose/whole_drive.h, choose/likely_drive.h). */
+typedef enum session_way { SESSION_SEARCH, SESSION_WHOLE_DRIVE, SESSION_LIKELY_DRIVE } session_way;
 
 typedef struct session {
+    const motor *file;
+    hypothesis_set skip; /* not to be looked for */
+    diagnose_teller teller;
     diagnose_rows rows;
     coordinate_frame frame;
     fit_data fitted;
@@ -26,6 +34,7 @@ typedef struct session {
     rival_fits rivals;                       /* of that state */
     fit_state best;                          /* the state, or what was fitted before all of it was given up */
     double borne_out, corrections_borne_out; /* probability of the members, of these and the corrections */
+    session_way way;                         /* to the state */
     bool more_left;                          /* than the best causes explained: none of them is named */
     bool no_memory;                          /* memory ran out in a measure (rows.no_memory) */
 } session;
@@ -58,6 +67,12 @@ double session_scale_doubt(const session *w, hypothesis_id h);
 /* Hypotheses that compete with the members: all possible ones. Those in whose place one factor on the drive puts a member have shares of
  * w->scale already. */
 hypothesis_set session_rivals(const session *w);
+
+/* Prints to the trace, if there is one. */
+void session_trace(const session *w, const char *format, ...) ERROR_PRINTF(2, 3);
+
+/* Looks at all sets from the state into w->view, which stays valid until the rows or the state change. False: out of memory. */
+bool session_look(session *w);
 
 /* Errors are in percent of the current, on held-out rows without glitches. The noise floor at a state. */
 double session_floor(const session *w, const fit_state *s);

@@ -45,11 +45,11 @@ static double in_floors(double floor, double percent)
 }
 
 /* Whether another cause would do as well in h's place. */
-static bool is_open(const session *w, const evidence_view *view, double own_cost, hypothesis_id h)
+static bool is_open(const session *w, double own_cost, hypothesis_id h)
 {
     for (hypothesis_id other = 0; other < H_COUNT; other++) {
         if ((w->possible & HYPOTHESIS_BIT(other)) &&
-            confusion_of(view, &w->state, own_cost, h, other, w->certainty.inflation)) {
+            confusion_of(&w->view, &w->state, own_cost, h, other, w->certainty.inflation)) {
             return true;
         }
     }
@@ -57,12 +57,12 @@ static bool is_open(const session *w, const evidence_view *view, double own_cost
 }
 
 /* What the set leaves unexplained, if that is more than the verdict allows, as chi square. */
-static double unexplained_of(const session *w, const evidence_view *view, double floor)
+static double unexplained_of(const session *w, double floor)
 {
     evidence_option own;
     const averaged_drive drive = session_drive(w, w->state.z);
     const double floors = in_floors(floor, measure_without_glitches(&w->rows, &drive));
-    evidence_cost(view, &w->state, w->state.set, &own);
+    evidence_cost(&w->view, &w->state, w->state.set, &own);
     return floors > DIAGNOSIS_FLOOR_TOLERANCE ? (floors * floors - 1.0) * own.cost : 0.0;
 }
 
@@ -81,7 +81,6 @@ static hypothesis_id least_of(const double cost_without[H_COUNT], hypothesis_set
 /* By what the members of the state's set reduce the cost, one by one and together, in chi square. */
 typedef struct weighing {
     const session *w;
-    const evidence_view *view;
     double floor, unexplained;
     double own_cost;         /* of the set as it is */
     double without[H_COUNT]; /* reduction by each, given the others */
@@ -94,7 +93,7 @@ typedef struct weighing {
 static double cost_of(const weighing *g, hypothesis_set set)
 {
     evidence_option option;
-    evidence_cost(g->view, &g->w->state, set, &option);
+    evidence_cost(&g->w->view, &g->w->state, set, &option);
     return option.cost;
 }
 
@@ -104,10 +103,9 @@ static bool is_likely(const standing *of)
     return of->alone >= LIKELY || of->rival <= 1.0;
 }
 
-static bool weigh(session *w, const evidence_view *view, hypothesis_set allowed, double floor,
-                  double unexplained, weighing *out)
+static bool weigh(session *w, double floor, double unexplained, weighing *out)
 {
-    weighing g = {.w = w, .view = view, .floor = floor, .unexplained = unexplained};
+    weighing g = {.w = w, .floor = floor, .unexplained = unexplained};
     const hypothesis_set set = w->state.set;
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         g.decoys |= hypothesis_in(set, h) && !hypothesis_cause(h)->named ? HYPOTHESIS_BIT(h) : 0;
@@ -119,7 +117,8 @@ static bool weigh(session *w, const evidence_view *view, hypothesis_set allowed,
     g.of_decoys = cost_of(&g, set & ~g.decoys) - g.own_cost;
     g.with_all = session_named_error(w, set);
     *out = g;
-    if (!probability_of(view, &w->state, allowed, w->certainty.inflation, NULL, NULL, out->posterior)) {
+    if (!probability_of(&w->view, &w->state, w->allowed, w->certainty.inflation, NULL, NULL,
+                        out->posterior)) {
         return false;
     }
     bool likely = true;
@@ -127,8 +126,8 @@ static bool weigh(session *w, const evidence_view *view, hypothesis_set allowed,
         likely = likely && (!hypothesis_in(set, h) || is_likely(&out->posterior[h]));
     }
     /* None goes for a rival that only the parabola makes likelier. */
-    return likely || probability_of(view, &w->state, allowed, w->certainty.inflation, &w->fitted, &w->rivals,
-                                    out->posterior);
+    return likely || probability_of(&w->view, &w->state, w->allowed, w->certainty.inflation, &w->fitted,
+                                    &w->rivals, out->posterior);
 }
 
 /* The least reduction by a member, from what the others explain and what nothing does. */
@@ -148,7 +147,8 @@ static double bar_of(const weighing *g, hypothesis_id h)
 static bool is_probable(const weighing *g, hypothesis_id h)
 {
     const hypothesis_set set = g->w->state.set;
-    const double pays = evidence_penalty(g->view, set) - evidence_penalty(g->view, set & ~HYPOTHESIS_BIT(h));
+    const double pays =
+        evidence_penalty(&g->w->view, set) - evidence_penalty(&g->w->view, set & ~HYPOTHESIS_BIT(h));
     return is_likely(&g->posterior[h]) &&
            g->posterior[h].against / g->w->certainty.inflation - pays >= ODDS_OF_NAMED;
 }
@@ -167,14 +167,14 @@ static bool harms(const weighing *g, hypothesis_id h)
     const double without = session_named_error(g->w, set & ~HYPOTHESIS_BIT(h));
     const bool in_doubt = g->without[h] < FAR_MORE * g->of_decoys;
     return without < g->with_all ||
-           (in_doubt && (without <= 1.005 * g->with_all || is_open(g->w, g->view, g->own_cost, h)));
+           (in_doubt && (without <= 1.005 * g->with_all || is_open(g->w, g->own_cost, h)));
 }
 
 static bool is_one_map(const weighing *g, hypothesis_id h)
 {
     const hypothesis_set set = g->w->state.set;
     return hypothesis_table[h].cause != CAUSE_SATURATION_DQ ||
-           g->view->scatter[CAUSE_SATURATION_DQ] <= ONE_MAP ||
+           g->w->view.scatter[CAUSE_SATURATION_DQ] <= ONE_MAP ||
            g->with_all < MOST_LEFT * session_named_error(g->w, set & ~HYPOTHESIS_BIT(h));
 }
 
@@ -226,14 +226,13 @@ static void join_whole(fit_state *s, hypothesis_id h)
 }
 
 /* By what share each effect differs from one operating point to the next: what LAW_HOLDS is measured by. */
-static void tell_scatter(const evidence_view *view, hypothesis_set set, const diagnose_teller *teller)
+static void tell_scatter(const session *w)
 {
-    for (hypothesis_id h = 0; teller->trace && h < H_COUNT; h++) {
-        const double share = view->scatter[hypothesis_table[h].cause];
-        if (hypothesis_in(set, h) && share != 0.0) {
-            fprintf(teller->trace, "  between operating points %s differs by %.3g %%%s\n",
-                    hypothesis_cause(h)->id, 100.0 * fmax(share, 0.0),
-                    share < 0.0 ? " at the most that noise does" : "");
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const double share = w->view.scatter[hypothesis_table[h].cause];
+        if (hypothesis_in(w->state.set, h) && share != 0.0) {
+            session_trace(w, "  between operating points %s differs by %.3g %%%s\n", hypothesis_cause(h)->id,
+                          100.0 * fmax(share, 0.0), share < 0.0 ? " at the most that noise does" : "");
         }
     }
 }
@@ -249,19 +248,16 @@ static bool refine(session *w, bool roughly)
 
 /* Fits the state's set and drops, one by one, what is not certain, until all that stays is. Raises `least` to what the
  * next search's causes must explain to stay here. */
-static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, double *least,
-                  const diagnose_teller *teller)
+static bool prune(session *w, double *least)
 {
     for (bool roughly = fit_has_spent(&w->fitted);;) {
-        if (!refine(w, roughly) || !certainty_of(&w->fitted, &w->state, &w->certainty) ||
-            !evidence_look(&w->fitted, &w->state, w->possible, view)) {
+        if (!refine(w, roughly) || !certainty_of(&w->fitted, &w->state, &w->certainty) || !session_look(w)) {
             return false;
         }
-        view->explained = fmax(w->nominal.objective - w->state.objective, 0.0);
         const double floor = session_floor(w, &w->state);
-        const double unexplained = unexplained_of(w, view, floor);
+        const double unexplained = unexplained_of(w, floor);
         weighing g;
-        if (!weigh(w, view, *allowed, floor, unexplained, &g)) {
+        if (!weigh(w, floor, unexplained, &g)) {
             return false;
         }
         const hypothesis_id worst = weakest(w, &g);
@@ -270,19 +266,17 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
             continue;
         }
         if (worst == H_COUNT) {
-            tell_scatter(view, w->state.set, teller);
+            tell_scatter(w);
             return true;
         }
-        if (teller->trace) {
-            fprintf(teller->trace, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
-        }
+        session_trace(w, "  not certain, or too small a part: %s\n", hypothesis_table[worst].words);
         /* A flux map that is not worth its name with some of its terms is not with others. */
-        *allowed &= ~(hypothesis_table[worst].cause == CAUSE_SATURATION_DQ
-                          ? hypotheses_of_cause(hypothesis_cause(worst)->id)
-                          : HYPOTHESIS_BIT(worst));
+        w->allowed &= ~(hypothesis_table[worst].cause == CAUSE_SATURATION_DQ
+                            ? hypotheses_of_cause(hypothesis_cause(worst)->id)
+                            : HYPOTHESIS_BIT(worst));
         const hypothesis_id whole = whole_of(&w->state, worst);
-        search_take_out(&w->fitted, &w->state, worst, *allowed);
-        if (whole != H_COUNT && hypothesis_in(*allowed, whole) && hypothesis_joins(w->state.set, whole)) {
+        search_take_out(&w->fitted, &w->state, worst, w->allowed);
+        if (whole != H_COUNT && hypothesis_in(w->allowed, whole) && hypothesis_joins(w->state.set, whole)) {
             join_whole(&w->state, whole);
         }
         /* Half, as another set may leave less. */
@@ -290,15 +284,12 @@ static bool prune(session *w, evidence_view *view, hypothesis_set *allowed, doub
     }
 }
 
-static void tell_spent(const diagnose_teller *teller)
+static void tell_spent(const session *w)
 {
-    if (teller->trace) {
-        fprintf(teller->trace,
-                "  so much was tried that nothing is searched for in place of what was dropped\n");
-    }
+    session_trace(w, "  so much was tried that nothing is searched for in place of what was dropped\n");
 }
 
-static bool find(session *w, hypothesis_set possible, const diagnose_teller *teller)
+static bool find(session *w, hypothesis_set possible)
 {
     w->state = w->nominal;
     w->allowed = possible;
@@ -310,17 +301,17 @@ static bool find(session *w, hypothesis_set possible, const diagnose_teller *tel
     bool ok = true;
     for (bool first = true; ok; first = false) {
         ok = search_best(&w->fitted, &w->state, w->allowed, w->nominal.objective, least, &fitted, &w->view,
-                         teller);
+                         &w->teller);
         if (ok && !first && w->state.set == pruned.set) {
             break;
         }
-        ok = ok && prune(w, &w->view, &w->allowed, &least, teller);
+        ok = ok && prune(w, &least);
         pruned = w->state;
         if (w->state.set == 0 && w->allowed == possible) {
             break; /* nothing found, nothing dropped */
         }
         if (fit_has_spent(&w->fitted)) {
-            tell_spent(teller);
+            tell_spent(w);
             break;
         }
     }
@@ -330,30 +321,28 @@ static bool find(session *w, hypothesis_set possible, const diagnose_teller *tel
     return ok;
 }
 
-bool causes_find(session *w, const diagnose_teller *teller)
+bool causes_find(session *w)
 {
-    return find(w, w->possible, teller);
+    return find(w, w->possible);
 }
 
-bool causes_bear_out(session *w, const diagnose_teller *teller)
+bool causes_bear_out(session *w)
 {
     if (hypotheses_named(w->state.set) == 0 || session_borne_out(w, &w->rows) >= LIKELY) {
         return true;
     }
-    if (teller->trace) {
-        char words[256];
-        fprintf(teller->trace, "  more is left than they explain, and none is named: %s\n",
-                evidence_words(w->state.set, words, sizeof words));
-    }
+    char words[256];
+    session_trace(w, "  more is left than they explain, and none is named: %s\n",
+                  evidence_words(w->state.set, words, sizeof words));
     w->more_left = true;
     /* It was the best set there is: no other explains more, and no part of it. */
-    return find(w, w->possible & ~hypotheses_named(w->possible), teller);
+    return find(w, w->possible & ~hypotheses_named(w->possible));
 }
 
 /* By less than this share chance decides, as where an effect hardly shows in one cycle. */
 static const double HARM = 0.97;
 
-bool causes_reject_harmful(session *w, const diagnose_teller *teller)
+bool causes_reject_harmful(session *w)
 {
     for (;;) {
         const double with_all = session_named_error(w, w->state.set);
@@ -371,9 +360,7 @@ bool causes_reject_harmful(session *w, const diagnose_teller *teller)
         if (worst == H_COUNT) {
             return true;
         }
-        if (teller->trace) {
-            fprintf(teller->trace, "  raises the held-out error: %s\n", hypothesis_table[worst].words);
-        }
+        session_trace(w, "  raises the held-out error: %s\n", hypothesis_table[worst].words);
         w->allowed &= ~HYPOTHESIS_BIT(worst);
         search_take_out(&w->fitted, &w->state, worst, w->allowed);
         if (!refine(w, false) || !certainty_of(&w->fitted, &w->state, &w->certainty)) {
@@ -382,7 +369,7 @@ bool causes_reject_harmful(session *w, const diagnose_teller *teller)
     }
 }
 
-bool causes_split_saturation(session *w, const diagnose_teller *teller)
+bool causes_split_saturation(session *w)
 {
     const hypothesis_set split = HYPOTHESIS_BIT(H_INDUCTANCE) | HYPOTHESIS_BIT(H_FALL);
     const double least = w->frame.of_least * hypothesis_table[H_INDUCTANCE].least;
@@ -391,9 +378,7 @@ bool causes_split_saturation(session *w, const diagnose_teller *teller)
         !certainty_exceeds(&w->certainty, &w->state, H_INDUCTANCE, least)) {
         return true;
     }
-    if (teller->trace) {
-        fprintf(teller->trace, "  at no current has the inductance the motor file's value: two causes\n");
-    }
+    session_trace(w, "  at no current has the inductance the motor file's value: two causes\n");
     w->state.set = (w->state.set & ~HYPOTHESIS_BIT(H_SATURATION)) | split;
     return certainty_of(&w->fitted, &w->state, &w->certainty);
 }

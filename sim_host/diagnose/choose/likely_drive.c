@@ -122,7 +122,7 @@ static bool fit_in_order(session *w, fit_state *s)
 }
 
 /* The angle smoothed over as many rows as lower the errors most, if by enough. */
-static bool smooth_angle(session *w, fit_state *s, errors *e, const diagnose_teller *teller)
+static bool smooth_angle(session *w, fit_state *s, errors *e)
 {
     static const size_t half[] = {2, 4, 7, 12};
     diagnose_rows *r = &w->rows;
@@ -153,9 +153,7 @@ static bool smooth_angle(session *w, fit_state *s, errors *e, const diagnose_tel
         r->rough = NULL;
         return true;
     }
-    if (teller->trace) {
-        fprintf(teller->trace, "  angle smoothed over %zu rows to either side\n", chosen);
-    }
+    session_trace(w, "  angle smoothed over %zu rows to either side\n", chosen);
     const bool ok = refine(w, s, STEPS);
     *e = errors_of(w, s);
     return ok;
@@ -175,13 +173,11 @@ static bool roughen_angle(session *w)
     return ok;
 }
 
-static void say(const diagnose_teller *teller, const char *what, const fit_state *s, errors e)
+static void say(const session *w, const char *what, const fit_state *s, errors e)
 {
-    if (teller->trace) {
-        char words[256];
-        fprintf(teller->trace, "  likely effects %s: %s: one cycle %.2f %%, open loop %.2f %%\n", what,
-                evidence_words(s->set, words, sizeof words), e.one_cycle, e.open_loop);
-    }
+    char words[256];
+    session_trace(w, "  likely effects %s: %s: one cycle %.2f %%, open loop %.2f %%\n", what,
+                  evidence_words(s->set, words, sizeof words), e.one_cycle, e.open_loop);
 }
 
 /* What the parabola at the state says that a set leaves. */
@@ -218,7 +214,7 @@ static bool may_join(const session *w, hypothesis_set set, hypothesis_id h)
 }
 
 /* One more effect, if it lowers both errors; *joined: whether one did. */
-static bool extend(session *w, fit_state *s, errors *e, const diagnose_teller *teller, bool *joined)
+static bool extend(session *w, fit_state *s, errors *e, bool *joined)
 {
     evidence_view *view = &w->view;
     promise list[H_COUNT];
@@ -244,7 +240,7 @@ static bool extend(session *w, fit_state *s, errors *e, const diagnose_teller *t
             *s = trial;
             *e = now;
             *joined = true;
-            say(teller, "extended", s, now);
+            say(w, "extended", s, now);
         }
     }
     return true;
@@ -269,7 +265,7 @@ static void leave(fit_state *s, hypothesis_id h, hypothesis_set possible)
 }
 
 /* One member less: *left is set if one went. */
-static bool shrink(session *w, fit_state *s, errors best, const diagnose_teller *teller, bool *left)
+static bool shrink(session *w, fit_state *s, errors best, bool *left)
 {
     evidence_view *view = &w->view;
     promise list[H_COUNT];
@@ -295,22 +291,23 @@ static bool shrink(session *w, fit_state *s, errors best, const diagnose_teller 
         if (isinf(list[k].cost) || within(now, best, (errors){MEMBER_BRINGS, MEMBER_BRINGS})) {
             *s = trial;
             *left = true;
-            say(teller, "without one", s, now);
+            say(w, "without one", s, now);
         }
     }
     return true;
 }
 
 /* Whether the fit explains most of the error, and more than a sparse search, or no less than the other fit of the whole drive. */
-static bool is_better(const session *w, const fit_state *s, bool whole, errors e, errors found)
+static bool is_better(const session *w, const fit_state *s, errors e, errors found)
 {
-    const errors factor = whole ? (errors){MEMBER_BRINGS, ALIKE_OPEN_LOOP} : (errors){BETTER, MEMBER_BRINGS};
+    const errors factor = w->way == SESSION_WHOLE_DRIVE ? (errors){MEMBER_BRINGS, ALIKE_OPEN_LOOP}
+                                                        : (errors){BETTER, MEMBER_BRINGS};
     return s->set != 0 && !isnan(e.open_loop) && within(e, found, factor) &&
            session_explains_most(w, s, e.one_cycle);
 }
 
 /* From the motor file's values to the whole drive in *s; false: out of memory. *taken: it is better than what the search found. */
-static bool fit_whole(session *w, bool whole, fit_state *s, const diagnose_teller *teller, bool *taken)
+static bool fit_whole(session *w, fit_state *s, bool *taken)
 {
     const errors found = errors_of(w, &w->state);
     bool goes_on = true;
@@ -321,21 +318,21 @@ static bool fit_whole(session *w, bool whole, fit_state *s, const diagnose_telle
         return false;
     }
     errors e = errors_of(w, s);
-    say(teller, "fitted", s, e);
-    if (!smooth_angle(w, s, &e, teller)) {
+    say(w, "fitted", s, e);
+    if (!smooth_angle(w, s, &e)) {
         return false;
     }
-    say(teller, "fitted again", s, e);
-    if (!is_better(w, s, whole, e, found)) {
+    say(w, "fitted again", s, e);
+    if (!is_better(w, s, e, found)) {
         return true;
     }
     for (int n = 0; goes_on && n < JOINS_MOST; n++) {
-        if (!extend(w, s, &e, teller, &goes_on)) {
+        if (!extend(w, s, &e, &goes_on)) {
             return false;
         }
     }
     for (goes_on = true; goes_on && s->set != 0;) {
-        if (!shrink(w, s, e, teller, &goes_on)) {
+        if (!shrink(w, s, e, &goes_on)) {
             return false;
         }
     }
@@ -344,12 +341,12 @@ static bool fit_whole(session *w, bool whole, fit_state *s, const diagnose_telle
         return false;
     }
     e = errors_of(w, s);
-    *taken = is_better(w, s, whole, e, found);
-    say(teller, *taken ? "taken" : "not taken", s, e);
+    *taken = is_better(w, s, e, found);
+    say(w, *taken ? "taken" : "not taken", s, e);
     return true;
 }
 
-bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller *teller)
+bool likely_drive_fit(session *w)
 {
     if (!session_leaves(w, DIAGNOSIS_FLOOR_TOLERANCE)) {
         return true;
@@ -358,6 +355,7 @@ bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller
     unsigned char *outlier = malloc(r->rows + 1);
     const modulator own = r->modulator;
     fit_state s = w->nominal;
+    bool taken = false;
     bool ok = outlier != NULL;
     w->view.stands = false;
     if (ok) {
@@ -366,11 +364,12 @@ bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller
         memset(r->outlier, 0, r->rows);
         rows_fill_edges(r, w->frame.motor, MODULATOR_MIN_MAX);
         w->fitted.pooled = true;
-        ok = fit_whole(w, whole, &s, teller, taken);
+        ok = fit_whole(w, &s, &taken);
         w->fitted.pooled = false;
     }
-    if (ok && *taken) {
+    if (ok && taken) {
         w->state = s;
+        w->way = SESSION_LIKELY_DRIVE;
         w->more_left = false;
         w->minor = w->undecided = 0;
         memset(w->scale, 0, sizeof w->scale);

@@ -15,14 +15,13 @@
 #define SIM_HOST_DIAGNOSE_CHOOSE_LIKELY_DRIVE_H
 
 #include "diagnose/session.h"
-#include "diagnose/weigh/teller.h"
 
 /*
  * If w->state leaves more than the verdict allows: fits these effects, and takes them in place of w->state if they explain most of
- * the motor file's error, and reduce the error of w->state, effects without a name included, by a tenth. `whole`: w->state is from the
- * fit of the whole drive (whole_drive.h) already; then an error that is at most 2 % larger is enough, and an open-loop error that is at
- * most a tenth larger, as these effects are the likelier ones. Sets *taken, false before, if it takes them. False: out of memory.
+ * the motor file's error, and reduce the error of w->state, effects without a name included, by a tenth. If w->state is of a fit of the
+ * whole drive (whole_drive.h) already, an error that is at most 2 % larger is enough, and an open-loop error that is at
+ * most a tenth larger, as these effects are the likelier ones. w->way says if they were taken. False: out of memory.
  */
-bool likely_drive_fit(session *w, bool whole, bool *taken, const diagnose_teller *teller);
+bool likely_drive_fit(session *w);
 
 #endif

@@ -9,39 +9,33 @@
 static const double BORNE_OUT = 0.95;
 
 /* The named members, but for minor ones, whose probability among all sets near the state is below the limit. False: out of memory. */
-static bool find_below(session *w, double limit, hypothesis_set *below, FILE *trace)
+static bool find_below(session *w, double limit, hypothesis_set *below)
 {
     standing of[H_COUNT];
-    if (!evidence_look(&w->fitted, &w->state, w->possible, &w->view)) {
-        return false;
-    }
-    w->view.explained = fmax(w->nominal.objective - w->state.objective, 0.0);
-    if (!probability_of(&w->view, &w->state, session_rivals(w), w->certainty.inflation, &w->fitted,
-                        &w->rivals, of)) {
+    if (!session_look(w) || !probability_of(&w->view, &w->state, session_rivals(w), w->certainty.inflation,
+                                            &w->fitted, &w->rivals, of)) {
         return false;
     }
     for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (hypothesis_in(hypotheses_named(w->state.set & ~w->minor), h) && of[h].probability < limit) {
             *below |= HYPOTHESIS_BIT(h);
-            if (trace) {
-                fprintf(trace, "  probability %.2f: %s\n", of[h].probability, hypothesis_table[h].words);
-            }
+            session_trace(w, "  probability %.2f: %s\n", of[h].probability, hypothesis_table[h].words);
         }
     }
     return true;
 }
 
-bool undecided_accuse_none(session *w, double limit, FILE *trace)
+bool undecided_accuse_none(session *w, double limit)
 {
     const hypothesis_set causes = hypotheses_named(w->state.set & ~w->minor);
     hypothesis_set below = 0;
-    if (causes != 0 && !find_below(w, limit, &below, trace)) {
+    if (causes != 0 && !find_below(w, limit, &below)) {
         return false;
     }
     below = w->borne_out < BORNE_OUT ? causes : below;
-    for (hypothesis_id h = 0; trace && h < H_COUNT; h++) {
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
         if (hypothesis_in(below, h)) {
-            fprintf(trace, "  fitted, but not certain enough for a name: %s\n", hypothesis_table[h].words);
+            session_trace(w, "  fitted, but not certain enough for a name: %s\n", hypothesis_table[h].words);
         }
     }
     w->minor |= below;

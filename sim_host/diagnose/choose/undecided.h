@@ -7,8 +7,6 @@
 
 #include "diagnose/session.h"
 
-#include <stdio.h>
-
 /* A cause is named if its probability among all sets near the state that the search found is at least this. */
 #define UNDECIDED_NAMED 0.95
 /* At the end of all fits, and in a fit of likely effects, which is no search. */
@@ -19,6 +17,6 @@
  * the catalogue (w->borne_out) is below 0.95. It is the probability as printed, but for that of the catalogue, if w->fitted.searches is
  * false. w->undecided gets these members in addition. False: out of memory.
  */
-bool undecided_accuse_none(session *w, double limit, FILE *trace);
+bool undecided_accuse_none(session *w, double limit);
 
 #endif

@@ -78,29 +78,29 @@ static bool is_there(const whole_fit *f, hypothesis_id h)
 }
 
 /* What is at least half as sure as a member: its size in thresholds, and both chi squares over what a member pays. */
-static void tell_sizes(const whole_fit *f, hypothesis_set parts, const diagnose_teller *teller)
+static void tell_sizes(const session *w, const whole_fit *f, hypothesis_set parts)
 {
-    for (hypothesis_id h = 0; teller->trace && h < H_COUNT; h++) {
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
         const double certain = whole_fit_certain(f, h) / pays(h);
         if (hypothesis_in(parts, h) && (certain > 0.5 || is_there(f, h))) {
-            fprintf(teller->trace, "    %-20s size %.3g, certain %.3g, needed %.3g\n",
-                    hypothesis_table[h].words, hypothesis_size(h, f->state.z) / hypothesis_table[h].least,
-                    certain, whole_fit_needed(f, h) / pays(h));
+            session_trace(w, "    %-20s size %.3g, certain %.3g, needed %.3g\n", hypothesis_table[h].words,
+                          hypothesis_size(h, f->state.z) / hypothesis_table[h].least, certain,
+                          whole_fit_needed(f, h) / pays(h));
         }
     }
 }
 
-static void tell_scales(const whole_fit *f, const diagnose_teller *teller)
+static void tell_scales(const session *w, const whole_fit *f)
 {
-    for (size_t which = 0; teller->trace && which < DRIVE_SCALES; which++) {
+    for (size_t which = 0; which < DRIVE_SCALES; which++) {
         if (f->scale[which].share > 0.01) {
-            fprintf(teller->trace, "    share %.3f of the drives, by a factor %.4f:", f->scale[which].share,
-                    f->scale[which].factor);
+            session_trace(w, "    share %.3f of the drives, by a factor %.4f:", f->scale[which].share,
+                          f->scale[which].factor);
             for (size_t k = 0; k < HYPOTHESES_SCALED; k++) {
-                fprintf(teller->trace, "%s%s", (which >> k & 1U) != 0 ? " " : "",
-                        (which >> k & 1U) != 0 ? hypothesis_cause(hypotheses_scaled[k])->id : "");
+                session_trace(w, "%s%s", (which >> k & 1U) != 0 ? " " : "",
+                              (which >> k & 1U) != 0 ? hypothesis_cause(hypotheses_scaled[k])->id : "");
             }
-            fprintf(teller->trace, "\n");
+            session_trace(w, "\n");
         }
     }
 }
@@ -177,17 +177,16 @@ typedef struct attempt {
 } attempt;
 
 /* Tries it with what was found, from w->state, which stays, and without some parts. False: out of memory. */
-static bool try_with(session *w, hypothesis_set found, hypothesis_set without, attempt *a,
-                     const diagnose_teller *teller)
+static bool try_with(session *w, hypothesis_set found, hypothesis_set without, attempt *a)
 {
     const hypothesis_set parts = parts_of(w, found) & ~without;
     const fit_state first = w->state;
     const certainty first_certainty = w->certainty;
     const fit_state start = start_of(w, found);
-    bool ok = whole_fit_find(&w->fitted, &start, parts, w->certainty.inflation, &a->fit, teller->trace);
+    bool ok = whole_fit_find(&w->fitted, &start, parts, w->certainty.inflation, &a->fit, w->teller.trace);
     if (ok) {
-        tell_sizes(&a->fit, parts, teller);
-        tell_scales(&a->fit, teller);
+        tell_sizes(w, &a->fit, parts);
+        tell_scales(w, &a->fit);
         w->state = a->fit.state;
         w->state.set = members_there(w, &a->fit, found);
         a->percent = session_named_error(w, w->state.set);
@@ -209,14 +208,13 @@ static double more_without(const whole_fit *with, const whole_fit *without)
 }
 
 /* Takes the attempt that holds `more` as well, if that pays. False: out of memory. */
-static bool try_more(session *w, hypothesis_set found, hypothesis_set more, attempt *best,
-                     const diagnose_teller *teller)
+static bool try_more(session *w, hypothesis_set found, hypothesis_set more, attempt *best)
 {
     if (more == 0) {
         return true;
     }
     attempt *with = malloc(sizeof *with);
-    const bool ok = with && try_with(w, found | more, 0, with, teller);
+    const bool ok = with && try_with(w, found | more, 0, with);
     if (ok && more_without(&with->fit, &best->fit) > pays_of(more)) {
         *best = *with;
     }
@@ -229,13 +227,13 @@ static bool try_more(session *w, hypothesis_set found, hypothesis_set more, atte
  * without it is tried first, and the map must pay. So must an effect without a name, and if it does, the drive holds it: many small
  * causes together may else take its place.
  */
-static bool try_whole(session *w, attempt *best, const diagnose_teller *teller)
+static bool try_whole(session *w, attempt *best)
 {
     const hypothesis_set named = hypotheses_named(w->state.set);
     const hypothesis_set map = named & hypotheses_of(CAUSE_SATURATION_DQ);
     const hypothesis_set found = named & ~map;
-    return try_with(w, found, 0, best, teller) && try_more(w, found, map, best, teller) &&
-           try_more(w, found | (best->state.set & map), w->state.set & ~named, best, teller);
+    return try_with(w, found, 0, best) && try_more(w, found, map, best) &&
+           try_more(w, found | (best->state.set & map), w->state.set & ~named, best);
 }
 
 static void adopt(session *w, const attempt *a)
@@ -288,14 +286,14 @@ static bool doubts_scale(const whole_fit *f, hypothesis_set set)
     return own != 0 && with < 0.5 * all;
 }
 
-bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller)
+bool whole_drive_consider(session *w)
 {
     const double percent = session_named_error(w, w->state.set);
     double score = 0.0;
     char words[256];
     attempt *best = malloc(sizeof *best);
-    *better = false;
-    bool ok = best && try_whole(w, best, teller) && search_score(&w->fitted, &w->state, &score);
+    bool better = false;
+    bool ok = best && try_whole(w, best) && search_score(&w->fitted, &w->state, &score);
     if (ok) {
         const bool other_scale = doubts_scale(&best->fit, w->state.set);
         const bool is_new =
@@ -303,28 +301,26 @@ bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_t
         /* A map that the whole drive does not need is there in place of other causes. */
         const bool no_map = hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) &&
                             !hypotheses_hold(best->state.set, CAUSE_SATURATION_DQ);
-        *better = (again || is_new) && best->explains_most;
+        better = (w->way == SESSION_WHOLE_DRIVE || is_new) && best->explains_most;
         /*
          * The whole drive holds what is small as well, and a set pays as much for that as for what is large. So the large ones alone are
          * fitted as the search fits a set. If they are its own, the two scores differ by what such fits miss.
          */
         double of_large = INFINITY;
-        if (*better && !no_map && !other_scale && best->score >= score) {
+        if (better && !no_map && !other_scale && best->score >= score) {
             fit_state large = large_of(w, best);
             const double missed = large.set == w->state.set ? fit_ranked(0.0).enough : 0.0;
             ok = fit_refine(&w->fitted, &large, LARGE_STEPS) && search_score(&w->fitted, &large, &of_large);
-            *better = of_large < score + missed;
+            better = of_large < score + missed;
         }
-        if (teller->trace) {
-            fprintf(
-                teller->trace,
-                "  whole drive: %s, score %.1f, large ones %.1f (search %.1f), error %.4g %% (%.4g): %s\n",
-                evidence_words(best->state.set, words, sizeof words), best->score, of_large, score,
-                best->percent, percent, *better ? "kept" : "not better");
-        }
+        session_trace(
+            w, "  whole drive: %s, score %.1f, large ones %.1f (search %.1f), error %.4g %% (%.4g): %s\n",
+            evidence_words(best->state.set, words, sizeof words), best->score, of_large, score, best->percent,
+            percent, better ? "kept" : "not better");
     }
-    if (*better) {
+    if (better) {
         adopt(w, best);
+        w->way = SESSION_WHOLE_DRIVE;
     }
     free(best);
     return ok;
@@ -391,7 +387,7 @@ static bool is_doubtful(const session *w, hypothesis_id h)
  * A fit of the whole drive may have ended at a cause that others replace. So the drive is fitted without each that is not
  * sure: what nothing misses is no cause, and the better fit stays. *changed: w->state is another.
  */
-static bool try_without(session *w, bool *changed, const diagnose_teller *teller)
+static bool try_without(session *w, bool *changed)
 {
     const hypothesis_set named = hypotheses_named(w->state.set);
     attempt *fits = malloc(3 * sizeof *fits);
@@ -406,15 +402,14 @@ static bool try_without(session *w, bool *changed, const diagnose_teller *teller
         if (!is_doubtful(w, h)) {
             continue;
         }
-        ok = fitted || try_with(w, named, 0, full, teller);
+        ok = fitted || try_with(w, named, 0, full);
         fitted = true;
         const hypothesis_set without = hypotheses_of(hypothesis_table[h].cause);
-        ok = ok && try_with(w, named & ~without, without, other, teller);
+        ok = ok && try_with(w, named & ~without, without, other);
         const double more = ok ? more_without(&full->fit, &other->fit) : 0.0;
         w->minor |= more < pays(h) ? HYPOTHESIS_BIT(h) : 0;
-        if (teller->trace && ok) {
-            fprintf(teller->trace, "  whole drive without %s: posterior %+.1f\n", hypothesis_table[h].words,
-                    more);
+        if (ok) {
+            session_trace(w, "  whole drive without %s: posterior %+.1f\n", hypothesis_table[h].words, more);
         }
         if (ok && more < least && other->explains_most) {
             least = more;
@@ -429,12 +424,12 @@ static bool try_without(session *w, bool *changed, const diagnose_teller *teller
     return ok;
 }
 
-bool whole_drive_divide(session *w, const diagnose_teller *teller)
+bool whole_drive_divide(session *w)
 {
     bool changed = true;
     for (int round = 0; changed && round < REPLACED_MOST; round++) {
         divide(w);
-        if (!try_without(w, &changed, teller)) {
+        if (!try_without(w, &changed)) {
             return false;
         }
     }

@@ -11,17 +11,16 @@
 #define SIM_HOST_DIAGNOSE_CHOOSE_WHOLE_DRIVE_H
 
 #include "diagnose/session.h"
-#include "diagnose/weigh/teller.h"
 
-/* `again`: the state is one of the whole drive already, and rows have changed. *better: the whole drive's set has replaced that of
- * w->state. False: out of memory. */
-bool whole_drive_consider(session *w, bool again, bool *better, const diagnose_teller *teller);
+/* Tries the whole drive's set in place of that of w->state. Where that is one of the whole drive, rows have changed, and it need only
+ * explain most. False: out of memory. */
+bool whole_drive_consider(session *w);
 
 /*
  * Divides the members of w->state into causes and w->minor. Of these, w->undecided gets those that another factor on the drive leaves
  * small. A cause that is not sure is tested by a fit without it: it is minor if that fit is as good, and leaves w->state if it is better.
  * False: out of memory.
  */
-bool whole_drive_divide(session *w, const diagnose_teller *teller);
+bool whole_drive_divide(session *w);
 
 #endif

@@ -127,7 +127,7 @@ static hypothesis_set borne_out_of(hypothesis_set set)
     TEST_ASSERT_TRUE(w.state.set == set);
     calls = 0;
     w.more_left = false;
-    TEST_ASSERT_TRUE(causes_bear_out(&w, &nobody));
+    TEST_ASSERT_TRUE(causes_bear_out(&w));
     return w.state.set;
 }
 
