@@ -222,11 +222,30 @@ static double within_range(const coordinate_frame *f, coordinate_id id, double z
     return fmin(fmax(z, low), high);
 }
 
+/* The least of the machine's resistance and inductance that a phase has. */
+static const double LEAST_RESISTANCE = 0.1;
+static const double LEAST_INDUCTANCE = 0.2;
+
+/* The range of what a phase has alone depends on what all have. */
+static void bound_phases(const coordinate_frame *f, double z[P_COUNT])
+{
+    static const coordinate_id resistance[] = {P_DR_A, P_DR_B, P_DR_C};
+    static const coordinate_id inductance[] = {P_DL_A, P_DL_B, P_DL_C};
+    const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
+    const double R = (LEAST_RESISTANCE - 1.0) * d.R_ohm;
+    const double L = (LEAST_INDUCTANCE - 1.0) * fmin(d.L_d_H, d.L_q_H);
+    for (size_t x = 0; x < 3; x++) {
+        z[resistance[x]] = fmax(z[resistance[x]], z_of(f, resistance[x], R));
+        z[inductance[x]] = fmax(z[inductance[x]], z_of(f, inductance[x], L));
+    }
+}
+
 void coordinates_bound(const coordinate_frame *f, double z[P_COUNT])
 {
     for (coordinate_id id = 0; id < P_COUNT; id++) {
         z[id] = within_range(f, id, z[id]);
     }
+    bound_phases(f, z);
     bound_map(f, z);
 }
 

@@ -26,15 +26,18 @@ static void count_row(const recording *rec, size_t k, double end_A, tally *t)
 {
     double sum_A = 0.0;
     double sign = 0.0;
+    double ended = 0.0;
     for (size_t x = 0; x < 3; x++) {
         const double i_A = rec->i_A[x][k];
         sign += is_at(i_A, end_A) ? copysign(1.0, i_A) : 0.0;
+        ended += is_at(i_A, end_A) ? 1.0 : 0.0;
         sum_A += i_A;
     }
     t->rows++;
     t->sum_A += sum_A;
     t->square_A2 += sum_A * sum_A;
-    t->short_A -= sign * sum_A;
+    /* Two at opposite ends do not tell which one lacks more. */
+    t->short_A -= fabs(sign) >= ended ? sign * sum_A : 0.0;
 }
 
 static double deviation_A(const tally *t)
@@ -61,7 +64,7 @@ double row_clips_end_A(const recording *rec)
     }
     const bool moves =
         deviation_A(&at) > fmax(TIMES_ELSEWHERE * deviation_A(&elsewhere), LEAST_SHARE * end_A);
-    return at.rows >= LEAST_ROWS && elsewhere.rows >= LEAST_ROWS && moves && at.short_A > 0.0 ? end_A
+    return at.rows >= LEAST_ROWS && elsewhere.rows >= LEAST_ROWS && moves && at.short_A >= 0.0 ? end_A
                                                                                               : INFINITY;
 }
 

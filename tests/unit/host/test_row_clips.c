@@ -54,6 +54,20 @@ static void a_current_that_is_cut_has_an_end(void)
     }
 }
 
+/* A run that has lost its operating point: most of its rows have two or three sensors at the end, some at either one. */
+static void currents_far_beyond_the_end_have_one(void)
+{
+    for (double end_A = 0.25; end_A < 0.88; end_A += 0.1) {
+        fill(4096.0, end_A);
+        for (size_t k = 0; k < ROWS / 2; k++) {
+            for (size_t x = 0; x < 3; x++) {
+                phase[x][k] = 0.2 * sin(0.037 * (double)k - 2.0943951023931953 * (double)x);
+            }
+        }
+        TEST_ASSERT_EQUAL_DOUBLE(end_A, row_clips_end_A(&made));
+    }
+}
+
 static void peaks_have_none_however_coarse_the_converter(void)
 {
     for (double steps = 16.0; steps < 5000.0; steps *= 2.0) {
@@ -141,6 +155,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_current_that_is_cut_has_an_end);
+    RUN_TEST(currents_far_beyond_the_end_have_one);
     RUN_TEST(peaks_have_none_however_coarse_the_converter);
     RUN_TEST(one_peak_that_is_cut_has_an_end);
     RUN_TEST(a_reading_that_is_too_large_has_none);
