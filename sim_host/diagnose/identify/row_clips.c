@@ -65,7 +65,7 @@ double row_clips_end_A(const recording *rec)
     const bool moves =
         deviation_A(&at) > fmax(TIMES_ELSEWHERE * deviation_A(&elsewhere), LEAST_SHARE * end_A);
     return at.rows >= LEAST_ROWS && elsewhere.rows >= LEAST_ROWS && moves && at.short_A >= 0.0 ? end_A
-                                                                                              : INFINITY;
+                                                                                               : INFINITY;
 }
 
 bool row_clips_at(const recording *rec, size_t k, double end_A)

@@ -55,33 +55,26 @@ static double free_run(const diagnose_rows *r, const averaged_drive *drive, cons
 {
     double wrong[ROWS_MAX_GROUPS] = {0};
     double current[ROWS_MAX_GROUPS] = {0};
-    const recording *rec = r->recording;
-    size_t b = 0;
-    for (size_t n = 0; n < rec->stretches; n++) {
-        const stretch *st = &rec->stretch[n];
-        while (b < r->blocks && r->block[b].stretch < n) {
-            b++;
+    for (size_t b = 0; b < r->blocks;) {
+        /* Once for the blocks of a stretch. A row of none is no measure: there a sensor is at the end of its range. */
+        const size_t first = r->block[b].first;
+        size_t end = b;
+        while (end < r->blocks && r->block[end].stretch == r->block[b].stretch) {
+            end++;
         }
-        if (b == r->blocks || r->block[b].stretch != n) {
-            continue;
-        }
-        /* Begun once per stretch, after the rows whose delayed voltages are unknown. */
-        size_t first = st->first + ROWS_HISTORY;
-        size_t count = st->count - ROWS_HISTORY;
-        size_t own = b;
+        const size_t count = r->block[end - 1].first + r->block[end - 1].count - first;
         observer_free_run(r, drive, nodes, first, count, scratch);
-        for (size_t j = 0; j < count; j++) {
-            while (own + 1 < r->blocks && r->block[own + 1].stretch == n &&
-                   r->block[own + 1].first <= first + j) {
-                own++;
-            }
-            vec_ab i = r->row[first + j].i_A;
-            double a = i.alpha - scratch[j].alpha;
-            double c = i.beta - scratch[j].beta;
-            wrong[r->block[own].group] += a * a + c * c;
-            current[r->block[own].group] += i.alpha * i.alpha + i.beta * i.beta;
-            if (keep) {
-                keep[first + j] = scratch[j];
+        if (keep) {
+            memcpy(keep + first, scratch, count * sizeof *keep);
+        }
+        for (; b < end; b++) {
+            const row_block *block = &r->block[b];
+            for (size_t k = block->first; k < block->first + block->count; k++) {
+                const vec_ab i = r->row[k].i_A;
+                const double a = i.alpha - scratch[k - first].alpha;
+                const double c = i.beta - scratch[k - first].beta;
+                wrong[block->group] += a * a + c * c;
+                current[block->group] += i.alpha * i.alpha + i.beta * i.beta;
             }
         }
     }

@@ -121,10 +121,11 @@ static void two_sensors_have_none(void)
     TEST_ASSERT_EQUAL_DOUBLE(INFINITY, row_clips_end_A(&made));
 }
 
-/* Of one operating point the larger currents are cut. */
-static void other_causes_are_named_as_well(void)
+static const double END_A = 6.5;
+
+/* A drive with another resistance, diagnosed: of one operating point the larger currents are cut, or none. Returns how many rows are. */
+static size_t diagnose_cut_at(double end_A, diagnosis *d)
 {
-    static const double end_A = 6.5;
     bench good = {.m = bench_motor(), .noise_A = 0.017, .seed = 20260101};
     const motor file = bench_motor();
     good.m.R_ohm = 1.2;
@@ -138,17 +139,36 @@ static void other_causes_are_named_as_well(void)
         }
         cut += here;
     }
-    TEST_ASSERT_TRUE(cut > 50 && cut < r.rows / 6);
-    diagnosis d;
     error e = {0};
     const diagnose_options options = {.series = true};
-    TEST_ASSERT_TRUE_MESSAGE(diagnose(&d, &r, &file, &options, &e), e.text);
+    TEST_ASSERT_TRUE_MESSAGE(diagnose(d, &r, &file, &options, &e), e.text);
+    TEST_ASSERT_EQUAL_size_t(cut, d->rows_clipped);
+    TEST_ASSERT_TRUE(d->rows_used < r.rows - cut);
+    recording_free(&r);
+    return cut;
+}
+
+static void other_causes_are_named_as_well(void)
+{
+    diagnosis d;
+    const size_t cut = diagnose_cut_at(END_A, &d);
+    TEST_ASSERT_TRUE(cut > 50 && cut < d.rows / 6);
     one_cause(&d, "resistance");
     holds(&d.cause[0], "R", 1.2);
-    TEST_ASSERT_EQUAL_size_t(cut, d.rows_clipped);
-    TEST_ASSERT_TRUE(d.rows_used < r.rows - cut);
     diagnosis_free(&d);
-    recording_free(&r);
+}
+
+/* What the sensors show of them is not what flows. */
+static void cut_rows_do_not_count_in_open_loop(void)
+{
+    diagnosis whole;
+    diagnosis d;
+    TEST_ASSERT_EQUAL_size_t(0, diagnose_cut_at(INFINITY, &whole));
+    diagnose_cut_at(END_A, &d);
+    TEST_ASSERT_DOUBLE_WITHIN(0.25 * whole.free_extended_percent, whole.free_extended_percent,
+                              d.free_extended_percent);
+    diagnosis_free(&whole);
+    diagnosis_free(&d);
 }
 
 int main(void)
@@ -162,5 +182,6 @@ int main(void)
     RUN_TEST(a_current_that_rests_has_none);
     RUN_TEST(two_sensors_have_none);
     RUN_TEST(other_causes_are_named_as_well);
+    RUN_TEST(cut_rows_do_not_count_in_open_loop);
     return UNITY_END();
 }
