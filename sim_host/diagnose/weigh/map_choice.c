@@ -63,12 +63,12 @@ static bool try_whole(fit_data *d, fit_state *s, hypothesis_set allowed, int ref
     return true;
 }
 
-/* One part alone: what was fitted next to something that bends otherwise misleads it. */
-static fit_state first_part(const fit_state *s)
+/* One part with some of the state's members. */
+static fit_state first_part(const fit_state *s, hypothesis_set kept)
 {
     fit_state one = *s;
-    hypotheses_leave(s->set, one.z);
-    one.set = HYPOTHESIS_BIT(H_IRON_1);
+    hypotheses_leave(s->set & ~kept, one.z);
+    one.set = kept | HYPOTHESIS_BIT(H_IRON_1);
     one.z[P_IRON_1] = FIRST_START;
     one.z[P_IRON_1_D] = one.z[P_IRON_1_Q] = one.z[P_IRON_1_C] = 0.0;
     return one;
@@ -94,12 +94,12 @@ static fit_state without_second(const fit_state *two)
     return one;
 }
 
-/* Fits a trial, which takes the state's place if its score is better. False: out of memory. */
-static bool try_parts(fit_data *d, fit_state *s, fit_state *trial, double *score)
+/* Fits a trial, which takes the state's place if its score is better. *its: the trial's score. False: out of memory. */
+static bool try_parts(fit_data *d, fit_state *s, fit_state *trial, double *score, double *its)
 {
     const fit_aim ranked = fit_ranked(INFINITY);
     double alone;
-    double its = INFINITY;
+    *its = INFINITY;
     coordinates_bound(d->frame, trial->z);
     if (!fit_refine_within(d, trial, STEPS, &ranked, &alone)) {
         return false;
@@ -107,13 +107,42 @@ static bool try_parts(fit_data *d, fit_state *s, fit_state *trial, double *score
     if (!isfinite(trial->objective) || !hypotheses_physical(trial->set, trial->z)) {
         return true;
     }
-    if (!search_score(d, trial, &its)) {
+    if (!search_score(d, trial, its)) {
         return false;
     }
-    if (its < *score) {
-        *score = its;
+    if (*its < *score) {
+        *score = *its;
         *s = *trial;
     }
+    return true;
+}
+
+/* Members that are no shape of the flux. */
+static hypothesis_set others_of(hypothesis_set set)
+{
+    hypothesis_set others = set;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        others &=
+            (hypothesis_table[h].holds & HOLDS_INDUCTANCE) != 0 ? ~HYPOTHESIS_BIT(h) : ~(hypothesis_set)0;
+    }
+    return others;
+}
+
+/*
+ * One part in place of what bends, in *one. The other members may have been misled by that, or explain what no part does: it is fitted
+ * without them and with them, and the better one is taken. False: out of memory.
+ */
+static bool find_first(fit_data *d, fit_state *s, fit_state *one, double *score)
+{
+    const hypothesis_set others = others_of(s->set);
+    fit_state with = first_part(s, others);
+    double alone = INFINITY;
+    double together = INFINITY;
+    *one = first_part(s, 0);
+    if (!try_parts(d, s, one, score, &alone) || (others != 0 && !try_parts(d, s, &with, score, &together))) {
+        return false;
+    }
+    *one = together < alone ? with : *one;
     return true;
 }
 
@@ -128,22 +157,23 @@ static bool bends_much(const fit_data *d, const fit_state *s)
 static bool choose_parts(fit_data *d, fit_state *s, hypothesis_set allowed)
 {
     double score = INFINITY;
-    const bool has_one = hypothesis_in(s->set, H_IRON_1);
+    double its;
     if (!hypothesis_in(allowed, H_MAP_TERMS) || hypothesis_in(s->set, H_IRON_2) || !bends_much(d, s) ||
         fit_has_spent(d)) {
         return true;
     }
-    fit_state one = has_one ? *s : first_part(s);
-    if (!search_score(d, s, &score) || (!has_one && !try_parts(d, s, &one, &score))) {
+    fit_state one = *s;
+    if (!search_score(d, s, &score) ||
+        (!hypothesis_in(s->set, H_IRON_1) && !find_first(d, s, &one, &score))) {
         return false;
     }
     fit_state two = second_part(&one);
-    if (!try_parts(d, s, &two, &score)) {
+    if (!try_parts(d, s, &two, &score, &its)) {
         return false;
     }
     /* A second part may only have led the first one on. */
     fit_state again = without_second(&two);
-    return !hypothesis_in(s->set, H_IRON_2) || try_parts(d, s, &again, &score);
+    return !hypothesis_in(s->set, H_IRON_2) || try_parts(d, s, &again, &score, &its);
 }
 
 bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_steps)

@@ -22,9 +22,10 @@ static size_t fits;
 enum { MOST_FITS = 8 };
 
 static fit_state tried[MOST_FITS];
-static double
-    gained[3];        /* by the first fit, the second and the third, of the objective at which each begins */
-static double energy; /* of the first part, as fitted */
+/* By the first part alone or a whole map, by a second part, and by the first alone again, of the objective at which each begins. */
+static double gained[3];
+static double gained_with;    /* by the first part with the other members */
+static double energy;         /* of the first part, as fitted */
 static double fall, given_up; /* of a whole map */
 static size_t memory_for;
 
@@ -41,8 +42,11 @@ bool __wrap_fit_refine_within(fit_data *d, fit_state *s, int iterations, const f
     } else {
         TEST_ASSERT_TRUE(iterations > 10 && aim->most == INFINITY);
     }
+    const bool second = hypothesis_in(s->set, H_IRON_2);
+    const bool again = fits > 0 && hypothesis_in(tried[fits - 1].set, H_IRON_2);
+    const bool with = !whole && !second && !again && s->set != BIT(H_IRON_1);
     tried[fits] = *s;
-    s->objective -= gained[fits < 2 ? fits : 2];
+    s->objective -= with ? gained_with : gained[again ? 2 : (second ? 1 : 0)];
     s->z[whole ? P_SATURATION : P_IRON_1] = whole ? fall : energy;
     *alone = s->objective + (whole ? given_up : 0.0);
     return fits++ < memory_for;
@@ -88,7 +92,7 @@ static void prepare(hypothesis_set set)
     state.z[P_IRON_1] = hypothesis_in(set, H_IRON_1) ? 0.6 : 0.0;
     fits = 0;
     gained[0] = gained[1] = 500.0;
-    gained[2] = -500.0;
+    gained[2] = gained_with = -500.0;
     energy = 0.4;
     memory_for = MOST_FITS;
 }
@@ -213,20 +217,38 @@ static void it_is_tried_from_terms_alone(void)
     SAME(coordinate_table[P_L_D].high, tried[0].z[P_L_D]);
 }
 
-static void one_part_alone_and_then_a_second(void)
+static void one_part_and_then_a_second(void)
 {
     prepare(BIT(H_SATURATION) | BIT(H_RESISTANCE));
     TEST_ASSERT_TRUE(chosen(MAPS) == BIT(H_IRON_2));
-    TEST_ASSERT_EQUAL_size_t(3, fits);
+    TEST_ASSERT_EQUAL_size_t(4, fits);
     TEST_ASSERT_TRUE(tried[0].set == BIT(H_IRON_1));
     /* Nothing is left of what was found next to the wrong model, and the part is there. */
     TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[0].z[P_R]);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[0].z[P_SATURATION]);
     TEST_ASSERT_TRUE(tried[0].z[P_IRON_1] > 0.0 && tried[0].z[P_IRON_2] == 0.0);
-    /* The second begins where the first one's fit ended, at another place in the map. */
-    TEST_ASSERT_EQUAL_DOUBLE(energy, tried[1].z[P_IRON_1]);
-    TEST_ASSERT_TRUE(tried[1].z[P_IRON_2] > 0.0 && tried[1].z[P_IRON_2_C] != tried[1].z[P_IRON_1_C]);
+    /* With all of it that is no shape of the flux as well. */
+    TEST_ASSERT_TRUE(tried[1].set == (BIT(H_IRON_1) | BIT(H_RESISTANCE)));
+    TEST_ASSERT_EQUAL_DOUBLE(0.2, tried[1].z[P_R]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[1].z[P_SATURATION]);
+    TEST_ASSERT_EQUAL_DOUBLE(tried[0].z[P_IRON_1], tried[1].z[P_IRON_1]);
+    /* The second begins where the better one's fit ended, at another place in the map. */
+    TEST_ASSERT_EQUAL_DOUBLE(energy, tried[2].z[P_IRON_1]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[2].z[P_R]);
+    TEST_ASSERT_TRUE(tried[2].z[P_IRON_2] > 0.0 && tried[2].z[P_IRON_2_C] != tried[2].z[P_IRON_1_C]);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, state.objective);
+}
+
+static void other_members_stay_if_they_pay(void)
+{
+    prepare(BIT(H_SATURATION) | BIT(H_RESISTANCE));
+    gained_with = 800.0;
+    TEST_ASSERT_TRUE(chosen(MAPS) == (BIT(H_IRON_2) | BIT(H_RESISTANCE)));
+    TEST_ASSERT_TRUE(tried[2].set == (BIT(H_IRON_2) | BIT(H_RESISTANCE)));
+    TEST_ASSERT_EQUAL_DOUBLE(0.2, state.z[P_R]);
+    prepare(BIT(H_SATURATION) | BIT(H_RESISTANCE));
+    gained_with = 505.0; /* less than a resistance pays */
+    TEST_ASSERT_TRUE(chosen(MAPS) == BIT(H_IRON_2));
 }
 
 /* A second part may only have led the first one on, which then does as well alone. */
@@ -235,11 +257,11 @@ static void the_first_part_alone_again(void)
     prepare(BIT(H_SATURATION) | BIT(H_RESISTANCE));
     gained[2] = -40.0; /* four numbers at 12 each */
     TEST_ASSERT_TRUE(chosen(MAPS) == BIT(H_IRON_1));
-    TEST_ASSERT_EQUAL_size_t(3, fits);
-    TEST_ASSERT_TRUE(tried[2].set == BIT(H_IRON_1));
-    TEST_ASSERT_EQUAL_DOUBLE(energy, tried[2].z[P_IRON_1]);
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[2].z[P_IRON_2]);
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[2].z[P_IRON_2_C]);
+    TEST_ASSERT_EQUAL_size_t(4, fits);
+    TEST_ASSERT_TRUE(tried[3].set == BIT(H_IRON_1));
+    TEST_ASSERT_EQUAL_DOUBLE(energy, tried[3].z[P_IRON_1]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[3].z[P_IRON_2]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, tried[3].z[P_IRON_2_C]);
     prepare(BIT(H_SATURATION) | BIT(H_RESISTANCE));
     gained[2] = -60.0;
     TEST_ASSERT_TRUE(chosen(MAPS) == BIT(H_IRON_2));
@@ -276,7 +298,6 @@ static void each_pays_for_its_numbers(void)
 static void a_second_part_leaves_the_others(void)
 {
     prepare(BIT(H_IRON_1) | BIT(H_RESISTANCE));
-    gained[1] = -500.0;
     TEST_ASSERT_TRUE(chosen(MAPS) == (BIT(H_IRON_2) | BIT(H_RESISTANCE)));
     TEST_ASSERT_EQUAL_size_t(2, fits);
     TEST_ASSERT_EQUAL_DOUBLE(0.2, tried[0].z[P_R]);
@@ -325,7 +346,8 @@ int main(void)
     RUN_TEST(a_fall_begins_where_the_terms_leave_off);
     RUN_TEST(it_is_worth_its_parameters_and_physical);
     RUN_TEST(it_is_tried_from_terms_alone);
-    RUN_TEST(one_part_alone_and_then_a_second);
+    RUN_TEST(one_part_and_then_a_second);
+    RUN_TEST(other_members_stay_if_they_pay);
     RUN_TEST(the_first_part_alone_again);
     RUN_TEST(each_pays_for_its_numbers);
     RUN_TEST(a_second_part_leaves_the_others);
