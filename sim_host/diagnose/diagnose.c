@@ -386,7 +386,7 @@ static bool correct_remaining_rows(session *w)
     return begin(w) && causes_bear_out(w);
 }
 
-/* Where other causes act, another modulator may only seem to fit: it stays if the search from it ends better. */
+/* Where other causes act, another modulator may only seem to fit: it stays if the search, or the fit of the whole drive, ends better. */
 static bool find_under_modulator(session *w)
 {
     const modulator own = w->rows.modulator;
@@ -394,8 +394,11 @@ static bool find_under_modulator(session *w)
     const fit_state nominal = w->nominal;
     const certainty certainty_found = w->certainty;
     const hypothesis_set allowed = w->allowed;
+    drive_scale scale[DRIVE_SCALES];
     bool changed = false;
-    if (!corrections_by_modulator(w, &changed) || (changed && !begin(w))) {
+    memcpy(scale, w->scale, sizeof scale);
+    if (!corrections_by_modulator(w, &changed) ||
+        (changed && !(w->way == SESSION_WHOLE_DRIVE ? go_on(w) : begin(w)))) {
         return false;
     }
     if (changed && w->state.objective >= state.objective) {
@@ -405,6 +408,7 @@ static bool find_under_modulator(session *w)
         w->nominal = nominal;
         w->certainty = certainty_found;
         w->allowed = allowed;
+        memcpy(w->scale, scale, sizeof scale);
         session_trace(w, "  modulator changed back: the search ended worse\n");
     }
     return true;
@@ -430,6 +434,10 @@ static bool find_drive(session *w, size_t *glitches)
     w->fitted.searches = true;
     if (!corrections_by_link(w) || !begin(w) || !doubt_less(w, &less) || !find_under_modulator(w) ||
         !consider_whole(w)) {
+        return false;
+    }
+    /* The search's drive may have been too wrong to show the modulator. */
+    if (w->way == SESSION_WHOLE_DRIVE && !find_under_modulator(w)) {
         return false;
     }
     /* What a sparse search found by too much noise may be wrong. */
