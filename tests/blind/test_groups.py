@@ -279,6 +279,14 @@ class Diagnosed(unittest.TestCase):
         """To the first drive that is found some are; to the last one their correction does harm."""
         self.check(848_003, "bench_half", "main")
 
+    def test_another_modulator_is_no_filter_of_the_sensors(self):
+        """The search's drive is too wrong to show the modulator; that of the fit of the whole drive does."""
+        self.check(852_006, "bench", "second")
+
+    def test_gains_that_hardly_drift_are_gains(self):
+        """The search takes gains that drift. The fit of the whole drive finds large gains, and a drift below its threshold."""
+        self.check(848_000, "bench_half", "second")
+
     def test_noise_of_the_link_is_no_resistance(self):
         # One speed. Hidden: a voltage gain, and an angle offset that other causes explain as well.
         for seed in (788_030, 788_032):

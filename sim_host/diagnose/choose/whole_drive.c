@@ -126,7 +126,7 @@ static hypothesis_set inductances_of(const session *w, const whole_fit *f, hypot
     return set;
 }
 
-/* Of each cause the hypothesis that was found, or the most needed one of those that are there. */
+/* Of each cause the hypothesis that was found, if it is beyond its threshold, or the most needed one of those that are there. */
 static hypothesis_set members_there(const session *w, const whole_fit *f, hypothesis_set found)
 {
     hypothesis_set set = inductances_of(w, f, found);
@@ -139,7 +139,8 @@ static hypothesis_set members_there(const session *w, const whole_fit *f, hypoth
             if (hypo->cause != cause || of_both || h == H_FALL || !hypothesis_in(w->possible, h)) {
                 continue;
             }
-            const bool own = hypothesis_in(found, h);
+            const bool own =
+                hypothesis_in(found, h) && hypotheses_count(HYPOTHESIS_BIT(h), f->state.z, w->frame.of_least);
             const bool fixed = hypo->fixed == hypo->columns;
             const double need = own ? INFINITY : whole_fit_needed(f, h);
             if ((own || hypo->in_whole) && need > most && ((own && fixed) || is_there(f, h))) {
