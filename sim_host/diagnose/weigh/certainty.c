@@ -79,69 +79,88 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
     return members == 0 || certainty_under(d, s, prior, members, c);
 }
 
-bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_t members, certainty *c)
+/* Sums over all blocks: the curvature, and the scores' outer products by block and by group. */
+typedef struct score_sums {
+    double curvature[COLUMN_COUNT][COLUMN_COUNT];
+    double by_block[COLUMN_COUNT][COLUMN_COUNT];
+    double by_group[COLUMN_COUNT][COLUMN_COUNT];
+    double score[ROWS_MAX_GROUPS][COLUMN_COUNT];
+    double bread[COLUMN_COUNT][COLUMN_COUNT]; /* inverse of the curvature */
+    double group_covariance[COLUMN_COUNT][COLUMN_COUNT];
+} score_sums;
+
+/* What is known beforehand, and how it varies between drives, is a part of each sum. */
+static void add_blocks(const fit_data *d, const gram *grams, const double *prior, size_t n, score_sums *sums)
+{
+    for (size_t i = 0; i < n; i++) {
+        sums->curvature[i][i] = sums->by_block[i][i] = sums->by_group[i][i] = prior[i];
+    }
+    for (size_t b = 0; b < d->blocks; b++) {
+        for (size_t i = 0; i < n; i++) {
+            sums->score[grams[b].group][i] += grams[b].g[i];
+            for (size_t j = 0; j < n; j++) {
+                sums->curvature[i][j] += grams[b].h[i][j];
+            }
+        }
+        add_square(n, grams[b].g, sums->by_block);
+    }
+    for (size_t g = 0; g < d->rows->groups; g++) {
+        add_square(n, sums->score[g], sums->by_group);
+    }
+}
+
+/* Columns that are not distinguishable here: nothing is certain. */
+static void know_nothing(certainty *c)
+{
+    for (size_t i = 0; i < c->columns; i++) {
+        c->covariance[i][i] = UNKNOWN * UNKNOWN;
+        c->half_width[i] = UNKNOWN;
+    }
+}
+
+/* Half widths: the widest of those by white noise, by the scatter of the blocks and by that of the groups. */
+static void know_by(const fit_data *d, size_t members, score_sums *sums, certainty *c)
 {
     const size_t n = c->columns;
-    gram *grams = gram_blocks(d, s, c->column, n);
-    double(*work)[COLUMN_COUNT][COLUMN_COUNT] = calloc(5, sizeof *work);
-    double(*score)[COLUMN_COUNT] = calloc(ROWS_MAX_GROUPS, sizeof *score);
-    bool ok = grams && work && score;
+    const double blocks = (double)d->blocks;
+    const size_t groups = d->rows->groups;
+    const double few_blocks = blocks > (double)members + 1.0 ? blocks / (blocks - (double)members) : 2.0;
+    const double few_groups = groups > 1 ? (double)groups / (double)(groups - 1) : 1.0;
+    const double t_blocks = student(d->blocks > members + 1 ? d->blocks - members : 2);
+    const double t_groups = student(groups > 1 ? groups - 1 : 1);
+    double ratio = 0.0;
+    sandwich(n, (const double(*)[COLUMN_COUNT])sums->bread, (const double(*)[COLUMN_COUNT])sums->by_block,
+             c->covariance);
+    sandwich(n, (const double(*)[COLUMN_COUNT])sums->bread, (const double(*)[COLUMN_COUNT])sums->by_group,
+             sums->group_covariance);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            c->covariance[i][j] *= few_blocks;
+        }
+        const double plain = NORMAL_95 * sqrt(sums->bread[i][i]);
+        const double block = t_blocks * sqrt(c->covariance[i][i]);
+        const double group = groups > 3 ? t_groups * sqrt(few_groups * sums->group_covariance[i][i]) : 0.0;
+        c->half_width[i] = fmax(plain, fmax(block, group));
+        ratio += i < members ? c->covariance[i][i] / sums->bread[i][i] / (double)members : 0.0;
+    }
+    c->inflation = fmax(1.0, ratio);
+}
+
+bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_t members, certainty *c)
+{
+    gram *grams = gram_blocks(d, s, c->column, c->columns);
+    score_sums *sums = calloc(1, sizeof *sums);
+    const bool ok = grams && sums;
     if (ok) {
-        double(*bread)[COLUMN_COUNT] = work[0];
-        double(*sum)[COLUMN_COUNT] = work[1];
-        double(*by_block)[COLUMN_COUNT] = work[2];
-        double(*by_group)[COLUMN_COUNT] = work[3];
-        double(*group_covariance)[COLUMN_COUNT] = work[4];
-        double blocks = (double)d->blocks;
-        for (size_t i = 0; i < n; i++) {
-            /* What is known beforehand, and how it varies between drives. */
-            sum[i][i] = by_block[i][i] = by_group[i][i] = prior[i];
-        }
-        for (size_t b = 0; b < d->blocks; b++) {
-            for (size_t i = 0; i < n; i++) {
-                score[grams[b].group][i] += grams[b].g[i];
-                for (size_t j = 0; j < n; j++) {
-                    sum[i][j] += grams[b].h[i][j];
-                }
-            }
-            add_square(n, grams[b].g, by_block);
-        }
-        size_t groups = d->rows->groups;
-        for (size_t g = 0; g < groups; g++) {
-            add_square(n, score[g], by_group);
-        }
-        if (!solve_covariance(n, COLUMN_COUNT, &sum[0][0], &bread[0][0])) {
-            /* Columns that are not distinguishable here: nothing is certain. */
-            for (size_t i = 0; i < n; i++) {
-                c->covariance[i][i] = UNKNOWN * UNKNOWN;
-                c->half_width[i] = UNKNOWN;
-            }
+        add_blocks(d, grams, prior, c->columns, sums);
+        if (solve_covariance(c->columns, COLUMN_COUNT, &sums->curvature[0][0], &sums->bread[0][0])) {
+            know_by(d, members, sums, c);
         } else {
-            sandwich(n, (const double(*)[COLUMN_COUNT])bread, (const double(*)[COLUMN_COUNT])by_block,
-                     c->covariance);
-            sandwich(n, (const double(*)[COLUMN_COUNT])bread, (const double(*)[COLUMN_COUNT])by_group,
-                     group_covariance);
-            double few_blocks = blocks > (double)members + 1.0 ? blocks / (blocks - (double)members) : 2.0;
-            double few_groups = groups > 1 ? (double)groups / (double)(groups - 1) : 1.0;
-            double t_blocks = student(d->blocks > members + 1 ? d->blocks - members : 2);
-            double t_groups = student(groups > 1 ? groups - 1 : 1);
-            double ratio = 0.0;
-            for (size_t i = 0; i < n; i++) {
-                for (size_t j = 0; j < n; j++) {
-                    c->covariance[i][j] *= few_blocks;
-                }
-                double plain = NORMAL_95 * sqrt(bread[i][i]);
-                double block = t_blocks * sqrt(c->covariance[i][i]);
-                double group = groups > 3 ? t_groups * sqrt(few_groups * group_covariance[i][i]) : 0.0;
-                c->half_width[i] = fmax(plain, fmax(block, group));
-                ratio += i < members ? c->covariance[i][i] / bread[i][i] / (double)members : 0.0;
-            }
-            c->inflation = fmax(1.0, ratio);
+            know_nothing(c);
         }
     }
     free(grams);
-    free(work);
-    free(score);
+    free(sums);
     return ok;
 }
 
