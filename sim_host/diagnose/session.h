@@ -25,14 +25,13 @@ typedef struct session {
     fit_state nominal;
     certainty certainty;
     hypothesis_set possible;
-    hypothesis_set allowed; /* of these what was not dropped */
-    hypothesis_set minor;   /* members of the state's set that are no causes: small, or undecided */
-    hypothesis_set
-        undecided; /* of these, those for which the recording does not show whether they are the cause */
-    drive_scale scale[DRIVE_SCALES];         /* of a set of the whole drive; shares of 0 otherwise */
-    evidence_view view;                      /* of the state that was last searched from or is reported */
-    rival_fits rivals;                       /* of that state */
-    fit_state best;                          /* the state, or what was fitted before all of it was given up */
+    hypothesis_set allowed;          /* of these what was not dropped */
+    hypothesis_set minor;            /* members of the state's set that are no causes: small, or undecided */
+    hypothesis_set undecided;        /* of these, those that the recording neither shows nor rules out */
+    drive_scale scale[DRIVE_SCALES]; /* of a set of the whole drive; shares of 0 otherwise */
+    evidence_view view;              /* of the state that was last searched from or is reported */
+    rival_fits rivals;               /* of that state */
+    fit_state best;                  /* the state, or what was fitted before all of it was given up */
     double borne_out, corrections_borne_out; /* probability of the members, of these and the corrections */
     session_way way;                         /* to the state */
     bool more_left;                          /* than the best causes explained: none of them is named */
@@ -53,8 +52,8 @@ static inline void session_adopt(const session *w, hypothesis_id h, double z[P_C
         z[hypo->shape[k]] = w->state.z[hypo->shape[k]];
     }
     if (hypo->cause == CAUSE_CURRENT_OFFSET) {
-        z[P_OFFSET_ZERO] =
-            w->state.z[P_OFFSET_ZERO]; /* what the offsets have in common shows from sector to sector */
+        /* What the offsets have in common shows from sector to sector. */
+        z[P_OFFSET_ZERO] = w->state.z[P_OFFSET_ZERO];
     }
 }
 

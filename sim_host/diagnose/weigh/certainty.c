@@ -118,15 +118,24 @@ static void know_nothing(certainty *c)
     }
 }
 
+/*
+ * By how much so many scores scatter more than about their mean, which is all that the fit takes of them. The number of members takes
+ * nothing: a set of the whole drive has more of them than there are blocks.
+ */
+static double few(size_t scores)
+{
+    return scores > 1 ? (double)scores / (double)(scores - 1) : 2.0;
+}
+
 /* Half widths: the widest of those by white noise, by the scatter of the blocks and by that of the groups. */
 static void know_by(const fit_data *d, size_t members, score_sums *sums, certainty *c)
 {
     const size_t n = c->columns;
-    const double blocks = (double)d->blocks;
+    const size_t blocks = d->blocks;
     const size_t groups = d->rows->groups;
-    const double few_blocks = blocks > (double)members + 1.0 ? blocks / (blocks - (double)members) : 2.0;
-    const double few_groups = groups > 1 ? (double)groups / (double)(groups - 1) : 1.0;
-    const double t_blocks = student(d->blocks > members + 1 ? d->blocks - members : 2);
+    const double few_blocks = few(blocks);
+    const double few_groups = few(groups);
+    const double t_blocks = student(blocks > 1 ? blocks - 1 : 1);
     const double t_groups = student(groups > 1 ? groups - 1 : 1);
     double ratio = 0.0;
     sandwich(n, (const double(*)[COLUMN_COUNT])sums->bread, (const double(*)[COLUMN_COUNT])sums->by_block,
