@@ -165,7 +165,7 @@ static bool find_certainty(session *w, const whole_fit *f)
         c->column[k] = f->column[k];
         prior[k] = f->pull[k] * f->inflation;
     }
-    return certainty_under(&w->fitted, &w->state, prior, f->columns, c);
+    return certainty_under(&w->fitted, &w->state, prior, f->columns, 1, c);
 }
 
 /* One fit of the whole drive, and the set that it gives with its score and error. */

@@ -76,7 +76,7 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
     double prior[COLUMN_COUNT] = {0.0};
     c->columns = last_digits_append(d, s, members, c->column, prior);
     hold_shapes(s->set, c->column, members, prior);
-    return members == 0 || certainty_under(d, s, prior, members, c);
+    return members == 0 || certainty_under(d, s, prior, members, members, c);
 }
 
 /* Sums over all blocks: the curvature, and the scores' outer products by block and by group. */
@@ -118,24 +118,15 @@ static void know_nothing(certainty *c)
     }
 }
 
-/*
- * By how much so many scores scatter more than about their mean, which is all that the fit takes of them. The number of members takes
- * nothing: a set of the whole drive has more of them than there are blocks.
- */
-static double few(size_t scores)
-{
-    return scores > 1 ? (double)scores / (double)(scores - 1) : 2.0;
-}
-
 /* Half widths: the widest of those by white noise, by the scatter of the blocks and by that of the groups. */
-static void know_by(const fit_data *d, size_t members, score_sums *sums, certainty *c)
+static void know_by(const fit_data *d, size_t members, size_t lost, score_sums *sums, certainty *c)
 {
     const size_t n = c->columns;
-    const size_t blocks = d->blocks;
     const size_t groups = d->rows->groups;
-    const double few_blocks = few(blocks);
-    const double few_groups = few(groups);
-    const double t_blocks = student(blocks > 1 ? blocks - 1 : 1);
+    const size_t degrees = d->blocks > lost + 1 ? d->blocks - lost : 0;
+    const double few_blocks = degrees > 0 ? (double)d->blocks / (double)degrees : 2.0;
+    const double few_groups = groups > 1 ? (double)groups / (double)(groups - 1) : 1.0;
+    const double t_blocks = student(degrees > 0 ? degrees : 2);
     const double t_groups = student(groups > 1 ? groups - 1 : 1);
     double ratio = 0.0;
     sandwich(n, (const double(*)[COLUMN_COUNT])sums->bread, (const double(*)[COLUMN_COUNT])sums->by_block,
@@ -155,7 +146,8 @@ static void know_by(const fit_data *d, size_t members, score_sums *sums, certain
     c->inflation = fmax(1.0, ratio);
 }
 
-bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_t members, certainty *c)
+bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_t members, size_t lost,
+                     certainty *c)
 {
     gram *grams = gram_blocks(d, s, c->column, c->columns);
     score_sums *sums = calloc(1, sizeof *sums);
@@ -163,7 +155,7 @@ bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_
     if (ok) {
         add_blocks(d, grams, prior, c->columns, sums);
         if (solve_covariance(c->columns, COLUMN_COUNT, &sums->curvature[0][0], &sums->bread[0][0])) {
-            know_by(d, members, sums, c);
+            know_by(d, members, lost, sums, c);
         } else {
             know_nothing(c);
         }

@@ -119,14 +119,14 @@ static void scores_of_blocks_widen(void)
     }
 }
 
-/* The scatter of blocks about their mean has one degree less than blocks, whatever the number of members. */
+/* Of two blocks and one member no scatter is known: as of two degrees, and twice the variance. Of three it is. */
 static void few_blocks_are_said_to_be_few(void)
 {
     fit_data d = blocks_of(2, 2);
     pull_at_resistance(2, 1e5);
     certainty c = sure_of_resistance(&d);
     SAME(2.0 * by_blocks(2, 1e5), c.covariance[0][0]);
-    SAME(12.71 * sqrt(c.covariance[0][0]), c.half_width[0]);
+    SAME(4.303 * sqrt(c.covariance[0][0]), c.half_width[0]);
     d = blocks_of(3, 3);
     pull_at_resistance(3, 1e5);
     c = sure_of_resistance(&d);
@@ -138,6 +138,21 @@ static void few_blocks_are_said_to_be_few(void)
     curved[P_K_U][P_K_U] = CURVED;
     state.set = BIT(H_RESISTANCE) | BIT(H_VOLTAGE_GAIN);
     TEST_ASSERT_TRUE(certainty_of(&d, &state, &c));
+    SAME(2.0 * by_blocks(4, 1e5), c.covariance[0][0]);
+    SAME(4.303 * sqrt(c.covariance[0][0]), c.half_width[0]);
+}
+
+/* Where priors hold all members, the blocks' scatter lacks that of its mean alone. */
+static void held_members_take_no_degrees(void)
+{
+    const double prior[] = {1e-6, 1e-6};
+    fit_data d = blocks_of(4, 2);
+    certainty c = {.columns = 2, .column = {P_R, P_K_U}, .inflation = 1.0};
+    pull_at_resistance(4, 1e5);
+    curved[P_R][P_R] = CURVED;
+    curved[P_K_U][P_K_U] = CURVED;
+    state.set = BIT(H_RESISTANCE) | BIT(H_VOLTAGE_GAIN);
+    TEST_ASSERT_TRUE(certainty_under(&d, &state, prior, 2, 1, &c));
     SAME(4.0 / 3.0 * by_blocks(4, 1e5), c.covariance[0][0]);
     SAME(3.182 * sqrt(c.covariance[0][0]), c.half_width[0]);
 }
@@ -203,7 +218,7 @@ static void members_that_lean_are_as_sure_as_both_leave_them(void)
     double ratio = 0.0;
     for (size_t i = 0; i < 2; i++) {
         for (size_t j = 0; j < 2; j++) {
-            const double wanted = 40.0 * steps[i] * steps[j] * 40.0 / 39.0;
+            const double wanted = 40.0 * steps[i] * steps[j] * 40.0 / 38.0;
             TEST_ASSERT_DOUBLE_WITHIN(1e-9 * fabs(wanted), wanted, c.covariance[i][j]);
         }
         ratio += 0.5 * c.covariance[i][i] / information[i];
@@ -355,6 +370,7 @@ int main(void)
     RUN_TEST(quiet_blocks_leave_what_the_information_says);
     RUN_TEST(scores_of_blocks_widen);
     RUN_TEST(few_blocks_are_said_to_be_few);
+    RUN_TEST(held_members_take_no_degrees);
     RUN_TEST(scores_of_operating_points_widen);
     RUN_TEST(what_is_not_seen_is_as_wide_as_its_prior);
     RUN_TEST(members_that_lean_are_as_sure_as_both_leave_them);

@@ -320,7 +320,7 @@ static void widths_are_of_the_steps_that_blocks_and_points_ask_for(void)
     TEST_ASSERT_TRUE(solve_inverse(n, MOST, &information[0][0], &inverse[0][0]));
     TEST_ASSERT_EQUAL_size_t(BENCH_RUNS, f.rows.groups);
     const double blocks = (double)f.data.blocks;
-    const double t_blocks = student_of_more_than_ten(blocks - 1.0);
+    const double t_blocks = student_of_more_than_ten(blocks - (double)members);
     double ratio = 0.0;
     for (size_t i = 0; i < n; i++) {
         double by_blocks = 0.0;
@@ -337,7 +337,7 @@ static void widths_are_of_the_steps_that_blocks_and_points_ask_for(void)
             by_blocks += prior[j] * inverse[i][j] * inverse[i][j];
             by_points += prior[j] * inverse[i][j] * inverse[i][j];
         }
-        by_blocks *= blocks / (blocks - 1.0);
+        by_blocks *= blocks / (blocks - (double)members);
         by_points *= (double)BENCH_RUNS / (BENCH_RUNS - 1);
         const double wanted =
             fmax(1.96 * sqrt(inverse[i][i]), fmax(t_blocks * sqrt(by_blocks), T_OF_5 * sqrt(by_points)));
