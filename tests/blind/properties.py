@@ -44,7 +44,8 @@ import generate
 import groups
 
 COUNT, FIRST_SEED = 300, 700_000
-# Of the absurd ones, which cost no simulation. In 53 a phase had a negative resistance, and in the last three the likeliest set has other causes than the fitted one.
+# Of the absurd ones, which cost no simulation. In 53 a phase had a negative resistance. In the last three the likeliest set has other
+# causes than the fitted one.
 CI = (2, 5, 8, 11, 14, 17, 20, 23, 26, 29, 32, 35, 53, 143, 215, 218)
 KINDS = ["clean", "single", "single", "pair", "triple", "unknown"] + effects.LATER + effects.OF_BENCHES
 FACTOR = 3.0     # of an inductance or a resistance over the motor file's

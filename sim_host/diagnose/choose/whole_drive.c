@@ -80,7 +80,7 @@ static bool is_there(const whole_fit *f, hypothesis_id h)
 /* What is at least half as sure as a member: its size in thresholds, and both chi squares over what a member pays. */
 static void tell_sizes(const session *w, const whole_fit *f, hypothesis_set parts)
 {
-    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+    for (hypothesis_id h = 0; w->teller.trace && h < H_COUNT; h++) {
         const double certain = whole_fit_certain(f, h) / pays(h);
         if (hypothesis_in(parts, h) && (certain > 0.5 || is_there(f, h))) {
             session_trace(w, "    %-20s size %.3g, certain %.3g, needed %.3g\n", hypothesis_table[h].words,
