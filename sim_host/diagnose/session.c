@@ -74,10 +74,33 @@ static averaged_drive named_drive(const session *w, hypothesis_set set)
     return session_drive(w, z);
 }
 
+/*
+ * Even with perfect sensors, duties are quantised, the speed is not constant within the cycle and the ripple is not symmetric. A dead
+ * time near zero current has no exact model; its model error affects the other causes.
+ *
+ * From blind seeds 1000 to 1299 and 20000 to 20299: 91 % of 877 intervals contained the true value with all these at zero, 97 %
+ * with them. Of 364 intervals together with a dead time (with each other cause eight times, and a hundred alone): 88 % without
+ * the second pair, 96 % with it. Of 839 of whole drives on benches 97 % without the second pair.
+ */
+static const session_strays USUAL = {0.006, 0.0006};
+static const session_strays BESIDE_DEAD_TIME = {0.3, 0.006};
+
+session_strays session_model_strays(const session *w, cause_id cause)
+{
+    if (w->way == SESSION_WHOLE_DRIVE || !hypotheses_hold(w->state.set, CAUSE_DEAD_TIME)) {
+        return USUAL;
+    }
+    /* Its own size is better known. */
+    return (session_strays){cause == CAUSE_DEAD_TIME ? USUAL.of_least : BESIDE_DEAD_TIME.of_least,
+                            BESIDE_DEAD_TIME.of_effect};
+}
+
 bool session_is_large(const session *w, hypothesis_id h)
 {
+    const session_strays strays = session_model_strays(w, hypothesis_table[h].cause);
+    const double least = w->frame.of_least * hypothesis_table[h].least;
     return !hypothesis_size_is_doubted(h) ||
-           certainty_exceeds(&w->certainty, &w->state, h, w->frame.of_least * hypothesis_table[h].least);
+           certainty_exceeds(&w->certainty, &w->state, h, (1.0 + strays.of_least) * least);
 }
 
 double session_named_error(const session *w, hypothesis_set set)

@@ -76,6 +76,15 @@ bool session_look(session *w);
 /* Errors are in percent of the current, on held-out rows without glitches. The noise floor at a state. */
 double session_floor(const session *w, const fit_state *s);
 
+/*
+ * What a size may be wrong by because the averaged model is not exact: shares of the reporting threshold, and of the effect. A fit of the
+ * whole drive holds what is small as well, so that a dead time's model error has nothing else to affect.
+ */
+typedef struct session_strays {
+    double of_least, of_effect;
+} session_strays;
+session_strays session_model_strays(const session *w, cause_id cause);
+
 /* Whether a member of w->state's set is certainly larger than its reporting threshold. */
 bool session_is_large(const session *w, hypothesis_id h);
 

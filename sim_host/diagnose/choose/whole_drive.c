@@ -157,15 +157,11 @@ static hypothesis_set members_there(const session *w, const whole_fit *f, hypoth
 static bool find_certainty(session *w, const whole_fit *f)
 {
     certainty *c = &w->certainty;
-    double prior[COLUMN_COUNT];
     memset(c, 0, sizeof *c);
     c->inflation = 1.0;
     c->columns = f->columns;
-    for (size_t k = 0; k < f->columns; k++) {
-        c->column[k] = f->column[k];
-        prior[k] = f->pull[k] * f->inflation;
-    }
-    return certainty_under(&w->fitted, &w->state, prior, f->columns, 1, c);
+    memcpy(c->column, f->column, sizeof c->column);
+    return certainty_under(&w->fitted, &w->state, f->prior, f->columns, 1, c);
 }
 
 /* One fit of the whole drive, and the set that it gives with its score and error. */

@@ -1,6 +1,7 @@
 /* Sums over blocks (gram.h). */
 #include "gram.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -214,6 +215,109 @@ void gram_add(gram *to, const gram *from, size_t n)
         to->g[i] += from->g[i];
         for (size_t j = 0; j < n; j++) {
             to->h[i][j] += from->h[i][j];
+        }
+    }
+}
+
+/* Of a factor's logarithm, for the difference by which its direction is found. */
+static const double SCALE_STEP = 1e-4;
+/* What the columns cannot follow of it, as a share of the factor. */
+static const double SCALE_MISSED = 1e-3;
+
+/*
+ * How the drive that a factor on all voltages and another on all currents make of the state's moves along the columns, per unit of the
+ * logarithm. False: the columns cannot follow it.
+ */
+static bool scale_direction(const fit_data *d, const fit_state *s, const int *column, size_t n,
+                            double voltages, double currents, double along[COLUMN_COUNT])
+{
+    double more[P_COUNT];
+    double less[P_COUNT];
+    memcpy(more, s->z, sizeof more);
+    memcpy(less, s->z, sizeof less);
+    coordinates_scale(d->frame, exp(SCALE_STEP * voltages), exp(SCALE_STEP * currents), more);
+    coordinates_scale(d->frame, exp(-SCALE_STEP * voltages), exp(-SCALE_STEP * currents), less);
+    for (size_t k = 0; k < P_COUNT; k++) {
+        more[k] = (more[k] - less[k]) / (2.0 * SCALE_STEP);
+    }
+    double missed[P_COUNT];
+    memcpy(missed, more, sizeof missed);
+    for (size_t c = 0; c < n; c++) {
+        along[c] = column[c] < COLUMN_GAIN ? column_value(column[c], more) : 0.0;
+        if (along[c] != 0.0) {
+            column_move(column[c], -along[c], missed);
+        }
+    }
+    bool follows = true;
+    for (coordinate_id id = 0; id < P_COUNT; id++) {
+        follows = follows && (fabs(missed[id]) < SCALE_MISSED || !column_shows((int)id, d->rows));
+    }
+    return follows;
+}
+
+/* x' diag(H) y, over all blocks. */
+static double by_diagonal(const fit_data *d, const gram *grams, size_t n, const double *x, const double *y)
+{
+    double sum = 0.0;
+    for (size_t b = 0; b < d->blocks; b++) {
+        for (size_t c = 0; c < n; c++) {
+            sum += x[c] * grams[b].h[c][c] * y[c];
+        }
+    }
+    return sum;
+}
+
+/* Takes a direction out of one block's sums: what they say of it is shared out among the columns by `share`, whose product with it is 1. */
+static void take_out(gram *sums, size_t n, const double *along, const double *share)
+{
+    double of_g = 0.0;
+    double of_h[COLUMN_COUNT] = {0.0};
+    double of_all = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        of_g += along[i] * sums->g[i];
+        for (size_t j = 0; j < n; j++) {
+            of_h[i] += sums->h[i][j] * along[j];
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        of_all += along[i] * of_h[i];
+    }
+    for (size_t i = 0; i < n; i++) {
+        sums->g[i] -= share[i] * of_g;
+        for (size_t j = 0; j < n; j++) {
+            sums->h[i][j] += share[i] * share[j] * of_all - share[i] * of_h[j] - of_h[i] * share[j];
+        }
+    }
+}
+
+void gram_free_scale(const fit_data *d, const fit_state *s, const int *column, size_t n, gram *grams)
+{
+    double along[2][COLUMN_COUNT];
+    double square[2] = {0.0};
+    size_t found = 0;
+    for (int of_currents = 0; of_currents < 2; of_currents++) {
+        double *own = along[found];
+        if (!scale_direction(d, s, column, n, 1.0 - of_currents, of_currents, own)) {
+            continue;
+        }
+        for (size_t k = 0; k < found; k++) {
+            const double shared = by_diagonal(d, grams, n, own, along[k]) / square[k];
+            for (size_t c = 0; c < n; c++) {
+                own[c] -= shared * along[k][c];
+            }
+        }
+        square[found] = by_diagonal(d, grams, n, own, own);
+        found += square[found] > 0.0 ? 1 : 0;
+    }
+    for (size_t k = 0; k < found; k++) {
+        double share[COLUMN_COUNT] = {0.0};
+        for (size_t b = 0; b < d->blocks; b++) {
+            for (size_t c = 0; c < n; c++) {
+                share[c] += grams[b].h[c][c] * along[k][c] / square[k];
+            }
+        }
+        for (size_t b = 0; b < d->blocks; b++) {
+            take_out(&grams[b], n, along[k], share);
         }
     }
 }

@@ -30,6 +30,13 @@ size_t gram_columns(const fit_data *d, const fit_state *s, hypothesis_set set, i
  */
 gram *gram_blocks(fit_data *d, const fit_state *s, const int *column, size_t n);
 
+/*
+ * No recording tells the factor that R, L, psi_f and all voltages have in common, nor that of R, L and the gains of the current sensors.
+ * The sums' difference quotients do, by what they miss at the knees of a dead time. Takes that out, for each factor that the columns
+ * follow.
+ */
+void gram_free_scale(const fit_data *d, const fit_state *s, const int *column, size_t n, gram *grams);
+
 /* Adds g and h of the first n columns. */
 void gram_add(gram *to, const gram *from, size_t n);
 

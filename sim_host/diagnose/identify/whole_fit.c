@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 20, REWEIGHTED = 12, LINKS = 3, LINK_OF_GAINS = 0, LINK_OF_RESISTANCE = 1 };
+enum { STEPS = 20, REWEIGHTED = 12, LINKS = 3, LINK_OF_RESISTANCE = 1 };
 
 static const double DEGREES = 2.0; /* of Student's t */
 /* Tolerance of a parameter for which the catalogue has none, as a share of its reporting threshold. */
@@ -27,8 +27,8 @@ static const double LITTLE = 0.5;
 static const double DAMPING = 5e-6;
 
 /*
- * Parameters, the last of them fitted or not, whose mean is equivalent to other parameters of the drive: the scale of resistance and
- * inductance, a resistance, an inductance. The mean has a prior of this width.
+ * Parameters of three phases whose mean is equivalent to other parameters of the drive: the scale of resistance and inductance, a
+ * resistance, an inductance. The mean has a prior of this width.
  */
 static const struct {
     coordinate_id of[3];
@@ -52,7 +52,8 @@ typedef struct whole {
     link_places link[LINKS];
     double inflation;
     gram sum;
-    double a[COLUMN_COUNT][COLUMN_COUNT];
+    double prior[COLUMN_COUNT][COLUMN_COUNT];
+    double a[COLUMN_COUNT][COLUMN_COUNT]; /* the sums and the prior */
     double low[COLUMN_COUNT], high[COLUMN_COUNT];
     double block[COLUMN_COUNT]; /* scatter of the blocks' scores */
     gain_line line[ROWS_MAX_GROUPS];
@@ -128,10 +129,10 @@ static void choose_columns(whole *w, const fit_data *d, const fit_state *s, hypo
     }
 }
 
-/* One of them alone is no mean. */
+/* Two sensors' gains have no mean that is known: the third one may be the one that makes up for them. */
 static bool link_holds(const whole *w, size_t l)
 {
-    return w->link[l].n > 1;
+    return w->link[l].n == 3;
 }
 
 /* Distance of a parameter from the middle of its prior, after a step. */
@@ -197,26 +198,34 @@ static double pull(const whole *w, const fit_state *s, const double *step, size_
                                      : (DEGREES + 1.0) / (DEGREES * width * width + x * x));
 }
 
-/*
- * Adds the prior to the sums, in the scale of the data: to w->a, and to the right-hand side for the way from s. Weighted at the step
- * given.
- */
-static void with_prior(whole *w, const fit_state *s, const double *step, double roughness, double *right)
+/* The precision of the prior, in the scale of the data, weighted at the step given. */
+static void find_prior(const whole *w, const fit_state *s, const double *step, double roughness,
+                       double prior[][COLUMN_COUNT])
 {
     for (size_t i = 0; i < w->n; i++) {
-        const double by = w->inflation * pull(w, s, step, i, roughness);
-        memcpy(w->a[i], w->sum.h[i], sizeof w->a[i]);
-        w->a[i][i] += by;
-        right[i] = -w->sum.g[i] - by * off(w, s, NULL, i);
+        memset(prior[i], 0, w->n * sizeof *prior[i]);
+        prior[i][i] = w->inflation * pull(w, s, step, i, roughness);
     }
     for (size_t l = 0; l < LINKS; l++) {
         const link_places *p = &w->link[l];
         const double by = w->inflation / (links[l].width * links[l].width * (double)(p->n * p->n));
         for (size_t i = 0; link_holds(w, l) && i < p->n; i++) {
-            right[p->at[i]] -= (double)p->n * by * link_off(w, s, NULL, l);
             for (size_t j = 0; j < p->n; j++) {
-                w->a[p->at[i]][p->at[j]] += by;
+                prior[p->at[i]][p->at[j]] += by;
             }
+        }
+    }
+}
+
+/* Adds the prior to the sums: to w->a, and to the right-hand side for the way from s. Weighted at the step given. */
+static void with_prior(whole *w, const fit_state *s, const double *step, double roughness, double *right)
+{
+    find_prior(w, s, step, roughness, w->prior);
+    for (size_t i = 0; i < w->n; i++) {
+        right[i] = -w->sum.g[i];
+        for (size_t j = 0; j < w->n; j++) {
+            w->a[i][j] = w->sum.h[i][j] + w->prior[i][j];
+            right[i] -= w->prior[i][j] * off(w, s, NULL, j);
         }
     }
 }
@@ -404,6 +413,8 @@ typedef struct scaled {
     double voltages, currents;
 } scaled;
 
+static const coordinate_id gain_of_sensor[] = {P_GAIN_A, P_GAIN_B, P_GAIN_C};
+
 /* Those in which a parameter has the motor file's value, or a current sensor's gain; returns how many. */
 static size_t scales_to_file(const whole *w, const averaged_drive *file, const averaged_drive *is, scaled *to)
 {
@@ -416,10 +427,12 @@ static size_t scales_to_file(const whole *w, const averaged_drive *file, const a
             to[n++] = (scaled){factor[k], 1.0};
         }
     }
-    if (link_holds(w, LINK_OF_GAINS)) {
+    if (is_fitted(w, P_GAIN_A)) {
         to[n++] = (scaled){1.0, 1.0 / R};
         to[n++] = (scaled){1.0, 1.0 / L};
-        for (size_t x = 0; x < w->link[LINK_OF_GAINS].n; x++) {
+    }
+    for (size_t x = 0; x < 3; x++) {
+        if (is_fitted(w, gain_of_sensor[x])) {
             to[n++] = (scaled){1.0, is->g[x] / file->g[x]};
         }
     }
@@ -546,7 +559,7 @@ static void tell_covariance(whole *w, whole_fit *out)
             w->a[i][j] /= w->inflation;
         }
         out->column[i] = w->column[i];
-        out->pull[i] = pull(w, &out->state, NULL, i, out->roughness);
+        memcpy(out->prior[i], w->prior[i], sizeof w->prior[i]);
         memcpy(out->precision[i], w->a[i], sizeof w->a[i]);
     }
     out->columns = solve_covariance(w->n, COLUMN_COUNT, &w->a[0][0], &out->covariance[0][0]) ? w->n : 0;
@@ -564,6 +577,7 @@ static bool improve(whole *w, fit_data *d, hypothesis_set parts, whole_fit *out,
     if (!grams) {
         return false;
     }
+    gram_free_scale(d, s, w->column, w->n + 1, grams);
     memset(&w->sum, 0, sizeof w->sum);
     memset(w->line, 0, sizeof w->line);
     fit_step_sums(d, s, grams, w->n, w->line, &w->sum);

@@ -32,8 +32,8 @@ typedef struct whole_fit {
     double goal;      /* -2 log posterior over the inflation, up to a constant */
     size_t columns;
     int column[COLUMN_COUNT];
-    double pull[COLUMN_COUNT];                     /* precision of the prior at the fit */
-    double precision[COLUMN_COUNT][COLUMN_COUNT];  /* of the posterior, */
+    double prior[COLUMN_COUNT][COLUMN_COUNT];     /* precision of the prior at the fit, times the inflation */
+    double precision[COLUMN_COUNT][COLUMN_COUNT]; /* of the posterior, */
     double covariance[COLUMN_COUNT][COLUMN_COUNT]; /* and its inverse */
     drive_scale scale[DRIVE_SCALES];               /* shares of 0 if the voltages' gain was not fitted */
 } whole_fit;

@@ -8,23 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/*
- * Smallest half width of an interval. A part of the reporting threshold `least`: even with perfect sensors, duties are quantised,
- * the speed is not constant within the cycle and the ripple is not symmetric. And a share of the effect: the error of the
- * averaged model against the physics within the cycle. A dead time near zero current has no exact model; its model error affects
- * the other causes.
- *
- * From blind seeds 1000 to 1299 and 20000 to 20299: 91 % of 877 intervals contained the true value with all these at zero, 97 %
- * with them. Of 364 intervals together with a dead time (with each other cause eight times, and a hundred alone): 88 % without
- * the second pair, 96 % with it.
- */
-typedef struct systematic {
-    double of_least, of_effect;
-} systematic;
-
-static const systematic USUAL = {0.006, 0.0006};
-static const systematic BESIDE_DEAD_TIME = {0.3, 0.006};
-
 /* A tolerance is a third of the reporting threshold (causes.def). */
 static const double DIGITS_OF_LEAST = 3.0;
 
@@ -40,55 +23,63 @@ typedef struct spread {
 
 enum { SPREADS = COLUMN_COUNT };
 
-static size_t spreads_of(const session *w, hypothesis_id h, spread list[SPREADS])
+/* Whether a column moves what a hypothesis moves, or shapes. */
+static bool is_of(const hypothesis *hypo, const bool moved[P_COUNT], int column)
 {
-    const hypothesis *hypo = &hypothesis_table[h];
-    const bool beside = hypotheses_hold(w->state.set, CAUSE_DEAD_TIME);
-    const systematic more = beside ? BESIDE_DEAD_TIME : USUAL;
-    /* A dead time's own size is better known than that of the other causes. */
-    const double of_least = hypothesis_table[h].cause == CAUSE_DEAD_TIME ? USUAL.of_least : more.of_least;
-    size_t n = 0;
-    for (size_t k = 0; k < hypo->columns; k++) {
-        const int column = hypo->column[k];
-        /* The parts of a vector are correlated: its length counts. */
-        const double size =
-            hypo->one_vector ? hypothesis_size(h, w->state.z) : fabs(column_value(column, w->state.z));
-        double half = certainty_half_width(&w->certainty, column) + of_least * hypo->least +
-                      fmax(more.of_effect, hypo->loose) * size;
-        if (!column_shows(column, &w->rows)) {
-            /* Only the range of a gain is known. */
-            half = 0.5 * (coordinate_table[column].high - coordinate_table[column].low);
-        }
-        list[n++] = (spread){column, k < hypo->fixed ? 0.0 : half, COORDINATE_STEP};
+    double unit[P_COUNT] = {0.0};
+    bool any = hypo->cause == CAUSE_CURRENT_OFFSET &&
+               column == P_OFFSET_ZERO; /* the sum of three currents shows it */
+    column_move(column, 1.0, unit);
+    for (size_t k = 0; k < P_COUNT; k++) {
+        any = any || (moved[k] && unit[k] != 0.0);
     }
     for (size_t k = 0; k < hypo->shapes; k++) {
-        const coordinate_id shape = hypo->shape[k];
-        list[n++] = (spread){
-            (int)shape, certainty_half_width(&w->certainty, (int)shape) + coordinate_table[shape].summary,
-            coordinate_step(shape)};
+        any = any || column == (int)hypo->shape[k];
     }
-    if (hypo->cause == CAUSE_CURRENT_OFFSET && rows_show_three(&w->rows)) {
-        /* Fitted with every cause; the sum of the three currents shows it. */
-        list[n++] = (spread){P_OFFSET_ZERO,
-                             certainty_half_width(&w->certainty, P_OFFSET_ZERO) + of_least * hypo->least,
-                             COORDINATE_STEP};
-    }
-    return n;
+    return any;
 }
 
-/* All columns of the covariance: for a value that columns of other causes move, such as the inductance of a saturation. */
-static size_t all_spreads(const session *w, spread list[SPREADS])
+/* Half width along a column, and of a model that is not exact. */
+static double half_width_of(const session *w, hypothesis_id h, int column)
 {
-    const systematic more = hypotheses_hold(w->state.set, CAUSE_DEAD_TIME) ? BESIDE_DEAD_TIME : USUAL;
-    for (size_t k = 0; k < w->certainty.columns; k++) {
-        const int column = w->certainty.column[k];
-        const coordinate_id of = column == COLUMN_L ? P_L_D : (coordinate_id)column;
-        const double tolerance = column < P_COUNT || column == COLUMN_L ? coordinate_table[of].digits : 0.0;
-        list[k] = (spread){
-            column, certainty_half_width(&w->certainty, column) + more.of_least * DIGITS_OF_LEAST * tolerance,
-            COORDINATE_STEP};
+    const hypothesis *hypo = &hypothesis_table[h];
+    const coordinate *of = &coordinate_table[column < P_COUNT ? column : P_L_D];
+    const double half = certainty_half_width(&w->certainty, column) + of->summary;
+    for (size_t k = 0; k < hypo->columns; k++) {
+        if (hypo->column[k] == column) {
+            const session_strays strays = session_model_strays(w, hypo->cause);
+            /* The parts of a vector are correlated: its length counts. */
+            const double size =
+                hypo->one_vector ? hypothesis_size(h, w->state.z) : fabs(column_value(column, w->state.z));
+            return half + strays.of_least * hypo->least + fmax(strays.of_effect, hypo->loose) * size;
+        }
     }
-    return w->certainty.columns;
+    return half + session_model_strays(w, CAUSE_COUNT).of_least * DIGITS_OF_LEAST * of->digits;
+}
+
+/* The fitted columns that move what a hypothesis moves; with `all` every one, for a value that other causes' columns move. */
+static size_t spreads_of(const session *w, hypothesis_id h, bool all, spread list[SPREADS])
+{
+    const hypothesis *hypo = &hypothesis_table[h];
+    const certainty *c = &w->certainty;
+    bool moved[P_COUNT] = {false};
+    size_t n = 0;
+    hypothesis_mark(h, moved);
+    for (size_t k = 0; k < c->columns; k++) {
+        const int column = c->column[k];
+        if (all || is_of(hypo, moved, column)) {
+            const double step = column < P_COUNT ? coordinate_step((coordinate_id)column) : COORDINATE_STEP;
+            list[n++] = (spread){column, half_width_of(w, h, column), step};
+        }
+    }
+    for (size_t k = hypo->fixed; k < hypo->columns && n < SPREADS; k++) {
+        if (!column_shows(hypo->column[k], &w->rows)) {
+            /* Only the range of a gain is known. */
+            const coordinate *gain = &coordinate_table[hypo->column[k]];
+            list[n++] = (spread){hypo->column[k], 0.5 * (gain->high - gain->low), COORDINATE_STEP};
+        }
+    }
+    return n;
 }
 
 /* A value at the fitted z moved along a column. */
@@ -164,9 +155,7 @@ void values_tell(const session *w, hypothesis_id h, const double z[P_COUNT], dia
     const motor nominal = averaged_drive_motor(&w->frame.nominal, w->frame.motor);
     averaged_drive drive = session_drive(w, z);
     spread list[SPREADS];
-    spread all[SPREADS];
-    const size_t n = spreads_of(w, h, list);
-    const size_t n_all = all_spreads(w, all);
+    const size_t n = spreads_of(w, h, false, list);
     bool moved[DIAGNOSIS_PARAMETERS] = {false};
     const motor_value *value[DIAGNOSIS_PARAMETERS] = {NULL};
     if (hypothesis_table[h].cause == CAUSE_DEAD_TIME) {
@@ -206,7 +195,7 @@ void values_tell(const session *w, hypothesis_id h, const double z[P_COUNT], dia
             p->low = p->value - widest;
             p->high = p->value + widest;
         } else if (!moved[k]) {
-            interval_of(w, value[k], all, n_all, p);
+            interval_of(w, value[k], list, spreads_of(w, h, true, list), p);
         }
     }
 }

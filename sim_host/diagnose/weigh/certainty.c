@@ -73,10 +73,14 @@ bool certainty_of(fit_data *d, const fit_state *s, certainty *c)
     memset(c, 0, sizeof *c);
     c->inflation = 1.0;
     const size_t members = gram_columns(d, s, s->set, c->column);
-    double prior[COLUMN_COUNT] = {0.0};
-    c->columns = last_digits_append(d, s, members, c->column, prior);
-    hold_shapes(s->set, c->column, members, prior);
-    return members == 0 || certainty_under(d, s, prior, members, members, c);
+    double own[COLUMN_COUNT] = {0.0};
+    double prior[COLUMN_COUNT][COLUMN_COUNT] = {{0.0}};
+    c->columns = last_digits_append(d, s, members, c->column, own);
+    hold_shapes(s->set, c->column, members, own);
+    for (size_t k = 0; k < c->columns; k++) {
+        prior[k][k] = own[k];
+    }
+    return members == 0 || certainty_under(d, s, (const double(*)[COLUMN_COUNT])prior, members, members, c);
 }
 
 /* Sums over all blocks: the curvature, and the scores' outer products by block and by group. */
@@ -90,10 +94,13 @@ typedef struct score_sums {
 } score_sums;
 
 /* What is known beforehand, and how it varies between drives, is a part of each sum. */
-static void add_blocks(const fit_data *d, const gram *grams, const double *prior, size_t n, score_sums *sums)
+static void add_blocks(const fit_data *d, const gram *grams, const double prior[][COLUMN_COUNT], size_t n,
+                       score_sums *sums)
 {
     for (size_t i = 0; i < n; i++) {
-        sums->curvature[i][i] = sums->by_block[i][i] = sums->by_group[i][i] = prior[i];
+        for (size_t j = 0; j < n; j++) {
+            sums->curvature[i][j] = sums->by_block[i][j] = sums->by_group[i][j] = prior[i][j];
+        }
     }
     for (size_t b = 0; b < d->blocks; b++) {
         for (size_t i = 0; i < n; i++) {
@@ -146,13 +153,14 @@ static void know_by(const fit_data *d, size_t members, size_t lost, score_sums *
     c->inflation = fmax(1.0, ratio);
 }
 
-bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_t members, size_t lost,
-                     certainty *c)
+bool certainty_under(fit_data *d, const fit_state *s, const double prior[][COLUMN_COUNT], size_t members,
+                     size_t lost, certainty *c)
 {
     gram *grams = gram_blocks(d, s, c->column, c->columns);
     score_sums *sums = calloc(1, sizeof *sums);
     const bool ok = grams && sums;
     if (ok) {
+        gram_free_scale(d, s, c->column, c->columns, grams);
         add_blocks(d, grams, prior, c->columns, sums);
         if (solve_covariance(c->columns, COLUMN_COUNT, &sums->curvature[0][0], &sums->bread[0][0])) {
             know_by(d, members, lost, sums, c);
@@ -244,13 +252,19 @@ double certainty_of_size(const certainty *c, const fit_state *s, hypothesis_id h
     double along[HYPOTHESIS_COLUMNS] = {0.0}; /* the size's slope */
     double width[HYPOTHESIS_COLUMNS * HYPOTHESIS_COLUMNS];
     double square = 0.0;
+    const double size = hypothesis_size(h, s->z);
     widths_together(c, column, n, width);
     for (size_t k = 0; k < n; k++) {
+        /* To both sides, as the size of three gains is another one where the third is zero. One of zero grows to either. */
         const double step = 1e-3 * sqrt(width[k * n + k]);
-        double z[P_COUNT];
-        memcpy(z, s->z, sizeof z);
-        column_move(column[k], step, z);
-        along[k] = step > 0.0 ? (hypothesis_size(h, z) - hypothesis_size(h, s->z)) / step : 0.0;
+        const double back = size > 0.0 ? step : 0.0;
+        double more[P_COUNT];
+        double less[P_COUNT];
+        memcpy(more, s->z, sizeof more);
+        memcpy(less, s->z, sizeof less);
+        column_move(column[k], step, more);
+        column_move(column[k], -back, less);
+        along[k] = step > 0.0 ? (hypothesis_size(h, more) - hypothesis_size(h, less)) / (step + back) : 0.0;
     }
     for (size_t i = 0; i < n; i++) {
         for (size_t j = 0; j < n; j++) {

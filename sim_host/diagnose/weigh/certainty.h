@@ -23,12 +23,12 @@ typedef struct certainty {
 bool certainty_of(fit_data *d, const fit_state *s, certainty *c);
 
 /*
- * The same of the columns in *c under the precisions `prior`, one a column; the first `members` count for the inflation. The scatter of
+ * The same of the columns in *c under a prior of this precision; the first `members` count for the inflation. The scatter of
  * the blocks has lost so many degrees of freedom: one a member that is free; only that of its mean where priors hold them all, as then
  * there may be more members than blocks. All else of *c is zero before, but the inflation, which is 1.
  */
-bool certainty_under(fit_data *d, const fit_state *s, const double *prior, size_t members, size_t lost,
-                     certainty *c);
+bool certainty_under(fit_data *d, const fit_state *s, const double prior[][COLUMN_COUNT], size_t members,
+                     size_t lost, certainty *c);
 
 /* Chi square of a hypothesis' parameters being zero, robust. */
 double certainty_chi_square(const certainty *c, const fit_state *s, hypothesis_id h);

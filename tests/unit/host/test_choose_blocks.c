@@ -145,7 +145,7 @@ static void few_blocks_are_said_to_be_few(void)
 /* Where priors hold all members, the blocks' scatter lacks that of its mean alone. */
 static void held_members_take_no_degrees(void)
 {
-    const double prior[] = {1e-6, 1e-6};
+    const double prior[COLUMN_COUNT][COLUMN_COUNT] = {{1e-6}, {0.0, 1e-6}};
     fit_data d = blocks_of(4, 2);
     certainty c = {.columns = 2, .column = {P_R, P_K_U}, .inflation = 1.0};
     pull_at_resistance(4, 1e5);

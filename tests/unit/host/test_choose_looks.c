@@ -292,6 +292,118 @@ static void without_a_number_nothing_is_moved(void)
     fit_end(&f);
 }
 
+/* What all sums of the fit say along a direction and another. */
+static double along(const fitted *f, const gram *grams, size_t n, const double *v, const double *w)
+{
+    double sum = 0.0;
+    for (size_t b = 0; b < f->data.blocks; b++) {
+        for (size_t i = 0; i < n; i++) {
+            for (size_t j = 0; j < n; j++) {
+                sum += v[i] * grams[b].h[i][j] * w[j];
+            }
+        }
+    }
+    return sum;
+}
+
+/* How the columns move if R, L, psi_f, the voltages and what a dead time loses grow by one factor, in the file's values. */
+static double grows(const fitted *f, int column)
+{
+    const averaged_drive is = coordinates_drive(&f->frame, f->state.z, f->state.edge);
+    switch (column) {
+    case P_R:
+        return is.R_ohm / f->m.R_ohm;
+    case P_L_D:
+    case P_L_Q:
+        return 1.0;
+    case P_PSI:
+        return is.psi_f_Wb / f->m.psi_f_Wb;
+    case P_K_U:
+        return is.k_u;
+    case P_V_DEAD:
+    case P_COMPENSATION:
+        return f->state.z[column];
+    default:
+        return 0.0;
+    }
+}
+
+/* x, without what it shares with v in the measure of the sums' diagonal. */
+static void without(const fitted *f, const gram *grams, size_t n, const double *v, double *x)
+{
+    double shared = 0.0;
+    double square = 0.0;
+    for (size_t b = 0; b < f->data.blocks; b++) {
+        for (size_t i = 0; i < n; i++) {
+            shared += v[i] * grams[b].h[i][i] * x[i];
+            square += v[i] * grams[b].h[i][i] * v[i];
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        x[i] -= shared / square * v[i];
+    }
+}
+
+/*
+ * No recording tells a factor of all voltages. Difference quotients do, by what they miss at the knees of a compensated dead time: that is
+ * taken out of the sums, and along all that shares nothing with it they stay.
+ */
+static void a_factor_of_all_voltages_has_no_curvature(void)
+{
+    static fitted f;
+    good.m.ext.has[CAUSE_DEAD_TIME] = true;
+    good.m.ext.v_dead_V = 0.2;
+    good.m.ext.compensation_V = 2.0;
+    good.m.ext.i_knee_A = 0.05;
+    good.m.ext.compensation_knee_A = 0.02;
+    fit_it(&f, HYPOTHESIS_BIT(H_COMPENSATED) | HYPOTHESIS_BIT(H_VOLTAGE_GAIN));
+    int column[COLUMN_COUNT];
+    double prior[COLUMN_COUNT] = {0.0};
+    double v[MOST];
+    double x[MOST];
+    size_t n = gram_columns(&f.data, &f.state, f.state.set, column);
+    n = last_digits_append(&f.data, &f.state, n, column, prior);
+    TEST_ASSERT_TRUE(n <= MOST);
+    gram *own = gram_blocks(&f.data, &f.state, column, n);
+    gram *freed = gram_blocks(&f.data, &f.state, column, n);
+    TEST_ASSERT_TRUE(own && freed);
+    gram_free_scale(&f.data, &f.state, column, n, freed);
+    double slope = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        v[i] = grows(&f, column[i]);
+        x[i] = 1.0 + (double)(i % 5);
+        for (size_t b = 0; b < f.data.blocks; b++) {
+            slope += v[i] * freed[b].g[i];
+        }
+    }
+    const double told = along(&f, own, n, v, v);
+    TEST_ASSERT_TRUE(told > 0.0 && along(&f, freed, n, v, v) < 1e-6 * told);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * sqrt(told), 0.0, slope);
+    without(&f, own, n, v, x);
+    const double kept = along(&f, own, n, x, x);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * kept, kept, along(&f, freed, n, x, x));
+    free(freed);
+    free(own);
+    fit_end(&f);
+}
+
+/* Where a column is missing that the factor moves, it would show. */
+static void a_factor_that_the_columns_cannot_follow_stays(void)
+{
+    static fitted f;
+    good.m.R_ohm = 1.2;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    static const int column[] = {P_R, P_L_D, P_L_Q, P_PSI}; /* without the voltages' gain */
+    gram *own = gram_blocks(&f.data, &f.state, column, 4);
+    gram *freed = gram_blocks(&f.data, &f.state, column, 4);
+    TEST_ASSERT_TRUE(own && freed);
+    gram_free_scale(&f.data, &f.state, column, 4, freed);
+    TEST_ASSERT_EQUAL_MEMORY(own, freed, f.data.blocks * sizeof *own);
+    free(freed);
+    free(own);
+    fit_end(&f);
+}
+
 static void widths_are_of_the_steps_that_blocks_and_points_ask_for(void)
 {
     static fitted f;
@@ -304,6 +416,7 @@ static void widths_are_of_the_steps_that_blocks_and_points_ask_for(void)
     const size_t n = last_digits_append(&f.data, &f.state, members, column, prior);
     TEST_ASSERT_TRUE(n <= MOST && n == f.sure.columns);
     gram *grams = gram_blocks(&f.data, &f.state, column, n);
+    gram_free_scale(&f.data, &f.state, column, n, grams);
     double information[MOST][MOST] = {{0.0}};
     double inverse[MOST][MOST];
     static double of_point[ROWS_MAX_GROUPS][COLUMN_COUNT];
@@ -613,6 +726,8 @@ int main(void)
     RUN_TEST(a_new_beginning_has_half);
     RUN_TEST(a_fit_ends_where_nothing_is_better);
     RUN_TEST(without_a_number_nothing_is_moved);
+    RUN_TEST(a_factor_of_all_voltages_has_no_curvature);
+    RUN_TEST(a_factor_that_the_columns_cannot_follow_stays);
     RUN_TEST(widths_are_of_the_steps_that_blocks_and_points_ask_for);
     RUN_TEST(indistinguishable_columns_are_not_known);
     RUN_TEST(a_clean_recording_has_no_cause);
