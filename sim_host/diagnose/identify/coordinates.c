@@ -11,7 +11,7 @@ const coordinate coordinate_table[P_COUNT] = {
 #include "data/causes.def"
 };
 
-static double value_of(const averaged_drive *d, coordinate_id id)
+double coordinate_value(const averaged_drive *d, coordinate_id id)
 {
     double value;
     memcpy(&value, (const unsigned char *)d + coordinate_table[id].offset, sizeof value);
@@ -94,7 +94,7 @@ averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COU
     averaged_drive d = f->nominal;
     for (coordinate_id id = 0; id < P_COUNT; id++) {
         if (z[id] != 0.0) {
-            const double nominal = value_of(&f->nominal, id);
+            const double nominal = coordinate_value(&f->nominal, id);
             set_value(&d, id,
                       coordinate_table[id].logarithmic ? nominal * exp(z[id])
                                                        : nominal + z[id] * scale_of(f, id));
@@ -124,7 +124,7 @@ double coordinate_look(coordinate_id id, double z)
 /* The z of a value. */
 static double z_of(const coordinate_frame *f, coordinate_id id, double value)
 {
-    const double nominal = value_of(&f->nominal, id);
+    const double nominal = coordinate_value(&f->nominal, id);
     if (coordinate_table[id].logarithmic) {
         return log(value / nominal);
     }
@@ -134,7 +134,7 @@ static double z_of(const coordinate_frame *f, coordinate_id id, double value)
 double coordinates_to_file(const coordinate_frame *f, coordinate_id id, const double z[P_COUNT])
 {
     const averaged_drive d = coordinates_drive(f, z, EDGE_CHARGED);
-    return value_of(&f->nominal, id) / value_of(&d, id);
+    return coordinate_value(&f->nominal, id) / coordinate_value(&d, id);
 }
 
 /* Least incremental inductance of a flux map at the recorded currents, as a share of the smaller inductance at zero current. */
@@ -202,7 +202,7 @@ void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, 
     *low = c->bound == BOUND_NONE ? -INFINITY : c->low;
     *high = c->bound == BOUND_NONE ? INFINITY : c->high;
     if (c->bound == BOUND_OF_RATED || c->bound == BOUND_OF_NOMINAL) {
-        const double of = c->bound == BOUND_OF_RATED ? f->i_rated_peak_A : value_of(&f->nominal, id);
+        const double of = c->bound == BOUND_OF_RATED ? f->i_rated_peak_A : coordinate_value(&f->nominal, id);
         *low = z_of(f, id, *low * of);
         *high = isinf(*high) ? INFINITY : z_of(f, id, *high * of);
     }
@@ -255,7 +255,8 @@ void coordinates_scale(const coordinate_frame *f, double voltages, double curren
     for (coordinate_id id = 0; id < P_COUNT; id++) {
         const coordinate *c = &coordinate_table[id];
         if (c->volts != 0 || c->amperes != 0) {
-            z[id] = z_of(f, id, value_of(&d, id) * pow(voltages, c->volts) * pow(currents, c->amperes));
+            z[id] =
+                z_of(f, id, coordinate_value(&d, id) * pow(voltages, c->volts) * pow(currents, c->amperes));
         }
         if (c->wanders > 0.0) {
             z[id] = within_range(f, id, z[id]);

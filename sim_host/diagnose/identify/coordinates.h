@@ -105,6 +105,9 @@ void coordinates_doubt(coordinate_frame *f, const diagnose_rows *r);
  */
 averaged_drive coordinates_drive(const coordinate_frame *f, const double z[P_COUNT], edge_law edge);
 
+/* A coordinate's parameter of a drive. */
+double coordinate_value(const averaged_drive *d, coordinate_id id);
+
 /* Step in z for difference quotients, and for those of a search that starts from z. */
 #define COORDINATE_STEP 1e-4
 double coordinate_step(coordinate_id id);

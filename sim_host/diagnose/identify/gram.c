@@ -224,6 +224,22 @@ static const double SCALE_STEP = 1e-4;
 /* What the columns cannot follow of it, as a share of the factor. */
 static const double SCALE_MISSED = 1e-3;
 
+/* A shape moves nothing without the effect. */
+static bool moves_drive(const averaged_drive *drive, coordinate_id id)
+{
+    bool is_shape = false;
+    bool acts = false;
+    for (hypothesis_id h = 0; h < H_COUNT; h++) {
+        const hypothesis *hypo = &hypothesis_table[h];
+        for (size_t k = 0; k < hypo->shapes; k++) {
+            const coordinate_id of = (coordinate_id)hypo->column[hypo->shape_of[k]];
+            is_shape = is_shape || hypo->shape[k] == id;
+            acts = acts || (hypo->shape[k] == id && coordinate_value(drive, of) != 0.0);
+        }
+    }
+    return acts || !is_shape;
+}
+
 /*
  * How the drive that a factor on all voltages and another on all currents make of the state's moves along the columns, per unit of the
  * logarithm. False: the columns cannot follow it.
@@ -248,9 +264,11 @@ static bool scale_direction(const fit_data *d, const fit_state *s, const int *co
             column_move(column[c], -along[c], missed);
         }
     }
+    const averaged_drive drive = fit_drive(d, s);
     bool follows = true;
     for (coordinate_id id = 0; id < P_COUNT; id++) {
-        follows = follows && (fabs(missed[id]) < SCALE_MISSED || !column_shows((int)id, d->rows));
+        follows = follows && (fabs(missed[id]) < SCALE_MISSED || !column_shows((int)id, d->rows) ||
+                              !moves_drive(&drive, id));
     }
     return follows;
 }
