@@ -13,6 +13,8 @@
 enum { STEPS = 20, REWEIGHTED = 12, LINKS = 3, LINK_OF_RESISTANCE = 1 };
 
 static const double DEGREES = 2.0; /* of Student's t */
+/* Its 95 % interval is so much wider than that of a normal distribution of its scale. */
+static const double WIDER = 4.303 / 1.960;
 /* Tolerance of a parameter for which the catalogue has none, as a share of its reporting threshold. */
 static const double SHARE_OF_LEAST = 0.3;
 static const double roughness_tried[] = {1.0, 2.0, 4.0, 8.0};
@@ -432,7 +434,7 @@ static size_t scales_to_file(const whole *w, const averaged_drive *file, const a
         to[n++] = (scaled){1.0, 1.0 / L};
     }
     for (size_t x = 0; x < 3; x++) {
-        if (is_fitted(w, gain_of_sensor[x])) {
+        if (is_fitted(w, (int)gain_of_sensor[x])) {
             to[n++] = (scaled){1.0, is->g[x] / file->g[x]};
         }
     }
@@ -551,6 +553,14 @@ static void weigh_scales(const whole *w, const fit_data *d, whole_fit *out)
     }
 }
 
+/* The precision that has the prior's 95 % interval, which its curvature in the middle has not. */
+static double interval_pull(const whole *w, const fit_state *s, size_t k, double roughness)
+{
+    const double width = WIDER * roughness * w->width[k];
+    const double curved = pull(w, s, NULL, k, roughness);
+    return w->shape[k] ? curved : fmin(curved, rare(w, k) + 1.0 / (width * width));
+}
+
 /* Writes the posterior about the fit, from the sums of the last step. */
 static void tell_covariance(whole *w, whole_fit *out)
 {
@@ -560,6 +570,8 @@ static void tell_covariance(whole *w, whole_fit *out)
         }
         out->column[i] = w->column[i];
         memcpy(out->prior[i], w->prior[i], sizeof w->prior[i]);
+        out->prior[i][i] += w->inflation * (interval_pull(w, &out->state, i, out->roughness) -
+                                            pull(w, &out->state, NULL, i, out->roughness));
         memcpy(out->precision[i], w->a[i], sizeof w->a[i]);
     }
     out->columns = solve_covariance(w->n, COLUMN_COUNT, &w->a[0][0], &out->covariance[0][0]) ? w->n : 0;

@@ -738,9 +738,68 @@ static void a_bad_joint_is_one_phase(void)
     fit_end(&f);
 }
 
+/* The place of a column in a whole fit. */
+static size_t place(const whole_fit *w, int column)
+{
+    size_t k = 0;
+    while (k < w->columns && w->column[k] != column) {
+        k++;
+    }
+    TEST_ASSERT_TRUE(k < w->columns);
+    return k;
+}
+
+/* Shared by two gains: the precision of the prior of three sensors' mean. */
+static double shared_by_gains(bool two_sensors)
+{
+    static fitted f;
+    static whole_fit w;
+    const hypothesis_set parts = HYPOTHESIS_BIT(H_RESISTANCE) | HYPOTHESIS_BIT(H_CURRENT_GAIN);
+    good.two_sensors = two_sensors;
+    fit_it(&f, HYPOTHESIS_BIT(H_RESISTANCE));
+    TEST_ASSERT_TRUE(whole_fit_find(&f.data, &f.state, parts, 1.0, &w, NULL));
+    const double shared = w.prior[place(&w, P_GAIN_A)][place(&w, P_GAIN_B)] / w.inflation;
+    fit_end(&f);
+    return shared;
+}
+
+static void the_mean_of_three_gains_is_known_and_that_of_two_is_not(void)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 1.0 / (0.002 * 0.002 * 9.0), shared_by_gains(false));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, shared_by_gains(true));
+}
+
+/* What only a prior tells has the 95 % interval of that prior: Student's t of two degrees, and what drives usually differ by. */
+static void an_interval_holds_as_much_of_the_prior(void)
+{
+    static fitted f;
+    static whole_fit w;
+    good.m.R_ohm = 1.2;
+    fit_it(&f, OF_SCALE & ~HYPOTHESIS_BIT(H_VOLTAGE_GAIN));
+    TEST_ASSERT_TRUE(whole_fit_find(&f.data, &f.state, OF_SCALE, 1.0, &w, NULL));
+    const double width = 4.303 / 1.960 * w.roughness * coordinate_table[P_PSI].digits;
+    const double usual = coordinate_table[P_PSI].usual;
+    const size_t psi = place(&w, P_PSI);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5 * coordinate_table[P_PSI].digits, 0.0,
+                              w.state.z[P_PSI]); /* in the middle */
+    const double wanted = w.inflation * (1.0 / (width * width) + 1.0 / (usual * usual));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * wanted, wanted, w.prior[psi][psi]);
+    /* Far from there the prior's own curvature is less. */
+    const double R = w.state.z[P_R];
+    const double tolerance = w.roughness * coordinate_table[P_R].digits;
+    const double usual_R = coordinate_table[P_R].usual;
+    const double tail =
+        w.inflation * (3.0 / (2.0 * tolerance * tolerance + R * R) + 1.0 / (usual_R * usual_R));
+    TEST_ASSERT_TRUE(R > 5.0 * tolerance);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * tail, tail, w.prior[place(&w, P_R)][place(&w, P_R)]);
+    fit_end(&f);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(an_interval_holds_as_much_of_the_prior);
+    RUN_TEST(the_mean_of_three_gains_is_known_and_that_of_two_is_not);
     RUN_TEST(a_gain_is_a_column_as_any_other);
     RUN_TEST(what_a_fit_spends_is_counted);
     RUN_TEST(a_few_rows_count_for_all);
