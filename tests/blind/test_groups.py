@@ -6,6 +6,7 @@ Usage: tests/blind/test_groups.py [--iqfoc build/host/iqfoc]
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -247,6 +248,16 @@ class Diagnosed(unittest.TestCase):
             generate.make(815_506, "triple", "second", folder, IQFOC, "usual", True)
             judged = score.judge(*self.answer(folder))
             self.assertTrue(judged["exact"], judged)
+
+    def test_a_fit_ends_where_only_its_scale_moves(self):
+        """Its steps follow one prior along the factor that no recording shows, and the choice of the factor another: 20 steps to and fro."""
+        with tempfile.TemporaryDirectory() as folder:
+            groups.make(860_018, "bench", "second", folder, IQFOC, open_loop=False)
+            told = subprocess.run([IQFOC, "diagnose", os.path.join(folder, "rec.csv"), "--motor", os.path.join(folder, "motor.toml"),
+                                   "--trace"], check=True, capture_output=True, text=True)
+        steps = [int(n) for n in re.findall(r"whole drive, step (\d+):", told.stdout + told.stderr)]
+        self.assertGreater(len(steps), 5)
+        self.assertLess(max(steps), 12)
 
     def test_crosstalk_is_no_gain_and_no_inductance(self):
         for seed in (764_037, 764_053):

@@ -59,6 +59,8 @@ typedef struct whole {
     double low[COLUMN_COUNT], high[COLUMN_COUNT];
     double block[COLUMN_COUNT]; /* scatter of the blocks' scores */
     gain_line line[ROWS_MAX_GROUPS];
+    fit_state ended; /* at the end of the last one */
+    int steps;
 } whole;
 
 static bool is_fitted(const whole *w, int column)
@@ -577,7 +579,10 @@ static void tell_covariance(whole *w, whole_fit *out)
     out->columns = solve_covariance(w->n, COLUMN_COUNT, &w->a[0][0], &out->covariance[0][0]) ? w->n : 0;
 }
 
-/* One step; *fell: the reduction of the goal. False: out of memory. */
+/*
+ * One step; *fell: the reduction of the goal, from before it or from the end of the last step. A choice of the scale lies between these:
+ * each may move the drive back along the factor that only their priors determine, and these differ. False: out of memory.
+ */
 static bool improve(whole *w, fit_data *d, hypothesis_set parts, whole_fit *out, double *fell)
 {
     fit_state *s = &out->state;
@@ -601,12 +606,15 @@ static bool improve(whole *w, fit_data *d, hypothesis_set parts, whole_fit *out,
             const fit_state trial = fit_step_taken(d, s, w->column, step, w->n, w->line, share);
             const double after = goal_of(w, &trial, out->roughness);
             if (after < before) {
-                *fell = before - after;
+                const double last = w->steps > 0 ? goal_of(w, &w->ended, out->roughness) : INFINITY;
+                *fell = fmin(before, last) - after;
                 *s = trial;
                 break;
             }
         }
     }
+    w->ended = *s;
+    w->steps++;
     choose_scale(w, d, out);
     out->inflation = w->inflation;
     out->goal = goal_of(w, s, out->roughness);
@@ -642,19 +650,17 @@ bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, d
     if (ok) {
         w->inflation = inflation;
     }
-    for (int k = 0; ok && k < STEPS; k++) {
+    for (bool ends = false; ok && !ends && w->steps < STEPS;) {
         double fell;
         ok = improve(w, d, parts, out, &fell);
         if (trace && ok) {
             fprintf(trace,
                     "  whole drive, step %d: roughness %g, scatter %.2g, objective %.1f, posterior %.1f "
-                    "(-%.1f)\n",
-                    k, out->roughness, out->inflation, out->state.objective, out->goal, fell);
+                    "(%.1f)\n",
+                    w->steps - 1, out->roughness, out->inflation, out->state.objective, out->goal, -fell);
         }
         /* The first step's scatter is that about the start, which may be bad: it must not end the fit. */
-        if (k > 0 && fell < LITTLE) {
-            break;
-        }
+        ends = ok && w->steps > 1 && fell < LITTLE;
     }
     if (ok) {
         weigh_scales(w, d, out);
