@@ -59,8 +59,7 @@ typedef struct whole {
     double low[COLUMN_COUNT], high[COLUMN_COUNT];
     double block[COLUMN_COUNT]; /* scatter of the blocks' scores */
     gain_line line[ROWS_MAX_GROUPS];
-    fit_state ended; /* at the end of the last one */
-    int steps;
+    fit_state ended; /* at the end of the last step; before the first its objective is infinite */
 } whole;
 
 static bool is_fitted(const whole *w, int column)
@@ -203,19 +202,18 @@ static double pull(const whole *w, const fit_state *s, const double *step, size_
 }
 
 /* The precision of the prior, in the scale of the data, weighted at the step given. */
-static void find_prior(const whole *w, const fit_state *s, const double *step, double roughness,
-                       double prior[][COLUMN_COUNT])
+static void find_prior(whole *w, const fit_state *s, const double *step, double roughness)
 {
     for (size_t i = 0; i < w->n; i++) {
-        memset(prior[i], 0, w->n * sizeof *prior[i]);
-        prior[i][i] = w->inflation * pull(w, s, step, i, roughness);
+        memset(w->prior[i], 0, w->n * sizeof *w->prior[i]);
+        w->prior[i][i] = w->inflation * pull(w, s, step, i, roughness);
     }
     for (size_t l = 0; l < LINKS; l++) {
         const link_places *p = &w->link[l];
         const double by = w->inflation / (links[l].width * links[l].width * (double)(p->n * p->n));
         for (size_t i = 0; link_holds(w, l) && i < p->n; i++) {
             for (size_t j = 0; j < p->n; j++) {
-                prior[p->at[i]][p->at[j]] += by;
+                w->prior[p->at[i]][p->at[j]] += by;
             }
         }
     }
@@ -224,7 +222,7 @@ static void find_prior(const whole *w, const fit_state *s, const double *step, d
 /* Adds the prior to the sums: to w->a, and to the right-hand side for the way from s. Weighted at the step given. */
 static void with_prior(whole *w, const fit_state *s, const double *step, double roughness, double *right)
 {
-    find_prior(w, s, step, roughness, w->prior);
+    find_prior(w, s, step, roughness);
     for (size_t i = 0; i < w->n; i++) {
         right[i] = -w->sum.g[i];
         for (size_t j = 0; j < w->n; j++) {
@@ -555,12 +553,12 @@ static void weigh_scales(const whole *w, const fit_data *d, whole_fit *out)
     }
 }
 
-/* The precision that has the prior's 95 % interval, which its curvature in the middle has not. */
-static double interval_pull(const whole *w, const fit_state *s, size_t k, double roughness)
+/* By how much a prior is more curved in the middle than its 95 % interval says. */
+static double too_sure(const whole *w, const fit_state *s, size_t k, double roughness)
 {
     const double width = WIDER * roughness * w->width[k];
-    const double curved = pull(w, s, NULL, k, roughness);
-    return w->shape[k] ? curved : fmin(curved, rare(w, k) + 1.0 / (width * width));
+    return w->shape[k] ? 0.0
+                       : fmax(0.0, pull(w, s, NULL, k, roughness) - (rare(w, k) + 1.0 / (width * width)));
 }
 
 /* Writes the posterior about the fit, from the sums of the last step. */
@@ -572,8 +570,7 @@ static void tell_covariance(whole *w, whole_fit *out)
         }
         out->column[i] = w->column[i];
         memcpy(out->prior[i], w->prior[i], sizeof w->prior[i]);
-        out->prior[i][i] += w->inflation * (interval_pull(w, &out->state, i, out->roughness) -
-                                            pull(w, &out->state, NULL, i, out->roughness));
+        out->prior[i][i] -= w->inflation * too_sure(w, &out->state, i, out->roughness);
         memcpy(out->precision[i], w->a[i], sizeof w->a[i]);
     }
     out->columns = solve_covariance(w->n, COLUMN_COUNT, &w->a[0][0], &out->covariance[0][0]) ? w->n : 0;
@@ -606,15 +603,13 @@ static bool improve(whole *w, fit_data *d, hypothesis_set parts, whole_fit *out,
             const fit_state trial = fit_step_taken(d, s, w->column, step, w->n, w->line, share);
             const double after = goal_of(w, &trial, out->roughness);
             if (after < before) {
-                const double last = w->steps > 0 ? goal_of(w, &w->ended, out->roughness) : INFINITY;
-                *fell = fmin(before, last) - after;
+                *fell = fmin(before, goal_of(w, &w->ended, out->roughness)) - after;
                 *s = trial;
                 break;
             }
         }
     }
     w->ended = *s;
-    w->steps++;
     choose_scale(w, d, out);
     out->inflation = w->inflation;
     out->goal = goal_of(w, s, out->roughness);
@@ -649,18 +644,21 @@ bool whole_fit_find(fit_data *d, const fit_state *start, hypothesis_set parts, d
     fit_noise(d, &out->state);
     if (ok) {
         w->inflation = inflation;
+        w->ended.objective = INFINITY;
     }
-    for (bool ends = false; ok && !ends && w->steps < STEPS;) {
+    for (int k = 0; ok && k < STEPS; k++) {
         double fell;
         ok = improve(w, d, parts, out, &fell);
         if (trace && ok) {
             fprintf(trace,
                     "  whole drive, step %d: roughness %g, scatter %.2g, objective %.1f, posterior %.1f "
                     "(%.1f)\n",
-                    w->steps - 1, out->roughness, out->inflation, out->state.objective, out->goal, -fell);
+                    k, out->roughness, out->inflation, out->state.objective, out->goal, -fell);
         }
         /* The first step's scatter is that about the start, which may be bad: it must not end the fit. */
-        ends = ok && w->steps > 1 && fell < LITTLE;
+        if (k > 0 && fell < LITTLE) {
+            break;
+        }
     }
     if (ok) {
         weigh_scales(w, d, out);
