@@ -124,11 +124,6 @@ bool motor_has_parts_alone(const motor *m)
            x->I_sat_dq_A == 0.0;
 }
 
-cause_firmware motor_correction(const motor *m, cause_id id)
-{
-    return id == CAUSE_SATURATION_DQ && motor_has_parts_alone(m) ? FIRMWARE_HOLDS : cause_table[id].firmware;
-}
-
 size_t motor_angle_order(const motor *m, double order)
 {
     size_t n = 0;

@@ -79,9 +79,6 @@ bool motor_has_first(const motor *m, cause_id id);
 /* Whether its saturation_dq is a map of parts that saturate and of nothing else: what iqfoc/flux_map.h holds. */
 bool motor_has_parts_alone(const motor *m);
 
-/* The library's correction for a cause as this motor has it. */
-cause_firmware motor_correction(const motor *m, cause_id id);
-
 /* Sets `has` of a cause to whether any of its values differs from the one that means no effect. */
 void motor_note_extension(motor *m, cause_id cause);
 

@@ -33,8 +33,7 @@ static inline void add_terms(const averaged_drive *d, vec_dq i, flux_map_point *
     to->slope.qq += 2.0 * d->w_dqq * i.d + 2.0 * d->w_ddqq * dd + 12.0 * d->w_qqqq * qq;
 }
 
-/* What a part's inductances fall by from no current to a current far away: those that it has at no current. */
-static inline flux_map_slope fall_of(const iron_part *p)
+flux_map_slope flux_map_part_slope(const iron_part *p)
 {
     const double from = p->I_c_A / p->I_d_A;
     const double per_root = 1.0 / sqrt(1.0 + from * from);
@@ -52,7 +51,7 @@ static inline void add_iron(const iron_part *p, vec_dq i, flux_map_point *to)
     const double from = p->I_c_A / p->I_d_A;
     const double per_root = 1.0 / sqrt(1.0 + x * x + y * y);
     const double cubed = per_root * per_root * per_root;
-    const flux_map_slope fall = fall_of(p);
+    const flux_map_slope fall = flux_map_part_slope(p);
     to->flux.d += per_dd * ((i.d - p->I_c_A) * per_root + p->I_c_A / sqrt(1.0 + from * from)) - fall.dd * i.d;
     to->flux.q += per_qq * i.q * per_root - fall.qq * i.q;
     to->slope.dd += per_dd * (1.0 + y * y) * cubed - fall.dd;
@@ -110,7 +109,7 @@ bool flux_map_is_convex(const averaged_drive *d, double share)
     const double least = share * fmin(d->L_d_H, d->L_q_H);
     flux_map_slope far = {d->L_d_H, 0.0, d->L_q_H};
     for (size_t k = 0; k < IRON_PARTS; k++) {
-        const flux_map_slope fall = fall_of(&d->iron[k]);
+        const flux_map_slope fall = flux_map_part_slope(&d->iron[k]);
         far.dd -= d->iron[k].E_J != 0.0 ? fall.dd : 0.0;
         far.qq -= d->iron[k].E_J != 0.0 ? fall.qq : 0.0;
     }

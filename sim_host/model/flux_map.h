@@ -27,6 +27,9 @@ typedef struct flux_map_slope {
     double dd, dq, qq;
 } flux_map_slope;
 
+/* The inductances of a part at no current. Far away it has none. */
+flux_map_slope flux_map_part_slope(const iron_part *p);
+
 /* A map at one current. */
 typedef struct flux_map_point {
     vec_dq flux;

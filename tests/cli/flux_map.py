@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A machine that loses much inductance: its flux map in firmware header, report and fixed-point error.
+"""Machines that lose much inductance: their flux maps in firmware header, report and fixed-point error. A map of parts that saturate; one
+whose inductances at no current are beyond the library's range; and one of terms, which the header has as parts.
 
     tests/cli/flux_map.py PROGRAM
 """
@@ -42,6 +43,9 @@ i_q_A = {{ value = {}, square = {{ amplitude = 2.5, period_s = 0.037 }} }}
 """
 POINTS = [(300, -1, 4), (900, -6, 12), (-900, -8, -16), (1200, -12, 10), (600, 0, -20), (-600, -3, 7)]
 MAP = "saturation_dq:E_1=0.72,I_d1=14,I_q1=6,I_c1=-4"
+STEEP = ("L_q_H = 0.035", "L_q_H = 0.055")
+STEEP_MAP = "saturation_dq:E_1=1.44,I_d1=14,I_q1=6,I_c1=-4"
+TERMS = {"I_sat_A": 35.0, "w_ddd_Wb_A2": 6e-5, "w_dqq_Wb_A2": -2e-5, "w_qqqq_Wb_A3": 1e-6}
 # The constants as the compiler folded them.
 FIRMWARE = """
 #include "iqfoc_extension.h"
@@ -59,16 +63,60 @@ int main(void)
 """
 
 
+def diagnosis(program, folder, motor, effect, known=""):
+    """Of a drive with this effect, by a motor file that knows `known` of it."""
+    (folder / "motor.toml").write_text(motor)
+    (folder / "scenario.toml").write_text(SCENARIO + "".join(RUN.format(*point) for point in POINTS))
+    for name, command in (("motor.toml", ["simulate", "--scenario", "scenario.toml", "-o", "run.csv", "--seed", "1", "--effect", effect]),
+                          ("known.toml", ["diagnose", "run.csv", "-o", "."])):
+        (folder / "known.toml").write_text(motor + known)
+        done = subprocess.run([program, *command, "--motor", name], cwd=folder, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+    return json.loads((folder / "diagnosis.json").read_text())
+
+
+def compiled(folder):
+    """The constants of the header, as a compiler without warnings has them."""
+    (folder / "firmware.c").write_text(FIRMWARE)
+    compiler = next(c for c in ("gcc", "clang", "cc") if shutil.which(c))
+    sources = [ROOT / "src" / f"{x}.c" for x in ("extension", "flux_map", "iq24_math", "iq24_trig")]
+    made = subprocess.run([compiler, *WARNINGS, "-I", ROOT / "include", "-I", folder, folder / "firmware.c", *sources, "-o", folder / "firmware"],
+                          capture_output=True, text=True, check=False)
+    assert made.returncode == 0 and not made.stderr, made.stderr
+    return [x / 2**24 for x in json.loads(subprocess.run([folder / "firmware"], capture_output=True, check=True).stdout)]
+
+
+def steep(program, folder):
+    """The firmware holds the extended machine alone."""
+    result = diagnosis(program, folder, MOTOR.replace(*STEEP), STEEP_MAP)
+    assert [c["id"] for c in result["causes"]] == ["saturation_dq"], result["causes"]
+    firmware = result["firmware"]
+    assert firmware["nominal"] is None and firmware["gain"] is None, firmware
+    assert firmware["extended"] < 1.05 * result["error"]["extended"] < 0.2 * result["error"]["nominal"], result
+    assert "error reduction is not known" in (folder / "report.html").read_text()
+
+
+def terms(program, folder):
+    """Fitted parts take the place of the terms."""
+    effect = "saturation_dq:" + ",".join(f"{key.rsplit('_Wb')[0].removesuffix('_A')}={value}" for key, value in TERMS.items())
+    known = "[extension.saturation_dq]\nL_d0_H = 0.018\nL_q0_H = 0.035\n" + "".join(f"{key} = {value}\n" for key, value in TERMS.items())
+    result = diagnosis(program, folder, MOTOR, effect, known)
+    assert result["verdict"] == "clean", result["verdict"]
+    assert result["firmware"]["extended"] < 1.2 * result["error"]["extended"], (result["firmware"], result["error"])
+    header = (folder / "iqfoc_extension.h").read_text()
+    assert "IQFOC_DIAGNOSED_FLUX_MAP" in header and "Fitted to the map" in header and "no correction" not in header
+    assert "holds the flux map as parts" in (folder / "report.html").read_text()
+    assert compiled(folder)[2] > 0.0
+
+
 def main():
     program = pathlib.Path(sys.argv[1]).resolve()
+    for part in (steep, terms):
+        with tempfile.TemporaryDirectory() as name:
+            part(program, pathlib.Path(name))
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        (folder / "motor.toml").write_text(MOTOR)
-        (folder / "scenario.toml").write_text(SCENARIO + "".join(RUN.format(*point) for point in POINTS))
-        for command in (["simulate", "--scenario", "scenario.toml", "-o", "run.csv", "--seed", "1", "--effect", MAP], ["diagnose", "run.csv", "-o", "."]):
-            done = subprocess.run([program, *command, "--motor", "motor.toml"], cwd=folder, capture_output=True, text=True, check=False)
-            assert done.returncode == 0, done.stderr
-        result = json.loads((folder / "diagnosis.json").read_text())
+        result = diagnosis(program, folder, MOTOR, MAP)
         found = {p["name"]: p["value"] for c in result["causes"] for p in c["parameters"]}
         assert [c["id"] for c in result["causes"]] == ["saturation_dq"] and found["E_1"] > 0.0, result["causes"]
         # The firmware's error is that of double precision.
@@ -77,13 +125,7 @@ def main():
         page = (folder / "report.html").read_text()
         assert '<figure id="flux-d"' in page and '<figure id="flux-q"' in page and "no correction for saturation_dq" not in page
         assert "no correction" not in (folder / "iqfoc_extension.h").read_text()
-        (folder / "firmware.c").write_text(FIRMWARE)
-        compiler = next(c for c in ("gcc", "clang", "cc") if shutil.which(c))
-        sources = [ROOT / "src" / f"{x}.c" for x in ("extension", "flux_map", "iq24_math", "iq24_trig")]
-        made = subprocess.run([compiler, *WARNINGS, "-I", ROOT / "include", "-I", folder, folder / "firmware.c", *sources, "-o", folder / "firmware"],
-                              capture_output=True, text=True, check=False)
-        assert made.returncode == 0 and not made.stderr, made.stderr
-        held = [x / 2**24 for x in json.loads(subprocess.run([folder / "firmware"], capture_output=True, check=True).stdout)]
+        held = compiled(folder)
     base_A, base_Wb = 8.8 * 2**0.5, 540.0 / 8000.0
     x_0 = found["I_c1"] / found["I_d1"]
     root = (1.0 + x_0 * x_0) ** 0.5

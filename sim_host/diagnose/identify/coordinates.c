@@ -2,6 +2,7 @@
 #include "coordinates.h"
 
 #include "model/flux_map.h"
+#include "model/flux_parts.h"
 
 #include <math.h>
 #include <string.h>
@@ -164,6 +165,47 @@ double coordinates_flux_lost(const coordinate_frame *f, const double z[P_COUNT])
         most = lost > 0.0 ? fmax(most, lost / hypot(straight.d, straight.q)) : most;
     }
     return most;
+}
+
+/* Of parts that take a flux: the most energy in L I^2, and by how much a current at which one saturates differs from the rated one. */
+static const double MOST_ENERGY = 30.0;
+static const double MOST_WIDTH = 9.0;
+
+void coordinates_take_parts(const coordinate_frame *f, const double from[P_COUNT], double to[P_COUNT])
+{
+    enum { SHARES = 3 };
+    static const coordinate_id of[IRON_PARTS][4] = {{P_IRON_1, P_IRON_1_D, P_IRON_1_Q, P_IRON_1_C},
+                                                    {P_IRON_2, P_IRON_2_D, P_IRON_2_Q, P_IRON_2_C}};
+    const averaged_drive drive = coordinates_drive(f, from, EDGE_CHARGED);
+    const double I_A = f->i_rated_peak_A;
+    const double L_H = fmax(drive.L_d_H, drive.L_q_H);
+    const flux_parts_limits limits = {.L_low_H = LEAST_INCREMENTAL * fmin(drive.L_d_H, drive.L_q_H),
+                                      .L_high_H = L_H,
+                                      .E_high_J = MOST_ENERGY * L_H * I_A * I_A,
+                                      .I_low_A = I_A / MOST_WIDTH,
+                                      .I_high_A = I_A * MOST_WIDTH,
+                                      .I_c_high_A = drive.psi_f_Wb > 0.0 ? I_A : 0.0};
+    vec_dq i[SHARES * COORDINATE_DIRECTIONS];
+    size_t count = 0;
+    for (size_t n = 0; n < COORDINATE_DIRECTIONS; n++) {
+        const vec_dq most = f->reach_A[n];
+        for (int k = 1; k <= SHARES && (most.d != 0.0 || most.q != 0.0); k++) {
+            i[count++] = (vec_dq){most.d * k / SHARES, most.q * k / SHARES};
+        }
+    }
+    const flux_parts found = flux_parts_closest(&drive, i, count, &limits, IRON_PARTS);
+    double L_d_H;
+    double L_q_H;
+    flux_parts_inductances(&found, &L_d_H, &L_q_H);
+    to[P_L_D] = z_of(f, P_L_D, L_d_H);
+    to[P_L_Q] = z_of(f, P_L_Q, L_q_H);
+    for (size_t k = 0; k < IRON_PARTS; k++) {
+        const iron_part *p = &found.part[k];
+        const double value[] = {p->E_J, p->I_d_A, p->I_q_A, p->I_c_A};
+        for (size_t n = 0; n < sizeof value / sizeof value[0]; n++) {
+            to[of[k][n]] = z_of(f, of[k][n], value[n]);
+        }
+    }
 }
 
 /* Reduces the terms of a flux map, by as little as possible, until it is physical. Without them it is. */

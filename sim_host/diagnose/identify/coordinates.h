@@ -116,6 +116,12 @@ double coordinate_look(coordinate_id id, double z);
 /* Largest share of the flux L i that saturation takes, or adds, at the recorded currents. */
 double coordinates_flux_lost(const coordinate_frame *f, const double z[P_COUNT]);
 
+/*
+ * Sets the inductances and the two parts that saturate of `to`, so that their flux is as close as possible to that of `from` at the
+ * recorded currents (model/flux_parts.h).
+ */
+void coordinates_take_parts(const coordinate_frame *f, const double from[P_COUNT], double to[P_COUNT]);
+
 /* Limits of z between which a coordinate by itself is physical; infinite if it has none. */
 void coordinate_range(const coordinate_frame *f, coordinate_id id, double *low, double *high);
 

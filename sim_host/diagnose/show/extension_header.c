@@ -155,7 +155,7 @@ static void put_initialisers(FILE *out, bool saturates, bool map)
 }
 
 /* Numbers and initialiser of part k of a flux map. */
-static void define_part(FILE *out, const diagnosis *d, const flux_map_values *v, size_t k)
+static void define_part(FILE *out, const diagnosis *d, const firmware_map *map, size_t k)
 {
     static const char *const name[IQFOC_FLUX_MAP_PARTS][4] = {{"E_1", "I_d1", "I_q1", "I_c1"},
                                                               {"E_2", "I_d2", "I_q2", "I_c2"}};
@@ -164,13 +164,15 @@ static void define_part(FILE *out, const diagnosis *d, const flux_map_values *v,
          "IQFOC_DIAGNOSED_I_C1_A"},
         {"IQFOC_DIAGNOSED_E_2_J", "IQFOC_DIAGNOSED_I_D2_A", "IQFOC_DIAGNOSED_I_Q2_A",
          "IQFOC_DIAGNOSED_I_C2_A"}};
+    const flux_map_values *v = &map->values;
     const double value[] = {v->part[k].E_J, v->part[k].I_d_A, v->part[k].I_q_A, v->part[k].I_c_A};
     if (v->part[k].E_J == 0.0) {
         fprintf(out, "#define IQFOC_DIAGNOSED_PART_%zu IQFOC_FLUX_MAP_NO_PART\n", k + 1);
         return;
     }
     for (size_t n = 0; n < 4; n++) {
-        define(out, d, macro[k][n], value[n], n == 0 ? "J" : "A", name[k][n], "as in the motor file");
+        define(out, d, macro[k][n], value[n], n == 0 ? "J" : "A", map->fitted ? NULL : name[k][n],
+               map->fitted ? "fitted" : "as in the motor file");
     }
     fprintf(
         out,
@@ -181,20 +183,26 @@ static void define_part(FILE *out, const diagnosis *d, const flux_map_values *v,
 }
 
 /* A flux map of parts that saturate, for iqfoc/flux_map.h. */
-static void define_map(FILE *out, const diagnosis *d)
+static void define_map(FILE *out, const diagnosis *d, const firmware_map *map)
 {
-    const flux_map_values v = flux_map_values_of(&d->extended_motor);
-    static const char made[] = "made of the numbers of the map";
+    const flux_map_values *v = &map->values;
+    const char *made = map->fitted ? "fitted" : "made of the numbers of the map";
     fputs("/* ---- Flux map: straight iron, and parts that saturate, E sqrt(1 + ((i_d - I_c)/I_d)^2 + "
           "(i_q/I_q)^2) "
           "of the energy. ---- */\n",
           out);
-    define(out, d, "IQFOC_DIAGNOSED_L_D_STRAIGHT_H", v.L_d_H, "H, of straight iron", NULL, made);
-    define(out, d, "IQFOC_DIAGNOSED_L_Q_STRAIGHT_H", v.L_q_H, "H, of straight iron", NULL, made);
-    define(out, d, "IQFOC_DIAGNOSED_PSI_MAP_WB", v.psi_Wb, "Wb, psi_f and the parts' at their centres", NULL,
+    if (map->fitted) {
+        fprintf(out,
+                "/* Fitted to the map of motor_extended.toml: their flux is %.2g %% off it over the recorded "
+                "currents, rms. */\n",
+                100.0 * map->off);
+    }
+    define(out, d, "IQFOC_DIAGNOSED_L_D_STRAIGHT_H", v->L_d_H, "H, of straight iron", NULL, made);
+    define(out, d, "IQFOC_DIAGNOSED_L_Q_STRAIGHT_H", v->L_q_H, "H, of straight iron", NULL, made);
+    define(out, d, "IQFOC_DIAGNOSED_PSI_MAP_WB", v->psi_Wb, "Wb, psi_f and the parts' at their centres", NULL,
            made);
     for (size_t k = 0; k < IQFOC_FLUX_MAP_PARTS; k++) {
-        define_part(out, d, &v, k);
+        define_part(out, d, map, k);
     }
     fputs(
         "\n/* iqfoc_flux_map_t, in place of iqfoc_flux_predictor_t: IQFOC_MODEL_FLUX_MAP, or "
@@ -208,11 +216,11 @@ static void define_map(FILE *out, const diagnosis *d)
 }
 
 /* Named effects that the firmware has no constant for. */
-static void put_rest(FILE *out, const diagnosis *d)
+static void put_rest(FILE *out, const diagnosis *d, const firmware_map *map)
 {
     for (int id = 0; id < CAUSE_COUNT; id++) {
         if (motor_has_first(&d->extended_motor, (cause_id)id) &&
-            motor_correction(&d->extended_motor, (cause_id)id) != FIRMWARE_HOLDS) {
+            firmware_correction(map, (cause_id)id) != FIRMWARE_HOLDS) {
             fprintf(out,
                     "/* Not in this header: the library has no correction for %s. See motor_extended.toml. "
                     "*/\n",
@@ -221,14 +229,13 @@ static void put_rest(FILE *out, const diagnosis *d)
     }
 }
 
-bool extension_header_write(const char *path, const diagnosis *d, error *e)
+bool extension_header_write(const char *path, const diagnosis *d, const firmware_map *map, error *e)
 {
     out_file f;
     if (!out_file_open(&f, path, e)) {
         return false;
     }
     FILE *out = f.stream;
-    const bool map = motor_has_parts_alone(&d->extended_motor);
     fputs("/*\n * Written by iqfoc diagnose from ", out);
     text_out_comment(out, d->recording_path);
     fputs(" with ", out);
@@ -238,8 +245,8 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
     fputs("\n *\n *     static const iqfoc_extension_t extension = IQFOC_DIAGNOSED_EXTENSION;\n"
           " *     static const ",
           out);
-    fputs(map ? "iqfoc_flux_map_t predictor = IQFOC_DIAGNOSED_FLUX_MAP;\n"
-              : "iqfoc_flux_predictor_t predictor = IQFOC_DIAGNOSED_FLUX_PREDICTOR;\n",
+    fputs(map->there ? "iqfoc_flux_map_t predictor = IQFOC_DIAGNOSED_FLUX_MAP;\n"
+                     : "iqfoc_flux_predictor_t predictor = IQFOC_DIAGNOSED_FLUX_PREDICTOR;\n",
           out);
     fputs(" *\n * How they are used: iqfoc/extension.h, iqfoc/flux_predictor.h, iqfoc/flux_map.h. "
           "A value outside the library's range does not compile.\n"
@@ -249,11 +256,11 @@ bool extension_header_write(const char *path, const diagnosis *d, error *e)
           out);
     define_machine(out, d);
     define_corrections(out, d);
-    put_initialisers(out, d->extended_motor.ext.has[CAUSE_SATURATION], map);
-    if (map) {
-        define_map(out, d);
+    put_initialisers(out, d->extended_motor.ext.has[CAUSE_SATURATION], map->there);
+    if (map->there) {
+        define_map(out, d, map);
     }
-    put_rest(out, d);
+    put_rest(out, d, map);
     fputs("#endif\n", out);
     return out_file_commit(&f, e);
 }

@@ -6,8 +6,9 @@
 
 #include "base/error.h"
 #include "diagnose/result.h"
+#include "firmware_map.h"
 
 /* Compiles as C99 without warnings against include/; a value outside the library's range gives a compile error with its name. */
-bool extension_header_write(const char *path, const diagnosis *d, error *e);
+bool extension_header_write(const char *path, const diagnosis *d, const firmware_map *map, error *e);
 
 #endif

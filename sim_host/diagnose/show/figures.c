@@ -22,11 +22,15 @@ static bool rotor_turns(const recording *rec)
 }
 
 report_context report_context_of(const recording *rec, const motor *nominal, const diagnosis *d,
-                                 const forward_validation *validation)
+                                 const forward_validation *validation, const firmware_gain *firmware)
 {
     const averaged_drive *drive = &d->extended_drive;
-    report_context c = {
-        .rec = rec, .nominal = nominal, .d = d, .validation = validation, .extended = d->causes > 0};
+    report_context c = {.rec = rec,
+                        .nominal = nominal,
+                        .d = d,
+                        .validation = validation,
+                        .firmware = firmware,
+                        .extended = d->causes > 0};
     c.turns = rotor_turns(rec);
     c.before = (residual){rec, d->error_nominal, drive->L_d_H, drive->L_q_H};
     c.after = (residual){rec, d->error_extended, drive->L_d_H, drive->L_q_H};

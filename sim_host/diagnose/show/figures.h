@@ -6,6 +6,7 @@
 #define SIM_HOST_DIAGNOSE_SHOW_FIGURES_H
 
 #include "diagnose/result.h"
+#include "firmware_gain.h"
 #include "forward_validation.h"
 #include "report/page.h"
 #include "residual.h"
@@ -16,6 +17,7 @@ typedef struct report_context {
     const motor *nominal;
     const diagnosis *d;
     const forward_validation *validation;
+    const firmware_gain *firmware;
     residual before, after; /* nominal and extended model, this recording */
     residual plant;         /* nominal model, the simulated recording; error NULL if there is none */
     bool turns;             /* the rotor turns, two revolutions at least */
@@ -23,7 +25,7 @@ typedef struct report_context {
 } report_context;
 
 report_context report_context_of(const recording *rec, const motor *nominal, const diagnosis *d,
-                                 const forward_validation *validation);
+                                 const forward_validation *validation, const firmware_gain *firmware);
 
 /* A column as the curve of the nominal or of the extended model; no curve if there is no extended model. */
 chart_series figure_nominal(const report_context *c, const chart_data *d, size_t column, chart_mark mark);

@@ -16,22 +16,20 @@ typedef struct firmware {
     per_unit base;
     iqfoc_extension_t extension;
     iqfoc_flux_predictor_t predictor;
-    bool mapped; /* by `map` in place of `predictor` */
-    iqfoc_flux_map_t map;
-    double late; /* cycles by which the voltage acts late, 0 to 2 */
+    firmware_map map; /* if it is there, in place of `predictor` */
+    double late;      /* cycles by which the voltage acts late, 0 to 2 */
 } firmware;
 
-static bool firmware_of(const motor *m, firmware *f, error *e)
+static bool firmware_of(const recording *rec, const motor *m, firmware *f, error *e)
 {
     f->m = m;
     f->base = per_unit_of(m);
     f->late = m->ext.has[CAUSE_VOLTAGE_DELAY] ? m->ext.voltage_delay_cycles : 0.0;
     motor unnamed = *m;
     unnamed.path = NULL; /* messages then name no file */
-    f->mapped = motor_has_parts_alone(m);
+    f->map = firmware_map_of(rec, &unnamed);
     return extension_from_motor(&unnamed, &f->extension, e) &&
-           (f->mapped ? flux_map_from_motor(&unnamed, &f->map, e)
-                      : flux_predictor_from_motor(&unnamed, &f->predictor, e));
+           (f->map.there || flux_predictor_from_motor(&unnamed, &f->predictor, e));
 }
 
 /* Phase values, per unit, to a vector. */
@@ -102,8 +100,8 @@ static vec_ab predict(const firmware *f, const recording *rec, const pwm_updates
     const iqfoc_ab_t u = iqfoc_clarke3(per_unit_phases(u_V, f->base.U_V));
     const iq24_sincos_t start = iq24_sincos(sample.theta);
     const iq24_sincos_t end = iq24_sincos(iq24_add_wrap(sample.theta, sample.speed));
-    const iqfoc_ab_t next = f->mapped
-                                ? iqfoc_flux_map_step(&f->map, &f->extension, i, u, start, end)
+    const iqfoc_ab_t next = f->map.there
+                                ? iqfoc_flux_map_step(&f->map.map, &f->extension, i, u, start, end)
                                 : iqfoc_flux_predictor_step(&f->predictor, &f->extension, i, u, start, end);
     return sensed(f, current_sensors_missing(rec, pwm, sensors, k + 1, 1), next);
 }
@@ -134,32 +132,34 @@ static double error_percent(const firmware *f, const recording *rec, const pwm_u
 firmware_gain firmware_gain_measure(const recording *rec, const unsigned char *held_out, const motor *nominal,
                                     const motor *extended)
 {
-    firmware_gain g = {false, NAN, NAN, NAN, ""};
-    firmware before;
-    firmware after;
-    error e = {0};
-    if (!firmware_of(nominal, &before, &e) || !firmware_of(extended, &after, &e)) {
-        snprintf(g.reason, sizeof g.reason, "%s", e.text);
-        return g;
-    }
+    firmware_gain g = {.nominal = NAN, .extended = NAN, .gain = NAN};
+    const motor *const machine[] = {nominal, extended};
+    double *const percent[] = {&g.nominal, &g.extended};
     const pwm_updates *pwm = rec->pwm_stated ? &rec->pwm : &nominal->pwm;
-    g.nominal = error_percent(&before, rec, pwm, held_out);
-    g.extended = error_percent(&after, rec, pwm, held_out);
-    g.gain = g.extended > 0.0 ? g.nominal / g.extended : NAN;
-    g.measured = isfinite(g.gain) != 0;
-    if (!g.measured) {
-        snprintf(g.reason, sizeof g.reason, "no held-out rows with a current");
+    for (size_t k = 0; k < sizeof machine / sizeof machine[0]; k++) {
+        firmware f;
+        error e = {0};
+        const bool held = firmware_of(rec, machine[k], &f, &e);
+        g.map = f.map;
+        if (!held) {
+            snprintf(g.reason, sizeof g.reason, "%s", e.text);
+            continue;
+        }
+        *percent[k] = error_percent(&f, rec, pwm, held_out);
+        if (isnan(*percent[k])) {
+            snprintf(g.reason, sizeof g.reason, "no held-out rows with a current");
+        }
     }
+    g.measured = !isnan(g.nominal) || !isnan(g.extended);
+    g.gain = g.extended > 0.0 ? g.nominal / g.extended : NAN;
     return g;
 }
 
-void firmware_gain_tell(json_t *json, const recording *rec, const unsigned char *held_out,
-                        const motor *nominal, const motor *extended)
+void firmware_gain_tell(const firmware_gain *g, json_t *json)
 {
-    const firmware_gain g = firmware_gain_measure(rec, held_out, nominal, extended);
     json_object_set_new(json, "firmware",
-                        g.measured
-                            ? json_pack("{s:o, s:o, s:o}", "nominal", json_number(g.nominal), "extended",
-                                        json_number(g.extended), "gain", json_number(g.gain))
+                        g->measured
+                            ? json_pack("{s:o, s:o, s:o}", "nominal", json_number(g->nominal), "extended",
+                                        json_number(g->extended), "gain", json_number(g->gain))
                             : json_null());
 }

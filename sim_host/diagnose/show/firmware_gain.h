@@ -15,19 +15,20 @@
 #include "base/json.h"
 #include "data/motor.h"
 #include "data/recording.h"
+#include "firmware_map.h"
 
 typedef struct firmware_gain {
-    bool measured;
-    double nominal, extended, gain; /* percent of the current's rms, percent, 1 */
-    char reason[512];               /* reason, if it was not measured */
+    bool measured;                  /* of one motor file at least */
+    double nominal, extended, gain; /* percent of the current's rms, percent, 1; NAN: not measured */
+    char reason[512];               /* of a NAN */
+    firmware_map map;               /* of the extended motor file */
 } firmware_gain;
 
 /* held_out: one flag per row. */
 firmware_gain firmware_gain_measure(const recording *rec, const unsigned char *held_out, const motor *nominal,
                                     const motor *extended);
 
-/* Sets the JSON's "firmware": {"nominal", "extended", "gain"} in percent, or null where it cannot be measured. */
-void firmware_gain_tell(json_t *json, const recording *rec, const unsigned char *held_out,
-                        const motor *nominal, const motor *extended);
+/* Sets the JSON's "firmware": {"nominal", "extended", "gain"} in percent, each null where it cannot be measured; null if none can. */
+void firmware_gain_tell(const firmware_gain *g, json_t *json);
 
 #endif

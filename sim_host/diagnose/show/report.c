@@ -21,7 +21,8 @@ static firmware_gain firmware_of(const report_input *in)
 
 void report_firmware(const report_input *in, json_t *json)
 {
-    firmware_gain_tell(json, in->rec, in->d->held_out, in->nominal, &in->d->extended_motor);
+    const firmware_gain firmware = firmware_of(in);
+    firmware_gain_tell(&firmware, json);
 }
 
 static json_t *plant_json(const diagnosis *d, const forward_validation *w)
@@ -112,8 +113,7 @@ static bool write_flux(page *p, const report_context *c, error *e)
     return pair(p, c, figure_flux_d, figure_flux_q, e);
 }
 
-static bool write_body(page *p, const report_input *in, const report_context *c,
-                       const firmware_gain *firmware, error *e)
+static bool write_body(page *p, const report_input *in, const report_context *c, error *e)
 {
     const diagnosis *d = in->d;
     if (!report_first(p, c, e)) {
@@ -123,7 +123,7 @@ static bool write_body(page *p, const report_input *in, const report_context *c,
     if (d->causes > 0) {
         report_causes(p, d);
     }
-    report_errors(p, d, firmware);
+    report_errors(p, d, c->firmware);
     report_experiment(p, d);
     if (!write_flux(p, c, e) || !write_residuals(p, c, e) || !write_learned(p, c, e)) {
         return false;
@@ -152,8 +152,7 @@ static bool write_body(page *p, const report_input *in, const report_context *c,
     return true;
 }
 
-static bool write_page(const report_input *in, const report_context *c, const firmware_gain *firmware,
-                       const char *directory, error *e)
+static bool write_page(const report_input *in, const report_context *c, const char *directory, error *e)
 {
     page p;
     char subtitle[900];
@@ -165,7 +164,7 @@ static bool write_page(const report_input *in, const report_context *c, const fi
     if (!page_begin_as(&p, directory, "report.html", title, subtitle, e)) {
         return false;
     }
-    if (!write_body(&p, in, c, firmware, e)) {
+    if (!write_body(&p, in, c, e)) {
         page_abandon(&p);
         return false;
     }
@@ -176,7 +175,7 @@ static bool write_all(const report_input *in, const forward_validation *validati
                       json_t *json, error *e)
 {
     const firmware_gain firmware = firmware_of(in);
-    const report_context c = report_context_of(in->rec, in->nominal, in->d, validation);
+    const report_context c = report_context_of(in->rec, in->nominal, in->d, validation, &firmware);
     char path[4096];
     snprintf(path, sizeof path, "%s/motor_extended.toml", directory);
     if (!motor_write(path, &in->d->extended_motor,
@@ -185,7 +184,7 @@ static bool write_all(const report_input *in, const forward_validation *validati
         return false;
     }
     snprintf(path, sizeof path, "%s/iqfoc_extension.h", directory);
-    if (!extension_header_write(path, in->d, e) || !write_page(in, &c, &firmware, directory, e)) {
+    if (!extension_header_write(path, in->d, &firmware.map, e) || !write_page(in, &c, directory, e)) {
         return false;
     }
     snprintf(path, sizeof path, "%s/diagnosis.json", directory);

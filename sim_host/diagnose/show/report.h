@@ -15,8 +15,7 @@ typedef struct report_input {
     const provenance *from; /* for the page */
 } report_input;
 
-/* Sets the JSON's "firmware": {"nominal", "extended", "gain"} in percent, or null where it cannot be
- * measured. */
+/* Sets the JSON's "firmware" (firmware_gain.h). */
 void report_firmware(const report_input *in, json_t *json);
 
 /*

@@ -83,7 +83,7 @@ bool report_first(page *p, const report_context *c, error *e)
     page_first_beside(p);
     put_errors(p, d);
     page_heading(p, 2, "What to do next");
-    report_next(p, d);
+    report_next(p, d, &c->firmware->map);
     page_first_end(p);
     return true;
 }

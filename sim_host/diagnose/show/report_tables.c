@@ -112,18 +112,24 @@ void report_estimates(page *p, const diagnosis *d)
               "control cycles.");
 }
 
+/* Empty if it is not known. */
+static void number_cell(page *p, int digits, double value)
+{
+    if (isfinite(value)) {
+        page_cell(p, true, "%.*f", digits, value);
+    } else {
+        page_cell(p, true, " ");
+    }
+}
+
 static void error_row(page *p, const char *what, double nominal, double extended, double floor, double gain)
 {
     page_row_begin(p);
     page_cell(p, false, "%s", what);
-    page_cell(p, true, "%.3f", nominal);
-    page_cell(p, true, "%.3f", extended);
-    if (isfinite(floor)) {
-        page_cell(p, true, "%.3f", floor);
-    } else {
-        page_cell(p, true, " ");
-    }
-    page_cell(p, true, "%.2f", gain);
+    number_cell(p, 3, nominal);
+    number_cell(p, 3, extended);
+    number_cell(p, 3, floor);
+    number_cell(p, 2, gain);
     page_row_end(p);
 }
 
@@ -145,13 +151,19 @@ void report_errors(page *p, const diagnosis *d, const firmware_gain *firmware)
         d->outliers > 0 ? " The fit ignores glitches." : "");
     for (int id = 0; id < CAUSE_COUNT; id++) {
         if (motor_has_first(&d->extended_motor, (cause_id)id) &&
-            motor_correction(&d->extended_motor, (cause_id)id) == FIRMWARE_LACKS) {
+            firmware_correction(&firmware->map, (cause_id)id) == FIRMWARE_LACKS) {
             page_note(p, "The firmware has no correction for %s: its row keeps that error.",
                       cause_table[id].id);
         }
     }
-    if (!firmware->measured) {
-        page_note(p, "No measurement with firmware code: %s.", firmware->reason);
+    if (firmware->map.fitted && firmware->map.there) {
+        page_note(p,
+                  "The firmware holds the flux map as parts that saturate. Their flux is %.2g %% off that of "
+                  "the map over the recorded currents, rms.",
+                  100.0 * firmware->map.off);
+    }
+    if (isnan(firmware->gain)) {
+        page_note(p, "The firmware's error reduction is not known: %s.", firmware->reason);
     }
 }
 

@@ -10,15 +10,15 @@
 /* ---- What to do next ---- */
 
 /* One step for all causes that the firmware treats alike. */
-static void next_of_causes(page *p, const diagnosis *d, cause_firmware has, const char *step)
+static void next_of_causes(page *p, const diagnosis *d, const firmware_map *map, cause_firmware has,
+                           const char *step)
 {
     char causes[256] = "";
     for (size_t k = 0; k < d->causes; k++) {
         const cause_row *row = cause_find(d->cause[k].id);
         const size_t used = strlen(causes);
-        const cause_firmware its = row != NULL
-                                       ? motor_correction(&d->extended_motor, (cause_id)(row - cause_table))
-                                       : FIRMWARE_LACKS;
+        const cause_firmware its =
+            row != NULL ? firmware_correction(map, (cause_id)(row - cause_table)) : FIRMWARE_LACKS;
         if (its == has) {
             snprintf(causes + used, sizeof causes - used, "%s%s", used > 0 ? ", " : "", d->cause[k].id);
         }
@@ -28,17 +28,17 @@ static void next_of_causes(page *p, const diagnosis *d, cause_firmware has, cons
     }
 }
 
-void report_next(page *p, const diagnosis *d)
+void report_next(page *p, const diagnosis *d, const firmware_map *map)
 {
     page_terms_begin(p);
     next_of_causes(
-        p, d, FIRMWARE_HOLDS,
+        p, d, map, FIRMWARE_HOLDS,
         "Fix it in the hardware, or let the firmware correct it: include iqfoc_extension.h from this "
         "folder and use its constants (IQFOC_DIAGNOSED_...).");
-    next_of_causes(p, d, FIRMWARE_KEEPS_COMMANDS,
+    next_of_causes(p, d, map, FIRMWARE_KEEPS_COMMANDS,
                    "Predict in the firmware with the stored command that acts in the cycle, or load the PWM "
                    "registers earlier.");
-    next_of_causes(p, d, FIRMWARE_LACKS,
+    next_of_causes(p, d, map, FIRMWARE_LACKS,
                    "Fix it in the hardware: the firmware has no correction for it. Simulations with "
                    "motor_extended.toml include it.");
     page_term(p, "next recording", "%s", d->next_experiment);

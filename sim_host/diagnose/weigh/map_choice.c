@@ -85,6 +85,16 @@ static fit_state second_part(const fit_state *one)
     return two;
 }
 
+/* Two parts that have the state's flux, and some of its members. */
+static fit_state close_parts(const fit_data *d, const fit_state *s, hypothesis_set kept)
+{
+    fit_state two = *s;
+    hypotheses_leave(s->set & ~kept, two.z);
+    two.set = kept | HYPOTHESIS_BIT(H_IRON_2);
+    coordinates_take_parts(d->frame, s->z, two.z);
+    return two;
+}
+
 /* The first of two parts alone, from where both ended. */
 static fit_state without_second(const fit_state *two)
 {
@@ -153,26 +163,39 @@ static bool bends_much(const fit_data *d, const fit_state *s)
            coordinates_flux_lost(d->frame, s->z) > MUCH;
 }
 
-/* Parts, one and then two, in place of what bends much in a state. False: out of memory. */
-static bool choose_parts(fit_data *d, fit_state *s, hypothesis_set allowed)
+/* One part, and then a second one in addition to it. False: out of memory. */
+static bool find_parts(fit_data *d, fit_state *s, double *score)
 {
-    double score = INFINITY;
-    double its;
-    if (!hypothesis_in(allowed, H_MAP_TERMS) || hypothesis_in(s->set, H_IRON_2) || !bends_much(d, s) ||
-        fit_has_spent(d)) {
-        return true;
-    }
     fit_state one = *s;
-    if (!search_score(d, s, &score) ||
-        (!hypothesis_in(s->set, H_IRON_1) && !find_first(d, s, &one, &score))) {
+    double its;
+    if (!hypothesis_in(s->set, H_IRON_1) && !find_first(d, s, &one, score)) {
         return false;
     }
     fit_state two = second_part(&one);
-    if (!try_parts(d, s, &two, &score, &its)) {
+    return try_parts(d, s, &two, score, &its);
+}
+
+/*
+ * Parts in place of what bends much in a state: one after the other, each small at first, and two that begin at the state's flux. The
+ * latter takes few steps; it is tried even if much has been. False: out of memory.
+ */
+static bool choose_parts(fit_data *d, fit_state *s, hypothesis_set allowed)
+{
+    const fit_state before = *s;
+    double score = INFINITY;
+    double its;
+    if (!hypothesis_in(allowed, H_MAP_TERMS) || hypothesis_in(s->set, H_IRON_2) || !bends_much(d, s)) {
+        return true;
+    }
+    if (!search_score(d, s, &score) || (!fit_has_spent(d) && !find_parts(d, s, &score))) {
+        return false;
+    }
+    fit_state close = close_parts(d, &before, others_of(s->set));
+    if (!hypothesis_in(before.set, H_IRON_1) && !try_parts(d, s, &close, &score, &its)) {
         return false;
     }
     /* A second part may only have led the first one on. */
-    fit_state again = without_second(&two);
+    fit_state again = without_second(s);
     return !hypothesis_in(s->set, H_IRON_2) || try_parts(d, s, &again, &score, &its);
 }
 

@@ -13,7 +13,8 @@
 /*
  * A state, fitted, that holds a map of terms alone: the same with I_sat, fitted, if that is worth its parameters. Then, if its
  * saturation or map takes much flux at the recorded currents: a map of one part, or of two, if its score is better. One part is fitted without
- * the other causes, which the wrong map may have made; the search finds them again. Other states stay. False: out of memory.
+ * the other causes, which the wrong map may have made; the search finds them again. Two parts are also fitted from the flux of the state,
+ * with its other causes. Other states stay. False: out of memory.
  */
 bool map_choose(fit_data *d, fit_state *s, hypothesis_set allowed, int refine_steps);
 
