@@ -53,9 +53,8 @@ _Static_assert(H_COUNT <= 8 * sizeof(hypothesis_set), "a bit for each hypothesis
 /* Residual structure with a smaller share of the error's power is not reported. */
 static const double STRUCTURE_SHARE = 0.05;
 
-/* An extended error of this many noise floors starts the check of the wiring. */
+/* An error of this many noise floors and percent starts the check for a wrong motor file. Glitches and loose sensors stay below. */
 static const double SUSPECT = 2.0;
-/* An error of this many percent also starts the check for a wrong motor file. Glitches and loose sensors stay below. */
 static const double FAR_OFF = 15.0;
 
 /* An open-loop simulation with this error in percent has diverged. */
@@ -560,13 +559,19 @@ bool diagnose(diagnosis *d, const recording *rec, const motor *m, const diagnose
                          "the model error cannot be computed on the held-out rows: the model with the motor "
                          "file's values diverges there; check the motor file");
     }
-    /* If no cause explains the recording, check the wiring. */
-    if (ok && d->explanations == 0 && d->extended > SUSPECT * d->noise_floor) {
-        ok = check_wiring(rec, m, d->extended > FAR_OFF, e);
-    }
     if (ok) {
+        error other = {0};
         const averaged_drive fitted = coordinates_drive(&w->frame, w->best.z, w->best.edge);
-        ok = check_motor_file(&fitted, &w->frame.nominal, rec, e);
+        const bool its = check_motor_file(&fitted, &w->frame.nominal, rec, &other);
+        /* Check the wiring if no cause explains the recording, or only another motor does. */
+        if (!its || !d->reliable) {
+            const bool far_off = d->extended > FAR_OFF && d->extended > SUSPECT * d->noise_floor;
+            ok = check_wiring(rec, m, far_off, e);
+        }
+        if (ok && !its) {
+            *e = other;
+            ok = false;
+        }
     }
     fit_data_free(&w->fitted);
     rows_free(&w->rows);

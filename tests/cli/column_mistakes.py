@@ -6,6 +6,8 @@ large, must pass the checks (with all causes skipped, as the search is not what 
 """
 
 import gzip
+import itertools
+import math
 import pathlib
 import re
 import tempfile
@@ -113,6 +115,19 @@ def backwards(table):
     table.scale(-1.0, "theta_e_rad", "omega_e_rad_s")
 
 
+def mechanical(pole_pairs, zero_rad):
+    """Angle and speed of the shaft, whose zero need not be the magnet's."""
+
+    def spoil(table):
+        electrical = [float(x) for x in table.columns["theta_e_rad"]]
+        turned = itertools.accumulate(math.remainder(b - a, 2.0 * math.pi) for a, b in itertools.pairwise(electrical))
+        start = electrical[0] / pole_pairs + zero_rad
+        table.columns["theta_e_rad"] = [repr((start + x / pole_pairs) % (2.0 * math.pi)) for x in (0.0, *turned)]
+        table.scale(1.0 / pole_pairs, "omega_e_rad_s")
+
+    return spoil
+
+
 # (mistake, words that name it, needs a measured third current, can be seen at standstill)
 MISTAKES = [
     (negated("a"), "current column of phase A looks negated", True, True),
@@ -177,6 +192,21 @@ class ColumnMistakes(unittest.TestCase):
             for effect in (None, "dead_time", "resistance"):
                 with self.subTest(turning=runs is TURNING, effect=effect):
                     self.try_mistakes(Table(self.simulate(runs, effect)), MOTOR, runs is TURNING)
+
+    def test_shaft_instead_of_rotor(self):
+        words = "theta_e_rad and omega_e_rad_s look mechanical"
+        for motor, scenario, pole_pairs in (("jarzebowicz2019", "run_up", 3), ("traction_400kw", "identification", 6)):
+            path = program.ROOT / "data" / "motors" / f"{motor}.toml"
+            made = program.run(["simulate", "--motor", path, "--scenario", program.ROOT / "data" / "scenarios" / f"{scenario}.toml",
+                                "--effect", "current_noise:sigma=0.06", "-o", "made.csv"], self.folder)
+            self.assertEqual(0, made.returncode, made.stderr)
+            good = Table(self.folder / "made.csv")
+            for zero_rad in (0.0, 0.7):
+                with self.subTest(motor=motor, zero_rad=zero_rad):
+                    spoiled = good.copy()
+                    mechanical(pole_pairs, zero_rad)(spoiled)
+                    spoiled.write(self.folder / "spoiled.csv")
+                    self.refused(words, "spoiled.csv", path)
 
     def test_effects_are_no_mistakes(self):
         listed = program.run(["simulate", "--list-effects"], self.folder).stdout.decode()

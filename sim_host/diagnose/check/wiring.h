@@ -1,7 +1,7 @@
 /*
- * Checks for swapped phases, wrong signs or directions, and a motor file of another motor. It runs only if no set of causes brings the
- * error near the noise floor. The voltage equation is fitted by plain regression (voltage_equation.h) to the recording as it is and with
- * exchanged columns. An exchange that fits far better is reported.
+ * Checks for swapped phases, wrong signs or directions, and a motor file of another motor. It runs only if no set of causes explains
+ * the recording, or only one of another motor does. The voltage equation is fitted by plain regression (voltage_equation.h)
+ * to the recording as it is and with exchanged columns. An exchange that fits far better is reported.
  */
 #ifndef SIM_HOST_DIAGNOSE_CHECK_WIRING_H
 #define SIM_HOST_DIAGNOSE_CHECK_WIRING_H
