@@ -19,7 +19,7 @@ duties = true
 [[run]]
 duration_s = 0.4
 speed_rpm = {rpm}
-i_q_A = 8
+i_q_A = {i_q_A}
 """
 NOISE = "current_noise:sigma=0.03"
 T_DEAD = 2e-6
@@ -64,7 +64,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for rpm in (6000, 7000):
-            (folder / f"{rpm}.toml").write_text(STEADY.format(rpm=rpm))
+            (folder / f"{rpm}.toml").write_text(STEADY.format(rpm=rpm, i_q_A=8))
         check_dead_time(diagnosis(program, folder, folder / "6000.toml", f"dead_time:t_dead={T_DEAD}", NOISE), "dead time, 6000 rpm",
                         alone=False)  # its law fits one operating point to a tenth, and other causes take up the rest
         # The current is near zero in no row of this one: the shape of the knee does not show, the dead time does.
@@ -74,6 +74,19 @@ def main():
         d = diagnosis(program, folder, folder / "7000.toml", "resistance:R=1.0", NOISE)
         check(ids(d) in ([], ["resistance"]) and d["verdict"] != "clean" and "resistance" in ids(d) + explanations(d),
               f"R 33 % off: {d['verdict']}, named {ids(d)}, candidates {explanations(d)}")
+        # Little error next to this noise: so much flux linkage is within the tolerance of a motor file.
+        (folder / "3600.toml").write_text(STEADY.format(rpm=3600, i_q_A=4.243))
+        d = diagnosis(program, folder, folder / "3600.toml", "resistance:R=1.35", "current_noise:sigma=0.03394",
+                      motor=MOTORS / "compressor_salient.toml")
+        check(ids(d) == [] and (explanations(d)[:1] == ["resistance"] or "tolerance" in d["summary"]),
+              f"R 50 % off in noise: {d['summary']}, candidates {explanations(d)}")
+        # A flux linkage that is off by the tolerance of a motor file, in a recording with little noise.
+        text = (MOTORS / "jarzebowicz2019.toml").read_text()
+        (folder / "true.toml").write_text(text.replace("psi_f_Wb = 0.134", "psi_f_Wb = 0.1343"))
+        d = diagnosis(program, folder, folder / "7000.toml", "current_noise:sigma=0.01", true_motor=folder / "true.toml")
+        check(ids(d) == [] and "tolerance" in d["summary"], f"psi_f within the tolerance: {d['verdict']}, {d['summary']}")
+        d = diagnosis(program, folder, folder / "7000.toml", NOISE)
+        check(d["verdict"] == "clean" and "tolerance" not in d["summary"], f"nothing off: {d['verdict']}, {d['summary']}")
         d = diagnosis(program, folder, folder / "7000.toml", "angle_delay:t_delay=1e-5", NOISE)
         check(ids(d) == [] and d["verdict"] == "unexplained" and {"angle_offset", "angle_delay"} <= set(explanations(d)) and
               d["experiment"] is not None,

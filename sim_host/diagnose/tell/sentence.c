@@ -55,15 +55,18 @@ void sentence_tell(diagnosis *d)
         return;
     }
     if (d->causes == 0) {
+        const double tolerance = DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
         if (d->verdict == VERDICT_CLEAN) {
             snprintf(out, size,
-                     "The nominal model predicts this recording to the noise: error %s, noise floor %s.",
-                     nominal, floor);
+                     "The nominal model predicts this recording to the noise%s: error %s, noise floor %s.",
+                     d->nominal > tolerance ? " and the tolerance of the motor file" : "", nominal, floor);
             return;
         }
         snprintf(out, size, "The error of the nominal model is %s, the noise floor %s. %s", nominal, floor,
-                 d->minors > 0 ? "No effect is certain enough to be named."
-                               : "No known effect explains the difference.");
+                 d->nominal > tolerance && d->within_digits <= tolerance
+                     ? "Values of the motor file that are off by their tolerance may explain the difference."
+                 : d->minors > 0 ? "No effect is certain enough to be named."
+                                 : "No known effect explains the difference.");
         return;
     }
     size_t used = 0;
