@@ -176,8 +176,8 @@ static bool find_parts(fit_data *d, fit_state *s, double *score)
 }
 
 /*
- * Parts in place of what bends much in a state: one after the other, each small at first, and two that begin at the state's flux. The
- * latter takes few steps; it is tried even if much has been. False: out of memory.
+ * Parts in place of what bends much in a state: one after the other, each small at first, and two that begin at the state's flux. These
+ * two, which need one fit, are tried even if much has been. False: out of memory.
  */
 static bool choose_parts(fit_data *d, fit_state *s, hypothesis_set allowed)
 {
