@@ -171,9 +171,8 @@ static const double FREE_RUN_WORSE = 1.1;
 /* An error within the parameter tolerance of the motor file is no structure, as long as it is of the noise's size. */
 static bool at_the_noise(const diagnosis *d, double percent)
 {
-    const double tolerance = DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
-    return percent <= tolerance ||
-           (d->within_digits <= tolerance && percent <= WITHIN_DIGITS * d->noise_floor);
+    return diagnosis_at_floor(d, percent) ||
+           (diagnosis_at_floor(d, d->within_digits) && percent <= WITHIN_DIGITS * d->noise_floor);
 }
 
 /* Both values as measured; a diverged simulation has a very large one. It does not count where noise decides the sign of a current. */

@@ -207,6 +207,12 @@ typedef struct diagnosis {
 
 void diagnosis_free(diagnosis *d);
 
+/* Whether an error in percent is that of the noise. */
+static inline bool diagnosis_at_floor(const diagnosis *d, double percent)
+{
+    return percent <= DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
+}
+
 const char *diagnosis_verdict_id(diagnosis_verdict v);
 
 #endif

@@ -14,11 +14,13 @@ enum {
     STEPS = 200
 };
 
-/* A map and the currents at which it is fitted. */
+/* A map at the currents at which it is fitted. */
 typedef struct target {
     const averaged_drive *drive;
     const vec_dq *i;
     size_t count;
+    vec_dq flux[FLUX_PARTS_CURRENTS];
+    double squares;                           /* of the fluxes */
     double low[ORDER_MOST], high[ORDER_MOST]; /* of the numbers */
     double longest_A;
 } target;
@@ -42,6 +44,8 @@ static target target_of(const averaged_drive *drive, const vec_dq *i, size_t cou
         t.high[n] = n < STRAIGHT ? limits->L_high_H : high[(n - STRAIGHT) % OF_PART];
     }
     for (size_t k = 0; k < count; k++) {
+        t.flux[k] = flux_map_flux(drive, i[k]);
+        t.squares += t.flux[k].d * t.flux[k].d + t.flux[k].q * t.flux[k].q;
         t.longest_A = fmax(t.longest_A, hypot(i[k].d, i[k].q));
     }
     return t;
@@ -100,8 +104,7 @@ static double error_of(const target *t, const fit *f, double *h, double *down)
     for (size_t k = 0; k < t->count; k++) {
         vec_dq by[ORDER_MOST];
         const vec_dq flux = flux_of(f, t->i[k], by);
-        const vec_dq wanted = flux_map_flux(t->drive, t->i[k]);
-        const vec_dq off = {wanted.d - flux.d, wanted.q - flux.q};
+        const vec_dq off = {t->flux[k].d - flux.d, t->flux[k].q - flux.q};
         sum += off.d * off.d + off.q * off.q;
         for (size_t n = 0; h != NULL && n < f->order; n++) {
             down[n] += by[n].d * off.d + by[n].q * off.q;
@@ -174,25 +177,26 @@ static fit with_part(const target *t, const fit *f, double share, double centre)
     return more;
 }
 
-static flux_parts parts_of(const target *t, const fit *f)
+/* The drive with the parts in place of its map. */
+static averaged_drive drive_of(const target *t, const fit *f)
 {
-    flux_parts p = {.L_d_H = f->z[0], .L_q_H = f->z[1]};
-    double squares = 0.0;
+    averaged_drive d = *t->drive;
+    d.L_d_H = f->z[0];
+    d.L_q_H = f->z[1];
+    d.saturation = d.w_ddd = d.w_dqq = d.w_dddd = d.w_ddqq = d.w_qqqq = 0.0;
     for (size_t n = STRAIGHT, k = 0; k < IRON_PARTS; n += OF_PART, k++) {
         const fit none = with_part(t, &(fit){.order = n}, 0.0, 0.0);
         const double *const z = n < f->order ? f->z + n : none.z + n;
-        p.part[k] = (iron_part){z[0], exp(z[1]), exp(z[2]), z[3]};
+        d.iron[k] = (iron_part){z[0], exp(z[1]), exp(z[2]), z[3]};
+        const flux_map_slope at_none = flux_map_part_slope(&d.iron[k]);
+        d.L_d_H += at_none.dd;
+        d.L_q_H += at_none.qq;
     }
-    for (size_t k = 0; k < t->count; k++) {
-        const vec_dq flux = flux_map_flux(t->drive, t->i[k]);
-        squares += flux.d * flux.d + flux.q * flux.q;
-    }
-    p.off = sqrt(f->error / squares);
-    return p;
+    return d;
 }
 
-flux_parts flux_parts_closest(const averaged_drive *drive, const vec_dq *i, size_t count,
-                              const flux_parts_limits *limits, size_t parts)
+double flux_parts_closest(const averaged_drive *drive, const vec_dq *i, size_t count,
+                          const flux_parts_limits *limits, size_t parts, averaged_drive *to)
 {
     static const double centre[] = {-0.3, 0.3};
     const target t = target_of(drive, i, count, limits);
@@ -205,18 +209,6 @@ flux_parts flux_parts_closest(const averaged_drive *drive, const vec_dq *i, size
         improve(&t, &two);
         best = two.error < best.error ? two : best;
     }
-    return parts_of(&t, &best);
-}
-
-void flux_parts_inductances(const flux_parts *p, double *L_d_H, double *L_q_H)
-{
-    *L_d_H = p->L_d_H;
-    *L_q_H = p->L_q_H;
-    for (size_t k = 0; k < IRON_PARTS; k++) {
-        if (p->part[k].E_J > 0.0) {
-            const flux_map_slope at_none = flux_map_part_slope(&p->part[k]);
-            *L_d_H += at_none.dd;
-            *L_q_H += at_none.qq;
-        }
-    }
+    *to = drive_of(&t, &best);
+    return sqrt(best.error / t.squares);
 }

@@ -15,17 +15,14 @@ typedef struct flux_parts_limits {
     double I_c_high_A;        /* length of the current about which it is alike */
 } flux_parts_limits;
 
-typedef struct flux_parts {
-    double L_d_H, L_q_H; /* straight iron */
-    iron_part part[IRON_PARTS];
-    double off; /* rms of the flux by which it is off, over that of the drive's flux less psi_f */
-} flux_parts;
+enum { FLUX_PARTS_CURRENTS = 600 };
 
-/* `parts`: 1 or 2; one that brings nothing has no energy. There must be a current, and a flux that is not psi_f. */
-flux_parts flux_parts_closest(const averaged_drive *drive, const vec_dq *i, size_t count,
-                              const flux_parts_limits *limits, size_t parts);
-
-/* The inductances at no current: those of straight iron and of the parts. */
-void flux_parts_inductances(const flux_parts *p, double *L_d_H, double *L_q_H);
+/*
+ * Sets *to to the drive with `parts` parts, 1 or 2, in place of its map; one that brings nothing has no energy. The rms of the flux by which
+ * it is off, over that of the drive's flux less psi_f. `count` is FLUX_PARTS_CURRENTS at most; there must be a current, and a flux that is
+ * not psi_f.
+ */
+double flux_parts_closest(const averaged_drive *drive, const vec_dq *i, size_t count,
+                          const flux_parts_limits *limits, size_t parts, averaged_drive *to);
 
 #endif

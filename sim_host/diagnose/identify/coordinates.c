@@ -174,8 +174,8 @@ static const double MOST_WIDTH = 9.0;
 void coordinates_take_parts(const coordinate_frame *f, const double from[P_COUNT], double to[P_COUNT])
 {
     enum { SHARES = 3 };
-    static const coordinate_id of[IRON_PARTS][4] = {{P_IRON_1, P_IRON_1_D, P_IRON_1_Q, P_IRON_1_C},
-                                                    {P_IRON_2, P_IRON_2_D, P_IRON_2_Q, P_IRON_2_C}};
+    static const coordinate_id of[] = {P_L_D,      P_L_Q,    P_IRON_1,   P_IRON_1_D, P_IRON_1_Q,
+                                       P_IRON_1_C, P_IRON_2, P_IRON_2_D, P_IRON_2_Q, P_IRON_2_C};
     const averaged_drive drive = coordinates_drive(f, from, EDGE_CHARGED);
     const double I_A = f->i_rated_peak_A;
     const double L_H = fmax(drive.L_d_H, drive.L_q_H);
@@ -193,18 +193,10 @@ void coordinates_take_parts(const coordinate_frame *f, const double from[P_COUNT
             i[count++] = (vec_dq){most.d * k / SHARES, most.q * k / SHARES};
         }
     }
-    const flux_parts found = flux_parts_closest(&drive, i, count, &limits, IRON_PARTS);
-    double L_d_H;
-    double L_q_H;
-    flux_parts_inductances(&found, &L_d_H, &L_q_H);
-    to[P_L_D] = z_of(f, P_L_D, L_d_H);
-    to[P_L_Q] = z_of(f, P_L_Q, L_q_H);
-    for (size_t k = 0; k < IRON_PARTS; k++) {
-        const iron_part *p = &found.part[k];
-        const double value[] = {p->E_J, p->I_d_A, p->I_q_A, p->I_c_A};
-        for (size_t n = 0; n < sizeof value / sizeof value[0]; n++) {
-            to[of[k][n]] = z_of(f, of[k][n], value[n]);
-        }
+    averaged_drive other;
+    (void)flux_parts_closest(&drive, i, count, &limits, IRON_PARTS, &other);
+    for (size_t n = 0; n < sizeof of / sizeof *of; n++) {
+        to[of[n]] = z_of(f, of[n], coordinate_value(&other, of[n]));
     }
 }
 

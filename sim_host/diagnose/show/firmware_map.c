@@ -7,8 +7,6 @@
 
 #include <math.h>
 
-enum { CURRENTS = 600 };
-
 /* A second part stays if it takes this share of the error. */
 static const double SECOND_TAKES = 0.1;
 
@@ -27,9 +25,9 @@ static flux_parts_limits limits_of(const per_unit *b)
 }
 
 /* Some of the recorded currents, in the rotor frame, and how many. */
-static size_t currents_of(const recording *rec, const motor *m, vec_dq i[CURRENTS])
+static size_t currents_of(const recording *rec, const motor *m, vec_dq i[FLUX_PARTS_CURRENTS])
 {
-    const size_t count = rec->rows < CURRENTS ? rec->rows : CURRENTS;
+    const size_t count = rec->rows < FLUX_PARTS_CURRENTS ? rec->rows : FLUX_PARTS_CURRENTS;
     for (size_t k = 0; k < count; k++) {
         const size_t row = k * rec->rows / count;
         i[k] = vec_to_dq(recording_current(rec, row), rotor_at(rec->theta_e_rad[row] - m->ext.theta_0_rad));
@@ -37,31 +35,15 @@ static size_t currents_of(const recording *rec, const motor *m, vec_dq i[CURRENT
     return count;
 }
 
-/* The motor with parts in place of its map. */
-static motor with_parts(const motor *m, const flux_parts *p)
-{
-    motor other = *m;
-    flux_parts_inductances(p, &other.ext.L_d0_H, &other.ext.L_q0_H);
-    other.ext.E_1_J = p->part[0].E_J;
-    other.ext.I_d1_A = p->part[0].I_d_A;
-    other.ext.I_q1_A = p->part[0].I_q_A;
-    other.ext.I_c1_A = p->part[0].I_c_A;
-    other.ext.E_2_J = p->part[1].E_J;
-    other.ext.I_d2_A = p->part[1].I_d_A;
-    other.ext.I_q2_A = p->part[1].I_q_A;
-    other.ext.I_c2_A = p->part[1].I_c_A;
-    return other;
-}
-
-/* Takes the parts if the library holds them. */
-static bool hold(const motor *m, const flux_parts *p, firmware_map *f)
+/* Takes the parts of a drive if the library holds them. */
+static bool hold(const motor *m, const averaged_drive *parts, double off, firmware_map *f)
 {
     error e = {0};
-    const motor other = with_parts(m, p);
+    const motor other = averaged_drive_motor(parts, m);
     f->fitted = true;
-    f->off = p->off;
+    f->off = off;
     f->values = flux_map_values_of(&other);
-    f->there = isfinite(f->off) && flux_map_from_motor(&other, &f->map, &e);
+    f->there = isfinite(off) && flux_map_from_motor(&other, &f->map, &e);
     return f->there;
 }
 
@@ -78,14 +60,18 @@ firmware_map firmware_map_of(const recording *rec, const motor *m)
     if (f.there) {
         return f;
     }
-    vec_dq i[CURRENTS];
+    vec_dq i[FLUX_PARTS_CURRENTS];
+    averaged_drive one;
+    averaged_drive two;
     const size_t count = currents_of(rec, m, i);
     const averaged_drive drive = averaged_drive_of(m);
     const per_unit b = per_unit_of(m);
     const flux_parts_limits limits = limits_of(&b);
-    const flux_parts one = flux_parts_closest(&drive, i, count, &limits, 1);
-    const flux_parts two = flux_parts_closest(&drive, i, count, &limits, 2);
-    return (two.off < (1.0 - SECOND_TAKES) * one.off && hold(m, &two, &f)) || hold(m, &one, &f) ? f : none;
+    const double by_one = flux_parts_closest(&drive, i, count, &limits, 1, &one);
+    const double by_two = flux_parts_closest(&drive, i, count, &limits, 2, &two);
+    return (by_two < (1.0 - SECOND_TAKES) * by_one && hold(m, &two, by_two, &f)) || hold(m, &one, by_one, &f)
+               ? f
+               : none;
 }
 
 cause_firmware firmware_correction(const firmware_map *map, cause_id id)

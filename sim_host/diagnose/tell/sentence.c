@@ -55,15 +55,15 @@ void sentence_tell(diagnosis *d)
         return;
     }
     if (d->causes == 0) {
-        const double tolerance = DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
+        const bool off = !diagnosis_at_floor(d, d->nominal);
         if (d->verdict == VERDICT_CLEAN) {
             snprintf(out, size,
                      "The nominal model predicts this recording to the noise%s: error %s, noise floor %s.",
-                     d->nominal > tolerance ? " and the tolerance of the motor file" : "", nominal, floor);
+                     off ? " and the tolerance of the motor file" : "", nominal, floor);
             return;
         }
         snprintf(out, size, "The error of the nominal model is %s, the noise floor %s. %s", nominal, floor,
-                 d->nominal > tolerance && d->within_digits <= tolerance
+                 off && diagnosis_at_floor(d, d->within_digits)
                      ? "Values of the motor file that are off by their tolerance may explain the difference."
                  : d->minors > 0 ? "No effect is certain enough to be named."
                                  : "No known effect explains the difference.");

@@ -289,12 +289,11 @@ void explanations_tell(const session *w, const evidence_view *view, hypothesis_s
 void visible_tell(const session *w, const evidence_view *view, diagnosis *d)
 {
     tell_directions(w, view, d);
-    const bool at_noise = d->nominal <= DIAGNOSIS_FLOOR_TOLERANCE * d->noise_floor;
     const bool clean = d->verdict == VERDICT_CLEAN && d->directions > 0;
     if (clean) {
         explanations_tell(w, view, hypotheses_named(w->state.set), d);
     }
-    if ((clean && (!at_noise || d->explanations > 0)) || w->undecided != 0) {
+    if ((clean && (!diagnosis_at_floor(d, d->nominal) || d->explanations > 0)) || w->undecided != 0) {
         d->verdict = d->causes > 0 ? VERDICT_PARTLY : VERDICT_UNEXPLAINED;
     }
 }
