@@ -173,13 +173,14 @@ static bool unequal(const averaged_drive *d)
 
 /* Voltage lost in a cycle, stationary frame. */
 static vec_ab phase_losses(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn,
-                           vec_ab i_start, vec_ab i_end, vec_ab i_seen, double T_s)
+                           const edge_iron *iron, vec_ab i_start, vec_ab i_end, vec_ab i_seen, double T_s,
+                           edge_losses *each)
 {
-    const found_way way = found_way_of(d, row, turn, i_start, i_end, i_seen);
+    const found_way way = found_way_of(d, row, turn, iron, i_start, i_end, i_seen);
     vec_ab all = {0.0, 0.0};
     if (averaged_drive_loses(d)) {
         double lost[3];
-        found_edges_lost(d, row, &way, T_s, lost);
+        found_edges_lost(d, row, &way, T_s, lost, each);
         all = vec_from_phases(lost);
     }
     if (unequal(d)) {
@@ -405,7 +406,7 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     vec_dq mean_dq = total_dq; /* with the iron's mean over the cycle in it, not what it starts with */
     iron_branch branch = {.row = NULL};
     if (iron_branch_present(d)) {
-        branch = iron_branch_of(d, row, &cycle->turn, i_true, memory);
+        branch = iron_branch_of(d, row, i_true, memory);
         const vec_ab taken = iron_branch_begin(d, &branch);
         const vec_dq more = iron_above(d, &branch, i_true, vec_to_dq(taken, r), &cycle->turn);
         mean_dq.d += more.d;
@@ -452,10 +453,27 @@ vec_ab averaged_drive_pass(const averaged_drive *d, const averaged_cycle *cycle,
     if (averaged_drive_loses(d) || unequal(d)) {
         /* The current of this cycle as if nothing were lost, with what the iron takes of it, in the stationary frame. */
         near = current_of(d, bends, per_H, y, near);
-        const vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
+        const edge_iron *at_edges = branch.edges.per_H > 0.0 ? &branch.edges : NULL;
+        vec_dq all = {near.d + total_dq.d - i_dq.d, near.q + total_dq.q - i_dq.q};
+        vec_ab still = {0.0, 0.0};
+        if (at_edges) {
+            still = at_edges->start_A;
+            const vec_dq turns = vec_to_dq(still, r);
+            all.d -= turns.d;
+            all.q -= turns.q;
+        }
         vec_ab i_end = vec_to_ab(all, end);
-        vec_dq lost = vec_to_dq(
-            phase_losses(d, row, &cycle->turn, vec_to_ab(total_dq, r), i_end, i_seen, m.push[0][0]), r);
+        i_end.alpha += still.alpha;
+        i_end.beta += still.beta;
+        edge_losses each = {.rise_V = {0.0}};
+        vec_dq lost = vec_to_dq(phase_losses(d, row, &cycle->turn, at_edges, vec_to_ab(total_dq, r), i_end,
+                                             i_seen, m.push[0][0], &each),
+                                r);
+        if (iron_branch_present(d)) {
+            const vec_dq less = vec_to_dq(iron_branch_loses(d, &branch, memory, &each), cycle->turn.middle);
+            y.d += d->R_ohm * (m.push[0][0] * less.d + m.push[0][1] * less.q);
+            y.q += d->R_ohm * (m.push[1][0] * less.d + m.push[1][1] * less.q);
+        }
         y.d -= m.drive[0][0] * lost.d + m.drive[0][1] * lost.q;
         y.q -= m.drive[1][0] * lost.d + m.drive[1][1] * lost.q;
     }

@@ -91,10 +91,10 @@ cycle_turn found_turn_of(const averaged_drive *d, const cycle_row *row, vec_roto
     return turn;
 }
 
-found_way found_way_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab first,
-                       vec_ab last, vec_ab seen)
+found_way found_way_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn,
+                       const edge_iron *iron, vec_ab first, vec_ab last, vec_ab seen)
 {
-    found_way way = {.turn = turn};
+    found_way way = {.turn = turn, .iron = row->periods > 1 ? NULL : iron};
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
     vec_to_phases(seen, way.seen);
@@ -120,13 +120,35 @@ static vec_ab sum_of(vec_ab one, vec_ab other)
     return (vec_ab){one.alpha + other.alpha, one.beta + other.beta};
 }
 
-/* The ripple of all legs where leg x rises (to = 1) or falls (-1), at a share of the cycle. */
+/* The ripple of all legs where leg x rises (to = 1) or falls (-1), at a share of the cycle, with the iron's part of it. */
 static vec_ab ripple_of_edge(const averaged_drive *d, const cycle_row *row, const found_way *way, size_t x,
                              double to, double at)
 {
     const double by = to * d->k_u;
     const vec_ab Wb = {by * row->edge_ripple_Wb[x].alpha, by * row->edge_ripple_Wb[x].beta};
-    return current_of_flux(way->turn, at, Wb);
+    const vec_ab ripple_A = current_of_flux(way->turn, at, Wb);
+    if (!way->iron) {
+        return ripple_A;
+    }
+    return sum_of(ripple_A, to > 0.0 ? way->iron->rise_A[x] : way->iron->fall_A[x]);
+}
+
+/* What an edge's volt-seconds add to the leg's own current in the iron at once, per flux along its axis. */
+static double iron_per_H(const found_way *way)
+{
+    return way->iron ? way->iron->per_H : 0.0;
+}
+
+/* What is left of the iron's current when edge n comes, of that at the edge before it: of leg `now`, and of leg `before`. */
+static double iron_left(const edge_iron *iron, size_t n, size_t before, size_t now)
+{
+    const double *left = iron->left;
+    if (n == 0) {
+        return 0.0;
+    }
+    return n < 3    ? left[now] / left[before]
+           : n == 3 ? iron->fade / (left[now] * left[before])
+                    : left[before] / left[now];
 }
 
 /* The legs in the order in which they rise; they fall in the opposite one. */
@@ -214,35 +236,54 @@ static void find_edges(const period *p, edge edges[EDGES])
     const double s_per_V = p->length_s / p->link_V;
     size_t order[3];
     vec_ab u_V = {0.0, 0.0}; /* above the period's mean */
+    vec_ab whole_V = {0.0, 0.0};
     order_of(p->row->rise, order);
     for (size_t x = 0; x < 3; x++) {
         u_V = sum_of(u_V, of_leg(x, (2.0 * p->row->rise[x] - 1.0) * p->link_V));
     }
     for (size_t n = 0; n < 3; n++) {
         const size_t x = order[n];
-        const double low_A_s = current_by(way, x, u_V) + (way->last[x] - way->first[x]) * p->per_cycle_s;
+        const double low_A_s = current_by(way, x, u_V) + (way->last[x] - way->first[x]) * p->per_cycle_s +
+                               iron_per_H(way) * vec_phase(whole_V, (int)x);
         const double high_A_s = low_A_s + p->own_per_Vs[x] * p->link_V;
         const double moved_s = p->moved_V[x] * s_per_V;
         const double held_A = 0.5 * (low_A_s + high_A_s) * p->late_s;
         put_edge(p, x, 1.0, p->row->rise[x], held_A - low_A_s * moved_s, &edges[n]);
         put_edge(p, x, -1.0, 1.0 - p->row->rise[x], held_A + high_A_s * moved_s, &edges[EDGES - 1 - n]);
         u_V = sum_of(u_V, of_leg(x, p->link_V));
+        whole_V = sum_of(whole_V, of_leg(x, p->link_V));
     }
 }
 
+/* What each leg loses over the cycle, in sum as one that acts evenly. */
+typedef struct leg_losses {
+    double sum_V[3];
+    edge_losses each;
+} leg_losses;
+
 /* Adds what the edges take, one after the other. */
-static void lose_at_edges(period *p, edge edges[EDGES], double lost[3])
+static void lose_at_edges(period *p, edge edges[EDGES], leg_losses *lost)
 {
+    const edge_iron *iron = p->way->iron;
     vec_ab changed_Wb = {0.0, 0.0};
+    vec_ab in_iron_Wb = {0.0, 0.0}; /* the same, as far as it has not faded */
     for (size_t n = 0; n < EDGES; n++) {
         edge *e = &edges[n];
-        const double found =
-            e->decides + e->per_Wb.alpha * changed_Wb.alpha + e->per_Wb.beta * changed_Wb.beta;
+        double found = e->decides + e->per_Wb.alpha * changed_Wb.alpha + e->per_Wb.beta * changed_Wb.beta;
+        if (iron) {
+            const double left = iron_left(iron, n, edges[n > 0 ? n - 1 : 0].leg, e->leg);
+            in_iron_Wb = (vec_ab){left * in_iron_Wb.alpha, left * in_iron_Wb.beta};
+            found += iron->per_H * vec_phase(in_iron_Wb, (int)e->leg) * p->per_whole_A[e->leg];
+        }
         const double sign = averaged_drive_edge(p->d->edge, found);
-        lost[e->leg] += (e->even_V + sign * e->by_sign_V) * undecayed(p, e->at);
+        const vec_ab by_edge_Wb = {e->even_Wb.alpha + sign * e->by_sign_Wb.alpha,
+                                   e->even_Wb.beta + sign * e->by_sign_Wb.beta};
+        const double takes_V = e->even_V + sign * e->by_sign_V;
+        lost->sum_V[e->leg] += takes_V * undecayed(p, e->at);
+        *(n < 3 ? &lost->each.rise_V[e->leg] : &lost->each.fall_V[e->leg]) += takes_V;
         e->before_Wb = changed_Wb;
-        changed_Wb.alpha += e->even_Wb.alpha + sign * e->by_sign_Wb.alpha;
-        changed_Wb.beta += e->even_Wb.beta + sign * e->by_sign_Wb.beta;
+        changed_Wb = sum_of(changed_Wb, by_edge_Wb);
+        in_iron_Wb = sum_of(in_iron_Wb, by_edge_Wb);
     }
     p->changed_Wb = changed_Wb;
 }
@@ -281,8 +322,15 @@ static double mean_sign(double from_A, double move_A, double drop_A)
     return until * sign + (1.0 - until) * after;
 }
 
+static void add_through(const period *p, size_t x, double takes_V, double at, leg_losses *lost)
+{
+    lost->sum_V[x] += takes_V * undecayed(p, at);
+    lost->each.rise_V[x] += 0.5 * takes_V;
+    lost->each.fall_V[x] += 0.5 * takes_V;
+}
+
 /* Adds what leg x' conducting devices take, from edge to edge. */
-static void lose_through(const period *p, const edge edges[EDGES], size_t x, double lost[3])
+static void lose_through(const period *p, const edge edges[EDGES], size_t x, leg_losses *lost)
 {
     const double drop_A = p->own_per_Vs[x] * p->through_V * p->length_s;
     const double taken_A = drop_A * p->taken[x]; /* in the currents below, by the period's end */
@@ -300,14 +348,14 @@ static void lose_through(const period *p, const edge edges[EDGES], size_t x, dou
         const double sign =
             mean_sign(i_A + at * taken_A - own_A, next_A - i_A + share * taken_A, share * drop_A);
         own_A += sign * share * drop_A;
-        lost[x] += sign * share * p->through_V * undecayed(p, at + 0.5 * share);
+        add_through(p, x, sign * share * p->through_V, at + 0.5 * share, lost);
         at = next;
         i_A = next_A;
     }
 }
 
 /* Adds what each leg loses over one period. */
-static void lose(period *p, double lost[3])
+static void lose(period *p, leg_losses *lost)
 {
     edge edges[EDGES];
     if (p->through_V > 0.0) {
@@ -317,7 +365,7 @@ static void lose(period *p, double lost[3])
     lose_at_edges(p, edges, lost);
     for (size_t x = 0; x < 3 && p->through_V > 0.0; x++) {
         if (p->far[x]) {
-            lost[x] += p->taken[x] * p->through_V * undecayed(p, 0.5);
+            add_through(p, x, p->taken[x] * p->through_V, 0.5, lost);
         } else {
             lose_through(p, edges, x, lost);
         }
@@ -333,12 +381,14 @@ static bool is_far(const period *p, size_t x, double ripple_A, double per_H)
     const found_way *way = p->way;
     const double moved_V = fmax(fabs(p->moved_V[0]), fmax(fabs(p->moved_V[1]), fabs(p->moved_V[2])));
     const double lost_V = 3.0 * fabs(p->late_V) + 5.0 * moved_V + 2.0 * p->through_V;
-    const double far_A = ripple_A + fabs(way->bow[x]) + per_H * lost_V * p->length_s + p->d->i_knee_A;
+    const double iron_A = way->iron ? way->iron->most_A + way->iron->per_H * lost_V * p->length_s : 0.0;
+    const double far_A =
+        ripple_A + fabs(way->bow[x]) + per_H * lost_V * p->length_s + p->d->i_knee_A + iron_A;
     return way->first[x] * way->last[x] > 0.0 && fabs(way->first[x]) > far_A && fabs(way->last[x]) > far_A;
 }
 
 /* What the legs lose whose currents are all far from zero. */
-static void lose_far(const period *p, double lost[3])
+static void lose_far(const period *p, double lost[3], edge_losses *each)
 {
     for (size_t x = 0; x < 3; x++) {
         const double sign = p->way->first[x] > 0.0 ? 1.0 : -1.0;
@@ -346,11 +396,13 @@ static void lose_far(const period *p, double lost[3])
         const double whole = 1.0 - (sign > 0.0 ? p->row->no_rise[x] : p->row->no_fall[x]);
         const double late_V = p->late_V * whole * (1.0 + p->decay * p->share * (at - 0.5));
         lost[x] = sign * (late_V + p->through_V) - 2.0 * p->moved_V[x];
+        each->rise_V[x] = each->fall_V[x] = 0.5 * sign * p->through_V - p->moved_V[x];
+        *(sign > 0.0 ? &each->rise_V[x] : &each->fall_V[x]) += sign * p->late_V * whole;
     }
 }
 
 void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found_way *way, double T_s,
-                      double lost[3])
+                      double lost[3], edge_losses *each)
 {
     const size_t periods = row->periods > 1 ? row->periods : 1;
     const double share = 1.0 / (double)periods;
@@ -385,51 +437,45 @@ void found_edges_lost(const averaged_drive *d, const cycle_row *row, const found
         p.far[x] = d->edge == EDGE_CLIPPED && is_far(&p, x, per_H * d->k_u * ripple_Wb, per_H);
     }
     if (p.far[0] && p.far[1] && p.far[2]) {
-        lose_far(&p, lost);
+        lose_far(&p, lost, each);
         return;
     }
+    leg_losses all = {.sum_V = {0.0}};
     for (size_t x = 0; x < 3; x++) {
-        p.own_per_Vs[x] = current_by(way, x, of_leg(x, 1.0));
+        p.own_per_Vs[x] = current_by(way, x, of_leg(x, 1.0)) + 2.0 / 3.0 * iron_per_H(way);
         const double reach_A = 0.5 * p.own_per_Vs[x] * link_V * p.late_s;
         p.per_whole_A[x] = 1.0 / sqrt(reach_A * reach_A + d->i_knee_A * d->i_knee_A);
-        lost[x] = 0.0;
     }
     for (size_t n = 0; n < periods; n++) {
         p.start = (double)n * share;
-        lose(&p, lost);
+        lose(&p, &all);
     }
     for (size_t x = 0; x < 3; x++) {
-        lost[x] *= share;
+        lost[x] = share * all.sum_V[x];
+        each->rise_V[x] = share * all.each.rise_V[x];
+        each->fall_V[x] = share * all.each.fall_V[x];
     }
 }
 
-/* The current turns with the rotor, whatever the edges lose: what the ones before have changed is in it. */
-edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab i)
+edge_losses found_edges_each(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn,
+                             const edge_iron *iron, vec_ab first, vec_ab last)
 {
-    edge_losses lost = {.rise_V = {0.0}};
+    edge_losses each = {.rise_V = {0.0}};
     if (!averaged_drive_loses(d)) {
-        return lost;
+        return each;
     }
-    const double v_late_V = d->v_dead_V + d->compensation_V;
-    const double per_knee = 1.0 / d->i_knee_A;
     cycle_turn found;
     if (!turn) {
         found = found_turn_of(d, row, averaged_drive_rotor(d, row));
         turn = &found;
     }
-    const vec_ab last = vec_to_ab((vec_dq){i.alpha, i.beta}, (vec_rotor){row->cos_turn, row->sin_turn});
-    const found_way way = found_way_of(d, row, turn, i, last, i);
-    for (size_t x = 0; x < 3; x++) {
-        const double rise = row->rise[x];
-        const vec_ab up = ripple_of_edge(d, row, &way, x, 1.0, rise);
-        const vec_ab down = ripple_of_edge(d, row, &way, x, -1.0, 1.0 - rise);
-        const double rise_A = on_way(&way, x, rise) + vec_phase(up, (int)x);
-        const double fall_A = on_way(&way, x, 1.0 - rise) + vec_phase(down, (int)x);
-        const double at_rise = averaged_drive_edge(d->edge, rise_A * per_knee);
-        const double at_fall = averaged_drive_edge(d->edge, fall_A * per_knee);
-        const double moved = 0.5 * averaged_drive_compensation(d, way.seen[x]);
-        lost.rise_V[x] = 0.5 * v_late_V * (1.0 + at_rise) * (1.0 - row->no_rise[x]) - moved;
-        lost.fall_V[x] = 0.5 * v_late_V * (at_fall - 1.0) * (1.0 - row->no_fall[x]) - moved;
-    }
-    return lost;
+    /* The last current has what was lost, which a way is without. */
+    double lost[3];
+    found_way way = found_way_of(d, row, turn, iron, first, last, first);
+    found_edges_lost(d, row, &way, row->T_s, lost, &each);
+    const vec_ab V = vec_from_phases(lost);
+    const vec_ab more = current_of_flux(turn, 1.0, (vec_ab){row->T_s * V.alpha, row->T_s * V.beta});
+    way = found_way_of(d, row, turn, iron, first, sum_of(last, more), first);
+    found_edges_lost(d, row, &way, row->T_s, lost, &each);
+    return each;
 }

@@ -10,11 +10,6 @@ static const double LEAST = 1e-4;
 static const double ALL_FADED =
     700.0; /* time constants in a cycle: more are no less, and the exponentials stay numbers */
 
-/* What is left at a cycle's end of a short pulse at each leg's rise, and of one at its fall: it is on from rise T to (1 - rise) T. */
-typedef struct edges_left {
-    double rise[3], fall[3];
-} edges_left;
-
 static edges_left edges_of(const iron_memory *m, const cycle_row *command)
 {
     edges_left left;
@@ -25,30 +20,66 @@ static edges_left edges_of(const iron_memory *m, const cycle_row *command)
     return left;
 }
 
-/* What a cycle's pulses leave at its end, times R_fe, and what its dead times take of its mean voltage. */
-typedef struct cycle_pulses {
-    vec_ab left, lost_V;
-} cycle_pulses;
-
-/* Of a cycle with the pulses of `command`, whose edges lose so much. */
-static cycle_pulses pulses_of(const averaged_drive *d, const iron_memory *m, const cycle_row *command,
-                              const edge_losses *lost)
+/* What the pulses of a cycle leave at its end, times R_fe. */
+static vec_ab pulses_left(const averaged_drive *d, const cycle_row *command, const edges_left *left)
 {
-    const edges_left left = edges_of(m, command);
     double leg[3];
-    double lost_V[3];
     for (size_t x = 0; x < 3; x++) {
-        leg[x] = d->k_u * command->u_dc_V * (left.fall[x] - left.rise[x]) -
-                 m->per_tau * (lost->rise_V[x] * left.rise[x] + lost->fall_V[x] * left.fall[x]);
-        lost_V[x] = lost->rise_V[x] + lost->fall_V[x];
+        leg[x] = d->k_u * command->u_dc_V * (left->fall[x] - left->rise[x]);
     }
-    return (cycle_pulses){vec_from_phases(leg), vec_from_phases(lost_V)};
+    return vec_from_phases(leg);
+}
+
+/* And what is missing there of what its edges lose. */
+static vec_ab losses_left(double per_tau, const edges_left *left, const edge_losses *lost)
+{
+    double leg[3];
+    for (size_t x = 0; x < 3; x++) {
+        leg[x] = per_tau * (lost->rise_V[x] * left->rise[x] + lost->fall_V[x] * left->fall[x]);
+    }
+    return vec_from_phases(leg);
 }
 
 static void take(vec_ab *from, double share, vec_ab drop)
 {
     from->alpha -= share * drop.alpha;
     from->beta -= share * drop.beta;
+}
+
+/*
+ * At the edges of a row whose pulses lose nothing: `left` of its own command. Times R_fe it begins at `first`, and goes to the voltage less
+ * `drop`: a leg's part rises from where the leg does, and fades from where it falls.
+ */
+static edge_iron at_edges(const averaged_drive *d, const iron_memory *m, const cycle_row *row,
+                          const edges_left *left, vec_ab first, vec_ab drop)
+{
+    edge_iron e = {.start_A = {d->fe_S * first.alpha, d->fe_S * first.beta},
+                   .fade = m->fade,
+                   .per_H = d->fe_S * m->per_tau / row->T_s};
+    const double link_V = d->k_u * row->u_dc_V;
+    const vec_ab sinks = {first.alpha + drop.alpha, first.beta + drop.beta};
+    const double per[3] = {1.0 / left->fall[0], 1.0 / left->fall[1], 1.0 / left->fall[2]};
+    double most = 0.0;
+    for (size_t x = 0; x < 3; x++) {
+        const double own = left->fall[x];
+        double rises[3];
+        double falls[3];
+        for (size_t y = 0; y < 3; y++) {
+            rises[y] = link_V * fmax(0.0, 1.0 - own * per[y]);
+            falls[y] = link_V * (fmin(1.0, left->fall[y] * per[x]) - m->fade * per[x] * per[y]);
+        }
+        vec_ab rise = vec_from_phases(rises);
+        vec_ab fall = vec_from_phases(falls);
+        take(&rise, 1.0 - own, sinks);
+        take(&fall, 1.0 - left->rise[x], sinks);
+        e.rise_A[x] = (vec_ab){d->fe_S * rise.alpha, d->fe_S * rise.beta};
+        e.fall_A[x] = (vec_ab){d->fe_S * fall.alpha, d->fe_S * fall.beta};
+        e.left[x] = own;
+        most = fmax(most, fmax(rise.alpha * rise.alpha + rise.beta * rise.beta,
+                               fall.alpha * fall.alpha + fall.beta * fall.beta));
+    }
+    e.most_A = d->fe_S * sqrt(most);
+    return e;
 }
 
 /* The row whose command acts in this one's cycle: of a voltage that is late by whole cycles, one before. */
@@ -58,22 +89,48 @@ static const cycle_row *acting(const averaged_drive *d, const cycle_row *row)
     return late <= row->history ? row - late : row;
 }
 
-/*
- * Goes on over the row's cycle. Its current, by which its edges lose as well, is the recorded one, less what the sensors do: an
- * offset that went in here would hide a part of itself. `lost`: its losses, or NULL, where they are found; `turn`: the row's, or NULL.
- */
-static cycle_pulses go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command,
-                          const cycle_row *row, const cycle_turn *turn, const edge_losses *lost)
+/* A row's current is the recorded one, less what the sensors do: an offset that went in here would hide a part of itself. */
+static vec_ab recorded(const iron_memory *m, const cycle_row *row)
 {
     const sensor_map sensors = sensor_course_at(&m->sensors, row);
-    const vec_ab i = sensor_map_unmeasure(&sensors, row->i_A);
-    m->before = lost ? *lost : found_edges_each(d, row, turn, i);
-    const cycle_pulses own = pulses_of(d, m, command, &m->before);
-    m->left.alpha = m->fade * m->left.alpha + own.left.alpha;
-    m->left.beta = m->fade * m->left.beta + own.left.beta;
-    take(&m->left, m->of_start + m->of_end * m->fade, averaged_drive_drop(d, row, i));
+    return sensor_map_unmeasure(&sensors, row->i_A);
+}
+
+/* Goes on over the row's cycle, in which `command` acts, as if its edges lost nothing. *edges: the iron's current there, if they lose. */
+static edges_left go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command,
+                        const cycle_row *row, vec_ab i, edge_iron *edges)
+{
+    const vec_ab drop = averaged_drive_drop(d, row, i);
+    const edges_left left = edges_of(m, command);
+    const vec_ab pulses = pulses_left(d, command, &left);
+    if (m->is_iron && command == row && averaged_drive_loses(d)) {
+        vec_ab first = m->left;
+        take(&first, m->of_end, drop);
+        *edges = at_edges(d, m, row, &left, first, drop);
+    }
+    m->left.alpha = m->fade * m->left.alpha + pulses.alpha;
+    m->left.beta = m->fade * m->left.beta + pulses.beta;
+    take(&m->left, m->of_start + m->of_end * m->fade, drop);
     m->row = row + 1;
-    return own;
+    return left;
+}
+
+/* The same of a cycle that has passed, with its losses, or NULL, where they are found. */
+static void go_through(const averaged_drive *d, iron_memory *m, const cycle_row *row, const edge_losses *lost)
+{
+    edge_iron edges = {.per_H = 0.0};
+    const vec_ab first = recorded(m, row);
+    const edges_left left = go_on(d, m, acting(d, row), row, first, &edges);
+    const bool known = edges.per_H > 0.0;
+    if (lost) {
+        m->before = *lost;
+    } else {
+        vec_ab last = recorded(m, row + 1);
+        last.alpha += known ? edges.start_A.alpha - d->fe_S * m->left.alpha : 0.0;
+        last.beta += known ? edges.start_A.beta - d->fe_S * m->left.beta : 0.0;
+        m->before = found_edges_each(d, row, NULL, known ? &edges : NULL, first, last);
+    }
+    take(&m->left, 1.0, losses_left(m->per_tau, &left, &m->before));
 }
 
 /* The memory at the row's start: summed over the cycles before if the memory is of neither this row nor the one before. */
@@ -84,11 +141,12 @@ static void reach(const averaged_drive *d, double tau_s, iron_memory *m, const c
         return;
     }
     if (m->row && m->row + 1 == row && row->history > 0) {
-        go_on(d, m, acting(d, row - 1), row - 1, NULL, before);
+        go_through(d, m, row - 1, before);
         return;
     }
     *m = (iron_memory){
         .per_tau = fmin(row->T_s / tau_s, ALL_FADED),
+        .is_iron = d->fe_S > 0.0 && tau_s == d->fe_tau_s,
         .sensors = sensor_course_of(d, row->missing == MISSING_NONE ? SENSORS_THREE : SENSORS_TWO_LOWEST)};
     m->fade = exp(-m->per_tau);
     /* Of a drop that goes evenly from one value to another in a cycle. */
@@ -100,7 +158,7 @@ static void reach(const averaged_drive *d, double tau_s, iron_memory *m, const c
         left *= m->fade;
     }
     for (; n > 0; n--) {
-        go_on(d, m, acting(d, row - n), row - n, NULL, n == 1 ? before : NULL);
+        go_through(d, m, row - n, n == 1 ? before : NULL);
     }
 }
 
@@ -119,8 +177,7 @@ vec_ab iron_branch_at(const averaged_drive *d, double tau_s, const cycle_row *ro
     return iron_branch_conducts(d, left);
 }
 
-iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab i,
-                           iron_memory *memory)
+iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory)
 {
     iron_memory none = {.row = NULL};
     iron_memory *m = memory ? memory : &none;
@@ -130,14 +187,31 @@ iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, const 
     iron_branch b = {.row = row, .per_tau = m->per_tau, .of_end = m->of_end, .first = m->left};
     const double fade = m->fade;
     const double of_start = m->of_start;
-    const cycle_pulses own = go_on(d, m, now, row, turn, NULL);
+    b.mean_V = (vec_ab){d->k_u * now->u_V[0].alpha, d->k_u * now->u_V[0].beta};
+    b.left = go_on(d, m, now, row, recorded(m, row), &b.edges);
     take(&b.first, b.of_end, drop);
-    b.last = own.left;
+    b.last = pulses_left(d, now, &b.left);
     take(&b.last, -fade, b.first);
     take(&b.last, of_start, drop);
-    b.mean_V =
-        (vec_ab){d->k_u * now->u_V[0].alpha - own.lost_V.alpha, d->k_u * now->u_V[0].beta - own.lost_V.beta};
     return b;
+}
+
+vec_ab iron_branch_loses(const averaged_drive *d, iron_branch *b, iron_memory *memory,
+                         const edge_losses *lost)
+{
+    const vec_ab missing = losses_left(b->per_tau, &b->left, lost);
+    double lost_V[3];
+    for (size_t x = 0; x < 3; x++) {
+        lost_V[x] = lost->rise_V[x] + lost->fall_V[x];
+    }
+    take(&b->last, 1.0, missing);
+    if (memory) {
+        take(&memory->left, 1.0, missing);
+        memory->before = *lost;
+    }
+    vec_ab less = vec_from_phases(lost_V);
+    take(&less, 1.0 / b->per_tau, missing);
+    return iron_branch_conducts(d, less);
 }
 
 vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b)

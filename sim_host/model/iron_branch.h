@@ -21,6 +21,7 @@
 struct iron_memory {
     const cycle_row *row; /* at whose start it is valid; NULL: none yet */
     double per_tau, fade; /* the cycle over the branch's time constant, and e to minus that */
+    bool is_iron;
     double of_start,
         of_end; /* what a cycle leaves of the drop that it starts with, and of the one that it ends with */
     sensor_course sensors;
@@ -44,17 +45,30 @@ static inline bool iron_branch_present(const averaged_drive *d)
 /* The current of a voltage. */
 vec_ab iron_branch_conducts(const averaged_drive *d, vec_ab V);
 
+/* What is left at a cycle's end of a short pulse at each leg's rise, and of one at its fall: it is on from rise T to (1 - rise) T. */
+typedef struct edges_left {
+    double rise[3], fall[3];
+} edges_left;
+
 /* What a row's cycle finds: the same at its start, over it and at its end, and the dear part of these. */
 typedef struct iron_branch {
     const cycle_row *row;
     double per_tau, of_end; /* as in iron_memory */
     vec_ab first, last;     /* i_fe R_fe at either end, but for the drop that the end's own current causes */
     vec_ab mean_V;          /* over the cycle, ahead of the phases' drop */
+    edge_iron edges;        /* of a drive that loses at its edges; else per_H is zero */
+    edges_left left;        /* of the command that acts */
 } iron_branch;
 
-/* For the phase current i at the start of the row's cycle, which turns so, and which it is a part of. The memory is left at the row after. */
-iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn, vec_ab i,
-                           iron_memory *memory);
+/*
+ * For the phase current i at the start of the row's cycle, which it is a part of, as if the edges lost nothing. The memory is left at the
+ * row after.
+ */
+iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab i, iron_memory *memory);
+
+/* Takes in what the edges of the row's cycle lose, at its end and in the memory, if there is one. Returns by how much the mean is less. */
+vec_ab iron_branch_loses(const averaged_drive *d, iron_branch *b, iron_memory *memory,
+                         const edge_losses *lost);
 
 /* At the start of the row's cycle. */
 vec_ab iron_branch_begin(const averaged_drive *d, const iron_branch *b);

@@ -197,8 +197,8 @@ sensor_map sensor_lag_map(const averaged_drive *d, const cycle_row *row, double 
     edge_losses before = memory->own.before;
     if (filters && !(iron && row->history > 0)) {
         const cycle_row *last = row->history > 0 ? row - 1 : row;
-        before = found_edges_each(d, last, row->history > 0 ? last_turn : NULL,
-                                  sensor_map_unmeasure(map, last->i_A));
+        before = found_edges_each(d, last, row->history > 0 ? last_turn : NULL, NULL,
+                                  sensor_map_unmeasure(map, last->i_A), i);
     }
     const vec_ab high_Vs = filters ? filtered_Vs(d, row, T_s, &before) : risen_Vs(d, row, T_s);
     const lag_line line = line_of(d, row, rotor, high_Vs, i);

@@ -162,7 +162,7 @@ static void read_row(const averaged_drive *d, const cycle *c, reading *to)
         row->edge_ripple_Wb[x] = vec_from_phases(high);
     }
     to->turn = found_turn_of(d, row, rotor_at(c->theta_rad));
-    to->way = found_way_of(d, row, &to->turn, first, vec_from_phases(last), first);
+    to->way = found_way_of(d, row, &to->turn, NULL, first, vec_from_phases(last), first);
 }
 
 /*
@@ -209,10 +209,12 @@ static double error_with(double k_u, double late_V, double compensation_V, doubl
         reading read;
         double by_law[3];
         double by_physics[3];
+        edge_losses each;
         read_row(&d, &c, &read);
-        found_edges_lost(&d, &read.row, &read.way, T_S, by_law);
+        found_edges_lost(&d, &read.row, &read.way, T_S, by_law, &each);
         integrate(&c, by_physics);
         for (size_t x = 0; x < 3; x++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, by_law[x], each.rise_V[x] + each.fall_V[x]); /* R is zero */
             const double wrong = (by_law[x] - by_physics[x]) / whole_V;
             square += wrong * wrong / (3.0 * CYCLES);
         }
@@ -293,12 +295,17 @@ static void what_is_lost_early_decays(void)
     for (double ohm = 0.0; ohm < 3.0; ohm += 2.0) {
         reading read;
         double lost[3];
+        edge_losses each;
         const double share = ohm * T_S / L_H;
         d.R_ohm = ohm;
         read_row(&d, &c, &read);
-        found_edges_lost(&d, &read.row, &read.way, T_S, lost);
+        found_edges_lost(&d, &read.row, &read.way, T_S, lost, &each);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, 4.0 * (1.0 - 0.25 * share), lost[0]); /* at the rise */
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, -4.0 * (1.0 + 0.25 * share), lost[1]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 4.0, each.rise_V[0]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, each.fall_V[0]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, each.rise_V[1]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, -4.0, each.fall_V[1]);
     }
 }
 
@@ -318,6 +325,7 @@ static void a_leg_far_from_zero_loses_the_same_next_to_one_near(void)
                               .i_knee_A = 1e-3};
     for (size_t periods = 1; periods < 4; periods += 2) {
         double lost[2][3];
+        edge_losses each[2];
         for (size_t near = 0; near < 2; near++) {
             const double third_A = near ? -0.005 : -3.0;
             const cycle c = {.duty = {0.52, 0.5, 0.48},
@@ -327,10 +335,14 @@ static void a_leg_far_from_zero_loses_the_same_next_to_one_near(void)
             reading read;
             read_row(&d, &c, &read);
             read.row.periods = periods;
-            found_edges_lost(&d, &read.row, &read.way, T_S, lost[near]);
+            found_edges_lost(&d, &read.row, &read.way, T_S, lost[near], &each[near]);
         }
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost[0][0], lost[1][0]);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost[0][1], lost[1][1]);
+        for (size_t x = 0; x < 2; x++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-12, each[0].rise_V[x], each[1].rise_V[x]);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-12, each[0].fall_V[x], each[1].fall_V[x]);
+        }
         TEST_ASSERT_TRUE(fabs(lost[0][2] - lost[1][2]) > 0.1);
     }
 }
@@ -349,9 +361,10 @@ static void a_held_leg_loses_nothing(void)
     const cycle c = {.duty = {1.0, 0.4, 0.3}, .first_A = {3.0, -2.0, -1.0}, .L_d_H = L_H, .L_q_H = L_H};
     reading read;
     double lost[3];
+    edge_losses each;
     read_row(&d, &c, &read);
     read.row.no_rise[0] = read.row.no_fall[0] = 1.0;
-    found_edges_lost(&d, &read.row, &read.way, T_S, lost);
+    found_edges_lost(&d, &read.row, &read.way, T_S, lost, &each);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, lost[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 4.0, lost[1]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 4.0, lost[2]);

@@ -25,9 +25,14 @@ static bool clear_of_zero(vec_ab i)
  * part of u / R_fe. */
 static double most_apart;
 
+/* What the predictions of rows that start near zero are off by, in amperes. */
+static double off_near_zero_A;
+
 /* Rms of what predicted currents are off by, as a part of what the iron takes of the voltage, u / R_fe. */
 static double off_by(const circuit *c, vec_dq i_dq)
 {
+    double near = 0.0;
+    double of_near = 0.0;
     static cycle_row rows[SETTLE + CYCLES];
     const averaged_node node = averaged_node_at(c->R_ohm, c->L_d_H, c->L_q_H, T_S, c->omega_rad_s);
     const averaged_drive d = drive_of(c);
@@ -47,10 +52,15 @@ static double off_by(const circuit *c, vec_dq i_dq)
         const vec_ab i = current(c, &at, theta);
         rows[n] = row_of(c, n, u, sensor_map_measure(&sensors, i));
         switched_cycle(c, &rows[n], theta, &at);
+        const vec_ab carried = averaged_drive_advance(&d, &node, &rows[n], i, &memory);
+        if (n >= SETTLE && c->v_dead_V != 0.0 && !clear_of_zero(i)) {
+            const vec_ab is = current(c, &at, theta + turn);
+            near += size_of((vec_ab){carried.alpha - is.alpha, carried.beta - is.beta});
+            of_near += 1.0;
+        }
         /* Near zero an edge's own current decides, which is another law's business (test_found_edges.c). */
         if (n >= SETTLE &&
             (c->v_dead_V == 0.0 || (clear_of_zero(i) && clear_of_zero(current(c, &at, theta + turn))))) {
-            const vec_ab carried = averaged_drive_advance(&d, &node, &rows[n], i, &memory);
             const vec_ab fresh = averaged_drive_advance(&d, &node, &rows[n], i, NULL);
             const vec_ab apart = {carried.alpha - fresh.alpha, carried.beta - fresh.beta};
             most_apart = fmax(most_apart, sqrt(size_of(apart) / size_of(u)) * c->R_fe_ohm);
@@ -59,6 +69,7 @@ static double off_by(const circuit *c, vec_dq i_dq)
             iron += size_of(u) / (c->R_fe_ohm * c->R_fe_ohm);
         }
     }
+    off_near_zero_A = sqrt(near / fmax(of_near, 1.0));
     return sqrt(wrong / iron);
 }
 
@@ -170,6 +181,23 @@ static void what_is_carried_is_what_the_rows_before_left(void)
     TEST_ASSERT_TRUE(most_apart > 0.0);
 }
 
+/* By running, over all: 0.016 A, and 0.034 A if the edges find only the current that turns with the rotor. */
+static void an_edge_finds_the_irons_current(void)
+{
+    static const double taus_s[] = {2e-5, 5e-5, 1.25e-4};
+    double square = 0.0;
+    for (size_t n = 0; n < 6; n++) {
+        circuit c = usual;
+        c.tau_fe_s = taus_s[n / 2];
+        c.omega_rad_s = n % 2 == 0 ? 350.0 : 600.0;
+        c.R_fe_ohm = 300.0;
+        c.v_dead_V = 4.0;
+        off_by(&c, (vec_dq){-0.5, 2.0});
+        square += off_near_zero_A * off_near_zero_A / 6.0;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, sqrt(square));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -177,6 +205,7 @@ int main(void)
     RUN_TEST(the_law_is_the_circuits);
     RUN_TEST(the_iron_sees_all_that_the_phases_drop);
     RUN_TEST(the_iron_sees_a_compensation);
+    RUN_TEST(an_edge_finds_the_irons_current);
     RUN_TEST(shorted_turns_are_an_iron_of_one_phase);
     RUN_TEST(what_the_sensors_do_is_not_remembered);
     return UNITY_END();
