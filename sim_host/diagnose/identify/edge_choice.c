@@ -15,6 +15,7 @@ static const double RIPPLE_START = 1.0;
 
 /* With a compensation: hard switches. The knee covers what is not known of the current at the edge. */
 static const double COMPENSATED_KNEE_SHARE = 0.01;
+static const double LEAST_KNEE_SHARE = 0.001;
 
 /* Chi square that the second parameter, the compensation, must reduce to be considered. */
 static const double SECOND_NUMBER = 25.0;
@@ -69,6 +70,12 @@ static bool compensated_gain(fit_data *d, const fit_state *s, double *gain)
     return ok;
 }
 
+/* How soft a hard switch seems where the current that decides has such noise: the mean sign's slope at zero, sqrt(2/pi) / noise. */
+static double hard_share(const fit_data *d)
+{
+    return fmax(LEAST_KNEE_SHARE, 1.25 * d->rows->noise_A / d->frame->i_rated_peak_A);
+}
+
 static fit_state before_compensation(const fit_data *d, const fit_state *s, double share)
 {
     fit_state trial = *s;
@@ -106,7 +113,7 @@ bool edge_choose(fit_data *d, fit_state *s)
     }
     const double plain = best;
     for (size_t k = 0; k < KNEES - 1; k++) {
-        const fit_state trial = before_compensation(d, s, knee_share[k]);
+        const fit_state trial = before_compensation(d, s, k > 0 ? knee_share[k] : hard_share(d));
         double gain;
         if (!compensated_gain(d, &trial, &gain)) {
             return false;
@@ -123,7 +130,7 @@ bool edge_choose(fit_data *d, fit_state *s)
 void edge_of_set(const fit_data *d, fit_state *s)
 {
     if (hypothesis_in(s->set, H_COMPENSATED) && s->edge != EDGE_CLIPPED) {
-        *s = before_compensation(d, s, knee_share[0]);
+        *s = before_compensation(d, s, hard_share(d));
     } else if (!hypothesis_in(s->set, H_COMPENSATED)) {
         s->z[P_COMPENSATION] = 0.0;
     }

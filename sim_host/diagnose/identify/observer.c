@@ -63,11 +63,11 @@ typedef struct sign_doubt {
 } sign_doubt;
 
 /* Of the current at a cycle's end, by the one that decides a compensation at its start. */
-static sign_doubt sign_doubt_of(const diagnose_rows *r, vec_ab i)
+static sign_doubt sign_doubt_of(const diagnose_rows *r, missing_phase missing, vec_ab i)
 {
     sign_doubt doubt = {.along = 0.0};
     for (int x = 0; x < 3 && r->noise_A > 0.0; x++) {
-        const double at = fabs(vec_phase(i, x)) / r->noise_A;
+        const double at = fabs(vec_phase(i, x)) / rows_phase_noise(r->noise_A, missing, x);
         const double rest = fmin(1.0, fmax(0.0, (SIGN_KNOWN - at) / (SIGN_KNOWN - SIGN_UNKNOWN)));
         const double share = rest * rest * (3.0 - 2.0 * rest);
         if (share > doubt.along) {
@@ -79,9 +79,10 @@ static sign_doubt sign_doubt_of(const diagnose_rows *r, vec_ab i)
     return doubt;
 }
 
-bool observer_sign_is_unsure(const diagnose_rows *r, const averaged_drive *drive, vec_ab i)
+bool observer_sign_is_unsure(const diagnose_rows *r, const averaged_drive *drive, missing_phase missing,
+                             vec_ab i)
 {
-    return drive->sign_is_doubted && sign_doubt_of(r, i).along > 0.0;
+    return drive->sign_is_doubted && sign_doubt_of(r, missing, i).along > 0.0;
 }
 
 static vec_ab doubted(const sign_doubt *doubt, vec_ab v)
@@ -138,7 +139,7 @@ static double take_in(walker *w, size_t k, const cycle_turn *turn, double gate, 
     const sign_doubt doubt = w->doubt;
     if (w->drive->sign_is_doubted) {
         w->seen = unshown(w->drive, sensors, row);
-        w->doubt = sign_doubt_of(w->r, w->seen);
+        w->doubt = sign_doubt_of(w->r, row->missing, w->seen);
     }
     const bool out_of_gate =
         gate > 0.0 && seen && wrong.alpha * wrong.alpha + wrong.beta * wrong.beta > gate * gate;

@@ -29,7 +29,8 @@ enum {
  * Whether noise may have turned the sign that decides a compensation of this drive in a cycle that begins with this current. The cycle's
  * error says nothing then.
  */
-bool observer_sign_is_unsure(const diagnose_rows *r, const averaged_drive *drive, vec_ab i);
+bool observer_sign_is_unsure(const diagnose_rows *r, const averaged_drive *drive, missing_phase missing,
+                             vec_ab i);
 
 /*
  * Writes OBSERVER_OUTPUTS innovations per row of the block; zeros at the start and at outliers, after which the observer starts

@@ -13,6 +13,7 @@
 #include "model/averaged_drive.h"
 #include "model/modulator.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -68,6 +69,13 @@ typedef struct diagnose_rows {
     double u_resolution_V;
     bool *no_memory; /* set if a measure runs out of memory: its result is invalid. NULL: not used */
 } diagnose_rows;
+
+/* The noise of one phase's current by that of a vector, as noise_A is: a phase without a sensor has the noise of the other two. */
+static inline double rows_phase_noise(double noise_A, missing_phase missing, int x)
+{
+    const bool own = x != (int)missing - (int)MISSING_A;
+    return missing == MISSING_NONE ? noise_A : noise_A * sqrt(own ? 0.75 : 1.5);
+}
 
 /* Notes that memory ran out in a measure. */
 static inline void rows_note_no_memory(const diagnose_rows *r)

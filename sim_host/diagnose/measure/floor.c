@@ -84,6 +84,9 @@ static error_sums sum_errors(const diagnose_rows *r, const averaged_drive *drive
     return sums;
 }
 
+/* In deviations of the noise. */
+static const double HIDES_KNEE = 4.0;
+
 /*
  * A compensation uses the sign of the current at the cycle's start. If noise of that variance changes the sign of the
  * recorded current, a perfect model errs by twice the compensation: the mean square over the rows.
@@ -91,19 +94,22 @@ static error_sums sum_errors(const diagnose_rows *r, const averaged_drive *drive
 static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive, double variance)
 {
     const double L = 0.5 * (drive->L_d_H + drive->L_q_H);
-    const double whole = fmin(1.0, sqrt(variance) / drive->compensation_knee_A);
-    const double jump_A = 2.0 * whole * drive->compensation_V * 2.0 / 3.0 * r->T_s / L;
+    const double jump_A = 2.0 * drive->compensation_V * 2.0 / 3.0 * r->T_s / L;
     const sensor_course course = sensor_course_of(drive, r->sensors);
     double sum = 0.0;
     for (size_t k = 0; k < r->rows; k++) {
         const sensor_map *sensors = &course.of[r->row[k].missing].middle;
         const vec_ab i = sensor_map_unmeasure(sensors, r->row[k].i_A);
         for (int x = 0; x < 3; x++) {
-            const double wrong = 0.5 * erfc(fabs(vec_phase(i, x)) / sqrt(2.0 * variance));
+            const double noise_A = rows_phase_noise(sqrt(variance), r->row[k].missing, x);
+            const double wrong = 0.5 * erfc(fabs(vec_phase(i, x)) / (sqrt(2.0) * noise_A));
             sum += wrong * (1.0 - wrong);
         }
     }
-    return jump_A * jump_A * sum / (double)r->rows;
+    /* Of a soft switch more currents are in doubt, but each errs by less. A knee that noise hides may be none. */
+    const double per_noise = drive->compensation_knee_A / sqrt(variance);
+    const double whole = per_noise > HIDES_KNEE ? 1.0 / per_noise : 1.0;
+    return whole * jump_A * jump_A * sum / (double)r->rows;
 }
 
 /* A gain above which the filter does not trust the model, and says little of the noise. */

@@ -129,7 +129,7 @@ static vec_ab error_of(const count *c, size_t k)
 static void look_at(count *c, size_t k, double deviation_A)
 {
     cycle_row *row = &c->r->row[k];
-    if (observer_sign_is_unsure(c->r, c->drive, row->i_A)) {
+    if (observer_sign_is_unsure(c->r, c->drive, row->missing, row->i_A)) {
         return;
     }
     const cycle_row own = *row;

@@ -16,23 +16,35 @@ void tearDown(void)
 {
 }
 
-/* The sensors' noise of a recording, measured with the motor file's drive. */
-static double told_noise(recording *r)
+typedef struct told {
+    double floor_A, noise_A; /* the noise of one sensor */
+} told;
+
+/* Of a recording, with the motor file's drive, to which a compensation is added. */
+static told tell(recording *r, double compensation_V, double knee_A)
 {
     const motor m = bench_motor();
     diagnose_rows rows = {0};
     fit_data data = {0};
     fit_state state;
     error e = {0};
-    double noise_A = 0.0;
+    told t = {0.0, 0.0};
     TEST_ASSERT_TRUE_MESSAGE(rows_prepare(&rows, r, &m, &e), e.text);
     const coordinate_frame frame = coordinates_of(&m, &rows);
     TEST_ASSERT_TRUE_MESSAGE(fit_data_make(&data, &rows, &frame, 100000, &e), e.text);
     TEST_ASSERT_TRUE(fit_of_nominal(&data, &state));
-    measure_floor(&rows, &state, &frame.nominal, &noise_A);
+    averaged_drive drive = frame.nominal;
+    drive.compensation_V = compensation_V;
+    drive.compensation_knee_A = knee_A;
+    t.floor_A = measure_floor(&rows, &state, &drive, &t.noise_A);
     fit_data_free(&data);
     rows_free(&rows);
-    return noise_A;
+    return t;
+}
+
+static double told_noise(recording *r)
+{
+    return tell(r, 0.0, 1.0).noise_A;
 }
 
 static recording recorded(void)
@@ -60,9 +72,30 @@ static void structure_at_speed_is_no_noise(void)
     recording_free(&r);
 }
 
+/*
+ * Of a compensation whose sign the noise turns. The fit does not see a knee within four deviations of the noise, so it may be none; a wider
+ * one is seen, and of what a hard switch would err by its noise's share is left.
+ */
+static void a_knee_that_noise_hides_may_be_none(void)
+{
+    recording r = recorded();
+    const double none_A = tell(&r, 0.0, 1.0).floor_A;
+    const double hard_A = tell(&r, 10.0, 1e-6).floor_A;
+    const double hidden_A = tell(&r, 10.0, 3.0 * NOISE_A).floor_A;
+    const double wide_A = tell(&r, 10.0, 20.0 * NOISE_A).floor_A;
+    const double of_hard = hard_A * hard_A - none_A * none_A;
+    TEST_ASSERT_TRUE(hard_A > 1.02 * none_A);
+    TEST_ASSERT_EQUAL_DOUBLE(hard_A, hidden_A);
+    /* A phase of a vector has less noise than a sensor of three, and more than one of two: 2/3 or 4/3 of its power. */
+    const double share = (wide_A * wide_A - none_A * none_A) / of_hard;
+    TEST_ASSERT_TRUE(share > 0.9 * sqrt(2.0 / 3.0) / 20.0 && share < 1.1 * sqrt(4.0 / 3.0) / 20.0);
+    recording_free(&r);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(a_knee_that_noise_hides_may_be_none);
     RUN_TEST(noise_alone_is_measured);
     RUN_TEST(structure_at_speed_is_no_noise);
     return UNITY_END();

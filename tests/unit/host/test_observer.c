@@ -207,10 +207,27 @@ static void which_signs_are_unsure(void)
     const double z[P_COUNT] = {[P_COMPENSATION] = 2.0};
     averaged_drive d = near_zero(z);
     const vec_ab far = vec_from_phases((const double[3]){5.0, -2.0, -3.0});
-    TEST_ASSERT_TRUE(observer_sign_is_unsure(&rows, &d, rows.row[0].i_A));
-    TEST_ASSERT_FALSE(observer_sign_is_unsure(&rows, &d, far));
+    TEST_ASSERT_TRUE(observer_sign_is_unsure(&rows, &d, rows.row[0].missing, rows.row[0].i_A));
+    TEST_ASSERT_FALSE(observer_sign_is_unsure(&rows, &d, rows.row[0].missing, far));
+    /* 4.5 deviations of the vector's noise, of a phase with a sensor and of one without. */
+    const double A = 4.5 * rows.noise_A;
+    const vec_ab near = vec_from_phases((const double[3]){A, -5.0 - A, 5.0});
+    TEST_ASSERT_FALSE(observer_sign_is_unsure(&rows, &d, MISSING_NONE, near));
+    TEST_ASSERT_FALSE(observer_sign_is_unsure(&rows, &d, MISSING_B, near));
+    TEST_ASSERT_TRUE(observer_sign_is_unsure(&rows, &d, MISSING_A, near));
     d.sign_is_doubted = false;
-    TEST_ASSERT_FALSE(observer_sign_is_unsure(&rows, &d, rows.row[0].i_A));
+    TEST_ASSERT_FALSE(observer_sign_is_unsure(&rows, &d, rows.row[0].missing, rows.row[0].i_A));
+}
+
+/* Of two sensors' noise, whose Clarke vector has 1 and 5/3 of it; of three, whose vector has 2/3 in either axis, as each phase has. */
+static void a_phase_without_a_sensor_has_two_sensors_noise(void)
+{
+    const double of_two = sqrt(0.5 * (1.0 + 5.0 / 3.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0, rows_phase_noise(of_two, MISSING_C, 0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0, rows_phase_noise(of_two, MISSING_C, 1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, sqrt(2.0), rows_phase_noise(of_two, MISSING_C, 2));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, sqrt(2.0), rows_phase_noise(of_two, MISSING_A, 0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, sqrt(2.0 / 3.0), rows_phase_noise(sqrt(2.0 / 3.0), MISSING_NONE, 1));
 }
 
 /*
@@ -281,6 +298,7 @@ int main(void)
     RUN_TEST(a_prediction_does_not_know_its_own_row);
     RUN_TEST(a_doubtful_sign_is_not_counted);
     RUN_TEST(which_signs_are_unsure);
+    RUN_TEST(a_phase_without_a_sensor_has_two_sensors_noise);
     RUN_TEST(a_doubtful_sign_makes_no_leap);
     return UNITY_END();
 }
