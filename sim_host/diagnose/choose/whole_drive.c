@@ -21,11 +21,13 @@ static const double PAYS_A_NUMBER = 3.0;
 /* And what a member must be worth where only several together are certain: without it the others would be wrong. */
 static const double PAYS_TOGETHER = 60.0;
 /* A cause whose chi square is so many times what it pays is sure without a fit that lacks it. */
-static const double SURE = 10.0;
+static const double SURE = 30.0;
 /* So many causes are replaced at most. */
 enum { REPLACED_MOST = 3 };
 /* The same drive by another factor has the same error but for rounding and small members: up to so much more. */
 static const double AS_GOOD = 1.02;
+/* By this lower a score, a search whose set is the same has ended at edges that are not the drive's. */
+static const double OTHER_EDGES = 100.0;
 /* Steps of the fit of a set's large members. */
 enum { LARGE_STEPS = 5 };
 
@@ -48,7 +50,7 @@ static fit_state start_of(const session *w, hypothesis_set found)
     fit_state s = w->state;
     hypotheses_leave(s.set & ~found, s.z);
     s.set = found;
-    if (!hypotheses_hold(found, CAUSE_DEAD_TIME) && hypothesis_in(w->possible, H_COMPENSATED)) {
+    if (!hypothesis_in(found, H_DEAD_TIME) && hypothesis_in(w->possible, H_COMPENSATED)) {
         s.set |= HYPOTHESIS_BIT(H_COMPENSATED);
         edge_of_set(&w->fitted, &s);
         s.set = found;
@@ -220,6 +222,21 @@ static bool try_more(session *w, hypothesis_set found, hypothesis_set more, atte
 }
 
 /*
+ * The search may have taken a compensated dead time for a plain one, whose edges are others. If the attempt holds a compensation, it is tried
+ * in the plain one's place, with edges of its own. *found: what the better one rests on.
+ */
+static bool try_compensated(session *w, hypothesis_set *found, attempt *best)
+{
+    if (!hypothesis_in(*found, H_DEAD_TIME) || !is_there(&best->fit, H_COMPENSATED)) {
+        return true;
+    }
+    const hypothesis_set without = *found & ~HYPOTHESIS_BIT(H_DEAD_TIME);
+    const bool ok = try_more(w, without, HYPOTHESIS_BIT(H_COMPENSATED), best);
+    *found = without | (best->state.set & hypotheses_of(CAUSE_DEAD_TIME));
+    return ok;
+}
+
+/*
  * The best one in *best. A flux map that the search found can be a saturation and two inductances that its few members could not hold:
  * without it is tried first, and the map must pay. So must an effect without a name, and if it does, the drive holds it: many small
  * causes together may else take its place.
@@ -228,8 +245,8 @@ static bool try_whole(session *w, attempt *best)
 {
     const hypothesis_set named = hypotheses_named(w->state.set);
     const hypothesis_set map = named & hypotheses_of(CAUSE_SATURATION_DQ);
-    const hypothesis_set found = named & ~map;
-    return try_with(w, found, 0, best) && try_more(w, found, map, best) &&
+    hypothesis_set found = named & ~map;
+    return try_with(w, found, 0, best) && try_compensated(w, &found, best) && try_more(w, found, map, best) &&
            try_more(w, found | (best->state.set & map), w->state.set & ~named, best);
 }
 
@@ -293,8 +310,10 @@ bool whole_drive_consider(session *w)
     bool ok = best && try_whole(w, best) && search_score(&w->fitted, &w->state, &score);
     if (ok) {
         const bool other_scale = doubts_scale(&best->fit, w->state.set);
-        const bool is_new =
-            best->state.set != w->state.set && best->percent < (other_scale ? AS_GOOD : 1.0) * percent;
+        const bool other_edges =
+            hypotheses_hold(w->state.set, CAUSE_DEAD_TIME) && best->score < score - OTHER_EDGES;
+        const bool is_new = (best->state.set != w->state.set || other_edges) &&
+                            best->percent < (other_scale ? AS_GOOD : 1.0) * percent;
         /* A map that the whole drive does not need is there in place of other causes. */
         const bool no_map = hypotheses_hold(w->state.set, CAUSE_SATURATION_DQ) &&
                             !hypotheses_hold(best->state.set, CAUSE_SATURATION_DQ);
