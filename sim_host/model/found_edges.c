@@ -94,7 +94,7 @@ cycle_turn found_turn_of(const averaged_drive *d, const cycle_row *row, vec_roto
 found_way found_way_of(const averaged_drive *d, const cycle_row *row, const cycle_turn *turn,
                        const edge_iron *iron, vec_ab first, vec_ab last, vec_ab seen)
 {
-    found_way way = {.turn = turn, .iron = row->periods > 1 ? NULL : iron};
+    found_way way = {.turn = turn, .iron = iron};
     vec_to_phases(first, way.first);
     vec_to_phases(last, way.last);
     vec_to_phases(seen, way.seen);

@@ -103,7 +103,8 @@ static edges_left go_on(const averaged_drive *d, iron_memory *m, const cycle_row
     const vec_ab drop = averaged_drive_drop(d, row, i);
     const edges_left left = edges_of(m, command);
     const vec_ab pulses = pulses_left(d, command, &left);
-    if (m->is_iron && command == row && averaged_drive_loses(d)) {
+    /* Of several carrier periods in a cycle the branch knows one pulse. */
+    if (m->is_iron && command == row && row->periods <= 1 && averaged_drive_loses(d)) {
         vec_ab first = m->left;
         take(&first, m->of_end, drop);
         *edges = at_edges(d, m, row, &left, first, drop);
