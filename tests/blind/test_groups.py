@@ -333,6 +333,7 @@ class Diagnosed(unittest.TestCase):
         # time's value is 1.8 % off, just outside its interval.
         judged = self.judged(788_059, "steady", "main")
         self.assertEqual((judged["named"], judged["by_names"], judged["verdict"]), (["dead_time"], True, "explained"), judged)
+        self.assertLess(max(p["off"] for p in judged["parameters"]), 1.5, judged)
 
     def test_a_scale_that_no_recording_shows_is_no_cause(self):
         # R, L and psi_f are off, and the voltages by one factor with another L would do; no angle delay stands for the iron loss.
