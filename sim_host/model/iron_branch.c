@@ -96,24 +96,27 @@ static vec_ab recorded(const iron_memory *m, const cycle_row *row)
     return sensor_map_unmeasure(&sensors, row->i_A);
 }
 
-/* Goes on over the row's cycle, in which `command` acts, as if its edges lost nothing. *edges: the iron's current there, if they lose. */
-static edges_left go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command,
-                        const cycle_row *row, vec_ab i, edge_iron *edges)
+/*
+ * Goes on over the row's cycle, in which `command` acts, as if its edges lost nothing. Returns what the pulses leave. *left: of the command.
+ * *edges: the iron's current there, if they lose.
+ */
+static vec_ab go_on(const averaged_drive *d, iron_memory *m, const cycle_row *command, const cycle_row *row,
+                    vec_ab i, edges_left *left, edge_iron *edges)
 {
     const vec_ab drop = averaged_drive_drop(d, row, i);
-    const edges_left left = edges_of(m, command);
-    const vec_ab pulses = pulses_left(d, command, &left);
+    *left = edges_of(m, command);
+    const vec_ab pulses = pulses_left(d, command, left);
     /* Of several carrier periods in a cycle the branch knows one pulse. */
     if (m->is_iron && command == row && row->periods <= 1 && averaged_drive_loses(d)) {
         vec_ab first = m->left;
         take(&first, m->of_end, drop);
-        *edges = at_edges(d, m, row, &left, first, drop);
+        *edges = at_edges(d, m, row, left, first, drop);
     }
     m->left.alpha = m->fade * m->left.alpha + pulses.alpha;
     m->left.beta = m->fade * m->left.beta + pulses.beta;
     take(&m->left, m->of_start + m->of_end * m->fade, drop);
     m->row = row + 1;
-    return left;
+    return pulses;
 }
 
 /* The same of a cycle that has passed, with its losses, or NULL, where they are found. */
@@ -121,7 +124,8 @@ static void go_through(const averaged_drive *d, iron_memory *m, const cycle_row 
 {
     edge_iron edges = {.per_H = 0.0};
     const vec_ab first = recorded(m, row);
-    const edges_left left = go_on(d, m, acting(d, row), row, first, &edges);
+    edges_left left;
+    (void)go_on(d, m, acting(d, row), row, first, &left, &edges);
     const bool known = edges.per_H > 0.0;
     if (lost) {
         m->before = *lost;
@@ -189,9 +193,8 @@ iron_branch iron_branch_of(const averaged_drive *d, const cycle_row *row, vec_ab
     const double fade = m->fade;
     const double of_start = m->of_start;
     b.mean_V = (vec_ab){d->k_u * now->u_V[0].alpha, d->k_u * now->u_V[0].beta};
-    b.left = go_on(d, m, now, row, recorded(m, row), &b.edges);
+    b.last = go_on(d, m, now, row, recorded(m, row), &b.left, &b.edges);
     take(&b.first, b.of_end, drop);
-    b.last = pulses_left(d, now, &b.left);
     take(&b.last, -fade, b.first);
     take(&b.last, of_start, drop);
     return b;

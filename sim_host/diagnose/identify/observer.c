@@ -52,8 +52,7 @@ static vec_ab unshown(const averaged_drive *drive, const sensor_map *map, const 
     return sensor_map_unmeasure(map, bent ? sensor_nonlinearity_remove(drive, row, row->i_A) : row->i_A);
 }
 
-/* In deviations of the noise: a current's sign is as good as known from there on, and as good as unknown. */
-static const double SIGN_KNOWN = 4.0;
+/* In deviations of a phase's noise: a sign is as good as unknown up to here. */
 static const double SIGN_UNKNOWN = 2.5;
 
 /* What is in doubt of a vector: shares along the axis of the phase nearest to zero, and across it. */
@@ -68,7 +67,8 @@ static sign_doubt sign_doubt_of(const diagnose_rows *r, missing_phase missing, v
     sign_doubt doubt = {.along = 0.0};
     for (int x = 0; x < 3 && r->noise_A > 0.0; x++) {
         const double at = fabs(vec_phase(i, x)) / rows_phase_noise(r->noise_A, missing, x);
-        const double rest = fmin(1.0, fmax(0.0, (SIGN_KNOWN - at) / (SIGN_KNOWN - SIGN_UNKNOWN)));
+        const double rest =
+            fmin(1.0, fmax(0.0, (OBSERVER_SIGN_KNOWN - at) / (OBSERVER_SIGN_KNOWN - SIGN_UNKNOWN)));
         const double share = rest * rest * (3.0 - 2.0 * rest);
         if (share > doubt.along) {
             doubt = (sign_doubt){.axis = vec_phase_axis[x], .along = share, .across = doubt.along};

@@ -21,8 +21,10 @@
 #include "rows.h"
 
 enum {
-    OBSERVER_START = 3,  /* first rows after a start, without innovation: they rest on one or two samples */
-    OBSERVER_OUTPUTS = 3 /* alpha, beta, and the mean of three sensors */
+    OBSERVER_START = 3,   /* first rows after a start, without innovation: they rest on one or two samples */
+    OBSERVER_OUTPUTS = 3, /* alpha, beta, and the mean of three sensors */
+    OBSERVER_SIGN_KNOWN =
+        4 /* in deviations of a phase's noise: a current's sign is as good as known from there on */
 };
 
 /*

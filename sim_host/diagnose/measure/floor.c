@@ -84,9 +84,6 @@ static error_sums sum_errors(const diagnose_rows *r, const averaged_drive *drive
     return sums;
 }
 
-/* In deviations of the noise. */
-static const double HIDES_KNEE = 4.0;
-
 /*
  * A compensation uses the sign of the current at the cycle's start. If noise of that variance changes the sign of the
  * recorded current, a perfect model errs by twice the compensation: the mean square over the rows.
@@ -106,9 +103,9 @@ static double by_wrong_signs(const diagnose_rows *r, const averaged_drive *drive
             sum += wrong * (1.0 - wrong);
         }
     }
-    /* Of a soft switch more currents are in doubt, but each errs by less. A knee that noise hides may be none. */
+    /* Of a soft switch more currents are in doubt, but each errs by less. A knee where no sign is known may be none. */
     const double per_noise = drive->compensation_knee_A / sqrt(variance);
-    const double whole = per_noise > HIDES_KNEE ? 1.0 / per_noise : 1.0;
+    const double whole = per_noise > OBSERVER_SIGN_KNOWN ? 1.0 / per_noise : 1.0;
     return whole * jump_A * jump_A * sum / (double)r->rows;
 }
 
